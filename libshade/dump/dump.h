@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The dump: one primary hit per pixel of a rendered picture, as a float32
+ * OpenEXR, so that an independent program can check what a back end shaded.
+ * Channels: CONVENTIONS.md. Shared by both back ends (writer) and by `shade check`
+ * (reader). OpenEXRCore is reached through a table of functions, so that a
+ * plug-in can load its own copy of it.
+ */
+#ifndef SHADE_DUMP_H
+#define SHADE_DUMP_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum shade_dump_channel {                           /* planes of the hit */
+                          SHADE_DUMP_P,             /* 3 planes: position, world */
+                          SHADE_DUMP_N = 3,         /* interpolated normal facing V, unit */
+                          SHADE_DUMP_T = 6,         /* tangent, unit, orthogonal to N */
+                          SHADE_DUMP_NS = 9,        /* perturbed normal, unit */
+                          SHADE_DUMP_V = 12,        /* to the eye, unit */
+                          SHADE_DUMP_UV = 15,       /* 2 planes */
+                          SHADE_DUMP_MATERIAL = 17, /* material.ID; -1 is a miss */
+                          SHADE_DUMP_COLOR = 18,    /* reflectance used as f0, RGB */
+                          SHADE_DUMP_BASE = 21      /* planes before the lights' */
+};
+enum shade_dump_light_channel {               /* planes of each light */
+                                SHADE_DUMP_L, /* to the light, unit */
+                                SHADE_DUMP_E =
+                                    3, /* irradiance at normal incidence, after shadowing, RGB */
+                                SHADE_DUMP_S =
+                                    6, /* what the back end shaded: f * cosine * E, RGB */
+                                SHADE_DUMP_PER_LIGHT = 9
+};
+
+typedef struct shade_dump {
+  int width, height, lights;
+  char *json;  /* header attribute `libshade`; owned */
+  float *data; /* (SHADE_DUMP_BASE + 9 lights) planes of width*height, row by row from the top */
+} shade_dump;
+
+/* Allocate with material.ID = -1 and 0 elsewhere. Returns NULL when out of memory. */
+shade_dump *shade_dump_create(int width, int height, int lights);
+void shade_dump_free(shade_dump *d); /* NULL is fine */
+
+/* Plane of a channel (add 0..2 to the channel for its components). */
+float *shade_dump_plane(const shade_dump *d, int channel);
+float *shade_dump_light_plane(const shade_dump *d, int light, int channel);
+
+/* Replace the JSON text (copied). Returns 0, or -1 when out of memory. */
+int shade_dump_set_json(shade_dump *d, const char *json);
+
+/* OpenEXRCore, linked or loaded. shade_exr_api_linked is in dump_linked.c. */
+struct shade_exr_api;
+const struct shade_exr_api *shade_exr_api_linked(void);
+/* Fill *api (allocated with malloc) through a dlsym-like function; NULL and a message on failure.
+ */
+struct shade_exr_api *shade_exr_api_load(void *(*symbol)(void *context, const char *name),
+                                         void *context, char *error, size_t error_size);
+
+/*
+ * Write or read a dump. The file appears whole or not at all (temporary file,
+ * then rename). 0 on success; -1 and a message naming the file otherwise.
+ */
+int shade_dump_write(const struct shade_exr_api *api, const char *path, const shade_dump *d,
+                     char *error, size_t error_size);
+shade_dump *shade_dump_read(const struct shade_exr_api *api, const char *path, char *error,
+                            size_t error_size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

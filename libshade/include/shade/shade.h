@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * libshade: anisotropic shading whose microfacet distribution follows the
+ * perturbed normal.
+ *
+ * Frame. All directions are in the local frame of the shaded point:
+ * x = tangent, z = unperturbed shading normal, y = z x x (right-handed).
+ * wi points to the light, wo to the eye, both away from the surface. n is the
+ * perturbed normal in that frame. Directions should be unit length; a relative
+ * error of a few float roundings is harmless.
+ *
+ * Threads. Every function here is reentrant and free of global state; a
+ * shade_bsdf may be shared by any number of threads once it is set up.
+ * Nothing here allocates.
+ *
+ * Names ending in f take and return float, the others double.
+ */
+#ifndef SHADE_SHADE_H
+#define SHADE_SHADE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shade/table.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define SHADE_API __attribute__((visibility("default")))
+#else
+#define SHADE_API
+#endif
+
+#define SHADE_VERSION "0.1.0"
+
+#define SHADE_ENUM_ROW_(prefix, NAME, value) prefix##NAME = value,
+#define SHADE_MDF_ROW_(NAME, word, value, label, help) SHADE_ENUM_ROW_(SHADE_MDF_, NAME, value)
+#define SHADE_BRDF_ROW_(NAME, word, value, label, help) SHADE_ENUM_ROW_(SHADE_BRDF_, NAME, value)
+#define SHADE_DETAIL_ROW_(NAME, word, value, label, help)                                          \
+  SHADE_ENUM_ROW_(SHADE_DETAIL_, NAME, value)
+#define SHADE_GROOVE_ROW_(NAME, word, value, label, help)                                          \
+  SHADE_ENUM_ROW_(SHADE_GROOVE_, NAME, value)
+#define SHADE_FRESNEL_ROW_(NAME, word, value, label, help)                                         \
+  SHADE_ENUM_ROW_(SHADE_FRESNEL_, NAME, value)
+
+typedef enum shade_mdf { SHADE_TABLE_MDF(SHADE_MDF_ROW_) SHADE_MDF_COUNT } shade_mdf;
+typedef enum shade_brdf { SHADE_TABLE_BRDF(SHADE_BRDF_ROW_) SHADE_BRDF_COUNT } shade_brdf;
+typedef enum shade_detail { SHADE_TABLE_DETAIL(SHADE_DETAIL_ROW_) SHADE_DETAIL_COUNT } shade_detail;
+typedef enum shade_groove { SHADE_TABLE_GROOVE(SHADE_GROOVE_ROW_) SHADE_GROOVE_COUNT } shade_groove;
+typedef enum shade_fresnel {
+  SHADE_TABLE_FRESNEL(SHADE_FRESNEL_ROW_) SHADE_FRESNEL_COUNT
+} shade_fresnel;
+
+/* The choice lists of the table, for look-up by name. */
+typedef enum shade_list {
+  SHADE_LIST_MDF,
+  SHADE_LIST_BRDF,
+  SHADE_LIST_DETAIL,
+  SHADE_LIST_GROOVE,
+  SHADE_LIST_FRESNEL,
+  SHADE_LIST_COUNT
+} shade_list;
+
+/* Status bits. 0 means that nothing had to be mended. */
+enum {
+  SHADE_OK = 0,
+  SHADE_CLAMPED_PARAMETER = 1, /* a parameter was outside its range and was clamped */
+  SHADE_CLAMPED_NORMAL = 2,    /* n.z <= 0: n.z set to 1e-4 and n renormalised */
+  SHADE_BAD_INPUT = 4,         /* non-finite input or wi = -wo: the result is 0 */
+  SHADE_BAD_CHOICE = 8         /* an enum value outside its list: the first row is used */
+};
+
+/*
+ * A material as its author states it. Fill it with shade_params_init, change
+ * what is needed, then hand it to shade_bsdf_setup.
+ */
+typedef struct shade_params {
+  size_t size; /* sizeof(shade_params), set by shade_params_init */
+  shade_mdf mdf;
+  shade_brdf brdf;
+  shade_detail detail;
+  shade_groove groove;
+  shade_fresnel fresnel;
+  double ex, ey; /* exponents, [0, 1e6] */
+  double ax, ay; /* roughness alpha, [1e-4, 10] */
+  double f0[3];  /* reflectance at normal incidence, linear RGB, [0, 1] */
+} shade_params;
+
+/*
+ * A material made ready for evaluation. Its members are private: they may
+ * change with any release.
+ */
+typedef struct shade_bsdf {
+  shade_mdf mdf;
+  shade_brdf brdf;
+  shade_detail detail;
+  shade_fresnel fresnel;
+  int swap_axes;       /* grooves along y: x and y trade places inside */
+  double ex, ey, peak; /* after the swap; peak = sqrt((ex+1)(ey+1))/(2 pi) */
+  double f0[3];
+  float exf, eyf, peakf;
+  float f0f[3];
+} shade_bsdf;
+
+/* Set every member of *p to the table's default. */
+SHADE_API void shade_params_init(shade_params *p);
+
+/*
+ * Set the exponents and the matching alphas (e = 2/alpha^2 - 2; alpha is
+ * clamped to [1e-4, 10]). Returns status bits.
+ */
+SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double ey);
+
+/* Set the alphas and the matching exponents, e = max(0, 2/alpha^2 - 2). */
+SHADE_API unsigned shade_params_set_alphas(shade_params *p, double ax, double ay);
+
+/*
+ * Prepare *p for evaluation. Out-of-range numbers are clamped
+ * (SHADE_CLAMPED_PARAMETER; NaN becomes the default), unknown enum values become
+ * the first of their list (SHADE_BAD_CHOICE). *b is always usable afterwards.
+ */
+SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
+
+/*
+ * D'(h), the distribution carried by the perturbed normal, in 1/sr.
+ * n, h: unit, local frame. Ashikhmin-Shirley's D integrates to 1 over the
+ * hemisphere without a cosine. Status bits are or-ed into *status if it is
+ * not NULL. [AshikhminShirley 2000 Eq. 4; method: KangCho Eq. 7 and 10]
+ */
+SHADE_API double shade_mdf_eval(const shade_bsdf *b, const double n[3], const double h[3],
+                                unsigned *status);
+SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const float h[3],
+                                unsigned *status);
+
+/*
+ * The BRDF f(wi, wo), RGB, in 1/sr, without the cosine, and that cosine
+ * (n.wi, or wi.z for SHADE_DETAIL_NONE; at least 0) in *cosine if it is not NULL.
+ * A picture is f * cosine * irradiance. f is 0 where n.wi, n.wo, wi.z or wo.z
+ * is <= 0. Returns status bits.
+ */
+SHADE_API unsigned shade_bsdf_eval(const shade_bsdf *b, const double n[3], const double wi[3],
+                                   const double wo[3], double f[3], double *cosine);
+SHADE_API unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const float wi[3],
+                                    const float wo[3], float f[3], float *cosine);
+
+/* Inputs of a batch: one array per component, `count` long each. */
+typedef struct shade_lanes {
+  const double *nx, *ny, *nz;    /* perturbed normal */
+  const double *wix, *wiy, *wiz; /* to the light */
+  const double *wox, *woy, *woz; /* to the eye */
+  const double *f0r, *f0g, *f0b; /* reflectance per sample, or NULL for the material's own */
+} shade_lanes;
+typedef struct shade_lanesf {
+  const float *nx, *ny, *nz;
+  const float *wix, *wiy, *wiz;
+  const float *wox, *woy, *woz;
+  const float *f0r, *f0g, *f0b;
+} shade_lanesf;
+
+/* Outputs of a batch. Must not overlap the inputs. r, g, b and cosine are required. */
+typedef struct shade_result {
+  double *r, *g, *b; /* f, in 1/sr */
+  double *cosine;
+} shade_result;
+typedef struct shade_resultf {
+  float *r, *g, *b;
+  float *cosine;
+} shade_resultf;
+
+/*
+ * shade_bsdf_eval over arrays of any length and alignment. The widest
+ * instruction set of the CPU is used. Returns the or of all status bits.
+ */
+SHADE_API unsigned shade_bsdf_eval_batch(const shade_bsdf *b, size_t count, const shade_lanes *in,
+                                         const shade_result *out);
+SHADE_API unsigned shade_bsdf_eval_batchf(const shade_bsdf *b, size_t count, const shade_lanesf *in,
+                                          const shade_resultf *out);
+
+/* shade_mdf_eval over arrays: out[i] = D'(h[i]) about n[i]. Returns status bits. */
+SHADE_API unsigned shade_mdf_eval_batch(const shade_bsdf *b, size_t count, const double *nx,
+                                        const double *ny, const double *nz, const double *hx,
+                                        const double *hy, const double *hz, double *out);
+SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, const float *nx,
+                                         const float *ny, const float *nz, const float *hx,
+                                         const float *hy, const float *hz, float *out);
+
+/* The instruction set in use: "avx512", "avx2", "sse2" or "scalar". */
+SHADE_API const char *shade_isa(void);
+
+/*
+ * Names. `word` is read with - and _ alike and without regard to case.
+ * shade_list_find returns the value, or -1; shade_list_word the word (underscore
+ * spelling) of a value, or NULL. shade_list_row steps through a list: row 0, 1, …
+ * returns 1 and fills what is not NULL, 0 past the end.
+ */
+SHADE_API int shade_list_find(shade_list list, const char *word);
+SHADE_API const char *shade_list_word(shade_list list, int value);
+SHADE_API int shade_list_row(shade_list list, int row, int *value, const char **word,
+                             const char **label, const char **help);
+SHADE_API const char *shade_list_name(shade_list list); /* "mdf", "brdf", "detail", … */
+
+/* One numeric parameter of the table; returns 0 past the end. components is 1 or 3. */
+typedef struct shade_param_info {
+  const char *word, *unit, *help;
+  int components;
+  double minimum, maximum, initial;
+} shade_param_info;
+SHADE_API int shade_param_row(int row, shade_param_info *info);
+
+/*
+ * One material as a JSON object, for the header of a dump:
+ * {"id": 0, "name": "…", "mdf": "ashikhmin_shirley", …, "f0": [1, 1, 1]}.
+ * Writes at most `capacity` bytes with the closing 0 and returns the length
+ * that was needed, as snprintf does. `name` may be NULL.
+ */
+SHADE_API int shade_params_json(const shade_params *p, int id, const char *name, char *buffer,
+                                size_t capacity);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
