@@ -3,8 +3,8 @@
  * The one table of names. C enums, the `shade` command line, Blender's enum
  * items (upper case) and POV-Ray's words (lower case) are all made from it.
  *
- * Choice rows:    X(ENUM_NAME, word, value, "label", "one line of help")
- * Parameter rows: X(word, kind, unit, minimum, maximum, default, "help")
+ * Choice rows:    ROW(ENUM_NAME, word, value, "label", "one line of help")
+ * Parameter rows: ROW(word, kind, unit, minimum, maximum, default, "help")
  *   kind is REAL (one number) or COLOUR (three numbers, linear RGB).
  *
  * Values are part of the binary interface: never renumber, only append.
@@ -13,42 +13,42 @@
 #define SHADE_TABLE_H
 
 /* Microfacet distributions D(h), in 1/sr. */
-#define SHADE_TABLE_MDF(X)                                                                         \
-  X(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 0, "Ashikhmin-Shirley",                                  \
-    "Anisotropic Phong-like lobe set by two exponents")
+#define SHADE_TABLE_MDF(ROW)                                                                       \
+  ROW(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 0, "Ashikhmin-Shirley",                                \
+      "Anisotropic Phong-like lobe set by two exponents")
 
 /* How D, Fresnel and the cosines make a BRDF. */
-#define SHADE_TABLE_BRDF(X)                                                                        \
-  X(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 0, "Ashikhmin-Shirley",                                  \
-    "Specular term of Ashikhmin and Shirley 2000")
+#define SHADE_TABLE_BRDF(ROW)                                                                      \
+  ROW(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 0, "Ashikhmin-Shirley",                                \
+      "Specular term of Ashikhmin and Shirley 2000")
 
 /* How the perturbed normal moves the distribution. */
-#define SHADE_TABLE_DETAIL(X)                                                                      \
-  X(NONE, none, 0, "None", "Ignore the perturbed normal")                                          \
-  X(PERTURB, perturb, 1, "Perturb",                                                                \
-    "Plain normal mapping: only the dot product with the normal changes")                          \
-  X(GRAM_SCHMIDT, gram_schmidt, 2, "Gram-Schmidt",                                                 \
-    "Frame from the tangent made orthogonal to the perturbed normal, as most renderers do")        \
-  X(ROTATE, rotate, 3, "Rotate",                                                                   \
-    "Carry the grooves with the bumped surface: exact for a displaced surface")
+#define SHADE_TABLE_DETAIL(ROW)                                                                    \
+  ROW(NONE, none, 0, "None", "Ignore the perturbed normal")                                        \
+  ROW(PERTURB, perturb, 1, "Perturb",                                                              \
+      "Plain normal mapping: only the dot product with the normal changes")                        \
+  ROW(GRAM_SCHMIDT, gram_schmidt, 2, "Gram-Schmidt",                                               \
+      "Frame from the tangent made orthogonal to the perturbed normal, as most renderers do")      \
+  ROW(ROTATE, rotate, 3, "Rotate",                                                                 \
+      "Carry the grooves with the bumped surface: exact for a displaced surface")
 
 /* Which axis the grooves (brush strokes) run along. */
-#define SHADE_TABLE_GROOVE(X)                                                                      \
-  X(AUTO, auto, 0, "Auto", "The lobe's narrow axis; x on a tie")                                   \
-  X(X, x, 1, "X", "Grooves along the tangent")                                                     \
-  X(Y, y, 2, "Y", "Grooves across the tangent")
+#define SHADE_TABLE_GROOVE(ROW)                                                                    \
+  ROW(AUTO, auto, 0, "Auto", "The lobe's narrow axis; x on a tie")                                 \
+  ROW(X, x, 1, "X", "Grooves along the tangent")                                                   \
+  ROW(Y, y, 2, "Y", "Grooves across the tangent")
 
 /* Reflectance against angle. */
-#define SHADE_TABLE_FRESNEL(X)                                                                     \
-  X(NONE, none, 0, "None", "The colour at every angle")                                            \
-  X(SCHLICK, schlick, 1, "Schlick", "The colour at normal incidence, white at grazing angles")
+#define SHADE_TABLE_FRESNEL(ROW)                                                                   \
+  ROW(NONE, none, 0, "None", "The colour at every angle")                                          \
+  ROW(SCHLICK, schlick, 1, "Schlick", "The colour at normal incidence, white at grazing angles")
 
 /* Parameters of a material. */
-#define SHADE_TABLE_PARAMS(X)                                                                      \
-  X(ex, REAL, "", 0.0, 1e6, 200.0, "Exponent along the tangent; larger is narrower")               \
-  X(ey, REAL, "", 0.0, 1e6, 10.0, "Exponent across the tangent; larger is narrower")               \
-  X(ax, REAL, "", 1e-4, 10.0, 0.099503719, "Roughness alpha along the tangent")                    \
-  X(ay, REAL, "", 1e-4, 10.0, 0.40824829, "Roughness alpha across the tangent")                    \
-  X(f0, COLOUR, "", 0.0, 1.0, 1.0, "Reflectance at normal incidence, linear RGB")
+#define SHADE_TABLE_PARAMS(ROW)                                                                    \
+  ROW(ex, REAL, "", 0.0, 1e6, 200.0, "Exponent along the tangent; larger is narrower")             \
+  ROW(ey, REAL, "", 0.0, 1e6, 10.0, "Exponent across the tangent; larger is narrower")             \
+  ROW(ax, REAL, "", 1e-4, 10.0, 0.099503719, "Roughness alpha along the tangent")                  \
+  ROW(ay, REAL, "", 1e-4, 10.0, 0.40824829, "Roughness alpha across the tangent")                  \
+  ROW(f0, COLOUR, "", 0.0, 1.0, 1.0, "Reflectance at normal incidence, linear RGB")
 
 #endif
