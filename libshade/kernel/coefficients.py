@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Make kernel/coefficients.h: polynomials for elementary.h, with their errors.
+
+    python3 libshade/kernel/coefficients.py > libshade/kernel/coefficients.h
+
+Each polynomial interpolates its function at Chebyshev nodes in 60-digit
+arithmetic, which is within a factor of about two of the best polynomial of
+that degree. The error printed beside it is measured after rounding the
+coefficients to their type.
+"""
+import struct
+from decimal import Decimal, getcontext
+from math import cos, pi
+
+getcontext().prec = 60
+LN2 = Decimal(2).ln()
+
+
+def interpolate(function, low, high, terms):
+    """Monomial coefficients of the polynomial through `terms` Chebyshev nodes."""
+    nodes = [
+        (low + high) / 2 + (high - low) / 2 * Decimal(cos(pi * (2 * i + 1) / (2 * terms)))
+        for i in range(terms)
+    ]
+    newton = [function(x) for x in nodes]
+    for level in range(1, terms):
+        for i in range(terms - 1, level - 1, -1):
+            newton[i] = (newton[i] - newton[i - 1]) / (nodes[i] - nodes[i - level])
+    coefficients = [Decimal(0)] * terms
+    for i in range(terms - 1, -1, -1):
+        shifted = [Decimal(0)] + coefficients[:-1]
+        coefficients = [s - nodes[i] * c for s, c in zip(shifted, coefficients)]
+        coefficients[0] += newton[i]
+    return coefficients
+
+
+def rounded(value, single):
+    number = float(value)
+    return struct.unpack("f", struct.pack("f", number))[0] if single else number
+
+
+def evaluate(coefficients, x):
+    total = Decimal(0)
+    for c in reversed(coefficients):
+        total = total * x + c
+    return total
+
+
+def atanh_rest(z):
+    """(log((1+s)/(1-s)) - 2s) / s^3 at z = s^2."""
+    if z == 0:
+        return Decimal(2) / 3
+    s = z.sqrt()
+    return (((1 + s) / (1 - s)).ln() - 2 * s) / (s * z)
+
+
+def exp_rest(r):
+    """(exp(r) - 1 - r) / r^2."""
+    if r == 0:
+        return Decimal(1) / 2
+    return (r.exp() - 1 - r) / (r * r)
+
+
+def worst(error, low, high, steps=2000):
+    return max(abs(error(low + (high - low) * i / steps)) for i in range(steps + 1))
+
+
+def emit(name, function, low, high, terms, single, relative, note):
+    coefficients = [rounded(c, single) for c in interpolate(function, low, high, terms)]
+    exact = [Decimal(c) for c in coefficients]
+    bound = worst(lambda x: relative(x, evaluate(exact, x)), low, high)
+    suffix = "f" if single else ""
+    digits = 9 if single else 17
+    horner = ""
+    for c in reversed(coefficients):
+        value = f"{c:.{digits}g}{suffix}"
+        horner = f"({value} + (z) * {horner})" if horner else value
+    print(f"/* {note}: relative error {float(bound):.1e} */")
+    print(f"#define {name}(z) {horner}\n")
+
+
+def split_ln2(single):
+    """ln 2 as high + low, where high times a small whole number is exact."""
+    keep = 2 ** (12 if single else 34)
+    high = Decimal(int(LN2 * keep)) / keep
+    return float(high), rounded(LN2 - high, single)
+
+
+print("/* SPDX-License-Identifier: Apache-2.0 */")
+print("/* Made by coefficients.py; do not edit. */")
+print("#ifndef SHADE_COEFFICIENTS_H\n#define SHADE_COEFFICIENTS_H\n")
+# s = f/(2+f), 1+f in [sqrt(1/2), sqrt(2)]: |s| <= 3 - 2 sqrt(2)
+LIMIT = (3 - 2 * Decimal(2).sqrt()) ** 2
+HALF = LN2 / 2 * Decimal("1.001")
+for single, tag, log_terms, exp_terms in ((True, "F", 3, 5), (False, "D", 8, 12)):
+
+    def log_error(z, p):
+        return (p - atanh_rest(z)) * z / (2 + atanh_rest(z) * z)
+
+    def exp_error(r, p):
+        return (p - exp_rest(r)) * r * r / r.exp()
+
+    emit(f"SHADE_LOG_{tag}", atanh_rest, Decimal(0), LIMIT, log_terms, single, log_error,
+         "log((1+s)/(1-s)) = 2s + s^3 P(s^2)")
+    emit(f"SHADE_EXP_{tag}", exp_rest, -HALF, HALF, exp_terms, single, exp_error,
+         "exp(r) = 1 + r + r^2 P(r)")
+    high, low = split_ln2(single)
+    suffix = "f" if single else ""
+    digits = 9 if single else 17
+    print(f"#define SHADE_LN2_HIGH_{tag} {high:.{digits}g}{suffix}")
+    print(f"#define SHADE_LN2_LOW_{tag} {low:.{digits}g}{suffix}")
+    print(f"#define SHADE_LOG2E_{tag} {rounded(1 / LN2, single):.{digits}g}{suffix}\n")
+print("#endif")

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Elementary functions without a call, a branch or a table, so that loops over
+ * them vectorise. Errors are held by test/test_elementary.c.
+ */
+
+static inline real_bits FN(to_bits)(real x) {
+  real_bits u;
+  memcpy(&u, &x, sizeof u);
+  return u;
+}
+
+static inline real FN(from_bits)(real_bits u) {
+  real x;
+  memcpy(&x, &u, sizeof x);
+  return x;
+}
+
+/*
+ * log(1 + t) for 0 <= t <= 4e37 (float) or 4e300 (double).
+ * Worst relative error: 1.8e-7 near t = 0.42 (float), 3.4e-16 (double).
+ */
+static inline real FN(log1p_positive)(real t) {
+  real u = 1 + t;
+#if SHADE_FLOAT
+  /* k so that u / 2^k lies between sqrt(1/2) and sqrt(2) */
+  real_bits k = (FN(to_bits)(u) - 0x3f3504f3u) >> 23;
+  real kf = (real)(int32_t)k;
+  real scale = FN(from_bits)((127u - k) << 23);
+#else
+  real_bits k = (FN(to_bits)(u) - 0x3fe6a09e667f3bcdu) >> 52;
+  /* SSE2 and AVX2 cannot convert a 64-bit integer: plant it in the mantissa of 2^52 */
+  real kf = FN(from_bits)(k | 0x4330000000000000u) - 4503599627370496.0;
+  real scale = FN(from_bits)((1023u - k) << 52);
+#endif
+  /* t - (u - 1) is what the rounding of 1 + t lost */
+  real f = (u * scale - 1) + (t - (u - 1)) * scale;
+  real s = f / (2 + f);
+  real z = s * s;
+#if SHADE_FLOAT
+  real rest = s * z * SHADE_LOG_F(z);
+  return kf * SHADE_LN2_HIGH_F + (2 * s + (rest + kf * SHADE_LN2_LOW_F));
+#else
+  real rest = s * z * SHADE_LOG_D(z);
+  return kf * SHADE_LN2_HIGH_D + (2 * s + (rest + kf * SHADE_LN2_LOW_D));
+#endif
+}
+
+/*
+ * exp(-a) for a >= 0; 0 for a > 86 (float) or 700 (double), where the result is below
+ * 5e-38 or 1e-304. Worst relative error: 1.2e-7 (float), 2.3e-16 (double).
+ */
+static inline real FN(exp_negative)(real a) {
+#if SHADE_FLOAT
+  const real limit = 86;
+  const real magic = 12582912; /* 1.5 * 2^23: adding it rounds to a whole number */
+  real y = a < limit ? a : limit;
+  real shifted = magic - y * SHADE_LOG2E_F;
+  real k = shifted - magic;
+  real r = (-y - k * SHADE_LN2_HIGH_F) - k * SHADE_LN2_LOW_F;
+  real p = 1 + (r + r * r * SHADE_EXP_F(r));
+  real value = FN(from_bits)(FN(to_bits)(p) + (FN(to_bits)(shifted) << 23));
+#else
+  const real limit = 700;
+  const real magic = 6755399441055744.0; /* 1.5 * 2^52 */
+  real y = a < limit ? a : limit;
+  real shifted = magic - y * SHADE_LOG2E_D;
+  real k = shifted - magic;
+  real r = (-y - k * SHADE_LN2_HIGH_D) - k * SHADE_LN2_LOW_D;
+  real p = 1 + (r + r * r * SHADE_EXP_D(r));
+  real value = FN(from_bits)(FN(to_bits)(p) + (FN(to_bits)(shifted) << 52));
+#endif
+  return a <= limit ? value : 0;
+}
+
+static inline real FN(maximum)(real a, real b) {
+  return a > b ? a : b;
+}
+static inline real FN(minimum)(real a, real b) {
+  return a < b ? a : b;
+}
+
+static inline real FN(root)(real x) {
+#if SHADE_FLOAT
+  return sqrtf(x);
+#else
+  return sqrt(x);
+#endif
+}

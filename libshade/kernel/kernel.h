@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One precision of one instruction set: included twice by each src/isa_*.c, with
+ * SHADE_FLOAT 1 and 0. Leaves shade one sample, passes run leaves over a block of
+ * BLOCK samples in scratch on the stack, and the entries below run the passes.
+ */
+#include "real.h"
+
+#include "elementary.h"
+#include "leaf_detail.h"
+#include "leaf_distribution.h"
+#include "leaf_brdf.h"
+#include "leaf_repair.h"
+#include "pass_repair.h"
+#include "pass_detail.h"
+#include "pass_distribution.h"
+#include "pass_brdf.h"
+
+static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
+                                     const real *ny, const real *nz, const real *hx, const real *hy,
+                                     const real *hz, real *out) {
+  real t[BLOCK], xx[BLOCK], yy[BLOCK], d[BLOCK];
+  FN(mended) room;
+  unsigned status = SHADE_OK;
+  for (size_t start = 0; start < count; start += BLOCK) {
+    size_t size = count - start < BLOCK ? count - start : BLOCK;
+    const real *v[2][3] = {{nx + start, ny + start, nz + start},
+                           {hx + start, hy + start, hz + start}};
+    unsigned block = FN(mend_block)(size, 2, v, &room);
+    FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy);
+    FN(pass_distribution)(b, size, t, xx, yy, d);
+    for (size_t i = 0; i < size; i++)
+      out[start + i] = d[i];
+    if (block & SHADE_BAD_INPUT)
+      for (size_t i = 0; i < size; i++)
+        if (room.void_lane[i])
+          out[start + i] = 0;
+    status |= block;
+  }
+  return status;
+}
+
+static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
+                                      const FN(shade_result) * out) {
+  real hx[BLOCK], hy[BLOCK], hz[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
+  real d[BLOCK], coso[BLOCK], white[BLOCK];
+  FN(mended) room;
+  const real grazing = b->fresnel == SHADE_FRESNEL_SCHLICK ? 1 : 0;
+  const real *f0[3] = {in->f0r, in->f0g, in->f0b};
+  real *rgb[3] = {out->r, out->g, out->b};
+  unsigned status = SHADE_OK;
+  for (size_t start = 0; start < count; start += BLOCK) {
+    size_t size = count - start < BLOCK ? count - start : BLOCK;
+    const real *v[3][3] = {{in->nx + start, in->ny + start, in->nz + start},
+                           {in->wix + start, in->wiy + start, in->wiz + start},
+                           {in->wox + start, in->woy + start, in->woz + start}};
+    real *cosi = out->cosine + start;
+    unsigned block = FN(mend_block)(size, 3, v, &room);
+    FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz);
+    FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy);
+    FN(pass_distribution)(b, size, t, xx, yy, d);
+    if (b->detail == SHADE_DETAIL_NONE)
+      FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
+    else
+      FN(pass_cosines)
+      (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
+       coso);
+    FN(pass_brdf)(size, grazing, hx, hy, hz, cosi, coso, d, white);
+    if (block & SHADE_BAD_INPUT)
+      for (size_t i = 0; i < size; i++)
+        if (room.void_lane[i])
+          d[i] = cosi[i] = 0;
+    for (int c = 0; c < 3; c++)
+      if (f0[c])
+        FN(pass_fresnel_textured)(size, f0[c] + start, d, white, rgb[c] + start);
+      else
+        FN(pass_fresnel)(size, b->FN(f0)[c], d, white, rgb[c] + start);
+    status |= block;
+  }
+  return status;
+}
+
+/* One sample, from the same leaves. Both return status bits. */
+static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const real h_in[3],
+                               real *d) {
+  real n[3] = {n_in[0], n_in[1], n_in[2]};
+  real h[3] = {h_in[0], h_in[1], h_in[2]};
+  unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
+  *d = 0;
+  if (!(status & SHADE_BAD_INPUT))
+    *d = FN(distribution)(b, FN(detail)(b, n, h[0], h[1], h[2]));
+  return status;
+}
+
+static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const real wi_in[3],
+                                const real wo_in[3], real f[3], real *cosine) {
+  real n[3] = {n_in[0], n_in[1], n_in[2]};
+  real wi[3] = {wi_in[0], wi_in[1], wi_in[2]};
+  real wo[3] = {wo_in[0], wo_in[1], wo_in[2]};
+  unsigned status =
+      FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(wi, 0) | FN(mend_if_needed)(wo, 0);
+  f[0] = f[1] = f[2] = 0;
+  *cosine = 0;
+  if (status & SHADE_BAD_INPUT)
+    return status;
+  if (b->detail == SHADE_DETAIL_NONE) {
+    n[0] = n[1] = 0;
+    n[2] = 1;
+  }
+  real cosi = n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2];
+  real coso = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2];
+  *cosine = cosi > 0 ? cosi : 0;
+  if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
+    return status;
+  real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
+  real hwo = FN(half_cosine)(hx, hy, hz);
+  real d = FN(distribution)(b, FN(detail)(b, n, hx, hy, hz));
+  real value = FN(brdf_ashikhmin_shirley)(d, hwo, cosi, coso);
+  real white = b->fresnel == SHADE_FRESNEL_SCHLICK ? FN(schlick_weight)(hwo) : 0;
+  for (int c = 0; c < 3; c++)
+    f[c] = value * (b->FN(f0)[c] + (1 - b->FN(f0)[c]) * white);
+  return status;
+}

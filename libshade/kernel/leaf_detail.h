@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Where the half vector lies in the carried distribution. Each leaf turns
+ * (n, h) into what every distribution needs:
+ *   t       tan^2 of the angle between h and the carried pole; -1 when h is
+ *           on or below its horizon, where D' = 0
+ *   xx, yy  squares of the azimuth's components, to any common scale; both 0
+ *           when h is the pole
+ * h need not be unit: only its direction counts. The tangents come from cross
+ * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (method 2.8).
+ */
+typedef struct FN(lobe_point) {
+  real t, xx, yy;
+} FN(lobe_point);
+
+/* The perturbed normal is ignored. */
+static inline FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
+  FN(lobe_point) p;
+  p.xx = hx * hx;
+  p.yy = hy * hy;
+  real t = (p.xx + p.yy) / FN(maximum)(hz * hz, TINY);
+  p.t = hz > 0 ? t : -1;
+  return p;
+}
+
+/*
+ * Plain normal mapping: the polar angle from n, the azimuth from the unperturbed
+ * frame. Over the unperturbed pole the azimuth is undefined and xx = yy stands
+ * for cos^2 = 1/2.
+ */
+static inline FN(lobe_point)
+    FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(lobe_point) p;
+  real cx = ny * hz - nz * hy;
+  real cy = nz * hx - nx * hz;
+  real cz = nx * hy - ny * hx;
+  real d = nx * hx + ny * hy + nz * hz;
+  real t = (cx * cx + cy * cy + cz * cz) / FN(maximum)(d * d, TINY);
+  p.xx = hx * hx;
+  p.yy = hy * hy;
+  p.t = d > 0 ? t : -1;
+  return p;
+}
+
+/*
+ * Groove transport: the frame whose x' = (nz, 0, -nx)/L is dP/du of the height
+ * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: method 2.1]
+ * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
+ */
+static inline FN(lobe_point)
+    FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(lobe_point) p;
+  /* Near L = 0 the squares below would underflow; only the ratio nx : nz matters. */
+#if SHADE_FLOAT
+  const real small = 0x1p-40f, step = 0x1p40f;
+#else
+  const real small = 0x1p-300, step = 0x1p300;
+#endif
+  real size = FN(maximum)(nx < 0 ? -nx : nx, nz);
+  real scale = size < small ? step : 1;
+  scale = size * scale < small ? scale * step : scale;
+  real a = nx * scale, c = nz * scale;
+  real x = c * hx - a * hz;
+  real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);
+  real d = nx * hx + ny * hy + nz * hz;
+  p.xx = x * x;
+  p.yy = y * y;
+  real t = (p.xx + p.yy) / FN(maximum)((a * a + c * c) * (d * d), TINY);
+  p.t = d > 0 ? t : -1;
+  return p;
+}

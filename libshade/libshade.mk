@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+# libshade, the `shade` tool, their tests. Needs a C compiler and make, no more.
+L := libshade
+SHADE_WARN := -Wall -Wextra -Wconversion -Werror
+SHADE_CFLAGS := -O3 -std=c11 -g -fPIC -fno-math-errno -fno-trapping-math -ffp-contract=fast \
+  -fopenmp-simd $(SHADE_WARN) -I$(L)/include -I$(L)
+CFLAGS ?=
+CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
+
+ISA_scalar := -fno-tree-vectorize
+ISA_avx2 := -mavx2 -mfma -mtune=haswell
+ISA_avx512 := -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtune=icelake-server)
+ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
+
+O := $(B)/obj
+SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o
+REF_OBJ := $(O)/reference/reference.o
+DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
+TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/check.o $(O)/tool/json.o
+
+# `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
+EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)
+EXR_LIBS := $(shell printf '\043include <openexr.h>\nint main(void){return 0;}' | \
+  $(CC) $(EXR_CFLAGS) -xc - -o /dev/null -lOpenEXRCore-3_1 2>/dev/null && echo -lOpenEXRCore-3_1)
+ifneq ($(EXR_LIBS),)
+TOOL_EXR := -DHAVE_OPENEXR
+TOOL_OBJ += $(DUMP_OBJ)
+endif
+
+all: $(B)/libshade.a $(B)/shade
+
+$(O)/src/isa_%.o: $(L)/src/isa_%.c
+	@mkdir -p $(@D)
+	$(CC) $(SHADE_CFLAGS) $(ISA_$*) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
+$(O)/src/%.o: $(L)/src/%.c
+	@mkdir -p $(@D)
+	$(CC) $(SHADE_CFLAGS) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
+$(O)/dump/%.o: $(L)/dump/%.c
+	@mkdir -p $(@D)
+	$(CC) $(SHADE_CFLAGS) $(EXR_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
+$(O)/tool/%.o: $(L)/tool/%.c
+	@mkdir -p $(@D)
+	$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
+# the reference is plain C: no flags that would bend its arithmetic
+$(O)/reference/%.o: $(L)/reference/%.c
+	@mkdir -p $(@D)
+	$(CC) -O2 -std=c11 -g -fPIC -ffp-contract=off $(SHADE_WARN) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
+
+$(B)/libshade.a: $(SHADE_OBJ)
+	rm -f $@ && $(AR) rcs $@ $^
+$(B)/libshade_dump.a: $(DUMP_OBJ)
+	rm -f $@ && $(AR) rcs $@ $^
+$(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) -lm -o $@
+
+-include $(wildcard $(O)/*/*.d)

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The reference: every formula long-hand, with angles, normalised frames and
+ * long double, and nothing shared with kernel/ or src/. It is what they are
+ * checked against; nobody should render with it.
+ */
+#ifndef SHADE_REFERENCE_H
+#define SHADE_REFERENCE_H
+
+#include "shade/shade.h"
+
+/*
+ * D'(h) in 1/sr. n and h are normalised in long double first; n.z <= 0 becomes 1e-4
+ * and n is renormalised. Parameters are clamped to the table's ranges. 0 for
+ * non-finite or zero vectors.
+ */
+double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]);
+
+/* f and its cosine, by the contract of shade_bsdf_eval. */
+unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3],
+                     const double wo[3], double f[3], double *cosine);
+
+#endif

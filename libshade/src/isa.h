@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The entries of one instruction set. Each isa_*.c defines ISA, then includes
+ * isa_body.h; the flags it is compiled with make the difference.
+ */
+#ifndef SHADE_ISA_H
+#define SHADE_ISA_H
+
+#include "shade/shade.h"
+
+typedef struct shade_isa_table {
+  const char *name;
+  unsigned (*bsdf)(const shade_bsdf *, const double *, const double *, const double *, double *,
+                   double *);
+  unsigned (*bsdff)(const shade_bsdf *, const float *, const float *, const float *, float *,
+                    float *);
+  unsigned (*bsdf_batch)(const shade_bsdf *, size_t, const shade_lanes *, const shade_result *);
+  unsigned (*bsdf_batchf)(const shade_bsdf *, size_t, const shade_lanesf *, const shade_resultf *);
+  unsigned (*mdf)(const shade_bsdf *, const double *, const double *, double *);
+  unsigned (*mdff)(const shade_bsdf *, const float *, const float *, float *);
+  unsigned (*mdf_batch)(const shade_bsdf *, size_t, const double *, const double *, const double *,
+                        const double *, const double *, const double *, double *);
+  unsigned (*mdf_batchf)(const shade_bsdf *, size_t, const float *, const float *, const float *,
+                         const float *, const float *, const float *, float *);
+} shade_isa_table;
+
+extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;
+
+/* The widest table this CPU can run; rows 0, 1, … from the widest, NULL past the end. */
+const shade_isa_table *shade_isa_pick(int row);
+
+#endif

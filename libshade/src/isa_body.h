@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Body of an isa_*.c: the kernel in both precisions, and the table of its entries. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "isa.h"
+#include "../kernel/coefficients.h"
+
+#define BLOCK 256 /* samples a pass: its scratch stays in the first-level cache */
+
+#define SHADE_FLOAT 1
+#include "../kernel/kernel.h"
+#undef SHADE_FLOAT
+#define SHADE_FLOAT 0
+#include "../kernel/kernel.h"
+
+#define ISA_TABLE_(isa) shade_isa_##isa
+#define ISA_TABLE(isa) ISA_TABLE_(isa)
+#define ISA_NAME_(isa) #isa
+#define ISA_NAME(isa) ISA_NAME_(isa)
+
+const shade_isa_table ISA_TABLE(ISA) = {
+    ISA_NAME(ISA), kernel_bsdf, kernel_bsdff,     kernel_bsdf_batch, kernel_bsdf_batchf,
+    kernel_mdf,    kernel_mdff, kernel_mdf_batch, kernel_mdf_batchf,
+};

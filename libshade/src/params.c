@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Names, defaults, ranges and set-up, all from the table. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "shade/shade.h"
+
+#define PI 3.14159265358979323846
+
+typedef struct list_row {
+  int value;
+  const char *word, *label, *help;
+} list_row;
+
+#define LIST_ROW(NAME, word, value, label, help) {value, #word, label, help},
+static const list_row mdf_rows[] = {SHADE_TABLE_MDF(LIST_ROW)};
+static const list_row brdf_rows[] = {SHADE_TABLE_BRDF(LIST_ROW)};
+static const list_row detail_rows[] = {SHADE_TABLE_DETAIL(LIST_ROW)};
+static const list_row groove_rows[] = {SHADE_TABLE_GROOVE(LIST_ROW)};
+static const list_row fresnel_rows[] = {SHADE_TABLE_FRESNEL(LIST_ROW)};
+
+static const struct {
+  const char *name;
+  const list_row *rows;
+  int count;
+} lists[SHADE_LIST_COUNT] = {
+    [SHADE_LIST_MDF] = {"mdf", mdf_rows, SHADE_MDF_COUNT},
+    [SHADE_LIST_BRDF] = {"brdf", brdf_rows, SHADE_BRDF_COUNT},
+    [SHADE_LIST_DETAIL] = {"detail", detail_rows, SHADE_DETAIL_COUNT},
+    [SHADE_LIST_GROOVE] = {"groove", groove_rows, SHADE_GROOVE_COUNT},
+    [SHADE_LIST_FRESNEL] = {"fresnel", fresnel_rows, SHADE_FRESNEL_COUNT},
+};
+
+#define COMPONENTS_REAL 1
+#define COMPONENTS_COLOUR 3
+#define PARAM_ROW(word, kind, unit, low, high, initial, help)                                      \
+  {#word, unit, help, COMPONENTS_##kind, low, high, initial},
+static const shade_param_info params[] = {SHADE_TABLE_PARAMS(PARAM_ROW)};
+
+#define PARAM_INDEX(word, kind, unit, low, high, initial, help) PARAM_##word,
+enum { SHADE_TABLE_PARAMS(PARAM_INDEX) PARAM_COUNT };
+
+/* ASCII only, whatever the locale: '-' reads as '_', capitals as small letters. */
+static int same_letter(char a, char b) {
+  if (a >= 'A' && a <= 'Z')
+    a = (char)(a - 'A' + 'a');
+  if (a == '-')
+    a = '_';
+  return a == b;
+}
+
+int shade_list_find(shade_list list, const char *word) {
+  if (!word || (unsigned)list >= SHADE_LIST_COUNT)
+    return -1;
+  for (int i = 0; i < lists[list].count; i++) {
+    const char *own = lists[list].rows[i].word;
+    size_t k = 0;
+    while (own[k] && same_letter(word[k], own[k]))
+      k++;
+    if (!own[k] && !word[k])
+      return lists[list].rows[i].value;
+  }
+  return -1;
+}
+
+const char *shade_list_word(shade_list list, int value) {
+  if ((unsigned)list >= SHADE_LIST_COUNT)
+    return NULL;
+  for (int i = 0; i < lists[list].count; i++)
+    if (lists[list].rows[i].value == value)
+      return lists[list].rows[i].word;
+  return NULL;
+}
+
+int shade_list_row(shade_list list, int row, int *value, const char **word, const char **label,
+                   const char **help) {
+  if ((unsigned)list >= SHADE_LIST_COUNT || row < 0 || row >= lists[list].count)
+    return 0;
+  const list_row *r = &lists[list].rows[row];
+  if (value)
+    *value = r->value;
+  if (word)
+    *word = r->word;
+  if (label)
+    *label = r->label;
+  if (help)
+    *help = r->help;
+  return 1;
+}
+
+const char *shade_list_name(shade_list list) {
+  return (unsigned)list < SHADE_LIST_COUNT ? lists[list].name : NULL;
+}
+
+int shade_param_row(int row, shade_param_info *info) {
+  if (row < 0 || row >= PARAM_COUNT)
+    return 0;
+  *info = params[row];
+  return 1;
+}
+
+/* Clamp to the table's range; NaN becomes the default. */
+static double clamp(int index, double x, unsigned *status) {
+  const shade_param_info *p = &params[index];
+  double y = isnan(x) ? p->initial : fmin(fmax(x, p->minimum), p->maximum);
+  if (!(x == y))
+    *status |= SHADE_CLAMPED_PARAMETER;
+  return y;
+}
+
+void shade_params_init(shade_params *p) {
+  memset(p, 0, sizeof *p);
+  p->size = sizeof *p;
+  p->detail = SHADE_DETAIL_ROTATE;
+  p->fresnel = SHADE_FRESNEL_SCHLICK;
+  p->f0[0] = p->f0[1] = p->f0[2] = params[PARAM_f0].initial;
+  shade_params_set_exponents(p, params[PARAM_ex].initial, params[PARAM_ey].initial);
+}
+
+/* e = 2/alpha^2 - 2 and back. */
+static double alpha_of(double exponent) {
+  return sqrt(2 / (exponent + 2));
+}
+static double exponent_of(double alpha) {
+  return fmax(0, 2 / (alpha * alpha) - 2);
+}
+
+unsigned shade_params_set_exponents(shade_params *p, double ex, double ey) {
+  unsigned status = SHADE_OK;
+  p->ex = clamp(PARAM_ex, ex, &status);
+  p->ey = clamp(PARAM_ey, ey, &status);
+  p->ax = alpha_of(p->ex);
+  p->ay = alpha_of(p->ey);
+  return status;
+}
+
+unsigned shade_params_set_alphas(shade_params *p, double ax, double ay) {
+  unsigned status = SHADE_OK, ignored = SHADE_OK;
+  p->ax = clamp(PARAM_ax, ax, &status);
+  p->ay = clamp(PARAM_ay, ay, &status);
+  /* alpha below 1.41e-3 lies past the largest exponent: the pair may differ there */
+  p->ex = clamp(PARAM_ex, exponent_of(p->ax), &ignored);
+  p->ey = clamp(PARAM_ey, exponent_of(p->ay), &ignored);
+  return status;
+}
+
+static int choice(shade_list list, int value, unsigned *status) {
+  if (shade_list_word(list, value))
+    return value;
+  *status |= SHADE_BAD_CHOICE;
+  return lists[list].rows[0].value;
+}
+
+unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
+  unsigned status = SHADE_OK;
+  memset(b, 0, sizeof *b);
+  b->mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p->mdf, &status);
+  b->brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p->brdf, &status);
+  b->detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p->detail, &status);
+  b->fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p->fresnel, &status);
+  int groove = choice(SHADE_LIST_GROOVE, (int)p->groove, &status);
+
+  b->ex = clamp(PARAM_ex, p->ex, &status);
+  b->ey = clamp(PARAM_ey, p->ey, &status);
+  b->peak = sqrt((b->ex + 1) * (b->ey + 1)) / (2 * PI);
+
+  /* Gram-Schmidt's x' is x without its part along n, which is the y' of
+     groove transport along y: one kernel serves both. */
+  int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ey > b->ex);
+  b->swap_axes =
+      b->detail == SHADE_DETAIL_GRAM_SCHMIDT || (b->detail == SHADE_DETAIL_ROTATE && groove_y);
+
+  b->exf = (float)b->ex;
+  b->eyf = (float)b->ey;
+  b->peakf = (float)b->peak;
+  for (int c = 0; c < 3; c++) {
+    b->f0[c] = clamp(PARAM_f0, p->f0[c], &status);
+    b->f0f[c] = (float)b->f0[c];
+  }
+  return status;
+}
+
+/* Appends as snprintf does, counting what did not fit. */
+typedef struct text {
+  char *buffer;
+  size_t capacity, length;
+} text;
+
+static void put(text *t, const char *s) {
+  for (; *s; s++, t->length++)
+    if (t->length + 1 < t->capacity)
+      t->buffer[t->length] = *s;
+}
+
+static void put_number(text *t, const char *key, double value) {
+  char number[64];
+  snprintf(number, sizeof number, "%.17g", value);
+  for (char *c = number; *c; c++) /* a comma locale must not break the JSON */
+    if (*c == ',')
+      *c = '.';
+  put(t, key);
+  put(t, number);
+}
+
+static void put_string(text *t, const char *s) {
+  put(t, "\"");
+  for (; *s; s++) {
+    char escaped[8] = {*s};
+    if (*s == '"' || *s == '\\')
+      snprintf(escaped, sizeof escaped, "\\%c", *s);
+    else if ((unsigned char)*s < 0x20)
+      snprintf(escaped, sizeof escaped, "\\u%04x", (unsigned)(unsigned char)*s);
+    put(t, escaped);
+  }
+  put(t, "\"");
+}
+
+static void put_choice(text *t, shade_list list, int value) {
+  const char *word = shade_list_word(list, value);
+  put(t, ", \"");
+  put(t, lists[list].name);
+  put(t, "\": ");
+  put_string(t, word ? word : lists[list].rows[0].word);
+}
+
+int shade_params_json(const shade_params *p, int id, const char *name, char *buffer,
+                      size_t capacity) {
+  text t = {buffer, capacity, 0};
+  put_number(&t, "{\"id\": ", id);
+  put(&t, ", \"name\": ");
+  put_string(&t, name ? name : "");
+  put_choice(&t, SHADE_LIST_MDF, (int)p->mdf);
+  put_choice(&t, SHADE_LIST_BRDF, (int)p->brdf);
+  put_choice(&t, SHADE_LIST_DETAIL, (int)p->detail);
+  put_choice(&t, SHADE_LIST_GROOVE, (int)p->groove);
+  put_choice(&t, SHADE_LIST_FRESNEL, (int)p->fresnel);
+  put_number(&t, ", \"ex\": ", p->ex);
+  put_number(&t, ", \"ey\": ", p->ey);
+  put_number(&t, ", \"ax\": ", p->ax);
+  put_number(&t, ", \"ay\": ", p->ay);
+  put_number(&t, ", \"f0\": [", p->f0[0]);
+  put_number(&t, ", ", p->f0[1]);
+  put_number(&t, ", ", p->f0[2]);
+  put(&t, "]}");
+  if (capacity)
+    buffer[t.length < capacity ? t.length : capacity - 1] = 0;
+  return (int)t.length;
+}

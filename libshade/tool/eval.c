@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _POSIX_C_SOURCE 200809L /* getline */
+
+/* shade eval: one query a line in, one answer a line out. */
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "reference/reference.h"
+#include "shade/shade.h"
+#include "tool/tool.h"
+
+typedef enum precision { PRECISION_FLOAT, PRECISION_DOUBLE, PRECISION_REFERENCE } precision;
+typedef enum what { WHAT_D, WHAT_F } what;
+
+static const char *const precision_words[] = {"float", "double", "reference", NULL};
+static const char *const what_words[] = {"D", "f", NULL};
+static const int what_inputs[] = {6, 9};
+
+typedef struct query {
+  shade_params params;
+  precision precision;
+  what what;
+} query;
+
+static void print_words(FILE *to, shade_list list) {
+  const char *word;
+  for (int row = 0; shade_list_row(list, row, NULL, &word, NULL, NULL); row++)
+    fprintf(to, "%s%s", row ? " | " : "", word);
+}
+
+static void usage(FILE *to) {
+  fputs("usage: shade eval [options] < queries\n\n"
+        "  --what D|f               D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
+        "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n",
+        to);
+  for (int list = 0; list < SHADE_LIST_COUNT; list++) {
+    if (list == SHADE_LIST_FRESNEL)
+      continue;
+    fprintf(to, "  --%-8s ", shade_list_name((shade_list)list));
+    print_words(to, (shade_list)list);
+    fputs("\n", to);
+  }
+  fputs("  --ex E --ey E            exponents along and across the tangent, 0 to 1e6\n"
+        "  --ax A --ay A            or roughness alphas, 1e-4 to 10\n"
+        "  --f0 F                   reflectance at normal incidence (Schlick); Fresnel is 1 "
+        "without it\n"
+        "  --precision float|double|reference   (default double)\n\n"
+        "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
+        "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
+        "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
+        to);
+}
+
+static int bad_usage(const char *option, const char *value, const char *expected) {
+  fprintf(stderr, "shade eval: %s '%s': expected %s\n", option, value, expected);
+  return TOOL_BAD_USAGE;
+}
+
+static int find_word(const char *const *words, const char *word) {
+  for (int i = 0; words[i]; i++)
+    if (!strcmp(words[i], word))
+      return i;
+  return -1;
+}
+
+/* A finite number that is the whole of `text`. */
+static int read_number(const char *text, double *value) {
+  char *end;
+  *value = strtod(text, &end);
+  return end != text && !*end && isfinite(*value);
+}
+
+static int set_choice(query *q, shade_list list, const char *word) {
+  int value = shade_list_find(list, word);
+  if (value < 0) {
+    fprintf(stderr, "shade eval: --%s '%s': expected ", shade_list_name(list), word);
+    print_words(stderr, list);
+    fputs("\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  switch (list) {
+  case SHADE_LIST_MDF:
+    q->params.mdf = (shade_mdf)value;
+    break;
+  case SHADE_LIST_BRDF:
+    q->params.brdf = (shade_brdf)value;
+    break;
+  case SHADE_LIST_DETAIL:
+    q->params.detail = (shade_detail)value;
+    break;
+  default:
+    q->params.groove = (shade_groove)value;
+  }
+  return TOOL_DONE;
+}
+
+/* Returns TOOL_DONE, or the exit status after printing why; *help asks for the usage text. */
+static int read_options(query *q, int argc, char **argv, int *help) {
+  double ex = q->params.ex, ey = q->params.ey, ax = 0, ay = 0;
+  int exponents = 0, alphas = 0;
+  for (int i = 1; i < argc; i++) {
+    const char *option = argv[i];
+    if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
+      *help = 1;
+      return TOOL_DONE;
+    }
+    if (strncmp(option, "--", 2)) {
+      fprintf(stderr, "shade eval: unexpected argument '%s' (see shade eval --help)\n", option);
+      return TOOL_BAD_USAGE;
+    }
+    if (i + 1 == argc) {
+      fprintf(stderr, "shade eval: option '%s' is unknown or lacks its value\n", option);
+      return TOOL_BAD_USAGE;
+    }
+    const char *value = argv[++i];
+    const struct {
+      const char *name;
+      double *target;
+      int *given;
+    } numbers[] = {{"--ex", &ex, &exponents},
+                   {"--ey", &ey, &exponents},
+                   {"--ax", &ax, &alphas},
+                   {"--ay", &ay, &alphas},
+                   {"--f0", &q->params.f0[0], NULL}};
+    int done = 0;
+    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
+      if (strcmp(option, numbers[k].name))
+        continue;
+      done = 1;
+      if (!read_number(value, numbers[k].target))
+        return bad_usage(option, value, "a number");
+      if (numbers[k].given)
+        *numbers[k].given |= 1 << (numbers[k].name[3] == 'y');
+      else
+        q->params.fresnel = SHADE_FRESNEL_SCHLICK;
+    }
+    for (int list = 0; !done && list < SHADE_LIST_FRESNEL; list++) {
+      if (strcmp(option + 2, shade_list_name((shade_list)list)))
+        continue;
+      done = 1;
+      int status = set_choice(q, (shade_list)list, value);
+      if (status)
+        return status;
+    }
+    if (!done && !strcmp(option, "--precision")) {
+      done = 1;
+      int k = find_word(precision_words, value);
+      if (k < 0)
+        return bad_usage(option, value, "float, double or reference");
+      q->precision = (precision)k;
+    }
+    if (!done && !strcmp(option, "--what")) {
+      done = 1;
+      int k = find_word(what_words, value);
+      if (k < 0)
+        return bad_usage(option, value, "D or f");
+      q->what = (what)k;
+    }
+    if (!done) {
+      fprintf(stderr, "shade eval: unknown option '%s' (see shade eval --help)\n", option);
+      return TOOL_BAD_USAGE;
+    }
+  }
+  q->params.f0[1] = q->params.f0[2] = q->params.f0[0];
+  if (exponents && alphas) {
+    fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  if (alphas && alphas != 3) {
+    fputs("shade eval: --ax and --ay go together\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  unsigned status = alphas ? shade_params_set_alphas(&q->params, ax, ay)
+                           : shade_params_set_exponents(&q->params, ex, ey);
+  if (status & SHADE_CLAMPED_PARAMETER || !(q->params.f0[0] >= 0 && q->params.f0[0] <= 1)) {
+    fputs("shade eval: out of range: exponents are 0 to 1e6, alphas 1e-4 to 10, f0 0 to 1\n",
+          stderr);
+    return TOOL_BAD_USAGE;
+  }
+  return TOOL_DONE;
+}
+
+static double answer(const query *q, const shade_bsdf *b, const double *v) {
+  float vf[9], ff[3];
+  double f[3];
+  for (int i = 0; i < what_inputs[q->what]; i++)
+    vf[i] = (float)v[i];
+  switch (q->precision) {
+  case PRECISION_FLOAT:
+    if (q->what == WHAT_D)
+      return (double)shade_mdf_evalf(b, vf, vf + 3, NULL);
+    shade_bsdf_evalf(b, vf, vf + 3, vf + 6, ff, NULL);
+    return (double)ff[0];
+  case PRECISION_DOUBLE:
+    if (q->what == WHAT_D)
+      return shade_mdf_eval(b, v, v + 3, NULL);
+    shade_bsdf_eval(b, v, v + 3, v + 6, f, NULL);
+    return f[0];
+  default:
+    if (q->what == WHAT_D)
+      return shade_ref_mdf(&q->params, v, v + 3);
+    shade_ref_f(&q->params, v, v + 3, v + 6, f, NULL);
+    return f[0];
+  }
+}
+
+/* Reads exactly `count` finite numbers; returns NULL, or what is wrong. */
+static const char *read_line(const char *text, int count, double *v) {
+  for (int i = 0; i < count; i++) {
+    char *end;
+    v[i] = strtod(text, &end);
+    if (end == text)
+      return "too few numbers";
+    if (!isfinite(v[i]))
+      return "a number is not finite";
+    if (*end && !isspace((unsigned char)*end))
+      return "not a number";
+    text = end;
+  }
+  while (isspace((unsigned char)*text))
+    text++;
+  return *text ? "too many numbers" : NULL;
+}
+
+int shade_cmd_eval(int argc, char **argv) {
+  query q = {.precision = PRECISION_DOUBLE, .what = WHAT_D};
+  shade_params_init(&q.params);
+  q.params.fresnel = SHADE_FRESNEL_NONE;
+  int help = 0;
+  int status = read_options(&q, argc, argv, &help);
+  if (help)
+    usage(stdout);
+  if (status || help)
+    return status;
+  shade_bsdf b;
+  shade_bsdf_setup(&b, &q.params);
+
+  char *line = NULL;
+  size_t capacity = 0;
+  for (long number = 1; getline(&line, &capacity, stdin) >= 0; number++) {
+    const char *text = line;
+    while (isspace((unsigned char)*text))
+      text++;
+    if (!*text || *text == '#')
+      continue;
+    double v[9];
+    const char *wrong = read_line(text, what_inputs[q.what], v);
+    if (wrong) {
+      fflush(stdout);
+      fprintf(stderr, "shade eval: standard input, line %ld: %s; expected %s\n", number, wrong,
+              q.what == WHAT_D ? "nx ny nz hx hy hz" : "nx ny nz wix wiy wiz wox woy woz");
+      status = TOOL_BAD_INPUT;
+      break;
+    }
+    printf(q.precision == PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v));
+  }
+  free(line);
+  if (fflush(stdout) && !status) {
+    fprintf(stderr, "shade eval: standard output: %s\n", strerror(errno));
+    status = TOOL_BAD_INPUT;
+  }
+  return status;
+}

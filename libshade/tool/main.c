@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
+#include <string.h>
+
+#include "shade/shade.h"
+#include "tool/check.h"
+#include "tool/tool.h"
+
+static const struct {
+  const char *name;
+  int (*run)(int argc, char **argv);
+  const char *help;
+} commands[] = {
+    {"eval", shade_cmd_eval, "evaluate a distribution or BRDF for queries on standard input"},
+    {"check", shade_cmd_check, "recompute a renderer's dump with the reference"},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+static void usage(FILE *to) {
+  fputs("usage: shade COMMAND [options]\n\n", to);
+  for (int i = 0; i < COMMANDS; i++)
+    fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].help);
+  fputs("\n  shade COMMAND --help   options of a command\n"
+        "  shade --version        version and instruction set\n\n"
+        "Exit status: 0 done, 1 bad input, 2 bad usage.\n",
+        to);
+}
+
+int main(int argc, char **argv) {
+  if (argc < 2) {
+    usage(stderr);
+    return TOOL_BAD_USAGE;
+  }
+  if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help")) {
+    usage(stdout);
+    return TOOL_DONE;
+  }
+  if (!strcmp(argv[1], "--version")) {
+    printf("shade %s (%s)\n", SHADE_VERSION, shade_isa());
+    return TOOL_DONE;
+  }
+  for (int i = 0; i < COMMANDS; i++)
+    if (!strcmp(argv[1], commands[i].name))
+      return commands[i].run(argc - 1, argv + 1);
+  fprintf(stderr, "shade: unknown command '%s'\n\n", argv[1]);
+  usage(stderr);
+  return TOOL_BAD_USAGE;
+}

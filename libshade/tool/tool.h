@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The subcommands of `shade`. Exit status: 0 done, 1 bad input, 2 bad usage. */
+#ifndef SHADE_TOOL_H
+#define SHADE_TOOL_H
+
+enum { TOOL_DONE = 0, TOOL_BAD_INPUT = 1, TOOL_BAD_USAGE = 2 };
+
+/* argv[0] is the subcommand's name. */
+int shade_cmd_eval(int argc, char **argv);
+
+#endif
