@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""libshade: anisotropic metals whose microfacets follow the bumped normal."""
+
+bl_info = {
+    "name": "libshade",
+    "description": "Render engine for anisotropic metals whose microfacets follow the bumped normal",
+    "author": "libshade",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "Render Properties > Render Engine > libshade; Shader Editor > Add > Libshade Metal",
+    "category": "Render",
+}
+
+from . import engine, nodes, panels, properties
+
+_MODULES = (properties, nodes, engine, panels)
+
+
+def register():
+    for module in _MODULES:
+        module.register()
+
+
+def unregister():
+    for module in reversed(_MODULES):
+        module.unregister()

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: hands the scene to the native module, waits, shows the picture."""
+
+import time
+
+import bpy
+import numpy as np
+
+from . import _native, sync
+from .panels import ENGINE
+
+# The native module works on while Python sleeps; this is how late a cancel may be noticed.
+_POLL_SECONDS = 0.05
+# A redraw copies the whole picture, so a window gets one only this often.
+_REDRAW_SECONDS = 0.5
+
+
+class LibshadeEngine(bpy.types.RenderEngine):
+    """Renders with libshade's native module on all cores"""
+
+    bl_idname = ENGINE
+    bl_label = "libshade"
+    bl_use_preview = False  # material previews are lit by area lights: EEVEE draws them
+    bl_use_eevee_viewport = True
+    bl_use_shading_nodes_custom = False
+
+    def update_render_passes(self, scene=None, renderlayer=None):
+        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
+
+    def render(self, depsgraph):
+        region = sync.region_of(depsgraph.scene, self.resolution_x, self.resolution_y)
+        x0, y0, x1, y1 = region
+        pixels = np.zeros((y1 - y0) * (x1 - x0) * 4, np.float32)
+        # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
+        result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name)
+        try:
+            self._render(depsgraph, region, result, pixels)
+        except sync.SceneError as error:
+            self.report({"ERROR"}, f"libshade: {error}")
+        finally:
+            self.end_result(result)
+
+    def _render(self, depsgraph, region, result, pixels):
+        started = time.perf_counter()
+        self.update_stats("", "Reading the scene")
+        messages = sync.Messages()
+        try:
+            scene = sync.read(self, depsgraph, region, messages)
+        finally:
+            self._report_all(messages)
+        synced = time.perf_counter()
+        try:
+            job = _native.start(scene)
+        except ValueError as error:
+            raise sync.SceneError(str(error)) from error
+        try:
+            state = self._wait(job, result, pixels)
+            _native.image(job, pixels)
+            _set_pixels(result, pixels)
+            for text in state["warnings"]:
+                self.report({"WARNING"}, f"libshade: {text}")
+            if state["state"] == "failed":
+                raise sync.SceneError(state["message"])
+            if state["state"] == "done":
+                self.report({"INFO"}, _summary(_native.timings(job), synced - started))
+        finally:
+            _native.free(job)
+
+    def _wait(self, job, result, pixels):
+        """Wait for the job, passing Esc on to it; returns its last state."""
+        drawn = time.perf_counter()
+        while not _native.wait(job, _POLL_SECONDS):
+            if self.test_break():
+                _native.cancel(job)
+            state = _native.poll(job)
+            self.update_progress(state["progress"])
+            self.update_stats("", _stage(state))
+            if not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
+                _native.image(job, pixels)
+                _set_pixels(result, pixels)
+                self.update_result(result)
+                drawn = time.perf_counter()
+        return _native.poll(job)
+
+    def _report_all(self, messages):
+        for text in messages.errors:
+            self.report({"ERROR"}, f"libshade: {text}")
+        for text in messages.warnings:
+            self.report({"WARNING"}, f"libshade: {text}")
+
+
+def _stage(state):
+    names = {"build": "Building the BVH", "render": "Rendering", "dump": "Writing the dump"}
+    return f"{names.get(state['stage'], state['stage'])} {100 * state['progress']:.0f} %"
+
+
+def _summary(timings, sync_seconds):
+    stages = [f"{name} {seconds:.3f}" for name, seconds in timings.items()
+              if name not in ("wall", "samples")]
+    return (f"libshade: sync {sync_seconds:.3f} s, render {timings['wall']:.3f} s, "
+            f"{timings['samples']:.0f} samples; seconds summed over threads: {', '.join(stages)}")
+
+
+def _set_pixels(result, pixels):
+    rect = result.layers[0].passes["Combined"].rect
+    # 3.4 counts pixels there, 4.1 and later floats.
+    rect.foreach_set(pixels.reshape(len(rect), -1).squeeze())
+
+
+def register():
+    bpy.utils.register_class(LibshadeEngine)
+
+
+def unregister():
+    bpy.utils.unregister_class(LibshadeEngine)

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material node, and the operator that turns it into a plain group.
+
+Names, ranges and help come from libshade's own table, so that a word added
+there appears here. Inside the node is a Principled BSDF: other renderers see
+an ordinary metal.
+"""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+
+from . import _native
+
+METAL = "LibshadeMetalNode"
+
+_TABLE = _native.table()
+# Table lists whose property on the node has another name.
+_PROPERTY_OF_LIST = {"mdf": "distribution"}
+_SHADER = "Principled BSDF"
+
+
+def _choices():
+    """Pairs (list in the table, property on the node)."""
+    return [(name, _PROPERTY_OF_LIST.get(name, name)) for name in _TABLE["lists"]]
+
+
+def _numbers():
+    """Rows of the table's one-number parameters; colours are sockets."""
+    return [row for row in _TABLE["params"] if row["components"] == 1]
+
+
+def _initial_choice(name):
+    # The engine exists for `rotate`, and metals brighten at grazing angles;
+    # every other list starts with its first row.
+    wanted = {"detail": "rotate", "fresnel": "schlick"}.get(name)
+    words = [row["word"] for row in _TABLE["lists"][name]]
+    return wanted if wanted in words else words[0]
+
+
+def settings(node):
+    """A metal node's settings under the table's own names."""
+    words = {name: getattr(node, attribute).lower() for name, attribute in _choices()}
+    return {**words, **{row["word"]: getattr(node, row["word"]) for row in _numbers()}}
+
+
+def initial_settings():
+    """The same for a node as it is when new."""
+    words = {name: _initial_choice(name) for name, _attribute in _choices()}
+    return {**words, **{row["word"]: row["initial"] for row in _numbers()}}
+
+
+def alpha_of(exponent):
+    return (2.0 / (exponent + 2.0)) ** 0.5
+
+
+def exponent_of(alpha):
+    return max(0.0, 2.0 / (alpha * alpha) - 2.0)
+
+
+# Exponents and alphas say the same thing; setting one sets the other.
+_TWIN = {
+    "ex": ("ax", alpha_of), "ey": ("ay", alpha_of),
+    "ax": ("ex", exponent_of), "ay": ("ey", exponent_of),
+}
+# While a twin is being set, its own update must not answer.
+_setting_twin = False
+
+
+def _updater(word):
+    def update(node, _context):
+        global _setting_twin
+        if _setting_twin:
+            return
+        if word in _TWIN:
+            twin, convert = _TWIN[word]
+            _setting_twin = True
+            try:
+                setattr(node, twin, convert(getattr(node, word)))
+            finally:
+                _setting_twin = False
+        node.update_preview()
+    return update
+
+
+def _properties():
+    made = {}
+    for name, attribute in _choices():
+        made[attribute] = EnumProperty(
+            name=attribute.replace("_", " ").title(),
+            items=[(row["word"].upper(), row["label"], row["help"], row["value"])
+                   for row in _TABLE["lists"][name]],
+            default=_initial_choice(name).upper(),
+        )
+    for row in _numbers():
+        made[row["word"]] = FloatProperty(
+            name=row["word"], description=row["help"], precision=4,
+            min=row["minimum"], max=row["maximum"], default=row["initial"],
+            update=_updater(row["word"]),
+        )
+    return made
+
+
+def _initial_color():
+    value = next(row["initial"] for row in _TABLE["params"] if row["word"] == "f0")
+    return tuple(value) if hasattr(value, "__len__") else (value,) * 3
+
+
+def _new_socket(tree, name, in_out, kind):
+    if hasattr(tree, "interface"):  # 4.0 and later
+        return tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
+    return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
+
+
+def _new_tree():
+    """What other renderers see: a Principled metal along the UV tangent."""
+    tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
+    color = _new_socket(tree, "Color", "INPUT", "NodeSocketColor")
+    color.default_value = (*_initial_color(), 1.0)
+    normal = _new_socket(tree, "Normal", "INPUT", "NodeSocketVector")
+    normal.hide_value = True  # unlinked, it is the surface's own normal
+    _new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
+
+    inputs = tree.nodes.new("NodeGroupInput")
+    tangent = tree.nodes.new("ShaderNodeTangent")
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    outputs = tree.nodes.new("NodeGroupOutput")
+    inputs.location, tangent.location, outputs.location = (-300, 0), (-300, -300), (300, 0)
+    tangent.direction_type = "UV_MAP"
+    shader.name = _SHADER
+    shader.inputs["Metallic"].default_value = 1.0
+    tree.links.new(inputs.outputs["Color"], shader.inputs["Base Color"])
+    tree.links.new(inputs.outputs["Normal"], shader.inputs["Normal"])
+    tree.links.new(tangent.outputs["Tangent"], shader.inputs["Tangent"])
+    tree.links.new(shader.outputs["BSDF"], outputs.inputs["BSDF"])
+    return tree
+
+
+class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
+    """Anisotropic metal whose microfacets follow the bumped normal"""
+
+    bl_idname = METAL
+    bl_label = "Libshade Metal"
+    bl_width_default = 200
+    __annotations__ = _properties()
+
+    def init(self, _context):
+        self.node_tree = _new_tree()
+        self.update_preview()
+
+    def copy(self, node):
+        # Each node sets its own roughness inside its own tree.
+        self.node_tree = node.node_tree.copy()
+
+    def update_preview(self):
+        """Carry the roughness over to the Principled BSDF inside.
+
+        Cycles' convention: alphas are r²/a along the tangent and r²·a across, with
+        a² = 1 − 0.9 anisotropic; a quarter turn swaps the two.
+        """
+        shader = self.node_tree and self.node_tree.nodes.get(_SHADER)
+        if not shader:
+            return
+        narrow, wide = sorted((self.ax, self.ay))
+        shader.inputs["Roughness"].default_value = min(1.0, (narrow * wide) ** 0.25)
+        shader.inputs["Anisotropic"].default_value = min(1.0, (1.0 - narrow / wide) / 0.9)
+        shader.inputs["Anisotropic Rotation"].default_value = 0.25 if self.ax < self.ay else 0.0
+
+    def draw_buttons(self, _context, layout):
+        layout.prop(self, "distribution", text="")
+        layout.prop(self, "detail")
+        column = layout.column(align=True)
+        for word in ("ex", "ey") if self.distribution == "ASHIKHMIN_SHIRLEY" else ("ax", "ay"):
+            column.prop(self, word)
+
+    def draw_buttons_ext(self, _context, layout):
+        for _name, attribute in _choices():
+            layout.prop(self, attribute)
+        column = layout.column(align=True)
+        for row in _numbers():
+            column.prop(self, row["word"])
+        layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
+
+    def draw_label(self):
+        return "Libshade Metal"
+
+
+def _replace_by_group(tree, node):
+    """Put a Group node with the same tree, values and links in a Libshade node's place."""
+    group = tree.nodes.new("ShaderNodeGroup")
+    group.node_tree = node.node_tree
+    group.node_tree.name = node.name
+    group.name, group.label, group.parent = node.name, node.label or node.bl_label, node.parent
+    group.location, group.width, group.hide = node.location, node.width, node.hide
+    for old, new in zip(node.inputs, group.inputs):
+        if hasattr(old, "default_value"):
+            new.default_value = old.default_value
+        for link in old.links:
+            tree.links.new(link.from_socket, new)
+    for old, new in zip(node.outputs, group.outputs):
+        for target in [link.to_socket for link in old.links]:
+            tree.links.new(new, target)
+    tree.nodes.remove(node)
+
+
+class LIBSHADE_OT_convert_to_group(bpy.types.Operator):
+    """Replace Libshade nodes by plain groups around a Principled BSDF, for files that must \
+render without this add-on. The microfacet settings are lost"""
+
+    bl_idname = "libshade.convert_to_group"
+    bl_label = "Convert to Plain Group"
+    bl_options = {"REGISTER", "UNDO"}
+
+    all_materials: BoolProperty(
+        name="All Materials",
+        description="Convert in every material of the file, not only in the active one",
+        default=False,
+    )
+
+    def execute(self, context):
+        if self.all_materials:
+            trees = [m.node_tree for m in bpy.data.materials if m.node_tree]
+            trees += [t for t in bpy.data.node_groups if t.bl_idname == "ShaderNodeTree"]
+        else:
+            material = getattr(context, "material", None) or (
+                context.object and context.object.active_material)
+            trees = [material.node_tree] if material and material.node_tree else []
+        nodes = [(t, n) for t in trees if not t.library for n in t.nodes if n.bl_idname == METAL]
+        if not nodes:
+            self.report({"WARNING"}, "No Libshade node here to convert")
+            return {"CANCELLED"}
+        for tree, node in nodes:
+            _replace_by_group(tree, node)
+        self.report({"INFO"}, f"Converted {len(nodes)} Libshade node(s)")
+        return {"FINISHED"}
+
+
+_CLASSES = (LibshadeMetalNode, LIBSHADE_OT_convert_to_group)
+
+
+def _draw_add_menu(self, context):
+    if context.space_data.tree_type == "ShaderNodeTree":
+        self.layout.separator()
+        add = self.layout.operator("node.add_node", text=LibshadeMetalNode.bl_label)
+        add.type, add.use_transform = METAL, True
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.NODE_MT_add.append(_draw_add_menu)
+
+
+def unregister():
+    bpy.types.NODE_MT_add.remove(_draw_add_menu)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

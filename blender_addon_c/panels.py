@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels of the engine, and Blender's own ones that serve it as they are."""
+
+import bpy
+
+from .nodes import LIBSHADE_OT_convert_to_group
+
+ENGINE = "LIBSHADE"
+
+# Marked for every external engine, but they set what libshade does not read.
+_NOT_OURS = {
+    "DATA_PT_area", "DATA_PT_falloff_curve", "DATA_PT_light", "DATA_PT_spot",
+    "RENDER_PT_gpencil", "RENDER_PT_stereoscopy",
+}
+# Marked for EEVEE only, and right for us too.
+_ALSO_OURS = {
+    "EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface",
+}
+
+
+class _Panel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+
+class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
+    bl_label = "Sampling"
+    bl_context = "render"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.libshade
+        layout.prop(settings, "samples")
+        layout.prop(settings, "seed")
+
+
+class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_context = "render"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(context.scene.render, "film_transparent")
+        layout.prop(context.scene.libshade, "filter_width")
+
+
+class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):
+    bl_label = "Sharing the File"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, _context):
+        self.layout.operator(
+            LIBSHADE_OT_convert_to_group.bl_idname, text="Convert All Nodes to Plain Groups",
+        ).all_materials = True
+
+
+class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
+    bl_label = "Light"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.light
+
+    def draw(self, context):
+        layout, light = self.layout, context.light
+        layout.row().prop(light, "type", expand=True)
+        if light.type not in {"SUN", "POINT"}:
+            layout.label(text="libshade renders sun and point lights only", icon="ERROR")
+            return
+        layout.use_property_split = True
+        layout.prop(light, "color")
+        layout.prop(light, "energy", text="Strength" if light.type == "SUN" else "Power")
+        if light.type == "SUN":
+            layout.prop(light, "angle")
+        else:
+            layout.prop(light, "shadow_soft_size", text="Radius")
+        layout.prop(light, "use_shadow")
+
+
+_CLASSES = (
+    RENDER_PT_libshade_sampling, RENDER_PT_libshade_film, RENDER_PT_libshade_share,
+    DATA_PT_libshade_light,
+)
+
+
+def _shared_panels():
+    for panel in bpy.types.Panel.__subclasses__():
+        engines, name = getattr(panel, "COMPAT_ENGINES", ()), panel.__name__
+        if name in _ALSO_OURS or ("BLENDER_RENDER" in engines and name not in _NOT_OURS):
+            yield panel
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    for panel in _shared_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister():
+    for panel in _shared_panels():
+        panel.COMPAT_ENGINES.discard(ENGINE)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
