@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run inside Blender: render the plate of plate.py, once per job.
+
+    blender -b --factory-startup [--addons libshade] --python-exit-code 2 \
+        -P plate_render.py -- JOBS.json
+
+JOBS.json is {"normal_map": file, "result": file, "jobs": [job, ...]}; a job is
+    "engine":   "CYCLES" or "LIBSHADE"
+    "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
+    "detail":   libshade's detail method (LIBSHADE only)
+    "size", "samples", "quads": integers
+    "repeat":   how often to render; the seconds of each go to the result file
+    "output":   OpenEXR file for the picture, or "" for none
+"""
+import json
+import os
+import sys
+import time
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import plate  # noqa: E402
+
+
+def new_mesh(quads):
+    """A plate of quads x quads quads with UVs; flat if it is one quad."""
+    positions, normals, faces, uv = plate.mesh(quads)
+    mesh = bpy.data.meshes.new("plate")
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())
+    mesh.loops.add(faces.size)
+    mesh.loops.foreach_set("vertex_index", faces.astype(np.int32).ravel())
+    mesh.polygons.add(len(faces))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, faces.size, 4, dtype=np.int32))
+    mesh.polygons.foreach_set("loop_total", np.full(len(faces), 4, dtype=np.int32))
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(faces), dtype=bool))
+    layer = mesh.uv_layers.new(name="UVMap")
+    layer.data.foreach_set("uv", uv[faces.ravel()].astype(np.float32).ravel())
+    mesh.update(calc_edges=True)
+    if quads > 1:
+        if hasattr(mesh, "use_auto_smooth"):  # removed in Blender 4.1
+            mesh.use_auto_smooth = True
+            mesh.auto_smooth_angle = np.pi
+        mesh.normals_split_custom_set_from_vertices(normals.tolist())
+    return mesh
+
+
+def normal_map_node(tree, image):
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    node = tree.nodes.new("ShaderNodeNormalMap")
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+    return node
+
+
+def new_material(job, image):
+    """The metal, as the job's engine spells it."""
+    material = bpy.data.materials.new("metal")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    if job["engine"] == "LIBSHADE":
+        metal = tree.nodes.new("LibshadeMetalNode")
+        metal.ex, metal.ey = plate.EX, plate.EY
+        metal.detail = job["detail"].upper()
+        metal.fresnel = "NONE"
+    else:
+        metal = tree.nodes.new("ShaderNodeBsdfAnisotropic")
+        metal.distribution = "ASHIKHMIN_SHIRLEY"
+        metal.inputs["Roughness"].default_value = plate.ROUGHNESS
+        metal.inputs["Anisotropy"].default_value = plate.ANISOTROPY
+        tangent = tree.nodes.new("ShaderNodeTangent")
+        tangent.direction_type = "UV_MAP"
+        tree.links.new(tangent.outputs["Tangent"], metal.inputs["Tangent"])
+    metal.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    if job["surface"] == "bumped":
+        node = normal_map_node(tree, image)
+        tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])
+    tree.links.new(metal.outputs["BSDF"], output.inputs["Surface"])
+    return material
+
+
+def new_scene(job, image):
+    """Plate, sun and a camera straight above, filling the picture."""
+    scene = bpy.data.scenes.new("plate")
+    mesh = new_mesh(job["quads"] if job["surface"] == "displaced" else 1)
+    mesh.materials.append(new_material(job, image))
+    scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
+
+    light = bpy.data.lights.new("sun", "SUN")
+    light.energy, light.angle = 1.0, 0.0
+    sun = bpy.data.objects.new("sun", light)
+    sun.rotation_euler = Vector(plate.SUN).to_track_quat("Z", "Y").to_euler()
+    scene.collection.objects.link(sun)
+
+    camera = bpy.data.cameras.new("camera")
+    camera.type, camera.ortho_scale = "ORTHO", 1.0
+    above = bpy.data.objects.new("camera", camera)
+    above.location = (0.0, 0.0, 2.0)
+    scene.collection.objects.link(above)
+    scene.camera = above
+
+    world = bpy.data.worlds.new("black")
+    world.color = (0.0, 0.0, 0.0)
+    scene.world = world
+
+    render = scene.render
+    render.engine = job["engine"]
+    render.resolution_x = render.resolution_y = job["size"]
+    render.resolution_percentage = 100
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    scene.display_settings.display_device = "sRGB"
+    scene.view_settings.view_transform = "Standard"
+    if job["engine"] == "LIBSHADE":
+        scene.libshade.samples = job["samples"]
+    else:
+        cycles = scene.cycles
+        cycles.samples = job["samples"]
+        cycles.use_adaptive_sampling = False
+        cycles.use_denoising = False
+        cycles.max_bounces = 0
+        cycles.pixel_filter_type = "BOX"
+        cycles.light_sampling_threshold = 0.0
+        cycles.sample_clamp_direct = 0.0
+    return scene
+
+
+def run(job, image):
+    """Render one job; returns the seconds of each repetition."""
+    scene = new_scene(job, image)
+    bpy.context.window.scene = scene
+    seconds = []
+    for _ in range(job.get("repeat", 1)):
+        start = time.perf_counter()
+        bpy.ops.render.render(scene=scene.name)
+        seconds.append(time.perf_counter() - start)
+    if job["output"]:
+        scene.render.filepath = job["output"]
+        bpy.ops.render.render(scene=scene.name, write_still=True)
+    return seconds
+
+
+def main(path):
+    with open(path, encoding="utf-8") as file:
+        order = json.load(file)
+    image = bpy.data.images.load(order["normal_map"])
+    image.colorspace_settings.name = "Non-Color"
+    seconds = [run(job, image) for job in order["jobs"]]
+    with open(order["result"], "w", encoding="utf-8") as file:
+        json.dump({"seconds": seconds, "blender": bpy.app.version_string}, file)
+
+
+main(sys.argv[sys.argv.index("--") + 1])
