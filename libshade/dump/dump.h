@@ -35,13 +35,20 @@ enum shade_dump_light_channel {               /* planes of each light */
                                 SHADE_DUMP_PER_LIGHT = 9
 };
 
+enum { SHADE_DUMP_MAX_SIDE = 65536, SHADE_DUMP_MAX_LIGHTS = 10000 };
+
 typedef struct shade_dump {
   int width, height, lights;
-  char *json;  /* header attribute `libshade`; owned */
-  float *data; /* (SHADE_DUMP_BASE + 9 lights) planes of width*height, row by row from the top */
+  int has_color; /* 1 from shade_dump_create; 0: no Color.*, each material's own f0 holds */
+  char *json;    /* header attribute `libshade`; owned */
+  float *data;   /* (SHADE_DUMP_BASE + 9 lights) planes of width*height, row by row from the top */
 } shade_dump;
 
-/* Allocate with material.ID = -1 and 0 elsewhere. Returns NULL when out of memory. */
+/*
+ * Allocate with material.ID = -1 and 0 elsewhere. Returns NULL when out of memory
+ * or when a size is out of range: 1 to SHADE_DUMP_MAX_SIDE pixels a side, 0 to
+ * SHADE_DUMP_MAX_LIGHTS lights.
+ */
 shade_dump *shade_dump_create(int width, int height, int lights);
 void shade_dump_free(shade_dump *d); /* NULL is fine */
 
@@ -52,17 +59,30 @@ float *shade_dump_light_plane(const shade_dump *d, int light, int channel);
 /* Replace the JSON text (copied). Returns 0, or -1 when out of memory. */
 int shade_dump_set_json(shade_dump *d, const char *json);
 
+/*
+ * Plane number of the channel called `name` ("light10.S.G"), or -1; the channel's
+ * name of a plane, written to name[SHADE_DUMP_NAME_SIZE]. Planes of light k follow
+ * those of light k - 1, the first at SHADE_DUMP_BASE.
+ */
+enum { SHADE_DUMP_NAME_SIZE = 32 };
+int shade_dump_channel_plane(const char *name);
+void shade_dump_channel_name(int plane, char name[SHADE_DUMP_NAME_SIZE]);
+
 /* OpenEXRCore, linked or loaded. shade_exr_api_linked is in dump_linked.c. */
 struct shade_exr_api;
 const struct shade_exr_api *shade_exr_api_linked(void);
-/* Fill *api (allocated with malloc) through a dlsym-like function; NULL and a message on failure.
- */
+/* Look every function up with a dlsym-like `symbol`. Free the result with free();
+ * NULL and a message on failure. */
 struct shade_exr_api *shade_exr_api_load(void *(*symbol)(void *context, const char *name),
                                          void *context, char *error, size_t error_size);
 
 /*
- * Write or read a dump. The file appears whole or not at all (temporary file,
- * then rename). 0 on success; -1 and a message naming the file otherwise.
+ * Write or read a dump. The file appears whole or not at all (temporary file in
+ * the same folder, then rename): 0 on success; -1 and a message naming the file
+ * otherwise. Reading takes channels in any order, wants all but Color.* and passes
+ * over those it does not know; scanlines, one part, 32-bit float, compression none,
+ * ZIPS or ZIP. It returns NULL and a message naming the file for anything else.
+ * The JSON text and the values are handed on unjudged. Thread-safe.
  */
 int shade_dump_write(const struct shade_exr_api *api, const char *path, const shade_dump *d,
                      char *error, size_t error_size);

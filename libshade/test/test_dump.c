@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Dumps: what is written comes back, whatever the order of channels; what is not a dump does not.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "dump.h"
+#include "dump_exr.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 37, HEIGHT = 53, LIGHTS = 12 }; /* light10 sorts before light2 */
+
+static char folder[] = "/tmp/shade-test-dump-XXXXXX";
+static char path[sizeof folder + 32];
+static char error[512];
+
+static int planes(const shade_dump *d) {
+  return SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * d->lights;
+}
+
+/* A value of its own for every plane and pixel, exact in float. */
+static float value(int plane, int pixel) {
+  return (float)plane + (float)pixel / 4096;
+}
+
+static shade_dump *sample(int lights) {
+  shade_dump *d = shade_dump_create(WIDTH, HEIGHT, lights);
+  assert_non_null(d);
+  for (int plane = 0; plane < planes(d); ++plane)
+    for (int i = 0; i < WIDTH * HEIGHT; ++i)
+      shade_dump_plane(d, plane)[i] = value(plane, i);
+  assert_int_equal(shade_dump_set_json(d, "{\"materials\": []}"), 0);
+  return d;
+}
+
+static int files_in_folder(void) {
+  DIR *directory = opendir(folder);
+  int count = 0;
+  for (struct dirent *entry; (entry = readdir(directory));)
+    count += entry->d_name[0] != '.';
+  closedir(directory);
+  return count;
+}
+
+static void test_create(void **state) {
+  (void)state;
+  assert_null(shade_dump_create(0, 1, 1));
+  assert_null(shade_dump_create(1, -1, 1));
+  assert_null(shade_dump_create(1, 1, -1));
+  assert_null(shade_dump_create(65537, 1, 1));
+  assert_null(shade_dump_create(1, 1, 1 << 30));
+  shade_dump *d = shade_dump_create(2, 3, 1);
+  assert_true(d->has_color);
+  for (int i = 0; i < 6; ++i) {
+    assert_true(shade_dump_plane(d, SHADE_DUMP_MATERIAL)[i] == -1);
+    assert_true(shade_dump_light_plane(d, 0, SHADE_DUMP_S + 2)[i] == 0);
+  }
+  shade_dump_free(d);
+  shade_dump_free(NULL);
+}
+
+static void test_channel_names(void **state) {
+  (void)state;
+  char name[SHADE_DUMP_NAME_SIZE];
+  for (int plane = 0; plane < SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * 120; ++plane) {
+    shade_dump_channel_name(plane, name);
+    assert_int_equal(shade_dump_channel_plane(name), plane);
+  }
+  assert_int_equal(shade_dump_channel_plane("Ns.Z"), SHADE_DUMP_NS + 2);
+  assert_int_equal(shade_dump_channel_plane("material.ID"), SHADE_DUMP_MATERIAL);
+  assert_int_equal(shade_dump_channel_plane("light10.S.G"),
+                   SHADE_DUMP_BASE + 10 * SHADE_DUMP_PER_LIGHT + SHADE_DUMP_S + 1);
+  const char *unknown[] = {
+      "",           "R",           "N",           "light.L.X",      "light-1.L.X",
+      "light1.L.R", "light01.L.X", "light 1.L.X", "light99999.L.X", "light1.L.XX",
+      "light1L.X",  "n.X"};
+  for (size_t i = 0; i < sizeof unknown / sizeof *unknown; ++i)
+    assert_int_equal(shade_dump_channel_plane(unknown[i]), -1);
+}
+
+static void check_round_trip(const struct shade_exr_api *api, int lights, int has_color) {
+  shade_dump *d = sample(lights);
+  d->has_color = has_color;
+  if (shade_dump_write(api, path, d, error, sizeof error) != 0)
+    fail_msg("%s", error);
+  assert_int_equal(files_in_folder(), 1);
+  shade_dump *back = shade_dump_read(api, path, error, sizeof error);
+  if (!back)
+    fail_msg("%s", error);
+  assert_int_equal(back->width, WIDTH);
+  assert_int_equal(back->height, HEIGHT);
+  assert_int_equal(back->lights, lights);
+  assert_int_equal(back->has_color, has_color);
+  assert_string_equal(back->json, d->json);
+  for (int plane = 0; plane < planes(d); ++plane)
+    if (has_color || plane < SHADE_DUMP_COLOR || plane >= SHADE_DUMP_BASE)
+      assert_memory_equal(shade_dump_plane(back, plane), shade_dump_plane(d, plane),
+                          WIDTH * HEIGHT * sizeof(float));
+  shade_dump_free(back);
+  shade_dump_free(d);
+  unlink(path);
+}
+
+static void test_round_trip(void **state) {
+  (void)state;
+  check_round_trip(shade_exr_api_linked(), LIGHTS, 1);
+  check_round_trip(shade_exr_api_linked(), 0, 1);
+}
+
+static void test_without_color(void **state) {
+  (void)state;
+  check_round_trip(shade_exr_api_linked(), 1, 0);
+}
+
+static void *look_up(void *context, const char *name) {
+  return dlsym(context, name);
+}
+static void *look_up_nothing(void *context, const char *name) {
+  (void)name;
+  return context;
+}
+
+static void test_loaded_library(void **state) {
+  (void)state;
+  struct shade_exr_api *api = shade_exr_api_load(look_up, RTLD_DEFAULT, error, sizeof error);
+  assert_non_null(api);
+  check_round_trip(api, 2, 1);
+  free(api);
+  assert_null(shade_exr_api_load(look_up_nothing, NULL, error, sizeof error));
+  assert_non_null(strstr(error, "exr_"));
+}
+
+static void test_write_failures(void **state) {
+  (void)state;
+  shade_dump *d = sample(1);
+  assert_int_equal(
+      shade_dump_write(shade_exr_api_linked(), "/nonexistent/x.exr", d, error, sizeof error), -1);
+  assert_non_null(strstr(error, "/nonexistent/x.exr"));
+  /* A folder in the way: the rename fails and nothing is left behind. */
+  assert_int_equal(shade_dump_write(shade_exr_api_linked(), folder, d, error, sizeof error), -1);
+  assert_int_equal(files_in_folder(), 0);
+  shade_dump_free(d);
+}
+
+/* The disk fills up: the old file survives, nothing is left behind. */
+static void test_disk_full(void **state) {
+  (void)state;
+  FILE *old = fopen(path, "w");
+  fputs("old", old);
+  fclose(old);
+  shade_dump *d = sample(4);
+  struct rlimit before, limit;
+  getrlimit(RLIMIT_FSIZE, &before);
+  limit = before;
+  signal(SIGXFSZ, SIG_IGN);
+  const rlim_t sizes[] = {10, 1000, 5000, 20000};
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    limit.rlim_cur = sizes[i];
+    setrlimit(RLIMIT_FSIZE, &limit);
+    int status = shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error);
+    setrlimit(RLIMIT_FSIZE, &before);
+    assert_int_equal(status, -1);
+    assert_non_null(strstr(error, path));
+    assert_int_equal(files_in_folder(), 1);
+    char text[8] = "";
+    old = fopen(path, "r");
+    assert_non_null(fgets(text, sizeof text, old));
+    fclose(old);
+    assert_string_equal(text, "old");
+  }
+  signal(SIGXFSZ, SIG_DFL);
+  shade_dump_free(d);
+  unlink(path);
+}
+
+/* ---- files that other programs might write ---------------------------------- */
+
+struct variant {
+  exr_storage_t storage;
+  exr_compression_t compression;
+  exr_pixel_type_t type;
+  int lights, missing_plane, parts;
+  const char *json;     /* NULL: no attribute */
+  const char *extra[2]; /* more channels, NULL: none */
+  const char *says;     /* part of the message; NULL: it can be read */
+};
+
+/* Every channel holds value(plane, pixel). Returns the number of rows written. */
+static int write_chunk(exr_context_t context, exr_storage_t storage, int part, int y) {
+  exr_chunk_info_t chunk;
+  if (storage == EXR_STORAGE_DEEP_SCANLINE) { /* no sample in any pixel */
+    const int32_t samples[WIDTH] = {0};
+    assert_int_equal(
+        exr_write_deep_scanline_chunk(context, part, y, samples, 0, 0, samples, sizeof samples), 0);
+    return 1;
+  }
+  if (storage == EXR_STORAGE_TILED)
+    assert_int_equal(exr_write_tile_chunk_info(context, part, 0, 0, 0, 0, &chunk), 0);
+  else
+    assert_int_equal(exr_write_scanline_chunk_info(context, part, y, &chunk), 0);
+  exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+  assert_int_equal(exr_encoding_initialize(context, part, &chunk, &pipeline), 0);
+  const size_t size = (size_t)chunk.height * WIDTH;
+  float *pixels = malloc((size_t)pipeline.channel_count * size * sizeof *pixels);
+  assert_non_null(pixels);
+  for (int i = 0; i < pipeline.channel_count; ++i) {
+    exr_coding_channel_info_t *channel = &pipeline.channels[i];
+    float *mine = pixels + (size_t)i * size;
+    for (size_t j = 0; j < size; ++j)
+      mine[j] = value(shade_dump_channel_plane(channel->channel_name), y * WIDTH + (int)j);
+    channel->encode_from_ptr = (const uint8_t *)mine;
+    if (channel->data_type != EXR_PIXEL_UINT) { /* no conversion exists: the bits go as they are */
+      channel->user_data_type = EXR_PIXEL_FLOAT;
+      channel->user_bytes_per_element = 4;
+    }
+    channel->user_pixel_stride = 4;
+    channel->user_line_stride = 4 * WIDTH;
+  }
+  assert_int_equal(exr_encoding_choose_default_routines(context, part, &pipeline), 0);
+  assert_int_equal(exr_encoding_run(context, part, &pipeline), 0);
+  assert_int_equal(exr_encoding_destroy(context, &pipeline), 0);
+  free(pixels);
+  return chunk.height;
+}
+
+static void write_variant(const struct variant *v) {
+  exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
+  exr_context_t context;
+  const int count = SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * v->lights;
+  assert_int_equal(exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &options), 0);
+  for (int part = 0; part < v->parts; ++part) {
+    int index;
+    assert_int_equal(exr_add_part(context, part ? "b" : "a", v->storage, &index), 0);
+    assert_int_equal(
+        exr_initialize_required_attr_simple(context, part, WIDTH, HEIGHT, v->compression), 0);
+    if (v->storage == EXR_STORAGE_TILED)
+      assert_int_equal(
+          exr_set_tile_descriptor(context, part, 64, 64, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN),
+          0);
+    if (v->json)
+      assert_int_equal(exr_attr_set_string(context, part, "libshade", v->json), 0);
+    for (int plane = count - 1; plane >= 0; --plane) {
+      char name[SHADE_DUMP_NAME_SIZE];
+      shade_dump_channel_name(plane, name);
+      if (plane != v->missing_plane)
+        assert_int_equal(
+            exr_add_channel(context, part, name, v->type, EXR_PERCEPTUALLY_LINEAR, 1, 1), 0);
+    }
+    for (int i = 0; i < 2; ++i)
+      if (v->extra[i])
+        assert_int_equal(exr_add_channel(context, part, v->extra[i], EXR_PIXEL_HALF,
+                                         EXR_PERCEPTUALLY_LINEAR, 1, 1),
+                         0);
+  }
+  assert_int_equal(exr_write_header(context), 0);
+  for (int part = 0; part < v->parts; ++part)
+    for (int y = 0; y < HEIGHT;)
+      y += write_chunk(context, v->storage, part, y);
+  assert_int_equal(exr_finish(&context), 0);
+}
+
+static void check_variant(const struct variant *v) {
+  write_variant(v);
+  shade_dump *d = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);
+  if (v->says) {
+    assert_null(d);
+    if (!strstr(error, v->says) || !strstr(error, path))
+      fail_msg("\"%s\" does not say \"%s\"", error, v->says);
+  } else {
+    if (!d)
+      fail_msg("%s", error);
+    for (int plane = 0; plane < planes(d); ++plane)
+      for (int i = 0; i < WIDTH * HEIGHT; ++i)
+        assert_true(shade_dump_plane(d, plane)[i] == value(plane, i));
+  }
+  shade_dump_free(d);
+  unlink(path);
+}
+
+#define PLAIN                                                                                      \
+  .storage = EXR_STORAGE_SCANLINE, .compression = EXR_COMPRESSION_ZIP, .type = EXR_PIXEL_FLOAT,    \
+  .lights = 2, .missing_plane = -1, .parts = 1, .json = "{}"
+
+static void test_variants(void **state) {
+  (void)state;
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Woverride-init"
+  const struct variant variants[] = {
+      {PLAIN},
+      {PLAIN, .compression = EXR_COMPRESSION_NONE},
+      {PLAIN, .compression = EXR_COMPRESSION_ZIPS},
+      {PLAIN, .extra = {"A", "zz.depth"}},
+      {PLAIN, .extra = {"A", "zz.depth"}, .compression = EXR_COMPRESSION_NONE},
+      {PLAIN, .compression = EXR_COMPRESSION_PIZ, .says = "compression"},
+      {PLAIN, .compression = EXR_COMPRESSION_B44, .says = "compression"},
+      {PLAIN, .type = EXR_PIXEL_HALF, .says = "is not 32-bit float"},
+      {PLAIN, .type = EXR_PIXEL_UINT, .says = "is not 32-bit float"},
+      {PLAIN, .storage = EXR_STORAGE_TILED, .says = "tiled or deep"},
+      {PLAIN, .storage = EXR_STORAGE_DEEP_SCANLINE, .compression = EXR_COMPRESSION_NONE,
+       .says = "tiled or deep"},
+      {PLAIN, .parts = 2, .says = "2 parts"},
+      {PLAIN, .json = NULL, .says = "libshade"},
+      {PLAIN, .missing_plane = SHADE_DUMP_NS + 1, .says = "Ns.Y is missing"},
+      {PLAIN, .missing_plane = SHADE_DUMP_COLOR + 2, .says = "Color.B is missing"},
+      {PLAIN, .missing_plane = SHADE_DUMP_BASE + 4, .says = "light0.E.G is missing"},
+  };
+#pragma GCC diagnostic pop
+  for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i)
+    check_variant(&variants[i]);
+}
+
+static void test_not_exr(void **state) {
+  (void)state;
+  assert_null(shade_dump_read(shade_exr_api_linked(), path, error, sizeof error));
+  assert_non_null(strstr(error, path));
+  const char *contents[] = {"", "v", "not an OpenEXR file at all", "\x76\x2f\x31\x01\x02"};
+  for (size_t i = 0; i < sizeof contents / sizeof *contents; ++i) {
+    FILE *file = fopen(path, "w");
+    fputs(contents[i], file);
+    fclose(file);
+    assert_null(shade_dump_read(shade_exr_api_linked(), path, error, sizeof error));
+    assert_non_null(strstr(error, path));
+  }
+  unlink(path);
+  assert_null(shade_dump_read(shade_exr_api_linked(), folder, error, sizeof error));
+}
+
+/* A header that promises a huge picture gets no memory. */
+static void test_huge_promise(void **state) {
+  (void)state;
+  struct {
+    int width, height;
+  } sizes[] = {{60000, 60000}, {1 << 30, 1}, {1, 1 << 30}, {65536, 65536}};
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    shade_dump *d = sample(1);
+    assert_int_equal(shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error), 0);
+    shade_dump_free(d);
+    char bytes[4096];
+    FILE *file = fopen(path, "r+");
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
+    size_t at = 0;
+    while (at + 64 < size && memcmp(bytes + at, "dataWindow\0box2i", 17) != 0)
+      ++at;
+    assert_true(at + 64 < size);
+    const int32_t window[4] = {0, 0, sizes[i].width - 1, sizes[i].height - 1};
+    fseek(file, (long)at + 17 + 4, SEEK_SET);
+    fwrite(window, sizeof window, 1, file);
+    fclose(file);
+    assert_null(shade_dump_read(shade_exr_api_linked(), path, error, sizeof error));
+    assert_non_null(strstr(error, path));
+    unlink(path);
+  }
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  assert_true(usage.ru_maxrss < 512 * 1024); /* KiB */
+}
+
+static int make_folder(void **state) {
+  (void)state;
+  if (!mkdtemp(folder))
+    return -1;
+  snprintf(path, sizeof path, "%s/dump.exr", folder);
+  return 0;
+}
+
+static int remove_folder(void **state) {
+  (void)state;
+  return rmdir(folder);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_create),         cmocka_unit_test(test_channel_names),
+      cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_without_color),
+      cmocka_unit_test(test_loaded_library), cmocka_unit_test(test_write_failures),
+      cmocka_unit_test(test_disk_full),      cmocka_unit_test(test_variants),
+      cmocka_unit_test(test_not_exr),        cmocka_unit_test(test_huge_promise),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
