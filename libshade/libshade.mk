@@ -54,3 +54,23 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) -lm -o $@
 
 -include $(wildcard $(O)/*/*.d)
+
+# Tests: one cmocka program per behaviour. `check-libshade` runs them as built, then once
+# more under AddressSanitizer and UndefinedBehaviorSanitizer, then compiles all with clang.
+TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c))
+TEST_LIBS := $(REF_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
+$(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
+	@mkdir -p $(@D)
+	$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
+	  -lcmocka $(EXR_LIBS) -lm -o $@
+-include $(wildcard $(B)/test/*.d)
+
+.PHONY: test-libshade check-libshade
+test-libshade: $(TESTS)
+	@for t in $(TESTS); do $$t || exit 1; done
+
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
+check-libshade: setup-build
+	$(MAKE) all test-libshade
+	$(MAKE) B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" all test-libshade
+	$(MAKE) B=$(B)/clang CC=clang all $(subst $(B)/,$(B)/clang/,$(TESTS))

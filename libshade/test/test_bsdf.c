@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The BRDF's contract: values, horizons, batches, and input that makes no sense. */
+#include <float.h>
+
+#include "support.h"
+
+static void random_triple(uint64_t *seed, double n[3], double wi[3], double wo[3]) {
+  spherical(1.2 * uniform(seed), 2 * PI * uniform(seed), n);
+  spherical(1.6 * uniform(seed), 2 * PI * uniform(seed), wi);
+  spherical(1.6 * uniform(seed), 2 * PI * uniform(seed), wo);
+}
+
+static shade_params random_params(uint64_t *seed) {
+  shade_params p;
+  shade_params_init(&p);
+  shade_params_set_exponents(&p, pow(10, 3 * uniform(seed)), pow(10, 3 * uniform(seed)));
+  p.detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
+  p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
+  p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
+  for (int c = 0; c < 3; c++)
+    p.f0[c] = uniform(seed);
+  return p;
+}
+
+/* One value by hand: flat, wi = wo = n = z, exponents 3 and 15: f = D/(4) = 8/(2 pi)/4 = 1/pi. */
+static void by_hand(void **state) {
+  (void)state;
+  shade_bsdf b = make_bsdf(SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, 3, 15);
+  double z[3] = {0, 0, 1}, f[3], cosine;
+  assert_int_equal(shade_bsdf_eval(&b, z, z, z, f, &cosine), SHADE_OK);
+  assert_near(f[0], 1 / PI, 1e-15);
+  assert_true(cosine == 1);
+  /* 60 degrees apart in the plane of y: h.wo = cos 30, h = z, Schlick at f0 = 0.04 */
+  shade_params p;
+  shade_params_init(&p);
+  shade_params_set_exponents(&p, 3, 15);
+  p.f0[0] = p.f0[1] = p.f0[2] = 0.04;
+  shade_bsdf_setup(&b, &p);
+  double wi[3] = {0, .5, sqrt(.75)}, wo[3] = {0, -.5, sqrt(.75)};
+  shade_bsdf_eval(&b, z, wi, wo, f, &cosine);
+  double fresnel = 0.04 + 0.96 * pow(1 - sqrt(.75), 5);
+  assert_near(f[2], fresnel * 4 / PI / (4 * .75), 1e-15);
+  assert_near(cosine, sqrt(.75), 1e-15);
+}
+
+static void against_reference(void **state) {
+  (void)state;
+  uint64_t seed = 11;
+  double worst = 0, worstf = 0;
+  int lit = 0;
+  for (int k = 0; k < 100000; k++) {
+    shade_params p = random_params(&seed);
+    shade_bsdf b;
+    shade_bsdf_setup(&b, &p);
+    double n[3], wi[3], wo[3], f[3], want[3], cosine, want_cosine;
+    random_triple(&seed, n, wi, wo);
+    unsigned status = shade_bsdf_eval(&b, n, wi, wo, f, &cosine);
+    assert_int_equal(status, shade_ref_f(&p, n, wi, wo, want, &want_cosine));
+    assert_near(cosine, want_cosine, 1e-15);
+    for (int c = 0; c < 3; c++) {
+      /* at a horizon one rounding decides, and exp(-a) ends at 1e-304 */
+      if (fmin(fmin(want_cosine, wi[2]), wo[2]) > 1e-6)
+        assert_true(want[c] > 0 ? f[c] > 0 || want[c] < 1e-290 : f[c] == 0);
+      if (want[c] < 1e-12 * b.peak || want_cosine < 1e-3)
+        continue;
+      lit++;
+      worst = fmax(worst, fabs(f[c] / want[c] - 1));
+    }
+    /* float directions, taken as they are; the reference makes them unit */
+    float fv[9], ff[3], cosinef;
+    for (int c = 0; c < 3; c++) {
+      n[c] = (double)(fv[c] = (float)n[c]);
+      wi[c] = (double)(fv[3 + c] = (float)wi[c]);
+      wo[c] = (double)(fv[6 + c] = (float)wo[c]);
+    }
+    shade_bsdf_evalf(&b, fv, fv + 3, fv + 6, ff, &cosinef);
+    shade_ref_f(&p, n, wi, wo, want, &want_cosine);
+    assert_near((double)cosinef, want_cosine, 5e-7);
+    for (int c = 0; c < 3; c++)
+      if (want[c] >= 1e-12 * b.peak && want_cosine >= 1e-3)
+        worstf = fmax(worstf, fabs((double)ff[c] / want[c] - 1));
+  }
+  print_message("f: %d values, double %.1e, float %.1e\n", lit, worst, worstf);
+  assert_true(lit > 10000);
+  assert_true(worst <= 1e-12);
+  assert_true(worstf <= 5e-5);
+}
+
+static void horizons(void **state) {
+  (void)state;
+  double n[3] = {.6, 0, .8}, up[3] = {.6, 0, .8}, f[3], cosine;
+  const double below[3][3] = {
+      {.6, 0, -.8},                 /* under the surface */
+      {-.9, 0, .43588989435406733}, /* over the surface, under the perturbed horizon */
+      {0, 1, 0},                    /* on the surface's horizon */
+  };
+  for (int d = SHADE_DETAIL_PERTURB; d < SHADE_DETAIL_COUNT; d++) {
+    shade_bsdf b = make_bsdf((shade_detail)d, SHADE_GROOVE_AUTO, 20, 5);
+    shade_bsdf_eval(&b, n, up, up, f, &cosine);
+    assert_true(f[0] > 0 && fabs(cosine - 1) < 1e-15);
+    for (int k = 0; k < 3; k++) {
+      shade_bsdf_eval(&b, n, below[k], up, f, &cosine);
+      assert_true(f[0] == 0 && f[1] == 0 && f[2] == 0);
+      shade_bsdf_eval(&b, n, up, below[k], f, &cosine);
+      assert_true(f[0] == 0 && f[1] == 0 && f[2] == 0);
+    }
+  }
+  /* `none` looks at z alone */
+  shade_bsdf b = make_bsdf(SHADE_DETAIL_NONE, SHADE_GROOVE_AUTO, 20, 5);
+  shade_bsdf_eval(&b, n, below[1], up, f, &cosine);
+  assert_true(f[0] > 0 && cosine == below[1][2]);
+}
+
+/* Any length, any alignment, every instruction set: the batch is the single call. */
+static void batch_is_single(void **state) {
+  (void)state;
+  enum { MOST = 1100, INPUTS = 12 };
+  static float in[INPUTS][MOST + 1], out[4][MOST + 2];
+  static double ind[INPUTS][MOST + 1], outd[4][MOST + 2];
+  const size_t lengths[] = {0, 1, 3, 15, 16, 17, 255, 256, 257, 1000};
+  uint64_t seed = 5;
+  const shade_isa_table *isa;
+  for (int row = 0; (isa = shade_isa_pick(row)); row++)
+    for (size_t k = 0; k < sizeof lengths / sizeof lengths[0]; k++) {
+      size_t count = lengths[k], shift = k & 1;
+      shade_params p = random_params(&seed);
+      shade_bsdf b;
+      shade_bsdf_setup(&b, &p);
+      for (size_t i = 0; i < MOST; i++) {
+        double v[9];
+        random_triple(&seed, v, v + 3, v + 6);
+        for (int c = 0; c < INPUTS; c++)
+          ind[c][i] = (double)(in[c][i] = (float)(c < 9 ? v[c] : uniform(&seed)));
+      }
+      for (int c = 0; c < 4; c++)
+        for (size_t i = 0; i < MOST; i++)
+          outd[c][i] = out[c][i] = -7;
+      int textured = k % 3 == 0;
+      shade_lanesf lanesf = {in[0] + shift, in[1] + shift, in[2] + shift, in[3] + shift,
+                             in[4] + shift, in[5] + shift, in[6] + shift, in[7] + shift,
+                             in[8] + shift, NULL,          NULL,          NULL};
+      shade_lanes lanes = {ind[0] + shift, ind[1] + shift, ind[2] + shift, ind[3] + shift,
+                           ind[4] + shift, ind[5] + shift, ind[6] + shift, ind[7] + shift,
+                           ind[8] + shift, NULL,           NULL,           NULL};
+      if (textured) {
+        lanesf.f0r = in[9] + shift, lanesf.f0g = in[10] + shift, lanesf.f0b = in[11] + shift;
+        lanes.f0r = ind[9] + shift, lanes.f0g = ind[10] + shift, lanes.f0b = ind[11] + shift;
+      }
+      shade_resultf resultf = {out[0] + shift, out[1] + shift, out[2] + shift, out[3] + shift};
+      shade_result result = {outd[0] + shift, outd[1] + shift, outd[2] + shift, outd[3] + shift};
+      isa->bsdf_batchf(&b, count, &lanesf, &resultf);
+      isa->bsdf_batch(&b, count, &lanes, &result);
+      for (size_t i = shift; i < count + shift; i++) {
+        double v[9], f[3], cosine;
+        float vf[9], ff[3], cosinef;
+        for (int c = 0; c < 9; c++)
+          v[c] = (double)(vf[c] = in[c][i]);
+        for (int c = 0; textured && c < 3; c++)
+          p.f0[c] = (double)in[9 + c][i];
+        shade_bsdf_setup(&b, &p);
+        shade_bsdf_evalf(&b, vf, vf + 3, vf + 6, ff, &cosinef);
+        shade_bsdf_eval(&b, v, v + 3, v + 6, f, &cosine);
+        /* fused multiply-adds differ between instruction sets and shift cosines by a rounding */
+        assert_near(outd[3][i], cosine, 1e-15);
+        assert_near(out[3][i], cosinef, 3e-7);
+        for (int c = 0; c < 3 && cosine > 1e-5; c++) {
+          assert_true(fabs(outd[c][i] - f[c]) <= 1e-11 * (f[c] + 1e-30 * b.peak));
+          if (f[c] > 1e-6 * b.peak)
+            assert_true(fabsf(out[c][i] - ff[c]) <= 1e-4f * ff[c]);
+        }
+      }
+      for (int c = 0; c < 4; c++) {
+        assert_true(out[c][count + shift] == -7 && outd[c][count + shift] == -7);
+        assert_true(!shift || (out[c][0] == -7 && outd[c][0] == -7));
+      }
+    }
+}
+
+/* NaN, infinities, zeros, tiny, huge, below the horizon: a defined value and a status. */
+static void senseless_input(void **state) {
+  (void)state;
+  const double odd[] = {0,        -0.0,      1,   -1,    1e-300,  -1e-300, 1e300, -1e300,      NAN,
+                        INFINITY, -INFINITY, 0.5, 1e-40, DBL_MAX, DBL_MIN, 0.7,   DBL_TRUE_MIN};
+  enum { ODD = sizeof odd / sizeof odd[0] };
+  uint64_t seed = 9;
+  unsigned seen = 0;
+  for (int k = 0; k < 300000; k++) {
+    shade_params p = random_params(&seed);
+    if (k % 5 == 0)
+      shade_params_set_exponents(&p, k % 2 ? 0 : 1e6, k % 3 ? 0 : 1e6);
+    shade_bsdf b;
+    shade_bsdf_setup(&b, &p);
+    double v[9], f[3], cosine;
+    float vf[9], ff[3], cosinef;
+    int finite = 1;
+    for (int c = 0; c < 9; c++) {
+      v[c] = uniform(&seed) < 0.4 ? 2 * uniform(&seed) - 1 : odd[(int)(uniform(&seed) * ODD)];
+      vf[c] = (float)v[c];
+      finite &= isfinite(v[c]);
+    }
+    unsigned status = shade_bsdf_eval(&b, v, v + 3, v + 6, f, &cosine);
+    shade_bsdf_evalf(&b, vf, vf + 3, vf + 6, ff, &cosinef);
+    double want[3];
+    assert_int_equal(status & SHADE_BAD_INPUT,
+                     shade_ref_f(&p, v, v + 3, v + 6, want, NULL) & SHADE_BAD_INPUT);
+    assert_true(finite || (status & SHADE_BAD_INPUT));
+    for (int c = 0; c < 3; c++) {
+      assert_true(isfinite(f[c]) && f[c] >= 0);
+      assert_true(isfinite(ff[c]) && ff[c] >= 0);
+    }
+    assert_true(cosine >= 0 && cosine < 1.01 && cosinef >= 0 && cosinef < 1.01f);
+    unsigned mdf_status = 0;
+    double d = shade_mdf_eval(&b, v, v + 3, &mdf_status);
+    float df = shade_mdf_evalf(&b, vf, vf + 3, NULL);
+    assert_true(isfinite(d) && d >= 0 && isfinite(df) && df >= 0);
+    seen |= status | mdf_status;
+
+    /* the batch agrees on what is senseless, and its neighbours do not suffer */
+    float lane[9][3], rgb[4][3], good[3], good_cosine;
+    const float fine[9] = {.28f, 0, .96f, .6f, 0, .8f, 0, .6f, .8f};
+    for (int c = 0; c < 9; c++) {
+      lane[c][0] = lane[c][2] = fine[c];
+      lane[c][1] = vf[c];
+    }
+    shade_lanesf in = {lane[0], lane[1], lane[2], lane[3], lane[4], lane[5],
+                       lane[6], lane[7], lane[8], NULL,    NULL,    NULL};
+    shade_resultf out = {rgb[0], rgb[1], rgb[2], rgb[3]};
+    shade_bsdf_eval_batchf(&b, 3, &in, &out);
+    shade_bsdf_evalf(&b, fine, fine + 3, fine + 6, good, &good_cosine);
+    for (int c = 0; c < 3; c++) {
+      assert_true(fabsf(rgb[c][0] - good[c]) <= 1e-4f * good[c] + 1e-20f);
+      assert_true(fabsf(rgb[c][2] - good[c]) <= 1e-4f * good[c] + 1e-20f);
+      assert_true(isfinite(rgb[c][1]) && rgb[c][1] >= 0);
+    }
+  }
+  assert_int_equal(seen, SHADE_BAD_INPUT | SHADE_CLAMPED_NORMAL);
+
+  shade_bsdf b = make_bsdf(SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, 20, 5);
+  const double z[3] = {0, 0, 1}, x[3] = {1, 0, 0}, minus_x[3] = {-1, 0, 0};
+  double f[3];
+  assert_int_equal(shade_bsdf_eval(&b, z, x, minus_x, f, NULL), SHADE_OK);
+  assert_true(f[0] == 0);
+  const double sunk[3] = {.6, 0, -.8};
+  assert_int_equal(shade_bsdf_eval(&b, sunk, z, z, f, NULL), SHADE_CLAMPED_NORMAL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(by_hand),         cmocka_unit_test(against_reference),
+      cmocka_unit_test(horizons),        cmocka_unit_test(batch_is_single),
+      cmocka_unit_test(senseless_input),
+  };
+  return cmocka_run_group_tests_name("bsdf", tests, NULL, NULL);
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The errors that kernel/elementary.h states, against long double libm. */
+#include <string.h>
+
+#include "support.h"
+#include "kernel/coefficients.h"
+
+#define SHADE_FLOAT 1
+#include "kernel/real.h"
+#include "kernel/elementary.h"
+#undef SHADE_FLOAT
+#define SHADE_FLOAT 0
+#include "kernel/real.h"
+#include "kernel/elementary.h"
+
+static double relative(long double got, long double want) {
+  return (double)fabsl((got - want) / want);
+}
+
+static void log1p_float(void **state) {
+  (void)state;
+  double worst = 0;
+  for (double exponent = -40; exponent < 124; exponent += 1e-4) {
+    float t = (float)exp2(exponent);
+    worst = fmax(worst, relative((long double)log1p_positivef(t), log1pl((long double)t)));
+  }
+  print_message("log1p float: worst relative error %.2e\n", worst);
+  assert_true(worst <= 2.0e-7);
+  assert_true(log1p_positivef(0) == 0);
+}
+
+static void log1p_double(void **state) {
+  (void)state;
+  double worst = 0;
+  for (double exponent = -400; exponent < 990; exponent += 1e-3) {
+    double t = exp2(exponent);
+    worst = fmax(worst, relative(log1p_positive(t), log1pl(t)));
+  }
+  print_message("log1p double: worst relative error %.2e\n", worst);
+  assert_true(worst <= 4.5e-16);
+  assert_true(log1p_positive(0) == 0);
+}
+
+static void exp_float(void **state) {
+  (void)state;
+  double worst = 0;
+  for (float a = 0; a <= 86; a += 3e-5f)
+    worst = fmax(worst, relative((long double)exp_negativef(a), expl(-(long double)a)));
+  print_message("exp float: worst relative error %.2e\n", worst);
+  assert_true(worst <= 1.5e-7);
+  assert_true(exp_negativef(0) == 1);
+  assert_true(exp_negativef(86.5f) == 0 && exp_negativef(1e38f) == 0);
+}
+
+static void exp_double(void **state) {
+  (void)state;
+  double worst = 0;
+  for (double a = 0; a <= 700; a += 3.1e-4)
+    worst = fmax(worst, relative(exp_negative(a), expl(-(long double)a)));
+  print_message("exp double: worst relative error %.2e\n", worst);
+  assert_true(worst <= 3e-16);
+  assert_true(exp_negative(0) == 1);
+  assert_true(exp_negative(701) == 0 && exp_negative(1e300) == 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(log1p_float), cmocka_unit_test(log1p_double),
+                                     cmocka_unit_test(exp_float), cmocka_unit_test(exp_double)};
+  return cmocka_run_group_tests_name("elementary", tests, NULL, NULL);
+}
