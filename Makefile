@@ -1,16 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
-# One Makefile over all parts; each part's rules are in its own folder.
-#   make          libshade and the `shade` tool (a C compiler is enough)
-#   make demo     from nothing to pictures from both renderers and the verdict
-#   make check    all tests
+# One Makefile over all parts; each part's rules are in its own folder. Results go to build/.
+#   make           libshade and the shade tool: needs a C compiler, no more
+#   make demo      from nothing to the pictures of both renderers and the verdict on them
+#   make check     all tests
+#   make blender   the add-on: build/libshade-blender.zip
+#   make povray    POV-Ray with libshade: build/povray/povray
+#   make compare   one scene in both renderers, both dumps checked
+#   make bench     speed against accuracy
+#   make lint      layout of the code, licence lines
+#   make clean     remove build/
+# On Debian 12 each of them installs first what it needs (setup/setup.mk).
 B := build
 .DEFAULT_GOAL := all
-.PHONY: all demo check bench blender povray compare clean help
+.DELETE_ON_ERROR:
+.PHONY: all demo check bench blender povray compare lint clean help
 include setup/setup.mk
 include libshade/libshade.mk
 include blender_addon_c/blender.mk
 include povray_patches/povray.mk
 include compare/compare.mk
 
+# pytest last: its closing line is the result
+check: lint all blender povray check-libshade
+	$(PY) -m pytest
+
+lint:
+	setup/lint.sh
+
 clean:
 	rm -rf $(B)
+
+help:
+	@sed -n 's/^#   make/make/p' Makefile

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Layout of C and C++ as .clang-format says, and in every text file the licence of its folder.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+find_files() { find . \( -path ./build -o -path ./.git -o -path ./LICENSES -o -name __pycache__ -o -name .pc \) -prune -o -type f "$@" -print; }
+
+wrong=0
+mapfile -t c_files < <(find_files -regex '.*\.\(c\|h\|cpp\)')
+clang-format --dry-run -Werror "${c_files[@]}" || wrong=1
+
+licence_of() {
+  case $1 in
+  ./blender_addon_c/*) echo GPL-3.0-or-later ;;
+  ./povray_patches/*) echo AGPL-3.0-or-later ;;
+  *) echo Apache-2.0 ;;
+  esac
+}
+# formats that hold no comments
+while IFS= read -r file; do
+  case $file in
+  *.json | *.blend | *.png | *.exr | *.svg | *.patch | */series | */UPSTREAM) continue ;;
+  esac
+  licence=$(licence_of "$file")
+  if ! head -n 8 "$file" | grep -Eq "SPDX-License-Identifier: $licence( |$)|SPDX:$licence\""; then
+    echo "$file: no line 'SPDX-License-Identifier: $licence' at its top" >&2
+    wrong=1
+  fi
+done < <(find_files)
+
+[ $wrong = 0 ] && echo "lint: ${#c_files[@]} C and C++ files, licences: clean"
+exit $wrong

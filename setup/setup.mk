@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+# What must be on the system: Debian packages and, in build/, two Python environments with pinned packages.
+#   make setup-build setup-blender setup-povray setup-demo setup-test
+# Debian's own Python (3.11), since bpy's wheels are made for one version.
+PYTHON3 := /usr/bin/python3
+VENV := $(B)/venv
+VENV_BPY := $(B)/venv-bpy
+PY := $(VENV)/bin/python
+PY_BPY := $(VENV_BPY)/bin/python
+S := $(B)/setup
+
+# Each goal's needs. The stamps are included as (empty) makefiles: make remakes those first and then
+# starts over, so that tests such as "is OpenEXR here?" see the finished system.
+NEEDS_blender := build blender
+NEEDS_povray := build povray
+NEEDS_compare := build blender povray demo
+NEEDS_demo := $(NEEDS_compare)
+NEEDS_bench := build blender demo
+NEEDS_check-libshade := build test
+NEEDS_lint := test
+NEEDS_check := build blender povray demo test
+NEEDS := $(sort $(foreach goal,$(MAKECMDGOALS),$(NEEDS_$(goal))))
+ifneq ($(NEEDS),)
+include $(NEEDS:%=$(S)/%.stamp)
+endif
+
+SETUPS := build blender povray demo test
+.PHONY: $(SETUPS:%=setup-%)
+$(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
+
+.PRECIOUS: $(S)/%.packages
+$(S)/%.packages: setup/packages-%.txt
+	@mkdir -p $(@D)
+	@setup/apt.sh $<
+	@touch $@
+$(S)/%.stamp: $(S)/%.packages
+	@touch $@
+$(S)/demo.stamp: $(VENV)/done
+$(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
+
+$(VENV)/done: setup/requirements.txt
+$(VENV_BPY)/done: setup/requirements-bpy.txt
+$(VENV)/done $(VENV_BPY)/done: | $(S)/demo.packages
+	@echo "setup: Python packages of $< into $(@D)"
+	@rm -rf $(@D)
+	@$(PYTHON3) -m venv $(@D)
+	@$(@D)/bin/pip --disable-pip-version-check install --quiet --retries 5 -r $<
+	@touch $@
