@@ -5,9 +5,12 @@ SHADE_WARN := -Wall -Wextra -Wconversion -Werror
 SHADE_CFLAGS := -O3 -std=c11 -g -fPIC -fno-math-errno -fno-trapping-math -ffp-contract=fast \
   -fopenmp-simd $(SHADE_WARN) -I$(L)/include -I$(L)
 CFLAGS ?=
+# one short line a step; V=1 shows the commands
+Q := $(if $(V),,@)
+say = $(if $(V),,@echo "  $(1)$(2)")
 CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
 
-ISA_scalar := -fno-tree-vectorize
+ISA_scalar := -fno-openmp-simd -fno-tree-vectorize -Wno-unknown-pragmas
 ISA_avx2 := -mavx2 -mfma -mtune=haswell
 ISA_avx512 := -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtune=icelake-server)
 ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
@@ -31,27 +34,35 @@ all: $(B)/libshade.a $(B)/shade
 
 $(O)/src/isa_%.o: $(L)/src/isa_%.c
 	@mkdir -p $(@D)
-	$(CC) $(SHADE_CFLAGS) $(ISA_$*) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) $(ISA_$*) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
 $(O)/src/%.o: $(L)/src/%.c
 	@mkdir -p $(@D)
-	$(CC) $(SHADE_CFLAGS) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
 $(O)/dump/%.o: $(L)/dump/%.c
 	@mkdir -p $(@D)
-	$(CC) $(SHADE_CFLAGS) $(EXR_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) $(EXR_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
 $(O)/tool/%.o: $(L)/tool/%.c
 	@mkdir -p $(@D)
-	$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
 # the reference is plain C: no flags that would bend its arithmetic
 $(O)/reference/%.o: $(L)/reference/%.c
 	@mkdir -p $(@D)
-	$(CC) -O2 -std=c11 -g -fPIC -ffp-contract=off $(SHADE_WARN) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
+	$(call say,compile  ,$@)
+	$(Q)$(CC) -O2 -std=c11 -g -fPIC -ffp-contract=off $(SHADE_WARN) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
 
 $(B)/libshade.a: $(SHADE_OBJ)
-	rm -f $@ && $(AR) rcs $@ $^
+	$(call say,archive  ,$@)
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
 $(B)/libshade_dump.a: $(DUMP_OBJ)
-	rm -f $@ && $(AR) rcs $@ $^
+	$(call say,archive  ,$@)
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
 $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) -lm -o $@
+	$(call say,link     ,$@)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) -lm -o $@
 
 -include $(wildcard $(O)/*/*.d)
 
@@ -61,7 +72,8 @@ TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c
 TEST_LIBS := $(REF_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
 $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 	@mkdir -p $(@D)
-	$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
+	$(call say,compile  ,$@)
+	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
 	  -lcmocka $(EXR_LIBS) -lm -o $@
 -include $(wildcard $(B)/test/*.d)
 

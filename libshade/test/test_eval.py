@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`shade eval`: values worked out here, the three precisions, and bad input."""
+import math
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
+PRECISIONS = {"float": 3e-6, "double": 1e-12, "reference": 1e-12}
+
+
+def run(queries, *options):
+    return subprocess.run(
+        [SHADE, "eval", *options], input=queries, capture_output=True, text=True, timeout=60
+    )
+
+
+def evaluate(vectors, *options):
+    lines = "".join(" ".join(repr(float(x)) for x in v) + "\n" for v in vectors)
+    result = run(lines, *options)
+    assert result.returncode == 0, result.stderr
+    return [float(x) for x in result.stdout.split()]
+
+
+def ashikhmin_shirley(x, y, z, ex, ey):
+    """D long-hand in the lobe's own frame."""
+    sin2 = x * x + y * y
+    exponent = (ex * x * x + ey * y * y) / sin2 if sin2 else 0
+    return math.sqrt((ex + 1) * (ey + 1)) / (2 * math.pi) * z**exponent
+
+
+def unit(x, y, z):
+    length = math.sqrt(x * x + y * y + z * z)
+    return (x / length, y / length, z / length)
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_d_of_a_flat_surface(precision):
+    n, h = (0, 0, 1), unit(0.1, -0.2, 1)
+    (got,) = evaluate([n + h], "--mdf", "ashikhmin-shirley", "--ex", "200", "--ey", "10",
+                      "--detail", "none", "--what", "D", "--precision", precision)
+    assert got == pytest.approx(ashikhmin_shirley(*h, 200, 10), rel=PRECISIONS[precision])
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_rotate_follows_the_height_field(precision):
+    """x' = dP/du of the plane whose normal is n, y' = n x x'."""
+    n, h = unit(0.4, -0.3, 1), unit(0.45, -0.2, 1)
+    x = unit(n[2], 0, -n[0])
+    y = (n[1] * x[2] - n[2] * x[1], n[2] * x[0] - n[0] * x[2], n[0] * x[1] - n[1] * x[0])
+    local = [sum(a * b for a, b in zip(axis, h)) for axis in (x, y, n)]
+    (got,) = evaluate([n + h], "--ex", "200", "--ey", "10", "--detail", "rotate",
+                      "--precision", precision)
+    assert got == pytest.approx(ashikhmin_shirley(*local, 200, 10), rel=3 * PRECISIONS[precision])
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_peak_where_half_vector_is_normal(precision):
+    normals = [unit(0.3, 0, 1), unit(0, 5, 1), unit(-2, 3, 0.01), (0, 1, 1e-9), (0, 0, 1)]
+    peak = math.sqrt(201 * 11) / (2 * math.pi)
+    for got in evaluate([n + n for n in normals], "--ex", "200", "--ey", "10",
+                        "--detail", "rotate", "--precision", precision):
+        assert got == pytest.approx(peak, rel=PRECISIONS[precision])
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_f_with_and_without_fresnel(precision):
+    n, wi, wo = (0, 0, 1), (0, 0.6, 0.8), (0, -0.6, 0.8)
+    plain, schlick = (
+        evaluate([n + wi + wo], "--ex", "3", "--ey", "15", "--detail", "none", "--what", "f",
+                 "--brdf", "ashikhmin-shirley", "--precision", precision, *more)[0]
+        for more in ((), ("--f0", "0.04"))
+    )
+    peak = math.sqrt(4 * 16) / (2 * math.pi)
+    assert plain == pytest.approx(peak / (4 * 0.8 * 0.8), rel=PRECISIONS[precision])
+    assert schlick / plain == pytest.approx(0.04 + 0.96 * 0.2**5, rel=PRECISIONS[precision])
+
+
+def test_alphas_are_exponents():
+    query = [unit(0.1, 0.2, 1) + unit(0.2, 0.1, 1)]
+    by_alpha = evaluate(query, "--ax", "0.1", "--ay", "0.5")
+    by_exponent = evaluate(query, "--ex", "198", "--ey", "6")
+    assert by_alpha == pytest.approx(by_exponent, rel=1e-12)
+
+
+def test_digits_blank_lines_and_comments():
+    result = run("# a comment\n\n0 0 1 0 0 1\n", "--precision", "float", "--ex", "1", "--ey", "2")
+    assert result.stdout.strip() == "%.9g" % float(result.stdout)
+    result = run("0 0 1 0 0 1\n", "--ex", "1", "--ey", "2")
+    assert result.stdout.strip() == "%.17g" % float(result.stdout)
+
+
+@pytest.mark.parametrize("line, word", [
+    ("0 0 1 0 0", "too few"),
+    ("0 0 1 0 0 1 7", "too many"),
+    ("0 0 1 0 0 1x", "not a number"),
+    ("0 0 1 0 zero 1", "too few"),
+    ("0 0 1 0 0 nan", "not finite"),
+    ("0 0 1 0 0 1e999", "not finite"),
+])
+def test_malformed_line_is_named(line, word):
+    result = run("0 0 1 0 0 1\n" + line + "\n0 0 1 0 0 1\n")
+    assert result.returncode == 1
+    assert "line 2" in result.stderr and word in result.stderr
+    assert "nx ny nz hx hy hz" in result.stderr
+    assert len(result.stdout.split()) == 1
+
+
+@pytest.mark.parametrize("options, expected", [
+    (("--detail", "rotated"), "gram_schmidt"),
+    (("--mdf", "phong"), "ashikhmin_shirley"),
+    (("--ex", "-1"), "out of range"),
+    (("--ex", "many"), "a number"),
+    (("--ax", "0.1"), "go together"),
+    (("--ex", "5", "--ax", "0.1", "--ay", "0.1"), "not both"),
+    (("--f0", "2"), "out of range"),
+    (("--what", "g"), "D or f"),
+    (("--precision", "half"), "float"),
+    (("--colour", "1"), "unknown option"),
+    (("--ex",), "lacks its value"),
+    (("what",), "unexpected argument"),
+])
+def test_bad_usage(options, expected):
+    result = run("", *options)
+    assert result.returncode == 2
+    assert expected in result.stderr
+
+
+def test_help_names_every_choice():
+    result = run("", "--help")
+    assert result.returncode == 0
+    for word in ("none", "perturb", "gram_schmidt", "rotate", "auto", "--precision", "--f0"):
+        assert word in result.stdout
+    top = subprocess.run([SHADE, "--help"], capture_output=True, text=True)
+    assert top.returncode == 0 and "eval" in top.stdout and "check" in top.stdout
+    assert subprocess.run([SHADE], capture_output=True).returncode == 2
+    assert subprocess.run([SHADE, "polish"], capture_output=True).returncode == 2
