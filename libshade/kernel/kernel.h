@@ -56,15 +56,16 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
                            {in->wox + start, in->woy + start, in->woz + start}};
     real *cosi = out->cosine + start;
     unsigned block = FN(mend_block)(size, 3, v, &room);
-    FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz);
+    if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz))
+      status |= SHADE_BAD_INPUT;
     FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy);
     FN(pass_distribution)(b, size, t, xx, yy, d);
     if (b->detail == SHADE_DETAIL_NONE)
       FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
     else
       FN(pass_cosines)
-      (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
-       coso);
+    (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
+     coso);
     FN(pass_brdf)(size, grazing, hx, hy, hz, cosi, coso, d, white);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
@@ -110,9 +111,11 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   real cosi = n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2];
   real coso = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2];
   *cosine = cosi > 0 ? cosi : 0;
+  real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
+  if (FN(no_direction)(hx, hy, hz))
+    status |= SHADE_BAD_INPUT;
   if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
     return status;
-  real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
   real hwo = FN(half_cosine)(hx, hy, hz);
   real d = FN(distribution)(b, FN(detail)(b, n, hx, hy, hz));
   real value = FN(brdf_ashikhmin_shirley)(d, hwo, cosi, coso);

@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
+/* wi + wo of opposite directions. */
+static inline int FN(no_direction)(real hx, real hy, real hz) {
+  return !(hx * hx + hy * hy + hz * hz > R(1e-30));
+}
+
 /* Half of |wi + wo| is the cosine h.wo: no cancellation, no normalised h. */
 static inline real FN(half_cosine)(real hx, real hy, real hz) {
   return FN(minimum)(R(0.5) * FN(root)(hx * hx + hy * hy + hz * hz), 1);

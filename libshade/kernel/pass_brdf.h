@@ -1,17 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Before and after the distribution: half vectors and cosines, then the BRDF. */
 
-/* h = wi + wo, not normalised: the detail pass needs only its direction. */
-static void FN(pass_half)(size_t count, const real *restrict wix, const real *restrict wiy,
-                          const real *restrict wiz, const real *restrict wox,
-                          const real *restrict woy, const real *restrict woz, real *restrict hx,
-                          real *restrict hy, real *restrict hz) {
-#pragma omp simd
+/*
+ * h = wi + wo, not normalised: the detail pass needs only its direction. Nonzero when
+ * some lane has wi = -wo, where there is no h; f is 0 there by the horizon test.
+ */
+static int FN(pass_half)(size_t count, const real *restrict wix, const real *restrict wiy,
+                         const real *restrict wiz, const real *restrict wox,
+                         const real *restrict woy, const real *restrict woz, real *restrict hx,
+                         real *restrict hy, real *restrict hz) {
+  int opposite = 0;
+#pragma omp simd reduction(| : opposite)
   for (size_t i = 0; i < count; i++) {
     hx[i] = wix[i] + wox[i];
     hy[i] = wiy[i] + woy[i];
     hz[i] = wiz[i] + woz[i];
+    opposite |= FN(no_direction)(hx[i], hy[i], hz[i]);
   }
+  return opposite;
 }
 
 /* The cosines about n, 0 where light or eye is below either horizon. */

@@ -127,6 +127,8 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
   real cosi = dot(pole, wi), coso = dot(pole, wo);
   if (cosine && cosi > 0)
     *cosine = (double)cosi;
+  if (length(plus(wi, wo)) <= 1e-15L)
+    status |= SHADE_BAD_INPUT;
   if (cosi <= 0 || coso <= 0 || wi.z <= 0 || wo.z <= 0)
     return status;
   vec h = unit(plus(wi, wo));

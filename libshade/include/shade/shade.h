@@ -97,8 +97,8 @@ typedef struct shade_bsdf {
   shade_brdf brdf;
   shade_detail detail;
   shade_fresnel fresnel;
-  int swap_axes;       /* grooves along y: x and y trade places inside */
-  double ex, ey, peak; /* after the swap; peak = sqrt((ex+1)(ey+1))/(2 pi) */
+  int swap_axes;       /* groove transport along y */
+  double ex, ey, peak; /* peak = sqrt((ex+1)(ey+1))/(2 pi) */
   double f0[3];
   float exf, eyf, peakf;
   float f0f[3];
