@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * makedump FILE.exr [WIDTH HEIGHT SEED]: a dump as a back end would write it, for
+ * test_check.py. Frames, directions and lights are random, but near the lobes, so
+ * that S is well above zero; S comes from shade_bsdf_eval_batchf, its inputs from
+ * the world's vectors in float, as in a renderer.
+ */
+#include "dump/dump.h"
+#include "shade/shade.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIGHTS = 2 };
+
+/* ---- random numbers and vectors ----------------------------------------------- */
+
+static uint64_t random_state;
+
+/* Uniform in (0, 1): the upper bits of a 64-bit linear congruential generator. */
+static double uniform(void) {
+  random_state = random_state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+  return ((double)(random_state >> 12) + 0.5) / 4503599627370496.0;
+}
+
+typedef struct vec {
+  double x, y, z;
+} vec;
+
+static vec scale(vec a, double s) {
+  return (vec){a.x * s, a.y * s, a.z * s};
+}
+static vec add(vec a, vec b) {
+  return (vec){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static double dot(vec a, vec b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static vec cross(vec a, vec b) {
+  return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+static vec unit(vec a) {
+  return scale(a, 1 / sqrt(dot(a, a)));
+}
+
+/* A unit vector at an angle in [0, most], uniform in it, from unit `axis`. */
+static vec around(vec axis, double most) {
+  const double pi = 3.14159265358979323846;
+  const double theta = most * uniform(), phi = 2 * pi * uniform();
+  const vec x = unit(cross(axis, fabs(axis.x) < 0.6 ? (vec){1, 0, 0} : (vec){0, 1, 0}));
+  const vec y = cross(axis, x);
+  return add(scale(axis, cos(theta)),
+             add(scale(x, sin(theta) * cos(phi)), scale(y, sin(theta) * sin(phi))));
+}
+
+/* ---- materials ------------------------------------------------------------------ */
+
+enum { MATERIALS = 9 };
+
+static void make_materials(shade_params materials[MATERIALS]) {
+  static const struct {
+    shade_detail detail;
+    shade_groove groove;
+    shade_fresnel fresnel;
+    double ex, ey;
+  } rows[MATERIALS] = {
+      {SHADE_DETAIL_NONE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10},
+      {SHADE_DETAIL_PERTURB, SHADE_GROOVE_AUTO, SHADE_FRESNEL_NONE, 120, 40},
+      {SHADE_DETAIL_GRAM_SCHMIDT, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_NONE, 8, 300},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_X, SHADE_FRESNEL_SCHLICK, 10, 200},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_Y, SHADE_FRESNEL_SCHLICK, 200, 10},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 50, 50},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 1000, 30},
+  };
+  for (int i = 0; i < MATERIALS; i++) {
+    shade_params *p = &materials[i];
+    shade_params_init(p);
+    p->detail = rows[i].detail;
+    p->groove = rows[i].groove;
+    p->fresnel = rows[i].fresnel;
+    shade_params_set_exponents(p, rows[i].ex, rows[i].ey);
+    p->f0[0] = 0.9;
+    p->f0[1] = 0.1 * i;
+    p->f0[2] = 0.5;
+  }
+}
+
+static char *header_json(const shade_params materials[MATERIALS]) {
+  enum { SIZE = 1024 * (MATERIALS + 1) };
+  char *text = malloc(SIZE);
+  if (!text)
+    return NULL;
+  int length =
+      snprintf(text, SIZE, "{\"version\": 1, \"renderer\": \"makedump\", \"materials\": [");
+  for (int i = 0; i < MATERIALS; i++) {
+    char name[32];
+    snprintf(name, sizeof name, "material \"%d\"", i);
+    length += snprintf(text + length, (size_t)(SIZE - length), "%s", i ? ", " : "");
+    length += shade_params_json(&materials[i], i, name, text + length, (size_t)(SIZE - length));
+  }
+  snprintf(text + length, (size_t)(SIZE - length), "]}");
+  return text;
+}
+
+/* ---- the dump ------------------------------------------------------------------- */
+
+static void put(float *plane, size_t pixels, size_t pixel, vec v) {
+  plane[pixel] = (float)v.x;
+  plane[pixels + pixel] = (float)v.y;
+  plane[2 * pixels + pixel] = (float)v.z;
+}
+
+/* Every direction around the lobe: h near the perturbed normal, V and L mirrored about h. */
+static void fill_pixel(const shade_dump *d, size_t pixel, int material, int tall) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  const double degree = 3.14159265358979323846 / 180;
+  const vec n = around((vec){0, 0, 1}, 180 * degree);
+  const vec t = unit(cross(n, around(n, 90 * degree)));
+  const vec ns = around(n, 60 * degree);
+  const vec v = around(ns, 50 * degree);
+  put(shade_dump_plane(d, SHADE_DUMP_P), pixels, pixel, (vec){uniform(), uniform(), uniform()});
+  put(shade_dump_plane(d, SHADE_DUMP_N), pixels, pixel, n);
+  put(shade_dump_plane(d, SHADE_DUMP_T), pixels, pixel, t);
+  put(shade_dump_plane(d, SHADE_DUMP_NS), pixels, pixel, ns);
+  put(shade_dump_plane(d, SHADE_DUMP_V), pixels, pixel, v);
+  shade_dump_plane(d, SHADE_DUMP_UV)[pixel] = (float)uniform();
+  shade_dump_plane(d, SHADE_DUMP_UV + 1)[pixel] = (float)uniform();
+  shade_dump_plane(d, SHADE_DUMP_MATERIAL)[pixel] = (float)material;
+  put(shade_dump_plane(d, SHADE_DUMP_COLOR), pixels, pixel, (vec){uniform(), uniform(), uniform()});
+  const vec pole = tall ? n : ns;
+  for (int light = 0; light < LIGHTS; light++) {
+    const vec h = around(pole, 30 * degree);
+    const vec l = unit(add(scale(h, 2 * dot(h, v)), scale(v, -1)));
+    put(shade_dump_light_plane(d, light, SHADE_DUMP_L), pixels, pixel, l);
+    put(shade_dump_light_plane(d, light, SHADE_DUMP_E), pixels, pixel,
+        (vec){0.5 + uniform(), 0.5 + uniform(), 0.5 + uniform()});
+  }
+}
+
+/* Component along a frame's axis, in float. */
+static float along(const float *axis, const float *v, size_t pixels, size_t pixel) {
+  return axis[pixel] * v[pixel] + axis[pixels + pixel] * v[pixels + pixel] +
+         axis[2 * pixels + pixel] * v[2 * pixels + pixel];
+}
+
+enum lane { NX, NY, NZ, IX, IY, IZ, OX, OY, OZ, CR, CG, CB, FR, FG, FB, COS, LANES };
+
+/* Take the pixels of one material to the local frame, shade them in one batch, put S back. */
+static void shade(const shade_dump *d, const shade_params *p, int material, int light,
+                  float *const lanes[LANES], float *bitangent) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  const float *id = shade_dump_plane(d, SHADE_DUMP_MATERIAL);
+  const float *axes[3] = {shade_dump_plane(d, SHADE_DUMP_T), bitangent,
+                          shade_dump_plane(d, SHADE_DUMP_N)};
+  const float *vectors[3] = {shade_dump_plane(d, SHADE_DUMP_NS),
+                             shade_dump_light_plane(d, light, SHADE_DUMP_L),
+                             shade_dump_plane(d, SHADE_DUMP_V)};
+  const float *color = shade_dump_plane(d, SHADE_DUMP_COLOR);
+  size_t count = 0;
+  for (size_t pixel = 0; pixel < pixels; pixel++) {
+    if (id[pixel] != (float)material)
+      continue;
+    for (int v = 0; v < 3; v++)
+      for (int a = 0; a < 3; a++)
+        lanes[NX + 3 * v + a][count] = along(axes[a], vectors[v], pixels, pixel);
+    for (size_t i = 0; i < 3; i++)
+      lanes[CR + i][count] = color[i * pixels + pixel];
+    count++;
+  }
+  shade_bsdf bsdf;
+  shade_bsdf_setup(&bsdf, p);
+  const shade_lanesf in = {lanes[NX], lanes[NY], lanes[NZ], lanes[IX], lanes[IY], lanes[IZ],
+                           lanes[OX], lanes[OY], lanes[OZ], lanes[CR], lanes[CG], lanes[CB]};
+  const shade_resultf out = {lanes[FR], lanes[FG], lanes[FB], lanes[COS]};
+  shade_bsdf_eval_batchf(&bsdf, count, &in, &out);
+  const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
+  float *s = shade_dump_light_plane(d, light, SHADE_DUMP_S);
+  count = 0;
+  for (size_t pixel = 0; pixel < pixels; pixel++) {
+    if (id[pixel] != (float)material)
+      continue;
+    for (size_t i = 0; i < 3; i++)
+      s[i * pixels + pixel] = lanes[FR + i][count] * lanes[COS][count] * e[i * pixels + pixel];
+    count++;
+  }
+}
+
+static void make_bitangents(const shade_dump *d, float *b) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  const float *n = shade_dump_plane(d, SHADE_DUMP_N), *t = shade_dump_plane(d, SHADE_DUMP_T);
+  for (size_t x = 0; x < pixels; x++)
+    for (size_t i = 0; i < 3; i++) {
+      const size_t j = (i + 1) % 3 * pixels + x, k = (i + 2) % 3 * pixels + x;
+      b[i * pixels + x] = n[j] * t[k] - n[k] * t[j];
+    }
+}
+
+int main(int argc, char **argv) {
+  const int width = argc == 5 ? atoi(argv[2]) : 120, height = argc == 5 ? atoi(argv[3]) : 90;
+  if (argc != 2 && argc != 5)
+    return 2;
+  random_state = argc == 5 ? strtoull(argv[4], NULL, 10) : 1;
+  shade_dump *d = shade_dump_create(width, height, LIGHTS);
+  if (!d)
+    return 1;
+  const size_t pixels = (size_t)width * (size_t)height;
+  shade_params materials[MATERIALS];
+  make_materials(materials);
+  for (size_t pixel = 0; pixel < pixels; pixel++) {
+    const int material = (int)(uniform() * (MATERIALS + 1)) - 1; /* -1: a miss */
+    if (material >= 0)
+      fill_pixel(d, pixel, material, materials[material].detail == SHADE_DETAIL_NONE);
+  }
+  float *bitangent = malloc(3 * pixels * sizeof *bitangent), *lanes[LANES];
+  float *scratch = malloc(LANES * pixels * sizeof *scratch);
+  char *json = header_json(materials), error[512];
+  if (!bitangent || !scratch || !json || shade_dump_set_json(d, json) != 0)
+    return 1;
+  for (size_t i = 0; i < LANES; i++)
+    lanes[i] = scratch + i * pixels;
+  make_bitangents(d, bitangent);
+  for (int material = 0; material < MATERIALS; material++)
+    for (int light = 0; light < LIGHTS; light++)
+      shade(d, &materials[material], material, light, lanes, bitangent);
+  const int status = shade_dump_write(shade_exr_api_linked(), argv[1], d, error, sizeof error);
+  if (status != 0)
+    fprintf(stderr, "makedump: %s\n", error);
+  free(json);
+  free(scratch);
+  free(bitangent);
+  shade_dump_free(d);
+  return status != 0;
+}
