@@ -2,6 +2,7 @@
 """The render engine: hands the scene to the native module, waits, shows the picture."""
 
 import time
+import traceback
 
 import bpy
 import numpy as np
@@ -37,6 +38,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self._render(depsgraph, region, result, pixels)
         except sync.SceneError as error:
             self.report({"ERROR"}, f"libshade: {error}")
+        except Exception:  # Blender would print it and show a black picture as if all were well
+            self.report({"ERROR"}, f"libshade: internal error\n{traceback.format_exc()}")
         finally:
             self.end_result(result)
 
@@ -68,13 +71,15 @@ class LibshadeEngine(bpy.types.RenderEngine):
 
     def _wait(self, job, result, pixels):
         """Wait for the job, passing Esc on to it; returns its last state."""
-        drawn = time.perf_counter()
+        drawn, shown = time.perf_counter(), ""
         while not _native.wait(job, _POLL_SECONDS):
             if self.test_break():
                 _native.cancel(job)
             state = _native.poll(job)
             self.update_progress(state["progress"])
-            self.update_stats("", _stage(state))
+            if _stage(state) != shown:  # in the background each one is a line of text
+                shown = _stage(state)
+                self.update_stats("", shown)
             if not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
                 _native.image(job, pixels)
                 _set_pixels(result, pixels)
@@ -103,8 +108,10 @@ def _summary(timings, sync_seconds):
 
 def _set_pixels(result, pixels):
     rect = result.layers[0].passes["Combined"].rect
-    # 3.4 counts pixels there, 4.1 and later floats.
-    rect.foreach_set(pixels.reshape(len(rect), -1).squeeze())
+    try:
+        rect.foreach_set(pixels)
+    except TypeError:  # until 4.0 rows of four
+        rect.foreach_set(pixels.reshape(-1, 4))
 
 
 def register():

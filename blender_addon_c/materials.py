@@ -45,8 +45,15 @@ def _twin(sockets, socket):
     return next(s for s in sockets if s.identifier == socket.identifier)
 
 
+def _tree(owner):
+    """Node tree of a material, light or world, if it uses one."""
+    # From 5.0 on only lights may do without, and asking the others is deprecated.
+    always = bpy.app.version >= (5, 0) and not isinstance(owner, bpy.types.Light)
+    return owner.node_tree if always or owner.use_nodes else None
+
+
 def _shader(tree):
-    """What feeds the Surface of the tree's active output."""
+    """What feeds the Surface of a tree's active output."""
     output = tree.get_output_node("ALL")
     return trace(output.inputs["Surface"]) if output else None
 
@@ -137,8 +144,8 @@ class _Reader:
         }
         if not material:
             return {**plain, **_roughness(0.5), "f0": (0.8, 0.8, 0.8)}
-        uses_nodes = material.use_nodes and material.node_tree
-        shader = _shader(material.node_tree) if uses_nodes else None
+        tree = _tree(material)
+        shader = _shader(tree) if tree else None
         node = shader.node if shader else None
         if node and node.bl_idname == nodes.METAL:
             return {**plain, **nodes.settings(node),
@@ -151,7 +158,7 @@ class _Reader:
                     **self._color(node.inputs["Base Color"], shader.groups),
                     **self._normal(node.inputs["Normal"], shader.groups)}
         fed_by = f"its surface is '{node.name}'" if node else "its surface has no shader"
-        self._warn(f"no Libshade Metal node ({fed_by if uses_nodes else 'it has no nodes'}); "
+        self._warn(f"no Libshade Metal node ({fed_by if tree else 'it has no nodes'}); "
                    "rendered as metal of its viewport colour")
         return {**plain, **_roughness(material.roughness),
                 "f0": tuple(material.diffuse_color[:3])}
@@ -276,9 +283,10 @@ def background(world, messages):
     """Constant background, linear RGB."""
     if not world:
         return (0.0, 0.0, 0.0)
-    if not (world.use_nodes and world.node_tree):
+    tree = _tree(world)
+    if not tree:
         return tuple(world.color)
-    color, strength = _emission(world.node_tree, "BACKGROUND", f"world '{world.name}'", messages)
+    color, strength = _emission(tree, "BACKGROUND", f"world '{world.name}'", messages)
     return tuple(c * strength for c in color)
 
 
@@ -291,8 +299,8 @@ def light_strength(light, messages):
         factors.append(light.temperature_color)
     if not getattr(light, "normalize", True):
         messages.warning(f"{owner}: power by area (Normalize off) is not supported")
-    if light.use_nodes and light.node_tree:
-        color, strength = _emission(light.node_tree, "EMISSION", owner, messages)
+    if _tree(light):
+        color, strength = _emission(_tree(light), "EMISSION", owner, messages)
         factors.append(color)
         scale *= strength
     return tuple(scale * value for value in np.prod([tuple(f) for f in factors], axis=0))

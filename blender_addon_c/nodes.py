@@ -234,9 +234,6 @@ render without this add-on. The microfacet settings are lost"""
         return {"FINISHED"}
 
 
-_CLASSES = (LibshadeMetalNode, LIBSHADE_OT_convert_to_group)
-
-
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
         self.layout.separator()
@@ -245,12 +242,16 @@ def _draw_add_menu(self, context):
 
 
 def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
+    if not bpy.types.Node.bl_rna_get_subclass_py(METAL):  # see unregister
+        bpy.utils.register_class(LibshadeMetalNode)
+    bpy.utils.register_class(LIBSHADE_OT_convert_to_group)
     bpy.types.NODE_MT_add.append(_draw_add_menu)
 
 
 def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+    bpy.utils.unregister_class(LIBSHADE_OT_convert_to_group)
+    # Blender 3.4 crashes when it frees the evaluated copy of a node whose class is gone: there
+    # the class stays until Blender ends, and the add-on finds it when it is enabled again.
+    if bpy.app.version >= (5, 0):
+        bpy.utils.unregister_class(LibshadeMetalNode)
