@@ -188,8 +188,7 @@ def _replace_by_group(tree, node):
     """Put a Group node with the same tree, values and links in a Libshade node's place."""
     group = tree.nodes.new("ShaderNodeGroup")
     group.node_tree = node.node_tree
-    group.node_tree.name = node.name
-    group.name, group.label, group.parent = node.name, node.label or node.bl_label, node.parent
+    group.label, group.parent = node.label or node.bl_label, node.parent
     group.location, group.width, group.hide = node.location, node.width, node.hide
     for old, new in zip(node.inputs, group.inputs):
         if hasattr(old, "default_value"):
@@ -199,7 +198,9 @@ def _replace_by_group(tree, node):
     for old, new in zip(node.outputs, group.outputs):
         for target in [link.to_socket for link in old.links]:
             tree.links.new(new, target)
+    name = node.name
     tree.nodes.remove(node)
+    group.name = name
 
 
 class LIBSHADE_OT_convert_to_group(bpy.types.Operator):
