@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+# Both renderers on one scene, judged: `make demo` is that for the example, `make compare`
+# adds the truth by displacement and the speed beside Cycles.
+DEMO := $(B)/demo
+COMPARE := $(wildcard compare/*.py)
+RENDERERS := $(B)/libshade-blender.zip $(B)/povray/povray $(B)/shade
+BLENDER ?= blender
+export BLENDER
+
+demo: $(DEMO)/agreed
+	@cat $(DEMO)/table.txt
+
+SUZANNE := $(wildcard examples/blender/suzanne/*.py)
+$(DEMO)/suzanne.blend: $(SUZANNE) $(B)/libshade-blender.zip
+	@mkdir -p $(@D)
+	@echo "Building the scene $@"
+	@BLENDER_USER_SCRIPTS=$(B)/blender $(BLENDER) -b --factory-startup --addons libshade \
+	  --python-exit-code 1 -P examples/blender/suzanne/make_scene.py -- $@ > $(DEMO)/scene.log 2>&1 \
+	  || { tail -n 15 $(DEMO)/scene.log; exit 1; }
+
+# The table is kept, so that a second `make demo` shows it at once; the stamp says that it was good.
+$(DEMO)/agreed: $(DEMO)/suzanne.blend $(RENDERERS) $(COMPARE)
+	@rm -f $@
+	@$(PY) compare/consistency.py --output $(DEMO) $< > $(DEMO)/table.txt \
+	  || { cat $(DEMO)/table.txt; exit 1; }
+	@touch $@
+
+compare: demo
+	@$(PY) compare/truth.py
+	@$(PY) compare/speed.py

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One scene, two renderers, one verdict.
+
+Renders a Blender file with our engine, writes its POV-Ray form, renders that
+with the patched POV-Ray, and judges:
+
+  each dump against the C reference (`shade check`),
+  the two dumps against each other (position, normals, tangent, view),
+  the two pictures against each other.
+
+Leaves in the output folder: blender.png, povray.png, difference.png (ten times
+the absolute difference), both dumps and pictures as OpenEXR, and the POV-Ray
+form in povray/. Exit status: 0 all within limits, 1 not, 2 something failed to run.
+"""
+import argparse
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+
+import dumps
+import pictures
+import programs
+import report
+
+# Largest and mean relative error of S against the reference; None: no limit.
+CHECK_LIMITS = {"Blender": (1e-4, 1e-5), "POV-Ray": (5e-5, None)}
+# What counts as equal, and how many of the pixels that both cover must be.
+# P relative to the scene's size, the rest in degrees.
+DUMP_LIMITS = {"P": 1e-4, "N": 0.1, "T": 0.1, "Ns": 0.2, "V": 0.1}
+SHARE = 0.995
+PICTURE_LIMIT = 0.02
+
+
+def arguments(argv=None):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("scene", type=Path, help="Blender file with Libshade Metal materials")
+    parser.add_argument("--percent", type=int, default=100,
+                        help="of the file's resolution (default 100)")
+    parser.add_argument("--samples", type=int, default=64,
+                        help="per pixel; POV-Ray takes the nearest square (default 64)")
+    parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "consistency",
+                        help="folder for results (default build/compare/consistency)")
+    options = parser.parse_args(argv)
+    if not options.scene.is_file():
+        parser.error(f"{options.scene}: no such file")
+    if not 1 <= options.percent <= 100 or options.samples < 1:
+        parser.error("--percent wants 1 to 100, --samples at least 1")
+    return options
+
+
+def render_blender(options):
+    """Picture and dump from our engine; returns (width, height)."""
+    folder = options.output
+    output = report.step(
+        "Rendering in Blender",
+        programs.blender(programs.HERE / "blender_render.py", folder / "blender.exr",
+                         options.percent, options.samples, scene=options.scene),
+        folder / "blender.log",
+        {**programs.ADD_ON, "LIBSHADE_DUMP": str(folder / "blender_dump.exr")},
+    )
+    size = re.search(r"^size (\d+) (\d+)$", output, re.MULTILINE)
+    if not size:
+        raise report.StepFailed(f"Blender said no picture size; see {folder / 'blender.log'}")
+    return int(size.group(1)), int(size.group(2))
+
+
+def render_povray(options, width, height):
+    """The scene's POV-Ray form, its picture and dump."""
+    folder = options.output
+    report.step(
+        "Writing the scene for POV-Ray",
+        programs.blender(programs.HERE / "export_povray.py", folder / "povray",
+                         scene=options.scene),
+        folder / "export.log", programs.ADD_ON,
+    )
+    grid = max(1, round(options.samples**0.5))
+    report.step(
+        "Rendering in POV-Ray",
+        [programs.POVRAY, "scene.ini", f"+W{width}", f"+H{height}", "+FE",
+         f"+O{folder / 'povray.exr'}", "-D", "+AM1", "+A0.0", f"+R{grid}", "-J"],
+        folder / "povray.log", {"LIBSHADE_DUMP": str(folder / "povray_dump.exr")},
+        folder=folder / "povray",
+    )
+
+
+def check(name, dump, folder):
+    """(largest, mean) relative error of S against the reference, by `shade check`."""
+    output = report.step(
+        f"Checking {name}'s dump against the reference",
+        [programs.SHADE, "check", "--json", str(dump)],
+        folder / f"check_{dump.stem}.log", allowed=(0, 1),
+    )
+    return judge_check(output)
+
+
+def judge_check(output):
+    """The worst figures of all materials and lights in the output of `shade check --json`."""
+    try:
+        entries = json.loads(output)["results"]
+        return (max(e["largest"] for e in entries), max(e["mean"] for e in entries))
+    except (ValueError, KeyError, TypeError) as error:
+        raise report.StepFailed(f"`shade check` said no figures:\n{output}") from error
+
+
+def verdict(ok):
+    return "ok" if ok else "MISSED"
+
+
+def check_rows(name, largest, mean):
+    """Table rows and whether all is within limits."""
+    rows, good = [], True
+    for what, value, limit in zip(("largest", "mean"), (largest, mean), CHECK_LIMITS[name]):
+        ok = limit is None or value <= limit
+        good &= ok
+        rows.append([f"{name} against reference, {what} error of S", f"{value:.1e}",
+                     f"{limit:.0e}" if limit else "", verdict(ok) if limit else ""])
+    return rows, good
+
+
+def dump_rows(a, b):
+    """Compare two dumps that are in the same world; rows and whether all is within limits."""
+    apart = dumps.coverage_difference(a, b)
+    good = apart <= 1.0 - SHARE
+    rows = [["covered by one only", f"{100 * apart:.3f} %", f"{100 * (1 - SHARE):.1f} %",
+             verdict(good)]]
+    for name, error in dumps.deviations(a, b).items():
+        limit = DUMP_LIMITS.get(name)
+        if limit is None:
+            rows.append([f"{name}, median and 99.5 % quantile of the difference",
+                         f"{np.median(error):.1e} {np.quantile(error, SHARE):.1e}", "", ""])
+            continue
+        share = float(np.mean(error <= limit))
+        ok = share >= SHARE
+        good &= ok
+        unit = "of the size" if name == "P" else "degrees"
+        rows.append([f"{name} equal within {limit:g} {unit}", f"{100 * share:.3f} %",
+                     f"{100 * SHARE:.1f} %", verdict(ok)])
+    return rows, good
+
+
+def picture_rows(blender, povray):
+    difference = pictures.relative_difference(povray, blender)
+    ok = difference <= PICTURE_LIMIT
+    return [["pictures, mean difference over mean", f"{100 * difference:.2f} %",
+             f"{100 * PICTURE_LIMIT:.0f} %", verdict(ok)]], ok
+
+
+def main(argv=None):
+    options = arguments(argv)
+    folder = options.output = options.output.resolve()
+    options.scene = options.scene.resolve()
+    (folder / "povray").mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.exr"):
+        old.unlink()
+    render_povray(options, *render_blender(options))
+
+    parts = []
+    for name, file in (("Blender", "blender_dump.exr"), ("POV-Ray", "povray_dump.exr")):
+        parts.append(check_rows(name, *check(name, folder / file, folder)))
+    parts.append(dump_rows(dumps.read(folder / "blender_dump.exr"),
+                           dumps.swap_handedness(dumps.read(folder / "povray_dump.exr"))))
+    images = [pictures.read(folder / f"{name}.exr") for name in ("blender", "povray")]
+    parts.append(picture_rows(*images))
+
+    pictures.write_png(folder / "blender.png", images[0])
+    pictures.write_png(folder / "povray.png", images[1])
+    pictures.write_png(folder / "difference.png", 10.0 * np.abs(images[0] - images[1]))
+
+    good = all(ok for _, ok in parts)
+    text = report.table([options.scene.name, "measured", "limit", ""],
+                        [row for rows, _ in parts for row in rows])
+    text += f"\n\nVerdict: {'both renderers agree' if good else 'NOT within limits'}.\n"
+    (folder / "verdict.txt").write_text(text, encoding="utf-8")
+    print(f"\n{text}\nPictures: {folder}/blender.png, povray.png, difference.png")
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    report.run(main)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dumps of both back ends (CONVENTIONS.md): reading and comparing them."""
+import json
+from dataclasses import dataclass
+
+import numpy as np
+import OpenImageIO as oiio
+
+DIRECTIONS = ("N", "T", "Ns", "V")
+
+
+@dataclass
+class Dump:
+    """One hit per pixel, rows from the top, float64. `lights` holds L, E, S of each light."""
+
+    header: dict
+    material: np.ndarray  # -1 where nothing was hit
+    P: np.ndarray
+    N: np.ndarray
+    T: np.ndarray
+    Ns: np.ndarray
+    V: np.ndarray
+    uv: np.ndarray
+    lights: list
+
+    @property
+    def covered(self):
+        return self.material >= 0
+
+
+def read(path):
+    """Read a dump; OSError or ValueError with the file's name if it is none."""
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise OSError(f"{path}: {oiio.geterror()}")
+    try:
+        spec = source.spec()
+        text = spec.getattribute("libshade")
+        pixels = source.read_image(format=oiio.FLOAT)
+    finally:
+        source.close()
+    if text is None or pixels is None:
+        raise ValueError(f"{path}: not a dump (no attribute `libshade`)")
+    planes = dict(zip(spec.channelnames, np.moveaxis(np.asarray(pixels, np.float64), -1, 0)))
+
+    def channels(name, parts):
+        missing = [f"{name}.{p}" for p in parts if f"{name}.{p}" not in planes]
+        if missing:
+            raise ValueError(f"{path}: channel {missing[0]} is missing")
+        return np.stack([planes[f"{name}.{p}"] for p in parts], axis=-1)
+
+    lights = []
+    while f"light{len(lights)}.L.X" in planes:
+        name = f"light{len(lights)}"
+        lights.append(
+            {"L": channels(name + ".L", "XYZ"), "E": channels(name + ".E", "RGB"),
+             "S": channels(name + ".S", "RGB")}
+        )
+    return Dump(
+        header=json.loads(text),
+        material=channels("material", ["ID"])[..., 0].astype(int),
+        P=channels("P", "XYZ"),
+        uv=channels("uv", "UV"),
+        lights=lights,
+        **{name: channels(name, "XYZ") for name in DIRECTIONS},
+    )
+
+
+def swap_handedness(dump):
+    """A dump from POV-Ray's left-handed world (y up) in Blender's (z up), or the reverse."""
+
+    def swap(v):
+        return v[..., [0, 2, 1]]
+
+    return Dump(
+        header=dump.header,
+        material=dump.material,
+        P=swap(dump.P),
+        uv=dump.uv,
+        lights=[{**light, "L": swap(light["L"])} for light in dump.lights],
+        **{name: swap(getattr(dump, name)) for name in DIRECTIONS},
+    )
+
+
+def angles(a, b):
+    """Degrees between vectors; 180 where one of them is no direction."""
+    la, lb = np.linalg.norm(a, axis=-1), np.linalg.norm(b, axis=-1)
+    good = (la > 0.0) & (lb > 0.0) & np.isfinite(la) & np.isfinite(lb)
+    ua = a / np.where(good, la, 1.0)[..., None]
+    ub = b / np.where(good, lb, 1.0)[..., None]
+    # The half-angle form keeps its digits for small angles, where acos loses them.
+    half = np.arctan2(np.linalg.norm(ua - ub, axis=-1), np.linalg.norm(ua + ub, axis=-1))
+    return np.where(good, np.degrees(2.0 * half), 180.0)
+
+
+def size(dump):
+    """Diagonal of the box around all that the camera sees."""
+    points = dump.P[dump.covered]
+    return float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+
+
+def coverage_difference(a, b):
+    """Pixels that only one dump covers, as a fraction of those that either does."""
+    either = np.count_nonzero(a.covered | b.covered)
+    return np.count_nonzero(a.covered != b.covered) / max(either, 1)
+
+
+def deviations(a, b):
+    """Where both dumps hit: {name: error per pixel}; P relative to the scene's size, the
+    directions and each light's L in degrees, each light's E relative to the larger."""
+    if a.material.shape != b.material.shape or len(a.lights) != len(b.lights):
+        raise ValueError("dumps of different size or number of lights")
+    both = a.covered & b.covered
+    if not both.any():
+        raise ValueError("the dumps have no covered pixel in common")
+    result = {"P": np.linalg.norm(a.P[both] - b.P[both], axis=-1) / max(size(a), 1e-30)}
+    for name in DIRECTIONS:
+        result[name] = angles(getattr(a, name)[both], getattr(b, name)[both])
+    for k, (la, lb) in enumerate(zip(a.lights, b.lights)):
+        result[f"light{k}.L"] = angles(la["L"][both], lb["L"][both])
+        ea, eb = la["E"][both], lb["E"][both]
+        largest = np.maximum(np.abs(ea), np.abs(eb)).max(axis=-1)
+        result[f"light{k}.E"] = np.abs(ea - eb).max(axis=-1) / np.maximum(largest, 1e-30)
+    return result

@@ -1,0 +1,357 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Write the POV-Ray form of a Blender file. Run inside Blender:
+
+    BLENDER_USER_SCRIPTS=build/blender blender -b --factory-startup \
+        --addons libshade SCENE.blend --python-exit-code 1 \
+        -P compare/export_povray.py -- FOLDER
+
+FOLDER gets scene.ini (width, height, input file), scene.pov and the files that
+it includes: camera.inc, lights.inc, materials.inc, meshes.inc. A scene of your
+own can include the same files. Render with
+
+    cd FOLDER && povray scene.ini
+
+What is written: the visible meshes as they are after modifiers, with smooth
+normals and UVs; their Libshade Metal materials with normal map; sun and point
+lights; the camera; the world's plain colour. Anything else is an error that
+names it, for the picture would not be the same.
+
+Frames. Blender is right-handed with z up, POV-Ray left-handed with y up: every
+vector (x, y, z) becomes (x, z, y), which keeps the picture as it is.
+
+Units. POV-Ray multiplies the library's pi f cos by the light's colour, so a
+light of irradiance E gets the colour E / pi. Its fading 2 / (1 + (d/fade)^2)
+tends to 2 fade^2 / d^2 for a fade distance far below the distances in the
+scene, so a point light of intensity I gets the colour I / (2 pi fade^2).
+"""
+import math
+import os
+import re
+import sys
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+METAL = "LibshadeMetalNode"
+SWAP = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
+FADE = 1e-4  # fade distance of point lights, in units of the scene's size: error 1e-8 there
+
+
+class ExportError(Exception):
+    """The scene holds something that has no POV-Ray form here."""
+
+
+def number(value):
+    """Shortest text that reads back as the same float32, Blender's own precision."""
+    return str(np.float32(value))
+
+
+def vector(values):
+    return "<" + ", ".join(number(v) for v in values) + ">"
+
+
+def swapped(v):
+    """A Blender vector in POV-Ray's axes."""
+    return (v[0], v[2], v[1])
+
+
+def identifier(kind, name, taken):
+    """A POV-Ray identifier for a Blender name; capital first, so never a keyword."""
+    base = kind + "_" + re.sub(r"[^0-9A-Za-z]", "_", name)
+    text, count = base, 1
+    while text in taken:
+        count += 1
+        text = f"{base}_{count}"
+    taken.add(text)
+    return text
+
+
+# ---- materials -------------------------------------------------------------------------------
+
+
+def linked_node(socket, kind, what):
+    """The node that feeds a socket, or None; an error if it is not a `kind`."""
+    if not socket.is_linked:
+        return None
+    node = socket.links[0].from_node
+    if node.bl_idname != kind:
+        raise ExportError(f"{what}: expected a {kind} node, found '{node.name}'")
+    return node
+
+
+def metal_of(material):
+    tree = material.node_tree if material.use_nodes else None
+    output = tree.get_output_node("ALL") if tree else None
+    node = output and linked_node(output.inputs["Surface"], METAL, f"material '{material.name}'")
+    if not node:
+        raise ExportError(f"material '{material.name}': it has no Libshade Metal node")
+    return node
+
+
+def bump_image(socket, material, folder):
+    """The `bump_image` block for what feeds a Normal socket, or no text."""
+    what = f"material '{material.name}', Normal"
+    node = linked_node(socket, "ShaderNodeNormalMap", what)
+    if not node:
+        return ""
+    texture = linked_node(node.inputs["Color"], "ShaderNodeTexImage", what)
+    if not texture or not texture.image:
+        raise ExportError(f"{what}: the Normal Map node has no image")
+    if node.space != "TANGENT" or node.inputs["Strength"].is_linked:
+        raise ExportError(f"{what}: only tangent space and a plain strength can be written")
+    if texture.inputs["Vector"].is_linked or texture.extension != "REPEAT":
+        raise ExportError(f"{what}: only a repeating image on the plain UV map can be written")
+    image = texture.image
+    path = bpy.path.abspath(image.filepath)
+    kind = {"PNG": "png", "OPEN_EXR": "exr"}.get(image.file_format)
+    if image.packed_file or not kind or not os.path.isfile(path):
+        raise ExportError(f"{what}: image '{image.name}' ({path}) must be a PNG or OpenEXR file")
+    relative = os.path.relpath(path, folder).replace("\\", "/")
+    strength = node.inputs["Strength"].default_value
+    return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} }}'
+
+
+def texture_text(material, folder):
+    """`texture { … }` for one material."""
+    node = metal_of(material)
+    if node.inputs["Color"].is_linked:
+        raise ExportError(f"material '{material.name}': a textured Color cannot be written")
+    colour = node.inputs["Color"].default_value[:3]
+    bump = bump_image(node.inputs["Normal"], material, folder)
+    return f"""texture {{
+  pigment {{ rgb 1 }}
+  finish {{
+    ambient 0 diffuse 0
+    mdf {{
+      {node.distribution.lower()} {number(node.ex)}, {number(node.ey)}
+      brdf {node.brdf.lower()}
+      detail {node.detail.lower()}
+      groove {node.groove.lower()}
+      fresnel {node.fresnel.lower()}
+      specular rgb {vector(colour)}
+      tangent uv{bump}
+    }}
+  }}
+}}"""
+
+
+# ---- meshes ----------------------------------------------------------------------------------
+
+
+def read(collection, attribute, width, dtype=np.float32):
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(attribute, values)
+    return values
+
+
+def mesh_arrays(mesh, owner):
+    """(positions, normals, uvs, corner positions, material index per triangle)."""
+    if hasattr(mesh, "calc_normals_split"):  # until 4.1 corner normals are made on request
+        mesh.calc_normals_split()
+    mesh.calc_loop_triangles()
+    triangles = mesh.loop_triangles
+    layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
+    if layer is None:
+        raise ExportError(f"object '{owner}': the mesh has no UV map")
+    corners = read(triangles, "loops", 3, np.int32)
+    if hasattr(mesh, "corner_normals"):
+        normals = read(mesh.corner_normals, "vector", 3).reshape(-1, 3)[corners]
+    else:
+        normals = read(triangles, "split_normals", 9).reshape(-1, 3)
+    return (
+        read(mesh.vertices, "co", 3).reshape(-1, 3),
+        normals,
+        read(layer.data, "uv", 2).reshape(-1, 2)[corners],
+        read(triangles, "vertices", 3, np.int32),
+        read(triangles, "material_index", 1, np.int32),
+    )
+
+
+def list_block(name, rows):
+    """`name { count, <…>, … }`, one vector a line."""
+    pattern = "<" + ", ".join(["%.9g" if rows.dtype.kind == "f" else "%d"] * rows.shape[1]) + ">"
+    body = ",\n".join(pattern % tuple(row) for row in rows.tolist())
+    return f"{name} {{ {len(rows)},\n{body}\n}}\n"
+
+
+def mesh_text(arrays, textures):
+    """`mesh2 { … }`; with several textures each triangle names its own."""
+    positions, normals, uvs, corner_position, material = arrays
+    normal_rows, normal_index = np.unique(normals, axis=0, return_inverse=True)
+    uv_rows, uv_index = np.unique(uvs, axis=0, return_inverse=True)
+    text = "mesh2 {\n"
+    text += list_block("vertex_vectors", positions[:, [0, 2, 1]])
+    text += list_block("normal_vectors", normal_rows[:, [0, 2, 1]])
+    text += list_block("uv_vectors", uv_rows)
+    faces = corner_position.reshape(-1, 3)
+    if len(textures) == 1:
+        text += list_block("face_indices", faces)
+    else:
+        names = "".join(f", texture {{ {name} }}" for name in textures)
+        text += f"texture_list {{ {len(textures)}{names} }}\n"
+        slot = material.clip(0, len(textures) - 1)
+        body = ",\n".join("<%d, %d, %d>, %d" % (*f, s) for f, s in zip(faces.tolist(), slot))
+        text += f"face_indices {{ {len(faces)},\n{body}\n}}\n"
+    text += list_block("normal_indices", normal_index.reshape(-1, 3))
+    text += list_block("uv_indices", uv_index.reshape(-1, 3))
+    if len(textures) == 1:
+        text += f"texture {{ {textures[0]} }}\n"
+    return text + "}"
+
+
+def matrix_text(matrix):
+    """POV-Ray's `matrix`, whose rows are the images of the axes and the origin."""
+    m = SWAP @ matrix @ SWAP
+    return "matrix " + vector(m[row][column] for column in range(4) for row in range(3))
+
+
+# ---- camera, lights, world -------------------------------------------------------------------
+
+
+def camera_text(scene, camera):
+    data = camera.data
+    if data.type == "PANO" or data.dof.use_dof:
+        raise ExportError(f"camera '{camera.name}': only sharp perspective or orthographic")
+    place, turn, _ = camera.matrix_world.decompose()
+    corners = data.view_frame(scene=scene)
+    right_top, right_bottom, _, left_top = (turn @ corner for corner in corners)
+    middle = (left_top + right_bottom) / 2.0
+    forward = turn @ Vector((0.0, 0.0, -1.0))
+    if data.type == "ORTHO":
+        place = place + middle - forward * middle.dot(forward)
+        middle = forward
+    kind = {"ORTHO": "orthographic", "PERSP": "perspective"}[data.type]
+    return f"""camera {{
+  {kind}
+  location {vector(swapped(place))}
+  direction {vector(swapped(middle))}
+  right {vector(swapped(right_top - left_top))}
+  up {vector(swapped(right_top - right_bottom))}
+}}
+"""
+
+
+def light_text(light, matrix, size):
+    data = light.data
+    energy = [data.energy * c for c in data.color]
+    if data.use_nodes:
+        raise ExportError(f"light '{light.name}': nodes cannot be written")
+    shadow = "" if data.use_shadow else "\n  shadowless"
+    if data.type == "SUN" and data.angle == 0.0:
+        towards = (matrix.to_3x3() @ Vector((0.0, 0.0, 1.0))).normalized()
+        return f"""light_source {{
+  {vector(swapped(towards * 100.0 * size))}
+  rgb {vector(e / math.pi for e in energy)}
+  parallel point_at 0{shadow}
+}}
+"""
+    if data.type == "POINT" and data.shadow_soft_size == 0.0:
+        fade = FADE * size
+        # The power in W spreads over the sphere: intensity = power / (4 pi).
+        colour = [e / (4.0 * math.pi) / (2.0 * math.pi * fade**2) for e in energy]
+        return f"""light_source {{
+  {vector(swapped(matrix.translation))}
+  rgb {vector(colour)}
+  fade_distance {number(fade)} fade_power 2{shadow}
+}}
+"""
+    raise ExportError(f"light '{light.name}': only sharp sun and point lights can be written")
+
+
+def background_text(scene):
+    world = scene.world
+    colour = (0.0, 0.0, 0.0)
+    if world and not scene.render.film_transparent:
+        colour = world.color
+        if world.use_nodes and world.node_tree:
+            output = world.node_tree.get_output_node("ALL")
+            node = output and linked_node(
+                output.inputs["Surface"], "ShaderNodeBackground", f"world '{world.name}'"
+            )
+            strength = node.inputs["Strength"].default_value if node else 0.0
+            colour = [strength * c for c in node.inputs["Color"].default_value[:3]] if node else (0, 0, 0)
+    return f"background {{ rgb {vector(colour)} }}\n"
+
+
+# ---- the whole -------------------------------------------------------------------------------
+
+
+def scene_size(instances):
+    """Largest distance of a bounding-box corner from the origin."""
+    corners = (matrix @ Vector(c) for ob, matrix in instances for c in ob.bound_box)
+    return max((corner.length for corner in corners), default=1.0)
+
+
+def export(folder):
+    """Write the open Blender file to `folder`; returns the number of meshes."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    scene = depsgraph.scene_eval
+    if scene.camera is None:
+        raise ExportError("the scene has no camera")
+    instances, lights = [], []
+    for item in depsgraph.object_instances:
+        if not item.show_self:
+            continue
+        if item.object.type == "LIGHT":
+            lights.append((item.object, item.matrix_world.copy()))
+        elif isinstance(item.object.data, bpy.types.Mesh) and item.object.data.polygons:
+            instances.append((item.object, item.matrix_world.copy()))
+    if not instances or not lights:
+        raise ExportError(f"the scene has no {'light' if instances else 'mesh'}")
+
+    taken, textures, meshes, materials_text, meshes_text, objects = set(), {}, {}, [], [], []
+    for ob, matrix in instances:
+        slots = tuple(slot.material for slot in ob.material_slots)
+        if not slots or None in slots:
+            raise ExportError(f"object '{ob.name}': an empty material slot")
+        for material in slots:
+            if material not in textures:
+                textures[material] = identifier("Metal", material.name, taken)
+                text = texture_text(material, folder)
+                materials_text.append(f"#declare {textures[material]} = {text}\n")
+        key = (ob.data, slots)
+        if key not in meshes:
+            meshes[key] = identifier("Mesh", ob.name, taken)
+            text = mesh_text(mesh_arrays(ob.data, ob.name), [textures[m] for m in slots])
+            meshes_text.append(f"#declare {meshes[key]} = {text}\n")
+        objects.append(f"object {{ {meshes[key]} {matrix_text(matrix)} }}\n")
+
+    size = scene_size(instances)
+    render = scene.render
+    scale = render.resolution_percentage / 100.0
+    includes = "".join(
+        f'#include "{name}.inc"\n' for name in ("camera", "lights", "materials", "meshes")
+    )
+    files = {
+        "camera.inc": camera_text(scene, scene.camera),
+        "lights.inc": "".join(light_text(*light, size) for light in lights),
+        "materials.inc": "".join(materials_text),
+        "meshes.inc": "".join(meshes_text),
+        "scene.pov": "#version 3.7;\nglobal_settings { assumed_gamma 1 }\n"
+        + includes + background_text(scene) + "".join(objects),
+        "scene.ini": f"Width={int(render.resolution_x * scale)}\n"
+        f"Height={int(render.resolution_y * scale)}\nInput_File_Name=scene.pov\n",
+    }
+    os.makedirs(folder, exist_ok=True)
+    for name, text in files.items():
+        note = ";" if name.endswith(".ini") else "//"
+        source = os.path.basename(bpy.data.filepath) or "an unsaved file"
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(f"{note} Made from {source} by compare/export_povray.py.\n{text}")
+    return len(meshes)
+
+
+def main():
+    arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        sys.exit(__doc__)
+    try:
+        count = export(os.path.abspath(arguments[0]))
+    except ExportError as error:
+        sys.exit(f"export_povray: {bpy.data.filepath or 'scene'}: {error}")
+    print(f"export_povray: {count} meshes written to {arguments[0]}")
+
+
+if __name__ == "__main__":
+    main()

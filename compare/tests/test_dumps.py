@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading and comparing dumps; each comparison must notice what it is there to notice."""
+import numpy as np
+import pytest
+import synthetic
+
+import consistency
+import dumps
+
+
+@pytest.fixture
+def channels():
+    return synthetic.planes()
+
+
+def load(path, channels):
+    return dumps.read(synthetic.write(path, channels))
+
+
+def compare(tmp_path, channels, change):
+    """(rows by first word, verdict) of a dump against itself after `change`."""
+    changed = {name: plane.copy() for name, plane in channels.items()}
+    change(changed)
+    a, b = load(tmp_path / "a.exr", channels), load(tmp_path / "b.exr", changed)
+    rows, good = consistency.dump_rows(a, b)
+    return {row[0].split()[0]: row for row in rows}, good
+
+
+def turn(channels, name, degrees, pixels=slice(None)):
+    """Turn a direction about z, in the covered pixels numbered by `pixels`."""
+    where = np.flatnonzero(channels["material.ID"].ravel() >= 0)[pixels]
+    x, y = channels[name + ".X"].ravel(), channels[name + ".Y"].ravel()
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    x[where], y[where] = c * x[where] - s * y[where], s * x[where] + c * y[where]
+    channels[name + ".X"], channels[name + ".Y"] = x.reshape(64, 64), y.reshape(64, 64)
+
+
+def test_equal_dumps_agree(tmp_path, channels):
+    rows, good = compare(tmp_path, channels, lambda c: None)
+    assert good
+    assert {"P", "N", "T", "Ns", "V"} <= set(rows)
+    assert all(row[3] in ("", "ok") for row in rows.values())
+
+
+@pytest.mark.parametrize("name", ["N", "T", "Ns"])
+def test_turned_directions_are_caught(tmp_path, channels, name):
+    rows, good = compare(tmp_path, channels, lambda c: turn(c, name, 3.0))
+    assert not good
+    assert [n for n, row in rows.items() if row[3] == "MISSED"] == [name]
+
+
+def test_one_percent_of_wrong_pixels_is_too_many(tmp_path, channels):
+    assert not compare(tmp_path, channels, lambda c: turn(c, "T", 20.0, slice(0, None, 100)))[1]
+    assert compare(tmp_path, channels, lambda c: turn(c, "T", 20.0, slice(0, None, 400)))[1]
+
+
+def test_tilted_view_is_caught(tmp_path, channels):
+    def tilt(c):
+        c["V.X"] = c["V.X"] + np.sin(np.radians(0.2))
+
+    rows, good = compare(tmp_path, channels, tilt)
+    assert not good and rows["V"][3] == "MISSED"
+
+
+def test_moved_points_are_caught(tmp_path, channels):
+    def move(c):
+        c["P.X"] = c["P.X"] + 1e-3
+
+    rows, good = compare(tmp_path, channels, move)
+    assert not good and rows["P"][3] == "MISSED"
+
+
+def test_different_coverage_is_caught(tmp_path, channels):
+    def shift(c):
+        for name in c:
+            c[name] = np.roll(c[name], 1, axis=1)
+
+    rows, good = compare(tmp_path, channels, shift)
+    assert not good and rows["covered"][3] == "MISSED"
+
+
+def test_a_vector_of_no_length_is_as_wrong_as_can_be():
+    a = np.array([[0.0, 0.0, 1.0]] * 3)
+    b = np.array([[0.0, 0.0, 0.0], [np.nan, 0.0, 1.0], [0.0, 0.0, 2.0]])
+    assert dumps.angles(a, b).tolist() == [180.0, 180.0, 0.0]
+
+
+@pytest.mark.parametrize("degrees", [1e-4, 0.1, 45.0, 90.0, 179.9])
+def test_angles(degrees):
+    t = np.radians(degrees)
+    measured = dumps.angles(np.array([1.0, 0.0, 0.0]), np.array([np.cos(t), np.sin(t), 0.0]))
+    assert measured == pytest.approx(degrees, rel=1e-9)
+
+
+def test_handedness_swaps_to_and_fro(tmp_path, channels):
+    dump = load(tmp_path / "a.exr", channels)
+    swapped = dumps.swap_handedness(dump)
+    assert np.array_equal(swapped.P[..., 1], dump.P[..., 2])
+    assert not np.array_equal(swapped.lights[0]["L"], dump.lights[0]["L"])
+    again = dumps.swap_handedness(swapped)
+    assert all(np.array_equal(getattr(again, n), getattr(dump, n)) for n in dumps.DIRECTIONS)
+
+
+def test_lights_are_found_in_order(tmp_path, channels):
+    for k in range(1, 12):
+        for c in "RGB":
+            channels[f"light{k}.E.{c}"] = channels["light0.E.R"] * (k + 1)
+            channels[f"light{k}.S.{c}"] = channels["light0.S.R"]
+        for c in "XYZ":
+            channels[f"light{k}.L.{c}"] = channels[f"light0.L.{c}"]
+    dump = load(tmp_path / "a.exr", channels)
+    assert [light["E"].max() for light in dump.lights] == [3.0, *range(2, 13)]
+
+
+def test_what_is_no_dump_is_said_with_its_name(tmp_path, channels):
+    with pytest.raises(OSError, match="nowhere.exr"):
+        dumps.read(tmp_path / "nowhere.exr")
+    plain = synthetic.write(tmp_path / "plain.exr", channels, header=None)
+    with pytest.raises(ValueError, match="plain.exr: not a dump"):
+        dumps.read(plain)
+    del channels["Ns.Y"]
+    with pytest.raises(ValueError, match=r"a.exr: channel Ns\.Y is missing"):
+        load(tmp_path / "a.exr", channels)
+
+
+def test_dumps_that_do_not_match_are_refused(tmp_path, channels):
+    a = load(tmp_path / "a.exr", channels)
+    small = {name: plane[:32] for name, plane in channels.items()}
+    with pytest.raises(ValueError, match="different size"):
+        dumps.deviations(a, load(tmp_path / "b.exr", small))
+    channels["material.ID"] = np.full_like(channels["material.ID"], -1.0)
+    with pytest.raises(ValueError, match="no covered pixel"):
+        dumps.deviations(a, load(tmp_path / "c.exr", channels))

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures, figures and tables."""
+import numpy as np
+import pytest
+
+import consistency
+import pictures
+import report
+import truth
+
+
+def test_srgb_encoding_at_known_values():
+    # IEC 61966-2-1: middle grey 0.2140 is 127.5; the straight part ends at 0.0031308.
+    linear = np.array([0.0, 0.0031308, 0.21404114, 1.0, 7.0, -1.0])
+    assert pictures.encode(linear).tolist() in ([0, 10, 127, 255, 255, 0], [0, 10, 128, 255, 255, 0])
+
+
+def test_float_pictures_survive_a_file(tmp_path):
+    rgb = np.random.default_rng(1).random((5, 7, 3))
+    pictures.write_float(tmp_path / "a.exr", rgb)
+    assert np.array_equal(pictures.read(tmp_path / "a.exr"), rgb.astype(np.float32))
+
+
+def test_rows_stay_in_order(tmp_path):
+    rgb = np.zeros((4, 4, 3))
+    rgb[0, 3] = (1.0, 0.5, 0.25)
+    pictures.write_png(tmp_path / "a.png", rgb)
+    back = pictures.read(tmp_path / "a.png")
+    assert back[0, 3, 0] == 1.0 and back[0, 3, 1] > back[0, 3, 2] > 0.0
+    assert np.count_nonzero(back) == 3
+
+
+def test_missing_picture_is_named(tmp_path):
+    with pytest.raises(OSError, match="none.exr"):
+        pictures.read(tmp_path / "none.exr")
+
+
+def test_relative_difference():
+    picture = np.full((2, 2, 3), 2.0)
+    assert pictures.relative_difference(picture, picture) == 0.0
+    assert pictures.relative_difference(1.1 * picture, picture) == pytest.approx(0.1)
+    # Differences of either sign count.
+    mixed = picture * np.array([0.9, 1.1, 1.0])
+    assert pictures.relative_difference(mixed, picture) == pytest.approx(0.2 / 3.0)
+
+
+def test_relative_difference_refuses_nonsense():
+    black = np.zeros((2, 2, 3))
+    with pytest.raises(ValueError, match="black"):
+        pictures.relative_difference(black, black)
+    with pytest.raises(ValueError, match="different size"):
+        pictures.relative_difference(black, np.ones((2, 3, 3)))
+    with pytest.raises(ValueError, match="not finite"):
+        pictures.relative_difference(black * np.nan, np.ones((2, 2, 3)))
+
+
+def test_pictures_that_differ_too_much_are_missed():
+    picture = np.random.default_rng(2).random((8, 8, 3))
+    assert consistency.picture_rows(picture, 1.01 * picture)[1]
+    assert not consistency.picture_rows(picture, 1.03 * picture)[1]
+
+
+@pytest.mark.parametrize("name, largest, mean, good", [
+    ("Blender", 0.9e-4, 0.9e-5, True),
+    ("Blender", 1.1e-4, 0.9e-5, False),
+    ("Blender", 0.9e-4, 1.1e-5, False),
+    ("POV-Ray", 4e-5, 4e-5, True),
+    ("POV-Ray", 6e-5, 1e-6, False),
+    ("Blender", float("nan"), 0.0, False),
+])
+def test_limits_against_the_reference(name, largest, mean, good):
+    assert consistency.check_rows(name, largest, mean)[1] is good
+
+
+def test_errors_of_the_methods_are_against_the_displaced_plate():
+    displaced = np.full((2, 2, 3), 4.0)
+    images = {"displaced": displaced, "rotate": 1.01 * displaced, "none": 0.0 * displaced}
+    measured = truth.errors(images)
+    assert measured == {"rotate": pytest.approx(0.01), "none": pytest.approx(1.0)}
+
+
+def test_table_lines_up():
+    lines = report.table(["what", "n"], [["a", "1"], ["longer", "1000"]]).splitlines()
+    assert lines[0] == "what       n"
+    assert lines[2] == "a          1"
+    assert lines[3] == "longer  1000"
+
+
+def test_a_failing_step_says_which_and_why(tmp_path):
+    with pytest.raises(report.StepFailed, match="(?s)Doing it.*status 3.*the reason"):
+        report.step("Doing it", ["sh", "-c", "echo the reason; exit 3"], tmp_path / "log")
+    assert (tmp_path / "log").read_text() == "the reason\n"
+    with pytest.raises(report.StepFailed, match="no-such-program"):
+        report.step("Doing it", ["no-such-program"], tmp_path / "log")
+    assert report.step("Doing it", ["sh", "-c", "echo no; exit 1"], tmp_path / "log",
+                       allowed=(0, 1)) == "no\n"
+
+
+def test_progress_shows_a_program_s_percentage(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    report.step("Drawing", ["sh", "-c", "echo Rendered 3 of 12 pixels '(25%)'"], tmp_path / "log")
+    shown = capsys.readouterr().err
+    assert "\rDrawing … 25 %" in shown and shown.endswith("s   \n")

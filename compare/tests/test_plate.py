@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plate and the bumps are what they claim to be."""
+import bumps
+import numpy as np
+import pytest
+
+import plate
+
+
+def test_exponents_of_the_issue():
+    assert plate.EX == pytest.approx(6170.84, abs=5e-3)
+    assert plate.EY == pytest.approx(7.876543, abs=5e-7)
+
+
+def test_slopes_are_those_of_the_height():
+    u, v = np.random.default_rng(3).random((2, 1000))
+    e = 1e-6
+    du, dv = plate.slopes(u, v)
+    assert np.allclose((plate.height(u + e, v) - plate.height(u - e, v)) / (2 * e), du, atol=1e-8)
+    assert np.allclose((plate.height(u, v + e) - plate.height(u, v - e)) / (2 * e), dv, atol=1e-8)
+
+
+def test_steepest_slope():
+    steepness = np.hypot(*plate.slopes(*plate.grid(800)))
+    assert steepness.max() == pytest.approx(plate.SLOPE, rel=1e-3)
+    assert steepness.max() <= plate.SLOPE
+
+
+def test_sun_reaches_all_of_it():
+    # A ray to the sun climbs faster than any slope, so it meets no other bump.
+    assert np.linalg.norm(plate.SUN) == pytest.approx(1.0)
+    assert plate.SUN[2] / np.hypot(*plate.SUN[:2]) > 1.5 * plate.SLOPE
+    assert (plate.normals(*plate.grid(200)) @ plate.SUN).min() > 0.1
+
+
+def test_normal_map_decodes_to_the_normals():
+    rgb = plate.normal_map(64)
+    assert rgb.dtype == np.float32 and rgb.min() >= 0.0 and rgb.max() <= 1.0
+    u, v = plate.grid(64)
+    assert np.allclose(2.0 * rgb[::-1] - 1.0, plate.normals(u, v), atol=1e-6)
+
+
+def test_mesh_lies_on_the_surface():
+    positions, normals, faces, uv = plate.mesh(16)
+    assert faces.shape == (256, 4) and faces.max() == len(positions) - 1
+    assert np.array_equal(positions[:, :2], uv - 0.5)
+    assert np.allclose(positions[:, 2], plate.height(*uv.T))
+    a, b, d = (positions[faces[:, i]] for i in (0, 1, 3))
+    assert (np.cross(b - a, d - a)[:, 2] > 0.0).all(), "faces look up"
+    assert (normals[:, 2] > 0.8).all()
+
+
+@pytest.mark.parametrize("make", [bumps.hammered, bumps.grain])
+def test_bumps_are_seamless_unit_normals(make):
+    n = make(128)
+    assert np.allclose(np.linalg.norm(n, axis=-1), 1.0)
+    assert n[..., 2].min() > 0.5
+    assert np.abs(n[..., :2].mean(axis=(0, 1))).max() < 5e-3, "no lean to one side"
+    for axis in (0, 1):
+        steps = np.abs(np.diff(n, axis=axis)).mean()
+        seam = np.abs(n.take(0, axis) - n.take(-1, axis)).mean()
+        assert seam < 2.0 * steps, "the tile's edge is no rougher than its inside"
+    assert np.array_equal(n, make(128)), "the same every time"
