@@ -2,8 +2,8 @@
 /* Dumps: what is written comes back, whatever the order of channels; what is not a dump does not.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "dump.h"
-#include "dump_exr.h"
+#include "dump/dump.h"
+#include "dump/dump_exr.h"
 
 #include <dirent.h>
 #include <dlfcn.h>

@@ -206,18 +206,28 @@ static point flat_point(double x, double y, double u, double v) {
   return make_point(x, y, 0, 0, 0, 1, u, v);
 }
 
+/* Corner angles are those seen along the normal, here turned about x by `tilt`. */
+static void check_angle_weights(double tilt) {
+  mesh m = new_mesh(3);
+  const double c = cos(tilt), s = sin(tilt);
+  const point corner = make_point(0, 0, 0, 0, -s, c, 0, 0);
+  const point up = make_point(0, 1, 0, 0, -s, c, 0, 1);
+  add_triangle(&m, corner, corner, up); /* collapsed: must not come between the others */
+  /* dP/du = (1, 0), a right angle at `corner`; dP/du = (1, 1), edges (0, 1) and (-1, 1) */
+  add_triangle(&m, corner, make_point(1, 0, 0, 0, -s, c, 1, 0), up);
+  add_triangle(&m, corner, up, make_point(-1, 1, 0, 0, -s, c, -1, 2));
+  assert_int_equal(solve(&m), 0);
+  const double angle = atan2(1, c), x = PI / 2 + angle / hypot(1, c), y = angle * c / hypot(1, c);
+  const double expected[3] = {x, c * y, s * y};
+  for (size_t k = 0; k < 9; k += 3)
+    assert_true(angle_degrees(m.tangent + 4 * k, expected) < 3e-2);
+  free_mesh(&m);
+}
+
 static void test_angle_weights(void **state) {
   (void)state;
-  mesh m = new_mesh(2);
-  const point corner = flat_point(0, 0, 0, 0), up = flat_point(0, 1, 0, 1);
-  /* dP/du = (1, 0), a right angle at `corner`; dP/du = (1, 1)/sqrt(2), 45 degrees */
-  add_triangle(&m, corner, flat_point(1, 0, 1, 0), up);
-  add_triangle(&m, corner, up, flat_point(-1, 1, -1, 2));
-  assert_int_equal(solve(&m), 0);
-  const double expected[3] = {90 + 45 * sqrt(0.5), 45 * sqrt(0.5), 0};
-  assert_true(angle_degrees(m.tangent, expected) < 1e-2);
-  assert_true(angle_degrees(m.tangent + 4 * 3, expected) < 1e-2);
-  free_mesh(&m);
+  check_angle_weights(0);
+  check_angle_weights(PI / 3);
 }
 
 /* Two fans that only touch in a point, with the same values there, stay apart. */
@@ -290,6 +300,19 @@ static void test_indexing_does_not_matter(void **state) {
   free(again);
   free(index);
   free_mesh(&m);
+}
+
+/* Normals of any length will do. */
+static void test_long_normals(void **state) {
+  (void)state;
+  mesh m = tessellate(torus, 24, 12), longer = tessellate(torus, 24, 12);
+  for (size_t k = 0; k < 9 * m.triangles; k++)
+    longer.normal[k] *= 8;
+  assert_int_equal(solve(&m), 0);
+  assert_int_equal(solve(&longer), 0);
+  assert_memory_equal(longer.tangent, m.tangent, 12 * m.triangles * sizeof(float));
+  free_mesh(&m);
+  free_mesh(&longer);
 }
 
 /* 0 and -0 are one value. */
@@ -418,6 +441,7 @@ int main(void) {
       cmocka_unit_test(test_flat_joins),
       cmocka_unit_test(test_collapsed_shares),
       cmocka_unit_test(test_indexing_does_not_matter),
+      cmocka_unit_test(test_long_normals),
       cmocka_unit_test(test_negative_zero),
       cmocka_unit_test(test_no_uv_at_all),
       cmocka_unit_test(test_not_finite),
