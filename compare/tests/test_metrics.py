@@ -69,7 +69,17 @@ def test_pictures_that_differ_too_much_are_missed():
     ("Blender", float("nan"), 0.0, False),
 ])
 def test_limits_against_the_reference(name, largest, mean, good):
-    assert consistency.check_rows(name, largest, mean)[1] is good
+    said = {"pass": True, "values": 10, "largest": largest, "mean": mean, "faults": []}
+    assert consistency.check_rows(name, said)[1] is good
+
+
+def test_faults_of_a_dump_are_shown_and_fail():
+    said = {"pass": False, "values": 10, "largest": 0.0, "mean": 0.0,
+            "faults": [{"what": "S is not finite", "count": 3, "x": 1, "y": 2}]}
+    rows, good = consistency.check_rows("Blender", said)
+    assert not good and rows[-1][0] == "Blender: S is not finite, first at (1, 2)"
+    said = {"pass": False, "values": 0, "largest": 0.0, "mean": 0.0, "faults": []}
+    assert not consistency.check_rows("Blender", said)[1], "nothing compared is no agreement"
 
 
 def test_errors_of_the_methods_are_against_the_displaced_plate():

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Brushed metal on POV-Ray's own shapes: what to write, and where the strokes run.
+//
+//   build/povray/povray +Iexamples/povray/metals/metals.pov +Obuild/metals.png \
+//     +W800 +H400 +A0.1
+#version 3.7;
+global_settings { assumed_gamma 1 }
+
+camera {
+  location <0, 2.6, -7>
+  right 2*x up y
+  angle 50
+  look_at <0, 0.65, 0>
+}
+light_source { <-6, 8, -6> rgb 1.6 }
+light_source { <5, 6, -3> rgb <1.1, 1.2, 1.4> }
+light_source { <2, 7, 6> rgb 1.2 }
+background { rgb <0.012, 0.014, 0.018> }
+
+// Ashikhmin-Shirley's exponents: the larger one lies along the strokes.
+#macro Brushed(Colour, Along, Across)
+  ambient 0 diffuse 0
+  mdf {
+    ashikhmin_shirley Along, Across
+    detail rotate
+    fresnel schlick
+    specular Colour
+  }
+#end
+
+// Turned on a lathe: u of a sphere runs around its axis, and so do the strokes.
+sphere {
+  0, 1
+  texture {
+    pigment { rgb 1 }
+    finish { Brushed(rgb <0.95, 0.64, 0.54>, 220, 5) }
+  }
+  rotate -15*z
+  translate <-2.5, 1, 0>
+}
+
+// Hammered: POV-Ray's normal bends the surface, the strokes follow it.
+torus {
+  0.85, 0.38
+  texture {
+    pigment { rgb 1 }
+    normal { bumps 0.35 scale 0.14 }
+    finish { Brushed(rgb <1.00, 0.78, 0.34>, 200, 4) }
+  }
+  rotate -55*x
+  translate <0, 0.95, 0>
+}
+
+// Strokes along an axis of the object, wherever its faces look.
+box {
+  -0.8, 0.8
+  texture {
+    pigment { rgb 1 }
+    finish {
+      ambient 0 diffuse 0
+      mdf {
+        ashikhmin_shirley 300, 3
+        detail rotate
+        fresnel schlick
+        specular rgb <0.60, 0.59, 0.57>
+        tangent x
+      }
+    }
+  }
+  rotate 35*y
+  translate <2.5, 0.8, 0>
+}
+
+// An ordinary floor: mdf lives beside POV-Ray's own finishes.
+plane {
+  y, 0
+  pigment { rgb 0.18 }
+  finish { ambient 0 diffuse 0.6 }
+}
