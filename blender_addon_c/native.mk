@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The renderer of the Blender engine: a Python module in C with its own copies of Embree, TBB and
+# OpenEXRCore beside it. Needs python3-dev, libembree-dev, libopenexr-dev, patchelf.
+N := blender_addon_c/native
+NATIVE := $(B)/blender/native
+NATIVE_SO := $(NATIVE)/_native.abi3.so
+NATIVE_PYTHON := /usr/bin/python3
+NATIVE_CFLAGS := -O3 -std=c11 -g -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
+  -ffp-contract=fast -fopenmp-simd -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
+NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
+NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*.c))
+NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
+
+
+# What the module opens at run time. Embree's TBB gets a name of its own: Blender has one too, and
+# the loader gives the first library of a name to all who ask for that name.
+NATIVE_SYSTEM := /usr/lib/$(shell $(CC) -print-multiarch 2>/dev/null || uname -m)
+NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
+  $(NATIVE)/lib/libOpenEXRCore-3_1.so.30
+BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
+
+.PHONY: native
+native: $(NATIVE_SO) $(NATIVE_LIBS)
+
+$(NATIVE)/obj/isa_%.o: $(N)/isa_%.c
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(ISA_$*) $(CFLAGS) -MMD -c $< -o $@
+$(NATIVE)/obj/%.o: $(N)/%.c
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(NATIVE_PYTHON_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
+$(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
+	$(call say,link     ,$@)
+	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
+-include $(wildcard $(NATIVE)/obj/*.d)
+
+$(NATIVE)/lib/libembree3.so.3: $(NATIVE_SYSTEM)/libembree3.so.3
+	@mkdir -p $(@D)
+	$(call say,copy     ,$@)
+	$(Q)cp -L $< $@.part && patchelf --set-rpath '$$ORIGIN' \
+	  --replace-needed libtbb.so.12 libshade_tbb.so.12 $@.part && mv $@.part $@
+$(NATIVE)/lib/libshade_tbb.so.12: $(NATIVE_SYSTEM)/libtbb.so.12
+	@mkdir -p $(@D)
+	$(call say,copy     ,$@)
+	$(Q)cp -L $< $@.part && patchelf --set-soname $(@F) $@.part && mv $@.part $@
+$(NATIVE)/lib/libOpenEXRCore-3_1.so.30: $(NATIVE_SYSTEM)/libOpenEXRCore-3_1.so.30
+	@mkdir -p $(@D)
+	$(call say,copy     ,$@)
+	$(Q)cp -L $< $@
+$(BLENDER_ADDON)/%: $(NATIVE)/%
+	@mkdir -p $(@D)
+	$(call say,copy     ,$@)
+	$(Q)cp $< $@

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Sample positions: the first four dimensions of Sobol's sequence, shifted digitally
+ * by a hash of pixel, dimension and seed. A pixel's samples depend on nothing
+ * else: not on threads, tiles or the border. [Sobol 1967; direction numbers: JoeKuo 2008]
+ */
+#ifndef LIBSHADE_SAMPLING_H
+#define LIBSHADE_SAMPLING_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { SAMPLING_DIMENSIONS = 4, SAMPLING_WARP = 256 };
+
+typedef struct sampling {
+  size_t period;                        /* samples a pixel */
+  uint32_t *point[SAMPLING_DIMENSIONS]; /* repeated, so that any run of a batch is contiguous */
+  uint32_t scramble;                    /* and-ed with each hash: 0 for a dump */
+  float *warp; /* SAMPLING_WARP + 1 offsets from the pixel's centre, or NULL for the box */
+} sampling;
+
+/*
+ * `samples` points a pixel, for runs of at most `run` lanes. filter_width 0: box of one
+ * pixel, else Blackman-Harris of this full width in pixels. False when out of memory.
+ */
+bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width);
+
+/* One sample in the middle of everything, unscrambled. */
+bool sampling_init_center(sampling *s, size_t run);
+
+void sampling_free(sampling *s);
+
+#endif

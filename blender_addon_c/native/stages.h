@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* All stages in their order, for the one translation unit of each instruction set. */
+#include "batch.h"
+#include "sampling.h"
+
+#include "stage_camera.h"
+#include "stage_hit.h"
+#include "stage_surface.h"
+#include "stage_bump.h"
+#include "stage_light.h"
+#include "stage_shade.h"
+#include "stage_film.h"
+
+#define STAGE_TABLE(isa)                                                                           \
+  const stage_table stages_##isa = {.name = #isa,                                                  \
+                                    .camera = stage_camera,                                        \
+                                    .locate = stage_locate,                                        \
+                                    .gather = stage_gather,                                        \
+                                    .corner = stage_corner,                                        \
+                                    .surface = stage_surface,                                      \
+                                    .bilinear = stage_bilinear,                                    \
+                                    .bump = stage_bump,                                            \
+                                    .tint = stage_tint,                                            \
+                                    .disc = stage_disc,                                            \
+                                    .sun = stage_sun,                                              \
+                                    .point = stage_point,                                          \
+                                    .lit = stage_lit,                                              \
+                                    .shadow = stage_shadow,                                        \
+                                    .reflect = stage_reflect,                                      \
+                                    .scatter = stage_scatter,                                      \
+                                    .film = stage_film}
