@@ -212,11 +212,12 @@ static void check_angle_weights(double tilt) {
   const double c = cos(tilt), s = sin(tilt);
   const point corner = make_point(0, 0, 0, 0, -s, c, 0, 0);
   const point up = make_point(0, 1, 0, 0, -s, c, 0, 1);
-  add_triangle(&m, corner, corner, up); /* collapsed: must not come between the others */
+  /* collapsed, though not in UV: it must not come between the others */
+  add_triangle(&m, corner, make_point(0, 0, 0, 0, -s, c, 5, 5), up);
   /* dP/du = (1, 0), a right angle at `corner`; dP/du = (1, 1), edges (0, 1) and (-1, 1) */
   add_triangle(&m, corner, make_point(1, 0, 0, 0, -s, c, 1, 0), up);
   add_triangle(&m, corner, up, make_point(-1, 1, 0, 0, -s, c, -1, 2));
-  assert_int_equal(solve(&m), 0);
+  assert_int_equal(solve(&m), 1);
   const double angle = atan2(1, c), x = PI / 2 + angle / hypot(1, c), y = angle * c / hypot(1, c);
   const double expected[3] = {x, c * y, s * y};
   for (size_t k = 0; k < 9; k += 3)
@@ -241,6 +242,25 @@ static void test_fans_stay_apart(void **state) {
   const double first[3] = {1, 0, 0}, second[3] = {0, -1, 0};
   assert_true(angle_degrees(m.tangent, first) < 1e-2);
   assert_true(angle_degrees(m.tangent + 4 * 3, second) < 1e-2);
+  free_mesh(&m);
+}
+
+/* Where four triangles meet in an edge, the first ones of either direction are a pair. */
+static void test_crowded_edge(void **state) {
+  (void)state;
+  mesh m = new_mesh(4);
+  const point a = flat_point(0, 0, 0, 0), b = flat_point(0, 1, 0, 1);
+  add_triangle(&m, a, b, flat_point(-1, 0, -1, 1));  /* dP/du at 45 degrees */
+  add_triangle(&m, a, b, flat_point(-1, 0, -1, -1)); /* -45 */
+  add_triangle(&m, b, a, flat_point(1, 0, 1, 0));    /* 0 */
+  add_triangle(&m, b, a, flat_point(2, 0, 2, 0));    /* 0 */
+  assert_int_equal(solve(&m), 0);
+  const double rising[3] = {cos(PI / 8), sin(PI / 8), 0};
+  const double falling[3] = {cos(PI / 8), -sin(PI / 8), 0};
+  assert_true(angle_degrees(m.tangent, rising) < 1e-2); /* all at a: right angles */
+  assert_true(angle_degrees(m.tangent + 4 * 3, falling) < 1e-2);
+  assert_true(angle_degrees(m.tangent + 4 * 7, rising) < 1e-2);
+  assert_true(angle_degrees(m.tangent + 4 * 10, falling) < 1e-2);
   free_mesh(&m);
 }
 
@@ -438,6 +458,7 @@ int main(void) {
       cmocka_unit_test(test_curved),
       cmocka_unit_test(test_angle_weights),
       cmocka_unit_test(test_fans_stay_apart),
+      cmocka_unit_test(test_crowded_edge),
       cmocka_unit_test(test_flat_joins),
       cmocka_unit_test(test_collapsed_shares),
       cmocka_unit_test(test_indexing_does_not_matter),
