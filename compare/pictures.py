@@ -24,7 +24,7 @@ def write_float(path, rgb):
     """Write RGB as a 32-bit float OpenEXR."""
     spec = oiio.ImageSpec(rgb.shape[1], rgb.shape[0], 3, oiio.FLOAT)
     spec.attribute("compression", "zip")
-    _write(path, spec, np.ascontiguousarray(rgb, np.float32))
+    _write(path, spec, np.asarray(rgb, np.float32))
 
 
 def encode(rgb):
@@ -46,7 +46,7 @@ def _write(path, spec, pixels):
     target = oiio.ImageOutput.create(str(path))
     if target is None or not target.open(str(path), spec):
         raise OSError(f"{path}: {oiio.geterror()}")
-    written = target.write_image(pixels)
+    written = target.write_image(np.ascontiguousarray(pixels))
     target.close()
     if not written:
         raise OSError(f"{path}: {target.geterror()}")

@@ -30,6 +30,13 @@ def test_rows_stay_in_order(tmp_path):
     assert np.count_nonzero(back) == 3
 
 
+def test_what_was_read_can_be_written(tmp_path):
+    rgb = np.random.default_rng(4).random((5, 7, 3))
+    pictures.write_float(tmp_path / "a.exr", rgb)
+    pictures.write_png(tmp_path / "a.png", pictures.read(tmp_path / "a.exr"))
+    assert pictures.read(tmp_path / "a.png").shape == (5, 7, 3)
+
+
 def test_missing_picture_is_named(tmp_path):
     with pytest.raises(OSError, match="none.exr"):
         pictures.read(tmp_path / "none.exr")

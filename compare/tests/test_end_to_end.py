@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scripts on the real renderers, at small sizes and with the full limits."""
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import pictures
+import programs
+import report
+
+COMPARE = Path(programs.__file__).parent
+MAKE_SCENE = programs.ROOT / "examples" / "blender" / "suzanne" / "make_scene.py"
+AWKWARD = Path(__file__).with_name("awkward_scene.py")
+
+
+def run(script, *arguments):
+    """A script of compare/ as a user calls it."""
+    return subprocess.run(
+        [sys.executable, str(COMPARE / script), *map(str, arguments)],
+        capture_output=True, text=True, check=False,
+    )
+
+
+def build_scene(script, path, *arguments):
+    report.step("scene", programs.blender(script, path, *arguments), path.with_suffix(".log"),
+                programs.ADD_ON)
+    return path
+
+
+@pytest.fixture(scope="module")
+def suzanne(tmp_path_factory):
+    return build_scene(MAKE_SCENE, tmp_path_factory.mktemp("suzanne") / "suzanne.blend")
+
+
+def test_renderers_agree_on_suzanne(suzanne, tmp_path):
+    done = run("consistency.py", suzanne, "--percent", 40, "--output", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "both renderers agree" in done.stdout
+    for name in ("blender", "povray", "difference"):
+        assert pictures.read(tmp_path / f"{name}.png").shape == (288, 384, 3)
+
+
+@pytest.mark.parametrize("camera", ["PERSP", "ORTHO"])
+def test_renderers_agree_on_an_awkward_scene(camera, tmp_path):
+    scene = build_scene(AWKWARD, tmp_path / "awkward.blend", camera)
+    done = run("consistency.py", scene, "--output", tmp_path / "out")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_rotate_follows_the_displaced_plate(tmp_path):
+    done = run("truth.py", "--size", 192, "--samples", 256, "--output", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    errors = json.loads((tmp_path / "truth.json").read_text())["errors"]
+    assert errors["rotate"] <= 0.02
+    # What everyone else does, by Cycles' own node and by our method of the same kind.
+    assert errors["Cycles' normal map"] == pytest.approx(errors["gram_schmidt"], abs=0.01)
+    assert errors["gram_schmidt"] > 0.3 and errors["perturb"] > 0.3 and errors["none"] > 0.3
+    assert (tmp_path / "strip.png").stat().st_size > 0
+    assert (tmp_path / "chart.png").stat().st_size > 0
+
+
+@pytest.mark.parametrize("change, said", [
+    ("bpy.data.lights['Sun'].type = 'AREA'", "light 'Sun': only sharp sun and point lights"),
+    ("bpy.data.lights['Lamp'].shadow_soft_size = 1", "light 'Lamp': only sharp sun and point"),
+    ("bpy.context.scene.camera = None", "the scene has no camera"),
+    ("bpy.data.meshes['Turntable'].uv_layers.remove(bpy.data.meshes['Turntable'].uv_layers[0])",
+     "object 'Turntable': the mesh has no UV map"),
+    ("bpy.data.images['turned.png'].filepath = '//none.png'", "material 'Turned steel', Normal"),
+    ("bpy.data.materials['Turned steel'].node_tree.nodes.clear()",
+     "material 'Turned steel': it has no Libshade Metal node"),
+])
+def test_what_cannot_be_written_is_named(suzanne, tmp_path, change, said):
+    command = programs.blender(COMPARE / "export_povray.py", tmp_path / "out", scene=suzanne)
+    where = command.index("-P")
+    command[where:where] = ["--python-expr", f"import bpy; {change}"]
+    with pytest.raises(report.StepFailed) as failure:
+        report.step("Exporting", command, tmp_path / "log", programs.ADD_ON)
+    assert said in str(failure.value)
+    assert not (tmp_path / "out").exists(), "no half-written scene"
+
+
+def test_scripts_explain_themselves_and_refuse_bad_usage(tmp_path):
+    for script in ("consistency.py", "truth.py", "speed.py"):
+        done = run(script, "--help")
+        assert done.returncode == 0 and "--output" in done.stdout
+    done = run("consistency.py", tmp_path / "none.blend")
+    assert done.returncode == 2 and "none.blend: no such file" in done.stderr
