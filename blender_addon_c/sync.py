@@ -167,6 +167,7 @@ def _mesh(ob, slots, table, messages):
     indices = [table.index(material, ob.name) for material in slots or [None]]
     uv_map = table.uv_map(indices, ob.name)
     return {
+        "name": mesh.name,
         "positions": _get(mesh.vertices, "co", 3, np.float32),
         "corner_position": _corner_positions(mesh, corners),
         "corner_normals": _corner_normals(mesh, corners),

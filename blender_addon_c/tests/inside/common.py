@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes and helpers for scripts that run inside Blender.
+
+A script's arguments follow `--`; LIBSHADE_MODULE names the add-on's module.
+"""
+
+import os
+import sys
+
+import bpy
+
+MODULE = os.environ.get("LIBSHADE_MODULE", "libshade")
+
+
+def arguments():
+    return sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+
+
+def enable():
+    if MODULE not in bpy.context.preferences.addons:
+        bpy.ops.preferences.addon_enable(module=MODULE)
+
+
+def finish():
+    """Leave without Blender's own exit, which hangs in some versions of bpy."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)
+
+
+def empty_scene(width=64, height=48, samples=4):
+    """A scene without objects that renders with libshade to OpenEXR."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    enable()
+    scene = bpy.context.scene
+    render = scene.render
+    render.engine = "LIBSHADE"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.film_transparent = True
+    scene.libshade.samples = samples
+    return scene
+
+
+def link(scene, name, data, location=(0, 0, 0), rotation=(0, 0, 0)):
+    ob = bpy.data.objects.new(name, data)
+    ob.location, ob.rotation_euler = location, rotation
+    scene.collection.objects.link(ob)
+    return ob
+
+
+def camera(scene, location=(0, 0, 4), rotation=(0, 0, 0), **settings):
+    data = bpy.data.cameras.new("camera")
+    for name, value in settings.items():
+        setattr(data, name, value)
+    scene.camera = link(scene, "camera", data, location, rotation)
+    return scene.camera
+
+
+def light(scene, kind="SUN", energy=3.0, size=0.0, **place):
+    data = bpy.data.lights.new(kind.lower(), kind)
+    data.energy = energy
+    if kind == "SUN":
+        data.angle = size
+    elif kind == "POINT":
+        data.shadow_soft_size = size
+    return link(scene, kind.lower(), data, **place)
+
+
+def tree_of(material):
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    return material.node_tree
+
+
+def metal(name="metal", **settings):
+    """A material of one Libshade Metal node; returns (material, tree, node)."""
+    material = bpy.data.materials.new(name)
+    tree = tree_of(material)
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    node = tree.nodes.new("LibshadeMetalNode")
+    for key, value in settings.items():
+        setattr(node, key, value)
+    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+    return material, tree, node
+
+
+def image_node(tree, image):
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    return node
+
+
+def normal_map(tree, node, image, strength=1.0):
+    """Image → Normal Map → the node's Normal; returns (image node, normal map node)."""
+    texture, bump = image_node(tree, image), tree.nodes.new("ShaderNodeNormalMap")
+    bump.inputs["Strength"].default_value = strength
+    tree.links.new(texture.outputs["Color"], bump.inputs["Color"])
+    tree.links.new(bump.outputs["Normal"], node.inputs["Normal"])
+    return texture, bump
+
+
+def plane(material=None, size=2.0):
+    bpy.ops.mesh.primitive_plane_add(size=size)
+    return _added(material)
+
+
+def monkey(material=None, **place):
+    bpy.ops.mesh.primitive_monkey_add(**place)
+    ob = _added(material)
+    smooth(ob.data)
+    return ob
+
+
+def smooth(mesh, on=True):
+    mesh.polygons.foreach_set("use_smooth", [on] * len(mesh.polygons))
+    mesh.update()
+
+
+def _added(material):
+    ob = bpy.context.view_layer.objects.active
+    if material:
+        ob.data.materials.append(material)
+    return ob
+
+
+def render(path):
+    """Render to `path` (.exr); raises RuntimeError where the engine reports an error."""
+    bpy.context.scene.render.filepath = path[:-4] if path.endswith(".exr") else path
+    bpy.ops.render.render(write_still=True)
