@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * makedump FILE.exr [WIDTH HEIGHT SEED]: a dump as a back end would write it, for
- * test_check.py. Frames, directions and lights are random, but near the lobes, so
- * that S is well above zero; S comes from shade_bsdf_eval_batchf, its inputs from
- * the world's vectors in float, as in a renderer.
+ * makedump FILE.exr WIDTH HEIGHT SEED [plain]: a dump as a back end would write it,
+ * for test_check.py. Frames, directions and lights are random, but near the lobes,
+ * so that S is well above zero; S comes from shade_bsdf_eval_batchf, its inputs
+ * from the world's vectors in float, as in a renderer. `plain`: without Color.
  */
 #include "dump/dump.h"
 #include "shade/shade.h"
@@ -12,7 +12,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { LIGHTS = 2 };
 
@@ -115,8 +114,8 @@ static void put(float *plane, size_t pixels, size_t pixel, vec v) {
   plane[2 * pixels + pixel] = (float)v.z;
 }
 
-/* Every direction around the lobe: h near the perturbed normal, V and L mirrored about h. */
-static void fill_pixel(const shade_dump *d, size_t pixel, int material, int tall) {
+/* h near the normal that carries the lobe, L the mirror image of V about h. */
+static void fill_pixel(const shade_dump *d, size_t pixel, int material, int flat) {
   const size_t pixels = (size_t)d->width * (size_t)d->height;
   const double degree = 3.14159265358979323846 / 180;
   const vec n = around((vec){0, 0, 1}, 180 * degree);
@@ -132,7 +131,7 @@ static void fill_pixel(const shade_dump *d, size_t pixel, int material, int tall
   shade_dump_plane(d, SHADE_DUMP_UV + 1)[pixel] = (float)uniform();
   shade_dump_plane(d, SHADE_DUMP_MATERIAL)[pixel] = (float)material;
   put(shade_dump_plane(d, SHADE_DUMP_COLOR), pixels, pixel, (vec){uniform(), uniform(), uniform()});
-  const vec pole = tall ? n : ns;
+  const vec pole = flat ? n : ns;
   for (int light = 0; light < LIGHTS; light++) {
     const vec h = around(pole, 30 * degree);
     const vec l = unit(add(scale(h, 2 * dot(h, v)), scale(v, -1)));
@@ -174,8 +173,19 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
   }
   shade_bsdf bsdf;
   shade_bsdf_setup(&bsdf, p);
-  const shade_lanesf in = {lanes[NX], lanes[NY], lanes[NZ], lanes[IX], lanes[IY], lanes[IZ],
-                           lanes[OX], lanes[OY], lanes[OZ], lanes[CR], lanes[CG], lanes[CB]};
+  const int textured = d->has_color;
+  const shade_lanesf in = {lanes[NX],
+                           lanes[NY],
+                           lanes[NZ],
+                           lanes[IX],
+                           lanes[IY],
+                           lanes[IZ],
+                           lanes[OX],
+                           lanes[OY],
+                           lanes[OZ],
+                           textured ? lanes[CR] : NULL,
+                           textured ? lanes[CG] : NULL,
+                           textured ? lanes[CB] : NULL};
   const shade_resultf out = {lanes[FR], lanes[FG], lanes[FB], lanes[COS]};
   shade_bsdf_eval_batchf(&bsdf, count, &in, &out);
   const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
@@ -201,13 +211,14 @@ static void make_bitangents(const shade_dump *d, float *b) {
 }
 
 int main(int argc, char **argv) {
-  const int width = argc == 5 ? atoi(argv[2]) : 120, height = argc == 5 ? atoi(argv[3]) : 90;
-  if (argc != 2 && argc != 5)
+  if (argc < 5)
     return 2;
-  random_state = argc == 5 ? strtoull(argv[4], NULL, 10) : 1;
+  const int width = atoi(argv[2]), height = atoi(argv[3]);
+  random_state = strtoull(argv[4], NULL, 10);
   shade_dump *d = shade_dump_create(width, height, LIGHTS);
   if (!d)
     return 1;
+  d->has_color = argc == 5;
   const size_t pixels = (size_t)width * (size_t)height;
   shade_params materials[MATERIALS];
   make_materials(materials);

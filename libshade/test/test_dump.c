@@ -337,6 +337,13 @@ static void test_not_exr(void **state) {
   assert_null(shade_dump_read(shade_exr_api_linked(), folder, error, sizeof error));
 }
 
+/* However wrong the files were, this process never grew. */
+static void check_memory(void) {
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  assert_true(usage.ru_maxrss < 512 * 1024); /* KiB */
+}
+
 /* A header that promises a huge picture gets no memory. */
 static void test_huge_promise(void **state) {
   (void)state;
@@ -362,9 +369,55 @@ static void test_huge_promise(void **state) {
     assert_non_null(strstr(error, path));
     unlink(path);
   }
-  struct rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  assert_true(usage.ru_maxrss < 512 * 1024); /* KiB */
+  check_memory();
+}
+
+static unsigned char *whole_file(size_t *size) {
+  static unsigned char bytes[1 << 20];
+  FILE *file = fopen(path, "rb");
+  assert_non_null(file);
+  *size = fread(bytes, 1, sizeof bytes, file);
+  fclose(file);
+  assert_true(*size > 0 && *size < sizeof bytes);
+  return bytes;
+}
+
+/* 1 if it was read. Otherwise there is a message; in either case no crash. */
+static int read_bytes(const unsigned char *bytes, size_t size) {
+  FILE *file = fopen(path, "wb");
+  assert_non_null(file);
+  assert_int_equal(fwrite(bytes, 1, size, file), size);
+  fclose(file);
+  error[0] = 0;
+  shade_dump *d = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);
+  if (!d)
+    assert_non_null(strstr(error, path));
+  shade_dump_free(d);
+  return d != NULL;
+}
+
+/* Cut short anywhere, it is refused; with any byte changed, nothing breaks. */
+static void test_damaged(void **state) {
+  (void)state;
+  shade_dump *d = sample(1);
+  assert_int_equal(shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error), 0);
+  shade_dump_free(d);
+  size_t size;
+  unsigned char *bytes = whole_file(&size);
+  const size_t header = 2048; /* closely up to here, then now and then */
+  for (size_t at = 0; at < size; at += at < header ? 5 : 101)
+    if (read_bytes(bytes, at))
+      fail_msg("read although cut off after %zu of %zu bytes", at, size);
+  const unsigned char masks[] = {0x80, 0xff};
+  for (size_t at = 0; at < size; at += at < header ? 1 : 101)
+    for (size_t i = 0; i < sizeof masks; i++) {
+      bytes[at] ^= masks[i];
+      read_bytes(bytes, size);
+      bytes[at] ^= masks[i];
+    }
+  assert_true(read_bytes(bytes, size));
+  unlink(path);
+  check_memory();
 }
 
 static int make_folder(void **state) {
@@ -387,6 +440,7 @@ int main(void) {
       cmocka_unit_test(test_loaded_library), cmocka_unit_test(test_write_failures),
       cmocka_unit_test(test_disk_full),      cmocka_unit_test(test_variants),
       cmocka_unit_test(test_not_exr),        cmocka_unit_test(test_huge_promise),
+      cmocka_unit_test(test_damaged),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -1,0 +1,532 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`shade check`: right dumps pass, wrong ones fail, and bad files are refused."""
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SHADE = Path(os.environ.get("SHADE", ROOT / "build/shade"))
+CC = os.environ.get("CC", "cc")
+SANITIZE = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
+WIDTH, HEIGHT, MATERIALS, LIGHTS = 60, 40, 9, 2
+
+
+def check(dump, *options, shade=SHADE):
+    return subprocess.run([shade, "check", dump, *options], capture_output=True, text=True,
+                          timeout=300)
+
+
+def check_json(dump, *options):
+    result = check(dump, "--json", *options)
+    report = json.loads(result.stdout)
+    assert report["pass"] == (result.returncode == 0)
+    return report
+
+
+def make(build, root=ROOT, cflags=""):
+    """Targets of libshade.mk into a folder of their own."""
+    rules = f"B := {build}\ninclude libshade/libshade.mk\n"
+    targets = [f"{build}/{name}" for name in ("libshade.a", "libshade_dump.a", "shade")]
+    subprocess.run(["make", "-s", "-f", "-", f"CC={CC}", f"CFLAGS={cflags}", *targets],
+                   input=rules, text=True, cwd=root, check=True, stdout=subprocess.DEVNULL)
+
+
+def exr_flags():
+    return subprocess.run(["pkg-config", "--cflags", "OpenEXR"], capture_output=True, text=True,
+                          check=True).stdout.split()
+
+
+def build_makedump(libraries, output, root=ROOT):
+    source = root / "libshade"
+    subprocess.run([CC, "-std=c11", "-O1", f"-I{source}/include", f"-I{source}", *exr_flags(),
+                    source / "test/makedump.c", libraries / "libshade.a",
+                    libraries / "libshade_dump.a", "-lOpenEXRCore-3_1", "-lm", "-o", output],
+                   check=True)
+    return output
+
+
+def run_makedump(program, dump, *options, seed=1):
+    subprocess.run([program, dump, str(WIDTH), str(HEIGHT), str(seed), *options], check=True)
+    return dump
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("check")
+
+
+@pytest.fixture(scope="module")
+def makedump(folder):
+    return build_makedump(SHADE.parent, folder / "makedump")
+
+
+@pytest.fixture(scope="module")
+def good(folder, makedump):
+    return run_makedump(makedump, folder / "good.exr")
+
+
+class Dump:
+    """A dump taken apart by another reader of OpenEXR."""
+
+    def __init__(self, path):
+        image = oiio.ImageInput.open(str(path))
+        assert image, oiio.geterror()
+        self.spec = image.spec()
+        self.names = list(self.spec.channelnames)
+        self.pixels = image.read_image(oiio.FLOAT).copy()
+        self.header = json.loads(self.spec.getattribute("libshade"))
+        image.close()
+
+    def __getitem__(self, name):
+        return self.pixels[:, :, self.names.index(name)]
+
+    def planes(self, group):
+        """View-like access to several channels: group[0], group[1], … as arrays to write to."""
+        return [self[name] for name in self.names if name.startswith(group + ".")]
+
+    def write(self, path, names=None, text=None, type=oiio.FLOAT, **settings):
+        names = names or self.names
+        spec = oiio.ImageSpec(self.spec.width, self.spec.height, len(names), type)
+        spec.channelnames = names
+        spec.attribute("libshade", json.dumps(self.header) if text is None else text)
+        spec.attribute("compression", settings.get("compression", "zip"))
+        if settings.get("tile"):
+            spec.tile_width = spec.tile_height = settings["tile"]
+        pixels = np.stack([self[name] for name in names], axis=2)
+        output = oiio.ImageOutput.create(str(path))
+        assert output.open(str(path), spec), output.geterror()
+        assert output.write_image(pixels), output.geterror()
+        output.close()
+        return path
+
+
+@pytest.fixture
+def dump(good):
+    return Dump(good)
+
+
+# ---- the library is right -----------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_library_passes(makedump, tmp_path, seed):
+    report = check_json(run_makedump(makedump, tmp_path / "x.exr", seed=seed), "--all")
+    assert report["pass"]
+    assert len(report["cells"]) == MATERIALS * LIGHTS
+    assert {cell["detail"] for cell in report["cells"]} == {
+        "none", "perturb", "gram_schmidt", "rotate"}
+    for cell in report["cells"]:
+        assert cell["values"] > 100 and 0 < cell["mean"] <= cell["largest"] < 5e-5
+        assert 50 < cell["tilt"] <= 60.001
+
+
+def test_material_color_is_used_without_channels(makedump, tmp_path):
+    path = run_makedump(makedump, tmp_path / "plain.exr", "plain")
+    taken_apart = Dump(path)
+    assert not taken_apart.planes("Color")
+    assert check(path).returncode == 0
+    taken_apart.header["materials"][3]["f0"] = [0.9, 0.31, 0.5]
+    assert_only_material_fails(taken_apart.write(tmp_path / "wrong.exr"), 3)
+
+
+def test_text_report(good):
+    result = check(good)
+    assert result.returncode == 0 and result.stderr == ""
+    assert result.stdout.splitlines()[-1].startswith("PASS: ")
+    assert f"{WIDTH} x {HEIGHT}" in result.stdout and "makedump" in result.stdout
+
+
+@pytest.mark.parametrize("compression", ["none", "zips", "zip"])
+def test_other_writer(dump, tmp_path, compression):
+    path = dump.write(tmp_path / "x.exr", names=sorted(dump.names, reverse=True),
+                      compression=compression)
+    assert check(path).returncode == 0
+
+
+# ---- the check is independent, and notices one wrong sign -------------------------------
+
+
+def test_reference_shares_no_symbol_with_the_library():
+    objects = SHADE.parent / "obj"
+
+    def symbols(files, *options):
+        files = sorted(objects.glob(files))
+        assert files
+        lines = subprocess.run(["nm", "-P", *options, *files], capture_output=True, text=True,
+                               check=True).stdout.splitlines()
+        names = {line.split()[0] for line in lines if len(line.split()) >= 2}
+        return {name for name in names if not name.startswith(".")}  # the compiler's labels
+
+    kernel = symbols("src/isa_*.o", "--defined-only")  # static functions too
+    library = symbols("src/*.o", "--defined-only", "--extern-only")
+    reference = symbols("reference/*.o")
+    assert any("rotate" in name for name in kernel)
+    assert "shade_bsdf_eval" in library and "shade_ref_f" in reference
+    assert not reference & (kernel | library)
+    source = "".join(path.read_text() for path in (ROOT / "libshade/reference").glob("*.[ch]"))
+    assert set(re.findall(r'#include\s*[<"](.*?)[>"]', source)) <= {
+        "reference.h", "shade/shade.h", "math.h"}
+
+
+FLIPS = {
+    "rotate, x'": ("leaf_detail.h", "real x = c * hx - a * hz;", "real x = c * hx + a * hz;"),
+    "rotate, first half of y'": ("leaf_detail.h", "a * (nx * hy - ny * hx)",
+                                 "a * (nx * hy + ny * hx)"),
+    "rotate, second half of y'": ("leaf_detail.h", "c * (nz * hy - ny * hz)",
+                                  "c * (nz * hy + ny * hz)"),
+    "rotate, sum of y'": ("leaf_detail.h", "(nx * hy - ny * hx) + c", "(nx * hy - ny * hx) - c"),
+    "rotate, L": ("leaf_detail.h", "(a * a + c * c)", "(a * a - c * c)"),
+    "perturb, cross product": ("leaf_detail.h", "real cy = nz * hx - nx * hz;",
+                               "real cy = nz * hx + nx * hz;"),
+    "exponent": ("leaf_distribution.h", "ex * p.xx + ey * p.yy", "ex * p.xx - ey * p.yy"),
+    "Schlick": ("leaf_brdf.h", "real m = 1 - hwo;", "real m = 1 + hwo;"),
+    "cosine to the light": ("pass_brdf.h", "nx[i] * wix[i] + ny[i] * wiy[i]",
+                            "nx[i] * wix[i] - ny[i] * wiy[i]"),
+    "textured Fresnel": ("pass_brdf.h", "(f + (1 - f) * white[i])", "(f - (1 - f) * white[i])"),
+}
+
+
+@pytest.fixture(scope="module")
+def copy(folder):
+    """A copy of the library to spoil; as it is, it passes."""
+    root = folder / "copy"
+    shutil.copytree(ROOT / "libshade", root / "libshade")
+    make("build", root, "-O0")
+    program = build_makedump(root / "build", root / "makedump", root)
+    assert check(run_makedump(program, root / "x.exr")).returncode == 0
+    return root
+
+
+@pytest.mark.parametrize("flip", FLIPS)
+def test_one_flipped_sign_is_noticed(copy, flip):
+    name, right, wrong = FLIPS[flip]
+    path = copy / "libshade/kernel" / name
+    original = path.read_text()
+    assert original.count(right) == 1, f"{name} has changed: choose the flip anew"
+    try:
+        path.write_text(original.replace(right, wrong))
+        make("build", copy, "-O0")
+        program = build_makedump(copy / "build", copy / "makedump", copy)
+    finally:
+        path.write_text(original)
+    run_makedump(program, copy / "x.exr")
+    report = check_json(copy / "x.exr")
+    assert not report["pass"]
+    assert report["largest"] > 0.1
+    # the copy's own tool has its own reference, which no flip reaches
+    assert check(copy / "x.exr", shade=copy / "build/shade").returncode == 1
+
+
+# ---- dumps that are wrong ------------------------------------------------------------
+
+
+def assert_only_material_fails(path, material):
+    report = check_json(path)
+    assert not report["pass"] and not report["faults"]
+    for cell in report["cells"]:
+        assert (cell.get("largest", 0) > 1e-3) == (cell["material"] == material), cell
+
+
+def assert_fault(path, *words):
+    report = check_json(path)
+    assert not report["pass"]
+    (fault,) = report["faults"]
+    for word in words:
+        assert word in fault["what"]
+    return fault
+
+
+def test_zero_s(dump, tmp_path):
+    hit = dump["material.ID"] == 4
+    for plane in dump.planes("light0.S") + dump.planes("light1.S"):
+        plane[hit] = 0
+    path = dump.write(tmp_path / "x.exr")
+    assert_only_material_fails(path, 4)
+    assert check_json(path)["largest"] == 1
+
+
+def test_zero_s_everywhere(dump, tmp_path):
+    for plane in dump.planes("light0.S") + dump.planes("light1.S"):
+        plane[:] = 0
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert not report["pass"] and report["values"] > 0 and report["largest"] == 1
+
+
+def test_nothing_to_compare(dump, tmp_path):
+    for light in range(LIGHTS):
+        for plane in dump.planes(f"light{light}.S") + dump.planes(f"light{light}.E"):
+            plane[:] = 0
+    path = dump.write(tmp_path / "x.exr")
+    report = check_json(path)
+    assert not report["pass"] and report["values"] == 0
+    assert "nothing to compare" in check(path).stdout
+
+
+def test_no_lights(dump, tmp_path):
+    path = dump.write(tmp_path / "x.exr", names=[n for n in dump.names if n[:5] != "light"])
+    assert not check_json(path)["pass"]
+
+
+def test_no_hits(dump, tmp_path):
+    dump.pixels[:] = 0
+    dump["material.ID"][:] = -1
+    assert not check_json(dump.write(tmp_path / "x.exr"))["pass"]
+
+
+def test_swapped_lights(dump, tmp_path):
+    for a, b in zip(dump.planes("light0.S"), dump.planes("light1.S")):
+        a[:], b[:] = b.copy(), a.copy()
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert all(cell["largest"] > 0.5 for cell in report["cells"])
+
+
+def assert_differs(path):
+    report = check_json(path)
+    assert not report["pass"] and not report["faults"] and report["largest"] > 0.1
+
+
+@pytest.mark.parametrize("group", ["Ns", "V", "light0.L", "light1.E", "Color"])
+def test_each_input_matters(dump, tmp_path, group):
+    """Inputs that are another hit's."""
+    hit = dump["material.ID"] >= 0
+    both = hit & np.roll(hit, 7, axis=0)
+    for plane in dump.planes(group):
+        plane[:] = np.where(both, np.roll(plane, 7, axis=0), plane)
+    assert_differs(dump.write(tmp_path / "x.exr"))
+
+
+def test_tangent_matters(dump, tmp_path):
+    n, t = (np.stack(dump.planes(group), axis=2) for group in "NT")
+    for plane, turned in zip(dump.planes("T"), np.moveaxis(np.cross(n, t), 2, 0)):
+        plane[:] = turned
+    assert_differs(dump.write(tmp_path / "x.exr"))
+
+
+def test_normal_matters(dump, tmp_path):
+    for n, t in zip(dump.planes("N"), dump.planes("T")):
+        n[:], t[:] = np.cos(0.1) * n + np.sin(0.1) * t, np.cos(0.1) * t - np.sin(0.1) * n
+    assert_differs(dump.write(tmp_path / "x.exr"))
+
+
+def test_wrong_material_id(dump, tmp_path):
+    ids = dump["material.ID"]
+    ids[ids == 6] = 5
+    assert_only_material_fails(dump.write(tmp_path / "x.exr"), 5)
+
+
+@pytest.mark.parametrize("wrong", [99, 2.5, -2, np.nan, np.inf, 1e30])
+def test_unknown_material_id(dump, tmp_path, wrong):
+    dump["material.ID"][dump["material.ID"] == 2] = wrong
+    fault = assert_fault(dump.write(tmp_path / "x.exr"), "material.ID")
+    assert fault["count"] > 50
+
+
+def test_hits_hidden_as_misses(dump, tmp_path):
+    dump["material.ID"][dump["material.ID"] == 2] = -1
+    assert_fault(dump.write(tmp_path / "x.exr"), "miss")
+
+
+def first_hit(dump):
+    y, x = np.argwhere(dump["material.ID"] >= 0)[40]
+    return y, x
+
+
+@pytest.mark.parametrize("channel, value, words", [
+    ("light1.S.G", np.nan, "S is not finite"),
+    ("light0.S.R", np.inf, "S is not finite"),
+    ("light0.E.B", -1, "E is negative"),
+    ("light0.E.B", np.nan, "E is negative or not finite"),
+    ("light1.E.R", np.inf, "E is negative or not finite"),
+    ("light0.L.X", 3, "not unit"),
+    ("light0.L.X", np.nan, "not unit"),
+    ("N.X", 2, "not unit"),
+    ("V.Z", np.inf, "not unit"),
+    ("Ns.Y", np.nan, "not unit"),
+    ("T.Y", -4, "not unit"),
+    ("Color.G", np.nan, "not finite"),
+    ("P.Z", np.inf, "not finite"),
+    ("uv.V", np.nan, "not finite"),
+])
+def test_one_bad_value(dump, tmp_path, channel, value, words):
+    y, x = first_hit(dump)
+    dump[channel][y, x] = value
+    fault = assert_fault(dump.write(tmp_path / "x.exr"), words)
+    assert (fault["x"], fault["y"]) == (x, y)
+
+
+def test_lengths_of_directions(dump, tmp_path):
+    for plane in dump.planes("V"):
+        plane *= 1.001
+    assert_fault(dump.write(tmp_path / "x.exr"), "not unit")
+
+
+def test_tangent_along_normal(dump, tmp_path):
+    hit = dump["material.ID"] >= 0
+    for t, n in zip(dump.planes("T"), dump.planes("N")):
+        t[hit] = 0.8 * t[hit] + 0.6 * n[hit]
+    assert_fault(dump.write(tmp_path / "x.exr"), "orthogonal")
+
+
+def bright_hit(dump):
+    """A pixel of material 3 and the index where light 0's S is greatest."""
+    s = np.where(dump["material.ID"] == 3, dump["light0.S.R"], 0)
+    return np.unravel_index(s.argmax(), s.shape)
+
+
+@pytest.mark.parametrize("factor, passes", [(1 + 5e-5, True), (1 + 2e-4, False), (-1, False),
+                                            (0, False), (3, False)])
+def test_one_value_off(dump, tmp_path, factor, passes):
+    y, x = bright_hit(dump)
+    dump["light0.S.R"][y, x] *= np.float32(factor)
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert report["pass"] == passes
+    if not passes:
+        (cell,) = (c for c in report["cells"] if c["largest"] > 1e-4)
+        worst = cell["worst"]
+        assert (cell["material"], cell["light"]) == (3, 0)
+        assert (worst["x"], worst["y"], worst["channel"]) == (x, y, "R")
+        assert worst["s"] == pytest.approx(worst["reference"] * factor, rel=1e-4)
+
+
+def test_mean_is_limited_too(dump, tmp_path):
+    for plane in dump.planes("light0.S"):
+        plane *= np.float32(1 + 3e-5)
+    path = dump.write(tmp_path / "x.exr")
+    report = check_json(path)
+    assert not report["pass"] and report["largest"] < 1e-4 and report["mean"] > 2e-5
+    assert check(path, "--mean-tolerance", "1e-4").returncode == 0
+    assert check(path, "--mean-tolerance", "1e-4", "--tolerance", "1e-5").returncode == 1
+
+
+def test_idle_material_and_light(dump, tmp_path):
+    hit = dump["material.ID"] == 1
+    for light in range(LIGHTS):
+        for plane in dump.planes(f"light{light}.S") + dump.planes(f"light{light}.E"):
+            plane[hit] = 0
+    path = dump.write(tmp_path / "x.exr")
+    result = check(path)
+    assert result.returncode == 0 and "not compared: 1 material and 0 lights" in result.stdout
+    assert check(path, "--all").returncode == 1
+
+
+# ---- headers -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("edit, words", [
+    (lambda h: h.pop("materials"), "materials"),
+    (lambda h: h["materials"].clear(), "materials"),
+    (lambda h: h.update(materials={"id": 1}), "materials"),
+    (lambda h: h["materials"].append(7), "number 9"),
+    (lambda h: h["materials"].append(h["materials"][2]), "two materials"),
+    (lambda h: h["materials"][2].pop("id"), "lacks 'id'"),
+    (lambda h: h["materials"][2].pop("detail"), "lacks 'detail'"),
+    (lambda h: h["materials"][2].pop("ey"), "lacks 'ey'"),
+    (lambda h: h["materials"][2].pop("f0"), "lacks 'f0'"),
+    (lambda h: h["materials"][2].update(detail="rotated"), "'detail'"),
+    (lambda h: h["materials"][2].update(groove=1), "'groove'"),
+    (lambda h: h["materials"][2].update(ex=-1), "'ex'"),
+    (lambda h: h["materials"][2].update(ex="200"), "'ex'"),
+    (lambda h: h["materials"][2].update(ex=[200]), "'ex'"),
+    (lambda h: h["materials"][2].update(f0=1), "'f0'"),
+    (lambda h: h["materials"][2].update(f0=[1, 1]), "'f0'"),
+    (lambda h: h["materials"][2].update(f0=[1, 1, 1, 1]), "'f0'"),
+    (lambda h: h["materials"][2].update(id=2.5), "'id'"),
+    (lambda h: h["materials"][2].update(id=-1), "'id'"),
+    (lambda h: h["materials"][2].update(name=3), "'name'"),
+    (lambda h: h["materials"][2].update(glow=3), "unknown key 'glow'"),
+])
+def test_bad_header(dump, tmp_path, edit, words):
+    edit(dump.header)
+    path = dump.write(tmp_path / "x.exr")
+    result = check(path)
+    assert result.returncode == 1
+    assert words in result.stderr and str(path) in result.stderr
+
+
+@pytest.mark.parametrize("text, words", [
+    ("not JSON", "line 1, column 1"),
+    ('{"materials": [', "line 1"),
+    ("[]", "materials"),
+    ("3", "materials"),
+])
+def test_header_is_no_json(dump, tmp_path, text, words):
+    path = dump.write(tmp_path / "x.exr", text=text)
+    result = check(path)
+    assert result.returncode == 1
+    assert words in result.stderr and str(path) in result.stderr
+
+
+def test_missing_material(dump, tmp_path):
+    del dump.header["materials"][4]
+    assert_fault(dump.write(tmp_path / "x.exr"), "material.ID is not in the header")
+
+
+# ---- files ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("settings, words", [
+    ({"type": oiio.HALF}, "32-bit float"),
+    ({"compression": "piz"}, "compression"),
+    ({"compression": "dwaa:45"}, "compression"),
+    ({"tile": 16}, "tiled"),
+])
+def test_other_kinds_of_files(dump, tmp_path, settings, words):
+    path = dump.write(tmp_path / "x.exr", **settings)
+    result = check(path)
+    assert result.returncode == 1
+    assert words in result.stderr and str(path) in result.stderr
+
+
+def test_missing_channel(dump, tmp_path):
+    path = dump.write(tmp_path / "x.exr", names=[n for n in dump.names if n != "Ns.Y"])
+    result = check(path)
+    assert result.returncode == 1 and "Ns.Y is missing" in result.stderr
+
+
+def test_usage(good, tmp_path):
+    for options in ([], ["--tolerance"], [good, good], [good, "--frobnicate"],
+                    *([good, "--tolerance", bad] for bad in ("nan", "inf", "-1", "x", "1x", ""))):
+        result = subprocess.run([SHADE, "check", *options], capture_output=True, text=True)
+        assert result.returncode == 2 and result.stderr and not result.stdout
+    for option in ("--help", "-h"):
+        result = subprocess.run([SHADE, "check", option], capture_output=True, text=True)
+        assert result.returncode == 0 and "--tolerance" in result.stdout
+    for path in (tmp_path / "absent.exr", tmp_path):
+        result = check(path)
+        assert result.returncode == 1 and str(path) in result.stderr
+
+
+@pytest.fixture(scope="module")
+def sanitized():
+    """The tool under AddressSanitizer, where `make check-libshade` puts it."""
+    build = ROOT / "build/sanitized"
+    make(build.relative_to(ROOT), cflags=SANITIZE)
+    return build / "shade"
+
+
+def test_damaged_files_under_sanitizers(sanitized, makedump, tmp_path):
+    """In-process, test_dump.c tries every byte of a header; here the whole tool."""
+    path = tmp_path / "x.exr"
+    subprocess.run([makedump, path, "12", "20", "5"], check=True)
+    assert check(path, shade=sanitized).returncode == 0
+    whole = path.read_bytes()
+    random = np.random.default_rng(7)
+    cuts = [whole[:n] for n in random.integers(0, len(whole), 30)]
+    damaged = []
+    for offset in random.integers(0, len(whole), 60):
+        damaged.append(bytearray(whole))
+        damaged[-1][offset] ^= random.integers(1, 256)
+    for data in cuts + damaged:
+        path.write_bytes(data)
+        result = check(path, shade=sanitized)
+        assert result.returncode in (0, 1), result.stderr
+        assert "Sanitizer" not in result.stderr and "runtime error" not in result.stderr
+        if len(data) < len(whole):
+            assert result.returncode == 1 and str(path) in result.stderr
