@@ -1,10 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Layout of C and C++ as .clang-format says, and in every text file the licence of its folder.
+# Layout of C and C++ as .clang-format says, in every text file the licence of its folder, and
+# the sources that the code cites, such as [Schlick1994], in REFERENCES.bib.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-find_files() { find . \( -path ./build -o -path ./.git -o -path ./LICENSES -o -name __pycache__ -o -name .pc \) -prune -o -type f "$@" -print; }
+find_files() {
+  find . \( -path ./build -o -path ./.git -o -path ./LICENSES -o -name __pycache__ \) -prune \
+    -o -type f "$@" -print
+}
 
 wrong=0
 mapfile -t c_files < <(find_files -regex '.*\.\(c\|h\|cpp\)')
@@ -29,5 +33,12 @@ while IFS= read -r file; do
   fi
 done < <(find_files)
 
-[ $wrong = 0 ] && echo "lint: ${#c_files[@]} C and C++ files, licences: clean"
+while IFS=: read -r file line citation; do
+  grep -q "{${citation#[}," REFERENCES.bib || {
+    echo "$file:$line: ${citation#[} is not a key of REFERENCES.bib" >&2
+    wrong=1
+  }
+done < <(grep -noE '\[[A-Z][A-Za-z]+ ?(19|20)[0-9]{2}' "${c_files[@]}")
+
+[ $wrong = 0 ] && echo "lint: ${#c_files[@]} C and C++ files, licences, citations: clean"
 exit $wrong
