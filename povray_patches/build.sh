@@ -1,0 +1,154 @@
+#!/bin/bash
+# SPDX-License-Identifier: AGPL-3.0-or-later
+# Fetches Debian's source of POV-Ray, applies the series and builds it with
+# libshade. Safe to repeat: each step is skipped when nothing it needs changed.
+usage="usage: build.sh OUT LIBSHADE ARCHIVE …
+
+OUT       folder for everything that is made; the program is OUT/povray
+LIBSHADE  the folder libshade/ with include/ and dump/
+ARCHIVE   libshade's static libraries, in the order of linking
+
+CXX, CXXFLAGS and JOBS (processors) are honoured. UNPATCHED=1 builds the source
+as Debian has it, for check.sh; LIBSHADE and ARCHIVE are then left out."
+
+set -euo pipefail
+here=$(dirname "$(readlink -f "$0")")
+unpatched=${UNPATCHED:-}
+case ${1-} in -h|--help) echo "$usage"; exit 0;; esac
+[ $# -ge 3 ] || [ $# = 1 -a -n "$unpatched" ] || { echo "$usage" >&2; exit 2; }
+
+mkdir -p "$1"
+out=$(readlink -f "$1")
+download=$out/download src=$out/src
+shift
+if [ -z "$unpatched" ]; then
+  libshade=$(readlink -f "$1")
+  shift
+  archives=$(readlink -f "$@")
+fi
+
+say() { echo "povray: $*"; }
+die() { echo "povray: $*" >&2; exit 1; }
+run() { # description command … : quiet unless it fails
+  local what=$1
+  shift
+  "$@" >"$out/step.log" 2>&1 || { tail -n 30 "$out/step.log" >&2; die "$what failed; all of it is in $out/step.log"; }
+}
+
+# ---- the source, checked against UPSTREAM
+
+version=$(sed -n 's/^version //p' "$here/UPSTREAM")
+verified() { (cd "$download" 2>/dev/null && sed -n '/^[0-9a-f]\{64\}  /p' "$here/UPSTREAM" | sha256sum --quiet -c - >/dev/null 2>&1); }
+
+# deb-src entries for this release, made from the system's deb entries (both
+# forms); the system's own lists stay as they are.
+source_entries() {
+  local codename file
+  codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
+    [ -f "$file" ] && sed -nE "s/^[[:space:]]*deb[[:space:]]+((\[[^]]*\][[:space:]]+)?[^[:space:]]+[[:space:]]+$codename[[:space:]].*)/deb-src \1/p" "$file"
+  done >"$out/apt/debian.list" || true
+  for file in /etc/apt/sources.list.d/*.sources; do
+    [ -f "$file" ] && awk -v codename="$codename" 'BEGIN { RS = ""; ORS = "\n\n" }
+      ("\n" $0 "\n") ~ "\nSuites:([^\n]*[ \t])?" codename "[ \t\n]" && ("\n" $0) ~ /\nTypes:[^\n]*deb/ && !(("\n" $0) ~ /\nEnabled:[ \t]*no/) {
+        $0 = "\n" $0; sub(/\nTypes:[^\n]*/, "\nTypes: deb-src"); print substr($0, 2) }' "$file"
+  done >"$out/apt/debian.sources" || true
+  cat "$out"/apt/debian.list "$out"/apt/debian.sources | grep -q . ||
+    die "no entry for Debian $codename in /etc/apt/sources.list or /etc/apt/sources.list.d: where is the source to come from?"
+}
+
+fetch() {
+  say "fetching Debian's source of povray $version (53 MB)"
+  mkdir -p "$download" "$out/apt/lists/partial" "$out/apt/cache/archives/partial"
+  source_entries
+  # our own lists and cache: no root needed, nothing of the system touched
+  local apt=(apt-get -q -o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$out/apt"
+    -o "Dir::State::Lists=$out/apt/lists" -o "Dir::Cache=$out/apt/cache"
+    -o APT::Sandbox::User=root -o Acquire::Retries=3)
+  run "apt-get update" "${apt[@]}" update
+  cd "$download"
+  run "apt-get source" "${apt[@]}" source --download-only "povray=$version"
+  cd - >/dev/null
+  verified || die "the files in $download are not those of povray_patches/UPSTREAM"
+}
+verified || fetch
+
+# ---- unpack and patch
+
+patches=()
+[ -n "$unpatched" ] || mapfile -t patches < <(grep -v '^#' "$here/series")
+
+recipe=$(cat "$here/UPSTREAM" "${patches[@]/#/$here/}" | sha256sum)
+if [ "$(cat "$out/recipe" 2>/dev/null)" != "$recipe" ]; then
+  say "unpacking the source and applying ${#patches[@]} patches"
+  rm -rf "$src" "$out/recipe" "$out/configured"
+  run "unpacking" dpkg-source --no-copy --no-check -x "$download"/*.dsc "$src"
+  if [ ${#patches[@]} -gt 0 ]; then
+    cd "$src"
+    QUILT_PATCHES=$here QUILT_SERIES=$here/series QUILT_PC=.pc-libshade run "applying the patches" quilt --quiltrc=- push -a --fuzz=0
+    cd - >/dev/null
+  fi
+  echo "$recipe" >"$out/recipe"
+fi
+
+if [ -z "$unpatched" ]; then
+  mkdir -p "$src/source/backend/mdf"
+  for file in "$here"/glue/*.{h,cpp}; do
+    cmp -s "$file" "$src/source/backend/mdf/${file##*/}" || cp "$file" "$src/source/backend/mdf/"
+  done
+  for file in "$src"/source/backend/mdf/*.{h,cpp}; do
+    [ -e "$here/glue/${file##*/}" ] || rm "$file"
+  done
+fi
+
+# ---- configure
+
+configure=(./configure COMPILED_BY="libshade" --without-x --without-libsdl --disable-optimiz --disable-strip
+  --with-boost-thread=boost_thread "CXX=${CXX:-g++}" "CXXFLAGS=${CXXFLAGS:--g1 -O2}")
+[ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=${archives//$'\n'/ } -lOpenEXRCore-3_1")
+
+# prebuild lists the source files, so a new one means a new configuration
+settings=$(printf '%s\n' "${configure[@]}" && ls "$src/source/backend/mdf" 2>/dev/null || true)
+if [ "$(cat "$out/configured" 2>/dev/null)" != "$settings" ]; then
+  say "configuring"
+  cd "$src/unix"
+  run "prebuild" ./prebuild.sh
+  cd "$src"
+  run "configure" "${configure[@]}"
+  echo "$settings" >"$out/configured"
+fi
+
+# ---- compile
+
+cd "$src"
+if [ -z "$unpatched" ]; then
+  for archive in $archives; do # make does not know them
+    [ "$archive" -nt unix/povray ] && rm -f unix/povray
+  done
+fi
+total=$(make -n 2>/dev/null | grep -c -- ' -c -o ' || true)
+if [ "$total" -gt 0 ]; then say "compiling $total files (about $((total * 3 / $(nproc) + 5)) s)"; fi
+progress() {
+  awk -v total="$total" -v tty="$1" '{ print > file } / -c -o / { if (tty && total) printf "\rpovray: compiled %d of %d ", ++n, total; fflush() }
+    END { if (tty && n) print "" }' file="$out/build.log"
+}
+nice make -j"${JOBS:-$(nproc)}" 2>&1 | progress "$([ -t 1 ] && echo 1 || true)" ||
+  { grep -aE 'error|Error' "$out/build.log" | head -n 20 >&2; die "compiling failed; all of it is in $out/build.log"; }
+
+# ---- a program that runs from here
+
+rm -rf "$out/include"
+cp -r "$src/distribution/include" "$out/include"
+[ -n "$unpatched" ] || cp "$here"/include/*.inc "$out/include/"
+cat >"$out/povray.ini" <<'INI'
+; used by the script povray beside it when POVINI is not set
+INI
+cat >"$out/povray" <<'WRAPPER'
+#!/bin/sh
+# Runs this POV-Ray where it was built, with its include files.
+here=$(dirname "$(readlink -f "$0")")
+export POVINI="${POVINI:-$here/povray.ini}"
+exec "$here/src/unix/povray" "+L$here/include" "$@"
+WRAPPER
+chmod +x "$out/povray"
+say "ready: $out/povray"
