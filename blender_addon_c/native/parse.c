@@ -305,7 +305,7 @@ static bool parse_image(parser *p, PyObject *dict, void *out, scene *s) {
       !integer(p, dict, "channels", 1, 4, &m->channels) || !flag(p, dict, "srgb", &m->srgb) ||
       !word(p, dict, "wrap", wraps, &wrap) || !word(p, dict, "filter", filters, &filter))
     return false;
-  if ((size_t)m->width * (size_t)m->height > INT32_MAX)
+  if ((size_t)(m->width + TEXTURE_RIM) * (size_t)(m->height + TEXTURE_RIM) > INT32_MAX)
     return fail(p, "the image has too many pixels");
   size_t count = (size_t)m->width * (size_t)m->height * (size_t)m->channels;
   if (!buffer(p, dict, "data", count, "fHB", 0, &data))

@@ -13,64 +13,42 @@ LEAF float lerp(float a, float b, float t) {
 }
 
 /*
- * One axis: the texel at or before the point, the next one, the part of the way, and whether the
- * point is inside the image. Coordinates beyond 2^22 have no fraction left.
+ * The rim of a texture makes the wrapping: a coordinate only has to be brought within the rim.
+ * Truncation is floor here, for x >= 0. NaN, infinity and numbers beyond 2^22, which have no
+ * fraction left, end up somewhere within the rim too.
  */
-LEAF void axis(image_wrap wrap, float u, int size, float linear, int *restrict first,
-               int *restrict second, float *restrict part, bool *restrict inside) {
-  u = clampf(u, -0x1p22f, 0x1p22f);
-  *inside = wrap != WRAP_CLIP || ((u >= 0.0f) & (u <= 1.0f));
-  u = wrap == WRAP_REPEAT ? u - (float)floor_int(u) : clampf(u, 0.0f, 1.0f);
-  float x = u * (float)size - 0.5f * linear;
-  int k = floor_int(x);
-  *part = (x - (float)k) * linear;
-  if (wrap == WRAP_REPEAT) {
-    int a = k < 0 ? k + size : k;
-    a = a >= size ? a - size : a; /* u just below 1 may round up */
-    *first = a;
-    *second = a + 1 == size ? 0 : a + 1;
-  } else {
-    int a = k < 0 ? 0 : k;
-    int b = k + 1;
-    *first = a < size ? a : size - 1;
-    *second = b < size ? b : size - 1;
-  }
+LEAF float texel_position(bool repeat, float u, float size, float linear) {
+  u = repeat ? u - floor_small(u) : u;
+  return clampf(u * size + (1.0f - 0.5f * linear), 0.0f, size + 1.0f);
 }
 
-LEAF void look_up(image_wrap wrap, size_t count, const uint32_t *restrict texel, int width,
-                  int height, float linear, float outside, const float *restrict u,
+LEAF void look_up(bool repeat, size_t count, const texture *texture, const float *restrict u,
                   const float *restrict v, float *restrict a, float *restrict b) {
-  const float scale = 1.0f / 32767.0f;
+  const uint32_t *restrict texel = texture->texel;
+  const float width = (float)texture->width, height = (float)texture->height;
+  const float linear = texture->linear, scale = 1.0f / 32767.0f;
+  const int stride = texture->stride;
   for (size_t i = 0; i < count; i++) {
-    int x0, x1, y0, y1;
-    float s, t;
-    bool inside_x, inside_y;
-    axis(wrap, u[i], width, linear, &x0, &x1, &s, &inside_x);
-    axis(wrap, v[i], height, linear, &y0, &y1, &t, &inside_y);
-    uint32_t c00 = texel[y0 * width + x0], c10 = texel[y0 * width + x1];
-    uint32_t c01 = texel[y1 * width + x0], c11 = texel[y1 * width + x1];
-    float low =
-        lerp(lerp(low_half(c00), low_half(c10), s), lerp(low_half(c01), low_half(c11), s), t);
-    float high =
-        lerp(lerp(high_half(c00), high_half(c10), s), lerp(high_half(c01), high_half(c11), s), t);
-    bool inside = inside_x & inside_y;
-    a[i] = inside ? low * scale : outside;
-    b[i] = inside ? high * scale : outside;
+    float x = texel_position(repeat, u[i], width, linear);
+    float y = texel_position(repeat, v[i], height, linear);
+    int column = (int)x, line = (int)y;
+    float s = (x - (float)column) * linear, t = (y - (float)line) * linear;
+    int at = line * stride + column, above = at + stride;
+    uint32_t c00 = texel[at], c10 = texel[at + 1];
+    uint32_t c01 = texel[above], c11 = texel[above + 1];
+    a[i] = scale *
+           lerp(lerp(low_half(c00), low_half(c10), s), lerp(low_half(c01), low_half(c11), s), t);
+    b[i] = scale * lerp(lerp(high_half(c00), high_half(c10), s),
+                        lerp(high_half(c01), high_half(c11), s), t);
   }
 }
 
 static void stage_bilinear(size_t count, const texture *texture, const float *restrict u,
                            const float *restrict v, float *restrict a, float *restrict b) {
-#define LOOK_UP(wrap)                                                                              \
-  look_up(wrap, count, texture->texel, texture->width, texture->height, texture->linear,           \
-          texture->outside, u, v, a, b)
   if (texture->wrap == WRAP_REPEAT)
-    LOOK_UP(WRAP_REPEAT);
-  else if (texture->wrap == WRAP_EXTEND)
-    LOOK_UP(WRAP_EXTEND);
+    look_up(true, count, texture, u, v, a, b);
   else
-    LOOK_UP(WRAP_CLIP);
-#undef LOOK_UP
+    look_up(false, count, texture, u, v, a, b);
 }
 
 /*

@@ -4,6 +4,7 @@
 #define LIBSHADE_STAGE_COMMON_H
 
 #include <math.h>
+#include <string.h>
 
 #include "batch.h"
 
@@ -15,10 +16,14 @@ LEAF float clampf(float x, float low, float high) {
   return x < high ? x : high;
 }
 
-/* floor for |x| < 2^31; SSE2 has no instruction for it. */
-LEAF int floor_int(float x) {
-  int i = (int)x;
-  return i - (x < (float)i);
+/* floor for |x| < 2^22, near to x for larger ones; SSE2 has no instruction for it. */
+LEAF float floor_small(float x) {
+#if defined(__SSE4_1__)
+  return floorf(x);
+#else
+  float nearest = (x + 0x1.8p23f) - 0x1.8p23f;
+  return nearest > x ? nearest - 1.0f : nearest;
+#endif
 }
 
 /* A good 32-bit mixer: the finaliser of MurmurHash3. */

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "parallel.h"
 
@@ -24,9 +25,9 @@ const texture *texture_request(texture_set *set, const image *source, texture_ki
     return NULL;
   *t = (texture){.width = source->width,
                  .height = source->height,
+                 .stride = source->width + TEXTURE_RIM,
                  .wrap = source->wrap,
                  .linear = source->closest ? 0.0f : 1.0f,
-                 .outside = kind == TEXTURE_NORMAL ? 0.0f : -1.0f,
                  .source = source,
                  .kind = kind,
                  .strength = strength};
@@ -117,6 +118,59 @@ static void pack_color(size_t count, const float *restrict a, const float *restr
         pack_pair(2.0f * clamp(a[i], 0.0f, 1.0f) - 1.0f, 2.0f * clamp(b[i], 0.0f, 1.0f) - 1.0f);
 }
 
+/* What lies beyond the edge of WRAP_CLIP: a flat normal, black. */
+static uint32_t outside(const texture *t) {
+  return t->kind == TEXTURE_NORMAL ? 0u : pack_pair(-1.0f, -1.0f);
+}
+
+/* Where the rim's texel k of an axis comes from; -1: from nowhere. */
+static int rim_source(const texture *t, int k, int size) {
+  if (t->wrap == WRAP_REPEAT)
+    return k < 0 ? size - 1 : k % size;
+  if (t->wrap == WRAP_EXTEND)
+    return k < 0 ? 0 : size - 1;
+  return -1;
+}
+
+static void pack_row(const texture *t, int y) {
+  const image *m = t->source;
+  uint32_t *row = t->texel + (size_t)(y + 1) * (size_t)t->stride + 1;
+  float channel[3][BLOCK];
+  size_t width = (size_t)t->width;
+  int first = t->kind == TEXTURE_BLUE ? 2 : 0, last = t->kind == TEXTURE_RED_GREEN ? 1 : 2;
+  for (size_t x = 0; x < width; x += BLOCK) {
+    size_t count = width - x < BLOCK ? width - x : BLOCK;
+    for (int c = first; c <= last; c++) {
+      load(m, (size_t)y * width + x, count, c, channel[c]);
+      if (m->srgb)
+        srgb_decode(count, channel[c]);
+    }
+    if (t->kind == TEXTURE_NORMAL)
+      pack_normal(count, channel[0], channel[1], channel[2], t->strength, row + x);
+    else if (t->kind == TEXTURE_RED_GREEN)
+      pack_color(count, channel[0], channel[1], row + x);
+    else
+      pack_color(count, channel[2], channel[2], row + x);
+  }
+  for (int k = -1; k < t->width + 2; k = k < 0 ? t->width : k + 1) {
+    int from = rim_source(t, k, t->width);
+    row[k] = from < 0 ? outside(t) : row[from];
+  }
+}
+
+static void pack_rim_rows(const texture *t) {
+  size_t stride = (size_t)t->stride;
+  for (int k = -1; k < t->height + 2; k = k < 0 ? t->height : k + 1) {
+    int from = rim_source(t, k, t->height);
+    uint32_t *row = t->texel + (size_t)(k + 1) * stride;
+    if (from >= 0)
+      memcpy(row, t->texel + (size_t)(from + 1) * stride, stride * sizeof *row);
+    else
+      for (size_t x = 0; x < stride; x++)
+        row[x] = outside(t);
+  }
+}
+
 typedef struct pack_task {
   const texture *texture;
   const atomic_bool *cancel;
@@ -124,44 +178,23 @@ typedef struct pack_task {
 
 static void pack_rows(void *context, size_t task) {
   const pack_task *p = context;
-  const texture *t = p->texture;
-  const image *m = t->source;
-  float channel[3][BLOCK];
-  size_t begin = task * ROWS_PER_TASK * (size_t)t->width;
-  size_t end = begin + ROWS_PER_TASK * (size_t)t->width;
-  size_t all = (size_t)t->width * (size_t)t->height;
-  if (end > all)
-    end = all;
-  if (atomic_load_explicit(p->cancel, memory_order_relaxed))
-    return;
-  for (size_t at = begin; at < end; at += BLOCK) {
-    size_t count = end - at < BLOCK ? end - at : BLOCK;
-    int first = t->kind == TEXTURE_BLUE ? 2 : 0;
-    int last = t->kind == TEXTURE_RED_GREEN ? 1 : 2;
-    for (int c = first; c <= last; c++) {
-      load(m, at, count, c, channel[c]);
-      if (m->srgb)
-        srgb_decode(count, channel[c]);
-    }
-    if (t->kind == TEXTURE_NORMAL)
-      pack_normal(count, channel[0], channel[1], channel[2], t->strength, t->texel + at);
-    else if (t->kind == TEXTURE_RED_GREEN)
-      pack_color(count, channel[0], channel[1], t->texel + at);
-    else
-      pack_color(count, channel[2], channel[2], t->texel + at);
-  }
+  int y = (int)task * ROWS_PER_TASK, end = y + ROWS_PER_TASK;
+  for (; y < end && y < p->texture->height; y++)
+    if (!atomic_load_explicit(p->cancel, memory_order_relaxed))
+      pack_row(p->texture, y);
 }
 
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
   pthread_once(&srgb_once, srgb_table_fill);
   for (size_t i = 0; i < set->count; i++) {
     texture *t = set->item[i];
-    t->texel = malloc((size_t)t->width * (size_t)t->height * sizeof *t->texel);
+    t->texel = malloc((size_t)t->stride * (size_t)(t->height + TEXTURE_RIM) * sizeof *t->texel);
     if (!t->texel)
       return false;
     pack_task task = {.texture = t, .cancel = cancel};
     parallel_for(threads, ((size_t)t->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, pack_rows,
                  &task);
+    pack_rim_rows(t);
   }
   return true;
 }

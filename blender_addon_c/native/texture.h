@@ -25,14 +25,20 @@ typedef struct image {
   bool closest; /* nearest texel instead of bilinear */
 } image;
 
+/* A texture's width and height are those of its image and this. */
+enum { TEXTURE_RIM = 3 };
+
 typedef enum texture_kind { TEXTURE_NORMAL, TEXTURE_RED_GREEN, TEXTURE_BLUE } texture_kind;
 
 typedef struct texture {
-  uint32_t *texel; /* low half: first number, high half: second */
-  int width, height;
+  /*
+   * Low half: first number, high half: second. A rim of one texel before and two after each
+   * axis holds what lies beyond the edge, so that looking up needs no case distinctions.
+   */
+  uint32_t *texel;
+  int width, height, stride; /* texel (x, y) is number (y + 1) * stride + x + 1 */
   image_wrap wrap;
-  float linear;  /* 1: bilinear, 0: nearest */
-  float outside; /* both numbers beyond the edge of WRAP_CLIP */
+  float linear; /* 1: bilinear, 0: nearest */
   /* what it is made from */
   const image *source;
   texture_kind kind;
