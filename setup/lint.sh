@@ -12,7 +12,12 @@ find_files() {
 
 wrong=0
 mapfile -t c_files < <(find_files -regex '.*\.\(c\|h\|cpp\)')
-clang-format --dry-run -Werror "${c_files[@]}" || wrong=1
+for file in "${c_files[@]}"; do
+  clang-format "$file" | cmp -s - "$file" || {
+    echo "$file: not laid out as .clang-format says; mend with: clang-format -i $file" >&2
+    wrong=1
+  }
+done
 
 licence_of() {
   case $1 in
