@@ -52,15 +52,6 @@ def _write(path, spec, pixels):
         raise OSError(f"{path}: {target.geterror()}")
 
 
-def side_by_side(images, gap=8):
-    """One strip of pictures of equal height, white between them."""
-    height = images[0].shape[0]
-    parts = [images[0]]
-    for image in images[1:]:
-        parts += [np.ones((height, gap, 3)), image]
-    return np.concatenate(parts, axis=1)
-
-
 def relative_difference(image, truth):
     """Mean absolute difference over the mean of `truth`."""
     if image.shape != truth.shape:

@@ -9,8 +9,8 @@ JOBS.json is {"normal_map": file, "result": file, "jobs": [job, ...]}; a job is
     "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
     "detail":   libshade's detail method (LIBSHADE only)
     "size", "samples", "quads": integers
-    "repeat":   how often to render; the seconds of each go to the result file
-    "output":   OpenEXR file for the picture, or "" for none
+    "repeat":   how often to render for time; the seconds of each go to the result file
+    "output":   OpenEXR file for the picture, or "" for none (costs one more render)
 """
 import json
 import os
@@ -130,27 +130,31 @@ def new_scene(job, image):
     return scene
 
 
-def run(job, image):
-    """Render one job; returns the seconds of each repetition."""
-    scene = new_scene(job, image)
+def render(scene, **options):
+    """Seconds of one render."""
     bpy.context.window.scene = scene
-    seconds = []
-    for _ in range(job.get("repeat", 1)):
-        start = time.perf_counter()
-        bpy.ops.render.render(scene=scene.name)
-        seconds.append(time.perf_counter() - start)
-    if job["output"]:
-        scene.render.filepath = job["output"]
-        bpy.ops.render.render(scene=scene.name, write_still=True)
-    return seconds
+    start = time.perf_counter()
+    bpy.ops.render.render(scene=scene.name, **options)
+    return time.perf_counter() - start
 
 
 def main(path):
     with open(path, encoding="utf-8") as file:
         order = json.load(file)
+    jobs = order["jobs"]
     image = bpy.data.images.load(order["normal_map"])
     image.colorspace_settings.name = "Non-Color"
-    seconds = [run(job, image) for job in order["jobs"]]
+    scenes = [new_scene(job, image) for job in jobs]
+    seconds = [[] for _ in jobs]
+    # In turns, so that a machine that is busy for a while slows all of them.
+    for turn in range(max(job["repeat"] for job in jobs)):
+        for job, scene, times in zip(jobs, scenes, seconds):
+            if turn < job["repeat"]:
+                times.append(render(scene))
+    for job, scene in zip(jobs, scenes):
+        if job["output"]:
+            scene.render.filepath = job["output"]
+            render(scene, write_still=True)
     with open(order["result"], "w", encoding="utf-8") as file:
         json.dump({"seconds": seconds, "blender": bpy.app.version_string}, file)
 

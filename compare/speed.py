@@ -2,12 +2,13 @@
 """How fast: the plate with its normal map, in Cycles and in our engine, one after the other.
 
 The time is that of the whole render operator: reading the scene, fetching the
-image, building the BVH, rendering, handing the picture back. Renders repeat in
-one Blender process, so the second one shows what stays warm. Prints the ratio;
-this is a measurement, not a test.
+image, building the BVH, rendering, handing the picture back. Both engines
+render in turns in one Blender process, so the second time shows what stays warm.
+Prints the ratio; this is a measurement, not a test.
 """
 import argparse
 import json
+import os
 import platform
 import re
 import subprocess
@@ -35,9 +36,9 @@ def machine():
     """Name of the processor, number of cores, and the compiler."""
     text = Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
     model = re.search(r"model name\s*:\s*(.*)", text)
-    compiler = subprocess.run(["cc", "--version"], capture_output=True, text=True, check=False)
+    compiler = subprocess.run(["gcc", "--version"], capture_output=True, text=True, check=False)
     return (f"{model.group(1) if model else platform.processor()}, "
-            f"{text.count('processor') or '?'} cores; {compiler.stdout.splitlines()[0]}")
+            f"{os.cpu_count()} cores; {compiler.stdout.splitlines()[0]}")
 
 
 def main(argv=None):

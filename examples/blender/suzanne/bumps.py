@@ -74,7 +74,7 @@ def spread_points(count, rng, tries=30):
 def hammered(size, seed=1):
     """Soft hammer marks under fine brush strokes."""
     marks = with_slope(dents(size, 120, seed), 0.085)
-    return normals_of(marks + with_slope(strokes(size, seed), 0.03))
+    return normals_of(marks + with_slope(strokes(size, seed), 0.045))
 
 
 def grain(size, seed=7):

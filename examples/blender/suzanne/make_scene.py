@@ -147,9 +147,9 @@ def build(folder):
         save_normal_map(path, normals)
         images[name] = load_normal_map(path)
 
-    add_suzanne(new_metal("Brushed steel", 160.0, 3.0, images["hammered"]))
-    add_turntable(new_metal("Turned steel", 300.0, 6.0, images["turned"]))
-    add_light("Sun", "SUN", 2.4, (2.4, -2.8, 3.2), (1.0, 0.95, 0.88))
+    add_suzanne(new_metal("Brushed steel", 100.0, 2.5, images["hammered"]))
+    add_turntable(new_metal("Turned steel", 70.0, 4.0, images["turned"]))
+    add_light("Sun", "SUN", 2.6, (2.4, -2.8, 3.2), (1.0, 0.95, 0.88))
     add_light("Lamp", "POINT", 420.0, (-3.6, -2.6, 2.6), (0.82, 0.91, 1.0))
     add_light("Rim lamp", "POINT", 420.0, (2.5, 4.0, 4.2))
     add_camera((0.9, -6.2, 2.6), (0.0, 0.0, 0.72), 55.0)
