@@ -20,8 +20,10 @@ include blender_addon_c/blender.mk
 include povray_patches/povray.mk
 include compare/compare.mk
 
-# pytest last: its closing line is the result
-check: lint all blender povray check-libshade
+# check-libshade is a make of its own, on the same objects: not beside the others under -j.
+# pytest last: its closing line is the result.
+check: lint all blender povray
+	$(MAKE) check-libshade
 	$(PY) -m pytest
 
 lint:
