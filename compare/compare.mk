@@ -3,7 +3,7 @@
 # adds the truth by displacement and the speed beside Cycles.
 DEMO := $(B)/demo
 COMPARE := $(wildcard compare/*.py)
-RENDERERS := $(B)/libshade-blender.zip $(B)/povray/povray $(B)/shade
+RENDERERS := $(B)/libshade-blender.zip $(POVRAY) $(B)/shade
 BLENDER ?= blender
 export BLENDER
 
@@ -17,6 +17,10 @@ $(DEMO)/suzanne.blend: $(SUZANNE) $(B)/libshade-blender.zip
 	@BLENDER_USER_SCRIPTS=$(B)/blender $(BLENDER) -b --factory-startup --addons libshade \
 	  --python-exit-code 1 -P examples/blender/suzanne/make_scene.py -- $@ > $(DEMO)/scene.log 2>&1 \
 	  || { tail -n 15 $(DEMO)/scene.log; exit 1; }
+
+# `povray` decides itself whether the program must be made anew; its file's time then tells.
+$(POVRAY): povray
+	@:
 
 # The table is kept, so that a second `make demo` shows it at once; the stamp says that it was good.
 $(DEMO)/agreed: $(DEMO)/suzanne.blend $(RENDERERS) $(COMPARE)

@@ -43,10 +43,14 @@ def test_renderers_agree_on_suzanne(suzanne, tmp_path):
         assert pictures.read(tmp_path / f"{name}.png").shape == (288, 384, 3)
 
 
-@pytest.mark.parametrize("camera", ["PERSP", "ORTHO"])
-def test_renderers_agree_on_an_awkward_scene(camera, tmp_path):
-    scene = build_scene(AWKWARD, tmp_path / "awkward.blend", camera)
-    done = run("consistency.py", scene, "--output", tmp_path / "out")
+@pytest.fixture(scope="module", params=["PERSP", "ORTHO"])
+def awkward(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("awkward")
+    return build_scene(AWKWARD, folder / "awkward.blend", request.param)
+
+
+def test_renderers_agree_on_an_awkward_scene(awkward, tmp_path):
+    done = run("consistency.py", awkward, "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -66,14 +70,14 @@ def test_rotate_follows_the_displaced_plate(tmp_path):
     ("bpy.data.lights['Sun'].type = 'AREA'", "light 'Sun': only sharp sun and point lights"),
     ("bpy.data.lights['Lamp'].shadow_soft_size = 1", "light 'Lamp': only sharp sun and point"),
     ("bpy.context.scene.camera = None", "the scene has no camera"),
-    ("bpy.data.meshes['Turntable'].uv_layers.remove(bpy.data.meshes['Turntable'].uv_layers[0])",
-     "object 'Turntable': the mesh has no UV map"),
-    ("bpy.data.images['turned.png'].filepath = '//none.png'", "material 'Turned steel', Normal"),
-    ("bpy.data.materials['Turned steel'].node_tree.nodes.clear()",
-     "material 'Turned steel': it has no Libshade Metal node"),
+    ("bpy.data.meshes['Cube'].uv_layers.remove(bpy.data.meshes['Cube'].uv_layers[0])",
+     "object 'Cube': the mesh has no UV map"),
+    ("bpy.data.images['hammered.png'].filepath = '//none.png'", "material 'Fine, bumped', Normal"),
+    ("bpy.data.materials['Across'].node_tree.nodes.clear()",
+     "material 'Across': it has no Libshade Metal node"),
 ])
-def test_what_cannot_be_written_is_named(suzanne, tmp_path, change, said):
-    command = programs.blender(COMPARE / "export_povray.py", tmp_path / "out", scene=suzanne)
+def test_what_cannot_be_written_is_named(awkward, tmp_path, change, said):
+    command = programs.blender(COMPARE / "export_povray.py", tmp_path / "out", scene=awkward)
     where = command.index("-P")
     command[where:where] = ["--python-expr", f"import bpy; {change}"]
     with pytest.raises(report.StepFailed) as failure:
