@@ -13,7 +13,7 @@
  *
  * An edge and its first corner have the same number, 3 * triangle + 0..2. All
  * sums are in double, where no product of three floats can overflow.
- * [Mikkelsen 2008, Simulation of Wrinkled Surfaces Revisited]
+ * [Mikkelsen2008, Simulation of Wrinkled Surfaces Revisited]
  */
 #include "shade/mesh.h"
 

@@ -567,7 +567,7 @@ static void print_text(const check *c, const verdict *v) {
     for (int light = 0; light < d->lights; light++) {
       const material *mat = &c->materials[m];
       const cell *in = cell_at(c, m, light);
-      printf("%8d %-20.20s %-12s %9zu %6.2f %5d %9zu ", mat->id, mat->name,
+      printf("%8d %-20s %-12s %9zu %6.2f %5d %9zu ", mat->id, mat->name,
              shade_list_word(SHADE_LIST_DETAIL, (int)mat->params.detail), mat->pixels,
              mat->tilt * DEGREES, light, in->checked);
       if (in->checked)

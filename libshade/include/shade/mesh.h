@@ -14,8 +14,8 @@ extern "C" {
 
 /*
  * Tangents for every corner of a triangle mesh: dP/du of the UV map, averaged by
- * angle over the corners that share position, normal, UV and handedness, orthogonal to the corner's
- * normal.
+ * angle over the corners that share position, normal, UV and handedness and hang
+ * together by edges, orthogonal to the corner's normal.
  *
  * triangles      number of triangles; corner c of triangle t is number 3t + c
  * position       3 floats per position
@@ -25,12 +25,17 @@ extern "C" {
  * corner_tangent out: 4 floats per corner: unit tangent x y z, and the handedness
  *                +1 or -1: bitangent = handedness * cross(normal, tangent)
  *
- * A corner whose triangles have no UV area gets a unit vector orthogonal to its
- * normal and handedness +1. Non-finite input counts as 0.
+ * The handedness is that of the UVs in the order of the corners, so these must run
+ * counter-clockwise as seen from the normal's side. Quads must be split first.
+ * A triangle without area in UV or in space adds nothing; its corners take the
+ * tangents of their neighbours. A corner that has none gets a unit vector
+ * orthogonal to its normal and handedness +1. Non-finite input counts as 0.
+ *
  * Corners are matched by value, so indexed and unindexed meshes give the same
- * result. Allocates scratch memory of about 40 bytes per corner. Returns the
- * number of corners without a UV direction, or -1 when out of memory (then
- * corner_tangent is untouched). Thread-safe. [Mikkelsen 2008]
+ * result. Time and scratch memory (about 25 bytes) are linear in the corners.
+ * Returns the number of corners without a UV direction, or -1 when out of memory or
+ * beyond 715 million triangles (then corner_tangent is untouched). Thread-safe.
+ * [Mikkelsen2008]
  */
 SHADE_API long shade_mesh_tangents(size_t triangles, const float *position,
                                    const uint32_t *corner_position, const float *corner_normal,
