@@ -104,12 +104,12 @@ def normal_map(tree, node, image, strength=1.0):
 
 def plane(material=None, size=2.0):
     bpy.ops.mesh.primitive_plane_add(size=size)
-    return _added(material)
+    return added(material)
 
 
 def monkey(material=None, **place):
     bpy.ops.mesh.primitive_monkey_add(**place)
-    ob = _added(material)
+    ob = added(material)
     smooth(ob.data)
     return ob
 
@@ -119,7 +119,7 @@ def smooth(mesh, on=True):
     mesh.update()
 
 
-def _added(material):
+def added(material):
     ob = bpy.context.view_layer.objects.active
     if material:
         ob.data.materials.append(material)

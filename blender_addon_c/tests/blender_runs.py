@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs of Blender 3.4 (the system's) and 5.0 (PyPI's bpy) with the add-on installed from the zip,
+and what they write."""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build"
+ZIP = BUILD / "libshade-blender.zip"
+BPY = BUILD / "venv-bpy/bin/python"
+INSIDE = Path(__file__).resolve().parent / "inside"
+
+
+class Blender:
+    """One version of Blender with a home of its own."""
+
+    def __init__(self, version, home):
+        self.version = version
+        self._env = {name: value for name, value in os.environ.items()
+                     if not name.startswith(("LIBSHADE_", "BLENDER_", "PYTHON"))}
+        if version == "3.4":
+            self._command = [shutil.which("blender") or "blender", "-b", "--factory-startup",
+                             "--python-exit-code", "3", "-P"]
+            self._env["LIBSHADE_MODULE"] = "libshade"
+        else:
+            self._command = [str(BPY)]
+            self._env["LIBSHADE_MODULE"] = "bl_ext.user_default.libshade"
+        for what in ("config", "scripts", "extensions"):
+            (home / what).mkdir(parents=True)
+            self._env[f"BLENDER_USER_{what.upper()}"] = str(home / what)
+        self.run("install.py", ZIP)
+
+    def run(self, script, *arguments, env=None, prefix=(), status=0):
+        """Run inside/`script`; returns all it printed."""
+        command = [*prefix, *self._command, INSIDE / script, "--", *arguments]
+        done = subprocess.run([str(word) for word in command], env=self.environment(env),
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              stdin=subprocess.DEVNULL, timeout=300, check=False)
+        assert done.returncode == status, done.stdout[-4000:]
+        return done.stdout
+
+    def environment(self, more=None):
+        return {**self._env, **(more or {})}
+
+    def scene(self, name, folder, env=None, prefix=(), **options):
+        """Render scene `name` of inside/scenes.py: (what it told, all it printed)."""
+        options = {"picture": str(folder / "picture.exr"), **options}
+        dump = options.pop("dump", str(folder / "dump.exr"))
+        text = self.run("scenes.py", name, json.dumps(options), prefix=prefix,
+                        env={**({"LIBSHADE_DUMP": dump} if dump else {}), **(env or {})})
+        told = [line[5:] for line in text.splitlines() if line.startswith("TOLD ")]
+        return json.loads(told[-1]), text
+
+
+def read_picture(path):
+    """(channel names, float32 array of height × width × channels, top row first)."""
+    picture = oiio.ImageBuf(str(path))
+    assert not picture.has_error, picture.geterror()
+    return list(picture.spec().channelnames), picture.get_pixels(oiio.FLOAT)
+
+
+def rgba(path):
+    return read_picture(path)[1]
+
+
+class Dump:
+    """Channels of a dump by name: dump["P"] is height × width × 3."""
+
+    def __init__(self, path):
+        self._names, self._pixels = read_picture(path)
+
+    def __getitem__(self, name):
+        suffixes = {"uv": "UV", "material": ["ID"]}.get(
+            name, "RGB" if name.split(".")[-1] in ("E", "S", "Color") else "XYZ")
+        planes = [self._pixels[..., self._names.index(f"{name}.{s}")] for s in suffixes]
+        return planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
+
+    @property
+    def hit(self):
+        return self["material"] >= 0
+
+
+def difference(a, b):
+    """Mean absolute difference over mean, of linear RGB."""
+    return np.abs(a - b)[..., :3].mean() / b[..., :3].mean()

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes for the tests, by name. arguments: NAME OPTIONS (JSON)
+
+A scene renders to options["picture"] and tells facts for the test in a line "TOLD {json}".
+"""
+
+import json
+import math
+import os
+import sys
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common
+
+
+def view(options):
+    """Suzanne before a camera with the given settings; tells where the camera's frame is."""
+    scene = common.empty_scene(options["width"], options["height"])
+    common.monkey(common.metal()[0])
+    common.plane(common.metal("floor")[0], 20).location = (0, 0, -1)
+    common.light(scene)
+    camera = common.camera(scene, (3, -4, 3), (1.05, 0.1, 0.65), **options["camera"])
+    camera.scale = (2, 2, 2)
+    scene.render.pixel_aspect_x = options.get("aspect", 1)
+    common.render(options["picture"])
+    # Blender's own statement of the frame: corners before the camera, scale taken out.
+    corners = camera.data.view_frame(scene=scene)
+    place = Matrix.LocRotScale(camera.location, camera.rotation_euler, None)
+    return {"corners": [list(c) for c in corners], "to_camera": [list(r) for r in place.inverted()]}
+
+
+def lights(options):
+    """A floor under a tilted sun and two point lights, one of them behind a wall."""
+    scene = common.empty_scene(48, 32)
+    common.plane(common.metal()[0], 8)
+    wall = common.plane(common.metal("wall")[0], 2)
+    wall.location, wall.rotation_euler = (-2, 0, 1), (0, math.pi / 2, 0)
+    common.camera(scene, (0, 0, 10))
+    sun = common.light(scene, "SUN", 2.5, rotation=(0.4, -0.3, 0.2))
+    sun.data.color = (1, 0.5, 0.25)
+    near = common.light(scene, "POINT", 100, location=(1, 1, 2))
+    near.data.color = (0.2, 0.4, 1)
+    hidden = common.light(scene, "POINT", 50, location=(-3, 0, 0.5))
+    hidden.data.use_shadow = options["shadow"]
+    common.render(options["picture"])
+    return {}
+
+
+def mesh(options):
+    """Flat or smooth ball; or a plane whose UVs are known; tells nothing."""
+    scene = common.empty_scene(48, 48)
+    material, _tree, _node = common.metal()
+    if options["what"] == "plane":
+        common.plane(material)
+    else:
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=1)
+        ball = common.added(material)
+        common.smooth(ball.data, options["what"] == "smooth")
+        if options["what"] == "custom":
+            if hasattr(ball.data, "use_auto_smooth"):
+                ball.data.use_auto_smooth = True
+            ball.data.normals_split_custom_set([(0.6, 0, 0.8)] * len(ball.data.loops))
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    common.render(options["picture"])
+    return {}
+
+
+def slots(options):
+    """Four planes in a row, left to right: two slots of one mesh, its linked copy with its own
+    material, a collection instance."""
+    scene = common.empty_scene(48, 12)
+    red, blue, own, other = (common.metal(n)[0] for n in ("red", "blue", "own", "other"))
+    data = bpy.data.meshes.new("two")
+    data.from_pydata([(x, y, 0) for x in (0, 1, 2) for y in (-0.5, 0.5)], [],
+                     [(0, 2, 3, 1), (2, 4, 5, 3)])
+    data.uv_layers.new()
+    for material in (red, blue):
+        data.materials.append(material)
+    data.polygons[1].material_index = 1
+    common.link(scene, "first", data, (-4, 0, 0))
+    copy = common.link(scene, "copy", data, (-2, 0, 0))
+    copy.material_slots[0].link = "OBJECT"
+    copy.material_slots[0].material = own
+    collection = bpy.data.collections.new("instanced")
+    single = bpy.data.meshes.new("single")
+    single.from_pydata([(0, -0.5, 0), (1, -0.5, 0), (1, 0.5, 0), (0, 0.5, 0)], [], [(0, 1, 2, 3)])
+    single.uv_layers.new()
+    single.materials.append(other)
+    collection.objects.link(bpy.data.objects.new("single", single))
+    for x in (0, 2):
+        empty = common.link(scene, "empty", None, (x, 0, 0))
+        empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=8.0)
+    common.render(options["picture"])
+    return {}
+
+
+def film(options):
+    """A small plane before a background, or a transparent film."""
+    scene = common.empty_scene(64, 64, samples=16)
+    common.plane(common.metal()[0], 1.03)
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    scene.render.film_transparent = options["transparent"]
+    scene.world = bpy.data.worlds.new("world")
+    background = common.tree_of(scene.world).nodes["Background"]
+    background.inputs["Color"].default_value = (0.1, 0.2, 0.4, 1)
+    background.inputs["Strength"].default_value = 0.5
+    common.render(options["picture"])
+    return {}
+
+
+def border(options):
+    """The same picture whole, or only its border."""
+    scene = common.empty_scene(61, 47, samples=8)
+    common.monkey(common.metal()[0])
+    common.light(scene, rotation=(0.3, 0.2, 0))
+    common.camera(scene)
+    render = scene.render
+    render.use_border, render.use_crop_to_border = options["border"], options["crop"]
+    render.border_min_x, render.border_max_x = 0.21, 0.77
+    render.border_min_y, render.border_max_y = 0.13, 0.613
+    common.render(options["picture"])
+    return {}
+
+
+def layers(options):
+    """Two view layers, the second without the plane."""
+    scene = common.empty_scene(32, 32)
+    collection = bpy.data.collections.new("first only")
+    scene.collection.children.link(collection)
+    plane = common.plane(common.metal()[0], 1)
+    scene.collection.objects.unlink(plane)
+    collection.objects.link(plane)
+    other = common.plane(common.metal("other")[0], 0.5)
+    other.location = (1, 1, 0)
+    common.light(scene)
+    common.camera(scene)
+    second = scene.view_layers.new("second")
+    second.layer_collection.children["first only"].exclude = True
+    scene.view_layers[0].name = "first"
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):  # from 5.0 on
+        settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format = "OPEN_EXR_MULTILAYER"
+    common.render(options["picture"])
+    return {}
+
+
+def bump(options):
+    """A plane under a float normal map of one direction, with the given strength and wiring."""
+    scene = common.empty_scene(16, 16)
+    material, tree, node = common.metal(detail="ROTATE")
+    image = bpy.data.images.new("tilt", 4, 4, float_buffer=True, is_data=True)
+    x, y = options["tilt"]
+    normal = np.array([x, y, math.sqrt(1 - x * x - y * y)])
+    image.pixels.foreach_set(np.tile([*(normal * 0.5 + 0.5), 1], 16).astype(np.float32))
+    image.update()
+    texture, bump = common.normal_map(tree, node, image, options["strength"])
+    plane = common.plane(material)
+    if options["wiring"] == "reroute":
+        reroute = tree.nodes.new("NodeReroute")
+        tree.links.new(bump.outputs["Normal"], reroute.inputs[0])
+        tree.links.new(reroute.outputs[0], node.inputs["Normal"])
+    elif options["wiring"] == "uv map":
+        # The active render map is turned by a quarter; the node asks for the other.
+        first, second = plane.data.uv_layers[0], plane.data.uv_layers.new(name="turned")
+        for loop in range(4):
+            u, v = first.data[loop].uv
+            second.data[loop].uv = (v, 1 - u)
+        second.active_render = True
+        bump.uv_map = first.name
+    elif options["wiring"] == "mute":
+        bump.mute = True
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=1.0)
+    common.render(options["picture"])
+    return {}
+
+
+def color(options):
+    """A plane whose Color is an image of two halves, sRGB bytes or linear floats; or an RGB node."""
+    scene = common.empty_scene(32, 32)
+    material, tree, node = common.metal()
+    if options["kind"] == "rgb":
+        source = tree.nodes.new("ShaderNodeRGB")
+        source.outputs[0].default_value = (0.25, 0.5, 0.75, 1)
+    else:
+        image = bpy.data.images.new("halves", 8, 8, float_buffer=options["kind"] == "float")
+        if options["kind"] == "data":
+            image.colorspace_settings.name = "Non-Color"
+        left, right = (0.25, 0.5, 0.75, 1), (1, 0, 0.5, 1)
+        image.pixels.foreach_set(np.tile([left] * 4 + [right] * 4, (8, 1)).ravel()
+                                 .astype(np.float32))
+        source = common.image_node(tree, image)
+        source.interpolation = "Closest"
+    tree.links.new(source.outputs["Color"], node.inputs["Color"])
+    common.plane(material)
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    common.render(options["picture"])
+    return {}
+
+
+def suzanne(options):
+    """Suzanne subdivided on a bumped floor; options["save"]: keep the file, else open it."""
+    if options.get("save"):
+        scene = common.empty_scene(160, 120, samples=32)
+        material, _tree, node = common.metal("steel", ex=200, ey=10)
+        node.inputs["Color"].default_value = (0.7, 0.65, 0.6, 1)
+        ob = common.monkey(material, location=(0, 0, 1), rotation=(-0.5, 0, 0.3))
+        ob.modifiers.new("subdivision", "SUBSURF").render_levels = 2
+        material, tree, node = common.metal("bumped", ex=10, ey=80)
+        rows, columns = np.mgrid[0:128, 0:128] * (2 * math.pi / 128)
+        slope = np.stack([-0.3 * np.cos(4 * columns), -0.3 * np.cos(4 * rows), 0 * rows + 1], -1)
+        normal = slope / np.linalg.norm(slope, axis=-1, keepdims=True)
+        image = bpy.data.images.new("waves", 128, 128, float_buffer=True, is_data=True)
+        pixels = np.concatenate([normal * 0.5 + 0.5, 0 * normal[..., :1] + 1], -1)
+        image.pixels.foreach_set(pixels.ravel().astype(np.float32))
+        image.pack()
+        common.normal_map(tree, node, image)
+        common.plane(material, 8)
+        common.light(scene, rotation=(0.4, 0.3, 0))
+        common.light(scene, "POINT", 300, location=(-2, -3, 3))
+        common.camera(scene, (0, -5, 3), (1.1, 0, 0))
+        bpy.ops.wm.save_as_mainfile(filepath=options["save"])
+    else:
+        bpy.ops.wm.open_mainfile(filepath=options["open"])
+        common.enable()
+    common.render(options["picture"])
+    return {}
+
+
+if __name__ == "__main__":
+    name, options = common.arguments()
+    print("TOLD", json.dumps(globals()[name](json.loads(options))), flush=True)
+    common.finish()

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The zip: the same bytes each time, and the same picture wherever it is installed."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blender_runs import BPY, BUILD, ROOT, ZIP, Dump, difference, rgba
+
+# What the add-on brings its own copies of.
+SYSTEM_LIBRARIES = ["libembree3.so.3", "libtbb.so.12", "libOpenEXRCore-3_1.so.30"]
+SYMBOLS = ["rtcNewDevice", "exr_start_write"]
+
+
+def test_same_files_same_bytes(tmp_path):
+    unpacked = tmp_path / "libshade"
+    shutil.copytree(BUILD / "blender/addons/libshade", unpacked,
+                    ignore=shutil.ignore_patterns("__pycache__"))
+    files = [p for p in unpacked.rglob("*") if p.is_file()]
+    for path in files:
+        os.utime(path, (1e9, 1e9))
+    again = tmp_path / "again.zip"
+    subprocess.run([sys.executable, ROOT / "blender_addon_c/package.py", again, unpacked, *files],
+                   check=True)
+    assert again.read_bytes() == ZIP.read_bytes()
+
+
+def test_contents():
+    """One folder at the top, everything that is imported, nothing of a developer's machine."""
+    with zipfile.ZipFile(ZIP) as archive:
+        names = archive.namelist()
+    assert names == sorted(names)
+    assert all(n.startswith("libshade/") and not n.endswith((".pyc", ".part")) for n in names)
+    sources = {f"libshade/{p.name}" for p in (ROOT / "blender_addon_c").glob("*.py")}
+    sources -= {"libshade/package.py"}
+    assert sources <= set(names)
+    assert {"libshade/blender_manifest.toml", "libshade/_native.abi3.so"} <= set(names)
+
+
+def test_one_version():
+    addon = (ROOT / "blender_addon_c/__init__.py").read_text()
+    manifest = (ROOT / "blender_addon_c/blender_manifest.toml").read_text()
+    version = re.search(r'"version": \((\d+), (\d+), (\d+)\)', addon).groups()
+    assert ".".join(version) == re.search(r'^version = "(.+)"', manifest, re.M).group(1)
+
+
+@pytest.fixture(scope="module")
+def blend(blender34, tmp_path_factory):
+    """(file, picture from 3.4, dump from 3.4)"""
+    folder = tmp_path_factory.mktemp("suzanne")
+    blender34.scene("suzanne", folder, save=str(folder / "suzanne.blend"))
+    return folder / "suzanne.blend", rgba(folder / "picture.exr"), Dump(folder / "dump.exr")
+
+
+@pytest.fixture(scope="module")
+def plain50(blender50, blend, tmp_path_factory):
+    """The same from 5.0."""
+    folder = tmp_path_factory.mktemp("plain50")
+    blender50.scene("suzanne", folder, open=str(blend[0]))
+    return rgba(folder / "picture.exr"), Dump(folder / "dump.exr")
+
+
+def test_same_picture_in_both_versions(blend, plain50):
+    _file, picture, _dump = blend
+    assert picture[..., 3].mean() > 0.5 and picture[..., :3].max() > 1
+    error = difference(plain50[0], picture)
+    print(f"3.4.1 against bpy 5.0.1: mean absolute difference over mean {error:.2e}")
+    assert error <= 1e-3
+
+
+def assert_as_before(folder, plain50):
+    picture, dump = rgba(folder / "picture.exr"), Dump(folder / "dump.exr")
+    assert dump.hit.mean() > 0.5  # with a foreign Embree every ray misses
+    assert np.array_equal(dump["P"], plain50[1]["P"])
+    assert difference(picture, plain50[0]) < 1e-5
+
+
+def test_without_system_libraries(blender50, blend, plain50, tmp_path):
+    """In a mount namespace of its own, where the system's copies are empty files.
+
+    Debian's Blender itself is linked to them: only bpy, which brings its own, starts there.
+    """
+    folders = [Path("/usr/lib") / sys.implementation._multiarch, Path("/usr/lib")]
+    hidden = [p for name in SYSTEM_LIBRARIES for f in folders if (p := f / name).exists()]
+    mounts = "; ".join(f"mount --bind /dev/null {p}" for p in hidden)
+    enter = ["unshare", "--map-root-user", "--mount", "sh", "-ec", mounts + '; exec "$@"', "sh"]
+    if subprocess.run([*enter, "true"], capture_output=True, check=False).returncode:
+        pytest.skip("this machine lets nobody make a mount namespace")
+    blender50.run("check_symbols.py", "missing", *SYSTEM_LIBRARIES, prefix=enter)
+    blender50.scene("suzanne", tmp_path, prefix=enter, open=str(blend[0]))
+    assert_as_before(tmp_path, plain50)
+
+
+def test_foreign_libraries_in_global_scope(blender50, blend, plain50, tmp_path):
+    """With Blender's own Embree 4 and OpenEXRCore before all others, as in official builds."""
+    libraries = sorted(BPY.parents[1].glob("lib/python*/site-packages/bpy/lib/lib*.so*"))
+    preload = [str(p) for p in libraries if p.name.startswith(("libembree4", "libOpenEXRCore"))]
+    assert len(preload) == 2, "bpy has changed its libraries"
+    env = {"LD_PRELOAD": ":".join(preload)}
+    blender50.run("check_symbols.py", "global", *SYMBOLS, env=env)
+    blender50.scene("suzanne", tmp_path, env=env, open=str(blend[0]))
+    assert_as_before(tmp_path, plain50)
