@@ -4,7 +4,6 @@
 #define LIBSHADE_STAGE_COMMON_H
 
 #include <math.h>
-#include <string.h>
 
 #include "batch.h"
 

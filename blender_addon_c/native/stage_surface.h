@@ -9,7 +9,7 @@
 #define SURFACE_OFFSET 2e-6f
 
 /* One corner of a triangle, or the interpolated one. */
-typedef float row8 __attribute__((vector_size(32)));
+typedef float row8 __attribute__((vector_size(32), aligned(4), may_alias));
 
 /*
  * By rows, not by lanes: three loads of a row a hit, where sixteen lanes would gather 24 numbers
@@ -21,10 +21,9 @@ static void stage_corner(size_t count, const triangle *restrict triangles,
                          float *restrict reach) {
   for (size_t i = 0; i < count; i++) {
     const triangle *t = &triangles[record[i]];
-    row8 corner[3], mean;
-    memcpy(corner, t->corner, sizeof corner);
-    mean = (1.0f - u[i] - v[i]) * corner[0] + u[i] * corner[1] + v[i] * corner[2];
-    memcpy(row + 8 * i, &mean, sizeof mean);
+    const row8 *corner = (const row8 *)t->corner;
+    *(row8 *)(row + 8 * i) =
+        (1.0f - u[i] - v[i]) * corner[0] + u[i] * corner[1] + v[i] * corner[2];
     handed[i] = t->handed;
     reach[i] = t->reach;
   }
