@@ -30,11 +30,11 @@ def check_json(dump, *options):
     return report
 
 
-def make(build, root=ROOT, cflags=""):
+def make(build, root=ROOT, cflags="", names=("libshade.a", "libshade_dump.a", "shade"), more=()):
     """Targets of libshade.mk into a folder of their own."""
     rules = f"B := {build}\ninclude libshade/libshade.mk\n"
-    targets = [f"{build}/{name}" for name in ("libshade.a", "libshade_dump.a", "shade")]
-    subprocess.run(["make", "-s", "-f", "-", f"CC={CC}", f"CFLAGS={cflags}", *targets],
+    targets = [f"{build}/{name}" for name in names]
+    subprocess.run(["make", "-s", "-f", "-", f"CC={CC}", f"CFLAGS={cflags}", *more, *targets],
                    input=rules, text=True, cwd=root, check=True, stdout=subprocess.DEVNULL)
 
 
@@ -166,7 +166,7 @@ def test_reference_shares_no_symbol_with_the_library():
 
     kernel = symbols("src/isa_*.o", "--defined-only")  # static functions too
     library = symbols("src/*.o", "--defined-only", "--extern-only")
-    reference = symbols("reference/*.o")
+    reference = symbols("reference/*.o", "--extern-only")  # what it has and what it wants
     assert any("rotate" in name for name in kernel)
     assert "shade_bsdf_eval" in library and "shade_ref_f" in reference
     assert not reference & (kernel | library)
@@ -341,6 +341,8 @@ def first_hit(dump):
 @pytest.mark.parametrize("channel, value, words", [
     ("light1.S.G", np.nan, "S is not finite"),
     ("light0.S.R", np.inf, "S is not finite"),
+    ("light0.E.R", -1, "E is negative"),
+    ("light0.E.G", -1, "E is negative"),
     ("light0.E.B", -1, "E is negative"),
     ("light0.E.B", np.nan, "E is negative or not finite"),
     ("light1.E.R", np.inf, "E is negative or not finite"),
@@ -395,6 +397,14 @@ def test_one_value_off(dump, tmp_path, factor, passes):
         assert worst["s"] == pytest.approx(worst["reference"] * factor, rel=1e-4)
 
 
+def test_light_where_the_reference_has_none(dump, tmp_path):
+    dark = (dump["material.ID"] == 3) & (dump["light0.S.R"] == 0)
+    y, x = np.argwhere(dark)[0]
+    dump["light0.S.R"][y, x] = dump["light0.S.R"][bright_hit(dump)]
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert not report["pass"] and report["largest"] == 1
+
+
 def test_mean_is_limited_too(dump, tmp_path):
     for plane in dump.planes("light0.S"):
         plane *= np.float32(1 + 3e-5)
@@ -403,6 +413,39 @@ def test_mean_is_limited_too(dump, tmp_path):
     assert not report["pass"] and report["largest"] < 1e-4 and report["mean"] > 2e-5
     assert check(path, "--mean-tolerance", "1e-4").returncode == 0
     assert check(path, "--mean-tolerance", "1e-4", "--tolerance", "1e-5").returncode == 1
+
+
+def along_horizon(dump, height):
+    """V of material 7 moved to a cosine of `height` from Ns, light 0 mirrored about a
+    half vector 10 degrees from Ns, where the lobe is bright; S there is 0."""
+    ns, n, v = (np.stack(dump.planes(group), axis=2).astype(float) for group in ("Ns", "N", "V"))
+    ns /= np.maximum(np.linalg.norm(ns, axis=2, keepdims=True), 1e-9)
+    flat = v - (v * ns).sum(2, keepdims=True) * ns
+    flat /= np.maximum(np.linalg.norm(flat, axis=2, keepdims=True), 1e-9)
+    v = flat * np.sqrt(1 - height**2) + height * ns
+    h = np.cos(np.radians(10)) * ns + np.sin(np.radians(10)) * flat
+    light = 2 * (h * v).sum(2, keepdims=True) * h - v
+    lit = (dump["material.ID"] == 7) & ((n * v).sum(2) > 0.1) & ((n * light).sum(2) > 0.1)
+    for group, vectors in (("V", v), ("light0.L", light)):
+        for i, plane in enumerate(dump.planes(group)):
+            plane[lit] = vectors[lit, i]
+    for plane in dump.planes("light0.S") + dump.planes("light1.S") + dump.planes("light1.E"):
+        plane[lit] = 0
+    return lit.sum()
+
+
+def test_rounding_may_decide_on_the_horizon(dump, tmp_path):
+    moved = along_horizon(dump, 0)
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert report["pass"]
+    assert moved > 20 and 0.1 * moved < report["horizon"] / 3 < 0.9 * moved
+
+
+def test_no_excuse_above_the_horizon(dump, tmp_path):
+    moved = along_horizon(dump, 1e-5)
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert moved > 20 and report["horizon"] == 0
+    assert not report["pass"] and report["largest"] == 1
 
 
 def test_idle_material_and_light(dump, tmp_path):
@@ -501,6 +544,15 @@ def test_usage(good, tmp_path):
     for path in (tmp_path / "absent.exr", tmp_path):
         result = check(path)
         assert result.returncode == 1 and str(path) in result.stderr
+
+
+def test_without_openexr(copy, good):
+    make("bare", copy, "-O0", ["shade"], ["EXR_LIBS="])
+    for options, status in (([good], 1), (["--help"], 0)):
+        result = subprocess.run([copy / "bare/shade", "check", *options], capture_output=True,
+                                text=True)
+        assert result.returncode == status
+    assert "libopenexr-dev" in check(good, shade=copy / "bare/shade").stderr
 
 
 @pytest.fixture(scope="module")
