@@ -97,6 +97,8 @@ def _properties():
             min=row["minimum"], max=row["maximum"], default=row["initial"],
             update=_updater(row["word"]),
         )
+    # The tree inside also belongs to a copy of this node, until one of them changes.
+    made["shares_tree"] = BoolProperty(options={"HIDDEN"})
     return made
 
 
@@ -148,8 +150,9 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         self.update_preview()
 
     def copy(self, node):
-        # Each node sets its own roughness inside its own tree.
-        self.node_tree = node.node_tree.copy()
+        # Giving the copy a tree of its own right here would upset Blender 3.4's count of the
+        # tree's users, and a tree without users is not saved.
+        self.shares_tree = node.shares_tree = True
 
     def update_preview(self):
         """Carry the roughness over to the Principled BSDF inside.
@@ -157,9 +160,11 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         Cycles' convention: alphas are r²/a along the tangent and r²·a across, with
         a² = 1 − 0.9 anisotropic; a quarter turn swaps the two.
         """
-        shader = self.node_tree and self.node_tree.nodes.get(_SHADER)
-        if not shader:
-            return
+        if not (self.node_tree and self.node_tree.nodes.get(_SHADER)):
+            return  # someone has been inside
+        if self.shares_tree:
+            self.node_tree, self.shares_tree = self.node_tree.copy(), False
+        shader = self.node_tree.nodes[_SHADER]
         narrow, wide = sorted((self.ax, self.ay))
         shader.inputs["Roughness"].default_value = min(1.0, (narrow * wide) ** 0.25)
         shader.inputs["Anisotropic"].default_value = min(1.0, (1.0 - narrow / wide) / 0.9)

@@ -208,6 +208,35 @@ def color(options):
     return {}
 
 
+def cycles(options):
+    """A ball of metal in Cycles: by our node, by its plain group, or by a Principled BSDF."""
+    scene = common.empty_scene(48, 48)
+    if options["converted"] == "principled":
+        material = bpy.data.materials.new("metal")
+        tree = common.tree_of(material)
+        node = tree.nodes["Principled BSDF"]
+        node.inputs["Metallic"].default_value = 1
+        node.inputs["Roughness"].default_value = 0.4
+        tangent = tree.nodes.new("ShaderNodeTangent")
+        tangent.direction_type = "UV_MAP"
+        tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
+        color = node.inputs["Base Color"]
+    else:
+        material, tree, node = common.metal(ax=0.16, ay=0.16)
+        color = node.inputs["Color"]
+    color.default_value = (0.9, 0.6, 0.3, 1)
+    if options["converted"] is True:
+        bpy.ops.libshade.convert_to_group(all_materials=True)
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    common.smooth(common.added(material).data)
+    common.light(scene, rotation=(0.5, 0, 0))
+    common.camera(scene)
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = 8, False
+    common.render(options["picture"])
+    return {}
+
+
 def suzanne(options):
     """Suzanne subdivided on a bumped floor; options["save"]: keep the file, else open it."""
     if options.get("save"):
@@ -226,7 +255,7 @@ def suzanne(options):
         image.pack()
         common.normal_map(tree, node, image)
         common.plane(material, 8)
-        common.light(scene, rotation=(0.4, 0.3, 0))
+        common.light(scene, rotation=(-0.9, 0.2, 0))
         common.light(scene, "POINT", 300, location=(-2, -3, 3))
         common.camera(scene, (0, -5, 3), (1.1, 0, 0))
         bpy.ops.wm.save_as_mainfile(filepath=options["save"])

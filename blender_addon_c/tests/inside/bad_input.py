@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes that cannot be rendered as they are. arguments: FOLDER
+
+For each: a line "CASE name", all that Blender prints, and "END finished|error".
+"""
+
+import os
+import sys
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common
+
+folder, = common.arguments()
+
+
+def plate(scene, **leave_out):
+    """A lit plate before a camera, without what is left out; returns (object, tree, node)."""
+    material, tree, node = common.metal("steel")
+    ob = common.plane(material)
+    if not leave_out.get("camera"):
+        common.camera(scene)
+    if not leave_out.get("light"):
+        common.light(scene)
+    return ob, tree, node
+
+
+def image_file(name, content=None):
+    """An image whose file is missing, or holds `content`."""
+    path = os.path.join(folder, name)
+    if content is not None:
+        with open(path, "wb") as file:
+            file.write(content)
+    image = bpy.data.images.new(name, 4, 4)
+    image.source, image.filepath = "FILE", path
+    return image
+
+
+def fine(scene):
+    plate(scene)
+
+
+def empty(scene):
+    common.camera(scene)
+    common.light(scene)
+
+
+def no_camera(scene):
+    plate(scene, camera=True)
+
+
+def no_light(scene):
+    plate(scene, light=True)
+
+
+def no_uv(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.uv_layers.remove(ob.data.uv_layers[0])
+
+
+def no_faces(scene):
+    ob, _tree, _node = plate(scene)
+    wire = bpy.data.meshes.new("wire")
+    wire.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    ob.data = wire
+
+
+def missing_image(scene):
+    _ob, tree, node = plate(scene)
+    texture = common.image_node(tree, image_file("gone.png"))
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+
+
+def missing_normal_map(scene):
+    _ob, tree, node = plate(scene)
+    common.normal_map(tree, node, image_file("gone.exr"))
+
+
+def broken_image(scene):
+    _ob, tree, node = plate(scene)
+    texture = common.image_node(tree, image_file("broken.png", b"not a picture"))
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+
+
+def no_image(scene):
+    _ob, tree, node = plate(scene)
+    common.normal_map(tree, node, None)
+
+
+def eight_bit_normal_map(scene):
+    _ob, tree, node = plate(scene)
+    common.normal_map(tree, node, bpy.data.images.new("bytes", 4, 4))
+
+
+def bump_node(scene):
+    _ob, tree, node = plate(scene)
+    bump = tree.nodes.new("ShaderNodeBump")
+    tree.links.new(bump.outputs["Normal"], node.inputs["Normal"])
+
+
+def noise_color(scene):
+    _ob, tree, node = plate(scene)
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], node.inputs["Color"])
+
+
+def mapping_node(scene):
+    _ob, tree, node = plate(scene)
+    texture = common.image_node(tree, bpy.data.images.new("image", 4, 4))
+    mapping = tree.nodes.new("ShaderNodeMapping")
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+
+
+def other_uv_map(scene):
+    _ob, tree, node = plate(scene)
+    image = bpy.data.images.new("image", 4, 4, float_buffer=True, is_data=True)
+    common.normal_map(tree, node, image)[1].uv_map = "elsewhere"
+
+
+def no_material(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.materials.clear()
+
+
+def principled(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.materials[0] = bpy.data.materials.new("plain")
+    common.tree_of(ob.data.materials[0])
+
+
+def mixed(scene):
+    ob, tree, node = plate(scene)
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(node.outputs["BSDF"], mix.inputs[1])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
+def area_light(scene):
+    plate(scene)
+    common.light(scene, "AREA")
+
+
+def panoramic(scene):
+    plate(scene)
+    scene.camera.data.type = "PANO"
+
+
+def flat_object(scene):
+    ob, _tree, _node = plate(scene)
+    ob.scale = (1, 0, 1)
+
+
+def vanished_object(scene):
+    ob, _tree, _node = plate(scene)
+    ob.scale = (0, 0, 0)
+
+
+def not_a_number(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.vertices[0].co = (float("nan"), 0, 0)
+    ob.data.uv_layers[0].data[1].uv = (float("inf"), 0)
+
+
+def slot_out_of_range(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.polygons[0].material_index = 7
+
+
+def extreme_exponents(scene):
+    _ob, _tree, node = plate(scene)
+    node.ex, node.ey = 1e6, 0
+
+
+def one_pixel(scene):
+    plate(scene)
+    scene.render.resolution_x = scene.render.resolution_y = 4
+    scene.render.resolution_percentage = 25
+
+
+def text_and_curve(scene):
+    plate(scene)
+    bpy.ops.object.text_add()
+    bpy.ops.curve.primitive_bezier_circle_add()
+    bpy.context.view_layer.objects.active.data.extrude = 0.1
+
+
+CASES = [
+    fine, empty, no_camera, no_light, no_uv, no_faces, missing_image, missing_normal_map,
+    broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, mapping_node,
+    other_uv_map, no_material, principled, mixed, area_light, panoramic, flat_object,
+    vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
+    text_and_curve,
+]
+
+for case in CASES:
+    case(common.empty_scene(32, 24))
+    print("CASE", case.__name__, flush=True)
+    try:
+        common.render(os.path.join(folder, case.__name__ + ".exr"))
+        print("END finished", flush=True)
+    except RuntimeError as error:
+        print(error)
+        print("END error", flush=True)
+common.finish()

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes that cannot be rendered as they are: a clear message, never a crash, NaN or silence."""
+
+import re
+
+import numpy as np
+import pytest
+
+from blender_runs import rgba
+
+# case: (how it ends, what must be said); None: nothing
+EXPECTED = {
+    "fine": ("finished", None),
+    "empty": ("error", "nothing to render: the scene has no visible mesh"),
+    "no_camera": ("error", "no camera"),
+    "no_light": ("finished", "Warning: .*no sun or point light"),
+    "no_uv": ("finished", "Warning: .*'Plane': mesh without UV map"),
+    "no_faces": ("error", "nothing to render"),
+    "missing_image": ("error", "material 'steel': image file not found: .*gone.png"),
+    "missing_normal_map": ("error", "material 'steel': image file not found: .*gone.exr"),
+    "broken_image": ("error", "material 'steel': image 'broken.png' cannot be read: .*broken.png"),
+    "no_image": ("finished", "Warning: .*'steel': Normal: 'Image Texture' has no image"),
+    "eight_bit_normal_map": ("finished", "'bytes' has colour space 'sRGB': set it to Non-Color"),
+    "bump_node": ("finished", "Warning: .*'steel': Normal: 'Bump' is not supported"),
+    "noise_color": ("finished", "Warning: .*'steel': Color: 'Noise Texture'.* not supported"),
+    "mapping_node": ("finished", "Warning: .*coordinates from 'Mapping'.*not supported"),
+    "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
+    "no_material": ("finished", "Warning: .*'Plane': no material"),
+    "principled": ("finished", "Warning: .*'plain': no Libshade Metal node"),
+    "mixed": ("finished", "Warning: .*no Libshade Metal node.*Mix Shader"),
+    "area_light": ("finished", "Warning: .*'area': area lights are not supported"),
+    "panoramic": ("error", "'camera' is panoramic"),
+    "flat_object": ("finished", None),
+    "vanished_object": ("finished", None),
+    "not_a_number": ("finished", None),
+    "slot_out_of_range": ("finished", None),
+    "extreme_exponents": ("finished", None),
+    "one_pixel": ("finished", None),
+    "text_and_curve": ("finished", None),
+}
+
+
+@pytest.fixture(scope="module")
+def cases(blender, tmp_path_factory):
+    """(all cases of one version in one run: name → (end, text), folder of pictures)"""
+    folder = tmp_path_factory.mktemp("bad_input")
+    text = blender.run("bad_input.py", folder)
+    found = re.findall(r"^CASE (\w+)\n(.*?)^END (\w+)$", text, re.M | re.S)
+    return {name: (end, said) for name, said, end in found}, folder
+
+
+def test_every_case_has_run(cases):
+    assert set(cases[0]) == set(EXPECTED)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_case(cases, name):
+    ran, folder = cases
+    (end, said), (expected_end, expected) = ran[name], EXPECTED[name]
+    assert end == expected_end, said
+    assert "internal error" not in said and "Traceback" not in said, said
+    if expected:
+        assert re.search(expected, said), said
+    if end == "finished":
+        assert np.isfinite(rgba(folder / f"{name}.exr")).all()
+
+
+def test_eight_bits(cases):
+    assert "'bytes' has 8 bits" in cases[0]["eight_bit_normal_map"][1]
+
+
+def test_unwritable_dump(blender, tmp_path):
+    """The dump cannot be written: an error that names the file."""
+    path = tmp_path / "no such folder" / "dump.exr"
+    text = blender.run("scenes.py", "mesh", f'{{"what": "plane", "picture": "{tmp_path}/p.exr"}}',
+                       env={"LIBSHADE_DUMP": str(path)}, status=None)
+    assert "Error: libshade: " in text and str(path) in text

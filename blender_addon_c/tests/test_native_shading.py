@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a hit reflects, against formulas written out in native_scenes."""
+
+import json
+
+import numpy as np
+import pytest
+
+from native_scenes import (
+    ashikhmin_shirley,
+    dump,
+    image,
+    material,
+    mesh,
+    ortho,
+    persp,
+    point,
+    render,
+    scene,
+    sphere,
+    square,
+    sun,
+    unit,
+    vectors,
+)
+
+F0 = (0.9, 0.6, 0.3)
+
+
+def flat_normal_map(n, size=4):
+    pixels = np.ones((size, size, 4), np.float32)
+    pixels[..., :3] = 0.5 + 0.5 * np.asarray(n)
+    return image(pixels)
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (0.3, 0.1, 0.9), (-0.05, 0.6, 0.5)])
+def test_flat_plate_under_a_sun(direction):
+    picture, _ = render(scene(lights=[sun(direction, (2, 1, 0.5))]))
+    expected = ashikhmin_shirley((0, 0, 1), direction, (0, 0, 1), 200, 10, F0) * (2, 1, 0.5)
+    np.testing.assert_allclose(picture[..., :3], np.broadcast_to(expected, (16, 16, 3)), rtol=2e-5)
+    assert (picture[..., 3] == 1).all()
+
+
+@pytest.mark.parametrize("tilt", [(0.3, 0.2), (-0.5, 0.1), (0.0, -0.4)])
+def test_constant_normal_map_carries_the_lobe(tilt):
+    n = np.array([*tilt, np.sqrt(1 - tilt[0] ** 2 - tilt[1] ** 2)])
+    light = unit(2 * n[2] * n - (0, 0, 1) + (0.05, 0.1, 0.02))
+    picture, _ = render(
+        scene(
+            lights=[sun(light)],
+            images=[flat_normal_map(n)],
+            materials=[material(normal_image=0)],
+        )
+    )
+    expected = ashikhmin_shirley(n, light, (0, 0, 1), 200, 10, F0)
+    # 16 bits a component of the normal: 2e-5 in angle
+    np.testing.assert_allclose(picture[8, 8, :3], expected, rtol=2e-3)
+
+
+def test_normal_strength_is_that_of_cycles(tmp_path):
+    n = unit(np.array([0.4, -0.2, 0.8]))
+    for strength in (0.0, 0.5, 2.0):
+        planes, _ = dump(
+            scene(
+                images=[flat_normal_map(n)],
+                materials=[material(normal_image=0, normal_strength=strength)],
+            ),
+            tmp_path / "d.exr",
+        )
+        keep = min(strength, 1)
+        wanted = unit(np.array([n[0] * strength, n[1] * strength, 1 + keep * (n[2] - 1)]))
+        np.testing.assert_allclose(vectors(planes, "Ns")[8, 8], wanted, atol=4e-5)
+
+
+def test_point_light_falls_off_with_the_square(tmp_path):
+    position, intensity = np.array([0.3, -0.2, 0.7]), (3, 2, 1)
+    planes, _ = dump(scene(lights=[point(tuple(position), intensity)]), tmp_path / "d.exr")
+    p = vectors(planes, "P")
+    to_light = position - p
+    d2 = (to_light**2).sum(-1, keepdims=True)
+    np.testing.assert_allclose(vectors(planes, "light0.L"), to_light / np.sqrt(d2), atol=3e-7)
+    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), intensity / d2, rtol=1e-6)
+    expected = ashikhmin_shirley((0, 0, 1), to_light, (0, 0, 1), 200, 10, F0) * intensity / d2
+    shaded = vectors(planes, "light0.S", "RGB")
+    significant = expected > 1e-4 * expected.max()
+    np.testing.assert_allclose(shaded[significant], expected[significant], rtol=5e-5)
+
+
+def test_perspective_rays_go_through_pixel_centres(tmp_path):
+    eye, half, size = np.array([0.5, -1.0, 2.0]), 0.4, 12
+    camera = persp(half, eye, (0, 0, 0))
+    planes, _ = dump(
+        scene(width=size, height=size, camera=camera, meshes=[square(3)]), tmp_path / "d.exr"
+    )
+    at = ((np.arange(size) + 0.5) / size * 2 - 1) * half
+    x, y = np.meshgrid(at, at)
+    matrix = np.reshape(camera["matrix"], (4, 4))[:3, :3]
+    ray = unit(np.stack([x, y, -np.ones_like(x)], -1) @ matrix.T)
+    np.testing.assert_allclose(-vectors(planes, "V"), ray, atol=2e-7)
+    p = eye - ray * (eye[2] / ray[..., 2:])
+    np.testing.assert_allclose(vectors(planes, "P"), p, atol=2e-6)
+    np.testing.assert_allclose(
+        np.stack([planes["uv.U"], planes["uv.V"]], -1), 0.5 + p[..., :2] / 6, atol=1e-6
+    )
+
+
+def test_lights_add_up():
+    lights = [sun((0.2, 0.1, 1), (1, 2, 3)), point((0.5, 0.5, 1.5), (4, 1, 2)), sun((-0.3, 0, 1))]
+    both, _ = render(scene(lights=lights))
+    each = sum(render(scene(lights=[light]))[0][..., :3].astype(float) for light in lights)
+    np.testing.assert_allclose(both[..., :3], each, rtol=1e-5)
+
+
+def test_no_light_is_black_but_opaque():
+    picture, _ = render(scene(lights=[]))
+    assert (picture == (0, 0, 0, 1)).all()
+
+
+def test_textured_reflectance(tmp_path):
+    colors = np.random.default_rng(3).random((4, 4, 3)).astype(np.float32)
+    for srgb, kind in ((False, np.float32), (True, np.float32), (True, np.uint8), (False, np.uint16)):
+        stored = colors if kind is np.float32 else np.round(colors * np.iinfo(kind).max).astype(kind)
+        value = colors if kind is np.float32 else stored / float(np.iinfo(kind).max)
+        if srgb:
+            value = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+        planes, _ = dump(
+            scene(
+                images=[image(stored, srgb=srgb, filter="CLOSEST")],
+                materials=[material(color_image=0, fresnel="NONE")],
+            ),
+            tmp_path / "d.exr",
+        )
+        expected = np.repeat(np.repeat(value, 4, 0), 4, 1)
+        np.testing.assert_allclose(vectors(planes, "Color", "RGB"), expected, atol=3e-5)
+        white = ashikhmin_shirley((0, 0, 1), (0, 0, 1), (0, 0, 1), 200, 10, (1, 1, 1))
+        np.testing.assert_allclose(
+            vectors(planes, "light0.S", "RGB"), white * expected, atol=3e-5 * white.max()
+        )
+
+
+@pytest.mark.parametrize("wrap", ["REPEAT", "EXTEND", "CLIP"])
+def test_bilinear_and_wrap(tmp_path, wrap):
+    """A plate whose UVs run from -1 to 2 against a look-up written out here."""
+    size = 5
+    texels = np.random.default_rng(5).random((size, size + 2, 3)).astype(np.float32)
+    plate = square()
+    plate["corner_uvs"] = (plate["corner_uvs"] * 3 - 1).astype(np.float32)
+    planes, _ = dump(
+        scene(
+            width=48,
+            height=48,
+            images=[image(texels, wrap=wrap)],
+            materials=[material(color_image=0)],
+            meshes=[plate],
+        ),
+        tmp_path / "d.exr",
+    )
+
+    def texel(ix, iy):
+        h, w = texels.shape[:2]
+        if wrap == "REPEAT":
+            return texels[iy % h, ix % w]
+        inside = (ix >= 0) & (ix < w) & (iy >= 0) & (iy < h)
+        value = texels[np.clip(iy, 0, h - 1), np.clip(ix, 0, w - 1)]
+        return value if wrap == "EXTEND" else value * inside[..., None]
+
+    x = planes["uv.U"].astype(float) * texels.shape[1] - 0.5
+    y = planes["uv.V"].astype(float) * texels.shape[0] - 0.5
+    ix, iy = np.floor(x).astype(int), np.floor(y).astype(int)
+    s, t = (x - ix)[..., None], (y - iy)[..., None]
+    expected = (texel(ix, iy) * (1 - s) + texel(ix + 1, iy) * s) * (1 - t) + (
+        texel(ix, iy + 1) * (1 - s) + texel(ix + 1, iy + 1) * s
+    ) * t
+    np.testing.assert_allclose(vectors(planes, "Color", "RGB"), expected, atol=3e-5)
+
+
+def test_back_side_shows_the_same_sheet_from_behind(tmp_path):
+    """Seen from below N faces the eye, and the bumps are those of the one displaced sheet."""
+    n = unit(np.array([0.3, 0.2, 0.9]))
+    changes = {"images": [flat_normal_map(n)], "materials": [material(normal_image=0)]}
+    front, _ = dump(scene(**changes), tmp_path / "d.exr")
+    back, _ = dump(scene(camera=ortho(eye=(0, 0, -3)), **changes), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(front, "Ns")[4, 4], n, atol=4e-5)
+    np.testing.assert_allclose(vectors(back, "Ns")[4, 4], -n, atol=4e-5)
+    np.testing.assert_allclose(vectors(back, "N")[4, 4], (0, 0, -1), atol=1e-7)
+    np.testing.assert_allclose(vectors(back, "T")[4, 4], (1, 0, 0), atol=1e-7)
+
+
+def test_back_side_is_lit_from_its_own_side():
+    below = {"camera": ortho(eye=(0, 0, -3)), "lights": [sun((0.2, 0.1, -1))]}
+    above = {"lights": [sun((0.2, 0.1, 1))]}
+    np.testing.assert_allclose(render(scene(**below))[0], render(scene(**above))[0], rtol=2e-5)
+    dark, _ = render(scene(camera=ortho(eye=(0, 0, -3)), lights=[sun((0.2, 0.1, 1))]))
+    assert (dark[..., :3] == 0).all()
+
+
+def test_mirrored_and_stretched_instances(tmp_path):
+    """A normal map on a mirrored object is the mirrored normal map; normals are no tangents."""
+    n = unit(np.array([0.3, 0.2, 0.9]))
+    changes = {
+        "images": [flat_normal_map(n)],
+        "materials": [material(normal_image=0)],
+    }
+    mirror = np.diag([-1.0, 1, 1, 1]).ravel().tolist()
+    planes, _ = dump(scene(instances=[{"mesh": 0, "matrix": mirror}], **changes), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(planes, "Ns")[4, 4], n * (-1, 1, 1), atol=4e-5)
+    np.testing.assert_allclose(vectors(planes, "T")[4, 4], (-1, 0, 0), atol=1e-7)
+    # a plate at 45 degrees, stretched 3 times along z: normal (-1/1, 0, 1/3) of the plane z = 3 x
+    slope = square()
+    slope["positions"][:, 2] = slope["positions"][:, 0]
+    slope["corner_normals"][:] = unit(np.array([-1.0, 0, 1]))
+    stretch = np.diag([1.0, 1, 3, 1]).ravel().tolist()
+    planes, _ = dump(
+        scene(meshes=[slope], camera=ortho(eye=(0, 0, 9)), instances=[{"mesh": 0, "matrix": stretch}]),
+        tmp_path / "d.exr",
+    )
+    np.testing.assert_allclose(vectors(planes, "N")[4, 4], unit(np.array([-3.0, 0, 1])), atol=2e-7)
+    np.testing.assert_allclose(vectors(planes, "T")[4, 4], unit(np.array([1.0, 0, 3])), atol=2e-7)
+
+
+def test_smooth_normals_and_tangents_of_a_sphere(tmp_path):
+    planes, _ = dump(
+        scene(width=64, height=64, camera=ortho(1.1, (3, 0.5, 1)), meshes=[sphere(64)]),
+        tmp_path / "d.exr",
+    )
+    hit = planes["material.ID"] == 0
+    assert 0.6 < hit.mean() < 0.8
+    p, normal, tangent, eye = (vectors(planes, name)[hit] for name in ("P", "N", "T", "V"))
+    assert (np.abs(np.linalg.norm(normal, axis=1) - 1) < 3e-7).all()
+    assert (np.abs(np.linalg.norm(tangent, axis=1) - 1) < 3e-7).all()
+    assert (np.abs((normal * tangent).sum(1)) < 2e-7).all()
+    assert ((normal * eye).sum(1) > 0).all()
+    inner = (unit(p) * eye).sum(1) > 0.1
+    assert ((normal * unit(p)).sum(1)[inner] > np.cos(np.radians(0.1))).all()
+    east = unit(np.cross((0, 0, 1), p))
+    assert ((tangent * east).sum(1)[inner] > np.cos(np.radians(2))).mean() > 0.99
+
+
+def test_several_materials_in_one_batch(tmp_path):
+    strips = square()
+    cuts = 6
+    x = np.linspace(-1, 1, cuts + 1)
+    strips = mesh(
+        np.array([[a, b, 0] for a in x for b in (-1, 1)]),
+        [t for i in range(cuts) for t in ([2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1])],
+        materials=np.repeat(np.arange(cuts) % 3, 2),
+        uvs=np.array([[a, b] for a in x for b in (-1, 1)]),
+    )
+    colors = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    materials = [material(f0=c, fresnel="NONE", ex=20.0 + i) for i, c in enumerate(colors)]
+    changes = {"width": 12, "height": 12, "meshes": [strips], "materials": materials}
+    picture, _ = render(scene(**changes))
+    for i in range(3):
+        lobe = ashikhmin_shirley((0, 0, 1), (0, 0, 1), (0, 0, 1), 20 + i, 10, (1, 1, 1))
+        columns = picture[:, [2 * i, 2 * i + 1, 2 * i + 6, 2 * i + 7], :3]
+        np.testing.assert_allclose(columns, np.broadcast_to(lobe * colors[i], columns.shape), rtol=2e-5)
+    planes, header = dump(scene(**changes), tmp_path / "d.exr")
+    assert (planes["material.ID"] == np.repeat(np.arange(6) % 3, 2)).all()
+    header = json.loads(header)
+    assert header["renderer"] == "test"
+    assert [m["id"] for m in header["materials"]] == [0, 1, 2]
+    assert [m["ex"] for m in header["materials"]] == [20, 21, 22]
+
+
+def test_dump_of_misses(tmp_path):
+    planes, _ = dump(scene(camera=ortho(2)), tmp_path / "d.exr")
+    miss = planes["material.ID"] == -1
+    assert miss.mean() == 0.75
+    for name, plane in planes.items():
+        assert name == "material.ID" or (plane[miss] == 0).all()
+
+
+def test_mesh_without_uvs_has_a_tangent_and_warns_once(tmp_path):
+    ball = sphere(16)
+    ball["corner_uvs"] = None
+    _, state = render(scene(camera=ortho(1.1), meshes=[ball]))
+    assert len(state["warnings"]) == 1 and "UV" in state["warnings"][0]
+    planes, _ = dump(scene(camera=ortho(1.1), meshes=[ball]), tmp_path / "d.exr")
+    hit = planes["material.ID"] == 0
+    normal, tangent = vectors(planes, "N")[hit], vectors(planes, "T")[hit]
+    wanted = unit(np.array([1.0, 0, 0]) - normal[:, :1] * normal)
+    assert ((wanted * tangent).sum(1)[np.abs(normal[:, 0]) < 0.9] > 0.999).all()
+
+
+def test_coarse_normal_map_warns():
+    pixels = np.full((4, 4, 4), 128, np.uint8)
+    fine = np.full((4, 4, 4), 0.50001, np.float32)
+    for ex, data, expected in ((6000, pixels, 1), (6000, pixels / np.float32(255), 1), (6000, fine, 0), (100, pixels, 0)):
+        _, state = render(
+            scene(images=[image(data)], materials=[material(normal_image=0, ex=float(ex))])
+        )
+        assert len(state["warnings"]) == expected, state
