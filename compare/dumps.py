@@ -106,8 +106,9 @@ def coverage_difference(a, b):
 
 
 def deviations(a, b):
-    """Where both dumps hit: {name: error per pixel}; P relative to the scene's size, the
-    directions and each light's L in degrees, each light's E relative to the larger."""
+    """Where both dumps hit: {name: error per pixel}. P relative to the scene's size; directions
+    in degrees; of each light E relative to the larger, and L, where both dumps are lit, in
+    degrees (in shadow it may be anything)."""
     if a.material.shape != b.material.shape or len(a.lights) != len(b.lights):
         raise ValueError("dumps of different size or number of lights")
     both = a.covered & b.covered
@@ -117,8 +118,9 @@ def deviations(a, b):
     for name in DIRECTIONS:
         result[name] = angles(getattr(a, name)[both], getattr(b, name)[both])
     for k, (la, lb) in enumerate(zip(a.lights, b.lights)):
-        result[f"light{k}.L"] = angles(la["L"][both], lb["L"][both])
-        ea, eb = la["E"][both], lb["E"][both]
-        largest = np.maximum(np.abs(ea), np.abs(eb)).max(axis=-1)
-        result[f"light{k}.E"] = np.abs(ea - eb).max(axis=-1) / np.maximum(largest, 1e-30)
+        ea, eb = la["E"][both].max(axis=-1), lb["E"][both].max(axis=-1)
+        lit = (ea > 0.0) & (eb > 0.0)
+        result[f"light{k}.E"] = np.abs(ea - eb) / np.maximum(np.maximum(ea, eb), 1e-30)
+        if lit.any():
+            result[f"light{k}.L"] = angles(la["L"][both][lit], lb["L"][both][lit])
     return result

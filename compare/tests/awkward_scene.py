@@ -29,7 +29,7 @@ def build(folder, camera_type):
     fine = make_scene.new_metal("Fine, bumped", 120.0, 4.0, image)
     across = make_scene.new_metal("Across", 3.0, 80.0, image)
 
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
     ball = bpy.context.object
     bpy.ops.object.shade_smooth()
     ball.data.materials.append(fine)

@@ -70,6 +70,31 @@ def test_moved_points_are_caught(tmp_path, channels):
     assert not good and rows["P"][3] == "MISSED"
 
 
+def test_a_light_elsewhere_is_caught(tmp_path, channels):
+    rows, good = compare(tmp_path, channels, lambda c: turn(c, "light0.L", 1.0))
+    assert not good and rows["light0.L"][3] == "MISSED"
+
+
+def test_a_dimmer_light_is_caught(tmp_path, channels):
+    def dim(c):
+        for name in "RGB":
+            c[f"light0.E.{name}"] = 0.99 * c[f"light0.E.{name}"]
+
+    rows, good = compare(tmp_path, channels, dim)
+    assert not good and rows["light0.E"][3] == "MISSED"
+
+
+def test_direction_to_a_light_does_not_count_in_shadow(tmp_path, channels):
+    for name in "RGB":
+        channels[f"light0.E.{name}"] = np.where(channels["P.X"] < 0, 0.0, channels[f"light0.E.{name}"])
+
+    def forget(c):
+        for name in "XYZ":
+            c[f"light0.L.{name}"] = np.where(c["P.X"] < 0, 0.0, c[f"light0.L.{name}"])
+
+    assert compare(tmp_path, channels, forget)[1]
+
+
 def test_different_coverage_is_caught(tmp_path, channels):
     def shift(c):
         for name in c:
