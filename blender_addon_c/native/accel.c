@@ -20,6 +20,7 @@
   F(rtcNewScene)                                                                                   \
   F(rtcReleaseScene)                                                                               \
   F(rtcCommitScene)                                                                                \
+  F(rtcSetSceneFlags)                                                                              \
   F(rtcSetSceneProgressMonitorFunction)                                                            \
   F(rtcNewGeometry)                                                                                \
   F(rtcReleaseGeometry)                                                                            \
@@ -108,6 +109,7 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
   a->scene = a->device ? embree.rtcNewScene(a->device) : NULL;
   enum RTCError status = RTC_ERROR_NONE;
   if (a->scene) {
+    embree.rtcSetSceneFlags(a->scene, RTC_SCENE_FLAG_ROBUST); /* no holes along shared edges */
     embree.rtcSetSceneProgressMonitorFunction(a->scene, go_on, (void *)(uintptr_t)cancel);
     attach(a, RTC_GEOMETRY_TYPE_QUAD, ACCEL_QUADS, input, input->quad_position, input->quads,
            RTC_FORMAT_UINT4, 4);

@@ -95,7 +95,7 @@ typedef struct batch {
 typedef struct camera_view {
   const camera *camera;
   int x, y;         /* the tile's lower left pixel */
-  int x_end, y_end; /* pixels from here on are not wanted: no ray */
+  int region[4];    /* no rays for pixels outside: x0 y0 x1 y1 */
   uint32_t first;   /* lane 0 of this batch is lane `first` of the tile */
   float per_sample; /* 1 / samples */
   float step[2];    /* a pixel's size on the view plane */

@@ -56,8 +56,9 @@ static void *array(build *b, size_t count, size_t size) {
   return NULL;
 }
 
-static bool finite_position(const float *p) {
-  return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+/* Embree leaves primitives out that reach farther than 1.8e18. */
+static bool usable_position(const float *p) {
+  return fabsf(p[0]) < 1e18f && fabsf(p[1]) < 1e18f && fabsf(p[2]) < 1e18f;
 }
 
 /* Corners of p and q opposite to an edge that both share, in opposite directions. */
@@ -78,7 +79,7 @@ static void split(const mesh *m, parts *p) {
     pair found = {.first = (uint32_t)t};
     bool whole = t + 1 < m->triangles && shared_edge(corner, corner + 3, found.turn);
     for (unsigned k = 0; whole && k < 6; k++) /* a bad corner must not take the good half along */
-      whole = finite_position(m->position + 3 * (size_t)corner[k]);
+      whole = usable_position(m->position + 3 * (size_t)corner[k]);
     if (whole) {
       p->pair[p->pairs++] = found;
       t++;
@@ -305,6 +306,8 @@ static bool build_textures(scene *s, const atomic_bool *cancel, message_log *log
   bool good = true;
   for (size_t i = 0; i < s->materials; i++) {
     material *m = &s->material[i];
+    if (m->status & SHADE_CLAMPED_PARAMETER)
+      message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
     if (m->color_image >= 0) {
       const image *source = &s->image[m->color_image];
       m->color[0] = texture_request(&s->textures, source, TEXTURE_RED_GREEN, 1.0f);

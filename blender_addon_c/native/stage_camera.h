@@ -27,7 +27,9 @@ LEAF void camera_rays(bool perspective, bool filtered, size_t count, const camer
                       float *restrict dx, float *restrict dy, float *restrict dz,
                       float *restrict tfar) {
   const camera c = *view->camera;
-  const int x = view->x, y = view->y, x_end = view->x_end, y_end = view->y_end;
+  const int x = view->x, y = view->y;
+  const int x0 = view->region[0], y0 = view->region[1];
+  const int x1 = view->region[2], y1 = view->region[3];
   const uint32_t first = view->first, scramble = view->scramble, seed = mix(view->seed);
   const float per_sample = view->per_sample;
   const float step_x = view->step[0], step_y = view->step[1];
@@ -61,7 +63,8 @@ LEAF void camera_rays(bool perspective, bool filtered, size_t count, const camer
       dz[i] = -c.axis[2][2];
     }
     tnear[i] = c.clip[0] * length;
-    tfar[i] = ((px < x_end) & (py < y_end)) ? c.clip[1] * length : -1.0f;
+    bool wanted = (px >= x0) & (py >= y0) & (px < x1) & (py < y1);
+    tfar[i] = wanted ? c.clip[1] * length : -1.0f;
   }
 }
 

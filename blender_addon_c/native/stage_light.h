@@ -67,9 +67,8 @@ static void stage_point(size_t count, const light *light, const float *restrict 
 }
 
 /*
- * The light in the shading frame, and the shadow ray. It starts off the surface on the side that it
- * leaves to, also where the smooth normal sees a light behind the facet: there the mesh's own back
- * decides, as in any ray tracer. Hits that face away cast no ray.
+ * The light in the shading frame, and the shadow ray. Light counts that falls on the side of the
+ * facet that is seen, and only where the smooth normal sees it too; all else casts no ray.
  */
 static void stage_lit(size_t count, const float *restrict lx, const float *restrict ly,
                       const float *restrict lz, const float *restrict px, const float *restrict py,
@@ -83,14 +82,14 @@ static void stage_lit(size_t count, const float *restrict lx, const float *restr
   for (size_t i = 0; i < count; i++) {
     float x = lx[i], y = ly[i], z = lz[i];
     float height = x * nx[i] + y * ny[i] + z * nz[i];
-    float side = x * gx[i] + y * gy[i] + z * gz[i] < 0.0f ? -1.0f : 1.0f;
+    float above = x * gx[i] + y * gy[i] + z * gz[i];
     wix[i] = x * tx[i] + y * ty[i] + z * tz[i];
     wiy[i] = x * bx[i] + y * by[i] + z * bz[i];
     wiz[i] = height;
-    ox[i] = px[i] + side * gx[i];
-    oy[i] = py[i] + side * gy[i];
-    oz[i] = pz[i] + side * gz[i];
-    tfar[i] = height > 0.0f ? tfar[i] : -1.0f;
+    ox[i] = px[i] + gx[i];
+    oy[i] = py[i] + gy[i];
+    oz[i] = pz[i] + gz[i];
+    tfar[i] = ((height > 0.0f) & (above > 0.0f)) ? tfar[i] : -1.0f;
   }
 }
 

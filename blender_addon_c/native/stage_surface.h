@@ -22,8 +22,7 @@ static void stage_corner(size_t count, const triangle *restrict triangles,
   for (size_t i = 0; i < count; i++) {
     const triangle *t = &triangles[record[i]];
     const row8 *corner = (const row8 *)t->corner;
-    *(row8 *)(row + 8 * i) =
-        (1.0f - u[i] - v[i]) * corner[0] + u[i] * corner[1] + v[i] * corner[2];
+    *(row8 *)(row + 8 * i) = (1.0f - u[i] - v[i]) * corner[0] + u[i] * corner[1] + v[i] * corner[2];
     handed[i] = t->handed;
     reach[i] = t->reach;
   }

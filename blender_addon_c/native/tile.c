@@ -262,18 +262,33 @@ static void render_batch(worker *w, const camera_view *view, size_t count) {
   tick(w, CLOCK_FILM);
 }
 
+static size_t region_width(const render *r) {
+  return (size_t)(r->region[2] - r->region[0]);
+}
+
+/* Where the tile's part of the region begins and ends. */
+static void tile_bounds(const render *r, size_t tile, int low[2], int high[2]) {
+  size_t place[2] = {tile % r->columns, tile / r->columns};
+  for (int k = 0; k < 2; k++) {
+    int begin = r->origin[k] + (int)place[k] * r->side, end = begin + r->side;
+    low[k] = begin > r->region[k] ? begin : r->region[k];
+    high[k] = end < r->region[k + 2] ? end : r->region[k + 2];
+  }
+}
+
 /* The tile's average into the picture; the background behind it. */
 static void finish_tile(const worker *w, const camera_view *view) {
   const render *r = w->render;
   const scene *s = r->scene;
   float scale = 1.0f / (float)r->sampling->period;
-  size_t stride = 4 * (size_t)(r->region[2] - r->region[0]);
   for (uint32_t p = 0; p < (uint32_t)(r->side * r->side); p++) {
     int x, y;
     pixel_place(view, p, &x, &y);
-    if (x >= view->x_end || y >= view->y_end)
+    x -= r->region[0];
+    y -= r->region[1];
+    if (x < 0 || y < 0 || x >= r->region[2] - r->region[0] || y >= r->region[3] - r->region[1])
       continue;
-    float *out = r->image + stride * (size_t)(y - r->region[1]) + 4 * (size_t)(x - r->region[0]);
+    float *out = r->image + 4 * ((size_t)y * region_width(r) + (size_t)x);
     float alpha = w->pixels[4 * p + 3] * scale;
     for (unsigned c = 0; c < 3; c++)
       out[c] = w->pixels[4 * p + c] * scale +
@@ -287,15 +302,14 @@ static void render_tile(worker *w, size_t tile) {
   const scene *s = r->scene;
   size_t samples = r->sampling->period, lanes = samples * (size_t)(r->side * r->side);
   camera_view view = {.camera = &s->camera,
-                      .x = r->region[0] + (int)(tile % r->columns) * r->side,
-                      .y = r->region[1] + (int)(tile / r->columns) * r->side,
-                      .x_end = r->region[2],
-                      .y_end = r->region[3],
+                      .x = r->origin[0] + (int)(tile % r->columns) * r->side,
+                      .y = r->origin[1] + (int)(tile / r->columns) * r->side,
                       .per_sample = 1.0f / (float)samples,
                       .step = {(s->camera.frame[1] - s->camera.frame[0]) / (float)s->width,
                                (s->camera.frame[3] - s->camera.frame[2]) / (float)s->height},
                       .seed = s->seed,
                       .scramble = r->sampling->scramble};
+  memcpy(view.region, r->region, sizeof view.region);
   memset(w->pixels, 0, sizeof w->pixels);
   for (size_t first = 0; first < lanes; first += BATCH) {
     if (cancelled(r))
@@ -339,10 +353,13 @@ static void work(void *context, size_t number) {
 bool render_prepare(render *r) {
   size_t samples = r->sampling->period;
   r->side = samples < 16 ? MAX_SIDE : samples <= 1024 ? 16 : 4;
-  size_t width = (size_t)(r->region[2] - r->region[0]), side = (size_t)r->side;
-  size_t height = (size_t)(r->region[3] - r->region[1]);
-  r->columns = (width + side - 1) / side;
-  r->tiles = r->columns * ((height + side - 1) / side);
+  size_t count[2];
+  for (int k = 0; k < 2; k++) {
+    r->origin[k] = r->region[k] / r->side * r->side;
+    count[k] = (size_t)((r->region[k + 2] - r->origin[k] + r->side - 1) / r->side);
+  }
+  r->columns = count[0];
+  r->tiles = count[0] * count[1];
   pthread_mutex_init(&r->lock, NULL);
   r->done = calloc(r->tiles + 1, sizeof *r->done);
   return r->done != NULL;
@@ -355,17 +372,20 @@ bool render_run(render *r) {
 }
 
 void render_copy(const render *r, float *out) {
-  size_t width = (size_t)(r->region[2] - r->region[0]), side = (size_t)r->side;
-  size_t height = (size_t)(r->region[3] - r->region[1]);
-  for (size_t y = 0; y < height; y++)
-    for (size_t column = 0; column < r->columns; column++) {
-      size_t x = column * side, run = width - x < side ? width - x : side;
-      size_t at = 4 * (y * width + x), size = 4 * run * sizeof *out;
-      if (atomic_load_explicit(&r->done[y / side * r->columns + column], memory_order_acquire))
+  size_t stride = 4 * region_width(r);
+  for (size_t tile = 0; tile < r->tiles; tile++) {
+    bool done = atomic_load_explicit(&r->done[tile], memory_order_acquire);
+    int low[2], high[2];
+    tile_bounds(r, tile, low, high);
+    size_t size = 4 * (size_t)(high[0] - low[0]) * sizeof *out;
+    for (int y = low[1]; y < high[1]; y++) {
+      size_t at = (size_t)(y - r->region[1]) * stride + 4 * (size_t)(low[0] - r->region[0]);
+      if (done)
         memcpy(out + at, r->image + at, size);
       else
         memset(out + at, 0, size);
     }
+  }
 }
 
 void render_free(render *r) {

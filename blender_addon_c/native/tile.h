@@ -35,7 +35,8 @@ typedef struct render {
   shade_dump *dump; /* or NULL */
 
   /* set by render_prepare */
-  int side; /* of a tile, in pixels */
+  int side;      /* of a tile, in pixels */
+  int origin[2]; /* of the first tile: tiles lie on the same grid whatever the region */
   size_t columns, tiles;
   atomic_bool *done;      /* per tile: its pixels are in the image */
   atomic_size_t finished; /* tiles */

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels, samples, alpha; jobs: progress, cancel, threads, memory."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from native_scenes import (
+    finish,
+    image,
+    material,
+    mesh,
+    native,
+    ortho,
+    persp,
+    point,
+    render,
+    scene,
+    sphere,
+    square,
+    sun,
+)
+
+
+def half_covered(x):
+    """A plate that ends at this x, in a 16 pixel picture of [-1, 1]."""
+    return mesh([[-2, -2, 0], [x, -2, 0], [x, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+
+
+@pytest.mark.parametrize("samples", [1, 4, 16, 64, 100, 256, 1500])
+def test_coverage_is_alpha(samples):
+    picture, _ = render(scene(samples=samples, meshes=[half_covered(1 / 16)]))
+    assert (picture[:, :8, 3] == 1).all() and (picture[:, 9:] == 0).all()
+    edge = picture[:, 8, 3]
+    # a power of two is a net in base 2: exactly half of the samples on either side
+    tolerance = 0 if samples in (4, 16, 64, 256) else 1 if samples == 1 else 0.05
+    assert (np.abs(edge - 0.5) <= tolerance).all()
+    # premultiplied: the colour of the covered part, times alpha
+    np.testing.assert_allclose(picture[:, 8, :3], edge[:, None] * picture[:, 7, :3], rtol=1e-4)
+
+
+def test_background_fills_what_is_not_covered():
+    background = np.float32([0.1, 0.2, 0.4])
+    base = {"samples": 16, "meshes": [half_covered(1 / 16)], "background": background.tolist()}
+    clear, _ = render(scene(**base))
+    solid, _ = render(scene(transparent=False, **base))
+    assert (solid[..., 3] == 1).all()
+    np.testing.assert_allclose(
+        solid[..., :3], clear[..., :3] + (1 - clear[..., 3:]) * background, rtol=1e-6
+    )
+
+
+def busy(**changes):
+    """Something of everything: smooth and flat, two materials, three kinds of light, misses."""
+    ball = sphere(20, radius=0.6)
+    ball["material"][:] = 1
+    return scene(
+        **{
+            "width": 50,
+            "height": 37,
+            "samples": 12,
+            "camera": persp(0.4, (1, -2, 2)),
+            "lights": [sun((1, 0.5, 2), angle=0.2), point((1, 1, 2), radius=0.3), sun()],
+            "materials": [material(), material(ex=50.0, detail="GRAM_SCHMIDT")],
+            "meshes": [square(0.7), ball],
+        }
+        | changes
+    )
+
+
+def test_threads_and_repetition_change_no_bit():
+    first, _ = render(busy(threads=1))
+    for threads in (1, 2, 3, 7):
+        again, _ = render(busy(threads=threads))
+        assert (again == first).all()
+    assert 0.2 < (first[..., 3] > 0).mean() < 0.95
+
+
+def test_region_is_a_cut_of_the_whole():
+    whole, _ = render(busy())
+    for x0, y0, x1, y1 in ((0, 0, 50, 37), (13, 5, 14, 6), (17, 0, 50, 20), (3, 30, 41, 37)):
+        part, _ = render(busy(region=(x0, y0, x1, y1)))
+        assert (part == whole[y0:y1, x0:x1]).all()
+
+
+def test_seed_changes_the_samples_and_not_the_picture():
+    a, _ = render(busy(samples=64))
+    b, _ = render(busy(samples=64, seed=2))
+    assert (a != b).any()
+    assert abs(a.mean() - b.mean()) < 0.01 * a.mean()
+
+
+def test_stratified_samples_beat_random_ones():
+    """Edges at angles: error of 64 samples against 4096, for a net about a quarter of 1/sqrt(64)."""
+    turned = mesh([[-2, -2.3, 0], [0.3, -2, 0], [-0.2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+    fine, _ = render(scene(samples=4096, meshes=[turned]))
+    coarse, _ = render(scene(samples=64, meshes=[turned]))
+    edge = (fine[..., 3] > 0) & (fine[..., 3] < 1)
+    error = np.sqrt(((fine - coarse)[..., 3][edge] ** 2).mean())
+    assert edge.sum() > 10 and error < 0.02
+
+
+def test_filter_widens_edges_and_keeps_the_mean():
+    edge = {"samples": 1024, "meshes": [half_covered(0)], "width": 8, "height": 8}
+    box_filtered, _ = render(scene(**edge))
+    wide, _ = render(scene(filter_width=3.0, **edge))
+    assert (box_filtered[:, 4, 3] == 0).all() and (box_filtered[:, 3, 3] == 1).all()
+    # part of a 3 pixel Blackman-Harris window beyond half a pixel, by quadrature
+    x = (np.arange(30000) + 0.5) / 30000
+    window = 0.35875 - 0.48829 * np.cos(2 * np.pi * x) + 0.14128 * np.cos(4 * np.pi * x) - 0.01168 * np.cos(6 * np.pi * x)
+    beyond = window[x > 0.5 + 0.5 / 3].sum() / window.sum()
+    np.testing.assert_allclose(wide[:, 4, 3], beyond, atol=0.01)
+    np.testing.assert_allclose(wide[:, 3, 3], 1 - beyond, atol=0.01)
+
+
+def test_clip_distances_cut():
+    near, _ = render(scene(camera=ortho(clip=(3.1, 100))))
+    far, _ = render(scene(camera=ortho(clip=(0.1, 2.9))))
+    kept, _ = render(scene(camera=ortho(clip=(2.9, 3.1))))
+    assert (near == 0).all() and (far == 0).all() and (kept[..., 3] == 1).all()
+
+
+def slow():
+    return busy(width=2000, height=2000, samples=4096)
+
+
+def test_cancel_stops_within_a_tile():
+    job = native.start(slow())
+    while native.poll(job)["progress"] == 0 or native.poll(job)["stage"] == "build":
+        assert not native.wait(job, 0.01)
+    state = native.poll(job)
+    assert state["state"] == "running" and state["stage"] == "render" and 0 < state["progress"] < 1
+    native.cancel(job)
+    start = time.monotonic()
+    assert native.wait(job, 60)
+    assert time.monotonic() - start < 5  # a picture would take minutes
+    assert native.poll(job)["state"] == "cancelled"
+    out = np.empty((2000, 2000, 4), np.float32)
+    native.image(job, out)
+    assert np.isfinite(out).all()
+    native.free(job)
+
+
+def test_unfinished_picture_has_whole_tiles_only():
+    flat = scene(width=512, height=512, samples=2048, threads=1)
+    done, _ = render(scene(width=512, height=16, samples=64))
+    job = native.start(flat)
+    while native.poll(job)["progress"] < 0.02:
+        assert not native.wait(job, 0.01)
+    out = np.empty((512, 512, 4), np.float32)
+    native.image(job, out)
+    native.free(job)  # cancels too
+    finished = out[..., 3] == 1
+    assert 0 < finished.mean() < 1 and (out[~finished] == 0).all()
+    np.testing.assert_allclose(out[finished], np.broadcast_to(done[0, 0], (finished.sum(), 4)), rtol=1e-4)
+
+
+def test_dropping_a_job_ends_it():
+    threads = threading.active_count()
+    job = native.start(slow())
+    del job
+    assert threading.active_count() == threads
+
+
+def test_python_runs_while_waiting():
+    job = native.start(slow())
+    counted = []
+    thread = threading.Thread(target=lambda: counted.append(native.wait(job, 0.5)))
+    thread.start()
+    ticks = 0
+    while thread.is_alive():
+        ticks += 1
+        time.sleep(0.001)
+    assert ticks > 20 and counted == [False]
+    native.free(job)
+
+
+def test_free_while_another_thread_waits():
+    job = native.start(slow())
+    result = []
+    thread = threading.Thread(target=lambda: result.append(native.wait(job, 60)))
+    thread.start()
+    time.sleep(0.05)
+    native.free(job)
+    thread.join(60)
+    assert result == [True]
+    with pytest.raises(ValueError, match="freed"):
+        native.poll(job)
+
+
+def test_poll_and_timings_at_the_end():
+    job = native.start(busy())
+    state = finish(job)
+    assert state == {"state": "done", "progress": 1.0, "stage": "render", "message": "", "warnings": []}
+    times = native.timings(job)
+    assert times["samples"] == 50 * 37 * 12
+    stages = {"camera", "hit", "surface", "bump", "light", "shadow", "shade", "film"}
+    assert set(times) == stages | {"wall", "image", "mesh", "bvh", "samples"}
+    assert all(times[k] > 0 for k in stages | {"wall", "mesh", "bvh"})
+    native.free(job)
+
+
+def test_buffers_are_held_until_free():
+    pixels = np.full((64, 64, 4), 0.5, np.float32)
+    job = native.start(scene(images=[image(pixels)], materials=[material(normal_image=0)]))
+    with pytest.raises((ValueError, BufferError)):
+        pixels.resize((1, 1, 4))
+    finish(job)
+    native.free(job)
+
+
+def test_many_jobs_at_once():
+    first, _ = render(busy())
+    jobs = [native.start(busy()) for _ in range(6)]
+    for job in jobs:
+        assert finish(job)["state"] == "done"
+        out = np.empty_like(first)
+        native.image(job, out)
+        assert (out == first).all()
+        native.free(job)
+
+
+def test_table_names_what_start_accepts():
+    table = native.table()
+    assert set(table["lists"]) == {"mdf", "brdf", "detail", "groove", "fresnel"}
+    for key, rows in table["lists"].items():
+        for row in rows:
+            assert set(row) == {"value", "word", "label", "help"} and row["help"]
+            render(scene(materials=[material(**{key: row["word"]})]))
+    words = {row["word"]: row for row in table["params"]}
+    assert {"ex", "ey", "ax", "ay", "f0"} <= set(words)
+    assert words["f0"]["components"] == 3 and words["ex"]["maximum"] == 1e6
+    assert native.version().count(".") == 2 and native.isa() in ("sse2", "avx2", "avx512")

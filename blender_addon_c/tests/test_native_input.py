@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Malformed and awkward scenes: a ValueError that says where, or a defined picture; never a crash."""
+
+import copy
+
+import numpy as np
+import pytest
+
+from native_scenes import (
+    dump,
+    finish,
+    image,
+    material,
+    mesh,
+    native,
+    ortho,
+    point,
+    render,
+    scene,
+    sphere,
+    square,
+    sun,
+)
+
+PIXELS = np.zeros((2, 2, 4), np.float32)
+
+
+def change(path, value):
+    """A good scene with the item at this path replaced; ... removes it."""
+    description = copy.deepcopy(
+        scene(
+            lights=[sun(), point((0, 0, 1))],
+            images=[image(PIXELS)],
+            materials=[material(normal_image=0)],
+        )
+    )
+    at = description
+    for step in path[:-1]:
+        at = at[step]
+    if value is ...:
+        del at[path[-1]]
+    else:
+        at[path[-1]] = value
+    return description
+
+
+@pytest.mark.parametrize(
+    "path, value, message",
+    [
+        (("width",), 0, "width must be an integer from 1"),
+        (("height",), -5, "height must be"),
+        (("width",), 10**9, "width must be"),
+        (("width",), "many", "width must be"),
+        (("width",), ..., "width is missing"),
+        (("samples",), 0, "samples must be"),
+        (("samples",), 10**6, "samples must be an integer from 1 to 65536"),
+        (("threads",), -1, "threads must be"),
+        (("region",), (0, 0, 17, 16), "region must be"),
+        (("region",), (5, 5, 5, 9), "region is empty"),
+        (("region",), (0, 0, 1), "region must be a sequence of 4"),
+        (("background",), (0, float("nan"), 0), "background must be"),
+        (("filter_width",), -1.0, "filter_width must be from 0"),
+        (("camera",), None, "camera must be a dict"),
+        (("camera", "type"), "PANO", "camera: type must be one of ORTHO, PERSP"),
+        (("camera", "matrix"), [0.0] * 16, "camera: matrix must be invertible"),
+        (("camera", "clip"), (2, 1), "camera: clip must be"),
+        (("camera", "frame"), "abc", "camera: frame must be"),
+        (("lights",), 3, "lights must be a list"),
+        (("lights", 0), 3, r"lights\[0\]: a dict is expected"),
+        (("lights", 0, "type"), "AREA", r"lights\[0\]: type must be one of SUN, POINT"),
+        (("lights", 0, "direction"), (0, 0, 0), r"lights\[0\]: direction must be"),
+        (("lights", 0, "angle"), -1, r"lights\[0\]: angle must be from 0"),
+        (("lights", 1, "position"), (0, 0, float("inf")), r"lights\[1\]: position must be"),
+        (("lights", 1, "radius"), -1, r"lights\[1\]: radius must be"),
+        (("images", 0, "channels"), 5, r"images\[0\]: channels must be"),
+        (("images", 0, "width"), 3, r"images\[0\]: data has 16 items; 24 are expected"),
+        (("images", 0, "data"), np.zeros(16), r"images\[0\]: data has items of format 'd'"),
+        (("images", 0, "data"), np.zeros((4, 8), np.float32)[:, ::2], r"images\[0\]: data must be a contiguous buffer"),
+        (("images", 0, "data"), [1, 2, 3], r"images\[0\]: data must be a contiguous buffer"),
+        (("images", 0, "wrap"), "MIRROR", r"images\[0\]: wrap must be one of REPEAT, EXTEND, CLIP"),
+        (("materials", 0, "detail"), "bend", r"materials\[0\]: detail must be one of none, perturb"),
+        (("materials", 0, "ex"), float("nan"), r"materials\[0\]: ex must be a finite number"),
+        (("materials", 0, "normal_image"), 1, r"materials\[0\]: normal_image must be an integer from -1 to 0"),
+        (("materials", 0, "name"), 7, r"materials\[0\]: name must be a string"),
+        (("meshes", 0, "positions"), ..., r"meshes\[0\]: positions is missing"),
+        (("meshes", 0, "positions"), np.zeros(10, np.float32), r"meshes\[0\]: positions must be 3"),
+        (("meshes", 0, "corner_position"), np.int32([0, 1, 9] * 2), r"corner_position has an index outside of the 4"),
+        (("meshes", 0, "corner_position"), np.int32([0, 1, -1] * 2), r"corner_position has an index outside"),
+        (("meshes", 0, "corner_position"), np.zeros(6, np.int64), r"corner_position has items of format 'l'"),
+        (("meshes", 0, "corner_normals"), np.zeros(9, np.float32), r"corner_normals has 9 items; 18"),
+        (("meshes", 0, "corner_uvs"), np.zeros(9, np.float32), r"corner_uvs has 9 items; 12"),
+        (("meshes", 0, "material"), np.int32([0, 1]), r"material has an index outside of the 1 materials"),
+        (("meshes", 0, "material"), np.int32([0, -1]), r"material has an index outside of the 1 materials"),
+        (("instances", 0, "mesh"), 1, r"instances\[0\]: mesh must be an integer from 0 to 0"),
+        (("instances", 0, "matrix"), [float("nan")] * 16, r"instances\[0\]: matrix must be"),
+        (("dump",), 5, "dump must be a string"),
+    ],
+)
+def test_malformed_scene_says_where(path, value, message):
+    with pytest.raises(ValueError, match=message):
+        native.start(change(path, value))
+
+
+def test_not_even_a_scene():
+    for nonsense in (None, [], 5):
+        with pytest.raises(ValueError, match="a dict is expected"):
+            native.start(nonsense)
+    for call in (native.poll, native.cancel, native.free, native.timings):
+        with pytest.raises((ValueError, TypeError)):
+            call(5)
+
+
+def test_image_checks_its_buffer():
+    job = native.start(scene())
+    finish(job)
+    for out in (np.zeros(5, np.float32), np.zeros((16, 16, 4)), np.zeros((16, 16, 4), np.int32)):
+        with pytest.raises(ValueError, match="1024 float32"):
+            native.image(job, out)
+    frozen = np.zeros((16, 16, 4), np.float32)
+    frozen.flags.writeable = False
+    with pytest.raises((ValueError, BufferError)):
+        native.image(job, frozen)
+    native.free(job)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"meshes": []},
+        {"meshes": [], "materials": [], "lights": []},
+        {"instances": []},
+        {"meshes": [mesh(np.zeros((0, 3)), np.zeros((0, 3), int), uvs=np.zeros((0, 2)))]},
+        {"meshes": [mesh([[0, 0, 0]], [[0, 0, 0]], [[0, 0, 1]], [[0, 0]])]},  # no area
+    ],
+)
+def test_empty_scenes_are_empty_pictures(changes, tmp_path):
+    picture, _ = render(scene(**changes))
+    assert (picture == 0).all()
+    planes, _ = dump(scene(**changes), tmp_path / "d.exr")
+    assert (planes["material.ID"] == -1).all()
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 1e30])
+def test_bad_positions_lose_their_triangle_only(bad):
+    plate = square()
+    plate["positions"] = np.vstack([plate["positions"], [[bad, 0, 0]]]).astype(np.float32)
+    plate["corner_position"][5] = 4  # the second triangle
+    picture, _ = render(scene(meshes=[plate]))
+    assert (picture[2, 13] > 0).all()  # in the first triangle, below the diagonal
+    assert (picture[13, 2] == 0).all()
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 0.0])
+def test_bad_normals_and_uvs_have_a_defined_result(bad, tmp_path):
+    plate = square()
+    plate["corner_normals"][:] = bad
+    expected, _ = render(scene())
+    picture, _ = render(scene(meshes=[plate]))
+    np.testing.assert_allclose(picture, expected, rtol=1e-5)  # the facet's own normal
+    textured = {
+        "images": [image(np.random.default_rng(1).random((8, 8, 4)).astype(np.float32))],
+        "materials": [material(normal_image=0, color_image=0)],
+    }
+    for wrap in ("REPEAT", "EXTEND", "CLIP"):
+        textured["images"][0]["wrap"] = wrap
+        for value in (bad, 1e30, -1e10):
+            plate = square()
+            plate["corner_uvs"][::2] = value
+            render(scene(meshes=[plate], **textured))  # finite, no crash
+            dump(scene(meshes=[plate], **textured), tmp_path / "d.exr")
+
+
+def test_opposite_normals_of_corners_cancel_out(tmp_path):
+    plate = square()
+    plate["corner_normals"][::3] = (0, 0, -1)
+    planes, _ = dump(scene(meshes=[plate], width=65, height=65), tmp_path / "d.exr")
+    length = sum(planes[f"N.{c}"].astype(float) ** 2 for c in "XYZ")
+    np.testing.assert_allclose(length, 1, atol=1e-6)
+
+
+def test_singular_and_huge_instances():
+    for matrix in (np.zeros((4, 4)), np.diag([1.0, 1, 0, 1]), np.diag([1e30, 1e30, 1e30, 1])):
+        render(scene(instances=[{"mesh": 0, "matrix": matrix.ravel().tolist()}]))
+
+
+def test_normal_map_of_nan_and_below_the_surface():
+    pixels = np.full((4, 4, 4), np.nan, np.float32)
+    flat, _ = render(scene())
+    picture, _ = render(scene(images=[image(pixels)], materials=[material(normal_image=0)]))
+    np.testing.assert_allclose(picture, flat, rtol=1e-6)
+    pixels[:] = 0.0  # points down and sideways
+    render(scene(images=[image(pixels)], materials=[material(normal_image=0, normal_strength=1e6)]))
+
+
+def test_extreme_materials_and_lights_stay_finite():
+    for ex, ey in ((0.0, 0.0), (1e6, 1e6), (1e12, -5.0)):
+        _, state = render(scene(materials=[material(ex=ex, ey=ey, f0=(2, -1, 0.5))]))
+        assert any("clamped" in text for text in state["warnings"])
+    render(scene(lights=[point((0, 0, 1e-30)), point((0, 0, 1e15), (1e30,) * 3), sun(angle=np.pi)]))
+    render(scene(lights=[sun() for _ in range(40)]))
+
+
+def test_dump_that_cannot_be_written(tmp_path):
+    job = native.start(scene(dump=str(tmp_path / "no/such/folder/d.exr")))
+    state = finish(job)
+    assert state["state"] == "failed" and "no/such/folder/d.exr" in state["message"]
+    out = np.empty((16, 16, 4), np.float32)
+    native.image(job, out)  # the picture itself is there
+    assert (out[..., 3] == 1).all()
+    native.free(job)
