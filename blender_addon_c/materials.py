@@ -88,6 +88,11 @@ class Table:
                                    f"libshade uses '{names[-1]}' for all")
         return names[-1]
 
+    def textured(self, indices):
+        """Does any of the materials read an image?"""
+        return any(self.materials[i][kind] >= 0 for i in indices
+                   for kind in ("color_image", "normal_image"))
+
     def image(self, image, wrap, filtering, owner):
         """Index of an image, or -1 when it cannot be used."""
         key = (image, wrap, filtering)

@@ -9,7 +9,7 @@ class LibshadeSettings(bpy.types.PropertyGroup):
     samples: IntProperty(
         name="Samples",
         description="Samples per pixel; more give smoother edges and highlights",
-        default=64, min=1, soft_max=4096, max=1 << 20,
+        default=64, min=1, soft_max=4096, max=1 << 16,
     )
     seed: IntProperty(
         name="Seed",

@@ -165,13 +165,18 @@ def _mesh(ob, slots, table, messages):
         return None
     corners = _get(triangles, "loops", 3, np.int32)
     indices = [table.index(material, ob.name) for material in slots or [None]]
-    uv_map = table.uv_map(indices, ob.name)
+    positions = _get(mesh.vertices, "co", 3, np.float32)
+    if not np.isfinite(positions).all():
+        messages.warning(f"object '{ob.name}': some of its vertices have no valid position")
+    uvs = _corner_uvs(mesh, corners, table.uv_map(indices, ob.name), ob.name, messages)
+    if uvs is None and table.textured(indices):
+        messages.warning(f"object '{ob.name}': textures need a UV map: each shows one point only")
     return {
-        "name": mesh.name,
-        "positions": _get(mesh.vertices, "co", 3, np.float32),
+        "name": f"object '{ob.name}'",  # for messages of the native module
+        "positions": positions,
         "corner_position": _corner_positions(mesh, corners),
         "corner_normals": _corner_normals(mesh, corners),
-        "corner_uvs": _corner_uvs(mesh, corners, uv_map, ob.name, messages),
+        "corner_uvs": uvs,
         "material": _triangle_materials(mesh, indices),
     }
 
@@ -191,14 +196,12 @@ def _corner_normals(mesh, corners):
 
 
 def _corner_uvs(mesh, corners, name, owner, messages):
-    """UVs of the map of that name, or of the active render map."""
+    """UVs of the map of that name, or of the active render map; None without any."""
     layer = mesh.uv_layers.get(name) if name else None
     if name and not layer:
         messages.warning(f"object '{owner}': no UV map '{name}'; using the active one")
     layer = layer or next((l for l in mesh.uv_layers if l.active_render), None)
     if not layer:
-        messages.warning(f"object '{owner}': mesh without UV map: "
-                         "textures are left out and the grooves' direction is arbitrary")
         return None
     if hasattr(layer, "uv"):  # from 3.5 on
         uvs = _get(layer.uv, "vector", 2, np.float32)

@@ -8,7 +8,6 @@ import os
 import sys
 
 import bpy
-import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
@@ -57,6 +56,13 @@ def no_light(scene):
 
 def no_uv(scene):
     ob, _tree, _node = plate(scene)
+    ob.data.uv_layers.remove(ob.data.uv_layers[0])
+
+
+def no_uv_textured(scene):
+    ob, tree, node = plate(scene)
+    texture = common.image_node(tree, bpy.data.images.new("image", 4, 4))
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
     ob.data.uv_layers.remove(ob.data.uv_layers[0])
 
 
@@ -188,7 +194,7 @@ def text_and_curve(scene):
 
 
 CASES = [
-    fine, empty, no_camera, no_light, no_uv, no_faces, missing_image, missing_normal_map,
+    fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, mapping_node,
     other_uv_map, no_material, principled, mixed, area_light, panoramic, flat_object,
     vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,

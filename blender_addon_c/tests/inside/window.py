@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender window to be driven by keys; tells its state line by line in a log.
 
+A file SCREENSHOT.please asks for a picture of the window in SCREENSHOT.
+
 arguments: LOG SCREENSHOT LONG_SAMPLES
 """
 
@@ -37,6 +39,14 @@ def on_cancel(*_):
     renders += 1
 
 
+def start():
+    """The window is there: show the engine's panels, then tell that keys may come."""
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        if area.type == "PROPERTIES":
+            area.spaces.active.context = "RENDER"
+    log("ready 0")
+
+
 def watch():
     """Once rendering has ended: save what it left, then ready the next one."""
     if watch.seen == renders or bpy.app.is_job_running("RENDER"):
@@ -49,14 +59,12 @@ def watch():
 
 
 def take_screenshot():
-    """When the log asks for it, so that it shows a render under way."""
     if not os.path.exists(screenshot + ".please"):
         return 0.1
-    os.remove(screenshot + ".please")
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window, screen=window.screen):
         bpy.ops.screen.screenshot(filepath=screenshot)
-    log("screenshot")
+    os.remove(screenshot + ".please")
     return 0.1
 
 
@@ -75,4 +83,4 @@ bpy.app.handlers.render_cancel.append(on_cancel)
 watch.seen = 0
 bpy.app.timers.register(watch)
 bpy.app.timers.register(take_screenshot)
-bpy.app.timers.register(lambda: log("ready 0"), first_interval=1.0)
+bpy.app.timers.register(start, first_interval=1.0)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's window on a virtual screen: real keys start a render, and stop one."""
+
+import os
+import shutil
+import subprocess
+import time
+
+import pytest
+
+from blender_runs import BUILD, INSIDE, rgba
+
+# Far longer than the test waits: about two minutes on two cores.
+LONG_SAMPLES = 65_536
+
+
+class Window:
+    """Blender in a window of a screen of its own, and the log of inside/window.py."""
+
+    def __init__(self, blender, folder, screenshot):
+        self.log, self._screenshot = folder / "log", screenshot
+        self._read, number = os.pipe()
+        self._screen = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(number), "-screen", "0", "1280x960x24", "-nolisten", "tcp"],
+            pass_fds=[number], stderr=subprocess.DEVNULL)
+        os.close(number)
+        with os.fdopen(self._read) as pipe:
+            display = ":" + pipe.readline().strip()
+        self._env = blender.environment({"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"})
+        self._output = open(folder / "output", "w")
+        self.blender = subprocess.Popen(
+            [shutil.which("blender"), "--factory-startup", "--window-geometry", "0", "0", "1280",
+             "900", "-P", INSIDE / "window.py", "--", self.log, screenshot, str(LONG_SAMPLES)],
+            env=self._env, stdout=self._output, stderr=subprocess.STDOUT)
+
+    def wait(self, line, seconds=60):
+        """Until the log has the line; returns how long that took."""
+        started = time.monotonic()
+        while not (self.log.exists() and line in self.log.read_text().splitlines()):
+            assert self.blender.poll() is None, "Blender has ended"
+            assert time.monotonic() - started < seconds, f"no '{line}' within {seconds} s"
+            time.sleep(0.05)
+        return time.monotonic() - started
+
+    def key(self, name):
+        subprocess.run(["xdotool", "mousemove", "500", "400", "key", name], env=self._env,
+                       check=True)
+
+    def take_screenshot(self, name):
+        please = self._screenshot.with_name(self._screenshot.name + ".please")
+        please.touch()
+        while please.exists():
+            assert self.blender.poll() is None, "Blender has ended"
+            time.sleep(0.05)
+        self._screenshot.rename(self._screenshot.with_name(name))
+
+    def close(self):
+        for process in (self.blender, self._screen):
+            process.terminate()
+            process.wait(10)
+        self._output.close()
+
+
+@pytest.fixture
+def window(blender34, tmp_path):
+    folder = BUILD / "screenshots"
+    folder.mkdir(exist_ok=True)
+    window = Window(blender34, tmp_path, folder / "blender.png")
+    yield window
+    window.close()
+
+
+def test_f12_and_esc(window):
+    window.wait("ready 0")
+    window.key("F12")
+    window.wait("complete 0")
+    window.wait("ready 1")
+    window.take_screenshot("blender_finished.png")
+    finished = rgba(f"{window.log}.1.exr")
+    assert finished[..., :3].max() > 0.5 and finished[..., 3].mean() > 0.5
+
+    window.key("F12")
+    window.wait("init 1")
+    time.sleep(3)
+    window.take_screenshot("blender_rendering.png")
+    lines = window.log.read_text().splitlines()
+    assert not {"complete 1", "cancel 1"} & set(lines), "the second render ended by itself"
+    window.key("Escape")
+    stopped_after = window.wait("cancel 1", 10)
+    window.wait("ready 2")
+    print(f"Esc: stopped after {stopped_after:.2f} s")
+    assert stopped_after < 2
+    assert "complete 1" not in window.log.read_text()
+    assert window.blender.poll() is None
