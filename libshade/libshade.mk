@@ -19,7 +19,7 @@ O := $(B)/obj
 SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o
 REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
-TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/check.o $(O)/tool/json.o
+TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o
 
 # `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
 EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)
@@ -76,6 +76,10 @@ $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
 	  -lcmocka $(EXR_LIBS) -lm -o $@
 -include $(wildcard $(B)/test/*.d)
+
+# speed beside accuracy, of the library alone; `make compare` times the renderers
+bench: $(B)/shade
+	@$(B)/shade bench
 
 .PHONY: test-libshade check-libshade
 test-libshade: $(TESTS)

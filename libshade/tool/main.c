@@ -12,6 +12,7 @@ static const struct {
   const char *help;
 } commands[] = {
     {"eval", shade_cmd_eval, "evaluate a distribution or BRDF for queries on standard input"},
+    {"bench", shade_cmd_bench, "time every method beside its error"},
     {"check", shade_cmd_check, "recompute a renderer's dump with the reference"},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
