@@ -19,8 +19,12 @@ NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
   $(NATIVE)/lib/libOpenEXRCore-3_1.so.30
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
-.PHONY: native
+.PHONY: native native-sanitized
 native: $(NATIVE_SO) $(NATIVE_LIBS)
+# for test_native_build.py, which runs the other tests on it
+native-sanitized:
+	$(Q)$(MAKE) --no-print-directory B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" native
+check: native-sanitized
 
 $(NATIVE)/obj/isa_%.o: $(N)/isa_%.c
 	@mkdir -p $(@D)
@@ -38,12 +42,16 @@ $(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
 $(NATIVE)/lib/libembree3.so.3: $(NATIVE_SYSTEM)/libembree3.so.3
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)
-	$(Q)cp -L $< $@.part && patchelf --set-rpath '$$ORIGIN' \
-	  --replace-needed libtbb.so.12 libshade_tbb.so.12 $@.part && mv $@.part $@
+	$(Q)cp -L $< $@.part
+	$(Q)patchelf --replace-needed libtbb.so.12 libshade_tbb.so.12 $@.part
+	$(Q)patchelf --set-rpath '$$ORIGIN' $@.part
+	$(Q)mv $@.part $@
 $(NATIVE)/lib/libshade_tbb.so.12: $(NATIVE_SYSTEM)/libtbb.so.12
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)
-	$(Q)cp -L $< $@.part && patchelf --set-soname $(@F) $@.part && mv $@.part $@
+	$(Q)cp -L $< $@.part
+	$(Q)patchelf --set-soname $(@F) $@.part
+	$(Q)mv $@.part $@
 $(NATIVE)/lib/libOpenEXRCore-3_1.so.30: $(NATIVE_SYSTEM)/libOpenEXRCore-3_1.so.30
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The module as a binary: packed arithmetic, its own libraries, sanitizers.
+
+Compares with nothing but itself when NATIVE_MODULE names another build: skipped then.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from native_scenes import MODULE, ROOT, render, scene
+
+pytestmark = pytest.mark.skipif("NATIVE_MODULE" in os.environ, reason="tests the release build")
+
+HERE = Path(__file__).parent
+# all but scatter, which only moves numbers, and one by one in AVX2
+STAGES = """camera locate gather corner surface bilinear bump tint disc sun point lit shadow reflect
+film""".split()
+BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
+
+# arithmetic on whole registers; moving them about does not count
+PACKED = re.compile(r"^v?(add|sub|mul|div|sqrt|fn?m(add|sub)\d+|min|max|cvtt?)\w*?(ps|dq2ps|ps2dq)$|^v?p(add|sub|mul|mull|or|and|cmp|blend)\w*$")
+# moving is all that this one does
+MOVING = {"gather": re.compile("gather|^v?insert|^v?unpck")}
+
+
+def disassembly(isa):
+    """{function: [(mnemonic, operands)]} of the stages' translation unit."""
+    listing = subprocess.run(
+        ["objdump", "-d", "--no-show-raw-insn", str(MODULE.parent / f"obj/isa_{isa}.o")],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    functions, current = {}, None
+    for line in listing.splitlines():
+        head = re.match(r"^[0-9a-f]+ <([\w.]+)>:$", line)
+        if head:
+            current = functions.setdefault(head.group(1).split(".")[0], [])
+        elif current is not None and "\t" in line:
+            words = line.split("\t")[1].split(None, 1)
+            current.append((words[0], words[1] if len(words) > 1 else ""))
+    return functions
+
+
+@pytest.mark.parametrize("isa, register", [("avx512", "%zmm"), ("avx2", "%ymm")])
+@pytest.mark.parametrize("stage", STAGES)
+def test_stage_computes_in_whole_registers(isa, register, stage):
+    body = disassembly(isa)["stage_" + stage]
+    if stage == "corner":  # a row of 8 floats is a ymm in both
+        register = "%ymm"
+    wanted = MOVING.get(stage, PACKED)
+    found = [name for name, operands in body if wanted.search(name) and register in operands]
+    assert len(found) >= 1, f"{stage}: no packed arithmetic among {len(body)} instructions"
+    calls = [operands for name, operands in body if name.startswith("call")]
+    assert not calls, f"{stage} calls {calls}"
+
+
+def test_only_the_module_itself_is_exported():
+    names = subprocess.run(
+        ["nm", "-D", "--defined-only", str(MODULE)], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert names[2::3] == ["PyInit__native"]
+
+
+def test_stable_abi_only():
+    """One binary for all Pythons: no private symbol, and no library of a certain version."""
+    undefined = subprocess.run(
+        ["nm", "-D", "--undefined-only", str(MODULE)], capture_output=True, text=True, check=True
+    ).stdout.split()
+    used = {name for name in undefined if name.startswith(("Py", "_Py"))}
+    assert "PyObject_GetBuffer" in used
+    # the underscored ones that its macros stand for
+    stable = {"_Py_NoneStruct", "_Py_Dealloc", "_PyArg_ParseTuple_SizeT", "_Py_BuildValue_SizeT"}
+    assert {name for name in used if name.startswith("_Py")} <= stable
+    needed = subprocess.run(["readelf", "-d", str(MODULE)], capture_output=True, text=True, check=True).stdout
+    assert not re.search("embree|OpenEXR|tbb|libpython", needed)
+
+
+def run(code, **environment):
+    """A new Python that can import native_scenes."""
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=HERE,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+PICTURE = """
+import sys, numpy as np
+from native_scenes import render, scene, dump
+picture, _ = render(scene())
+planes, _ = dump(scene(), sys.argv[1] if len(sys.argv) > 1 else "{dump}")
+assert (planes["material.ID"] == 0).all()
+np.save("{picture}", picture)
+maps = open("/proc/self/maps").read()
+print("\\n".join(sorted(set(line.split(None, 5)[5] for line in maps.splitlines() if "/" in line))))
+"""
+
+
+def picture_elsewhere(tmp_path, **environment):
+    file = tmp_path / "picture.npy"
+    done = run(PICTURE.format(dump=tmp_path / "d.exr", picture=file), **environment)
+    assert done.returncode == 0, done.stderr
+    return np.load(file), done.stdout.splitlines()
+
+
+def test_own_libraries_are_used(tmp_path):
+    """Not the system's: they may be absent or other versions."""
+    _, maps = picture_elsewhere(tmp_path)
+    own = MODULE.parent / "lib"
+    for name in ("libembree3.so.3", "libshade_tbb.so.12", "libOpenEXRCore-3_1.so.30"):
+        assert str(own / name) in maps
+    names = [Path(path).name for path in maps]
+    assert [n for n in names if re.match("libembree|libtbb.so|libOpenEXR", n)] == [
+        "libOpenEXRCore-3_1.so.30",
+        "libembree3.so.3",
+    ]
+    # and what they need is each other and what every system has
+    for library in own.iterdir():
+        needed = subprocess.run(["readelf", "-d", str(library)], capture_output=True, text=True, check=True).stdout
+        for name in re.findall(r"NEEDED.*\[(.*)\]", needed):
+            assert name.startswith(("libc.", "libm.", "libgcc_s", "libstdc++", "libz.", "ld-linux", "libshade_tbb")), name
+
+
+@pytest.mark.skipif(not BPY_LIBRARIES.exists(), reason="build/venv-bpy is not there: make setup-test")
+def test_other_libraries_in_the_global_scope(tmp_path):
+    """bpy's Embree 4, TBB and OpenEXRCore loaded first and global, as official Blenders have them."""
+    expected, _ = render(scene())
+    foreign = [
+        next(BPY_LIBRARIES.glob(pattern))
+        for pattern in ("libembree4.so*", "libOpenEXRCore.so*", "libtbb.so*")
+    ]
+    picture, maps = picture_elsewhere(
+        tmp_path, LD_PRELOAD=":".join(map(str, foreign)), LD_LIBRARY_PATH=str(BPY_LIBRARIES)
+    )
+    for path in foreign:
+        assert str(path) in maps or str(path.resolve()) in maps
+    assert (picture == expected).all()
+
+
+@pytest.mark.parametrize("isa", ["sse2", "avx2"])
+def test_narrower_instruction_sets_render_the_same(tmp_path, isa):
+    expected, _ = render(scene())
+    picture, _ = picture_elsewhere(tmp_path, LIBSHADE_ISA=isa)
+    np.testing.assert_allclose(picture, expected, rtol=1e-5)
+
+
+def test_process_may_end_while_jobs_run():
+    code = """
+from native_scenes import native, scene
+jobs = [native.start(scene(width=4000, height=4000, samples=4096)) for _ in range(3)]
+kept = __builtins__.__dict__.setdefault("kept", jobs)
+native.wait(jobs[0], 0.1)
+"""
+    done = run(code)
+    assert done.returncode == 0, done.stderr
+
+
+def test_all_tests_under_sanitizers():
+    module = ROOT / "build/sanitized/blender/native/_native.abi3.so"
+    assert module.exists(), f"{module} is missing: run `make native-sanitized`"
+    runtime = subprocess.run(
+        ["cc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    files = sorted(str(p) for p in HERE.glob("test_native_*.py") if p.name != Path(__file__).name)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files],
+        cwd=ROOT,
+        env=os.environ
+        | {
+            "NATIVE_MODULE": str(module),
+            "LD_PRELOAD": runtime,
+            # Python itself keeps memory to the end
+            "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1",
+            "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1",
+        },
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
