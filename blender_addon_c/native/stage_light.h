@@ -47,7 +47,7 @@ static void stage_point(size_t count, const light *light, const float *restrict 
     float d2 = x * x + y * y + z * z;
     float inverse = 1.0f / sqrtf(d2 > 1e-30f ? d2 : 1e-30f);
     float wx = x * inverse, wy = y * inverse, wz = z * inverse;
-    /* two axes across it [Duff 2017] */
+    /* two axes across it [Duff2017] */
     float sign = wz < 0.0f ? -1.0f : 1.0f;
     float q = -1.0f / (sign + wz), r = wx * wy * q;
     float ra = radius * a[i], rb = radius * b[i];

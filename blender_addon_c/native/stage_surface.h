@@ -71,7 +71,7 @@ stage_surface(size_t count, const float *restrict row, const float *restrict rea
     ny[i] = y;
     nz[i] = z;
 
-    /* tangent, orthogonal to it; where there is none, any [Duff 2017] */
+    /* tangent, orthogonal to it; where there is none, any [Duff2017] */
     float along = r[3] * x + r[4] * y + r[5] * z;
     float ax = r[3] - along * x, ay = r[4] - along * y, az = r[5] - along * z;
     float a = ax * ax + ay * ay + az * az;
