@@ -109,8 +109,8 @@ static PyObject *native_poll(PyObject *self, PyObject *capsule) {
     return NULL;
   pthread_mutex_lock(&j->log.lock);
   for (size_t i = 0; i < j->log.warnings && i < MESSAGE_WARNINGS; i++) {
-    PyObject *text = PyUnicode_DecodeUTF8(j->log.warning[i] ? j->log.warning[i] : "",
-                                          (Py_ssize_t)strlen(j->log.warning[i]), "replace");
+    const char *utf8 = j->log.warning[i] ? j->log.warning[i] : "out of memory";
+    PyObject *text = PyUnicode_DecodeUTF8(utf8, (Py_ssize_t)strlen(utf8), "replace");
     if (text)
       PyList_Append(warnings, text);
     Py_XDECREF(text);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The module as a binary: packed arithmetic, its own libraries, sanitizers.
+"""The module as a binary: packed arithmetic, its own libraries, sanitizers, clang.
 
-Compares with nothing but itself when NATIVE_MODULE names another build: skipped then.
+Skipped where NATIVE_MODULE names another build.
 """
 
 import os
@@ -165,26 +165,31 @@ native.wait(jobs[0], 0.1)
     assert done.returncode == 0, done.stderr
 
 
-def test_all_tests_under_sanitizers():
-    module = ROOT / "build/sanitized/blender/native/_native.abi3.so"
-    assert module.exists(), f"{module} is missing: run `make native-sanitized`"
-    runtime = subprocess.run(
-        ["cc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
-    ).stdout.strip()
+def run_all_tests(module, **environment):
+    assert module.exists(), f"{module} is missing: run `make native-sanitized native-clang`"
     files = sorted(str(p) for p in HERE.glob("test_native_*.py") if p.name != Path(__file__).name)
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files],
         cwd=ROOT,
-        env=os.environ
-        | {
-            "NATIVE_MODULE": str(module),
-            "LD_PRELOAD": runtime,
-            # Python itself keeps memory to the end
-            "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1",
-            "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1",
-        },
+        env=os.environ | {"NATIVE_MODULE": str(module)} | environment,
         capture_output=True,
         text=True,
         timeout=900,
     )
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+
+
+def test_all_tests_under_sanitizers():
+    runtime = subprocess.run(
+        ["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    run_all_tests(
+        ROOT / "build/sanitized/blender/native/_native.abi3.so",
+        LD_PRELOAD=runtime,
+        ASAN_OPTIONS="detect_leaks=0:allocator_may_return_null=1",  # Python keeps memory to the end
+        UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1",
+    )
+
+
+def test_all_tests_compiled_by_clang():
+    run_all_tests(ROOT / "build/clang/blender/native/_native.abi3.so")
