@@ -49,8 +49,8 @@ def arguments(argv=None):
                         help="of the file's resolution (default 100)")
     parser.add_argument("--samples", type=int, default=64,
                         help="per pixel in Blender (default 64)")
-    parser.add_argument("--grid", type=int, default=5,
-                        help="side of POV-Ray's grid of rays in a pixel, 1 to 9 (default 5)")
+    parser.add_argument("--grid", type=int, default=4,
+                        help="side of POV-Ray's grid of rays in a pixel, 1 to 9 (default 4)")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "consistency",
                         help="folder for results (default build/compare/consistency)")
     options = parser.parse_args(argv)

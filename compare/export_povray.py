@@ -213,27 +213,40 @@ def matrix_text(matrix):
 # ---- camera, lights, world -------------------------------------------------------------------
 
 
+def rotation(turn):
+    """A quaternion's matrix in double: POV-Ray warns of axes that are square to float32 only."""
+    w, x, y, z = np.array(turn, np.float64) / np.linalg.norm(np.array(turn, np.float64))
+    return np.array([
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ])
+
+
 def camera_text(scene, camera):
     data = camera.data
     if data.type == "PANO" or data.dof.use_dof:
         raise ExportError(f"camera '{camera.name}': only sharp perspective or orthographic")
     place, turn, _ = camera.matrix_world.decompose()
-    corners = data.view_frame(scene=scene)
-    right_top, right_bottom, _, left_top = (turn @ corner for corner in corners)
-    middle = (left_top + right_bottom) / 2.0
-    forward = turn @ Vector((0.0, 0.0, -1.0))
+    # The picture's corners in the camera's space, which looks along -z.
+    right_top, right_bottom, left_bottom, _ = (np.array(c) for c in data.view_frame(scene=scene))
+    middle = (right_top + left_bottom) / 2.0
+    vectors = {
+        "location": np.zeros(3),
+        "direction": middle,
+        "right": [right_top[0] - left_bottom[0], 0.0, 0.0],
+        "up": [0.0, right_top[1] - right_bottom[1], 0.0],
+    }
     if data.type == "ORTHO":
-        place = place + middle - forward * middle.dot(forward)
-        middle = forward
+        vectors["location"] = middle * (1.0, 1.0, 0.0)
+        vectors["direction"] = [0.0, 0.0, -1.0]
+    world = {name: rotation(turn) @ v for name, v in vectors.items()}
+    world["location"] += np.array(place)
+    lines = "".join(
+        f"  {name} <{', '.join(repr(float(c)) for c in swapped(v))}>\n" for name, v in world.items()
+    )
     kind = {"ORTHO": "orthographic", "PERSP": "perspective"}[data.type]
-    return f"""camera {{
-  {kind}
-  location {vector(swapped(place))}
-  direction {vector(swapped(middle))}
-  right {vector(swapped(right_top - left_top))}
-  up {vector(swapped(right_top - right_bottom))}
-}}
-"""
+    return f"camera {{\n  {kind}\n{lines}}}\n"
 
 
 def light_text(light, matrix, size):

@@ -7,14 +7,14 @@
 global_settings { assumed_gamma 1 }
 
 camera {
-  location <0, 2.6, -7>
+  location <0, 3.2, -9>
   right 2*x up y
-  angle 50
-  look_at <0, 0.65, 0>
+  angle 52
+  look_at <0, 0.85, 0>
 }
-light_source { <-6, 8, -6> rgb 1.6 }
-light_source { <5, 6, -3> rgb <1.1, 1.2, 1.4> }
-light_source { <2, 7, 6> rgb 1.2 }
+light_source { <-6, 8, -6> rgb 0.60 }
+light_source { <7, 5, -4> rgb <0.35, 0.40, 0.50> }
+light_source { <2, 9, 6> rgb 0.55 }
 background { rgb <0.012, 0.014, 0.018> }
 
 // Ashikhmin-Shirley's exponents: the larger one lies along the strokes.
@@ -33,10 +33,11 @@ sphere {
   0, 1
   texture {
     pigment { rgb 1 }
-    finish { Brushed(rgb <0.95, 0.64, 0.54>, 220, 5) }
+    normal { wrinkles 0.08 scale <0.9, 0.04, 0.9> }
+    finish { Brushed(rgb <0.95, 0.64, 0.54>, 120, 3) }
   }
   rotate -15*z
-  translate <-2.5, 1, 0>
+  translate <-2.7, 1, 0>
 }
 
 // Hammered: POV-Ray's normal bends the surface, the strokes follow it.
@@ -44,11 +45,11 @@ torus {
   0.85, 0.38
   texture {
     pigment { rgb 1 }
-    normal { bumps 0.35 scale 0.14 }
+    normal { bumps 0.18 scale 0.16 }
     finish { Brushed(rgb <1.00, 0.78, 0.34>, 200, 4) }
   }
-  rotate -55*x
-  translate <0, 0.95, 0>
+  rotate -60*x
+  translate <0, 1.15, 0>
 }
 
 // Strokes along an axis of the object, wherever its faces look.
@@ -56,6 +57,7 @@ box {
   -0.8, 0.8
   texture {
     pigment { rgb 1 }
+    normal { wrinkles 0.06 scale <0.9, 0.04, 0.9> } // a grain along x
     finish {
       ambient 0 diffuse 0
       mdf {
@@ -68,7 +70,7 @@ box {
     }
   }
   rotate 35*y
-  translate <2.5, 0.8, 0>
+  translate <2.7, 0.8, 0>
 }
 
 // An ordinary floor: mdf lives beside POV-Ray's own finishes.

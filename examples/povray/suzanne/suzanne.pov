@@ -11,15 +11,16 @@ global_settings { assumed_gamma 1 }
 
 #include "camera.inc"
 #include "lights.inc"
+background { rgb <0.012, 0.014, 0.018> }
 
 // meshes.inc wears the names of the Blender materials: say here what they are.
 #declare Metal_Brushed_steel = texture {
   pigment { rgb 1 }
-  normal { bumps 0.25 scale 0.06 } // POV-Ray's own bumps: the grooves follow them
+  normal { bumps 0.12 scale 0.1 } // POV-Ray's own bumps: the grooves follow them
   finish {
     ambient 0 diffuse 0
     mdf {
-      ashikhmin_shirley 160, 4  // narrow along the brush strokes, wide across them
+      ashikhmin_shirley 120, 3  // narrow along the brush strokes, wide across them
       detail rotate
       fresnel schlick
       specular rgb <0.91, 0.72, 0.36>
@@ -32,7 +33,7 @@ global_settings { assumed_gamma 1 }
   finish {
     ambient 0 diffuse 0
     mdf {
-      ashikhmin_shirley 300, 6
+      ashikhmin_shirley 70, 4
       detail rotate
       fresnel schlick
       specular rgb <0.62, 0.62, 0.65>
@@ -44,4 +45,4 @@ global_settings { assumed_gamma 1 }
 
 #include "meshes.inc"
 object { Mesh_Turntable }
-object { Mesh_Suzanne rotate -24*x rotate -24*y translate 0.945*y }
+object { Mesh_Suzanne rotate 14*x rotate -24*y translate 0.945*y }
