@@ -110,7 +110,7 @@ class Table:
             self._messages.warning(f"{owner}: image '{image.name}' is a "
                                    f"{image.source.lower()}: only single images are supported")
             return None
-        path = bpy.path.abspath(image.filepath, library=image.library)
+        path = os.path.normpath(bpy.path.abspath(image.filepath, library=image.library))
         on_disk = image.source == "FILE" and not image.packed_file and not image.is_dirty
         if on_disk and not os.path.isfile(path):
             self._messages.error(f"{owner}: image file not found: {path}")

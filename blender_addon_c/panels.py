@@ -96,7 +96,8 @@ _CLASSES = (
 def _shared_panels():
     for panel in bpy.types.Panel.__subclasses__():
         engines, name = getattr(panel, "COMPAT_ENGINES", ()), panel.__name__
-        if name in _ALSO_OURS or ("BLENDER_RENDER" in engines and name not in _NOT_OURS):
+        external = "BLENDER_RENDER" in engines and name not in _NOT_OURS
+        if name in _ALSO_OURS or (external and "freestyle" not in name):
             yield panel
 
 

@@ -4,6 +4,7 @@ and what they write."""
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -35,14 +36,17 @@ class Blender:
         for what in ("config", "scripts", "extensions"):
             (home / what).mkdir(parents=True)
             self._env[f"BLENDER_USER_{what.upper()}"] = str(home / what)
+        self._studio = None  # one process that renders scene after scene
         self.run("install.py", ZIP)
 
-    def run(self, script, *arguments, env=None, prefix=(), status=0):
+    def _words(self, script, *arguments):
+        return [str(word) for word in (*self._command, INSIDE / script, "--", *arguments)]
+
+    def run(self, script, *arguments, env=None, prefix=(), status=0, stdin=""):
         """Run inside/`script`; returns all it printed. status None: any."""
-        command = [*prefix, *self._command, INSIDE / script, "--", *arguments]
-        done = subprocess.run([str(word) for word in command], env=self.environment(env),
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              stdin=subprocess.DEVNULL, timeout=300, check=False)
+        done = subprocess.run([*prefix, *self._words(script, *arguments)], input=stdin,
+                              env=self.environment(env), stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, timeout=300, check=False)
         assert status is None or done.returncode == status, done.stdout[-4000:]
         return done.stdout
 
@@ -50,20 +54,44 @@ class Blender:
         return {**self._env, **(more or {})}
 
     def scene(self, name, folder, env=None, prefix=(), **options):
-        """Render scene `name` of inside/scenes.py: (what it told, all it printed)."""
-        options = {"picture": str(folder / "picture.exr"), **options}
+        """Render scene `name` of inside/scenes.py: (what it told, all it printed).
+
+        Writes picture.exr and dump.exr into the folder; dump="" asks for none.
+        """
         dump = options.pop("dump", str(folder / "dump.exr"))
-        text = self.run("scenes.py", name, json.dumps(options), prefix=prefix,
-                        env={**({"LIBSHADE_DUMP": dump} if dump else {}), **(env or {})})
-        told = [line[5:] for line in text.splitlines() if line.startswith("TOLD ")]
-        return json.loads(told[-1]), text
+        request = {"name": name, "dump": dump,
+                   "options": {"picture": str(folder / "picture.exr"), **options}}
+        if env or prefix:
+            text = self.run("scenes.py", env=env, prefix=prefix, stdin=json.dumps(request) + "\n")
+            return json.loads(re.search(r"^TOLD (.*)$", text, re.M).group(1)), text
+        if not self._studio or self._studio.poll() is not None:
+            self._studio = subprocess.Popen(
+                self._words("scenes.py"), env=self.environment(), text=True,
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        print(json.dumps(request), file=self._studio.stdin, flush=True)
+        text = ""
+        for line in self._studio.stdout:
+            if line.startswith("TOLD "):
+                return json.loads(line[5:]), text
+            text += line
+        raise AssertionError(text[-4000:])
+
+    def close(self):
+        if self._studio:
+            self._studio.stdin.close()
+            self._studio.wait(60)
 
 
 def read_picture(path):
-    """(channel names, float32 array of height × width × channels, top row first)."""
-    picture = oiio.ImageBuf(str(path))
-    assert not picture.has_error, picture.geterror()
-    return list(picture.spec().channelnames), picture.get_pixels(oiio.FLOAT)
+    """(channel names, float32 array of height × width × channels, top row first), of all parts."""
+    names, parts = [], []
+    for part in range(oiio.ImageBuf(str(path)).nsubimages):
+        picture = oiio.ImageBuf(str(path), part, 0)
+        pixels = picture.get_pixels(oiio.FLOAT)
+        assert not picture.has_error, picture.geterror()
+        names += picture.spec().channelnames
+        parts.append(pixels)
+    return names, np.concatenate(parts, axis=-1)
 
 
 def rgba(path):

@@ -25,17 +25,19 @@ def pytest_configure(config):
 
 def _blender(version, factory):
     assert ZIP.exists(), f"{ZIP} is missing: run `make blender`"
-    return Blender(version, factory.mktemp("blender" + version))
+    blender = Blender(version, factory.mktemp("blender" + version))
+    yield blender
+    blender.close()
 
 
 @pytest.fixture(scope="session")
 def blender34(tmp_path_factory):
-    return _blender("3.4", tmp_path_factory)
+    yield from _blender("3.4", tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
 def blender50(tmp_path_factory):
-    return _blender("5.0", tmp_path_factory)
+    yield from _blender("5.0", tmp_path_factory)
 
 
 @pytest.fixture(scope="session", params=["34", "50"])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes that cannot be rendered as they are: a clear message, never a crash, NaN or silence."""
 
+import json
 import re
 
 import numpy as np
@@ -73,6 +74,7 @@ def test_eight_bits(cases):
 def test_unwritable_dump(blender, tmp_path):
     """The dump cannot be written: an error that names the file."""
     path = tmp_path / "no such folder" / "dump.exr"
-    text = blender.run("scenes.py", "mesh", f'{{"what": "plane", "picture": "{tmp_path}/p.exr"}}',
-                       env={"LIBSHADE_DUMP": str(path)}, status=None)
+    request = {"name": "mesh", "dump": str(path),
+               "options": {"what": "plane", "picture": str(tmp_path / "picture.exr")}}
+    text = blender.run("scenes.py", stdin=json.dumps(request), status=None)
     assert "Error: libshade: " in text and str(path) in text

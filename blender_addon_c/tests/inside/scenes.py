@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes for the tests, by name. arguments: NAME OPTIONS (JSON)
+"""Scenes for the tests, by name: a request a line on stdin, {"name": …, "dump": …, "options": …}.
 
-A scene renders to options["picture"] and tells facts for the test in a line "TOLD {json}".
+A scene renders to options["picture"]; it is answered by a line "TOLD {json}" of facts for the
+test, after all that Blender prints.
 """
 
 import json
@@ -266,7 +267,23 @@ def suzanne(options):
     return {}
 
 
-if __name__ == "__main__":
-    name, options = common.arguments()
-    print("TOLD", json.dumps(globals()[name](json.loads(options))), flush=True)
-    common.finish()
+def missing_image(options):
+    """Only saves the file: a plane whose image is not there."""
+    scene = common.empty_scene(16, 16)
+    material, tree, node = common.metal()
+    image = bpy.data.images.new("gone", 4, 4)
+    image.source, image.filepath = "FILE", "/nowhere/gone.png"
+    tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
+    common.plane(material)
+    common.light(scene)
+    common.camera(scene)
+    bpy.ops.wm.save_as_mainfile(filepath=options["save"])
+    return {}
+
+
+for line in sys.stdin:
+    request = json.loads(line)
+    os.environ["LIBSHADE_DUMP"] = request["dump"]
+    facts = globals()[request["name"]](request["options"])
+    print("TOLD", json.dumps(facts), flush=True)
+common.finish()
