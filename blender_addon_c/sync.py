@@ -164,12 +164,12 @@ def _mesh(ob, slots, table, messages):
     if not triangles:
         return None
     corners = _get(triangles, "loops", 3, np.int32)
-    indices = [table.index(material, ob.name) for material in slots or [None]]
+    triangle_materials, used = _triangle_materials(mesh, slots or [None], table, ob.name)
     positions = _get(mesh.vertices, "co", 3, np.float32)
     if not np.isfinite(positions).all():
         messages.warning(f"object '{ob.name}': some of its vertices have no valid position")
-    uvs = _corner_uvs(mesh, corners, table.uv_map(indices, ob.name), ob.name, messages)
-    if uvs is None and table.textured(indices):
+    uvs = _corner_uvs(mesh, corners, table.uv_map(used, ob.name), ob.name, messages)
+    if uvs is None and table.textured(used):
         messages.warning(f"object '{ob.name}': textures need a UV map: each shows one point only")
     return {
         "name": f"object '{ob.name}'",  # for messages of the native module
@@ -177,7 +177,7 @@ def _mesh(ob, slots, table, messages):
         "corner_position": _corner_positions(mesh, corners),
         "corner_normals": _corner_normals(mesh, corners),
         "corner_uvs": uvs,
-        "material": _triangle_materials(mesh, indices),
+        "material": triangle_materials,
     }
 
 
@@ -211,8 +211,13 @@ def _corner_uvs(mesh, corners, name, owner, messages):
     return uvs.view(np.int64)[corners].view(np.float32)
 
 
-def _triangle_materials(mesh, indices):
-    if len(indices) == 1:
-        return np.full(len(mesh.loop_triangles), indices[0], np.int32)
-    slot = _get(mesh.loop_triangles, "material_index", 1, np.int32)
-    return np.asarray(indices, np.int32)[slot.clip(0, len(indices) - 1)]
+def _triangle_materials(mesh, slots, table, owner):
+    """Material of each triangle, and all those that are in use: indices into the table."""
+    if len(slots) == 1:
+        slot = np.zeros(len(mesh.loop_triangles), np.int32)
+    else:
+        slot = _get(mesh.loop_triangles, "material_index", 1, np.int32).clip(0, len(slots) - 1)
+    indices = np.zeros(len(slots), np.int32)
+    used = np.flatnonzero(np.bincount(slot))
+    indices[used] = [table.index(slots[i], owner) for i in used]
+    return indices[slot], indices[used].tolist()
