@@ -5,15 +5,16 @@
 #   make check     all tests
 #   make blender   the add-on: build/libshade-blender.zip
 #   make povray    POV-Ray with libshade: build/povray/povray
-#   make compare   one scene in both renderers, both dumps checked
+#   make compare   the demo, a normal map against the displaced truth, speed beside Cycles
 #   make bench     speed against accuracy
+#   make pictures  the pictures of README.md, from a run of `make compare`
 #   make lint      layout of the code, licence lines
 #   make clean     remove build/
 # On Debian 12 each of them installs first what it needs (setup/setup.mk).
 B := build
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all demo check bench blender povray compare lint clean help
+.PHONY: all demo check bench blender povray compare pictures lint clean help
 include setup/setup.mk
 include libshade/libshade.mk
 include blender_addon_c/blender.mk
@@ -25,6 +26,9 @@ include compare/compare.mk
 check: lint all blender povray
 	$(MAKE) check-libshade
 	$(PY) -m pytest
+
+pictures: compare
+	$(PY) setup/pictures.py
 
 lint:
 	setup/lint.sh

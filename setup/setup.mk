@@ -15,6 +15,7 @@ NEEDS_blender := build blender
 NEEDS_povray := build povray
 NEEDS_compare := build blender povray demo
 NEEDS_demo := $(NEEDS_compare)
+NEEDS_pictures := $(NEEDS_compare)
 NEEDS_bench := build
 NEEDS_check-libshade := build test
 NEEDS_lint := test

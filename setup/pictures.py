@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Make README's pictures from what `make compare` left in build/."""
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+DEMO = ROOT / "build" / "demo"
+STRIP = ROOT / "build" / "compare" / "truth" / "strip.png"
+WIDTH = 1600
+
+
+def scaled(picture):
+    return picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)), Image.LANCZOS)
+
+
+def side_by_side(pictures):
+    strip = Image.new("RGB", (sum(p.width for p in pictures), pictures[0].height))
+    x = 0
+    for picture in pictures:
+        strip.paste(picture, (x, 0))
+        x += picture.width
+    return strip
+
+
+def main():
+    both = side_by_side([Image.open(DEMO / f"{name}.png") for name in ("blender", "povray")])
+    scaled(both).save(ROOT / "examples" / "suzanne.jpg", quality=88, optimize=True)
+    scaled(Image.open(STRIP).convert("RGB")).save(ROOT / "examples" / "plate.jpg", quality=88, optimize=True)
+
+
+main()
