@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: hands the scene to the native module, waits, shows the picture."""
 
+import os
 import time
 import traceback
 
@@ -8,6 +9,7 @@ import bpy
 import numpy as np
 
 from . import _native, sync
+from .viewport import Viewport
 from .panels import ENGINE
 
 # The native module works on while Python sleeps; this is how late a cancel may be noticed.
@@ -24,6 +26,19 @@ class LibshadeEngine(bpy.types.RenderEngine):
     bl_use_preview = False  # material previews are lit by area lights: EEVEE draws them
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
+
+    _viewport = None
+
+    def view_update(self, _context, _depsgraph):
+        if self._viewport:
+            self._viewport.scene_changed()
+
+    def view_draw(self, context, depsgraph):
+        self._viewport = self._viewport or Viewport()
+        text, more_to_come = self._viewport.draw(self, context, depsgraph)
+        self.update_stats("libshade", text)
+        if more_to_come:
+            self.tag_redraw()
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
@@ -48,7 +63,11 @@ class LibshadeEngine(bpy.types.RenderEngine):
         self.update_stats("", "Reading the scene")
         messages = sync.Messages()
         try:
-            scene = sync.read(self, depsgraph, region, messages)
+            size = self.resolution_x, self.resolution_y
+            camera = sync.camera_of(self.camera_override, depsgraph, size, messages)
+            scene = sync.read(depsgraph, camera, size, region,
+                              depsgraph.scene.libshade.samples, messages)
+            scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
         finally:
             self._report_all(messages)
         synced = time.perf_counter()

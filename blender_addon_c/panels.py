@@ -37,7 +37,8 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.libshade
-        layout.prop(settings, "samples")
+        layout.prop(settings, "samples", text="Render")
+        layout.prop(settings, "preview_samples", text="Viewport")
         layout.prop(settings, "seed")
 
 

@@ -11,6 +11,11 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Samples per pixel; more give smoother edges and highlights",
         default=64, min=1, soft_max=4096, max=1 << 16,
     )
+    preview_samples: IntProperty(
+        name="Viewport Samples",
+        description="Samples per pixel in the viewport's Rendered mode",
+        default=8, min=1, soft_max=256, max=1 << 16,
+    )
     seed: IntProperty(
         name="Seed",
         description="Start of the sampling pattern; the same seed gives the same picture",

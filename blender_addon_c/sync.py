@@ -2,12 +2,14 @@
 """Blender's evaluated scene to the dictionary that the native module renders."""
 
 import math
-import os
 
 import bpy
 import numpy as np
 
 from . import materials
+
+
+_MOST_THREADS = 256  # that the native module starts
 
 
 class SceneError(Exception):
@@ -36,10 +38,9 @@ def region_of(scene, width, height):
             int(render.border_max_x * width), int(render.border_max_y * height))
 
 
-def read(engine, depsgraph, region, messages):
-    """The whole scene, as blender_addon_c/native/module.c documents it."""
+def read(depsgraph, camera, size, region, samples, messages):
+    """The whole scene, as the native module's parse.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
-    width, height = engine.resolution_x, engine.resolution_y
     table = materials.Table(messages)
     meshes, instances, lights = _objects(depsgraph, table, messages)
     if not instances:
@@ -49,52 +50,57 @@ def read(engine, depsgraph, region, messages):
     if render.use_multiview:
         messages.warning("stereoscopy is not supported: every view shows the same picture")
     return {
-        "width": width,
-        "height": height,
+        "width": size[0],
+        "height": size[1],
         "region": region,
-        "samples": scene.libshade.samples,
+        "samples": samples,
         "seed": scene.libshade.seed,
-        "threads": render.threads if render.threads_mode == "FIXED" else 0,
+        "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
         "transparent": render.film_transparent,
         "background": materials.background(scene.world, messages),
         "filter_width": scene.libshade.filter_width,
-        "camera": _camera(engine, depsgraph, width, height, messages),
+        "camera": camera,
         "lights": lights,
         "images": table.images,
         "materials": table.materials,
         "meshes": meshes,
         "instances": instances,
-        "dump": os.environ.get("LIBSHADE_DUMP", ""),
+        "dump": "",
         "renderer": f"Blender {bpy.app.version_string}",
     }
 
 
-def _rows(matrix):
-    return [value for row in matrix for value in row]
-
-
-def _camera(engine, depsgraph, width, height, messages):
-    camera = engine.camera_override or depsgraph.scene_eval.camera
-    if camera is None or camera.type != "CAMERA":
+def camera_of(ob, depsgraph, size, messages):
+    """A camera object, as a render of that size sees through it."""
+    if ob is None or ob.type != "CAMERA":
         raise SceneError("the scene has no camera")
-    camera = camera.evaluated_get(depsgraph)
-    data, render = camera.data, depsgraph.scene_eval.render
+    ob = ob.evaluated_get(depsgraph)
+    data, render = ob.data, depsgraph.scene_eval.render
     if data.type == "PANO":
-        raise SceneError(f"camera '{camera.name}' is panoramic: use Perspective or Orthographic")
+        raise SceneError(f"camera '{ob.name}' is panoramic: use Perspective or Orthographic")
     if data.dof.use_dof:
-        messages.warning(f"camera '{camera.name}': depth of field is not supported")
-    # The projection holds lens, sensor fit, shift and aspect; back to the view plane it spans.
-    p = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x,
-                                  scale_y=render.pixel_aspect_y)
-    if data.type == "PERSP":
-        frame = [(p[i][2] + side) / p[i][i] for i in (0, 1) for side in (-1.0, 1.0)]
-    else:
-        frame = [(side - p[i][3]) / p[i][i] for i in (0, 1) for side in (-1.0, 1.0)]
-    place, turn, _scale = camera.matrix_world.decompose()
+        messages.warning(f"camera '{ob.name}': depth of field is not supported")
+    # The projection holds lens, sensor fit, shift and aspect.
+    projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
+                                       scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    return camera_by(projection, ob.matrix_world, (data.clip_start, data.clip_end))
+
+
+def camera_by(projection, to_world, clip):
+    """A camera by its projection, turned back into the part of the view plane that it spans."""
+    p = projection
+    perspective = p[3][2] != 0
+    frame = [((p[i][2] + side) if perspective else (side - p[i][3])) / p[i][i]
+             for i in (0, 1) for side in (-1.0, 1.0)]
+    place, turn, _scale = to_world.decompose()
     matrix = turn.to_matrix().to_4x4()
     matrix.translation = place
-    return {"type": data.type, "matrix": _rows(matrix), "frame": tuple(frame),
-            "clip": (data.clip_start, data.clip_end)}
+    return {"type": "PERSP" if perspective else "ORTHO", "matrix": _rows(matrix),
+            "frame": tuple(frame), "clip": clip}
+
+
+def _rows(matrix):
+    return [value for row in matrix for value in row]
 
 
 def _objects(depsgraph, table, messages):

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import time
 
+import numpy as np
 import pytest
 
 from blender_runs import BUILD, INSIDE, rgba
@@ -46,13 +47,19 @@ class Window:
         subprocess.run(["xdotool", "mousemove", "500", "400", "key", name], env=self._env,
                        check=True)
 
-    def take_screenshot(self, name):
-        please = self._screenshot.with_name(self._screenshot.name + ".please")
+    def ask(self, please):
         please.touch()
         while please.exists():
             assert self.blender.poll() is None, "Blender has ended"
             time.sleep(0.05)
-        self._screenshot.rename(self._screenshot.with_name(name))
+
+    def take_screenshot(self, name):
+        """Returns the picture's path, in build/screenshots."""
+        self.ask(self._screenshot.with_name(self._screenshot.name + ".please"))
+        return self._screenshot.rename(self._screenshot.with_name(name))
+
+    def show_viewport(self):
+        self.ask(self.log.with_name(self.log.name + ".viewport"))
 
     def close(self):
         for process in (self.blender, self._screen):
@@ -92,3 +99,20 @@ def test_f12_and_esc(window):
     assert stopped_after < 2
     assert "complete 1" not in window.log.read_text()
     assert window.blender.poll() is None
+
+
+def golden(path):
+    """Number of pixels in the 3D view that are of our golden metal's colour, and bright."""
+    red, _green, blue = np.moveaxis(rgba(path)[80:800, :1000, :3], -1, 0)
+    return ((red > 0.4) & (red > 1.2 * blue) & (red < 2.5 * blue)).sum()
+
+
+def test_viewport(window):
+    """Rendered mode shows the metal, soon after it has been asked for."""
+    window.wait("ready 0")
+    assert golden(window.take_screenshot("blender_solid.png")) < 5_000  # outline, axis
+    window.show_viewport()
+    deadline = time.monotonic() + 30
+    while golden(window.take_screenshot("blender_viewport.png")) < 20_000:
+        assert time.monotonic() < deadline, "nothing golden in the viewport"
+        time.sleep(0.5)

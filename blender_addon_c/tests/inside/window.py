@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender window to be driven by keys; tells its state line by line in a log.
 
-A file SCREENSHOT.please asks for a picture of the window in SCREENSHOT.
+Files that ask for something, and go when it is done: SCREENSHOT.please for a picture of the
+window, LOG.viewport for the Rendered mode of the viewport, through the camera.
 
 arguments: LOG SCREENSHOT LONG_SAMPLES
 """
@@ -59,12 +60,24 @@ def watch():
 
 
 def take_screenshot():
-    if not os.path.exists(screenshot + ".please"):
-        return 0.1
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window, screen=window.screen):
         bpy.ops.screen.screenshot(filepath=screenshot)
-    os.remove(screenshot + ".please")
+
+
+def show_viewport():
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        if area.type == "VIEW_3D":
+            area.spaces.active.region_3d.view_perspective = "CAMERA"
+            area.spaces.active.shading.type = "RENDERED"
+
+
+def serve():
+    for please, action in ((screenshot + ".please", take_screenshot),
+                           (log_path + ".viewport", show_viewport)):
+        if os.path.exists(please):
+            action()
+            os.remove(please)
     return 0.1
 
 
@@ -82,5 +95,5 @@ bpy.app.handlers.render_complete.append(on_complete)
 bpy.app.handlers.render_cancel.append(on_cancel)
 watch.seen = 0
 bpy.app.timers.register(watch)
-bpy.app.timers.register(take_screenshot)
+bpy.app.timers.register(serve)
 bpy.app.timers.register(start, first_interval=1.0)
