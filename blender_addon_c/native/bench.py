@@ -6,9 +6,9 @@ usage: bench.py [--module FILE] [--size 512] [--samples 64] [--threads 0] [--rep
 
 The plate: one quad, a 2048 x 2048 float normal map of sinusoidal bumps of slope .6, one sun,
 orthographic, rotate, exponents 6170.84 and 7.876543. With --mesh N the flat quad is cut into 2 N^2
-triangles. Prints the fastest of the repetitions, each part for itself: ns per sample and thread for the
-stages, then seconds. `wall` is all of a job: packing the image, tangents, BVH and picture; `cpu` the
-same as processor time of all threads, which other programs disturb less.
+triangles. Prints the fastest of the repetitions, each part for itself: ns per sample and thread
+for the stages, then seconds. `wall` is all of a job: packing the image, tangents, BVH and picture;
+`cpu` the same as processor time of all threads, which other programs disturb less.
 """
 
 import argparse
@@ -171,7 +171,9 @@ def main():
     print(f"  {'sum':8s}{1e9 * sum(best[s] for s in STAGES) / samples:8.2f} ns a sample and thread")
     for part in ("image", "mesh", "bvh", "wall", "cpu"):
         print(f"  {part:8s}{best[part]:8.4f} s")
-    print(f"  {samples / best['wall'] / 1e6:.1f} million samples a second, all threads, all included")
+    print(
+        f"  {samples / best['wall'] / 1e6:.1f} million samples a second, all threads, all included"
+    )
 
 
 if __name__ == "__main__":

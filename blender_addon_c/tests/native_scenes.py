@@ -37,7 +37,12 @@ def look_at(eye, target, up=(0, 1, 0)):
     right = np.cross(up, back)
     right /= np.linalg.norm(right)
     matrix = np.eye(4)
-    matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = right, np.cross(back, right), back, eye
+    matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = (
+        right,
+        np.cross(back, right),
+        back,
+        eye,
+    )
     return matrix
 
 
@@ -127,7 +132,9 @@ def mesh(positions, triangles, normals=None, uvs=None, materials=0):
         "positions": positions,
         "corner_position": corners,
         "corner_normals": np.ascontiguousarray(corner_normals, np.float32),
-        "corner_uvs": None if uvs is None else np.ascontiguousarray(np.asarray(uvs)[corners], np.float32),
+        "corner_uvs": (
+            None if uvs is None else np.ascontiguousarray(np.asarray(uvs)[corners], np.float32)
+        ),
         "material": np.ascontiguousarray(np.broadcast_to(materials, len(corners) // 3), np.int32),
     }
 
@@ -152,7 +159,9 @@ def box(low, high):
 
 def sphere(rings=24, radius=1.0, center=(0, 0, 0), smooth=True):
     """UV sphere about z."""
-    t, p = np.meshgrid(np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij")
+    t, p = np.meshgrid(
+        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij"
+    )
     unit = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1).reshape(-1, 3)
     uvs = np.stack([p / (2 * np.pi), 1 - t / np.pi], -1).reshape(-1, 2)
     w = 2 * rings + 1
@@ -237,7 +246,7 @@ def unit(v):
 
 
 def ashikhmin_shirley(n, wi, wo, ex, ey, f0):
-    """f cos, RGB; all directions in the frame x = tangent, z = normal; lobe narrow along x (ex > ey)."""
+    """f cos, RGB. Directions in the frame x = tangent, z = normal; ex > ey."""
     n, wi, wo = (unit(np.asarray(v, float)) for v in (n, wi, wo))
     h = unit(wi + wo)
     x = unit(np.stack([n[..., 2], 0 * n[..., 0], -n[..., 0]], -1))  # along the displaced surface

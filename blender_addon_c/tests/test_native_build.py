@@ -24,7 +24,10 @@ film""".split()
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 
 # arithmetic on whole registers; moving them about does not count
-PACKED = re.compile(r"^v?(add|sub|mul|div|sqrt|fn?m(add|sub)\d+|min|max|cvtt?)\w*?(ps|dq2ps|ps2dq)$|^v?p(add|sub|mul|mull|or|and|cmp|blend)\w*$")
+PACKED = re.compile(
+    r"^v?(add|sub|mul|div|sqrt|fn?m(add|sub)\d+|min|max|cvtt?)\w*?(ps|dq2ps|ps2dq)$"
+    r"|^v?p(add|sub|mul|mull|or|and|cmp|blend)\w*$"
+)
 # moving is all that this one does
 MOVING = {"gather": re.compile("gather|^v?insert|^v?unpck")}
 
@@ -61,6 +64,14 @@ def test_stage_computes_in_whole_registers(isa, register, stage):
     assert not calls, f"{stage} calls {calls}"
 
 
+@pytest.mark.parametrize("isa, register", [("avx512", "%zmm"), ("avx2", "%ymm")])
+def test_no_variant_of_a_stage_is_left_scalar(isa, register):
+    """Four texels in each of two wrappings; two sample numbers in each of four cameras."""
+    for stage, word, count in (("bilinear", "gather", 8), ("camera", "cvtdq2ps", 8)):
+        body = disassembly(isa)["stage_" + stage]
+        assert sum(word in name and register in operands for name, operands in body) >= count
+
+
 def test_only_the_module_itself_is_exported():
     names = subprocess.run(
         ["nm", "-D", "--defined-only", str(MODULE)], capture_output=True, text=True, check=True
@@ -78,7 +89,9 @@ def test_stable_abi_only():
     # the underscored ones that its macros stand for
     stable = {"_Py_NoneStruct", "_Py_Dealloc", "_PyArg_ParseTuple_SizeT", "_Py_BuildValue_SizeT"}
     assert {name for name in used if name.startswith("_Py")} <= stable
-    needed = subprocess.run(["readelf", "-d", str(MODULE)], capture_output=True, text=True, check=True).stdout
+    needed = subprocess.run(
+        ["readelf", "-d", str(MODULE)], capture_output=True, text=True, check=True
+    ).stdout
     assert not re.search("embree|OpenEXR|tbb|libpython", needed)
 
 
@@ -126,14 +139,20 @@ def test_own_libraries_are_used(tmp_path):
     ]
     # and what they need is each other and what every system has
     for library in own.iterdir():
-        needed = subprocess.run(["readelf", "-d", str(library)], capture_output=True, text=True, check=True).stdout
+        needed = subprocess.run(
+            ["readelf", "-d", str(library)], capture_output=True, text=True, check=True
+        ).stdout
         for name in re.findall(r"NEEDED.*\[(.*)\]", needed):
-            assert name.startswith(("libc.", "libm.", "libgcc_s", "libstdc++", "libz.", "ld-linux", "libshade_tbb")), name
+            assert name.startswith(
+                ("libc.", "libm.", "libgcc_s", "libstdc++", "libz.", "ld-linux", "libshade_tbb")
+            ), name
 
 
-@pytest.mark.skipif(not BPY_LIBRARIES.exists(), reason="build/venv-bpy is not there: make setup-test")
+@pytest.mark.skipif(
+    not BPY_LIBRARIES.exists(), reason="build/venv-bpy is not there: make setup-test"
+)
 def test_other_libraries_in_the_global_scope(tmp_path):
-    """bpy's Embree 4, TBB and OpenEXRCore loaded first and global, as official Blenders have them."""
+    """bpy's Embree 4, TBB and OpenEXRCore first and global, as official Blenders have them."""
     expected, _ = render(scene())
     foreign = [
         next(BPY_LIBRARIES.glob(pattern))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Malformed and awkward scenes: a ValueError that says where, or a defined picture; never a crash."""
+"""Malformed and awkward scenes: a ValueError that says where, or a defined picture."""
 
 import copy
 
@@ -75,22 +75,58 @@ def change(path, value):
         (("images", 0, "channels"), 5, r"images\[0\]: channels must be"),
         (("images", 0, "width"), 3, r"images\[0\]: data has 16 items; 24 are expected"),
         (("images", 0, "data"), np.zeros(16), r"images\[0\]: data has items of format 'd'"),
-        (("images", 0, "data"), np.zeros((4, 8), np.float32)[:, ::2], r"images\[0\]: data must be a contiguous buffer"),
+        (
+            ("images", 0, "data"),
+            np.zeros((4, 8), np.float32)[:, ::2],
+            r"images\[0\]: data must be a contiguous buffer",
+        ),
         (("images", 0, "data"), [1, 2, 3], r"images\[0\]: data must be a contiguous buffer"),
         (("images", 0, "wrap"), "MIRROR", r"images\[0\]: wrap must be one of REPEAT, EXTEND, CLIP"),
-        (("materials", 0, "detail"), "bend", r"materials\[0\]: detail must be one of none, perturb"),
+        (
+            ("materials", 0, "detail"),
+            "bend",
+            r"materials\[0\]: detail must be one of none, perturb",
+        ),
         (("materials", 0, "ex"), float("nan"), r"materials\[0\]: ex must be a finite number"),
-        (("materials", 0, "normal_image"), 1, r"materials\[0\]: normal_image must be an integer from -1 to 0"),
+        (
+            ("materials", 0, "normal_image"),
+            1,
+            r"materials\[0\]: normal_image must be an integer from -1 to 0",
+        ),
         (("materials", 0, "name"), 7, r"materials\[0\]: name must be a string"),
         (("meshes", 0, "positions"), ..., r"meshes\[0\]: positions is missing"),
         (("meshes", 0, "positions"), np.zeros(10, np.float32), r"meshes\[0\]: positions must be 3"),
-        (("meshes", 0, "corner_position"), np.int32([0, 1, 9] * 2), r"corner_position has an index outside of the 4"),
-        (("meshes", 0, "corner_position"), np.int32([0, 1, -1] * 2), r"corner_position has an index outside"),
-        (("meshes", 0, "corner_position"), np.zeros(6, np.int64), r"corner_position has items of format 'l'"),
-        (("meshes", 0, "corner_normals"), np.zeros(9, np.float32), r"corner_normals has 9 items; 18"),
+        (
+            ("meshes", 0, "corner_position"),
+            np.int32([0, 1, 9] * 2),
+            r"corner_position has an index outside of the 4",
+        ),
+        (
+            ("meshes", 0, "corner_position"),
+            np.int32([0, 1, -1] * 2),
+            r"corner_position has an index outside",
+        ),
+        (
+            ("meshes", 0, "corner_position"),
+            np.zeros(6, np.int64),
+            r"corner_position has items of format 'l'",
+        ),
+        (
+            ("meshes", 0, "corner_normals"),
+            np.zeros(9, np.float32),
+            r"corner_normals has 9 items; 18",
+        ),
         (("meshes", 0, "corner_uvs"), np.zeros(9, np.float32), r"corner_uvs has 9 items; 12"),
-        (("meshes", 0, "material"), np.int32([0, 1]), r"material has an index outside of the 1 materials"),
-        (("meshes", 0, "material"), np.int32([0, -1]), r"material has an index outside of the 1 materials"),
+        (
+            ("meshes", 0, "material"),
+            np.int32([0, 1]),
+            r"material has an index outside of the 1 materials",
+        ),
+        (
+            ("meshes", 0, "material"),
+            np.int32([0, -1]),
+            r"material has an index outside of the 1 materials",
+        ),
         (("instances", 0, "mesh"), 1, r"instances\[0\]: mesh must be an integer from 0 to 0"),
         (("instances", 0, "matrix"), [float("nan")] * 16, r"instances\[0\]: matrix must be"),
         (("dump",), 5, "dump must be a string"),

@@ -50,8 +50,11 @@ def test_shadow_of_a_box_is_its_projection(tmp_path):
 
 def test_light_without_shadow_ignores_the_box(tmp_path):
     planes, _ = dump(
-        scene(meshes=[square(), box((-0.5, -0.5, 1), (0.5, 0.5, 1.5))], camera=ortho(eye=(0, 0, 0.9)),
-              lights=[sun(), sun(shadow=False)]),
+        scene(
+            meshes=[square(), box((-0.5, -0.5, 1), (0.5, 0.5, 1.5))],
+            camera=ortho(eye=(0, 0, 0.9)),
+            lights=[sun(), sun(shadow=False)],
+        ),
         tmp_path / "d.exr",
     )
     assert not lit(planes, 0)[8, 8] and lit(planes, 0)[0, 0] and lit(planes, 1).all()
@@ -60,14 +63,19 @@ def test_light_without_shadow_ignores_the_box(tmp_path):
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("offset", [0.0, 50.0])
 def test_no_acne_and_no_leaks_at_any_scale(tmp_path, scale, offset):
-    """A convex body shadows exactly its own back, by facets; a lid above a plate lets nothing through."""
+    """A convex body shadows its own back, by facets; a lid above a plate lets nothing through."""
     shift = np.eye(4)
     shift[:3, :3] *= scale
     shift[:3, 3] = offset * scale
     center = np.full(3, offset * scale)
     ball = sphere(32, smooth=False)
     light = unit(np.array([0.6, 0.2, 0.5]))
-    camera = ortho(1.1 * scale, center + np.array([1, -2, 1.5]) * 2 * scale, center, (1e-3 * scale, 100 * scale))
+    camera = ortho(
+        1.1 * scale,
+        center + np.array([1, -2, 1.5]) * 2 * scale,
+        center,
+        (1e-3 * scale, 100 * scale),
+    )
     base = {
         "width": 128,
         "height": 128,
@@ -93,7 +101,13 @@ def test_smooth_body_keeps_light_up_to_the_facets_terminator(tmp_path):
     ball = sphere(48)
     light = unit(np.array([1, 0.2, 0.3]))
     planes, _ = dump(
-        scene(width=128, height=128, meshes=[ball], camera=persp(0.4, (0.5, -3, 1)), lights=[sun(light)]),
+        scene(
+            width=128,
+            height=128,
+            meshes=[ball],
+            camera=persp(0.4, (0.5, -3, 1)),
+            lights=[sun(light)],
+        ),
         tmp_path / "d.exr",
     )
     hit = planes["material.ID"] == 0
@@ -117,7 +131,7 @@ def test_point_light_below_inside_and_on_the_surface(tmp_path):
 
 
 def disc_part(d, r):
-    """Part of a disc of radius r on the far side of a line at the signed distance d from its centre."""
+    """Part of a disc of radius r beyond a line at the signed distance d from its centre."""
     t = np.clip(d / r, -1, 1)
     return (np.arccos(t) - t * np.sqrt(1 - t * t)) / np.pi
 
@@ -155,7 +169,11 @@ def test_penumbra_of_an_edge(kind):
 
 
 def test_soft_light_of_no_size_is_sharp():
-    base = {"meshes": [square(), box((-0.3, -0.3, 0.3), (0.3, 0.3, 0.5))], "width": 32, "height": 32}
+    base = {
+        "meshes": [square(), box((-0.3, -0.3, 0.3), (0.3, 0.3, 0.5))],
+        "width": 32,
+        "height": 32,
+    }
     sharp, _ = render(scene(lights=[sun((0.5, 0.2, 1))], **base))
     tiny, _ = render(scene(lights=[sun((0.5, 0.2, 1), angle=1e-5)], **base))
     np.testing.assert_allclose(tiny, sharp, atol=2e-2 * sharp.max())
