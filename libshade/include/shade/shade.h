@@ -127,7 +127,7 @@ SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
  * D'(h), the distribution carried by the perturbed normal, in 1/sr.
  * n, h: unit, local frame. Ashikhmin-Shirley's D integrates to 1 over the
  * hemisphere without a cosine. Status bits are or-ed into *status if it is
- * not NULL. [AshikhminShirley 2000 Eq. 4; method: KangCho Eq. 7 and 10]
+ * not NULL. [AshikhminShirley2000 Eq. 4; method: KangCho Eq. 7 and 10]
  */
 SHADE_API double shade_mdf_eval(const shade_bsdf *b, const double n[3], const double h[3],
                                 unsigned *status);
