@@ -9,6 +9,7 @@ Material::Material() :
 {
 	shade_params_init(&params);
 	params.detail = SHADE_DETAIL_ROTATE; // what this block is for
+	params.fresnel = SHADE_FRESNEL_NONE; // `specular` alone is the colour at every angle, as elsewhere in a finish
 }
 
 const Material *Scene::add(const Material& material)

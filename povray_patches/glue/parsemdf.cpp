@@ -164,7 +164,7 @@ void Parser::Parse_Mdf_Tangent(mdf::Material& material)
 
 void Parser::Parse_Mdf_Choice(mdf::Material& material, shade_list list)
 {
-	const mdf::WordSet choices = (mdf::WordSet)(mdf::WORDS_LIST + list);
+	const mdf::WordSet choices = mdf::words_of_list(list);
 	{
 		const mdf::WordScope words(Mdf_Words, choices);
 		Get_Token();

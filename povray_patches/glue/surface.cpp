@@ -167,9 +167,9 @@ bool difference_directions(const Intersection& isect, const Vector3d& raw_normal
                            Vector3d& du, Vector3d& dv)
 {
 	const BBOX_VECT& size = isect.Object->BBox.Lengths;
-	const double largest = max(max(size[X], size[Y]), size[Z]);
+	const double largest = max(max(size[X], size[Y]), size[Z]), smallest = min(min(size[X], size[Y]), size[Z]);
 	// Small against the object, large against the rounding of its UV coordinates.
-	const double step = 1e-5 * min(max(largest, 1e-6), 1e6);
+	const double step = 1e-5 * min(max(max(smallest, 1e-4 * largest), 1e-6), 1e6);
 	Vector3d side[2] = { axis_vector(fabs(raw_normal[X]) < 0.7 ? X : Y), Vector3d() };
 	double slope[2][2]; // [side][u or v]
 
@@ -364,7 +364,7 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour& light_colour, con
 	double S[3];
 
 	point.light(direction, E, S);
-	colour += RGBColour(S[0], S[1], S[2]);
+	colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
 	if(dump != NULL && light != NULL)
 		dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0), direction, E, S);
 }

@@ -34,14 +34,14 @@ void add_list(Words& words, shade_list list)
 
 std::vector<Words> make_sets()
 {
-	std::vector<Words> sets(WORDS_LIST + SHADE_LIST_COUNT);
+	std::vector<Words> sets((size_t)words_of_list(SHADE_LIST_COUNT));
 
 	add_list(sets[WORDS_BLOCK], SHADE_LIST_MDF);
 	for(int list = 0; list < SHADE_LIST_COUNT; list++)
 	{
 		if(list != SHADE_LIST_MDF) // a distribution is named without the word `mdf`
 			add(sets[WORDS_BLOCK], shade_list_name((shade_list)list), BLOCK_LIST + list);
-		add_list(sets[(size_t)(WORDS_LIST + list)], (shade_list)list);
+		add_list(sets[(size_t)words_of_list((shade_list)list)], (shade_list)list);
 	}
 	add(sets[WORDS_BLOCK], "tangent", BLOCK_TANGENT);
 	add(sets[WORDS_BLOCK], "specular", BLOCK_SPECULAR);

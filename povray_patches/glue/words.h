@@ -18,7 +18,7 @@ enum WordSet
 	WORDS_BLOCK,   // where a statement may begin
 	WORDS_TANGENT, // after `tangent`
 	WORDS_IMAGE,   // inside bump_image { }
-	WORDS_LIST     // after the name of a list of the table: WORDS_LIST + that list
+	WORDS_LIST     // and on, words_of_list(): after the name of a list of the table
 };
 
 // Identities of the words of WORDS_BLOCK beyond the distributions, whose
@@ -34,6 +34,8 @@ enum BlockWord
 enum TangentWord { TANGENT_UV };
 enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH };
 
+inline WordSet words_of_list(shade_list list) { return (WordSet)((int)WORDS_LIST + (int)list); }
+
 // The identity of `text` in `set`, or -1. Exact spelling: a scene may have a
 // `Detail` of its own.
 int find_word(WordSet set, const char *text);
@@ -45,11 +47,12 @@ std::string expected_words(WordSet set, const std::string& last);
 class WordScope
 {
 	public:
-		WordScope(WordSet& current, WordSet inside) : set(current), outside(current) { set = inside; }
+		WordScope(WordSet& current, WordSet inside) : outside(current), set(current) { set = inside; }
 		~WordScope() { set = outside; }
+
+		const WordSet outside;
 	private:
 		WordSet& set;
-		const WordSet outside;
 
 		WordScope(const WordScope&);
 		WordScope& operator=(const WordScope&);

@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: AGPL-3.0-or-later
+"""bump_image: the texel, the frame and the side that Blender's Normal Map node would take.
+
+The convention. A normal map is what Blender, OpenGL and MikkTSpace mean by one: red along dP/du, green along
+dP/dv, blue along the normal; u to the right of the picture, v up. A mesh exported from Blender with y and z
+exchanged (Blender is right-handed with z up, POV-Ray left-handed with y up) keeps its UVs, and looks the same.
+"""
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+from scenes import dot, finish, normalise, saddle
+
+TOP = """#version 3.7; global_settings { assumed_gamma 1 }
+camera { orthographic location <.5, 3, .5> right 1.6*x up 1.2*z direction -y }
+light_source { <3, 5, -1>, rgb 1 }
+"""
+
+
+def write_png(path, pixels, kind, colour_space=None):
+    write(path, np.asarray(pixels, kind), kind, colour_space)
+
+
+def write(path, pixels, kind, colour_space=None, origin=(0, 0), channels=("R", "G", "B")):
+    height, width, count = pixels.shape
+    spec = oiio.ImageSpec(width, height, count, kind)
+    spec.channelnames = tuple(channels)
+    spec.x, spec.y = origin
+    spec.attribute("oiio:UnassociatedAlpha", 1)  # the colours as they are, not divided by alpha
+    if colour_space:
+        spec.attribute("oiio:ColorSpace", colour_space)
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels)), output.geterror()
+    output.close()
+
+
+def random_map(shape=(5, 7), seed=1):
+    """Normals within 60 degrees of the pole, as colours, row 0 at the top."""
+    n = np.random.default_rng(seed).normal(size=shape + (3,)) * [1, 1, .2] + [0, 0, 1.2]
+    n[..., 2] = np.abs(n[..., 2]) + .3
+    return (normalise(n) + 1) / 2
+
+
+def bilinear(colours, uv):
+    """Blender's look-up: repeat, texel centres at half, the first row at the top."""
+    height, width, _ = colours.shape
+    x, y = uv[..., 0] * width - .5, (1 - uv[..., 1]) * height - .5
+    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+    s, t = (x - i)[..., None], (y - j)[..., None]
+    at = lambda a, b: colours[b % height, a % width]
+    return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) + t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1))
+
+
+def mapped(colours, uv, strength=1.0):
+    n = normalise(2 * bilinear(colours, uv) - 1)
+    return normalise((1 - strength) * np.array([0, 0, 1.0]) + strength * n)
+
+
+def quad(uv="<0,0>, <1,0>, <1,1>, <0,1>", faces="<0,1,2>, <0,2,3>", normals=True, extra=""):
+    """Blender's square (0..1, 0..1, 0) with the normal +z and u = x, v = y, its y and z exchanged."""
+    text = "mesh2 { vertex_vectors { 4, <0,0,0>, <1,0,0>, <1,0,1>, <0,0,1> }\n"
+    text += "normal_vectors { 4, y, y, y, y }\n" if normals else ""
+    return text + f"uv_vectors {{ 4, {uv} }} face_indices {{ 2, {faces} }} {extra}"
+
+
+def textured(geometry, file="exr \"map.exr\"", more="", normal="", tangent=""):
+    return f"{geometry} texture {{ pigment {{ rgb .5 }} {normal} {finish(f'bump_image {{ {file} {more} }} {tangent}')} }} }}\n"
+
+
+def from_blender(n):
+    return n[..., [0, 2, 1]]
+
+
+def check(dump, expected, limit=2e-6):
+    angle = np.linalg.norm(np.cross(dump.Ns[dump.hit], expected[dump.hit]), axis=-1)
+    assert dump.hit.sum() > 200
+    assert angle.max() < limit and dot(dump.Ns[dump.hit], expected[dump.hit]).min() > 0
+
+
+@pytest.fixture
+def colours(tmp_path):
+    values = random_map()
+    write(tmp_path / "map.exr", values.astype(np.float32), "float")
+    return values.astype(np.float32).astype(float)
+
+
+@pytest.mark.parametrize("uv, tangent, bitangent", [
+    ("<0,0>, <1,0>, <1,1>, <0,1>", [1, 0, 0], [0, 1, 0]),     # as it is
+    ("<1,0>, <0,0>, <0,1>, <1,1>", [-1, 0, 0], [0, 1, 0]),    # mirrored
+    ("<0,0>, <0,-2>, <3,-2>, <3,0>", [0, 1, 0], [-1, 0, 0]),  # turned, stretched, repeated
+])
+def test_quad_as_in_blender(render, shade_check, colours, uv, tangent, bitangent):
+    dump = render(TOP + textured(quad(uv)), (96, 72)).dump
+    n = mapped(colours, dump.uv)
+    T, B = np.array(tangent), np.array(bitangent)  # in Blender's space
+    check(dump, from_blender(n[..., :1] * T + n[..., 1:2] * B + n[..., 2:] * np.array([0, 0, 1])))
+    np.testing.assert_allclose(dump.T[dump.hit], np.tile(from_blender(T), (dump.hit.sum(), 1)), atol=1e-6)
+    shade_check(dump)
+
+
+@pytest.mark.parametrize("faces", ["<0,2,1>, <0,3,2>", "<0,1,2>, <0,3,2>", "<2,0,1>, <3,0,2>"])
+def test_winding_does_not_matter_where_there_are_normals(render, colours, faces):
+    # (to POV-Ray a triangle with three equal normals is flat, and its winding decides: below)
+    curved = lambda faces: quad(faces=faces).replace("y, y, y, y", "<-.3,1,-.2>, <.3,1,-.2>, <.3,1,.2>, <-.3,1,.2>")
+    usual = render(TOP + textured(curved("<0,1,2>, <0,2,3>")), (96, 72)).dump
+    other = render(TOP + textured(curved(faces)), (96, 72)).dump
+    for a, b in ((usual.N, other.N), (usual.T, other.T), (usual.Ns, other.Ns)):
+        np.testing.assert_allclose(a[usual.hit], b[usual.hit], atol=1e-5)
+
+
+def test_uv_of_the_quad(render, colours):
+    dump = render(TOP + textured(quad()), (96, 72)).dump
+    np.testing.assert_allclose(dump.uv[dump.hit], dump.P[dump.hit][:, [0, 2]], atol=1e-6)
+
+
+def test_flat_triangles_and_old_meshes(render, colours):
+    old = "mesh { " + "".join(f"triangle {{ {a}, {b}, {c} uv_vectors {u}, {v}, {w} }} " for a, b, c, u, v, w in (
+        ("0", "x", "x+z", "<0,0>", "<1,0>", "<1,1>"), ("0", "x+z", "z", "<0,0>", "<1,1>", "<0,1>")))
+    for geometry in (quad(normals=False), quad(normals=False, faces="<0,2,1>, <0,3,2>"), old):
+        dump = render(TOP + textured(geometry), (96, 72)).dump
+        n, up = mapped(colours, dump.uv), dump.N[..., 1:2]
+        # without normals the winding says which side is out, and the map is seen from there
+        out = 1.0 if abs(dump.Ns[dump.hit][0] @ [1, 0, 0] - n[dump.hit][0, 0]) < 1e-5 else -1.0
+        expected = from_blender(np.concatenate([out * n[..., :2], n[..., 2:]], -1))
+        assert up[dump.hit].min() == 1
+        check(dump, expected)
+
+
+def test_seen_from_behind_a_bump_is_a_dent(render, shade_check, colours):
+    below = TOP.replace("location <.5, 3, .5>", "location <.5, -3, .5>").replace("direction -y", "direction y").replace("<3, 5, -1>", "<3, -5, -1>")
+    dump = render(below + textured(quad()), (96, 72)).dump
+    np.testing.assert_allclose(dump.N[dump.hit], np.tile([0, -1, 0], (dump.hit.sum(), 1)), atol=1e-7)
+    check(dump, -from_blender(mapped(colours, dump.uv)))
+    shade_check(dump)
+
+
+def test_mirrored_object(render, colours):
+    dump = render(TOP + textured(quad(extra="scale <-1, 1, 1> translate x ")), (96, 72)).dump
+    check(dump, from_blender(mapped(colours, dump.uv) * [-1, 1, 1]))
+
+
+def test_turned_object(render, colours):
+    text = TOP + textured(quad(extra="translate <-.5, 0, -.5> rotate <20, 30, 0> translate <.5, 0, .5> "))
+    dump = render(text, (96, 72)).dump
+    ax, ay = np.radians([20, 30])
+    rx = np.array([[1, 0, 0], [0, np.cos(ax), -np.sin(ax)], [0, np.sin(ax), np.cos(ax)]])
+    ry = np.array([[np.cos(ay), 0, np.sin(ay)], [0, 1, 0], [-np.sin(ay), 0, np.cos(ay)]])
+    check(dump, from_blender(mapped(colours, dump.uv)) @ (ry @ rx).T, 1e-5)
+
+
+@pytest.mark.parametrize("kind, peak, colour_space", [
+    ("uint8", 255, None), ("uint16", 65535, None), ("uint8", 255, "sRGB"), ("uint16", 65535, "GammaCorrected2.2")])
+def test_png_is_read_without_gamma(render, tmp_path, kind, peak, colour_space):
+    stored = np.round(random_map() * peak)
+    write_png(tmp_path / "map.png", stored, kind, colour_space)
+    for gamma in ("assumed_gamma 1", "assumed_gamma 2.2"):
+        text = (TOP + textured(quad(), 'png "map.png"')).replace("assumed_gamma 1", gamma)
+        dump = render(text, (96, 72)).dump
+        check(dump, from_blender(mapped(stored / peak, dump.uv)))
+
+
+def test_png_with_alpha_and_grey(render, tmp_path):
+    stored = np.round(random_map() * 255)
+    write(tmp_path / "map.png", np.dstack([stored, np.full(stored.shape[:2], 100)]).astype("uint8"), "uint8", channels="RGBA")
+    dump = render(TOP + textured(quad(), 'png "map.png"'), (96, 72)).dump
+    check(dump, from_blender(mapped(stored / 255, dump.uv)))
+    grey = np.full((3, 4, 1), 255)
+    write(tmp_path / "map.png", grey.astype("uint8"), "uint8", channels="Y")
+    dump = render(TOP + textured(quad(), 'png "map.png"'), (96, 72)).dump
+    check(dump, np.broadcast_to(normalise(np.array([1.0, 1, 1])), dump.Ns.shape))
+
+
+@pytest.mark.parametrize("kind, origin, channels", [
+    ("float", (0, 0), "RGB"), ("half", (0, 0), "RGB"), ("float", (5, -3), "RGB"), ("float", (-2, 4), "ARGB")])
+def test_exr_kinds(render, tmp_path, kind, origin, channels):
+    values = random_map((6, 4))
+    pixels = values if len(channels) == 3 else np.dstack([np.ones((6, 4)), values])
+    pixels = pixels.astype(np.float16 if kind == "half" else np.float32)
+    write(tmp_path / "map.exr", pixels, kind, origin=origin, channels=channels)
+    dump = render(TOP + textured(quad()), (96, 72)).dump
+    check(dump, from_blender(mapped(pixels[..., -3:].astype(float), dump.uv)))
+
+
+def test_exr_without_colours_is_an_error(render, tmp_path):
+    write(tmp_path / "map.exr", np.ones((2, 2, 1), np.float32), "float", channels="Y")
+    result = render(TOP + textured(quad()), fails=True)
+    assert result.status == 1 and "no full-size channel R" in result.message
+
+
+@pytest.mark.parametrize("strength", [0, .25, 1, 2.5])
+def test_strength(render, colours, strength):
+    dump = render(TOP + textured(quad(), more=f"strength {strength}"), (96, 72)).dump
+    check(dump, from_blender(mapped(colours, dump.uv, strength)))
+
+
+def test_black_and_not_a_number_are_flat(render, shade_check, tmp_path):
+    pixels = np.full((2, 2, 3), .5, np.float32)
+    pixels[0, 0] = np.nan
+    pixels[1, 1] = np.inf
+    write(tmp_path / "map.exr", pixels, "float")
+    dump = render(TOP + textured(quad()), (96, 72)).dump
+    assert np.isfinite(dump.S).all() and np.isfinite(dump.Ns).all()
+    check(dump, np.broadcast_to([0.0, 1, 0], dump.Ns.shape))
+    shade_check(dump)
+
+
+def test_slopes_of_normal_and_bump_image_add(render, shade_check, colours):
+    def slopes(dump):
+        return -dump.Ns[..., [0, 2]] / dump.Ns[..., 1:2]
+    normal = "normal { bumps .3 scale .2 }"
+    plain = quad(extra="texture { pigment { rgb .5 } " + normal + finish("") + " } }\n")
+    only_normal = slopes(render(TOP + plain, (96, 72)).dump)
+    only_image = slopes(render(TOP + textured(quad()), (96, 72)).dump)
+    dump = render(TOP + textured(quad(), normal=normal), (96, 72)).dump
+    assert np.abs(only_normal[dump.hit]).max() > .1
+    np.testing.assert_allclose(slopes(dump)[dump.hit], (only_normal + only_image)[dump.hit], atol=2e-5)
+    shade_check(dump)
+
+
+def test_frame_of_the_map_does_not_follow_tangent(render, shade_check, colours):
+    text = TOP + textured(quad(), tangent="tangent <1, 0, 2>")
+    dump = render(text, (96, 72)).dump
+    check(dump, from_blender(mapped(colours, dump.uv)))
+    np.testing.assert_allclose(dump.T[dump.hit], np.tile(normalise(np.array([1.0, 0, 2])), (dump.hit.sum(), 1)), atol=1e-6)
+    shade_check(dump)
+
+
+SIDE = TOP.replace("orthographic location <.5, 3, .5> right 1.6*x up 1.2*z direction -y", "location <1, 2, -5> look_at 0 angle 30")
+
+
+@pytest.mark.parametrize("name, geometry", [
+    ("sphere", "sphere { 0, 1"), ("torus", "torus { .8, .3"), ("box", "box { -.7, .7")])
+def test_primitives(render, shade_check, colours, name, geometry):
+    dump = render(SIDE + textured(geometry), (96, 72)).dump
+    p, N = dump.P, dump.N
+    zero = np.zeros_like(p[..., 0])
+    ring = normalise(np.stack([p[..., 0], zero, p[..., 2]], -1))
+    if name == "sphere":  # u grows from x towards z, v upwards
+        du, dv = np.cross(ring, [0, 1.0, 0]) * -1, np.stack([zero, zero + 1, zero], -1)
+        du = np.stack([-p[..., 2], zero, p[..., 0]], -1)
+    elif name == "torus":  # u shrinks from x towards z, v grows from outside-in … up the outer side
+        du = np.stack([p[..., 2], zero, -p[..., 0]], -1)
+        dv = np.cross(np.cross(ring, [0, 1.0, 0]), N)
+        dv *= np.sign(dv[..., 1:2] * np.where(dot(N, ring) > 0, 1, -1)[..., None])  # y rises on the outer side
+    else:  # by the faces of the map in boxes.cpp: top (y=1): u = x, v = -z; front (z=0): u = -x, v = y or u = x; x=1: u = -z, v = y
+        top, right = N[..., 1] > .9, N[..., 0] > .9
+        du = np.where(top[..., None], [1.0, 0, 0], np.where(right[..., None], [0, 0, -1.0], np.nan))
+        dv = np.where(top[..., None], [0, 0, -1.0], np.where(right[..., None], [0, 1.0, 0], np.nan))
+    T = normalise(du)
+    B = normalise(dv - dot(dv, N)[..., None] * N - dot(dv, T)[..., None] * T)
+    n = mapped(colours, dump.uv)
+    expected = n[..., :1] * T + n[..., 1:2] * B + n[..., 2:] * N
+    known = dump.hit & np.isfinite(expected).all(-1)
+    known &= np.abs(N[..., 1]) < .999 if name == "sphere" else True
+    assert known.sum() > 100
+    np.testing.assert_allclose(dump.Ns[known], expected[known], atol=2e-5)
+    shade_check(dump)
+
+
+def test_inside_of_a_difference_is_an_outside(render, shade_check, colours):
+    # a bowl: the eye sees the sphere's inside, which is the outside of the difference
+    bowl = "difference { box { <-1, -1, -1>, <1, 0, 1> } sphere { 0, .9 } texture { pigment { rgb .5 } "
+    text = SIDE.replace("<1, 2, -5>", "<0, 5, -.1>") + bowl + finish('bump_image { exr "map.exr" }') + " } }\n"
+    dump = render(text, (96, 72)).dump
+    inside = dump.hit & (np.linalg.norm(dump.P, axis=-1) < .9001) & (dump.P[..., 1] < -1e-4)
+    assert inside.sum() > 300
+    N = dump.N
+    np.testing.assert_allclose(N[inside], -dump.P[inside] / .9, atol=1e-5)
+    T = normalise(np.stack([-dump.P[..., 2], 0 * N[..., 0], dump.P[..., 0]], -1))
+    up = np.array([0, 1.0, 0])
+    B = normalise(up - dot(up, N)[..., None] * N)
+    n = mapped(colours, dump.uv)
+    expected = n[..., :1] * T + n[..., 1:2] * B + n[..., 2:] * N
+    clear = inside & (np.abs(N[..., 1]) < .99)
+    np.testing.assert_allclose(dump.Ns[clear], expected[clear], atol=2e-5)
+    shade_check(dump)
+
+
+def test_curved_mesh_with_a_map(render, shade_check, colours):
+    dump = render(SIDE + textured(saddle()), (96, 72)).dump
+    assert dump.hit.sum() > 500
+    shade_check(dump)

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: AGPL-3.0-or-later
+"""finish { mdf { } }: what it accepts, and what it says about what it does not."""
+import numpy as np
+import pytest
+
+from scenes import HEADER, SUN, saddle, scene
+
+WORDS = "ashikhmin_shirley, brdf, detail, groove, fresnel, tangent, specular, bump_image or }"
+
+
+def sphere(block, before=""):
+    return f"{before}\nsphere {{ 0, 1 texture {{ pigment {{ rgb .5 }} finish {{ ambient 0 diffuse 0 mdf {{ {block} }} }} }} }}\n"
+
+
+@pytest.fixture
+def material(render):
+    def first(block, before=""):
+        return render(scene(sphere(block, before)), (16, 12)).dump.header["materials"][0]
+    return first
+
+
+def test_defaults(material):
+    m = material("")
+    assert (m["mdf"], m["brdf"], m["detail"], m["groove"], m["fresnel"]) == (
+        "ashikhmin_shirley", "ashikhmin_shirley", "rotate", "auto", "none")
+    assert (m["ex"], m["ey"], m["f0"]) == (200, 10, [1, 1, 1])
+
+
+def test_every_word(material):
+    m = material("ashikhmin_shirley 300, 20 detail gram_schmidt groove y fresnel schlick brdf ashikhmin_shirley "
+                 "tangent <1, 2, 3> specular rgb <.1, .2, .3>")
+    assert (m["ex"], m["ey"], m["detail"], m["groove"], m["fresnel"]) == (300, 20, "gram_schmidt", "y", "schlick")
+    assert m["f0"] == pytest.approx([.1, .2, .3], abs=1e-6)
+
+
+@pytest.mark.parametrize("block, ex, ey", [
+    ("ashikhmin_shirley 100, 5", 100, 5), ("ashikhmin_shirley 100 5", 100, 5),
+    ("ashikhmin_shirley 50 * 2, sqrt(25) detail none", 100, 5),
+    ("ashikhmin_shirley (clock + 1) * 100, vlength(<3, 4, 0>)", 100, 5),
+    ("ashikhmin_shirley Big, Big / 20", 100, 5), ("ashikhmin_shirley Twice(50), Twice(2.5)", 100, 5),
+    ("Words(100, 5)", 100, 5), ("ashikhmin_shirley Exponents[0], Exponents[1]", 100, 5),
+    ("#if (1) ashikhmin_shirley 100, 5 #else detail nonsense #end", 100, 5),
+    ("#local E = 5; ashikhmin_shirley E * 20, E", 100, 5),
+    ("ashikhmin_shirley 1, 1 #while (I < 3) ashikhmin_shirley I * 50, I + 3 #declare I = I + 1; #end", 100, 5)])
+def test_expressions_macros_and_directives(material, block, ex, ey):
+    before = """#declare Big = 100; #declare I = 1;
+#macro Twice(A) 2 * A #end
+#macro Words(A, B) ashikhmin_shirley A, B detail perturb #end
+#declare Exponents = array[2] { 100, 5 }"""
+    m = material(block, before)
+    assert (m["ex"], m["ey"]) == (ex, ey)
+
+
+@pytest.mark.parametrize("colour, expected", [
+    ("rgb <.9, .8, .6>", [.9, .8, .6]), ("<.9, .8, .6>", [.9, .8, .6]), (".5", [.5, .5, .5]), ("Gold", [.9, .7, .3]),
+    ("Gold * .5", [.45, .35, .15]), ("Shade(.25)", [.25, .25, .25]), ("red .5", [.5, 0, 0])])
+def test_colours(material, colour, expected):
+    before = "#declare Gold = rgb <.9, .7, .3>; #macro Shade(A) rgb A #end"
+    assert material(f"specular {colour} detail none", before)["f0"] == pytest.approx(expected, abs=1e-6)
+
+
+def test_words_stay_free_for_the_scene(render):
+    """A scene's own identifiers and macros with the block's names: before, inside # directives of, and after it."""
+    text = scene("""
+#macro detail(tangent) 2 * tangent #end
+#declare uv = 7; #declare groove = <1, 0, 0>; #declare gram_schmidt = .5; #declare schlick = 3;
+#declare bump_image = uv + detail(1);
+sphere { 0, 1 texture { pigment { rgb .5 }
+  finish { ambient 0 diffuse 0 specular .2 mdf {
+    #if (uv = 7 & bump_image = 9) ashikhmin_shirley 100, 5 #else #error "uv or bump_image lost" #end
+    #local E = detail(uv);
+    detail none
+    #local E = detail(uv); #declare E2 = E;
+    groove y
+    #ifdef (detail) detail rotate #end
+    tangent uv
+    groove x
+    tangent x + y
+  } } } rotate uv * groove }
+#if (detail(uv) != 14 | gram_schmidt != .5 | bump_image != 9 | schlick != 3) #error "lost after the block" #end
+#declare ashikhmin_shirley = array[2] { uv, groove.x };
+sphere { uv * 2 * x, 1 pigment { uv_mapping checker } finish { specular .4 } rotate groove }
+""")
+    assert render(text, (16, 12)).dump.header["materials"][0]["ex"] == 100
+
+
+def test_words_of_one_place_are_free_in_another(material):
+    # `x` is a choice after groove and a vector after tangent; `rotate` a choice and, outside, a transformation
+    assert material("groove x tangent x detail rotate")["groove"] == "x"
+    assert material("tangent y groove y tangent <x.x, 0, 1>")["groove"] == "y"
+
+
+def test_declared_finishes_are_shared_copied_and_changed(render):
+    text = scene("""
+#declare F = finish { ambient 0 diffuse 0 mdf { ashikhmin_shirley 100, 5 detail none specular rgb <.1, .2, .3> } }
+#declare G = finish { F mdf { detail perturb } }
+#declare T = texture { pigment { rgb .5 } finish { G } }
+#undef F
+sphere { -x, .8 texture { T } }
+sphere { x, .8 texture { T finish { mdf { ashikhmin_shirley 50, 50 } } } }
+#default { finish { ambient 0 mdf { detail gram_schmidt } } }
+sphere { y, .5 pigment { rgb 1 } }
+""")
+    dump = render(text).dump
+    seen = [m for m in dump.header["materials"] if (dump.id == m["id"]).any()]
+    assert [(m["ex"], m["detail"]) for m in seen] == [(100, "perturb"), (50, "perturb"), (200, "gram_schmidt")]
+    assert seen[1]["f0"] == pytest.approx([.1, .2, .3], abs=1e-6)
+
+
+@pytest.mark.parametrize("block, message", [
+    ("shiny 3", f"Expected '{WORDS}', undeclared identifier 'shiny' found instead"),
+    ("diffuse fibre .2", f"Expected '{WORDS}', diffuse found instead"),
+    ("fabric { weave 2, 1, 1 }", f"Expected '{WORDS}', undeclared identifier 'fabric' found instead"),
+    ("200, 10", f"Expected '{WORDS}'"),
+    ("Ashikhmin_Shirley 1, 1", f"Expected '{WORDS}', undeclared identifier 'Ashikhmin_Shirley' found instead"),
+    ("detail rotated", "Expected 'none, perturb, gram_schmidt or rotate', undeclared identifier 'rotated' found instead"),
+    ("detail", "Expected 'none, perturb, gram_schmidt or rotate', } found instead"),
+    ("groove 1", "Expected 'auto, x or y'"),
+    ("fresnel 1", "Expected 'none or schlick'"),
+    ("ashikhmin_shirley detail rotate", "Expected 'numeric expression', word of mdf found instead"),
+    ("ashikhmin_shirley -5, 10", "mdf: exponent ex is -5, expected a number from 0 to 1e+06."),
+    ("ashikhmin_shirley 5, -1e-3", "mdf: exponent ey is -0.001, expected a number from 0 to 1e+06."),
+    ("tangent <0, 0, 0>", "mdf: tangent <0, 0, 0> has no direction."),
+    ("bump_image { }", "Expected 'png \"file\" or exr \"file\"'"),
+    ("bump_image { jpeg \"a.jpg\" }", "Expected 'png, exr, strength or }', jpeg found instead"),
+    ("bump_image { png \"missing.png\" }", "mdf: cannot open the bump_image file 'missing.png'."),
+    ("bump_image { exr \"missing\" }", "mdf: cannot open the bump_image file 'missing'."),
+    ("bump_image { png \"broken.png\" }", "mdf: cannot read the bump_image file 'broken.png'"),
+    ("bump_image { exr \"broken.exr\" }", "mdf: cannot read the bump_image file 'broken.exr'"),
+    ("bump_image { png \"broken.png\" strength -1 }", "mdf: bump_image strength is -1, expected 0 or more."),
+    ("ashikhmin_shirley 1, 1 }", "")])
+def test_errors_name_line_and_expectation(render, tmp_path, block, message):
+    for name in ("broken.png", "broken.exr"):
+        (tmp_path / name).write_bytes(b"not a picture at all")
+    text = scene(sphere(f"\n{block}\n"))
+    line = text[:text.index(block)].count("\n") + 1
+    result = render(text, fails=True)
+    assert result.status == 1, result.log
+    log = result.message
+    assert "Parse Error" in log and message in log, log
+    assert f"'scene.pov' line {line}" in log or f"'scene.pov' line {line + 1}" in log, log
+
+
+@pytest.mark.parametrize("block, objects, message", [
+    ("ashikhmin_shirley 2e6, 1", None, "exponent ex is 2e+06; it is taken as 1e+06"),
+    ("specular rgb <1.5, -1, .5>", None, "a component of specular is 1.5; it is taken as 1."),
+    ("tangent uv", saddle(2, uv=False, extra="texture { TEXTURE } }"), "'tangent uv' (scene.pov:6) on a mesh without UV coordinates"),
+    ("tangent uv", "plane { y, 0 texture { TEXTURE } }", "'tangent uv' (scene.pov:6) on an object without UV coordinates"),
+    ("tangent uv", "union { cone { -y, 1, y, 0 } cylinder { 0, y, .4 } texture { TEXTURE } }", "on an object without UV coordinates"),
+    ("tangent uv", "cone { -y, 1, y, 0 texture { checker texture { pigment { rgb 1 } } texture { TEXTURE } } }", "on an object without UV"),
+    ("bump_image { png \"flat.png\" }", "plane { y, 0 texture { TEXTURE } }", "'bump_image' (scene.pov:6) on an object without UV"),
+    ("bump_image { png \"flat.png\" }", saddle(2, uv=False, extra="texture { TEXTURE } }"), "'bump_image' (scene.pov:6) on a mesh without UV")])
+def test_warnings(render, shade_check, tmp_path, block, objects, message):
+    from test_bump_image import write_png
+    write_png(tmp_path / "flat.png", np.full((2, 2, 3), (128, 128, 255)), "uint8")
+    texture = f"pigment {{ rgb 1 }} finish {{ ambient 0 diffuse 0 mdf {{ {block} }} }}"
+    objects = (objects or "sphere { 0, 1 texture { TEXTURE } }").replace("texture { TEXTURE }", "texture { T }")
+    result = render(HEADER + SUN + f"\n#declare T = texture {{ {texture} }}\n{objects}\n")
+    assert "Parse Warning" in result.message and message in result.message, result.log
+    dump = result.dump
+    assert dump.hit.any() and np.isfinite(dump.S).all()
+    if "2e6" not in block:  # a lobe that narrow cannot be checked through float32 directions
+        shade_check(dump)
+
+
+def test_default_tangent_needs_no_uv_and_no_warning(render):
+    result = render(scene("plane { y, 0 pigment { rgb 1 } finish { ambient 0 mdf { } } }"))
+    assert "Warning:" not in result.log
+    dump = result.dump
+    np.testing.assert_allclose(dump.T[dump.hit], np.tile([1, 0, 0], (dump.hit.sum(), 1)), atol=1e-7)
+
+
+def test_mesh_with_a_collapsed_uv_triangle_warns(render):
+    mesh = """mesh2 { vertex_vectors { 4, <-1,0,-1>, <1,0,-1>, <1,0,1>, <-1,0,1> } uv_vectors { 4, <0,0>, <1,0>, <1,1>, <.5,.5> }
+      face_indices { 2, <0,1,2>, <0,2,3> } uv_indices { 2, <0,1,2>, <0,2,3> } pigment { rgb 1 } finish { mdf { } } }"""
+    result = render(scene(mesh))
+    assert "have no UV area around them" in result.message
+    assert np.isfinite(result.dump.T).all()
+
+
+def test_mdf_is_reserved_only_as_such(render):
+    result = render(scene("#declare mdf = 3; sphere { 0, 1 pigment { rgb 1 } }"), fails=True, dump=False)
+    assert result.status == 1 and "mdf found instead" in result.message
+
+
+def test_include_file_of_metals(render, shade_check):
+    names = ["Steel_Brushed", "Aluminum_Brushed", "Gold_Brushed", "Copper_Brushed", "Brass_Brushed", "Steel_Blasted", "Aluminum_Blasted"]
+    spheres = "".join(f"sphere {{ <{.4 * i - 1.2}, 0, 0>, .2 texture {{ LS_{name} }} }}\n" for i, name in enumerate(names))
+    result = render(scene('#include "libshade_metals.inc"\n' + spheres +
+                          "sphere { -.6*y, .3 texture { pigment { rgb 1 } finish { LS_F_Gold_Brushed mdf { tangent <0, 1, 0> } } } }"), (160, 120))
+    dump = result.dump
+    assert len(np.unique(dump.id[dump.hit])) == 8
+    shade_check(dump, everything=False)
