@@ -29,6 +29,9 @@ fi
 
 say() { echo "povray: $*"; }
 die() { echo "povray: $*" >&2; exit 1; }
+
+exec 9>"$out/lock"
+flock --nonblock 9 || { say "waiting for another build in $out"; flock 9; }
 run() { # description command … : quiet unless it fails
   local what=$1
   shift
