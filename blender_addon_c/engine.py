@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 
 from . import _native, sync
-from .viewport import Viewport
 from .panels import ENGINE
+from .viewport import Viewport
 
 # The native module works on while Python sleeps; this is how late a cancel may be noticed.
 _POLL_SECONDS = 0.05
@@ -26,19 +26,6 @@ class LibshadeEngine(bpy.types.RenderEngine):
     bl_use_preview = False  # material previews are lit by area lights: EEVEE draws them
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
-
-    _viewport = None
-
-    def view_update(self, _context, _depsgraph):
-        if self._viewport:
-            self._viewport.scene_changed()
-
-    def view_draw(self, context, depsgraph):
-        self._viewport = self._viewport or Viewport()
-        text, more_to_come = self._viewport.draw(self, context, depsgraph)
-        self.update_stats("libshade", text)
-        if more_to_come:
-            self.tag_redraw()
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
@@ -111,6 +98,19 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self.report({"ERROR"}, f"libshade: {text}")
         for text in messages.warnings:
             self.report({"WARNING"}, f"libshade: {text}")
+
+    _viewport = None
+
+    def view_update(self, _context, _depsgraph):
+        if self._viewport:
+            self._viewport.scene_changed()
+
+    def view_draw(self, context, depsgraph):
+        self._viewport = self._viewport or Viewport()
+        text, more_to_come = self._viewport.draw(self, context, depsgraph)
+        self.update_stats("libshade", text)
+        if more_to_come:
+            self.tag_redraw()
 
 
 def _stage(state):
