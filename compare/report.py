@@ -68,6 +68,12 @@ def _stream(command, progress, log, environment, folder):
         process.wait()
 
 
+def _environment(changes):
+    # A dump that the user asks for elsewhere would change what POV-Ray renders here.
+    inherited = {name: value for name, value in os.environ.items() if name != "LIBSHADE_DUMP"}
+    return {**inherited, **(changes or {})}
+
+
 def step(words, command, log, environment=None, folder=None, allowed=(0,)):
     """Say what is being done, run it, say how long it took. All output goes to the file `log`.
 
@@ -76,7 +82,7 @@ def step(words, command, log, environment=None, folder=None, allowed=(0,)):
     progress = Progress(words)
     try:
         with open(log, "wb") as file:
-            status = _stream(command, progress, file, {**os.environ, **(environment or {})}, folder)
+            status = _stream(command, progress, file, _environment(environment), folder)
     except OSError as error:
         progress.done("failed")
         raise StepFailed(f"{words}: {command[0]}: {error.strerror}") from error

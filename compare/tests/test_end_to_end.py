@@ -54,6 +54,22 @@ def test_renderers_agree_on_an_awkward_scene(awkward, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("scene", ["metals", "suzanne"])
+def test_povray_examples_shade_what_the_reference_says(scene, suzanne, tmp_path):
+    if scene == "suzanne":
+        report.step("Exporting", programs.blender(COMPARE / "export_povray.py",
+                                                  suzanne.parent / "povray", scene=suzanne),
+                    tmp_path / "export.log", programs.ADD_ON)
+    source = programs.ROOT / "examples" / "povray" / scene / f"{scene}.pov"
+    report.step("Rendering", [programs.POVRAY, f"+I{source}", f"+L{suzanne.parent / 'povray'}",
+                              f"+O{tmp_path / 'picture.png'}", "+W160", "+H120", "-D"],
+                tmp_path / "povray.log", {"LIBSHADE_DUMP": str(tmp_path / "dump.exr")})
+    said = report.step("Checking", [programs.SHADE, "check", "--json", "--all", "--tolerance", "5e-5",
+                                    str(tmp_path / "dump.exr")], tmp_path / "check.log")
+    assert json.loads(said)["pass"]
+    assert pictures.read(tmp_path / "picture.png").max() > 0.5
+
+
 def test_rotate_follows_the_displaced_plate(tmp_path):
     done = run("truth.py", "--size", 192, "--samples", 256, "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -64,7 +64,7 @@ box {
         ashikhmin_shirley 300, 3
         detail rotate
         fresnel schlick
-        specular rgb <0.60, 0.59, 0.57>
+        specular rgb <0.46, 0.45, 0.44>
         tangent x
       }
     }
