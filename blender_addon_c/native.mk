@@ -6,11 +6,10 @@ NATIVE := $(B)/blender/native
 NATIVE_SO := $(NATIVE)/_native.abi3.so
 NATIVE_PYTHON := /usr/bin/python3
 NATIVE_CFLAGS := -O3 -std=c11 -g -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
-  -ffp-contract=fast -fopenmp-simd -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
+  -ffp-contract=fast -fopenmp-simd -ffile-prefix-map=$(CURDIR)=. -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
 NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*.c))
 NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
-
 
 # What the module opens at run time. Embree's TBB gets a name of its own: Blender has one too, and
 # the loader gives the first library of a name to all who ask for that name.

@@ -3,7 +3,7 @@
 L := libshade
 SHADE_WARN := -Wall -Wextra -Wconversion -Werror
 SHADE_CFLAGS := -O3 -std=c11 -g -fPIC -fno-math-errno -fno-trapping-math -ffp-contract=fast \
-  -fopenmp-simd $(SHADE_WARN) -I$(L)/include -I$(L)
+  -fopenmp-simd -ffile-prefix-map=$(CURDIR)=. $(SHADE_WARN) -I$(L)/include -I$(L)
 CFLAGS ?=
 # one short line a step; V=1 shows the commands
 Q := $(if $(V),,@)

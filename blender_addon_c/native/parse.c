@@ -254,8 +254,8 @@ static bool parse_camera(parser *p, PyObject *description, scene *s) {
   }
   for (int row = 0; row < 3; row++)
     c->origin[row] = (float)matrix[4 * row + 3];
-  if (!(c->clip[0] < c->clip[1]) || (c->perspective && c->clip[0] < 0))
-    return expected(p, "clip", "two distances, near before far");
+  if (!(c->clip[0] >= 0 && c->clip[0] < c->clip[1])) /* Embree's rays begin at 0 or later */
+    return expected(p, "clip", "two distances from 0 on, near before far");
   p->path[0] = 0;
   return true;
 }

@@ -318,9 +318,6 @@ static bool build_textures(scene *s, const atomic_bool *cancel, message_log *log
       const image *source = &s->image[m->normal_image];
       m->normal = texture_request(&s->textures, source, TEXTURE_NORMAL, m->normal_strength);
       good = good && m->normal;
-      if (source->srgb)
-        message_warn(log, "material %s: the normal map's colour space is sRGB, not Non-Color",
-                     m->name);
       if (fmax(m->params.ex, m->params.ey) > 500.0 && texture_is_8bit(source))
         message_warn(log,
                      "material %s: an 8-bit normal map is too coarse for an exponent of %g; use "
