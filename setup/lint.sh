@@ -29,7 +29,7 @@ licence_of() {
 # formats that hold no comments
 while IFS= read -r file; do
   case $file in
-  *.json | *.blend | *.png | *.exr | *.svg | *.patch | */series | */UPSTREAM) continue ;;
+  *.json | *.blend | *.png | *.jpg | *.exr | *.svg | *.patch | */series | */UPSTREAM) continue ;;
   esac
   licence=$(licence_of "$file")
   if ! head -n 8 "$file" | grep -Eq "SPDX-License-Identifier: $licence( |$)|SPDX:$licence\""; then
