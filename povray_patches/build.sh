@@ -138,20 +138,23 @@ progress() {
 nice make -j"${JOBS:-$(nproc)}" 2>&1 | progress "$([ -t 1 ] && echo 1 || true)" ||
   { grep -aE 'error|Error' "$out/build.log" | head -n 20 >&2; die "compiling failed; all of it is in $out/build.log"; }
 
-# ---- a program that runs from here
+# ---- a program that runs from here; its time stamp changes only when something did
 
-rm -rf "$out/include"
-cp -r "$src/distribution/include" "$out/include"
-[ -n "$unpatched" ] || cp "$here"/include/*.inc "$out/include/"
-cat >"$out/povray.ini" <<'INI'
-; used by the script povray beside it when POVINI is not set
-INI
-cat >"$out/povray" <<'WRAPPER'
+includes=("$src/distribution/include")
+[ -n "$unpatched" ] || includes+=("$here/include")
+stale=$(find "${includes[@]}" unix/povray "$here/build.sh" -newer "$out/povray" 2>/dev/null || echo all)
+if [ -n "$stale" ]; then
+  mkdir -p "$out/include"
+  for folder in "${includes[@]}"; do cp -r "$folder/." "$out/include/"; done
+  echo "; used by the script povray beside it when POVINI is not set" >"$out/povray.ini"
+  cat >"$out/povray.new" <<'WRAPPER'
 #!/bin/sh
 # Runs this POV-Ray where it was built, with its include files.
 here=$(dirname "$(readlink -f "$0")")
 export POVINI="${POVINI:-$here/povray.ini}"
 exec "$here/src/unix/povray" "+L$here/include" "$@"
 WRAPPER
-chmod +x "$out/povray"
+  chmod +x "$out/povray.new"
+  mv "$out/povray.new" "$out/povray"
+fi
 say "ready: $out/povray"
