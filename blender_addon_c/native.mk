@@ -55,7 +55,8 @@ $(NATIVE)/lib/libOpenEXRCore-3_1.so.30: $(NATIVE_SYSTEM)/libOpenEXRCore-3_1.so.3
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)
 	$(Q)cp -L $< $@
+# by a new name: a Blender that runs keeps the file it has loaded
 $(BLENDER_ADDON)/%: $(NATIVE)/%
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)
-	$(Q)cp $< $@
+	$(Q)cp $< $@.part && mv $@.part $@

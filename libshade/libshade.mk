@@ -30,6 +30,13 @@ TOOL_EXR := -DHAVE_OPENEXR
 TOOL_OBJ += $(DUMP_OBJ)
 endif
 
+# a tool built before OpenEXR came, or after it went, is built again
+EXR_SEEN := $(O)/tool/openexr-$(if $(EXR_LIBS),yes,no)
+$(EXR_SEEN):
+	@mkdir -p $(@D)
+	@rm -f $(O)/tool/openexr-* && touch $@
+$(O)/tool/check.o: $(EXR_SEEN)
+
 all: $(B)/libshade.a $(B)/shade
 
 $(O)/src/isa_%.o: $(L)/src/isa_%.c

@@ -56,8 +56,9 @@ static char *header(const scene *s) {
   char *text = malloc(size);
   if (!text)
     return NULL;
-  size_t n = (size_t)snprintf(text, size, "{\"version\": 1, \"renderer\": \"%s\", \"materials\": [",
-                              renderer);
+  size_t n = (size_t)snprintf(
+      text, size, "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"%s\", \"materials\": [",
+      renderer);
   for (size_t m = 0; m < s->materials; m++) {
     n += (size_t)snprintf(text + n, size - n, "%s", m ? ", " : "");
     n += (size_t)shade_params_json(&s->material[m].params, (int)m, s->material[m].name, text + n,

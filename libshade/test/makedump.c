@@ -95,7 +95,8 @@ static char *header_json(const shade_params materials[MATERIALS]) {
   if (!text)
     return NULL;
   int length =
-      snprintf(text, SIZE, "{\"version\": 1, \"renderer\": \"makedump\", \"materials\": [");
+      snprintf(text, SIZE,
+               "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"makedump\", \"materials\": [");
   for (int i = 0; i < MATERIALS; i++) {
     char name[32];
     snprintf(name, sizeof name, "material \"%d\"", i);
