@@ -54,7 +54,9 @@ OBJECTS = {
 
 
 def normalise(v):
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+    """Unit vectors; NaN where a pixel of a dump holds none."""
+    with np.errstate(invalid="ignore"):
+        return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
 def dot(a, b):
