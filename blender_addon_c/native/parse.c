@@ -366,6 +366,8 @@ static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   else
     m->status = shade_params_set_alphas(q, ax, ay);
   m->status |= shade_bsdf_setup(&m->bsdf, q);
+  for (int k = 0; k < 3; k++) /* the dump says what is shaded */
+    q->f0[k] = fmin(fmax(q->f0[k], 0.0), 1.0);
   return true;
 }
 

@@ -67,8 +67,8 @@ static void stage_bump(size_t count, const float *restrict handed, const float *
   }
 }
 
-/* [-1, 1] of the texture to [0, 1]. */
+/* [-1, 1] of the texture to [0, 1]; the last rounding may be beyond. */
 static void stage_tint(size_t count, float *restrict c) {
   for (size_t i = 0; i < count; i++)
-    c[i] = 0.5f + 0.5f * c[i];
+    c[i] = clampf(0.5f + 0.5f * c[i], 0.0f, 1.0f);
 }

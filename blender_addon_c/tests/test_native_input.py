@@ -2,11 +2,14 @@
 """Malformed and awkward scenes: a ValueError that says where, or a defined picture."""
 
 import copy
+import json
+import subprocess
 
 import numpy as np
 import pytest
 
 from native_scenes import (
+    ROOT,
     dump,
     finish,
     image,
@@ -18,8 +21,10 @@ from native_scenes import (
     scene,
     square,
     sun,
+    vectors,
 )
 
+SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)
 
 
@@ -216,6 +221,32 @@ def test_opposite_normals_of_corners_cancel_out(tmp_path):
 def test_singular_and_huge_instances():
     for matrix in (np.zeros((4, 4)), np.diag([1.0, 1, 0, 1]), np.diag([1e30, 1e30, 1e30, 1])):
         render(scene(instances=[{"mesh": 0, "matrix": matrix.ravel().tolist()}]))
+
+
+def check(path):
+    return subprocess.run([SHADE, "check", path], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("f0", [(1.5, 0.5, 0.5), (-1, 0.5, 0.5), (1e300, -1e300, 0.5)])
+def test_dump_says_the_clamped_reflectance_that_was_shaded(f0, tmp_path):
+    path = tmp_path / "d.exr"
+    planes, header = dump(scene(materials=[material(f0=f0)]), path)
+    clamped = np.clip(f0, 0, 1)
+    assert json.loads(header)["materials"][0]["f0"] == clamped.tolist()
+    assert (vectors(planes, "Color", "RGB") == clamped).all()
+    done = check(path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_dump_says_the_clamped_texture_that_was_shaded(tmp_path):
+    path = tmp_path / "d.exr"
+    pixels = np.ones((8, 8, 4), np.float32)
+    pixels[..., :3] = np.random.default_rng(1).choice([-3, 0, 1, 7], (8, 8, 3))
+    planes, _ = dump(scene(images=[image(pixels)], materials=[material(color_image=0)]), path)
+    color = vectors(planes, "Color", "RGB")
+    assert color.min() == 0 and color.max() == 1
+    done = check(path)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_normal_map_of_nan_and_below_the_surface():
