@@ -266,15 +266,18 @@ def _roughness(roughness):
     return {"ex": exponent, "ey": exponent, "ax": alpha, "ay": alpha}
 
 
-def _emission(tree, kind, owner, messages):
-    """(colour, strength) of an Emission or Background shader, linked values left out."""
+def _emission(tree, kind, owner, messages, otherwise):
+    """(colour, strength) of an Emission or Background shader, linked values left out.
+
+    Any other shader counts as a white one of strength `otherwise`.
+    """
     shader = _shader(tree)
     if not shader or not shader.node:
         return (0.0, 0.0, 0.0), 0.0
     if shader.node.type != kind:
         messages.warning(f"{owner}: '{shader.node.name}' is not supported; "
                          "its nodes are left out")
-        return (1.0, 1.0, 1.0), 1.0
+        return (1.0, 1.0, 1.0), otherwise
     color, strength = (trace(shader.node.inputs[name], shader.groups)
                        for name in ("Color", "Strength"))
     for found in (color, strength):
@@ -291,7 +294,7 @@ def background(world, messages):
     tree = _tree(world)
     if not tree:
         return tuple(world.color)
-    color, strength = _emission(tree, "BACKGROUND", f"world '{world.name}'", messages)
+    color, strength = _emission(tree, "BACKGROUND", f"world '{world.name}'", messages, 0.0)
     return tuple(c * strength for c in color)
 
 
@@ -305,7 +308,7 @@ def light_strength(light, messages):
     if not getattr(light, "normalize", True):
         messages.warning(f"{owner}: power by area (Normalize off) is not supported")
     if _tree(light):
-        color, strength = _emission(_tree(light), "EMISSION", owner, messages)
+        color, strength = _emission(_tree(light), "EMISSION", owner, messages, 1.0)
         factors.append(color)
         scale *= strength
     return tuple(scale * value for value in np.prod([tuple(f) for f in factors], axis=0))

@@ -31,6 +31,7 @@ EXPECTED = {
     "principled": ("finished", "Warning: .*'plain': no Libshade Metal node"),
     "mixed": ("finished", "Warning: .*no Libshade Metal node.*Mix Shader"),
     "area_light": ("finished", "Warning: .*'area': area lights are not supported"),
+    "world_shader": ("finished", "Warning: .*world 'world': 'Add Shader' is not supported.*left out"),
     "panoramic": ("error", "'camera' is panoramic"),
     "flat_object": ("finished", None),
     "vanished_object": ("finished", None),
@@ -69,6 +70,11 @@ def test_case(cases, name):
 
 def test_eight_bits(cases):
     assert "'bytes' has 8 bits" in cases[0]["eight_bit_normal_map"][1]
+
+
+def test_a_world_that_is_left_out_is_black(cases):
+    picture = rgba(cases[1] / "world_shader.exr")
+    assert picture[0, 0].tolist() == [0, 0, 0, 1] and picture[12, 16, :3].max() > 0
 
 
 def test_unwritable_dump(blender, tmp_path):

@@ -149,6 +149,16 @@ def area_light(scene):
     common.light(scene, "AREA")
 
 
+def world_shader(scene):
+    plate(scene)
+    scene.render.film_transparent = False
+    scene.world = bpy.data.worlds.new("world")
+    tree = common.tree_of(scene.world)
+    add = tree.nodes.new("ShaderNodeAddShader")
+    tree.links.new(tree.nodes["Background"].outputs[0], add.inputs[0])
+    tree.links.new(add.outputs[0], tree.nodes["World Output"].inputs["Surface"])
+
+
 def panoramic(scene):
     plate(scene)
     scene.camera.data.type = "PANO"
@@ -196,8 +206,8 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, mapping_node,
-    other_uv_map, no_material, principled, mixed, area_light, panoramic, flat_object,
-    vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
+    other_uv_map, no_material, principled, mixed, area_light, world_shader, panoramic,
+    flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
 ]
 
