@@ -19,6 +19,7 @@ class Viewport:
         self._scene = None  # what the native module was given; None: to be read
         self._view = None  # (size, view to world, projection, clip) of the job
         self._job, self._finished, self._texture = None, False, None
+        self._error, self._messages = "", sync.Messages()  # why there is no job; what sync said
 
     def scene_changed(self):
         self._scene = self._view = None
@@ -36,8 +37,7 @@ class Viewport:
             if view != self._view:
                 self._start(view, depsgraph)
         except (sync.SceneError, ValueError) as error:
-            self._job, self._texture = None, None
-            return str(error), False
+            self._job, self._texture, self._error = None, None, str(error)
         if self._job and not self._finished:
             self._finished = _native.wait(self._job, _WAIT_SECONDS)
             self._fetch(view[0])
@@ -47,18 +47,27 @@ class Viewport:
             draw_texture_2d(self._texture, (0, 0), *view[0])
             engine.unbind_display_space_shader()
             gpu.state.blend_set("NONE")
-        if not self._job or self._finished:
-            return "", False
-        return f"{100 * _native.poll(self._job)['progress']:.0f} %", True
+        if not self._job:
+            return self._error, False
+        state = _native.poll(self._job)
+        progress = "" if self._finished else f"{100 * state['progress']:.0f} %"
+        return " | ".join(filter(None, (progress, self._complaint(state)))), not self._finished
+
+    def _complaint(self, state):
+        """What went wrong, in one line: the worst of it, and how much more there is."""
+        failed = [state["message"]] if state["state"] == "failed" else []
+        said = [*failed, *self._messages.errors, *self._messages.warnings, *state["warnings"]]
+        return "".join(said[:1]) + (f" (and {len(said) - 1} more)" if len(said) > 1 else "")
 
     def _start(self, view, depsgraph):
-        self._view, self._finished = view, False
+        self._view, self._finished, self._error = view, False, ""
         size, to_world, projection, clip = view
         camera = sync.camera_by(projection, to_world, clip)
         region = (0, 0, *size)
         if not self._scene:
+            self._messages = sync.Messages()
             self._scene = sync.read(depsgraph, camera, size, region,
-                                    depsgraph.scene.libshade.preview_samples, sync.Messages())
+                                    depsgraph.scene.libshade.preview_samples, self._messages)
         self._scene.update(camera=camera, width=size[0], height=size[1], region=region)
         self._job = _native.start(self._scene)  # the one before ends with its last reference
 

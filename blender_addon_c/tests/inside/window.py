@@ -2,9 +2,10 @@
 """A Blender window to be driven by keys; tells its state line by line in a log.
 
 Files that ask for something, and go when it is done: SCREENSHOT.please for a picture of the
-window, LOG.viewport for the Rendered mode of the viewport, through the camera.
+window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.area_light
+for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas to be drawn again.
 
-arguments: LOG SCREENSHOT LONG_SAMPLES
+arguments: LOG SCREENSHOT
 """
 
 import os
@@ -15,7 +16,7 @@ import bpy
 sys.path.insert(0, os.path.dirname(__file__))
 import common
 
-log_path, screenshot, long_samples = common.arguments()
+log_path, screenshot = common.arguments()
 renders = 0
 
 
@@ -54,7 +55,9 @@ def watch():
         return 0.1
     watch.seen = renders
     bpy.data.images["Render Result"].save_render(f"{log_path}.{renders}.exr")
-    bpy.context.scene.libshade.samples = int(long_samples)
+    if renders == 1:  # the next one would take hours
+        scene = bpy.context.scene
+        scene.render.resolution_percentage, scene.libshade.samples = 1000, 65_536
     log(f"ready {renders}")
     return 0.1
 
@@ -72,15 +75,57 @@ def show_viewport():
             area.spaces.active.shading.type = "RENDERED"
 
 
+def add_area_light():
+    common.light(bpy.context.scene, "AREA")
+
+
+def remove_meshes():
+    for ob in [ob for ob in bpy.context.scene.objects if ob.type == "MESH"]:
+        bpy.data.objects.remove(ob)
+
+
+def redraw():
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        area.tag_redraw()
+
+
+def telling_text(draw):
+    """Viewport.draw that logs the header's text once there is no more to come."""
+    def wrapper(*arguments):
+        text, more_to_come = draw(*arguments)
+        if not more_to_come:
+            log(f"viewport: {text}")
+        return text, more_to_come
+    return wrapper
+
+
+def telling_progress(stage):
+    """engine._stage that logs once when a render has got somewhere."""
+    def wrapper(state):
+        if state["stage"] == "render" and state["progress"] > 0 and telling_progress.seen != renders:
+            telling_progress.seen = renders
+            log(f"rendering {renders}")
+        return stage(state)
+    return wrapper
+
+
 def serve():
     for please, action in ((screenshot + ".please", take_screenshot),
-                           (log_path + ".viewport", show_viewport)):
+                           (log_path + ".viewport", show_viewport),
+                           (log_path + ".area_light", add_area_light),
+                           (log_path + ".empty", remove_meshes),
+                           (log_path + ".redraw", redraw)):
         if os.path.exists(please):
             action()
             os.remove(please)
     return 0.1
 
 
+common.enable()
+engine, viewport = (sys.modules[f"{common.MODULE}.{name}"] for name in ("engine", "viewport"))
+viewport.Viewport.draw = telling_text(viewport.Viewport.draw)
+engine._stage = telling_progress(engine._stage)
+telling_progress.seen = None
 scene = common.empty_scene(320, 240, 16)
 material, tree, node = common.metal(ex=200, ey=10)
 node.inputs["Color"].default_value = (0.9, 0.7, 0.4, 1)
