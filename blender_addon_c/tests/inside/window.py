@@ -3,7 +3,8 @@
 
 Files that ask for something, and go when it is done: SCREENSHOT.please for a picture of the
 window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.area_light
-for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas to be drawn again.
+for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas
+to be drawn again.
 
 arguments: LOG SCREENSHOT
 """
@@ -102,7 +103,8 @@ def telling_text(draw):
 def telling_progress(stage):
     """engine._stage that logs once when a render has got somewhere."""
     def wrapper(state):
-        if state["stage"] == "render" and state["progress"] > 0 and telling_progress.seen != renders:
+        got_somewhere = state["stage"] == "render" and state["progress"] > 0
+        if got_somewhere and telling_progress.seen != renders:
             telling_progress.seen = renders
             log(f"rendering {renders}")
         return stage(state)
