@@ -10,7 +10,7 @@ with the patched POV-Ray, and judges:
 
 Leaves in the output folder: blender.png, povray.png, difference.png (ten times
 the absolute difference), both dumps and pictures as OpenEXR, and the POV-Ray
-form in povray/. Exit status: 0 all within limits, 1 not, 2 something failed to run.
+form in povray/. Exit status: 0 all within limits; 1 not, bad input or a program that failed; 2 bad usage.
 """
 import argparse
 import json
@@ -25,7 +25,7 @@ import programs
 import report
 
 # Largest and mean relative error of S against the reference; POV-Ray shades in double.
-CHECK_LIMITS = {"Blender": (1e-4, 1e-5), "POV-Ray": (5e-5, 5e-5)}
+CHECK_LIMITS = {"Blender": (1e-4, 1e-5), "POV-Ray": (5e-5, 1e-5)}
 # What counts as equal, and how many of the pixels that both cover must be.
 DUMP_LIMITS = {
     "P": (1e-4, "of the size"),
@@ -53,9 +53,9 @@ def arguments(argv=None):
                         help="side of POV-Ray's grid of rays in a pixel, 1 to 9 (default 4)")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "consistency",
                         help="folder for results (default build/compare/consistency)")
+    parser.add_argument("--all", action="store_true",
+                        help="fail also when a material or a light has nothing to compare")
     options = parser.parse_args(argv)
-    if not options.scene.is_file():
-        parser.error(f"{options.scene}: no such file")
     if not 1 <= options.percent <= 100 or options.samples < 1 or not 1 <= options.grid <= 9:
         parser.error("--percent wants 1 to 100, --samples at least 1, --grid 1 to 9")
     return options
@@ -101,14 +101,14 @@ def render_povray(options, width, height):
     )
 
 
-def check(name, dump, folder):
+def check(name, dump, options):
     """What `shade check` says of a dump, as its JSON."""
     largest, mean = CHECK_LIMITS[name]
     output = report.step(
         f"Checking {name}'s dump against the reference",
         [programs.SHADE, "check", "--json", "--tolerance", str(largest),
-         "--mean-tolerance", str(mean), str(dump)],
-        folder / f"{dump.stem}_check.log", allowed=(0, 1),
+         "--mean-tolerance", str(mean), *(["--all"] if options.all else []), str(dump)],
+        options.output / f"{dump.stem}_check.log", allowed=(0, 1),
     )
     try:
         return json.loads(output)
@@ -120,8 +120,9 @@ def verdict(ok):
     return "ok" if ok else "MISSED"
 
 
-def check_rows(name, checked):
-    """Table rows and whether all is within limits; `checked` is `shade check`'s JSON."""
+def check_rows(name, checked, every=False):
+    """Table rows and whether all is within limits; `checked` is `shade check`'s JSON, of a run
+    with --all if `every` material and light counts."""
     rows, good = [], checked["pass"]
     for what, limit in zip(("largest", "mean"), CHECK_LIMITS[name]):
         ok = checked["values"] > 0 and checked[what] <= limit
@@ -131,6 +132,10 @@ def check_rows(name, checked):
     for fault in checked["faults"]:
         rows.append([f"{name}: {fault['what']}, first at ({fault['x']}, {fault['y']})",
                      f"{fault['count']} times", "0", verdict(False)])
+    for what in ("materials", "lights"):
+        if every and checked[f"idle_{what}"]:
+            rows.append([f"{name}: {what} with nothing to compare",
+                         str(checked[f"idle_{what}"]), "0", verdict(False)])
     return rows, good
 
 
@@ -161,6 +166,8 @@ def main(argv=None):
     options = arguments(argv)
     folder = options.output = options.output.resolve()
     options.scene = options.scene.resolve()
+    if not options.scene.is_file():
+        raise report.StepFailed(f"{options.scene}: no such file")
     (folder / "povray").mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.exr"):
         old.unlink()
@@ -168,7 +175,7 @@ def main(argv=None):
 
     parts = []
     for name, file in (("Blender", "blender_dump.exr"), ("POV-Ray", "povray_dump.exr")):
-        parts.append(check_rows(name, check(name, folder / file, folder)))
+        parts.append(check_rows(name, check(name, folder / file, options), options.all))
     parts.append(dump_rows(dumps.read(folder / "blender_dump.exr"),
                            dumps.swap_handedness(dumps.read(folder / "povray_dump.exr"))))
     images = [pictures.read(folder / f"{name}.exr") for name in ("blender", "povray")]

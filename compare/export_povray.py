@@ -106,7 +106,14 @@ def bump_image(socket, material, folder):
         raise ExportError(f"{what}: only tangent space and a plain strength can be written")
     if texture.inputs["Vector"].is_linked or texture.extension != "REPEAT":
         raise ExportError(f"{what}: only a repeating image on the plain UV map can be written")
+    if texture.interpolation != "Linear":
+        raise ExportError(f"{what}: only linear interpolation can be written, "
+                          f"not {texture.interpolation}")
     image = texture.image
+    space = image.colorspace_settings
+    if not space.is_data:
+        raise ExportError(f"{what}: image '{image.name}' has colour space '{space.name}'; "
+                          "only Non-Color can be written")
     path = bpy.path.abspath(image.filepath)
     kind = {"PNG": "png", "OPEN_EXR": "exr"}.get(image.file_format)
     if image.packed_file or not kind or not os.path.isfile(path):
@@ -149,13 +156,27 @@ def read(collection, attribute, width, dtype=np.float32):
     return values
 
 
+def active_uv_map(mesh):
+    return next((layer for layer in mesh.uv_layers if layer.active_render), None)
+
+
+def check_uv_map(mesh, material, owner):
+    """Only the active UV map is written: an error if a material's normal map is on another one."""
+    socket = metal_of(material).inputs["Normal"]
+    name = socket.links[0].from_node.uv_map if socket.is_linked else ""
+    layer = active_uv_map(mesh)
+    if name and layer and name != layer.name:
+        raise ExportError(f"object '{owner}', material '{material.name}', Normal: "
+                          f"UV map '{name}' is not the active one, '{layer.name}'")
+
+
 def mesh_arrays(mesh, owner):
     """(positions, normals, uvs, corner positions, material index per triangle)."""
     if hasattr(mesh, "calc_normals_split"):  # until 4.1 corner normals are made on request
         mesh.calc_normals_split()
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
-    layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
+    layer = active_uv_map(mesh)
     if layer is None:
         raise ExportError(f"object '{owner}': the mesh has no UV map")
     corners = read(triangles, "loops", 3, np.int32)
@@ -327,6 +348,7 @@ def export(folder):
                 textures[material] = identifier("Metal", material.name, taken)
                 text = texture_text(material, folder)
                 materials_text.append(f"#declare {textures[material]} = {text}\n")
+            check_uv_map(ob.data, material, ob.name)
         key = (ob.data, slots)
         if key not in meshes:
             meshes[key] = identifier("Mesh", ob.name, taken)
@@ -361,8 +383,12 @@ def export(folder):
 
 def main():
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    if arguments == ["--help"] or arguments == ["-h"]:
+        print(__doc__)
+        return
     if len(arguments) != 1 or arguments[0].startswith("-"):
-        sys.exit(__doc__)
+        print("export_povray: expected one FOLDER after `--`; see `-- --help`", file=sys.stderr)
+        sys.exit(2)
     try:
         count = export(os.path.abspath(arguments[0]))
     except ExportError as error:

@@ -104,5 +104,5 @@ def run(main):
         status = 130
     except (StepFailed, OSError, ValueError) as error:
         print(f"error: {error}", file=sys.stderr)
-        status = 2
+        status = 1
     sys.exit(status)

@@ -36,7 +36,7 @@ def suzanne(tmp_path_factory):
 
 
 def test_renderers_agree_on_suzanne(suzanne, tmp_path):
-    done = run("consistency.py", suzanne, "--percent", 40, "--output", tmp_path)
+    done = run("consistency.py", suzanne, "--percent", 40, "--all", "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "both renderers agree" in done.stdout
     for name in ("blender", "povray", "difference"):
@@ -50,7 +50,7 @@ def awkward(request, tmp_path_factory):
 
 
 def test_renderers_agree_on_an_awkward_scene(awkward, tmp_path):
-    done = run("consistency.py", awkward, "--output", tmp_path)
+    done = run("consistency.py", awkward, "--all", "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -82,6 +82,9 @@ def test_rotate_follows_the_displaced_plate(tmp_path):
     assert (tmp_path / "chart.png").stat().st_size > 0
 
 
+NODES = "bpy.data.materials['Fine, bumped'].node_tree.nodes"
+
+
 @pytest.mark.parametrize("change, said", [
     ("bpy.data.lights['Sun'].type = 'AREA'", "light 'Sun': only sharp sun and point lights"),
     ("bpy.data.lights['Lamp'].shadow_soft_size = 1", "light 'Lamp': only sharp sun and point"),
@@ -89,6 +92,13 @@ def test_rotate_follows_the_displaced_plate(tmp_path):
     ("bpy.data.meshes['Cube'].uv_layers.remove(bpy.data.meshes['Cube'].uv_layers[0])",
      "object 'Cube': the mesh has no UV map"),
     ("bpy.data.images['hammered.png'].filepath = '//none.png'", "material 'Fine, bumped', Normal"),
+    ("bpy.data.images['hammered.png'].colorspace_settings.name = 'sRGB'",
+     "material 'Fine, bumped', Normal: image 'hammered.png' has colour space 'sRGB'"),
+    (f"{NODES}['Image Texture'].interpolation = 'Closest'",
+     "material 'Fine, bumped', Normal: only linear interpolation can be written, not Closest"),
+    ("bpy.data.meshes['Sphere'].uv_layers.new(name='Second'); "
+     f"{NODES}['Normal Map'].uv_map = 'Second'",
+     "object 'Sphere', material 'Fine, bumped', Normal: UV map 'Second' is not the active one"),
     ("bpy.data.materials['Across'].node_tree.nodes.clear()",
      "material 'Across': it has no Libshade Metal node"),
 ])
@@ -106,5 +116,15 @@ def test_scripts_explain_themselves_and_refuse_bad_usage(tmp_path):
     for script in ("consistency.py", "truth.py", "speed.py"):
         done = run(script, "--help")
         assert done.returncode == 0 and "--output" in done.stdout
+        assert run(script, "--none").returncode == 2
     done = run("consistency.py", tmp_path / "none.blend")
-    assert done.returncode == 2 and "none.blend: no such file" in done.stderr
+    assert done.returncode == 1 and "none.blend: no such file" in done.stderr
+
+
+@pytest.mark.parametrize("arguments, status, said", [
+    (["--help"], 0, "FOLDER gets scene.ini"), ([], 2, "expected one FOLDER"),
+])
+def test_export_explains_itself(arguments, status, said, tmp_path):
+    command = programs.blender(COMPARE / "export_povray.py", *arguments)
+    assert said in report.step("Asking", command, tmp_path / "log", programs.ADD_ON,
+                               allowed=(status,))

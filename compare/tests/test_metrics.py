@@ -71,7 +71,8 @@ def test_pictures_that_differ_too_much_are_missed():
     ("Blender", 0.9e-4, 0.9e-5, True),
     ("Blender", 1.1e-4, 0.9e-5, False),
     ("Blender", 0.9e-4, 1.1e-5, False),
-    ("POV-Ray", 4e-5, 4e-5, True),
+    ("POV-Ray", 4e-5, 0.9e-5, True),
+    ("POV-Ray", 4e-5, 1.1e-5, False),
     ("POV-Ray", 6e-5, 1e-6, False),
     ("Blender", float("nan"), 0.0, False),
 ])
@@ -87,6 +88,22 @@ def test_faults_of_a_dump_are_shown_and_fail():
     assert not good and rows[-1][0] == "Blender: S is not finite, first at (1, 2)"
     said = {"pass": False, "values": 0, "largest": 0.0, "mean": 0.0, "faults": []}
     assert not consistency.check_rows("Blender", said)[1], "nothing compared is no agreement"
+
+
+def test_what_has_nothing_to_compare_is_shown():
+    said = {"pass": False, "values": 10, "largest": 0.0, "mean": 0.0, "faults": [],
+            "idle_materials": 0, "idle_lights": 2}
+    rows, good = consistency.check_rows("POV-Ray", said, every=True)
+    assert not good and rows[-1] == ["POV-Ray: lights with nothing to compare", "2", "0", "MISSED"]
+
+
+def test_trouble_is_bad_input(capsys):
+    def main():
+        raise ValueError("no such thing")
+
+    with pytest.raises(SystemExit) as left:
+        report.run(main)
+    assert left.value.code == 1 and "error: no such thing" in capsys.readouterr().err
 
 
 def test_errors_of_the_methods_are_against_the_displaced_plate():
