@@ -4,8 +4,7 @@
  * (n, h) into what every distribution needs:
  *   t       tan^2 of the angle between h and the carried pole; -1 when h is
  *           on or below its horizon, where D' = 0
- *   xx, yy  squares of the azimuth's components, to any common scale; both 0
- *           when h is the pole
+ *   xx, yy  squares of the slope of h along x and y; xx + yy = t
  * h need not be unit: only its direction counts. The tangents come from cross
  * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (method 2.8).
  */
@@ -13,23 +12,25 @@ typedef struct FN(lobe_point) {
   real t, xx, yy;
 } FN(lobe_point);
 
-/* The perturbed normal is ignored. */
-static inline FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
-  FN(lobe_point) p;
-  p.xx = hx * hx;
-  p.yy = hy * hy;
-  real t = (p.xx + p.yy) / FN(maximum)(hz * hz, TINY);
-  p.t = hz > 0 ? t : -1;
+/* From squared sines along x and y and a squared cosine, to any common scale. */
+LEAF FN(lobe_point) FN(lobe_at)(real xx, real yy, real zz, int above) {
+  real inverse = 1 / FN(maximum)(zz, TINY);
+  FN(lobe_point) p = {-1, xx * inverse, yy * inverse};
+  p.t = above ? p.xx + p.yy : -1;
   return p;
+}
+
+/* The perturbed normal is ignored. */
+LEAF FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
+  return FN(lobe_at)(hx * hx, hy * hy, hz * hz, hz > 0);
 }
 
 /*
  * Plain normal mapping: the polar angle from n, the azimuth from the unperturbed
- * frame. Over the unperturbed pole the azimuth is undefined and xx = yy stands
- * for cos^2 = 1/2.
+ * frame. This form is for Ashikhmin-Shirley, which reads only the ratio of xx and yy
+ * and takes cos^2 = 1/2 where both are 0: they are not the slopes here.
  */
-static inline FN(lobe_point)
-    FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_point) FN(detail_perturb_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(lobe_point) p;
   real cx = ny * hz - nz * hy;
   real cy = nz * hx - nx * hz;
@@ -43,13 +44,25 @@ static inline FN(lobe_point)
 }
 
 /*
+ * The same with slopes. Over the unperturbed pole the azimuth is undefined and cos^2 = 1/2
+ * stands for it.
+ */
+LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(lobe_point) p = FN(detail_perturb_ratio)(nx, ny, nz, hx, hy, hz);
+  real radius = p.xx + p.yy;
+  int pole = !(radius > TINY);
+  real scale = FN(maximum)(p.t, 0) / (pole ? 1 : radius);
+  p.xx = (pole ? R(0.5) : p.xx) * scale;
+  p.yy = (pole ? R(0.5) : p.yy) * scale;
+  return p;
+}
+
+/*
  * Groove transport: the frame whose x' = (nz, 0, -nx)/L is dP/du of the height
  * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: method 2.1]
  * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
  */
-static inline FN(lobe_point)
-    FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  FN(lobe_point) p;
+LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
   /* Near L = 0 the squares below would underflow; only the ratio nx : nz matters. */
 #if SHADE_FLOAT
   const real small = 0x1p-40f, step = 0x1p40f;
@@ -63,9 +76,5 @@ static inline FN(lobe_point)
   real x = c * hx - a * hz;
   real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);
   real d = nx * hx + ny * hy + nz * hz;
-  p.xx = x * x;
-  p.yy = y * y;
-  real t = (p.xx + p.yy) / FN(maximum)((a * a + c * c) * (d * d), TINY);
-  p.t = d > 0 ? t : -1;
-  return p;
+  return FN(lobe_at)(x * x, y * y, (a * a + c * c) * (d * d), d > 0);
 }

@@ -19,6 +19,7 @@
   }
 
 DETAIL_PASS(none, hx[i], hy[i], hz[i])
+DETAIL_PASS(perturb_ratio, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 DETAIL_PASS(perturb, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 DETAIL_PASS(rotate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 #undef DETAIL_PASS
@@ -28,6 +29,8 @@ static void FN(pass_detail)(const shade_bsdf *b, size_t count, const real *nx, c
                             real *xx, real *yy) {
   if (b->detail == SHADE_DETAIL_NONE)
     FN(pass_none)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+  else if (b->detail == SHADE_DETAIL_PERTURB && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
+    FN(pass_perturb_ratio)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
   else if (b->detail == SHADE_DETAIL_PERTURB)
     FN(pass_perturb)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
   else if (b->swap_axes)

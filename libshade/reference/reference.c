@@ -56,27 +56,27 @@ static real within(real x, real low, real high) {
   return x < low ? low : x > high ? high : x;
 }
 
-/* h in spherical coordinates about a pole: theta from it, phi from the frame's x. */
-typedef struct angles {
-  real theta, phi;
-} angles;
-
-static angles in_frame(vec x, vec y, vec z, vec h) {
-  real hx = dot(x, h), hy = dot(y, h), hz = dot(z, h);
-  return (angles){atan2l(hypotl(hx, hy), hz), atan2l(hy, hx)};
+static vec in_frame(vec x, vec y, vec z, vec h) {
+  return (vec){dot(x, h), dot(y, h), dot(z, h)};
 }
 
-static angles carried(const shade_params *p, vec n, vec h) {
+static int grooves_along_y(const shade_params *p) {
+  if (p->groove != SHADE_GROOVE_AUTO)
+    return p->groove == SHADE_GROOVE_Y;
+  return p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? p->ey > p->ex : p->ay < p->ax;
+}
+
+/* T^-1 h: h as the unmoved distribution sees it. */
+static vec carried(const shade_params *p, vec n, vec h) {
   const vec ex = {1, 0, 0}, ey = {0, 1, 0}, ez = {0, 0, 1};
   switch (p->detail) {
   case SHADE_DETAIL_NONE:
     return in_frame(ex, ey, ez, h);
   case SHADE_DETAIL_PERTURB: {
     /* the angle to n from its sine and cosine: acos would lose digits near 0 */
-    angles a = {atan2l(length(cross(n, h)), dot(n, h)), atan2l(h.y, h.x)};
-    if (h.x == 0 && h.y == 0)
-      a.phi = pi / 4;
-    return a;
+    real theta = atan2l(length(cross(n, h)), dot(n, h));
+    real phi = h.x == 0 && h.y == 0 ? pi / 4 : atan2l(h.y, h.x);
+    return (vec){sinl(theta) * cosl(phi), sinl(theta) * sinl(phi), cosl(theta)};
   }
   case SHADE_DETAIL_GRAM_SCHMIDT: {
     vec x = unit(minus(ex, scale(n, n.x)));
@@ -84,8 +84,7 @@ static angles carried(const shade_params *p, vec n, vec h) {
   }
   case SHADE_DETAIL_ROTATE:
   default: {
-    int along_y = p->groove == SHADE_GROOVE_Y || (p->groove == SHADE_GROOVE_AUTO && p->ey > p->ex);
-    if (along_y) { /* y' = dP/dv of the height field */
+    if (grooves_along_y(p)) { /* y' = dP/dv of the height field */
       vec y = unit((vec){0, n.z, -n.y});
       return in_frame(cross(y, n), y, n, h);
     }
@@ -95,17 +94,34 @@ static angles carried(const shade_params *p, vec n, vec h) {
   }
 }
 
-static real ashikhmin_shirley(real ex, real ey, angles a) {
-  if (a.theta >= pi / 2)
-    return 0;
-  real c = cosl(a.phi), s = sinl(a.phi);
-  real exponent = ex * c * c + ey * s * s;
-  return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(cosl(a.theta), exponent);
+static real square(real x) {
+  return x * x;
 }
 
 static real distribution(const shade_params *p, vec n, vec h) {
   real ex = within(p->ex, 0, 1e6L), ey = within(p->ey, 0, 1e6L);
-  return ashikhmin_shirley(ex, ey, carried(p, n, h));
+  real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
+  vec m = carried(p, n, h);
+  if (m.z <= 0)
+    return 0;
+  real ward_peak = 1 / (pi * ax * ay);
+  switch (p->mdf) {
+  case SHADE_MDF_WARD:
+    return ward_peak * expl(-(square(m.x / ax) + square(m.y / ay)) / square(m.z));
+  case SHADE_MDF_WARD_HALF:
+    return ward_peak * expl(-2 * (square(m.x / ax) + square(m.y / ay)) / (1 + m.z));
+  case SHADE_MDF_BECKMANN:
+    return ward_peak * expl(-(square(m.x / ax) + square(m.y / ay)) / square(m.z)) /
+           square(square(m.z));
+  case SHADE_MDF_GGX:
+    return ward_peak / square(square(m.x / ax) + square(m.y / ay) + square(m.z));
+  case SHADE_MDF_ASHIKHMIN_SHIRLEY:
+  default: {
+    real sin2 = square(m.x) + square(m.y);
+    real exponent = sin2 > 0 ? (ex * square(m.x) + ey * square(m.y)) / sin2 : 0;
+    return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(m.z, exponent);
+  }
+  }
 }
 
 double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]) {

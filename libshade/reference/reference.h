@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The reference: every formula long-hand, with angles, normalised frames and
+ * The reference: every formula long-hand, with trigonometry, normalised frames and
  * long double, and nothing shared with kernel/ or src/. It is what they are
  * checked against; nobody should render with it.
  */

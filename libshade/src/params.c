@@ -161,18 +161,25 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   b->fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p->fresnel, &status);
   int groove = choice(SHADE_LIST_GROOVE, (int)p->groove, &status);
 
-  b->ex = clamp(PARAM_ex, p->ex, &status);
-  b->ey = clamp(PARAM_ey, p->ey, &status);
-  b->peak = sqrt((b->ex + 1) * (b->ey + 1)) / (2 * PI);
+  if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+    b->kx = clamp(PARAM_ex, p->ex, &status);
+    b->ky = clamp(PARAM_ey, p->ey, &status);
+    b->peak = sqrt((b->kx + 1) * (b->ky + 1)) / (2 * PI);
+  } else {
+    double ax = clamp(PARAM_ax, p->ax, &status), ay = clamp(PARAM_ay, p->ay, &status);
+    b->kx = 1 / (ax * ax);
+    b->ky = 1 / (ay * ay);
+    b->peak = 1 / (PI * ax * ay);
+  }
 
   /* Gram-Schmidt's x' is x without its part along n, which is the y' of
      groove transport along y: one kernel serves both. */
-  int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ey > b->ex);
+  int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
   b->swap_axes =
       b->detail == SHADE_DETAIL_GRAM_SCHMIDT || (b->detail == SHADE_DETAIL_ROTATE && groove_y);
 
-  b->exf = (float)b->ex;
-  b->eyf = (float)b->ey;
+  b->kxf = (float)b->kx;
+  b->kyf = (float)b->ky;
   b->peakf = (float)b->peak;
   for (int c = 0; c < 3; c++) {
     b->f0[c] = clamp(PARAM_f0, p->f0[c], &status);

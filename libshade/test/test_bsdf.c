@@ -14,6 +14,7 @@ static shade_params random_params(uint64_t *seed) {
   shade_params p;
   shade_params_init(&p);
   shade_params_set_exponents(&p, pow(10, 3 * uniform(seed)), pow(10, 3 * uniform(seed)));
+  p.mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
   p.detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
   p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
   p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
@@ -176,6 +177,14 @@ static void batch_is_single(void **state) {
     }
 }
 
+/* Opposite within the error of length that is let through (5e-4): either status is right. */
+static int nearly_opposite(const double a[3], const double b[3]) {
+  double la = hypot(hypot(a[0], a[1]), a[2]), lb = hypot(hypot(b[0], b[1]), b[2]), sum = 0;
+  for (int c = 0; c < 3; c++)
+    sum += fabs(a[c] / la + b[c] / lb);
+  return fabs(lb - 1) < 1e-3 && sum < 1e-12;
+}
+
 /* NaN, infinities, zeros, tiny, huge, below the horizon: a defined value and a status. */
 static void senseless_input(void **state) {
   (void)state;
@@ -188,6 +197,8 @@ static void senseless_input(void **state) {
     shade_params p = random_params(&seed);
     if (k % 5 == 0)
       shade_params_set_exponents(&p, k % 2 ? 0 : 1e6, k % 3 ? 0 : 1e6);
+    if (k % 7 == 0)
+      shade_params_set_alphas(&p, k % 2 ? 1e-4 : 10, k % 3 ? 1e-4 : 10);
     shade_bsdf b;
     shade_bsdf_setup(&b, &p);
     double v[9], f[3], cosine;
@@ -201,8 +212,9 @@ static void senseless_input(void **state) {
     unsigned status = shade_bsdf_eval(&b, v, v + 3, v + 6, f, &cosine);
     shade_bsdf_evalf(&b, vf, vf + 3, vf + 6, ff, &cosinef);
     double want[3];
-    assert_int_equal(status & SHADE_BAD_INPUT,
-                     shade_ref_f(&p, v, v + 3, v + 6, want, NULL) & SHADE_BAD_INPUT);
+    unsigned want_status = shade_ref_f(&p, v, v + 3, v + 6, want, NULL);
+    if (!nearly_opposite(v + 3, v + 6) && !nearly_opposite(v + 6, v + 3))
+      assert_int_equal(status & SHADE_BAD_INPUT, want_status & SHADE_BAD_INPUT);
     assert_true(finite || (status & SHADE_BAD_INPUT));
     for (int c = 0; c < 3; c++) {
       assert_true(isfinite(f[c]) && f[c] >= 0);

@@ -32,6 +32,17 @@ def ashikhmin_shirley(x, y, z, ex, ey):
     return math.sqrt((ex + 1) * (ey + 1)) / (2 * math.pi) * z**exponent
 
 
+def by_hand(mdf, x, y, z, ax, ay):
+    """The other distributions long-hand in the lobe's own frame."""
+    slope2 = (x / ax) ** 2 + (y / ay) ** 2
+    return {
+        "ward": math.exp(-slope2 / z**2),
+        "ward-half": math.exp(-2 * slope2 / (1 + z)),
+        "beckmann": math.exp(-slope2 / z**2) / z**4,
+        "ggx": 1 / (slope2 + z * z) ** 2,
+    }[mdf] / (math.pi * ax * ay)
+
+
 def unit(x, y, z):
     length = math.sqrt(x * x + y * y + z * z)
     return (x / length, y / length, z / length)
@@ -43,6 +54,16 @@ def test_d_of_a_flat_surface(precision):
     (got,) = evaluate([n + h], "--mdf", "ashikhmin-shirley", "--ex", "200", "--ey", "10",
                       "--detail", "none", "--what", "D", "--precision", precision)
     assert got == pytest.approx(ashikhmin_shirley(*h, 200, 10), rel=PRECISIONS[precision])
+
+
+@pytest.mark.parametrize("mdf", ["ward", "ward-half", "beckmann", "ggx"])
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_d_of_the_distributions_with_alphas(mdf, precision):
+    vectors = [unit(0.1, -0.2, 1), unit(0.5, 0.4, 1), unit(-0.02, 0.9, 1), (0, 0, 1)]
+    answers = evaluate([(0, 0, 1) + h for h in vectors], "--mdf", mdf, "--ax", "0.2", "--ay", "0.5",
+                       "--detail", "none", "--what", "D", "--precision", precision)
+    for got, h in zip(answers, vectors):
+        assert got == pytest.approx(by_hand(mdf, *h, 0.2, 0.5), rel=PRECISIONS[precision])
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

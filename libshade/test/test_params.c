@@ -65,7 +65,7 @@ static void setup_clamps(void **state) {
   p.ex = 2e6;
   p.f0[1] = -.5;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_CLAMPED_PARAMETER);
-  assert_true(b.ex == 1e6 && b.f0[1] == 0);
+  assert_true(b.kx == 1e6 && b.f0[1] == 0);
   shade_params_init(&p);
   p.detail = (shade_detail)77;
   p.mdf = (shade_mdf)-3;

@@ -98,9 +98,9 @@ typedef struct shade_bsdf {
   shade_detail detail;
   shade_fresnel fresnel;
   int swap_axes;       /* groove transport along y */
-  double ex, ey, peak; /* peak = sqrt((ex+1)(ey+1))/(2 pi) */
+  double kx, ky, peak; /* exponents or 1/alpha^2, and D at the pole */
   double f0[3];
-  float exf, eyf, peakf;
+  float kxf, kyf, peakf;
   float f0f[3];
 } shade_bsdf;
 
@@ -125,9 +125,11 @@ SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
 
 /*
  * D'(h), the distribution carried by the perturbed normal, in 1/sr.
- * n, h: unit, local frame. Ashikhmin-Shirley's D integrates to 1 over the
- * hemisphere without a cosine. Status bits are or-ed into *status if it is
- * not NULL. [AshikhminShirley 2000 Eq. 4; method: KangCho Eq. 7 and 10]
+ * n, h: unit, local frame. Over the hemisphere Ashikhmin-Shirley's D integrates to 1
+ * without a cosine, Beckmann's and GGX's with one; neither Ward form is exactly
+ * normalised. Ashikhmin-Shirley reads the exponents, the others the alphas. Status
+ * bits are or-ed into *status if it is not NULL.
+ * [AshikhminShirley 2000 Eq. 4; Ward 1992; Walter 2007; method: KangCho Eq. 7 and 10]
  */
 SHADE_API double shade_mdf_eval(const shade_bsdf *b, const double n[3], const double h[3],
                                 unsigned *status);

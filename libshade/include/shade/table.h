@@ -15,7 +15,11 @@
 /* Microfacet distributions D(h), in 1/sr. */
 #define SHADE_TABLE_MDF(ROW)                                                                       \
   ROW(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 0, "Ashikhmin-Shirley",                                \
-      "Anisotropic Phong-like lobe set by two exponents")
+      "Anisotropic Phong-like lobe set by two exponents")                                          \
+  ROW(WARD, ward, 1, "Ward", "Gaussian of the slope, set by two alphas")                           \
+  ROW(WARD_HALF, ward_half, 2, "Ward (half vector)", "Ward's own cheaper form of his Gaussian")    \
+  ROW(BECKMANN, beckmann, 3, "Beckmann", "Microfacets with Gaussian slopes, set by two alphas")    \
+  ROW(GGX, ggx, 4, "GGX", "Microfacets with long tails (Trowbridge-Reitz), set by two alphas")
 
 /* How D, Fresnel and the cosines make a BRDF. */
 #define SHADE_TABLE_BRDF(ROW)                                                                      \
