@@ -27,7 +27,7 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
     const real *v[2][3] = {{nx + start, ny + start, nz + start},
                            {hx + start, hy + start, hz + start}};
     unsigned block = FN(mend_block)(size, 2, v, &room);
-    FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy);
+    FN(pass_detail)(b->map, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy);
     FN(pass_distribution)(b, size, t, xx, yy, d);
     for (size_t i = 0; i < size; i++)
       out[start + i] = d[i];
@@ -43,7 +43,7 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
 static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
                                       const FN(shade_result) * out) {
   real hx[BLOCK], hy[BLOCK], hz[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
-  real d[BLOCK], coso[BLOCK], white[BLOCK];
+  real d[BLOCK], coso[BLOCK], white[BLOCK], hwo[BLOCK];
   FN(mended) room;
   const real grazing = b->fresnel == SHADE_FRESNEL_SCHLICK ? 1 : 0;
   const real *f0[3] = {in->f0r, in->f0g, in->f0b};
@@ -56,17 +56,19 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
                            {in->wox + start, in->woy + start, in->woz + start}};
     real *cosi = out->cosine + start;
     unsigned block = FN(mend_block)(size, 3, v, &room);
-    if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz))
+    if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz, hwo))
       status |= SHADE_BAD_INPUT;
-    FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy);
+    if (b->map >= SHADE_MAP_DEFORM_LINEAR)
+      FN(pass_unit)(size, hx, hy, hz);
+    FN(pass_detail)(b->map, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy);
     FN(pass_distribution)(b, size, t, xx, yy, d);
-    if (b->detail == SHADE_DETAIL_NONE)
+    if (b->map == SHADE_MAP_NONE)
       FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
     else
       FN(pass_cosines)
     (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
      coso);
-    FN(pass_brdf)(size, grazing, hx, hy, hz, cosi, coso, d, white);
+    FN(pass_brdf)(size, grazing, hwo, cosi, coso, d, white);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
@@ -89,7 +91,7 @@ static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const re
   unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
   *d = 0;
   if (!(status & SHADE_BAD_INPUT))
-    *d = FN(distribution)(b, FN(detail)(b, n, h[0], h[1], h[2]));
+    *d = FN(distribution)(b, FN(detail)(b->map, n, h[0], h[1], h[2]));
   return status;
 }
 
@@ -104,7 +106,7 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   *cosine = 0;
   if (status & SHADE_BAD_INPUT)
     return status;
-  if (b->detail == SHADE_DETAIL_NONE) {
+  if (b->map == SHADE_MAP_NONE) {
     n[0] = n[1] = 0;
     n[2] = 1;
   }
@@ -117,7 +119,8 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
     return status;
   real hwo = FN(half_cosine)(hx, hy, hz);
-  real d = FN(distribution)(b, FN(detail)(b, n, hx, hy, hz));
+  real scale = b->map >= SHADE_MAP_DEFORM_LINEAR ? FN(scale_to_unit)(hx, hy, hz) : 1;
+  real d = FN(distribution)(b, FN(detail)(b->map, n, hx * scale, hy * scale, hz * scale));
   real value = FN(brdf_ashikhmin_shirley)(d, hwo, cosi, coso);
   real white = b->fresnel == SHADE_FRESNEL_SCHLICK ? FN(schlick_weight)(hwo) : 0;
   for (int c = 0; c < 3; c++)

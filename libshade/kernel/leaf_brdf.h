@@ -5,6 +5,11 @@ LEAF int FN(no_direction)(real hx, real hy, real hz) {
   return !(hx * hx + hy * hy + hz * hz > R(1e-30));
 }
 
+/* Only the warps need a unit h. */
+LEAF real FN(scale_to_unit)(real hx, real hy, real hz) {
+  return 1 / FN(root)(FN(maximum)(hx * hx + hy * hy + hz * hz, TINY));
+}
+
 /* Half of |wi + wo| is the cosine h.wo: no cancellation, no normalised h. */
 LEAF real FN(half_cosine)(real hx, real hy, real hz) {
   return FN(minimum)(R(0.5) * FN(root)(hx * hx + hy * hy + hz * hz), 1);

@@ -5,7 +5,7 @@
  *   t       tan^2 of the angle between h and the carried pole; -1 when h is
  *           on or below its horizon, where D' = 0
  *   xx, yy  squares of the slope of h along x and y; xx + yy = t
- * h need not be unit: only its direction counts. The tangents come from cross
+ * h need not be unit, except for the warps: only its direction counts. The tangents come from cross
  * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (method 2.8).
  */
 typedef struct FN(lobe_point) {
@@ -77,4 +77,69 @@ LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real h
   real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);
   real d = nx * hx + ny * hy + nz * hz;
   return FN(lobe_at)(x * x, y * y, (a * a + c * c) * (d * d), d > 0);
+}
+
+/* The smallest rotation that brings z to n, applied to n x h: its sine is kept, not lost. */
+LEAF FN(lobe_point) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real cx = ny * hz - nz * hy;
+  real cy = nz * hx - nx * hz;
+  real cz = nx * hy - ny * hx;
+  real d = nx * hx + ny * hy + nz * hz;
+  real turn = cz / (1 + nz);
+  real x = cy - ny * turn, y = cx - nx * turn;
+  return FN(lobe_at)(x * x, y * y, d * d, d > 0);
+}
+
+/*
+ * `rotate` without the division of x and y by L, so that xx + yy = L^2 t: the paper's fast
+ * form, sign corrected. Ashikhmin-Shirley, which does not see L, takes this for `rotate`.
+ */
+LEAF FN(lobe_point)
+    FN(detail_rotate_approximate)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real cx = ny * hz - nz * hy;
+  real cy = nz * hx - nx * hz;
+  real cz = nx * hy - ny * hx;
+  real d = nx * hx + ny * hy + nz * hz;
+  real y = nx * cz - nz * cx;
+  FN(lobe_point) p = FN(lobe_at)(cy * cy, y * y, d * d, d > 0);
+  real t = (cx * cx + cy * cy + cz * cz) / FN(maximum)(d * d, TINY);
+  p.t = d > 0 ? t : -1;
+  return p;
+}
+
+/*
+ * Both warps move the point p' = (hx, hy) of the unit disc by delta = (nx, ny) at the lobe's
+ * centre and not at all at the rim; h is unit here. u is 1 less the paper's weight w,
+ * taken from whichever root does not cancel. Float D against the reference, tilts to 75
+ * degrees, |p|^2 <= 0.75: 1e-4 at exponents to 1e3, 3e-4 to 1e5. [KangCho Eq. 11-14; method 2.5]
+ */
+LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
+  real a = x * x + y * y;
+  real b = nx * x + ny * y;
+  real c = nz * nz;
+  real s = FN(root)(b * b + a * c);
+  real top = b >= 0 ? b + s : a;
+  real bottom = b >= 0 ? c : s - b;
+  /* u > 1 is outside anyway; this floor keeps it from overflowing as nz -> 0 */
+  return top / FN(maximum)(bottom, R(0.5) * top + TINY);
+}
+
+/* Weight w: |p| is u itself. */
+LEAF FN(lobe_point) FN(detail_deform_linear)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real x = hx - nx, y = hy - ny;
+  real u = FN(warp_fraction)(nx, ny, nz, x, y);
+  x += u * nx;
+  y += u * ny;
+  return FN(lobe_at)(x * x, y * y, (1 - u) * (1 + u), (u < 1) & (hz > 0));
+}
+
+/* Weight sqrt(w); p may leave the disc, where D' = 0. */
+LEAF FN(lobe_point) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real x = hx - nx, y = hy - ny;
+  real u = FN(minimum)(FN(warp_fraction)(nx, ny, nz, x, y), 1);
+  real shift = u / (1 + FN(root)(1 - u));
+  x += shift * nx;
+  y += shift * ny;
+  real zz = 1 - x * x - y * y;
+  return FN(lobe_at)(x * x, y * y, zz, (zz > 0) & (hz > 0));
 }

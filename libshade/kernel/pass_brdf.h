@@ -2,13 +2,13 @@
 /* Before and after the distribution: half vectors and cosines, then the BRDF. */
 
 /*
- * h = wi + wo, not normalised: the detail pass needs only its direction. Nonzero when
- * some lane has wi = -wo, where there is no h; f is 0 there by the horizon test.
+ * h = wi + wo, not normalised, and its cosine hwo with either. Nonzero when some lane
+ * has wi = -wo, where there is no h; f is 0 there by the horizon test.
  */
 static int FN(pass_half)(size_t count, const real *restrict wix, const real *restrict wiy,
                          const real *restrict wiz, const real *restrict wox,
                          const real *restrict woy, const real *restrict woz, real *restrict hx,
-                         real *restrict hy, real *restrict hz) {
+                         real *restrict hy, real *restrict hz, real *restrict hwo) {
   int opposite = 0;
 #pragma omp simd reduction(| : opposite)
   for (size_t i = 0; i < count; i++) {
@@ -16,8 +16,19 @@ static int FN(pass_half)(size_t count, const real *restrict wix, const real *res
     hy[i] = wiy[i] + woy[i];
     hz[i] = wiz[i] + woz[i];
     opposite |= FN(no_direction)(hx[i], hy[i], hz[i]);
+    hwo[i] = FN(half_cosine)(hx[i], hy[i], hz[i]);
   }
   return opposite;
+}
+
+static void FN(pass_unit)(size_t count, real *restrict hx, real *restrict hy, real *restrict hz) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real scale = FN(scale_to_unit)(hx[i], hy[i], hz[i]);
+    hx[i] *= scale;
+    hy[i] *= scale;
+    hz[i] *= scale;
+  }
 }
 
 /* The cosines about n, 0 where light or eye is below either horizon. */
@@ -46,16 +57,14 @@ static void FN(pass_cosines_none)(size_t count, const real *restrict wiz, const 
 }
 
 /* d becomes f without Fresnel, and `white` Schlick's weight times `grazing` (1 or 0). */
-static void FN(pass_brdf)(size_t count, real grazing, const real *restrict hx,
-                          const real *restrict hy, const real *restrict hz,
+static void FN(pass_brdf)(size_t count, real grazing, const real *restrict hwo,
                           const real *restrict cosi, const real *restrict coso, real *restrict d,
                           real *restrict white) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real hwo = FN(half_cosine)(hx[i], hy[i], hz[i]);
-    real f = FN(brdf_ashikhmin_shirley)(d[i], hwo, cosi[i], coso[i]);
+    real f = FN(brdf_ashikhmin_shirley)(d[i], hwo[i], cosi[i], coso[i]);
     d[i] = coso[i] > 0 ? f : 0;
-    white[i] = grazing * FN(schlick_weight)(hwo);
+    white[i] = grazing * FN(schlick_weight)(hwo[i]);
   }
 }
 

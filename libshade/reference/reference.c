@@ -66,10 +66,42 @@ static int grooves_along_y(const shade_params *p) {
   return p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? p->ey > p->ex : p->ay < p->ax;
 }
 
+/* What `auto` stands for. */
+static shade_detail method_of(const shade_params *p) {
+  if (p->detail != SHADE_DETAIL_AUTO)
+    return p->detail;
+  int round = p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? p->ex == p->ey : p->ax == p->ay;
+  return round ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
+}
+
+static int is_warp(shade_detail detail) {
+  return detail == SHADE_DETAIL_DEFORM_LINEAR || detail == SHADE_DETAIL_DEFORM_SMOOTH;
+}
+
+/*
+ * The warp of the unit disc; z = 0 stands for outside. With delta and p' the projections
+ * of n and h, w = |R - p'|/|R - C'| where R is the rim point on the ray from C' = delta
+ * through p'.
+ */
+static vec warped(shade_detail detail, vec n, vec h) {
+  vec delta = {n.x, n.y, 0}, away = {h.x - n.x, h.y - n.y, 0};
+  real a = dot(away, away), b = dot(delta, away), c = n.z * n.z;
+  real w = 1 - (b + sqrtl(b * b + a * c)) / c;
+  if (w < 0)
+    w = 0;
+  real shift = detail == SHADE_DETAIL_DEFORM_LINEAR ? w : sqrtl(w);
+  vec p = {h.x - shift * n.x, h.y - shift * n.y, 0};
+  real zz = 1 - dot(p, p);
+  if (h.z <= 0 || zz <= 0 || w <= 0)
+    return p;
+  p.z = sqrtl(zz);
+  return p;
+}
+
 /* T^-1 h: h as the unmoved distribution sees it. */
 static vec carried(const shade_params *p, vec n, vec h) {
   const vec ex = {1, 0, 0}, ey = {0, 1, 0}, ez = {0, 0, 1};
-  switch (p->detail) {
+  switch (method_of(p)) {
   case SHADE_DETAIL_NONE:
     return in_frame(ex, ey, ez, h);
   case SHADE_DETAIL_PERTURB: {
@@ -82,6 +114,22 @@ static vec carried(const shade_params *p, vec n, vec h) {
     vec x = unit(minus(ex, scale(n, n.x)));
     return in_frame(x, cross(n, x), n, h);
   }
+  case SHADE_DETAIL_SHORTEST_ARC: { /* the rotation from z to n is that about z x n */
+    vec axis = cross(ez, n);
+    real s = length(axis);
+    if (s == 0)
+      return h;
+    vec u = scale(axis, 1 / s), v = cross(ez, u); /* u, v, z turn into u, n x u, n */
+    vec turned = in_frame(u, cross(n, u), n, h);
+    return plus(plus(scale(u, turned.x), scale(v, turned.y)), scale(ez, turned.z));
+  }
+  case SHADE_DETAIL_ROTATE_APPROXIMATE:
+    if (grooves_along_y(p))
+      return (vec){h.x - n.x * dot(n, h), n.z * h.y - n.y * h.z, dot(n, h)};
+    return (vec){n.z * h.x - n.x * h.z, h.y - n.y * dot(n, h), dot(n, h)};
+  case SHADE_DETAIL_DEFORM_LINEAR:
+  case SHADE_DETAIL_DEFORM_SMOOTH:
+    return warped(p->detail, n, h);
   case SHADE_DETAIL_ROTATE:
   default: {
     if (grooves_along_y(p)) { /* y' = dP/dv of the height field */
@@ -124,10 +172,23 @@ static real distribution(const shade_params *p, vec n, vec h) {
   }
 }
 
+/* The warps take directions as they are where these are nearly unit. */
+static vec as_given(const shade_params *p, const double v[3], vec made_unit) {
+  vec raw = {v[0], v[1], v[2]};
+  return is_warp(p->detail) && fabsl(dot(raw, raw) - 1) < 1e-3L && v[2] > 0 ? raw : made_unit;
+}
+
 double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]) {
   if (!usable(n) || !usable(h))
     return 0;
-  return (double)distribution(p, normal(n), direction(h));
+  return (double)distribution(p, as_given(p, n, normal(n)), as_given(p, h, direction(h)));
+}
+
+void shade_ref_carried(const shade_params *p, const double n[3], const double h[3], double m[3]) {
+  vec v = carried(p, as_given(p, n, normal(n)), as_given(p, h, direction(h)));
+  m[0] = (double)v.x;
+  m[1] = (double)v.y;
+  m[2] = (double)v.z;
 }
 
 unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double wi_in[3],
@@ -150,7 +211,7 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
   vec h = unit(plus(wi, wo));
   real hwo = dot(h, wo);
   real denominator = 4 * hwo * (cosi > coso ? cosi : coso);
-  real lobe = distribution(p, n, h) / (denominator > 1e-20L ? denominator : 1e-20L);
+  real lobe = distribution(p, as_given(p, n_in, n), h) / (denominator > 1e-20L ? denominator : 1e-20L);
   for (int i = 0; i < 3; i++) {
     real f0 = within(p->f0[i], 0, 1);
     real fresnel = f0;

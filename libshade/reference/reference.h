@@ -16,6 +16,12 @@
  */
 double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]);
 
+/*
+ * T^-1 h: where the unmoved distribution sees h. Unit, except that rotate_approximate
+ * leaves x and y short by L; z <= 0 where D' = 0. n and h must be usable directions.
+ */
+void shade_ref_carried(const shade_params *p, const double n[3], const double h[3], double m[3]);
+
 /* f and its cosine, by the contract of shade_bsdf_eval. */
 unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3],
                      const double wo[3], double f[3], double *cosine);

@@ -152,6 +152,36 @@ static int choice(shade_list list, int value, unsigned *status) {
   return lists[list].rows[0].value;
 }
 
+static shade_map resolve(const shade_bsdf *b, int groove_y) {
+  /* Ashikhmin-Shirley sees neither a common scale of x and y, nor L: method 2.2 */
+  int ratio_only = b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
+  switch (b->detail) {
+  case SHADE_DETAIL_PERTURB:
+    return ratio_only ? SHADE_MAP_PERTURB_RATIO : SHADE_MAP_PERTURB;
+  case SHADE_DETAIL_GRAM_SCHMIDT:
+    /* its x' is x without its part along n: the x' of groove transport along y */
+    return ratio_only ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_ROTATE_Y;
+  case SHADE_DETAIL_ROTATE:
+    return ratio_only ? short_by_l : groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
+  case SHADE_DETAIL_ROTATE_APPROXIMATE:
+    return short_by_l;
+  case SHADE_DETAIL_SHORTEST_ARC:
+    return SHADE_MAP_SHORTEST_ARC;
+  case SHADE_DETAIL_DEFORM_LINEAR:
+    return SHADE_MAP_DEFORM_LINEAR;
+  case SHADE_DETAIL_DEFORM_SMOOTH:
+    return SHADE_MAP_DEFORM_SMOOTH;
+  default:
+    return SHADE_MAP_NONE;
+  }
+}
+
+/* No more than the lobe needs: a round one is carried exactly by perturb. */
+static shade_detail choose_detail(const shade_bsdf *b) {
+  return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
+}
+
 unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   unsigned status = SHADE_OK;
   memset(b, 0, sizeof *b);
@@ -172,11 +202,10 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
     b->peak = 1 / (PI * ax * ay);
   }
 
-  /* Gram-Schmidt's x' is x without its part along n, which is the y' of
-     groove transport along y: one kernel serves both. */
   int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
-  b->swap_axes =
-      b->detail == SHADE_DETAIL_GRAM_SCHMIDT || (b->detail == SHADE_DETAIL_ROTATE && groove_y);
+  if (b->detail == SHADE_DETAIL_AUTO)
+    b->detail = choose_detail(b);
+  b->map = resolve(b, groove_y);
 
   b->kxf = (float)b->kx;
   b->kyf = (float)b->ky;

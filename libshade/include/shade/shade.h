@@ -88,6 +88,20 @@ typedef struct shade_params {
   double f0[3];  /* reflectance at normal incidence, linear RGB, [0, 1] */
 } shade_params;
 
+/* How h is carried: the detail method and groove axis, resolved. Private. */
+typedef enum shade_map {
+  SHADE_MAP_NONE,
+  SHADE_MAP_PERTURB_RATIO, /* for Ashikhmin-Shirley */
+  SHADE_MAP_PERTURB,
+  SHADE_MAP_ROTATE_X,
+  SHADE_MAP_ROTATE_Y,
+  SHADE_MAP_APPROXIMATE_X,
+  SHADE_MAP_APPROXIMATE_Y,
+  SHADE_MAP_SHORTEST_ARC,
+  SHADE_MAP_DEFORM_LINEAR,
+  SHADE_MAP_DEFORM_SMOOTH
+} shade_map;
+
 /*
  * A material made ready for evaluation. Its members are private: they may
  * change with any release.
@@ -97,7 +111,7 @@ typedef struct shade_bsdf {
   shade_brdf brdf;
   shade_detail detail;
   shade_fresnel fresnel;
-  int swap_axes;       /* groove transport along y */
+  shade_map map;
   double kx, ky, peak; /* exponents or 1/alpha^2, and D at the pole */
   double f0[3];
   float kxf, kyf, peakf;

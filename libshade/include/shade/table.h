@@ -34,7 +34,16 @@
   ROW(GRAM_SCHMIDT, gram_schmidt, 2, "Gram-Schmidt",                                               \
       "Frame from the tangent made orthogonal to the perturbed normal, as most renderers do")      \
   ROW(ROTATE, rotate, 3, "Rotate",                                                                 \
-      "Carry the grooves with the bumped surface: exact for a displaced surface")
+      "Carry the grooves with the bumped surface: exact for a displaced surface")                  \
+  ROW(SHORTEST_ARC, shortest_arc, 4, "Shortest arc",                                               \
+      "Turn the lobe by the smallest rotation that brings z to the perturbed normal")              \
+  ROW(ROTATE_APPROXIMATE, rotate_approximate, 5, "Rotate (approximate)",                           \
+      "Rotate without the division by L: exact for Ashikhmin-Shirley only")                        \
+  ROW(DEFORM_LINEAR, deform_linear, 6, "Deform (linear)",                                          \
+      "Shift the lobe over the unit disc, fading linearly to the rim")                             \
+  ROW(DEFORM_SMOOTH, deform_smooth, 7, "Deform (smooth)",                                          \
+      "Shift the lobe over the unit disc, fading by a square root")                                \
+  ROW(AUTO, auto, 8, "Auto", "Perturb for a round lobe, where it is exact; rotate for any other")
 
 /* Which axis the grooves (brush strokes) run along. */
 #define SHADE_TABLE_GROOVE(ROW)                                                                    \
