@@ -68,7 +68,14 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
       FN(pass_cosines)
     (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
      coso);
-    FN(pass_brdf)(size, grazing, hwo, cosi, coso, d, white);
+    if (b->brdf == SHADE_BRDF_MICROFACET)
+      for (int k = 1; k <= 2; k++) {
+        FN(pass_detail)
+        (b->shadow_map, size, v[0][0], v[0][1], v[0][2], v[k][0], v[k][1], v[k][2], t, xx, yy);
+        FN(pass_smith)(b, size, xx, yy, k == 1 ? hx : hy); /* h is done with */
+      }
+    FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
+    FN(pass_schlick)(size, grazing, hwo, white);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
@@ -121,7 +128,12 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   real hwo = FN(half_cosine)(hx, hy, hz);
   real scale = b->map >= SHADE_MAP_DEFORM_LINEAR ? FN(scale_to_unit)(hx, hy, hz) : 1;
   real d = FN(distribution)(b, FN(detail)(b->map, n, hx * scale, hy * scale, hz * scale));
-  real value = FN(brdf_ashikhmin_shirley)(d, hwo, cosi, coso);
+  FN(angles) a = {hwo, cosi, coso, 0, 0};
+  if (b->brdf == SHADE_BRDF_MICROFACET) {
+    a.li = FN(smith)(b, n, wi);
+    a.lo = FN(smith)(b, n, wo);
+  }
+  real value = FN(brdf)(b, d, a);
   real white = b->fresnel == SHADE_FRESNEL_SCHLICK ? FN(schlick_weight)(hwo) : 0;
   for (int c = 0; c < 3; c++)
     f[c] = value * (b->FN(f0)[c] + (1 - b->FN(f0)[c]) * white);

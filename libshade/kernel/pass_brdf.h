@@ -56,16 +56,98 @@ static void FN(pass_cosines_none)(size_t count, const real *restrict wiz, const 
   }
 }
 
-/* d becomes f without Fresnel, and `white` Schlick's weight times `grazing` (1 or 0). */
-static void FN(pass_brdf)(size_t count, real grazing, const real *restrict hwo,
-                          const real *restrict cosi, const real *restrict coso, real *restrict d,
-                          real *restrict white) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    real f = FN(brdf_ashikhmin_shirley)(d[i], hwo[i], cosi[i], coso[i]);
-    d[i] = coso[i] > 0 ? f : 0;
-    white[i] = grazing * FN(schlick_weight)(hwo[i]);
+/* d becomes f without Fresnel: 0 where coso is. li and lo may be any array but d. */
+#define BRDF_PASS(name)                                                                            \
+  static void FN(pass_brdf_##name)(size_t count, const real *restrict hwo,                         \
+                                   const real *restrict cosi, const real *restrict coso,           \
+                                   const real *li, const real *lo, real *restrict d) {             \
+    (void)li, (void)lo;                                                                            \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
+      FN(angles) a = {hwo[i], cosi[i], coso[i], li[i], lo[i]};                                     \
+      real f = FN(brdf_##name)(d[i], a);                                                           \
+      d[i] = coso[i] > 0 ? f : 0;                                                                  \
+    }                                                                                              \
   }
+
+BRDF_PASS(ashikhmin_shirley)
+BRDF_PASS(ward_1992)
+BRDF_PASS(ward_dur)
+BRDF_PASS(ward_bounded)
+BRDF_PASS(microfacet)
+#undef BRDF_PASS
+
+static void FN(pass_brdf)(const shade_bsdf *b, size_t count, const real *hwo, const real *cosi,
+                          const real *coso, const real *li, const real *lo, real *d) {
+  switch (b->brdf) {
+  case SHADE_BRDF_WARD_1992:
+    FN(pass_brdf_ward_1992)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  case SHADE_BRDF_WARD_DUR:
+    FN(pass_brdf_ward_dur)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  case SHADE_BRDF_WARD_BOUNDED:
+    FN(pass_brdf_ward_bounded)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  case SHADE_BRDF_MICROFACET:
+    FN(pass_brdf_microfacet)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  default:
+    FN(pass_brdf_ashikhmin_shirley)(count, hwo, cosi, coso, li, lo, d);
+  }
+}
+
+/* The same decision for one sample. */
+LEAF real FN(brdf)(const shade_bsdf *b, real d, FN(angles) a) {
+  switch (b->brdf) {
+  case SHADE_BRDF_WARD_1992:
+    return FN(brdf_ward_1992)(d, a);
+  case SHADE_BRDF_WARD_DUR:
+    return FN(brdf_ward_dur)(d, a);
+  case SHADE_BRDF_WARD_BOUNDED:
+    return FN(brdf_ward_bounded)(d, a);
+  case SHADE_BRDF_MICROFACET:
+    return FN(brdf_microfacet)(d, a);
+  default:
+    return FN(brdf_ashikhmin_shirley)(d, a);
+  }
+}
+
+/* Slopes of a direction, carried as h is, to 1 + 2 Lambda. */
+static void FN(pass_smith_ggx)(size_t count, real gx, real gy, const real *restrict xx,
+                               const real *restrict yy, real *restrict l) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    l[i] = FN(smith_ggx)(gx * xx[i] + gy * yy[i]);
+}
+
+static void FN(pass_smith_gaussian)(size_t count, real gx, real gy, const real *restrict xx,
+                                    const real *restrict yy, real *restrict l) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    l[i] = FN(smith_gaussian)(gx * xx[i] + gy * yy[i]);
+}
+
+static void FN(pass_smith)(const shade_bsdf *b, size_t count, const real *xx, const real *yy,
+                           real *l) {
+  if (b->mdf == SHADE_MDF_GGX)
+    FN(pass_smith_ggx)(count, b->FN(gx), b->FN(gy), xx, yy, l);
+  else
+    FN(pass_smith_gaussian)(count, b->FN(gx), b->FN(gy), xx, yy, l);
+}
+
+/* The same for one direction. */
+LEAF real FN(smith)(const shade_bsdf *b, const real n[3], const real w[3]) {
+  FN(lobe_point) p = FN(detail)(b->shadow_map, n, w[0], w[1], w[2]);
+  real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
+  return b->mdf == SHADE_MDF_GGX ? FN(smith_ggx)(slope2) : FN(smith_gaussian)(slope2);
+}
+
+/* Schlick's weight times `grazing` (1 or 0). */
+static void FN(pass_schlick)(size_t count, real grazing, const real *restrict hwo,
+                             real *restrict white) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    white[i] = grazing * FN(schlick_weight)(hwo[i]);
 }
 
 /* One colour channel: f * (f0 + (1 - f0) * white). */

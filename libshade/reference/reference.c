@@ -99,9 +99,9 @@ static vec warped(shade_detail detail, vec n, vec h) {
 }
 
 /* T^-1 h: h as the unmoved distribution sees it. */
-static vec carried(const shade_params *p, vec n, vec h) {
+static vec carried_by(shade_detail detail, const shade_params *p, vec n, vec h) {
   const vec ex = {1, 0, 0}, ey = {0, 1, 0}, ez = {0, 0, 1};
-  switch (method_of(p)) {
+  switch (detail) {
   case SHADE_DETAIL_NONE:
     return in_frame(ex, ey, ez, h);
   case SHADE_DETAIL_PERTURB: {
@@ -129,7 +129,7 @@ static vec carried(const shade_params *p, vec n, vec h) {
     return (vec){n.z * h.x - n.x * h.z, h.y - n.y * dot(n, h), dot(n, h)};
   case SHADE_DETAIL_DEFORM_LINEAR:
   case SHADE_DETAIL_DEFORM_SMOOTH:
-    return warped(p->detail, n, h);
+    return warped(detail, n, h);
   case SHADE_DETAIL_ROTATE:
   default: {
     if (grooves_along_y(p)) { /* y' = dP/dv of the height field */
@@ -140,6 +140,10 @@ static vec carried(const shade_params *p, vec n, vec h) {
     return in_frame(x, cross(n, x), n, h);
   }
   }
+}
+
+static vec carried(const shade_params *p, vec n, vec h) {
+  return carried_by(method_of(p), p, n, h);
 }
 
 static real square(real x) {
@@ -169,6 +173,48 @@ static real distribution(const shade_params *p, vec n, vec h) {
     real exponent = sin2 > 0 ? (ex * square(m.x) + ey * square(m.y)) / sin2 : 0;
     return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(m.z, exponent);
   }
+  }
+}
+
+/* Smith's Lambda of w, whose theta and phi are those of the carried frame. */
+static real lambda(const shade_params *p, vec n, vec w) {
+  shade_detail detail = method_of(p);
+  vec m = carried_by(is_warp(detail) ? SHADE_DETAIL_PERTURB : detail, p, n, w);
+  real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
+  if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+    ax = sqrtl(2 / (within(p->ex, 0, 1e6L) + 2));
+    ay = sqrtl(2 / (within(p->ey, 0, 1e6L) + 2));
+  }
+  real slope = hypotl(ax * m.x, ay * m.y); /* alpha(phi) sin theta */
+  if (slope == 0)
+    return 0;
+  real a = m.z / slope;
+  if (p->mdf == SHADE_MDF_GGX)
+    return (sqrtl(1 + 1 / (a * a)) - 1) / 2;
+  return expl(-a * a) / (2 * a * sqrtl(pi)) - erfcl(a) / 2;
+}
+
+static real at_least(real x) {
+  return x > 1e-20L ? x : 1e-20L;
+}
+
+static real brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso, real d) {
+  vec sum = plus(wi, wo);
+  real hwo = dot(unit(sum), wo);
+  switch (p->brdf) {
+  case SHADE_BRDF_WARD_1992:
+    return d / at_least(4 * sqrtl(cosi * coso));
+  case SHADE_BRDF_WARD_DUR:
+    return d / at_least(4 * cosi * coso);
+  case SHADE_BRDF_WARD_BOUNDED:
+    return d * dot(sum, sum) / at_least(powl(cosi + coso, 4));
+  case SHADE_BRDF_MICROFACET: {
+    real shadowing = 1 / (1 + lambda(p, n, wi) + lambda(p, n, wo));
+    return d * shadowing / at_least(4 * cosi * coso);
+  }
+  case SHADE_BRDF_ASHIKHMIN_SHIRLEY:
+  default:
+    return d / at_least(4 * hwo * (cosi > coso ? cosi : coso));
   }
 }
 
@@ -210,8 +256,8 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
     return status;
   vec h = unit(plus(wi, wo));
   real hwo = dot(h, wo);
-  real denominator = 4 * hwo * (cosi > coso ? cosi : coso);
-  real lobe = distribution(p, as_given(p, n_in, n), h) / (denominator > 1e-20L ? denominator : 1e-20L);
+  real d = distribution(p, as_given(p, n_in, n), h);
+  real lobe = brdf(p, n, wi, wo, cosi, coso, d);
   for (int i = 0; i < 3; i++) {
     real f0 = within(p->f0[i], 0, 1);
     real fresnel = f0;

@@ -152,9 +152,8 @@ static int choice(shade_list list, int value, unsigned *status) {
   return lists[list].rows[0].value;
 }
 
-static shade_map resolve(const shade_bsdf *b, int groove_y) {
-  /* Ashikhmin-Shirley sees neither a common scale of x and y, nor L: method 2.2 */
-  int ratio_only = b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+/* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L (method 2.2). */
+static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
   shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
   switch (b->detail) {
   case SHADE_DETAIL_PERTURB:
@@ -194,21 +193,28 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
     b->kx = clamp(PARAM_ex, p->ex, &status);
     b->ky = clamp(PARAM_ey, p->ey, &status);
+    b->gx = 2 / (b->kx + 2);
+    b->gy = 2 / (b->ky + 2);
     b->peak = sqrt((b->kx + 1) * (b->ky + 1)) / (2 * PI);
   } else {
     double ax = clamp(PARAM_ax, p->ax, &status), ay = clamp(PARAM_ay, p->ay, &status);
-    b->kx = 1 / (ax * ax);
-    b->ky = 1 / (ay * ay);
+    b->gx = ax * ax;
+    b->gy = ay * ay;
+    b->kx = 1 / b->gx;
+    b->ky = 1 / b->gy;
     b->peak = 1 / (PI * ax * ay);
   }
 
   int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
   if (b->detail == SHADE_DETAIL_AUTO)
     b->detail = choose_detail(b);
-  b->map = resolve(b, groove_y);
+  b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
+  b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
 
   b->kxf = (float)b->kx;
   b->kyf = (float)b->ky;
+  b->gxf = (float)b->gx;
+  b->gyf = (float)b->gy;
   b->peakf = (float)b->peak;
   for (int c = 0; c < 3; c++) {
     b->f0[c] = clamp(PARAM_f0, p->f0[c], &status);

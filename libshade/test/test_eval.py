@@ -100,6 +100,36 @@ def test_f_with_and_without_fresnel(precision):
     assert schlick / plain == pytest.approx(0.04 + 0.96 * 0.2**5, rel=PRECISIONS[precision])
 
 
+@pytest.mark.parametrize("brdf, factor", [
+    ("ashikhmin-shirley", 1 / (4 * math.cos(0.3) * math.cos(0.1))),
+    ("ward-1992", 1 / (4 * math.sqrt(math.cos(0.7) * math.cos(0.1)))),
+    ("ward-dur", 1 / (4 * math.cos(0.7) * math.cos(0.1))),
+    ("ward-bounded", 4 * math.cos(0.3) ** 2 / (math.cos(0.7) + math.cos(0.1)) ** 4),
+])
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_brdfs_by_hand(brdf, factor, precision):
+    """wi and wo in the plane of y, 0.7 and 0.1 rad from z on one side: h at 0.4, h.wo = cos 0.3."""
+    wi, wo = (0, math.sin(0.7), math.cos(0.7)), (0, math.sin(0.1), math.cos(0.1))
+    (got,) = evaluate([(0, 0, 1) + wi + wo], "--mdf", "ward", "--ax", "0.2", "--ay", "0.5",
+                      "--detail", "none", "--what", "f", "--brdf", brdf, "--precision", precision)
+    d = by_hand("ward", 0, math.sin(0.4), math.cos(0.4), 0.2, 0.5)
+    assert got == pytest.approx(d * factor, rel=PRECISIONS[precision])
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_smith_by_hand(precision):
+    wi, wo = (0.6, 0, 0.8), (0, 0.28, 0.96)
+    length = math.sqrt(0.36 + 0.28**2 + 1.76**2)
+    h = (0.6 / length, 0.28 / length, 1.76 / length)
+    li = math.sqrt(1 + (0.2 * 0.6 / 0.8) ** 2)
+    lo = math.sqrt(1 + (0.5 * 0.28 / 0.96) ** 2)
+    (got,) = evaluate([(0, 0, 1) + wi + wo], "--mdf", "ggx", "--ax", "0.2", "--ay", "0.5",
+                      "--detail", "none", "--what", "f", "--brdf", "microfacet",
+                      "--precision", precision)
+    want = by_hand("ggx", *h, 0.2, 0.5) * 2 / (li + lo) / (4 * 0.8 * 0.96)
+    assert got == pytest.approx(want, rel=PRECISIONS[precision])
+
+
 def test_alphas_are_exponents():
     query = [unit(0.1, 0.2, 1) + unit(0.2, 0.1, 1)]
     by_alpha = evaluate(query, "--ax", "0.1", "--ay", "0.5")
