@@ -10,6 +10,7 @@
 #include "leaf_detail.h"
 #include "leaf_distribution.h"
 #include "leaf_brdf.h"
+#include "leaf_fresnel.h"
 #include "leaf_repair.h"
 #include "pass_repair.h"
 #include "pass_detail.h"
@@ -81,10 +82,7 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
         if (room.void_lane[i])
           d[i] = cosi[i] = 0;
     for (int c = 0; c < 3; c++)
-      if (f0[c])
-        FN(pass_fresnel_textured)(size, f0[c] + start, d, white, rgb[c] + start);
-      else
-        FN(pass_fresnel)(size, b->FN(f0)[c], d, white, rgb[c] + start);
+      FN(pass_channel)(b, c, size, f0[c] ? f0[c] + start : NULL, d, hwo, white, rgb[c] + start);
     status |= block;
   }
   return status;
@@ -134,8 +132,7 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
     a.lo = FN(smith)(b, n, wo);
   }
   real value = FN(brdf)(b, d, a);
-  real white = b->fresnel == SHADE_FRESNEL_SCHLICK ? FN(schlick_weight)(hwo) : 0;
   for (int c = 0; c < 3; c++)
-    f[c] = value * (b->FN(f0)[c] + (1 - b->FN(f0)[c]) * white);
+    f[c] = value * FN(fresnel)(b, c, hwo);
   return status;
 }

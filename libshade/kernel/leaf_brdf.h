@@ -83,10 +83,3 @@ LEAF real FN(smith_gaussian)(real w) {
   return 1 + share * (v * 0.56418958354775628695 - SHADE_ERFCX_D(z));
 #endif
 }
-
-/* (1 - cos)^5, the share of white in Schlick's Fresnel. [Schlick1994 Eq. 15] */
-LEAF real FN(schlick_weight)(real hwo) {
-  real m = 1 - hwo;
-  real m2 = m * m;
-  return m2 * m2 * m;
-}

@@ -158,12 +158,69 @@ static void FN(pass_fresnel)(size_t count, real f0, const real *restrict d,
     out[i] = d[i] * (f0 + (1 - f0) * white[i]);
 }
 
-/* The same with a reflectance per sample, clamped to [0, 1]; NaN counts as 0. */
+/* A reflectance per sample, clamped to [0, 1]; NaN counts as 0. */
+LEAF real FN(reflectance)(real f0) {
+  return FN(minimum)(FN(maximum)(f0, 0), 1);
+}
+
 static void FN(pass_fresnel_textured)(size_t count, const real *restrict f0, const real *restrict d,
                                       const real *restrict white, real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real f = FN(minimum)(FN(maximum)(f0[i], 0), 1);
+    real f = FN(reflectance)(f0[i]);
     out[i] = d[i] * (f + (1 - f) * white[i]);
+  }
+}
+
+static void FN(pass_fresnel_f82)(size_t count, real f0, real tint, const real *restrict d,
+                                 const real *restrict hwo, real *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out[i] = d[i] * FN(fresnel_f82)(f0, tint, hwo[i]);
+}
+
+static void FN(pass_fresnel_f82_textured)(size_t count, const real *restrict f0, real tint,
+                                          const real *restrict d, const real *restrict hwo,
+                                          real *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out[i] = d[i] * FN(fresnel_f82)(FN(reflectance)(f0[i]), tint, hwo[i]);
+}
+
+static void FN(pass_fresnel_conductor)(size_t count, real eta, real k, const real *restrict d,
+                                       const real *restrict hwo, real *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out[i] = d[i] * FN(fresnel_conductor)(eta, k, hwo[i]);
+}
+
+/* Colour channel c of f; `texture` is its f0 per sample or NULL; white as pass_schlick made it. */
+static void FN(pass_channel)(const shade_bsdf *b, int c, size_t count, const real *texture,
+                             const real *d, const real *hwo, const real *white, real *out) {
+  const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c];
+  if (b->fresnel == SHADE_FRESNEL_CONDUCTOR)
+    FN(pass_fresnel_conductor)(count, tint, b->FN(k)[c], d, hwo, out);
+  else if (b->fresnel == SHADE_FRESNEL_F82 && texture)
+    FN(pass_fresnel_f82_textured)(count, texture, tint, d, hwo, out);
+  else if (b->fresnel == SHADE_FRESNEL_F82)
+    FN(pass_fresnel_f82)(count, f0, tint, d, hwo, out);
+  else if (texture)
+    FN(pass_fresnel_textured)(count, texture, d, white, out);
+  else
+    FN(pass_fresnel)(count, f0, d, white, out);
+}
+
+/* The same decision for one sample. */
+LEAF real FN(fresnel)(const shade_bsdf *b, int c, real hwo) {
+  const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c];
+  switch (b->fresnel) {
+  case SHADE_FRESNEL_SCHLICK:
+    return f0 + (1 - f0) * FN(schlick_weight)(hwo);
+  case SHADE_FRESNEL_F82:
+    return FN(fresnel_f82)(f0, tint, hwo);
+  case SHADE_FRESNEL_CONDUCTOR:
+    return FN(fresnel_conductor)(tint, b->FN(k)[c], hwo);
+  default:
+    return f0;
   }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference.h"
 
+#include <complex.h>
 #include <math.h>
 
 typedef long double real;
@@ -237,6 +238,31 @@ void shade_ref_carried(const shade_params *p, const double n[3], const double h[
   m[2] = (double)v.z;
 }
 
+/* Channel c of Fresnel's reflectance; the conductor's from its complex amplitudes. */
+static real fresnel(const shade_params *p, int c, real cosine) {
+  real f0 = within(p->f0[c], 0, 1), f = f0 + (1 - f0) * powl(1 - cosine, 5);
+  switch (p->fresnel) {
+  case SHADE_FRESNEL_SCHLICK:
+    return f;
+  case SHADE_FRESNEL_F82: {
+    real at = 1 / 7.0L, here = f0 + (1 - f0) * powl(1 - at, 5);
+    real b = here * (1 - within(p->f82[c], 0, 1)) / (at * powl(1 - at, 6));
+    f -= b * cosine * powl(1 - cosine, 6);
+    return f > 0 ? f : 0;
+  }
+  case SHADE_FRESNEL_CONDUCTOR: {
+    long double complex m = within(p->eta[c], 1e-3L, 100) + I * within(p->k[c], 0, 100);
+    long double complex inside = csqrtl(1 - (1 - cosine * cosine) / (m * m)); /* cos within */
+    real s = cabsl((cosine - m * inside) / (cosine + m * inside));
+    real q = cabsl((m * cosine - inside) / (m * cosine + inside));
+    return (s * s + q * q) / 2;
+  }
+  case SHADE_FRESNEL_NONE:
+  default:
+    return f0;
+  }
+}
+
 unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double wi_in[3],
                      const double wo_in[3], double f[3], double *cosine) {
   f[0] = f[1] = f[2] = 0;
@@ -259,11 +285,7 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
   real d = distribution(p, as_given(p, n_in, n), h);
   real lobe = brdf(p, n, wi, wo, cosi, coso, d);
   for (int i = 0; i < 3; i++) {
-    real f0 = within(p->f0[i], 0, 1);
-    real fresnel = f0;
-    if (p->fresnel == SHADE_FRESNEL_SCHLICK)
-      fresnel += (1 - f0) * powl(1 - hwo, 5);
-    f[i] = (double)(fresnel * lobe);
+    f[i] = (double)(fresnel(p, i, hwo) * lobe);
   }
   return status;
 }

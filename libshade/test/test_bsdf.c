@@ -19,8 +19,12 @@ static shade_params random_params(uint64_t *seed) {
   p.detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
   p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
   p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
-  for (int c = 0; c < 3; c++)
-    p.f0[c] = uniform(seed);
+  for (int c = 0; c < 3; c++) {
+    p.f0[c] = 0.3 + 0.7 * uniform(seed);
+    p.f82[c] = 0.7 + 0.3 * uniform(seed); /* clear of where F itself cancels */
+    p.eta[c] = 0.02 + 4 * uniform(seed);
+    p.k[c] = 1 + 7 * uniform(seed);
+  }
   return p;
 }
 

@@ -130,6 +130,26 @@ def test_smith_by_hand(precision):
     assert got == pytest.approx(want, rel=PRECISIONS[precision])
 
 
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_fresnel_of_metals(precision):
+    def fresnel(vectors, *options):
+        query = [(0, 0, 1) + v for v in vectors]
+        common = ("--ex", "0", "--ey", "0", "--detail", "none", "--what", "f",
+                  "--precision", precision)
+        return [a / b for a, b in zip(evaluate(query, *common, *options),
+                                      evaluate(query, *common))]
+
+    z = (0, 0, 1)
+    steep = math.sqrt(1 - 1 / 49)
+    grazing = (steep, 0, 1 / 7, -steep, 0, 1 / 7)
+    tolerance = 3 * PRECISIONS[precision]
+    assert fresnel([z + z], "--eta", "0.2", "--k", "3") == pytest.approx(
+        [(0.64 + 9) / (1.44 + 9)], rel=tolerance)
+    schlick = 0.6 + 0.4 * (6 / 7) ** 5
+    assert fresnel([z + z, grazing], "--f0", "0.6", "--f82", "0.7") == pytest.approx(
+        [0.6, 0.7 * schlick], rel=tolerance)
+
+
 def test_alphas_are_exponents():
     query = [unit(0.1, 0.2, 1) + unit(0.2, 0.1, 1)]
     by_alpha = evaluate(query, "--ax", "0.1", "--ay", "0.5")
@@ -168,6 +188,10 @@ def test_malformed_line_is_named(line, word):
     (("--ax", "0.1"), "go together"),
     (("--ex", "5", "--ax", "0.1", "--ay", "0.1"), "not both"),
     (("--f0", "2"), "out of range"),
+    (("--f82", "0.5"), "--f0 and --f82"),
+    (("--eta", "0.5"), "--eta and --k"),
+    (("--eta", "0.5", "--k", "3", "--f0", "1"), "--eta and --k"),
+    (("--eta", "0", "--k", "3"), "out of range"),
     (("--what", "g"), "D or f"),
     (("--precision", "half"), "float"),
     (("--colour", "1"), "unknown option"),

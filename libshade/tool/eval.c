@@ -48,6 +48,8 @@ static void usage(FILE *to) {
         "  --ax A --ay A            or roughness alphas, 1e-4 to 10\n"
         "  --f0 F                   reflectance at normal incidence (Schlick); Fresnel is 1 "
         "without it\n"
+        "  --f82 T                  with --f0: share of Schlick's value left at 82 degrees\n"
+        "  --eta N --k K            or a conductor's complex index of refraction\n"
         "  --precision float|double|reference   (default double)\n\n"
         "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
         "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
@@ -101,7 +103,7 @@ static int set_choice(query *q, shade_list list, const char *word) {
 /* Returns TOOL_DONE, or the exit status after printing why; *help asks for the usage text. */
 static int read_options(query *q, int argc, char **argv, int *help) {
   double ex = q->params.ex, ey = q->params.ey, ax = 0, ay = 0;
-  int exponents = 0, alphas = 0;
+  int exponents = 0, alphas = 0, fresnel[SHADE_FRESNEL_COUNT] = {0};
   for (int i = 1; i < argc; i++) {
     const char *option = argv[i];
     if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
@@ -125,7 +127,10 @@ static int read_options(query *q, int argc, char **argv, int *help) {
                    {"--ey", &ey, &exponents},
                    {"--ax", &ax, &alphas},
                    {"--ay", &ay, &alphas},
-                   {"--f0", &q->params.f0[0], NULL}};
+                   {"--f0", &q->params.f0[0], &fresnel[SHADE_FRESNEL_SCHLICK]},
+                   {"--f82", &q->params.f82[0], &fresnel[SHADE_FRESNEL_F82]},
+                   {"--eta", &q->params.eta[0], &fresnel[SHADE_FRESNEL_CONDUCTOR]},
+                   {"--k", &q->params.k[0], &fresnel[SHADE_FRESNEL_CONDUCTOR]}};
     int done = 0;
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
       if (strcmp(option, numbers[k].name))
@@ -133,10 +138,7 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       done = 1;
       if (!read_number(value, numbers[k].target))
         return bad_usage(option, value, "a number");
-      if (numbers[k].given)
-        *numbers[k].given |= 1 << (numbers[k].name[3] == 'y');
-      else
-        q->params.fresnel = SHADE_FRESNEL_SCHLICK;
+      *numbers[k].given |= 1 << (numbers[k].name[3] == 'y' || numbers[k].name[2] == 'k');
     }
     for (int list = 0; !done && list < SHADE_LIST_FRESNEL; list++) {
       if (strcmp(option + 2, shade_list_name((shade_list)list)))
@@ -165,7 +167,16 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       return TOOL_BAD_USAGE;
     }
   }
-  q->params.f0[1] = q->params.f0[2] = q->params.f0[0];
+  const int schlick = fresnel[SHADE_FRESNEL_SCHLICK], f82 = fresnel[SHADE_FRESNEL_F82];
+  const int conductor = fresnel[SHADE_FRESNEL_CONDUCTOR];
+  if ((f82 && !schlick) || (conductor && (conductor != 3 || schlick))) {
+    fputs("shade eval: Fresnel is --f0, or --f0 and --f82, or --eta and --k\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  q->params.fresnel = conductor ? SHADE_FRESNEL_CONDUCTOR
+                      : f82     ? SHADE_FRESNEL_F82
+                      : schlick ? SHADE_FRESNEL_SCHLICK
+                                : SHADE_FRESNEL_NONE;
   if (exponents && alphas) {
     fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
     return TOOL_BAD_USAGE;
@@ -176,8 +187,11 @@ static int read_options(query *q, int argc, char **argv, int *help) {
   }
   unsigned status = alphas ? shade_params_set_alphas(&q->params, ax, ay)
                            : shade_params_set_exponents(&q->params, ex, ey);
-  if (status & SHADE_CLAMPED_PARAMETER || !(q->params.f0[0] >= 0 && q->params.f0[0] <= 1)) {
-    fputs("shade eval: out of range: exponents are 0 to 1e6, alphas 1e-4 to 10, f0 0 to 1\n",
+  shade_bsdf unused;
+  status |= shade_bsdf_setup(&unused, &q->params);
+  if (status & SHADE_CLAMPED_PARAMETER) {
+    fputs("shade eval: out of range: exponents are 0 to 1e6, alphas 1e-4 to 10, f0 and f82 0 to 1, "
+          "eta 1e-3 to 100, k 0 to 100\n",
           stderr);
     return TOOL_BAD_USAGE;
   }

@@ -59,7 +59,9 @@
 /* Reflectance against angle. */
 #define SHADE_TABLE_FRESNEL(ROW)                                                                   \
   ROW(NONE, none, 0, "None", "The colour at every angle")                                          \
-  ROW(SCHLICK, schlick, 1, "Schlick", "The colour at normal incidence, white at grazing angles")
+  ROW(SCHLICK, schlick, 1, "Schlick", "The colour at normal incidence, white at grazing angles")   \
+  ROW(F82, f82, 2, "F0 and F82", "Schlick's, darkened towards 82 degrees as metals are")           \
+  ROW(CONDUCTOR, conductor, 3, "Conductor", "Exact, from a metal's complex index of refraction")
 
 /* Parameters of a material. */
 #define SHADE_TABLE_PARAMS(ROW)                                                                    \
@@ -67,6 +69,36 @@
   ROW(ey, REAL, "", 0.0, 1e6, 10.0, "Exponent across the tangent; larger is narrower")             \
   ROW(ax, REAL, "", 1e-4, 10.0, 0.099503719, "Roughness alpha along the tangent")                  \
   ROW(ay, REAL, "", 1e-4, 10.0, 0.40824829, "Roughness alpha across the tangent")                  \
-  ROW(f0, COLOUR, "", 0.0, 1.0, 1.0, "Reflectance at normal incidence, linear RGB")
+  ROW(f0, COLOUR, "", 0.0, 1.0, 1.0, "Reflectance at normal incidence, linear RGB")                \
+  ROW(f82, COLOUR, "", 0.0, 1.0, 1.0, "Share of Schlick's value left at 82 degrees, linear RGB")   \
+  ROW(eta, COLOUR, "", 1e-3, 100.0, 0.5, "Conductor's index of refraction, for red, green, blue")  \
+  ROW(k, COLOUR, "", 0.0, 100.0, 3.0, "Conductor's extinction, for red, green, blue")
+
+/*
+ * Measured metals: ROW(ENUM_NAME, word, label, eta r, g, b, k r, g, b), complex index of
+ * refraction at 650, 550 and 450 nm, interpolated linearly in the published tables.
+ * [JohnsonChristy1972] silver, gold, copper; [JohnsonChristy1974] iron, chromium, titanium;
+ * [Rakic1995] aluminium.
+ */
+#define SHADE_TABLE_METALS(ROW)                                                                    \
+  ROW(SILVER, silver, "Silver", 0.05222, 0.05958, 0.04, 4.409, 3.597, 2.648)                       \
+  ROW(GOLD, gold, "Gold", 0.1556, 0.4241, 1.383, 3.602, 2.472, 1.915)                              \
+  ROW(COPPER, copper, "Copper", 0.2378, 1.007, 1.24, 3.626, 2.582, 2.393)                          \
+  ROW(ALUMINIUM, aluminium, "Aluminium", 1.558, 1.015, 0.6332, 7.712, 6.627, 5.454)                \
+  ROW(IRON, iron, "Iron", 2.911, 2.95, 2.584, 3.089, 2.932, 2.767)                                 \
+  ROW(CHROMIUM, chromium, "Chromium", 3.107, 3.181, 2.323, 3.331, 3.329, 3.135)                    \
+  ROW(TITANIUM, titanium, "Titanium", 2.741, 2.542, 2.267, 3.814, 3.435, 3.038)
+
+/* How other programs state roughness and anisotropy: ROW(ENUM_NAME, word, value, label, help). */
+#define SHADE_TABLE_ROUGHNESS(ROW)                                                                 \
+  ROW(BLENDER_PRINCIPLED, blender_principled, 0, "Blender Principled",                             \
+      "Roughness and Anisotropic of the Principled BSDF, 2.79 to 5.0")                             \
+  ROW(BLENDER_GLOSSY, blender_glossy, 1, "Blender Glossy",                                         \
+      "Roughness and Anisotropy of the Glossy and Anisotropic BSDFs, 2.80 to 5.0")                 \
+  ROW(BLENDER_GLOSSY_2_79, blender_glossy_2_79, 2, "Blender Glossy before 2.80",                   \
+      "The same when the roughness was not yet squared")                                           \
+  ROW(GLTF, gltf, 3, "glTF", "roughnessFactor and KHR_materials_anisotropy's strength")            \
+  ROW(MATERIALX, materialx, 4, "MaterialX", "The roughness_anisotropy node")                       \
+  ROW(OPENPBR, openpbr, 5, "OpenPBR", "specular_roughness and specular_roughness_anisotropy")
 
 #endif
