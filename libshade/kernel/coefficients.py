@@ -74,6 +74,16 @@ def erfcx(a):
     return (a * a).exp() - 2 / PI.sqrt() * total
 
 
+def atan_rest(z):
+    """(atan(s) - s) / s^3 at z = s^2, z < 1/5."""
+    total, term, n = Decimal(0), Decimal(-1), 3
+    while abs(term) > Decimal(10) ** -60:
+        total += term / n
+        term *= -z
+        n += 2
+    return total
+
+
 def worst(error, low, high, steps=2000):
     return max(abs(error(low + (high - low) * i / steps)) for i in range(steps + 1))
 
@@ -105,7 +115,10 @@ print("#ifndef SHADE_COEFFICIENTS_H\n#define SHADE_COEFFICIENTS_H\n")
 # s = f/(2+f), 1+f in [sqrt(1/2), sqrt(2)]: |s| <= 3 - 2 sqrt(2)
 LIMIT = (3 - 2 * Decimal(2).sqrt()) ** 2
 HALF = LN2 / 2 * Decimal("1.001")
-for single, tag, log_terms, exp_terms, erfcx_terms in ((True, "F", 3, 5, 9), (False, "D", 8, 12, 18)):
+for single, tag, log_terms, exp_terms, erfcx_terms, atan_terms in (
+    (True, "F", 3, 5, 9, 5),
+    (False, "D", 8, 12, 18, 12),
+):
 
     def log_error(z, p):
         return (p - atanh_rest(z)) * z / (2 + atanh_rest(z) * z)
@@ -117,6 +130,10 @@ for single, tag, log_terms, exp_terms, erfcx_terms in ((True, "F", 3, 5, 9), (Fa
          "log((1+s)/(1-s)) = 2s + s^3 P(s^2)")
     emit(f"SHADE_EXP_{tag}", exp_rest, -HALF, HALF, exp_terms, single, exp_error,
          "exp(r) = 1 + r + r^2 P(r)")
+    emit(f"SHADE_ATAN_{tag}", atan_rest, Decimal(0), (Decimal(2).sqrt() - 1) ** 2, atan_terms, single,
+         lambda z, p: (p - atan_rest(z)) * z / (1 + atan_rest(z) * z),
+         "atan(s) = s + s^3 P(s^2), s <= tan(pi/8)")
+
     # y = 1/(1 + 0.3 a) from 1 down to where exp(-a^2) leaves nothing of Beckmann's Lambda
     least = 1 / (1 + Decimal("0.3") * (Decimal("4.2") if single else 6))
     middle = Decimal(rounded((1 + least) / 2, single))

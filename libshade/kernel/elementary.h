@@ -87,3 +87,24 @@ LEAF real FN(root)(real x) {
   return sqrt(x);
 #endif
 }
+
+/*
+ * The angle of (x, y) from the x axis, y >= 0: 0 to pi. 0 at the origin.
+ * Worst absolute error: 3e-7 (float), 5e-16 (double).
+ */
+LEAF real FN(angle_of)(real y, real x) {
+  const real pi = R(3.14159265358979323846);
+  real ax = x < 0 ? -x : x;
+  real low = FN(minimum)(y, ax), high = FN(maximum)(y, ax);
+  int steep = low > R(0.41421356237309504880) * high; /* tan(pi/8) */
+  real top = steep ? low - high : low, bottom = steep ? low + high : high;
+  real s = top / FN(maximum)(bottom, TINY);
+#if SHADE_FLOAT
+  real a = s + s * (s * s) * SHADE_ATAN_F((s * s));
+#else
+  real a = s + s * (s * s) * SHADE_ATAN_D((s * s));
+#endif
+  a = steep ? a + pi / 4 : a;
+  a = y > ax ? pi / 2 - a : a;
+  return x < 0 ? pi - a : a;
+}

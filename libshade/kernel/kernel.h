@@ -11,11 +11,13 @@
 #include "leaf_distribution.h"
 #include "leaf_brdf.h"
 #include "leaf_fresnel.h"
+#include "leaf_diffuse.h"
 #include "leaf_repair.h"
 #include "pass_repair.h"
 #include "pass_detail.h"
 #include "pass_distribution.h"
 #include "pass_brdf.h"
+#include "pass_diffuse.h"
 
 static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
                                      const real *ny, const real *nz, const real *hx, const real *hy,
@@ -39,6 +41,26 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
     status |= block;
   }
   return status;
+}
+
+/* kd of channel c, less what Ashikhmin and Shirley give to the specular part. */
+static inline real FN(diffuse_scale)(const shade_bsdf *b, int c) {
+  return b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? b->FN(kd)[c] * (1 - b->FN(f0)[c])
+                                                       : b->FN(kd)[c];
+}
+
+/* q = Phi/(pi cos) of a block; v as in kernel_bsdf_batch, ly and vy are scratch. */
+static void FN(diffuse_block)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+                              const real *cosi, const real *coso, real *ly, real *vy, real *q) {
+  const int x = b->fibres_along_y, y = !x; /* the fibre's axis, and the other */
+  if (b->map == SHADE_MAP_NONE) {
+    memcpy(ly, v[1][y], size * sizeof *ly);
+    memcpy(vy, v[2][y], size * sizeof *vy);
+  } else {
+    FN(pass_across)(size, v[0][x], v[0][y], v[0][2], v[1][x], v[1][y], v[1][2], ly);
+    FN(pass_across)(size, v[0][x], v[0][y], v[0][2], v[2][x], v[2][y], v[2][2], vy);
+  }
+  FN(pass_diffuse)(b, size, ly, cosi, vy, coso, q);
 }
 
 static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
@@ -77,12 +99,19 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
       }
     FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
     FN(pass_schlick)(size, grazing, hwo, white);
+    if (b->has_diffuse)
+      FN(diffuse_block)(b, size, v, cosi, coso, xx, yy, t);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
-          d[i] = cosi[i] = 0;
+          d[i] = cosi[i] = t[i] = 0;
     for (int c = 0; c < 3; c++)
       FN(pass_channel)(b, c, size, f0[c] ? f0[c] + start : NULL, d, hwo, white, rgb[c] + start);
+    for (int c = 0; c < 3 && b->has_diffuse; c++)
+      if (f0[c] && b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY)
+        FN(pass_add_diffuse_textured)(size, b->FN(kd)[c], f0[c] + start, t, rgb[c] + start);
+      else
+        FN(pass_add_diffuse)(size, FN(diffuse_scale)(b, c), t, rgb[c] + start);
     status |= block;
   }
   return status;
@@ -134,5 +163,26 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   real value = FN(brdf)(b, d, a);
   for (int c = 0; c < 3; c++)
     f[c] = value * FN(fresnel)(b, c, hwo);
+  if (b->has_diffuse) {
+    const int x = b->fibres_along_y, y = !x;
+    real ly = FN(across_fibre)(n[x], n[y], n[2], wi[x], wi[y], wi[2]);
+    real vy = FN(across_fibre)(n[x], n[y], n[2], wo[x], wo[y], wo[2]);
+    real phi = FN(diffuse_phi)(b->diffuse, ly, cosi, vy, coso);
+    real q = phi * R(0.31830988618379067154) / FN(maximum)(cosi, R(1e-20));
+    for (int c = 0; c < 3; c++)
+      f[c] += FN(diffuse_scale)(b, c) * q;
+  }
   return status;
+}
+
+/* Phi in the fibre's own frame, by the contract of shade_diffuse_eval. */
+static real FN(kernel_diffuse)(shade_diffuse model, const real l_in[3], const real v_in[3]) {
+  real l[3] = {l_in[0], l_in[1], l_in[2]}, v[3] = {0, 0, 1};
+  int sees = model == SHADE_DIFFUSE_FIBRE_VIEW || model == SHADE_DIFFUSE_POULIN_FOURNIER ||
+             model == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  if (sees)
+    memcpy(v, v_in, sizeof v);
+  if ((FN(mend_if_needed)(l, 0) | FN(mend_if_needed)(v, 0)) & SHADE_BAD_INPUT)
+    return 0;
+  return l[2] > 0 && v[2] > 0 ? FN(diffuse_phi)(model, l[1], l[2], v[1], v[2]) : 0;
 }

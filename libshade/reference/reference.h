@@ -26,4 +26,10 @@ void shade_ref_carried(const shade_params *p, const double n[3], const double h[
 unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3],
                      const double wo[3], double f[3], double *cosine);
 
+/*
+ * Phi by the contract of shade_diffuse_eval, the fibre models by quadrature.
+ * poulin_fournier is the real one: a layer of touching fibres that shade and hide each other.
+ */
+double shade_ref_diffuse(shade_diffuse model, const double l[3], const double v[3]);
+
 #endif

@@ -19,6 +19,7 @@ static const list_row brdf_rows[] = {SHADE_TABLE_BRDF(LIST_ROW)};
 static const list_row detail_rows[] = {SHADE_TABLE_DETAIL(LIST_ROW)};
 static const list_row groove_rows[] = {SHADE_TABLE_GROOVE(LIST_ROW)};
 static const list_row fresnel_rows[] = {SHADE_TABLE_FRESNEL(LIST_ROW)};
+static const list_row diffuse_rows[] = {SHADE_TABLE_DIFFUSE(LIST_ROW)};
 
 static const struct {
   const char *name;
@@ -30,6 +31,7 @@ static const struct {
     [SHADE_LIST_DETAIL] = {"detail", detail_rows, SHADE_DETAIL_COUNT},
     [SHADE_LIST_GROOVE] = {"groove", groove_rows, SHADE_GROOVE_COUNT},
     [SHADE_LIST_FRESNEL] = {"fresnel", fresnel_rows, SHADE_FRESNEL_COUNT},
+    [SHADE_LIST_DIFFUSE] = {"diffuse", diffuse_rows, SHADE_DIFFUSE_COUNT},
 };
 
 #define COMPONENTS_REAL 1
@@ -127,6 +129,7 @@ void shade_params_init(shade_params *p) {
     p->f82[c] = params[PARAM_f82].initial;
     p->eta[c] = params[PARAM_eta].initial;
     p->k[c] = params[PARAM_k].initial;
+    p->kd[c] = params[PARAM_kd].initial;
   }
   shade_params_set_exponents(p, params[PARAM_ex].initial, params[PARAM_ey].initial);
 }
@@ -287,6 +290,7 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   b->brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p->brdf, &status);
   b->detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p->detail, &status);
   b->fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p->fresnel, &status);
+  b->diffuse = (shade_diffuse)choice(SHADE_LIST_DIFFUSE, (int)p->diffuse, &status);
   int groove = choice(SHADE_LIST_GROOVE, (int)p->groove, &status);
 
   if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
@@ -307,6 +311,7 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
   if (b->detail == SHADE_DETAIL_AUTO)
     b->detail = choose_detail(b);
+  b->fibres_along_y = groove_y;
   b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
   b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
 
@@ -324,6 +329,9 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
       b->tint[c] = clamp(PARAM_eta, p->eta[c], &status);
       b->k[c] = clamp(PARAM_k, p->k[c], &status);
     }
+    b->kd[c] = clamp(PARAM_kd, p->kd[c], &status);
+    b->has_diffuse |= b->kd[c] > 0;
+    b->kdf[c] = (float)b->kd[c];
     b->tintf[c] = (float)b->tint[c];
     b->kf[c] = (float)b->k[c];
   }
@@ -393,6 +401,7 @@ int shade_params_json(const shade_params *p, int id, const char *name, char *buf
   put_choice(&t, SHADE_LIST_DETAIL, (int)p->detail);
   put_choice(&t, SHADE_LIST_GROOVE, (int)p->groove);
   put_choice(&t, SHADE_LIST_FRESNEL, (int)p->fresnel);
+  put_choice(&t, SHADE_LIST_DIFFUSE, (int)p->diffuse);
   put_number(&t, ", \"ex\": ", p->ex);
   put_number(&t, ", \"ey\": ", p->ey);
   put_number(&t, ", \"ax\": ", p->ax);
@@ -401,6 +410,7 @@ int shade_params_json(const shade_params *p, int id, const char *name, char *buf
   put_colour(&t, "f82", p->f82);
   put_colour(&t, "eta", p->eta);
   put_colour(&t, "k", p->k);
+  put_colour(&t, "kd", p->kd);
   put(&t, "}");
   if (capacity)
     buffer[t.length < capacity ? t.length : capacity - 1] = 0;

@@ -86,9 +86,25 @@ static void smith(void **state) {
   assert_true(smith_gaussian(0) == 1 && smith_gaussianf(0) == 1);
 }
 
+static void angle(void **state) {
+  (void)state;
+  double worst = 0, worstf = 0;
+  for (double a = 0; a <= PI; a += 1e-6) {
+    double y = fabs(sin(a)), x = cos(a);
+    float yf = (float)y, xf = (float)x;
+    worst = fmax(worst, fabs((double)(angle_of(y, x) - atan2l(y, x))));
+    worstf =
+        fmax(worstf, fabs((double)((long double)angle_off(yf, xf) - atan2l((long double)yf, xf))));
+  }
+  print_message("angle: worst absolute error double %.2e, float %.2e\n", worst, worstf);
+  assert_true(worst <= 6e-16);
+  assert_true(worstf <= 3e-7);
+  assert_true(angle_of(0, 0) == 0 && angle_of(0, 1e-200) == 0 && angle_off(0, 0) == 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(log1p_float), cmocka_unit_test(log1p_double),
-                                     cmocka_unit_test(exp_float), cmocka_unit_test(exp_double),
-                                     cmocka_unit_test(smith)};
+                                     cmocka_unit_test(exp_float),   cmocka_unit_test(exp_double),
+                                     cmocka_unit_test(smith),       cmocka_unit_test(angle)};
   return cmocka_run_group_tests_name("elementary", tests, NULL, NULL);
 }

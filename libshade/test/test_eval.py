@@ -150,6 +150,41 @@ def test_fresnel_of_metals(precision):
         [0.6, 0.7 * schlick], rel=tolerance)
 
 
+# l = (0.6, 0.64, 0.48), v = z. fibre-view: ((pi - psi) C + S) / 4, C = 0.48, S = 0.64, psi = angle
+DIFFUSE = {
+    "lambert": 0.48,
+    "max-normal": 0.8,
+    "fibre": (0.8 + 0.48) / math.pi,
+    "fibre-view": ((math.pi - math.atan2(0.64, 0.48)) * 0.48 + 0.64) / 4,
+    "ashikhmin-shirley": 28 / 23 * (1 - 0.76**5) * (31 / 32) * 0.48,
+}
+
+
+@pytest.mark.parametrize("model", DIFFUSE)
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_diffuse_by_hand(model, precision):
+    line = (0.6, 0.64, 0.48) + ((0, 0, 1) if model in ("fibre-view", "ashikhmin-shirley") else ())
+    (got,) = evaluate([line], "--what", "diffuse", "--diffuse", model, "--precision", precision)
+    assert got == pytest.approx(DIFFUSE[model], rel=PRECISIONS[precision])
+
+
+def test_diffuse_part_of_f():
+    query = [(0, 0, 1, 0, 0.6, 0.8, 0.6, 0, 0.8)]
+    plain, with_fibres = (evaluate(query, "--what", "f", "--diffuse", "fibre", *more)[0]
+                          for more in ((), ("--kd", "0.5")))
+    assert with_fibres - plain == pytest.approx(0.5 * (0.8 + 1) / math.pi**2 / 0.8, rel=1e-12)
+
+
+def test_poulin_fournier_is_in_the_reference():
+    """Touching neighbours: nothing hidden from above; the library proper gives fibre_view."""
+    above, slanted = (0, 0, 1, 0, 0, 1), (0, 0.96, 0.28, 0, 0, 1)
+    true = evaluate([above, slanted], "--what", "diffuse", "--diffuse", "poulin-fournier",
+                    "--precision", "reference")
+    assert true[0] == pytest.approx(math.pi / 4, rel=1e-12)
+    alone = evaluate([slanted], "--what", "diffuse", "--diffuse", "fibre-view")
+    assert true[1] < alone[0]
+
+
 def test_alphas_are_exponents():
     query = [unit(0.1, 0.2, 1) + unit(0.2, 0.1, 1)]
     by_alpha = evaluate(query, "--ax", "0.1", "--ay", "0.5")
@@ -192,7 +227,8 @@ def test_malformed_line_is_named(line, word):
     (("--eta", "0.5"), "--eta and --k"),
     (("--eta", "0.5", "--k", "3", "--f0", "1"), "--eta and --k"),
     (("--eta", "0", "--k", "3"), "out of range"),
-    (("--what", "g"), "D or f"),
+    (("--what", "g"), "D, f or diffuse"),
+    (("--diffuse", "velvet"), "max_normal"),
     (("--precision", "half"), "float"),
     (("--colour", "1"), "unknown option"),
     (("--ex",), "lacks its value"),

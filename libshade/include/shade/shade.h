@@ -48,6 +48,9 @@ extern "C" {
 #define SHADE_ROUGHNESS_ROW_(NAME, word, value, label, help)                                       \
   SHADE_ENUM_ROW_(SHADE_ROUGHNESS_, NAME, value)
 
+#define SHADE_DIFFUSE_ROW_(NAME, word, value, label, help)                                         \
+  SHADE_ENUM_ROW_(SHADE_DIFFUSE_, NAME, value)
+
 typedef enum shade_mdf { SHADE_TABLE_MDF(SHADE_MDF_ROW_) SHADE_MDF_COUNT } shade_mdf;
 typedef enum shade_brdf { SHADE_TABLE_BRDF(SHADE_BRDF_ROW_) SHADE_BRDF_COUNT } shade_brdf;
 typedef enum shade_detail { SHADE_TABLE_DETAIL(SHADE_DETAIL_ROW_) SHADE_DETAIL_COUNT } shade_detail;
@@ -56,6 +59,9 @@ typedef enum shade_fresnel {
   SHADE_TABLE_FRESNEL(SHADE_FRESNEL_ROW_) SHADE_FRESNEL_COUNT
 } shade_fresnel;
 
+typedef enum shade_diffuse {
+  SHADE_TABLE_DIFFUSE(SHADE_DIFFUSE_ROW_) SHADE_DIFFUSE_COUNT
+} shade_diffuse;
 typedef enum shade_roughness {
   SHADE_TABLE_ROUGHNESS(SHADE_ROUGHNESS_ROW_) SHADE_ROUGHNESS_COUNT
 } shade_roughness;
@@ -67,6 +73,7 @@ typedef enum shade_list {
   SHADE_LIST_DETAIL,
   SHADE_LIST_GROOVE,
   SHADE_LIST_FRESNEL,
+  SHADE_LIST_DIFFUSE,
   SHADE_LIST_COUNT
 } shade_list;
 
@@ -90,10 +97,12 @@ typedef struct shade_params {
   shade_detail detail;
   shade_groove groove;
   shade_fresnel fresnel;
-  double ex, ey;       /* exponents, [0, 1e6] */
-  double ax, ay;       /* roughness alpha, [1e-4, 10] */
-  double f0[3];        /* reflectance at normal incidence, linear RGB, [0, 1] */
-  double f82[3];       /* for SHADE_FRESNEL_F82: what 82 degrees keeps of Schlick's value, [0, 1] */
+  double ex, ey; /* exponents, [0, 1e6] */
+  double ax, ay; /* roughness alpha, [1e-4, 10] */
+  double f0[3];  /* reflectance at normal incidence, linear RGB, [0, 1] */
+  double f82[3]; /* for SHADE_FRESNEL_F82: what 82 degrees keeps of Schlick's value, [0, 1] */
+  shade_diffuse diffuse;
+  double kd[3];        /* diffuse reflectance, linear RGB, [0, 1]; 0: no diffuse part */
   double eta[3], k[3]; /* for SHADE_FRESNEL_CONDUCTOR: complex index, [1e-3, 100] and [0, 100] */
 } shade_params;
 
@@ -120,12 +129,15 @@ typedef struct shade_bsdf {
   shade_brdf brdf;
   shade_detail detail;
   shade_fresnel fresnel;
-  shade_map map, shadow_map;   /* of h for D, of wi and wo for Smith's Lambda */
-  double kx, ky, peak;         /* exponents or 1/alpha^2, and D at the pole */
-  double gx, gy;               /* alpha^2 for Lambda */
+  shade_map map, shadow_map; /* of h for D, of wi and wo for Smith's Lambda */
+  double kx, ky, peak;       /* exponents or 1/alpha^2, and D at the pole */
+  double gx, gy;             /* alpha^2 for Lambda */
+  shade_diffuse diffuse;
+  int has_diffuse, fibres_along_y;
   double f0[3], tint[3], k[3]; /* tint: f82, or eta */
+  double kd[3];
   float kxf, kyf, peakf, gxf, gyf;
-  float f0f[3], tintf[3], kf[3];
+  float f0f[3], tintf[3], kf[3], kdf[3];
 } shade_bsdf;
 
 /* Set every member of *p to the table's default. */
@@ -194,6 +206,10 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * A picture is f * cosine * irradiance. f is 0 where n.wi, n.wo, wi.z or wo.z
  * is <= 0. Returns status bits.
  *
+ * f includes the diffuse part kd Phi/(pi cos), with fibres along the groove axis of the
+ * frame that `rotate` makes of n, whatever the detail method (`none`: n = z). Phi of the
+ * fibre models does not vanish with the cosine: f grows without bound there, f cos does not.
+ *
  * Fresnel of the angle between wi and h: none (F = f0), Schlick from f0, Schlick with the
  * reflectance at 82 degrees (cos = 1/7) scaled by f82, or the exact unpolarised value of
  * eta + i k against air, which ignores f0. [Schlick1994; Kutz2021; BornWolf1999]
@@ -208,6 +224,20 @@ SHADE_API unsigned shade_bsdf_eval(const shade_bsdf *b, const double n[3], const
                                    const double wo[3], double f[3], double *cosine);
 SHADE_API unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const float wi[3],
                                     const float wo[3], float f[3], float *cosine);
+
+/*
+ * Phi of a diffuse model in the fibre's frame: x along the fibre, z the normal; f cos =
+ * kd Phi/pi, Lambert's Phi is l.z. l to the light, v to the eye, unit (v is read by
+ * fibre_view and ashikhmin_shirley only). 0 for l.z <= 0, and for v.z <= 0 where v is read;
+ * 0 for non-finite input. Ashikhmin-Shirley's lacks its factor 1 - f0; poulin_fournier gives
+ * fibre_view. With fibres along t and light l:
+ *   max_normal  sqrt(1 - (l.t)^2)                        albedo up to pi/2: scale it by 2/pi
+ *   fibre       (sqrt(1 - (l.t)^2) + n.l)/pi             up to 0.818
+ *   fibre_view  the same weighted by n'.v, n' on the arc up to 0.893
+ * [Hast2004, with the sign and normalisation corrected; PoulinFournier1990; AshikhminShirley2000]
+ */
+SHADE_API double shade_diffuse_eval(shade_diffuse model, const double l[3], const double v[3]);
+SHADE_API float shade_diffuse_evalf(shade_diffuse model, const float l[3], const float v[3]);
 
 /* Inputs of a batch: one array per component, `count` long each. */
 typedef struct shade_lanes {

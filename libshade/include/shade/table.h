@@ -63,6 +63,18 @@
   ROW(F82, f82, 2, "F0 and F82", "Schlick's, darkened towards 82 degrees as metals are")           \
   ROW(CONDUCTOR, conductor, 3, "Conductor", "Exact, from a metal's complex index of refraction")
 
+/* Diffuse reflection of fibres along the grooves; Phi, where f cos = kd Phi / pi. */
+#define SHADE_TABLE_DIFFUSE(ROW)                                                                   \
+  ROW(LAMBERT, lambert, 0, "Lambert", "The cosine: no fibres")                                     \
+  ROW(MAX_NORMAL, max_normal, 1, "Maximum normal",                                                 \
+      "The fibre's normal that faces the light most; brighter than energy allows")                 \
+  ROW(FIBRE, fibre, 2, "Fibre", "Mean over the upper half of the fibre")                           \
+  ROW(FIBRE_VIEW, fibre_view, 3, "Fibre (view)", "Mean over what the eye sees of the fibre")       \
+  ROW(POULIN_FOURNIER, poulin_fournier, 4, "Poulin-Fournier",                                      \
+      "With the neighbours' shadows, by quadrature: reference only, shaded as fibre_view")         \
+  ROW(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 5, "Ashikhmin-Shirley",                                \
+      "What their specular term leaves, without fibres")
+
 /* Parameters of a material. */
 #define SHADE_TABLE_PARAMS(ROW)                                                                    \
   ROW(ex, REAL, "", 0.0, 1e6, 200.0, "Exponent along the tangent; larger is narrower")             \
@@ -72,7 +84,8 @@
   ROW(f0, COLOUR, "", 0.0, 1.0, 1.0, "Reflectance at normal incidence, linear RGB")                \
   ROW(f82, COLOUR, "", 0.0, 1.0, 1.0, "Share of Schlick's value left at 82 degrees, linear RGB")   \
   ROW(eta, COLOUR, "", 1e-3, 100.0, 0.5, "Conductor's index of refraction, for red, green, blue")  \
-  ROW(k, COLOUR, "", 0.0, 100.0, 3.0, "Conductor's extinction, for red, green, blue")
+  ROW(k, COLOUR, "", 0.0, 100.0, 3.0, "Conductor's extinction, for red, green, blue")              \
+  ROW(kd, COLOUR, "", 0.0, 1.0, 0.0, "Diffuse reflectance, linear RGB")
 
 /*
  * Measured metals: ROW(ENUM_NAME, word, label, eta r, g, b, k r, g, b), complex index of
