@@ -74,6 +74,11 @@ def erfcx(a):
     return (a * a).exp() - 2 / PI.sqrt() * total
 
 
+def log_ratio(f):
+    """log(1 + f) / f."""
+    return (1 + f).ln() / f if f else Decimal(1)
+
+
 def atan_rest(z):
     """(atan(s) - s) / s^3 at z = s^2, z < 1/5."""
     total, term, n = Decimal(0), Decimal(-1), 3
@@ -159,4 +164,9 @@ for single, tag, log_terms, exp_terms, erfcx_terms, atan_terms in (
     print(f"#define SHADE_LN2_HIGH_{tag} {high:.{digits}g}{suffix}")
     print(f"#define SHADE_LN2_LOW_{tag} {low:.{digits}g}{suffix}")
     print(f"#define SHADE_LOG2E_{tag} {rounded(1 / LN2, single):.{digits}g}{suffix}\n")
+ROOT = Decimal(2).sqrt()
+emit("SHADE_LOG_FAST", log_ratio, 1 / ROOT - 1, ROOT - 1, 7, True,
+     lambda f, p: p / log_ratio(f) - 1, "log(1 + f) = f P(f), for `fast`")
+emit("SHADE_EXP_FAST", exp_rest, -HALF, HALF, 3, True, lambda r, p: (p - exp_rest(r)) * r * r / r.exp(),
+     "exp(r) = 1 + r + r^2 P(r), for `fast`")
 print("#endif")

@@ -19,6 +19,34 @@
 #include "pass_brdf.h"
 #include "pass_diffuse.h"
 
+#if SHADE_FLOAT
+#include "leaf_fast.h"
+#include "pass_fast.h"
+#endif
+
+/* Unit n and h to D; t, xx and yy are scratch. */
+static void FN(pass_lobe)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+                          const real *nz, const real *hx, const real *hy, const real *hz, real *t,
+                          real *xx, real *yy, real *d) {
+#if SHADE_FLOAT
+  if (b->fast) {
+    pass_fast(b, count, nx, ny, nz, hx, hy, hz, d);
+    return;
+  }
+#endif
+  FN(pass_detail)(b->map, count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+  FN(pass_distribution)(b, count, t, xx, yy, d);
+}
+
+/* The same for one sample. */
+static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real hy, real hz) {
+#if SHADE_FLOAT
+  if (b->fast)
+    return fast(b, n, hx, hy, hz);
+#endif
+  return FN(distribution)(b, FN(detail)(b->map, n, hx, hy, hz));
+}
+
 static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
                                      const real *ny, const real *nz, const real *hx, const real *hy,
                                      const real *hz, real *out) {
@@ -30,8 +58,8 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
     const real *v[2][3] = {{nx + start, ny + start, nz + start},
                            {hx + start, hy + start, hz + start}};
     unsigned block = FN(mend_block)(size, 2, v, &room);
-    FN(pass_detail)(b->map, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy);
-    FN(pass_distribution)(b, size, t, xx, yy, d);
+    FN(pass_lobe)
+    (b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy, d);
     for (size_t i = 0; i < size; i++)
       out[start + i] = d[i];
     if (block & SHADE_BAD_INPUT)
@@ -125,7 +153,7 @@ static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const re
   unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
   *d = 0;
   if (!(status & SHADE_BAD_INPUT))
-    *d = FN(distribution)(b, FN(detail)(b->map, n, h[0], h[1], h[2]));
+    *d = FN(lobe)(b, n, h[0], h[1], h[2]);
   return status;
 }
 

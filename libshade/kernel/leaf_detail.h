@@ -20,6 +20,26 @@ LEAF FN(lobe_point) FN(lobe_at)(real xx, real yy, real zz, int above) {
   return p;
 }
 
+/* n x h, whose length is the sine, and n . h. */
+typedef struct FN(cross_and_dot) {
+  real x, y, z, d;
+} FN(cross_and_dot);
+
+LEAF FN(cross_and_dot) FN(cross_and_dot_of)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(cross_and_dot) c;
+  c.x = ny * hz - nz * hy;
+  c.y = nz * hx - nx * hz;
+  c.z = nx * hy - ny * hx;
+  c.d = nx * hx + ny * hy + nz * hz;
+  return c;
+}
+
+/* tan^2 of the angle between n and h, or -1: the t of a lobe_point. */
+LEAF real FN(tan2)(FN(cross_and_dot) c) {
+  real t = (c.x * c.x + c.y * c.y + c.z * c.z) / FN(maximum)(c.d * c.d, TINY);
+  return c.d > 0 ? t : -1;
+}
+
 /* The perturbed normal is ignored. */
 LEAF FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
   return FN(lobe_at)(hx * hx, hy * hy, hz * hz, hz > 0);
@@ -32,14 +52,10 @@ LEAF FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
  */
 LEAF FN(lobe_point) FN(detail_perturb_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(lobe_point) p;
-  real cx = ny * hz - nz * hy;
-  real cy = nz * hx - nx * hz;
-  real cz = nx * hy - ny * hx;
-  real d = nx * hx + ny * hy + nz * hz;
-  real t = (cx * cx + cy * cy + cz * cz) / FN(maximum)(d * d, TINY);
+  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
   p.xx = hx * hx;
   p.yy = hy * hy;
-  p.t = d > 0 ? t : -1;
+  p.t = FN(tan2)(c);
   return p;
 }
 
@@ -51,9 +67,10 @@ LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real 
   FN(lobe_point) p = FN(detail_perturb_ratio)(nx, ny, nz, hx, hy, hz);
   real radius = p.xx + p.yy;
   int pole = !(radius > TINY);
-  real scale = FN(maximum)(p.t, 0) / (pole ? 1 : radius);
-  p.xx = (pole ? R(0.5) : p.xx) * scale;
-  p.yy = (pole ? R(0.5) : p.yy) * scale;
+  real inverse = 1 / (pole ? 1 : radius); /* t / radius could overflow */
+  real t = FN(maximum)(p.t, 0);
+  p.xx = (pole ? R(0.5) : p.xx * inverse) * t;
+  p.yy = (pole ? R(0.5) : p.yy * inverse) * t;
   return p;
 }
 
@@ -81,13 +98,10 @@ LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real h
 
 /* The smallest rotation that brings z to n, applied to n x h: its sine is kept, not lost. */
 LEAF FN(lobe_point) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  real cx = ny * hz - nz * hy;
-  real cy = nz * hx - nx * hz;
-  real cz = nx * hy - ny * hx;
-  real d = nx * hx + ny * hy + nz * hz;
-  real turn = cz / (1 + nz);
-  real x = cy - ny * turn, y = cx - nx * turn;
-  return FN(lobe_at)(x * x, y * y, d * d, d > 0);
+  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
+  real turn = c.z / (1 + nz);
+  real x = c.y - ny * turn, y = c.x - nx * turn;
+  return FN(lobe_at)(x * x, y * y, c.d * c.d, c.d > 0);
 }
 
 /*
@@ -96,14 +110,10 @@ LEAF FN(lobe_point) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, 
  */
 LEAF FN(lobe_point)
     FN(detail_rotate_approximate)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  real cx = ny * hz - nz * hy;
-  real cy = nz * hx - nx * hz;
-  real cz = nx * hy - ny * hx;
-  real d = nx * hx + ny * hy + nz * hz;
-  real y = nx * cz - nz * cx;
-  FN(lobe_point) p = FN(lobe_at)(cy * cy, y * y, d * d, d > 0);
-  real t = (cx * cx + cy * cy + cz * cz) / FN(maximum)(d * d, TINY);
-  p.t = d > 0 ? t : -1;
+  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
+  real y = nx * c.z - nz * c.x;
+  FN(lobe_point) p = FN(lobe_at)(c.y * c.y, y * y, c.d * c.d, c.d > 0);
+  p.t = FN(tan2)(c);
   return p;
 }
 

@@ -315,6 +315,9 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
   b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
 
+  b->fast = p->fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
+            (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_PERTURB_RATIO ||
+             b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y);
   b->kxf = (float)b->kx;
   b->kyf = (float)b->ky;
   b->gxf = (float)b->gx;

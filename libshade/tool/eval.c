@@ -13,10 +13,15 @@
 #include "shade/shade.h"
 #include "tool/tool.h"
 
-typedef enum precision { PRECISION_FLOAT, PRECISION_DOUBLE, PRECISION_REFERENCE } precision;
+typedef enum precision {
+  PRECISION_FAST,
+  PRECISION_FLOAT,
+  PRECISION_DOUBLE,
+  PRECISION_REFERENCE
+} precision;
 typedef enum what { WHAT_D, WHAT_F, WHAT_DIFFUSE } what;
 
-static const char *const precision_words[] = {"float", "double", "reference", NULL};
+static const char *const precision_words[] = {"fast", "float", "double", "reference", NULL};
 static const char *const what_words[] = {"D", "f", "diffuse", NULL};
 
 typedef struct query {
@@ -65,7 +70,7 @@ static void usage(FILE *to) {
         "  --f82 T                  with --f0: share of Schlick's value left at 82 degrees\n"
         "  --eta N --k K            or a conductor's complex index of refraction\n"
         "  --kd K                   diffuse reflectance: f includes the diffuse part\n"
-        "  --precision float|double|reference   (default double)\n\n"
+        "  --precision fast|float|double|reference   (default double)\n\n"
         "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
         "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
         "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
@@ -171,8 +176,9 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       done = 1;
       int k = find_word(precision_words, value);
       if (k < 0)
-        return bad_usage(option, value, "float, double or reference");
+        return bad_usage(option, value, "fast, float, double or reference");
       q->precision = (precision)k;
+      q->params.fast = k == PRECISION_FAST;
     }
     if (!done && !strcmp(option, "--what")) {
       done = 1;
@@ -230,11 +236,12 @@ static double answer(const query *q, const shade_bsdf *b, const double *v) {
         model == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY && q->params.fresnel != SHADE_FRESNEL_NONE
             ? 1 - q->params.f0[0]
             : 1;
-    return left * (q->precision == PRECISION_FLOAT ? (double)shade_diffuse_evalf(model, vf, vf + 3)
+    return left * (q->precision <= PRECISION_FLOAT ? (double)shade_diffuse_evalf(model, vf, vf + 3)
                    : q->precision == PRECISION_DOUBLE ? shade_diffuse_eval(model, v, v + 3)
                                                       : shade_ref_diffuse(model, v, v + 3));
   }
   switch (q->precision) {
+  case PRECISION_FAST:
   case PRECISION_FLOAT:
     if (q->what == WHAT_D)
       return (double)shade_mdf_evalf(b, vf, vf + 3, NULL);
@@ -301,7 +308,7 @@ int shade_cmd_eval(int argc, char **argv) {
       status = TOOL_BAD_INPUT;
       break;
     }
-    printf(q.precision == PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v));
+    printf(q.precision <= PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v));
   }
   free(line);
   if (fflush(stdout) && !status) {
