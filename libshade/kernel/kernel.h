@@ -24,27 +24,23 @@
 #include "pass_fast.h"
 #endif
 
-/* Unit n and h to D; t, xx and yy are scratch. */
+/* n and h to D; h is unit for the warps. t, xx and yy are scratch. */
 static void FN(pass_lobe)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
                           const real *nz, const real *hx, const real *hy, const real *hz, real *t,
                           real *xx, real *yy, real *d) {
-#if SHADE_FLOAT
-  if (b->fast) {
-    pass_fast(b, count, nx, ny, nz, hx, hy, hz, d);
-    return;
-  }
-#endif
   FN(pass_detail)(b->map, count, nx, ny, nz, hx, hy, hz, t, xx, yy);
   FN(pass_distribution)(b, count, t, xx, yy, d);
+  if (b->conserve)
+    FN(pass_conserve)(b, count, nx, ny, nz, hx, hy, hz, d);
 }
 
 /* The same for one sample. */
 static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real hy, real hz) {
-#if SHADE_FLOAT
-  if (b->fast)
-    return fast(b, n, hx, hy, hz);
-#endif
-  return FN(distribution)(b, FN(detail)(b->map, n, hx, hy, hz));
+  real d = FN(distribution)(b, FN(detail)(b->map, n, hx, hy, hz));
+  if (b->conserve)
+    d *= FN(warp_stretch)(n[0], n[1], n[2], hx, hy, hz, b->map == SHADE_MAP_DEFORM_SMOOTH,
+                          FN(projected)(b));
+  return d;
 }
 
 static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
@@ -58,7 +54,12 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
     const real *v[2][3] = {{nx + start, ny + start, nz + start},
                            {hx + start, hy + start, hz + start}};
     unsigned block = FN(mend_block)(size, 2, v, &room);
-    FN(pass_lobe)
+#if SHADE_FLOAT
+    if (b->fast)
+      pass_fast(b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], d);
+    else
+#endif
+      FN(pass_lobe)
     (b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy, d);
     for (size_t i = 0; i < size; i++)
       out[start + i] = d[i];
@@ -111,8 +112,7 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
       status |= SHADE_BAD_INPUT;
     if (b->map >= SHADE_MAP_DEFORM_LINEAR)
       FN(pass_unit)(size, hx, hy, hz);
-    FN(pass_detail)(b->map, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy);
-    FN(pass_distribution)(b, size, t, xx, yy, d);
+    FN(pass_lobe)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy, d);
     if (b->map == SHADE_MAP_NONE)
       FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
     else
@@ -152,8 +152,15 @@ static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const re
   real h[3] = {h_in[0], h_in[1], h_in[2]};
   unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
   *d = 0;
-  if (!(status & SHADE_BAD_INPUT))
-    *d = FN(lobe)(b, n, h[0], h[1], h[2]);
+  if (status & SHADE_BAD_INPUT)
+    return status;
+#if SHADE_FLOAT
+  if (b->fast) {
+    *d = fast(b, n, h[0], h[1], h[2]);
+    return status;
+  }
+#endif
+  *d = FN(lobe)(b, n, h[0], h[1], h[2]);
   return status;
 }
 
@@ -182,7 +189,7 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
     return status;
   real hwo = FN(half_cosine)(hx, hy, hz);
   real scale = b->map >= SHADE_MAP_DEFORM_LINEAR ? FN(scale_to_unit)(hx, hy, hz) : 1;
-  real d = FN(distribution)(b, FN(detail)(b->map, n, hx * scale, hy * scale, hz * scale));
+  real d = FN(lobe)(b, n, hx * scale, hy * scale, hz * scale);
   FN(angles) a = {hwo, cosi, coso, 0, 0};
   if (b->brdf == SHADE_BRDF_MICROFACET) {
     a.li = FN(smith)(b, n, wi);

@@ -54,3 +54,34 @@ static inline real FN(distribution)(const shade_bsdf *b, FN(lobe_point) p) {
     return FN(ashikhmin_shirley)(p, kx, ky, peak);
   }
 }
+
+/* The conserving warps: d times their stretch. */
+#define STRETCH_PASS(name, smooth, projected)                                                      \
+  static void FN(pass_stretch_##name)(size_t count, const real *restrict nx,                       \
+                                      const real *restrict ny, const real *restrict nz,            \
+                                      const real *restrict hx, const real *restrict hy,            \
+                                      const real *restrict hz, real *restrict d) {                 \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] *=                                 \
+        FN(warp_stretch)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], smooth, projected);             \
+  }
+
+STRETCH_PASS(linear, 0, 0)
+STRETCH_PASS(linear_projected, 0, 1)
+STRETCH_PASS(smooth, 1, 0)
+STRETCH_PASS(smooth_projected, 1, 1)
+#undef STRETCH_PASS
+
+static int FN(projected)(const shade_bsdf *b) {
+  return b->mdf == SHADE_MDF_BECKMANN || b->mdf == SHADE_MDF_GGX;
+}
+
+static void FN(pass_conserve)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+                              const real *nz, const real *hx, const real *hy, const real *hz,
+                              real *d) {
+  if (b->map == SHADE_MAP_DEFORM_SMOOTH)
+    (FN(projected)(b) ? FN(pass_stretch_smooth_projected)
+                      : FN(pass_stretch_smooth))(count, nx, ny, nz, hx, hy, hz, d);
+  else
+    (FN(projected)(b) ? FN(pass_stretch_linear_projected)
+                      : FN(pass_stretch_linear))(count, nx, ny, nz, hx, hy, hz, d);
+}

@@ -75,8 +75,14 @@ static shade_detail method_of(const shade_params *p) {
   return round ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
+static int conserves(shade_detail detail) {
+  return detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
+         detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
+}
+
 static int is_warp(shade_detail detail) {
-  return detail == SHADE_DETAIL_DEFORM_LINEAR || detail == SHADE_DETAIL_DEFORM_SMOOTH;
+  return detail == SHADE_DETAIL_DEFORM_LINEAR || detail == SHADE_DETAIL_DEFORM_SMOOTH ||
+         conserves(detail);
 }
 
 /*
@@ -90,7 +96,9 @@ static vec warped(shade_detail detail, vec n, vec h) {
   real w = 1 - (b + sqrtl(b * b + a * c)) / c;
   if (w < 0)
     w = 0;
-  real shift = detail == SHADE_DETAIL_DEFORM_LINEAR ? w : sqrtl(w);
+  int linear =
+      detail == SHADE_DETAIL_DEFORM_LINEAR || detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING;
+  real shift = linear ? w : sqrtl(w);
   vec p = {h.x - shift * n.x, h.y - shift * n.y, 0};
   real zz = 1 - dot(p, p);
   if (h.z <= 0 || zz <= 0 || w <= 0)
@@ -130,6 +138,8 @@ static vec carried_by(shade_detail detail, const shade_params *p, vec n, vec h) 
     return (vec){n.z * h.x - n.x * h.z, h.y - n.y * dot(n, h), dot(n, h)};
   case SHADE_DETAIL_DEFORM_LINEAR:
   case SHADE_DETAIL_DEFORM_SMOOTH:
+  case SHADE_DETAIL_DEFORM_LINEAR_CONSERVING:
+  case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
     return warped(detail, n, h);
   case SHADE_DETAIL_ROTATE:
   default: {
@@ -151,7 +161,38 @@ static real square(real x) {
   return x * x;
 }
 
+/* The warped point as (x, y) of the disc changes: five-point differences. */
+static vec slope(shade_detail detail, vec n, vec h, vec along) {
+  real away = hypotl(h.x - n.x, h.y - n.y), rim = 1 - hypotl(h.x, h.y);
+  real step = 1e-3L * n.z * (away < rim ? away : rim);
+  vec at[4];
+  const real offsets[] = {-2, -1, 1, 2};
+  for (int i = 0; i < 4; i++)
+    at[i] = warped(detail, n, plus(h, scale(along, offsets[i] * step)));
+  vec near = minus(at[2], at[1]), far = minus(at[3], at[0]);
+  return scale(minus(scale(near, 8), far), 1 / (12 * step));
+}
+
+/* How much the warp stretches areas of the disc at h. */
+static real stretch(shade_detail detail, vec n, vec h) {
+  vec x = slope(detail, n, h, (vec){1, 0, 0}), y = slope(detail, n, h, (vec){0, 1, 0});
+  return x.x * y.y - x.y * y.x;
+}
+
+static real unconserved(const shade_params *p, vec n, vec h);
+
 static real distribution(const shade_params *p, vec n, vec h) {
+  real d = unconserved(p, n, h);
+  if (!conserves(p->detail) || d == 0)
+    return d;
+  int projected = p->mdf == SHADE_MDF_BECKMANN || p->mdf == SHADE_MDF_GGX;
+  real cosine = projected ? dot(n, h) : warped(p->detail, n, h).z;
+  if (h.x == n.x && h.y == n.y)
+    return d * h.z / cosine;
+  return cosine > 0 ? d * stretch(p->detail, n, h) * h.z / cosine : 0;
+}
+
+static real unconserved(const shade_params *p, vec n, vec h) {
   real ex = within(p->ex, 0, 1e6L), ey = within(p->ey, 0, 1e6L);
   real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
   vec m = carried(p, n, h);

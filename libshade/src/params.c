@@ -270,8 +270,10 @@ static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
   case SHADE_DETAIL_SHORTEST_ARC:
     return SHADE_MAP_SHORTEST_ARC;
   case SHADE_DETAIL_DEFORM_LINEAR:
+  case SHADE_DETAIL_DEFORM_LINEAR_CONSERVING:
     return SHADE_MAP_DEFORM_LINEAR;
   case SHADE_DETAIL_DEFORM_SMOOTH:
+  case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
     return SHADE_MAP_DEFORM_SMOOTH;
   default:
     return SHADE_MAP_NONE;
@@ -315,6 +317,8 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
   b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
 
+  b->conserve = b->detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
+                b->detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
   b->fast = p->fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
             (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_PERTURB_RATIO ||
              b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y);

@@ -65,6 +65,12 @@ static void energy(void **state) {
       {SHADE_DETAIL_DEFORM_SMOOTH, .3, 0, 1.012},
       {SHADE_DETAIL_DEFORM_SMOOTH, 0, .3, 1.005},
       {SHADE_DETAIL_DEFORM_SMOOTH, .5, .5, 1.065},
+      {SHADE_DETAIL_DEFORM_LINEAR_CONSERVING, .3, 0, 1},
+      {SHADE_DETAIL_DEFORM_LINEAR_CONSERVING, 0, .3, 1},
+      {SHADE_DETAIL_DEFORM_LINEAR_CONSERVING, .5, .5, 1},
+      {SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING, .3, 0, 1},
+      {SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING, 0, .3, 1},
+      {SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING, .5, .5, 1},
   };
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     double got = integral(cases[i].detail, cases[i].nx, cases[i].ny);
@@ -72,6 +78,26 @@ static void energy(void **state) {
                   shade_list_word(SHADE_LIST_DETAIL, (int)cases[i].detail), cases[i].nx,
                   cases[i].ny, got);
     assert_near(got, cases[i].want, 6e-4);
+  }
+}
+
+/* With a projected distribution it is the integral of D' n.h that the warps conserve. */
+static void conserving_projected(void **state) {
+  (void)state;
+  const double normals[][2] = {{.3, 0}, {0, .3}, {.5, .5}};
+  for (int k = 0; k < 12; k++) {
+    shade_bsdf b = make_lobe(k & 1 ? SHADE_MDF_BECKMANN : SHADE_MDF_GGX,
+                             k & 2 ? SHADE_DETAIL_DEFORM_LINEAR_CONSERVING
+                                   : SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING,
+                             SHADE_GROOVE_AUTO, ex, ey);
+    double n[3] = {normals[k / 4][0], normals[k / 4][1], 0}, sum = 0;
+    n[2] = sqrt(1 - n[0] * n[0] - n[1] * n[1]);
+    evaluate(&b, n);
+    for (int i = 0; i < POINTS; i++)
+      sum += value[i] * (n[0] * grid_x[i] + n[1] * grid_y[i] + n[2] * grid_z[i]) * grid_weight[i];
+    print_message("%s %s n=(%g, %g): %.4f\n", shade_list_word(SHADE_LIST_MDF, (int)b.mdf),
+                  shade_list_word(SHADE_LIST_DETAIL, (int)b.detail), n[0], n[1], sum);
+    assert_near(sum, 1, b.mdf == SHADE_MDF_GGX ? 1.5e-2 : 1e-3); /* GGX reaches past n's horizon */
   }
 }
 
@@ -277,6 +303,7 @@ int main(void) {
       cmocka_unit_test(peak_at_normal),
       cmocka_unit_test(groove_axis),
       cmocka_unit_test(rotate_approximate),
+      cmocka_unit_test(conserving_projected),
   };
   return cmocka_run_group_tests_name("lobes", tests, make_grid, NULL);
 }

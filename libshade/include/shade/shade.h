@@ -134,7 +134,7 @@ typedef struct shade_bsdf {
   double kx, ky, peak;       /* exponents or 1/alpha^2, and D at the pole */
   double gx, gy;             /* alpha^2 for Lambda */
   shade_diffuse diffuse;
-  int has_diffuse, fibres_along_y, fast;
+  int has_diffuse, fibres_along_y, fast, conserve;
   double f0[3], tint[3], k[3]; /* tint: f82, or eta */
   double kd[3];
   float kxf, kyf, peakf, gxf, gyf;

@@ -48,7 +48,11 @@
       "Shift the lobe over the unit disc, fading linearly to the rim")                             \
   ROW(DEFORM_SMOOTH, deform_smooth, 7, "Deform (smooth)",                                          \
       "Shift the lobe over the unit disc, fading by a square root")                                \
-  ROW(AUTO, auto, 8, "Auto", "Perturb for a round lobe, where it is exact; rotate for any other")
+  ROW(AUTO, auto, 8, "Auto", "Perturb for a round lobe, where it is exact; rotate for any other")  \
+  ROW(DEFORM_LINEAR_CONSERVING, deform_linear_conserving, 9, "Deform (linear, conserving)",        \
+      "The same with the warp's stretch divided out, so that no energy is made or lost")           \
+  ROW(DEFORM_SMOOTH_CONSERVING, deform_smooth_conserving, 10, "Deform (smooth, conserving)",       \
+      "The same with the warp's stretch divided out, so that no energy is made or lost")
 
 /* Which axis the grooves (brush strokes) run along. */
 #define SHADE_TABLE_GROOVE(ROW)                                                                    \
