@@ -165,18 +165,18 @@ LEAF real FN(warp_stretch)(real nx, real ny, real nz, real hx, real hy, real hz,
                            int projected) {
   const real rim = R(1e-9); /* the least cosine: keeps the result finite */
   real x = hx - nx, y = hy - ny;
-  real u = FN(minimum)(FN(warp_fraction)(nx, ny, nz, x, y), 1);
+  real u = FN(warp_fraction)(nx, ny, nz, x, y);
   real b = nx * x + ny * y;
   real s = FN(root)(b * b + (x * x + y * y) * (nz * nz));
-  real fade = FN(root)(1 - u);
+  real fade = FN(root)(FN(maximum)(1 - u, 0));
   real along = b + u * (nx * nx + ny * ny); /* delta . p_linear */
   real stretch = along / FN(maximum)(smooth ? 2 * s * fade : s, TINY);
-  real jacobian = FN(maximum)(s > 0 ? 1 + stretch : 1, 0);
+  real jacobian = FN(maximum)(1 + stretch, 0); /* 1 where s, and with it `along`, is 0 */
   real shift = smooth ? u / (1 + fade) : u;
   x += shift * nx;
   y += shift * ny;
   real zz = smooth ? 1 - x * x - y * y : (1 - u) * (1 + u);
   real z = projected ? nx * hx + ny * hy + nz * hz : FN(root)(FN(maximum)(zz, 0));
-  real value = FN(minimum)(jacobian, R(1e9)) * hz / FN(maximum)(z, rim);
-  return ((hz > 0) & (z > 0)) ? value : 0;
+  real lit = z > 0 ? FN(maximum)(hz, 0) : 0;
+  return FN(minimum)(jacobian, R(1e9)) * lit / FN(maximum)(z, rim);
 }
