@@ -5,7 +5,7 @@
  */
 
 /* Nonzero when the vector is further than 5e-4 from unit length, or not finite. */
-static inline int FN(off_unit)(real x, real y, real z) {
+LEAF int FN(off_unit)(real x, real y, real z) {
   real length2 = x * x + y * y + z * z;
   return !(length2 > R(0.999) && length2 < R(1.001));
 }
