@@ -9,123 +9,110 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 
-namespace mdf
-{
+namespace mdf {
 
-BumpImage::BumpImage(size_t width, size_t height) :
-	columns(width), rows(height), texels(3 * width * height)
-{
+BumpImage::BumpImage(size_t width, size_t height)
+    : columns(width), rows(height), texels(3 * width * height) {}
+
+void BumpImage::set(size_t column, size_t row, float red, float green, float blue) {
+  float *t = &texels[3 * (row * columns + column)];
+
+  t[0] = red;
+  t[1] = green;
+  t[2] = blue;
 }
 
-void BumpImage::set(size_t column, size_t row, float red, float green, float blue)
-{
-	float *t = &texels[3 * (row * columns + column)];
-
-	t[0] = red;
-	t[1] = green;
-	t[2] = blue;
-}
-
-namespace
-{
+namespace {
 
 // The two texels around x (in texels, centres at half) and the weight of the second.
-void neighbours(double x, size_t count, size_t& first, size_t& second, double& weight)
-{
-	const double n = (double)count;
+void neighbours(double x, size_t count, size_t &first, size_t &second, double &weight) {
+  const double n = (double)count;
 
-	x -= 0.5;
-	x -= std::floor(x / n) * n;
-	first = (size_t)x;
-	weight = x - (double)first;
-	if(first >= count) // x was rounded up to n
-		first = 0;
-	second = (first + 1 < count) ? first + 1 : 0;
+  x -= 0.5;
+  x -= std::floor(x / n) * n;
+  first = (size_t)x;
+  weight = x - (double)first;
+  if (first >= count) // x was rounded up to n
+    first = 0;
+  second = (first + 1 < count) ? first + 1 : 0;
 }
 
+} // namespace
+
+void BumpImage::colour(double u, double v, double rgb[3]) const {
+  size_t i0, i1, j0, j1;
+  double s, t;
+
+  neighbours(u * (double)columns, columns, i0, i1, s);
+  neighbours((1.0 - v) * (double)rows, rows, j0, j1, t);
+  for (int c = 0; c < 3; c++) {
+    const double upper = (1.0 - s) * texel(i0, j0)[c] + s * texel(i1, j0)[c];
+    const double lower = (1.0 - s) * texel(i0, j1)[c] + s * texel(i1, j1)[c];
+    rgb[c] = (1.0 - t) * upper + t * lower;
+  }
 }
 
-void BumpImage::colour(double u, double v, double rgb[3]) const
-{
-	size_t i0, i1, j0, j1;
-	double s, t;
+namespace {
 
-	neighbours(u * (double)columns, columns, i0, i1, s);
-	neighbours((1.0 - v) * (double)rows, rows, j0, j1, t);
-	for(int c = 0; c < 3; c++)
-	{
-		const double upper = (1.0 - s) * texel(i0, j0)[c] + s * texel(i1, j0)[c];
-		const double lower = (1.0 - s) * texel(i0, j1)[c] + s * texel(i1, j1)[c];
-		rgb[c] = (1.0 - t) * upper + t * lower;
-	}
+bool normalise(double n[3]) {
+  const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+
+  if (!(length > 1e-12) || !std::isfinite(length))
+    return false;
+  for (int c = 0; c < 3; c++)
+    n[c] /= length;
+  return true;
 }
 
-namespace
-{
+} // namespace
 
-bool normalise(double n[3])
-{
-	const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+void BumpImage::normal(double u, double v, double strength, double n[3]) const {
+  static const double flat[3] = {0.0, 0.0, 1.0};
+  bool found = false;
 
-	if(!(length > 1e-12) || !std::isfinite(length))
-		return false;
-	for(int c = 0; c < 3; c++)
-		n[c] /= length;
-	return true;
+  if (std::isfinite(u) && std::isfinite(v)) {
+    colour(u, v, n);
+    for (int c = 0; c < 3; c++)
+      n[c] = 2.0 * n[c] - 1.0;
+    found = normalise(n);
+    for (int c = 0; found && c < 3; c++)
+      n[c] = flat[c] + strength * (n[c] - flat[c]);
+    found = found && normalise(n);
+  }
+  for (int c = 0; !found && c < 3; c++)
+    n[c] = flat[c];
 }
 
+BumpImage *read_exr(const std::string &path) {
+  Imf::InputFile file(path.c_str());
+  const Imath::Box2i window = file.header().dataWindow();
+  const size_t width = (size_t)(window.max.x - window.min.x + 1);
+  const size_t height = (size_t)(window.max.y - window.min.y + 1);
+  static const char *const names[3] = {"R", "G", "B"};
+  std::vector<float> pixels(3 * width * height);
+  Imf::FrameBuffer buffer;
+
+  for (size_t c = 0; c < 3; c++) {
+    const Imf::Channel *channel = file.header().channels().findChannel(names[c]);
+    if (channel == NULL || channel->xSampling != 1 || channel->ySampling != 1)
+      throw std::runtime_error(std::string("no full-size channel ") + names[c]);
+    // OpenEXR addresses pixels from (0, 0), wherever the data window begins.
+    const ptrdiff_t origin = (ptrdiff_t)window.min.y * (ptrdiff_t)width + window.min.x;
+    buffer.insert(names[c],
+                  Imf::Slice(Imf::FLOAT,
+                             (char *)(&pixels[c]) - origin * (ptrdiff_t)(3 * sizeof(float)),
+                             3 * sizeof(float), 3 * sizeof(float) * width));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(window.min.y, window.max.y);
+
+  BumpImage *image = new BumpImage(width, height);
+  for (size_t row = 0; row < height; row++)
+    for (size_t column = 0; column < width; column++) {
+      const float *p = &pixels[3 * (row * width + column)];
+      image->set(column, row, p[0], p[1], p[2]);
+    }
+  return image;
 }
 
-void BumpImage::normal(double u, double v, double strength, double n[3]) const
-{
-	static const double flat[3] = { 0.0, 0.0, 1.0 };
-	bool found = false;
-
-	if(std::isfinite(u) && std::isfinite(v))
-	{
-		colour(u, v, n);
-		for(int c = 0; c < 3; c++)
-			n[c] = 2.0 * n[c] - 1.0;
-		found = normalise(n);
-		for(int c = 0; found && c < 3; c++)
-			n[c] = flat[c] + strength * (n[c] - flat[c]);
-		found = found && normalise(n);
-	}
-	for(int c = 0; !found && c < 3; c++)
-		n[c] = flat[c];
-}
-
-BumpImage *read_exr(const std::string& path)
-{
-	Imf::InputFile file(path.c_str());
-	const Imath::Box2i window = file.header().dataWindow();
-	const size_t width = (size_t)(window.max.x - window.min.x + 1);
-	const size_t height = (size_t)(window.max.y - window.min.y + 1);
-	static const char *const names[3] = { "R", "G", "B" };
-	std::vector<float> pixels(3 * width * height);
-	Imf::FrameBuffer buffer;
-
-	for(size_t c = 0; c < 3; c++)
-	{
-		const Imf::Channel *channel = file.header().channels().findChannel(names[c]);
-		if(channel == NULL || channel->xSampling != 1 || channel->ySampling != 1)
-			throw std::runtime_error(std::string("no full-size channel ") + names[c]);
-		// OpenEXR addresses pixels from (0, 0), wherever the data window begins.
-		const ptrdiff_t origin = (ptrdiff_t)window.min.y * (ptrdiff_t)width + window.min.x;
-		buffer.insert(names[c], Imf::Slice(Imf::FLOAT, (char *)(&pixels[c]) - origin * (ptrdiff_t)(3 * sizeof(float)),
-		                                   3 * sizeof(float), 3 * sizeof(float) * width));
-	}
-	file.setFrameBuffer(buffer);
-	file.readPixels(window.min.y, window.max.y);
-
-	BumpImage *image = new BumpImage(width, height);
-	for(size_t row = 0; row < height; row++)
-		for(size_t column = 0; column < width; column++)
-		{
-			const float *p = &pixels[3 * (row * width + column)];
-			image->set(column, row, p[0], p[1], p[2]);
-		}
-	return image;
-}
-
-}
+} // namespace mdf

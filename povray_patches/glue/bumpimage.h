@@ -8,40 +8,40 @@
 #include <string>
 #include <vector>
 
-namespace mdf
-{
+namespace mdf {
 
-class BumpImage
-{
-	public:
-		// Black, of the given size; fill it with set(). Sizes are at least 1.
-		BumpImage(size_t width, size_t height);
+class BumpImage {
+public:
+  // Black, of the given size; fill it with set(). Sizes are at least 1.
+  BumpImage(size_t width, size_t height);
 
-		size_t width() const { return columns; }
-		size_t height() const { return rows; }
-		void set(size_t column, size_t row, float red, float green, float blue);
+  size_t width() const { return columns; }
+  size_t height() const { return rows; }
+  void set(size_t column, size_t row, float red, float green, float blue);
 
-		// The stored colour at (u, v), bilinear, repeating. As in Blender: u to
-		// the right, v up, row 0 is the top of the picture, the centre of texel
-		// (i, j) at u = (i + .5)/width, v = 1 - (j + .5)/height.
-		void colour(double u, double v, double rgb[3]) const;
+  // The stored colour at (u, v), bilinear, repeating. As in Blender: u to
+  // the right, v up, row 0 is the top of the picture, the centre of texel
+  // (i, j) at u = (i + .5)/width, v = 1 - (j + .5)/height.
+  void colour(double u, double v, double rgb[3]) const;
 
-		// The unit normal at (u, v), in the frame (dP/du, dP/dv, normal);
-		// `strength` draws it away from the normal (0: flat, 1: as stored).
-		// Flat where u or v is not finite or the map holds no direction.
-		void normal(double u, double v, double strength, double n[3]) const;
+  // The unit normal at (u, v), in the frame (dP/du, dP/dv, normal);
+  // `strength` draws it away from the normal (0: flat, 1: as stored).
+  // Flat where u or v is not finite or the map holds no direction.
+  void normal(double u, double v, double strength, double n[3]) const;
 
-	private:
-		size_t columns, rows;
-		std::vector<float> texels;
+private:
+  size_t columns, rows;
+  std::vector<float> texels;
 
-		const float *texel(size_t column, size_t row) const { return &texels[3 * (row * columns + column)]; }
+  const float *texel(size_t column, size_t row) const {
+    return &texels[3 * (row * columns + column)];
+  }
 };
 
 // Reads the R, G and B channels of an OpenEXR file as float32, as they are.
 // Throws std::exception with a message.
-BumpImage *read_exr(const std::string& path);
+BumpImage *read_exr(const std::string &path);
 
-}
+} // namespace mdf
 
 #endif

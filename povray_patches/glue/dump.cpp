@@ -11,96 +11,87 @@
 
 #include "dump/dump.h"
 
-namespace mdf
-{
+namespace mdf {
 
-std::string Dump::wanted()
-{
-	const char *name = std::getenv("LIBSHADE_DUMP");
-	return (name != NULL) ? name : "";
+std::string Dump::wanted() {
+  const char *name = std::getenv("LIBSHADE_DUMP");
+  return (name != NULL) ? name : "";
 }
 
-Dump::Dump(const std::string& file, int width, int height, int lights) :
-	path(file), data(shade_dump_create(width, height, lights))
-{
-	if(data == NULL)
-		throw std::runtime_error("LIBSHADE_DUMP: out of memory");
-	// Better now than after the last pixel.
-	const size_t slash = path.rfind('/');
-	const std::string folder = (slash == std::string::npos) ? "." : path.substr(0, slash + 1);
-	if(access(folder.c_str(), W_OK | X_OK) != 0)
-	{
-		shade_dump_free(data);
-		throw std::runtime_error("LIBSHADE_DUMP: cannot write " + path + ": " + std::strerror(errno));
-	}
+Dump::Dump(const std::string &file, int width, int height, int lights)
+    : path(file), data(shade_dump_create(width, height, lights)) {
+  if (data == NULL)
+    throw std::runtime_error("LIBSHADE_DUMP: out of memory");
+  // Better now than after the last pixel.
+  const size_t slash = path.rfind('/');
+  const std::string folder = (slash == std::string::npos) ? "." : path.substr(0, slash + 1);
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    shade_dump_free(data);
+    throw std::runtime_error("LIBSHADE_DUMP: cannot write " + path + ": " + std::strerror(errno));
+  }
 }
 
-Dump::~Dump()
-{
-	shade_dump_free(data);
+Dump::~Dump() {
+  shade_dump_free(data);
 }
 
-int Dump::start(double x, double y)
-{
-	if(x != std::floor(x) || y != std::floor(y) || x < 0 || y < 0 || x >= data->width || y >= data->height)
-		return -1;
+int Dump::start(double x, double y) {
+  if (x != std::floor(x) || y != std::floor(y) || x < 0 || y < 0 || x >= data->width ||
+      y >= data->height)
+    return -1;
 
-	const int pixel = (int)y * data->width + (int)x;
-	const size_t planes = SHADE_DUMP_BASE + (size_t)SHADE_DUMP_PER_LIGHT * (size_t)data->lights;
-	const size_t size = (size_t)data->width * (size_t)data->height;
+  const int pixel = (int)y * data->width + (int)x;
+  const size_t planes = SHADE_DUMP_BASE + (size_t)SHADE_DUMP_PER_LIGHT * (size_t)data->lights;
+  const size_t size = (size_t)data->width * (size_t)data->height;
 
-	for(size_t plane = 0; plane < planes; plane++)
-		data->data[plane * size + (size_t)pixel] = 0.0f;
-	shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel] = -1.0f;
-	return pixel;
+  for (size_t plane = 0; plane < planes; plane++)
+    data->data[plane * size + (size_t)pixel] = 0.0f;
+  shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel] = -1.0f;
+  return pixel;
 }
 
-void Dump::put(float *plane, int pixel, const double *values, int count)
-{
-	const size_t size = (size_t)data->width * (size_t)data->height;
+void Dump::put(float *plane, int pixel, const double *values, int count) {
+  const size_t size = (size_t)data->width * (size_t)data->height;
 
-	for(int c = 0; c < count; c++)
-		plane[(size_t)c * size + (size_t)pixel] = (float)values[c];
+  for (int c = 0; c < count; c++)
+    plane[(size_t)c * size + (size_t)pixel] = (float)values[c];
 }
 
-bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2], const double N[3],
-               const double T[3], const double Ns[3], const double V[3])
-{
-	float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
+bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2],
+               const double N[3], const double T[3], const double Ns[3], const double V[3]) {
+  float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
 
-	if(*id >= 0.0f)
-		return false;
-	*id = (float)material->id;
-	put(shade_dump_plane(data, SHADE_DUMP_P), pixel, P, 3);
-	put(shade_dump_plane(data, SHADE_DUMP_N), pixel, N, 3);
-	put(shade_dump_plane(data, SHADE_DUMP_T), pixel, T, 3);
-	put(shade_dump_plane(data, SHADE_DUMP_NS), pixel, Ns, 3);
-	put(shade_dump_plane(data, SHADE_DUMP_V), pixel, V, 3);
-	put(shade_dump_plane(data, SHADE_DUMP_UV), pixel, uv, 2);
-	put(shade_dump_plane(data, SHADE_DUMP_COLOR), pixel, material->params.f0, 3);
-	// A light that sends nothing here is never reported; L must still be a direction.
-	for(int number = 0; number < data->lights; number++)
-		put(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, N, 3);
-	return true;
+  if (*id >= 0.0f)
+    return false;
+  *id = (float)material->id;
+  put(shade_dump_plane(data, SHADE_DUMP_P), pixel, P, 3);
+  put(shade_dump_plane(data, SHADE_DUMP_N), pixel, N, 3);
+  put(shade_dump_plane(data, SHADE_DUMP_T), pixel, T, 3);
+  put(shade_dump_plane(data, SHADE_DUMP_NS), pixel, Ns, 3);
+  put(shade_dump_plane(data, SHADE_DUMP_V), pixel, V, 3);
+  put(shade_dump_plane(data, SHADE_DUMP_UV), pixel, uv, 2);
+  put(shade_dump_plane(data, SHADE_DUMP_COLOR), pixel, material->params.f0, 3);
+  // A light that sends nothing here is never reported; L must still be a direction.
+  for (int number = 0; number < data->lights; number++)
+    put(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, N, 3);
+  return true;
 }
 
-void Dump::light(int pixel, int number, const double L[3], const double E[3], const double S[3])
-{
-	if(number < 0 || number >= data->lights)
-		return;
-	put(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, L, 3);
-	put(shade_dump_light_plane(data, number, SHADE_DUMP_E), pixel, E, 3);
-	put(shade_dump_light_plane(data, number, SHADE_DUMP_S), pixel, S, 3);
+void Dump::light(int pixel, int number, const double L[3], const double E[3], const double S[3]) {
+  if (number < 0 || number >= data->lights)
+    return;
+  put(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, L, 3);
+  put(shade_dump_light_plane(data, number, SHADE_DUMP_E), pixel, E, 3);
+  put(shade_dump_light_plane(data, number, SHADE_DUMP_S), pixel, S, 3);
 }
 
-void Dump::write(const std::string& json)
-{
-	char error[1024];
+void Dump::write(const std::string &json) {
+  char error[1024];
 
-	if(shade_dump_set_json(data, json.c_str()) != 0)
-		throw std::runtime_error("LIBSHADE_DUMP: out of memory");
-	if(shade_dump_write(shade_exr_api_linked(), path.c_str(), data, error, sizeof(error)) != 0)
-		throw std::runtime_error(std::string("LIBSHADE_DUMP: ") + error);
+  if (shade_dump_set_json(data, json.c_str()) != 0)
+    throw std::runtime_error("LIBSHADE_DUMP: out of memory");
+  if (shade_dump_write(shade_exr_api_linked(), path.c_str(), data, error, sizeof(error)) != 0)
+    throw std::runtime_error(std::string("LIBSHADE_DUMP: ") + error);
 }
 
-}
+} // namespace mdf

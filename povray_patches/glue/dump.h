@@ -10,47 +10,45 @@
 
 struct shade_dump;
 
-namespace mdf
-{
+namespace mdf {
 
 // Threads: each pixel belongs to the thread that traces it; nothing is shared
 // between pixels.
-class Dump
-{
-	public:
-		// The file named by the environment, or "" when no dump is wanted.
-		static std::string wanted();
+class Dump {
+public:
+  // The file named by the environment, or "" when no dump is wanted.
+  static std::string wanted();
 
-		// Throws std::runtime_error when memory is short or the folder cannot be written to.
-		Dump(const std::string& path, int width, int height, int lights);
-		~Dump();
+  // Throws std::runtime_error when memory is short or the folder cannot be written to.
+  Dump(const std::string &path, int width, int height, int lights);
+  ~Dump();
 
-		// A ray through the position (x, y) begins; whole numbers are the pixels'
-		// centres. Forgets what the pixel held. Returns the pixel's number, or
-		// -1 where nothing is to be recorded.
-		int start(double x, double y);
+  // A ray through the position (x, y) begins; whole numbers are the pixels'
+  // centres. Forgets what the pixel held. Returns the pixel's number, or
+  // -1 where nothing is to be recorded.
+  int start(double x, double y);
 
-		// What the eye sees at `pixel`. False if the pixel already holds a
-		// hit: the first (top) layer with an mdf { } block counts.
-		bool hit(int pixel, const Material *material, const double P[3], const double uv[2], const double N[3],
-		         const double T[3], const double Ns[3], const double V[3]);
+  // What the eye sees at `pixel`. False if the pixel already holds a
+  // hit: the first (top) layer with an mdf { } block counts.
+  bool hit(int pixel, const Material *material, const double P[3], const double uv[2],
+           const double N[3], const double T[3], const double Ns[3], const double V[3]);
 
-		// One light on that hit.
-		void light(int pixel, int number, const double L[3], const double E[3], const double S[3]);
+  // One light on that hit.
+  void light(int pixel, int number, const double L[3], const double E[3], const double S[3]);
 
-		// Throws std::runtime_error naming the file.
-		void write(const std::string& json);
+  // Throws std::runtime_error naming the file.
+  void write(const std::string &json);
 
-	private:
-		const std::string path;
-		shade_dump *const data;
+private:
+  const std::string path;
+  shade_dump *const data;
 
-		void put(float *plane, int pixel, const double *values, int count);
+  void put(float *plane, int pixel, const double *values, int count);
 
-		Dump(const Dump&);
-		Dump& operator=(const Dump&);
+  Dump(const Dump &);
+  Dump &operator=(const Dump &);
 };
 
-}
+} // namespace mdf
 
 #endif

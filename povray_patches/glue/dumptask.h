@@ -5,21 +5,20 @@
 
 #include "backend/render/rendertask.h"
 
-namespace pov
-{
+namespace pov {
 
 // Writes the dump once the picture is complete. A task, so that a failure ends
 // the render with an error.
-class MdfDumpTask : public RenderTask
-{
-	public:
-		MdfDumpTask(ViewData *view) : RenderTask(view) {}
-	protected:
-		void Run();
-		void Stopped() {}
-		void Finish();
+class MdfDumpTask : public RenderTask {
+public:
+  MdfDumpTask(ViewData *view) : RenderTask(view) {}
+
+protected:
+  void Run();
+  void Stopped() {}
+  void Finish();
 };
 
-}
+} // namespace pov
 
 #endif

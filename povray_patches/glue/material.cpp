@@ -1,76 +1,68 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "backend/mdf/material.h"
 
-namespace mdf
-{
+namespace mdf {
 
-Material::Material() :
-	bsdf(), tangent(TANGENT_DEFAULT), axis(), strength(1.0), id(-1)
-{
-	shade_params_init(&params);
-	params.detail = SHADE_DETAIL_ROTATE; // what this block is for
-	params.fresnel = SHADE_FRESNEL_NONE; // `specular` alone is the colour at every angle, as elsewhere in a finish
+Material::Material() : bsdf(), tangent(TANGENT_DEFAULT), axis(), strength(1.0), id(-1) {
+  shade_params_init(&params);
+  params.detail = SHADE_DETAIL_ROTATE; // what this block is for
+  params.fresnel =
+      SHADE_FRESNEL_NONE; // `specular` alone is the colour at every angle, as elsewhere in a finish
 }
 
-const Material *Scene::add(const Material& material)
-{
-	const std::shared_ptr<Material> kept(new Material(material));
+const Material *Scene::add(const Material &material) {
+  const std::shared_ptr<Material> kept(new Material(material));
 
-	kept->id = (int)materials.size();
-	shade_bsdf_setup(&kept->bsdf, &kept->params);
-	materials.push_back(kept);
-	return kept.get();
+  kept->id = (int)materials.size();
+  shade_bsdf_setup(&kept->bsdf, &kept->params);
+  materials.push_back(kept);
+  return kept.get();
 }
 
-std::string Scene::json(const std::string& renderer) const
-{
-	std::string text = "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"" + renderer + "\", \"materials\": [";
+std::string Scene::json(const std::string &renderer) const {
+  std::string text =
+      "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"" + renderer + "\", \"materials\": [";
 
-	for(size_t i = 0; i < materials.size(); i++)
-	{
-		const Material& m = *materials[i];
-		const int length = shade_params_json(&m.params, m.id, m.name.c_str(), NULL, 0);
-		std::vector<char> object((size_t)length + 1);
+  for (size_t i = 0; i < materials.size(); i++) {
+    const Material &m = *materials[i];
+    const int length = shade_params_json(&m.params, m.id, m.name.c_str(), NULL, 0);
+    std::vector<char> object((size_t)length + 1);
 
-		shade_params_json(&m.params, m.id, m.name.c_str(), &object[0], object.size());
-		text += (i > 0) ? ", " : "";
-		text += &object[0];
-	}
-	return text + "]}";
+    shade_params_json(&m.params, m.id, m.name.c_str(), &object[0], object.size());
+    text += (i > 0) ? ", " : "";
+    text += &object[0];
+  }
+  return text + "]}";
 }
 
-bool Scene::first_warning(const Material *material, const char *subject)
-{
-	return warned.insert(std::make_pair(std::make_pair(material, std::string(subject)), true)).second;
+bool Scene::first_warning(const Material *material, const char *subject) {
+  return warned.insert(std::make_pair(std::make_pair(material, std::string(subject)), true)).second;
 }
 
-ShadedPoint::ShadedPoint(const Material *m, const double N[3], const double T[3], const double Ns[3], const double V[3]) :
-	material(m)
-{
-	for(int c = 0; c < 3; c++)
-	{
-		frame[0][c] = T[c];
-		frame[1][c] = N[(c + 1) % 3] * T[(c + 2) % 3] - N[(c + 2) % 3] * T[(c + 1) % 3];
-		frame[2][c] = N[c];
-	}
-	to_local(V, eye);
-	to_local(Ns, normal);
+ShadedPoint::ShadedPoint(const Material *m, const double N[3], const double T[3],
+                         const double Ns[3], const double V[3])
+    : material(m) {
+  for (int c = 0; c < 3; c++) {
+    frame[0][c] = T[c];
+    frame[1][c] = N[(c + 1) % 3] * T[(c + 2) % 3] - N[(c + 2) % 3] * T[(c + 1) % 3];
+    frame[2][c] = N[c];
+  }
+  to_local(V, eye);
+  to_local(Ns, normal);
 }
 
-void ShadedPoint::to_local(const double world[3], double local[3]) const
-{
-	for(int row = 0; row < 3; row++)
-		local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
+void ShadedPoint::to_local(const double world[3], double local[3]) const {
+  for (int row = 0; row < 3; row++)
+    local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
 }
 
-void ShadedPoint::light(const double L[3], const double E[3], double S[3]) const
-{
-	double wi[3], f[3], cosine;
+void ShadedPoint::light(const double L[3], const double E[3], double S[3]) const {
+  double wi[3], f[3], cosine;
 
-	to_local(L, wi);
-	shade_bsdf_eval(&material->bsdf, normal, wi, eye, f, &cosine);
-	for(int c = 0; c < 3; c++)
-		S[c] = f[c] * cosine * E[c];
+  to_local(L, wi);
+  shade_bsdf_eval(&material->bsdf, normal, wi, eye, f, &cosine);
+  for (int c = 0; c < 3; c++)
+    S[c] = f[c] * cosine * E[c];
 }
 
-}
+} // namespace mdf

@@ -22,262 +22,256 @@
 // this must be the last file included
 #include "base/povdebug.h"
 
-namespace pov
-{
+namespace pov {
 
-namespace
-{
+namespace {
 
 // The table's row of a parameter.
-shade_param_info parameter(const char *word)
-{
-	shade_param_info info;
+shade_param_info parameter(const char *word) {
+  shade_param_info info;
 
-	for(int row = 0; shade_param_row(row, &info); row++)
-		if(strcmp(info.word, word) == 0)
-			break;
-	return info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (strcmp(info.word, word) == 0)
+      break;
+  return info;
 }
 
-mdf::BumpImage *read_png(IStream *file)
-{
-	Image::ReadOptions options; // by default no gamma correction: a normal map holds no colours
-	const std::unique_ptr<Image> image(Image::Read(Image::PNG, file, options));
-	std::unique_ptr<mdf::BumpImage> bump(new mdf::BumpImage(image->GetWidth(), image->GetHeight()));
+mdf::BumpImage *read_png(IStream *file) {
+  Image::ReadOptions options; // by default no gamma correction: a normal map holds no colours
+  const std::unique_ptr<Image> image(Image::Read(Image::PNG, file, options));
+  std::unique_ptr<mdf::BumpImage> bump(new mdf::BumpImage(image->GetWidth(), image->GetHeight()));
 
-	for(unsigned int y = 0; y < image->GetHeight(); y++)
-		for(unsigned int x = 0; x < image->GetWidth(); x++)
-		{
-			float red, green, blue;
-			image->GetRGBValue(x, y, red, green, blue);
-			bump->set(x, y, red, green, blue);
-		}
-	return bump.release();
+  for (unsigned int y = 0; y < image->GetHeight(); y++)
+    for (unsigned int x = 0; x < image->GetWidth(); x++) {
+      float red, green, blue;
+      image->GetRGBValue(x, y, red, green, blue);
+      bump->set(x, y, red, green, blue);
+    }
+  return bump.release();
 }
 
 // All mdf blocks of a texture.
-void collect_blocks(const TEXTURE *texture, std::set<const mdf::Material *>& blocks)
-{
-	for(; texture != NULL; texture = reinterpret_cast<const TEXTURE *>(texture->Next))
-	{
-		if(texture->Type == PLAIN_PATTERN && texture->Finish != NULL && texture->Finish->Mdf != NULL)
-			blocks.insert(texture->Finish->Mdf);
-		if(texture->Type == BITMAP_PATTERN)
-			for(const TEXTURE *m = texture->Materials; m != NULL; m = m->Next_Material)
-				collect_blocks(m, blocks);
-		if(texture->Blend_Map != NULL)
-			for(int i = 0; i < texture->Blend_Map->Number_Of_Entries; i++)
-				collect_blocks(texture->Blend_Map->Blend_Map_Entries[i].Vals.Texture, blocks);
-	}
+void collect_blocks(const TEXTURE *texture, std::set<const mdf::Material *> &blocks) {
+  for (; texture != NULL; texture = reinterpret_cast<const TEXTURE *>(texture->Next)) {
+    if (texture->Type == PLAIN_PATTERN && texture->Finish != NULL && texture->Finish->Mdf != NULL)
+      blocks.insert(texture->Finish->Mdf);
+    if (texture->Type == BITMAP_PATTERN)
+      for (const TEXTURE *m = texture->Materials; m != NULL; m = m->Next_Material)
+        collect_blocks(m, blocks);
+    if (texture->Blend_Map != NULL)
+      for (int i = 0; i < texture->Blend_Map->Number_Of_Entries; i++)
+        collect_blocks(texture->Blend_Map->Blend_Map_Entries[i].Vals.Texture, blocks);
+  }
 }
 
+} // namespace
+
+DBL Parser::Parse_Mdf_Exponent(const char *word) {
+  const shade_param_info info = parameter(word);
+  const DBL value = Parse_Float();
+
+  if (!(value >= info.minimum))
+    Error("mdf: exponent %s is %g, expected a number from %g to %g.", word, value, info.minimum,
+          info.maximum);
+  if (value > info.maximum)
+    Warning(0, "mdf: exponent %s is %g; it is taken as %g, the largest possible.", word, value,
+            info.maximum);
+  return min(value, info.maximum);
 }
 
-DBL Parser::Parse_Mdf_Exponent(const char *word)
-{
-	const shade_param_info info = parameter(word);
-	const DBL value = Parse_Float();
+void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
+  const mdf::WordScope words(Mdf_Words, mdf::WORDS_IMAGE);
+  std::string name;
+  int type = mdf::IMAGE_PNG;
 
-	if(!(value >= info.minimum))
-		Error("mdf: exponent %s is %g, expected a number from %g to %g.", word, value, info.minimum, info.maximum);
-	if(value > info.maximum)
-		Warning(0, "mdf: exponent %s is %g; it is taken as %g, the largest possible.", word, value, info.maximum);
-	return min(value, info.maximum);
+  Parse_Begin();
+  material.strength = 1.0;
+
+  EXPECT
+  CASE(MDF_WORD_TOKEN)
+  if (Token.Function_Id == mdf::IMAGE_STRENGTH)
+    material.strength = Parse_Float();
+  else {
+    type = Token.Function_Id;
+    char *text = Parse_C_String(true);
+    name = text;
+    POV_FREE(text);
+  }
+  END_CASE
+
+  CASE(RIGHT_CURLY_TOKEN)
+  UNGET
+  EXIT END_CASE
+
+      OTHERWISE Expectation_Error(mdf::expected_words(mdf::WORDS_IMAGE, "}").c_str());
+  END_CASE
+  END_EXPECT
+
+  if (name.empty())
+    Expectation_Error("png \"file\" or exr \"file\"");
+  if (!(material.strength >= 0.0))
+    Error("mdf: bump_image strength is %g, expected 0 or more.", material.strength);
+
+  UCS2String found;
+  const std::unique_ptr<IStream> file(
+      Locate_File(this, sceneData, ASCIItoUCS2String(name.c_str()),
+                  type == mdf::IMAGE_PNG ? POV_File_Image_PNG : POV_File_Image_EXR, found, true));
+  if (file.get() == NULL)
+    Error("mdf: cannot open the bump_image file '%s'.", name.c_str());
+
+  const std::string path = UCS2toASCIIString(found);
+  std::shared_ptr<const mdf::BumpImage> &image = sceneData->mdfScene.images[path];
+  try {
+    if (!image)
+      image.reset(type == mdf::IMAGE_PNG ? read_png(file.get()) : mdf::read_exr(path));
+  } catch (const std::exception &e) {
+    Error("mdf: cannot read the bump_image file '%s': %s", path.c_str(), e.what());
+  }
+  material.bump = image;
+
+  Parse_End();
 }
 
-void Parser::Parse_Mdf_Bump_Image(mdf::Material& material)
-{
-	const mdf::WordScope words(Mdf_Words, mdf::WORDS_IMAGE);
-	std::string name;
-	int type = mdf::IMAGE_PNG;
-
-	Parse_Begin();
-	material.strength = 1.0;
-
-	EXPECT
-		CASE (MDF_WORD_TOKEN)
-			if(Token.Function_Id == mdf::IMAGE_STRENGTH)
-				material.strength = Parse_Float();
-			else
-			{
-				type = Token.Function_Id;
-				char *text = Parse_C_String(true);
-				name = text;
-				POV_FREE(text);
-			}
-		END_CASE
-
-		CASE (RIGHT_CURLY_TOKEN)
-			UNGET
-			EXIT
-		END_CASE
-
-		OTHERWISE
-			Expectation_Error(mdf::expected_words(mdf::WORDS_IMAGE, "}").c_str());
-		END_CASE
-	END_EXPECT
-
-	if(name.empty())
-		Expectation_Error("png \"file\" or exr \"file\"");
-	if(!(material.strength >= 0.0))
-		Error("mdf: bump_image strength is %g, expected 0 or more.", material.strength);
-
-	UCS2String found;
-	const std::unique_ptr<IStream> file(Locate_File(this, sceneData, ASCIItoUCS2String(name.c_str()),
-	                                                type == mdf::IMAGE_PNG ? POV_File_Image_PNG : POV_File_Image_EXR, found, true));
-	if(file.get() == NULL)
-		Error("mdf: cannot open the bump_image file '%s'.", name.c_str());
-
-	const std::string path = UCS2toASCIIString(found);
-	std::shared_ptr<const mdf::BumpImage>& image = sceneData->mdfScene.images[path];
-	try
-	{
-		if(!image)
-			image.reset(type == mdf::IMAGE_PNG ? read_png(file.get()) : mdf::read_exr(path));
-	}
-	catch(const std::exception& e)
-	{
-		Error("mdf: cannot read the bump_image file '%s': %s", path.c_str(), e.what());
-	}
-	material.bump = image;
-
-	Parse_End();
+void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
+  {
+    const mdf::WordScope words(Mdf_Words, mdf::WORDS_TANGENT);
+    Get_Token();
+  }
+  if (Token.Token_Id == MDF_WORD_TOKEN) {
+    material.tangent = mdf::Material::TANGENT_FROM_UV;
+    return;
+  }
+  Unget_Token();
+  Parse_Vector(material.axis);
+  material.tangent = mdf::Material::TANGENT_AXIS;
+  if (!(Vector3d(material.axis).length() > EPSILON))
+    Error("mdf: tangent <0, 0, 0> has no direction.");
 }
 
-void Parser::Parse_Mdf_Tangent(mdf::Material& material)
-{
-	{
-		const mdf::WordScope words(Mdf_Words, mdf::WORDS_TANGENT);
-		Get_Token();
-	}
-	if(Token.Token_Id == MDF_WORD_TOKEN)
-	{
-		material.tangent = mdf::Material::TANGENT_FROM_UV;
-		return;
-	}
-	Unget_Token();
-	Parse_Vector(material.axis);
-	material.tangent = mdf::Material::TANGENT_AXIS;
-	if(!(Vector3d(material.axis).length() > EPSILON))
-		Error("mdf: tangent <0, 0, 0> has no direction.");
+void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
+  const mdf::WordSet choices = mdf::words_of_list(list);
+  {
+    const mdf::WordScope words(Mdf_Words, choices);
+    Get_Token();
+  }
+  if (Token.Token_Id != MDF_WORD_TOKEN)
+    Expectation_Error(mdf::expected_words(choices, "").c_str());
+
+  switch (list) {
+  case SHADE_LIST_MDF:
+    material.params.mdf = (shade_mdf)Token.Function_Id;
+    break;
+  case SHADE_LIST_BRDF:
+    material.params.brdf = (shade_brdf)Token.Function_Id;
+    break;
+  case SHADE_LIST_DETAIL:
+    material.params.detail = (shade_detail)Token.Function_Id;
+    break;
+  case SHADE_LIST_GROOVE:
+    material.params.groove = (shade_groove)Token.Function_Id;
+    break;
+  case SHADE_LIST_FRESNEL:
+    material.params.fresnel = (shade_fresnel)Token.Function_Id;
+    break;
+  case SHADE_LIST_COUNT:
+    break;
+  }
 }
 
-void Parser::Parse_Mdf_Choice(mdf::Material& material, shade_list list)
-{
-	const mdf::WordSet choices = mdf::words_of_list(list);
-	{
-		const mdf::WordScope words(Mdf_Words, choices);
-		Get_Token();
-	}
-	if(Token.Token_Id != MDF_WORD_TOKEN)
-		Expectation_Error(mdf::expected_words(choices, "").c_str());
+void Parser::Parse_Mdf_Specular(mdf::Material &material) {
+  const shade_param_info info = parameter("f0");
+  RGBColour colour;
 
-	switch(list)
-	{
-		case SHADE_LIST_MDF:     material.params.mdf     = (shade_mdf)Token.Function_Id;     break;
-		case SHADE_LIST_BRDF:    material.params.brdf    = (shade_brdf)Token.Function_Id;    break;
-		case SHADE_LIST_DETAIL:  material.params.detail  = (shade_detail)Token.Function_Id;  break;
-		case SHADE_LIST_GROOVE:  material.params.groove  = (shade_groove)Token.Function_Id;  break;
-		case SHADE_LIST_FRESNEL: material.params.fresnel = (shade_fresnel)Token.Function_Id; break;
-		case SHADE_LIST_COUNT:   break;
-	}
+  Parse_Colour(colour);
+  const double rgb[3] = {colour.red(), colour.green(), colour.blue()};
+  for (int c = 0; c < 3; c++) {
+    material.params.f0[c] = min(max(rgb[c], info.minimum), info.maximum);
+    if (material.params.f0[c] != rgb[c])
+      Warning(0, "mdf: a component of specular is %g; it is taken as %g.", rgb[c],
+              material.params.f0[c]);
+  }
 }
 
-void Parser::Parse_Mdf_Specular(mdf::Material& material)
-{
-	const shade_param_info info = parameter("f0");
-	RGBColour colour;
+void Parser::Parse_Mdf(FINISH *finish) {
+  mdf::Material material;
 
-	Parse_Colour(colour);
-	const double rgb[3] = { colour.red(), colour.green(), colour.blue() };
-	for(int c = 0; c < 3; c++)
-	{
-		material.params.f0[c] = min(max(rgb[c], info.minimum), info.maximum);
-		if(material.params.f0[c] != rgb[c])
-			Warning(0, "mdf: a component of specular is %g; it is taken as %g.", rgb[c], material.params.f0[c]);
-	}
+  if (finish->Mdf != NULL) // of the finish that this one began with
+    material = *finish->Mdf;
+  material.name = UCS2toASCIIString(Token.FileHandle->name()) + ":" +
+                  std::to_string(Token.Token_File_Pos.lineno);
+
+  Parse_Begin();
+  {
+    const mdf::WordScope words(Mdf_Words, mdf::WORDS_BLOCK);
+
+    EXPECT
+    CASE(MDF_WORD_TOKEN)
+    if (Token.Function_Id == mdf::BLOCK_TANGENT)
+      Parse_Mdf_Tangent(material);
+    else if (Token.Function_Id == mdf::BLOCK_SPECULAR)
+      Parse_Mdf_Specular(material);
+    else if (Token.Function_Id == mdf::BLOCK_BUMP_IMAGE)
+      Parse_Mdf_Bump_Image(material);
+    else if (Token.Function_Id >= mdf::BLOCK_LIST)
+      Parse_Mdf_Choice(material, (shade_list)(Token.Function_Id - mdf::BLOCK_LIST));
+    else {
+      material.params.mdf = (shade_mdf)Token.Function_Id;
+      const DBL ex = Parse_Mdf_Exponent("ex");
+      Parse_Comma();
+      const DBL ey = Parse_Mdf_Exponent("ey");
+      shade_params_set_exponents(&material.params, ex, ey);
+    }
+    END_CASE
+
+    CASE(RIGHT_CURLY_TOKEN)
+    UNGET
+    EXIT END_CASE
+
+        OTHERWISE Expectation_Error(mdf::expected_words(mdf::WORDS_BLOCK, "}").c_str());
+    END_CASE
+    END_EXPECT
+  }
+  Parse_End();
+
+  finish->Mdf = sceneData->mdfScene.add(material);
 }
 
-void Parser::Parse_Mdf(FINISH *finish)
-{
-	mdf::Material material;
+void Parser::Post_Process_Mdf(ConstObjectPtr object) {
+  std::set<const mdf::Material *> blocks;
+  mdf::Scene &scene = sceneData->mdfScene;
+  const Mesh *mesh = dynamic_cast<const Mesh *>(object);
 
-	if(finish->Mdf != NULL) // of the finish that this one began with
-		material = *finish->Mdf;
-	material.name = UCS2toASCIIString(Token.FileHandle->name()) + ":" + std::to_string(Token.Token_File_Pos.lineno);
+  if (scene.empty())
+    return;
+  collect_blocks(object->Texture, blocks);
+  collect_blocks(object->Interior_Texture, blocks);
+  for (long i = 0; mesh != NULL && i < mesh->Number_Of_Textures; i++)
+    collect_blocks(mesh->Textures[i], blocks);
+  if (blocks.empty() || (object->Type & IS_COMPOUND_OBJECT)) // its children come on their own
+    return;
 
-	Parse_Begin();
-	{
-		const mdf::WordScope words(Mdf_Words, mdf::WORDS_BLOCK);
+  if (mesh != NULL && scene.meshes.find(mesh->Data) == scene.meshes.end()) {
+    const long without = mdf_add_mesh(mesh, scene);
+    if (without > 0 && without < 3 * mesh->Data->Number_Of_Triangles)
+      Warning(0,
+              "mdf: %ld of the %ld corners of a mesh have no UV area around them; their tangents "
+              "are arbitrary.",
+              without, 3 * mesh->Data->Number_Of_Triangles);
+  }
 
-		EXPECT
-			CASE (MDF_WORD_TOKEN)
-				if(Token.Function_Id == mdf::BLOCK_TANGENT)
-					Parse_Mdf_Tangent(material);
-				else if(Token.Function_Id == mdf::BLOCK_SPECULAR)
-					Parse_Mdf_Specular(material);
-				else if(Token.Function_Id == mdf::BLOCK_BUMP_IMAGE)
-					Parse_Mdf_Bump_Image(material);
-				else if(Token.Function_Id >= mdf::BLOCK_LIST)
-					Parse_Mdf_Choice(material, (shade_list)(Token.Function_Id - mdf::BLOCK_LIST));
-				else
-				{
-					material.params.mdf = (shade_mdf)Token.Function_Id;
-					const DBL ex = Parse_Mdf_Exponent("ex");
-					Parse_Comma();
-					const DBL ey = Parse_Mdf_Exponent("ey");
-					shade_params_set_exponents(&material.params, ex, ey);
-				}
-			END_CASE
-
-			CASE (RIGHT_CURLY_TOKEN)
-				UNGET
-				EXIT
-			END_CASE
-
-			OTHERWISE
-				Expectation_Error(mdf::expected_words(mdf::WORDS_BLOCK, "}").c_str());
-			END_CASE
-		END_EXPECT
-	}
-	Parse_End();
-
-	finish->Mdf = sceneData->mdfScene.add(material);
+  const MdfUv uv = mdf_uv(object, scene);
+  const char *kind =
+      (mesh != NULL) ? "a mesh without UV coordinates" : "an object without UV coordinates";
+  for (std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
+    const mdf::Material *block = *i;
+    if (uv == MDF_UV_NONE && block->tangent == mdf::Material::TANGENT_FROM_UV &&
+        scene.first_warning(block, "tangent"))
+      Warning(0, "mdf: 'tangent uv' (%s) on %s: the object's x axis is used.", block->name.c_str(),
+              kind);
+    if (uv != MDF_UV_FULL && block->bump && scene.first_warning(block, "bump_image"))
+      Warning(0, "mdf: 'bump_image' (%s) on %s: it has no effect there.", block->name.c_str(),
+              kind);
+  }
 }
 
-void Parser::Post_Process_Mdf(ConstObjectPtr object)
-{
-	std::set<const mdf::Material *> blocks;
-	mdf::Scene& scene = sceneData->mdfScene;
-	const Mesh *mesh = dynamic_cast<const Mesh *>(object);
-
-	if(scene.empty())
-		return;
-	collect_blocks(object->Texture, blocks);
-	collect_blocks(object->Interior_Texture, blocks);
-	for(long i = 0; mesh != NULL && i < mesh->Number_Of_Textures; i++)
-		collect_blocks(mesh->Textures[i], blocks);
-	if(blocks.empty() || (object->Type & IS_COMPOUND_OBJECT)) // its children come on their own
-		return;
-
-	if(mesh != NULL && scene.meshes.find(mesh->Data) == scene.meshes.end())
-	{
-		const long without = mdf_add_mesh(mesh, scene);
-		if(without > 0 && without < 3 * mesh->Data->Number_Of_Triangles)
-			Warning(0, "mdf: %ld of the %ld corners of a mesh have no UV area around them; their tangents are arbitrary.",
-			        without, 3 * mesh->Data->Number_Of_Triangles);
-	}
-
-	const MdfUv uv = mdf_uv(object, scene);
-	const char *kind = (mesh != NULL) ? "a mesh without UV coordinates" : "an object without UV coordinates";
-	for(std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i)
-	{
-		const mdf::Material *block = *i;
-		if(uv == MDF_UV_NONE && block->tangent == mdf::Material::TANGENT_FROM_UV && scene.first_warning(block, "tangent"))
-			Warning(0, "mdf: 'tangent uv' (%s) on %s: the object's x axis is used.", block->name.c_str(), kind);
-		if(uv != MDF_UV_FULL && block->bump && scene.first_warning(block, "bump_image"))
-			Warning(0, "mdf: 'bump_image' (%s) on %s: it has no effect there.", block->name.c_str(), kind);
-	}
-}
-
-}
+} // namespace pov

@@ -7,57 +7,56 @@
 
 #include "shade/shade.h"
 
-namespace mdf
-{
+namespace mdf {
 
 // Which words the tokenizer takes for itself. Every place has its own small
 // set, so that `x` after `groove` is a choice and after `tangent` a vector.
-enum WordSet
-{
-	WORDS_NONE,    // outside mdf { }, and inside # directives
-	WORDS_BLOCK,   // where a statement may begin
-	WORDS_TANGENT, // after `tangent`
-	WORDS_IMAGE,   // inside bump_image { }
-	WORDS_LIST     // and on, words_of_list(): after the name of a list of the table
+enum WordSet {
+  WORDS_NONE,    // outside mdf { }, and inside # directives
+  WORDS_BLOCK,   // where a statement may begin
+  WORDS_TANGENT, // after `tangent`
+  WORDS_IMAGE,   // inside bump_image { }
+  WORDS_LIST     // and on, words_of_list(): after the name of a list of the table
 };
 
 // Identities of the words of WORDS_BLOCK beyond the distributions, whose
 // identity is their shade_mdf value.
-enum BlockWord
-{
-	BLOCK_LIST = 1000, // BLOCK_LIST + a shade_list: `detail`, `groove`, …
-	BLOCK_TANGENT = 2000,
-	BLOCK_SPECULAR,
-	BLOCK_BUMP_IMAGE
+enum BlockWord {
+  BLOCK_LIST = 1000, // BLOCK_LIST + a shade_list: `detail`, `groove`, …
+  BLOCK_TANGENT = 2000,
+  BLOCK_SPECULAR,
+  BLOCK_BUMP_IMAGE
 };
 
 enum TangentWord { TANGENT_UV };
 enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH };
 
-inline WordSet words_of_list(shade_list list) { return (WordSet)((int)WORDS_LIST + (int)list); }
+inline WordSet words_of_list(shade_list list) {
+  return (WordSet)((int)WORDS_LIST + (int)list);
+}
 
 // The identity of `text` in `set`, or -1. Exact spelling: a scene may have a
 // `Detail` of its own.
 int find_word(WordSet set, const char *text);
 
 // "detail, fresnel or }": what a parse error says was expected. `last` may be empty.
-std::string expected_words(WordSet set, const std::string& last);
+std::string expected_words(WordSet set, const std::string &last);
 
 // Sets a word set and puts the old one back at the end of the scope.
-class WordScope
-{
-	public:
-		WordScope(WordSet& current, WordSet inside) : outside(current), set(current) { set = inside; }
-		~WordScope() { set = outside; }
+class WordScope {
+public:
+  WordScope(WordSet &current, WordSet inside) : outside(current), set(current) { set = inside; }
+  ~WordScope() { set = outside; }
 
-		const WordSet outside;
-	private:
-		WordSet& set;
+  const WordSet outside;
 
-		WordScope(const WordScope&);
-		WordScope& operator=(const WordScope&);
+private:
+  WordSet &set;
+
+  WordScope(const WordScope &);
+  WordScope &operator=(const WordScope &);
 };
 
-}
+} // namespace mdf
 
 #endif
