@@ -285,32 +285,57 @@ static shade_detail choose_detail(const shade_bsdf *b) {
   return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
-unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
+/* The parameters within their ranges; members that an older caller does not know, at their
+ * defaults. */
+static shade_params within_ranges(const shade_params *given, unsigned *status) {
+  shade_params p;
+  shade_params_init(&p);
+  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  p.mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p.mdf, status);
+  p.brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p.brdf, status);
+  p.detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p.detail, status);
+  p.groove = (shade_groove)choice(SHADE_LIST_GROOVE, (int)p.groove, status);
+  p.fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p.fresnel, status);
+  p.diffuse = (shade_diffuse)choice(SHADE_LIST_DIFFUSE, (int)p.diffuse, status);
+  p.ex = clamp(PARAM_ex, p.ex, status);
+  p.ey = clamp(PARAM_ey, p.ey, status);
+  p.ax = clamp(PARAM_ax, p.ax, status);
+  p.ay = clamp(PARAM_ay, p.ay, status);
+  for (int c = 0; c < 3; c++) {
+    p.f0[c] = clamp(PARAM_f0, p.f0[c], status);
+    p.f82[c] = clamp(PARAM_f82, p.f82[c], status);
+    p.eta[c] = clamp(PARAM_eta, p.eta[c], status);
+    p.k[c] = clamp(PARAM_k, p.k[c], status);
+    p.kd[c] = clamp(PARAM_kd, p.kd[c], status);
+  }
+  return p;
+}
+
+unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
   unsigned status = SHADE_OK;
+  const shade_params p = within_ranges(given, &status);
   memset(b, 0, sizeof *b);
-  b->mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p->mdf, &status);
-  b->brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p->brdf, &status);
-  b->detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p->detail, &status);
-  b->fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p->fresnel, &status);
-  b->diffuse = (shade_diffuse)choice(SHADE_LIST_DIFFUSE, (int)p->diffuse, &status);
-  int groove = choice(SHADE_LIST_GROOVE, (int)p->groove, &status);
+  b->mdf = p.mdf;
+  b->brdf = p.brdf;
+  b->detail = p.detail;
+  b->fresnel = p.fresnel;
+  b->diffuse = p.diffuse;
 
   if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
-    b->kx = clamp(PARAM_ex, p->ex, &status);
-    b->ky = clamp(PARAM_ey, p->ey, &status);
+    b->kx = p.ex;
+    b->ky = p.ey;
     b->gx = 2 / (b->kx + 2);
     b->gy = 2 / (b->ky + 2);
     b->peak = sqrt((b->kx + 1) * (b->ky + 1)) / (2 * PI);
   } else {
-    double ax = clamp(PARAM_ax, p->ax, &status), ay = clamp(PARAM_ay, p->ay, &status);
-    b->gx = ax * ax;
-    b->gy = ay * ay;
+    b->gx = p.ax * p.ax;
+    b->gy = p.ay * p.ay;
     b->kx = 1 / b->gx;
     b->ky = 1 / b->gy;
-    b->peak = 1 / (PI * ax * ay);
+    b->peak = 1 / (PI * p.ax * p.ay);
   }
 
-  int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
+  int groove_y = p.groove == SHADE_GROOVE_Y || (p.groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
   if (b->detail == SHADE_DETAIL_AUTO)
     b->detail = choose_detail(b);
   b->fibres_along_y = groove_y;
@@ -319,7 +344,7 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
 
   b->conserve = b->detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
                 b->detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
-  b->fast = p->fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
+  b->fast = p.fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
             (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_PERTURB_RATIO ||
              b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y);
   b->kxf = (float)b->kx;
@@ -328,15 +353,15 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
   b->gyf = (float)b->gy;
   b->peakf = (float)b->peak;
   for (int c = 0; c < 3; c++) {
-    b->f0[c] = clamp(PARAM_f0, p->f0[c], &status);
+    b->f0[c] = p.f0[c];
     b->f0f[c] = (float)b->f0[c];
     if (b->fresnel == SHADE_FRESNEL_F82)
-      b->tint[c] = clamp(PARAM_f82, p->f82[c], &status);
+      b->tint[c] = p.f82[c];
     if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
-      b->tint[c] = clamp(PARAM_eta, p->eta[c], &status);
-      b->k[c] = clamp(PARAM_k, p->k[c], &status);
+      b->tint[c] = p.eta[c];
+      b->k[c] = p.k[c];
     }
-    b->kd[c] = clamp(PARAM_kd, p->kd[c], &status);
+    b->kd[c] = p.kd[c];
     b->has_diffuse |= b->kd[c] > 0;
     b->kdf[c] = (float)b->kd[c];
     b->tintf[c] = (float)b->tint[c];
@@ -397,27 +422,29 @@ static void put_colour(text *t, const char *name, const double v[3]) {
   put(t, "]");
 }
 
-int shade_params_json(const shade_params *p, int id, const char *name, char *buffer,
+int shade_params_json(const shade_params *given, int id, const char *name, char *buffer,
                       size_t capacity) {
+  unsigned unused = SHADE_OK;
+  const shade_params p = within_ranges(given, &unused);
   text t = {buffer, capacity, 0};
   put_number(&t, "{\"id\": ", id);
   put(&t, ", \"name\": ");
   put_string(&t, name ? name : "");
-  put_choice(&t, SHADE_LIST_MDF, (int)p->mdf);
-  put_choice(&t, SHADE_LIST_BRDF, (int)p->brdf);
-  put_choice(&t, SHADE_LIST_DETAIL, (int)p->detail);
-  put_choice(&t, SHADE_LIST_GROOVE, (int)p->groove);
-  put_choice(&t, SHADE_LIST_FRESNEL, (int)p->fresnel);
-  put_choice(&t, SHADE_LIST_DIFFUSE, (int)p->diffuse);
-  put_number(&t, ", \"ex\": ", p->ex);
-  put_number(&t, ", \"ey\": ", p->ey);
-  put_number(&t, ", \"ax\": ", p->ax);
-  put_number(&t, ", \"ay\": ", p->ay);
-  put_colour(&t, "f0", p->f0);
-  put_colour(&t, "f82", p->f82);
-  put_colour(&t, "eta", p->eta);
-  put_colour(&t, "k", p->k);
-  put_colour(&t, "kd", p->kd);
+  put_choice(&t, SHADE_LIST_MDF, (int)p.mdf);
+  put_choice(&t, SHADE_LIST_BRDF, (int)p.brdf);
+  put_choice(&t, SHADE_LIST_DETAIL, (int)p.detail);
+  put_choice(&t, SHADE_LIST_GROOVE, (int)p.groove);
+  put_choice(&t, SHADE_LIST_FRESNEL, (int)p.fresnel);
+  put_choice(&t, SHADE_LIST_DIFFUSE, (int)p.diffuse);
+  put_number(&t, ", \"ex\": ", p.ex);
+  put_number(&t, ", \"ey\": ", p.ey);
+  put_number(&t, ", \"ax\": ", p.ax);
+  put_number(&t, ", \"ay\": ", p.ay);
+  put_colour(&t, "f0", p.f0);
+  put_colour(&t, "f82", p.f82);
+  put_colour(&t, "eta", p.eta);
+  put_colour(&t, "k", p.k);
+  put_colour(&t, "kd", p.kd);
   put(&t, "}");
   if (capacity)
     buffer[t.length < capacity ? t.length : capacity - 1] = 0;

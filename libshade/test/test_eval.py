@@ -218,9 +218,10 @@ def test_malformed_line_is_named(line, word):
 @pytest.mark.parametrize("options, expected", [
     (("--detail", "rotated"), "gram_schmidt"),
     (("--mdf", "phong"), "ashikhmin_shirley"),
-    (("--ex", "-1"), "out of range"),
+    (("--ex", "-1", "--ey", "1"), "out of range"),
     (("--ex", "many"), "a number"),
     (("--ax", "0.1"), "go together"),
+    (("--ex", "100"), "go together"),
     (("--ex", "5", "--ax", "0.1", "--ay", "0.1"), "not both"),
     (("--f0", "2"), "out of range"),
     (("--f82", "0.5"), "--f0 and --f82"),
@@ -249,3 +250,21 @@ def test_help_names_every_choice():
     assert top.returncode == 0 and "eval" in top.stdout and "check" in top.stdout
     assert subprocess.run([SHADE], capture_output=True).returncode == 2
     assert subprocess.run([SHADE, "polish"], capture_output=True).returncode == 2
+
+
+def test_lost_input_and_output_are_errors():
+    with open("/dev/full", "w", encoding="ascii") as full:
+        for options in (["eval", "--help"], ["--version"], ["bench", "--help"]):
+            out = subprocess.run([SHADE, *options], stdout=full, stderr=subprocess.PIPE, text=True)
+            assert out.returncode == 1 and "standard output" in out.stderr
+    folder = os.open("/tmp", os.O_RDONLY)
+    out = subprocess.run([SHADE, "eval"], stdin=folder, capture_output=True, text=True)
+    os.close(folder)
+    assert out.returncode == 1 and "standard input" in out.stderr
+    assert "zero byte" in run("0 0 1 0 0 1\0 5\n").stderr
+
+
+@pytest.mark.parametrize("precision", ["float", "double", "reference"])
+def test_directions_without_meaning_are_named(precision):
+    result = run("0 0 1 1 0 0 -1 0 0\n", "--what", "f", "--precision", precision)
+    assert result.returncode == 0 and result.stdout == "0\n" and "line 1" in result.stderr

@@ -206,6 +206,10 @@ static int read_options(query *q, int argc, char **argv, int *help) {
     fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
     return TOOL_BAD_USAGE;
   }
+  if (exponents && exponents != 3) {
+    fputs("shade eval: --ex and --ey go together\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
   if (alphas && alphas != 3) {
     fputs("shade eval: --ax and --ay go together\n", stderr);
     return TOOL_BAD_USAGE;
@@ -224,7 +228,8 @@ static int read_options(query *q, int argc, char **argv, int *help) {
   return TOOL_DONE;
 }
 
-static double answer(const query *q, const shade_bsdf *b, const double *v) {
+/* The answer; status bits tell what was wrong with the directions. */
+static double answer(const query *q, const shade_bsdf *b, const double *v, unsigned *status) {
   float vf[9], ff[3];
   double f[3];
   const char *unused;
@@ -244,18 +249,18 @@ static double answer(const query *q, const shade_bsdf *b, const double *v) {
   case PRECISION_FAST:
   case PRECISION_FLOAT:
     if (q->what == WHAT_D)
-      return (double)shade_mdf_evalf(b, vf, vf + 3, NULL);
-    shade_bsdf_evalf(b, vf, vf + 3, vf + 6, ff, NULL);
+      return (double)shade_mdf_evalf(b, vf, vf + 3, status);
+    *status |= shade_bsdf_evalf(b, vf, vf + 3, vf + 6, ff, NULL);
     return (double)ff[0];
   case PRECISION_DOUBLE:
     if (q->what == WHAT_D)
-      return shade_mdf_eval(b, v, v + 3, NULL);
-    shade_bsdf_eval(b, v, v + 3, v + 6, f, NULL);
+      return shade_mdf_eval(b, v, v + 3, status);
+    *status |= shade_bsdf_eval(b, v, v + 3, v + 6, f, NULL);
     return f[0];
   default:
     if (q->what == WHAT_D)
       return shade_ref_mdf(&q->params, v, v + 3);
-    shade_ref_f(&q->params, v, v + 3, v + 6, f, NULL);
+    *status |= shade_ref_f(&q->params, v, v + 3, v + 6, f, NULL);
     return f[0];
   }
 }
@@ -293,14 +298,17 @@ int shade_cmd_eval(int argc, char **argv) {
 
   char *line = NULL;
   size_t capacity = 0;
-  for (long number = 1; getline(&line, &capacity, stdin) >= 0; number++) {
+  ssize_t length;
+  for (long number = 1; !status && (length = getline(&line, &capacity, stdin)) >= 0; number++) {
     const char *text = line;
     while (isspace((unsigned char)*text))
       text++;
-    if (!*text || *text == '#')
+    if ((!*text && strlen(line) == (size_t)length) || *text == '#')
       continue;
     double v[9];
     const char *form, *wrong = read_line(text, line_form(&q, &form), v);
+    if (strlen(line) != (size_t)length)
+      wrong = "it holds a zero byte";
     if (wrong) {
       fflush(stdout);
       fprintf(stderr, "shade eval: standard input, line %ld: %s; expected %s\n", number, wrong,
@@ -308,11 +316,18 @@ int shade_cmd_eval(int argc, char **argv) {
       status = TOOL_BAD_INPUT;
       break;
     }
-    printf(q.precision <= PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v));
+    unsigned mended = SHADE_OK;
+    printf(q.precision <= PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v, &mended));
+    if (mended & SHADE_BAD_INPUT)
+      fprintf(stderr, "shade eval: standard input, line %ld: warning: no such direction: 0\n",
+              number);
+    else if (mended & SHADE_CLAMPED_NORMAL)
+      fprintf(stderr, "shade eval: standard input, line %ld: warning: n lifted to nz = 1e-4\n",
+              number);
   }
   free(line);
-  if (fflush(stdout) && !status) {
-    fprintf(stderr, "shade eval: standard output: %s\n", strerror(errno));
+  if (ferror(stdin)) {
+    fprintf(stderr, "shade eval: standard input: %s\n", strerror(errno));
     status = TOOL_BAD_INPUT;
   }
   return status;
