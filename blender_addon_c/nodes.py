@@ -7,7 +7,7 @@ an ordinary metal.
 """
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
 from . import _native
 
@@ -24,9 +24,13 @@ def _choices():
     return [(name, _PROPERTY_OF_LIST.get(name, name)) for name in _TABLE["lists"]]
 
 
-def _numbers():
-    """Rows of the table's one-number parameters; colours are sockets."""
-    return [row for row in _TABLE["params"] if row["components"] == 1]
+def _parameters():
+    """Rows of the table's parameters that are properties; f0 is the socket Color."""
+    return [row for row in _TABLE["params"] if row["word"] != "f0"]
+
+
+def _initial(row):
+    return row["initial"] if row["components"] == 1 else (row["initial"],) * row["components"]
 
 
 def _initial_choice(name):
@@ -40,13 +44,15 @@ def _initial_choice(name):
 def settings(node):
     """A metal node's settings under the table's own names."""
     words = {name: getattr(node, attribute).lower() for name, attribute in _choices()}
-    return {**words, **{row["word"]: getattr(node, row["word"]) for row in _numbers()}}
+    values = {row["word"]: getattr(node, row["word"]) for row in _parameters()}
+    return {**words, **{word: value if isinstance(value, float) else tuple(value)
+                        for word, value in values.items()}}
 
 
 def initial_settings():
     """The same for a node as it is when new."""
     words = {name: _initial_choice(name) for name, _attribute in _choices()}
-    return {**words, **{row["word"]: row["initial"] for row in _numbers()}}
+    return {**words, **{row["word"]: _initial(row) for row in _parameters()}}
 
 
 def alpha_of(exponent):
@@ -56,6 +62,10 @@ def alpha_of(exponent):
 def exponent_of(alpha):
     return max(0.0, 2.0 / (alpha * alpha) - 2.0)
 
+
+# Parameters that only one choice reads; elsewhere the panel leaves them out.
+_NEEDED_BY = {"f82": ("fresnel", "F82"), "eta": ("fresnel", "CONDUCTOR"),
+              "k": ("fresnel", "CONDUCTOR")}
 
 # Exponents and alphas say the same thing; setting one sets the other.
 _TWIN = {
@@ -91,12 +101,19 @@ def _properties():
                    for row in _TABLE["lists"][name]],
             default=_initial_choice(name).upper(),
         )
-    for row in _numbers():
-        made[row["word"]] = FloatProperty(
-            name=row["word"], description=row["help"], precision=4,
-            min=row["minimum"], max=row["maximum"], default=row["initial"],
-            update=_updater(row["word"]),
-        )
+    for row in _parameters():
+        common = {
+            "name": row["word"], "description": row["help"], "precision": 4,
+            "min": row["minimum"], "max": row["maximum"], "default": _initial(row),
+            "update": _updater(row["word"]),
+        }
+        if row["components"] == 1:
+            made[row["word"]] = FloatProperty(**common)
+        else:
+            # A range of 0 to 1 is a colour; an index of refraction per channel is not.
+            subtype = "COLOR" if row["maximum"] <= 1 else "NONE"
+            made[row["word"]] = FloatVectorProperty(size=row["components"], subtype=subtype,
+                                                    **common)
     # The tree inside also belongs to a copy of this node, until one of them changes.
     made["shares_tree"] = BoolProperty(options={"HIDDEN"})
     return made
@@ -180,9 +197,10 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     def draw_buttons_ext(self, _context, layout):
         for _name, attribute in _choices():
             layout.prop(self, attribute)
-        column = layout.column(align=True)
-        for row in _numbers():
-            column.prop(self, row["word"])
+        for row in _parameters():
+            needed = _NEEDED_BY.get(row["word"])
+            if not needed or getattr(self, needed[0]) == needed[1]:
+                layout.prop(self, row["word"])
         layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
 
     def draw_label(self):

@@ -2,8 +2,10 @@
 # libshade, the `shade` tool, their tests. Needs a C compiler and make, no more.
 L := libshade
 SHADE_WARN := -Wall -Wextra -Wconversion -Werror
+# no path of this machine in what is built
+NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 SHADE_CFLAGS := -O3 -std=c11 -g -fPIC -fno-math-errno -fno-trapping-math -ffp-contract=fast \
-  -fopenmp-simd -ffile-prefix-map=$(CURDIR)=. $(SHADE_WARN) -I$(L)/include -I$(L)
+  -fopenmp-simd $(NO_PATH) $(SHADE_WARN) -I$(L)/include -I$(L)
 CFLAGS ?=
 # one short line a step; V=1 shows the commands
 Q := $(if $(V),,@)
@@ -39,27 +41,27 @@ $(O)/tool/check.o: $(EXR_SEEN)
 
 all: $(B)/libshade.a $(B)/shade
 
-$(O)/src/isa_%.o: $(L)/src/isa_%.c
+$(O)/src/isa_%.o: $(L)/src/isa_%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(ISA_$*) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
-$(O)/src/%.o: $(L)/src/%.c
+$(O)/src/%.o: $(L)/src/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) -fvisibility=hidden $(CFLAGS) -MMD -c $< -o $@
-$(O)/dump/%.o: $(L)/dump/%.c
+$(O)/dump/%.o: $(L)/dump/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(EXR_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
-$(O)/tool/%.o: $(L)/tool/%.c
+$(O)/tool/%.o: $(L)/tool/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
 # the reference is plain C: no flags that would bend its arithmetic
-$(O)/reference/%.o: $(L)/reference/%.c
+$(O)/reference/%.o: $(L)/reference/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
-	$(Q)$(CC) -O2 -std=c11 -g -fPIC -ffp-contract=off $(SHADE_WARN) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
+	$(Q)$(CC) -O2 -std=c11 -g -fPIC -ffp-contract=off $(NO_PATH) $(SHADE_WARN) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
 
 $(B)/libshade.a: $(SHADE_OBJ)
 	$(call say,archive  ,$@)

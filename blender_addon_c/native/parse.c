@@ -319,7 +319,7 @@ static bool parse_image(parser *p, PyObject *dict, void *out, scene *s) {
 
 static bool choice(const parser *p, PyObject *dict, shade_list list, int *out) {
   const char *key = shade_list_name(list);
-  char *value, words[160] = "";
+  char *value, words[512] = "";
   const char *row_word;
   if (!text(p, dict, key, NULL, &value))
     return false;
@@ -338,19 +338,28 @@ static bool image_index(const parser *p, PyObject *dict, const char *key, const 
   return integer(p, dict, key, -1, (long)s->images - 1, out);
 }
 
+/* Missing is the table's default, which *out holds. */
+static bool optional_color(const parser *p, PyObject *dict, const char *key, double out[3]) {
+  return !find(dict, key) || numbers(p, dict, key, 3, out);
+}
+
 static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   material *m = out;
   shade_params *q = &m->params;
-  int mdf, brdf, detail, groove, fresnel;
+  int mdf, brdf, detail, groove, fresnel, diffuse;
   double ex, ey, ax, ay, strength;
   shade_params_init(q);
+  diffuse = (int)q->diffuse;
   m->number = (int)(m - s->material);
   if (!text(p, dict, "name", NULL, &m->name) || !choice(p, dict, SHADE_LIST_MDF, &mdf) ||
       !choice(p, dict, SHADE_LIST_BRDF, &brdf) || !choice(p, dict, SHADE_LIST_DETAIL, &detail) ||
       !choice(p, dict, SHADE_LIST_GROOVE, &groove) ||
       !choice(p, dict, SHADE_LIST_FRESNEL, &fresnel) || !number(p, dict, "ex", &ex) ||
       !number(p, dict, "ey", &ey) || !number(p, dict, "ax", &ax) || !number(p, dict, "ay", &ay) ||
-      !numbers(p, dict, "f0", 3, q->f0) ||
+      !numbers(p, dict, "f0", 3, q->f0) || !optional_color(p, dict, "f82", q->f82) ||
+      !optional_color(p, dict, "eta", q->eta) || !optional_color(p, dict, "k", q->k) ||
+      !optional_color(p, dict, "kd", q->kd) ||
+      (find(dict, "diffuse") && !choice(p, dict, SHADE_LIST_DIFFUSE, &diffuse)) ||
       !image_index(p, dict, "color_image", s, &m->color_image) ||
       !image_index(p, dict, "normal_image", s, &m->normal_image) ||
       !number(p, dict, "normal_strength", &strength))
@@ -360,6 +369,7 @@ static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   q->detail = (shade_detail)detail;
   q->groove = (shade_groove)groove;
   q->fresnel = (shade_fresnel)fresnel;
+  q->diffuse = (shade_diffuse)diffuse;
   m->normal_strength = (float)fmin(fmax(strength, 0.0), 1e6);
   if (q->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
     m->status = shade_params_set_exponents(q, ex, ey);

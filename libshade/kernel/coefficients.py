@@ -15,6 +15,7 @@ from math import cos, pi
 
 getcontext().prec = 60
 LN2 = Decimal(2).ln()
+PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494")
 
 
 def interpolate(function, low, high, terms):
@@ -62,6 +63,32 @@ def exp_rest(r):
     return (r.exp() - 1 - r) / (r * r)
 
 
+def erfcx(a):
+    """exp(a^2) erfc(a), by the series of erf; good for a <= 6, where 16 of 60 digits cancel."""
+    term = total = a
+    n = 0
+    while abs(term) > Decimal(10) ** -60:
+        n += 1
+        term *= 2 * a * a / (2 * n + 1)
+        total += term
+    return (a * a).exp() - 2 / PI.sqrt() * total
+
+
+def log_ratio(f):
+    """log(1 + f) / f."""
+    return (1 + f).ln() / f if f else Decimal(1)
+
+
+def atan_rest(z):
+    """(atan(s) - s) / s^3 at z = s^2, z < 1/5."""
+    total, term, n = Decimal(0), Decimal(-1), 3
+    while abs(term) > Decimal(10) ** -60:
+        total += term / n
+        term *= -z
+        n += 2
+    return total
+
+
 def worst(error, low, high, steps=2000):
     return max(abs(error(low + (high - low) * i / steps)) for i in range(steps + 1))
 
@@ -93,7 +120,10 @@ print("#ifndef SHADE_COEFFICIENTS_H\n#define SHADE_COEFFICIENTS_H\n")
 # s = f/(2+f), 1+f in [sqrt(1/2), sqrt(2)]: |s| <= 3 - 2 sqrt(2)
 LIMIT = (3 - 2 * Decimal(2).sqrt()) ** 2
 HALF = LN2 / 2 * Decimal("1.001")
-for single, tag, log_terms, exp_terms in ((True, "F", 3, 5), (False, "D", 8, 12)):
+for single, tag, log_terms, exp_terms, erfcx_terms, atan_terms in (
+    (True, "F", 3, 5, 9, 5),
+    (False, "D", 8, 12, 18, 12),
+):
 
     def log_error(z, p):
         return (p - atanh_rest(z)) * z / (2 + atanh_rest(z) * z)
@@ -105,10 +135,38 @@ for single, tag, log_terms, exp_terms in ((True, "F", 3, 5), (False, "D", 8, 12)
          "log((1+s)/(1-s)) = 2s + s^3 P(s^2)")
     emit(f"SHADE_EXP_{tag}", exp_rest, -HALF, HALF, exp_terms, single, exp_error,
          "exp(r) = 1 + r + r^2 P(r)")
-    high, low = split_ln2(single)
+    emit(f"SHADE_ATAN_{tag}", atan_rest, Decimal(0), (Decimal(2).sqrt() - 1) ** 2, atan_terms, single,
+         lambda z, p: (p - atan_rest(z)) * z / (1 + atan_rest(z) * z),
+         "atan(s) = s + s^3 P(s^2), s <= tan(pi/8)")
+
+    # y = 1/(1 + 0.3 a) from 1 down to where exp(-a^2) leaves nothing of Beckmann's Lambda
+    least = 1 / (1 + Decimal("0.3") * (Decimal("4.2") if single else 6))
+    middle = Decimal(rounded((1 + least) / 2, single))
+
+    def argument(z):
+        return (1 / (z + middle) - 1) / Decimal("0.3")
+
+    def lambda_error(z, p):
+        a = argument(z)
+        share = (-a * a).exp()
+        exact = erfcx(a)
+        doubled = 1 + share * (1 / (a * PI.sqrt()) - exact) if a > 0 else Decimal("inf")
+        return (p - exact) * share / doubled
+
+    emit(f"SHADE_ERFCX_{tag}", lambda z: erfcx(argument(z)), least - middle,
+         1 - middle - Decimal("1e-20"), erfcx_terms, single, lambda_error,
+         "erfcx(a) by z = 1/(1 + 0.3 a) - middle, as a share of 1 + 2 Lambda")
     suffix = "f" if single else ""
     digits = 9 if single else 17
+    print(f"#define SHADE_ERFCX_LEAST_{tag} {rounded(least, single):.{digits}g}{suffix}")
+    print(f"#define SHADE_ERFCX_MIDDLE_{tag} {rounded(middle, single):.{digits}g}{suffix}\n")
+    high, low = split_ln2(single)
     print(f"#define SHADE_LN2_HIGH_{tag} {high:.{digits}g}{suffix}")
     print(f"#define SHADE_LN2_LOW_{tag} {low:.{digits}g}{suffix}")
     print(f"#define SHADE_LOG2E_{tag} {rounded(1 / LN2, single):.{digits}g}{suffix}\n")
+ROOT = Decimal(2).sqrt()
+emit("SHADE_LOG_FAST", log_ratio, 1 / ROOT - 1, ROOT - 1, 7, True,
+     lambda f, p: p / log_ratio(f) - 1, "log(1 + f) = f P(f), for `fast`")
+emit("SHADE_EXP_FAST", exp_rest, -HALF, HALF, 3, True, lambda r, p: (p - exp_rest(r)) * r * r / r.exp(),
+     "exp(r) = 1 + r + r^2 P(r), for `fast`")
 print("#endif")

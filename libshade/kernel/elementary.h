@@ -4,13 +4,13 @@
  * them vectorise. Errors are held by test/test_elementary.c.
  */
 
-static inline real_bits FN(to_bits)(real x) {
+LEAF real_bits FN(to_bits)(real x) {
   real_bits u;
   memcpy(&u, &x, sizeof u);
   return u;
 }
 
-static inline real FN(from_bits)(real_bits u) {
+LEAF real FN(from_bits)(real_bits u) {
   real x;
   memcpy(&x, &u, sizeof x);
   return x;
@@ -20,7 +20,7 @@ static inline real FN(from_bits)(real_bits u) {
  * log(1 + t) for 0 <= t <= 4e37 (float) or 4e300 (double).
  * Worst relative error: 1.8e-7 near t = 0.42 (float), 3.4e-16 (double).
  */
-static inline real FN(log1p_positive)(real t) {
+LEAF real FN(log1p_positive)(real t) {
   real u = 1 + t;
 #if SHADE_FLOAT
   /* k so that u / 2^k lies between sqrt(1/2) and sqrt(2) */
@@ -50,7 +50,7 @@ static inline real FN(log1p_positive)(real t) {
  * exp(-a) for a >= 0; 0 for a > 86 (float) or 700 (double), where the result is below
  * 5e-38 or 1e-304. Worst relative error: 1.2e-7 (float), 2.3e-16 (double).
  */
-static inline real FN(exp_negative)(real a) {
+LEAF real FN(exp_negative)(real a) {
 #if SHADE_FLOAT
   const real limit = 86;
   const real magic = 12582912; /* 1.5 * 2^23: adding it rounds to a whole number */
@@ -73,17 +73,38 @@ static inline real FN(exp_negative)(real a) {
   return a <= limit ? value : 0;
 }
 
-static inline real FN(maximum)(real a, real b) {
+LEAF real FN(maximum)(real a, real b) {
   return a > b ? a : b;
 }
-static inline real FN(minimum)(real a, real b) {
+LEAF real FN(minimum)(real a, real b) {
   return a < b ? a : b;
 }
 
-static inline real FN(root)(real x) {
+LEAF real FN(root)(real x) {
 #if SHADE_FLOAT
   return sqrtf(x);
 #else
   return sqrt(x);
 #endif
+}
+
+/*
+ * The angle of (x, y) from the x axis, y >= 0: 0 to pi. 0 at the origin.
+ * Worst absolute error: 3e-7 (float), 5e-16 (double).
+ */
+LEAF real FN(angle_of)(real y, real x) {
+  const real pi = R(3.14159265358979323846);
+  real ax = x < 0 ? -x : x;
+  real low = FN(minimum)(y, ax), high = FN(maximum)(y, ax);
+  int steep = low > R(0.41421356237309504880) * high; /* tan(pi/8) */
+  real top = steep ? low - high : low, bottom = steep ? low + high : high;
+  real s = top / FN(maximum)(bottom, TINY);
+#if SHADE_FLOAT
+  real a = s + s * (s * s) * SHADE_ATAN_F((s * s));
+#else
+  real a = s + s * (s * s) * SHADE_ATAN_D((s * s));
+#endif
+  a = steep ? a + pi / 4 : a;
+  a = y > ax ? pi / 2 - a : a;
+  return x < 0 ? pi - a : a;
 }

@@ -10,11 +10,38 @@
 #include "leaf_detail.h"
 #include "leaf_distribution.h"
 #include "leaf_brdf.h"
+#include "leaf_fresnel.h"
+#include "leaf_diffuse.h"
 #include "leaf_repair.h"
 #include "pass_repair.h"
 #include "pass_detail.h"
 #include "pass_distribution.h"
 #include "pass_brdf.h"
+#include "pass_diffuse.h"
+
+#if SHADE_FLOAT
+#include "leaf_fast.h"
+#include "pass_fast.h"
+#endif
+
+/* n and h to D; h is unit for the warps. t, xx and yy are scratch. */
+static void FN(pass_lobe)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+                          const real *nz, const real *hx, const real *hy, const real *hz, real *t,
+                          real *xx, real *yy, real *d) {
+  FN(pass_detail)(b->map, count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+  FN(pass_distribution)(b, count, t, xx, yy, d);
+  if (b->conserve)
+    FN(pass_conserve)(b, count, nx, ny, nz, hx, hy, hz, d);
+}
+
+/* The same for one sample. */
+static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real hy, real hz) {
+  real d = FN(distribution)(b, FN(detail)(b->map, n, hx, hy, hz));
+  if (b->conserve)
+    d *= FN(warp_stretch)(n[0], n[1], n[2], hx, hy, hz, b->map == SHADE_MAP_DEFORM_SMOOTH,
+                          FN(projected)(b));
+  return d;
+}
 
 static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
                                      const real *ny, const real *nz, const real *hx, const real *hy,
@@ -27,8 +54,13 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
     const real *v[2][3] = {{nx + start, ny + start, nz + start},
                            {hx + start, hy + start, hz + start}};
     unsigned block = FN(mend_block)(size, 2, v, &room);
-    FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy);
-    FN(pass_distribution)(b, size, t, xx, yy, d);
+#if SHADE_FLOAT
+    if (b->fast)
+      pass_fast(b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], d);
+    else
+#endif
+      FN(pass_lobe)
+    (b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy, d);
     for (size_t i = 0; i < size; i++)
       out[start + i] = d[i];
     if (block & SHADE_BAD_INPUT)
@@ -40,10 +72,30 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
   return status;
 }
 
+/* kd of channel c, less what Ashikhmin and Shirley give to the specular part. */
+static inline real FN(diffuse_scale)(const shade_bsdf *b, int c) {
+  return b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? b->FN(kd)[c] * (1 - b->FN(f0)[c])
+                                                       : b->FN(kd)[c];
+}
+
+/* q = Phi/(pi cos) of a block; v as in kernel_bsdf_batch, ly and vy are scratch. */
+static void FN(diffuse_block)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+                              const real *cosi, const real *coso, real *ly, real *vy, real *q) {
+  const int x = b->fibres_along_y, y = !x; /* the fibre's axis, and the other */
+  if (b->map == SHADE_MAP_NONE) {
+    memcpy(ly, v[1][y], size * sizeof *ly);
+    memcpy(vy, v[2][y], size * sizeof *vy);
+  } else {
+    FN(pass_across)(size, v[0][x], v[0][y], v[0][2], v[1][x], v[1][y], v[1][2], ly);
+    FN(pass_across)(size, v[0][x], v[0][y], v[0][2], v[2][x], v[2][y], v[2][2], vy);
+  }
+  FN(pass_diffuse)(b, size, ly, cosi, vy, coso, q);
+}
+
 static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
                                       const FN(shade_result) * out) {
   real hx[BLOCK], hy[BLOCK], hz[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
-  real d[BLOCK], coso[BLOCK], white[BLOCK];
+  real d[BLOCK], coso[BLOCK], white[BLOCK], hwo[BLOCK];
   FN(mended) room;
   const real grazing = b->fresnel == SHADE_FRESNEL_SCHLICK ? 1 : 0;
   const real *f0[3] = {in->f0r, in->f0g, in->f0b};
@@ -56,26 +108,38 @@ static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const F
                            {in->wox + start, in->woy + start, in->woz + start}};
     real *cosi = out->cosine + start;
     unsigned block = FN(mend_block)(size, 3, v, &room);
-    if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz))
+    if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz, hwo))
       status |= SHADE_BAD_INPUT;
-    FN(pass_detail)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy);
-    FN(pass_distribution)(b, size, t, xx, yy, d);
-    if (b->detail == SHADE_DETAIL_NONE)
+    if (b->map >= SHADE_MAP_DEFORM_LINEAR)
+      FN(pass_unit)(size, hx, hy, hz);
+    FN(pass_lobe)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy, d);
+    if (b->map == SHADE_MAP_NONE)
       FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
     else
       FN(pass_cosines)
     (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
      coso);
-    FN(pass_brdf)(size, grazing, hx, hy, hz, cosi, coso, d, white);
+    if (b->brdf == SHADE_BRDF_MICROFACET)
+      for (int k = 1; k <= 2; k++) {
+        FN(pass_detail)
+        (b->shadow_map, size, v[0][0], v[0][1], v[0][2], v[k][0], v[k][1], v[k][2], t, xx, yy);
+        FN(pass_smith)(b, size, xx, yy, k == 1 ? hx : hy); /* h is done with */
+      }
+    FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
+    FN(pass_schlick)(size, grazing, hwo, white);
+    if (b->has_diffuse)
+      FN(diffuse_block)(b, size, v, cosi, coso, xx, yy, t);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
-          d[i] = cosi[i] = 0;
+          d[i] = cosi[i] = t[i] = 0;
     for (int c = 0; c < 3; c++)
-      if (f0[c])
-        FN(pass_fresnel_textured)(size, f0[c] + start, d, white, rgb[c] + start);
+      FN(pass_channel)(b, c, size, f0[c] ? f0[c] + start : NULL, d, hwo, white, rgb[c] + start);
+    for (int c = 0; c < 3 && b->has_diffuse; c++)
+      if (f0[c] && b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY)
+        FN(pass_add_diffuse_textured)(size, b->FN(kd)[c], f0[c] + start, t, rgb[c] + start);
       else
-        FN(pass_fresnel)(size, b->FN(f0)[c], d, white, rgb[c] + start);
+        FN(pass_add_diffuse)(size, FN(diffuse_scale)(b, c), t, rgb[c] + start);
     status |= block;
   }
   return status;
@@ -88,8 +152,15 @@ static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const re
   real h[3] = {h_in[0], h_in[1], h_in[2]};
   unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
   *d = 0;
-  if (!(status & SHADE_BAD_INPUT))
-    *d = FN(distribution)(b, FN(detail)(b, n, h[0], h[1], h[2]));
+  if (status & SHADE_BAD_INPUT)
+    return status;
+#if SHADE_FLOAT
+  if (b->fast) {
+    *d = fast(b, n, h[0], h[1], h[2]);
+    return status;
+  }
+#endif
+  *d = FN(lobe)(b, n, h[0], h[1], h[2]);
   return status;
 }
 
@@ -104,7 +175,7 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   *cosine = 0;
   if (status & SHADE_BAD_INPUT)
     return status;
-  if (b->detail == SHADE_DETAIL_NONE) {
+  if (b->map == SHADE_MAP_NONE) {
     n[0] = n[1] = 0;
     n[2] = 1;
   }
@@ -117,10 +188,36 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
   if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
     return status;
   real hwo = FN(half_cosine)(hx, hy, hz);
-  real d = FN(distribution)(b, FN(detail)(b, n, hx, hy, hz));
-  real value = FN(brdf_ashikhmin_shirley)(d, hwo, cosi, coso);
-  real white = b->fresnel == SHADE_FRESNEL_SCHLICK ? FN(schlick_weight)(hwo) : 0;
+  real scale = b->map >= SHADE_MAP_DEFORM_LINEAR ? FN(scale_to_unit)(hx, hy, hz) : 1;
+  real d = FN(lobe)(b, n, hx * scale, hy * scale, hz * scale);
+  FN(angles) a = {hwo, cosi, coso, 0, 0};
+  if (b->brdf == SHADE_BRDF_MICROFACET) {
+    a.li = FN(smith)(b, n, wi);
+    a.lo = FN(smith)(b, n, wo);
+  }
+  real value = FN(brdf)(b, d, a);
   for (int c = 0; c < 3; c++)
-    f[c] = value * (b->FN(f0)[c] + (1 - b->FN(f0)[c]) * white);
+    f[c] = value * FN(fresnel)(b, c, hwo);
+  if (b->has_diffuse) {
+    const int x = b->fibres_along_y, y = !x;
+    real ly = FN(across_fibre)(n[x], n[y], n[2], wi[x], wi[y], wi[2]);
+    real vy = FN(across_fibre)(n[x], n[y], n[2], wo[x], wo[y], wo[2]);
+    real phi = FN(diffuse_phi)(b->diffuse, ly, cosi, vy, coso);
+    real q = phi * R(0.31830988618379067154) / FN(maximum)(cosi, R(1e-20));
+    for (int c = 0; c < 3; c++)
+      f[c] += FN(diffuse_scale)(b, c) * q;
+  }
   return status;
+}
+
+/* Phi in the fibre's own frame, by the contract of shade_diffuse_eval. */
+static real FN(kernel_diffuse)(shade_diffuse model, const real l_in[3], const real v_in[3]) {
+  real l[3] = {l_in[0], l_in[1], l_in[2]}, v[3] = {0, 0, 1};
+  int sees = model == SHADE_DIFFUSE_FIBRE_VIEW || model == SHADE_DIFFUSE_POULIN_FOURNIER ||
+             model == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  if (sees)
+    memcpy(v, v_in, sizeof v);
+  if ((FN(mend_if_needed)(l, 0) | FN(mend_if_needed)(v, 0)) & SHADE_BAD_INPUT)
+    return 0;
+  return l[2] > 0 && v[2] > 0 ? FN(diffuse_phi)(model, l[1], l[2], v[1], v[2]) : 0;
 }

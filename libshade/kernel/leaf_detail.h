@@ -4,41 +4,73 @@
  * (n, h) into what every distribution needs:
  *   t       tan^2 of the angle between h and the carried pole; -1 when h is
  *           on or below its horizon, where D' = 0
- *   xx, yy  squares of the azimuth's components, to any common scale; both 0
- *           when h is the pole
- * h need not be unit: only its direction counts. The tangents come from cross
+ *   xx, yy  squares of the slope of h along x and y; xx + yy = t
+ * h need not be unit, except for the warps: only its direction counts. The tangents come from cross
  * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (method 2.8).
  */
 typedef struct FN(lobe_point) {
   real t, xx, yy;
 } FN(lobe_point);
 
-/* The perturbed normal is ignored. */
-static inline FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
-  FN(lobe_point) p;
-  p.xx = hx * hx;
-  p.yy = hy * hy;
-  real t = (p.xx + p.yy) / FN(maximum)(hz * hz, TINY);
-  p.t = hz > 0 ? t : -1;
+/* From squared sines along x and y and a squared cosine, to any common scale. */
+LEAF FN(lobe_point) FN(lobe_at)(real xx, real yy, real zz, int above) {
+  real inverse = 1 / FN(maximum)(zz, TINY);
+  FN(lobe_point) p = {-1, xx * inverse, yy * inverse};
+  p.t = above ? p.xx + p.yy : -1;
   return p;
+}
+
+/* n x h, whose length is the sine, and n . h. */
+typedef struct FN(cross_and_dot) {
+  real x, y, z, d;
+} FN(cross_and_dot);
+
+LEAF FN(cross_and_dot) FN(cross_and_dot_of)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(cross_and_dot) c;
+  c.x = ny * hz - nz * hy;
+  c.y = nz * hx - nx * hz;
+  c.z = nx * hy - ny * hx;
+  c.d = nx * hx + ny * hy + nz * hz;
+  return c;
+}
+
+/* tan^2 of the angle between n and h, or -1: the t of a lobe_point. */
+LEAF real FN(tan2)(FN(cross_and_dot) c) {
+  real t = (c.x * c.x + c.y * c.y + c.z * c.z) / FN(maximum)(c.d * c.d, TINY);
+  return c.d > 0 ? t : -1;
+}
+
+/* The perturbed normal is ignored. */
+LEAF FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
+  return FN(lobe_at)(hx * hx, hy * hy, hz * hz, hz > 0);
 }
 
 /*
  * Plain normal mapping: the polar angle from n, the azimuth from the unperturbed
- * frame. Over the unperturbed pole the azimuth is undefined and xx = yy stands
- * for cos^2 = 1/2.
+ * frame. This form is for Ashikhmin-Shirley, which reads only the ratio of xx and yy
+ * and takes cos^2 = 1/2 where both are 0: they are not the slopes here.
  */
-static inline FN(lobe_point)
-    FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_point) FN(detail_perturb_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(lobe_point) p;
-  real cx = ny * hz - nz * hy;
-  real cy = nz * hx - nx * hz;
-  real cz = nx * hy - ny * hx;
-  real d = nx * hx + ny * hy + nz * hz;
-  real t = (cx * cx + cy * cy + cz * cz) / FN(maximum)(d * d, TINY);
+  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
   p.xx = hx * hx;
   p.yy = hy * hy;
-  p.t = d > 0 ? t : -1;
+  p.t = FN(tan2)(c);
+  return p;
+}
+
+/*
+ * The same with slopes. Over the unperturbed pole the azimuth is undefined and cos^2 = 1/2
+ * stands for it.
+ */
+LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(lobe_point) p = FN(detail_perturb_ratio)(nx, ny, nz, hx, hy, hz);
+  real radius = p.xx + p.yy;
+  int pole = !(radius > TINY);
+  real inverse = 1 / (pole ? 1 : radius); /* t / radius could overflow */
+  real t = FN(maximum)(p.t, 0);
+  p.xx = (pole ? R(0.5) : p.xx * inverse) * t;
+  p.yy = (pole ? R(0.5) : p.yy * inverse) * t;
   return p;
 }
 
@@ -47,9 +79,7 @@ static inline FN(lobe_point)
  * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: method 2.1]
  * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
  */
-static inline FN(lobe_point)
-    FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  FN(lobe_point) p;
+LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
   /* Near L = 0 the squares below would underflow; only the ratio nx : nz matters. */
 #if SHADE_FLOAT
   const real small = 0x1p-40f, step = 0x1p40f;
@@ -63,9 +93,90 @@ static inline FN(lobe_point)
   real x = c * hx - a * hz;
   real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);
   real d = nx * hx + ny * hy + nz * hz;
-  p.xx = x * x;
-  p.yy = y * y;
-  real t = (p.xx + p.yy) / FN(maximum)((a * a + c * c) * (d * d), TINY);
-  p.t = d > 0 ? t : -1;
+  return FN(lobe_at)(x * x, y * y, (a * a + c * c) * (d * d), d > 0);
+}
+
+/* The smallest rotation that brings z to n, applied to n x h: its sine is kept, not lost. */
+LEAF FN(lobe_point) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
+  real turn = c.z / (1 + nz);
+  real x = c.y - ny * turn, y = c.x - nx * turn;
+  return FN(lobe_at)(x * x, y * y, c.d * c.d, c.d > 0);
+}
+
+/*
+ * `rotate` without the division of x and y by L, so that xx + yy = L^2 t: the paper's fast
+ * form, sign corrected. Ashikhmin-Shirley, which does not see L, takes this for `rotate`.
+ */
+LEAF FN(lobe_point)
+    FN(detail_rotate_approximate)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
+  real y = nx * c.z - nz * c.x;
+  FN(lobe_point) p = FN(lobe_at)(c.y * c.y, y * y, c.d * c.d, c.d > 0);
+  p.t = FN(tan2)(c);
   return p;
+}
+
+/*
+ * Both warps move the point p' = (hx, hy) of the unit disc by delta = (nx, ny) at the lobe's
+ * centre and not at all at the rim; h is unit here. u is 1 less the paper's weight w,
+ * taken from whichever root does not cancel. Float D against the reference, tilts to 75
+ * degrees, |p|^2 <= 0.75: 1e-4 at exponents to 1e3, 3e-4 to 1e5. [KangCho Eq. 11-14; method 2.5]
+ */
+LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
+  real a = x * x + y * y;
+  real b = nx * x + ny * y;
+  real c = nz * nz;
+  real s = FN(root)(b * b + a * c);
+  real top = b >= 0 ? b + s : a;
+  real bottom = b >= 0 ? c : s - b;
+  /* u > 1 is outside anyway; this floor keeps it from overflowing as nz -> 0 */
+  return top / FN(maximum)(bottom, R(0.5) * top + TINY);
+}
+
+/* Weight w: |p| is u itself. */
+LEAF FN(lobe_point) FN(detail_deform_linear)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real x = hx - nx, y = hy - ny;
+  real u = FN(warp_fraction)(nx, ny, nz, x, y);
+  x += u * nx;
+  y += u * ny;
+  return FN(lobe_at)(x * x, y * y, (1 - u) * (1 + u), (u < 1) & (hz > 0));
+}
+
+/* Weight sqrt(w); p may leave the disc, where D' = 0. */
+LEAF FN(lobe_point) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real x = hx - nx, y = hy - ny;
+  real u = FN(minimum)(FN(warp_fraction)(nx, ny, nz, x, y), 1);
+  real shift = u / (1 + FN(root)(1 - u));
+  x += shift * nx;
+  y += shift * ny;
+  real zz = 1 - x * x - y * y;
+  return FN(lobe_at)(x * x, y * y, zz, (zz > 0) & (hz > 0));
+}
+
+/*
+ * What makes a warped distribution conserve energy: the Jacobian of the warp, J = 1 +
+ * delta.p/s for the linear one (p the linear p) and 1 + delta.p/(2 s sqrt(1 - u)) for the
+ * smooth one, times hz over the cosine in which D is normalised: z of the moved h, or n.h
+ * where D is a projected one (Beckmann, GGX). At h = n, where J depends on the way there,
+ * it is taken as 1. Relative error as the warps'. [method 2.5]
+ */
+LEAF real FN(warp_stretch)(real nx, real ny, real nz, real hx, real hy, real hz, int smooth,
+                           int projected) {
+  const real rim = R(1e-9); /* the least cosine: keeps the result finite */
+  real x = hx - nx, y = hy - ny;
+  real u = FN(warp_fraction)(nx, ny, nz, x, y);
+  real b = nx * x + ny * y;
+  real s = FN(root)(b * b + (x * x + y * y) * (nz * nz));
+  real fade = FN(root)(FN(maximum)(1 - u, 0));
+  real along = b + u * (nx * nx + ny * ny); /* delta . p_linear */
+  real stretch = along / FN(maximum)(smooth ? 2 * s * fade : s, TINY);
+  real jacobian = FN(maximum)(1 + stretch, 0); /* 1 where s, and with it `along`, is 0 */
+  real shift = smooth ? u / (1 + fade) : u;
+  x += shift * nx;
+  y += shift * ny;
+  real zz = smooth ? 1 - x * x - y * y : (1 - u) * (1 + u);
+  real z = projected ? nx * hx + ny * hy + nz * hz : FN(root)(FN(maximum)(zz, 0));
+  real lit = z > 0 ? FN(maximum)(hz, 0) : 0;
+  return FN(minimum)(jacobian, R(1e9)) * lit / FN(maximum)(z, rim);
 }

@@ -4,10 +4,15 @@
  * runs on every lane; the mending is a slow path that few samples ever see.
  */
 
-/* Nonzero when the vector is further than 5e-4 from unit length, or not finite. */
-static inline int FN(off_unit)(real x, real y, real z) {
-  real length2 = x * x + y * y + z * z;
-  return !(length2 > R(0.999) && length2 < R(1.001));
+/*
+ * Nonzero when the vector's length is more than a few roundings off 1, or it is not
+ * finite. rotate's leaf is not homogeneous in n: an excess of s in its length would
+ * change D by a factor of about exp(-2 s ln D).
+ */
+LEAF int FN(off_unit)(real x, real y, real z) {
+  const real slack = SHADE_FLOAT ? R(2e-6) : R(1e-14);
+  real excess = x * x + y * y + z * z - 1;
+  return !(excess > -slack && excess < slack);
 }
 
 /*

@@ -2,13 +2,13 @@
 /* Before and after the distribution: half vectors and cosines, then the BRDF. */
 
 /*
- * h = wi + wo, not normalised: the detail pass needs only its direction. Nonzero when
- * some lane has wi = -wo, where there is no h; f is 0 there by the horizon test.
+ * h = wi + wo, not normalised, and its cosine hwo with either. Nonzero when some lane
+ * has wi = -wo, where there is no h; f is 0 there by the horizon test.
  */
 static int FN(pass_half)(size_t count, const real *restrict wix, const real *restrict wiy,
                          const real *restrict wiz, const real *restrict wox,
                          const real *restrict woy, const real *restrict woz, real *restrict hx,
-                         real *restrict hy, real *restrict hz) {
+                         real *restrict hy, real *restrict hz, real *restrict hwo) {
   int opposite = 0;
 #pragma omp simd reduction(| : opposite)
   for (size_t i = 0; i < count; i++) {
@@ -16,8 +16,19 @@ static int FN(pass_half)(size_t count, const real *restrict wix, const real *res
     hy[i] = wiy[i] + woy[i];
     hz[i] = wiz[i] + woz[i];
     opposite |= FN(no_direction)(hx[i], hy[i], hz[i]);
+    hwo[i] = FN(half_cosine)(hx[i], hy[i], hz[i]);
   }
   return opposite;
+}
+
+static void FN(pass_unit)(size_t count, real *restrict hx, real *restrict hy, real *restrict hz) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real scale = FN(scale_to_unit)(hx[i], hy[i], hz[i]);
+    hx[i] *= scale;
+    hy[i] *= scale;
+    hz[i] *= scale;
+  }
 }
 
 /* The cosines about n, 0 where light or eye is below either horizon. */
@@ -45,18 +56,98 @@ static void FN(pass_cosines_none)(size_t count, const real *restrict wiz, const 
   }
 }
 
-/* d becomes f without Fresnel, and `white` Schlick's weight times `grazing` (1 or 0). */
-static void FN(pass_brdf)(size_t count, real grazing, const real *restrict hx,
-                          const real *restrict hy, const real *restrict hz,
-                          const real *restrict cosi, const real *restrict coso, real *restrict d,
-                          real *restrict white) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    real hwo = FN(half_cosine)(hx[i], hy[i], hz[i]);
-    real f = FN(brdf_ashikhmin_shirley)(d[i], hwo, cosi[i], coso[i]);
-    d[i] = coso[i] > 0 ? f : 0;
-    white[i] = grazing * FN(schlick_weight)(hwo);
+/* d becomes f without Fresnel: 0 where coso is. li and lo may be any array but d. */
+#define BRDF_PASS(name)                                                                            \
+  static void FN(pass_brdf_##name)(size_t count, const real *restrict hwo,                         \
+                                   const real *restrict cosi, const real *restrict coso,           \
+                                   const real *li, const real *lo, real *restrict d) {             \
+    (void)li, (void)lo;                                                                            \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
+      FN(angles) a = {hwo[i], cosi[i], coso[i], li[i], lo[i]};                                     \
+      real f = FN(brdf_##name)(d[i], a);                                                           \
+      d[i] = coso[i] > 0 ? f : 0;                                                                  \
+    }                                                                                              \
   }
+
+BRDF_PASS(ashikhmin_shirley)
+BRDF_PASS(ward_1992)
+BRDF_PASS(ward_dur)
+BRDF_PASS(ward_bounded)
+BRDF_PASS(microfacet)
+#undef BRDF_PASS
+
+static void FN(pass_brdf)(const shade_bsdf *b, size_t count, const real *hwo, const real *cosi,
+                          const real *coso, const real *li, const real *lo, real *d) {
+  switch (b->brdf) {
+  case SHADE_BRDF_WARD_1992:
+    FN(pass_brdf_ward_1992)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  case SHADE_BRDF_WARD_DUR:
+    FN(pass_brdf_ward_dur)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  case SHADE_BRDF_WARD_BOUNDED:
+    FN(pass_brdf_ward_bounded)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  case SHADE_BRDF_MICROFACET:
+    FN(pass_brdf_microfacet)(count, hwo, cosi, coso, li, lo, d);
+    break;
+  default:
+    FN(pass_brdf_ashikhmin_shirley)(count, hwo, cosi, coso, li, lo, d);
+  }
+}
+
+/* The same decision for one sample. */
+LEAF real FN(brdf)(const shade_bsdf *b, real d, FN(angles) a) {
+  switch (b->brdf) {
+  case SHADE_BRDF_WARD_1992:
+    return FN(brdf_ward_1992)(d, a);
+  case SHADE_BRDF_WARD_DUR:
+    return FN(brdf_ward_dur)(d, a);
+  case SHADE_BRDF_WARD_BOUNDED:
+    return FN(brdf_ward_bounded)(d, a);
+  case SHADE_BRDF_MICROFACET:
+    return FN(brdf_microfacet)(d, a);
+  default:
+    return FN(brdf_ashikhmin_shirley)(d, a);
+  }
+}
+
+/* Slopes of a direction, carried as h is, to 1 + 2 Lambda. */
+static void FN(pass_smith_ggx)(size_t count, real gx, real gy, const real *restrict xx,
+                               const real *restrict yy, real *restrict l) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    l[i] = FN(smith_ggx)(gx * xx[i] + gy * yy[i]);
+}
+
+static void FN(pass_smith_gaussian)(size_t count, real gx, real gy, const real *restrict xx,
+                                    const real *restrict yy, real *restrict l) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    l[i] = FN(smith_gaussian)(gx * xx[i] + gy * yy[i]);
+}
+
+static void FN(pass_smith)(const shade_bsdf *b, size_t count, const real *xx, const real *yy,
+                           real *l) {
+  if (b->mdf == SHADE_MDF_GGX)
+    FN(pass_smith_ggx)(count, b->FN(gx), b->FN(gy), xx, yy, l);
+  else
+    FN(pass_smith_gaussian)(count, b->FN(gx), b->FN(gy), xx, yy, l);
+}
+
+/* The same for one direction. */
+LEAF real FN(smith)(const shade_bsdf *b, const real n[3], const real w[3]) {
+  FN(lobe_point) p = FN(detail)(b->shadow_map, n, w[0], w[1], w[2]);
+  real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
+  return b->mdf == SHADE_MDF_GGX ? FN(smith_ggx)(slope2) : FN(smith_gaussian)(slope2);
+}
+
+/* Schlick's weight times `grazing` (1 or 0). */
+static void FN(pass_schlick)(size_t count, real grazing, const real *restrict hwo,
+                             real *restrict white) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    white[i] = grazing * FN(schlick_weight)(hwo[i]);
 }
 
 /* One colour channel: f * (f0 + (1 - f0) * white). */
@@ -67,12 +158,69 @@ static void FN(pass_fresnel)(size_t count, real f0, const real *restrict d,
     out[i] = d[i] * (f0 + (1 - f0) * white[i]);
 }
 
-/* The same with a reflectance per sample, clamped to [0, 1]; NaN counts as 0. */
+/* A reflectance per sample, clamped to [0, 1]; NaN counts as 0. */
+LEAF real FN(reflectance)(real f0) {
+  return FN(minimum)(FN(maximum)(f0, 0), 1);
+}
+
 static void FN(pass_fresnel_textured)(size_t count, const real *restrict f0, const real *restrict d,
                                       const real *restrict white, real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real f = FN(minimum)(FN(maximum)(f0[i], 0), 1);
+    real f = FN(reflectance)(f0[i]);
     out[i] = d[i] * (f + (1 - f) * white[i]);
+  }
+}
+
+static void FN(pass_fresnel_f82)(size_t count, real f0, real tint, const real *restrict d,
+                                 const real *restrict hwo, real *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out[i] = d[i] * FN(fresnel_f82)(f0, tint, hwo[i]);
+}
+
+static void FN(pass_fresnel_f82_textured)(size_t count, const real *restrict f0, real tint,
+                                          const real *restrict d, const real *restrict hwo,
+                                          real *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out[i] = d[i] * FN(fresnel_f82)(FN(reflectance)(f0[i]), tint, hwo[i]);
+}
+
+static void FN(pass_fresnel_conductor)(size_t count, real eta, real k, const real *restrict d,
+                                       const real *restrict hwo, real *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out[i] = d[i] * FN(fresnel_conductor)(eta, k, hwo[i]);
+}
+
+/* Colour channel c of f; `texture` is its f0 per sample or NULL; white as pass_schlick made it. */
+static void FN(pass_channel)(const shade_bsdf *b, int c, size_t count, const real *texture,
+                             const real *d, const real *hwo, const real *white, real *out) {
+  const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c];
+  if (b->fresnel == SHADE_FRESNEL_CONDUCTOR)
+    FN(pass_fresnel_conductor)(count, tint, b->FN(k)[c], d, hwo, out);
+  else if (b->fresnel == SHADE_FRESNEL_F82 && texture)
+    FN(pass_fresnel_f82_textured)(count, texture, tint, d, hwo, out);
+  else if (b->fresnel == SHADE_FRESNEL_F82)
+    FN(pass_fresnel_f82)(count, f0, tint, d, hwo, out);
+  else if (texture)
+    FN(pass_fresnel_textured)(count, texture, d, white, out);
+  else
+    FN(pass_fresnel)(count, f0, d, white, out);
+}
+
+/* The same decision for one sample. */
+LEAF real FN(fresnel)(const shade_bsdf *b, int c, real hwo) {
+  const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c];
+  switch (b->fresnel) {
+  case SHADE_FRESNEL_SCHLICK:
+    return f0 + (1 - f0) * FN(schlick_weight)(hwo);
+  case SHADE_FRESNEL_F82:
+    return FN(fresnel_f82)(f0, tint, hwo);
+  case SHADE_FRESNEL_CONDUCTOR:
+    return FN(fresnel_conductor)(tint, b->FN(k)[c], hwo);
+  default:
+    return f0;
   }
 }

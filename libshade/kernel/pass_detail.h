@@ -19,35 +19,80 @@
   }
 
 DETAIL_PASS(none, hx[i], hy[i], hz[i])
+DETAIL_PASS(perturb_ratio, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 DETAIL_PASS(perturb, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 DETAIL_PASS(rotate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+DETAIL_PASS(rotate_approximate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+DETAIL_PASS(shortest_arc, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+DETAIL_PASS(deform_linear, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+DETAIL_PASS(deform_smooth, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 #undef DETAIL_PASS
 
-static void FN(pass_detail)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+static void FN(pass_detail)(shade_map map, size_t count, const real *nx, const real *ny,
                             const real *nz, const real *hx, const real *hy, const real *hz, real *t,
                             real *xx, real *yy) {
-  if (b->detail == SHADE_DETAIL_NONE)
+  switch (map) {
+  case SHADE_MAP_NONE:
     FN(pass_none)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-  else if (b->detail == SHADE_DETAIL_PERTURB)
+    break;
+  case SHADE_MAP_PERTURB_RATIO:
+    FN(pass_perturb_ratio)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    break;
+  case SHADE_MAP_PERTURB:
     FN(pass_perturb)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-  else if (b->swap_axes)
-    FN(pass_rotate)(count, ny, nx, nz, hy, hx, hz, t, yy, xx);
-  else
+    break;
+  case SHADE_MAP_ROTATE_X:
     FN(pass_rotate)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    break;
+  case SHADE_MAP_ROTATE_Y:
+    FN(pass_rotate)(count, ny, nx, nz, hy, hx, hz, t, yy, xx);
+    break;
+  case SHADE_MAP_APPROXIMATE_X:
+    FN(pass_rotate_approximate)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    break;
+  case SHADE_MAP_APPROXIMATE_Y:
+    FN(pass_rotate_approximate)(count, ny, nx, nz, hy, hx, hz, t, yy, xx);
+    break;
+  case SHADE_MAP_SHORTEST_ARC:
+    FN(pass_shortest_arc)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    break;
+  case SHADE_MAP_DEFORM_LINEAR:
+    FN(pass_deform_linear)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    break;
+  case SHADE_MAP_DEFORM_SMOOTH:
+    FN(pass_deform_smooth)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    break;
+  }
+}
+
+/* x and y in each other's place. */
+LEAF FN(lobe_point) FN(swapped)(FN(lobe_point) p) {
+  return (FN(lobe_point)){p.t, p.yy, p.xx};
 }
 
 /* The same decision for one sample. */
-static inline FN(lobe_point)
-    FN(detail)(const shade_bsdf *b, const real n[3], real hx, real hy, real hz) {
-  if (b->detail == SHADE_DETAIL_NONE)
-    return FN(detail_none)(hx, hy, hz);
-  if (b->detail == SHADE_DETAIL_PERTURB)
+LEAF FN(lobe_point) FN(detail)(shade_map map, const real n[3], real hx, real hy, real hz) {
+  switch (map) {
+  case SHADE_MAP_PERTURB_RATIO:
+    return FN(detail_perturb_ratio)(n[0], n[1], n[2], hx, hy, hz);
+  case SHADE_MAP_PERTURB:
     return FN(detail_perturb)(n[0], n[1], n[2], hx, hy, hz);
-  if (!b->swap_axes)
+  case SHADE_MAP_ROTATE_X:
     return FN(detail_rotate)(n[0], n[1], n[2], hx, hy, hz);
-  FN(lobe_point) p = FN(detail_rotate)(n[1], n[0], n[2], hy, hx, hz);
-  real swap = p.xx;
-  p.xx = p.yy;
-  p.yy = swap;
-  return p;
+  case SHADE_MAP_ROTATE_Y:
+    return FN(swapped)(FN(detail_rotate)(n[1], n[0], n[2], hy, hx, hz));
+  case SHADE_MAP_APPROXIMATE_X:
+    return FN(detail_rotate_approximate)(n[0], n[1], n[2], hx, hy, hz);
+  case SHADE_MAP_APPROXIMATE_Y:
+    return FN(swapped)(FN(detail_rotate_approximate)(n[1], n[0], n[2], hy, hx, hz));
+  case SHADE_MAP_SHORTEST_ARC:
+    return FN(detail_shortest_arc)(n[0], n[1], n[2], hx, hy, hz);
+  case SHADE_MAP_DEFORM_LINEAR:
+    return FN(detail_deform_linear)(n[0], n[1], n[2], hx, hy, hz);
+  case SHADE_MAP_DEFORM_SMOOTH:
+    return FN(detail_deform_smooth)(n[0], n[1], n[2], hx, hy, hz);
+  case SHADE_MAP_NONE:
+  default:
+    return FN(detail_none)(hx, hy, hz);
+  }
 }

@@ -1,21 +1,87 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Distribution pass: points of the lobe to D. */
-
-static void FN(pass_ashikhmin_shirley)(size_t count, real ex, real ey, real peak,
-                                       const real *restrict t, const real *restrict xx,
-                                       const real *restrict yy, real *restrict d) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    FN(lobe_point) p = {t[i], xx[i], yy[i]};
-    d[i] = FN(ashikhmin_shirley)(p, ex, ey, peak);
+/* Distribution pass: points of the lobe to D, one loop per distribution. */
+#define DISTRIBUTION_PASS(name)                                                                    \
+  static void FN(pass_##name)(size_t count, real kx, real ky, real peak, const real *restrict t,   \
+                              const real *restrict xx, const real *restrict yy,                    \
+                              real *restrict d) {                                                  \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
+      FN(lobe_point) p = {t[i], xx[i], yy[i]};                                                     \
+      d[i] = FN(name)(p, kx, ky, peak);                                                            \
+    }                                                                                              \
   }
-}
+
+DISTRIBUTION_PASS(ashikhmin_shirley)
+DISTRIBUTION_PASS(ward)
+DISTRIBUTION_PASS(ward_half)
+DISTRIBUTION_PASS(beckmann)
+DISTRIBUTION_PASS(ggx)
+#undef DISTRIBUTION_PASS
 
 static void FN(pass_distribution)(const shade_bsdf *b, size_t count, const real *t, const real *xx,
                                   const real *yy, real *d) {
-  FN(pass_ashikhmin_shirley)(count, b->FN(ex), b->FN(ey), b->FN(peak), t, xx, yy, d);
+  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
+  switch (b->mdf) {
+  case SHADE_MDF_WARD:
+    FN(pass_ward)(count, kx, ky, peak, t, xx, yy, d);
+    break;
+  case SHADE_MDF_WARD_HALF:
+    FN(pass_ward_half)(count, kx, ky, peak, t, xx, yy, d);
+    break;
+  case SHADE_MDF_BECKMANN:
+    FN(pass_beckmann)(count, kx, ky, peak, t, xx, yy, d);
+    break;
+  case SHADE_MDF_GGX:
+    FN(pass_ggx)(count, kx, ky, peak, t, xx, yy, d);
+    break;
+  default:
+    FN(pass_ashikhmin_shirley)(count, kx, ky, peak, t, xx, yy, d);
+  }
 }
 
+/* The same decision for one sample. */
 static inline real FN(distribution)(const shade_bsdf *b, FN(lobe_point) p) {
-  return FN(ashikhmin_shirley)(p, b->FN(ex), b->FN(ey), b->FN(peak));
+  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
+  switch (b->mdf) {
+  case SHADE_MDF_WARD:
+    return FN(ward)(p, kx, ky, peak);
+  case SHADE_MDF_WARD_HALF:
+    return FN(ward_half)(p, kx, ky, peak);
+  case SHADE_MDF_BECKMANN:
+    return FN(beckmann)(p, kx, ky, peak);
+  case SHADE_MDF_GGX:
+    return FN(ggx)(p, kx, ky, peak);
+  default:
+    return FN(ashikhmin_shirley)(p, kx, ky, peak);
+  }
+}
+
+/* The conserving warps: d times their stretch. */
+#define STRETCH_PASS(name, smooth, projected)                                                      \
+  static void FN(pass_stretch_##name)(size_t count, const real *restrict nx,                       \
+                                      const real *restrict ny, const real *restrict nz,            \
+                                      const real *restrict hx, const real *restrict hy,            \
+                                      const real *restrict hz, real *restrict d) {                 \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] *=                                 \
+        FN(warp_stretch)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], smooth, projected);             \
+  }
+
+STRETCH_PASS(linear, 0, 0)
+STRETCH_PASS(linear_projected, 0, 1)
+STRETCH_PASS(smooth, 1, 0)
+STRETCH_PASS(smooth_projected, 1, 1)
+#undef STRETCH_PASS
+
+static int FN(projected)(const shade_bsdf *b) {
+  return b->mdf == SHADE_MDF_BECKMANN || b->mdf == SHADE_MDF_GGX;
+}
+
+static void FN(pass_conserve)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+                              const real *nz, const real *hx, const real *hy, const real *hz,
+                              real *d) {
+  if (b->map == SHADE_MAP_DEFORM_SMOOTH)
+    (FN(projected)(b) ? FN(pass_stretch_smooth_projected)
+                      : FN(pass_stretch_smooth))(count, nx, ny, nz, hx, hy, hz, d);
+  else
+    (FN(projected)(b) ? FN(pass_stretch_linear_projected)
+                      : FN(pass_stretch_linear))(count, nx, ny, nz, hx, hy, hz, d);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference.h"
 
+#include <complex.h>
 #include <math.h>
 
 typedef long double real;
@@ -56,36 +57,93 @@ static real within(real x, real low, real high) {
   return x < low ? low : x > high ? high : x;
 }
 
-/* h in spherical coordinates about a pole: theta from it, phi from the frame's x. */
-typedef struct angles {
-  real theta, phi;
-} angles;
-
-static angles in_frame(vec x, vec y, vec z, vec h) {
-  real hx = dot(x, h), hy = dot(y, h), hz = dot(z, h);
-  return (angles){atan2l(hypotl(hx, hy), hz), atan2l(hy, hx)};
+static vec in_frame(vec x, vec y, vec z, vec h) {
+  return (vec){dot(x, h), dot(y, h), dot(z, h)};
 }
 
-static angles carried(const shade_params *p, vec n, vec h) {
+static int grooves_along_y(const shade_params *p) {
+  if (p->groove != SHADE_GROOVE_AUTO)
+    return p->groove == SHADE_GROOVE_Y;
+  return p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? p->ey > p->ex : p->ay < p->ax;
+}
+
+/* What `auto` stands for. */
+static shade_detail method_of(const shade_params *p) {
+  if (p->detail != SHADE_DETAIL_AUTO)
+    return p->detail;
+  int round = p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? p->ex == p->ey : p->ax == p->ay;
+  return round ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
+}
+
+static int conserves(shade_detail detail) {
+  return detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
+         detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
+}
+
+static int is_warp(shade_detail detail) {
+  return detail == SHADE_DETAIL_DEFORM_LINEAR || detail == SHADE_DETAIL_DEFORM_SMOOTH ||
+         conserves(detail);
+}
+
+/*
+ * The warp of the unit disc; z = 0 stands for outside. With delta and p' the projections
+ * of n and h, w = |R - p'|/|R - C'| where R is the rim point on the ray from C' = delta
+ * through p'.
+ */
+static vec warped(shade_detail detail, vec n, vec h) {
+  vec delta = {n.x, n.y, 0}, away = {h.x - n.x, h.y - n.y, 0};
+  real a = dot(away, away), b = dot(delta, away), c = n.z * n.z;
+  real w = 1 - (b + sqrtl(b * b + a * c)) / c;
+  if (w < 0)
+    w = 0;
+  int linear =
+      detail == SHADE_DETAIL_DEFORM_LINEAR || detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING;
+  real shift = linear ? w : sqrtl(w);
+  vec p = {h.x - shift * n.x, h.y - shift * n.y, 0};
+  real zz = 1 - dot(p, p);
+  if (h.z <= 0 || zz <= 0 || w <= 0)
+    return p;
+  p.z = sqrtl(zz);
+  return p;
+}
+
+/* T^-1 h: h as the unmoved distribution sees it. */
+static vec carried_by(shade_detail detail, const shade_params *p, vec n, vec h) {
   const vec ex = {1, 0, 0}, ey = {0, 1, 0}, ez = {0, 0, 1};
-  switch (p->detail) {
+  switch (detail) {
   case SHADE_DETAIL_NONE:
     return in_frame(ex, ey, ez, h);
   case SHADE_DETAIL_PERTURB: {
     /* the angle to n from its sine and cosine: acos would lose digits near 0 */
-    angles a = {atan2l(length(cross(n, h)), dot(n, h)), atan2l(h.y, h.x)};
-    if (h.x == 0 && h.y == 0)
-      a.phi = pi / 4;
-    return a;
+    real theta = atan2l(length(cross(n, h)), dot(n, h));
+    real phi = h.x == 0 && h.y == 0 ? pi / 4 : atan2l(h.y, h.x);
+    return (vec){sinl(theta) * cosl(phi), sinl(theta) * sinl(phi), cosl(theta)};
   }
   case SHADE_DETAIL_GRAM_SCHMIDT: {
     vec x = unit(minus(ex, scale(n, n.x)));
     return in_frame(x, cross(n, x), n, h);
   }
+  case SHADE_DETAIL_SHORTEST_ARC: { /* the rotation from z to n is that about z x n */
+    vec axis = cross(ez, n);
+    real s = length(axis);
+    if (s == 0)
+      return h;
+    vec u = scale(axis, 1 / s), v = cross(ez, u); /* u, v, z turn into u, n x u, n */
+    vec turned = in_frame(u, cross(n, u), n, h);
+    return plus(plus(scale(u, turned.x), scale(v, turned.y)), scale(ez, turned.z));
+  }
+  case SHADE_DETAIL_ROTATE_APPROXIMATE:
+    if (grooves_along_y(p))
+      return (vec){h.x - n.x * dot(n, h), n.z * h.y - n.y * h.z, dot(n, h)};
+    return (vec){n.z * h.x - n.x * h.z, h.y - n.y * dot(n, h), dot(n, h)};
+  case SHADE_DETAIL_DEFORM_LINEAR:
+  case SHADE_DETAIL_DEFORM_SMOOTH:
+  case SHADE_DETAIL_DEFORM_LINEAR_CONSERVING:
+  case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
+    return warped(detail, n, h);
   case SHADE_DETAIL_ROTATE:
   default: {
-    int along_y = p->groove == SHADE_GROOVE_Y || (p->groove == SHADE_GROOVE_AUTO && p->ey > p->ex);
-    if (along_y) { /* y' = dP/dv of the height field */
+    if (grooves_along_y(p)) { /* y' = dP/dv of the height field */
       vec y = unit((vec){0, n.z, -n.y});
       return in_frame(cross(y, n), y, n, h);
     }
@@ -95,23 +153,256 @@ static angles carried(const shade_params *p, vec n, vec h) {
   }
 }
 
-static real ashikhmin_shirley(real ex, real ey, angles a) {
-  if (a.theta >= pi / 2)
-    return 0;
-  real c = cosl(a.phi), s = sinl(a.phi);
-  real exponent = ex * c * c + ey * s * s;
-  return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(cosl(a.theta), exponent);
+static vec carried(const shade_params *p, vec n, vec h) {
+  return carried_by(method_of(p), p, n, h);
 }
 
+static real square(real x) {
+  return x * x;
+}
+
+/* The warped point as (x, y) of the disc changes: five-point differences. */
+static vec slope(shade_detail detail, vec n, vec h, vec along) {
+  real away = hypotl(h.x - n.x, h.y - n.y), rim = 1 - hypotl(h.x, h.y);
+  real step = 1e-3L * n.z * (away < rim ? away : rim);
+  vec at[4];
+  const real offsets[] = {-2, -1, 1, 2};
+  for (int i = 0; i < 4; i++)
+    at[i] = warped(detail, n, plus(h, scale(along, offsets[i] * step)));
+  vec near = minus(at[2], at[1]), far = minus(at[3], at[0]);
+  return scale(minus(scale(near, 8), far), 1 / (12 * step));
+}
+
+/* How much the warp stretches areas of the disc at h. */
+static real stretch(shade_detail detail, vec n, vec h) {
+  vec x = slope(detail, n, h, (vec){1, 0, 0}), y = slope(detail, n, h, (vec){0, 1, 0});
+  return x.x * y.y - x.y * y.x;
+}
+
+static real unconserved(const shade_params *p, vec n, vec h);
+
 static real distribution(const shade_params *p, vec n, vec h) {
+  real d = unconserved(p, n, h);
+  if (!conserves(p->detail) || d == 0)
+    return d;
+  int projected = p->mdf == SHADE_MDF_BECKMANN || p->mdf == SHADE_MDF_GGX;
+  real cosine = projected ? dot(n, h) : warped(p->detail, n, h).z;
+  if (h.x == n.x && h.y == n.y)
+    return d * h.z / cosine;
+  return cosine > 0 ? d * stretch(p->detail, n, h) * h.z / cosine : 0;
+}
+
+static real unconserved(const shade_params *p, vec n, vec h) {
   real ex = within(p->ex, 0, 1e6L), ey = within(p->ey, 0, 1e6L);
-  return ashikhmin_shirley(ex, ey, carried(p, n, h));
+  real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
+  vec m = carried(p, n, h);
+  if (m.z <= 0)
+    return 0;
+  real ward_peak = 1 / (pi * ax * ay);
+  switch (p->mdf) {
+  case SHADE_MDF_WARD:
+    return ward_peak * expl(-(square(m.x / ax) + square(m.y / ay)) / square(m.z));
+  case SHADE_MDF_WARD_HALF:
+    return ward_peak * expl(-2 * (square(m.x / ax) + square(m.y / ay)) / (1 + m.z));
+  case SHADE_MDF_BECKMANN:
+    return ward_peak * expl(-(square(m.x / ax) + square(m.y / ay)) / square(m.z)) /
+           square(square(m.z));
+  case SHADE_MDF_GGX:
+    return ward_peak / square(square(m.x / ax) + square(m.y / ay) + square(m.z));
+  case SHADE_MDF_ASHIKHMIN_SHIRLEY:
+  default: {
+    real sin2 = square(m.x) + square(m.y);
+    real exponent = sin2 > 0 ? (ex * square(m.x) + ey * square(m.y)) / sin2 : 0;
+    return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(m.z, exponent);
+  }
+  }
+}
+
+/* Smith's Lambda of w, whose theta and phi are those of the carried frame. */
+static real lambda(const shade_params *p, vec n, vec w) {
+  shade_detail detail = method_of(p);
+  vec m = carried_by(is_warp(detail) ? SHADE_DETAIL_PERTURB : detail, p, n, w);
+  real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
+  if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+    ax = sqrtl(2 / (within(p->ex, 0, 1e6L) + 2));
+    ay = sqrtl(2 / (within(p->ey, 0, 1e6L) + 2));
+  }
+  real slope = hypotl(ax * m.x, ay * m.y); /* alpha(phi) sin theta */
+  if (slope == 0)
+    return 0;
+  real a = m.z / slope;
+  if (p->mdf == SHADE_MDF_GGX)
+    return (sqrtl(1 + 1 / (a * a)) - 1) / 2;
+  return expl(-a * a) / (2 * a * sqrtl(pi)) - erfcl(a) / 2;
+}
+
+static real at_least(real x) {
+  return x > 1e-20L ? x : 1e-20L;
+}
+
+static real brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso, real d) {
+  vec sum = plus(wi, wo);
+  real hwo = dot(unit(sum), wo);
+  switch (p->brdf) {
+  case SHADE_BRDF_WARD_1992:
+    return d / at_least(4 * sqrtl(cosi * coso));
+  case SHADE_BRDF_WARD_DUR:
+    return d / at_least(4 * cosi * coso);
+  case SHADE_BRDF_WARD_BOUNDED:
+    return d * dot(sum, sum) / at_least(powl(cosi + coso, 4));
+  case SHADE_BRDF_MICROFACET: {
+    real shadowing = 1 / (1 + lambda(p, n, wi) + lambda(p, n, wo));
+    return d * shadowing / at_least(4 * cosi * coso);
+  }
+  case SHADE_BRDF_ASHIKHMIN_SHIRLEY:
+  default:
+    return d / at_least(4 * hwo * (cosi > coso ? cosi : coso));
+  }
+}
+
+/* The warps take directions as they are where these are nearly unit. */
+static vec as_given(const shade_params *p, const double v[3], vec made_unit) {
+  vec raw = {v[0], v[1], v[2]};
+  return is_warp(p->detail) && fabsl(dot(raw, raw) - 1) < 1e-3L && v[2] > 0 ? raw : made_unit;
 }
 
 double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]) {
   if (!usable(n) || !usable(h))
     return 0;
-  return (double)distribution(p, normal(n), direction(h));
+  return (double)distribution(p, as_given(p, n, normal(n)), as_given(p, h, direction(h)));
+}
+
+void shade_ref_carried(const shade_params *p, const double n[3], const double h[3], double m[3]) {
+  vec v = carried(p, as_given(p, n, normal(n)), as_given(p, h, direction(h)));
+  m[0] = (double)v.x;
+  m[1] = (double)v.y;
+  m[2] = (double)v.z;
+}
+
+/* Channel c of Fresnel's reflectance; the conductor's from its complex amplitudes. */
+static real fresnel(const shade_params *p, int c, real cosine) {
+  real f0 = within(p->f0[c], 0, 1), f = f0 + (1 - f0) * powl(1 - cosine, 5);
+  switch (p->fresnel) {
+  case SHADE_FRESNEL_SCHLICK:
+    return f;
+  case SHADE_FRESNEL_F82: {
+    real at = 1 / 7.0L, here = f0 + (1 - f0) * powl(1 - at, 5);
+    real b = here * (1 - within(p->f82[c], 0, 1)) / (at * powl(1 - at, 6));
+    f -= b * cosine * powl(1 - cosine, 6);
+    return f > 0 ? f : 0;
+  }
+  case SHADE_FRESNEL_CONDUCTOR: {
+    long double complex m = within(p->eta[c], 1e-3L, 100) + I * within(p->k[c], 0, 100);
+    long double complex inside = csqrtl(1 - (1 - cosine * cosine) / (m * m)); /* cos within */
+    real s = cabsl((cosine - m * inside) / (cosine + m * inside));
+    real q = cabsl((m * cosine - inside) / (m * cosine + inside));
+    return (s * s + q * q) / 2;
+  }
+  case SHADE_FRESNEL_NONE:
+  default:
+    return f0;
+  }
+}
+
+/* ---- fibres: x along, y across, z the normal; theta from z towards y ------------- */
+
+typedef struct arc {
+  real from, to;
+} arc;
+
+static arc both(arc a, arc b) {
+  return (arc){a.from > b.from ? a.from : b.from, a.to < b.to ? a.to : b.to};
+}
+
+/* What faces w of a fibre of unit radius, upper half only. */
+static arc facing(vec w) {
+  real at = atan2l(w.y, w.z);
+  return both((arc){at - pi / 2, at + pi / 2}, (arc){-pi / 2, pi / 2});
+}
+
+/*
+ * What faces w and sees past the touching neighbours: the line from theta towards w passes
+ * the centre of the next fibre, two radii away, at the distance 2 cos(at) - sin(theta - at),
+ * which must be 1 at least.
+ */
+static arc past_neighbours(vec w) {
+  real at = atan2l(w.y, w.z), side = fabsl(at);
+  real room = 2 * cosl(side) - 1;
+  arc free = {-pi / 2, side + asinl(room < 1 ? room : 1)};
+  arc a = both(facing((vec){w.x, fabsl(w.y), w.z}), free);
+  return at < 0 ? (arc){-a.to, -a.from} : a;
+}
+
+/* The integral of (n'.a)(n'.b) over an arc, b NULL standing for 1: 16 times Gauss's 5 points. */
+static real over_arc(arc on, vec a, const vec *b) {
+  enum { PANELS = 16 };
+  const real near = sqrtl(5 - 2 * sqrtl(10 / 7.0L)) / 3, far = sqrtl(5 + 2 * sqrtl(10 / 7.0L)) / 3;
+  const real heavy = (322 + 13 * sqrtl(70)) / 900, light = (322 - 13 * sqrtl(70)) / 900;
+  const real nodes[] = {-far, -near, 0, near, far};
+  const real weights[] = {light, heavy, 128 / 225.0L, heavy, light};
+  if (on.to <= on.from)
+    return 0;
+  real sum = 0, half = (on.to - on.from) / (2 * PANELS);
+  for (int i = 0; i < 5 * PANELS; i++) {
+    real theta = on.from + half * (2 * (i / 5) + 1 + nodes[i % 5]);
+    vec n = {0, sinl(theta), cosl(theta)};
+    sum += weights[i % 5] * dot(n, a) * (b ? dot(n, *b) : 1);
+  }
+  return sum * half;
+}
+
+/* Phi of unit l and v above the horizon. */
+static real diffuse(shade_diffuse model, vec l, vec v) {
+  if (hypotl(v.y, v.z) < 1e-15L) /* along the fibre: as seen from above */
+    v = (vec){0, 0, 1};
+  switch (model) {
+  case SHADE_DIFFUSE_MAX_NORMAL: {
+    /* of all the fibre's normals, the one in the plane of fibre and light */
+    vec t = {1, 0, 0}, across = minus(l, scale(t, dot(l, t)));
+    return length(across) > 0 ? dot(l, unit(across)) : 0;
+  }
+  case SHADE_DIFFUSE_FIBRE:
+    return over_arc(facing(l), l, NULL) / pi;
+  case SHADE_DIFFUSE_FIBRE_VIEW:
+    return over_arc(both(facing(l), facing(v)), l, &v) / over_arc(facing(v), v, NULL);
+  case SHADE_DIFFUSE_POULIN_FOURNIER: {
+    arc seen = past_neighbours(v);
+    real whole = over_arc(seen, v, NULL);
+    return whole > 0 ? over_arc(both(past_neighbours(l), seen), l, &v) / whole : 0;
+  }
+  case SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY:
+    return 28 / 23.0L * (1 - powl(1 - l.z / 2, 5)) * (1 - powl(1 - v.z / 2, 5)) * l.z;
+  case SHADE_DIFFUSE_LAMBERT:
+  default:
+    return l.z;
+  }
+}
+
+double shade_ref_diffuse(shade_diffuse model, const double l_in[3], const double v_in[3]) {
+  const double up[3] = {0, 0, 1};
+  int sees = model >= SHADE_DIFFUSE_FIBRE_VIEW;
+  if (!usable(l_in) || !usable(sees ? v_in : up))
+    return 0;
+  vec l = direction(l_in), v = direction(sees ? v_in : up);
+  return l.z > 0 && v.z > 0 ? (double)diffuse(model, l, v) : 0;
+}
+
+/* Channel c of the material's diffuse part times the cosine: fibres along the groove. */
+static real diffuse_part(const shade_params *p, int c, vec n, vec wi, vec wo) {
+  real kd = within(p->kd[c], 0, 1);
+  shade_params q = *p;
+  q.detail = p->detail == SHADE_DETAIL_NONE ? SHADE_DETAIL_NONE : SHADE_DETAIL_ROTATE;
+  vec l = carried(&q, n, wi), v = carried(&q, n, wo);
+  if (grooves_along_y(p)) {
+    l = (vec){l.y, l.x, l.z};
+    v = (vec){v.y, v.x, v.z};
+  }
+  /* the library has no neighbours */
+  shade_diffuse model =
+      p->diffuse == SHADE_DIFFUSE_POULIN_FOURNIER ? SHADE_DIFFUSE_FIBRE_VIEW : p->diffuse;
+  if (model == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY)
+    kd *= 1 - within(p->f0[c], 0, 1);
+  return kd > 0 ? kd * diffuse(model, l, v) / pi : 0;
 }
 
 unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double wi_in[3],
@@ -133,14 +424,10 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
     return status;
   vec h = unit(plus(wi, wo));
   real hwo = dot(h, wo);
-  real denominator = 4 * hwo * (cosi > coso ? cosi : coso);
-  real lobe = distribution(p, n, h) / (denominator > 1e-20L ? denominator : 1e-20L);
+  real d = distribution(p, as_given(p, n_in, n), h);
+  real lobe = brdf(p, n, wi, wo, cosi, coso, d);
   for (int i = 0; i < 3; i++) {
-    real f0 = within(p->f0[i], 0, 1);
-    real fresnel = f0;
-    if (p->fresnel == SHADE_FRESNEL_SCHLICK)
-      fresnel += (1 - f0) * powl(1 - hwo, 5);
-    f[i] = (double)(fresnel * lobe);
+    f[i] = (double)(fresnel(p, i, hwo) * lobe + diffuse_part(p, i, n, wi, wo) / at_least(cosi));
   }
   return status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The reference: every formula long-hand, with angles, normalised frames and
+ * The reference: every formula long-hand, with trigonometry, normalised frames and
  * long double, and nothing shared with kernel/ or src/. It is what they are
  * checked against; nobody should render with it.
  */
@@ -16,8 +16,20 @@
  */
 double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]);
 
+/*
+ * T^-1 h: where the unmoved distribution sees h. Unit, except that rotate_approximate
+ * leaves x and y short by L; z <= 0 where D' = 0. n and h must be usable directions.
+ */
+void shade_ref_carried(const shade_params *p, const double n[3], const double h[3], double m[3]);
+
 /* f and its cosine, by the contract of shade_bsdf_eval. */
 unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3],
                      const double wo[3], double f[3], double *cosine);
+
+/*
+ * Phi by the contract of shade_diffuse_eval, the fibre models by quadrature.
+ * poulin_fournier is the real one: a layer of touching fibres that shade and hide each other.
+ */
+double shade_ref_diffuse(shade_diffuse model, const double l[3], const double v[3]);
 
 #endif

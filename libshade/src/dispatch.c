@@ -71,3 +71,11 @@ unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, const float *n
                                float *out) {
   return shade_isa_pick(0)->mdf_batchf(b, count, nx, ny, nz, hx, hy, hz, out);
 }
+
+double shade_diffuse_eval(shade_diffuse model, const double l[3], const double v[3]) {
+  return shade_isa_pick(0)->diffuse(model, l, v);
+}
+
+float shade_diffuse_evalf(shade_diffuse model, const float l[3], const float v[3]) {
+  return shade_isa_pick(0)->diffusef(model, l, v);
+}

@@ -22,6 +22,8 @@ typedef struct shade_isa_table {
                         const double *, const double *, const double *, double *);
   unsigned (*mdf_batchf)(const shade_bsdf *, size_t, const float *, const float *, const float *,
                          const float *, const float *, const float *, float *);
+  double (*diffuse)(shade_diffuse, const double *, const double *);
+  float (*diffusef)(shade_diffuse, const float *, const float *);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

@@ -19,6 +19,7 @@ static const list_row brdf_rows[] = {SHADE_TABLE_BRDF(LIST_ROW)};
 static const list_row detail_rows[] = {SHADE_TABLE_DETAIL(LIST_ROW)};
 static const list_row groove_rows[] = {SHADE_TABLE_GROOVE(LIST_ROW)};
 static const list_row fresnel_rows[] = {SHADE_TABLE_FRESNEL(LIST_ROW)};
+static const list_row diffuse_rows[] = {SHADE_TABLE_DIFFUSE(LIST_ROW)};
 
 static const struct {
   const char *name;
@@ -30,6 +31,7 @@ static const struct {
     [SHADE_LIST_DETAIL] = {"detail", detail_rows, SHADE_DETAIL_COUNT},
     [SHADE_LIST_GROOVE] = {"groove", groove_rows, SHADE_GROOVE_COUNT},
     [SHADE_LIST_FRESNEL] = {"fresnel", fresnel_rows, SHADE_FRESNEL_COUNT},
+    [SHADE_LIST_DIFFUSE] = {"diffuse", diffuse_rows, SHADE_DIFFUSE_COUNT},
 };
 
 #define COMPONENTS_REAL 1
@@ -50,17 +52,19 @@ static int same_letter(char a, char b) {
   return a == b;
 }
 
+static int same_word(const char *word, const char *own) {
+  size_t k = 0;
+  while (own[k] && same_letter(word[k], own[k]))
+    k++;
+  return !own[k] && !word[k];
+}
+
 int shade_list_find(shade_list list, const char *word) {
   if (!word || (unsigned)list >= SHADE_LIST_COUNT)
     return -1;
-  for (int i = 0; i < lists[list].count; i++) {
-    const char *own = lists[list].rows[i].word;
-    size_t k = 0;
-    while (own[k] && same_letter(word[k], own[k]))
-      k++;
-    if (!own[k] && !word[k])
+  for (int i = 0; i < lists[list].count; i++)
+    if (same_word(word, lists[list].rows[i].word))
       return lists[list].rows[i].value;
-  }
   return -1;
 }
 
@@ -73,11 +77,11 @@ const char *shade_list_word(shade_list list, int value) {
   return NULL;
 }
 
-int shade_list_row(shade_list list, int row, int *value, const char **word, const char **label,
-                   const char **help) {
-  if ((unsigned)list >= SHADE_LIST_COUNT || row < 0 || row >= lists[list].count)
+static int fill_row(const list_row *rows, int count, int row, int *value, const char **word,
+                    const char **label, const char **help) {
+  if (row < 0 || row >= count)
     return 0;
-  const list_row *r = &lists[list].rows[row];
+  const list_row *r = &rows[row];
   if (value)
     *value = r->value;
   if (word)
@@ -87,6 +91,12 @@ int shade_list_row(shade_list list, int row, int *value, const char **word, cons
   if (help)
     *help = r->help;
   return 1;
+}
+
+int shade_list_row(shade_list list, int row, int *value, const char **word, const char **label,
+                   const char **help) {
+  return (unsigned)list < SHADE_LIST_COUNT &&
+         fill_row(lists[list].rows, lists[list].count, row, value, word, label, help);
 }
 
 const char *shade_list_name(shade_list list) {
@@ -114,7 +124,13 @@ void shade_params_init(shade_params *p) {
   p->size = sizeof *p;
   p->detail = SHADE_DETAIL_ROTATE;
   p->fresnel = SHADE_FRESNEL_SCHLICK;
-  p->f0[0] = p->f0[1] = p->f0[2] = params[PARAM_f0].initial;
+  for (int c = 0; c < 3; c++) {
+    p->f0[c] = params[PARAM_f0].initial;
+    p->f82[c] = params[PARAM_f82].initial;
+    p->eta[c] = params[PARAM_eta].initial;
+    p->k[c] = params[PARAM_k].initial;
+    p->kd[c] = params[PARAM_kd].initial;
+  }
   shade_params_set_exponents(p, params[PARAM_ex].initial, params[PARAM_ey].initial);
 }
 
@@ -145,6 +161,92 @@ unsigned shade_params_set_alphas(shade_params *p, double ax, double ay) {
   return status;
 }
 
+static const list_row roughness_rows[] = {SHADE_TABLE_ROUGHNESS(LIST_ROW)};
+
+int shade_roughness_row(int row, int *value, const char **word, const char **label,
+                        const char **help) {
+  return fill_row(roughness_rows, SHADE_ROUGHNESS_COUNT, row, value, word, label, help);
+}
+
+static double between(double x, double low, double high) {
+  return fmin(fmax(isnan(x) ? 0 : x, low), high);
+}
+
+unsigned shade_params_set_roughness(shade_params *p, shade_roughness convention, double roughness,
+                                    double anisotropy) {
+  unsigned status = SHADE_OK;
+  if ((unsigned)convention >= SHADE_ROUGHNESS_COUNT) {
+    status = SHADE_BAD_CHOICE;
+    convention = SHADE_ROUGHNESS_BLENDER_PRINCIPLED;
+  }
+  const int glossy = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ||
+                     convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79;
+  const double r = between(roughness, 0, 1), a = between(anisotropy, glossy ? -1 : 0, 1);
+  if (!(r == roughness && a == anisotropy))
+    status |= SHADE_CLAMPED_PARAMETER;
+  double ax = r * r, ay = r * r;
+  switch (convention) {
+  case SHADE_ROUGHNESS_BLENDER_GLOSSY:
+  case SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79: {
+    double alpha = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ? r * r : r;
+    double stretch = 1 - fmin(fabs(a), 0.99);
+    ax = a < 0 ? alpha / stretch : alpha * stretch;
+    ay = a < 0 ? alpha * stretch : alpha / stretch;
+    break;
+  }
+  case SHADE_ROUGHNESS_GLTF:
+    ax += (1 - ax) * a * a;
+    break;
+  case SHADE_ROUGHNESS_MATERIALX: {
+    double aspect = sqrt(1 - fmin(a, 0.98));
+    ax = fmin(ax / aspect, 1);
+    ay *= aspect;
+    break;
+  }
+  case SHADE_ROUGHNESS_OPENPBR:
+    ax *= sqrt(2 / (1 + (1 - a) * (1 - a)));
+    ay = (1 - a) * ax;
+    break;
+  case SHADE_ROUGHNESS_BLENDER_PRINCIPLED:
+  default: {
+    double aspect = sqrt(1 - 0.9 * a);
+    ax /= aspect;
+    ay *= aspect;
+  }
+  }
+  /* a mirror's alpha of 0 is not out of range there, only here */
+  shade_params_set_alphas(p, fmax(ax, 1e-4), fmax(ay, 1e-4));
+  return status;
+}
+
+#define METAL_ROW(NAME, word, label, er, eg, eb, kr, kg, kb)                                       \
+  {#word, label, {er, eg, eb}, {kr, kg, kb}},
+static const shade_metal metals[] = {SHADE_TABLE_METALS(METAL_ROW)};
+
+int shade_metal_row(int row, shade_metal *metal) {
+  if (row < 0 || row >= (int)(sizeof metals / sizeof metals[0]))
+    return 0;
+  *metal = metals[row];
+  return 1;
+}
+
+int shade_params_set_metal(shade_params *p, const char *word) {
+  shade_metal m;
+  for (int row = 0; word && shade_metal_row(row, &m); row++) {
+    if (!same_word(word, m.word))
+      continue;
+    p->fresnel = SHADE_FRESNEL_CONDUCTOR;
+    for (int c = 0; c < 3; c++) {
+      double k2 = m.k[c] * m.k[c];
+      p->eta[c] = m.eta[c];
+      p->k[c] = m.k[c];
+      p->f0[c] = ((m.eta[c] - 1) * (m.eta[c] - 1) + k2) / ((m.eta[c] + 1) * (m.eta[c] + 1) + k2);
+    }
+    return 1;
+  }
+  return 0;
+}
+
 static int choice(shade_list list, int value, unsigned *status) {
   if (shade_list_word(list, value))
     return value;
@@ -152,31 +254,118 @@ static int choice(shade_list list, int value, unsigned *status) {
   return lists[list].rows[0].value;
 }
 
-unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p) {
+/* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L (method 2.2). */
+static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
+  shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
+  switch (b->detail) {
+  case SHADE_DETAIL_PERTURB:
+    return ratio_only ? SHADE_MAP_PERTURB_RATIO : SHADE_MAP_PERTURB;
+  case SHADE_DETAIL_GRAM_SCHMIDT:
+    /* its x' is x without its part along n: the x' of groove transport along y */
+    return ratio_only ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_ROTATE_Y;
+  case SHADE_DETAIL_ROTATE:
+    return ratio_only ? short_by_l : groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
+  case SHADE_DETAIL_ROTATE_APPROXIMATE:
+    return short_by_l;
+  case SHADE_DETAIL_SHORTEST_ARC:
+    return SHADE_MAP_SHORTEST_ARC;
+  case SHADE_DETAIL_DEFORM_LINEAR:
+  case SHADE_DETAIL_DEFORM_LINEAR_CONSERVING:
+    return SHADE_MAP_DEFORM_LINEAR;
+  case SHADE_DETAIL_DEFORM_SMOOTH:
+  case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
+    return SHADE_MAP_DEFORM_SMOOTH;
+  default:
+    return SHADE_MAP_NONE;
+  }
+}
+
+/* No more than the lobe needs: a round one is carried exactly by perturb. */
+static shade_detail choose_detail(const shade_bsdf *b) {
+  return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
+}
+
+/* The parameters within their ranges; members that an older caller does not know, at their
+ * defaults. */
+static shade_params within_ranges(const shade_params *given, unsigned *status) {
+  shade_params p;
+  shade_params_init(&p);
+  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  p.mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p.mdf, status);
+  p.brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p.brdf, status);
+  p.detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p.detail, status);
+  p.groove = (shade_groove)choice(SHADE_LIST_GROOVE, (int)p.groove, status);
+  p.fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p.fresnel, status);
+  p.diffuse = (shade_diffuse)choice(SHADE_LIST_DIFFUSE, (int)p.diffuse, status);
+  p.ex = clamp(PARAM_ex, p.ex, status);
+  p.ey = clamp(PARAM_ey, p.ey, status);
+  p.ax = clamp(PARAM_ax, p.ax, status);
+  p.ay = clamp(PARAM_ay, p.ay, status);
+  for (int c = 0; c < 3; c++) {
+    p.f0[c] = clamp(PARAM_f0, p.f0[c], status);
+    p.f82[c] = clamp(PARAM_f82, p.f82[c], status);
+    p.eta[c] = clamp(PARAM_eta, p.eta[c], status);
+    p.k[c] = clamp(PARAM_k, p.k[c], status);
+    p.kd[c] = clamp(PARAM_kd, p.kd[c], status);
+  }
+  return p;
+}
+
+unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
   unsigned status = SHADE_OK;
+  const shade_params p = within_ranges(given, &status);
   memset(b, 0, sizeof *b);
-  b->mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p->mdf, &status);
-  b->brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p->brdf, &status);
-  b->detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p->detail, &status);
-  b->fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p->fresnel, &status);
-  int groove = choice(SHADE_LIST_GROOVE, (int)p->groove, &status);
+  b->mdf = p.mdf;
+  b->brdf = p.brdf;
+  b->detail = p.detail;
+  b->fresnel = p.fresnel;
+  b->diffuse = p.diffuse;
 
-  b->ex = clamp(PARAM_ex, p->ex, &status);
-  b->ey = clamp(PARAM_ey, p->ey, &status);
-  b->peak = sqrt((b->ex + 1) * (b->ey + 1)) / (2 * PI);
+  if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+    b->kx = p.ex;
+    b->ky = p.ey;
+    b->gx = 2 / (b->kx + 2);
+    b->gy = 2 / (b->ky + 2);
+    b->peak = sqrt((b->kx + 1) * (b->ky + 1)) / (2 * PI);
+  } else {
+    b->gx = p.ax * p.ax;
+    b->gy = p.ay * p.ay;
+    b->kx = 1 / b->gx;
+    b->ky = 1 / b->gy;
+    b->peak = 1 / (PI * p.ax * p.ay);
+  }
 
-  /* Gram-Schmidt's x' is x without its part along n, which is the y' of
-     groove transport along y: one kernel serves both. */
-  int groove_y = groove == SHADE_GROOVE_Y || (groove == SHADE_GROOVE_AUTO && b->ey > b->ex);
-  b->swap_axes =
-      b->detail == SHADE_DETAIL_GRAM_SCHMIDT || (b->detail == SHADE_DETAIL_ROTATE && groove_y);
+  int groove_y = p.groove == SHADE_GROOVE_Y || (p.groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
+  if (b->detail == SHADE_DETAIL_AUTO)
+    b->detail = choose_detail(b);
+  b->fibres_along_y = groove_y;
+  b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
+  b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
 
-  b->exf = (float)b->ex;
-  b->eyf = (float)b->ey;
+  b->conserve = b->detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
+                b->detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
+  b->fast = p.fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
+            (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_PERTURB_RATIO ||
+             b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y);
+  b->kxf = (float)b->kx;
+  b->kyf = (float)b->ky;
+  b->gxf = (float)b->gx;
+  b->gyf = (float)b->gy;
   b->peakf = (float)b->peak;
   for (int c = 0; c < 3; c++) {
-    b->f0[c] = clamp(PARAM_f0, p->f0[c], &status);
+    b->f0[c] = p.f0[c];
     b->f0f[c] = (float)b->f0[c];
+    if (b->fresnel == SHADE_FRESNEL_F82)
+      b->tint[c] = p.f82[c];
+    if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
+      b->tint[c] = p.eta[c];
+      b->k[c] = p.k[c];
+    }
+    b->kd[c] = p.kd[c];
+    b->has_diffuse |= b->kd[c] > 0;
+    b->kdf[c] = (float)b->kd[c];
+    b->tintf[c] = (float)b->tint[c];
+    b->kf[c] = (float)b->k[c];
   }
   return status;
 }
@@ -224,25 +413,39 @@ static void put_choice(text *t, shade_list list, int value) {
   put_string(t, word ? word : lists[list].rows[0].word);
 }
 
-int shade_params_json(const shade_params *p, int id, const char *name, char *buffer,
+static void put_colour(text *t, const char *name, const double v[3]) {
+  put(t, ", \"");
+  put(t, name);
+  put_number(t, "\": [", v[0]);
+  put_number(t, ", ", v[1]);
+  put_number(t, ", ", v[2]);
+  put(t, "]");
+}
+
+int shade_params_json(const shade_params *given, int id, const char *name, char *buffer,
                       size_t capacity) {
+  unsigned unused = SHADE_OK;
+  const shade_params p = within_ranges(given, &unused);
   text t = {buffer, capacity, 0};
   put_number(&t, "{\"id\": ", id);
   put(&t, ", \"name\": ");
   put_string(&t, name ? name : "");
-  put_choice(&t, SHADE_LIST_MDF, (int)p->mdf);
-  put_choice(&t, SHADE_LIST_BRDF, (int)p->brdf);
-  put_choice(&t, SHADE_LIST_DETAIL, (int)p->detail);
-  put_choice(&t, SHADE_LIST_GROOVE, (int)p->groove);
-  put_choice(&t, SHADE_LIST_FRESNEL, (int)p->fresnel);
-  put_number(&t, ", \"ex\": ", p->ex);
-  put_number(&t, ", \"ey\": ", p->ey);
-  put_number(&t, ", \"ax\": ", p->ax);
-  put_number(&t, ", \"ay\": ", p->ay);
-  put_number(&t, ", \"f0\": [", p->f0[0]);
-  put_number(&t, ", ", p->f0[1]);
-  put_number(&t, ", ", p->f0[2]);
-  put(&t, "]}");
+  put_choice(&t, SHADE_LIST_MDF, (int)p.mdf);
+  put_choice(&t, SHADE_LIST_BRDF, (int)p.brdf);
+  put_choice(&t, SHADE_LIST_DETAIL, (int)p.detail);
+  put_choice(&t, SHADE_LIST_GROOVE, (int)p.groove);
+  put_choice(&t, SHADE_LIST_FRESNEL, (int)p.fresnel);
+  put_choice(&t, SHADE_LIST_DIFFUSE, (int)p.diffuse);
+  put_number(&t, ", \"ex\": ", p.ex);
+  put_number(&t, ", \"ey\": ", p.ey);
+  put_number(&t, ", \"ax\": ", p.ax);
+  put_number(&t, ", \"ay\": ", p.ay);
+  put_colour(&t, "f0", p.f0);
+  put_colour(&t, "f82", p.f82);
+  put_colour(&t, "eta", p.eta);
+  put_colour(&t, "k", p.k);
+  put_colour(&t, "kd", p.kd);
+  put(&t, "}");
   if (capacity)
     buffer[t.length < capacity ? t.length : capacity - 1] = 0;
   return (int)t.length;

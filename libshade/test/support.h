@@ -36,15 +36,22 @@ static inline void spherical(double theta, double phi, double v[3]) {
   v[2] = cos(theta);
 }
 
-static inline shade_bsdf make_bsdf(shade_detail detail, shade_groove groove, double ex, double ey) {
+/* Any distribution from exponents; the alphas are the matching ones. */
+static inline shade_bsdf make_lobe(shade_mdf mdf, shade_detail detail, shade_groove groove,
+                                   double ex, double ey) {
   shade_params p;
   shade_params_init(&p);
   shade_params_set_exponents(&p, ex, ey);
+  p.mdf = mdf;
   p.detail = detail;
   p.groove = groove;
   shade_bsdf b;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
   return b;
+}
+
+static inline shade_bsdf make_bsdf(shade_detail detail, shade_groove groove, double ex, double ey) {
+  return make_lobe(SHADE_MDF_ASHIKHMIN_SHIRLEY, detail, groove, ex, ey);
 }
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The errors that kernel/elementary.h states, against long double libm. */
+/* The errors that kernel/elementary.h and leaf_brdf.h state, against long double libm. */
 #include <string.h>
 
 #include "support.h"
@@ -8,10 +8,12 @@
 #define SHADE_FLOAT 1
 #include "kernel/real.h"
 #include "kernel/elementary.h"
+#include "kernel/leaf_brdf.h"
 #undef SHADE_FLOAT
 #define SHADE_FLOAT 0
 #include "kernel/real.h"
 #include "kernel/elementary.h"
+#include "kernel/leaf_brdf.h"
 
 static double relative(long double got, long double want) {
   return (double)fabsl((got - want) / want);
@@ -63,8 +65,46 @@ static void exp_double(void **state) {
   assert_true(exp_negative(701) == 0 && exp_negative(1e300) == 0);
 }
 
+/* 1 + 2 Lambda for Gaussian slopes of (alpha tan)^2 = w. */
+static long double gaussian(long double w) {
+  long double a = 1 / sqrtl(w);
+  return 1 + expl(-a * a) / (a * sqrtl(3.14159265358979323846264L)) - erfcl(a);
+}
+
+static void smith(void **state) {
+  (void)state;
+  double worst = 0, worstf = 0;
+  for (double exponent = -40; exponent < 90; exponent += 1e-4) {
+    double w = exp2(exponent);
+    float wf = (float)w;
+    worst = fmax(worst, relative(smith_gaussian(w), gaussian((long double)w)));
+    worstf = fmax(worstf, relative((long double)smith_gaussianf(wf), gaussian((long double)wf)));
+  }
+  print_message("1 + 2 Lambda: worst relative error double %.2e, float %.2e\n", worst, worstf);
+  assert_true(worst <= 2e-15);
+  assert_true(worstf <= 4e-7);
+  assert_true(smith_gaussian(0) == 1 && smith_gaussianf(0) == 1);
+}
+
+static void angle(void **state) {
+  (void)state;
+  double worst = 0, worstf = 0;
+  for (double a = 0; a <= PI; a += 1e-6) {
+    double y = fabs(sin(a)), x = cos(a);
+    float yf = (float)y, xf = (float)x;
+    worst = fmax(worst, fabs((double)(angle_of(y, x) - atan2l(y, x))));
+    worstf =
+        fmax(worstf, fabs((double)((long double)angle_off(yf, xf) - atan2l((long double)yf, xf))));
+  }
+  print_message("angle: worst absolute error double %.2e, float %.2e\n", worst, worstf);
+  assert_true(worst <= 6e-16);
+  assert_true(worstf <= 3e-7);
+  assert_true(angle_of(0, 0) == 0 && angle_of(0, 1e-200) == 0 && angle_off(0, 0) == 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(log1p_float), cmocka_unit_test(log1p_double),
-                                     cmocka_unit_test(exp_float), cmocka_unit_test(exp_double)};
+                                     cmocka_unit_test(exp_float),   cmocka_unit_test(exp_double),
+                                     cmocka_unit_test(smith),       cmocka_unit_test(angle)};
   return cmocka_run_group_tests_name("elementary", tests, NULL, NULL);
 }

@@ -65,7 +65,7 @@ static void setup_clamps(void **state) {
   p.ex = 2e6;
   p.f0[1] = -.5;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_CLAMPED_PARAMETER);
-  assert_true(b.ex == 1e6 && b.f0[1] == 0);
+  assert_true(b.kx == 1e6 && b.f0[1] == 0);
   shade_params_init(&p);
   p.detail = (shade_detail)77;
   p.mdf = (shade_mdf)-3;
@@ -84,20 +84,108 @@ static void json(void **state) {
   assert_string_equal(
       text, "{\"id\": 3, \"name\": \"a \\\"b\\\"\\\\\\u000a\", \"mdf\": \"ashikhmin_shirley\", "
             "\"brdf\": \"ashikhmin_shirley\", \"detail\": \"rotate\", \"groove\": \"auto\", "
-            "\"fresnel\": \"schlick\", \"ex\": 198, \"ey\": 6, \"ax\": 0.10000000000000001, "
-            "\"ay\": 0.5, \"f0\": [1, 1, 1]}");
+            "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"ex\": 198, \"ey\": 6, \"ax\": "
+            "0.10000000000000001, "
+            "\"ay\": 0.5, \"f0\": [1, 1, 1], \"f82\": [1, 1, 1], \"eta\": [0.5, 0.5, 0.5], "
+            "\"k\": [3, 3, 3], \"kd\": [0, 0, 0]}");
   assert_int_equal(shade_params_json(&p, 3, "a \"b\"\\\n", cut, sizeof cut), length);
   assert_memory_equal(cut, text, sizeof cut - 1);
   assert_true(cut[sizeof cut - 1] == 0);
   assert_int_equal(shade_params_json(&p, 3, "a \"b\"\\\n", NULL, 0), length);
 }
 
+/* Other programs' roughness .5 and anisotropy .4, by their formulas worked out by hand. */
+static void roughness(void **state) {
+  (void)state;
+  static const struct {
+    shade_roughness from;
+    double anisotropy, ax, ay;
+  } cases[] = {
+      {SHADE_ROUGHNESS_BLENDER_PRINCIPLED, .4, .25 / .8, .25 * .8},
+      {SHADE_ROUGHNESS_BLENDER_GLOSSY, .4, .25 * .6, .25 / .6},
+      {SHADE_ROUGHNESS_BLENDER_GLOSSY, -.4, .25 / .6, .25 * .6},
+      {SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79, .4, .5 * .6, .5 / .6},
+      {SHADE_ROUGHNESS_GLTF, .4, .25 + .75 * .16, .25},
+      {SHADE_ROUGHNESS_MATERIALX, .4, .3227486121839514, .19364916731037085},
+      {SHADE_ROUGHNESS_OPENPBR, .4, .30316953129541624, .18190171877724973},
+      {SHADE_ROUGHNESS_OPENPBR, 0, .25, .25},
+  };
+  shade_params p;
+  shade_params_init(&p);
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    assert_int_equal(shade_params_set_roughness(&p, cases[i].from, .5, cases[i].anisotropy), 0);
+    assert_near(p.ax, cases[i].ax, 1e-14);
+    assert_near(p.ay, cases[i].ay, 1e-14);
+    assert_near(p.ex, fmax(0, 2 / (p.ax * p.ax) - 2), 1e-9);
+  }
+  assert_int_equal(shade_params_set_roughness(&p, SHADE_ROUGHNESS_MATERIALX, 1, 1), 0);
+  assert_near(p.ax, 1, 1e-15);
+  assert_int_equal(shade_params_set_roughness(&p, SHADE_ROUGHNESS_OPENPBR, 0, 1), 0);
+  assert_true(p.ax == 1e-4 && p.ay == 1e-4);
+  assert_int_equal(shade_params_set_roughness(&p, SHADE_ROUGHNESS_GLTF, 2, NAN),
+                   SHADE_CLAMPED_PARAMETER);
+  assert_true(p.ax == 1 && p.ay == 1);
+  assert_int_equal(shade_params_set_roughness(&p, (shade_roughness)-1, 1, 0), SHADE_BAD_CHOICE);
+  const char *word;
+  int value, rows = 0;
+  while (shade_roughness_row(rows, &value, &word, NULL, NULL))
+    assert_int_equal(value, rows++);
+  assert_int_equal(rows, SHADE_ROUGHNESS_COUNT);
+}
+
+/* Gold is yellow, silver bright, and all of them metals. */
+static void metal_table(void **state) {
+  (void)state;
+  shade_params p;
+  shade_metal m;
+  shade_params_init(&p);
+  for (int row = 0; shade_metal_row(row, &m); row++) {
+    assert_int_equal(shade_params_set_metal(&p, m.word), 1);
+    assert_int_equal(p.fresnel, SHADE_FRESNEL_CONDUCTOR);
+    for (int c = 0; c < 3; c++) {
+      assert_true(p.eta[c] == m.eta[c] && p.k[c] == m.k[c]);
+      assert_true(p.f0[c] > .4 && p.f0[c] < 1);
+    }
+  }
+  assert_int_equal(shade_params_set_metal(&p, "Gold"), 1);
+  assert_near(p.f0[0], .957, 1e-3); /* |(m - 1)/(m + 1)|^2 of .1556 + 3.602 i */
+  assert_near(p.f0[2], .408, 1e-3);
+  assert_int_equal(shade_params_set_metal(&p, "mithril"), 0);
+  assert_int_equal(shade_params_set_metal(&p, NULL), 0);
+  assert_near(p.f0[2], .408, 1e-3);
+}
+
+/* A caller built against an older header knows fewer members. */
+static void older_caller(void **state) {
+  (void)state;
+  shade_params p;
+  shade_params_init(&p);
+  p.size = offsetof(shade_params, f82);
+  p.kd[0] = p.kd[1] = p.kd[2] = 7; /* beyond what that caller set */
+  shade_bsdf b;
+  assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+  assert_true(b.kd[0] == 0);
+}
+
+/* Numbers that JSON has no word for never reach it. */
+static void json_stays_finite(void **state) {
+  (void)state;
+  shade_params p;
+  char text[2048];
+  shade_params_init(&p);
+  p.ex = INFINITY;
+  p.f0[0] = NAN;
+  assert_true(shade_params_json(&p, 0, NULL, text, sizeof text) < (int)sizeof text);
+  assert_null(strstr(text, "inf"));
+  assert_null(strstr(text, "nan"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(names),
-      cmocka_unit_test(exponents_and_alphas),
-      cmocka_unit_test(setup_clamps),
-      cmocka_unit_test(json),
+      cmocka_unit_test(names),        cmocka_unit_test(exponents_and_alphas),
+      cmocka_unit_test(setup_clamps), cmocka_unit_test(json),
+      cmocka_unit_test(older_caller), cmocka_unit_test(json_stays_finite),
+      cmocka_unit_test(roughness),    cmocka_unit_test(metal_table),
   };
   return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

@@ -102,6 +102,9 @@ static void set_choice(shade_params *p, shade_list list, int value) {
   case SHADE_LIST_FRESNEL:
     p->fresnel = (shade_fresnel)value;
     break;
+  case SHADE_LIST_DIFFUSE:
+    p->diffuse = (shade_diffuse)value;
+    break;
   case SHADE_LIST_COUNT:
     break;
   }

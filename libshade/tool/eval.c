@@ -13,18 +13,35 @@
 #include "shade/shade.h"
 #include "tool/tool.h"
 
-typedef enum precision { PRECISION_FLOAT, PRECISION_DOUBLE, PRECISION_REFERENCE } precision;
-typedef enum what { WHAT_D, WHAT_F } what;
+typedef enum precision {
+  PRECISION_FAST,
+  PRECISION_FLOAT,
+  PRECISION_DOUBLE,
+  PRECISION_REFERENCE
+} precision;
+typedef enum what { WHAT_D, WHAT_F, WHAT_DIFFUSE } what;
 
-static const char *const precision_words[] = {"float", "double", "reference", NULL};
-static const char *const what_words[] = {"D", "f", NULL};
-static const int what_inputs[] = {6, 9};
+static const char *const precision_words[] = {"fast", "float", "double", "reference", NULL};
+static const char *const what_words[] = {"D", "f", "diffuse", NULL};
 
 typedef struct query {
   shade_params params;
   precision precision;
   what what;
 } query;
+
+/* How many numbers a line holds, and their names for a message. */
+static int line_form(const query *q, const char **form) {
+  static const char *const forms[] = {"nx ny nz hx hy hz", "nx ny nz wix wiy wiz wox woy woz",
+                                      "lx ly lz"};
+  static const int counts[] = {6, 9, 3};
+  if (q->what == WHAT_DIFFUSE && q->params.diffuse >= SHADE_DIFFUSE_FIBRE_VIEW) {
+    *form = "lx ly lz vx vy vz";
+    return 6;
+  }
+  *form = forms[q->what];
+  return counts[q->what];
+}
 
 static void print_words(FILE *to, shade_list list) {
   const char *word;
@@ -34,8 +51,10 @@ static void print_words(FILE *to, shade_list list) {
 
 static void usage(FILE *to) {
   fputs("usage: shade eval [options] < queries\n\n"
-        "  --what D|f               D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
-        "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n",
+        "  --what D|f|diffuse       D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
+        "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n"
+        "                           diffuse: lines of lx ly lz (and vx vy vz, for the models from\n"
+        "                           fibre_view on) -> Phi; fibre along x, normal z\n",
         to);
   for (int list = 0; list < SHADE_LIST_COUNT; list++) {
     if (list == SHADE_LIST_FRESNEL)
@@ -48,7 +67,10 @@ static void usage(FILE *to) {
         "  --ax A --ay A            or roughness alphas, 1e-4 to 10\n"
         "  --f0 F                   reflectance at normal incidence (Schlick); Fresnel is 1 "
         "without it\n"
-        "  --precision float|double|reference   (default double)\n\n"
+        "  --f82 T                  with --f0: share of Schlick's value left at 82 degrees\n"
+        "  --eta N --k K            or a conductor's complex index of refraction\n"
+        "  --kd K                   diffuse reflectance: f includes the diffuse part\n"
+        "  --precision fast|float|double|reference   (default double)\n\n"
         "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
         "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
         "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
@@ -92,6 +114,9 @@ static int set_choice(query *q, shade_list list, const char *word) {
   case SHADE_LIST_DETAIL:
     q->params.detail = (shade_detail)value;
     break;
+  case SHADE_LIST_DIFFUSE:
+    q->params.diffuse = (shade_diffuse)value;
+    break;
   default:
     q->params.groove = (shade_groove)value;
   }
@@ -101,7 +126,7 @@ static int set_choice(query *q, shade_list list, const char *word) {
 /* Returns TOOL_DONE, or the exit status after printing why; *help asks for the usage text. */
 static int read_options(query *q, int argc, char **argv, int *help) {
   double ex = q->params.ex, ey = q->params.ey, ax = 0, ay = 0;
-  int exponents = 0, alphas = 0;
+  int exponents = 0, alphas = 0, matt = 0, fresnel[SHADE_FRESNEL_COUNT] = {0};
   for (int i = 1; i < argc; i++) {
     const char *option = argv[i];
     if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
@@ -125,7 +150,11 @@ static int read_options(query *q, int argc, char **argv, int *help) {
                    {"--ey", &ey, &exponents},
                    {"--ax", &ax, &alphas},
                    {"--ay", &ay, &alphas},
-                   {"--f0", &q->params.f0[0], NULL}};
+                   {"--f0", &q->params.f0[0], &fresnel[SHADE_FRESNEL_SCHLICK]},
+                   {"--f82", &q->params.f82[0], &fresnel[SHADE_FRESNEL_F82]},
+                   {"--eta", &q->params.eta[0], &fresnel[SHADE_FRESNEL_CONDUCTOR]},
+                   {"--k", &q->params.k[0], &fresnel[SHADE_FRESNEL_CONDUCTOR]},
+                   {"--kd", &q->params.kd[0], &matt}};
     int done = 0;
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
       if (strcmp(option, numbers[k].name))
@@ -133,13 +162,10 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       done = 1;
       if (!read_number(value, numbers[k].target))
         return bad_usage(option, value, "a number");
-      if (numbers[k].given)
-        *numbers[k].given |= 1 << (numbers[k].name[3] == 'y');
-      else
-        q->params.fresnel = SHADE_FRESNEL_SCHLICK;
+      *numbers[k].given |= 1 << (numbers[k].name[3] == 'y' || numbers[k].name[2] == 'k');
     }
-    for (int list = 0; !done && list < SHADE_LIST_FRESNEL; list++) {
-      if (strcmp(option + 2, shade_list_name((shade_list)list)))
+    for (int list = 0; !done && list < SHADE_LIST_COUNT; list++) {
+      if (list == SHADE_LIST_FRESNEL || strcmp(option + 2, shade_list_name((shade_list)list)))
         continue;
       done = 1;
       int status = set_choice(q, (shade_list)list, value);
@@ -150,14 +176,15 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       done = 1;
       int k = find_word(precision_words, value);
       if (k < 0)
-        return bad_usage(option, value, "float, double or reference");
+        return bad_usage(option, value, "fast, float, double or reference");
       q->precision = (precision)k;
+      q->params.fast = k == PRECISION_FAST;
     }
     if (!done && !strcmp(option, "--what")) {
       done = 1;
       int k = find_word(what_words, value);
       if (k < 0)
-        return bad_usage(option, value, "D or f");
+        return bad_usage(option, value, "D, f or diffuse");
       q->what = (what)k;
     }
     if (!done) {
@@ -165,9 +192,22 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       return TOOL_BAD_USAGE;
     }
   }
-  q->params.f0[1] = q->params.f0[2] = q->params.f0[0];
+  const int schlick = fresnel[SHADE_FRESNEL_SCHLICK], f82 = fresnel[SHADE_FRESNEL_F82];
+  const int conductor = fresnel[SHADE_FRESNEL_CONDUCTOR];
+  if ((f82 && !schlick) || (conductor && (conductor != 3 || schlick))) {
+    fputs("shade eval: Fresnel is --f0, or --f0 and --f82, or --eta and --k\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  q->params.fresnel = conductor ? SHADE_FRESNEL_CONDUCTOR
+                      : f82     ? SHADE_FRESNEL_F82
+                      : schlick ? SHADE_FRESNEL_SCHLICK
+                                : SHADE_FRESNEL_NONE;
   if (exponents && alphas) {
     fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  if (exponents && exponents != 3) {
+    fputs("shade eval: --ex and --ey go together\n", stderr);
     return TOOL_BAD_USAGE;
   }
   if (alphas && alphas != 3) {
@@ -176,34 +216,51 @@ static int read_options(query *q, int argc, char **argv, int *help) {
   }
   unsigned status = alphas ? shade_params_set_alphas(&q->params, ax, ay)
                            : shade_params_set_exponents(&q->params, ex, ey);
-  if (status & SHADE_CLAMPED_PARAMETER || !(q->params.f0[0] >= 0 && q->params.f0[0] <= 1)) {
-    fputs("shade eval: out of range: exponents are 0 to 1e6, alphas 1e-4 to 10, f0 0 to 1\n",
+  shade_bsdf unused;
+  status |= shade_bsdf_setup(&unused, &q->params);
+  if (status & SHADE_CLAMPED_PARAMETER) {
+    fputs("shade eval: out of range: exponents are 0 to 1e6, alphas 1e-4 to 10, f0, f82 and kd 0 "
+          "to 1, "
+          "eta 1e-3 to 100, k 0 to 100\n",
           stderr);
     return TOOL_BAD_USAGE;
   }
   return TOOL_DONE;
 }
 
-static double answer(const query *q, const shade_bsdf *b, const double *v) {
+/* The answer; status bits tell what was wrong with the directions. */
+static double answer(const query *q, const shade_bsdf *b, const double *v, unsigned *status) {
   float vf[9], ff[3];
   double f[3];
-  for (int i = 0; i < what_inputs[q->what]; i++)
+  const char *unused;
+  for (int i = 0; i < line_form(q, &unused); i++)
     vf[i] = (float)v[i];
+  if (q->what == WHAT_DIFFUSE) {
+    shade_diffuse model = q->params.diffuse;
+    double left =
+        model == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY && q->params.fresnel != SHADE_FRESNEL_NONE
+            ? 1 - q->params.f0[0]
+            : 1;
+    return left * (q->precision <= PRECISION_FLOAT ? (double)shade_diffuse_evalf(model, vf, vf + 3)
+                   : q->precision == PRECISION_DOUBLE ? shade_diffuse_eval(model, v, v + 3)
+                                                      : shade_ref_diffuse(model, v, v + 3));
+  }
   switch (q->precision) {
+  case PRECISION_FAST:
   case PRECISION_FLOAT:
     if (q->what == WHAT_D)
-      return (double)shade_mdf_evalf(b, vf, vf + 3, NULL);
-    shade_bsdf_evalf(b, vf, vf + 3, vf + 6, ff, NULL);
+      return (double)shade_mdf_evalf(b, vf, vf + 3, status);
+    *status |= shade_bsdf_evalf(b, vf, vf + 3, vf + 6, ff, NULL);
     return (double)ff[0];
   case PRECISION_DOUBLE:
     if (q->what == WHAT_D)
-      return shade_mdf_eval(b, v, v + 3, NULL);
-    shade_bsdf_eval(b, v, v + 3, v + 6, f, NULL);
+      return shade_mdf_eval(b, v, v + 3, status);
+    *status |= shade_bsdf_eval(b, v, v + 3, v + 6, f, NULL);
     return f[0];
   default:
     if (q->what == WHAT_D)
       return shade_ref_mdf(&q->params, v, v + 3);
-    shade_ref_f(&q->params, v, v + 3, v + 6, f, NULL);
+    *status |= shade_ref_f(&q->params, v, v + 3, v + 6, f, NULL);
     return f[0];
   }
 }
@@ -241,26 +298,36 @@ int shade_cmd_eval(int argc, char **argv) {
 
   char *line = NULL;
   size_t capacity = 0;
-  for (long number = 1; getline(&line, &capacity, stdin) >= 0; number++) {
+  ssize_t length;
+  for (long number = 1; !status && (length = getline(&line, &capacity, stdin)) >= 0; number++) {
     const char *text = line;
     while (isspace((unsigned char)*text))
       text++;
-    if (!*text || *text == '#')
+    if ((!*text && strlen(line) == (size_t)length) || *text == '#')
       continue;
     double v[9];
-    const char *wrong = read_line(text, what_inputs[q.what], v);
+    const char *form, *wrong = read_line(text, line_form(&q, &form), v);
+    if (strlen(line) != (size_t)length)
+      wrong = "it holds a zero byte";
     if (wrong) {
       fflush(stdout);
       fprintf(stderr, "shade eval: standard input, line %ld: %s; expected %s\n", number, wrong,
-              q.what == WHAT_D ? "nx ny nz hx hy hz" : "nx ny nz wix wiy wiz wox woy woz");
+              form);
       status = TOOL_BAD_INPUT;
       break;
     }
-    printf(q.precision == PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v));
+    unsigned mended = SHADE_OK;
+    printf(q.precision <= PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v, &mended));
+    if (mended & SHADE_BAD_INPUT)
+      fprintf(stderr, "shade eval: standard input, line %ld: warning: no such direction: 0\n",
+              number);
+    else if (mended & SHADE_CLAMPED_NORMAL)
+      fprintf(stderr, "shade eval: standard input, line %ld: warning: n lifted to nz = 1e-4\n",
+              number);
   }
   free(line);
-  if (fflush(stdout) && !status) {
-    fprintf(stderr, "shade eval: standard output: %s\n", strerror(errno));
+  if (ferror(stdin)) {
+    fprintf(stderr, "shade eval: standard input: %s\n", strerror(errno));
     status = TOOL_BAD_INPUT;
   }
   return status;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -27,6 +28,14 @@ static void usage(FILE *to) {
         to);
 }
 
+/* An answer that did not reach its reader is no success. */
+static int written(int status) {
+  if (!fflush(stdout) && !ferror(stdout))
+    return status;
+  fprintf(stderr, "shade: standard output: %s\n", strerror(errno));
+  return status ? status : TOOL_BAD_INPUT;
+}
+
 int main(int argc, char **argv) {
   if (argc < 2) {
     usage(stderr);
@@ -34,15 +43,15 @@ int main(int argc, char **argv) {
   }
   if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help")) {
     usage(stdout);
-    return TOOL_DONE;
+    return written(TOOL_DONE);
   }
   if (!strcmp(argv[1], "--version")) {
     printf("shade %s (%s)\n", SHADE_VERSION, shade_isa());
-    return TOOL_DONE;
+    return written(TOOL_DONE);
   }
   for (int i = 0; i < COMMANDS; i++)
     if (!strcmp(argv[1], commands[i].name))
-      return commands[i].run(argc - 1, argv + 1);
+      return written(commands[i].run(argc - 1, argv + 1));
   fprintf(stderr, "shade: unknown command '%s'\n\n", argv[1]);
   usage(stderr);
   return TOOL_BAD_USAGE;

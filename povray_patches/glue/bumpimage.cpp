@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "backend/mdf/bumpimage.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -75,8 +76,10 @@ void BumpImage::normal(double u, double v, double strength, double n[3]) const {
     for (int c = 0; c < 3; c++)
       n[c] = 2.0 * n[c] - 1.0;
     found = normalise(n);
-    for (int c = 0; found && c < 3; c++)
-      n[c] = flat[c] + strength * (n[c] - flat[c]);
+    // as Blender's Normal Map node: beyond 1 only the slope grows
+    n[0] *= strength;
+    n[1] *= strength;
+    n[2] = 1.0 + std::min(strength, 1.0) * (n[2] - 1.0);
     found = found && normalise(n);
   }
   for (int c = 0; !found && c < 3; c++)

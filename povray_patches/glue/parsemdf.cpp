@@ -66,17 +66,49 @@ void collect_blocks(const TEXTURE *texture, std::set<const mdf::Material *> &blo
 
 } // namespace
 
-DBL Parser::Parse_Mdf_Exponent(const char *word) {
+DBL Parser::Parse_Mdf_Number(const char *word) {
   const shade_param_info info = parameter(word);
+  const char *const kind = word[0] == 'e' ? "exponent" : "alpha";
   const DBL value = Parse_Float();
 
   if (!(value >= info.minimum))
-    Error("mdf: exponent %s is %g, expected a number from %g to %g.", word, value, info.minimum,
+    Error("mdf: %s %s is %g, expected a number from %g to %g.", kind, word, value, info.minimum,
           info.maximum);
   if (value > info.maximum)
-    Warning(0, "mdf: exponent %s is %g; it is taken as %g, the largest possible.", word, value,
+    Warning(0, "mdf: %s %s is %g; it is taken as %g, the largest possible.", kind, word, value,
             info.maximum);
   return min(value, info.maximum);
+}
+
+// Ashikhmin-Shirley reads exponents, every other distribution alphas.
+void Parser::Parse_Mdf_Distribution(mdf::Material &material) {
+  const bool exponents = Token.Function_Id == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+
+  material.params.mdf = (shade_mdf)Token.Function_Id;
+  const DBL along = Parse_Mdf_Number(exponents ? "ex" : "ax");
+  Parse_Comma();
+  const DBL across = Parse_Mdf_Number(exponents ? "ey" : "ay");
+  if (exponents)
+    shade_params_set_exponents(&material.params, along, across);
+  else
+    shade_params_set_alphas(&material.params, along, across);
+}
+
+// Three numbers of the table's `name`, one a colour channel; `word` is what the block calls it.
+void Parser::Parse_Mdf_Colour(const char *word, const char *name, double rgb[3]) {
+  const shade_param_info info = parameter(name);
+  RGBColour colour;
+
+  Parse_Colour(colour);
+  rgb[0] = colour.red();
+  rgb[1] = colour.green();
+  rgb[2] = colour.blue();
+  for (int c = 0; c < 3; c++) {
+    const double given = rgb[c];
+    rgb[c] = min(max(given, info.minimum), info.maximum);
+    if (rgb[c] != given)
+      Warning(0, "mdf: a component of %s is %g; it is taken as %g.", word, given, rgb[c]);
+  }
 }
 
 void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
@@ -87,25 +119,29 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   Parse_Begin();
   material.strength = 1.0;
 
+  // clang-format off
   EXPECT
-  CASE(MDF_WORD_TOKEN)
-  if (Token.Function_Id == mdf::IMAGE_STRENGTH)
-    material.strength = Parse_Float();
-  else {
-    type = Token.Function_Id;
-    char *text = Parse_C_String(true);
-    name = text;
-    POV_FREE(text);
-  }
-  END_CASE
+    CASE (MDF_WORD_TOKEN)
+      if (Token.Function_Id == mdf::IMAGE_STRENGTH)
+        material.strength = Parse_Float();
+      else {
+        type = Token.Function_Id;
+        char *text = Parse_C_String(true);
+        name = text;
+        POV_FREE(text);
+      }
+    END_CASE
 
-  CASE(RIGHT_CURLY_TOKEN)
-  UNGET
-  EXIT END_CASE
+    CASE (RIGHT_CURLY_TOKEN)
+      UNGET
+      EXIT
+    END_CASE
 
-      OTHERWISE Expectation_Error(mdf::expected_words(mdf::WORDS_IMAGE, "}").c_str());
-  END_CASE
+    OTHERWISE
+      Expectation_Error(mdf::expected_words(mdf::WORDS_IMAGE, "}").c_str());
+    END_CASE
   END_EXPECT
+  // clang-format on
 
   if (name.empty())
     Expectation_Error("png \"file\" or exr \"file\"");
@@ -172,23 +208,20 @@ void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
     break;
   case SHADE_LIST_FRESNEL:
     material.params.fresnel = (shade_fresnel)Token.Function_Id;
+    if (material.params.fresnel == SHADE_FRESNEL_F82)
+      Parse_Mdf_Colour("fresnel f82", "f82", material.params.f82);
+    if (material.params.fresnel == SHADE_FRESNEL_CONDUCTOR) {
+      Parse_Mdf_Colour("fresnel conductor's eta", "eta", material.params.eta);
+      Parse_Comma();
+      Parse_Mdf_Colour("fresnel conductor's k", "k", material.params.k);
+    }
+    break;
+  case SHADE_LIST_DIFFUSE:
+    material.params.diffuse = (shade_diffuse)Token.Function_Id;
+    Parse_Mdf_Colour("diffuse", "kd", material.params.kd);
     break;
   case SHADE_LIST_COUNT:
     break;
-  }
-}
-
-void Parser::Parse_Mdf_Specular(mdf::Material &material) {
-  const shade_param_info info = parameter("f0");
-  RGBColour colour;
-
-  Parse_Colour(colour);
-  const double rgb[3] = {colour.red(), colour.green(), colour.blue()};
-  for (int c = 0; c < 3; c++) {
-    material.params.f0[c] = min(max(rgb[c], info.minimum), info.maximum);
-    if (material.params.f0[c] != rgb[c])
-      Warning(0, "mdf: a component of specular is %g; it is taken as %g.", rgb[c],
-              material.params.f0[c]);
   }
 }
 
@@ -203,33 +236,34 @@ void Parser::Parse_Mdf(FINISH *finish) {
   Parse_Begin();
   {
     const mdf::WordScope words(Mdf_Words, mdf::WORDS_BLOCK);
+    int word;
 
+    // clang-format off
     EXPECT
-    CASE(MDF_WORD_TOKEN)
-    if (Token.Function_Id == mdf::BLOCK_TANGENT)
-      Parse_Mdf_Tangent(material);
-    else if (Token.Function_Id == mdf::BLOCK_SPECULAR)
-      Parse_Mdf_Specular(material);
-    else if (Token.Function_Id == mdf::BLOCK_BUMP_IMAGE)
-      Parse_Mdf_Bump_Image(material);
-    else if (Token.Function_Id >= mdf::BLOCK_LIST)
-      Parse_Mdf_Choice(material, (shade_list)(Token.Function_Id - mdf::BLOCK_LIST));
-    else {
-      material.params.mdf = (shade_mdf)Token.Function_Id;
-      const DBL ex = Parse_Mdf_Exponent("ex");
-      Parse_Comma();
-      const DBL ey = Parse_Mdf_Exponent("ey");
-      shade_params_set_exponents(&material.params, ex, ey);
-    }
-    END_CASE
+      CASE (MDF_WORD_TOKEN)
+        word = Token.Function_Id;
+        if (word == mdf::BLOCK_TANGENT)
+          Parse_Mdf_Tangent(material);
+        else if (word == mdf::BLOCK_SPECULAR)
+          Parse_Mdf_Colour("specular", "f0", material.params.f0);
+        else if (word == mdf::BLOCK_BUMP_IMAGE)
+          Parse_Mdf_Bump_Image(material);
+        else if (word >= mdf::BLOCK_LIST)
+          Parse_Mdf_Choice(material, (shade_list)(word - mdf::BLOCK_LIST));
+        else
+          Parse_Mdf_Distribution(material);
+      END_CASE
 
-    CASE(RIGHT_CURLY_TOKEN)
-    UNGET
-    EXIT END_CASE
+      CASE (RIGHT_CURLY_TOKEN)
+        UNGET
+        EXIT
+      END_CASE
 
-        OTHERWISE Expectation_Error(mdf::expected_words(mdf::WORDS_BLOCK, "}").c_str());
-    END_CASE
+      OTHERWISE
+        Expectation_Error(mdf::expected_words(mdf::WORDS_BLOCK, "}").c_str());
+      END_CASE
     END_EXPECT
+    // clang-format on
   }
   Parse_End();
 

@@ -53,7 +53,8 @@ def bilinear(colours, uv):
 
 def mapped(colours, uv, strength=1.0):
     n = normalise(2 * bilinear(colours, uv) - 1)
-    return normalise((1 - strength) * np.array([0, 0, 1.0]) + strength * n)
+    slope = n * (strength, strength, min(strength, 1)) + (0, 0, 1 - min(strength, 1))
+    return normalise(slope)
 
 
 def quad(uv="<0,0>, <1,0>, <1,1>, <0,1>", faces="<0,1,2>, <0,2,3>", normals=True, extra=""):

@@ -5,7 +5,10 @@ import pytest
 
 from scenes import HEADER, SUN, saddle, scene
 
-WORDS = "ashikhmin_shirley, brdf, detail, groove, fresnel, tangent, specular, bump_image or }"
+WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, tangent, "
+         "specular, bump_image or }")
+DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
+           "deform_linear_conserving or deform_smooth_conserving")
 
 
 def sphere(block, before=""):
@@ -31,6 +34,15 @@ def test_every_word(material):
                  "tangent <1, 2, 3> specular rgb <.1, .2, .3>")
     assert (m["ex"], m["ey"], m["detail"], m["groove"], m["fresnel"]) == (300, 20, "gram_schmidt", "y", "schlick")
     assert m["f0"] == pytest.approx([.1, .2, .3], abs=1e-6)
+
+
+def test_other_models(material):
+    m = material("ggx .1, .4 brdf microfacet fresnel conductor <.2, .9, 1.1>, <3.9, 2.4, 2.3> diffuse fibre .2")
+    assert (m["mdf"], m["ax"], m["ay"], m["brdf"], m["diffuse"]) == ("ggx", .1, .4, "microfacet", "fibre")
+    assert m["eta"] == pytest.approx([.2, .9, 1.1], abs=1e-6) and m["k"] == pytest.approx([3.9, 2.4, 2.3], abs=1e-6)
+    assert m["kd"] == pytest.approx([.2] * 3, abs=1e-6) and m["ex"] == pytest.approx(198)
+    m = material("beckmann .2, .2 fresnel f82 rgb <.9, .8, .7> diffuse lambert rgb <.1, .2, .3> detail auto")
+    assert m["fresnel"] == "f82" and m["f82"] == pytest.approx([.9, .8, .7], abs=1e-6)
 
 
 @pytest.mark.parametrize("block, ex, ey", [
@@ -109,14 +121,15 @@ sphere { y, .5 pigment { rgb 1 } }
 
 @pytest.mark.parametrize("block, message", [
     ("shiny 3", f"Expected '{WORDS}', undeclared identifier 'shiny' found instead"),
-    ("diffuse fibre .2", f"Expected '{WORDS}', diffuse found instead"),
+    ("diffuse wool .2", "Expected 'lambert, max_normal, fibre,"),
+    ("ggx 0, .5", "mdf: alpha ax is 0, expected a number from 0.0001 to 10."),
     ("fabric { weave 2, 1, 1 }", f"Expected '{WORDS}', undeclared identifier 'fabric' found instead"),
     ("200, 10", f"Expected '{WORDS}'"),
     ("Ashikhmin_Shirley 1, 1", f"Expected '{WORDS}', undeclared identifier 'Ashikhmin_Shirley' found instead"),
-    ("detail rotated", "Expected 'none, perturb, gram_schmidt or rotate', undeclared identifier 'rotated' found instead"),
-    ("detail", "Expected 'none, perturb, gram_schmidt or rotate', } found instead"),
+    ("detail rotated", f"Expected '{DETAILS}', undeclared identifier 'rotated' found instead"),
+    ("detail", f"Expected '{DETAILS}', }} found instead"),
     ("groove 1", "Expected 'auto, x or y'"),
-    ("fresnel 1", "Expected 'none or schlick'"),
+    ("fresnel 1", "Expected 'none, schlick, f82 or conductor'"),
     ("ashikhmin_shirley detail rotate", "Expected 'numeric expression', word of mdf found instead"),
     ("ashikhmin_shirley -5, 10", "mdf: exponent ex is -5, expected a number from 0 to 1e+06."),
     ("ashikhmin_shirley 5, -1e-3", "mdf: exponent ey is -0.001, expected a number from 0 to 1e+06."),
