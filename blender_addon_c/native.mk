@@ -6,7 +6,7 @@ NATIVE := $(B)/blender/native
 NATIVE_SO := $(NATIVE)/_native.abi3.so
 NATIVE_PYTHON := /usr/bin/python3
 NATIVE_CFLAGS := -O3 -std=c11 -g -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
-  -ffp-contract=fast -fopenmp-simd -ffile-prefix-map=$(CURDIR)=. -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
+  -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
 NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*.c))
 NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
@@ -25,11 +25,13 @@ native-sanitized:
 	$(Q)$(MAKE) --no-print-directory B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" native
 check: native-sanitized
 
-$(NATIVE)/obj/isa_%.o: $(N)/isa_%.c
+# where the flags are: objects made by others are made again
+NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
+$(NATIVE)/obj/isa_%.o: $(N)/isa_%.c $(NATIVE_FLAGS_IN)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(ISA_$*) $(CFLAGS) -MMD -c $< -o $@
-$(NATIVE)/obj/%.o: $(N)/%.c
+$(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(NATIVE_PYTHON_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
