@@ -10,7 +10,8 @@ with the patched POV-Ray, and judges:
 
 Leaves in the output folder: blender.png, povray.png, difference.png (ten times
 the absolute difference), both dumps and pictures as OpenEXR, and the POV-Ray
-form in povray/. Exit status: 0 all within limits; 1 not, bad input or a program that failed; 2 bad usage.
+form in povray/. Exit status: 0 all within limits; 1 not, or bad input, or a
+program that failed; 2 bad usage.
 """
 import argparse
 import json
