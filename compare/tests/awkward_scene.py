@@ -2,8 +2,8 @@
 """Run inside Blender: a scene full of what converters get wrong. Argument: OUT.blend [PERSP|ORTHO]
 
 Two materials on one mesh, a mirrored and an unevenly scaled object, two objects
-that share a mesh, flat shading, a light under a turned parent, a camera with
-shift, a tall picture, transparent film.
+that share a mesh, flat shading, a normal map of strength 2, a light under a
+turned parent, a camera with shift, a tall picture, transparent film.
 """
 import os
 import sys
@@ -28,6 +28,7 @@ def build(folder, camera_type):
     image = make_scene.load_normal_map(path)
     fine = make_scene.new_metal("Fine, bumped", 120.0, 4.0, image)
     across = make_scene.new_metal("Across", 3.0, 80.0, image)
+    strong = make_scene.new_metal("Strong", 40.0, 10.0, image, 2.0)
 
     bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
     ball = bpy.context.object
@@ -44,7 +45,7 @@ def build(folder, camera_type):
 
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.object
-    cube.data.materials.append(across)
+    cube.data.materials.append(strong)
     place(cube, (0.1, 0.0, -0.9), (0.2, 0.1, 0.6), (0.7, 0.7, 0.7))
 
     make_scene.add_light("Sun", "SUN", 2.0, (1.0, -2.0, 2.5))
