@@ -343,6 +343,19 @@ static bool optional_color(const parser *p, PyObject *dict, const char *key, dou
   return !find(dict, key) || numbers(p, dict, key, 3, out);
 }
 
+/* The colours that are shaded are the nearest within their ranges: the dump shall say those. */
+static void clamp_colors(shade_params *q) {
+  const struct {
+    const char *word;
+    double *color;
+  } colors[] = {{"f0", q->f0}, {"f82", q->f82}, {"eta", q->eta}, {"k", q->k}, {"kd", q->kd}};
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    for (size_t i = 0; i < sizeof colors / sizeof *colors; i++)
+      for (int c = 0; c < 3 && strcmp(info.word, colors[i].word) == 0; c++)
+        colors[i].color[c] = fmin(fmax(colors[i].color[c], info.minimum), info.maximum);
+}
+
 static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   material *m = out;
   shade_params *q = &m->params;
@@ -376,8 +389,7 @@ static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   else
     m->status = shade_params_set_alphas(q, ax, ay);
   m->status |= shade_bsdf_setup(&m->bsdf, q);
-  for (int k = 0; k < 3; k++) /* the dump says what is shaded */
-    q->f0[k] = fmin(fmax(q->f0[k], 0.0), 1.0);
+  clamp_colors(q);
   return true;
 }
 

@@ -238,6 +238,22 @@ def test_dump_says_the_clamped_reflectance_that_was_shaded(f0, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("word, given, low, high", [
+    ("f82", (-1, 2, 0.5), 0, 1),
+    ("eta", (-1, 1e4, 0.5), 1e-3, 100),
+    ("k", (-1, 1e4, 3), 0, 100),
+    ("kd", (-1, 2, 0.5), 0, 1),
+])
+def test_dump_says_other_clamped_colors(word, given, low, high, tmp_path):
+    path = tmp_path / "d.exr"
+    fresnel = {"f82": "F82", "eta": "CONDUCTOR", "k": "CONDUCTOR"}.get(word, "SCHLICK")
+    metal = material(fresnel=fresnel) | {word: given}
+    _, header = dump(scene(materials=[metal]), path)
+    assert json.loads(header)["materials"][0][word] == np.clip(given, low, high).tolist()
+    done = check(path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_dump_says_the_clamped_texture_that_was_shaded(tmp_path):
     path = tmp_path / "d.exr"
     pixels = np.ones((8, 8, 4), np.float32)
