@@ -123,23 +123,32 @@ def bump_image(socket, material, folder):
     return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} }}'
 
 
+def fresnel_text(node):
+    """The word and the colours that it is followed by."""
+    colours = {"F82": [node.f82], "CONDUCTOR": [node.eta, node.k]}.get(node.fresnel, [])
+    return " ".join([node.fresnel.lower(), ", ".join(f"rgb {vector(c)}" for c in colours)]).strip()
+
+
 def texture_text(material, folder):
     """`texture { … }` for one material."""
     node = metal_of(material)
     if node.inputs["Color"].is_linked:
         raise ExportError(f"material '{material.name}': a textured Color cannot be written")
     colour = node.inputs["Color"].default_value[:3]
+    exponents = node.distribution == "ASHIKHMIN_SHIRLEY"
+    widths = (node.ex, node.ey) if exponents else (node.ax, node.ay)
     bump = bump_image(node.inputs["Normal"], material, folder)
     return f"""texture {{
   pigment {{ rgb 1 }}
   finish {{
     ambient 0 diffuse 0
     mdf {{
-      {node.distribution.lower()} {number(node.ex)}, {number(node.ey)}
+      {node.distribution.lower()} {number(widths[0])}, {number(widths[1])}
       brdf {node.brdf.lower()}
       detail {node.detail.lower()}
       groove {node.groove.lower()}
-      fresnel {node.fresnel.lower()}
+      fresnel {fresnel_text(node)}
+      diffuse {node.diffuse.lower()} rgb {vector(node.kd)}
       specular rgb {vector(colour)}
       tangent uv{bump}
     }}

@@ -2,8 +2,9 @@
 """Run inside Blender: a scene full of what converters get wrong. Argument: OUT.blend [PERSP|ORTHO]
 
 Two materials on one mesh, a mirrored and an unevenly scaled object, two objects
-that share a mesh, flat shading, a normal map of strength 2, a light under a
-turned parent, a camera with shift, a tall picture, transparent film.
+that share a mesh, flat shading, a normal map of strength 2, models that need other
+numbers (alphas, indices of refraction), a light under a turned parent, a camera with
+shift, a tall picture, transparent film.
 """
 import os
 import sys
@@ -21,6 +22,12 @@ def place(ob, location, turn, scale):
     ob.matrix_world = Matrix.LocRotScale(location, Euler(turn), scale)
 
 
+def set_metal(material, **settings):
+    node = next(n for n in material.node_tree.nodes if n.bl_idname == "LibshadeMetalNode")
+    for name, value in settings.items():
+        setattr(node, name, value)
+
+
 def build(folder, camera_type):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     path = os.path.join(folder, "hammered.png")
@@ -29,6 +36,9 @@ def build(folder, camera_type):
     fine = make_scene.new_metal("Fine, bumped", 120.0, 4.0, image)
     across = make_scene.new_metal("Across", 3.0, 80.0, image)
     strong = make_scene.new_metal("Strong", 40.0, 10.0, image, 2.0)
+    set_metal(strong, distribution="GGX", brdf="MICROFACET", fresnel="CONDUCTOR", ax=0.1, ay=0.4,
+              eta=(0.2, 0.9, 1.1), k=(3.9, 2.4, 2.3))
+    set_metal(across, fresnel="F82", f82=(0.9, 0.8, 0.7), diffuse="FIBRE", kd=(0.1, 0.2, 0.3))
 
     bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
     ball = bpy.context.object
