@@ -18,12 +18,14 @@ NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
   $(NATIVE)/lib/libOpenEXRCore-3_1.so.30
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
-.PHONY: native native-sanitized
+.PHONY: native native-sanitized native-clang
 native: $(NATIVE_SO) $(NATIVE_LIBS)
-# for test_native_build.py, which runs the other tests on it
+# for test_native_build.py, which runs the other tests on them
 native-sanitized:
 	$(Q)$(MAKE) --no-print-directory B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" native
-check: native-sanitized
+native-clang:
+	$(Q)$(MAKE) --no-print-directory B=$(B)/clang CC=clang native
+check: native-sanitized native-clang
 
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
