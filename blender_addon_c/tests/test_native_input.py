@@ -247,8 +247,7 @@ def test_dump_says_the_clamped_reflectance_that_was_shaded(f0, tmp_path):
 def test_dump_says_other_clamped_colors(word, given, low, high, tmp_path):
     path = tmp_path / "d.exr"
     fresnel = {"f82": "F82", "eta": "CONDUCTOR", "k": "CONDUCTOR"}.get(word, "SCHLICK")
-    metal = material(fresnel=fresnel) | {word: given}
-    _, header = dump(scene(materials=[metal]), path)
+    _, header = dump(scene(materials=[material(fresnel=fresnel, **{word: given})]), path)
     assert json.loads(header)["materials"][0][word] == np.clip(given, low, high).tolist()
     done = check(path)
     assert done.returncode == 0, done.stdout + done.stderr
