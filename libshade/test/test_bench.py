@@ -16,11 +16,13 @@ def test_csv():
     rows = list(csv.DictReader(io.StringIO(out.stdout)))
     assert list(rows[0]) == ["what", "method", "distribution", "precision", "isa", "set", "ns",
                              "ratio_perturb", "ratio_stream", "max_error"]
-    assert {row["method"] for row in rows} == {"none", "perturb", "gram_schmidt", "rotate"}
+    assert {row["method"] for row in rows} > {"none", "perturb", "gram_schmidt", "rotate"}
     assert {row["set"] for row in rows} == {"cache", "memory"}
     for row in rows:
         assert float(row["ns"]) > 0 and float(row["ratio_stream"]) > 0
-        assert float(row["max_error"]) <= (5e-5 if row["precision"] == "float" else 1e-12), row
+        # the conserving warps' reference differentiates numerically
+        single, double = (3e-4, 1e-9) if "conserving" in row["method"] else (1e-4, 1e-12)
+        assert float(row["max_error"]) <= (single if row["precision"] == "float" else double), row
 
 
 def test_bad_usage():

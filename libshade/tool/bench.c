@@ -168,7 +168,7 @@ static void print_row(int csv, const char *w, const char *method, const char *md
                       const char *precision, const char *isa, const char *set, double ns,
                       double perturb, double bare, double error) {
   printf(csv ? "%s,%s,%s,%s,%s,%s,%.4g,%.4g,%.4g,%.2e\n"
-             : "%-2s %-13s %-18s %-7s %-7s %-7s %8.3g %8.3g %8.3g %10.1e\n",
+             : "%-2s %-24s %-18s %-7s %-7s %-7s %8.3g %8.3g %8.3g %10.1e\n",
          w, method, mdf, precision, isa, set, ns, ns / perturb, ns / bare, error);
   fflush(stdout);
 }
@@ -231,7 +231,7 @@ int shade_cmd_bench(int argc, char **argv) {
   const size_t counts[] = {1024, (size_t)4 << 20};
   const char *const sets[] = {"cache", "memory"};
   puts(csv ? "what,method,distribution,precision,isa,set,ns,ratio_perturb,ratio_stream,max_error"
-           : "   method        distribution       type    isa     arrays        ns /perturb  "
+           : "   method                   distribution       type    isa     arrays        ns /perturb  "
              "/stream      error");
   for (int s = 0; s < 2; s++) {
     arrays a;
