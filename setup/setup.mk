@@ -18,14 +18,15 @@ NEEDS_demo := $(NEEDS_compare)
 NEEDS_pictures := $(NEEDS_compare)
 NEEDS_bench := build
 NEEDS_check-libshade := build test
-NEEDS_lint := test
+NEEDS_check-povray-scenes := build povray test
+NEEDS_lint := lint
 NEEDS_check := build blender povray demo test
 NEEDS := $(sort $(foreach goal,$(MAKECMDGOALS),$(NEEDS_$(goal))))
 ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray demo test
+SETUPS := build blender povray demo test lint
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 

@@ -231,7 +231,8 @@ int shade_cmd_bench(int argc, char **argv) {
   const size_t counts[] = {1024, (size_t)4 << 20};
   const char *const sets[] = {"cache", "memory"};
   puts(csv ? "what,method,distribution,precision,isa,set,ns,ratio_perturb,ratio_stream,max_error"
-           : "   method                   distribution       type    isa     arrays        ns /perturb  "
+           : "   method                   distribution       type    isa     arrays        ns "
+             "/perturb  "
              "/stream      error");
   for (int s = 0; s < 2; s++) {
     arrays a;
