@@ -44,7 +44,7 @@ for name in "${keep[@]}"; do
   [ -z "${!name:-}" ] || environment+=("$name=${!name}")
 done
 
-git clone --quiet --no-hardlinks . "$root/root/clone"
+git clone --quiet --no-hardlinks . "$root/clone"
 
 inside() {
   unshare --mount --pid --fork sh -c '
@@ -58,6 +58,6 @@ inside sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq i
 echo "chroot: make $*"
 start=$SECONDS
 status=0
-inside make -C /root/clone "$@" || status=$?
+inside make -C /clone "$@" || status=$?
 echo "chroot: make $* ended with $status after $((SECONDS - start)) s; $(du -sh "$root" | cut -f1) on disk"
 exit $status

@@ -6,7 +6,7 @@
  *           on or below its horizon, where D' = 0
  *   xx, yy  squares of the slope of h along x and y; xx + yy = t
  * h need not be unit, except for the warps: only its direction counts. The tangents come from cross
- * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (method 2.8).
+ * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (CONVENTIONS.md, Detail).
  */
 typedef struct FN(lobe_point) {
   real t, xx, yy;
@@ -76,7 +76,7 @@ LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real 
 
 /*
  * Groove transport: the frame whose x' = (nz, 0, -nx)/L is dP/du of the height
- * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: method 2.1]
+ * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: CONVENTIONS.md, Detail]
  * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
  */
 LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
@@ -121,7 +121,7 @@ LEAF FN(lobe_point)
  * Both warps move the point p' = (hx, hy) of the unit disc by delta = (nx, ny) at the lobe's
  * centre and not at all at the rim; h is unit here. u is 1 less the paper's weight w,
  * taken from whichever root does not cancel. Float D against the reference, tilts to 75
- * degrees, |p|^2 <= 0.75: 1e-4 at exponents to 1e3, 3e-4 to 1e5. [KangCho Eq. 11-14; method 2.5]
+ * degrees, |p|^2 <= 0.75: 1e-4 at exponents to 1e3, 3e-4 to 1e5. [KangChoKim2011 Eq. 3-5]
  */
 LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
   real a = x * x + y * y;
@@ -159,7 +159,7 @@ LEAF FN(lobe_point) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx,
  * delta.p/s for the linear one (p the linear p) and 1 + delta.p/(2 s sqrt(1 - u)) for the
  * smooth one, times hz over the cosine in which D is normalised: z of the moved h, or n.h
  * where D is a projected one (Beckmann, GGX). At h = n, where J depends on the way there,
- * it is taken as 1. Relative error as the warps'. [method 2.5]
+ * it is taken as 1. Relative error as the warps'.
  */
 LEAF real FN(warp_stretch)(real nx, real ny, real nz, real hx, real hy, real hz, int smooth,
                            int projected) {

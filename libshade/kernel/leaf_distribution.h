@@ -12,7 +12,7 @@
 /*
  * Ashikhmin-Shirley: peak * cos^e, e = (ex xx + ey yy)/(xx + yy), with the power
  * as exp(-e/2 log(1 + tan^2)): pow(cos, e) would lose e roundings. Integrates
- * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4; method 2.8]
+ * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4; CONVENTIONS.md, Detail]
  */
 LEAF real FN(ashikhmin_shirley)(FN(lobe_point) p, real kx, real ky, real peak) {
   real radius = p.xx + p.yy;
@@ -25,7 +25,7 @@ LEAF real FN(ashikhmin_shirley)(FN(lobe_point) p, real kx, real ky, real peak) {
 
 /*
  * Ward: a Gaussian of the slope. Close to normalised without a cosine for small alpha
- * only: 0.888 at alpha 0.3. [Ward1992 Eq. 4, with the squares: method 1]
+ * only: 0.888 at alpha 0.3. [Ward1992 Eq. 4, with the squares]
  */
 LEAF real FN(ward)(FN(lobe_point) p, real kx, real ky, real peak) {
   real value = peak * FN(exp_negative)(kx * p.xx + ky * p.yy);

@@ -254,7 +254,7 @@ static int choice(shade_list list, int value, unsigned *status) {
   return lists[list].rows[0].value;
 }
 
-/* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L (method 2.2). */
+/* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L. */
 static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
   shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
   switch (b->detail) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Diffuse models against quadrature, at the limits, and what they reflect: method 3. */
+/* Diffuse models against quadrature, at the limits, and what they reflect. */
 #include "support.h"
 
 static void against_quadrature(void **state) {

@@ -101,7 +101,7 @@ static void flat(void **state) {
 
 /*
  * Bumped: the frame methods keep what the flat surface has (light from under the unperturbed
- * horizon is lost); Ashikhmin-Shirley with perturb makes light out of nothing (method 3).
+ * horizon is lost); Ashikhmin-Shirley with perturb makes light out of nothing.
  */
 static void bumped(void **state) {
   (void)state;

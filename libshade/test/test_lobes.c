@@ -101,7 +101,7 @@ static void conserving_projected(void **state) {
   }
 }
 
-/* What each distribution integrates to, without and with the cosine: method 1. */
+/* What each distribution integrates to, without and with the cosine. */
 static void normalisation(void **state) {
   (void)state;
   const struct {
@@ -174,7 +174,7 @@ static const shade_detail methods[METHODS] = {
 static void total_variation(void **state) {
   (void)state;
   static const struct {
-    double tilt, want[METHODS]; /* method 2.4 */
+    double tilt, want[METHODS];
   } rows[] = {{10, {.568, .390, .153, .071, .006, .013, 0}},
               {20, {.835, .501, .303, .149, .025, .051, 0}},
               {30, {.929, .513, .448, .240, .059, .115, 0}},
