@@ -69,7 +69,7 @@ box {
       }
     }
   }
-  rotate 35*y
+  rotate 46*y
   translate <2.7, 0.8, 0>
 }
 
