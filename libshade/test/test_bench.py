@@ -20,8 +20,11 @@ def test_csv():
     assert {row["set"] for row in rows} == {"cache", "memory"}
     for row in rows:
         assert float(row["ns"]) > 0 and float(row["ratio_stream"]) > 0
-        # the conserving warps' reference differentiates numerically
-        single, double = (3e-4, 1e-9) if "conserving" in row["method"] else (1e-4, 1e-12)
+        single, double = (1e-4 if "deform" in row["method"] else 5e-5), 1e-12
+        if "conserving" in row["method"]:
+            # The bench's directions go past |p|^2 = 0.75, to which the warps' bound is stated, and
+            # the reference differentiates numerically.
+            single, double = 3e-4, 1e-10
         assert float(row["max_error"]) <= (single if row["precision"] == "float" else double), row
 
 

@@ -18,7 +18,7 @@ MESHES = ["suzanne", "sphere", "torus", "flat_suzanne", "cylinder_with_hard_edge
 def exported(tmp_path_factory):
     blender = shutil.which("blender")
     if not blender:
-        pytest.skip("blender is not installed")
+        pytest.fail("blender is not installed: make setup-blender")
     folder = tmp_path_factory.mktemp("tangents")
     subprocess.run([blender, "-b", "--factory-startup", "--python-exit-code", "3",
                     "-P", HERE / "export_tangents.py", "--", folder],

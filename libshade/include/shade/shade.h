@@ -185,6 +185,8 @@ SHADE_API int shade_params_set_metal(shade_params *p, const char *word);
  * Prepare *p for evaluation. Out-of-range numbers are clamped
  * (SHADE_CLAMPED_PARAMETER; NaN becomes the default), unknown enum values become
  * the first of their list (SHADE_BAD_CHOICE). *b is always usable afterwards.
+ * Ashikhmin-Shirley reads ex and ey, every other distribution ax and ay. Members beyond
+ * p->size keep their defaults, so that callers built against an older header work.
  */
 SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
 
@@ -300,7 +302,8 @@ SHADE_API int shade_list_find(shade_list list, const char *word);
 SHADE_API const char *shade_list_word(shade_list list, int value);
 SHADE_API int shade_list_row(shade_list list, int row, int *value, const char **word,
                              const char **label, const char **help);
-SHADE_API const char *shade_list_name(shade_list list); /* "mdf", "brdf", "detail", … */
+/* "mdf", "brdf", "detail", …; NULL for a list that does not exist. */
+SHADE_API const char *shade_list_name(shade_list list);
 
 /* One numeric parameter of the table; returns 0 past the end. components is 1 or 3. */
 typedef struct shade_param_info {
