@@ -6,6 +6,7 @@
 #   make blender   the add-on: build/libshade-blender.zip
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles
+#   make install   libshade, its headers, manual pages and tool to PREFIX (/usr/local); uninstall
 #   make bench     speed against accuracy
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make lint      layout of the code, licence lines

@@ -39,7 +39,8 @@ $(EXR_SEEN):
 	@rm -f $(O)/tool/openexr-* && touch $@
 $(O)/tool/check.o: $(EXR_SEEN)
 
-all: $(B)/libshade.a $(B)/shade
+include $(L)/install.mk
+all: $(B)/libshade.a $(B)/$(SHADE_SHARED) $(B)/shade
 
 $(O)/src/isa_%.o: $(L)/src/isa_%.c $(L)/libshade.mk
 	@mkdir -p $(@D)

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+# The shared library, `make install` and `make uninstall`. Both take the usual directories:
+#   PREFIX BINDIR LIBDIR INCLUDEDIR MANDIR PKGCONFIGDIR, and DESTDIR, put before all of them.
+# Paths must hold no spaces.
+PREFIX ?= /usr/local
+BINDIR ?= $(PREFIX)/bin
+LIBDIR ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
+MANDIR ?= $(PREFIX)/share/man
+PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
+INSTALL ?= install
+
+SHADE_VERSION := $(shell sed -n 's/^.define SHADE_VERSION "\(.*\)"/\1/p' $(L)/include/shade/shade.h)
+SHADE_SHARED := libshade.so.$(SHADE_VERSION)
+# shade_bsdf lies in the caller's memory and may grow with 0.2: until 1.0 each minor release
+# is an interface of its own
+SHADE_SONAME := libshade.so.$(basename $(SHADE_VERSION))
+
+# Under its full name only: with a link libshade.so beside libshade.a, -lshade would take it.
+$(B)/$(SHADE_SHARED): $(SHADE_OBJ)
+	$(call say,link     ,$@)
+	$(Q)$(CC) -shared -Wl,-soname,$(SHADE_SONAME) $(if $(findstring -fsanitize,$(CFLAGS)),,-Wl,-z,defs) $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+INSTALLED_HEADERS := $(wildcard $(L)/include/shade/*.h)
+INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
+INSTALLED_MAN3 := $(wildcard $(L)/man/*.3)
+INSTALLED_FILES = $(BINDIR)/shade $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
+  $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc \
+  $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
+  $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%)
+
+# directories below the prefix are written in its terms, so that the file can be moved with them
+in_prefix = $(patsubst $(PREFIX)/%,$${prefix}/%,$(1))
+define PKGCONFIG
+prefix=$(PREFIX)
+libdir=$(call in_prefix,$(LIBDIR))
+includedir=$(call in_prefix,$(INCLUDEDIR))
+
+Name: libshade
+Description: Anisotropic shading whose microfacet distribution follows the perturbed normal
+Version: $(SHADE_VERSION)
+Cflags: -I$${includedir}
+Libs: -L$${libdir} -lshade
+Libs.private: -lm
+endef
+export PKGCONFIG
+
+.PHONY: install uninstall
+install: all
+	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(INCLUDEDIR)/shade \
+	  $(MANDIR)/man1 $(MANDIR)/man3)
+	$(INSTALL) -m 755 $(B)/shade $(DESTDIR)$(BINDIR)
+	$(INSTALL) -m 644 $(B)/libshade.a $(B)/$(SHADE_SHARED) $(DESTDIR)$(LIBDIR)
+	ln -sf $(SHADE_SHARED) $(DESTDIR)$(LIBDIR)/$(SHADE_SONAME)
+	ln -sf $(SHADE_SONAME) $(DESTDIR)$(LIBDIR)/libshade.so
+	$(INSTALL) -m 644 $(INSTALLED_HEADERS) $(DESTDIR)$(INCLUDEDIR)/shade
+	$(INSTALL) -m 644 $(INSTALLED_MAN1) $(DESTDIR)$(MANDIR)/man1
+	$(INSTALL) -m 644 $(INSTALLED_MAN3) $(DESTDIR)$(MANDIR)/man3
+	@echo "$$PKGCONFIG" >$(DESTDIR)$(PKGCONFIGDIR)/libshade.pc && \
+	  chmod 644 $(DESTDIR)$(PKGCONFIGDIR)/libshade.pc
+
+# what `install` of this version, with these directories, put there
+uninstall:
+	rm -f $(addprefix $(DESTDIR),$(INSTALLED_FILES))
+	if [ -d $(DESTDIR)$(INCLUDEDIR)/shade ]; then \
+	  rmdir --ignore-fail-on-non-empty $(DESTDIR)$(INCLUDEDIR)/shade; fi

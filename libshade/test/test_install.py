@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`make install`: what it puts where, that README's programs compile against it, manual pages."""
+import math
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
+PAGES = sorted((ROOT / "libshade/man").iterdir())
+# a make of its own, not a part of the one that may have started this
+ENVIRONMENT = {key: value for key, value in os.environ.items()
+               if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "PREFIX", "DESTDIR")}
+
+
+def run(*command, **more):
+    out = subprocess.run([str(word) for word in command], capture_output=True, text=True,
+                         env=ENVIRONMENT | more, cwd=ROOT, timeout=600)
+    assert out.returncode == 0, f"{command}\n{out.stdout}{out.stderr}"
+    return out.stdout
+
+
+def files(folder):
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
+
+
+def version():
+    return re.search(r'SHADE_VERSION "(.*)"', (HEADERS[0].parent / "shade.h").read_text())[1]
+
+
+def expected(lib, man="share/man"):
+    short = version().rsplit(".", 1)[0]
+    return ({"bin/shade", f"{lib}/pkgconfig/libshade.pc"}
+            | {f"{lib}/libshade.{end}" for end in ("a", "so", f"so.{short}", f"so.{version()}")}
+            | {f"include/shade/{header.name}" for header in HEADERS}
+            | {f"{man}/man{page.suffix[1:]}/{page.name}" for page in PAGES})
+
+
+@pytest.fixture(scope="module")
+def prefix(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("installed")
+    run("make", "install", f"PREFIX={folder}")
+    return folder
+
+
+def test_files(prefix):
+    assert files(prefix) == expected("lib")
+    for path in prefix.rglob("*"):
+        if not path.is_symlink():
+            mode = 0o755 if path.is_dir() or path.name == "shade" else 0o644
+            assert path.stat().st_mode & 0o777 == mode, path
+    # what was installed needs nothing of the place where it was built
+    assert str(ROOT) not in (prefix / "lib/pkgconfig/libshade.pc").read_text()
+    assert run(prefix / "bin/shade", "--version").startswith(f"shade {version()} (")
+
+
+def test_destdir_and_uninstall(tmp_path):
+    where = [f"DESTDIR={tmp_path}", "PREFIX=/opt/shade", "LIBDIR=/usr/lib/some-triplet",
+             "MANDIR=/usr/man"]
+    run("make", "install", *where)
+    strange = tmp_path / "opt/shade/include/shade/mine.h"
+    strange.write_text("/* not libshade's */\n")
+    want = {os.path.normpath(f"opt/shade/{name}")
+            for name in expected("../../usr/lib/some-triplet", "../../usr/man")}
+    assert files(tmp_path) == want | {"opt/shade/include/shade/mine.h"}
+    pc = (tmp_path / "usr/lib/some-triplet/pkgconfig/libshade.pc").read_text()
+    assert "libdir=/usr/lib/some-triplet\n" in pc and "includedir=${prefix}/include\n" in pc
+    assert str(tmp_path) not in pc
+    run("make", "uninstall", *where)
+    assert files(tmp_path) == {"opt/shade/include/shade/mine.h"}
+    strange.unlink()
+    run("make", "uninstall", *where)  # once more does no harm
+    assert not (tmp_path / "opt/shade/include/shade").exists()
+
+
+def declared():
+    text = "".join(header.read_text() for header in HEADERS)
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    return set(re.findall(r"SHADE_API[^;(]*?\b(shade_\w+)\(", text))
+
+
+def test_exports(prefix):
+    """The shared library offers the functions of the headers and not one symbol more."""
+    library = prefix / "lib" / f"libshade.so.{version()}"
+    lines = run("nm", "-D", "--defined-only", library).splitlines()
+    assert {line.split()[-1] for line in lines} == declared()
+    assert len(declared()) > 20
+    dynamic = run("readelf", "-d", library)
+    assert f"[libshade.so.{version().rsplit('.', 1)[0]}]" in dynamic and "TEXTREL" not in dynamic
+    needed = set(re.findall(r"NEEDED.*\[(.*)\]", dynamic))
+    assert all(name.startswith(("libm.", "libc.")) for name in needed), needed
+
+
+def programs():
+    section = (ROOT / "README.md").read_text().split("## For a renderer's author")[1].split("\n## ")[0]
+    return re.findall(r"^```c\n(.*?)^```$", section, flags=re.S | re.M)
+
+
+def brdf_at(half):
+    """f of README's programs at a half vector that lies `half` radians along x from n, by hand."""
+    peak = math.sqrt(201 * 11) / (2 * math.pi)
+    return peak * math.cos(half) ** 200 / (4 * math.cos(half) * 1)
+
+
+@pytest.mark.parametrize("linking", ["shared", "static", "c++"])
+@pytest.mark.parametrize("which", [0, 1])
+def test_readme_programs(prefix, tmp_path, which, linking):
+    assert len(programs()) == 2
+    source = programs()[which]
+    body = source.split("int main(void) {\n")[1].split("\n}")[0].splitlines()
+    assert len(body) <= 15, "README promises a few lines"
+    (tmp_path / "program.c").write_text(source)
+    pc = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
+    options = ["--static"] if linking == "static" else []
+    flags = run("pkg-config", *options, "--cflags", "--libs", "libshade", **pc).split()
+    assert run("pkg-config", "--modversion", "libshade", **pc).strip() == version()
+    warnings = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    # C++17, so without C's designated initialisers and enumerations as integers
+    compiler = ["g++", "-std=c++17", "-x", "c++"] if linking == "c++" else ["cc", "-std=c11"]
+    run(*compiler, *warnings, tmp_path / "program.c", "-x", "none", "-o", tmp_path / "program",
+        *(["-static"] if linking == "static" else []), *flags)
+    out = run(tmp_path / "program", LD_LIBRARY_PATH=str(prefix / "lib")).split()
+    # wi is n itself, wo lies 20.6 degrees from it in the plane of x and z, h in the middle
+    half = (math.asin(.6) - math.asin(.28)) / 2
+    close = 1e-8 if which == 0 else 2e-5
+    assert float(out[0]) == pytest.approx(brdf_at(half), rel=close)
+    assert float(out[1]) == pytest.approx(1, abs=1e-6) and out[2] == "0"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_manual_pages(page):
+    assert shutil.which("groff"), "groff-base is in setup/packages-test.txt"
+    out = subprocess.run(["groff", "-ww", "-man", "-Tutf8", "-z", str(page)], capture_output=True,
+                         text=True)
+    assert out.returncode == 0 and not out.stderr, out.stderr
+    text = page.read_text()
+    assert f'"libshade {version()}"' in text
+    plain = text.replace("\\-", "-")
+    if page.name == "libshade.3":
+        named = set(re.findall(r"^\.BR? (shade_\w+)", plain, flags=re.M))
+        assert named <= declared(), f"no such functions: {named - declared()}"
+        assert len(named) > 20
+        for header in HEADERS:
+            assert header.name == "table.h" or f"<shade/{header.name}>" in plain
+    else:
+        help_text = run(ROOT / "build/shade", "--help")
+        commands = re.findall(r"^  (\w+)  ", help_text, flags=re.M)
+        described = re.findall(r"^\.SS shade (\w+)", plain, flags=re.M)
+        assert set(commands) == set(described), "libshade/man/shade.1 describes every command"
+        for command in commands:
+            known = set(re.findall(r"--[a-z][\w-]*", run(ROOT / "build/shade", command, "--help")))
+            section = re.search(rf"^\.SS shade {command}\b(.*?)(?=^\.S[SH] )", plain, re.S | re.M)[1]
+            used = set(re.findall(r"--[a-z][\w-]*", section)) - {"--help"}
+            assert used <= known, f"shade {command}: {used - known}"
