@@ -21,7 +21,9 @@ O := $(B)/obj
 SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o
 REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
-TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o
+IMAGE_OBJ := $(O)/image/image.o
+TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o \
+  $(O)/tool/work.o
 
 # `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
 EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)
@@ -32,12 +34,22 @@ TOOL_EXR := -DHAVE_OPENEXR
 TOOL_OBJ += $(DUMP_OBJ)
 endif
 
-# a tool built before OpenEXR came, or after it went, is built again
+# pictures as PNG: likewise with libpng
+PNG_CFLAGS := $(shell pkg-config --cflags libpng 2>/dev/null)
+PNG_LIBS := $(shell printf '\043include <png.h>\nint main(void){return 0;}' | \
+  $(CC) $(PNG_CFLAGS) -xc - -o /dev/null -lpng16 2>/dev/null && echo -lpng16)
+IMAGE_FORMATS := $(TOOL_EXR) $(if $(PNG_LIBS),-DHAVE_PNG)
+IMAGE_OBJ += $(if $(EXR_LIBS),$(O)/image/image_exr.o) $(if $(PNG_LIBS),$(O)/image/image_png.o)
+TOOL_OBJ += $(IMAGE_OBJ)
+
+# a tool built before a library came, or after it went, is built again
 EXR_SEEN := $(O)/tool/openexr-$(if $(EXR_LIBS),yes,no)
-$(EXR_SEEN):
+PNG_SEEN := $(O)/tool/png-$(if $(PNG_LIBS),yes,no)
+$(O)/tool/openexr-% $(O)/tool/png-%:
 	@mkdir -p $(@D)
-	@rm -f $(O)/tool/openexr-* && touch $@
+	@rm -f $(patsubst %-yes,%-*,$(patsubst %-no,%-*,$@)) && touch $@
 $(O)/tool/check.o: $(EXR_SEEN)
+$(O)/image/image.o: $(EXR_SEEN) $(PNG_SEEN)
 
 include $(L)/install.mk
 all: $(B)/libshade.a $(B)/$(SHADE_SHARED) $(B)/shade
@@ -54,6 +66,10 @@ $(O)/dump/%.o: $(L)/dump/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(EXR_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
+$(O)/image/%.o: $(L)/image/%.c $(L)/libshade.mk
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) $(IMAGE_FORMATS) $(EXR_CFLAGS) $(PNG_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
 $(O)/tool/%.o: $(L)/tool/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
@@ -72,19 +88,19 @@ $(B)/libshade_dump.a: $(DUMP_OBJ)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -pthread -lm -o $@
 
 -include $(wildcard $(O)/*/*.d)
 
 # Tests: one cmocka program per behaviour. `check-libshade` runs them as built, then once
 # more under AddressSanitizer and UndefinedBehaviorSanitizer, then compiles all with clang.
 TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c))
-TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(B)/libshade.a $(B)/libshade_dump.a
+TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(IMAGE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
 $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
-	  -lcmocka $(EXR_LIBS) -lm -o $@
+	  -lcmocka $(EXR_LIBS) $(PNG_LIBS) -pthread -lm -o $@
 -include $(wildcard $(B)/test/*.d)
 
 # speed beside accuracy, of the library alone; `make compare` times the renderers

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _POSIX_C_SOURCE 200809L
+#include "tool/work.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "tool/tool.h"
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int signal) {
+  (void)signal;
+  interrupted = 1;
+}
+
+void tool_catch_interrupts(void) {
+  struct sigaction action;
+  memset(&action, 0, sizeof action);
+  action.sa_handler = on_interrupt;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+}
+
+int tool_interrupted(void) {
+  return interrupted;
+}
+
+int tool_threads(void) {
+  const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+  return cpus < 1 ? 1 : cpus > 256 ? 256 : (int)cpus;
+}
+
+/* ---- progress ----------------------------------------------------------------- */
+
+static double seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void tool_progress_begin(tool_progress *p, const char *title, double total) {
+  p->title = title;
+  p->total = total;
+  p->begun = p->shown = seconds();
+  p->visible = isatty(2) ? 0 : -1;
+}
+
+void tool_progress_at(tool_progress *p, double done) {
+  enum { WIDTH = 32 };
+  const double now = p->visible < 0 ? 0 : seconds();
+  if (p->visible < 0 || now - p->begun < 0.5 || now - p->shown < 0.1)
+    return;
+  const double part = p->total > 0 && done < p->total ? done / p->total : 1;
+  const int filled = (int)(part * WIDTH);
+  char bar[WIDTH + 1];
+  for (int i = 0; i < WIDTH; i++)
+    bar[i] = i < filled ? '#' : '.';
+  bar[WIDTH] = 0;
+  fprintf(stderr, "\rshade %s [%s] %3d %%", p->title, bar, (int)(100 * part));
+  if (part > 0.02)
+    fprintf(stderr, " %5.0f s left", (now - p->begun) * (1 - part) / part);
+  fflush(stderr);
+  p->shown = now;
+  p->visible = 1;
+}
+
+void tool_progress_end(tool_progress *p) {
+  if (p->visible > 0)
+    fputs("\r\033[K", stderr);
+}
+
+/* ---- pictures by several threads ------------------------------------------------ */
+
+enum { BAND = 16, MAX_THREADS = 256 }; /* rows a band: a chunk of a ZIP-packed EXR */
+
+/* A ring of bands: filled by the workers in any order, written by the caller in order. */
+typedef struct ring {
+  pthread_mutex_t lock;
+  pthread_cond_t moved; /* something was taken, filled or written */
+  int bands, slots, next, written, stop;
+  char *full;     /* per slot */
+  float **pixels; /* per slot and picture */
+  const tool_picture *pictures;
+  int count;
+  tool_fill *fill;
+  void *context;
+} ring;
+
+static int band_rows(const ring *r, int band) {
+  const int left = r->pictures[0].spec.height - band * BAND;
+  return left < BAND ? left : BAND;
+}
+
+static void *work(void *argument) {
+  ring *r = argument;
+  pthread_mutex_lock(&r->lock);
+  for (;;) {
+    while (!r->stop && r->next < r->bands && r->next >= r->written + r->slots)
+      pthread_cond_wait(&r->moved, &r->lock);
+    if (r->stop || r->next >= r->bands)
+      break;
+    const int band = r->next++, slot = band % r->slots;
+    pthread_mutex_unlock(&r->lock);
+    r->fill(r->context, band * BAND, band_rows(r, band), r->pixels + slot * r->count);
+    pthread_mutex_lock(&r->lock);
+    r->full[slot] = 1;
+    pthread_cond_broadcast(&r->moved);
+  }
+  pthread_mutex_unlock(&r->lock);
+  return NULL;
+}
+
+/* Wait for a band; 0 when interrupted. Ctrl-C does not wake a waiting thread: look often. */
+static int await(ring *r, int slot) {
+  pthread_mutex_lock(&r->lock);
+  while (!r->full[slot] && !interrupted) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 50000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_cond_timedwait(&r->moved, &r->lock, &until);
+  }
+  pthread_mutex_unlock(&r->lock);
+  return !interrupted;
+}
+
+static void release(ring *r, int slot) {
+  pthread_mutex_lock(&r->lock);
+  r->full[slot] = 0;
+  r->written++;
+  pthread_cond_broadcast(&r->moved);
+  pthread_mutex_unlock(&r->lock);
+}
+
+/* TOOL_DONE, or TOOL_INTERRUPTED, or TOOL_BAD_INPUT with a message. */
+static int write_bands(ring *r, shade_image_writer **writers, const char *title, char *error,
+                       size_t size) {
+  tool_progress progress;
+  tool_progress_begin(&progress, title, r->bands);
+  int status = TOOL_DONE;
+  for (int band = 0; status == TOOL_DONE && band < r->bands; band++) {
+    const int slot = band % r->slots;
+    if (!await(r, slot))
+      status = TOOL_INTERRUPTED;
+    for (int k = 0; status == TOOL_DONE && k < r->count; k++)
+      if (shade_image_rows(writers[k], r->pixels[slot * r->count + k], band_rows(r, band), error,
+                           size) != 0)
+        status = TOOL_BAD_INPUT;
+    release(r, slot);
+    tool_progress_at(&progress, band + 1);
+  }
+  tool_progress_end(&progress);
+  return status;
+}
+
+static int run(ring *r, shade_image_writer **writers, const char *title, int threads, char *error,
+               size_t size) {
+  pthread_t handles[MAX_THREADS];
+  int started = 0;
+  while (started < threads && pthread_create(&handles[started], NULL, work, r) == 0)
+    started++;
+  int status = TOOL_BAD_INPUT;
+  if (started == 0)
+    snprintf(error, size, "cannot start a thread");
+  else
+    status = write_bands(r, writers, title, error, size);
+  pthread_mutex_lock(&r->lock);
+  r->stop = 1;
+  pthread_cond_broadcast(&r->moved);
+  pthread_mutex_unlock(&r->lock);
+  for (int i = 0; i < started; i++)
+    pthread_join(handles[i], NULL);
+  return status;
+}
+
+static int allocate(ring *r) {
+  r->full = calloc((size_t)r->slots, 1);
+  r->pixels = calloc((size_t)(r->slots * r->count), sizeof *r->pixels);
+  for (int i = 0; r->full && r->pixels && i < r->slots * r->count; i++) {
+    const shade_image_spec *s = &r->pictures[i % r->count].spec;
+    r->pixels[i] = malloc(BAND * (size_t)s->width * (size_t)s->channels * sizeof **r->pixels);
+    if (!r->pixels[i])
+      return -1;
+  }
+  return r->full && r->pixels ? 0 : -1;
+}
+
+static void deallocate(ring *r) {
+  for (int i = 0; r->pixels && i < r->slots * r->count; i++)
+    free(r->pixels[i]);
+  free(r->pixels);
+  free(r->full);
+}
+
+int tool_write_pictures(const char *title, const tool_picture *pictures, int count, int threads,
+                        tool_fill *fill, void *context) {
+  char error[1024] = "";
+  shade_image_writer *writers[TOOL_PICTURES] = {NULL};
+  int status = TOOL_DONE;
+  tool_catch_interrupts();
+  for (int k = 0; status == TOOL_DONE && k < count; k++) {
+    writers[k] = shade_image_open(pictures[k].path, &pictures[k].spec, error, sizeof error);
+    if (!writers[k])
+      status = TOOL_BAD_INPUT;
+  }
+  if (status == TOOL_DONE) {
+    threads = threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
+    ring r = {.bands = (pictures[0].spec.height + BAND - 1) / BAND,
+              .slots = 2 * threads,
+              .pictures = pictures,
+              .count = count,
+              .fill = fill,
+              .context = context};
+    pthread_mutex_init(&r.lock, NULL);
+    pthread_cond_init(&r.moved, NULL);
+    if (allocate(&r) == 0) {
+      status = run(&r, writers, title, threads, error, sizeof error);
+    } else {
+      snprintf(error, sizeof error, "out of memory");
+      status = TOOL_BAD_INPUT;
+    }
+    deallocate(&r);
+    pthread_cond_destroy(&r.moved);
+    pthread_mutex_destroy(&r.lock);
+  }
+  for (int k = 0; k < count; k++) {
+    if (status != TOOL_DONE)
+      shade_image_abandon(writers[k]);
+    else if (shade_image_close(writers[k], error, sizeof error) != 0)
+      status = TOOL_BAD_INPUT;
+  }
+  if (status == TOOL_BAD_INPUT)
+    fprintf(stderr, "shade %s: %s\n", title, error);
+  if (status == TOOL_INTERRUPTED)
+    fprintf(stderr, "shade %s: interrupted, nothing written\n", title);
+  return status;
+}
