@@ -18,7 +18,8 @@ ISA_avx512 := -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtun
 ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
 
 O := $(B)/obj
-SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o
+SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o \
+  $(O)/src/draft.o $(O)/src/weave.o
 REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o

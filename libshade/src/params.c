@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "shade/shade.h"
+#include "names.h"
 
 #define PI 3.14159265358979323846
 
@@ -42,22 +43,6 @@ static const shade_param_info params[] = {SHADE_TABLE_PARAMS(PARAM_ROW)};
 
 #define PARAM_INDEX(word, kind, unit, low, high, initial, help) PARAM_##word,
 enum { SHADE_TABLE_PARAMS(PARAM_INDEX) PARAM_COUNT };
-
-/* ASCII only, whatever the locale: '-' reads as '_', capitals as small letters. */
-static int same_letter(char a, char b) {
-  if (a >= 'A' && a <= 'Z')
-    a = (char)(a - 'A' + 'a');
-  if (a == '-')
-    a = '_';
-  return a == b;
-}
-
-static int same_word(const char *word, const char *own) {
-  size_t k = 0;
-  while (own[k] && same_letter(word[k], own[k]))
-    k++;
-  return !own[k] && !word[k];
-}
 
 int shade_list_find(shade_list list, const char *word) {
   if (!word || (unsigned)list >= SHADE_LIST_COUNT)

@@ -106,6 +106,53 @@
   ROW(CHROMIUM, chromium, "Chromium", 3.107, 3.181, 2.323, 3.331, 3.329, 3.135)                    \
   ROW(TITANIUM, titanium, "Titanium", 2.741, 2.542, 2.267, 3.814, 3.435, 3.038)
 
+/*
+ * The yarns of a woven cloth, warp and weft alike: ROW(word, unit, minimum, maximum, default,
+ * help). What they do is told at shade_yarn_params (weave.h).
+ */
+#define SHADE_TABLE_YARN(ROW)                                                                      \
+  ROW(width, "", 1e-6, 1e6, 1.0, "Width of the yarn, in the unit of the gap")                      \
+  ROW(gap, "", 0.0, 1e6, 0.0, "Gap between neighbours")                                            \
+  ROW(curve, "", 0.0, 0.98, 0.5, "Tilt across the yarn, at its edge")                              \
+  ROW(ridge, "", 0.0, 0.98, 0.2, "Tilt along the yarn, of its twisted strands")                    \
+  ROW(slant, "", -100.0, 100.0, 0.25, "Slant of the strands: crossings per half width")            \
+  ROW(segments, "", 0.0, 1000.0, 1.0, "Strands along one crossing")                                \
+  ROW(fibre, "rad", -1.5707963267948966, 1.5707963267948966, 0.0,                                  \
+      "Angle of the fibres to the yarn; above 0 anticlockwise, as in S twist")                     \
+  ROW(crimp, "", 0.0, 0.98, 0.0, "Tilt along the yarn where it dives under another")               \
+  ROW(crimp_length, "", 0.01, 16.0, 0.5, "Crossings from there to where it lies flat")             \
+  ROW(vary_brightness, "", 0.0, 1.0, 0.0, "Variation of brightness from yarn to yarn")             \
+  ROW(vary_tilt, "", 0.0, 1.0, 0.0, "Variation of tilt from yarn to yarn")                         \
+  ROW(along_brightness, "", 0.0, 1.0, 0.0, "Variation of brightness along the yarn")               \
+  ROW(along_tilt, "", 0.0, 1.0, 0.0, "Variation of tilt along the yarn")                           \
+  ROW(slub, "", 0.0, 1.0, 0.0, "Variation of width along the yarn")                                \
+  ROW(along_length, "", 0.01, 1e6, 4.0, "Crossings between the knots of that variation")           \
+  ROW(fuzz, "", 0.0, 1.0, 0.0, "Share of the gap that loose fibres fill")
+
+/* How woven yarns are darkened. */
+#define SHADE_TABLE_OCCLUSION(ROW)                                                                 \
+  ROW(NONE, none, 0, "None", "Not at all")                                                         \
+  ROW(TILT, tilt, 1, "Tilt", "By 1 - the length of the tilt")                                      \
+  ROW(SKY, sky, 2, "Sky", "By the share of an even sky that the neighbouring yarns leave")
+
+/*
+ * Weaves by name: ROW(word, label, help). Twills are ends over / ends under the weft and rise
+ * to the right.
+ */
+#define SHADE_TABLE_WEAVES(ROW)                                                                    \
+  ROW(plain, "Plain", "One over, one under: taffeta, linen, shantung")                             \
+  ROW(twill_2_1, "Twill 2/1", "Warp over two and under one: light denim, gabardine")               \
+  ROW(twill_1_2, "Twill 1/2", "Its back, which shows the weft")                                    \
+  ROW(twill_3_1, "Twill 3/1", "Warp over three and under one: denim")                              \
+  ROW(twill_1_3, "Twill 1/3", "Its back, which shows the weft")                                    \
+  ROW(twill_2_2, "Twill 2/2", "Two over, two under: serge, flannel")                               \
+  ROW(herringbone, "Herringbone", "Twill 2/2 that turns, with a break, every eight ends")          \
+  ROW(satin_5, "Satin of 5", "Warp over four; one binding in five, two apart")                     \
+  ROW(satin_8, "Satin of 8", "Warp over seven; one binding in eight, three apart")                 \
+  ROW(sateen_5, "Sateen of 5", "The same with the weft on top")                                    \
+  ROW(sateen_8, "Sateen of 8", "The same with the weft on top")                                    \
+  ROW(basket, "Basket 2/2", "Plain weave of pairs: hopsack, matt")
+
 /* How other programs state roughness and anisotropy: ROW(ENUM_NAME, word, value, label, help). */
 #define SHADE_TABLE_ROUGHNESS(ROW)                                                                 \
   ROW(BLENDER_PRINCIPLED, blender_principled, 0, "Blender Principled",                             \

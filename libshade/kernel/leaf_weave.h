@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Leaves of woven cloth: pure functions of one point on one yarn. s is the position along
+ * the yarn in crossings, sigma that across it, -1 to 1. Worst errors are stated for |u| and
+ * |v| <= 1000 and held by test/test_weave.c.
+ */
+#ifndef WEAVE_NOISE_H
+#define WEAVE_NOISE_H
+/*
+ * 32 well mixed bits of a yarn's index, a knot along it and a channel. Multiplications by odd
+ * constants and shifts only, so that other languages give the same bits.
+ */
+LEAF uint32_t weave_hash(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
+  uint32_t h = seed * 0x9e3779b1u + channel;
+  const uint32_t words[3] = {yarn, knot, 0x27d4eb2fu};
+  for (int i = 0; i < 3; i++) {
+    h = (h ^ words[i]) * 0x85ebca6bu;
+    h ^= h >> 15;
+    h *= 0xc2b2ae35u;
+    h ^= h >> 13;
+  }
+  return h;
+}
+
+/* One noise per use, for weft; those of warp follow. */
+enum {
+  WEAVE_VARY_BRIGHTNESS,
+  WEAVE_VARY_TILT_ALONG,
+  WEAVE_VARY_TILT_ACROSS,
+  WEAVE_ALONG_BRIGHTNESS,
+  WEAVE_ALONG_TILT_ALONG,
+  WEAVE_ALONG_TILT_ACROSS,
+  WEAVE_SLUB,
+  WEAVE_CHANNELS
+};
+#endif
+
+/* -1 <= r < 1, uniform. The top 24 bits: exact in float. */
+LEAF real FN(weave_random)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
+  return (real)(weave_hash(seed, channel, yarn, knot) >> 8) * R(0x1p-23) - 1;
+}
+
+LEAF real FN(weave_floor)(real x) {
+#if SHADE_FLOAT
+  return floorf(x);
+#else
+  return floor(x);
+#endif
+}
+
+/* x - floor(x), in [0, 1]: 1 where x is below 0 by less than a rounding of 1. */
+LEAF real FN(weave_fract)(real x) {
+  return x - FN(weave_floor)(x);
+}
+
+/* floor(x) as a whole number; beyond 4e18 the nearest. */
+LEAF int64_t FN(weave_index)(real x) {
+  const real limit = R(4e18);
+  real k = FN(weave_floor)(x);
+  return (int64_t)(k > limit ? limit : k < -limit ? -limit : k);
+}
+
+/*
+ * Noise along a yarn: random values at knots `1/frequency` crossings apart, joined by cubics
+ * with level ends. -1 <= result < 1.
+ */
+LEAF real FN(weave_along)(uint32_t seed, uint32_t channel, uint32_t yarn, real s, real frequency) {
+  real p = s * frequency;
+  int64_t k = FN(weave_index)(p);
+  real t = FN(minimum)(FN(maximum)(p - (real)k, 0), 1);
+  real a = FN(weave_random)(seed, channel, yarn, (uint32_t)k);
+  real b = FN(weave_random)(seed, channel, yarn, (uint32_t)k + 1u);
+  return a + (b - a) * (t * t * (3 - 2 * t));
+}
+
+/*
+ * Saw teeth of the twisted strands: 2 fract(segments (s - slant sigma)) - 1, in [-1, 1].
+ * [KangFabric, its twist term corrected: sigma runs across the yarn]
+ */
+LEAF real FN(weave_ridge)(real segments, real slant, real s, real sigma) {
+  return 2 * FN(weave_fract)(segments * (s - slant * sigma)) - 1;
+}
+
+/* w(d) of shade_yarn_params' crimp: 1 at d = 0, 0 from d = length on, smooth and level at both. */
+LEAF real FN(weave_dive)(real distance, real per_length) {
+  real rest = 1 - FN(minimum)(distance * per_length, 1);
+  return rest * rest * (3 - 2 * rest);
+}
+
+/* Shorten (x, y) to at most .98, a tilt of 78.5 degrees. */
+LEAF void FN(weave_clamp)(real *x, real *y) {
+  real square = *x * *x + *y * *y;
+  real scale = square > R(0.9604) ? R(0.98) / FN(root)(square) : 1;
+  *x *= scale;
+  *y *= scale;
+}
+
+/*
+ * Share of an even sky, weighted by the cosine, that reaches sigma on an arc of tilt
+ * `curve` sigma between equal arcs, in the plane across the yarns: (1 + cos(tau + eps))/2 with
+ * tau the tilt and eps the elevation of the line that touches the neighbour on the side of
+ * the lean. `share`: width over distance of the yarns. 0 <= sigma^2 <= 1.
+ * With the arc's radius as the unit, that neighbour's centre lies 2 curve/share away.
+ */
+LEAF real FN(weave_sky)(real curve, real share, real sigma) {
+  real sine = curve * (sigma < 0 ? -sigma : sigma);
+  real cosine = FN(root)(1 - sine * sine);
+  real away = 2 * curve / share;
+  /* D^2 - 1, D the distance from the point to that centre */
+  real square = FN(maximum)(away * (away - 2 * sine), 0);
+  real across = away - sine, reach = FN(root)(square);
+  /* eps = asin(1/D) - kappa, kappa the centre's depression: tan kappa = cosine/across */
+  real inverse = 1 / (square + 1);
+  real cos_eps = (reach * across + cosine) * inverse;
+  real sin_eps = (across - reach * cosine) * inverse;
+  return (1 + cosine * cos_eps - sine * sin_eps) / 2;
+}
+
+/*
+ * The same at the bottom of a gap between two walls, half a yarn's width deep: sigma from 1
+ * (or -1), at the yarn's edge, to 2/share - 1, at its neighbour's.
+ */
+LEAF real FN(weave_sky_gap)(real share, real sigma) {
+  real near = FN(maximum)((sigma < 0 ? -sigma : sigma) - 1, 0);
+  real far = FN(maximum)(2 / share - 2 - near, 0);
+  return (near / FN(root)(near * near + 1) + far / FN(root)(far * far + 1)) / 2;
+}

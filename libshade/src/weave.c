@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Yarns, and look-ups in both precisions. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "names.h"
+#include "weave_private.h"
+#include "../kernel/coefficients.h"
+
+#define SHADE_FLOAT 1
+#include "../kernel/real.h"
+#include "../kernel/elementary.h"
+#include "../kernel/leaf_weave.h"
+#include "../kernel/pass_weave.h"
+#undef SHADE_FLOAT
+#define SHADE_FLOAT 0
+#include "../kernel/real.h"
+#include "../kernel/elementary.h"
+#include "../kernel/leaf_weave.h"
+#include "../kernel/pass_weave.h"
+
+#define YARN_ROW(word, unit, low, high, initial, help) {#word, unit, help, 1, low, high, initial},
+static const shade_param_info rows[] = {SHADE_TABLE_YARN(YARN_ROW)};
+#define YARN_OFFSET(word, unit, low, high, initial, help) offsetof(shade_yarn_params, word),
+static const size_t offsets[] = {SHADE_TABLE_YARN(YARN_OFFSET)};
+enum { YARN_COUNT = sizeof rows / sizeof rows[0] };
+
+#define OCCLUSION_ROW(NAME, word, value, label, help) {value, #word, label, help},
+static const struct {
+  int value;
+  const char *word, *label, *help;
+} occlusions[] = {SHADE_TABLE_OCCLUSION(OCCLUSION_ROW)};
+
+int shade_yarn_param_row(int row, shade_param_info *info) {
+  if (row < 0 || row >= YARN_COUNT)
+    return 0;
+  *info = rows[row];
+  return 1;
+}
+
+static double *number_of(shade_yarn_params *yarn, int row) {
+  return (double *)(void *)((char *)yarn + offsets[row]);
+}
+
+double *shade_yarn_param(shade_yarn_params *yarn, const char *word) {
+  for (int row = 0; word && row < YARN_COUNT; row++)
+    if (same_word(word, rows[row].word))
+      return number_of(yarn, row);
+  return NULL;
+}
+
+int shade_occlusion_row(int row, int *value, const char **word, const char **label,
+                        const char **help) {
+  if (row < 0 || row >= SHADE_OCCLUSION_COUNT)
+    return 0;
+  if (value)
+    *value = occlusions[row].value;
+  if (word)
+    *word = occlusions[row].word;
+  if (label)
+    *label = occlusions[row].label;
+  if (help)
+    *help = occlusions[row].help;
+  return 1;
+}
+
+void shade_weave_params_init(shade_weave_params *p) {
+  memset(p, 0, sizeof *p);
+  p->size = sizeof *p;
+  for (int row = 0; row < YARN_COUNT; row++)
+    *number_of(&p->warp, row) = *number_of(&p->weft, row) = rows[row].initial;
+  p->occlusion = SHADE_OCCLUSION_TILT;
+}
+
+static double clamp(double x, double low, double high, double initial, unsigned *status) {
+  double y = isnan(x) ? initial : fmin(fmax(x, low), high);
+  if (!(x == y))
+    *status |= SHADE_CLAMPED_PARAMETER;
+  return y;
+}
+
+static unsigned clamp_yarn(shade_yarn_params *yarn) {
+  unsigned status = SHADE_OK;
+  for (int row = 0; row < YARN_COUNT; row++) {
+    double *x = number_of(yarn, row);
+    *x = clamp(*x, rows[row].minimum, rows[row].maximum, rows[row].initial, &status);
+  }
+  return status;
+}
+
+unsigned shade_weave_params_set_twist(shade_weave_params *p, shade_top yarns, int hand,
+                                      double angle, double strands, int plied) {
+  const int warp = yarns == SHADE_TOP_WARP;
+  shade_yarn_params *yarn = warp ? &p->warp : &p->weft, *other = warp ? &p->weft : &p->warp;
+  unsigned status = clamp_yarn(yarn) | clamp_yarn(other);
+  int sign = hand == 'S' || hand == 's' ? 1 : hand == 'Z' || hand == 'z' ? -1 : 0;
+  if (!sign) {
+    yarn->segments = yarn->slant = yarn->fibre = 0;
+    return hand ? status | SHADE_BAD_CHOICE : status;
+  }
+  angle = clamp(angle, .01, 1.5707963267948966, .5, &status);
+  yarn->segments = clamp(strands, 0, 1000, 1, &status);
+  yarn->fibre = plied ? 0 : sign * angle;
+  /* Slant > 0 leans towards +sigma. Warp is weft with u and v exchanged, a reflection: what is
+   * S on the weft is Z on the warp. */
+  const double crossing = other->width + other->gap;
+  yarn->slant = clamp((warp ? -sign : sign) * yarn->width / (2 * crossing * tan(angle)), -100, 100,
+                      0, &status);
+  return status;
+}
+
+/* Shares of the crossings that the yarns of one direction fill, and their linear colours. */
+static weave_thread *make_threads(const shade_thread *threads, int count,
+                                  const shade_yarn_params *y) {
+  double mean[2] = {0, 0};
+  int stated[2] = {0, 0};
+  for (int i = 0; i < count; i++) {
+    const double number[2] = {threads[i].thickness, threads[i].spacing};
+    for (int k = 0; k < 2; k++)
+      if (number[k] > 0 && number[k] <= 1e9) {
+        mean[k] += number[k];
+        stated[k]++;
+      }
+  }
+  weave_thread *made = calloc((size_t)count, sizeof *made);
+  for (int i = 0; made && i < count; i++) {
+    const double number[2] = {threads[i].thickness, threads[i].spacing};
+    double ratio[2] = {1, 1};
+    for (int k = 0; k < 2; k++)
+      if (number[k] > 0 && number[k] <= 1e9)
+        ratio[k] = number[k] * stated[k] / mean[k];
+    double share = y->width / (y->width + y->gap) * ratio[0] / ratio[1];
+    made[i].share = fmin(fmax(share, 1e-6), 1);
+    made[i].sharef = (float)made[i].share;
+    for (int c = 0; c < 3; c++) {
+      double x = threads[i].color[c];
+      x = x > 0 ? fmin(x, 1) : 0;
+      made[i].rgb[c] = x <= .04045 ? x / 12.92 : pow((x + .055) / 1.055, 2.4);
+      made[i].rgbf[c] = (float)made[i].rgb[c];
+    }
+  }
+  return made;
+}
+
+static void make_yarn(const shade_yarn_params *y, weave_yarn *d, weave_yarnf *f) {
+  *d = (weave_yarn){
+      .curve = y->curve,
+      .ridge = y->ridge,
+      .slant = y->slant,
+      .segments = y->ridge > 0 ? y->segments : 0,
+      .crimp = y->crimp,
+      .per_crimp_length = 1 / y->crimp_length,
+      .along_frequency = 1 / y->along_length,
+      .slub = y->slub,
+      .vary_brightness = y->vary_brightness,
+      .vary_tilt = y->vary_tilt,
+      .along_brightness = y->along_brightness,
+      .along_tilt = y->along_tilt,
+      .fibre_cos = cos(y->fibre),
+      .fibre_sin = sin(y->fibre),
+  };
+  *f = (weave_yarnf){
+      .curve = (float)d->curve,
+      .ridge = (float)d->ridge,
+      .slant = (float)d->slant,
+      .segments = (float)d->segments,
+      .crimp = (float)d->crimp,
+      .per_crimp_length = (float)d->per_crimp_length,
+      .along_frequency = (float)d->along_frequency,
+      .slub = (float)d->slub,
+      .vary_brightness = (float)d->vary_brightness,
+      .vary_tilt = (float)d->vary_tilt,
+      .along_brightness = (float)d->along_brightness,
+      .along_tilt = (float)d->along_tilt,
+      .fibre_cos = (float)d->fibre_cos,
+      .fibre_sin = (float)d->fibre_sin,
+  };
+}
+
+/*
+ * Along one yarn of `count` cells, `step` apart: how far each cell's state goes on before and
+ * after it. Two turns round the repeat; a yarn that never changes sides stays WEAVE_FAR.
+ */
+static void measure_floats(weave_cell *cells, size_t step, int count, int kind) {
+  int run = WEAVE_FAR;
+  for (int k = 1; k < 2 * count; k++) {
+    weave_cell *cell = &cells[(size_t)(k % count) * step];
+    run = cell->warp_up != cells[(size_t)((k - 1) % count) * step].warp_up ? 0
+          : run < WEAVE_FAR                                                ? run + 1
+                                                                           : run;
+    cell->before[kind] = (uint8_t)run;
+  }
+  run = WEAVE_FAR;
+  for (int k = 2 * count - 2; k >= 0; k--) {
+    weave_cell *cell = &cells[(size_t)(k % count) * step];
+    run = cell->warp_up != cells[(size_t)((k + 1) % count) * step].warp_up ? 0
+          : run < WEAVE_FAR                                                ? run + 1
+                                                                           : run;
+    cell->after[kind] = (uint8_t)run;
+  }
+}
+
+shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_params *p,
+                                unsigned *status) {
+  unsigned bits = SHADE_OK;
+  shade_weave *w = draft ? calloc(1, sizeof *w) : NULL;
+  if (!w)
+    return NULL;
+  shade_weave_params_init(&w->params);
+  if (p)
+    memcpy(&w->params, p, p->size < sizeof *p ? p->size : sizeof *p);
+  w->params.size = sizeof w->params;
+  bits |= clamp_yarn(&w->params.warp) | clamp_yarn(&w->params.weft);
+  if ((unsigned)w->params.occlusion >= SHADE_OCCLUSION_COUNT) {
+    w->params.occlusion = SHADE_OCCLUSION_NONE;
+    bits |= SHADE_BAD_CHOICE;
+  }
+
+  const size_t ends = (size_t)draft->ends, picks = (size_t)draft->picks;
+  w->draft = shade_draft_create(draft->ends, draft->picks);
+  w->cells = calloc(ends * picks, sizeof *w->cells);
+  w->thread[SHADE_TOP_WARP] = make_threads(draft->warp, draft->ends, &w->params.warp);
+  w->thread[SHADE_TOP_WEFT] = make_threads(draft->weft, draft->picks, &w->params.weft);
+  if (!w->draft || !w->cells || !w->thread[0] || !w->thread[1]) {
+    shade_weave_free(w);
+    return NULL;
+  }
+  memcpy(w->draft->warp, draft->warp, ends * sizeof *draft->warp);
+  memcpy(w->draft->weft, draft->weft, picks * sizeof *draft->weft);
+  for (size_t i = 0; i < ends * picks; i++)
+    w->cells[i].warp_up = w->draft->warp_up[i] = draft->warp_up[i] != 0;
+  for (size_t j = 0; j < picks; j++)
+    measure_floats(w->cells + j * ends, 1, draft->ends, SHADE_TOP_WEFT);
+  for (size_t i = 0; i < ends; i++)
+    measure_floats(w->cells + i, ends, draft->picks, SHADE_TOP_WARP);
+
+  make_yarn(&w->params.weft, &w->yarn[SHADE_TOP_WEFT], &w->yarnf[SHADE_TOP_WEFT]);
+  make_yarn(&w->params.warp, &w->yarn[SHADE_TOP_WARP], &w->yarnf[SHADE_TOP_WARP]);
+  w->fuzz = 1 - (1 - w->params.warp.fuzz) * (1 - w->params.weft.fuzz);
+  if (status)
+    *status |= bits;
+  return w;
+}
+
+void shade_weave_free(shade_weave *weave) {
+  if (!weave)
+    return;
+  shade_draft_free(weave->draft);
+  free(weave->cells);
+  free(weave->thread[0]);
+  free(weave->thread[1]);
+  free(weave);
+}
+
+const shade_draft *shade_weave_draft(const shade_weave *weave) {
+  return weave->draft;
+}
+
+const shade_weave_params *shade_weave_get_params(const shade_weave *weave) {
+  return &weave->params;
+}
+
+unsigned shade_weave_lookup(const shade_weave *weave, double u, double v, shade_crossing *out) {
+  return weave_lookup(weave, u, v, out);
+}
+
+unsigned shade_weave_lookupf(const shade_weave *weave, float u, float v, shade_crossingf *out) {
+  return weave_lookupf(weave, u, v, out);
+}
+
+unsigned shade_weave_lookup_batch(const shade_weave *weave, size_t count, const double *u,
+                                  const double *v, const shade_crossings *out) {
+  return weave_lookup_batch(weave, count, u, v, out);
+}
+
+unsigned shade_weave_lookup_batchf(const shade_weave *weave, size_t count, const float *u,
+                                   const float *v, const shade_crossingsf *out) {
+  return weave_lookup_batchf(weave, count, u, v, out);
+}
