@@ -24,7 +24,7 @@ REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
 TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o \
-  $(O)/tool/work.o
+  $(O)/tool/work.o $(ISAS:%=$(O)/tool/literal_%.o)
 
 # `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
 EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)
@@ -75,6 +75,11 @@ $(O)/tool/%.o: $(L)/tool/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
+# what `shade bench` times beside the library, under the library's flags
+$(O)/tool/literal_%.o: $(L)/tool/literal.c $(L)/libshade.mk
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) $(ISA_$*) -DISA=$* $(CFLAGS) -MMD -c $< -o $@
 # the reference is plain C: no flags that would bend its arithmetic
 $(O)/reference/%.o: $(L)/reference/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
@@ -106,7 +111,7 @@ $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 
 # speed beside accuracy, of the library alone; `make compare` times the renderers
 bench: $(B)/shade
-	@$(B)/shade bench
+	@$(B)/shade bench --output $(B)/bench.csv
 
 .PHONY: test-libshade check-libshade
 test-libshade: $(TESTS)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* shade bench: nanoseconds and worst error of every batch entry, side by side. */
+/* shade bench: nanoseconds and worst error of every entry, side by side. */
 #define _POSIX_C_SOURCE 200809L /* clock_gettime, isatty */
 
+#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -13,6 +14,7 @@
 #include "reference/reference.h"
 #include "shade/shade.h"
 #include "src/isa.h"
+#include "tool/literal.h"
 #include "tool/tool.h"
 
 enum { INPUTS = 9, OUTPUTS = 4, CHECKED = 4096 };
@@ -24,8 +26,19 @@ typedef struct arrays {
   double *twice[INPUTS + OUTPUTS];
 } arrays;
 
-typedef enum what { WHAT_D, WHAT_F } what;
-static const char *const what_words[] = {"D", "f"};
+/* The distribution and the BRDF over arrays, then the same in one call a sample. */
+typedef enum what { WHAT_D, WHAT_F, WHAT_D_CALL, WHAT_F_CALL, WHATS } what;
+static const char *const what_words[] = {"D", "f", "D_call", "f_call"};
+
+typedef enum precision { FAST, SINGLE, TWICE, PRECISIONS } precision;
+static const char *const precision_words[] = {"fast", "float", "double"};
+
+static int asks_d(what w) {
+  return w == WHAT_D || w == WHAT_D_CALL;
+}
+static int is_call(what w) {
+  return w >= WHAT_D_CALL;
+}
 
 static double seconds(void) {
   struct timespec t;
@@ -71,13 +84,13 @@ static int fill(arrays *a, size_t count) {
   return 1;
 }
 
-static void evaluate(const shade_isa_table *isa, const shade_bsdf *b, what w, int single,
-                     arrays *a) {
+static void evaluate_batch(const shade_isa_table *isa, const shade_bsdf *b, what w, int single,
+                           const arrays *a) {
   float *const *s = a->single, *const *os = a->single + INPUTS;
   double *const *t = a->twice, *const *ot = a->twice + INPUTS;
-  if (w == WHAT_D && single)
+  if (asks_d(w) && single)
     isa->mdf_batchf(b, a->count, s[0], s[1], s[2], s[3], s[4], s[5], os[0]);
-  else if (w == WHAT_D)
+  else if (asks_d(w))
     isa->mdf_batch(b, a->count, t[0], t[1], t[2], t[3], t[4], t[5], ot[0]);
   else if (single) {
     shade_lanesf in = {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8], NULL, NULL, NULL};
@@ -88,6 +101,38 @@ static void evaluate(const shade_isa_table *isa, const shade_bsdf *b, what w, in
     shade_result out = {ot[0], ot[1], ot[2], ot[3]};
     isa->bsdf_batch(b, a->count, &in, &out);
   }
+}
+
+/* One call a sample, as a renderer does that shades hit by hit. */
+#define CALLS(name, real, member, mdf_call, bsdf_call)                                             \
+  static void name(const shade_isa_table *isa, const shade_bsdf *b, what w, const arrays *a) {     \
+    real *const *v = a->member, *const *out = v + INPUTS;                                          \
+    for (size_t i = 0; i < a->count; i++) {                                                        \
+      real n[3] = {v[0][i], v[1][i], v[2][i]}, wi[3] = {v[3][i], v[4][i], v[5][i]};                \
+      if (asks_d(w)) {                                                                             \
+        isa->mdf_call(b, n, wi, &out[0][i]);                                                       \
+      } else {                                                                                     \
+        real wo[3] = {v[6][i], v[7][i], v[8][i]}, f[3];                                            \
+        isa->bsdf_call(b, n, wi, wo, f, &out[3][i]);                                               \
+        for (int c = 0; c < 3; c++)                                                                \
+          out[c][i] = f[c];                                                                        \
+      }                                                                                            \
+    }                                                                                              \
+  }
+CALLS(calls_single, float, single, mdff, bsdff)
+CALLS(calls_twice, double, twice, mdf, bsdf)
+
+static literal_batch *literal_of(const shade_isa_table *isa) {
+#if defined(__x86_64__)
+  if (isa == &shade_isa_avx512)
+    return literal_avx512;
+  if (isa == &shade_isa_avx2)
+    return literal_avx2;
+  if (isa == &shade_isa_sse2)
+    return literal_sse2;
+#endif
+  (void)isa;
+  return literal_scalar;
 }
 
 /* Reads every input and writes every output of a query, and does nothing else. */
@@ -107,89 +152,170 @@ static void evaluate(const shade_isa_table *isa, const shade_bsdf *b, what w, in
 STREAM(stream_single, float)
 STREAM(stream_twice, double)
 
-static void stream(what w, int single, arrays *a) {
-  int inputs = w == WHAT_D ? 6 : INPUTS, outputs = w == WHAT_D ? 1 : OUTPUTS;
+static void stream(what w, int single, const arrays *a) {
+  int inputs = asks_d(w) ? 6 : INPUTS, outputs = asks_d(w) ? 1 : OUTPUTS;
   if (single)
     stream_single(inputs, outputs, a->count, a->single);
   else
     stream_twice(inputs, outputs, a->count, a->twice);
 }
 
-/* Best of many runs, in nanoseconds a query; isa NULL times the bare stream. */
-static double nanoseconds(const shade_isa_table *isa, const shade_bsdf *b, what w, int single,
-                          arrays *a) {
-  double best = 1e30, end = seconds() + (a->count > 65536 ? 0.3 : 0.03);
-  size_t repeat = 1 + 16384 / a->count;
-  do {
-    double begin = seconds();
-    for (size_t k = 0; k < repeat; k++)
-      if (isa)
-        evaluate(isa, b, w, single, a);
-      else
-        stream(w, single, a);
-    best = fmin(best, seconds() - begin);
-  } while (seconds() < end);
-  return best * 1e9 / (double)(repeat * a->count);
+/* One row: a material in one precision, the literal transcription, or the bare stream. */
+typedef enum kind { KIND_METHOD, KIND_LITERAL, KIND_STREAM } kind;
+typedef struct row {
+  kind kind;
+  shade_params params;
+  shade_bsdf bsdf;
+  double ns, error;
+} row;
+
+static void evaluate(const shade_isa_table *isa, const row *r, what w, int single,
+                     const arrays *a) {
+  float *const *s = a->single;
+  if (r->kind == KIND_STREAM)
+    stream(w, single, a);
+  else if (r->kind == KIND_LITERAL)
+    literal_of(isa)(a->count, r->bsdf.kxf, r->bsdf.kyf, s[0], s[1], s[2], s[3], s[4], s[5],
+                    s[INPUTS]);
+  else if (is_call(w))
+    (single ? calls_single : calls_twice)(isa, &r->bsdf, w, a);
+  else
+    evaluate_batch(isa, &r->bsdf, w, single, a);
 }
 
-/* Worst relative error against the reference on the same inputs, where D > 1e-12 of its peak. */
-static double worst_error(const shade_isa_table *isa, const shade_params *p, const shade_bsdf *b,
-                          what w, int single, arrays *a) {
+/*
+ * Worst relative error against the reference on the same inputs, where D > 1e-12 of its peak; of
+ * f where both cosines are above 0.05, for below them every float cosine loses its digits.
+ */
+static double worst_error(const shade_isa_table *isa, const row *r, what w, int single,
+                          const arrays *a) {
   double worst = 0;
-  evaluate(isa, b, w, single, a);
+  evaluate(isa, r, w, single, a);
   for (size_t i = 0; i < a->count && i < CHECKED; i++) {
-    double v[INPUTS], want[3], cosine = 1;
+    double v[INPUTS], want[3], least = 1;
     for (int c = 0; c < INPUTS; c++)
       v[c] = single ? (double)a->single[c][i] : a->twice[c][i];
-    if (w == WHAT_D)
-      want[0] = shade_ref_mdf(p, v, v + 3);
-    else
-      shade_ref_f(p, v, v + 3, v + 6, want, &cosine);
+    if (asks_d(w)) {
+      want[0] = shade_ref_mdf(&r->params, v, v + 3);
+    } else {
+      int none = r->params.detail == SHADE_DETAIL_NONE;
+      double coso = none ? v[8] : v[0] * v[6] + v[1] * v[7] + v[2] * v[8];
+      shade_ref_f(&r->params, v, v + 3, v + 6, want, &least);
+      least = fmin(least, coso);
+    }
     double got = single ? (double)a->single[INPUTS][i] : a->twice[INPUTS][i];
-    if (want[0] > 1e-12 * b->peak && cosine > 1e-3)
+    if (want[0] > 1e-12 * r->bsdf.peak && least > 0.05)
       worst = fmax(worst, fabs(got / want[0] - 1));
   }
   return worst;
 }
 
+/*
+ * Times in nanoseconds a query, the best of many runs. The rows take turns, so that what else
+ * the machine does falls on all of them and their ratios stay what they are.
+ */
+static void time_rows(const shade_isa_table *isa, row *rows, int count, what w, int single,
+                      const arrays *a) {
+  const size_t repeat = 1 + 8192 / a->count;
+  const int rounds = a->count > 65536 ? 5 : 60;
+  for (int r = 0; r < count; r++)
+    rows[r].ns = 1e30;
+  for (int round = 0; round < rounds; round++)
+    for (int r = 0; r < count; r++) {
+      double begin = seconds();
+      for (size_t k = 0; k < repeat; k++)
+        evaluate(isa, &rows[r], w, single, a);
+      rows[r].ns = fmin(rows[r].ns, (seconds() - begin) * 1e9 / (double)(repeat * a->count));
+    }
+}
+
 static void usage(FILE *to) {
-  fputs("usage: shade bench [--csv] [--all] [--ex E] [--ey E]\n\n"
-        "Times every detail method, in both precisions, on arrays in cache and in memory,\n"
-        "single-threaded, beside a bare pass over the same arrays; with the worst relative\n"
-        "error against the reference. Times are the best of many runs.\n\n"
+  fputs("usage: shade bench [options]\n\n"
+        "Times every detail method and distribution in every precision on one thread, on arrays\n"
+        "in cache and in memory, beside a bare pass over the same arrays; with the worst\n"
+        "relative error against the reference. Times are the best of many runs, in ns.\n"
+        "About a minute for one instruction set.\n\n"
+        "  D, f             the distribution; the whole BRDF: that of Ashikhmin and Shirley,\n"
+        "                   ward_bounded for both Wards, microfacet for Beckmann and GGX\n"
+        "  D_call, f_call   the same in one call a sample\n"
+        "  rotate_literal   rotate as the papers write it, with atan2 and powf of libm\n\n"
         "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
         "                   ratio_stream,max_error\n"
-        "  --all            every instruction set of this CPU, not only the widest\n"
+        "  --output FILE    these columns into a file, beside what is printed\n"
+        "  --isa NAME       avx512, avx2, sse2 or scalar (default: the widest of this CPU)\n"
+        "  --all            every instruction set of this CPU\n"
+        "  --mdf NAME       one distribution only\n"
+        "  --what NAME      D, f, D_call or f_call only\n"
+        "  --set NAME       cache or memory only\n"
         "  --ex E --ey E    exponents (default 200, 10)\n",
         to);
 }
 
-static void print_row(int csv, const char *w, const char *method, const char *mdf,
-                      const char *precision, const char *isa, const char *set, double ns,
-                      double perturb, double bare, double error) {
-  printf(csv ? "%s,%s,%s,%s,%s,%s,%.4g,%.4g,%.4g,%.2e\n"
-             : "%-2s %-24s %-18s %-7s %-7s %-7s %8.3g %8.3g %8.3g %10.1e\n",
-         w, method, mdf, precision, isa, set, ns, ns / perturb, ns / bare, error);
+typedef struct options {
+  int csv, all, mdf, what, set; /* -1: every one */
+  const char *isa, *output;
+  FILE *file;
+  double ex, ey;
+} options;
+
+static const char columns[] =
+    "what,method,distribution,precision,isa,set,ns,ratio_perturb,ratio_stream,max_error\n";
+
+static void print_row(const options *o, const row *r, const char *w, const char *precision,
+                      const char *isa, const char *set, double perturb, double bare) {
+  static const char csv[] = "%s,%s,%s,%s,%s,%s,%.4g,%.4g,%.4g,%.2e\n";
+  const char *method = r->kind == KIND_LITERAL
+                           ? "rotate_literal"
+                           : shade_list_word(SHADE_LIST_DETAIL, (int)r->params.detail);
+  const char *mdf = shade_list_word(SHADE_LIST_MDF, (int)r->params.mdf);
+  printf(o->csv ? csv : "%-6s %-24s %-18s %-7s %-7s %-7s %8.3g %8.3g %8.3g %10.1e\n", w, method,
+         mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare, r->error);
   fflush(stdout);
+  if (o->file)
+    fprintf(o->file, csv, w, method, mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare,
+            r->error);
 }
 
-/* All methods of one instruction set, precision and question; arrays of one size. */
-static void bench_group(int csv, const shade_isa_table *isa, const shade_params *material, what w,
-                        int single, const char *set, arrays *a) {
-  double bare = nanoseconds(NULL, NULL, w, single, a);
-  shade_params p = *material;
-  shade_bsdf b;
-  p.detail = SHADE_DETAIL_PERTURB;
-  shade_bsdf_setup(&b, &p);
-  double perturb = nanoseconds(isa, &b, w, single, a);
-  for (int d = 0; d < SHADE_DETAIL_COUNT; d++) {
-    p.detail = (shade_detail)d;
-    shade_bsdf_setup(&b, &p);
-    double ns = d == SHADE_DETAIL_PERTURB ? perturb : nanoseconds(isa, &b, w, single, a);
-    print_row(csv, what_words[w], shade_list_word(SHADE_LIST_DETAIL, d),
-              shade_list_word(SHADE_LIST_MDF, (int)p.mdf), single ? "float" : "double", isa->name,
-              set, ns, perturb, bare, worst_error(isa, &p, &b, w, single, a));
+/* All methods of one distribution, instruction set, precision and question. */
+static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf mdf, what w,
+                        precision kind, const char *set, const arrays *a) {
+  const shade_brdf brdfs[SHADE_MDF_COUNT] = {SHADE_BRDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_WARD_BOUNDED,
+                                             SHADE_BRDF_WARD_BOUNDED, SHADE_BRDF_MICROFACET,
+                                             SHADE_BRDF_MICROFACET};
+  row rows[SHADE_DETAIL_COUNT + 2];
+  int count = 1, perturb = 0;
+  for (int d = 0; d <= SHADE_DETAIL_COUNT; d++) {
+    row *r = &rows[count];
+    int literal = d == SHADE_DETAIL_COUNT;
+    if (literal && !(w == WHAT_D && kind == SINGLE && mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY))
+      continue;
+    r->kind = literal ? KIND_LITERAL : KIND_METHOD;
+    shade_params_init(&r->params);
+    shade_params_set_exponents(&r->params, o->ex, o->ey);
+    r->params.mdf = mdf;
+    r->params.brdf = brdfs[mdf];
+    r->params.f0[0] = r->params.f0[1] = r->params.f0[2] = .5;
+    r->params.detail = literal ? SHADE_DETAIL_ROTATE : (shade_detail)d;
+    r->params.groove = literal ? SHADE_GROOVE_X : SHADE_GROOVE_AUTO;
+    r->params.fast = kind == FAST;
+    shade_bsdf_setup(&r->bsdf, &r->params);
+    if (kind == FAST && !(r->bsdf.fast && asks_d(w)))
+      continue; /* there it is the same as float */
+    if (d == SHADE_DETAIL_PERTURB)
+      perturb = count;
+    count++;
   }
+  if (!perturb)
+    return;
+  rows[0] = rows[perturb];
+  rows[0].kind = KIND_STREAM;
+  const int single = kind != TWICE;
+  for (int r = 1; r < count; r++) /* first, which also warms up */
+    rows[r].error = worst_error(isa, &rows[r], w, single, a);
+  time_rows(isa, rows, count, w, single, a);
+  for (int r = 1; r < count; r++)
+    print_row(o, &rows[r], what_words[w], precision_words[kind], isa->name, set, rows[perturb].ns,
+              rows[0].ns);
 }
 
 static int read_exponent(const char *text, double *value) {
@@ -198,60 +324,179 @@ static int read_exponent(const char *text, double *value) {
   return end != text && !*end && *value >= 0 && *value <= 1e6;
 }
 
-int shade_cmd_bench(int argc, char **argv) {
-  int csv = 0, all = 0;
-  double ex = 200, ey = 10;
+static int find_word(const char *const *words, int count, const char *word) {
+  for (int i = 0; i < count; i++)
+    if (!strcmp(words[i], word))
+      return i;
+  return -1;
+}
+
+static const char *const sets[] = {"cache", "memory"};
+/* 4M queries are 200 to 400 MB: beyond any cache */
+static const size_t counts[] = {1024, (size_t)4 << 20};
+
+/* Returns 0 and a message for a value that does not fit. */
+static int read_value(options *o, const char *option, const char *text) {
+  const char *expected = NULL;
+  if (!strcmp(option, "--isa")) {
+    int row = 0;
+    const shade_isa_table *isa;
+    while ((isa = shade_isa_pick(row)) && strcmp(isa->name, text))
+      row++;
+    o->isa = text;
+    expected = isa ? NULL : "an instruction set that this CPU has";
+  } else if (!strcmp(option, "--mdf")) {
+    o->mdf = shade_list_find(SHADE_LIST_MDF, text);
+    expected = o->mdf < 0 ? "a distribution (see shade eval --help)" : NULL;
+  } else if (!strcmp(option, "--what")) {
+    o->what = find_word(what_words, WHATS, text);
+    expected = o->what < 0 ? "D, f, D_call or f_call" : NULL;
+  } else if (!strcmp(option, "--set")) {
+    o->set = find_word(sets, 2, text);
+    expected = o->set < 0 ? "cache or memory" : NULL;
+  } else if (!strcmp(option, "--output")) {
+    o->output = text;
+  } else if (!read_exponent(text, option[3] == 'x' ? &o->ex : &o->ey)) {
+    expected = "a number from 0 to 1e6";
+  }
+  if (expected)
+    fprintf(stderr, "shade bench: %s '%s': expected %s\n", option, text, expected);
+  return !expected;
+}
+
+static int read_options(options *o, int argc, char **argv, int *help) {
+  static const char *const with_value[] = {"--isa",    "--mdf", "--what", "--set",
+                                           "--output", "--ex",  "--ey"};
   for (int i = 1; i < argc; i++) {
     if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
-      usage(stdout);
+      *help = 1;
       return TOOL_DONE;
     }
     if (!strcmp(argv[i], "--csv")) {
-      csv = 1;
+      o->csv = 1;
     } else if (!strcmp(argv[i], "--all")) {
-      all = 1;
-    } else if ((!strcmp(argv[i], "--ex") || !strcmp(argv[i], "--ey")) && i + 1 < argc) {
-      if (!read_exponent(argv[i + 1], argv[i][3] == 'x' ? &ex : &ey)) {
-        fprintf(stderr, "shade bench: %s '%s': expected a number from 0 to 1e6\n", argv[i],
-                argv[i + 1]);
-        return TOOL_BAD_USAGE;
-      }
-      i++;
-    } else {
+      o->all = 1;
+    } else if (find_word(with_value, 7, argv[i]) < 0) {
       fprintf(stderr, "shade bench: unknown option '%s' (see shade bench --help)\n", argv[i]);
       return TOOL_BAD_USAGE;
+    } else if (i + 1 == argc) {
+      fprintf(stderr, "shade bench: %s needs a value (see shade bench --help)\n", argv[i]);
+      return TOOL_BAD_USAGE;
+    } else if (!read_value(o, argv[i], argv[i + 1])) {
+      return TOOL_BAD_USAGE;
+    } else {
+      i++;
     }
   }
-  shade_params p;
-  shade_params_init(&p);
-  shade_params_set_exponents(&p, ex, ey);
-  p.fresnel = SHADE_FRESNEL_NONE;
+  return TOOL_DONE;
+}
 
-  /* 4M queries are 200 to 400 MB: beyond any cache */
-  const size_t counts[] = {1024, (size_t)4 << 20};
-  const char *const sets[] = {"cache", "memory"};
-  puts(csv ? "what,method,distribution,precision,isa,set,ns,ratio_perturb,ratio_stream,max_error"
-           : "   method                   distribution       type    isa     arrays        ns "
-             "/perturb  "
-             "/stream      error");
-  for (int s = 0; s < 2; s++) {
-    arrays a;
-    if (!fill(&a, counts[s])) {
+static int wanted(const options *o, const shade_isa_table *isa, int row) {
+  return o->isa ? !strcmp(o->isa, isa->name) : o->all || row == 0;
+}
+
+static void progress(int done, int total, const char *what) {
+  if (!isatty(2) || isatty(1)) /* rows on a terminal are progress enough */
+    return;
+  int filled = total ? 30 * done / total : 0;
+  fprintf(stderr, "\rshade bench [%.*s%*s] %-40s", filled, "##############################",
+          30 - filled, "", what);
+}
+
+static int bench_set(const options *o, int s, int *done, int total) {
+  arrays a;
+  if (!fill(&a, counts[s])) {
+    fputs("shade bench: out of memory\n", stderr);
+    release(&a);
+    return TOOL_BAD_INPUT;
+  }
+  const shade_isa_table *isa;
+  for (int row = 0; (isa = shade_isa_pick(row)); row++)
+    for (int w = 0; w < WHATS; w++)
+      for (int m = 0; m < SHADE_MDF_COUNT; m++) {
+        if (!wanted(o, isa, row) || (o->what >= 0 && w != o->what) || (o->mdf >= 0 && m != o->mdf))
+          continue;
+        if (s == 1 && is_call((what)w)) /* calls never wait for memory */
+          continue;
+        char title[64];
+        snprintf(title, sizeof title, "%s %s %s %s", sets[s], isa->name, what_words[w],
+                 shade_list_word(SHADE_LIST_MDF, m));
+        progress((*done)++, total, title);
+        for (int kind = 0; kind < PRECISIONS; kind++)
+          bench_group(o, isa, (shade_mdf)m, (what)w, (precision)kind, sets[s], &a);
+      }
+  release(&a);
+  return TOOL_DONE;
+}
+
+/* Writes a file by way of a temporary name; text NULL only tries whether that will work. */
+static int save(const char *name, const char *text, size_t length) {
+  size_t room = strlen(name) + sizeof ".part";
+  char *unfinished = malloc(room);
+  if (!unfinished)
+    return 1;
+  snprintf(unfinished, room, "%s.part", name);
+  FILE *file = fopen(unfinished, "w");
+  int failed = !file;
+  if (file) {
+    failed = fwrite(text ? text : "", 1, length, file) != length;
+    failed |= fclose(file) != 0;
+    failed |= text && !failed && rename(unfinished, name);
+    if (!text || failed)
+      remove(unfinished);
+  }
+  if (failed)
+    fprintf(stderr, "shade bench: %s: %s\n", name, strerror(errno));
+  free(unfinished);
+  return failed;
+}
+
+int shade_cmd_bench(int argc, char **argv) {
+  options o = {.mdf = -1, .what = -1, .set = -1, .ex = 200, .ey = 10};
+  int help = 0, status = read_options(&o, argc, argv, &help);
+  if (help)
+    usage(stdout);
+  if (help || status)
+    return status;
+
+  char *text = NULL;
+  size_t length;
+  if (o.output) { /* kept here until all is measured: the file appears whole or not at all */
+    if (save(o.output, NULL, 0))
+      return TOOL_BAD_INPUT;
+    o.file = open_memstream(&text, &length);
+    if (!o.file) {
       fputs("shade bench: out of memory\n", stderr);
-      release(&a);
       return TOOL_BAD_INPUT;
     }
-    const shade_isa_table *isa;
-    for (int row = 0; (isa = shade_isa_pick(row)) && (all || row == 0); row++)
-      for (int w = WHAT_D; w <= WHAT_F; w++)
-        for (int single = 1; single >= 0; single--) {
-          if (isatty(2) && !isatty(1))
-            fprintf(stderr, "\rshade bench: %-7s %-7s %s ", sets[s], isa->name, what_words[w]);
-          bench_group(csv, isa, &p, (what)w, single, sets[s], &a);
-        }
-    release(&a);
+    fputs(columns, o.file);
   }
+  if (o.csv)
+    fputs(columns, stdout);
+  else
+    puts("       method                   distribution       type    isa     arrays        ns "
+         "/perturb  /stream      error");
+  int isas = 0, done = 0, total = 0;
+  const shade_isa_table *isa;
+  for (int row = 0; (isa = shade_isa_pick(row)); row++)
+    isas += wanted(&o, isa, row);
+  for (int s = 0; s < 2; s++)
+    for (int w = 0; w < WHATS; w++)
+      if ((o.set < 0 || s == o.set) && (o.what < 0 || w == o.what) && !(s && is_call((what)w)))
+        total += isas * (o.mdf < 0 ? SHADE_MDF_COUNT : 1);
+  for (int s = 0; s < 2 && !status; s++)
+    if (o.set < 0 || s == o.set)
+      status = bench_set(&o, s, &done, total);
   if (isatty(2) && !isatty(1))
     fputs("\r\033[K", stderr);
-  return TOOL_DONE;
+  if (o.file) {
+    if (fclose(o.file)) {
+      fputs("shade bench: out of memory\n", stderr);
+      status = TOOL_BAD_INPUT;
+    }
+    if (!status && save(o.output, text, length))
+      status = TOOL_BAD_INPUT;
+    free(text);
+  }
+  return status;
 }
