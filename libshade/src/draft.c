@@ -47,8 +47,7 @@ static int remainder_of(long long a, int n) {
 shade_draft *shade_draft_from_pattern(int n_w, int n_p, int n_s) {
   if (n_w == SHADE_WEFT_ONLY)
     return n_p < 0 ? NULL : shade_draft_create(1, 1);
-  if (n_w < 0 || n_p < 0 || n_w > SHADE_PATTERN_MAX || n_p > SHADE_PATTERN_MAX - n_w ||
-      n_w + n_p < 1)
+  if (n_w < 1 || n_p < 0 || n_w > SHADE_PATTERN_MAX || n_p > SHADE_PATTERN_MAX - n_w)
     return NULL;
   const int ends = n_w + n_p, shift = remainder_of(n_s, ends);
   int picks = 1;

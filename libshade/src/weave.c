@@ -110,26 +110,54 @@ unsigned shade_weave_params_set_twist(shade_weave_params *p, shade_top yarns, in
   return status;
 }
 
-/* Shares of the crossings that the yarns of one direction fill, and their linear colours. */
-static weave_thread *make_threads(const shade_thread *threads, int count,
-                                  const shade_yarn_params *y) {
-  double mean[2] = {0, 0};
-  int stated[2] = {0, 0};
+/* Mean of what the threads state, 0 if none does; *stated: how many do. */
+static double mean_length(const shade_thread *threads, int count, int spacing, int *stated) {
+  double sum = 0;
+  *stated = 0;
   for (int i = 0; i < count; i++) {
-    const double number[2] = {threads[i].thickness, threads[i].spacing};
-    for (int k = 0; k < 2; k++)
-      if (number[k] > 0 && number[k] <= 1e9) {
-        mean[k] += number[k];
-        stated[k]++;
-      }
+    const double x = spacing ? threads[i].spacing : threads[i].thickness;
+    if (x > 0 && x <= 1e9) {
+      sum += x;
+      ++*stated;
+    }
   }
-  weave_thread *made = calloc((size_t)count, sizeof *made);
-  for (int i = 0; made && i < count; i++) {
+  return *stated ? sum / *stated : 0;
+}
+
+int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draft) {
+  double thickness[2], spacing[2];
+  int stated;
+  for (int k = 0; k < 2; k++) {
+    const shade_thread *threads = k ? draft->warp : draft->weft;
+    const int count = k ? draft->ends : draft->picks;
+    thickness[k] = mean_length(threads, count, 0, &stated);
+    spacing[k] = mean_length(threads, count, 1, &stated);
+  }
+  const int whole[2] = {thickness[0] > 0 && spacing[0] > 0, thickness[1] > 0 && spacing[1] > 0};
+  if (!whole[0] && !whole[1])
+    return 0;
+  for (int k = 0; k < 2; k++) {
+    const int from = whole[k] ? k : !k;
+    shade_yarn_params *yarn = k ? &p->warp : &p->weft;
+    yarn->width = fmin(thickness[from], spacing[from]);
+    yarn->gap = spacing[from] - yarn->width;
+  }
+  return 1;
+}
+
+/* Shares of the crossings that the yarns of one direction fill, and their linear colours. */
+static weave_thread *make_threads(const shade_thread *threads, size_t count,
+                                  const shade_yarn_params *y) {
+  int stated;
+  const double mean[2] = {mean_length(threads, (int)count, 0, &stated),
+                          mean_length(threads, (int)count, 1, &stated)};
+  weave_thread *made = calloc(count, sizeof *made);
+  for (size_t i = 0; made && i < count; i++) {
     const double number[2] = {threads[i].thickness, threads[i].spacing};
     double ratio[2] = {1, 1};
     for (int k = 0; k < 2; k++)
       if (number[k] > 0 && number[k] <= 1e9)
-        ratio[k] = number[k] * stated[k] / mean[k];
+        ratio[k] = number[k] / mean[k];
     double share = y->width / (y->width + y->gap) * ratio[0] / ratio[1];
     made[i].share = fmin(fmax(share, 1e-6), 1);
     made[i].sharef = (float)made[i].share;
@@ -220,8 +248,8 @@ shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_para
   const size_t ends = (size_t)draft->ends, picks = (size_t)draft->picks;
   w->draft = shade_draft_create(draft->ends, draft->picks);
   w->cells = calloc(ends * picks, sizeof *w->cells);
-  w->thread[SHADE_TOP_WARP] = make_threads(draft->warp, draft->ends, &w->params.warp);
-  w->thread[SHADE_TOP_WEFT] = make_threads(draft->weft, draft->picks, &w->params.weft);
+  w->thread[SHADE_TOP_WARP] = make_threads(draft->warp, ends, &w->params.warp);
+  w->thread[SHADE_TOP_WEFT] = make_threads(draft->weft, picks, &w->params.weft);
   if (!w->draft || !w->cells || !w->thread[0] || !w->thread[1]) {
     shade_weave_free(w);
     return NULL;

@@ -96,8 +96,11 @@ static void patterns(void **state) {
   holds(shade_draft_from_pattern(1, 3, 2), ".XXX\n"
                                            "XX.X");
   holds(shade_draft_from_pattern(1, 1, 0), ".X");
-  holds(shade_draft_from_pattern(0, 1, 1), "X");
+  holds(shade_draft_from_pattern(3, 0, 5), "...\n"
+                                           "...\n"
+                                           "...");
   holds(shade_draft_from_pattern(SHADE_WEFT_ONLY, 3, 7), ".");
+  assert_null(shade_draft_from_pattern(0, 1, 1));
   assert_null(shade_draft_from_pattern(0, 0, 1));
   assert_null(shade_draft_from_pattern(-1, 3, 1));
   assert_null(shade_draft_from_pattern(3, -1, 1));

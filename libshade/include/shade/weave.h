@@ -60,7 +60,7 @@ SHADE_API void shade_draft_free(shade_draft *draft); /* NULL is fine */
 /*
  * The weave (n_w, n_p, n_s): in each pick n_w ends under the weft, then n_p over it; each
  * next pick shifted by n_s. Weft is on top iff ((end + n_s pick) mod (n_w + n_p)) < n_w, mod
- * being Euclidean. n_w, n_p >= 0, 1 <= n_w + n_p <= SHADE_PATTERN_MAX, any n_s;
+ * being Euclidean. n_w >= 1, n_p >= 0, n_w + n_p <= SHADE_PATTERN_MAX, any n_s;
  * n_w = SHADE_WEFT_ONLY is all weft. NULL for other numbers or out of memory.
  */
 SHADE_API shade_draft *shade_draft_from_pattern(int n_w, int n_p, int n_s);
@@ -77,6 +77,34 @@ SHADE_API int shade_weave_row(int row, const char **word, const char **label, co
 
 /* 1 if size, over and under, colours, thickness and spacing are all the same. */
 SHADE_API int shade_draft_equal(const shade_draft *a, const shade_draft *b);
+
+/*
+ * Weaving Information Files, version 1.1 [Wif1997], the exchange format of weaving programs.
+ *
+ * Read: threading; tie-up and treadling, or the liftplan where one of these is missing; rising
+ * or sinking shed; colours, thickness and spacing. What a file leaves out has WIF's defaults
+ * (colour, thickness and spacing of [WARP] and [WEFT]; an end without a shaft stays down), and
+ * a rising shed. Sections and lines may come in any order, names in capitals or not, lines end
+ * in LF, CRLF or CR, numbers may be followed by a comment, text may be UTF-16. Of lines given
+ * twice the last holds. Not accepted: numbers that are none, ends, shafts, treadles or colours
+ * beyond what the file itself announces, sizes beyond a shade_draft's. Lengths without units
+ * count as cm.
+ *
+ * shade_wif_parse takes `length` bytes and a name for messages. Both return NULL and write
+ * "NAME, line N: what is wrong; what was expected" to error[error_size] on failure. Free the
+ * draft with shade_draft_free.
+ */
+SHADE_API shade_draft *shade_wif_parse(const char *text, size_t length, const char *name,
+                                       char *error, size_t error_size);
+SHADE_API shade_draft *shade_wif_read(const char *path, char *error, size_t error_size);
+
+/*
+ * A draft as the text of a WIF, to be freed with free(); NULL when out of memory. Shafts and
+ * treadles are as few as the weave needs; above 64 treadles it is a liftplan. Reading it gives
+ * an equal draft, but for colours that are not a whole number of 1/N, N <= 65535: those are
+ * rounded to 1/16777215.
+ */
+SHADE_API char *shade_wif_text(const shade_draft *draft);
 
 /* What a look-up finds on top. */
 typedef enum shade_top { SHADE_TOP_WEFT, SHADE_TOP_WARP, SHADE_TOP_GAP } shade_top;
@@ -134,6 +162,13 @@ typedef struct shade_weave_params {
 
 /* Set every member to the table's default (table.h): width 1, no gap, crimp or noise. */
 SHADE_API void shade_weave_params_init(shade_weave_params *p);
+
+/*
+ * Width and gap of warp and weft in cm from the draft's thickness and spacing, where it states
+ * both for one of the two directions at least (the other direction takes the same numbers):
+ * their means, a yarn thicker than its spacing filling it. Returns 1, or 0 and changes nothing.
+ */
+SHADE_API int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draft);
 
 /* One number of shade_yarn_params: components is 1; returns 0 past the end. */
 SHADE_API int shade_yarn_param_row(int row, shade_param_info *info);
