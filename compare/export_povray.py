@@ -148,6 +148,7 @@ def texture_text(material, folder):
       detail {node.detail.lower()}
       groove {node.groove.lower()}
       fresnel {fresnel_text(node)}
+      horizon {node.horizon.lower()}
       diffuse {node.diffuse.lower()} rgb {vector(node.kd)}
       specular rgb {vector(colour)}
       tangent uv{bump}

@@ -359,10 +359,11 @@ static void clamp_colors(shade_params *q) {
 static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   material *m = out;
   shade_params *q = &m->params;
-  int mdf, brdf, detail, groove, fresnel, diffuse;
+  int mdf, brdf, detail, groove, fresnel, diffuse, horizon;
   double ex, ey, ax, ay, strength;
   shade_params_init(q);
   diffuse = (int)q->diffuse;
+  horizon = (int)q->horizon;
   m->number = (int)(m - s->material);
   if (!text(p, dict, "name", NULL, &m->name) || !choice(p, dict, SHADE_LIST_MDF, &mdf) ||
       !choice(p, dict, SHADE_LIST_BRDF, &brdf) || !choice(p, dict, SHADE_LIST_DETAIL, &detail) ||
@@ -373,6 +374,7 @@ static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
       !optional_color(p, dict, "eta", q->eta) || !optional_color(p, dict, "k", q->k) ||
       !optional_color(p, dict, "kd", q->kd) ||
       (find(dict, "diffuse") && !choice(p, dict, SHADE_LIST_DIFFUSE, &diffuse)) ||
+      (find(dict, "horizon") && !choice(p, dict, SHADE_LIST_HORIZON, &horizon)) ||
       !image_index(p, dict, "color_image", s, &m->color_image) ||
       !image_index(p, dict, "normal_image", s, &m->normal_image) ||
       !number(p, dict, "normal_strength", &strength))
@@ -383,6 +385,7 @@ static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   q->groove = (shade_groove)groove;
   q->fresnel = (shade_fresnel)fresnel;
   q->diffuse = (shade_diffuse)diffuse;
+  q->horizon = (shade_horizon)horizon;
   m->normal_strength = (float)fmin(fmax(strength, 0.0), 1e6);
   if (q->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
     m->status = shade_params_set_exponents(q, ex, ey);

@@ -239,7 +239,8 @@ def test_many_jobs_at_once():
 
 def test_table_names_what_start_accepts():
     table = native.table()
-    assert set(table["lists"]) == {"mdf", "brdf", "detail", "groove", "fresnel", "diffuse"}
+    assert set(table["lists"]) == {"mdf", "brdf", "detail", "groove", "fresnel", "diffuse",
+                                  "horizon"}
     for key, rows in table["lists"].items():
         for row in rows:
             assert set(row) == {"value", "word", "label", "help"} and row["help"]

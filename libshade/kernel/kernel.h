@@ -13,6 +13,7 @@
 #include "leaf_fresnel.h"
 #include "leaf_diffuse.h"
 #include "leaf_repair.h"
+#include "leaf_horizon.h"
 #include "pass_repair.h"
 #include "pass_detail.h"
 #include "pass_distribution.h"
@@ -78,7 +79,7 @@ static inline real FN(diffuse_scale)(const shade_bsdf *b, int c) {
                                                        : b->FN(kd)[c];
 }
 
-/* q = Phi/(pi cos) of a block; v as in kernel_bsdf_batch, ly and vy are scratch. */
+/* q = Phi/(pi cos) of a block; v as in bsdf_hard_batch, ly and vy are scratch. */
 static void FN(diffuse_block)(const shade_bsdf *b, size_t size, const real *const v[3][3],
                               const real *cosi, const real *coso, real *ly, real *vy, real *q) {
   const int x = b->fibres_along_y, y = !x; /* the fibre's axis, and the other */
@@ -92,8 +93,8 @@ static void FN(diffuse_block)(const shade_bsdf *b, size_t size, const real *cons
   FN(pass_diffuse)(b, size, ly, cosi, vy, coso, q);
 }
 
-static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
-                                      const FN(shade_result) * out) {
+static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
+                                    const FN(shade_result) * out) {
   real hx[BLOCK], hy[BLOCK], hz[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
   real d[BLOCK], coso[BLOCK], white[BLOCK], hwo[BLOCK];
   FN(mended) room;
@@ -164,8 +165,8 @@ static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const re
   return status;
 }
 
-static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const real wi_in[3],
-                                const real wo_in[3], real f[3], real *cosine) {
+static unsigned FN(bsdf_hard)(const shade_bsdf *b, const real n_in[3], const real wi_in[3],
+                              const real wo_in[3], real f[3], real *cosine) {
   real n[3] = {n_in[0], n_in[1], n_in[2]};
   real wi[3] = {wi_in[0], wi_in[1], wi_in[2]};
   real wo[3] = {wo_in[0], wo_in[1], wo_in[2]};
@@ -208,6 +209,20 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n_in[3], const r
       f[c] += FN(diffuse_scale)(b, c) * q;
   }
   return status;
+}
+
+#include "pass_horizon.h"
+
+static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
+                                      const FN(shade_result) * out) {
+  return b->horizon == SHADE_HORIZON_HARD ? FN(bsdf_hard_batch)(b, count, in, out)
+                                          : FN(bsdf_horizon_batch)(b, count, in, out);
+}
+
+static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n[3], const real wi[3],
+                                const real wo[3], real f[3], real *cosine) {
+  return b->horizon == SHADE_HORIZON_HARD ? FN(bsdf_hard)(b, n, wi, wo, f, cosine)
+                                          : FN(bsdf_horizon)(b, n, wi, wo, f, cosine);
 }
 
 /* Phi in the fibre's own frame, by the contract of shade_diffuse_eval. */

@@ -27,6 +27,12 @@ unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3
                      const double wo[3], double f[3], double *cosine);
 
 /*
+ * The normal whose lobe and horizon f has under p->horizon: n, made unit and lifted as above,
+ * and for valid_reflection bent by wo. n and wo must be usable directions.
+ */
+void shade_ref_normal(const shade_params *p, const double n[3], const double wo[3], double out[3]);
+
+/*
  * Phi by the contract of shade_diffuse_eval, the fibre models by quadrature.
  * poulin_fournier is the real one: a layer of touching fibres that shade and hide each other.
  */

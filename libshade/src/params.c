@@ -21,6 +21,7 @@ static const list_row detail_rows[] = {SHADE_TABLE_DETAIL(LIST_ROW)};
 static const list_row groove_rows[] = {SHADE_TABLE_GROOVE(LIST_ROW)};
 static const list_row fresnel_rows[] = {SHADE_TABLE_FRESNEL(LIST_ROW)};
 static const list_row diffuse_rows[] = {SHADE_TABLE_DIFFUSE(LIST_ROW)};
+static const list_row horizon_rows[] = {SHADE_TABLE_HORIZON(LIST_ROW)};
 
 static const struct {
   const char *name;
@@ -33,6 +34,7 @@ static const struct {
     [SHADE_LIST_GROOVE] = {"groove", groove_rows, SHADE_GROOVE_COUNT},
     [SHADE_LIST_FRESNEL] = {"fresnel", fresnel_rows, SHADE_FRESNEL_COUNT},
     [SHADE_LIST_DIFFUSE] = {"diffuse", diffuse_rows, SHADE_DIFFUSE_COUNT},
+    [SHADE_LIST_HORIZON] = {"horizon", horizon_rows, SHADE_HORIZON_COUNT},
 };
 
 #define COMPONENTS_REAL 1
@@ -282,6 +284,7 @@ static shade_params within_ranges(const shade_params *given, unsigned *status) {
   p.groove = (shade_groove)choice(SHADE_LIST_GROOVE, (int)p.groove, status);
   p.fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p.fresnel, status);
   p.diffuse = (shade_diffuse)choice(SHADE_LIST_DIFFUSE, (int)p.diffuse, status);
+  p.horizon = (shade_horizon)choice(SHADE_LIST_HORIZON, (int)p.horizon, status);
   p.ex = clamp(PARAM_ex, p.ex, status);
   p.ey = clamp(PARAM_ey, p.ey, status);
   p.ax = clamp(PARAM_ax, p.ax, status);
@@ -324,6 +327,7 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
   if (b->detail == SHADE_DETAIL_AUTO)
     b->detail = choose_detail(b);
   b->fibres_along_y = groove_y;
+  b->horizon = b->detail == SHADE_DETAIL_NONE ? SHADE_HORIZON_HARD : p.horizon;
   b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
   b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
 
@@ -421,6 +425,7 @@ int shade_params_json(const shade_params *given, int id, const char *name, char 
   put_choice(&t, SHADE_LIST_GROOVE, (int)p.groove);
   put_choice(&t, SHADE_LIST_FRESNEL, (int)p.fresnel);
   put_choice(&t, SHADE_LIST_DIFFUSE, (int)p.diffuse);
+  put_choice(&t, SHADE_LIST_HORIZON, (int)p.horizon);
   put_number(&t, ", \"ex\": ", p.ex);
   put_number(&t, ", \"ey\": ", p.ey);
   put_number(&t, ", \"ax\": ", p.ax);

@@ -57,7 +57,7 @@ static vec around(vec axis, double most) {
 
 /* ---- materials ------------------------------------------------------------------ */
 
-enum { MATERIALS = 9 };
+enum { MATERIALS = 13 };
 
 static void make_materials(shade_params materials[MATERIALS]) {
   static const struct {
@@ -65,16 +65,25 @@ static void make_materials(shade_params materials[MATERIALS]) {
     shade_groove groove;
     shade_fresnel fresnel;
     double ex, ey;
+    shade_horizon horizon;
   } rows[MATERIALS] = {
-      {SHADE_DETAIL_NONE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10},
-      {SHADE_DETAIL_PERTURB, SHADE_GROOVE_AUTO, SHADE_FRESNEL_NONE, 120, 40},
-      {SHADE_DETAIL_GRAM_SCHMIDT, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10},
-      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10},
-      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_NONE, 8, 300},
-      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_X, SHADE_FRESNEL_SCHLICK, 10, 200},
-      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_Y, SHADE_FRESNEL_SCHLICK, 200, 10},
-      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 50, 50},
-      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 1000, 30},
+      {SHADE_DETAIL_NONE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_PERTURB, SHADE_GROOVE_AUTO, SHADE_FRESNEL_NONE, 120, 40, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_GRAM_SCHMIDT, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10,
+       SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 200, 10, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_NONE, 8, 300, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_X, SHADE_FRESNEL_SCHLICK, 10, 200, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_Y, SHADE_FRESNEL_SCHLICK, 200, 10, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 50, 50, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 1000, 30, SHADE_HORIZON_HARD},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10,
+       SHADE_HORIZON_VALID_REFLECTION},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10,
+       SHADE_HORIZON_ESTEVEZ},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10, SHADE_HORIZON_CHIANG},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10,
+       SHADE_HORIZON_SCHUESSLER},
   };
   for (int i = 0; i < MATERIALS; i++) {
     shade_params *p = &materials[i];
@@ -82,9 +91,10 @@ static void make_materials(shade_params materials[MATERIALS]) {
     p->detail = rows[i].detail;
     p->groove = rows[i].groove;
     p->fresnel = rows[i].fresnel;
+    p->horizon = rows[i].horizon;
     shade_params_set_exponents(p, rows[i].ex, rows[i].ey);
     p->f0[0] = 0.9;
-    p->f0[1] = 0.1 * i;
+    p->f0[1] = 0.08 * i;
     p->f0[2] = 0.5;
   }
 }
@@ -116,13 +126,14 @@ static void put(float *plane, size_t pixels, size_t pixel, vec v) {
 }
 
 /* h near the normal that carries the lobe, L the mirror image of V about h. */
-static void fill_pixel(const shade_dump *d, size_t pixel, int material, int flat) {
+static void fill_pixel(const shade_dump *d, size_t pixel, int material, const shade_params *p) {
   const size_t pixels = (size_t)d->width * (size_t)d->height;
   const double degree = 3.14159265358979323846 / 180;
   const vec n = around((vec){0, 0, 1}, 180 * degree);
   const vec t = unit(cross(n, around(n, 90 * degree)));
   const vec ns = around(n, 60 * degree);
-  const vec v = around(ns, 50 * degree);
+  /* about N, V sees bumps from behind, which is what choices of horizon are for */
+  const vec v = around(p->horizon == SHADE_HORIZON_HARD ? ns : n, 50 * degree);
   put(shade_dump_plane(d, SHADE_DUMP_P), pixels, pixel, (vec){uniform(), uniform(), uniform()});
   put(shade_dump_plane(d, SHADE_DUMP_N), pixels, pixel, n);
   put(shade_dump_plane(d, SHADE_DUMP_T), pixels, pixel, t);
@@ -132,7 +143,7 @@ static void fill_pixel(const shade_dump *d, size_t pixel, int material, int flat
   shade_dump_plane(d, SHADE_DUMP_UV + 1)[pixel] = (float)uniform();
   shade_dump_plane(d, SHADE_DUMP_MATERIAL)[pixel] = (float)material;
   put(shade_dump_plane(d, SHADE_DUMP_COLOR), pixels, pixel, (vec){uniform(), uniform(), uniform()});
-  const vec pole = flat ? n : ns;
+  const vec pole = p->detail == SHADE_DETAIL_NONE ? n : ns;
   for (int light = 0; light < LIGHTS; light++) {
     const vec h = around(pole, 30 * degree);
     const vec l = unit(add(scale(h, 2 * dot(h, v)), scale(v, -1)));
@@ -226,7 +237,7 @@ int main(int argc, char **argv) {
   for (size_t pixel = 0; pixel < pixels; pixel++) {
     const int material = (int)(uniform() * (MATERIALS + 1)) - 1; /* -1: a miss */
     if (material >= 0)
-      fill_pixel(d, pixel, material, materials[material].detail == SHADE_DETAIL_NONE);
+      fill_pixel(d, pixel, material, &materials[material]);
   }
   float *bitangent = malloc(3 * pixels * sizeof *bitangent), *lanes[LANES];
   float *scratch = malloc(LANES * pixels * sizeof *scratch);

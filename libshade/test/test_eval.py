@@ -175,6 +175,19 @@ def test_diffuse_part_of_f():
     assert with_fibres - plain == pytest.approx(0.5 * (0.8 + 1) / math.pi**2 / 0.8, rel=1e-12)
 
 
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_horizon(precision):
+    """n at atan(1/2), light beyond its horizon: black, but for the two facets' mirror."""
+    n = (0, 1 / math.sqrt(5), 2 / math.sqrt(5))
+    options = ("--what", "f", "--ex", "5", "--ey", "5", "--precision", precision)
+    behind, image = (*n, 0, -0.96, 0.28, 0, 0, 1), (*n, 0, 0.96, 0.28, 0, 0, 1)
+    for horizon in ("hard", "valid-reflection", "estevez", "chiang"):
+        assert evaluate([behind], *options, "--horizon", horizon) == [0]
+    (plain,) = evaluate([image], *options)
+    (mirrored,) = evaluate([behind], *options, "--horizon", "schuessler")
+    assert mirrored == pytest.approx(plain * n[2], rel=PRECISIONS[precision])
+
+
 def test_poulin_fournier_is_in_the_reference():
     """Touching neighbours: nothing hidden from above; the library proper gives fibre_view."""
     above, slanted = (0, 0, 1, 0, 0, 1), (0, 0.96, 0.28, 0, 0, 1)
@@ -230,6 +243,7 @@ def test_malformed_line_is_named(line, word):
     (("--eta", "0", "--k", "3"), "out of range"),
     (("--what", "g"), "D, f or diffuse"),
     (("--diffuse", "velvet"), "max_normal"),
+    (("--horizon", "event"), "schuessler"),
     (("--precision", "half"), "float"),
     (("--colour", "1"), "unknown option"),
     (("--ex",), "lacks its value"),

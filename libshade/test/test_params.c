@@ -84,7 +84,8 @@ static void json(void **state) {
   assert_string_equal(
       text, "{\"id\": 3, \"name\": \"a \\\"b\\\"\\\\\\u000a\", \"mdf\": \"ashikhmin_shirley\", "
             "\"brdf\": \"ashikhmin_shirley\", \"detail\": \"rotate\", \"groove\": \"auto\", "
-            "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"ex\": 198, \"ey\": 6, \"ax\": "
+            "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"horizon\": \"hard\", \"ex\": "
+            "198, \"ey\": 6, \"ax\": "
             "0.10000000000000001, "
             "\"ay\": 0.5, \"f0\": [1, 1, 1], \"f82\": [1, 1, 1], \"eta\": [0.5, 0.5, 0.5], "
             "\"k\": [3, 3, 3], \"kd\": [0, 0, 0]}");

@@ -60,6 +60,9 @@ int shade_cmd_check(int argc, char **argv) {
 /* float32 directions are off by up to 6e-8 a component: rounding alone decides the
  * side of the horizon within this cosine. */
 #define HORIZON 1e-6
+/* Choices that fade light out towards wi.z = 0 make S proportional to wi.z there, which that
+ * rounding changes by more than 5e-5 of itself below this cosine. */
+#define FADED 2e-3
 /* Directions of the dump are unit to float rounding; more is an error of the back end. */
 #define UNIT_TOLERANCE 1e-4
 
@@ -105,6 +108,9 @@ static void set_choice(shade_params *p, shade_list list, int value) {
     break;
   case SHADE_LIST_DIFFUSE:
     p->diffuse = (shade_diffuse)value;
+    break;
+  case SHADE_LIST_HORIZON:
+    p->horizon = (shade_horizon)value;
     break;
   case SHADE_LIST_COUNT:
     break;
@@ -156,7 +162,8 @@ static int is_id(const json *value) { /* a float of material.ID holds it exactly
          value->number == floor(value->number);
 }
 
-/* Every key of the table must be there, once; one that is not known might matter. */
+/* Every key of the table must be there, but for `horizon`, once; one that is not known might
+ * matter. */
 static int read_material(material *m, const char *path, int index, const json *object) {
   enum { KEYS = 64, ID = KEYS - 2, NAME };
   char seen[KEYS] = {0};
@@ -185,7 +192,7 @@ static int read_material(material *m, const char *path, int index, const json *o
   if (!seen[ID])
     return bad_material(path, index, "lacks", "id");
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
-    if (!seen[list])
+    if (!seen[list] && list != SHADE_LIST_HORIZON) /* dumps older than that list are `hard` */
       return bad_material(path, index, "lacks", shade_list_name((shade_list)list));
   shade_param_info info;
   for (int row = 0; shade_param_row(row, &info); row++)
@@ -418,13 +425,20 @@ static void find_hits(check *c) {
 }
 
 static int on_horizon(const hit *h, const double wi[3]) {
+  double n[3]; /* of the lobe */
+  shade_ref_normal(&h->params, h->n, h->wo, n);
   return fabs(wi[2]) < HORIZON || fabs(h->wo[2]) < HORIZON || fabs(h->n[2]) < HORIZON ||
-         fabs(dot(h->n, wi)) < HORIZON || fabs(dot(h->n, h->wo)) < HORIZON;
+         fabs(dot(n, wi)) < HORIZON || fabs(dot(n, h->wo)) < HORIZON;
+}
+
+static int faded(const hit *h, const double wi[3]) {
+  return h->params.horizon >= SHADE_HORIZON_ESTEVEZ && wi[2] > 0 && wi[2] < FADED;
 }
 
 /*
  * Reference values of one pixel under one light; NaN marks values not to compare:
- * a fault, or the horizon, where rounding may have taken S, or the reference, to 0.
+ * a fault, or the horizon, where rounding may have taken S, or the reference, to 0 or, where
+ * light fades out, to too few digits.
  */
 static void refer(check *c, int light, size_t pixel, double reference[3]) {
   double s[3], e[3], l[3], wi[3], f[3], cosine;
@@ -456,7 +470,7 @@ static void refer(check *c, int light, size_t pixel, double reference[3]) {
     const double value = f[i] * cosine * e[i];
     if (!isfinite(value))
       note_fault(c, FAULT_REFERENCE, pixel);
-    else if (horizon && (s[i] == 0) != (value == 0))
+    else if (faded(&h, wi) || (horizon && (s[i] == 0) != (value == 0)))
       c->horizon++;
     else
       reference[i] = value;

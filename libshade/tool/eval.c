@@ -117,6 +117,9 @@ static int set_choice(query *q, shade_list list, const char *word) {
   case SHADE_LIST_DIFFUSE:
     q->params.diffuse = (shade_diffuse)value;
     break;
+  case SHADE_LIST_HORIZON:
+    q->params.horizon = (shade_horizon)value;
+    break;
   default:
     q->params.groove = (shade_groove)value;
   }

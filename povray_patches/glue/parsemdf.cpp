@@ -220,6 +220,9 @@ void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
     material.params.diffuse = (shade_diffuse)Token.Function_Id;
     Parse_Mdf_Colour("diffuse", "kd", material.params.kd);
     break;
+  case SHADE_LIST_HORIZON:
+    material.params.horizon = (shade_horizon)Token.Function_Id;
+    break;
   case SHADE_LIST_COUNT:
     break;
   }

@@ -5,7 +5,7 @@ import pytest
 
 from scenes import HEADER, SUN, saddle, scene
 
-WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, tangent, "
+WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, tangent, "
          "specular, bump_image or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
            "deform_linear_conserving or deform_smooth_conserving")
@@ -41,7 +41,8 @@ def test_other_models(material):
     assert (m["mdf"], m["ax"], m["ay"], m["brdf"], m["diffuse"]) == ("ggx", .1, .4, "microfacet", "fibre")
     assert m["eta"] == pytest.approx([.2, .9, 1.1], abs=1e-6) and m["k"] == pytest.approx([3.9, 2.4, 2.3], abs=1e-6)
     assert m["kd"] == pytest.approx([.2] * 3, abs=1e-6) and m["ex"] == pytest.approx(198)
-    m = material("beckmann .2, .2 fresnel f82 rgb <.9, .8, .7> diffuse lambert rgb <.1, .2, .3> detail auto")
+    m = material("beckmann .2, .2 fresnel f82 rgb <.9, .8, .7> diffuse lambert rgb <.1, .2, .3> detail auto horizon schuessler")
+    assert m["horizon"] == "schuessler"
     assert m["fresnel"] == "f82" and m["f82"] == pytest.approx([.9, .8, .7], abs=1e-6)
 
 

@@ -51,6 +51,9 @@ extern "C" {
 #define SHADE_DIFFUSE_ROW_(NAME, word, value, label, help)                                         \
   SHADE_ENUM_ROW_(SHADE_DIFFUSE_, NAME, value)
 
+#define SHADE_HORIZON_ROW_(NAME, word, value, label, help)                                         \
+  SHADE_ENUM_ROW_(SHADE_HORIZON_, NAME, value)
+
 typedef enum shade_mdf { SHADE_TABLE_MDF(SHADE_MDF_ROW_) SHADE_MDF_COUNT } shade_mdf;
 typedef enum shade_brdf { SHADE_TABLE_BRDF(SHADE_BRDF_ROW_) SHADE_BRDF_COUNT } shade_brdf;
 typedef enum shade_detail { SHADE_TABLE_DETAIL(SHADE_DETAIL_ROW_) SHADE_DETAIL_COUNT } shade_detail;
@@ -62,6 +65,9 @@ typedef enum shade_fresnel {
 typedef enum shade_diffuse {
   SHADE_TABLE_DIFFUSE(SHADE_DIFFUSE_ROW_) SHADE_DIFFUSE_COUNT
 } shade_diffuse;
+typedef enum shade_horizon {
+  SHADE_TABLE_HORIZON(SHADE_HORIZON_ROW_) SHADE_HORIZON_COUNT
+} shade_horizon;
 typedef enum shade_roughness {
   SHADE_TABLE_ROUGHNESS(SHADE_ROUGHNESS_ROW_) SHADE_ROUGHNESS_COUNT
 } shade_roughness;
@@ -74,6 +80,7 @@ typedef enum shade_list {
   SHADE_LIST_GROOVE,
   SHADE_LIST_FRESNEL,
   SHADE_LIST_DIFFUSE,
+  SHADE_LIST_HORIZON,
   SHADE_LIST_COUNT
 } shade_list;
 
@@ -105,6 +112,7 @@ typedef struct shade_params {
   shade_diffuse diffuse;
   double kd[3];        /* diffuse reflectance, linear RGB, [0, 1]; 0: no diffuse part */
   double eta[3], k[3]; /* for SHADE_FRESNEL_CONDUCTOR: complex index, [1e-3, 100] and [0, 100] */
+  shade_horizon horizon;
 } shade_params;
 
 /* How h is carried: the detail method and groove axis, resolved. Private. */
@@ -139,6 +147,7 @@ typedef struct shade_bsdf {
   double kd[3];
   float kxf, kyf, peakf, gxf, gyf;
   float f0f[3], tintf[3], kf[3], kdf[3];
+  shade_horizon horizon; /* hard where n is ignored */
 } shade_bsdf;
 
 /* Set every member of *p to the table's default. */
@@ -213,7 +222,27 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * The BRDF f(wi, wo), RGB, in 1/sr, without the cosine, and that cosine
  * (n.wi, or wi.z for SHADE_DETAIL_NONE; at least 0) in *cosine if it is not NULL.
  * A picture is f * cosine * irradiance. f is 0 where n.wi, n.wo, wi.z or wo.z
- * is <= 0. Returns status bits.
+ * is <= 0, unless p->horizon says otherwise. Returns status bits.
+ *
+ * Horizons, all of them exactly `hard` where n = z, and with SHADE_DETAIL_NONE:
+ *   hard              the rule above. Reciprocal where the BRDF is
+ *   valid_reflection  n is first bent towards z until the mirror image of wo has a z of
+ *                     min(0.9 wo.z, 0.01); f and the cosine are those of the bent n. f cos
+ *                     does not jump where n.wo passes 0. Not reciprocal
+ *   estevez, chiang   f times a factor from 0 (wi.z = 0) to 1: f cos does not jump where wi.z
+ *                     passes 0. estevez: 2/(1 + sqrt(1 + a^2 tan^2)), tan that of wi from z and
+ *                     a^2 = min(1, tan^2/8) of n from z; chiang: g + g^2 - g^3 with
+ *                     g = min(1, wi.z/(n.z n.wi)). Not reciprocal
+ *   schuessler        the surface is made of facets with normal n and upright mirrors that face
+ *                     the other way, in the proportion that makes it flat as a whole, each
+ *                     hiding and shading the other; one reflection at n, at most one at a
+ *                     mirror. With p(w) = max(n.w, 0) and q(w) = max(-(nx wx + ny wy), 0), wi'
+ *                     and wo' mirrored at the upright facet, f is
+ *                     nz (p(wi) p(wo) f(wi, wo) + q(wi) p(wo) f(wi', wo) + p(wi) q(wo) f(wi, wo'))
+ *                     / ((p(wi) + q(wi)) (p(wo) + q(wo))), those f by the rule of `hard`. The
+ *                     cosine is wi.z, not n.wi, and f does not vanish where n.wi < 0. Reciprocal
+ *                     where the BRDF is, no albedo above the BRDF's largest
+ * [Cycles ensure_valid_specular_reflection; Estevez2019; Chiang2019; Schuessler2017]
  *
  * f includes the diffuse part kd Phi/(pi cos), with fibres along the groove axis of the
  * frame that `rotate` makes of n, whatever the detail method (`none`: n = z). Phi of the

@@ -79,6 +79,18 @@
   ROW(ASHIKHMIN_SHIRLEY, ashikhmin_shirley, 5, "Ashikhmin-Shirley",                                \
       "What their specular term leaves, without fibres")
 
+/* What becomes of light and eye near the perturbed horizon and below it. */
+#define SHADE_TABLE_HORIZON(ROW)                                                                   \
+  ROW(HARD, hard, 0, "Hard", "Black below the perturbed horizon and below the surface's own")      \
+  ROW(VALID_REFLECTION, valid_reflection, 1, "Valid reflection",                                   \
+      "Bend the normal until the eye's mirror image is above the surface, as Cycles does")         \
+  ROW(ESTEVEZ, estevez, 2, "Estevez",                                                              \
+      "Fade light towards the surface's horizon by a microfacet shadow of the bump's slope")       \
+  ROW(CHIANG, chiang, 3, "Chiang",                                                                 \
+      "Fade light by a smooth cubic where the bumped side catches more of it than the surface")    \
+  ROW(SCHUESSLER, schuessler, 4, "Schuessler",                                                     \
+      "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")
+
 /* Parameters of a material. */
 #define SHADE_TABLE_PARAMS(ROW)                                                                    \
   ROW(ex, REAL, "", 0.0, 1e6, 200.0, "Exponent along the tangent; larger is narrower")             \

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Light and eye near the perturbed horizon: the factors of the choices of
+ * SHADE_TABLE_HORIZON, stated in shade.h. Directions are unit, n.z > 0.
+ * Errors of f against the reference on the same inputs, where n.wi, n.wo, wi.z and wo.z are
+ * 0.05 at least: held by test/test_horizon.c.
+ */
+
+/*
+ * n bent towards z, in the plane of both, until the mirror image of wo has z = t,
+ * t = min(0.9 wo.z, 0.01): in that plane the bent normal halves the angle between the
+ * projections of wo, (a, c), and of the image, (s, t), which are equally long. Only then is n
+ * changed. [the aim, and t, are those of Cycles' ensure_valid_specular_reflection]
+ */
+LEAF void FN(bend)(real n[3], const real wo[3]) {
+  real side2 = n[0] * n[0] + n[1] * n[1];
+  real along = n[0] * wo[0] + n[1] * wo[1];
+  real c = wo[2], t = FN(minimum)(R(0.9) * c, R(0.01));
+  int low = (2 * (along + n[2] * c) * n[2] - c < t) & (c > 0) & (side2 > TINY);
+  real side = FN(root)(low ? side2 : 1);
+  real a = along / side;
+  real over = (c - t) * (c + t); /* s^2 - a^2 */
+  real s = FN(root)(a * a + FN(maximum)(over, 0));
+  /* s + a without cancellation; both are 0 only where wo is normal to that plane */
+  real x = a < 0 ? FN(maximum)(over, 0) / FN(maximum)(s - a, TINY) : s + a;
+  real z = c + t;
+  real scale = 1 / FN(root)(FN(maximum)(x * x + z * z, TINY));
+  n[0] = low ? n[0] / side * (x * scale) : n[0];
+  n[1] = low ? n[1] / side * (x * scale) : n[1];
+  n[2] = low ? z * scale : n[2];
+}
+
+/*
+ * Smith's shadow of wi from z, for GGX of alpha^2 = tan^2/8 (1 at most), tan that of n from z.
+ * [Estevez2019 Listing 12-1]
+ */
+LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
+  real alpha2 = FN(minimum)(R(0.125) * (nx * nx + ny * ny) / FN(maximum)(nz * nz, TINY), 1);
+  real z = FN(maximum)(wiz, 0);
+  real sum = z + FN(root)(z * z + alpha2 * (wix * wix + wiy * wiy));
+  return 2 * z / FN(maximum)(sum, TINY);
+}
+
+/* The cubic in g = wi.z/(n.z n.wi) that meets 1 without a kink at g = 1. [Chiang2019] */
+LEAF real FN(shadow_chiang)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
+  real z = FN(maximum)(wiz, 0);
+  real cosine = nz * (nx * wix + ny * wiy + nz * wiz);
+  real g = z < cosine ? z / FN(maximum)(cosine, TINY) : 1;
+  return g + g * g * (1 - g);
+}
+
+/*
+ * Shares of the two facets that w, above z, sees: that of the bumped one, p/(p + q), and that
+ * of the upright one, q/(p + q). [Schuessler2017 Eq. 8]
+ */
+LEAF real FN(share_upright)(real nx, real ny, real nz, real wx, real wy, real wz) {
+  real side = nx * wx + ny * wy;
+  real p = FN(maximum)(side + nz * wz, 0), q = FN(maximum)(-side, 0);
+  return q / FN(maximum)(p + q, TINY);
+}
+LEAF real FN(share_bumped)(real nx, real ny, real nz, real wx, real wy, real wz) {
+  real side = nx * wx + ny * wy;
+  real p = FN(maximum)(side + nz * wz, 0), q = FN(maximum)(-side, 0);
+  return p / FN(maximum)(p + q, TINY);
+}
+
+/* How much of (nx, ny) to take from w to mirror it at the upright facet: 2 (w.m)/(m.m). */
+LEAF real FN(mirror_step)(real nx, real ny, real wx, real wy) {
+  real side2 = nx * nx + ny * ny;
+  return side2 > TINY ? 2 * (nx * wx + ny * wy) / side2 : 0;
+}
