@@ -20,6 +20,7 @@ ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
 O := $(B)/obj
 SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o \
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif.o
+SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o
 REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
@@ -41,7 +42,7 @@ PNG_LIBS := $(shell printf '\043include <png.h>\nint main(void){return 0;}' | \
   $(CC) $(PNG_CFLAGS) -xc - -o /dev/null -lpng16 2>/dev/null && echo -lpng16)
 IMAGE_FORMATS := $(TOOL_EXR) $(if $(PNG_LIBS),-DHAVE_PNG)
 IMAGE_OBJ += $(if $(EXR_LIBS),$(O)/image/image_exr.o) $(if $(PNG_LIBS),$(O)/image/image_png.o)
-TOOL_OBJ += $(IMAGE_OBJ)
+TOOL_OBJ += $(IMAGE_OBJ) $(O)/tool/scratch.o
 
 # a tool built before a library came, or after it went, is built again
 EXR_SEEN := $(O)/tool/openexr-$(if $(EXR_LIBS),yes,no)

@@ -14,6 +14,7 @@ static const struct {
 } commands[] = {
     {"eval", shade_cmd_eval, "evaluate a distribution or BRDF for queries on standard input"},
     {"bench", shade_cmd_bench, "time every method beside its error"},
+    {"scratch", shade_cmd_scratch, "make a map of scratches"},
     {"check", shade_cmd_check, "recompute a renderer's dump with the reference"},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A mip pyramid of slope moments. Private to src/.
+ *
+ * A texel holds MOMENTS floats: the means of (height, sx, sy, sx^2, sx sy, sy^2) over its
+ * part of the texture. Means of means are means: every level keeps them exactly, since
+ * reductions weight each texel by what the larger one covers of it, at odd sizes too. What a
+ * lookup interpolates is moments; the covariance is taken last. [OlanoBaker2010]
+ */
+#ifndef SHADE_SRC_MOMENTS_H
+#define SHADE_SRC_MOMENTS_H
+
+#include <stddef.h>
+
+#include "shade/maps.h"
+
+enum { MOMENTS = 6, MOMENT_LEVELS = 17 };
+enum { MOMENT_H, MOMENT_X, MOMENT_Y, MOMENT_XX, MOMENT_XY, MOMENT_YY };
+
+/* Index of texel i of n where i may lie outside. */
+typedef enum moment_wrap { WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR } moment_wrap;
+
+static inline int wrap_index(int i, int n, moment_wrap wrap) {
+  if (i >= 0 && i < n)
+    return i;
+  if (wrap == WRAP_CLAMP)
+    return i < 0 ? 0 : n - 1;
+  const int period = wrap == WRAP_MIRROR ? 2 * n : n;
+  i %= period;
+  i += i < 0 ? period : 0;
+  return i < n ? i : period - 1 - i;
+}
+
+typedef struct moment_level {
+  int width, height;
+  float *texels; /* row 0 is the top */
+} moment_level;
+
+typedef struct moment_pyramid {
+  int levels;
+  moment_wrap wrap;
+  moment_level level[MOMENT_LEVELS];
+} moment_pyramid;
+
+/* Moments of row j of a picture of width x height texels, into `to`. */
+typedef void moment_row(const void *context, int j, float *to);
+
+/*
+ * Build all levels down to 1 x 1; level 0 has (width/shrink) x (height/shrink) texels, at
+ * least 1, reduced from the rows that `row` makes. 0, or -1 when out of memory.
+ */
+int moments_create(moment_pyramid *p, int width, int height, int shrink, moment_wrap wrap,
+                   moment_row *row, const void *context);
+void moments_free(moment_pyramid *p);
+
+/* Longer side of the footprint's ellipse, in texels of level 0. */
+double moments_extent(const moment_pyramid *p, const double footprint[4]);
+
+/*
+ * Mean moments over a footprint about (u, v). The filter is smooth; its second moment is
+ * that of the parallelogram, unless that is below one texel's or more than 16 times longer
+ * than wide.
+ */
+void moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
+                    double out[MOMENTS]);
+
+/* How far (0…1) a lookup leaves sampling for the pyramid, for a footprint of this extent. */
+double moments_blend(double extent);
+
+/* The moments of one slope added, `weight` times. */
+void moments_add(double sum[MOMENTS], double weight, double height, double x, double y);
+void moments_slopes(const double moments[MOMENTS], shade_slopes *s);
+void moments_flat(shade_slopes *s);
+
+#endif
