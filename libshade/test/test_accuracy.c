@@ -115,8 +115,6 @@ static void bounds(void **state) {
           }
           print_message(" %s %.1e", shade_list_word(SHADE_LIST_MDF, m), worst);
           double bound = is_warp((shade_detail)d) ? ranges[r].warp_bound : ranges[r].bound;
-          if (d >= SHADE_DETAIL_DEFORM_LINEAR_CONSERVING) /* the reference differentiates */
-            bound = fmax(bound, 1e-10);
           assert_true(worst <= bound);
         }
         print_message("\n");

@@ -11,6 +11,23 @@ static void random_triple(uint64_t *seed, double n[3], double wi[3], double wo[3
   spherical(1.6 * uniform(seed), 2 * PI * uniform(seed), wo);
 }
 
+/* Turn w about n until n.w is the cosine given. */
+static void lower(const double n[3], double w[3], double cosine) {
+  double d = 0, level = 0, length = 0;
+  for (int c = 0; c < 3; c++)
+    d += n[c] * w[c];
+  for (int c = 0; c < 3; c++) {
+    w[c] -= d * n[c];
+    level += w[c] * w[c];
+  }
+  for (int c = 0; c < 3; c++) {
+    w[c] = w[c] * sqrt((1 - cosine * cosine) / level) + cosine * n[c];
+    length += w[c] * w[c];
+  }
+  for (int c = 0; c < 3; c++)
+    w[c] /= sqrt(length);
+}
+
 static int is_warp(shade_detail d) {
   return d == SHADE_DETAIL_DEFORM_LINEAR || d == SHADE_DETAIL_DEFORM_SMOOTH ||
          d == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING || d == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
@@ -58,31 +75,39 @@ static void by_hand(void **state) {
   assert_near(cosine, sqrt(.75), 1e-15);
 }
 
+/* Light's and eye's cosines with the pole that the BRDF takes them from. */
+static void cosines_of(const shade_params *p, const double n[3], const double wi[3],
+                       const double wo[3], double *cosi, double *coso) {
+  const double z[3] = {0, 0, 1}, *pole = p->detail == SHADE_DETAIL_NONE ? z : n;
+  *cosi = *coso = 0;
+  for (int c = 0; c < 3; c++) {
+    *cosi += pole[c] * wi[c];
+    *coso += pole[c] * wo[c];
+  }
+}
+
 /*
- * Where a relative error means something: both cosines are well away from the horizon,
- * which they lose digits at, and the warps are within their own domain.
+ * Where a relative error means something: light and eye are above the horizon, which cosines
+ * lose their digits at, and h is within the domain of the distributions and warps.
  */
 static int well_inside(const shade_params *p, const double n[3], const double wi[3],
-                       const double wo[3], double least) {
-  const double z[3] = {0, 0, 1}, *pole = p->detail == SHADE_DETAIL_NONE ? z : n;
-  double cosi = 0, coso = 0, h[3], m[3];
+                       const double wo[3]) {
+  double cosi, coso, h[3], m[3], length = 0;
+  cosines_of(p, n, wi, wo, &cosi, &coso);
   for (int c = 0; c < 3; c++) {
-    cosi += pole[c] * wi[c];
-    coso += pole[c] * wo[c];
     h[c] = wi[c] + wo[c];
+    length += h[c] * h[c];
   }
-  double length = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
   for (int c = 0; c < 3; c++)
-    h[c] /= length;
+    h[c] /= sqrt(length);
   shade_ref_carried(p, n, h, m);
-  int warp = is_warp(p->detail);
-  return fmin(cosi, coso) >= least && m[2] >= (warp ? 0.5 : 0.05);
+  return fmin(cosi, coso) >= 1e-3 && m[2] >= (is_warp(p->detail) ? 0.5 : 0.05);
 }
 
 static void against_reference(void **state) {
   (void)state;
   uint64_t seed = 11;
-  double worst = 0, worstf = 0, worst_warp = 0, worst_conserving = 0;
+  double worst = 0, worstf = 0, worst_warp = 0;
   int lit = 0;
   for (int k = 0; k < 100000; k++) {
     shade_params p = random_params(&seed);
@@ -99,6 +124,8 @@ static void against_reference(void **state) {
     shade_bsdf_setup(&b, &p);
     double n[3], wi[3], wo[3], f[3], want[3], cosine, want_cosine;
     random_triple(&seed, n, wi, wo);
+    if (k % 8 >= 6) /* to the horizon */
+      lower(n, k % 8 == 6 ? wi : wo, pow(10, -3 * uniform(&seed)));
     unsigned status = shade_bsdf_eval(&b, n, wi, wo, f, &cosine);
     assert_int_equal(status, shade_ref_f(&p, n, wi, wo, want, &want_cosine));
     assert_near(cosine, want_cosine, 1e-15);
@@ -106,13 +133,10 @@ static void against_reference(void **state) {
       /* at a horizon one rounding decides, and exp(-a) ends at 1e-304 */
       if (fmin(fmin(want_cosine, wi[2]), wo[2]) > 1e-6)
         assert_true(want[c] > 0 ? f[c] > 0 || want[c] < 1e-290 : f[c] == 0);
-      if (want[c] < 1e-12 * b.peak || !well_inside(&p, n, wi, wo, 1e-3))
+      if (want[c] < 1e-12 * b.peak || !well_inside(&p, n, wi, wo))
         continue;
       lit++;
-      /* the reference differentiates the conserving warps */
-      double *tally =
-          p.detail >= SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ? &worst_conserving : &worst;
-      *tally = fmax(*tally, fabs(f[c] - want[c]) / (want[c] + p.kd[c]));
+      worst = fmax(worst, fabs(f[c] - want[c]) / (want[c] + p.kd[c]));
     }
     /* float directions, taken as they are; the reference makes them unit */
     float fv[9], ff[3], cosinef;
@@ -124,20 +148,23 @@ static void against_reference(void **state) {
     shade_bsdf_evalf(&b, fv, fv + 3, fv + 6, ff, &cosinef);
     shade_ref_f(&p, n, wi, wo, want, &want_cosine);
     assert_near((double)cosinef, want_cosine, 5e-7);
+    /* leaf_brdf.h: what the roundings of float cosines make of those that divide by them */
+    double cosi, coso, grazing = 0;
+    cosines_of(&p, n, wi, wo, &cosi, &coso);
+    if (!metal)
+      grazing = 1e-7 / cosi + 1e-7 / coso;
     for (int c = 0; c < 3; c++)
-      if (want[c] >= 1e-12 * b.peak &&
-          (metal ? want_cosine >= 1e-3 : well_inside(&p, n, wi, wo, 0.05))) {
-        int warp = is_warp(p.detail);
-        double *tally = warp ? &worst_warp : &worstf;
-        *tally = fmax(*tally, fabs((double)ff[c] - want[c]) / (want[c] + p.kd[c]));
+      if (want[c] >= 1e-12 * b.peak && (metal ? want_cosine >= 1e-3 : well_inside(&p, n, wi, wo))) {
+        double *tally = is_warp(p.detail) ? &worst_warp : &worstf;
+        double error = fabs((double)ff[c] - want[c]) / (want[c] + p.kd[c]);
+        *tally = fmax(*tally, error - grazing);
       }
   }
   print_message("f: %d values, double %.1e, float %.1e, float warps %.1e\n", lit, worst, worstf,
                 worst_warp);
   assert_true(lit > 10000);
   assert_true(worst <= 1e-12);
-  assert_true(worst_conserving <= 1e-10);
-  assert_true(worstf <= 5e-5);
+  assert_true(worstf <= 4e-5);
   assert_true(worst_warp <= 1e-4);
 }
 

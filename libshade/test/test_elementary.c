@@ -78,6 +78,8 @@ static void smith(void **state) {
     double w = exp2(exponent);
     float wf = (float)w;
     worst = fmax(worst, relative(smith_gaussian(w), gaussian((long double)w)));
+    assert_true(relative(smith_ggx(w), sqrtl(1 + (long double)w)) <= 2.3e-16);
+    assert_true(relative((long double)smith_ggxf(wf), sqrtl(1 + (long double)wf)) <= 1.2e-7);
     worstf = fmax(worstf, relative((long double)smith_gaussianf(wf), gaussian((long double)wf)));
   }
   print_message("1 + 2 Lambda: worst relative error double %.2e, float %.2e\n", worst, worstf);

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The errors that kernel/leaf_detail.h, leaf_repair.h, leaf_diffuse.h and leaf_brdf.h state of
+ * single leaves, against the reference or long double.
+ */
+#include <string.h>
+
+#include "support.h"
+#include "kernel/coefficients.h"
+
+#define SHADE_FLOAT 1
+#include "kernel/real.h"
+#include "kernel/elementary.h"
+#include "kernel/leaf_detail.h"
+#include "kernel/leaf_brdf.h"
+#include "kernel/leaf_fresnel.h"
+#include "kernel/leaf_diffuse.h"
+#include "kernel/leaf_repair.h"
+#undef SHADE_FLOAT
+#define SHADE_FLOAT 0
+#include "kernel/real.h"
+#include "kernel/elementary.h"
+#include "kernel/leaf_detail.h"
+#include "kernel/leaf_brdf.h"
+#include "kernel/leaf_fresnel.h"
+#include "kernel/leaf_diffuse.h"
+#include "kernel/leaf_repair.h"
+
+/* n tilted to 89.9 degrees (warps 75), h anywhere above its carried horizon. */
+static void draw(uint64_t *seed, double tilt, double n[3], double h[3], float nf[3], float hf[3]) {
+  spherical(tilt * PI / 180 * uniform(seed), 2 * PI * uniform(seed), n);
+  spherical(PI / 2 * uniform(seed), 2 * PI * uniform(seed), h);
+  double near = uniform(seed), length = 0; /* as often close to n as far from it */
+  near *= near;
+  for (int c = 0; c < 3; c++) {
+    h[c] = n[c] + near * (h[c] - n[c]);
+    length += h[c] * h[c];
+  }
+  for (int c = 0; c < 3; c++) {
+    h[c] /= sqrt(length);
+    nf[c] = (float)n[c];
+    hf[c] = (float)h[c];
+  }
+}
+
+static lobe_point leaf(shade_detail d, const double n[3], const double h[3]) {
+  switch (d) {
+  case SHADE_DETAIL_NONE:
+    return detail_none(h[0], h[1], h[2]);
+  case SHADE_DETAIL_PERTURB:
+    return detail_perturb(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_ROTATE:
+    return detail_rotate(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_SHORTEST_ARC:
+    return detail_shortest_arc(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_ROTATE_APPROXIMATE:
+    return detail_rotate_approximate(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_DEFORM_LINEAR:
+    return detail_deform_linear(n[0], n[1], n[2], h[0], h[1], h[2]);
+  default:
+    return detail_deform_smooth(n[0], n[1], n[2], h[0], h[1], h[2]);
+  }
+}
+static lobe_pointf leaff(shade_detail d, const float n[3], const float h[3]) {
+  switch (d) {
+  case SHADE_DETAIL_NONE:
+    return detail_nonef(h[0], h[1], h[2]);
+  case SHADE_DETAIL_PERTURB:
+    return detail_perturbf(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_ROTATE:
+    return detail_rotatef(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_SHORTEST_ARC:
+    return detail_shortest_arcf(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_ROTATE_APPROXIMATE:
+    return detail_rotate_approximatef(n[0], n[1], n[2], h[0], h[1], h[2]);
+  case SHADE_DETAIL_DEFORM_LINEAR:
+    return detail_deform_linearf(n[0], n[1], n[2], h[0], h[1], h[2]);
+  default:
+    return detail_deform_smoothf(n[0], n[1], n[2], h[0], h[1], h[2]);
+  }
+}
+
+/* Errors of the slopes along x and y, over 1 + tan^2; -1 where the horizon was missed. */
+static double slope_error(shade_detail d, const double n[3], const double h[3], double t, double xx,
+                          double yy) {
+  shade_params p;
+  shade_params_init(&p);
+  p.detail = d;
+  p.groove = SHADE_GROOVE_X;
+  double m[3];
+  shade_ref_carried(&p, n, h, m);
+  if (m[2] < (d >= SHADE_DETAIL_DEFORM_LINEAR ? .5 : .05))
+    return m[2] < -1e-6 && t >= 0 ? 1e30 : 0;
+  double x = fabs(sqrt(xx) - fabs(m[0] / m[2])), y = fabs(sqrt(yy) - fabs(m[1] / m[2]));
+  return t < 0 ? 1e30 : fmax(x, y) / (1 + (m[0] * m[0] + m[1] * m[1]) / (m[2] * m[2]));
+}
+
+static void slopes(void **state) {
+  (void)state;
+  static const struct {
+    shade_detail detail;
+    double single, twice;
+  } bounds[] = {
+      {SHADE_DETAIL_NONE, 2e-7, 4e-16},
+      {SHADE_DETAIL_PERTURB, 2e-7, 4e-16},
+      {SHADE_DETAIL_ROTATE, 2e-7, 4e-16},
+      {SHADE_DETAIL_SHORTEST_ARC, 2e-7, 4e-16},
+      {SHADE_DETAIL_ROTATE_APPROXIMATE, 2e-7, 4e-16},
+      {SHADE_DETAIL_DEFORM_LINEAR, 5e-7, 1.5e-15},
+      {SHADE_DETAIL_DEFORM_SMOOTH, 5e-7, 1.5e-15},
+  };
+  for (size_t k = 0; k < sizeof bounds / sizeof bounds[0]; k++) {
+    shade_detail d = bounds[k].detail;
+    double worst = 0, worstf = 0;
+    uint64_t seed = 3;
+    for (int i = 0; i < 200000; i++) {
+      double n[3], h[3];
+      float nf[3], hf[3];
+      draw(&seed, d >= SHADE_DETAIL_DEFORM_LINEAR ? 75 : 89.9, n, h, nf, hf);
+      lobe_point p = leaf(d, n, h);
+      worst = fmax(worst, slope_error(d, n, h, p.t, p.xx, p.yy));
+      for (int c = 0; c < 3; c++) {
+        n[c] = (double)nf[c];
+        h[c] = (double)hf[c];
+      }
+      lobe_pointf q = leaff(d, nf, hf);
+      worstf = fmax(worstf, slope_error(d, n, h, (double)q.t, (double)q.xx, (double)q.yy));
+    }
+    print_message("%s: slopes, double %.1e, float %.1e\n",
+                  shade_list_word(SHADE_LIST_DETAIL, (int)d), worst, worstf);
+    assert_true(worst <= bounds[k].twice);
+    assert_true(worstf <= bounds[k].single);
+  }
+}
+
+static void units(void **state) {
+  (void)state;
+  uint64_t seed = 5;
+  double length = 0, lengthf = 0, way = 0, wayf = 0, across = 0, acrossf = 0, half = 0, halff = 0;
+  for (int i = 0; i < 300000; i++) {
+    double v[3], n[3], size = pow(10, 600 * uniform(&seed) - 300);
+    float vf[3], sizef = (float)pow(10, 60 * uniform(&seed) - 30);
+    spherical(PI * uniform(&seed), 2 * PI * uniform(&seed), n);
+    long double exact[3], exactf[3], sum = 0, sumf = 0, got = 0, gotf = 0;
+    for (int c = 0; c < 3; c++) {
+      exact[c] = (long double)(v[c] = n[c] * size);
+      exactf[c] = (long double)(vf[c] = (float)n[c] * sizef);
+    }
+    for (int c = 0; c < 3; c++) {
+      sum += (exact[c] / size) * (exact[c] / size);
+      sumf += (exactf[c] / sizef) * (exactf[c] / sizef);
+    }
+    assert_true(make_unit(v) && make_unitf(vf));
+    for (int c = 0; c < 3; c++) {
+      got += (long double)v[c] * v[c];
+      gotf += (long double)vf[c] * (long double)vf[c];
+      way = fmax(way, (double)fabsl(v[c] - exact[c] / size / sqrtl(sum)));
+      wayf = fmax(wayf, (double)fabsl((long double)vf[c] - exactf[c] / sizef / sqrtl(sumf)));
+    }
+    length = fmax(length, (double)fabsl(sqrtl(got) - 1));
+    lengthf = fmax(lengthf, (double)fabsl(sqrtl(gotf) - 1));
+
+    double w[3];
+    float nf[3], wf[3];
+    spherical(89.9 * PI / 180 * uniform(&seed), 2 * PI * uniform(&seed), n);
+    spherical(PI / 2 * uniform(&seed), 2 * PI * uniform(&seed), w);
+    for (int c = 0; c < 3; c++) {
+      nf[c] = (float)n[c];
+      wf[c] = (float)w[c];
+    }
+    for (int single = 0; single < 2; single++) {
+      long double a[3], b[3];
+      for (int c = 0; c < 3; c++) {
+        a[c] = single ? (long double)nf[c] : n[c];
+        b[c] = single ? (long double)wf[c] : w[c];
+      }
+      long double y = a[0] * (a[0] * b[1] - a[1] * b[0]) + a[2] * (a[2] * b[1] - a[1] * b[2]);
+      y /= sqrtl(a[0] * a[0] + a[2] * a[2]);
+      long double h = sqrtl((a[0] + b[0]) * (a[0] + b[0]) + (a[1] + b[1]) * (a[1] + b[1]) +
+                            (a[2] + b[2]) * (a[2] + b[2])) /
+                      2;
+      if (h > 1)
+        h = 1;
+      if (single) {
+        acrossf = fmax(
+            acrossf, (double)fabsl(
+                         (long double)across_fibref(nf[0], nf[1], nf[2], wf[0], wf[1], wf[2]) - y));
+        halff = fmax(
+            halff, (double)fabsl(
+                       (long double)half_cosinef(nf[0] + wf[0], nf[1] + wf[1], nf[2] + wf[2]) - h));
+      } else {
+        across = fmax(across, (double)fabsl(across_fibre(n[0], n[1], n[2], w[0], w[1], w[2]) - y));
+        half = fmax(half, (double)fabsl(half_cosine(n[0] + w[0], n[1] + w[1], n[2] + w[2]) - h));
+      }
+    }
+  }
+  print_message("make_unit: length off by %.1e, float %.1e; components %.1e, %.1e\n", length,
+                lengthf, way, wayf);
+  print_message("across_fibre: %.1e, float %.1e; half_cosine: %.1e, %.1e\n", across, acrossf, half,
+                halff);
+  assert_true(length <= 3e-16 && lengthf <= 2e-7);
+  assert_true(way <= 3e-16 && wayf <= 2e-7);
+  assert_true(across <= 6e-16 && acrossf <= 3e-7);
+  assert_true(half <= 3e-16 && halff <= 2e-7);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(slopes), cmocka_unit_test(units)};
+  return cmocka_run_group_tests_name("leaves", tests, NULL, NULL);
+}
