@@ -77,7 +77,7 @@ $(O)/tool/%.o: $(L)/tool/%.c $(L)/libshade.mk
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
 # what `shade bench` times beside the library, under the library's flags
-$(O)/tool/literal_%.o: $(L)/tool/literal.c $(L)/libshade.mk
+$(ISAS:%=$(O)/tool/literal_%.o): $(O)/tool/literal_%.o: $(L)/tool/literal.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(ISA_$*) -DISA=$* $(CFLAGS) -MMD -c $< -o $@
