@@ -97,6 +97,8 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -pthread -lm -o $@
 
+# the compiler makes these beside its objects: no rule is to be looked for
+%.d: ;
 -include $(wildcard $(O)/*/*.d)
 
 # Tests: one cmocka program per behaviour. `check-libshade` runs them as built, then once
