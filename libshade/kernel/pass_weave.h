@@ -33,10 +33,13 @@ LEAF void FN(weave_surface)(const shade_weave *w, int kind, const FN(weave_point
   real a = 0, c = y->curve * p->sigma, light = 1;
   if (y->segments > 0)
     a = y->ridge * FN(weave_ridge)(y->segments, y->slant, p->s, p->sigma);
-  if (y->crimp > 0)
+  if (y->crimp > 0) {
+    /* beyond the float's other end the slope there would not be met from the other side */
+    const real per_length = FN(maximum)(y->per_crimp_length, 1 / (real)(before + after + 1));
     a += side * y->crimp *
-         (FN(weave_dive)((real)after + 1 - p->s, y->per_crimp_length) -
-          FN(weave_dive)((real)before + p->s, y->per_crimp_length));
+         (FN(weave_dive)((real)after + 1 - p->s, per_length) -
+          FN(weave_dive)((real)before + p->s, per_length));
+  }
   if (y->vary_tilt > 0) {
     a += y->vary_tilt * FN(weave_random)(seed, p->base + WEAVE_VARY_TILT_ALONG, p->yarn, 0);
     c += y->vary_tilt * FN(weave_random)(seed, p->base + WEAVE_VARY_TILT_ACROSS, p->yarn, 0);

@@ -130,10 +130,11 @@ typedef enum shade_occlusion {
  * across the yarn: tan theta = 2 slant l_w / width, l_w being the crossing along the yarn.
  *
  * Crimp: a yarn dives where it passes under another. With d+ and d- the distances to the end
- * of the float before and behind, w(d) = (1 - t)^2 (1 + 2t), t = min(d / crimp_length, 1):
+ * of the float before and behind, w(d) = (1 - t)^2 (1 + 2t), t = min(d / length, 1), length
+ * the smaller of crimp_length and the whole float:
  *   crimp(s) = +-crimp (w(d+) - w(d-)), + above, - below the other yarns:
  * the slope is steepest where the yarn changes sides, continuous there, and flat in the
- * middle of long floats. The profile's height is its integral, a smooth arch.
+ * middle of long floats.
  * [KangFabric, corrected: its modulus, slant and twist term; crimp: in place of the arcs and
  * straight lines of Peirce1937 a smooth profile]
  */
