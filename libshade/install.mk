@@ -31,7 +31,7 @@ INSTALLED_FILES = $(BINDIR)/shade $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED)
 
 # directories below the prefix are written in its terms, so that the file can be moved with them
 in_prefix = $(patsubst $(PREFIX)/%,$${prefix}/%,$(1))
-define PKGCONFIG
+define SHADE_PC
 prefix=$(PREFIX)
 libdir=$(call in_prefix,$(LIBDIR))
 includedir=$(call in_prefix,$(INCLUDEDIR))
@@ -43,7 +43,8 @@ Cflags: -I$${includedir}
 Libs: -L$${libdir} -lshade
 Libs.private: -lm
 endef
-export PKGCONFIG
+# a name of our own: POV-Ray's configure reads PKGCONFIG
+export SHADE_PC
 
 .PHONY: install uninstall
 install: all
@@ -56,7 +57,7 @@ install: all
 	$(INSTALL) -m 644 $(INSTALLED_HEADERS) $(DESTDIR)$(INCLUDEDIR)/shade
 	$(INSTALL) -m 644 $(INSTALLED_MAN1) $(DESTDIR)$(MANDIR)/man1
 	$(INSTALL) -m 644 $(INSTALLED_MAN3) $(DESTDIR)$(MANDIR)/man3
-	@echo "$$PKGCONFIG" >$(DESTDIR)$(PKGCONFIGDIR)/libshade.pc && \
+	@echo "$$SHADE_PC" >$(DESTDIR)$(PKGCONFIGDIR)/libshade.pc && \
 	  chmod 644 $(DESTDIR)$(PKGCONFIGDIR)/libshade.pc
 
 # what `install` of this version, with these directories, put there
