@@ -99,6 +99,7 @@ def material(**changes):
         "eta": (0.5, 0.5, 0.5),
         "k": (3, 3, 3),
         "diffuse": "LAMBERT",
+        "horizon": "HARD",
         "kd": (0, 0, 0),
         "color_image": -1,
         "normal_image": -1,

@@ -14,6 +14,7 @@ from native_scenes import (
     image,
     material,
     mesh,
+    native,
     ortho,
     persp,
     point,
@@ -72,6 +73,23 @@ def test_normal_strength_is_that_of_cycles(tmp_path):
         keep = min(strength, 1)
         wanted = unit(np.array([n[0] * strength, n[1] * strength, 1 + keep * (n[2] - 1)]))
         np.testing.assert_allclose(vectors(planes, "Ns")[8, 8], wanted, atol=4e-5)
+
+
+@pytest.mark.parametrize("horizon", [row["word"] for row in native.table()["lists"]["horizon"]])
+def test_horizon_is_shaded_and_told(horizon, tmp_path):
+    """A steep bump under a low light, which each choice sees in its own way."""
+    path = tmp_path / "d.exr"
+    n, light = unit(np.array([0.75, 0, 0.66])), unit(np.array([0.6, 0.1, 0.25]))
+    changes = {"lights": [sun(light)], "images": [flat_normal_map(n)]}
+    materials = {h: material(normal_image=0, ex=5.0, ey=5.0, horizon=h) for h in {horizon, "hard"}}
+    planes, header = dump(scene(materials=[materials[horizon]], **changes), path)
+    assert json.loads(header)["materials"][0]["horizon"] == horizon
+    done = subprocess.run([ROOT / "build/shade", "check", path], capture_output=True, text=True,
+                          check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    hard, _ = dump(scene(materials=[materials["hard"]], **changes), path)
+    same = vectors(planes, "light0.S", "RGB") == vectors(hard, "light0.S", "RGB")
+    assert same.all() == (horizon == "hard")
 
 
 def test_point_light_falls_off_with_the_square(tmp_path):

@@ -3,6 +3,10 @@
  * The choices of SHADE_TABLE_HORIZON, around the evaluation of `hard`: n bent before it,
  * a factor after it, or three of it.
  */
+static int FN(bends)(const shade_bsdf *b) {
+  return b->horizon == SHADE_HORIZON_VALID_REFLECTION || b->horizon == SHADE_HORIZON_VALID_ESTEVEZ;
+}
+
 static void FN(pass_bend)(size_t count, const real *restrict nx, const real *restrict ny,
                           const real *restrict nz, const real *restrict wox,
                           const real *restrict woy, const real *restrict woz, real *restrict bx,
@@ -128,27 +132,25 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
              in->f0b ? in->f0b + start : NULL};
     const FN(shade_result)
         result = {out->r + start, out->g + start, out->b + start, out->cosine + start};
-    real *to[4] = {result.r, result.g, result.b, result.cosine}, *factor = bent[0];
-    switch (b->horizon) {
-    case SHADE_HORIZON_VALID_REFLECTION:
-      FN(pass_bend)
-      (size, v[0][0], v[0][1], v[0][2], v[2][0], v[2][1], v[2][2], bent[0], bent[1], bent[2]);
-      lanes.nx = bent[0];
-      lanes.ny = bent[1];
-      lanes.nz = bent[2];
-      block |= FN(bsdf_hard_batch)(b, size, &lanes, &result);
-      break;
-    case SHADE_HORIZON_SCHUESSLER:
+    real *to[4] = {result.r, result.g, result.b, result.cosine},
+         *factor = bent[0]; /* once n is shaded with */
+    if (b->horizon == SHADE_HORIZON_SCHUESSLER) {
       block |= FN(two_facets)(b, size, v, &lanes, &result);
-      break;
-    case SHADE_HORIZON_ESTEVEZ:
-    case SHADE_HORIZON_CHIANG:
-    default:
+    } else {
+      if (FN(bends)(b)) {
+        FN(pass_bend)
+        (size, v[0][0], v[0][1], v[0][2], v[2][0], v[2][1], v[2][2], bent[0], bent[1], bent[2]);
+        lanes.nx = bent[0];
+        lanes.ny = bent[1];
+        lanes.nz = bent[2];
+      }
       block |= FN(bsdf_hard_batch)(b, size, &lanes, &result);
-      (b->horizon == SHADE_HORIZON_ESTEVEZ ? FN(pass_shadow_estevez) : FN(pass_shadow_chiang))(
-          size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], factor);
-      for (int c = 0; c < 3; c++)
-        FN(pass_multiply)(size, factor, to[c]);
+      if (b->horizon != SHADE_HORIZON_VALID_REFLECTION) {
+        (b->horizon == SHADE_HORIZON_CHIANG ? FN(pass_shadow_chiang) : FN(pass_shadow_estevez))(
+            size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], factor);
+        for (int c = 0; c < 3; c++)
+          FN(pass_multiply)(size, factor, to[c]);
+      }
     }
     for (size_t i = 0; mended & SHADE_BAD_INPUT && i < size; i++)
       for (int c = 0; c < 4 && room.void_lane[i]; c++)
@@ -199,12 +201,12 @@ static unsigned FN(bsdf_horizon)(const shade_bsdf *b, const real n_in[3], const 
     return status;
   if (b->horizon == SHADE_HORIZON_SCHUESSLER)
     return status | FN(two_facets_one)(b, n, wi, wo, f, cosine);
-  if (b->horizon == SHADE_HORIZON_VALID_REFLECTION)
-    FN(bend)(n, wo);
-  else if (b->horizon == SHADE_HORIZON_ESTEVEZ)
-    factor = FN(shadow_estevez)(n[0], n[1], n[2], wi[0], wi[1], wi[2]);
-  else
+  if (b->horizon == SHADE_HORIZON_CHIANG)
     factor = FN(shadow_chiang)(n[0], n[1], n[2], wi[0], wi[1], wi[2]);
+  else if (b->horizon != SHADE_HORIZON_VALID_REFLECTION)
+    factor = FN(shadow_estevez)(n[0], n[1], n[2], wi[0], wi[1], wi[2]);
+  if (FN(bends)(b))
+    FN(bend)(n, wo);
   status |= FN(bsdf_hard)(b, n, wi, wo, f, cosine);
   for (int c = 0; c < 3; c++)
     f[c] *= factor;

@@ -455,6 +455,10 @@ static vec bent(vec n, vec wo) {
   return plus(scale(x, sinl(theta)), (vec){0, 0, cosl(theta)});
 }
 
+static int bends(shade_horizon horizon) {
+  return horizon == SHADE_HORIZON_VALID_REFLECTION || horizon == SHADE_HORIZON_VALID_ESTEVEZ;
+}
+
 /* Facets of a surface that is flat as a whole: the bumped one and the upright one. */
 typedef struct facets {
   vec normal[2];
@@ -525,7 +529,7 @@ static unsigned two_facets(const shade_params *p, vec n, vec lobe_n, vec wi, vec
 static real shadow(shade_horizon horizon, vec n, vec wi) {
   if (wi.z <= 0)
     return 0;
-  if (horizon == SHADE_HORIZON_ESTEVEZ) {
+  if (horizon == SHADE_HORIZON_ESTEVEZ || horizon == SHADE_HORIZON_VALID_ESTEVEZ) {
     real bump = atan2l(hypotl(n.x, n.y), n.z), light = atan2l(hypotl(wi.x, wi.y), wi.z);
     real alpha2 = square(tanl(bump)) / 8;
     return 2 / (1 + sqrtl(1 + (alpha2 < 1 ? alpha2 : 1) * square(tanl(light))));
@@ -540,7 +544,7 @@ static real shadow(shade_horizon horizon, vec n, vec wi) {
 void shade_ref_normal(const shade_params *p, const double n_in[3], const double wo[3],
                       double out[3]) {
   vec n = normal(n_in);
-  if (p->horizon == SHADE_HORIZON_VALID_REFLECTION && p->detail != SHADE_DETAIL_NONE)
+  if (bends(p->horizon) && p->detail != SHADE_DETAIL_NONE)
     n = bent(n, direction(wo));
   out[0] = (double)n.x;
   out[1] = (double)n.y;
@@ -559,7 +563,7 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
   unsigned status = n_in[2] <= 0 ? SHADE_CLAMPED_NORMAL : SHADE_OK;
   shade_horizon horizon = p->detail == SHADE_DETAIL_NONE ? SHADE_HORIZON_HARD : p->horizon;
   real value[3], cosi, factor = shadow(horizon, n, wi); /* 1 but for two of them */
-  if (horizon == SHADE_HORIZON_VALID_REFLECTION) {
+  if (bends(horizon)) {
     vec turned = bent(n, wo);
     lobe_n = turned.z > n.z ? turned : lobe_n;
     n = turned;

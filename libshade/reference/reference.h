@@ -28,7 +28,7 @@ unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3
 
 /*
  * The normal whose lobe and horizon f has under p->horizon: n, made unit and lifted as above,
- * and for valid_reflection bent by wo. n and wo must be usable directions.
+ * and for valid_reflection and valid_estevez bent by wo. n and wo must be usable directions.
  */
 void shade_ref_normal(const shade_params *p, const double n[3], const double wo[3], double out[3]);
 

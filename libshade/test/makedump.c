@@ -57,7 +57,7 @@ static vec around(vec axis, double most) {
 
 /* ---- materials ------------------------------------------------------------------ */
 
-enum { MATERIALS = 13 };
+enum { MATERIALS = 14 };
 
 static void make_materials(shade_params materials[MATERIALS]) {
   static const struct {
@@ -84,6 +84,8 @@ static void make_materials(shade_params materials[MATERIALS]) {
       {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10, SHADE_HORIZON_CHIANG},
       {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10,
        SHADE_HORIZON_SCHUESSLER},
+      {SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, SHADE_FRESNEL_SCHLICK, 40, 10,
+       SHADE_HORIZON_VALID_ESTEVEZ},
   };
   for (int i = 0; i < MATERIALS; i++) {
     shade_params *p = &materials[i];

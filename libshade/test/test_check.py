@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SHADE = Path(os.environ.get("SHADE", ROOT / "build/shade"))
 CC = os.environ.get("CC", "cc")
 SANITIZE = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
-WIDTH, HEIGHT, MATERIALS, LIGHTS = 60, 60, 13, 2
+WIDTH, HEIGHT, MATERIALS, LIGHTS = 60, 65, 14, 2
 
 
 def check(dump, *options, shade=SHADE):

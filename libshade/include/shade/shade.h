@@ -233,6 +233,8 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *                     passes 0. estevez: 2/(1 + sqrt(1 + a^2 tan^2)), tan that of wi from z and
  *                     a^2 = min(1, tan^2/8) of n from z; chiang: g + g^2 - g^3 with
  *                     g = min(1, wi.z/(n.z n.wi)). Not reciprocal
+ *   valid_estevez     both: n is bent, and the factor is that of the n given. f cos jumps at
+ *                     none of these horizons. Not reciprocal
  *   schuessler        the surface is made of facets with normal n and upright mirrors that face
  *                     the other way, in the proportion that makes it flat as a whole, each
  *                     hiding and shading the other; one reflection at n, at most one at a

@@ -89,7 +89,9 @@
   ROW(CHIANG, chiang, 3, "Chiang",                                                                 \
       "Fade light by a smooth cubic where the bumped side catches more of it than the surface")    \
   ROW(SCHUESSLER, schuessler, 4, "Schuessler",                                                     \
-      "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")
+      "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")           \
+  ROW(VALID_ESTEVEZ, valid_estevez, 5, "Valid reflection, Estevez",                                \
+      "Both: bend the normal for the eye, fade the light; nearest to displaced bumps at grazing")
 
 /* Parameters of a material. */
 #define SHADE_TABLE_PARAMS(ROW)                                                                    \
