@@ -21,6 +21,7 @@ O := $(B)/obj
 SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o \
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o
+SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_eval.o $(O)/src/presets.o
 REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
@@ -43,6 +44,7 @@ PNG_LIBS := $(shell printf '\043include <png.h>\nint main(void){return 0;}' | \
 IMAGE_FORMATS := $(TOOL_EXR) $(if $(PNG_LIBS),-DHAVE_PNG)
 IMAGE_OBJ += $(if $(EXR_LIBS),$(O)/image/image_exr.o) $(if $(PNG_LIBS),$(O)/image/image_png.o)
 TOOL_OBJ += $(IMAGE_OBJ) $(O)/tool/scratch.o
+TOOL_OBJ += $(O)/tool/swatch.o
 
 # a tool built before a library came, or after it went, is built again
 EXR_SEEN := $(O)/tool/openexr-$(if $(EXR_LIBS),yes,no)

@@ -236,3 +236,41 @@ static real FN(kernel_diffuse)(shade_diffuse model, const real l_in[3], const re
     return 0;
   return l[2] > 0 && v[2] > 0 ? FN(diffuse_phi)(model, l[1], l[2], v[1], v[2]) : 0;
 }
+
+/*
+ * What one yarn does with the light, for the mixtures of fabric.h, per sample: spec is the
+ * BRDF without Fresnel, times the cosine; matt is Phi/pi times the light that enters and leaves by
+ * Schlick's white share, (1 - w(n.wi))(1 - w(n.wo)). Both 0 beyond a horizon. No mending:
+ * n, wi and wo are unit, n.z > 0.
+ */
+static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
+                            real *spec, real *matt) {
+  real hx[BLOCK], hy[BLOCK], hz[BLOCK], hwo[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
+  real cosi[BLOCK], coso[BLOCK];
+  for (size_t start = 0; start < count; start += BLOCK) {
+    size_t size = count - start < BLOCK ? count - start : BLOCK;
+    const real *v[3][3] = {{in->nx + start, in->ny + start, in->nz + start},
+                           {in->wix + start, in->wiy + start, in->wiz + start},
+                           {in->wox + start, in->woy + start, in->woz + start}};
+    real *d = spec + start, *q = matt + start;
+    FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz, hwo);
+    if (b->map >= SHADE_MAP_DEFORM_LINEAR)
+      FN(pass_unit)(size, hx, hy, hz);
+    FN(pass_lobe)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy, d);
+    if (b->map == SHADE_MAP_NONE)
+      FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
+    else
+      FN(pass_cosines)
+    (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
+     coso);
+    if (b->brdf == SHADE_BRDF_MICROFACET)
+      for (int k = 1; k <= 2; k++) {
+        FN(pass_detail)
+        (b->shadow_map, size, v[0][0], v[0][1], v[0][2], v[k][0], v[k][1], v[k][2], t, xx, yy);
+        FN(pass_smith)(b, size, xx, yy, k == 1 ? hx : hy);
+      }
+    FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
+    FN(diffuse_block)(b, size, v, cosi, coso, xx, yy, q);
+    FN(pass_yarn)(size, cosi, coso, d, q);
+  }
+}

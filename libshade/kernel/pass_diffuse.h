@@ -81,3 +81,16 @@ static void FN(pass_add_diffuse_textured)(size_t count, real kd, const real *res
   for (size_t i = 0; i < count; i++)
     out[i] += kd * (1 - FN(reflectance)(f0[i])) * q[i];
 }
+
+/* d: f to f cos. q: Phi/(pi cos) to what kernel_yarn promises. */
+static void FN(pass_yarn)(size_t count, const real *restrict cosi, const real *restrict coso,
+                          real *restrict d, real *restrict q) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real enter = 1 - FN(schlick_weight)(FN(minimum)(cosi[i], 1));
+    real leave = 1 - FN(schlick_weight)(FN(minimum)(coso[i], 1));
+    real matt = q[i] * cosi[i] * enter * leave;
+    d[i] *= cosi[i];
+    q[i] = coso[i] > 0 ? matt : 0;
+  }
+}

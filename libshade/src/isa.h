@@ -24,6 +24,8 @@ typedef struct shade_isa_table {
                          const float *, const float *, const float *, float *);
   double (*diffuse)(shade_diffuse, const double *, const double *);
   float (*diffusef)(shade_diffuse, const float *, const float *);
+  void (*yarn)(const shade_bsdf *, size_t, const shade_lanes *, double *, double *);
+  void (*yarnf)(const shade_bsdf *, size_t, const shade_lanesf *, float *, float *);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

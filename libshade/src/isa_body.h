@@ -21,7 +21,7 @@
 #define ISA_NAME(isa) ISA_NAME_(isa)
 
 const shade_isa_table ISA_TABLE(ISA) = {
-    ISA_NAME(ISA),      kernel_bsdf,    kernel_bsdff,    kernel_bsdf_batch,
-    kernel_bsdf_batchf, kernel_mdf,     kernel_mdff,     kernel_mdf_batch,
-    kernel_mdf_batchf,  kernel_diffuse, kernel_diffusef,
+    ISA_NAME(ISA),   kernel_bsdf, kernel_bsdff,     kernel_bsdf_batch, kernel_bsdf_batchf,
+    kernel_mdf,      kernel_mdff, kernel_mdf_batch, kernel_mdf_batchf, kernel_diffuse,
+    kernel_diffusef, kernel_yarn, kernel_yarnf,
 };

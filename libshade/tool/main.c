@@ -15,6 +15,7 @@ static const struct {
     {"eval", shade_cmd_eval, "evaluate a distribution or BRDF for queries on standard input"},
     {"bench", shade_cmd_bench, "time every method beside its error"},
     {"scratch", shade_cmd_scratch, "make a map of scratches"},
+    {"swatch", shade_cmd_swatch, "pictures of cloths and metals by name"},
     {"check", shade_cmd_check, "recompute a renderer's dump with the reference"},
     {"weave", shade_cmd_weave, "which yarn is on top of a woven cloth, drafts and maps of it"},
 };

@@ -10,5 +10,6 @@ int shade_cmd_eval(int argc, char **argv);
 int shade_cmd_bench(int argc, char **argv);
 int shade_cmd_scratch(int argc, char **argv);
 int shade_cmd_weave(int argc, char **argv);
+int shade_cmd_swatch(int argc, char **argv);
 
 #endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Evaluation of a fabric: near, far and between. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "fabric.h"
+#include "isa.h"
+#include "../kernel/coefficients.h"
+
+#define INVERSE_PI 0.31830988618379067154
+
+/* The far model's share: none below .75 crossings, all from 2. */
+static double fabric_far_share(double extent) {
+  if (!(extent > 0.75))
+    return 0;
+  double x = log2(extent / 0.75) / log2(2 / 0.75);
+  return x < 1 ? x * x * (3 - 2 * x) : 1;
+}
+
+/* The integral of all columns of the table over [0, x] x [0, y], x and y in blocks of the repeat.
+ */
+static void integral(const shade_fabric *f, double x, double y, double scale, double *sum) {
+  const double ox = floor(x / f->columns), oy = floor(y / f->rows);
+  /* integral = whole repeats above and beside, and what is left */
+  const double left[2] = {x - ox * f->columns, y - oy * f->rows};
+  const int i = (int)fmin(left[0], f->columns - 1), j = (int)fmin(left[1], f->rows - 1);
+  const double a = left[0] - i, b = left[1] - j;
+  const double *t = f->table;
+  const size_t line = (size_t)(f->columns + 1) * COLUMNS;
+  const double *low = t + (size_t)j * line + (size_t)i * COLUMNS, *high = low + line;
+  const double *right = t + (size_t)j * line + (size_t)f->columns * COLUMNS;
+  const double *top = t + (size_t)f->rows * line + (size_t)i * COLUMNS;
+  const double *all = t + (size_t)f->rows * line + (size_t)f->columns * COLUMNS;
+  for (int k = 0; k < COLUMNS; k++) {
+    double corner = (1 - b) * ((1 - a) * low[k] + a * low[COLUMNS + k]) +
+                    b * ((1 - a) * high[k] + a * high[COLUMNS + k]);
+    double across = (1 - b) * right[k] + b * right[line + (size_t)k];
+    double up = (1 - a) * top[k] + a * top[COLUMNS + k];
+    sum[k] += scale * (corner + ox * across + oy * up + ox * oy * all[k]);
+  }
+}
+
+/* The mean of all columns over the footprint. */
+static void fabric_column(const shade_fabric *f, const double uv[2], const double extent[2],
+                          double *column) {
+  /* below a hundredth of a crossing the difference of integrals would lose digits */
+  const double du = fmax(extent[0], 0.01) * f->columns / f->width;
+  const double dv = fmax(extent[1], 0.01) * f->rows / f->height;
+  memcpy(column, f->mean, sizeof f->mean);
+  if (du > 64.0 * f->columns && dv > 64.0 * f->rows)
+    return;
+  const double u = uv[0] / f->width, v = uv[1] / f->height;
+  const double x = (u - floor(u)) * f->columns - 0.5 * du;
+  const double y = (v - floor(v)) * f->rows - 0.5 * dv;
+  const double scale = 1 / (du * dv);
+  double sum[COLUMNS] = {0};
+  integral(f, x + du, y + dv, scale, sum);
+  integral(f, x, y + dv, -scale, sum);
+  integral(f, x + du, y, -scale, sum);
+  integral(f, x, y, scale, sum);
+  for (int k = 0; k < COLUMNS; k++)
+    column[k] = fmax(sum[k], 0);
+}
+
+#define SHADE_FLOAT 1
+#include "fabric_eval.h"
+#undef SHADE_FLOAT
+#define SHADE_FLOAT 0
+#include "fabric_eval.h"
