@@ -19,6 +19,7 @@
 #include "pass_distribution.h"
 #include "pass_brdf.h"
 #include "pass_diffuse.h"
+#include "pass_ggx.h"
 
 #if SHADE_FLOAT
 #include "leaf_fast.h"
@@ -101,6 +102,8 @@ static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(
   const real grazing = b->fresnel == SHADE_FRESNEL_SCHLICK ? 1 : 0;
   const real *f0[3] = {in->f0r, in->f0g, in->f0b};
   real *rgb[3] = {out->r, out->g, out->b};
+  const int plain = !f0[0] && !f0[1] && !f0[2] &&
+                    (b->fresnel == SHADE_FRESNEL_NONE || b->fresnel == SHADE_FRESNEL_SCHLICK);
   unsigned status = SHADE_OK;
   for (size_t start = 0; start < count; start += BLOCK) {
     size_t size = count - start < BLOCK ? count - start : BLOCK;
@@ -109,33 +112,45 @@ static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(
                            {in->wox + start, in->woy + start, in->woz + start}};
     real *cosi = out->cosine + start;
     unsigned block = FN(mend_block)(size, 3, v, &room);
-    if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz, hwo))
-      status |= SHADE_BAD_INPUT;
-    if (b->map >= SHADE_MAP_DEFORM_LINEAR)
-      FN(pass_unit)(size, hx, hy, hz);
-    FN(pass_lobe)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy, d);
-    if (b->map == SHADE_MAP_NONE)
-      FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
-    else
-      FN(pass_cosines)
-    (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
-     coso);
-    if (b->brdf == SHADE_BRDF_MICROFACET)
-      for (int k = 1; k <= 2; k++) {
-        FN(pass_detail)
-        (b->shadow_map, size, v[0][0], v[0][1], v[0][2], v[k][0], v[k][1], v[k][2], t, xx, yy);
-        FN(pass_smith)(b, size, xx, yy, k == 1 ? hx : hy); /* h is done with */
-      }
-    FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
-    FN(pass_schlick)(size, grazing, hwo, white);
+    if (FN(is_fused)(b)) {
+      if (FN(pass_fused)(b, size, v, hwo, cosi, coso, d))
+        status |= SHADE_BAD_INPUT;
+    } else {
+      if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz,
+                        hwo))
+        status |= SHADE_BAD_INPUT;
+      if (b->map >= SHADE_MAP_DEFORM_LINEAR)
+        FN(pass_unit)(size, hx, hy, hz);
+      FN(pass_lobe)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy, d);
+      if (b->map == SHADE_MAP_NONE)
+        FN(pass_cosines_none)(size, v[1][2], v[2][2], cosi, coso);
+      else
+        FN(pass_cosines)
+      (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], cosi,
+       coso);
+      if (b->brdf == SHADE_BRDF_MICROFACET)
+        for (int k = 1; k <= 2; k++) {
+          FN(pass_detail)
+          (b->shadow_map, size, v[0][0], v[0][1], v[0][2], v[k][0], v[k][1], v[k][2], t, xx, yy);
+          FN(pass_smith)(b, size, xx, yy, k == 1 ? hx : hy); /* h is done with */
+        }
+      FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
+    }
     if (b->has_diffuse)
       FN(diffuse_block)(b, size, v, cosi, coso, xx, yy, t);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
           d[i] = cosi[i] = t[i] = 0;
-    for (int c = 0; c < 3; c++)
-      FN(pass_channel)(b, c, size, f0[c] ? f0[c] + start : NULL, d, hwo, white, rgb[c] + start);
+    if (plain) {
+      FN(pass_colour)
+      (size, grazing, b->FN(f0)[0], b->FN(f0)[1], b->FN(f0)[2], d, hwo, rgb[0] + start,
+       rgb[1] + start, rgb[2] + start);
+    } else {
+      FN(pass_schlick)(size, grazing, hwo, white);
+      for (int c = 0; c < 3; c++)
+        FN(pass_channel)(b, c, size, f0[c] ? f0[c] + start : NULL, d, hwo, white, rgb[c] + start);
+    }
     for (int c = 0; c < 3 && b->has_diffuse; c++)
       if (f0[c] && b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY)
         FN(pass_add_diffuse_textured)(size, b->FN(kd)[c], f0[c] + start, t, rgb[c] + start);

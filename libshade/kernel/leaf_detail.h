@@ -81,12 +81,10 @@ LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real 
 }
 
 /*
- * Groove transport: the frame whose x' = (nz, 0, -nx)/L is dP/du of the height
- * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: CONVENTIONS.md, Detail]
- * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
+ * What to multiply nx and nz by so that near L = 0 their squares do not underflow: only the
+ * ratio nx : nz matters to the axes.
  */
-LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  /* Near L = 0 the squares below would underflow; only the ratio nx : nz matters. */
+LEAF real FN(rotate_scale)(real nx, real nz) {
 #if SHADE_FLOAT
   const real small = 0x1p-40f, step = 0x1p40f;
 #else
@@ -94,7 +92,16 @@ LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real h
 #endif
   real size = FN(maximum)(nx < 0 ? -nx : nx, nz);
   real scale = size < small ? step : 1;
-  scale = size * scale < small ? scale * step : scale;
+  return size * scale < small ? scale * step : scale;
+}
+
+/*
+ * Groove transport: the frame whose x' = (nz, 0, -nx)/L is dP/du of the height
+ * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: CONVENTIONS.md, Detail]
+ * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
+ */
+LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  real scale = FN(rotate_scale)(nx, nz);
   real a = nx * scale, c = nz * scale;
   real x = c * hx - a * hz;
   real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);

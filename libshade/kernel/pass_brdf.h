@@ -158,6 +158,19 @@ static void FN(pass_fresnel)(size_t count, real f0, const real *restrict d,
     out[i] = d[i] * (f0 + (1 - f0) * white[i]);
 }
 
+/* All three channels of a colour that no texture changes; grazing as in pass_schlick. */
+static void FN(pass_colour)(size_t count, real grazing, real f0r, real f0g, real f0b,
+                            const real *restrict d, const real *restrict hwo, real *restrict r,
+                            real *restrict g, real *restrict b) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real white = grazing * FN(schlick_weight)(hwo[i]), f = d[i];
+    r[i] = f * (f0r + (1 - f0r) * white);
+    g[i] = f * (f0g + (1 - f0g) * white);
+    b[i] = f * (f0b + (1 - f0b) * white);
+  }
+}
+
 /* A reflectance per sample, clamped to [0, 1]; NaN counts as 0. */
 LEAF real FN(reflectance)(real f0) {
   return FN(minimum)(FN(maximum)(f0, 0), 1);
