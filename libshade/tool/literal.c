@@ -25,7 +25,6 @@ static vec normalised(vec a) {
 void NAME(ISA)(size_t count, float ex, float ey, const float *nx, const float *ny, const float *nz,
                const float *hx, const float *hy, const float *hz, float *d) {
   const float peak = sqrtf((ex + 1) * (ey + 1)) / (2 * 3.14159265f);
-#pragma omp simd
   for (size_t i = 0; i < count; i++) {
     vec w = normalised((vec){nx[i], ny[i], nz[i]}), h = normalised((vec){hx[i], hy[i], hz[i]});
     vec v = normalised(cross(w, cross((vec){0, 1, 0}, w)));
