@@ -24,7 +24,7 @@ include compare/compare.mk
 
 # check-libshade is a make of its own, on the same objects: not beside the others under -j.
 # pytest last: its closing line is the result.
-check: lint all blender povray
+check: lint all blender povray $(B)/horizon
 	$(MAKE) check-libshade
 	$(PY) -m pytest
 

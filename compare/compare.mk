@@ -29,6 +29,12 @@ $(DEMO)/agreed: $(DEMO)/suzanne.blend $(RENDERERS) $(COMPARE)
 	  || { cat $(DEMO)/table.txt; exit 1; }
 	@touch $@
 
-compare: demo
+# choices of horizon against displaced bumps: a program of its own, no renderer
+$(B)/horizon: compare/horizon.c $(B)/libshade.a
+	$(call say,compile  ,$@)
+	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include $(CFLAGS) $^ -lm -o $@
+
+compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
+	@$(PY) compare/horizon.py
 	@$(PY) compare/speed.py
