@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Normal maps: decoding, interpolation, pyramid, each against a plain form of its own. */
+#include "test/support.h"
+
+#include <string.h>
+
+#include "shade/maps.h"
+
+static shade_slope_options options_of(shade_normals normals, shade_wrap wrap) {
+  shade_slope_options o;
+  shade_slope_options_init(&o);
+  o.normals = normals;
+  o.wrap = wrap;
+  return o;
+}
+
+static shade_slope_map *create(const float *pixels, int width, int height, int channels,
+                               shade_slope_options o) {
+  unsigned status = 99;
+  shade_slope_map *m = shade_slope_map_create(pixels, width, height, channels, &o, &status);
+  assert_non_null(m);
+  assert_int_equal(status, SHADE_OK);
+  return m;
+}
+
+/* A picture of slopes, any size: waves and noise, anisotropic. */
+static float *random_slopes(int width, int height, uint64_t seed) {
+  float *p = malloc((size_t)(width * height) * 2 * sizeof *p);
+  for (int j = 0; j < height; j++)
+    for (int i = 0; i < width; i++) {
+      float *s = p + 2 * (j * width + i);
+      s[0] = (float)(0.2 * sin(0.4 * i + 0.9 * j) + 0.3 * (uniform(&seed) - 0.5));
+      s[1] = (float)(0.1 + 0.5 * (double)s[0] + 0.1 * (uniform(&seed) - 0.5));
+    }
+  return p;
+}
+
+static void normals_become_slopes(void **state) {
+  (void)state;
+  const double x = 0.3, y = -0.2, z = sqrt(1 - x * x - y * y);
+  const float coloured[4] = {(float)(0.5 + 0.5 * x), (float)(0.5 + 0.5 * y), (float)(0.5 + 0.5 * z),
+                             0.123F};
+  const float plain[3] = {(float)(2 * x), (float)(2 * y), (float)(2 * z)}; /* any length */
+  const float slope[2] = {(float)(-x / z), (float)(-y / z)};
+  for (int directx = 0; directx < 2; directx++)
+    for (int k = 0; k < 5; k++) {
+      const float *pixels[] = {coloured, coloured, coloured, plain, slope};
+      const int channels[] = {4, 3, 2, 3, 2};
+      shade_slope_options o = options_of(k < 3    ? SHADE_NORMALS_COLOUR
+                                         : k == 3 ? SHADE_NORMALS_SIGNED
+                                                  : SHADE_NORMALS_SLOPE,
+                                         SHADE_WRAP_REPEAT);
+      o.directx = directx;
+      shade_slope_map *m = create(pixels[k], 1, 1, channels[k], o);
+      shade_slopes s;
+      assert_int_equal(shade_slope_lookup(m, 0.7, 0.2, NULL, &s), SHADE_OK);
+      assert_near(s.normal[0], x, 1e-6);
+      assert_near(s.normal[1], directx ? -y : y, 1e-6);
+      assert_near(s.normal[2], z, 1e-6);
+      assert_near(s.covariance[0] + s.covariance[2], 0, 1e-12);
+      shade_slope_map_free(m);
+    }
+  /* strength: normalize(s nx, s ny, 1 + min(s, 1)(nz - 1)) */
+  for (int k = 0; k < 4; k++) {
+    shade_slope_options o = options_of(SHADE_NORMALS_SIGNED, SHADE_WRAP_REPEAT);
+    o.strength = (double[]){0, 0.4, 1, 3}[k];
+    shade_slope_map *m = create(plain, 1, 1, 3, o);
+    shade_slopes s;
+    shade_slope_lookup(m, 0.5, 0.5, NULL, &s);
+    const double a = o.strength * x, b = o.strength * y, c = 1 + fmin(o.strength, 1) * (z - 1);
+    const double length = sqrt(a * a + b * b + c * c);
+    assert_near(s.normal[0], a / length, 1e-6);
+    assert_near(s.normal[1], b / length, 1e-6);
+    assert_near(s.normal[2], c / length, 1e-6);
+    shade_slope_map_free(m);
+  }
+}
+
+static int beyond(int i, int n, shade_wrap wrap) {
+  if (wrap == SHADE_WRAP_CLAMP)
+    return i < 0 ? 0 : i >= n ? n - 1 : i;
+  while (i < 0 || i >= n) {
+    if (wrap == SHADE_WRAP_REPEAT)
+      i += i < 0 ? n : -n;
+    else
+      i = i < 0 ? -1 - i : 2 * n - 1 - i;
+  }
+  return i;
+}
+
+/* The interpolated slope, long-hand. */
+static void interpolated(const float *p, int w, int h, shade_wrap wrap, double u, double v,
+                         double s[2]) {
+  const double x = u * w - 0.5, y = (1 - v) * h - 0.5;
+  s[0] = s[1] = 0;
+  for (int j = (int)floor(y); j <= (int)floor(y) + 1; j++)
+    for (int i = (int)floor(x); i <= (int)floor(x) + 1; i++)
+      for (int c = 0; c < 2; c++)
+        s[c] += (1 - fabs(x - i)) * (1 - fabs(y - j)) *
+                (double)p[2 * (beyond(j, h, wrap) * w + beyond(i, w, wrap)) + c];
+}
+
+static const int sizes[][2] = {{1, 1}, {1, 9}, {16, 1}, {7, 5}, {64, 64}, {53, 37}, {128, 33}};
+enum { SIZES = sizeof sizes / sizeof sizes[0] };
+
+static void points_are_interpolated(void **state) {
+  (void)state;
+  uint64_t seed = 3;
+  for (int k = 0; k < SIZES; k++)
+    for (int wrap = SHADE_WRAP_REPEAT; wrap <= SHADE_WRAP_MIRROR; wrap++) {
+      const int w = sizes[k][0], h = sizes[k][1];
+      float *p = random_slopes(w, h, 5);
+      shade_slope_map *m = create(p, w, h, 2, options_of(SHADE_NORMALS_SLOPE, (shade_wrap)wrap));
+      for (int i = 0; i < 2000; i++) {
+        const double u = 5 * uniform(&seed) - 2, v = 5 * uniform(&seed) - 2;
+        double want[2];
+        interpolated(p, w, h, (shade_wrap)wrap, u, v, want);
+        shade_slopes s;
+        shade_slope_lookup(m, u, v, NULL, &s);
+        assert_near(s.mean[0], want[0], 1e-6);
+        assert_near(s.mean[1], want[1], 1e-6);
+        assert_true(s.covariance[0] < 1e-12 && s.covariance[2] < 1e-12);
+      }
+      shade_slope_map_free(m);
+      free(p);
+    }
+}
+
+/* Mean and second moments over a footprint of the interpolated field, by many points. */
+static void brute_force(const float *p, int w, int h, shade_wrap wrap, double u, double v,
+                        const double side[4], int n, double mean[2], double second[3]) {
+  memset(mean, 0, 2 * sizeof *mean);
+  memset(second, 0, 3 * sizeof *second);
+  for (int k = 0; k < n * n; k++) {
+    const double a = (k % n + 0.5) / n - 0.5, b = (k / n + 0.5) / n - 0.5;
+    double s[2];
+    interpolated(p, w, h, wrap, u + a * side[0] + b * side[2], v + a * side[1] + b * side[3], s);
+    for (int c = 0; c < 2; c++)
+      mean[c] += s[c] / (n * n);
+    second[0] += s[0] * s[0] / (n * n);
+    second[1] += s[0] * s[1] / (n * n);
+    second[2] += s[1] * s[1] / (n * n);
+  }
+}
+
+/*
+ * The mean of look-ups all over the picture is the picture's, whatever the filter: no texel
+ * is lost or counted twice at any level, at odd sizes either. Look-ups lie on a lattice of
+ * 1/4 texel, where sums of bilinear weights are even at every level of even sizes; at odd
+ * ones the lattice misses by its own step.
+ */
+static void every_level_keeps_the_moments(void **state) {
+  (void)state;
+  for (int k = 0; k < SIZES; k++) {
+    const int w = sizes[k][0], h = sizes[k][1];
+    float *p = random_slopes(w, h, 7);
+    shade_slope_map *m = create(p, w, h, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
+    /* exact: between texel centres the square is of degree two, and Simpson's rule holds */
+    double want[5] = {0};
+    for (int j = 0; j < 2 * h; j++)
+      for (int i = 0; i < 2 * w; i++) {
+        double s[2];
+        interpolated(p, w, h, SHADE_WRAP_REPEAT, (i + 1) / (2.0 * w), (j + 1) / (2.0 * h), s);
+        const double weight = (i % 2 ? 2 : 1) * (j % 2 ? 2 : 1) / (9.0 * w * h);
+        const double found[5] = {s[0], s[1], s[0] * s[0], s[0] * s[1], s[1] * s[1]};
+        for (int c = 0; c < 5; c++)
+          want[c] += weight * found[c];
+      }
+    const int even = !(w & (w - 1)) && !(h & (h - 1));
+    for (double texels = 8; texels < 400; texels *= 2.7) {
+      const double side[4] = {texels / w, 0, 0, texels / h};
+      double got[5] = {0};
+      const int nu = 4 * w, nv = 4 * h;
+      for (int i = 0; i < nu * nv; i++) {
+        shade_slopes s;
+        shade_slope_lookup(m, (i % nu + 0.5) / nu, (i / nu + 0.5) / nv, side, &s);
+        const double x = s.mean[0], y = s.mean[1];
+        const double found[5] = {x, y, s.covariance[0] + x * x, s.covariance[1] + x * y,
+                                 s.covariance[2] + y * y};
+        for (int c = 0; c < 5; c++)
+          got[c] += found[c] / (nu * nv);
+      }
+      const double tolerance = even ? 1e-6 : 2e-3;
+      for (int c = 0; c < 5; c++)
+        if (fabs(got[c] - want[c]) >
+            tolerance * (c < 2 ? sqrt(want[2] + want[4]) : want[2] + want[4]))
+          fail_msg("%d x %d, %.1f texels: %g for %g", w, h, texels, got[c], want[c]);
+    }
+    shade_slope_map_free(m);
+    free(p);
+  }
+}
+
+/* Many places: second moments to 10 %, means close beside the size of the slopes. */
+static void footprints_are_averages(void **state) {
+  (void)state;
+  enum { PLACES = 40, POINTS = 60 };
+  const double texels[] = {0.3, 1, 3, 5, 8, 16, 31};
+  for (int k = 4; k < SIZES; k++)
+    for (int wrap = SHADE_WRAP_REPEAT; wrap <= SHADE_WRAP_MIRROR; wrap++) {
+      const int w = sizes[k][0], h = sizes[k][1];
+      float *p = random_slopes(w, h, 9);
+      shade_slope_map *m = create(p, w, h, 2, options_of(SHADE_NORMALS_SLOPE, (shade_wrap)wrap));
+      for (int z = 0; z < 7; z++) {
+        double error = 0, size = 0, got[3] = {0}, want[3] = {0};
+        uint64_t seed = 11;
+        for (int i = 0; i < PLACES; i++) {
+          const double u = uniform(&seed), v = uniform(&seed), turn = 3 * uniform(&seed);
+          const double a = texels[z], b = i % 2 ? a : a / 4;
+          const double side[4] = {a * cos(turn) / w, a * sin(turn) / h, -b * sin(turn) / w,
+                                  b * cos(turn) / h};
+          double mean[2], second[3];
+          brute_force(p, w, h, (shade_wrap)wrap, u, v, side, POINTS, mean, second);
+          shade_slopes s;
+          shade_slope_lookup(m, u, v, side, &s);
+          const double x = s.mean[0], y = s.mean[1];
+          const double found[3] = {s.covariance[0] + x * x, s.covariance[1] + x * y,
+                                   s.covariance[2] + y * y};
+          for (int c = 0; c < 3; c++) {
+            got[c] += found[c] / PLACES;
+            want[c] += second[c] / PLACES;
+          }
+          error += pow(x - mean[0], 2) + pow(y - mean[1], 2);
+          size += second[0] + second[2];
+          assert_true(s.covariance[0] * s.covariance[2] >=
+                      s.covariance[1] * s.covariance[1] * (1 - 1e-12));
+        }
+        const double off =
+            fmax(fmax(fabs(got[0] - want[0]), fabs(got[1] - want[1])), fabs(got[2] - want[2]));
+        if (wrap == SHADE_WRAP_REPEAT)
+          print_message("%3d x %3d, %4.1f texels: second moments %.4f off, means %.3f\n", w, h,
+                        texels[z], off / (want[0] + want[2]), sqrt(error / size));
+        assert_true(off <= 0.1 * (want[0] + want[2]));
+        assert_true(sqrt(error / size) <= 0.3);
+      }
+      shade_slope_map_free(m);
+      free(p);
+    }
+}
+
+/* A plane stays a plane, at every footprint, and has no covariance. */
+static void a_tilted_plane_stays(void **state) {
+  (void)state;
+  float p[2 * 12 * 10];
+  for (int i = 0; i < 120; i++) {
+    p[2 * i] = 0.7F;
+    p[2 * i + 1] = -0.4F;
+  }
+  shade_slope_map *m = create(p, 12, 10, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_CLAMP));
+  uint64_t seed = 13;
+  for (int i = 0; i < 500; i++) {
+    double side[4];
+    for (int k = 0; k < 4; k++)
+      side[k] = pow(10, 5 * uniform(&seed) - 3) * (uniform(&seed) - 0.5);
+    shade_slopes s;
+    shade_slope_lookup(m, 3 * uniform(&seed) - 1, 3 * uniform(&seed) - 1, side, &s);
+    assert_near(s.mean[0], 0.7, 1e-6);
+    assert_near(s.mean[1], -0.4, 1e-6);
+    assert_true(s.covariance[0] < 1e-6 && s.covariance[2] < 1e-6);
+  }
+  shade_slope_map_free(m);
+}
+
+static void bad_pictures_are_mended(void **state) {
+  (void)state;
+  const float good[6] = {0.5F, 0.5F, 1, 0.6F, 0.5F, 0.9F};
+  unsigned status;
+  shade_slope_options o = options_of(SHADE_NORMALS_COLOUR, SHADE_WRAP_REPEAT);
+  assert_null(shade_slope_map_create(good, 0, 1, 3, &o, &status));
+  assert_int_equal(status, SHADE_BAD_INPUT);
+  assert_null(shade_slope_map_create(good, 1, -1, 3, &o, NULL));
+  assert_null(shade_slope_map_create(good, 1 << 20, 1, 3, &o, NULL));
+  assert_null(shade_slope_map_create(good, 1, 1, 1, &o, NULL));
+  const float cases[][3] = {{NAN, 0.5F, 1},     {0.5F, INFINITY, 1}, {0.5F, 0.5F, 0.5F},
+                            {0.5F, 0.9F, 0.2F}, {1, 0.5F, 0.5F},     {1e30F, -1e30F, 1e30F}};
+  const unsigned expected[] = {SHADE_BAD_INPUT,      SHADE_BAD_INPUT,      SHADE_BAD_INPUT,
+                               SHADE_CLAMPED_NORMAL, SHADE_CLAMPED_NORMAL, SHADE_OK};
+  for (int k = 0; k < 6; k++) {
+    shade_slope_map *m = shade_slope_map_create(cases[k], 1, 1, 3, &o, &status);
+    assert_non_null(m);
+    assert_int_equal(status, expected[k]);
+    shade_slopes s;
+    shade_slope_lookup(m, 0.5, 0.5, (double[4]){1, 0, 0, 1}, &s);
+    assert_true(s.normal[2] > 0.019 && isfinite(s.covariance[0]));
+    if (expected[k] == SHADE_BAD_INPUT)
+      assert_true(s.normal[2] == 1);
+    assert_int_equal(shade_slope_lookup(m, NAN, 0, NULL, &s), SHADE_BAD_INPUT);
+    assert_int_equal(shade_slope_lookup(m, 1e300, -1e300, (double[4]){1e300, 1, 1, 1e300}, &s),
+                     SHADE_OK);
+    assert_true(isfinite(s.mean[0]) && isfinite(s.covariance[2]));
+    shade_slope_map_free(m);
+  }
+  o.normals = (shade_normals)7;
+  o.strength = NAN;
+  shade_slope_map *m = shade_slope_map_create(good, 2, 1, 3, &o, &status);
+  assert_int_equal(status, SHADE_BAD_CHOICE | SHADE_CLAMPED_PARAMETER);
+  shade_slope_map_free(m);
+  shade_slope_map_free(NULL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(normals_become_slopes),         cmocka_unit_test(points_are_interpolated),
+      cmocka_unit_test(every_level_keeps_the_moments), cmocka_unit_test(footprints_are_averages),
+      cmocka_unit_test(a_tilted_plane_stays),          cmocka_unit_test(bad_pictures_are_mended)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
