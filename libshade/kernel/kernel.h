@@ -289,3 +289,6 @@ static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_la
     FN(pass_yarn)(size, cosi, coso, d, q);
   }
 }
+
+#include "leaf_sample.h"
+#include "pass_sample.h"

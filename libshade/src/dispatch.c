@@ -79,3 +79,54 @@ double shade_diffuse_eval(shade_diffuse model, const double l[3], const double v
 float shade_diffuse_evalf(shade_diffuse model, const float l[3], const float v[3]) {
   return shade_isa_pick(0)->diffusef(model, l, v);
 }
+
+double shade_bsdf_pdf(const shade_bsdf *b, const double n[3], const double wi[3],
+                      const double wo[3], unsigned *status) {
+  double pdf;
+  unsigned bits = shade_isa_pick(0)->pdf(b, n, wi, wo, &pdf);
+  if (status)
+    *status |= bits;
+  return pdf;
+}
+
+float shade_bsdf_pdff(const shade_bsdf *b, const float n[3], const float wi[3], const float wo[3],
+                      unsigned *status) {
+  float pdf;
+  unsigned bits = shade_isa_pick(0)->pdff(b, n, wi, wo, &pdf);
+  if (status)
+    *status |= bits;
+  return pdf;
+}
+
+unsigned shade_bsdf_pdf_batch(const shade_bsdf *b, size_t count, const shade_lanes *in,
+                              double *pdf) {
+  return shade_isa_pick(0)->pdf_batch(b, count, in, pdf);
+}
+
+unsigned shade_bsdf_pdf_batchf(const shade_bsdf *b, size_t count, const shade_lanesf *in,
+                               float *pdf) {
+  return shade_isa_pick(0)->pdf_batchf(b, count, in, pdf);
+}
+
+unsigned shade_bsdf_sample(const shade_bsdf *b, const double n[3], const double wo[3],
+                           const double u[2], double wi[3], double f[3], double *pdf,
+                           double *cosine) {
+  double unused;
+  return shade_isa_pick(0)->sample(b, n, wo, u, wi, f, pdf, cosine ? cosine : &unused);
+}
+
+unsigned shade_bsdf_samplef(const shade_bsdf *b, const float n[3], const float wo[3],
+                            const float u[2], float wi[3], float f[3], float *pdf, float *cosine) {
+  float unused;
+  return shade_isa_pick(0)->samplef(b, n, wo, u, wi, f, pdf, cosine ? cosine : &unused);
+}
+
+unsigned shade_bsdf_sample_batch(const shade_bsdf *b, size_t count, const shade_sample_lanes *in,
+                                 const shade_sample_result *out) {
+  return shade_isa_pick(0)->sample_batch(b, count, in, out);
+}
+
+unsigned shade_bsdf_sample_batchf(const shade_bsdf *b, size_t count, const shade_sample_lanesf *in,
+                                  const shade_sample_resultf *out) {
+  return shade_isa_pick(0)->sample_batchf(b, count, in, out);
+}

@@ -26,6 +26,18 @@ typedef struct shade_isa_table {
   float (*diffusef)(shade_diffuse, const float *, const float *);
   void (*yarn)(const shade_bsdf *, size_t, const shade_lanes *, double *, double *);
   void (*yarnf)(const shade_bsdf *, size_t, const shade_lanesf *, float *, float *);
+  unsigned (*pdf)(const shade_bsdf *, const double *, const double *, const double *, double *);
+  unsigned (*pdff)(const shade_bsdf *, const float *, const float *, const float *, float *);
+  unsigned (*pdf_batch)(const shade_bsdf *, size_t, const shade_lanes *, double *);
+  unsigned (*pdf_batchf)(const shade_bsdf *, size_t, const shade_lanesf *, float *);
+  unsigned (*sample)(const shade_bsdf *, const double *, const double *, const double *, double *,
+                     double *, double *, double *);
+  unsigned (*samplef)(const shade_bsdf *, const float *, const float *, const float *, float *,
+                      float *, float *, float *);
+  unsigned (*sample_batch)(const shade_bsdf *, size_t, const shade_sample_lanes *,
+                           const shade_sample_result *);
+  unsigned (*sample_batchf)(const shade_bsdf *, size_t, const shade_sample_lanesf *,
+                            const shade_sample_resultf *);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

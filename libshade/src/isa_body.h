@@ -21,7 +21,10 @@
 #define ISA_NAME(isa) ISA_NAME_(isa)
 
 const shade_isa_table ISA_TABLE(ISA) = {
-    ISA_NAME(ISA),   kernel_bsdf, kernel_bsdff,     kernel_bsdf_batch, kernel_bsdf_batchf,
-    kernel_mdf,      kernel_mdff, kernel_mdf_batch, kernel_mdf_batchf, kernel_diffuse,
-    kernel_diffusef, kernel_yarn, kernel_yarnf,
+    ISA_NAME(ISA),        kernel_bsdf,    kernel_bsdff,    kernel_bsdf_batch,
+    kernel_bsdf_batchf,   kernel_mdf,     kernel_mdff,     kernel_mdf_batch,
+    kernel_mdf_batchf,    kernel_diffuse, kernel_diffusef, kernel_yarn,
+    kernel_yarnf,         kernel_pdf,     kernel_pdff,     kernel_pdf_batch,
+    kernel_pdf_batchf,    kernel_sample,  kernel_samplef,  kernel_sample_batch,
+    kernel_sample_batchf,
 };

@@ -299,6 +299,50 @@ static shade_params within_ranges(const shade_params *given, unsigned *status) {
   return p;
 }
 
+/* What directions are drawn from; see kernel/pass_sample.h. */
+static void setup_draws(shade_bsdf *b, const shade_params *p, int groove_y) {
+  const int warp = b->map >= SHADE_MAP_DEFORM_LINEAR;
+  const int visible = b->brdf == SHADE_BRDF_MICROFACET && !warp;
+  const double per_alpha = b->mdf == SHADE_MDF_WARD ? 2 : 1;
+  b->sx = b->kx * per_alpha;
+  b->sy = b->ky * per_alpha;
+  switch (b->mdf) {
+  case SHADE_MDF_WARD_HALF:
+    b->draw = SHADE_DRAW_HALF;
+    break;
+  case SHADE_MDF_BECKMANN:
+    b->draw = visible ? SHADE_DRAW_VISIBLE_GAUSSIAN : SHADE_DRAW_GAUSSIAN;
+    break;
+  case SHADE_MDF_GGX:
+    b->draw = visible ? SHADE_DRAW_VISIBLE_GGX : SHADE_DRAW_GGX;
+    break;
+  default: /* Ward too: with exponents 2/alpha^2 its lobe is within this one */
+    b->draw = SHADE_DRAW_PHONG;
+  }
+  b->draw_parts = 1;
+  b->draw_map = resolve(b, 0, groove_y);
+  if (b->detail == SHADE_DETAIL_PERTURB) { /* a round lobe is carried by any rigid frame */
+    b->draw_map = SHADE_MAP_SHORTEST_ARC;
+    b->draw_parts = b->kx == b->ky ? 1 : 3;
+  }
+  if (b->detail == SHADE_DETAIL_ROTATE_APPROXIMATE)
+    b->draw_map = groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
+  b->draw_even =
+      b->diffuse != SHADE_DIFFUSE_LAMBERT && b->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  for (int c = 0; c < 3; c++) {
+    double f0 = b->f0[c], k2 = b->k[c] * b->k[c];
+    double left = b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? 1 - f0 : 1;
+    if (b->fresnel == SHADE_FRESNEL_CONDUCTOR)
+      f0 = ((p->eta[c] - 1) * (p->eta[c] - 1) + k2) / ((p->eta[c] + 1) * (p->eta[c] + 1) + k2);
+    b->share_lobe += f0 / 3;
+    b->share_diffuse += b->kd[c] * left / 3;
+  }
+  b->sxf = (float)b->sx;
+  b->syf = (float)b->sy;
+  b->share_lobef = (float)b->share_lobe;
+  b->share_diffusef = (float)b->share_diffuse;
+}
+
 unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
   unsigned status = SHADE_OK;
   const shade_params p = within_ranges(given, &status);
@@ -356,6 +400,7 @@ unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
     b->tintf[c] = (float)b->tint[c];
     b->kf[c] = (float)b->k[c];
   }
+  setup_draws(b, &p, groove_y);
   return status;
 }
 

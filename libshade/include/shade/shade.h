@@ -90,7 +90,8 @@ enum {
   SHADE_CLAMPED_PARAMETER = 1, /* a parameter was outside its range and was clamped */
   SHADE_CLAMPED_NORMAL = 2,    /* n.z <= 0: n.z set to 1e-4 and n renormalised */
   SHADE_BAD_INPUT = 4,         /* non-finite input or wi = -wo: the result is 0 */
-  SHADE_BAD_CHOICE = 8         /* an enum value outside its list: the first row is used */
+  SHADE_BAD_CHOICE = 8,        /* an enum value outside its list: the first row is used */
+  SHADE_NO_SAMPLE = 16         /* a draw found no direction: wi, f and pdf are 0 */
 };
 
 /*
@@ -129,6 +130,16 @@ typedef enum shade_map {
   SHADE_MAP_DEFORM_SMOOTH
 } shade_map;
 
+/* What half vectors are drawn from. Private. */
+typedef enum shade_draw {
+  SHADE_DRAW_PHONG, /* Ashikhmin-Shirley's D, Ward's too */
+  SHADE_DRAW_HALF,
+  SHADE_DRAW_GAUSSIAN,
+  SHADE_DRAW_GGX,
+  SHADE_DRAW_VISIBLE_GAUSSIAN,
+  SHADE_DRAW_VISIBLE_GGX
+} shade_draw;
+
 /*
  * A material made ready for evaluation. Its members are private: they may
  * change with any release.
@@ -148,6 +159,12 @@ typedef struct shade_bsdf {
   float kxf, kyf, peakf, gxf, gyf;
   float f0f[3], tintf[3], kf[3], kdf[3];
   shade_horizon horizon; /* hard where n is ignored */
+  shade_draw draw;
+  shade_map draw_map;        /* the rigid frame or warp that h is drawn in */
+  int draw_parts, draw_even; /* lobes of the proposal; 1: half the diffuse draws are even */
+  double sx, sy;             /* exponents or 1/alpha^2 of the proposal */
+  double share_lobe, share_diffuse;
+  float sxf, syf, share_lobef, share_diffusef;
 } shade_bsdf;
 
 /* Set every member of *p to the table's default. */
@@ -319,6 +336,89 @@ SHADE_API unsigned shade_mdf_eval_batch(const shade_bsdf *b, size_t count, const
 SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, const float *nx,
                                          const float *ny, const float *nz, const float *hx,
                                          const float *hy, const float *hz, float *out);
+
+/*
+ * Sampling. shade_bsdf_sample draws a direction to the light, wi, for the eye's direction wo
+ * from two independent numbers u that are uniform in [0, 1) (clamped to it); shade_bsdf_pdf
+ * is the density of wi it draws with, per sr. f cos / pdf, averaged over u, is the albedo:
+ * the integral of f cos. n, wi, wo as for shade_bsdf_eval; f, pdf and cosine of a draw are
+ * what the eval and pdf calls give for its wi.
+ *
+ * A draw may find no direction: its half vector turns away from wo, or wi comes to lie below
+ * a horizon, where f is 0 (n.wi <= 0 or wi.z <= 0). Then wi, f, pdf and cosine are all 0, the
+ * status has SHADE_NO_SAMPLE, and the draw counts in the average, as 0. pdf is 0 outside the
+ * horizons, and its integral is 1 less the probability of such draws; nothing is drawn when
+ * wo itself is below. pdf is finite, and > 0 for every direction that was drawn. Non-finite
+ * directions and NaN in u: SHADE_BAD_INPUT, all 0.
+ *
+ * What is drawn. none, gram_schmidt, rotate, shortest_arc (and perturb, if the lobe is
+ * round): with the BRDF microfacet the visible normals of GGX and Beckmann in the carried
+ * frame, where f cos / pdf <= F; else half vectors by D (Ashikhmin-Shirley), D cos (Beckmann,
+ * GGX), or a lobe that holds Ward's, ward_half's D over its own integral. rotate_approximate:
+ * the same from rotate with alpha / L, which is its lobe's shape. The warps: half vectors
+ * carried through the warp, with its Jacobian. perturb, when it is not round: a mixture of
+ * three lobes about n, the widest of which keeps the weight finite.
+ * The horizons that bend n draw about the bent one; schuessler draws as hard does, so that
+ * light that f has by way of its mirrors is not found.
+ * With a diffuse part, a share of the draws (0.1 to 0.9 of them, by the reflectances) is the
+ * lobe's and the rest is by the cosine about n, for fibres half of it evenly; pdf is that of
+ * the mixture.
+ * [AshikhminShirley2000; Walter2007; HeitzDEon2014; DupuyBenyoub2023; KangChoKim2011]
+ *
+ * pdf and f must not be NULL, cosine may. Returns (pdf: or-s into *status, which may be NULL)
+ * status bits.
+ */
+SHADE_API double shade_bsdf_pdf(const shade_bsdf *b, const double n[3], const double wi[3],
+                                const double wo[3], unsigned *status);
+SHADE_API float shade_bsdf_pdff(const shade_bsdf *b, const float n[3], const float wi[3],
+                                const float wo[3], unsigned *status);
+SHADE_API unsigned shade_bsdf_sample(const shade_bsdf *b, const double n[3], const double wo[3],
+                                     const double u[2], double wi[3], double f[3], double *pdf,
+                                     double *cosine);
+SHADE_API unsigned shade_bsdf_samplef(const shade_bsdf *b, const float n[3], const float wo[3],
+                                      const float u[2], float wi[3], float f[3], float *pdf,
+                                      float *cosine);
+
+/* Inputs of a batch of draws: one array per component, `count` long each. */
+typedef struct shade_sample_lanes {
+  const double *nx, *ny, *nz;    /* perturbed normal */
+  const double *wox, *woy, *woz; /* to the eye */
+  const double *u1, *u2;         /* uniform in [0, 1) */
+  const double *f0r, *f0g, *f0b; /* f0 per sample, or NULL; what is drawn goes by the material's */
+} shade_sample_lanes;
+typedef struct shade_sample_lanesf {
+  const float *nx, *ny, *nz;
+  const float *wox, *woy, *woz;
+  const float *u1, *u2;
+  const float *f0r, *f0g, *f0b;
+} shade_sample_lanesf;
+
+/* Outputs of a batch of draws, all required. Must not overlap the inputs. */
+typedef struct shade_sample_result {
+  double *wix, *wiy, *wiz; /* to the light; 0 where no direction was found */
+  double *r, *g, *b;       /* f, in 1/sr */
+  double *pdf, *cosine;    /* in 1/sr; n.wi */
+} shade_sample_result;
+typedef struct shade_sample_resultf {
+  float *wix, *wiy, *wiz;
+  float *r, *g, *b;
+  float *pdf, *cosine;
+} shade_sample_resultf;
+
+/*
+ * shade_bsdf_sample and shade_bsdf_pdf over arrays of any length and alignment; the pdf call
+ * does not read f0. They return the or of all status bits.
+ */
+SHADE_API unsigned shade_bsdf_sample_batch(const shade_bsdf *b, size_t count,
+                                           const shade_sample_lanes *in,
+                                           const shade_sample_result *out);
+SHADE_API unsigned shade_bsdf_sample_batchf(const shade_bsdf *b, size_t count,
+                                            const shade_sample_lanesf *in,
+                                            const shade_sample_resultf *out);
+SHADE_API unsigned shade_bsdf_pdf_batch(const shade_bsdf *b, size_t count, const shade_lanes *in,
+                                        double *pdf);
+SHADE_API unsigned shade_bsdf_pdf_batchf(const shade_bsdf *b, size_t count, const shade_lanesf *in,
+                                         float *pdf);
 
 /* The instruction set in use: "avx512", "avx2", "sse2" or "scalar". */
 SHADE_API const char *shade_isa(void);

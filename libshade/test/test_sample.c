@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Sampling against its own density by chi-square, for every distribution through every detail
+ * method and tilted normals. 10^6 draws a case; fewer under a sanitizer, which is slow.
+ */
+#include <string.h>
+
+#include "support.h"
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+#define SANITIZED 1
+#endif
+#ifdef SANITIZED
+enum { DRAWS = 20000, FINE = 8 };
+#else
+enum { DRAWS = 1000000, FINE = 16 };
+#endif
+
+enum { RINGS = 20, SECTORS = 40, BINS = RINGS * SECTORS, BATCH = 4096 };
+
+/* Upper tail of the chi-square distribution: Q(dof/2, x/2) by series or continued fraction. */
+static double chi2_tail(double x, int dof) {
+  double a = 0.5 * dof, y = 0.5 * x, scale = exp(a * log(y) - y - lgamma(a));
+  if (y < a + 1) {
+    double term = 1 / a, sum = term;
+    for (int k = 1; k < 10000 && term > sum * 1e-16; k++)
+      sum += term *= y / (a + k);
+    return 1 - scale * sum;
+  }
+  double b = y + 1 - a, c = 1e300, d = 1 / b, h = d;
+  for (int k = 1; k < 10000; k++) {
+    double an = -k * (k - a), delta;
+    b += 2;
+    d = 1 / (an * d + b);
+    c = b + an / c;
+    h *= delta = c * d;
+    if (fabs(delta - 1) < 1e-16)
+      break;
+  }
+  return scale * h;
+}
+
+/* Room for a batch; the results of either precision are read as double. */
+typedef struct lanes {
+  double in[8][BATCH], out[8][BATCH], pdf[BATCH];
+} lanes;
+
+static unsigned draw(const shade_bsdf *b, lanes *m, size_t count) {
+  const shade_sample_lanes in = {m->in[0], m->in[1], m->in[2], m->in[3], m->in[4], m->in[5],
+                                 m->in[6], m->in[7], NULL,     NULL,     NULL};
+  const shade_sample_result out = {m->out[0], m->out[1], m->out[2], m->out[3],
+                                   m->out[4], m->out[5], m->out[6], m->out[7]};
+  return shade_bsdf_sample_batch(b, count, &in, &out);
+}
+
+static unsigned drawf(const shade_bsdf *b, lanes *m, size_t count) {
+  static float in[8][BATCH], out[8][BATCH];
+  for (int k = 0; k < 8; k++)
+    for (size_t i = 0; i < count; i++)
+      in[k][i] = (float)m->in[k][i];
+  const shade_sample_lanesf lanes = {in[0], in[1], in[2], in[3], in[4], in[5],
+                                     in[6], in[7], NULL,  NULL,  NULL};
+  const shade_sample_resultf result = {out[0], out[1], out[2], out[3],
+                                       out[4], out[5], out[6], out[7]};
+  unsigned status = shade_bsdf_sample_batchf(b, count, &lanes, &result);
+  for (int k = 0; k < 8; k++)
+    for (size_t i = 0; i < count; i++)
+      m->out[k][i] = (double)out[k][i];
+  return status;
+}
+
+static void fill(lanes *m, int first, const double v[3]) {
+  for (int c = 0; c < 3; c++)
+    for (size_t i = 0; i < BATCH; i++)
+      m->in[first + c][i] = v[c];
+}
+
+/* The integral of the pdf over each bin (cos theta, phi) of the upper hemisphere, by midpoints. */
+static void integrate(const shade_bsdf *b, const double n[3], const double wo[3], lanes *m,
+                      double expected[BINS]) {
+  fill(m, 0, n);
+  fill(m, 3, wo);
+  const shade_lanes in = {m->in[0], m->in[1], m->in[2], m->out[0], m->out[1], m->out[2],
+                          m->in[3], m->in[4], m->in[5], NULL,      NULL,      NULL};
+  const double area = 2 * PI / ((double)BINS * FINE * FINE);
+  for (int bin = 0; bin < BINS; bin++) {
+    for (int k = 0; k < FINE * FINE; k++) {
+      double z = (bin / SECTORS + (k / FINE + 0.5) / FINE) / RINGS;
+      double phi = 2 * PI * (bin % SECTORS + (k % FINE + 0.5) / FINE) / SECTORS;
+      double s = sqrt((1 - z) * (1 + z));
+      m->out[0][k] = s * cos(phi);
+      m->out[1][k] = s * sin(phi);
+      m->out[2][k] = z;
+    }
+    shade_bsdf_pdf_batch(b, FINE * FINE, &in, m->pdf);
+    double sum = 0;
+    for (int k = 0; k < FINE * FINE; k++)
+      sum += m->pdf[k];
+    expected[bin] = sum * area;
+  }
+}
+
+/* Draws counted in the same bins; returns how many found no direction. */
+static long histogram(const shade_bsdf *b, const double n[3], const double wo[3], lanes *m,
+                      int single, uint64_t *seed, long counts[BINS]) {
+  long lost = 0;
+  memset(counts, 0, BINS * sizeof *counts);
+  fill(m, 0, n);
+  fill(m, 3, wo);
+  for (long done = 0; done < DRAWS; done += BATCH) {
+    size_t count = (size_t)(DRAWS - done < BATCH ? DRAWS - done : BATCH);
+    for (size_t i = 0; i < count; i++) {
+      m->in[6][i] = uniform(seed);
+      m->in[7][i] = uniform(seed);
+    }
+    (single ? drawf : draw)(b, m, count);
+    for (size_t i = 0; i < count; i++) {
+      double x = m->out[0][i], y = m->out[1][i], z = m->out[2][i];
+      if (m->out[6][i] == 0) {
+        assert_true(x == 0 && y == 0 && z == 0 && m->out[3][i] == 0);
+        lost++;
+        continue;
+      }
+      assert_true(m->out[6][i] > 0 && isfinite(m->out[6][i]) && z > 0);
+      double phi = atan2(y, x);
+      int ring = (int)fmin(z * RINGS, RINGS - 1);
+      int sector = (int)((phi < 0 ? phi + 2 * PI : phi) / (2 * PI) * SECTORS);
+      counts[ring * SECTORS + (sector < SECTORS ? sector : SECTORS - 1)]++;
+    }
+  }
+  return lost;
+}
+
+/* p-value; bins that expect fewer than 10 draws are pooled, lost draws are a bin too. */
+static double chi2(const double expected[BINS], const long counts[BINS], long lost) {
+  double pool_e = 0, pool_c = 0, x = 0, whole = 0;
+  int dof = 0;
+  for (int i = 0; i < BINS; i++)
+    whole += expected[i];
+  for (int i = 0; i <= BINS; i++) {
+    double e = DRAWS * (i < BINS ? expected[i] : fmax(1 - whole, 0));
+    double c = (double)(i < BINS ? counts[i] : lost);
+    if (e < 10) {
+      pool_e += e;
+      pool_c += c;
+    } else {
+      x += (c - e) * (c - e) / e;
+      dof++;
+    }
+  }
+  if (pool_e >= 10 || pool_c > 10 + 6 * sqrt(pool_e)) {
+    x += (pool_c - pool_e) * (pool_c - pool_e) / fmax(pool_e, 1e-3);
+    dof++;
+  }
+  return chi2_tail(x, dof - 1);
+}
+
+/* ---- the cases -------------------------------------------------------------- */
+
+enum { NORMALS = 5 };
+
+/* Tilts of 0, 20, 45 and 70 degrees, and n -> y (or x), where the frame of rotate gives out. */
+static void normal_of(int k, int sign, double n[3]) {
+  const double tilt[] = {0, 20, 45, 70}, azimuth[] = {0, 0.7, 2.5, 4.1};
+  if (k < 4)
+    spherical(tilt[k] * PI / 180, azimuth[k], n);
+  else {
+    n[0] = 1e-10;
+    n[1] = sign;
+    n[2] = 2e-10;
+  }
+}
+
+/* An eye that sees n from the side and is above both horizons. */
+static void eye_of(const double n[3], double wo[3]) {
+  const double by[] = {-0.3, 0.1, 0.5};
+  double length = 0;
+  for (int c = 0; c < 3; c++) {
+    wo[c] = n[c] + by[c];
+    length += wo[c] * wo[c];
+  }
+  for (int c = 0; c < 3; c++)
+    wo[c] /= sqrt(length);
+}
+
+static shade_bsdf material(int mdf, int brdf, int detail, double ex, double ey, double kd,
+                           int diffuse) {
+  shade_params p;
+  shade_params_init(&p);
+  shade_params_set_exponents(&p, ex, ey);
+  p.mdf = (shade_mdf)mdf;
+  p.brdf = (shade_brdf)brdf;
+  p.detail = (shade_detail)detail;
+  p.diffuse = (shade_diffuse)diffuse;
+  for (int c = 0; c < 3; c++) {
+    p.f0[c] = kd > 0 ? 0.3 : 1;
+    p.kd[c] = kd;
+  }
+  shade_bsdf b;
+  assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+  return b;
+}
+
+typedef struct verdict {
+  int cases;
+  double least;
+  char worst[128];
+} verdict;
+
+static void judge(const shade_bsdf *b, int k, int sign, int single, uint64_t *seed, verdict *v) {
+  static lanes m;
+  static double expected[BINS];
+  static long counts[BINS];
+  double n[3], wo[3];
+  normal_of(k, sign, n);
+  eye_of(n, wo);
+  integrate(b, n, wo, &m, expected);
+  long lost = histogram(b, n, wo, &m, single, seed, counts);
+  double p = chi2(expected, counts, lost);
+  v->cases++;
+  if (p < v->least) {
+    v->least = p;
+    snprintf(v->worst, sizeof v->worst, "%s %s %s, normal %d",
+             shade_list_word(SHADE_LIST_MDF, (int)b->mdf),
+             shade_list_word(SHADE_LIST_BRDF, (int)b->brdf),
+             shade_list_word(SHADE_LIST_DETAIL, (int)b->detail), k);
+  }
+}
+
+/* All null hypotheses together at the level 1%: 1 - (1 - least)^cases (Sidak). */
+static void conclude(const char *what, const verdict *v) {
+  double together = 1 - pow(1 - v->least, v->cases);
+  print_message("%s: %d cases of %d draws, least p %.2g (%s), together %.2g\n", what, v->cases,
+                (int)DRAWS, v->least, v->worst, together);
+  assert_true(together > 0.01);
+}
+
+/* Every distribution x method x normal; microfacet too, where visible normals are drawn. */
+static void chi2_lobes(void **state) {
+  (void)state;
+  uint64_t seed = 2;
+  verdict v = {0, 1, ""};
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+    for (int detail = 0; detail < SHADE_DETAIL_COUNT; detail++)
+      for (int k = 0; k < NORMALS; k++) {
+        if (detail == SHADE_DETAIL_AUTO)
+          continue;
+        shade_bsdf b = material(mdf, SHADE_BRDF_ASHIKHMIN_SHIRLEY, detail, 40, 6, 0, 0);
+        shade_draw plain = b.draw;
+        judge(&b, k, detail & 1 ? 1 : -1, 0, &seed, &v);
+        b = material(mdf, SHADE_BRDF_MICROFACET, detail, 6, 40, 0, 0); /* grooves along y */
+        if (b.draw != plain)
+          judge(&b, k, 1, 0, &seed, &v);
+      }
+  conclude("lobes", &v);
+}
+
+/* Grooves along y, round lobes, a diffuse part of each kind, bent normals, and float. */
+static void chi2_mixtures(void **state) {
+  (void)state;
+  uint64_t seed = 3;
+  verdict v = {0, 1, ""};
+  for (int k = 0; k < NORMALS; k++) {
+    for (int diffuse = 0; diffuse < SHADE_DIFFUSE_COUNT; diffuse += 2) {
+      shade_bsdf b =
+          material(SHADE_MDF_GGX, SHADE_BRDF_MICROFACET, SHADE_DETAIL_PERTURB, 6, 60, 0.5, diffuse);
+      judge(&b, k, 1, 1, &seed, &v);
+      b = material(SHADE_MDF_ASHIKHMIN_SHIRLEY, 0, SHADE_DETAIL_ROTATE, 6, 60, 0.5, diffuse + 1);
+      b.horizon = SHADE_HORIZON_VALID_REFLECTION;
+      judge(&b, k, 1, 0, &seed, &v);
+      b = material(SHADE_MDF_BECKMANN, SHADE_BRDF_MICROFACET, SHADE_DETAIL_NONE, 20, 20, 0.2,
+                   diffuse);
+      judge(&b, k, 1, 1, &seed, &v);
+    }
+    for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++) {
+      shade_bsdf b = material(mdf, SHADE_BRDF_MICROFACET, SHADE_DETAIL_AUTO, 0, 0, 0, 0);
+      judge(&b, k, 1, 1, &seed, &v);
+      b = material(mdf, SHADE_BRDF_MICROFACET, SHADE_DETAIL_DEFORM_SMOOTH, 9, 30, 0, 0);
+      judge(&b, k, 1, 1, &seed, &v);
+    }
+  }
+  conclude("mixtures", &v);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(chi2_lobes),
+      cmocka_unit_test(chi2_mixtures),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
