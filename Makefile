@@ -9,6 +9,7 @@
 #   make install   libshade, its headers, manual pages and tool to PREFIX (/usr/local); uninstall
 #   make bench     speed against accuracy
 #   make pictures  the pictures of README.md, from a run of `make compare`
+#   make fuzz      SECONDS=60 of fuzzing for each parser, with clang
 #   make lint      layout of the code, licence lines
 #   make clean     remove build/
 # On Debian 12 each of them installs first what it needs (setup/setup.mk).

@@ -106,7 +106,7 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 # Tests: one cmocka program per behaviour. `check-libshade` runs them as built, then once
 # more under AddressSanitizer and UndefinedBehaviorSanitizer, then compiles all with clang.
 TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c))
-TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(IMAGE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
+TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(IMAGE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
 $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
@@ -127,3 +127,5 @@ check-libshade: setup-build
 	$(MAKE) all test-libshade
 	$(MAKE) B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" all test-libshade
 	$(MAKE) B=$(B)/clang CC=clang all $(subst $(B)/,$(B)/clang/,$(TESTS))
+
+include $(L)/fuzz/fuzz.mk

@@ -26,10 +26,10 @@ licence_of() {
   *) echo Apache-2.0 ;;
   esac
 }
-# formats that hold no comments
+# formats that hold no comments, and what fuzzers found
 while IFS= read -r file; do
   case $file in
-  *.json | *.blend | *.png | *.jpg | *.exr | *.svg | *.patch | */series | */UPSTREAM) continue ;;
+  *.json | *.blend | *.png | *.jpg | *.exr | *.svg | *.patch | */series | */UPSTREAM | */fuzz/corpus/*) continue ;;
   esac
   licence=$(licence_of "$file")
   if ! head -n 8 "$file" | grep -Eq "SPDX-License-Identifier: $licence( |$)|SPDX:$licence\""; then

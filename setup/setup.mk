@@ -20,6 +20,7 @@ NEEDS_bench := build
 NEEDS_check-libshade := build test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
+NEEDS_fuzz := build test
 NEEDS_check := build blender povray demo test
 NEEDS := $(sort $(foreach goal,$(MAKECMDGOALS),$(NEEDS_$(goal))))
 ifneq ($(NEEDS),)
