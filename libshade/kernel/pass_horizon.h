@@ -13,11 +13,10 @@ static void FN(pass_bend)(size_t count, const real *restrict nx, const real *res
                           real *restrict by, real *restrict bz) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real n[3] = {nx[i], ny[i], nz[i]}, wo[3] = {wox[i], woy[i], woz[i]};
-    FN(bend)(n, wo);
-    bx[i] = n[0];
-    by[i] = n[1];
-    bz[i] = n[2];
+    FN(normal) n = FN(bend)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
+    bx[i] = n.x;
+    by[i] = n.y;
+    bz[i] = n.z;
   }
 }
 
@@ -205,8 +204,12 @@ static unsigned FN(bsdf_horizon)(const shade_bsdf *b, const real n_in[3], const 
     factor = FN(shadow_chiang)(n[0], n[1], n[2], wi[0], wi[1], wi[2]);
   else if (b->horizon != SHADE_HORIZON_VALID_REFLECTION)
     factor = FN(shadow_estevez)(n[0], n[1], n[2], wi[0], wi[1], wi[2]);
-  if (FN(bends)(b))
-    FN(bend)(n, wo);
+  if (FN(bends)(b)) {
+    FN(normal) bent = FN(bend)(n[0], n[1], n[2], wo[0], wo[1], wo[2]);
+    n[0] = bent.x;
+    n[1] = bent.y;
+    n[2] = bent.z;
+  }
   status |= FN(bsdf_hard)(b, n, wi, wo, f, cosine);
   for (int c = 0; c < 3; c++)
     f[c] *= factor;
