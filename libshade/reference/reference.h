@@ -26,6 +26,10 @@ void shade_ref_carried(const shade_params *p, const double n[3], const double h[
 unsigned shade_ref_f(const shade_params *p, const double n[3], const double wi[3],
                      const double wo[3], double f[3], double *cosine);
 
+/* The density of wi by the contract of shade_bsdf_pdf. */
+double shade_ref_pdf(const shade_params *p, const double n[3], const double wi[3],
+                     const double wo[3]);
+
 /*
  * The normal whose lobe and horizon f has under p->horizon: n, made unit and lifted as above,
  * and for valid_reflection and valid_estevez bent by wo. n and wo must be usable directions.

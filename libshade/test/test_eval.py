@@ -282,3 +282,36 @@ def test_lost_input_and_output_are_errors():
 def test_directions_without_meaning_are_named(precision):
     result = run("0 0 1 1 0 0 -1 0 0\n", "--what", "f", "--precision", precision)
     assert result.returncode == 0 and result.stdout == "0\n" and "line 1" in result.stderr
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_pdf_by_hand(precision):
+    """Half vectors are drawn by D: the density of wi is D / (4 h.wo)."""
+    n, wi, wo = (0, 0, 1), unit(0.3, 0.1, 1), unit(-0.2, 0.2, 1)
+    h = unit(*(a + b for a, b in zip(wi, wo)))
+    h_wo = sum(a * b for a, b in zip(h, wo))
+    (got,) = evaluate([n + wi + wo], "--ex", "200", "--ey", "10", "--what", "pdf",
+                      "--precision", precision)
+    want = ashikhmin_shirley(*h, 200, 10) / (4 * h_wo)
+    assert got == pytest.approx(want, rel=PRECISIONS[precision])
+    (below,) = evaluate([n + (0.6, 0, -0.8) + wo], "--what", "pdf", "--precision", precision)
+    assert below == 0
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_sample(precision):
+    """u2 = 0 is the lobe's peak, so wi mirrors wo at n; pdf and f are those of their queries."""
+    options = ["--ex", "200", "--ey", "10", "--detail", "rotate", "--precision", precision]
+    n, wo = unit(0.3, -0.2, 1), unit(0.1, 0.3, 1)
+    digits = {"rel": 10 * PRECISIONS[precision], "abs": 10 * PRECISIONS[precision]}
+    *wi, pdf, f = evaluate([n + wo + (0.3, 0)], "--what", "sample", *options)
+    n_wo = sum(a * b for a, b in zip(n, wo))
+    assert wi == pytest.approx([2 * n_wo * a - b for a, b in zip(n, wo)], **digits)
+    *wi, pdf, f = evaluate([n + wo + (0.7, 0.4)], "--what", "sample", "--kd", "0.3", *options)
+    assert sum(x * x for x in wi) == pytest.approx(1, **digits)
+    query = [n + tuple(wi) + wo]
+    assert evaluate(query, "--what", "pdf", "--kd", "0.3", *options) == pytest.approx([pdf], **digits)
+    assert evaluate(query, "--what", "f", "--kd", "0.3", *options) == pytest.approx([f], **digits)
+    assert evaluate([n + (0.6, 0, -0.8) + (0.5, 0.5)], "--what", "sample", *options) == [0] * 5
+    result = run("0 0 1 0 0 1 0.5\n", "--what", "sample", *options)
+    assert result.returncode == 1 and "u1 u2" in result.stderr

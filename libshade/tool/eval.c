@@ -19,10 +19,10 @@ typedef enum precision {
   PRECISION_DOUBLE,
   PRECISION_REFERENCE
 } precision;
-typedef enum what { WHAT_D, WHAT_F, WHAT_DIFFUSE } what;
+typedef enum what { WHAT_D, WHAT_F, WHAT_DIFFUSE, WHAT_PDF, WHAT_SAMPLE } what;
 
 static const char *const precision_words[] = {"fast", "float", "double", "reference", NULL};
-static const char *const what_words[] = {"D", "f", "diffuse", NULL};
+static const char *const what_words[] = {"D", "f", "diffuse", "pdf", "sample", NULL};
 
 typedef struct query {
   shade_params params;
@@ -33,8 +33,9 @@ typedef struct query {
 /* How many numbers a line holds, and their names for a message. */
 static int line_form(const query *q, const char **form) {
   static const char *const forms[] = {"nx ny nz hx hy hz", "nx ny nz wix wiy wiz wox woy woz",
-                                      "lx ly lz"};
-  static const int counts[] = {6, 9, 3};
+                                      "lx ly lz", "nx ny nz wix wiy wiz wox woy woz",
+                                      "nx ny nz wox woy woz u1 u2"};
+  static const int counts[] = {6, 9, 3, 9, 8};
   if (q->what == WHAT_DIFFUSE && q->params.diffuse >= SHADE_DIFFUSE_FIBRE_VIEW) {
     *form = "lx ly lz vx vy vz";
     return 6;
@@ -50,12 +51,18 @@ static void print_words(FILE *to, shade_list list) {
 }
 
 static void usage(FILE *to) {
-  fputs("usage: shade eval [options] < queries\n\n"
-        "  --what D|f|diffuse       D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
-        "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n"
-        "                           diffuse: lines of lx ly lz (and vx vy vz, for the models from\n"
-        "                           fibre_view on) -> Phi; fibre along x, normal z\n",
-        to);
+  fputs(
+      "usage: shade eval [options] < queries\n\n"
+      "  --what D|f|diffuse|pdf|sample\n"
+      "                           D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
+      "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n"
+      "                           diffuse: lines of lx ly lz (and vx vy vz, for the models from\n"
+      "                           fibre_view on) -> Phi; fibre along x, normal z\n"
+      "                           pdf: lines as for f -> density of drawing wi, in 1/sr\n"
+      "                           sample: lines of nx ny nz wox woy woz u1 u2 -> wi, pdf and f;\n"
+      "                           all 0 where the draw finds no direction. --precision\n"
+      "                           reference: the draw of double, its pdf and f by the reference\n",
+      to);
   for (int list = 0; list < SHADE_LIST_COUNT; list++) {
     if (list == SHADE_LIST_FRESNEL)
       continue;
@@ -187,7 +194,7 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       done = 1;
       int k = find_word(what_words, value);
       if (k < 0)
-        return bad_usage(option, value, "D, f or diffuse");
+        return bad_usage(option, value, "D, f, diffuse, pdf or sample");
       q->what = (what)k;
     }
     if (!done) {
@@ -253,19 +260,50 @@ static double answer(const query *q, const shade_bsdf *b, const double *v, unsig
   case PRECISION_FLOAT:
     if (q->what == WHAT_D)
       return (double)shade_mdf_evalf(b, vf, vf + 3, status);
+    if (q->what == WHAT_PDF)
+      return (double)shade_bsdf_pdff(b, vf, vf + 3, vf + 6, status);
     *status |= shade_bsdf_evalf(b, vf, vf + 3, vf + 6, ff, NULL);
     return (double)ff[0];
   case PRECISION_DOUBLE:
     if (q->what == WHAT_D)
       return shade_mdf_eval(b, v, v + 3, status);
+    if (q->what == WHAT_PDF)
+      return shade_bsdf_pdf(b, v, v + 3, v + 6, status);
     *status |= shade_bsdf_eval(b, v, v + 3, v + 6, f, NULL);
     return f[0];
   default:
     if (q->what == WHAT_D)
       return shade_ref_mdf(&q->params, v, v + 3);
+    if (q->what == WHAT_PDF)
+      return shade_ref_pdf(&q->params, v, v + 3, v + 6);
     *status |= shade_ref_f(&q->params, v, v + 3, v + 6, f, NULL);
     return f[0];
   }
+}
+
+/* A draw: wi, pdf and f. Returns status bits. */
+static unsigned draw(const query *q, const shade_bsdf *b, const double *v, double out[5]) {
+  double f[3], pdf;
+  float vf[8], wif[3], ff[3], pdff;
+  unsigned status;
+  if (q->precision <= PRECISION_FLOAT) {
+    for (int i = 0; i < 8; i++)
+      vf[i] = (float)v[i];
+    status = shade_bsdf_samplef(b, vf, vf + 3, vf + 6, wif, ff, &pdff, NULL);
+    for (int i = 0; i < 3; i++)
+      out[i] = (double)wif[i];
+    pdf = (double)pdff;
+    f[0] = (double)ff[0];
+  } else {
+    status = shade_bsdf_sample(b, v, v + 3, v + 6, out, f, &pdf, NULL);
+    if (q->precision == PRECISION_REFERENCE && pdf > 0) {
+      pdf = shade_ref_pdf(&q->params, v, out, v + 3);
+      shade_ref_f(&q->params, v, out, v + 3, f, NULL);
+    }
+  }
+  out[3] = pdf;
+  out[4] = f[0];
+  return status;
 }
 
 /* Reads exactly `count` finite numbers; returns NULL, or what is wrong. */
@@ -320,7 +358,14 @@ int shade_cmd_eval(int argc, char **argv) {
       break;
     }
     unsigned mended = SHADE_OK;
-    printf(q.precision <= PRECISION_FLOAT ? "%.9g\n" : "%.17g\n", answer(&q, &b, v, &mended));
+    const int digits = q.precision <= PRECISION_FLOAT ? 9 : 17;
+    if (q.what == WHAT_SAMPLE) {
+      double drawn[5];
+      mended = draw(&q, &b, v, drawn);
+      for (int i = 0; i < 5; i++)
+        printf("%.*g%c", digits, drawn[i], i < 4 ? ' ' : '\n');
+    } else
+      printf("%.*g\n", digits, answer(&q, &b, v, &mended));
     if (mended & SHADE_BAD_INPUT)
       fprintf(stderr, "shade eval: standard input, line %ld: warning: no such direction: 0\n",
               number);

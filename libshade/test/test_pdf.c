@@ -1,0 +1,450 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The density of draws against the reference, the albedo from draws against quadrature, narrow
+ * lobes against their own distribution functions, and draws from input that makes no sense.
+ */
+#include <float.h>
+#include <string.h>
+
+#include "support.h"
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
+enum { SLOWED = 10 };
+#else
+enum { SLOWED = 1 };
+#endif
+
+enum { BATCH = 1024 };
+
+typedef struct lanes {
+  double in[8][BATCH], out[8][BATCH];
+  float inf[8][BATCH], outf[8][BATCH];
+} lanes;
+
+static unsigned draw(const shade_isa_table *isa, const shade_bsdf *b, lanes *m, size_t count) {
+  const shade_sample_lanes in = {m->in[0], m->in[1], m->in[2], m->in[3], m->in[4], m->in[5],
+                                 m->in[6], m->in[7], NULL,     NULL,     NULL};
+  const shade_sample_result out = {m->out[0], m->out[1], m->out[2], m->out[3],
+                                   m->out[4], m->out[5], m->out[6], m->out[7]};
+  return isa->sample_batch(b, count, &in, &out);
+}
+
+static unsigned drawf(const shade_isa_table *isa, const shade_bsdf *b, lanes *m, size_t count) {
+  for (int k = 0; k < 8; k++)
+    for (size_t i = 0; i < count; i++) {
+      double x = m->in[k][i];
+      m->inf[k][i] = fabs(x) > (double)FLT_MAX && isfinite(x)
+                         ? copysignf(FLT_MAX, (float)(x < 0 ? -1 : 1))
+                         : (float)x;
+    }
+  const shade_sample_lanesf in = {m->inf[0], m->inf[1], m->inf[2], m->inf[3], m->inf[4], m->inf[5],
+                                  m->inf[6], m->inf[7], NULL,      NULL,      NULL};
+  const shade_sample_resultf out = {m->outf[0], m->outf[1], m->outf[2], m->outf[3],
+                                    m->outf[4], m->outf[5], m->outf[6], m->outf[7]};
+  return isa->sample_batchf(b, count, &in, &out);
+}
+
+static int is_warp(shade_detail d) {
+  return d == SHADE_DETAIL_DEFORM_LINEAR || d == SHADE_DETAIL_DEFORM_SMOOTH ||
+         d == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING || d == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
+}
+
+static shade_params random_params(uint64_t *seed, double widest) {
+  shade_params p;
+  shade_params_init(&p);
+  shade_params_set_exponents(&p, pow(10, widest * uniform(seed)), pow(10, widest * uniform(seed)));
+  if (uniform(seed) < 0.1)
+    shade_params_set_exponents(&p, p.ex, p.ex);
+  p.mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
+  p.brdf = (shade_brdf)(uniform(seed) * SHADE_BRDF_COUNT);
+  p.detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
+  p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
+  p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
+  p.diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
+  p.horizon = (shade_horizon)(uniform(seed) * SHADE_HORIZON_COUNT);
+  int matt = uniform(seed) < 0.3;
+  for (int c = 0; c < 3; c++) {
+    p.f0[c] = uniform(seed);
+    p.kd[c] = matt ? uniform(seed) : 0;
+  }
+  return p;
+}
+
+static void random_directions(uint64_t *seed, double n[3], double a[3], double b[3]) {
+  spherical(1.2 * uniform(seed), 2 * PI * uniform(seed), n);
+  spherical(1.5 * uniform(seed), 2 * PI * uniform(seed), a);
+  spherical(1.5 * uniform(seed), 2 * PI * uniform(seed), b);
+}
+
+/* pdf against the reference, away from horizons, where both lose their digits. */
+static void against_reference(void **state) {
+  (void)state;
+  uint64_t seed = 5;
+  double worst = 0, worst_warp = 0, worstf = 0;
+  int compared = 0, zeros = 0;
+  for (int k = 0; k < 60000 / SLOWED; k++) {
+    shade_params p = random_params(&seed, 3);
+    shade_bsdf b;
+    shade_bsdf_setup(&b, &p);
+    double n[3], wi[3], wo[3], at[3];
+    random_directions(&seed, n, wi, wo);
+    unsigned status = SHADE_OK;
+    double got = shade_bsdf_pdf(&b, n, wi, wo, &status), want = shade_ref_pdf(&p, n, wi, wo);
+    assert_int_equal(status, SHADE_OK);
+    shade_ref_normal(&p, n, wo, at);
+    double cosi = wi[2], coso = wo[2], h[3], m[3];
+    if (p.detail != SHADE_DETAIL_NONE) {
+      cosi = fmin(cosi, at[0] * wi[0] + at[1] * wi[1] + at[2] * wi[2]);
+      coso = fmin(coso, at[0] * wo[0] + at[1] * wo[1] + at[2] * wo[2]);
+    }
+    if (fmin(cosi, coso) < -1e-6) {
+      zeros++;
+      assert_true(got == 0 && want == 0);
+    }
+    if (fmin(cosi, coso) < 0.01)
+      continue;
+    double length = 0;
+    for (int c = 0; c < 3; c++)
+      length += (wi[c] + wo[c]) * (wi[c] + wo[c]);
+    for (int c = 0; c < 3; c++)
+      h[c] = (wi[c] + wo[c]) / sqrt(length);
+    shade_ref_carried(&p, at, h, m);
+    if (want < 1e-9 || m[2] < (is_warp(p.detail) ? 0.5 : 0.05))
+      continue;
+    compared++;
+    double *tally = is_warp(p.detail) ? &worst_warp : &worst;
+    *tally = fmax(*tally, fabs(got / want - 1));
+    float fv[9];
+    for (int c = 0; c < 3; c++) {
+      n[c] = (double)(fv[c] = (float)n[c]);
+      wi[c] = (double)(fv[3 + c] = (float)wi[c]);
+      wo[c] = (double)(fv[6 + c] = (float)wo[c]);
+    }
+    double gotf = (double)shade_bsdf_pdff(&b, fv, fv + 3, fv + 6, NULL);
+    want = shade_ref_pdf(&p, n, wi, wo);
+    if (!is_warp(p.detail) && p.horizon == SHADE_HORIZON_HARD)
+      worstf = fmax(worstf, fabs(gotf / want - 1));
+  }
+  print_message("pdf: %d compared, %d below; worst relative error %.1e double, %.1e float, %.1e "
+                "double through warps\n",
+                compared, zeros, worst, worstf, worst_warp);
+  assert_true(compared > 4000 / SLOWED && zeros > 4000 / SLOWED);
+  assert_true(worst <= 2e-12);
+  assert_true(worst_warp <= 1e-7); /* the reference differentiates the warp */
+  assert_true(worstf <= 4e-5);
+}
+
+/* The average of f cos / pdf against f cos by midpoints over the hemisphere. */
+static void albedo(void **state) {
+  (void)state;
+  static lanes m;
+  enum { GRID = 512 };
+  uint64_t seed = 6;
+  const shade_isa_table *isa = shade_isa_pick(0);
+  print_message("largest f cos / pdf and relative deviation, alpha .2 and .5:\n");
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+    for (int detail = 0; detail < SHADE_DETAIL_COUNT; detail++)
+      for (int brdf = 0; brdf <= SHADE_BRDF_MICROFACET; brdf += SHADE_BRDF_MICROFACET) {
+        if (detail == SHADE_DETAIL_AUTO)
+          continue;
+        shade_params p;
+        shade_params_init(&p);
+        shade_params_set_alphas(&p, 0.2, 0.5);
+        p.fresnel = SHADE_FRESNEL_NONE;
+        p.mdf = (shade_mdf)mdf;
+        p.detail = (shade_detail)detail;
+        p.brdf = (shade_brdf)brdf;
+        p.kd[0] = p.kd[1] = p.kd[2] = (detail + mdf) % 4 == 1 ? 0.4 : 0;
+        p.diffuse = (shade_diffuse)(detail % SHADE_DIFFUSE_COUNT);
+        shade_bsdf b;
+        shade_bsdf_setup(&b, &p);
+        double n[3], wo[3];
+        spherical(0.6, 0.4, n);
+        spherical(0.5, 2.2, wo);
+        for (int c = 0; c < 3; c++)
+          for (int i = 0; i < BATCH; i++) {
+            m.in[c][i] = n[c];
+            m.in[3 + c][i] = wo[c];
+          }
+        double sum = 0, square = 0, largest = 0;
+        const long draws = 200 * BATCH / SLOWED;
+        for (long done = 0; done < draws; done += BATCH) {
+          for (int i = 0; i < BATCH; i++) {
+            m.in[6][i] = uniform(&seed);
+            m.in[7][i] = uniform(&seed);
+          }
+          draw(isa, &b, &m, BATCH);
+          for (int i = 0; i < BATCH && done + i < draws; i++) {
+            double w = m.out[6][i] > 0 ? m.out[3][i] * m.out[7][i] / m.out[6][i] : 0;
+            sum += w;
+            square += w * w;
+            largest = fmax(largest, w);
+          }
+        }
+        double mean = sum / (double)draws;
+        double deviation = sqrt(fmax(square / (double)draws - mean * mean, 0));
+        double want = 0;
+        const int grid = GRID / SLOWED * 2;
+        static double r[BATCH], g[BATCH], bl[BATCH], cosine[BATCH];
+        for (int ring = 0; ring < grid; ring++)
+          for (int first = 0; first < grid; first += BATCH) {
+            int count = grid - first < BATCH ? grid - first : BATCH;
+            double z = (ring + 0.5) / grid, s = sqrt((1 - z) * (1 + z));
+            for (int i = 0; i < count; i++) {
+              double phi = 2 * PI * (first + i + 0.5) / grid;
+              m.out[0][i] = s * cos(phi);
+              m.out[1][i] = s * sin(phi);
+              m.out[2][i] = z;
+            }
+            const shade_lanes in = {m.in[0], m.in[1], m.in[2], m.out[0], m.out[1], m.out[2],
+                                    m.in[3], m.in[4], m.in[5], NULL,     NULL,     NULL};
+            const shade_result out = {r, g, bl, cosine};
+            isa->bsdf_batch(&b, (size_t)count, &in, &out);
+            for (int i = 0; i < count; i++)
+              want += r[i] * cosine[i];
+          }
+        want *= 2 * PI / ((double)grid * grid);
+        print_message("  %-18s %-25s %-18s %6.2f %5.2f\n", shade_list_word(SHADE_LIST_MDF, mdf),
+                      shade_list_word(SHADE_LIST_DETAIL, detail),
+                      shade_list_word(SHADE_LIST_BRDF, brdf), largest, deviation / mean);
+        if (fabs(mean - want) > 5 * deviation / sqrt((double)draws) + 1e-3 * SLOWED * want)
+          fail_msg("%s %s: %g from draws, %g by quadrature", shade_list_word(SHADE_LIST_MDF, mdf),
+                   shade_list_word(SHADE_LIST_DETAIL, detail), mean, want);
+      }
+}
+
+/*
+ * Narrow and wide lobes, float and double: the half vector's angles, put through the
+ * distribution functions of the lobe, are uniform. wo = n, so that nothing is lost but what
+ * is more than 45 degrees from n; lobes that lose more are judged by test_sample.c.
+ */
+static void narrow_lobes(void **state) {
+  (void)state;
+  enum { SIDE = 16 };
+  static lanes m;
+  static long counts[SIDE * SIDE];
+  const double exponents[][2] = {{1e6, 1e6}, {1e6, 1e2}, {1e5, 1e4}, {50, 1e3}};
+  const shade_isa_table *isa = shade_isa_pick(0);
+  uint64_t seed = 7;
+  double worst = 0;
+  for (int e = 0; e < 4; e++)
+    for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+      for (int single = 0; single < 2; single++) {
+        shade_params p;
+        shade_params_init(&p);
+        shade_params_set_exponents(&p, exponents[e][0], exponents[e][1]);
+        if (mdf != SHADE_MDF_ASHIKHMIN_SHIRLEY && e == 0)
+          shade_params_set_alphas(&p, 1e-4, 3e-4);
+        p.mdf = (shade_mdf)mdf;
+        shade_bsdf b;
+        shade_bsdf_setup(&b, &p);
+        double n[3];
+        float nf[3];
+        spherical(0.7, 0.9, n);
+        for (int c = 0; c < 3; c++)
+          n[c] = (double)(nf[c] = (float)n[c]);
+        memset(counts, 0, sizeof counts);
+        long total = 0;
+        for (int round = 0; round < 200 / SLOWED; round++) {
+          for (int i = 0; i < BATCH; i++)
+            for (int c = 0; c < 3; c++) {
+              m.in[c][i] = m.in[3 + c][i] = n[c];
+              m.in[6 + c % 2][i] = uniform(&seed);
+            }
+          (single ? drawf : draw)(isa, &b, &m, BATCH);
+          for (int i = 0; i < BATCH; i++) {
+            double h[3], v[3], pdf = single ? (double)m.outf[6][i] : m.out[6][i];
+            if (pdf == 0)
+              continue;
+            for (int c = 0; c < 3; c++)
+              h[c] = n[c] + (single ? (double)m.outf[c][i] : m.out[c][i]);
+            shade_ref_carried(&p, n, h, v);
+            /* the stretch that makes the lobe round, then its angle's distribution function */
+            int phong = mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY || mdf == SHADE_MDF_WARD;
+            double kx = mdf == SHADE_MDF_WARD ? 2 / (p.ax * p.ax) : p.ex + 1;
+            double ky = mdf == SHADE_MDF_WARD ? 2 / (p.ay * p.ay) : p.ey + 1;
+            if (mdf == SHADE_MDF_WARD)
+              kx++, ky++;
+            if (!phong) {
+              kx = 1 / (p.ax * p.ax);
+              ky = 1 / (p.ay * p.ay);
+            }
+            double x = v[0] * sqrt(kx), y = v[1] * sqrt(ky);
+            double sin2 = v[0] * v[0] + v[1] * v[1], tan2 = sin2 / (v[2] * v[2]);
+            double k = sin2 > 0 ? (x * x + y * y) / sin2 : kx, below;
+            if (phong)
+              below = -expm1(-0.5 * k * log1p(tan2));
+            else if (mdf == SHADE_MDF_WARD_HALF)
+              below = expm1(-2 * k * sin2 / (1 + v[2])) / expm1(-2 * k);
+            else if (mdf == SHADE_MDF_BECKMANN)
+              below = -expm1(-k * tan2);
+            else
+              below = k * tan2 / (1 + k * tan2);
+            int row = (int)fmin(below * SIDE, SIDE - 1);
+            int column = (int)((atan2(y, x) / (2 * PI) + 0.5) * SIDE);
+            counts[row * SIDE + (column < SIDE ? column : SIDE - 1)]++;
+            total++;
+          }
+        }
+        /* GGX's and the widest lobes' last ring is short of what was lost */
+        int rings = total < 199 * BATCH / SLOWED ? SIDE / 2 : SIDE;
+        double x = 0, each = (double)(200 / SLOWED * BATCH) / (SIDE * SIDE);
+        for (int i = 0; i < rings * SIDE; i++)
+          x += ((double)counts[i] - each) * ((double)counts[i] - each) / each;
+        /* Wilson and Hilferty's normal variable */
+        double dof = rings * SIDE - 1.0, t = 2 / (9 * dof);
+        double z = (cbrt(x / dof) - (1 - t)) / sqrt(t);
+        worst = fmax(worst, z);
+        if (z > 3.9) /* 5e-5 one-sided; 40 cases */
+          fail_msg("%s, case %d, %s: chi-square %.0f of %.0f (z %.1f)",
+                   shade_list_word(SHADE_LIST_MDF, mdf), e, single ? "float" : "double", x, dof, z);
+      }
+  print_message("narrow lobes: largest z %.1f\n", worst);
+}
+
+/* A draw's pdf and f are those of the calls; every instruction set draws the same. */
+static void same_everywhere(void **state) {
+  (void)state;
+  static lanes m, other;
+  uint64_t seed = 8;
+  long lanes_seen = 0, apart = 0, apartf = 0;
+  for (int k = 0; k < 400 / SLOWED; k++) {
+    shade_params p = random_params(&seed, 4);
+    shade_bsdf b;
+    shade_bsdf_setup(&b, &p);
+    for (int i = 0; i < BATCH; i++) {
+      double n[3], wo[3], unused[3];
+      random_directions(&seed, n, wo, unused);
+      for (int c = 0; c < 3; c++) {
+        m.in[c][i] = n[c];
+        m.in[3 + c][i] = wo[c];
+      }
+      m.in[6][i] = uniform(&seed);
+      m.in[7][i] = uniform(&seed);
+    }
+    memcpy(other.in, m.in, sizeof m.in);
+    draw(shade_isa_pick(0), &b, &m, BATCH);
+    drawf(shade_isa_pick(0), &b, &m, BATCH);
+    for (int i = 0; i < BATCH; i += 37) {
+      double n[3], wo[3], u[2], wi[3], f[3], g[3], pdf, cosine, cosine2;
+      for (int c = 0; c < 3; c++) {
+        n[c] = m.in[c][i];
+        wo[c] = m.in[3 + c][i];
+      }
+      u[0] = m.in[6][i];
+      u[1] = m.in[7][i];
+      unsigned status = shade_bsdf_sample(&b, n, wo, u, wi, f, &pdf, &cosine);
+      if (pdf == 0) {
+        assert_true(status & SHADE_NO_SAMPLE);
+        continue;
+      }
+      assert_int_equal(status, SHADE_OK);
+      assert_near(wi[0] * wi[0] + wi[1] * wi[1] + wi[2] * wi[2], 1, 1e-14);
+      assert_near(pdf, shade_bsdf_pdf(&b, n, wi, wo, NULL), 1e-12 * pdf);
+      shade_bsdf_eval(&b, n, wi, wo, g, &cosine2);
+      for (int c = 0; c < 3; c++)
+        assert_near(f[c], g[c], 1e-11 * g[c] + 1e-290);
+      assert_near(cosine, cosine2, 1e-15);
+      if (fabs(wi[0] - m.out[0][i]) > 1e-6)
+        apart++;
+    }
+    const shade_isa_table *isa;
+    for (int row = 1; (isa = shade_isa_pick(row)); row++) {
+      draw(isa, &b, &other, BATCH);
+      drawf(isa, &b, &other, BATCH);
+      for (int i = 0; i < BATCH; i++) {
+        lanes_seen++;
+        double off = 0, offf = 0;
+        for (int c = 0; c < 3; c++) {
+          off = fmax(off, fabs(m.out[c][i] - other.out[c][i]));
+          offf = fmax(offf, fabs((double)(m.outf[c][i] - other.outf[c][i])));
+        }
+        apart += off > 1e-7;
+        apartf += offf > 2e-3;
+      }
+    }
+  }
+  print_message("%ld lanes, apart: %ld double, %ld float\n", lanes_seen, apart, apartf);
+  /* a u, or a wi, within a rounding of a border may fall on its other side */
+  assert_true(apart <= 1e-6 * (double)lanes_seen + 1);
+  assert_true(apartf <= 1e-3 * (double)lanes_seen + 1);
+}
+
+/* Anything at all in, nothing but numbers out; and what is drawn has a pdf. */
+static void any_input(void **state) {
+  (void)state;
+  static lanes m;
+  const double odd[] = {NAN,  INFINITY, -INFINITY, 0,     -0.0,   1,   -1, DBL_MAX, -DBL_MAX,
+                        1e-3, 1e30,     1e-30,     1e-40, 5e-324, 0.5, 2,  -2,      1e-8};
+  const double sizes[] = {0, 1, 1e6, 1e-4, 10, 100};
+  uint64_t seed = 9;
+  long drawn = 0;
+  for (int k = 0; k < 2000 / SLOWED; k++) {
+    shade_params p = random_params(&seed, 6);
+    if (uniform(&seed) < 0.3)
+      shade_params_set_exponents(&p, sizes[(int)(uniform(&seed) * 6)],
+                                 sizes[(int)(uniform(&seed) * 6)]);
+    else if (uniform(&seed) < 0.5)
+      shade_params_set_alphas(&p, sizes[(int)(uniform(&seed) * 6)],
+                              sizes[(int)(uniform(&seed) * 6)]);
+    shade_bsdf b;
+    shade_bsdf_setup(&b, &p);
+    const int finite = k & 1;
+    for (int i = 0; i < BATCH; i++) {
+      double n[3], wo[3], unused[3];
+      random_directions(&seed, n, wo, unused);
+      if (uniform(&seed) < 0.1) { /* n near y, x or z */
+        for (int c = 0; c < 3; c++)
+          n[c] = pow(10, -40 * uniform(&seed));
+        n[(int)(3 * uniform(&seed))] = 1;
+      }
+      for (int c = 0; c < 3; c++) {
+        m.in[c][i] = n[c];
+        m.in[3 + c][i] = wo[c];
+      }
+      m.in[6][i] = uniform(&seed) < 0.1 ? uniform(&seed) < 0.5 : uniform(&seed);
+      m.in[7][i] = uniform(&seed) < 0.1 ? uniform(&seed) < 0.5 : uniform(&seed);
+      if (!finite && uniform(&seed) < 0.5)
+        m.in[(int)(8 * uniform(&seed))][i] = odd[(int)(uniform(&seed) * 18)];
+    }
+    draw(shade_isa_pick(0), &b, &m, BATCH);
+    drawf(shade_isa_pick(0), &b, &m, BATCH);
+    for (int i = 0; i < BATCH; i++) {
+      for (int c = 0; c < 8; c++) {
+        assert_true(isfinite(m.out[c][i]) && isfinite(m.outf[c][i]));
+        assert_true(c < 3 || (m.out[c][i] >= 0 && m.outf[c][i] >= 0));
+      }
+      drawn += m.out[6][i] > 0;
+      int found = m.out[0][i] != 0 || m.out[1][i] != 0 || m.out[2][i] != 0;
+      assert_true(found == (m.out[6][i] > 0));
+      found = m.outf[0][i] != 0 || m.outf[1][i] != 0 || m.outf[2][i] != 0;
+      assert_true(found == (m.outf[6][i] > 0));
+    }
+  }
+  assert_true(drawn > 400000 / SLOWED);
+  /* the statuses that the header names */
+  shade_bsdf b = make_lobe(SHADE_MDF_GGX, SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, 10, 20);
+  const double z[3] = {0, 0, 1}, below[3] = {0.6, 0, -0.8}, u[2] = {0.5, 0.5}, bad[2] = {NAN, 0};
+  double wi[3], f[3], pdf;
+  assert_int_equal(shade_bsdf_sample(&b, z, z, u, wi, f, &pdf, NULL), SHADE_OK);
+  assert_int_equal(shade_bsdf_sample(&b, z, z, bad, wi, f, &pdf, NULL),
+                   SHADE_BAD_INPUT | SHADE_NO_SAMPLE);
+  assert_true(pdf == 0 && wi[2] == 0);
+  assert_int_equal(shade_bsdf_sample(&b, z, below, u, wi, f, &pdf, NULL), SHADE_NO_SAMPLE);
+  assert_int_equal(shade_bsdf_sample(&b, below, z, u, wi, f, &pdf, NULL) & SHADE_CLAMPED_NORMAL,
+                   SHADE_CLAMPED_NORMAL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(against_reference), cmocka_unit_test(albedo),
+      cmocka_unit_test(narrow_lobes),      cmocka_unit_test(same_everywhere),
+      cmocka_unit_test(any_input),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
