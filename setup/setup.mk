@@ -18,6 +18,7 @@ NEEDS_demo := $(NEEDS_compare)
 NEEDS_pictures := $(NEEDS_compare)
 NEEDS_bench := build
 NEEDS_check-libshade := build test
+NEEDS_soak := build test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
 NEEDS_fuzz := build test

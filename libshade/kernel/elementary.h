@@ -80,6 +80,14 @@ LEAF real FN(minimum)(real a, real b) {
   return a < b ? a : b;
 }
 
+LEAF real FN(absolute)(real x) {
+#if SHADE_FLOAT
+  return fabsf(x);
+#else
+  return fabs(x);
+#endif
+}
+
 LEAF real FN(root)(real x) {
 #if SHADE_FLOAT
   return sqrtf(x);
@@ -94,11 +102,11 @@ LEAF real FN(root)(real x) {
  */
 LEAF real FN(angle_of)(real y, real x) {
   const real pi = R(3.14159265358979323846);
-  real ax = x < 0 ? -x : x;
+  real ax = FN(absolute)(x);
   real low = FN(minimum)(y, ax), high = FN(maximum)(y, ax);
   int steep = low > R(0.41421356237309504880) * high; /* tan(pi/8) */
   real top = steep ? low - high : low, bottom = steep ? low + high : high;
-  real s = top / FN(maximum)(bottom, TINY);
+  real s = top / (bottom + TINY);
 #if SHADE_FLOAT
   real a = s + s * (s * s) * SHADE_ATAN_F((s * s));
 #else

@@ -48,11 +48,12 @@ static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real 
 static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
                                      const real *ny, const real *nz, const real *hx, const real *hy,
                                      const real *hz, real *out) {
-  real t[BLOCK], xx[BLOCK], yy[BLOCK], d[BLOCK];
+  real t[BLOCK], xx[BLOCK], yy[BLOCK];
   FN(mended) room;
   unsigned status = SHADE_OK;
   for (size_t start = 0; start < count; start += BLOCK) {
     size_t size = count - start < BLOCK ? count - start : BLOCK;
+    real *d = out + start;
     const real *v[2][3] = {{nx + start, ny + start, nz + start},
                            {hx + start, hy + start, hz + start}};
     unsigned block = FN(mend_block)(size, 2, v, &room);
@@ -63,12 +64,10 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
 #endif
       FN(pass_lobe)
     (b, size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], t, xx, yy, d);
-    for (size_t i = 0; i < size; i++)
-      out[start + i] = d[i];
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
-          out[start + i] = 0;
+          d[i] = 0;
     status |= block;
   }
   return status;
@@ -112,13 +111,12 @@ static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(
                            {in->wox + start, in->woy + start, in->woz + start}};
     real *cosi = out->cosine + start;
     unsigned block = FN(mend_block)(size, 3, v, &room);
+    int none;
     if (FN(is_fused)(b)) {
-      if (FN(pass_fused)(b, size, v, hwo, cosi, coso, d))
-        status |= SHADE_BAD_INPUT;
+      none = FN(pass_fused)(b, size, v, hwo, cosi, coso, d);
     } else {
-      if (FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz,
-                        hwo))
-        status |= SHADE_BAD_INPUT;
+      none = FN(pass_half)(size, v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2], hx, hy, hz,
+                           hwo);
       if (b->map >= SHADE_MAP_DEFORM_LINEAR)
         FN(pass_unit)(size, hx, hy, hz);
       FN(pass_lobe)(b, size, v[0][0], v[0][1], v[0][2], hx, hy, hz, t, xx, yy, d);
@@ -135,6 +133,12 @@ static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(
           FN(pass_smith)(b, size, xx, yy, k == 1 ? hx : hy); /* h is done with */
         }
       FN(pass_brdf)(b, size, hwo, cosi, coso, hx, hy, d);
+    }
+    if (none) {
+      status |= SHADE_BAD_INPUT;
+      for (size_t i = 0; i < size; i++)
+        if (FN(opposite)(v[1][0][i], v[1][1][i], v[1][2][i], v[2][0][i], v[2][1][i], v[2][2][i]))
+          d[i] = coso[i] = 0;
     }
     if (b->has_diffuse)
       FN(diffuse_block)(b, size, v, cosi, coso, xx, yy, t);
@@ -200,7 +204,7 @@ static unsigned FN(bsdf_hard)(const shade_bsdf *b, const real n_in[3], const rea
   *cosine = cosi > 0 ? cosi : 0;
   real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
   if (FN(no_direction)(hx, hy, hz))
-    status |= SHADE_BAD_INPUT;
+    return status | SHADE_BAD_INPUT;
   if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
     return status;
   real hwo = FN(half_cosine)(hx, hy, hz);

@@ -5,9 +5,13 @@ LEAF int FN(no_direction)(real hx, real hy, real hz) {
   return !(hx * hx + hy * hy + hz * hz > R(1e-30));
 }
 
+LEAF int FN(opposite)(real ix, real iy, real iz, real ox, real oy, real oz) {
+  return FN(no_direction)(ix + ox, iy + oy, iz + oz);
+}
+
 /* Only the warps need a unit h. */
 LEAF real FN(scale_to_unit)(real hx, real hy, real hz) {
-  return 1 / FN(root)(FN(maximum)(hx * hx + hy * hy + hz * hz, TINY));
+  return 1 / FN(root)(hx * hx + hy * hy + hz * hz + TINY);
 }
 
 /*
@@ -86,7 +90,7 @@ LEAF real FN(smith_ggx)(real w) {
 LEAF real FN(smith_gaussian)(real w) {
   real v = FN(root)(w);
   real y = v / (v + R(0.3));
-  real share = FN(exp_negative)(1 / FN(maximum)(w, R(1e-8)));
+  real share = FN(exp_negative)(1 / (w + TINY));
 #if SHADE_FLOAT
   real z = FN(maximum)(y, SHADE_ERFCX_LEAST_F) - SHADE_ERFCX_MIDDLE_F;
   return 1 + share * (v * R(0.564189583548) - SHADE_ERFCX_F(z));

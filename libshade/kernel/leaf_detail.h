@@ -20,7 +20,7 @@ typedef struct FN(lobe_point) {
 
 /* From squared sines along x and y and a squared cosine, to any common scale. */
 LEAF FN(lobe_point) FN(lobe_at)(real xx, real yy, real zz, int above) {
-  real inverse = 1 / FN(maximum)(zz, TINY);
+  real inverse = 1 / (zz + TINY);
   FN(lobe_point) p = {-1, xx * inverse, yy * inverse};
   p.t = above ? p.xx + p.yy : -1;
   return p;
@@ -42,7 +42,7 @@ LEAF FN(cross_and_dot) FN(cross_and_dot_of)(real nx, real ny, real nz, real hx, 
 
 /* tan^2 of the angle between n and h, or -1: the t of a lobe_point. */
 LEAF real FN(tan2)(FN(cross_and_dot) c) {
-  real t = (c.x * c.x + c.y * c.y + c.z * c.z) / FN(maximum)(c.d * c.d, TINY);
+  real t = (c.x * c.x + c.y * c.y + c.z * c.z) / (c.d * c.d + TINY);
   return c.d > 0 ? t : -1;
 }
 
@@ -71,12 +71,10 @@ LEAF FN(lobe_point) FN(detail_perturb_ratio)(real nx, real ny, real nz, real hx,
  */
 LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(lobe_point) p = FN(detail_perturb_ratio)(nx, ny, nz, hx, hy, hz);
-  real radius = p.xx + p.yy;
-  int pole = !(radius > TINY);
-  real inverse = 1 / (pole ? 1 : radius); /* t / radius could overflow */
-  real t = FN(maximum)(p.t, 0);
-  p.xx = (pole ? R(0.5) : p.xx * inverse) * t;
-  p.yy = (pole ? R(0.5) : p.yy * inverse) * t;
+  real inverse = 1 / (p.xx + p.yy + TINY); /* t / radius could overflow */
+  real t = FN(absolute)(p.t);
+  p.xx = (p.xx + R(0.5) * TINY) * inverse * t;
+  p.yy = (p.yy + R(0.5) * TINY) * inverse * t;
   return p;
 }
 
@@ -90,7 +88,7 @@ LEAF real FN(rotate_scale)(real nx, real nz) {
 #else
   const real small = 0x1p-300, step = 0x1p300;
 #endif
-  real size = FN(maximum)(nx < 0 ? -nx : nx, nz);
+  real size = FN(maximum)(FN(absolute)(nx), nz);
   real scale = size < small ? step : 1;
   return size * scale < small ? scale * step : scale;
 }
@@ -153,7 +151,7 @@ LEAF FN(lobe_point) FN(detail_deform_linear)(real nx, real ny, real nz, real hx,
   real u = FN(warp_fraction)(nx, ny, nz, x, y);
   x += u * nx;
   y += u * ny;
-  return FN(lobe_at)(x * x, y * y, (1 - u) * (1 + u), (u < 1) & (hz > 0));
+  return FN(lobe_at)(x * x, y * y, FN(absolute)((1 - u) * (1 + u)), (u < 1) & (hz > 0));
 }
 
 /* Weight sqrt(w); p may leave the disc, where D' = 0. */
@@ -163,8 +161,8 @@ LEAF FN(lobe_point) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx,
   real shift = u / (1 + FN(root)(1 - u));
   x += shift * nx;
   y += shift * ny;
-  real zz = 1 - x * x - y * y;
-  return FN(lobe_at)(x * x, y * y, zz, (zz > 0) & (hz > 0));
+  real zz = 1 - (x * x + y * y);
+  return FN(lobe_at)(x * x, y * y, FN(absolute)(zz), (zz > 0) & (hz > 0));
 }
 
 /*
@@ -181,15 +179,15 @@ LEAF real FN(warp_stretch)(real nx, real ny, real nz, real hx, real hy, real hz,
   real u = FN(warp_fraction)(nx, ny, nz, x, y);
   real b = nx * x + ny * y;
   real s = FN(root)(b * b + (x * x + y * y) * (nz * nz));
-  real fade = FN(root)(FN(maximum)(1 - u, 0));
-  real along = b + u * (nx * nx + ny * ny); /* delta . p_linear */
-  real stretch = along / FN(maximum)(smooth ? 2 * s * fade : s, TINY);
+  real fade = FN(root)(FN(absolute)(1 - u)); /* u > 1 is outside, as zz < 0: D' is 0 there */
+  real along = b + u * (nx * nx + ny * ny);  /* delta . p_linear */
+  real stretch = along / ((smooth ? 2 * s * fade : s) + TINY);
   real jacobian = FN(maximum)(1 + stretch, 0); /* 1 where s, and with it `along`, is 0 */
   real shift = smooth ? u / (1 + fade) : u;
   x += shift * nx;
   y += shift * ny;
-  real zz = smooth ? 1 - x * x - y * y : (1 - u) * (1 + u);
-  real z = projected ? nx * hx + ny * hy + nz * hz : FN(root)(FN(maximum)(zz, 0));
-  real lit = z > 0 ? FN(maximum)(hz, 0) : 0;
+  real zz = smooth ? 1 - (x * x + y * y) : (1 - u) * (1 + u);
+  real z = projected ? nx * hx + ny * hy + nz * hz : FN(root)(FN(absolute)(zz));
+  real lit = (smooth || projected) && !(z > 0) ? 0 : FN(maximum)(hz, 0);
   return FN(minimum)(jacobian, R(1e9)) * lit / FN(maximum)(z, rim);
 }

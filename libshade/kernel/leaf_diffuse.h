@@ -37,11 +37,11 @@ LEAF real FN(diffuse_fibre_view)(real ly, real lz, real vy, real vz) {
   int blind = vy * vy + vz * vz < TINY;
   vy = blind ? 0 : vy;
   vz = blind ? 1 : vz;
-  real al = ly < 0 ? -ly : ly, av = vy < 0 ? -vy : vy;
+  real al = FN(absolute)(ly), av = FN(absolute)(vy);
   real c = ly * vy + lz * vz;
   real across = ly * vz - lz * vy;
   int apart = ly * vy < 0, light = al * vz >= av * lz;
-  real s = apart ? (across < 0 ? -across : across) : light ? al * vz : av * lz;
+  real s = apart ? FN(absolute)(across) : light ? al * vz : av * lz;
   real y = apart ? s : light ? al : av, x = apart ? c : light ? lz : vz;
   real open = R(3.14159265358979323846) - FN(angle_of)(y, x);
   real seen = FN(root)(vy * vy + vz * vz) + vz;
@@ -63,5 +63,5 @@ LEAF real FN(diffuse_ashikhmin_shirley)(real ly, real lz, real vy, real vz) {
  */
 LEAF real FN(across_fibre)(real nx, real ny, real nz, real wx, real wy, real wz) {
   real y = nx * (nx * wy - ny * wx) + nz * (nz * wy - ny * wz);
-  return y / FN(maximum)(FN(root)(nx * nx + nz * nz), TINY);
+  return y / (FN(root)(nx * nx + nz * nz) + TINY);
 }

@@ -4,6 +4,9 @@
  * 1/alpha^2 for the others; peak is D at the pole: sqrt((ex+1)(ey+1))/(2 pi), or
  * 1/(pi ax ay).
  *
+ * Below the horizon t is -1, and its size does as well as 0: the result is 0 there. (A maximum
+ * would be one more condition on t for compilers to split the computation at; see TINY.)
+ *
  * Errors, all distributions, against the reference on the same inputs, D > 1e-12 of the
  * peak, z >= 0.05, tilts to 89.9 degrees, e standing for 2/alpha^2 - 2: float 2e-5 at e
  * to 1e3, 2e-4 to 1e5; double 1e-12 to 1e4. Worst where D is smallest and e largest.
@@ -15,10 +18,9 @@
  * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4; CONVENTIONS.md, Detail]
  */
 LEAF real FN(ashikhmin_shirley)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real radius = p.xx + p.yy;
-  real weight = radius > 0 ? radius : 1;
-  real e = radius > 0 ? (kx * p.xx + ky * p.yy) / weight : R(0.5) * (kx + ky);
-  real t = FN(maximum)(p.t, 0);
+  real mean = R(0.5) * TINY * (kx + ky); /* of the exponents, where there is no azimuth */
+  real e = (kx * p.xx + ky * p.yy + mean) / (p.xx + p.yy + TINY);
+  real t = FN(absolute)(p.t);
   real value = peak * FN(exp_negative)(R(0.5) * e * FN(log1p_positive)(t));
   return p.t >= 0 ? value : 0;
 }
@@ -38,7 +40,7 @@ LEAF real FN(ward)(FN(lobe_point) p, real kx, real ky, real peak) {
  * without a cosine. [Ward1992 Eq. 5b]
  */
 LEAF real FN(ward_half)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real u = 1 + FN(maximum)(p.t, 0);
+  real u = 1 + FN(absolute)(p.t);
   real value = peak * FN(exp_negative)(2 * (kx * p.xx + ky * p.yy) / (u + FN(root)(u)));
   return p.t >= 0 ? value : 0;
 }
@@ -49,19 +51,19 @@ LEAF real FN(ward_half)(FN(lobe_point) p, real kx, real ky, real peak) {
  * under 4e17. [CookTorrance1982 Eq. 14; Heitz2014 Eq. 46]
  */
 LEAF real FN(beckmann)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real u = FN(minimum)(1 + FN(maximum)(p.t, 0), R(1e5));
+  real u = FN(minimum)(1 + FN(absolute)(p.t), R(1e5));
   real value = peak * (u * u) * FN(exp_negative)(kx * p.xx + ky * p.yy);
   return p.t >= 0 ? value : 0;
 }
 
 /*
- * GGX (Trowbridge-Reitz). Integrates to 1 over the hemisphere with the cosine. The cap
- * binds only where rotate_approximate's slopes vanish while t does not; it keeps D under
- * 4e17. [Walter2007 Eq. 33; Heitz2014 Eq. 85]
+ * GGX (Trowbridge-Reitz). Integrates to 1 over the hemisphere with the cosine. The ratio's
+ * cap of 1e5 binds only where rotate_approximate's slopes vanish while t does not; it keeps D
+ * under 4e17. [Walter2007 Eq. 33; Heitz2014 Eq. 85]
  */
 LEAF real FN(ggx)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real t = FN(maximum)(p.t, 0);
-  real ratio = FN(minimum)((1 + t) / (1 + (kx * p.xx + ky * p.yy)), R(1e5));
+  real t = FN(absolute)(p.t);
+  real ratio = (1 + t) / FN(maximum)(1 + (kx * p.xx + ky * p.yy), R(1e-5) * (1 + t));
   real value = peak * (ratio * ratio);
   return p.t >= 0 ? value : 0;
 }

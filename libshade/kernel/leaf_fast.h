@@ -21,8 +21,7 @@ LEAF float fast_power(float d, float e) {
 
 /* d = n.h; xx and yy squares of the azimuth's components to any common scale. */
 LEAF float fast_value(float d, float xx, float yy, float kx, float ky, float peak) {
-  float radius = xx + yy;
-  float e = radius > 0 ? (kx * xx + ky * yy) / (radius > 0 ? radius : 1) : 0.5f * (kx + ky);
+  float e = (kx * xx + ky * yy + 0.5f * TINY * (kx + ky)) / (xx + yy + TINY);
   float value = peak * fast_power(maximumf(d, 1e-30f), e);
   return d > 0 ? value : 0;
 }

@@ -33,11 +33,11 @@ LEAF real FN(fresnel_conductor)(real eta, real k, real c) {
   real t0 = eta2 - k2 - sin2;
   real both = FN(root)(t0 * t0 + 4 * eta2 * k2); /* a^2 + b^2 */
   real larger = R(0.5) * (both + (t0 < 0 ? -t0 : t0));
-  real smaller = eta2 * k2 / FN(maximum)(larger, TINY);
+  real smaller = eta2 * k2 / (larger + TINY);
   real a = FN(root)(t0 < 0 ? smaller : larger);
   real t1 = both + cos2, t2 = 2 * a * c;
-  real rs = (t1 - t2) / FN(maximum)(t1 + t2, TINY);
+  real rs = (t1 - t2) / (t1 + t2 + TINY);
   real t3 = cos2 * both + sin2 * sin2, t4 = t2 * sin2;
-  real rp = rs * (t3 - t4) / FN(maximum)(t3 + t4, TINY);
-  return R(0.5) * (rs + rp);
+  real rp = rs * (t3 - t4) / (t3 + t4 + TINY);
+  return FN(maximum)(R(0.5) * (rs + rp), 0); /* eta near 1 cancels */
 }

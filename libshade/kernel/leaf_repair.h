@@ -5,14 +5,43 @@
  */
 
 /*
- * Nonzero when the vector's length is more than a few roundings off 1, or it is not
- * finite. rotate's leaf is not homogeneous in n: an excess of s in its length would
- * change D by a factor of about exp(-2 s ln D).
+ * Whether a vector is unit, in two words to be or-ed over many vectors, so that the check
+ * vectorises with no comparison.
+ *
+ * FAR_BIT, the highest of the exponent, is set in numbers of size 2 or more, infinite and NaN
+ * ones too. Without it no square can overflow; with it the vector is far from unit. (A
+ * minimum in its place does not do: compilers move the square before it.)
  */
-LEAF int FN(off_unit)(real x, real y, real z) {
-  const real slack = SHADE_FLOAT ? R(2e-6) : R(1e-14);
-  real excess = x * x + y * y + z * z - 1;
-  return !(excess > -slack && excess < slack);
+#if SHADE_FLOAT
+#define FAR_BIT 0x40000000u
+#define SIGN_BIT 0x80000000u
+#define UNIT_SLACK 0x1p-19f
+#define UNIT_BITS 0x1fu /* of the last places of 1: 2 UNIT_SLACK */
+#else
+#define FAR_BIT 0x4000000000000000u
+#define SIGN_BIT 0x8000000000000000u
+#define UNIT_SLACK 0x1p-47
+#define UNIT_BITS 0x3fu
+#endif
+
+LEAF real_bits FN(far_bits)(real x, real y, real z) {
+  return FN(to_bits)(x) | FN(to_bits)(y) | FN(to_bits)(z);
+}
+
+/*
+ * Bits above UNIT_BITS are set unless the squared length is within UNIT_SLACK of 1, a few
+ * roundings. rotate's leaf is not homogeneous in n: an excess of s in its length would change
+ * D by a factor of about exp(-2 s ln D).
+ */
+LEAF real_bits FN(uneven_bits)(real x, real y, real z) {
+  x = FN(from_bits)(FN(to_bits)(x) & ~FAR_BIT);
+  y = FN(from_bits)(FN(to_bits)(y) & ~FAR_BIT);
+  z = FN(from_bits)(FN(to_bits)(z) & ~FAR_BIT);
+  return FN(to_bits)(x * x + UNIT_SLACK + y * y + z * z) ^ FN(to_bits)(1);
+}
+
+LEAF int FN(off_unit)(real_bits far, real_bits uneven) {
+  return (far & FAR_BIT) || (uneven & ~(real_bits)UNIT_BITS);
 }
 
 /*
@@ -55,7 +84,8 @@ static inline unsigned FN(mend_normal)(real n[3]) {
 static inline unsigned FN(mend_if_needed)(real v[3], int is_normal) {
   if (is_normal && !(v[2] > 0))
     return FN(mend_normal)(v);
-  if (FN(off_unit)(v[0], v[1], v[2]) && !FN(make_unit)(v))
+  if (FN(off_unit)(FN(far_bits)(v[0], v[1], v[2]), FN(uneven_bits)(v[0], v[1], v[2])) &&
+      !FN(make_unit)(v))
     return SHADE_BAD_INPUT;
   return SHADE_OK;
 }

@@ -3,7 +3,7 @@
 
 /*
  * h = wi + wo, not normalised, and its cosine hwo with either. Nonzero when some lane
- * has wi = -wo, where there is no h; f is 0 there by the horizon test.
+ * has wi = -wo, where there is no h.
  */
 static int FN(pass_half)(size_t count, const real *restrict wix, const real *restrict wiy,
                          const real *restrict wiz, const real *restrict wox,
@@ -31,7 +31,15 @@ static void FN(pass_unit)(size_t count, real *restrict hx, real *restrict hy, re
   }
 }
 
-/* The cosines about n, 0 where light or eye is below either horizon. */
+/*
+ * The cosines about n; coso is 0 where light or eye is below either horizon. One comparison:
+ * with several, gcc loads some arrays for some lanes only, and computes with what the others
+ * held before.
+ */
+LEAF real FN(lit_cosine)(real ci, real co, real iz, real oz) {
+  return FN(minimum)(FN(minimum)(ci, co), FN(minimum)(iz, oz)) > 0 ? co : 0;
+}
+
 static void FN(pass_cosines)(size_t count, const real *restrict nx, const real *restrict ny,
                              const real *restrict nz, const real *restrict wix,
                              const real *restrict wiy, const real *restrict wiz,
@@ -42,7 +50,7 @@ static void FN(pass_cosines)(size_t count, const real *restrict nx, const real *
     real ci = nx[i] * wix[i] + ny[i] * wiy[i] + nz[i] * wiz[i];
     real co = nx[i] * wox[i] + ny[i] * woy[i] + nz[i] * woz[i];
     cosi[i] = ci > 0 ? ci : 0;
-    coso[i] = ((ci > 0) & (co > 0) & (wiz[i] > 0) & (woz[i] > 0)) ? co : 0;
+    coso[i] = FN(lit_cosine)(ci, co, wiz[i], woz[i]);
   }
 }
 
@@ -52,7 +60,7 @@ static void FN(pass_cosines_none)(size_t count, const real *restrict wiz, const 
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     cosi[i] = wiz[i] > 0 ? wiz[i] : 0;
-    coso[i] = ((wiz[i] > 0) & (woz[i] > 0)) ? woz[i] : 0;
+    coso[i] = FN(lit_cosine)(wiz[i], woz[i], wiz[i], woz[i]);
   }
 }
 

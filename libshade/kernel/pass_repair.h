@@ -1,21 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Finds blocks that hold a direction the passes cannot take, and mends a copy. */
 
-static int FN(pass_check_unit)(size_t count, const real *restrict x, const real *restrict y,
-                               const real *restrict z) {
-  int bad = 0;
-#pragma omp simd reduction(| : bad)
-  for (size_t i = 0; i < count; i++)
-    bad |= FN(off_unit)(x[i], y[i], z[i]);
-  return bad;
+/* Nonzero when some direction is off unit. */
+static int FN(pass_check)(size_t count, const real *restrict x, const real *restrict y,
+                          const real *restrict z) {
+  real_bits far = 0, uneven = 0;
+#pragma omp simd reduction(| : far, uneven)
+  for (size_t i = 0; i < count; i++) {
+    far |= FN(far_bits)(x[i], y[i], z[i]);
+    uneven |= FN(uneven_bits)(x[i], y[i], z[i]);
+  }
+  return FN(off_unit)(far, uneven);
 }
 
-static int FN(pass_check_below)(size_t count, const real *restrict z) {
-  int bad = 0;
-#pragma omp simd reduction(| : bad)
-  for (size_t i = 0; i < count; i++)
-    bad |= !(z[i] > 0);
-  return bad;
+/* For normals: nor is z above 0. Less 1, 0 has the sign bit and -0 FAR_BIT. */
+static int FN(pass_check_normal)(size_t count, const real *restrict x, const real *restrict y,
+                                 const real *restrict z) {
+  real_bits far = 0, uneven = 0, below = 0;
+#pragma omp simd reduction(| : far, uneven, below)
+  for (size_t i = 0; i < count; i++) {
+    far |= FN(far_bits)(x[i], y[i], z[i]);
+    uneven |= FN(uneven_bits)(x[i], y[i], z[i]);
+    below |= FN(to_bits)(z[i]) - 1;
+  }
+  return FN(off_unit)(far, uneven) || (below & (SIGN_BIT | FAR_BIT));
 }
 
 /* Room for the mended copies of a block's directions. */
@@ -29,9 +37,9 @@ typedef struct FN(mended) {
  * the block needs it. Returns status bits; with SHADE_BAD_INPUT void_lane is filled.
  */
 static unsigned FN(mend_block)(size_t count, int vectors, const real *v[][3], FN(mended) * m) {
-  int bad = FN(pass_check_below)(count, v[0][2]);
-  for (int k = 0; k < vectors; k++)
-    bad |= FN(pass_check_unit)(count, v[k][0], v[k][1], v[k][2]);
+  int bad = FN(pass_check_normal)(count, v[0][0], v[0][1], v[0][2]);
+  for (int k = 1; k < vectors; k++)
+    bad |= FN(pass_check)(count, v[k][0], v[k][1], v[k][2]);
   if (!bad)
     return SHADE_OK;
   unsigned status = SHADE_OK;

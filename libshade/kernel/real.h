@@ -18,12 +18,21 @@
 #undef FN
 #undef R
 #undef TINY
+#undef UNIT_SLACK
+#undef FAR_BIT
+#undef SIGN_BIT
+#undef UNIT_BITS
 #if SHADE_FLOAT
 #define real float
 #define real_bits uint32_t
 #define FN(name) name##f
 #define R(x) x##f
-#define TINY 1e-29f /* floor of squared cosines: 1e8 / TINY is still finite */
+/*
+ * Added to squares before a division by them: it is lost in any that matters, and 1e8 / TINY
+ * is still finite. A floor would do as well, but compilers make two branches of a maximum,
+ * compute both in vectors, and so divide by 0 after all.
+ */
+#define TINY 1e-29f
 #else
 #define real double
 #define real_bits uint64_t
