@@ -78,5 +78,5 @@ LEAF real FN(share_bumped)(real nx, real ny, real nz, real wx, real wy, real wz)
 /* How much of (nx, ny) to take from w to mirror it at the upright facet: 2 (w.m)/(m.m). */
 LEAF real FN(mirror_step)(real nx, real ny, real wx, real wy) {
   real side2 = nx * nx + ny * ny;
-  return side2 > TINY ? 2 * (nx * wx + ny * wy) / side2 : 0;
+  return 2 * (nx * wx + ny * wy) / (side2 + TINY);
 }

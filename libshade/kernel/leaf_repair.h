@@ -82,10 +82,8 @@ static inline unsigned FN(mend_normal)(real n[3]) {
 }
 
 static inline unsigned FN(mend_if_needed)(real v[3], int is_normal) {
-  if (is_normal && !(v[2] > 0))
-    return FN(mend_normal)(v);
-  if (FN(off_unit)(FN(far_bits)(v[0], v[1], v[2]), FN(uneven_bits)(v[0], v[1], v[2])) &&
-      !FN(make_unit)(v))
-    return SHADE_BAD_INPUT;
-  return SHADE_OK;
+  int off = FN(off_unit)(FN(far_bits)(v[0], v[1], v[2]), FN(uneven_bits)(v[0], v[1], v[2]));
+  if (is_normal) /* n.z may vanish when n is made unit */
+    return off || !(v[2] > 0) ? FN(mend_normal)(v) : SHADE_OK;
+  return off && !FN(make_unit)(v) ? SHADE_BAD_INPUT : SHADE_OK;
 }

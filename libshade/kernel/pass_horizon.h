@@ -53,26 +53,28 @@ static void FN(pass_multiply)(size_t count, const real *restrict factor, real *r
     out[i] *= factor[i];
 }
 
-/* nz a b times f: out is f here, and is added to below. */
-static void FN(pass_weigh)(size_t count, const real *restrict nz, const real *restrict a,
-                           const real *restrict b, real *restrict out) {
+/*
+ * nz a b, once for all colours. (Within the loop over them gcc moves the product in front, over
+ * whole scratch arrays: it then meets what no lane wrote.)
+ */
+static void FN(pass_weight)(size_t count, const real *restrict nz, const real *restrict a,
+                            const real *restrict b, real *restrict weight) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    out[i] *= nz[i] * (a[i] * b[i]);
+    weight[i] = nz[i] * (a[i] * b[i]);
 }
 
-static void FN(pass_add_weighed)(size_t count, const real *restrict nz, const real *restrict a,
-                                 const real *restrict b, const real *restrict f,
+static void FN(pass_add_product)(size_t count, const real *restrict weight, const real *restrict f,
                                  real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    out[i] += nz[i] * (a[i] * b[i]) * f[i];
+    out[i] += weight[i] * f[i];
 }
 
 /* One block of facets with normal n and of upright mirrors; v as in bsdf_hard_batch. */
 static unsigned FN(two_facets)(const shade_bsdf *b, size_t size, const real *const v[3][3],
                                const FN(shade_lanes) * in, const FN(shade_result) * out) {
-  real x[BLOCK], y[BLOCK], rgb[3][BLOCK], unused[BLOCK];
+  real x[BLOCK], y[BLOCK], rgb[3][BLOCK], unused[BLOCK], weight[BLOCK];
   real see[2][2][BLOCK]; /* [light, eye][bumped, upright] */
   real *to[3] = {out->r, out->g, out->b};
   const FN(shade_result) extra = {rgb[0], rgb[1], rgb[2], unused};
@@ -82,8 +84,9 @@ static unsigned FN(two_facets)(const shade_bsdf *b, size_t size, const real *con
     FN(pass_share_upright)(size, v[0][0], v[0][1], v[0][2], d[0], d[1], d[2], see[w][1]);
   }
   unsigned status = FN(bsdf_hard_batch)(b, size, in, out);
+  FN(pass_weight)(size, v[0][2], see[0][0], see[1][0], weight);
   for (int c = 0; c < 3; c++)
-    FN(pass_weigh)(size, v[0][2], see[0][0], see[1][0], to[c]);
+    FN(pass_multiply)(size, weight, to[c]);
   for (int w = 0; w < 2; w++) {
     FN(shade_lanes) mirrored = *in;
     const real *const *d = v[w + 1];
@@ -96,9 +99,13 @@ static unsigned FN(two_facets)(const shade_bsdf *b, size_t size, const real *con
       mirrored.woy = y;
     }
     FN(bsdf_hard_batch)(b, size, &mirrored, &extra);
+    FN(pass_weight)(size, v[0][2], see[0][w == 0], see[1][w == 1], weight);
     for (int c = 0; c < 3; c++)
-      FN(pass_add_weighed)(size, v[0][2], see[0][w == 0], see[1][w == 1], rgb[c], to[c]);
+      FN(pass_add_product)(size, weight, rgb[c], to[c]);
   }
+  for (size_t i = 0; status & SHADE_BAD_INPUT && i < size; i++)
+    if (FN(no_direction)(v[1][0][i] + v[2][0][i], v[1][1][i] + v[2][1][i], v[1][2][i] + v[2][2][i]))
+      to[0][i] = to[1][i] = to[2][i] = 0;
   for (size_t i = 0; i < size; i++)
     out->cosine[i] = v[1][2][i] > 0 ? v[1][2][i] : 0;
   return status;
@@ -170,6 +177,9 @@ static unsigned FN(two_facets_one)(const shade_bsdf *b, const real n[3], const r
     see[k][1] = FN(share_upright)(n[0], n[1], n[2], w[k][0], w[k][1], w[k][2]);
   }
   unsigned status = FN(bsdf_hard)(b, n, wi, wo, f, cosine);
+  *cosine = FN(maximum)(wi[2], 0);
+  if (status & SHADE_BAD_INPUT)
+    return status;
   for (int c = 0; c < 3; c++)
     f[c] *= n[2] * (see[0][0] * see[1][0]);
   for (int k = 0; k < 2; k++) {
@@ -182,7 +192,6 @@ static unsigned FN(two_facets_one)(const shade_bsdf *b, const real n[3], const r
     for (int c = 0; c < 3; c++)
       f[c] += weight * more[c];
   }
-  *cosine = FN(maximum)(wi[2], 0);
   return status;
 }
 

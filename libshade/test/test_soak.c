@@ -274,6 +274,8 @@ static unsigned material(worker *w, int *finite) {
   p->groove = (shade_groove)digit(&k, SHADE_GROOVE_COUNT);
   p->fresnel = (shade_fresnel)digit(&k, SHADE_FRESNEL_COUNT);
   p->diffuse = (shade_diffuse)digit(&k, SHADE_DIFFUSE_COUNT);
+  if (chance(w, .5)) /* as often as all others: the one that the others build upon */
+    p->horizon = (shade_horizon)(uniform(&w->seed) * SHADE_HORIZON_COUNT);
   p->ex = fmin(exponent(w), 1e6);
   p->ey = chance(w, .2) ? p->ex : fmin(exponent(w), 1e6);
   p->ax = fmin(alpha(w), 10);
@@ -372,14 +374,23 @@ static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
 
 /* Within some roundings: whether wi + wo is 0 then depends on them. */
 static int nearly_opposite(const worker *w, form p, size_t i) {
-  double v[6];
+  long double v[6], length[2], sum = 0; /* whose range holds any square */
   for (int c = 0; c < 6; c++)
-    v[c] = 0.25 * (p == DOUBLE ? w->v[i][3 + c] : (double)w->vf[i][3 + c]); /* finite length */
-  const double *a = v, *b = v + 3;
-  double la = hypot(hypot(a[0], a[1]), a[2]), lb = hypot(hypot(b[0], b[1]), b[2]), sum = 0;
+    v[c] = p == DOUBLE ? (long double)w->v[i][3 + c] : (long double)w->vf[i][3 + c];
+  for (int k = 0; k < 2; k++)
+    length[k] = hypotl(hypotl(v[3 * k], v[3 * k + 1]), v[3 * k + 2]);
   for (int c = 0; c < 3; c++)
-    sum += fabs(a[c] / la + b[c] / lb);
-  return sum < 1e-5;
+    sum += fabsl(v[c] / length[0] + v[3 + c] / length[1]);
+  return sum < 1e-5L;
+}
+
+/* n.z is above 0, but perhaps not after a division by the length of n. */
+static int nearly_below(const worker *w, form p, size_t i) {
+  long double n[3];
+  for (int c = 0; c < 3; c++)
+    n[c] = p == DOUBLE ? (long double)w->v[i][c] : (long double)w->vf[i][c];
+  long double least = p == DOUBLE ? (long double)DBL_TRUE_MIN : (long double)FLT_TRUE_MIN;
+  return n[2] > 0 && n[2] < 8 * least * sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
 static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form p) {
@@ -408,6 +419,8 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
     if (q == D_ONE || q == F_ONE) {
       unsigned unsure =
           q == F_ONE && !(want & SHADE_BAD_INPUT) && nearly_opposite(w, p, i) ? SHADE_BAD_INPUT : 0;
+      if (nearly_below(w, p, i))
+        unsure |= SHADE_CLAMPED_NORMAL;
       if ((w->status[i] ^ want) & ~unsure)
         wrong = "wrong status", found->wrong_status++;
       w->unsure = i ? w->unsure | unsure : unsure;
