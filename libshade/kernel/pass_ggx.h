@@ -25,7 +25,8 @@ LEAF FN(ggx_sample) FN(ggx_of)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real
   FN(ggx_sample) s;
   real x = i.x + o.x, y = i.y + o.y, d = i.c + o.c;
   real den = ll * (d * d) + (kx * (x * x) + ky * (y * y));
-  real ratio = ll * hh / FN(maximum)(den, TINY);
+  /* at most 100, alpha being at most 10, but for wi and wo that nearly cancel */
+  real ratio = ll * hh / FN(maximum)(den, R(1e-5) * (ll * hh) + TINY);
   real l = FN(root)(ll);
   real si = FN(root)(ll * (i.c * i.c) + (gx * (i.x * i.x) + gy * (i.y * i.y)));
   real so = FN(root)(ll * (o.c * o.c) + (gx * (o.x * o.x) + gy * (o.y * o.y)));
