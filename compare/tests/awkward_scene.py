@@ -36,7 +36,8 @@ def build(folder, camera_type):
     fine = make_scene.new_metal("Fine, bumped", 120.0, 4.0, image)
     across = make_scene.new_metal("Across", 3.0, 80.0, image)
     strong = make_scene.new_metal("Strong", 40.0, 10.0, image, 2.0)
-    set_metal(strong, fresnel="CONDUCTOR", eta=(0.2, 0.9, 1.1), k=(3.9, 2.4, 2.3))
+    set_metal(strong, distribution="GGX", brdf="MICROFACET", fresnel="CONDUCTOR", ax=0.1, ay=0.4,
+              eta=(0.2, 0.9, 1.1), k=(3.9, 2.4, 2.3))
     set_metal(across, fresnel="F82", f82=(0.9, 0.8, 0.7), diffuse="FIBRE", kd=(0.1, 0.2, 0.3))
 
     bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * makedump FILE.exr WIDTH HEIGHT SEED [plain]: a dump as a back end would write it,
+ * makedump FILE.exr WIDTH HEIGHT SEED [plain|sharp]: a dump as a back end would write it,
  * for test_check.py. Frames, directions and lights are random, but near the lobes,
  * so that S is well above zero; S comes from shade_bsdf_eval_batchf, its inputs
- * from the world's vectors in float, as in a renderer. `plain`: without Color.
+ * from the world's vectors in float, as in a renderer. `plain`: without Color. `sharp`:
+ * with exponents 30 times as large, to 6000.
  */
 #include "dump/dump.h"
 #include "shade/shade.h"
@@ -12,6 +13,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { LIGHTS = 2 };
 
@@ -59,7 +61,7 @@ static vec around(vec axis, double most) {
 
 enum { MATERIALS = 14 };
 
-static void make_materials(shade_params materials[MATERIALS]) {
+static void make_materials(shade_params materials[MATERIALS], double sharper) {
   static const struct {
     shade_detail detail;
     shade_groove groove;
@@ -94,7 +96,8 @@ static void make_materials(shade_params materials[MATERIALS]) {
     p->groove = rows[i].groove;
     p->fresnel = rows[i].fresnel;
     p->horizon = rows[i].horizon;
-    shade_params_set_exponents(p, rows[i].ex, rows[i].ey);
+    shade_params_set_exponents(p, fmin(sharper * rows[i].ex, sharper > 1 ? 6000 : 1e6),
+                               fmin(sharper * rows[i].ey, sharper > 1 ? 6000 : 1e6));
     p->f0[0] = 0.9;
     p->f0[1] = 0.08 * i;
     p->f0[2] = 0.5;
@@ -232,10 +235,11 @@ int main(int argc, char **argv) {
   shade_dump *d = shade_dump_create(width, height, LIGHTS);
   if (!d)
     return 1;
-  d->has_color = argc == 5;
+  const int sharp = argc == 6 && strcmp(argv[5], "sharp") == 0;
+  d->has_color = argc == 5 || sharp;
   const size_t pixels = (size_t)width * (size_t)height;
   shade_params materials[MATERIALS];
-  make_materials(materials);
+  make_materials(materials, sharp ? 30 : 1);
   for (size_t pixel = 0; pixel < pixels; pixel++) {
     const int material = (int)(uniform() * (MATERIALS + 1)) - 1; /* -1: a miss */
     if (material >= 0)

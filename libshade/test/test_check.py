@@ -397,6 +397,33 @@ def test_one_value_off(dump, tmp_path, factor, passes):
         assert worst["s"] == pytest.approx(worst["reference"] * factor, rel=1e-4)
 
 
+@pytest.mark.parametrize("seed, tolerance", [(2, 1e-4), (1, 1e-5), (3, 1e-5)])
+def test_rounding_of_directions_is_no_error(makedump, tmp_path, seed, tolerance):
+    """At exponents of 6000 the float32 directions alone make errors over the limit; they are
+    computed, reported and excused."""
+    path = run_makedump(makedump, tmp_path / "sharp.exr", "sharp", seed=seed)
+    limits = ["--tolerance", str(tolerance), "--mean-tolerance", "1e-4"]
+    report = check_json(path, *limits)
+    assert report["pass"] and report["largest"] > tolerance and report["excused"] > 0
+    assert report["beyond_rounding"] <= tolerance
+    worst = max(report["cells"], key=lambda cell: cell.get("largest", 0))["worst"]
+    assert report["largest"] - tolerance <= worst["rounding"] < 1e-3
+    assert "excused" in check(path, *limits).stdout
+
+
+@pytest.mark.parametrize("options", [[], ["sharp"]])
+def test_real_error_is_never_excused(makedump, tmp_path, options):
+    dump = Dump(run_makedump(makedump, tmp_path / "x.exr", *options))
+    rng = np.random.default_rng(3)
+    lit = np.argwhere((dump["light0.S.G"] > .01 * dump["light0.S.G"].max()))
+    for y, x in rng.permutation(lit)[:8]:
+        before = dump["light0.S.G"][y, x]
+        dump["light0.S.G"][y, x] *= np.float32(1 + 1e-3)
+        report = check_json(dump.write(tmp_path / "y.exr"), "--mean-tolerance", "1")
+        assert not report["pass"] and 5e-4 < report["beyond_rounding"] < 1.2e-3
+        dump["light0.S.G"][y, x] = before
+
+
 def test_light_where_the_reference_has_none(dump, tmp_path):
     dark = (dump["material.ID"] == 3) & (dump["light0.S.R"] == 0)
     y, x = np.argwhere(dark)[0]
