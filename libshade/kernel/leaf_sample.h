@@ -119,7 +119,8 @@ LEAF FN(triple) FN(draw_half)(real u1, real u2, real kx, real ky) {
 
 LEAF real FN(density_half)(FN(lobe_point) p, real kx, real ky) {
   real radius = p.xx + p.yy;
-  real k = radius > 0 ? (kx * p.xx + ky * p.yy) / (radius > 0 ? radius : 1) : R(0.5) * (kx + ky);
+  int pole = !(radius > TINY);
+  real k = pole ? R(0.5) * (kx + ky) : (kx * p.xx + ky * p.yy) / (pole ? 1 : radius);
   real peak = FN(root)(kx) * FN(root)(ky) * R(0.31830988618379067154);
   return FN(ward_half)(p, kx, ky, peak) / FN(one_less_exp)(2 * k);
 }
