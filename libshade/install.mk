@@ -24,7 +24,9 @@ $(B)/$(SHADE_SHARED): $(SHADE_OBJ)
 INSTALLED_HEADERS := $(wildcard $(L)/include/shade/*.h)
 INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
 INSTALLED_MAN3 := $(wildcard $(L)/man/*.3)
-INSTALLED_FILES = $(BINDIR)/shade $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
+# the tool finds it from its own place: BINDIR and LIBDIR beside each other
+INSTALLED_MODULE = $(OIIO_MODULE:$(B)/%=$(LIBDIR)/shade/%)
+INSTALLED_FILES = $(BINDIR)/shade $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
   $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
   $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%)
@@ -52,6 +54,8 @@ install: all
 	  $(MANDIR)/man1 $(MANDIR)/man3)
 	$(INSTALL) -m 755 $(B)/shade $(DESTDIR)$(BINDIR)
 	$(INSTALL) -m 644 $(B)/libshade.a $(B)/$(SHADE_SHARED) $(DESTDIR)$(LIBDIR)
+	$(if $(OIIO_MODULE),$(INSTALL) -d $(DESTDIR)$(LIBDIR)/shade && \
+	  $(INSTALL) -m 644 $(OIIO_MODULE) $(DESTDIR)$(LIBDIR)/shade)
 	ln -sf $(SHADE_SHARED) $(DESTDIR)$(LIBDIR)/$(SHADE_SONAME)
 	ln -sf $(SHADE_SONAME) $(DESTDIR)$(LIBDIR)/libshade.so
 	$(INSTALL) -m 644 $(INSTALLED_HEADERS) $(DESTDIR)$(INCLUDEDIR)/shade
@@ -63,5 +67,5 @@ install: all
 # what `install` of this version, with these directories, put there
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INSTALLED_FILES))
-	if [ -d $(DESTDIR)$(INCLUDEDIR)/shade ]; then \
-	  rmdir --ignore-fail-on-non-empty $(DESTDIR)$(INCLUDEDIR)/shade; fi
+	for folder in $(DESTDIR)$(INCLUDEDIR)/shade $(DESTDIR)$(LIBDIR)/shade; do \
+	  if [ -d $$folder ]; then rmdir --ignore-fail-on-non-empty $$folder; fi; done

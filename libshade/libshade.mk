@@ -48,6 +48,18 @@ PNG_LIBS := $(shell printf '\043include <png.h>\nint main(void){return 0;}' | \
 IMAGE_FORMATS := $(TOOL_EXR) $(if $(PNG_LIBS),-DHAVE_PNG)
 IMAGE_OBJ += $(if $(EXR_LIBS),$(O)/image/image_exr.o) $(if $(PNG_LIBS),$(O)/image/image_png.o)
 TOOL_OBJ += $(IMAGE_OBJ) $(O)/tool/scratch.o
+TOOL_OBJ += $(O)/image/read.o $(O)/tool/slopes.o $(O)/tool/points.o
+
+# pictures of any format are read by a module that the tool loads when it needs it, made
+# where OpenImageIO is found
+OIIO_LIBS := $(shell printf '\043include <OpenImageIO/imageio.h>\nint main(){return 0;}' | \
+  $(CXX) -xc++ - -o /dev/null -lOpenImageIO 2>/dev/null && echo -lOpenImageIO -lOpenImageIO_Util)
+OIIO_MODULE := $(if $(OIIO_LIBS),$(B)/shade_image_oiio.so)
+$(B)/shade_image_oiio.so: $(L)/image/read_oiio.cpp $(L)/image/read.h $(L)/libshade.mk
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(CXX) -O2 -std=c++17 -g -fPIC -shared -fvisibility=hidden $(NO_PATH) -Wall -Wextra -Werror \
+	  -I$(L) $(CFLAGS) $(LDFLAGS) $< $(OIIO_LIBS) -o $@
 TOOL_OBJ += $(O)/tool/swatch.o
 
 # a tool built before a library came, or after it went, is built again
@@ -60,7 +72,7 @@ $(O)/tool/check.o: $(EXR_SEEN)
 $(O)/image/image.o: $(EXR_SEEN) $(PNG_SEEN)
 
 include $(L)/install.mk
-all: $(B)/libshade.a $(B)/$(SHADE_SHARED) $(B)/shade
+all: $(B)/libshade.a $(B)/$(SHADE_SHARED) $(B)/shade $(OIIO_MODULE)
 
 $(O)/src/isa_%.o: $(L)/src/isa_%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
@@ -101,7 +113,7 @@ $(B)/libshade_dump.a: $(DUMP_OBJ)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -pthread -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -pthread -ldl -lm -o $@
 
 # the compiler makes these beside its objects: no rule is to be looked for
 %.d: ;

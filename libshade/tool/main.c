@@ -16,6 +16,7 @@ static const struct {
     {"bench", shade_cmd_bench, "time every method beside its error"},
     {"scratch", shade_cmd_scratch, "make a map of scratches"},
     {"swatch", shade_cmd_swatch, "pictures of cloths and metals by name"},
+    {"slopes", shade_cmd_slopes, "look a normal map up with a footprint"},
     {"check", shade_cmd_check, "recompute a renderer's dump with the reference"},
     {"weave", shade_cmd_weave, "which yarn is on top of a woven cloth, drafts and maps of it"},
 };

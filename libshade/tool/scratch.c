@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "shade/maps.h"
+#include "tool/points.h"
 #include "tool/tool.h"
 #include "tool/work.h"
 
@@ -260,33 +261,12 @@ static int read_options(options *o, int argc, char **argv) {
 
 /* ---- points --------------------------------------------------------------------------- */
 
-static int eval_points(const shade_scratch_field *f) {
-  char line[1024];
-  for (long number = 1; fgets(line, sizeof line, stdin); number++) {
-    double x[6];
-    int count = 0, cut = !strchr(line, '\n') && !feof(stdin);
-    char *at = line, *end;
-    for (; count < 6; count++, at = end) {
-      x[count] = strtod(at, &end);
-      if (end == at || !isfinite(x[count]))
-        break;
-    }
-    at += strspn(at, " \t\r\n");
-    if (!*at && !count)
-      continue;
-    if (cut || *at || (count != 2 && count != 6)) {
-      fprintf(stderr,
-              "shade scratch: standard input, line %ld: expected 'u v' or 'u v du1 dv1 du2 dv2'\n",
-              number);
-      return TOOL_BAD_INPUT;
-    }
-    double height;
-    shade_slopes s;
-    shade_scratch_eval(f, x[0], x[1], count == 6 ? x + 2 : NULL, &height, &s);
-    printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", height, s.normal[0], s.normal[1],
-           s.normal[2], s.covariance[0], s.covariance[1], s.covariance[2]);
-  }
-  return TOOL_DONE;
+static void eval_point(void *context, double u, double v, const double footprint[4]) {
+  double height;
+  shade_slopes s;
+  shade_scratch_eval(context, u, v, footprint, &height, &s);
+  printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", height, s.normal[0], s.normal[1],
+         s.normal[2], s.covariance[0], s.covariance[1], s.covariance[2]);
 }
 
 /* ---- pictures --------------------------------------------------------------------------- */
@@ -376,7 +356,8 @@ int shade_cmd_scratch(int argc, char **argv) {
     fputs("shade scratch: out of memory\n", stderr);
     return TOOL_BAD_INPUT;
   }
-  const int done = o.eval ? eval_points(field) : write_pictures(&o, field);
+  const int done =
+      o.eval ? tool_read_points("scratch", eval_point, field) : write_pictures(&o, field);
   shade_scratch_free(field);
   return done;
 }

@@ -9,6 +9,7 @@ enum { TOOL_DONE = 0, TOOL_BAD_INPUT = 1, TOOL_BAD_USAGE = 2 };
 int shade_cmd_eval(int argc, char **argv);
 int shade_cmd_bench(int argc, char **argv);
 int shade_cmd_scratch(int argc, char **argv);
+int shade_cmd_slopes(int argc, char **argv);
 int shade_cmd_weave(int argc, char **argv);
 int shade_cmd_swatch(int argc, char **argv);
 

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* shade slopes: what a normal map is at a footprint, and the lobe that stands for it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "image/read.h"
+#include "shade/maps.h"
+#include "tool/points.h"
+#include "tool/tool.h"
+
+static void usage(FILE *to) {
+  fputs("usage: shade slopes IMAGE [options] < points\n\n"
+        "Reads lines 'u v' or 'u v du1 dv1 du2 dv2' (a pixel's two sides; u, v are 0 to 1, v\n"
+        "upwards) and writes 'nx ny nz cxx cxy cyy': the mean normal of the normal map over the\n"
+        "pixel and the covariance of its slopes. With a lobe also 'x y angle': the exponents or\n"
+        "alphas of the widened lobe and its turn from the tangent, in degrees.\n\n"
+        "  --normals KIND   colour (0 to 1 for -1 to 1, default), signed (-1 to 1) or slope\n"
+        "                   (dH/dx, dH/dy in the first two channels)\n"
+        "  --wrap KIND      repeat (default), clamp or mirror\n"
+        "  --strength S     0 to 100 (default 1)\n"
+        "  --directx        green points down\n"
+        "  --mdf WORD       the lobe's distribution (default ashikhmin_shirley)\n"
+        "  --ex E --ey E    its exponents, or\n"
+        "  --ax A --ay A    its alphas\n\n"
+        "Exit status: 0 done, 1 bad input, 2 bad usage.\n",
+        to);
+}
+
+typedef struct options {
+  const char *path;
+  shade_slope_options slopes;
+  shade_params lobe;
+  double ex, ey, ax, ay; /* negative: not given */
+  int help, has_lobe;
+} options;
+
+static int bad(const char *option, const char *value, const char *expected) {
+  fprintf(stderr, "shade slopes: %s '%s': expected %s\n", option, value, expected);
+  return TOOL_BAD_USAGE;
+}
+
+static int fail(const char *message) {
+  fprintf(stderr, "shade slopes: %s\n", message);
+  return TOOL_BAD_USAGE;
+}
+
+/* Place of a word among three, or -1. */
+static int find(const char *word, const char *const words[3]) {
+  for (int i = 0; i < 3; i++)
+    if (!strcmp(word, words[i]))
+      return i;
+  return -1;
+}
+
+static int read_value(options *o, const char *option, const char *text) {
+  static const char *const kinds[3] = {"colour", "signed", "slope"};
+  static const char *const wraps[3] = {"repeat", "clamp", "mirror"};
+  const struct {
+    const char *name;
+    double *target, low, high;
+    const char *expected;
+  } numbers[] = {
+      {"--strength", &o->slopes.strength, 0, 100, "a number from 0 to 100"},
+      {"--ex", &o->ex, 0, 1e6, "an exponent from 0 to 1e6"},
+      {"--ey", &o->ey, 0, 1e6, "an exponent from 0 to 1e6"},
+      {"--ax", &o->ax, 1e-4, 10, "an alpha from 1e-4 to 10"},
+      {"--ay", &o->ay, 1e-4, 10, "an alpha from 1e-4 to 10"},
+  };
+  for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+    if (!strcmp(option, numbers[i].name)) {
+      char *end;
+      const double x = strtod(text, &end);
+      if (end == text || *end || !(x >= numbers[i].low && x <= numbers[i].high))
+        return bad(option, text, numbers[i].expected);
+      *numbers[i].target = x;
+      return TOOL_DONE;
+    }
+  int place;
+  if (!strcmp(option, "--normals")) {
+    if ((place = find(text, kinds)) < 0)
+      return bad(option, text, "colour, signed or slope");
+    o->slopes.normals = (shade_normals)place;
+  } else if (!strcmp(option, "--wrap")) {
+    if ((place = find(text, wraps)) < 0)
+      return bad(option, text, "repeat, clamp or mirror");
+    o->slopes.wrap = (shade_wrap)place;
+  } else {
+    if ((place = shade_list_find(SHADE_LIST_MDF, text)) < 0)
+      return bad(option, text, "ashikhmin_shirley, ward, ward_half, beckmann or ggx");
+    o->lobe.mdf = (shade_mdf)place;
+    o->has_lobe = 1;
+  }
+  return TOOL_DONE;
+}
+
+static int check(options *o) {
+  if (!o->path)
+    return fail("expected a picture (see shade slopes --help)");
+  if ((o->ex < 0) != (o->ey < 0))
+    return fail("--ex and --ey go together");
+  if ((o->ax < 0) != (o->ay < 0))
+    return fail("--ax and --ay go together");
+  if (o->ex >= 0 && o->ax >= 0)
+    return fail("give exponents (--ex, --ey) or alphas (--ax, --ay), not both");
+  if (o->ex >= 0)
+    shade_params_set_exponents(&o->lobe, o->ex, o->ey);
+  if (o->ax >= 0)
+    shade_params_set_alphas(&o->lobe, o->ax, o->ay);
+  o->has_lobe = o->has_lobe || o->ex >= 0 || o->ax >= 0;
+  return TOOL_DONE;
+}
+
+static int read_options(options *o, int argc, char **argv) {
+  static const char *const valued[] = {"--normals", "--wrap", "--strength", "--mdf",
+                                       "--ex",      "--ey",   "--ax",       "--ay"};
+  for (int i = 1; i < argc; i++) {
+    const char *option = argv[i];
+    int takes = 0;
+    for (size_t k = 0; k < sizeof valued / sizeof valued[0]; k++)
+      takes |= !strcmp(option, valued[k]);
+    if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
+      o->help = 1;
+      return TOOL_DONE;
+    }
+    if (!strcmp(option, "--directx")) {
+      o->slopes.directx = 1;
+    } else if (takes && i + 1 == argc) {
+      fprintf(stderr, "shade slopes: option '%s' lacks its value\n", option);
+      return TOOL_BAD_USAGE;
+    } else if (takes) {
+      const int status = read_value(o, option, argv[++i]);
+      if (status)
+        return status;
+    } else if (!strncmp(option, "-", 1)) {
+      fprintf(stderr, "shade slopes: unknown option '%s' (see shade slopes --help)\n", option);
+      return TOOL_BAD_USAGE;
+    } else if (o->path) {
+      fprintf(stderr, "shade slopes: unexpected argument '%s'\n", option);
+      return TOOL_BAD_USAGE;
+    } else {
+      o->path = option;
+    }
+  }
+  return check(o);
+}
+
+typedef struct job {
+  const options *o;
+  const shade_slope_map *map;
+} job;
+
+static void answer(void *context, double u, double v, const double footprint[4]) {
+  const job *j = context;
+  shade_slopes s;
+  shade_slope_lookup(j->map, u, v, footprint, &s);
+  printf("%.17g %.17g %.17g %.17g %.17g %.17g", s.normal[0], s.normal[1], s.normal[2],
+         s.covariance[0], s.covariance[1], s.covariance[2]);
+  if (j->o->has_lobe) {
+    shade_params wide;
+    double angle;
+    shade_params_widen(&j->o->lobe, s.normal, s.covariance, &wide, &angle);
+    const int exponents = wide.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+    printf(" %.17g %.17g %.17g", exponents ? wide.ex : wide.ax, exponents ? wide.ey : wide.ay,
+           angle * 180 / 3.14159265358979323846);
+  }
+  putchar('\n');
+}
+
+int shade_cmd_slopes(int argc, char **argv) {
+  options o;
+  memset(&o, 0, sizeof o);
+  shade_slope_options_init(&o.slopes);
+  shade_params_init(&o.lobe);
+  o.ex = o.ey = o.ax = o.ay = -1;
+  int status = read_options(&o, argc, argv);
+  if (status)
+    return status;
+  if (o.help) {
+    usage(stdout);
+    return TOOL_DONE;
+  }
+  shade_picture picture;
+  char error[1024];
+  if (shade_image_read(o.path, 3, &picture, error, sizeof error) != 0) {
+    fprintf(stderr, "shade slopes: %s\n", error);
+    return TOOL_BAD_INPUT;
+  }
+  if (picture.channels < 2) {
+    fprintf(stderr, "shade slopes: %s: expected 2 channels or more, found 1\n", o.path);
+    free(picture.pixels);
+    return TOOL_BAD_INPUT;
+  }
+  unsigned found = 0;
+  shade_slope_map *map = shade_slope_map_create(picture.pixels, picture.width, picture.height,
+                                                picture.channels, &o.slopes, &found);
+  free(picture.pixels);
+  if (!map) {
+    fprintf(stderr, "shade slopes: %s: out of memory\n", o.path);
+    return TOOL_BAD_INPUT;
+  }
+  if (found & SHADE_BAD_INPUT)
+    fprintf(stderr, "shade slopes: %s: texels that are no normal count as flat\n", o.path);
+  if (found & SHADE_CLAMPED_NORMAL)
+    fprintf(stderr, "shade slopes: %s: normals that point inwards are cut to slope 50\n", o.path);
+  job j = {&o, map};
+  status = tool_read_points("slopes", answer, &j);
+  shade_slope_map_free(map);
+  return status;
+}
