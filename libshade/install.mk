@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The shared library, `make install` and `make uninstall`. Both take the usual directories:
-#   PREFIX BINDIR LIBDIR INCLUDEDIR MANDIR PKGCONFIGDIR, and DESTDIR, put before all of them.
+#   PREFIX BINDIR LIBDIR LIBEXECDIR INCLUDEDIR MANDIR PKGCONFIGDIR, and DESTDIR, put before
+#   all of them.
 # Paths must hold no spaces.
 PREFIX ?= /usr/local
 BINDIR ?= $(PREFIX)/bin
@@ -8,6 +9,7 @@ LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 MANDIR ?= $(PREFIX)/share/man
 PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
+LIBEXECDIR ?= $(PREFIX)/libexec
 INSTALL ?= install
 
 SHADE_VERSION := $(shell sed -n 's/^.define SHADE_VERSION "\(.*\)"/\1/p' $(L)/include/shade/shade.h)
@@ -24,8 +26,8 @@ $(B)/$(SHADE_SHARED): $(SHADE_OBJ)
 INSTALLED_HEADERS := $(wildcard $(L)/include/shade/*.h)
 INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
 INSTALLED_MAN3 := $(wildcard $(L)/man/*.3)
-# the tool finds it from its own place: BINDIR and LIBDIR beside each other
-INSTALLED_MODULE = $(OIIO_MODULE:$(B)/%=$(LIBDIR)/shade/%)
+# the tool looks for it in ../libexec/shade from where it is itself
+INSTALLED_MODULE = $(OIIO_MODULE:$(B)/%=$(LIBEXECDIR)/shade/%)
 INSTALLED_FILES = $(BINDIR)/shade $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
   $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
@@ -54,8 +56,8 @@ install: all
 	  $(MANDIR)/man1 $(MANDIR)/man3)
 	$(INSTALL) -m 755 $(B)/shade $(DESTDIR)$(BINDIR)
 	$(INSTALL) -m 644 $(B)/libshade.a $(B)/$(SHADE_SHARED) $(DESTDIR)$(LIBDIR)
-	$(if $(OIIO_MODULE),$(INSTALL) -d $(DESTDIR)$(LIBDIR)/shade && \
-	  $(INSTALL) -m 644 $(OIIO_MODULE) $(DESTDIR)$(LIBDIR)/shade)
+	$(if $(OIIO_MODULE),$(INSTALL) -d $(DESTDIR)$(LIBEXECDIR)/shade && \
+	  $(INSTALL) -m 644 $(OIIO_MODULE) $(DESTDIR)$(LIBEXECDIR)/shade)
 	ln -sf $(SHADE_SHARED) $(DESTDIR)$(LIBDIR)/$(SHADE_SONAME)
 	ln -sf $(SHADE_SONAME) $(DESTDIR)$(LIBDIR)/libshade.so
 	$(INSTALL) -m 644 $(INSTALLED_HEADERS) $(DESTDIR)$(INCLUDEDIR)/shade
@@ -67,5 +69,5 @@ install: all
 # what `install` of this version, with these directories, put there
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INSTALLED_FILES))
-	for folder in $(DESTDIR)$(INCLUDEDIR)/shade $(DESTDIR)$(LIBDIR)/shade; do \
+	for folder in $(DESTDIR)$(INCLUDEDIR)/shade $(DESTDIR)$(LIBEXECDIR)/shade; do \
 	  if [ -d $$folder ]; then rmdir --ignore-fail-on-non-empty $$folder; fi; done

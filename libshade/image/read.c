@@ -12,9 +12,9 @@
 
 #define MODULE "shade_image_oiio.so"
 
-/* The module's path beside the program or in ../lib/shade; 0 if it is in neither. */
+/* The module's path beside the program or in ../libexec/shade; 0 if it is in neither. */
 static int find_module(char *path, size_t size) {
-  static const char *const places[] = {"/" MODULE, "/../lib/shade/" MODULE};
+  static const char *const places[] = {"/" MODULE, "/../libexec/shade/" MODULE};
   char program[4096];
   const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
   if (length <= 0)

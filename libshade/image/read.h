@@ -2,7 +2,7 @@
 /*
  * Pictures from files, of any format that OpenImageIO reads. That library is large and slow
  * to load (0.2 s), so it sits in a module of its own, shade_image_oiio.so, which the program
- * loads when a picture is first read: from the program's folder or from ../lib/shade.
+ * loads when a picture is first read: from the program's folder or from ../libexec/shade.
  */
 #ifndef SHADE_IMAGE_READ_H
 #define SHADE_IMAGE_READ_H

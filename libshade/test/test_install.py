@@ -34,7 +34,7 @@ def version():
 
 def expected(lib, man="share/man"):
     short = version().rsplit(".", 1)[0]
-    return ({"bin/shade", f"{lib}/pkgconfig/libshade.pc"}
+    return ({"bin/shade", "libexec/shade/shade_image_oiio.so", f"{lib}/pkgconfig/libshade.pc"}
             | {f"{lib}/libshade.{end}" for end in ("a", "so", f"so.{short}", f"so.{version()}")}
             | {f"include/shade/{header.name}" for header in HEADERS}
             | {f"{man}/man{page.suffix[1:]}/{page.name}" for page in PAGES})
