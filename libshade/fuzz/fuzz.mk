@@ -21,4 +21,4 @@ $(FUZZERS:%=fuzz-%): fuzz-%: $(B)/fuzz/%
 	@mkdir -p $(B)/fuzz/$*-found
 	$(B)/fuzz/$* -max_total_time=$(SECONDS) -max_len=4096 -timeout=20 -rss_limit_mb=4096 \
 	  -dict=$(L)/fuzz/$*.dict -artifact_prefix=$(B)/fuzz/ -print_final_stats=1 \
-	  $(B)/fuzz/$*-found $(L)/fuzz/corpus/$*
+	  $(B)/fuzz/$*-found $(L)/fuzz/corpus/$* $(if $(filter wif,$*),examples/weaves)

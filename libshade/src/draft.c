@@ -39,6 +39,13 @@ void shade_draft_free(shade_draft *draft) {
   free(draft);
 }
 
+shade_draft *shade_draft_from_matrix(int ends, int picks, const unsigned char *warp_up) {
+  shade_draft *d = shade_draft_create(ends, picks);
+  for (size_t i = 0; d && i < (size_t)ends * (size_t)picks; i++)
+    d->warp_up[i] = warp_up[i] != 0;
+  return d;
+}
+
 static int remainder_of(long long a, int n) {
   int r = (int)(a % n);
   return r < 0 ? r + n : r;

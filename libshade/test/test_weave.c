@@ -110,6 +110,9 @@ static void patterns(void **state) {
   holds(shade_draft_from_pattern(1, 2, -2147483647 - 1), ".XX\n" /* -2^31 mod 3 = 1 */
                                                          "XX.\n"
                                                          "X.X");
+  holds(shade_draft_from_matrix(3, 2, (const unsigned char[]){0, 1, 0, 9, 0, 255}), ".X.\n"
+                                                                                    "X.X");
+  assert_null(shade_draft_from_matrix(-1, 2, (const unsigned char[]){0}));
   assert_null(shade_draft_create(0, 1));
   assert_null(shade_draft_create(1, SHADE_DRAFT_MAX_SIDE + 1));
   assert_null(shade_draft_create(SHADE_DRAFT_MAX_SIDE, 1025));

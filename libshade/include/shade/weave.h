@@ -57,6 +57,9 @@ enum {
 SHADE_API shade_draft *shade_draft_create(int ends, int picks);
 SHADE_API void shade_draft_free(shade_draft *draft); /* NULL is fine */
 
+/* The same with over and under copied from a matrix of that size, pick by pick: not 0 is up. */
+SHADE_API shade_draft *shade_draft_from_matrix(int ends, int picks, const unsigned char *warp_up);
+
 /*
  * The weave (n_w, n_p, n_s): in each pick n_w ends under the weft, then n_p over it; each
  * next pick shifted by n_s. Weft is on top iff ((end + n_s pick) mod (n_w + n_p)) < n_w, mod
