@@ -134,7 +134,7 @@ $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 bench: $(B)/shade
 	@$(B)/shade bench --output $(B)/bench.csv
 
-.PHONY: test-libshade check-libshade soak
+.PHONY: test-libshade check-libshade check-headers soak
 test-libshade: $(TESTS)
 	@for t in $(TESTS); do $$t || exit 1; done
 
@@ -142,10 +142,24 @@ test-libshade: $(TESTS)
 soak: $(B)/test/soak
 	@$(B)/test/soak --cases 100000000
 
+# The public headers: C++17 from both compilers, a program that links; C11 and nothing more.
+check-headers: $(B)/libshade.a
+	@mkdir -p $(B)/test
+	$(call say,check    ,headers in C++17 and C11)
+	$(Q)for cxx in g++ clang++; do \
+	  $$cxx -std=c++17 -pedantic $(SHADE_WARN) -I$(L)/include $(L)/test/header.cpp $(B)/libshade.a -lm \
+	    -o $(B)/test/header-$$cxx && $(B)/test/header-$$cxx || exit 1; done
+	$(Q)for cc in gcc clang; do for header in $(L)/include/shade/*.h; do \
+	  printf "#include \"shade/$${header##*/}\"\ntypedef int used;\n" | $$cc -std=c11 -pedantic-errors $(SHADE_WARN) \
+	    -I$(L)/include -xc -fsyntax-only - || exit 1; done; done
+
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 check-libshade: setup-build
 	$(MAKE) all test-libshade
 	$(MAKE) B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" all test-libshade
+	$(MAKE) check-headers
+	$(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" $(B)/threads/test/threads
+	$(B)/threads/test/threads
 	$(MAKE) B=$(B)/clang CC=clang all $(subst $(B)/,$(B)/clang/,$(TESTS))
 
 include $(L)/fuzz/fuzz.mk

@@ -73,6 +73,89 @@ static void setup_clamps(void **state) {
   assert_true(b.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b.detail == SHADE_DETAIL_NONE);
 }
 
+/* Every parameter and component of the table, past either end and not a number: clamped, with
+ * the status, and so is every list's value outside it. */
+static void every_parameter_clamps(void **state) {
+  (void)state;
+  shade_params p;
+  const struct {
+    const char *word;
+    double *member;
+  } members[] = {{"ex", &p.ex},  {"ey", &p.ey}, {"ax", &p.ax},  {"ay", &p.ay}, {"f0", p.f0},
+                 {"f82", p.f82}, {"kd", p.kd},  {"eta", p.eta}, {"k", p.k}};
+  shade_param_info info;
+  int rows = 0, lists = 0;
+  for (; shade_param_row(rows, &info); rows++) {
+    double *member = NULL;
+    shade_params_init(&p);
+    for (size_t k = 0; k < sizeof members / sizeof members[0]; k++)
+      if (!strcmp(members[k].word, info.word))
+        member = members[k].member;
+    assert_non_null(member);
+    for (int c = 0; c < info.components; c++) {
+      const double inside[] = {info.minimum, info.maximum, info.initial};
+      const double outside[] = {
+          info.minimum - 1, info.minimum - 1e-9, 2 * info.maximum, 1e300, -INFINITY, INFINITY, NAN};
+      const double mended[] = {info.minimum, info.minimum, info.maximum, info.maximum,
+                               info.minimum, info.maximum, info.initial};
+      shade_bsdf b, want;
+      for (size_t k = 0; k < sizeof inside / sizeof inside[0]; k++) {
+        shade_params_init(&p);
+        member[c] = inside[k];
+        assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+      }
+      for (size_t k = 0; k < sizeof outside / sizeof outside[0]; k++) {
+        shade_params_init(&p);
+        p.mdf = k & 1 ? SHADE_MDF_GGX : SHADE_MDF_ASHIKHMIN_SHIRLEY;
+        p.fresnel = k & 2 ? SHADE_FRESNEL_CONDUCTOR : SHADE_FRESNEL_F82;
+        member[c] = mended[k];
+        assert_int_equal(shade_bsdf_setup(&want, &p), SHADE_OK);
+        member[c] = outside[k];
+        assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_CLAMPED_PARAMETER);
+        assert_memory_equal(&b, &want, sizeof b);
+      }
+    }
+  }
+  assert_int_equal(rows, sizeof members / sizeof members[0]);
+
+  for (int bad = -1; bad <= 1000; bad += 1001)
+    for (lists = 0; lists < SHADE_LIST_COUNT; lists++) {
+      shade_bsdf b, want;
+      for (int wrong = 0; wrong < 2; wrong++) {
+        shade_params_init(&p);
+        int value = wrong ? bad : 0;
+        switch ((shade_list)lists) {
+        case SHADE_LIST_MDF:
+          p.mdf = (shade_mdf)value;
+          break;
+        case SHADE_LIST_BRDF:
+          p.brdf = (shade_brdf)value;
+          break;
+        case SHADE_LIST_DETAIL:
+          p.detail = (shade_detail)value;
+          break;
+        case SHADE_LIST_GROOVE:
+          p.groove = (shade_groove)value;
+          break;
+        case SHADE_LIST_FRESNEL:
+          p.fresnel = (shade_fresnel)value;
+          break;
+        case SHADE_LIST_DIFFUSE:
+          p.diffuse = (shade_diffuse)value;
+          break;
+        case SHADE_LIST_HORIZON:
+          p.horizon = (shade_horizon)value;
+          break;
+        default:
+          fail_msg("a list without a test");
+        }
+        assert_int_equal(shade_bsdf_setup(wrong ? &b : &want, &p),
+                         wrong ? SHADE_BAD_CHOICE : SHADE_OK);
+      }
+      assert_memory_equal(&b, &want, sizeof b);
+    }
+}
+
 static void json(void **state) {
   (void)state;
   shade_params p;
@@ -183,10 +266,15 @@ static void json_stays_finite(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(names),        cmocka_unit_test(exponents_and_alphas),
-      cmocka_unit_test(setup_clamps), cmocka_unit_test(json),
-      cmocka_unit_test(older_caller), cmocka_unit_test(json_stays_finite),
-      cmocka_unit_test(roughness),    cmocka_unit_test(metal_table),
+      cmocka_unit_test(names),
+      cmocka_unit_test(exponents_and_alphas),
+      cmocka_unit_test(setup_clamps),
+      cmocka_unit_test(every_parameter_clamps),
+      cmocka_unit_test(json),
+      cmocka_unit_test(older_caller),
+      cmocka_unit_test(json_stays_finite),
+      cmocka_unit_test(roughness),
+      cmocka_unit_test(metal_table),
   };
   return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the library's objects may not hold: state, or in the evaluation calls to anything but
+memory copies and libm."""
+import pathlib
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+ARCHIVE = ROOT / "build" / "libshade.a"
+EVALUATION = ("isa_", "dispatch")
+# __cpu_model: the processor's features, filled before main; the last one is the linker's
+HARMLESS = {"memcpy", "memset", "memmove", "__cpu_model", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}
+LIBM = {f + s for f in ("sqrt", "sin", "cos", "tan", "exp", "log", "pow", "atan2", "sincos")
+        for s in ("", "f")}
+
+
+def members(*command):
+    """Lines of binutils' output, by member of the archive."""
+    text = subprocess.run([*command, ARCHIVE], check=True, capture_output=True, text=True).stdout
+    found, name = {}, None
+    for line in text.splitlines():
+        if line.split(":")[0].endswith(".o"):
+            name = line.split(":")[0]
+            found[name] = []
+        elif name and line.strip():
+            found[name].append(line.split())
+    return found
+
+
+def test_no_mutable_globals():
+    sections = 0
+    for member, lines in members("objdump", "-h").items():
+        for fields in lines:
+            if not fields[0].isdigit():
+                continue
+            sections += 1
+            name, size = fields[1], int(fields[2], 16)
+            writable = name.startswith((".data", ".bss", ".tdata", ".tbss")) and not name.startswith(
+                ".data.rel.ro")
+            assert not (writable and size), f"{member}: {size} bytes of {name}"
+    assert sections > 20
+    for member, lines in members("nm").items():
+        common = [fields[-1] for fields in lines if fields[-2] == "C"]
+        assert not common, f"{member}: {common}"
+
+
+def test_evaluation_calls_nothing_that_allocates():
+    seen = 0
+    for member, lines in members("nm", "--undefined-only").items():
+        if not member.startswith(EVALUATION):
+            continue
+        seen += 1
+        wanted = {fields[-1] for fields in lines}
+        strange = {s for s in wanted - HARMLESS - LIBM if not s.startswith("shade_")}
+        assert not strange, f"{member} calls {sorted(strange)}"
+    assert seen >= 2
