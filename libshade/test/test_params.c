@@ -50,6 +50,19 @@ static void exponents_and_alphas(void **state) {
   assert_true(p.ey == 0);
   assert_int_equal(shade_params_set_exponents(&p, 6170.84, 7.876543), SHADE_OK);
   assert_near(p.ax, sqrt(2 / 6172.84), 1e-15);
+  /* there and back, to the bounds that shade.h states */
+  double worst = 0, worst_back = 0;
+  for (double a = 1.42e-3; a <= 1; a *= 1.0001) {
+    shade_params_set_alphas(&p, a, a);
+    shade_params_set_exponents(&p, p.ex, p.ey);
+    worst = fmax(worst, fabs(p.ax / a - 1));
+    double e = 2 / (a * a) - 2;
+    shade_params_set_exponents(&p, e, e);
+    shade_params_set_alphas(&p, p.ax, p.ay);
+    worst_back = fmax(worst_back, fabs(p.ey - e) / (e + 2));
+  }
+  print_message("alpha there and back: %.1e; exponent: %.1e of e + 2\n", worst, worst_back);
+  assert_true(worst <= 5e-16 && worst_back <= 1e-15);
   assert_int_equal(shade_params_set_exponents(&p, -1, NAN), SHADE_CLAMPED_PARAMETER);
   assert_true(p.ex == 0 && p.ey == 10);
   assert_int_equal(shade_params_set_alphas(&p, INFINITY, 0), SHADE_CLAMPED_PARAMETER);

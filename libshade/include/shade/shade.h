@@ -176,7 +176,11 @@ SHADE_API void shade_params_init(shade_params *p);
  */
 SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double ey);
 
-/* Set the alphas and the matching exponents, e = max(0, 2/alpha^2 - 2). */
+/*
+ * Set the alphas and the matching exponents, e = max(0, 2/alpha^2 - 2), at most 1e6. There and
+ * back an alpha from 1.42e-3 to 1 is the same to 5e-16, an exponent to 1e-15 (e + 2); alphas
+ * beyond share the exponents 1e6 and 0. Returns status bits.
+ */
 SHADE_API unsigned shade_params_set_alphas(shade_params *p, double ax, double ay);
 
 /*
