@@ -119,8 +119,8 @@ LEAF FN(triple) FN(draw_half)(real u1, real u2, real kx, real ky) {
 
 LEAF real FN(density_half)(FN(lobe_point) p, real kx, real ky) {
   real radius = p.xx + p.yy;
-  int pole = !(radius > TINY);
-  real k = pole ? R(0.5) * (kx + ky) : (kx * p.xx + ky * p.yy) / (pole ? 1 : radius);
+  /* without a choice, or both sides would be computed, 0/0 too */
+  real k = (kx * p.xx + ky * p.yy + R(0.5) * TINY * (kx + ky)) / (radius + TINY);
   real peak = FN(root)(kx) * FN(root)(ky) * R(0.31830988618379067154);
   return FN(ward_half)(p, kx, ky, peak) / FN(one_less_exp)(2 * k);
 }
@@ -202,7 +202,8 @@ LEAF FN(slope_search) FN(slope_start)(real u_in, real rise, real lean) {
   s.u = FN(minimum)(FN(maximum)(u_in, LEAST_UNIFORM), BELOW_ONE);
   s.rise = rise;
   s.lean = lean;
-  real a = FN(minimum)(rise / FN(maximum)(lean, R(1e-20)), 100);
+  /* the floor: gcc squares before it takes the minimum */
+  real a = FN(minimum)(rise / FN(maximum)(lean, R(1e-12)), 100);
   real ea = FN(exp_negative)(a * a);
   real whole = rise * half_root_pi * (2 - ea * FN(scaled_erfc)(a)) + R(0.5) * lean * ea;
   s.inverse = 1 / FN(maximum)(whole, TINY);
@@ -244,7 +245,7 @@ LEAF FN(stretched) FN(stretch_eye)(real ax, real ay, FN(triple) o) {
   real x = ax * o.x, y = ay * o.y;
   real lean = FN(root)(x * x + y * y);
   int upright = !(lean > R(1e-15));
-  real inverse = 1 / (upright ? 1 : lean);
+  real inverse = 1 / FN(maximum)(lean, R(1e-15));
   real scale = 1 / FN(root)(FN(maximum)(lean * lean + o.z * o.z, TINY));
   FN(stretched)
   e = {upright ? 1 : x * inverse, upright ? 0 : y * inverse, o.z * scale, lean * scale};

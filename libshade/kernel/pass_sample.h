@@ -26,11 +26,11 @@ static void FN(pass_part)(const shade_bsdf *b, int part, size_t count, const rea
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
       real xx = nx[i] * nx[i], yy = ny[i] * ny[i], r = xx + yy;
-      real here = r > TINY ? (sx * xx + sy * yy) / (r > TINY ? r : 1) : R(0.5) * (sx + sy);
-      real upright = R(0.7) / (1 + per_slope * (sx * xx + sy * yy));
+      real here = (sx * xx + sy * yy + R(0.5) * TINY * (sx + sy)) / (r + TINY);
+      real upright = R(0.5) / (1 + per_slope * (sx * xx + sy * yy));
       kx[i] = part == 0 ? sx : part == 1 ? here : widest;
       ky[i] = part == 0 ? sy : part == 1 ? here : widest;
-      weight[i] = part == 0 ? upright : part == 1 ? R(0.7) - upright : R(0.3);
+      weight[i] = part == 0 ? upright : part == 1 ? R(0.5) - upright : R(0.5);
     }
   } else if (b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y) {
     /* Ashikhmin and Shirley's own lobe does not see L */
@@ -505,7 +505,7 @@ static void FN(pass_settle)(size_t count, real *restrict wx, real *restrict wy, 
   for (size_t i = 0; i < count; i++) {
     real size2 = wx[i] * wx[i] + wy[i] * wy[i] + wz[i] * wz[i];
     int keep = (lost[i] == 0) & (wz[i] > 0) & (size2 > R(0.25));
-    real scale = 1 / FN(root)(keep ? size2 : 1);
+    real scale = 1 / FN(root)(FN(maximum)(size2, R(0.25)));
     wx[i] = keep ? wx[i] * scale : 0;
     wy[i] = keep ? wy[i] * scale : 0;
     wz[i] = keep ? wz[i] * scale : 1;

@@ -642,10 +642,10 @@ static int proposals(const shade_params *p, vec n, proposal q[3]) {
   real phi = n.x == 0 && n.y == 0 ? pi / 4 : atan2l(n.y, n.x), side2 = square(n.x) + square(n.y);
   real kx = e ? ex : 1 / square(ax), ky = e ? ey : 1 / square(ay);
   real here = kx * square(cosl(phi)) + ky * square(sinl(phi)), least = kx < ky ? kx : ky;
-  q[0].weight = 0.7L / (1 + (e ? 0.5L : 1) * side2 * here);
+  q[0].weight = 0.5L / (1 + (e ? 0.5L : 1) * side2 * here);
   q[1] = e ? (proposal){here, here, 0} : (proposal){1 / sqrtl(here), 1 / sqrtl(here), 0};
-  q[1].weight = 0.7L - q[0].weight;
-  q[2] = e ? (proposal){least, least, 0.3L} : (proposal){1 / sqrtl(least), 1 / sqrtl(least), 0.3L};
+  q[1].weight = 0.5L - q[0].weight;
+  q[2] = e ? (proposal){least, least, 0.5L} : (proposal){1 / sqrtl(least), 1 / sqrtl(least), 0.5L};
   return 3;
 }
 
