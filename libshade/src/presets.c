@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The one table of presets. Append rows, never reorder them.
+ * The one table of presets. Words are what scenes hold: they are never changed.
  *
  * Exponents along the fibres are 1/gamma^2 of the Gaussian widths gamma that
  * [SadeghiJensen2013 Table II] fitted to gonioreflectometer measurements of threads: 12 degrees
@@ -428,6 +428,7 @@ static void take_fabric(const fabric_row *row, shade_preset *p) {
   p->label = row->label;
   p->help = row->help;
   p->source = row->source;
+  p->color_source = "dye by eye";
   p->weave = row->weave;
   p->ends_per_cm = row->ends;
   p->picks_per_cm = row->picks;
@@ -441,14 +442,113 @@ static void take_fabric(const fabric_row *row, shade_preset *p) {
     memcpy(p->fabric.nap_color, row->nap_color, sizeof row->nap_color);
 }
 
+/* What the machine leaves on the metal. */
+typedef struct finish_row {
+  const char *word, *label, *help, *source;
+  double along, across; /* exponents between the strokes that can be seen */
+  int turned;
+  double cm; /* of the tile of scratches */
+  shade_scratch_layer layer;
+} finish_row;
+
+static const finish_row finishes[] = {
+    {
+        .word = "brushed",
+        .label = "Brushed",
+        .help = "a straight grain, as an abrasive belt leaves it",
+        .source = "rolled brass of [Ward1992]: alphas .05 and .16; grain by eye",
+        .along = 798,
+        .across = 76,
+        .cm = 5,
+        .layer = {.pits = 24000,
+                  .radius = {0.0003, 0.0014},
+                  .stretch = {60, 400},
+                  .depth = {0.03, 0.16},
+                  .direction = 0,
+                  .spread = 0.03},
+    },
+    {
+        .word = "turned",
+        .label = "Turned",
+        .help = "faced on a lathe: circles about the middle, with the marks of the tool's feed",
+        .source = "rolled aluminium of [Ward1992]: alphas .04 and .09; grain by eye",
+        .along = 1248,
+        .across = 245,
+        .turned = 1,
+        .cm = 4,
+        .layer = {.pits = 9000,
+                  .radius = {0.0012, 0.0022},
+                  .stretch = {150, 400},
+                  .depth = {0.06, 0.14},
+                  .direction = 0,
+                  .spread = 0.002},
+    },
+    {
+        .word = "scratched",
+        .label = "Scratched",
+        .help = "polished once, then used: scratches any way",
+        .source = "polish of alpha .035 and scratches by eye",
+        .along = 1600,
+        .across = 1600,
+        .cm = 5,
+        .layer = {.pits = 2600,
+                  .radius = {0.0003, 0.0016},
+                  .stretch = {20, 300},
+                  .depth = {0.1, 0.5},
+                  .direction = 0,
+                  .spread = 1.5707963267948966},
+    },
+};
+enum { FINISHES = sizeof finishes / sizeof finishes[0] };
+
+/* Names that a finish goes before; the metals are rows of shade_metal_row. */
+static const struct {
+  const char *metal, *words[FINISHES], *labels[FINISHES], *source;
+} metals[] = {
+#define METAL_ROW(metal, word, label, source)                                                      \
+  {                                                                                                \
+    metal, {"brushed_" word, "turned_" word, "scratched_" word},                                   \
+        {"Brushed " label, "Turned " label, "Scratched " label}, source                            \
+  }
+    METAL_ROW("stainless_steel", "steel", "stainless steel", "[Karlsson1982]"),
+    METAL_ROW("aluminium", "aluminium", "aluminium", "[Rakic1995]"),
+    METAL_ROW("brass", "brass", "brass", "[Querry1985]"),
+    METAL_ROW("copper", "copper", "copper", "[JohnsonChristy1972]"),
+    METAL_ROW("gold", "gold", "gold", "[JohnsonChristy1972]"),
+    METAL_ROW("titanium", "titanium", "titanium", "[JohnsonChristy1974]"),
+#undef METAL_ROW
+};
+enum { METALS = sizeof metals / sizeof metals[0] };
+
+static void take_metal(int row, shade_preset *p) {
+  const int m = row / FINISHES, f = row % FINISHES;
+  const finish_row *finish = &finishes[f];
+  p->kind = SHADE_PRESET_METAL;
+  p->word = metals[m].words[f];
+  p->label = metals[m].labels[f];
+  p->help = finish->help;
+  p->source = finish->source;
+  p->color_source = metals[m].source;
+  p->turned = finish->turned;
+  p->scratch_cm = finish->cm;
+  p->scratches.layers = 1;
+  p->scratches.layer[0] = finish->layer;
+  shade_params_set_exponents(&p->metal, finish->along, finish->across);
+  shade_params_set_metal(&p->metal, metals[m].metal);
+}
+
 int shade_preset_row(int row, shade_preset *preset) {
-  if (row < 0 || row >= FABRICS)
+  if (row < 0 || row >= FABRICS + FINISHES * METALS)
     return 0;
   memset(preset, 0, sizeof *preset);
   shade_weave_params_init(&preset->yarns);
   shade_fabric_params_init(&preset->fabric);
   shade_params_init(&preset->metal);
-  take_fabric(&fabrics[row], preset);
+  shade_scratch_params_init(&preset->scratches);
+  if (row < FABRICS)
+    take_fabric(&fabrics[row], preset);
+  else
+    take_metal(row - FABRICS, preset);
   return 1;
 }
 

@@ -15,6 +15,8 @@ static const struct {
     {"eval", shade_cmd_eval, "evaluate a distribution or BRDF for queries on standard input"},
     {"bench", shade_cmd_bench, "time every method beside its error"},
     {"scratch", shade_cmd_scratch, "make a map of scratches"},
+    {"presets", shade_cmd_presets, "cloths and metals by name, and their numbers"},
+    {"fabric", shade_cmd_fabric, "what a cloth reflects, near and far"},
     {"swatch", shade_cmd_swatch, "pictures of cloths and metals by name"},
     {"slopes", shade_cmd_slopes, "look a normal map up with a footprint"},
     {"check", shade_cmd_check, "recompute a renderer's dump with the reference"},

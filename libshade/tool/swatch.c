@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "shade/presets.h"
+#include "tool/parse.h"
 #include "tool/tool.h"
 #include "tool/work.h"
 
@@ -207,15 +208,6 @@ static int bad_usage(const char *what, const char *value) {
   return TOOL_BAD_USAGE;
 }
 
-static int read_whole(const char *text, int low, int high, int *value) {
-  char *end;
-  long number = strtol(text, &end, 10);
-  if (end == text || *end || number < low || number > high)
-    return 0;
-  *value = (int)number;
-  return 1;
-}
-
 static int read_options(int argc, char **argv, options *o) {
   const struct {
     const char *name;
@@ -232,12 +224,14 @@ static int read_options(int argc, char **argv, options *o) {
     }
     for (int k = 0; k < 3; k++)
       if (!strcmp(a, numbers[k].name)) {
+        long number;
         if (i + 1 == argc ||
-            !read_whole(argv[i + 1], numbers[k].low, numbers[k].high, numbers[k].value)) {
+            !tool_parse_whole(argv[i + 1], numbers[k].low, numbers[k].high, &number)) {
           fprintf(stderr, "shade swatch: %s: expected a whole number from %d to %d\n", a,
                   numbers[k].low, numbers[k].high);
           return TOOL_BAD_USAGE;
         }
+        *numbers[k].value = (int)number;
         known = 1;
         i++;
       }

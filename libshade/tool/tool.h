@@ -12,5 +12,7 @@ int shade_cmd_scratch(int argc, char **argv);
 int shade_cmd_slopes(int argc, char **argv);
 int shade_cmd_weave(int argc, char **argv);
 int shade_cmd_swatch(int argc, char **argv);
+int shade_cmd_presets(int argc, char **argv);
+int shade_cmd_fabric(int argc, char **argv);
 
 #endif

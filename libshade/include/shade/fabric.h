@@ -124,7 +124,6 @@ SHADE_API unsigned shade_fabric_eval_batchf(const shade_fabric *fabric, size_t c
 typedef struct shade_fabric_info {
   int warp_lobes, weft_lobes;    /* nodes of the mixture */
   double warp_share, weft_share; /* what is seen of each, times its occlusion */
-  double gap_share;              /* and of the gaps; less than 1 in all by what is occluded */
   double warp_single[2], weft_single[2]; /* exponents along and across, tier SINGLE */
 } shade_fabric_info;
 SHADE_API void shade_fabric_get_info(const shade_fabric *fabric, shade_fabric_info *info);

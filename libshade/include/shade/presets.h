@@ -8,6 +8,7 @@
 #define SHADE_PRESETS_H
 
 #include "shade/fabric.h"
+#include "shade/maps.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -18,8 +19,9 @@ typedef enum shade_preset_kind { SHADE_PRESET_FABRIC, SHADE_PRESET_METAL } shade
 typedef struct shade_preset {
   shade_preset_kind kind;
   const char *word, *label;
-  const char *help;   /* what it is */
-  const char *source; /* where the numbers come from; keys of REFERENCES.bib */
+  const char *help;         /* what it is */
+  const char *source;       /* where the shape of the lobes comes from; keys of REFERENCES.bib */
+  const char *color_source; /* and the colour */
 
   /* A fabric: shade_draft_named(weave), the shape of its yarns, their material. */
   const char *weave;
@@ -27,15 +29,18 @@ typedef struct shade_preset {
   shade_weave_params yarns;
   shade_fabric_params fabric;
 
-  /* A metal: for shade_bsdf_setup. */
+  /* A metal: for shade_bsdf_setup. Its grain is a field of scratches whose tile is
+   * scratch_cm wide and repeats; from afar it widens the lobe (shade_slopes). */
   shade_params metal;
+  shade_scratch_params scratches;
+  double scratch_cm;
   int turned; /* 1: strokes in circles about the middle of the part; 0: along the tangent */
 } shade_preset;
 
 /*
- * Row 0, 1, … of the table; returns 1 and fills *preset, 0 past the end. Rows are only ever
- * appended. shade_preset_find takes the word (- and _ alike, without regard to case) and
- * returns 0, changing nothing, for one that is not in the table.
+ * Row 0, 1, … of the table; returns 1 and fills *preset, 0 past the end. Words
+ * stay; rows may come between. shade_preset_find takes the word (- and _ alike, without regard to
+ * case) and returns 0, changing nothing, for one that is not in the table.
  */
 SHADE_API int shade_preset_row(int row, shade_preset *preset);
 SHADE_API int shade_preset_find(const char *word, shade_preset *preset);

@@ -109,7 +109,8 @@
  * Measured metals: ROW(ENUM_NAME, word, label, eta r, g, b, k r, g, b), complex index of
  * refraction at 650, 550 and 450 nm, interpolated linearly in the published tables.
  * [JohnsonChristy1972] silver, gold, copper; [JohnsonChristy1974] iron, chromium, titanium;
- * [Rakic1995] aluminium.
+ * [Rakic1995] aluminium; [Karlsson1982] ferritic stainless steel with 13.5 % chromium;
+ * [Querry1985] brass of 70 % copper.
  */
 #define SHADE_TABLE_METALS(ROW)                                                                    \
   ROW(SILVER, silver, "Silver", 0.05222, 0.05958, 0.04, 4.409, 3.597, 2.648)                       \
@@ -118,7 +119,10 @@
   ROW(ALUMINIUM, aluminium, "Aluminium", 1.558, 1.015, 0.6332, 7.712, 6.627, 5.454)                \
   ROW(IRON, iron, "Iron", 2.911, 2.95, 2.584, 3.089, 2.932, 2.767)                                 \
   ROW(CHROMIUM, chromium, "Chromium", 3.107, 3.181, 2.323, 3.331, 3.329, 3.135)                    \
-  ROW(TITANIUM, titanium, "Titanium", 2.741, 2.542, 2.267, 3.814, 3.435, 3.038)
+  ROW(TITANIUM, titanium, "Titanium", 2.741, 2.542, 2.267, 3.814, 3.435, 3.038)                    \
+  ROW(STAINLESS_STEEL, stainless_steel, "Stainless steel", 2.194, 1.904, 1.494, 3.481, 3.170,      \
+      2.771)                                                                                       \
+  ROW(BRASS, brass, "Brass", 0.444, 0.527, 1.094, 3.695, 2.765, 1.829)
 
 /*
  * The yarns of a woven cloth, warp and weft alike: ROW(word, unit, minimum, maximum, default,
