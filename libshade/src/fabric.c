@@ -411,6 +411,10 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
   memcpy(f->nap_color, p.nap_color, sizeof f->nap_color);
   f->nap = p.nap;
   f->draft_colors = p.draft_colors;
+  const shade_weave_params *shape = shade_weave_get_params(weave);
+  f->uneven = shape->warp.vary_brightness + shape->warp.along_brightness +
+                  shape->weft.vary_brightness + shape->weft.along_brightness >
+              0;
   f->width = draft->ends;
   f->height = draft->picks;
   f->columns = draft->ends < MAX_BLOCKS ? draft->ends : MAX_BLOCKS;

@@ -44,7 +44,7 @@ struct shade_fabric {
   const shade_weave *weave;
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];
-  int draft_colors;
+  int draft_colors, uneven; /* uneven: the brightness of the yarns varies */
   double nap, nap_color[3];
   int columns, rows;    /* of the table: blocks of the repeat */
   double width, height; /* of the repeat, in crossings */

@@ -63,6 +63,34 @@ static void fabric_column(const shade_fabric *f, const double uv[2], const doubl
     column[k] = fmax(sum[k], 0);
 }
 
+/*
+ * Yarns that are brighter or darker than others show as streaks long after the weave is too
+ * fine to see: their mean over the footprint, from 16 points of it. From 8 to 16 crossings it
+ * fades out; what is left of the streaks there is small.
+ */
+static void fabric_streaks(const shade_fabric *f, const double uv[2], const double extent[2],
+                           double longer, double *column) {
+  double sum[2] = {0, 0};
+  int count[2] = {0, 0};
+  for (int k = 0; k < FABRIC_POINTS; k++) {
+    shade_crossing at;
+    shade_weave_lookup(f->weave, uv[0] + extent[0] * ((k % 4 + 0.5) / 4 - 0.5),
+                       uv[1] + extent[1] * ((k / 4 + 0.5) / 4 - 0.5), &at);
+    if (at.top != SHADE_TOP_GAP) {
+      sum[at.top] += at.brightness;
+      count[at.top]++;
+    }
+  }
+  const double x = fmin(fmax(log2(longer / 8), 0), 1), share = 1 - x * x * (3 - 2 * x);
+  for (int k = 0; k < 2; k++) {
+    double *matt = column + (k ? COLUMN_WARP_MATT : COLUMN_WEFT_MATT);
+    /* no brighter than white */
+    double factor = count[k] ? 1 + share * (sum[k] / count[k] - 1) : 1;
+    for (int c = 0; c < 3; c++)
+      matt[c] = fmin(matt[c] * factor, column[COLUMN_WEFT + k]);
+  }
+}
+
 #define SHADE_FLOAT 1
 #include "fabric_eval.h"
 #undef SHADE_FLOAT

@@ -205,6 +205,8 @@ static void FN(shade_point)(const shade_fabric *f, const double uv[2], const dou
       memcpy(column, f->mean, sizeof column);
     else
       fabric_column(f, uv, extent, column);
+    if (tier != SHADE_TIER_SINGLE && f->uneven && longer > 0 && longer < 16)
+      fabric_streaks(f, uv, extent, longer, column);
     FN(shade_far)(f, column, tier == SHADE_TIER_SINGLE, sides, cosine, far);
   }
   for (int c = 0; c < 3; c++)

@@ -19,19 +19,24 @@ enum {
   MARGIN = 8,
   COLUMNS = 4, /* positions of the light */
   ROWS = 4,    /* flat near, flat far, cylinder near, cylinder far */
-  KEY = 13,    /* samples of the key light, a disc */
+  KEY = 13,    /* samples of the key light, a disc; of cloth */
   SKY = 12,    /* and of the sky */
-  LIGHTS = KEY + SKY
+  LIGHTS = KEY + SKY,
+  METAL_KEY = 64, /* metals have narrower lobes */
+  METAL_SKY = 32,
+  MOST_LIGHTS = METAL_KEY
 };
 
 /* How many crossings, or cm of metal, a tile is wide. */
 #define NEAR_CROSSINGS 28.0
+#define NEAR_METAL_CM 2.0
 #define FAR_CM 16.0
 #define CYLINDER 0.88 /* its radius, half a tile being 1 */
 
-/* What a white Lambert sheet that faces it shows of each: the key's 1 is white. */
-#define KEY_LIGHT 1.0
-#define SKY_LIGHT 0.22
+/* What a white Lambert sheet that faces it shows of each: 1 is white in the picture. */
+#define KEY_LIGHT 1.5
+#define SKY_LIGHT 0.4
+#define GROUND 0.02 /* behind the swatches */
 
 typedef struct light {
   double to[3], power;
@@ -46,11 +51,13 @@ typedef struct material {
   shade_preset preset;
   shade_weave *weave;
   shade_fabric *fabric;
-  shade_bsdf metal;
+  shade_scratch_field *scratches;
+  int shared; /* the scratches are another material's */
 } material;
 
 typedef struct sheet {
   int size, across, down; /* pixels of a tile, tiles */
+  double sky;             /* its scale */
   material *materials;
   tile *tiles;
 } sheet;
@@ -61,36 +68,56 @@ static void unit(double v[3]) {
     v[c] /= length;
 }
 
-/* Key light: a disc of 9 degrees on an arc from left to right, 35 degrees up. Sky: evenly over
- * the hemisphere about the eye's side, brighter above. */
-static void place_lights(double azimuth, light lights[LIGHTS]) {
+/* What the sky sends from direction d: a bright wall above, a window to the left, a dark floor. */
+static double sky(const double d[3]) {
+  const double up = fmin(fmax((d[1] + 0.25) / 1.1, 0), 1), across = (d[0] + 0.75) / 0.16;
+  return 0.10 + 0.5 * up * up * (3 - 2 * up) + 0.9 * up * exp(-across * across);
+}
+
+/* The key light: `count` points of a disc 9 degrees across on an arc from left to right, 22
+ * degrees up. */
+static void place_key(double azimuth, int count, light *lights) {
   const double golden = PI * (3 - sqrt(5.0));
-  double to[3] = {sin(azimuth), 0.62, cos(azimuth)};
+  double to[3] = {sin(azimuth), 0.4, cos(azimuth)};
   unit(to);
   double side[3] = {to[2], 0, -to[0]}, up[3];
   unit(side);
   up[0] = to[1] * side[2] - to[2] * side[1];
   up[1] = to[2] * side[0] - to[0] * side[2];
   up[2] = to[0] * side[1] - to[1] * side[0];
-  for (int i = 0; i < KEY; i++) {
-    double r = 0.16 * sqrt((i + 0.5) / KEY), x = r * cos(i * golden), y = r * sin(i * golden);
+  for (int i = 0; i < count; i++) {
+    double r = 0.16 * sqrt((i + 0.5) / count), x = r * cos(i * golden), y = r * sin(i * golden);
     for (int c = 0; c < 3; c++)
       lights[i].to[c] = to[c] + x * side[c] + y * up[c];
     unit(lights[i].to);
-    lights[i].power = PI * KEY_LIGHT / KEY;
+    lights[i].power = PI * KEY_LIGHT / count;
   }
+}
+
+/* What multiplies sky(): on a sheet that faces the eye it comes to SKY_LIGHT. */
+static double sky_scale(void) {
+  const double golden = PI * (3 - sqrt(5.0));
   double total = 0;
-  for (int i = 0; i < SKY; i++) {
-    light *l = &lights[KEY + i];
-    double z = (i + 0.5) / SKY, r = sqrt(1 - z * z);
+  enum { N = 512 };
+  for (int i = 0; i < N; i++) {
+    double z = sqrt((i + 0.5) / N), r = sqrt(1 - z * z);
+    double d[3] = {r * cos(i * golden), r * sin(i * golden), z};
+    total += sky(d) / N;
+  }
+  return SKY_LIGHT / total;
+}
+
+/* The sky as lights, evenly over the hemisphere about the eye's side. */
+static void place_sky(double scale, int count, light *lights) {
+  const double golden = PI * (3 - sqrt(5.0));
+  for (int i = 0; i < count; i++) {
+    double z = (i + 0.5) / count, r = sqrt(1 - z * z);
+    light *l = &lights[i];
     l->to[0] = r * cos(i * golden);
     l->to[1] = r * sin(i * golden);
     l->to[2] = z;
-    l->power = 1 + 0.6 * l->to[1];
-    total += l->power * z;
+    l->power = scale * sky(l->to) * 2 * PI / count;
   }
-  for (int i = 0; i < SKY; i++)
-    lights[KEY + i].power *= PI * SKY_LIGHT / total;
 }
 
 /* A point of the swatch: frame, place in half tiles along the cloth, and how much that is
@@ -101,7 +128,7 @@ typedef struct spot {
 } spot;
 
 /* 0 beside the swatch. x and y run from -1 to 1 over the tile. */
-static int find_spot(const tile *t, double x, double y, spot *s) {
+static int find_spot(const tile *t, double x, double y, int folds, spot *s) {
   const spot flat = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {x, y}, 1, {0, 0, 1}};
   *s = flat;
   if (!t->cylinder)
@@ -117,7 +144,7 @@ static int find_spot(const tile *t, double x, double y, spot *s) {
   s->stretch = 1 / fmax(cosine, 0.02);
   /* folds that open downwards */
   double slope = 0.30 * fmin(fmax(0.6 - y, 0), 1.6) * sin(7 * angle + 0.8) * cosine;
-  s->n[0] = -slope;
+  s->n[0] = folds ? -slope : 0;
   unit(s->n);
   return 1;
 }
@@ -135,27 +162,111 @@ static void tile_scale(const tile *t, const shade_preset *p, double scale[2]) {
   scale[1] = cm * p->picks_per_cm;
 }
 
-static void shade_pixel(const sheet *sh, const tile *t, const light *lights, double x, double y,
-                        float rgb[3]) {
+static void draw_cloth(const material *m, const tile *t, const light *lights, const spot *s,
+                       const double wo[3], double pixel, double sum[3]) {
+  double scale[2];
+  tile_scale(t, &m->preset, scale);
+  const double uv[2] = {s->at[0] * scale[0] + 4096, s->at[1] * scale[1] + 4096};
+  const double footprint[2] = {pixel * scale[0] * s->stretch, pixel * scale[1]};
+  for (int i = 0; i < LIGHTS; i++) {
+    double wi[3], f[3];
+    local(s, lights[i].to, wi);
+    shade_fabric_eval(m->fabric, uv, footprint, s->n, wi, wo, SHADE_TIER_AUTO, f);
+    for (int c = 0; c < 3; c++)
+      sum[c] += f[c] * lights[i].power;
+  }
+}
+
+/* Turn x and y of the frame about z. */
+static void turn(spot *s, double cosine, double sine) {
+  for (int c = 0; c < 3; c++) {
+    double x = s->x[c], y = s->y[c];
+    s->x[c] = cosine * x + sine * y;
+    s->y[c] = cosine * y - sine * x;
+  }
+}
+
+/* Two numbers that look random but are the same every time. */
+static void jitter(double x, double y, double out[2]) {
+  const double a = sin(x * 12.9898 + y * 78.233) * 43758.5453,
+               b = sin(x * 39.346 + y * 11.135) * 24634.6345;
+  out[0] = a - floor(a);
+  out[1] = b - floor(b);
+}
+
+/*
+ * Metal: what its strokes' slopes do within the pixel widens the lobe; the key light is taken
+ * point by point, the sky by directions that the lobe draws.
+ */
+static void draw_metal(const material *m, const tile *t, const light *lights, double sky_size,
+                       const spot *given, const double eye[3], double pixel, double sum[3]) {
+  spot s = *given;
+  const shade_preset *p = &m->preset;
+  const double cm = t->far ? FAR_CM / 2 : NEAR_METAL_CM / 2, tiles = cm / p->scratch_cm;
+  double u = s.at[0] * tiles, v = s.at[1] * tiles;
+  const double side = pixel * tiles;
+  double footprint[4] = {side * s.stretch, 0, 0, side};
+  if (p->turned && !t->cylinder) {
+    /* whole tiles round the middle, so that no seam shows */
+    const double r = fmax(hypot(s.at[0], s.at[1]), 1e-6);
+    const double around = fmax(floor(2 * PI * 0.5 * tiles + 0.5), 1);
+    u = around * (atan2(s.at[1], s.at[0]) / (2 * PI) + 1);
+    v = r * tiles;
+    footprint[0] = fmin(around * pixel / (2 * PI * r), 1);
+    turn(&s, -s.at[1] / r, s.at[0] / r);
+  }
+  shade_slopes slopes;
+  shade_scratch_eval(m->scratches, u - floor(u), v - floor(v), footprint, NULL, &slopes);
+  shade_params wide;
+  shade_bsdf b;
+  double angle, wo[3], n[3] = {slopes.normal[0], slopes.normal[1], slopes.normal[2]};
+  shade_params_widen(&p->metal, n, slopes.covariance, &wide, &angle);
+  shade_bsdf_setup(&b, &wide);
+  turn(&s, cos(angle), sin(angle));
+  const double nx = n[0];
+  n[0] = cos(angle) * nx + sin(angle) * n[1];
+  n[1] = cos(angle) * n[1] - sin(angle) * nx;
+  local(&s, eye, wo);
+  for (int i = 0; i < METAL_KEY; i++) {
+    double wi[3], f[3], cosine;
+    local(&s, lights[i].to, wi);
+    shade_bsdf_eval(&b, n, wi, wo, f, &cosine);
+    for (int c = 0; c < 3; c++)
+      sum[c] += f[c] * cosine * lights[i].power;
+  }
+  double shift[2];
+  jitter(given->at[0], given->at[1], shift);
+  for (int i = 0; i < METAL_SKY; i++) {
+    const double number[2] = {fmod(shift[0] + (i + 0.5) / METAL_SKY, 1),
+                              fmod(shift[1] + i * 0.6180339887498949, 1)};
+    double wi[3], f[3], pdf, cosine, d[3];
+    shade_bsdf_sample(&b, n, wo, number, wi, f, &pdf, &cosine);
+    if (!(pdf > 0))
+      continue;
+    for (int c = 0; c < 3; c++)
+      d[c] = wi[0] * s.x[c] + wi[1] * s.y[c] + wi[2] * s.z[c];
+    for (int c = 0; c < 3; c++)
+      sum[c] += f[c] * cosine / pdf * sky_size * sky(d) / METAL_SKY;
+  }
+}
+
+/* x and y run from -1 to 1 over the tile; pixel is the width of one there. */
+static void draw_pixel(const sheet *sh, const tile *t, const light *lights, double x, double y,
+                       float rgb[3]) {
   const material *m = &sh->materials[t->preset];
+  const double pixel = 2.0 / sh->size;
   spot s;
-  double sum[3] = {0.02, 0.02, 0.022};
-  if (find_spot(t, x, y, &s)) {
-    double eye[3] = {t->cylinder ? 0 : -x, -y, 5}, wo[3], scale[2];
+  double sum[3] = {0, 0, 0};
+  if (find_spot(t, x, y, m->fabric != NULL, &s)) {
+    double eye[3] = {t->cylinder ? 0 : -x, -y, 3.2}, wo[3];
     unit(eye);
     local(&s, eye, wo);
-    tile_scale(t, &m->preset, scale);
-    const double pixel = 2.0 / sh->size;
-    const double uv[2] = {s.at[0] * scale[0] + 4096, s.at[1] * scale[1] + 4096};
-    const double footprint[2] = {pixel * scale[0] * s.stretch, pixel * scale[1]};
-    memset(sum, 0, sizeof sum);
-    for (int i = 0; i < LIGHTS; i++) {
-      double wi[3], f[3];
-      local(&s, lights[i].to, wi);
-      shade_fabric_eval(m->fabric, uv, footprint, s.n, wi, wo, SHADE_TIER_AUTO, f);
-      for (int c = 0; c < 3; c++)
-        sum[c] += f[c] * lights[i].power;
-    }
+    if (m->fabric)
+      draw_cloth(m, t, lights, &s, wo, pixel, sum);
+    else
+      draw_metal(m, t, lights, sh->sky, &s, eye, pixel, sum);
+  } else {
+    sum[0] = sum[1] = sum[2] = GROUND;
   }
   for (int c = 0; c < 3; c++)
     rgb[c] = (float)sum[c];
@@ -169,16 +280,20 @@ static void fill_rows(void *context, int first, int count, float *const *out) {
       const int ty = (row - MARGIN + pitch) / pitch - 1, py = row - MARGIN - ty * pitch;
       const int inside = tx < sh->across && ty >= 0 && ty < sh->down && py < sh->size;
       const tile *t = &sh->tiles[inside ? ty * sh->across + tx : 0];
-      light lights[LIGHTS];
-      if (inside)
-        place_lights(t->azimuth, lights);
+      light lights[MOST_LIGHTS];
+      if (inside && t->preset >= 0 && sh->materials[t->preset].fabric) {
+        place_key(t->azimuth, KEY, lights);
+        place_sky(sh->sky, SKY, lights + KEY);
+      } else if (inside) {
+        place_key(t->azimuth, METAL_KEY, lights);
+      }
       for (int px = -MARGIN; px < (tx < sh->across ? sh->size : 0); px++) {
         float *rgb = out[0] + 3 * ((size_t)(row - first) * (size_t)width +
                                    (size_t)(MARGIN + tx * pitch + px));
-        rgb[0] = rgb[1] = rgb[2] = 0.02f;
+        rgb[0] = rgb[1] = rgb[2] = (float)GROUND;
         if (inside && px >= 0 && t->preset >= 0)
-          shade_pixel(sh, t, lights, 2 * (px + 0.5) / sh->size - 1, 1 - 2 * (py + 0.5) / sh->size,
-                      rgb);
+          draw_pixel(sh, t, lights, 2 * (px + 0.5) / sh->size - 1, 1 - 2 * (py + 0.5) / sh->size,
+                     rgb);
       }
     }
 }
@@ -193,8 +308,9 @@ static void usage(FILE *to) {
         "  --size N         pixels along a tile, 16 to 2048 (default 256; --all 192)\n"
         "  --across N       --all: presets in a row, 1 to 16 (default 5)\n"
         "  --threads N      1 to 256 (default: as many as there are processors)\n\n"
-        "Near a tile is 28 yarns of cloth wide, far 16 cm. The exposure is fixed: a white Lambert\n"
-        "sheet that faces the key light shows 1.0 of it; a sky adds 0.22.\n",
+        "Near a tile is 28 yarns of cloth or 2 cm of metal wide, far 16 cm. The exposure is fixed: "
+        "a white Lambert\n"
+        "sheet that faces the key light shows 1.5 of it (1 is white), a sky 0.4.\n",
         to);
 }
 
@@ -259,11 +375,20 @@ static int read_options(int argc, char **argv, options *o) {
   return TOOL_DONE;
 }
 
-static int set_material(material *m) {
+/* Ready m[i]; metals of the same finish share its scratches. */
+static int set_material(material *all, int i) {
   unsigned status = SHADE_OK;
+  material *m = &all[i];
   if (m->preset.kind == SHADE_PRESET_METAL) {
-    shade_bsdf_setup(&m->metal, &m->preset.metal);
-    return 1;
+    for (int k = 0; k < i; k++)
+      if (all[k].scratches &&
+          !memcmp(&all[k].preset.scratches, &m->preset.scratches, sizeof m->preset.scratches)) {
+        m->scratches = all[k].scratches;
+        m->shared = 1;
+        return 1;
+      }
+    m->scratches = shade_scratch_create(&m->preset.scratches, &status);
+    return m->scratches != NULL;
   }
   m->fabric = shade_preset_fabric(&m->preset, &m->weave, &status);
   return m->fabric != NULL;
@@ -290,7 +415,7 @@ static material *find_materials(const options *o, int *count, int *status) {
   for (int i = 0; ok && i < *count; i++) {
     if (o->all)
       shade_preset_row(i, &m[i].preset);
-    ok = set_material(&m[i]);
+    ok = set_material(m, i);
   }
   if (!ok)
     fputs("shade swatch: out of memory\n", stderr);
@@ -301,6 +426,8 @@ static void free_materials(material *m, int count) {
   for (int i = 0; m && i < count; i++) {
     shade_fabric_free(m[i].fabric);
     shade_weave_free(m[i].weave);
+    if (!m[i].shared)
+      shade_scratch_free(m[i].scratches);
   }
   free(m);
 }
@@ -319,7 +446,7 @@ static int lay_out(sheet *sh, const options *o, int count) {
   for (int i = 0; sh->tiles && i < tiles; i++) {
     const int row = i / sh->across, column = i % sh->across;
     if (o->all)
-      sh->tiles[i] = (tile){column % 2, column % 2, i / 2, (column % 2 ? 30 : -35) * PI / 180};
+      sh->tiles[i] = (tile){column % 2, column % 2, i / 2, (column % 2 ? 25 : -25) * PI / 180};
     else
       sh->tiles[i] = (tile){row / 2, row % 2, 0, (-60 + 40 * column) * PI / 180};
     if (sh->tiles[i].preset >= count)
@@ -335,7 +462,7 @@ int shade_cmd_swatch(int argc, char **argv) {
     usage(stdout);
   if (status || o.help)
     return status;
-  sheet sh = {.size = o.size ? o.size : o.all ? 192 : 256};
+  sheet sh = {.size = o.size ? o.size : o.all ? 192 : 256, .sky = sky_scale()};
   sh.materials = find_materials(&o, &count, &status);
   if (!sh.materials)
     return status;
