@@ -372,8 +372,8 @@ static void same_everywhere(void **state) {
   }
   print_message("%ld lanes, apart: %ld double, %ld float\n", lanes_seen, apart, apartf);
   /* a u, or a wi, within a rounding of a border may fall on its other side */
-  assert_true(apart <= 1e-6 * (double)lanes_seen + 1);
-  assert_true(apartf <= 1e-3 * (double)lanes_seen + 1);
+  assert_true((double)apart <= 1e-6 * (double)lanes_seen + 1);
+  assert_true((double)apartf <= 1e-3 * (double)lanes_seen + 1);
 }
 
 /* Anything at all in, nothing but numbers out; and what is drawn has a pdf. */
