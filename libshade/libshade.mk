@@ -60,7 +60,6 @@ $(B)/shade_image_oiio.so: $(L)/image/read_oiio.cpp $(L)/image/read.h $(L)/libsha
 	$(call say,compile  ,$@)
 	$(Q)$(CXX) -O2 -std=c++17 -g -fPIC -shared -fvisibility=hidden $(NO_PATH) -Wall -Wextra -Werror \
 	  -I$(L) $(CFLAGS) $(LDFLAGS) $< $(OIIO_LIBS) -o $@
-TOOL_OBJ += $(O)/tool/swatch.o
 TOOL_OBJ += $(O)/tool/swatch.o $(O)/tool/presets.o $(O)/tool/fabric.o
 
 # a tool built before a library came, or after it went, is built again

@@ -122,8 +122,8 @@ SHADE_API unsigned shade_fabric_eval_batchf(const shade_fabric *fabric, size_t c
 
 /* How the far model sees the fabric, for charts and tests. */
 typedef struct shade_fabric_info {
-  int warp_lobes, weft_lobes;    /* nodes of the mixture */
-  double warp_share, weft_share; /* what is seen of each, times its occlusion */
+  int warp_lobes, weft_lobes;            /* nodes of the mixture */
+  double warp_share, weft_share;         /* what is seen of each, times its occlusion */
   double warp_single[2], weft_single[2]; /* exponents along and across, tier SINGLE */
 } shade_fabric_info;
 SHADE_API void shade_fabric_get_info(const shade_fabric *fabric, shade_fabric_info *info);
