@@ -36,5 +36,7 @@ $(B)/horizon: compare/horizon.c $(B)/libshade.a
 
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
+	@$(PY) compare/truth.py --surface scratches
+	@$(PY) compare/slopes.py
 	@$(PY) compare/horizon.py
 	@$(PY) compare/speed.py

@@ -64,3 +64,46 @@ def mesh(quads):
     first = (np.arange(quads)[:, None] * (quads + 1) + np.arange(quads)).ravel()
     faces = np.stack([first, first + 1, first + quads + 2, first + quads + 1], axis=-1)
     return positions, normals(u, v), faces, np.stack([u, v], axis=-1)
+
+
+# Scratches for the same plate: wide enough for the mesh, as steep as the waves at most, so
+# that no pit shadows itself under SUN. Options of `shade scratch`.
+SCRATCHES = ("--pits", "40", "--radius", "0.02,0.05", "--stretch", "1.5,6", "--depth", "0.1,0.25",
+             "--spread", "90", "--seed", "3")
+
+
+def height_mesh(height):
+    """A plate displaced by a height picture (square, rows from the top), which repeats.
+
+    Vertices lie at the texels' centres and one texel beyond each edge, so the mesh covers the
+    plate. Returns (positions, faces, uv per vertex).
+    """
+    size = len(height)
+    padded = np.pad(height[::-1], 1, mode="wrap")
+    side = (np.arange(size + 2) - 0.5) / size
+    u, v = (a.ravel() for a in np.meshgrid(side, side))
+    positions = np.stack([u - 0.5, v - 0.5, padded.ravel()], axis=-1)
+    row = size + 2
+    first = (np.arange(row - 1)[:, None] * row + np.arange(row - 1)).ravel()
+    faces = np.stack([first, first + 1, first + row + 1, first + row], axis=-1)
+    return positions, faces, np.stack([u, v], axis=-1)
+
+
+def off_creases(normals, pixels, jump=0.06, margin=2):
+    """Which of pixels x pixels keep `margin` pixels away from any crease of a normal map.
+
+    A crease is where the slopes of neighbouring texels differ by more than `jump`.
+    """
+    n = 2.0 * np.asarray(normals, float) - 1.0
+    slopes = -n[..., :2] / n[..., 2:]
+    crease = np.zeros(slopes.shape[:2], bool)
+    for axis in range(2):
+        step = np.abs(slopes - np.roll(slopes, 1, axis)).max(-1) > jump
+        crease |= step | np.roll(step, -1, axis)
+    size = len(crease)
+    edges = np.arange(pixels) * size // pixels
+    coarse = np.logical_or.reduceat(np.logical_or.reduceat(crease, edges, 0), edges, 1)
+    for axis in range(2):
+        coarse = np.logical_or.reduce([np.roll(coarse, k, axis)
+                                       for k in range(-margin, margin + 1)])
+    return ~coarse

@@ -4,7 +4,9 @@
     blender -b --factory-startup [--addons libshade] --python-exit-code 2 \
         -P plate_render.py -- JOBS.json
 
-JOBS.json is {"normal_map": file, "result": file, "jobs": [job, ...]}; a job is
+JOBS.json is {"normal_map": file, "mesh": file or "", "result": file, "jobs": [job, ...]}; the
+mesh, if there is one, is an .npz of positions, faces and uv that takes the place of the
+displaced plate, with smooth normals of its own. A job is
     "engine":   "CYCLES" or "LIBSHADE"
     "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
     "detail":   libshade's detail method (LIBSHADE only)
@@ -25,9 +27,13 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plate  # noqa: E402
 
 
-def new_mesh(quads):
-    """A plate of quads x quads quads with UVs; flat if it is one quad."""
-    positions, normals, faces, uv = plate.mesh(quads)
+def new_mesh(quads, file=""):
+    """A plate of quads x quads quads with UVs, flat if it is one quad; or the file's mesh."""
+    if file:
+        stored = np.load(file)
+        positions, faces, uv = (stored[name] for name in ("positions", "faces", "uv"))
+    else:
+        positions, normals, faces, uv = plate.mesh(quads)
     mesh = bpy.data.meshes.new("plate")
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())
@@ -40,7 +46,7 @@ def new_mesh(quads):
     layer = mesh.uv_layers.new(name="UVMap")
     layer.data.foreach_set("uv", uv[faces.ravel()].astype(np.float32).ravel())
     mesh.update(calc_edges=True)
-    if quads > 1:
+    if quads > 1 and not file:
         if hasattr(mesh, "use_auto_smooth"):  # removed in Blender 4.1
             mesh.use_auto_smooth = True
             mesh.auto_smooth_angle = np.pi
@@ -84,10 +90,11 @@ def new_material(job, image):
     return material
 
 
-def new_scene(job, image):
+def new_scene(job, image, file=""):
     """Plate, sun and a camera straight above, filling the picture."""
     scene = bpy.data.scenes.new("plate")
-    mesh = new_mesh(job["quads"] if job["surface"] == "displaced" else 1)
+    displaced = job["surface"] == "displaced"
+    mesh = new_mesh(job["quads"] if displaced else 1, file if displaced else "")
     mesh.materials.append(new_material(job, image))
     scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
 
@@ -144,7 +151,7 @@ def main(path):
     jobs = order["jobs"]
     image = bpy.data.images.load(order["normal_map"])
     image.colorspace_settings.name = "Non-Color"
-    scenes = [new_scene(job, image) for job in jobs]
+    scenes = [new_scene(job, image, order.get("mesh", "")) for job in jobs]
     seconds = [[] for _ in jobs]
     # In turns, so that a machine that is busy for a while slows all of them.
     for turn in range(max(job["repeat"] for job in jobs)):

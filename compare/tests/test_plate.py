@@ -61,3 +61,33 @@ def test_bumps_are_seamless_unit_normals(make):
         seam = np.abs(n.take(0, axis) - n.take(-1, axis)).mean()
         assert seam < 2.0 * steps, "the tile's edge is no rougher than its inside"
     assert np.array_equal(n, make(128)), "the same every time"
+
+
+def test_a_mesh_of_heights_lies_on_them_and_repeats():
+    size = 50
+    u, v = plate.grid(size)
+    positions, faces, uv = plate.height_mesh(plate.height(u, v)[::-1])
+    assert np.allclose(positions[:, 2], plate.height(*uv.T), atol=1e-12)
+    assert np.allclose(positions[:, :2], uv - 0.5)
+    # it covers the plate, its quads have the texels' area and face up
+    assert uv.min() < 0 and uv.max() > 1
+    a, b, d = (uv[faces[:, k]] for k in (0, 1, 3))
+    along, up = (b - a).T, (d - a).T
+    assert np.allclose(along[0] * up[1] - along[1] * up[0], 1 / size**2)
+
+
+def test_creases_are_left_out():
+    size, pixels = 512, 64
+    u, v = plate.grid(size)
+    slopes = np.stack([np.where(u < 0.5, 0.4 * u, 0.4 * u - 0.5), 0.2 * v], -1)
+    n = np.concatenate([-slopes, np.ones_like(u)[..., None]], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    kept = plate.off_creases(0.5 + 0.5 * n[::-1], pixels)
+    # one crease in the middle of each row, others where the slopes jump at the edges
+    centre = (np.arange(pixels) + 0.5) / pixels
+    near = np.minimum(np.abs(centre - 0.5), np.minimum(centre, 1 - centre)) < 2 / pixels
+    assert not kept[:, near].any()
+    assert kept[4:-4][:, np.minimum(np.abs(centre - 0.5), np.minimum(centre, 1 - centre))
+                      > 4 / pixels].all()
+    waves = plate.normal_map(1024)
+    assert plate.off_creases(waves, pixels).all()
