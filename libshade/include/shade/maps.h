@@ -188,6 +188,11 @@ SHADE_API unsigned shade_slope_lookup(const shade_slope_map *m, double u, double
  *   beckmann           0.005  0.014  0.040
  *   ggx                0.044  0.094  0.152  (its own variance is infinite: a rule of thumb)
  *
+ * The mean colour of a map of smooth random slopes, of lobes of alpha 0.18 and 0.36 or
+ * exponents 60 and 12, over 20 pairs of light and view (compare/slopes.py): 1.3 to 2.9 % off
+ * for deviations of 0.05 and 0.1, 3.6 (Beckmann), 4.3 (Ashikhmin-Shirley), 6.1 (Ward) and
+ * 9.1 % (GGX) for 0.15 and 0.1.
+ *
  * Slopes that are not Gaussian (few deep scratches on a polished plate) are wider in the tail
  * and narrower at the peak than the one lobe that has their covariance.
  * A covariance that is indefinite, or not finite, counts as the nearest that is not
