@@ -74,8 +74,9 @@ static int check(shade_image_writer *w, shade_image_format format) {
   if (exr && !s->names && s->channels != 1 && s->channels != 3 && s->channels != 4)
     return shade_image_fail(w, "%d channels need names", s->channels);
   struct stat file;
-  if (stat(w->path, &file) == 0 && S_ISDIR(file.st_mode))
-    return shade_image_fail(w, "cannot write: is a folder");
+  if (stat(w->path, &file) == 0 && !S_ISREG(file.st_mode)) /* renaming would take its place */
+    return shade_image_fail(w, "cannot write: is a %s",
+                            S_ISDIR(file.st_mode) ? "folder" : "device or pipe, not a file");
   return 0;
 }
 

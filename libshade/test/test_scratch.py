@@ -208,13 +208,18 @@ def test_what_cannot_be_written(tmp_path):
     (tmp_path / "folder.exr").mkdir()
     result = run("-o", tmp_path / "folder.exr", "--size", 8)
     assert result.returncode == 1 and "is a folder" in result.stderr
+    os.mkfifo(tmp_path / "pipe.png")
+    result = run("-o", tmp_path / "pipe.png", "--size", 8)
+    assert result.returncode == 1 and "device or pipe" in result.stderr
+    assert (tmp_path / "pipe.png").is_fifo()
+    (tmp_path / "pipe.png").unlink()
     # the second file fails: the first is not left behind
     result = run("-o", tmp_path / "a.exr", "--height", tmp_path / "none/h.exr", "--size", 8)
     assert result.returncode == 1
     assert [p.name for p in tmp_path.iterdir()] == ["folder.exr"]
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
+@pytest.mark.skipif(not pathlib.Path("/dev/full").is_char_device(), reason="needs /dev/full")
 def test_a_full_disk_is_told(tmp_path):
     with open("/dev/full", "w") as full:
         result = subprocess.run([SHADE, "scratch", "--eval"], input=b"0 0\n", stdout=full,
