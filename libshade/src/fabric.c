@@ -321,6 +321,8 @@ static void set_side(fabric_side *side, const shade_fabric_params *p, const shad
     side->far = side->single = side->near;
     return;
   }
+  side->spread[0] = whole.vx;
+  side->spread[1] = whole.vy;
   side->nodes.count =
       cut_cloud(looks, count, fmax(yarn->along, BROAD), fmax(yarn->across, BROAD), cuts);
   double rest[2] = {0, 0};

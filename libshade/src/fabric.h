@@ -37,7 +37,8 @@ typedef struct fabric_side {
   shade_bsdf near;        /* the yarn's own lobe */
   shade_bsdf far, single; /* widened by the tilts that one node stands for */
   fabric_nodes nodes, one;
-  double tx, ty; /* the mean direction of the fibres */
+  double spread[2]; /* variance of the tilt, along and across */
+  double tx, ty;    /* the mean direction of the fibres */
 } fabric_side;
 
 struct shade_fabric {

@@ -67,6 +67,17 @@ static real FN(white_share)(const FN(pair) * p) {
   return m2 * m2 * m;
 }
 
+/*
+ * What share of tilts, even about their mean n, faces w: the single lobe's stand-in for the
+ * horizons of the yarns that turn away.
+ */
+static real FN(facing)(const fabric_side *side, const real w[3]) {
+  const real n[3] = {side->one.FN(x)[0], side->one.FN(y)[0], side->one.FN(z)[0]};
+  const real v = (real)side->spread[0] * w[0] * w[0] + (real)side->spread[1] * w[1] * w[1];
+  const real reach = FN(root)(3 * v), c = FN(dot3)(n, w);
+  return c >= reach ? 1 : FN(maximum)((real)0.5 * (1 + c / reach), 0);
+}
+
 /* A mixture: its mean over the nodes of the lobe and of the diffuse part. */
 static void FN(mixture)(const fabric_side *side, const shade_bsdf *b, const fabric_nodes *nodes,
                         const FN(pair) * p, real *spec, real *matt) {
@@ -105,6 +116,12 @@ static void FN(shade_far)(const shade_fabric *f, const double *column, int singl
     FN(mixture)
     (side, single ? &side->single : &side->far, single ? &side->one : &side->nodes, &sides[k],
      &spec, &matt);
+    if (single) {
+      const FN(pair) q = FN(turned)(&sides[k], (real)side->tx, (real)side->ty);
+      const real seen = FN(facing)(side, q.wi) * FN(facing)(side, q.wo);
+      spec *= seen;
+      matt *= seen;
+    }
     for (int c = 0; c < 3; c++) {
       real f0 = (real)side->f0[c];
       s[c] += share * spec * (f0 + (1 - f0) * white);

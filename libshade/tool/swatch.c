@@ -22,9 +22,9 @@ enum {
   KEY = 13,    /* samples of the key light, a disc; of cloth */
   SKY = 12,    /* and of the sky */
   LIGHTS = KEY + SKY,
-  METAL_KEY = 64, /* metals have narrower lobes */
-  METAL_SKY = 32,
-  MOST_LIGHTS = METAL_KEY
+  KEY_POINTS = 64, /* for metals, whose lobes are narrower */
+  SKY_DRAWS = 32,
+  MOST_LIGHTS = KEY_POINTS
 };
 
 /* How many crossings, or cm of metal, a tile is wide. */
@@ -33,9 +33,12 @@ enum {
 #define FAR_CM 16.0
 #define CYLINDER 0.88 /* its radius, half a tile being 1 */
 
-/* What a white Lambert sheet that faces it shows of each: 1 is white in the picture. */
-#define KEY_LIGHT 1.5
-#define SKY_LIGHT 0.4
+/* What a white Lambert sheet that faces it shows of each light, 1 being white in the picture;
+ * metals are taken with less of the key, which they throw back as a whole. */
+#define CLOTH_KEY 1.5
+#define CLOTH_SKY 0.4
+#define METAL_KEY 0.4
+#define METAL_SKY 0.55
 #define GROUND 0.02 /* behind the swatches */
 
 typedef struct light {
@@ -76,7 +79,7 @@ static double sky(const double d[3]) {
 
 /* The key light: `count` points of a disc 9 degrees across on an arc from left to right, 22
  * degrees up. */
-static void place_key(double azimuth, int count, light *lights) {
+static void place_key(double azimuth, double power, int count, light *lights) {
   const double golden = PI * (3 - sqrt(5.0));
   double to[3] = {sin(azimuth), 0.4, cos(azimuth)};
   unit(to);
@@ -90,11 +93,11 @@ static void place_key(double azimuth, int count, light *lights) {
     for (int c = 0; c < 3; c++)
       lights[i].to[c] = to[c] + x * side[c] + y * up[c];
     unit(lights[i].to);
-    lights[i].power = PI * KEY_LIGHT / count;
+    lights[i].power = PI * power / count;
   }
 }
 
-/* What multiplies sky(): on a sheet that faces the eye it comes to SKY_LIGHT. */
+/* What multiplies sky() so that on a sheet that faces the eye it comes to 1. */
 static double sky_scale(void) {
   const double golden = PI * (3 - sqrt(5.0));
   double total = 0;
@@ -104,7 +107,7 @@ static double sky_scale(void) {
     double d[3] = {r * cos(i * golden), r * sin(i * golden), z};
     total += sky(d) / N;
   }
-  return SKY_LIGHT / total;
+  return 1 / total;
 }
 
 /* The sky as lights, evenly over the hemisphere about the eye's side. */
@@ -227,7 +230,7 @@ static void draw_metal(const material *m, const tile *t, const light *lights, do
   n[0] = cos(angle) * nx + sin(angle) * n[1];
   n[1] = cos(angle) * n[1] - sin(angle) * nx;
   local(&s, eye, wo);
-  for (int i = 0; i < METAL_KEY; i++) {
+  for (int i = 0; i < KEY_POINTS; i++) {
     double wi[3], f[3], cosine;
     local(&s, lights[i].to, wi);
     shade_bsdf_eval(&b, n, wi, wo, f, &cosine);
@@ -236,8 +239,8 @@ static void draw_metal(const material *m, const tile *t, const light *lights, do
   }
   double shift[2];
   jitter(given->at[0], given->at[1], shift);
-  for (int i = 0; i < METAL_SKY; i++) {
-    const double number[2] = {fmod(shift[0] + (i + 0.5) / METAL_SKY, 1),
+  for (int i = 0; i < SKY_DRAWS; i++) {
+    const double number[2] = {fmod(shift[0] + (i + 0.5) / SKY_DRAWS, 1),
                               fmod(shift[1] + i * 0.6180339887498949, 1)};
     double wi[3], f[3], pdf, cosine, d[3];
     shade_bsdf_sample(&b, n, wo, number, wi, f, &pdf, &cosine);
@@ -246,7 +249,7 @@ static void draw_metal(const material *m, const tile *t, const light *lights, do
     for (int c = 0; c < 3; c++)
       d[c] = wi[0] * s.x[c] + wi[1] * s.y[c] + wi[2] * s.z[c];
     for (int c = 0; c < 3; c++)
-      sum[c] += f[c] * cosine / pdf * sky_size * sky(d) / METAL_SKY;
+      sum[c] += f[c] * cosine / pdf * sky_size * sky(d) / SKY_DRAWS;
   }
 }
 
@@ -264,7 +267,7 @@ static void draw_pixel(const sheet *sh, const tile *t, const light *lights, doub
     if (m->fabric)
       draw_cloth(m, t, lights, &s, wo, pixel, sum);
     else
-      draw_metal(m, t, lights, sh->sky, &s, eye, pixel, sum);
+      draw_metal(m, t, lights, METAL_SKY * sh->sky, &s, eye, pixel, sum);
   } else {
     sum[0] = sum[1] = sum[2] = GROUND;
   }
@@ -282,10 +285,10 @@ static void fill_rows(void *context, int first, int count, float *const *out) {
       const tile *t = &sh->tiles[inside ? ty * sh->across + tx : 0];
       light lights[MOST_LIGHTS];
       if (inside && t->preset >= 0 && sh->materials[t->preset].fabric) {
-        place_key(t->azimuth, KEY, lights);
-        place_sky(sh->sky, SKY, lights + KEY);
+        place_key(t->azimuth, CLOTH_KEY, KEY, lights);
+        place_sky(CLOTH_SKY * sh->sky, SKY, lights + KEY);
       } else if (inside) {
-        place_key(t->azimuth, METAL_KEY, lights);
+        place_key(t->azimuth, METAL_KEY, KEY_POINTS, lights);
       }
       for (int px = -MARGIN; px < (tx < sh->across ? sh->size : 0); px++) {
         float *rgb = out[0] + 3 * ((size_t)(row - first) * (size_t)width +
@@ -299,19 +302,20 @@ static void fill_rows(void *context, int first, int count, float *const *out) {
 }
 
 static void usage(FILE *to) {
-  fputs("usage: shade swatch PRESET -o sheet.png|sheet.exr [options]\n"
-        "       shade swatch --all -o sheet.png|sheet.exr [options]\n\n"
-        "A sheet of one preset: flat near, flat far, hung in folds near, the same far; from left\n"
-        "to right the light moves from the left to the right of the eye. --all: every preset,\n"
-        "flat near and hung far, in the order of `shade presets`.\n\n"
-        "  -o FILE          PNG (8 bits, sRGB) or EXR (half float, linear)\n"
-        "  --size N         pixels along a tile, 16 to 2048 (default 256; --all 192)\n"
-        "  --across N       --all: presets in a row, 1 to 16 (default 5)\n"
-        "  --threads N      1 to 256 (default: as many as there are processors)\n\n"
-        "Near a tile is 28 yarns of cloth or 2 cm of metal wide, far 16 cm. The exposure is fixed: "
-        "a white Lambert\n"
-        "sheet that faces the key light shows 1.5 of it (1 is white), a sky 0.4.\n",
-        to);
+  fputs(
+      "usage: shade swatch PRESET -o sheet.png|sheet.exr [options]\n"
+      "       shade swatch --all -o sheet.png|sheet.exr [options]\n\n"
+      "A sheet of one preset: flat near, flat far, hung in folds near, the same far; from left\n"
+      "to right the light moves from the left to the right of the eye. --all: every preset,\n"
+      "flat near and hung far, in the order of `shade presets`.\n\n"
+      "  -o FILE          PNG (8 bits, sRGB) or EXR (half float, linear)\n"
+      "  --size N         pixels along a tile, 16 to 2048 (default 256; --all 192)\n"
+      "  --across N       --all: presets in a row, 1 to 16 (default 5)\n"
+      "  --threads N      1 to 256 (default: as many as there are processors)\n\n"
+      "Near a tile is 28 yarns of cloth or 2 cm of metal wide, far 16 cm. The exposure is fixed:\n"
+      "1 is white, and a white Lambert sheet that faces the key light would show 1.5 of it\n"
+      "(metals: 0.4) and 0.4 of the sky (metals: 0.55).\n",
+      to);
 }
 
 typedef struct options {

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cloth from afar against the mean of what it is near, for every cloth of the presets.
+
+For 20 pairs of light and eye the truth is a swatch of 16 x 16 pixels, each the mean of 256
+points of the near model, spread evenly over 4096 x 4096 crossings. Compared with it are the far
+model (a mixture of lobes) and its cheaper tier (one lobe a direction of yarn): the swatch's mean
+colour, worst channel and pair; and the width of the highlight seen from above, as second
+moments of the half vector. A zoom from .02 to 80 crossings a pixel follows the mean of a patch.
+
+Needs `make` alone, no renderer. Leaves in the output folder: fabric.csv, zoom.csv, chart.png.
+Exit status 0 if the far model is within 3 % (colour), 10 % (width) and 5 % (zoom), else 1.
+"""
+import argparse
+import csv
+import ctypes
+import json
+import math
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+import programs
+import report
+
+COLOUR, WIDTH, ZOOM, BACK = 0.03, 0.10, 0.05, 0.01
+AUTO, NEAR, FAR, SINGLE = range(4)
+ALL = 1e6  # a footprint of all repeats
+LIGHTS = ((3, 10), (25, 75), (40, 200), (55, 320), (70, 140))
+EYES = ((0, 0), (30, 260), (50, 20), (68, 315))
+
+
+def arguments(argv=None):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("cloths", nargs="*", help="names of presets (default: all cloths)")
+    parser.add_argument("--points", type=int, default=65536,
+                        help="of the near model, per pair (default 65536)")
+    parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "fabric",
+                        help="folder for results (default build/compare/fabric)")
+    return parser.parse_args(argv)
+
+
+def direction(theta, phi):
+    theta, phi = math.radians(theta), math.radians(phi)
+    return np.array([math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi),
+                     math.cos(theta)])
+
+
+class Cloth:
+    """A preset through the shared library's own interface."""
+
+    library = None
+
+    def __init__(self, name):
+        if Cloth.library is None:
+            found = sorted(programs.BUILD.glob("libshade.so.*"))
+            if not found:
+                raise report.StepFailed(f"no libshade.so in {programs.BUILD}: run make")
+            Cloth.library = ctypes.CDLL(str(found[-1]))
+            Cloth.library.shade_preset_fabric.restype = ctypes.c_void_p
+            Cloth.library.shade_fabric_eval_batch.restype = ctypes.c_uint
+        preset, weave = ctypes.create_string_buffer(1 << 16), ctypes.c_void_p()
+        if not self.library.shade_preset_find(name.encode(), preset):
+            raise report.StepFailed(f"no preset '{name}': `shade presets` lists them")
+        self.fabric = ctypes.c_void_p(self.library.shade_preset_fabric(preset, ctypes.byref(weave),
+                                                                       None))
+        if not self.fabric:
+            raise report.StepFailed(f"'{name}' is no cloth")
+        self.name, self.weave = name, weave
+
+    def close(self):
+        self.library.shade_fabric_free(self.fabric)
+        self.library.shade_weave_free(self.weave)
+
+    def shade(self, uv, extent, wi, wo, tier):
+        """uv: (N, 2); extent: number; wi, wo: (3,) or (N, 3). Returns (N, 3)."""
+        count = len(uv)
+        columns = [uv[:, 0], uv[:, 1], np.full(count, extent), np.full(count, extent), None, None,
+                   None, *np.broadcast_to(wi, (count, 3)).T, *np.broadcast_to(wo, (count, 3)).T]
+        columns = [None if c is None else np.ascontiguousarray(c, np.float64) for c in columns]
+        lanes = (ctypes.c_void_p * 13)(*[None if c is None else c.ctypes.data for c in columns])
+        rgb = np.empty((3, count))
+        self.library.shade_fabric_eval_batch(
+            self.fabric, ctypes.c_size_t(count), ctypes.byref(lanes), ctypes.c_int(tier),
+            *(ctypes.c_void_p(channel.ctypes.data) for channel in rgb))
+        return rgb.T
+
+
+def spread(count, span):
+    """Points that fill a square evenly."""
+    k = np.arange(count)[:, None]
+    return span * np.modf(0.5 + k * np.array([[0.7548776662466927, 0.5698402909980532]]))[0]
+
+
+def colours(cloth, points):
+    """Worst relative error over the pairs, far and single, and the largest standard error."""
+    uv, here = spread(points, 4096), np.zeros((1, 2))
+    far = single = doubt = 0.0
+    for light in LIGHTS:
+        for eye in EYES:
+            wi, wo = direction(*light), direction(*eye)
+            near = cloth.shade(uv, 0, wi, wo, NEAR)
+            truth = near.mean(0)
+            doubt = max(doubt, (near.std(0) / math.sqrt(points) / truth).max())
+            far = max(far, np.abs(cloth.shade(here, ALL, wi, wo, AUTO)[0] / truth - 1).max())
+            single = max(single, np.abs(cloth.shade(here, ALL, wi, wo, SINGLE)[0] / truth - 1).max())
+    return far, single, doubt
+
+
+def moments(h, weight):
+    return np.array([(weight * h[:, k] ** 2).sum() for k in (0, 1)]) / weight.sum()
+
+
+def widths(cloth, points):
+    """Relative errors of the second moments along x and y, far and single. Diffuse included."""
+    side = (np.arange(24) + 0.5) / 24 * 1.4 - 0.7
+    x, y = (a.ravel() for a in np.meshgrid(side, side))
+    inside = x * x + y * y < 0.49
+    h = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], 1)[inside]
+    eye = np.array([0, 0, 1.0])
+    wi = 2 * h[:, 2:] * h - eye
+    each = max(points // 64, 64)
+    truth = np.array([cloth.shade(spread(each, 4096) + k, 0, w, eye, NEAR)[:, 1].mean()
+                      for k, w in enumerate(wi)])
+    here = np.zeros((len(wi), 2))
+    base = moments(h, truth / h[:, 2])
+    return [np.abs(moments(h, cloth.shade(here, ALL, wi, eye, tier)[:, 1] / h[:, 2]) / base - 1).max()
+            for tier in (FAR, SINGLE)]
+
+
+def zoom(cloth, points):
+    """[(extent, mean relative to the nearest)] of a patch, for two pairs: the worse one."""
+    extents = 0.02 * 1.32 ** np.arange(31)
+    uv, worst = spread(points // 4, 64), None
+    for light, eye in ((LIGHTS[1], EYES[0]), (LIGHTS[2], EYES[2])):
+        wi, wo = direction(*light), direction(*eye)
+        means = np.array([cloth.shade(uv, e, wi, wo, AUTO)[:, 1].mean() for e in extents])
+        means /= means[0]
+        if worst is None or np.abs(means - 1).max() > np.abs(worst - 1).max():
+            worst = means
+    way = 1 if worst[-1] > worst[0] else -1
+    back = (np.maximum.accumulate(way * worst) - way * worst).max()
+    return extents, worst, np.abs(worst - 1).max(), back
+
+
+def pyplot(folder):
+    os.environ.setdefault("MPLCONFIGDIR", str(folder))
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    return plt
+
+
+def write_chart(rows, zooms, path):
+    figure, axes = pyplot(path.parent).subplots(1, 3, figsize=(15, 4.2), layout="constrained")
+    names = [row["cloth"].replace("_", " ") for row in rows]
+    place = np.arange(len(rows))
+    for axis, key, limit, title in (
+            (axes[0], "colour", COLOUR, "mean colour, worst of 20 pairs"),
+            (axes[1], "width", WIDTH, "second moments of the highlight")):
+        for shift, tier, colour in ((0.2, "far", "#2a6f97"), (-0.2, "single", "#c8553d")):
+            axis.barh(place + shift, [100 * row[f"{key}_{tier}"] for row in rows], 0.4,
+                      color=colour, label={"far": "mixture", "single": "one lobe"}[tier])
+        axis.axvline(100 * limit, color="black", linestyle=":", linewidth=1)
+        axis.set_yticks(place, names)
+        axis.set_xscale("log")
+        axis.set_xlabel("error against the mean of near, % (dotted: limit)")
+        axis.set_title(title)
+        axis.invert_yaxis()
+    axes[0].legend()
+    for name, (extents, means, _, _) in zooms.items():
+        axes[2].plot(extents, 100 * (means - 1), label=name.replace("_", " "))
+    axes[2].set_xscale("log")
+    axes[2].set_ylim(-100 * ZOOM, 100 * ZOOM)
+    axes[2].axvspan(0.75, 2, color="#dddddd")
+    axes[2].set_xlabel("crossings a pixel (grey: near gives way to far)")
+    axes[2].set_ylabel("change of the patch's mean, %")
+    axes[2].set_title("zooming out")
+    axes[2].legend(fontsize=7, ncols=2)
+    figure.savefig(path, dpi=110)
+
+
+def main(argv=None):
+    options = arguments(argv)
+    options.output = options.output.resolve()
+    options.output.mkdir(parents=True, exist_ok=True)
+    names = options.cloths
+    if not names:
+        listed = subprocess.run([programs.BUILD / "shade", "presets", "--json"], check=True,
+                                capture_output=True, text=True).stdout
+        names = [p["name"] for p in json.loads(listed) if p["kind"] == "fabric"]
+    rows, zooms = [], {}
+    for name in names:
+        progress = report.Progress(f"Shading {name}")
+        cloth = Cloth(name)
+        far, single, doubt = colours(cloth, options.points)
+        width_far, width_single = widths(cloth, options.points)
+        zooms[name] = zoom(cloth, options.points)
+        cloth.close()
+        rows.append({"cloth": name, "colour_far": far, "colour_single": single,
+                     "standard_error": doubt, "width_far": width_far, "width_single": width_single,
+                     "zoom": zooms[name][2], "zoom_back": zooms[name][3]})
+        progress.done()
+    with open(options.output / "fabric.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+    with open(options.output / "zoom.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["crossings", *zooms])
+        writer.writerows(zip(next(iter(zooms.values()))[0], *(z[1] for z in zooms.values())))
+    write_chart(rows, zooms, options.output / "chart.png")
+    ok = all(r["colour_far"] <= COLOUR and r["width_far"] <= WIDTH and r["zoom"] <= ZOOM
+             and r["zoom_back"] <= BACK for r in rows)
+    print()
+    print(report.table(
+        ["cloth, % of the near model's mean", "far", "one lobe", "std. error", "width far",
+         "width one lobe", "zoom", "back"],
+        [[r["cloth"], *(f"{100 * r[k]:.2f}" for k in list(r)[1:])] for r in rows],
+    ))
+    print(f"\n{'Within the limits' if ok else 'LIMITS MISSED'}: colour {100 * COLOUR:g} %, width "
+          f"{100 * WIDTH:g} %, zoom {100 * ZOOM:g} %. Figures and chart: {options.output}")
+    return 0 if ok else 1
+
+
+if __name__ == "__main__":
+    report.run(main)
