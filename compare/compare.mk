@@ -39,4 +39,5 @@ compare: demo $(B)/horizon
 	@$(PY) compare/truth.py --surface scratches
 	@$(PY) compare/slopes.py
 	@$(PY) compare/horizon.py
+	@$(PY) compare/fabric.py
 	@$(PY) compare/speed.py

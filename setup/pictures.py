@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Make README's pictures from what `make compare` left in build/."""
+"""Make README's pictures from what `make compare` left in build/, and the swatches from the tool."""
+import subprocess
 from pathlib import Path
 
 from PIL import Image
@@ -23,10 +24,20 @@ def side_by_side(pictures):
     return strip
 
 
+def swatches():
+    """examples/swatches.jpg: every preset, as `shade swatch --all` draws it."""
+    sheet = ROOT / "build" / "swatches.png"
+    subprocess.run([ROOT / "build" / "shade", "swatch", "--all", "--size", "136", "-o", sheet],
+                   check=True)
+    Image.open(sheet).save(ROOT / "examples" / "swatches.jpg", quality=86, optimize=True)
+
+
 def main():
+    swatches()
     both = side_by_side([Image.open(DEMO / f"{name}.png") for name in ("blender", "povray")])
     scaled(both).save(ROOT / "examples" / "suzanne.jpg", quality=88, optimize=True)
     scaled(Image.open(STRIP).convert("RGB")).save(ROOT / "examples" / "plate.jpg", quality=88, optimize=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
