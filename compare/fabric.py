@@ -7,7 +7,8 @@ model (a mixture of lobes) and its cheaper tier (one lobe a direction of yarn): 
 colour, worst channel and pair; and the width of the highlight seen from above, as second
 moments of the half vector. A zoom from .02 to 80 crossings a pixel follows the mean of a patch.
 
-Needs `make` alone, no renderer. Leaves in the output folder: fabric.csv, zoom.csv, chart.png.
+Needs `make` alone, no renderer. Leaves in the output folder: fabric.csv, zoom.csv, chart.png, and strip.png,
+every cloth at growing distance.
 Exit status 0 if the far model is within 3 % (colour), 10 % (width) and 5 % (zoom), else 1.
 """
 import argparse
@@ -21,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
+import pictures
 import programs
 import report
 
@@ -185,6 +187,21 @@ def write_chart(rows, zooms, path):
     figure.savefig(path, dpi=110)
 
 
+def write_strip(names, path):
+    """Each cloth at growing distance under one light: nothing should pop."""
+    rows, side = [], 120
+    for name in names:
+        cloth, row = Cloth(name), []
+        for extent in (0.08, 0.2, 0.4, 0.7, 1, 1.4, 2, 3, 6):
+            place = (np.arange(side) + 0.5) * extent
+            u, v = (a.ravel() for a in np.meshgrid(place, place[::-1]))
+            row.append(cloth.shade(np.stack([u, v], 1), extent, direction(30, 150),
+                                   direction(10, 0), AUTO).reshape(side, side, 3))
+        cloth.close()
+        rows.append(np.concatenate([np.pad(tile, ((2, 2), (2, 2), (0, 0))) for tile in row], 1))
+    pyplot(path.parent).imsave(path, pictures.encode(1.6 * math.pi * np.concatenate(rows)))
+
+
 def main(argv=None):
     options = arguments(argv)
     options.output = options.output.resolve()
@@ -215,6 +232,7 @@ def main(argv=None):
         writer.writerow(["crossings", *zooms])
         writer.writerows(zip(next(iter(zooms.values()))[0], *(z[1] for z in zooms.values())))
     write_chart(rows, zooms, options.output / "chart.png")
+    write_strip(names, options.output / "strip.png")
     ok = all(r["colour_far"] <= COLOUR and r["width_far"] <= WIDTH and r["zoom"] <= ZOOM
              and r["zoom_back"] <= BACK for r in rows)
     print()

@@ -28,6 +28,7 @@ enum {
  * broad lobes that of an exponent of 20, since the horizons and the diffuse part ask for nodes too.
  */
 #define SPREAD_LEFT 0.1
+#define SPREAD_LEFT_GAUSSIAN 0.06 /* lobes that are steeper in their flanks */
 #define BROAD 20.0
 
 /* One look at a yarn: tilt in the frame of its fibres, angles; weight is its occlusion. */
@@ -151,7 +152,8 @@ static void measure(const look *looks, cut *c) {
 }
 
 /* Cut a cloud of looks into at most FABRIC_NODES; returns how many. */
-static int cut_cloud(look *looks, size_t count, double ex, double ey, cut cuts[FABRIC_NODES]) {
+static int cut_cloud(look *looks, size_t count, double ex, double ey, double left,
+                     cut cuts[FABRIC_NODES]) {
   int made = 1;
   cuts[0].start = 0;
   cuts[0].count = count;
@@ -162,8 +164,7 @@ static int cut_cloud(look *looks, size_t count, double ex, double ey, cut cuts[F
     double most = 0;
     for (int k = 0; k < made; k++) {
       double spread = fmax(cuts[k].vx * ex, cuts[k].vy * ey);
-      if (spread > SPREAD_LEFT && cuts[k].weight > 1e-3 * all &&
-          cuts[k].weight * spread * spread > most) {
+      if (spread > left && cuts[k].weight > 1e-3 * all && cuts[k].weight * spread * spread > most) {
         most = cuts[k].weight * spread * spread;
         worst = k;
       }
@@ -324,13 +325,20 @@ static void set_side(fabric_side *side, const shade_fabric_params *p, const shad
   side->spread[0] = whole.vx;
   side->spread[1] = whole.vy;
   side->nodes.count =
-      cut_cloud(looks, count, fmax(yarn->along, BROAD), fmax(yarn->across, BROAD), cuts);
+      cut_cloud(looks, count, fmax(yarn->along, BROAD), fmax(yarn->across, BROAD),
+                p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? SPREAD_LEFT : SPREAD_LEFT_GAUSSIAN, cuts);
   double rest[2] = {0, 0};
   for (int i = 0; i < side->nodes.count; i++) {
     double weight = cuts[i].weight / whole.weight;
     set_node(&side->nodes, i, cuts[i].x, cuts[i].y, weight);
     rest[0] += weight * cuts[i].vx;
     rest[1] += weight * cuts[i].vy;
+  }
+  if (p->detail == SHADE_DETAIL_NONE) { /* the lobes lie where they are, whatever the tilt */
+    side->far = side->single = side->near;
+    set_node(&side->one, 0, 0, 0, 1);
+    side->one.count = 1;
+    return;
   }
   side->far = make_lobe(p, yarn, rest[0], rest[1], status);
   side->single = make_single(p, yarn, &whole, &side->nodes, rest, &side->one, status);

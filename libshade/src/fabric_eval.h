@@ -94,11 +94,15 @@ static void FN(mixture)(const fabric_side *side, const shade_bsdf *b, const fabr
       l.wo[k][i] = q.wo[k];
     }
   FN(run_lobes)(b, &l, s, m);
-  *spec = *matt = 0;
+  const real *weight = nodes->FN(weight);
+  real sum = 0, diffuse = 0;
+#pragma omp simd reduction(+ : sum, diffuse)
   for (size_t i = 0; i < l.count; i++) {
-    *spec += nodes->FN(weight)[i] * s[i];
-    *matt += nodes->FN(weight)[i] * m[i];
+    sum += weight[i] * s[i];
+    diffuse += weight[i] * m[i];
   }
+  *spec = sum;
+  *matt = diffuse;
 }
 
 /* Mixtures (or single lobes) of both sides in the shares of `column`, and what the gaps show. */

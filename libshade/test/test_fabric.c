@@ -202,6 +202,67 @@ static void far_is_the_mean_of_near(void **state) {
   }
 }
 
+/*
+ * Not of the presets: every distribution, other detail methods, coloured ends of unequal
+ * thickness, gaps, fibres at an angle, all kinds of occlusion.
+ */
+static void far_is_the_mean_of_any_cloth(void **state) {
+  (void)state;
+  static const shade_detail details[] = {SHADE_DETAIL_NONE,          SHADE_DETAIL_PERTURB,
+                                         SHADE_DETAIL_GRAM_SCHMIDT,  SHADE_DETAIL_SHORTEST_ARC,
+                                         SHADE_DETAIL_DEFORM_LINEAR, SHADE_DETAIL_AUTO};
+  for (int k = 0; k < SHADE_MDF_COUNT + 6; k++) {
+    shade_draft *draft = shade_draft_named(k % 2 ? "twill_2_2" : "satin_5");
+    for (int i = 0; i < draft->ends; i++) {
+      draft->warp[i].color[0] = i % 2;
+      draft->warp[i].color[1] = 0.2;
+      draft->warp[i].thickness = i % 2 ? 1 : 0.6;
+    }
+    shade_weave_params w;
+    shade_weave_params_init(&w);
+    w.occlusion = (shade_occlusion)(k % SHADE_OCCLUSION_COUNT);
+    w.warp.crimp = w.weft.crimp = 0.4;
+    w.warp.segments = w.weft.segments = 2;
+    w.warp.gap = 0.05;
+    w.weft.gap = 0.3;
+    w.warp.fibre = -0.3;
+    w.weft.fibre = 0.4;
+    w.warp.vary_brightness = w.weft.vary_tilt = 0.1;
+    cloth c;
+    c.weave = shade_weave_create(draft, &w, NULL);
+    shade_fabric_params *p = &c.preset.fabric;
+    shade_fabric_params_init(p);
+    p->draft_colors = 1;
+    if (k < SHADE_MDF_COUNT) {
+      p->mdf = (shade_mdf)k;
+      p->brdf = k == SHADE_MDF_ASHIKHMIN_SHIRLEY ? SHADE_BRDF_ASHIKHMIN_SHIRLEY
+                : k >= SHADE_MDF_BECKMANN        ? SHADE_BRDF_MICROFACET
+                                                 : SHADE_BRDF_WARD_BOUNDED;
+    } else {
+      p->detail = details[k - SHADE_MDF_COUNT];
+    }
+    p->warp.along = 60;
+    p->weft.along = 25;
+    p->weft.kd[0] = 0.05;
+    c.fabric = shade_fabric_create(c.weave, p, NULL);
+    assert_non_null(c.fabric);
+    double worst = 0;
+    for (int j = 0; j < PAIRS; j += 2) {
+      double wi[3], wo[3], truth[3], s[3];
+      const double uv[2] = {0, 0};
+      pair(j, wi, wo);
+      near_mean(&c, 1 << 15, wi, wo, truth);
+      shade_fabric_eval(c.fabric, uv, WIDE, NULL, wi, wo, SHADE_TIER_AUTO, s);
+      worst = fmax(worst, largest_difference(s, truth));
+    }
+    print_message("%-18s %-18s far %.2f %%\n", shade_list_word(SHADE_LIST_MDF, (int)p->mdf),
+                  shade_list_word(SHADE_LIST_DETAIL, (int)p->detail), 100 * worst);
+    assert_true(worst <= 0.03);
+    close_cloth(&c);
+    shade_draft_free(draft);
+  }
+}
+
 static void no_diffuse(shade_fabric_params *p) {
   for (int k = 0; k < 3; k++)
     p->warp.kd[k] = p->weft.kd[k] = p->backing[k] = 0;
@@ -505,10 +566,15 @@ static void batch_is_one_by_one(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(near_is_the_reference), cmocka_unit_test(far_is_the_mean_of_near),
-      cmocka_unit_test(far_is_as_wide),        cmocka_unit_test(zoom_does_not_pop),
-      cmocka_unit_test(folds_carry_the_yarns), cmocka_unit_test(single_has_the_moments),
-      cmocka_unit_test(no_input_breaks_it),    cmocka_unit_test(parameters_are_clamped),
+      cmocka_unit_test(near_is_the_reference),
+      cmocka_unit_test(far_is_the_mean_of_near),
+      cmocka_unit_test(far_is_the_mean_of_any_cloth),
+      cmocka_unit_test(far_is_as_wide),
+      cmocka_unit_test(zoom_does_not_pop),
+      cmocka_unit_test(folds_carry_the_yarns),
+      cmocka_unit_test(single_has_the_moments),
+      cmocka_unit_test(no_input_breaks_it),
+      cmocka_unit_test(parameters_are_clamped),
       cmocka_unit_test(batch_is_one_by_one),
   };
   return cmocka_run_group_tests_name("fabric", tests, NULL, NULL);
