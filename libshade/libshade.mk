@@ -30,7 +30,7 @@ REF_OBJ := $(O)/reference/reference.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
 TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o \
-  $(O)/tool/work.o $(O)/tool/parse.o $(O)/tool/weave.o $(ISAS:%=$(O)/tool/literal_%.o)
+  $(O)/tool/work.o $(O)/tool/parse.o $(O)/tool/text.o $(O)/tool/weave.o $(ISAS:%=$(O)/tool/literal_%.o)
 
 # `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
 EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)

@@ -275,6 +275,10 @@ static char *create_temporary(const struct report *r) {
 int shade_dump_write(const struct shade_exr_api *api, const char *path, const shade_dump *d,
                      char *error, size_t error_size) {
   const struct report r = {api, path, error, error_size};
+  struct stat file;
+  if (stat(path, &file) == 0 && !S_ISREG(file.st_mode)) /* or rename would replace a device */
+    return fail(&r, "cannot write: is a %s",
+                S_ISDIR(file.st_mode) ? "folder" : "device or pipe, not a file");
   char *temporary = create_temporary(&r);
   if (!temporary)
     return -1;

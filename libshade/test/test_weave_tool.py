@@ -508,6 +508,20 @@ def test_unwritable(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_device_stays_what_it_is(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    result = run("--name", "plain", "--wif", pipe)
+    assert result.returncode == 0 and pipe.is_fifo()
+    assert os.read(reader, 65536).startswith(b"[WIF]")
+    os.close(reader)
+    os.rename(pipe, tmp_path / "pipe.png")
+    result = run("--name", "plain", "-o", tmp_path / "pipe.png")
+    assert result.returncode == 1 and "is a device or pipe" in result.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["pipe.png"] and (tmp_path / "pipe.png").is_fifo()
+
+
 def test_help():
     result = run("--help")
     assert result.returncode == 0

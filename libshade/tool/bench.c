@@ -2,7 +2,6 @@
 /* shade bench: nanoseconds and worst error of every entry, side by side. */
 #define _POSIX_C_SOURCE 200809L /* clock_gettime, isatty */
 
-#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -15,6 +14,7 @@
 #include "shade/shade.h"
 #include "src/isa.h"
 #include "tool/literal.h"
+#include "tool/text.h"
 #include "tool/tool.h"
 
 enum { INPUTS = 9, OUTPUTS = 4, CHECKED = 4096 };
@@ -430,28 +430,6 @@ static int bench_set(const options *o, int s, int *done, int total) {
   return TOOL_DONE;
 }
 
-/* Writes a file by way of a temporary name; text NULL only tries whether that will work. */
-static int save(const char *name, const char *text, size_t length) {
-  size_t room = strlen(name) + sizeof ".part";
-  char *unfinished = malloc(room);
-  if (!unfinished)
-    return 1;
-  snprintf(unfinished, room, "%s.part", name);
-  FILE *file = fopen(unfinished, "w");
-  int failed = !file;
-  if (file) {
-    failed = fwrite(text ? text : "", 1, length, file) != length;
-    failed |= fclose(file) != 0;
-    failed |= text && !failed && rename(unfinished, name);
-    if (!text || failed)
-      remove(unfinished);
-  }
-  if (failed)
-    fprintf(stderr, "shade bench: %s: %s\n", name, strerror(errno));
-  free(unfinished);
-  return failed;
-}
-
 int shade_cmd_bench(int argc, char **argv) {
   options o = {.mdf = -1, .what = -1, .set = -1, .ex = 200, .ey = 10};
   int help = 0, status = read_options(&o, argc, argv, &help);
@@ -463,7 +441,7 @@ int shade_cmd_bench(int argc, char **argv) {
   char *text = NULL;
   size_t length;
   if (o.output) { /* kept here until all is measured: the file appears whole or not at all */
-    if (save(o.output, NULL, 0))
+    if (tool_save_text("bench", o.output, NULL, 0))
       return TOOL_BAD_INPUT;
     o.file = open_memstream(&text, &length);
     if (!o.file) {
@@ -495,7 +473,7 @@ int shade_cmd_bench(int argc, char **argv) {
       fputs("shade bench: out of memory\n", stderr);
       status = TOOL_BAD_INPUT;
     }
-    if (!status && save(o.output, text, length))
+    if (!status && tool_save_text("bench", o.output, text, length))
       status = TOOL_BAD_INPUT;
     free(text);
   }

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L /* getline */
-
 /* shade eval: one query a line in, one answer a line out. */
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +7,7 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
+#include "tool/text.h"
 #include "tool/tool.h"
 
 typedef enum precision {
@@ -306,24 +303,6 @@ static unsigned draw(const query *q, const shade_bsdf *b, const double *v, doubl
   return status;
 }
 
-/* Reads exactly `count` finite numbers; returns NULL, or what is wrong. */
-static const char *read_line(const char *text, int count, double *v) {
-  for (int i = 0; i < count; i++) {
-    char *end;
-    v[i] = strtod(text, &end);
-    if (end == text)
-      return "too few numbers";
-    if (!isfinite(v[i]))
-      return "a number is not finite";
-    if (*end && !isspace((unsigned char)*end))
-      return "not a number";
-    text = end;
-  }
-  while (isspace((unsigned char)*text))
-    text++;
-  return *text ? "too many numbers" : NULL;
-}
-
 int shade_cmd_eval(int argc, char **argv) {
   query q = {.precision = PRECISION_DOUBLE, .what = WHAT_D};
   shade_params_init(&q.params);
@@ -337,26 +316,10 @@ int shade_cmd_eval(int argc, char **argv) {
   shade_bsdf b;
   shade_bsdf_setup(&b, &q.params);
 
-  char *line = NULL;
-  size_t capacity = 0;
-  ssize_t length;
-  for (long number = 1; !status && (length = getline(&line, &capacity, stdin)) >= 0; number++) {
-    const char *text = line;
-    while (isspace((unsigned char)*text))
-      text++;
-    if ((!*text && strlen(line) == (size_t)length) || *text == '#')
-      continue;
-    double v[9];
-    const char *form, *wrong = read_line(text, line_form(&q, &form), v);
-    if (strlen(line) != (size_t)length)
-      wrong = "it holds a zero byte";
-    if (wrong) {
-      fflush(stdout);
-      fprintf(stderr, "shade eval: standard input, line %ld: %s; expected %s\n", number, wrong,
-              form);
-      status = TOOL_BAD_INPUT;
-      break;
-    }
+  tool_lines in = {.title = "eval"};
+  double v[9];
+  const int count = line_form(&q, &in.form);
+  while (tool_next_line(&in, count, 0, v) > 0) {
     unsigned mended = SHADE_OK;
     const int digits = q.precision <= PRECISION_FLOAT ? 9 : 17;
     if (q.what == WHAT_SAMPLE) {
@@ -368,15 +331,10 @@ int shade_cmd_eval(int argc, char **argv) {
       printf("%.*g\n", digits, answer(&q, &b, v, &mended));
     if (mended & SHADE_BAD_INPUT)
       fprintf(stderr, "shade eval: standard input, line %ld: warning: no such direction: 0\n",
-              number);
+              in.number);
     else if (mended & SHADE_CLAMPED_NORMAL)
       fprintf(stderr, "shade eval: standard input, line %ld: warning: n lifted to nz = 1e-4\n",
-              number);
+              in.number);
   }
-  free(line);
-  if (ferror(stdin)) {
-    fprintf(stderr, "shade eval: standard input: %s\n", strerror(errno));
-    status = TOOL_BAD_INPUT;
-  }
-  return status;
+  return tool_end_lines(&in);
 }

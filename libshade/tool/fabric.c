@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L /* getline */
-
 /* shade fabric: what a cloth of the presets reflects, one query a line in, one answer a line out.
  */
-#include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "shade/presets.h"
-#include "tool/parse.h"
+#include "tool/text.h"
 #include "tool/tool.h"
 
 static const char *const tiers[] = {"auto", "near", "far", "single"};
@@ -111,38 +107,15 @@ static unsigned answer(const request *r, const shade_fabric *f, const double v[9
 }
 
 static int answer_lines(const request *r, const shade_fabric *f) {
-  char *line = NULL;
-  size_t capacity = 0;
-  ssize_t length;
-  int status = TOOL_DONE;
-  for (long number = 1; !status && (length = getline(&line, &capacity, stdin)) >= 0; number++) {
-    const char *text = line;
-    while (isspace((unsigned char)*text))
-      text++;
-    if ((!*text && strlen(line) == (size_t)length) || *text == '#')
-      continue;
-    double v[9];
-    const char *wrong = tool_parse_line(line, (size_t)length, 9, v);
-    if (!wrong && v[2] < 0)
-      wrong = "the footprint is below 0";
-    if (wrong) {
-      fflush(stdout);
-      fprintf(stderr,
-              "shade fabric: standard input, line %ld: %s; expected u v footprint wix wiy wiz wox "
-              "woy woz\n",
-              number, wrong);
-      status = TOOL_BAD_INPUT;
-    } else if (answer(r, f, v) & SHADE_BAD_INPUT) {
+  tool_lines in = {.title = "fabric", .form = "u v footprint wix wiy wiz wox woy woz"};
+  double v[9];
+  while (tool_next_line(&in, 9, 0, v) > 0)
+    if (v[2] < 0)
+      tool_bad_line(&in, "the footprint is below 0");
+    else if (answer(r, f, v) & SHADE_BAD_INPUT)
       fprintf(stderr, "shade fabric: standard input, line %ld: warning: no such direction: 0\n",
-              number);
-    }
-  }
-  free(line);
-  if (ferror(stdin)) {
-    fprintf(stderr, "shade fabric: standard input: %s\n", strerror(errno));
-    status = TOOL_BAD_INPUT;
-  }
-  return status;
+              in.number);
+  return tool_end_lines(&in);
 }
 
 static void print_info(const shade_preset *p, const shade_fabric *f) {

@@ -7,8 +7,8 @@
 typedef void tool_point(void *context, double u, double v, const double footprint[4]);
 
 /*
- * Lines of 'u v' or 'u v du1 dv1 du2 dv2' until the end; empty ones are passed over. TOOL_DONE,
- * or TOOL_BAD_INPUT after a message "shade TITLE: standard input, line N: …".
+ * Lines of 'u v' or 'u v du1 dv1 du2 dv2' until the end; those of tool_next_line.
+ * TOOL_DONE, or TOOL_BAD_INPUT after a message "shade TITLE: standard input, line N: …".
  */
 int tool_read_points(const char *title, tool_point *answer, void *context);
 

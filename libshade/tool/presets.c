@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "shade/presets.h"
+#include "tool/json.h"
 #include "tool/tool.h"
 
 static void usage(FILE *to) {
@@ -16,13 +17,8 @@ static void usage(FILE *to) {
 }
 
 static void string(const char *key, const char *value) {
-  printf("\"%s\": \"", key);
-  for (; *value; value++) {
-    if (*value == '"' || *value == '\\')
-      putchar('\\');
-    putchar(*value);
-  }
-  putchar('"');
+  printf("\"%s\": ", key);
+  json_print_string(stdout, value);
 }
 
 static void color(const char *key, const double c[3]) {
@@ -77,7 +73,7 @@ static void metal_json(const shade_preset *p) {
   printf("], \"material\": %s", material);
 }
 
-static void json(shade_preset *p) {
+static void print_json(shade_preset *p) {
   putchar('{');
   string("name", p->word);
   printf(", \"kind\": \"%s\", ", p->kind == SHADE_PRESET_FABRIC ? "fabric" : "metal");
@@ -155,7 +151,7 @@ int shade_cmd_presets(int argc, char **argv) {
       return TOOL_BAD_USAGE;
     }
     if (as_json) {
-      json(&p);
+      print_json(&p);
       putchar('\n');
     } else {
       show(&p);
@@ -168,7 +164,7 @@ int shade_cmd_presets(int argc, char **argv) {
     if (as_json) {
       if (row)
         printf(",\n");
-      json(&p);
+      print_json(&p);
     } else {
       printf("%-20s %s: %s\n", p.word, p.label, p.help);
     }

@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L /* getline */
-
 /* shade weave: drafts, what lies on top at a point, and maps of it. */
 #include <ctype.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "shade/weave.h"
 #include "tool/parse.h"
+#include "tool/text.h"
 #include "tool/tool.h"
 #include "tool/work.h"
 
@@ -335,34 +331,14 @@ static void print_draft(const shade_draft *d) {
   }
 }
 
-/* The whole text or nothing: under a temporary name first. */
 static int write_wif(const shade_draft *d, const char *path) {
-  const size_t size = strlen(path) + 64;
-  char *text = shade_wif_text(d), *temporary = malloc(size);
-  int file = -1, status = TOOL_BAD_INPUT;
-  if (!text || !temporary)
-    errno = ENOMEM;
-  for (int attempt = 0; text && temporary && file < 0 && attempt < 100; attempt++) {
-    snprintf(temporary, size, "%s.%ld-%d.tmp", path, (long)getpid(), attempt);
-    file = open(temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file < 0 && errno != EEXIST)
-      break;
+  char *text = shade_wif_text(d);
+  if (!text) {
+    fputs("shade weave: out of memory\n", stderr);
+    return TOOL_BAD_INPUT;
   }
-  FILE *stream = file < 0 ? NULL : fdopen(file, "w");
-  if (stream) {
-    int good = fputs(text, stream) >= 0;
-    good = !fclose(stream) && good;
-    if (good && !rename(temporary, path))
-      status = TOOL_DONE;
-  } else if (file >= 0)
-    close(file);
-  if (status) {
-    fprintf(stderr, "shade weave: %s: cannot write: %s\n", path, strerror(errno));
-    if (file >= 0)
-      unlink(temporary);
-  }
+  const int status = tool_save_text("weave", path, text, strlen(text));
   free(text);
-  free(temporary);
   return status;
 }
 
@@ -381,32 +357,11 @@ static void print_answer(const shade_weave *w, int single, double u, double v) {
 }
 
 static int answer_lines(const shade_weave *w, int single) {
-  char *line = NULL;
-  size_t capacity = 0;
-  ssize_t length;
-  int status = TOOL_DONE;
-  for (long number = 1; (length = getline(&line, &capacity, stdin)) >= 0; number++) {
-    const char *text = line;
-    while (isspace((unsigned char)*text))
-      text++;
-    if ((!*text && strlen(line) == (size_t)length) || *text == '#')
-      continue;
-    double at[2];
-    const char *wrong = tool_parse_line(line, (size_t)length, 2, at);
-    if (wrong) {
-      fflush(stdout);
-      fprintf(stderr, "shade weave: standard input, line %ld: %s; expected u v\n", number, wrong);
-      status = TOOL_BAD_INPUT;
-      break;
-    }
+  tool_lines in = {.title = "weave", .form = "u v"};
+  double at[2];
+  while (tool_next_line(&in, 2, 0, at) > 0)
     print_answer(w, single, at[0], at[1]);
-  }
-  free(line);
-  if (ferror(stdin)) {
-    fprintf(stderr, "shade weave: standard input: %s\n", strerror(errno));
-    status = TOOL_BAD_INPUT;
-  }
-  return status;
+  return tool_end_lines(&in);
 }
 
 /* ---- maps --------------------------------------------------------------------------- */

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _POSIX_C_SOURCE 200809L /* getline */
+#include "tool/text.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tool/parse.h"
+#include "tool/tool.h"
+
+void tool_bad_line(tool_lines *in, const char *wrong) {
+  fflush(stdout);
+  fprintf(stderr, "shade %s: standard input, line %ld: %s; expected %s\n", in->title, in->number,
+          wrong, in->form);
+  in->status = TOOL_BAD_INPUT;
+}
+
+int tool_next_line(tool_lines *in, int count, int other, double *numbers) {
+  ssize_t length;
+  while (!in->status && (length = getline(&in->line, &in->capacity, stdin)) >= 0) {
+    in->number++;
+    const char *text = in->line;
+    while (isspace((unsigned char)*text))
+      text++;
+    if ((!*text && strlen(in->line) == (size_t)length) || *text == '#')
+      continue;
+    const char *wrong = tool_parse_line(in->line, (size_t)length, count, numbers);
+    if (!wrong)
+      return count;
+    if (other) {
+      wrong = tool_parse_line(in->line, (size_t)length, other, numbers);
+      if (!wrong)
+        return other;
+    }
+    tool_bad_line(in, wrong);
+  }
+  return 0;
+}
+
+int tool_end_lines(tool_lines *in) {
+  if (ferror(stdin)) {
+    fprintf(stderr, "shade %s: standard input: %s\n", in->title, strerror(errno));
+    in->status = TOOL_BAD_INPUT;
+  }
+  free(in->line);
+  in->line = NULL;
+  return in->status;
+}
+
+static int put(int file, const char *text, size_t length) {
+  FILE *stream = fdopen(file, "w");
+  if (!stream) {
+    close(file);
+    return 0;
+  }
+  const int whole = fwrite(text, 1, length, stream) == length;
+  return !fclose(stream) && whole;
+}
+
+/* To be written to as it is: to rename over a device would put a file in its place. */
+static int is_device(const char *path) {
+  struct stat found;
+  return stat(path, &found) == 0 && !S_ISREG(found.st_mode);
+}
+
+int tool_save_text(const char *title, const char *path, const char *text, size_t length) {
+  const size_t size = strlen(path) + 64;
+  const int device = is_device(path);
+  char *name = malloc(size);
+  int file = -1, good = 0;
+  if (!name)
+    errno = ENOMEM;
+  else if (device)
+    file = open(strcpy(name, path), O_WRONLY | O_CLOEXEC);
+  for (int attempt = 0; name && !device && file < 0 && attempt < 100; attempt++) {
+    snprintf(name, size, "%s.%ld-%d.tmp", path, (long)getpid(), attempt);
+    file = open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (file < 0 && errno != EEXIST)
+      break;
+  }
+  if (file >= 0) {
+    good = put(file, text ? text : "", text ? length : 0);
+    good = good && (device || !text || !rename(name, path));
+  }
+  if (!good)
+    fprintf(stderr, "shade %s: %s: cannot write: %s\n", title, path, strerror(errno));
+  if (file >= 0 && !device && (!good || !text))
+    unlink(name);
+  free(name);
+  return good ? TOOL_DONE : TOOL_BAD_INPUT;
+}
