@@ -343,3 +343,21 @@ LEAF real FN(lobe_share)(real s, real grazing, real d, real cosine) {
   real share = specular / FN(maximum)(specular + d, R(1e-20));
   return FN(minimum)(FN(maximum)(share, R(0.1)), R(0.9));
 }
+
+/*
+ * For facets and upright mirrors: share of the bumped facet's draws that go on to the mirror
+ * before they leave. That facet's light w goes past the mirror by nz w.z : side, and the mirror
+ * lets out no more than nz w.z of its own: so the split is that of the mirror image of wo,
+ * which a narrow lobe surrounds, but not below the one that bounds f cos / pdf by 1 + cot(tilt)
+ * times the lobe's own. A share that followed w would need a third uniform number.
+ */
+LEAF real FN(share_bounced)(real nx, real ny, real nz, real wox, real woy, real woz) {
+  real side2 = nx * nx + ny * ny, along = nx * wox + ny * woy;
+  real twice = 2 * (along + nz * woz);
+  real side = FN(maximum)(twice * side2 - along, 0);
+  real past = nz * FN(maximum)(twice * nz - woz, 0);
+  real least = FN(minimum)(side, past);
+  real here = least / (past + least + TINY);
+  real slope = FN(root)(side2);
+  return FN(maximum)(here, R(0.5) * slope / (slope + nz));
+}

@@ -10,6 +10,9 @@
  * times the warp's Jacobian. For `perturb`, whose lobe has no closed integral, three rigid
  * lobes about n: the anisotropic one, the round one of n's own azimuth, the round widest
  * one, which bounds f cos / pdf.
+ *
+ * Facets with upright mirrors (SHADE_HORIZON_SCHUESSLER) draw by path: the eye sees the bumped
+ * facet, or that facet in the mirror; from the bumped facet some light goes on to the mirror.
  */
 
 /*
@@ -206,6 +209,46 @@ static void FN(bend_block)(const shade_bsdf *b, size_t size, const real *v[3][3]
     v[0][c] = bent[c];
 }
 
+/* How likely the paths of two facets are, from the one that ends in wi to those mirrored. */
+static void FN(pass_paths)(size_t count, const real *restrict nx, const real *restrict ny,
+                           const real *restrict nz, const real *restrict wix,
+                           const real *restrict wiy, const real *restrict wox,
+                           const real *restrict woy, const real *restrict woz, real *restrict plain,
+                           real *restrict light, real *restrict eye) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real bounced = FN(share_bounced)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
+    real bumped = FN(share_bumped)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
+    real side = nx[i] * wix[i] + ny[i] * wiy[i];
+    plain[i] = bumped * (side > 0 ? 1 - bounced : 1);
+    light[i] = bumped * (side < 0 ? bounced : 0);
+    eye[i] = FN(share_upright)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
+  }
+}
+
+/* density_block for any horizon. */
+static unsigned FN(density_of_paths)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+                                     FN(draw_room) * m, real *restrict pdf) {
+  unsigned status = FN(density_block)(b, size, v, m, pdf);
+  if (b->horizon != SHADE_HORIZON_SCHUESSLER)
+    return status;
+  real x[BLOCK], y[BLOCK], one[BLOCK], plain[BLOCK], mirrored[2][BLOCK];
+  FN(pass_paths)
+  (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[2][0], v[2][1], v[2][2], plain, mirrored[0],
+   mirrored[1]);
+  FN(pass_multiply)(size, plain, pdf);
+  for (int w = 0; w < 2; w++) {
+    const real *to[3][3];
+    memcpy(to, v, sizeof to);
+    FN(pass_mirror)(size, v[0][0], v[0][1], v[w + 1][0], v[w + 1][1], x, y);
+    to[w + 1][0] = x;
+    to[w + 1][1] = y;
+    FN(density_block)(b, size, to, m, one);
+    FN(pass_add_product)(size, mirrored[w], one, pdf);
+  }
+  return status;
+}
+
 static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
                                      real *out) {
   FN(mended) room;
@@ -219,7 +262,7 @@ static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count, const FN
                            {in->wox + start, in->woy + start, in->woz + start}};
     unsigned block = FN(mend_block)(size, 3, v, &room);
     FN(bend_block)(b, size, v, bent);
-    status |= block | FN(density_block)(b, size, v, &draw, out + start);
+    status |= block | FN(density_of_paths)(b, size, v, &draw, out + start);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
@@ -513,12 +556,54 @@ static void FN(pass_settle)(size_t count, real *restrict wx, real *restrict wy, 
   }
 }
 
+/*
+ * Which path each lane takes, and u for what follows: bounce where light of the bumped facet
+ * goes on to the mirror; x and y of the eye, mirrored where it sees that facet in the mirror.
+ */
+static void FN(pass_choose_path)(size_t count, const real *restrict nx, const real *restrict ny,
+                                 const real *restrict nz, const real *restrict wox,
+                                 const real *restrict woy, const real *restrict woz,
+                                 real *restrict u, real *restrict x, real *restrict y,
+                                 real *restrict bounce) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real share = FN(share_bumped)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
+    real left = 1 - FN(share_bounced)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
+    int bumped = u[i] < share;
+    real v = FN(remapped)(u[i], share, bumped);
+    int plain = v < left;
+    real again = FN(remapped)(v, left, plain);
+    u[i] = bumped ? again : v;
+    bounce[i] = (bumped & !plain) ? R(1.0) : R(0.0);
+    real step = bumped ? 0 : FN(mirror_step)(nx[i], ny[i], wox[i], woy[i]);
+    x[i] = wox[i] - step * nx[i];
+    y[i] = woy[i] - step * ny[i];
+  }
+}
+
+/* Light that left the bumped facet, on to the mirror; what never left it is lost. */
+static void FN(pass_bounce)(size_t count, const real *restrict nx, const real *restrict ny,
+                            const real *restrict nz, const real *restrict bounce, real *restrict wx,
+                            real *restrict wy, const real *restrict wz, real *restrict lost) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real side = nx[i] * wx[i] + ny[i] * wy[i];
+    real step = FN(mirror_step)(nx[i], ny[i], wx[i], wy[i]);
+    step = ((bounce[i] > 0) & (side > 0)) ? step : 0;
+    lost[i] = side + nz[i] * wz[i] > 0 ? lost[i] : 1;
+    wx[i] -= step * nx[i];
+    wy[i] -= step * ny[i];
+  }
+}
+
 static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
                                         const FN(shade_sample_lanes) * in,
                                         const FN(shade_sample_result) * out) {
   FN(mended) room;
   FN(draw_room) draw;
   real u1[BLOCK], u2[BLOCK], share[BLOCK], matt[BLOCK], lost[BLOCK], bent[3][BLOCK];
+  real seen[2][BLOCK], bounce[BLOCK];
+  const int facets = b->horizon == SHADE_HORIZON_SCHUESSLER;
   unsigned status = SHADE_OK;
   for (size_t start = 0; start < count; start += BLOCK) {
     size_t size = count - start < BLOCK ? count - start : BLOCK;
@@ -530,6 +615,13 @@ static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
     v[2][0] = v[1][0], v[2][1] = v[1][1], v[2][2] = v[1][2];
     const real *const n[3] = {v[0][0], v[0][1], v[0][2]}; /* f bends it for itself */
     FN(bend_block)(b, size, v, bent);
+    const real *const eye[3] = {v[2][0], v[2][1], v[2][2]};
+    if (facets) {
+      FN(pass_choose_path)
+      (size, n[0], n[1], n[2], eye[0], eye[1], eye[2], u1, seen[0], seen[1], bounce);
+      v[2][0] = v[1][0] = seen[0];
+      v[2][1] = v[1][1] = seen[1];
+    }
     real *hx = draw.h[0], *hy = draw.h[1], *hz = draw.h[2];
 
     real *coso = draw.coso;
@@ -585,11 +677,16 @@ static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
     memcpy(wi[1], hy, size * sizeof *hy);
     memcpy(wi[2], hz, size * sizeof *hz);
     FN(pass_settle)(size, wi[0], wi[1], wi[2], lost);
+    if (facets) {
+      FN(pass_bounce)(size, n[0], n[1], n[2], bounce, wi[0], wi[1], wi[2], lost);
+      v[2][0] = eye[0];
+      v[2][1] = eye[1];
+    }
 
     /* what these directions are worth, as for any others */
     v[1][0] = wi[0], v[1][1] = wi[1], v[1][2] = wi[2];
     real *pdf = out->pdf + start;
-    FN(density_block)(b, size, v, &draw, pdf);
+    FN(density_of_paths)(b, size, v, &draw, pdf);
     FN(shade_lanes)
     lanes = {n[0],
              n[1],

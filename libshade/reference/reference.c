@@ -686,17 +686,8 @@ static real lobe_share(const shade_params *p, real coso) {
   return within(specular / (specular + matt), 0.1L, 0.9L);
 }
 
-double shade_ref_pdf(const shade_params *p, const double n_in[3], const double wi_in[3],
-                     const double wo_in[3]) {
-  if (!usable(n_in) || !usable(wi_in) || !usable(wo_in))
-    return 0;
-  vec n = normal(n_in), wi = direction(wi_in), wo = direction(wo_in);
-  vec lobe_n = as_given(p, n_in, n);
-  if (bends(p->horizon) && p->detail != SHADE_DETAIL_NONE) {
-    vec turned = bent(n, wo);
-    lobe_n = turned.z > n.z ? turned : lobe_n;
-    n = turned;
-  }
+/* Density by the rule of `hard`. `lobe_n` is n as the distribution takes it. */
+static real hard_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo) {
   vec pole = p->detail == SHADE_DETAIL_NONE ? (vec){0, 0, 1} : n;
   real cosi = dot(pole, wi), coso = dot(pole, wo);
   if (cosi <= 0 || coso <= 0 || wi.z <= 0 || wo.z <= 0)
@@ -709,5 +700,47 @@ double shade_ref_pdf(const shade_params *p, const double n_in[3], const double w
     real share_of_lobe = lobe_share(p, coso);
     density = share_of_lobe * density + (1 - share_of_lobe) * matt;
   }
-  return (double)density;
+  return density;
+}
+
+/* The three ways that draws of two facets come to wi, each with its probability. */
+static real two_facet_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo) {
+  const facets s = facets_of(n);
+  if (s.area[UPRIGHT] == 0)
+    return hard_density(p, n, lobe_n, wi, wo);
+  const vec t = s.normal[UPRIGHT];
+  /* of the light w that leaves the bumped facet towards the mirror (t.w < 0), what is sent on */
+  real tilt = atan2l(hypotl(n.x, n.y), n.z);
+  real bounced = 0.5L * sinl(tilt) / (sinl(tilt) + cosl(tilt));
+  vec image = mirrored(wo, n);
+  if (dot(t, image) < 0 && image.z > 0) {
+    real past = s.area[UPRIGHT] * fabsl(dot(t, image)) / image.z; /* tan tilt and the slope */
+    real here = past < 1 ? past / (1 + past) : 0.5L;
+    bounced = here > bounced ? here : bounced;
+  }
+  real density = hard_density(p, n, lobe_n, wi, wo) * (dot(t, wi) < 0 ? 1 - bounced : 1);
+  if (dot(t, wi) > 0)
+    density += hard_density(p, n, lobe_n, minus(wi, scale(t, 2 * dot(t, wi))), wo) * bounced;
+  density *= share(&s, BUMPED, wo);
+  if (dot(t, wo) > 0)
+    density += hard_density(p, n, lobe_n, wi, minus(wo, scale(t, 2 * dot(t, wo)))) *
+               share(&s, UPRIGHT, wo);
+  return density;
+}
+
+double shade_ref_pdf(const shade_params *p, const double n_in[3], const double wi_in[3],
+                     const double wo_in[3]) {
+  if (!usable(n_in) || !usable(wi_in) || !usable(wo_in))
+    return 0;
+  vec n = normal(n_in), wi = direction(wi_in), wo = direction(wo_in);
+  vec lobe_n = as_given(p, n_in, n);
+  if (p->detail == SHADE_DETAIL_NONE)
+    return (double)hard_density(p, n, lobe_n, wi, wo);
+  if (bends(p->horizon)) {
+    vec turned = bent(n, wo);
+    lobe_n = turned.z > n.z ? turned : lobe_n;
+    n = turned;
+  }
+  return (double)(p->horizon == SHADE_HORIZON_SCHUESSLER ? two_facet_density(p, n, lobe_n, wi, wo)
+                                                         : hard_density(p, n, lobe_n, wi, wo));
 }

@@ -82,12 +82,41 @@ static void random_directions(uint64_t *seed, double n[3], double a[3], double b
   spherical(1.5 * uniform(seed), 2 * PI * uniform(seed), b);
 }
 
+/* -1: hard's horizons leave no doubt that there is nothing; 1: digits to compare; else 0. */
+static int clear_case(const shade_params *p, const double n[3], const double wi[3],
+                      const double wo[3]) {
+  double cosi = wi[2], coso = wo[2], h[3], m[3], length = 0;
+  if (p->detail != SHADE_DETAIL_NONE) {
+    cosi = fmin(cosi, n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2]);
+    coso = fmin(coso, n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2]);
+  }
+  if (fmin(cosi, coso) < -1e-6)
+    return -1;
+  if (fmin(cosi, coso) < 0.01)
+    return 0;
+  for (int c = 0; c < 3; c++)
+    length += (wi[c] + wo[c]) * (wi[c] + wo[c]);
+  for (int c = 0; c < 3; c++)
+    h[c] = (wi[c] + wo[c]) / sqrt(length);
+  shade_ref_carried(p, n, h, m);
+  return m[2] >= (is_warp(p->detail) ? 0.5 : 0.05);
+}
+
+/* w mirrored at the upright facet; returns how much of it faces that facet. */
+static double upright(const double n[3], const double w[3], double out[3]) {
+  double side = hypot(n[0], n[1]), along = (n[0] * w[0] + n[1] * w[1]) / side;
+  for (int c = 0; c < 2; c++)
+    out[c] = w[c] - 2 * along * n[c] / side;
+  out[2] = w[2];
+  return -along;
+}
+
 /* pdf against the reference, away from horizons, where both lose their digits. */
 static void against_reference(void **state) {
   (void)state;
   uint64_t seed = 5;
-  double worst = 0, worst_warp = 0, worstf = 0;
-  int compared = 0, zeros = 0;
+  double worst = 0, worst_warp = 0, worstf = 0, worst_facets = 0, worst_facetsf = 0;
+  int compared = 0, zeros = 0, by_mirror = 0;
   for (int k = 0; k < 60000 / SLOWED; k++) {
     shade_params p = random_params(&seed, 3);
     shade_bsdf b;
@@ -98,27 +127,26 @@ static void against_reference(void **state) {
     double got = shade_bsdf_pdf(&b, n, wi, wo, &status), want = shade_ref_pdf(&p, n, wi, wo);
     assert_int_equal(status, SHADE_OK);
     shade_ref_normal(&p, n, wo, at);
-    double cosi = wi[2], coso = wo[2], h[3], m[3];
-    if (p.detail != SHADE_DETAIL_NONE) {
-      cosi = fmin(cosi, at[0] * wi[0] + at[1] * wi[1] + at[2] * wi[2]);
-      coso = fmin(coso, at[0] * wo[0] + at[1] * wo[1] + at[2] * wo[2]);
+    const int facets = p.horizon == SHADE_HORIZON_SCHUESSLER && p.detail != SHADE_DETAIL_NONE;
+    int plain = clear_case(&p, at, wi, wo), clear = plain;
+    if (facets) {
+      double ti[3], to[3];
+      double faces_i = upright(n, wi, ti), faces_o = upright(n, wo, to);
+      int light = faces_i < 0 ? -1 : clear_case(&p, n, ti, wo);
+      int eye = faces_o < 0 ? -1 : clear_case(&p, n, wi, to);
+      clear = plain && light && eye && fabs(faces_i) > 1e-6 && fabs(faces_o) > 1e-6;
+      if (clear)
+        clear = plain < 0 && light < 0 && eye < 0 ? -1 : 1;
+      by_mirror += plain < 0 && clear > 0;
     }
-    if (fmin(cosi, coso) < -1e-6) {
+    if (clear < 0) {
       zeros++;
       assert_true(got == 0 && want == 0);
     }
-    if (fmin(cosi, coso) < 0.01)
-      continue;
-    double length = 0;
-    for (int c = 0; c < 3; c++)
-      length += (wi[c] + wo[c]) * (wi[c] + wo[c]);
-    for (int c = 0; c < 3; c++)
-      h[c] = (wi[c] + wo[c]) / sqrt(length);
-    shade_ref_carried(&p, at, h, m);
-    if (want < 1e-9 || m[2] < (is_warp(p.detail) ? 0.5 : 0.05))
+    if (clear <= 0 || want < 1e-9)
       continue;
     compared++;
-    double *tally = is_warp(p.detail) ? &worst_warp : &worst;
+    double *tally = is_warp(p.detail) ? &worst_warp : facets ? &worst_facets : &worst;
     *tally = fmax(*tally, fabs(got / want - 1));
     float fv[9];
     for (int c = 0; c < 3; c++) {
@@ -128,23 +156,89 @@ static void against_reference(void **state) {
     }
     double gotf = (double)shade_bsdf_pdff(&b, fv, fv + 3, fv + 6, NULL);
     want = shade_ref_pdf(&p, n, wi, wo);
-    if (!is_warp(p.detail) && p.horizon == SHADE_HORIZON_HARD)
-      worstf = fmax(worstf, fabs(gotf / want - 1));
+    tally = facets ? &worst_facetsf : &worstf;
+    if (!is_warp(p.detail) && (facets || p.horizon == SHADE_HORIZON_HARD))
+      *tally = fmax(*tally, fabs(gotf / want - 1));
   }
-  print_message("pdf: %d compared, %d below; worst relative error %.1e double, %.1e float, %.1e "
-                "double through warps\n",
-                compared, zeros, worst, worstf, worst_warp);
-  assert_true(compared > 4000 / SLOWED && zeros > 4000 / SLOWED);
+  print_message(
+      "pdf: %d compared, %d below, %d by mirrors alone; worst relative error %.1e double, "
+      "%.1e float, facets %.1e and %.1e, %.1e double through warps\n",
+      compared, zeros, by_mirror, worst, worstf, worst_facets, worst_facetsf, worst_warp);
+  assert_true(compared > 4000 / SLOWED && zeros > 4000 / SLOWED && by_mirror > 200 / SLOWED);
   assert_true(worst <= 2e-12);
+  assert_true(worst_facets <= 2e-12);
   assert_true(worst_warp <= 1e-7); /* the reference differentiates the warp */
   assert_true(worstf <= 4e-5);
+  assert_true(worst_facetsf <= 4e-5);
+}
+
+/* f cos / pdf of many draws; m holds n and wo. */
+typedef struct average {
+  double mean, deviation, largest;
+  long draws;
+} average;
+
+static average from_draws(const shade_isa_table *isa, const shade_bsdf *b, lanes *m,
+                          uint64_t *seed) {
+  average a = {0, 0, 0, 200 * BATCH / SLOWED};
+  double square = 0;
+  for (long done = 0; done < a.draws; done += BATCH) {
+    for (int i = 0; i < BATCH; i++) {
+      m->in[6][i] = uniform(seed);
+      m->in[7][i] = uniform(seed);
+    }
+    draw(isa, b, m, BATCH);
+    for (int i = 0; i < BATCH && done + i < a.draws; i++) {
+      double w = m->out[6][i] > 0 ? m->out[3][i] * m->out[7][i] / m->out[6][i] : 0;
+      a.mean += w;
+      square += w * w;
+      a.largest = fmax(a.largest, w);
+    }
+  }
+  a.mean /= (double)a.draws;
+  a.deviation = sqrt(fmax(square / (double)a.draws - a.mean * a.mean, 0));
+  return a;
+}
+
+/* f cos by midpoints over the hemisphere; *missed counts those where it is not 0 but the pdf is. */
+static double by_midpoints(const shade_isa_table *isa, const shade_bsdf *b, lanes *m,
+                           long *missed) {
+  static double r[BATCH], g[BATCH], bl[BATCH], cosine[BATCH], pdf[BATCH];
+  const int grid = 1024 / SLOWED;
+  double sum = 0;
+  for (int ring = 0; ring < grid; ring++) {
+    double z = (ring + 0.5) / grid, s = sqrt((1 - z) * (1 + z));
+    for (int i = 0; i < grid; i++) {
+      double phi = 2 * PI * (i + 0.5) / grid;
+      m->out[0][i] = s * cos(phi);
+      m->out[1][i] = s * sin(phi);
+      m->out[2][i] = z;
+    }
+    const shade_lanes in = {m->in[0], m->in[1], m->in[2], m->out[0], m->out[1], m->out[2],
+                            m->in[3], m->in[4], m->in[5], NULL,      NULL,      NULL};
+    const shade_result out = {r, g, bl, cosine};
+    isa->bsdf_batch(b, (size_t)grid, &in, &out);
+    isa->pdf_batch(b, (size_t)grid, &in, pdf);
+    for (int i = 0; i < grid; i++) {
+      sum += r[i] * cosine[i];
+      *missed += r[i] * cosine[i] > 1e-9 && !(pdf[i] > 0);
+    }
+  }
+  return sum * 2 * PI / ((double)grid * grid);
+}
+
+static void set_eye(lanes *m, const double n[3], const double wo[3]) {
+  for (int c = 0; c < 3; c++)
+    for (int i = 0; i < BATCH; i++) {
+      m->in[c][i] = n[c];
+      m->in[3 + c][i] = wo[c];
+    }
 }
 
 /* The average of f cos / pdf against f cos by midpoints over the hemisphere. */
 static void albedo(void **state) {
   (void)state;
   static lanes m;
-  enum { GRID = 512 };
   uint64_t seed = 6;
   const shade_isa_table *isa = shade_isa_pick(0);
   print_message("largest f cos / pdf and relative deviation, alpha .2 and .5:\n");
@@ -167,55 +261,74 @@ static void albedo(void **state) {
         double n[3], wo[3];
         spherical(0.6, 0.4, n);
         spherical(0.5, 2.2, wo);
-        for (int c = 0; c < 3; c++)
-          for (int i = 0; i < BATCH; i++) {
-            m.in[c][i] = n[c];
-            m.in[3 + c][i] = wo[c];
-          }
-        double sum = 0, square = 0, largest = 0;
-        const long draws = 200 * BATCH / SLOWED;
-        for (long done = 0; done < draws; done += BATCH) {
-          for (int i = 0; i < BATCH; i++) {
-            m.in[6][i] = uniform(&seed);
-            m.in[7][i] = uniform(&seed);
-          }
-          draw(isa, &b, &m, BATCH);
-          for (int i = 0; i < BATCH && done + i < draws; i++) {
-            double w = m.out[6][i] > 0 ? m.out[3][i] * m.out[7][i] / m.out[6][i] : 0;
-            sum += w;
-            square += w * w;
-            largest = fmax(largest, w);
-          }
-        }
-        double mean = sum / (double)draws;
-        double deviation = sqrt(fmax(square / (double)draws - mean * mean, 0));
-        double want = 0;
-        const int grid = GRID / SLOWED * 2;
-        static double r[BATCH], g[BATCH], bl[BATCH], cosine[BATCH];
-        for (int ring = 0; ring < grid; ring++)
-          for (int first = 0; first < grid; first += BATCH) {
-            int count = grid - first < BATCH ? grid - first : BATCH;
-            double z = (ring + 0.5) / grid, s = sqrt((1 - z) * (1 + z));
-            for (int i = 0; i < count; i++) {
-              double phi = 2 * PI * (first + i + 0.5) / grid;
-              m.out[0][i] = s * cos(phi);
-              m.out[1][i] = s * sin(phi);
-              m.out[2][i] = z;
-            }
-            const shade_lanes in = {m.in[0], m.in[1], m.in[2], m.out[0], m.out[1], m.out[2],
-                                    m.in[3], m.in[4], m.in[5], NULL,     NULL,     NULL};
-            const shade_result out = {r, g, bl, cosine};
-            isa->bsdf_batch(&b, (size_t)count, &in, &out);
-            for (int i = 0; i < count; i++)
-              want += r[i] * cosine[i];
-          }
-        want *= 2 * PI / ((double)grid * grid);
+        set_eye(&m, n, wo);
+        average a = from_draws(isa, &b, &m, &seed);
+        long missed = 0;
+        double want = by_midpoints(isa, &b, &m, &missed);
         print_message("  %-18s %-25s %-18s %6.2f %5.2f\n", shade_list_word(SHADE_LIST_MDF, mdf),
                       shade_list_word(SHADE_LIST_DETAIL, detail),
-                      shade_list_word(SHADE_LIST_BRDF, brdf), largest, deviation / mean);
-        if (fabs(mean - want) > 5 * deviation / sqrt((double)draws) + 1e-3 * SLOWED * want)
+                      shade_list_word(SHADE_LIST_BRDF, brdf), a.largest, a.deviation / a.mean);
+        assert_int_equal(missed, 0);
+        if (fabs(a.mean - want) > 5 * a.deviation / sqrt((double)a.draws) + 1e-3 * SLOWED * want)
           fail_msg("%s %s: %g from draws, %g by quadrature", shade_list_word(SHADE_LIST_MDF, mdf),
-                   shade_list_word(SHADE_LIST_DETAIL, detail), mean, want);
+                   shade_list_word(SHADE_LIST_DETAIL, detail), a.mean, want);
+      }
+}
+
+/*
+ * Facets and upright mirrors: draws find all that f has, the eye above n's horizon and below it,
+ * and f cos / pdf stays within 1 + cot(tilt) (2 at least) of F where visible normals are drawn.
+ * Where n = z the draws are those of `hard` to the last bit.
+ */
+static void facets(void **state) {
+  (void)state;
+  static lanes m, hard;
+  uint64_t seed = 10;
+  const shade_isa_table *isa = shade_isa_pick(0);
+  const double tilts[] = {0, 5, 20, 45, 70, 85}, views[][2] = {{0.5, 1}, {0.9, 2.6}, {1.4, -2.9}};
+  print_message("facets: alpha .2 and .5; tilt, eye; albedo; largest f cos / pdf, deviation\n");
+  for (int mdf = SHADE_MDF_BECKMANN; mdf <= SHADE_MDF_GGX; mdf++)
+    for (int k = 0; k < 6; k++)
+      for (int view = 0; view < 3; view++) {
+        double tilt = tilts[k] * PI / 180, n[3], wo[3];
+        const int matt = view == 1 && mdf == SHADE_MDF_GGX;
+        shade_params p;
+        shade_params_init(&p);
+        shade_params_set_alphas(&p, 0.2, 0.5);
+        p.fresnel = SHADE_FRESNEL_NONE;
+        p.mdf = (shade_mdf)mdf;
+        p.brdf = SHADE_BRDF_MICROFACET;
+        p.detail = k & 1 ? SHADE_DETAIL_GRAM_SCHMIDT : SHADE_DETAIL_ROTATE;
+        for (int c = 0; c < 3; c++) {
+          p.f0[c] = matt ? 0.4 : 1;
+          p.kd[c] = matt ? 0.5 : 0;
+        }
+        p.horizon = SHADE_HORIZON_SCHUESSLER;
+        shade_bsdf b;
+        shade_bsdf_setup(&b, &p);
+        spherical(tilt, 0.7, n);
+        spherical(views[view][0], 0.7 + views[view][1], wo);
+        set_eye(&m, n, wo);
+        average a = from_draws(isa, &b, &m, &seed);
+        if (k == 0) {
+          p.horizon = SHADE_HORIZON_HARD;
+          memcpy(&hard, &m, sizeof hard);
+          shade_bsdf plain;
+          shade_bsdf_setup(&plain, &p);
+          draw(isa, &plain, &hard, BATCH);
+          draw(isa, &b, &m, BATCH);
+          assert_memory_equal(m.out, hard.out, sizeof m.out);
+        }
+        long missed = 0;
+        double want = by_midpoints(isa, &b, &m, &missed);
+        print_message("  %-8s %2.0f %2.0f  %.4f  %6.2f %5.2f\n",
+                      shade_list_word(SHADE_LIST_MDF, mdf), tilts[k], views[view][0] * 180 / PI,
+                      want, a.largest, a.deviation / a.mean);
+        assert_int_equal(missed, 0);
+        assert_true(want > 1e-3);
+        assert_true(matt || k == 0 || a.largest <= fmax(2, 1 + 1 / tan(tilt)) * (1 + 1e-9));
+        if (fabs(a.mean - want) > 5 * a.deviation / sqrt((double)a.draws) + 1e-3 * SLOWED * want)
+          fail_msg("%g from draws, %g by quadrature", a.mean, want);
       }
 }
 
@@ -454,8 +567,11 @@ static void any_input(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(against_reference), cmocka_unit_test(albedo),
-      cmocka_unit_test(narrow_lobes),      cmocka_unit_test(same_everywhere),
+      cmocka_unit_test(against_reference),
+      cmocka_unit_test(albedo),
+      cmocka_unit_test(facets),
+      cmocka_unit_test(narrow_lobes),
+      cmocka_unit_test(same_everywhere),
       cmocka_unit_test(any_input),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,9 +16,9 @@
 #define SANITIZED 1
 #endif
 #ifdef SANITIZED
-enum { DRAWS = 20000, FINE = 8 };
+enum { DRAWS = 20000, FINE = 8, FINER = 8 };
 #else
-enum { DRAWS = 1000000, FINE = 16 };
+enum { DRAWS = 1000000, FINE = 16, FINER = 40 };
 #endif
 
 enum { RINGS = 20, SECTORS = 40, BINS = RINGS * SECTORS, BATCH = 4096 };
@@ -82,24 +82,24 @@ static void fill(lanes *m, int first, const double v[3]) {
 
 /* The integral of the pdf over each bin (cos theta, phi) of the upper hemisphere, by midpoints. */
 static void integrate(const shade_bsdf *b, const double n[3], const double wo[3], lanes *m,
-                      double expected[BINS]) {
+                      int fine, double expected[BINS]) {
   fill(m, 0, n);
   fill(m, 3, wo);
   const shade_lanes in = {m->in[0], m->in[1], m->in[2], m->out[0], m->out[1], m->out[2],
                           m->in[3], m->in[4], m->in[5], NULL,      NULL,      NULL};
-  const double area = 2 * PI / ((double)BINS * FINE * FINE);
+  const double area = 2 * PI / ((double)BINS * fine * fine);
   for (int bin = 0; bin < BINS; bin++) {
-    for (int k = 0; k < FINE * FINE; k++) {
-      double z = (bin / SECTORS + (k / FINE + 0.5) / FINE) / RINGS;
-      double phi = 2 * PI * (bin % SECTORS + (k % FINE + 0.5) / FINE) / SECTORS;
+    for (int k = 0; k < fine * fine; k++) {
+      double z = (bin / SECTORS + (k / fine + 0.5) / fine) / RINGS;
+      double phi = 2 * PI * (bin % SECTORS + (k % fine + 0.5) / fine) / SECTORS;
       double s = sqrt((1 - z) * (1 + z));
       m->out[0][k] = s * cos(phi);
       m->out[1][k] = s * sin(phi);
       m->out[2][k] = z;
     }
-    shade_bsdf_pdf_batch(b, FINE * FINE, &in, m->pdf);
+    shade_bsdf_pdf_batch(b, (size_t)(fine * fine), &in, m->pdf);
     double sum = 0;
-    for (int k = 0; k < FINE * FINE; k++)
+    for (int k = 0; k < fine * fine; k++)
       sum += m->pdf[k];
     expected[bin] = sum * area;
   }
@@ -212,24 +212,30 @@ typedef struct verdict {
   char worst[128];
 } verdict;
 
-static void judge(const shade_bsdf *b, int k, int sign, int single, uint64_t *seed, verdict *v) {
+static void judge_at(const shade_bsdf *b, const double n[3], const double wo[3], int fine,
+                     int single, uint64_t *seed, const char *where, verdict *v) {
   static lanes m;
   static double expected[BINS];
   static long counts[BINS];
-  double n[3], wo[3];
-  normal_of(k, sign, n);
-  eye_of(n, wo);
-  integrate(b, n, wo, &m, expected);
+  integrate(b, n, wo, &m, fine, expected);
   long lost = histogram(b, n, wo, &m, single, seed, counts);
   double p = chi2(expected, counts, lost);
   v->cases++;
   if (p < v->least) {
     v->least = p;
-    snprintf(v->worst, sizeof v->worst, "%s %s %s, normal %d",
+    snprintf(v->worst, sizeof v->worst, "%s %s %s, %s",
              shade_list_word(SHADE_LIST_MDF, (int)b->mdf),
              shade_list_word(SHADE_LIST_BRDF, (int)b->brdf),
-             shade_list_word(SHADE_LIST_DETAIL, (int)b->detail), k);
+             shade_list_word(SHADE_LIST_DETAIL, (int)b->detail), where);
   }
+}
+
+static void judge(const shade_bsdf *b, int k, int sign, int single, uint64_t *seed, verdict *v) {
+  const char *const where[NORMALS] = {"normal 0", "normal 1", "normal 2", "normal 3", "normal 4"};
+  double n[3], wo[3];
+  normal_of(k, sign, n);
+  eye_of(n, wo);
+  judge_at(b, n, wo, FINE, single, seed, where[k], v);
 }
 
 /* All null hypotheses together at the level 1%: 1 - (1 - least)^cases (Sidak). */
@@ -287,10 +293,47 @@ static void chi2_mixtures(void **state) {
   conclude("mixtures", &v);
 }
 
+/*
+ * Facets and upright mirrors, the eye above n's horizon and below it. The azimuths of n put the
+ * step of the pdf, where light begins to face the mirror, on the border of two bins.
+ */
+static void chi2_facets(void **state) {
+  (void)state;
+  const struct {
+    int mdf, brdf, detail, single;
+    double ex, ey, kd;
+  } cases[] = {
+      {SHADE_MDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_ASHIKHMIN_SHIRLEY, SHADE_DETAIL_ROTATE, 0, 40, 6, 0},
+      {SHADE_MDF_GGX, SHADE_BRDF_MICROFACET, SHADE_DETAIL_GRAM_SCHMIDT, 1, 30, 8, 0},
+      {SHADE_MDF_BECKMANN, SHADE_BRDF_MICROFACET, SHADE_DETAIL_SHORTEST_ARC, 0, 6, 60, 0.3},
+      {SHADE_MDF_WARD_HALF, SHADE_BRDF_WARD_BOUNDED, SHADE_DETAIL_PERTURB, 1, 20, 6, 0},
+  };
+  const double tilt[] = {0, 20, 45, 70}, azimuth[] = {0, 36, 144, 234};
+  uint64_t seed = 4;
+  verdict v = {0, 1, ""};
+  for (int c = 0; c < 4; c++)
+    for (int k = 0; k < 4; k++)
+      for (int below = 0; below < 2; below++) {
+        double n[3], wo[3];
+        spherical(tilt[k] * PI / 180, azimuth[k] * PI / 180, n);
+        eye_of(n, wo);
+        if (below)
+          spherical(1.4, azimuth[k] * PI / 180 + 2.8, wo);
+        shade_bsdf b = material(cases[c].mdf, cases[c].brdf, cases[c].detail, cases[c].ex,
+                                cases[c].ey, cases[c].kd, 0);
+        b.horizon = SHADE_HORIZON_SCHUESSLER;
+        char where[40];
+        snprintf(where, sizeof where, "tilt %g, eye %s", tilt[k], below ? "behind" : "in front");
+        judge_at(&b, n, wo, FINER, cases[c].single, &seed, where, &v);
+      }
+  conclude("facets", &v);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(chi2_lobes),
       cmocka_unit_test(chi2_mixtures),
+      cmocka_unit_test(chi2_facets),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -352,8 +352,9 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  * a horizon, where f is 0 (n.wi <= 0 or wi.z <= 0). Then wi, f, pdf and cosine are all 0, the
  * status has SHADE_NO_SAMPLE, and the draw counts in the average, as 0. pdf is 0 outside the
  * horizons, and its integral is 1 less the probability of such draws; nothing is drawn when
- * wo itself is below. pdf is finite, and > 0 for every direction that was drawn. Non-finite
- * directions and NaN in u: SHADE_BAD_INPUT, all 0.
+ * wo itself is below. (For schuessler n's horizon is that of light and eye before the mirror.)
+ * pdf is finite, and > 0 for every direction that was drawn. Non-finite directions and NaN
+ * in u: SHADE_BAD_INPUT, all 0.
  *
  * What is drawn. none, gram_schmidt, rotate, shortest_arc (and perturb, if the lobe is
  * round): with the BRDF microfacet the visible normals of GGX and Beckmann in the carried
@@ -362,8 +363,12 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  * the same from rotate with alpha / L, which is its lobe's shape. The warps: half vectors
  * carried through the warp, with its Jacobian. perturb, when it is not round: a mixture of
  * three lobes about n, the widest of which keeps the weight finite.
- * The horizons that bend n draw about the bent one; schuessler draws as hard does, so that
- * light that f has by way of its mirrors is not found.
+ * The horizons that bend n draw about the bent one. schuessler draws by path: with probability
+ * p(wo)/(p(wo) + q(wo)) as hard does for wo, else as hard does for wo'. Of the former, those that
+ * face the mirror (nx wx + ny wy > 0) leave as w' with probability c. With s the sine of the tilt,
+ * r the mirror image of wo by n, k = nz r.z and m = min(k, max(nx r.x + ny r.y, 0)), c is
+ * m/(m + k) if r.z > 0, and at least s/(2 (s + nz)). All that f has is found, with f cos / pdf
+ * at most max(2, 1 + nz/s) times the largest of hard's draws.
  * With a diffuse part, a share of the draws (0.1 to 0.9 of them, by the reflectances) is the
  * lobe's and the rest is by the cosine about n, for fibres half of it evenly; pdf is that of
  * the mixture.
