@@ -213,11 +213,13 @@ def test_far_and_near_tiles_have_one_colour(tmp_path):
 def test_contact_sheet(tmp_path):
     good("swatch", "--all", "-o", tmp_path / "all.png", "--size", 16, "--across", 9)
     values, spec = pixels(tmp_path / "all.png")
-    assert (spec.width, spec.height) == (18 * 24 + 8, 3 * 24 + 8)
+    assert (spec.width, spec.height) == (18 * 24 + 8, 3 * 35 + 8)
     for row in range(3):
         for column in range(18):
-            tile = values[8 + 24 * row:24 + 24 * row, 8 + 24 * column:24 + 24 * column]
+            tile = values[8 + 35 * row:24 + 35 * row, 8 + 24 * column:24 + 24 * column]
             assert tile.max() > 0.15, (row, column)
+            label = values[28 + 35 * row:35 + 35 * row, 8 + 24 * column:24 + 24 * column]
+            assert label.max() > 0.5, (row, column)  # no name is shorter than a tile of 16
 
 
 def test_interrupt_leaves_nothing(tmp_path):

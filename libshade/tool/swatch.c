@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "shade/presets.h"
+#include "tool/letters.h"
 #include "tool/parse.h"
 #include "tool/tool.h"
 #include "tool/work.h"
@@ -60,6 +61,7 @@ typedef struct material {
 
 typedef struct sheet {
   int size, across, down; /* pixels of a tile, tiles */
+  int labels;             /* names under pairs of tiles */
   double sky;             /* its scale */
   material *materials;
   tile *tiles;
@@ -275,30 +277,53 @@ static void draw_pixel(const sheet *sh, const tile *t, const light *lights, doub
     rgb[c] = (float)sum[c];
 }
 
+/* Rows from one line of tiles to the next. */
+static int line_pitch(const sheet *sh) {
+  return sh->size + MARGIN + (sh->labels ? LETTER_HEIGHT + MARGIN / 2 : 0);
+}
+
+/* One row of a tile, its pixels at `rgb`. */
+static void draw_row(const sheet *sh, const tile *t, int row, float *rgb) {
+  light lights[MOST_LIGHTS];
+  if (sh->materials[t->preset].fabric) {
+    place_key(t->azimuth, CLOTH_KEY, KEY, lights);
+    place_sky(CLOTH_SKY * sh->sky, SKY, lights + KEY);
+  } else {
+    place_key(t->azimuth, METAL_KEY, KEY_POINTS, lights);
+  }
+  for (int x = 0; x < sh->size; x++)
+    draw_pixel(sh, t, lights, 2 * (x + 0.5) / sh->size - 1, 1 - 2 * (row + 0.5) / sh->size,
+               rgb + 3 * (size_t)x);
+}
+
+/* One row of a preset's name below its two tiles; what does not fit is left out. */
+static void draw_label(const sheet *sh, const tile *t, int row, float *rgb) {
+  const char *label = sh->materials[t->preset].preset.label;
+  const int room = 2 * sh->size + MARGIN;
+  for (int x = 0; x < (int)strlen(label) * LETTER_WIDTH && x < room; x++)
+    if (letter_ink(label[x / LETTER_WIDTH], x % LETTER_WIDTH, row))
+      for (int c = 0; c < 3; c++)
+        rgb[3 * (size_t)x + (size_t)c] = 0.5f;
+}
+
 static void fill_rows(void *context, int first, int count, float *const *out) {
   const sheet *sh = context;
-  const int pitch = sh->size + MARGIN, width = sh->across * pitch + MARGIN;
-  for (int row = first; row < first + count; row++)
-    for (int tx = 0; tx <= sh->across; tx++) {
-      const int ty = (row - MARGIN + pitch) / pitch - 1, py = row - MARGIN - ty * pitch;
-      const int inside = tx < sh->across && ty >= 0 && ty < sh->down && py < sh->size;
-      const tile *t = &sh->tiles[inside ? ty * sh->across + tx : 0];
-      light lights[MOST_LIGHTS];
-      if (inside && t->preset >= 0 && sh->materials[t->preset].fabric) {
-        place_key(t->azimuth, CLOTH_KEY, KEY, lights);
-        place_sky(CLOTH_SKY * sh->sky, SKY, lights + KEY);
-      } else if (inside) {
-        place_key(t->azimuth, METAL_KEY, KEY_POINTS, lights);
-      }
-      for (int px = -MARGIN; px < (tx < sh->across ? sh->size : 0); px++) {
-        float *rgb = out[0] + 3 * ((size_t)(row - first) * (size_t)width +
-                                   (size_t)(MARGIN + tx * pitch + px));
-        rgb[0] = rgb[1] = rgb[2] = (float)GROUND;
-        if (inside && px >= 0 && t->preset >= 0)
-          draw_pixel(sh, t, lights, 2 * (px + 0.5) / sh->size - 1, 1 - 2 * (py + 0.5) / sh->size,
-                     rgb);
-      }
+  const int pitch = sh->size + MARGIN, down = line_pitch(sh), width = sh->across * pitch + MARGIN;
+  for (int row = first; row < first + count; row++) {
+    float *line = out[0] + 3 * (size_t)(row - first) * (size_t)width;
+    for (int i = 0; i < 3 * width; i++)
+      line[i] = (float)GROUND;
+    const int ty = (row - MARGIN + down) / down - 1, y = row - MARGIN - ty * down;
+    const int label = y - sh->size - MARGIN / 2;
+    for (int tx = 0; ty >= 0 && ty < sh->down && tx < sh->across; tx++) {
+      const tile *t = &sh->tiles[ty * sh->across + tx];
+      float *rgb = line + 3 * (size_t)(MARGIN + tx * pitch);
+      if (t->preset >= 0 && y < sh->size)
+        draw_row(sh, t, y, rgb);
+      else if (t->preset >= 0 && sh->labels && tx % 2 == 0 && label >= 0)
+        draw_label(sh, t, label, rgb);
     }
+  }
 }
 
 static void usage(FILE *to) {
@@ -307,7 +332,7 @@ static void usage(FILE *to) {
       "       shade swatch --all -o sheet.png|sheet.exr [options]\n\n"
       "A sheet of one preset: flat near, flat far, hung in folds near, the same far; from left\n"
       "to right the light moves from the left to the right of the eye. --all: every preset,\n"
-      "flat near and hung far, in the order of `shade presets`.\n\n"
+      "flat near and hung far, with its name, in the order of `shade presets`.\n\n"
       "  -o FILE          PNG (8 bits, sRGB) or EXR (half float, linear)\n"
       "  --size N         pixels along a tile, 16 to 2048 (default 256; --all 192)\n"
       "  --across N       --all: presets in a row, 1 to 16 (default 5)\n"
@@ -466,7 +491,7 @@ int shade_cmd_swatch(int argc, char **argv) {
     usage(stdout);
   if (status || o.help)
     return status;
-  sheet sh = {.size = o.size ? o.size : o.all ? 192 : 256, .sky = sky_scale()};
+  sheet sh = {.size = o.size ? o.size : o.all ? 192 : 256, .labels = o.all, .sky = sky_scale()};
   sh.materials = find_materials(&o, &count, &status);
   if (!sh.materials)
     return status;
@@ -475,7 +500,7 @@ int shade_cmd_swatch(int argc, char **argv) {
     tool_picture picture = {
         .path = o.path,
         .spec = {.width = sh.across * pitch + MARGIN,
-                 .height = sh.down * pitch + MARGIN,
+                 .height = sh.down * line_pitch(&sh) + MARGIN,
                  .channels = 3,
                  .type = exr ? SHADE_IMAGE_HALF : SHADE_IMAGE_U8,
                  .srgb = 1,
