@@ -260,6 +260,12 @@ def test_help_names_every_choice():
     assert result.returncode == 0
     for word in ("none", "perturb", "gram_schmidt", "rotate", "auto", "--precision", "--f0"):
         assert word in result.stdout
+    # and the one that is taken without the option
+    lines = {line.split()[0]: line for line in result.stdout.splitlines() if "(default" in line}
+    point = [(0.36, 0.48, 0.8, 0.6, 0, 0.8)]
+    for option in ("--mdf", "--detail", "--groove"):
+        word = lines[option].split("(default ")[1].rstrip(")")
+        assert evaluate(point, option, word) == evaluate(point), option
     top = subprocess.run([SHADE, "--help"], capture_output=True, text=True)
     assert top.returncode == 0 and "eval" in top.stdout and "check" in top.stdout
     assert subprocess.run([SHADE], capture_output=True).returncode == 2

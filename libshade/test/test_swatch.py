@@ -168,7 +168,7 @@ def test_info():
     (["swatch", "denim", "-o", "x.png", "--size", "1e3"], "", 2, "16 to 2048"),
     (["swatch", "denim", "-o", "x.png", "--size"], "", 2, "16 to 2048"),
     (["swatch", "denim", "-o", "no/such/folder/x.png"], "", 1, "no/such/folder"),
-    (["swatch", "denim", "-o", "x.gif"], "", 1, "x.gif"),
+    (["swatch", "denim", "-o", "x.gif"], "", 2, "x.gif"),
 ])
 def test_refusals(words, text, code, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

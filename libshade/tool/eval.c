@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* shade eval: one query a line in, one answer a line out. */
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "reference/reference.h"
 #include "shade/shade.h"
+#include "tool/parse.h"
 #include "tool/text.h"
 #include "tool/tool.h"
 
@@ -47,10 +46,30 @@ static void print_words(FILE *to, shade_list list) {
     fprintf(to, "%s%s", row ? " | " : "", word);
 }
 
+/* Where params keep the choice of a list. */
+static int choice(const shade_params *p, shade_list list) {
+  switch (list) {
+  case SHADE_LIST_MDF:
+    return (int)p->mdf;
+  case SHADE_LIST_BRDF:
+    return (int)p->brdf;
+  case SHADE_LIST_DETAIL:
+    return (int)p->detail;
+  case SHADE_LIST_DIFFUSE:
+    return (int)p->diffuse;
+  case SHADE_LIST_HORIZON:
+    return (int)p->horizon;
+  default:
+    return (int)p->groove;
+  }
+}
+
 static void usage(FILE *to) {
+  shade_params initial;
+  shade_params_init(&initial);
   fputs(
       "usage: shade eval [options] < queries\n\n"
-      "  --what D|f|diffuse|pdf|sample\n"
+      "  --what D|f|diffuse|pdf|sample   (default D)\n"
       "                           D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
       "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n"
       "                           diffuse: lines of lx ly lz (and vx vy vz, for the models from\n"
@@ -65,10 +84,14 @@ static void usage(FILE *to) {
       continue;
     fprintf(to, "  --%-8s ", shade_list_name((shade_list)list));
     print_words(to, (shade_list)list);
-    fputs("\n", to);
+    fprintf(to, "   (default %s)\n",
+            shade_list_word((shade_list)list, choice(&initial, (shade_list)list)));
   }
-  fputs("  --ex E --ey E            exponents along and across the tangent, 0 to 1e6\n"
-        "  --ax A --ay A            or roughness alphas, 1e-4 to 10\n"
+  fprintf(to,
+          "  --ex E --ey E            exponents along and across the tangent, 0 to 1e6\n"
+          "                           (default %g, %g)\n",
+          initial.ex, initial.ey);
+  fputs("  --ax A --ay A            or roughness alphas, 1e-4 to 10\n"
         "  --f0 F                   reflectance at normal incidence (Schlick); Fresnel is 1 "
         "without it\n"
         "  --f82 T                  with --f0: share of Schlick's value left at 82 degrees\n"
@@ -91,13 +114,6 @@ static int find_word(const char *const *words, const char *word) {
     if (!strcmp(words[i], word))
       return i;
   return -1;
-}
-
-/* A finite number that is the whole of `text`. */
-static int read_number(const char *text, double *value) {
-  char *end;
-  *value = strtod(text, &end);
-  return end != text && !*end && isfinite(*value);
 }
 
 static int set_choice(query *q, shade_list list, const char *word) {
@@ -167,7 +183,7 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       if (strcmp(option, numbers[k].name))
         continue;
       done = 1;
-      if (!read_number(value, numbers[k].target))
+      if (!tool_parse_number(value, numbers[k].target))
         return bad_usage(option, value, "a number");
       *numbers[k].given |= 1 << (numbers[k].name[3] == 'y' || numbers[k].name[2] == 'k');
     }

@@ -401,6 +401,10 @@ static int read_options(int argc, char **argv, options *o) {
     usage(stderr);
     return TOOL_BAD_USAGE;
   }
+  if (shade_image_format_of(o->path) == SHADE_IMAGE_UNKNOWN) {
+    fprintf(stderr, "shade swatch: -o '%s': expected a name that ends in .exr or .png\n", o->path);
+    return TOOL_BAD_USAGE;
+  }
   return TOOL_DONE;
 }
 
@@ -423,10 +427,19 @@ static int set_material(material *all, int i) {
   return m->fabric != NULL;
 }
 
+static void free_materials(material *m, int count) {
+  for (int i = 0; m && i < count; i++) {
+    shade_fabric_free(m[i].fabric);
+    shade_weave_free(m[i].weave);
+    if (!m[i].shared)
+      shade_scratch_free(m[i].scratches);
+  }
+  free(m);
+}
+
 /* The presets asked for; NULL after a message, exit status in *status. */
 static material *find_materials(const options *o, int *count, int *status) {
   shade_preset p;
-  *count = 1;
   *status = TOOL_BAD_INPUT;
   for (*count = 0; shade_preset_row(*count, &p); ++*count)
     ;
@@ -446,19 +459,12 @@ static material *find_materials(const options *o, int *count, int *status) {
       shade_preset_row(i, &m[i].preset);
     ok = set_material(m, i);
   }
-  if (!ok)
+  if (!ok) {
     fputs("shade swatch: out of memory\n", stderr);
-  return m;
-}
-
-static void free_materials(material *m, int count) {
-  for (int i = 0; m && i < count; i++) {
-    shade_fabric_free(m[i].fabric);
-    shade_weave_free(m[i].weave);
-    if (!m[i].shared)
-      shade_scratch_free(m[i].scratches);
+    free_materials(m, *count);
+    return NULL;
   }
-  free(m);
+  return m;
 }
 
 static int lay_out(sheet *sh, const options *o, int count) {
