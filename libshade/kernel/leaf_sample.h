@@ -245,8 +245,8 @@ LEAF FN(stretched) FN(stretch_eye)(real ax, real ay, FN(triple) o) {
   real x = ax * o.x, y = ay * o.y;
   real lean = FN(root)(x * x + y * y);
   int upright = !(lean > R(1e-15));
-  real inverse = 1 / FN(maximum)(lean, R(1e-15));
-  real scale = 1 / FN(root)(FN(maximum)(lean * lean + o.z * o.z, TINY));
+  real inverse = 1 / (lean + TINY);
+  real scale = 1 / FN(root)(lean * lean + o.z * o.z + TINY);
   FN(stretched)
   e = {upright ? 1 : x * inverse, upright ? 0 : y * inverse, o.z * scale, lean * scale};
   return e;

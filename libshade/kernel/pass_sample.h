@@ -195,6 +195,10 @@ static unsigned FN(density_block)(const shade_bsdf *b, size_t size, const real *
   }
   for (size_t i = 0; i < size; i++)
     pdf[i] = m->coso[i] > 0 ? pdf[i] : 0;
+  if (status)
+    for (size_t i = 0; i < size; i++)
+      if (FN(opposite)(v[1][0][i], v[1][1][i], v[1][2][i], v[2][0][i], v[2][1][i], v[2][2][i]))
+        pdf[i] = 0;
   return status;
 }
 
@@ -548,7 +552,7 @@ static void FN(pass_settle)(size_t count, real *restrict wx, real *restrict wy, 
   for (size_t i = 0; i < count; i++) {
     real size2 = wx[i] * wx[i] + wy[i] * wy[i] + wz[i] * wz[i];
     int keep = (lost[i] == 0) & (wz[i] > 0) & (size2 > R(0.25));
-    real scale = 1 / FN(root)(FN(maximum)(size2, R(0.25)));
+    real scale = 1 / FN(root)(size2 + TINY);
     wx[i] = keep ? wx[i] * scale : 0;
     wy[i] = keep ? wy[i] * scale : 0;
     wz[i] = keep ? wz[i] * scale : 1;

@@ -387,7 +387,7 @@ static void distributions_and_brdfs(void **state) {
           path p = choose(&seed, (event)e);
           for (int k = turn % NARROWER; k < WIDTHS; k += NARROWER) {
             fill(&w, &p, widths[k]);
-            for (int form = 0; form < FORMS; form++) {
+            for (form form = DOUBLE; form < FORMS; form++) {
               int lobe = turn % LOBES, single = (turn + k) % 8 == 0;
               shade_bsdf b = made(mdf, detail, 0, 0, lobe);
               b.fast &= form == FAST;
@@ -424,7 +424,7 @@ static void diffuse_models(void **state) {
         for (int model = 0; model < SHADE_DIFFUSE_COUNT; model++)
           for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++)
             for (int d = 0; d < 3; d++)
-              for (int form = 0; form < FAST; form++) {
+              for (form form = DOUBLE; form < FAST; form++) {
                 shade_params params;
                 shade_params_init(&params);
                 params.detail = details[d];
@@ -437,15 +437,15 @@ static void diffuse_models(void **state) {
                 shade_bsdf b;
                 assert_int_equal(shade_bsdf_setup(&b, &params), SHADE_OK);
                 b.peak = 0; /* nothing of D here: the largest value is Phi's */
-                shade(&b, &w, (enum form)form, (draw + k) % 8 == 0, value);
-                judge(&b, &p, widths[k], (enum form)form, 1, value);
+                shade(&b, &w, form, (draw + k) % 8 == 0, value);
+                judge(&b, &p, widths[k], form, 1, value);
               }
       }
     }
 }
 
 /* Phi, of either precision, in the fibre's frame. */
-static double phi_of(int model, const double l[3], const double v[3], int form) {
+static double phi_of(int model, const double l[3], const double v[3], form form) {
   const float lf[3] = {(float)l[0], (float)l[1], (float)l[2]};
   const float vf[3] = {(float)v[0], (float)v[1], (float)v[2]};
   return form == DOUBLE ? shade_diffuse_eval((shade_diffuse)model, l, v)
@@ -468,7 +468,7 @@ static void phi_paths(void **state) {
       within(&seed, 0.1, 1.2, v);
       for (int model = 0; model < SHADE_DIFFUSE_COUNT; model++)
         for (int k = 0; k < WIDTHS; k++)
-          for (int form = 0; form < FAST; form++) {
+          for (form form = DOUBLE; form < FAST; form++) {
             for (int i = 0; i < POINTS; i++) {
               double s = widths[k] * (2 * i - STEPS) / STEPS;
               double l[3] = {a[0], a[1], a[2]}, eye[3] = {v[0], v[1], v[2]};
@@ -600,7 +600,7 @@ static void jump_where_transport_ends(void **state) {
 static void jumps_of_fibres(void **state) {
   (void)state;
   const double tiny = 1e-9, n[3] = {0, 0, 1}, l[3] = {0.6, 0.8, tiny};
-  for (int form = 0; form < FAST; form++) {
+  for (form form = DOUBLE; form < FAST; form++) {
     assert_near(phi_of(SHADE_DIFFUSE_MAX_NORMAL, l, n, form), 0.8, 1e-6);
     assert_near(phi_of(SHADE_DIFFUSE_FIBRE, l, n, form), 0.8 / PI, 1e-6);
     assert_near(phi_of(SHADE_DIFFUSE_FIBRE_VIEW, l, n, form), 0.2, 1e-6);

@@ -27,19 +27,39 @@
 #define CAN_TRAP 0
 #endif
 
-enum { LANES = 300, DIRECTIONS = 9, INPUTS = 12, OUTPUTS = 4, ISAS = 4 };
+enum { LANES = 300, DIRECTIONS = 9, INPUTS = 14, OUTPUTS = 8, ISAS = 4 };
 enum { EXCEPTIONS = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW };
 
 /* The entries: what is asked for, one sample a call or all at once, in which precision. */
-typedef enum what { D_ONE, D_BATCH, F_ONE, F_BATCH, PHI, WHATS } what;
+typedef enum what {
+  D_ONE,
+  D_BATCH,
+  F_ONE,
+  F_BATCH,
+  PDF_ONE,
+  PDF_BATCH,
+  DRAW_ONE,
+  DRAW_BATCH,
+  PHI,
+  WHATS
+} what;
 typedef enum form { DOUBLE, FLOAT, FAST, FORMS } form;
-static const char *const what_names[WHATS] = {"D", "D batch", "f", "f batch", "diffuse"};
+static const char *const what_names[WHATS] = {
+    "D", "D batch", "f", "f batch", "pdf", "pdf batch", "sample", "sample batch", "diffuse"};
+
+static int is_batch(what q) {
+  return q == D_BATCH || q == F_BATCH || q == PDF_BATCH || q == DRAW_BATCH;
+}
+
+static int is_draw(what q) {
+  return q == DRAW_ONE || q == DRAW_BATCH;
+}
 static const char *const form_names[FORMS] = {"double", "float", "fast"};
 
 /* What was seen of one entry of one instruction set. */
 typedef struct finding {
   uint64_t values, not_finite, negative, too_large, wrong_status, raised;
-  double largest; /* D / peak, f / peak, Phi */
+  double largest; /* D / peak, f / peak, pdf, Phi */
 } finding;
 
 static uint64_t failures(const finding *f) {
@@ -58,7 +78,7 @@ typedef struct worker {
   size_t volatile lane; /* where a trap found the single calls */
   double v[LANES][DIRECTIONS], in[INPUTS][LANES], out[OUTPUTS][LANES];
   float vf[LANES][DIRECTIONS], inf[INPUTS][LANES], outf[OUTPUTS][LANES];
-  unsigned status[LANES], batch_status, unsure; /* unsure: bits that roundings decide */
+  unsigned status[LANES];
   finding found[ISAS][WHATS][FORMS];
   uint64_t cases;
 } worker;
@@ -305,6 +325,7 @@ static void fill(worker *w) {
   for (size_t i = 0; i < w->count; i++) {
     directions(w, w->v[i]);
     for (int c = 0; c < INPUTS; c++) {
+      /* v, f0, u */
       double x = c < DIRECTIONS ? w->v[i][c] : chance(w, .2) ? PICK(w, beyond) : share(w);
       if (c >= DIRECTIONS && !w->finite && chance(w, .1))
         x = chance(w, .5) ? NAN : INFINITY;
@@ -327,24 +348,29 @@ static void tell(worker *w, const shade_isa_table *isa, const char *entry, const
     fprintf(stderr, "%s, %s, %s: %s (--seed %llu --block %llu, lane %zu)\n  %s\n ", entry,
             precision, isa ? isa->name : "", wrong, (unsigned long long)run.seed,
             (unsigned long long)w->block, i, json);
-    for (int c = 0; c < DIRECTIONS && i < w->count; c++)
-      fprintf(stderr, " %.17g", w->v[i][c]);
+    for (int c = 0; c < INPUTS && i < w->count; c++)
+      fprintf(stderr, " %.17g", w->in[c][i]);
     fputs("\n", stderr);
   }
   pthread_mutex_unlock(&run.lock);
 }
 
 typedef struct answer {
-  double value[3], cosine;
+  double value[3], cosine, pdf, wi[3];
 } answer;
 
 static answer answer_of(const worker *w, what q, form p, size_t i) {
-  answer a = {{0, 0, 0}, 0};
-  int colours = q == F_ONE || q == F_BATCH;
-  for (int c = 0; c < (colours ? 3 : 1); c++)
-    a.value[c] = p == DOUBLE ? w->out[c][i] : (double)w->outf[c][i];
-  if (colours)
-    a.cosine = p == DOUBLE ? w->out[3][i] : (double)w->outf[3][i];
+  answer a = {{0, 0, 0}, 0, 0, {0, 0, 0}};
+  double out[OUTPUTS];
+  int colours = q == F_ONE || q == F_BATCH || is_draw(q);
+  for (int k = 0; k < OUTPUTS; k++)
+    out[k] = p == DOUBLE ? w->out[k][i] : (double)w->outf[k][i];
+  for (int c = 0; c < 3; c++) {
+    a.value[c] = !c || colours ? out[c] : 0;
+    a.wi[c] = is_draw(q) ? out[5 + c] : 0;
+  }
+  a.cosine = colours ? out[3] : 0;
+  a.pdf = is_draw(q) ? out[4] : 0;
   return a;
 }
 
@@ -358,14 +384,16 @@ static int is_direction(const double *v, const float *vf, form p) {
   return finite && !zero;
 }
 
-/* The status bits that lane i must have for D; bad lanes must also be 0. */
+/* The status bits that lane i must have, but for the luck of a draw; bad lanes are also 0. */
 static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
   unsigned status = SHADE_OK;
   double nz = p == DOUBLE ? w->v[i][2] : (double)w->vf[i][2];
-  int last = q == F_ONE || q == F_BATCH ? DIRECTIONS : 6;
-  for (int k = 0; k < last; k += 3)
+  int last = q == D_ONE || q == D_BATCH ? 3 : 6;
+  for (int k = 0; k <= last; k += is_draw(q) ? 6 : 3)
     if (!is_direction(w->v[i] + k, w->vf[i] + k, p))
       status |= SHADE_BAD_INPUT;
+  if (is_draw(q) && (isnan(w->in[12][i]) || isnan(w->in[13][i])))
+    status |= SHADE_BAD_INPUT;
   /* a normal that is no direction counts as z */
   if (is_direction(w->v[i], w->vf[i], p) && !(nz > 0))
     status |= SHADE_CLAMPED_NORMAL;
@@ -393,10 +421,38 @@ static int nearly_below(const worker *w, form p, size_t i) {
   return n[2] > 0 && n[2] < 8 * least * sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
+/* What is wrong with a draw, NULL if nothing is. */
+static const char *wrong_draw(const answer *a, unsigned want, double slack) {
+  double length2 = 0;
+  int all_finite = isfinite(a->pdf);
+  for (int c = 0; c < 3; c++) {
+    length2 += a->wi[c] * a->wi[c];
+    all_finite &= isfinite(a->wi[c]);
+  }
+  if (!all_finite)
+    return "wi or pdf not finite";
+  if (a->pdf < 0)
+    return "pdf negative";
+  if (a->pdf == 0)
+    return length2 + a->cosine + a->value[0] + a->value[1] + a->value[2] == 0
+               ? NULL
+               : "no sample, and not 0";
+  if (want & SHADE_BAD_INPUT)
+    return "a sample from bad input";
+  return fabs(length2 - 1) <= 2 * slack && a->wi[2] > 0 ? NULL : "wi not unit, or below";
+}
+
+/* What is wrong with a pdf: it must be 0 where light or eye are below the surface. */
+static const char *wrong_pdf(const worker *w, form p, size_t i, double pdf) {
+  double wiz = p == DOUBLE ? w->v[i][5] : (double)w->vf[i][5];
+  double woz = p == DOUBLE ? w->v[i][8] : (double)w->vf[i][8];
+  return (wiz <= 0 || woz <= 0) && pdf != 0 ? "pdf below the surface" : NULL;
+}
+
 static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form p) {
   finding *found = &w->found[row][q][p];
   const double slack = p == DOUBLE ? 1.2e-14 : 2.4e-6; /* as libshade takes vectors for unit */
-  unsigned all = SHADE_OK;
+  unsigned all = SHADE_OK, unsure = 0;                 /* unsure: bits that roundings decide */
   for (size_t i = 0; i < w->count; i++) {
     answer a = answer_of(w, q, p, i);
     const char *wrong = NULL;
@@ -408,7 +464,7 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
         wrong = "negative", found->negative++;
       else if ((want & SHADE_BAD_INPUT) && q != PHI && a.value[c] != 0)
         wrong = "not 0 for bad input", found->wrong_status++;
-      double scale = q == PHI ? 1 : w->bsdf[p].peak;
+      double scale = q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : w->bsdf[p].peak;
       if (a.value[c] / scale > found->largest)
         found->largest = a.value[c] / scale;
     }
@@ -416,25 +472,31 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
       wrong = "cosine out of [0, 1]", found->too_large++;
     if (q == PHI && a.value[0] > PI / 2 + slack)
       wrong = "Phi above pi/2", found->too_large++;
-    if (q == D_ONE || q == F_ONE) {
-      unsigned unsure =
-          q == F_ONE && !(want & SHADE_BAD_INPUT) && nearly_opposite(w, p, i) ? SHADE_BAD_INPUT : 0;
-      if (nearly_below(w, p, i))
-        unsure |= SHADE_CLAMPED_NORMAL;
-      if ((w->status[i] ^ want) & ~unsure)
+    const char *other = is_draw(q)                       ? wrong_draw(&a, want, slack)
+                        : q == PDF_ONE || q == PDF_BATCH ? wrong_pdf(w, p, i, a.value[0])
+                                                         : NULL;
+    if (other)
+      wrong = other, found->not_finite++;
+    unsigned luck = is_draw(q) && a.pdf == 0 ? SHADE_NO_SAMPLE : 0;
+    int pair = q == F_ONE || q == F_BATCH || q == PDF_ONE || q == PDF_BATCH;
+    unsigned open =
+        pair && !(want & SHADE_BAD_INPUT) && nearly_opposite(w, p, i) ? SHADE_BAD_INPUT : 0;
+    if (nearly_below(w, p, i))
+      open |= SHADE_CLAMPED_NORMAL;
+    if (q != PHI && !is_batch(q)) {
+      if ((w->status[i] ^ (want | luck)) & ~open)
         wrong = "wrong status", found->wrong_status++;
-      w->unsure = i ? w->unsure | unsure : unsure;
       if ((w->status[i] & SHADE_BAD_INPUT) && a.value[0] + a.value[1] + a.value[2] != 0)
         wrong = "not 0 for bad input", found->wrong_status++;
-      all |= w->status[i];
     }
+    all |= want | luck;
+    unsure |= open;
     found->values++;
     if (wrong)
       tell(w, isa, what_names[q], form_names[p], i, wrong);
   }
-  if (q == D_ONE || q == F_ONE)
-    w->batch_status = all; /* what the batch of the same lanes must say */
-  if ((q == D_BATCH || q == F_BATCH) && ((w->status[0] ^ w->batch_status) & ~w->unsure)) {
+  /* what one lane has for certain, the batch has */
+  if (is_batch(q) && (w->status[0] ^ all) & ~unsure) {
     found->wrong_status++;
     tell(w, isa, what_names[q], form_names[p], w->count, "status is not that of its lanes");
   }
@@ -449,24 +511,41 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
                          w->in##f[4], w->in##f[5], w->in##f[6], w->in##f[7],                       \
                          w->in##f[8], NULL,        NULL,        NULL};                             \
     shade_result##f out = {w->out##f[0], w->out##f[1], w->out##f[2], w->out##f[3]};                \
-    if (w->textured)                                                                               \
-      in.f0r = w->in##f[9], in.f0g = w->in##f[10], in.f0b = w->in##f[11];                          \
+    shade_sample_lanes##f from = {in.nx,        in.ny,        in.nz, in.wox, in.woy, in.woz,       \
+                                  w->in##f[12], w->in##f[13], NULL,  NULL,   NULL};                \
+    shade_sample_result##f to = {w->out##f[5], w->out##f[6], w->out##f[7], out.r,                  \
+                                 out.g,        out.b,        w->out##f[4], out.cosine};            \
+    if (w->textured) {                                                                             \
+      in.f0r = from.f0r = w->in##f[9];                                                             \
+      in.f0g = from.f0g = w->in##f[10];                                                            \
+      in.f0b = from.f0b = w->in##f[11];                                                            \
+    }                                                                                              \
     if (q == D_BATCH)                                                                              \
       w->status[0] =                                                                               \
           isa->mdf_batch##f(b, w->count, in.nx, in.ny, in.nz, in.wix, in.wiy, in.wiz, out.r);      \
     if (q == F_BATCH)                                                                              \
       w->status[0] = isa->bsdf_batch##f(b, w->count, &in, &out);                                   \
-    for (w->lane = 0; q != D_BATCH && q != F_BATCH && w->lane < w->count; w->lane++) {             \
+    if (q == PDF_BATCH)                                                                            \
+      w->status[0] = isa->pdf_batch##f(b, w->count, &in, out.r);                                   \
+    if (q == DRAW_BATCH)                                                                           \
+      w->status[0] = isa->sample_batch##f(b, w->count, &from, &to);                                \
+    for (w->lane = 0; !is_batch(q) && w->lane < w->count; w->lane++) {                             \
       size_t i = w->lane;                                                                          \
-      const real *v = w->v##f[i];                                                                  \
-      real c[3] = {0, 0, 0};                                                                       \
+      const real *v = w->v##f[i], u[2] = {from.u1[i], from.u2[i]};                                 \
+      real c[3] = {0, 0, 0}, wi[3];                                                                \
       if (q == D_ONE)                                                                              \
         w->status[i] = isa->mdf##f(b, v, v + 3, c);                                                \
       else if (q == F_ONE)                                                                         \
         w->status[i] = isa->bsdf##f(b, v, v + 3, v + 6, c, &out.cosine[i]);                        \
+      else if (q == PDF_ONE)                                                                       \
+        w->status[i] = isa->pdf##f(b, v, v + 3, v + 6, c);                                         \
+      else if (q == DRAW_ONE)                                                                      \
+        w->status[i] = isa->sample##f(b, v, v + 6, u, wi, c, &to.pdf[i], &out.cosine[i]);          \
       else                                                                                         \
         c[0] = isa->diffuse##f(b->diffuse, v + 3, v + 6);                                          \
       out.r[i] = c[0], out.g[i] = c[1], out.b[i] = c[2];                                           \
+      for (int k = 0; q == DRAW_ONE && k < 3; k++)                                                 \
+        w->out##f[5 + k][i] = wi[k];                                                               \
     }                                                                                              \
   }
 CALLS(double, , DOUBLE)
@@ -549,11 +628,13 @@ static void one_block(worker *w) {
       for (int q = 0; q < WHATS; q++) {
         if (p == FAST && q > D_BATCH)
           continue; /* float's */
+        if ((q == PDF_ONE || q == DRAW_ONE) && w->block / 8 % 8 != (uint64_t)(2 * row + p))
+          continue; /* batches of one, which take long: one in eight */
         if (!raises(w, isa, (what)q, (form)p))
           inspect(w, isa, row, (what)q, (form)p);
         else {
           w->found[row][q][p].raised++;
-          tell(w, isa, what_names[q], form_names[p], q == D_BATCH || q == F_BATCH ? LANES : w->lane,
+          tell(w, isa, what_names[q], form_names[p], is_batch((what)q) ? LANES : w->lane,
                "exception");
         }
       }
@@ -637,20 +718,21 @@ static void on_interrupt(int number) {
 }
 
 static void print_table(const worker *w) {
-  puts("entry    precision isa         values  not finite  negative  too large  status  raised  "
-       "largest");
+  puts(
+      "entry        precision isa         values  not finite  negative  too large  status  raised  "
+      "largest");
   for (int row = 0; shade_isa_pick(row); row++)
     for (int p = 0; p < FORMS; p++)
       for (int q = 0; q < WHATS; q++) {
         const finding *f = &w->found[row][q][p];
         if (f->values + failures(f))
-          printf("%-8s %-8s %-7s %11llu %11llu %9llu %10llu %7llu %7llu %8.2g\n", what_names[q],
+          printf("%-12s %-8s %-7s %11llu %11llu %9llu %10llu %7llu %7llu %8.2g\n", what_names[q],
                  form_names[p], shade_isa_pick(row)->name, (unsigned long long)f->values,
                  (unsigned long long)f->not_finite, (unsigned long long)f->negative,
                  (unsigned long long)f->too_large, (unsigned long long)f->wrong_status,
                  (unsigned long long)f->raised, f->largest);
       }
-  puts("largest: D and f over the peak of D, Phi of a diffuse model");
+  puts("largest: D and f over the peak of D, pdf, Phi of a diffuse model");
 }
 
 static double seconds(void) {
