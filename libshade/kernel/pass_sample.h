@@ -195,10 +195,6 @@ static unsigned FN(density_block)(const shade_bsdf *b, size_t size, const real *
   }
   for (size_t i = 0; i < size; i++)
     pdf[i] = m->coso[i] > 0 ? pdf[i] : 0;
-  if (status)
-    for (size_t i = 0; i < size; i++)
-      if (FN(opposite)(v[1][0][i], v[1][1][i], v[1][2][i], v[2][0][i], v[2][1][i], v[2][2][i]))
-        pdf[i] = 0;
   return status;
 }
 
@@ -230,12 +226,9 @@ static void FN(pass_paths)(size_t count, const real *restrict nx, const real *re
   }
 }
 
-/* density_block for any horizon. */
-static unsigned FN(density_of_paths)(const shade_bsdf *b, size_t size, const real *const v[3][3],
-                                     FN(draw_room) * m, real *restrict pdf) {
-  unsigned status = FN(density_block)(b, size, v, m, pdf);
-  if (b->horizon != SHADE_HORIZON_SCHUESSLER)
-    return status;
+/* What comes by way of the mirrors of two facets. */
+static void FN(add_mirrored)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+                             FN(draw_room) * m, real *restrict pdf) {
   real x[BLOCK], y[BLOCK], one[BLOCK], plain[BLOCK], mirrored[2][BLOCK];
   FN(pass_paths)
   (size, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[2][0], v[2][1], v[2][2], plain, mirrored[0],
@@ -250,6 +243,18 @@ static unsigned FN(density_of_paths)(const shade_bsdf *b, size_t size, const rea
     FN(density_block)(b, size, to, m, one);
     FN(pass_add_product)(size, mirrored[w], one, pdf);
   }
+}
+
+/* density_block for any horizon; 0 for opposite directions, as f is. */
+static unsigned FN(density_of_paths)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+                                     FN(draw_room) * m, real *restrict pdf) {
+  unsigned status = FN(density_block)(b, size, v, m, pdf);
+  if (b->horizon == SHADE_HORIZON_SCHUESSLER)
+    FN(add_mirrored)(b, size, v, m, pdf);
+  if (status)
+    for (size_t i = 0; i < size; i++)
+      if (FN(opposite)(v[1][0][i], v[1][1][i], v[1][2][i], v[2][0][i], v[2][1][i], v[2][2][i]))
+        pdf[i] = 0;
   return status;
 }
 
