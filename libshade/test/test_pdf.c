@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The density of draws against the reference, the albedo from draws against quadrature, narrow
- * lobes against their own distribution functions, and draws from input that makes no sense.
+ * lobes and visible normals against their own distribution functions, and draws from input that
+ * makes no sense.
  */
 #include <fenv.h>
 #include <float.h>
@@ -421,6 +422,154 @@ static void narrow_lobes(void **state) {
   print_message("narrow lobes: largest z %.1f\n", worst);
 }
 
+/*
+ * Visible normals as slopes per alpha, t towards the eye's azimuth and s across it: their density
+ * is that of the slopes times rise + lean t (cosine and sine of the stretched eye), where that is
+ * above 0. The distribution function of t, and that of s at a given t. [Heitz2014]
+ */
+typedef struct visible {
+  int ggx;
+  double rise, lean, c, s; /* c, s: the stretched eye's azimuth */
+} visible;
+
+static double up_to(const visible *v, double t) { /* from minus infinity, not normalised */
+  if (v->ggx)
+    return 0.5 * (v->rise * (1 + t / hypot(1, t)) - v->lean / hypot(1, t));
+  return 0.5 * v->rise * erfc(-t) - 0.5 * v->lean * exp(-t * t) / sqrt(PI);
+}
+
+static double along_below(const visible *v, double t) {
+  double least = v->lean > 0 ? -v->rise / v->lean : -1e300;
+  double none = up_to(v, fmax(least, -1e8)), all = v->rise;
+  return fmax(up_to(v, t) - none, 0) / (all - none);
+}
+
+static double across_below(const visible *v, double t, double s) {
+  double r = s / hypot(1, t);
+  return v->ggx ? 0.5 + (atan(r) + r / (1 + r * r)) / PI : 0.5 * erfc(-s);
+}
+
+/* The t or (at that t) s with `share` below it, by bisection. */
+static double quantile(const visible *v, const double *t, double share) {
+  double low = -1e5, high = 1e5;
+  for (int k = 0; k < 70; k++) {
+    double x = 0.5 * (low + high);
+    *((t ? across_below(v, *t, x) : along_below(v, x)) < share ? &low : &high) = x;
+  }
+  return 0.5 * (low + high);
+}
+
+/* Where in the frame of n (o: the eye, up: z) the light of slopes (t, s) comes from: the lesser
+ * of its heights above both horizons. */
+static double height(const visible *v, const shade_params *p, double t, double s, const double o[3],
+                     const double up[3]) {
+  double h[3] = {p->ax * (t * v->c - s * v->s), p->ay * (t * v->s + s * v->c), 1}, wi[3];
+  double size2 = h[0] * h[0] + h[1] * h[1] + 1, along = h[0] * o[0] + h[1] * o[1] + o[2];
+  for (int c = 0; c < 3; c++)
+    wi[c] = 2 * along / size2 * h[c] - o[c];
+  return fmin(wi[2], wi[0] * up[0] + wi[1] * up[1] + wi[2] * up[2]);
+}
+
+/*
+ * Narrow visible lobes under a tilted normal, carried by rotate, and an eye that grazes the
+ * microfacets: both distribution functions of what was drawn are uniform, in those of their
+ * squares from which no light is lost below a horizon.
+ */
+static void visible_lobes(void **state) {
+  (void)state;
+  enum { SIDE = 16, EDGES = 3 };
+  static lanes m;
+  static long counts[SIDE * SIDE];
+  static char inside[SIDE * SIDE];
+  const struct {
+    double ax, ay, tilt, eye, turn; /* the eye from n, turned from the horizontal; radians */
+    int floats;
+  } cases[] = {{1e-3, 1e-3, PI / 4, 1, 0, 1},
+               {1e-3, 0.3, PI / 4, 1.05, 0.3, 1},
+               {0.5, 1e-3, PI / 4, 0.9, -0.4, 1},
+               {1e-3, 2e-2, PI / 4, 1.5, 0, 1},
+               /* h loses digits of float to this eye: the test would, too */
+               {1e-3, 3e-3, 0, PI / 2 - 2e-3, 0.2, 0}};
+  const shade_isa_table *isa = shade_isa_pick(0);
+  uint64_t seed = 11;
+  double worst = 0;
+  for (int k = 0; k < 5; k++)
+    for (int ggx = 0; ggx < 2; ggx++)
+      for (int single = 0; single <= cases[k].floats; single++) {
+        shade_params p;
+        shade_params_init(&p);
+        shade_params_set_alphas(&p, cases[k].ax, cases[k].ay);
+        p.mdf = ggx ? SHADE_MDF_GGX : SHADE_MDF_BECKMANN;
+        p.brdf = SHADE_BRDF_MICROFACET;
+        p.detail = SHADE_DETAIL_ROTATE;
+        shade_bsdf b;
+        shade_bsdf_setup(&b, &p);
+        double n[3], wo[3], o[3], up[3];
+        const double z[3] = {0, 0, 1}, azimuth = 0.9;
+        const double e[3] = {-sin(azimuth), cos(azimuth), 0}; /* horizontal, normal to n */
+        spherical(cases[k].tilt, azimuth, n);
+        const double f[3] = {n[1] * e[2] - n[2] * e[1], n[2] * e[0] - n[0] * e[2],
+                             n[0] * e[1] - n[1] * e[0]};
+        for (int c = 0; c < 3; c++) {
+          double side = e[c] * cos(cases[k].turn) + f[c] * sin(cases[k].turn);
+          wo[c] = n[c] * cos(cases[k].eye) + side * sin(cases[k].eye);
+        }
+        for (int c = 0; c < 3; c++) {
+          n[c] = single ? (double)(float)n[c] : n[c];
+          wo[c] = single ? (double)(float)wo[c] : wo[c];
+        }
+        shade_ref_carried(&p, n, wo, o);
+        shade_ref_carried(&p, n, z, up);
+        double x = p.ax * o[0], y = p.ay * o[1], lean = hypot(x, y), size = hypot(lean, o[2]);
+        const visible v = {ggx, o[2] / size, lean / size, x / lean, y / lean};
+        int squares = 0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+          inside[i] = 1;
+          for (int j = 0; j < EDGES * EDGES; j++) {
+            double ft = (i / SIDE + (j / EDGES) / (EDGES - 1.0)) / SIDE;
+            double fs = (i % SIDE + (j % EDGES) / (EDGES - 1.0)) / SIDE;
+            double t = quantile(&v, NULL, fmin(fmax(ft, 1e-6), 1 - 1e-6));
+            double s = quantile(&v, &t, fmin(fmax(fs, 1e-6), 1 - 1e-6));
+            inside[i] = inside[i] && height(&v, &p, t, s, o, up) > 0;
+          }
+          squares += inside[i];
+        }
+        memset(counts, 0, sizeof counts);
+        const int rounds = 400 / SLOWED;
+        set_eye(&m, n, wo);
+        for (int round = 0; round < rounds; round++) {
+          for (int i = 0; i < BATCH; i++) {
+            m.in[6][i] = uniform(&seed);
+            m.in[7][i] = uniform(&seed);
+          }
+          (single ? drawf : draw)(isa, &b, &m, BATCH);
+          for (int i = 0; i < BATCH; i++) {
+            double h[3], q[3];
+            if ((single ? (double)m.outf[6][i] : m.out[6][i]) == 0)
+              continue;
+            for (int c = 0; c < 3; c++)
+              h[c] = wo[c] + (single ? (double)m.outf[c][i] : m.out[c][i]);
+            shade_ref_carried(&p, n, h, q);
+            double sx = q[0] / q[2] / p.ax, sy = q[1] / q[2] / p.ay;
+            double t = sx * v.c + sy * v.s, s = sy * v.c - sx * v.s;
+            int row = (int)fmin(along_below(&v, t) * SIDE, SIDE - 1);
+            counts[row * SIDE + (int)fmin(across_below(&v, t, s) * SIDE, SIDE - 1)]++;
+          }
+        }
+        double chi2 = 0, each = (double)rounds * BATCH / (SIDE * SIDE);
+        for (int i = 0; i < SIDE * SIDE; i++)
+          chi2 += inside[i] ? ((double)counts[i] - each) * ((double)counts[i] - each) / each : 0;
+        double dof = squares * (1 - 1.0 / (SIDE * SIDE)), w = 2 / (9 * dof);
+        double normal = (cbrt(chi2 / dof) - (1 - w)) / sqrt(w);
+        worst = fmax(worst, normal);
+        assert_true(squares >= SIDE * SIDE / 2);
+        if (normal > 3.7) /* 1e-4 one-sided; 18 cases */
+          fail_msg("%s, case %d, %s: chi-square %.0f of %.0f (z %.1f)", ggx ? "ggx" : "beckmann", k,
+                   single ? "float" : "double", chi2, dof, normal);
+      }
+  print_message("visible lobes: largest z %.1f\n", worst);
+}
+
 /* A draw's pdf and f are those of the calls; every instruction set draws the same. */
 static void same_everywhere(void **state) {
   (void)state;
@@ -571,6 +720,7 @@ int main(void) {
       cmocka_unit_test(albedo),
       cmocka_unit_test(facets),
       cmocka_unit_test(narrow_lobes),
+      cmocka_unit_test(visible_lobes),
       cmocka_unit_test(same_everywhere),
       cmocka_unit_test(any_input),
   };
