@@ -2,16 +2,16 @@
 """Slope pyramid against supersampling: is a normal map seen from afar the right roughness?
 
 Each map is cut into patches. `shade slopes` gives, for the footprint of each patch, the mean
-normal, the covariance of the slopes and the widened lobe; the truth shades every one of the
-patch's texels, supersampled between them, with the material's own lobe. Both are evaluated
-here, from the definitions, for 20 pairs of light and view, and the mean colour over all
-patches is compared; so are the second moments of the slopes, patch by patch, and how the
-mean colour moves as the footprint grows (a slow zoom out of the map).
+normal, the covariance of the slopes and the lobes that stand for them, one and more; the truth
+shades every one of the patch's texels, supersampled between them, with the material's own
+lobe. Both are evaluated here, from the definitions, for 20 pairs of light and view, and the
+mean colour over all patches is compared; so are the second moments of the slopes, patch by
+patch, and how the mean colour moves as the footprint grows (a slow zoom out of the map).
 
 Leaves in the output folder: slopes.csv, slopes.png. Exit status 0 if every map keeps the
-limit on second moments, and the maps with slopes of deviation 0.1 and less keep that on
-colour, but for GGX, whose own slopes have no variance. At 0.15 one lobe with the right
-moments is no longer the right colour to 3 %: those rows are measured, not judged.
+limit on second moments, and with six lobes the random maps and the scratches keep that on
+colour, whatever the distribution. The even ripples are measured, not judged: two moments do
+not tell their slopes, which are most frequent at their ends, from a random map's.
 """
 import argparse
 import csv
@@ -34,8 +34,8 @@ LOBES = {  # distribution: (its options, parameters along and across)
     "ward": (("--ax", "0.18", "--ay", "0.36"), (0.18, 0.36)),
     "ggx": (("--ax", "0.18", "--ay", "0.36"), (0.18, 0.36)),
 }
-STEEP = "waves 0.15, 0.10"
-HEURISTIC = ("ggx",)  # measured, not judged by colour
+LOBE_COUNTS, JUDGED_COUNT = (1, 4, 6, 8), 6
+RIPPLES = "ripples 0.15, 0.10"
 
 
 def arguments(argv=None):
@@ -61,6 +61,13 @@ def gaussian_map(sigma_x, sigma_y, seed):
     x *= sigma_x / x.std()
     y *= sigma_y / y.std()
     return from_slopes(np.stack([x, 0.4 * x * sigma_y / sigma_x + y], -1))
+
+
+def ripple_map(sigma_x, sigma_y):
+    """Slopes of even ripples along x and y."""
+    x, y = np.meshgrid(np.arange(SIZE), np.arange(SIZE))
+    return from_slopes(np.stack([np.sqrt(2) * sigma_x * np.sin(2 * np.pi * 8 * x / SIZE),
+                                 np.sqrt(2) * sigma_y * np.sin(2 * np.pi * 12 * y / SIZE)], -1))
 
 
 def from_slopes(slopes):
@@ -140,16 +147,34 @@ def directions():
 
 # ---- comparison --------------------------------------------------------------------------------
 
-def look_up(path, footprint, mdf, options):
-    """Values of `shade slopes` for every patch of footprint x footprint texels."""
+def look_up(path, footprint, mdf, options, lobes):
+    """Values of `shade slopes` for every patch of footprint x footprint texels.
+
+    Where fewer lobes were needed the rest have weight 0.
+    """
     side = footprint / SIZE
     centre = (np.arange(SIZE // footprint) + 0.5) * side
     lines = "".join(f"{u!r} {v!r} {side!r} 0 0 {side!r}\n"
                     for v in map(float, 1 - centre) for u in map(float, centre))
     out = subprocess.run([programs.SHADE, "slopes", str(path), "--normals", "signed",
-                          "--mdf", mdf, *options], input=lines, capture_output=True, text=True,
+                          "--mdf", mdf, "--lobes", str(lobes), *options], input=lines, capture_output=True, text=True,
                          check=True).stdout
-    return np.array(out.split(), float).reshape(-1, 9)
+    rows = [line.split() for line in out.splitlines()]
+    unused = ["0", "0", "0", "1"]
+    return np.array([row + unused * (lobes - (len(row) - 9) // 4) for row in rows], float)
+
+
+def mean_colours(mdf, got, lobes):
+    """Over all patches, for each pair of directions."""
+    turn = np.radians(got[:, 8])
+    total = np.zeros(len(directions()))
+    for weight, *n in got[:, 9:].reshape(-1, lobes, 4).transpose(1, 2, 0):
+        if not weight.any():
+            continue
+        slopes = np.stack([-n[0] / n[2], -n[1] / n[2]], -1)
+        total += [(weight * shaded(mdf, got[:, 6], got[:, 7], slopes, *pair, turn)).mean()
+                  for pair in directions()]
+    return total
 
 
 def moments(slopes, footprint):
@@ -167,52 +192,60 @@ def compare_map(name, normals, folder):
     for mdf, (options, (first, second)) in LOBES.items():
         true = np.array([shaded(mdf, first, second, slopes, *pair).mean() for pair in directions()])
         for footprint in FOOTPRINTS:
-            got = look_up(path, footprint, mdf, options)
-            mean = -got[:, :2] / got[:, 2:3]
-            turn = np.radians(got[:, 8])
-            far = np.array([shaded(mdf, got[:, 6], got[:, 7], mean, *pair, turn).mean()
-                            for pair in directions()])
-            second_moments = got[:, 3:6] + mean[:, [0, 0, 1]] * mean[:, [0, 1, 1]]
             want = moments(slopes, footprint)
             size = want[:, [0, 2]].sum()
-            # as mean colours are: the difference of each pair over the mean of the truth
-            rows.append({
-                "map": name, "distribution": mdf, "footprint": footprint,
-                "colour": np.abs(far - true).mean() / true.mean(),
-                "worst": np.abs(far - true).max() / true.mean(),
-                "bias": (far.mean() - true.mean()) / true.mean(),
-                "moments": np.abs(second_moments.mean(0) - want.mean(0)).max()
-                / want.mean(0)[[0, 2]].sum(),
-                "patches": np.abs(second_moments - want)[:, [0, 2]].sum() / size,
-            })
+            for lobes in LOBE_COUNTS:
+                got = look_up(path, footprint, mdf, options, lobes)
+                mean = -got[:, :2] / got[:, 2:3]
+                far = mean_colours(mdf, got, lobes)
+                second_moments = got[:, 3:6] + mean[:, [0, 0, 1]] * mean[:, [0, 1, 1]]
+                # as mean colours are: the difference of each pair over the mean of the truth
+                rows.append({
+                    "map": name, "distribution": mdf, "footprint": footprint, "lobes": lobes,
+                    "colour": np.abs(far - true).mean() / true.mean(),
+                    "worst": np.abs(far - true).max() / true.mean(),
+                    "bias": (far.mean() - true.mean()) / true.mean(),
+                    "moments": np.abs(second_moments.mean(0) - want.mean(0)).max()
+                    / want.mean(0)[[0, 2]].sum(),
+                    "patches": np.abs(second_moments - want)[:, [0, 2]].sum() / size,
+                })
     return rows
 
 
 def write_chart(rows, maps, path):
     plt = truth.pyplot(path.parent)
-    figure, axes = plt.subplots(2, len(maps), figsize=(4 * len(maps), 6), layout="constrained",
-                                squeeze=False, sharex=True)
+    figure, axes = plt.subplots(3, len(maps), figsize=(4 * len(maps), 9), layout="constrained",
+                                squeeze=False)
     for column, name in enumerate(maps):
         for mdf in LOBES:
             mine = [r for r in rows if r["map"] == name and r["distribution"] == mdf]
-            x = [r["footprint"] for r in mine]
-            axes[0, column].plot(x, [100 * r["colour"] for r in mine], marker="o", label=mdf)
-        axes[1, column].plot(x, [100 * r["moments"] for r in mine], marker="o", color="black",
+            judged = [r for r in mine if r["lobes"] == JUDGED_COUNT]
+            x = [r["footprint"] for r in judged]
+            axes[0, column].plot(LOBE_COUNTS, [100 * worst(mine, lobes) for lobes in LOBE_COUNTS],
+                                 marker="o", label=mdf)
+            axes[1, column].plot(x, [100 * r["colour"] for r in judged], marker="o", label=mdf)
+        axes[2, column].plot(x, [100 * r["moments"] for r in judged], marker="o", color="black",
                              label="all patches together")
-        axes[1, column].plot(x, [100 * r["patches"] for r in mine], marker="o", color="grey",
+        axes[2, column].plot(x, [100 * r["patches"] for r in judged], marker="o", color="grey",
                              label="patch by patch")
-        axes[0, column].axhline(100 * COLOUR_LIMIT, color="black", linestyle=":", linewidth=1)
-        axes[1, column].axhline(100 * MOMENT_LIMIT, color="black", linestyle=":", linewidth=1)
-        axes[0, column].set_title(name)
-        axes[1, column].set_xlabel("footprint, texels a side")
-        axes[1, column].set_xscale("log", base=2)
-        for row in range(2):
+        for row, limit in enumerate((COLOUR_LIMIT, COLOUR_LIMIT, MOMENT_LIMIT)):
+            axes[row, column].axhline(100 * limit, color="black", linestyle=":", linewidth=1)
             axes[row, column].set_ylim(bottom=0)
-    axes[0, 0].set_ylabel("mean colour, % off")
-    axes[1, 0].set_ylabel("second moments of slopes, % off")
-    axes[0, 0].legend()
-    axes[1, 0].legend()
+        axes[0, column].set_title(name)
+        axes[0, column].set_xlabel("lobes")
+        for row in (1, 2):
+            axes[row, column].set_xlabel("footprint, texels a side")
+            axes[row, column].set_xscale("log", base=2)
+    axes[0, 0].set_ylabel("mean colour, worst footprint, % off")
+    axes[1, 0].set_ylabel(f"mean colour, {JUDGED_COUNT} lobes, % off")
+    axes[2, 0].set_ylabel("second moments of slopes, % off")
+    for row in range(3):
+        axes[row, 0].legend()
     figure.savefig(path, dpi=100)
+
+
+def worst(rows, lobes):
+    return max(r["colour"] for r in rows if r["lobes"] == lobes)
 
 
 def main(argv=None):
@@ -221,7 +254,8 @@ def main(argv=None):
     folder.mkdir(parents=True, exist_ok=True)
     maps = {
         "waves 0.05, 0.10": gaussian_map(0.05, 0.10, 1),
-        STEEP: gaussian_map(0.15, 0.10, 2),
+        "waves 0.15, 0.10": gaussian_map(0.15, 0.10, 2),
+        RIPPLES: ripple_map(0.15, 0.10),
         "scratches": scratch_map(folder, "--pits", "3000", "--radius", "0.004,0.012",
                                  "--stretch", "2,8", "--spread", "20", "--depth", "0.03,0.12"),
     }
@@ -236,15 +270,17 @@ def main(argv=None):
     for name in maps:
         for mdf in LOBES:
             mine = [r for r in rows if r["map"] == name and r["distribution"] == mdf]
-            colour, moment = (max(r[key] for r in mine) for key in ("colour", "moments"))
-            judged = name != STEEP and mdf not in HEURISTIC
-            good = moment <= MOMENT_LIMIT and (colour <= COLOUR_LIMIT or not judged)
+            moment, judged = max(r["moments"] for r in mine), name != RIPPLES
+            good = moment <= MOMENT_LIMIT and (
+                not judged or worst(mine, JUDGED_COUNT) <= COLOUR_LIMIT)
             ok = ok and good
-            table.append([name, mdf, f"{100 * colour:.2f}",
-                          f"{100 * COLOUR_LIMIT:g}" if judged else "", f"{100 * moment:.2f}",
-                          f"{100 * MOMENT_LIMIT:g}", "ok" if good else "MISSED"])
-    print(report.table(["map", "distribution", "colour, %", "limit", "moments, %", "limit", ""],
-                       table))
+            table.append([name, mdf, *(f"{100 * worst(mine, k):.2f}" for k in LOBE_COUNTS),
+                          f"{100 * COLOUR_LIMIT:g} with {JUDGED_COUNT}" if judged else "",
+                          f"{100 * moment:.2f}", f"{100 * MOMENT_LIMIT:g}",
+                          "ok" if good else "MISSED"])
+    print(report.table(["map", "distribution", *(f"{k} lobes" if k > 1 else "colour, %: 1 lobe"
+                                                 for k in LOBE_COUNTS),
+                        "limit", "moments, %", "limit", ""], table))
     print(f"\nFigures: {folder}")
     return 0 if ok else 1
 

@@ -271,6 +271,10 @@ static unsigned mend(double c[3]) {
       c[0] = c[1] = c[2] = 0;
       return SHADE_BAD_INPUT;
     }
+  /* no lobe tells more from this, and products of it stay finite */
+  const double most = 1e12, size = fmax(fmax(fabs(c[0]), fabs(c[1])), fabs(c[2]));
+  for (int k = 0; k < 3 && size > most; k++)
+    c[k] = c[k] / size * most;
   const double mean = 0.5 * (c[0] + c[2]), gap = 0.5 * (c[0] - c[2]), root = hypot(gap, c[1]);
   const double low = mean - root, high = mean + root;
   if (low >= -1e-12 * fabs(high))
@@ -283,49 +287,191 @@ static unsigned mend(double c[3]) {
   return SHADE_BAD_INPUT;
 }
 
-unsigned shade_params_widen(const shade_params *given, const double n[3],
-                            const double covariance[3], shade_params *out, double *angle) {
+/* A caller's parameters, whichever header it was built against. */
+static shade_params whole_params(const shade_params *given) {
   shade_params p;
   shade_params_init(&p);
   memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
   p.size = sizeof p;
-  const int exponents = p.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
-  double c[3] = {covariance[0], covariance[1], covariance[2]}, s[3];
-  unsigned status = mend(c);
+  return p;
+}
 
-  /* squared widths along x and y, in the unit in which `unit` times the covariance adds */
-  const double unit = exponents ? 1 : 2;
-  const double wx = exponents ? 1 / fmax(p.ex, 1e-12) : p.ax * p.ax;
-  const double wy = exponents ? 1 / fmax(p.ey, 1e-12) : p.ay * p.ay;
-  const int groove_y = p.groove == SHADE_GROOVE_Y || (p.groove != SHADE_GROOVE_X && (wy < wx));
-  if (p.groove == SHADE_GROOVE_AUTO && (wx < wy || wy < wx))
-    p.groove = groove_y ? SHADE_GROOVE_Y : SHADE_GROOVE_X;
+/*
+ * Squared widths along x and y, in the unit in which `unit` times a covariance of slopes adds,
+ * and the axis of the grooves.
+ */
+typedef struct lobe_widths {
+  double unit, x, y;
+  int groove_y;
+} lobe_widths;
 
-  double normal[3] = {0, 0, 1};
-  if (n) {
-    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (isfinite(length) && length > 0 && n[2] > 1e-4 * length)
-      for (int k = 0; k < 3; k++)
-        normal[k] = n[k] / length;
-    else
-      status |= SHADE_BAD_INPUT;
-  }
-  carry(normal, groove_y, c, s);
-  s[0] = wx + unit * s[0];
-  s[1] = unit * s[1];
-  s[2] = wy + unit * s[2];
+static lobe_widths widths_of(const shade_params *p) {
+  const int exponents = p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  lobe_widths w;
+  w.unit = exponents ? 1 : 2;
+  w.x = exponents ? 1 / fmax(p->ex, 1e-12) : p->ax * p->ax;
+  w.y = exponents ? 1 / fmax(p->ey, 1e-12) : p->ay * p->ay;
+  w.groove_y = p->groove == SHADE_GROOVE_Y || (p->groove != SHADE_GROOVE_X && w.y < w.x);
+  return w;
+}
+
+static unsigned unit_normal(const double n[3], double normal[3]) {
+  normal[0] = normal[1] = 0;
+  normal[2] = 1;
+  if (!n)
+    return SHADE_OK;
+  const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (!isfinite(length) || !(length > 0) || !(n[2] > 1e-4 * length))
+    return SHADE_BAD_INPUT;
+  for (int k = 0; k < 3; k++)
+    normal[k] = n[k] / length;
+  return SHADE_OK;
+}
+
+/* Widen by a covariance that was carried. */
+static unsigned widen(shade_params *p, const lobe_widths *w, const double carried[3],
+                      double *angle) {
+  if (p->groove == SHADE_GROOVE_AUTO && (w->x < w->y || w->y < w->x))
+    p->groove = w->groove_y ? SHADE_GROOVE_Y : SHADE_GROOVE_X;
+  const double xx = w->x + w->unit * carried[0];
+  const double xy = w->unit * carried[1];
+  const double yy = w->y + w->unit * carried[2];
 
   /* the principal axis nearest to x becomes x */
-  double turn = 0.5 * atan2(2 * s[1], s[0] - s[2]);
+  double turn = 0.5 * atan2(2 * xy, xx - yy);
   turn = turn > PI / 4 ? turn - PI / 2 : turn < -PI / 4 ? turn + PI / 2 : turn;
-  const double cs = cos(turn), sn = sin(turn), cross = 2 * cs * sn * s[1];
-  const double vx = cs * cs * s[0] + cross + sn * sn * s[2];
-  const double vy = sn * sn * s[0] - cross + cs * cs * s[2];
-  if (exponents)
-    status |= shade_params_set_exponents(&p, 1 / vx, 1 / vy);
-  else
-    status |= shade_params_set_alphas(&p, sqrt(vx), sqrt(vy));
+  const double cs = cos(turn), sn = sin(turn), cross = 2 * cs * sn * xy;
+  const double vx = cs * cs * xx + cross + sn * sn * yy;
+  const double vy = sn * sn * xx - cross + cs * cs * yy;
   *angle = turn;
-  memcpy(out, &p, out == given && given->size < sizeof p ? given->size : sizeof p);
+  if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
+    return shade_params_set_exponents(p, 1 / vx, 1 / vy);
+  return shade_params_set_alphas(p, sqrt(vx), sqrt(vy));
+}
+
+static void give_params(const shade_params *p, const shade_params *given, shade_params *out) {
+  memcpy(out, p, out == given && given->size < sizeof *p ? given->size : sizeof *p);
+}
+
+unsigned shade_params_widen(const shade_params *given, const double n[3],
+                            const double covariance[3], shade_params *out, double *angle) {
+  shade_params p = whole_params(given);
+  const lobe_widths w = widths_of(&p);
+  double c[3] = {covariance[0], covariance[1], covariance[2]}, s[3], normal[3];
+  unsigned status = mend(c) | unit_normal(n, normal);
+  carry(normal, w.groove_y, c, s);
+  status |= widen(&p, &w, s, angle);
+  give_params(&p, given, out);
+  return status;
+}
+
+/* ---- splitting ---------------------------------------------------------------------------- */
+
+enum { ROW = 4 };
+
+/*
+ * Up to four points, evenly apart, that stand for part of a variance along one axis; the lobe
+ * widens by the rest.
+ *
+ * Even steps rather than those of Gauss and Hermite, which grow outwards: at equal numbers
+ * they have half the error, since the outer lobes stay within reach of each other.
+ */
+typedef struct axis_points {
+  int count;
+  double place[ROW], weight[ROW]; /* in the lobe's deviations; weights sum to 1 */
+  double taken;                   /* of the variance */
+} axis_points;
+
+/* lambda: the variance over the lobe's own. */
+static axis_points points_of(int count, double lambda) {
+  /* in deviations of the points themselves; weights give them variance 1 */
+  static const double steps[ROW] = {0, 2, 1.45, 1.35};
+  /* a hundredth of the lobe's own variance does not need them */
+  const double negligible = 0.01;
+  /* lobes this many of their deviations apart still melt into one */
+  const double apart = 1.1;
+  axis_points a;
+  memset(&a, 0, sizeof a);
+  a.count = lambda > negligible ? count : 1;
+  a.weight[0] = 1;
+  if (a.count == 1)
+    return a;
+  const double step = steps[a.count - 1];
+  /* step^2 part lambda = apart^2 (1 + (1 - part) lambda) */
+  const double part =
+      fmin(1, apart * apart * (1 + lambda) / (lambda * (step * step + apart * apart)));
+  double outer = 0.5; /* weight of the first and last */
+  if (a.count == 3)
+    outer = 0.5 / (step * step);
+  if (a.count == 4)
+    outer = (1 - step * step / 4) / (4 * step * step);
+  for (int i = 0; i < a.count; i++) {
+    a.place[i] = sqrt(part * lambda) * step * (i - 0.5 * (a.count - 1));
+    a.weight[i] = i == 0 || i == a.count - 1 ? outer : (1 - 2 * outer) / (a.count - 2);
+  }
+  a.taken = part * lambda;
+  return a;
+}
+
+/* The normal of a slope, not flatter than a map's steepest. */
+static void normal_of(double x, double y, double n[3]) {
+  const double slope = hypot(x, y), cut = slope > STEEPEST ? STEEPEST / slope : 1;
+  const double length = hypot(1, cut * slope);
+  n[0] = -cut * x / length;
+  n[1] = -cut * y / length;
+  n[2] = 1 / length;
+}
+
+unsigned shade_params_split(const shade_params *given, const double n[3],
+                            const double covariance[3], int most, shade_params *out, double *angle,
+                            shade_slope_lobes *lobes) {
+  shade_params p = whole_params(given);
+  const lobe_widths w = widths_of(&p);
+  double c[3] = {covariance[0], covariance[1], covariance[2]}, normal[3];
+  unsigned status = mend(c) | unit_normal(n, normal);
+  if (most < 1 || most > SHADE_SLOPE_LOBES)
+    status |= SHADE_CLAMPED_PARAMETER;
+  most = most < 1 ? 1 : most > SHADE_SLOPE_LOBES ? SHADE_SLOPE_LOBES : most;
+
+  /* axes along which the slopes spread most beside the lobe: those of the covariance where
+     the lobe's own is the unit */
+  const double lx = sqrt(w.x / w.unit), ly = sqrt(w.y / w.unit);
+  const double xx = c[0] / (lx * lx), xy = c[1] / (lx * ly), yy = c[2] / (ly * ly);
+  const double mean = 0.5 * (xx + yy), gap = 0.5 * (xx - yy), root = hypot(gap, xy);
+  const double turn = root > 0 ? 0.5 * atan2(xy, gap) : 0;
+  const double first[2] = {lx * cos(turn), ly * sin(turn)};
+  const double second[2] = {-lx * sin(turn), ly * cos(turn)};
+  const int across = most >= 4 ? 2 : 1;
+  const axis_points a = points_of(most / across, mean + root);
+  const axis_points b = points_of(across, fmax(mean - root, 0));
+  const double rest[3] = {c[0] - a.taken * first[0] * first[0] - b.taken * second[0] * second[0],
+                          c[1] - a.taken * first[0] * first[1] - b.taken * second[0] * second[1],
+                          c[2] - a.taken * first[1] * first[1] - b.taken * second[1] * second[1]};
+
+  /* one lobe for all: by what is left of the covariance, carried to each normal, in the mean */
+  double carried[3] = {0, 0, 0};
+  memset(lobes, 0, sizeof *lobes);
+  lobes->count = a.count * b.count;
+  for (int i = 0; i < lobes->count; i++) {
+    const int k = i % a.count, l = i / a.count;
+    double m[3], s[3];
+    normal_of(-normal[0] / normal[2] + a.place[k] * first[0] + b.place[l] * second[0],
+              -normal[1] / normal[2] + a.place[k] * first[1] + b.place[l] * second[1], m);
+    lobes->weight[i] = a.weight[k] * b.weight[l];
+    carry(m, w.groove_y, rest, s);
+    for (int j = 0; j < 3; j++)
+      carried[j] += lobes->weight[i] * s[j];
+    lobes->nx[i] = m[0];
+    lobes->ny[i] = m[1];
+    lobes->nz[i] = m[2];
+  }
+  status |= widen(&p, &w, carried, angle);
+  const double cs = cos(*angle), sn = sin(*angle);
+  for (int i = 0; i < lobes->count; i++) {
+    const double x = lobes->nx[i], y = lobes->ny[i];
+    lobes->nx[i] = cs * x + sn * y;
+    lobes->ny[i] = cs * y - sn * x;
+  }
+  give_params(&p, given, out);
   return status;
 }

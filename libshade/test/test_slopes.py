@@ -102,7 +102,30 @@ def test_the_lobe_widens_by_the_covariance(tmp_path):
     assert abs(1 / exponents[6] - 1 / 200 - plain[3]) < 1e-3
 
 
+@pytest.mark.parametrize("lobes", [1, 4, 6, 8])
+def test_several_lobes_keep_the_mean_and_no_more_than_the_covariance(tmp_path, lobes):
+    n = normals(64, 64)
+    picture = write(tmp_path / "a.exr", 0.5 + 0.5 * n, "float")
+    whole = [(0.5, 0.5, 1, 0, 0, 1)]
+    lobe = ("--mdf", "ggx", "--ax", 0.1, "--ay", 0.3)
+    one = look_up(picture, *lobe, points=whole)[0]
+    got = look_up(picture, *lobe, "--lobes", lobes, points=whole)[0]
+    assert len(got) == 9 + 4 * lobes and (got[:6] == one[:6]).all()
+    weight, *normal = got[9:].reshape(lobes, 4).T
+    slopes = -np.array(normal[:2]) / normal[2]
+    assert abs(weight.sum() - 1) < 1e-12
+    assert np.abs(slopes @ weight + one[:2] / one[2]).max() < 1e-9
+    spread = np.cov(slopes, aweights=weight, ddof=0) if lobes > 1 else np.zeros((2, 2))
+    covariance = np.array([[one[3], one[4]], [one[4], one[5]]])
+    assert np.linalg.eigvalsh(covariance - spread).min() > -1e-12
+    if lobes > 1:
+        assert np.trace(spread) > 0.3 * np.trace(covariance)
+        assert got[6] < one[6] and got[7] < one[7]
+
+
 @pytest.mark.parametrize("arguments, expected", [
+    (("a.exr", "--lobes", "9"), "from 1 to 8"),
+    (("a.exr", "--lobes", "2.5"), "from 1 to 8"),
     ((), "expected a picture"),
     (("a.exr", "b.exr"), "unexpected argument 'b.exr'"),
     (("a.exr", "--wrap", "torus"), "repeat, clamp or mirror"),

@@ -23,7 +23,10 @@ static void usage(FILE *to) {
         "  --directx        green points down\n"
         "  --mdf WORD       the lobe's distribution (default ashikhmin_shirley)\n"
         "  --ex E --ey E    its exponents, or\n"
-        "  --ax A --ay A    its alphas\n\n"
+        "  --ax A --ay A    its alphas\n"
+        "  --lobes K        that many lobes at most, 1 to 8, instead of one: x, y and angle are\n"
+        "                   those of each; 'weight nx ny nz' of every lobe follow (normals in the\n"
+        "                   map's own axes, not turned by the angle)\n\n"
         "Exit status: 0 done, 1 bad input, 2 bad usage.\n",
         to);
 }
@@ -32,8 +35,8 @@ typedef struct options {
   const char *path;
   shade_slope_options slopes;
   shade_params lobe;
-  double ex, ey, ax, ay; /* negative: not given */
-  int help, has_lobe;
+  double ex, ey, ax, ay;     /* negative: not given */
+  int help, has_lobe, lobes; /* lobes 0: not given */
 } options;
 
 static int bad(const char *option, const char *value, const char *expected) {
@@ -78,7 +81,12 @@ static int read_value(options *o, const char *option, const char *text) {
       return TOOL_DONE;
     }
   int place;
-  if (!strcmp(option, "--normals")) {
+  if (!strcmp(option, "--lobes")) {
+    if (strlen(text) != 1 || *text < '1' || *text > '0' + SHADE_SLOPE_LOBES)
+      return bad(option, text, "a whole number from 1 to 8");
+    o->lobes = *text - '0';
+    o->has_lobe = 1;
+  } else if (!strcmp(option, "--normals")) {
     if ((place = find(text, kinds)) < 0)
       return bad(option, text, "colour, signed or slope");
     o->slopes.normals = (shade_normals)place;
@@ -113,8 +121,8 @@ static int check(options *o) {
 }
 
 static int read_options(options *o, int argc, char **argv) {
-  static const char *const valued[] = {"--normals", "--wrap", "--strength", "--mdf",
-                                       "--ex",      "--ey",   "--ax",       "--ay"};
+  static const char *const valued[] = {"--normals", "--wrap", "--strength", "--mdf",  "--ex",
+                                       "--ey",      "--ax",   "--ay",       "--lobes"};
   for (int i = 1; i < argc; i++) {
     const char *option = argv[i];
     int takes = 0;
@@ -160,10 +168,18 @@ static void answer(void *context, double u, double v, const double footprint[4])
   if (j->o->has_lobe) {
     shade_params wide;
     double angle;
-    shade_params_widen(&j->o->lobe, s.normal, s.covariance, &wide, &angle);
+    shade_slope_lobes lobes;
+    const int most = j->o->lobes ? j->o->lobes : 1;
+    shade_params_split(&j->o->lobe, s.normal, s.covariance, most, &wide, &angle, &lobes);
     const int exponents = wide.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
     printf(" %.17g %.17g %.17g", exponents ? wide.ex : wide.ax, exponents ? wide.ey : wide.ay,
            angle * 180 / 3.14159265358979323846);
+    const double cs = cos(angle), sn = sin(angle);
+    for (int i = 0; i < lobes.count && j->o->lobes; i++) {
+      const double x = lobes.nx[i], y = lobes.ny[i];
+      printf(" %.17g %.17g %.17g %.17g", lobes.weight[i], cs * x - sn * y, sn * x + cs * y,
+             lobes.nz[i]);
+    }
   }
   putchar('\n');
 }
