@@ -231,7 +231,8 @@ static void footprints_are_averages(void **state) {
           print_message("%3d x %3d, %4.1f texels: second moments %.4f off, means %.3f\n", w, h,
                         texels[z], off / (want[0] + want[2]), sqrt(error / size));
         assert_true(off <= 0.1 * (want[0] + want[2]));
-        assert_true(sqrt(error / size) <= 0.3);
+        /* white noise, where the filters' shapes differ most from a box: 0.128 seen */
+        assert_true(sqrt(error / size) <= 0.15);
       }
       shade_slope_map_free(m);
       free(p);
