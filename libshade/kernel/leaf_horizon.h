@@ -75,8 +75,19 @@ LEAF real FN(share_bumped)(real nx, real ny, real nz, real wx, real wy, real wz)
   return p / FN(maximum)(p + q, TINY);
 }
 
-/* How much of (nx, ny) to take from w to mirror it at the upright facet: 2 (w.m)/(m.m). */
+/*
+ * How much of (nx, ny) to take from w to mirror it at the upright facet: 2 (w.m)/(m.m).
+ * Scaled, or TINY would count beside the squares of small tilts, and the image not be unit.
+ * Tilts below 1e-29 (float) or 1e-287 (double) have no mirror.
+ */
 LEAF real FN(mirror_step)(real nx, real ny, real wx, real wy) {
-  real side2 = nx * nx + ny * ny;
-  return 2 * (nx * wx + ny * wy) / (side2 + TINY);
+#if SHADE_FLOAT
+  const real scale = 0x1p60f, least = 1e-21f;
+#else
+  const real scale = 0x1p500, least = 1e-273;
+#endif
+  real mx = nx * scale, my = ny * scale;
+  real side2 = mx * mx + my * my;
+  real step = 2 * scale * (mx * wx + my * wy) / (side2 + TINY);
+  return side2 > least ? step : 0;
 }
