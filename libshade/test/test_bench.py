@@ -45,8 +45,8 @@ def test_every_row_in_cache(tmp_path):
     assert read((tmp_path / "bench.csv").read_text()) == rows
     assert [path.name for path in tmp_path.iterdir()] == ["bench.csv"]
     listed = subprocess.run([SHADE, "eval", "--help"], capture_output=True, text=True).stdout
-    methods = set(re.search(r"--detail +(.*)", listed)[1].split(" | "))
-    distributions = set(re.search(r"--mdf +(.*)", listed)[1].split(" | "))
+    words = lambda option: set(re.search(rf"--{option} +(.*?)(?: +\(default .*)?$", listed, re.M)[1].split(" | "))
+    methods, distributions = words("detail"), words("mdf")
     assert len(methods) > 8 and len(distributions) > 4
     have = {(row["what"], row["precision"], row["distribution"], row["method"]) for row in rows}
     for what in ("D", "f", "D_call", "f_call"):
