@@ -139,7 +139,7 @@ static void near_is_the_reference(void **state) {
     }
     print_message("%-18s near against the reference %.1e, float against double %.1e\n",
                   c.preset.word, worst, worstf);
-    assert_true(worst <= 1e-9);
+    assert_true(worst <= 1e-12);
     assert_true(worstf <= 2e-4);
     close_cloth(&c);
   }
