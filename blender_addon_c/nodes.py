@@ -17,6 +17,10 @@ _TABLE = _native.table()
 # Table lists whose property on the node has another name.
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
 _SHADER = "Principled BSDF"
+# Tooltips of lists whose name does not say what they are about.
+_DESCRIPTIONS = {
+    "horizon": "What is shaded where a bumped normal turns away from eye or light",
+}
 
 
 def _choices():
@@ -34,9 +38,10 @@ def _initial(row):
 
 
 def _initial_choice(name):
-    # The engine exists for `rotate`, and metals brighten at grazing angles;
-    # every other list starts with its first row.
-    wanted = {"detail": "rotate", "fresnel": "schlick"}.get(name)
+    # The engine exists for `rotate`, and metals brighten at grazing angles; dumps are
+    # recomputed elsewhere by the plain formula, which `hard` is. Every other list starts
+    # with its first row.
+    wanted = {"detail": "rotate", "fresnel": "schlick", "horizon": "hard"}.get(name)
     words = [row["word"] for row in _TABLE["lists"][name]]
     return wanted if wanted in words else words[0]
 
@@ -97,6 +102,7 @@ def _properties():
     for name, attribute in _choices():
         made[attribute] = EnumProperty(
             name=attribute.replace("_", " ").title(),
+            description=_DESCRIPTIONS.get(name, ""),
             items=[(row["word"].upper(), row["label"], row["help"], row["value"])
                    for row in _TABLE["lists"][name]],
             default=_initial_choice(name).upper(),

@@ -363,7 +363,7 @@ static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   double ex, ey, ax, ay, strength;
   shade_params_init(q);
   diffuse = (int)q->diffuse;
-  horizon = (int)q->horizon;
+  horizon = SHADE_HORIZON_HARD;
   m->number = (int)(m - s->material);
   if (!text(p, dict, "name", NULL, &m->name) || !choice(p, dict, SHADE_LIST_MDF, &mdf) ||
       !choice(p, dict, SHADE_LIST_BRDF, &brdf) || !choice(p, dict, SHADE_LIST_DETAIL, &detail) ||

@@ -92,6 +92,13 @@ def test_horizon_is_shaded_and_told(horizon, tmp_path):
     assert same.all() == (horizon == "hard")
 
 
+def test_horizon_that_is_not_told_is_hard(tmp_path):
+    untold = material()
+    del untold["horizon"]
+    _, header = dump(scene(materials=[untold]), tmp_path / "d.exr")
+    assert json.loads(header)["materials"][0]["horizon"] == "hard"
+
+
 def test_point_light_falls_off_with_the_square(tmp_path):
     position, intensity = np.array([0.3, -0.2, 0.7]), (3, 2, 1)
     planes, _ = dump(scene(lights=[point(tuple(position), intensity)]), tmp_path / "d.exr")

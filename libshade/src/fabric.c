@@ -114,6 +114,7 @@ static shade_bsdf make_lobe(const shade_fabric_params *p, const shade_yarn *yarn
   q.mdf = p->mdf;
   q.brdf = p->brdf;
   q.detail = p->detail;
+  q.horizon = SHADE_HORIZON_HARD;
   q.groove = SHADE_GROOVE_X;
   q.diffuse = yarn->diffuse;
   if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {

@@ -6,6 +6,7 @@
 
 #include "shade/shade.h"
 #include "names.h"
+#include "params.h"
 
 #define PI 3.14159265358979323846
 
@@ -111,6 +112,7 @@ void shade_params_init(shade_params *p) {
   p->size = sizeof *p;
   p->detail = SHADE_DETAIL_ROTATE;
   p->fresnel = SHADE_FRESNEL_SCHLICK;
+  p->horizon = SHADE_HORIZON_VALID_ESTEVEZ;
   for (int c = 0; c < 3; c++) {
     p->f0[c] = params[PARAM_f0].initial;
     p->f82[c] = params[PARAM_f82].initial;
@@ -272,12 +274,18 @@ static shade_detail choose_detail(const shade_bsdf *b) {
   return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
-/* The parameters within their ranges; members that an older caller does not know, at their
- * defaults. */
-static shade_params within_ranges(const shade_params *given, unsigned *status) {
+shade_params shade_whole_params(const shade_params *given) {
   shade_params p;
   shade_params_init(&p);
+  p.horizon = SHADE_HORIZON_HARD;
   memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  p.size = sizeof p;
+  return p;
+}
+
+/* The same with the parameters within their ranges. */
+static shade_params within_ranges(const shade_params *given, unsigned *status) {
+  shade_params p = shade_whole_params(given);
   p.mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p.mdf, status);
   p.brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p.brdf, status);
   p.detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p.detail, status);

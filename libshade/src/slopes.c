@@ -7,6 +7,7 @@
 
 #include "shade/maps.h"
 #include "src/moments.h"
+#include "src/params.h"
 
 #define PI 3.14159265358979323846
 #define STEEPEST 50.0
@@ -287,15 +288,6 @@ static unsigned mend(double c[3]) {
   return SHADE_BAD_INPUT;
 }
 
-/* A caller's parameters, whichever header it was built against. */
-static shade_params whole_params(const shade_params *given) {
-  shade_params p;
-  shade_params_init(&p);
-  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
-  p.size = sizeof p;
-  return p;
-}
-
 /*
  * Squared widths along x and y, in the unit in which `unit` times a covariance of slopes adds,
  * and the axis of the grooves.
@@ -355,7 +347,7 @@ static void give_params(const shade_params *p, const shade_params *given, shade_
 
 unsigned shade_params_widen(const shade_params *given, const double n[3],
                             const double covariance[3], shade_params *out, double *angle) {
-  shade_params p = whole_params(given);
+  shade_params p = shade_whole_params(given);
   const lobe_widths w = widths_of(&p);
   double c[3] = {covariance[0], covariance[1], covariance[2]}, s[3], normal[3];
   unsigned status = mend(c) | unit_normal(n, normal);
@@ -425,7 +417,7 @@ static void normal_of(double x, double y, double n[3]) {
 unsigned shade_params_split(const shade_params *given, const double n[3],
                             const double covariance[3], int most, shade_params *out, double *angle,
                             shade_slope_lobes *lobes) {
-  shade_params p = whole_params(given);
+  shade_params p = shade_whole_params(given);
   const lobe_widths w = widths_of(&p);
   double c[3] = {covariance[0], covariance[1], covariance[2]}, normal[3];
   unsigned status = mend(c) | unit_normal(n, normal);

@@ -43,6 +43,7 @@ static shade_params random_params(uint64_t *seed) {
   p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
   p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
   p.diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
+  p.horizon = SHADE_HORIZON_HARD; /* test_horizon.c has the others */
   int matt = uniform(seed) < 0.2;
   for (int c = 0; c < 3; c++) {
     p.kd[c] = matt ? uniform(seed) : 0;
@@ -178,6 +179,7 @@ static void horizons(void **state) {
   };
   for (int d = SHADE_DETAIL_PERTURB; d < SHADE_DETAIL_COUNT; d++) {
     shade_bsdf b = make_bsdf((shade_detail)d, SHADE_GROOVE_AUTO, 20, 5);
+    b.horizon = SHADE_HORIZON_HARD;
     shade_bsdf_eval(&b, n, up, up, f, &cosine);
     assert_true(f[0] > 0 && fabs(cosine - 1) < 1e-15);
     for (int k = 0; k < 3; k++) {
@@ -291,12 +293,13 @@ static int nearly_opposite(const double a[3], const double b[3]) {
 static void nearly_unit(void **state) {
   (void)state;
   const double n[3] = {.259, 0, .966}, wi[3] = {.6, 0, .8}, wo[3] = {-.28, 0, .96};
-  for (int d = 0; d < SHADE_DETAIL_DEFORM_LINEAR; d++)
+  for (int k = 0; k < 2 * SHADE_DETAIL_DEFORM_LINEAR; k++)
     for (double scale = 0.9995; scale < 1.0006; scale += 1e-4) {
       shade_params p;
       shade_params_init(&p);
       shade_params_set_exponents(&p, 1000, 100);
-      p.detail = (shade_detail)d;
+      p.detail = (shade_detail)(k / 2);
+      p.horizon = k & 1 ? SHADE_HORIZON_HARD : SHADE_HORIZON_VALID_ESTEVEZ;
       shade_bsdf b;
       shade_bsdf_setup(&b, &p);
       double m[3] = {scale * n[0], 0, scale * n[2]}, f[3], want[3];

@@ -188,6 +188,16 @@ def test_horizon(precision):
     assert mirrored == pytest.approx(plain * n[2], rel=PRECISIONS[precision])
 
 
+def test_horizon_is_hard_unless_asked_for():
+    """The plain formula at n: no bending, no fading, whatever the library starts with."""
+    n, wi, wo = (0.6, 0, 0.8), (0.6, 0, 0.8), (0.6, 0, 0.8)
+    options = ("--what", "f", "--ex", "200", "--ey", "10")
+    (plain,) = evaluate([n + wi + wo], *options)
+    assert plain == pytest.approx(math.sqrt(201 * 11) / (2 * math.pi) / 4, rel=1e-12)
+    (kinder,) = evaluate([n + wi + wo], *options, "--horizon", "valid-estevez")
+    assert kinder == pytest.approx(plain * 2 / (1 + math.sqrt(1 + 0.75**4 / 8)), rel=1e-12)
+
+
 def test_poulin_fournier_is_in_the_reference():
     """Touching neighbours: nothing hidden from above; the library proper gives fibre_view."""
     above, slanted = (0, 0, 1, 0, 0, 1), (0, 0.96, 0.28, 0, 0, 1)

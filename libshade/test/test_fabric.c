@@ -86,6 +86,7 @@ static void near_by_reference(const cloth *c, const double uv[2], const double w
     shade_params_init(&lobe);
     shade_params_set_exponents(&lobe, yarn->along, yarn->across);
     lobe.groove = SHADE_GROOVE_X;
+    lobe.horizon = SHADE_HORIZON_HARD;
     double f[3], matt[3], ci, co = 0;
     memcpy(lobe.f0, yarn->f0, sizeof lobe.f0);
     shade_ref_f(&lobe, n, i, o, f, &ci);

@@ -15,11 +15,11 @@ typedef struct grid {
 static grid g;
 
 /*
- * Albedo for `wo`: the integral of f cos over wi. Half vectors h are laid out about the
- * pole in the metric of alpha; dwi = 4 (h.wo) dh.
+ * Albedo for `wo`: the integral of f cos over wi. Half vectors h are laid out about `pole`, the
+ * normal that the lobe has, in the metric of alpha; dwi = 4 (h.wo) dh.
  */
 static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3],
-                     const double wo[3]) {
+                     const double pole[3], const double wo[3]) {
   for (int i = 0; i < POINTS; i++) {
     /* slope = alpha r; r = s/(1 - s) covers all of it */
     double s = (i / SPOKES + 0.5) / RINGS, phi = 2 * PI * (i % SPOKES + 0.5) / SPOKES;
@@ -28,9 +28,9 @@ static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3
     double z = 1 / sqrt(1 + sx * sx + sy * sy);
     double dh = z * z * z * ax * ay * r * dr * 2 * PI / SPOKES;
     double hx = sx * z, hy = sy * z, hz = z;
-    /* the smallest turn from z to n: any frame covers the hemisphere about n */
-    double k = hx * n[0] + hy * n[1], turn = hz - k / (1 + n[2]);
-    double h[3] = {hx + n[0] * turn, hy + n[1] * turn, hz * n[2] - k};
+    /* the smallest turn from z to the pole: any frame covers the hemisphere about it */
+    double k = hx * pole[0] + hy * pole[1], turn = hz - k / (1 + pole[2]);
+    double h[3] = {hx + pole[0] * turn, hy + pole[1] * turn, hz * pole[2] - k};
     double d = h[0] * wo[0] + h[1] * wo[1] + h[2] * wo[2];
     g.weight[i] = d > 0 ? 4 * d * dh : 0;
     for (int c = 0; c < 3; c++) {
@@ -49,10 +49,11 @@ static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3
   return sum;
 }
 
-static double largest(shade_mdf mdf, shade_brdf brdf, shade_detail detail, double ax, double ay,
-                      const double n[3]) {
+static double largest(shade_mdf mdf, shade_brdf brdf, shade_detail detail, shade_horizon horizon,
+                      double ax, double ay, const double n[3]) {
   shade_params p;
   shade_params_init(&p);
+  p.horizon = horizon;
   shade_params_set_alphas(&p, ax, ay);
   p.mdf = mdf;
   p.brdf = brdf;
@@ -62,9 +63,10 @@ static double largest(shade_mdf mdf, shade_brdf brdf, shade_detail detail, doubl
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
   double most = 0;
   for (int k = 0; k < 3 * 8; k++) {
-    double wo[3], theta[] = {0, 20, 40, 60, 70, 80, 85, 88};
+    double wo[3], pole[3], theta[] = {0, 20, 40, 60, 70, 80, 85, 88};
     spherical(theta[k % 8] * PI / 180, k / 8 * PI / 4, wo);
-    most = fmax(most, albedo(&b, ax, ay, n, wo));
+    shade_ref_normal(&p, n, wo, pole);
+    most = fmax(most, albedo(&b, ax, ay, n, pole, wo));
   }
   return most;
 }
@@ -88,8 +90,8 @@ static void flat(void **state) {
   for (size_t m = 0; m < sizeof models / sizeof models[0]; m++) {
     double most = 0;
     for (int a = 0; a < 4; a++)
-      most = fmax(most, largest(models[m].mdf, models[m].brdf, SHADE_DETAIL_ROTATE, alphas[a][0],
-                                alphas[a][1], z));
+      most = fmax(most, largest(models[m].mdf, models[m].brdf, SHADE_DETAIL_ROTATE,
+                                SHADE_HORIZON_HARD, alphas[a][0], alphas[a][1], z));
     print_message("%s with %s: albedo at most %.4f\n",
                   shade_list_word(SHADE_LIST_BRDF, (int)models[m].brdf),
                   shade_list_word(SHADE_LIST_MDF, (int)models[m].mdf), most);
@@ -109,8 +111,9 @@ static void bumped(void **state) {
   const double ax = sqrt(2. / 202), ay = sqrt(2. / 12);
   for (int d = SHADE_DETAIL_PERTURB; d < SHADE_DETAIL_AUTO; d++) {
     double most = largest(SHADE_MDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_ASHIKHMIN_SHIRLEY,
-                          (shade_detail)d, ax, ay, n);
-    double ggx = largest(SHADE_MDF_GGX, SHADE_BRDF_MICROFACET, (shade_detail)d, ax, ay, n);
+                          (shade_detail)d, SHADE_HORIZON_HARD, ax, ay, n);
+    double ggx = largest(SHADE_MDF_GGX, SHADE_BRDF_MICROFACET, (shade_detail)d, SHADE_HORIZON_HARD,
+                         ax, ay, n);
     print_message("%s: ashikhmin_shirley at most %.4f, ggx microfacet %.4f\n",
                   shade_list_word(SHADE_LIST_DETAIL, d), most, ggx);
     if (d == SHADE_DETAIL_PERTURB) {
@@ -122,7 +125,44 @@ static void bumped(void **state) {
   }
 }
 
+/*
+ * The library's default horizon shades a bent normal, and never more than `hard` shades that one:
+ * what keeps the bound with `hard` through every normal keeps it here, before eyes that see n
+ * from behind, too.
+ */
+static void default_horizon(void **state) {
+  (void)state;
+  const struct {
+    shade_mdf mdf;
+    shade_brdf brdf;
+  } models[] = {{SHADE_MDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_ASHIKHMIN_SHIRLEY},
+                {SHADE_MDF_BECKMANN, SHADE_BRDF_MICROFACET},
+                {SHADE_MDF_GGX, SHADE_BRDF_MICROFACET},
+                {SHADE_MDF_WARD, SHADE_BRDF_WARD_BOUNDED}};
+  shade_params initial;
+  shade_params_init(&initial);
+  for (int m = 0; m < 4; m++)
+    for (int d = SHADE_DETAIL_PERTURB; d <= SHADE_DETAIL_ROTATE; d++) {
+      double most[2] = {0, 0};
+      for (int k = 0; k < 6; k++) {
+        double n[3], tilts[] = {20, 45, 70};
+        spherical(tilts[k % 3] * PI / 180, 200 * PI / 180, n);
+        shade_horizon horizon = k < 3 ? SHADE_HORIZON_HARD : initial.horizon;
+        most[k / 3] = fmax(most[k / 3], largest(models[m].mdf, models[m].brdf, (shade_detail)d,
+                                                horizon, .1, .4, n));
+      }
+      print_message("%s, %s: hard at most %.4f, %s %.4f\n",
+                    shade_list_word(SHADE_LIST_MDF, (int)models[m].mdf),
+                    shade_list_word(SHADE_LIST_DETAIL, d), most[0],
+                    shade_list_word(SHADE_LIST_HORIZON, (int)initial.horizon), most[1]);
+      assert_true(most[0] > 0.1 && most[1] > 0.1);
+      if (d != SHADE_DETAIL_PERTURB)
+        assert_true(most[0] <= 1 + 1e-3 && most[1] <= 1 + 1e-3);
+    }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(flat), cmocka_unit_test(bumped)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(flat), cmocka_unit_test(bumped),
+                                     cmocka_unit_test(default_horizon)};
   return cmocka_run_group_tests_name("furnace", tests, NULL, NULL);
 }

@@ -211,6 +211,7 @@ static void by_hand(void **state) {
   shade_params p;
   shade_params_init(&p);
   p.fresnel = SHADE_FRESNEL_NONE;
+  p.horizon = SHADE_HORIZON_HARD;
   shade_bsdf b = made(&p);
   double hard[3], f[3], cosine;
   shade_bsdf_eval(&b, n, wi, wo, hard, NULL);

@@ -101,9 +101,13 @@ def programs():
 
 
 def brdf_at(half):
-    """f of README's programs at a half vector that lies `half` radians along x from n, by hand."""
+    """f of README's programs at a half vector that lies `half` radians along x from n, by hand.
+
+    The default horizon has nothing to bend here (the mirror image of wo is 57 degrees from z),
+    and fades light along n, of slope 3/4, by Smith's shadow for alpha^2 = (3/4)^2/8."""
     peak = math.sqrt(201 * 11) / (2 * math.pi)
-    return peak * math.cos(half) ** 200 / (4 * math.cos(half) * 1)
+    shadow = 2 / (1 + math.sqrt(1 + .75 ** 4 / 8))
+    return shadow * peak * math.cos(half) ** 200 / (4 * math.cos(half) * 1)
 
 
 @pytest.mark.parametrize("linking", ["shared", "static", "c++"])

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "support.h"
+#include "shade/maps.h"
 
 static void names(void **state) {
   (void)state;
@@ -180,8 +181,8 @@ static void json(void **state) {
   assert_string_equal(
       text, "{\"id\": 3, \"name\": \"a \\\"b\\\"\\\\\\u000a\", \"mdf\": \"ashikhmin_shirley\", "
             "\"brdf\": \"ashikhmin_shirley\", \"detail\": \"rotate\", \"groove\": \"auto\", "
-            "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"horizon\": \"hard\", \"ex\": "
-            "198, \"ey\": 6, \"ax\": "
+            "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"horizon\": "
+            "\"valid_estevez\", \"ex\": 198, \"ey\": 6, \"ax\": "
             "0.10000000000000001, "
             "\"ay\": 0.5, \"f0\": [1, 1, 1], \"f82\": [1, 1, 1], \"eta\": [0.5, 0.5, 0.5], "
             "\"k\": [3, 3, 3], \"kd\": [0, 0, 0]}");
@@ -262,6 +263,36 @@ static void older_caller(void **state) {
   shade_bsdf b;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
   assert_true(b.kd[0] == 0);
+  /* before the choice of horizon there was `hard` */
+  assert_int_equal(b.horizon, SHADE_HORIZON_HARD);
+  p.size = offsetof(shade_params, horizon);
+  shade_params wide;
+  const double z[3] = {0, 0, 1}, covariance[3] = {.01, 0, .01};
+  double angle;
+  shade_params_widen(&p, z, covariance, &wide, &angle);
+  assert_int_equal(wide.horizon, SHADE_HORIZON_HARD);
+  assert_int_equal(wide.size, sizeof wide);
+  p.size = sizeof p;
+  shade_params_widen(&p, z, covariance, &wide, &angle);
+  assert_int_equal(wide.horizon, SHADE_HORIZON_VALID_ESTEVEZ);
+}
+
+/* What shade.h says that a material is which its author has not touched. */
+static void defaults(void **state) {
+  (void)state;
+  shade_params p;
+  shade_params_init(&p);
+  shade_bsdf b;
+  assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+  assert_int_equal(b.mdf, SHADE_MDF_ASHIKHMIN_SHIRLEY);
+  assert_int_equal(b.brdf, SHADE_BRDF_ASHIKHMIN_SHIRLEY);
+  assert_int_equal(b.detail, SHADE_DETAIL_ROTATE);
+  assert_int_equal(b.fresnel, SHADE_FRESNEL_SCHLICK);
+  assert_int_equal(b.diffuse, SHADE_DIFFUSE_LAMBERT);
+  assert_int_equal(b.horizon, SHADE_HORIZON_VALID_ESTEVEZ);
+  p.detail = SHADE_DETAIL_NONE; /* without n there is nothing to be kinder to */
+  assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+  assert_int_equal(b.horizon, SHADE_HORIZON_HARD);
 }
 
 /* Numbers that JSON has no word for never reach it. */
@@ -279,15 +310,11 @@ static void json_stays_finite(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(names),
-      cmocka_unit_test(exponents_and_alphas),
-      cmocka_unit_test(setup_clamps),
-      cmocka_unit_test(every_parameter_clamps),
-      cmocka_unit_test(json),
-      cmocka_unit_test(older_caller),
-      cmocka_unit_test(json_stays_finite),
-      cmocka_unit_test(roughness),
-      cmocka_unit_test(metal_table),
+      cmocka_unit_test(names),        cmocka_unit_test(exponents_and_alphas),
+      cmocka_unit_test(setup_clamps), cmocka_unit_test(every_parameter_clamps),
+      cmocka_unit_test(json),         cmocka_unit_test(older_caller),
+      cmocka_unit_test(defaults),     cmocka_unit_test(json_stays_finite),
+      cmocka_unit_test(roughness),    cmocka_unit_test(metal_table),
   };
   return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

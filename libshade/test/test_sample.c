@@ -197,6 +197,7 @@ static shade_bsdf material(int mdf, int brdf, int detail, double ex, double ey, 
   p.brdf = (shade_brdf)brdf;
   p.detail = (shade_detail)detail;
   p.diffuse = (shade_diffuse)diffuse;
+  p.horizon = SHADE_HORIZON_HARD;
   for (int c = 0; c < 3; c++) {
     p.f0[c] = kd > 0 ? 0.3 : 1;
     p.kd[c] = kd;
@@ -294,6 +295,31 @@ static void chi2_mixtures(void **state) {
 }
 
 /*
+ * The library's default horizon, before an eye whose mirror image lies below the surface: draws
+ * about the bent normal, of n that the eye sees from the side and from behind.
+ */
+static void chi2_bent(void **state) {
+  (void)state;
+  uint64_t seed = 5;
+  verdict v = {0, 1, ""};
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+    for (int k = 1; k < 4; k++) {
+      const int detail = (mdf + k) & 1 ? SHADE_DETAIL_GRAM_SCHMIDT : SHADE_DETAIL_ROTATE;
+      shade_bsdf b = material(mdf, k & 1 ? SHADE_BRDF_MICROFACET : SHADE_BRDF_ASHIKHMIN_SHIRLEY,
+                              detail, 40, 6, k == 2 ? 0.5 : 0, SHADE_DIFFUSE_FIBRE);
+      shade_params initial;
+      shade_params_init(&initial);
+      b.horizon = initial.horizon;
+      double n[3], wo[3];
+      normal_of(k, 1, n);
+      const double azimuth = atan2(n[1], n[0]);
+      spherical(1.35, azimuth + (k & 1 ? 2.7 : 3.4), wo);
+      judge_at(&b, n, wo, FINER, k & 1, &seed, k == 1 ? "tilt 20" : "tilt 45 or 70", &v);
+    }
+  conclude("bent", &v);
+}
+
+/*
  * Facets and upright mirrors, the eye above n's horizon and below it. The azimuths of n put the
  * step of the pdf, where light begins to face the mirror, on the border of two bins.
  */
@@ -372,9 +398,8 @@ static void facets_of_tiny_tilt(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(chi2_lobes),
-      cmocka_unit_test(chi2_mixtures),
-      cmocka_unit_test(chi2_facets),
+      cmocka_unit_test(chi2_lobes),          cmocka_unit_test(chi2_mixtures),
+      cmocka_unit_test(chi2_bent),           cmocka_unit_test(chi2_facets),
       cmocka_unit_test(facets_of_tiny_tilt),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -294,6 +294,7 @@ static unsigned material(worker *w, int *finite) {
   p->groove = (shade_groove)digit(&k, SHADE_GROOVE_COUNT);
   p->fresnel = (shade_fresnel)digit(&k, SHADE_FRESNEL_COUNT);
   p->diffuse = (shade_diffuse)digit(&k, SHADE_DIFFUSE_COUNT);
+  p->horizon = SHADE_HORIZON_HARD;
   if (chance(w, .5)) /* as often as all others: the one that the others build upon */
     p->horizon = (shade_horizon)(uniform(&w->seed) * SHADE_HORIZON_COUNT);
   p->ex = fmin(exponent(w), 1e6);

@@ -296,6 +296,7 @@ static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf 
     r->params.mdf = mdf;
     r->params.brdf = brdfs[mdf];
     r->params.f0[0] = r->params.f0[1] = r->params.f0[2] = .5;
+    r->params.horizon = SHADE_HORIZON_HARD;
     r->params.detail = literal ? SHADE_DETAIL_ROTATE : (shade_detail)d;
     r->params.groove = literal ? SHADE_GROOVE_X : SHADE_GROOVE_AUTO;
     r->params.fast = kind == FAST;

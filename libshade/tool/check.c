@@ -171,6 +171,7 @@ static int read_material(material *m, const char *path, int index, const json *o
   enum { KEYS = 64, ID = KEYS - 2, NAME };
   char seen[KEYS] = {0};
   shade_params_init(&m->params);
+  m->params.horizon = SHADE_HORIZON_HARD; /* what dumps older than that list were shaded by */
   m->name = "";
   if (object->type != JSON_OBJECT)
     return bad_material(path, index, "is no", "{ }");
@@ -195,7 +196,7 @@ static int read_material(material *m, const char *path, int index, const json *o
   if (!seen[ID])
     return bad_material(path, index, "lacks", "id");
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
-    if (!seen[list] && list != SHADE_LIST_HORIZON) /* dumps older than that list are `hard` */
+    if (!seen[list] && list != SHADE_LIST_HORIZON)
       return bad_material(path, index, "lacks", shade_list_name((shade_list)list));
   shade_param_info info;
   for (int row = 0; shade_param_row(row, &info); row++)

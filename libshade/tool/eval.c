@@ -64,9 +64,17 @@ static int choice(const shade_params *p, shade_list list) {
   }
 }
 
+/* The plain formula: neither Fresnel nor a kinder horizon but on request. */
+static shade_params initial_params(void) {
+  shade_params p;
+  shade_params_init(&p);
+  p.fresnel = SHADE_FRESNEL_NONE;
+  p.horizon = SHADE_HORIZON_HARD;
+  return p;
+}
+
 static void usage(FILE *to) {
-  shade_params initial;
-  shade_params_init(&initial);
+  const shade_params initial = initial_params();
   fputs(
       "usage: shade eval [options] < queries\n\n"
       "  --what D|f|diffuse|pdf|sample   (default D)\n"
@@ -320,9 +328,7 @@ static unsigned draw(const query *q, const shade_bsdf *b, const double *v, doubl
 }
 
 int shade_cmd_eval(int argc, char **argv) {
-  query q = {.precision = PRECISION_DOUBLE, .what = WHAT_D};
-  shade_params_init(&q.params);
-  q.params.fresnel = SHADE_FRESNEL_NONE;
+  query q = {.precision = PRECISION_DOUBLE, .what = WHAT_D, .params = initial_params()};
   int help = 0;
   int status = read_options(&q, argc, argv, &help);
   if (help)

@@ -8,6 +8,7 @@ Material::Material() : bsdf(), tangent(TANGENT_DEFAULT), axis(), strength(1.0), 
   params.detail = SHADE_DETAIL_ROTATE; // what this block is for
   params.fresnel =
       SHADE_FRESNEL_NONE; // `specular` alone is the colour at every angle, as elsewhere in a finish
+  params.horizon = SHADE_HORIZON_HARD; // the plain formula, by which other programs check dumps
 }
 
 const Material *Scene::add(const Material &material) {

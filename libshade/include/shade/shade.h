@@ -167,7 +167,10 @@ typedef struct shade_bsdf {
   float sxf, syf, share_lobef, share_diffusef;
 } shade_bsdf;
 
-/* Set every member of *p to the table's default. */
+/*
+ * Set every member of *p to its default: numbers to the table's, choices to the first row of their
+ * list, but for SHADE_DETAIL_ROTATE, SHADE_FRESNEL_SCHLICK and SHADE_HORIZON_VALID_ESTEVEZ.
+ */
 SHADE_API void shade_params_init(shade_params *p);
 
 /*
@@ -216,7 +219,8 @@ SHADE_API int shade_params_set_metal(shade_params *p, const char *word);
  * (SHADE_CLAMPED_PARAMETER; NaN becomes the default), unknown enum values become
  * the first of their list (SHADE_BAD_CHOICE). *b is always usable afterwards.
  * Ashikhmin-Shirley reads ex and ey, every other distribution ax and ay. Members beyond
- * p->size keep their defaults, so that callers built against an older header work.
+ * p->size keep their defaults, so that callers built against an older header work; for those
+ * without `horizon` it is `hard`, as it was then.
  */
 SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
 
@@ -243,9 +247,10 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * The BRDF f(wi, wo), RGB, in 1/sr, without the cosine, and that cosine
  * (n.wi, or wi.z for SHADE_DETAIL_NONE; at least 0) in *cosine if it is not NULL.
  * A picture is f * cosine * irradiance. f is 0 where n.wi, n.wo, wi.z or wo.z
- * is <= 0, unless p->horizon says otherwise. Returns status bits.
+ * is <= 0, unless p->horizon says otherwise, as its default does. Returns status bits.
  *
- * Horizons, all of them exactly `hard` where n = z, and with SHADE_DETAIL_NONE:
+ * Horizons, all of them exactly `hard` where n = z, and with SHADE_DETAIL_NONE. The default is the
+ * one that came nearest to displaced bumps (CONVENTIONS.md has the figures):
  *   hard              the rule above. Reciprocal where the BRDF is
  *   valid_reflection  n is first bent towards z until the mirror image of wo has a z of
  *                     min(0.9 wo.z, 0.01); f and the cosine are those of the bent n. f cos
@@ -254,8 +259,9 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *                     passes 0. estevez: 2/(1 + sqrt(1 + a^2 tan^2)), tan that of wi from z and
  *                     a^2 = min(1, tan^2/8) of n from z; chiang: g + g^2 - g^3 with
  *                     g = min(1, wi.z/(n.z n.wi)). Not reciprocal
- *   valid_estevez     both: n is bent, and the factor is that of the n given. f cos jumps at
- *                     none of these horizons. Not reciprocal
+ *   valid_estevez     the default. Both: n is bent, and the factor is that of the n given. f cos
+ *                     jumps at none of these horizons, and no albedo is above what hard's is for
+ *                     the bent n. Not reciprocal
  *   schuessler        the surface is made of facets with normal n and upright mirrors that face
  *                     the other way, in the proportion that makes it flat as a whole, each
  *                     hiding and shading the other; one reflection at n, at most one at a

@@ -91,7 +91,8 @@
   ROW(SCHUESSLER, schuessler, 4, "Schuessler",                                                     \
       "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")           \
   ROW(VALID_ESTEVEZ, valid_estevez, 5, "Valid reflection, Estevez",                                \
-      "Both: bend the normal for the eye, fade the light; nearest to displaced bumps at grazing")
+      "Both: bend the normal for the eye, fade the light. Nearest to displaced bumps: choose it "  \
+      "where silhouettes go black or low light draws a hard edge, above all with a diffuse part")
 
 /* Parameters of a material. */
 #define SHADE_TABLE_PARAMS(ROW)                                                                    \
