@@ -53,11 +53,30 @@ def test_every_row_in_cache(tmp_path):
             for distribution in distributions:
                 for method in methods:
                     assert (what, precision, distribution, method) in have
+    horizons = words("horizon") - {"hard"}
+    assert len(horizons) == 5
+    for horizon in horizons:
+        for precision in ("float", "double"):
+            for distribution in distributions:
+                assert (f"f_{horizon}", precision, distribution, "rotate") in have
+    assert {row["method"] for row in rows if row["what"].startswith("f_")
+            and row["what"] != "f_call"} == {"rotate"}
+    assert {row["what"] for row in rows} == {"D", "f", "D_call", "f_call"} | {
+        f"f_{horizon}" for horizon in horizons}
     assert ("D", "fast", "ashikhmin_shirley", "rotate") in have
     assert ("D", "float", "ashikhmin_shirley", "rotate_literal") in have
     for row in rows:
         assert row["set"] == "cache"
         assert float(row["max_error"]) <= bound(row), row
+        # something was compared
+        assert float(row["max_error"]) > 0, row
+
+
+def test_one_horizon():
+    rows = read(bench("--csv", "--mdf", "ggx", "--what", "f_valid-estevez"))
+    assert {(row["what"], row["method"], row["set"]) for row in rows} == {
+        ("f_valid_estevez", "rotate", "cache")}
+    assert {row["precision"] for row in rows} == {"float", "double"}
 
 
 def test_memory_and_instruction_sets():
@@ -74,7 +93,9 @@ def test_memory_and_instruction_sets():
 
 def test_bad_usage():
     for options in (["--fast"], ["--ex", "-1"], ["--ex", "x"], ["--ex"], ["--isa", "neon"],
-                    ["--mdf", "phong"], ["--what", "g"], ["--set", "disk"], ["--output"]):
+                    ["--mdf", "phong"], ["--what", "g"], ["--what", "f_hard"],
+                    ["--what", "f_"], ["--what", "f_horizon"], ["--what", "d_call"],
+                    ["--what", "f_chiang", "--set", "memory"], ["--set", "memory", "--what", "D_call"], ["--set", "disk"], ["--output"]):
         out = subprocess.run([SHADE, "bench", *options], capture_output=True, text=True)
         assert out.returncode == 2 and "shade bench" in out.stderr and not out.stdout
     out = subprocess.run([SHADE, "bench", "--output", "/nowhere/bench.csv"], capture_output=True,

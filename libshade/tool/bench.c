@@ -26,9 +26,12 @@ typedef struct arrays {
   double *twice[INPUTS + OUTPUTS];
 } arrays;
 
-/* The distribution and the BRDF over arrays, then the same in one call a sample. */
-typedef enum what { WHAT_D, WHAT_F, WHAT_D_CALL, WHAT_F_CALL, WHATS } what;
-static const char *const what_words[] = {"D", "f", "D_call", "f_call"};
+/*
+ * The distribution and the BRDF over arrays, the same in one call a sample, and the BRDF under
+ * the horizons other than `hard`, whose rows are named f_ and the horizon.
+ */
+typedef enum what { WHAT_D, WHAT_F, WHAT_D_CALL, WHAT_F_CALL, WHAT_F_HORIZON, WHATS } what;
+static const char *const what_words[] = {"D", "f", "D_call", "f_call", "f_horizon"};
 
 typedef enum precision { FAST, SINGLE, TWICE, PRECISIONS } precision;
 static const char *const precision_words[] = {"fast", "float", "double"};
@@ -37,7 +40,11 @@ static int asks_d(what w) {
   return w == WHAT_D || w == WHAT_D_CALL;
 }
 static int is_call(what w) {
-  return w >= WHAT_D_CALL;
+  return w == WHAT_D_CALL || w == WHAT_F_CALL;
+}
+/* Calls never wait for memory, and what a horizon costs is arithmetic. */
+static int in_cache_only(what w) {
+  return is_call(w) || w == WHAT_F_HORIZON;
 }
 
 /* This thread's own time: what the machine does beside it does not count. */
@@ -184,6 +191,29 @@ static void evaluate(const shade_isa_table *isa, const row *r, what w, int singl
     evaluate_batch(isa, &r->bsdf, w, single, a);
 }
 
+/* (wi + wo).n over its length, w (one of them) mirrored at the upright facet of n. */
+static double by_mirror(const double n[3], const double w[3], const double other[3]) {
+  const double side2 = n[0] * n[0] + n[1] * n[1];
+  const double step = side2 > 0 ? 2 * (n[0] * w[0] + n[1] * w[1]) / side2 : 0;
+  const double h[3] = {w[0] - step * n[0] + other[0], w[1] - step * n[1] + other[1],
+                       w[2] + other[2]};
+  return (n[0] * h[0] + n[1] * h[1] + n[2] * h[2]) / sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+}
+
+/* The smallest of the cosines that f depends on, about the normal that it is shaded with. */
+static double least_cosine(const shade_params *p, const double v[INPUTS]) {
+  const double *wi = v + 3, *wo = v + 6;
+  double n[3] = {0, 0, 1};
+  if (p->detail != SHADE_DETAIL_NONE)
+    shade_ref_normal(p, v, wo, n);
+  const double cosi = fabs(n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2]);
+  const double coso = fabs(n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2]);
+  const double least = fmin(cosi, coso);
+  if (p->horizon != SHADE_HORIZON_SCHUESSLER)
+    return least;
+  return fmin(least, fmin(by_mirror(n, wi, wo), by_mirror(n, wo, wi)));
+}
+
 /*
  * Worst relative error against the reference on the same inputs, where D > 1e-12 of its peak; of
  * f where both cosines are above 0.05, for below them every float cosine loses its digits.
@@ -199,10 +229,8 @@ static double worst_error(const shade_isa_table *isa, const row *r, what w, int 
     if (asks_d(w)) {
       want[0] = shade_ref_mdf(&r->params, v, v + 3);
     } else {
-      int none = r->params.detail == SHADE_DETAIL_NONE;
-      double coso = none ? v[8] : v[0] * v[6] + v[1] * v[7] + v[2] * v[8];
-      shade_ref_f(&r->params, v, v + 3, v + 6, want, &least);
-      least = fmin(least, coso);
+      shade_ref_f(&r->params, v, v + 3, v + 6, want, NULL);
+      least = least_cosine(&r->params, v);
     }
     double got = single ? (double)a->single[INPUTS][i] : a->twice[INPUTS][i];
     if (want[0] > 1e-12 * r->bsdf.peak && least > 0.05)
@@ -239,6 +267,8 @@ static void usage(FILE *to) {
         "  D, f             the distribution; the whole BRDF: that of Ashikhmin and Shirley,\n"
         "                   ward_bounded for both Wards, microfacet for Beckmann and GGX\n"
         "  D_call, f_call   the same in one call a sample\n"
+        "  f_valid_estevez  f of rotate under that horizon, its ratio to perturb's f; likewise\n"
+        "                   all other horizons of shade eval --help but hard, which f has\n"
         "  rotate_literal   rotate as the papers write it, with atan2 and powf of libm\n\n"
         "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
         "                   ratio_stream,max_error\n"
@@ -246,7 +276,7 @@ static void usage(FILE *to) {
         "  --isa NAME       avx512, avx2, sse2 or scalar (default: the widest of this CPU)\n"
         "  --all            every instruction set of this CPU\n"
         "  --mdf NAME       one distribution only\n"
-        "  --what NAME      D, f, D_call or f_call only\n"
+        "  --what NAME      D, f, D_call or f_call only, or f_ and a horizon\n"
         "  --set NAME       cache or memory only\n"
         "  --ex E --ey E    exponents (default 200, 10)\n",
         to);
@@ -254,6 +284,7 @@ static void usage(FILE *to) {
 
 typedef struct options {
   int csv, all, mdf, what, set; /* -1: every one */
+  int horizon;                  /* of WHAT_F_HORIZON; -1: every one */
   const char *isa, *output;
   FILE *file;
   double ex, ey;
@@ -262,19 +293,34 @@ typedef struct options {
 static const char columns[] =
     "what,method,distribution,precision,isa,set,ns,ratio_perturb,ratio_stream,max_error\n";
 
-static void print_row(const options *o, const row *r, const char *w, const char *precision,
+static void print_row(const options *o, const row *r, what asked, const char *precision,
                       const char *isa, const char *set, double perturb, double bare) {
+  char w[32];
+  snprintf(w, sizeof w, "%s", what_words[asked]);
+  if (asked == WHAT_F_HORIZON)
+    snprintf(w, sizeof w, "f_%s", shade_list_word(SHADE_LIST_HORIZON, (int)r->params.horizon));
   static const char csv[] = "%s,%s,%s,%s,%s,%s,%.4g,%.4g,%.4g,%.2e\n";
   const char *method = r->kind == KIND_LITERAL
                            ? "rotate_literal"
                            : shade_list_word(SHADE_LIST_DETAIL, (int)r->params.detail);
   const char *mdf = shade_list_word(SHADE_LIST_MDF, (int)r->params.mdf);
-  printf(o->csv ? csv : "%-6s %-24s %-18s %-7s %-7s %-7s %8.3g %8.3g %8.3g %10.1e\n", w, method,
+  printf(o->csv ? csv : "%-18s %-24s %-18s %-7s %-7s %-7s %8.3g %8.3g %8.3g %10.1e\n", w, method,
          mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare, r->error);
   fflush(stdout);
   if (o->file)
     fprintf(o->file, csv, w, method, mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare,
             r->error);
+}
+
+/*
+ * Whether a question has the row d: the methods, past them the literal transcription, then rotate
+ * under each horizon but hard. perturb is always there, for ratios.
+ */
+static int has_row(const options *o, what w, int d) {
+  const int horizon = d - SHADE_DETAIL_COUNT;
+  if (w != WHAT_F_HORIZON)
+    return horizon <= 0;
+  return d == SHADE_DETAIL_PERTURB || (horizon > 0 && (o->horizon < 0 || o->horizon == horizon));
 }
 
 /* All methods of one distribution, instruction set, precision and question. */
@@ -283,11 +329,13 @@ static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf 
   const shade_brdf brdfs[SHADE_MDF_COUNT] = {SHADE_BRDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_WARD_BOUNDED,
                                              SHADE_BRDF_WARD_BOUNDED, SHADE_BRDF_MICROFACET,
                                              SHADE_BRDF_MICROFACET};
-  row rows[SHADE_DETAIL_COUNT + 2];
+  row rows[SHADE_DETAIL_COUNT + SHADE_HORIZON_COUNT + 2];
   int count = 1, perturb = 0;
-  for (int d = 0; d <= SHADE_DETAIL_COUNT; d++) {
+  for (int d = 0; d < SHADE_DETAIL_COUNT + SHADE_HORIZON_COUNT; d++) {
     row *r = &rows[count];
-    int literal = d == SHADE_DETAIL_COUNT;
+    const int literal = d == SHADE_DETAIL_COUNT, horizon = d - SHADE_DETAIL_COUNT;
+    if (!has_row(o, w, d))
+      continue;
     if (literal && !(w == WHAT_D && kind == SINGLE && mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY))
       continue;
     r->kind = literal ? KIND_LITERAL : KIND_METHOD;
@@ -296,8 +344,8 @@ static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf 
     r->params.mdf = mdf;
     r->params.brdf = brdfs[mdf];
     r->params.f0[0] = r->params.f0[1] = r->params.f0[2] = .5;
-    r->params.horizon = SHADE_HORIZON_HARD;
-    r->params.detail = literal ? SHADE_DETAIL_ROTATE : (shade_detail)d;
+    r->params.horizon = horizon > 0 ? (shade_horizon)horizon : SHADE_HORIZON_HARD;
+    r->params.detail = horizon >= 0 ? SHADE_DETAIL_ROTATE : (shade_detail)d;
     r->params.groove = literal ? SHADE_GROOVE_X : SHADE_GROOVE_AUTO;
     r->params.fast = kind == FAST;
     shade_bsdf_setup(&r->bsdf, &r->params);
@@ -315,9 +363,8 @@ static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf 
   for (int r = 1; r < count; r++) /* first, which also warms up */
     rows[r].error = worst_error(isa, &rows[r], w, single, a);
   time_rows(isa, rows, count, w, single, a);
-  for (int r = 1; r < count; r++)
-    print_row(o, &rows[r], what_words[w], precision_words[kind], isa->name, set, rows[perturb].ns,
-              rows[0].ns);
+  for (int r = 1 + (w == WHAT_F_HORIZON); r < count; r++)
+    print_row(o, &rows[r], w, precision_words[kind], isa->name, set, rows[perturb].ns, rows[0].ns);
 }
 
 static int read_exponent(const char *text, double *value) {
@@ -351,8 +398,11 @@ static int read_value(options *o, const char *option, const char *text) {
     o->mdf = shade_list_find(SHADE_LIST_MDF, text);
     expected = o->mdf < 0 ? "a distribution (see shade eval --help)" : NULL;
   } else if (!strcmp(option, "--what")) {
-    o->what = find_word(what_words, WHATS, text);
-    expected = o->what < 0 ? "D, f, D_call or f_call" : NULL;
+    o->what = find_word(what_words, WHAT_F_HORIZON, text);
+    o->horizon = strncmp(text, "f_", 2) ? -1 : shade_list_find(SHADE_LIST_HORIZON, text + 2);
+    if (o->what < 0 && o->horizon > 0)
+      o->what = WHAT_F_HORIZON;
+    expected = o->what < 0 ? "D, f, D_call, f_call, or f_ and a horizon (not hard)" : NULL;
   } else if (!strcmp(option, "--set")) {
     o->set = find_word(sets, 2, text);
     expected = o->set < 0 ? "cache or memory" : NULL;
@@ -390,6 +440,11 @@ static int read_options(options *o, int argc, char **argv, int *help) {
       i++;
     }
   }
+  if (o->set == 1 && o->what >= 0 && in_cache_only((what)o->what)) {
+    fputs("shade bench: calls and horizons are timed in cache only (see shade bench --help)\n",
+          stderr);
+    return TOOL_BAD_USAGE;
+  }
   return TOOL_DONE;
 }
 
@@ -418,7 +473,7 @@ static int bench_set(const options *o, int s, int *done, int total) {
       for (int m = 0; m < SHADE_MDF_COUNT; m++) {
         if (!wanted(o, isa, row) || (o->what >= 0 && w != o->what) || (o->mdf >= 0 && m != o->mdf))
           continue;
-        if (s == 1 && is_call((what)w)) /* calls never wait for memory */
+        if (s == 1 && in_cache_only((what)w))
           continue;
         char title[64];
         snprintf(title, sizeof title, "%s %s %s %s", sets[s], isa->name, what_words[w],
@@ -432,7 +487,7 @@ static int bench_set(const options *o, int s, int *done, int total) {
 }
 
 int shade_cmd_bench(int argc, char **argv) {
-  options o = {.mdf = -1, .what = -1, .set = -1, .ex = 200, .ey = 10};
+  options o = {.mdf = -1, .what = -1, .set = -1, .horizon = -1, .ex = 200, .ey = 10};
   int help = 0, status = read_options(&o, argc, argv, &help);
   if (help)
     usage(stdout);
@@ -454,7 +509,8 @@ int shade_cmd_bench(int argc, char **argv) {
   if (o.csv)
     fputs(columns, stdout);
   else
-    puts("       method                   distribution       type    isa     arrays        ns "
+    puts("                   method                   distribution       type    isa     arrays    "
+         "    ns "
          "/perturb  /stream      error");
   int isas = 0, done = 0, total = 0;
   const shade_isa_table *isa;
@@ -462,7 +518,8 @@ int shade_cmd_bench(int argc, char **argv) {
     isas += wanted(&o, isa, row);
   for (int s = 0; s < 2; s++)
     for (int w = 0; w < WHATS; w++)
-      if ((o.set < 0 || s == o.set) && (o.what < 0 || w == o.what) && !(s && is_call((what)w)))
+      if ((o.set < 0 || s == o.set) && (o.what < 0 || w == o.what) &&
+          !(s && in_cache_only((what)w)))
         total += isas * (o.mdf < 0 ? SHADE_MDF_COUNT : 1);
   for (int s = 0; s < 2 && !status; s++)
     if (o.set < 0 || s == o.set)
