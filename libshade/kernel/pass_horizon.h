@@ -111,6 +111,20 @@ static unsigned FN(two_facets)(const shade_bsdf *b, size_t size, const real *con
   return status;
 }
 
+/*
+ * No bumps here, so that all choices are `hard` (to a rounding for two facets, which are left
+ * alone): flat surfaces are not to pay for the others. Needs no mended n.
+ */
+static int FN(is_flat)(const shade_bsdf *b, size_t count, const real *nx, const real *ny) {
+  int bumps = nx[0] != 0 || ny[0] != 0 || b->horizon == SHADE_HORIZON_SCHUESSLER;
+  if (bumps)
+    return 0;
+#pragma omp simd reduction(| : bumps)
+  for (size_t i = 0; i < count; i++)
+    bumps |= (nx[i] != 0) | (ny[i] != 0);
+  return !bumps;
+}
+
 static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
                                        const FN(shade_lanes) * in, const FN(shade_result) * out) {
   real bent[3][BLOCK];
@@ -121,7 +135,8 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
     const real *v[3][3] = {{in->nx + start, in->ny + start, in->nz + start},
                            {in->wix + start, in->wiy + start, in->wiz + start},
                            {in->wox + start, in->woy + start, in->woz + start}};
-    const unsigned mended = FN(mend_block)(size, 3, v, &room);
+    const int flat = FN(is_flat)(b, size, v[0][0], v[0][1]);
+    const unsigned mended = flat ? SHADE_OK : FN(mend_block)(size, 3, v, &room);
     unsigned block = mended;
     FN(shade_lanes)
     lanes = {v[0][0],
@@ -140,7 +155,9 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
         result = {out->r + start, out->g + start, out->b + start, out->cosine + start};
     real *to[4] = {result.r, result.g, result.b, result.cosine},
          *factor = bent[0]; /* once n is shaded with */
-    if (b->horizon == SHADE_HORIZON_SCHUESSLER) {
+    if (flat) {
+      block |= FN(bsdf_hard_batch)(b, size, &lanes, &result);
+    } else if (b->horizon == SHADE_HORIZON_SCHUESSLER) {
       block |= FN(two_facets)(b, size, v, &lanes, &result);
     } else {
       if (FN(bends)(b)) {
@@ -197,6 +214,8 @@ static unsigned FN(two_facets_one)(const shade_bsdf *b, const real n[3], const r
 
 static unsigned FN(bsdf_horizon)(const shade_bsdf *b, const real n_in[3], const real wi_in[3],
                                  const real wo_in[3], real f[3], real *cosine) {
+  if (FN(is_flat)(b, 1, n_in, n_in + 1))
+    return FN(bsdf_hard)(b, n_in, wi_in, wo_in, f, cosine);
   real n[3] = {n_in[0], n_in[1], n_in[2]};
   real wi[3] = {wi_in[0], wi_in[1], wi_in[2]};
   real wo[3] = {wo_in[0], wo_in[1], wo_in[2]};

@@ -163,6 +163,45 @@ static void flat_is_hard(void **state) {
   }
 }
 
+/* The same of batches, on every instruction set: all lanes flat, or every third one. */
+static void flat_lanes_are_hard(void **state) {
+  (void)state;
+  enum { COUNT = 300 };
+  static float in[9][COUNT], out[2][4][COUNT];
+  static double ind[9][COUNT], outd[2][4][COUNT];
+  const shade_lanesf lanesf = {in[0], in[1], in[2], in[3], in[4], in[5],
+                               in[6], in[7], in[8], NULL,  NULL,  NULL};
+  const shade_lanes lanes = {ind[0], ind[1], ind[2], ind[3], ind[4], ind[5],
+                             ind[6], ind[7], ind[8], NULL,   NULL,   NULL};
+  uint64_t seed = 27;
+  const shade_isa_table *isa;
+  for (int row = 0; (isa = shade_isa_pick(row)); row++)
+    for (int k = 0; k < 40 * (SHADE_HORIZON_COUNT - 1); k++) {
+      shade_params p = random_params(&seed, (shade_horizon)(1 + k / 40));
+      const int every = k & 1 ? 1 : 3;
+      for (int i = 0; i < COUNT; i++) {
+        double v[9];
+        random_triple(&seed, 1.2, v, v + 3, v + 6);
+        if (i % every == 0)
+          v[0] = v[1] = 0, v[2] = 1;
+        for (int c = 0; c < 9; c++)
+          ind[c][i] = (double)(in[c][i] = (float)v[c]);
+      }
+      for (int hard = 0; hard < 2; hard++) {
+        if (hard)
+          p.horizon = SHADE_HORIZON_HARD;
+        const shade_bsdf b = made(&p);
+        const shade_resultf resultf = {out[hard][0], out[hard][1], out[hard][2], out[hard][3]};
+        const shade_result result = {outd[hard][0], outd[hard][1], outd[hard][2], outd[hard][3]};
+        assert_int_equal(isa->bsdf_batchf(&b, COUNT, &lanesf, &resultf), SHADE_OK);
+        assert_int_equal(isa->bsdf_batch(&b, COUNT, &lanes, &result), SHADE_OK);
+      }
+      for (int c = 0; c < 4; c++)
+        for (int i = 0; i < COUNT; i += every)
+          assert_true(out[0][c][i] == out[1][c][i] && outd[0][c][i] == outd[1][c][i]);
+    }
+}
+
 /*
  * valid_reflection: n as it is while the mirror image of wo is high enough; else the lobe of a
  * normal between z and n whose image has exactly the height that is stated.
@@ -520,10 +559,10 @@ static void senseless_input(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(by_hand),         cmocka_unit_test(against_reference),
-      cmocka_unit_test(flat_is_hard),    cmocka_unit_test(bent_normal),
-      cmocka_unit_test(continuity),      cmocka_unit_test(reciprocity),
-      cmocka_unit_test(furnace),         cmocka_unit_test(batch_is_single),
-      cmocka_unit_test(senseless_input),
+      cmocka_unit_test(flat_is_hard),    cmocka_unit_test(flat_lanes_are_hard),
+      cmocka_unit_test(bent_normal),     cmocka_unit_test(continuity),
+      cmocka_unit_test(reciprocity),     cmocka_unit_test(furnace),
+      cmocka_unit_test(batch_is_single), cmocka_unit_test(senseless_input),
   };
   return cmocka_run_group_tests_name("horizon", tests, NULL, NULL);
 }
