@@ -63,6 +63,20 @@ def exp_rest(r):
     return (r.exp() - 1 - r) / (r * r)
 
 
+def log2_ratio(z):
+    """log2((1+s)/(1-s)) / s at z = s^2."""
+    return (2 + atanh_rest(z) * z) / LN2
+
+
+def exp2_ratio(r):
+    """(2^r - 1) / r."""
+    return ((r * LN2).exp() - 1) / r if r else LN2
+
+
+def exp2_error(r, p):
+    return (p - exp2_ratio(r)) * r / (r * LN2).exp()
+
+
 def erfcx(a):
     """exp(a^2) erfc(a), by the series of erf; good for a <= 6, where 16 of 60 digits cancel."""
     term = total = a
@@ -101,7 +115,8 @@ def emit(name, function, low, high, terms, single, relative, note):
     digits = 9 if single else 17
     horner = ""
     for c in reversed(coefficients):
-        value = f"{c:.{digits}g}{suffix}"
+        value = f"{c:.{digits}g}"
+        value += ("" if "." in value else ".0") + suffix
         horner = f"({value} + (z) * {horner})" if horner else value
     print(f"/* {note}: relative error {float(bound):.1e} */")
     print(f"#define {name}(z) {horner}\n")
@@ -119,11 +134,17 @@ print("/* Made by coefficients.py; do not edit. */")
 print("#ifndef SHADE_COEFFICIENTS_H\n#define SHADE_COEFFICIENTS_H\n")
 # s = f/(2+f), 1+f in [sqrt(1/2), sqrt(2)]: |s| <= 3 - 2 sqrt(2)
 LIMIT = (3 - 2 * Decimal(2).sqrt()) ** 2
+# the same with 1+f in 2^-0.5865 to 2^0.5865, where bits stand for logarithms (0.0861 off)
+SPREAD = (Decimal("0.5865") * LN2).exp()
+LOG2_LIMIT = ((SPREAD - 1) / (SPREAD + 1)) ** 2
 HALF = LN2 / 2 * Decimal("1.001")
-for single, tag, log_terms, exp_terms, erfcx_terms, atan_terms in (
-    (True, "F", 3, 5, 9, 5),
-    (False, "D", 8, 12, 18, 12),
+EXP2_HALF = Decimal("0.5")
+for single, tag, log_terms, exp_terms, log2_terms, exp2_terms, erfcx_terms, atan_terms in (
+    (True, "F", 3, 5, 4, 6, 9, 5),
+    (False, "D", 8, 12, 10, 13, 18, 12),
 ):
+
+    unit = Decimal(2) ** -23 if single else Decimal(1)
 
     def log_error(z, p):
         return (p - atanh_rest(z)) * z / (2 + atanh_rest(z) * z)
@@ -135,6 +156,11 @@ for single, tag, log_terms, exp_terms, erfcx_terms, atan_terms in (
          "log((1+s)/(1-s)) = 2s + s^3 P(s^2)")
     emit(f"SHADE_EXP_{tag}", exp_rest, -HALF, HALF, exp_terms, single, exp_error,
          "exp(r) = 1 + r + r^2 P(r)")
+    emit(f"SHADE_LOG2_{tag}", lambda z: log2_ratio(z) / unit, Decimal(0), LOG2_LIMIT, log2_terms,
+         single, lambda z, p: p * unit / log2_ratio(z) - 1,
+         f"log2((1+s)/(1-s)) = s P(s^2){' / 2^23' if single else ''}")
+    emit(f"SHADE_EXP2_{tag}", exp2_ratio, -EXP2_HALF, EXP2_HALF, exp2_terms, single, exp2_error,
+         "2^r = 1 + r P(r)")
     emit(f"SHADE_ATAN_{tag}", atan_rest, Decimal(0), (Decimal(2).sqrt() - 1) ** 2, atan_terms, single,
          lambda z, p: (p - atan_rest(z)) * z / (1 + atan_rest(z) * z),
          "atan(s) = s + s^3 P(s^2), s <= tan(pi/8)")
@@ -165,8 +191,8 @@ for single, tag, log_terms, exp_terms, erfcx_terms, atan_terms in (
     print(f"#define SHADE_LN2_LOW_{tag} {low:.{digits}g}{suffix}")
     print(f"#define SHADE_LOG2E_{tag} {rounded(1 / LN2, single):.{digits}g}{suffix}\n")
 ROOT = Decimal(2).sqrt()
-emit("SHADE_LOG_FAST", log_ratio, 1 / ROOT - 1, ROOT - 1, 7, True,
-     lambda f, p: p / log_ratio(f) - 1, "log(1 + f) = f P(f), for `fast`")
-emit("SHADE_EXP_FAST", exp_rest, -HALF, HALF, 3, True, lambda r, p: (p - exp_rest(r)) * r * r / r.exp(),
-     "exp(r) = 1 + r + r^2 P(r), for `fast`")
+emit("SHADE_LOG2_FAST", lambda f: log_ratio(f) / LN2 * 2**23, 1 / ROOT - 1, ROOT - 1, 7, True,
+     lambda f, p: p * LN2 / log_ratio(f) / 2**23 - 1, "log2(1 + f) = f P(f) / 2^23, for `fast`")
+emit("SHADE_EXP2_FAST", exp2_ratio, -EXP2_HALF, EXP2_HALF, 4, True, exp2_error,
+     "2^r = 1 + r P(r), for `fast`")
 print("#endif")

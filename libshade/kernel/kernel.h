@@ -30,8 +30,12 @@
 static void FN(pass_lobe)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
                           const real *nz, const real *hx, const real *hy, const real *hz, real *t,
                           real *xx, real *yy, real *d) {
-  FN(pass_detail)(b->map, count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-  FN(pass_distribution)(b, count, t, xx, yy, d);
+  if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+    FN(pass_ashikhmin_shirley)(b, count, nx, ny, nz, hx, hy, hz, d);
+  } else {
+    FN(pass_detail)(b->map, count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    FN(pass_distribution)(b, count, t, xx, yy, d);
+  }
   if (b->conserve)
     FN(pass_conserve)(b, count, nx, ny, nz, hx, hy, hz, d);
 }

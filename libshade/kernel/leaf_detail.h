@@ -1,29 +1,46 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the half vector lies in the carried distribution. Each leaf turns
- * (n, h) into what every distribution needs:
- *   t       tan^2 of the angle between h and the carried pole; -1 when h is
- *           on or below its horizon, where D' = 0
- *   xx, yy  squares of the slope of h along x and y; xx + yy = t
- * h need not be unit, except for the warps: only its direction counts. The tangents come from cross
+ * Where the half vector lies in the carried distribution, for a perturbed normal n. h need not
+ * be unit, except for the warps: only its direction counts. The tangents come from cross
  * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (CONVENTIONS.md, Detail).
  *
- * Errors of the slopes sqrt(xx) and sqrt(yy) over 1 + t, against the reference on the same
- * inputs, cosine to the carried pole >= 0.05, tilts to 89.9 degrees: float 2e-7, double 4e-16,
- * worst at the largest tilts. The warps (cosine >= 0.5, tilts to 75 degrees): 5e-7, 1.5e-15,
+ * Errors of the slopes sqrt(xx) and sqrt(yy) of lobe_at over 1 + t, against the reference on the
+ * same inputs, cosine to the carried pole >= 0.05, tilts to 89.9 degrees: float 2e-7, double
+ * 4e-16, worst at the largest tilts. The warps (cosine >= 0.5, tilts to 75 degrees): 5e-7, 1.5e-15,
  * worst near their rim. Held by test/test_leaves.c; what becomes of them in D is stated in
  * leaf_distribution.h.
+ */
+
+/*
+ * h in the carried frame before any division, to a scale of its own: squared components along x
+ * and y, squared sine and cosine of the angle to the pole. ss is xx + yy but for perturb and
+ * rotate_approximate. D' = 0 where h is not above the carried horizon.
+ */
+typedef struct FN(lobe_ratio) {
+  real xx, yy, ss, zz;
+  int above;
+} FN(lobe_ratio);
+
+/*
+ * The same as slopes, which is what the distributions of slopes need:
+ *   t       tan^2 of the angle between h and the pole; -1 where h is not above the horizon
+ *   xx, yy  squares of the slope along x and y
  */
 typedef struct FN(lobe_point) {
   real t, xx, yy;
 } FN(lobe_point);
 
-/* From squared sines along x and y and a squared cosine, to any common scale. */
-LEAF FN(lobe_point) FN(lobe_at)(real xx, real yy, real zz, int above) {
-  real inverse = 1 / (zz + TINY);
-  FN(lobe_point) p = {-1, xx * inverse, yy * inverse};
-  p.t = above ? p.xx + p.yy : -1;
+LEAF FN(lobe_point) FN(lobe_at)(FN(lobe_ratio) r) {
+  real inverse = 1 / (r.zz + TINY);
+  FN(lobe_point) p = {-1, r.xx * inverse, r.yy * inverse};
+  p.t = r.above ? r.ss * inverse : -1;
   return p;
+}
+
+/* With the sine that xx and yy make up. */
+LEAF FN(lobe_ratio) FN(lobe_of)(real x, real y, real zz, int above) {
+  FN(lobe_ratio) r = {x * x, y * y, x * x + y * y, zz, above};
+  return r;
 }
 
 /* n x h, whose length is the sine, and n . h. */
@@ -40,42 +57,35 @@ LEAF FN(cross_and_dot) FN(cross_and_dot_of)(real nx, real ny, real nz, real hx, 
   return c;
 }
 
-/* tan^2 of the angle between n and h, or -1: the t of a lobe_point. */
-LEAF real FN(tan2)(FN(cross_and_dot) c) {
-  real t = (c.x * c.x + c.y * c.y + c.z * c.z) / (c.d * c.d + TINY);
-  return c.d > 0 ? t : -1;
+LEAF FN(lobe_ratio) FN(lobe_around)(FN(cross_and_dot) c, real xx, real yy) {
+  FN(lobe_ratio) r = {xx, yy, c.x * c.x + c.y * c.y + c.z * c.z, c.d * c.d, c.d > 0};
+  return r;
 }
 
 /* The perturbed normal is ignored. */
-LEAF FN(lobe_point) FN(detail_none)(real hx, real hy, real hz) {
-  return FN(lobe_at)(hx * hx, hy * hy, hz * hz, hz > 0);
+LEAF FN(lobe_ratio) FN(detail_none)(real hx, real hy, real hz) {
+  return FN(lobe_of)(hx, hy, hz * hz, hz > 0);
 }
 
 /*
  * Plain normal mapping: the polar angle from n, the azimuth from the unperturbed
  * frame. This form is for Ashikhmin-Shirley, which reads only the ratio of xx and yy
- * and takes cos^2 = 1/2 where both are 0: they are not the slopes here.
+ * and takes cos^2 = 1/2 where both are 0: they have a scale of their own here.
  */
-LEAF FN(lobe_point) FN(detail_perturb_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  FN(lobe_point) p;
-  FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
-  p.xx = hx * hx;
-  p.yy = hy * hy;
-  p.t = FN(tan2)(c);
-  return p;
+LEAF FN(lobe_ratio) FN(detail_perturb_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  return FN(lobe_around)(FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz), hx * hx, hy * hy);
 }
 
 /*
- * The same with slopes. Over the unperturbed pole the azimuth is undefined and cos^2 = 1/2
- * stands for it.
+ * The same as slopes, for lobe_at. Over the unperturbed pole the azimuth is undefined and
+ * cos^2 = 1/2 stands for it.
  */
-LEAF FN(lobe_point) FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
-  FN(lobe_point) p = FN(detail_perturb_ratio)(nx, ny, nz, hx, hy, hz);
-  real inverse = 1 / (p.xx + p.yy + TINY); /* t / radius could overflow */
-  real t = FN(absolute)(p.t);
-  p.xx = (p.xx + R(0.5) * TINY) * inverse * t;
-  p.yy = (p.yy + R(0.5) * TINY) * inverse * t;
-  return p;
+LEAF FN(lobe_ratio) FN(detail_perturb)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  FN(lobe_ratio) r = FN(detail_perturb_ratio)(nx, ny, nz, hx, hy, hz);
+  real share = r.ss / (r.xx + r.yy + TINY);
+  r.xx = (r.xx + R(0.5) * TINY) * share;
+  r.yy = (r.yy + R(0.5) * TINY) * share;
+  return r;
 }
 
 /*
@@ -98,34 +108,32 @@ LEAF real FN(rotate_scale)(real nx, real nz) {
  * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: CONVENTIONS.md, Detail]
  * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
  */
-LEAF FN(lobe_point) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
   real scale = FN(rotate_scale)(nx, nz);
   real a = nx * scale, c = nz * scale;
   real x = c * hx - a * hz;
   real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);
   real d = nx * hx + ny * hy + nz * hz;
-  return FN(lobe_at)(x * x, y * y, (a * a + c * c) * (d * d), d > 0);
+  return FN(lobe_of)(x, y, (a * a + c * c) * (d * d), d > 0);
 }
 
 /* The smallest rotation that brings z to n, applied to n x h: its sine is kept, not lost. */
-LEAF FN(lobe_point) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
   real turn = c.z / (1 + nz);
   real x = c.y - ny * turn, y = c.x - nx * turn;
-  return FN(lobe_at)(x * x, y * y, c.d * c.d, c.d > 0);
+  return FN(lobe_of)(x, y, c.d * c.d, c.d > 0);
 }
 
 /*
  * `rotate` without the division of x and y by L, so that xx + yy = L^2 t: the paper's fast
  * form, sign corrected. Ashikhmin-Shirley, which does not see L, takes this for `rotate`.
  */
-LEAF FN(lobe_point)
+LEAF FN(lobe_ratio)
     FN(detail_rotate_approximate)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
   real y = nx * c.z - nz * c.x;
-  FN(lobe_point) p = FN(lobe_at)(c.y * c.y, y * y, c.d * c.d, c.d > 0);
-  p.t = FN(tan2)(c);
-  return p;
+  return FN(lobe_around)(c, c.y * c.y, y * y);
 }
 
 /*
@@ -146,23 +154,23 @@ LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
 }
 
 /* Weight w: |p| is u itself. */
-LEAF FN(lobe_point) FN(detail_deform_linear)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail_deform_linear)(real nx, real ny, real nz, real hx, real hy, real hz) {
   real x = hx - nx, y = hy - ny;
   real u = FN(warp_fraction)(nx, ny, nz, x, y);
   x += u * nx;
   y += u * ny;
-  return FN(lobe_at)(x * x, y * y, FN(absolute)((1 - u) * (1 + u)), (u < 1) & (hz > 0));
+  return FN(lobe_of)(x, y, FN(absolute)((1 - u) * (1 + u)), (u < 1) & (hz > 0));
 }
 
 /* Weight sqrt(w); p may leave the disc, where D' = 0. */
-LEAF FN(lobe_point) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx, real hy, real hz) {
   real x = hx - nx, y = hy - ny;
   real u = FN(minimum)(FN(warp_fraction)(nx, ny, nz, x, y), 1);
   real shift = u / (1 + FN(root)(1 - u));
   x += shift * nx;
   y += shift * ny;
   real zz = 1 - (x * x + y * y);
-  return FN(lobe_at)(x * x, y * y, FN(absolute)(zz), (zz > 0) & (hz > 0));
+  return FN(lobe_of)(x, y, FN(absolute)(zz), (zz > 0) & (hz > 0));
 }
 
 /*

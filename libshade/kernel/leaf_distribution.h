@@ -14,15 +14,15 @@
 
 /*
  * Ashikhmin-Shirley: peak * cos^e, e = (ex xx + ey yy)/(xx + yy), with the power
- * as exp(-e/2 log(1 + tan^2)): pow(cos, e) would lose e roundings. Integrates
+ * as 2^(-e/2 log2(1 + tan^2)): pow(cos, e) would lose e roundings. Integrates
  * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4; CONVENTIONS.md, Detail]
  */
-LEAF real FN(ashikhmin_shirley)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real mean = R(0.5) * TINY * (kx + ky); /* of the exponents, where there is no azimuth */
-  real e = (kx * p.xx + ky * p.yy + mean) / (p.xx + p.yy + TINY);
-  real t = FN(absolute)(p.t);
-  real value = peak * FN(exp_negative)(R(0.5) * e * FN(log1p_positive)(t));
-  return p.t >= 0 ? value : 0;
+LEAF real FN(ashikhmin_shirley)(FN(lobe_ratio) p, real kx, real ky, real peak) {
+  real x = R(0.5) * LOG2_UNIT * kx, y = R(0.5) * LOG2_UNIT * ky;
+  real mean = R(0.5) * TINY * (x + y); /* where there is no azimuth */
+  real e = (x * p.xx + (y * p.yy + mean)) / (p.xx + (p.yy + TINY));
+  real value = peak * FN(exp2_negative)(e * FN(log2_1p)(p.ss, p.zz + TINY));
+  return p.above ? value : 0;
 }
 
 /*

@@ -2,27 +2,34 @@
 /*
  * The quicker form of Ashikhmin-Shirley, float only: peak * d^e from the cosine d itself,
  * which loses e roundings. n and h are unit. Relative error against the reference, D > 1e-12
- * of the peak, z >= 0.05, tilts to 89.9 degrees: 2e-4 at exponents to 1e3, 2e-2 to 1e5.
+ * of the peak, z >= 0.05, tilts to 89.9 degrees: 2e-4 at exponents to 1e3, 2e-2 to 1e5. e is in
+ * LOG2_UNIT, as log2_1p.
  */
 LEAF float fast_power(float d, float e) {
-  /* the floor of the exponent over sqrt(1/2), biased so that the shift sees no sign */
-  uint32_t k = (to_bitsf(d) - 0x3f3504f3u + (127u << 23)) >> 23;
-  float f = d * from_bitsf((254u - k) << 23) - 1;
-  float log = (float)((int32_t)k - 127) * 0.693147181f + f * SHADE_LOG_FAST(f);
-  float a = maximumf(-e * log, 0); /* d may pass 1 by a rounding */
-  float y = a < 86 ? a : 86;
-  const float magic = 12582912; /* as in exp_negative */
-  float shifted = magic - y * SHADE_LOG2E_F;
-  float r = -y - (shifted - magic) * 0.693147181f;
-  float p = 1 + (r + r * r * SHADE_EXP_FAST(r));
+  /* k so that d / 2^k lies between sqrt(1/2) and sqrt(2) */
+  uint32_t k = (to_bitsf(d) - 0x3f3504f3u) & 0xff800000u;
+  float f = d * from_bitsf(0x3f800000u - k) - 1;
+  float log = (float)(int32_t)k + f * SHADE_LOG2_FAST(f);
+  float a = -e * log;
+  /* to 0 (d may pass 1 by a rounding) and 124, as in exp2_negative */
+  int32_t bits = (int32_t)to_bitsf(a), most = (int32_t)to_bitsf(124);
+  bits = bits < most ? bits : most;
+  float y = from_bitsf((uint32_t)(bits > 0 ? bits : 0));
+  const float magic = 12582912;
+  float shifted = magic - y;
+  float r = (magic - shifted) - y;
+  float p = 1 + r * SHADE_EXP2_FAST(r);
   float value = from_bitsf(to_bitsf(p) + (to_bitsf(shifted) << 23));
-  return a <= 86 ? value : 0;
+  return a <= 124 ? value : 0;
 }
 
 /* d = n.h; xx and yy squares of the azimuth's components to any common scale. */
 LEAF float fast_value(float d, float xx, float yy, float kx, float ky, float peak) {
-  float e = (kx * xx + ky * yy + 0.5f * TINY * (kx + ky)) / (xx + yy + TINY);
-  float value = peak * fast_power(maximumf(d, 1e-30f), e);
+  float x = LOG2_UNIT * kx, y = LOG2_UNIT * ky;
+  float e = (x * xx + (y * yy + 0.5f * TINY * (x + y))) / (xx + (yy + TINY));
+  /* the bits of a negative d are a negative number */
+  int32_t bits = (int32_t)to_bitsf(d), least = (int32_t)to_bitsf(1e-30f);
+  float value = peak * fast_power(from_bitsf((uint32_t)(bits > least ? bits : least)), e);
   return d > 0 ? value : 0;
 }
 

@@ -98,7 +98,8 @@ LEAF FN(triple) FN(draw_phong)(real u1, real u2, real kx, real ky) {
 
 LEAF real FN(density_phong)(FN(lobe_point) p, real kx, real ky) {
   real peak = FN(root)((kx + 1) * (ky + 1)) * R(0.15915494309189533577);
-  return FN(ashikhmin_shirley)(p, kx, ky, peak);
+  FN(lobe_ratio) r = {p.xx, p.yy, FN(absolute)(p.t), 1, p.t >= 0};
+  return FN(ashikhmin_shirley)(r, kx, ky, peak);
 }
 
 /*

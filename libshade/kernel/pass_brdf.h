@@ -145,7 +145,7 @@ static void FN(pass_smith)(const shade_bsdf *b, size_t count, const real *xx, co
 
 /* The same for one direction. */
 LEAF real FN(smith)(const shade_bsdf *b, const real n[3], const real w[3]) {
-  FN(lobe_point) p = FN(detail)(b->shadow_map, n, w[0], w[1], w[2]);
+  FN(lobe_point) p = FN(lobe_at)(FN(detail)(b->shadow_map, n, w[0], w[1], w[2]));
   real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
   return b->mdf == SHADE_MDF_GGX ? FN(smith_ggx)(slope2) : FN(smith_gaussian)(slope2);
 }

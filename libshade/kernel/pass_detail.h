@@ -11,7 +11,7 @@
                                 real *restrict t, real *restrict xx, real *restrict yy) {          \
     (void)nx, (void)ny, (void)nz;                                                                  \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      FN(lobe_point) p = FN(detail_##method)(__VA_ARGS__);                                         \
+      FN(lobe_point) p = FN(lobe_at)(FN(detail_##method)(__VA_ARGS__));                            \
       t[i] = p.t;                                                                                  \
       xx[i] = p.xx;                                                                                \
       yy[i] = p.yy;                                                                                \
@@ -66,12 +66,12 @@ static void FN(pass_detail)(shade_map map, size_t count, const real *nx, const r
 }
 
 /* x and y in each other's place. */
-LEAF FN(lobe_point) FN(swapped)(FN(lobe_point) p) {
-  return (FN(lobe_point)){p.t, p.yy, p.xx};
+LEAF FN(lobe_ratio) FN(swapped)(FN(lobe_ratio) r) {
+  return (FN(lobe_ratio)){r.yy, r.xx, r.ss, r.zz, r.above};
 }
 
 /* The same decision for one sample. */
-LEAF FN(lobe_point) FN(detail)(shade_map map, const real n[3], real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail)(shade_map map, const real n[3], real hx, real hy, real hz) {
   switch (map) {
   case SHADE_MAP_PERTURB_RATIO:
     return FN(detail_perturb_ratio)(n[0], n[1], n[2], hx, hy, hz);

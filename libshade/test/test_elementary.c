@@ -43,6 +43,41 @@ static void log1p_double(void **state) {
   assert_true(log1p_positive(0) == 0);
 }
 
+/* log2(1 + a/b) over all sizes that the two may have. */
+static void log2_both(void **state) {
+  (void)state;
+  double worst = 0, worstf = 0;
+  uint64_t seed = 3;
+  for (double exponent = -40; exponent < 99; exponent += 1e-4) {
+    float bf = (float)exp2(-96 * uniform(&seed)), af = bf * (float)exp2(exponent);
+    long double want = log1pl((long double)af / (long double)bf) / logl(2.0L);
+    worstf = fmax(worstf, relative(0x1p-23L * (long double)log2_1pf(af, bf), want));
+  }
+  for (double exponent = -400; exponent < 960; exponent += 1e-3) {
+    double b = exp2(-960 * uniform(&seed)), a = b * exp2(exponent);
+    worst = fmax(worst, relative(log2_1p(a, b), log1pl((long double)a / b) / logl(2.0L)));
+  }
+  print_message("log2: worst relative error double %.2e, float %.2e\n", worst, worstf);
+  assert_true(worst <= 4.5e-16);
+  assert_true(worstf <= 2.5e-7);
+  assert_true(log2_1p(0, 1e-29) == 0 && log2_1pf(0, 1) == 0 && log2_1pf(0, 1e-29f) == 0);
+}
+
+static void exp2_both(void **state) {
+  (void)state;
+  double worst = 0, worstf = 0;
+  for (float a = 0; a <= 124; a += 3e-5f)
+    worstf = fmax(worstf, relative((long double)exp2_negativef(a), exp2l(-(long double)a)));
+  for (double a = 0; a <= 1010; a += 3.1e-4)
+    worst = fmax(worst, relative((long double)exp2_negative(a), exp2l(-(long double)a)));
+  print_message("exp2: worst relative error double %.2e, float %.2e\n", worst, worstf);
+  assert_true(worst <= 3e-16);
+  assert_true(worstf <= 1.5e-7);
+  assert_true(exp2_negative(0) == 1 && exp2_negativef(0) == 1);
+  assert_true(exp2_negativef(124.5f) == 0 && exp2_negativef(1e38f) == 0);
+  assert_true(exp2_negative(1011) == 0 && exp2_negative(1e300) == 0);
+}
+
 static void exp_float(void **state) {
   (void)state;
   double worst = 0;
@@ -105,7 +140,8 @@ static void angle(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(log1p_float), cmocka_unit_test(log1p_double),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(log2_both),   cmocka_unit_test(exp2_both),
+                                     cmocka_unit_test(log1p_float), cmocka_unit_test(log1p_double),
                                      cmocka_unit_test(exp_float),   cmocka_unit_test(exp_double),
                                      cmocka_unit_test(smith),       cmocka_unit_test(angle)};
   return cmocka_run_group_tests_name("elementary", tests, NULL, NULL);

@@ -43,7 +43,7 @@ static void draw(uint64_t *seed, double tilt, double n[3], double h[3], float nf
   }
 }
 
-static lobe_point leaf(shade_detail d, const double n[3], const double h[3]) {
+static lobe_ratio leaf(shade_detail d, const double n[3], const double h[3]) {
   switch (d) {
   case SHADE_DETAIL_NONE:
     return detail_none(h[0], h[1], h[2]);
@@ -61,7 +61,7 @@ static lobe_point leaf(shade_detail d, const double n[3], const double h[3]) {
     return detail_deform_smooth(n[0], n[1], n[2], h[0], h[1], h[2]);
   }
 }
-static lobe_pointf leaff(shade_detail d, const float n[3], const float h[3]) {
+static lobe_ratiof leaff(shade_detail d, const float n[3], const float h[3]) {
   switch (d) {
   case SHADE_DETAIL_NONE:
     return detail_nonef(h[0], h[1], h[2]);
@@ -117,13 +117,13 @@ static void slopes(void **state) {
       double n[3], h[3];
       float nf[3], hf[3];
       draw(&seed, d >= SHADE_DETAIL_DEFORM_LINEAR ? 75 : 89.9, n, h, nf, hf);
-      lobe_point p = leaf(d, n, h);
+      lobe_point p = lobe_at(leaf(d, n, h));
       worst = fmax(worst, slope_error(d, n, h, p.t, p.xx, p.yy));
       for (int c = 0; c < 3; c++) {
         n[c] = (double)nf[c];
         h[c] = (double)hf[c];
       }
-      lobe_pointf q = leaff(d, nf, hf);
+      lobe_pointf q = lobe_atf(leaff(d, nf, hf));
       worstf = fmax(worstf, slope_error(d, n, h, (double)q.t, (double)q.xx, (double)q.yy));
     }
     print_message("%s: slopes, double %.1e, float %.1e\n",
