@@ -22,6 +22,7 @@ enum { INPUTS = 9, OUTPUTS = 4, CHECKED = 4096 };
 /* The same directions as float and as double; the float ones are the rounded doubles. */
 typedef struct arrays {
   size_t count;
+  void *room[2];
   float *single[INPUTS + OUTPUTS];
   double *twice[INPUTS + OUTPUTS];
 } arrays;
@@ -47,10 +48,11 @@ static int in_cache_only(what w) {
   return is_call(w) || w == WHAT_F_HORIZON;
 }
 
-/* This thread's own time: what the machine does beside it does not count. */
+/* The clock on the wall: a thread's own time is a guess on virtual machines, at times a short one.
+ */
 static double seconds(void) {
   struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -62,10 +64,23 @@ static double uniform(uint64_t *state) { /* splitmix64 */
 }
 
 static void release(arrays *a) {
-  for (int k = 0; k < INPUTS + OUTPUTS; k++) {
-    free(a->single[k]);
-    free(a->twice[k]);
-  }
+  free(a->room[0]);
+  free(a->room[1]);
+}
+
+/*
+ * Each array starts a cache line, as a renderer's scratch does, and none at the same place
+ * of a page: stores and loads 4096 bytes apart wait for each other. NULL when out of memory.
+ */
+static void *make_room(size_t size, char *starts[INPUTS + OUTPUTS]) {
+  const size_t line = 64, step = (size + line - 1) / line * line + 5 * line;
+  char *room = aligned_alloc(line, step * (INPUTS + OUTPUTS));
+  if (!room)
+    return NULL;
+  memset(room, 0, step * (INPUTS + OUTPUTS));
+  for (int k = 0; k < INPUTS + OUTPUTS; k++)
+    starts[k] = room + (size_t)k * step;
+  return room;
 }
 
 /* n, wi, wo within 60 degrees of z. Returns 0 when out of memory. */
@@ -73,12 +88,15 @@ static int fill(arrays *a, size_t count) {
   const double pi = 3.14159265358979323846;
   memset(a, 0, sizeof *a);
   a->count = count;
-  for (int k = 0; k < INPUTS + OUTPUTS; k++) {
-    a->single[k] = calloc(count, sizeof *a->single[k]);
-    a->twice[k] = calloc(count, sizeof *a->twice[k]);
-    if (!a->single[k] || !a->twice[k])
-      return 0;
-  }
+  char *starts[INPUTS + OUTPUTS];
+  a->room[0] = make_room(count * sizeof(float), starts);
+  for (int k = 0; a->room[0] && k < INPUTS + OUTPUTS; k++)
+    a->single[k] = (float *)starts[k];
+  a->room[1] = make_room(count * sizeof(double), starts);
+  for (int k = 0; a->room[1] && k < INPUTS + OUTPUTS; k++)
+    a->twice[k] = (double *)starts[k];
+  if (!a->room[0] || !a->room[1])
+    return 0;
   uint64_t seed = 1;
   for (size_t i = 0; i < count; i++)
     for (int v = 0; v < INPUTS; v += 3) {
@@ -130,42 +148,24 @@ static void evaluate_batch(const shade_isa_table *isa, const shade_bsdf *b, what
 CALLS(calls_single, float, single, mdff, bsdff)
 CALLS(calls_twice, double, twice, mdf, bsdf)
 
-static literal_batch *literal_of(const shade_isa_table *isa) {
+/* What is timed beside an instruction set. */
+typedef struct beside {
+  literal_batch *literal;
+  stream_single_batch *single;
+  stream_twice_batch *twice;
+} beside;
+
+static beside beside_of(const shade_isa_table *isa) {
 #if defined(__x86_64__)
   if (isa == &shade_isa_avx512)
-    return literal_avx512;
+    return (beside){literal_avx512, stream_single_avx512, stream_twice_avx512};
   if (isa == &shade_isa_avx2)
-    return literal_avx2;
+    return (beside){literal_avx2, stream_single_avx2, stream_twice_avx2};
   if (isa == &shade_isa_sse2)
-    return literal_sse2;
+    return (beside){literal_sse2, stream_single_sse2, stream_twice_sse2};
 #endif
   (void)isa;
-  return literal_scalar;
-}
-
-/* Reads every input and writes every output of a query, and does nothing else. */
-#define STREAM(name, real)                                                                         \
-  static void name(int inputs, int outputs, size_t count, real *const *a) {                        \
-    enum { BLOCK = 256 };                                                                          \
-    for (size_t start = 0; start < count; start += BLOCK) {                                        \
-      size_t size = count - start < BLOCK ? count - start : BLOCK;                                 \
-      real sum[BLOCK] = {0};                                                                       \
-      for (int k = 0; k < inputs; k++)                                                             \
-        for (size_t i = 0; i < size; i++)                                                          \
-          sum[i] += a[k][start + i];                                                               \
-      for (int k = INPUTS; k < INPUTS + outputs; k++)                                              \
-        memcpy(a[k] + start, sum, size * sizeof sum[0]);                                           \
-    }                                                                                              \
-  }
-STREAM(stream_single, float)
-STREAM(stream_twice, double)
-
-static void stream(what w, int single, const arrays *a) {
-  int inputs = asks_d(w) ? 6 : INPUTS, outputs = asks_d(w) ? 1 : OUTPUTS;
-  if (single)
-    stream_single(inputs, outputs, a->count, a->single);
-  else
-    stream_twice(inputs, outputs, a->count, a->twice);
+  return (beside){literal_scalar, stream_single_scalar, stream_twice_scalar};
 }
 
 /* One row: a material in one precision, the literal transcription, or the bare stream. */
@@ -180,11 +180,14 @@ typedef struct row {
 static void evaluate(const shade_isa_table *isa, const row *r, what w, int single,
                      const arrays *a) {
   float *const *s = a->single;
-  if (r->kind == KIND_STREAM)
-    stream(w, single, a);
+  const beside other = beside_of(isa);
+  if (r->kind == KIND_STREAM && single)
+    other.single(!asks_d(w), a->count, a->single);
+  else if (r->kind == KIND_STREAM)
+    other.twice(!asks_d(w), a->count, a->twice);
   else if (r->kind == KIND_LITERAL)
-    literal_of(isa)(a->count, r->bsdf.kxf, r->bsdf.kyf, s[0], s[1], s[2], s[3], s[4], s[5],
-                    s[INPUTS]);
+    other.literal(a->count, r->bsdf.kxf, r->bsdf.kyf, s[0], s[1], s[2], s[3], s[4], s[5],
+                  s[INPUTS]);
   else if (is_call(w))
     (single ? calls_single : calls_twice)(isa, &r->bsdf, w, a);
   else
@@ -246,7 +249,7 @@ static double worst_error(const shade_isa_table *isa, const row *r, what w, int 
 static void time_rows(const shade_isa_table *isa, row *rows, int count, what w, int single,
                       const arrays *a) {
   const size_t repeat = 1 + 8192 / a->count;
-  const int rounds = a->count > 65536 ? 5 : 60;
+  const int rounds = a->count > 65536 ? 12 : 60;
   for (int r = 0; r < count; r++)
     rows[r].ns = 1e30;
   for (int round = 0; round < rounds; round++)

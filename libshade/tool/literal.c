@@ -3,8 +3,8 @@
 
 #include "tool/literal.h"
 
-#define NAME_(isa) literal_##isa
-#define NAME(isa) NAME_(isa)
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
 
 typedef struct vec {
   float x, y, z;
@@ -22,8 +22,9 @@ static vec normalised(vec a) {
 }
 
 /* [KangCho Eq. 4, 6 and 7] */
-void NAME(ISA)(size_t count, float ex, float ey, const float *nx, const float *ny, const float *nz,
-               const float *hx, const float *hy, const float *hz, float *d) {
+void JOIN(literal_, ISA)(size_t count, float ex, float ey, const float *nx, const float *ny,
+                         const float *nz, const float *hx, const float *hy, const float *hz,
+                         float *d) {
   const float peak = sqrtf((ex + 1) * (ey + 1)) / (2 * 3.14159265f);
   for (size_t i = 0; i < count; i++) {
     vec w = normalised((vec){nx[i], ny[i], nz[i]}), h = normalised((vec){hx[i], hy[i], hz[i]});
@@ -35,3 +36,33 @@ void NAME(ISA)(size_t count, float ex, float ey, const float *nx, const float *n
     d[i] = z > 0 ? peak * powf(z, e) : 0;
   }
 }
+
+#define STREAM(name, real)                                                                         \
+  static void name##_distribution(size_t count, const real *restrict a, const real *restrict b,    \
+                                  const real *restrict c, const real *restrict d,                  \
+                                  const real *restrict e, const real *restrict f,                  \
+                                  real *restrict out) {                                            \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) out[i] =                                \
+        ((a[i] + b[i]) + (c[i] + d[i])) + (e[i] + f[i]);                                           \
+  }                                                                                                \
+  static void name##_brdf(size_t count, const real *restrict a, const real *restrict b,            \
+                          const real *restrict c, const real *restrict d, const real *restrict e,  \
+                          const real *restrict f, const real *restrict g, const real *restrict h,  \
+                          const real *restrict j, real *restrict red, real *restrict green,        \
+                          real *restrict blue, real *restrict cosine) {                            \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
+      red[i] = a[i] + b[i];                                                                        \
+      green[i] = c[i] + d[i];                                                                      \
+      blue[i] = e[i] + f[i];                                                                       \
+      cosine[i] = (g[i] + h[i]) + j[i];                                                            \
+    }                                                                                              \
+  }                                                                                                \
+  void JOIN(name##_, ISA)(int whole, size_t count, real *const *a) {                               \
+    if (whole)                                                                                     \
+      name##_brdf(count, a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9], a[10], a[11], \
+                  a[12]);                                                                          \
+    else                                                                                           \
+      name##_distribution(count, a[0], a[1], a[2], a[3], a[4], a[5], a[9]);                        \
+  }
+STREAM(stream_single, float)
+STREAM(stream_twice, double)
