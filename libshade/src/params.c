@@ -208,6 +208,51 @@ unsigned shade_params_set_roughness(shade_params *p, shade_roughness convention,
   return status;
 }
 
+unsigned shade_params_get_roughness(const shade_params *given, shade_roughness convention,
+                                    double *roughness, double *anisotropy, int *turned) {
+  shade_params p;
+  shade_params_init(&p);
+  unsigned status = shade_params_set_alphas(&p, given->ax, given->ay);
+  if ((unsigned)convention >= SHADE_ROUGHNESS_COUNT) {
+    status |= SHADE_BAD_CHOICE;
+    convention = SHADE_ROUGHNESS_BLENDER_PRINCIPLED;
+  }
+  const int glossy = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ||
+                     convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79;
+  const int narrow_x = p.ax < p.ay;
+  const double wide = fmax(p.ax, p.ay), narrow = fmin(p.ax, p.ay), ratio = narrow / wide;
+  double r2 = sqrt(wide * narrow), a = 0;
+  switch (convention) {
+  case SHADE_ROUGHNESS_BLENDER_GLOSSY:
+  case SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79:
+    a = fmin(1 - sqrt(ratio), 0.99) * (narrow_x ? 1 : -1);
+    break;
+  case SHADE_ROUGHNESS_GLTF:
+    r2 = fmin(narrow, 1);
+    a = r2 < 1 ? sqrt(fmin((wide - r2) / (1 - r2), 1)) : 0;
+    break;
+  case SHADE_ROUGHNESS_MATERIALX:
+    a = fmin(1 - ratio, 0.98);
+    break;
+  case SHADE_ROUGHNESS_OPENPBR:
+    a = 1 - ratio;
+    r2 = wide * sqrt(0.5 * (1 + ratio * ratio));
+    break;
+  case SHADE_ROUGHNESS_BLENDER_PRINCIPLED:
+  default:
+    a = fmin((1 - ratio) / 0.9, 1);
+  }
+  *roughness = fmin(convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79 ? r2 : sqrt(r2), 1);
+  *anisotropy = a;
+  *turned = narrow_x && !glossy;
+  /* there and back: whatever their clamps or ours kept from coming through shows */
+  shade_params_set_roughness(&p, convention, *roughness, a);
+  if (!(fabs(fmax(p.ax, p.ay) - wide) <= 1e-9 * wide &&
+        fabs(fmin(p.ax, p.ay) - narrow) <= 1e-9 * narrow))
+    status |= SHADE_CLAMPED_PARAMETER;
+  return status;
+}
+
 #define METAL_ROW(NAME, word, label, er, eg, eb, kr, kg, kb)                                       \
   {#word, label, {er, eg, eb}, {kr, kg, kb}},
 static const shade_metal metals[] = {SHADE_TABLE_METALS(METAL_ROW)};

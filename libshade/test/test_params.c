@@ -231,6 +231,55 @@ static void roughness(void **state) {
   assert_int_equal(rows, SHADE_ROUGHNESS_COUNT);
 }
 
+/* What other programs' settings come to, they are read back from; what they cannot say is flagged.
+ */
+static void roughness_back(void **state) {
+  (void)state;
+  shade_params p;
+  shade_params_init(&p);
+  for (int from = 0; from < SHADE_ROUGHNESS_COUNT; from++) {
+    const shade_roughness convention = (shade_roughness)from;
+    const int glossy = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ||
+                       convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79;
+    double r, a;
+    int turned;
+    for (int i = 1; i < 10; i++)
+      for (int j = glossy ? -9 : 0; j < 10; j++) {
+        const double r_given = .05 + i / 11., a_given = j / 10.;
+        assert_int_equal(shade_params_set_roughness(&p, convention, r_given, a_given), 0);
+        if (p.ax >= 1 || p.ay >= 1)
+          continue; /* glTF's 1, or a clamp */
+        assert_int_equal(shade_params_get_roughness(&p, convention, &r, &a, &turned), 0);
+        assert_near(r, r_given, 1e-9);
+        assert_near(a, a_given, 1e-7); /* a square root of a difference for glTF */
+        assert_int_equal(turned, 0);
+        if (glossy)
+          continue;
+        shade_params_set_alphas(&p, p.ay, p.ax);
+        assert_int_equal(shade_params_get_roughness(&p, convention, &r, &a, &turned), 0);
+        assert_near(r, r_given, 1e-9);
+        assert_near(a, a_given, 1e-7);
+        assert_int_equal(turned, j > 0);
+      }
+    /* 1 to 1e5, and rougher than any of them goes */
+    shade_params_set_alphas(&p, 10, 1e-4);
+    assert_int_equal(shade_params_get_roughness(&p, convention, &r, &a, &turned),
+                     SHADE_CLAMPED_PARAMETER);
+    assert_true(r >= 0 && r <= 1 && fabs(a) <= 1 && turned == 0);
+    p.ax = NAN;
+    assert_int_equal(shade_params_get_roughness(&p, convention, &r, &a, &turned) &
+                         SHADE_CLAMPED_PARAMETER,
+                     SHADE_CLAMPED_PARAMETER);
+    assert_true(r >= 0 && r <= 1 && fabs(a) <= 1);
+  }
+  double r, a;
+  int turned;
+  shade_params_set_alphas(&p, .25, .25);
+  assert_int_equal(shade_params_get_roughness(&p, (shade_roughness)99, &r, &a, &turned),
+                   SHADE_BAD_CHOICE);
+  assert_true(r == .5 && a == 0 && turned == 0);
+}
+
 /* Gold is yellow, silver bright, and all of them metals. */
 static void metal_table(void **state) {
   (void)state;
@@ -314,7 +363,8 @@ int main(void) {
       cmocka_unit_test(setup_clamps), cmocka_unit_test(every_parameter_clamps),
       cmocka_unit_test(json),         cmocka_unit_test(older_caller),
       cmocka_unit_test(defaults),     cmocka_unit_test(json_stays_finite),
-      cmocka_unit_test(roughness),    cmocka_unit_test(metal_table),
+      cmocka_unit_test(roughness),    cmocka_unit_test(roughness_back),
+      cmocka_unit_test(metal_table),
   };
   return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

@@ -196,6 +196,17 @@ SHADE_API unsigned shade_params_set_alphas(shade_params *p, double ax, double ay
  */
 SHADE_API unsigned shade_params_set_roughness(shade_params *p, shade_roughness convention,
                                               double roughness, double anisotropy);
+/*
+ * The way back: the roughness and anisotropy that give p's alphas there. *turned is 1 where that
+ * program must turn the tangent by 90 degrees for it (p is narrow along x, which only Blender
+ * Glossy can say), else 0. Where its formula cannot reach p (alphas above 1, or more anisotropic
+ * than its clamps allow), what its clamps make of the exact answer, and SHADE_CLAMPED_PARAMETER;
+ * so for alphas out of [1e-4, 10], which count as the end they passed. Else
+ * shade_params_set_roughness of the two gives p's alphas again to 1e-9, in exchanged places if
+ * turned. None of the pointers may be NULL. Returns status bits.
+ */
+SHADE_API unsigned shade_params_get_roughness(const shade_params *p, shade_roughness convention,
+                                              double *roughness, double *anisotropy, int *turned);
 /* The rows of that list, as shade_list_row gives a material's; 0 past the end. */
 SHADE_API int shade_roughness_row(int row, int *value, const char **word, const char **label,
                                   const char **help);
