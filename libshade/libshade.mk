@@ -16,11 +16,11 @@ CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
 # vectoriser computes both: a spurious exception, and slower
 ONE_BRANCH := $(if $(CC_IS_GCC),-fno-tree-pre)
 # clang: outside the vectorised loops it packs two divisions into a vector of four, where the two
-# that nobody reads are 0/0: a spurious exception, and slower. sse2 gains a third
-# by other packing: there only what pays little, as such pairs do, is left alone
+# that nobody reads are 0/0: a spurious exception, and slower (sse2: single calls take twice as long
+# with it; without, the whole BRDF over arrays takes a fifth longer)
 FULL_VECTORS := $(if $(CC_IS_GCC),,-fno-slp-vectorize)
 ISA_scalar := $(FULL_VECTORS) -fno-openmp-simd -fno-tree-vectorize -Wno-unknown-pragmas
-ISA_sse2 := $(ONE_BRANCH) $(if $(CC_IS_GCC),,-mllvm -slp-threshold=6)
+ISA_sse2 := $(ONE_BRANCH) $(FULL_VECTORS)
 ISA_avx2 := $(ONE_BRANCH) $(FULL_VECTORS) -mavx2 -mfma -mtune=haswell
 ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtune=icelake-server)
 ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
