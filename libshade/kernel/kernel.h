@@ -49,14 +49,25 @@ static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real 
   return d;
 }
 
+/*
+ * Samples a block. Where the arrays are beyond the caches it holds 4 KiB of them: more, and what
+ * is fetched ahead comes too late (EPYC, AVX-512, float: D 1.47 ns at BLOCK, 1.31 so; GGX whole
+ * 4.3 and 2.9). In a cache the longer blocks are the quicker ones.
+ */
+LEAF size_t FN(block_of)(size_t count, size_t arrays) {
+  const size_t sample = arrays * sizeof(real), far = (size_t)1 << 20;
+  return count > far / sample ? 4096 / sample / 16 * 16 : BLOCK;
+}
+
 static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
                                      const real *ny, const real *nz, const real *hx, const real *hy,
                                      const real *hz, real *out) {
   real t[BLOCK], xx[BLOCK], yy[BLOCK];
   FN(mended) room;
   unsigned status = SHADE_OK;
-  for (size_t start = 0; start < count; start += BLOCK) {
-    size_t size = count - start < BLOCK ? count - start : BLOCK;
+  const size_t step = FN(block_of)(count, 7);
+  for (size_t start = 0; start < count; start += step) {
+    size_t size = count - start < step ? count - start : step;
     real *d = out + start;
     const real *v[2][3] = {{nx + start, ny + start, nz + start},
                            {hx + start, hy + start, hz + start}};
@@ -108,8 +119,9 @@ static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(
   const int plain = !f0[0] && !f0[1] && !f0[2] &&
                     (b->fresnel == SHADE_FRESNEL_NONE || b->fresnel == SHADE_FRESNEL_SCHLICK);
   unsigned status = SHADE_OK;
-  for (size_t start = 0; start < count; start += BLOCK) {
-    size_t size = count - start < BLOCK ? count - start : BLOCK;
+  const size_t step = FN(block_of)(count, 13);
+  for (size_t start = 0; start < count; start += step) {
+    size_t size = count - start < step ? count - start : step;
     const real *v[3][3] = {{in->nx + start, in->ny + start, in->nz + start},
                            {in->wix + start, in->wiy + start, in->wiz + start},
                            {in->wox + start, in->woy + start, in->woz + start}};

@@ -130,8 +130,9 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
   real bent[3][BLOCK];
   FN(mended) room;
   unsigned status = SHADE_OK;
-  for (size_t start = 0; start < count; start += BLOCK) {
-    size_t size = count - start < BLOCK ? count - start : BLOCK;
+  const size_t step = FN(block_of)(count, 13);
+  for (size_t start = 0; start < count; start += step) {
+    size_t size = count - start < step ? count - start : step;
     const real *v[3][3] = {{in->nx + start, in->ny + start, in->nz + start},
                            {in->wix + start, in->wiy + start, in->wiz + start},
                            {in->wox + start, in->woy + start, in->woz + start}};

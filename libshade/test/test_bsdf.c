@@ -279,6 +279,76 @@ static void batch_is_single(void **state) {
 }
 
 /* Opposite but for a few roundings, which only the reference takes out: either status is right. */
+/*
+ * Arrays beyond the caches go in shorter blocks: each value, one without sense far from the start,
+ * and what follows the end.
+ */
+enum { LONG = 40037, SENSELESS = 33333 };
+static double long_in[9][LONG], long_out[4][LONG + 1];
+static float long_inf[9][LONG], long_outf[4][LONG + 1];
+
+static void long_arrays(void **state) {
+  (void)state;
+  shade_params p;
+  shade_params_init(&p); /* the default horizon, which goes through blocks of its own */
+  shade_params_set_exponents(&p, 40, 10);
+  p.brdf = SHADE_BRDF_ASHIKHMIN_SHIRLEY;
+  p.detail = SHADE_DETAIL_ROTATE;
+  uint64_t seed = 5;
+  for (int i = 0; i < LONG; i++) {
+    double v[9];
+    random_triple(&seed, v, v + 3, v + 6);
+    for (int c = 0; c < 9; c++) {
+      long_inf[c][i] = (float)v[c];
+      long_in[c][i] = v[c];
+    }
+  }
+  long_in[4][SENSELESS] = NAN;
+  long_inf[4][SENSELESS] = (float)NAN;
+  const shade_isa_table *isa;
+  for (int row = 0; (isa = shade_isa_pick(row)); row++)
+    for (int k = 0; k < 3; k++) {
+      p.horizon = k == 2 ? SHADE_HORIZON_VALID_ESTEVEZ : SHADE_HORIZON_HARD;
+      shade_bsdf b;
+      assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+      for (int c = 0; c < 4; c++)
+        long_out[c][LONG] = long_outf[c][LONG] = 7;
+      double(*d)[LONG] = long_in;
+      float(*f)[LONG] = long_inf;
+      unsigned status, statusf;
+      if (k == 0) {
+        status = isa->mdf_batch(&b, LONG, d[0], d[1], d[2], d[3], d[4], d[5], long_out[0]);
+        statusf = isa->mdf_batchf(&b, LONG, f[0], f[1], f[2], f[3], f[4], f[5], long_outf[0]);
+      } else {
+        shade_lanes in = {d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7], d[8], NULL, NULL, NULL};
+        shade_lanesf inf = {f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], NULL, NULL, NULL};
+        shade_result out = {long_out[0], long_out[1], long_out[2], long_out[3]};
+        shade_resultf outf = {long_outf[0], long_outf[1], long_outf[2], long_outf[3]};
+        status = isa->bsdf_batch(&b, LONG, &in, &out);
+        statusf = isa->bsdf_batchf(&b, LONG, &inf, &outf);
+      }
+      assert_true((status & SHADE_BAD_INPUT) && (statusf & SHADE_BAD_INPUT));
+      assert_true(long_out[0][SENSELESS] == 0 && long_outf[0][SENSELESS] == 0);
+      assert_true(long_out[k ? 3 : 0][LONG] == 7 && long_outf[k ? 3 : 0][LONG] == 7);
+      for (int i = 0; i < LONG; i++) {
+        double v[9], want[3], cosine = 0;
+        if (i == SENSELESS)
+          continue;
+        for (int c = 0; c < 9; c++)
+          v[c] = d[c][i];
+        if (k == 0)
+          want[0] = shade_ref_mdf(&p, v, v + 3);
+        else
+          shade_ref_f(&p, v, v + 3, v + 6, want, &cosine);
+        /* of float only that it is the same sample: its errors are measured elsewhere */
+        assert_near(long_out[0][i], want[0], 1e-9 * (1 + want[0]));
+        assert_near((double)long_outf[0][i], want[0], 2e-3 * (1 + want[0]));
+        if (k)
+          assert_near(long_out[3][i], cosine, 1e-14);
+      }
+    }
+}
+
 static int nearly_opposite(const double a[3], const double b[3]) {
   double la = hypot(hypot(a[0], a[1]), a[2]), lb = hypot(hypot(b[0], b[1]), b[2]), sum = 0;
   for (int c = 0; c < 3; c++)
@@ -439,10 +509,11 @@ static void no_exceptions(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(by_hand),         cmocka_unit_test(against_reference),
-      cmocka_unit_test(horizons),        cmocka_unit_test(nearly_unit),
-      cmocka_unit_test(reciprocity),     cmocka_unit_test(batch_is_single),
-      cmocka_unit_test(senseless_input), cmocka_unit_test(no_exceptions),
+      cmocka_unit_test(by_hand),       cmocka_unit_test(against_reference),
+      cmocka_unit_test(horizons),      cmocka_unit_test(nearly_unit),
+      cmocka_unit_test(reciprocity),   cmocka_unit_test(batch_is_single),
+      cmocka_unit_test(long_arrays),   cmocka_unit_test(senseless_input),
+      cmocka_unit_test(no_exceptions),
   };
   return cmocka_run_group_tests_name("bsdf", tests, NULL, NULL);
 }
