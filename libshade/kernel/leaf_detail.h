@@ -37,7 +37,7 @@ LEAF FN(lobe_point) FN(lobe_at)(FN(lobe_ratio) r) {
   return p;
 }
 
-/* With the sine that xx and yy make up. */
+/* With the sine that x and y make up. */
 LEAF FN(lobe_ratio) FN(lobe_of)(real x, real y, real zz, int above) {
   FN(lobe_ratio) r = {x * x, y * y, x * x + y * y, zz, above};
   return r;
@@ -57,6 +57,7 @@ LEAF FN(cross_and_dot) FN(cross_and_dot_of)(real nx, real ny, real nz, real hx, 
   return c;
 }
 
+/* With the sine of the angle to n itself, on which xx and yy have no say. */
 LEAF FN(lobe_ratio) FN(lobe_around)(FN(cross_and_dot) c, real xx, real yy) {
   FN(lobe_ratio) r = {xx, yy, c.x * c.x + c.y * c.y + c.z * c.z, c.d * c.d, c.d > 0};
   return r;
