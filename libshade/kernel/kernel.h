@@ -50,9 +50,8 @@ static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real 
 }
 
 /*
- * Samples a block. Where the arrays are beyond the caches it holds 4 KiB of them: more, and what
- * is fetched ahead comes too late (EPYC, AVX-512, float: D 1.47 ns at BLOCK, 1.31 so; GGX whole
- * 4.3 and 2.9). In a cache the longer blocks are the quicker ones.
+ * Samples a block. Where the arrays are beyond the caches, 4 KiB of them did best (EPYC, AVX-512,
+ * float: D 1.47 ns at BLOCK, 1.31 so; GGX whole 4.3 and 2.9); in a cache BLOCK does.
  */
 LEAF size_t FN(block_of)(size_t count, size_t arrays) {
   const size_t sample = arrays * sizeof(real), far = (size_t)1 << 20;

@@ -19,7 +19,7 @@ DISTRIBUTION_PASS(beckmann)
 DISTRIBUTION_PASS(ggx)
 #undef DISTRIBUTION_PASS
 
-#define ONE_PASS(method, ...)                                                                      \
+#define ASHIKHMIN_SHIRLEY_PASS(method, ...)                                                        \
   static void FN(pass_as_##method)(size_t count, const real *restrict nx, const real *restrict ny, \
                                    const real *restrict nz, const real *restrict hx,               \
                                    const real *restrict hy, const real *restrict hz, real kx,      \
@@ -29,13 +29,13 @@ DISTRIBUTION_PASS(ggx)
         FN(ashikhmin_shirley)(FN(detail_##method)(__VA_ARGS__), kx, ky, peak);                     \
   }
 
-ONE_PASS(none, hx[i], hy[i], hz[i])
-ONE_PASS(perturb_ratio, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ONE_PASS(rotate_approximate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ONE_PASS(shortest_arc, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ONE_PASS(deform_linear, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ONE_PASS(deform_smooth, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-#undef ONE_PASS
+ASHIKHMIN_SHIRLEY_PASS(none, hx[i], hy[i], hz[i])
+ASHIKHMIN_SHIRLEY_PASS(perturb_ratio, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+ASHIKHMIN_SHIRLEY_PASS(rotate_approximate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+ASHIKHMIN_SHIRLEY_PASS(shortest_arc, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+ASHIKHMIN_SHIRLEY_PASS(deform_linear, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+ASHIKHMIN_SHIRLEY_PASS(deform_smooth, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+#undef ASHIKHMIN_SHIRLEY_PASS
 
 static void FN(pass_ashikhmin_shirley)(const shade_bsdf *b, size_t count, const real *nx,
                                        const real *ny, const real *nz, const real *hx,
