@@ -26,7 +26,8 @@ ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) -march=x86-64-v4 -mprefer-vector-wid
 ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
 
 O := $(B)/obj
-SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/tangents.o \
+SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/setup.o \
+  $(O)/src/roughness.o $(O)/src/tangents.o \
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/slopes.o
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_eval.o $(O)/src/presets.o

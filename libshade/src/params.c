@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Names, defaults, ranges and set-up, all from the table. */
+/* Names, defaults, ranges and the JSON of a material, all from the table. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,25 +8,17 @@
 #include "names.h"
 #include "params.h"
 
-#define PI 3.14159265358979323846
-
-typedef struct list_row {
-  int value;
-  const char *word, *label, *help;
-} list_row;
-
-#define LIST_ROW(NAME, word, value, label, help) {value, #word, label, help},
-static const list_row mdf_rows[] = {SHADE_TABLE_MDF(LIST_ROW)};
-static const list_row brdf_rows[] = {SHADE_TABLE_BRDF(LIST_ROW)};
-static const list_row detail_rows[] = {SHADE_TABLE_DETAIL(LIST_ROW)};
-static const list_row groove_rows[] = {SHADE_TABLE_GROOVE(LIST_ROW)};
-static const list_row fresnel_rows[] = {SHADE_TABLE_FRESNEL(LIST_ROW)};
-static const list_row diffuse_rows[] = {SHADE_TABLE_DIFFUSE(LIST_ROW)};
-static const list_row horizon_rows[] = {SHADE_TABLE_HORIZON(LIST_ROW)};
+static const shade_list_entry mdf_rows[] = {SHADE_TABLE_MDF(SHADE_LIST_ENTRY)};
+static const shade_list_entry brdf_rows[] = {SHADE_TABLE_BRDF(SHADE_LIST_ENTRY)};
+static const shade_list_entry detail_rows[] = {SHADE_TABLE_DETAIL(SHADE_LIST_ENTRY)};
+static const shade_list_entry groove_rows[] = {SHADE_TABLE_GROOVE(SHADE_LIST_ENTRY)};
+static const shade_list_entry fresnel_rows[] = {SHADE_TABLE_FRESNEL(SHADE_LIST_ENTRY)};
+static const shade_list_entry diffuse_rows[] = {SHADE_TABLE_DIFFUSE(SHADE_LIST_ENTRY)};
+static const shade_list_entry horizon_rows[] = {SHADE_TABLE_HORIZON(SHADE_LIST_ENTRY)};
 
 static const struct {
   const char *name;
-  const list_row *rows;
+  const shade_list_entry *rows;
   int count;
 } lists[SHADE_LIST_COUNT] = {
     [SHADE_LIST_MDF] = {"mdf", mdf_rows, SHADE_MDF_COUNT},
@@ -65,11 +57,11 @@ const char *shade_list_word(shade_list list, int value) {
   return NULL;
 }
 
-static int fill_row(const list_row *rows, int count, int row, int *value, const char **word,
-                    const char **label, const char **help) {
+int shade_fill_row(const shade_list_entry *rows, int count, int row, int *value, const char **word,
+                   const char **label, const char **help) {
   if (row < 0 || row >= count)
     return 0;
-  const list_row *r = &rows[row];
+  const shade_list_entry *r = &rows[row];
   if (value)
     *value = r->value;
   if (word)
@@ -84,7 +76,7 @@ static int fill_row(const list_row *rows, int count, int row, int *value, const 
 int shade_list_row(shade_list list, int row, int *value, const char **word, const char **label,
                    const char **help) {
   return (unsigned)list < SHADE_LIST_COUNT &&
-         fill_row(lists[list].rows, lists[list].count, row, value, word, label, help);
+         shade_fill_row(lists[list].rows, lists[list].count, row, value, word, label, help);
 }
 
 const char *shade_list_name(shade_list list) {
@@ -150,173 +142,11 @@ unsigned shade_params_set_alphas(shade_params *p, double ax, double ay) {
   return status;
 }
 
-static const list_row roughness_rows[] = {SHADE_TABLE_ROUGHNESS(LIST_ROW)};
-
-int shade_roughness_row(int row, int *value, const char **word, const char **label,
-                        const char **help) {
-  return fill_row(roughness_rows, SHADE_ROUGHNESS_COUNT, row, value, word, label, help);
-}
-
-static double between(double x, double low, double high) {
-  return fmin(fmax(isnan(x) ? 0 : x, low), high);
-}
-
-unsigned shade_params_set_roughness(shade_params *p, shade_roughness convention, double roughness,
-                                    double anisotropy) {
-  unsigned status = SHADE_OK;
-  if ((unsigned)convention >= SHADE_ROUGHNESS_COUNT) {
-    status = SHADE_BAD_CHOICE;
-    convention = SHADE_ROUGHNESS_BLENDER_PRINCIPLED;
-  }
-  const int glossy = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ||
-                     convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79;
-  const double r = between(roughness, 0, 1), a = between(anisotropy, glossy ? -1 : 0, 1);
-  if (!(r == roughness && a == anisotropy))
-    status |= SHADE_CLAMPED_PARAMETER;
-  double ax = r * r, ay = r * r;
-  switch (convention) {
-  case SHADE_ROUGHNESS_BLENDER_GLOSSY:
-  case SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79: {
-    double alpha = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ? r * r : r;
-    double stretch = 1 - fmin(fabs(a), 0.99);
-    ax = a < 0 ? alpha / stretch : alpha * stretch;
-    ay = a < 0 ? alpha * stretch : alpha / stretch;
-    break;
-  }
-  case SHADE_ROUGHNESS_GLTF:
-    ax += (1 - ax) * a * a;
-    break;
-  case SHADE_ROUGHNESS_MATERIALX: {
-    double aspect = sqrt(1 - fmin(a, 0.98));
-    ax = fmin(ax / aspect, 1);
-    ay *= aspect;
-    break;
-  }
-  case SHADE_ROUGHNESS_OPENPBR:
-    ax *= sqrt(2 / (1 + (1 - a) * (1 - a)));
-    ay = (1 - a) * ax;
-    break;
-  case SHADE_ROUGHNESS_BLENDER_PRINCIPLED:
-  default: {
-    double aspect = sqrt(1 - 0.9 * a);
-    ax /= aspect;
-    ay *= aspect;
-  }
-  }
-  /* a mirror's alpha of 0 is not out of range there, only here */
-  shade_params_set_alphas(p, fmax(ax, 1e-4), fmax(ay, 1e-4));
-  return status;
-}
-
-unsigned shade_params_get_roughness(const shade_params *given, shade_roughness convention,
-                                    double *roughness, double *anisotropy, int *turned) {
-  shade_params p;
-  shade_params_init(&p);
-  unsigned status = shade_params_set_alphas(&p, given->ax, given->ay);
-  if ((unsigned)convention >= SHADE_ROUGHNESS_COUNT) {
-    status |= SHADE_BAD_CHOICE;
-    convention = SHADE_ROUGHNESS_BLENDER_PRINCIPLED;
-  }
-  const int glossy = convention == SHADE_ROUGHNESS_BLENDER_GLOSSY ||
-                     convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79;
-  const int narrow_x = p.ax < p.ay;
-  const double wide = fmax(p.ax, p.ay), narrow = fmin(p.ax, p.ay), ratio = narrow / wide;
-  double r2 = sqrt(wide * narrow), a = 0;
-  switch (convention) {
-  case SHADE_ROUGHNESS_BLENDER_GLOSSY:
-  case SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79:
-    a = fmin(1 - sqrt(ratio), 0.99) * (narrow_x ? 1 : -1);
-    break;
-  case SHADE_ROUGHNESS_GLTF:
-    r2 = fmin(narrow, 1);
-    a = r2 < 1 ? sqrt(fmin((wide - r2) / (1 - r2), 1)) : 0;
-    break;
-  case SHADE_ROUGHNESS_MATERIALX:
-    a = fmin(1 - ratio, 0.98);
-    break;
-  case SHADE_ROUGHNESS_OPENPBR:
-    a = 1 - ratio;
-    r2 = wide * sqrt(0.5 * (1 + ratio * ratio));
-    break;
-  case SHADE_ROUGHNESS_BLENDER_PRINCIPLED:
-  default:
-    a = fmin((1 - ratio) / 0.9, 1);
-  }
-  *roughness = fmin(convention == SHADE_ROUGHNESS_BLENDER_GLOSSY_2_79 ? r2 : sqrt(r2), 1);
-  *anisotropy = a;
-  *turned = narrow_x && !glossy;
-  /* there and back: whatever their clamps or ours kept from coming through shows */
-  shade_params_set_roughness(&p, convention, *roughness, a);
-  if (!(fabs(fmax(p.ax, p.ay) - wide) <= 1e-9 * wide &&
-        fabs(fmin(p.ax, p.ay) - narrow) <= 1e-9 * narrow))
-    status |= SHADE_CLAMPED_PARAMETER;
-  return status;
-}
-
-#define METAL_ROW(NAME, word, label, er, eg, eb, kr, kg, kb)                                       \
-  {#word, label, {er, eg, eb}, {kr, kg, kb}},
-static const shade_metal metals[] = {SHADE_TABLE_METALS(METAL_ROW)};
-
-int shade_metal_row(int row, shade_metal *metal) {
-  if (row < 0 || row >= (int)(sizeof metals / sizeof metals[0]))
-    return 0;
-  *metal = metals[row];
-  return 1;
-}
-
-int shade_params_set_metal(shade_params *p, const char *word) {
-  shade_metal m;
-  for (int row = 0; word && shade_metal_row(row, &m); row++) {
-    if (!same_word(word, m.word))
-      continue;
-    p->fresnel = SHADE_FRESNEL_CONDUCTOR;
-    for (int c = 0; c < 3; c++) {
-      double k2 = m.k[c] * m.k[c];
-      p->eta[c] = m.eta[c];
-      p->k[c] = m.k[c];
-      p->f0[c] = ((m.eta[c] - 1) * (m.eta[c] - 1) + k2) / ((m.eta[c] + 1) * (m.eta[c] + 1) + k2);
-    }
-    return 1;
-  }
-  return 0;
-}
-
 static int choice(shade_list list, int value, unsigned *status) {
   if (shade_list_word(list, value))
     return value;
   *status |= SHADE_BAD_CHOICE;
   return lists[list].rows[0].value;
-}
-
-/* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L. */
-static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
-  shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
-  switch (b->detail) {
-  case SHADE_DETAIL_PERTURB:
-    return ratio_only ? SHADE_MAP_PERTURB_RATIO : SHADE_MAP_PERTURB;
-  case SHADE_DETAIL_GRAM_SCHMIDT:
-    /* its x' is x without its part along n: the x' of groove transport along y */
-    return ratio_only ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_ROTATE_Y;
-  case SHADE_DETAIL_ROTATE:
-    return ratio_only ? short_by_l : groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
-  case SHADE_DETAIL_ROTATE_APPROXIMATE:
-    return short_by_l;
-  case SHADE_DETAIL_SHORTEST_ARC:
-    return SHADE_MAP_SHORTEST_ARC;
-  case SHADE_DETAIL_DEFORM_LINEAR:
-  case SHADE_DETAIL_DEFORM_LINEAR_CONSERVING:
-    return SHADE_MAP_DEFORM_LINEAR;
-  case SHADE_DETAIL_DEFORM_SMOOTH:
-  case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
-    return SHADE_MAP_DEFORM_SMOOTH;
-  default:
-    return SHADE_MAP_NONE;
-  }
-}
-
-/* No more than the lobe needs: a round one is carried exactly by perturb. */
-static shade_detail choose_detail(const shade_bsdf *b) {
-  return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
 shade_params shade_whole_params(const shade_params *given) {
@@ -328,8 +158,7 @@ shade_params shade_whole_params(const shade_params *given) {
   return p;
 }
 
-/* The same with the parameters within their ranges. */
-static shade_params within_ranges(const shade_params *given, unsigned *status) {
+shade_params shade_params_within_ranges(const shade_params *given, unsigned *status) {
   shade_params p = shade_whole_params(given);
   p.mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p.mdf, status);
   p.brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p.brdf, status);
@@ -350,111 +179,6 @@ static shade_params within_ranges(const shade_params *given, unsigned *status) {
     p.kd[c] = clamp(PARAM_kd, p.kd[c], status);
   }
   return p;
-}
-
-/* What directions are drawn from; see kernel/pass_sample.h. */
-static void setup_draws(shade_bsdf *b, const shade_params *p, int groove_y) {
-  const int warp = b->map >= SHADE_MAP_DEFORM_LINEAR;
-  const int visible = b->brdf == SHADE_BRDF_MICROFACET && !warp;
-  const double per_alpha = b->mdf == SHADE_MDF_WARD ? 2 : 1;
-  b->sx = b->kx * per_alpha;
-  b->sy = b->ky * per_alpha;
-  switch (b->mdf) {
-  case SHADE_MDF_WARD_HALF:
-    b->draw = SHADE_DRAW_HALF;
-    break;
-  case SHADE_MDF_BECKMANN:
-    b->draw = visible ? SHADE_DRAW_VISIBLE_GAUSSIAN : SHADE_DRAW_GAUSSIAN;
-    break;
-  case SHADE_MDF_GGX:
-    b->draw = visible ? SHADE_DRAW_VISIBLE_GGX : SHADE_DRAW_GGX;
-    break;
-  default: /* Ward too: with exponents 2/alpha^2 its lobe is within this one */
-    b->draw = SHADE_DRAW_PHONG;
-  }
-  b->draw_parts = 1;
-  b->draw_map = resolve(b, 0, groove_y);
-  if (b->detail == SHADE_DETAIL_PERTURB) { /* a round lobe is carried by any rigid frame */
-    b->draw_map = SHADE_MAP_SHORTEST_ARC;
-    b->draw_parts = b->kx == b->ky ? 1 : 3;
-  }
-  if (b->detail == SHADE_DETAIL_ROTATE_APPROXIMATE)
-    b->draw_map = groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
-  b->draw_even =
-      b->diffuse != SHADE_DIFFUSE_LAMBERT && b->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
-  for (int c = 0; c < 3; c++) {
-    double f0 = b->f0[c], k2 = b->k[c] * b->k[c];
-    double left = b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? 1 - f0 : 1;
-    if (b->fresnel == SHADE_FRESNEL_CONDUCTOR)
-      f0 = ((p->eta[c] - 1) * (p->eta[c] - 1) + k2) / ((p->eta[c] + 1) * (p->eta[c] + 1) + k2);
-    b->share_lobe += f0 / 3;
-    b->share_diffuse += b->kd[c] * left / 3;
-  }
-  b->sxf = (float)b->sx;
-  b->syf = (float)b->sy;
-  b->share_lobef = (float)b->share_lobe;
-  b->share_diffusef = (float)b->share_diffuse;
-}
-
-unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
-  unsigned status = SHADE_OK;
-  const shade_params p = within_ranges(given, &status);
-  memset(b, 0, sizeof *b);
-  b->mdf = p.mdf;
-  b->brdf = p.brdf;
-  b->detail = p.detail;
-  b->fresnel = p.fresnel;
-  b->diffuse = p.diffuse;
-
-  if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
-    b->kx = p.ex;
-    b->ky = p.ey;
-    b->gx = 2 / (b->kx + 2);
-    b->gy = 2 / (b->ky + 2);
-    b->peak = sqrt((b->kx + 1) * (b->ky + 1)) / (2 * PI);
-  } else {
-    b->gx = p.ax * p.ax;
-    b->gy = p.ay * p.ay;
-    b->kx = 1 / b->gx;
-    b->ky = 1 / b->gy;
-    b->peak = 1 / (PI * p.ax * p.ay);
-  }
-
-  int groove_y = p.groove == SHADE_GROOVE_Y || (p.groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
-  if (b->detail == SHADE_DETAIL_AUTO)
-    b->detail = choose_detail(b);
-  b->fibres_along_y = groove_y;
-  b->horizon = b->detail == SHADE_DETAIL_NONE ? SHADE_HORIZON_HARD : p.horizon;
-  b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
-  b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
-
-  b->conserve = b->detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
-                b->detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
-  b->fast = p.fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
-            (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_PERTURB_RATIO ||
-             b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y);
-  b->kxf = (float)b->kx;
-  b->kyf = (float)b->ky;
-  b->gxf = (float)b->gx;
-  b->gyf = (float)b->gy;
-  b->peakf = (float)b->peak;
-  for (int c = 0; c < 3; c++) {
-    b->f0[c] = p.f0[c];
-    b->f0f[c] = (float)b->f0[c];
-    if (b->fresnel == SHADE_FRESNEL_F82)
-      b->tint[c] = p.f82[c];
-    if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
-      b->tint[c] = p.eta[c];
-      b->k[c] = p.k[c];
-    }
-    b->kd[c] = p.kd[c];
-    b->has_diffuse |= b->kd[c] > 0;
-    b->kdf[c] = (float)b->kd[c];
-    b->tintf[c] = (float)b->tint[c];
-    b->kf[c] = (float)b->k[c];
-  }
-  setup_draws(b, &p, groove_y);
-  return status;
 }
 
 /* Appends as snprintf does, counting what did not fit. */
@@ -512,7 +236,7 @@ static void put_colour(text *t, const char *name, const double v[3]) {
 int shade_params_json(const shade_params *given, int id, const char *name, char *buffer,
                       size_t capacity) {
   unsigned unused = SHADE_OK;
-  const shade_params p = within_ranges(given, &unused);
+  const shade_params p = shade_params_within_ranges(given, &unused);
   text t = {buffer, capacity, 0};
   put_number(&t, "{\"id\": ", id);
   put(&t, ", \"name\": ");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A caller's parameters, whichever header it was built against. Private to src/. */
+/* A caller's parameters, whichever header it was built against, and the lists they choose from.
+ * Private to src/. */
 #ifndef SHADE_SRC_PARAMS_H
 #define SHADE_SRC_PARAMS_H
 
@@ -10,5 +11,19 @@
  * was the rule before there was a choice.
  */
 shade_params shade_whole_params(const shade_params *given);
+
+/* The same with every choice and number within its list and range; or-s into *status. */
+shade_params shade_params_within_ranges(const shade_params *given, unsigned *status);
+
+/* One row of a list of words, and the same as a row macro of table.h. */
+typedef struct shade_list_entry {
+  int value;
+  const char *word, *label, *help;
+} shade_list_entry;
+#define SHADE_LIST_ENTRY(NAME, word, value, label, help) {value, #word, label, help},
+
+/* Row `row` of `count` into what is not NULL; 0 past the end. */
+int shade_fill_row(const shade_list_entry *rows, int count, int row, int *value, const char **word,
+                   const char **label, const char **help);
 
 #endif
