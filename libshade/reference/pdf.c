@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The density that shade_bsdf_sample draws with, by the contract of its header. */
+#include "model.h"
+
+#include <math.h>
+
+/* One lobe of half vectors: two exponents for Ashikhmin-Shirley and Ward, else two alphas. */
+typedef struct proposal {
+  real x, y, weight;
+} proposal;
+
+static int by_exponents(const shade_params *p) {
+  return p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY || p->mdf == SHADE_MDF_WARD;
+}
+
+/* Density of m, per sr about it, from its angles; eye is wo in the same frame. */
+static real half_density(const shade_params *p, proposal q, vec m, vec eye, int visible) {
+  real theta = atan2l(hypotl(m.x, m.y), m.z), phi = atan2l(m.y, m.x);
+  real c = cosl(theta), tan2 = square(tanl(theta));
+  if (m.x == 0 && m.y == 0)
+    phi = pi / 4; /* the mean of both axes */
+  if (by_exponents(p)) {
+    real e = q.x * square(cosl(phi)) + q.y * square(sinl(phi));
+    return sqrtl((q.x + 1) * (q.y + 1)) / (2 * pi) * powl(c, e);
+  }
+  real k = square(cosl(phi) / q.x) + square(sinl(phi) / q.y), peak = 1 / (pi * q.x * q.y);
+  if (p->mdf == SHADE_MDF_WARD_HALF)
+    return peak * expl(-4 * k * square(sinl(theta / 2))) / -expm1l(-2 * k);
+  int ggx = p->mdf == SHADE_MDF_GGX;
+  real d = peak / powl(c, 4) * (ggx ? 1 / square(1 + k * tan2) : expl(-k * tan2));
+  if (!visible)
+    return d * c;
+  /* the share of m's area that the eye sees, of all that it sees */
+  real slope = hypotl(q.x * eye.x, q.y * eye.y) / eye.z, lambda_o = 0;
+  if (slope > 0 && ggx)
+    lambda_o = (sqrtl(1 + slope * slope) - 1) / 2;
+  else if (slope > 0)
+    lambda_o = slope * expl(-1 / square(slope)) / (2 * sqrtl(pi)) - erfcl(1 / slope) / 2;
+  return d * dot(m, eye) / (eye.z * (1 + lambda_o));
+}
+
+/* The lobes that the method draws from under n: how many, at most three. */
+static int proposals(const shade_params *p, vec n, proposal q[3]) {
+  real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
+  real ex = within(p->ex, 0, 1e6L), ey = within(p->ey, 0, 1e6L);
+  shade_detail detail = ref_method_of(p);
+  if (p->mdf == SHADE_MDF_WARD) {
+    ex = 2 / square(ax);
+    ey = 2 / square(ay);
+  }
+  if (detail == SHADE_DETAIL_ROTATE_APPROXIMATE && p->mdf != SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+    /* alpha/L, at most sqrt(1000) */
+    real l = ref_grooves_along_y(p) ? hypotl(n.y, n.z) : hypotl(n.x, n.z);
+    real most = sqrtl(1000);
+    ex = p->mdf == SHADE_MDF_WARD && ex * l * l < 1e-3L ? 1e-3L : ex * l * l;
+    ey = p->mdf == SHADE_MDF_WARD && ey * l * l < 1e-3L ? 1e-3L : ey * l * l;
+    ax = ax / l > most ? most : ax / l;
+    ay = ay / l > most ? most : ay / l;
+  }
+  int e = by_exponents(p);
+  real x = e ? ex : ax, y = e ? ey : ay;
+  q[0] = (proposal){x, y, 1};
+  if (detail != SHADE_DETAIL_PERTURB || x == y)
+    return 1;
+  real phi = n.x == 0 && n.y == 0 ? pi / 4 : atan2l(n.y, n.x), side2 = square(n.x) + square(n.y);
+  real kx = e ? ex : 1 / square(ax), ky = e ? ey : 1 / square(ay);
+  real here = kx * square(cosl(phi)) + ky * square(sinl(phi)), least = kx < ky ? kx : ky;
+  q[0].weight = 0.5L / (1 + (e ? 0.5L : 1) * side2 * here);
+  q[1] = e ? (proposal){here, here, 0} : (proposal){1 / sqrtl(here), 1 / sqrtl(here), 0};
+  q[1].weight = 0.5L - q[0].weight;
+  q[2] = e ? (proposal){least, least, 0.5L} : (proposal){1 / sqrtl(least), 1 / sqrtl(least), 0.5L};
+  return 3;
+}
+
+/* Density of wi about n, wi and wo above both horizons. */
+static real lobe_density(const shade_params *p, vec n, vec wi, vec wo) {
+  shade_detail detail = ref_method_of(p), frame = detail;
+  vec h = unit(plus(wi, wo));
+  if (detail == SHADE_DETAIL_PERTURB) /* its lobes are carried by the smallest rotation */
+    frame = SHADE_DETAIL_SHORTEST_ARC;
+  if (detail == SHADE_DETAIL_ROTATE_APPROXIMATE)
+    frame = SHADE_DETAIL_ROTATE;
+  int visible = p->brdf == SHADE_BRDF_MICROFACET && !ref_is_warp(detail) &&
+                (p->mdf == SHADE_MDF_BECKMANN || p->mdf == SHADE_MDF_GGX);
+  vec m = ref_carried_by(frame, p, n, h);
+  if (m.z <= 0)
+    return 0;
+  vec eye = visible ? ref_carried_by(frame, p, n, wo) : wo;
+  proposal q[3];
+  int count = proposals(p, n, q);
+  real density = 0;
+  for (int i = 0; i < count; i++)
+    density += q[i].weight * half_density(p, q[i], m, eye, visible);
+  if (ref_is_warp(detail)) /* areas of the disc: d omega = dA / z, on either side */
+    density *= (h.x == n.x && h.y == n.y ? 1 : ref_stretch(detail, n, h)) * h.z / m.z;
+  return density / (4 * dot(h, wo));
+}
+
+/* The lobe's share of the draws beside a diffuse part. */
+static real lobe_share(const shade_params *p, real coso) {
+  real specular = 0, matt = 0;
+  for (int c = 0; c < 3; c++) {
+    real f0 = within(p->f0[c], 0, 1), kd = within(p->kd[c], 0, 1);
+    matt += kd * (p->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? 1 - f0 : 1) / 3;
+    specular += (p->fresnel == SHADE_FRESNEL_CONDUCTOR ? ref_fresnel(p, c, 1) : f0) / 3;
+  }
+  if (p->fresnel == SHADE_FRESNEL_SCHLICK || p->fresnel == SHADE_FRESNEL_F82)
+    specular += (1 - specular) * powl(1 - coso, 5);
+  return within(specular / (specular + matt), 0.1L, 0.9L);
+}
+
+/* Density by the rule of `hard`. `lobe_n` is n as the distribution takes it. */
+static real hard_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo) {
+  vec pole = p->detail == SHADE_DETAIL_NONE ? (vec){0, 0, 1} : n;
+  real cosi = dot(pole, wi), coso = dot(pole, wo);
+  if (cosi <= 0 || coso <= 0 || wi.z <= 0 || wo.z <= 0)
+    return 0;
+  real density = lobe_density(p, lobe_n, wi, wo);
+  if (p->kd[0] > 0 || p->kd[1] > 0 || p->kd[2] > 0) {
+    int fibres =
+        p->diffuse != SHADE_DIFFUSE_LAMBERT && p->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+    real matt = fibres ? 0.5L * cosi / pi + 0.25L / pi : cosi / pi;
+    real share_of_lobe = lobe_share(p, coso);
+    density = share_of_lobe * density + (1 - share_of_lobe) * matt;
+  }
+  return density;
+}
+
+/* The three ways that draws of two facets come to wi, each with its probability. */
+static real two_facet_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo) {
+  const facets s = ref_facets_of(n);
+  if (s.area[UPRIGHT] == 0)
+    return hard_density(p, n, lobe_n, wi, wo);
+  const vec t = s.normal[UPRIGHT];
+  /* of the light w that leaves the bumped facet towards the mirror (t.w < 0), what is sent on */
+  real tilt = atan2l(hypotl(n.x, n.y), n.z);
+  real bounced = 0.5L * sinl(tilt) / (sinl(tilt) + cosl(tilt));
+  vec image = mirrored(wo, n);
+  if (dot(t, image) < 0 && image.z > 0) {
+    real past = s.area[UPRIGHT] * fabsl(dot(t, image)) / image.z; /* tan tilt and the slope */
+    real here = past < 1 ? past / (1 + past) : 0.5L;
+    bounced = here > bounced ? here : bounced;
+  }
+  real density = hard_density(p, n, lobe_n, wi, wo) * (dot(t, wi) < 0 ? 1 - bounced : 1);
+  if (dot(t, wi) > 0)
+    density += hard_density(p, n, lobe_n, minus(wi, scale(t, 2 * dot(t, wi))), wo) * bounced;
+  density *= ref_facet_share(&s, BUMPED, wo);
+  if (dot(t, wo) > 0)
+    density += hard_density(p, n, lobe_n, wi, minus(wo, scale(t, 2 * dot(t, wo)))) *
+               ref_facet_share(&s, UPRIGHT, wo);
+  return density;
+}
+
+double shade_ref_pdf(const shade_params *p, const double n_in[3], const double wi_in[3],
+                     const double wo_in[3]) {
+  if (!usable(n_in) || !usable(wi_in) || !usable(wo_in))
+    return 0;
+  vec n = normal(n_in), wi = direction(wi_in), wo = direction(wo_in);
+  vec lobe_n = ref_as_given(p, n_in, n);
+  if (p->detail == SHADE_DETAIL_NONE)
+    return (double)hard_density(p, n, lobe_n, wi, wo);
+  if (ref_bends(p->horizon)) {
+    vec turned = ref_bent(n, wo);
+    lobe_n = turned.z > n.z ? turned : lobe_n;
+    n = turned;
+  }
+  return (double)(p->horizon == SHADE_HORIZON_SCHUESSLER ? two_facet_density(p, n, lobe_n, wi, wo)
+                                                         : hard_density(p, n, lobe_n, wi, wo));
+}
