@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make install`: what it puts where, that README's programs compile against it, manual pages."""
+"""`make install`: what it puts where, that the programs of docs/library.md compile against it, manual pages."""
 import math
 import os
 import pathlib
@@ -96,12 +96,12 @@ def test_exports(prefix):
 
 
 def programs():
-    section = (ROOT / "README.md").read_text().split("## For a renderer's author")[1].split("\n## ")[0]
+    section = (ROOT / "docs/library.md").read_text().split("\n## ")[0]
     return re.findall(r"^```c\n(.*?)^```$", section, flags=re.S | re.M)
 
 
 def brdf_at(half):
-    """f of README's programs at a half vector that lies `half` radians along x from n, by hand.
+    """f of the programs of docs/library.md at a half vector that lies `half` radians along x from n, by hand.
 
     The default horizon has nothing to bend here (the mirror image of wo is 57 degrees from z),
     and fades light along n, of slope 3/4, by Smith's shadow for alpha^2 = (3/4)^2/8."""
@@ -112,11 +112,11 @@ def brdf_at(half):
 
 @pytest.mark.parametrize("linking", ["shared", "static", "c++"])
 @pytest.mark.parametrize("which", [0, 1])
-def test_readme_programs(prefix, tmp_path, which, linking):
+def test_library_page_programs(prefix, tmp_path, which, linking):
     assert len(programs()) == 2
     source = programs()[which]
     body = source.split("int main(void) {\n")[1].split("\n}")[0].splitlines()
-    assert len(body) <= 15, "README promises a few lines"
+    assert len(body) <= 15, "the page promises a few lines"
     (tmp_path / "program.c").write_text(source)
     pc = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
     options = ["--static"] if linking == "static" else []
