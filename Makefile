@@ -15,6 +15,7 @@
 #   make clean     remove build/
 # On Debian 12 each of them installs first what it needs (setup/setup.mk).
 B := build
+JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .PHONY: all demo check bench blender povray compare pictures lint clean help
@@ -25,10 +26,11 @@ include povray_patches/povray.mk
 include compare/compare.mk
 
 # check-libshade is a make of its own, on the same objects: not beside the others under -j.
-# pytest last: its closing line is the result.
+# pytest last: its closing line is the result. A file of tests stays with one worker, which starts
+# its Blender once.
 check: lint all blender povray $(B)/horizon
-	$(MAKE) check-libshade
-	$(PY) -m pytest
+	$(MAKE) --output-sync=target check-libshade
+	$(PY) -m pytest --numprocesses $(JOBS) --dist loadfile
 
 pictures: compare
 	$(PY) setup/pictures.py

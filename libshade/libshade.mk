@@ -140,9 +140,13 @@ $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 bench: $(B)/shade
 	@$(B)/shade bench --output $(B)/bench.csv
 
-.PHONY: test-libshade check-libshade check-headers soak
-test-libshade: $(TESTS)
-	@for t in $(TESTS); do $$t || exit 1; done
+.PHONY: test-libshade check-libshade check-headers soak $(TESTS:%=%.run)
+LONG := sample fabric pdf accuracy soak lobes furnace horizon fabric_energy continuity
+# each a target of its own, so that -j runs several at once; the longest first, or they run alone at the end
+LONG_TESTS := $(filter $(LONG:%=$(B)/test/%),$(TESTS))
+test-libshade: $(LONG_TESTS:%=%.run) $(TESTS:%=%.run)
+$(TESTS:%=%.run): %.run: %
+	@$<
 
 # a hundred million cases, on all processors: some minutes
 soak: $(B)/test/soak
@@ -159,17 +163,17 @@ check-headers: $(B)/libshade.a
 	  printf "#include \"shade/$${header##*/}\"\ntypedef int used;\n" | $$cc -std=c11 -pedantic-errors $(SHADE_WARN) \
 	    -I$(L)/include -xc -fsyntax-only - || exit 1; done; done
 
+# on all processors, whether or not -j was given: with it, under the jobs of the make above
+PARALLEL = $(MAKE) $(if $(filter --jobserver%,$(MAKEFLAGS)),,-j$(JOBS))
 # as clang compiles them: values, horizons; draws, of which SANITIZED takes fewer
 CLANG_RUNS := accuracy bsdf horizon leaves sample
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 check-libshade: setup-build
-	$(MAKE) all test-libshade
-	$(MAKE) B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" all test-libshade
-	$(MAKE) check-headers
-	$(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" $(B)/threads/test/threads
-	$(B)/threads/test/threads
-	$(MAKE) B=$(B)/clang CC=clang CFLAGS=-DSANITIZED all $(subst $(B)/,$(B)/clang/,$(TESTS))
-	@for t in $(CLANG_RUNS); do $(B)/clang/test/$$t || exit 1; done
+	+$(PARALLEL) all test-libshade
+	+$(PARALLEL) B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" all test-libshade
+	+$(PARALLEL) check-headers
+	+$(PARALLEL) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" $(B)/threads/test/threads.run
+	+$(PARALLEL) B=$(B)/clang CC=clang CFLAGS=-DSANITIZED all $(subst $(B)/,$(B)/clang/,$(TESTS) $(CLANG_RUNS:%=$(B)/test/%.run))
 	@$(B)/clang/test/soak --cases 200000 >$(B)/clang/soak.txt
 
 include $(L)/fuzz/fuzz.mk
