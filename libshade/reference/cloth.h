@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The reference for woven cloth: the look-up and the shading of weave.h, fabric.h and
+ * CONVENTIONS.md, long-hand. It takes what an author states, a draft and two sets of
+ * parameters, and keeps nothing that was made ready.
+ */
+#ifndef SHADE_REFERENCE_CLOTH_H
+#define SHADE_REFERENCE_CLOTH_H
+
+#include "shade/fabric.h"
+#include "shade/weave.h"
+
+/* draft is not copied and must outlive the rest. */
+typedef struct shade_ref_cloth {
+  const shade_draft *draft;
+  shade_weave_params yarns;
+  shade_fabric_params fabric;
+  double thickness[2], spacing[2]; /* means of what is stated, 0: nothing; weft, warp */
+} shade_ref_cloth;
+
+/* Parameters clamped to their ranges, NaN and choices out of range as the headers say. */
+shade_ref_cloth shade_ref_cloth_of(const shade_draft *draft, const shade_weave_params *yarns,
+                                   const shade_fabric_params *fabric);
+
+/* What is at (u, v), by the contract of shade_weave_lookup. u and v must be finite. */
+void shade_ref_crossing(const shade_ref_cloth *cloth, double u, double v, shade_crossing *out);
+
+/* s at the one point (u, v), by the contract of shade_fabric_eval. n NULL is z. */
+unsigned shade_ref_cloth_near(const shade_ref_cloth *cloth, const double uv[2], const double n[3],
+                              const double wi[3], const double wo[3], double s[3]);
+
+#endif

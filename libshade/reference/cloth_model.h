@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the files of the cloth reference use of one another. */
+#ifndef SHADE_REFERENCE_CLOTH_MODEL_H
+#define SHADE_REFERENCE_CLOTH_MODEL_H
+
+#include "cloth.h"
+#include "vec.h"
+
+/* shade_crossing in long double; kind: the yarn on top, in a gap the one that the draft has there.
+ */
+typedef struct ref_point {
+  int kind, gap, below, yarn;
+  real sigma, along, dx, dy, tx, ty, occlusion, brightness, fuzz;
+} ref_point;
+
+/* x within [low, high]; NaN is `initial`. */
+double ref_number(double x, double low, double high, double initial);
+
+void ref_mend_weave(shade_ref_cloth *c);
+
+ref_point ref_look(const shade_ref_cloth *c, double u, double v);
+
+/* The linear colour that the draft gives a yarn. */
+void ref_draft_color(const shade_ref_cloth *c, int kind, int index, real color[3]);
+
+/* v in the frame of a cloth bent to n, as the yarns of one kind follow it; in that of fibres. */
+vec ref_in_cloth(int kind, vec n, vec v);
+vec ref_along_fibres(real tx, real ty, vec v);
+
+/* The lobe of a yarn whose fibres run along x, kd 1. */
+shade_params ref_yarn_lobe(const shade_fabric_params *p, const shade_yarn *yarn);
+
+/* What a yarn of normal n sends on: of its surface, and of its inside for a kd of 1; f cos. */
+void ref_yarn(const shade_params *lobe, vec n, vec wi, vec wo, real glossy[3], real matt[3]);
+
+/* The diffuse reflectance of a yarn, colour of the draft included. */
+void ref_yarn_color(const shade_ref_cloth *c, int kind, int index, real kd[3]);
+
+/* What a nap makes of s; ci and co: about the cloth's normal. */
+void ref_nap(const shade_fabric_params *p, real ci, real co, real s[3]);
+
+/* Directions made unit, n lifted above the horizon. Status bits. */
+unsigned ref_cloth_open(const double n_in[3], const double wi_in[3], const double wo_in[3], vec *n,
+                        vec *wi, vec *wo);
+
+#endif

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Cloth against the reference, which writes the look-up and the shading again from the documents:
+ * random drafts, yarns, materials, places and folds, and every preset.
+ */
+#include "support.h"
+
+#include <string.h>
+
+#include "reference/cloth.h"
+#include "shade/presets.h"
+
+static uint64_t seed = 1;
+
+static double random_number(void) {
+  return uniform(&seed);
+}
+static double between(double low, double high) {
+  return low + (high - low) * random_number();
+}
+static int below(int count) {
+  return (int)(random_number() * count);
+}
+/* Often off, else within a range. */
+static double maybe(double low, double high) {
+  return below(2) ? between(low, high) : 0;
+}
+
+/* ---- random cloths ----------------------------------------------------------------------- */
+
+static shade_draft *random_draft(void) {
+  static const char *const names[] = {"plain", "twill_3_1", "herringbone", "satin_8", "basket"};
+  shade_draft *d = below(2)   ? shade_draft_named(names[below(5)])
+                   : below(2) ? shade_draft_from_pattern(1 + below(6), below(6), below(9) - 4)
+                              : shade_draft_create(1 + below(9), 1 + below(9));
+  assert_non_null(d);
+  if (below(3) == 0)
+    for (int i = 0; i < d->ends * d->picks; i++)
+      d->warp_up[i] = (unsigned char)below(2);
+  for (int k = 0; k < 2; k++)
+    for (int i = 0; i < (k ? d->ends : d->picks); i++) {
+      shade_thread *t = k ? &d->warp[i] : &d->weft[i];
+      for (int c = 0; c < 3; c++)
+        t->color[c] = random_number();
+      t->thickness = below(3) ? between(0.02, 0.06) : 0;
+      t->spacing = below(3) ? between(0.05, 0.09) : 0;
+    }
+  return d;
+}
+
+static void random_yarn(shade_yarn_params *y) {
+  y->width = between(0.3, 1);
+  y->gap = maybe(0, 0.6);
+  y->curve = maybe(0, 0.98);
+  y->ridge = maybe(0, 0.5);
+  y->slant = between(-2, 2);
+  y->segments = maybe(0.2, 6);
+  y->fibre = maybe(-1.5, 1.5);
+  y->crimp = maybe(0, 0.7);
+  y->crimp_length = between(0.05, 3);
+  y->vary_brightness = maybe(0, 1);
+  y->vary_tilt = maybe(0, 0.3);
+  y->along_brightness = maybe(0, 1);
+  y->along_tilt = maybe(0, 0.3);
+  y->slub = maybe(0, 1);
+  y->along_length = between(0.3, 8);
+  y->fuzz = maybe(0, 1);
+}
+
+static void random_yarn_material(shade_yarn *y) {
+  y->along = pow(10, between(0, 3));
+  y->across = pow(10, between(0, 2));
+  y->diffuse = (shade_diffuse)below(SHADE_DIFFUSE_POULIN_FOURNIER);
+  for (int c = 0; c < 3; c++) {
+    y->f0[c] = random_number();
+    y->kd[c] = random_number();
+  }
+}
+
+typedef struct cloth {
+  shade_draft *draft;
+  shade_weave *weave;
+  shade_fabric *fabric;
+  shade_ref_cloth reference;
+} cloth;
+
+static void close_cloth(cloth *c) {
+  shade_fabric_free(c->fabric);
+  shade_weave_free(c->weave);
+  shade_draft_free(c->draft);
+}
+
+static cloth make_cloth(shade_draft *draft, const shade_weave_params *w,
+                        const shade_fabric_params *f) {
+  unsigned status = SHADE_OK;
+  cloth c = {.draft = draft, .weave = shade_weave_create(draft, w, &status)};
+  assert_non_null(c.weave);
+  c.fabric = shade_fabric_create(c.weave, f, &status);
+  assert_non_null(c.fabric);
+  assert_int_equal(status, SHADE_OK);
+  c.reference = shade_ref_cloth_of(draft, w, f);
+  return c;
+}
+
+static cloth random_cloth(void) {
+  shade_weave_params w;
+  shade_fabric_params f;
+  shade_weave_params_init(&w);
+  shade_fabric_params_init(&f);
+  random_yarn(&w.warp);
+  random_yarn(&w.weft);
+  w.occlusion = (shade_occlusion)below(SHADE_OCCLUSION_COUNT);
+  w.seed = (uint32_t)below(1 << 30);
+  f.mdf = (shade_mdf)below(SHADE_MDF_COUNT);
+  f.brdf = (shade_brdf)below(SHADE_BRDF_COUNT);
+  f.detail = (shade_detail)below(SHADE_DETAIL_COUNT);
+  random_yarn_material(&f.warp);
+  random_yarn_material(&f.weft);
+  f.draft_colors = below(2);
+  for (int k = 0; k < 3; k++) {
+    f.backing[k] = random_number();
+    f.nap_color[k] = random_number();
+  }
+  f.nap = maybe(0, 1);
+  return make_cloth(random_draft(), &w, &f);
+}
+
+static int preset_cloth(int row, cloth *c) {
+  shade_preset p;
+  for (int k = 0; shade_preset_row(k, &p); k++)
+    if (p.kind == SHADE_PRESET_FABRIC && row-- == 0) {
+      *c = make_cloth(shade_draft_named(p.weave), &p.yarns, &p.fabric);
+      return 1;
+    }
+  return 0;
+}
+
+/* ---- places -------------------------------------------------------------------------------- */
+
+static void random_direction(double most, double v[3]) {
+  spherical(acos(1 - (1 - cos(most)) * random_number()), 2 * PI * random_number(), v);
+}
+
+static void random_place(double uv[2], double n[3], double wi[3], double wo[3]) {
+  uv[0] = between(-40, 40);
+  uv[1] = between(-40, 40);
+  random_direction(1.1, n);
+  random_direction(1.45, wi);
+  random_direction(1.45, wo);
+}
+
+static double largest(double a, double b) {
+  return a > b ? a : b;
+}
+
+/* What the look-ups find, in one row of numbers; whole ones apart. */
+enum { NUMBERS = 12 };
+static void numbers_of(const shade_crossing *c, double x[NUMBERS]) {
+  const double row[NUMBERS] = {c->sigma, c->along,    c->dx,        c->dy,
+                               c->tx,    c->ty,       c->occlusion, c->brightness,
+                               c->fuzz,  c->color[0], c->color[1],  c->color[2]};
+  memcpy(x, row, sizeof row);
+}
+static int same_kind(const shade_crossing *a, const shade_crossing *b) {
+  return a->top == b->top && a->swap == b->swap && a->below == b->below && a->yarn == b->yarn;
+}
+
+/*
+ * An edge of a yarn or a ridge's, where rounding decides: the reference itself differs a little
+ * beside the point.
+ */
+static int on_an_edge(const shade_ref_cloth *c, const double uv[2]) {
+  shade_crossing at, beside;
+  double x[NUMBERS], y[NUMBERS];
+  shade_ref_crossing(c, uv[0], uv[1], &at);
+  numbers_of(&at, x);
+  for (int k = 0; k < 4; k++) {
+    const double step = k % 2 ? 1e-8 : -1e-8;
+    shade_ref_crossing(c, uv[0] + (k < 2 ? step : 0), uv[1] + (k < 2 ? 0 : step), &beside);
+    numbers_of(&beside, y);
+    if (!same_kind(&at, &beside))
+      return 1;
+    for (int i = 0; i < NUMBERS; i++)
+      if (fabs(x[i] - y[i]) > 1e-4)
+        return 1;
+  }
+  return 0;
+}
+
+static void look_up(void **state) {
+  (void)state;
+  int edges = 0, looks = 0, seen[3] = {0, 0, 0}, below_others = 0;
+  double worst = 0;
+  for (int row = 0; row < 120; row++) {
+    cloth c = {0};
+    if (!preset_cloth(row, &c))
+      c = random_cloth();
+    for (int k = 0; k < 300; k++) {
+      double uv[2], n[3], wi[3], wo[3], x[NUMBERS], y[NUMBERS];
+      shade_crossing at, want;
+      random_place(uv, n, wi, wo);
+      looks++;
+      if (on_an_edge(&c.reference, uv)) {
+        edges++;
+        continue;
+      }
+      shade_weave_lookup(c.weave, uv[0], uv[1], &at);
+      shade_ref_crossing(&c.reference, uv[0], uv[1], &want);
+      assert_true(same_kind(&at, &want));
+      numbers_of(&at, x);
+      numbers_of(&want, y);
+      for (int i = 0; i < NUMBERS; i++)
+        worst = largest(worst, fabs(x[i] - y[i]));
+      seen[want.top]++;
+      below_others += want.below && want.top != SHADE_TOP_GAP;
+    }
+    close_cloth(&c);
+  }
+  print_message(
+      "look-ups against the reference: %.1e over %d, %d of gaps, %d beside the upper yarn; "
+      "%d on edges left out\n",
+      worst, looks - edges, seen[SHADE_TOP_GAP], below_others, edges);
+  assert_true(worst <= 1e-12);
+  assert_true(edges < looks / 1000);
+  for (int k = 0; k < 3; k++)
+    assert_true(seen[k] > looks / 50);
+  assert_true(below_others > looks / 50);
+}
+
+/* ---- near ------------------------------------------------------------------------------------ */
+
+static void near_is_the_reference(void **state) {
+  (void)state;
+  double worst = 0;
+  int lit = 0, points = 0;
+  for (int row = 0; row < 120; row++) {
+    cloth c = {0};
+    if (!preset_cloth(row, &c))
+      c = random_cloth();
+    for (int k = 0; k < 200; k++) {
+      double uv[2], n[3], wi[3], wo[3], s[3], want[3];
+      random_place(uv, n, wi, wo);
+      if (on_an_edge(&c.reference, uv))
+        continue;
+      const double *fold = k % 3 ? n : NULL;
+      const unsigned got = shade_fabric_eval(c.fabric, uv, NULL, fold, wi, wo, SHADE_TIER_NEAR, s);
+      assert_int_equal(got, shade_ref_cloth_near(&c.reference, uv, fold, wi, wo, want));
+      points++;
+      lit += want[0] > 0;
+      for (int i = 0; i < 3; i++) {
+        double error = fabs(s[i] - want[i]) / fmax(fabs(want[i]), 1e-3);
+        worst = largest(worst, error);
+      }
+    }
+    close_cloth(&c);
+  }
+  print_message("near against the reference: %.1e over %d points, %d lit\n", worst, points, lit);
+  assert_true(worst <= 1e-12);
+  assert_true(lit > points / 3);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(look_up),
+      cmocka_unit_test(near_is_the_reference),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
