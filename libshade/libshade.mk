@@ -28,7 +28,8 @@ ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
 O := $(B)/obj
 SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/setup.o \
   $(O)/src/roughness.o $(O)/src/tangents.o \
-  $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif.o
+  $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif_words.o $(O)/src/wif_read.o \
+  $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/slopes.o
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_eval.o $(O)/src/presets.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))

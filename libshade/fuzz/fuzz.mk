@@ -8,7 +8,7 @@ FUZZ_CC ?= clang
 FUZZ_FLAGS := -O1 -std=c11 -g -Wno-unknown-pragmas -fsanitize=fuzzer,address,undefined \
   -fno-sanitize-recover=all -I$(L)/include -I$(L)
 # the kernels are not fuzzed: drafts, weaves and parsers only
-FUZZ_SRC := $(L)/src/draft.c $(L)/src/weave.c $(L)/src/wif.c $(L)/tool/parse.c $(L)/tool/json.c
+FUZZ_SRC := $(L)/src/draft.c $(L)/src/weave.c $(wildcard $(L)/src/wif_*.c) $(L)/tool/parse.c $(L)/tool/json.c
 
 $(B)/fuzz/%: $(L)/fuzz/fuzz_%.c $(FUZZ_SRC) $(wildcard $(L)/kernel/*.h $(L)/include/shade/*.h)
 	@mkdir -p $(@D)
