@@ -5,7 +5,7 @@ bl_info = {
     "name": "libshade",
     "description": "Render engine for anisotropic metals whose microfacets follow the bumped normal",
     "author": "libshade",
-    "version": (0, 1, 0),
+    "version": (0, 2, 0),
     "blender": (3, 4, 0),
     "location": "Render Properties > Render Engine > libshade; Shader Editor > Add > Libshade Metal",
     "category": "Render",

@@ -14,7 +14,7 @@ INSTALL ?= install
 
 SHADE_VERSION := $(shell sed -n 's/^.define SHADE_VERSION "\(.*\)"/\1/p' $(L)/include/shade/shade.h)
 SHADE_SHARED := libshade.so.$(SHADE_VERSION)
-# shade_bsdf lies in the caller's memory and may grow with 0.2: until 1.0 each minor release
+# what callers hold in their memory may still change with a minor release: until 1.0 each of them
 # is an interface of its own
 SHADE_SONAME := libshade.so.$(basename $(SHADE_VERSION))
 

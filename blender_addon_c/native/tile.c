@@ -157,7 +157,8 @@ static void shade(worker *w, const segment *g) {
   batch *b = w->batch;
   size_t i = g->begin;
   bool textured = g->material->color[0] != NULL;
-  shade_lanesf in = {.nx = b->bump_x + i,
+  shade_lanesf in = {.size = sizeof in,
+                     .nx = b->bump_x + i,
                      .ny = b->bump_y + i,
                      .nz = b->bump_z + i,
                      .wix = b->wix + i,
@@ -169,7 +170,8 @@ static void shade(worker *w, const segment *g) {
                      .f0r = textured ? b->f0_r + i : NULL,
                      .f0g = textured ? b->f0_g + i : NULL,
                      .f0b = textured ? b->f0_b + i : NULL};
-  shade_resultf out = {.r = b->r + i, .g = b->g + i, .b = b->b + i, .cosine = b->cosine + i};
+  shade_resultf out = {
+      .size = sizeof out, .r = b->r + i, .g = b->g + i, .b = b->b + i, .cosine = b->cosine + i};
   unsigned status = shade_bsdf_eval_batchf(&g->material->bsdf, g->count, &in, &out);
   if (status)
     atomic_fetch_or_explicit(&w->render->status, status, memory_order_relaxed);

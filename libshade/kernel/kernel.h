@@ -27,7 +27,7 @@
 #endif
 
 /* n and h to D; h is unit for the warps. t, xx and yy are scratch. */
-static void FN(pass_lobe)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+static void FN(pass_lobe)(const bsdf *b, size_t count, const real *nx, const real *ny,
                           const real *nz, const real *hx, const real *hy, const real *hz, real *t,
                           real *xx, real *yy, real *d) {
   if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
@@ -41,7 +41,7 @@ static void FN(pass_lobe)(const shade_bsdf *b, size_t count, const real *nx, con
 }
 
 /* The same for one sample. */
-static inline real FN(lobe)(const shade_bsdf *b, const real n[3], real hx, real hy, real hz) {
+static inline real FN(lobe)(const bsdf *b, const real n[3], real hx, real hy, real hz) {
   real d = FN(distribution)(b, FN(detail)(b->map, n, hx, hy, hz));
   if (b->conserve)
     d *= FN(warp_stretch)(n[0], n[1], n[2], hx, hy, hz, b->map == SHADE_MAP_DEFORM_SMOOTH,
@@ -58,9 +58,9 @@ LEAF size_t FN(block_of)(size_t count, size_t arrays) {
   return count > far / sample ? 4096 / sample / 16 * 16 : BLOCK;
 }
 
-static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
-                                     const real *ny, const real *nz, const real *hx, const real *hy,
-                                     const real *hz, real *out) {
+static unsigned FN(mdf_batch)(const bsdf *b, size_t count, const real *nx, const real *ny,
+                              const real *nz, const real *hx, const real *hy, const real *hz,
+                              real *out) {
   real t[BLOCK], xx[BLOCK], yy[BLOCK];
   FN(mended) room;
   unsigned status = SHADE_OK;
@@ -88,13 +88,13 @@ static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const re
 }
 
 /* kd of channel c, less what Ashikhmin and Shirley give to the specular part. */
-static inline real FN(diffuse_scale)(const shade_bsdf *b, int c) {
+static inline real FN(diffuse_scale)(const bsdf *b, int c) {
   return b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? b->FN(kd)[c] * (1 - b->FN(f0)[c])
                                                        : b->FN(kd)[c];
 }
 
 /* q = Phi/(pi cos) of a block; v as in bsdf_hard_batch, ly and vy are scratch. */
-static void FN(diffuse_block)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+static void FN(diffuse_block)(const bsdf *b, size_t size, const real *const v[3][3],
                               const real *cosi, const real *coso, real *ly, real *vy, real *q) {
   const int x = b->fibres_along_y, y = !x; /* the fibre's axis, and the other */
   if (b->map == SHADE_MAP_NONE) {
@@ -107,7 +107,7 @@ static void FN(diffuse_block)(const shade_bsdf *b, size_t size, const real *cons
   FN(pass_diffuse)(b, size, ly, cosi, vy, coso, q);
 }
 
-static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
+static unsigned FN(bsdf_hard_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * in,
                                     const FN(shade_result) * out) {
   real hx[BLOCK], hy[BLOCK], hz[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
   real d[BLOCK], coso[BLOCK], white[BLOCK], hwo[BLOCK];
@@ -181,8 +181,7 @@ static unsigned FN(bsdf_hard_batch)(const shade_bsdf *b, size_t count, const FN(
 }
 
 /* One sample, from the same leaves. Both return status bits. */
-static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const real h_in[3],
-                               real *d) {
+static unsigned FN(mdf_one)(const bsdf *b, const real n_in[3], const real h_in[3], real *d) {
   real n[3] = {n_in[0], n_in[1], n_in[2]};
   real h[3] = {h_in[0], h_in[1], h_in[2]};
   unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
@@ -199,7 +198,7 @@ static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n_in[3], const re
   return status;
 }
 
-static unsigned FN(bsdf_hard)(const shade_bsdf *b, const real n_in[3], const real wi_in[3],
+static unsigned FN(bsdf_hard)(const bsdf *b, const real n_in[3], const real wi_in[3],
                               const real wo_in[3], real f[3], real *cosine) {
   real n[3] = {n_in[0], n_in[1], n_in[2]};
   real wi[3] = {wi_in[0], wi_in[1], wi_in[2]};
@@ -247,14 +246,14 @@ static unsigned FN(bsdf_hard)(const shade_bsdf *b, const real n_in[3], const rea
 
 #include "pass_horizon.h"
 
-static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
-                                      const FN(shade_result) * out) {
+static unsigned FN(bsdf_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * in,
+                               const FN(shade_result) * out) {
   return b->horizon == SHADE_HORIZON_HARD ? FN(bsdf_hard_batch)(b, count, in, out)
                                           : FN(bsdf_horizon_batch)(b, count, in, out);
 }
 
-static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n[3], const real wi[3],
-                                const real wo[3], real f[3], real *cosine) {
+static unsigned FN(bsdf_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                             real f[3], real *cosine) {
   return b->horizon == SHADE_HORIZON_HARD ? FN(bsdf_hard)(b, n, wi, wo, f, cosine)
                                           : FN(bsdf_horizon)(b, n, wi, wo, f, cosine);
 }
@@ -277,8 +276,8 @@ static real FN(kernel_diffuse)(shade_diffuse model, const real l_in[3], const re
  * Schlick's white share, (1 - w(n.wi))(1 - w(n.wo)). Both 0 beyond a horizon. No mending:
  * n, wi and wo are unit, n.z > 0.
  */
-static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
-                            real *spec, real *matt) {
+static void FN(yarn_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * in, real *spec,
+                           real *matt) {
   real hx[BLOCK], hy[BLOCK], hz[BLOCK], hwo[BLOCK], t[BLOCK], xx[BLOCK], yy[BLOCK];
   real cosi[BLOCK], coso[BLOCK];
   for (size_t start = 0; start < count; start += BLOCK) {
@@ -311,3 +310,4 @@ static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_la
 
 #include "leaf_sample.h"
 #include "pass_sample.h"
+#include "entry.h"

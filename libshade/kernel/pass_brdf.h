@@ -84,7 +84,7 @@ BRDF_PASS(ward_bounded)
 BRDF_PASS(microfacet)
 #undef BRDF_PASS
 
-static void FN(pass_brdf)(const shade_bsdf *b, size_t count, const real *hwo, const real *cosi,
+static void FN(pass_brdf)(const bsdf *b, size_t count, const real *hwo, const real *cosi,
                           const real *coso, const real *li, const real *lo, real *d) {
   switch (b->brdf) {
   case SHADE_BRDF_WARD_1992:
@@ -105,7 +105,7 @@ static void FN(pass_brdf)(const shade_bsdf *b, size_t count, const real *hwo, co
 }
 
 /* The same decision for one sample. */
-LEAF real FN(brdf)(const shade_bsdf *b, real d, FN(angles) a) {
+LEAF real FN(brdf)(const bsdf *b, real d, FN(angles) a) {
   switch (b->brdf) {
   case SHADE_BRDF_WARD_1992:
     return FN(brdf_ward_1992)(d, a);
@@ -135,8 +135,7 @@ static void FN(pass_smith_gaussian)(size_t count, real gx, real gy, const real *
     l[i] = FN(smith_gaussian)(gx * xx[i] + gy * yy[i]);
 }
 
-static void FN(pass_smith)(const shade_bsdf *b, size_t count, const real *xx, const real *yy,
-                           real *l) {
+static void FN(pass_smith)(const bsdf *b, size_t count, const real *xx, const real *yy, real *l) {
   if (b->mdf == SHADE_MDF_GGX)
     FN(pass_smith_ggx)(count, b->FN(gx), b->FN(gy), xx, yy, l);
   else
@@ -144,7 +143,7 @@ static void FN(pass_smith)(const shade_bsdf *b, size_t count, const real *xx, co
 }
 
 /* The same for one direction. */
-LEAF real FN(smith)(const shade_bsdf *b, const real n[3], const real w[3]) {
+LEAF real FN(smith)(const bsdf *b, const real n[3], const real w[3]) {
   FN(lobe_point) p = FN(lobe_at)(FN(detail)(b->shadow_map, n, w[0], w[1], w[2]));
   real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
   return b->mdf == SHADE_MDF_GGX ? FN(smith_ggx)(slope2) : FN(smith_gaussian)(slope2);
@@ -216,8 +215,8 @@ static void FN(pass_fresnel_conductor)(size_t count, real eta, real k, const rea
 }
 
 /* Colour channel c of f; `texture` is its f0 per sample or NULL; white as pass_schlick made it. */
-static void FN(pass_channel)(const shade_bsdf *b, int c, size_t count, const real *texture,
-                             const real *d, const real *hwo, const real *white, real *out) {
+static void FN(pass_channel)(const bsdf *b, int c, size_t count, const real *texture, const real *d,
+                             const real *hwo, const real *white, real *out) {
   const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c];
   if (b->fresnel == SHADE_FRESNEL_CONDUCTOR)
     FN(pass_fresnel_conductor)(count, tint, b->FN(k)[c], d, hwo, out);
@@ -232,7 +231,7 @@ static void FN(pass_channel)(const shade_bsdf *b, int c, size_t count, const rea
 }
 
 /* The same decision for one sample. */
-LEAF real FN(fresnel)(const shade_bsdf *b, int c, real hwo) {
+LEAF real FN(fresnel)(const bsdf *b, int c, real hwo) {
   const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c];
   switch (b->fresnel) {
   case SHADE_FRESNEL_SCHLICK:

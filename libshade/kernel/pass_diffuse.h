@@ -29,7 +29,7 @@ DIFFUSE_PASS(diffuse_fibre_view)
 DIFFUSE_PASS(diffuse_ashikhmin_shirley)
 #undef DIFFUSE_PASS
 
-static void FN(pass_diffuse)(const shade_bsdf *b, size_t count, const real *ly, const real *cosi,
+static void FN(pass_diffuse)(const bsdf *b, size_t count, const real *ly, const real *cosi,
                              const real *vy, const real *coso, real *q) {
   switch (b->diffuse) {
   case SHADE_DIFFUSE_MAX_NORMAL:
@@ -82,7 +82,7 @@ static void FN(pass_add_diffuse_textured)(size_t count, real kd, const real *res
     out[i] += kd * (1 - FN(reflectance)(f0[i])) * q[i];
 }
 
-/* d: f to f cos. q: Phi/(pi cos) to what kernel_yarn promises. */
+/* d: f to f cos. q: Phi/(pi cos) to what yarn_batch promises. */
 static void FN(pass_yarn)(size_t count, const real *restrict cosi, const real *restrict coso,
                           real *restrict d, real *restrict q) {
 #pragma omp simd

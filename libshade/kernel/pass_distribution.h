@@ -37,9 +37,9 @@ ASHIKHMIN_SHIRLEY_PASS(deform_linear, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 ASHIKHMIN_SHIRLEY_PASS(deform_smooth, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
 #undef ASHIKHMIN_SHIRLEY_PASS
 
-static void FN(pass_ashikhmin_shirley)(const shade_bsdf *b, size_t count, const real *nx,
-                                       const real *ny, const real *nz, const real *hx,
-                                       const real *hy, const real *hz, real *d) {
+static void FN(pass_ashikhmin_shirley)(const bsdf *b, size_t count, const real *nx, const real *ny,
+                                       const real *nz, const real *hx, const real *hy,
+                                       const real *hz, real *d) {
   const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
   switch (b->map) {
   case SHADE_MAP_PERTURB_RATIO:
@@ -65,7 +65,7 @@ static void FN(pass_ashikhmin_shirley)(const shade_bsdf *b, size_t count, const 
   }
 }
 
-static void FN(pass_distribution)(const shade_bsdf *b, size_t count, const real *t, const real *xx,
+static void FN(pass_distribution)(const bsdf *b, size_t count, const real *t, const real *xx,
                                   const real *yy, real *d) {
   const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
   switch (b->mdf) {
@@ -84,7 +84,7 @@ static void FN(pass_distribution)(const shade_bsdf *b, size_t count, const real 
 }
 
 /* The same decision for one sample. */
-static inline real FN(distribution)(const shade_bsdf *b, FN(lobe_ratio) r) {
+static inline real FN(distribution)(const bsdf *b, FN(lobe_ratio) r) {
   const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
   switch (b->mdf) {
   case SHADE_MDF_WARD:
@@ -116,11 +116,11 @@ STRETCH_PASS(smooth, 1, 0)
 STRETCH_PASS(smooth_projected, 1, 1)
 #undef STRETCH_PASS
 
-static int FN(projected)(const shade_bsdf *b) {
+static int FN(projected)(const bsdf *b) {
   return b->mdf == SHADE_MDF_BECKMANN || b->mdf == SHADE_MDF_GGX;
 }
 
-static void FN(pass_conserve)(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+static void FN(pass_conserve)(const bsdf *b, size_t count, const real *nx, const real *ny,
                               const real *nz, const real *hx, const real *hy, const real *hz,
                               real *d) {
   if (b->map == SHADE_MAP_DEFORM_SMOOTH)

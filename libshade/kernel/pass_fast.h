@@ -14,7 +14,7 @@ FAST_PASS(perturb)
 FAST_PASS(rotate)
 #undef FAST_PASS
 
-static void pass_fast(const shade_bsdf *b, size_t count, const float *nx, const float *ny,
+static void pass_fast(const bsdf *b, size_t count, const float *nx, const float *ny,
                       const float *nz, const float *hx, const float *hy, const float *hz,
                       float *d) {
   if (b->map == SHADE_MAP_NONE)
@@ -28,7 +28,7 @@ static void pass_fast(const shade_bsdf *b, size_t count, const float *nx, const 
 }
 
 /* The same decision for one sample. */
-static inline float fast(const shade_bsdf *b, const float n[3], float hx, float hy, float hz) {
+static inline float fast(const bsdf *b, const float n[3], float hx, float hy, float hz) {
   if (b->map == SHADE_MAP_NONE)
     return fast_none(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
   if (b->map == SHADE_MAP_PERTURB_RATIO)

@@ -87,13 +87,13 @@ GGX_PASS(rotate, FN(ggx_rotated)(nx[k], ny[k], nz[k], wix[k], wiy[k], wiz[k], wo
                                  woz[k], hh, kx, ky, peak, gx, gy))
 #undef GGX_PASS
 
-static int FN(is_fused)(const shade_bsdf *b) {
+static int FN(is_fused)(const bsdf *b) {
   return b->mdf == SHADE_MDF_GGX && b->brdf == SHADE_BRDF_MICROFACET &&
          (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_ROTATE_X || b->map == SHADE_MAP_ROTATE_Y);
 }
 
 /* hwo, the cosines as pass_cosines leaves them, and f without Fresnel; returns as pass_half. */
-static int FN(pass_fused)(const shade_bsdf *b, size_t count, const real *const v[3][3], real *hwo,
+static int FN(pass_fused)(const bsdf *b, size_t count, const real *const v[3][3], real *hwo,
                           real *cosi, real *coso, real *f) {
   const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak), gx = b->FN(gx), gy = b->FN(gy);
   if (b->map == SHADE_MAP_NONE)

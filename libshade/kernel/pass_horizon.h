@@ -3,7 +3,7 @@
  * The choices of SHADE_TABLE_HORIZON, around the evaluation of `hard`: n bent before it,
  * a factor after it, or three of it.
  */
-static int FN(bends)(const shade_bsdf *b) {
+static int FN(bends)(const bsdf *b) {
   return b->horizon == SHADE_HORIZON_VALID_REFLECTION || b->horizon == SHADE_HORIZON_VALID_ESTEVEZ;
 }
 
@@ -72,12 +72,12 @@ static void FN(pass_add_product)(size_t count, const real *restrict weight, cons
 }
 
 /* One block of facets with normal n and of upright mirrors; v as in bsdf_hard_batch. */
-static unsigned FN(two_facets)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+static unsigned FN(two_facets)(const bsdf *b, size_t size, const real *const v[3][3],
                                const FN(shade_lanes) * in, const FN(shade_result) * out) {
   real x[BLOCK], y[BLOCK], rgb[3][BLOCK], unused[BLOCK], weight[BLOCK];
   real see[2][2][BLOCK]; /* [light, eye][bumped, upright] */
   real *to[3] = {out->r, out->g, out->b};
-  const FN(shade_result) extra = {rgb[0], rgb[1], rgb[2], unused};
+  const FN(shade_result) extra = {sizeof extra, rgb[0], rgb[1], rgb[2], unused};
   for (int w = 0; w < 2; w++) {
     const real *const *d = v[w + 1];
     FN(pass_share_bumped)(size, v[0][0], v[0][1], v[0][2], d[0], d[1], d[2], see[w][0]);
@@ -115,7 +115,7 @@ static unsigned FN(two_facets)(const shade_bsdf *b, size_t size, const real *con
  * No bumps here, so that all choices are `hard` (to a rounding for two facets, which are left
  * alone): flat surfaces are not to pay for the others. Needs no mended n.
  */
-static int FN(is_flat)(const shade_bsdf *b, size_t count, const real *nx, const real *ny) {
+static int FN(is_flat)(const bsdf *b, size_t count, const real *nx, const real *ny) {
   int bumps = nx[0] != 0 || ny[0] != 0 || b->horizon == SHADE_HORIZON_SCHUESSLER;
   if (bumps)
     return 0;
@@ -125,8 +125,8 @@ static int FN(is_flat)(const shade_bsdf *b, size_t count, const real *nx, const 
   return !bumps;
 }
 
-static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
-                                       const FN(shade_lanes) * in, const FN(shade_result) * out) {
+static unsigned FN(bsdf_horizon_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * in,
+                                       const FN(shade_result) * out) {
   real bent[3][BLOCK];
   FN(mended) room;
   unsigned status = SHADE_OK;
@@ -140,7 +140,8 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
     const unsigned mended = flat ? SHADE_OK : FN(mend_block)(size, 3, v, &room);
     unsigned block = mended;
     FN(shade_lanes)
-    lanes = {v[0][0],
+    lanes = {sizeof lanes,
+             v[0][0],
              v[0][1],
              v[0][2],
              v[1][0],
@@ -152,8 +153,8 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
              in->f0r ? in->f0r + start : NULL,
              in->f0g ? in->f0g + start : NULL,
              in->f0b ? in->f0b + start : NULL};
-    const FN(shade_result)
-        result = {out->r + start, out->g + start, out->b + start, out->cosine + start};
+    const FN(shade_result) result = {sizeof result, out->r + start, out->g + start, out->b + start,
+                                     out->cosine + start};
     real *to[4] = {result.r, result.g, result.b, result.cosine},
          *factor = bent[0]; /* once n is shaded with */
     if (flat) {
@@ -185,7 +186,7 @@ static unsigned FN(bsdf_horizon_batch)(const shade_bsdf *b, size_t count,
 }
 
 /* The same for one sample. */
-static unsigned FN(two_facets_one)(const shade_bsdf *b, const real n[3], const real wi[3],
+static unsigned FN(two_facets_one)(const bsdf *b, const real n[3], const real wi[3],
                                    const real wo[3], real f[3], real *cosine) {
   real more[3], unused;
   real see[2][2];
@@ -213,7 +214,7 @@ static unsigned FN(two_facets_one)(const shade_bsdf *b, const real n[3], const r
   return status;
 }
 
-static unsigned FN(bsdf_horizon)(const shade_bsdf *b, const real n_in[3], const real wi_in[3],
+static unsigned FN(bsdf_horizon)(const bsdf *b, const real n_in[3], const real wi_in[3],
                                  const real wo_in[3], real f[3], real *cosine) {
   if (FN(is_flat)(b, 1, n_in, n_in + 1))
     return FN(bsdf_hard)(b, n_in, wi_in, wo_in, f, cosine);

@@ -19,7 +19,7 @@
  * kx, ky and the weight of one of the proposal's lobes, per sample. rotate_approximate is
  * rotate with 1/alpha^2 times L^2; the floor keeps the slopes within what D is capped at.
  */
-static void FN(pass_part)(const shade_bsdf *b, int part, size_t count, const real *restrict nx,
+static void FN(pass_part)(const bsdf *b, int part, size_t count, const real *restrict nx,
                           const real *restrict ny, const real *restrict nz, real *restrict kx,
                           real *restrict ky, real *restrict weight) {
   const real sx = b->FN(sx), sy = b->FN(sy), least = R(1e-3);
@@ -108,7 +108,7 @@ CARRY_PASS(linear, 0)
 CARRY_PASS(smooth, 1)
 #undef CARRY_PASS
 
-static void FN(pass_share)(const shade_bsdf *b, size_t count, const real *restrict cosine,
+static void FN(pass_share)(const bsdf *b, size_t count, const real *restrict cosine,
                            real *restrict share) {
   const real s = b->FN(share_lobe), d = b->FN(share_diffuse);
   const real grazing =
@@ -120,7 +120,7 @@ static void FN(pass_share)(const shade_bsdf *b, size_t count, const real *restri
 
 /* The whole density: the share of the lobe's, and the rest about the normal, where Lambert
  * is met by the cosine and the fibres by as much again that is even. */
-static void FN(pass_mix)(const shade_bsdf *b, size_t count, const real *restrict share,
+static void FN(pass_mix)(const bsdf *b, size_t count, const real *restrict share,
                          const real *restrict cosi, real *restrict q) {
   const real even = b->draw_even ? R(0.5) : R(0.0);
 #pragma omp simd
@@ -138,7 +138,7 @@ typedef struct FN(draw_room) {
 } FN(draw_room);
 
 /* The density of wi = v[1] under n = v[0] and wo = v[2], all mended. Returns status bits. */
-static unsigned FN(density_block)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+static unsigned FN(density_block)(const bsdf *b, size_t size, const real *const v[3][3],
                                   FN(draw_room) * m, real *restrict pdf) {
   real *hx = m->h[0], *hy = m->h[1], *hz = m->h[2];
   const int warp = b->map >= SHADE_MAP_DEFORM_LINEAR;
@@ -199,8 +199,7 @@ static unsigned FN(density_block)(const shade_bsdf *b, size_t size, const real *
 }
 
 /* The normal that the lobe is really about, where the horizon's choice bends it. */
-static void FN(bend_block)(const shade_bsdf *b, size_t size, const real *v[3][3],
-                           real bent[3][BLOCK]) {
+static void FN(bend_block)(const bsdf *b, size_t size, const real *v[3][3], real bent[3][BLOCK]) {
   if (!FN(bends)(b))
     return;
   FN(pass_bend)
@@ -227,7 +226,7 @@ static void FN(pass_paths)(size_t count, const real *restrict nx, const real *re
 }
 
 /* What comes by way of the mirrors of two facets. */
-static void FN(add_mirrored)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+static void FN(add_mirrored)(const bsdf *b, size_t size, const real *const v[3][3],
                              FN(draw_room) * m, real *restrict pdf) {
   real x[BLOCK], y[BLOCK], one[BLOCK], plain[BLOCK], mirrored[2][BLOCK];
   FN(pass_paths)
@@ -246,7 +245,7 @@ static void FN(add_mirrored)(const shade_bsdf *b, size_t size, const real *const
 }
 
 /* density_block for any horizon; 0 for opposite directions, as f is. */
-static unsigned FN(density_of_paths)(const shade_bsdf *b, size_t size, const real *const v[3][3],
+static unsigned FN(density_of_paths)(const bsdf *b, size_t size, const real *const v[3][3],
                                      FN(draw_room) * m, real *restrict pdf) {
   unsigned status = FN(density_block)(b, size, v, m, pdf);
   if (b->horizon == SHADE_HORIZON_SCHUESSLER)
@@ -258,8 +257,7 @@ static unsigned FN(density_of_paths)(const shade_bsdf *b, size_t size, const rea
   return status;
 }
 
-static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
-                                     real *out) {
+static unsigned FN(pdf_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * in, real *out) {
   FN(mended) room;
   FN(draw_room) draw;
   real bent[3][BLOCK];
@@ -475,8 +473,8 @@ static int FN(pass_uniform)(size_t count, const real *restrict u, real *restrict
 }
 
 /* Which of the proposal's lobes: kx and ky of the chosen one, u1 remapped. */
-static void FN(choose_part)(const shade_bsdf *b, size_t size, const real *const n[3], real *u1,
-                            real *kx, real *ky) {
+static void FN(choose_part)(const bsdf *b, size_t size, const real *const n[3], real *u1, real *kx,
+                            real *ky) {
   real px[BLOCK], py[BLOCK], weight[BLOCK], left[BLOCK];
   FN(pass_part)(b, 0, size, n[0], n[1], n[2], kx, ky, left);
   if (b->draw_parts == 1)
@@ -605,9 +603,8 @@ static void FN(pass_bounce)(size_t count, const real *restrict nx, const real *r
   }
 }
 
-static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
-                                        const FN(shade_sample_lanes) * in,
-                                        const FN(shade_sample_result) * out) {
+static unsigned FN(sample_batch)(const bsdf *b, size_t count, const FN(shade_sample_lanes) * in,
+                                 const FN(shade_sample_result) * out) {
   FN(mended) room;
   FN(draw_room) draw;
   real u1[BLOCK], u2[BLOCK], share[BLOCK], matt[BLOCK], lost[BLOCK], bent[3][BLOCK];
@@ -697,7 +694,8 @@ static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
     real *pdf = out->pdf + start;
     FN(density_of_paths)(b, size, v, &draw, pdf);
     FN(shade_lanes)
-    lanes = {n[0],
+    lanes = {sizeof lanes,
+             n[0],
              n[1],
              n[2],
              wi[0],
@@ -710,8 +708,8 @@ static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
              in->f0g ? in->f0g + start : NULL,
              in->f0b ? in->f0b + start : NULL};
     FN(shade_result)
-    result = {out->r + start, out->g + start, out->b + start, out->cosine + start};
-    FN(kernel_bsdf_batch)(b, size, &lanes, &result);
+    result = {sizeof result, out->r + start, out->g + start, out->b + start, out->cosine + start};
+    FN(bsdf_batch)(b, size, &lanes, &result);
     for (size_t i = 0; i < size; i++) {
       int empty = (block & SHADE_BAD_INPUT && room.void_lane[i]) |
                   (odd && (in->u1[start + i] != in->u1[start + i] ||
@@ -729,17 +727,18 @@ static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
 }
 
 /* One direction: a batch of one. */
-static unsigned FN(kernel_pdf)(const shade_bsdf *b, const real n[3], const real wi[3],
-                               const real wo[3], real *pdf) {
-  const FN(shade_lanes)
-      lanes = {n, n + 1, n + 2, wi, wi + 1, wi + 2, wo, wo + 1, wo + 2, NULL, NULL, NULL};
-  return FN(kernel_pdf_batch)(b, 1, &lanes, pdf);
+static unsigned FN(pdf_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                            real *pdf) {
+  const FN(shade_lanes) lanes = {sizeof lanes, n,      n + 1,  n + 2, wi,   wi + 1, wi + 2,
+                                 wo,           wo + 1, wo + 2, NULL,  NULL, NULL};
+  return FN(pdf_batch)(b, 1, &lanes, pdf);
 }
 
-static unsigned FN(kernel_sample)(const shade_bsdf *b, const real n[3], const real wo[3],
-                                  const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+static unsigned FN(sample_one)(const bsdf *b, const real n[3], const real wo[3], const real u[2],
+                               real wi[3], real f[3], real *pdf, real *cosine) {
   const FN(shade_sample_lanes)
-      lanes = {n, n + 1, n + 2, wo, wo + 1, wo + 2, u, u + 1, NULL, NULL, NULL};
-  const FN(shade_sample_result) result = {wi, wi + 1, wi + 2, f, f + 1, f + 2, pdf, cosine};
-  return FN(kernel_sample_batch)(b, 1, &lanes, &result);
+      lanes = {sizeof lanes, n, n + 1, n + 2, wo, wo + 1, wo + 2, u, u + 1, NULL, NULL, NULL};
+  const FN(shade_sample_result)
+      result = {sizeof result, wi, wi + 1, wi + 2, f, f + 1, f + 2, pdf, cosine};
+  return FN(sample_batch)(b, 1, &lanes, &result);
 }

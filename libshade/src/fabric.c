@@ -468,8 +468,8 @@ void shade_fabric_get_info(const shade_fabric *f, shade_fabric_info *info) {
   info->warp_lobes = warp->nodes.count;
   info->weft_share = f->mean[COLUMN_WEFT];
   info->warp_share = f->mean[COLUMN_WARP];
-  info->weft_single[0] = weft->single.kx;
-  info->weft_single[1] = weft->single.ky;
-  info->warp_single[0] = warp->single.kx;
-  info->warp_single[1] = warp->single.ky;
+  info->weft_single[0] = bsdf_of(&weft->single)->kx;
+  info->weft_single[1] = bsdf_of(&weft->single)->ky;
+  info->warp_single[0] = bsdf_of(&warp->single)->kx;
+  info->warp_single[1] = bsdf_of(&warp->single)->ky;
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "shade/fabric.h"
+#include "bsdf.h"
 #include "weave_private.h"
 
 enum {

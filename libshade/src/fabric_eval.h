@@ -54,8 +54,8 @@ static FN(pair) FN(turned)(const FN(pair) * p, real tx, real ty) {
 }
 
 static void FN(run_lobes)(const shade_bsdf *b, const FN(lobes) * l, real *spec, real *matt) {
-  const FN(shade_lanes) in = {l->n[0],  l->n[1],  l->n[2],  l->wi[0], l->wi[1], l->wi[2],
-                              l->wo[0], l->wo[1], l->wo[2], NULL,     NULL,     NULL};
+  const FN(shade_lanes) in = {sizeof in, l->n[0],  l->n[1],  l->n[2], l->wi[0], l->wi[1], l->wi[2],
+                              l->wo[0],  l->wo[1], l->wo[2], NULL,    NULL,     NULL};
   shade_isa_pick(0)->FN(yarn)(b, l->count, &in, spec, matt);
 }
 

@@ -4,7 +4,9 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "bsdf.h"
 #include "isa.h"
+#include "lanes.h"
 #include "../kernel/coefficients.h"
 
 #define BLOCK 256 /* samples a pass: its scratch stays in the first-level cache */

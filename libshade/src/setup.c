@@ -4,12 +4,13 @@
 #include <string.h>
 
 #include "shade/shade.h"
+#include "bsdf.h"
 #include "params.h"
 
 #define PI 3.14159265358979323846
 
 /* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L. */
-static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
+static shade_map resolve(const bsdf *b, int ratio_only, int groove_y) {
   shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
   switch (b->detail) {
   case SHADE_DETAIL_PERTURB:
@@ -35,12 +36,12 @@ static shade_map resolve(const shade_bsdf *b, int ratio_only, int groove_y) {
 }
 
 /* No more than the lobe needs: a round one is carried exactly by perturb. */
-static shade_detail choose_detail(const shade_bsdf *b) {
+static shade_detail choose_detail(const bsdf *b) {
   return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
 /* What directions are drawn from; see kernel/pass_sample.h. */
-static void setup_draws(shade_bsdf *b, const shade_params *p, int groove_y) {
+static void setup_draws(bsdf *b, const shade_params *p, int groove_y) {
   const int warp = b->map >= SHADE_MAP_DEFORM_LINEAR;
   const int visible = b->brdf == SHADE_BRDF_MICROFACET && !warp;
   const double per_alpha = b->mdf == SHADE_MDF_WARD ? 2 : 1;
@@ -83,10 +84,11 @@ static void setup_draws(shade_bsdf *b, const shade_params *p, int groove_y) {
   b->share_diffusef = (float)b->share_diffuse;
 }
 
-unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *given) {
+unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   unsigned status = SHADE_OK;
   const shade_params p = shade_params_within_ranges(given, &status);
-  memset(b, 0, sizeof *b);
+  bsdf *b = bsdf_in(out);
+  memset(out, 0, sizeof *out);
   b->mdf = p.mdf;
   b->brdf = p.brdf;
   b->detail = p.detail;

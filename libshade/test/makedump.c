@@ -191,7 +191,8 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
   shade_bsdf bsdf;
   shade_bsdf_setup(&bsdf, p);
   const int textured = d->has_color;
-  const shade_lanesf in = {lanes[NX],
+  const shade_lanesf in = {sizeof in,
+                           lanes[NX],
                            lanes[NY],
                            lanes[NZ],
                            lanes[IX],
@@ -203,7 +204,7 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
                            textured ? lanes[CR] : NULL,
                            textured ? lanes[CG] : NULL,
                            textured ? lanes[CB] : NULL};
-  const shade_resultf out = {lanes[FR], lanes[FG], lanes[FB], lanes[COS]};
+  const shade_resultf out = {sizeof out, lanes[FR], lanes[FG], lanes[FB], lanes[COS]};
   shade_bsdf_eval_batchf(&bsdf, count, &in, &out);
   const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
   float *s = shade_dump_light_plane(d, light, SHADE_DUMP_S);

@@ -15,6 +15,7 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
+#include "src/bsdf.h"
 #include "src/isa.h"
 
 /* cmocka's assert_float_equal works in float */

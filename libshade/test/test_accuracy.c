@@ -75,7 +75,7 @@ static double worst_error(const shade_isa_table *isa, shade_mdf mdf, shade_detai
     double want = shade_ref_mdf(&p, n, h), got = single ? (double)l.fd[i] : l.d[i];
     double m[3];
     shade_ref_carried(&p, n, h, m);
-    if (want <= 1e-12 * b.peak || m[2] < (is_warp(detail) ? 0.5 : 0.05))
+    if (want <= 1e-12 * bsdf_of(&b)->peak || m[2] < (is_warp(detail) ? 0.5 : 0.05))
       continue;
     used++;
     worst = fmax(worst, fabs(got / want - 1));

@@ -134,7 +134,7 @@ static void against_reference(void **state) {
       /* at a horizon one rounding decides, and exp(-a) ends at 1e-304 */
       if (fmin(fmin(want_cosine, wi[2]), wo[2]) > 1e-6)
         assert_true(want[c] > 0 ? f[c] > 0 || want[c] < 1e-290 : f[c] == 0);
-      if (want[c] < 1e-12 * b.peak || !well_inside(&p, n, wi, wo))
+      if (want[c] < 1e-12 * bsdf_of(&b)->peak || !well_inside(&p, n, wi, wo))
         continue;
       lit++;
       worst = fmax(worst, fabs(f[c] - want[c]) / (want[c] + p.kd[c]));
@@ -155,7 +155,8 @@ static void against_reference(void **state) {
     if (!metal)
       grazing = 1e-7 / cosi + 1e-7 / coso;
     for (int c = 0; c < 3; c++)
-      if (want[c] >= 1e-12 * b.peak && (metal ? want_cosine >= 1e-3 : well_inside(&p, n, wi, wo))) {
+      if (want[c] >= 1e-12 * bsdf_of(&b)->peak &&
+          (metal ? want_cosine >= 1e-3 : well_inside(&p, n, wi, wo))) {
         double *tally = is_warp(p.detail) ? &worst_warp : &worstf;
         double error = fabs((double)ff[c] - want[c]) / (want[c] + p.kd[c]);
         *tally = fmax(*tally, error - grazing);
@@ -179,7 +180,7 @@ static void horizons(void **state) {
   };
   for (int d = SHADE_DETAIL_PERTURB; d < SHADE_DETAIL_COUNT; d++) {
     shade_bsdf b = make_bsdf((shade_detail)d, SHADE_GROOVE_AUTO, 20, 5);
-    b.horizon = SHADE_HORIZON_HARD;
+    bsdf_in(&b)->horizon = SHADE_HORIZON_HARD;
     shade_bsdf_eval(&b, n, up, up, f, &cosine);
     assert_true(f[0] > 0 && fabs(cosine - 1) < 1e-15);
     for (int k = 0; k < 3; k++) {
@@ -238,18 +239,31 @@ static void batch_is_single(void **state) {
         for (size_t i = 0; i < MOST; i++)
           outd[c][i] = out[c][i] = -7;
       int textured = k % 3 == 0;
-      shade_lanesf lanesf = {in[0] + shift, in[1] + shift, in[2] + shift, in[3] + shift,
-                             in[4] + shift, in[5] + shift, in[6] + shift, in[7] + shift,
-                             in[8] + shift, NULL,          NULL,          NULL};
-      shade_lanes lanes = {ind[0] + shift, ind[1] + shift, ind[2] + shift, ind[3] + shift,
-                           ind[4] + shift, ind[5] + shift, ind[6] + shift, ind[7] + shift,
-                           ind[8] + shift, NULL,           NULL,           NULL};
+      shade_lanesf lanesf = {sizeof lanesf, in[0] + shift, in[1] + shift, in[2] + shift,
+                             in[3] + shift, in[4] + shift, in[5] + shift, in[6] + shift,
+                             in[7] + shift, in[8] + shift, NULL,          NULL,
+                             NULL};
+      shade_lanes lanes = {sizeof lanes,
+                           ind[0] + shift,
+                           ind[1] + shift,
+                           ind[2] + shift,
+                           ind[3] + shift,
+                           ind[4] + shift,
+                           ind[5] + shift,
+                           ind[6] + shift,
+                           ind[7] + shift,
+                           ind[8] + shift,
+                           NULL,
+                           NULL,
+                           NULL};
       if (textured) {
         lanesf.f0r = in[9] + shift, lanesf.f0g = in[10] + shift, lanesf.f0b = in[11] + shift;
         lanes.f0r = ind[9] + shift, lanes.f0g = ind[10] + shift, lanes.f0b = ind[11] + shift;
       }
-      shade_resultf resultf = {out[0] + shift, out[1] + shift, out[2] + shift, out[3] + shift};
-      shade_result result = {outd[0] + shift, outd[1] + shift, outd[2] + shift, outd[3] + shift};
+      shade_resultf resultf = {sizeof resultf, out[0] + shift, out[1] + shift, out[2] + shift,
+                               out[3] + shift};
+      shade_result result = {sizeof result, outd[0] + shift, outd[1] + shift, outd[2] + shift,
+                             outd[3] + shift};
       isa->bsdf_batchf(&b, count, &lanesf, &resultf);
       isa->bsdf_batch(&b, count, &lanes, &result);
       for (size_t i = shift; i < count + shift; i++) {
@@ -266,8 +280,8 @@ static void batch_is_single(void **state) {
         assert_near(outd[3][i], cosine, 1e-15);
         assert_near(out[3][i], cosinef, 3e-7);
         for (int c = 0; c < 3 && cosine > 1e-5; c++) {
-          assert_true(fabs(outd[c][i] - f[c]) <= 1e-11 * (f[c] + 1e-30 * b.peak));
-          if (f[c] > 1e-6 * b.peak)
+          assert_true(fabs(outd[c][i] - f[c]) <= 1e-11 * (f[c] + 1e-30 * bsdf_of(&b)->peak));
+          if (f[c] > 1e-6 * bsdf_of(&b)->peak)
             assert_true(fabsf(out[c][i] - ff[c]) <= 1e-4f * ff[c]);
         }
       }
@@ -321,10 +335,12 @@ static void long_arrays(void **state) {
         status = isa->mdf_batch(&b, LONG, d[0], d[1], d[2], d[3], d[4], d[5], long_out[0]);
         statusf = isa->mdf_batchf(&b, LONG, f[0], f[1], f[2], f[3], f[4], f[5], long_outf[0]);
       } else {
-        shade_lanes in = {d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7], d[8], NULL, NULL, NULL};
-        shade_lanesf inf = {f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], NULL, NULL, NULL};
-        shade_result out = {long_out[0], long_out[1], long_out[2], long_out[3]};
-        shade_resultf outf = {long_outf[0], long_outf[1], long_outf[2], long_outf[3]};
+        shade_lanes in = {sizeof in, d[0], d[1], d[2], d[3], d[4], d[5],
+                          d[6],      d[7], d[8], NULL, NULL, NULL};
+        shade_lanesf inf = {sizeof inf, f[0], f[1], f[2], f[3], f[4], f[5],
+                            f[6],       f[7], f[8], NULL, NULL, NULL};
+        shade_result out = {sizeof out, long_out[0], long_out[1], long_out[2], long_out[3]};
+        shade_resultf outf = {sizeof outf, long_outf[0], long_outf[1], long_outf[2], long_outf[3]};
         status = isa->bsdf_batch(&b, LONG, &in, &out);
         statusf = isa->bsdf_batchf(&b, LONG, &inf, &outf);
       }
@@ -383,7 +399,8 @@ static void nearly_unit(void **state) {
         v[3 + c] = (float)wi[c];
         v[6 + c] = (float)wo[c];
       }
-      shade_lanesf in = {.nx = v,
+      shade_lanesf in = {.size = sizeof in,
+                         .nx = v,
                          .ny = v + 1,
                          .nz = v + 2,
                          .wix = v + 3,
@@ -392,7 +409,7 @@ static void nearly_unit(void **state) {
                          .wox = v + 6,
                          .woy = v + 7,
                          .woz = v + 8};
-      shade_resultf out = {r, r + 1, r + 2, r + 3};
+      shade_resultf out = {sizeof out, r, r + 1, r + 2, r + 3};
       shade_bsdf_eval_batchf(&b, 1, &in, &out);
       assert_near((double)r[0], want[0], 1e-4 * want[0]);
     }
@@ -447,9 +464,9 @@ static void senseless_input(void **state) {
       lane[c][0] = lane[c][2] = fine[c];
       lane[c][1] = vf[c];
     }
-    shade_lanesf in = {lane[0], lane[1], lane[2], lane[3], lane[4], lane[5],
-                       lane[6], lane[7], lane[8], NULL,    NULL,    NULL};
-    shade_resultf out = {rgb[0], rgb[1], rgb[2], rgb[3]};
+    shade_lanesf in = {sizeof in, lane[0], lane[1], lane[2], lane[3], lane[4], lane[5],
+                       lane[6],   lane[7], lane[8], NULL,    NULL,    NULL};
+    shade_resultf out = {sizeof out, rgb[0], rgb[1], rgb[2], rgb[3]};
     shade_bsdf_eval_batchf(&b, 3, &in, &out);
     shade_bsdf_evalf(&b, fine, fine + 3, fine + 6, good, &good_cosine);
     for (int c = 0; c < 3; c++) {

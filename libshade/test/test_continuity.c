@@ -272,14 +272,14 @@ static void shade(const shade_bsdf *b, const window *w, form form, int single, d
   static float rf[3][POINTS], cosinef[POINTS];
   unsigned status = SHADE_OK;
   if (form == DOUBLE && !single) {
-    const shade_lanes in = {w->v[0], w->v[1], w->v[2], w->v[3], w->v[4], w->v[5],
-                            w->v[6], w->v[7], w->v[8], NULL,    NULL,    NULL};
-    const shade_result out = {r[0], r[1], r[2], cosine};
+    const shade_lanes in = {sizeof in, w->v[0], w->v[1], w->v[2], w->v[3], w->v[4], w->v[5],
+                            w->v[6],   w->v[7], w->v[8], NULL,    NULL,    NULL};
+    const shade_result out = {sizeof out, r[0], r[1], r[2], cosine};
     status = shade_bsdf_eval_batch(b, POINTS, &in, &out);
   } else if (!single) {
-    const shade_lanesf in = {w->vf[0], w->vf[1], w->vf[2], w->vf[3], w->vf[4], w->vf[5],
-                             w->vf[6], w->vf[7], w->vf[8], NULL,     NULL,     NULL};
-    const shade_resultf out = {rf[0], rf[1], rf[2], cosinef};
+    const shade_lanesf in = {sizeof in, w->vf[0], w->vf[1], w->vf[2], w->vf[3], w->vf[4], w->vf[5],
+                             w->vf[6],  w->vf[7], w->vf[8], NULL,     NULL,     NULL};
+    const shade_resultf out = {sizeof out, rf[0], rf[1], rf[2], cosinef};
     status = shade_bsdf_eval_batchf(b, POINTS, &in, &out);
   }
   for (int i = 0; i < POINTS; i++) {
@@ -331,14 +331,15 @@ static double jump(const double *value, double roundings, double peak) {
  * where they have no azimuth; the conserving warps at h = n.
  */
 static int jumps(const shade_bsdf *b, event what, int shaded) {
-  int azimuth = b->kx != b->ky;
-  if (what == H_IS_Z && (b->map == SHADE_MAP_PERTURB || b->map == SHADE_MAP_PERTURB_RATIO))
+  int azimuth = bsdf_of(b)->kx != bsdf_of(b)->ky;
+  if (what == H_IS_Z &&
+      (bsdf_of(b)->map == SHADE_MAP_PERTURB || bsdf_of(b)->map == SHADE_MAP_PERTURB_RATIO))
     return azimuth;
-  if ((what == WI_IS_Z || what == WO_IS_Z) && shaded && b->brdf == SHADE_BRDF_MICROFACET)
-    return azimuth && b->shadow_map == SHADE_MAP_PERTURB;
+  if ((what == WI_IS_Z || what == WO_IS_Z) && shaded && bsdf_of(b)->brdf == SHADE_BRDF_MICROFACET)
+    return azimuth && bsdf_of(b)->shadow_map == SHADE_MAP_PERTURB;
   /* two facets: with h = z the half vector by way of the mirror stays in n's plane and meets n */
-  int by_mirror = what == N_IS_Z_IS_H && shaded && b->horizon == SHADE_HORIZON_SCHUESSLER;
-  return (what == H_IS_N || by_mirror) && b->conserve;
+  int by_mirror = what == N_IS_Z_IS_H && shaded && bsdf_of(b)->horizon == SHADE_HORIZON_SCHUESSLER;
+  return (what == H_IS_N || by_mirror) && bsdf_of(b)->conserve;
 }
 
 static const double exponents[][2] = {{200, 10}, {10, 200}, {20, 20}, {1000, 3}, {2, 8}};
@@ -361,17 +362,18 @@ static shade_bsdf made(int mdf, int detail, int brdf, int horizon, int lobe) {
 
 static void judge(const shade_bsdf *b, const path *p, double width, form form, int shaded,
                   const double *value) {
-  double seen = jump(value, noise[form], b->peak);
+  double seen = jump(value, noise[form], bsdf_of(b)->peak);
   if (seen > 0)
     fail_msg("%s: %s %s, %s %s %s: jumps by %g of the largest value, window %g, %s\n"
              "n %.17g %.17g %.17g wi %.17g %.17g %.17g wo %.17g %.17g %.17g, k %g %g",
-             event_names[p->what], shade_list_word(SHADE_LIST_MDF, (int)b->mdf),
-             shade_list_word(SHADE_LIST_DETAIL, (int)b->detail),
-             shaded ? shade_list_word(SHADE_LIST_BRDF, (int)b->brdf) : "D",
-             shaded ? shade_list_word(SHADE_LIST_HORIZON, (int)b->horizon) : "",
-             b->has_diffuse ? shade_list_word(SHADE_LIST_DIFFUSE, (int)b->diffuse) : "", seen,
-             width, form_names[form], p->n[0], p->n[1], p->n[2], p->wi[0], p->wi[1], p->wi[2],
-             p->wo[0], p->wo[1], p->wo[2], b->kx, b->ky);
+             event_names[p->what], shade_list_word(SHADE_LIST_MDF, (int)bsdf_of(b)->mdf),
+             shade_list_word(SHADE_LIST_DETAIL, (int)bsdf_of(b)->detail),
+             shaded ? shade_list_word(SHADE_LIST_BRDF, (int)bsdf_of(b)->brdf) : "D",
+             shaded ? shade_list_word(SHADE_LIST_HORIZON, (int)bsdf_of(b)->horizon) : "",
+             bsdf_of(b)->has_diffuse ? shade_list_word(SHADE_LIST_DIFFUSE, (int)bsdf_of(b)->diffuse)
+                                     : "",
+             seen, width, form_names[form], p->n[0], p->n[1], p->n[2], p->wi[0], p->wi[1], p->wi[2],
+             p->wo[0], p->wo[1], p->wo[2], bsdf_of(b)->kx, bsdf_of(b)->ky);
 }
 
 static void distributions_and_brdfs(void **state) {
@@ -390,7 +392,7 @@ static void distributions_and_brdfs(void **state) {
             for (form form = DOUBLE; form < FORMS; form++) {
               int lobe = turn % LOBES, single = (turn + k) % 8 == 0;
               shade_bsdf b = made(mdf, detail, 0, 0, lobe);
-              b.fast &= form == FAST;
+              bsdf_in(&b)->fast &= form == FAST;
               if (!jumps(&b, (event)e, 0)) {
                 carry(&b, &w, form, single, value);
                 judge(&b, &p, widths[k], form, 0, value);
@@ -436,7 +438,7 @@ static void diffuse_models(void **state) {
                   params.f0[c] = 0, params.kd[c] = 0.8;
                 shade_bsdf b;
                 assert_int_equal(shade_bsdf_setup(&b, &params), SHADE_OK);
-                b.peak = 0; /* nothing of D here: the largest value is Phi's */
+                bsdf_in(&b)->peak = 0; /* nothing of D here: the largest value is Phi's */
                 shade(&b, &w, form, (draw + k) % 8 == 0, value);
                 judge(&b, &p, widths[k], form, 1, value);
               }
@@ -526,7 +528,7 @@ static void jump_of_perturb(void **state) {
   const shade_detail shadowed[] = {perturb, SHADE_DETAIL_DEFORM_LINEAR, SHADE_DETAIL_DEFORM_SMOOTH};
   for (int k = 0; k < 3; k++) {
     shade_bsdf b = make_lobe(SHADE_MDF_GGX, shadowed[k], 0, 30, 0.1);
-    b.brdf = SHADE_BRDF_MICROFACET;
+    bsdf_in(&b)->brdf = SHADE_BRDF_MICROFACET;
     const double wo[3] = {0.6, 0, 0.8};
     double f[2][3];
     shade_bsdf_eval(&b, n, x, wo, f[0], NULL);

@@ -39,9 +39,9 @@ static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3
       g.w[6 + c][i] = wo[c];
     }
   }
-  shade_lanes in = {g.w[0], g.w[1], g.w[2], g.w[3], g.w[4], g.w[5],
-                    g.w[6], g.w[7], g.w[8], NULL,   NULL,   NULL};
-  shade_result out = {g.f[0], g.f[1], g.f[2], g.f[3]};
+  shade_lanes in = {sizeof in, g.w[0], g.w[1], g.w[2], g.w[3], g.w[4], g.w[5],
+                    g.w[6],    g.w[7], g.w[8], NULL,   NULL,   NULL};
+  shade_result out = {sizeof out, g.f[0], g.f[1], g.f[2], g.f[3]};
   shade_bsdf_eval_batch(b, POINTS, &in, &out);
   double sum = 0;
   for (int i = 0; i < POINTS; i++)

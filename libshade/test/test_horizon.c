@@ -100,7 +100,7 @@ static void against_reference(void **state) {
       int inside = well_inside(&p, n, wi, wo);
       for (int c = 0; c < 3 && inside; c++) {
         assert_true(want[c] > 0 ? f[c] > 0 || want[c] < 1e-290 : f[c] == 0);
-        if (want[c] < 1e-12 * b.peak)
+        if (want[c] < 1e-12 * bsdf_of(&b)->peak)
           continue;
         lit++;
         changed += fabs(want[c] - plain[c]) > 1e-3 * want[c];
@@ -116,7 +116,7 @@ static void against_reference(void **state) {
       shade_ref_f(&p, n, wi, wo, want, &want_cosine);
       inside = well_inside(&p, n, wi, wo);
       for (int c = 0; c < 3 && inside; c++)
-        if (want[c] >= 1e-12 * b.peak) {
+        if (want[c] >= 1e-12 * bsdf_of(&b)->peak) {
           double *tally =
               p.detail == SHADE_DETAIL_DEFORM_LINEAR || p.detail == SHADE_DETAIL_DEFORM_SMOOTH
                   ? &worst_warp
@@ -169,10 +169,10 @@ static void flat_lanes_are_hard(void **state) {
   enum { COUNT = 300 };
   static float in[9][COUNT], out[2][4][COUNT];
   static double ind[9][COUNT], outd[2][4][COUNT];
-  const shade_lanesf lanesf = {in[0], in[1], in[2], in[3], in[4], in[5],
-                               in[6], in[7], in[8], NULL,  NULL,  NULL};
-  const shade_lanes lanes = {ind[0], ind[1], ind[2], ind[3], ind[4], ind[5],
-                             ind[6], ind[7], ind[8], NULL,   NULL,   NULL};
+  const shade_lanesf lanesf = {sizeof lanesf, in[0], in[1], in[2], in[3], in[4], in[5],
+                               in[6],         in[7], in[8], NULL,  NULL,  NULL};
+  const shade_lanes lanes = {sizeof lanes, ind[0], ind[1], ind[2], ind[3], ind[4], ind[5],
+                             ind[6],       ind[7], ind[8], NULL,   NULL,   NULL};
   uint64_t seed = 27;
   const shade_isa_table *isa;
   for (int row = 0; (isa = shade_isa_pick(row)); row++)
@@ -191,8 +191,10 @@ static void flat_lanes_are_hard(void **state) {
         if (hard)
           p.horizon = SHADE_HORIZON_HARD;
         const shade_bsdf b = made(&p);
-        const shade_resultf resultf = {out[hard][0], out[hard][1], out[hard][2], out[hard][3]};
-        const shade_result result = {outd[hard][0], outd[hard][1], outd[hard][2], outd[hard][3]};
+        const shade_resultf resultf = {sizeof resultf, out[hard][0], out[hard][1], out[hard][2],
+                                       out[hard][3]};
+        const shade_result result = {sizeof result, outd[hard][0], outd[hard][1], outd[hard][2],
+                                     outd[hard][3]};
         assert_int_equal(isa->bsdf_batchf(&b, COUNT, &lanesf, &resultf), SHADE_OK);
         assert_int_equal(isa->bsdf_batch(&b, COUNT, &lanes, &result), SHADE_OK);
       }
@@ -235,8 +237,8 @@ static void bent_normal(void **state) {
     assert_near(m[0] * n[1], m[1] * n[0], 1e-15); /* in the plane of z and n, */
     assert_true(m[0] * n[0] + m[1] * n[1] >= 0);  /* on the side of n */
     shade_bsdf_eval(&hard, m, wi, wo, want, NULL);
-    if (fabs(dot3(m, wi)) > 0.01 && fabs(dot3(m, wo)) > 1e-3 && want[0] > 1e-12 * b.peak &&
-        p.detail < SHADE_DETAIL_DEFORM_LINEAR)
+    if (fabs(dot3(m, wi)) > 0.01 && fabs(dot3(m, wo)) > 1e-3 &&
+        want[0] > 1e-12 * bsdf_of(&b)->peak && p.detail < SHADE_DETAIL_DEFORM_LINEAR)
       assert_near(f[0], want[0], 1e-9 * want[0]);
   }
   assert_true(bent > 5000);
@@ -372,7 +374,7 @@ static void reciprocity(void **state) {
       random_triple(&seed, 1.2, n, wi, wo);
       shade_bsdf_eval(&b, n, wi, wo, f, NULL);
       shade_bsdf_eval(&b, n, wo, wi, back, NULL);
-      if (f[0] > 1e-12 * b.peak)
+      if (f[0] > 1e-12 * bsdf_of(&b)->peak)
         apart[horizon] = fmax(apart[horizon], fabs(back[0] / f[0] - 1));
     }
     print_message("%s: reciprocal to %.1e\n", shade_list_word(SHADE_LIST_HORIZON, horizon),
@@ -396,8 +398,9 @@ static double albedo(const shade_bsdf *b, const double n[3], const double wo[3])
       v[6 + c][i] = wo[c];
     }
   }
-  shade_lanes in = {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], NULL, NULL, NULL};
-  shade_result result = {out[0], out[1], out[2], out[3]};
+  shade_lanes in = {sizeof in, v[0], v[1], v[2], v[3], v[4], v[5],
+                    v[6],      v[7], v[8], NULL, NULL, NULL};
+  shade_result result = {sizeof result, out[0], out[1], out[2], out[3]};
   shade_bsdf_eval_batch(b, POINTS, &in, &result);
   double sum = 0;
   for (int i = 0; i < POINTS; i++)
@@ -469,16 +472,16 @@ static void batch_is_single(void **state) {
       }
       ind[k % 9][count / 2] = in[k % 9][count / 2] = NAN;
       int textured = k % 2;
-      shade_lanesf lanesf = {in[0], in[1], in[2], in[3], in[4], in[5],
-                             in[6], in[7], in[8], NULL,  NULL,  NULL};
-      shade_lanes lanes = {ind[0], ind[1], ind[2], ind[3], ind[4], ind[5],
-                           ind[6], ind[7], ind[8], NULL,   NULL,   NULL};
+      shade_lanesf lanesf = {sizeof lanesf, in[0], in[1], in[2], in[3], in[4], in[5],
+                             in[6],         in[7], in[8], NULL,  NULL,  NULL};
+      shade_lanes lanes = {sizeof lanes, ind[0], ind[1], ind[2], ind[3], ind[4], ind[5],
+                           ind[6],       ind[7], ind[8], NULL,   NULL,   NULL};
       if (textured) {
         lanesf.f0r = in[9], lanesf.f0g = in[10], lanesf.f0b = in[11];
         lanes.f0r = ind[9], lanes.f0g = ind[10], lanes.f0b = ind[11];
       }
-      shade_resultf resultf = {out[0], out[1], out[2], out[3]};
-      shade_result result = {outd[0], outd[1], outd[2], outd[3]};
+      shade_resultf resultf = {sizeof resultf, out[0], out[1], out[2], out[3]};
+      shade_result result = {sizeof result, outd[0], outd[1], outd[2], outd[3]};
       shade_bsdf b = made(&p);
       assert_true(isa->bsdf_batchf(&b, count, &lanesf, &resultf) & SHADE_BAD_INPUT);
       assert_true(isa->bsdf_batch(&b, count, &lanes, &result) & SHADE_BAD_INPUT);
@@ -504,8 +507,8 @@ static void batch_is_single(void **state) {
         assert_near(outd[3][i], cosine, 1e-13);
         assert_near(out[3][i], cosinef, 1e-5);
         for (int c = 0; c < 3; c++) {
-          assert_true(fabs(outd[c][i] - f[c]) <= 1e-10 * (f[c] + 1e-30 * b.peak));
-          if (f[c] > 1e-6 * b.peak)
+          assert_true(fabs(outd[c][i] - f[c]) <= 1e-10 * (f[c] + 1e-30 * bsdf_of(&b)->peak));
+          if (f[c] > 1e-6 * bsdf_of(&b)->peak)
             assert_true(fabsf(out[c][i] - ff[c]) <= 1e-3f * ff[c]);
         }
       }
@@ -542,9 +545,9 @@ static void senseless_input(void **state) {
     shade_bsdf_evalf(&b, vf, vf + 3, vf + 6, ff, &cosinef);
     assert_true(!finite || fetestexcept(trapped) == 0);
     assert_true(finite || (status & SHADE_BAD_INPUT));
-    shade_lanesf in = {lane[0], lane[1], lane[2], lane[3], lane[4], lane[5],
-                       lane[6], lane[7], lane[8], NULL,    NULL,    NULL};
-    shade_resultf out = {rgb[0], rgb[1], rgb[2], rgb[3]};
+    shade_lanesf in = {sizeof in, lane[0], lane[1], lane[2], lane[3], lane[4], lane[5],
+                       lane[6],   lane[7], lane[8], NULL,    NULL,    NULL};
+    shade_resultf out = {sizeof out, rgb[0], rgb[1], rgb[2], rgb[3]};
     shade_bsdf_eval_batchf(&b, 2, &in, &out);
     for (int c = 0; c < 3; c++) {
       assert_true(isfinite(f[c]) && f[c] >= 0);

@@ -79,12 +79,13 @@ static void setup_clamps(void **state) {
   p.ex = 2e6;
   p.f0[1] = -.5;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_CLAMPED_PARAMETER);
-  assert_true(b.kx == 1e6 && b.f0[1] == 0);
+  assert_true(bsdf_of(&b)->kx == 1e6 && bsdf_of(&b)->f0[1] == 0);
   shade_params_init(&p);
   p.detail = (shade_detail)77;
   p.mdf = (shade_mdf)-3;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_BAD_CHOICE);
-  assert_true(b.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b.detail == SHADE_DETAIL_NONE);
+  assert_true(bsdf_of(&b)->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
+              bsdf_of(&b)->detail == SHADE_DETAIL_NONE);
 }
 
 /* Every parameter and component of the table, past either end and not a number: clamped, with
@@ -311,9 +312,9 @@ static void older_caller(void **state) {
   p.kd[0] = p.kd[1] = p.kd[2] = 7; /* beyond what that caller set */
   shade_bsdf b;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
-  assert_true(b.kd[0] == 0);
+  assert_true(bsdf_of(&b)->kd[0] == 0);
   /* before the choice of horizon there was `hard` */
-  assert_int_equal(b.horizon, SHADE_HORIZON_HARD);
+  assert_int_equal(bsdf_of(&b)->horizon, SHADE_HORIZON_HARD);
   p.size = offsetof(shade_params, horizon);
   shade_params wide;
   const double z[3] = {0, 0, 1}, covariance[3] = {.01, 0, .01};
@@ -333,15 +334,15 @@ static void defaults(void **state) {
   shade_params_init(&p);
   shade_bsdf b;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
-  assert_int_equal(b.mdf, SHADE_MDF_ASHIKHMIN_SHIRLEY);
-  assert_int_equal(b.brdf, SHADE_BRDF_ASHIKHMIN_SHIRLEY);
-  assert_int_equal(b.detail, SHADE_DETAIL_ROTATE);
-  assert_int_equal(b.fresnel, SHADE_FRESNEL_SCHLICK);
-  assert_int_equal(b.diffuse, SHADE_DIFFUSE_LAMBERT);
-  assert_int_equal(b.horizon, SHADE_HORIZON_VALID_ESTEVEZ);
+  assert_int_equal(bsdf_of(&b)->mdf, SHADE_MDF_ASHIKHMIN_SHIRLEY);
+  assert_int_equal(bsdf_of(&b)->brdf, SHADE_BRDF_ASHIKHMIN_SHIRLEY);
+  assert_int_equal(bsdf_of(&b)->detail, SHADE_DETAIL_ROTATE);
+  assert_int_equal(bsdf_of(&b)->fresnel, SHADE_FRESNEL_SCHLICK);
+  assert_int_equal(bsdf_of(&b)->diffuse, SHADE_DIFFUSE_LAMBERT);
+  assert_int_equal(bsdf_of(&b)->horizon, SHADE_HORIZON_VALID_ESTEVEZ);
   p.detail = SHADE_DETAIL_NONE; /* without n there is nothing to be kinder to */
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
-  assert_int_equal(b.horizon, SHADE_HORIZON_HARD);
+  assert_int_equal(bsdf_of(&b)->horizon, SHADE_HORIZON_HARD);
 }
 
 /* Numbers that JSON has no word for never reach it. */

@@ -29,10 +29,10 @@ typedef struct lanes {
 } lanes;
 
 static unsigned draw(const shade_isa_table *isa, const shade_bsdf *b, lanes *m, size_t count) {
-  const shade_sample_lanes in = {m->in[0], m->in[1], m->in[2], m->in[3], m->in[4], m->in[5],
-                                 m->in[6], m->in[7], NULL,     NULL,     NULL};
-  const shade_sample_result out = {m->out[0], m->out[1], m->out[2], m->out[3],
-                                   m->out[4], m->out[5], m->out[6], m->out[7]};
+  const shade_sample_lanes in = {sizeof in, m->in[0], m->in[1], m->in[2], m->in[3], m->in[4],
+                                 m->in[5],  m->in[6], m->in[7], NULL,     NULL,     NULL};
+  const shade_sample_result out = {sizeof out, m->out[0], m->out[1], m->out[2], m->out[3],
+                                   m->out[4],  m->out[5], m->out[6], m->out[7]};
   return isa->sample_batch(b, count, &in, &out);
 }
 
@@ -44,9 +44,9 @@ static unsigned drawf(const shade_isa_table *isa, const shade_bsdf *b, lanes *m,
                          ? copysignf(FLT_MAX, (float)(x < 0 ? -1 : 1))
                          : (float)x;
     }
-  const shade_sample_lanesf in = {m->inf[0], m->inf[1], m->inf[2], m->inf[3], m->inf[4], m->inf[5],
-                                  m->inf[6], m->inf[7], NULL,      NULL,      NULL};
-  const shade_sample_resultf out = {m->outf[0], m->outf[1], m->outf[2], m->outf[3],
+  const shade_sample_lanesf in = {sizeof in, m->inf[0], m->inf[1], m->inf[2], m->inf[3], m->inf[4],
+                                  m->inf[5], m->inf[6], m->inf[7], NULL,      NULL,      NULL};
+  const shade_sample_resultf out = {sizeof out, m->outf[0], m->outf[1], m->outf[2], m->outf[3],
                                     m->outf[4], m->outf[5], m->outf[6], m->outf[7]};
   return isa->sample_batchf(b, count, &in, &out);
 }
@@ -215,9 +215,10 @@ static double by_midpoints(const shade_isa_table *isa, const shade_bsdf *b, lane
       m->out[1][i] = s * sin(phi);
       m->out[2][i] = z;
     }
-    const shade_lanes in = {m->in[0], m->in[1], m->in[2], m->out[0], m->out[1], m->out[2],
-                            m->in[3], m->in[4], m->in[5], NULL,      NULL,      NULL};
-    const shade_result out = {r, g, bl, cosine};
+    const shade_lanes in = {sizeof in, m->in[0],  m->in[1], m->in[2], m->out[0],
+                            m->out[1], m->out[2], m->in[3], m->in[4], m->in[5],
+                            NULL,      NULL,      NULL};
+    const shade_result out = {sizeof out, r, g, bl, cosine};
     isa->bsdf_batch(b, (size_t)grid, &in, &out);
     isa->pdf_batch(b, (size_t)grid, &in, pdf);
     for (int i = 0; i < grid; i++) {
@@ -276,7 +277,8 @@ static void albedo(void **state) {
         print_message(
             "  %-18s %-25s %-18s %-14s %6.2f %5.2f\n", shade_list_word(SHADE_LIST_MDF, mdf),
             shade_list_word(SHADE_LIST_DETAIL, detail), shade_list_word(SHADE_LIST_BRDF, brdf),
-            shade_list_word(SHADE_LIST_HORIZON, (int)b.horizon), a.largest, a.deviation / a.mean);
+            shade_list_word(SHADE_LIST_HORIZON, (int)bsdf_of(&b)->horizon), a.largest,
+            a.deviation / a.mean);
         assert_int_equal(missed, 0);
         assert_true(want > 0.01);
         if (fabs(a.mean - want) > 5 * a.deviation / sqrt((double)a.draws) + 1e-3 * SLOWED * want)
@@ -696,9 +698,10 @@ static void any_input(void **state) {
     if (finite && fetestexcept(FE_INVALID | FE_OVERFLOW | FE_DIVBYZERO))
       fail_msg("floating-point exception %x: %s, %s %s %s, ex %g ey %g ax %g ay %g",
                fetestexcept(FE_INVALID | FE_OVERFLOW | FE_DIVBYZERO), isa->name,
-               shade_list_word(SHADE_LIST_MDF, (int)b.mdf),
-               shade_list_word(SHADE_LIST_BRDF, (int)b.brdf),
-               shade_list_word(SHADE_LIST_DETAIL, (int)b.detail), p.ex, p.ey, p.ax, p.ay);
+               shade_list_word(SHADE_LIST_MDF, (int)bsdf_of(&b)->mdf),
+               shade_list_word(SHADE_LIST_BRDF, (int)bsdf_of(&b)->brdf),
+               shade_list_word(SHADE_LIST_DETAIL, (int)bsdf_of(&b)->detail), p.ex, p.ey, p.ax,
+               p.ay);
     for (int i = 0; i < BATCH; i++) {
       for (int c = 0; c < 8; c++) {
         assert_true(isfinite(m.out[c][i]) && isfinite(m.outf[c][i]));

@@ -51,10 +51,10 @@ typedef struct lanes {
 } lanes;
 
 static unsigned draw(const shade_bsdf *b, lanes *m, size_t count) {
-  const shade_sample_lanes in = {m->in[0], m->in[1], m->in[2], m->in[3], m->in[4], m->in[5],
-                                 m->in[6], m->in[7], NULL,     NULL,     NULL};
-  const shade_sample_result out = {m->out[0], m->out[1], m->out[2], m->out[3],
-                                   m->out[4], m->out[5], m->out[6], m->out[7]};
+  const shade_sample_lanes in = {sizeof in, m->in[0], m->in[1], m->in[2], m->in[3], m->in[4],
+                                 m->in[5],  m->in[6], m->in[7], NULL,     NULL,     NULL};
+  const shade_sample_result out = {sizeof out, m->out[0], m->out[1], m->out[2], m->out[3],
+                                   m->out[4],  m->out[5], m->out[6], m->out[7]};
   return shade_bsdf_sample_batch(b, count, &in, &out);
 }
 
@@ -63,10 +63,10 @@ static unsigned drawf(const shade_bsdf *b, lanes *m, size_t count) {
   for (int k = 0; k < 8; k++)
     for (size_t i = 0; i < count; i++)
       in[k][i] = (float)m->in[k][i];
-  const shade_sample_lanesf lanes = {in[0], in[1], in[2], in[3], in[4], in[5],
-                                     in[6], in[7], NULL,  NULL,  NULL};
-  const shade_sample_resultf result = {out[0], out[1], out[2], out[3],
-                                       out[4], out[5], out[6], out[7]};
+  const shade_sample_lanesf lanes = {sizeof lanes, in[0], in[1], in[2], in[3], in[4],
+                                     in[5],        in[6], in[7], NULL,  NULL,  NULL};
+  const shade_sample_resultf result = {sizeof result, out[0], out[1], out[2], out[3],
+                                       out[4],        out[5], out[6], out[7]};
   unsigned status = shade_bsdf_sample_batchf(b, count, &lanes, &result);
   for (int k = 0; k < 8; k++)
     for (size_t i = 0; i < count; i++)
@@ -85,8 +85,8 @@ static void integrate(const shade_bsdf *b, const double n[3], const double wo[3]
                       int fine, double expected[BINS]) {
   fill(m, 0, n);
   fill(m, 3, wo);
-  const shade_lanes in = {m->in[0], m->in[1], m->in[2], m->out[0], m->out[1], m->out[2],
-                          m->in[3], m->in[4], m->in[5], NULL,      NULL,      NULL};
+  const shade_lanes in = {sizeof in, m->in[0], m->in[1], m->in[2], m->out[0], m->out[1], m->out[2],
+                          m->in[3],  m->in[4], m->in[5], NULL,     NULL,      NULL};
   const double area = 2 * PI / ((double)BINS * fine * fine);
   for (int bin = 0; bin < BINS; bin++) {
     for (int k = 0; k < fine * fine; k++) {
@@ -225,9 +225,9 @@ static void judge_at(const shade_bsdf *b, const double n[3], const double wo[3],
   if (p < v->least) {
     v->least = p;
     snprintf(v->worst, sizeof v->worst, "%s %s %s, %s",
-             shade_list_word(SHADE_LIST_MDF, (int)b->mdf),
-             shade_list_word(SHADE_LIST_BRDF, (int)b->brdf),
-             shade_list_word(SHADE_LIST_DETAIL, (int)b->detail), where);
+             shade_list_word(SHADE_LIST_MDF, (int)bsdf_of(b)->mdf),
+             shade_list_word(SHADE_LIST_BRDF, (int)bsdf_of(b)->brdf),
+             shade_list_word(SHADE_LIST_DETAIL, (int)bsdf_of(b)->detail), where);
   }
 }
 
@@ -258,10 +258,10 @@ static void chi2_lobes(void **state) {
         if (detail == SHADE_DETAIL_AUTO)
           continue;
         shade_bsdf b = material(mdf, SHADE_BRDF_ASHIKHMIN_SHIRLEY, detail, 40, 6, 0, 0);
-        shade_draw plain = b.draw;
+        shade_draw plain = bsdf_of(&b)->draw;
         judge(&b, k, detail & 1 ? 1 : -1, 0, &seed, &v);
         b = material(mdf, SHADE_BRDF_MICROFACET, detail, 6, 40, 0, 0); /* grooves along y */
-        if (b.draw != plain)
+        if (bsdf_of(&b)->draw != plain)
           judge(&b, k, 1, 0, &seed, &v);
       }
   conclude("lobes", &v);
@@ -278,7 +278,7 @@ static void chi2_mixtures(void **state) {
           material(SHADE_MDF_GGX, SHADE_BRDF_MICROFACET, SHADE_DETAIL_PERTURB, 6, 60, 0.5, diffuse);
       judge(&b, k, 1, 1, &seed, &v);
       b = material(SHADE_MDF_ASHIKHMIN_SHIRLEY, 0, SHADE_DETAIL_ROTATE, 6, 60, 0.5, diffuse + 1);
-      b.horizon = SHADE_HORIZON_VALID_REFLECTION;
+      bsdf_in(&b)->horizon = SHADE_HORIZON_VALID_REFLECTION;
       judge(&b, k, 1, 0, &seed, &v);
       b = material(SHADE_MDF_BECKMANN, SHADE_BRDF_MICROFACET, SHADE_DETAIL_NONE, 20, 20, 0.2,
                    diffuse);
@@ -309,7 +309,7 @@ static void chi2_bent(void **state) {
                               detail, 40, 6, k == 2 ? 0.5 : 0, SHADE_DIFFUSE_FIBRE);
       shade_params initial;
       shade_params_init(&initial);
-      b.horizon = initial.horizon;
+      bsdf_in(&b)->horizon = initial.horizon;
       double n[3], wo[3];
       normal_of(k, 1, n);
       const double azimuth = atan2(n[1], n[0]);
@@ -347,7 +347,7 @@ static void chi2_facets(void **state) {
           spherical(1.4, azimuth[k] * PI / 180 + 2.8, wo);
         shade_bsdf b = material(cases[c].mdf, cases[c].brdf, cases[c].detail, cases[c].ex,
                                 cases[c].ey, cases[c].kd, 0);
-        b.horizon = SHADE_HORIZON_SCHUESSLER;
+        bsdf_in(&b)->horizon = SHADE_HORIZON_SCHUESSLER;
         char where[40];
         snprintf(where, sizeof where, "tilt %g, eye %s", tilt[k], below ? "behind" : "in front");
         judge_at(&b, n, wo, FINER, cases[c].single, &seed, where, &v);
@@ -364,7 +364,7 @@ static void facets_of_tiny_tilt(void **state) {
   static lanes m;
   uint64_t seed = 11;
   shade_bsdf b = material(SHADE_MDF_GGX, SHADE_BRDF_MICROFACET, SHADE_DETAIL_ROTATE, 4, 4, 0.5, 0);
-  b.horizon = SHADE_HORIZON_SCHUESSLER;
+  bsdf_in(&b)->horizon = SHADE_HORIZON_SCHUESSLER;
   for (int k = 0; k <= 68; k++) {
     const double tilt = pow(10, -20 + k * 0.25);
     for (int single = 0; single < 2; single++) {

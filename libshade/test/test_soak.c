@@ -465,7 +465,7 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
         wrong = "negative", found->negative++;
       else if ((want & SHADE_BAD_INPUT) && q != PHI && a.value[c] != 0)
         wrong = "not 0 for bad input", found->wrong_status++;
-      double scale = q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : w->bsdf[p].peak;
+      double scale = q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : bsdf_of(&w->bsdf[p])->peak;
       if (a.value[c] / scale > found->largest)
         found->largest = a.value[c] / scale;
     }
@@ -508,14 +508,14 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
 #define CALLS(real, f, p_form)                                                                     \
   static void call_##real(worker *w, const shade_isa_table *isa, what q, form p) {                 \
     const shade_bsdf *b = &w->bsdf[p];                                                             \
-    shade_lanes##f in = {w->in##f[0], w->in##f[1], w->in##f[2], w->in##f[3],                       \
-                         w->in##f[4], w->in##f[5], w->in##f[6], w->in##f[7],                       \
-                         w->in##f[8], NULL,        NULL,        NULL};                             \
-    shade_result##f out = {w->out##f[0], w->out##f[1], w->out##f[2], w->out##f[3]};                \
-    shade_sample_lanes##f from = {in.nx,        in.ny,        in.nz, in.wox, in.woy, in.woz,       \
-                                  w->in##f[12], w->in##f[13], NULL,  NULL,   NULL};                \
-    shade_sample_result##f to = {w->out##f[5], w->out##f[6], w->out##f[7], out.r,                  \
-                                 out.g,        out.b,        w->out##f[4], out.cosine};            \
+    shade_lanes##f in = {sizeof in,   w->in##f[0], w->in##f[1], w->in##f[2], w->in##f[3],          \
+                         w->in##f[4], w->in##f[5], w->in##f[6], w->in##f[7], w->in##f[8],          \
+                         NULL,        NULL,        NULL};                                          \
+    shade_result##f out = {sizeof out, w->out##f[0], w->out##f[1], w->out##f[2], w->out##f[3]};    \
+    shade_sample_lanes##f from = {sizeof from, in.nx,        in.ny,        in.nz, in.wox, in.woy,  \
+                                  in.woz,      w->in##f[12], w->in##f[13], NULL,  NULL,   NULL};   \
+    shade_sample_result##f to = {sizeof to, w->out##f[5], w->out##f[6], w->out##f[7], out.r,       \
+                                 out.g,     out.b,        w->out##f[4], out.cosine};               \
     if (w->textured) {                                                                             \
       in.f0r = from.f0r = w->in##f[9];                                                             \
       in.f0g = from.f0g = w->in##f[10];                                                            \
@@ -543,7 +543,7 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
       else if (q == DRAW_ONE)                                                                      \
         w->status[i] = isa->sample##f(b, v, v + 6, u, wi, c, &to.pdf[i], &out.cosine[i]);          \
       else                                                                                         \
-        c[0] = isa->diffuse##f(b->diffuse, v + 3, v + 6);                                          \
+        c[0] = isa->diffuse##f(bsdf_of(b)->diffuse, v + 3, v + 6);                                 \
       out.r[i] = c[0], out.g[i] = c[1], out.b[i] = c[2];                                           \
       for (int k = 0; q == DRAW_ONE && k < 3; k++)                                                 \
         w->out##f[5 + k][i] = wi[k];                                                               \

@@ -10,7 +10,7 @@
 
 enum { THREADS = 4, LANES = 300, ROUNDS = 20 };
 
-static shade_bsdf bsdf;
+static shade_bsdf metal;
 static double in[9][LANES];
 static float inf[9][LANES];
 
@@ -27,28 +27,29 @@ typedef struct results {
     const real u[2] = {(real).25, (real).75};                                                      \
     for (int c = 0; c < 9; c++)                                                                    \
       v[c] = in##f_[c][i];                                                                         \
-    const shade_lanes##f_ lanes = {                                                                \
-        in##f_[0], in##f_[1], in##f_[2], in##f_[3], in##f_[4], in##f_[5],                          \
-        in##f_[6], in##f_[7], in##f_[8], NULL,      NULL,      NULL};                              \
-    const shade_result##f_ result = {r->f##f_[0], r->f##f_[1], r->f##f_[2], r->f##f_[3]};          \
-    const shade_sample_lanes##f_ draw = {in##f_[0], in##f_[1], in##f_[2], in##f_[6],               \
-                                         in##f_[7], in##f_[8], in##f_[2], in##f_[8],               \
-                                         NULL,      NULL,      NULL};                              \
-    const shade_sample_result##f_ drawn = {r->drawn##f_[0], r->drawn##f_[1], r->drawn##f_[2],      \
-                                           r->drawn##f_[3], r->drawn##f_[4], r->drawn##f_[5],      \
-                                           r->drawn##f_[6], r->drawn##f_[7]};                      \
-    r->status |= shade_mdf_eval_batch##f_(&bsdf, LANES, in##f_[0], in##f_[1], in##f_[2],           \
+    const shade_lanes##f_ lanes = {sizeof lanes, in##f_[0], in##f_[1], in##f_[2], in##f_[3],       \
+                                   in##f_[4],    in##f_[5], in##f_[6], in##f_[7], in##f_[8],       \
+                                   NULL,         NULL,      NULL};                                 \
+    const shade_result##f_ result = {sizeof result, r->f##f_[0], r->f##f_[1], r->f##f_[2],         \
+                                     r->f##f_[3]};                                                 \
+    const shade_sample_lanes##f_ draw = {sizeof draw, in##f_[0], in##f_[1], in##f_[2],             \
+                                         in##f_[6],   in##f_[7], in##f_[8], in##f_[2],             \
+                                         in##f_[8],   NULL,      NULL,      NULL};                 \
+    const shade_sample_result##f_ drawn = {sizeof drawn,    r->drawn##f_[0], r->drawn##f_[1],      \
+                                           r->drawn##f_[2], r->drawn##f_[3], r->drawn##f_[4],      \
+                                           r->drawn##f_[5], r->drawn##f_[6], r->drawn##f_[7]};     \
+    r->status |= shade_mdf_eval_batch##f_(&metal, LANES, in##f_[0], in##f_[1], in##f_[2],          \
                                           in##f_[3], in##f_[4], in##f_[5], r->d##f_);              \
-    r->status |= shade_bsdf_eval_batch##f_(&bsdf, LANES, &lanes, &result);                         \
-    r->status |= shade_bsdf_pdf_batch##f_(&bsdf, LANES, &lanes, r->pdf##f_);                       \
-    r->status |= shade_bsdf_sample_batch##f_(&bsdf, LANES, &draw, &drawn);                         \
+    r->status |= shade_bsdf_eval_batch##f_(&metal, LANES, &lanes, &result);                        \
+    r->status |= shade_bsdf_pdf_batch##f_(&metal, LANES, &lanes, r->pdf##f_);                      \
+    r->status |= shade_bsdf_sample_batch##f_(&metal, LANES, &draw, &drawn);                        \
     real *one = r->one##f_, f[3], pdf;                                                             \
-    one[0] += shade_mdf_eval##f_(&bsdf, v, v + 3, &r->status);                                     \
-    one[1] += shade_diffuse_eval##f_(bsdf.diffuse, v + 3, v + 6);                                  \
-    one[2] += shade_bsdf_pdf##f_(&bsdf, v, v + 3, v + 6, &r->status);                              \
-    r->status |= shade_bsdf_eval##f_(&bsdf, v, v + 3, v + 6, f, &pdf);                             \
+    one[0] += shade_mdf_eval##f_(&metal, v, v + 3, &r->status);                                    \
+    one[1] += shade_diffuse_eval##f_(bsdf_of(&metal)->diffuse, v + 3, v + 6);                      \
+    one[2] += shade_bsdf_pdf##f_(&metal, v, v + 3, v + 6, &r->status);                             \
+    r->status |= shade_bsdf_eval##f_(&metal, v, v + 3, v + 6, f, &pdf);                            \
     one[3] += f[0] + pdf;                                                                          \
-    r->status |= shade_bsdf_sample##f_(&bsdf, v, v + 6, u, v + 3, f, &pdf, NULL);                  \
+    r->status |= shade_bsdf_sample##f_(&metal, v, v + 6, u, v + 3, f, &pdf, NULL);                 \
     one[4] += f[0] + pdf + v[3];                                                                   \
   }
 EVALUATE(double, )
@@ -86,7 +87,7 @@ static void threads_share_a_material(void **state) {
     p.diffuse = (shade_diffuse)(k % SHADE_DIFFUSE_COUNT);
     p.horizon = (shade_horizon)(k % SHADE_HORIZON_COUNT);
     p.kd[0] = p.kd[1] = p.kd[2] = k & 1 ? .5 : 0;
-    assert_int_equal(shade_bsdf_setup(&bsdf, &p), SHADE_OK);
+    assert_int_equal(shade_bsdf_setup(&metal, &p), SHADE_OK);
     memset(&alone, 0, sizeof alone);
     work(&alone);
     assert_int_equal(alone.status & (SHADE_CLAMPED_NORMAL | SHADE_BAD_INPUT), SHADE_CLAMPED_NORMAL);

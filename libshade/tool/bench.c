@@ -12,6 +12,7 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
+#include "src/bsdf.h"
 #include "src/isa.h"
 #include "tool/literal.h"
 #include "tool/text.h"
@@ -119,12 +120,14 @@ static void evaluate_batch(const shade_isa_table *isa, const shade_bsdf *b, what
   else if (asks_d(w))
     isa->mdf_batch(b, a->count, t[0], t[1], t[2], t[3], t[4], t[5], ot[0]);
   else if (single) {
-    shade_lanesf in = {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8], NULL, NULL, NULL};
-    shade_resultf out = {os[0], os[1], os[2], os[3]};
+    shade_lanesf in = {sizeof in, s[0], s[1], s[2], s[3], s[4], s[5],
+                       s[6],      s[7], s[8], NULL, NULL, NULL};
+    shade_resultf out = {sizeof out, os[0], os[1], os[2], os[3]};
     isa->bsdf_batchf(b, a->count, &in, &out);
   } else {
-    shade_lanes in = {t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8], NULL, NULL, NULL};
-    shade_result out = {ot[0], ot[1], ot[2], ot[3]};
+    shade_lanes in = {sizeof in, t[0], t[1], t[2], t[3], t[4], t[5],
+                      t[6],      t[7], t[8], NULL, NULL, NULL};
+    shade_result out = {sizeof out, ot[0], ot[1], ot[2], ot[3]};
     isa->bsdf_batch(b, a->count, &in, &out);
   }
 }
@@ -186,8 +189,8 @@ static void evaluate(const shade_isa_table *isa, const row *r, what w, int singl
   else if (r->kind == KIND_STREAM)
     other.twice(!asks_d(w), a->count, a->twice);
   else if (r->kind == KIND_LITERAL)
-    other.literal(a->count, r->bsdf.kxf, r->bsdf.kyf, s[0], s[1], s[2], s[3], s[4], s[5],
-                  s[INPUTS]);
+    other.literal(a->count, bsdf_of(&r->bsdf)->kxf, bsdf_of(&r->bsdf)->kyf, s[0], s[1], s[2], s[3],
+                  s[4], s[5], s[INPUTS]);
   else if (is_call(w))
     (single ? calls_single : calls_twice)(isa, &r->bsdf, w, a);
   else
@@ -236,7 +239,7 @@ static double worst_error(const shade_isa_table *isa, const row *r, what w, int 
       least = least_cosine(&r->params, v);
     }
     double got = single ? (double)a->single[INPUTS][i] : a->twice[INPUTS][i];
-    if (want[0] > 1e-12 * r->bsdf.peak && least > 0.05)
+    if (want[0] > 1e-12 * bsdf_of(&r->bsdf)->peak && least > 0.05)
       worst = fmax(worst, fabs(got / want[0] - 1));
   }
   return worst;
@@ -352,7 +355,7 @@ static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf 
     r->params.groove = literal ? SHADE_GROOVE_X : SHADE_GROOVE_AUTO;
     r->params.fast = kind == FAST;
     shade_bsdf_setup(&r->bsdf, &r->params);
-    if (kind == FAST && !(r->bsdf.fast && asks_d(w)))
+    if (kind == FAST && !(bsdf_of(&r->bsdf)->fast && asks_d(w)))
       continue; /* there it is the same as float */
     if (d == SHADE_DETAIL_PERTURB)
       perturb = count;

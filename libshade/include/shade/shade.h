@@ -33,7 +33,7 @@ extern "C" {
 #define SHADE_API
 #endif
 
-#define SHADE_VERSION "0.1.0"
+#define SHADE_VERSION "0.2.0"
 
 #define SHADE_ENUM_ROW_(prefix, NAME, value) prefix##NAME = value,
 #define SHADE_MDF_ROW_(NAME, word, value, label, help) SHADE_ENUM_ROW_(SHADE_MDF_, NAME, value)
@@ -116,55 +116,12 @@ typedef struct shade_params {
   shade_horizon horizon;
 } shade_params;
 
-/* How h is carried: the detail method and groove axis, resolved. Private. */
-typedef enum shade_map {
-  SHADE_MAP_NONE,
-  SHADE_MAP_PERTURB_RATIO, /* for Ashikhmin-Shirley */
-  SHADE_MAP_PERTURB,
-  SHADE_MAP_ROTATE_X,
-  SHADE_MAP_ROTATE_Y,
-  SHADE_MAP_APPROXIMATE_X,
-  SHADE_MAP_APPROXIMATE_Y,
-  SHADE_MAP_SHORTEST_ARC,
-  SHADE_MAP_DEFORM_LINEAR,
-  SHADE_MAP_DEFORM_SMOOTH
-} shade_map;
-
-/* What half vectors are drawn from. Private. */
-typedef enum shade_draw {
-  SHADE_DRAW_PHONG, /* Ashikhmin-Shirley's D, Ward's too */
-  SHADE_DRAW_HALF,
-  SHADE_DRAW_GAUSSIAN,
-  SHADE_DRAW_GGX,
-  SHADE_DRAW_VISIBLE_GAUSSIAN,
-  SHADE_DRAW_VISIBLE_GGX
-} shade_draw;
-
 /*
- * A material made ready for evaluation. Its members are private: they may
- * change with any release.
+ * A material made ready for evaluation: 1 KiB of the caller's, whose contents are private and may
+ * change with any release, its size not. May be copied.
  */
 typedef struct shade_bsdf {
-  shade_mdf mdf;
-  shade_brdf brdf;
-  shade_detail detail;
-  shade_fresnel fresnel;
-  shade_map map, shadow_map; /* of h for D, of wi and wo for Smith's Lambda */
-  double kx, ky, peak;       /* exponents or 1/alpha^2, and D at the pole */
-  double gx, gy;             /* alpha^2 for Lambda */
-  shade_diffuse diffuse;
-  int has_diffuse, fibres_along_y, fast, conserve;
-  double f0[3], tint[3], k[3]; /* tint: f82, or eta */
-  double kd[3];
-  float kxf, kyf, peakf, gxf, gyf;
-  float f0f[3], tintf[3], kf[3], kdf[3];
-  shade_horizon horizon; /* hard where n is ignored */
-  shade_draw draw;
-  shade_map draw_map;        /* the rigid frame or warp that h is drawn in */
-  int draw_parts, draw_even; /* lobes of the proposal; 1: half the diffuse draws are even */
-  double sx, sy;             /* exponents or 1/alpha^2 of the proposal */
-  double share_lobe, share_diffuse;
-  float sxf, syf, share_lobef, share_diffusef;
+  double inside[128];
 } shade_bsdf;
 
 /*
@@ -317,26 +274,37 @@ SHADE_API unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const
 SHADE_API double shade_diffuse_eval(shade_diffuse model, const double l[3], const double v[3]);
 SHADE_API float shade_diffuse_evalf(shade_diffuse model, const float l[3], const float v[3]);
 
-/* Inputs of a batch: one array per component, `count` long each. */
+/*
+ * Batches. Their structures begin with `size`, which the caller sets to sizeof of the structure:
+ * they grow at their ends from release to release, and members beyond `size` count as NULL.
+ * Where an array that is required is NULL or beyond `size`, a batch writes nothing and returns
+ * SHADE_BAD_INPUT. Arrays are `count` long, of any alignment; for a count of 0 nothing is read.
+ */
+
+/* Inputs: one array per component. Those of n, wi and wo are required. */
 typedef struct shade_lanes {
+  size_t size;                   /* sizeof(shade_lanes) */
   const double *nx, *ny, *nz;    /* perturbed normal */
   const double *wix, *wiy, *wiz; /* to the light */
   const double *wox, *woy, *woz; /* to the eye */
   const double *f0r, *f0g, *f0b; /* f0 per sample, or NULL for the material's own */
 } shade_lanes;
 typedef struct shade_lanesf {
+  size_t size;
   const float *nx, *ny, *nz;
   const float *wix, *wiy, *wiz;
   const float *wox, *woy, *woz;
   const float *f0r, *f0g, *f0b;
 } shade_lanesf;
 
-/* Outputs of a batch. Must not overlap the inputs. r, g, b and cosine are required. */
+/* Outputs, all required. They must not overlap the inputs. */
 typedef struct shade_result {
+  size_t size;       /* sizeof(shade_result) */
   double *r, *g, *b; /* f, in 1/sr */
   double *cosine;
 } shade_result;
 typedef struct shade_resultf {
+  size_t size;
   float *r, *g, *b;
   float *cosine;
 } shade_resultf;
@@ -405,27 +373,31 @@ SHADE_API unsigned shade_bsdf_samplef(const shade_bsdf *b, const float n[3], con
                                       const float u[2], float wi[3], float f[3], float *pdf,
                                       float *cosine);
 
-/* Inputs of a batch of draws: one array per component, `count` long each. */
+/* Inputs of a batch of draws. Those of n, wo and u are required. */
 typedef struct shade_sample_lanes {
+  size_t size;                   /* sizeof(shade_sample_lanes) */
   const double *nx, *ny, *nz;    /* perturbed normal */
   const double *wox, *woy, *woz; /* to the eye */
   const double *u1, *u2;         /* uniform in [0, 1) */
   const double *f0r, *f0g, *f0b; /* f0 per sample, or NULL; what is drawn goes by the material's */
 } shade_sample_lanes;
 typedef struct shade_sample_lanesf {
+  size_t size;
   const float *nx, *ny, *nz;
   const float *wox, *woy, *woz;
   const float *u1, *u2;
   const float *f0r, *f0g, *f0b;
 } shade_sample_lanesf;
 
-/* Outputs of a batch of draws, all required. Must not overlap the inputs. */
+/* Outputs of a batch of draws, all required. They must not overlap the inputs. */
 typedef struct shade_sample_result {
+  size_t size;             /* sizeof(shade_sample_result) */
   double *wix, *wiy, *wiz; /* to the light; 0 where no direction was found */
   double *r, *g, *b;       /* f, in 1/sr */
   double *pdf, *cosine;    /* in 1/sr; n.wi */
 } shade_sample_result;
 typedef struct shade_sample_resultf {
+  size_t size;
   float *wix, *wiy, *wiz;
   float *r, *g, *b;
   float *pdf, *cosine;

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the table of an instruction set holds: the public calls, by what shade.h says of them. */
+
+static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n[3], const real h[3], real *d) {
+  return FN(mdf_one)(bsdf_of(b), n, h, d);
+}
+
+static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
+                                     const real *ny, const real *nz, const real *hx, const real *hy,
+                                     const real *hz, real *out) {
+  return FN(mdf_batch)(bsdf_of(b), count, nx, ny, nz, hx, hy, hz, out);
+}
+
+static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n[3], const real wi[3],
+                                const real wo[3], real f[3], real *cosine) {
+  return FN(bsdf_one)(bsdf_of(b), n, wi, wo, f, cosine);
+}
+
+static unsigned FN(kernel_pdf)(const shade_bsdf *b, const real n[3], const real wi[3],
+                               const real wo[3], real *pdf) {
+  return FN(pdf_one)(bsdf_of(b), n, wi, wo, pdf);
+}
+
+static unsigned FN(kernel_sample)(const shade_bsdf *b, const real n[3], const real wo[3],
+                                  const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+  return FN(sample_one)(bsdf_of(b), n, wo, u, wi, f, pdf, cosine);
+}
+
+/* Arrays that the structures of shade.h must have, from the first on. */
+enum { FN(lanes_required) = 9, FN(draws_required) = 8, FN(results_required) = 4 };
+
+static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count,
+                                      const FN(shade_lanes) * given,
+                                      const FN(shade_result) * given_out) {
+  FN(shade_lanes) in;
+  FN(shade_result) out;
+  if (!count)
+    return SHADE_OK;
+  if (!shade_whole_lanes(given, FN(lanes_required), &in, sizeof in) ||
+      !shade_whole_lanes(given_out, FN(results_required), &out, sizeof out))
+    return SHADE_BAD_INPUT;
+  return FN(bsdf_batch)(bsdf_of(b), count, &in, &out);
+}
+
+static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count,
+                                     const FN(shade_lanes) * given, real *out) {
+  FN(shade_lanes) in;
+  if (!count)
+    return SHADE_OK;
+  if (!shade_whole_lanes(given, FN(lanes_required), &in, sizeof in) || !out)
+    return SHADE_BAD_INPUT;
+  return FN(pdf_batch)(bsdf_of(b), count, &in, out);
+}
+
+static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
+                                        const FN(shade_sample_lanes) * given,
+                                        const FN(shade_sample_result) * given_out) {
+  FN(shade_sample_lanes) in;
+  FN(shade_sample_result) out;
+  if (!count)
+    return SHADE_OK;
+  if (!shade_whole_lanes(given, FN(draws_required), &in, sizeof in) ||
+      !shade_whole_lanes(given_out, FN(draws_required), &out, sizeof out))
+    return SHADE_BAD_INPUT;
+  return FN(sample_batch)(bsdf_of(b), count, &in, &out);
+}
+
+static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
+                            real *spec, real *matt) {
+  FN(yarn_batch)(bsdf_of(b), count, in, spec, matt);
+}
