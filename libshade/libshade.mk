@@ -44,7 +44,8 @@ EXR_LIBS := $(shell printf '\043include <openexr.h>\nint main(void){return 0;}' 
   $(CC) $(EXR_CFLAGS) -xc - -o /dev/null -lOpenEXRCore-3_1 2>/dev/null && echo -lOpenEXRCore-3_1)
 ifneq ($(EXR_LIBS),)
 TOOL_EXR := -DHAVE_OPENEXR
-TOOL_OBJ += $(DUMP_OBJ)
+TOOL_OBJ += $(DUMP_OBJ) $(O)/tool/check_header.o $(O)/tool/check_hit.o $(O)/tool/check_compare.o \
+  $(O)/tool/check_report.o
 endif
 
 # pictures as PNG: likewise with libpng

@@ -1,8 +1,116 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * shade check: what its files share. check.c reads options and files, check_header.c the
+ * materials of the header, check_hit.c the hits, check_compare.c compares them with the
+ * reference, check_report.c says what came out.
+ */
 #ifndef SHADE_TOOL_CHECK_H
 #define SHADE_TOOL_CHECK_H
 
-/* shade check: a renderer's dump against the reference. argv[0] is the subcommand's name. */
-int shade_cmd_check(int argc, char **argv);
+#include <stddef.h>
+
+#include "dump/dump.h"
+#include "shade/shade.h"
+#include "tool/json.h"
+#include "tool/work.h"
+
+typedef struct check_options {
+  const char *path;
+  double tolerance, mean_tolerance;
+  int all, json;
+} check_options;
+
+/* What can be wrong with a dump besides a differing S. */
+typedef enum check_fault {
+  FAULT_ID,
+  FAULT_MISS,
+  FAULT_NOT_FINITE,
+  FAULT_NOT_UNIT,
+  FAULT_TANGENT,
+  FAULT_E,
+  FAULT_S,
+  FAULT_REFERENCE,
+  FAULT_COUNT
+} check_fault;
+
+typedef struct check_material {
+  int id;
+  const char *name; /* in the JSON tree */
+  shade_params params;
+  size_t pixels;
+  double tilt; /* largest angle of Ns from N, radians: 0 means that no bump was tested */
+} check_material;
+
+/* One material under one light. */
+typedef struct check_cell {
+  double maximum; /* of S and of the reference */
+  size_t checked;
+  double largest, sum; /* relative errors */
+  double beyond;       /* the largest that is over the limit, less what rounding may do there */
+  size_t excused;      /* values over the limit, but not by more than rounding may do */
+  size_t worst_pixel;
+  int worst_channel;
+  double worst_s, worst_reference, worst_rounding;
+} check_cell;
+
+typedef struct check {
+  const check_options *options;
+  const shade_dump *dump;
+  const char *renderer;
+  check_material *materials;
+  int material_count;
+  size_t pixels;
+  check_cell *cells; /* material by material, light by light */
+  int *index;        /* per pixel: its material's index, or -1: nothing to compare */
+  double *reference; /* per pixel and channel, of the light at hand */
+  size_t horizon;    /* values left out there */
+  size_t faults[FAULT_COUNT], first_fault[FAULT_COUNT];
+  tool_progress progress;
+} check;
+
+/* ---- the materials of the header: check_header.c ---- */
+
+/* The materials, sorted by id; the caller frees them. NULL after printing why. */
+check_material *check_read_materials(const char *path, const json *header, int *count);
+/* The index of the material that a pixel's material.ID names, or -1. */
+int check_find_material(const check *c, float id);
+
+/* ---- the hits: check_hit.c ---- */
+
+/* x = tangent, y = z x x, z = normal: the frame of the library. */
+typedef struct check_frame {
+  double axis[3][3];
+} check_frame;
+
+/* The frame of a hit, its Ns and V in it, and the material's parameters there. */
+typedef struct check_hit {
+  check_frame frame;
+  double n[3], wo[3];
+  shade_params params;
+} check_hit;
+
+void check_note_fault(check *c, check_fault what, size_t pixel);
+/* Three planes from `first` on. */
+void check_read_three(const check *c, const float *first, size_t pixel, double v[3]);
+int check_finite_three(const double v[3]);
+double check_dot(const double a[3], const double b[3]);
+/* Reads a direction and makes it unit in double; 0 if it was not nearly so. */
+int check_read_unit(const check *c, const float *first, size_t pixel, double v[3]);
+void check_to_local(const check_frame *f, const double v[3], double local[3]);
+/* 0 with a fault noted if the hit's planes are unfit. */
+int check_read_hit(check *c, size_t pixel, check_hit *h);
+/* Find each pixel's material; what is no hit or unfit gets -1. */
+void check_find_hits(check *c);
+
+/* ---- the comparison: check_compare.c ---- */
+
+check_cell *check_cell_at(const check *c, int material_index, int light);
+/* Compares all values of a light and fills its cells. */
+void check_compare_light(check *c, int light);
+
+/* ---- the verdict: check_report.c ---- */
+
+/* Prints what came out, as text or as JSON. 1 if the dump passes. */
+int check_report(const check *c);
 
 #endif

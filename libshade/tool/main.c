@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "shade/shade.h"
-#include "tool/check.h"
 #include "tool/tool.h"
 
 static const struct {

@@ -8,6 +8,7 @@ enum { TOOL_DONE = 0, TOOL_BAD_INPUT = 1, TOOL_BAD_USAGE = 2 };
 /* argv[0] is the subcommand's name. */
 int shade_cmd_eval(int argc, char **argv);
 int shade_cmd_bench(int argc, char **argv);
+int shade_cmd_check(int argc, char **argv);
 int shade_cmd_scratch(int argc, char **argv);
 int shade_cmd_slopes(int argc, char **argv);
 int shade_cmd_weave(int argc, char **argv);

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* shade check: the values of a dump beside those of the reference. */
+#include "tool/check.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "reference/reference.h"
+
+/* Values below this part of the largest say nothing about relative error. */
+#define SIGNIFICANT 1e-4
+/* float32 directions are off by up to 6e-8 a component: rounding alone decides the
+ * side of the horizon within this cosine. */
+#define HORIZON 1e-6
+/* Choices that fade light out towards wi.z = 0 make S proportional to wi.z there, which that
+ * rounding changes by more than 5e-5 of itself below this cosine. */
+#define FADED 2e-3
+/* Half of float32's step at 1: what the rounding of directions may turn them by, in radians. */
+#define ROUNDING 0x1p-24
+
+static int on_horizon(const check_hit *h, const double wi[3]) {
+  double n[3]; /* of the lobe */
+  shade_ref_normal(&h->params, h->n, h->wo, n);
+  return fabs(wi[2]) < HORIZON || fabs(h->wo[2]) < HORIZON || fabs(h->n[2]) < HORIZON ||
+         fabs(check_dot(n, wi)) < HORIZON || fabs(check_dot(n, h->wo)) < HORIZON;
+}
+
+static int faded(const check_hit *h, const double wi[3]) {
+  return h->params.horizon >= SHADE_HORIZON_ESTEVEZ && wi[2] > 0 && wi[2] < FADED;
+}
+
+/*
+ * Reference values of one pixel under one light; NaN marks values not to compare:
+ * a fault, or the horizon, where rounding may have taken S, or the reference, to 0 or, where
+ * light fades out, to too few digits.
+ */
+static void refer(check *c, int light, size_t pixel, double reference[3]) {
+  double s[3], e[3], l[3], wi[3], f[3], cosine;
+  check_hit h;
+  reference[0] = reference[1] = reference[2] = NAN;
+  check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_S), pixel, s);
+  check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_E), pixel, e);
+  if (!check_finite_three(s)) {
+    check_note_fault(c, FAULT_S, pixel);
+    return;
+  }
+  if (!check_finite_three(e) || e[0] < 0 || e[1] < 0 || e[2] < 0) {
+    check_note_fault(c, FAULT_E, pixel);
+    return;
+  }
+  if (e[0] == 0 && e[1] == 0 && e[2] == 0) { /* in shadow L may be anything */
+    reference[0] = reference[1] = reference[2] = 0;
+    return;
+  }
+  if (!check_read_unit(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_L), pixel, l)) {
+    check_note_fault(c, FAULT_NOT_UNIT, pixel);
+    return;
+  }
+  check_read_hit(c, pixel, &h);
+  check_to_local(&h.frame, l, wi);
+  shade_ref_f(&h.params, h.n, wi, h.wo, f, &cosine);
+  const int horizon = on_horizon(&h, wi);
+  for (int i = 0; i < 3; i++) {
+    const double value = f[i] * cosine * e[i];
+    if (!isfinite(value))
+      check_note_fault(c, FAULT_REFERENCE, pixel);
+    else if (faded(&h, wi) || (horizon && (s[i] == 0) != (value == 0)))
+      c->horizon++;
+    else
+      reference[i] = value;
+  }
+}
+
+/* v turned about an axis by a small angle. */
+static void turned(const double axis[3], double angle, double v[3]) {
+  const double along = check_dot(axis, v), u[3] = {v[0], v[1], v[2]};
+  const double across[3] = {axis[1] * u[2] - axis[2] * u[1], axis[2] * u[0] - axis[0] * u[2],
+                            axis[0] * u[1] - axis[1] * u[0]};
+  for (int i = 0; i < 3; i++)
+    v[i] = u[i] * cos(angle) + across[i] * sin(angle) + axis[i] * along * (1 - cos(angle));
+}
+
+/*
+ * How far the rounding of directions may move a value, as a relative error: normal, light and
+ * eye are turned one by one about each axis of the frame, then all together, as a turned frame
+ * does, and the changes are added up.
+ */
+static double rounding_at(check *c, int light, size_t pixel, int channel) {
+  enum { TURNS = 4 * 3 };
+  double e[3], l[3], f[3], cosine, wi[3], base = 0, sum = 0;
+  check_hit h;
+  if (!check_read_unit(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_L), pixel, l))
+    return 0;
+  check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_E), pixel, e);
+  check_read_hit(c, pixel, &h);
+  check_to_local(&h.frame, l, wi);
+  for (int k = -1; k < TURNS; k++) {
+    double v[3][3];
+    memcpy(v[0], h.n, sizeof v[0]);
+    memcpy(v[1], wi, sizeof v[1]);
+    memcpy(v[2], h.wo, sizeof v[2]);
+    for (int which = 0; which < 3 && k >= 0; which++)
+      if (k / 3 == which || k / 3 == 3) {
+        const double axis[3] = {k % 3 == 0, k % 3 == 1, k % 3 == 2};
+        turned(axis, ROUNDING, v[which]);
+      }
+    shade_ref_f(&h.params, v[0], v[1], v[2], f, &cosine);
+    const double value = f[channel] * cosine * e[channel];
+    if (k < 0)
+      base = value;
+    else
+      sum += fabs(value - base);
+  }
+  return base > 0 && isfinite(sum) ? sum / base : 0;
+}
+
+check_cell *check_cell_at(const check *c, int material_index, int light) {
+  return &c->cells[material_index * c->dump->lights + light];
+}
+
+static void compare_value(check *c, int light, double s, double reference, size_t pixel,
+                          int channel) {
+  check_cell *in = check_cell_at(c, c->index[pixel], light);
+  const double larger = fmax(fabs(s), fabs(reference));
+  if (isnan(reference) || !(larger > SIGNIFICANT * in->maximum))
+    return;
+  const double error = fabs(s - reference) / larger;
+  in->checked++;
+  in->sum += error;
+  const double rounding = error > c->options->tolerance ? rounding_at(c, light, pixel, channel) : 0;
+  if (rounding > 0 && error - rounding <= c->options->tolerance)
+    in->excused++;
+  if (error > c->options->tolerance)
+    in->beyond = fmax(in->beyond, error - rounding);
+  if (in->checked > 1 && error <= in->largest)
+    return;
+  in->worst_rounding = rounding;
+  in->largest = error;
+  in->worst_pixel = pixel;
+  in->worst_channel = channel;
+  in->worst_s = s;
+  in->worst_reference = reference;
+}
+
+void check_compare_light(check *c, int light) {
+  const float *s = shade_dump_light_plane(c->dump, light, SHADE_DUMP_S);
+  for (size_t pixel = 0; pixel < c->pixels; pixel++) {
+    if (pixel % 4096 == 0)
+      tool_progress_at(&c->progress, (double)light + (double)pixel / (double)c->pixels);
+    if (c->index[pixel] < 0)
+      continue;
+    double *reference = c->reference + 3 * pixel;
+    check_cell *in = check_cell_at(c, c->index[pixel], light);
+    refer(c, light, pixel, reference);
+    for (size_t i = 0; i < 3; i++)
+      if (!isnan(reference[i]))
+        in->maximum =
+            fmax(in->maximum, fmax(fabs((double)s[i * c->pixels + pixel]), fabs(reference[i])));
+  }
+  const float *id = shade_dump_plane(c->dump, SHADE_DUMP_MATERIAL);
+  for (size_t pixel = 0; pixel < c->pixels; pixel++)
+    for (int i = 0; i < 3; i++) {
+      const double value = (double)s[(size_t)i * c->pixels + pixel];
+      if (c->index[pixel] >= 0)
+        compare_value(c, light, value, c->reference[3 * pixel + (size_t)i], pixel, i);
+      else if (id[pixel] == -1 && value != 0)
+        check_note_fault(c, FAULT_MISS, pixel);
+    }
+}

@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* shade check: the materials that a dump's header lists. */
+#include "tool/check.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Says what is wrong with a material of the file's header. Always 0. */
+static int bad_material(const char *path, int index, const char *message, const char *word) {
+  fprintf(stderr, "shade check: %s: material number %d of the header: %s '%s'\n", path, index,
+          message, word);
+  return 0;
+}
+
+static void set_choice(shade_params *p, shade_list list, int value) {
+  switch (list) {
+  case SHADE_LIST_MDF:
+    p->mdf = (shade_mdf)value;
+    break;
+  case SHADE_LIST_BRDF:
+    p->brdf = (shade_brdf)value;
+    break;
+  case SHADE_LIST_DETAIL:
+    p->detail = (shade_detail)value;
+    break;
+  case SHADE_LIST_GROOVE:
+    p->groove = (shade_groove)value;
+    break;
+  case SHADE_LIST_FRESNEL:
+    p->fresnel = (shade_fresnel)value;
+    break;
+  case SHADE_LIST_DIFFUSE:
+    p->diffuse = (shade_diffuse)value;
+    break;
+  case SHADE_LIST_HORIZON:
+    p->horizon = (shade_horizon)value;
+    break;
+  case SHADE_LIST_COUNT:
+    break;
+  }
+}
+
+/* One number, or an array of as many as the parameter has, into its place in *p. */
+static int read_param(shade_params *p, int row, const shade_param_info *info, const json *value) {
+#define PLACE(word, ...) offsetof(shade_params, word),
+  static const size_t places[] = {SHADE_TABLE_PARAMS(PLACE)};
+#undef PLACE
+  double *place = (double *)(void *)((char *)p + places[row]);
+  const json *item = value;
+  if (info->components > 1)
+    item = value->type == JSON_ARRAY ? value->child : NULL;
+  for (int i = 0; i < info->components; i++, item = item->next) {
+    if (!item || item->type != JSON_NUMBER || !(item->number >= info->minimum) ||
+        !(item->number <= info->maximum))
+      return 0;
+    place[i] = item->number;
+  }
+  return info->components == 1 || !item;
+}
+
+/*
+ * A key of the table: its number for `seen`, or -1. Lists come first, then the
+ * parameters. *good says whether the value fits.
+ */
+static int read_table_key(shade_params *p, const json *member, int *good) {
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    if (strcmp(member->key, shade_list_name((shade_list)list)) == 0) {
+      const int value = shade_list_find((shade_list)list, member->string);
+      *good = value >= 0;
+      if (*good)
+        set_choice(p, (shade_list)list, value);
+      return list;
+    }
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (strcmp(member->key, info.word) == 0) {
+      *good = read_param(p, row, &info, member);
+      return SHADE_LIST_COUNT + row;
+    }
+  return -1;
+}
+
+static int is_id(const json *value) { /* a float of material.ID holds it exactly */
+  return value->type == JSON_NUMBER && value->number >= 0 && value->number <= 1 << 24 &&
+         value->number == floor(value->number);
+}
+
+/* Every key of the table must be there, but for `horizon`, once; one that is not known might
+ * matter. */
+static int read_material(check_material *m, const char *path, int index, const json *object) {
+  enum { KEYS = 64, ID = KEYS - 2, NAME };
+  char seen[KEYS] = {0};
+  shade_params_init(&m->params);
+  m->params.horizon = SHADE_HORIZON_HARD; /* what dumps older than that list were shaded by */
+  m->name = "";
+  if (object->type != JSON_OBJECT)
+    return bad_material(path, index, "is no", "{ }");
+  for (const json *member = object->child; member; member = member->next) {
+    int good = 1, key = read_table_key(&m->params, member, &good);
+    if (strcmp(member->key, "id") == 0) {
+      key = ID;
+      good = is_id(member);
+      m->id = good ? (int)member->number : 0;
+    } else if (strcmp(member->key, "name") == 0) {
+      key = NAME;
+      good = member->type == JSON_STRING;
+      m->name = member->string;
+    }
+    if (key < 0)
+      return bad_material(path, index, "unknown key", member->key);
+    if (!good)
+      return bad_material(path, index, "bad value of", member->key);
+    if (seen[key]++)
+      return bad_material(path, index, "two values of", member->key);
+  }
+  if (!seen[ID])
+    return bad_material(path, index, "lacks", "id");
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    if (!seen[list] && list != SHADE_LIST_HORIZON)
+      return bad_material(path, index, "lacks", shade_list_name((shade_list)list));
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (!seen[SHADE_LIST_COUNT + row])
+      return bad_material(path, index, "lacks", info.word);
+  return 1;
+}
+
+static int by_id(const void *a, const void *b) {
+  return ((const check_material *)a)->id - ((const check_material *)b)->id;
+}
+
+/* Sorted by id. NULL after printing why. */
+check_material *check_read_materials(const char *path, const json *header, int *count) {
+  const json *list = json_member(header, "materials");
+  *count = 0;
+  if (!list || list->type != JSON_ARRAY || !list->child) {
+    fprintf(stderr, "shade check: %s: the header lists no \"materials\"\n", path);
+    return NULL;
+  }
+  for (const json *item = list->child; item; item = item->next)
+    ++*count;
+  check_material *materials = calloc((size_t)*count, sizeof *materials);
+  if (!materials) {
+    fputs("shade check: out of memory\n", stderr);
+    return NULL;
+  }
+  int good = 1, index = 0;
+  for (const json *item = list->child; good && item; item = item->next, index++)
+    good = read_material(&materials[index], path, index, item);
+  if (good)
+    qsort(materials, (size_t)*count, sizeof *materials, by_id);
+  for (int i = 1; good && i < *count; i++)
+    if (materials[i].id == materials[i - 1].id) {
+      fprintf(stderr, "shade check: %s: two materials of the header have id %d\n", path,
+              materials[i].id);
+      good = 0;
+    }
+  if (good)
+    return materials;
+  free(materials);
+  return NULL;
+}
+
+int check_find_material(const check *c, float id) {
+  if (!(id >= 0 && id <= 1 << 24) || id != floorf(id))
+    return -1;
+  const check_material key = {.id = (int)id};
+  const check_material *found =
+      bsearch(&key, c->materials, (size_t)c->material_count, sizeof key, by_id);
+  return found ? (int)(found - c->materials) : -1;
+}

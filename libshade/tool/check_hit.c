@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* shade check: the hits of a dump, their frames and what is wrong with them. */
+#include "tool/check.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Directions of the dump are unit to float rounding; more is an error of the back end. */
+#define UNIT_TOLERANCE 1e-4
+
+void check_note_fault(check *c, check_fault what, size_t pixel) {
+  if (c->faults[what]++ == 0)
+    c->first_fault[what] = pixel;
+}
+
+/* Three planes from `first` on. */
+void check_read_three(const check *c, const float *first, size_t pixel, double v[3]) {
+  for (size_t i = 0; i < 3; i++)
+    v[i] = (double)first[i * c->pixels + pixel];
+}
+
+int check_finite_three(const double v[3]) {
+  return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+double check_dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void normalise(double v[3]) {
+  const double length = sqrt(check_dot(v, v));
+  for (int i = 0; i < 3; i++)
+    v[i] /= length;
+}
+
+/* Reads a direction and makes it unit in double; 0 if it was not nearly so. */
+int check_read_unit(const check *c, const float *first, size_t pixel, double v[3]) {
+  check_read_three(c, first, pixel, v);
+  if (!(fabs(sqrt(check_dot(v, v)) - 1) < UNIT_TOLERANCE)) /* NaN fails too */
+    return 0;
+  normalise(v);
+  return 1;
+}
+
+void check_to_local(const check_frame *f, const double v[3], double local[3]) {
+  for (int i = 0; i < 3; i++)
+    local[i] = check_dot(f->axis[i], v);
+}
+
+/* 0 with a fault noted if the hit's planes are unfit. */
+int check_read_hit(check *c, size_t pixel, check_hit *h) {
+  const shade_dump *d = c->dump;
+  double tangent[3], ns[3], v[3], color[3], place[3];
+  double *x = h->frame.axis[0], *y = h->frame.axis[1], *z = h->frame.axis[2];
+  if (!check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_N), pixel, z) ||
+      !check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_T), pixel, tangent) ||
+      !check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_NS), pixel, ns) ||
+      !check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_V), pixel, v)) {
+    check_note_fault(c, FAULT_NOT_UNIT, pixel);
+    return 0;
+  }
+  const double along = check_dot(tangent, z);
+  if (fabs(along) > UNIT_TOLERANCE) {
+    check_note_fault(c, FAULT_TANGENT, pixel);
+    return 0;
+  }
+  for (int i = 0; i < 3; i++)
+    x[i] = tangent[i] - along * z[i];
+  normalise(x);
+  y[0] = z[1] * x[2] - z[2] * x[1];
+  y[1] = z[2] * x[0] - z[0] * x[2];
+  y[2] = z[0] * x[1] - z[1] * x[0];
+  check_to_local(&h->frame, ns, h->n);
+  check_to_local(&h->frame, v, h->wo);
+
+  check_read_three(c, shade_dump_plane(d, SHADE_DUMP_P), pixel, place);
+  check_read_three(c, shade_dump_plane(d, SHADE_DUMP_COLOR), pixel, color);
+  const float *uv = shade_dump_plane(d, SHADE_DUMP_UV);
+  if (!check_finite_three(place) || !check_finite_three(color) || !isfinite(uv[pixel]) ||
+      !isfinite(uv[c->pixels + pixel])) {
+    check_note_fault(c, FAULT_NOT_FINITE, pixel);
+    return 0;
+  }
+  h->params = c->materials[c->index[pixel]].params;
+  if (d->has_color)
+    memcpy(h->params.f0, color, sizeof color);
+  return 1;
+}
+
+/* Find each pixel's material; what is no hit or unfit gets -1. */
+void check_find_hits(check *c) {
+  const float *id = shade_dump_plane(c->dump, SHADE_DUMP_MATERIAL);
+  for (size_t pixel = 0; pixel < c->pixels; pixel++) {
+    const int index = c->index[pixel] = check_find_material(c, id[pixel]);
+    if (index < 0) {
+      if (id[pixel] != -1)
+        check_note_fault(c, FAULT_ID, pixel);
+      continue;
+    }
+    check_material *m = &c->materials[index];
+    m->pixels++;
+    check_hit h;
+    if (check_read_hit(c, pixel, &h))
+      m->tilt = fmax(m->tilt, atan2(hypot(h.n[0], h.n[1]), h.n[2]));
+    else
+      c->index[pixel] = -1;
+  }
+}
