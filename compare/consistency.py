@@ -5,8 +5,9 @@ Renders a Blender file with our engine, writes its POV-Ray form, renders that
 with the patched POV-Ray, and judges:
 
   each dump against the C reference (`shade check`),
-  the two dumps against each other (position, normals, tangent, view),
-  the two pictures against each other.
+  the two dumps against each other (material, position, UV, normals, tangent, view, and each
+  light's direction and irradiance, channel by channel),
+  the two pictures against each other, channel by channel.
 
 Leaves in the output folder: blender.png, povray.png, difference.png (ten times
 the absolute difference), both dumps and pictures as OpenEXR, and the POV-Ray
@@ -29,7 +30,9 @@ import report
 CHECK_LIMITS = {"Blender": (1e-4, 1e-5), "POV-Ray": (5e-5, 1e-5)}
 # What counts as equal, and how many of the pixels that both cover must be.
 DUMP_LIMITS = {
+    "material": (1e-6, "of its parameters"),
     "P": (1e-4, "of the size"),
+    "uv": (1e-4, "of the map"),
     "N": (0.1, "degrees"),
     "T": (0.1, "degrees"),
     "Ns": (0.2, "degrees"),
@@ -124,7 +127,7 @@ def verdict(ok):
 def check_rows(name, checked, every=False):
     """Table rows and whether all is within limits; `checked` is `shade check`'s JSON, of a run
     with --all if `every` material and light counts."""
-    rows, good = [], checked["pass"]
+    rows, good = [], checked["pass"] is True and not checked["faults"]
     for what, limit in zip(("largest", "mean"), CHECK_LIMITS[name]):
         # the largest: but for what the rounding of the dump's directions may do to a value
         judged = checked.get("beyond_rounding", checked[what]) if what == "largest" else checked[what]
@@ -140,6 +143,7 @@ def check_rows(name, checked, every=False):
                      f"{fault['count']} times", "0", verdict(False)])
     for what in ("materials", "lights"):
         if every and checked[f"idle_{what}"]:
+            good = False
             rows.append([f"{name}: {what} with nothing to compare",
                          str(checked[f"idle_{what}"]), "0", verdict(False)])
     return rows, good
@@ -162,7 +166,7 @@ def dump_rows(a, b):
 
 
 def picture_rows(blender, povray):
-    difference = pictures.relative_difference(povray, blender)
+    difference = pictures.worst_channel(povray, blender)
     ok = difference <= PICTURE_LIMIT
     return [["pictures, mean difference over mean", f"{100 * difference:.2f} %",
              f"{100 * PICTURE_LIMIT:.0f} %", verdict(ok)]], ok
@@ -175,8 +179,8 @@ def main(argv=None):
     if not options.scene.is_file():
         raise report.StepFailed(f"{options.scene}: no such file")
     (folder / "povray").mkdir(parents=True, exist_ok=True)
-    for old in folder.glob("*.exr"):
-        old.unlink()
+    for old in (*folder.glob("*.exr"), folder / "verdict.txt"):
+        old.unlink(missing_ok=True)
     render_povray(options, *render_blender(options))
 
     parts = []

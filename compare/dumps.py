@@ -99,6 +99,32 @@ def size(dump):
     return float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
 
 
+def apart(a, b):
+    """Largest relative difference of two JSON values; infinite where a word, a key or the kind of
+    value differs."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        return max((apart(a.get(k), b.get(k)) for k in {*a, *b}), default=0.0)
+    if isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+        return max(map(apart, a, b), default=0.0)
+    if any(not isinstance(x, (int, float)) or isinstance(x, bool) for x in (a, b)):
+        return 0.0 if a == b else np.inf
+    return abs(a - b) / max(abs(a), abs(b), 1e-30)
+
+
+def material_difference(a, b):
+    """Of every pixel that both dumps cover: how far apart the parameters of its two materials are.
+    Renderers number and name materials in their own way, so neither counts."""
+    known = []
+    for dump in (a, b):
+        listed = dump.header.get("materials", [])
+        known.append({m["id"]: {k: v for k, v in m.items() if k not in ("id", "name")}
+                      for m in listed})
+    both = a.covered & b.covered
+    pairs, which = np.unique(np.stack([a.material[both], b.material[both]], 1), axis=0,
+                             return_inverse=True)
+    return np.array([apart(known[0].get(i), known[1].get(j)) for i, j in pairs])[which.ravel()]
+
+
 def coverage_difference(a, b):
     """Pixels that only one dump covers, as a fraction of those that either does."""
     either = np.count_nonzero(a.covered | b.covered)
@@ -106,21 +132,25 @@ def coverage_difference(a, b):
 
 
 def deviations(a, b):
-    """Where both dumps hit: {name: error per pixel}. P relative to the scene's size; directions
-    in degrees; of each light E relative to the larger, and L, where both dumps are lit, in
-    degrees (in shadow it may be anything)."""
+    """Where both dumps hit: {name: error per pixel}. Parameters of the material, relative; P
+    relative to the scene's size; directions in degrees; of each light E, the worst of its channels
+    relative to the larger, and L, where both dumps are lit, in degrees (in shadow it may be
+    anything)."""
     if a.material.shape != b.material.shape or len(a.lights) != len(b.lights):
         raise ValueError("dumps of different size or number of lights")
     both = a.covered & b.covered
     if not both.any():
         raise ValueError("the dumps have no covered pixel in common")
-    result = {"P": np.linalg.norm(a.P[both] - b.P[both], axis=-1) / max(size(a), 1e-30)}
+    result = {"material": material_difference(a, b),
+              "P": np.linalg.norm(a.P[both] - b.P[both], axis=-1) / max(size(a), 1e-30),
+              "uv": np.abs(a.uv[both] - b.uv[both]).max(axis=-1)}
     for name in DIRECTIONS:
         result[name] = angles(getattr(a, name)[both], getattr(b, name)[both])
     for k, (la, lb) in enumerate(zip(a.lights, b.lights)):
-        ea, eb = la["E"][both].max(axis=-1), lb["E"][both].max(axis=-1)
-        lit = (ea > 0.0) & (eb > 0.0)
-        result[f"light{k}.E"] = np.abs(ea - eb) / np.maximum(np.maximum(ea, eb), 1e-30)
+        ea, eb = la["E"][both], lb["E"][both]
+        lit = (ea.max(axis=-1) > 0.0) & (eb.max(axis=-1) > 0.0)
+        off = np.abs(ea - eb) / np.maximum(np.maximum(ea, eb), 1e-30)
+        result[f"light{k}.E"] = off.max(axis=-1)
         if lit.any():
             result[f"light{k}.L"] = angles(la["L"][both][lit], lb["L"][both][lit])
     return result

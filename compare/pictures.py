@@ -52,13 +52,24 @@ def _write(path, spec, pixels):
         raise OSError(f"{path}: {target.geterror()}")
 
 
-def relative_difference(image, truth):
-    """Mean absolute difference over the mean of `truth`."""
+def _check_pair(image, truth):
     if image.shape != truth.shape:
         raise ValueError(f"pictures of different size: {image.shape} and {truth.shape}")
     if not (np.isfinite(image).all() and np.isfinite(truth).all()):
         raise ValueError("a picture holds values that are not finite")
-    mean = np.mean(truth)
-    if not mean > 0.0:
+    if not np.mean(truth) > 0.0:
         raise ValueError("the picture to compare with is black")
-    return float(np.mean(np.abs(image - truth)) / mean)
+
+
+def relative_difference(image, truth):
+    """Mean absolute difference over the mean of `truth`."""
+    _check_pair(image, truth)
+    return float(np.mean(np.abs(image - truth)) / np.mean(truth))
+
+
+def worst_channel(image, truth):
+    """The same of each channel over its own mean, the largest. A channel darker than a tenth of
+    the picture's mean counts as that bright."""
+    _check_pair(image, truth)
+    off = np.abs(image - truth).mean(axis=(0, 1))
+    return float(np.max(off / np.maximum(truth.mean(axis=(0, 1)), 0.1 * np.mean(truth))))

@@ -245,7 +245,7 @@ def write_chart(rows, maps, path):
 
 
 def worst(rows, lobes):
-    return max(r["colour"] for r in rows if r["lobes"] == lobes)
+    return np.max([r["colour"] for r in rows if r["lobes"] == lobes])  # NaN stays NaN
 
 
 def main(argv=None):
@@ -270,7 +270,7 @@ def main(argv=None):
     for name in maps:
         for mdf in LOBES:
             mine = [r for r in rows if r["map"] == name and r["distribution"] == mdf]
-            moment, judged = max(r["moments"] for r in mine), name != RIPPLES
+            moment, judged = np.max([r["moments"] for r in mine]), name != RIPPLES
             good = moment <= MOMENT_LIMIT and (
                 not judged or worst(mine, JUDGED_COUNT) <= COLOUR_LIMIT)
             ok = ok and good

@@ -162,6 +162,8 @@ def main(argv=None):
     if options.surface == "scratches":
         where = plate.off_creases(pictures.read(options.output / "normals.exr"), options.size)
         compared = float(where.mean())
+        if not where.any():
+            raise ValueError(f"{options.output / 'normals.exr'}: no pixel lies off the creases")
     measured = errors(images, where)
     write_strip(images, measured, options.output / "strip.png")
     write_chart(measured, options.output / "chart.png")

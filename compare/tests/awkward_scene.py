@@ -3,7 +3,7 @@
 
 Two materials on one mesh, a mirrored and an unevenly scaled object, two objects
 that share a mesh, flat shading, a normal map of strength 2, models that need other
-numbers (alphas, indices of refraction), a light under a turned parent, a camera with
+numbers (alphas, indices of refraction), coloured lights under a turned parent, a camera with
 shift, a tall picture, transparent film.
 """
 import os
@@ -60,6 +60,8 @@ def build(folder, camera_type):
 
     make_scene.add_light("Sun", "SUN", 2.0, (1.0, -2.0, 2.5))
     make_scene.add_light("Lamp", "POINT", 200.0, (-2.0, -3.0, 1.0))
+    bpy.data.lights["Sun"].color = (0.7, 1.0, 0.4)
+    bpy.data.lights["Lamp"].color = (1.0, 0.5, 0.8)
     parent = bpy.data.objects.new("Parent", None)
     bpy.context.scene.collection.objects.link(parent)
     parent.rotation_euler = (0.0, 0.3, 0.2)

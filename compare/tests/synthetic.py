@@ -28,14 +28,14 @@ def planes(size=64):
     return result
 
 
-def write(path, channels, header="default"):
-    """Write planes as a dump; header None leaves the attribute out."""
+def write(path, channels, header=({"version": "0", "materials": []})):
+    """Write planes as a dump; `header` as JSON, None leaves the attribute out."""
     names = sorted(channels)
     height, width = channels[names[0]].shape
     spec = oiio.ImageSpec(width, height, len(names), oiio.FLOAT)
     spec.channelnames = names
     if header is not None:
-        spec.attribute("libshade", json.dumps({"version": "0", "materials": []}))
+        spec.attribute("libshade", json.dumps(header))
     target = oiio.ImageOutput.create(str(path))
     assert target.open(str(path), spec), oiio.geterror()
     assert target.write_image(np.stack([channels[n] for n in names], -1).astype(np.float32))

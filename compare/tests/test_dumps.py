@@ -75,13 +75,15 @@ def test_a_light_elsewhere_is_caught(tmp_path, channels):
     assert not good and rows["light0.L"][3] == "MISSED"
 
 
-def test_a_dimmer_light_is_caught(tmp_path, channels):
-    def dim(c):
-        for name in "RGB":
-            c[f"light0.E.{name}"] = 0.99 * c[f"light0.E.{name}"]
+@pytest.mark.parametrize("channel", "RGB")
+@pytest.mark.parametrize("factor", [0.998, 1.002])
+def test_one_channel_of_a_light_is_caught(tmp_path, channels, channel, factor):
+    def change(c):
+        c[f"light0.E.{channel}"] = factor * c[f"light0.E.{channel}"]
 
-    rows, good = compare(tmp_path, channels, dim)
-    assert not good and rows["light0.E"][3] == "MISSED"
+    rows, good = compare(tmp_path, channels, change)
+    assert not good
+    assert [n for n, row in rows.items() if row[3] == "MISSED"] == ["light0.E"]
 
 
 def test_direction_to_a_light_does_not_count_in_shadow(tmp_path, channels):
@@ -95,13 +97,20 @@ def test_direction_to_a_light_does_not_count_in_shadow(tmp_path, channels):
     assert compare(tmp_path, channels, forget)[1]
 
 
-def test_different_coverage_is_caught(tmp_path, channels):
-    def shift(c):
-        for name in c:
-            c[name] = np.roll(c[name], 1, axis=1)
+@pytest.mark.parametrize("more", [False, True])
+def test_coverage_of_one_only_is_caught(tmp_path, channels, more):
+    """1 % of the pixels is covered in one dump and not in the other, either way round."""
+    where = np.flatnonzero(channels["material.ID"].ravel() >= 0)[::100]
+    less = {name: plane.copy() for name, plane in channels.items()}
+    for name, plane in less.items():
+        plane.ravel()[where] = -1.0 if name == "material.ID" else 0.0
 
-    rows, good = compare(tmp_path, channels, shift)
-    assert not good and rows["covered"][3] == "MISSED"
+    a, b = load(tmp_path / "a.exr", channels), load(tmp_path / "b.exr", less)
+    if more:
+        a, b = b, a
+    assert dumps.coverage_difference(a, b) == pytest.approx(0.01, rel=0.02)
+    rows, good = consistency.dump_rows(a, b)
+    assert not good and [row[0] for row in rows if row[3] == "MISSED"] == ["covered by one only"]
 
 
 def test_a_vector_of_no_length_is_as_wrong_as_can_be():

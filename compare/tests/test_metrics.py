@@ -82,19 +82,50 @@ def test_limits_against_the_reference(name, largest, mean, good):
 
 
 def test_faults_of_a_dump_are_shown_and_fail():
-    said = {"pass": False, "values": 10, "largest": 0.0, "mean": 0.0,
-            "faults": [{"what": "S is not finite", "count": 3, "x": 1, "y": 2}]}
+    said = {"pass": True, "values": 10, "largest": 0.0, "mean": 0.0, "faults": []}
+    assert consistency.check_rows("Blender", said)[1]
+    said["faults"] = [{"what": "S is not finite", "count": 3, "x": 1, "y": 2}]
     rows, good = consistency.check_rows("Blender", said)
     assert not good and rows[-1][0] == "Blender: S is not finite, first at (1, 2)"
-    said = {"pass": False, "values": 0, "largest": 0.0, "mean": 0.0, "faults": []}
+    # what `shade check` alone has seen counts too
+    assert not consistency.check_rows("Blender", {**said, "faults": [], "pass": False})[1]
+    said = {"pass": True, "values": 0, "largest": 0.0, "mean": 0.0, "faults": []}
     assert not consistency.check_rows("Blender", said)[1], "nothing compared is no agreement"
 
 
-def test_what_has_nothing_to_compare_is_shown():
-    said = {"pass": False, "values": 10, "largest": 0.0, "mean": 0.0, "faults": [],
-            "idle_materials": 0, "idle_lights": 2}
+@pytest.mark.parametrize("what", ["materials", "lights"])
+def test_what_has_nothing_to_compare_is_shown(what):
+    said = {"pass": True, "values": 10, "largest": 0.0, "mean": 0.0, "faults": [],
+            "idle_materials": 0, "idle_lights": 0}
+    assert consistency.check_rows("POV-Ray", said, every=True)[1]
+    said[f"idle_{what}"] = 2
     rows, good = consistency.check_rows("POV-Ray", said, every=True)
-    assert not good and rows[-1] == ["POV-Ray: lights with nothing to compare", "2", "0", "MISSED"]
+    assert not good
+    assert rows[-1] == [f"POV-Ray: {what} with nothing to compare", "2", "0", "MISSED"]
+    rows, good = consistency.check_rows("POV-Ray", said)
+    assert good and len(rows) == 2
+
+
+def test_the_worst_channel_of_a_picture():
+    picture = np.full((4, 4, 3), [2.0, 1.0, 0.5])
+    for channel in range(3):
+        tinted = picture.copy()
+        tinted[:, ::2, channel] *= 1.1
+        tinted[:, 1::2, channel] *= 0.9
+        assert pictures.worst_channel(tinted, picture) == pytest.approx(0.1)
+    # a black channel is not infinitely wrong at once, but light in it counts
+    picture[..., 2] = 0.0
+    assert pictures.worst_channel(picture, picture) == 0.0
+    assert pictures.worst_channel(picture + [0, 0, 0.01], picture) == pytest.approx(0.1)
+    with pytest.raises(ValueError, match="black"):
+        pictures.worst_channel(picture, 0 * picture)
+
+
+@pytest.mark.parametrize("status", [0, 1, 7])
+def test_what_main_returns_is_the_exit_status(status):
+    with pytest.raises(SystemExit) as left:
+        report.run(lambda: status)
+    assert left.value.code == status
 
 
 def test_trouble_is_bad_input(capsys):
