@@ -129,7 +129,7 @@ def widths(cloth, points):
     h = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], 1)[inside]
     eye = np.array([0, 0, 1.0])
     wi = 2 * h[:, 2:] * h - eye
-    each = max(points // 64, 64)
+    each = max(points // 8, 64)
     truth = np.array([cloth.shade(spread(each, 4096) + k, 0, w, eye, NEAR).mean(0)
                       for k, w in enumerate(wi)])
     here, base = np.zeros((len(wi), 2)), moments(h, truth)
@@ -147,7 +147,7 @@ def zoom(cloth, points):
     """(extents; a patch's mean relative to the nearest; largest change; largest turn back), for
     the worst of two pairs and three channels."""
     extents = 0.02 * 1.32 ** np.arange(31)
-    uv, curves = spread(points // 4, 64), []
+    uv, curves = spread(points, 64), []
     for light, eye in ((LIGHTS[1], EYES[0]), (LIGHTS[2], EYES[2])):
         wi, wo = direction(*light), direction(*eye)
         means = np.array([cloth.shade(uv, e, wi, wo, AUTO).mean(0) for e in extents])
