@@ -29,4 +29,26 @@ void shade_ref_crossing(const shade_ref_cloth *cloth, double u, double v, shade_
 unsigned shade_ref_cloth_near(const shade_ref_cloth *cloth, const double uv[2], const double n[3],
                               const double wi[3], const double wo[3], double s[3]);
 
+/* The yarns of one direction as a whole; in the frame of their mean fibres. */
+typedef struct shade_ref_side {
+  double share;        /* of the cloth that shows them, times occlusion */
+  double matt[3];      /* the same of their diffuse reflectance */
+  double fibres[2];    /* their mean direction in the cloth, unit */
+  double mean[3];      /* the mean of the tilts' normals, unit */
+  double spread[2];    /* variance of the tilt as an angle, along and across */
+  double exponents[2]; /* of the tier `single` */
+} shade_ref_side;
+typedef struct shade_ref_seen {
+  shade_ref_side side[2]; /* weft, warp */
+  double gap[3];          /* what the gaps reflect, times their share and occlusion */
+} shade_ref_seen;
+
+/* What is seen of the cloth, from so many points spread over 65536 x 65536 repeats. */
+shade_ref_seen shade_ref_cloth_seen(const shade_ref_cloth *cloth, int looks);
+
+/* s of the tier `single`. */
+unsigned shade_ref_cloth_single(const shade_ref_cloth *cloth, const shade_ref_seen *seen,
+                                const double n[3], const double wi[3], const double wo[3],
+                                double s[3]);
+
 #endif

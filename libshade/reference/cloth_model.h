@@ -33,8 +33,8 @@ shade_params ref_yarn_lobe(const shade_fabric_params *p, const shade_yarn *yarn)
 /* What a yarn of normal n sends on: of its surface, and of its inside for a kd of 1; f cos. */
 void ref_yarn(const shade_params *lobe, vec n, vec wi, vec wo, real glossy[3], real matt[3]);
 
-/* The diffuse reflectance of a yarn, colour of the draft included. */
-void ref_yarn_color(const shade_ref_cloth *c, int kind, int index, real kd[3]);
+/* The diffuse reflectance there, without occlusion: of the yarn, of what a gap shows. */
+void ref_point_color(const shade_ref_cloth *c, const ref_point *at, real color[3]);
 
 /* What a nap makes of s; ci and co: about the cloth's normal. */
 void ref_nap(const shade_fabric_params *p, real ci, real co, real s[3]);

@@ -85,13 +85,18 @@ void ref_yarn(const shade_params *lobe, vec n, vec wi, vec wo, real glossy[3], r
   }
 }
 
-void ref_yarn_color(const shade_ref_cloth *c, int kind, int index, real kd[3]) {
-  const shade_yarn *yarn = kind == SHADE_TOP_WARP ? &c->fabric.warp : &c->fabric.weft;
+void ref_point_color(const shade_ref_cloth *c, const ref_point *at, real color[3]) {
+  const shade_yarn *yarn = at->kind == SHADE_TOP_WARP ? &c->fabric.warp : &c->fabric.weft;
   real own[3] = {1, 1, 1};
   if (c->fabric.draft_colors)
-    ref_draft_color(c, kind, index, own);
-  for (int i = 0; i < 3; i++)
-    kd[i] = yarn->kd[i] * own[i];
+    ref_draft_color(c, at->kind, at->yarn, own);
+  for (int i = 0; i < 3; i++) {
+    real kd = yarn->kd[i] * own[i], ground = c->fabric.backing[i];
+    if (at->gap)
+      color[i] = ground * (1 - at->fuzz) + kd * at->fuzz;
+    else
+      color[i] = kd * at->brightness < 1 ? kd * at->brightness : 1;
+  }
 }
 
 /* ---- the point --------------------------------------------------------------------------- */
@@ -134,12 +139,10 @@ unsigned shade_ref_cloth_near(const shade_ref_cloth *c, const double uv[2], cons
     return status;
   const ref_point at = ref_look(c, uv[0], uv[1]);
   real kd[3], sum[3], glossy[3], matt[3];
-  ref_yarn_color(c, at.kind, at.yarn, kd);
+  ref_point_color(c, &at, kd);
   if (at.gap) {
-    for (int i = 0; i < 3; i++) {
-      real ground = c->fabric.backing[i];
-      sum[i] = at.occlusion * (ground * (1 - at.fuzz) + kd[i] * at.fuzz) * ci / pi;
-    }
+    for (int i = 0; i < 3; i++)
+      sum[i] = at.occlusion * kd[i] * ci / pi;
   } else {
     const shade_yarn *yarn = at.kind == SHADE_TOP_WARP ? &c->fabric.warp : &c->fabric.weft;
     const shade_params lobe = ref_yarn_lobe(&c->fabric, yarn);
@@ -147,10 +150,8 @@ unsigned shade_ref_cloth_near(const shade_ref_cloth *c, const double uv[2], cons
     ref_yarn(&lobe, ref_along_fibres(at.tx, at.ty, tilt),
              ref_along_fibres(at.tx, at.ty, ref_in_cloth(at.kind, n, wi)),
              ref_along_fibres(at.tx, at.ty, ref_in_cloth(at.kind, n, wo)), glossy, matt);
-    for (int i = 0; i < 3; i++) {
-      real bright = kd[i] * at.brightness;
-      sum[i] = at.occlusion * (glossy[i] + (bright < 1 ? bright : 1) * matt[i]);
-    }
+    for (int i = 0; i < 3; i++)
+      sum[i] = at.occlusion * (glossy[i] + kd[i] * matt[i]);
   }
   if (c->fabric.nap > 0)
     ref_nap(&c->fabric, ci, co, sum);
