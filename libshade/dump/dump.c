@@ -22,9 +22,12 @@ static size_t pixel_count(const shade_dump *d) {
   return (size_t)d->width * (size_t)d->height;
 }
 
+/* Planes of the channels that every dump of so many lights has. */
 static int plane_count(int lights) {
   return SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * lights;
 }
+
+enum { OPTIONAL_PLANES = SHADE_DUMP_OPTIONAL_END - SHADE_DUMP_OPTIONAL };
 
 shade_dump *shade_dump_create(int width, int height, int lights) {
   if (width < 1 || width > SHADE_DUMP_MAX_SIDE || height < 1 || height > SHADE_DUMP_MAX_SIDE ||
@@ -37,7 +40,8 @@ shade_dump *shade_dump_create(int width, int height, int lights) {
   d->height = height;
   d->lights = lights;
   d->has_color = 1;
-  d->data = calloc((size_t)plane_count(lights), pixel_count(d) * sizeof *d->data);
+  d->data =
+      calloc((size_t)(plane_count(lights) + OPTIONAL_PLANES), pixel_count(d) * sizeof *d->data);
   if (!d->data || shade_dump_set_json(d, "{}") != 0) {
     shade_dump_free(d);
     return NULL;
@@ -57,11 +61,38 @@ void shade_dump_free(shade_dump *d) {
 }
 
 float *shade_dump_plane(const shade_dump *d, int channel) {
+  if (channel >= SHADE_DUMP_OPTIONAL)
+    channel += plane_count(d->lights) - SHADE_DUMP_OPTIONAL;
   return d->data + (size_t)channel * pixel_count(d);
 }
 
 float *shade_dump_light_plane(const shade_dump *d, int light, int channel) {
   return shade_dump_plane(d, SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * light + channel);
+}
+
+/* The names of optional planes, and how many follow as one channel. */
+static const struct {
+  char name[12];
+  int planes;
+} optional_names[OPTIONAL_PLANES] = {
+    {"alpha.X", 2}, {"alpha.Y", 0}, {"groove.A", 1},   {"f82.R", 3}, {"f82.G", 0},
+    {"f82.B", 0},   {"eta.R", 3},   {"eta.G", 0},      {"eta.B", 0}, {"k.R", 3},
+    {"k.G", 0},     {"k.B", 0},     {"kd.R", 3},       {"kd.G", 0},  {"kd.B", 0},
+    {"foot.U", 2},  {"foot.V", 0},  {"coverage.A", 1}, {"tier", 1}};
+
+static unsigned bit_of(int plane) {
+  return 1u << (plane - SHADE_DUMP_OPTIONAL);
+}
+
+float *shade_dump_add(shade_dump *d, enum shade_dump_optional channel) {
+  const int planes = optional_names[(int)channel - SHADE_DUMP_OPTIONAL].planes;
+  for (int i = 0; i < planes; ++i)
+    d->optional |= bit_of((int)channel + i);
+  return shade_dump_plane(d, (int)channel);
+}
+
+int shade_dump_has(const shade_dump *d, enum shade_dump_optional channel) {
+  return (d->optional & bit_of((int)channel)) != 0;
 }
 
 static int set_json(shade_dump *d, const char *json, size_t length) {
@@ -90,7 +121,9 @@ static const char light_names[SHADE_DUMP_PER_LIGHT][4] = {"L.X", "L.Y", "L.Z", "
 
 void shade_dump_channel_name(int plane, char name[SHADE_DUMP_NAME_SIZE]) {
   const int rest = plane - SHADE_DUMP_BASE;
-  if (rest < 0)
+  if (plane >= SHADE_DUMP_OPTIONAL)
+    memcpy(name, optional_names[plane - SHADE_DUMP_OPTIONAL].name, sizeof optional_names[0].name);
+  else if (rest < 0)
     memcpy(name, base_names[plane], sizeof base_names[plane]);
   else
     snprintf(name, SHADE_DUMP_NAME_SIZE, "light%d.%s", rest / SHADE_DUMP_PER_LIGHT,
@@ -101,6 +134,9 @@ int shade_dump_channel_plane(const char *name) {
   for (int i = 0; i < SHADE_DUMP_BASE; ++i)
     if (strcmp(name, base_names[i]) == 0)
       return i;
+  for (int i = 0; i < OPTIONAL_PLANES; ++i)
+    if (strcmp(name, optional_names[i].name) == 0)
+      return SHADE_DUMP_OPTIONAL + i;
   int light, end = 0;
   if (sscanf(name, "light%5d.%n", &light, &end) != 1 || end == 0 || light < 0 ||
       light >= SHADE_DUMP_MAX_LIGHTS)
@@ -193,8 +229,18 @@ struct shade_exr_api *shade_exr_api_load(void *(*symbol)(void *context, const ch
 
 /* ---- writing ------------------------------------------------------------------ */
 
-/* Planes whose channels are in the file. */
+/*
+ * The k-th plane whose channel may be in a file: those of every dump, then the optional ones. -1
+ * past the last.
+ */
+static int plane_number(int lights, int k) {
+  const int count = plane_count(lights);
+  return k < count ? k : k < count + OPTIONAL_PLANES ? SHADE_DUMP_OPTIONAL + k - count : -1;
+}
+
 static int in_file(const shade_dump *d, int plane) {
+  if (plane >= SHADE_DUMP_OPTIONAL)
+    return (d->optional & bit_of(plane)) != 0;
   return d->has_color || !is_color(plane);
 }
 
@@ -205,7 +251,8 @@ static int write_header(const struct report *r, exr_context_t context, const sha
   if (code == EXR_ERR_SUCCESS)
     code = api->exr_initialize_required_attr_simple(context, 0, d->width, d->height,
                                                     EXR_COMPRESSION_ZIP);
-  for (int plane = 0; code == EXR_ERR_SUCCESS && plane < plane_count(d->lights); ++plane) {
+  for (int k = 0, plane; code == EXR_ERR_SUCCESS && (plane = plane_number(d->lights, k)) >= 0;
+       ++k) {
     char name[SHADE_DUMP_NAME_SIZE];
     shade_dump_channel_name(plane, name);
     if (in_file(d, plane))
@@ -320,23 +367,40 @@ static int check_layout(const struct report *r, exr_context_t context) {
   return 0;
 }
 
+/* What a file's list of channels says. */
+struct contents {
+  int lights, has_color, planes; /* planes: in the file, of those that are known */
+  unsigned optional;
+};
+
+static int optional_planes_are_whole(const struct report *r, unsigned optional) {
+  for (int first = 0; first < OPTIONAL_PLANES; first += optional_names[first].planes) {
+    const unsigned all = ((1u << optional_names[first].planes) - 1) << first;
+    for (int i = first; (optional & all) && i < first + optional_names[first].planes; ++i)
+      if (!(optional & 1u << i))
+        return fail(r, "not a dump: channel %s is missing", optional_names[i].name);
+  }
+  return 0;
+}
+
 /*
- * Number of lights, from the channels that are there. Every plane but Color's must
- * be, once, in 32-bit float. -1 with a message otherwise; *has_color is set.
+ * Every plane but Color's and the optional ones must be there, once, in 32-bit float. -1 with a
+ * message otherwise.
  */
-static int check_channels(const struct report *r, exr_context_t context, int *has_color) {
+static int check_channels(const struct report *r, exr_context_t context, struct contents *c) {
   const exr_attr_chlist_t *list;
   const exr_result_t code = r->api->exr_get_channels(context, 0, &list);
   if (code != EXR_ERR_SUCCESS)
     return fail_library(r, code, "no list of channels");
-  int lights = 0;
+  memset(c, 0, sizeof *c);
   for (int i = 0; i < list->num_channels; ++i) {
     const int plane = shade_dump_channel_plane(list->entries[i].name.str);
     const int light = (plane - SHADE_DUMP_BASE) / SHADE_DUMP_PER_LIGHT;
-    if (plane >= SHADE_DUMP_BASE && light >= lights)
-      lights = light + 1;
+    if (plane >= SHADE_DUMP_BASE && plane < SHADE_DUMP_OPTIONAL && light >= c->lights)
+      c->lights = light + 1;
   }
-  char *seen = calloc((size_t)plane_count(lights), 1);
+  const int count = plane_count(c->lights);
+  char *seen = calloc((size_t)(count + OPTIONAL_PLANES), 1);
   if (!seen)
     return fail(r, "out of memory");
   int status = 0;
@@ -345,38 +409,43 @@ static int check_channels(const struct report *r, exr_context_t context, int *ha
     const int plane = shade_dump_channel_plane(channel->name.str);
     if (plane < 0)
       continue;
+    char *mark = &seen[plane < SHADE_DUMP_OPTIONAL ? plane : count + plane - SHADE_DUMP_OPTIONAL];
     if (channel->pixel_type != EXR_PIXEL_FLOAT)
       status = fail(r, "channel %s is not 32-bit float", channel->name.str);
     else if (channel->x_sampling != 1 || channel->y_sampling != 1)
       status = fail(r, "channel %s is subsampled", channel->name.str);
-    else if (seen[plane])
+    else if (*mark)
       status = fail(r, "channel %s appears twice", channel->name.str);
-    seen[plane] = 1;
+    *mark = 1;
+    c->planes++;
+    if (plane >= SHADE_DUMP_OPTIONAL)
+      c->optional |= bit_of(plane);
   }
-  *has_color = seen[SHADE_DUMP_COLOR] || seen[SHADE_DUMP_COLOR + 1] || seen[SHADE_DUMP_COLOR + 2];
-  for (int plane = 0; status == 0 && plane < plane_count(lights); ++plane) {
+  c->has_color = seen[SHADE_DUMP_COLOR] || seen[SHADE_DUMP_COLOR + 1] || seen[SHADE_DUMP_COLOR + 2];
+  for (int plane = 0; status == 0 && plane < count; ++plane) {
     char name[SHADE_DUMP_NAME_SIZE];
     shade_dump_channel_name(plane, name);
-    if (!seen[plane] && (*has_color || !is_color(plane)))
+    if (!seen[plane] && (c->has_color || !is_color(plane)))
       status = fail(r, "not a dump: channel %s is missing", name);
   }
   free(seen);
-  return status == 0 ? lights : -1;
+  return status == 0 ? optional_planes_are_whole(r, c->optional) : status;
 }
 
 /*
  * ZIP packs 1032 bytes into one at the very best (RFC 1951), so a file whose
  * header promises more is broken, and would make us allocate without end.
  */
-static int check_size(const struct report *r, int64_t width, int64_t height, int lights) {
+static int check_size(const struct report *r, int64_t width, int64_t height,
+                      const struct contents *c) {
   const double best_ratio = 1100;
   struct stat file;
   if (stat(r->path, &file) != 0)
     return fail(r, "cannot read: %s", strerror(errno));
-  const double bytes = 4.0 * (double)width * (double)height * plane_count(lights);
+  const double bytes = 4.0 * (double)width * (double)height * c->planes;
   if (bytes > best_ratio * (double)file.st_size)
     return fail(r, "truncated or corrupt: %lld bytes cannot hold %d x %d pixels with %d lights",
-                (long long)file.st_size, (int)width, (int)height, lights);
+                (long long)file.st_size, (int)width, (int)height, c->lights);
   return 0;
 }
 
@@ -432,11 +501,8 @@ static int read_pixels(const struct report *r, exr_context_t context, const shad
 
 static shade_dump *read_context(const struct report *r, exr_context_t context) {
   exr_attr_box2i_t window;
-  int has_color = 0;
-  if (check_layout(r, context) != 0)
-    return NULL;
-  const int lights = check_channels(r, context, &has_color);
-  if (lights < 0)
+  struct contents contents;
+  if (check_layout(r, context) != 0 || check_channels(r, context, &contents) != 0)
     return NULL;
   const exr_result_t code = r->api->exr_get_data_window(context, 0, &window);
   if (code != EXR_ERR_SUCCESS) {
@@ -450,14 +516,15 @@ static shade_dump *read_context(const struct report *r, exr_context_t context) {
          (long long)height, SHADE_DUMP_MAX_SIDE);
     return NULL;
   }
-  if (check_size(r, width, height, lights) != 0)
+  if (check_size(r, width, height, &contents) != 0)
     return NULL;
-  shade_dump *d = shade_dump_create((int)width, (int)height, lights);
+  shade_dump *d = shade_dump_create((int)width, (int)height, contents.lights);
   if (!d) {
     fail(r, "out of memory");
     return NULL;
   }
-  d->has_color = has_color;
+  d->has_color = contents.has_color;
+  d->optional = contents.optional;
   if (read_json(r, context, d) == 0 && read_pixels(r, context, d, window.min.y) == 0)
     return d;
   shade_dump_free(d);

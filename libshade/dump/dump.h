@@ -35,13 +35,35 @@ enum shade_dump_light_channel {               /* planes of each light */
                                 SHADE_DUMP_PER_LIGHT = 9
 };
 
+/*
+ * What may vary from hit to hit, in a file only where a writer asks for it (shade_dump_add), then
+ * for every hit: where nothing varies, the material's own. Planes of eta, f82 and so on: RGB.
+ */
+enum shade_dump_optional {
+  SHADE_DUMP_OPTIONAL = 1 << 24,               /* numbers apart from those of the others */
+  SHADE_DUMP_ALPHA = SHADE_DUMP_OPTIONAL,      /* 2 planes: roughness along x, y of the frame */
+  SHADE_DUMP_GROOVE = SHADE_DUMP_OPTIONAL + 2, /* angle of the grooves from T, anticlockwise about
+                                                  N, radians */
+  SHADE_DUMP_F82 = SHADE_DUMP_OPTIONAL + 3,
+  SHADE_DUMP_ETA = SHADE_DUMP_OPTIONAL + 6,
+  SHADE_DUMP_K = SHADE_DUMP_OPTIONAL + 9,
+  SHADE_DUMP_KD = SHADE_DUMP_OPTIONAL + 12,
+  SHADE_DUMP_FOOT = SHADE_DUMP_OPTIONAL + 15,     /* 2 planes: footprint in crossings, cloth only */
+  SHADE_DUMP_COVERAGE = SHADE_DUMP_OPTIONAL + 17, /* share of the ray that meets the cloth */
+  SHADE_DUMP_TIER = SHADE_DUMP_OPTIONAL + 18,     /* a shade_fabric_tier */
+  SHADE_DUMP_OPTIONAL_END = SHADE_DUMP_OPTIONAL + 19
+};
+
 enum { SHADE_DUMP_MAX_SIDE = 65536, SHADE_DUMP_MAX_LIGHTS = 10000 };
 
 typedef struct shade_dump {
   int width, height, lights;
-  int has_color; /* 1 from shade_dump_create; 0: no Color.*, each material's own f0 holds */
-  char *json;    /* header attribute `libshade`; owned */
-  float *data;   /* (SHADE_DUMP_BASE + 9 lights) planes of width*height, row by row from the top */
+  int has_color;     /* 1 from shade_dump_create; 0: no Color.*, each material's own f0 holds */
+  unsigned optional; /* a bit for each plane from SHADE_DUMP_OPTIONAL that is in the file */
+  char *json;        /* header attribute `libshade`; owned */
+  /* SHADE_DUMP_BASE planes, 9 of each light, then the optional ones; each of width*height, row by
+   * row from the top */
+  float *data;
 } shade_dump;
 
 /*
@@ -52,9 +74,15 @@ typedef struct shade_dump {
 shade_dump *shade_dump_create(int width, int height, int lights);
 void shade_dump_free(shade_dump *d); /* NULL is fine */
 
-/* Plane of a channel (add 0..2 to the channel for its components). */
+/* Plane of a channel (add 0..2 to the channel for its components). That of an optional channel
+ * that is not in the file holds 0 and may not be written. */
 float *shade_dump_plane(const shade_dump *d, int channel);
 float *shade_dump_light_plane(const shade_dump *d, int light, int channel);
+
+/* Take an optional channel into the file, with all its components; its first plane. */
+float *shade_dump_add(shade_dump *d, enum shade_dump_optional channel);
+/* 1 if an optional channel is in the file. */
+int shade_dump_has(const shade_dump *d, enum shade_dump_optional channel);
 
 /* Replace the JSON text (copied). Returns 0, or -1 when out of memory. */
 int shade_dump_set_json(shade_dump *d, const char *json);
@@ -62,7 +90,7 @@ int shade_dump_set_json(shade_dump *d, const char *json);
 /*
  * Plane number of the channel called `name` ("light10.S.G"), or -1; the channel's
  * name of a plane, written to name[SHADE_DUMP_NAME_SIZE]. Planes of light k follow
- * those of light k - 1, the first at SHADE_DUMP_BASE.
+ * those of light k - 1, the first at SHADE_DUMP_BASE; optional ones have numbers of their own.
  */
 enum { SHADE_DUMP_NAME_SIZE = 32 };
 int shade_dump_channel_plane(const char *name);
@@ -79,10 +107,11 @@ struct shade_exr_api *shade_exr_api_load(void *(*symbol)(void *context, const ch
 /*
  * Write or read a dump. The file appears whole or not at all (temporary file in
  * the same folder, then rename): 0 on success; -1 and a message naming the file
- * otherwise. Reading takes channels in any order, wants all but Color.* and passes
- * over those it does not know; scanlines, one part, 32-bit float, compression none,
- * ZIPS or ZIP. It returns NULL and a message naming the file for anything else.
- * The JSON text and the values are handed on unjudged. Thread-safe.
+ * otherwise. Reading takes channels in any order, wants all but Color.* and the
+ * optional ones (of either all components or none) and passes over those it does not know;
+ * scanlines, one part, 32-bit float, compression none, ZIPS or ZIP. It returns NULL and a message
+ * naming the file for anything else. The JSON text and the values are handed on unjudged.
+ * Thread-safe.
  */
 int shade_dump_write(const struct shade_exr_api *api, const char *path, const shade_dump *d,
                      char *error, size_t error_size);

@@ -30,6 +30,13 @@ static int planes(const shade_dump *d) {
   return SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * d->lights;
 }
 
+/* First planes of the optional channels, and the end. */
+static const int optional[] = {SHADE_DUMP_ALPHA,       SHADE_DUMP_GROOVE,   SHADE_DUMP_F82,
+                               SHADE_DUMP_ETA,         SHADE_DUMP_K,        SHADE_DUMP_KD,
+                               SHADE_DUMP_FOOT,        SHADE_DUMP_COVERAGE, SHADE_DUMP_TIER,
+                               SHADE_DUMP_OPTIONAL_END};
+enum { OPTIONAL = sizeof optional / sizeof *optional - 1 };
+
 /* A value of its own for every plane and pixel, exact in float. */
 static float value(int plane, int pixel) {
   return (float)plane + (float)pixel / 4096;
@@ -82,6 +89,24 @@ static void test_channel_names(void **state) {
     shade_dump_channel_name(plane, name);
     assert_int_equal(shade_dump_channel_plane(name), plane);
   }
+  for (int plane = SHADE_DUMP_OPTIONAL; plane < SHADE_DUMP_OPTIONAL_END; ++plane) {
+    shade_dump_channel_name(plane, name);
+    assert_int_equal(shade_dump_channel_plane(name), plane);
+  }
+  const struct {
+    const char *name;
+    int plane;
+  } known[] = {{"alpha.Y", SHADE_DUMP_ALPHA + 1},
+               {"groove.A", SHADE_DUMP_GROOVE},
+               {"f82.G", SHADE_DUMP_F82 + 1},
+               {"eta.B", SHADE_DUMP_ETA + 2},
+               {"k.R", SHADE_DUMP_K},
+               {"kd.B", SHADE_DUMP_KD + 2},
+               {"foot.V", SHADE_DUMP_FOOT + 1},
+               {"coverage.A", SHADE_DUMP_COVERAGE},
+               {"tier", SHADE_DUMP_TIER}};
+  for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
+    assert_int_equal(shade_dump_channel_plane(known[i].name), known[i].plane);
   assert_int_equal(shade_dump_channel_plane("Ns.Z"), SHADE_DUMP_NS + 2);
   assert_int_equal(shade_dump_channel_plane("material.ID"), SHADE_DUMP_MATERIAL);
   assert_int_equal(shade_dump_channel_plane("light10.S.G"),
@@ -126,6 +151,66 @@ static void test_round_trip(void **state) {
 static void test_without_color(void **state) {
   (void)state;
   check_round_trip(shade_exr_api_linked(), 1, 0);
+}
+
+/* Each channel alone, and all. */
+static void test_optional(void **state) {
+  (void)state;
+  for (int only = 0; only <= OPTIONAL; ++only) {
+    shade_dump *d = sample(2);
+    for (int k = 0; k < OPTIONAL; ++k)
+      if (k == only || only == OPTIONAL) {
+        assert_ptr_equal(shade_dump_add(d, (enum shade_dump_optional)optional[k]),
+                         shade_dump_plane(d, optional[k]));
+        for (int plane = optional[k]; plane < optional[k + 1]; ++plane)
+          for (int i = 0; i < WIDTH * HEIGHT; ++i)
+            shade_dump_plane(d, plane)[i] = value(plane - SHADE_DUMP_OPTIONAL + 500, i);
+      }
+    if (shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error) != 0)
+      fail_msg("%s", error);
+    shade_dump *back = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);
+    if (!back)
+      fail_msg("%s", error);
+    assert_int_equal(back->lights, 2);
+    for (int k = 0; k < OPTIONAL; ++k) {
+      const int there = k == only || only == OPTIONAL;
+      assert_int_equal(shade_dump_has(back, (enum shade_dump_optional)optional[k]), there);
+      for (int plane = optional[k]; plane < optional[k + 1]; ++plane)
+        for (int i = 0; i < WIDTH * HEIGHT; ++i)
+          assert_true(shade_dump_plane(back, plane)[i] ==
+                      (there ? value(plane - SHADE_DUMP_OPTIONAL + 500, i) : 0));
+    }
+    for (int plane = 0; plane < planes(d); ++plane)
+      assert_memory_equal(shade_dump_plane(back, plane), shade_dump_plane(d, plane),
+                          WIDTH * HEIGHT * sizeof(float));
+    shade_dump_free(back);
+    shade_dump_free(d);
+    unlink(path);
+  }
+}
+
+/* One component of a channel without the others is no dump. */
+static void test_half_a_channel(void **state) {
+  (void)state;
+  for (int k = 0; k < OPTIONAL; ++k)
+    for (int plane = optional[k]; plane < optional[k + 1]; ++plane) {
+      shade_dump *d = sample(1);
+      shade_dump_add(d, (enum shade_dump_optional)optional[k]);
+      d->optional &= ~(1u << (plane - SHADE_DUMP_OPTIONAL));
+      assert_int_equal(shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error), 0);
+      shade_dump_free(d);
+      d = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);
+      if (optional[k + 1] - optional[k] == 1) {
+        assert_non_null(d);
+      } else {
+        char name[SHADE_DUMP_NAME_SIZE];
+        shade_dump_channel_name(plane, name);
+        assert_null(d);
+        assert_non_null(strstr(error, name));
+      }
+      shade_dump_free(d);
+      unlink(path);
+    }
 }
 
 static void *look_up(void *context, const char *name) {
@@ -445,7 +530,8 @@ int main(void) {
       cmocka_unit_test(test_loaded_library), cmocka_unit_test(test_write_failures),
       cmocka_unit_test(test_disk_full),      cmocka_unit_test(test_variants),
       cmocka_unit_test(test_not_exr),        cmocka_unit_test(test_huge_promise),
-      cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_damaged),        cmocka_unit_test(test_optional),
+      cmocka_unit_test(test_half_a_channel),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
