@@ -139,19 +139,28 @@ def _slots(ob, depsgraph):
 def _light(ob, matrix, messages):
     light = ob.data
     strength = materials.light_strength(light, messages)
-    common = {"name": ob.name, "shadow": light.use_shadow}
-    if light.type == "SUN":
-        # A sun's strength is its irradiance, in W/m².
-        return [{**common, "type": "SUN", "irradiance": strength, "angle": light.angle,
-                 "direction": tuple(matrix.to_3x3().col[2].normalized())}]
-    if light.type == "POINT":
-        # A point light's power, in W, spreads evenly over the sphere.
-        intensity = tuple(s / (4.0 * math.pi) for s in strength)
-        return [{**common, "type": "POINT", "intensity": intensity,
-                 "position": tuple(matrix.translation), "radius": light.shadow_soft_size}]
-    messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
-                     "only sun and point")
-    return []
+    if light.type not in _LIGHTS:
+        known = " and ".join(name.lower() for name in _LIGHTS)
+        messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
+                         f"only {known}")
+        return []
+    return [{"name": ob.name, "type": light.type, "shadow": light.use_shadow,
+             **_LIGHTS[light.type](light, matrix, strength)}]
+
+
+def _sun(light, matrix, strength):
+    """A sun's strength is its irradiance, in W/m²."""
+    return {"irradiance": strength, "angle": light.angle,
+            "direction": tuple(matrix.to_3x3().col[2].normalized())}
+
+
+def _point(light, matrix, strength):
+    """A point light's power, in W, spreads evenly over the sphere."""
+    return {"intensity": tuple(s / (4.0 * math.pi) for s in strength),
+            "position": tuple(matrix.translation), "radius": light.shadow_soft_size}
+
+
+_LIGHTS = {"SUN": _sun, "POINT": _point}  # as in the native module's table
 
 
 def _get(collection, attribute, width, dtype):

@@ -9,7 +9,7 @@
  *   corner   the triangle's corners, interpolated: one row of 8 floats a hit
  *   surface  position, frame, direction to the eye, uv
  *   bilinear, bump, tint                                          textures
- *   disc, sun, point, lit                                         each light: direction, shadow ray
+ *   disc, light, lit                                              each light: direction, shadow ray
  *   (trace)  accel_occluded
  *   shadow
  *   (shade)  shade_bsdf_eval_batchf for each material
@@ -141,13 +141,12 @@ typedef struct stage_table {
   void (*disc)(size_t count, const uint32_t *restrict lane, const uint32_t *restrict hash,
                const uint32_t *restrict point_x, const uint32_t *restrict point_y, uint32_t salt,
                uint32_t scramble, float *restrict a, float *restrict b);
-  void (*sun)(size_t count, const light *light, const float *restrict a, const float *restrict b,
-              float *restrict lx, float *restrict ly, float *restrict lz, float *restrict e,
-              float *restrict tfar);
-  void (*point)(size_t count, const light *light, const float *restrict a, const float *restrict b,
-                const float *restrict px, const float *restrict py, const float *restrict pz,
-                float *restrict lx, float *restrict ly, float *restrict lz, float *restrict e,
-                float *restrict tfar);
+  /* By light_type. a, b: points of the unit disc; p: the hits. */
+  void (*light[LIGHT_TYPES])(size_t count, const light *light, const float *restrict a,
+                             const float *restrict b, const float *restrict px,
+                             const float *restrict py, const float *restrict pz, float *restrict lx,
+                             float *restrict ly, float *restrict lz, float *restrict e,
+                             float *restrict tfar);
   void (*lit)(size_t count, const float *restrict lx, const float *restrict ly,
               const float *restrict lz, const float *restrict px, const float *restrict py,
               const float *restrict pz, const float *restrict gx, const float *restrict gy,

@@ -244,10 +244,11 @@ static bool append(PyObject *list, PyObject *item) {
   return good;
 }
 
+#define LIGHT_WORD(TYPE, name) #TYPE,
 PyDoc_STRVAR(table_doc,
              "table() -> dict\n\n"
              "lists: the choices by name; params: the numbers of a material. Both as in\n"
-             "libshade's table.");
+             "libshade's table. lights: the types of light.");
 static PyObject *native_table(PyObject *self, PyObject *unused) {
   (void)self, (void)unused;
   PyObject *lists = PyDict_New(), *params = PyList_New(0);
@@ -270,8 +271,14 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
                                         info.unit, "help", info.help, "components", info.components,
                                         "minimum", info.minimum, "maximum", info.maximum, "initial",
                                         info.initial));
+  static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD)};
+  PyObject *lights = PyList_New(0);
+  good = good && lights;
+  for (size_t k = 0; good && k < LIGHT_TYPES; k++)
+    good = append(lights, PyUnicode_FromString(types[k]));
   if (good)
-    return Py_BuildValue("{s:N,s:N}", "lists", lists, "params", params);
+    return Py_BuildValue("{s:N,s:N,s:N}", "lists", lists, "params", params, "lights", lights);
+  Py_XDECREF(lights);
   Py_XDECREF(lists);
   Py_XDECREF(params);
   return NULL;

@@ -271,17 +271,12 @@ static void across(const float v[3], float length, float axis[2][3]) {
   }
 }
 
-static bool parse_light(parser *p, PyObject *dict, void *out, scene *s) {
-  static const char *const types[] = {"SUN", "POINT", NULL};
-  light *l = out;
-  int type;
-  (void)s;
-  if (!word(p, dict, "type", types, &type) || !flag(p, dict, "shadow", &l->shadow))
-    return false;
-  l->type = type == 0 ? LIGHT_SUN : LIGHT_POINT;
-  if (l->type == LIGHT_POINT)
-    return floats(p, dict, "intensity", 3, l->color) && floats(p, dict, "position", 3, l->vector) &&
-           number_within(p, dict, "radius", 0, 1e18, &l->radius);
+static bool parse_point(parser *p, PyObject *dict, light *l) {
+  return floats(p, dict, "intensity", 3, l->color) && floats(p, dict, "position", 3, l->vector) &&
+         number_within(p, dict, "radius", 0, 1e18, &l->radius);
+}
+
+static bool parse_sun(parser *p, PyObject *dict, light *l) {
   float angle = 0;
   if (!floats(p, dict, "irradiance", 3, l->color) || !floats(p, dict, "direction", 3, l->vector) ||
       !number_within(p, dict, "angle", 0, 3.141592654, &angle))
@@ -291,6 +286,20 @@ static bool parse_light(parser *p, PyObject *dict, void *out, scene *s) {
   l->radius = tanf(fminf(angle, 3.14f) / 2);
   across(l->vector, l->radius, l->axis);
   return true;
+}
+
+#define LIGHT_WORD(TYPE, name) #TYPE,
+#define LIGHT_PARSER(TYPE, name) parse_##name,
+static bool parse_light(parser *p, PyObject *dict, void *out, scene *s) {
+  static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD) NULL};
+  static bool (*const parse[])(parser *, PyObject *, light *) = {LIGHT_TABLE(LIGHT_PARSER)};
+  light *l = out;
+  int type;
+  (void)s;
+  if (!word(p, dict, "type", types, &type) || !flag(p, dict, "shadow", &l->shadow))
+    return false;
+  l->type = (light_type)type;
+  return parse[type](p, dict, l);
 }
 
 static bool parse_image(parser *p, PyObject *dict, void *out, scene *s) {

@@ -18,7 +18,16 @@
 #include "message.h"
 #include "texture.h"
 
-typedef enum light_type { LIGHT_SUN, LIGHT_POINT } light_type;
+/*
+ * Types of light: ROW(TYPE, name). TYPE is the word in a scene; each has its parse_name in parse.c
+ * and its stage_name in stage_light.h, and does not compile without them.
+ */
+#define LIGHT_TABLE(ROW)                                                                           \
+  ROW(SUN, sun)                                                                                    \
+  ROW(POINT, point)
+
+#define LIGHT_TYPE(TYPE, name) LIGHT_##TYPE,
+typedef enum light_type { LIGHT_TABLE(LIGHT_TYPE) LIGHT_TYPES } light_type;
 
 typedef struct light {
   light_type type;

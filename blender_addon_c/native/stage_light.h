@@ -17,8 +17,10 @@ static void stage_disc(size_t count, const uint32_t *restrict lane, const uint32
 }
 
 static void stage_sun(size_t count, const light *light, const float *restrict a,
-                      const float *restrict b, float *restrict lx, float *restrict ly,
+                      const float *restrict b, const float *restrict px, const float *restrict py,
+                      const float *restrict pz, float *restrict lx, float *restrict ly,
                       float *restrict lz, float *restrict e, float *restrict tfar) {
+  (void)px, (void)py, (void)pz; /* it is as far from every hit */
   const float vx = light->vector[0], vy = light->vector[1], vz = light->vector[2];
   const float ax = light->axis[0][0], ay = light->axis[0][1], az = light->axis[0][2];
   const float bx = light->axis[1][0], by = light->axis[1][1], bz = light->axis[1][2];

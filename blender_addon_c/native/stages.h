@@ -11,6 +11,7 @@
 #include "stage_shade.h"
 #include "stage_film.h"
 
+#define LIGHT_STAGE(TYPE, name) stage_##name,
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
                                     .camera = stage_camera,                                        \
@@ -22,8 +23,7 @@
                                     .bump = stage_bump,                                            \
                                     .tint = stage_tint,                                            \
                                     .disc = stage_disc,                                            \
-                                    .sun = stage_sun,                                              \
-                                    .point = stage_point,                                          \
+                                    .light = {LIGHT_TABLE(LIGHT_STAGE)},                           \
                                     .lit = stage_lit,                                              \
                                     .shadow = stage_shadow,                                        \
                                     .reflect = stage_reflect,                                      \

@@ -192,11 +192,8 @@ static void illuminate(worker *w, size_t number, size_t phase) {
     disc_a = b->disc_a;
     disc_b = b->disc_b;
   }
-  if (l->type == LIGHT_SUN)
-    s->sun(b->hits, l, disc_a, disc_b, ray->dx, ray->dy, ray->dz, b->e, ray->tfar);
-  else
-    s->point(b->hits, l, disc_a, disc_b, b->px, b->py, b->pz, ray->dx, ray->dy, ray->dz, b->e,
-             ray->tfar);
+  s->light[l->type](b->hits, l, disc_a, disc_b, b->px, b->py, b->pz, ray->dx, ray->dy, ray->dz,
+                    b->e, ray->tfar);
   s->lit(b->hits, ray->dx, ray->dy, ray->dz, b->px, b->py, b->pz, b->hit->gx, b->hit->gy,
          b->hit->gz, b->nx, b->ny, b->nz, b->tx, b->ty, b->tz, b->bx, b->by, b->bz, b->wix, b->wiy,
          b->wiz, ray->ox, ray->oy, ray->oz, ray->tfar);
