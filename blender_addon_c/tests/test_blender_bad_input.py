@@ -2,6 +2,7 @@
 """Scenes that cannot be rendered as they are: a clear message, never a crash, NaN or silence."""
 
 import json
+import math
 import re
 
 import numpy as np
@@ -66,6 +67,42 @@ def test_case(cases, name):
         assert re.search(expected, said), said
     if end == "finished":
         assert np.isfinite(rgba(folder / f"{name}.exr")).all()
+
+
+def metal(ex, ey, color):
+    """Ashikhmin and Shirley's lobe at its peak, under a sun of strength 3."""
+    return 3 * math.sqrt((ex + 1) * (ey + 1)) / (8 * math.pi) * np.array(color)
+
+
+def rough(roughness, grey=0.8):
+    exponent = 2 / roughness**4 - 2
+    return metal(exponent, exponent, [grey] * 3)
+
+
+STEEL = metal(6, 2, (0.9, 0.6, 0.3))
+# what stands in for what cannot be rendered, at the picture's centre
+FALLBACK = {
+    "fine": STEEL, "no_uv": STEEL, "no_image": STEEL, "bump_node": STEEL, "noise_color": STEEL,
+    "other_uv_map": STEEL, "area_light": STEEL, "slot_out_of_range": STEEL,
+    "no_light": np.zeros(3),
+    "no_uv_textured": metal(6, 2, (0.2, 0.4, 0.6)),
+    "mapping_node": metal(6, 2, (0.2, 0.4, 0.6)),
+    "no_material": rough(0.5),
+    "principled": rough(0.5),  # Blender's default
+    "mixed": rough(0.4),  # default of the viewport's roughness
+}
+
+
+@pytest.mark.parametrize("name", FALLBACK)
+def test_what_stands_in_for_it(cases, name):
+    middle = rgba(cases[1] / f"{name}.exr")[11:13, 15:17]
+    assert middle[..., :3] == pytest.approx(np.broadcast_to(FALLBACK[name], (2, 2, 3)), rel=0.01)
+    assert (middle[..., 3] == 1).all()
+
+
+@pytest.mark.parametrize("name", ["flat_object", "vanished_object"])
+def test_what_has_no_area_is_not_seen(cases, name):
+    assert not rgba(cases[1] / f"{name}.exr").any()
 
 
 def test_eight_bits(cases):

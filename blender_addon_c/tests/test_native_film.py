@@ -127,6 +127,16 @@ def test_clip_distances_cut():
     assert (near == 0).all() and (far == 0).all() and (kept[..., 3] == 1).all()
 
 
+def test_clip_distances_are_along_the_view():
+    """A wide perspective: at the corner the ray is sqrt(3) times as long as the view is deep."""
+    def alpha(low, high):
+        picture, _ = render(scene(camera=persp(1.0, clip=(low, high)), meshes=[square(4)]))
+        return picture[..., 3]
+
+    assert (alpha(2.9, 3.1) == 1).all() and (alpha(0.01, 3.1) == 1).all()
+    assert (alpha(3.1, 100) == 0).all() and (alpha(0.01, 2.9) == 0).all()
+
+
 def slow():
     """Would take an hour."""
     return busy(width=2000, height=2000, samples=65_536)

@@ -173,10 +173,10 @@ def test_textured_reflectance(tmp_path):
 
 
 @pytest.mark.parametrize("wrap", ["REPEAT", "EXTEND", "CLIP"])
-def test_bilinear_and_wrap(tmp_path, wrap):
+@pytest.mark.parametrize("height, width", [(5, 7), (1, 1), (1, 4), (4, 1), (2, 1), (1, 2), (2, 2)])
+def test_bilinear_and_wrap(tmp_path, wrap, height, width):
     """A plate whose UVs run from -1 to 2 against a look-up written out here."""
-    size = 5
-    texels = np.random.default_rng(5).random((size, size + 2, 3)).astype(np.float32)
+    texels = np.random.default_rng(5).random((height, width, 3)).astype(np.float32)
     plate = square()
     plate["corner_uvs"] = (plate["corner_uvs"] * 3 - 1).astype(np.float32)
     planes, _ = dump(

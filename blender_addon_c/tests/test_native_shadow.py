@@ -136,8 +136,45 @@ def disc_part(d, r):
     return (np.arccos(t) - t * np.sqrt(1 - t * t)) / np.pi
 
 
+def turned(description, turn):
+    """The same scene in a world that is turned as a whole."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn
+    camera = dict(description["camera"])
+    camera["matrix"] = (matrix @ np.reshape(camera["matrix"], (4, 4))).ravel().tolist()
+    lights = [
+        light | {key: tuple(turn @ light[key]) for key in ("direction", "position") if key in light}
+        for light in description["lights"]
+    ]
+    instances = [
+        {"mesh": i["mesh"], "matrix": (matrix @ np.reshape(i["matrix"], (4, 4))).ravel().tolist()}
+        for i in description["instances"]
+    ]
+    return description | {"camera": camera, "lights": lights, "instances": instances}
+
+
+def rotation(axis, angle):
+    """By Rodrigues' formula."""
+    x, y, z = unit(np.array(axis, float))
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+
+
+# that the disc faces the point must not depend on where in the world it is
+TURNS = {
+    "as it is": np.eye(3),
+    "head over": rotation((1, 0, 0), np.pi),
+    "light along x": rotation((0, 1, 0), np.pi / 2),
+    "light along -y": rotation((1, 0, 0), np.pi / 2),
+    "askew": rotation((1, 2, 3), 1.0),
+    "askew, down": rotation((2, -3, 0.5), 2.3),
+}
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
 @pytest.mark.parametrize("kind", ["sun", "point"])
-def test_penumbra_of_an_edge(kind):
+@pytest.mark.parametrize("edge_along", ["x", "y"])
+def test_penumbra_of_an_edge(kind, turn, edge_along):
     """Half-plane x < 0 at height 1 over the floor: light goes with the visible part of the disc."""
     roof = mesh([[-9, -9, 1], [0, -9, 1], [0, 9, 1], [-9, 9, 1]], [[0, 1, 2], [0, 2, 3]])
     size = 32
@@ -157,8 +194,11 @@ def test_penumbra_of_an_edge(kind):
         lights=lights,
         meshes=[square(9), roof],
     )
+    if edge_along == "x":  # the other axis of the disc is cut
+        base = turned(base, rotation((0, 0, 1), np.pi / 2))
+    base = turned(base, turn)
     shadowed, _ = render(base)
-    free, _ = render(base | {"lights": [lights[0] | {"shadow": False}]})
+    free, _ = render(base | {"lights": [base["lights"][0] | {"shadow": False}]})
     seen = (shadowed[..., 0] / free[..., 0]).mean(0)
     x = (np.arange(size) + 0.5) / size - 0.5
     # the edge as seen from (x, 0), on the light's plane
@@ -166,6 +206,58 @@ def test_penumbra_of_an_edge(kind):
     expected = disc_part(edge, radius)
     assert expected[0] < 0.1 and expected[-1] > 0.9
     np.testing.assert_allclose(seen, expected, atol=0.02)
+
+
+def test_soft_lights_have_samples_of_their_own():
+    """Two of the same light: as bright as one of twice the strength, but with less noise."""
+    half_roof = mesh([[-9, -9, 1], [0, -9, 1], [0, 9, 1], [-9, 9, 1]], [[0, 1, 2], [0, 2, 3]])
+    base = {
+        "camera": ortho(0.2, (0, 0, 0.5)),
+        "meshes": [square(9), half_roof],
+        "samples": 4,
+        "materials": [material(ex=0.0, ey=0.0, fresnel="NONE", f0=(1, 1, 1))],
+    }
+
+    def picture(*lights, **changes):
+        return render(scene(lights=list(lights), **base | changes))[0][..., 0].astype(float)
+
+    light, double = sun(angle=1.0), sun(angle=1.0, irradiance=(2, 2, 2))
+    truth = picture(double, samples=4096)
+    one, two = picture(double) - truth, picture(light, light) - truth
+    assert abs(two.mean()) < 0.02 * truth.mean()
+    noise = [np.sqrt((error**2).mean()) for error in (one, two)]
+    # independent: 0.71; the same samples: 1
+    assert 0.01 * truth.mean() < noise[0] and 0.5 * noise[0] < noise[1] < 0.85 * noise[0]
+
+
+@pytest.mark.parametrize("shadow", [True, False])
+def test_light_behind_the_facet_is_no_light(tmp_path, shadow):
+    """The smooth normal leans to the light, which is below the triangle itself: nothing lets it
+    through, with shadow rays or without."""
+    smooth = unit(np.array([0.8, 0, 0.6]))
+    lights = [
+        sun(direction, shadow=shadow) for direction in ((0.9, 0, -0.2), (0.9, 0, 0.2), (-0.9, 0, 0.2))
+    ]
+    sheet = mesh(square()["positions"], [[0, 1, 2], [0, 2, 3]], np.tile(smooth, (4, 1)))
+    planes, _ = dump(scene(meshes=[sheet], lights=lights), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(planes, "N")[8, 8], smooth, atol=1e-6)
+    assert not lit(planes, 0).any() and lit(planes, 1).all() and not lit(planes, 2).any()
+
+
+@pytest.mark.parametrize("turn", [TURNS["as it is"], TURNS["askew"], TURNS["askew, down"]])
+@pytest.mark.parametrize("reach", [10.0, 1e4])
+def test_no_acne_on_a_large_triangle_close_by(tmp_path, reach, turn):
+    """Where it is hit is only as exact as its far corners are."""
+    for lights in ([sun((0.5, 0.2, 0.6))], [point((0.4, 0.3, 0.9))]):
+        base = scene(
+            width=64,
+            height=64,
+            camera=persp(0.5, (0.1, 0.2, 1.0), (0.3, 0.1, 0)),
+            lights=lights,
+            meshes=[mesh([[-reach, -reach, 0], [reach, -reach, 0], [0.3, reach, 0]], [[0, 1, 2]])],
+        )
+        planes, _ = dump(turned(base, turn), tmp_path / "d.exr")
+        assert (planes["material.ID"] == 0).all() and lit(planes).all()
 
 
 def test_soft_light_of_no_size_is_sharp():

@@ -17,7 +17,8 @@ folder, = common.arguments()
 
 def plate(scene, **leave_out):
     """A lit plate before a camera, without what is left out; returns (object, tree, node)."""
-    material, tree, node = common.metal("steel")
+    material, tree, node = common.metal("steel", ex=6, ey=2)
+    node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
     ob = common.plane(material)
     if not leave_out.get("camera"):
         common.camera(scene)
@@ -34,6 +35,14 @@ def image_file(name, content=None):
             file.write(content)
     image = bpy.data.images.new(name, 4, 4)
     image.source, image.filepath = "FILE", path
+    return image
+
+
+def flat_image(red, green, blue):
+    """An image of one colour, linear."""
+    image = bpy.data.images.new("image", 4, 4, float_buffer=True, is_data=True)
+    image.pixels.foreach_set([red, green, blue, 1] * 16)
+    image.update()
     return image
 
 
@@ -61,7 +70,7 @@ def no_uv(scene):
 
 def no_uv_textured(scene):
     ob, tree, node = plate(scene)
-    texture = common.image_node(tree, bpy.data.images.new("image", 4, 4))
+    texture = common.image_node(tree, flat_image(0.2, 0.4, 0.6))
     tree.links.new(texture.outputs["Color"], node.inputs["Color"])
     ob.data.uv_layers.remove(ob.data.uv_layers[0])
 
@@ -114,7 +123,7 @@ def noise_color(scene):
 
 def mapping_node(scene):
     _ob, tree, node = plate(scene)
-    texture = common.image_node(tree, bpy.data.images.new("image", 4, 4))
+    texture = common.image_node(tree, flat_image(0.2, 0.4, 0.6))
     mapping = tree.nodes.new("ShaderNodeMapping")
     tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], node.inputs["Color"])
@@ -122,8 +131,7 @@ def mapping_node(scene):
 
 def other_uv_map(scene):
     _ob, tree, node = plate(scene)
-    image = bpy.data.images.new("image", 4, 4, float_buffer=True, is_data=True)
-    common.normal_map(tree, node, image)[1].uv_map = "elsewhere"
+    common.normal_map(tree, node, flat_image(0.5, 0.5, 1))[1].uv_map = "elsewhere"
 
 
 def no_material(scene):

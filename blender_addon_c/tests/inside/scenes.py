@@ -9,6 +9,7 @@ import json
 import math
 import os
 import sys
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -279,6 +280,220 @@ def missing_image(options):
     common.camera(scene)
     bpy.ops.wm.save_as_mainfile(filepath=options["save"])
     return {}
+
+# ---- one plain scene; each change is one thing that Blender says, and that the renderer must read
+
+def plain_light(_ob, _light, _tree, _node):
+    """A sun of energy 3 straight above a plane of one metal."""
+
+
+def light_color(_ob, light, _tree, _node):
+    light.data.color = (0.8, 0.5, 0.2)
+
+
+def temperature(_ob, light, _tree, _node):
+    light.data.color = (0.8, 0.5, 0.2)
+    light.data.use_temperature, light.data.temperature = True, 2500
+    return {"factor": list(light.data.temperature_color)}
+
+
+def exposure(_ob, light, _tree, _node):
+    light.data.exposure = -1.5
+
+
+def emission(_ob, light, _tree, _node):
+    light.data.use_nodes = True
+    shader = light.data.node_tree.nodes["Emission"]
+    shader.inputs["Color"].default_value = (0.5, 0.25, 1, 1)
+    shader.inputs["Strength"].default_value = 1.75
+
+
+def unused_emission(ob, light, tree, node):
+    emission(ob, light, tree, node)
+    light.data.use_nodes = False
+
+
+def override(_ob, _light, _tree, _node):
+    other, _, node = common.metal("other", ex=1, ey=7, fresnel="NONE", detail="NONE")
+    node.inputs["Color"].default_value = (0.2, 0.4, 0.8, 1)
+    bpy.context.view_layer.material_override = other
+
+
+def principled(ob, _light, _tree, _node):
+    material = ob.data.materials[0] = bpy.data.materials.new("plain")
+    node = common.tree_of(material).nodes["Principled BSDF"]
+    node.inputs["Base Color"].default_value = (0.7, 0.5, 0.2, 1)
+    node.inputs["Roughness"].default_value = 0.6
+
+
+def viewport_color(ob, _light, _tree, _node):
+    material = ob.data.materials[0] = bpy.data.materials.new("plain")
+    common.tree_of(material).nodes.clear()
+    material.diffuse_color, material.roughness = (0.3, 0.6, 0.9, 1), 0.7
+
+
+def no_material(ob, _light, _tree, _node):
+    ob.data.materials.clear()
+
+
+def tilted(tree, node, strength):
+    """A float normal map of (0.48, 0.36, 0.8) everywhere."""
+    image = bpy.data.images.new("tilt", 2, 2, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(np.tile([0.74, 0.68, 0.9, 1], 4).astype(np.float32))
+    image.update()
+    return common.normal_map(tree, node, image, strength)
+
+
+def strength(_ob, _light, tree, node):
+    tilted(tree, node, 2.0)
+
+
+def value(_ob, _light, tree, node):
+    _, bump = tilted(tree, node, 1.0)
+    source = tree.nodes.new("ShaderNodeValue")
+    source.outputs[0].default_value = 0.25
+    tree.links.new(source.outputs[0], bump.inputs["Strength"])
+
+
+def slot_clamp(ob, _light, _tree, _node):
+    for name, color in (("second", (0.1, 0.2, 0.3, 1)), ("last", (0.2, 0.4, 0.8, 1))):
+        material, _, node = common.metal(name, ex=1, ey=7, fresnel="NONE", detail="NONE")
+        node.inputs["Color"].default_value = color
+        ob.data.materials.append(material)
+    ob.data.polygons[0].material_index = 7
+
+
+def uv_layers(ob):
+    """first: as it is; second: turned by a quarter; third: half as large. The third renders."""
+    first = ob.data.uv_layers[0]
+    first.name = "first"
+    second, third = (ob.data.uv_layers.new(name=name) for name in ("second", "third"))
+    for loop in range(4):
+        u, v = ob.data.uv_layers["first"].data[loop].uv
+        second.data[loop].uv, third.data[loop].uv = (v, 1 - u), (u / 2, v / 2)
+    ob.data.uv_layers.active = ob.data.uv_layers["second"]
+    ob.data.uv_layers["third"].active_render = True
+
+
+def uv_active(ob, _light, _tree, _node):
+    uv_layers(ob)
+
+
+def uv_node(ob, _light, tree, node):
+    uv_layers(ob)
+    image = bpy.data.images.new("image", 2, 2, float_buffer=True, is_data=True)
+    source = tree.nodes.new("ShaderNodeUVMap")
+    source.uv_map = "second"
+    texture = common.image_node(tree, image)
+    tree.links.new(source.outputs[0], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+
+
+def uv_normal_map(ob, _light, tree, node):
+    uv_layers(ob)
+    tilted(tree, node, 1.0)[1].uv_map = "first"
+
+
+def plain(options):
+    """The plane from above, with one of the changes above made to it."""
+    scene = common.empty_scene(16, 16)
+    material, tree, node = common.metal(ex=6, ey=2, fresnel="NONE", detail="NONE")
+    node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
+    ob = common.plane(material)
+    light = common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    facts = globals()[options["change"]](ob, light, tree, node)
+    common.render(options["picture"])
+    return facts or {}
+
+
+def wraps(options):
+    """Strips side by side, one image on all: each with its extension and interpolation."""
+    scene = common.empty_scene(32 * len(options["ways"]), 32)
+    pixels = np.array(options["pixels"], np.float32)
+    image = bpy.data.images.new("shared", pixels.shape[1], pixels.shape[0], float_buffer=True,
+                                is_data=True)
+    image.pixels.foreach_set(np.concatenate([pixels, 0 * pixels[..., :1] + 1], -1).ravel())
+    image.update()
+    for column, (extension, interpolation) in enumerate(options["ways"]):
+        material, tree, node = common.metal(fresnel="NONE", detail="NONE")
+        texture = common.image_node(tree, image)
+        texture.extension, texture.interpolation = extension, interpolation
+        tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+        ob = common.plane(material, 1)
+        ob.location = (column + 0.5 - 0.5 * len(options["ways"]), 0, 0)
+        for loop in ob.data.uv_layers[0].data:
+            loop.uv = (3 * loop.uv[0] - 1, 3 * loop.uv[1] - 1)
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=len(options["ways"]))
+    common.render(options["picture"])
+    return {}
+
+
+def edges(options):
+    """A turned plane, whose edges show the sampling pattern."""
+    scene = common.empty_scene(24, 24)
+    scene.libshade.seed = options["seed"]
+    common.plane(common.metal()[0], 1.2).rotation_euler = (0, 0, 0.3)
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    common.render(options["picture"])
+    return {}
+
+
+def penumbra(options):
+    """A floor under half a roof at height 1, seen from below the roof."""
+    scene = common.empty_scene(32, 4, samples=256)
+    material, _, node = common.metal(ex=0, ey=0, fresnel="NONE", detail="NONE")
+    common.plane(material, 18)
+    common.plane(material, 18).location = (-9, 0, 1)
+    if options["kind"] == "SUN":
+        light = common.light(scene, "SUN", 1, size=options["size"])
+    else:
+        light = common.light(scene, "POINT", 100, size=options["size"], location=(0, 0, 4))
+    light.data.use_shadow = options["shadow"]
+    common.camera(scene, (0, 0, 0.5), type="ORTHO", ortho_scale=1.0)
+    common.render(options["picture"])
+    return {}
+
+
+def viewport(options):
+    """What Rendered mode hands over to be drawn, without a window: alpha of small planes, each
+    [x on the screen from -1 to 1, distance before the viewpoint]."""
+    scene = common.empty_scene()
+    perspective, side = options["perspective"], 256
+    for x, distance in options["planes"]:
+        half = abs(distance) if perspective else 1  # of the view, there
+        common.plane(common.metal()[0], 0.1 * half).location = (x * half, 0, -distance)
+    common.light(scene)
+    module = sys.modules[f"{common.MODULE}.viewport"]
+    drawn, held = [], (module.gpu, module.draw_texture_2d)
+    module.gpu = SimpleNamespace(
+        types=SimpleNamespace(Buffer=lambda _kind, _size, pixels: pixels,
+                              GPUTexture=lambda _size, format, data: drawn.append(data) or "it"),
+        state=SimpleNamespace(blend_set=lambda _mode: None))
+    module.draw_texture_2d = lambda *_: None
+    engine = SimpleNamespace(bind_display_space_shader=lambda _scene: None,
+                             unbind_display_space_shader=lambda: None)
+    start, end = options["clip"]
+    window = Matrix.Diagonal((1, 1, -1 / end, 1))
+    if perspective:
+        window[2][2], window[2][3] = (start + end) / (start - end), 2 * start * end / (start - end)
+        window[3][2], window[3][3] = -1, 0
+    context = SimpleNamespace(
+        region=SimpleNamespace(width=side, height=side),
+        region_data=SimpleNamespace(view_matrix=Matrix.Identity(4), is_perspective=perspective,
+                                    window_matrix=window),
+        space_data=SimpleNamespace(clip_start=start, clip_end=end))
+    view, more = module.Viewport(), True
+    try:
+        while more:
+            said, more = view.draw(engine, context, bpy.context.evaluated_depsgraph_get())
+    finally:
+        module.gpu, module.draw_texture_2d = held
+    alpha = drawn[-1].reshape(side, side, 4)[side // 2, :, 3]
+    return {"said": said, "alpha": [float(alpha[int((x + 1) / 2 * side)])
+                                    for x, _ in options["planes"]]}
 
 
 for line in sys.stdin:
