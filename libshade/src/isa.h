@@ -8,6 +8,8 @@
 
 #include "shade/shade.h"
 
+struct scratch_row; /* of scratch_row.h */
+
 typedef struct shade_isa_table {
   const char *name;
   unsigned (*bsdf)(const shade_bsdf *, const double *, const double *, const double *, double *,
@@ -38,6 +40,7 @@ typedef struct shade_isa_table {
                            const shade_sample_result *);
   unsigned (*sample_batchf)(const shade_bsdf *, size_t, const shade_sample_lanesf *,
                             const shade_sample_resultf *);
+  void (*scratch_row)(const struct scratch_row *);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

@@ -13,6 +13,7 @@
 
 #define SHADE_FLOAT 1
 #include "../kernel/kernel.h"
+#include "../kernel/pass_scratch.h"
 #undef SHADE_FLOAT
 #define SHADE_FLOAT 0
 #include "../kernel/kernel.h"
@@ -23,10 +24,10 @@
 #define ISA_NAME(isa) ISA_NAME_(isa)
 
 const shade_isa_table ISA_TABLE(ISA) = {
-    ISA_NAME(ISA),        kernel_bsdf,    kernel_bsdff,    kernel_bsdf_batch,
-    kernel_bsdf_batchf,   kernel_mdf,     kernel_mdff,     kernel_mdf_batch,
-    kernel_mdf_batchf,    kernel_diffuse, kernel_diffusef, kernel_yarn,
-    kernel_yarnf,         kernel_pdf,     kernel_pdff,     kernel_pdf_batch,
-    kernel_pdf_batchf,    kernel_sample,  kernel_samplef,  kernel_sample_batch,
-    kernel_sample_batchf,
+    ISA_NAME(ISA),        kernel_bsdf,        kernel_bsdff,    kernel_bsdf_batch,
+    kernel_bsdf_batchf,   kernel_mdf,         kernel_mdff,     kernel_mdf_batch,
+    kernel_mdf_batchf,    kernel_diffuse,     kernel_diffusef, kernel_yarn,
+    kernel_yarnf,         kernel_pdf,         kernel_pdff,     kernel_pdf_batch,
+    kernel_pdf_batchf,    kernel_sample,      kernel_samplef,  kernel_sample_batch,
+    kernel_sample_batchf, kernel_scratch_row,
 };

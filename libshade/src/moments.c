@@ -26,6 +26,12 @@ static void reduce_row(const float *from, int width, double weight, double *to, 
 
 static int reduce(moment_level *to, int width, int height, moment_row *row, const void *context) {
   const size_t narrow = (size_t)to->width * MOMENTS;
+  if (to->width == width && to->height == height) {
+    to->texels = malloc(narrow * (size_t)height * sizeof *to->texels);
+    for (int j = 0; to->texels && j < height; j++)
+      row(context, j, to->texels + (size_t)j * narrow);
+    return to->texels ? 0 : -1;
+  }
   float *source = malloc((size_t)width * MOMENTS * sizeof *source);
   double *sum = malloc(narrow * sizeof *sum);
   to->texels = malloc(narrow * (size_t)to->height * sizeof *to->texels);

@@ -1,51 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A field of scratches: pits drawn from a seed, bins over the tile, evaluation, pictures. */
+/* A field of scratches: pits drawn from a seed, evaluation, pictures. */
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "shade/maps.h"
-#include "src/moments.h"
+#include "src/scratch.h"
 
 #define PI 3.14159265358979323846
 
-/* What evaluation reads of one pit. */
-typedef struct pit {
-  double x, y;       /* centre, in tile widths */
-  double along[2];   /* unit, along the scratch */
-  double half_along; /* half axes of the rim */
-  double half_across;
-  double k2, rim;   /* k^2; sqrt(1 - k^2) */
-  double scale;     /* r/k */
-  double gradient1; /* k/s */
-  double gradient2; /* k */
-} pit;
-
-struct shade_scratch_field {
-  double aspect;
-  size_t pits;
-  pit *pit;
-  int across, up;  /* bins */
-  uint32_t *start; /* bins + 1: where a bin's list begins */
-  uint32_t *list;  /* pits over each bin, in order */
-  int has_table, samples;
-  uint64_t seed;
-  moment_pyramid table;
-};
-
 /* ---- drawing pits ------------------------------------------------------------------ */
-
-static uint64_t mix(uint64_t z) { /* splitmix64's */
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
 
 /* In [0, 1): a function of its arguments, so that each pit stays when others come. */
 static double draw(uint64_t seed, uint64_t group, uint64_t index, uint64_t number) {
-  const uint64_t z = mix(mix(mix(mix(seed) ^ group) ^ index) ^ number);
+  const uint64_t pit_seed = scratch_mix(scratch_mix(scratch_mix(seed) ^ group) ^ index);
+  const uint64_t z = scratch_mix(pit_seed ^ number);
   return (double)(z >> 11) * 0x1p-53;
 }
 
@@ -77,7 +46,17 @@ static pit make_pit(const shade_scratch_params *p, int layer, uint32_t index) {
               .scale = k > 0 ? r / k : 0,
               .gradient1 = k / s,
               .gradient2 = k};
+  /* rounding must not leave a place that is deeper */
+  made.depth = made.scale * (1 - made.rim) * (1 + 1e-9);
   return made;
+}
+
+/* The deepest first; on equal depth the one that was drawn first. */
+static int compare_pits(const void *a, const void *b) {
+  const pit *p = a, *q = b;
+  if (p->depth != q->depth)
+    return p->depth > q->depth ? -1 : 1;
+  return p->number < q->number ? -1 : 1;
 }
 
 /* ---- parameters --------------------------------------------------------------------- */
@@ -145,95 +124,6 @@ static shade_scratch_params within_ranges(const shade_scratch_params *given, uns
   return p;
 }
 
-/* ---- bins --------------------------------------------------------------------------- */
-
-/*
- * Side of a bin. A smaller one holds fewer pits that miss the point, but long pits then
- * fill many: halve it while that still pays and the lists stay short.
- */
-static double bin_side(const shade_scratch_field *f) {
-  const double most_bins = 4e6, most_listed = 16e6 + 16 * (double)f->pits;
-  double side = fmin(sqrt(f->aspect / fmax((double)f->pits, 1)), fmin(1, f->aspect));
-  double covering = 0; /* pits over a point, on average */
-  for (size_t i = 0; i < f->pits; i++)
-    covering += PI * f->pit[i].half_along * f->pit[i].half_across / f->aspect;
-  for (;;) {
-    double listed = 0; /* pits in a bin, on average */
-    for (size_t i = 0; i < f->pits; i++)
-      listed += (2 * f->pit[i].half_along + side) * (2 * f->pit[i].half_across + side) / f->aspect;
-    const double halved = 4 * f->aspect / (side * side); /* bins of half the side */
-    if (listed <= 2 * covering + 1 || halved > most_bins || listed * halved > most_listed)
-      return side;
-    side /= 2;
-  }
-}
-
-static int wrap(int i, int n) {
-  i %= n;
-  return i < 0 ? i + n : i;
-}
-
-/*
- * Visit the bins under a pit's ellipse, row by row of bins. Without a list count[bin + 1]
- * grows by one each; with a list the pit is put at list[count[bin]++].
- */
-static void visit(const shade_scratch_field *f, uint32_t index, uint32_t *count, uint32_t *list) {
-  const pit *p = &f->pit[index];
-  const double c = p->along[0], s = p->along[1];
-  const double a2 = 1 / (p->half_along * p->half_along), b2 = 1 / (p->half_across * p->half_across);
-  /* A x^2 + 2 B x y + C y^2 <= 1 */
-  const double A = c * c * a2 + s * s * b2, B = c * s * (a2 - b2), C = s * s * a2 + c * c * b2;
-  const double det = a2 * b2, reach = sqrt(A / det), y_right = -B * sqrt(1 / (C * det));
-  const double width = 1.0 / f->across, height = f->aspect / f->up;
-  const double margin = 1e-9; /* of a bin, against rounding */
-  const int first = (int)floor((p->y - reach) / height - margin);
-  const int last = (int)floor((p->y + reach) / height + margin);
-  for (int row = first; row <= last; row++) {
-    const double y0 = fmin(fmax((row - margin) * height - p->y, -reach), reach);
-    const double y1 = fmin(fmax((row + 1 + margin) * height - p->y, -reach), reach);
-    /* the right edge bulges most at y_right, the left one at -y_right */
-    const double right = fmin(fmax(y_right, y0), y1), left = fmin(fmax(-y_right, y0), y1);
-    const double x1 = -B / A * right + sqrt(fmax(0, 1 / A - det * right * right / (A * A)));
-    const double x0 = -B / A * left - sqrt(fmax(0, 1 / A - det * left * left / (A * A)));
-    const int begin = (int)floor((p->x + x0) / width - margin);
-    int end = (int)floor((p->x + x1) / width + margin);
-    if (end - begin >= f->across)
-      end = begin + f->across - 1;
-    const size_t base = (size_t)wrap(row, f->up) * (size_t)f->across;
-    for (int column = begin; column <= end; column++) {
-      const size_t bin = base + (size_t)wrap(column, f->across);
-      if (list)
-        list[count[bin]++] = index;
-      else
-        count[bin + 1]++;
-    }
-  }
-}
-
-static int fill_bins(shade_scratch_field *f) {
-  const double side = bin_side(f);
-  f->across = (int)fmin(fmax(floor(1 / side), 1), 1e6);
-  f->up = (int)fmin(fmax(floor(f->aspect / side), 1), 1e6);
-  const size_t bins = (size_t)f->across * (size_t)f->up;
-  f->start = calloc(bins + 2, sizeof *f->start);
-  if (!f->start)
-    return -1;
-  /* counted one place on, so that filling moves start[bin + 1] to where bin + 1 begins */
-  for (size_t i = 0; i < f->pits; i++)
-    if (f->pit[i].k2 > 0)
-      visit(f, (uint32_t)i, f->start + 1, NULL);
-  for (size_t i = 0; i <= bins; i++)
-    f->start[i + 1] += f->start[i];
-  const size_t total = f->start[bins + 1];
-  f->list = malloc((total + 1) * sizeof *f->list);
-  if (!f->list)
-    return -1;
-  for (size_t i = 0; i < f->pits; i++)
-    if (f->pit[i].k2 > 0)
-      visit(f, (uint32_t)i, f->start + 1, f->list);
-  return 0;
-}
-
 /* ---- evaluation ----------------------------------------------------------------------- */
 
 static double unit(double x) { /* in [0, 1), also where rounding would give 1 */
@@ -257,6 +147,8 @@ static double evaluate(const shade_scratch_field *f, double u, double v, double 
   double lowest = 0, root = 1, q1 = 0, q2 = 0;
   for (uint32_t i = f->start[bin]; i < f->start[bin + 1]; i++) {
     const pit *p = &f->pit[f->list[i]];
+    if (p->depth < -lowest)
+      break; /* and so are all that follow */
     const double dx = round_tile(x - p->x, 1), dy = round_tile(y - p->y, f->aspect);
     const double a = (p->along[0] * dx + p->along[1] * dy) / p->half_along;
     const double b = (p->along[0] * dy - p->along[1] * dx) / p->half_across;
@@ -264,7 +156,7 @@ static double evaluate(const shade_scratch_field *f, double u, double v, double 
     if (!(rho2 < 1))
       continue;
     const double w = sqrt(1 - p->k2 * rho2), h = -p->scale * (w - p->rim);
-    if (h < lowest) {
+    if (h < lowest || (deepest && h == lowest && p->number < deepest->number)) {
       deepest = p;
       lowest = h;
       root = w;
@@ -294,46 +186,6 @@ static void sample(const shade_scratch_field *f, double u, double v, const doubl
     }
 }
 
-/* ---- the table for footprints ---------------------------------------------------------- */
-
-static void table_row(const void *context, int j, float *to) {
-  const shade_scratch_field *f = context;
-  const int width = f->table.level[0].width, height = f->table.level[0].height, n = f->samples;
-  for (int i = 0; i < width; i++) {
-    double sum[MOMENTS] = {0};
-    for (int k = 0; k < n * n; k++) {
-      const uint64_t cell = (uint64_t)j * (uint64_t)width + (uint64_t)i;
-      const uint64_t jitter = mix(mix(f->seed ^ 0x7461626c65u) ^ (cell * 64 + (uint64_t)k));
-      const double a = (double)(jitter >> 32) * 0x1p-32;
-      const double b = (double)(jitter & 0xffffffffu) * 0x1p-32;
-      double slope[2];
-      const double u = (i + (k % n + a) / n) / width, v = 1 - (j + (k / n + b) / n) / height;
-      const double h = evaluate(f, u, v, slope);
-      moments_add(sum, 1.0 / (n * n), h, slope[0], slope[1]);
-    }
-    for (int c = 0; c < MOMENTS; c++)
-      to[i * MOMENTS + c] = (float)sum[c];
-  }
-}
-
-/* Cells of the table; samples a cell's side so that even narrow pits are met. */
-static int make_table(shade_scratch_field *f, int cells) {
-  const int width = f->aspect > 1 ? (int)ceil(cells / f->aspect) : cells;
-  const int height = f->aspect > 1 ? cells : (int)ceil(cells * f->aspect);
-  double radius = 0;
-  for (size_t i = 0; i < f->pits; i++)
-    radius += f->pit[i].half_across / (double)f->pits;
-  f->samples = (int)fmin(fmax(ceil(2 / (fmax(radius, 1e-9) * width)), 4), 8);
-  /* table_row reads the size of level 0, which is this one */
-  f->table.level[0].width = width;
-  f->table.level[0].height = height;
-  moment_pyramid made;
-  const int status = moments_create(&made, width, height, 1, WRAP_REPEAT, table_row, f);
-  f->table = made;
-  f->has_table = 1;
-  return status;
-}
-
 /* ---- public ------------------------------------------------------------------------------ */
 
 shade_scratch_field *shade_scratch_create(const shade_scratch_params *given, unsigned *status) {
@@ -355,9 +207,14 @@ shade_scratch_field *shade_scratch_create(const shade_scratch_params *given, uns
     return NULL;
   }
   for (int i = 0; i < p.layers; i++)
-    for (uint32_t k = 0; k < p.layer[i].pits; k++)
-      f->pit[f->pits++] = make_pit(&p, i, k);
-  if (fill_bins(f) != 0 || (p.cells > 0 && make_table(f, p.cells) != 0)) {
+    for (uint32_t k = 0; k < p.layer[i].pits; k++) {
+      f->pit[f->pits] = make_pit(&p, i, k);
+      f->pit[f->pits].number = (uint32_t)f->pits;
+      f->pits++;
+    }
+  qsort(f->pit, f->pits, sizeof *f->pit, compare_pits);
+  if (scratch_fill_bins(f) != 0 ||
+      (p.cells > 0 && scratch_make_table(f, p.cells, shade_isa_pick(0)) != 0)) {
     shade_scratch_free(f);
     return NULL;
   }

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A field of scratches, as scratch.c draws and evaluates it, scratch_bins.c finds its pits and
+ * scratch_table.c averages them. Private to src/.
+ */
+#ifndef SHADE_SRC_SCRATCH_H
+#define SHADE_SRC_SCRATCH_H
+
+#include "shade/maps.h"
+#include "src/isa.h"
+#include "src/moments.h"
+
+/* What evaluation reads of one pit. */
+typedef struct pit {
+  double x, y;       /* centre, in tile widths */
+  double along[2];   /* unit, along the scratch */
+  double half_along; /* half axes of the rim */
+  double half_across;
+  double k2, rim;   /* k^2; sqrt(1 - k^2) */
+  double scale;     /* r/k */
+  double gradient1; /* k/s */
+  double gradient2; /* k */
+  double depth;     /* nothing of it lies lower */
+  uint32_t number;  /* of all pits, in the order of the layers */
+} pit;
+
+struct shade_scratch_field {
+  double aspect;
+  size_t pits;
+  pit *pit;        /* the deepest first */
+  int across, up;  /* bins */
+  uint32_t *start; /* bins + 1: where a bin's list begins */
+  uint32_t *list;  /* pits over each bin, the deepest first */
+  int has_table, samples;
+  uint64_t seed;
+  moment_pyramid table;
+};
+
+static inline uint64_t scratch_mix(uint64_t z) { /* splitmix64's */
+  z += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+/* 0, or -1 when out of memory. */
+int scratch_fill_bins(shade_scratch_field *f);
+
+/*
+ * The table that answers footprints, `cells` along the tile's longer side; n x n samples a cell, so
+ * that even narrow pits are met. Sample (ki, kj) of cell (i, j) from the upper left lies at
+ * ((i + (ki + a)/n)/width, 1 - (j + (kj + b)/n)/height), a and b the upper and lower 32 bits of
+ * mix(mix(seed ^ 0x7461626c65) ^ ((j width + i) 64 + kj n + ki)), over 2^32.
+ */
+int scratch_make_table(shade_scratch_field *f, int cells, const shade_isa_table *isa);
+
+#endif
