@@ -311,3 +311,6 @@ static void FN(yarn_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * 
 #include "leaf_sample.h"
 #include "pass_sample.h"
 #include "entry.h"
+
+#include "leaf_weave.h"
+#include "pass_weave.h"

@@ -39,11 +39,18 @@ enum {
 
 /* -1 <= r < 1, uniform. The top 24 bits: exact in float. */
 LEAF real FN(weave_random)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
-  return (real)(weave_hash(seed, channel, yarn, knot) >> 8) * R(0x1p-23) - 1;
+  return (real)(int32_t)(weave_hash(seed, channel, yarn, knot) >> 8) * R(0x1p-23) - 1;
 }
 
 LEAF real FN(weave_floor)(real x) {
-#if SHADE_FLOAT
+#if defined(__SSE2__) && !defined(__SSE4_1__)
+  /* no such instruction: adding 2^23 (2^52) leaves no place for a fraction */
+  const real magic = SHADE_FLOAT ? R(8388608.0) : R(4503599627370496.0);
+  const real size = FN(absolute)(x), near = (size + magic) - magic;
+  const real nearest = x < 0 ? -near : near;
+  const real below = nearest > x ? nearest - 1 : nearest;
+  return size < magic ? below : x;
+#elif SHADE_FLOAT
   return floorf(x);
 #else
   return floor(x);
@@ -55,24 +62,31 @@ LEAF real FN(weave_fract)(real x) {
   return x - FN(weave_floor)(x);
 }
 
-/* floor(x) as a whole number; beyond 4e18 the nearest. */
-LEAF int64_t FN(weave_index)(real x) {
-  const real limit = R(4e18);
-  real k = FN(weave_floor)(x);
-  return (int64_t)(k > limit ? limit : k < -limit ? -limit : k);
+/* A whole number modulo 2^32. All of it is exact, whatever the size. */
+LEAF uint32_t FN(weave_low_bits)(real k) {
+  const real range = R(4294967296.0), size = FN(absolute)(k);
+  const real rest = size - FN(weave_floor)(size * (1 / range)) * range;
+  const real low = rest >= range / 2 ? rest - range : rest;
+  const int32_t bits = (int32_t)low;
+  return k < 0 ? 0u - (uint32_t)bits : (uint32_t)bits;
 }
 
-/*
- * Noise along a yarn: random values at knots `1/frequency` crossings apart, joined by cubics
- * with level ends. -1 <= result < 1.
- */
-LEAF real FN(weave_along)(uint32_t seed, uint32_t channel, uint32_t yarn, real s, real frequency) {
-  real p = s * frequency;
-  int64_t k = FN(weave_index)(p);
-  real t = FN(minimum)(FN(maximum)(p - (real)k, 0), 1);
-  real a = FN(weave_random)(seed, channel, yarn, (uint32_t)k);
-  real b = FN(weave_random)(seed, channel, yarn, (uint32_t)k + 1u);
-  return a + (b - a) * (t * t * (3 - 2 * t));
+/* The knot before p, and how far along the cubic with level ends to the next p is. Beyond 4e18 the
+ * last knot. */
+LEAF void FN(weave_knot)(real p, uint32_t *knot, real *ease) {
+  const real limit = R(4e18);
+  const real k = FN(minimum)(FN(maximum)(FN(weave_floor)(p), -limit), limit);
+  const real t = FN(minimum)(FN(maximum)(p - k, 0), 1);
+  *knot = FN(weave_low_bits)(k);
+  *ease = t * t * (3 - 2 * t);
+}
+
+/* Noise along a yarn: random values at knots, joined by cubics. -1 <= result < 1. */
+LEAF real FN(weave_along)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot,
+                          real ease) {
+  real a = FN(weave_random)(seed, channel, yarn, knot);
+  real b = FN(weave_random)(seed, channel, yarn, knot + 1u);
+  return a + (b - a) * ease;
 }
 
 /*

@@ -1,161 +1,405 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One look-up into a weave, from the leaves; the rules are those of weave.h. */
+/*
+ * Look-ups into a weave, a block at a time; the rules are those of weave.h. Each term of the noise
+ * has a loop of its own, so that a weave pays for what it has. Loops run over whole vectors,
+ * whose last lanes may be void: so a single look-up gives the same bits as one in a batch.
+ */
+#ifndef WEAVE_BLOCKS
+#define WEAVE_BLOCKS
+enum { WEAVE_BLOCK = 128 }; /* look-ups a pass: its scratch stays in the first-level cache */
 
-/* A point on one yarn, whichever way the yarn runs. */
-typedef struct FN(weave_point) {
-  uint32_t yarn, base; /* number of the yarn, counted on over repeats; channel of its noise */
-  int64_t crossing;    /* number of the crossing along it */
-  real s;              /* position within that crossing, 0 to 1 */
-  real share, sigma;
-} FN(weave_point);
+/* Bytes of the widest vector that the loops use. */
+#if defined(__AVX512F__)
+#define WEAVE_VECTOR 64
+#elif defined(__AVX2__)
+#define WEAVE_VECTOR 32
+#else
+#define WEAVE_VECTOR 16
+#endif
 
-/* `t`: its crossing's position across it. Width, and with it sigma, may vary along the yarn. */
-LEAF FN(weave_point) FN(weave_place)(const shade_weave *w, int kind, const weave_thread *thread,
-                                     int64_t yarn, int64_t crossing, real s, real t) {
-  const FN(weave_yarn) *y = &w->FN(yarn)[kind];
-  FN(weave_point)
-  p = {(uint32_t)yarn, (uint32_t)kind * WEAVE_CHANNELS, crossing, s, thread->FN(share), 0};
-  if (y->slub > 0) {
-    real r = FN(weave_along)(w->params.seed, p.base + WEAVE_SLUB, p.yarn, (real)crossing + s,
-                             y->along_frequency);
-    p.share = FN(minimum)(FN(maximum)(p.share * (1 + y->slub * r), p.share * R(0.05)), 1);
+/* Numbers of crossings up to here are whole in float and in int. */
+#define WEAVE_NEAR 4194304
+#endif
+
+/* Pairs are by axis, u and v, or by shade_top, weft and warp: weft runs along u, warp along v. */
+typedef struct FN(weave_room) {
+  real whole[2][WEAVE_BLOCK], part[2][WEAVE_BLOCK]; /* by axis: crossings, and within one */
+  real ease[2][WEAVE_BLOCK];                        /* from knot to knot of the noise along it */
+  real share[2][WEAVE_BLOCK], sigma[2][WEAVE_BLOCK];
+  real along[WEAVE_BLOCK], across[WEAVE_BLOCK]; /* tilt of what is seen */
+  real brightness[WEAVE_BLOCK], occlusion[WEAVE_BLOCK];
+  uint32_t number[2][WEAVE_BLOCK], knot[2][WEAVE_BLOCK]; /* of the yarn, counted on over repeats */
+  int32_t index[2][WEAVE_BLOCK];                         /* by axis: end and pick in the draft */
+  int32_t upper[WEAVE_BLOCK], seen[WEAVE_BLOCK], hit[WEAVE_BLOCK], below[WEAVE_BLOCK];
+  int32_t before[WEAVE_BLOCK], after[WEAVE_BLOCK]; /* cells to the float's ends */
+} FN(weave_room);
+
+/* One coordinate into crossings, what is left, and the index in the draft. */
+static unsigned FN(pass_weave_split)(size_t count, int size, const real *restrict x,
+                                     real *restrict whole, real *restrict part,
+                                     int32_t *restrict index) {
+  const real per_size = 1 / (real)size, limit = R(4e18);
+#if SHADE_FLOAT
+  const real most = 3.40282347e38f;
+#else
+  const real most = 1.7976931348623157e308;
+#endif
+  int bad = 0, far = 0;
+#pragma omp simd reduction(| : bad, far)
+  for (size_t i = 0; i < count; i++) {
+    const int finite = FN(absolute)(x[i]) <= most;
+    const real a = finite ? x[i] : 0, k = FN(weave_floor)(a);
+    const real held = FN(minimum)(FN(maximum)(k, -limit), limit);
+    const int beyond = FN(absolute)(k) > WEAVE_NEAR;
+    const real near = beyond ? 0 : k;
+    /* the quotient may be off by one */
+    int32_t rest = (int32_t)near - (int32_t)FN(weave_floor)(near * per_size) * size;
+    rest += rest < 0 ? size : 0;
+    rest -= rest >= size ? size : 0;
+    index[i] = rest;
+    whole[i] = held;
+    part[i] = a - k;
+    bad |= !finite;
+    far |= beyond;
   }
-  p.sigma = (2 * t - 1) / p.share;
-  return p;
+  for (size_t i = 0; far && i < count; i++)
+    index[i] = (int32_t)(((int64_t)whole[i] % size + size) % size);
+  return bad ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
-/* Tilt along and across, and brightness. before, after: cells to the float's ends; side: 1
- * above the other yarn, -1 below. */
-LEAF void FN(weave_surface)(const shade_weave *w, int kind, const FN(weave_point) * p, int before,
-                            int after, real side, real *along, real *across, real *brightness) {
-  const FN(weave_yarn) *y = &w->FN(yarn)[kind];
-  const uint32_t seed = w->params.seed;
-  real a = 0, c = y->curve * p->sigma, light = 1;
-  if (y->segments > 0)
-    a = y->ridge * FN(weave_ridge)(y->segments, y->slant, p->s, p->sigma);
-  if (y->crimp > 0) {
-    /* beyond the float's other end the slope there would not be met from the other side */
-    const real per_length = FN(maximum)(y->per_crimp_length, 1 / (real)(before + after + 1));
-    a += side * y->crimp *
-         (FN(weave_dive)((real)after + 1 - p->s, per_length) -
-          FN(weave_dive)((real)before + p->s, per_length));
-  }
-  if (y->vary_tilt > 0) {
-    a += y->vary_tilt * FN(weave_random)(seed, p->base + WEAVE_VARY_TILT_ALONG, p->yarn, 0);
-    c += y->vary_tilt * FN(weave_random)(seed, p->base + WEAVE_VARY_TILT_ACROSS, p->yarn, 0);
-  }
-  if (y->vary_brightness > 0)
-    light +=
-        y->vary_brightness * FN(weave_random)(seed, p->base + WEAVE_VARY_BRIGHTNESS, p->yarn, 0);
-  const real s = (real)p->crossing + p->s, f = y->along_frequency;
-  if (y->along_tilt > 0) {
-    a += y->along_tilt * FN(weave_along)(seed, p->base + WEAVE_ALONG_TILT_ALONG, p->yarn, s, f);
-    c += y->along_tilt * FN(weave_along)(seed, p->base + WEAVE_ALONG_TILT_ACROSS, p->yarn, s, f);
-  }
-  if (y->along_brightness > 0)
-    light += y->along_brightness *
-             FN(weave_along)(seed, p->base + WEAVE_ALONG_BRIGHTNESS, p->yarn, s, f);
-  FN(weave_clamp)(&a, &c);
-  *along = a;
-  *across = c;
-  *brightness = FN(maximum)(light, 0);
-}
-
-static inline unsigned FN(weave_lookup)(const shade_weave *w, real u, real v,
-                                        FN(shade_crossing) * out) {
-  unsigned status = SHADE_OK;
-  if (!isfinite(u) || !isfinite(v)) {
-    status = SHADE_BAD_INPUT;
-    u = isfinite(u) ? u : 0;
-    v = isfinite(v) ? v : 0;
-  }
-  const shade_draft *d = w->draft;
-  const int64_t iu = FN(weave_index)(u), iv = FN(weave_index)(v);
-  const int end = (int)((iu % d->ends + d->ends) % d->ends);
-  const int pick = (int)((iv % d->picks + d->picks) % d->picks);
-  const real a = FN(weave_fract)(u), b = FN(weave_fract)(v);
-  const weave_cell *cell = &w->cells[(size_t)pick * (size_t)d->ends + (size_t)end];
-  const weave_thread *thread[2] = {&w->thread[SHADE_TOP_WEFT][pick],
-                                   &w->thread[SHADE_TOP_WARP][end]};
-  const FN(weave_point) point[2] = {FN(weave_place)(w, SHADE_TOP_WEFT, thread[0], iv, iu, a, b),
-                                    FN(weave_place)(w, SHADE_TOP_WARP, thread[1], iu, iv, b, a)};
-  const int upper = cell->warp_up ? SHADE_TOP_WARP : SHADE_TOP_WEFT;
-  int hit[2];
-  for (int k = 0; k < 2; k++)
-    hit[k] = point[k].sigma >= -1 && point[k].sigma <= 1;
-  const int seen = hit[upper] || !hit[!upper] ? upper : !upper;
-  const FN(weave_point) *p = &point[seen];
-  const FN(weave_yarn) *y = &w->FN(yarn)[seen];
-
-  out->top = hit[seen] ? (shade_top)seen : SHADE_TOP_GAP;
-  out->swap = seen == SHADE_TOP_WARP;
-  out->below = !hit[upper];
-  out->yarn = seen == SHADE_TOP_WARP ? end : pick;
-  out->sigma = p->sigma;
-  out->along = p->s;
-  out->fuzz = 0;
-  real along = 0, across = 0, cosine = y->fibre_cos, sine = y->fibre_sin;
-  if (hit[seen]) {
-    FN(weave_surface)
-    (w, seen, p, cell->before[seen], cell->after[seen], (real)(seen == upper ? 1 : -1), &along,
-     &across, &out->brightness);
-    for (int c = 0; c < 3; c++)
-      out->color[c] = thread[seen]->FN(rgb)[c];
-  } else {
-    out->fuzz = (real)w->fuzz;
-    out->brightness = cosine = 1;
-    out->color[0] = out->color[1] = out->color[2] = sine = 0;
-  }
-  out->dx = out->swap ? across : along;
-  out->dy = out->swap ? along : across;
-  out->tx = out->swap ? -sine : cosine;
-  out->ty = out->swap ? cosine : sine;
-
-  real light = 1;
-  if (w->params.occlusion == SHADE_OCCLUSION_TILT)
-    light = 1 - FN(root)(along * along + across * across);
-  if (w->params.occlusion == SHADE_OCCLUSION_SKY) {
-    if (hit[seen])
-      light = FN(weave_sky)(y->curve, p->share, p->sigma);
+/* What the draft has there, and the yarns' widths. */
+static void FN(pass_weave_draft)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+  const uint32_t *cells = w->cells;
+  const int ends = w->draft->ends;
+  int32_t *upper = room->upper;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    upper[i] = (int32_t)cells[room->index[1][i] * ends + room->index[0][i]];
+  for (int k = 0; k < 2; k++) {
+    const weave_thread *thread = w->thread[k];
+    const int32_t *index = room->index[!k];
+    real *share = room->share[k];
+    const int stride = (int)(sizeof *thread / sizeof(real));
+    const real *shares = &thread->FN(share);
+    const real first = *shares;
+    if (w->uniform[k])
+#pragma omp simd
+      for (size_t i = 0; i < count; i++)
+        share[i] = first;
     else
-      light = FN(weave_sky_gap)(point[!upper].share, point[!upper].sigma);
-    if (!hit[upper])
-      light *= FN(weave_sky_gap)(point[upper].share, point[upper].sigma);
+#pragma omp simd
+      for (size_t i = 0; i < count; i++)
+        share[i] = shares[index[i] * stride];
   }
-  out->occlusion = light;
+}
+
+/* The lattice of the noise: number of the yarn, knot along it. Slubs vary its width. */
+static void FN(pass_weave_knots)(const shade_weave *w, size_t count, int kind,
+                                 FN(weave_room) * room) {
+  const real frequency = w->FN(yarn)[kind].along_frequency;
+  const real *whole = room->whole[kind], *part = room->part[kind], *side = room->whole[!kind];
+  uint32_t *number = room->number[kind], *knot = room->knot[kind];
+  real *ease = room->ease[kind];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    number[i] = FN(weave_low_bits)(side[i]);
+    FN(weave_knot)((whole[i] + part[i]) * frequency, &knot[i], &ease[i]);
+  }
+}
+
+static void FN(pass_weave_slub)(const shade_weave *w, size_t count, int kind,
+                                FN(weave_room) * room) {
+  const real slub = w->FN(yarn)[kind].slub;
+  const uint32_t seed = w->params.seed, channel = (uint32_t)kind * WEAVE_CHANNELS + WEAVE_SLUB;
+  const uint32_t *number = room->number[kind], *knot = room->knot[kind];
+  real *share = room->share[kind], *ease = room->ease[kind];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const real r = FN(weave_along)(seed, channel, number[i], knot[i], ease[i]);
+    const real width = share[i] * (1 + slub * r);
+    share[i] = FN(minimum)(FN(maximum)(width, share[i] * R(0.05)), 1);
+  }
+}
+
+/* Which of the two is seen, with its numbers in the first of each pair; tilt from its shape. */
+static void FN(pass_weave_choose)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+  const real curve[2] = {w->FN(yarn)[0].curve, w->FN(yarn)[1].curve};
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t cell = (uint32_t)room->upper[i];
+    const int upper = (int)(cell & 1);
+    const real weft = (2 * room->part[1][i] - 1) / room->share[0][i];
+    const real warp = (2 * room->part[0][i] - 1) / room->share[1][i];
+    const int on_weft = (weft >= -1) & (weft <= 1), on_warp = (warp >= -1) & (warp <= 1);
+    const int on_upper = upper ? on_warp : on_weft, on_lower = upper ? on_weft : on_warp;
+    const int seen = (on_upper | !on_lower) ? upper : !upper;
+    const uint32_t floats = seen ? cell >> 15 : cell >> 1;
+    room->sigma[0][i] = weft;
+    room->sigma[1][i] = warp;
+    room->upper[i] = upper;
+    room->seen[i] = seen;
+    room->below[i] = !on_upper;
+    room->hit[i] = on_upper | on_lower;
+    room->before[i] = (int32_t)(floats & WEAVE_FAR);
+    room->after[i] = (int32_t)(floats >> 7 & WEAVE_FAR);
+    room->along[i] = 0;
+    room->across[i] = (seen ? curve[1] : curve[0]) * (seen ? warp : weft);
+    room->brightness[i] = 1;
+  }
+}
+
+static void FN(pass_weave_ridge)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+  const FN(weave_yarn) weft = w->FN(yarn)[0], warp = w->FN(yarn)[1];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int seen = room->seen[i];
+    const real s = seen ? room->part[1][i] : room->part[0][i];
+    const real sigma = seen ? room->sigma[1][i] : room->sigma[0][i];
+    const real segments = seen ? warp.segments : weft.segments;
+    const real slant = seen ? warp.slant : weft.slant, ridge = seen ? warp.ridge : weft.ridge;
+    const real tilt = ridge * FN(weave_ridge)(segments, slant, s, sigma);
+    room->along[i] = segments > 0 ? tilt : 0;
+  }
+}
+
+static void FN(pass_weave_crimp)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+  const FN(weave_yarn) weft = w->FN(yarn)[0], warp = w->FN(yarn)[1];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int seen = room->seen[i];
+    const real s = seen ? room->part[1][i] : room->part[0][i];
+    const real crimp = seen ? warp.crimp : weft.crimp;
+    const real given = seen ? warp.per_crimp_length : weft.per_crimp_length;
+    const real before = (real)room->before[i], after = (real)room->after[i];
+    /* beyond the float's other end the slope there would not be met from the other side */
+    const real per_length = FN(maximum)(given, 1 / (before + after + 1));
+    const real tilt = crimp * (FN(weave_dive)(after + 1 - s, per_length) -
+                               FN(weave_dive)(before + s, per_length));
+    room->along[i] += seen == room->upper[i] ? tilt : -tilt;
+  }
+}
+
+/* Noise per yarn (knot 0) or along it, of one channel, added to `to`. */
+static void FN(pass_weave_vary)(const shade_weave *w, size_t count, uint32_t channel,
+                                const real amplitude[2], const FN(weave_room) * room,
+                                real *restrict to) {
+  const uint32_t seed = w->params.seed;
+  const real weft = amplitude[0], warp = amplitude[1];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int seen = room->seen[i];
+    const uint32_t number = seen ? room->number[1][i] : room->number[0][i];
+    const uint32_t base = seen ? WEAVE_CHANNELS : 0;
+    to[i] += (seen ? warp : weft) * FN(weave_random)(seed, base + channel, number, 0);
+  }
+}
+
+static void FN(pass_weave_vary_along)(const shade_weave *w, size_t count, uint32_t channel,
+                                      const real amplitude[2], const FN(weave_room) * room,
+                                      real *restrict to) {
+  const uint32_t seed = w->params.seed;
+  const real weft = amplitude[0], warp = amplitude[1];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int seen = room->seen[i];
+    const uint32_t number = seen ? room->number[1][i] : room->number[0][i];
+    const uint32_t knot = seen ? room->knot[1][i] : room->knot[0][i];
+    const real ease = seen ? room->ease[1][i] : room->ease[0][i];
+    const uint32_t base = seen ? WEAVE_CHANNELS : 0;
+    to[i] += (seen ? warp : weft) * FN(weave_along)(seed, base + channel, number, knot, ease);
+  }
+}
+
+static void FN(pass_weave_noise)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+  const FN(weave_yarn) *y = w->FN(yarn);
+  const struct {
+    real amplitude[2];
+    uint32_t channel;
+    int along;
+    real *to;
+  } terms[] = {
+      {{y[0].vary_tilt, y[1].vary_tilt}, WEAVE_VARY_TILT_ALONG, 0, room->along},
+      {{y[0].vary_tilt, y[1].vary_tilt}, WEAVE_VARY_TILT_ACROSS, 0, room->across},
+      {{y[0].vary_brightness, y[1].vary_brightness}, WEAVE_VARY_BRIGHTNESS, 0, room->brightness},
+      {{y[0].along_tilt, y[1].along_tilt}, WEAVE_ALONG_TILT_ALONG, 1, room->along},
+      {{y[0].along_tilt, y[1].along_tilt}, WEAVE_ALONG_TILT_ACROSS, 1, room->across},
+      {{y[0].along_brightness, y[1].along_brightness}, WEAVE_ALONG_BRIGHTNESS, 1, room->brightness},
+  };
+  for (size_t k = 0; k < sizeof terms / sizeof terms[0]; k++)
+    if (terms[k].amplitude[0] > 0 || terms[k].amplitude[1] > 0)
+      (terms[k].along ? FN(pass_weave_vary_along) : FN(pass_weave_vary))(
+          w, count, terms[k].channel, terms[k].amplitude, room, terms[k].to);
+}
+
+/* Gaps are level; no tilt is longer than .98; occlusion by the tilt. */
+static void FN(pass_weave_level)(size_t count, real by_tilt, FN(weave_room) * room) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int hit = room->hit[i];
+    real along = hit ? room->along[i] : 0, across = hit ? room->across[i] : 0;
+    FN(weave_clamp)(&along, &across);
+    const real light = FN(maximum)(room->brightness[i], 0);
+    room->along[i] = along;
+    room->across[i] = across;
+    room->brightness[i] = hit ? light : 1;
+    room->occlusion[i] = 1 - by_tilt * FN(root)(along * along + across * across);
+  }
+}
+
+static void FN(pass_weave_sky)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+  const real curve[2] = {w->FN(yarn)[0].curve, w->FN(yarn)[1].curve};
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int seen = room->seen[i], hit = room->hit[i], upper = room->upper[i];
+    const real weft = room->sigma[0][i], warp = room->sigma[1][i];
+    const real share0 = room->share[0][i], share1 = room->share[1][i];
+    const real sigma = seen ? warp : weft;
+    const real yarn =
+        FN(weave_sky)(seen ? curve[1] : curve[0], seen ? share1 : share0, hit ? sigma : 0);
+    const real below = FN(weave_sky_gap)(upper ? share0 : share1, upper ? weft : warp);
+    const real above = FN(weave_sky_gap)(upper ? share1 : share0, upper ? warp : weft);
+    room->occlusion[i] = (hit ? yarn : below) * (room->below[i] ? above : 1);
+  }
+}
+
+/* What is asked for, `count` long. */
+static void FN(weave_write)(const shade_weave *w, size_t count, const FN(weave_room) * room,
+                            const FN(shade_crossings) * out, size_t start) {
+  const FN(weave_yarn) *y = w->FN(yarn);
+  const real fuzz = (real)w->fuzz;
+  const int32_t *seen = room->seen, *hit = room->hit;
+  const struct {
+    real *to;
+    const real *pair[2];
+  } chosen[] = {
+      {out->sigma, {room->sigma[0], room->sigma[1]}},
+      {out->along, {room->part[0], room->part[1]}},
+      {out->dx, {room->along, room->across}},
+      {out->dy, {room->across, room->along}},
+  };
+  for (size_t k = 0; k < sizeof chosen / sizeof chosen[0]; k++) {
+    real *restrict to = chosen[k].to + start;
+    const real *weft = chosen[k].pair[0], *warp = chosen[k].pair[1];
+    if (chosen[k].to)
+#pragma omp simd
+      for (size_t i = 0; i < count; i++)
+        to[i] = seen[i] ? warp[i] : weft[i];
+  }
+  for (int k = 0; k < 2; k++) {
+    real *restrict to = (k ? out->ty : out->tx) + start;
+    /* along the yarn's axis on a gap */
+    const real weft = k ? y[0].fibre_sin : y[0].fibre_cos, axis0 = k ? 0 : 1;
+    const real warp = k ? y[1].fibre_cos : -y[1].fibre_sin, axis1 = k ? 1 : 0;
+    if (k ? out->ty : out->tx)
+#pragma omp simd
+      for (size_t i = 0; i < count; i++)
+        to[i] = hit[i] ? (seen[i] ? warp : weft) : (seen[i] ? axis1 : axis0);
+  }
+  if (out->top)
+    for (size_t i = 0; i < count; i++)
+      out->top[start + i] = hit[i] ? seen[i] : SHADE_TOP_GAP;
+  if (out->swap)
+    memcpy(out->swap + start, seen, count * sizeof(int));
+  if (out->below)
+    memcpy(out->below + start, room->below, count * sizeof(int));
+  if (out->yarn)
+    for (size_t i = 0; i < count; i++)
+      out->yarn[start + i] = seen[i] ? room->index[0][i] : room->index[1][i];
+  if (out->occlusion)
+    memcpy(out->occlusion + start, room->occlusion, count * sizeof(real));
+  if (out->brightness)
+    memcpy(out->brightness + start, room->brightness, count * sizeof(real));
+  if (out->fuzz)
+    for (size_t i = 0; i < count; i++)
+      out->fuzz[start + i] = hit[i] ? 0 : fuzz;
+  const weave_thread *threads = w->thread[0];
+  const int picks = w->draft->picks, stride = (int)(sizeof *threads / sizeof(real));
+  real *const rgb[3] = {out->r, out->g, out->b};
+  for (int c = 0; c < 3; c++) {
+    real *restrict to = rgb[c] + start;
+    const real *colors = &threads->FN(rgb)[c];
+    if (rgb[c])
+#pragma omp simd
+      for (size_t i = 0; i < count; i++) {
+        const int thread = seen[i] ? picks + room->index[0][i] : room->index[1][i];
+        const real color = colors[thread * stride];
+        to[i] = hit[i] ? color : 0;
+      }
+  }
+}
+
+/* Any number of whole vectors, up to a block. */
+static unsigned FN(weave_block)(const shade_weave *w, size_t count, const real *u, const real *v,
+                                FN(weave_room) * room) {
+  const FN(weave_yarn) *y = w->FN(yarn);
+  const shade_draft *d = w->draft;
+  unsigned status =
+      FN(pass_weave_split)(count, d->ends, u, room->whole[0], room->part[0], room->index[0]);
+  status |= FN(pass_weave_split)(count, d->picks, v, room->whole[1], room->part[1], room->index[1]);
+  FN(pass_weave_draft)(w, count, room);
+  for (int k = 0; k < 2 && w->noisy; k++) {
+    FN(pass_weave_knots)(w, count, k, room);
+    if (y[k].slub > 0)
+      FN(pass_weave_slub)(w, count, k, room);
+  }
+  FN(pass_weave_choose)(w, count, room);
+  if (y[0].segments > 0 || y[1].segments > 0)
+    FN(pass_weave_ridge)(w, count, room);
+  if (y[0].crimp > 0 || y[1].crimp > 0)
+    FN(pass_weave_crimp)(w, count, room);
+  if (w->noisy)
+    FN(pass_weave_noise)(w, count, room);
+  FN(pass_weave_level)(count, w->params.occlusion == SHADE_OCCLUSION_TILT, room);
+  if (w->params.occlusion == SHADE_OCCLUSION_SKY)
+    FN(pass_weave_sky)(w, count, room);
   return status;
 }
 
-static unsigned FN(weave_lookup_batch)(const shade_weave *w, size_t count, const real *u,
-                                       const real *v, const FN(shade_crossings) * out) {
+/* The entries of the instruction set; `given` is as long as the caller's header has it. */
+static unsigned FN(kernel_weave_batch)(const shade_weave *w, size_t total, const real *u,
+                                       const real *v, const FN(shade_crossings) * given) {
+  FN(shade_crossings) out;
+  if (given->size < sizeof given->size || !shade_whole_lanes(given, 0, &out, sizeof out))
+    return SHADE_BAD_INPUT;
+  FN(weave_room) room;
+  real held[2][WEAVE_BLOCK];
   unsigned status = SHADE_OK;
-  for (size_t i = 0; i < count; i++) {
-    FN(shade_crossing) c;
-    status |= FN(weave_lookup)(w, u[i], v[i], &c);
-    const struct {
-      int *to, from;
-    } whole[] = {
-        {out->top, (int)c.top}, {out->swap, c.swap}, {out->below, c.below}, {out->yarn, c.yarn}};
-    const struct {
-      real *to, from;
-    } numbers[] = {{out->sigma, c.sigma},
-                   {out->along, c.along},
-                   {out->dx, c.dx},
-                   {out->dy, c.dy},
-                   {out->tx, c.tx},
-                   {out->ty, c.ty},
-                   {out->occlusion, c.occlusion},
-                   {out->brightness, c.brightness},
-                   {out->fuzz, c.fuzz},
-                   {out->r, c.color[0]},
-                   {out->g, c.color[1]},
-                   {out->b, c.color[2]}};
-    for (size_t k = 0; k < sizeof whole / sizeof whole[0]; k++)
-      if (whole[k].to)
-        whole[k].to[i] = whole[k].from;
-    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
-      if (numbers[k].to)
-        numbers[k].to[i] = numbers[k].from;
+  for (size_t start = 0; start < total; start += WEAVE_BLOCK) {
+    const size_t size = total - start < WEAVE_BLOCK ? total - start : WEAVE_BLOCK;
+    const size_t lanes = WEAVE_VECTOR / sizeof(real), count = (size + lanes - 1) / lanes * lanes;
+    const real *at[2] = {u + start, v + start};
+    for (int k = 0; k < 2 && count > size; k++) {
+      memcpy(held[k], at[k], size * sizeof(real));
+      memset(&held[k][size], 0, (count - size) * sizeof(real));
+      at[k] = held[k];
+    }
+    status |= FN(weave_block)(w, count, at[0], at[1], &room);
+    FN(weave_write)(w, size, &room, &out, start);
   }
+  return status;
+}
+
+static unsigned FN(kernel_weave)(const shade_weave *w, real u, real v, FN(shade_crossing) * out) {
+  FN(weave_room) room;
+  const real at[2][WEAVE_VECTOR / sizeof(real)] = {{u}, {v}};
+  unsigned status = FN(weave_block)(w, WEAVE_VECTOR / sizeof(real), at[0], at[1], &room);
+  const int k = room.seen[0], hit = room.hit[0], yarn = room.index[!k][0];
+  const FN(weave_yarn) *y = &w->FN(yarn)[k];
+  const real cosine = hit ? y->fibre_cos : 1, sine = hit ? y->fibre_sin : 0;
+  out->top = hit ? (shade_top)k : SHADE_TOP_GAP;
+  out->swap = k;
+  out->below = room.below[0];
+  out->yarn = yarn;
+  out->sigma = room.sigma[k][0];
+  out->along = room.part[k][0];
+  out->dx = k ? room.across[0] : room.along[0];
+  out->dy = k ? room.along[0] : room.across[0];
+  out->tx = k ? -sine : cosine;
+  out->ty = k ? cosine : sine;
+  out->occlusion = room.occlusion[0];
+  out->brightness = room.brightness[0];
+  out->fuzz = hit ? 0 : (real)w->fuzz;
+  for (int c = 0; c < 3; c++)
+    out->color[c] = hit ? w->thread[k][yarn].FN(rgb)[c] : 0;
   return status;
 }

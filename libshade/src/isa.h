@@ -7,6 +7,7 @@
 #define SHADE_ISA_H
 
 #include "shade/shade.h"
+#include "shade/weave.h"
 
 struct scratch_row; /* of scratch_row.h */
 
@@ -41,6 +42,12 @@ typedef struct shade_isa_table {
   unsigned (*sample_batchf)(const shade_bsdf *, size_t, const shade_sample_lanesf *,
                             const shade_sample_resultf *);
   void (*scratch_row)(const struct scratch_row *);
+  unsigned (*weave)(const shade_weave *, double, double, shade_crossing *);
+  unsigned (*weavef)(const shade_weave *, float, float, shade_crossingf *);
+  unsigned (*weave_batch)(const shade_weave *, size_t, const double *, const double *,
+                          const shade_crossings *);
+  unsigned (*weave_batchf)(const shade_weave *, size_t, const float *, const float *,
+                           const shade_crossingsf *);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

@@ -7,6 +7,7 @@
 #include "bsdf.h"
 #include "isa.h"
 #include "lanes.h"
+#include "weave_private.h"
 #include "../kernel/coefficients.h"
 
 #define BLOCK 256 /* samples a pass: its scratch stays in the first-level cache */
@@ -24,10 +25,11 @@
 #define ISA_NAME(isa) ISA_NAME_(isa)
 
 const shade_isa_table ISA_TABLE(ISA) = {
-    ISA_NAME(ISA),        kernel_bsdf,        kernel_bsdff,    kernel_bsdf_batch,
-    kernel_bsdf_batchf,   kernel_mdf,         kernel_mdff,     kernel_mdf_batch,
-    kernel_mdf_batchf,    kernel_diffuse,     kernel_diffusef, kernel_yarn,
-    kernel_yarnf,         kernel_pdf,         kernel_pdff,     kernel_pdf_batch,
-    kernel_pdf_batchf,    kernel_sample,      kernel_samplef,  kernel_sample_batch,
-    kernel_sample_batchf, kernel_scratch_row,
+    ISA_NAME(ISA),        kernel_bsdf,         kernel_bsdff,    kernel_bsdf_batch,
+    kernel_bsdf_batchf,   kernel_mdf,          kernel_mdff,     kernel_mdf_batch,
+    kernel_mdf_batchf,    kernel_diffuse,      kernel_diffusef, kernel_yarn,
+    kernel_yarnf,         kernel_pdf,          kernel_pdff,     kernel_pdf_batch,
+    kernel_pdf_batchf,    kernel_sample,       kernel_samplef,  kernel_sample_batch,
+    kernel_sample_batchf, kernel_scratch_row,  kernel_weave,    kernel_weavef,
+    kernel_weave_batch,   kernel_weave_batchf,
 };

@@ -4,22 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "isa.h"
 #include "names.h"
 #include "weave_private.h"
-#include "../kernel/coefficients.h"
-
-#define SHADE_FLOAT 1
-#include "../kernel/real.h"
-#include "../kernel/elementary.h"
-#include "../kernel/leaf_weave.h"
-#include "../kernel/pass_weave.h"
-#undef SHADE_FLOAT
-#define SHADE_FLOAT 0
-#include "../kernel/real.h"
-#include "../kernel/elementary.h"
-#include "../kernel/leaf_weave.h"
-#include "../kernel/pass_weave.h"
-
 #define YARN_ROW(word, unit, low, high, initial, help) {#word, unit, help, 1, low, high, initial},
 static const shade_param_info rows[] = {SHADE_TABLE_YARN(YARN_ROW)};
 #define YARN_OFFSET(word, unit, low, high, initial, help) offsetof(shade_yarn_params, word),
@@ -146,13 +133,12 @@ int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draf
 }
 
 /* Shares of the crossings that the yarns of one direction fill, and their linear colours. */
-static weave_thread *make_threads(const shade_thread *threads, size_t count,
-                                  const shade_yarn_params *y) {
+static void make_threads(const shade_thread *threads, size_t count, const shade_yarn_params *y,
+                         weave_thread *made) {
   int stated;
   const double mean[2] = {mean_length(threads, (int)count, 0, &stated),
                           mean_length(threads, (int)count, 1, &stated)};
-  weave_thread *made = calloc(count, sizeof *made);
-  for (size_t i = 0; made && i < count; i++) {
+  for (size_t i = 0; i < count; i++) {
     const double number[2] = {threads[i].thickness, threads[i].spacing};
     double ratio[2] = {1, 1};
     for (int k = 0; k < 2; k++)
@@ -168,7 +154,6 @@ static weave_thread *make_threads(const shade_thread *threads, size_t count,
       made[i].rgbf[c] = (float)made[i].rgb[c];
     }
   }
-  return made;
 }
 
 static void make_yarn(const shade_yarn_params *y, weave_yarn *d, weave_yarnf *f) {
@@ -208,25 +193,36 @@ static void make_yarn(const shade_yarn_params *y, weave_yarn *d, weave_yarnf *f)
 
 /*
  * Along one yarn of `count` cells, `step` apart: how far each cell's state goes on before and
- * after it. Two turns round the repeat; a yarn that never changes sides stays WEAVE_FAR.
+ * after it, from bit `shift` on. Two turns round the repeat; a yarn that never changes sides stays
+ * WEAVE_FAR.
  */
-static void measure_floats(weave_cell *cells, size_t step, int count, int kind) {
-  int run = WEAVE_FAR;
-  for (int k = 1; k < 2 * count; k++) {
-    weave_cell *cell = &cells[(size_t)(k % count) * step];
-    run = cell->warp_up != cells[(size_t)((k - 1) % count) * step].warp_up ? 0
-          : run < WEAVE_FAR                                                ? run + 1
-                                                                           : run;
-    cell->before[kind] = (uint8_t)run;
+static void measure_floats(uint32_t *cells, size_t step, int count, int shift) {
+  for (int back = 0; back < 2; back++) {
+    uint32_t run = WEAVE_FAR;
+    for (int k = 1; k < 2 * count; k++) {
+      const int here = (back ? 2 * count - 1 - k : k) % count;
+      const int last = (here + (back ? 1 : count - 1)) % count;
+      uint32_t *cell = &cells[(size_t)here * step];
+      if ((*cell ^ cells[(size_t)last * step]) & 1)
+        run = 0;
+      else if (run < WEAVE_FAR)
+        run++;
+      const int at = shift + 7 * back;
+      *cell = (*cell & ~((uint32_t)WEAVE_FAR << at)) | run << at;
+    }
   }
-  run = WEAVE_FAR;
-  for (int k = 2 * count - 2; k >= 0; k--) {
-    weave_cell *cell = &cells[(size_t)(k % count) * step];
-    run = cell->warp_up != cells[(size_t)((k + 1) % count) * step].warp_up ? 0
-          : run < WEAVE_FAR                                                ? run + 1
-                                                                           : run;
-    cell->after[kind] = (uint8_t)run;
-  }
+}
+
+static int is_uniform(const weave_thread *threads, size_t count) {
+  for (size_t i = 1; i < count; i++)
+    if (threads[i].share < threads->share || threads[i].share > threads->share)
+      return 0;
+  return 1;
+}
+
+static int is_noisy(const weave_yarn *y) {
+  return y->slub > 0 || y->vary_brightness > 0 || y->vary_tilt > 0 || y->along_brightness > 0 ||
+         y->along_tilt > 0;
 }
 
 shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_params *p,
@@ -248,23 +244,29 @@ shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_para
   const size_t ends = (size_t)draft->ends, picks = (size_t)draft->picks;
   w->draft = shade_draft_create(draft->ends, draft->picks);
   w->cells = calloc(ends * picks, sizeof *w->cells);
-  w->thread[SHADE_TOP_WARP] = make_threads(draft->warp, ends, &w->params.warp);
-  w->thread[SHADE_TOP_WEFT] = make_threads(draft->weft, picks, &w->params.weft);
-  if (!w->draft || !w->cells || !w->thread[0] || !w->thread[1]) {
+  weave_thread *threads = calloc(picks + ends, sizeof *threads);
+  w->thread[SHADE_TOP_WEFT] = threads;
+  if (!w->draft || !w->cells || !threads) {
     shade_weave_free(w);
     return NULL;
   }
+  w->thread[SHADE_TOP_WARP] = threads + picks;
+  make_threads(draft->weft, picks, &w->params.weft, threads);
+  make_threads(draft->warp, ends, &w->params.warp, threads + picks);
   memcpy(w->draft->warp, draft->warp, ends * sizeof *draft->warp);
   memcpy(w->draft->weft, draft->weft, picks * sizeof *draft->weft);
   for (size_t i = 0; i < ends * picks; i++)
-    w->cells[i].warp_up = w->draft->warp_up[i] = draft->warp_up[i] != 0;
+    w->cells[i] = w->draft->warp_up[i] = draft->warp_up[i] != 0;
   for (size_t j = 0; j < picks; j++)
-    measure_floats(w->cells + j * ends, 1, draft->ends, SHADE_TOP_WEFT);
+    measure_floats(w->cells + j * ends, 1, draft->ends, 1);
   for (size_t i = 0; i < ends; i++)
-    measure_floats(w->cells + i, ends, draft->picks, SHADE_TOP_WARP);
+    measure_floats(w->cells + i, ends, draft->picks, 15);
 
   make_yarn(&w->params.weft, &w->yarn[SHADE_TOP_WEFT], &w->yarnf[SHADE_TOP_WEFT]);
   make_yarn(&w->params.warp, &w->yarn[SHADE_TOP_WARP], &w->yarnf[SHADE_TOP_WARP]);
+  w->uniform[SHADE_TOP_WEFT] = is_uniform(w->thread[SHADE_TOP_WEFT], picks);
+  w->uniform[SHADE_TOP_WARP] = is_uniform(w->thread[SHADE_TOP_WARP], ends);
+  w->noisy = is_noisy(&w->yarn[0]) || is_noisy(&w->yarn[1]);
   w->fuzz = 1 - (1 - w->params.warp.fuzz) * (1 - w->params.weft.fuzz);
   if (status)
     *status |= bits;
@@ -277,7 +279,6 @@ void shade_weave_free(shade_weave *weave) {
   shade_draft_free(weave->draft);
   free(weave->cells);
   free(weave->thread[0]);
-  free(weave->thread[1]);
   free(weave);
 }
 
@@ -290,19 +291,19 @@ const shade_weave_params *shade_weave_get_params(const shade_weave *weave) {
 }
 
 unsigned shade_weave_lookup(const shade_weave *weave, double u, double v, shade_crossing *out) {
-  return weave_lookup(weave, u, v, out);
+  return shade_isa_pick(0)->weave(weave, u, v, out);
 }
 
 unsigned shade_weave_lookupf(const shade_weave *weave, float u, float v, shade_crossingf *out) {
-  return weave_lookupf(weave, u, v, out);
+  return shade_isa_pick(0)->weavef(weave, u, v, out);
 }
 
 unsigned shade_weave_lookup_batch(const shade_weave *weave, size_t count, const double *u,
                                   const double *v, const shade_crossings *out) {
-  return weave_lookup_batch(weave, count, u, v, out);
+  return shade_isa_pick(0)->weave_batch(weave, count, u, v, out);
 }
 
 unsigned shade_weave_lookup_batchf(const shade_weave *weave, size_t count, const float *u,
                                    const float *v, const shade_crossingsf *out) {
-  return weave_lookup_batchf(weave, count, u, v, out);
+  return shade_isa_pick(0)->weave_batchf(weave, count, u, v, out);
 }

@@ -8,14 +8,11 @@
 #include "shade/weave.h"
 
 /*
- * One crossing. Cells that the yarn goes on above (or below) its partner before and after
- * this one; WEAVE_FAR: that many or more, or for ever.
+ * One crossing in 32 bits: 1 if the warp is up; then, 7 bits each, how many cells the weft goes on
+ * above (or below) its partner before this one and after it, and the same of the warp. WEAVE_FAR:
+ * that many or more, or for ever; a crimp reaches 16.
  */
-enum { WEAVE_FAR = 255 };
-typedef struct weave_cell {
-  uint8_t warp_up;
-  uint8_t before[2], after[2]; /* by shade_top: of the weft, of the warp */
-} weave_cell;
+enum { WEAVE_FAR = 127 };
 
 typedef struct weave_thread {
   double share, rgb[3];
@@ -37,11 +34,13 @@ typedef struct weave_yarnf {
 struct shade_weave {
   shade_draft *draft;
   shade_weave_params params;
-  weave_cell *cells;       /* as the draft's warp_up */
-  weave_thread *thread[2]; /* by shade_top: picks, ends */
+  uint32_t *cells;         /* as the draft's warp_up */
+  weave_thread *thread[2]; /* by shade_top: picks, then ends, side by side */
   weave_yarn yarn[2];
   weave_yarnf yarnf[2];
   double fuzz;
+  int uniform[2]; /* by shade_top: all yarns fill the same share */
+  int noisy;      /* any noise at all */
 };
 
 #endif

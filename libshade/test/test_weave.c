@@ -214,9 +214,15 @@ static void ranges(void **state) {
       u[i] = uf[i] = (float)(200 * uniform(&seed) - 100);
       v[i] = vf[i] = (float)(200 * uniform(&seed) - 100);
     }
-    const shade_crossings out = {
-        .top = top, .yarn = yarn, .sigma = sigma, .dx = dx, .dy = dy, .occlusion = light, .r = red};
-    const shade_crossingsf outf = {.top = topf, .dx = dxf};
+    const shade_crossings out = {.size = sizeof out,
+                                 .top = top,
+                                 .yarn = yarn,
+                                 .sigma = sigma,
+                                 .dx = dx,
+                                 .dy = dy,
+                                 .occlusion = light,
+                                 .r = red};
+    const shade_crossingsf outf = {.size = sizeof outf, .top = topf, .dx = dxf};
     assert_int_equal(shade_weave_lookup_batch(w, COUNT, u, v, &out), SHADE_OK);
     assert_int_equal(shade_weave_lookup_batchf(w, COUNT, uf, vf, &outf), SHADE_OK);
     for (int i = 0; i < COUNT; i++) {

@@ -241,12 +241,19 @@ SHADE_API unsigned shade_weave_lookup(const shade_weave *weave, double u, double
 SHADE_API unsigned shade_weave_lookupf(const shade_weave *weave, float u, float v,
                                        shade_crossingf *out);
 
-/* Outputs of a batch: one array per member, `count` long; any may be NULL. */
+/*
+ * Outputs of a batch: one array per member, `count` long; any may be NULL. Set size to sizeof the
+ * structure; members beyond it count as NULL. The arrays must not overlap each other or u and v.
+ * A batch gives the same bits as one call for each; a size below sizeof(size_t) gives
+ * SHADE_BAD_INPUT and writes nothing.
+ */
 typedef struct shade_crossings {
+  size_t size;
   int *top, *swap, *below, *yarn;
   double *sigma, *along, *dx, *dy, *tx, *ty, *occlusion, *brightness, *fuzz, *r, *g, *b;
 } shade_crossings;
 typedef struct shade_crossingsf {
+  size_t size;
   int *top, *swap, *below, *yarn;
   float *sigma, *along, *dx, *dy, *tx, *ty, *occlusion, *brightness, *fuzz, *r, *g, *b;
 } shade_crossingsf;
