@@ -99,14 +99,34 @@ def test_quad_as_in_blender(render, shade_check, colours, uv, tangent, bitangent
     shade_check(dump)
 
 
-@pytest.mark.parametrize("faces", ["<0,2,1>, <0,3,2>", "<0,1,2>, <0,3,2>", "<2,0,1>, <3,0,2>"])
+CORNER_NORMALS = np.array([[-.3, 1, -.2], [.3, 1, -.2], [.3, 1, .2], [-.3, 1, .2]])
+
+
+def curved_quad(p, colours, uv):
+    """N, T and Ns of the quad whose corners lean outwards, by hand: both triangles share the diagonal."""
+    x, z = p[..., :1], p[..., 2:]
+    weights = np.where(x > z, np.concatenate([1 - x, x - z, z, 0 * x], -1), np.concatenate([1 - z, 0 * x, x, z - x], -1))
+    corner = normalise(CORNER_NORMALS)
+    along = np.array([1.0, 0, 0])  # dP/du
+    tangents = normalise(along - dot(corner, along)[:, None] * corner)
+    N = normalise(weights @ corner)
+    T = weights @ tangents
+    T = normalise(T - dot(T, N)[..., None] * N)
+    up = np.array([0, 0, 1.0])  # dP/dv says on which side the bitangent is
+    B = np.cross(N, T)
+    B *= np.sign(dot(B, up))[..., None]
+    n = mapped(colours, uv)
+    return N, T, n[..., :1] * T + n[..., 1:2] * B + n[..., 2:] * N
+
+
+@pytest.mark.parametrize("faces", ["<0,1,2>, <0,2,3>", "<0,2,1>, <0,3,2>", "<0,1,2>, <0,3,2>", "<2,0,1>, <3,0,2>"])
 def test_winding_does_not_matter_where_there_are_normals(render, colours, faces):
     # (to POV-Ray a triangle with three equal normals is flat, and its winding decides: below)
-    curved = lambda faces: quad(faces=faces).replace("y, y, y, y", "<-.3,1,-.2>, <.3,1,-.2>, <.3,1,.2>, <-.3,1,.2>")
-    usual = render(TOP + textured(curved("<0,1,2>, <0,2,3>")), (96, 72)).dump
-    other = render(TOP + textured(curved(faces)), (96, 72)).dump
-    for a, b in ((usual.N, other.N), (usual.T, other.T), (usual.Ns, other.Ns)):
-        np.testing.assert_allclose(a[usual.hit], b[usual.hit], atol=1e-5)
+    normals = ", ".join("<" + ",".join(map(str, n)) + ">" for n in CORNER_NORMALS)
+    dump = render(TOP + textured(quad(faces=faces).replace("y, y, y, y", normals)), (96, 72)).dump
+    for found, expected in zip((dump.N, dump.T, dump.Ns), curved_quad(dump.P, colours, dump.uv)):
+        np.testing.assert_allclose(found[dump.hit], expected[dump.hit], atol=1e-5)
+    assert dump.hit.sum() > 200
 
 
 def test_uv_of_the_quad(render, colours):
@@ -230,11 +250,8 @@ def test_frame_of_the_map_does_not_follow_tangent(render, shade_check, colours):
 SIDE = TOP.replace("orthographic location <.5, 3, .5> right 1.6*x up 1.2*z direction -y", "location <1, 2, -5> look_at 0 angle 30")
 
 
-@pytest.mark.parametrize("name, geometry", [
-    ("sphere", "sphere { 0, 1"), ("torus", "torus { .8, .3"), ("box", "box { -.7, .7")])
-def test_primitives(render, shade_check, colours, name, geometry):
-    dump = render(SIDE + textured(geometry), (96, 72)).dump
-    p, N = dump.P, dump.N
+def primitive_frame(name, p, N):
+    """dP/du and dP/dv of POV-Ray's UV mapping, by hand; NaN where it is not known."""
     zero = np.zeros_like(p[..., 0])
     ring = normalise(np.stack([p[..., 0], zero, p[..., 2]], -1))
     if name == "sphere":  # u grows from x towards z, v upwards
@@ -247,6 +264,12 @@ def test_primitives(render, shade_check, colours, name, geometry):
         top, right = N[..., 1] > .9, N[..., 0] > .9
         du = np.where(top[..., None], [1.0, 0, 0], np.where(right[..., None], [0, 0, -1.0], np.nan))
         dv = np.where(top[..., None], [0, 0, -1.0], np.where(right[..., None], [0, 1.0, 0], np.nan))
+    return du, dv
+
+
+def check_primitive(name, dump, colours):
+    N = dump.N
+    du, dv = primitive_frame(name, dump.P, N)
     T = normalise(du)
     B = normalise(dv - dot(dv, N)[..., None] * N - dot(dv, T)[..., None] * T)
     n = mapped(colours, dump.uv)
@@ -255,7 +278,29 @@ def test_primitives(render, shade_check, colours, name, geometry):
     known &= np.abs(N[..., 1]) < .999 if name == "sphere" else True
     assert known.sum() > 100
     np.testing.assert_allclose(dump.Ns[known], expected[known], atol=2e-5)
+    np.testing.assert_allclose(dump.T[known], T[known], atol=2e-5)
+    return known
+
+
+@pytest.mark.parametrize("name, geometry", [
+    ("sphere", "sphere { 0, 1"), ("torus", "torus { .8, .3"), ("box", "box { -.7, .7")])
+def test_primitives(render, shade_check, colours, name, geometry):
+    dump = render(SIDE + textured(geometry), (96, 72)).dump
+    check_primitive(name, dump, colours)
     shade_check(dump)
+
+
+@pytest.mark.parametrize("name, geometry", [("sphere", "sphere { 0, 1"), ("torus", "torus { .8, .3")])
+@pytest.mark.parametrize("side", ["x", "-x"])
+def test_seams(render, colours, name, geometry, side):
+    """Where u or v jumps from 1 to 0 the directions go on: the middle column of the picture lies in the plane z = 0,
+    where u starts, the middle row in y = 0, where the torus's v does."""
+    camera = f"camera {{ orthographic location 5*{side} right 2.4*z up 2.4*y direction -({side}) }}\n"
+    text = SIDE.split("camera")[0] + camera + "light_source { <3, 5, -1>, rgb 1 }\n" + textured(geometry)
+    dump = render(text, (65, 65)).dump
+    known = check_primitive(name, dump, colours)
+    assert (np.abs(dump.P[:, 32, 2][known[:, 32]]) < 1e-9).all() and known[:, 32].sum() > 10
+    assert (np.abs(dump.P[32, :, 1][known[32]]) < 1e-9).all() and known[32].sum() > 40
 
 
 def test_inside_of_a_difference_is_an_outside(render, shade_check, colours):
