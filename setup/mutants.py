@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Do the tests notice small mistakes? Puts mistakes into a copy of the tree, one at a time, builds,
+runs the tests that ought to notice, and says which mistakes they caught and which survived.
+
+Run by hand from anywhere, after `make check` or as much of it as the tests named in the list need:
+
+    setup/mutants.py                      all of setup/mutants.txt, in build/mutants
+    setup/mutants.py --only weave         those whose file or text holds the word
+    setup/mutants.py --list OTHER.txt     another list
+
+A list is made of blocks, parted by empty lines; # begins a comment:
+
+    libshade/src/dispatch.c          the file
+    - *status |= found;              a line of it, or several; they must occur there once
+    + *status = found;               what stands there instead; none: they are left out
+    $ c bsdf sample                  who ought to notice, one or more of:
+
+    $ c NAME …       programs of libshade/test
+    $ py ARGUMENTS   pytest on libshade and compare
+    $ blender ARGUMENTS, $ povray ARGUMENTS   the same, where the renderer must be built first
+
+The last word on a mistake is one line: `caught` (a test failed), `compiler` (it did not build), `slow`
+(no end within five minutes: caught too), `SURVIVED`, or `stale` (the text is not there, or not once).
+Before the mistakes every kind of test that the list names is run on the tree as it is: it must pass.
+Exit status: 0 if 90 % of those that are not stale are noticed, else 1; 2 for a list that cannot be read.
+"""
+import argparse
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SECONDS = 300
+ENOUGH = 0.9
+# what may stay where it is: only read
+SHARED = ("venv", "venv-bpy")
+# what no test named in a list needs
+LEFT_OUT = ("sanitized", "threads", "clang", "fuzz", "demo", "compare", "mutants", "pytest-cache")
+
+
+@dataclass
+class Mutant:
+    line: int
+    file: str
+    old: str
+    new: str
+    tests: list
+
+    def title(self):
+        shown = self.new.strip().splitlines() or ["(left out)"]
+        return f"{self.file}: {self.old.strip().splitlines()[0]} -> {shown[0]}"
+
+
+def read_list(path):
+    """Mutants of a list; ValueError with the line that cannot be read."""
+    mutants, block = [], []
+
+    def end():
+        if not block:
+            return
+        number, file = block[0]
+        parts = {"-": [], "+": [], "$": []}
+        for at, text in block[1:]:
+            if text[:1] not in parts or text[1:2] not in ("", " "):
+                raise ValueError(f"{path}:{at}: a line begins with '- ', '+ ' or '$ ', this one does not")
+            parts[text[0]].append(text[2:])
+        if not parts["-"] or not parts["$"]:
+            raise ValueError(f"{path}:{number}: needs lines that begin with '- ' and with '$ '")
+        mutants.append(Mutant(number, file, "\n".join(parts["-"]), "\n".join(parts["+"]), parts["$"]))
+        block.clear()
+
+    for at, text in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if text.startswith("#"):
+            continue
+        if text.strip():
+            block.append((at, text))
+        else:
+            end()
+    end()
+    return mutants
+
+
+def command(test):
+    """(goals of make, then a command) for a line of tests."""
+    kind, *words = test.split()
+    if kind == "c":
+        programs = [f"build/test/{word}" for word in words]
+        return programs, [["sh", "-ec", "\n".join(programs)]]
+    goals = {"py": ["all", "build/horizon"], "blender": ["all", "blender"], "povray": ["all", "povray"]}
+    if kind not in goals:
+        raise ValueError(f"'{test}': tests are c, py, blender or povray")
+    # words may be quoted, as in a shell
+    line = test.split(None, 1)[1]
+    return goals[kind], [["sh", "-c", f"build/venv/bin/python -m pytest -q -x -p no:cacheprovider {line}"]]
+
+
+class Copy:
+    """The tree and its build/, where mistakes may be made."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        build = folder / "build"
+        build.mkdir(parents=True, exist_ok=True)
+        listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True)
+        self._unpack(ROOT, folder, ["--null", "-T", "-"], listed.stdout)
+        self._unpack(ROOT / "build", build, [*(f"--exclude=./{n}" for n in (*SHARED, *LEFT_OUT)), "."])
+        for name in SHARED:
+            if (ROOT / "build" / name).exists() and not (build / name).exists():
+                (build / name).symlink_to(ROOT / "build" / name)
+
+    @staticmethod
+    def _unpack(source, target, what, names=b""):
+        """Copy with times, so that what is built already stays good."""
+        packed = subprocess.run(["tar", "-C", source, "-cf", "-", *what], input=names, check=True,
+                                stdout=subprocess.PIPE)
+        subprocess.run(["tar", "-C", target, "-xf", "-"], input=packed.stdout, check=True)
+
+    def run(self, words):
+        """Exit status; None where it took too long."""
+        with open(self.folder / "build" / "mutant.log", "ab") as log:
+            # a session of its own, so that what it started ends with it
+            with subprocess.Popen(words, cwd=self.folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL,
+                                  start_new_session=True) as process:
+                try:
+                    return process.wait(SECONDS)
+                except subprocess.TimeoutExpired:
+                    os.killpg(process.pid, signal.SIGKILL)
+                    return None
+
+    def judge(self, tests):
+        """What the tests say of the tree as it is."""
+        (self.folder / "build" / "mutant.log").unlink(missing_ok=True)
+        for test in tests:
+            goals, commands = command(test)
+            # optimised less: quicker to build; the setup goals are not wanted, all of it is there
+            made = self.run(["make", f"-j{os.cpu_count()}", "CFLAGS=-O1", "NEEDS=", *goals])
+            if made != 0:
+                return "slow" if made is None else "compiler"
+            for words in commands:
+                status = self.run(words)
+                if status != 0:
+                    return "slow" if status is None else "caught"
+        return "SURVIVED"
+
+    def with_mistake(self, mutant):
+        path = self.folder / mutant.file
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        if text.count(mutant.old) != 1:
+            return "stale"
+        path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
+        try:
+            return self.judge(mutant.tests)
+        finally:
+            path.write_text(text, encoding="utf-8")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--list", type=Path, default=ROOT / "setup" / "mutants.txt")
+    parser.add_argument("--only", default="", help="a word of the file's name or of the text")
+    parser.add_argument("--work", type=Path, default=ROOT / "build" / "mutants",
+                        help="folder for the copy (default build/mutants)")
+    parser.add_argument("--no-baseline", action="store_true", help="do not run the tests unchanged first")
+    options = parser.parse_args()
+    try:
+        mutants = [m for m in read_list(options.list) if options.only in m.title()]
+        for mutant in mutants:
+            for test in mutant.tests:
+                command(test)
+    except (OSError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    copy = Copy(options.work.resolve())
+    if not options.no_baseline:
+        for test in sorted({t for m in mutants for t in m.tests}):
+            if copy.judge([test]) != "SURVIVED":
+                print(f"error: without any mistake `{test}` fails; see {copy.folder}/build/mutant.log",
+                      file=sys.stderr)
+                return 1
+    results, started = [], time.monotonic()
+    for mutant in mutants:
+        begun = time.monotonic()
+        results.append(copy.with_mistake(mutant))
+        print(f"{results[-1]:9} {time.monotonic() - begun:4.0f} s  {mutant.title()}", flush=True)
+    valid = [r for r in results if r != "stale"]
+    noticed = sum(r != "SURVIVED" for r in valid)
+    print(f"\n{noticed} of {len(valid)} noticed ({results.count('stale')} stale), "
+          f"{time.monotonic() - started:.0f} s")
+    return 0 if valid and noticed >= ENOUGH * len(valid) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
