@@ -13,9 +13,12 @@
  *   THREADING      end=shaft          TIEUP     treadle=shafts, comma separated
  *   TREADLING      pick=treadles      LIFTPLAN  pick=shafts
  *   WARP COLORS, WARP SPACING, WARP THICKNESS and the same of WEFT: overrides by end and pick
+ *   CONTENTS       section=yes/no: what the file holds
  * Shaft, treadle and colour 0 mean none. The warp is over the weft where one of the end's
- * shafts is raised by one of the pick's treadles. All other sections are passed over, and so
- * is CONTENTS: the list of sections that many programs write does not always hold.
+ * shafts is raised by one of the pick's treadles. All other sections are passed over.
+ *
+ * That is the format; files differ. What they get wrong without hiding what they mean is mended
+ * (`mending`) and said in one warning; what can mean nothing is refused.
  *
  * wif_words.c: words, numbers, encodings. wif_read.c: lines to rows. wif_draft.c: rows to a
  * draft. wif_write.c: a draft to text. Private to src/.
@@ -53,45 +56,94 @@ typedef enum section {
   WARP,
   WEFT,
   COLOR_PALETTE,
+  CONTENTS,
   SECTIONS,
   OTHER = SECTIONS
 } section;
 
-/* In capitals, as the files have them. */
+/* In capitals, as the format has them. */
 extern const char *const wif_section_names[SECTIONS];
+
+/* What is mended, and said once for each. */
+typedef enum mending {
+  THREADING_MISSING,
+  TIEUP_MISSING,
+  SECTION_TWICE,
+  ROW_TWICE,
+  NO_EQUALS,
+  CONTENTS_WRONG,
+  KEYS_FROM_0,
+  SHAFTS_FROM_0,
+  TREADLES_FROM_0,
+  COLORS_FROM_0,
+  ROW_BEYOND,
+  FEWER_ROWS,
+  SHAFT_BEYOND,
+  TIEUP_BEYOND,
+  NOT_TIED,
+  TWO_PLANS,
+  UNITS_UNKNOWN,
+  FORM_UNKNOWN,
+  CHANNELS,
+  RANGE_GUESSED,
+  RANGE_LEFT,
+  COLOR_MISSING,
+  MENDINGS
+} mending;
+
+typedef struct mended {
+  long line; /* of the first; 0: of no line */
+  int count;
+  char text[160];
+} mended;
+
+typedef struct length {
+  double value, unit; /* cm; 0: the section's */
+} length;
 
 /* key=values on one line: `count` whole numbers from `first` on in the pool, or a length. */
 typedef struct row {
   int key, first, count;
   long line;
-  double length;
+  length length;
 } row;
 
 typedef struct rows {
   row *data;
   size_t count, capacity;
-  int largest; /* key */
+  int largest;    /* key */
+  long zero_line; /* of key 0; 0: none */
 } rows;
 
 /* [WARP] or [WEFT]. */
 typedef struct direction {
-  int threads, color;
-  long threads_line, color_line;
-  double unit, spacing, thickness; /* cm; the values in that unit */
+  int threads, color, rgb[3]; /* rgb[0] < 0: the colour is not spelled out beside its number */
+  long threads_line, color_line, units_line;
+  double unit; /* cm; 0: an unknown word, `units` */
+  char units[44];
+  length spacing, thickness;
 } direction;
+
+typedef enum color_form { FORM_RGB, FORM_CMYK, FORM_OTHER } color_form;
 
 /* All that was read of one file. */
 typedef struct wif {
   const char *name;
   long line;
-  char *error;
-  size_t error_size;
+  char *message;
+  size_t message_size;
+  long seen[SECTIONS];                        /* line of the section's name; 0: not there */
+  long announced[SECTIONS], denied[SECTIONS]; /* line of CONTENTS that says so, or 0 */
   rows rows[ROWS];
   int *pool;
   size_t pool_count, pool_capacity;
   int shafts, treadles, sinking;
   direction way[2]; /* warp, weft */
   double range[2];
+  int has_range;
+  color_form form;
+  long form_line;
+  mended mended[MENDINGS];
   char point; /* the locale's decimal point */
 } wif;
 
@@ -102,19 +154,31 @@ typedef struct span {
 
 /* --- wif_words.c --- */
 
-/* "NAME, line N: …" (0: no line) to the error buffer. Returns -1. */
+/* "NAME, line N: …" (0: no line) as the message. Returns -1. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
 int wif_fail(const wif *w, long line, const char *format, ...);
 
+/* Note what was mended; of each kind the first is kept and the others counted. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 4, 5)))
+#endif
+void wif_mend(wif *w, mending kind, long line, const char *format, ...);
+
+/* The message of a draft that was read: "NAME: mended: line N: …; line M: …", or nothing. */
+void wif_say_mended(const wif *w);
+
 span wif_trim(const char *at, const char *end);
 
-/* Whether the span is the word (in capitals); any blanks stand for the word's one. */
+/* Whether the span is the word (in capitals), whatever blanks, - and _ it has; COLOUR is COLOR. */
 int wif_is_word(span s, const char *word);
 
-/* What stands before a comment. */
-span wif_without_comment(span s);
+/* 1 yes, 0 no, -1 neither. */
+int wif_is_yes(span s);
+
+/* What stands before a comment, without quotation marks around it. */
+span wif_value(span s);
 
 /* For messages: at most 40 characters, what cannot be shown as '?'. */
 typedef struct shown {
@@ -122,11 +186,20 @@ typedef struct shown {
 } shown;
 shown wif_show(span s);
 
+/* The next of the items that commas or blanks separate, taken from *s; empty: there is none. */
+span wif_item(span *s);
+
 /* A whole number of 0 to MAX_NUMBER that is the whole span; "3.0" passes as 3. -1 otherwise. */
 int wif_whole(span s);
 
-/* 0 and a finite number that is the whole span, or -1; a lone comma passes as the decimal point. */
-int wif_real(const wif *w, span s, double *value);
+/* Centimetres of the unit that the word names; 0: not known. */
+double wif_unit(span s);
+
+/*
+ * 0 and a length of 0 to 1e6, with or without its unit, that is the whole span, or -1. A lone
+ * comma passes as the decimal point.
+ */
+int wif_length(const wif *w, span s, length *to);
 
 /*
  * From *text on, *length bytes without a byte order mark: of UTF-16 what is not ASCII becomes '?'.
@@ -136,7 +209,7 @@ int wif_as_bytes(const char **text, size_t *length, char **made);
 
 /* --- wif_draft.c --- */
 
-/* The draft of what was read; NULL with an error written. */
-shade_draft *wif_draft(const wif *w);
+/* The draft of what was read; NULL with an error as the message. */
+shade_draft *wif_draft(wif *w);
 
 #endif

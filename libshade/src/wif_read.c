@@ -7,191 +7,239 @@
 
 #include "wif.h"
 
-static int add_row(wif *p, section where, row r) {
-  rows *to = &p->rows[where];
+static int add_row(wif *w, section where, row r) {
+  rows *to = &w->rows[where];
   if (to->count == MAX_ROWS)
-    return wif_fail(p, p->line, "too many lines in [%s]: expected at most %d",
+    return wif_fail(w, w->line, "too many lines in [%s]: expected at most %d",
                     wif_section_names[where], MAX_ROWS);
   if (to->count == to->capacity) {
     size_t capacity = to->capacity ? 2 * to->capacity : 64;
     row *data = realloc(to->data, capacity * sizeof *data);
     if (!data)
-      return wif_fail(p, 0, "out of memory");
+      return wif_fail(w, 0, "out of memory");
     to->data = data;
     to->capacity = capacity;
   }
   to->data[to->count++] = r;
   if (r.key > to->largest)
     to->largest = r.key;
+  if (!r.key && !to->zero_line)
+    to->zero_line = r.line;
   return 0;
 }
 
-static int add_number(wif *p, int number) {
-  if (p->pool_count == p->pool_capacity) {
-    size_t capacity = p->pool_capacity ? 2 * p->pool_capacity : 1024;
-    int *pool = realloc(p->pool, capacity * sizeof *pool);
+static int add_number(wif *w, int number) {
+  if (w->pool_count == w->pool_capacity) {
+    size_t capacity = w->pool_capacity ? 2 * w->pool_capacity : 1024;
+    int *pool = realloc(w->pool, capacity * sizeof *pool);
     if (!pool)
-      return wif_fail(p, 0, "out of memory");
-    p->pool = pool;
-    p->pool_capacity = capacity;
+      return wif_fail(w, 0, "out of memory");
+    w->pool = pool;
+    w->pool_capacity = capacity;
   }
-  p->pool[p->pool_count++] = number;
+  w->pool[w->pool_count++] = number;
   return 0;
 }
 
 /* "1,3, 5" to the pool; nothing between commas counts as nothing. Returns how many, or -1. */
-static int read_list(wif *p, section where, span s) {
+static int read_list(wif *w, section where, span s) {
   int count = 0;
-  while (s.at < s.end) {
-    const char *comma = memchr(s.at, ',', (size_t)(s.end - s.at));
-    span item = wif_trim(s.at, comma ? comma : s.end);
-    if (item.at < item.end) {
-      int number = wif_whole(item);
-      if (number < 0)
-        return wif_fail(p, p->line,
-                        "'%s' in [%s]: expected whole numbers from 0 on, comma separated",
-                        wif_show(item).text, wif_section_names[where]);
-      if (add_number(p, number) != 0)
-        return -1;
-      count++;
-    }
-    s.at = comma ? comma + 1 : s.end;
+  for (span item = wif_item(&s); item.at < item.end; item = wif_item(&s), count++) {
+    const int number = wif_whole(item);
+    if (number < 0 && where == COLOR_TABLE && count >= 3)
+      break; /* the colour's name */
+    if (number < 0)
+      return wif_fail(w, w->line, "'%s' in [%s]: expected whole numbers from 0 on, comma separated",
+                      wif_show(item).text, wif_section_names[where]);
+    if (add_number(w, number) != 0)
+      return -1;
   }
   return count;
 }
 
-static int read_row(wif *p, section where, span key, span value) {
-  row r = {.line = p->line, .first = (int)p->pool_count};
+static int read_row(wif *w, section where, span key, span value) {
+  row r = {.line = w->line, .first = (int)w->pool_count};
   r.key = wif_whole(key);
   const int most = where == COLOR_TABLE ? MAX_COLORS : SHADE_DRAFT_MAX_SIDE;
-  if (r.key < 1 || r.key > most)
-    return wif_fail(p, p->line,
+  if (r.key < 0 || r.key > most)
+    return wif_fail(w, w->line,
                     "'%s' in [%s]: expected a number of 1 to %d before the =", wif_show(key).text,
                     wif_section_names[where], most);
-  value = wif_without_comment(value);
   if (where < WHOLE_ROWS) {
-    r.count = read_list(p, where, value);
+    r.count = read_list(w, where, value);
     if (r.count < 0)
       return -1;
-    if (where == COLOR_TABLE && r.count != 3)
-      return wif_fail(p, p->line, "colour %d: expected three numbers: red, green, blue", r.key);
-    return add_row(p, where, r);
+    if (where == COLOR_TABLE && r.count < 3)
+      return wif_fail(w, w->line, "colour %d: expected three numbers: red, green, blue", r.key);
+    return add_row(w, where, r);
   }
   if (value.at == value.end)
     return 0;
-  if (wif_real(p, value, &r.length) != 0 || !(r.length >= 0 && r.length <= 1e6))
-    return wif_fail(p, p->line, "'%s' in [%s]: expected a length of 0 to 1e6", wif_show(value).text,
+  if (wif_length(w, value, &r.length) != 0)
+    return wif_fail(w, w->line, "'%s' in [%s]: expected a length of 0 to 1e6", wif_show(value).text,
                     wif_section_names[where]);
-  return add_row(p, where, r);
+  return add_row(w, where, r);
 }
 
-static int read_count(const wif *p, span key, span value, int most, int *count) {
+static int read_count(const wif *w, span key, span value, int most, int *count) {
   *count = wif_whole(value);
   if (*count < 0 || *count > most)
-    return wif_fail(p, p->line, "%s=%s: expected a whole number of 0 to %d", wif_show(key).text,
+    return wif_fail(w, w->line, "%s=%s: expected a whole number of 0 to %d", wif_show(key).text,
                     wif_show(value).text, most);
   return 0;
 }
 
-static int read_direction(wif *p, direction *s, span key, span value) {
-  static const struct {
-    const char *word;
-    double cm;
-  } units[] = {{"CENTIMETERS", 1},       {"CENTIMETRES", 1}, {"CENTIMETER", 1},
-               {"CENTIMETRE", 1},        {"CM", 1},          {"INCHES", 2.54},
-               {"INCH", 2.54},           {"IN", 2.54},       {"MILLIMETERS", .1},
-               {"MILLIMETRES", .1},      {"MM", .1},         {"DECIPOINTS", 2.54 / 720},
-               {"DECIPOINT", 2.54 / 720}};
+static int read_direction(wif *w, direction *d, span key, span value) {
   if (wif_is_word(key, "THREADS")) {
-    s->threads_line = p->line;
-    return read_count(p, key, value, SHADE_DRAFT_MAX_SIDE, &s->threads);
+    d->threads_line = w->line;
+    return read_count(w, key, value, SHADE_DRAFT_MAX_SIDE, &d->threads);
   }
-  if (wif_is_word(key, "COLOR") || wif_is_word(key, "COLOUR")) {
+  if (wif_is_word(key, "COLOR")) {
+    d->color_line = w->line;
+    if (read_count(w, key, wif_item(&value), MAX_NUMBER, &d->color) != 0)
+      return -1;
     /* version 1.0 added the colour itself: number,r,g,b */
-    const char *comma = memchr(value.at, ',', (size_t)(value.end - value.at));
-    s->color_line = p->line;
-    return read_count(p, key, comma ? wif_trim(value.at, comma) : value, MAX_NUMBER, &s->color);
+    for (int c = 0; c < 3; c++)
+      d->rgb[c] = wif_whole(wif_item(&value));
+    if (d->rgb[1] < 0 || d->rgb[2] < 0)
+      d->rgb[0] = -1;
+    return 0;
   }
   if (wif_is_word(key, "UNITS")) {
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
-      if (wif_is_word(value, units[i].word)) {
-        s->unit = units[i].cm;
-        return 0;
-      }
-    return wif_fail(p, p->line, "Units=%s: expected decipoints, inches or centimeters",
-                    wif_show(value).text);
+    /* what cannot be understood may not be needed: that shows when all is read */
+    d->units_line = w->line;
+    d->unit = wif_unit(value);
+    memcpy(d->units, wif_show(value).text, sizeof d->units);
+    return 0;
   }
-  double *length = wif_is_word(key, "SPACING")     ? &s->spacing
-                   : wif_is_word(key, "THICKNESS") ? &s->thickness
-                                                   : NULL;
-  if (length && (wif_real(p, value, length) != 0 || !(*length >= 0 && *length <= 1e6)))
-    return wif_fail(p, p->line, "%s=%s: expected a length of 0 to 1e6", wif_show(key).text,
+  length *to = wif_is_word(key, "SPACING")     ? &d->spacing
+               : wif_is_word(key, "THICKNESS") ? &d->thickness
+                                               : NULL;
+  if (to && wif_length(w, value, to) != 0)
+    return wif_fail(w, w->line, "%s=%s: expected a length of 0 to 1e6", wif_show(key).text,
                     wif_show(value).text);
   return 0;
 }
 
-static int read_shed(wif *p, span value) {
-  static const char *const yes[] = {"YES", "TRUE", "ON", "1", "Y", "T"};
-  static const char *const no[] = {"NO", "FALSE", "OFF", "0", "N", "F"};
-  for (size_t i = 0; i < sizeof yes / sizeof yes[0]; i++) {
-    if (wif_is_word(value, yes[i])) {
-      p->sinking = 0;
-      return 0;
-    }
-    if (wif_is_word(value, no[i])) {
-      p->sinking = 1;
-      return 0;
-    }
-  }
-  return wif_fail(p, p->line, "Rising Shed=%s: expected yes or no", wif_show(value).text);
-}
-
-static int read_range(wif *p, span value) {
-  const char *comma = memchr(value.at, ',', (size_t)(value.end - value.at));
-  int low = -1, high = -1;
-  if (comma) {
-    low = wif_whole(wif_trim(value.at, comma));
-    high = wif_whole(wif_trim(comma + 1, value.end));
-  }
-  if (low < 0 || high <= low)
-    return wif_fail(p, p->line, "Range=%s: expected two whole numbers, the lower first",
+/* "0,255"; a number alone is the highest. */
+static int read_range(wif *w, span value) {
+  span rest = value;
+  const span first = wif_item(&rest), second = wif_item(&rest), third = wif_item(&rest);
+  const int alone = second.at == second.end;
+  const int low = alone ? 0 : wif_whole(first), high = wif_whole(alone ? first : second);
+  if (low < 0 || high <= low || third.at < third.end)
+    return wif_fail(w, w->line, "Range=%s: expected two whole numbers, the lower first",
                     wif_show(value).text);
-  p->range[0] = low;
-  p->range[1] = high;
+  w->range[0] = low;
+  w->range[1] = high;
+  w->has_range = 1;
   return 0;
 }
 
-static int read_line(wif *p, section where, span key, span value) {
+static int read_weaving(wif *w, span key, span value) {
+  if (wif_is_word(key, "SHAFTS"))
+    return read_count(w, key, value, SHADE_DRAFT_MAX_SIDE, &w->shafts);
+  if (wif_is_word(key, "TREADLES"))
+    return read_count(w, key, value, SHADE_DRAFT_MAX_SIDE, &w->treadles);
+  if (!wif_is_word(key, "RISING SHED"))
+    return 0;
+  const int rising = wif_is_yes(value);
+  if (rising < 0)
+    return wif_fail(w, w->line, "Rising Shed=%s: expected yes or no", wif_show(value).text);
+  w->sinking = !rising;
+  return 0;
+}
+
+static int read_palette(wif *w, span key, span value) {
+  if (wif_is_word(key, "FORM")) {
+    w->form = wif_is_word(value, "RGB")    ? FORM_RGB
+              : wif_is_word(value, "CMYK") ? FORM_CMYK
+                                           : FORM_OTHER;
+    if (w->form == FORM_OTHER)
+      wif_mend(w, FORM_UNKNOWN, w->line, "Form=%s, neither RGB nor CMYK: colours left out",
+               wif_show(value).text);
+  }
+  return wif_is_word(key, "RANGE") ? read_range(w, value) : 0;
+}
+
+static section find_section(span name) {
+  int s = 0;
+  while (s < SECTIONS && !wif_is_word(name, wif_section_names[s]))
+    s++;
+  return (section)s;
+}
+
+static void read_contents(wif *w, span key, span value) {
+  const section s = find_section(key);
+  const int yes = wif_is_yes(value);
+  if (s == SECTIONS || yes < 0)
+    return;
+  w->announced[s] = yes ? w->line : 0;
+  w->denied[s] = yes ? 0 : w->line;
+}
+
+static int read_line(wif *w, section where, span s) {
+  const char *equals = memchr(s.at, '=', (size_t)(s.end - s.at));
+  if (where == CONTENTS) {
+    if (equals)
+      read_contents(w, wif_trim(s.at, equals), wif_value(wif_trim(equals + 1, s.end)));
+    return 0;
+  }
+  if (!equals) {
+    /* a row's number alone */
+    const span alone = wif_value(s);
+    if (where >= ROWS || wif_whole(alone) < 0)
+      return wif_fail(w, w->line, "'%s' in [%s]: expected key=value", wif_show(s).text,
+                      wif_section_names[where]);
+    wif_mend(w, NO_EQUALS, w->line, "'%s' in [%s] without =: an empty row", wif_show(alone).text,
+             wif_section_names[where]);
+    if (where == COLOR_TABLE)
+      return 0;
+    return read_row(w, where, alone, (span){alone.end, alone.end});
+  }
+  const span key = wif_trim(s.at, equals), value = wif_value(wif_trim(equals + 1, s.end));
   if (where < ROWS)
-    return read_row(p, where, key, value);
-  value = wif_without_comment(value);
+    return read_row(w, where, key, value);
   if (value.at == value.end)
     return 0; /* left empty: the default */
   switch (where) {
   case WARP:
   case WEFT:
-    return read_direction(p, &p->way[where == WEFT], key, value);
+    return read_direction(w, &w->way[where == WEFT], key, value);
   case WEAVING:
-    if (wif_is_word(key, "SHAFTS"))
-      return read_count(p, key, value, SHADE_DRAFT_MAX_SIDE, &p->shafts);
-    if (wif_is_word(key, "TREADLES"))
-      return read_count(p, key, value, SHADE_DRAFT_MAX_SIDE, &p->treadles);
-    return wif_is_word(key, "RISING SHED") ? read_shed(p, value) : 0;
-  default: /* COLOR_PALETTE */
-    if (wif_is_word(key, "FORM") && !wif_is_word(value, "RGB"))
-      return wif_fail(p, p->line, "Form=%s: expected RGB", wif_show(value).text);
-    return wif_is_word(key, "RANGE") ? read_range(p, value) : 0;
+    return read_weaving(w, key, value);
+  default:
+    return read_palette(w, key, value);
   }
 }
 
-static int read_text(wif *p, const char *text, size_t length) {
+/* The section that begins here; in *where, which stays as it is in free text. */
+static int read_name(wif *w, span s, section *where) {
+  const char *close = memchr(s.at, ']', (size_t)(s.end - s.at));
+  const section found = find_section(wif_trim(s.at + 1, close ? close : s.end));
+  if (!close) {
+    if (*where == OTHER && found == OTHER)
+      return 0;
+    return wif_fail(w, w->line, "'%s': expected ] after the section's name", wif_show(s).text);
+  }
+  *where = found;
+  if (found == OTHER)
+    return 0;
+  if (w->seen[found])
+    wif_mend(w, SECTION_TWICE, w->line, "[%s] once more: read as one", wif_section_names[found]);
+  else
+    w->seen[found] = w->line;
+  return 0;
+}
+
+static int read_text(wif *w, const char *text, size_t length) {
   section where = OTHER;
   const char *const end = text + length;
   while (text < end) {
     const char *stop = text;
     while (stop < end && *stop != '\n' && *stop != '\r')
       stop++;
-    p->line++;
+    w->line++;
     span s = wif_trim(text, stop);
     text = stop < end && *stop == '\r' && stop + 1 < end && stop[1] == '\n' ? stop + 2 : stop + 1;
     if (s.at == s.end || *s.at == ';' || *s.at == '#')
@@ -199,51 +247,42 @@ static int read_text(wif *p, const char *text, size_t length) {
     if (*s.at == 0x1a) /* where DOS ends a text */
       break;
     if (*s.at == '[') {
-      const char *close = memchr(s.at, ']', (size_t)(s.end - s.at));
-      if (!close)
-        return wif_fail(p, p->line, "'%s': expected ] after the section's name", wif_show(s).text);
-      span name = wif_trim(s.at + 1, close);
-      for (where = 0; where < SECTIONS && !wif_is_word(name, wif_section_names[where]);)
-        where++;
-      continue;
-    }
-    if (where == OTHER)
-      continue;
-    const char *equals = memchr(s.at, '=', (size_t)(s.end - s.at));
-    if (!equals)
-      return wif_fail(p, p->line, "'%s' in [%s]: expected key=value", wif_show(s).text,
-                      wif_section_names[where]);
-    if (read_line(p, where, wif_trim(s.at, equals), wif_trim(equals + 1, s.end)) != 0)
+      if (read_name(w, s, &where) != 0)
+        return -1;
+    } else if (where != OTHER && read_line(w, where, s) != 0)
       return -1;
   }
   return 0;
 }
 
-shade_draft *shade_wif_parse(const char *text, size_t length, const char *name, char *error,
-                             size_t error_size) {
-  wif p = {.name = name, .error = error, .error_size = error_size, .range = {0, 255}};
+shade_draft *shade_wif_parse(const char *text, size_t length, const char *name, char *message,
+                             size_t message_size) {
+  wif w = {.name = name, .message = message, .message_size = message_size, .range = {0, 255}};
+  for (int weft = 0; weft < 2; weft++)
+    w.way[weft] = (direction){.rgb = {-1, -1, -1}, .unit = 1};
   char number[8];
-  p.way[0].unit = p.way[1].unit = 1;
   snprintf(number, sizeof number, "%.1f", .5);
-  p.point = number[1];
+  w.point = number[1];
   if (length > MAX_FILE) {
-    wif_fail(&p, 0, "too large: expected at most %d bytes", MAX_FILE);
+    wif_fail(&w, 0, "too large: expected at most %d bytes", MAX_FILE);
     return NULL;
   }
   char *made;
   if (wif_as_bytes(&text, &length, &made) != 0) {
-    wif_fail(&p, 0, "out of memory");
+    wif_fail(&w, 0, "out of memory");
     return NULL;
   }
-  shade_draft *d = read_text(&p, text, length) == 0 ? wif_draft(&p) : NULL;
+  shade_draft *d = read_text(&w, text, length) == 0 ? wif_draft(&w) : NULL;
+  if (d)
+    wif_say_mended(&w);
   for (int i = 0; i < ROWS; i++)
-    free(p.rows[i].data);
-  free(p.pool);
+    free(w.rows[i].data);
+  free(w.pool);
   free(made);
   return d;
 }
 
-shade_draft *shade_wif_read(const char *path, char *error, size_t error_size) {
+shade_draft *shade_wif_read(const char *path, char *message, size_t message_size) {
   FILE *file = fopen(path, "rb");
   char *text = NULL;
   size_t length = 0, capacity = 0;
@@ -268,10 +307,10 @@ shade_draft *shade_wif_read(const char *path, char *error, size_t error_size) {
     }
   }
   if (wrong)
-    snprintf(error, error_size, "%s: %s", path, errno ? strerror(errno) : "cannot be read");
+    snprintf(message, message_size, "%s: %s", path, errno ? strerror(errno) : "cannot be read");
   if (file)
     fclose(file);
-  shade_draft *d = wrong ? NULL : shade_wif_parse(text, length, path, error, error_size);
+  shade_draft *d = wrong ? NULL : shade_wif_parse(text, length, path, message, message_size);
   free(text);
   return d;
 }

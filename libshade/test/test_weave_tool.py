@@ -331,6 +331,147 @@ def test_dialects(tmp_path, dialect, encoding):
     assert printed("--draft", path) == [[c == "X" for c in row] for row in rows]
 
 
+# What programs get wrong or do in their own way, one at a time, in a file that is otherwise right:
+# from the sections to the file's bytes. None of it changes what is woven.
+
+
+def as_text(sections):
+    return "".join(f"[{name}]\n" + "".join(line + "\n" for line in lines)
+                   for name, lines in sections.items())
+
+
+def from_0(sections, *names):
+    """Keys of these sections one less."""
+    def one_less(line):
+        key, value = line.split("=")
+        return f"{int(key) - 1}={value}"
+
+    return {name: [one_less(line) for line in lines] if name in names else lines
+            for name, lines in sections.items()}
+
+
+def all_from_0(sections):
+    """Keys, shafts and treadles; an empty list has nothing that could be 0."""
+    sections = from_0(sections, "THREADING", "TIEUP", "TREADLING")
+    for name in ("THREADING", "TIEUP", "TREADLING"):
+        lines = []
+        for line in sections[name]:
+            key, value = line.split("=")
+            lines.append(key + "=" + ",".join(str(int(n) - 1) for n in value.split(",") if n))
+        sections[name] = lines
+    return sections
+
+
+def stale(sections):
+    """Treadles, ends and picks that were there once."""
+    ends, picks, treadles = (len(sections[s]) for s in ("THREADING", "TREADLING", "TIEUP"))
+    return dict(sections,
+                TIEUP=sections["TIEUP"] + [f"{treadles + 1}=1", f"{treadles + 2}=2"],
+                THREADING=sections["THREADING"] + [f"{ends + 1}=1"],
+                TREADLING=sections["TREADLING"] + [f"{picks + 1}=1,2"])
+
+
+def split_up(sections):
+    """Each of the three in two places, its rows from the last to the first, one row twice."""
+    text = as_text({name: lines for name, lines in sections.items() if "=" not in lines[0][:2]})
+    for half in (0, 1):
+        for name in ("TREADLING", "TIEUP", "THREADING"):
+            text += f"[{name}]\n" + "".join(f"{line}\n" for line in sections[name][::-1][half::2])
+        text += "[NOTES]\n1=THREADING\n2=2\n"
+    return text + "[THREADING]\n" + sections["THREADING"][0] + "\n"
+
+
+def untidy(text):
+    lines = []
+    for k, line in enumerate(text.splitlines()):
+        line = line.swapcase() if k % 3 else line.title()
+        if line.startswith("["):
+            line = f"  [ {line[1:-1]} ] ; a section"
+        else:
+            line = line.replace("=", (" = ", "= ", "\t=")[k % 3]).replace(",", (" , ", " ", ",,")[k % 3])
+            line += ("", "  ;= comment", " # [x]")[k % 3]
+        lines += [line, "", "; between = lines", "   "]
+    return "\n".join(lines)
+
+
+def counts(sections, **changed):
+    shed = sections["WEAVING"][-1]
+    return dict(sections, WEAVING=[f"{key}={value}" for key, value in changed.items()] + [shed])
+
+
+HABITS = {  # name: (the text, whether it is warned of)
+    "as the format has it": (as_text, False),
+    "no counts": (lambda s: as_text({k: v for k, v in s.items() if k not in ("WARP", "WEFT")}), False),
+    "shafts and treadles not counted": (lambda s: as_text(counts(s)), False),
+    "too few shafts and treadles counted": (lambda s: as_text(counts(s, Shafts=2, Treadles=1)), True),
+    "too many": (lambda s: as_text(counts(s, Shafts=99, Treadles=64)), False),
+    "rows that were there once": (lambda s: as_text(stale(s)), True),
+    "keys from 0": (lambda s: as_text(from_0(s, "THREADING", "TREADLING")), True),
+    "all from 0": (lambda s: as_text(all_from_0(s)), True),
+    "contents denied": (lambda s: "[CONTENTS]\nTIEUP=false\nTHREADING=0\n" + as_text(s), True),
+    "contents promised": (lambda s: "[CONTENTS]\nLIFTPLAN=true\n" + as_text(s), True),
+    "contents of other programs": (lambda s: "[CONTENTS]\nPRIVATE X Y=true\n" + as_text(s), False),
+    "sections in pieces": (split_up, True),
+    "untidy": (lambda s: untidy(as_text(s)), False),
+    "CR": (lambda s: as_text(s).replace("\n", "\r"), False),
+    "CRLF and DOS's end": (lambda s: as_text(s).replace("\n", "\r\n") + "\x1a[THREADING]\r\n1=9", False),
+    "UTF-16 without a mark": (lambda s: as_text(s).encode("utf-16-le"), False),
+    "Latin-1": (lambda s: ("[TEXT]\nTitle=D\xe9ntelle \xa9\n" + as_text(s)).encode("latin-1"), False),
+}
+
+
+@pytest.mark.parametrize("habit", HABITS)
+@pytest.mark.parametrize("seed", range(4))
+def test_habits_change_nothing(tmp_path, habit, seed):
+    random_ = random.Random(seed)
+    shafts, treadles = random_.randint(3, 9), random_.randint(3, 9)
+    ends, picks = random_.randint(10, 40), random_.randint(10, 40)
+
+    def some(count, most):
+        return sorted(random_.sample(range(1, count + 1), random_.randint(1, most)))
+
+    # all shafts and treadles are used, the first ones too: else it does not show what counts from 0
+    threading = [[i % shafts + 1] for i in range(ends)]
+    random_.shuffle(threading)
+    tieup = {t: some(shafts, shafts - 1) for t in range(1, treadles + 1)}
+    tieup[treadles] = [1, shafts]
+    treadling = [[j % treadles + 1] for j in range(picks)]
+    treadling[-1] = [1, treadles]
+    random_.shuffle(treadling)
+    rising = seed % 2 == 0
+
+    def rows_of(lists):
+        return [f"{k}={','.join(map(str, n))}" for k, n in lists]
+
+    sections = {
+        "WEAVING": [f"Shafts={shafts}", f"Treadles={treadles}", f"Rising Shed={'yes' if rising else 'no'}"],
+        "WARP": [f"Threads={ends}"],
+        "WEFT": [f"Threads={picks}"],
+        "THREADING": rows_of(enumerate(threading, 1)),
+        "TIEUP": rows_of(tieup.items()),
+        "TREADLING": rows_of(enumerate(treadling, 1)),
+    }
+    write, warned = HABITS[habit]
+    text = write(sections)
+    path = tmp_path / "cloth.wif"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    result = run("--draft", path, "--print")
+    assert result.returncode == 0, result.stderr
+    rows = [[c == "X" for c in row] for row in reversed(result.stdout.splitlines())]
+    assert rows == wif_draft([set(s) for s in threading], {t: set(s) for t, s in tieup.items()},
+                             [set(t) for t in treadling], rising)
+    if warned:
+        assert result.stderr.startswith(f"shade weave: warning: {path}: mended: ")
+        assert result.stderr.count("\n") == 1
+    else:
+        assert result.stderr == ""
+    again = tmp_path / "again.wif"
+    assert run("--draft", path, "--wif", again).returncode == 0
+    result = run("--draft", again, "--print")
+    assert result.stderr == ""
+    assert [[c == "X" for c in row] for row in reversed(result.stdout.splitlines())] == rows
+
+
 def test_wif_thickness_and_spacing_set_the_widths(tmp_path):
     path = tmp_path / "cloth.wif"
     path.write_text("[WARP]\nUnits=inches\nSpacing=.1\nThickness=.08\n[WARP THICKNESS]\n2=.04\n"

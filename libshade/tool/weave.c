@@ -98,10 +98,10 @@ static int set_draft(request *r, const char *option, const char *value) {
   }
   r->source = option;
   if (!strcmp(option, "--draft")) {
-    char error[1024];
-    r->draft = shade_wif_read(value, error, sizeof error);
-    if (!r->draft)
-      fprintf(stderr, "shade weave: %s\n", error);
+    char message[4096];
+    r->draft = shade_wif_read(value, message, sizeof message);
+    if (*message)
+      fprintf(stderr, "shade weave: %s%s\n", r->draft ? "warning: " : "", message);
     return r->draft ? TOOL_DONE : TOOL_BAD_INPUT;
   }
   if (!strcmp(option, "--name")) {

@@ -89,17 +89,25 @@ SHADE_API int shade_draft_equal(const shade_draft *a, const shade_draft *b);
  * (colour, thickness and spacing of [WARP] and [WEFT]; an end without a shaft stays down), and
  * a rising shed. Sections and lines may come in any order, names in capitals or not, lines end
  * in LF, CRLF or CR, numbers may be followed by a comment, text may be UTF-16. Of lines given
- * twice the last holds. Not accepted: numbers that are none, ends, shafts, treadles or colours
- * beyond what the file itself announces, sizes beyond a shade_draft's. Lengths without units
- * count as cm.
+ * twice the last holds. Lengths without units count as cm.
  *
- * shade_wif_parse takes `length` bytes and a name for messages. Both return NULL and write
- * "NAME, line N: what is wrong; what was expected" to error[error_size] on failure. Free the
- * draft with shade_draft_free.
+ * Mended, with a warning: what numbers from 0 instead of 1; rows beyond the ends and picks that
+ * the file announces (left out), shafts and treadles beyond it (read as they are); a [CONTENTS]
+ * that is not so; a liftplan without a threading (end n is on shaft n); a treadling without a
+ * tie-up (treadle n lifts shaft n); a liftplan that contradicts the tie-up (left out, unless
+ * [CONTENTS] denies the tie-up); colours as CMYK or beyond their Range, without a Range, or not in
+ * the table; and the like. Not accepted: numbers that are none, no threading or plan at all,
+ * sizes beyond a shade_draft's.
+ *
+ * shade_wif_parse takes `length` bytes and a name for messages. On success both write to
+ * message[message_size] one line, "NAME: mended: line N: what; line M: what (and 3 more)", the
+ * first of each kind in the order of lines, or an empty text when nothing was mended. On failure
+ * they return NULL and write "NAME, line N: what is wrong; what was expected". A longer message
+ * is cut. Free the draft with shade_draft_free.
  */
 SHADE_API shade_draft *shade_wif_parse(const char *text, size_t length, const char *name,
-                                       char *error, size_t error_size);
-SHADE_API shade_draft *shade_wif_read(const char *path, char *error, size_t error_size);
+                                       char *message, size_t message_size);
+SHADE_API shade_draft *shade_wif_read(const char *path, char *message, size_t message_size);
 
 /*
  * A draft as the text of a WIF, to be freed with free(); NULL when out of memory. Shafts and
