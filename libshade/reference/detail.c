@@ -138,3 +138,11 @@ void shade_ref_carried(const shade_params *p, const double n[3], const double h[
   m[1] = (double)v.y;
   m[2] = (double)v.z;
 }
+
+void shade_ref_turned(double angle, const double v[3], double out[3]) {
+  vec x = {cosl(angle), sinl(angle), 0}, y = {-sinl(angle), cosl(angle), 0}, z = {0, 0, 1};
+  vec turned = in_frame(x, y, z, (vec){v[0], v[1], v[2]});
+  out[0] = (double)turned.x;
+  out[1] = (double)turned.y;
+  out[2] = (double)turned.z;
+}

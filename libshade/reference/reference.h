@@ -37,6 +37,12 @@ double shade_ref_pdf(const shade_params *p, const double n[3], const double wi[3
 void shade_ref_normal(const shade_params *p, const double n[3], const double wo[3], double out[3]);
 
 /*
+ * v as it is seen from a frame whose x axis is turned about z by `angle`, anticlockwise: a sample
+ * whose grooves run another way is shaded with n, wi and wo turned so. v and out may be the same.
+ */
+void shade_ref_turned(double angle, const double v[3], double out[3]);
+
+/*
  * Phi by the contract of shade_diffuse_eval, the fibre models by quadrature.
  * poulin_fournier is the real one: a layer of touching fibres that shade and hide each other.
  */

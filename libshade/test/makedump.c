@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * makedump FILE.exr WIDTH HEIGHT SEED [plain|sharp]: a dump as a back end would write it,
+ * makedump FILE.exr WIDTH HEIGHT SEED [plain|sharp|varied]: a dump as a back end would write it,
  * for test_check.py. Frames, directions and lights are random, but near the lobes,
  * so that S is well above zero; S comes from shade_bsdf_eval_batchf, its inputs
  * from the world's vectors in float, as in a renderer. `plain`: without Color. `sharp`:
- * with exponents 30 times as large, to 6000.
+ * with exponents 30 times as large, to 6000. `varied`: all kinds of materials, and every
+ * number that may vary from hit to hit does.
  */
 #include "dump/dump.h"
 #include "shade/shade.h"
@@ -104,6 +105,20 @@ static void make_materials(shade_params materials[MATERIALS], double sharper) {
   }
 }
 
+/* Other distributions, BRDFs, Fresnel terms and diffuse parts. */
+static void vary_materials(shade_params materials[MATERIALS]) {
+  for (int i = 0; i < MATERIALS; i++) {
+    shade_params *p = &materials[i];
+    p->mdf = (shade_mdf)(i % SHADE_MDF_COUNT);
+    p->brdf = (shade_brdf)(i / 2 % SHADE_BRDF_COUNT);
+    p->fresnel = (shade_fresnel)(i % SHADE_FRESNEL_COUNT);
+    p->diffuse = (shade_diffuse)(i % SHADE_DIFFUSE_POULIN_FOURNIER);
+    shade_params_set_exponents(p, 100, 15);
+    for (int c = 0; c < 3; c++)
+      p->kd[c] = 0.2;
+  }
+}
+
 static char *header_json(const shade_params materials[MATERIALS]) {
   enum { SIZE = 1024 * (MATERIALS + 1) };
   char *text = malloc(SIZE);
@@ -156,6 +171,40 @@ static void fill_pixel(const shade_dump *d, size_t pixel, int material, const sh
     put(shade_dump_light_plane(d, light, SHADE_DUMP_E), pixels, pixel,
         (vec){0.5 + uniform(), 0.5 + uniform(), 0.5 + uniform()});
   }
+}
+
+static float number(const shade_dump *d, int plane, size_t pixel) {
+  return shade_dump_plane(d, plane)[pixel];
+}
+
+/* What this hit has of its own. */
+static void vary_pixel(shade_dump *d, size_t pixel, const shade_params *p) {
+  const double pi = 3.14159265358979323846;
+  const double near[] = {p->ax, p->ay};
+  for (int i = 0; i < 2; i++)
+    shade_dump_plane(d, SHADE_DUMP_ALPHA + i)[pixel] = (float)(near[i] * (0.6 + uniform()));
+  shade_dump_plane(d, SHADE_DUMP_GROOVE)[pixel] = (float)(pi * (2 * uniform() - 1));
+  for (int i = 0; i < 3; i++) {
+    shade_dump_plane(d, SHADE_DUMP_F82 + i)[pixel] = (float)uniform();
+    shade_dump_plane(d, SHADE_DUMP_ETA + i)[pixel] = (float)(0.2 + uniform());
+    shade_dump_plane(d, SHADE_DUMP_K + i)[pixel] = (float)(2 + 2 * uniform());
+    shade_dump_plane(d, SHADE_DUMP_KD + i)[pixel] = (float)(0.4 * uniform());
+  }
+}
+
+/* The material of one hit. */
+static shade_params params_of(const shade_dump *d, size_t pixel, const shade_params *p) {
+  shade_params q = *p;
+  shade_params_set_alphas(&q, (double)number(d, SHADE_DUMP_ALPHA, pixel),
+                          (double)number(d, SHADE_DUMP_ALPHA + 1, pixel));
+  for (int i = 0; i < 3; i++) {
+    q.f0[i] = (double)number(d, SHADE_DUMP_COLOR + i, pixel);
+    q.f82[i] = (double)number(d, SHADE_DUMP_F82 + i, pixel);
+    q.eta[i] = (double)number(d, SHADE_DUMP_ETA + i, pixel);
+    q.k[i] = (double)number(d, SHADE_DUMP_K + i, pixel);
+    q.kd[i] = (double)number(d, SHADE_DUMP_KD + i, pixel);
+  }
+  return q;
 }
 
 /* Component along a frame's axis, in float. */
@@ -218,6 +267,38 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
   }
 }
 
+/* Shade the hits of one material one by one, each with numbers and a frame of its own. */
+static void shade_varied(const shade_dump *d, const shade_params *p, int material, int light,
+                         const float *bitangent) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  const float *axes[3] = {shade_dump_plane(d, SHADE_DUMP_T), bitangent,
+                          shade_dump_plane(d, SHADE_DUMP_N)};
+  const float *vectors[3] = {shade_dump_plane(d, SHADE_DUMP_NS),
+                             shade_dump_light_plane(d, light, SHADE_DUMP_L),
+                             shade_dump_plane(d, SHADE_DUMP_V)};
+  for (size_t pixel = 0; pixel < pixels; pixel++) {
+    if (!(number(d, SHADE_DUMP_MATERIAL, pixel) == (float)material))
+      continue;
+    const shade_params q = params_of(d, pixel, p);
+    const float angle = number(d, SHADE_DUMP_GROOVE, pixel), c = cosf(angle), s = sinf(angle);
+    float v[3][3], f[3], cosine;
+    for (int k = 0; k < 3; k++) {
+      const float x = along(axes[0], vectors[k], pixels, pixel);
+      const float y = along(axes[1], vectors[k], pixels, pixel);
+      v[k][0] = c * x + s * y;
+      v[k][1] = c * y - s * x;
+      v[k][2] = along(axes[2], vectors[k], pixels, pixel);
+    }
+    shade_bsdf bsdf;
+    shade_bsdf_setup(&bsdf, &q);
+    shade_bsdf_evalf(&bsdf, v[0], v[1], v[2], f, &cosine);
+    const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
+    float *out = shade_dump_light_plane(d, light, SHADE_DUMP_S);
+    for (size_t i = 0; i < 3; i++)
+      out[i * pixels + pixel] = f[i] * cosine * e[i * pixels + pixel];
+  }
+}
+
 static void make_bitangents(const shade_dump *d, float *b) {
   const size_t pixels = (size_t)d->width * (size_t)d->height;
   const float *n = shade_dump_plane(d, SHADE_DUMP_N), *t = shade_dump_plane(d, SHADE_DUMP_T);
@@ -237,14 +318,21 @@ int main(int argc, char **argv) {
   if (!d)
     return 1;
   const int sharp = argc == 6 && strcmp(argv[5], "sharp") == 0;
-  d->has_color = argc == 5 || sharp;
+  const int varied = argc == 6 && strcmp(argv[5], "varied") == 0;
+  d->has_color = argc == 5 || sharp || varied;
+  for (int channel = SHADE_DUMP_ALPHA; varied && channel < SHADE_DUMP_FOOT; channel++)
+    shade_dump_add(d, (enum shade_dump_optional)channel);
   const size_t pixels = (size_t)width * (size_t)height;
   shade_params materials[MATERIALS];
   make_materials(materials, sharp ? 30 : 1);
+  if (varied)
+    vary_materials(materials);
   for (size_t pixel = 0; pixel < pixels; pixel++) {
     const int material = (int)(uniform() * (MATERIALS + 1)) - 1; /* -1: a miss */
     if (material >= 0)
       fill_pixel(d, pixel, material, &materials[material]);
+    if (material >= 0 && varied)
+      vary_pixel(d, pixel, &materials[material]);
   }
   float *bitangent = malloc(3 * pixels * sizeof *bitangent), *lanes[LANES];
   float *scratch = malloc(LANES * pixels * sizeof *scratch);
@@ -256,7 +344,10 @@ int main(int argc, char **argv) {
   make_bitangents(d, bitangent);
   for (int material = 0; material < MATERIALS; material++)
     for (int light = 0; light < LIGHTS; light++)
-      shade(d, &materials[material], material, light, lanes, bitangent);
+      if (varied)
+        shade_varied(d, &materials[material], material, light, bitangent);
+      else
+        shade(d, &materials[material], material, light, lanes, bitangent);
   const int status = shade_dump_write(shade_exr_api_linked(), argv[1], d, error, sizeof error);
   if (status != 0)
     fprintf(stderr, "makedump: %s\n", error);

@@ -136,6 +136,55 @@ def test_material_color_is_used_without_channels(makedump, tmp_path):
     assert_only_material_fails(taken_apart.write(tmp_path / "wrong.exr"), 3)
 
 
+# ---- what varies from hit to hit ---------------------------------------------------------
+
+VARIED = ["alpha.X", "alpha.Y", "groove.A", *(f"{group}.{c}" for group in ("f82", "eta", "k", "kd")
+                                              for c in "RGB")]
+
+
+@pytest.fixture(scope="module")
+def varied(folder, makedump):
+    return run_makedump(makedump, folder / "varied.exr", "varied", seed=5)
+
+
+def test_varied_passes(varied):
+    assert set(VARIED) <= set(Dump(varied).names)
+    report = check_json(varied, "--all")
+    assert report["pass"]
+    for cell in report["cells"]:
+        assert cell["values"] > 100 and 0 < cell["mean"] < 1e-5
+
+
+@pytest.mark.parametrize("channel", VARIED)
+def test_each_varied_channel_matters(varied, tmp_path, channel):
+    """One channel that is another hit's."""
+    dump = Dump(varied)
+    hit = dump["material.ID"] >= 0
+    both = hit & np.roll(hit, 7, axis=0)
+    plane = dump[channel]
+    plane[:] = np.where(both, np.roll(plane, 7, axis=0), plane)
+    assert_differs(dump.write(tmp_path / "x.exr"))
+
+
+@pytest.mark.parametrize("channel", ["alpha.Y", "groove.A", "f82.R", "eta.G", "k.B", "kd.R"])
+def test_varied_channels_are_there_and_finite(varied, tmp_path, channel):
+    dump = Dump(varied)
+    group = channel.split(".")[0] + "."
+    assert_differs(dump.write(tmp_path / "less.exr",
+                              names=[n for n in dump.names if not n.startswith(group)]))
+    y, x = first_hit(dump)
+    dump[channel][y, x] = np.nan
+    fault = assert_fault(dump.write(tmp_path / "x.exr"), "not finite")
+    assert (fault["x"], fault["y"]) == (x, y)
+
+
+def test_half_a_channel_is_refused(varied, tmp_path):
+    dump = Dump(varied)
+    path = dump.write(tmp_path / "x.exr", names=[n for n in dump.names if n != "alpha.Y"])
+    result = check(path)
+    assert result.returncode == 1 and "alpha.Y is missing" in result.stderr
+
+
 def test_text_report(good):
     result = check(good)
     assert result.returncode == 0 and result.stderr == ""
@@ -170,9 +219,11 @@ def test_reference_shares_no_symbol_with_the_library():
     assert any("rotate" in name for name in kernel)
     assert "shade_bsdf_eval" in library and "shade_ref_f" in reference
     assert not reference & (kernel | library)
-    source = "".join(path.read_text() for path in (ROOT / "libshade/reference").glob("*.[ch]"))
+    files = list((ROOT / "libshade/reference").glob("*.[ch]"))
+    source = "".join(path.read_text() for path in files)
     assert set(re.findall(r'#include\s*[<"](.*?)[>"]', source)) <= {
-        "reference.h", "shade/shade.h", "math.h", "complex.h"}
+        "shade/shade.h", "shade/weave.h", "shade/fabric.h", "math.h", "complex.h", "stdint.h",
+        "string.h", *(path.name for path in files if path.suffix == ".h")}
 
 
 FLIPS = {

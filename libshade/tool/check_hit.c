@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "reference/reference.h"
+
 /* Directions of the dump are unit to float rounding; more is an error of the back end. */
 #define UNIT_TOLERANCE 1e-4
 
@@ -47,6 +49,49 @@ void check_to_local(const check_frame *f, const double v[3], double local[3]) {
     local[i] = check_dot(f->axis[i], v);
 }
 
+/* A channel of this hit in place of what the material has, if it is in the file. 0: not finite. */
+static int replace(const check *c, enum shade_dump_optional channel, size_t pixel, int planes,
+                   double *numbers) {
+  if (!shade_dump_has(c->dump, channel))
+    return 1;
+  const float *plane = shade_dump_plane(c->dump, (int)channel);
+  for (size_t i = 0; i < (size_t)planes; i++) {
+    numbers[i] = (double)plane[i * c->pixels + pixel];
+    if (!isfinite(numbers[i]))
+      return 0;
+  }
+  return 1;
+}
+
+/* What a hit has of its own. The grooves' angle turns the frame, and with it n and wo. */
+static int read_varied(const check *c, size_t pixel, check_hit *h) {
+  shade_params *p = &h->params;
+  double alpha[2] = {1, 1}, angle = 0;
+  if (!replace(c, SHADE_DUMP_F82, pixel, 3, p->f82) ||
+      !replace(c, SHADE_DUMP_ETA, pixel, 3, p->eta) || !replace(c, SHADE_DUMP_K, pixel, 3, p->k) ||
+      !replace(c, SHADE_DUMP_KD, pixel, 3, p->kd) ||
+      !replace(c, SHADE_DUMP_ALPHA, pixel, 2, alpha) ||
+      !replace(c, SHADE_DUMP_GROOVE, pixel, 1, &angle))
+    return 0;
+  if (shade_dump_has(c->dump, SHADE_DUMP_ALPHA)) {
+    p->ax = alpha[0];
+    p->ay = alpha[1];
+    p->ex = fmax(0, 2 / (alpha[0] * alpha[0]) - 2);
+    p->ey = fmax(0, 2 / (alpha[1] * alpha[1]) - 2);
+  }
+  if (shade_dump_has(c->dump, SHADE_DUMP_GROOVE)) {
+    double *x = h->frame.axis[0], *y = h->frame.axis[1];
+    for (int i = 0; i < 3; i++) {
+      const double along = x[i], across = y[i];
+      x[i] = cos(angle) * along + sin(angle) * across;
+      y[i] = cos(angle) * across - sin(angle) * along;
+    }
+    shade_ref_turned(angle, h->n, h->n);
+    shade_ref_turned(angle, h->wo, h->wo);
+  }
+  return 1;
+}
+
 /* 0 with a fault noted if the hit's planes are unfit. */
 int check_read_hit(check *c, size_t pixel, check_hit *h) {
   const shade_dump *d = c->dump;
@@ -84,6 +129,10 @@ int check_read_hit(check *c, size_t pixel, check_hit *h) {
   h->params = c->materials[c->index[pixel]].params;
   if (d->has_color)
     memcpy(h->params.f0, color, sizeof color);
+  if (!read_varied(c, pixel, h)) {
+    check_note_fault(c, FAULT_NOT_FINITE, pixel);
+    return 0;
+  }
   return 1;
 }
 

@@ -8,7 +8,7 @@
 static const char *const fault_words[FAULT_COUNT] = {
     [FAULT_ID] = "material.ID is not in the header",
     [FAULT_MISS] = "a miss (material.ID -1) carries S",
-    [FAULT_NOT_FINITE] = "P, uv or Color is not finite",
+    [FAULT_NOT_FINITE] = "P, uv, Color or what else varies is not finite",
     [FAULT_NOT_UNIT] = "N, T, Ns, V or a light's L is not unit",
     [FAULT_TANGENT] = "T is not orthogonal to N",
     [FAULT_E] = "E is negative or not finite",
