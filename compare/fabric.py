@@ -84,11 +84,15 @@ class Cloth:
         columns = [uv[:, 0], uv[:, 1], np.full(count, extent), np.full(count, extent), None, None,
                    None, *np.broadcast_to(wi, (count, 3)).T, *np.broadcast_to(wo, (count, 3)).T]
         columns = [None if c is None else np.ascontiguousarray(c, np.float64) for c in columns]
-        lanes = (ctypes.c_void_p * 13)(*[None if c is None else c.ctypes.data for c in columns])
         rgb = np.empty((3, count))
+        # shade_fabric_lanes and _result as far as they are read: size, then pointers
+        lanes, result = (
+            (ctypes.c_void_p * (len(arrays) + 1))(
+                8 * (len(arrays) + 1), *[None if a is None else a.ctypes.data for a in arrays])
+            for arrays in (columns, list(rgb)))
         self.library.shade_fabric_eval_batch(
             self.fabric, ctypes.c_size_t(count), ctypes.byref(lanes), ctypes.c_int(tier),
-            *(ctypes.c_void_p(channel.ctypes.data) for channel in rgb))
+            ctypes.byref(result))
         return rgb.T
 
 

@@ -32,8 +32,9 @@ SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(
   $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
   $(O)/src/slopes.o
-SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_eval.o $(O)/src/presets.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
+SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_column.o \
+  $(O)/src/fabric_eval.o $(O)/src/presets.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
 TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o \

@@ -310,6 +310,8 @@ static void FN(yarn_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * 
 
 #include "leaf_sample.h"
 #include "pass_sample.h"
+#include "pass_cloth.h"
+#include "pass_cloth_draw.h"
 #include "entry.h"
 
 #include "leaf_weave.h"

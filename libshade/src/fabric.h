@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Inside of a shade_fabric: what fabric.c sets up and fabric_eval.c reads. */
+/* Inside of a shade_fabric: what is set up once, and read by every evaluation. */
 #ifndef SHADE_SRC_FABRIC_H
 #define SHADE_SRC_FABRIC_H
-
-#include <math.h>
 
 #include "shade/fabric.h"
 #include "bsdf.h"
@@ -11,17 +9,21 @@
 
 enum {
   FABRIC_NODES = 128, /* lobes of a mixture, at most */
+  FABRIC_COARSE = 16, /* lobes that stand for it where directions are drawn, at most */
   FABRIC_POINTS = 16  /* of the near model in a footprint */
 };
 
-/* Columns of the table of the repeat, each an integral from (0, 0); matt is occlusion times kd. */
+/*
+ * Columns of the table of the repeat, each an integral from (0, 0). Matt ones are for kd = 1:
+ * occlusion, noise and the yarn's own colour, 3 channels; by shade_top: weft, warp.
+ */
 enum {
-  COLUMN_WEFT, /* seen and not occluded: what the lobe gets */
-  COLUMN_WARP,
-  COLUMN_WEFT_MATT, /* and the diffuse part, 3 channels */
-  COLUMN_WARP_MATT = COLUMN_WEFT_MATT + 3,
-  COLUMN_GAP = COLUMN_WARP_MATT + 3, /* backing and loose fibres, 3 channels */
-  COLUMNS = COLUMN_GAP + 3
+  COLUMN_SEEN,                   /* seen and not occluded: what the lobe gets */
+  COLUMN_MATT = COLUMN_SEEN + 2, /* the diffuse part, and what is let through */
+  COLUMN_FUZZ = COLUMN_MATT + 6, /* loose fibres of that yarn in gaps */
+  COLUMN_GAP = COLUMN_FUZZ + 6,  /* the backing, for a reflectance of 1 */
+  COLUMN_OPEN,                   /* share of the area that nothing covers */
+  COLUMNS
 };
 
 /* Lobes in the frame of the fibres: x along them, z out of the cloth. Weights add up to 1. */
@@ -31,13 +33,22 @@ typedef struct fabric_nodes {
   float xf[FABRIC_NODES], yf[FABRIC_NODES], zf[FABRIC_NODES], weightf[FABRIC_NODES];
 } fabric_nodes;
 
+/* Lobes of a side: the yarn's own; as wide as a node, all nodes, or a coarse node need it. */
+typedef enum fabric_lobe {
+  FABRIC_NEAR,
+  FABRIC_FAR,
+  FABRIC_SINGLE,
+  FABRIC_DRAW,
+  FABRIC_LOBES
+} fabric_lobe;
+
 /* The yarns of one direction. */
 typedef struct fabric_side {
-  double f0[3], kd[3];
-  double leaves[3];       /* (1 - f0)^2: the white share of what the surface lets in and out */
-  shade_bsdf near;        /* the yarn's own lobe */
-  shade_bsdf far, single; /* widened by the tilts that one node stands for */
-  fabric_nodes nodes, one;
+  double f0[3], kd[3], transmit[3];
+  double leaves[3]; /* (1 - f0)^2: the white share of what the surface lets in and out */
+  shade_bsdf lobe[FABRIC_LOBES];
+  shade_params made_of[FABRIC_LOBES];
+  fabric_nodes nodes, one, coarse;
   double spread[2]; /* variance of the tilt, along and across */
   double tx, ty;    /* the mean direction of the fibres */
 } fabric_side;
@@ -47,24 +58,35 @@ struct shade_fabric {
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];
   int draft_colors, uneven; /* uneven: the brightness of the yarns varies */
+  int backed, transmits;    /* the gaps show something; some yarn lets light through */
   double nap, nap_color[3];
+  shade_horizon horizon;
   int columns, rows;    /* of the table: blocks of the repeat */
   double width, height; /* of the repeat, in crossings */
   double *table;        /* (rows + 1) x (columns + 1) x COLUMNS */
   double mean[COLUMNS];
 };
 
-/* Diffuse reflectance at a point, occlusion and noise included: of the yarn, or of what a gap
- * shows. A noisy yarn reflects no more than a white one. */
-static inline void fabric_matt(const shade_fabric *f, const shade_crossing *at, double matt[3]) {
-  const int top = at->swap ? SHADE_TOP_WARP : SHADE_TOP_WEFT;
-  const double *own = f->draft_colors ? f->weave->thread[top][at->yarn].rgb : NULL;
-  for (int c = 0; c < 3; c++) {
-    double kd = f->side[top].kd[c] * (own ? own[c] : 1);
-    matt[c] =
-        at->occlusion * (at->top == SHADE_TOP_GAP ? f->backing[c] + at->fuzz * (kd - f->backing[c])
-                                                  : fmin(kd * at->brightness, 1));
-  }
+/* One look at a yarn: tilt in the frame of its fibres, angles; weight is its occlusion. */
+typedef struct fabric_look {
+  float x, y, weight;
+} fabric_look;
+
+/* Lobes of one side from its looks, whose order changes. fabric_nodes.c */
+void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
+                     fabric_look *looks, size_t count, unsigned *status);
+
+/* The lobe for yarns of less gloss, [0, 1], in *room. */
+const shade_bsdf *fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,
+                                   shade_bsdf *room);
+
+/* The mean of all columns over a footprint, streaks of uneven yarns included. fabric_column.c */
+void fabric_column(const shade_fabric *f, const double uv[2], const double extent[2],
+                   double column[COLUMNS]);
+
+/* The yarn's own colour at a crossing: that of the draft, or white. */
+static inline double fabric_own(const shade_fabric *f, int side, int yarn, int channel) {
+  return f->draft_colors ? f->weave->thread[side][yarn].rgb[channel] : 1;
 }
 
 #endif

@@ -1,98 +1,46 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Evaluation of a fabric: near, far and between. */
+/* Evaluation of a fabric: near, far and between; the entries of fabric.h. */
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
 #include "fabric.h"
 #include "isa.h"
+#include "lanes.h"
 #include "../kernel/coefficients.h"
 
-#define INVERSE_PI 0.31830988618379067154
+enum { LANES = 256, TERMS = FABRIC_POINTS + 1 };
 
 /* The far model's share: none below .75 crossings, all from 2. */
-static double fabric_far_share(double extent) {
+static double far_share(double extent) {
   if (!(extent > 0.75))
     return 0;
   double x = log2(extent / 0.75) / log2(2 / 0.75);
   return x < 1 ? x * x * (3 - 2 * x) : 1;
 }
 
-/* The integral of all columns of the table over [0, x] x [0, y], x and y in blocks of the repeat.
- */
-static void integral(const shade_fabric *f, double x, double y, double scale, double *sum) {
-  const double ox = floor(x / f->columns), oy = floor(y / f->rows);
-  /* integral = whole repeats above and beside, and what is left */
-  const double left[2] = {x - ox * f->columns, y - oy * f->rows};
-  const int i = (int)fmin(left[0], f->columns - 1), j = (int)fmin(left[1], f->rows - 1);
-  const double a = left[0] - i, b = left[1] - j;
-  const double *t = f->table;
-  const size_t line = (size_t)(f->columns + 1) * COLUMNS;
-  const double *low = t + (size_t)j * line + (size_t)i * COLUMNS, *high = low + line;
-  const double *right = t + (size_t)j * line + (size_t)f->columns * COLUMNS;
-  const double *top = t + (size_t)f->rows * line + (size_t)i * COLUMNS;
-  const double *all = t + (size_t)f->rows * line + (size_t)f->columns * COLUMNS;
-  for (int k = 0; k < COLUMNS; k++) {
-    double corner = (1 - b) * ((1 - a) * low[k] + a * low[COLUMNS + k]) +
-                    b * ((1 - a) * high[k] + a * high[COLUMNS + k]);
-    double across = (1 - b) * right[k] + b * right[line + (size_t)k];
-    double up = (1 - a) * top[k] + a * top[COLUMNS + k];
-    sum[k] += scale * (corner + ox * across + oy * up + ox * oy * all[k]);
-  }
+/* How many of the 16 points lie along u: more along the longer side of the footprint. */
+static int point_columns(const double extent[2]) {
+  int columns = 4;
+  for (; columns < FABRIC_POINTS && extent[0] * 4 > extent[1] * columns * 2; columns *= 2)
+    ;
+  for (; columns > 1 && extent[1] * columns > extent[0] * 4 * 2; columns /= 2)
+    ;
+  return columns;
 }
 
-/* The mean of all columns over the footprint. */
-static void fabric_column(const shade_fabric *f, const double uv[2], const double extent[2],
-                          double *column) {
-  /* below a hundredth of a crossing the difference of integrals would lose digits */
-  const double du = fmax(extent[0], 0.01) * f->columns / f->width;
-  const double dv = fmax(extent[1], 0.01) * f->rows / f->height;
-  memcpy(column, f->mean, sizeof f->mean);
-  if (du > 64.0 * f->columns && dv > 64.0 * f->rows)
-    return;
-  const double u = uv[0] / f->width, v = uv[1] / f->height;
-  const double x = (u - floor(u)) * f->columns - 0.5 * du;
-  const double y = (v - floor(v)) * f->rows - 0.5 * dv;
-  const double scale = 1 / (du * dv);
-  double sum[COLUMNS] = {0};
-  integral(f, x + du, y + dv, scale, sum);
-  integral(f, x, y + dv, -scale, sum);
-  integral(f, x + du, y, -scale, sum);
-  integral(f, x, y, scale, sum);
-  for (int k = 0; k < COLUMNS; k++)
-    column[k] = fmax(sum[k], 0);
-}
-
-/*
- * Yarns that are brighter or darker than others show as streaks long after the weave is too
- * fine to see: their mean over the footprint, from 16 points of it. From 8 to 16 crossings it
- * fades out; what is left of the streaks there is small.
- */
-static void fabric_streaks(const shade_fabric *f, const double uv[2], const double extent[2],
-                           double longer, double *column) {
-  double sum[2] = {0, 0};
-  int count[2] = {0, 0};
-  for (int k = 0; k < FABRIC_POINTS; k++) {
-    shade_crossing at;
-    shade_weave_lookup(f->weave, uv[0] + extent[0] * ((k % 4 + 0.5) / 4 - 0.5),
-                       uv[1] + extent[1] * ((k / 4 + 0.5) / 4 - 0.5), &at);
-    if (at.top != SHADE_TOP_GAP) {
-      sum[at.top] += at.brightness;
-      count[at.top]++;
-    }
-  }
-  const double x = fmin(fmax(log2(longer / 8), 0), 1), share = 1 - x * x * (3 - 2 * x);
-  for (int k = 0; k < 2; k++) {
-    double *matt = column + (k ? COLUMN_WARP_MATT : COLUMN_WEFT_MATT);
-    /* no brighter than white */
-    double factor = count[k] ? 1 + share * (sum[k] / count[k] - 1) : 1;
-    for (int c = 0; c < 3; c++)
-      matt[c] = fmin(matt[c] * factor, column[COLUMN_WEFT + k]);
-  }
+/* Point k of them. */
+static void point_of(const double uv[2], const double extent[2], int k, double at[2]) {
+  const int columns = point_columns(extent), rows = FABRIC_POINTS / columns;
+  at[0] = uv[0] + extent[0] * ((k % columns + 0.5) / columns - 0.5);
+  at[1] = uv[1] + extent[1] * ((k / columns + 0.5) / rows - 0.5);
 }
 
 #define SHADE_FLOAT 1
 #include "fabric_eval.h"
+#include "fabric_batch.h"
 #undef SHADE_FLOAT
 #define SHADE_FLOAT 0
 #include "fabric_eval.h"
+#include "fabric_batch.h"

@@ -1,295 +1,397 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Evaluation of a fabric in one precision: included twice by fabric_eval.c. */
+/* The entries of fabric.h in one precision: included twice by fabric_eval.c. */
 #include "../kernel/real.h"
 
 #include "../kernel/elementary.h"
 #include "../kernel/leaf_repair.h"
+#include "../kernel/leaf_horizon.h"
+#include "../kernel/cloth.h"
 
-/* Light and eye in a frame of the cloth. */
-typedef struct FN(pair) {
-  real wi[3], wo[3];
-} FN(pair);
+#undef BELOW_ONE
+#define BELOW_ONE (SHADE_FLOAT ? R(0x1.fffffep-1) : R(0x1.fffffffffffffp-1))
 
-/* Up to `capacity` lobes with light and eye of each. */
-typedef struct FN(lobes) {
-  size_t count;
-  real n[3][FABRIC_NODES], wi[3][FABRIC_NODES], wo[3][FABRIC_NODES];
-} FN(lobes);
+/* A point as it was given, mended, and what stands for the fabric's own numbers. */
+typedef struct FN(place) {
+  double uv[2], extent[2];
+  real random; /* < 0: all terms */
+  real given[3], n[3], wo[3];
+  real kd[2][3], gloss[2], nap; /* by shade_top */
+} FN(place);
 
-static inline real FN(dot3)(const real a[3], const real b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/* ---- one lane --------------------------------------------------------------- */
+
+static void FN(put)(const FN(cloth) * c, size_t i, int row, real x) {
+  c->rows[(size_t)row * c->stride + i] = x;
 }
 
-/*
- * wi and wo in the frame that groove transport makes of n for yarns along axis (0: x, 1: y):
- * that axis keeps its plane, as dP/du and dP/dv do when the surface is displaced.
- */
-static FN(pair) FN(carried)(const FN(pair) * p, const real n[3], int axis) {
-  const int other = 1 - axis;
-  real size = FN(root)(n[axis] * n[axis] + n[2] * n[2]);
-  real t[3] = {0, 0, 0}, b[3];
-  t[axis] = size > 0 ? n[2] / size : 1; /* n along the other axis: any direction across it */
-  t[2] = size > 0 ? -n[axis] / size : 0;
-  /* b = n x t or t x n: right-handed */
-  const real sign = axis ? (real)-1 : (real)1;
-  b[0] = sign * (n[1] * t[2] - n[2] * t[1]);
-  b[1] = sign * (n[2] * t[0] - n[0] * t[2]);
-  b[2] = sign * (n[0] * t[1] - n[1] * t[0]);
-  FN(pair) q;
-  q.wi[axis] = FN(dot3)(p->wi, t);
-  q.wo[axis] = FN(dot3)(p->wo, t);
-  q.wi[other] = FN(dot3)(p->wi, b);
-  q.wo[other] = FN(dot3)(p->wo, b);
-  q.wi[2] = FN(dot3)(p->wi, n);
-  q.wo[2] = FN(dot3)(p->wo, n);
-  return q;
-}
-
-/* The same turned about z so that x runs along (tx, ty). */
-static FN(pair) FN(turned)(const FN(pair) * p, real tx, real ty) {
-  FN(pair)
-  q = {{tx * p->wi[0] + ty * p->wi[1], tx * p->wi[1] - ty * p->wi[0], p->wi[2]},
-       {tx * p->wo[0] + ty * p->wo[1], tx * p->wo[1] - ty * p->wo[0], p->wo[2]}};
-  return q;
-}
-
-static void FN(run_lobes)(const shade_bsdf *b, const FN(lobes) * l, real *spec, real *matt) {
-  const FN(shade_lanes) in = {sizeof in, l->n[0],  l->n[1],  l->n[2], l->wi[0], l->wi[1], l->wi[2],
-                              l->wo[0],  l->wo[1], l->wo[2], NULL,    NULL,     NULL};
-  shade_isa_pick(0)->FN(yarn)(b, l->count, &in, spec, matt);
-}
-
-/* Schlick's white share at the cosine between wi and h. */
-static real FN(white_share)(const FN(pair) * p) {
-  real h[3] = {p->wi[0] + p->wo[0], p->wi[1] + p->wo[1], p->wi[2] + p->wo[2]};
-  real c = (real)0.5 * FN(root)(FN(dot3)(h, h));
-  real m = c < 1 ? 1 - c : 0, m2 = m * m;
-  return m2 * m2 * m;
-}
-
-/*
- * What share of tilts, even about their mean n, faces w: the single lobe's stand-in for the
- * horizons of the yarns that turn away.
- */
-static real FN(facing)(const fabric_side *side, const real w[3]) {
-  const real n[3] = {side->one.FN(x)[0], side->one.FN(y)[0], side->one.FN(z)[0]};
-  const real v = (real)side->spread[0] * w[0] * w[0] + (real)side->spread[1] * w[1] * w[1];
-  const real reach = FN(root)(3 * v), c = FN(dot3)(n, w);
-  return c >= reach ? 1 : FN(maximum)((real)0.5 * (1 + c / reach), 0);
-}
-
-/* A mixture: its mean over the nodes of the lobe and of the diffuse part. */
-static void FN(mixture)(const fabric_side *side, const shade_bsdf *b, const fabric_nodes *nodes,
-                        const FN(pair) * p, real *spec, real *matt) {
-  FN(lobes) l;
-  real s[FABRIC_NODES], m[FABRIC_NODES];
-  const FN(pair) q = FN(turned)(p, (real)side->tx, (real)side->ty);
-  l.count = (size_t)nodes->count;
-  memcpy(l.n[0], nodes->FN(x), l.count * sizeof(real));
-  memcpy(l.n[1], nodes->FN(y), l.count * sizeof(real));
-  memcpy(l.n[2], nodes->FN(z), l.count * sizeof(real));
-  for (int k = 0; k < 3; k++)
-    for (size_t i = 0; i < l.count; i++) {
-      l.wi[k][i] = q.wi[k];
-      l.wo[k][i] = q.wo[k];
-    }
-  FN(run_lobes)(b, &l, s, m);
-  const real *weight = nodes->FN(weight);
-  real sum = 0, diffuse = 0;
-#pragma omp simd reduction(+ : sum, diffuse)
-  for (size_t i = 0; i < l.count; i++) {
-    sum += weight[i] * s[i];
-    diffuse += weight[i] * m[i];
+/* What all kinds share; the rest is 0. */
+static void FN(put_place)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
+                          real part) {
+  for (int row = 0; row < CLOTH_ROWS; row++)
+    FN(put)(c, i, row, 0);
+  for (int a = 0; a < 3; a++) {
+    FN(put)(c, i, CLOTH_N + a, p->n[a]);
+    FN(put)(c, i, CLOTH_GIVEN + a, p->given[a]);
+    FN(put)(c, i, CLOTH_WO + a, p->wo[a]);
   }
-  *spec = sum;
-  *matt = diffuse;
+  FN(put)(c, i, CLOTH_GLOSS, p->gloss[0]);
+  FN(put)(c, i, CLOTH_GLOSS + 1, p->gloss[1]);
+  FN(put)(c, i, CLOTH_NAP, p->nap);
+  FN(put)(c, i, CLOTH_PART, part);
+  (void)f;
 }
 
-/* Mixtures (or single lobes) of both sides in the shares of `column`, and what the gaps show. */
-static void FN(shade_far)(const shade_fabric *f, const double *column, int single,
-                          const FN(pair) sides[2], real cosine, real s[3]) {
-  for (int c = 0; c < 3; c++)
-    s[c] = (real)column[COLUMN_GAP + c] * cosine * (real)INVERSE_PI;
-  for (int k = 0; k < 2; k++) {
-    const fabric_side *side = &f->side[k];
-    const real share = (real)column[COLUMN_WEFT + k];
-    const double *kd = column + (k ? COLUMN_WARP_MATT : COLUMN_WEFT_MATT);
-    if (!(share > 0))
-      continue;
-    real spec, matt, white = FN(white_share)(&sides[k]);
-    FN(mixture)
-    (side, single ? &side->single : &side->far, single ? &side->one : &side->nodes, &sides[k],
-     &spec, &matt);
-    if (single) {
-      const FN(pair) q = FN(turned)(&sides[k], (real)side->tx, (real)side->ty);
-      const real seen = FN(facing)(side, q.wi) * FN(facing)(side, q.wo);
-      spec *= seen;
-      matt *= seen;
+/* A share `open` of the lane is not covered but by the nap. */
+static void FN(put_coverage)(const FN(cloth) * c, size_t i, const FN(place) * p, double open) {
+  const real co = p->n[0] * p->wo[0] + p->n[1] * p->wo[1] + p->n[2] * p->wo[2];
+  const double way = p->nap > 0 ? 0.5 * (double)p->nap / fmax((double)co, 1e-9) : 0;
+  FN(put)(c, i, CLOTH_COVERAGE, (real)(1 - open * exp(-way)));
+}
+
+/* Reflectances of what has been seen: kd no more than white, and what is let through no more
+ * than kd leaves. `seen` is what both are a share of. */
+static void FN(put_matt)(const shade_fabric *f, const FN(cloth) * c, size_t i, int k, int channel,
+                         double kd, double kt, double seen) {
+  const fabric_side *s = &f->side[k];
+  const double reflected = fmin(kd, seen), passed = fmin(kt, seen - reflected);
+  FN(put)(c, i, CLOTH_KD + 3 * k + channel, (real)(reflected * s->leaves[channel]));
+  FN(put)(c, i, CLOTH_KT + 3 * k + channel, (real)(passed * s->leaves[channel]));
+}
+
+static void FN(put_near)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
+                         const double uv[2], real part) {
+  shade_crossing at;
+  shade_weave_lookup(f->weave, uv[0], uv[1], &at);
+  const int k = at.swap;
+  FN(put_place)(f, c, i, p, part);
+  if (at.top == SHADE_TOP_GAP) {
+    c->kind[i] = CLOTH_GAP;
+    for (int a = 0; a < 3; a++) {
+      const double kd = (double)p->kd[k][a] * fabric_own(f, k, at.yarn, a);
+      FN(put)
+      (c, i, CLOTH_FLAT + a,
+       (real)(at.occlusion * (f->backing[a] + at.fuzz * (kd - f->backing[a]))));
     }
-    for (int c = 0; c < 3; c++) {
-      real f0 = (real)side->f0[c];
-      s[c] += share * spec * (f0 + (1 - f0) * white);
-      s[c] += (real)(kd[c] * side->leaves[c]) * matt;
+    FN(put_coverage)(c, i, p, f->backed ? 0 : 1 - at.fuzz);
+    return;
+  }
+  c->kind[i] = (unsigned char)(k ? CLOTH_WARP : CLOTH_WEFT);
+  FN(put)(c, i, CLOTH_TILT, (real)(at.tx * at.dx + at.ty * at.dy));
+  FN(put)(c, i, CLOTH_TILT + 1, (real)(at.tx * at.dy - at.ty * at.dx));
+  FN(put)(c, i, CLOTH_TILT + 2, (real)sqrt(1 - at.dx * at.dx - at.dy * at.dy));
+  FN(put)(c, i, CLOTH_FIBRE, (real)at.tx);
+  FN(put)(c, i, CLOTH_FIBRE + 1, (real)at.ty);
+  FN(put)(c, i, CLOTH_WEIGHT + k, (real)at.occlusion);
+  for (int a = 0; a < 3; a++) {
+    const double own = at.occlusion * at.brightness * fabric_own(f, k, at.yarn, a);
+    FN(put_matt)
+    (f, c, i, k, a, own * (double)p->kd[k][a], own * f->side[k].transmit[a], at.occlusion);
+  }
+  FN(put_coverage)(c, i, p, 0);
+}
+
+static void FN(put_far)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
+                        const double *column, int kind, real part) {
+  FN(put_place)(f, c, i, p, part);
+  c->kind[i] = (unsigned char)kind;
+  for (int k = 0; k < 2; k++)
+    FN(put)(c, i, CLOTH_WEIGHT + k, (real)column[COLUMN_SEEN + k]);
+  for (int a = 0; a < 3; a++) {
+    double flat = column[COLUMN_GAP] * f->backing[a];
+    for (int k = 0; k < 2; k++) {
+      const double own = column[COLUMN_MATT + 3 * k + a], kd = (double)p->kd[k][a];
+      FN(put_matt)
+      (f, c, i, k, a, own * kd, own * f->side[k].transmit[a], column[COLUMN_SEEN + k]);
+      flat += column[COLUMN_FUZZ + 3 * k + a] * kd;
     }
+    FN(put)(c, i, CLOTH_FLAT + a, (real)flat);
+  }
+  FN(put_coverage)(c, i, p, f->backed ? 0 : column[COLUMN_OPEN]);
+}
+
+/* The one term that p->random picks, into lane i. */
+static void FN(put_one)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
+                        shade_fabric_tier tier) {
+  const double longer = fmax(p->extent[0], p->extent[1]);
+  const double share = tier == SHADE_TIER_AUTO ? far_share(longer) : tier != SHADE_TIER_NEAR;
+  const double r = fmin(fmax((double)p->random, 0), 0x1.fffffffffffffp-1);
+  if (tier == SHADE_TIER_SINGLE) {
+    FN(put_far)(f, c, i, p, f->mean, CLOTH_SINGLE, 1);
+  } else if (share >= 1 || r < share) {
+    double column[COLUMNS];
+    fabric_column(f, p->uv, p->extent, column);
+    FN(put_far)(f, c, i, p, column, CLOTH_FAR, 1);
+  } else if (!(longer > 0) || tier == SHADE_TIER_NEAR) {
+    FN(put_near)(f, c, i, p, p->uv, 1);
+  } else {
+    const double left = fmax(r - share, 0) / (1 - share);
+    const int k = (int)fmin(floor(FABRIC_POINTS * left), FABRIC_POINTS - 1);
+    double at[2];
+    point_of(p->uv, p->extent, k, at);
+    FN(put_near)(f, c, i, p, at, 1);
   }
 }
 
-/* The mean of the near model over columns x rows points of the footprint. */
-static void FN(shade_near)(const shade_fabric *f, const double uv[2], const double extent[2],
-                           int columns, int rows, const FN(pair) sides[2], real cosine, real s[3]) {
-  FN(lobes) l[2];
-  real kd[2][FABRIC_POINTS][3], occlusion[2][FABRIC_POINTS];
-  const real part = 1 / (real)(columns * rows);
-  s[0] = s[1] = s[2] = 0;
-  l[0].count = l[1].count = 0;
-  for (int j = 0; j < rows; j++)
-    for (int i = 0; i < columns; i++) {
-      shade_crossing at;
-      shade_weave_lookup(f->weave, uv[0] + extent[0] * ((i + 0.5) / columns - 0.5),
-                         uv[1] + extent[1] * ((j + 0.5) / rows - 0.5), &at);
-      double matt[3];
-      fabric_matt(f, &at, matt);
-      if (at.top == SHADE_TOP_GAP) {
-        for (int c = 0; c < 3; c++)
-          s[c] += (real)matt[c] * part * cosine * (real)INVERSE_PI;
-        continue;
-      }
-      const int k = at.top == SHADE_TOP_WARP;
-      const size_t m = l[k].count++;
-      const FN(pair) q = FN(turned)(&sides[k], (real)at.tx, (real)at.ty);
-      const double z2 = 1 - at.dx * at.dx - at.dy * at.dy;
-      l[k].n[0][m] = (real)(at.tx * at.dx + at.ty * at.dy);
-      l[k].n[1][m] = (real)(at.tx * at.dy - at.ty * at.dx);
-      l[k].n[2][m] = (real)sqrt(z2);
-      for (int c = 0; c < 3; c++) {
-        l[k].wi[c][m] = q.wi[c];
-        l[k].wo[c][m] = q.wo[c];
-        kd[k][m][c] = (real)(matt[c] * f->side[k].leaves[c]) * part;
-      }
-      occlusion[k][m] = (real)at.occlusion * part;
-    }
-  for (int k = 0; k < 2; k++) {
-    if (!l[k].count)
-      continue;
-    real spec[FABRIC_POINTS], matt[FABRIC_POINTS], sum = 0, white = FN(white_share)(&sides[k]);
-    FN(run_lobes)(&f->side[k].near, &l[k], spec, matt);
-    for (size_t m = 0; m < l[k].count; m++) {
-      sum += occlusion[k][m] * spec[m];
-      for (int c = 0; c < 3; c++)
-        s[c] += kd[k][m][c] * matt[m];
-    }
-    for (int c = 0; c < 3; c++) {
-      real f0 = (real)f->side[k].f0[c];
-      s[c] += sum * (f0 + (1 - f0) * white);
-    }
+/* All terms of a footprint; c has room for TERMS. */
+static void FN(put_all)(const shade_fabric *f, FN(cloth) * c, const FN(place) * p,
+                        shade_fabric_tier tier) {
+  const double longer = fmax(p->extent[0], p->extent[1]);
+  const double share = tier == SHADE_TIER_AUTO ? far_share(longer) : 1;
+  c->count = 1;
+  if (p->random >= 0 || tier != SHADE_TIER_AUTO || share >= 1 || !(longer > 0)) {
+    FN(put_one)(f, c, 0, p, tier);
+    return;
   }
-}
-
-/*
- * A nap of optical depth t over the cloth: light scattered once, alike in all directions, and
- * what gets through both ways; of the light that a fibre scatters half goes on downwards, so
- * that t counts half there. [Chandrasekhar1960 Sect. 3; KoenderinkPont2003]
- */
-static void FN(nap)(const shade_fabric *f, real ci, real co, real s[3]) {
-  const real t = (real)f->nap, way = 1 / ci + 1 / co;
-  const real through = FN(exp_negative)((real)0.5 * t * way);
-  const real back = ci / (ci + co) * (1 - through * through) * (real)(0.25 * INVERSE_PI);
-  for (int c = 0; c < 3; c++)
-    s[c] = s[c] * through + (real)f->nap_color[c] * back;
-}
-
-/* How many of the 16 points lie along u: more along the longer side of the footprint. */
-static int FN(point_columns)(const double extent[2]) {
-  int columns = 4;
-  for (; columns < FABRIC_POINTS && extent[0] * 4 > extent[1] * columns * 2; columns *= 2)
-    ;
-  for (; columns > 1 && extent[1] * columns > extent[0] * 4 * 2; columns /= 2)
-    ;
-  return columns;
-}
-
-/* The tier that the footprint asks for; both horizons are clear. */
-static void FN(shade_point)(const shade_fabric *f, const double uv[2], const double extent[2],
-                            const FN(pair) sides[2], real cosine, shade_fabric_tier tier,
-                            real s[3]) {
-  const double longer = fmax(extent[0], extent[1]);
-  const double share = tier == SHADE_TIER_AUTO ? fabric_far_share(longer) : tier != SHADE_TIER_NEAR;
-  real near[3] = {0, 0, 0}, far[3] = {0, 0, 0};
-  if (share < 1) {
-    const int columns = FN(point_columns)(extent), one = !(longer > 0) || tier == SHADE_TIER_NEAR;
-    FN(shade_near)
-    (f, uv, extent, one ? 1 : columns, one ? 1 : FABRIC_POINTS / columns, sides, cosine, near);
+  for (int k = 0; k < FABRIC_POINTS; k++) {
+    double at[2];
+    point_of(p->uv, p->extent, k, at);
+    FN(put_near)(f, c, (size_t)k, p, at, (real)((1 - share) / FABRIC_POINTS));
   }
+  c->count = FABRIC_POINTS;
   if (share > 0) {
     double column[COLUMNS];
-    if (tier == SHADE_TIER_SINGLE)
-      memcpy(column, f->mean, sizeof column);
-    else
-      fabric_column(f, uv, extent, column);
-    if (tier != SHADE_TIER_SINGLE && f->uneven && longer > 0 && longer < 16)
-      fabric_streaks(f, uv, extent, longer, column);
-    FN(shade_far)(f, column, tier == SHADE_TIER_SINGLE, sides, cosine, far);
+    fabric_column(f, p->uv, p->extent, column);
+    FN(put_far)(f, c, c->count++, p, column, CLOTH_FAR, (real)share);
   }
-  for (int c = 0; c < 3; c++)
-    s[c] = near[c] + (real)share * (far[c] - near[c]);
 }
 
-unsigned FN(shade_fabric_eval)(const shade_fabric *f, const real uv_in[2], const real footprint[2],
-                               const real n_in[3], const real wi[3], const real wo[3],
-                               shade_fabric_tier tier, real s[3]) {
-  FN(pair) p, sides[2];
-  real n[3] = {0, 0, 1};
-  memcpy(p.wi, wi, sizeof p.wi);
-  memcpy(p.wo, wo, sizeof p.wo);
-  if (n_in)
-    memcpy(n, n_in, sizeof n);
-  unsigned status =
-      FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(p.wi, 0) | FN(mend_if_needed)(p.wo, 0);
-  double uv[2] = {(double)uv_in[0], (double)uv_in[1]}, extent[2] = {0, 0};
-  if (!isfinite(uv[0]) || !isfinite(uv[1]))
+static void FN(put_void)(const shade_fabric *f, const FN(cloth) * c, size_t i) {
+  FN(place) p;
+  memset(&p, 0, sizeof p);
+  p.n[2] = p.given[2] = p.wo[2] = 1;
+  FN(put_place)(f, c, i, &p, 1);
+  c->kind[i] = CLOTH_VOID;
+}
+
+/* Mend a place; p has what was given. Returns status bits; with SHADE_BAD_INPUT in *empty there
+ * is nothing to shade. */
+static unsigned FN(mend_place)(const shade_fabric *f, FN(place) * p, const real footprint[2],
+                               int *empty) {
+  unsigned status = FN(mend_if_needed)(p->given, 1) | FN(mend_if_needed)(p->wo, 0);
+  if (!isfinite(p->uv[0]) || !isfinite(p->uv[1]))
     status |= SHADE_BAD_INPUT;
-  real h2 = 2 + 2 * FN(dot3)(p.wi, p.wo);
-  if (!(h2 > (real)1e-30))
-    status |= SHADE_BAD_INPUT;
-  s[0] = s[1] = s[2] = 0;
-  real ci = FN(dot3)(n, p.wi), co = FN(dot3)(n, p.wo);
-  if (status & SHADE_BAD_INPUT || !(ci > 0 && co > 0 && p.wi[2] > 0 && p.wo[2] > 0))
-    return status;
-  for (int k = 0; k < 2 && footprint; k++) {
-    if (footprint[k] > 0)
-      extent[k] = fmin((double)footprint[k], 1e9);
-    else if (!(footprint[k] == 0))
+  *empty = (status & SHADE_BAD_INPUT) != 0;
+  memcpy(p->n, p->given, sizeof p->n);
+  if (f->horizon == SHADE_HORIZON_VALID_REFLECTION || f->horizon == SHADE_HORIZON_VALID_ESTEVEZ) {
+    const FN(normal) n = FN(bend)(p->n[0], p->n[1], p->n[2], p->wo[0], p->wo[1], p->wo[2]);
+    p->n[0] = n.x;
+    p->n[1] = n.y;
+    p->n[2] = n.z;
+  }
+  for (int a = 0; a < 2; a++) {
+    p->extent[a] = footprint[a] > 0 ? fmin((double)footprint[a], 1e9) : 0;
+    if (!(footprint[a] >= 0))
       status |= SHADE_BAD_INPUT;
   }
-  sides[0] = sides[1] = p;
-  if (n[0] != 0 || n[1] != 0)
-    for (int k = 0; k < 2; k++)
-      sides[k] = FN(carried)(&p, n, k);
-  if ((unsigned)tier > SHADE_TIER_SINGLE) {
-    status |= SHADE_BAD_CHOICE;
-    tier = SHADE_TIER_AUTO;
+  if (p->random != p->random)
+    p->random = 0, status |= SHADE_BAD_INPUT;
+  real *numbers[] = {p->kd[0],     p->kd[0] + 1, p->kd[0] + 2, p->kd[1],
+                     p->kd[1] + 1, p->kd[1] + 2, p->gloss,     p->gloss + 1};
+  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
+    const real x = FN(minimum)(FN(maximum)(*numbers[k], 0), 1); /* NaN: 0 */
+    if (!(x == *numbers[k]))
+      status |= SHADE_CLAMPED_PARAMETER;
+    *numbers[k] = x;
   }
-  FN(shade_point)(f, uv, extent, sides, ci, tier, s);
-  if (f->nap > 0)
-    FN(nap)(f, ci, co, s);
+  const real nap = FN(minimum)(FN(maximum)(p->nap, 0), 10);
+  if (!(nap == p->nap))
+    status |= SHADE_CLAMPED_PARAMETER;
+  p->nap = nap;
   return status;
 }
 
-unsigned FN(shade_fabric_eval_batch)(const shade_fabric *f, size_t count,
-                                     const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
-                                     real *r, real *g, real *b) {
-  unsigned status = SHADE_OK;
-  for (size_t i = 0; i < count; i++) {
-    const real uv[2] = {in->u[i], in->v[i]};
-    const real footprint[2] = {in->du ? in->du[i] : 0, in->dv ? in->dv[i] : 0};
-    const real n[3] = {in->nx ? in->nx[i] : 0, in->nx ? in->ny[i] : 0, in->nx ? in->nz[i] : 1};
-    const real wi[3] = {in->wix[i], in->wiy[i], in->wiz[i]};
-    const real wo[3] = {in->wox[i], in->woy[i], in->woz[i]};
-    real s[3];
-    status |= FN(shade_fabric_eval)(f, uv, footprint, n, wi, wo, tier, s);
-    r[i] = s[0];
-    g[i] = s[1];
-    b[i] = s[2];
+static void FN(own_numbers)(const shade_fabric *f, FN(place) * p) {
+  for (int k = 0; k < 2; k++) {
+    p->gloss[k] = 1;
+    for (int a = 0; a < 3; a++)
+      p->kd[k][a] = (real)f->side[k].kd[a];
+  }
+  p->nap = (real)f->nap;
+  p->given[0] = p->given[1] = 0;
+  p->given[2] = 1;
+  p->random = -1;
+}
+
+static unsigned FN(valid_tier)(shade_fabric_tier *tier) {
+  if ((unsigned)*tier <= SHADE_TIER_SINGLE)
+    return SHADE_OK;
+  *tier = SHADE_TIER_AUTO;
+  return SHADE_BAD_CHOICE;
+}
+
+/* ---- one hit ---------------------------------------------------------------- */
+
+typedef struct MAY_ALIAS FN(terms) {
+  size_t count;
+  real rows[CLOTH_ROWS * TERMS];
+  unsigned char kind[TERMS];
+} FN(terms);
+_Static_assert(sizeof(FN(terms)) <= sizeof(FN(shade_fabric_hit)), "a hit is too small");
+
+static FN(cloth) FN(terms_of)(const FN(shade_fabric_hit) * hit) {
+  FN(terms) *h = (FN(terms) *)(uintptr_t)hit->private_.bytes;
+  FN(cloth) c = {h->count, TERMS, h->kind, h->rows};
+  return c;
+}
+
+static unsigned FN(prepare)(const shade_fabric *f, FN(place) * p, const real footprint[2],
+                            shade_fabric_tier tier, FN(shade_fabric_hit) * hit) {
+  FN(terms) *room = (FN(terms) *)(void *)hit->private_.bytes;
+  room->count = 0;
+  FN(cloth) c = FN(terms_of)(hit);
+  int empty;
+  unsigned status = FN(mend_place)(f, p, footprint, &empty) | FN(valid_tier)(&tier);
+  if (empty) {
+    c.count = 1;
+    FN(put_void)(f, &c, 0);
+  } else {
+    FN(put_all)(f, &c, p, tier);
+  }
+  room->count = c.count;
+  return status;
+}
+
+void FN(shade_fabric_point_init)(const shade_fabric *f, FN(shade_fabric_point) * point) {
+  FN(place) p;
+  FN(own_numbers)(f, &p);
+  memset(point, 0, sizeof *point);
+  point->size = sizeof *point;
+  point->n[2] = 1;
+  point->random = -1;
+  memcpy(point->weft_kd, p.kd[SHADE_TOP_WEFT], sizeof point->weft_kd);
+  memcpy(point->warp_kd, p.kd[SHADE_TOP_WARP], sizeof point->warp_kd);
+  point->warp_gloss = point->weft_gloss = 1;
+  point->nap = p.nap;
+}
+
+unsigned FN(shade_fabric_prepare)(const shade_fabric *f, const FN(shade_fabric_point) * given,
+                                  const real wo[3], shade_fabric_tier tier,
+                                  FN(shade_fabric_hit) * hit, real *coverage) {
+  FN(shade_fabric_point) point;
+  FN(place) p;
+  FN(shade_fabric_point_init)(f, &point);
+  if (given)
+    memcpy(&point, given, given->size < sizeof point ? given->size : sizeof point);
+  for (int a = 0; a < 3; a++) {
+    p.given[a] = point.n[a];
+    p.wo[a] = wo[a];
+    p.kd[SHADE_TOP_WEFT][a] = point.weft_kd[a];
+    p.kd[SHADE_TOP_WARP][a] = point.warp_kd[a];
+  }
+  p.uv[0] = (double)point.uv[0];
+  p.uv[1] = (double)point.uv[1];
+  p.gloss[SHADE_TOP_WEFT] = point.weft_gloss;
+  p.gloss[SHADE_TOP_WARP] = point.warp_gloss;
+  p.nap = point.nap;
+  p.random = point.random;
+  const unsigned status = FN(prepare)(f, &p, point.footprint, tier, hit);
+  if (coverage) {
+    const FN(cloth) c = FN(terms_of)(hit);
+    const real *part = FN(cloth_row)(&c, CLOTH_PART), *share = FN(cloth_row)(&c, CLOTH_COVERAGE);
+    *coverage = 0;
+    for (size_t i = 0; i < c.count; i++)
+      *coverage += part[i] * share[i];
   }
   return status;
+}
+
+/* The same direction for all terms. */
+static void FN(spread)(const real w[3], size_t count, real room[3][TERMS], const real *to[3]) {
+  for (int a = 0; a < 3; a++) {
+    for (size_t i = 0; i < count; i++)
+      room[a][i] = w[a];
+    to[a] = room[a];
+  }
+}
+
+unsigned FN(shade_fabric_hit_eval)(const shade_fabric *f, const FN(shade_fabric_hit) * hit,
+                                   const real wi[3], real s[3]) {
+  const FN(cloth) c = FN(terms_of)(hit);
+  const real *part = FN(cloth_row)(&c, CLOTH_PART), *w[3];
+  real room[3][TERMS], rgb[3][TERMS];
+  FN(spread)(wi, c.count, room, w);
+  real *const to[3] = {rgb[0], rgb[1], rgb[2]};
+  const unsigned status = shade_isa_pick(0)->FN(cloth)(f, &c, w, to);
+  for (int a = 0; a < 3; a++) {
+    s[a] = 0;
+    for (size_t i = 0; i < c.count; i++)
+      s[a] += part[i] * rgb[a][i];
+  }
+  return status;
+}
+
+real FN(shade_fabric_hit_pdf)(const shade_fabric *f, const FN(shade_fabric_hit) * hit,
+                              const real wi[3], unsigned *status) {
+  const FN(cloth) c = FN(terms_of)(hit);
+  const real *part = FN(cloth_row)(&c, CLOTH_PART), *w[3];
+  real room[3][TERMS], pdf[TERMS], sum = 0;
+  FN(spread)(wi, c.count, room, w);
+  const unsigned bits = shade_isa_pick(0)->FN(cloth_pdf)(f, &c, w, pdf);
+  for (size_t i = 0; i < c.count; i++)
+    sum += part[i] * pdf[i];
+  if (status)
+    *status |= bits;
+  return sum;
+}
+
+unsigned FN(shade_fabric_hit_sample)(const shade_fabric *f, const FN(shade_fabric_hit) * hit,
+                                     const real u_in[3], real wi[3], real s[3], real *pdf) {
+  FN(cloth) c = FN(terms_of)(hit);
+  const real *part = FN(cloth_row)(&c, CLOTH_PART);
+  real u[3] = {u_in[0], u_in[1], u_in[2]};
+  size_t term = 0;
+  /* which term; what is left of the number goes on choosing */
+  if (u[2] == u[2]) {
+    u[2] = FN(minimum)(FN(maximum)(u[2], 0), BELOW_ONE);
+    while (term + 1 < c.count && u[2] >= part[term])
+      u[2] -= part[term++];
+    u[2] = FN(minimum)(u[2] / FN(maximum)(part[term], R(1e-20)), BELOW_ONE);
+  }
+  const FN(cloth) one = {1, c.stride, c.kind + term, c.rows + term};
+  const real *const numbers[3] = {u, u + 1, u + 2};
+  real *const to[3] = {wi, wi + 1, wi + 2};
+  unsigned status = shade_isa_pick(0)->FN(cloth_draw)(f, &one, numbers, to);
+  *pdf = s[0] = s[1] = s[2] = 0;
+  if (wi[0] != 0 || wi[1] != 0 || wi[2] != 0) {
+    *pdf = FN(shade_fabric_hit_pdf)(f, hit, wi, NULL);
+    FN(shade_fabric_hit_eval)(f, hit, wi, s);
+  }
+  if (*pdf > 0)
+    return status;
+  wi[0] = wi[1] = wi[2] = s[0] = s[1] = s[2] = 0;
+  return status | SHADE_NO_SAMPLE;
+}
+
+unsigned FN(shade_fabric_eval)(const shade_fabric *f, const real uv[2], const real footprint[2],
+                               const real n[3], const real wi[3], const real wo[3],
+                               shade_fabric_tier tier, real s[3]) {
+  FN(shade_fabric_hit) hit;
+  FN(place) p;
+  const real none[2] = {0, 0};
+  FN(own_numbers)(f, &p);
+  p.uv[0] = (double)uv[0];
+  p.uv[1] = (double)uv[1];
+  if (n)
+    memcpy(p.given, n, sizeof p.given);
+  memcpy(p.wo, wo, sizeof p.wo);
+  const unsigned status = FN(prepare)(f, &p, footprint ? footprint : none, tier, &hit);
+  return status | FN(shade_fabric_hit_eval)(f, &hit, wi, s);
+}
+
+real FN(shade_fabric_pdf)(const shade_fabric *f, const FN(shade_fabric_point) * point,
+                          const real wi[3], const real wo[3], shade_fabric_tier tier,
+                          unsigned *status) {
+  FN(shade_fabric_hit) hit;
+  const unsigned bits = FN(shade_fabric_prepare)(f, point, wo, tier, &hit, NULL);
+  if (status)
+    *status |= bits;
+  return FN(shade_fabric_hit_pdf)(f, &hit, wi, status);
+}
+
+unsigned FN(shade_fabric_sample)(const shade_fabric *f, const FN(shade_fabric_point) * point,
+                                 const real wo[3], shade_fabric_tier tier, const real u[3],
+                                 real wi[3], real s[3], real *pdf) {
+  FN(shade_fabric_hit) hit;
+  const unsigned status = FN(shade_fabric_prepare)(f, point, wo, tier, &hit, NULL);
+  return status | FN(shade_fabric_hit_sample)(f, &hit, u, wi, s, pdf);
 }

@@ -6,10 +6,15 @@
 #ifndef SHADE_ISA_H
 #define SHADE_ISA_H
 
+#include "shade/fabric.h"
 #include "shade/shade.h"
 #include "shade/weave.h"
 
 struct scratch_row; /* of scratch_row.h */
+
+/* Prepared lanes of cloth: kernel/cloth.h. */
+struct cloth;
+struct clothf;
 
 typedef struct shade_isa_table {
   const char *name;
@@ -48,6 +53,18 @@ typedef struct shade_isa_table {
                           const shade_crossings *);
   unsigned (*weave_batchf)(const shade_weave *, size_t, const float *, const float *,
                            const shade_crossingsf *);
+  unsigned (*cloth)(const shade_fabric *, const struct cloth *, const double *const[3],
+                    double *const[3]);
+  unsigned (*clothf)(const shade_fabric *, const struct clothf *, const float *const[3],
+                     float *const[3]);
+  unsigned (*cloth_pdf)(const shade_fabric *, const struct cloth *, const double *const[3],
+                        double *);
+  unsigned (*cloth_pdff)(const shade_fabric *, const struct clothf *, const float *const[3],
+                         float *);
+  unsigned (*cloth_draw)(const shade_fabric *, const struct cloth *, const double *const[3],
+                         double *const[3]);
+  unsigned (*cloth_drawf)(const shade_fabric *, const struct clothf *, const float *const[3],
+                          float *const[3]);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bsdf.h"
+#include "fabric.h"
 #include "isa.h"
 #include "lanes.h"
 #include "weave_private.h"
@@ -32,4 +33,10 @@ const shade_isa_table ISA_TABLE(ISA) = {
     kernel_pdf_batchf,    kernel_sample,       kernel_samplef,  kernel_sample_batch,
     kernel_sample_batchf, kernel_scratch_row,  kernel_weave,    kernel_weavef,
     kernel_weave_batch,   kernel_weave_batchf,
+    .cloth = kernel_cloth,
+    .clothf = kernel_clothf,
+    .cloth_pdf = kernel_cloth_pdf,
+    .cloth_pdff = kernel_cloth_pdff,
+    .cloth_draw = kernel_cloth_draw,
+    .cloth_drawf = kernel_cloth_drawf,
 };

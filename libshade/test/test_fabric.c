@@ -375,10 +375,15 @@ static void transported(const double n[3], int a, const double w[3], double out[
   out[2] = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
 }
 
+static void hard_horizon(shade_fabric_params *p) {
+  p->horizon = SHADE_HORIZON_HARD;
+}
+
 static void folds_carry_the_yarns(void **state) {
   (void)state;
   cloth c;
   assert_true(open_cloth(2, &c));
+  alter(&c, hard_horizon);
   const double n[3] = {-0.36, 0.48, 0.8};
   int seen[3] = {0, 0, 0};
   for (int k = 0; k < 500; k++) {
@@ -551,9 +556,22 @@ static void batch_is_one_by_one(void **state) {
     v[1][k] = uv[1];
     v[2][k] = v[3][k] = k * 0.02;
   }
-  const shade_fabric_lanes in = {v[0], v[1], v[2], v[3],  v[4],  v[5], v[6],
-                                 v[7], v[8], v[9], v[10], v[11], v[12]};
-  assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_AUTO, r, g, b), 0);
+  const shade_fabric_lanes in = {.size = sizeof in,
+                                 .u = v[0],
+                                 .v = v[1],
+                                 .du = v[2],
+                                 .dv = v[3],
+                                 .nx = v[4],
+                                 .ny = v[5],
+                                 .nz = v[6],
+                                 .wix = v[7],
+                                 .wiy = v[8],
+                                 .wiz = v[9],
+                                 .wox = v[10],
+                                 .woy = v[11],
+                                 .woz = v[12]};
+  const shade_fabric_result out = {.size = sizeof out, .r = r, .g = g, .b = b};
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_AUTO, &out), 0);
   for (int k = 0; k < N; k++) {
     const double uv[2] = {v[0][k], v[1][k]}, footprint[2] = {v[2][k], v[3][k]};
     const double n[3] = {v[4][k], v[5][k], v[6][k]}, wi[3] = {v[7][k], v[8][k], v[9][k]};

@@ -1,0 +1,534 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Evaluation of prepared lanes of cloth. The lanes of one kind and side are gathered, light
+ * and eye are carried into the frame of their fibres, the lobes run over them as over any
+ * material, and what they give is scattered back.
+ */
+#include "cloth.h"
+
+#undef INVERSE_PI
+#define INVERSE_PI R(0.31830988618379067154)
+
+/* Lanes of one kind: which, and light and eye in the frame of their fibres. */
+typedef struct FN(gathered) {
+  size_t count;
+  int lane[BLOCK];
+  real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK];
+} FN(gathered);
+
+/* Cosines about n, and which lanes are lit: side is 1 from in front, -1 from behind, else 0. */
+static void FN(cloth_sides)(const FN(cloth) * c, const real *const wi[3], const real *const wo[3],
+                            real *restrict ci, real *restrict co, real *restrict side) {
+  const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++) {
+    real a = nx[i] * ix[i] + ny[i] * iy[i] + nz[i] * iz[i];
+    real b = nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i];
+    real seen = FN(minimum)(b, oz[i]);
+    ci[i] = a;
+    co[i] = b;
+    real front = FN(minimum)(FN(minimum)(a, iz[i]), seen);
+    real behind = FN(minimum)(FN(minimum)(-a, -iz[i]), seen);
+    side[i] = front > 0 ? R(1.0) : behind > 0 ? R(-1.0) : R(0.0);
+  }
+}
+
+/*
+ * w in the frame that groove transport makes of n for yarns along axis k (0: x, 1: y), turned
+ * about n so that x runs along (tx, ty). That axis keeps its plane, as dP/du and dP/dv do when
+ * the surface is displaced. For warp x and y are exchanged before and after.
+ */
+typedef struct FN(carrier) {
+  real ax, az, bx, by, bz, nx, ny, nz, tx, ty; /* the axis in its plane, and n x axis */
+} FN(carrier);
+
+LEAF FN(carrier) FN(carrier_of)(real nx, real ny, real nz, real tx, real ty) {
+  real size = FN(root)(nx * nx + nz * nz);
+  real inverse = 1 / FN(maximum)(size, R(1e-30));
+  real x = size > 0 ? nz * inverse : 1, z = size > 0 ? -nx * inverse : 0;
+  FN(carrier) f = {x, z, ny * z, nz * x - nx * z, -ny * x, nx, ny, nz, tx, ty};
+  return f;
+}
+
+/* (x, y, z) of the surface to the frame of the fibres, all with x along the yarns' axis. */
+LEAF FN(triple) FN(carry)(FN(carrier) f, real x, real y, real z) {
+  real along = f.ax * x + f.az * z;
+  real across = f.bx * x + f.by * y + f.bz * z;
+  FN(triple)
+  w = {f.tx * along + f.ty * across, f.tx * across - f.ty * along, f.nx * x + f.ny * y + f.nz * z};
+  return w;
+}
+
+LEAF FN(triple) FN(carry_back)(FN(carrier) f, real x, real y, real z) {
+  real along = f.tx * x - f.ty * y, across = f.tx * y + f.ty * x;
+  FN(triple)
+  w = {f.ax * along + f.bx * across + f.nx * z, f.by * across + f.ny * z,
+       f.az * along + f.bz * across + f.nz * z};
+  return w;
+}
+
+/*
+ * Warp is weft with x and y exchanged, a mirror, in which turning is the other way round: the
+ * fibres' direction (tx, ty) of the cloth becomes (ty, tx), and y of the answer changes sign.
+ */
+static void FN(cloth_carry)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
+                            const real *const w[3], FN(gathered) * g, real (*to)[BLOCK]) {
+  const int *lane = g->lane;
+  const real *nx = FN(cloth_row)(c, CLOTH_N + k), *ny = FN(cloth_row)(c, CLOTH_N + 1 - k);
+  const real *nz = FN(cloth_row)(c, CLOTH_N + 2);
+  const real *x = w[k], *y = w[1 - k], *z = w[2];
+  const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
+  const real mx = (real)(k ? f->side[k].ty : f->side[k].tx);
+  const real my = (real)(k ? f->side[k].tx : f->side[k].ty);
+  const real *tx = FN(cloth_row)(c, CLOTH_FIBRE + k), *ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k);
+  const real flip = k ? R(-1.0) : R(1.0);
+  real *ox = to[0], *oy = to[1], *oz = to[2];
+#pragma omp simd
+  for (size_t j = 0; j < g->count; j++) {
+    const int i = lane[j];
+    FN(carrier)
+    a = FN(carrier_of)(nx[i], ny[i], nz[i], near ? tx[i] : mx, near ? ty[i] : my);
+    FN(triple) v = FN(carry)(a, x[i], y[i], z[i]);
+    ox[j] = v.x;
+    oy[j] = flip * v.y;
+    oz[j] = v.z;
+  }
+}
+
+/* From the frame of the fibres back to the surface's, scattered. */
+static void FN(cloth_carry_back)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
+                                 const FN(gathered) * g, real *const w[3]) {
+  const real *nx = FN(cloth_row)(c, CLOTH_N + k), *ny = FN(cloth_row)(c, CLOTH_N + 1 - k);
+  const real *nz = FN(cloth_row)(c, CLOTH_N + 2);
+  const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
+  const real mx = (real)(k ? f->side[k].ty : f->side[k].tx);
+  const real my = (real)(k ? f->side[k].tx : f->side[k].ty);
+  const real *tx = FN(cloth_row)(c, CLOTH_FIBRE + k), *ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k);
+  const real flip = k ? R(-1.0) : R(1.0);
+  for (size_t j = 0; j < g->count; j++) {
+    const int i = g->lane[j];
+    FN(carrier)
+    a = FN(carrier_of)(nx[i], ny[i], nz[i], near ? tx[i] : mx, near ? ty[i] : my);
+    FN(triple) v = FN(carry_back)(a, g->wi[0][j], flip * g->wi[1][j], g->wi[2][j]);
+    w[k][i] = v.x;
+    w[1 - k][i] = v.y;
+    w[2][i] = v.z;
+  }
+}
+
+/* The normals of near yarns, or one for all. */
+static void FN(cloth_tilts)(const FN(cloth) * c, int kind, const fabric_nodes *one,
+                            FN(gathered) * g) {
+  for (int a = 0; a < 3; a++) {
+    const real *from = FN(cloth_row)(c, CLOTH_TILT + a);
+    const real same = a == 0 ? one->FN(x)[0] : a == 1 ? one->FN(y)[0] : one->FN(z)[0];
+    real *to = g->n[a];
+    if (kind == CLOTH_SINGLE || kind == CLOTH_FAR)
+      for (size_t j = 0; j < g->count; j++)
+        to[j] = same;
+    else
+      for (size_t j = 0; j < g->count; j++)
+        to[j] = from[g->lane[j]];
+  }
+}
+
+static FN(shade_lanes) FN(lanes_of)(const FN(gathered) * g) {
+  FN(shade_lanes)
+  in = {.size = sizeof in,
+        .nx = g->n[0],
+        .ny = g->n[1],
+        .nz = g->n[2],
+        .wix = g->wi[0],
+        .wiy = g->wi[1],
+        .wiz = g->wi[2],
+        .wox = g->wo[0],
+        .woy = g->wo[1],
+        .woz = g->wo[2]};
+  return in;
+}
+
+/* Diffuse light from behind about the yarn's normal. */
+static void FN(cloth_through)(const FN(gathered) * g, real *restrict through) {
+  const real *nx = g->n[0], *ny = g->n[1], *nz = g->n[2];
+  const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
+  const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
+#pragma omp simd
+  for (size_t j = 0; j < g->count; j++) {
+    real ci = -(nx[j] * ix[j] + ny[j] * iy[j] + nz[j] * iz[j]);
+    real co = nx[j] * ox[j] + ny[j] * oy[j] + nz[j] * oz[j];
+    real enter = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(ci, 0), 1));
+    real leave = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(co, 0), 1));
+    through[j] = FN(minimum)(ci, co) > 0 ? ci * INVERSE_PI * enter * leave : 0;
+  }
+}
+
+/*
+ * What is asked of one lobe under each pair of light and eye: two numbers (spec and matt of
+ * kernel_yarn), or one (the density; what comes through).
+ */
+typedef enum FN(asked) { FN(ASK_YARN), FN(ASK_DENSITY), FN(ASK_THROUGH) } FN(asked);
+
+static void FN(cloth_ask)(FN(asked) what, const bsdf *b, const FN(gathered) * g, real *first,
+                          real *second) {
+  const FN(shade_lanes) in = FN(lanes_of)(g);
+  if (what == FN(ASK_YARN))
+    FN(yarn_batch)(b, g->count, &in, first, second);
+  else if (what == FN(ASK_DENSITY))
+    FN(pdf_batch)(b, g->count, &in, first);
+  else
+    FN(cloth_through)(g, first);
+}
+
+/* The mean over nodes: as many lanes at a time as, times the nodes, fill a block. */
+static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes *nodes,
+                              const FN(gathered) * g, real *first, real *second) {
+  FN(gathered) all;
+  real one[BLOCK], two[BLOCK];
+  const size_t m = (size_t)nodes->count, most = BLOCK / m;
+  for (size_t start = 0; start < g->count; start += most) {
+    const size_t size = g->count - start < most ? g->count - start : most;
+    all.count = size * m;
+    for (size_t j = 0; j < size; j++) {
+      memcpy(all.n[0] + j * m, nodes->FN(x), m * sizeof(real));
+      memcpy(all.n[1] + j * m, nodes->FN(y), m * sizeof(real));
+      memcpy(all.n[2] + j * m, nodes->FN(z), m * sizeof(real));
+      for (int a = 0; a < 3; a++)
+        for (size_t i = j * m; i < (j + 1) * m; i++) {
+          all.wi[a][i] = g->wi[a][start + j];
+          all.wo[a][i] = g->wo[a][start + j];
+        }
+    }
+    FN(cloth_ask)(what, b, &all, one, two);
+    const real *weight = nodes->FN(weight);
+    for (size_t j = 0; j < size; j++) {
+      real sum = 0, more = 0;
+#pragma omp simd reduction(+ : sum)
+      for (size_t i = 0; i < m; i++)
+        sum += weight[i] * one[j * m + i];
+      first[start + j] = sum;
+      if (what != FN(ASK_YARN))
+        continue;
+#pragma omp simd reduction(+ : more)
+      for (size_t i = 0; i < m; i++)
+        more += weight[i] * two[j * m + i];
+      second[start + j] = more;
+    }
+  }
+}
+
+/* Lanes of a kind under one lobe of their side. */
+static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int kind,
+                          const bsdf *b, FN(gathered) * g, real *first, real *second) {
+  if (kind == CLOTH_FAR) {
+    FN(cloth_mixture)(what, b, what == FN(ASK_YARN) ? &s->nodes : &s->coarse, g, first, second);
+  } else {
+    FN(cloth_tilts)(c, kind, &s->one, g);
+    FN(cloth_ask)(what, b, g, first, second);
+  }
+}
+
+static fabric_lobe FN(cloth_lobe)(FN(asked) what, int kind) {
+  return kind == CLOTH_SINGLE   ? FABRIC_SINGLE
+         : kind != CLOTH_FAR    ? FABRIC_NEAR
+         : what == FN(ASK_YARN) ? FABRIC_FAR
+                                : FABRIC_DRAW;
+}
+
+/* The same, where some lanes have less gloss: those one by one, each with a lobe of its own. */
+static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int k,
+                            int kind, FN(gathered) * g, real *first, real *second) {
+  const fabric_lobe which = FN(cloth_lobe)(what, kind);
+  const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
+  int dull = 0;
+  for (size_t j = 0; j < g->count; j++)
+    dull |= gloss[g->lane[j]] < 1;
+  FN(cloth_run)(what, c, s, kind, bsdf_of(&s->lobe[which]), g, first, second);
+  for (size_t j = 0; dull && j < g->count; j++) {
+    FN(gathered) one;
+    shade_bsdf room;
+    if (!(gloss[g->lane[j]] < 1))
+      continue;
+    one.count = 1;
+    one.lane[0] = g->lane[j];
+    for (int a = 0; a < 3; a++) {
+      one.wi[a][0] = g->wi[a][j];
+      one.wo[a][0] = g->wo[a][j];
+    }
+    const shade_bsdf *b = fabric_dull_lobe(s, which, (double)gloss[g->lane[j]], &room);
+    FN(cloth_run)(what, c, s, kind, bsdf_of(b), &one, first + j, second ? second + j : NULL);
+  }
+}
+
+/*
+ * What share of tilts, even about their mean, faces w: the single lobe's stand-in for the
+ * horizons of the yarns that turn away.
+ */
+LEAF real FN(facing)(real nx, real ny, real nz, real vx, real vy, real x, real y, real z) {
+  real reach = FN(root)(3 * (vx * x * x + vy * y * y)), c = nx * x + ny * y + nz * z;
+  real part = R(0.5) * (1 + c / FN(maximum)(reach, R(1e-20)));
+  return c >= reach ? 1 : FN(maximum)(part, 0);
+}
+
+static void FN(cloth_facing)(const fabric_side *side, const FN(gathered) * g, real *restrict spec,
+                             real *restrict matt) {
+  const real nx = side->one.FN(x)[0], ny = side->one.FN(y)[0], nz = side->one.FN(z)[0];
+  const real vx = (real)side->spread[0], vy = (real)side->spread[1];
+  const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
+  const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
+#pragma omp simd
+  for (size_t j = 0; j < g->count; j++) {
+    real seen = FN(facing)(nx, ny, nz, vx, vy, ix[j], iy[j], iz[j]) *
+                FN(facing)(nx, ny, nz, vx, vy, ox[j], oy[j], oz[j]);
+    spec[j] *= seen;
+    matt[j] *= seen;
+  }
+}
+
+/* Lists of the lanes that are lit, by kind, and of those that are lit from behind. */
+typedef struct FN(lists) {
+  int lane[2][CLOTH_KINDS][BLOCK];
+  size_t count[2][CLOTH_KINDS];
+} FN(lists);
+
+static void FN(cloth_list)(const FN(cloth) * c, const real *side, FN(lists) * l) {
+  memset(l->count, 0, sizeof l->count);
+  for (size_t i = 0; i < c->count; i++) {
+    const int behind = side[i] < 0, kind = side[i] != 0 ? c->kind[i] : CLOTH_VOID;
+    l->lane[behind][kind][l->count[behind][kind]++] = (int)i;
+  }
+}
+
+/* Gather the lanes of a list for side k; those that have nothing of it are left out. */
+static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, const FN(lists) * l,
+                               int behind, int kind, int k, const real *const wi[3],
+                               const real *const wo[3], FN(gathered) * g) {
+  const size_t count = l->count[behind][kind];
+  g->count = 0;
+  if (!count || (kind <= CLOTH_WARP && kind != k) || kind == CLOTH_GAP || kind == CLOTH_VOID)
+    return 0;
+  const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+  for (size_t j = 0; j < count; j++) {
+    const int i = l->lane[behind][kind][j];
+    g->lane[g->count] = i;
+    g->count += weight[i] > 0;
+  }
+  if (wi)
+    FN(cloth_carry)(f, c, kind, k, wi, g, g->wi);
+  FN(cloth_carry)(f, c, kind, k, wo, g, g->wo);
+  return g->count;
+}
+
+static void FN(cloth_add)(const shade_fabric *f, const FN(cloth) * c, int k, const FN(gathered) * g,
+                          const real *spec, const real *matt, const real *white,
+                          real *const rgb[3]) {
+  const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+  for (int channel = 0; channel < 3; channel++) {
+    const real *kd = FN(cloth_row)(c, CLOTH_KD + 3 * k + channel);
+    const real f0 = (real)f->side[k].f0[channel];
+    real *to = rgb[channel];
+#pragma omp simd
+    for (size_t j = 0; j < g->count; j++) {
+      const int i = g->lane[j];
+      to[i] += weight[i] * spec[j] * (f0 + (1 - f0) * white[i]) + kd[i] * matt[j];
+    }
+  }
+}
+
+/* Schlick's white share at the cosine between wi and h. */
+static void FN(cloth_white)(size_t count, const real *const wi[3], const real *const wo[3],
+                            real *restrict white) {
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    white[i] = FN(schlick_weight)(FN(half_cosine)(ix[i] + ox[i], iy[i] + oy[i], iz[i] + oz[i]));
+}
+
+/*
+ * A nap of optical depth t over the cloth: light scattered once, alike in all directions, and
+ * what gets through both ways; of the light that a fibre scatters half goes on downwards, so
+ * that t counts half there. Light from behind passes it once. [Chandrasekhar1960 Sect. 3;
+ * KoenderinkPont2003]
+ */
+static void FN(cloth_nap)(const shade_fabric *f, const FN(cloth) * c, const real *restrict ci,
+                          const real *restrict co, const real *restrict side, real *const rgb[3]) {
+  const real *nap = FN(cloth_row)(c, CLOTH_NAP);
+  const real r = (real)f->nap_color[0], g = (real)f->nap_color[1], b = (real)f->nap_color[2];
+  real *red = rgb[0], *green = rgb[1], *blue = rgb[2];
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++) {
+    int lit = side[i] > 0;
+    real in = lit ? ci[i] : 1, out = side[i] != 0 ? co[i] : 1;
+    real way = (lit ? 1 / in : 0) + 1 / out;
+    real through = FN(exp_negative)(R(0.5) * nap[i] * way);
+    real back = in / (in + out) * (1 - through * through) * (R(0.25) * INVERSE_PI);
+    back = lit ? back : 0;
+    red[i] = red[i] * through + r * back;
+    green[i] = green[i] * through + g * back;
+    blue[i] = blue[i] * through + b * back;
+  }
+}
+
+static int FN(any_nap)(const FN(cloth) * c) {
+  const real *nap = FN(cloth_row)(c, CLOTH_NAP);
+  int any = 0;
+  for (size_t i = 0; i < c->count; i++)
+    any |= nap[i] > 0;
+  return any;
+}
+
+/* s by the rule of `hard`, for eyes wo. */
+static void FN(cloth_hard)(const shade_fabric *f, const FN(cloth) * c, const real *const wi[3],
+                           const real *const wo[3], real *const rgb[3]) {
+  FN(gathered) g;
+  FN(lists) lists;
+  real ci[BLOCK], co[BLOCK], side[BLOCK], white[BLOCK], spec[BLOCK], matt[BLOCK];
+  FN(cloth_sides)(c, wi, wo, ci, co, side);
+  FN(cloth_list)(c, side, &lists);
+  FN(cloth_white)(c->count, wi, wo, white);
+  for (int channel = 0; channel < 3; channel++) {
+    const real *flat = FN(cloth_row)(c, CLOTH_FLAT + channel);
+    real *to = rgb[channel];
+#pragma omp simd
+    for (size_t i = 0; i < c->count; i++)
+      to[i] = side[i] > 0 ? flat[i] * ci[i] * INVERSE_PI : 0;
+  }
+  for (int kind = 0; kind < CLOTH_VOID; kind++)
+    for (int k = 0; k < 2; k++) {
+      const fabric_side *s = &f->side[k];
+      if (FN(cloth_gather)(f, c, &lists, 0, kind, k, wi, wo, &g)) {
+        FN(cloth_lobes)(FN(ASK_YARN), c, s, k, kind, &g, spec, matt);
+        if (kind == CLOTH_SINGLE)
+          FN(cloth_facing)(s, &g, spec, matt);
+        FN(cloth_add)(f, c, k, &g, spec, matt, white, rgb);
+      }
+      if (!f->transmits || !FN(cloth_gather)(f, c, &lists, 1, kind, k, wi, wo, &g))
+        continue;
+      if (kind > CLOTH_WARP) {
+        FN(cloth_mixture)(FN(ASK_THROUGH), NULL, &s->coarse, &g, spec, NULL);
+      } else {
+        FN(cloth_tilts)(c, kind, &s->one, &g);
+        FN(cloth_through)(&g, spec);
+      }
+      for (int channel = 0; channel < 3; channel++) {
+        const real *kt = FN(cloth_row)(c, CLOTH_KT + 3 * k + channel);
+        for (size_t j = 0; j < g.count; j++)
+          rgb[channel][g.lane[j]] += kt[g.lane[j]] * spec[j];
+      }
+    }
+  if (FN(any_nap)(c))
+    FN(cloth_nap)(f, c, ci, co, side, rgb);
+}
+
+/* Directions to evaluate, mended where they need it. */
+typedef struct FN(mended_light) {
+  const real *wi[3];
+  real room[3][BLOCK];
+  unsigned char void_lane[BLOCK];
+} FN(mended_light);
+
+static unsigned FN(mend_light)(size_t count, const real *const wi[3], FN(mended_light) * m) {
+  unsigned status = SHADE_OK;
+  for (int a = 0; a < 3; a++)
+    m->wi[a] = wi[a];
+  if (!FN(pass_check)(count, wi[0], wi[1], wi[2]))
+    return SHADE_OK;
+  for (size_t i = 0; i < count; i++) {
+    real w[3] = {wi[0][i], wi[1][i], wi[2][i]};
+    const unsigned lane = FN(mend_if_needed)(w, 0);
+    for (int a = 0; a < 3; a++)
+      m->room[a][i] = w[a];
+    m->void_lane[i] = (lane & SHADE_BAD_INPUT) != 0;
+    status |= lane;
+  }
+  for (int a = 0; a < 3; a++)
+    m->wi[a] = m->room[a];
+  return status;
+}
+
+/* Lanes whose wi is opposite to wo, where there is no half vector; only light from behind is. */
+static unsigned FN(cloth_opposite)(const FN(cloth) * c, const real *const wi[3]) {
+  const real *ox = FN(cloth_row)(c, CLOTH_WO), *oy = ox + c->stride, *oz = oy + c->stride;
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
+  int any = 0;
+#pragma omp simd reduction(| : any)
+  for (size_t i = 0; i < c->count; i++)
+    any |= !(2 + 2 * (ix[i] * ox[i] + iy[i] * oy[i] + iz[i] * oz[i]) > R(1e-30));
+  return any ? SHADE_BAD_INPUT : SHADE_OK;
+}
+
+/* Facets with normal n and upright mirrors: the paths of light and eye, as pass_horizon.h. */
+static void FN(cloth_facets)(const shade_fabric *f, const FN(cloth) * c, const real *const wi[3],
+                             real *const rgb[3]) {
+  const real *n[3], *wo[3];
+  real x[BLOCK], y[BLOCK], more[3][BLOCK], see[2][2][BLOCK], weight[BLOCK], scale[BLOCK];
+  real *const to[3] = {more[0], more[1], more[2]};
+  const size_t size = c->count;
+  for (int a = 0; a < 3; a++) {
+    n[a] = FN(cloth_row)(c, CLOTH_N + a);
+    wo[a] = FN(cloth_row)(c, CLOTH_WO + a);
+  }
+  const real *const *w[2] = {wi, wo};
+  for (int k = 0; k < 2; k++) {
+    FN(pass_share_bumped)(size, n[0], n[1], n[2], w[k][0], w[k][1], w[k][2], see[k][0]);
+    FN(pass_share_upright)(size, n[0], n[1], n[2], w[k][0], w[k][1], w[k][2], see[k][1]);
+  }
+  /* s has n.wi in it, where the facets have wi.z n.z / (p + q): their quotient */
+  for (size_t i = 0; i < size; i++) {
+    real side = n[0][i] * wi[0][i] + n[1][i] * wi[1][i];
+    real p = FN(maximum)(side + n[2][i] * wi[2][i], 0), q = FN(maximum)(-side, 0);
+    scale[i] = wi[2][i] > 0 ? n[2][i] * wi[2][i] / FN(maximum)(p + q, TINY) : 1;
+  }
+  FN(cloth_hard)(f, c, wi, wo, rgb);
+  FN(pass_mirror)(size, n[0], n[1], wo[0], wo[1], x, y);
+  const real *const eye[3] = {x, y, wo[2]};
+  FN(cloth_hard)(f, c, wi, eye, to);
+  for (int channel = 0; channel < 3; channel++)
+    for (size_t i = 0; i < size; i++)
+      rgb[channel][i] =
+          scale[i] * (see[1][0][i] * rgb[channel][i] + see[1][1][i] * more[channel][i]);
+  FN(pass_mirror)(size, n[0], n[1], wi[0], wi[1], x, y);
+  const real *const light[3] = {x, y, wi[2]};
+  FN(cloth_hard)(f, c, light, wo, to);
+  for (size_t i = 0; i < size; i++) {
+    real side = n[0][i] * wi[0][i] + n[1][i] * wi[1][i];
+    real q = FN(maximum)(-side, 0), p = q + n[2][i] * wi[2][i]; /* p of the mirrored light */
+    weight[i] = wi[2][i] > 0 ? scale[i] * see[1][0][i] * q / FN(maximum)(p, TINY) : 0;
+  }
+  for (int channel = 0; channel < 3; channel++)
+    for (size_t i = 0; i < size; i++)
+      rgb[channel][i] += weight[i] * more[channel][i];
+}
+
+/* s of every lane; rgb does not overlap wi. Returns status bits. */
+static unsigned FN(kernel_cloth)(const shade_fabric *f, const FN(cloth) * c,
+                                 const real *const wi_in[3], real *const rgb[3]) {
+  FN(mended_light) m;
+  const real *wo[3];
+  real factor[BLOCK];
+  unsigned status = FN(mend_light)(c->count, wi_in, &m);
+  const real *const wi[3] = {m.wi[0], m.wi[1], m.wi[2]};
+  for (int a = 0; a < 3; a++)
+    wo[a] = FN(cloth_row)(c, CLOTH_WO + a);
+  if (!f->transmits)
+    status |= FN(cloth_opposite)(c, wi);
+  if (f->horizon == SHADE_HORIZON_SCHUESSLER) {
+    FN(cloth_facets)(f, c, wi, rgb);
+  } else {
+    FN(cloth_hard)(f, c, wi, wo, rgb);
+    if (f->horizon != SHADE_HORIZON_HARD && f->horizon != SHADE_HORIZON_VALID_REFLECTION) {
+      const real *nx = FN(cloth_row)(c, CLOTH_GIVEN), *ny = nx + c->stride, *nz = ny + c->stride;
+      (f->horizon == SHADE_HORIZON_CHIANG ? FN(pass_shadow_chiang) : FN(pass_shadow_estevez))(
+          c->count, nx, ny, nz, wi[0], wi[1], wi[2], factor);
+      for (size_t i = 0; i < c->count; i++) /* light from behind meets no bumps */
+        factor[i] = wi[2][i] > 0 ? factor[i] : 1;
+      for (int channel = 0; channel < 3; channel++)
+        FN(pass_multiply)(c->count, factor, rgb[channel]);
+    }
+  }
+  for (int channel = 0; channel < 3 && status & SHADE_BAD_INPUT; channel++)
+    for (size_t i = 0; i < c->count; i++)
+      if (m.wi[0] != wi_in[0] && m.void_lane[i])
+        rgb[channel][i] = 0;
+  return status;
+}

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The batches of fabric.h in one precision, after fabric_eval.h. */
+
+/* A block of prepared lanes, of which a caller's storage holds many. */
+typedef struct FN(prepared) {
+  real rows[CLOTH_ROWS * LANES];
+  unsigned char kind[LANES];
+} FN(prepared);
+
+static FN(cloth) FN(block_of)(const FN(prepared) * block, size_t count) {
+  FN(prepared) *b = (FN(prepared) *)(uintptr_t)block;
+  FN(cloth) c = {count, LANES, b->kind, b->rows};
+  return c;
+}
+
+/* Copies that hold NULL beyond the caller's size. */
+static FN(shade_fabric_lanes) FN(known_lanes)(const FN(shade_fabric_lanes) * in) {
+  FN(shade_fabric_lanes) known;
+  if (in)
+    shade_whole_lanes(in, 0, &known, sizeof known);
+  else
+    memset(&known, 0, sizeof known);
+  return known;
+}
+static FN(shade_fabric_result) FN(known_result)(const FN(shade_fabric_result) * out) {
+  FN(shade_fabric_result) known;
+  if (out)
+    shade_whole_lanes(out, 0, &known, sizeof known);
+  else
+    memset(&known, 0, sizeof known);
+  return known;
+}
+
+/* Lane i of what was given; n and so on as the fabric has them where there is no array. */
+static void FN(place_at)(const FN(shade_fabric_lanes) * in, size_t i, FN(place) * p,
+                         real footprint[2]) {
+  const real *const kd[2][3] = {{in->weft_r, in->weft_g, in->weft_b},
+                                {in->warp_r, in->warp_g, in->warp_b}};
+  const real *const gloss[2] = {in->weft_gloss, in->warp_gloss};
+  p->uv[0] = (double)in->u[i];
+  p->uv[1] = (double)in->v[i];
+  footprint[0] = in->du && in->dv ? in->du[i] : 0;
+  footprint[1] = in->du && in->dv ? in->dv[i] : 0;
+  p->wo[0] = in->wox[i];
+  p->wo[1] = in->woy[i];
+  p->wo[2] = in->woz[i];
+  if (in->nx && in->ny && in->nz) {
+    p->given[0] = in->nx[i];
+    p->given[1] = in->ny[i];
+    p->given[2] = in->nz[i];
+  }
+  if (in->random)
+    p->random = in->random[i];
+  for (int k = 0; k < 2; k++) {
+    for (int a = 0; a < 3 && kd[k][0] && kd[k][1] && kd[k][2]; a++)
+      p->kd[k][a] = kd[k][a][i];
+    if (gloss[k])
+      p->gloss[k] = gloss[k][i];
+  }
+  if (in->nap)
+    p->nap = in->nap[i];
+}
+
+/* Prepare lanes from `start`, one term each. */
+static unsigned FN(prepare_block)(const shade_fabric *f, size_t start,
+                                  const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
+                                  const FN(cloth) * c) {
+  unsigned status = SHADE_OK;
+  for (size_t i = 0; i < c->count; i++) {
+    FN(place) p;
+    real footprint[2];
+    int empty;
+    FN(own_numbers)(f, &p);
+    FN(place_at)(in, start + i, &p, footprint);
+    status |= FN(mend_place)(f, &p, footprint, &empty);
+    if (empty)
+      FN(put_void)(f, c, i);
+    else
+      FN(put_one)(f, c, i, &p, tier);
+  }
+  return status;
+}
+
+/* What a batch is to do. */
+typedef enum FN(job) { FN(JOB_EVAL), FN(JOB_PDF), FN(JOB_SAMPLE) } FN(job);
+
+static int FN(is_complete)(FN(job) job, const FN(shade_fabric_lanes) * in,
+                           const FN(shade_fabric_result) * out, int prepared) {
+  if (!prepared && !(in->u && in->v && in->wox && in->woy && in->woz))
+    return 0;
+  if (job == FN(JOB_SAMPLE) ? !(in->u1 && in->u2 && in->u3 && out->wix && out->wiy && out->wiz)
+                            : !(in->wix && in->wiy && in->wiz))
+    return 0;
+  return (job == FN(JOB_PDF) || (out->r && out->g && out->b)) && (job == FN(JOB_EVAL) || out->pdf);
+}
+
+/* The job over one prepared block, whose first lane is `start` of the arrays. */
+static unsigned FN(run_block)(const shade_fabric *f, const FN(cloth) * c, FN(job) job, size_t start,
+                              const FN(shade_fabric_lanes) * in,
+                              const FN(shade_fabric_result) * out) {
+  const shade_isa_table *isa = shade_isa_pick(0);
+  const real *wi[3];
+  unsigned status = SHADE_OK;
+  if (job == FN(JOB_SAMPLE)) {
+    const real *const u[3] = {in->u1 + start, in->u2 + start, in->u3 + start};
+    real *const to[3] = {out->wix + start, out->wiy + start, out->wiz + start};
+    status |= isa->FN(cloth_draw)(f, c, u, to);
+    for (int a = 0; a < 3; a++)
+      wi[a] = to[a];
+  } else {
+    wi[0] = in->wix + start;
+    wi[1] = in->wiy + start;
+    wi[2] = in->wiz + start;
+  }
+  real room[3][LANES];
+  if (job == FN(JOB_SAMPLE)) /* a draw that found nothing is no direction */
+    for (int a = 0; a < 3; a++) {
+      for (size_t i = 0; i < c->count; i++)
+        room[a][i] = a == 2 && wi[0][i] == 0 && wi[1][i] == 0 && wi[2][i] == 0 ? R(1.0) : wi[a][i];
+    }
+  const real *const w[3] = {job == FN(JOB_SAMPLE) ? room[0] : wi[0],
+                            job == FN(JOB_SAMPLE) ? room[1] : wi[1],
+                            job == FN(JOB_SAMPLE) ? room[2] : wi[2]};
+  if (job != FN(JOB_PDF)) {
+    real *const rgb[3] = {out->r + start, out->g + start, out->b + start};
+    status |= isa->FN(cloth)(f, c, w, rgb);
+  }
+  if (out->pdf)
+    status |= isa->FN(cloth_pdf)(f, c, w, out->pdf + start);
+  if (job == FN(JOB_SAMPLE))
+    for (size_t i = start; i < start + c->count; i++)
+      if (!(out->pdf[i] > 0) || (out->wix[i] == 0 && out->wiy[i] == 0 && out->wiz[i] == 0)) {
+        out->wix[i] = out->wiy[i] = out->wiz[i] = 0;
+        out->r[i] = out->g[i] = out->b[i] = out->pdf[i] = 0;
+        status |= SHADE_NO_SAMPLE;
+      }
+  return status;
+}
+
+/* One lane at a time, all terms of its footprint. */
+static unsigned FN(run_terms)(const shade_fabric *f, size_t count, FN(job) job,
+                              const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
+                              const FN(shade_fabric_result) * out) {
+  unsigned status = SHADE_OK;
+  for (size_t i = 0; i < count; i++) {
+    FN(shade_fabric_hit) hit;
+    FN(place) p;
+    real footprint[2], wi[3], s[3], pdf;
+    FN(own_numbers)(f, &p);
+    FN(place_at)(in, i, &p, footprint);
+    status |= FN(prepare)(f, &p, footprint, tier, &hit);
+    if (job == FN(JOB_SAMPLE)) {
+      const real u[3] = {in->u1[i], in->u2[i], in->u3[i]};
+      status |= FN(shade_fabric_hit_sample)(f, &hit, u, wi, s, &pdf);
+      out->wix[i] = wi[0];
+      out->wiy[i] = wi[1];
+      out->wiz[i] = wi[2];
+      out->pdf[i] = pdf;
+    } else {
+      wi[0] = in->wix[i];
+      wi[1] = in->wiy[i];
+      wi[2] = in->wiz[i];
+      if (job == FN(JOB_EVAL))
+        status |= FN(shade_fabric_hit_eval)(f, &hit, wi, s);
+      if (out->pdf)
+        out->pdf[i] = FN(shade_fabric_hit_pdf)(f, &hit, wi, &status);
+    }
+    if (job != FN(JOB_PDF)) {
+      out->r[i] = s[0];
+      out->g[i] = s[1];
+      out->b[i] = s[2];
+    }
+    const FN(cloth) c = FN(terms_of)(&hit);
+    const real *part = FN(cloth_row)(&c, CLOTH_PART), *share = FN(cloth_row)(&c, CLOTH_COVERAGE);
+    if (out->coverage) {
+      out->coverage[i] = 0;
+      for (size_t k = 0; k < c.count; k++)
+        out->coverage[i] += part[k] * share[k];
+    }
+  }
+  return status;
+}
+
+static int FN(needs_terms)(const FN(shade_fabric_lanes) * in, shade_fabric_tier tier) {
+  return tier == SHADE_TIER_AUTO && in->du && in->dv && !in->random;
+}
+
+static void FN(copy_coverage)(const FN(cloth) * c, size_t start,
+                              const FN(shade_fabric_result) * out) {
+  if (out->coverage)
+    memcpy(out->coverage + start, FN(cloth_row)(c, CLOTH_COVERAGE), c->count * sizeof(real));
+}
+
+static unsigned FN(run_batch)(const shade_fabric *f, size_t count, FN(job) job,
+                              const FN(shade_fabric_lanes) * given, shade_fabric_tier tier,
+                              const FN(shade_fabric_result) * result) {
+  const FN(shade_fabric_lanes) in = FN(known_lanes)(given);
+  const FN(shade_fabric_result) out = FN(known_result)(result);
+  if (!count)
+    return SHADE_OK;
+  if (!FN(is_complete)(job, &in, &out, 0))
+    return SHADE_BAD_INPUT;
+  unsigned status = FN(valid_tier)(&tier);
+  if (FN(needs_terms)(&in, tier))
+    return status | FN(run_terms)(f, count, job, &in, tier, &out);
+  FN(prepared) block;
+  for (size_t start = 0; start < count; start += LANES) {
+    const FN(cloth) c = FN(block_of)(&block, count - start < LANES ? count - start : LANES);
+    status |= FN(prepare_block)(f, start, &in, tier, &c);
+    FN(copy_coverage)(&c, start, &out);
+    status |= FN(run_block)(f, &c, job, start, &in, &out);
+  }
+  return status;
+}
+
+static unsigned FN(run_prepared)(const shade_fabric *f, size_t count, const void *hits, FN(job) job,
+                                 const FN(shade_fabric_lanes) * given,
+                                 const FN(shade_fabric_result) * result) {
+  const FN(shade_fabric_lanes) in = FN(known_lanes)(given);
+  const FN(shade_fabric_result) out = FN(known_result)(result);
+  const FN(prepared) *blocks = hits;
+  unsigned status = SHADE_OK;
+  if (!count)
+    return SHADE_OK;
+  if (!FN(is_complete)(job, &in, &out, 1))
+    return SHADE_BAD_INPUT;
+  for (size_t start = 0; start < count; start += LANES) {
+    const FN(cloth) c =
+        FN(block_of)(blocks + start / LANES, count - start < LANES ? count - start : LANES);
+    FN(copy_coverage)(&c, start, &out);
+    status |= FN(run_block)(f, &c, job, start, &in, &out);
+  }
+  return status;
+}
+
+unsigned FN(shade_fabric_eval_batch)(const shade_fabric *f, size_t count,
+                                     const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
+                                     const FN(shade_fabric_result) * out) {
+  return FN(run_batch)(f, count, FN(JOB_EVAL), in, tier, out);
+}
+
+unsigned FN(shade_fabric_pdf_batch)(const shade_fabric *f, size_t count,
+                                    const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
+                                    const FN(shade_fabric_result) * out) {
+  return FN(run_batch)(f, count, FN(JOB_PDF), in, tier, out);
+}
+
+unsigned FN(shade_fabric_sample_batch)(const shade_fabric *f, size_t count,
+                                       const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
+                                       const FN(shade_fabric_result) * out) {
+  return FN(run_batch)(f, count, FN(JOB_SAMPLE), in, tier, out);
+}
+
+size_t FN(shade_fabric_hits_size)(size_t count) {
+  return (count + LANES - 1) / LANES * sizeof(FN(prepared));
+}
+
+unsigned FN(shade_fabric_prepare_batch)(const shade_fabric *f, size_t count,
+                                        const FN(shade_fabric_lanes) * given,
+                                        shade_fabric_tier tier, void *hits,
+                                        const FN(shade_fabric_result) * result) {
+  const FN(shade_fabric_lanes) in = FN(known_lanes)(given);
+  const FN(shade_fabric_result) out = FN(known_result)(result);
+  FN(prepared) *blocks = hits;
+  if (!count)
+    return SHADE_OK;
+  unsigned status = FN(valid_tier)(&tier);
+  if (!in.u || !in.v || !in.wox || !in.woy || !in.woz || FN(needs_terms)(&in, tier))
+    return status | SHADE_BAD_INPUT;
+  for (size_t start = 0; start < count; start += LANES) {
+    const FN(cloth) c =
+        FN(block_of)(blocks + start / LANES, count - start < LANES ? count - start : LANES);
+    status |= FN(prepare_block)(f, start, &in, tier, &c);
+    FN(copy_coverage)(&c, start, &out);
+  }
+  return status;
+}
+
+unsigned FN(shade_fabric_hits_eval)(const shade_fabric *f, size_t count, const void *hits,
+                                    const FN(shade_fabric_lanes) * in,
+                                    const FN(shade_fabric_result) * out) {
+  return FN(run_prepared)(f, count, hits, FN(JOB_EVAL), in, out);
+}
+
+unsigned FN(shade_fabric_hits_pdf)(const shade_fabric *f, size_t count, const void *hits,
+                                   const FN(shade_fabric_lanes) * in,
+                                   const FN(shade_fabric_result) * out) {
+  return FN(run_prepared)(f, count, hits, FN(JOB_PDF), in, out);
+}
+
+unsigned FN(shade_fabric_hits_sample)(const shade_fabric *f, size_t count, const void *hits,
+                                      const FN(shade_fabric_lanes) * in,
+                                      const FN(shade_fabric_result) * out) {
+  return FN(run_prepared)(f, count, hits, FN(JOB_SAMPLE), in, out);
+}
