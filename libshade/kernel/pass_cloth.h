@@ -405,7 +405,7 @@ static void FN(cloth_hard)(const shade_fabric *f, const FN(cloth) * c, const rea
       if (!f->transmits || !FN(cloth_gather)(f, c, &lists, 1, kind, k, wi, wo, &g))
         continue;
       if (kind > CLOTH_WARP) {
-        FN(cloth_mixture)(FN(ASK_THROUGH), NULL, &s->coarse, &g, spec, NULL);
+        FN(cloth_mixture)(FN(ASK_THROUGH), NULL, &s->nodes, &g, spec, NULL);
       } else {
         FN(cloth_tilts)(c, kind, &s->one, &g);
         FN(cloth_through)(&g, spec);

@@ -118,6 +118,10 @@ static void look_at_block(const shade_fabric *f, int column, int row, int looks,
         cell[COLUMN_FUZZ + 3 * warp + c] += loose * own;
       else
         cell[COLUMN_MATT + 3 * warp + c] += at.occlusion * matt * part;
+      if (!gap && f->transmits)
+        cell[COLUMN_PASS + 3 * warp + c] +=
+            at.occlusion * part *
+            fmin(f->side[warp].transmit[c] * own * at.brightness, 1 - kd * matt);
     }
     if (gap) {
       cell[COLUMN_GAP] += open;

@@ -15,15 +15,18 @@ enum {
 
 /*
  * Columns of the table of the repeat, each an integral from (0, 0). Matt ones are for kd = 1:
- * occlusion, noise and the yarn's own colour, 3 channels; by shade_top: weft, warp.
+ * occlusion, noise and the yarn's own colour, 3 channels; by shade_top: weft, warp. All are kept
+ * and added up, but what is let through only where something is.
  */
 enum {
   COLUMN_SEEN,                   /* seen and not occluded: what the lobe gets */
-  COLUMN_MATT = COLUMN_SEEN + 2, /* the diffuse part, and what is let through */
+  COLUMN_MATT = COLUMN_SEEN + 2, /* the diffuse part */
   COLUMN_FUZZ = COLUMN_MATT + 6, /* loose fibres of that yarn in gaps */
   COLUMN_GAP = COLUMN_FUZZ + 6,  /* the backing, for a reflectance of 1 */
   COLUMN_OPEN,                   /* share of the area that nothing covers */
-  COLUMNS
+  COLUMN_PASS,                   /* what yarns let through; only if some do */
+  COLUMNS = COLUMN_PASS + 6,
+  COLUMNS_OPAQUE = COLUMN_PASS
 };
 
 /* Lobes in the frame of the fibres: x along them, z out of the cloth. Weights add up to 1. */

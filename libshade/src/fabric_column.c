@@ -19,7 +19,8 @@ static void integral(const shade_fabric *f, double x, double y, double scale, do
   const double *right = t + (size_t)j * line + (size_t)f->columns * COLUMNS;
   const double *top = t + (size_t)f->rows * line + (size_t)i * COLUMNS;
   const double *all = t + (size_t)f->rows * line + (size_t)f->columns * COLUMNS;
-  for (int k = 0; k < COLUMNS; k++) {
+  const int columns = f->transmits ? COLUMNS : COLUMNS_OPAQUE;
+  for (int k = 0; k < columns; k++) {
     double corner = (1 - b) * ((1 - a) * low[k] + a * low[COLUMNS + k]) +
                     b * ((1 - a) * high[k] + a * high[COLUMNS + k]);
     double across = (1 - b) * right[k] + b * right[line + (size_t)k];
@@ -72,8 +73,10 @@ static void streaks(const shade_fabric *f, const double uv[2], const double exte
   for (int k = 0; k < 2; k++) {
     double *matt = column + COLUMN_MATT + 3 * k;
     double factor = count[k] ? 1 + share * (sum[k] / count[k] - 1) : 1;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
       matt[c] *= factor;
+      column[COLUMN_PASS + 3 * k + c] *= factor;
+    }
   }
 }
 

@@ -101,7 +101,7 @@ static void FN(put_far)(const shade_fabric *f, const FN(cloth) * c, size_t i, co
     for (int k = 0; k < 2; k++) {
       const double own = column[COLUMN_MATT + 3 * k + a], kd = (double)p->kd[k][a];
       FN(put_matt)
-      (f, c, i, k, a, own * kd, own * f->side[k].transmit[a], column[COLUMN_SEEN + k]);
+      (f, c, i, k, a, own * kd, column[COLUMN_PASS + 3 * k + a], column[COLUMN_SEEN + k]);
       flat += column[COLUMN_FUZZ + 3 * k + a] * kd;
     }
     FN(put)(c, i, CLOTH_FLAT + a, (real)flat);

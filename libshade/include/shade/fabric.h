@@ -131,7 +131,9 @@ typedef struct shade_fabric_point {
   double footprint[2]; /* 0 */
   double n[3];         /* (0, 0, 1) */
   double random;       /* [0, 1): which term stands for the footprint; < 0: all of them (-1) */
-  double warp_kd[3], weft_kd[3]; /* in place of the yarn's, [0, 1] */
+  /* In place of the yarn's, [0, 1]. Near, what is let through is at most what it leaves of 1; far
+   * it is what the fabric's own kd leaves. */
+  double warp_kd[3], weft_kd[3];
   /* Scale of both exponents, [0, 1]; 1: the yarn's own. A lobe of the alpha a becomes one of
    * a^2/gloss (exponents: e gloss), near and in every lobe of the far model, by as much
    * variance. 0 counts as 1e-6. */

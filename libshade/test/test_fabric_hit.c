@@ -1,0 +1,457 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Prepared hits of cloth, and what a lane may bring: the random number, colours, gloss, nap; bad
+ * input, structures that are too short.
+ */
+#include "cloth.h"
+
+/* ---- one, many, prepared ----------------------------------------------------- */
+
+enum { N = 700 };
+typedef struct arrays {
+  double in[22][N], wi[3][N], rgb[3][N], pdf[N], coverage[N];
+  float inf[22][N], wif[3][N], rgbf[3][N], pdff[N], coveragef[N];
+} arrays;
+
+static void fill(arrays *m, uint64_t *seed) {
+  for (int i = 0; i < N; i++) {
+    double wi[3], wo[3];
+    any_direction(seed, -0.2, wi);
+    any_direction(seed, 0, wo);
+    const double of[22] = {16 * uniform(seed),
+                           16 * uniform(seed),
+                           3 * uniform(seed),
+                           3 * uniform(seed),
+                           FOLD[0],
+                           FOLD[1],
+                           FOLD[2],
+                           wi[0],
+                           wi[1],
+                           wi[2],
+                           wo[0],
+                           wo[1],
+                           wo[2],
+                           uniform(seed),
+                           uniform(seed),
+                           0.3,
+                           0.7,
+                           i % 3 ? 1 : 0.4,
+                           i % 5 ? 1 : 0.2,
+                           uniform(seed),
+                           uniform(seed),
+                           uniform(seed)};
+    for (int k = 0; k < 22; k++) {
+      m->inf[k][i] = (float)of[k];
+      m->in[k][i] = (double)m->inf[k][i];
+    }
+  }
+}
+
+#define LANES_OF(in)                                                                               \
+  {                                                                                                \
+    .u = in[0], .v = in[1], .du = in[2], .dv = in[3], .nx = in[4], .ny = in[5], .nz = in[6],       \
+    .wix = in[7], .wiy = in[8], .wiz = in[9], .wox = in[10], .woy = in[11], .woz = in[12],         \
+    .random = in[13], .warp_r = in[14], .warp_g = in[15], .warp_b = in[16], .warp_gloss = in[17],  \
+    .weft_gloss = in[18], .u1 = in[19], .u2 = in[20], .u3 = in[21]                                 \
+  }
+
+/* The point of lane i. */
+static shade_fabric_point point_of(const cloth *c, const arrays *m, int i) {
+  shade_fabric_point p;
+  shade_fabric_point_init(c->fabric, &p);
+  for (int a = 0; a < 2; a++) {
+    p.uv[a] = m->in[a][i];
+    p.footprint[a] = m->in[2 + a][i];
+  }
+  for (int a = 0; a < 3; a++) {
+    p.n[a] = m->in[4 + a][i];
+    p.warp_kd[a] = m->in[14 + a][i];
+  }
+  p.random = m->in[13][i];
+  p.warp_gloss = m->in[17][i];
+  p.weft_gloss = m->in[18][i];
+  return p;
+}
+
+static void one_is_many_is_prepared(void **state) {
+  (void)state;
+  static arrays m, again;
+  uint64_t seed = 4;
+  cloth c = open_cloth("denim", transmits);
+  for (int tier = 0; tier < 4; tier++) {
+    fill(&m, &seed);
+    shade_fabric_lanes in = LANES_OF(m.in);
+    in.size = sizeof in;
+    shade_fabric_lanesf inf = LANES_OF(m.inf);
+    inf.size = sizeof inf;
+    const shade_fabric_result out = {.size = sizeof out,
+                                     .r = m.rgb[0],
+                                     .g = m.rgb[1],
+                                     .b = m.rgb[2],
+                                     .pdf = m.pdf,
+                                     .coverage = m.coverage};
+    const shade_fabric_resultf outf = {.size = sizeof outf,
+                                       .r = m.rgbf[0],
+                                       .g = m.rgbf[1],
+                                       .b = m.rgbf[2],
+                                       .pdf = m.pdff,
+                                       .coverage = m.coveragef};
+    const shade_fabric_result to = {.size = sizeof to,
+                                    .r = again.rgb[0],
+                                    .g = again.rgb[1],
+                                    .b = again.rgb[2],
+                                    .pdf = again.pdf,
+                                    .coverage = again.coverage,
+                                    .wix = again.wi[0],
+                                    .wiy = again.wi[1],
+                                    .wiz = again.wi[2]};
+    assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, (shade_fabric_tier)tier, &out), 0);
+    shade_fabric_eval_batchf(c.fabric, N, &inf, (shade_fabric_tier)tier, &outf);
+
+    void *hits = malloc(shade_fabric_hits_size(N));
+    assert_int_equal(
+        shade_fabric_prepare_batch(c.fabric, N, &in, (shade_fabric_tier)tier, hits, &to), 0);
+    assert_memory_equal(again.coverage, m.coverage, sizeof m.coverage);
+    memset(again.coverage, 0, sizeof again.coverage);
+    shade_fabric_lanes lights = {
+        .size = sizeof lights, .wix = in.wix, .wiy = in.wiy, .wiz = in.wiz};
+    assert_int_equal(shade_fabric_hits_eval(c.fabric, N, hits, &lights, &to), 0);
+    assert_memory_equal(again.rgb, m.rgb, sizeof m.rgb);
+    assert_memory_equal(again.pdf, m.pdf, sizeof m.pdf);
+    assert_memory_equal(again.coverage, m.coverage, sizeof m.coverage);
+    memset(again.pdf, 0, sizeof again.pdf);
+    shade_fabric_hits_pdf(c.fabric, N, hits, &lights, &to);
+    assert_memory_equal(again.pdf, m.pdf, sizeof m.pdf);
+
+    int behind = 0, lit = 0;
+    double worst = 0, worstf = 0;
+    for (int i = 0; i < N; i++) {
+      const shade_fabric_point p = point_of(&c, &m, i);
+      const double wi[3] = {in.wix[i], in.wiy[i], in.wiz[i]},
+                   wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
+      double s[3], coverage;
+      shade_fabric_hit hit;
+      shade_fabric_prepare(c.fabric, &p, wo, (shade_fabric_tier)tier, &hit, &coverage);
+      shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+      const double pdf = shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+      assert_near(shade_fabric_pdf(c.fabric, &p, wi, wo, (shade_fabric_tier)tier, NULL), pdf, 0);
+      assert_near(coverage, m.coverage[i], 1e-15);
+      assert_near((double)m.coveragef[i], coverage, 1e-6);
+      for (int a = 0; a < 3; a++) {
+        worst = fmax(worst, fabs(s[a] - m.rgb[a][i]) / (s[a] + 1e-3));
+        worstf = fmax(worstf, fabs(s[a] - (double)m.rgbf[a][i]) / (s[a] + 1e-3));
+      }
+      worst = fmax(worst, fabs(pdf - m.pdf[i]) / (pdf + 1e-3));
+      worstf = fmax(worstf, fabs(pdf - (double)m.pdff[i]) / (pdf + 1e-3));
+      lit += wi[2] > 0 && s[1] > 0;
+      behind += wi[2] < 0 && s[1] > 0;
+    }
+    print_message("tier %d: single against batch %.1e, float against double %.1e; lit %d, from "
+                  "behind %d\n",
+                  tier, worst, worstf, lit, behind);
+    assert_true(worst <= 1e-11);
+    assert_true(worstf <= 3e-4);
+    assert_true(lit > N / 4 && behind > N / 40);
+
+    assert_int_equal(shade_fabric_sample_batch(c.fabric, N, &in, (shade_fabric_tier)tier, &to) &
+                         ~(unsigned)SHADE_NO_SAMPLE,
+                     0);
+    memcpy(m.wi, again.wi, sizeof m.wi);
+    memset(again.wi, 0, sizeof again.wi);
+    shade_fabric_hits_sample(c.fabric, N, hits, &in, &to);
+    assert_memory_equal(again.wi, m.wi, sizeof m.wi);
+    for (int i = 0; i < N; i++) {
+      const shade_fabric_point p = point_of(&c, &m, i);
+      const double wo[3] = {in.wox[i], in.woy[i], in.woz[i]}, u[3] = {in.u1[i], in.u2[i], in.u3[i]};
+      double wi[3], s[3], pdf;
+      shade_fabric_sample(c.fabric, &p, wo, (shade_fabric_tier)tier, u, wi, s, &pdf);
+      for (int a = 0; a < 3; a++) {
+        assert_near(wi[a], m.wi[a][i], 1e-9);
+        assert_near(s[a], again.rgb[a][i], 1e-9 * (1 + s[a]));
+      }
+      assert_near(pdf, again.pdf[i], 1e-9 * (1 + pdf));
+    }
+    free(hits);
+  }
+  close_cloth(&c);
+}
+
+/* ---- the random number -------------------------------------------------------- */
+
+static void random_numbers_mean_all_terms(void **state) {
+  (void)state;
+  const double footprints[][2] = {{0.3, 0.3}, {1.2, 0.4}, {0.2, 1.5}, {1.9, 1.9}};
+  uint64_t seed = 9;
+  cloth c = open_cloth("linen", transmits);
+  for (int k = 0; k < 60; k++) {
+    shade_fabric_point p;
+    shade_fabric_point_init(c.fabric, &p);
+    double wi[3], wo[3], all[3], sum[3] = {0, 0, 0}, s[3], covered, coverage, sum_covered = 0;
+    any_direction(&seed, k % 4 ? 0.1 : -0.9, wi);
+    any_direction(&seed, 0.1, wo);
+    memcpy(p.footprint, footprints[k % 4], sizeof p.footprint);
+    p.uv[0] = 9 * uniform(&seed);
+    p.uv[1] = 9 * uniform(&seed);
+    memcpy(p.n, FOLD, sizeof p.n);
+    shade_fabric_hit hit;
+    shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &covered);
+    shade_fabric_hit_eval(c.fabric, &hit, wi, all);
+    const double density = shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+    /* far's share by bisection: random numbers below it give the far tier */
+    const double longer = fmax(p.footprint[0], p.footprint[1]);
+    const double x = fmin(fmax(log2(longer / 0.75) / log2(2 / 0.75), 0), 1);
+    const double share = x * x * (3 - 2 * x);
+    double sum_density = 0;
+    for (int j = 0; j < 17; j++) {
+      p.random = j ? share + (1 - share) * (j - 0.5) / 16 : 0.5 * share;
+      const double part = j ? (1 - share) / 16 : share;
+      if (!(part > 0))
+        continue;
+      shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &coverage);
+      shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+      for (int a = 0; a < 3; a++)
+        sum[a] += part * s[a];
+      sum_covered += part * coverage;
+      sum_density += part * shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+    }
+    for (int a = 0; a < 3; a++)
+      assert_near(sum[a], all[a], 1e-12 * (1 + all[a]));
+    assert_near(sum_covered, covered, 1e-12);
+    assert_near(sum_density, density, 1e-12 * (1 + density));
+  }
+  close_cloth(&c);
+}
+
+/* ---- textures ------------------------------------------------------------------ */
+
+static void other_yarns(shade_fabric_params *p) {
+  for (int a = 0; a < 3; a++) {
+    p->warp.kd[a] = 0.1 + 0.2 * a;
+    p->weft.kd[a] = 0.6 - 0.2 * a;
+  }
+  p->nap = 0.35;
+}
+
+/* A lane's colours and nap are those of a fabric that was made with them. */
+static void textures_are_parameters(void **state) {
+  (void)state;
+  const char *names[] = {"denim", "silk_charmeuse", "shot_taffeta"};
+  uint64_t seed = 5;
+  for (int name = 0; name < 3; name++) {
+    cloth plain = open_cloth(names[name], transmits), made = open_cloth(names[name], transmits);
+    shade_fabric_free(made.fabric);
+    other_yarns(&made.preset.fabric);
+    made.fabric = shade_fabric_create(made.weave, &made.preset.fabric, NULL);
+    for (int k = 0; k < 200; k++) {
+      double wi[3], wo[3], got[3], want[3];
+      any_direction(&seed, k % 4 ? 0.1 : -0.9, wi);
+      any_direction(&seed, 0.1, wo);
+      shade_fabric_point p, q;
+      shade_fabric_point_init(plain.fabric, &p);
+      shade_fabric_point_init(made.fabric, &q);
+      p.uv[0] = q.uv[0] = 9 * uniform(&seed);
+      p.uv[1] = q.uv[1] = 9 * uniform(&seed);
+      p.footprint[0] = p.footprint[1] = q.footprint[0] = q.footprint[1] = k % 2 ? 4 : 0.5;
+      memcpy(p.warp_kd, made.preset.fabric.warp.kd, sizeof p.warp_kd);
+      memcpy(p.weft_kd, made.preset.fabric.weft.kd, sizeof p.weft_kd);
+      p.nap = made.preset.fabric.nap;
+      for (int tier = 0; tier < 4; tier++) {
+        if (wi[2] < 0 && tier != SHADE_TIER_NEAR) /* far, kt goes by the fabric's own kd */
+          continue;
+        s_of(&plain, &p, wi, wo, (shade_fabric_tier)tier, got);
+        s_of(&made, &q, wi, wo, (shade_fabric_tier)tier, want);
+        for (int a = 0; a < 3; a++)
+          assert_near(got[a], want[a], 1e-12 + 2e-3 * want[a]);
+      }
+    }
+    close_cloth(&plain);
+    close_cloth(&made);
+  }
+}
+
+static void duller(shade_fabric_params *p) {
+  p->warp.along *= 0.3;
+  p->warp.across *= 0.3;
+  p->weft.along *= 0.5;
+  p->weft.across *= 0.5;
+}
+
+/* Less gloss near is the yarn with smaller exponents; far it is the mean of that. */
+static void gloss_scales_exponents(void **state) {
+  (void)state;
+  uint64_t seed = 6;
+  double worst = 0;
+  const char *names[] = {"silk_charmeuse", "gabardine"};
+  for (int name = 0; name < 2; name++) {
+    cloth plain = open_cloth(names[name], NULL), made = open_cloth(names[name], duller);
+    shade_fabric_point p;
+    shade_fabric_point_init(plain.fabric, &p);
+    p.warp_gloss = 0.3;
+    p.weft_gloss = 0.5;
+    for (int k = 0; k < 200; k++) {
+      double wi[3], wo[3], got[3], want[3];
+      any_direction(&seed, 0.2, wi);
+      any_direction(&seed, 0.2, wo);
+      p.uv[0] = 9 * uniform(&seed);
+      p.uv[1] = 9 * uniform(&seed);
+      s_of(&plain, &p, wi, wo, SHADE_TIER_NEAR, got);
+      shade_fabric_eval(made.fabric, p.uv, NULL, NULL, wi, wo, SHADE_TIER_NEAR, want);
+      for (int a = 0; a < 3; a++)
+        assert_near(got[a], want[a], 1e-9 * (1 + want[a]));
+      const double all[2] = {1e6, 1e6};
+      memcpy(p.footprint, all, sizeof all);
+      s_of(&plain, &p, wi, wo, SHADE_TIER_FAR, got);
+      shade_fabric_eval(made.fabric, p.uv, all, NULL, wi, wo, SHADE_TIER_FAR, want);
+      p.footprint[0] = p.footprint[1] = 0;
+      for (int a = 0; a < 3; a++)
+        worst = fmax(worst, fabs(got[a] / want[a] - 1));
+    }
+    close_cloth(&plain);
+    close_cloth(&made);
+  }
+  print_message("far with less gloss against a fabric made so: %.2f %%\n", 100 * worst);
+  assert_true(worst <= 0.02);
+}
+
+static void no_input_breaks_it(void **state) {
+  (void)state;
+  cloth c = open_cloth("denim", transmits);
+  const double bad[] = {0, -0.0, 1, -1, NAN, INFINITY, -INFINITY, 1e300, 1e-300, 0.3, -1e18};
+  uint64_t seed = 3;
+#define ANY bad[(int)(11 * uniform(&seed))]
+  for (int k = 0; k < 30000; k++) {
+    shade_fabric_point p;
+    shade_fabric_point_init(c.fabric, &p);
+    for (int a = 0; a < 3; a++) {
+      p.n[a] = ANY;
+      p.warp_kd[a] = ANY;
+    }
+    for (int a = 0; a < 2; a++) {
+      p.uv[a] = ANY;
+      p.footprint[a] = ANY;
+    }
+    p.random = ANY;
+    p.warp_gloss = ANY;
+    p.weft_gloss = ANY;
+    p.nap = ANY;
+    const double wo[3] = {ANY, ANY, ANY}, wi[3] = {ANY, ANY, ANY}, u[3] = {ANY, ANY, ANY};
+    double s[3], coverage, drawn[3], pdf;
+    shade_fabric_hit hit;
+    unsigned status =
+        shade_fabric_prepare(c.fabric, &p, wo, (shade_fabric_tier)(k % 6 - 1), &hit, &coverage);
+    assert_true(coverage >= 0 && coverage <= 1);
+    if (!isfinite(p.uv[0]) || !isfinite(wo[1]) || !isfinite(p.n[2]))
+      assert_true(status & SHADE_BAD_INPUT);
+    status = shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+    for (int a = 0; a < 3; a++)
+      assert_true(isfinite(s[a]) && s[a] >= 0);
+    if (!isfinite(wi[0]))
+      assert_true((status & SHADE_BAD_INPUT) && s[0] == 0);
+    pdf = shade_fabric_hit_pdf(c.fabric, &hit, wi, &status);
+    assert_true(isfinite(pdf) && pdf >= 0);
+    status = shade_fabric_hit_sample(c.fabric, &hit, u, drawn, s, &pdf);
+    assert_true(isfinite(pdf) && pdf >= 0 && isfinite(s[0] + s[1] + s[2]));
+    if (isnan(u[1]) || isnan(u[2]))
+      assert_true((status & SHADE_BAD_INPUT) && pdf == 0);
+    if (pdf > 0)
+      assert_near(n_dot(drawn, drawn), 1, 1e-12);
+    else
+      assert_true(status & SHADE_NO_SAMPLE);
+    float wof[3], wif[3], nf[3], sf[3], pdff, coveragef;
+    shade_fabric_pointf q;
+    shade_fabric_hitf hitf;
+    shade_fabric_point_initf(c.fabric, &q);
+    for (int a = 0; a < 3; a++) {
+      wof[a] = (float)wo[a];
+      wif[a] = (float)wi[a];
+      nf[a] = (float)u[a];
+      q.n[a] = (float)p.n[a];
+      q.weft_kd[a] = (float)p.warp_kd[a];
+    }
+    q.uv[0] = (float)p.uv[0];
+    q.footprint[1] = (float)p.footprint[1];
+    q.random = (float)p.random;
+    q.warp_gloss = (float)p.weft_gloss;
+    q.nap = (float)p.nap;
+    shade_fabric_preparef(c.fabric, &q, wof, (shade_fabric_tier)(k % 4), &hitf, &coveragef);
+    shade_fabric_hit_evalf(c.fabric, &hitf, wif, sf);
+    assert_true(isfinite(sf[0] + sf[1] + sf[2]) && sf[0] >= 0 && coveragef >= 0 && coveragef <= 1);
+    pdff = shade_fabric_hit_pdff(c.fabric, &hitf, wif, NULL);
+    assert_true(isfinite(pdff) && pdff >= 0);
+    shade_fabric_hit_samplef(c.fabric, &hitf, nf, wif, sf, &pdff);
+    assert_true(isfinite(pdff) && pdff >= 0 && isfinite(sf[0] + sf[1] + sf[2]));
+  }
+#undef ANY
+  close_cloth(&c);
+}
+
+/* Structures that are too short, and arrays that are required. */
+static void short_structures(void **state) {
+  (void)state;
+  static arrays m;
+  uint64_t seed = 2;
+  cloth c = open_cloth("denim", NULL);
+  fill(&m, &seed);
+  shade_fabric_lanes in = LANES_OF(m.in);
+  const shade_fabric_result out = {.size = sizeof out,
+                                   .r = m.rgb[0],
+                                   .g = m.rgb[1],
+                                   .b = m.rgb[2],
+                                   .pdf = m.pdf,
+                                   .coverage = m.coverage,
+                                   .wix = m.wi[0],
+                                   .wiy = m.wi[1],
+                                   .wiz = m.wi[2]};
+  shade_fabric_result less = out;
+  m.rgb[0][0] = m.pdf[0] = m.wi[0][0] = -7;
+  in.size = offsetof(shade_fabric_lanes, woz);
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_NEAR, &out),
+                   SHADE_BAD_INPUT);
+  in.size = offsetof(shade_fabric_lanes, u3);
+  assert_int_equal(shade_fabric_sample_batch(c.fabric, N, &in, SHADE_TIER_NEAR, &out),
+                   SHADE_BAD_INPUT);
+  in.size = sizeof in;
+  less.size = offsetof(shade_fabric_result, b);
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_NEAR, &less),
+                   SHADE_BAD_INPUT);
+  less.size = offsetof(shade_fabric_result, pdf);
+  assert_int_equal(shade_fabric_pdf_batch(c.fabric, N, &in, SHADE_TIER_NEAR, &less),
+                   SHADE_BAD_INPUT);
+  assert_int_equal(shade_fabric_sample_batch(c.fabric, N, &in, SHADE_TIER_NEAR, &less),
+                   SHADE_BAD_INPUT);
+  in.random = NULL;
+  void *hits = malloc(shade_fabric_hits_size(N));
+  assert_int_equal(shade_fabric_prepare_batch(c.fabric, N, &in, SHADE_TIER_AUTO, hits, NULL),
+                   SHADE_BAD_INPUT);
+  assert_int_equal(shade_fabric_prepare_batch(c.fabric, N, &in, SHADE_TIER_NEAR, hits, NULL),
+                   SHADE_OK);
+  free(hits);
+  assert_true(m.rgb[0][0] == -7 && m.pdf[0] == -7 && m.wi[0][0] == -7);
+  /* without density or coverage, and without what comes after the eye: as with the fabric's own */
+  less = (shade_fabric_result){
+      .size = offsetof(shade_fabric_result, pdf), .r = m.rgb[0], .g = m.rgb[1], .b = m.rgb[2]};
+  in.size = offsetof(shade_fabric_lanes, random);
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_NEAR, &less) &
+                       ~(unsigned)SHADE_BAD_INPUT,
+                   0);
+  for (int i = 0; i < N; i++) {
+    const double uv[2] = {in.u[i], in.v[i]}, n[3] = {in.nx[i], in.ny[i], in.nz[i]};
+    const double wi[3] = {in.wix[i], in.wiy[i], in.wiz[i]},
+                 wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
+    double s[3];
+    shade_fabric_eval(c.fabric, uv, NULL, n, wi, wo, SHADE_TIER_NEAR, s);
+    for (int a = 0; a < 3; a++)
+      assert_near(s[a], m.rgb[a][i], 1e-12 * (1 + s[a]));
+  }
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, 0, &in, SHADE_TIER_NEAR, &less), SHADE_OK);
+  close_cloth(&c);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(one_is_many_is_prepared), cmocka_unit_test(random_numbers_mean_all_terms),
+      cmocka_unit_test(textures_are_parameters), cmocka_unit_test(gloss_scales_exponents),
+      cmocka_unit_test(no_input_breaks_it),      cmocka_unit_test(short_structures),
+  };
+  return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);
+}
