@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -510,6 +511,33 @@ static void test_damaged(void **state) {
   check_memory();
 }
 
+/* Even planes pack several hundred to one; a dump of them is a dump. */
+static void test_even_planes(void **state) {
+  (void)state;
+  enum { SIDE = 800 };
+  shade_dump *d = shade_dump_create(SIDE, SIDE, 1);
+  assert_non_null(d);
+  d->json = malloc(3);
+  strcpy(d->json, "{}");
+  for (int plane = 0; plane < planes(d); ++plane)
+    for (size_t i = 0; i < SIDE * SIDE; ++i)
+      shade_dump_plane(d, plane)[i] = plane == SHADE_DUMP_MATERIAL ? -1 : 0;
+  if (shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error) != 0)
+    fail_msg("%s", error);
+  struct stat file;
+  assert_int_equal(stat(path, &file), 0);
+  const double bytes = 4.0 * SIDE * SIDE * planes(d);
+  print_message("packed %.0f to one\n", bytes / (double)file.st_size);
+  assert_true(bytes / (double)file.st_size > 300);
+  shade_dump *back = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);
+  if (!back)
+    fail_msg("%s", error);
+  assert_int_equal(back->width, SIDE);
+  shade_dump_free(back);
+  shade_dump_free(d);
+  unlink(path);
+}
+
 static int make_folder(void **state) {
   (void)state;
   if (!mkdtemp(folder))
@@ -531,7 +559,7 @@ int main(void) {
       cmocka_unit_test(test_disk_full),      cmocka_unit_test(test_variants),
       cmocka_unit_test(test_not_exr),        cmocka_unit_test(test_huge_promise),
       cmocka_unit_test(test_damaged),        cmocka_unit_test(test_optional),
-      cmocka_unit_test(test_half_a_channel),
+      cmocka_unit_test(test_half_a_channel), cmocka_unit_test(test_even_planes),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -333,3 +333,22 @@ def test_sample(precision):
     assert evaluate([n + (0.6, 0, -0.8) + (0.5, 0.5)], "--what", "sample", *options) == [0] * 5
     result = run("0 0 1 0 0 1 0.5\n", "--what", "sample", *options)
     assert result.returncode == 1 and "u1 u2" in result.stderr
+
+
+def test_draws_of_the_reference_have_its_own_pdf_and_f():
+    """To the last digit those of a query for the same direction; the kernel's are near, not the same."""
+    options = ["--ex", "200", "--ey", "10", "--detail", "rotate", "--kd", "0.3"]
+    n, wo = unit(0.3, -0.2, 1), unit(0.1, 0.3, 1)
+    given = [n + wo + ((k + 0.5) / 20, (7 * k % 20) / 20) for k in range(20)]
+    drawn = {}
+    for precision in ("double", "reference"):
+        numbers = evaluate(given, "--what", "sample", "--precision", precision, *options)
+        drawn[precision] = [numbers[5 * k:5 * k + 5] for k in range(20)]
+    found = [(k, d) for k, d in enumerate(drawn["reference"]) if d[3] > 0]
+    assert len(found) > 10
+    query = [n + tuple(d[:3]) + wo for _, d in found]
+    for at, what in ((3, "pdf"), (4, "f")):
+        got = [d[at] for _, d in found]
+        assert got == evaluate(query, "--what", what, "--precision", "reference", *options)
+        kernels = [drawn["double"][k][at] for k, _ in found]
+        assert got != kernels and got == pytest.approx(kernels, rel=1e-11)

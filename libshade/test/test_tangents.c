@@ -451,8 +451,41 @@ static void test_impossible_sizes(void **state) {
     assert_int_equal(((unsigned char *)tangent)[i], 0x7f);
 }
 
+/*
+ * A triangle without UV area that joins a mirrored one takes its handedness and its tangent,
+ * whichever comes first; one that joins a plain one does not become mirrored.
+ */
+static void test_flat_takes_the_handedness(void **state) {
+  (void)state;
+  for (int mirrored = 0; mirrored < 2; mirrored++)
+    for (int order = 0; order < 2; order++) {
+      const float side = mirrored ? -1 : 1;
+      const point a = {{0, 0, 0}, {0, 0, 1}, {0, 0}}, b = {{1, 0, 0}, {0, 0, 1}, {side, 0}},
+                  c = {{0, 1, 0}, {0, 0, 1}, {0, 1}},
+                  /* between b and c on the map: the second triangle has no area there */
+          d = {{1, 1, 0}, {0, 0, 1}, {0.5f * side, 0.5f}};
+      mesh m = new_mesh(2);
+      for (int k = 0; k < 2; k++)
+        if (k == order)
+          add_triangle(&m, a, b, c);
+        else
+          add_triangle(&m, b, d, c);
+      solve(&m);
+      const size_t flat = order ? 0 : 3; /* its corners: b, d, c */
+      const double along[3] = {(double)side, 0, 0};
+      for (size_t corner = 0; corner < 6; corner++) {
+        if (corner == flat + 1)
+          continue; /* d has no direction of its own */
+        assert_true(angle_degrees(m.tangent + 4 * corner, along) < 1e-3);
+        assert_true(m.tangent[4 * corner + 3] == side);
+      }
+      free_mesh(&m);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_flat_takes_the_handedness),
       cmocka_unit_test(test_plane),
       cmocka_unit_test(test_mirrored_seam),
       cmocka_unit_test(test_curved),
