@@ -17,10 +17,6 @@ _TABLE = _native.table()
 # Table lists whose property on the node has another name.
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
 _SHADER = "Principled BSDF"
-# Tooltips of lists whose name does not say what they are about.
-_DESCRIPTIONS = {
-    "horizon": "What is shaded where a bumped normal turns away from eye or light",
-}
 
 
 def _choices():
@@ -38,12 +34,15 @@ def _initial(row):
 
 
 def _initial_choice(name):
-    # The engine exists for `rotate`, and metals brighten at grazing angles; dumps are
-    # recomputed elsewhere by the plain formula, which `hard` is. Every other list starts
-    # with its first row.
-    wanted = {"detail": "rotate", "fresnel": "schlick", "horizon": "hard"}.get(name)
-    words = [row["word"] for row in _TABLE["lists"][name]]
-    return wanted if wanted in words else words[0]
+    return _TABLE["about"][name]["initial"]
+
+
+def _is_read(node, row):
+    """Do the node's choices read this parameter?"""
+    if not row["read_by"]:
+        return True
+    name, words = row["read_by"]
+    return getattr(node, _PROPERTY_OF_LIST.get(name, name)).lower() in words
 
 
 def settings(node):
@@ -67,10 +66,6 @@ def alpha_of(exponent):
 def exponent_of(alpha):
     return max(0.0, 2.0 / (alpha * alpha) - 2.0)
 
-
-# Parameters that only one choice reads; elsewhere the panel leaves them out.
-_NEEDED_BY = {"f82": ("fresnel", "F82"), "eta": ("fresnel", "CONDUCTOR"),
-              "k": ("fresnel", "CONDUCTOR")}
 
 # Exponents and alphas say the same thing; setting one sets the other.
 _TWIN = {
@@ -102,7 +97,7 @@ def _properties():
     for name, attribute in _choices():
         made[attribute] = EnumProperty(
             name=attribute.replace("_", " ").title(),
-            description=_DESCRIPTIONS.get(name, ""),
+            description=_TABLE["about"][name]["help"],
             items=[(row["word"].upper(), row["label"], row["help"], row["value"])
                    for row in _TABLE["lists"][name]],
             default=_initial_choice(name).upper(),
@@ -197,15 +192,16 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         layout.prop(self, "distribution", text="")
         layout.prop(self, "detail")
         column = layout.column(align=True)
-        for word in ("ex", "ey") if self.distribution == "ASHIKHMIN_SHIRLEY" else ("ax", "ay"):
-            column.prop(self, word)
+        for row in _parameters():
+            if row["read_by"] and row["read_by"][0] == "mdf" and _is_read(self, row):
+                column.prop(self, row["word"])
 
     def draw_buttons_ext(self, _context, layout):
         for _name, attribute in _choices():
             layout.prop(self, attribute)
         for row in _parameters():
-            needed = _NEEDED_BY.get(row["word"])
-            if not needed or getattr(self, needed[0]) == needed[1]:
+            twin = _TWIN.get(row["word"])  # both of a pair: what one says in the other's terms
+            if twin or _is_read(self, row):
                 layout.prop(self, row["word"])
         layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
 

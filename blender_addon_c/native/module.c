@@ -247,13 +247,31 @@ static bool append(PyObject *list, PyObject *item) {
 #define LIGHT_WORD(TYPE, name) #TYPE,
 PyDoc_STRVAR(table_doc,
              "table() -> dict\n\n"
-             "lists: the choices by name; params: the numbers of a material. Both as in\n"
-             "libshade's table. lights: the types of light.");
+             "lists: the choices by name; about: what each list chooses, and its default;\n"
+             "params: the numbers of a material, and by which choices they are read: None, or\n"
+             "(list, words). All as in libshade's table. lights: the types of light.");
+
+/* A new reference: None where every choice reads the number. */
+static PyObject *read_by(const shade_param_info *info) {
+  PyObject *words = PyList_New(0);
+  const char *word;
+  int value;
+  bool good = words && info->list != SHADE_LIST_COUNT;
+  for (int row = 0; good && shade_list_row(info->list, row, &value, &word, NULL, NULL); row++)
+    if (info->choices >> value & 1)
+      good = append(words, PyUnicode_FromString(word));
+  if (good)
+    return Py_BuildValue("(sN)", shade_list_name(info->list), words);
+  Py_XDECREF(words);
+  return info->list == SHADE_LIST_COUNT ? Py_NewRef(Py_None) : NULL;
+}
+
 static PyObject *native_table(PyObject *self, PyObject *unused) {
   (void)self, (void)unused;
-  PyObject *lists = PyDict_New(), *params = PyList_New(0);
-  bool good = lists && params;
-  for (int list = 0; good && list < SHADE_LIST_COUNT; list++) {
+  PyObject *lists = PyDict_New(), *about = PyDict_New(), *params = PyList_New(0);
+  bool good = lists && about && params;
+  shade_list_info list_info;
+  for (int list = 0; good && shade_list_about((shade_list)list, &list_info); list++) {
     PyObject *rows = PyList_New(0);
     int value;
     const char *name, *label, *help;
@@ -262,24 +280,31 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
          row++)
       good = append(rows, Py_BuildValue("{s:i,s:s,s:s,s:s}", "value", value, "word", name, "label",
                                         label, "help", help));
-    good = good && PyDict_SetItemString(lists, shade_list_name((shade_list)list), rows) == 0;
+    good = good && PyDict_SetItemString(lists, list_info.word, rows) == 0;
     Py_XDECREF(rows);
+    PyObject *told = Py_BuildValue("{s:s,s:s}", "help", list_info.help, "initial",
+                                   shade_list_word((shade_list)list, list_info.initial));
+    good = good && told && PyDict_SetItemString(about, list_info.word, told) == 0;
+    Py_XDECREF(told);
   }
   shade_param_info info;
   for (int row = 0; good && shade_param_row(row, &info); row++)
-    good = append(params, Py_BuildValue("{s:s,s:s,s:s,s:i,s:d,s:d,s:d}", "word", info.word, "unit",
-                                        info.unit, "help", info.help, "components", info.components,
-                                        "minimum", info.minimum, "maximum", info.maximum, "initial",
-                                        info.initial));
+    good =
+        append(params, Py_BuildValue("{s:s,s:s,s:s,s:i,s:d,s:d,s:d,s:N}", "word", info.word, "unit",
+                                     info.unit, "help", info.help, "components", info.components,
+                                     "minimum", info.minimum, "maximum", info.maximum, "initial",
+                                     info.initial, "read_by", read_by(&info)));
   static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD)};
   PyObject *lights = PyList_New(0);
   good = good && lights;
   for (size_t k = 0; good && k < LIGHT_TYPES; k++)
     good = append(lights, PyUnicode_FromString(types[k]));
   if (good)
-    return Py_BuildValue("{s:N,s:N,s:N}", "lists", lists, "params", params, "lights", lights);
+    return Py_BuildValue("{s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params", params,
+                         "lights", lights);
   Py_XDECREF(lights);
   Py_XDECREF(lists);
+  Py_XDECREF(about);
   Py_XDECREF(params);
   return NULL;
 }

@@ -347,61 +347,50 @@ static bool image_index(const parser *p, PyObject *dict, const char *key, const 
   return integer(p, dict, key, -1, (long)s->images - 1, out);
 }
 
-/* Missing is the table's default, which *out holds. */
-static bool optional_color(const parser *p, PyObject *dict, const char *key, double out[3]) {
-  return !find(dict, key) || numbers(p, dict, key, 3, out);
+/* The choices of the table. What came later than the first dumps may be
+ * missing, and means what it does there. */
+static bool parse_choices(const parser *p, PyObject *dict, shade_params *q) {
+  shade_list_info info;
+  for (int list = 0; shade_list_about((shade_list)list, &info); list++) {
+    int value = info.older;
+    if ((info.in_every_dump || find(dict, info.word)) && !choice(p, dict, (shade_list)list, &value))
+      return false;
+    shade_params_set_choice(q, (shade_list)list, value);
+  }
+  return true;
 }
 
-/* The colours that are shaded are the nearest within their ranges: the dump shall say those. */
-static void clamp_colors(shade_params *q) {
-  const struct {
-    const char *word;
-    double *color;
-  } colors[] = {{"f0", q->f0}, {"f82", q->f82}, {"eta", q->eta}, {"k", q->k}, {"kd", q->kd}};
+/* The numbers of the table, brought into their ranges: the dump shall say what is shaded. Of
+ * exponents and alphas those count that the distribution reads; they set the others. */
+static bool parse_numbers(const parser *p, PyObject *dict, shade_params *q, unsigned *status) {
+  const unsigned mdf = (unsigned)q->mdf;
   shade_param_info info;
-  for (int row = 0; shade_param_row(row, &info); row++)
-    for (size_t i = 0; i < sizeof colors / sizeof *colors; i++)
-      for (int c = 0; c < 3 && strcmp(info.word, colors[i].word) == 0; c++)
-        colors[i].color[c] = fmin(fmax(colors[i].color[c], info.minimum), info.maximum);
+  for (int row = 0; shade_param_row(row, &info); row++) {
+    double v[3] = {0, 0, 0};
+    if (!info.in_every_dump && !find(dict, info.word))
+      continue;
+    if (!(info.components == 1 ? number(p, dict, info.word, v)
+                               : numbers(p, dict, info.word, info.components, v)))
+      return false;
+    if (info.list != SHADE_LIST_MDF || info.choices >> mdf & 1)
+      *status |= shade_params_set(q, row, v);
+  }
+  return true;
 }
 
 static bool parse_material(parser *p, PyObject *dict, void *out, scene *s) {
   material *m = out;
-  shade_params *q = &m->params;
-  int mdf, brdf, detail, groove, fresnel, diffuse, horizon;
-  double ex, ey, ax, ay, strength;
-  shade_params_init(q);
-  diffuse = (int)q->diffuse;
-  horizon = SHADE_HORIZON_HARD;
+  double strength;
+  shade_params_init(&m->params);
   m->number = (int)(m - s->material);
-  if (!text(p, dict, "name", NULL, &m->name) || !choice(p, dict, SHADE_LIST_MDF, &mdf) ||
-      !choice(p, dict, SHADE_LIST_BRDF, &brdf) || !choice(p, dict, SHADE_LIST_DETAIL, &detail) ||
-      !choice(p, dict, SHADE_LIST_GROOVE, &groove) ||
-      !choice(p, dict, SHADE_LIST_FRESNEL, &fresnel) || !number(p, dict, "ex", &ex) ||
-      !number(p, dict, "ey", &ey) || !number(p, dict, "ax", &ax) || !number(p, dict, "ay", &ay) ||
-      !numbers(p, dict, "f0", 3, q->f0) || !optional_color(p, dict, "f82", q->f82) ||
-      !optional_color(p, dict, "eta", q->eta) || !optional_color(p, dict, "k", q->k) ||
-      !optional_color(p, dict, "kd", q->kd) ||
-      (find(dict, "diffuse") && !choice(p, dict, SHADE_LIST_DIFFUSE, &diffuse)) ||
-      (find(dict, "horizon") && !choice(p, dict, SHADE_LIST_HORIZON, &horizon)) ||
+  if (!text(p, dict, "name", NULL, &m->name) || !parse_choices(p, dict, &m->params) ||
+      !parse_numbers(p, dict, &m->params, &m->status) ||
       !image_index(p, dict, "color_image", s, &m->color_image) ||
       !image_index(p, dict, "normal_image", s, &m->normal_image) ||
       !number(p, dict, "normal_strength", &strength))
     return false;
-  q->mdf = (shade_mdf)mdf;
-  q->brdf = (shade_brdf)brdf;
-  q->detail = (shade_detail)detail;
-  q->groove = (shade_groove)groove;
-  q->fresnel = (shade_fresnel)fresnel;
-  q->diffuse = (shade_diffuse)diffuse;
-  q->horizon = (shade_horizon)horizon;
   m->normal_strength = (float)fmin(fmax(strength, 0.0), 1e6);
-  if (q->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
-    m->status = shade_params_set_exponents(q, ex, ey);
-  else
-    m->status = shade_params_set_alphas(q, ax, ay);
-  m->status |= shade_bsdf_setup(&m->bsdf, q);
-  clamp_colors(q);
+  m->status |= shade_bsdf_setup(&m->bsdf, &m->params);
   return true;
 }
 

@@ -16,28 +16,49 @@ static const shade_list_entry fresnel_rows[] = {SHADE_TABLE_FRESNEL(SHADE_LIST_E
 static const shade_list_entry diffuse_rows[] = {SHADE_TABLE_DIFFUSE(SHADE_LIST_ENTRY)};
 static const shade_list_entry horizon_rows[] = {SHADE_TABLE_HORIZON(SHADE_LIST_ENTRY)};
 
+#define IN_EVERY 1
+#define IN_LATER 0
+
+#define LIST_ROWS(NAME, word, initial, older, dumps, help)                                         \
+  {word##_rows,                                                                                    \
+   SHADE_##NAME##_COUNT,                                                                           \
+   {#word, help, (int)SHADE_##NAME##_##initial, (int)SHADE_##NAME##_##older, IN_##dumps,           \
+    offsetof(shade_params, word)}},
 static const struct {
-  const char *name;
   const shade_list_entry *rows;
   int count;
-} lists[SHADE_LIST_COUNT] = {
-    [SHADE_LIST_MDF] = {"mdf", mdf_rows, SHADE_MDF_COUNT},
-    [SHADE_LIST_BRDF] = {"brdf", brdf_rows, SHADE_BRDF_COUNT},
-    [SHADE_LIST_DETAIL] = {"detail", detail_rows, SHADE_DETAIL_COUNT},
-    [SHADE_LIST_GROOVE] = {"groove", groove_rows, SHADE_GROOVE_COUNT},
-    [SHADE_LIST_FRESNEL] = {"fresnel", fresnel_rows, SHADE_FRESNEL_COUNT},
-    [SHADE_LIST_DIFFUSE] = {"diffuse", diffuse_rows, SHADE_DIFFUSE_COUNT},
-    [SHADE_LIST_HORIZON] = {"horizon", horizon_rows, SHADE_HORIZON_COUNT},
-};
+  shade_list_info about;
+} lists[] = {SHADE_TABLE_LISTS(LIST_ROWS)};
 
 #define COMPONENTS_REAL 1
 #define COMPONENTS_COLOUR 3
-#define PARAM_ROW(word, kind, unit, low, high, initial, help)                                      \
-  {#word, unit, help, COMPONENTS_##kind, low, high, initial},
+#define PARAM_ROW(word, kind, unit, low, high, initial, list, choices, dumps, help)                \
+  {#word, unit,    help,       COMPONENTS_##kind,           low, high, initial,                    \
+   list,  choices, IN_##dumps, offsetof(shade_params, word)},
 static const shade_param_info params[] = {SHADE_TABLE_PARAMS(PARAM_ROW)};
 
-#define PARAM_INDEX(word, kind, unit, low, high, initial, help) PARAM_##word,
+#define PARAM_INDEX(word, ...) PARAM_##word,
 enum { SHADE_TABLE_PARAMS(PARAM_INDEX) PARAM_COUNT };
+
+/* Rows and members are the same. Here, one 0 for each number: a member without a row lacks its
+ * initialiser, one 0 too many has no member. */
+#define ONE_ZERO(...) 0,
+#define ZEROS_REAL 0,
+#define ZEROS_COLOUR 0, 0, 0,
+#define KIND_OF_ZEROS(word, kind, ...) ZEROS_##kind
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-braces"
+#pragma GCC diagnostic error "-Wmissing-field-initializers"
+static const shade_params nothing = {0, 0,
+                                     SHADE_TABLE_LISTS(ONE_ZERO) SHADE_TABLE_PARAMS(KIND_OF_ZEROS)};
+#pragma GCC diagnostic pop
+#define MEMBER_FITS(word, kind, ...)                                                               \
+  _Static_assert(sizeof nothing.word == COMPONENTS_##kind * sizeof(double),                        \
+                 #word ": its row and its member differ in kind");
+SHADE_TABLE_PARAMS(MEMBER_FITS)
+#define CHOICE_FITS(NAME, word, ...)                                                               \
+  _Static_assert(sizeof nothing.word == sizeof(int), #word ": no enum");
+SHADE_TABLE_LISTS(CHOICE_FITS)
 
 int shade_list_find(shade_list list, const char *word) {
   if (!word || (unsigned)list >= SHADE_LIST_COUNT)
@@ -80,7 +101,21 @@ int shade_list_row(shade_list list, int row, int *value, const char **word, cons
 }
 
 const char *shade_list_name(shade_list list) {
-  return (unsigned)list < SHADE_LIST_COUNT ? lists[list].name : NULL;
+  return (unsigned)list < SHADE_LIST_COUNT ? lists[list].about.word : NULL;
+}
+
+int shade_list_about(shade_list list, shade_list_info *info) {
+  if ((unsigned)list >= SHADE_LIST_COUNT)
+    return 0;
+  *info = lists[list].about;
+  return 1;
+}
+
+int shade_param_find(const char *word) {
+  for (int row = 0; word && row < PARAM_COUNT; row++)
+    if (same_word(word, params[row].word))
+      return row;
+  return -1;
 }
 
 int shade_param_row(int row, shade_param_info *info) {
@@ -99,19 +134,23 @@ static double clamp(int index, double x, unsigned *status) {
   return y;
 }
 
+/* Where a list's choice and a row's numbers stand. */
+static int *choice_at(shade_params *p, shade_list list) {
+  return (int *)(void *)((char *)p + lists[list].about.offset);
+}
+static double *numbers_at(shade_params *p, int row) {
+  return (double *)(void *)((char *)p + params[row].offset);
+}
+
 void shade_params_init(shade_params *p) {
-  memset(p, 0, sizeof *p);
+  *p = nothing;
   p->size = sizeof *p;
-  p->detail = SHADE_DETAIL_ROTATE;
-  p->fresnel = SHADE_FRESNEL_SCHLICK;
-  p->horizon = SHADE_HORIZON_VALID_ESTEVEZ;
-  for (int c = 0; c < 3; c++) {
-    p->f0[c] = params[PARAM_f0].initial;
-    p->f82[c] = params[PARAM_f82].initial;
-    p->eta[c] = params[PARAM_eta].initial;
-    p->k[c] = params[PARAM_k].initial;
-    p->kd[c] = params[PARAM_kd].initial;
-  }
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    *choice_at(p, (shade_list)list) = lists[list].about.initial;
+  for (int row = 0; row < PARAM_COUNT; row++)
+    for (int c = 0; c < params[row].components; c++)
+      numbers_at(p, row)[c] = params[row].initial;
+  /* the table states its alphas to eight digits */
   shade_params_set_exponents(p, params[PARAM_ex].initial, params[PARAM_ey].initial);
 }
 
@@ -123,36 +162,80 @@ static double exponent_of(double alpha) {
   return fmax(0, 2 / (alpha * alpha) - 2);
 }
 
-unsigned shade_params_set_exponents(shade_params *p, double ex, double ey) {
-  unsigned status = SHADE_OK;
-  p->ex = clamp(PARAM_ex, ex, &status);
-  p->ey = clamp(PARAM_ey, ey, &status);
-  p->ax = alpha_of(p->ex);
-  p->ay = alpha_of(p->ey);
+/* Where two rows say the same of one axis. */
+static const struct { int exponent, alpha; } axes[] = {{PARAM_ex, PARAM_ax}, {PARAM_ey, PARAM_ay}};
+
+static unsigned set_axis(shade_params *p, int axis, int row, double x) {
+  const int exponent = axes[axis].exponent, alpha = axes[axis].alpha;
+  unsigned status = SHADE_OK, ignored = SHADE_OK;
+  double *e = numbers_at(p, exponent), *a = numbers_at(p, alpha);
+  if (row == exponent) {
+    *e = clamp(exponent, x, &status);
+    *a = alpha_of(*e);
+  } else {
+    *a = clamp(alpha, x, &status);
+    /* alpha below 1.41e-3 lies past the largest exponent: the pair may differ there */
+    *e = clamp(exponent, exponent_of(*a), &ignored);
+  }
   return status;
+}
+
+unsigned shade_params_set_exponents(shade_params *p, double ex, double ey) {
+  return set_axis(p, 0, PARAM_ex, ex) | set_axis(p, 1, PARAM_ey, ey);
 }
 
 unsigned shade_params_set_alphas(shade_params *p, double ax, double ay) {
-  unsigned status = SHADE_OK, ignored = SHADE_OK;
-  p->ax = clamp(PARAM_ax, ax, &status);
-  p->ay = clamp(PARAM_ay, ay, &status);
-  /* alpha below 1.41e-3 lies past the largest exponent: the pair may differ there */
-  p->ex = clamp(PARAM_ex, exponent_of(p->ax), &ignored);
-  p->ey = clamp(PARAM_ey, exponent_of(p->ay), &ignored);
+  return set_axis(p, 0, PARAM_ax, ax) | set_axis(p, 1, PARAM_ay, ay);
+}
+
+static int has_list(const shade_params *p, shade_list list) {
+  return (unsigned)list < SHADE_LIST_COUNT && lists[list].about.offset + sizeof(int) <= p->size;
+}
+
+static int has_row(const shade_params *p, int row) {
+  return row >= 0 && row < PARAM_COUNT &&
+         params[row].offset + (size_t)params[row].components * sizeof(double) <= p->size;
+}
+
+unsigned shade_params_set_choice(shade_params *p, shade_list list, int value) {
+  if (!has_list(p, list))
+    return SHADE_BAD_INPUT;
+  const int known = shade_list_word(list, value) != NULL;
+  *choice_at(p, list) = known ? value : lists[list].rows[0].value;
+  return known ? SHADE_OK : SHADE_BAD_CHOICE;
+}
+
+int shade_params_get_choice(const shade_params *p, shade_list list) {
+  int value = -1;
+  if (has_list(p, list))
+    memcpy(&value, (const char *)p + lists[list].about.offset, sizeof value);
+  return value;
+}
+
+unsigned shade_params_set(shade_params *p, int row, const double *v) {
+  unsigned status = SHADE_OK;
+  if (!has_row(p, row))
+    return SHADE_BAD_INPUT;
+  for (int axis = 0; axis < 2; axis++)
+    if (row == axes[axis].exponent || row == axes[axis].alpha)
+      return set_axis(p, axis, row, *v);
+  for (int c = 0; c < params[row].components; c++)
+    numbers_at(p, row)[c] = clamp(row, v[c], &status);
   return status;
 }
 
-static int choice(shade_list list, int value, unsigned *status) {
-  if (shade_list_word(list, value))
-    return value;
-  *status |= SHADE_BAD_CHOICE;
-  return lists[list].rows[0].value;
+unsigned shade_params_get(const shade_params *p, int row, double *v) {
+  if (!has_row(p, row))
+    return SHADE_BAD_INPUT;
+  memcpy(v, (const char *)p + params[row].offset, (size_t)params[row].components * sizeof *v);
+  return SHADE_OK;
 }
 
 shade_params shade_whole_params(const shade_params *given) {
   shade_params p;
   shade_params_init(&p);
-  p.horizon = SHADE_HORIZON_HARD;
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    *choice_at(&p, (shade_list)list) = lists[list].about.older;
   memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
   p.size = sizeof p;
   return p;
@@ -160,24 +243,12 @@ shade_params shade_whole_params(const shade_params *given) {
 
 shade_params shade_params_within_ranges(const shade_params *given, unsigned *status) {
   shade_params p = shade_whole_params(given);
-  p.mdf = (shade_mdf)choice(SHADE_LIST_MDF, (int)p.mdf, status);
-  p.brdf = (shade_brdf)choice(SHADE_LIST_BRDF, (int)p.brdf, status);
-  p.detail = (shade_detail)choice(SHADE_LIST_DETAIL, (int)p.detail, status);
-  p.groove = (shade_groove)choice(SHADE_LIST_GROOVE, (int)p.groove, status);
-  p.fresnel = (shade_fresnel)choice(SHADE_LIST_FRESNEL, (int)p.fresnel, status);
-  p.diffuse = (shade_diffuse)choice(SHADE_LIST_DIFFUSE, (int)p.diffuse, status);
-  p.horizon = (shade_horizon)choice(SHADE_LIST_HORIZON, (int)p.horizon, status);
-  p.ex = clamp(PARAM_ex, p.ex, status);
-  p.ey = clamp(PARAM_ey, p.ey, status);
-  p.ax = clamp(PARAM_ax, p.ax, status);
-  p.ay = clamp(PARAM_ay, p.ay, status);
-  for (int c = 0; c < 3; c++) {
-    p.f0[c] = clamp(PARAM_f0, p.f0[c], status);
-    p.f82[c] = clamp(PARAM_f82, p.f82[c], status);
-    p.eta[c] = clamp(PARAM_eta, p.eta[c], status);
-    p.k[c] = clamp(PARAM_k, p.k[c], status);
-    p.kd[c] = clamp(PARAM_kd, p.kd[c], status);
-  }
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    *status |= shade_params_set_choice(&p, (shade_list)list, *choice_at(&p, (shade_list)list));
+  /* exponents and alphas each by themselves: a caller may have set the pair that is read, only */
+  for (int row = 0; row < PARAM_COUNT; row++)
+    for (int c = 0; c < params[row].components; c++)
+      numbers_at(&p, row)[c] = clamp(row, numbers_at(&p, row)[c], status);
   return p;
 }
 
@@ -216,47 +287,31 @@ static void put_string(text *t, const char *s) {
   put(t, "\"");
 }
 
-static void put_choice(text *t, shade_list list, int value) {
-  const char *word = shade_list_word(list, value);
+static void put_key(text *t, const char *key) {
   put(t, ", \"");
-  put(t, lists[list].name);
+  put(t, key);
   put(t, "\": ");
-  put_string(t, word ? word : lists[list].rows[0].word);
-}
-
-static void put_colour(text *t, const char *name, const double v[3]) {
-  put(t, ", \"");
-  put(t, name);
-  put_number(t, "\": [", v[0]);
-  put_number(t, ", ", v[1]);
-  put_number(t, ", ", v[2]);
-  put(t, "]");
 }
 
 int shade_params_json(const shade_params *given, int id, const char *name, char *buffer,
                       size_t capacity) {
   unsigned unused = SHADE_OK;
-  const shade_params p = shade_params_within_ranges(given, &unused);
+  shade_params p = shade_params_within_ranges(given, &unused);
   text t = {buffer, capacity, 0};
   put_number(&t, "{\"id\": ", id);
   put(&t, ", \"name\": ");
   put_string(&t, name ? name : "");
-  put_choice(&t, SHADE_LIST_MDF, (int)p.mdf);
-  put_choice(&t, SHADE_LIST_BRDF, (int)p.brdf);
-  put_choice(&t, SHADE_LIST_DETAIL, (int)p.detail);
-  put_choice(&t, SHADE_LIST_GROOVE, (int)p.groove);
-  put_choice(&t, SHADE_LIST_FRESNEL, (int)p.fresnel);
-  put_choice(&t, SHADE_LIST_DIFFUSE, (int)p.diffuse);
-  put_choice(&t, SHADE_LIST_HORIZON, (int)p.horizon);
-  put_number(&t, ", \"ex\": ", p.ex);
-  put_number(&t, ", \"ey\": ", p.ey);
-  put_number(&t, ", \"ax\": ", p.ax);
-  put_number(&t, ", \"ay\": ", p.ay);
-  put_colour(&t, "f0", p.f0);
-  put_colour(&t, "f82", p.f82);
-  put_colour(&t, "eta", p.eta);
-  put_colour(&t, "k", p.k);
-  put_colour(&t, "kd", p.kd);
+  for (int list = 0; list < SHADE_LIST_COUNT; list++) {
+    put_key(&t, lists[list].about.word);
+    put_string(&t, shade_list_word((shade_list)list, *choice_at(&p, (shade_list)list)));
+  }
+  for (int row = 0; row < PARAM_COUNT; row++) {
+    const int count = params[row].components;
+    put_key(&t, params[row].word);
+    for (int c = 0; c < count; c++)
+      put_number(&t, c > 0 ? ", " : count > 1 ? "[" : "", numbers_at(&p, row)[c]);
+    put(&t, count > 1 ? "]" : "");
+  }
   put(&t, "}");
   if (capacity)
     buffer[t.length < capacity ? t.length : capacity - 1] = 0;

@@ -7,10 +7,20 @@
 #include "isa.h"
 #include "names.h"
 #include "weave_private.h"
-#define YARN_ROW(word, unit, low, high, initial, help) {#word, unit, help, 1, low, high, initial},
+
+#define YARN_ROW(word, unit, low, high, initial, help)                                             \
+  {#word,                                                                                          \
+   unit,                                                                                           \
+   help,                                                                                           \
+   1,                                                                                              \
+   low,                                                                                            \
+   high,                                                                                           \
+   initial,                                                                                        \
+   SHADE_LIST_COUNT,                                                                               \
+   0,                                                                                              \
+   0,                                                                                              \
+   offsetof(shade_yarn_params, word)},
 static const shade_param_info rows[] = {SHADE_TABLE_YARN(YARN_ROW)};
-#define YARN_OFFSET(word, unit, low, high, initial, help) offsetof(shade_yarn_params, word),
-static const size_t offsets[] = {SHADE_TABLE_YARN(YARN_OFFSET)};
 enum { YARN_COUNT = sizeof rows / sizeof rows[0] };
 
 #define OCCLUSION_ROW(NAME, word, value, label, help) {value, #word, label, help},
@@ -27,7 +37,7 @@ int shade_yarn_param_row(int row, shade_param_info *info) {
 }
 
 static double *number_of(shade_yarn_params *yarn, int row) {
-  return (double *)(void *)((char *)yarn + offsets[row]);
+  return (double *)(void *)((char *)yarn + rows[row].offset);
 }
 
 double *shade_yarn_param(shade_yarn_params *yarn, const char *word) {

@@ -171,6 +171,171 @@ static void every_parameter_clamps(void **state) {
     }
 }
 
+/* Bytes in which two materials differ, all of them within `size` bytes at `place`. */
+static int differ_only(const shade_params *a, const shade_params *b, const void *place,
+                       size_t size) {
+  const char *x = (const char *)a, *y = (const char *)b;
+  const size_t begin = (size_t)((const char *)place - x);
+  int differ = 0;
+  for (size_t i = 0; i < sizeof *a; i++)
+    if (x[i] != y[i]) {
+      if (i < begin || i >= begin + size)
+        return -1;
+      differ++;
+    }
+  return differ;
+}
+
+/* Each list and each row is the member of its name, and setting it changes that alone; but for
+ * an exponent and the alpha of its axis. */
+static void by_row(void **state) {
+  (void)state;
+  static shade_params p, was; /* static: no stray bytes between members */
+  const struct {
+    shade_list list;
+    const char *word;
+    void *member;
+    int initial, older;
+  } lists[] = {
+      {SHADE_LIST_MDF, "mdf", &p.mdf, 0, 0},
+      {SHADE_LIST_BRDF, "brdf", &p.brdf, 0, 0},
+      {SHADE_LIST_DETAIL, "detail", &p.detail, SHADE_DETAIL_ROTATE, SHADE_DETAIL_ROTATE},
+      {SHADE_LIST_GROOVE, "groove", &p.groove, 0, 0},
+      {SHADE_LIST_FRESNEL, "fresnel", &p.fresnel, SHADE_FRESNEL_SCHLICK, SHADE_FRESNEL_SCHLICK},
+      {SHADE_LIST_DIFFUSE, "diffuse", &p.diffuse, 0, 0},
+      {SHADE_LIST_HORIZON, "horizon", &p.horizon, SHADE_HORIZON_VALID_ESTEVEZ, SHADE_HORIZON_HARD}};
+  assert_int_equal(SHADE_LIST_COUNT, sizeof lists / sizeof lists[0]);
+  for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+    const shade_list list = lists[i].list;
+    shade_list_info about;
+    int value;
+    assert_int_equal(shade_list_about(list, &about), 1);
+    assert_string_equal(about.word, lists[i].word);
+    assert_string_equal(shade_list_name(list), lists[i].word);
+    assert_int_equal(about.initial, lists[i].initial);
+    assert_int_equal(about.older, lists[i].older);
+    assert_int_equal(about.in_every_dump, list != SHADE_LIST_HORIZON);
+    assert_ptr_equal((char *)&p + about.offset, lists[i].member);
+    shade_params_init(&p);
+    assert_int_equal(shade_params_get_choice(&p, list), lists[i].initial);
+    for (int row = 0; shade_list_row(list, row, &value, NULL, NULL, NULL); row++) {
+      shade_params_init(&p);
+      was = p;
+      assert_int_equal(shade_params_set_choice(&p, list, value), SHADE_OK);
+      assert_int_equal(differ_only(&p, &was, lists[i].member, sizeof(int)), value != about.initial);
+      assert_int_equal(*(int *)lists[i].member, value);
+      assert_int_equal(shade_params_get_choice(&p, list), value);
+    }
+    assert_int_equal(shade_params_set_choice(&p, list, 1000), SHADE_BAD_CHOICE);
+    assert_int_equal(shade_params_get_choice(&p, list), 0);
+    *(int *)lists[i].member = -7; /* got as it stands */
+    assert_int_equal(shade_params_get_choice(&p, list), -7);
+  }
+  const struct {
+    const char *word;
+    double *member;
+    int components;
+  } rows[] = {{"ex", &p.ex, 1}, {"ey", &p.ey, 1},  {"ax", &p.ax, 1},
+              {"ay", &p.ay, 1}, {"f0", p.f0, 3},   {"f82", p.f82, 3},
+              {"kd", p.kd, 3},  {"eta", p.eta, 3}, {"k", p.k, 3}};
+  shade_param_info info;
+  for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    const int row = shade_param_find(rows[i].word), count = rows[i].components;
+    const double v[3] = {.25, .5, .75};
+    double got[3] = {-1, -1, -1};
+    assert_int_equal(shade_param_row(row, &info), 1);
+    assert_string_equal(info.word, rows[i].word);
+    assert_int_equal(info.components, count);
+    assert_ptr_equal((char *)&p + info.offset, rows[i].member);
+    shade_params_init(&p);
+    was = p;
+    assert_int_equal(shade_params_set(&p, row, v), SHADE_OK);
+    const int pair = info.list == SHADE_LIST_MDF;
+    if (!pair)
+      assert_true(differ_only(&p, &was, rows[i].member, (size_t)count * sizeof *v) > 0);
+    assert_int_equal(shade_params_get(&p, row, got), SHADE_OK);
+    for (int c = 0; c < 3; c++) {
+      assert_true(got[c] == (c < count ? v[c] : -1));
+      assert_true(c >= count || rows[i].member[c] == v[c]);
+    }
+    const double wrong[3] = {-1, INFINITY, NAN};
+    assert_int_equal(shade_params_set(&p, row, wrong), SHADE_CLAMPED_PARAMETER);
+    assert_true(rows[i].member[0] == info.minimum);
+    if (count == 3)
+      assert_true(rows[i].member[1] == info.maximum && rows[i].member[2] == info.initial);
+    rows[i].member[0] = -5;
+    assert_int_equal(shade_params_get(&p, row, got), SHADE_OK);
+    assert_true(got[0] == -5);
+  }
+  int count = 0;
+  while (shade_param_row(count, &info))
+    count++;
+  assert_int_equal(count, sizeof rows / sizeof rows[0]);
+  /* an axis' exponent and alpha go together: e = 2/alpha^2 - 2 */
+  const double alpha = .1, exponent = 48;
+  shade_params_init(&p);
+  const double ex = p.ex, ax = p.ax;
+  shade_params_set(&p, shade_param_find("AY"), &alpha);
+  assert_near(p.ey, 198, 1e-10);
+  assert_true(p.ay == alpha && p.ex == ex && p.ax == ax);
+  shade_params_set(&p, shade_param_find("ex"), &exponent);
+  assert_near(p.ax, .2, 1e-15);
+  assert_true(p.ex == exponent && p.ay == alpha);
+}
+
+/* What does not exist, or lies beyond the caller's structure, is neither set nor got. */
+static void by_row_out_of_reach(void **state) {
+  (void)state;
+  static shade_params p, was;
+  const double v[3] = {.25, .5, .75};
+  double got[3] = {7, 7, 7};
+  shade_list_info about;
+  shade_params_init(&p);
+  p.size = offsetof(shade_params, k); /* holds eta, not k, not horizon */
+  was = p;
+  assert_int_equal(shade_params_set(&p, -1, v), SHADE_BAD_INPUT);
+  assert_int_equal(shade_params_set(&p, 9, v), SHADE_BAD_INPUT);
+  assert_int_equal(shade_params_set(&p, shade_param_find("k"), v), SHADE_BAD_INPUT);
+  assert_int_equal(shade_params_set_choice(&p, SHADE_LIST_HORIZON, 0), SHADE_BAD_INPUT);
+  assert_int_equal(shade_params_set_choice(&p, SHADE_LIST_COUNT, 0), SHADE_BAD_INPUT);
+  assert_int_equal(shade_params_set_choice(&p, (shade_list)-1, 0), SHADE_BAD_INPUT);
+  assert_memory_equal(&p, &was, sizeof p);
+  assert_int_equal(shade_params_get(&p, -1, got), SHADE_BAD_INPUT);
+  assert_int_equal(shade_params_get(&p, shade_param_find("k"), got), SHADE_BAD_INPUT);
+  assert_true(got[0] == 7 && got[2] == 7);
+  assert_int_equal(shade_params_get_choice(&p, SHADE_LIST_HORIZON), -1);
+  assert_int_equal(shade_params_get_choice(&p, SHADE_LIST_COUNT), -1);
+  assert_int_equal(shade_params_set(&p, shade_param_find("eta"), v), SHADE_OK);
+  assert_true(p.eta[2] == .75);
+  assert_int_equal(shade_param_find("e"), -1);
+  assert_int_equal(shade_param_find("exx"), -1);
+  assert_int_equal(shade_param_find(NULL), -1);
+  assert_int_equal(shade_list_about(SHADE_LIST_COUNT, &about), 0);
+}
+
+/* Which choices read a number. */
+static void readers(void **state) {
+  (void)state;
+  const struct {
+    const char *word;
+    shade_list list;
+    unsigned choices; /* of the values that there are */
+  } want[] = {{"ex", SHADE_LIST_MDF, 1},       {"ey", SHADE_LIST_MDF, 1},
+              {"ax", SHADE_LIST_MDF, 0x1e},    {"ay", SHADE_LIST_MDF, 0x1e},
+              {"f0", SHADE_LIST_COUNT, 0},     {"f82", SHADE_LIST_FRESNEL, 4},
+              {"eta", SHADE_LIST_FRESNEL, 8},  {"k", SHADE_LIST_FRESNEL, 8},
+              {"kd", SHADE_LIST_DIFFUSE, 0x3f}};
+  const unsigned there[SHADE_LIST_COUNT] = {
+      [SHADE_LIST_MDF] = 0x1f, [SHADE_LIST_FRESNEL] = 0xf, [SHADE_LIST_DIFFUSE] = 0x3f};
+  shade_param_info info;
+  for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
+    assert_int_equal(shade_param_row(shade_param_find(want[i].word), &info), 1);
+    assert_int_equal(info.list, want[i].list);
+    if (info.list != SHADE_LIST_COUNT)
+      assert_int_equal(info.choices & there[info.list], want[i].choices);
+  }
+}
+
 static void json(void **state) {
   (void)state;
   shade_params p;
@@ -365,7 +530,8 @@ int main(void) {
       cmocka_unit_test(json),         cmocka_unit_test(older_caller),
       cmocka_unit_test(defaults),     cmocka_unit_test(json_stays_finite),
       cmocka_unit_test(roughness),    cmocka_unit_test(roughness_back),
-      cmocka_unit_test(metal_table),
+      cmocka_unit_test(metal_table),  cmocka_unit_test(by_row),
+      cmocka_unit_test(readers),      cmocka_unit_test(by_row_out_of_reach),
   };
   return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

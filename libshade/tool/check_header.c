@@ -3,7 +3,6 @@
 #include "tool/check.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,40 +14,10 @@ static int bad_material(const char *path, int index, const char *message, const 
   return 0;
 }
 
-static void set_choice(shade_params *p, shade_list list, int value) {
-  switch (list) {
-  case SHADE_LIST_MDF:
-    p->mdf = (shade_mdf)value;
-    break;
-  case SHADE_LIST_BRDF:
-    p->brdf = (shade_brdf)value;
-    break;
-  case SHADE_LIST_DETAIL:
-    p->detail = (shade_detail)value;
-    break;
-  case SHADE_LIST_GROOVE:
-    p->groove = (shade_groove)value;
-    break;
-  case SHADE_LIST_FRESNEL:
-    p->fresnel = (shade_fresnel)value;
-    break;
-  case SHADE_LIST_DIFFUSE:
-    p->diffuse = (shade_diffuse)value;
-    break;
-  case SHADE_LIST_HORIZON:
-    p->horizon = (shade_horizon)value;
-    break;
-  case SHADE_LIST_COUNT:
-    break;
-  }
-}
-
-/* One number, or an array of as many as the parameter has, into its place in *p. */
-static int read_param(shade_params *p, int row, const shade_param_info *info, const json *value) {
-#define PLACE(word, ...) offsetof(shade_params, word),
-  static const size_t places[] = {SHADE_TABLE_PARAMS(PLACE)};
-#undef PLACE
-  double *place = (double *)(void *)((char *)p + places[row]);
+/* One number, or an array of as many as the parameter has, into its place in *p, as the file has
+ * them: an exponent and an alpha that do not belong together are the dump's to answer for. */
+static int read_param(shade_params *p, const shade_param_info *info, const json *value) {
+  double *place = (double *)(void *)((char *)p + info->offset);
   const json *item = value;
   if (info->components > 1)
     item = value->type == JSON_ARRAY ? value->child : NULL;
@@ -71,16 +40,34 @@ static int read_table_key(shade_params *p, const json *member, int *good) {
       const int value = shade_list_find((shade_list)list, member->string);
       *good = value >= 0;
       if (*good)
-        set_choice(p, (shade_list)list, value);
+        shade_params_set_choice(p, (shade_list)list, value);
       return list;
     }
   shade_param_info info;
   for (int row = 0; shade_param_row(row, &info); row++)
     if (strcmp(member->key, info.word) == 0) {
-      *good = read_param(p, row, &info, member);
+      *good = read_param(p, &info, member);
       return SHADE_LIST_COUNT + row;
     }
   return -1;
+}
+
+/* The word of a key that every dump has and this one lacks, or NULL. What dumps may lack is set
+ * to what it was before there was a choice. */
+static const char *lacking(shade_params *p, const char *seen) {
+  shade_list_info list;
+  for (int i = 0; shade_list_about((shade_list)i, &list); i++) {
+    if (seen[i])
+      continue;
+    if (list.in_every_dump)
+      return list.word;
+    shade_params_set_choice(p, (shade_list)i, list.older);
+  }
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (!seen[SHADE_LIST_COUNT + row] && info.in_every_dump)
+      return info.word;
+  return NULL;
 }
 
 static int is_id(const json *value) { /* a float of material.ID holds it exactly */
@@ -88,13 +75,13 @@ static int is_id(const json *value) { /* a float of material.ID holds it exactly
          value->number == floor(value->number);
 }
 
-/* Every key of the table must be there, but for `horizon`, once; one that is not known might
- * matter. */
+/* Every key that all dumps have must be there, none twice; one that is not known might matter. */
 static int read_material(check_material *m, const char *path, int index, const json *object) {
-  enum { KEYS = 64, ID = KEYS - 2, NAME };
+#define ONE(...) +1
+  enum { ID = SHADE_LIST_COUNT SHADE_TABLE_PARAMS(ONE), NAME, KEYS };
+#undef ONE
   char seen[KEYS] = {0};
   shade_params_init(&m->params);
-  m->params.horizon = SHADE_HORIZON_HARD; /* what dumps older than that list were shaded by */
   m->name = "";
   if (object->type != JSON_OBJECT)
     return bad_material(path, index, "is no", "{ }");
@@ -118,13 +105,9 @@ static int read_material(check_material *m, const char *path, int index, const j
   }
   if (!seen[ID])
     return bad_material(path, index, "lacks", "id");
-  for (int list = 0; list < SHADE_LIST_COUNT; list++)
-    if (!seen[list] && list != SHADE_LIST_HORIZON)
-      return bad_material(path, index, "lacks", shade_list_name((shade_list)list));
-  shade_param_info info;
-  for (int row = 0; shade_param_row(row, &info); row++)
-    if (!seen[SHADE_LIST_COUNT + row])
-      return bad_material(path, index, "lacks", info.word);
+  const char *word = lacking(&m->params, seen);
+  if (word)
+    return bad_material(path, index, "lacks", word);
   return 1;
 }
 

@@ -46,24 +46,6 @@ static void print_words(FILE *to, shade_list list) {
     fprintf(to, "%s%s", row ? " | " : "", word);
 }
 
-/* Where params keep the choice of a list. */
-static int choice(const shade_params *p, shade_list list) {
-  switch (list) {
-  case SHADE_LIST_MDF:
-    return (int)p->mdf;
-  case SHADE_LIST_BRDF:
-    return (int)p->brdf;
-  case SHADE_LIST_DETAIL:
-    return (int)p->detail;
-  case SHADE_LIST_DIFFUSE:
-    return (int)p->diffuse;
-  case SHADE_LIST_HORIZON:
-    return (int)p->horizon;
-  default:
-    return (int)p->groove;
-  }
-}
-
 /* The plain formula: neither Fresnel nor a kinder horizon but on request. */
 static shade_params initial_params(void) {
   shade_params p;
@@ -93,23 +75,22 @@ static void usage(FILE *to) {
     fprintf(to, "  --%-8s ", shade_list_name((shade_list)list));
     print_words(to, (shade_list)list);
     fprintf(to, "   (default %s)\n",
-            shade_list_word((shade_list)list, choice(&initial, (shade_list)list)));
+            shade_list_word((shade_list)list, shade_params_get_choice(&initial, (shade_list)list)));
   }
-  fprintf(to,
-          "  --ex E --ey E            exponents along and across the tangent, 0 to 1e6\n"
-          "                           (default %g, %g)\n",
-          initial.ex, initial.ey);
-  fputs("  --ax A --ay A            or roughness alphas, 1e-4 to 10\n"
-        "  --f0 F                   reflectance at normal incidence (Schlick); Fresnel is 1 "
-        "without it\n"
-        "  --f82 T                  with --f0: share of Schlick's value left at 82 degrees\n"
-        "  --eta N --k K            or a conductor's complex index of refraction\n"
-        "  --kd K                   diffuse reflectance: f includes the diffuse part\n"
-        "  --precision fast|float|double|reference   (default double)\n\n"
-        "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
-        "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
-        "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
-        to);
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    fprintf(to, "  --%-8s %s, %g to %g%s\n", info.word, info.help, info.minimum, info.maximum,
+            info.components > 1 ? ", in every channel" : "");
+  fprintf(to, "  (default --ex %g --ey %g)\n\n", initial.ex, initial.ey);
+  fputs(
+      "Exponents or alphas, both of them. Fresnel is 1 without --f0; with it Schlick's, with --f0\n"
+      "and --f82 darkened towards 82 degrees; or --eta and --k, a conductor's. f includes the\n"
+      "diffuse part with --kd.\n\n"
+      "  --precision fast|float|double|reference   (default double)\n\n"
+      "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
+      "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
+      "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
+      to);
 }
 
 static int bad_usage(const char *option, const char *value, const char *expected) {
@@ -125,40 +106,113 @@ static int find_word(const char *const *words, const char *word) {
 }
 
 static int set_choice(query *q, shade_list list, const char *word) {
-  int value = shade_list_find(list, word);
-  if (value < 0) {
-    fprintf(stderr, "shade eval: --%s '%s': expected ", shade_list_name(list), word);
-    print_words(stderr, list);
-    fputs("\n", stderr);
+  const int value = shade_list_find(list, word);
+  if (value >= 0) {
+    shade_params_set_choice(&q->params, list, value);
+    return TOOL_DONE;
+  }
+  fprintf(stderr, "shade eval: --%s '%s': expected ", shade_list_name(list), word);
+  print_words(stderr, list);
+  fputs("\n", stderr);
+  return TOOL_BAD_USAGE;
+}
+
+/* One number for all components of a row. */
+static int set_number(query *q, int row, const char *option, const char *value) {
+  enum { MOST = 3 };
+  shade_param_info info;
+  double number, v[MOST];
+  char range[80];
+  if (!tool_parse_number(value, &number))
+    return bad_usage(option, value, "a number");
+  shade_param_row(row, &info);
+  for (int i = 0; i < MOST; i++)
+    v[i] = number;
+  if (shade_params_set(&q->params, row, v) == SHADE_OK)
+    return TOOL_DONE;
+  snprintf(range, sizeof range, "a number from %g to %g: this one is out of range", info.minimum,
+           info.maximum);
+  return bad_usage(option, value, range);
+}
+
+/* Fresnel follows from which of its numbers were given: bits of `given` by row. */
+static int choose_fresnel(query *q, unsigned given) {
+  const unsigned f0 = given >> shade_param_find("f0") & 1;
+  const unsigned f82 = given >> shade_param_find("f82") & 1;
+  const unsigned eta = given >> shade_param_find("eta") & 1;
+  const unsigned k = given >> shade_param_find("k") & 1;
+  if (eta != k || (eta && f0) || (f82 && !f0)) {
+    fputs("shade eval: Fresnel is --f0, or --f0 and --f82, or --eta and --k\n", stderr);
     return TOOL_BAD_USAGE;
   }
-  switch (list) {
-  case SHADE_LIST_MDF:
-    q->params.mdf = (shade_mdf)value;
-    break;
-  case SHADE_LIST_BRDF:
-    q->params.brdf = (shade_brdf)value;
-    break;
-  case SHADE_LIST_DETAIL:
-    q->params.detail = (shade_detail)value;
-    break;
-  case SHADE_LIST_DIFFUSE:
-    q->params.diffuse = (shade_diffuse)value;
-    break;
-  case SHADE_LIST_HORIZON:
-    q->params.horizon = (shade_horizon)value;
-    break;
-  default:
-    q->params.groove = (shade_groove)value;
+  q->params.fresnel = eta   ? SHADE_FRESNEL_CONDUCTOR
+                      : f82 ? SHADE_FRESNEL_F82
+                      : f0  ? SHADE_FRESNEL_SCHLICK
+                            : SHADE_FRESNEL_NONE;
+  return TOOL_DONE;
+}
+
+/* The lobe is stated by one pair of numbers, whole. */
+static int whole_pair(unsigned given) {
+  const unsigned ex = given >> shade_param_find("ex") & 1;
+  const unsigned ey = given >> shade_param_find("ey") & 1;
+  const unsigned ax = given >> shade_param_find("ax") & 1;
+  const unsigned ay = given >> shade_param_find("ay") & 1;
+  if ((ex || ey) && (ax || ay)) {
+    fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
+    return TOOL_BAD_USAGE;
+  }
+  if (ex != ey || ax != ay) {
+    fprintf(stderr, "shade eval: --%s and --%s go together\n", ex != ey ? "ex" : "ax",
+            ex != ey ? "ey" : "ay");
+    return TOOL_BAD_USAGE;
   }
   return TOOL_DONE;
 }
 
+/* The list that an option is called after, or SHADE_LIST_COUNT. Fresnel follows from numbers. */
+static shade_list find_list(const char *name) {
+  int list = 0;
+  while (list < SHADE_LIST_COUNT &&
+         (list == SHADE_LIST_FRESNEL || strcmp(name, shade_list_name((shade_list)list)) != 0))
+    list++;
+  return (shade_list)list;
+}
+
+/* Sets what an option says. Numbers that were given are noted in *given, a bit each row. */
+static int read_option(query *q, const char *option, const char *value, unsigned *given) {
+  const shade_list list = find_list(option + 2);
+  const int row = shade_param_find(option + 2);
+  if (list != SHADE_LIST_COUNT)
+    return set_choice(q, list, value);
+  if (row >= 0) {
+    *given |= 1u << row;
+    return set_number(q, row, option, value);
+  }
+  if (!strcmp(option, "--precision")) {
+    const int k = find_word(precision_words, value);
+    if (k < 0)
+      return bad_usage(option, value, "fast, float, double or reference");
+    q->precision = (precision)k;
+    q->params.fast = k == PRECISION_FAST;
+    return TOOL_DONE;
+  }
+  if (!strcmp(option, "--what")) {
+    const int k = find_word(what_words, value);
+    if (k < 0)
+      return bad_usage(option, value, "D, f, diffuse, pdf or sample");
+    q->what = (what)k;
+    return TOOL_DONE;
+  }
+  fprintf(stderr, "shade eval: unknown option '%s' (see shade eval --help)\n", option);
+  return TOOL_BAD_USAGE;
+}
+
 /* Returns TOOL_DONE, or the exit status after printing why; *help asks for the usage text. */
 static int read_options(query *q, int argc, char **argv, int *help) {
-  double ex = q->params.ex, ey = q->params.ey, ax = 0, ay = 0;
-  int exponents = 0, alphas = 0, matt = 0, fresnel[SHADE_FRESNEL_COUNT] = {0};
-  for (int i = 1; i < argc; i++) {
+  unsigned given = 0;
+  int status = TOOL_DONE;
+  for (int i = 1; status == TOOL_DONE && i < argc; i += 2) {
     const char *option = argv[i];
     if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
       *help = 1;
@@ -172,91 +226,11 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       fprintf(stderr, "shade eval: option '%s' is unknown or lacks its value\n", option);
       return TOOL_BAD_USAGE;
     }
-    const char *value = argv[++i];
-    const struct {
-      const char *name;
-      double *target;
-      int *given;
-    } numbers[] = {{"--ex", &ex, &exponents},
-                   {"--ey", &ey, &exponents},
-                   {"--ax", &ax, &alphas},
-                   {"--ay", &ay, &alphas},
-                   {"--f0", &q->params.f0[0], &fresnel[SHADE_FRESNEL_SCHLICK]},
-                   {"--f82", &q->params.f82[0], &fresnel[SHADE_FRESNEL_F82]},
-                   {"--eta", &q->params.eta[0], &fresnel[SHADE_FRESNEL_CONDUCTOR]},
-                   {"--k", &q->params.k[0], &fresnel[SHADE_FRESNEL_CONDUCTOR]},
-                   {"--kd", &q->params.kd[0], &matt}};
-    int done = 0;
-    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
-      if (strcmp(option, numbers[k].name))
-        continue;
-      done = 1;
-      if (!tool_parse_number(value, numbers[k].target))
-        return bad_usage(option, value, "a number");
-      *numbers[k].given |= 1 << (numbers[k].name[3] == 'y' || numbers[k].name[2] == 'k');
-    }
-    for (int list = 0; !done && list < SHADE_LIST_COUNT; list++) {
-      if (list == SHADE_LIST_FRESNEL || strcmp(option + 2, shade_list_name((shade_list)list)))
-        continue;
-      done = 1;
-      int status = set_choice(q, (shade_list)list, value);
-      if (status)
-        return status;
-    }
-    if (!done && !strcmp(option, "--precision")) {
-      done = 1;
-      int k = find_word(precision_words, value);
-      if (k < 0)
-        return bad_usage(option, value, "fast, float, double or reference");
-      q->precision = (precision)k;
-      q->params.fast = k == PRECISION_FAST;
-    }
-    if (!done && !strcmp(option, "--what")) {
-      done = 1;
-      int k = find_word(what_words, value);
-      if (k < 0)
-        return bad_usage(option, value, "D, f, diffuse, pdf or sample");
-      q->what = (what)k;
-    }
-    if (!done) {
-      fprintf(stderr, "shade eval: unknown option '%s' (see shade eval --help)\n", option);
-      return TOOL_BAD_USAGE;
-    }
+    status = read_option(q, option, argv[i + 1], &given);
   }
-  const int schlick = fresnel[SHADE_FRESNEL_SCHLICK], f82 = fresnel[SHADE_FRESNEL_F82];
-  const int conductor = fresnel[SHADE_FRESNEL_CONDUCTOR];
-  if ((f82 && !schlick) || (conductor && (conductor != 3 || schlick))) {
-    fputs("shade eval: Fresnel is --f0, or --f0 and --f82, or --eta and --k\n", stderr);
-    return TOOL_BAD_USAGE;
-  }
-  q->params.fresnel = conductor ? SHADE_FRESNEL_CONDUCTOR
-                      : f82     ? SHADE_FRESNEL_F82
-                      : schlick ? SHADE_FRESNEL_SCHLICK
-                                : SHADE_FRESNEL_NONE;
-  if (exponents && alphas) {
-    fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
-    return TOOL_BAD_USAGE;
-  }
-  if (exponents && exponents != 3) {
-    fputs("shade eval: --ex and --ey go together\n", stderr);
-    return TOOL_BAD_USAGE;
-  }
-  if (alphas && alphas != 3) {
-    fputs("shade eval: --ax and --ay go together\n", stderr);
-    return TOOL_BAD_USAGE;
-  }
-  unsigned status = alphas ? shade_params_set_alphas(&q->params, ax, ay)
-                           : shade_params_set_exponents(&q->params, ex, ey);
-  shade_bsdf unused;
-  status |= shade_bsdf_setup(&unused, &q->params);
-  if (status & SHADE_CLAMPED_PARAMETER) {
-    fputs("shade eval: out of range: exponents are 0 to 1e6, alphas 1e-4 to 10, f0, f82 and kd 0 "
-          "to 1, "
-          "eta 1e-3 to 100, k 0 to 100\n",
-          stderr);
-    return TOOL_BAD_USAGE;
-  }
-  return TOOL_DONE;
+  if (status == TOOL_DONE)
+    status = choose_fresnel(q, given);
+  return status == TOOL_DONE ? whole_pair(given) : status;
 }
 
 /* The answer; status bits tell what was wrong with the directions. */

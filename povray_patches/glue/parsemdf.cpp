@@ -26,16 +26,6 @@ namespace pov {
 
 namespace {
 
-// The table's row of a parameter.
-shade_param_info parameter(const char *word) {
-  shade_param_info info;
-
-  for (int row = 0; shade_param_row(row, &info); row++)
-    if (strcmp(info.word, word) == 0)
-      break;
-  return info;
-}
-
 mdf::BumpImage *read_png(IStream *file) {
   Image::ReadOptions options; // by default no gamma correction: a normal map holds no colours
   const std::unique_ptr<Image> image(Image::Read(Image::PNG, file, options));
@@ -66,48 +56,46 @@ void collect_blocks(const TEXTURE *texture, std::set<const mdf::Material *> &blo
 
 } // namespace
 
-DBL Parser::Parse_Mdf_Number(const char *word) {
-  const shade_param_info info = parameter(word);
-  const char *const kind = word[0] == 'e' ? "exponent" : "alpha";
-  const DBL value = Parse_Float();
+// Numbers of one row of the table; `word` is what the block calls it.
+void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
+  shade_param_info info;
+  double v[3];
 
-  if (!(value >= info.minimum))
-    Error("mdf: %s %s is %g, expected a number from %g to %g.", kind, word, value, info.minimum,
+  shade_param_row(row, &info);
+  if (info.components == 3) {
+    RGBColour colour;
+    Parse_Colour(colour);
+    v[0] = colour.red();
+    v[1] = colour.green();
+    v[2] = colour.blue();
+  } else
+    v[0] = Parse_Float();
+
+  // a lobe's number too small is a mistake, a colour a little out of range is not
+  if (info.components == 1 && !(v[0] >= info.minimum))
+    Error("mdf: %s is %g, expected a number from %g to %g.", word.c_str(), v[0], info.minimum,
           info.maximum);
-  if (value > info.maximum)
-    Warning(0, "mdf: %s %s is %g; it is taken as %g, the largest possible.", kind, word, value,
-            info.maximum);
-  return min(value, info.maximum);
+  shade_params_set(&material.params, row, v);
+  double set[3];
+  shade_params_get(&material.params, row, set);
+  for (int c = 0; c < info.components; c++)
+    if (set[c] != v[c]) {
+      if (info.components == 1)
+        Warning(0, "mdf: %s is %g; it is taken as %g, the largest possible.", word.c_str(), v[c],
+                set[c]);
+      else
+        Warning(0, "mdf: a component of %s is %g; it is taken as %g.", word.c_str(), v[c], set[c]);
+    }
 }
 
-// Ashikhmin-Shirley reads exponents, every other distribution alphas.
-void Parser::Parse_Mdf_Distribution(mdf::Material &material) {
-  const bool exponents = Token.Function_Id == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+// The numbers that a choice reads, in the order of the table.
+void Parser::Parse_Mdf_Rows(mdf::Material &material, shade_list list, int value) {
+  const std::vector<int> rows = mdf::rows_of_choice(list, value);
 
-  material.params.mdf = (shade_mdf)Token.Function_Id;
-  const DBL along = Parse_Mdf_Number(exponents ? "ex" : "ax");
-  Parse_Comma();
-  const DBL across = Parse_Mdf_Number(exponents ? "ey" : "ay");
-  if (exponents)
-    shade_params_set_exponents(&material.params, along, across);
-  else
-    shade_params_set_alphas(&material.params, along, across);
-}
-
-// Three numbers of the table's `name`, one a colour channel; `word` is what the block calls it.
-void Parser::Parse_Mdf_Colour(const char *word, const char *name, double rgb[3]) {
-  const shade_param_info info = parameter(name);
-  RGBColour colour;
-
-  Parse_Colour(colour);
-  rgb[0] = colour.red();
-  rgb[1] = colour.green();
-  rgb[2] = colour.blue();
-  for (int c = 0; c < 3; c++) {
-    const double given = rgb[c];
-    rgb[c] = min(max(given, info.minimum), info.maximum);
-    if (rgb[c] != given)
-      Warning(0, "mdf: a component of %s is %g; it is taken as %g.", word, given, rgb[c]);
+  for (size_t i = 0; i < rows.size(); i++) {
+    if (i > 0)
+      Parse_Comma();
+    Parse_Mdf_Row(material, rows[i], mdf::name_of_row(rows[i], list, value));
   }
 }
 
@@ -193,39 +181,9 @@ void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
   if (Token.Token_Id != MDF_WORD_TOKEN)
     Expectation_Error(mdf::expected_words(choices, "").c_str());
 
-  switch (list) {
-  case SHADE_LIST_MDF:
-    material.params.mdf = (shade_mdf)Token.Function_Id;
-    break;
-  case SHADE_LIST_BRDF:
-    material.params.brdf = (shade_brdf)Token.Function_Id;
-    break;
-  case SHADE_LIST_DETAIL:
-    material.params.detail = (shade_detail)Token.Function_Id;
-    break;
-  case SHADE_LIST_GROOVE:
-    material.params.groove = (shade_groove)Token.Function_Id;
-    break;
-  case SHADE_LIST_FRESNEL:
-    material.params.fresnel = (shade_fresnel)Token.Function_Id;
-    if (material.params.fresnel == SHADE_FRESNEL_F82)
-      Parse_Mdf_Colour("fresnel f82", "f82", material.params.f82);
-    if (material.params.fresnel == SHADE_FRESNEL_CONDUCTOR) {
-      Parse_Mdf_Colour("fresnel conductor's eta", "eta", material.params.eta);
-      Parse_Comma();
-      Parse_Mdf_Colour("fresnel conductor's k", "k", material.params.k);
-    }
-    break;
-  case SHADE_LIST_DIFFUSE:
-    material.params.diffuse = (shade_diffuse)Token.Function_Id;
-    Parse_Mdf_Colour("diffuse", "kd", material.params.kd);
-    break;
-  case SHADE_LIST_HORIZON:
-    material.params.horizon = (shade_horizon)Token.Function_Id;
-    break;
-  case SHADE_LIST_COUNT:
-    break;
-  }
+  const int value = Token.Function_Id;
+  shade_params_set_choice(&material.params, list, value);
+  Parse_Mdf_Rows(material, list, value);
 }
 
 void Parser::Parse_Mdf(FINISH *finish) {
@@ -247,14 +205,16 @@ void Parser::Parse_Mdf(FINISH *finish) {
         word = Token.Function_Id;
         if (word == mdf::BLOCK_TANGENT)
           Parse_Mdf_Tangent(material);
-        else if (word == mdf::BLOCK_SPECULAR)
-          Parse_Mdf_Colour("specular", "f0", material.params.f0);
         else if (word == mdf::BLOCK_BUMP_IMAGE)
           Parse_Mdf_Bump_Image(material);
+        else if (word >= mdf::BLOCK_ROW)
+          Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
         else if (word >= mdf::BLOCK_LIST)
           Parse_Mdf_Choice(material, (shade_list)(word - mdf::BLOCK_LIST));
-        else
-          Parse_Mdf_Distribution(material);
+        else { // a distribution
+          shade_params_set_choice(&material.params, SHADE_LIST_MDF, word);
+          Parse_Mdf_Rows(material, SHADE_LIST_MDF, word);
+        }
       END_CASE
 
       CASE (RIGHT_CURLY_TOKEN)

@@ -37,7 +37,10 @@ std::vector<Words> make_sets() {
     add_list(sets[(size_t)words_of_list((shade_list)list)], (shade_list)list);
   }
   add(sets[WORDS_BLOCK], "tangent", BLOCK_TANGENT);
-  add(sets[WORDS_BLOCK], "specular", BLOCK_SPECULAR);
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (info.list == SHADE_LIST_COUNT)
+      add(sets[WORDS_BLOCK], word_of_row(row), BLOCK_ROW + row);
   add(sets[WORDS_BLOCK], "bump_image", BLOCK_BUMP_IMAGE);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);
   add(sets[WORDS_IMAGE], "png", IMAGE_PNG);
@@ -52,6 +55,35 @@ const Words &words_of(WordSet set) {
 }
 
 } // namespace
+
+std::vector<int> rows_of_choice(shade_list list, int value) {
+  std::vector<int> rows;
+  shade_param_info info;
+
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (info.list == list && (info.choices >> value & 1))
+      rows.push_back(row);
+  return rows;
+}
+
+std::string name_of_row(int row, shade_list list, int value) {
+  shade_param_info info;
+  const std::string name = shade_list_name(list), choice = shade_list_word(list, value);
+
+  shade_param_row(row, &info);
+  if (list == SHADE_LIST_MDF)
+    return std::string(info.word[0] == 'e' ? "exponent " : "alpha ") + info.word;
+  if (rows_of_choice(list, value).size() > 1)
+    return name + " " + choice + "'s " + info.word;
+  return choice == info.word ? name + " " + choice : name;
+}
+
+const char *word_of_row(int row) {
+  shade_param_info info;
+
+  shade_param_row(row, &info);
+  return std::strcmp(info.word, "f0") == 0 ? "specular" : info.word; // as elsewhere in a finish
+}
 
 int find_word(WordSet set, const char *text) {
   const Words &words = words_of(set);

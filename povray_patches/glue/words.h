@@ -4,6 +4,7 @@
 #define POVRAY_BACKEND_MDF_WORDS_H
 
 #include <string>
+#include <vector>
 
 #include "shade/shade.h"
 
@@ -23,8 +24,8 @@ enum WordSet {
 // identity is their shade_mdf value.
 enum BlockWord {
   BLOCK_LIST = 1000, // BLOCK_LIST + a shade_list: `detail`, `groove`, …
-  BLOCK_TANGENT = 2000,
-  BLOCK_SPECULAR,
+  BLOCK_ROW = 2000,  // BLOCK_ROW + a row of the table that every choice reads: `specular`
+  BLOCK_TANGENT = 3000,
   BLOCK_BUMP_IMAGE
 };
 
@@ -34,6 +35,15 @@ enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH };
 inline WordSet words_of_list(shade_list list) {
   return (WordSet)((int)WORDS_LIST + (int)list);
 }
+
+// The rows of the table's numbers that this choice of a list reads.
+std::vector<int> rows_of_choice(shade_list list, int value);
+
+// What messages call a row that follows a choice: "alpha ax", "fresnel conductor's k".
+std::string name_of_row(int row, shade_list list, int value);
+
+// What a block calls a row that every choice reads.
+const char *word_of_row(int row);
 
 // The identity of `text` in `set`, or -1. Exact spelling: a scene may have a
 // `Detail` of its own.

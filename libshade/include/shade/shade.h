@@ -73,16 +73,8 @@ typedef enum shade_roughness {
 } shade_roughness;
 
 /* The choice lists of a material, for look-up by name. */
-typedef enum shade_list {
-  SHADE_LIST_MDF,
-  SHADE_LIST_BRDF,
-  SHADE_LIST_DETAIL,
-  SHADE_LIST_GROOVE,
-  SHADE_LIST_FRESNEL,
-  SHADE_LIST_DIFFUSE,
-  SHADE_LIST_HORIZON,
-  SHADE_LIST_COUNT
-} shade_list;
+#define SHADE_LIST_ROW_(NAME, ...) SHADE_LIST_##NAME,
+typedef enum shade_list { SHADE_TABLE_LISTS(SHADE_LIST_ROW_) SHADE_LIST_COUNT } shade_list;
 
 /* Status bits. 0 means that nothing had to be mended. */
 enum {
@@ -96,7 +88,8 @@ enum {
 
 /*
  * A material as its author states it. Fill it with shade_params_init, change
- * what is needed, then hand it to shade_bsdf_setup.
+ * what is needed, then hand it to shade_bsdf_setup. By name or row: shade_params_set and
+ * shade_params_set_choice, below.
  */
 typedef struct shade_params {
   size_t size; /* sizeof(shade_params), set by shade_params_init */
@@ -124,10 +117,7 @@ typedef struct shade_bsdf {
   double inside[128];
 } shade_bsdf;
 
-/*
- * Set every member of *p to its default: numbers to the table's, choices to the first row of their
- * list, but for SHADE_DETAIL_ROTATE, SHADE_FRESNEL_SCHLICK and SHADE_HORIZON_VALID_ESTEVEZ.
- */
+/* Set every member of *p to its default in the table (table.h). */
 SHADE_API void shade_params_init(shade_params *p);
 
 /*
@@ -434,13 +424,42 @@ SHADE_API int shade_list_row(shade_list list, int row, int *value, const char **
 /* "mdf", "brdf", "detail", …; NULL for a list that does not exist. */
 SHADE_API const char *shade_list_name(shade_list list);
 
+/* A list of the table; returns 0 for one that does not exist. */
+typedef struct shade_list_info {
+  const char *word, *help;
+  int initial, older; /* the default, and what dumps and callers older than the list mean */
+  int in_every_dump;  /* 0: dumps may lack it */
+  size_t offset;      /* of its member in shade_params, an enum */
+} shade_list_info;
+SHADE_API int shade_list_about(shade_list list, shade_list_info *info);
+
 /* One numeric parameter of the table; returns 0 past the end. components is 1 or 3. */
 typedef struct shade_param_info {
   const char *word, *unit, *help;
   int components;
   double minimum, maximum, initial;
+  shade_list list;   /* only choices of this list read it: bit 1 << value of `choices`; */
+  unsigned choices;  /* SHADE_LIST_COUNT: it is read whatever is chosen */
+  int in_every_dump; /* 0: dumps may lack it, and mean the default */
+  size_t offset;     /* of its member in shade_params, `components` doubles */
 } shade_param_info;
 SHADE_API int shade_param_row(int row, shade_param_info *info);
+/* The row of a name (read as all names are), or -1. */
+SHADE_API int shade_param_find(const char *word);
+
+/*
+ * A material's choices and numbers by list and row. Setting brings numbers into their range
+ * (SHADE_CLAMPED_PARAMETER; NaN becomes the default) and an unknown choice to the first of its
+ * list (SHADE_BAD_CHOICE). Of an exponent it also sets the alpha of the same axis, and the other
+ * way round, as shade_params_set_exponents and shade_params_set_alphas do. `v` holds as many
+ * numbers as the row has components. A list or row that does not exist, or that lies beyond
+ * p->size: SHADE_BAD_INPUT, nothing is set; getting gives -1, or SHADE_BAD_INPUT and leaves *v.
+ * What is got is what stands in *p, within its range or not. Returns status bits.
+ */
+SHADE_API unsigned shade_params_set_choice(shade_params *p, shade_list list, int value);
+SHADE_API int shade_params_get_choice(const shade_params *p, shade_list list);
+SHADE_API unsigned shade_params_set(shade_params *p, int row, const double *v);
+SHADE_API unsigned shade_params_get(const shade_params *p, int row, double *v);
 
 /*
  * One material as a JSON object, for the header of a dump:

@@ -3,14 +3,36 @@
  * The one table of names. C enums, the `shade` command line, Blender's enum
  * items (upper case) and POV-Ray's words (lower case) are all made from it.
  *
+ * List rows:      ROW(LIST, word, default, older, in dumps, "what it chooses")
+ *   default and older are rows of that list. older: what was shaded before there was the list,
+ *   and so what a structure or a dump without it means.
  * Choice rows:    ROW(ENUM_NAME, word, value, "label", "one line of help")
- * Parameter rows: ROW(word, kind, unit, minimum, maximum, default, "help")
- *   kind is REAL (one number) or COLOUR (three numbers, linear RGB).
+ * Parameter rows: ROW(word, kind, unit, minimum, maximum, default, list, choices, in dumps, "help")
+ *   kind is REAL (one number) or COLOUR (three numbers, linear RGB). Only those `choices` of `list`
+ *   read it, one bit each; with SHADE_LIST_COUNT all do. In a structure or a dump without it
+ *   it is the default.
+ * in dumps: EVERY has it, or only LATER ones. What is new is LATER.
+ *
+ * A new list also is a member of shade_params, a SHADE_TABLE_ and an enum; a new parameter a
+ * member: libshade does not compile without. Reading, writing, ranges, defaults, options,
+ * properties and words follow from the row.
  *
  * Values are part of the binary interface: never renumber, only append.
  */
 #ifndef SHADE_TABLE_H
 #define SHADE_TABLE_H
+
+/* What a material chooses. */
+#define SHADE_TABLE_LISTS(ROW)                                                                     \
+  ROW(MDF, mdf, ASHIKHMIN_SHIRLEY, ASHIKHMIN_SHIRLEY, EVERY, "The distribution of microfacets")    \
+  ROW(BRDF, brdf, ASHIKHMIN_SHIRLEY, ASHIKHMIN_SHIRLEY, EVERY,                                     \
+      "How the distribution makes a BRDF")                                                         \
+  ROW(DETAIL, detail, ROTATE, ROTATE, EVERY, "How the perturbed normal moves the distribution")    \
+  ROW(GROOVE, groove, AUTO, AUTO, EVERY, "The axis that grooves and fibres run along")             \
+  ROW(FRESNEL, fresnel, SCHLICK, SCHLICK, EVERY, "Reflectance against angle")                      \
+  ROW(DIFFUSE, diffuse, LAMBERT, LAMBERT, EVERY, "The model of the diffuse part")                  \
+  ROW(HORIZON, horizon, VALID_ESTEVEZ, HARD, LATER,                                                \
+      "What is shaded where a bumped normal turns away from eye or light")
 
 /* Microfacet distributions D(h), in 1/sr. */
 #define SHADE_TABLE_MDF(ROW)                                                                       \
@@ -95,16 +117,26 @@
       "where silhouettes go black or low light draws a hard edge, above all with a diffuse part")
 
 /* Parameters of a material. */
+#define SHADE_EXPONENTS_ (1u << SHADE_MDF_ASHIKHMIN_SHIRLEY)
 #define SHADE_TABLE_PARAMS(ROW)                                                                    \
-  ROW(ex, REAL, "", 0.0, 1e6, 200.0, "Exponent along the tangent; larger is narrower")             \
-  ROW(ey, REAL, "", 0.0, 1e6, 10.0, "Exponent across the tangent; larger is narrower")             \
-  ROW(ax, REAL, "", 1e-4, 10.0, 0.099503719, "Roughness alpha along the tangent")                  \
-  ROW(ay, REAL, "", 1e-4, 10.0, 0.40824829, "Roughness alpha across the tangent")                  \
-  ROW(f0, COLOUR, "", 0.0, 1.0, 1.0, "Reflectance at normal incidence, linear RGB")                \
-  ROW(f82, COLOUR, "", 0.0, 1.0, 1.0, "Share of Schlick's value left at 82 degrees, linear RGB")   \
-  ROW(eta, COLOUR, "", 1e-3, 100.0, 0.5, "Conductor's index of refraction, for red, green, blue")  \
-  ROW(k, COLOUR, "", 0.0, 100.0, 3.0, "Conductor's extinction, for red, green, blue")              \
-  ROW(kd, COLOUR, "", 0.0, 1.0, 0.0, "Diffuse reflectance, linear RGB")
+  ROW(ex, REAL, "", 0.0, 1e6, 200.0, SHADE_LIST_MDF, SHADE_EXPONENTS_, EVERY,                      \
+      "Exponent along the tangent; larger is narrower")                                            \
+  ROW(ey, REAL, "", 0.0, 1e6, 10.0, SHADE_LIST_MDF, SHADE_EXPONENTS_, EVERY,                       \
+      "Exponent across the tangent; larger is narrower")                                           \
+  ROW(ax, REAL, "", 1e-4, 10.0, 0.099503719, SHADE_LIST_MDF, ~SHADE_EXPONENTS_, EVERY,             \
+      "Roughness alpha along the tangent")                                                         \
+  ROW(ay, REAL, "", 1e-4, 10.0, 0.40824829, SHADE_LIST_MDF, ~SHADE_EXPONENTS_, EVERY,              \
+      "Roughness alpha across the tangent")                                                        \
+  ROW(f0, COLOUR, "", 0.0, 1.0, 1.0, SHADE_LIST_COUNT, 0, EVERY,                                   \
+      "Reflectance at normal incidence, linear RGB")                                               \
+  ROW(f82, COLOUR, "", 0.0, 1.0, 1.0, SHADE_LIST_FRESNEL, 1u << SHADE_FRESNEL_F82, EVERY,          \
+      "Share of Schlick's value left at 82 degrees, linear RGB")                                   \
+  ROW(eta, COLOUR, "", 1e-3, 100.0, 0.5, SHADE_LIST_FRESNEL, 1u << SHADE_FRESNEL_CONDUCTOR, EVERY, \
+      "Conductor's index of refraction, for red, green, blue")                                     \
+  ROW(k, COLOUR, "", 0.0, 100.0, 3.0, SHADE_LIST_FRESNEL, 1u << SHADE_FRESNEL_CONDUCTOR, EVERY,    \
+      "Conductor's extinction, for red, green, blue")                                              \
+  ROW(kd, COLOUR, "", 0.0, 1.0, 0.0, SHADE_LIST_DIFFUSE, ~0u, EVERY,                               \
+      "Diffuse reflectance, linear RGB")
 
 /*
  * Measured metals: ROW(ENUM_NAME, word, label, eta r, g, b, k r, g, b), complex index of
