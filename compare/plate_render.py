@@ -74,6 +74,7 @@ def new_material(job, image):
         metal.ex, metal.ey = plate.EX, plate.EY
         metal.detail = job["detail"].upper()
         metal.fresnel = "NONE"
+        metal.horizon = "HARD"  # the plain formula, by which the detail methods are compared
     else:
         metal = tree.nodes.new("ShaderNodeBsdfAnisotropic")
         metal.distribution = "ASHIKHMIN_SHIRLEY"

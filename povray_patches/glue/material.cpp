@@ -5,10 +5,8 @@ namespace mdf {
 
 Material::Material() : bsdf(), tangent(TANGENT_DEFAULT), axis(), strength(1.0), id(-1) {
   shade_params_init(&params);
-  params.detail = SHADE_DETAIL_ROTATE; // what this block is for
-  params.fresnel =
-      SHADE_FRESNEL_NONE; // `specular` alone is the colour at every angle, as elsewhere in a finish
-  params.horizon = SHADE_HORIZON_HARD; // the plain formula, by which other programs check dumps
+  // `specular` alone is the colour at every angle, as elsewhere in a finish
+  params.fresnel = SHADE_FRESNEL_NONE;
 }
 
 const Material *Scene::add(const Material &material) {

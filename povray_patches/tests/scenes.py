@@ -11,7 +11,7 @@ LAMP = "light_source { <-6, 2, -4>, rgb <.3, .4, .6> }\n"
 
 
 def finish(words, detail="rotate", exponents="200, 10"):
-    return f"finish {{ ambient 0 diffuse 0 mdf {{ ashikhmin_shirley {exponents} detail {detail} {words} }} }}"
+    return f"finish {{ ambient 0 diffuse 0 mdf {{ ashikhmin_shirley {exponents} detail {detail} horizon hard {words} }} }}"
 
 
 def scene(objects, lights=SUN + LAMP, header=HEADER):

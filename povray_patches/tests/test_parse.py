@@ -25,7 +25,7 @@ def material(render):
 def test_defaults(material):
     m = material("")
     assert (m["mdf"], m["brdf"], m["detail"], m["groove"], m["fresnel"], m["horizon"]) == (
-        "ashikhmin_shirley", "ashikhmin_shirley", "rotate", "auto", "none", "hard")
+        "ashikhmin_shirley", "ashikhmin_shirley", "rotate", "auto", "none", "valid_estevez")
     assert (m["ex"], m["ey"], m["f0"]) == (200, 10, [1, 1, 1])
 
 

@@ -18,7 +18,7 @@ def test_sockets(node):
     assert [s.name for s in node.inputs] == ["Color", "Normal"]
     assert [s.name for s in node.outputs] == ["BSDF"]
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
-    assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "HARD"
+    assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"
     assert near(node.ex, 200) and near(node.ey, 10)
 
 

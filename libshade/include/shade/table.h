@@ -113,8 +113,7 @@
   ROW(SCHUESSLER, schuessler, 4, "Schuessler",                                                     \
       "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")           \
   ROW(VALID_ESTEVEZ, valid_estevez, 5, "Valid reflection, Estevez",                                \
-      "Both: bend the normal for the eye, fade the light. Nearest to displaced bumps: choose it "  \
-      "where silhouettes go black or low light draws a hard edge, above all with a diffuse part")
+      "Both: bend the normal for the eye, fade the light: nearest to displaced bumps")
 
 /* Parameters of a material. */
 #define SHADE_EXPONENTS_ (1u << SHADE_MDF_ASHIKHMIN_SHIRLEY)
