@@ -277,7 +277,8 @@ static void brute_force(const shade_scratch_field *f, double u, double v, const 
 
 /*
  * Footprints of every size against brute force. Sums of covariance and mean square are
- * compared over many places: the filter's shape is not a box, its mean over the tile is.
+ * compared over many places: the filter's shape is not a box, its mean over the tile is. The
+ * mean slopes are compared at each place.
  */
 static void footprints_are_averages(void **state) {
   (void)state;
@@ -321,6 +322,8 @@ static void footprints_are_averages(void **state) {
       print_message("footprint %6.4f x %6.4f turned %.1f: second moments %.3f off, means %.3f\n", a,
                     b, turn, error, sqrt(off / norm));
       assert_true(error <= 0.1);
+      /* place by place it is: worst (.139) where the narrow side is half a cell of the table */
+      assert_true(sqrt(off / norm) <= 0.15);
     }
   /* over the whole tile nothing is left of the filter's shape */
   const double whole[4] = {1, 0, 0, 1};

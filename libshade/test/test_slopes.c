@@ -240,6 +240,53 @@ static void footprints_are_averages(void **state) {
 }
 
 /* A plane stays a plane, at every footprint, and has no covariance. */
+/*
+ * Whatever its shape, a filter that spreads as the footprint does answers the square of a
+ * coordinate with what the footprint would: of a box of side a, a^2/12 more than at its middle,
+ * and 1/6 for the straight lines between the texels of the picture. So it is for every side
+ * of 6 texels and more, however it falls between the levels; in the mean over places, since the
+ * filter's spread depends a little on where the texels lie.
+ */
+static void filters_spread_as_footprints(void **state) {
+  (void)state;
+  enum { SIZE = 512, PLACES = 60 };
+  const double scale = 4.0 / ((double)SIZE * SIZE), middle = SIZE / 2;
+  float *p = malloc((size_t)SIZE * SIZE * 2 * sizeof *p);
+  assert_non_null(p);
+  for (int j = 0; j < SIZE; j++)
+    for (int i = 0; i < SIZE; i++) {
+      p[2 * (j * SIZE + i)] = (float)(scale * pow(i + .5 - middle, 2));
+      p[2 * (j * SIZE + i) + 1] = (float)(scale * pow(j + .5 - middle, 2));
+    }
+  shade_slope_map *m = create(p, SIZE, SIZE, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_CLAMP));
+  double worst = 0;
+  const double turns[] = {0, .3, PI / 4};
+  for (int thin = 1; thin <= 4; thin++)
+    for (int t = 0; t < 3; t++)
+      for (double a = 6 * thin; a <= 60; a *= 1.13) {
+        const double b = a / thin, c = cos(turns[t]), s = sin(turns[t]);
+        const double side[4] = {a * c / SIZE, a * s / SIZE, -b * s / SIZE, b * c / SIZE};
+        const double want[2] = {(a * a * c * c + b * b * s * s + 2) / 12,
+                                (a * a * s * s + b * b * c * c + 2) / 12};
+        double got[2] = {0, 0};
+        /* over 64 texels, a multiple of every level's, in steps that are none of one */
+        for (int k = 0; k < PLACES * PLACES; k++) {
+          const double x = 64 * ((k % PLACES + .25) / PLACES - .5);
+          const double y = 64 * ((k / PLACES + .25) / PLACES - .5);
+          shade_slopes found;
+          shade_slope_lookup(m, (middle + x) / SIZE, 1 - (middle + y) / SIZE, side, &found);
+          got[0] += (found.mean[0] / scale - x * x) / (PLACES * PLACES);
+          got[1] += (found.mean[1] / scale - y * y) / (PLACES * PLACES);
+        }
+        for (int d = 0; d < 2; d++)
+          worst = fmax(worst, fabs(got[d] - want[d]) / (a * a + b * b) * 12);
+      }
+  print_message("spread of the filter against the footprint's: %.4f\n", worst);
+  assert_true(worst <= 0.005);
+  shade_slope_map_free(m);
+  free(p);
+}
+
 static void a_tilted_plane_stays(void **state) {
   (void)state;
   float p[2 * 12 * 10];
@@ -303,6 +350,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(normals_become_slopes),         cmocka_unit_test(points_are_interpolated),
       cmocka_unit_test(every_level_keeps_the_moments), cmocka_unit_test(footprints_are_averages),
-      cmocka_unit_test(a_tilted_plane_stays),          cmocka_unit_test(bad_pictures_are_mended)};
+      cmocka_unit_test(filters_spread_as_footprints),  cmocka_unit_test(a_tilted_plane_stays),
+      cmocka_unit_test(bad_pictures_are_mended)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

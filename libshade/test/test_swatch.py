@@ -71,12 +71,125 @@ def test_all_presets_are_there():
             assert p["material"]["fresnel"] == "conductor" and p["scratches"][0]["pits"] > 0
 
 
+def rounded(x):
+    """As %g prints it."""
+    return pytest.approx(x, rel=5e-6, abs=0)
+
+
 @pytest.mark.parametrize("name", CLOTHS + METALS)
 def test_one_preset(name):
-    one = json.loads(good("presets", "--json", name.upper().replace("_", "-")))
-    assert one["name"] == name
+    """The text form has the numbers of the other, which are finite throughout."""
+    p = json.loads(good("presets", "--json", name.upper().replace("_", "-")))
     text = good("presets", name)
-    assert text.startswith(f"{name}: ") and "sources: " in text and "nan" not in text
+    head, sources, *rest = text.splitlines()
+    assert p["name"] == name and head == f"{name}: {p['label']}, {p['help']}"
+    assert sources == f"  sources: {p['source']}; colour: {p['color_source']}"
+
+    def numbers(line):
+        return [float(x) for x in re.findall(r"(?<![\w.])-?\d[\d.e+-]*", line)]
+
+    def finite(x):
+        if isinstance(x, dict):
+            return all(finite(v) for v in x.values())
+        if isinstance(x, list):
+            return all(finite(v) for v in x)
+        return not isinstance(x, float) or math.isfinite(x)
+
+    assert finite(p)
+    if p["kind"] == "metal":
+        m, (s,) = p["material"], p["scratches"]
+        assert numbers(rest[0])[:2] == [rounded(m["ex"]), rounded(m["ey"])]
+        assert numbers(rest[0])[2:] == pytest.approx([m["ax"], m["ay"]], abs=5e-4)
+        assert rest[0].endswith("in circles" if p["turned"] else "straight")
+        assert numbers(rest[1]) == [rounded(x) for x in m["eta"] + m["k"]]
+        assert numbers(rest[2]) == [rounded(x) for x in [
+            s["pits"], p["scratch_cm"], *s["radius"], *s["stretch"], *s["depth"], s["direction"],
+            s["spread"]]]
+        return
+    weave = re.fullmatch(r"  weave (\w+), (\S+) ends and (\S+) picks per cm", rest[0])
+    assert weave[1] == p["weave"]
+    assert [float(weave[2]), float(weave[3])] == [p["ends_per_cm"], p["picks_per_cm"]]
+    lines = (len(rest) - 2) // 2
+    for k, yarn in enumerate(("warp", "weft")):
+        heading, *rows = rest[1 + k * lines:1 + (k + 1) * lines]
+        assert heading.strip() == yarn
+        found = {row.split()[0]: numbers(row.split(maxsplit=1)[1]) for row in rows}
+        assert found.pop("exponents") == [p[yarn]["along"], p[yarn]["across"]]
+        for color in ("f0", "kd"):
+            assert found.pop(color) == [rounded(x) for x in p[yarn][color]]
+        shape = {word: value for word, value in p[yarn].items()
+                 if word not in ("along", "across", "f0", "kd", "diffuse")}
+        assert {word: value[0] for word, value in found.items()} == {
+            word: rounded(value) for word, value in shape.items()}
+    assert numbers(rest[-1]) == [rounded(x) for x in p["backing"] + [p["nap"]]]
+
+
+# Widths of the highlights of threads, degrees, as [SadeghiJensen2013 Table II] measured them: linen,
+# silk crepe, shot silk, polyester satin, twisted silk. An exponent is 1/width^2.
+@pytest.mark.parametrize("cloth, yarn, width", [
+    ("denim", "warp", 12), ("denim", "weft", 12), ("linen", "warp", 12), ("linen", "weft", 12),
+    ("silk_charmeuse", "warp", 5), ("silk_shantung", "warp", 5), ("shot_taffeta", "weft", 5),
+    ("shot_taffeta", "warp", 4), ("polyester_lining", "warp", 2.5), ("silk_charmeuse", "weft", 18)])
+def test_exponents_along_the_fibres_are_those_measured(cloth, yarn, width):
+    p = json.loads(good("presets", "--json", cloth))
+    assert p[yarn]["along"] == round(1 / math.radians(width) ** 2)
+
+
+# Alphas of rolled brass and rolled aluminium [Ward1992]; exponents are 2/alpha^2 - 2. Along the
+# strokes the lobe is the narrower one.
+@pytest.mark.parametrize("finish, along, across", [("brushed", .05, .16), ("turned", .04, .09)])
+def test_exponents_of_metals_are_those_measured(finish, along, across):
+    for name in METALS:
+        if name.startswith(finish):
+            m = json.loads(good("presets", "--json", name))["material"]
+            assert m["ex"] == round(2 / along ** 2 - 2) and m["ey"] == round(2 / across ** 2 - 2)
+            assert m["ax"] == pytest.approx(along, rel=2e-3)
+            assert m["ay"] == pytest.approx(across, rel=2e-3)
+
+
+# What is by eye, and what scenes that name a preset therefore hold: changing one changes pictures.
+# Weave, ends and picks per cm; of warp and weft: exponents, crimp, width and gap, fuzz; nap.
+CLOTH_NUMBERS = {
+    "silk_charmeuse": ("satin_8", 120, 45, (131, 6, .53, .97, .03, 0), (10, 6, .3, .9, .1, 0), 0),
+    "silk_shantung": ("plain", 50, 24, (131, 5, .5, .8, .2, 0), (60, 4, .25, .9, .1, 0), 0),
+    "denim": ("twill_3_1", 26, 17, (23, 4, .42, .94, .06, .3), (23, 4, .42, .54, .46, .3), .03),
+    "gabardine": ("twill_2_1", 44, 22, (40, 5, .4, .97, .03, 0), (40, 5, .3, .95, .05, 0), .02),
+    "linen": ("plain", 15, 15, (23, 4, .42, .82, .18, .1), (23, 4, .42, .82, .18, .1), .01),
+    "wool_flannel": ("twill_2_2", 20, 18, (10, 3, .3, .96, .04, .9), (10, 3, .3, .96, .04, .9), .35),
+    "polyester_lining": ("satin_5", 60, 34, (525, 8, .5, .97, .03, 0), (200, 8, .3, .95, .05, 0), 0),
+    "shot_taffeta": ("plain", 46, 34, (205, 5, .42, .95, .05, 0), (131, 5, .42, .95, .05, 0), 0),
+    "herringbone_tweed": ("herringbone", 9, 8.5, (10, 3, .4, .95, .05, .6), (10, 3, .4, .95, .05, .6),
+                          .08),
+}
+FINISH_NUMBERS = {  # pits, their radius and stretch, depth, spread, cm, circles
+    "brushed": (24000, [.0003, .0014], [60, 400], [.03, .16], .03, 5, False),
+    "turned": (9000, [.0012, .0022], [150, 400], [.06, .14], .002, 4, True),
+    "scratched": (2600, [.0003, .0016], [20, 300], [.1, .5], math.pi / 2, 5, False),
+}
+
+
+@pytest.mark.parametrize("name", CLOTHS)
+def test_numbers_of_cloths(name):
+    p = json.loads(good("presets", "--json", name))
+    weave, ends, picks, warp, weft, nap = CLOTH_NUMBERS[name]
+    assert (p["weave"], p["ends_per_cm"], p["picks_per_cm"], p["nap"]) == (weave, ends, picks, nap)
+    for yarn, want in (("warp", warp), ("weft", weft)):
+        words = ("along", "across", "crimp", "width", "gap", "fuzz")
+        assert tuple(p[yarn][word] for word in words) == want, yarn
+
+
+@pytest.mark.parametrize("finish", FINISH_NUMBERS)
+def test_numbers_of_finishes(finish):
+    pits, radius, stretch, depth, spread, cm, turned = FINISH_NUMBERS[finish]
+    for name in METALS:
+        if name.startswith(finish):
+            p = json.loads(good("presets", "--json", name))
+            assert p["scratches"] == [{"pits": pits, "radius": radius, "stretch": stretch,
+                                       "depth": depth, "direction": 0,
+                                       "spread": pytest.approx(spread, abs=1e-9)}], name
+            assert (p["scratch_cm"], p["turned"]) == (cm, turned)
+            if finish == "scratched":
+                assert p["material"]["ex"] == p["material"]["ey"] == 1600
 
 
 def test_metals_have_their_colours():

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The scene of shade swatch: its lights add up to what they are said to be, its places follow the
+ * cloth, and a pixel is the sum over its lights written out here. */
+#include "support.h"
+
+#include "../tool/swatch.c"
+
+/* pi over the sky's irradiance on a sheet that faces the eye, by quadrature over height and turn.
+ */
+static double scale_by_quadrature(void) {
+  enum { N = 400 };
+  double total = 0;
+  for (int i = 0; i < N; i++)
+    for (int j = 0; j < N; j++) {
+      /* z^2 evenly: directions weighted by their cosine */
+      const double z = sqrt((i + .5) / N), r = sqrt(1 - z * z), turned = 2 * PI * (j + .5) / N;
+      const double d[3] = {r * cos(turned), r * sin(turned), z};
+      total += sky(d) / (N * N);
+    }
+  return 1 / total;
+}
+
+/* What a white Lambert sheet that faces `to` throws back: 1 is white. */
+static double radiosity(const light *lights, int count, const double to[3]) {
+  double sum = 0;
+  for (int i = 0; i < count; i++) {
+    const double *d = lights[i].to;
+    assert_near(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], 1, 1e-12);
+    sum += lights[i].power * (d[0] * to[0] + d[1] * to[1] + d[2] * to[2]) / PI;
+  }
+  return sum;
+}
+
+static void the_sky_adds_up(void **state) {
+  (void)state;
+  enum { MANY = 40000 };
+  light *lights = malloc(MANY * sizeof *lights);
+  assert_non_null(lights);
+  const double eye[3] = {0, 0, 1}, scale = sky_scale();
+  assert_near(scale / scale_by_quadrature(), 1, 4e-3); /* 512 directions: .0029 off */
+  place_sky(.4 * scale, MANY, lights);
+  assert_near(radiosity(lights, MANY, eye), .4, 1e-3);
+  /* the few that a swatch takes: 12 directions for a hemisphere */
+  place_sky(.4 * scale, SKY, lights);
+  assert_near(radiosity(lights, SKY, eye), .4, .08);
+  free(lights);
+}
+
+static void the_key_is_a_disc(void **state) {
+  (void)state;
+  for (int k = -2; k <= 2; k++) {
+    light lights[KEY_POINTS];
+    const double azimuth = .5 * k, axis[3] = {sin(azimuth) / hypot(1, .4), .4 / hypot(1, .4),
+                                              cos(azimuth) / hypot(1, .4)};
+    place_key(azimuth, 1.5, KEY_POINTS, lights);
+    /* seen face on, but for the cosines over a disc of radius .16: 1 - .16^2/4 */
+    assert_near(radiosity(lights, KEY_POINTS, axis), 1.5 * (1 - .0064), 1.5 * 2e-4);
+    double widest = 0, mean[3] = {0, 0, 0};
+    for (int i = 0; i < KEY_POINTS; i++) {
+      const double *d = lights[i].to;
+      widest = fmax(widest, acos(fmin(d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2], 1)));
+      for (int c = 0; c < 3; c++)
+        mean[c] += d[c] / KEY_POINTS;
+    }
+    assert_true(widest > .15 && widest < atan(.16));
+    for (int c = 0; c < 3; c++)
+      assert_near(mean[c], axis[c] * (1 - .0064), 2e-3);
+  }
+}
+
+/* Frames are square; the point is on the cylinder; the cloth's length over the picture's is the
+ * stretch. */
+static void places_follow_the_cloth(void **state) {
+  (void)state;
+  uint64_t seed = 3;
+  int beside = 0, on = 0;
+  for (int i = 0; i < 20000; i++) {
+    const tile t = {.cylinder = i % 2};
+    const double x = 2 * uniform(&seed) - 1, y = 2 * uniform(&seed) - 1, h = 1e-6;
+    spot s, before, after;
+    if (!find_spot(&t, x, y, i % 3 > 0, &s)) {
+      assert_true(fabs(y) >= .98 || fabs(x) >= (t.cylinder ? CYLINDER : .98));
+      beside++;
+      continue;
+    }
+    on++;
+    double cross[3] = {s.x[1] * s.y[2] - s.x[2] * s.y[1], s.x[2] * s.y[0] - s.x[0] * s.y[2],
+                       s.x[0] * s.y[1] - s.x[1] * s.y[0]};
+    for (int c = 0; c < 3; c++)
+      assert_near(cross[c], s.z[c], 1e-12);
+    assert_near(s.n[0] * s.n[0] + s.n[1] * s.n[1] + s.n[2] * s.n[2], 1, 1e-12);
+    assert_true(s.n[2] > 0 && s.z[2] > 0 && s.at[1] == y);
+    assert_near(s.z[0], t.cylinder ? x / CYLINDER : 0, 1e-12);
+    if (!find_spot(&t, x - h, y, 1, &before) || !find_spot(&t, x + h, y, 1, &after))
+      continue;
+    if (s.z[2] > .05)
+      assert_near((after.at[0] - before.at[0]) / (2 * h) / s.stretch, 1, 1e-5);
+    assert_near(s.stretch, 1 / fmax(s.z[2], .02), 1e-9);
+  }
+  assert_true(on > 15000 && beside > 500);
+}
+
+/* The pixel as the text above find_spot and the constants say it: every light by itself, the
+ * footprint from where the cloth is half a pixel to the left and to the right. */
+static void expected_pixel(const material *m, const tile *t, double scale_of_sky, double x,
+                           double y, double size, double rgb[3]) {
+  light lights[LIGHTS];
+  place_key(t->azimuth, 1.5, 13, lights);
+  for (int i = 0; i < 12; i++) {
+    /* the hemisphere in 12 bands of equal area, a golden angle from one to the next */
+    const double z = (i + .5) / 12, r = sqrt(1 - z * z), turned = i * PI * (3 - sqrt(5));
+    light *l = &lights[13 + i];
+    l->to[0] = r * cos(turned);
+    l->to[1] = r * sin(turned);
+    l->to[2] = z;
+    l->power = .4 * scale_of_sky * sky(l->to) * 2 * PI / 12;
+  }
+  spot s, left, right;
+  assert_true(find_spot(t, x, y, 1, &s));
+  const double h = 1e-6, pixel = 2 / size;
+  assert_true(find_spot(t, x - h, y, 1, &left) && find_spot(t, x + h, y, 1, &right));
+  const double half_cm = t->far ? 8 : 14 / m->preset.ends_per_cm;
+  const double ends = half_cm * m->preset.ends_per_cm, picks = half_cm * m->preset.picks_per_cm;
+  const double uv[2] = {s.at[0] * ends + 4096, y * picks + 4096};
+  const double footprint[2] = {(right.at[0] - left.at[0]) / (2 * h) * pixel * ends, pixel * picks};
+  double eye[3] = {t->cylinder ? 0 : -x, -y, 3.2}, wo[3];
+  unit(eye);
+  local(&s, eye, wo);
+  rgb[0] = rgb[1] = rgb[2] = 0;
+  for (int i = 0; i < LIGHTS; i++) {
+    double wi[3], f[3];
+    local(&s, lights[i].to, wi);
+    shade_fabric_eval(m->fabric, uv, footprint, s.n, wi, wo, SHADE_TIER_AUTO, f);
+    for (int c = 0; c < 3; c++)
+      rgb[c] += f[c] * lights[i].power;
+  }
+}
+
+static void a_pixel_of_cloth(void **state) {
+  (void)state;
+  static const char *const words[] = {"denim", "silk_charmeuse"};
+  for (int k = 0; k < 2; k++) {
+    material m = {.shared = 0};
+    assert_true(shade_preset_find(words[k], &m.preset));
+    assert_true(set_material(&m, 0));
+    uint64_t seed = 17;
+    double worst = 0, stretched = 0;
+    for (int i = 0; i < 600; i++) {
+      tile t = {.cylinder = i % 2, .far = i / 2 % 3 == 0, .azimuth = uniform(&seed) - .5};
+      sheet sh = {.size = i % 5 ? 24 : 200, .sky = sky_scale(), .materials = &m, .tiles = &t};
+      const double x = 1.7 * uniform(&seed) - .85, y = 1.9 * uniform(&seed) - .95;
+      light lights[MOST_LIGHTS];
+      place_key(t.azimuth, CLOTH_KEY, KEY, lights);
+      place_sky(CLOTH_SKY * sh.sky, SKY, lights + KEY);
+      float got[3];
+      double want[3];
+      draw_pixel(&sh, &t, lights, x, y, got);
+      expected_pixel(&m, &t, sh.sky, x, y, sh.size, want);
+      for (int c = 0; c < 3; c++)
+        worst = fmax(worst, fabs((double)got[c] / want[c] - 1));
+      stretched += t.cylinder && fabs(x) > .6;
+    }
+    print_message("%s: a pixel %.2g off\n", words[k], worst);
+    assert_true(worst <= 1e-5 && stretched > 50);
+    shade_fabric_free(m.fabric);
+    shade_weave_free(m.weave);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_sky_adds_up),
+      cmocka_unit_test(the_key_is_a_disc),
+      cmocka_unit_test(places_follow_the_cloth),
+      cmocka_unit_test(a_pixel_of_cloth),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
