@@ -483,9 +483,38 @@ static void test_flat_takes_the_handedness(void **state) {
     }
 }
 
+/* A fan of mirrored triangles goes on across one without UV area: one tangent at their corner. */
+static void test_a_mirrored_fan_crosses_flat(void **state) {
+  (void)state;
+  const double degree = PI / 180, at[4] = {0, 60, 120, 210};
+  const float uv[4][2] = {{-1, 0}, {0, 1}, {0, 2}, {1, 0}};
+  for (int mirrored = 0; mirrored < 2; mirrored++) {
+    const float side = mirrored ? 1 : -1;
+    point rim[4];
+    const point o = {{0, 0, 0}, {0, 0, 1}, {0, 0}};
+    for (int k = 0; k < 4; k++)
+      rim[k] = (point){{(float)cos(at[k] * degree), (float)sin(at[k] * degree), 0},
+                       {0, 0, 1},
+                       {side * uv[k][0], uv[k][1]}};
+    mesh m = new_mesh(3);
+    for (int k = 0; k < 3; k++)
+      add_triangle(&m, o, rim[k], rim[k + 1]);
+    solve(&m);
+    /* dP/du of the first is -rim[0], of the last rim[3], weighed by 60 and 90 degrees */
+    const double sum[3] = {(double)side * (-60 + 90 * cos(at[3] * degree)),
+                           (double)side * 90 * sin(at[3] * degree), 0};
+    for (int k = 0; k < 3; k++) {
+      assert_true(angle_degrees(m.tangent + 12 * k, sum) < 1e-3);
+      assert_true(m.tangent[12 * k + 3] == -side);
+    }
+    free_mesh(&m);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_flat_takes_the_handedness),
+      cmocka_unit_test(test_a_mirrored_fan_crosses_flat),
       cmocka_unit_test(test_plane),
       cmocka_unit_test(test_mirrored_seam),
       cmocka_unit_test(test_curved),
