@@ -7,7 +7,7 @@ Run by hand from anywhere, after `make check` or as much of it as the tests name
 
     setup/mutants.py                      all of setup/mutants.txt, in build/mutants
     setup/mutants.py --only weave         those whose file or text holds the word
-    setup/mutants.py --list OTHER.txt     another list
+    setup/mutants.py --list setup/mutants-once-missed.txt   what tests had not noticed before
 
 A list is made of blocks, parted by empty lines; # begins a comment:
 

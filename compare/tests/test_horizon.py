@@ -84,6 +84,13 @@ def test_sinusoid_by_marching(rows, light, view):
     assert row["mean"] == pytest.approx(np.where(seen, flat @ wi, 0).mean() / np.pi, rel=0.02)
 
 
+def test_errors_of_either_sign_add_up():
+    """Brightness is off by as much above the truth as below it: that is no agreement."""
+    row = {"horizon": "hard", "material": "ggx", "light": 40.0, "view": 40.0, "truth": 2.0}
+    rows = [{**row, "image": 0.3, "mean": 2.5}, {**row, "image": 0.1, "mean": 1.5}]
+    assert horizon.errors(rows) == {"picture": pytest.approx(0.1), "brightness": pytest.approx(0.25)}
+
+
 def test_whole_script(tmp_path, capsys):
     assert horizon.main(["--points", "4", "--azimuths", "1", "--output", str(tmp_path)]) == 0
     out = capsys.readouterr().out

@@ -293,6 +293,9 @@ def test_what_is_not_compared_fails_only_with_all(monkeypatch, tmp_path, who, ch
     status, rows = judge(monkeypatch, tmp_path, options=["--all"], **parts)
     assert status == 1 and all(f"{said} with nothing to compare" in row for row in rows)
     assert len(rows) == len(parts)
+    for name in parts:  # `shade check` was told to fail, too
+        log = (tmp_path / "out" / f"{name}_dump_check.log").read_text(encoding="utf-8")
+        assert json.loads(log)["pass"] is False
 
 
 def test_a_light_that_one_dump_lacks(monkeypatch, tmp_path):

@@ -20,6 +20,14 @@ def test_slopes_are_those_of_the_height():
     assert np.allclose((plate.height(u, v + e) - plate.height(u, v - e)) / (2 * e), dv, atol=1e-8)
 
 
+def test_normals_stand_on_the_surface():
+    u, v = np.random.default_rng(4).random((2, 1000))
+    n, (du, dv) = plate.normals(u, v), plate.slopes(u, v)
+    assert np.allclose(np.linalg.norm(n, axis=-1), 1) and (n[:, 2] > 0).all()
+    for along in (np.stack([np.ones_like(u), 0 * u, du], -1), np.stack([0 * u, np.ones_like(u), dv], -1)):
+        assert np.abs((n * along).sum(-1)).max() < 1e-12
+
+
 def test_steepest_slope():
     steepness = np.hypot(*plate.slopes(*plate.grid(800)))
     assert steepness.max() == pytest.approx(plate.SLOPE, rel=1e-3)
@@ -89,5 +97,9 @@ def test_creases_are_left_out():
     assert not kept[:, near].any()
     assert kept[4:-4][:, np.minimum(np.abs(centre - 0.5), np.minimum(centre, 1 - centre))
                       > 4 / pixels].all()
+    # without a margin: the texels on both sides of it
+    kept = plate.off_creases(0.5 + 0.5 * n[::-1], size, margin=0)
+    assert not kept[:, [size // 2 - 1, size // 2]].any()
+    assert kept[1:-1, [size // 2 - 2, size // 2 + 1]].all()
     waves = plate.normal_map(1024)
     assert plate.off_creases(waves, pixels).all()
