@@ -7,13 +7,13 @@ SECONDS ?= 60
 FUZZ_CC ?= clang
 FUZZ_FLAGS := -O1 -std=c11 -g -Wno-unknown-pragmas -fsanitize=fuzzer,address,undefined \
   -fno-sanitize-recover=all -I$(L)/include -I$(L)
-# the kernels are not fuzzed: drafts, weaves and parsers only
+# the kernels are not fuzzed: drafts, weaves and parsers only, before a library of the rest
 FUZZ_SRC := $(L)/src/draft.c $(L)/src/weave.c $(wildcard $(L)/src/wif_*.c) $(L)/tool/parse.c $(L)/tool/json.c
 
-$(B)/fuzz/%: $(L)/fuzz/fuzz_%.c $(FUZZ_SRC) $(wildcard $(L)/kernel/*.h $(L)/include/shade/*.h)
+$(B)/fuzz/%: $(L)/fuzz/fuzz_%.c $(FUZZ_SRC) $(wildcard $(L)/kernel/*.h $(L)/include/shade/*.h) $(B)/libshade.a
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
-	$(Q)$(FUZZ_CC) $(FUZZ_FLAGS) $< $(FUZZ_SRC) -lm -o $@
+	$(Q)$(FUZZ_CC) $(FUZZ_FLAGS) $< $(FUZZ_SRC) $(B)/libshade.a -lm -o $@
 
 .PHONY: fuzz $(FUZZERS:%=fuzz-%)
 fuzz: $(FUZZERS:%=fuzz-%)
