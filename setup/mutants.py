@@ -17,7 +17,7 @@ A list is made of blocks, parted by empty lines; # begins a comment:
     $ c bsdf sample                  who ought to notice, one or more of:
 
     $ c NAME …       programs of libshade/test
-    $ py ARGUMENTS   pytest on libshade and compare
+    $ py ARGUMENTS   pytest on libshade and compare; words may be quoted, as in a shell
     $ blender ARGUMENTS, $ povray ARGUMENTS   the same, where the renderer must be built first
 
 The last word on a mistake is one line: `caught` (a test failed), `compiler` (it did not build), `slow`
@@ -94,7 +94,6 @@ def command(test):
     goals = {"py": ["all", "build/horizon"], "blender": ["all", "blender"], "povray": ["all", "povray"]}
     if kind not in goals:
         raise ValueError(f"'{test}': tests are c, py, blender or povray")
-    # words may be quoted, as in a shell
     line = test.split(None, 1)[1]
     return goals[kind], [["sh", "-c", f"build/venv/bin/python -m pytest -q -x -p no:cacheprovider {line}"]]
 
@@ -143,6 +142,8 @@ class Copy:
                 return "slow" if made is None else "compiler"
             for words in commands:
                 status = self.run(words)
+                if "pytest" in words[-1] and status in (4, 5):
+                    raise ValueError(f"`{test}` runs no test")
                 if status != 0:
                     return "slow" if status is None else "caught"
         return "SURVIVED"
@@ -186,7 +187,11 @@ def main():
     results, started = [], time.monotonic()
     for mutant in mutants:
         begun = time.monotonic()
-        results.append(copy.with_mistake(mutant))
+        try:
+            results.append(copy.with_mistake(mutant))
+        except ValueError as error:
+            print(f"error: {options.list}:{mutant.line}: {error}", file=sys.stderr)
+            return 2
         print(f"{results[-1]:9} {time.monotonic() - begun:4.0f} s  {mutant.title()}", flush=True)
     valid = [r for r in results if r != "stale"]
     noticed = sum(r != "SURVIVED" for r in valid)

@@ -194,7 +194,7 @@ static int steps(double texels) {
  * linear piece: exact where the footprint's sides lie on the texels' edges. */
 static double along(int k, int n) {
   const double shift = n == 1 ? 0 : 0.07735026918962576; /* 1/sqrt 3 - 1/2 */
-  return (k + 0.5 + (k % 2 ? -shift : shift)) / n - 0.5;
+  return (k + 0.5 + (k % 2 ? shift : -shift)) / n - 0.5;
 }
 
 /* Where a texture coordinate lies in the first copies of the picture. */

@@ -346,11 +346,38 @@ static void bad_pictures_are_mended(void **state) {
   shade_slope_map_free(NULL);
 }
 
+/* A footprint of one texel about its centre: the interpolated slope is two straight pieces, whose
+ * mean and mean square are known. */
+static void one_texel_is_exact(void **state) {
+  (void)state;
+  enum { WIDTH = 9 };
+  float *pixels = random_slopes(WIDTH, 1, 8);
+  shade_slope_map *m =
+      create(pixels, WIDTH, 1, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
+  for (int i = 0; i < WIDTH; i++) {
+    double s[3], mean = 0, square = 0;
+    for (int k = -1; k < 2; k++)
+      s[k + 1] = (double)pixels[2 * ((i + k + WIDTH) % WIDTH)];
+    for (int side = 0; side < 3; side += 2) { /* s1 + t (s - s1), t from 0 to 1/2 */
+      const double rise = s[side] - s[1];
+      mean += s[1] / 2 + rise / 8;
+      square += s[1] * s[1] / 2 + s[1] * rise / 4 + rise * rise / 24;
+    }
+    const double footprint[4] = {1.0 / WIDTH, 0, 0, 0};
+    shade_slopes got;
+    shade_slope_lookup(m, (i + 0.5) / WIDTH, 0.5, footprint, &got);
+    assert_near(got.mean[0], mean, 1e-6);
+    assert_near(got.covariance[0], square - mean * mean, 1e-7);
+  }
+  shade_slope_map_free(m);
+  free(pixels);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(normals_become_slopes),         cmocka_unit_test(points_are_interpolated),
-      cmocka_unit_test(every_level_keeps_the_moments), cmocka_unit_test(footprints_are_averages),
-      cmocka_unit_test(filters_spread_as_footprints),  cmocka_unit_test(a_tilted_plane_stays),
-      cmocka_unit_test(bad_pictures_are_mended)};
+      cmocka_unit_test(one_texel_is_exact),      cmocka_unit_test(normals_become_slopes),
+      cmocka_unit_test(points_are_interpolated), cmocka_unit_test(every_level_keeps_the_moments),
+      cmocka_unit_test(footprints_are_averages), cmocka_unit_test(filters_spread_as_footprints),
+      cmocka_unit_test(a_tilted_plane_stays),    cmocka_unit_test(bad_pictures_are_mended)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

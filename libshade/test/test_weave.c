@@ -413,12 +413,48 @@ static void colors_and_lengths(void **state) {
   shade_draft_free(d);
 }
 
+/*
+ * Strands at an angle to the yarn's axis stand at theta to the line across it, tan theta =
+ * 1/tan angle = 2 slant crossing/width; S leans one way on the weft and, mirrored, the other on
+ * the warp. Fibres of single yarn lie along its strands.
+ */
+static void twist(void **state) {
+  (void)state;
+  for (int warp = 0; warp < 2; warp++)
+    for (int z = 0; z < 2; z++)
+      for (int plied = 0; plied < 2; plied++) {
+        shade_weave_params p;
+        shade_weave_params_init(&p);
+        p.warp.width = 0.8, p.warp.gap = 0.3;
+        p.weft.width = 0.5, p.weft.gap = 0.1;
+        const double angle = 0.6, width = warp ? 0.8 : 0.5, crossing = warp ? 0.6 : 1.1;
+        assert_int_equal(shade_weave_params_set_twist(&p, warp ? SHADE_TOP_WARP : SHADE_TOP_WEFT,
+                                                      z ? 'Z' : 's', angle, 3, plied),
+                         SHADE_OK);
+        const shade_yarn_params *yarn = warp ? &p.warp : &p.weft, *other = warp ? &p.weft : &p.warp;
+        const double sign = z ? -1 : 1;
+        assert_true(yarn->segments == 3 && other->segments == 1);
+        assert_near(yarn->fibre, plied ? 0 : sign * angle, 1e-15);
+        assert_near(2 * yarn->slant * crossing / width, (warp ? -sign : sign) / tan(angle), 1e-12);
+        assert_true(other->slant == 0.25 && other->fibre == 0);
+        assert_int_equal(shade_weave_params_set_twist(&p, warp ? SHADE_TOP_WARP : SHADE_TOP_WEFT, 0,
+                                                      angle, 3, plied),
+                         SHADE_OK);
+        assert_true(yarn->segments == 0 && yarn->slant == 0 && yarn->fibre == 0);
+      }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(named),    cmocka_unit_test(patterns),
-      cmocka_unit_test(defaults), cmocka_unit_test(out_of_range),
-      cmocka_unit_test(ranges),   cmocka_unit_test(noise),
-      cmocka_unit_test(sky),      cmocka_unit_test(colors_and_lengths),
+      cmocka_unit_test(twist),
+      cmocka_unit_test(named),
+      cmocka_unit_test(patterns),
+      cmocka_unit_test(defaults),
+      cmocka_unit_test(out_of_range),
+      cmocka_unit_test(ranges),
+      cmocka_unit_test(noise),
+      cmocka_unit_test(sky),
+      cmocka_unit_test(colors_and_lengths),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
