@@ -15,15 +15,19 @@ _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can hold
 
 def package(target, folder, files):
     parent = os.path.dirname(os.path.normpath(folder))
-    part = target + ".part"
-    with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in sorted(files):
-            entry = zipfile.ZipInfo(os.path.relpath(path, parent), _DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o100644 << 16
-            with open(path, "rb") as file:
-                archive.writestr(entry, file.read())
-    os.replace(part, target)
+    part = f"{target}.{os.getpid()}.part"
+    try:
+        with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
+            for path in sorted(files):
+                entry = zipfile.ZipInfo(os.path.relpath(path, parent), _DATE)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.external_attr = 0o100644 << 16
+                with open(path, "rb") as file:
+                    archive.writestr(entry, file.read())
+        os.replace(part, target)
+    finally:  # also after Ctrl-C
+        if os.path.exists(part):
+            os.unlink(part)
 
 
 if __name__ == "__main__":

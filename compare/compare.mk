@@ -30,9 +30,9 @@ $(DEMO)/agreed: $(DEMO)/suzanne.blend $(RENDERERS) $(COMPARE)
 	@touch $@
 
 # choices of horizon against displaced bumps: a program of its own, no renderer
-$(B)/horizon: compare/horizon.c $(B)/libshade.a
+$(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
 	$(call say,compile  ,$@)
-	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include $(CFLAGS) $^ -lm -o $@
+	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $^ -lm -o $@
 
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py

@@ -8,12 +8,14 @@
  * reflected once counts; what a second reflection adds to the mean is estimated beside it.
  * Slopes, heights and normals come from one formula, so nothing but the choice differs.
  */
+#define _POSIX_C_SOURCE 200809L /* open_memstream */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "dump/whole.h"
 #include "shade/shade.h"
 
 #define PI 3.14159265358979323846
@@ -260,24 +262,23 @@ int main(int argc, char **argv) {
             MOST);
     return 2;
   }
-  char part[4096];
-  FILE *out = NULL;
-  if (snprintf(part, sizeof part, "%s.part", argv[1]) < (int)sizeof part)
-    out = fopen(part, "w");
-  if (!out) {
-    fprintf(stderr, "horizon: cannot write %s.part\n", argv[1]);
+  /* the table grows in memory: what is stopped half way leaves nothing */
+  char why[256], *text = NULL;
+  size_t length = 0;
+  if (shade_whole_write(argv[1], NULL, 0, why, sizeof why) != 0) {
+    fprintf(stderr, "horizon: %s: %s\n", argv[1], why);
     return 1;
   }
+  FILE *out = open_memstream(&text, &length);
   size_t count = (size_t)(size * size);
   point *points = malloc(count * sizeof *points);
   second *seconds[MATERIALS];
   char *light = malloc(count), *light2 = malloc(count * MATERIALS);
-  int enough = points && light && light2;
+  int enough = out && points && light && light2;
   for (int m = 0; m < MATERIALS; m++)
     enough &= (seconds[m] = malloc(count * sizeof *seconds[m])) != NULL;
   if (!enough) {
     fputs("horizon: out of memory\n", stderr);
-    remove(part);
     return 1;
   }
   shade_bsdf bsdf[MATERIALS][SHADE_HORIZON_COUNT];
@@ -359,11 +360,12 @@ int main(int argc, char **argv) {
   free(light2);
   free(light);
   free(points);
+  snprintf(why, sizeof why, "out of memory");
   const int failed = ferror(out) != 0;
-  if (fclose(out) != 0 || failed || rename(part, argv[1]) != 0) {
-    fprintf(stderr, "horizon: cannot write %s\n", argv[1]);
-    remove(part);
-    return 1;
-  }
-  return 0;
+  const int filled = fclose(out) == 0 && !failed;
+  const int status = filled ? shade_whole_write(argv[1], text, length, why, sizeof why) : -1;
+  if (status != 0)
+    fprintf(stderr, "horizon: %s: %s\n", argv[1], why);
+  free(text);
+  return status != 0;
 }

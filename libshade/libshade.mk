@@ -35,6 +35,7 @@ SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_column.o \
   $(O)/src/fabric_eval.o $(O)/src/presets.o
+WHOLE_OBJ := $(O)/dump/whole.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
 TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o \
@@ -56,7 +57,7 @@ PNG_LIBS := $(shell printf '\043include <png.h>\nint main(void){return 0;}' | \
   $(CC) $(PNG_CFLAGS) -xc - -o /dev/null -lpng16 2>/dev/null && echo -lpng16)
 IMAGE_FORMATS := $(TOOL_EXR) $(if $(PNG_LIBS),-DHAVE_PNG)
 IMAGE_OBJ += $(if $(EXR_LIBS),$(O)/image/image_exr.o) $(if $(PNG_LIBS),$(O)/image/image_png.o)
-TOOL_OBJ += $(IMAGE_OBJ) $(O)/tool/scratch.o
+TOOL_OBJ += $(IMAGE_OBJ) $(WHOLE_OBJ) $(O)/tool/scratch.o
 TOOL_OBJ += $(O)/image/read.o $(O)/tool/slopes.o $(O)/tool/points.o
 
 # pictures of any format are read by a module that the tool loads when it needs it, made
@@ -117,7 +118,7 @@ $(O)/reference/%.o: $(L)/reference/%.c $(L)/libshade.mk
 $(B)/libshade.a: $(SHADE_OBJ)
 	$(call say,archive  ,$@)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
-$(B)/libshade_dump.a: $(DUMP_OBJ)
+$(B)/libshade_dump.a: $(DUMP_OBJ) $(WHOLE_OBJ)
 	$(call say,archive  ,$@)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a

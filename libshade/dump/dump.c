@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "dump.h"
 #include "dump_exr.h"
+#include "whole.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -295,43 +296,17 @@ static int write_pixels(const struct report *r, exr_context_t context, const sha
   return code == EXR_ERR_SUCCESS ? 0 : fail_library(r, code, "cannot write pixels");
 }
 
-/* Create an empty file beside `path` under a name of its own: *name, or NULL with a message. */
-static char *create_temporary(const struct report *r) {
-  const size_t size = strlen(r->path) + 64;
-  char *name = malloc(size);
-  if (!name) {
-    fail(r, "out of memory");
-    return NULL;
-  }
-  int file = -1;
-  for (int attempt = 0; file < 0 && attempt < 100; ++attempt) {
-    snprintf(name, size, "%s.%ld-%d.tmp", r->path, (long)getpid(), attempt);
-    file = open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file < 0 && errno != EEXIST)
-      break;
-  }
-  if (file >= 0) {
-    close(file);
-    return name;
-  }
-  fail(r, "cannot write: %s", strerror(errno));
-  free(name);
-  return NULL;
-}
-
 int shade_dump_write(const struct shade_exr_api *api, const char *path, const shade_dump *d,
                      char *error, size_t error_size) {
   const struct report r = {api, path, error, error_size};
-  struct stat file;
-  if (stat(path, &file) == 0 && !S_ISREG(file.st_mode)) /* or rename would replace a device */
-    return fail(&r, "cannot write: is a %s",
-                S_ISDIR(file.st_mode) ? "folder" : "device or pipe, not a file");
-  char *temporary = create_temporary(&r);
-  if (!temporary)
-    return -1;
+  char why[256];
+  shade_whole file;
+  if (shade_whole_begin(&file, path, why, sizeof why) != 0)
+    return fail(&r, "%s", why);
   const exr_context_initializer_t options = context_options();
   exr_context_t context = NULL;
-  exr_result_t code = api->exr_start_write(&context, temporary, EXR_WRITE_FILE_DIRECTLY, &options);
+  exr_result_t code =
+      api->exr_start_write(&context, file.temporary, EXR_WRITE_FILE_DIRECTLY, &options);
   int status = code == EXR_ERR_SUCCESS ? 0 : fail_library(&r, code, "cannot write");
   if (status == 0)
     status = write_header(&r, context, d);
@@ -340,11 +315,8 @@ int shade_dump_write(const struct shade_exr_api *api, const char *path, const sh
   code = api->exr_finish(&context);
   if (status == 0 && code != EXR_ERR_SUCCESS)
     status = fail_library(&r, code, "cannot finish the file");
-  if (status == 0 && rename(temporary, path) != 0)
-    status = fail(&r, "cannot write: %s", strerror(errno));
-  if (status != 0)
-    unlink(temporary);
-  free(temporary);
+  if (shade_whole_end(&file, status == 0, why, sizeof why) != 0)
+    status = fail(&r, "%s", why);
   return status;
 }
 

@@ -4,15 +4,11 @@
 #include "image/image.h"
 #include "image/writer.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 shade_image_format shade_image_format_of(const char *path) {
   const char *dot = strrchr(path, '.');
@@ -73,33 +69,14 @@ static int check(shade_image_writer *w, shade_image_format format) {
     return shade_image_fail(w, "%d channels do not fit the format", s->channels);
   if (exr && !s->names && s->channels != 1 && s->channels != 3 && s->channels != 4)
     return shade_image_fail(w, "%d channels need names", s->channels);
-  struct stat file;
-  if (stat(w->path, &file) == 0 && !S_ISREG(file.st_mode)) /* renaming would take its place */
-    return shade_image_fail(w, "cannot write: is a %s",
-                            S_ISDIR(file.st_mode) ? "folder" : "device or pipe, not a file");
   return 0;
 }
 
-/* An empty file beside the path under a name of its own. */
 static int create_temporary(shade_image_writer *w) {
-  const size_t size = strlen(w->path) + 64;
-  char *name = malloc(size);
-  if (!name)
-    return shade_image_fail(w, "out of memory");
-  int file = -1;
-  for (int attempt = 0; file < 0 && attempt < 100; attempt++) {
-    snprintf(name, size, "%s.%ld-%d.tmp", w->path, (long)getpid(), attempt);
-    file = open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file < 0 && errno != EEXIST)
-      break;
-  }
-  if (file < 0) {
-    free(name);
-    return shade_image_fail(w, "cannot write: %s", strerror(errno));
-  }
-  close(file);
-  w->temporary = name;
-  return 0;
+  char why[256];
+  return shade_whole_begin(&w->file, w->path, why, sizeof why) == 0
+             ? 0
+             : shade_image_fail(w, "%s", why);
 }
 
 static void set_names(shade_image_writer *w, const char *const *names) {
@@ -157,12 +134,9 @@ int shade_image_close(shade_image_writer *w, char *error, size_t error_size) {
     status = shade_image_fail(w, "%d of %d rows were written", w->row, w->spec.height);
   if (status == 0)
     status = backend(shade_image_format_of(w->path))->finish(w);
-  if (status == 0 && rename(w->temporary, w->path) != 0)
-    status = shade_image_fail(w, "cannot write: %s", strerror(errno));
-  if (status == 0) {
-    free(w->temporary);
-    w->temporary = NULL;
-  }
+  char why[256];
+  if (status == 0 && shade_whole_end(&w->file, 1, why, sizeof why) != 0)
+    status = shade_image_fail(w, "%s", why);
   shade_image_abandon(w);
   return status;
 }
@@ -172,9 +146,7 @@ void shade_image_abandon(shade_image_writer *w) {
     return;
   if (w->format)
     backend(shade_image_format_of(w->path))->release(w);
-  if (w->temporary)
-    unlink(w->temporary);
-  free(w->temporary);
+  shade_whole_end(&w->file, 0, NULL, 0);
   free(w->path);
   free(w);
 }

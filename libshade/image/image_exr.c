@@ -60,7 +60,8 @@ static int open_file(shade_image_writer *w) {
   options.max_image_width = options.max_image_height = SHADE_IMAGE_MAX_SIDE;
   options.zip_level = ZIP_LEVEL;
   library_message[0] = 0;
-  exr_result_t code = exr_start_write(&e->context, w->temporary, EXR_WRITE_FILE_DIRECTLY, &options);
+  exr_result_t code =
+      exr_start_write(&e->context, w->file.temporary, EXR_WRITE_FILE_DIRECTLY, &options);
   if (code != EXR_ERR_SUCCESS)
     return fail(w, code, "cannot write");
   code = write_header(w, e->context);

@@ -69,7 +69,7 @@ static int open_file(shade_image_writer *w) {
   p->info = p->png ? png_create_info_struct(p->png) : NULL;
   if (!p->row || !p->info)
     return shade_image_fail(w, "out of memory");
-  p->file = fopen(w->temporary, "wb");
+  p->file = fopen(w->file.temporary, "wb");
   if (!p->file)
     return shade_image_fail(w, "cannot write: %s", strerror(errno));
   return start(w, p);

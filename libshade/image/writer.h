@@ -3,10 +3,12 @@
 #ifndef SHADE_IMAGE_WRITER_H
 #define SHADE_IMAGE_WRITER_H
 
+#include "dump/whole.h"
 #include "image/image.h"
 
 struct shade_image_writer {
-  char *path, *temporary;
+  char *path;
+  shade_whole file;
   shade_image_spec spec; /* names: as in the file; note: only while opening */
   const char *names[SHADE_IMAGE_MAX_CHANNELS];
   int row; /* written so far */

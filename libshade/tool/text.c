@@ -4,13 +4,12 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
+#include "dump/whole.h"
 #include "tool/parse.h"
 #include "tool/tool.h"
 
@@ -53,16 +52,6 @@ int tool_end_lines(tool_lines *in) {
   return in->status;
 }
 
-static int put(int file, const char *text, size_t length) {
-  FILE *stream = fdopen(file, "w");
-  if (!stream) {
-    close(file);
-    return 0;
-  }
-  const int whole = fwrite(text, 1, length, stream) == length;
-  return !fclose(stream) && whole;
-}
-
 /* To be written to as it is: to rename over a device would put a file in its place. */
 static int is_device(const char *path) {
   struct stat found;
@@ -70,28 +59,16 @@ static int is_device(const char *path) {
 }
 
 int tool_save_text(const char *title, const char *path, const char *text, size_t length) {
-  const size_t size = strlen(path) + 64;
-  const int device = is_device(path);
-  char *name = malloc(size);
-  int file = -1, good = 0;
-  if (!name)
-    errno = ENOMEM;
-  else if (device)
-    file = open(strcpy(name, path), O_WRONLY | O_CLOEXEC);
-  for (int attempt = 0; name && !device && file < 0 && attempt < 100; attempt++) {
-    snprintf(name, size, "%s.%ld-%d.tmp", path, (long)getpid(), attempt);
-    file = open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file < 0 && errno != EEXIST)
-      break;
-  }
-  if (file >= 0) {
-    good = put(file, text ? text : "", text ? length : 0);
-    good = good && (device || !text || !rename(name, path));
-  }
+  char why[256] = "";
+  int good;
+  if (is_device(path)) {
+    FILE *stream = fopen(path, "w");
+    good = stream && (!text || fwrite(text, 1, length, stream) == length);
+    good = stream && !fclose(stream) && good;
+    snprintf(why, sizeof why, "cannot write: %s", strerror(errno));
+  } else
+    good = shade_whole_write(path, text, length, why, sizeof why) == 0;
   if (!good)
-    fprintf(stderr, "shade %s: %s: cannot write: %s\n", title, path, strerror(errno));
-  if (file >= 0 && !device && (!good || !text))
-    unlink(name);
-  free(name);
+    fprintf(stderr, "shade %s: %s: %s\n", title, path, why);
   return good ? TOOL_DONE : TOOL_BAD_INPUT;
 }
