@@ -37,7 +37,7 @@ $(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(NATIVE_PYTHON_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
-$(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
+$(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
 -include $(wildcard $(NATIVE)/obj/*.d)

@@ -133,7 +133,7 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 # more under AddressSanitizer and UndefinedBehaviorSanitizer, then compiles all with clang and
 # runs those that compilers differ in.
 TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c))
-TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(IMAGE_OBJ) $(B)/libshade.a $(B)/libshade_dump.a
+TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(IMAGE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)

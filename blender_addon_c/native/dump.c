@@ -30,41 +30,15 @@ bool dump_scene_write(const shade_dump *d, const char *path, message_log *log) {
   return true;
 }
 
-/* A C string as the inside of a JSON string, cut where `out` is full. */
-static void json_escape(const char *in, char *out, size_t size) {
-  size_t n = 0;
-  for (; *in && n + 7 < size; in++) {
-    unsigned char c = (unsigned char)*in;
-    if (c == '"' || c == '\\')
-      out[n++] = '\\', out[n++] = (char)c;
-    else if (c < 32)
-      n += (size_t)snprintf(out + n, size - n, "\\u%04x", c);
-    else
-      out[n++] = (char)c;
-  }
-  out[n] = 0;
-}
-
-/* {"version": …, "renderer": …, "materials": […]}; the caller frees. */
+/* What the dump's header says of the scene; the caller frees. */
 static char *header(const scene *s) {
-  char renderer[256];
-  json_escape(s->renderer, renderer, sizeof renderer);
-  size_t size = 512;
-  for (size_t m = 0; m < s->materials; m++)
-    size +=
-        (size_t)shade_params_json(&s->material[m].params, (int)m, s->material[m].name, NULL, 0) + 2;
-  char *text = malloc(size);
-  if (!text)
+  shade_dump_material *materials = malloc((s->materials + 1) * sizeof *materials);
+  if (!materials)
     return NULL;
-  size_t n = (size_t)snprintf(
-      text, size, "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"%s\", \"materials\": [",
-      renderer);
-  for (size_t m = 0; m < s->materials; m++) {
-    n += (size_t)snprintf(text + n, size - n, "%s", m ? ", " : "");
-    n += (size_t)shade_params_json(&s->material[m].params, (int)m, s->material[m].name, text + n,
-                                   size - n);
-  }
-  snprintf(text + n, size - n, "]}");
+  for (size_t m = 0; m < s->materials; m++)
+    materials[m] = (shade_dump_material){s->material[m].name, &s->material[m].params};
+  char *text = shade_dump_header(s->renderer, materials, s->materials);
+  free(materials);
   return text;
 }
 

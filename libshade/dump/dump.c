@@ -4,6 +4,7 @@
 #include "dump.h"
 #include "dump_exr.h"
 #include "whole.h"
+#include "src/json_text.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -105,6 +106,43 @@ static int set_json(shade_dump *d, const char *json, size_t length) {
   free(d->json);
   d->json = copy;
   return 0;
+}
+
+/* Appends to text[at] what fits of `more`; the length that was needed. */
+static size_t append(char *text, size_t size, size_t at, const char *more) {
+  for (; *more; more++, at++)
+    if (at + 1 < size)
+      text[at] = *more;
+  return at;
+}
+
+/* The header into text[size], cut where that is full; the length that is needed. */
+static size_t put_header(char *text, size_t size, const char *renderer,
+                         const shade_dump_material *materials, size_t count) {
+  char letter[JSON_LETTER];
+  size_t at = append(text, size, 0, "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"");
+  for (; *renderer; renderer++) {
+    json_letter(*renderer, letter);
+    at = append(text, size, at, letter);
+  }
+  at = append(text, size, at, "\", \"materials\": [");
+  for (size_t i = 0; i < count; i++) {
+    at = append(text, size, at, i ? ", " : "");
+    at += (size_t)shade_params_json(materials[i].params, (int)i, materials[i].name,
+                                    size ? text + at : NULL, size ? size - at : 0);
+  }
+  at = append(text, size, at, "]}");
+  if (size)
+    text[at] = 0;
+  return at;
+}
+
+char *shade_dump_header(const char *renderer, const shade_dump_material *materials, size_t count) {
+  const size_t size = put_header(NULL, 0, renderer, materials, count) + 1;
+  char *text = malloc(size);
+  if (text)
+    put_header(text, size, renderer, materials, count);
+  return text;
 }
 
 int shade_dump_set_json(shade_dump *d, const char *json) {

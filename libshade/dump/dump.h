@@ -11,6 +11,8 @@
 
 #include <stddef.h>
 
+#include "shade/shade.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -83,6 +85,16 @@ float *shade_dump_light_plane(const shade_dump *d, int light, int channel);
 float *shade_dump_add(shade_dump *d, enum shade_dump_optional channel);
 /* 1 if an optional channel is in the file. */
 int shade_dump_has(const shade_dump *d, enum shade_dump_optional channel);
+
+/*
+ * What a renderer puts there: {"version": …, "renderer": …, "materials": […]}, as CONVENTIONS.md
+ * has it. The material at index i has the id i. The caller frees it; NULL when out of memory.
+ */
+typedef struct shade_dump_material {
+  const char *name;
+  const shade_params *params;
+} shade_dump_material;
+char *shade_dump_header(const char *renderer, const shade_dump_material *materials, size_t count);
 
 /* Replace the JSON text (copied). Returns 0, or -1 when out of memory. */
 int shade_dump_set_json(shade_dump *d, const char *json);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "shade/shade.h"
+#include "json_text.h"
 #include "names.h"
 #include "params.h"
 
@@ -277,12 +278,9 @@ static void put_number(text *t, const char *key, double value) {
 static void put_string(text *t, const char *s) {
   put(t, "\"");
   for (; *s; s++) {
-    char escaped[8] = {*s};
-    if (*s == '"' || *s == '\\')
-      snprintf(escaped, sizeof escaped, "\\%c", *s);
-    else if ((unsigned char)*s < 0x20)
-      snprintf(escaped, sizeof escaped, "\\u%04x", (unsigned)(unsigned char)*s);
-    put(t, escaped);
+    char letter[JSON_LETTER];
+    json_letter(*s, letter);
+    put(t, letter);
   }
   put(t, "\"");
 }

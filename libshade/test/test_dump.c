@@ -3,6 +3,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "dump/dump.h"
+#include "tool/json.h"
 #include "dump/dump_exr.h"
 
 #include <dirent.h>
@@ -551,15 +552,49 @@ static int remove_folder(void **state) {
   return rmdir(folder);
 }
 
+/* The header as JSON readers take it apart, whatever the renderer and the materials are called. */
+static void header_is_json(void **state) {
+  (void)state;
+  const char *const odd = "a \"b\" \\ c\n\x01 d\xc3\xa9";
+  shade_params p[2];
+  char error[256];
+  for (int i = 0; i < 2; i++)
+    shade_params_init(&p[i]);
+  shade_params_set_exponents(&p[1], 5, 6);
+  const shade_dump_material materials[] = {{odd, &p[0]}, {NULL, &p[1]}};
+  char *text = shade_dump_header(odd, materials, 2);
+  assert_non_null(text);
+  json *header = json_read(text, error, sizeof error);
+  if (!header)
+    fail_msg("%s in %s", error, text);
+  assert_string_equal(json_member(header, "version")->string, SHADE_VERSION);
+  assert_string_equal(json_member(header, "renderer")->string, odd);
+  const json *first = json_member(header, "materials")->child, *second = first->next;
+  assert_null(second->next);
+  assert_string_equal(json_member(first, "name")->string, odd);
+  assert_string_equal(json_member(second, "name")->string, "");
+  assert_true(json_member(first, "id")->number == 0 && json_member(second, "id")->number == 1);
+  assert_true(json_member(second, "ey")->number == 6);
+  json_free(header);
+  free(text);
+  text = shade_dump_header("", NULL, 0);
+  header = json_read(text, error, sizeof error);
+  assert_non_null(header);
+  assert_null(json_member(header, "materials")->child);
+  json_free(header);
+  free(text);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_create),         cmocka_unit_test(test_channel_names),
-      cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_without_color),
-      cmocka_unit_test(test_loaded_library), cmocka_unit_test(test_write_failures),
-      cmocka_unit_test(test_disk_full),      cmocka_unit_test(test_variants),
-      cmocka_unit_test(test_not_exr),        cmocka_unit_test(test_huge_promise),
-      cmocka_unit_test(test_damaged),        cmocka_unit_test(test_optional),
-      cmocka_unit_test(test_half_a_channel), cmocka_unit_test(test_even_planes),
+      cmocka_unit_test(header_is_json),      cmocka_unit_test(test_create),
+      cmocka_unit_test(test_channel_names),  cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_without_color),  cmocka_unit_test(test_loaded_library),
+      cmocka_unit_test(test_write_failures), cmocka_unit_test(test_disk_full),
+      cmocka_unit_test(test_variants),       cmocka_unit_test(test_not_exr),
+      cmocka_unit_test(test_huge_promise),   cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_optional),       cmocka_unit_test(test_half_a_channel),
+      cmocka_unit_test(test_even_planes),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

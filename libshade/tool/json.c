@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tool/json.h"
+#include "src/json_text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -299,10 +300,9 @@ const json *json_member(const json *object, const char *key) {
 void json_print_string(FILE *to, const char *text) {
   fputc('"', to);
   for (; *text; text++) {
-    if ((unsigned char)*text < 0x20)
-      fprintf(to, "\\u%04x", (unsigned)(unsigned char)*text);
-    else
-      fprintf(to, *text == '"' || *text == '\\' ? "\\%c" : "%c", *text);
+    char letter[JSON_LETTER];
+    json_letter(*text, letter);
+    fputs(letter, to);
   }
   fputc('"', to);
 }

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "backend/mdf/material.h"
 
+#include <cstdlib>
+#include <new>
+
+#include "dump/dump.h"
+
 namespace mdf {
 
 Material::Material() : bsdf(), tangent(TANGENT_DEFAULT), axis(), strength(1.0), id(-1) {
@@ -19,19 +24,18 @@ const Material *Scene::add(const Material &material) {
 }
 
 std::string Scene::json(const std::string &renderer) const {
-  std::string text =
-      "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"" + renderer + "\", \"materials\": [";
+  std::vector<shade_dump_material> all;
 
   for (size_t i = 0; i < materials.size(); i++) {
-    const Material &m = *materials[i];
-    const int length = shade_params_json(&m.params, m.id, m.name.c_str(), NULL, 0);
-    std::vector<char> object((size_t)length + 1);
-
-    shade_params_json(&m.params, m.id, m.name.c_str(), &object[0], object.size());
-    text += (i > 0) ? ", " : "";
-    text += &object[0];
+    const shade_dump_material m = {materials[i]->name.c_str(), &materials[i]->params};
+    all.push_back(m);
   }
-  return text + "]}";
+  char *const header = shade_dump_header(renderer.c_str(), all.data(), all.size());
+  if (header == NULL)
+    throw std::bad_alloc();
+  const std::string text(header);
+  std::free(header);
+  return text;
 }
 
 bool Scene::first_warning(const Material *material, const char *subject) {
