@@ -11,6 +11,9 @@
 #include "shade/weave.h"
 
 struct scratch_row; /* of scratch_row.h */
+struct shade_slope_map;
+struct slope_block; /* of slope_map.h */
+struct widen_block;
 
 /* Prepared lanes of cloth: kernel/cloth.h. */
 struct cloth;
@@ -65,6 +68,8 @@ typedef struct shade_isa_table {
                          double *const[3]);
   unsigned (*cloth_drawf)(const shade_fabric *, const struct clothf *, const float *const[3],
                           float *const[3]);
+  void (*slopes)(const struct shade_slope_map *, size_t, const struct slope_block *);
+  unsigned (*widen)(const struct widen_block *, size_t);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

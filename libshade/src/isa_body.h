@@ -16,6 +16,8 @@
 #define SHADE_FLOAT 1
 #include "../kernel/kernel.h"
 #include "../kernel/pass_scratch.h"
+#include "../kernel/pass_slopes.h"
+#include "../kernel/pass_widen.h"
 #undef SHADE_FLOAT
 #define SHADE_FLOAT 0
 #include "../kernel/kernel.h"
@@ -58,4 +60,6 @@ const shade_isa_table ISA_TABLE(ISA) = {
     .cloth_pdff = kernel_cloth_pdff,
     .cloth_draw = kernel_cloth_draw,
     .cloth_drawf = kernel_cloth_drawf,
+    .slopes = kernel_slopes,
+    .widen = kernel_widen,
 };

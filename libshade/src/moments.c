@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "src/moments.h"
+#include "src/slope_map.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,17 +25,25 @@ static void reduce_row(const float *from, int width, double weight, double *to, 
   }
 }
 
+/* The kernel reads eight floats from where a texel begins. */
+static float *level_room(size_t floats) {
+  float *texels = malloc((floats + 8 - MOMENTS) * sizeof *texels);
+  for (size_t i = 0; texels && i < 8 - MOMENTS; i++)
+    texels[floats + i] = 0;
+  return texels;
+}
+
 static int reduce(moment_level *to, int width, int height, moment_row *row, const void *context) {
   const size_t narrow = (size_t)to->width * MOMENTS;
   if (to->width == width && to->height == height) {
-    to->texels = malloc(narrow * (size_t)height * sizeof *to->texels);
+    to->texels = level_room(narrow * (size_t)height);
     for (int j = 0; to->texels && j < height; j++)
       row(context, j, to->texels + (size_t)j * narrow);
     return to->texels ? 0 : -1;
   }
   float *source = malloc((size_t)width * MOMENTS * sizeof *source);
   double *sum = malloc(narrow * sizeof *sum);
-  to->texels = malloc(narrow * (size_t)to->height * sizeof *to->texels);
+  to->texels = level_room(narrow * (size_t)to->height);
   const int status = source && sum && to->texels ? 0 : -1;
   const double ratio = (double)height / to->height;
   for (int j = 0; status == 0 && j < to->height; j++) {
@@ -143,7 +152,7 @@ static void bilinear(const moment_level *l, moment_wrap wrap, double u, double v
  * and interpolation together have the footprint's second moment. */
 static int probes(double length, double texel, double *part) {
   const double most = 16;
-  const int n = (int)fmin(fmax(ceil(length / texel), 1), most);
+  const int n = (int)fmin(fmax(ceil(length / texel - SLOPE_COUNT_SLACK), 1), most);
   const double rest = 1 - 3 * texel * texel / fmax(length * length, 1e-30);
   *part = n > 1 ? sqrt(fmax(rest, 0) / (1 - 1.0 / (n * n))) : 0;
   return n;
