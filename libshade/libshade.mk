@@ -31,7 +31,7 @@ SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif_words.o $(O)/src/wif_read.o \
   $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
-  $(O)/src/slopes.o
+  $(O)/src/slopes.o $(O)/src/albedo.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_column.o \
   $(O)/src/fabric_eval.o $(O)/src/presets.o

@@ -21,6 +21,8 @@
 
 #include "support.h"
 
+#include "soak_maps.h"
+
 #if defined(__GLIBC__) && defined(__x86_64__)
 #define CAN_TRAP 1
 #else
@@ -713,6 +715,14 @@ static void every_combination(void **state) {
 
 /* ---- make soak ---- */
 
+static void maps_and_albedo(void **state) {
+  (void)state;
+  uint64_t seed = 1;
+  const char *wrong = soak_maps(100000, &seed);
+  if (wrong)
+    fail_msg("%s, seed %llu", wrong, (unsigned long long)seed);
+}
+
 static void on_interrupt(int number) {
   (void)number;
   atomic_store(&run.stop, 1);
@@ -766,6 +776,12 @@ static int soak(size_t threads) {
          atomic_load(&run.stop) ? " (interrupted)" : "", CAN_TRAP ? "trapped" : "tested",
          (unsigned long long)bad);
   free(team);
+  uint64_t seed = run.seed;
+  const uint64_t lanes = run.first ? 0 : cases / 10;
+  const char *wrong = atomic_load(&run.stop) ? NULL : soak_maps(lanes, &seed);
+  printf("maps and albedo: %llu lanes: %s%s (seed %llu)\n", (unsigned long long)lanes,
+         wrong ? "wrong: " : "as promised", wrong ? wrong : "", (unsigned long long)seed);
+  bad += wrong != NULL;
   return bad ? 1 : atomic_load(&run.stop) ? 130 : 0;
 }
 
@@ -783,7 +799,8 @@ static int usage(FILE *to, int status) {
 }
 
 int main(int argc, char **argv) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(every_combination)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(every_combination),
+                                     cmocka_unit_test(maps_and_albedo)};
   if (argc == 1)
     return cmocka_run_group_tests_name("soak", tests, NULL, NULL);
   long online = sysconf(_SC_NPROCESSORS_ONLN);
