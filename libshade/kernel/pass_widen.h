@@ -76,12 +76,15 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
 
     /* the principal axis nearest to x becomes x */
     const float vxx = wx + unit * sxx, vxy = unit * sxy, vyy = wy + unit * syy;
-    const float half = 0.5F * (vxx - vyy), long_half = sqrtf(half * half + vxy * vxy);
-    const float cos2 = fabsf(half) / (long_half + 1e-37F);
-    const int none = !(long_half > 0);
-    float cs = sqrtf(0.5F * (1 + cos2));
+    const float half = 0.5F * (vxx - vyy),
+                wide = fabsf(half) > fabsf(vxy) ? fabsf(half) : fabsf(vxy);
+    const float scale = wide + 1e-37F; /* squares of what is left do not vanish */
+    const float gap2 = half / scale, turn2 = vxy / scale, r2 = sqrtf(gap2 * gap2 + turn2 * turn2);
+    const float long_half = r2 * scale, r = r2 + 1e-37F;
+    const int none = !(r2 > 0.5F);
+    float cs = sqrtf(0.5F * (1 + fabsf(gap2) / r));
     cs = none ? 1 : cs;
-    float sn = 0.5F * vxy / ((long_half + 1e-37F) * cs);
+    float sn = 0.5F * turn2 / (r * cs);
     sn = half < 0 ? -sn : sn;
     sn = none ? 0 : sn;
     const float middle = 0.5F * (vxx + vyy);
