@@ -33,12 +33,12 @@ SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
   $(O)/src/slopes.o $(O)/src/albedo.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
-SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_column.o \
-  $(O)/src/fabric_eval.o $(O)/src/presets.o
+SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_eval.o \
+  $(O)/src/fabric_albedo.o $(O)/src/presets.o
 WHOLE_OBJ := $(O)/dump/whole.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
-TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/check.o $(O)/tool/json.o \
+TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/bench_cloth.o $(O)/tool/check.o $(O)/tool/json.o \
   $(O)/tool/work.o $(O)/tool/parse.o $(O)/tool/text.o $(O)/tool/weave.o $(ISAS:%=$(O)/tool/literal_%.o)
 
 # `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
@@ -154,8 +154,9 @@ $(TESTS:%=%.run): %.run: %
 	@$<
 
 # a hundred million cases, on all processors: some minutes
-soak: $(B)/test/soak
+soak: $(B)/test/soak $(B)/test/fabric_soak
 	@$(B)/test/soak --cases 100000000
+	@$(B)/test/fabric_soak --cases 10000000
 
 # The public headers: C++17 from both compilers, a program that links; C11 and nothing more.
 check-headers: $(B)/libshade.a

@@ -32,6 +32,7 @@ enum { CLOTH_DIFFUSE = 2, CLOTH_BEHIND, CLOTH_PARTS };
 
 typedef struct FN(cloth) {
   size_t count, stride;
+  int flat; /* every n is z */
   unsigned char *kind;
   real *rows;
 } FN(cloth);

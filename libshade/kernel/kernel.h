@@ -312,6 +312,8 @@ static void FN(yarn_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * 
 #include "pass_sample.h"
 #include "pass_cloth.h"
 #include "pass_cloth_draw.h"
+#include "column.h"
+#include "pass_cloth_prepare.h"
 #include "entry.h"
 
 #include "leaf_weave.h"

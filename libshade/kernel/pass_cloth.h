@@ -12,6 +12,7 @@
 /* Lanes of one kind: which, and light and eye in the frame of their fibres. */
 typedef struct FN(gathered) {
   size_t count;
+  int whole; /* lane[j] is j: nothing has to be gathered */
   int lane[BLOCK];
   real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK];
 } FN(gathered);
@@ -72,28 +73,52 @@ LEAF FN(triple) FN(carry_back)(FN(carrier) f, real x, real y, real z) {
  * Warp is weft with x and y exchanged, a mirror, in which turning is the other way round: the
  * fibres' direction (tx, ty) of the cloth becomes (ty, tx), and y of the answer changes sign.
  */
-static void FN(cloth_carry)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
-                            const real *const w[3], FN(gathered) * g, real (*to)[BLOCK]) {
-  const int *lane = g->lane;
-  const real *nx = FN(cloth_row)(c, CLOTH_N + k), *ny = FN(cloth_row)(c, CLOTH_N + 1 - k);
-  const real *nz = FN(cloth_row)(c, CLOTH_N + 2);
-  const real *x = w[k], *y = w[1 - k], *z = w[2];
-  const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
-  const real mx = (real)(k ? f->side[k].ty : f->side[k].tx);
-  const real my = (real)(k ? f->side[k].tx : f->side[k].ty);
-  const real *tx = FN(cloth_row)(c, CLOTH_FIBRE + k), *ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k);
-  const real flip = k ? R(-1.0) : R(1.0);
+typedef struct FN(carried) {
+  const real *nx, *ny, *nz, *tx, *ty, *x, *y, *z;
+  real mx, my, flip;
+} FN(carried);
+
+LEAF void FN(cloth_carry_lanes)(const FN(carried) * from, size_t count, const int *lane, int whole,
+                                int near, int flat, real (*to)[BLOCK]) {
+  const FN(carried) v = *from;
   real *ox = to[0], *oy = to[1], *oz = to[2];
 #pragma omp simd
-  for (size_t j = 0; j < g->count; j++) {
-    const int i = lane[j];
-    FN(carrier)
-    a = FN(carrier_of)(nx[i], ny[i], nz[i], near ? tx[i] : mx, near ? ty[i] : my);
-    FN(triple) v = FN(carry)(a, x[i], y[i], z[i]);
-    ox[j] = v.x;
-    oy[j] = flip * v.y;
-    oz[j] = v.z;
+  for (size_t j = 0; j < count; j++) {
+    const size_t i = whole ? j : (size_t)lane[j];
+    const real tx = near ? v.tx[i] : v.mx, ty = near ? v.ty[i] : v.my;
+    FN(carrier) a = {1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
+    if (!flat)
+      a = FN(carrier_of)(v.nx[i], v.ny[i], v.nz[i], tx, ty);
+    FN(triple) w = FN(carry)(a, v.x[i], v.y[i], v.z[i]);
+    ox[j] = w.x;
+    oy[j] = v.flip * w.y;
+    oz[j] = w.z;
   }
+}
+
+static void FN(cloth_carry)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
+                            const real *const w[3], const FN(gathered) * g, real (*to)[BLOCK]) {
+  const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
+  const FN(carried) v = {.nx = FN(cloth_row)(c, CLOTH_N + k),
+                         .ny = FN(cloth_row)(c, CLOTH_N + 1 - k),
+                         .nz = FN(cloth_row)(c, CLOTH_N + 2),
+                         .tx = FN(cloth_row)(c, CLOTH_FIBRE + k),
+                         .ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k),
+                         .x = w[k],
+                         .y = w[1 - k],
+                         .z = w[2],
+                         .mx = (real)(k ? f->side[k].ty : f->side[k].tx),
+                         .my = (real)(k ? f->side[k].tx : f->side[k].ty),
+                         .flip = k ? R(-1.0) : R(1.0)};
+  const size_t count = g->count;
+  if (near)
+    c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 0, 1, 1, to)
+            : FN(cloth_carry_lanes)(&v, count, g->lane, 0, 1, 0, to);
+  else if (g->whole)
+    c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 1, 0, 1, to)
+            : FN(cloth_carry_lanes)(&v, count, g->lane, 1, 0, 0, to);
+  else
+    FN(cloth_carry_lanes)(&v, count, g->lane, 0, 0, 0, to);
 }
 
 /* From the frame of the fibres back to the surface's, scattered. */
@@ -305,18 +330,33 @@ static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, const
                                const real *const wo[3], FN(gathered) * g) {
   const size_t count = l->count[behind][kind];
   g->count = 0;
+  g->whole = 0;
   if (!count || (kind <= CLOTH_WARP && kind != k) || kind == CLOTH_GAP || kind == CLOTH_VOID)
     return 0;
   const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+  int all = count == c->count; /* as where a block is far away */
+  for (size_t j = 0; all && j < count; j++)
+    all = weight[j] > 0;
   for (size_t j = 0; j < count; j++) {
     const int i = l->lane[behind][kind][j];
     g->lane[g->count] = i;
     g->count += weight[i] > 0;
   }
+  g->whole = all;
   if (wi)
     FN(cloth_carry)(f, c, kind, k, wi, g, g->wi);
   FN(cloth_carry)(f, c, kind, k, wo, g, g->wo);
   return g->count;
+}
+
+LEAF void FN(cloth_add_lanes)(size_t count, const int *lane, int whole, real f0, const real *weight,
+                              const real *kd, const real *white, const real *spec, const real *matt,
+                              real *to) {
+#pragma omp simd
+  for (size_t j = 0; j < count; j++) {
+    const size_t i = whole ? j : (size_t)lane[j];
+    to[i] += weight[i] * spec[j] * (f0 + (1 - f0) * white[i]) + kd[i] * matt[j];
+  }
 }
 
 static void FN(cloth_add)(const shade_fabric *f, const FN(cloth) * c, int k, const FN(gathered) * g,
@@ -326,12 +366,10 @@ static void FN(cloth_add)(const shade_fabric *f, const FN(cloth) * c, int k, con
   for (int channel = 0; channel < 3; channel++) {
     const real *kd = FN(cloth_row)(c, CLOTH_KD + 3 * k + channel);
     const real f0 = (real)f->side[k].f0[channel];
-    real *to = rgb[channel];
-#pragma omp simd
-    for (size_t j = 0; j < g->count; j++) {
-      const int i = g->lane[j];
-      to[i] += weight[i] * spec[j] * (f0 + (1 - f0) * white[i]) + kd[i] * matt[j];
-    }
+    if (g->whole)
+      FN(cloth_add_lanes)(g->count, g->lane, 1, f0, weight, kd, white, spec, matt, rgb[channel]);
+    else
+      FN(cloth_add_lanes)(g->count, g->lane, 0, f0, weight, kd, white, spec, matt, rgb[channel]);
   }
 }
 

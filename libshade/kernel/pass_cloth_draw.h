@@ -24,6 +24,10 @@ static void FN(cloth_shares)(const shade_fabric *f, const FN(cloth) * c, const r
     f0[k] = (real)((f->side[k].f0[0] + f->side[k].f0[1] + f->side[k].f0[2]) / 3);
   const real haze = (real)(0.25 / 3 * (f->nap_color[0] + f->nap_color[1] + f->nap_color[2]));
   real *lobe0 = share[0], *lobe1 = share[1], *diffuse = share[2], *behind = share[3];
+  for (size_t i = 0; i < c->count; i++) /* else those rows are not filled */
+    behind[i] = f->transmits ? FN(mean3)(kt[i], kt[i + s], kt[i + 2 * s]) +
+                                   FN(mean3)(kt[i + 3 * s], kt[i + 4 * s], kt[i + 5 * s])
+                             : 0;
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
     real co = FN(maximum)(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-4));
@@ -36,8 +40,7 @@ static void FN(cloth_shares)(const shade_fabric *f, const FN(cloth) * c, const r
              FN(mean3)(kd[i + 3 * s], kd[i + 4 * s], kd[i + 5 * s]) +
              FN(mean3)(flat[i], flat[i + s], flat[i + 2 * s]);
     d = through * d + haze * (1 - through * through);
-    real e = through * (FN(mean3)(kt[i], kt[i + s], kt[i + 2 * s]) +
-                        FN(mean3)(kt[i + 3 * s], kt[i + 4 * s], kt[i + 5 * s]));
+    real e = through * behind[i];
     real least = (a + b + d + e) * R(0.0625);
     a += a > 0 ? least : 0;
     b += b > 0 ? least : 0;

@@ -14,7 +14,8 @@ enum {
   LOOKS = 1 << 18,  /* points in all, about */
   MAX_BLOCKS = 512, /* of the table along a side: larger repeats share */
   MAX_LOOKS = 48,   /* along a side of a block */
-  MIN_LOOKS = 2
+  MIN_LOOKS = 2,
+  LOOKS_BLOCK = 256
 };
 
 /* Numbers that are the same on every machine. */
@@ -96,46 +97,78 @@ typedef struct cloud {
   double tx, ty;
 } cloud;
 
+/* Room for the looks at one block. */
+typedef struct room {
+  double u[LOOKS_BLOCK], v[LOOKS_BLOCK];
+  int top[LOOKS_BLOCK], swap[LOOKS_BLOCK], yarn[LOOKS_BLOCK];
+  double dx[LOOKS_BLOCK], dy[LOOKS_BLOCK], tx[LOOKS_BLOCK], ty[LOOKS_BLOCK];
+  double occlusion[LOOKS_BLOCK], brightness[LOOKS_BLOCK], fuzz[LOOKS_BLOCK];
+} room;
+
+/* Add what look k found, as `part` of a block, to its means and the cloud. */
+static void add_look(const shade_fabric *f, const room *r, int k, double part, cloud clouds[2],
+                     double cell[COLUMNS]) {
+  const int warp = r->swap[k], gap = r->top[k] == SHADE_TOP_GAP;
+  const double light = r->occlusion[k], fuzz = r->fuzz[k], brightness = r->brightness[k];
+  for (int c = 0; c < 3; c++) {
+    const double own = fabric_own(f, warp, r->yarn[k], c), kd = f->side[warp].kd[c];
+    /* a noisy yarn reflects no more than a white one */
+    const double matt = kd > 0 ? fmin(kd * own * brightness, 1) / kd : own * brightness;
+    if (gap) {
+      cell[COLUMN_FUZZ + 3 * warp + c] += light * fuzz * part * own;
+      continue;
+    }
+    cell[COLUMN_MATT + 3 * warp + c] += light * matt * part;
+    if (f->transmits)
+      cell[COLUMN_PASS + 3 * warp + c] +=
+          light * part * fmin(f->side[warp].transmit[c] * own * brightness, 1 - kd * matt);
+  }
+  if (gap) {
+    cell[COLUMN_GAP] += light * (1 - fuzz) * part;
+    cell[COLUMN_OPEN] += (1 - fuzz) * part;
+    return;
+  }
+  cell[COLUMN_SEEN + warp] += light * part;
+  cloud *seen = &clouds[warp];
+  fabric_look *l = &seen->looks[seen->count++];
+  l->x = (float)(r->tx[k] * r->dx[k] + r->ty[k] * r->dy[k]);
+  l->y = (float)(r->tx[k] * r->dy[k] - r->ty[k] * r->dx[k]);
+  l->weight = (float)light;
+  seen->tx += r->tx[k] * light;
+  seen->ty += r->ty[k] * light;
+}
+
 /* Look at one block of the repeat; adds its means to `cell`. */
 static void look_at_block(const shade_fabric *f, int column, int row, int looks, uint64_t *state,
                           cloud clouds[2], double cell[COLUMNS]) {
-  const double part = 1.0 / (looks * looks);
-  for (int k = 0; k < looks * looks; k++) {
-    /* any repeat: the noise goes on where the draft begins again */
-    const double across = (double)(next(state) & 1023) - 512,
-                 up = (double)(next(state) & 1023) - 512;
-    const double x = (column + (k % looks + fraction(state)) / looks) / f->columns;
-    const double y = (row + (k / looks + fraction(state)) / looks) / f->rows;
-    shade_crossing at;
-    shade_weave_lookup(f->weave, f->width * (x + across), f->height * (y + up), &at);
-    const int warp = at.swap, gap = at.top == SHADE_TOP_GAP;
-    const double open = at.occlusion * (1 - at.fuzz) * part, loose = at.occlusion * at.fuzz * part;
-    for (int c = 0; c < 3; c++) {
-      const double own = fabric_own(f, warp, at.yarn, c), kd = f->side[warp].kd[c];
-      /* a noisy yarn reflects no more than a white one */
-      const double matt = kd > 0 ? fmin(kd * own * at.brightness, 1) / kd : own * at.brightness;
-      if (gap)
-        cell[COLUMN_FUZZ + 3 * warp + c] += loose * own;
-      else
-        cell[COLUMN_MATT + 3 * warp + c] += at.occlusion * matt * part;
-      if (!gap && f->transmits)
-        cell[COLUMN_PASS + 3 * warp + c] +=
-            at.occlusion * part *
-            fmin(f->side[warp].transmit[c] * own * at.brightness, 1 - kd * matt);
+  room r;
+  const shade_crossings out = {.size = sizeof out,
+                               .top = r.top,
+                               .swap = r.swap,
+                               .yarn = r.yarn,
+                               .dx = r.dx,
+                               .dy = r.dy,
+                               .tx = r.tx,
+                               .ty = r.ty,
+                               .occlusion = r.occlusion,
+                               .brightness = r.brightness,
+                               .fuzz = r.fuzz};
+  const int all = looks * looks;
+  for (int start = 0; start < all; start += LOOKS_BLOCK) {
+    const int count = all - start < LOOKS_BLOCK ? all - start : LOOKS_BLOCK;
+    for (int i = 0; i < count; i++) {
+      const int k = start + i;
+      /* any repeat: the noise goes on where the draft begins again */
+      const double across = (double)(next(state) & 1023) - 512,
+                   up = (double)(next(state) & 1023) - 512;
+      const double x = (column + (k % looks + fraction(state)) / looks) / f->columns;
+      const double y = (row + (k / looks + fraction(state)) / looks) / f->rows;
+      r.u[i] = f->width * (x + across);
+      r.v[i] = f->height * (y + up);
     }
-    if (gap) {
-      cell[COLUMN_GAP] += open;
-      cell[COLUMN_OPEN] += (1 - at.fuzz) * part;
-      continue;
-    }
-    cell[COLUMN_SEEN + warp] += at.occlusion * part;
-    cloud *seen = &clouds[warp];
-    fabric_look *l = &seen->looks[seen->count++];
-    l->x = (float)(at.tx * at.dx + at.ty * at.dy);
-    l->y = (float)(at.tx * at.dy - at.ty * at.dx);
-    l->weight = (float)at.occlusion;
-    seen->tx += at.tx * at.occlusion;
-    seen->ty += at.ty * at.occlusion;
+    shade_weave_lookup_batch(f->weave, (size_t)count, r.u, r.v, &out);
+    for (int i = 0; i < count; i++)
+      add_look(f, &r, i, 1.0 / all, clouds, cell);
   }
 }
 

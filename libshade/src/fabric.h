@@ -3,6 +3,8 @@
 #ifndef SHADE_SRC_FABRIC_H
 #define SHADE_SRC_FABRIC_H
 
+#include <math.h>
+
 #include "shade/fabric.h"
 #include "bsdf.h"
 #include "weave_private.h"
@@ -83,9 +85,13 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
 const shade_bsdf *fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,
                                    shade_bsdf *room);
 
-/* The mean of all columns over a footprint, streaks of uneven yarns included. fabric_column.c */
-void fabric_column(const shade_fabric *f, const double uv[2], const double extent[2],
-                   double column[COLUMNS]);
+/* The far model's share: none below .75 crossings, all from 2. */
+static inline double fabric_far_share(double extent) {
+  if (!(extent > 0.75))
+    return 0;
+  double x = log2(extent / 0.75) / log2(2 / 0.75);
+  return x < 1 ? x * x * (3 - 2 * x) : 1;
+}
 
 /* The yarn's own colour at a crossing: that of the draft, or white. */
 static inline double fabric_own(const shade_fabric *f, int side, int yarn, int channel) {

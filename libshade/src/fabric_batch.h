@@ -3,13 +3,14 @@
 
 /* A block of prepared lanes, of which a caller's storage holds many. */
 typedef struct FN(prepared) {
+  int flat;
   real rows[CLOTH_ROWS * LANES];
   unsigned char kind[LANES];
 } FN(prepared);
 
 static FN(cloth) FN(block_of)(const FN(prepared) * block, size_t count) {
   FN(prepared) *b = (FN(prepared) *)(uintptr_t)block;
-  FN(cloth) c = {count, LANES, b->kind, b->rows};
+  FN(cloth) c = {count, LANES, b->flat, b->kind, b->rows};
   return c;
 }
 
@@ -29,56 +30,6 @@ static FN(shade_fabric_result) FN(known_result)(const FN(shade_fabric_result) * 
   else
     memset(&known, 0, sizeof known);
   return known;
-}
-
-/* Lane i of what was given; n and so on as the fabric has them where there is no array. */
-static void FN(place_at)(const FN(shade_fabric_lanes) * in, size_t i, FN(place) * p,
-                         real footprint[2]) {
-  const real *const kd[2][3] = {{in->weft_r, in->weft_g, in->weft_b},
-                                {in->warp_r, in->warp_g, in->warp_b}};
-  const real *const gloss[2] = {in->weft_gloss, in->warp_gloss};
-  p->uv[0] = (double)in->u[i];
-  p->uv[1] = (double)in->v[i];
-  footprint[0] = in->du && in->dv ? in->du[i] : 0;
-  footprint[1] = in->du && in->dv ? in->dv[i] : 0;
-  p->wo[0] = in->wox[i];
-  p->wo[1] = in->woy[i];
-  p->wo[2] = in->woz[i];
-  if (in->nx && in->ny && in->nz) {
-    p->given[0] = in->nx[i];
-    p->given[1] = in->ny[i];
-    p->given[2] = in->nz[i];
-  }
-  if (in->random)
-    p->random = in->random[i];
-  for (int k = 0; k < 2; k++) {
-    for (int a = 0; a < 3 && kd[k][0] && kd[k][1] && kd[k][2]; a++)
-      p->kd[k][a] = kd[k][a][i];
-    if (gloss[k])
-      p->gloss[k] = gloss[k][i];
-  }
-  if (in->nap)
-    p->nap = in->nap[i];
-}
-
-/* Prepare lanes from `start`, one term each. */
-static unsigned FN(prepare_block)(const shade_fabric *f, size_t start,
-                                  const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
-                                  const FN(cloth) * c) {
-  unsigned status = SHADE_OK;
-  for (size_t i = 0; i < c->count; i++) {
-    FN(place) p;
-    real footprint[2];
-    int empty;
-    FN(own_numbers)(f, &p);
-    FN(place_at)(in, start + i, &p, footprint);
-    status |= FN(mend_place)(f, &p, footprint, &empty);
-    if (empty)
-      FN(put_void)(f, c, i);
-    else
-      FN(put_one)(f, c, i, &p, tier);
-  }
-  return status;
 }
 
 /* What a batch is to do. */
@@ -144,11 +95,11 @@ static unsigned FN(run_terms)(const shade_fabric *f, size_t count, FN(job) job,
   unsigned status = SHADE_OK;
   for (size_t i = 0; i < count; i++) {
     FN(shade_fabric_hit) hit;
-    FN(place) p;
-    real footprint[2], wi[3], s[3], pdf;
-    FN(own_numbers)(f, &p);
-    FN(place_at)(in, i, &p, footprint);
-    status |= FN(prepare)(f, &p, footprint, tier, &hit);
+    FN(any_lanes) lane = {.lanes = *in};
+    real wi[3], s[3], pdf;
+    for (int k = 0; k < FN(ARRAYS); k++)
+      lane.in.array[k] += lane.in.array[k] ? i : 0;
+    status |= FN(prepare)(f, &lane.lanes, tier, &hit);
     if (job == FN(JOB_SAMPLE)) {
       const real u[3] = {in->u1[i], in->u2[i], in->u3[i]};
       status |= FN(shade_fabric_hit_sample)(f, &hit, u, wi, s, &pdf);
@@ -170,13 +121,8 @@ static unsigned FN(run_terms)(const shade_fabric *f, size_t count, FN(job) job,
       out->g[i] = s[1];
       out->b[i] = s[2];
     }
-    const FN(cloth) c = FN(terms_of)(&hit);
-    const real *part = FN(cloth_row)(&c, CLOTH_PART), *share = FN(cloth_row)(&c, CLOTH_COVERAGE);
-    if (out->coverage) {
-      out->coverage[i] = 0;
-      for (size_t k = 0; k < c.count; k++)
-        out->coverage[i] += part[k] * share[k];
-    }
+    if (out->coverage)
+      out->coverage[i] = FN(coverage_of)(&hit);
   }
   return status;
 }
@@ -204,9 +150,10 @@ static unsigned FN(run_batch)(const shade_fabric *f, size_t count, FN(job) job,
   if (FN(needs_terms)(&in, tier))
     return status | FN(run_terms)(f, count, job, &in, tier, &out);
   FN(prepared) block;
+  block.flat = 0;
   for (size_t start = 0; start < count; start += LANES) {
-    const FN(cloth) c = FN(block_of)(&block, count - start < LANES ? count - start : LANES);
-    status |= FN(prepare_block)(f, start, &in, tier, &c);
+    FN(cloth) c = FN(block_of)(&block, count - start < LANES ? count - start : LANES);
+    status |= shade_isa_pick(0)->FN(cloth_prepare)(f, &in, start, tier, &c);
     FN(copy_coverage)(&c, start, &out);
     status |= FN(run_block)(f, &c, job, start, &in, &out);
   }
@@ -268,9 +215,10 @@ unsigned FN(shade_fabric_prepare_batch)(const shade_fabric *f, size_t count,
   if (!in.u || !in.v || !in.wox || !in.woy || !in.woz || FN(needs_terms)(&in, tier))
     return status | SHADE_BAD_INPUT;
   for (size_t start = 0; start < count; start += LANES) {
-    const FN(cloth) c =
-        FN(block_of)(blocks + start / LANES, count - start < LANES ? count - start : LANES);
-    status |= FN(prepare_block)(f, start, &in, tier, &c);
+    FN(cloth)
+    c = FN(block_of)(blocks + start / LANES, count - start < LANES ? count - start : LANES);
+    status |= shade_isa_pick(0)->FN(cloth_prepare)(f, &in, start, tier, &c);
+    blocks[start / LANES].flat = c.flat;
     FN(copy_coverage)(&c, start, &out);
   }
   return status;

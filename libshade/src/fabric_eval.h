@@ -3,214 +3,10 @@
 #include "../kernel/real.h"
 
 #include "../kernel/elementary.h"
-#include "../kernel/leaf_repair.h"
-#include "../kernel/leaf_horizon.h"
 #include "../kernel/cloth.h"
 
 #undef BELOW_ONE
 #define BELOW_ONE (SHADE_FLOAT ? R(0x1.fffffep-1) : R(0x1.fffffffffffffp-1))
-
-/* A point as it was given, mended, and what stands for the fabric's own numbers. */
-typedef struct FN(place) {
-  double uv[2], extent[2];
-  real random; /* < 0: all terms */
-  real given[3], n[3], wo[3];
-  real kd[2][3], gloss[2], nap; /* by shade_top */
-} FN(place);
-
-/* ---- one lane --------------------------------------------------------------- */
-
-static void FN(put)(const FN(cloth) * c, size_t i, int row, real x) {
-  c->rows[(size_t)row * c->stride + i] = x;
-}
-
-/* What all kinds share; the rest is 0. */
-static void FN(put_place)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
-                          real part) {
-  for (int row = 0; row < CLOTH_ROWS; row++)
-    FN(put)(c, i, row, 0);
-  for (int a = 0; a < 3; a++) {
-    FN(put)(c, i, CLOTH_N + a, p->n[a]);
-    FN(put)(c, i, CLOTH_GIVEN + a, p->given[a]);
-    FN(put)(c, i, CLOTH_WO + a, p->wo[a]);
-  }
-  FN(put)(c, i, CLOTH_GLOSS, p->gloss[0]);
-  FN(put)(c, i, CLOTH_GLOSS + 1, p->gloss[1]);
-  FN(put)(c, i, CLOTH_NAP, p->nap);
-  FN(put)(c, i, CLOTH_PART, part);
-  (void)f;
-}
-
-/* A share `open` of the lane is not covered but by the nap. */
-static void FN(put_coverage)(const FN(cloth) * c, size_t i, const FN(place) * p, double open) {
-  const real co = p->n[0] * p->wo[0] + p->n[1] * p->wo[1] + p->n[2] * p->wo[2];
-  const double way = p->nap > 0 ? 0.5 * (double)p->nap / fmax((double)co, 1e-9) : 0;
-  FN(put)(c, i, CLOTH_COVERAGE, (real)(1 - open * exp(-way)));
-}
-
-/* Reflectances of what has been seen: kd no more than white, and what is let through no more
- * than kd leaves. `seen` is what both are a share of. */
-static void FN(put_matt)(const shade_fabric *f, const FN(cloth) * c, size_t i, int k, int channel,
-                         double kd, double kt, double seen) {
-  const fabric_side *s = &f->side[k];
-  const double reflected = fmin(kd, seen), passed = fmin(kt, seen - reflected);
-  FN(put)(c, i, CLOTH_KD + 3 * k + channel, (real)(reflected * s->leaves[channel]));
-  FN(put)(c, i, CLOTH_KT + 3 * k + channel, (real)(passed * s->leaves[channel]));
-}
-
-static void FN(put_near)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
-                         const double uv[2], real part) {
-  shade_crossing at;
-  shade_weave_lookup(f->weave, uv[0], uv[1], &at);
-  const int k = at.swap;
-  FN(put_place)(f, c, i, p, part);
-  if (at.top == SHADE_TOP_GAP) {
-    c->kind[i] = CLOTH_GAP;
-    for (int a = 0; a < 3; a++) {
-      const double kd = (double)p->kd[k][a] * fabric_own(f, k, at.yarn, a);
-      FN(put)
-      (c, i, CLOTH_FLAT + a,
-       (real)(at.occlusion * (f->backing[a] + at.fuzz * (kd - f->backing[a]))));
-    }
-    FN(put_coverage)(c, i, p, f->backed ? 0 : 1 - at.fuzz);
-    return;
-  }
-  c->kind[i] = (unsigned char)(k ? CLOTH_WARP : CLOTH_WEFT);
-  FN(put)(c, i, CLOTH_TILT, (real)(at.tx * at.dx + at.ty * at.dy));
-  FN(put)(c, i, CLOTH_TILT + 1, (real)(at.tx * at.dy - at.ty * at.dx));
-  FN(put)(c, i, CLOTH_TILT + 2, (real)sqrt(1 - at.dx * at.dx - at.dy * at.dy));
-  FN(put)(c, i, CLOTH_FIBRE, (real)at.tx);
-  FN(put)(c, i, CLOTH_FIBRE + 1, (real)at.ty);
-  FN(put)(c, i, CLOTH_WEIGHT + k, (real)at.occlusion);
-  for (int a = 0; a < 3; a++) {
-    const double own = at.occlusion * at.brightness * fabric_own(f, k, at.yarn, a);
-    FN(put_matt)
-    (f, c, i, k, a, own * (double)p->kd[k][a], own * f->side[k].transmit[a], at.occlusion);
-  }
-  FN(put_coverage)(c, i, p, 0);
-}
-
-static void FN(put_far)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
-                        const double *column, int kind, real part) {
-  FN(put_place)(f, c, i, p, part);
-  c->kind[i] = (unsigned char)kind;
-  for (int k = 0; k < 2; k++)
-    FN(put)(c, i, CLOTH_WEIGHT + k, (real)column[COLUMN_SEEN + k]);
-  for (int a = 0; a < 3; a++) {
-    double flat = column[COLUMN_GAP] * f->backing[a];
-    for (int k = 0; k < 2; k++) {
-      const double own = column[COLUMN_MATT + 3 * k + a], kd = (double)p->kd[k][a];
-      FN(put_matt)
-      (f, c, i, k, a, own * kd, column[COLUMN_PASS + 3 * k + a], column[COLUMN_SEEN + k]);
-      flat += column[COLUMN_FUZZ + 3 * k + a] * kd;
-    }
-    FN(put)(c, i, CLOTH_FLAT + a, (real)flat);
-  }
-  FN(put_coverage)(c, i, p, f->backed ? 0 : column[COLUMN_OPEN]);
-}
-
-/* The one term that p->random picks, into lane i. */
-static void FN(put_one)(const shade_fabric *f, const FN(cloth) * c, size_t i, const FN(place) * p,
-                        shade_fabric_tier tier) {
-  const double longer = fmax(p->extent[0], p->extent[1]);
-  const double share = tier == SHADE_TIER_AUTO ? far_share(longer) : tier != SHADE_TIER_NEAR;
-  const double r = fmin(fmax((double)p->random, 0), 0x1.fffffffffffffp-1);
-  if (tier == SHADE_TIER_SINGLE) {
-    FN(put_far)(f, c, i, p, f->mean, CLOTH_SINGLE, 1);
-  } else if (share >= 1 || r < share) {
-    double column[COLUMNS];
-    fabric_column(f, p->uv, p->extent, column);
-    FN(put_far)(f, c, i, p, column, CLOTH_FAR, 1);
-  } else if (!(longer > 0) || tier == SHADE_TIER_NEAR) {
-    FN(put_near)(f, c, i, p, p->uv, 1);
-  } else {
-    const double left = fmax(r - share, 0) / (1 - share);
-    const int k = (int)fmin(floor(FABRIC_POINTS * left), FABRIC_POINTS - 1);
-    double at[2];
-    point_of(p->uv, p->extent, k, at);
-    FN(put_near)(f, c, i, p, at, 1);
-  }
-}
-
-/* All terms of a footprint; c has room for TERMS. */
-static void FN(put_all)(const shade_fabric *f, FN(cloth) * c, const FN(place) * p,
-                        shade_fabric_tier tier) {
-  const double longer = fmax(p->extent[0], p->extent[1]);
-  const double share = tier == SHADE_TIER_AUTO ? far_share(longer) : 1;
-  c->count = 1;
-  if (p->random >= 0 || tier != SHADE_TIER_AUTO || share >= 1 || !(longer > 0)) {
-    FN(put_one)(f, c, 0, p, tier);
-    return;
-  }
-  for (int k = 0; k < FABRIC_POINTS; k++) {
-    double at[2];
-    point_of(p->uv, p->extent, k, at);
-    FN(put_near)(f, c, (size_t)k, p, at, (real)((1 - share) / FABRIC_POINTS));
-  }
-  c->count = FABRIC_POINTS;
-  if (share > 0) {
-    double column[COLUMNS];
-    fabric_column(f, p->uv, p->extent, column);
-    FN(put_far)(f, c, c->count++, p, column, CLOTH_FAR, (real)share);
-  }
-}
-
-static void FN(put_void)(const shade_fabric *f, const FN(cloth) * c, size_t i) {
-  FN(place) p;
-  memset(&p, 0, sizeof p);
-  p.n[2] = p.given[2] = p.wo[2] = 1;
-  FN(put_place)(f, c, i, &p, 1);
-  c->kind[i] = CLOTH_VOID;
-}
-
-/* Mend a place; p has what was given. Returns status bits; with SHADE_BAD_INPUT in *empty there
- * is nothing to shade. */
-static unsigned FN(mend_place)(const shade_fabric *f, FN(place) * p, const real footprint[2],
-                               int *empty) {
-  unsigned status = FN(mend_if_needed)(p->given, 1) | FN(mend_if_needed)(p->wo, 0);
-  if (!isfinite(p->uv[0]) || !isfinite(p->uv[1]))
-    status |= SHADE_BAD_INPUT;
-  *empty = (status & SHADE_BAD_INPUT) != 0;
-  memcpy(p->n, p->given, sizeof p->n);
-  if (f->horizon == SHADE_HORIZON_VALID_REFLECTION || f->horizon == SHADE_HORIZON_VALID_ESTEVEZ) {
-    const FN(normal) n = FN(bend)(p->n[0], p->n[1], p->n[2], p->wo[0], p->wo[1], p->wo[2]);
-    p->n[0] = n.x;
-    p->n[1] = n.y;
-    p->n[2] = n.z;
-  }
-  for (int a = 0; a < 2; a++) {
-    p->extent[a] = footprint[a] > 0 ? fmin((double)footprint[a], 1e9) : 0;
-    if (!(footprint[a] >= 0))
-      status |= SHADE_BAD_INPUT;
-  }
-  if (p->random != p->random)
-    p->random = 0, status |= SHADE_BAD_INPUT;
-  real *numbers[] = {p->kd[0],     p->kd[0] + 1, p->kd[0] + 2, p->kd[1],
-                     p->kd[1] + 1, p->kd[1] + 2, p->gloss,     p->gloss + 1};
-  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
-    const real x = FN(minimum)(FN(maximum)(*numbers[k], 0), 1); /* NaN: 0 */
-    if (!(x == *numbers[k]))
-      status |= SHADE_CLAMPED_PARAMETER;
-    *numbers[k] = x;
-  }
-  const real nap = FN(minimum)(FN(maximum)(p->nap, 0), 10);
-  if (!(nap == p->nap))
-    status |= SHADE_CLAMPED_PARAMETER;
-  p->nap = nap;
-  return status;
-}
-
-static void FN(own_numbers)(const shade_fabric *f, FN(place) * p) {
-  for (int k = 0; k < 2; k++) {
-    p->gloss[k] = 1;
-    for (int a = 0; a < 3; a++)
-      p->kd[k][a] = (real)f->side[k].kd[a];
-  }
-  p->nap = (real)f->nap;
-  p->given[0] = p->given[1] = 0;
-  p->given[2] = 1;
-  p->random = -1;
-}
 
 static unsigned FN(valid_tier)(shade_fabric_tier *tier) {
   if ((unsigned)*tier <= SHADE_TIER_SINGLE)
@@ -223,6 +19,7 @@ static unsigned FN(valid_tier)(shade_fabric_tier *tier) {
 
 typedef struct MAY_ALIAS FN(terms) {
   size_t count;
+  int flat;
   real rows[CLOTH_ROWS * TERMS];
   unsigned char kind[TERMS];
 } FN(terms);
@@ -230,68 +27,119 @@ _Static_assert(sizeof(FN(terms)) <= sizeof(FN(shade_fabric_hit)), "a hit is too 
 
 static FN(cloth) FN(terms_of)(const FN(shade_fabric_hit) * hit) {
   FN(terms) *h = (FN(terms) *)(uintptr_t)hit->private_.bytes;
-  FN(cloth) c = {h->count, TERMS, h->kind, h->rows};
+  FN(cloth) c = {h->count, TERMS, h->flat, h->kind, h->rows};
   return c;
 }
 
-static unsigned FN(prepare)(const shade_fabric *f, FN(place) * p, const real footprint[2],
-                            shade_fabric_tier tier, FN(shade_fabric_hit) * hit) {
-  FN(terms) *room = (FN(terms) *)(void *)hit->private_.bytes;
-  room->count = 0;
-  FN(cloth) c = FN(terms_of)(hit);
-  int empty;
-  unsigned status = FN(mend_place)(f, p, footprint, &empty) | FN(valid_tier)(&tier);
-  if (empty) {
-    c.count = 1;
-    FN(put_void)(f, &c, 0);
-  } else {
-    FN(put_all)(f, &c, p, tier);
-  }
-  room->count = c.count;
+/* The mean over the terms. */
+static real FN(coverage_of)(const FN(shade_fabric_hit) * hit) {
+  const FN(cloth) c = FN(terms_of)(hit);
+  const real *part = FN(cloth_row)(&c, CLOTH_PART), *share = FN(cloth_row)(&c, CLOTH_COVERAGE);
+  real sum = 0;
+  for (size_t i = 0; i < c.count; i++)
+    sum += part[i] * share[i];
+  return sum < 1 ? sum : 1; /* parts may add up to a rounding more */
+}
+
+/* The members of a shade_fabric_lanes after its size, all of them arrays. */
+enum { FN(ARRAYS) = (sizeof(FN(shade_fabric_lanes)) - sizeof(size_t)) / sizeof(const real *) };
+typedef union FN(any_lanes) {
+  FN(shade_fabric_lanes) lanes;
+  struct {
+    size_t size;
+    const real *array[FN(ARRAYS)];
+  } in;
+} FN(any_lanes);
+
+static unsigned FN(prepare_terms)(const shade_fabric *f, const FN(shade_fabric_lanes) * in,
+                                  shade_fabric_tier tier, FN(cloth) * c, FN(terms) * room) {
+  const unsigned status = shade_isa_pick(0)->FN(cloth_prepare)(f, in, 0, tier, c);
+  room->flat = c->flat;
   return status;
 }
 
+/*
+ * Prepare a hit from the first lane of *in: the one term that the random number picks, or without
+ * one all terms of its footprint, each picked by a number of its own.
+ */
+static unsigned FN(prepare)(const shade_fabric *f, const FN(shade_fabric_lanes) * in,
+                            shade_fabric_tier tier, FN(shade_fabric_hit) * hit) {
+  FN(terms) *room = (FN(terms) *)(void *)hit->private_.bytes;
+  room->count = 1;
+  room->flat = 0;
+  FN(cloth) c = FN(terms_of)(hit);
+  real *part = FN(cloth_row)(&c, CLOTH_PART);
+  const unsigned status = FN(valid_tier)(&tier);
+  double longer = 0;
+  if (in->du && in->dv)
+    longer = fmax(fmax((double)in->du[0], (double)in->dv[0]), 0);
+  const double share = fabric_far_share(longer);
+  part[0] = 1;
+  if ((in->random && !(in->random[0] < 0)) || tier != SHADE_TIER_AUTO || share >= 1 ||
+      !(longer > 0))
+    return status | FN(prepare_terms)(f, in, tier, &c, room);
+  real all[FN(ARRAYS)][TERMS], random[TERMS];
+  FN(any_lanes) one = {.lanes = *in};
+  room->count = c.count = share > 0 ? TERMS : FABRIC_POINTS;
+  for (int k = 0; k < FN(ARRAYS); k++)
+    if (one.in.array[k]) {
+      for (size_t i = 0; i < c.count; i++)
+        all[k][i] = one.in.array[k][0];
+      one.in.array[k] = all[k];
+    }
+  for (size_t i = 0; i < c.count; i++) {
+    const int far = i == FABRIC_POINTS;
+    part[i] = (real)(far ? share : (1 - share) / FABRIC_POINTS);
+    random[i] = (real)(far ? 0.5 * share : share + (1 - share) * ((double)i + 0.5) / FABRIC_POINTS);
+  }
+  one.lanes.random = random;
+  return status | FN(prepare_terms)(f, &one.lanes, tier, &c, room);
+}
+
 void FN(shade_fabric_point_init)(const shade_fabric *f, FN(shade_fabric_point) * point) {
-  FN(place) p;
-  FN(own_numbers)(f, &p);
   memset(point, 0, sizeof *point);
   point->size = sizeof *point;
   point->n[2] = 1;
   point->random = -1;
-  memcpy(point->weft_kd, p.kd[SHADE_TOP_WEFT], sizeof point->weft_kd);
-  memcpy(point->warp_kd, p.kd[SHADE_TOP_WARP], sizeof point->warp_kd);
+  for (int a = 0; a < 3; a++) {
+    point->weft_kd[a] = (real)f->side[SHADE_TOP_WEFT].kd[a];
+    point->warp_kd[a] = (real)f->side[SHADE_TOP_WARP].kd[a];
+  }
   point->warp_gloss = point->weft_gloss = 1;
-  point->nap = p.nap;
+  point->nap = (real)f->nap;
 }
 
 unsigned FN(shade_fabric_prepare)(const shade_fabric *f, const FN(shade_fabric_point) * given,
                                   const real wo[3], shade_fabric_tier tier,
                                   FN(shade_fabric_hit) * hit, real *coverage) {
-  FN(shade_fabric_point) point;
-  FN(place) p;
-  FN(shade_fabric_point_init)(f, &point);
+  FN(shade_fabric_point) p;
+  FN(shade_fabric_point_init)(f, &p);
   if (given)
-    memcpy(&point, given, given->size < sizeof point ? given->size : sizeof point);
-  for (int a = 0; a < 3; a++) {
-    p.given[a] = point.n[a];
-    p.wo[a] = wo[a];
-    p.kd[SHADE_TOP_WEFT][a] = point.weft_kd[a];
-    p.kd[SHADE_TOP_WARP][a] = point.warp_kd[a];
-  }
-  p.uv[0] = (double)point.uv[0];
-  p.uv[1] = (double)point.uv[1];
-  p.gloss[SHADE_TOP_WEFT] = point.weft_gloss;
-  p.gloss[SHADE_TOP_WARP] = point.warp_gloss;
-  p.nap = point.nap;
-  p.random = point.random;
-  const unsigned status = FN(prepare)(f, &p, point.footprint, tier, hit);
-  if (coverage) {
-    const FN(cloth) c = FN(terms_of)(hit);
-    const real *part = FN(cloth_row)(&c, CLOTH_PART), *share = FN(cloth_row)(&c, CLOTH_COVERAGE);
-    *coverage = 0;
-    for (size_t i = 0; i < c.count; i++)
-      *coverage += part[i] * share[i];
-  }
+    memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  const FN(shade_fabric_lanes) in = {.size = sizeof in,
+                                     .u = p.uv,
+                                     .v = p.uv + 1,
+                                     .du = p.footprint,
+                                     .dv = p.footprint + 1,
+                                     .nx = p.n,
+                                     .ny = p.n + 1,
+                                     .nz = p.n + 2,
+                                     .wox = wo,
+                                     .woy = wo + 1,
+                                     .woz = wo + 2,
+                                     .random = &p.random,
+                                     .warp_r = p.warp_kd,
+                                     .warp_g = p.warp_kd + 1,
+                                     .warp_b = p.warp_kd + 2,
+                                     .weft_r = p.weft_kd,
+                                     .weft_g = p.weft_kd + 1,
+                                     .weft_b = p.weft_kd + 2,
+                                     .warp_gloss = &p.warp_gloss,
+                                     .weft_gloss = &p.weft_gloss,
+                                     .nap = &p.nap};
+  const unsigned status = FN(prepare)(f, &in, tier, hit);
+  if (coverage)
+    *coverage = FN(coverage_of)(hit);
   return status;
 }
 
@@ -347,7 +195,7 @@ unsigned FN(shade_fabric_hit_sample)(const shade_fabric *f, const FN(shade_fabri
       u[2] -= part[term++];
     u[2] = FN(minimum)(u[2] / FN(maximum)(part[term], R(1e-20)), BELOW_ONE);
   }
-  const FN(cloth) one = {1, c.stride, c.kind + term, c.rows + term};
+  const FN(cloth) one = {1, c.stride, c.flat, c.kind + term, c.rows + term};
   const real *const numbers[3] = {u, u + 1, u + 2};
   real *const to[3] = {wi, wi + 1, wi + 2};
   unsigned status = shade_isa_pick(0)->FN(cloth_draw)(f, &one, numbers, to);
@@ -366,15 +214,18 @@ unsigned FN(shade_fabric_eval)(const shade_fabric *f, const real uv[2], const re
                                const real n[3], const real wi[3], const real wo[3],
                                shade_fabric_tier tier, real s[3]) {
   FN(shade_fabric_hit) hit;
-  FN(place) p;
-  const real none[2] = {0, 0};
-  FN(own_numbers)(f, &p);
-  p.uv[0] = (double)uv[0];
-  p.uv[1] = (double)uv[1];
-  if (n)
-    memcpy(p.given, n, sizeof p.given);
-  memcpy(p.wo, wo, sizeof p.wo);
-  const unsigned status = FN(prepare)(f, &p, footprint ? footprint : none, tier, &hit);
+  FN(shade_fabric_lanes)
+  in = {.size = sizeof in, .u = uv, .v = uv + 1, .wox = wo, .woy = wo + 1, .woz = wo + 2};
+  if (footprint) {
+    in.du = footprint;
+    in.dv = footprint + 1;
+  }
+  if (n) {
+    in.nx = n;
+    in.ny = n + 1;
+    in.nz = n + 2;
+  }
+  const unsigned status = FN(prepare)(f, &in, tier, &hit);
   return status | FN(shade_fabric_hit_eval)(f, &hit, wi, s);
 }
 

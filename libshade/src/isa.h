@@ -56,6 +56,10 @@ typedef struct shade_isa_table {
                           const shade_crossings *);
   unsigned (*weave_batchf)(const shade_weave *, size_t, const float *, const float *,
                            const shade_crossingsf *);
+  unsigned (*cloth_prepare)(const shade_fabric *, const shade_fabric_lanes *, size_t,
+                            shade_fabric_tier, struct cloth *);
+  unsigned (*cloth_preparef)(const shade_fabric *, const shade_fabric_lanesf *, size_t,
+                             shade_fabric_tier, struct clothf *);
   unsigned (*cloth)(const shade_fabric *, const struct cloth *, const double *const[3],
                     double *const[3]);
   unsigned (*clothf)(const shade_fabric *, const struct clothf *, const float *const[3],

@@ -54,6 +54,8 @@ const shade_isa_table ISA_TABLE(ISA) = {
     kernel_weavef,
     kernel_weave_batch,
     kernel_weave_batchf,
+    .cloth_prepare = kernel_cloth_prepare,
+    .cloth_preparef = kernel_cloth_preparef,
     .cloth = kernel_cloth,
     .clothf = kernel_clothf,
     .cloth_pdf = kernel_cloth_pdf,

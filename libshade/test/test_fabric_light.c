@@ -322,6 +322,49 @@ static void weights_are_bounded(void **state) {
   assert_true(most <= 2);
 }
 
+/* ---- albedo ----------------------------------------------------------------------------- */
+
+/* The table against the integral of s over both sides, far, and with a nap, by the midpoint rule.
+ */
+static void albedo_is_the_integral(void **state) {
+  (void)state;
+  const char *names[] = {"denim", "silk_charmeuse", "wool_flannel"};
+  const double all[2] = {1e6, 1e6}, none[2] = {0, 0};
+  uint64_t seed = 31;
+  double worst = 0;
+  for (int name = 0; name < 3; name++) {
+    cloth c = open_cloth(names[name], transmits);
+    shade_fabric_albedo *table = shade_fabric_albedo_create(c.fabric);
+    assert_non_null(table);
+    for (int k = 0; k < 8; k++) {
+      double wo[3], got[3], want[3] = {0, 0, 0};
+      any_direction(&seed, 0.1, wo);
+      enum { GRID = 96 };
+      for (int j = 0; j < GRID * GRID; j++) {
+        double wi[3], s[3];
+        spherical(acos(2 * (j / GRID + 0.5) / GRID - 1), 2 * PI * (j % GRID + 0.5) / GRID, wi);
+        shade_fabric_eval(c.fabric, none, all, NULL, wi, wo, SHADE_TIER_FAR, s);
+        for (int a = 0; a < 3; a++)
+          want[a] += s[a] * 4 * PI / (GRID * GRID);
+      }
+      assert_int_equal(shade_fabric_albedo_eval(table, wo, got), SHADE_OK);
+      for (int a = 0; a < 3; a++)
+        worst = fmax(worst, fabs(got[a] / want[a] - 1));
+    }
+    double rgb[3];
+    const double down[3] = {0.6, 0, -0.8}, bad[3] = {NAN, 0, 1};
+    assert_int_equal(shade_fabric_albedo_eval(table, down, rgb), SHADE_OK);
+    assert_true(rgb[0] == 0 && rgb[2] == 0);
+    assert_int_equal(shade_fabric_albedo_eval(table, bad, rgb), SHADE_BAD_INPUT);
+    assert_true(rgb[1] == 0);
+    shade_fabric_albedo_free(table);
+    close_cloth(&c);
+  }
+  shade_fabric_albedo_free(NULL);
+  print_message("albedo's table against the integral: %.2f %%\n", 100 * worst);
+  assert_true(worst <= 0.05);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(horizons_are_those_of_shade_h),
@@ -329,6 +372,7 @@ int main(void) {
       cmocka_unit_test(furnace),
       cmocka_unit_test(coverage_is_of_yarns),
       cmocka_unit_test(weights_are_bounded),
+      cmocka_unit_test(albedo_is_the_integral),
   };
   return cmocka_run_group_tests_name("fabric light", tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@
 #include "shade/shade.h"
 #include "src/bsdf.h"
 #include "src/isa.h"
+#include "tool/bench_cloth.h"
 #include "tool/literal.h"
 #include "tool/text.h"
 #include "tool/tool.h"
@@ -265,31 +266,37 @@ static void time_rows(const shade_isa_table *isa, row *rows, int count, what w, 
 }
 
 static void usage(FILE *to) {
-  fputs("usage: shade bench [options]\n\n"
-        "Times every detail method and distribution in every precision on one thread, on arrays\n"
-        "in cache and in memory, beside a bare pass over the same arrays; with the worst\n"
-        "relative error against the reference. Times are the best of many runs, in ns.\n"
-        "About a minute for one instruction set.\n\n"
-        "  D, f             the distribution; the whole BRDF: that of Ashikhmin and Shirley,\n"
-        "                   ward_bounded for both Wards, microfacet for Beckmann and GGX\n"
-        "  D_call, f_call   the same in one call a sample\n"
-        "  f_valid_estevez  f of rotate under that horizon, its ratio to perturb's f; likewise\n"
-        "                   all other horizons of shade eval --help but hard, which f has\n"
-        "  rotate_literal   rotate as the papers write it, with atan2 and powf of libm\n\n"
-        "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
-        "                   ratio_stream,max_error\n"
-        "  --output FILE    these columns into a file, beside what is printed\n"
-        "  --isa NAME       avx512, avx2, sse2 or scalar (default: the widest of this CPU)\n"
-        "  --all            every instruction set of this CPU\n"
-        "  --mdf NAME       one distribution only\n"
-        "  --what NAME      D, f, D_call or f_call only, or f_ and a horizon\n"
-        "  --set NAME       cache or memory only\n"
-        "  --ex E --ey E    exponents (default 200, 10)\n",
-        to);
+  fputs(
+      "usage: shade bench [options]\n\n"
+      "Times every detail method and distribution in every precision on one thread, on arrays\n"
+      "in cache and in memory, beside a bare pass over the same arrays; with the worst\n"
+      "relative error against the reference. Times are the best of many runs, in ns.\n"
+      "About a minute for one instruction set.\n\n"
+      "  D, f             the distribution; the whole BRDF: that of Ashikhmin and Shirley,\n"
+      "                   ward_bounded for both Wards, microfacet for Beckmann and GGX\n"
+      "  D_call, f_call   the same in one call a sample\n"
+      "  f_valid_estevez  f of rotate under that horizon, its ratio to perturb's f; likewise\n"
+      "                   all other horizons of shade eval --help but hard, which f has\n"
+      "  rotate_literal   rotate as the papers write it, with atan2 and powf of libm\n"
+      "  cloth_near, cloth_far, cloth_single  three cloths, their names as the method; _prepared,\n"
+      "                   _pdf and _sample: after preparing; _call: the same in one call a light;\n"
+      "                   the first ratio is to cloth_near, errors are against double (near) and\n"
+      "                   the mean of near over many points (footprints of 20 crossings)\n\n"
+      "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
+      "                   ratio_stream,max_error\n"
+      "  --output FILE    these columns into a file, beside what is printed\n"
+      "  --isa NAME       avx512, avx2, sse2 or scalar (default: the widest of this CPU)\n"
+      "  --all            every instruction set of this CPU\n"
+      "  --mdf NAME       one distribution only\n"
+      "  --what NAME      D, f, D_call, f_call or cloth only, or f_ and a horizon\n"
+      "  --set NAME       cache or memory only\n"
+      "  --ex E --ey E    exponents (default 200, 10)\n",
+      to);
 }
 
 typedef struct options {
   int csv, all, mdf, what, set; /* -1: every one */
+  int cloth;                    /* that alone */
   int horizon;                  /* of WHAT_F_HORIZON; -1: every one */
   const char *isa, *output;
   FILE *file;
@@ -404,11 +411,12 @@ static int read_value(options *o, const char *option, const char *text) {
     o->mdf = shade_list_find(SHADE_LIST_MDF, text);
     expected = o->mdf < 0 ? "a distribution (see shade eval --help)" : NULL;
   } else if (!strcmp(option, "--what")) {
-    o->what = find_word(what_words, WHAT_F_HORIZON, text);
+    o->cloth = !strcmp(text, "cloth");
+    o->what = o->cloth ? WHATS : find_word(what_words, WHAT_F_HORIZON, text);
     o->horizon = strncmp(text, "f_", 2) ? -1 : shade_list_find(SHADE_LIST_HORIZON, text + 2);
     if (o->what < 0 && o->horizon > 0)
       o->what = WHAT_F_HORIZON;
-    expected = o->what < 0 ? "D, f, D_call, f_call, or f_ and a horizon (not hard)" : NULL;
+    expected = o->what < 0 ? "D, f, D_call, f_call, cloth, or f_ and a horizon (not hard)" : NULL;
   } else if (!strcmp(option, "--set")) {
     o->set = find_word(sets, 2, text);
     expected = o->set < 0 ? "cache or memory" : NULL;
@@ -446,7 +454,7 @@ static int read_options(options *o, int argc, char **argv, int *help) {
       i++;
     }
   }
-  if (o->set == 1 && o->what >= 0 && in_cache_only((what)o->what)) {
+  if (o->set == 1 && o->what >= 0 && (o->cloth || in_cache_only((what)o->what))) {
     fputs("shade bench: calls and horizons are timed in cache only (see shade bench --help)\n",
           stderr);
     return TOOL_BAD_USAGE;
@@ -492,6 +500,39 @@ static int bench_set(const options *o, int s, int *done, int total) {
   return TOOL_DONE;
 }
 
+typedef struct cloth_rows {
+  const options *o;
+  double near[2];
+} cloth_rows;
+
+static void print_cloth(void *context, const char *what, const char *preset, const char *mdf,
+                        int single, double ns, double error) {
+  cloth_rows *c = context;
+  static const char csv[] = "%s,%s,%s,%s,%s,cache,%.4g,%.4g,0,%.2e\n";
+  const char *type = precision_words[single ? SINGLE : TWICE], *isa = shade_isa();
+  if (!strcmp(what, "cloth_near"))
+    c->near[single] = ns;
+  const double ratio = ns / c->near[single];
+  if (c->o->csv)
+    printf(csv, what, preset, mdf, type, isa, ns, ratio, error);
+  else
+    printf("%-22s %-20s %-18s %-7s %-7s cache   %8.3g %8.3g %8s %10.1e\n", what, preset, mdf, type,
+           isa, ns, ratio, "", error);
+  fflush(stdout);
+  if (c->o->file)
+    fprintf(c->o->file, csv, what, preset, mdf, type, isa, ns, ratio, error);
+}
+
+/* Cloth runs on the widest instruction set, as every public call does. */
+static int bench_cloths(const options *o) {
+  cloth_rows rows = {o, {1, 1}};
+  const int asked = o->cloth || (o->what < 0 && o->mdf < 0 && o->set != 1);
+  if (!asked || (o->isa && strcmp(o->isa, shade_isa()) != 0) || bench_cloth(print_cloth, &rows))
+    return TOOL_DONE;
+  fputs("shade bench: out of memory\n", stderr);
+  return TOOL_BAD_INPUT;
+}
+
 int shade_cmd_bench(int argc, char **argv) {
   options o = {.mdf = -1, .what = -1, .set = -1, .horizon = -1, .ex = 200, .ey = 10};
   int help = 0, status = read_options(&o, argc, argv, &help);
@@ -530,6 +571,8 @@ int shade_cmd_bench(int argc, char **argv) {
   for (int s = 0; s < 2 && !status; s++)
     if (o.set < 0 || s == o.set)
       status = bench_set(&o, s, &done, total);
+  if (!status)
+    status = bench_cloths(&o);
   if (isatty(2) && !isatty(1))
     fputs("\r\033[K", stderr);
   if (o.file) {

@@ -332,8 +332,9 @@ SHADE_API unsigned shade_fabric_hits_samplef(const shade_fabric *fabric, size_t 
 
 /*
  * The directional albedo of the far model: the share of light from all sides that leaves towards
- * wo, for ambient terms and energy bounds. A table by elevation and azimuth of wo,
- * colours left open, made on demand by quadrature over wi. It holds its own numbers: the fabric
+ * wo, for ambient terms and energy bounds. A table by elevation and azimuth of wo, made on
+ * demand by quadrature over wi: some tenths of a second. Within 5 % where wo.z >= .1, 10 % at .05.
+ * It holds its own numbers: the fabric
  * may be freed. NULL when out of memory. _eval: rgb for the whole repeat in the fabric's own
  * colours, n = z; 0 for wo.z <= 0 or non-finite wo (SHADE_BAD_INPUT). Transmitted light counts.
  */

@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Preparing lanes of cloth: which term of its footprint each lane stands for, then all look-ups
+ * of the near ones together, and for the far ones what the footprint holds. Look-ups and
+ * footprints are in double for both precisions.
+ */
+
+#ifndef CLOTH_SEEN
+#define CLOTH_SEEN
+/* What look-ups find. */
+typedef struct cloth_seen {
+  int top[BLOCK], swap[BLOCK], yarn[BLOCK];
+  double dx[BLOCK], dy[BLOCK], tx[BLOCK], ty[BLOCK], occlusion[BLOCK], brightness[BLOCK];
+  double fuzz[BLOCK];
+} cloth_seen;
+
+/* Point k of the 16 in a footprint: more of them along its longer side. */
+static void cloth_point(const double extent[2], int k, double uv[2]) {
+  int columns = 4;
+  for (; columns < FABRIC_POINTS && extent[0] * 4 > extent[1] * columns * 2; columns *= 2)
+    ;
+  for (; columns > 1 && extent[1] * columns > extent[0] * 4 * 2; columns /= 2)
+    ;
+  const int rows = FABRIC_POINTS / columns;
+  uv[0] += extent[0] * ((k % columns + 0.5) / columns - 0.5);
+  uv[1] += extent[1] * ((k / columns + 0.5) / rows - 0.5);
+}
+#endif
+
+/* Room of a block that is being prepared. */
+typedef struct FN(preparing) {
+  FN(mended) room;
+  real n[3][BLOCK], kd[2][3][BLOCK];
+  double u[BLOCK], v[BLOCK], extent[BLOCK][2];
+  int near[BLOCK], far[BLOCK];
+  size_t near_count, far_count;
+  cloth_seen seen;
+} FN(preparing);
+
+/* `from`, or the fabric's own number, within [0, most]; NaN counts as 0. */
+static int FN(cloth_number)(size_t count, const real *restrict from, real own, real most,
+                            real *restrict to) {
+  int off = 0;
+  if (!from) {
+    for (size_t i = 0; i < count; i++)
+      to[i] = own;
+    return 0;
+  }
+#pragma omp simd reduction(| : off)
+  for (size_t i = 0; i < count; i++) {
+    const real x = FN(minimum)(FN(maximum)(from[i], 0), most);
+    off |= !(x == from[i]);
+    to[i] = x;
+  }
+  return off;
+}
+
+/* Rows of near lanes from what look-ups found. */
+static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
+                                const FN(preparing) * p) {
+  const cloth_seen *s = &p->seen;
+  const int *lane = p->near;
+  real *mx = FN(cloth_row)(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
+  real *tx = FN(cloth_row)(c, CLOTH_FIBRE), *ty = tx + c->stride;
+  real *weft = FN(cloth_row)(c, CLOTH_WEIGHT), *warp = weft + c->stride;
+  real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
+  const double bare = f->backed ? 0 : 1;
+#pragma omp simd
+  for (size_t j = 0; j < p->near_count; j++) {
+    const int i = lane[j];
+    const double dx = s->dx[j], dy = s->dy[j], x = s->tx[j], y = s->ty[j];
+    const int gap = s->top[j] == SHADE_TOP_GAP;
+    const double seen = gap ? 0 : s->occlusion[j];
+    mx[i] = (real)(x * dx + y * dy);
+    my[i] = (real)(x * dy - y * dx);
+    mz[i] = (real)sqrt(1 - dx * dx - dy * dy);
+    tx[i] = (real)x;
+    ty[i] = (real)y;
+    weft[i] = (real)(s->swap[j] ? 0 : seen);
+    warp[i] = (real)(s->swap[j] ? seen : 0);
+    open[i] = (real)(gap ? bare * (1 - s->fuzz[j]) : 0);
+  }
+  for (size_t j = 0; j < p->near_count; j++)
+    c->kind[lane[j]] = (unsigned char)(s->top[j] == SHADE_TOP_GAP ? CLOTH_GAP
+                                       : s->swap[j]               ? CLOTH_WARP
+                                                                  : CLOTH_WEFT);
+  for (int a = 0; a < 3; a++) {
+    double own[BLOCK];
+    for (size_t j = 0; j < p->near_count; j++)
+      own[j] = f->draft_colors ? fabric_own(f, s->swap[j], s->yarn[j], a) : 1;
+    const real *kd0 = p->kd[0][a], *kd1 = p->kd[1][a];
+    real *to0 = FN(cloth_row)(c, CLOTH_KD + a), *to1 = FN(cloth_row)(c, CLOTH_KD + 3 + a);
+    real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
+    const double leaves0 = f->side[0].leaves[a], leaves1 = f->side[1].leaves[a];
+    const double backing = f->backing[a];
+#pragma omp simd
+    for (size_t j = 0; j < p->near_count; j++) {
+      const int i = lane[j], k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
+      const double light = s->occlusion[j], kd = (double)(k ? kd1[i] : kd0[i]) * own[j];
+      const double bright = kd * s->brightness[j];
+      const double matt = gap ? 0 : light * (bright < 1 ? bright : 1) * (k ? leaves1 : leaves0);
+      to0[i] = (real)(k ? 0 : matt);
+      to1[i] = (real)(k ? matt : 0);
+      flat[i] = (real)(gap ? light * (backing + s->fuzz[j] * (kd - backing)) : 0);
+    }
+    if (!f->transmits)
+      continue;
+    to0 = FN(cloth_row)(c, CLOTH_KT + a);
+    to1 = FN(cloth_row)(c, CLOTH_KT + 3 + a);
+    const double kt0 = f->side[0].transmit[a], kt1 = f->side[1].transmit[a];
+#pragma omp simd
+    for (size_t j = 0; j < p->near_count; j++) {
+      const int i = lane[j], k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
+      const double colour = own[j] * s->brightness[j];
+      const double kd = (double)(k ? kd1[i] : kd0[i]) * colour, kt = (k ? kt1 : kt0) * colour;
+      const double left = kd < 1 ? 1 - kd : 0, passed = kt < left ? kt : left;
+      const double all = gap ? 0 : s->occlusion[j] * passed * (k ? leaves1 : leaves0);
+      to0[i] = (real)(k ? 0 : all);
+      to1[i] = (real)(k ? all : 0);
+    }
+  }
+}
+
+/* Rows of far lanes j from columns[k * step], each `step` columns wide; step 0: one for all. */
+LEAF void FN(cloth_far_fill)(const shade_fabric *f, const FN(cloth) * c, const FN(preparing) * p,
+                             const double *columns, size_t wide, size_t step, int whole) {
+  const int *lane = p->far;
+  for (int k = 0; k < 2; k++) {
+    real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+    const double *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
+#pragma omp simd
+    for (size_t j = 0; j < p->far_count; j++)
+      weight[whole ? (int)j : lane[j]] = (real)seen[j * step];
+  }
+  real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
+  const double *bare = columns + (size_t)COLUMN_OPEN * wide, unbacked = f->backed ? 0 : 1;
+#pragma omp simd
+  for (size_t j = 0; j < p->far_count; j++)
+    open[whole ? (int)j : lane[j]] = (real)(unbacked * bare[j * step]);
+  for (int a = 0; a < 3; a++) {
+    const double *gap = columns + (size_t)COLUMN_GAP * wide;
+    real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
+    const double backing = f->backing[a];
+#pragma omp simd
+    for (size_t j = 0; j < p->far_count; j++)
+      flat[whole ? (int)j : lane[j]] = (real)(gap[j * step] * backing);
+    for (int k = 0; k < 2; k++) {
+      const real *kd = p->kd[k][a];
+      const double *own = columns + (size_t)(COLUMN_MATT + 3 * k + a) * wide;
+      const double *fuzz = columns + (size_t)(COLUMN_FUZZ + 3 * k + a) * wide;
+      const double *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
+      const double *through = columns + (size_t)(COLUMN_PASS + 3 * k + a) * wide;
+      const double leaves = f->side[k].leaves[a];
+      real *to = FN(cloth_row)(c, CLOTH_KD + 3 * k + a);
+#pragma omp simd
+      for (size_t j = 0; j < p->far_count; j++) {
+        const int i = whole ? (int)j : lane[j];
+        const double bright = (double)kd[i] * own[j * step], most = seen[j * step];
+        to[i] = (real)((bright < most ? bright : most) * leaves);
+        flat[i] += (real)((double)kd[i] * fuzz[j * step]);
+      }
+      if (!f->transmits)
+        continue;
+      real *kt = FN(cloth_row)(c, CLOTH_KT + 3 * k + a);
+      for (size_t j = 0; j < p->far_count; j++) {
+        const double bright = (double)kd[lane[j]] * own[j * step], most = seen[j * step];
+        const double left = most - (bright < most ? bright : most), passed = through[j * step];
+        kt[lane[j]] = (real)((passed < left ? passed : left) * leaves);
+      }
+    }
+  }
+}
+
+/* What of its footprint lane i stands for. Returns status bits. */
+static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, size_t i,
+                               shade_fabric_tier tier, FN(preparing) * p) {
+  unsigned status = SHADE_OK;
+  double uv[2] = {(double)in->u[start + i], (double)in->v[start + i]}, *extent = p->extent[i];
+  for (int a = 0; a < 2; a++)
+    uv[a] = uv[a] - uv[a] == 0 ? uv[a] : 0;
+  extent[0] = extent[1] = 0;
+  if (in->du && in->dv) {
+    const real given[2] = {in->du[start + i], in->dv[start + i]};
+    for (int a = 0; a < 2; a++) {
+      extent[a] = given[a] > 0 ? fmin((double)given[a], 1e9) : 0;
+      if (!(given[a] >= 0))
+        status |= SHADE_BAD_INPUT;
+    }
+  }
+  double r = in->random ? (double)in->random[start + i] : 0;
+  if (r != r)
+    status |= SHADE_BAD_INPUT;
+  r = r > 0 ? fmin(r, 0x1.fffffffffffffp-1) : 0;
+  const double longer = fmax(extent[0], extent[1]);
+  const double share = tier == SHADE_TIER_AUTO ? fabric_far_share(longer) : tier != SHADE_TIER_NEAR;
+  p->u[i] = uv[0];
+  p->v[i] = uv[1];
+  if (share >= 1 || r < share) {
+    p->far[p->far_count++] = (int)i;
+    return status;
+  }
+  if (longer > 0 && tier == SHADE_TIER_AUTO) {
+    const double left = fmax(r - share, 0) / (1 - share);
+    cloth_point(extent, (int)fmin(floor(FABRIC_POINTS * left), FABRIC_POINTS - 1), uv);
+  }
+  /* near lanes' places stand at the front, in the order of the list */
+  p->seen.tx[p->near_count] = uv[0];
+  p->seen.ty[p->near_count] = uv[1];
+  p->near[p->near_count++] = (int)i;
+  return status;
+}
+
+static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(preparing) * p) {
+  cloth_seen *s = &p->seen;
+  double u[BLOCK], v[BLOCK];
+  memcpy(u, s->tx, p->near_count * sizeof *u);
+  memcpy(v, s->ty, p->near_count * sizeof *v);
+  const shade_crossings out = {.size = sizeof out,
+                               .top = s->top,
+                               .swap = s->swap,
+                               .yarn = s->yarn,
+                               .dx = s->dx,
+                               .dy = s->dy,
+                               .tx = s->tx,
+                               .ty = s->ty,
+                               .occlusion = s->occlusion,
+                               .brightness = s->brightness,
+                               .fuzz = s->fuzz};
+  kernel_weave_batch(f->weave, p->near_count, u, v, &out);
+  FN(cloth_near_rows)(f, c, p);
+}
+
+static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
+                               const FN(preparing) * p) {
+  const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
+  for (size_t j = 0; j < p->far_count; j++)
+    c->kind[p->far[j]] = (unsigned char)kind;
+  int whole = 1; /* all repeats, where the mean is all there is to know */
+  for (size_t j = 0; j < p->far_count && kind == CLOTH_FAR; j++)
+    whole &= column_is_mean(f, p->extent[p->far[j]]);
+  if (whole) {
+    if (p->far_count == c->count)
+      FN(cloth_far_fill)(f, c, p, f->mean, 1, 0, 1);
+    else
+      FN(cloth_far_fill)(f, c, p, f->mean, 1, 0, 0);
+    return;
+  }
+  double columns[COLUMNS][BLOCK], column[COLUMNS];
+  for (size_t j = 0; j < p->far_count; j++) {
+    const int i = p->far[j];
+    const double uv[2] = {p->u[i], p->v[i]};
+    column_of(f, uv, p->extent[i], column);
+    for (int k = 0; k < COLUMNS; k++)
+      columns[k][j] = column[k];
+  }
+  FN(cloth_far_fill)(f, c, p, columns[0], BLOCK, 1, 0);
+}
+
+/* Lanes from `start` of in, one term each; in is whole but for what may be NULL. */
+static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_fabric_lanes) * in,
+                                         size_t start, shade_fabric_tier tier, FN(cloth) * c) {
+  FN(preparing) p;
+  const size_t size = c->count;
+  unsigned status = SHADE_OK;
+  const int flat = !(in->nx && in->ny && in->nz);
+  if (flat)
+    for (size_t i = 0; i < size; i++) {
+      p.n[0][i] = p.n[1][i] = 0;
+      p.n[2][i] = 1;
+    }
+  const real *d[2][3] = {{flat ? p.n[0] : in->nx + start, flat ? p.n[1] : in->ny + start,
+                          flat ? p.n[2] : in->nz + start},
+                         {in->wox + start, in->woy + start, in->woz + start}};
+  status |= FN(mend_block)(size, 2, d, &p.room);
+  const unsigned mended = status;
+  for (int a = 0; a < 3; a++) {
+    memcpy(FN(cloth_row)(c, CLOTH_GIVEN + a), d[0][a], size * sizeof(real));
+    memcpy(FN(cloth_row)(c, CLOTH_WO + a), d[1][a], size * sizeof(real));
+  }
+  if (!flat &&
+      (f->horizon == SHADE_HORIZON_VALID_REFLECTION || f->horizon == SHADE_HORIZON_VALID_ESTEVEZ))
+    FN(pass_bend)
+  (size, d[0][0], d[0][1], d[0][2], d[1][0], d[1][1], d[1][2], FN(cloth_row)(c, CLOTH_N),
+   FN(cloth_row)(c, CLOTH_N + 1), FN(cloth_row)(c, CLOTH_N + 2));
+  else for (int a = 0; a < 3; a++)
+      memcpy(FN(cloth_row)(c, CLOTH_N + a), d[0][a], size * sizeof(real));
+
+  const real *const kd[2][3] = {{in->weft_r, in->weft_g, in->weft_b},
+                                {in->warp_r, in->warp_g, in->warp_b}};
+  const real *const gloss[2] = {in->weft_gloss, in->warp_gloss};
+  int off = 0;
+  for (int k = 0; k < 2; k++) {
+    const int given = kd[k][0] && kd[k][1] && kd[k][2];
+    for (int a = 0; a < 3; a++)
+      off |= FN(cloth_number)(size, given ? kd[k][a] + start : NULL, (real)f->side[k].kd[a], 1,
+                              p.kd[k][a]);
+    off |= FN(cloth_number)(size, gloss[k] ? gloss[k] + start : NULL, 1, 1,
+                            FN(cloth_row)(c, CLOTH_GLOSS + k));
+  }
+  real *nap = FN(cloth_row)(c, CLOTH_NAP);
+  off |= FN(cloth_number)(size, in->nap ? in->nap + start : NULL, (real)f->nap, 10, nap);
+  status |= off ? (unsigned)SHADE_CLAMPED_PARAMETER : 0u;
+
+  p.near_count = p.far_count = 0;
+  if (tier == SHADE_TIER_SINGLE)
+    for (size_t i = 0; i < size; i++)
+      p.far[p.far_count++] = (int)i;
+  else
+    for (size_t i = 0; i < size; i++)
+      status |= FN(cloth_term)(in, start, i, tier, &p);
+  if (p.near_count)
+    FN(cloth_look)(f, c, &p);
+  if (p.far_count)
+    FN(cloth_far_rows)(f, c, tier, &p);
+
+  c->flat = 1;
+  if (!flat) {
+    const real *x = FN(cloth_row)(c, CLOTH_N), *y = x + c->stride;
+    int tilted = 0;
+    for (size_t i = 0; i < size; i++)
+      tilted |= (x[i] != 0) | (y[i] != 0);
+    c->flat = !tilted;
+  }
+
+  /* coverage: until here what is open */
+  real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
+  const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  const real *ox = d[1][0], *oy = d[1][1], *oz = d[1][2];
+#pragma omp simd
+  for (size_t i = 0; i < size; i++) {
+    real co = FN(maximum)(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-6));
+    open[i] = 1 - open[i] * FN(exp_negative)(FN(minimum)(R(0.5) * nap[i] / co, 80));
+  }
+  for (size_t i = 0; i < size; i++) {
+    const real u = in->u[start + i], v = in->v[start + i];
+    const int placed = (u - u == 0) & (v - v == 0);
+    if ((mended & SHADE_BAD_INPUT && p.room.void_lane[i]) || !placed) {
+      status |= SHADE_BAD_INPUT;
+      c->kind[i] = CLOTH_VOID;
+      open[i] = 0;
+    }
+  }
+  return status;
+}

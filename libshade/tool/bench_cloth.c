@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* shade bench, cloth: near, far and single, whole and after preparing, densities and draws. */
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "shade/presets.h"
+#include "tool/bench_cloth.h"
+
+enum { COUNT = 1024, RUNS = 40, ARRAYS = 12, OUT = 8, CHECKED = 64, POINTS = 1 << 14 };
+
+/* What is timed of a cloth. */
+typedef enum job { WHOLE, PREPARED, DENSITY, DRAW, CALL, JOBS } job;
+static const char *const job_words[] = {"", "_prepared", "_pdf", "_sample", "_call"};
+
+typedef struct arrays {
+  double *in[ARRAYS], *out[OUT];
+  float *inf[ARRAYS], *outf[OUT];
+  void *hits, *hitsf;
+} arrays;
+
+static double seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static double uniform(uint64_t *state) { /* splitmix64 */
+  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static void release(arrays *a) {
+  for (int k = 0; k < ARRAYS; k++) {
+    free(a->in[k]);
+    free(a->inf[k]);
+  }
+  for (int k = 0; k < OUT; k++) {
+    free(a->out[k]);
+    free(a->outf[k]);
+  }
+  free(a->hits);
+  free(a->hitsf);
+}
+
+/* u, v over 64 crossings, footprint, wi, wo within 60 degrees of z, u1 to u3. 0: out of memory. */
+static int fill(arrays *a, double footprint) {
+  uint64_t seed = 1;
+  int ok = 1;
+  memset(a, 0, sizeof *a);
+  for (int k = 0; k < ARRAYS; k++) {
+    ok &= (a->in[k] = malloc(COUNT * sizeof(double))) != NULL;
+    ok &= (a->inf[k] = malloc(COUNT * sizeof(float))) != NULL;
+  }
+  for (int k = 0; k < OUT; k++) {
+    ok &= (a->out[k] = calloc(COUNT, sizeof(double))) != NULL;
+    ok &= (a->outf[k] = calloc(COUNT, sizeof(float))) != NULL;
+  }
+  ok &= (a->hits = malloc(shade_fabric_hits_size(COUNT))) != NULL;
+  ok &= (a->hitsf = malloc(shade_fabric_hits_sizef(COUNT))) != NULL;
+  for (int i = 0; ok && i < COUNT; i++) {
+    double of[ARRAYS] = {64 * uniform(&seed), 64 * uniform(&seed), footprint};
+    for (int v = 3; v < 9; v += 3) {
+      const double theta = 1.047 * uniform(&seed), phi = 6.2831853 * uniform(&seed);
+      of[v] = sin(theta) * cos(phi);
+      of[v + 1] = sin(theta) * sin(phi);
+      of[v + 2] = cos(theta);
+    }
+    for (int k = 9; k < ARRAYS; k++)
+      of[k] = uniform(&seed);
+    for (int k = 0; k < ARRAYS; k++) {
+      a->inf[k][i] = (float)of[k];
+      a->in[k][i] = (double)a->inf[k][i];
+    }
+  }
+  return ok;
+}
+
+#define LANES(in)                                                                                  \
+  {                                                                                                \
+    .u = in[0], .v = in[1], .du = in[2], .dv = in[2], .wix = in[3], .wiy = in[4], .wiz = in[5],    \
+    .wox = in[6], .woy = in[7], .woz = in[8], .u1 = in[9], .u2 = in[10], .u3 = in[11]              \
+  }
+#define RESULT(out)                                                                                \
+  { .r = out[0], .g = out[1], .b = out[2], .wix = out[4], .wiy = out[5], .wiz = out[6] }
+
+static void run(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, job what,
+                int single) {
+  shade_fabric_lanes in = LANES(a->in);
+  shade_fabric_result out = RESULT(a->out);
+  shade_fabric_lanesf inf = LANES(a->inf);
+  shade_fabric_resultf outf = RESULT(a->outf);
+  in.size = sizeof in;
+  out.size = sizeof out;
+  inf.size = sizeof inf;
+  outf.size = sizeof outf;
+  if (what == DENSITY || what == DRAW) {
+    out.pdf = a->out[3];
+    outf.pdf = a->outf[3];
+  }
+  switch (what) {
+  case WHOLE:
+    single ? shade_fabric_eval_batchf(f, COUNT, &inf, tier, &outf)
+           : shade_fabric_eval_batch(f, COUNT, &in, tier, &out);
+    break;
+  case PREPARED:
+    single ? shade_fabric_hits_evalf(f, COUNT, a->hitsf, &inf, &outf)
+           : shade_fabric_hits_eval(f, COUNT, a->hits, &in, &out);
+    break;
+  case DENSITY:
+    single ? shade_fabric_hits_pdff(f, COUNT, a->hitsf, &inf, &outf)
+           : shade_fabric_hits_pdf(f, COUNT, a->hits, &in, &out);
+    break;
+  case DRAW:
+    single ? shade_fabric_hits_samplef(f, COUNT, a->hitsf, &inf, &outf)
+           : shade_fabric_hits_sample(f, COUNT, a->hits, &in, &out);
+    break;
+  default:
+    break;
+  }
+}
+
+/* One call a light, of one hit. */
+static void call(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, int single) {
+  shade_fabric_point p;
+  shade_fabric_pointf pf;
+  shade_fabric_hit hit;
+  shade_fabric_hitf hitf;
+  shade_fabric_point_init(f, &p);
+  shade_fabric_point_initf(f, &pf);
+  p.uv[0] = pf.uv[0] = a->inf[0][0];
+  p.uv[1] = pf.uv[1] = a->inf[1][0];
+  p.footprint[0] = p.footprint[1] = pf.footprint[0] = pf.footprint[1] = a->inf[2][0];
+  const double wo[3] = {a->in[6][0], a->in[7][0], a->in[8][0]};
+  const float wof[3] = {a->inf[6][0], a->inf[7][0], a->inf[8][0]};
+  shade_fabric_prepare(f, &p, wo, tier, &hit, NULL);
+  shade_fabric_preparef(f, &pf, wof, tier, &hitf, NULL);
+  for (int i = 0; i < COUNT; i++) {
+    const double wi[3] = {a->in[3][i], a->in[4][i], a->in[5][i]};
+    const float wif[3] = {a->inf[3][i], a->inf[4][i], a->inf[5][i]};
+    double s[3];
+    float sf[3];
+    if (single)
+      shade_fabric_hit_evalf(f, &hitf, wif, sf);
+    else
+      shade_fabric_hit_eval(f, &hit, wi, s);
+    a->out[0][i] = single ? (double)sf[0] : s[0];
+  }
+}
+
+static double best_of(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, job what,
+                      int single) {
+  double best = INFINITY;
+  for (int k = 0; k < RUNS; k++) {
+    const double begun = seconds();
+    if (what == CALL)
+      call(f, a, tier, single);
+    else
+      run(f, a, tier, what, single);
+    best = fmin(best, seconds() - begun);
+  }
+  return best / COUNT * 1e9;
+}
+
+/*
+ * Largest relative error of s: near, float against double (over s + 1e-3); far and single, of some
+ * pairs against the mean of the near model over many points.
+ */
+static double error_of(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, int single) {
+  double worst = 0;
+  run(f, a, tier, WHOLE, 1);
+  run(f, a, tier, WHOLE, 0);
+  if (tier == SHADE_TIER_NEAR) {
+    for (int i = 0; i < COUNT; i++)
+      worst = fmax(worst, fabs((double)a->outf[1][i] - a->out[1][i]) / (a->out[1][i] + 1e-3));
+    return single ? worst : 0;
+  }
+  for (int i = 0; i < COUNT; i += COUNT / CHECKED) {
+    double mean = 0;
+    const double wi[3] = {a->in[3][i], a->in[4][i], a->in[5][i]};
+    const double wo[3] = {a->in[6][i], a->in[7][i], a->in[8][i]};
+    for (int j = 0; j < POINTS; j++) {
+      const double uv[2] = {4096 * fmod(0.5 + j * 0.7548776662466927, 1),
+                            4096 * fmod(0.5 + j * 0.5698402909980532, 1)};
+      double s[3];
+      shade_fabric_eval(f, uv, NULL, NULL, wi, wo, SHADE_TIER_NEAR, s);
+      mean += s[1] / POINTS;
+    }
+    const double got = single ? (double)a->outf[1][i] : a->out[1][i];
+    worst = fmax(worst, fabs(got / mean - 1));
+  }
+  return worst;
+}
+
+int bench_cloth(bench_cloth_row *print, void *context) {
+  static const char *const tiers[] = {"auto", "near", "far", "single"};
+  static const char *const presets[] = {"silk_charmeuse", "denim", "polyester_lining"};
+  int status = 1;
+  for (size_t row = 0; status && row < sizeof presets / sizeof presets[0]; row++) {
+    shade_preset p;
+    shade_weave *weave = NULL;
+    if (!shade_preset_find(presets[row], &p))
+      continue;
+    shade_fabric *f = shade_preset_fabric(&p, &weave, NULL);
+    status = f != NULL;
+    for (int tier = SHADE_TIER_NEAR; status && tier <= SHADE_TIER_SINGLE; tier++) {
+      arrays a;
+      status = fill(&a, tier == SHADE_TIER_FAR ? 20 : 0);
+      for (int single = 1; status && single >= 0; single--) {
+        shade_fabric_lanes in = LANES(a.in);
+        shade_fabric_lanesf inf = LANES(a.inf);
+        in.size = sizeof in;
+        inf.size = sizeof inf;
+        shade_fabric_prepare_batch(f, COUNT, &in, (shade_fabric_tier)tier, a.hits, NULL);
+        shade_fabric_prepare_batchf(f, COUNT, &inf, (shade_fabric_tier)tier, a.hitsf, NULL);
+        const double error = error_of(f, &a, (shade_fabric_tier)tier, single);
+        for (int what = 0; what < JOBS; what++) {
+          char word[32];
+          snprintf(word, sizeof word, "cloth_%s%s", tiers[tier], job_words[what]);
+          print(context, word, p.word, shade_list_word(SHADE_LIST_MDF, (int)p.fabric.mdf), single,
+                best_of(f, &a, (shade_fabric_tier)tier, (job)what, single),
+                what == DENSITY || what == DRAW ? 0 : error);
+        }
+      }
+      release(&a);
+    }
+    shade_fabric_free(f);
+    shade_weave_free(weave);
+  }
+  return status;
+}
