@@ -28,41 +28,80 @@ static unsigned FN(kernel_sample)(const shade_bsdf *b, const real n[3], const re
 
 /* Arrays that the structures of shade.h must have, from the first on. */
 enum { FN(lanes_required) = 9, FN(draws_required) = 8, FN(results_required) = 4 };
+_Static_assert(offsetof(FN(shade_lanes), parts) - offsetof(FN(shade_lanes), f0r) ==
+                       offsetof(FN(varied), parts) &&
+                   offsetof(FN(shade_sample_lanes), parts) -
+                           offsetof(FN(shade_sample_lanes), f0r) ==
+                       offsetof(FN(varied), parts),
+               "both end in the arrays of pass_lanes.h");
+
+/*
+ * The parameters of each sample from f0r on, in *v; NULL where there are none. Parts that do not
+ * exist are all of them.
+ */
+static const FN(varied) * FN(varied_from)(const void *f0r, FN(varied) * v, unsigned *status) {
+  const size_t all = SHADE_PART_SPECULAR | SHADE_PART_DIFFUSE;
+  const char *at = f0r;
+  int any = 0;
+  for (size_t i = 0; i < sizeof *v; i += sizeof(void *)) {
+    size_t word;
+    memcpy(&word, at + i, sizeof word);
+    any |= word != 0;
+  }
+  *status = SHADE_OK;
+  if (!any)
+    return NULL;
+  memcpy(v, f0r, sizeof *v);
+  if (v->parts & ~all)
+    *status = SHADE_BAD_CHOICE;
+  if (v->parts & ~all || v->parts == all)
+    v->parts = 0;
+  return v;
+}
 
 static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count,
                                       const FN(shade_lanes) * given,
                                       const FN(shade_result) * given_out) {
   FN(shade_lanes) in;
+  FN(varied) room;
+  unsigned status;
   FN(shade_result) out;
   if (!count)
     return SHADE_OK;
   if (!shade_whole_lanes(given, FN(lanes_required), &in, sizeof in) ||
       !shade_whole_lanes(given_out, FN(results_required), &out, sizeof out))
     return SHADE_BAD_INPUT;
-  return FN(bsdf_batch)(bsdf_of(b), count, &in, &out);
+  const FN(varied) *each = FN(varied_from)(&in.f0r, &room, &status);
+  return status | FN(bsdf_batch)(bsdf_of(b), count, &in, each, &out);
 }
 
 static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count,
                                      const FN(shade_lanes) * given, real *out) {
   FN(shade_lanes) in;
+  FN(varied) room;
+  unsigned status;
   if (!count)
     return SHADE_OK;
   if (!shade_whole_lanes(given, FN(lanes_required), &in, sizeof in) || !out)
     return SHADE_BAD_INPUT;
-  return FN(pdf_batch)(bsdf_of(b), count, &in, out);
+  const FN(varied) *each = FN(varied_from)(&in.f0r, &room, &status);
+  return status | FN(pdf_batch)(bsdf_of(b), count, &in, each, out);
 }
 
 static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
                                         const FN(shade_sample_lanes) * given,
                                         const FN(shade_sample_result) * given_out) {
   FN(shade_sample_lanes) in;
+  FN(varied) room;
+  unsigned status;
   FN(shade_sample_result) out;
   if (!count)
     return SHADE_OK;
   if (!shade_whole_lanes(given, FN(draws_required), &in, sizeof in) ||
       !shade_whole_lanes(given_out, FN(draws_required), &out, sizeof out))
     return SHADE_BAD_INPUT;
-  return FN(sample_batch)(bsdf_of(b), count, &in, &out);
+  const FN(varied) *each = FN(varied_from)(&in.f0r, &room, &status);
+  return status | FN(sample_batch)(bsdf_of(b), count, &in, each, &out);
 }
 
 static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,

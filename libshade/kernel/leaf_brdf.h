@@ -30,7 +30,7 @@ LEAF real FN(half_cosine)(real hx, real hy, real hz) {
  * them finite at grazing, where the reference has the same ones.
  *
  * Errors of f, Fresnel and diffuse part included, relative to f + kd, against the reference on
- * the same inputs, exponents to 1e3, cosines from 1e-3 on, h as in leaf_distribution.h: double
+ * the same inputs, exponents to 1e3, cosines from 1e-3 on, h as in mdf.h: double
  * 1e-12; float 4e-5 (warps 1e-4) and 1e-7 (1/cosi + 1/coso), for a float cosine is off by as
  * much: worst at grazing. Ashikhmin and Shirley's with a frame method divides by the larger
  * cosine and keeps to 4e-5. Held by test/test_bsdf.c.
@@ -72,14 +72,6 @@ LEAF real FN(brdf_ward_bounded)(real d, FN(angles) a) {
 LEAF real FN(brdf_microfacet)(real d, FN(angles) a) {
   real denominator = 2 * (a.cosi * a.coso) * (a.li + a.lo);
   return d / FN(maximum)(denominator, R(1e-20));
-}
-
-/*
- * 1 + 2 Lambda for GGX; w = (alpha tan)^2 in the direction's azimuth. Relative error: float
- * 1.2e-7, double 2.3e-16. [Heitz2014 Eq. 72]
- */
-LEAF real FN(smith_ggx)(real w) {
-  return FN(root)(1 + w);
 }
 
 /*

@@ -8,13 +8,13 @@
  * same inputs, cosine to the carried pole >= 0.05, tilts to 89.9 degrees: float 2e-7, double
  * 4e-16, worst at the largest tilts. The warps (cosine >= 0.5, tilts to 75 degrees): 5e-7, 1.5e-15,
  * worst near their rim. Held by test/test_leaves.c; what becomes of them in D is stated in
- * leaf_distribution.h.
+ * mdf.h.
  */
 
 /*
  * h in the carried frame before any division, to a scale of its own: squared components along x
  * and y, squared sine and cosine of the angle to the pole. ss is xx + yy but for perturb and
- * rotate_approximate. D' = 0 where h is not above the carried horizon.
+ * rotate_ratio. D' = 0 where h is not above the carried horizon.
  */
 typedef struct FN(lobe_ratio) {
   real xx, yy, ss, zz;
@@ -64,7 +64,8 @@ LEAF FN(lobe_ratio) FN(lobe_around)(FN(cross_and_dot) c, real xx, real yy) {
 }
 
 /* The perturbed normal is ignored. */
-LEAF FN(lobe_ratio) FN(detail_none)(real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail_none)(real nx, real ny, real nz, real hx, real hy, real hz) {
+  (void)nx, (void)ny, (void)nz;
   return FN(lobe_of)(hx, hy, hz * hz, hz > 0);
 }
 
@@ -127,11 +128,11 @@ LEAF FN(lobe_ratio) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, 
 }
 
 /*
- * `rotate` without the division of x and y by L, so that xx + yy = L^2 t: the paper's fast
- * form, sign corrected. Ashikhmin-Shirley, which does not see L, takes this for `rotate`.
+ * `rotate` without the division of x and y by L, so that xx + yy = L^2 t: all that
+ * Ashikhmin-Shirley, which sees their ratio only, needs of it. Read as slopes it is the paper's
+ * fast form, sign corrected: rotate_approximate.
  */
-LEAF FN(lobe_ratio)
-    FN(detail_rotate_approximate)(real nx, real ny, real nz, real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail_rotate_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
   real y = nx * c.z - nz * c.x;
   return FN(lobe_around)(c, c.y * c.y, y * y);

@@ -48,6 +48,11 @@ LEAF real FN(diffuse_fibre_view)(real ly, real lz, real vy, real vz) {
   return FN(maximum)(open * c + s, 0) / (2 * seen);
 }
 
+/* The reference's alone, by quadrature; here without the neighbours' shadows. */
+LEAF real FN(diffuse_poulin_fournier)(real ly, real lz, real vy, real vz) {
+  return FN(diffuse_fibre_view)(ly, lz, vy, vz);
+}
+
 /* (28/23)(1 - (1 - l.n/2)^5)(1 - (1 - v.n/2)^5) n.l; the factor 1 - f0 is the caller's.
    [AshikhminShirley2000 Eq. 5] */
 LEAF real FN(diffuse_ashikhmin_shirley)(real ly, real lz, real vy, real vz) {

@@ -39,14 +39,14 @@ LEAF float fast_none(float nx, float ny, float nz, float hx, float hy, float hz,
   return fast_value(hz, hx * hx, hy * hy, kx, ky, peak);
 }
 
-LEAF float fast_perturb(float nx, float ny, float nz, float hx, float hy, float hz, float kx,
-                        float ky, float peak) {
+LEAF float fast_perturb_ratio(float nx, float ny, float nz, float hx, float hy, float hz, float kx,
+                              float ky, float peak) {
   return fast_value(nx * hx + ny * hy + nz * hz, hx * hx, hy * hy, kx, ky, peak);
 }
 
 /* method 2, as printed once its sign is mended: x and y short by L, which the ratio ignores */
-LEAF float fast_rotate(float nx, float ny, float nz, float hx, float hy, float hz, float kx,
-                       float ky, float peak) {
+LEAF float fast_rotate_ratio(float nx, float ny, float nz, float hx, float hy, float hz, float kx,
+                             float ky, float peak) {
   float d = nx * hx + ny * hy + nz * hz;
   float x = nz * hx - nx * hz, y = hy - ny * d;
   return fast_value(d, x * x, y * y, kx, ky, peak);

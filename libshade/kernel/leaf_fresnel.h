@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Fresnel of one colour channel at c = h.wo. Absolute errors against the reference, for
- * directions to 89 degrees: float 5e-6 (of which the directions make most), double 1e-14.
+ * Fresnel of one colour channel at c = h.wo: fresnel_<word of table.h>, of which each reads what
+ * SHADE_FRESNEL_<NAME>_IS in methods.h says; tint is f82 or eta. Absolute errors against the
+ * reference, for directions to 89 degrees: float 5e-6 (of which the directions make most), double
+ * 1e-14.
  */
 
 /* (1 - c)^5, the share of white in Schlick's Fresnel. [Schlick1994 Eq. 15] */
@@ -11,11 +13,22 @@ LEAF real FN(schlick_weight)(real c) {
   return m2 * m2 * m;
 }
 
+LEAF real FN(fresnel_none)(real f0, real tint, real k, real c) {
+  (void)tint, (void)k, (void)c;
+  return f0;
+}
+
+LEAF real FN(fresnel_schlick)(real f0, real tint, real k, real c) {
+  (void)tint, (void)k;
+  return f0 + (1 - f0) * FN(schlick_weight)(c);
+}
+
 /*
  * Schlick's value less b c (1 - c)^6, b such that c = 1/7 keeps `tint` of it. The
  * difference may fall below 0 for dark f0 and small tint: 0 there. [Kutz2021]
  */
-LEAF real FN(fresnel_f82)(real f0, real tint, real c) {
+LEAF real FN(fresnel_f82)(real f0, real tint, real k, real c) {
+  (void)k;
   const real at_7th = R(7776.0) / R(16807.0);  /* (6/7)^5 */
   const real scale = R(823543.0) / R(46656.0); /* 7 (7/6)^6 */
   real white = FN(schlick_weight)(c);
@@ -27,7 +40,8 @@ LEAF real FN(fresnel_f82)(real f0, real tint, real c) {
  * Conductor eta + i k against air, unpolarised. a^2 comes from whichever of its forms does
  * not cancel. [BornWolf1999 section 14.2]
  */
-LEAF real FN(fresnel_conductor)(real eta, real k, real c) {
+LEAF real FN(fresnel_conductor)(real f0, real eta, real k, real c) {
+  (void)f0;
   real cos2 = c * c, sin2 = 1 - cos2;
   real eta2 = eta * eta, k2 = k * k;
   real t0 = eta2 - k2 - sin2;

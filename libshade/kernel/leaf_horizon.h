@@ -32,6 +32,11 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
   real apart = over / FN(maximum)(s - a, TINY);
   real x = a < 0 ? apart : s + a;
   real z = woz + t;
+  /* by the larger first: z may be so small that it has no square. No choice by `low`: compilers
+     would divide in both cases, 0/0 too */
+  real largest = FN(maximum)(x, FN(absolute)(z)) + LEAST_NORMAL;
+  x /= largest;
+  z /= largest;
   real scale = 1 / FN(root)(FN(maximum)(x * x + z * z, TINY));
   x *= scale / side;
   FN(normal) n = {nx, ny, nz};

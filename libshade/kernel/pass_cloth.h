@@ -200,7 +200,7 @@ static void FN(cloth_ask)(FN(asked) what, const bsdf *b, const FN(gathered) * g,
   if (what == FN(ASK_YARN))
     FN(yarn_batch)(b, g->count, &in, first, second);
   else if (what == FN(ASK_DENSITY))
-    FN(pdf_batch)(b, g->count, &in, first);
+    FN(pdf_batch)(b, g->count, &in, NULL, first);
   else
     FN(cloth_through)(g, first);
 }
@@ -469,7 +469,7 @@ static unsigned FN(mend_light)(size_t count, const real *const wi[3], FN(mended_
   unsigned status = SHADE_OK;
   for (int a = 0; a < 3; a++)
     m->wi[a] = wi[a];
-  if (!FN(pass_check)(count, wi[0], wi[1], wi[2]))
+  if (!FN(pass_check)(count, FN(vec_of)(wi)))
     return SHADE_OK;
   for (size_t i = 0; i < count; i++) {
     real w[3] = {wi[0][i], wi[1][i], wi[2][i]};
@@ -508,8 +508,8 @@ static void FN(cloth_facets)(const shade_fabric *f, const FN(cloth) * c, const r
   }
   const real *const *w[2] = {wi, wo};
   for (int k = 0; k < 2; k++) {
-    FN(pass_share_bumped)(size, n[0], n[1], n[2], w[k][0], w[k][1], w[k][2], see[k][0]);
-    FN(pass_share_upright)(size, n[0], n[1], n[2], w[k][0], w[k][1], w[k][2], see[k][1]);
+    FN(pass_share_bumped)(size, FN(vec_of)(n), FN(vec_of)(w[k]), see[k][0]);
+    FN(pass_share_upright)(size, FN(vec_of)(n), FN(vec_of)(w[k]), see[k][1]);
   }
   /* s has n.wi in it, where the facets have wi.z n.z / (p + q): their quotient */
   for (size_t i = 0; i < size; i++) {
@@ -518,14 +518,14 @@ static void FN(cloth_facets)(const shade_fabric *f, const FN(cloth) * c, const r
     scale[i] = wi[2][i] > 0 ? n[2][i] * wi[2][i] / FN(maximum)(p + q, TINY) : 1;
   }
   FN(cloth_hard)(f, c, wi, wo, rgb);
-  FN(pass_mirror)(size, n[0], n[1], wo[0], wo[1], x, y);
+  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wo), x, y);
   const real *const eye[3] = {x, y, wo[2]};
   FN(cloth_hard)(f, c, wi, eye, to);
   for (int channel = 0; channel < 3; channel++)
     for (size_t i = 0; i < size; i++)
       rgb[channel][i] =
           scale[i] * (see[1][0][i] * rgb[channel][i] + see[1][1][i] * more[channel][i]);
-  FN(pass_mirror)(size, n[0], n[1], wi[0], wi[1], x, y);
+  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wi), x, y);
   const real *const light[3] = {x, y, wi[2]};
   FN(cloth_hard)(f, c, light, wo, to);
   for (size_t i = 0; i < size; i++) {
@@ -557,7 +557,7 @@ static unsigned FN(kernel_cloth)(const shade_fabric *f, const FN(cloth) * c,
     if (f->horizon != SHADE_HORIZON_HARD && f->horizon != SHADE_HORIZON_VALID_REFLECTION) {
       const real *nx = FN(cloth_row)(c, CLOTH_GIVEN), *ny = nx + c->stride, *nz = ny + c->stride;
       (f->horizon == SHADE_HORIZON_CHIANG ? FN(pass_shadow_chiang) : FN(pass_shadow_estevez))(
-          c->count, nx, ny, nz, wi[0], wi[1], wi[2], factor);
+          c->count, (FN(vec)){nx, ny, nz}, FN(vec_of)(wi), factor);
       for (size_t i = 0; i < c->count; i++) /* light from behind meets no bumps */
         factor[i] = wi[2][i] > 0 ? factor[i] : 1;
       for (int channel = 0; channel < 3; channel++)

@@ -95,7 +95,7 @@ static void FN(cloth_facets_density)(const shade_fabric *f, const FN(cloth) * c,
   for (int a = 0; a < 3; a++)
     n[a] = FN(cloth_row)(c, CLOTH_N + a);
   FN(pass_paths)
-  (size, n[0], n[1], n[2], wi[0], wi[1], wo[0], wo[1], wo[2], plain, light, eye);
+  (size, FN(vec_of)(n), FN(vec_of)(wi), FN(vec_of)(wo), plain, light, eye);
   for (size_t i = 0; i < size; i++)
     if (!(wi[2][i] > 0)) { /* what comes from behind meets no mirror */
       plain[i] = 1 - eye[i];
@@ -103,11 +103,11 @@ static void FN(cloth_facets_density)(const shade_fabric *f, const FN(cloth) * c,
     }
   FN(cloth_density)(f, c, wi, wo, pdf);
   FN(pass_multiply)(size, plain, pdf);
-  FN(pass_mirror)(size, n[0], n[1], wi[0], wi[1], x, y);
+  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wi), x, y);
   const real *const from[3] = {x, y, wi[2]};
   FN(cloth_density)(f, c, from, wo, one);
   FN(pass_add_product)(size, light, one, pdf);
-  FN(pass_mirror)(size, n[0], n[1], wo[0], wo[1], x, y);
+  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wo), x, y);
   const real *const seen[3] = {x, y, wo[2]};
   FN(cloth_density)(f, c, wi, seen, one);
   FN(pass_add_product)(size, eye, one, pdf);
@@ -178,7 +178,7 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
                                        .cosine = cosine};
   const fabric_lobe which = FN(cloth_lobe)(FN(ASK_DENSITY), kind);
   const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
-  FN(sample_batch)(bsdf_of(&s->lobe[which]), g.count, &in, &out);
+  FN(sample_batch)(bsdf_of(&s->lobe[which]), g.count, &in, NULL, &out);
   for (size_t j = 0; j < g.count; j++) { /* those of less gloss again, one by one */
     shade_bsdf room;
     if (!(gloss[g.lane[j]] < 1))
@@ -202,7 +202,7 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
                                         .pdf = out.pdf,
                                         .cosine = out.cosine};
     FN(sample_batch)
-    (bsdf_of(fabric_dull_lobe(s, which, (double)gloss[g.lane[j]], &room)), 1, &one, &to);
+    (bsdf_of(fabric_dull_lobe(s, which, (double)gloss[g.lane[j]], &room)), 1, &one, NULL, &to);
   }
   FN(cloth_carry_back)(f, c, kind, k, &g, wi);
 }
@@ -276,7 +276,7 @@ static void FN(cloth_facets_draw)(const shade_fabric *f, const FN(cloth) * c, re
   for (int a = 0; a < 3; a++)
     n[a] = FN(cloth_row)(c, CLOTH_N + a);
   FN(pass_choose_path)
-  (c->count, n[0], n[1], n[2], wo[0], wo[1], wo[2], u3, x, y, bounce);
+  (c->count, FN(vec_of)(n), FN(vec_of)(wo), u3, x, y, bounce);
   const real *const eye[3] = {x, y, wo[2]};
   FN(cloth_draw)(f, c, eye, u3, u1, u2, wi);
   for (size_t i = 0; i < c->count; i++) {

@@ -1,66 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Detail pass: perturbed normals and half vectors to points of the lobe, one
- * loop per method so that no lane decides anything. Arrays are at most
+ * loop per leaf so that no lane decides anything. Arrays are at most
  * BLOCK long and do not overlap.
  */
-#define DETAIL_PASS(method, ...)                                                                   \
-  static void FN(pass_##method)(size_t count, const real *restrict nx, const real *restrict ny,    \
-                                const real *restrict nz, const real *restrict hx,                  \
-                                const real *restrict hy, const real *restrict hz,                  \
-                                real *restrict t, real *restrict xx, real *restrict yy) {          \
-    (void)nx, (void)ny, (void)nz;                                                                  \
+#define DETAIL_PASS(leaf, with)                                                                    \
+  static void FN(pass_##leaf)(size_t count, FN(vec) n, FN(vec) h, real *restrict t,                \
+                              real *restrict xx, real *restrict yy) {                              \
+    ARRAYS(n);                                                                                     \
+    ARRAYS(h);                                                                                     \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      FN(lobe_point) p = FN(lobe_at)(FN(detail_##method)(__VA_ARGS__));                            \
+      FN(lobe_point) p = FN(lobe_at)(FN(detail_##leaf)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])); \
       t[i] = p.t;                                                                                  \
       xx[i] = p.xx;                                                                                \
       yy[i] = p.yy;                                                                                \
     }                                                                                              \
   }
-
-DETAIL_PASS(none, hx[i], hy[i], hz[i])
-DETAIL_PASS(perturb_ratio, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-DETAIL_PASS(perturb, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-DETAIL_PASS(rotate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-DETAIL_PASS(rotate_approximate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-DETAIL_PASS(shortest_arc, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-DETAIL_PASS(deform_linear, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-DETAIL_PASS(deform_smooth, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
+SHADE_MAP_LEAVES(DETAIL_PASS, )
 #undef DETAIL_PASS
 
-static void FN(pass_detail)(shade_map map, size_t count, const real *nx, const real *ny,
-                            const real *nz, const real *hx, const real *hy, const real *hz, real *t,
-                            real *xx, real *yy) {
+static void FN(pass_detail)(shade_map map, size_t count, FN(vec) n, FN(vec) h, real *t, real *xx,
+                            real *yy) {
   switch (map) {
-  case SHADE_MAP_NONE:
-    FN(pass_none)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+#define MAP_CASE(NAME, leaf, along_y, kind, frame, with)                                           \
+  case SHADE_MAP_##NAME:                                                                           \
+    if (along_y)                                                                                   \
+      FN(pass_##leaf)(count, FN(vec_swapped)(n), FN(vec_swapped)(h), t, yy, xx);                   \
+    else                                                                                           \
+      FN(pass_##leaf)(count, n, h, t, xx, yy);                                                     \
     break;
-  case SHADE_MAP_PERTURB_RATIO:
-    FN(pass_perturb_ratio)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-    break;
-  case SHADE_MAP_PERTURB:
-    FN(pass_perturb)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-    break;
-  case SHADE_MAP_ROTATE_X:
-    FN(pass_rotate)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-    break;
-  case SHADE_MAP_ROTATE_Y:
-    FN(pass_rotate)(count, ny, nx, nz, hy, hx, hz, t, yy, xx);
-    break;
-  case SHADE_MAP_APPROXIMATE_X:
-    FN(pass_rotate_approximate)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-    break;
-  case SHADE_MAP_APPROXIMATE_Y:
-    FN(pass_rotate_approximate)(count, ny, nx, nz, hy, hx, hz, t, yy, xx);
-    break;
-  case SHADE_MAP_SHORTEST_ARC:
-    FN(pass_shortest_arc)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-    break;
-  case SHADE_MAP_DEFORM_LINEAR:
-    FN(pass_deform_linear)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
-    break;
-  case SHADE_MAP_DEFORM_SMOOTH:
-    FN(pass_deform_smooth)(count, nx, ny, nz, hx, hy, hz, t, xx, yy);
+    SHADE_MAP_ROWS(MAP_CASE, )
+#undef MAP_CASE
+  case SHADE_MAP_COUNT:
     break;
   }
 }
@@ -73,26 +44,14 @@ LEAF FN(lobe_ratio) FN(swapped)(FN(lobe_ratio) r) {
 /* The same decision for one sample. */
 LEAF FN(lobe_ratio) FN(detail)(shade_map map, const real n[3], real hx, real hy, real hz) {
   switch (map) {
-  case SHADE_MAP_PERTURB_RATIO:
-    return FN(detail_perturb_ratio)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_PERTURB:
-    return FN(detail_perturb)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_ROTATE_X:
-    return FN(detail_rotate)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_ROTATE_Y:
-    return FN(swapped)(FN(detail_rotate)(n[1], n[0], n[2], hy, hx, hz));
-  case SHADE_MAP_APPROXIMATE_X:
-    return FN(detail_rotate_approximate)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_APPROXIMATE_Y:
-    return FN(swapped)(FN(detail_rotate_approximate)(n[1], n[0], n[2], hy, hx, hz));
-  case SHADE_MAP_SHORTEST_ARC:
-    return FN(detail_shortest_arc)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_DEFORM_LINEAR:
-    return FN(detail_deform_linear)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_DEFORM_SMOOTH:
-    return FN(detail_deform_smooth)(n[0], n[1], n[2], hx, hy, hz);
-  case SHADE_MAP_NONE:
-  default:
-    return FN(detail_none)(hx, hy, hz);
+#define MAP_CASE(NAME, leaf, along_y, kind, frame, with)                                           \
+  case SHADE_MAP_##NAME:                                                                           \
+    return along_y ? FN(swapped)(FN(detail_##leaf)(n[1], n[0], n[2], hy, hx, hz))                  \
+                   : FN(detail_##leaf)(n[0], n[1], n[2], hx, hy, hz);
+    SHADE_MAP_ROWS(MAP_CASE, )
+#undef MAP_CASE
+  case SHADE_MAP_COUNT:
+    break;
   }
+  return FN(detail_none)(n[0], n[1], n[2], hx, hy, hz);
 }

@@ -1,73 +1,72 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Diffuse passes: components across the fibre, then Phi/(pi cos), then each colour. */
 
-static void FN(pass_across)(size_t count, const real *restrict nx, const real *restrict ny,
-                            const real *restrict nz, const real *restrict wx,
-                            const real *restrict wy, const real *restrict wz,
-                            real *restrict across) {
+static void FN(pass_across)(size_t count, FN(vec) n, FN(vec) w, real *restrict across) {
+  ARRAYS(n);
+  ARRAYS(w);
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
     across[i] = FN(across_fibre)(nx[i], ny[i], nz[i], wx[i], wy[i], wz[i]);
 }
 
 /* The floor keeps f finite where the cosine vanishes and Phi does not. */
-#define DIFFUSE_PASS(name)                                                                         \
-  static void FN(pass_##name)(size_t count, const real *restrict ly, const real *restrict cosi,    \
-                              const real *restrict vy, const real *restrict coso,                  \
-                              real *restrict q) {                                                  \
+#define DIFFUSE_PASS(NAME, word, value, label, help)                                               \
+  static void FN(pass_diffuse_##word)(size_t count, const real *restrict ly,                       \
+                                      const real *restrict cosi, const real *restrict vy,          \
+                                      const real *restrict coso, real *restrict q) {               \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      real phi = FN(name)(ly[i], cosi[i], vy[i], coso[i]);                                         \
-      real value = phi * R(0.31830988618379067154) / FN(maximum)(cosi[i], R(1e-20));               \
-      q[i] = coso[i] > 0 ? value : 0;                                                              \
+      real phi = FN(diffuse_##word)(ly[i], cosi[i], vy[i], coso[i]);                               \
+      real one = phi * R(0.31830988618379067154) / FN(maximum)(cosi[i], R(1e-20));                 \
+      q[i] = coso[i] > 0 ? one : 0;                                                                \
     }                                                                                              \
   }
-
-DIFFUSE_PASS(diffuse_lambert)
-DIFFUSE_PASS(diffuse_max_normal)
-DIFFUSE_PASS(diffuse_fibre)
-DIFFUSE_PASS(diffuse_fibre_view)
-DIFFUSE_PASS(diffuse_ashikhmin_shirley)
+SHADE_TABLE_DIFFUSE(DIFFUSE_PASS)
 #undef DIFFUSE_PASS
 
 static void FN(pass_diffuse)(const bsdf *b, size_t count, const real *ly, const real *cosi,
                              const real *vy, const real *coso, real *q) {
   switch (b->diffuse) {
-  case SHADE_DIFFUSE_MAX_NORMAL:
-    FN(pass_diffuse_max_normal)(count, ly, cosi, vy, coso, q);
+#define DIFFUSE_CASE(NAME, word, value, label, help)                                               \
+  case SHADE_DIFFUSE_##NAME:                                                                       \
+    FN(pass_diffuse_##word)(count, ly, cosi, vy, coso, q);                                         \
     break;
-  case SHADE_DIFFUSE_FIBRE:
-    FN(pass_diffuse_fibre)(count, ly, cosi, vy, coso, q);
+    SHADE_TABLE_DIFFUSE(DIFFUSE_CASE)
+#undef DIFFUSE_CASE
+  case SHADE_DIFFUSE_COUNT:
     break;
-  case SHADE_DIFFUSE_FIBRE_VIEW:
-  case SHADE_DIFFUSE_POULIN_FOURNIER:
-    FN(pass_diffuse_fibre_view)(count, ly, cosi, vy, coso, q);
-    break;
-  case SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY:
-    FN(pass_diffuse_ashikhmin_shirley)(count, ly, cosi, vy, coso, q);
-    break;
-  default:
-    FN(pass_diffuse_lambert)(count, ly, cosi, vy, coso, q);
   }
 }
 
-/* The same decision for one sample: Phi. */
+/* The same decision for one sample: Phi. An unknown model is the first. */
 LEAF real FN(diffuse_phi)(shade_diffuse model, real ly, real lz, real vy, real vz) {
   switch (model) {
-  case SHADE_DIFFUSE_MAX_NORMAL:
-    return FN(diffuse_max_normal)(ly, lz, vy, vz);
-  case SHADE_DIFFUSE_FIBRE:
-    return FN(diffuse_fibre)(ly, lz, vy, vz);
-  case SHADE_DIFFUSE_FIBRE_VIEW:
-  case SHADE_DIFFUSE_POULIN_FOURNIER:
-    return FN(diffuse_fibre_view)(ly, lz, vy, vz);
-  case SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY:
-    return FN(diffuse_ashikhmin_shirley)(ly, lz, vy, vz);
-  default:
-    return FN(diffuse_lambert)(ly, lz, vy, vz);
+#define DIFFUSE_CASE(NAME, word, value, label, help)                                               \
+  case SHADE_DIFFUSE_##NAME:                                                                       \
+    return FN(diffuse_##word)(ly, lz, vy, vz);
+    SHADE_TABLE_DIFFUSE(DIFFUSE_CASE)
+#undef DIFFUSE_CASE
+  case SHADE_DIFFUSE_COUNT:
+    break;
   }
+  return FN(diffuse_lambert)(ly, lz, vy, vz);
 }
 
-/* Adds a colour channel's diffuse part to out. Ashikhmin-Shirley's has what f0 leaves. */
+/* q = Phi/(pi cos) of a block; ly and vy are scratch. */
+static void FN(diffuse_block)(const bsdf *b, size_t size, FN(vec) n, FN(vec) wi, FN(vec) wo,
+                              const real *cosi, const real *coso, real *ly, real *vy, real *q) {
+  if (b->fibres_along_y)
+    n = FN(vec_swapped)(n), wi = FN(vec_swapped)(wi), wo = FN(vec_swapped)(wo);
+  if (b->carry.map == SHADE_MAP_NONE) {
+    memcpy(ly, wi.y, size * sizeof *ly);
+    memcpy(vy, wo.y, size * sizeof *vy);
+  } else {
+    FN(pass_across)(size, n, wi, ly);
+    FN(pass_across)(size, n, wo, vy);
+  }
+  FN(pass_diffuse)(b, size, ly, cosi, vy, coso, q);
+}
+
+/* Adds a colour channel's diffuse part to out. */
 static void FN(pass_add_diffuse)(size_t count, real kd, const real *restrict q,
                                  real *restrict out) {
 #pragma omp simd
@@ -75,11 +74,32 @@ static void FN(pass_add_diffuse)(size_t count, real kd, const real *restrict q,
     out[i] += kd * q[i];
 }
 
-static void FN(pass_add_diffuse_textured)(size_t count, real kd, const real *restrict f0,
-                                          const real *restrict q, real *restrict out) {
+/* less: 1 where f0 takes its share of it first, else 0. */
+static void FN(pass_each_add_diffuse)(size_t count, const real *restrict kd, real less,
+                                      const real *restrict f0, const real *restrict q,
+                                      real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    out[i] += kd * (1 - FN(reflectance)(f0[i])) * q[i];
+    out[i] += kd[i] * (1 - less * f0[i]) * q[i];
+}
+
+/* kd of channel c, less what Ashikhmin and Shirley give to the specular part. */
+static inline real FN(diffuse_scale)(const bsdf *b, int c) {
+  return shade_diffuse_is(b->diffuse).less_f0 ? b->FN(kd)[c] * (1 - b->FN(f0)[c]) : b->FN(kd)[c];
+}
+
+/* Channel c; kd and f0 are those of each sample, or NULL. */
+static void FN(add_diffuse)(const bsdf *b, int c, size_t count, const real *kd, const real *f0,
+                            const real *q, real *out) {
+  const int less = shade_diffuse_is(b->diffuse).less_f0;
+  ROOM room[2][BLOCK];
+  if (!kd && !(f0 && less)) {
+    FN(pass_add_diffuse)(count, FN(diffuse_scale)(b, c), q, out);
+    return;
+  }
+  kd = FN(filled)(count, kd, 1, b->FN(kd)[c], room[0]);
+  f0 = FN(filled)(count, f0, 1, b->FN(f0)[c], room[1]);
+  FN(pass_each_add_diffuse)(count, kd, (real)less, f0, q, out);
 }
 
 /* d: f to f cos. q: Phi/(pi cos) to what yarn_batch promises. */

@@ -1,132 +1,195 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Distribution pass: points of the lobe to D, one loop per distribution. Ashikhmin-Shirley, which
- * needs no slopes, goes from n and h to D in one loop per detail method.
+ * n and h to D. A distribution that reads slopes takes them from the detail pass, in a loop of
+ * its own; one that reads ratios goes from n and h to D in one loop per leaf. Each loop twice:
+ * with the material's own parameters, and with those of each sample.
  */
-#define DISTRIBUTION_PASS(name)                                                                    \
-  static void FN(pass_##name)(size_t count, real kx, real ky, real peak, const real *restrict t,   \
-                              const real *restrict xx, const real *restrict yy,                    \
-                              real *restrict d) {                                                  \
+
+/* The lobe's parameters: one of each, or an array of each. */
+typedef struct FN(shape) {
+  int varies; /* 1: arrays */
+  const real *kx, *ky, *peak, *gx, *gy;
+} FN(shape);
+
+LEAF FN(shape) FN(own_shape)(const bsdf *b) {
+  return (FN(shape)){0, &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy)};
+}
+
+/* Along y what was along x. */
+LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
+  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx};
+}
+
+#undef SHAPE
+#undef OWN
+#undef EACH
+#define SHAPE(s)                                                                                   \
+  const real *restrict kx = s.kx, *restrict ky = s.ky, *restrict peak = s.peak;                    \
+  const real own_kx = *kx, own_ky = *ky, own_peak = *peak;                                         \
+  (void)own_kx, (void)own_ky, (void)own_peak
+#define OWN own_kx, own_ky, own_peak
+#define EACH kx[i], ky[i], peak[i]
+
+#define SLOPES_PASS(name, word, which)                                                             \
+  static void FN(name)(size_t count, FN(shape) s, const real *restrict t, const real *restrict xx, \
+                       const real *restrict yy, real *restrict d) {                                \
+    SHAPE(s);                                                                                      \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
       FN(lobe_point) p = {t[i], xx[i], yy[i]};                                                     \
-      d[i] = FN(name)(p, kx, ky, peak);                                                            \
+      d[i] = FN(word)(p, which);                                                                   \
     }                                                                                              \
   }
-
-DISTRIBUTION_PASS(ward)
-DISTRIBUTION_PASS(ward_half)
-DISTRIBUTION_PASS(beckmann)
-DISTRIBUTION_PASS(ggx)
-#undef DISTRIBUTION_PASS
-
-#define ASHIKHMIN_SHIRLEY_PASS(method, ...)                                                        \
-  static void FN(pass_as_##method)(size_t count, const real *restrict nx, const real *restrict ny, \
-                                   const real *restrict nz, const real *restrict hx,               \
-                                   const real *restrict hy, const real *restrict hz, real kx,      \
-                                   real ky, real peak, real *restrict d) {                         \
-    (void)nx, (void)ny, (void)nz;                                                                  \
+#define RATIO_PASS(name, leaf, word, which)                                                        \
+  static void FN(name)(size_t count, FN(shape) s, FN(vec) n, FN(vec) h, real *restrict d) {        \
+    SHAPE(s);                                                                                      \
+    ARRAYS(n);                                                                                     \
+    ARRAYS(h);                                                                                     \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] =                                  \
-        FN(ashikhmin_shirley)(FN(detail_##method)(__VA_ARGS__), kx, ky, peak);                     \
+        FN(word)(FN(detail_##leaf)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i]), which);              \
   }
-
-ASHIKHMIN_SHIRLEY_PASS(none, hx[i], hy[i], hz[i])
-ASHIKHMIN_SHIRLEY_PASS(perturb_ratio, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ASHIKHMIN_SHIRLEY_PASS(rotate_approximate, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ASHIKHMIN_SHIRLEY_PASS(shortest_arc, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ASHIKHMIN_SHIRLEY_PASS(deform_linear, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-ASHIKHMIN_SHIRLEY_PASS(deform_smooth, nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])
-#undef ASHIKHMIN_SHIRLEY_PASS
-
-static void FN(pass_ashikhmin_shirley)(const bsdf *b, size_t count, const real *nx, const real *ny,
-                                       const real *nz, const real *hx, const real *hy,
-                                       const real *hz, real *d) {
-  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
-  switch (b->map) {
-  case SHADE_MAP_PERTURB_RATIO:
-    FN(pass_as_perturb_ratio)(count, nx, ny, nz, hx, hy, hz, kx, ky, peak, d);
-    break;
-  case SHADE_MAP_APPROXIMATE_X:
-    FN(pass_as_rotate_approximate)(count, nx, ny, nz, hx, hy, hz, kx, ky, peak, d);
-    break;
-  case SHADE_MAP_APPROXIMATE_Y:
-    FN(pass_as_rotate_approximate)(count, ny, nx, nz, hy, hx, hz, ky, kx, peak, d);
-    break;
-  case SHADE_MAP_SHORTEST_ARC:
-    FN(pass_as_shortest_arc)(count, nx, ny, nz, hx, hy, hz, kx, ky, peak, d);
-    break;
-  case SHADE_MAP_DEFORM_LINEAR:
-    FN(pass_as_deform_linear)(count, nx, ny, nz, hx, hy, hz, kx, ky, peak, d);
-    break;
-  case SHADE_MAP_DEFORM_SMOOTH:
-    FN(pass_as_deform_smooth)(count, nx, ny, nz, hx, hy, hz, kx, ky, peak, d);
-    break;
-  default:
-    FN(pass_as_none)(count, nx, ny, nz, hx, hy, hz, kx, ky, peak, d);
-  }
-}
-
-static void FN(pass_distribution)(const bsdf *b, size_t count, const real *t, const real *xx,
-                                  const real *yy, real *d) {
-  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
-  switch (b->mdf) {
-  case SHADE_MDF_WARD:
-    FN(pass_ward)(count, kx, ky, peak, t, xx, yy, d);
-    break;
-  case SHADE_MDF_WARD_HALF:
-    FN(pass_ward_half)(count, kx, ky, peak, t, xx, yy, d);
-    break;
-  case SHADE_MDF_BECKMANN:
-    FN(pass_beckmann)(count, kx, ky, peak, t, xx, yy, d);
-    break;
-  default:
-    FN(pass_ggx)(count, kx, ky, peak, t, xx, yy, d);
-  }
-}
-
-/* The same decision for one sample. */
-static inline real FN(distribution)(const bsdf *b, FN(lobe_ratio) r) {
-  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
-  switch (b->mdf) {
-  case SHADE_MDF_WARD:
-    return FN(ward)(FN(lobe_at)(r), kx, ky, peak);
-  case SHADE_MDF_WARD_HALF:
-    return FN(ward_half)(FN(lobe_at)(r), kx, ky, peak);
-  case SHADE_MDF_BECKMANN:
-    return FN(beckmann)(FN(lobe_at)(r), kx, ky, peak);
-  case SHADE_MDF_GGX:
-    return FN(ggx)(FN(lobe_at)(r), kx, ky, peak);
-  default:
-    return FN(ashikhmin_shirley)(r, kx, ky, peak);
-  }
-}
+#define RATIO_LEAF(leaf, word)                                                                     \
+  RATIO_PASS(pass_##word##_##leaf, leaf, word, OWN)                                                \
+  RATIO_PASS(pass_each_##word##_##leaf, leaf, word, EACH)
+#define PASSES_SLOPES(word)                                                                        \
+  SLOPES_PASS(pass_##word, word, OWN)                                                              \
+  SLOPES_PASS(pass_each_##word, word, EACH)
+#define PASSES_RATIO(word) SHADE_MAP_LEAVES(RATIO_LEAF, word)
+#define BY_FORM_(what, form) what##form
+#define BY_FORM(what, form) BY_FORM_(what, form)
+#define MDF_PASSES(NAME, word, value, label, help) BY_FORM(PASSES_, SHADE_MDF_##NAME##_FORM)(word)
+SHADE_TABLE_MDF(MDF_PASSES)
+#undef MDF_PASSES
+#undef PASSES_RATIO
+#undef PASSES_SLOPES
+#undef RATIO_LEAF
+#undef RATIO_PASS
+#undef SLOPES_PASS
 
 /* The conserving warps: d times their stretch. */
 #define STRETCH_PASS(name, smooth, projected)                                                      \
-  static void FN(pass_stretch_##name)(size_t count, const real *restrict nx,                       \
-                                      const real *restrict ny, const real *restrict nz,            \
-                                      const real *restrict hx, const real *restrict hy,            \
-                                      const real *restrict hz, real *restrict d) {                 \
+  static void FN(pass_stretch_##name)(size_t count, FN(vec) n, FN(vec) h, real *restrict d) {      \
+    ARRAYS(n);                                                                                     \
+    ARRAYS(h);                                                                                     \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] *=                                 \
         FN(warp_stretch)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], smooth, projected);             \
   }
-
 STRETCH_PASS(linear, 0, 0)
 STRETCH_PASS(linear_projected, 0, 1)
 STRETCH_PASS(smooth, 1, 0)
 STRETCH_PASS(smooth_projected, 1, 1)
 #undef STRETCH_PASS
 
-static int FN(projected)(const bsdf *b) {
-  return b->mdf == SHADE_MDF_BECKMANN || b->mdf == SHADE_MDF_GGX;
+static void FN(pass_stretch)(int smooth, int projected, size_t count, FN(vec) n, FN(vec) h,
+                             real *d) {
+  if (smooth)
+    (projected ? FN(pass_stretch_smooth_projected) : FN(pass_stretch_smooth))(count, n, h, d);
+  else
+    (projected ? FN(pass_stretch_linear_projected) : FN(pass_stretch_linear))(count, n, h, d);
 }
 
-static void FN(pass_conserve)(const bsdf *b, size_t count, const real *nx, const real *ny,
-                              const real *nz, const real *hx, const real *hy, const real *hz,
-                              real *d) {
-  if (b->map == SHADE_MAP_DEFORM_SMOOTH)
-    (FN(projected)(b) ? FN(pass_stretch_smooth_projected)
-                      : FN(pass_stretch_smooth))(count, nx, ny, nz, hx, hy, hz, d);
-  else
-    (FN(projected)(b) ? FN(pass_stretch_linear_projected)
-                      : FN(pass_stretch_linear))(count, nx, ny, nz, hx, hy, hz, d);
+/* n and h to D; h is unit for the warps. t, xx and yy are scratch. */
+static void FN(pass_lobe)(const bsdf *b, FN(shape) s, size_t count, FN(vec) n, FN(vec) h, real *t,
+                          real *xx, real *yy, real *d) {
+  switch (b->mdf) {
+#define LOBE_SLOPES(word)                                                                          \
+  FN(pass_detail)(b->carry.map, count, n, h, t, xx, yy);                                           \
+  (s.varies ? FN(pass_each_##word) : FN(pass_##word))(count, s, t, xx, yy, d);
+#define LOBE_RATIO_MAP(NAME, leaf, along_y, kind, frame, word)                                     \
+  case SHADE_MAP_##NAME:                                                                           \
+    if (along_y)                                                                                   \
+      (s.varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(                       \
+          count, FN(shape_swapped)(s), FN(vec_swapped)(n), FN(vec_swapped)(h), d);                 \
+    else                                                                                           \
+      (s.varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(count, s, n, h, d);    \
+    break;
+#define LOBE_RATIO(word)                                                                           \
+  switch (b->carry.map) {                                                                          \
+    SHADE_MAP_ROWS(LOBE_RATIO_MAP, word)                                                           \
+  case SHADE_MAP_COUNT:                                                                            \
+    break;                                                                                         \
+  }
+#define MDF_CASE(NAME, word, value, label, help)                                                   \
+  case SHADE_MDF_##NAME:                                                                           \
+    BY_FORM(LOBE_, SHADE_MDF_##NAME##_FORM)(word) break;
+    SHADE_TABLE_MDF(MDF_CASE)
+#undef MDF_CASE
+  case SHADE_MDF_COUNT:
+    break;
+  }
+  if (b->conserve)
+    FN(pass_stretch)(b->warp == SHADE_WARP_SMOOTH, b->projected, count, n, h, d);
+}
+#undef LOBE_RATIO
+#undef LOBE_RATIO_MAP
+#undef LOBE_SLOPES
+
+/* The same for one sample. */
+static inline real FN(lobe)(const bsdf *b, const real n[3], real hx, real hy, real hz) {
+  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
+  const FN(lobe_ratio) r = FN(detail)(b->carry.map, n, hx, hy, hz);
+  real d = 0;
+  switch (b->mdf) {
+#define READ_RATIO(r) (r)
+#define READ_SLOPES(r) FN(lobe_at)(r)
+#define MDF_CASE(NAME, word, value, label, help)                                                   \
+  case SHADE_MDF_##NAME:                                                                           \
+    d = FN(word)(BY_FORM(READ_, SHADE_MDF_##NAME##_FORM)(r), kx, ky, peak);                        \
+    break;
+    SHADE_TABLE_MDF(MDF_CASE)
+#undef MDF_CASE
+#undef READ_SLOPES
+#undef READ_RATIO
+  case SHADE_MDF_COUNT:
+    break;
+  }
+  if (b->conserve)
+    d *= FN(warp_stretch)(n[0], n[1], n[2], hx, hy, hz, b->warp == SHADE_WARP_SMOOTH, b->projected);
+  return d;
+}
+
+/* Slopes of a direction, carried as h is, to 1 + 2 Lambda. */
+#define SMITH_PASS(NAME, word, value, label, help)                                                 \
+  static void FN(pass_smith_##word)(size_t count, FN(shape) s, const real *restrict xx,            \
+                                    const real *restrict yy, real *restrict l) {                   \
+    const real gx = *s.gx, gy = *s.gy;                                                             \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) l[i] =                                  \
+        FN(smith_##word)(gx * xx[i] + gy * yy[i]);                                                 \
+  }                                                                                                \
+  static void FN(pass_each_smith_##word)(size_t count, FN(shape) s, const real *restrict xx,       \
+                                         const real *restrict yy, real *restrict l) {              \
+    const real *restrict gx = s.gx, *restrict gy = s.gy;                                           \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) l[i] =                                  \
+        FN(smith_##word)(gx[i] * xx[i] + gy[i] * yy[i]);                                           \
+  }
+SHADE_TABLE_MDF(SMITH_PASS)
+#undef SMITH_PASS
+
+static void FN(pass_smith)(const bsdf *b, FN(shape) s, size_t count, const real *xx, const real *yy,
+                           real *l) {
+  switch (b->mdf) {
+#define MDF_CASE(NAME, word, value, label, help)                                                   \
+  case SHADE_MDF_##NAME:                                                                           \
+    (s.varies ? FN(pass_each_smith_##word) : FN(pass_smith_##word))(count, s, xx, yy, l);          \
+    break;
+    SHADE_TABLE_MDF(MDF_CASE)
+#undef MDF_CASE
+  case SHADE_MDF_COUNT:
+    break;
+  }
+}
+
+/* The same for one direction. */
+LEAF real FN(smith)(const bsdf *b, const real n[3], const real w[3]) {
+  FN(lobe_point) p = FN(lobe_at)(FN(detail)(b->carry.shadow, n, w[0], w[1], w[2]));
+  real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
+  switch (b->mdf) {
+#define MDF_CASE(NAME, word, value, label, help)                                                   \
+  case SHADE_MDF_##NAME:                                                                           \
+    return FN(smith_##word)(slope2);
+    SHADE_TABLE_MDF(MDF_CASE)
+#undef MDF_CASE
+  case SHADE_MDF_COUNT:
+    break;
+  }
+  return 1;
 }

@@ -1,39 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* n and h to D in one loop, for `fast`; shade_bsdf_setup sets it only for the maps below. */
-#define FAST_PASS(method)                                                                          \
-  static void pass_fast_##method(size_t count, const float *restrict nx, const float *restrict ny, \
-                                 const float *restrict nz, const float *restrict hx,               \
-                                 const float *restrict hy, const float *restrict hz, float kx,     \
-                                 float ky, float peak, float *restrict d) {                        \
+#define FAST_PASS(leaf)                                                                            \
+  static void pass_fast_##leaf(size_t count, shapef s, vecf n, vecf h, float *restrict d) {        \
+    const float kx = *s.kx, ky = *s.ky, peak = *s.peak;                                            \
+    ARRAYS(n);                                                                                     \
+    ARRAYS(h);                                                                                     \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] =                                  \
-        fast_##method(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], kx, ky, peak);                     \
+        fast_##leaf(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], kx, ky, peak);                       \
   }
-
 FAST_PASS(none)
-FAST_PASS(perturb)
-FAST_PASS(rotate)
+FAST_PASS(perturb_ratio)
+FAST_PASS(rotate_ratio)
 #undef FAST_PASS
 
-static void pass_fast(const bsdf *b, size_t count, const float *nx, const float *ny,
-                      const float *nz, const float *hx, const float *hy, const float *hz,
-                      float *d) {
-  if (b->map == SHADE_MAP_NONE)
-    pass_fast_none(count, nx, ny, nz, hx, hy, hz, b->kxf, b->kyf, b->peakf, d);
-  else if (b->map == SHADE_MAP_PERTURB_RATIO)
-    pass_fast_perturb(count, nx, ny, nz, hx, hy, hz, b->kxf, b->kyf, b->peakf, d);
-  else if (b->map == SHADE_MAP_APPROXIMATE_X)
-    pass_fast_rotate(count, nx, ny, nz, hx, hy, hz, b->kxf, b->kyf, b->peakf, d);
+static void pass_fast(const bsdf *b, size_t count, vecf n, vecf h, float *d) {
+  const shapef s = own_shapef(b);
+  if (b->carry.map == SHADE_MAP_NONE)
+    pass_fast_none(count, s, n, h, d);
+  else if (b->carry.map == SHADE_MAP_PERTURB_RATIO)
+    pass_fast_perturb_ratio(count, s, n, h, d);
+  else if (b->carry.map == SHADE_MAP_ROTATE_RATIO_X)
+    pass_fast_rotate_ratio(count, s, n, h, d);
   else
-    pass_fast_rotate(count, ny, nx, nz, hy, hx, hz, b->kyf, b->kxf, b->peakf, d);
+    pass_fast_rotate_ratio(count, shape_swappedf(s), vec_swappedf(n), vec_swappedf(h), d);
 }
 
 /* The same decision for one sample. */
 static inline float fast(const bsdf *b, const float n[3], float hx, float hy, float hz) {
-  if (b->map == SHADE_MAP_NONE)
+  if (b->carry.map == SHADE_MAP_NONE)
     return fast_none(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
-  if (b->map == SHADE_MAP_PERTURB_RATIO)
-    return fast_perturb(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
-  if (b->map == SHADE_MAP_APPROXIMATE_X)
-    return fast_rotate(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
-  return fast_rotate(n[1], n[0], n[2], hy, hx, hz, b->kyf, b->kxf, b->peakf);
+  if (b->carry.map == SHADE_MAP_PERTURB_RATIO)
+    return fast_perturb_ratio(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
+  if (b->carry.map == SHADE_MAP_ROTATE_RATIO_X)
+    return fast_rotate_ratio(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
+  return fast_rotate_ratio(n[1], n[0], n[2], hy, hx, hz, b->kyf, b->kxf, b->peakf);
 }

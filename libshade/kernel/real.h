@@ -18,6 +18,7 @@
 #undef FN
 #undef R
 #undef TINY
+#undef LEAST_NORMAL
 #undef LOG2_UNIT
 #undef UNIT_SLACK
 #undef FAR_BIT
@@ -34,12 +35,14 @@
  * compute both in vectors, and so divide by 0 after all.
  */
 #define TINY 1e-29f
-#define LOG2_UNIT 0x1p-23f /* of log2_1p in elementary.h */
+#define LEAST_NORMAL 0x1p-126f /* not to divide by 0 */
+#define LOG2_UNIT 0x1p-23f     /* of log2_1p in elementary.h */
 #else
 #define real double
 #define real_bits uint64_t
 #define FN(name) name
 #define R(x) x
 #define TINY 1e-290
+#define LEAST_NORMAL 0x1p-1022
 #define LOG2_UNIT 1.0
 #endif

@@ -4,31 +4,16 @@
 #ifndef SHADE_SRC_BSDF_H
 #define SHADE_SRC_BSDF_H
 
+#include "../kernel/methods.h"
 #include "shade/shade.h"
 
-/* How h is carried: the detail method and groove axis, resolved. */
-typedef enum shade_map {
-  SHADE_MAP_NONE,
-  SHADE_MAP_PERTURB_RATIO, /* for Ashikhmin-Shirley */
-  SHADE_MAP_PERTURB,
-  SHADE_MAP_ROTATE_X,
-  SHADE_MAP_ROTATE_Y,
-  SHADE_MAP_APPROXIMATE_X,
-  SHADE_MAP_APPROXIMATE_Y,
-  SHADE_MAP_SHORTEST_ARC,
-  SHADE_MAP_DEFORM_LINEAR,
-  SHADE_MAP_DEFORM_SMOOTH
-} shade_map;
-
-/* What half vectors are drawn from. */
-typedef enum shade_draw {
-  SHADE_DRAW_PHONG, /* Ashikhmin-Shirley's D, Ward's too */
-  SHADE_DRAW_HALF,
-  SHADE_DRAW_GAUSSIAN,
-  SHADE_DRAW_GGX,
-  SHADE_DRAW_VISIBLE_GAUSSIAN,
-  SHADE_DRAW_VISIBLE_GGX
-} shade_draw;
+/* How h is carried. */
+typedef struct shade_carry {
+  shade_map map, shadow; /* of h for D; of wi and wo for Smith's Lambda */
+  shade_map frame;       /* the rigid frame or warp that h is drawn in */
+  int parts;             /* lobes of the proposal */
+  int short_by_l;        /* slopes are read from a ratio form: rotate_approximate */
+} shade_carry;
 
 /* The caller's room is an array of doubles: not for the compiler to tell apart from this. */
 #if defined(__GNUC__)
@@ -42,22 +27,22 @@ typedef struct MAY_ALIAS bsdf {
   shade_brdf brdf;
   shade_detail detail;
   shade_fresnel fresnel;
-  shade_map map, shadow_map; /* of h for D, of wi and wo for Smith's Lambda */
-  double kx, ky, peak;       /* exponents or 1/alpha^2, and D at the pole */
-  double gx, gy;             /* alpha^2 for Lambda */
   shade_diffuse diffuse;
-  int has_diffuse, fibres_along_y, fast, conserve;
-  double f0[3], tint[3], k[3]; /* tint: f82, or eta */
-  double kd[3];
+  shade_horizon horizon;     /* hard where n is ignored */
+  shade_carry carry, uneven; /* of this lobe; of lobes that need not be round, where these are */
+  shade_map_kind warp;
+  int conserve, fast, has_specular, has_diffuse;
+  int fibres_along_y, groove_auto, detail_auto;
+  int exponents, projected; /* of the distribution's traits */
+  int visible, draw_even;   /* draws: normals as the eye sees them; half the diffuse part evenly */
+  double kx, ky, peak;      /* exponents or 1/alpha^2, and D at the pole */
+  double gx, gy;            /* alpha^2 for Lambda */
+  double f0[3], tint[3], k[3], kd[3]; /* tint: f82, or eta */
+  double proposal, per_slope;         /* of the distribution's traits */
+  double share_lobe, share_diffuse;   /* mean reflectances */
   float kxf, kyf, peakf, gxf, gyf;
   float f0f[3], tintf[3], kf[3], kdf[3];
-  shade_horizon horizon; /* hard where n is ignored */
-  shade_draw draw;
-  shade_map draw_map;        /* the rigid frame or warp that h is drawn in */
-  int draw_parts, draw_even; /* lobes of the proposal; 1: half the diffuse draws are even */
-  double sx, sy;             /* exponents or 1/alpha^2 of the proposal */
-  double share_lobe, share_diffuse;
-  float sxf, syf, share_lobef, share_diffusef;
+  float proposalf, per_slopef, share_lobef, share_diffusef;
 } bsdf;
 
 _Static_assert(sizeof(bsdf) <= sizeof(shade_bsdf), "shade_bsdf is too small for what it holds");

@@ -14,9 +14,12 @@
 static inline int shade_whole_lanes(const void *given, size_t required, void *whole, size_t room) {
   size_t size;
   memcpy(&size, given, sizeof size);
-  size -= size % sizeof(void *);
-  memset(whole, 0, room);
-  memcpy(whole, given, size < room ? size : room);
+  if (size >= room) {
+    memcpy(whole, given, room);
+  } else {
+    memset(whole, 0, room);
+    memcpy(whole, given, size - size % sizeof(void *));
+  }
   const char *at = (const char *)whole + sizeof size;
   for (size_t i = 0; i < required; i++, at += sizeof(void *)) {
     const void *array;

@@ -5,81 +5,46 @@
 
 #include "shade/shade.h"
 #include "bsdf.h"
+#include "../kernel/mdf.h"
 #include "params.h"
 
 #define PI 3.14159265358979323846
-
-/* ratio_only: Ashikhmin-Shirley sees neither a common scale of x and y, nor L. */
-static shade_map resolve(const bsdf *b, int ratio_only, int groove_y) {
-  shade_map short_by_l = groove_y ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_APPROXIMATE_X;
-  switch (b->detail) {
-  case SHADE_DETAIL_PERTURB:
-    return ratio_only ? SHADE_MAP_PERTURB_RATIO : SHADE_MAP_PERTURB;
-  case SHADE_DETAIL_GRAM_SCHMIDT:
-    /* its x' is x without its part along n: the x' of groove transport along y */
-    return ratio_only ? SHADE_MAP_APPROXIMATE_Y : SHADE_MAP_ROTATE_Y;
-  case SHADE_DETAIL_ROTATE:
-    return ratio_only ? short_by_l : groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
-  case SHADE_DETAIL_ROTATE_APPROXIMATE:
-    return short_by_l;
-  case SHADE_DETAIL_SHORTEST_ARC:
-    return SHADE_MAP_SHORTEST_ARC;
-  case SHADE_DETAIL_DEFORM_LINEAR:
-  case SHADE_DETAIL_DEFORM_LINEAR_CONSERVING:
-    return SHADE_MAP_DEFORM_LINEAR;
-  case SHADE_DETAIL_DEFORM_SMOOTH:
-  case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
-    return SHADE_MAP_DEFORM_SMOOTH;
-  default:
-    return SHADE_MAP_NONE;
-  }
-}
 
 /* No more than the lobe needs: a round one is carried exactly by perturb. */
 static shade_detail choose_detail(const bsdf *b) {
   return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
-/* What directions are drawn from; see kernel/pass_sample.h. */
-static void setup_draws(bsdf *b, const shade_params *p, int groove_y) {
-  const int warp = b->map >= SHADE_MAP_DEFORM_LINEAR;
-  const int visible = b->brdf == SHADE_BRDF_MICROFACET && !warp;
-  const double per_alpha = b->mdf == SHADE_MDF_WARD ? 2 : 1;
-  b->sx = b->kx * per_alpha;
-  b->sy = b->ky * per_alpha;
-  switch (b->mdf) {
-  case SHADE_MDF_WARD_HALF:
-    b->draw = SHADE_DRAW_HALF;
-    break;
-  case SHADE_MDF_BECKMANN:
-    b->draw = visible ? SHADE_DRAW_VISIBLE_GAUSSIAN : SHADE_DRAW_GAUSSIAN;
-    break;
-  case SHADE_MDF_GGX:
-    b->draw = visible ? SHADE_DRAW_VISIBLE_GGX : SHADE_DRAW_GGX;
-    break;
-  default: /* Ward too: with exponents 2/alpha^2 its lobe is within this one */
-    b->draw = SHADE_DRAW_PHONG;
-  }
-  b->draw_parts = 1;
-  b->draw_map = resolve(b, 0, groove_y);
-  if (b->detail == SHADE_DETAIL_PERTURB) { /* a round lobe is carried by any rigid frame */
-    b->draw_map = SHADE_MAP_SHORTEST_ARC;
-    b->draw_parts = b->kx == b->ky ? 1 : 3;
-  }
-  if (b->detail == SHADE_DETAIL_ROTATE_APPROXIMATE)
-    b->draw_map = groove_y ? SHADE_MAP_ROTATE_Y : SHADE_MAP_ROTATE_X;
-  b->draw_even =
-      b->diffuse != SHADE_DIFFUSE_LAMBERT && b->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+/* ratio: the distribution sees neither a common scale of x and y, nor L. */
+static shade_carry carry(shade_detail detail, int ratio, int groove_y, int round) {
+  const shade_detail_traits is = shade_detail_is(detail);
+  shade_carry c;
+  c.map = (ratio ? is.ratio : is.slopes)[groove_y];
+  c.shadow = is.shadow[groove_y];
+  c.frame = shade_map_frame_of(is.slopes[groove_y]);
+  c.parts = is.no_lobe && !round ? 3 : 1;
+  c.short_by_l = !ratio && detail == SHADE_DETAIL_ROTATE_APPROXIMATE;
+  return c;
+}
+
+/* What directions are drawn from; see kernel/sample_density.h. */
+static void setup_draws(bsdf *b) {
+  const shade_mdf_traits mdf = shade_mdf_is(b->mdf);
+  const shade_diffuse_traits diffuse = shade_diffuse_is(b->diffuse);
+  b->visible = mdf.visible && b->brdf == SHADE_BRDF_MICROFACET && b->warp == SHADE_RIGID;
+  b->proposal = mdf.proposal;
+  b->per_slope = mdf.per_slope;
+  b->draw_even = diffuse.fibres;
   for (int c = 0; c < 3; c++) {
-    double f0 = b->f0[c], k2 = b->k[c] * b->k[c];
-    double left = b->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? 1 - f0 : 1;
-    if (b->fresnel == SHADE_FRESNEL_CONDUCTOR)
-      f0 = ((p->eta[c] - 1) * (p->eta[c] - 1) + k2) / ((p->eta[c] + 1) * (p->eta[c] + 1) + k2);
+    double f0 = b->f0[c], k2 = b->k[c] * b->k[c], eta = b->tint[c];
+    double left = diffuse.less_f0 ? 1 - f0 : 1;
+    if (!shade_fresnel_is(b->fresnel).f0)
+      f0 = ((eta - 1) * (eta - 1) + k2) / ((eta + 1) * (eta + 1) + k2);
     b->share_lobe += f0 / 3;
     b->share_diffuse += b->kd[c] * left / 3;
   }
-  b->sxf = (float)b->sx;
-  b->syf = (float)b->sy;
+  b->proposalf = (float)b->proposal;
+  b->per_slopef = (float)b->per_slope;
   b->share_lobef = (float)b->share_lobe;
   b->share_diffusef = (float)b->share_diffuse;
 }
@@ -95,7 +60,10 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->fresnel = p.fresnel;
   b->diffuse = p.diffuse;
 
-  if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+  const shade_mdf_traits mdf = shade_mdf_is(b->mdf);
+  b->exponents = mdf.exponents;
+  b->projected = mdf.projected;
+  if (mdf.exponents) {
     b->kx = p.ex;
     b->ky = p.ey;
     b->gx = 2 / (b->kx + 2);
@@ -109,19 +77,22 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
     b->peak = 1 / (PI * p.ax * p.ay);
   }
 
-  int groove_y = p.groove == SHADE_GROOVE_Y || (p.groove == SHADE_GROOVE_AUTO && b->ky > b->kx);
-  if (b->detail == SHADE_DETAIL_AUTO)
+  b->groove_auto = p.groove == SHADE_GROOVE_AUTO;
+  b->fibres_along_y = b->groove_auto ? b->ky > b->kx : p.groove == SHADE_GROOVE_Y;
+  b->detail_auto = b->detail == SHADE_DETAIL_AUTO;
+  if (b->detail_auto)
     b->detail = choose_detail(b);
-  b->fibres_along_y = groove_y;
-  b->horizon = b->detail == SHADE_DETAIL_NONE ? SHADE_HORIZON_HARD : p.horizon;
-  b->map = resolve(b, b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY, groove_y);
-  b->shadow_map = b->map >= SHADE_MAP_DEFORM_LINEAR ? SHADE_MAP_PERTURB : resolve(b, 0, groove_y);
-
-  b->conserve = b->detail == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING ||
-                b->detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
+  const shade_detail_traits detail = shade_detail_is(b->detail);
+  b->horizon = detail.ignores_n ? SHADE_HORIZON_HARD : p.horizon;
+  b->carry = carry(b->detail, mdf.ratio, b->fibres_along_y, b->kx == b->ky);
+  b->uneven =
+      carry(b->detail_auto ? SHADE_DETAIL_ROTATE : b->detail, mdf.ratio, b->fibres_along_y, 0);
+  b->warp = shade_map_kind_of(b->carry.map);
+  b->conserve = detail.conserve;
+  b->has_specular = 1;
   b->fast = p.fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
-            (b->map == SHADE_MAP_NONE || b->map == SHADE_MAP_PERTURB_RATIO ||
-             b->map == SHADE_MAP_APPROXIMATE_X || b->map == SHADE_MAP_APPROXIMATE_Y);
+            (b->carry.map == SHADE_MAP_NONE || b->carry.map == SHADE_MAP_PERTURB_RATIO ||
+             b->carry.map == SHADE_MAP_ROTATE_RATIO_X || b->carry.map == SHADE_MAP_ROTATE_RATIO_Y);
   b->kxf = (float)b->kx;
   b->kyf = (float)b->ky;
   b->gxf = (float)b->gx;
@@ -142,6 +113,6 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
     b->tintf[c] = (float)b->tint[c];
     b->kf[c] = (float)b->k[c];
   }
-  setup_draws(b, &p, groove_y);
+  setup_draws(b);
   return status;
 }

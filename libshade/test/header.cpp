@@ -21,8 +21,10 @@ int main() {
   if (shade_bsdf_setup(&b, &p) != SHADE_OK || shade_bsdf_eval(&b, z, z, z, f, &cosine) != SHADE_OK)
     return 1;
   double r[4];
-  const shade_lanes in = {sizeof in, z, z,     z + 2,   z,       z,      z + 2,
-                          z,         z, z + 2, nullptr, nullptr, nullptr};
+  shade_lanes in = {};
+  in.size = sizeof in;
+  in.nx = in.ny = in.wix = in.wiy = in.wox = in.woy = z;
+  in.nz = in.wiz = in.woz = z + 2;
   const shade_result out = {sizeof out, r, r + 1, r + 2, r + 3};
   if (shade_bsdf_eval_batch(&b, 1, &in, &out) != SHADE_OK)
     return 1;

@@ -240,19 +240,19 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
   shade_bsdf bsdf;
   shade_bsdf_setup(&bsdf, p);
   const int textured = d->has_color;
-  const shade_lanesf in = {sizeof in,
-                           lanes[NX],
-                           lanes[NY],
-                           lanes[NZ],
-                           lanes[IX],
-                           lanes[IY],
-                           lanes[IZ],
-                           lanes[OX],
-                           lanes[OY],
-                           lanes[OZ],
-                           textured ? lanes[CR] : NULL,
-                           textured ? lanes[CG] : NULL,
-                           textured ? lanes[CB] : NULL};
+  const shade_lanesf in = {.size = sizeof in,
+                           .nx = lanes[NX],
+                           .ny = lanes[NY],
+                           .nz = lanes[NZ],
+                           .wix = lanes[IX],
+                           .wiy = lanes[IY],
+                           .wiz = lanes[IZ],
+                           .wox = lanes[OX],
+                           .woy = lanes[OY],
+                           .woz = lanes[OZ],
+                           .f0r = textured ? lanes[CR] : NULL,
+                           .f0g = textured ? lanes[CG] : NULL,
+                           .f0b = textured ? lanes[CB] : NULL};
   const shade_resultf out = {sizeof out, lanes[FR], lanes[FG], lanes[FB], lanes[COS]};
   shade_bsdf_eval_batchf(&bsdf, count, &in, &out);
   const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);

@@ -239,23 +239,26 @@ static void batch_is_single(void **state) {
         for (size_t i = 0; i < MOST; i++)
           outd[c][i] = out[c][i] = -7;
       int textured = k % 3 == 0;
-      shade_lanesf lanesf = {sizeof lanesf, in[0] + shift, in[1] + shift, in[2] + shift,
-                             in[3] + shift, in[4] + shift, in[5] + shift, in[6] + shift,
-                             in[7] + shift, in[8] + shift, NULL,          NULL,
-                             NULL};
-      shade_lanes lanes = {sizeof lanes,
-                           ind[0] + shift,
-                           ind[1] + shift,
-                           ind[2] + shift,
-                           ind[3] + shift,
-                           ind[4] + shift,
-                           ind[5] + shift,
-                           ind[6] + shift,
-                           ind[7] + shift,
-                           ind[8] + shift,
-                           NULL,
-                           NULL,
-                           NULL};
+      shade_lanesf lanesf = {.size = sizeof lanesf,
+                             .nx = in[0] + shift,
+                             .ny = in[1] + shift,
+                             .nz = in[2] + shift,
+                             .wix = in[3] + shift,
+                             .wiy = in[4] + shift,
+                             .wiz = in[5] + shift,
+                             .wox = in[6] + shift,
+                             .woy = in[7] + shift,
+                             .woz = in[8] + shift};
+      shade_lanes lanes = {.size = sizeof lanes,
+                           .nx = ind[0] + shift,
+                           .ny = ind[1] + shift,
+                           .nz = ind[2] + shift,
+                           .wix = ind[3] + shift,
+                           .wiy = ind[4] + shift,
+                           .wiz = ind[5] + shift,
+                           .wox = ind[6] + shift,
+                           .woy = ind[7] + shift,
+                           .woz = ind[8] + shift};
       if (textured) {
         lanesf.f0r = in[9] + shift, lanesf.f0g = in[10] + shift, lanesf.f0b = in[11] + shift;
         lanes.f0r = ind[9] + shift, lanes.f0g = ind[10] + shift, lanes.f0b = ind[11] + shift;
@@ -335,10 +338,26 @@ static void long_arrays(void **state) {
         status = isa->mdf_batch(&b, LONG, d[0], d[1], d[2], d[3], d[4], d[5], long_out[0]);
         statusf = isa->mdf_batchf(&b, LONG, f[0], f[1], f[2], f[3], f[4], f[5], long_outf[0]);
       } else {
-        shade_lanes in = {sizeof in, d[0], d[1], d[2], d[3], d[4], d[5],
-                          d[6],      d[7], d[8], NULL, NULL, NULL};
-        shade_lanesf inf = {sizeof inf, f[0], f[1], f[2], f[3], f[4], f[5],
-                            f[6],       f[7], f[8], NULL, NULL, NULL};
+        shade_lanes in = {.size = sizeof in,
+                          .nx = d[0],
+                          .ny = d[1],
+                          .nz = d[2],
+                          .wix = d[3],
+                          .wiy = d[4],
+                          .wiz = d[5],
+                          .wox = d[6],
+                          .woy = d[7],
+                          .woz = d[8]};
+        shade_lanesf inf = {.size = sizeof inf,
+                            .nx = f[0],
+                            .ny = f[1],
+                            .nz = f[2],
+                            .wix = f[3],
+                            .wiy = f[4],
+                            .wiz = f[5],
+                            .wox = f[6],
+                            .woy = f[7],
+                            .woz = f[8]};
         shade_result out = {sizeof out, long_out[0], long_out[1], long_out[2], long_out[3]};
         shade_resultf outf = {sizeof outf, long_outf[0], long_outf[1], long_outf[2], long_outf[3]};
         status = isa->bsdf_batch(&b, LONG, &in, &out);
@@ -464,8 +483,16 @@ static void senseless_input(void **state) {
       lane[c][0] = lane[c][2] = fine[c];
       lane[c][1] = vf[c];
     }
-    shade_lanesf in = {sizeof in, lane[0], lane[1], lane[2], lane[3], lane[4], lane[5],
-                       lane[6],   lane[7], lane[8], NULL,    NULL,    NULL};
+    shade_lanesf in = {.size = sizeof in,
+                       .nx = lane[0],
+                       .ny = lane[1],
+                       .nz = lane[2],
+                       .wix = lane[3],
+                       .wiy = lane[4],
+                       .wiz = lane[5],
+                       .wox = lane[6],
+                       .woy = lane[7],
+                       .woz = lane[8]};
     shade_resultf out = {sizeof out, rgb[0], rgb[1], rgb[2], rgb[3]};
     shade_bsdf_eval_batchf(&b, 3, &in, &out);
     shade_bsdf_evalf(&b, fine, fine + 3, fine + 6, good, &good_cosine);

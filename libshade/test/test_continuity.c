@@ -272,13 +272,29 @@ static void shade(const shade_bsdf *b, const window *w, form form, int single, d
   static float rf[3][POINTS], cosinef[POINTS];
   unsigned status = SHADE_OK;
   if (form == DOUBLE && !single) {
-    const shade_lanes in = {sizeof in, w->v[0], w->v[1], w->v[2], w->v[3], w->v[4], w->v[5],
-                            w->v[6],   w->v[7], w->v[8], NULL,    NULL,    NULL};
+    const shade_lanes in = {.size = sizeof in,
+                            .nx = w->v[0],
+                            .ny = w->v[1],
+                            .nz = w->v[2],
+                            .wix = w->v[3],
+                            .wiy = w->v[4],
+                            .wiz = w->v[5],
+                            .wox = w->v[6],
+                            .woy = w->v[7],
+                            .woz = w->v[8]};
     const shade_result out = {sizeof out, r[0], r[1], r[2], cosine};
     status = shade_bsdf_eval_batch(b, POINTS, &in, &out);
   } else if (!single) {
-    const shade_lanesf in = {sizeof in, w->vf[0], w->vf[1], w->vf[2], w->vf[3], w->vf[4], w->vf[5],
-                             w->vf[6],  w->vf[7], w->vf[8], NULL,     NULL,     NULL};
+    const shade_lanesf in = {.size = sizeof in,
+                             .nx = w->vf[0],
+                             .ny = w->vf[1],
+                             .nz = w->vf[2],
+                             .wix = w->vf[3],
+                             .wiy = w->vf[4],
+                             .wiz = w->vf[5],
+                             .wox = w->vf[6],
+                             .woy = w->vf[7],
+                             .woz = w->vf[8]};
     const shade_resultf out = {sizeof out, rf[0], rf[1], rf[2], cosinef};
     status = shade_bsdf_eval_batchf(b, POINTS, &in, &out);
   }
@@ -333,10 +349,10 @@ static double jump(const double *value, double roundings, double peak) {
 static int jumps(const shade_bsdf *b, event what, int shaded) {
   int azimuth = bsdf_of(b)->kx != bsdf_of(b)->ky;
   if (what == H_IS_Z &&
-      (bsdf_of(b)->map == SHADE_MAP_PERTURB || bsdf_of(b)->map == SHADE_MAP_PERTURB_RATIO))
+      (bsdf_of(b)->carry.map == SHADE_MAP_PERTURB || bsdf_of(b)->carry.map == SHADE_MAP_PERTURB_RATIO))
     return azimuth;
   if ((what == WI_IS_Z || what == WO_IS_Z) && shaded && bsdf_of(b)->brdf == SHADE_BRDF_MICROFACET)
-    return azimuth && bsdf_of(b)->shadow_map == SHADE_MAP_PERTURB;
+    return azimuth && bsdf_of(b)->carry.shadow == SHADE_MAP_PERTURB;
   /* two facets: with h = z the half vector by way of the mirror stays in n's plane and meets n */
   int by_mirror = what == N_IS_Z_IS_H && shaded && bsdf_of(b)->horizon == SHADE_HORIZON_SCHUESSLER;
   return (what == H_IS_N || by_mirror) && bsdf_of(b)->conserve;

@@ -55,15 +55,36 @@ static shade_bsdf make_material(void) {
     return 1;                                                                                      \
   }                                                                                                \
   static newer_lanes##f lanes_of##f(const arrays##f *a) {                                          \
-    newer_lanes##f l = {{sizeof(shade_lanes##f), a->in[0], a->in[1], a->in[2], a->in[3], a->in[4], \
-                         a->in[5], a->in[6], a->in[7], a->in[8], a->f0, a->f0, a->f0},             \
-                        (const real *)(intptr_t)1};                                                \
+    newer_lanes##f l = {.known = {.size = sizeof l.known,                                          \
+                                  .nx = a->in[0],                                                  \
+                                  .ny = a->in[1],                                                  \
+                                  .nz = a->in[2],                                                  \
+                                  .wix = a->in[3],                                                 \
+                                  .wiy = a->in[4],                                                 \
+                                  .wiz = a->in[5],                                                 \
+                                  .wox = a->in[6],                                                 \
+                                  .woy = a->in[7],                                                 \
+                                  .woz = a->in[8],                                                 \
+                                  .f0r = a->f0,                                                    \
+                                  .f0g = a->f0,                                                    \
+                                  .f0b = a->f0},                                                   \
+                        .tail = (const real *)(intptr_t)1};                                        \
     return l;                                                                                      \
   }                                                                                                \
   static newer_draws##f draws_of##f(const arrays##f *a) {                                          \
-    newer_draws##f l = {{sizeof(shade_sample_lanes##f), a->in[0], a->in[1], a->in[2], a->in[6],    \
-                         a->in[7], a->in[8], a->u[0], a->u[1], a->f0, a->f0, a->f0},               \
-                        (const real *)(intptr_t)1};                                                \
+    newer_draws##f l = {.known = {.size = sizeof l.known,                                          \
+                                  .nx = a->in[0],                                                  \
+                                  .ny = a->in[1],                                                  \
+                                  .nz = a->in[2],                                                  \
+                                  .wox = a->in[6],                                                 \
+                                  .woy = a->in[7],                                                 \
+                                  .woz = a->in[8],                                                 \
+                                  .u1 = a->u[0],                                                   \
+                                  .u2 = a->u[1],                                                   \
+                                  .f0r = a->f0,                                                    \
+                                  .f0g = a->f0,                                                    \
+                                  .f0b = a->f0},                                                   \
+                        .tail = (const real *)(intptr_t)1};                                        \
     return l;                                                                                      \
   }                                                                                                \
   static shade_result##f result_of##f(arrays##f *a) {                                              \

@@ -11,8 +11,10 @@
 #define SHADE_FLOAT 1
 #include "kernel/real.h"
 #include "kernel/elementary.h"
-#include "kernel/leaf_detail.h"
+#include "kernel/leaf_random.h"
 #include "kernel/leaf_brdf.h"
+#include "kernel/leaf_detail.h"
+#include "kernel/mdf.h"
 #include "kernel/leaf_fresnel.h"
 #include "kernel/leaf_diffuse.h"
 #include "kernel/leaf_repair.h"
@@ -20,8 +22,10 @@
 #define SHADE_FLOAT 0
 #include "kernel/real.h"
 #include "kernel/elementary.h"
-#include "kernel/leaf_detail.h"
+#include "kernel/leaf_random.h"
 #include "kernel/leaf_brdf.h"
+#include "kernel/leaf_detail.h"
+#include "kernel/mdf.h"
 #include "kernel/leaf_fresnel.h"
 #include "kernel/leaf_diffuse.h"
 #include "kernel/leaf_repair.h"
@@ -46,7 +50,7 @@ static void draw(uint64_t *seed, double tilt, double n[3], double h[3], float nf
 static lobe_ratio leaf(shade_detail d, const double n[3], const double h[3]) {
   switch (d) {
   case SHADE_DETAIL_NONE:
-    return detail_none(h[0], h[1], h[2]);
+    return detail_none(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_PERTURB:
     return detail_perturb(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_ROTATE:
@@ -54,7 +58,7 @@ static lobe_ratio leaf(shade_detail d, const double n[3], const double h[3]) {
   case SHADE_DETAIL_SHORTEST_ARC:
     return detail_shortest_arc(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_ROTATE_APPROXIMATE:
-    return detail_rotate_approximate(n[0], n[1], n[2], h[0], h[1], h[2]);
+    return detail_rotate_ratio(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_DEFORM_LINEAR:
     return detail_deform_linear(n[0], n[1], n[2], h[0], h[1], h[2]);
   default:
@@ -64,7 +68,7 @@ static lobe_ratio leaf(shade_detail d, const double n[3], const double h[3]) {
 static lobe_ratiof leaff(shade_detail d, const float n[3], const float h[3]) {
   switch (d) {
   case SHADE_DETAIL_NONE:
-    return detail_nonef(h[0], h[1], h[2]);
+    return detail_nonef(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_PERTURB:
     return detail_perturbf(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_ROTATE:
@@ -72,7 +76,7 @@ static lobe_ratiof leaff(shade_detail d, const float n[3], const float h[3]) {
   case SHADE_DETAIL_SHORTEST_ARC:
     return detail_shortest_arcf(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_ROTATE_APPROXIMATE:
-    return detail_rotate_approximatef(n[0], n[1], n[2], h[0], h[1], h[2]);
+    return detail_rotate_ratiof(n[0], n[1], n[2], h[0], h[1], h[2]);
   case SHADE_DETAIL_DEFORM_LINEAR:
     return detail_deform_linearf(n[0], n[1], n[2], h[0], h[1], h[2]);
   default:

@@ -29,8 +29,15 @@ typedef struct lanes {
 } lanes;
 
 static unsigned draw(const shade_isa_table *isa, const shade_bsdf *b, lanes *m, size_t count) {
-  const shade_sample_lanes in = {sizeof in, m->in[0], m->in[1], m->in[2], m->in[3], m->in[4],
-                                 m->in[5],  m->in[6], m->in[7], NULL,     NULL,     NULL};
+  const shade_sample_lanes in = {.size = sizeof in,
+                                 .nx = m->in[0],
+                                 .ny = m->in[1],
+                                 .nz = m->in[2],
+                                 .wox = m->in[3],
+                                 .woy = m->in[4],
+                                 .woz = m->in[5],
+                                 .u1 = m->in[6],
+                                 .u2 = m->in[7]};
   const shade_sample_result out = {sizeof out, m->out[0], m->out[1], m->out[2], m->out[3],
                                    m->out[4],  m->out[5], m->out[6], m->out[7]};
   return isa->sample_batch(b, count, &in, &out);
@@ -44,8 +51,15 @@ static unsigned drawf(const shade_isa_table *isa, const shade_bsdf *b, lanes *m,
                          ? copysignf(FLT_MAX, (float)(x < 0 ? -1 : 1))
                          : (float)x;
     }
-  const shade_sample_lanesf in = {sizeof in, m->inf[0], m->inf[1], m->inf[2], m->inf[3], m->inf[4],
-                                  m->inf[5], m->inf[6], m->inf[7], NULL,      NULL,      NULL};
+  const shade_sample_lanesf in = {.size = sizeof in,
+                                  .nx = m->inf[0],
+                                  .ny = m->inf[1],
+                                  .nz = m->inf[2],
+                                  .wox = m->inf[3],
+                                  .woy = m->inf[4],
+                                  .woz = m->inf[5],
+                                  .u1 = m->inf[6],
+                                  .u2 = m->inf[7]};
   const shade_sample_resultf out = {sizeof out, m->outf[0], m->outf[1], m->outf[2], m->outf[3],
                                     m->outf[4], m->outf[5], m->outf[6], m->outf[7]};
   return isa->sample_batchf(b, count, &in, &out);
@@ -215,9 +229,16 @@ static double by_midpoints(const shade_isa_table *isa, const shade_bsdf *b, lane
       m->out[1][i] = s * sin(phi);
       m->out[2][i] = z;
     }
-    const shade_lanes in = {sizeof in, m->in[0],  m->in[1], m->in[2], m->out[0],
-                            m->out[1], m->out[2], m->in[3], m->in[4], m->in[5],
-                            NULL,      NULL,      NULL};
+    const shade_lanes in = {.size = sizeof in,
+                            .nx = m->in[0],
+                            .ny = m->in[1],
+                            .nz = m->in[2],
+                            .wix = m->out[0],
+                            .wiy = m->out[1],
+                            .wiz = m->out[2],
+                            .wox = m->in[3],
+                            .woy = m->in[4],
+                            .woz = m->in[5]};
     const shade_result out = {sizeof out, r, g, bl, cosine};
     isa->bsdf_batch(b, (size_t)grid, &in, &out);
     isa->pdf_batch(b, (size_t)grid, &in, pdf);

@@ -397,6 +397,11 @@ static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
       status |= SHADE_BAD_INPUT;
   if (is_draw(q) && (isnan(w->in[12][i]) || isnan(w->in[13][i])))
     status |= SHADE_BAD_INPUT;
+  for (int c = 9; w->textured && is_batch(q) && q != D_BATCH && c < 12; c++) {
+    double f0 = p == DOUBLE ? w->in[c][i] : (double)w->inf[c][i];
+    if (!(f0 >= 0 && f0 <= 1))
+      status |= SHADE_CLAMPED_PARAMETER;
+  }
   /* a normal that is no direction counts as z */
   if (is_direction(w->v[i], w->vf[i], p) && !(nz > 0))
     status |= SHADE_CLAMPED_NORMAL;
@@ -510,12 +515,26 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
 #define CALLS(real, f, p_form)                                                                     \
   static void call_##real(worker *w, const shade_isa_table *isa, what q, form p) {                 \
     const shade_bsdf *b = &w->bsdf[p];                                                             \
-    shade_lanes##f in = {sizeof in,   w->in##f[0], w->in##f[1], w->in##f[2], w->in##f[3],          \
-                         w->in##f[4], w->in##f[5], w->in##f[6], w->in##f[7], w->in##f[8],          \
-                         NULL,        NULL,        NULL};                                          \
+    shade_lanes##f in = {.size = sizeof in,                                                        \
+                         .nx = w->in##f[0],                                                        \
+                         .ny = w->in##f[1],                                                        \
+                         .nz = w->in##f[2],                                                        \
+                         .wix = w->in##f[3],                                                       \
+                         .wiy = w->in##f[4],                                                       \
+                         .wiz = w->in##f[5],                                                       \
+                         .wox = w->in##f[6],                                                       \
+                         .woy = w->in##f[7],                                                       \
+                         .woz = w->in##f[8]};                                                      \
     shade_result##f out = {sizeof out, w->out##f[0], w->out##f[1], w->out##f[2], w->out##f[3]};    \
-    shade_sample_lanes##f from = {sizeof from, in.nx,        in.ny,        in.nz, in.wox, in.woy,  \
-                                  in.woz,      w->in##f[12], w->in##f[13], NULL,  NULL,   NULL};   \
+    shade_sample_lanes##f from = {.size = sizeof from,                                             \
+                                  .nx = in.nx,                                                     \
+                                  .ny = in.ny,                                                     \
+                                  .nz = in.nz,                                                     \
+                                  .wox = in.wox,                                                   \
+                                  .woy = in.woy,                                                   \
+                                  .woz = in.woz,                                                   \
+                                  .u1 = w->in##f[12],                                              \
+                                  .u2 = w->in##f[13]};                                             \
     shade_sample_result##f to = {sizeof to, w->out##f[5], w->out##f[6], w->out##f[7], out.r,       \
                                  out.g,     out.b,        w->out##f[4], out.cosine};               \
     if (w->textured) {                                                                             \

@@ -27,14 +27,27 @@ typedef struct results {
     const real u[2] = {(real).25, (real).75};                                                      \
     for (int c = 0; c < 9; c++)                                                                    \
       v[c] = in##f_[c][i];                                                                         \
-    const shade_lanes##f_ lanes = {sizeof lanes, in##f_[0], in##f_[1], in##f_[2], in##f_[3],       \
-                                   in##f_[4],    in##f_[5], in##f_[6], in##f_[7], in##f_[8],       \
-                                   NULL,         NULL,      NULL};                                 \
+    const shade_lanes##f_ lanes = {.size = sizeof lanes,                                           \
+                                   .nx = in##f_[0],                                                \
+                                   .ny = in##f_[1],                                                \
+                                   .nz = in##f_[2],                                                \
+                                   .wix = in##f_[3],                                               \
+                                   .wiy = in##f_[4],                                               \
+                                   .wiz = in##f_[5],                                               \
+                                   .wox = in##f_[6],                                               \
+                                   .woy = in##f_[7],                                               \
+                                   .woz = in##f_[8]};                                              \
     const shade_result##f_ result = {sizeof result, r->f##f_[0], r->f##f_[1], r->f##f_[2],         \
                                      r->f##f_[3]};                                                 \
-    const shade_sample_lanes##f_ draw = {sizeof draw, in##f_[0], in##f_[1], in##f_[2],             \
-                                         in##f_[6],   in##f_[7], in##f_[8], in##f_[2],             \
-                                         in##f_[8],   NULL,      NULL,      NULL};                 \
+    const shade_sample_lanes##f_ draw = {.size = sizeof draw,                                      \
+                                         .nx = in##f_[0],                                          \
+                                         .ny = in##f_[1],                                          \
+                                         .nz = in##f_[2],                                          \
+                                         .wox = in##f_[6],                                         \
+                                         .woy = in##f_[7],                                         \
+                                         .woz = in##f_[8],                                         \
+                                         .u1 = in##f_[2],                                          \
+                                         .u2 = in##f_[8]};                                         \
     const shade_sample_result##f_ drawn = {sizeof drawn,    r->drawn##f_[0], r->drawn##f_[1],      \
                                            r->drawn##f_[2], r->drawn##f_[3], r->drawn##f_[4],      \
                                            r->drawn##f_[5], r->drawn##f_[6], r->drawn##f_[7]};     \

@@ -121,13 +121,29 @@ static void evaluate_batch(const shade_isa_table *isa, const shade_bsdf *b, what
   else if (asks_d(w))
     isa->mdf_batch(b, a->count, t[0], t[1], t[2], t[3], t[4], t[5], ot[0]);
   else if (single) {
-    shade_lanesf in = {sizeof in, s[0], s[1], s[2], s[3], s[4], s[5],
-                       s[6],      s[7], s[8], NULL, NULL, NULL};
+    shade_lanesf in = {.size = sizeof in,
+                       .nx = s[0],
+                       .ny = s[1],
+                       .nz = s[2],
+                       .wix = s[3],
+                       .wiy = s[4],
+                       .wiz = s[5],
+                       .wox = s[6],
+                       .woy = s[7],
+                       .woz = s[8]};
     shade_resultf out = {sizeof out, os[0], os[1], os[2], os[3]};
     isa->bsdf_batchf(b, a->count, &in, &out);
   } else {
-    shade_lanes in = {sizeof in, t[0], t[1], t[2], t[3], t[4], t[5],
-                      t[6],      t[7], t[8], NULL, NULL, NULL};
+    shade_lanes in = {.size = sizeof in,
+                      .nx = t[0],
+                      .ny = t[1],
+                      .nz = t[2],
+                      .wix = t[3],
+                      .wiy = t[4],
+                      .wiz = t[5],
+                      .wox = t[6],
+                      .woy = t[7],
+                      .woz = t[8]};
     shade_result out = {sizeof out, ot[0], ot[1], ot[2], ot[3]};
     isa->bsdf_batch(b, a->count, &in, &out);
   }

@@ -271,20 +271,53 @@ SHADE_API float shade_diffuse_evalf(shade_diffuse model, const float l[3], const
  * SHADE_BAD_INPUT. Arrays are `count` long, of any alignment; for a count of 0 nothing is read.
  */
 
-/* Inputs: one array per component. Those of n, wi and wo are required. */
+/* What f, its density and draws are of: bits, for `parts` below. */
+typedef enum shade_part { SHADE_PART_SPECULAR = 1, SHADE_PART_DIFFUSE = 2 } shade_part;
+
+/*
+ * Inputs: one array per component. Those of n, wi and wo are required.
+ *
+ * The others are parameters of each sample, for f, its density and draws alike: every lane is
+ * shaded, and drawn for, as a material with these parameters would be. NULL is the material's
+ * own, of each array by itself. Numbers out of the range given are clamped to it, NaN is the
+ * material's own: SHADE_CLAMPED_PARAMETER. What a material's distribution or Fresnel does not
+ * read is not read here either.
+ *   alphas, exponents   either will do for any distribution (e = 2/alpha^2 - 2); where both are
+ *                       given, Ashikhmin-Shirley takes the exponents, the others the alphas.
+ *                       SHADE_GROOVE_AUTO goes by the lane's own narrow axis (but for the fibres
+ *                       of gram_schmidt, which keep the material's), SHADE_DETAIL_AUTO is rotate
+ *   groove              the tangent about z: a vector (x, y) in the local frame, of any length
+ *                       but 0 (which counts as NaN, as do sizes below 1e-15), so that textures
+ *                       of it may be filtered. Both arrays, or neither. Where a lane has its own
+ *                       groove or narrow axis, the same u may draw another wi, of the same density
+ *   parts               SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE: f is that part alone, draws
+ *                       and density are of the specular lobe alone, or of the diffuse part alone.
+ *                       Other bits: SHADE_BAD_CHOICE, and both
+ */
 typedef struct shade_lanes {
-  size_t size;                   /* sizeof(shade_lanes) */
-  const double *nx, *ny, *nz;    /* perturbed normal */
-  const double *wix, *wiy, *wiz; /* to the light */
-  const double *wox, *woy, *woz; /* to the eye */
-  const double *f0r, *f0g, *f0b; /* f0 per sample, or NULL for the material's own */
+  size_t size;                       /* sizeof(shade_lanes) */
+  const double *nx, *ny, *nz;        /* perturbed normal */
+  const double *wix, *wiy, *wiz;     /* to the light */
+  const double *wox, *woy, *woz;     /* to the eye */
+  const double *f0r, *f0g, *f0b;     /* reflectance at normal incidence, [0, 1] */
+  const double *ax, *ay;             /* alphas, [1e-4, 10] */
+  const double *ex, *ey;             /* or exponents, [0, 1e6] */
+  const double *f82r, *f82g, *f82b;  /* for SHADE_FRESNEL_F82 */
+  const double *etar, *etag, *etab;  /* for SHADE_FRESNEL_CONDUCTOR, with k */
+  const double *kr, *kg, *kb;        /* extinction */
+  const double *kdr, *kdg, *kdb;     /* diffuse reflectance */
+  const double *groove_x, *groove_y; /* what takes the tangent's place, in the tangent plane */
+  size_t parts;                      /* 0: both; else of shade_part */
 } shade_lanes;
 typedef struct shade_lanesf {
   size_t size;
   const float *nx, *ny, *nz;
   const float *wix, *wiy, *wiz;
   const float *wox, *woy, *woz;
-  const float *f0r, *f0g, *f0b;
+  const float *f0r, *f0g, *f0b, *ax, *ay, *ex, *ey;
+  const float *f82r, *f82g, *f82b, *etar, *etag, *etab, *kr, *kg, *kb, *kdr, *kdg, *kdb;
+  const float *groove_x, *groove_y;
+  size_t parts;
 } shade_lanesf;
 
 /* Outputs, all required. They must not overlap the inputs. */
@@ -344,7 +377,8 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  * r the mirror image of wo by n, k = nz r.z and m = min(k, max(nx r.x + ny r.y, 0)), c is
  * m/(m + k) if r.z > 0, and at least s/(2 (s + nz)). All that f has is found, with f cos / pdf
  * at most max(2, 1 + nz/s) times the largest of hard's draws.
- * With a diffuse part, a share of the draws (0.1 to 0.9 of them, by the reflectances) is the
+ * With a diffuse part, a share of the draws (0.1 to 0.9 of them, by the reflectances; none where
+ * nothing is specular: f0 = 0 and a Fresnel that adds no white, or eta = 1 and k = 0) is the
  * lobe's and the rest is by the cosine about n, for fibres half of it evenly; pdf is that of
  * the mixture.
  * [AshikhminShirley2000; Walter2007; HeitzDEon2014; DupuyBenyoub2023; KangChoKim2011]
@@ -369,14 +403,21 @@ typedef struct shade_sample_lanes {
   const double *nx, *ny, *nz;    /* perturbed normal */
   const double *wox, *woy, *woz; /* to the eye */
   const double *u1, *u2;         /* uniform in [0, 1) */
-  const double *f0r, *f0g, *f0b; /* f0 per sample, or NULL; what is drawn goes by the material's */
+  /* as shade_lanes */
+  const double *f0r, *f0g, *f0b, *ax, *ay, *ex, *ey;
+  const double *f82r, *f82g, *f82b, *etar, *etag, *etab, *kr, *kg, *kb, *kdr, *kdg, *kdb;
+  const double *groove_x, *groove_y;
+  size_t parts;
 } shade_sample_lanes;
 typedef struct shade_sample_lanesf {
   size_t size;
   const float *nx, *ny, *nz;
   const float *wox, *woy, *woz;
   const float *u1, *u2;
-  const float *f0r, *f0g, *f0b;
+  const float *f0r, *f0g, *f0b, *ax, *ay, *ex, *ey;
+  const float *f82r, *f82g, *f82b, *etar, *etag, *etab, *kr, *kg, *kb, *kdr, *kdg, *kdb;
+  const float *groove_x, *groove_y;
+  size_t parts;
 } shade_sample_lanesf;
 
 /* Outputs of a batch of draws, all required. They must not overlap the inputs. */
@@ -394,8 +435,8 @@ typedef struct shade_sample_resultf {
 } shade_sample_resultf;
 
 /*
- * shade_bsdf_sample and shade_bsdf_pdf over arrays of any length and alignment; the pdf call
- * does not read f0. They return the or of all status bits.
+ * shade_bsdf_sample and shade_bsdf_pdf over arrays of any length and alignment. They return the
+ * or of all status bits.
  */
 SHADE_API unsigned shade_bsdf_sample_batch(const shade_bsdf *b, size_t count,
                                            const shade_sample_lanes *in,

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A block of samples as the passes take it, and parameters of each sample: within their ranges,
+ * in the terms of the distribution, and light and eye turned into the frame of each groove.
+ */
+
+/* What shade_lanes and shade_sample_lanes end in, from f0r on. */
+typedef struct FN(varied) {
+  const real *f0[3], *ax, *ay, *ex, *ey, *f82[3], *eta[3], *k[3], *kd[3], *groove_x, *groove_y;
+  size_t parts;
+} FN(varied);
+
+typedef struct FN(block) {
+  size_t count;
+  FN(vec) n, wi, wo;
+  FN(shape) shape;
+  const real *f0[3], *tint[3], *k[3], *kd[3]; /* of each sample, or NULL */
+} FN(block);
+
+/* Room for a block's parameters. */
+typedef struct FN(varied_room) {
+  ROOM kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
+  ROOM f0[3][BLOCK], tint[3][BLOCK], k[3][BLOCK], kd[3][BLOCK];
+  int turned; /* into the frame whose x' is (c, s), then x and y exchanged where mirror is 1 */
+  ROOM c[BLOCK], s[BLOCK], mirror[BLOCK];
+  FN(vec_room) n, wi, wo;
+} FN(varied_room);
+
+/* `in` to `out` within the range; NaN becomes `own`. Nonzero when something had to change. */
+static int FN(pass_within)(size_t count, real low, real high, real own, const real *restrict in,
+                           real *restrict out) {
+  int changed = 0;
+#pragma omp simd reduction(| : changed)
+  for (size_t i = 0; i < count; i++) {
+    real v = in[i] == in[i] ? in[i] : own;
+    v = FN(minimum)(FN(maximum)(v, low), high);
+    changed |= !(v == in[i]);
+    out[i] = v;
+  }
+  return changed;
+}
+
+/* x' of the groove as a unit vector; what is no direction is the material's own, x. */
+static int FN(pass_groove)(size_t count, const real *restrict x, const real *restrict y,
+                           real *restrict c, real *restrict s) {
+  const real far = R(1e15), least = R(1e-15);
+  int changed = 0;
+#pragma omp simd reduction(| : changed)
+  for (size_t i = 0; i < count; i++) {
+    int known = (x[i] == x[i]) & (y[i] == y[i]);
+    real a = known ? x[i] : 1, b = known ? y[i] : 0;
+    a = FN(minimum)(FN(maximum)(a, -far), far);
+    b = FN(minimum)(FN(maximum)(b, -far), far);
+    int none = FN(maximum)(FN(absolute)(a), FN(absolute)(b)) < least;
+    a = none ? 1 : a;
+    b = none ? 0 : b;
+    changed |= !((a == x[i]) & (b == y[i]));
+    real scale = 1 / FN(root)(a * a + b * b);
+    c[i] = a * scale;
+    s[i] = b * scale;
+  }
+  return changed;
+}
+
+/* Directions to the frames of the grooves, and back in place. */
+static void FN(pass_turn)(size_t count, const real *restrict c, const real *restrict s,
+                          const real *restrict mirror, FN(vec) v, FN(vec_room) *restrict to) {
+  ARRAYS(v);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real x = c[i] * vx[i] + s[i] * vy[i], y = c[i] * vy[i] - s[i] * vx[i];
+    to->x[i] = mirror[i] > 0 ? y : x;
+    to->y[i] = mirror[i] > 0 ? x : y;
+    to->z[i] = vz[i];
+  }
+}
+static void FN(pass_turn_back)(size_t count, const real *restrict c, const real *restrict s,
+                               const real *restrict mirror, real *restrict wx, real *restrict wy) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real x = mirror[i] > 0 ? wy[i] : wx[i], y = mirror[i] > 0 ? wx[i] : wy[i];
+    wx[i] = c[i] * x - s[i] * y;
+    wy[i] = s[i] * x + c[i] * y;
+  }
+}
+
+/* Exponents to alphas and back, as shade_params_set_exponents and set_alphas do. */
+static void FN(pass_alpha_of)(size_t count, real *restrict v) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    v[i] = FN(minimum)(FN(maximum)(FN(root)(2 / (v[i] + 2)), R(1e-4)), 10);
+}
+static void FN(pass_exponent_of)(size_t count, real *restrict v) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    v[i] = FN(minimum)(FN(maximum)(2 / (v[i] * v[i]) - 2, 0), R(1e6));
+}
+
+static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
+                                        const real *restrict ky, real *restrict gx,
+                                        real *restrict gy, real *restrict peak) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    gx[i] = 2 / (kx[i] + 2);
+    gy[i] = 2 / (ky[i] + 2);
+    peak[i] = FN(root)((kx[i] + 1) * (ky[i] + 1)) * R(0.15915494309189533577);
+  }
+}
+/* kx and ky hold alphas on entry. */
+static void FN(pass_shape_of_alphas)(size_t count, real *restrict kx, real *restrict ky,
+                                     real *restrict gx, real *restrict gy, real *restrict peak) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real x = kx[i] * kx[i], y = ky[i] * ky[i];
+    peak[i] = R(0.31830988618379067154) / (kx[i] * ky[i]);
+    gx[i] = x;
+    gy[i] = y;
+    kx[i] = 1 / x;
+    ky[i] = 1 / y;
+  }
+}
+
+/* Which lanes' narrow axis is not the material's; their parameters change places. */
+static int FN(pass_mirror_lanes)(size_t count, int own_y, real *restrict kx, real *restrict ky,
+                                 real *restrict gx, real *restrict gy, real *restrict mirror) {
+  int any = 0;
+#pragma omp simd reduction(| : any)
+  for (size_t i = 0; i < count; i++) {
+    int other = own_y ? kx[i] >= ky[i] : ky[i] > kx[i];
+    real x = kx[i], y = ky[i], ax = gx[i], ay = gy[i];
+    any |= other;
+    mirror[i] = other ? R(1.0) : R(0.0);
+    kx[i] = other ? y : x;
+    ky[i] = other ? x : y;
+    gx[i] = other ? ay : ax;
+    gy[i] = other ? ax : ay;
+  }
+  return any;
+}
+
+/* One axis of the lobe, exponents or alphas as the distribution reads them; `own` the material's
+   k. Status bits. */
+static unsigned FN(read_axis)(int exponents, size_t count, real own, const real *alpha,
+                              const real *exponent, real *to) {
+  const real own_value = exponents ? own : 1 / FN(root)(own);
+  const real *given = exponents ? (exponent ? exponent : alpha) : alpha ? alpha : exponent;
+  if (!given) {
+    for (size_t i = 0; i < count; i++)
+      to[i] = own_value;
+    return SHADE_OK;
+  }
+  const int as_exponent = given == exponent;
+  real fallback = own_value;
+  if (as_exponent != exponents) { /* own in terms of what is given */
+    if (as_exponent)
+      FN(pass_exponent_of)(1, &fallback);
+    else
+      FN(pass_alpha_of)(1, &fallback);
+  }
+  const int changed = as_exponent ? FN(pass_within)(count, 0, R(1e6), fallback, given, to)
+                                  : FN(pass_within)(count, R(1e-4), 10, fallback, given, to);
+  if (as_exponent && !exponents)
+    FN(pass_alpha_of)(count, to);
+  else if (!as_exponent && exponents)
+    FN(pass_exponent_of)(count, to);
+  return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
+}
+
+/* One colour, of which any channels may be given. Status bits. */
+static unsigned FN(read_colour)(size_t count, size_t start, const real *const given[3],
+                                const real own[3], real low, real high, real room[3][BLOCK],
+                                const real *to[3]) {
+  int changed = 0;
+  for (int c = 0; c < 3; c++)
+    if (given[c]) {
+      changed |= FN(pass_within)(count, low, high, own[c], given[c] + start, room[c]);
+      to[c] = room[c];
+    }
+  return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
+}
+
+/* The material as these lanes need it: *b, or a copy with what they change for all samples. */
+static const bsdf *FN(for_lanes)(const bsdf *b, const FN(varied) * in, bsdf *copy) {
+  if (!in)
+    return b;
+  const int shape = in->ax || in->ay || in->ex || in->ey;
+  const int kd = in->kd[0] || in->kd[1] || in->kd[2];
+  const int parts = in->parts == SHADE_PART_SPECULAR || in->parts == SHADE_PART_DIFFUSE;
+  if (!(shape && b->detail_auto) && !(kd && !b->has_diffuse) && !parts)
+    return b;
+  *copy = *b;
+  if (shape)
+    copy->carry = b->uneven;
+  copy->has_diffuse |= kd;
+  if (in->parts == SHADE_PART_SPECULAR)
+    copy->has_diffuse = 0;
+  if (in->parts == SHADE_PART_DIFFUSE) {
+    copy->has_specular = 0;
+    copy->has_diffuse = 1;
+  }
+  return copy;
+}
+
+/*
+ * Everything but directions of `block`, from lane `start` on, unless `in` is NULL; then directions
+ * that are not NULL (n, and wi or wo) into the frames of the grooves. Returns status bits.
+ */
+static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t start,
+                                FN(block) * block, FN(varied_room) * m) {
+  const size_t count = block->count;
+  unsigned status = SHADE_OK;
+  m->turned = 0;
+  if (!in)
+    return status;
+  status |= FN(read_colour)(count, start, in->f0, b->FN(f0), 0, 1, m->f0, block->f0);
+  status |= FN(read_colour)(count, start, in->kd, b->FN(kd), 0, 1, m->kd, block->kd);
+  if (b->fresnel == SHADE_FRESNEL_F82)
+    status |= FN(read_colour)(count, start, in->f82, b->FN(tint), 0, 1, m->tint, block->tint);
+  if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
+    status |=
+        FN(read_colour)(count, start, in->eta, b->FN(tint), R(1e-3), 100, m->tint, block->tint);
+    status |= FN(read_colour)(count, start, in->k, b->FN(k), 0, 100, m->k, block->k);
+  }
+  int mirrored = 0;
+  if (in->ax || in->ay || in->ex || in->ey) {
+    const real *const ax = in->ax ? in->ax + start : NULL, *const ay =
+                                                               in->ay ? in->ay + start : NULL;
+    const real *const ex = in->ex ? in->ex + start : NULL, *const ey =
+                                                               in->ey ? in->ey + start : NULL;
+    status |= FN(read_axis)(b->exponents, count, b->FN(kx), ax, ex, m->kx);
+    status |= FN(read_axis)(b->exponents, count, b->FN(ky), ay, ey, m->ky);
+    if (b->exponents)
+      FN(pass_shape_of_exponents)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
+    else
+      FN(pass_shape_of_alphas)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
+    if (b->groove_auto)
+      mirrored =
+          FN(pass_mirror_lanes)(count, b->fibres_along_y, m->kx, m->ky, m->gx, m->gy, m->mirror);
+    block->shape = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy};
+  }
+  if (!mirrored && !(in->groove_x && in->groove_y))
+    return status;
+  m->turned = 1;
+  if (!mirrored)
+    memset(m->mirror, 0, count * sizeof(real));
+  if (in->groove_x && in->groove_y) {
+    if (FN(pass_groove)(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
+      status |= SHADE_CLAMPED_PARAMETER;
+  } else {
+    for (size_t i = 0; i < count; i++)
+      m->c[i] = 1, m->s[i] = 0;
+  }
+  FN(vec) *const v[3] = {&block->n, &block->wi, &block->wo};
+  FN(vec_room) *const to[3] = {&m->n, &m->wi, &m->wo};
+  for (int k = 0; k < 3; k++)
+    if (v[k]->x) {
+      FN(pass_turn)(count, m->c, m->s, m->mirror, *v[k], to[k]);
+      *v[k] = FN(vec_in)(to[k]);
+    }
+  return status;
+}
+
+/* Mean reflectances that draws are shared out by: of the lobe at normal incidence, and diffuse. */
+static void FN(read_shares)(const bsdf *b, const FN(block) * block, real *restrict lobe,
+                            real *restrict diffuse) {
+  const size_t count = block->count;
+  const int less = shade_diffuse_is(b->diffuse).less_f0;
+  const shade_fresnel_traits reads = shade_fresnel_is(b->fresnel);
+  ROOM room[4][BLOCK];
+  for (size_t i = 0; i < count; i++)
+    lobe[i] = diffuse[i] = 0;
+  for (int c = 0; c < 3; c++) {
+    const real *restrict f0 = FN(filled)(count, block->f0[c], 1, b->FN(f0)[c], room[0]);
+    const real *restrict eta = FN(filled)(count, block->tint[c], 1, b->FN(tint)[c], room[1]);
+    const real *restrict k = FN(filled)(count, block->k[c], 1, b->FN(k)[c], room[2]);
+    const real *restrict kd = FN(filled)(count, block->kd[c], 1, b->FN(kd)[c], room[3]);
+    const int conductor = !reads.f0;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+      real k2 = k[i] * k[i], under = (eta[i] + 1) * (eta[i] + 1) + k2;
+      real metal = ((eta[i] - 1) * (eta[i] - 1) + k2) / under;
+      lobe[i] += (conductor ? metal : f0[i]) / 3;
+      diffuse[i] += kd[i] * (1 - (less ? f0[i] : 0)) / 3;
+    }
+  }
+}

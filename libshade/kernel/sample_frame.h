@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Into the frame that half vectors are drawn in, and out of it: a rotation, or through a warp. */
+
+#define FRAME_PASS(name)                                                                           \
+  /* a direction in the frame */                                                                   \
+  static void FN(pass_into_##name)(size_t count, FN(vec) n, FN(vec) w, real *restrict ox,          \
+                                   real *restrict oy) {                                            \
+    ARRAYS(n);                                                                                     \
+    ARRAYS(w);                                                                                     \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
+      FN(axes) f = FN(axes_##name)(nx[i], ny[i], nz[i]);                                           \
+      ox[i] = f.x.x * wx[i] + f.x.y * wy[i] + f.x.z * wz[i];                                       \
+      oy[i] = f.y.x * wx[i] + f.y.y * wy[i] + f.y.z * wz[i];                                       \
+    }                                                                                              \
+  }                                                                                                \
+  /* and back, in place */                                                                         \
+  static void FN(pass_out_of_##name)(size_t count, FN(vec) n, real *restrict hx,                   \
+                                     real *restrict hy, real *restrict hz) {                       \
+    ARRAYS(n);                                                                                     \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
+      FN(axes) f = FN(axes_##name)(nx[i], ny[i], nz[i]);                                           \
+      real x = hx[i], y = hy[i], z = hz[i];                                                        \
+      hx[i] = f.x.x * x + f.y.x * y + nx[i] * z;                                                   \
+      hy[i] = f.x.y * x + f.y.y * y + ny[i] * z;                                                   \
+      hz[i] = f.x.z * x + f.y.z * y + nz[i] * z;                                                   \
+    }                                                                                              \
+  }
+
+FRAME_PASS(rotate_x)
+FRAME_PASS(rotate_y)
+FRAME_PASS(shortest_arc)
+#undef FRAME_PASS
+
+/* `smooth` is a constant where it is called: chosen in the loop, gcc computes what other lanes
+ * held. */
+LEAF void FN(pass_forward)(size_t count, int smooth, FN(vec) n, real *restrict hx,
+                           real *restrict hy, real *restrict hz) {
+  ROOM v[BLOCK];
+  ARRAYS(n);
+  (void)nz;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real scale = FN(scale_to_unit)(hx[i], hy[i], hz[i]);
+    hx[i] *= scale;
+    hy[i] *= scale;
+    real z = hz[i] * scale;
+    real linear = z * z / (1 + FN(root)(hx[i] * hx[i] + hy[i] * hy[i]));
+    v[i] = smooth ? FN(warp_start)(nx[i], ny[i], hx[i], hy[i]) : 1 - linear;
+    hz[i] = linear;
+  }
+  for (int step = 0; smooth && step < FN(warp_steps); step++)
+#pragma omp simd
+    for (size_t i = 0; i < count; i++)
+      v[i] = FN(warp_step)(nx[i], ny[i], hx[i], hy[i], v[i]);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real w = smooth ? 1 - v[i] : hz[i];
+    FN(triple) h = FN(warp_shifted)(nx[i], ny[i], hx[i], hy[i], w);
+    hx[i] = h.x;
+    hy[i] = h.y;
+    hz[i] = h.z;
+  }
+}
+
+/* Visible normals are drawn in rigid frames only. */
+static void FN(pass_into_frame)(shade_map frame, size_t count, FN(vec) n, FN(vec) w, real *ox,
+                                real *oy) {
+  if (frame == SHADE_MAP_ROTATE_X)
+    FN(pass_into_rotate_x)(count, n, w, ox, oy);
+  else if (frame == SHADE_MAP_ROTATE_Y)
+    FN(pass_into_rotate_y)(count, n, w, ox, oy);
+  else if (frame == SHADE_MAP_SHORTEST_ARC)
+    FN(pass_into_shortest_arc)(count, n, w, ox, oy);
+  else {
+    memcpy(ox, w.x, count * sizeof *ox);
+    memcpy(oy, w.y, count * sizeof *oy);
+  }
+}
+
+/* From the carried frame to the local one, in place. */
+static void FN(pass_out_of_frame)(shade_map frame, size_t count, FN(vec) n, real *hx, real *hy,
+                                  real *hz) {
+  const shade_map_kind kind = shade_map_kind_of(frame);
+  if (kind == SHADE_WARP_LINEAR)
+    FN(pass_forward)(count, 0, n, hx, hy, hz);
+  else if (kind == SHADE_WARP_SMOOTH)
+    FN(pass_forward)(count, 1, n, hx, hy, hz);
+  else if (frame == SHADE_MAP_ROTATE_X)
+    FN(pass_out_of_rotate_x)(count, n, hx, hy, hz);
+  else if (frame == SHADE_MAP_ROTATE_Y)
+    FN(pass_out_of_rotate_y)(count, n, hx, hy, hz);
+  else if (frame == SHADE_MAP_SHORTEST_ARC)
+    FN(pass_out_of_shortest_arc)(count, n, hx, hy, hz);
+}
