@@ -184,9 +184,10 @@ static const bsdf *FN(for_lanes)(const bsdf *b, const FN(varied) * in, bsdf *cop
   if (!in)
     return b;
   const int shape = in->ax || in->ay || in->ex || in->ey;
+  const int uneven = b->uneven.map != b->carry.map || b->uneven.parts != b->carry.parts;
   const int kd = in->kd[0] || in->kd[1] || in->kd[2];
   const int parts = in->parts == SHADE_PART_SPECULAR || in->parts == SHADE_PART_DIFFUSE;
-  if (!(shape && b->detail_auto) && !(kd && !b->has_diffuse) && !parts)
+  if (!(shape && uneven) && !(kd && !b->has_diffuse) && !parts)
     return b;
   *copy = *b;
   if (shape)
