@@ -348,8 +348,8 @@ static double jump(const double *value, double roundings, double peak) {
  */
 static int jumps(const shade_bsdf *b, event what, int shaded) {
   int azimuth = bsdf_of(b)->kx != bsdf_of(b)->ky;
-  if (what == H_IS_Z &&
-      (bsdf_of(b)->carry.map == SHADE_MAP_PERTURB || bsdf_of(b)->carry.map == SHADE_MAP_PERTURB_RATIO))
+  if (what == H_IS_Z && (bsdf_of(b)->carry.map == SHADE_MAP_PERTURB ||
+                         bsdf_of(b)->carry.map == SHADE_MAP_PERTURB_RATIO))
     return azimuth;
   if ((what == WI_IS_Z || what == WO_IS_Z) && shaded && bsdf_of(b)->brdf == SHADE_BRDF_MICROFACET)
     return azimuth && bsdf_of(b)->carry.shadow == SHADE_MAP_PERTURB;
