@@ -414,6 +414,14 @@ def test_one_bad_value(dump, tmp_path, channel, value, words):
     assert (fault["x"], fault["y"]) == (x, y)
 
 
+def test_a_light_without_red_is_no_shadow(dump, tmp_path):
+    for name in ("light0.E.R", "light0.S.R"):
+        dump[name][:] = 0
+    assert check(dump.write(tmp_path / "green.exr")).returncode == 0
+    dump["light0.S.G"][:] *= 1.01
+    assert check(dump.write(tmp_path / "wrong.exr")).returncode == 1
+
+
 def test_lengths_of_directions(dump, tmp_path):
     for plane in dump.planes("V"):
         plane *= 1.001
