@@ -154,8 +154,8 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
                               moment_wrap wrap) {
   const int width = m->width, height = m->height;
   const float begins = a == 0 && b == 0 ? 1 : 0, shift = 0.07735026918962576F;
-  const float at_a = (float)a + 0.5F, shift_a = a % 2 ? -shift : shift;
-  const float at_b = (float)b + 0.5F, shift_b = b % 2 ? -shift : shift;
+  const float at_a = (float)a + 0.5F, shift_a = a % 2 ? shift : -shift;
+  const float at_b = (float)b + 0.5F, shift_b = b % 2 ? shift : -shift;
   const float *restrict slopes = m->slopes;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
