@@ -48,7 +48,7 @@ EXR_LIBS := $(shell printf '\043include <openexr.h>\nint main(void){return 0;}' 
 ifneq ($(EXR_LIBS),)
 TOOL_EXR := -DHAVE_OPENEXR
 TOOL_OBJ += $(DUMP_OBJ) $(O)/tool/check_header.o $(O)/tool/check_hit.o $(O)/tool/check_compare.o \
-  $(O)/tool/check_report.o
+  $(O)/tool/check_report.o $(O)/tool/check_fabric.o
 endif
 
 # pictures as PNG: likewise with libpng

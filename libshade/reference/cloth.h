@@ -29,6 +29,23 @@ void shade_ref_crossing(const shade_ref_cloth *cloth, double u, double v, shade_
 unsigned shade_ref_cloth_near(const shade_ref_cloth *cloth, const double uv[2], const double n[3],
                               const double wi[3], const double wo[3], double s[3]);
 
+/* The share of the eye's ray that meets something at that point. */
+double shade_ref_cloth_coverage(const shade_ref_cloth *cloth, const double uv[2], const double n[3],
+                                const double wo[3]);
+
+/*
+ * Over a footprint: the far model's share of it; the mean of the near model's 16 points; its mean
+ * over so many points of any repeat, which the far model is to give, and the standard error of as
+ * many random ones (these are spread evenly, and off by less).
+ */
+double shade_ref_far_share(const double footprint[2]);
+unsigned shade_ref_cloth_points(const shade_ref_cloth *cloth, const double uv[2],
+                                const double footprint[2], const double n[3], const double wi[3],
+                                const double wo[3], double s[3]);
+unsigned shade_ref_cloth_mean(const shade_ref_cloth *cloth, const double uv[2],
+                              const double footprint[2], int points, const double n[3],
+                              const double wi[3], const double wo[3], double s[3], double error[3]);
+
 /* The yarns of one direction as a whole; in the frame of their mean fibres. */
 typedef struct shade_ref_side {
   double share;        /* of the cloth that shows them, times occlusion */

@@ -39,8 +39,16 @@ void ref_point_color(const shade_ref_cloth *c, const ref_point *at, real color[3
 /* What a nap makes of s; ci and co: about the cloth's normal. */
 void ref_nap(const shade_fabric_params *p, real ci, real co, real s[3]);
 
-/* Directions made unit, n lifted above the horizon. Status bits. */
-unsigned ref_cloth_open(const double n_in[3], const double wi_in[3], const double wo_in[3], vec *n,
-                        vec *wi, vec *wo);
+/* A hit, and what it sends on by the rule of `hard`. */
+typedef struct ref_hit {
+  const shade_ref_cloth *cloth;
+  const ref_point *at;        /* of the near model */
+  const shade_ref_seen *seen; /* of the single lobes */
+  void (*by)(const struct ref_hit *hit, vec n, vec wi, vec wo, real s[3]);
+} ref_hit;
+
+/* s with the cloth's horizon. Status bits. */
+unsigned ref_cloth_s(const ref_hit *hit, const double n[3], const double wi[3], const double wo[3],
+                     double s[3]);
 
 #endif

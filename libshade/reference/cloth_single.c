@@ -166,22 +166,16 @@ static real facing(const shade_ref_side *side, vec w) {
   return cosine >= reach ? 1 : cosine <= -reach ? 0 : (1 + cosine / reach) / 2;
 }
 
-unsigned shade_ref_cloth_single(const shade_ref_cloth *c, const shade_ref_seen *seen,
-                                const double n_in[3], const double wi_in[3], const double wo_in[3],
-                                double s[3]) {
-  vec n, wi, wo;
-  s[0] = s[1] = s[2] = 0;
-  unsigned status = ref_cloth_open(n_in, wi_in, wo_in, &n, &wi, &wo);
-  if (status & SHADE_BAD_INPUT)
-    return status;
+static void single_s(const ref_hit *hit, vec n, vec wi, vec wo, real s[3]) {
+  const shade_ref_cloth *c = hit->cloth;
   const real ci = dot(n, wi), co = dot(n, wo);
+  s[0] = s[1] = s[2] = 0;
   if (ci <= 0 || co <= 0 || wi.z <= 0 || wo.z <= 0)
-    return status;
-  real sum[3];
-  for (int i = 0; i < 3; i++)
-    sum[i] = seen->gap[i] * ci / pi;
+    return;
+  for (int k = 0; k < 3; k++)
+    s[k] = hit->seen->gap[k] * ci / pi;
   for (int kind = 0; kind < 2; kind++) {
-    const shade_ref_side *side = &seen->side[kind];
+    const shade_ref_side *side = &hit->seen->side[kind];
     if (side->share <= 0)
       continue;
     shade_yarn yarn = kind == SHADE_TOP_WARP ? c->fabric.warp : c->fabric.weft;
@@ -193,11 +187,15 @@ unsigned shade_ref_cloth_single(const shade_ref_cloth *c, const shade_ref_seen *
     real glossy[3], matt[3], faces = facing(side, i) * facing(side, o);
     ref_yarn(&lobe, unit((vec){side->mean[0], side->mean[1], side->mean[2]}), i, o, glossy, matt);
     for (int k = 0; k < 3; k++)
-      sum[k] += faces * (side->share * glossy[k] + side->matt[k] * matt[k]);
+      s[k] += faces * (side->share * glossy[k] + side->matt[k] * matt[k]);
   }
   if (c->fabric.nap > 0)
-    ref_nap(&c->fabric, ci, co, sum);
-  for (int i = 0; i < 3; i++)
-    s[i] = (double)sum[i];
-  return status;
+    ref_nap(&c->fabric, ci, co, s);
+}
+
+unsigned shade_ref_cloth_single(const shade_ref_cloth *c, const shade_ref_seen *seen,
+                                const double n[3], const double wi[3], const double wo[3],
+                                double s[3]) {
+  const ref_hit hit = {c, NULL, seen, single_s};
+  return ref_cloth_s(&hit, n, wi, wo, s);
 }

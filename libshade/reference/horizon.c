@@ -66,7 +66,7 @@ real ref_facet_share(const facets *s, int facet, vec w) {
 }
 
 /* How much of a facet is not hidden from w: projected areas must add up to w.z. */
-static real unhidden(const facets *s, int facet, vec w) {
+real ref_unhidden(const facets *s, int facet, vec w) {
   if (dot(s->normal[facet], w) <= 0 || w.z <= 0)
     return 0;
   real part = w.z / (seen_area(s, BUMPED, w) + seen_area(s, UPRIGHT, w));
@@ -85,29 +85,30 @@ static unsigned two_facets(const shade_params *p, vec n, vec lobe_n, vec wi, vec
   if (wi.z <= 0 || wo.z <= 0)
     return status;
   for (int i = 0; i < 3; i++)
-    f[i] = ref_facet_share(&s, BUMPED, wo) * one[i] * cosi * unhidden(&s, BUMPED, wi) / wi.z;
+    f[i] = ref_facet_share(&s, BUMPED, wo) * one[i] * cosi * ref_unhidden(&s, BUMPED, wi) / wi.z;
   if (s.area[UPRIGHT] == 0)
     return status;
   const vec t = s.normal[UPRIGHT];
   if (dot(t, wi) > 0) { /* at the bumped facet, on to the mirror, out to the light */
     vec between = minus(wi, scale(t, 2 * dot(t, wi)));
     hard(p, n, lobe_n, between, wo, one, &cosi);
-    real blocked = 1 - unhidden(&s, BUMPED, between);
+    real blocked = 1 - ref_unhidden(&s, BUMPED, between);
     for (int i = 0; i < 3; i++)
       f[i] += ref_facet_share(&s, BUMPED, wo) * one[i] * cosi * blocked *
-              unhidden(&s, UPRIGHT, wi) / wi.z;
+              ref_unhidden(&s, UPRIGHT, wi) / wi.z;
   }
   if (dot(t, wo) > 0) { /* at the mirror, on to the bumped facet, out to the light */
     vec between = minus(wo, scale(t, 2 * dot(t, wo)));
     hard(p, n, lobe_n, wi, between, one, &cosi);
     for (int i = 0; i < 3; i++)
-      f[i] += ref_facet_share(&s, UPRIGHT, wo) * one[i] * cosi * unhidden(&s, BUMPED, wi) / wi.z;
+      f[i] +=
+          ref_facet_share(&s, UPRIGHT, wo) * one[i] * cosi * ref_unhidden(&s, BUMPED, wi) / wi.z;
   }
   return status;
 }
 
 /* What is left of the light, by horizon. */
-static real shadow(shade_horizon horizon, vec n, vec wi) {
+real ref_shadow(shade_horizon horizon, vec n, vec wi) {
   if (wi.z <= 0)
     return 0;
   if (horizon == SHADE_HORIZON_ESTEVEZ || horizon == SHADE_HORIZON_VALID_ESTEVEZ) {
@@ -143,7 +144,7 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
   vec lobe_n = ref_as_given(p, n_in, n);
   unsigned status = n_in[2] <= 0 ? SHADE_CLAMPED_NORMAL : SHADE_OK;
   shade_horizon horizon = p->detail == SHADE_DETAIL_NONE ? SHADE_HORIZON_HARD : p->horizon;
-  real value[3], cosi, factor = shadow(horizon, n, wi); /* 1 but for two of them */
+  real value[3], cosi, factor = ref_shadow(horizon, n, wi); /* 1 but for two of them */
   if (ref_bends(horizon)) {
     vec turned = ref_bent(n, wo);
     lobe_n = turned.z > n.z ? turned : lobe_n;

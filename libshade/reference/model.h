@@ -58,5 +58,10 @@ enum { BUMPED, UPRIGHT };
 facets ref_facets_of(vec n);
 /* Share of the projected surface that a facet takes up, seen from w. */
 real ref_facet_share(const facets *s, int facet, vec w);
+/* How much of a facet is not hidden from w. */
+real ref_unhidden(const facets *s, int facet, vec w);
+
+/* What is left of the light, by horizon. */
+real ref_shadow(shade_horizon horizon, vec n, vec wi);
 
 #endif

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * makedump FILE.exr WIDTH HEIGHT SEED [plain|sharp|varied]: a dump as a back end would write it,
- * for test_check.py. Frames, directions and lights are random, but near the lobes,
- * so that S is well above zero; S comes from shade_bsdf_eval_batchf, its inputs
- * from the world's vectors in float, as in a renderer. `plain`: without Color. `sharp`:
- * with exponents 30 times as large, to 6000. `varied`: all kinds of materials, and every
- * number that may vary from hit to hit does.
+ * makedump FILE.exr WIDTH HEIGHT SEED [plain|sharp|varied|cloth]: a dump as a back end would write
+ * it, for test_check.py. Frames, directions and lights are random, but near the lobes, so that S is
+ * well above zero; S comes from shade_bsdf_eval_batchf, its inputs from the world's vectors in
+ * float, as in a renderer. `plain`: without Color. `sharp`: with exponents 30 times as large, to
+ * 6000. `varied`: all kinds of materials, and every number that may vary from hit to hit does.
+ * `cloth`: cloths, each hit by a tier of its own, in double.
  */
 #include "dump/dump.h"
+#include "shade/presets.h"
 #include "shade/shade.h"
 
 #include <math.h>
@@ -299,6 +300,138 @@ static void shade_varied(const shade_dump *d, const shade_params *p, int materia
   }
 }
 
+/* ---- cloth ---------------------------------------------------------------------------- */
+
+typedef struct cloth {
+  shade_preset preset;
+  shade_draft *draft;
+  shade_weave *weave;
+  shade_fabric *fabric;
+} cloth;
+enum { CLOTHS = 4 };
+
+static int make_cloths(cloth cloths[CLOTHS]) {
+  static const char *const words[CLOTHS] = {"denim", "silk_charmeuse", "linen", "wool_flannel"};
+  for (int i = 0; i < CLOTHS; i++) {
+    cloth *c = &cloths[i];
+    if (!shade_preset_find(words[i], &c->preset))
+      return 0;
+    c->preset.fabric.draft_colors = i == 1;
+    c->draft = shade_draft_named(c->preset.weave);
+    for (int k = 0; c->draft && k < c->draft->ends; k++)
+      c->draft->warp[k].color[0] = k % 2 ? 0.6 : 1;
+    c->weave = shade_weave_create(c->draft, &c->preset.yarns, NULL);
+    c->fabric = shade_fabric_create(c->weave, &c->preset.fabric, NULL);
+    if (!c->fabric)
+      return 0;
+  }
+  return 1;
+}
+
+static void free_cloths(cloth cloths[CLOTHS]) {
+  for (int i = 0; i < CLOTHS; i++) {
+    shade_fabric_free(cloths[i].fabric);
+    shade_weave_free(cloths[i].weave);
+    shade_draft_free(cloths[i].draft);
+  }
+}
+
+/* The first by the name of its weave, the others by their draft. */
+static char *cloths_json(const cloth cloths[CLOTHS]) {
+  enum { SIZE = 16384 * CLOTHS };
+  char *text = malloc(SIZE);
+  if (!text)
+    return NULL;
+  int length =
+      snprintf(text, SIZE,
+               "{\"version\": \"" SHADE_VERSION "\", \"renderer\": \"makedump\", \"materials\": [");
+  for (int i = 0; i < CLOTHS; i++) {
+    const cloth *c = &cloths[i];
+    length += snprintf(text + length, (size_t)(SIZE - length), "%s", i ? ", " : "");
+    length += shade_fabric_json(i, c->preset.word, c->draft, i == 0 ? c->preset.weave : NULL,
+                                &c->preset.yarns, &c->preset.fabric, text + length,
+                                (size_t)(SIZE - length));
+  }
+  snprintf(text + length, (size_t)(SIZE - length), "]}");
+  return text;
+}
+
+/* uv in crossings, a tier, a footprint. */
+static void place_on_cloth(shade_dump *d, size_t pixel) {
+  const double pick = uniform(), span = 20 * pow(4, uniform());
+  const shade_fabric_tier tier = pick < 0.3    ? SHADE_TIER_NEAR
+                                 : pick < 0.87 ? SHADE_TIER_AUTO
+                                 : pick < 0.88 ? SHADE_TIER_FAR
+                                               : SHADE_TIER_SINGLE;
+  const double foot = pick < 0.6 ? 0 : pick < 0.86 ? 0.7 * uniform() : span;
+  shade_dump_plane(d, SHADE_DUMP_UV)[pixel] = (float)(80 * uniform() - 40);
+  shade_dump_plane(d, SHADE_DUMP_UV + 1)[pixel] = (float)(80 * uniform() - 40);
+  shade_dump_plane(d, SHADE_DUMP_FOOT)[pixel] = (float)foot;
+  shade_dump_plane(d, SHADE_DUMP_FOOT + 1)[pixel] = (float)(foot * (0.5 + uniform()));
+  shade_dump_plane(d, SHADE_DUMP_TIER)[pixel] = (float)tier;
+}
+
+static void unit_of(const float *plane, size_t pixels, size_t pixel, double v[3]) {
+  double size = 0;
+  for (size_t i = 0; i < 3; i++) {
+    v[i] = (double)plane[i * pixels + pixel];
+    size += v[i] * v[i];
+  }
+  for (int i = 0; i < 3; i++)
+    v[i] /= sqrt(size);
+}
+
+/* In double, from the directions that the file has. */
+static void shade_cloth(const shade_dump *d, const cloth *c, size_t pixel, int light) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  double axis[3][3], world[3][3], v[3][3], s[3];
+  unit_of(shade_dump_plane(d, SHADE_DUMP_T), pixels, pixel, axis[0]);
+  unit_of(shade_dump_plane(d, SHADE_DUMP_N), pixels, pixel, axis[2]);
+  for (int i = 0; i < 3; i++)
+    axis[1][i] =
+        axis[2][(i + 1) % 3] * axis[0][(i + 2) % 3] - axis[2][(i + 2) % 3] * axis[0][(i + 1) % 3];
+  unit_of(shade_dump_plane(d, SHADE_DUMP_NS), pixels, pixel, world[0]);
+  unit_of(shade_dump_light_plane(d, light, SHADE_DUMP_L), pixels, pixel, world[1]);
+  unit_of(shade_dump_plane(d, SHADE_DUMP_V), pixels, pixel, world[2]);
+  for (int k = 0; k < 3; k++)
+    for (int a = 0; a < 3; a++)
+      v[k][a] = axis[a][0] * world[k][0] + axis[a][1] * world[k][1] + axis[a][2] * world[k][2];
+  const double uv[] = {(double)number(d, SHADE_DUMP_UV, pixel),
+                       (double)number(d, SHADE_DUMP_UV + 1, pixel)};
+  const double foot[] = {(double)number(d, SHADE_DUMP_FOOT, pixel),
+                         (double)number(d, SHADE_DUMP_FOOT + 1, pixel)};
+  shade_fabric_eval(c->fabric, uv, foot, v[0], v[1], v[2],
+                    (shade_fabric_tier)(int)number(d, SHADE_DUMP_TIER, pixel), s);
+  const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
+  for (size_t i = 0; i < 3; i++)
+    shade_dump_light_plane(d, light, SHADE_DUMP_S)[i * pixels + pixel] =
+        (float)(s[i] * (double)e[i * pixels + pixel]);
+}
+
+/* A whole dump of cloths. */
+static int fill_with_cloth(shade_dump *d) {
+  cloth cloths[CLOTHS] = {0};
+  shade_params plain;
+  shade_params_init(&plain);
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  shade_dump_add(d, SHADE_DUMP_FOOT);
+  shade_dump_add(d, SHADE_DUMP_TIER);
+  char *json = make_cloths(cloths) ? cloths_json(cloths) : NULL;
+  const int good = json && shade_dump_set_json(d, json) == 0;
+  for (size_t pixel = 0; good && pixel < pixels; pixel++) {
+    const int material = (int)(uniform() * (CLOTHS + 1)) - 1;
+    if (material < 0)
+      continue;
+    fill_pixel(d, pixel, material, &plain);
+    place_on_cloth(d, pixel);
+    for (int light = 0; light < LIGHTS; light++)
+      shade_cloth(d, &cloths[material], pixel, light);
+  }
+  free(json);
+  free_cloths(cloths);
+  return good;
+}
+
 static void make_bitangents(const shade_dump *d, float *b) {
   const size_t pixels = (size_t)d->width * (size_t)d->height;
   const float *n = shade_dump_plane(d, SHADE_DUMP_N), *t = shade_dump_plane(d, SHADE_DUMP_T);
@@ -307,6 +440,16 @@ static void make_bitangents(const shade_dump *d, float *b) {
       const size_t j = (i + 1) % 3 * pixels + x, k = (i + 2) % 3 * pixels + x;
       b[i * pixels + x] = n[j] * t[k] - n[k] * t[j];
     }
+}
+
+/* Writes the dump and frees it. */
+static int save(shade_dump *d, const char *path) {
+  char error[512];
+  const int status = shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error);
+  if (status != 0)
+    fprintf(stderr, "makedump: %s\n", error);
+  shade_dump_free(d);
+  return status != 0;
 }
 
 int main(int argc, char **argv) {
@@ -322,6 +465,12 @@ int main(int argc, char **argv) {
   d->has_color = argc == 5 || sharp || varied;
   for (int channel = SHADE_DUMP_ALPHA; varied && channel < SHADE_DUMP_FOOT; channel++)
     shade_dump_add(d, (enum shade_dump_optional)channel);
+  if (argc == 6 && strcmp(argv[5], "cloth") == 0) {
+    d->has_color = 0;
+    if (!fill_with_cloth(d))
+      return 1;
+    return save(d, argv[1]);
+  }
   const size_t pixels = (size_t)width * (size_t)height;
   shade_params materials[MATERIALS];
   make_materials(materials, sharp ? 30 : 1);
@@ -336,7 +485,7 @@ int main(int argc, char **argv) {
   }
   float *bitangent = malloc(3 * pixels * sizeof *bitangent), *lanes[LANES];
   float *scratch = malloc(LANES * pixels * sizeof *scratch);
-  char *json = header_json(materials), error[512];
+  char *json = header_json(materials);
   if (!bitangent || !scratch || !json || shade_dump_set_json(d, json) != 0)
     return 1;
   for (size_t i = 0; i < LANES; i++)
@@ -348,12 +497,8 @@ int main(int argc, char **argv) {
         shade_varied(d, &materials[material], material, light, bitangent);
       else
         shade(d, &materials[material], material, light, lanes, bitangent);
-  const int status = shade_dump_write(shade_exr_api_linked(), argv[1], d, error, sizeof error);
-  if (status != 0)
-    fprintf(stderr, "makedump: %s\n", error);
   free(json);
   free(scratch);
   free(bitangent);
-  shade_dump_free(d);
-  return status != 0;
+  return save(d, argv[1]);
 }

@@ -122,6 +122,12 @@ static cloth random_cloth(void) {
     f.nap_color[k] = random_number();
   }
   f.nap = maybe(0, 1);
+  f.horizon = (shade_horizon)below(SHADE_HORIZON_COUNT);
+  const int transmits = below(2);
+  for (int k = 0; k < 3 && transmits; k++) {
+    f.warp_transmit[k] = random_number();
+    f.weft_transmit[k] = random_number();
+  }
   return make_cloth(random_draft(), &w, &f);
 }
 
@@ -243,6 +249,8 @@ static void near_is_the_reference(void **state) {
       if (on_an_edge(&c.reference, uv))
         continue;
       const double *fold = k % 3 ? n : NULL;
+      if (k % 4 == 0)
+        wi[2] = -wi[2];
       const unsigned got = shade_fabric_eval(c.fabric, uv, NULL, fold, wi, wo, SHADE_TIER_NEAR, s);
       assert_int_equal(got, shade_ref_cloth_near(&c.reference, uv, fold, wi, wo, want));
       points++;

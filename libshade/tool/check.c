@@ -59,8 +59,9 @@ static int check_dump(const check_options *o, const shade_dump *d, const json *h
   c.cells = calloc((size_t)c.material_count * (size_t)d->lights + 1, sizeof *c.cells);
   c.index = malloc(pixels * sizeof *c.index);
   c.reference = malloc(3 * pixels * sizeof *c.reference);
+  c.doubt = malloc(3 * pixels * sizeof *c.doubt);
   int status = TOOL_BAD_INPUT;
-  if (c.cells && c.index && c.reference) {
+  if (c.cells && c.index && c.reference && c.doubt) {
     tool_progress_begin(&c.progress, "check", d->lights);
     check_find_hits(&c);
     for (int light = 0; light < d->lights; light++)
@@ -73,7 +74,8 @@ static int check_dump(const check_options *o, const shade_dump *d, const json *h
   free(c.cells);
   free(c.index);
   free(c.reference);
-  free(c.materials);
+  free(c.doubt);
+  check_free_materials(c.materials, c.material_count);
   return status;
 }
 

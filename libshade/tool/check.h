@@ -2,7 +2,7 @@
 /*
  * shade check: what its files share. check.c reads options and files, check_header.c the
  * materials of the header, check_hit.c the hits, check_compare.c compares them with the
- * reference, check_report.c says what came out.
+ * reference, check_fabric.c knows cloths, check_report.c says what came out.
  */
 #ifndef SHADE_TOOL_CHECK_H
 #define SHADE_TOOL_CHECK_H
@@ -10,6 +10,7 @@
 #include <stddef.h>
 
 #include "dump/dump.h"
+#include "shade/fabric.h"
 #include "shade/shade.h"
 #include "tool/json.h"
 #include "tool/work.h"
@@ -30,6 +31,7 @@ typedef enum check_fault {
   FAULT_E,
   FAULT_S,
   FAULT_REFERENCE,
+  FAULT_CLOTH,
   FAULT_COUNT
 } check_fault;
 
@@ -37,13 +39,28 @@ typedef struct check_material {
   int id;
   const char *name; /* in the JSON tree */
   shade_params params;
+  struct check_cloth *cloth; /* NULL: none; owned */
   size_t pixels;
   double tilt; /* largest angle of Ns from N, radians: 0 means that no bump was tested */
 } check_material;
 
+/* How a value is compared: with the reference at its point; with a mean, or with lobes that stand
+ * for many, and then apart from the others. */
+typedef enum check_tier { CHECK_NEAR, CHECK_FAR, CHECK_SINGLE, CHECK_TIERS } check_tier;
+
+/* Values of cloth that are judged apart. An error is relative to at least a tenth of the largest.
+ */
+typedef struct check_apart {
+  size_t checked, over;
+  double largest, beyond; /* error; and less what the reference's own doubt allows */
+  double s, reference;    /* sums */
+  size_t worst_pixel;
+} check_apart;
+
 /* One material under one light. */
 typedef struct check_cell {
-  double maximum; /* of S and of the reference */
+  check_apart apart[CHECK_TIERS]; /* not of CHECK_NEAR */
+  double maximum;                 /* of S and of the reference */
   size_t checked;
   double largest, sum; /* relative errors */
   double beyond;       /* the largest that is over the limit, less what rounding may do there */
@@ -63,6 +80,8 @@ typedef struct check {
   check_cell *cells; /* material by material, light by light */
   int *index;        /* per pixel: its material's index, or -1: nothing to compare */
   double *reference; /* per pixel and channel, of the light at hand */
+  double *doubt;     /* the same: standard error of what the reference averaged */
+  int far_points;    /* over so many points, so that the whole takes no minutes */
   size_t horizon;    /* values left out there */
   size_t faults[FAULT_COUNT], first_fault[FAULT_COUNT];
   tool_progress progress;
@@ -70,8 +89,9 @@ typedef struct check {
 
 /* ---- the materials of the header: check_header.c ---- */
 
-/* The materials, sorted by id; the caller frees them. NULL after printing why. */
+/* The materials, sorted by id. NULL after printing why. */
 check_material *check_read_materials(const char *path, const json *header, int *count);
+void check_free_materials(check_material *materials, int count);
 /* The index of the material that a pixel's material.ID names, or -1. */
 int check_find_material(const check *c, float id);
 
@@ -87,6 +107,9 @@ typedef struct check_hit {
   check_frame frame;
   double n[3], wo[3];
   shade_params params;
+  struct check_cloth *cloth; /* of its material */
+  double uv[2], foot[2];     /* in crossings */
+  shade_fabric_tier tier;
 } check_hit;
 
 void check_note_fault(check *c, check_fault what, size_t pixel);
@@ -101,6 +124,19 @@ void check_to_local(const check_frame *f, const double v[3], double local[3]);
 int check_read_hit(check *c, size_t pixel, check_hit *h);
 /* Find each pixel's material; what is no hit or unfit gets -1. */
 void check_find_hits(check *c);
+
+/* ---- cloths: check_fabric.c ---- */
+
+typedef struct check_cloth check_cloth;
+/* The object `fabric` of a material; NULL after writing what is wrong with it. */
+check_cloth *check_read_fabric(const json *object, char *message, size_t size);
+void check_free_fabric(check_cloth *cloth); /* NULL is fine */
+/* The limits of errors of a tier that is judged apart. */
+double check_limit(check_tier tier);
+check_tier check_tier_of(const check_hit *h);
+/* s of a hit on a cloth, and the standard error of it where it is the mean over `points`. */
+void check_cloth_s(const check_hit *h, int points, const double uv[2], const double n[3],
+                   const double wi[3], const double wo[3], double s[3], double doubt[3]);
 
 /* ---- the comparison: check_compare.c ---- */
 

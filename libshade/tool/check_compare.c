@@ -29,13 +29,27 @@ static int faded(const check_hit *h, const double wi[3]) {
   return h->params.horizon >= SHADE_HORIZON_ESTEVEZ && wi[2] > 0 && wi[2] < FADED;
 }
 
+/* What a hit sends on of the light from wi: f cos. */
+static void shaded(const check *c, const check_hit *h, const double uv[2], const double n[3],
+                   const double wi[3], const double wo[3], double s[3], double doubt[3]) {
+  double cosine;
+  doubt[0] = doubt[1] = doubt[2] = 0;
+  if (h->cloth) {
+    check_cloth_s(h, c->far_points, uv, n, wi, wo, s, doubt);
+    return;
+  }
+  shade_ref_f(&h->params, n, wi, wo, s, &cosine);
+  for (int i = 0; i < 3; i++)
+    s[i] *= cosine;
+}
+
 /*
  * Reference values of one pixel under one light; NaN marks values not to compare:
  * a fault, or the horizon, where rounding may have taken S, or the reference, to 0 or, where
  * light fades out, to too few digits.
  */
 static void refer(check *c, int light, size_t pixel, double reference[3]) {
-  double s[3], e[3], l[3], wi[3], f[3], cosine;
+  double s[3], e[3], l[3], wi[3], f[3], *doubt = c->doubt + 3 * pixel;
   check_hit h;
   reference[0] = reference[1] = reference[2] = NAN;
   check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_S), pixel, s);
@@ -58,10 +72,11 @@ static void refer(check *c, int light, size_t pixel, double reference[3]) {
   }
   check_read_hit(c, pixel, &h);
   check_to_local(&h.frame, l, wi);
-  shade_ref_f(&h.params, h.n, wi, h.wo, f, &cosine);
+  shaded(c, &h, h.uv, h.n, wi, h.wo, f, doubt);
   const int horizon = on_horizon(&h, wi);
   for (int i = 0; i < 3; i++) {
-    const double value = f[i] * cosine * e[i];
+    const double value = f[i] * e[i];
+    doubt[i] *= e[i];
     if (!isfinite(value))
       check_note_fault(c, FAULT_REFERENCE, pixel);
     else if (faded(&h, wi) || (horizon && (s[i] == 0) != (value == 0)))
@@ -86,26 +101,28 @@ static void turned(const double axis[3], double angle, double v[3]) {
  * does, and the changes are added up.
  */
 static double rounding_at(check *c, int light, size_t pixel, int channel) {
-  enum { TURNS = 4 * 3 };
-  double e[3], l[3], f[3], cosine, wi[3], base = 0, sum = 0;
+  enum { TURNS = 4 * 3, SHIFTS = 4 };
+  double e[3], l[3], f[3], doubt[3], wi[3], base = 0, sum = 0;
   check_hit h;
   if (!check_read_unit(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_L), pixel, l))
     return 0;
   check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_E), pixel, e);
   check_read_hit(c, pixel, &h);
   check_to_local(&h.frame, l, wi);
-  for (int k = -1; k < TURNS; k++) {
-    double v[3][3];
+  for (int k = -1; k < TURNS + (h.cloth ? SHIFTS : 0); k++) {
+    double v[3][3], uv[2] = {h.uv[0], h.uv[1]};
     memcpy(v[0], h.n, sizeof v[0]);
     memcpy(v[1], wi, sizeof v[1]);
     memcpy(v[2], h.wo, sizeof v[2]);
     for (int which = 0; which < 3 && k >= 0; which++)
-      if (k / 3 == which || k / 3 == 3) {
+      if (k < TURNS && (k / 3 == which || k / 3 == 3)) {
         const double axis[3] = {k % 3 == 0, k % 3 == 1, k % 3 == 2};
         turned(axis, ROUNDING, v[which]);
       }
-    shade_ref_f(&h.params, v[0], v[1], v[2], f, &cosine);
-    const double value = f[channel] * cosine * e[channel];
+    if (k >= TURNS) /* where a yarn or a ridge ends is as sharp as uv */
+      uv[k % 2] += (k % 4 < 2 ? 1 : -1) * ROUNDING * fmax(1, fabs(uv[k % 2]));
+    shaded(c, &h, uv, v[0], v[1], v[2], f, doubt);
+    const double value = f[channel] * e[channel];
     if (k < 0)
       base = value;
     else
@@ -116,6 +133,31 @@ static double rounding_at(check *c, int light, size_t pixel, int channel) {
 
 check_cell *check_cell_at(const check *c, int material_index, int light) {
   return &c->cells[material_index * c->dump->lights + light];
+}
+
+/* What is no value of one point: beside a limit of its own. */
+static void compare_apart(check *c, check_tier tier, check_cell *in, double s, double reference,
+                          size_t pixel, int channel) {
+  check_apart *a = &in->apart[tier];
+  const double larger = fmax(fmax(fabs(s), fabs(reference)), 0.1 * in->maximum);
+  if (isnan(reference) || !(larger > 0))
+    return;
+  const double error = fabs(s - reference) / larger;
+  const double doubt = 4 * c->doubt[3 * pixel + (size_t)channel] / larger;
+  a->s += s;
+  a->reference += reference;
+  a->over += error - doubt > check_limit(tier);
+  a->beyond = fmax(a->beyond, error - doubt);
+  if (a->checked++ && error <= a->largest)
+    return;
+  a->largest = error;
+  a->worst_pixel = pixel;
+}
+
+static check_tier tier_at(check *c, size_t pixel) {
+  check_hit h;
+  return c->materials[c->index[pixel]].cloth && check_read_hit(c, pixel, &h) ? check_tier_of(&h)
+                                                                             : CHECK_NEAR;
 }
 
 static void compare_value(check *c, int light, double s, double reference, size_t pixel,
@@ -158,12 +200,17 @@ void check_compare_light(check *c, int light) {
             fmax(in->maximum, fmax(fabs((double)s[i * c->pixels + pixel]), fabs(reference[i])));
   }
   const float *id = shade_dump_plane(c->dump, SHADE_DUMP_MATERIAL);
-  for (size_t pixel = 0; pixel < c->pixels; pixel++)
+  for (size_t pixel = 0; pixel < c->pixels; pixel++) {
+    const check_tier tier = c->index[pixel] >= 0 ? tier_at(c, pixel) : CHECK_NEAR;
     for (int i = 0; i < 3; i++) {
       const double value = (double)s[(size_t)i * c->pixels + pixel];
-      if (c->index[pixel] >= 0)
+      if (tier != CHECK_NEAR)
+        compare_apart(c, tier, check_cell_at(c, c->index[pixel], light), value,
+                      c->reference[3 * pixel + (size_t)i], pixel, i);
+      else if (c->index[pixel] >= 0)
         compare_value(c, light, value, c->reference[3 * pixel + (size_t)i], pixel, i);
       else if (id[pixel] == -1 && value != 0)
         check_note_fault(c, FAULT_MISS, pixel);
     }
+  }
 }

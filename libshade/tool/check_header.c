@@ -75,6 +75,37 @@ static int is_id(const json *value) { /* a float of material.ID holds it exactly
          value->number == floor(value->number);
 }
 
+/* A cloth: its id, its name and what it is made of, no more. */
+static int read_cloth(check_material *m, const char *path, int index, const json *object) {
+  int id = 0, fabric = 0, name = 0;
+  char message[320];
+  m->name = "";
+  shade_params_init(&m->params);
+  m->params.horizon = SHADE_HORIZON_HARD;
+  for (const json *member = object->child; member; member = member->next) {
+    int *seen = strcmp(member->key, "id") == 0       ? &id
+                : strcmp(member->key, "name") == 0   ? &name
+                : strcmp(member->key, "fabric") == 0 ? &fabric
+                                                     : NULL;
+    if (!seen)
+      return bad_material(path, index, "unknown key beside fabric:", member->key);
+    if ((*seen)++)
+      return bad_material(path, index, "two values of", member->key);
+    if ((seen == &id && !is_id(member)) || (seen == &name && member->type != JSON_STRING))
+      return bad_material(path, index, "bad value of", member->key);
+    if (seen == &id)
+      m->id = (int)member->number;
+    if (seen == &name)
+      m->name = member->string;
+    if (seen == &fabric && !(m->cloth = check_read_fabric(member, message, sizeof message))) {
+      fprintf(stderr, "shade check: %s: material number %d of the header: fabric: %s\n", path,
+              index, message);
+      return 0;
+    }
+  }
+  return id || bad_material(path, index, "lacks", "id");
+}
+
 /* Every key that all dumps have must be there, none twice; one that is not known might matter. */
 static int read_material(check_material *m, const char *path, int index, const json *object) {
 #define ONE(...) +1
@@ -85,6 +116,8 @@ static int read_material(check_material *m, const char *path, int index, const j
   m->name = "";
   if (object->type != JSON_OBJECT)
     return bad_material(path, index, "is no", "{ }");
+  if (json_member(object, "fabric"))
+    return read_cloth(m, path, index, object);
   for (const json *member = object->child; member; member = member->next) {
     int good = 1, key = read_table_key(&m->params, member, &good);
     if (strcmp(member->key, "id") == 0) {
@@ -143,8 +176,14 @@ check_material *check_read_materials(const char *path, const json *header, int *
     }
   if (good)
     return materials;
-  free(materials);
+  check_free_materials(materials, *count);
   return NULL;
+}
+
+void check_free_materials(check_material *materials, int count) {
+  for (int i = 0; i < count; i++)
+    check_free_fabric(materials[i].cloth);
+  free(materials);
 }
 
 int check_find_material(const check *c, float id) {

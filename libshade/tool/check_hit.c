@@ -92,6 +92,22 @@ static int read_varied(const check *c, size_t pixel, check_hit *h) {
   return 1;
 }
 
+/* On cloth: where, over what extent, by which tier. 0: not what may be. */
+static int read_place(const check *c, size_t pixel, check_hit *h) {
+  const float *uv = shade_dump_plane(c->dump, SHADE_DUMP_UV);
+  double tier = SHADE_TIER_AUTO;
+  h->uv[0] = (double)uv[pixel];
+  h->uv[1] = (double)uv[c->pixels + pixel];
+  h->foot[0] = h->foot[1] = 0;
+  if (!replace(c, SHADE_DUMP_FOOT, pixel, 2, h->foot) ||
+      !replace(c, SHADE_DUMP_TIER, pixel, 1, &tier) || h->foot[0] < 0 || h->foot[1] < 0 ||
+      !(tier >= SHADE_TIER_AUTO && tier <= SHADE_TIER_SINGLE) || tier != floor(tier) ||
+      fabs(h->uv[0]) > 1e9 || fabs(h->uv[1]) > 1e9)
+    return 0;
+  h->tier = (shade_fabric_tier)(int)tier;
+  return 1;
+}
+
 /* 0 with a fault noted if the hit's planes are unfit. */
 int check_read_hit(check *c, size_t pixel, check_hit *h) {
   const shade_dump *d = c->dump;
@@ -127,10 +143,15 @@ int check_read_hit(check *c, size_t pixel, check_hit *h) {
     return 0;
   }
   h->params = c->materials[c->index[pixel]].params;
+  h->cloth = c->materials[c->index[pixel]].cloth;
   if (d->has_color)
     memcpy(h->params.f0, color, sizeof color);
   if (!read_varied(c, pixel, h)) {
     check_note_fault(c, FAULT_NOT_FINITE, pixel);
+    return 0;
+  }
+  if (h->cloth && !read_place(c, pixel, h)) {
+    check_note_fault(c, FAULT_CLOTH, pixel);
     return 0;
   }
   return 1;
@@ -139,6 +160,7 @@ int check_read_hit(check *c, size_t pixel, check_hit *h) {
 /* Find each pixel's material; what is no hit or unfit gets -1. */
 void check_find_hits(check *c) {
   const float *id = shade_dump_plane(c->dump, SHADE_DUMP_MATERIAL);
+  size_t far = 0;
   for (size_t pixel = 0; pixel < c->pixels; pixel++) {
     const int index = c->index[pixel] = check_find_material(c, id[pixel]);
     if (index < 0) {
@@ -149,9 +171,13 @@ void check_find_hits(check *c) {
     check_material *m = &c->materials[index];
     m->pixels++;
     check_hit h;
-    if (check_read_hit(c, pixel, &h))
-      m->tilt = fmax(m->tilt, atan2(hypot(h.n[0], h.n[1]), h.n[2]));
-    else
+    if (!check_read_hit(c, pixel, &h)) {
       c->index[pixel] = -1;
+      continue;
+    }
+    m->tilt = fmax(m->tilt, atan2(hypot(h.n[0], h.n[1]), h.n[2]));
+    far += h.cloth && check_tier_of(&h) == CHECK_FAR;
   }
+  const double affordable = 2e6 / fmax((double)far * c->dump->lights, 1); /* some half a minute */
+  c->far_points = (int)fmax(256, fmin(affordable, 16384));
 }

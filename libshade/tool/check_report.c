@@ -14,10 +14,13 @@ static const char *const fault_words[FAULT_COUNT] = {
     [FAULT_E] = "E is negative or not finite",
     [FAULT_S] = "S is not finite",
     [FAULT_REFERENCE] = "the reference gives no finite value",
+    [FAULT_CLOTH] = "foot or uv on cloth is out of range, or tier is none",
 };
 
+static const char *const tier_words[CHECK_TIERS] = {[CHECK_FAR] = "far", [CHECK_SINGLE] = "single"};
+
 typedef struct verdict {
-  size_t checked, faults;
+  size_t checked, faults, apart_over;
   double largest, beyond, mean; /* the worst of all cells */
   size_t excused;
   int idle_materials, idle_lights; /* with nothing to compare */
@@ -28,6 +31,22 @@ static double mean_of(const check_cell *in) {
   return in->checked ? in->sum / (double)in->checked : 0;
 }
 
+/* How far the sums of what is judged apart are from each other. */
+static double off(const check_apart *a) {
+  return a->reference > 0 ? fabs(a->s / a->reference - 1) : a->s > 0;
+}
+
+/* Values that are judged apart, and whether they pass. */
+static size_t judge_apart(const check_cell *in, size_t *over) {
+  size_t checked = 0;
+  for (int tier = CHECK_FAR; tier < CHECK_TIERS; tier++) {
+    const check_apart *a = &in->apart[tier];
+    checked += a->checked;
+    *over += a->over + (a->checked && off(a) > check_limit((check_tier)tier));
+  }
+  return checked;
+}
+
 static verdict judge(const check *c) {
   verdict v = {0};
   const int lights = c->dump->lights;
@@ -35,7 +54,7 @@ static verdict judge(const check *c) {
     size_t checked = 0;
     for (int light = 0; light < lights; light++) {
       const check_cell *in = check_cell_at(c, m, light);
-      checked += in->checked;
+      checked += in->checked + judge_apart(in, &v.apart_over);
       v.largest = fmax(v.largest, in->largest);
       v.beyond = fmax(v.beyond, in->beyond);
       v.excused += in->excused;
@@ -46,14 +65,17 @@ static verdict judge(const check *c) {
   }
   for (int light = 0; light < lights; light++) {
     size_t checked = 0;
-    for (int m = 0; m < c->material_count; m++)
-      checked += check_cell_at(c, m, light)->checked;
+    for (int m = 0; m < c->material_count; m++) {
+      size_t counted_above = 0;
+      const check_cell *in = check_cell_at(c, m, light);
+      checked += in->checked + judge_apart(in, &counted_above);
+    }
     v.idle_lights += checked == 0;
   }
   for (int i = 0; i < FAULT_COUNT; i++)
     v.faults += c->faults[i];
-  v.pass = v.checked > 0 && v.faults == 0 && v.beyond <= c->options->tolerance &&
-           v.mean <= c->options->mean_tolerance &&
+  v.pass = v.checked > 0 && v.faults == 0 && v.apart_over == 0 &&
+           v.beyond <= c->options->tolerance && v.mean <= c->options->mean_tolerance &&
            !(c->options->all && (v.idle_materials || v.idle_lights));
   return v;
 }
@@ -66,6 +88,20 @@ static int pixel_y(const check *c, size_t pixel) {
 }
 
 #define DEGREES (180 / 3.14159265358979323846)
+
+static void print_apart(const check *c) {
+  for (int m = 0; m < c->material_count; m++)
+    for (int light = 0; light < c->dump->lights; light++)
+      for (int tier = CHECK_FAR; tier < CHECK_TIERS; tier++) {
+        const check_apart *a = &check_cell_at(c, m, light)->apart[tier];
+        if (a->checked)
+          printf("apart: material %d, light %d, cloth %s: %zu values, largest error %.3e at (%d, "
+                 "%d), beyond doubt %.3e, of their sum %.3e (limit %g), %zu over it\n",
+                 c->materials[m].id, light, tier_words[tier], a->checked, a->largest,
+                 pixel_x(c, a->worst_pixel), pixel_y(c, a->worst_pixel), a->beyond, off(a),
+                 check_limit((check_tier)tier), a->over);
+      }
+}
 
 static void print_text(const check *c, const verdict *v) {
   const shade_dump *d = c->dump;
@@ -88,6 +124,7 @@ static void print_text(const check *c, const verdict *v) {
       else
         printf("%10s %10s  %s\n", "-", "-", mat->pixels ? "unlit" : "not in the picture");
     }
+  print_apart(c);
   for (int i = 0; i < FAULT_COUNT; i++)
     if (c->faults[i])
       printf("fault: %s: %zu times, first at (%d, %d)\n", fault_words[i], c->faults[i],
@@ -124,6 +161,15 @@ static void print_json_cell(const check *c, const check_material *m, const check
            "\"channel\": \"%c\", \"s\": %.9g, \"reference\": %.17g, \"rounding\": %.6g}",
            in->largest, mean_of(in), pixel_x(c, in->worst_pixel), pixel_y(c, in->worst_pixel),
            "RGB"[in->worst_channel], in -> worst_s, in -> worst_reference, in -> worst_rounding);
+  for (int tier = CHECK_FAR; tier < CHECK_TIERS; tier++) {
+    const check_apart *a = &in->apart[tier];
+    if (a->checked)
+      printf(", \"%s\": {\"values\": %zu, \"largest\": %.17g, \"beyond_doubt\": %.17g, \"sum\": "
+             "%.17g, \"limit\": %g, \"over\": %zu, \"x\": %d, \"y\": %d}",
+             tier_words[tier], a->checked, a->largest, a->beyond, off(a),
+             check_limit((check_tier)tier), a->over, pixel_x(c, a->worst_pixel),
+             pixel_y(c, a->worst_pixel));
+  }
   printf("}");
 }
 

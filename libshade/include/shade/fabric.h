@@ -61,6 +61,27 @@ typedef struct shade_fabric_params {
  * nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ. */
 SHADE_API void shade_fabric_params_init(shade_fabric_params *p);
 
+/*
+ * The numbers of a yarn's material and of a cloth by row: where row 0, 1, … is kept in *yarn or *p
+ * (info->components of them, 1 or 3), and about it in *info unless that is NULL. NULL past the end.
+ */
+SHADE_API double *shade_fabric_yarn_number(shade_yarn *yarn, int row, shade_param_info *info);
+SHADE_API double *shade_fabric_number(shade_fabric_params *p, int row, shade_param_info *info);
+
+/*
+ * As JSON, for the header of a dump, within their ranges: the shape of the yarns, their material,
+ * and a cloth as one of the header's materials,
+ * {"id": 0, "name": "…", "fabric": {"weave": "plain", "yarns": {…}, "cloth": {…}}}.
+ * `weave` is a name that shade_draft_named takes; where it is NULL, "draft" holds `draft` as the
+ * text of a WIF. Each writes at most `capacity` bytes with the closing 0 and returns the length
+ * that was needed, as snprintf does; shade_fabric_json -1 when out of memory. `name` may be NULL.
+ */
+SHADE_API int shade_weave_params_json(const shade_weave_params *p, char *buffer, size_t capacity);
+SHADE_API int shade_fabric_params_json(const shade_fabric_params *p, char *buffer, size_t capacity);
+SHADE_API int shade_fabric_json(int id, const char *name, const shade_draft *draft,
+                                const char *weave, const shade_weave_params *yarns,
+                                const shade_fabric_params *cloth, char *buffer, size_t capacity);
+
 typedef struct shade_fabric shade_fabric;
 
 /*

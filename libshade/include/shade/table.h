@@ -186,6 +186,22 @@
   ROW(SKY, sky, 2, "Sky", "By the share of an even sky that the neighbouring yarns leave")
 
 /*
+ * What the yarns of one direction are made of, and the cloth as a whole: ROW(word, kind, minimum,
+ * maximum, default, "help"), the members of shade_yarn and of shade_fabric_params.
+ */
+#define SHADE_TABLE_FABRIC_YARN(ROW)                                                               \
+  ROW(along, REAL, 0.0, 1e6, 100.0, "Exponent along the fibres")                                   \
+  ROW(across, REAL, 0.0, 1e6, 10.0, "Exponent across the fibres")                                  \
+  ROW(f0, COLOUR, 0.0, 1.0, 0.04, "Reflectance at normal incidence, linear RGB")                   \
+  ROW(kd, COLOUR, 0.0, 1.0, 0.5, "Diffuse reflectance, linear RGB")
+#define SHADE_TABLE_FABRIC(ROW)                                                                    \
+  ROW(backing, COLOUR, 0.0, 1.0, 0.0, "Reflectance of what shows through the gaps, linear RGB")    \
+  ROW(nap, REAL, 0.0, 10.0, 0.0, "Optical depth of the nap")                                       \
+  ROW(nap_color, COLOUR, 0.0, 1.0, 0.5, "Colour of the nap, linear RGB")                           \
+  ROW(warp_transmit, COLOUR, 0.0, 1.0, 0.0, "Light from behind that warp yarns let through")       \
+  ROW(weft_transmit, COLOUR, 0.0, 1.0, 0.0, "Light from behind that weft yarns let through")
+
+/*
  * Weaves by name: ROW(word, label, help). Twills are ends over / ends under the weft and rise
  * to the right.
  */
