@@ -317,6 +317,9 @@ static int make_cloths(cloth cloths[CLOTHS]) {
     if (!shade_preset_find(words[i], &c->preset))
       return 0;
     c->preset.fabric.draft_colors = i == 1;
+    c->preset.fabric.horizon = (shade_horizon)i;
+    if (i == 2) /* linen: its gaps show nothing */
+      memset(c->preset.fabric.backing, 0, sizeof c->preset.fabric.backing);
     c->draft = shade_draft_named(c->preset.weave);
     for (int k = 0; c->draft && k < c->draft->ends; k++)
       c->draft->warp[k].color[0] = k % 2 ? 0.6 : 1;
@@ -402,6 +405,19 @@ static void shade_cloth(const shade_dump *d, const cloth *c, size_t pixel, int l
                          (double)number(d, SHADE_DUMP_FOOT + 1, pixel)};
   shade_fabric_eval(c->fabric, uv, foot, v[0], v[1], v[2],
                     (shade_fabric_tier)(int)number(d, SHADE_DUMP_TIER, pixel), s);
+  shade_fabric_point point;
+  shade_fabric_hit hit;
+  double coverage;
+  shade_fabric_point_init(c->fabric, &point);
+  for (int i = 0; i < 2; i++) {
+    point.uv[i] = uv[i];
+    point.footprint[i] = foot[i];
+  }
+  for (int i = 0; i < 3; i++)
+    point.n[i] = v[0][i];
+  shade_fabric_prepare(c->fabric, &point, v[2],
+                       (shade_fabric_tier)(int)number(d, SHADE_DUMP_TIER, pixel), &hit, &coverage);
+  shade_dump_plane(d, SHADE_DUMP_COVERAGE)[pixel] = (float)coverage;
   const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
   for (size_t i = 0; i < 3; i++)
     shade_dump_light_plane(d, light, SHADE_DUMP_S)[i * pixels + pixel] =
@@ -415,6 +431,7 @@ static int fill_with_cloth(shade_dump *d) {
   shade_params_init(&plain);
   const size_t pixels = (size_t)d->width * (size_t)d->height;
   shade_dump_add(d, SHADE_DUMP_FOOT);
+  shade_dump_add(d, SHADE_DUMP_COVERAGE);
   shade_dump_add(d, SHADE_DUMP_TIER);
   char *json = make_cloths(cloths) ? cloths_json(cloths) : NULL;
   const int good = json && shade_dump_set_json(d, json) == 0;

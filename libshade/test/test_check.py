@@ -185,6 +185,124 @@ def test_half_a_channel_is_refused(varied, tmp_path):
     assert result.returncode == 1 and "alpha.Y is missing" in result.stderr
 
 
+# ---- cloth ------------------------------------------------------------------------------
+
+TIER_NAMES = {"near": 1, "far": 2, "single": 3}
+
+
+@pytest.fixture(scope="module")
+def cloth(folder, makedump):
+    path = folder / "cloth.exr"
+    subprocess.run([makedump, path, "16", "16", "6", "cloth"], check=True)
+    return path
+
+
+def test_cloth_passes(cloth):
+    report = check_json(cloth, "--all")
+    assert report["pass"] and report["largest"] < 1e-5
+    for cell in report["cells"]:
+        assert cell["values"] > 20 and cell["mean"] < 1e-6
+    for tier, limit in ("far", 0.15), ("single", 0.05):
+        apart = [cell[tier] for cell in report["cells"] if tier in cell]
+        assert apart and all(0 < part["values"] and part["limit"] == limit and part["over"] == 0
+                             for part in apart)
+    assert "cloth far" in check(cloth).stdout
+
+
+def lit_cloth(dump, tier):
+    """A hit of that tier, and where its light is brightest."""
+    auto = dump["tier"] == 0
+    longer = np.maximum(dump["foot.U"], dump["foot.V"])
+    of_tier = {"near": (dump["tier"] == 1) | auto & (longer == 0),
+               "points": auto & (longer > 0) & (longer <= 0.75),
+               "far": (dump["tier"] == 2) | auto & (longer > 2), "single": dump["tier"] == 3}[tier]
+    s = np.where(of_tier & (dump["material.ID"] >= 0), dump["light0.S.G"], 0)
+    y, x = np.unravel_index(s.argmax(), s.shape)
+    assert s[y, x] > 0
+    return y, x
+
+
+@pytest.mark.parametrize("tier, channel, factor", [
+    ("near", "light0.S.R", 1.001), ("points", "light0.S.G", 1.001), ("far", "light0.S.B", 1.5),
+    ("single", "light0.S.G", 1.1), ("near", "light0.E.R", 1.01), ("points", "light0.E.B", 1.01),
+    ("far", "light0.E.G", 1.5), ("single", "light0.E.R", 1.1), ("near", "light0.S.G", 0),
+    ("far", "light0.S.R", 0), ("single", "light0.S.B", 0)])
+def test_one_wrong_value_on_cloth(cloth, tmp_path, tier, channel, factor):
+    dump = Dump(cloth)
+    y, x = lit_cloth(dump, tier)
+    dump[channel][y, x] *= factor
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert not report["pass"] and not report["faults"]
+    if tier in ("far", "single"):
+        assert report["largest"] < 1e-5
+        assert sum(cell[tier]["over"] for cell in report["cells"] if tier in cell) == 1
+
+
+@pytest.mark.parametrize("channel, change", [
+    ("uv.U", 0.3), ("uv.V", 0.3), ("foot.U", 0.2), ("foot.V", 0.2), ("tier", 2)])
+def test_one_wrong_place_on_cloth(cloth, tmp_path, channel, change):
+    dump = Dump(cloth)
+    tier = "points" if channel.startswith("foot") else "near"
+    y, x = lit_cloth(dump, tier)
+    dump[channel][y, x] += change
+    assert not check_json(dump.write(tmp_path / "x.exr"))["pass"]
+
+
+@pytest.mark.parametrize("channel, value, words", [
+    ("tier", 4, "tier is none"), ("tier", 0.5, "tier is none"), ("foot.U", -1, "out of range"),
+    ("foot.V", np.nan, "out of range"), ("coverage.A", 1.5, "coverage"),
+    ("coverage.A", np.nan, "coverage"), ("coverage.A", 0.5, "coverage"),
+    ("uv.U", 1e30, "out of range")])
+def test_one_bad_value_on_cloth(cloth, tmp_path, channel, value, words):
+    dump = Dump(cloth)
+    y, x = lit_cloth(dump, "near")
+    dump[channel][y, x] = value
+    fault = assert_fault(dump.write(tmp_path / "x.exr"), words)
+    assert (fault["x"], fault["y"]) == (x, y)
+
+
+@pytest.mark.parametrize("path, value, message", [
+    (["weave"], "no_such", "bad value of 'weave'"), (["yarns", "seed"], -1, "bad value of 'seed'"),
+    (["yarns", "warp", "width"], 0, "bad value of 'width'"),
+    (["yarns", "occlusion"], "dusk", "bad value of 'occlusion'"),
+    (["cloth", "nap"], "much", "bad value of 'nap'"), (["cloth", "mdf"], "x", "bad value of 'mdf'"),
+    (["cloth", "warp", "kd"], [1, 2], "bad value of 'kd'"),
+    (["cloth", "horizon"], None, "lacks 'horizon'"), (["yarns", "weft"], None, "lacks 'weft'"),
+    (["cloth", "sheen"], 1, "unknown or repeated key in 'cloth'")])
+def test_header_of_cloth_is_read_strictly(cloth, tmp_path, path, value, message):
+    dump = Dump(cloth)
+    place = dump.header["materials"][0]["fabric"]
+    for key in path[:-1]:
+        place = place[key]
+    if value is None:
+        del place[path[-1]]
+    else:
+        place[path[-1]] = value
+    result = check(dump.write(tmp_path / "x.exr"))
+    assert result.returncode == 1
+    assert f"material number 0 of the header: fabric: {message}" in result.stderr
+
+
+@pytest.mark.parametrize("material, path, value", [
+    (0, ["yarns", "warp", "crimp"], 0.01), (1, ["yarns", "seed"], 77), (2, ["yarns", "weft", "curve"], 0),
+    (3, ["cloth", "nap"], 0), (0, ["cloth", "weft", "along"], 5), (1, ["cloth", "warp", "kd"], [0, 0, 0]),
+    (2, ["cloth", "horizon"], "hard"), (1, ["cloth", "draft_colors"], False)])
+def test_each_part_of_the_header_matters(cloth, tmp_path, material, path, value):
+    dump = Dump(cloth)
+    place = dump.header["materials"][material]["fabric"]
+    for key in path[:-1]:
+        place = place[key]
+    assert place[path[-1]] != value
+    place[path[-1]] = value
+    assert_only_cloth_fails(dump.write(tmp_path / "x.exr"), material)
+
+
+def assert_only_cloth_fails(path, material):
+    report = check_json(path)
+    assert not report["pass"]
+    assert {c["material"] for c in report["cells"] if c["largest"] > 1e-4} == {material}
+
+
 def test_text_report(good):
     result = check(good)
     assert result.returncode == 0 and result.stderr == ""

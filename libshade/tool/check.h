@@ -32,6 +32,7 @@ typedef enum check_fault {
   FAULT_S,
   FAULT_REFERENCE,
   FAULT_CLOTH,
+  FAULT_COVERAGE,
   FAULT_COUNT
 } check_fault;
 
@@ -131,8 +132,11 @@ typedef struct check_cloth check_cloth;
 /* The object `fabric` of a material; NULL after writing what is wrong with it. */
 check_cloth *check_read_fabric(const json *object, char *message, size_t size);
 void check_free_fabric(check_cloth *cloth); /* NULL is fine */
-/* The limits of errors of a tier that is judged apart. */
+/* The limits of errors of a tier that is judged apart: of one value, and of the sum of many. */
 double check_limit(check_tier tier);
+double check_sum_limit(check_tier tier);
+/* Is `coverage` what the cloth has there? */
+int check_coverage(const check_hit *h, double coverage);
 check_tier check_tier_of(const check_hit *h);
 /* s of a hit on a cloth, and the standard error of it where it is the mean over `points`. */
 void check_cloth_s(const check_hit *h, int points, const double uv[2], const double n[3],
