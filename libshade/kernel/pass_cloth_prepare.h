@@ -268,22 +268,29 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
       p.n[0][i] = p.n[1][i] = 0;
       p.n[2][i] = 1;
     }
-  const real *d[2][3] = {{flat ? p.n[0] : in->nx + start, flat ? p.n[1] : in->ny + start,
-                          flat ? p.n[2] : in->nz + start},
-                         {in->wox + start, in->woy + start, in->woz + start}};
-  status |= FN(mend_block)(size, 2, d, &p.room);
+  FN(vec) given = {p.n[0], p.n[1], p.n[2]};
+  FN(vec) eye = {in->wox + start, in->woy + start, in->woz + start};
+  FN(vec) *const vectors[3] = {&given, &eye, NULL}; /* gcc believes that three are read */
+  if (!flat)
+    given = (FN(vec)){in->nx + start, in->ny + start, in->nz + start};
+  status |= FN(mend_block)(size, 2, vectors, &p.room);
+  const real *const d[2][3] = {{given.x, given.y, given.z}, {eye.x, eye.y, eye.z}};
   const unsigned mended = status;
   for (int a = 0; a < 3; a++) {
     memcpy(FN(cloth_row)(c, CLOTH_GIVEN + a), d[0][a], size * sizeof(real));
     memcpy(FN(cloth_row)(c, CLOTH_WO + a), d[1][a], size * sizeof(real));
   }
   if (!flat &&
-      (f->horizon == SHADE_HORIZON_VALID_REFLECTION || f->horizon == SHADE_HORIZON_VALID_ESTEVEZ))
-    FN(pass_bend)
-  (size, d[0][0], d[0][1], d[0][2], d[1][0], d[1][1], d[1][2], FN(cloth_row)(c, CLOTH_N),
-   FN(cloth_row)(c, CLOTH_N + 1), FN(cloth_row)(c, CLOTH_N + 2));
-  else for (int a = 0; a < 3; a++)
+      (f->horizon == SHADE_HORIZON_VALID_REFLECTION || f->horizon == SHADE_HORIZON_VALID_ESTEVEZ)) {
+    FN(vec_room) bent;
+    FN(pass_bend)(size, given, eye, &bent);
+    const real *const n[3] = {bent.x, bent.y, bent.z};
+    for (int a = 0; a < 3; a++)
+      memcpy(FN(cloth_row)(c, CLOTH_N + a), n[a], size * sizeof(real));
+  } else {
+    for (int a = 0; a < 3; a++)
       memcpy(FN(cloth_row)(c, CLOTH_N + a), d[0][a], size * sizeof(real));
+  }
 
   const real *const kd[2][3] = {{in->weft_r, in->weft_g, in->weft_b},
                                 {in->warp_r, in->warp_g, in->warp_b}};
