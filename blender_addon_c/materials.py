@@ -172,8 +172,13 @@ class _Reader:
         found = trace(socket, groups)
         if found.node is None:
             return {"f0": tuple(found.socket.default_value[:3])}
-        if found.node.type == "RGB":
-            return {"f0": tuple(found.output.default_value[:3])}
+        # What no reader knows goes to the texture's, which says what it leaves out.
+        return _COLORS.get(found.node.type, _Reader._color_texture)(self, found)
+
+    def _color_value(self, found):
+        return {"f0": tuple(found.output.default_value[:3])}
+
+    def _color_texture(self, found):
         image = self._image(found, "Color")
         # The image takes the socket's place.
         return {"f0": (1.0, 1.0, 1.0) if image >= 0 else tuple(found.socket.default_value[:3]),
@@ -257,6 +262,10 @@ class _Reader:
             self._warn(f"uses the UV maps '{self.uv_map}' and '{name}'; "
                        f"libshade uses '{self.uv_map}' for both")
         self.uv_map = self.uv_map or name
+
+
+# What may feed a colour, by the node's type: each is tested by test_blender_semantics.
+_COLORS = {"RGB": _Reader._color_value, "TEX_IMAGE": _Reader._color_texture}
 
 
 def _roughness(roughness):

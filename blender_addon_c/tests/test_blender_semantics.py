@@ -2,6 +2,7 @@
 """What each setting of Blender means: through the dump and the picture, against values worked
 out by hand. The scene is one plane of one metal under one sun straight above (scenes.py: plain)."""
 
+import ast
 import json
 import math
 
@@ -9,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from blender_runs import Dump, rgba
+from blender_runs import ROOT, Dump, rgba
 
 METAL = {"ex": 6, "ey": 2, "f0": (0.9, 0.6, 0.3)}
 OTHER = {"ex": 1, "ey": 7, "f0": (0.2, 0.4, 0.8)}
@@ -38,6 +39,11 @@ def cycles_normal(n, strength):
     return n / np.linalg.norm(n)
 
 
+def linear(srgb):
+    """IEC 61966-2-1, above its linear part."""
+    return tuple(((c + 0.055) / 1.055) ** 2.4 for c in srgb)
+
+
 TILT = (0.48, 0.36, 0.8)
 # change: what the sun's energy of 3 is multiplied by, the metal, its normal, uv of (u, v)
 CASES = {
@@ -47,6 +53,8 @@ CASES = {
     "exposure": {"factor": 2**-1.5},
     "emission": {"factor": np.multiply((0.5, 0.25, 1), 1.75)},
     "unused_emission": {},
+    "color_rgb": {"metal": {**METAL, "f0": (0.2, 0.5, 0.7)}},
+    "color_tex_image": {"metal": {**METAL, "f0": linear((1, 230 / 255, 0.8))}},
     "override": {"metal": OTHER},
     "principled": {"metal": of_roughness(0.6, (0.7, 0.5, 0.2))},
     "viewport_color": {"metal": of_roughness(0.7, (0.3, 0.6, 0.9))},
@@ -58,6 +66,17 @@ CASES = {
     "uv_node": {"uv": lambda u, v: (v, 1 - u), "metal": {**METAL, "f0": (0, 0, 0)}},
     "uv_normal_map": {"uv": lambda u, v: (u, v), "normal": TILT},
 }
+
+
+TEXTURED = ("uv_node", "color_tex_image")
+
+
+def test_every_node_that_feeds_a_colour_has_a_case():
+    tree = ast.parse((ROOT / "blender_addon_c/materials.py").read_text())
+    (table,) = (node.value for node in tree.body
+                if isinstance(node, ast.Assign) and node.targets[0].id == "_COLORS")
+    for key in table.keys:
+        assert f"color_{key.value.lower()}" in CASES, f"{key.value}: give it a case"
 
 
 @pytest.mark.parametrize("change", CASES)
@@ -85,8 +104,10 @@ def test_plain(blender, tmp_path, change):
     (material,) = (m for m in header(tmp_path / "dump.exr")["materials"] if m["id"] in used)
     for key, value in metal.items():
         if key == "f0":  # per pixel where there is a texture
-            value, found = np.array(value), dump["Color"][0, 0] if change == "uv_node" else material[key]
-            np.testing.assert_allclose(found, value, rtol=1e-6, atol=1e-9)
+            textured = change in TEXTURED
+            found = dump["Color"][0, 0] if textured else material[key]
+            half_step = 0.5 / 65535  # a texture's colour has 16 bits
+            np.testing.assert_allclose(found, value, rtol=1e-6, atol=half_step if textured else 1e-9)
         else:
             assert material[key] == pytest.approx(value, rel=1e-6), key
     if change not in ("strength", "value", "uv_normal_map"):  # detail NONE: as bright, in fact

@@ -313,6 +313,20 @@ def unused_emission(ob, light, tree, node):
     light.data.use_nodes = False
 
 
+def color_rgb(_ob, _light, tree, node):
+    source = tree.nodes.new("ShaderNodeRGB")
+    source.outputs[0].default_value = (0.2, 0.5, 0.7, 1)
+    tree.links.new(source.outputs[0], node.inputs["Color"])
+
+
+def color_tex_image(_ob, _light, tree, node):
+    """One colour, in bytes of sRGB."""
+    image = bpy.data.images.new("colour", 2, 2)
+    image.pixels.foreach_set(np.tile([1, 230 / 255, 204 / 255, 1], 4).astype(np.float32))
+    image.update()
+    tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
+
+
 def override(_ob, _light, _tree, _node):
     other, _, node = common.metal("other", ex=1, ey=7, fresnel="NONE", detail="NONE")
     node.inputs["Color"].default_value = (0.2, 0.4, 0.8, 1)
