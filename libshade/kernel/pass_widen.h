@@ -15,7 +15,7 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
   const float *restrict base_x = b->base[0], *restrict base_y = b->base[1];
   float *restrict to_x = b->width[0], *restrict to_y = b->width[1];
   float *restrict groove_x = b->groove[0], *restrict groove_y = b->groove[1];
-  const float exponents = b->exponents ? 1 : 0;
+  const float exponents = b->exponents ? 1 : 0, alphas = 1 - exponents;
   int bad = 0, clamped = 0;
 #pragma omp simd reduction(| : bad, clamped)
   for (size_t i = 0; i < count; i++) {
@@ -31,7 +31,7 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
 
     /* the covariance; the nearest that has no negative direction */
     float xx = in_xx[i], xy = in_xy[i], yy = in_yy[i];
-    const int finite = fabsf(xx) < 3.4e38F && fabsf(xy) < 3.4e38F && fabsf(yy) < 3.4e38F;
+    const int finite = (fabsf(xx) < 3.4e38F) & (fabsf(xy) < 3.4e38F) & (fabsf(yy) < 3.4e38F);
     xx = finite ? xx : 0;
     xy = finite ? xy : 0;
     yy = finite ? yy : 0;
@@ -49,17 +49,21 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
     xx = indefinite ? kxx : xx;
     xy = indefinite ? kxy : xy;
     yy = indefinite ? kyy : yy;
-    bad |= !upright | !finite | indefinite;
+    int wrong = upright ? 0 : 1;
+    wrong = finite ? wrong : 1;
+    wrong = indefinite ? 1 : wrong;
+    bad |= wrong;
 
     /* squared widths of the lobe */
     float bx = base_x[i], by = base_y[i];
-    const int within = bx >= least && bx <= most && by >= least && by <= most;
+    const int within = (bx >= least) & (bx <= most) & (by >= least) & (by <= most);
     bx = bx > least ? bx : least;
     by = by > least ? by : least;
     bx = bx < most ? bx : most;
     by = by < most ? by : most;
     const float ex = 1 / bx, ey = 1 / by, ax = bx * bx, ay = by * by;
-    const float wx = exponents > 0 ? ex : ax, wy = exponents > 0 ? ey : ay;
+    /* blends, not choices, by what all lanes share: those keep gcc from vectors */
+    const float wx = exponents * ex + alphas * ax, wy = exponents * ey + alphas * ay;
     const int by_width = wy < wx;
     const float across = by_width ? automatic : choice_y;
 
@@ -97,14 +101,16 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
     const float widest = half < 0 ? smaller : larger, other = half < 0 ? larger : smaller;
     const float rx = sqrtf(widest), ry = sqrtf(other), qx = 1 / (widest + 1e-37F),
                 qy = 1 / (other + 1e-37F);
-    float px = exponents > 0 ? qx : rx, py = exponents > 0 ? qy : ry;
-    const float floor = exponents > 0 ? 0 : 1e-4F;
-    const int fits = px >= floor && px <= most && py >= floor && py <= most;
+    float px = exponents * qx + alphas * rx, py = exponents * qy + alphas * ry;
+    const float floor = alphas * 1e-4F;
+    const int fits = (px >= floor) & (px <= most) & (py >= floor) & (py <= most);
     px = px > floor ? px : floor;
     py = py > floor ? py : floor;
     px = px < most ? px : most;
     py = py < most ? py : most;
-    clamped |= !fits | !within;
+    int cut = fits ? 0 : 1;
+    cut = within ? cut : 1;
+    clamped |= cut;
     to_x[i] = px;
     to_y[i] = py;
     groove_x[i] = cs;
