@@ -127,6 +127,8 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 
 # the compiler makes these beside its objects: no rule is to be looked for
 %.d: ;
+# a header that went is no reason to stop: what named it is compiled again
+%.h: ;
 -include $(wildcard $(O)/*/*.d)
 
 # Tests: one cmocka program per behaviour. `check-libshade` runs them as built, then once
