@@ -33,6 +33,8 @@ static void FN(cloth_sides)(const FN(cloth) * c, const real *const wi[3], const 
     real behind = FN(minimum)(FN(minimum)(-a, -iz[i]), seen);
     side[i] = front > 0 ? R(1.0) : behind > 0 ? R(-1.0) : R(0.0);
   }
+  for (size_t i = 0; i < c->count; i++) /* gaps and nap are there whatever the kind */
+    side[i] = c->kind[i] == CLOTH_VOID ? 0 : side[i];
 }
 
 /*
