@@ -349,7 +349,7 @@ FLIPS = {
     "cross product, y": ("leaf_detail.h", "nz * hx - nx * hz;", "nz * hx + nx * hz;"),
     "cross product, z": ("leaf_detail.h", "c.z = nx * hy - ny * hx", "c.z = nx * hy + ny * hx"),
     "rotate, sum of y'": ("leaf_detail.h", "nx * c.z - nz * c.x", "nx * c.z + nz * c.x"),
-    "exponent": ("leaf_distribution.h", "(x * p.xx + (y * p.yy + mean))",
+    "exponent": ("mdf_ashikhmin_shirley.h", "(x * p.xx + (y * p.yy + mean))",
                  "(x * p.xx - (y * p.yy + mean))"),
     "Schlick": ("leaf_fresnel.h", "real m = 1 - c;", "real m = 1 + c;"),
     "cosine to the light": ("pass_brdf.h", "nx[i] * wix[i] + ny[i] * wiy[i]",
@@ -358,7 +358,7 @@ FLIPS = {
     "shadow of the slope": ("leaf_horizon.h", "R(0.125)", "R(1.0)"),
     "cubic shadow": ("leaf_horizon.h", "return g + g * g * (1 - g);", "return g;"),
     "share of the mirror": ("leaf_horizon.h", "return q /", "return p /"),
-    "textured Fresnel": ("pass_brdf.h", "(f + (1 - f) * white[i])", "(f - (1 - f) * white[i])"),
+    "textured Fresnel": ("leaf_fresnel.h", "return f0 + (1 - f0) *", "return f0 - (1 - f0) *"),
 }
 
 
