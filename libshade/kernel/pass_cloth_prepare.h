@@ -5,6 +5,15 @@
  * footprints are in double for both precisions.
  */
 
+/* Before a loop that stores to lanes out of order: clang refuses `omp simd` where there are no
+ * such stores. */
+#undef SCATTERED
+#ifdef __AVX512F__
+#define SCATTERED _Pragma("omp simd")
+#else
+#define SCATTERED
+#endif
+
 #ifndef CLOTH_SEEN
 #define CLOTH_SEEN
 /* What look-ups find. */
@@ -93,7 +102,7 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
     real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
     const double leaves0 = f->side[0].leaves[a], leaves1 = f->side[1].leaves[a];
     const double backing = f->backing[a];
-#pragma omp simd
+    SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
       const int i = lane[j], k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double light = s->occlusion[j], kd = (double)(k ? kd1[i] : kd0[i]) * own[j];
@@ -108,7 +117,7 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
     to0 = FN(cloth_row)(c, CLOTH_KT + a);
     to1 = FN(cloth_row)(c, CLOTH_KT + 3 + a);
     const double kt0 = f->side[0].transmit[a], kt1 = f->side[1].transmit[a];
-#pragma omp simd
+    SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
       const int i = lane[j], k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double colour = own[j] * s->brightness[j];
