@@ -5,13 +5,12 @@
  * footprints are in double for both precisions.
  */
 
-/* Before a loop that stores to lanes out of order: clang refuses `omp simd` where there are no
- * such stores. */
+/* Before a loop that stores to lanes out of order, which clang 14 refuses to vectorise. */
 #undef SCATTERED
-#ifdef __AVX512F__
-#define SCATTERED _Pragma("omp simd")
-#else
+#ifdef __clang__
 #define SCATTERED
+#else
+#define SCATTERED _Pragma("omp simd")
 #endif
 
 #ifndef CLOTH_SEEN

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The errors that kernel/elementary.h and leaf_brdf.h state, against long double libm. */
+/* The errors that kernel/elementary.h and the distributions state, against long double libm. */
 #include <string.h>
 
 #include "support.h"
@@ -8,12 +8,18 @@
 #define SHADE_FLOAT 1
 #include "kernel/real.h"
 #include "kernel/elementary.h"
+#include "kernel/leaf_random.h"
 #include "kernel/leaf_brdf.h"
+#include "kernel/leaf_detail.h"
+#include "kernel/mdf.h"
 #undef SHADE_FLOAT
 #define SHADE_FLOAT 0
 #include "kernel/real.h"
 #include "kernel/elementary.h"
+#include "kernel/leaf_random.h"
 #include "kernel/leaf_brdf.h"
+#include "kernel/leaf_detail.h"
+#include "kernel/mdf.h"
 
 static double relative(long double got, long double want) {
   return (double)fabsl((got - want) / want);

@@ -42,25 +42,57 @@ static float inf[INPUTS][COUNT], outf[ARRAYS][COUNT];
 typedef unsigned call(const shade_bsdf *b, size_t count);
 
 static unsigned call_eval(const shade_bsdf *b, size_t count) {
-  const shade_lanes lanes = {sizeof lanes, in[NX], in[NY], in[NZ], in[IX], in[IY], in[IZ],
-                             in[OX],       in[OY], in[OZ], NULL,   NULL,   NULL};
+  const shade_lanes lanes = {.size = sizeof lanes,
+                             .nx = in[NX],
+                             .ny = in[NY],
+                             .nz = in[NZ],
+                             .wix = in[IX],
+                             .wiy = in[IY],
+                             .wiz = in[IZ],
+                             .wox = in[OX],
+                             .woy = in[OY],
+                             .woz = in[OZ]};
   const shade_result result = {sizeof result, out[0], out[1], out[2], out[3]};
   return shade_bsdf_eval_batch(b, count, &lanes, &result);
 }
 static unsigned call_evalf(const shade_bsdf *b, size_t count) {
-  const shade_lanesf lanes = {sizeof lanes, inf[NX], inf[NY], inf[NZ], inf[IX], inf[IY], inf[IZ],
-                              inf[OX],      inf[OY], inf[OZ], NULL,    NULL,    NULL};
+  const shade_lanesf lanes = {.size = sizeof lanes,
+                              .nx = inf[NX],
+                              .ny = inf[NY],
+                              .nz = inf[NZ],
+                              .wix = inf[IX],
+                              .wiy = inf[IY],
+                              .wiz = inf[IZ],
+                              .wox = inf[OX],
+                              .woy = inf[OY],
+                              .woz = inf[OZ]};
   const shade_resultf result = {sizeof result, outf[0], outf[1], outf[2], outf[3]};
   return shade_bsdf_eval_batchf(b, count, &lanes, &result);
 }
 static unsigned call_pdf(const shade_bsdf *b, size_t count) {
-  const shade_lanes lanes = {sizeof lanes, in[NX], in[NY], in[NZ], in[IX], in[IY], in[IZ],
-                             in[OX],       in[OY], in[OZ], NULL,   NULL,   NULL};
+  const shade_lanes lanes = {.size = sizeof lanes,
+                             .nx = in[NX],
+                             .ny = in[NY],
+                             .nz = in[NZ],
+                             .wix = in[IX],
+                             .wiy = in[IY],
+                             .wiz = in[IZ],
+                             .wox = in[OX],
+                             .woy = in[OY],
+                             .woz = in[OZ]};
   return shade_bsdf_pdf_batch(b, count, &lanes, out[0]);
 }
 static unsigned call_pdff(const shade_bsdf *b, size_t count) {
-  const shade_lanesf lanes = {sizeof lanes, inf[NX], inf[NY], inf[NZ], inf[IX], inf[IY], inf[IZ],
-                              inf[OX],      inf[OY], inf[OZ], NULL,    NULL,    NULL};
+  const shade_lanesf lanes = {.size = sizeof lanes,
+                              .nx = inf[NX],
+                              .ny = inf[NY],
+                              .nz = inf[NZ],
+                              .wix = inf[IX],
+                              .wiy = inf[IY],
+                              .wiz = inf[IZ],
+                              .wox = inf[OX],
+                              .woy = inf[OY],
+                              .woz = inf[OZ]};
   return shade_bsdf_pdf_batchf(b, count, &lanes, outf[0]);
 }
 static unsigned call_mdf(const shade_bsdf *b, size_t count) {
@@ -72,15 +104,29 @@ static unsigned call_mdff(const shade_bsdf *b, size_t count) {
 }
 /* what a draw may find no direction for says nothing here */
 static unsigned call_sample(const shade_bsdf *b, size_t count) {
-  const shade_sample_lanes lanes = {sizeof lanes, in[NX], in[NY], in[NZ], in[OX], in[OY],
-                                    in[OZ],       in[U1], in[U2], NULL,   NULL,   NULL};
+  const shade_sample_lanes lanes = {.size = sizeof lanes,
+                                    .nx = in[NX],
+                                    .ny = in[NY],
+                                    .nz = in[NZ],
+                                    .wox = in[OX],
+                                    .woy = in[OY],
+                                    .woz = in[OZ],
+                                    .u1 = in[U1],
+                                    .u2 = in[U2]};
   const shade_sample_result result = {sizeof result, out[0], out[1], out[2], out[3],
                                       out[4],        out[5], out[6], out[7]};
   return shade_bsdf_sample_batch(b, count, &lanes, &result) & ~(unsigned)SHADE_NO_SAMPLE;
 }
 static unsigned call_samplef(const shade_bsdf *b, size_t count) {
-  const shade_sample_lanesf lanes = {sizeof lanes, inf[NX], inf[NY], inf[NZ], inf[OX], inf[OY],
-                                     inf[OZ],      inf[U1], inf[U2], NULL,    NULL,    NULL};
+  const shade_sample_lanesf lanes = {.size = sizeof lanes,
+                                     .nx = inf[NX],
+                                     .ny = inf[NY],
+                                     .nz = inf[NZ],
+                                     .wox = inf[OX],
+                                     .woy = inf[OY],
+                                     .woz = inf[OZ],
+                                     .u1 = inf[U1],
+                                     .u2 = inf[U2]};
   const shade_sample_resultf result = {sizeof result, outf[0], outf[1], outf[2], outf[3],
                                        outf[4],       outf[5], outf[6], outf[7]};
   return shade_bsdf_sample_batchf(b, count, &lanes, &result) & ~(unsigned)SHADE_NO_SAMPLE;
