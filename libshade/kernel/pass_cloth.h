@@ -282,7 +282,7 @@ static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_si
       one.wi[a][0] = g->wi[a][j];
       one.wo[a][0] = g->wo[a][j];
     }
-    const shade_bsdf *b = fabric_dull_lobe(s, which, (double)gloss[g->lane[j]], &room);
+    const shade_bsdf *b = shade_fabric_dull_lobe(s, which, (double)gloss[g->lane[j]], &room);
     FN(cloth_run)(what, c, s, kind, bsdf_of(b), &one, first + j, second ? second + j : NULL);
   }
 }

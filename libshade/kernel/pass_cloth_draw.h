@@ -202,7 +202,8 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
                                         .pdf = out.pdf,
                                         .cosine = out.cosine};
     FN(sample_batch)
-    (bsdf_of(fabric_dull_lobe(s, which, (double)gloss[g.lane[j]], &room)), 1, &one, NULL, &to);
+    (bsdf_of(shade_fabric_dull_lobe(s, which, (double)gloss[g.lane[j]], &room)), 1, &one, NULL,
+     &to);
   }
   FN(cloth_carry_back)(f, c, kind, k, &g, wi);
 }

@@ -52,8 +52,8 @@ static void make_lobe(fabric_side *side, fabric_lobe which, const shade_fabric_p
  * Less gloss is more variance, by what the yarn's own lobe gains: the exponent e of one becomes
  * gloss e, that of a wider lobe w follows by 1/w' = 1/w + (1/gloss - 1)/e; squares of alphas add.
  */
-const shade_bsdf *fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,
-                                   shade_bsdf *room) {
+const shade_bsdf *shade_fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,
+                                         shade_bsdf *room) {
   const shade_params *own = &side->made_of[FABRIC_NEAR];
   shade_params q = side->made_of[which];
   const double more = 1 / fmax(gloss, 1e-6) - 1;

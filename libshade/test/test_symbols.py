@@ -9,7 +9,7 @@ ARCHIVE = ROOT / "build" / "libshade.a"
 EVALUATION = ("isa_", "dispatch")
 # __cpu_model: the processor's features, filled before main; the last one is the linker's
 HARMLESS = {"memcpy", "memset", "memmove", "__cpu_model", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}
-LIBM = {f + s for f in ("sqrt", "sin", "cos", "tan", "exp", "log", "pow", "atan2", "sincos")
+LIBM = {f + s for f in ("sqrt", "sin", "cos", "tan", "exp", "log", "log2", "pow", "atan2", "sincos", "fmin", "fmax")
         for s in ("", "f")}
 
 
