@@ -294,7 +294,8 @@ static void usage(FILE *to) {
       "  f_valid_estevez  f of rotate under that horizon, its ratio to perturb's f; likewise\n"
       "                   all other horizons of shade eval --help but hard, which f has\n"
       "  rotate_literal   rotate as the papers write it, with atan2 and powf of libm\n"
-      "  cloth_near, cloth_far, cloth_single  three cloths, their names as the method; _prepared,\n"
+      "  cloth_near, cloth_far, cloth_single  with --what cloth: three cloths, by name; "
+      "_prepared,\n"
       "                   _pdf and _sample: after preparing; _call: the same in one call a light;\n"
       "                   the first ratio is to cloth_near, errors are against double (near) and\n"
       "                   the mean of near over many points (footprints of 20 crossings)\n\n"
@@ -542,8 +543,7 @@ static void print_cloth(void *context, const char *what, const char *preset, con
 /* Cloth runs on the widest instruction set, as every public call does. */
 static int bench_cloths(const options *o) {
   cloth_rows rows = {o, {1, 1}};
-  const int asked = o->cloth || (o->what < 0 && o->mdf < 0 && o->set != 1);
-  if (!asked || (o->isa && strcmp(o->isa, shade_isa()) != 0) || bench_cloth(print_cloth, &rows))
+  if (!o->cloth || (o->isa && strcmp(o->isa, shade_isa()) != 0) || bench_cloth(print_cloth, &rows))
     return TOOL_DONE;
   fputs("shade bench: out of memory\n", stderr);
   return TOOL_BAD_INPUT;
