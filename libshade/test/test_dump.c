@@ -518,8 +518,6 @@ static void test_even_planes(void **state) {
   enum { SIDE = 800 };
   shade_dump *d = shade_dump_create(SIDE, SIDE, 1);
   assert_non_null(d);
-  d->json = malloc(3);
-  strcpy(d->json, "{}");
   for (int plane = 0; plane < planes(d); ++plane)
     for (size_t i = 0; i < SIDE * SIDE; ++i)
       shade_dump_plane(d, plane)[i] = plane == SHADE_DUMP_MATERIAL ? -1 : 0;
