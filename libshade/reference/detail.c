@@ -54,8 +54,6 @@ vec ref_warped(shade_detail detail, vec n, vec h) {
 vec ref_carried_by(shade_detail detail, const shade_params *p, vec n, vec h) {
   const vec ex = {1, 0, 0}, ey = {0, 1, 0}, ez = {0, 0, 1};
   switch (detail) {
-  case SHADE_DETAIL_NONE:
-    return in_frame(ex, ey, ez, h);
   case SHADE_DETAIL_PERTURB: {
     /* the angle to n from its sine and cosine: acos would lose digits near 0 */
     real theta = atan2l(length(cross(n, h)), dot(n, h));
@@ -85,15 +83,18 @@ vec ref_carried_by(shade_detail detail, const shade_params *p, vec n, vec h) {
   case SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING:
     return ref_warped(detail, n, h);
   case SHADE_DETAIL_ROTATE:
-  default: {
+  case SHADE_DETAIL_AUTO:         /* of a lobe that is not round; ref_method_of */
     if (ref_grooves_along_y(p)) { /* y' = dP/dv of the height field */
       vec y = unit((vec){0, n.z, -n.y});
       return in_frame(cross(y, n), y, n, h);
     }
     vec x = unit((vec){n.z, 0, -n.x}); /* x' = dP/du */
     return in_frame(x, cross(n, x), n, h);
+  case SHADE_DETAIL_NONE:
+  case SHADE_DETAIL_COUNT:
+    break;
   }
-  }
+  return in_frame(ex, ey, ez, h);
 }
 
 vec ref_carried(const shade_params *p, vec n, vec h) {

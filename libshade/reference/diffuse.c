@@ -73,9 +73,10 @@ static real diffuse(shade_diffuse model, vec l, vec v) {
   case SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY:
     return 28 / 23.0L * (1 - powl(1 - l.z / 2, 5)) * (1 - powl(1 - v.z / 2, 5)) * l.z;
   case SHADE_DIFFUSE_LAMBERT:
-  default:
-    return l.z;
+  case SHADE_DIFFUSE_COUNT:
+    break;
   }
+  return l.z;
 }
 
 double shade_ref_diffuse(shade_diffuse model, const double l_in[3], const double v_in[3]) {

@@ -5,6 +5,11 @@
 #include <complex.h>
 #include <math.h>
 
+/*
+ * Switches here have no `default`: a row of table.h without its formula does not compile. A value
+ * outside the enum counts as the first, after the switch.
+ */
+
 /* D' as far as the warps that conserve are those that do not. */
 static real unconserved(const shade_params *p, vec n, vec h) {
   real ex = within(p->ex, 0, 1e6L), ey = within(p->ey, 0, 1e6L);
@@ -24,12 +29,12 @@ static real unconserved(const shade_params *p, vec n, vec h) {
   case SHADE_MDF_GGX:
     return ward_peak / square(square(m.x / ax) + square(m.y / ay) + square(m.z));
   case SHADE_MDF_ASHIKHMIN_SHIRLEY:
-  default: {
-    real sin2 = square(m.x) + square(m.y);
-    real exponent = sin2 > 0 ? (ex * square(m.x) + ey * square(m.y)) / sin2 : 0;
-    return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(m.z, exponent);
+  case SHADE_MDF_COUNT:
+    break;
   }
-  }
+  real sin2 = square(m.x) + square(m.y);
+  real exponent = sin2 > 0 ? (ex * square(m.x) + ey * square(m.y)) / sin2 : 0;
+  return sqrtl((ex + 1) * (ey + 1)) / (2 * pi) * powl(m.z, exponent);
 }
 
 real ref_distribution(const shade_params *p, vec n, vec h) {
@@ -56,8 +61,16 @@ static real lambda(const shade_params *p, vec n, vec w) {
   if (slope == 0)
     return 0;
   real a = m.z / slope;
-  if (p->mdf == SHADE_MDF_GGX)
+  switch (p->mdf) {
+  case SHADE_MDF_GGX:
     return (sqrtl(1 + 1 / (a * a)) - 1) / 2;
+  case SHADE_MDF_ASHIKHMIN_SHIRLEY:
+  case SHADE_MDF_WARD:
+  case SHADE_MDF_WARD_HALF:
+  case SHADE_MDF_BECKMANN:
+  case SHADE_MDF_COUNT:
+    break;
+  }
   return expl(-a * a) / (2 * a * sqrtl(pi)) - erfcl(a) / 2;
 }
 
@@ -76,9 +89,10 @@ real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso
     return d * shadowing / at_least(4 * cosi * coso);
   }
   case SHADE_BRDF_ASHIKHMIN_SHIRLEY:
-  default:
-    return d / at_least(4 * hwo * (cosi > coso ? cosi : coso));
+  case SHADE_BRDF_COUNT:
+    break;
   }
+  return d / at_least(4 * hwo * (cosi > coso ? cosi : coso));
 }
 
 double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]) {
@@ -108,7 +122,8 @@ real ref_fresnel(const shade_params *p, int c, real cosine) {
     return (s * s + q * q) / 2;
   }
   case SHADE_FRESNEL_NONE:
-  default:
-    return f0;
+  case SHADE_FRESNEL_COUNT:
+    break;
   }
+  return f0;
 }

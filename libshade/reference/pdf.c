@@ -24,19 +24,27 @@ static real half_density(const shade_params *p, proposal q, vec m, vec eye, int 
     return sqrtl((q.x + 1) * (q.y + 1)) / (2 * pi) * powl(c, e);
   }
   real k = square(cosl(phi) / q.x) + square(sinl(phi) / q.y), peak = 1 / (pi * q.x * q.y);
-  if (p->mdf == SHADE_MDF_WARD_HALF)
+  real slope = visible ? hypotl(q.x * eye.x, q.y * eye.y) / eye.z : 0, d = 0, lambda_o = 0;
+  switch (p->mdf) {
+  case SHADE_MDF_WARD_HALF:
     return peak * expl(-4 * k * square(sinl(theta / 2))) / -expm1l(-2 * k);
-  int ggx = p->mdf == SHADE_MDF_GGX;
-  real d = peak / powl(c, 4) * (ggx ? 1 / square(1 + k * tan2) : expl(-k * tan2));
-  if (!visible)
-    return d * c;
+  case SHADE_MDF_BECKMANN:
+    d = peak / powl(c, 4) * expl(-k * tan2);
+    if (slope > 0)
+      lambda_o = slope * expl(-1 / square(slope)) / (2 * sqrtl(pi)) - erfcl(1 / slope) / 2;
+    break;
+  case SHADE_MDF_GGX:
+    d = peak / powl(c, 4) / square(1 + k * tan2);
+    if (slope > 0)
+      lambda_o = (sqrtl(1 + slope * slope) - 1) / 2;
+    break;
+  case SHADE_MDF_ASHIKHMIN_SHIRLEY: /* by exponents, above */
+  case SHADE_MDF_WARD:
+  case SHADE_MDF_COUNT:
+    break;
+  }
   /* the share of m's area that the eye sees, of all that it sees */
-  real slope = hypotl(q.x * eye.x, q.y * eye.y) / eye.z, lambda_o = 0;
-  if (slope > 0 && ggx)
-    lambda_o = (sqrtl(1 + slope * slope) - 1) / 2;
-  else if (slope > 0)
-    lambda_o = slope * expl(-1 / square(slope)) / (2 * sqrtl(pi)) - erfcl(1 / slope) / 2;
-  return d * dot(m, eye) / (eye.z * (1 + lambda_o));
+  return visible ? d * dot(m, eye) / (eye.z * (1 + lambda_o)) : d * c;
 }
 
 /* The lobes that the method draws from under n: how many, at most three. */
