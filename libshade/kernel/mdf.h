@@ -17,7 +17,6 @@
 #include "shade/shade.h"
 
 typedef struct shade_mdf_traits {
-  int exponents;    /* 1: reads ex and ey; 0: ax and ay */
   int ratio;        /* sees neither a common scale of the slopes along x and y, nor L */
   int projected;    /* the integral of D hz is 1, not that of D */
   int visible;      /* the normals that an eye sees can be drawn */
@@ -31,6 +30,12 @@ typedef struct shade_mdf_traits {
    */
   double float_1e3, float_1e5, double_1e4;
 } shade_mdf_traits;
+
+/* Whether a distribution reads ex and ey, or ax and ay: by the rows of those. What is unknown
+ * counts as the first. */
+static inline int shade_mdf_reads_exponents(shade_mdf mdf) {
+  return (unsigned)mdf >= SHADE_MDF_COUNT || (SHADE_EXPONENTS_ >> mdf & 1);
+}
 
 #endif
 

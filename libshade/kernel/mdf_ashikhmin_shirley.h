@@ -7,8 +7,8 @@
 #define SHADE_MDF_ASHIKHMIN_SHIRLEY_FORM RATIO
 #define SHADE_MDF_ASHIKHMIN_SHIRLEY_IS                                                             \
   {                                                                                                \
-    .exponents = 1, .ratio = 1, .proposal = 1, .per_slope = 0.5, .float_1e3 = 2e-5,                \
-    .float_1e5 = 2e-4, .double_1e4 = 1e-12                                                         \
+    .ratio = 1, .proposal = 1, .per_slope = 0.5, .float_1e3 = 2e-5, .float_1e5 = 2e-4,             \
+    .double_1e4 = 1e-12                                                                            \
   }
 #endif
 

@@ -14,7 +14,8 @@
  *   leaf     detail_<leaf> of leaf_detail.h
  *   along_y  1: with x and y in each other's place
  *   kind     RIGID, or a warp: WARP_LINEAR, WARP_SMOOTH, which needs a unit h and has a Jacobian
- *   frame    the map in whose frame, or through which, half vectors are drawn for it
+ *   frame    the map in whose frame, or through which, half vectors are drawn for it: one of
+ *            SHADE_FRAME_ROWS, or a warp
  *   with     whatever the user of the rows hands on
  * _RATIO: for distributions that see neither a common scale of x and y nor the slope itself.
  */
@@ -58,9 +59,19 @@ static inline shade_map_kind shade_map_kind_of(shade_map map) {
   }
   return SHADE_RIGID;
 }
+/* What half vectors can be drawn in or through; rigid ones, ROW(NAME, name), by axes_<name> of
+ * leaf_frame.h. */
+#define SHADE_FRAME_ROWS(ROW)                                                                      \
+  ROW(ROTATE_X, rotate_x) ROW(ROTATE_Y, rotate_y) ROW(SHORTEST_ARC, shortest_arc)
+#define SHADE_FRAME_ENUM_(NAME, name) SHADE_FRAME_##NAME = SHADE_MAP_##NAME,
+enum {
+  SHADE_FRAME_NONE = SHADE_MAP_NONE,
+  SHADE_FRAME_ROWS(SHADE_FRAME_ENUM_) SHADE_FRAME_DEFORM_LINEAR = SHADE_MAP_DEFORM_LINEAR,
+  SHADE_FRAME_DEFORM_SMOOTH = SHADE_MAP_DEFORM_SMOOTH
+};
 #define SHADE_MAP_FRAME_(NAME, leaf, along_y, kind, frame, with)                                   \
   case SHADE_MAP_##NAME:                                                                           \
-    return SHADE_MAP_##frame;
+    return (shade_map)SHADE_FRAME_##frame;
 static inline shade_map shade_map_frame_of(shade_map map) {
   switch (map) {
     SHADE_MAP_ROWS(SHADE_MAP_FRAME_, )

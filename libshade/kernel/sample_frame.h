@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Into the frame that half vectors are drawn in, and out of it: a rotation, or through a warp. */
 
-#define FRAME_PASS(name)                                                                           \
+#define FRAME_PASS(NAME, name)                                                                     \
   /* a direction in the frame */                                                                   \
   static void FN(pass_into_##name)(size_t count, FN(vec) n, FN(vec) w, real *restrict ox,          \
                                    real *restrict oy) {                                            \
@@ -26,9 +26,7 @@
     }                                                                                              \
   }
 
-FRAME_PASS(rotate_x)
-FRAME_PASS(rotate_y)
-FRAME_PASS(shortest_arc)
+SHADE_FRAME_ROWS(FRAME_PASS)
 #undef FRAME_PASS
 
 /* `smooth` is a constant where it is called: chosen in the loop, gcc computes what other lanes
@@ -65,13 +63,14 @@ LEAF void FN(pass_forward)(size_t count, int smooth, FN(vec) n, real *restrict h
 /* Visible normals are drawn in rigid frames only. */
 static void FN(pass_into_frame)(shade_map frame, size_t count, FN(vec) n, FN(vec) w, real *ox,
                                 real *oy) {
-  if (frame == SHADE_MAP_ROTATE_X)
-    FN(pass_into_rotate_x)(count, n, w, ox, oy);
-  else if (frame == SHADE_MAP_ROTATE_Y)
-    FN(pass_into_rotate_y)(count, n, w, ox, oy);
-  else if (frame == SHADE_MAP_SHORTEST_ARC)
-    FN(pass_into_shortest_arc)(count, n, w, ox, oy);
-  else {
+  switch (frame) {
+#define INTO_CASE(NAME, name)                                                                      \
+  case SHADE_MAP_##NAME:                                                                           \
+    FN(pass_into_##name)(count, n, w, ox, oy);                                                     \
+    break;
+    SHADE_FRAME_ROWS(INTO_CASE)
+#undef INTO_CASE
+  default:
     memcpy(ox, w.x, count * sizeof *ox);
     memcpy(oy, w.y, count * sizeof *oy);
   }
@@ -80,15 +79,20 @@ static void FN(pass_into_frame)(shade_map frame, size_t count, FN(vec) n, FN(vec
 /* From the carried frame to the local one, in place. */
 static void FN(pass_out_of_frame)(shade_map frame, size_t count, FN(vec) n, real *hx, real *hy,
                                   real *hz) {
-  const shade_map_kind kind = shade_map_kind_of(frame);
-  if (kind == SHADE_WARP_LINEAR)
+  switch (frame) {
+  case SHADE_MAP_DEFORM_LINEAR:
     FN(pass_forward)(count, 0, n, hx, hy, hz);
-  else if (kind == SHADE_WARP_SMOOTH)
+    break;
+  case SHADE_MAP_DEFORM_SMOOTH:
     FN(pass_forward)(count, 1, n, hx, hy, hz);
-  else if (frame == SHADE_MAP_ROTATE_X)
-    FN(pass_out_of_rotate_x)(count, n, hx, hy, hz);
-  else if (frame == SHADE_MAP_ROTATE_Y)
-    FN(pass_out_of_rotate_y)(count, n, hx, hy, hz);
-  else if (frame == SHADE_MAP_SHORTEST_ARC)
-    FN(pass_out_of_shortest_arc)(count, n, hx, hy, hz);
+    break;
+#define OUT_CASE(NAME, name)                                                                       \
+  case SHADE_MAP_##NAME:                                                                           \
+    FN(pass_out_of_##name)(count, n, hx, hy, hz);                                                  \
+    break;
+    SHADE_FRAME_ROWS(OUT_CASE)
+#undef OUT_CASE
+  default: /* that of z */
+    break;
+  }
 }

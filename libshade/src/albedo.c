@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "src/params.h"
+#include "../kernel/mdf.h"
+#include "../kernel/methods.h"
 
 #define PI 3.14159265358979323846
 
@@ -122,12 +124,10 @@ shade_bsdf_albedo *shade_bsdf_albedo_create(const shade_params *given, unsigned 
     free(w);
     return NULL;
   }
-  const int exponents = p.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  const int exponents = shade_mdf_reads_exponents(p.mdf);
   const double x = exponents ? p.ey : p.ax, y = exponents ? p.ex : p.ay;
   const int plain = p.diffuse == SHADE_DIFFUSE_LAMBERT;
-  const int of_wo = p.diffuse == SHADE_DIFFUSE_FIBRE_VIEW ||
-                    p.diffuse == SHADE_DIFFUSE_POULIN_FOURNIER ||
-                    p.diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  const int of_wo = shade_diffuse_is(p.diffuse).sees;
   a->spokes = x == y && !of_wo ? 1 : SPOKES;
   a->groove_y = p.groove == SHADE_GROOVE_Y || (p.groove != SHADE_GROOVE_X && y < x);
 

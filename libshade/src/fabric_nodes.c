@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "fabric.h"
+#include "../kernel/mdf.h"
 
 /*
  * Spread of the tilt within a cut that is left to the lobe, as a share of its own variance; for
@@ -37,7 +38,7 @@ static void make_lobe(fabric_side *side, fabric_lobe which, const shade_fabric_p
   q.horizon = SHADE_HORIZON_HARD;
   q.groove = SHADE_GROOVE_X;
   q.diffuse = yarn->diffuse;
-  if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
+  if (shade_mdf_reads_exponents(p->mdf)) {
     shade_params_set_exponents(&q, yarn->along / (1 + yarn->along * vx),
                                yarn->across / (1 + yarn->across * vy));
   } else {
@@ -57,7 +58,7 @@ const shade_bsdf *shade_fabric_dull_lobe(const fabric_side *side, fabric_lobe wh
   const shade_params *own = &side->made_of[FABRIC_NEAR];
   shade_params q = side->made_of[which];
   const double more = 1 / fmax(gloss, 1e-6) - 1;
-  if (q.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
+  if (shade_mdf_reads_exponents(q.mdf))
     shade_params_set_exponents(&q, own->ex > 0 ? q.ex / (1 + q.ex * more / own->ex) : 0,
                                own->ey > 0 ? q.ey / (1 + q.ey * more / own->ey) : 0);
   else

@@ -9,13 +9,9 @@
 #include "names.h"
 #include "params.h"
 
-static const shade_list_entry mdf_rows[] = {SHADE_TABLE_MDF(SHADE_LIST_ENTRY)};
-static const shade_list_entry brdf_rows[] = {SHADE_TABLE_BRDF(SHADE_LIST_ENTRY)};
-static const shade_list_entry detail_rows[] = {SHADE_TABLE_DETAIL(SHADE_LIST_ENTRY)};
-static const shade_list_entry groove_rows[] = {SHADE_TABLE_GROOVE(SHADE_LIST_ENTRY)};
-static const shade_list_entry fresnel_rows[] = {SHADE_TABLE_FRESNEL(SHADE_LIST_ENTRY)};
-static const shade_list_entry diffuse_rows[] = {SHADE_TABLE_DIFFUSE(SHADE_LIST_ENTRY)};
-static const shade_list_entry horizon_rows[] = {SHADE_TABLE_HORIZON(SHADE_LIST_ENTRY)};
+#define LIST_ENTRIES(NAME, word, ...)                                                              \
+  static const shade_list_entry word##_rows[] = {SHADE_TABLE_##NAME(SHADE_LIST_ENTRY)};
+SHADE_TABLE_LISTS(LIST_ENTRIES)
 
 #define IN_EVERY 1
 #define IN_LATER 0

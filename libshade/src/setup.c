@@ -61,9 +61,9 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->diffuse = p.diffuse;
 
   const shade_mdf_traits mdf = shade_mdf_is(b->mdf);
-  b->exponents = mdf.exponents;
+  b->exponents = shade_mdf_reads_exponents(b->mdf);
   b->projected = mdf.projected;
-  if (mdf.exponents) {
+  if (b->exponents) {
     b->kx = p.ex;
     b->ky = p.ey;
     b->gx = 2 / (b->kx + 2);

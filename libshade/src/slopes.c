@@ -8,6 +8,7 @@
 #include "shade/maps.h"
 #include "src/moments.h"
 #include "src/params.h"
+#include "../kernel/mdf.h"
 #include "src/slope_map.h"
 
 #define PI 3.14159265358979323846
@@ -347,7 +348,7 @@ typedef struct lobe_widths {
 } lobe_widths;
 
 static lobe_widths widths_of(const shade_params *p) {
-  const int exponents = p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  const int exponents = shade_mdf_reads_exponents(p->mdf);
   lobe_widths w;
   w.unit = exponents ? 1 : 2;
   w.x = exponents ? 1 / fmax(p->ex, 1e-12) : p->ax * p->ax;
@@ -385,7 +386,7 @@ static unsigned widen(shade_params *p, const lobe_widths *w, const double carrie
   const double vx = cs * cs * xx + cross + sn * sn * yy;
   const double vy = sn * sn * xx - cross + cs * cs * yy;
   *angle = turn;
-  if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY)
+  if (shade_mdf_reads_exponents(p->mdf))
     return shade_params_set_exponents(p, 1 / vx, 1 / vy);
   return shade_params_set_alphas(p, sqrt(vx), sqrt(vy));
 }
@@ -425,7 +426,7 @@ unsigned slope_widen_on(const shade_isa_table *isa, const shade_params *given, s
   memcpy(&in, lanes, lanes->size < sizeof in ? lanes->size : sizeof in);
   memcpy(&out, to, to->size < sizeof out ? to->size : sizeof out);
   const shade_params p = shade_whole_params(given);
-  const int exponents = p.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  const int exponents = shade_mdf_reads_exponents(p.mdf);
   const float *const base[2] = {exponents ? in.ex : in.ax, exponents ? in.ey : in.ay};
   const int normals = !!in.nx + !!in.ny + !!in.nz;
   if (normals % 3 || !in.cxx || !in.cxy || !in.cyy || !base[0] != !base[1] || !out.ax != !out.ay ||

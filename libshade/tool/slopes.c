@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "image/read.h"
+#include "kernel/mdf.h"
 #include "shade/maps.h"
 #include "tool/points.h"
 #include "tool/tool.h"
@@ -171,7 +172,7 @@ static void answer(void *context, double u, double v, const double footprint[4])
     shade_slope_lobes lobes;
     const int most = j->o->lobes ? j->o->lobes : 1;
     shade_params_split(&j->o->lobe, s.normal, s.covariance, most, &wide, &angle, &lobes);
-    const int exponents = wide.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+    const int exponents = shade_mdf_reads_exponents(wide.mdf);
     printf(" %.17g %.17g %.17g", exponents ? wide.ex : wide.ax, exponents ? wide.ey : wide.ay,
            angle * 180 / 3.14159265358979323846);
     const double cs = cos(angle), sn = sin(angle);
