@@ -37,6 +37,10 @@ static inline void spherical(double theta, double phi, double v[3]) {
   v[2] = cos(theta);
 }
 
+static inline int is_warp(shade_detail d) {
+  return shade_map_kind_of(shade_detail_is(d).slopes[0]) != SHADE_RIGID;
+}
+
 /* Any distribution from exponents; the alphas are the matching ones. */
 static inline shade_bsdf make_lobe(shade_mdf mdf, shade_detail detail, shade_groove groove,
                                    double ex, double ey) {

@@ -28,11 +28,6 @@ static void lower(const double n[3], double w[3], double cosine) {
     w[c] /= sqrt(length);
 }
 
-static int is_warp(shade_detail d) {
-  return d == SHADE_DETAIL_DEFORM_LINEAR || d == SHADE_DETAIL_DEFORM_SMOOTH ||
-         d == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING || d == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
-}
-
 static shade_params random_params(uint64_t *seed) {
   shade_params p;
   shade_params_init(&p);

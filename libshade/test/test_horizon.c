@@ -59,8 +59,7 @@ static int lobe_inside(const shade_params *p, const double n[3], const double wi
   for (int c = 0; c < 3; c++)
     h[c] /= length;
   shade_ref_carried(p, n, h, m);
-  int warp = p->detail == SHADE_DETAIL_DEFORM_LINEAR || p->detail == SHADE_DETAIL_DEFORM_SMOOTH;
-  return m[2] >= (warp ? 0.5 : 0.05);
+  return m[2] >= (is_warp(p->detail) ? 0.5 : 0.05);
 }
 
 static int well_inside(const shade_params *p, const double n[3], const double wi[3],
@@ -88,7 +87,7 @@ static void against_reference(void **state) {
       shade_params p = random_params(&seed, (shade_horizon)horizon);
       double n[3], wi[3], wo[3], f[3], want[3], plain[3], cosine, want_cosine;
       random_triple(&seed, 1.2, n, wi, wo);
-      if (p.detail >= SHADE_DETAIL_DEFORM_LINEAR_CONSERVING)
+      if (shade_detail_is(p.detail).conserve)
         continue; /* their reference differentiates: test_bsdf.c */
       shade_bsdf b = made(&p);
       unsigned status = shade_bsdf_eval(&b, n, wi, wo, f, &cosine);
@@ -117,10 +116,7 @@ static void against_reference(void **state) {
       inside = well_inside(&p, n, wi, wo);
       for (int c = 0; c < 3 && inside; c++)
         if (want[c] >= 1e-12 * bsdf_of(&b)->peak) {
-          double *tally =
-              p.detail == SHADE_DETAIL_DEFORM_LINEAR || p.detail == SHADE_DETAIL_DEFORM_SMOOTH
-                  ? &worst_warp
-                  : &worstf;
+          double *tally = is_warp(p.detail) ? &worst_warp : &worstf;
           *tally = fmax(*tally, fabs((double)ff[c] - want[c]) / (want[c] + p.kd[c]));
         }
     }
@@ -254,7 +250,7 @@ static void bent_normal(void **state) {
     assert_true(m[0] * n[0] + m[1] * n[1] >= 0);  /* on the side of n */
     shade_bsdf_eval(&hard, m, wi, wo, want, NULL);
     if (fabs(dot3(m, wi)) > 0.01 && fabs(dot3(m, wo)) > 1e-3 &&
-        want[0] > 1e-12 * bsdf_of(&b)->peak && p.detail < SHADE_DETAIL_DEFORM_LINEAR)
+        want[0] > 1e-12 * bsdf_of(&b)->peak && !is_warp(p.detail))
       assert_near(f[0], want[0], 1e-9 * want[0]);
   }
   assert_true(bent > 5000);

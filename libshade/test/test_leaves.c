@@ -47,41 +47,29 @@ static void draw(uint64_t *seed, double tilt, double n[3], double h[3], float nf
   }
 }
 
-static lobe_ratio leaf(shade_detail d, const double n[3], const double h[3]) {
-  switch (d) {
-  case SHADE_DETAIL_NONE:
-    return detail_none(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_PERTURB:
-    return detail_perturb(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_ROTATE:
-    return detail_rotate(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_SHORTEST_ARC:
-    return detail_shortest_arc(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_ROTATE_APPROXIMATE:
-    return detail_rotate_ratio(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_DEFORM_LINEAR:
-    return detail_deform_linear(n[0], n[1], n[2], h[0], h[1], h[2]);
-  default:
-    return detail_deform_smooth(n[0], n[1], n[2], h[0], h[1], h[2]);
+/* The leaf of a method's map, for grooves along x, as slopes. */
+#define LEAF_CASE(NAME, leaf, along_y, kind, frame, f)                                             \
+  case SHADE_MAP_##NAME:                                                                           \
+    p = along_y ? lobe_at##f(detail_##leaf##f(n[1], n[0], n[2], h[1], h[0], h[2]))                 \
+                : lobe_at##f(detail_##leaf##f(n[0], n[1], n[2], h[0], h[1], h[2]));                \
+    return along_y ? (lobe_point##f){p.t, p.yy, p.xx} : p;
+static lobe_point leaf(shade_map map, const double n[3], const double h[3]) {
+  lobe_point p = {0, 0, 0};
+  switch (map) {
+    SHADE_MAP_ROWS(LEAF_CASE, )
+  case SHADE_MAP_COUNT:
+    break;
   }
+  return p;
 }
-static lobe_ratiof leaff(shade_detail d, const float n[3], const float h[3]) {
-  switch (d) {
-  case SHADE_DETAIL_NONE:
-    return detail_nonef(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_PERTURB:
-    return detail_perturbf(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_ROTATE:
-    return detail_rotatef(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_SHORTEST_ARC:
-    return detail_shortest_arcf(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_ROTATE_APPROXIMATE:
-    return detail_rotate_ratiof(n[0], n[1], n[2], h[0], h[1], h[2]);
-  case SHADE_DETAIL_DEFORM_LINEAR:
-    return detail_deform_linearf(n[0], n[1], n[2], h[0], h[1], h[2]);
-  default:
-    return detail_deform_smoothf(n[0], n[1], n[2], h[0], h[1], h[2]);
+static lobe_pointf leaff(shade_map map, const float n[3], const float h[3]) {
+  lobe_pointf p = {0, 0, 0};
+  switch (map) {
+    SHADE_MAP_ROWS(LEAF_CASE, f)
+  case SHADE_MAP_COUNT:
+    break;
   }
+  return p;
 }
 
 /* Errors of the slopes along x and y, over 1 + tan^2; -1 where the horizon was missed. */
@@ -93,7 +81,7 @@ static double slope_error(shade_detail d, const double n[3], const double h[3], 
   p.groove = SHADE_GROOVE_X;
   double m[3];
   shade_ref_carried(&p, n, h, m);
-  if (m[2] < (d >= SHADE_DETAIL_DEFORM_LINEAR ? .5 : .05))
+  if (m[2] < (is_warp(d) ? .5 : .05))
     return m[2] < -1e-6 && t >= 0 ? 1e30 : 0;
   double x = fabs(sqrt(xx) - fabs(m[0] / m[2])), y = fabs(sqrt(yy) - fabs(m[1] / m[2]));
   return t < 0 ? 1e30 : fmax(x, y) / (1 + (m[0] * m[0] + m[1] * m[1]) / (m[2] * m[2]));
@@ -101,39 +89,28 @@ static double slope_error(shade_detail d, const double n[3], const double h[3], 
 
 static void slopes(void **state) {
   (void)state;
-  static const struct {
-    shade_detail detail;
-    double single, twice;
-  } bounds[] = {
-      {SHADE_DETAIL_NONE, 2e-7, 4e-16},
-      {SHADE_DETAIL_PERTURB, 2e-7, 4e-16},
-      {SHADE_DETAIL_ROTATE, 2e-7, 4e-16},
-      {SHADE_DETAIL_SHORTEST_ARC, 2e-7, 4e-16},
-      {SHADE_DETAIL_ROTATE_APPROXIMATE, 2e-7, 4e-16},
-      {SHADE_DETAIL_DEFORM_LINEAR, 5e-7, 1.5e-15},
-      {SHADE_DETAIL_DEFORM_SMOOTH, 5e-7, 1.5e-15},
-  };
-  for (size_t k = 0; k < sizeof bounds / sizeof bounds[0]; k++) {
-    shade_detail d = bounds[k].detail;
+  for (int method = 0; method < SHADE_DETAIL_COUNT; method++) {
+    const shade_detail d = (shade_detail)method;
+    const shade_map map = shade_detail_is(d).slopes[0];
     double worst = 0, worstf = 0;
     uint64_t seed = 3;
     for (int i = 0; i < 200000; i++) {
       double n[3], h[3];
       float nf[3], hf[3];
-      draw(&seed, d >= SHADE_DETAIL_DEFORM_LINEAR ? 75 : 89.9, n, h, nf, hf);
-      lobe_point p = lobe_at(leaf(d, n, h));
+      draw(&seed, is_warp(d) ? 75 : 89.9, n, h, nf, hf);
+      lobe_point p = leaf(map, n, h);
       worst = fmax(worst, slope_error(d, n, h, p.t, p.xx, p.yy));
       for (int c = 0; c < 3; c++) {
         n[c] = (double)nf[c];
         h[c] = (double)hf[c];
       }
-      lobe_pointf q = lobe_atf(leaff(d, nf, hf));
+      lobe_pointf q = leaff(map, nf, hf);
       worstf = fmax(worstf, slope_error(d, n, h, (double)q.t, (double)q.xx, (double)q.yy));
     }
     print_message("%s: slopes, double %.1e, float %.1e\n",
                   shade_list_word(SHADE_LIST_DETAIL, (int)d), worst, worstf);
-    assert_true(worst <= bounds[k].twice);
-    assert_true(worstf <= bounds[k].single);
+    assert_true(worst <= (is_warp(d) ? 1.5e-15 : 4e-16));
+    assert_true(worstf <= (is_warp(d) ? 5e-7 : 2e-7));
   }
 }
 

@@ -65,11 +65,6 @@ static unsigned drawf(const shade_isa_table *isa, const shade_bsdf *b, lanes *m,
   return isa->sample_batchf(b, count, &in, &out);
 }
 
-static int is_warp(shade_detail d) {
-  return d == SHADE_DETAIL_DEFORM_LINEAR || d == SHADE_DETAIL_DEFORM_SMOOTH ||
-         d == SHADE_DETAIL_DEFORM_LINEAR_CONSERVING || d == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING;
-}
-
 static shade_params random_params(uint64_t *seed, double widest) {
   shade_params p;
   shade_params_init(&p);
