@@ -242,8 +242,8 @@ static void groove(void **state) {
 /* "Almost the same" (Fig. 8): equal for Ashikhmin-Shirley, not for the slope distributions. */
 static void approximate_rotation(void **state) {
   (void)state;
-  const double want[SHADE_MDF_COUNT] = {0, .159, .200, .228, .243};
-  for (int d = 0; d < SHADE_MDF_COUNT; d++) {
+  const double want[] = {0, .159, .200, .228, .243};
+  for (size_t d = 0; d < sizeof want / sizeof want[0]; d++) {
     shade_bsdf exact = make_lobe((shade_mdf)d, SHADE_DETAIL_ROTATE, SHADE_GROOVE_X, ex, ey);
     shade_bsdf fast =
         make_lobe((shade_mdf)d, SHADE_DETAIL_ROTATE_APPROXIMATE, SHADE_GROOVE_X, ex, ey);
@@ -258,7 +258,7 @@ static void approximate_rotation(void **state) {
       }
     }
     print_message("approximate rotation, %s: TV at 45 degrees %.4f\n",
-                  shade_list_word(SHADE_LIST_MDF, d), off);
+                  shade_list_word(SHADE_LIST_MDF, (int)d), off);
     assert_near(off, want[d], d ? 1e-3 : 1e-12);
   }
 }
