@@ -26,7 +26,7 @@ ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) -march=x86-64-v4 -mprefer-vector-wid
 ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
 
 O := $(B)/obj
-SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/setup.o \
+SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/isa.o $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/setup.o \
   $(O)/src/roughness.o $(O)/src/tangents.o \
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif_words.o $(O)/src/wif_read.o \
   $(O)/src/wif_draft.o $(O)/src/wif_write.o

@@ -181,9 +181,9 @@ static inline void pixel_place(const camera_view *view, uint32_t p, int *x, int 
   }
 }
 
-extern const stage_table stages_sse2, stages_avx2, stages_avx512;
+extern const stage_table stages_scalar, stages_sse2, stages_avx2, stages_avx512;
 
-/* The widest that this CPU has. LIBSHADE_ISA=sse2|avx2|avx512 in the environment asks for less. */
+/* Those of the instruction set that libshade chooses: shade_isa. */
 const stage_table *stages_choose(void);
 
 #endif

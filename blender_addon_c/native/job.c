@@ -81,6 +81,10 @@ job *job_start(scene *s) {
   }
   j->scene = s;
   message_init(&j->log);
+  char wrong[160];
+  s->stages = stages_choose();
+  if (shade_isa_check(wrong, sizeof wrong) != 0)
+    message_warn(&j->log, "%s", wrong);
   pthread_mutex_init(&j->lock, NULL);
   pthread_condattr_t steady;
   pthread_condattr_init(&steady);

@@ -104,8 +104,9 @@ typedef struct scene {
   material *material;
   mesh *mesh;
   instance *instance;
-  char *dump;     /* path, or NULL */
-  char *renderer; /* for the dump's header */
+  char *dump;                       /* path, or NULL */
+  char *renderer;                   /* for the dump's header */
+  const struct stage_table *stages; /* chosen with the materials: what the environment says then */
 
   /* made by scene_build */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */

@@ -325,7 +325,7 @@ static void render_tile(worker *w, size_t tile) {
 static void work(void *context, size_t number) {
   (void)number;
   render *r = context;
-  worker w = {.render = r, .stages = stages_choose()};
+  worker w = {.render = r, .stages = r->scene->stages};
   w.batch = aligned_alloc(64, sizeof *w.batch);
   w.tally = malloc((r->scene->materials + 1) * sizeof *w.tally);
   if (w.batch && w.tally) {

@@ -166,11 +166,44 @@ def test_other_libraries_in_the_global_scope(tmp_path):
     assert (picture == expected).all()
 
 
-@pytest.mark.parametrize("isa", ["sse2", "avx2"])
+@pytest.mark.parametrize("isa", ["scalar", "sse2", "avx2"])
 def test_narrower_instruction_sets_render_the_same(tmp_path, isa):
     expected, _ = render(scene())
     picture, _ = picture_elsewhere(tmp_path, LIBSHADE_ISA=isa)
     np.testing.assert_allclose(picture, expected, rtol=1e-5)
+
+
+def started_on(isa):
+    """The instruction set that a job says it runs on, and its warnings."""
+    done = run("""
+from native_scenes import native, scene
+job = native.start(scene())
+native.wait(job, 60)
+print(native.isa(), *native.poll(job)["warnings"], sep="|")
+""", LIBSHADE_ISA=isa)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip().split("|")
+
+
+def test_one_choice_of_the_instruction_set():
+    """The engine runs on what the library runs on; what the CPU lacks is told once a job."""
+    tool = ROOT / "build" / "shade"
+
+    def version(isa):
+        return subprocess.run([tool, "--version"], env=os.environ | {"LIBSHADE_ISA": isa},
+                              capture_output=True, text=True, check=True)
+
+    for isa in ("scalar", "sse2", "avx2", "avx512", ""):
+        said = version(isa)
+        used, *warnings = started_on(isa)
+        assert f"({used})" in said.stdout
+        if "warning" not in said.stderr:
+            assert isa in ("", used) and not warnings
+    used, *warnings = started_on("avx3")
+    said = version("avx3")
+    assert warnings == [said.stderr.strip().removeprefix("shade: warning: ")]
+    assert "LIBSHADE_ISA 'avx3': this CPU has scalar" in warnings[0]
+    assert warnings[0].endswith(f"{used} is used") and f"({used})" in said.stdout
 
 
 def test_process_may_end_while_jobs_run():

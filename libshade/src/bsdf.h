@@ -23,6 +23,7 @@ typedef struct shade_carry {
 #endif
 
 typedef struct MAY_ALIAS bsdf {
+  int isa; /* of shade_isa_tables: what it runs on */
   shade_mdf mdf;
   shade_brdf brdf;
   shade_detail detail;
@@ -56,5 +57,8 @@ static inline const bsdf *bsdf_of(const shade_bsdf *b) {
 static inline bsdf *bsdf_in(shade_bsdf *b) {
   return (bsdf *)b;
 }
+
+/* shade_bsdf_setup for an instruction set that was chosen before. */
+unsigned shade_bsdf_setup_on(shade_bsdf *b, const shade_params *p, int isa);
 
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "fabric.h"
+#include "isa.h"
 
 enum {
   LOOKS = 1 << 18,  /* points in all, about */
@@ -206,6 +207,7 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
   if (!f)
     return NULL;
   const shade_draft *draft = shade_weave_draft(weave);
+  f->isa = shade_isa_chosen();
   f->weave = weave;
   memcpy(f->backing, p.backing, sizeof f->backing);
   memcpy(f->nap_color, p.nap_color, sizeof f->nap_color);

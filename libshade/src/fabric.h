@@ -59,6 +59,7 @@ typedef struct fabric_side {
 } fabric_side;
 
 struct shade_fabric {
+  int isa; /* of shade_isa_tables: what it runs on */
   const shade_weave *weave;
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];

@@ -49,7 +49,7 @@ static int FN(is_complete)(FN(job) job, const FN(shade_fabric_lanes) * in,
 static unsigned FN(run_block)(const shade_fabric *f, const FN(cloth) * c, FN(job) job, size_t start,
                               const FN(shade_fabric_lanes) * in,
                               const FN(shade_fabric_result) * out) {
-  const shade_isa_table *isa = shade_isa_pick(0);
+  const shade_isa_table *isa = shade_isa_tables[f->isa];
   const real *wi[3];
   unsigned status = SHADE_OK;
   if (job == FN(JOB_SAMPLE)) {
@@ -153,7 +153,7 @@ static unsigned FN(run_batch)(const shade_fabric *f, size_t count, FN(job) job,
   block.flat = 0;
   for (size_t start = 0; start < count; start += LANES) {
     FN(cloth) c = FN(block_of)(&block, count - start < LANES ? count - start : LANES);
-    status |= shade_isa_pick(0)->FN(cloth_prepare)(f, &in, start, tier, &c);
+    status |= shade_isa_tables[f->isa]->FN(cloth_prepare)(f, &in, start, tier, &c);
     FN(copy_coverage)(&c, start, &out);
     status |= FN(run_block)(f, &c, job, start, &in, &out);
   }
@@ -217,7 +217,7 @@ unsigned FN(shade_fabric_prepare_batch)(const shade_fabric *f, size_t count,
   for (size_t start = 0; start < count; start += LANES) {
     FN(cloth)
     c = FN(block_of)(blocks + start / LANES, count - start < LANES ? count - start : LANES);
-    status |= shade_isa_pick(0)->FN(cloth_prepare)(f, &in, start, tier, &c);
+    status |= shade_isa_tables[f->isa]->FN(cloth_prepare)(f, &in, start, tier, &c);
     blocks[start / LANES].flat = c.flat;
     FN(copy_coverage)(&c, start, &out);
   }

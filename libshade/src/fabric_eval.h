@@ -53,7 +53,7 @@ typedef union FN(any_lanes) {
 
 static unsigned FN(prepare_terms)(const shade_fabric *f, const FN(shade_fabric_lanes) * in,
                                   shade_fabric_tier tier, FN(cloth) * c, FN(terms) * room) {
-  const unsigned status = shade_isa_pick(0)->FN(cloth_prepare)(f, in, 0, tier, c);
+  const unsigned status = shade_isa_tables[f->isa]->FN(cloth_prepare)(f, in, 0, tier, c);
   room->flat = c->flat;
   return status;
 }
@@ -159,7 +159,7 @@ unsigned FN(shade_fabric_hit_eval)(const shade_fabric *f, const FN(shade_fabric_
   real room[3][TERMS], rgb[3][TERMS];
   FN(spread)(wi, c.count, room, w);
   real *const to[3] = {rgb[0], rgb[1], rgb[2]};
-  const unsigned status = shade_isa_pick(0)->FN(cloth)(f, &c, w, to);
+  const unsigned status = shade_isa_tables[f->isa]->FN(cloth)(f, &c, w, to);
   for (int a = 0; a < 3; a++) {
     s[a] = 0;
     for (size_t i = 0; i < c.count; i++)
@@ -174,7 +174,7 @@ real FN(shade_fabric_hit_pdf)(const shade_fabric *f, const FN(shade_fabric_hit) 
   const real *part = FN(cloth_row)(&c, CLOTH_PART), *w[3];
   real room[3][TERMS], pdf[TERMS], sum = 0;
   FN(spread)(wi, c.count, room, w);
-  const unsigned bits = shade_isa_pick(0)->FN(cloth_pdf)(f, &c, w, pdf);
+  const unsigned bits = shade_isa_tables[f->isa]->FN(cloth_pdf)(f, &c, w, pdf);
   for (size_t i = 0; i < c.count; i++)
     sum += part[i] * pdf[i];
   if (status)
@@ -198,7 +198,7 @@ unsigned FN(shade_fabric_hit_sample)(const shade_fabric *f, const FN(shade_fabri
   const FN(cloth) one = {1, c.stride, c.flat, c.kind + term, c.rows + term};
   const real *const numbers[3] = {u, u + 1, u + 2};
   real *const to[3] = {wi, wi + 1, wi + 2};
-  unsigned status = shade_isa_pick(0)->FN(cloth_draw)(f, &one, numbers, to);
+  unsigned status = shade_isa_tables[f->isa]->FN(cloth_draw)(f, &one, numbers, to);
   *pdf = s[0] = s[1] = s[2] = 0;
   if (wi[0] != 0 || wi[1] != 0 || wi[2] != 0) {
     *pdf = FN(shade_fabric_hit_pdf)(f, hit, wi, NULL);

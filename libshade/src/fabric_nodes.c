@@ -64,7 +64,7 @@ const shade_bsdf *shade_fabric_dull_lobe(const fabric_side *side, fabric_lobe wh
   else
     shade_params_set_alphas(&q, sqrt(q.ax * q.ax + more * own->ax * own->ax),
                             sqrt(q.ay * q.ay + more * own->ay * own->ay));
-  shade_bsdf_setup(room, &q);
+  shade_bsdf_setup_on(room, &q, bsdf_of(&side->lobe[which])->isa);
   return room;
 }
 

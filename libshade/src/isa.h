@@ -78,7 +78,17 @@ typedef struct shade_isa_table {
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;
 
-/* The widest table this CPU can run; rows 0, 1, … from the widest, NULL past the end. */
+/*
+ * By number, from the narrowest. What is made ready holds the number of the one it runs on: chosen
+ * once, where a caller sets up, so that no evaluation asks the CPU or the environment.
+ */
+extern const shade_isa_table *const shade_isa_tables[];
+
+/* The number of the widest that this CPU has, or of the one that the environment names. */
+#define SHADE_ISA_VARIABLE "LIBSHADE_ISA"
+int shade_isa_chosen(void);
+
+/* All that this CPU has: row 0, 1, … from the widest, NULL past the end. */
 const shade_isa_table *shade_isa_pick(int row);
 
 #endif

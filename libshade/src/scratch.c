@@ -214,7 +214,7 @@ shade_scratch_field *shade_scratch_create(const shade_scratch_params *given, uns
     }
   qsort(f->pit, f->pits, sizeof *f->pit, compare_pits);
   if (scratch_fill_bins(f) != 0 ||
-      (p.cells > 0 && scratch_make_table(f, p.cells, shade_isa_pick(0)) != 0)) {
+      (p.cells > 0 && scratch_make_table(f, p.cells, shade_isa_tables[shade_isa_chosen()]) != 0)) {
     shade_scratch_free(f);
     return NULL;
   }

@@ -5,6 +5,7 @@
 
 #include "shade/shade.h"
 #include "bsdf.h"
+#include "isa.h"
 #include "../kernel/mdf.h"
 #include "params.h"
 
@@ -49,11 +50,12 @@ static void setup_draws(bsdf *b) {
   b->share_diffusef = (float)b->share_diffuse;
 }
 
-unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
+unsigned shade_bsdf_setup_on(shade_bsdf *out, const shade_params *given, int isa) {
   unsigned status = SHADE_OK;
   const shade_params p = shade_params_within_ranges(given, &status);
   bsdf *b = bsdf_in(out);
   memset(out, 0, sizeof *out);
+  b->isa = isa;
   b->mdf = p.mdf;
   b->brdf = p.brdf;
   b->detail = p.detail;
@@ -115,4 +117,8 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   }
   setup_draws(b);
   return status;
+}
+
+unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
+  return shade_bsdf_setup_on(out, given, shade_isa_chosen());
 }

@@ -7,6 +7,7 @@
 #include "moments.h"
 
 struct shade_slope_map {
+  int isa; /* of shade_isa_tables: what it runs on */
   int width, height;
   moment_wrap wrap;
   float *slopes; /* two a texel, row 0 the top */

@@ -142,6 +142,7 @@ shade_slope_map *shade_slope_map_create(const float *pixels, int width, int heig
   *status = found;
   if (!m)
     return NULL;
+  m->isa = shade_isa_chosen();
   m->width = width;
   m->height = height;
   m->wrap = (moment_wrap)o.wrap;
@@ -283,7 +284,7 @@ unsigned slope_lookup_on(const shade_isa_table *isa, const shade_slope_map *m, s
 
 unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t count,
                                    const shade_slope_lanesf *given, const shade_slope_resultf *to) {
-  return slope_lookup_on(shade_isa_pick(0), m, count, given, to);
+  return slope_lookup_on(shade_isa_tables[m->isa], m, count, given, to);
 }
 
 /* ---- widening -----------------------------------------------------------------------------------
@@ -475,7 +476,7 @@ unsigned slope_widen_on(const shade_isa_table *isa, const shade_params *given, s
 
 unsigned shade_params_widen_batchf(const shade_params *p, size_t count,
                                    const shade_widen_lanesf *in, const shade_widen_resultf *out) {
-  return slope_widen_on(shade_isa_pick(0), p, count, in, out);
+  return slope_widen_on(shade_isa_tables[shade_isa_chosen()], p, count, in, out);
 }
 
 /* ---- splitting ---------------------------------------------------------------------------- */

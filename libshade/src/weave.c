@@ -241,6 +241,7 @@ shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_para
   shade_weave *w = draft ? calloc(1, sizeof *w) : NULL;
   if (!w)
     return NULL;
+  w->isa = shade_isa_chosen();
   shade_weave_params_init(&w->params);
   if (p)
     memcpy(&w->params, p, p->size < sizeof *p ? p->size : sizeof *p);
@@ -301,19 +302,19 @@ const shade_weave_params *shade_weave_get_params(const shade_weave *weave) {
 }
 
 unsigned shade_weave_lookup(const shade_weave *weave, double u, double v, shade_crossing *out) {
-  return shade_isa_pick(0)->weave(weave, u, v, out);
+  return shade_isa_tables[weave->isa]->weave(weave, u, v, out);
 }
 
 unsigned shade_weave_lookupf(const shade_weave *weave, float u, float v, shade_crossingf *out) {
-  return shade_isa_pick(0)->weavef(weave, u, v, out);
+  return shade_isa_tables[weave->isa]->weavef(weave, u, v, out);
 }
 
 unsigned shade_weave_lookup_batch(const shade_weave *weave, size_t count, const double *u,
                                   const double *v, const shade_crossings *out) {
-  return shade_isa_pick(0)->weave_batch(weave, count, u, v, out);
+  return shade_isa_tables[weave->isa]->weave_batch(weave, count, u, v, out);
 }
 
 unsigned shade_weave_lookup_batchf(const shade_weave *weave, size_t count, const float *u,
                                    const float *v, const shade_crossingsf *out) {
-  return shade_isa_pick(0)->weave_batchf(weave, count, u, v, out);
+  return shade_isa_tables[weave->isa]->weave_batchf(weave, count, u, v, out);
 }

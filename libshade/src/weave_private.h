@@ -32,6 +32,7 @@ typedef struct weave_yarnf {
 } weave_yarnf;
 
 struct shade_weave {
+  int isa; /* of shade_isa_tables: what it runs on */
   shade_draft *draft;
   shade_weave_params params;
   uint32_t *cells;         /* as the draft's warp_up */

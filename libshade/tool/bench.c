@@ -302,7 +302,7 @@ static void usage(FILE *to) {
       "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
       "                   ratio_stream,max_error\n"
       "  --output FILE    these columns into a file, beside what is printed\n"
-      "  --isa NAME       avx512, avx2, sse2 or scalar (default: the widest of this CPU)\n"
+      "  --isa NAME       avx512, avx2, sse2 or scalar (default: that of shade --version)\n"
       "  --all            every instruction set of this CPU\n"
       "  --mdf NAME       one distribution only\n"
       "  --what NAME      D, f, D_call, f_call or cloth only, or f_ and a horizon\n"
@@ -479,8 +479,8 @@ static int read_options(options *o, int argc, char **argv, int *help) {
   return TOOL_DONE;
 }
 
-static int wanted(const options *o, const shade_isa_table *isa, int row) {
-  return o->isa ? !strcmp(o->isa, isa->name) : o->all || row == 0;
+static int wanted(const options *o, const shade_isa_table *isa) {
+  return o->isa ? !strcmp(o->isa, isa->name) : o->all;
 }
 
 static void progress(int done, int total, const char *what) {
@@ -502,7 +502,7 @@ static int bench_set(const options *o, int s, int *done, int total) {
   for (int row = 0; (isa = shade_isa_pick(row)); row++)
     for (int w = 0; w < WHATS; w++)
       for (int m = 0; m < SHADE_MDF_COUNT; m++) {
-        if (!wanted(o, isa, row) || (o->what >= 0 && w != o->what) || (o->mdf >= 0 && m != o->mdf))
+        if (!wanted(o, isa) || (o->what >= 0 && w != o->what) || (o->mdf >= 0 && m != o->mdf))
           continue;
         if (s == 1 && in_cache_only((what)w))
           continue;
@@ -540,13 +540,19 @@ static void print_cloth(void *context, const char *what, const char *preset, con
     fprintf(c->o->file, csv, what, preset, mdf, type, isa, ns, ratio, error);
 }
 
-/* Cloth runs on the widest instruction set, as every public call does. */
+/* By public calls, which run on what the environment named when the cloth was made. */
 static int bench_cloths(const options *o) {
-  cloth_rows rows = {o, {1, 1}};
-  if (!o->cloth || (o->isa && strcmp(o->isa, shade_isa()) != 0) || bench_cloth(print_cloth, &rows))
-    return TOOL_DONE;
-  fputs("shade bench: out of memory\n", stderr);
-  return TOOL_BAD_INPUT;
+  const shade_isa_table *isa;
+  for (int row = 0; o->cloth && (isa = shade_isa_pick(row)); row++) {
+    cloth_rows rows = {o, {1, 1}};
+    if (!wanted(o, isa))
+      continue;
+    if (setenv(SHADE_ISA_VARIABLE, isa->name, 1) || !bench_cloth(print_cloth, &rows)) {
+      fputs("shade bench: out of memory\n", stderr);
+      return TOOL_BAD_INPUT;
+    }
+  }
+  return TOOL_DONE;
 }
 
 int shade_cmd_bench(int argc, char **argv) {
@@ -556,6 +562,8 @@ int shade_cmd_bench(int argc, char **argv) {
     usage(stdout);
   if (help || status)
     return status;
+  if (!o.isa && !o.all)
+    o.isa = shade_isa();
 
   char *text = NULL;
   size_t length;
@@ -578,7 +586,7 @@ int shade_cmd_bench(int argc, char **argv) {
   int isas = 0, done = 0, total = 0;
   const shade_isa_table *isa;
   for (int row = 0; (isa = shade_isa_pick(row)); row++)
-    isas += wanted(&o, isa, row);
+    isas += wanted(&o, isa);
   for (int s = 0; s < 2; s++)
     for (int w = 0; w < WHATS; w++)
       if ((o.set < 0 || s == o.set) && (o.what < 0 || w == o.what) &&

@@ -50,6 +50,9 @@ int main(int argc, char **argv) {
     usage(stdout);
     return written(TOOL_DONE);
   }
+  char wrong[160];
+  if (shade_isa_check(wrong, sizeof wrong))
+    fprintf(stderr, "shade: warning: %s\n", wrong);
   if (!strcmp(argv[1], "--version")) {
     printf("shade %s (%s)\n", SHADE_VERSION, shade_isa());
     return written(TOOL_DONE);

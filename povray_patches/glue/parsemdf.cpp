@@ -230,6 +230,9 @@ void Parser::Parse_Mdf(FINISH *finish) {
   }
   Parse_End();
 
+  char wrong[160];
+  if (sceneData->mdfScene.empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once
+    Warning(0, "mdf: %s.", wrong);
   finish->Mdf = sceneData->mdfScene.add(material);
 }
 

@@ -333,8 +333,7 @@ typedef struct shade_resultf {
 } shade_resultf;
 
 /*
- * shade_bsdf_eval over arrays of any length and alignment. The widest
- * instruction set of the CPU is used. Returns the or of all status bits.
+ * shade_bsdf_eval over arrays of any length and alignment. Returns the or of all status bits.
  */
 SHADE_API unsigned shade_bsdf_eval_batch(const shade_bsdf *b, size_t count, const shade_lanes *in,
                                          const shade_result *out);
@@ -449,8 +448,19 @@ SHADE_API unsigned shade_bsdf_pdf_batch(const shade_bsdf *b, size_t count, const
 SHADE_API unsigned shade_bsdf_pdf_batchf(const shade_bsdf *b, size_t count, const shade_lanesf *in,
                                          float *pdf);
 
-/* The instruction set in use: "avx512", "avx2", "sse2" or "scalar". */
+/*
+ * The instruction set that what is made ready now runs on: "avx512", "avx2", "sse2" or "scalar". It
+ * is the widest that this CPU has, or the one that the environment variable LIBSHADE_ISA names, as
+ * read by shade_bsdf_setup, by each _create function and by shade_params_widen_batchf: calls that
+ * must not run while another thread changes the environment.
+ */
 SHADE_API const char *shade_isa(void);
+
+/*
+ * 0, or -1 and a sentence in error[size] where LIBSHADE_ISA names nothing that this CPU has: it
+ * counts as unset then. Programs tell their user.
+ */
+SHADE_API int shade_isa_check(char *error, size_t size);
 
 /*
  * Names. `word` is read with - and _ alike and without regard to case.

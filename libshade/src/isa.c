@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The one table of instruction sets: what each needs, and which of them is used. */
+#include "isa.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * ROW(name, what the CPU must have), from the narrowest: a later one is preferred. avx512 is
+ * x86-64-v4 but for what every CPU with AVX-512 has and clang 14 cannot ask for.
+ */
+#if defined(__x86_64__)
+#define HAS(feature) __builtin_cpu_supports(feature)
+#define ISA_ROWS(ROW)                                                                              \
+  ROW(scalar, 1)                                                                                   \
+  ROW(sse2, 1)                                                                                     \
+  ROW(avx2, HAS("avx2") && HAS("fma"))                                                             \
+  ROW(avx512, HAS("avx512f") && HAS("avx512bw") && HAS("avx512cd") && HAS("avx512dq") &&           \
+                  HAS("avx512vl") && HAS("bmi") && HAS("bmi2") && HAS("avx2") && HAS("fma"))
+#else
+#define ISA_ROWS(ROW) ROW(scalar, 1)
+#endif
+
+#define ISA_POINTER(name, needs) &shade_isa_##name,
+const shade_isa_table *const shade_isa_tables[] = {ISA_ROWS(ISA_POINTER)};
+
+enum { ISAS = sizeof shade_isa_tables / sizeof shade_isa_tables[0] };
+
+static int runs(int isa) {
+  int row = 0;
+#define ISA_RUNS(name, needs)                                                                      \
+  if (row++ == isa)                                                                                \
+    return needs;
+  ISA_ROWS(ISA_RUNS)
+  return 0;
+}
+
+const shade_isa_table *shade_isa_pick(int row) {
+  for (int isa = ISAS - 1; isa >= 0; isa--)
+    if (runs(isa) && row-- == 0)
+      return shade_isa_tables[isa];
+  return NULL;
+}
+
+static int widest(void) {
+  int isa = ISAS - 1;
+  while (!runs(isa))
+    isa--;
+  return isa;
+}
+
+/* The one that the environment names, or -1. */
+static int wished(const char *name) {
+  for (int isa = 0; name && isa < ISAS; isa++)
+    if (!strcmp(name, shade_isa_tables[isa]->name) && runs(isa))
+      return isa;
+  return -1;
+}
+
+int shade_isa_chosen(void) {
+  const int wish = wished(getenv(SHADE_ISA_VARIABLE));
+  return wish >= 0 ? wish : widest();
+}
+
+const char *shade_isa(void) {
+  return shade_isa_tables[shade_isa_chosen()]->name;
+}
+
+int shade_isa_check(char *error, size_t size) {
+  const char *name = getenv(SHADE_ISA_VARIABLE);
+  if (!name || !name[0] || wished(name) >= 0)
+    return 0;
+  char there[64] = "";
+  for (int isa = 0; isa < ISAS; isa++)
+    if (runs(isa)) {
+      strcat(there, there[0] ? ", " : "");
+      strcat(there, shade_isa_tables[isa]->name);
+    }
+  snprintf(error, size, SHADE_ISA_VARIABLE " '%.60s': this CPU has %s; %s is used", name, there,
+           shade_isa_tables[widest()]->name);
+  return -1;
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* LIBSHADE_ISA: what is made ready runs on the instruction set that it names, to the last bit. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
+#include <string.h>
+
+#include "shade/fabric.h"
+#include "shade/maps.h"
+#include "src/fabric.h"
+#include "src/slope_map.h"
+#include "src/weave_private.h"
+#include "support.h"
+
+enum { COUNT = 512 };
+
+static float in[6][COUNT], own[4][COUNT], want[4][COUNT];
+
+static void fill(void) {
+  uint64_t seed = 4;
+  for (int i = 0; i < COUNT; i++) {
+    double n[3], h[3];
+    spherical(0.5 * uniform(&seed), 2 * PI * uniform(&seed), n);
+    spherical(1.2 * uniform(&seed), 2 * PI * uniform(&seed), h);
+    for (int c = 0; c < 3; c++) {
+      in[c][i] = (float)n[c];
+      in[3 + c][i] = (float)h[c];
+    }
+  }
+}
+
+/* Public calls give what the table of that name gives; returns a hash of their bits. */
+static uint64_t runs_on(const shade_isa_table *isa) {
+  assert_string_equal(shade_isa(), isa->name);
+  shade_params p;
+  shade_params_init(&p);
+  p.mdf = SHADE_MDF_GGX;
+  p.brdf = SHADE_BRDF_MICROFACET;
+  shade_bsdf b;
+  assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+  const shade_lanesf lanes = {.size = sizeof lanes,
+                              .nx = in[0],
+                              .ny = in[1],
+                              .nz = in[2],
+                              .wix = in[3],
+                              .wiy = in[4],
+                              .wiz = in[5],
+                              .wox = in[0],
+                              .woy = in[1],
+                              .woz = in[2]};
+  const shade_resultf here = {
+      .size = sizeof here, .r = own[0], .g = own[1], .b = own[2], .cosine = own[3]};
+  const shade_resultf there = {
+      .size = sizeof there, .r = want[0], .g = want[1], .b = want[2], .cosine = want[3]};
+  assert_int_equal(shade_bsdf_eval_batchf(&b, COUNT, &lanes, &here), SHADE_OK);
+  assert_int_equal(isa->bsdf_batchf(&b, COUNT, &lanes, &there), SHADE_OK);
+  assert_memory_equal(own, want, sizeof own);
+  uint64_t hash = 14695981039346656037u;
+  for (size_t i = 0; i < sizeof own; i++)
+    hash = (hash ^ ((const unsigned char *)own)[i]) * 1099511628211u;
+
+  /* what keeps its choice otherwise */
+  const float normal[3] = {0, 0, 1};
+  unsigned status;
+  shade_slope_map *map = shade_slope_map_create(normal, 1, 1, 3, NULL, &status);
+  shade_draft *draft = shade_draft_create(1, 1);
+  shade_weave *weave = shade_weave_create(draft, NULL, NULL);
+  shade_fabric *fabric = shade_fabric_create(weave, NULL, NULL);
+  assert_true(map && draft && weave && fabric);
+  assert_ptr_equal(shade_isa_tables[map->isa], isa);
+  assert_ptr_equal(shade_isa_tables[weave->isa], isa);
+  assert_ptr_equal(shade_isa_tables[fabric->isa], isa);
+  assert_ptr_equal(shade_isa_tables[bsdf_of(&fabric->side[0].lobe[FABRIC_NEAR])->isa], isa);
+  /* a lobe made anew within an evaluation asks nobody */
+  setenv(SHADE_ISA_VARIABLE, "", 1);
+  shade_fabric_dull_lobe(&fabric->side[0], FABRIC_NEAR, 0.5, &b);
+  assert_ptr_equal(shade_isa_tables[bsdf_of(&b)->isa], isa);
+  shade_fabric_free(fabric);
+  shade_weave_free(weave);
+  shade_draft_free(draft);
+  shade_slope_map_free(map);
+  return hash;
+}
+
+static void each(void **state) {
+  (void)state;
+  uint64_t first = 0;
+  int rows = 0, others = 0;
+  fill();
+  for (const shade_isa_table *isa; (isa = shade_isa_pick(rows)); rows++) {
+    char wrong[160] = "nothing";
+    setenv(SHADE_ISA_VARIABLE, isa->name, 1);
+    assert_int_equal(shade_isa_check(wrong, sizeof wrong), 0);
+    assert_string_equal(wrong, "nothing");
+    const uint64_t hash = runs_on(isa);
+    first = rows ? first : hash;
+    others += hash != first;
+  }
+  assert_true(rows >= 1);
+  if (rows > 2) /* fused or not, bits differ: else the comparison above would see nothing */
+    assert_true(others > 0);
+}
+
+static void unset_or_unknown(void **state) {
+  (void)state;
+  const char *const widest = shade_isa_pick(0)->name;
+  static const char *const unknown[] = {"AVX2", "avx", "neon", "avx512 ", "0"};
+  char wrong[160];
+  unsetenv(SHADE_ISA_VARIABLE);
+  assert_string_equal(shade_isa(), widest);
+  assert_int_equal(shade_isa_check(wrong, sizeof wrong), 0);
+  setenv(SHADE_ISA_VARIABLE, "", 1);
+  assert_string_equal(shade_isa(), widest);
+  assert_int_equal(shade_isa_check(wrong, sizeof wrong), 0);
+  for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++) {
+    setenv(SHADE_ISA_VARIABLE, unknown[i], 1);
+    assert_string_equal(shade_isa(), widest);
+    assert_int_equal(shade_isa_check(wrong, sizeof wrong), -1);
+    assert_non_null(strstr(wrong, unknown[i]));
+    assert_non_null(strstr(wrong, "scalar"));
+    assert_non_null(strstr(wrong, widest));
+  }
+  char small[8];
+  assert_int_equal(shade_isa_check(small, sizeof small), -1);
+  assert_int_equal(strlen(small), sizeof small - 1);
+  unsetenv(SHADE_ISA_VARIABLE);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(each), cmocka_unit_test(unset_or_unknown)};
+  return cmocka_run_group_tests_name("isa", tests, NULL, NULL);
+}
