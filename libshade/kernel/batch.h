@@ -45,10 +45,10 @@ static unsigned FN(bsdf_batch)(const bsdf *given, size_t count, const FN(shade_l
   bsdf copy;
   unsigned status = SHADE_OK;
   const bsdf *b = FN(for_lanes)(given, varied, &copy);
-  const FN(shape) own = FN(own_shape)(b);
   const size_t step = FN(block_of)(count, 13);
+  FN(block) s = {.shape = FN(own_shape)(b)};
   for (size_t start = 0; start < count; start += step) {
-    FN(block) s = {.count = count - start < step ? count - start : step, .shape = own};
+    s.count = count - start < step ? count - start : step;
     s.n = FN(vec_from)(in->nx, in->ny, in->nz, start);
     s.wi = FN(vec_from)(in->wix, in->wiy, in->wiz, start);
     s.wo = FN(vec_from)(in->wox, in->woy, in->woz, start);

@@ -35,21 +35,26 @@ _Static_assert(offsetof(FN(shade_lanes), parts) - offsetof(FN(shade_lanes), f0r)
                        offsetof(FN(varied), parts),
                "both end in the arrays of pass_lanes.h");
 
+/* Whether f0r, or what follows it in shade_lanes, holds anything. One by one, as in lanes.h. */
+LEAF int FN(is_varied)(const void *f0r) {
+  for (size_t i = 0; i < sizeof(FN(varied)); i += sizeof(void *)) {
+    size_t word;
+    memcpy(&word, (const char *)f0r + i, sizeof word);
+    if (word)
+      return 1;
+  }
+  return 0;
+}
+
 /*
  * The parameters of each sample from f0r on, in *v; NULL where there are none. Parts that do not
  * exist are all of them.
  */
-static const FN(varied) * FN(varied_from)(const void *f0r, FN(varied) * v, unsigned *status) {
+static inline const FN(varied) *
+    FN(varied_from)(const void *f0r, FN(varied) * v, unsigned *status) {
   const size_t all = SHADE_PART_SPECULAR | SHADE_PART_DIFFUSE;
-  const char *at = f0r;
-  int any = 0;
-  for (size_t i = 0; i < sizeof *v; i += sizeof(void *)) {
-    size_t word;
-    memcpy(&word, at + i, sizeof word);
-    any |= word != 0;
-  }
   *status = SHADE_OK;
-  if (!any)
+  if (!FN(is_varied)(f0r))
     return NULL;
   memcpy(v, f0r, sizeof *v);
   if (v->parts & ~all)
@@ -62,46 +67,52 @@ static const FN(varied) * FN(varied_from)(const void *f0r, FN(varied) * v, unsig
 static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count,
                                       const FN(shade_lanes) * given,
                                       const FN(shade_result) * given_out) {
-  FN(shade_lanes) in;
-  FN(varied) room;
+  FN(shade_lanes) room;
+  FN(shade_result) room_out;
+  FN(varied) held;
   unsigned status;
-  FN(shade_result) out;
   if (!count)
     return SHADE_OK;
-  if (!shade_whole_lanes(given, FN(lanes_required), &in, sizeof in) ||
-      !shade_whole_lanes(given_out, FN(results_required), &out, sizeof out))
+  const FN(shade_lanes) *in = shade_whole_lanes(given, FN(lanes_required), &room, sizeof room);
+  const FN(shade_result) *out =
+      shade_whole_lanes(given_out, FN(results_required), &room_out, sizeof room_out);
+  if (!in || !out)
     return SHADE_BAD_INPUT;
-  const FN(varied) *each = FN(varied_from)(&in.f0r, &room, &status);
-  return status | FN(bsdf_batch)(bsdf_of(b), count, &in, each, &out);
+  const FN(varied) *each = FN(varied_from)(&in->f0r, &held, &status);
+  return status | FN(bsdf_batch)(bsdf_of(b), count, in, each, out);
 }
 
 static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count,
                                      const FN(shade_lanes) * given, real *out) {
-  FN(shade_lanes) in;
-  FN(varied) room;
+  FN(shade_lanes) room;
+  FN(varied) held;
   unsigned status;
   if (!count)
     return SHADE_OK;
-  if (!shade_whole_lanes(given, FN(lanes_required), &in, sizeof in) || !out)
+  const FN(shade_lanes) *in = shade_whole_lanes(given, FN(lanes_required), &room, sizeof room);
+  if (!in || !out)
     return SHADE_BAD_INPUT;
-  const FN(varied) *each = FN(varied_from)(&in.f0r, &room, &status);
-  return status | FN(pdf_batch)(bsdf_of(b), count, &in, each, out);
+  const FN(varied) *each = FN(varied_from)(&in->f0r, &held, &status);
+  return status | FN(pdf_batch)(bsdf_of(b), count, in, each, out);
 }
 
 static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
                                         const FN(shade_sample_lanes) * given,
                                         const FN(shade_sample_result) * given_out) {
-  FN(shade_sample_lanes) in;
-  FN(varied) room;
+  FN(shade_sample_lanes) room;
+  FN(shade_sample_result) room_out;
+  FN(varied) held;
   unsigned status;
-  FN(shade_sample_result) out;
   if (!count)
     return SHADE_OK;
-  if (!shade_whole_lanes(given, FN(draws_required), &in, sizeof in) ||
-      !shade_whole_lanes(given_out, FN(draws_required), &out, sizeof out))
+  const FN(shade_sample_lanes) *in =
+      shade_whole_lanes(given, FN(draws_required), &room, sizeof room);
+  const FN(shade_sample_result) *out =
+      shade_whole_lanes(given_out, FN(draws_required), &room_out, sizeof room_out);
+  if (!in || !out)
     return SHADE_BAD_INPUT;
-  const FN(varied) *each = FN(varied_from)(&in.f0r, &room, &status);
-  return status | FN(sample_batch)(bsdf_of(b), count, &in, each, &out);
+  const FN(varied) *each = FN(varied_from)(&in->f0r, &held, &status);
+  return status | FN(sample_batch)(bsdf_of(b), count, in, each, out);
 }
 
 static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,

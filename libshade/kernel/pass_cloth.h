@@ -471,7 +471,7 @@ static unsigned FN(mend_light)(size_t count, const real *const wi[3], FN(mended_
   unsigned status = SHADE_OK;
   for (int a = 0; a < 3; a++)
     m->wi[a] = wi[a];
-  if (!FN(pass_check)(count, FN(vec_of)(wi)))
+  if (FN(are_unit)(count, FN(vec_of)(wi)))
     return SHADE_OK;
   for (size_t i = 0; i < count; i++) {
     real w[3] = {wi[0][i], wi[1][i], wi[2][i]};

@@ -32,12 +32,12 @@ LEAF FN(ggx_sample) FN(ggx_of)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real
   real so = FN(root)(ll * (o.c * o.c) + (gx * (o.x * o.x) + gy * (o.y * o.y)));
   real value = peak * (ratio * ratio) * l /
                FN(maximum)(2 * (o.c * si + i.c * so), R(1e-20) * FN(maximum)(l, R(1e-12)));
-  /* one comparison, as in lit_cosine */
-  int lit = FN(minimum)(FN(minimum)(i.c, o.c), lowest) > 0;
+  /* one comparison, as in lit_cosine; as bits, or gcc weaves it into that of the minimum below */
+  real_bits lit = -(real_bits)(FN(minimum)(FN(minimum)(i.c, o.c), lowest) > 0);
   s.cosi = FN(maximum)(i.c, 0);
-  s.coso = lit ? o.c : 0;
+  s.coso = FN(from_bits)(FN(to_bits)(o.c) & lit);
   s.hwo = FN(minimum)(R(0.5) * FN(root)(hh), 1);
-  s.f = lit ? value : 0;
+  s.f = FN(from_bits)(FN(to_bits)(value) & lit);
   s.opposite = !(hh > R(1e-30));
   return s;
 }
@@ -109,14 +109,17 @@ static int FN(is_fused)(const bsdf *b) {
 /* hwo, the cosines as pass_cosines leaves them, and f without Fresnel; returns as pass_half. */
 static int FN(pass_fused)(const bsdf *b, FN(shape) s, size_t count, FN(vec) n, FN(vec) wi,
                           FN(vec) wo, real *hwo, real *cosi, real *coso, real *f) {
-  if (b->carry.map == SHADE_MAP_NONE)
-    return (s.varies ? FN(pass_each_ggx_flat) : FN(pass_ggx_flat))(count, s, n, wi, wo, hwo, cosi,
-                                                                   coso, f);
+  if (b->carry.map == SHADE_MAP_NONE) {
+    if (s.varies)
+      return FN(pass_each_ggx_flat)(count, s, n, wi, wo, hwo, cosi, coso, f);
+    return FN(pass_ggx_flat)(count, s, n, wi, wo, hwo, cosi, coso, f);
+  }
   if (b->carry.map == SHADE_MAP_ROTATE_Y)
     s = FN(shape_swapped)(s), n = FN(vec_swapped)(n), wi = FN(vec_swapped)(wi),
     wo = FN(vec_swapped)(wo);
-  return (s.varies ? FN(pass_each_ggx_rotated) : FN(pass_ggx_rotated))(count, s, n, wi, wo, hwo,
-                                                                       cosi, coso, f);
+  if (s.varies)
+    return FN(pass_each_ggx_rotated)(count, s, n, wi, wo, hwo, cosi, coso, f);
+  return FN(pass_ggx_rotated)(count, s, n, wi, wo, hwo, cosi, coso, f);
 }
 
 /* The same for one sample. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Finds blocks that hold a direction the passes cannot take, and mends a copy. */
 
-/* Nonzero when some direction is off unit. */
-LEAF int FN(pass_check)(size_t count, FN(vec) v) {
+/* Whether every v is unit. */
+static int FN(are_unit)(size_t count, FN(vec) v) {
   real_bits far = 0, uneven = 0;
   ARRAYS(v);
 #pragma omp simd reduction(| : far, uneven)
@@ -10,20 +10,28 @@ LEAF int FN(pass_check)(size_t count, FN(vec) v) {
     far |= FN(far_bits)(vx[i], vy[i], vz[i]);
     uneven |= FN(uneven_bits)(vx[i], vy[i], vz[i]);
   }
-  return FN(off_unit)(far, uneven);
+  return !FN(off_unit)(far, uneven);
 }
 
-/* For normals: nor is z above 0. Less 1, 0 has the sign bit and -0 FAR_BIT. */
-LEAF int FN(pass_check_normal)(size_t count, FN(vec) v) {
+/*
+ * Whether the passes take every n, a and b (which may be a) as they are: unit, and n above the
+ * surface. Less 1, 0 has the sign bit and -0 FAR_BIT. One loop: to or the lanes of a register
+ * takes as long as ten samples.
+ */
+LEAF int FN(is_mended)(size_t count, FN(vec) n, FN(vec) a, FN(vec) b) {
   real_bits far = 0, uneven = 0, below = 0;
-  ARRAYS(v);
+  ARRAYS(n);
+  ARRAYS(a);
+  ARRAYS(b);
 #pragma omp simd reduction(| : far, uneven, below)
   for (size_t i = 0; i < count; i++) {
-    far |= FN(far_bits)(vx[i], vy[i], vz[i]);
-    uneven |= FN(uneven_bits)(vx[i], vy[i], vz[i]);
-    below |= FN(to_bits)(vz[i]) - 1;
+    far |= FN(far_bits)(nx[i], ny[i], nz[i]) | FN(far_bits)(ax[i], ay[i], az[i]) |
+           FN(far_bits)(bx[i], by[i], bz[i]);
+    uneven |= FN(uneven_bits)(nx[i], ny[i], nz[i]) | FN(uneven_bits)(ax[i], ay[i], az[i]) |
+              FN(uneven_bits)(bx[i], by[i], bz[i]);
+    below |= FN(to_bits)(nz[i]) - 1;
   }
-  return FN(off_unit)(far, uneven) || (below & (SIGN_BIT | FAR_BIT));
+  return !FN(off_unit)(far, uneven) && !(below & (SIGN_BIT | FAR_BIT));
 }
 
 /* Room for the mended copies of a block's directions. */
@@ -32,16 +40,8 @@ typedef struct FN(mended) {
   unsigned char void_lane[BLOCK]; /* 1: no direction could be made out; the result is 0 */
 } FN(mended);
 
-/*
- * Point the directions (*v[0] a normal) at mended copies where the block needs it. Returns status
- * bits; with SHADE_BAD_INPUT void_lane is filled.
- */
-static unsigned FN(mend_block)(size_t count, int vectors, FN(vec) *const v[3], FN(mended) * m) {
-  int bad = FN(pass_check_normal)(count, *v[0]);
-  for (int k = 1; k < vectors; k++)
-    bad |= FN(pass_check)(count, *v[k]);
-  if (!bad)
-    return SHADE_OK;
+static __attribute__((noinline)) unsigned FN(mend_lanes)(size_t count, int vectors,
+                                                         FN(vec) *const v[3], FN(mended) * m) {
   unsigned status = SHADE_OK;
   for (size_t i = 0; i < count; i++) {
     unsigned lane = SHADE_OK;
@@ -58,4 +58,13 @@ static unsigned FN(mend_block)(size_t count, int vectors, FN(vec) *const v[3], F
   for (int k = 0; k < vectors; k++)
     *v[k] = FN(vec_in)(&m->v[k]);
   return status;
+}
+
+/*
+ * Point the directions (*v[0] a normal) at mended copies where the block needs it. Returns status
+ * bits; with SHADE_BAD_INPUT void_lane is filled.
+ */
+LEAF unsigned FN(mend_block)(size_t count, int vectors, FN(vec) *const v[3], FN(mended) * m) {
+  return FN(is_mended)(count, *v[0], *v[1], *v[vectors - 1]) ? SHADE_OK
+                                                             : FN(mend_lanes)(count, vectors, v, m);
 }

@@ -359,8 +359,9 @@ static unsigned FN(weave_block)(const shade_weave *w, size_t count, const real *
 static unsigned FN(kernel_weave_batch)(const shade_weave *w, size_t total, const real *u,
                                        const real *v, const FN(shade_crossings) * given) {
   FN(shade_crossings) out;
-  if (given->size < sizeof given->size || !shade_whole_lanes(given, 0, &out, sizeof out))
+  if (given->size < sizeof given->size)
     return SHADE_BAD_INPUT;
+  shade_copy_lanes(given, &out, sizeof out);
   FN(weave_room) room;
   real held[2][WEAVE_BLOCK];
   unsigned status = SHADE_OK;

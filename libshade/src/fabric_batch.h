@@ -18,7 +18,7 @@ static FN(cloth) FN(block_of)(const FN(prepared) * block, size_t count) {
 static FN(shade_fabric_lanes) FN(known_lanes)(const FN(shade_fabric_lanes) * in) {
   FN(shade_fabric_lanes) known;
   if (in)
-    shade_whole_lanes(in, 0, &known, sizeof known);
+    shade_copy_lanes(in, &known, sizeof known);
   else
     memset(&known, 0, sizeof known);
   return known;
@@ -26,7 +26,7 @@ static FN(shade_fabric_lanes) FN(known_lanes)(const FN(shade_fabric_lanes) * in)
 static FN(shade_fabric_result) FN(known_result)(const FN(shade_fabric_result) * out) {
   FN(shade_fabric_result) known;
   if (out)
-    shade_whole_lanes(out, 0, &known, sizeof known);
+    shade_copy_lanes(out, &known, sizeof known);
   else
     memset(&known, 0, sizeof known);
   return known;

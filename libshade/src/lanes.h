@@ -9,9 +9,9 @@
 /*
  * *given, a structure that begins with its size and goes on in pointers, to *whole, which is
  * `room` bytes long: members beyond given's size become NULL, those that are not known yet are
- * left out. 0 when one of the first `required` pointers is not there.
+ * left out.
  */
-static inline int shade_whole_lanes(const void *given, size_t required, void *whole, size_t room) {
+static inline void shade_copy_lanes(const void *given, void *whole, size_t room) {
   size_t size;
   memcpy(&size, given, sizeof size);
   if (size >= room) {
@@ -20,14 +20,28 @@ static inline int shade_whole_lanes(const void *given, size_t required, void *wh
     memset(whole, 0, room);
     memcpy(whole, given, size - size % sizeof(void *));
   }
-  const char *at = (const char *)whole + sizeof size;
-  for (size_t i = 0; i < required; i++, at += sizeof(void *)) {
-    const void *array;
-    memcpy(&array, at, sizeof array);
-    if (!array)
-      return 0;
+}
+
+/*
+ * The same, or given itself where it has all members: a copy of pointers that the caller has just
+ * written takes as long as sixteen samples of GGX. NULL when one of the first `required` pointers
+ * is not there.
+ */
+static inline const void *shade_whole_lanes(const void *given, size_t required, void *whole,
+                                            size_t room) {
+  size_t size;
+  memcpy(&size, given, sizeof size);
+  if (size < room) {
+    shade_copy_lanes(given, whole, room);
+    given = whole;
   }
-  return 1;
+  for (size_t i = 0; i < required; i++) {
+    const void *array;
+    memcpy(&array, (const char *)given + sizeof size + i * sizeof array, sizeof array);
+    if (!array) /* one by one: vectors would wait for what the caller has just stored */
+      return NULL;
+  }
+  return given;
 }
 
 #endif
