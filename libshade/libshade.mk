@@ -156,9 +156,10 @@ $(TESTS:%=%.run): %.run: %
 	@$<
 
 # a hundred million cases, on all processors: some minutes
-soak: $(B)/test/soak $(B)/test/fabric_soak
+soak: $(B)/test/soak $(B)/test/fabric_soak $(B)/test/hostile
 	@$(B)/test/soak --cases 100000000
 	@$(B)/test/fabric_soak --cases 10000000
+	@$(B)/test/hostile --samples 20000000
 
 # The public headers: C++17 from both compilers, a program that links; C11 and nothing more.
 check-headers: $(B)/libshade.a
@@ -174,7 +175,7 @@ check-headers: $(B)/libshade.a
 # on all processors, whether or not -j was given: with it, under the jobs of the make above
 PARALLEL = $(MAKE) $(if $(filter --jobserver%,$(MAKEFLAGS)),,-j$(JOBS))
 # as clang compiles them: values, horizons; draws, of which SANITIZED takes fewer
-CLANG_RUNS := accuracy bsdf horizon leaves sample
+CLANG_RUNS := accuracy bsdf horizon hostile leaves sample
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 check-libshade: setup-build
 	+$(PARALLEL) all test-libshade

@@ -131,6 +131,31 @@ LEAF real FN(exp2_negative)(real a) {
   return a <= limit ? value : 0;
 }
 
+/*
+ * a b + c: with one rounding wherever the machine has such an instruction, for compilers choose
+ * sum by sum, and not as they do in the loop beside. Single calls and batches round alike by it
+ * where terms cancel, which is where a rounding can be all that is left.
+ */
+LEAF real FN(multiply_add)(real a, real b, real c) {
+#if !defined(__FMA__) && !defined(__FP_FAST_FMA) && !defined(__ARM_FEATURE_FMA)
+  return a * b + c;
+#elif SHADE_FLOAT
+  return __builtin_fmaf(a, b, c);
+#else
+  return __builtin_fma(a, b, c);
+#endif
+}
+/* a b - c d. */
+LEAF real FN(difference)(real a, real b, real c, real d) {
+  return FN(multiply_add)(a, b, -(c * d));
+}
+LEAF real FN(dot2)(real ax, real ay, real bx, real by) {
+  return FN(multiply_add)(ax, bx, ay * by);
+}
+LEAF real FN(dot)(real ax, real ay, real az, real bx, real by, real bz) {
+  return FN(multiply_add)(az, bz, FN(dot2)(ax, ay, bx, by));
+}
+
 LEAF real FN(maximum)(real a, real b) {
   return a > b ? a : b;
 }

@@ -50,10 +50,10 @@ typedef struct FN(cross_and_dot) {
 
 LEAF FN(cross_and_dot) FN(cross_and_dot_of)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(cross_and_dot) c;
-  c.x = ny * hz - nz * hy;
-  c.y = nz * hx - nx * hz;
-  c.z = nx * hy - ny * hx;
-  c.d = nx * hx + ny * hy + nz * hz;
+  c.x = FN(difference)(ny, hz, nz, hy);
+  c.y = FN(difference)(nz, hx, nx, hz);
+  c.z = FN(difference)(nx, hy, ny, hx);
+  c.d = FN(dot)(nx, ny, nz, hx, hy, hz);
   return c;
 }
 
@@ -113,9 +113,9 @@ LEAF real FN(rotate_scale)(real nx, real nz) {
 LEAF FN(lobe_ratio) FN(detail_rotate)(real nx, real ny, real nz, real hx, real hy, real hz) {
   real scale = FN(rotate_scale)(nx, nz);
   real a = nx * scale, c = nz * scale;
-  real x = c * hx - a * hz;
-  real y = a * (nx * hy - ny * hx) + c * (nz * hy - ny * hz);
-  real d = nx * hx + ny * hy + nz * hz;
+  real x = FN(difference)(c, hx, a, hz);
+  real y = FN(dot2)(a, c, FN(difference)(nx, hy, ny, hx), FN(difference)(nz, hy, ny, hz));
+  real d = FN(dot)(nx, ny, nz, hx, hy, hz);
   return FN(lobe_of)(x, y, (a * a + c * c) * (d * d), d > 0);
 }
 
@@ -123,7 +123,7 @@ LEAF FN(lobe_ratio) FN(detail_rotate)(real nx, real ny, real nz, real hx, real h
 LEAF FN(lobe_ratio) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
   real turn = c.z / (1 + nz);
-  real x = c.y - ny * turn, y = c.x - nx * turn;
+  real x = FN(multiply_add)(-ny, turn, c.y), y = FN(multiply_add)(-nx, turn, c.x);
   return FN(lobe_of)(x, y, c.d * c.d, c.d > 0);
 }
 
@@ -134,7 +134,7 @@ LEAF FN(lobe_ratio) FN(detail_shortest_arc)(real nx, real ny, real nz, real hx, 
  */
 LEAF FN(lobe_ratio) FN(detail_rotate_ratio)(real nx, real ny, real nz, real hx, real hy, real hz) {
   FN(cross_and_dot) c = FN(cross_and_dot_of)(nx, ny, nz, hx, hy, hz);
-  real y = nx * c.z - nz * c.x;
+  real y = FN(difference)(nx, c.z, nz, c.x);
   return FN(lobe_around)(c, c.y * c.y, y * y);
 }
 
@@ -145,10 +145,10 @@ LEAF FN(lobe_ratio) FN(detail_rotate_ratio)(real nx, real ny, real nz, real hx, 
  * degrees, |p|^2 <= 0.75: 1e-4 at exponents to 1e3, 3e-4 to 1e5. [KangChoKim2011 Eq. 3-5]
  */
 LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
-  real a = x * x + y * y;
-  real b = nx * x + ny * y;
+  real a = FN(dot2)(x, y, x, y);
+  real b = FN(dot2)(nx, ny, x, y);
   real c = nz * nz;
-  real s = FN(root)(b * b + a * c);
+  real s = FN(root)(FN(dot2)(b, a, b, c));
   real top = b >= 0 ? b + s : a;
   real bottom = b >= 0 ? c : s - b;
   /* u > 1 is outside anyway; this floor keeps it from overflowing as nz -> 0 */
@@ -159,8 +159,8 @@ LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
 LEAF FN(lobe_ratio) FN(detail_deform_linear)(real nx, real ny, real nz, real hx, real hy, real hz) {
   real x = hx - nx, y = hy - ny;
   real u = FN(warp_fraction)(nx, ny, nz, x, y);
-  x += u * nx;
-  y += u * ny;
+  x = FN(multiply_add)(u, nx, x);
+  y = FN(multiply_add)(u, ny, y);
   return FN(lobe_of)(x, y, FN(absolute)((1 - u) * (1 + u)), (u < 1) & (hz > 0));
 }
 
@@ -169,9 +169,9 @@ LEAF FN(lobe_ratio) FN(detail_deform_smooth)(real nx, real ny, real nz, real hx,
   real x = hx - nx, y = hy - ny;
   real u = FN(minimum)(FN(warp_fraction)(nx, ny, nz, x, y), 1);
   real shift = u / (1 + FN(root)(1 - u));
-  x += shift * nx;
-  y += shift * ny;
-  real zz = 1 - (x * x + y * y);
+  x = FN(multiply_add)(shift, nx, x);
+  y = FN(multiply_add)(shift, ny, y);
+  real zz = 1 - FN(dot2)(x, y, x, y);
   return FN(lobe_of)(x, y, FN(absolute)(zz), (zz > 0) & (hz > 0));
 }
 
@@ -187,17 +187,18 @@ LEAF real FN(warp_stretch)(real nx, real ny, real nz, real hx, real hy, real hz,
   const real rim = R(1e-9); /* the least cosine: keeps the result finite */
   real x = hx - nx, y = hy - ny;
   real u = FN(warp_fraction)(nx, ny, nz, x, y);
-  real b = nx * x + ny * y;
-  real s = FN(root)(b * b + (x * x + y * y) * (nz * nz));
+  real b = FN(dot2)(nx, ny, x, y);
+  real s = FN(root)(FN(dot2)(b, FN(dot2)(x, y, x, y), b, nz * nz));
   real fade = FN(root)(FN(absolute)(1 - u)); /* u > 1 is outside, as zz < 0: D' is 0 there */
-  real along = b + u * (nx * nx + ny * ny);  /* delta . p_linear */
+  real along = FN(multiply_add)(u, FN(dot2)(nx, ny, nx, ny), b); /* delta . p_linear */
   real stretch = along / ((smooth ? 2 * s * fade : s) + TINY);
-  real jacobian = FN(maximum)(1 + stretch, 0); /* 1 where s, and with it `along`, is 0 */
+  /* 1 where s, and with it `along`, is 0 */
+  real jacobian = FN(maximum)(FN(minimum)(1 + stretch, R(1e9)), 0);
   real shift = smooth ? u / (1 + fade) : u;
-  x += shift * nx;
-  y += shift * ny;
-  real zz = smooth ? 1 - (x * x + y * y) : (1 - u) * (1 + u);
-  real z = projected ? nx * hx + ny * hy + nz * hz : FN(root)(FN(absolute)(zz));
+  x = FN(multiply_add)(shift, nx, x);
+  y = FN(multiply_add)(shift, ny, y);
+  real zz = smooth ? 1 - FN(dot2)(x, y, x, y) : (1 - u) * (1 + u);
+  real z = projected ? FN(dot)(nx, ny, nz, hx, hy, hz) : FN(root)(FN(absolute)(zz));
   real lit = (smooth || projected) && !(z > 0) ? 0 : FN(maximum)(hz, 0);
-  return FN(minimum)(jacobian, R(1e9)) * lit / FN(maximum)(z, rim);
+  return jacobian * lit / FN(maximum)(z, rim);
 }

@@ -20,14 +20,15 @@ typedef struct FN(normal) {
 } FN(normal);
 
 LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz) {
-  real side2 = nx * nx + ny * ny;
-  real along = nx * wox + ny * woy;
+  real side2 = FN(dot2)(nx, ny, nx, ny);
+  real along = FN(dot2)(nx, ny, wox, woy);
   real t = FN(minimum)(R(0.9) * woz, R(0.01));
-  int low = (2 * (along + nz * woz) * nz - woz < t) & (woz > 0) & (side2 > TINY);
+  real image = FN(multiply_add)(2 * FN(multiply_add)(nz, woz, along), nz, -woz);
+  int low = (image < t) & (woz > 0) & (side2 > TINY);
   real side = FN(root)(low ? side2 : 1);
   real a = along / side;
   real over = FN(maximum)((woz - t) * (woz + t), 0); /* s^2 - a^2 */
-  real s = FN(root)(a * a + over);
+  real s = FN(root)(FN(multiply_add)(a, a, over));
   /* s + a without cancellation; both are 0 only where wo is normal to that plane */
   real apart = over / FN(maximum)(s - a, TINY);
   real x = a < 0 ? apart : s + a;
@@ -37,7 +38,7 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
   real largest = FN(maximum)(x, FN(absolute)(z)) + LEAST_NORMAL;
   x /= largest;
   z /= largest;
-  real scale = 1 / FN(root)(FN(maximum)(x * x + z * z, TINY));
+  real scale = 1 / FN(root)(FN(maximum)(FN(dot2)(x, z, x, z), TINY));
   x *= scale / side;
   FN(normal) n = {nx, ny, nz};
   n.x = low ? nx * x : n.x;
@@ -53,14 +54,15 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
 LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
   real alpha2 = FN(minimum)(R(0.125) * (nx * nx + ny * ny) / FN(maximum)(nz * nz, TINY), 1);
   real z = FN(maximum)(wiz, 0);
-  real sum = z + FN(root)(z * z + alpha2 * (wix * wix + wiy * wiy));
-  return 2 * z / FN(maximum)(sum, TINY);
+  /* z again, where it has no square */
+  real sum = z + FN(maximum)(FN(root)(z * z + alpha2 * (wix * wix + wiy * wiy)), z);
+  return 2 * z / FN(maximum)(sum, LEAST_NORMAL);
 }
 
 /* The cubic in g = wi.z/(n.z n.wi) that meets 1 without a kink at g = 1. [Chiang2019] */
 LEAF real FN(shadow_chiang)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
   real z = FN(maximum)(wiz, 0);
-  real cosine = nz * (nx * wix + ny * wiy + nz * wiz);
+  real cosine = nz * FN(dot)(nx, ny, nz, wix, wiy, wiz);
   real g = z < cosine ? z / FN(maximum)(cosine, TINY) : 1;
   return g + g * g * (1 - g);
 }
@@ -70,13 +72,13 @@ LEAF real FN(shadow_chiang)(real nx, real ny, real nz, real wix, real wiy, real 
  * of the upright one, q/(p + q). [Schuessler2017]
  */
 LEAF real FN(share_upright)(real nx, real ny, real nz, real wx, real wy, real wz) {
-  real side = nx * wx + ny * wy;
-  real p = FN(maximum)(side + nz * wz, 0), q = FN(maximum)(-side, 0);
+  real side = FN(dot2)(nx, ny, wx, wy);
+  real p = FN(maximum)(FN(multiply_add)(nz, wz, side), 0), q = FN(maximum)(-side, 0);
   return q / FN(maximum)(p + q, TINY);
 }
 LEAF real FN(share_bumped)(real nx, real ny, real nz, real wx, real wy, real wz) {
-  real side = nx * wx + ny * wy;
-  real p = FN(maximum)(side + nz * wz, 0), q = FN(maximum)(-side, 0);
+  real side = FN(dot2)(nx, ny, wx, wy);
+  real p = FN(maximum)(FN(multiply_add)(nz, wz, side), 0), q = FN(maximum)(-side, 0);
   return p / FN(maximum)(p + q, TINY);
 }
 
@@ -92,7 +94,7 @@ LEAF real FN(mirror_step)(real nx, real ny, real wx, real wy) {
   const real scale = 0x1p500, least = 1e-273;
 #endif
   real mx = nx * scale, my = ny * scale;
-  real side2 = mx * mx + my * my;
-  real step = 2 * scale * (mx * wx + my * wy) / (side2 + TINY);
+  real side2 = FN(dot2)(mx, my, mx, my);
+  real step = 2 * scale * FN(dot2)(mx, my, wx, wy) / (side2 + TINY);
   return side2 > least ? step : 0;
 }

@@ -47,8 +47,8 @@ static void FN(pass_cosines_about)(size_t count, FN(vec) n, FN(vec) wi, FN(vec) 
   ARRAYS(wo);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real ci = nx[i] * wix[i] + ny[i] * wiy[i] + nz[i] * wiz[i];
-    real co = nx[i] * wox[i] + ny[i] * woy[i] + nz[i] * woz[i];
+    real ci = FN(dot)(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i]);
+    real co = FN(dot)(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
     cosi[i] = ci > 0 ? ci : 0;
     coso[i] = FN(lit_cosine)(ci, co, wiz[i], woz[i]);
   }

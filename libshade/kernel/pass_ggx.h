@@ -45,9 +45,9 @@ LEAF FN(ggx_sample) FN(ggx_of)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real
 LEAF FN(ggx_slopes)
     FN(ggx_carried)(real a, real c, real nx, real ny, real nz, real wx, real wy, real wz) {
   FN(ggx_slopes) s;
-  s.x = c * wx - a * wz;
-  s.y = a * (nx * wy - ny * wx) + c * (nz * wy - ny * wz);
-  s.c = nx * wx + ny * wy + nz * wz;
+  s.x = FN(difference)(c, wx, a, wz);
+  s.y = FN(dot2)(a, c, FN(difference)(nx, wy, ny, wx), FN(difference)(nz, wy, ny, wz));
+  s.c = FN(dot)(nx, ny, nz, wx, wy, wz);
   return s;
 }
 

@@ -38,8 +38,8 @@ static void FN(pass_mirror)(size_t count, FN(vec) n, FN(vec) w, real *restrict m
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     real step = FN(mirror_step)(nx[i], ny[i], wx[i], wy[i]);
-    mx[i] = wx[i] - step * nx[i];
-    my[i] = wy[i] - step * ny[i];
+    mx[i] = FN(multiply_add)(-step, nx[i], wx[i]);
+    my[i] = FN(multiply_add)(-step, ny[i], wy[i]);
   }
 }
 

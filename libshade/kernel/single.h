@@ -23,8 +23,10 @@ static unsigned FN(hard_one)(const bsdf *b, const real n_in[3], const real wi[3]
                              real f[3], real *cosine) {
   const int flat = b->carry.map == SHADE_MAP_NONE;
   const real n[3] = {flat ? 0 : n_in[0], flat ? 0 : n_in[1], flat ? 1 : n_in[2]};
-  real cosi = n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2];
-  real coso = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2];
+  /* as the loops take them, which go along y by exchanging x and y */
+  const int one = FN(is_fused)(b), x = one && b->carry.map == SHADE_MAP_ROTATE_Y, y = !x;
+  real cosi = FN(dot)(n[x], n[y], n[2], wi[x], wi[y], wi[2]);
+  real coso = FN(dot)(n[x], n[y], n[2], wo[x], wo[y], wo[2]);
   real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
   f[0] = f[1] = f[2] = 0;
   *cosine = cosi > 0 ? cosi : 0;
@@ -33,7 +35,7 @@ static unsigned FN(hard_one)(const bsdf *b, const real n_in[3], const real wi[3]
   if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
     return SHADE_OK;
   real hwo = FN(half_cosine)(hx, hy, hz), value;
-  if (FN(is_fused)(b)) {
+  if (one) {
     value = FN(fused)(b, n, wi, wo).f;
   } else {
     real scale = b->warp != SHADE_RIGID ? FN(scale_to_unit)(hx, hy, hz) : 1;
@@ -42,14 +44,18 @@ static unsigned FN(hard_one)(const bsdf *b, const real n_in[3], const real wi[3]
       a.li = FN(smith)(b, n, wi);
       a.lo = FN(smith)(b, n, wo);
     }
-    value = FN(brdf)(b, FN(lobe)(b, n, hx * scale, hy * scale, hz * scale), a);
+    /* rounded, as a batch does that keeps them */
+    hx = FN(multiply_add)(hx, scale, 0);
+    hy = FN(multiply_add)(hy, scale, 0);
+    hz = FN(multiply_add)(hz, scale, 0);
+    value = FN(brdf)(b, FN(lobe)(b, n, hx, hy, hz), a);
   }
   for (int c = 0; c < 3; c++)
     f[c] = value * FN(fresnel)(b, c, hwo);
   if (b->has_diffuse) {
-    const int x = b->fibres_along_y, y = !x;
-    real ly = FN(across_fibre)(n[x], n[y], n[2], wi[x], wi[y], wi[2]);
-    real vy = FN(across_fibre)(n[x], n[y], n[2], wo[x], wo[y], wo[2]);
+    const int k = b->fibres_along_y, l = !k;
+    real ly = FN(across_fibre)(n[k], n[l], n[2], wi[k], wi[l], wi[2]);
+    real vy = FN(across_fibre)(n[k], n[l], n[2], wo[k], wo[l], wo[2]);
     real phi = FN(diffuse_phi)(b->diffuse, ly, cosi, vy, coso);
     real q = phi * R(0.31830988618379067154) / FN(maximum)(cosi, R(1e-20));
     for (int c = 0; c < 3; c++)
@@ -78,7 +84,8 @@ static unsigned FN(facets_one)(const bsdf *b, const real n[3], const real wi[3],
     if (!(weight > 0))
       continue;
     real step = FN(mirror_step)(n[0], n[1], w[k][0], w[k][1]);
-    const real m[3] = {w[k][0] - step * n[0], w[k][1] - step * n[1], w[k][2]};
+    const real m[3] = {FN(multiply_add)(-step, n[0], w[k][0]),
+                       FN(multiply_add)(-step, n[1], w[k][1]), w[k][2]};
     FN(hard_one)(b, n, k == 0 ? m : wi, k == 1 ? m : wo, more, &unused);
     for (int c = 0; c < 3; c++)
       f[c] += weight * more[c];

@@ -55,6 +55,32 @@ static inline shade_bsdf make_lobe(shade_mdf mdf, shade_detail detail, shade_gro
   return b;
 }
 
+/* (wi + wo).n over its length, w (one of them) mirrored at the upright facet of n. */
+static inline double by_mirror(const double n[3], const double w[3], const double other[3]) {
+  const double side2 = n[0] * n[0] + n[1] * n[1];
+  const double step = side2 > 0 ? 2 * (n[0] * w[0] + n[1] * w[1]) / side2 : 0;
+  const double h[3] = {w[0] - step * n[0] + other[0], w[1] - step * n[1] + other[1],
+                       w[2] + other[2]};
+  return (n[0] * h[0] + n[1] * h[1] + n[2] * h[2]) / sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+}
+
+/*
+ * The least of the cosines that f divides by, about the normal that it is shaded with: v is n, wi
+ * and wo, unit. As it goes to 0, roundings grow in inverse proportion.
+ */
+static inline double least_cosine(const shade_params *p, const double v[9]) {
+  const double *wi = v + 3, *wo = v + 6;
+  double n[3] = {0, 0, 1};
+  if (p->detail != SHADE_DETAIL_NONE)
+    shade_ref_normal(p, v, wo, n);
+  const double cosi = n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2];
+  const double coso = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2];
+  const double least = fmin(fmin(fabs(cosi), fabs(coso)), fmin(fabs(wi[2]), fabs(wo[2])));
+  if (p->horizon != SHADE_HORIZON_SCHUESSLER)
+    return least;
+  return fmin(least, fmin(by_mirror(n, wi, wo), by_mirror(n, wo, wi)));
+}
+
 static inline shade_bsdf make_bsdf(shade_detail detail, shade_groove groove, double ex, double ey) {
   return make_lobe(SHADE_MDF_ASHIKHMIN_SHIRLEY, detail, groove, ex, ey);
 }
