@@ -26,9 +26,11 @@ typedef struct shade_mdf_traits {
   /*
    * Relative errors of D, any detail method but the warps, against the reference on the same
    * inputs: D > 1e-12 of the peak, z >= 0.05, tilts to 89.9 degrees, exponents (e = 2/alpha^2 - 2)
-   * to 1e3, 1e5, 1e4. Worst where D is smallest and e largest. Held by test_accuracy.
+   * to 1e3, 1e5, 1e4. Worst where D is smallest and e largest. Through warps: methods.h. Held by
+   * test_accuracy, whose worst inputs stand beside the traits.
    */
   double float_1e3, float_1e5, double_1e4;
+  double fast_1e3, fast_1e5; /* of the float entries with `fast`; 0: no form of its own */
 } shade_mdf_traits;
 
 /* Whether a distribution reads ex and ey, or ax and ay: by the rows of those. What is unknown
