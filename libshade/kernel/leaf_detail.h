@@ -141,8 +141,7 @@ LEAF FN(lobe_ratio) FN(detail_rotate_ratio)(real nx, real ny, real nz, real hx, 
 /*
  * Both warps move the point p' = (hx, hy) of the unit disc by delta = (nx, ny) at the lobe's
  * centre and not at all at the rim; h is unit here. u is 1 less the paper's weight w,
- * taken from whichever root does not cancel. Float D against the reference, tilts to 75
- * degrees, |p|^2 <= 0.75: 1e-4 at exponents to 1e3, 3e-4 to 1e5. [KangChoKim2011 Eq. 3-5]
+ * taken from whichever root does not cancel. Errors of D: methods.h. [KangChoKim2011 Eq. 3-5]
  */
 LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
   real a = FN(dot2)(x, y, x, y);

@@ -40,21 +40,22 @@ static int FN(pass_within)(size_t count, real low, real high, real own, const re
   return changed;
 }
 
-/* x' of the groove as a unit vector; what is no direction is the material's own, x. */
+/*
+ * x' of the groove as a unit vector; what is no direction is the material's own, x. Divided by
+ * the larger component first, which keeps the square in range.
+ */
 static int FN(pass_groove)(size_t count, const real *restrict x, const real *restrict y,
                            real *restrict c, real *restrict s) {
-  const real far = R(1e15), least = R(1e-15);
   int changed = 0;
 #pragma omp simd reduction(| : changed)
   for (size_t i = 0; i < count; i++) {
-    int known = (x[i] == x[i]) & (y[i] == y[i]);
+    real size = FN(maximum)(FN(absolute)(x[i]), FN(absolute)(y[i]));
+    int known = (x[i] - x[i] == 0) & (y[i] - y[i] == 0) & (size >= LEAST_NORMAL);
     real a = known ? x[i] : 1, b = known ? y[i] : 0;
-    a = FN(minimum)(FN(maximum)(a, -far), far);
-    b = FN(minimum)(FN(maximum)(b, -far), far);
-    int none = FN(maximum)(FN(absolute)(a), FN(absolute)(b)) < least;
-    a = none ? 1 : a;
-    b = none ? 0 : b;
-    changed |= !((a == x[i]) & (b == y[i]));
+    real largest = known ? size : 1;
+    changed |= !known;
+    a /= largest;
+    b /= largest;
     real scale = 1 / FN(root)(a * a + b * b);
     c[i] = a * scale;
     s[i] = b * scale;
@@ -106,18 +107,28 @@ static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
     peak[i] = FN(root)((kx[i] + 1) * (ky[i] + 1)) * R(0.15915494309189533577);
   }
 }
-/* kx and ky hold alphas on entry. */
-static void FN(pass_shape_of_alphas)(size_t count, real *restrict kx, real *restrict ky,
-                                     real *restrict gx, real *restrict gy, real *restrict peak) {
-#pragma omp simd
+/*
+ * Alphas within their range, NaN the material's own, and the lobe's shape by one division, which
+ * is most of what alphas of each sample cost. Nonzero when something had to change.
+ */
+static int FN(pass_alphas)(size_t count, real own_x, real own_y, const real *restrict ax,
+                           const real *restrict ay, real *restrict kx, real *restrict ky,
+                           real *restrict gx, real *restrict gy, real *restrict peak) {
+  int changed = 0;
+#pragma omp simd reduction(| : changed)
   for (size_t i = 0; i < count; i++) {
-    real x = kx[i] * kx[i], y = ky[i] * ky[i];
-    peak[i] = R(0.31830988618379067154) / (kx[i] * ky[i]);
-    gx[i] = x;
-    gy[i] = y;
-    kx[i] = 1 / x;
-    ky[i] = 1 / y;
+    real x = ax[i] == ax[i] ? ax[i] : own_x, y = ay[i] == ay[i] ? ay[i] : own_y;
+    x = FN(minimum)(FN(maximum)(x, R(1e-4)), 10);
+    y = FN(minimum)(FN(maximum)(y, R(1e-4)), 10);
+    changed |= !((x == ax[i]) & (y == ay[i]));
+    real inverse = 1 / (x * y), over_x = y * inverse, over_y = x * inverse;
+    peak[i] = R(0.31830988618379067154) * inverse;
+    gx[i] = x * x;
+    gy[i] = y * y;
+    kx[i] = over_x * over_x;
+    ky[i] = over_y * over_y;
   }
+  return changed;
 }
 
 /* Which lanes' narrow axis is not the material's; their parameters change places. */
@@ -142,7 +153,9 @@ static int FN(pass_mirror_lanes)(size_t count, int own_y, real *restrict kx, rea
    k. Status bits. */
 static unsigned FN(read_axis)(int exponents, size_t count, real own, const real *alpha,
                               const real *exponent, real *to) {
-  const real own_value = exponents ? own : 1 / FN(root)(own);
+  /* not of exponents, which may be 0 */
+  const real own_alpha = exponents ? 1 : FN(minimum)(FN(maximum)(1 / FN(root)(own), R(1e-4)), 10);
+  const real own_value = exponents ? own : own_alpha;
   const real *given = exponents ? (exponent ? exponent : alpha) : alpha ? alpha : exponent;
   if (!given) {
     for (size_t i = 0; i < count; i++)
@@ -228,12 +241,19 @@ static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t sta
                                                                in->ay ? in->ay + start : NULL;
     const real *const ex = in->ex ? in->ex + start : NULL, *const ey =
                                                                in->ey ? in->ey + start : NULL;
-    status |= FN(read_axis)(b->exponents, count, b->FN(kx), ax, ex, m->kx);
-    status |= FN(read_axis)(b->exponents, count, b->FN(ky), ay, ey, m->ky);
+    /* alphas that are given for alphas are read where they are */
+    real *const x = b->exponents ? m->kx : m->c, *const y = b->exponents ? m->ky : m->s;
+    const int x_is_there = ax && !b->exponents, y_is_there = ay && !b->exponents;
+    if (!x_is_there)
+      status |= FN(read_axis)(b->exponents, count, b->FN(kx), ax, ex, x);
+    if (!y_is_there)
+      status |= FN(read_axis)(b->exponents, count, b->FN(ky), ay, ey, y);
     if (b->exponents)
       FN(pass_shape_of_exponents)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
-    else
-      FN(pass_shape_of_alphas)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
+    else if (FN(pass_alphas)(count, 1 / FN(root)(b->FN(kx)), 1 / FN(root)(b->FN(ky)),
+                             x_is_there ? ax : x, y_is_there ? ay : y, m->kx, m->ky, m->gx, m->gy,
+                             m->peak))
+      status |= SHADE_CLAMPED_PARAMETER;
     if (b->groove_auto)
       mirrored =
           FN(pass_mirror_lanes)(count, b->fibres_along_y, m->kx, m->ky, m->gx, m->gy, m->mirror);

@@ -5,6 +5,7 @@
  */
 #include <string.h>
 
+#include "chi2.h"
 #include "support.h"
 
 #if defined(__has_feature)
@@ -21,29 +22,7 @@ enum { DRAWS = 20000, FINE = 8, FINER = 8 };
 enum { DRAWS = 1000000, FINE = 16, FINER = 40 };
 #endif
 
-enum { RINGS = 20, SECTORS = 40, BINS = RINGS * SECTORS, BATCH = 4096 };
-
-/* Upper tail of the chi-square distribution: Q(dof/2, x/2) by series or continued fraction. */
-static double chi2_tail(double x, int dof) {
-  double a = 0.5 * dof, y = 0.5 * x, scale = exp(a * log(y) - y - lgamma(a));
-  if (y < a + 1) {
-    double term = 1 / a, sum = term;
-    for (int k = 1; k < 10000 && term > sum * 1e-16; k++)
-      sum += term *= y / (a + k);
-    return 1 - scale * sum;
-  }
-  double b = y + 1 - a, c = 1e300, d = 1 / b, h = d;
-  for (int k = 1; k < 10000; k++) {
-    double an = -k * (k - a), delta;
-    b += 2;
-    d = 1 / (an * d + b);
-    c = b + an / c;
-    h *= delta = c * d;
-    if (fabs(delta - 1) < 1e-16)
-      break;
-  }
-  return scale * h;
-}
+enum { BATCH = 4096 };
 
 /* Room for a batch; the results of either precision are read as double. */
 typedef struct lanes {
@@ -112,12 +91,10 @@ static void integrate(const shade_bsdf *b, const double n[3], const double wo[3]
   const double area = 2 * PI / ((double)BINS * fine * fine);
   for (int bin = 0; bin < BINS; bin++) {
     for (int k = 0; k < fine * fine; k++) {
-      double z = (bin / SECTORS + (k / fine + 0.5) / fine) / RINGS;
-      double phi = 2 * PI * (bin % SECTORS + (k % fine + 0.5) / fine) / SECTORS;
-      double s = sqrt((1 - z) * (1 + z));
-      m->out[0][k] = s * cos(phi);
-      m->out[1][k] = s * sin(phi);
-      m->out[2][k] = z;
+      double w[3];
+      bin_point(bin, k, fine, w);
+      for (int c = 0; c < 3; c++)
+        m->out[c][k] = w[c];
     }
     shade_bsdf_pdf_batch(b, (size_t)(fine * fine), &in, m->pdf);
     double sum = 0;
@@ -149,37 +126,10 @@ static long histogram(const shade_bsdf *b, const double n[3], const double wo[3]
         continue;
       }
       assert_true(m->out[6][i] > 0 && isfinite(m->out[6][i]) && z > 0);
-      double phi = atan2(y, x);
-      int ring = (int)fmin(z * RINGS, RINGS - 1);
-      int sector = (int)((phi < 0 ? phi + 2 * PI : phi) / (2 * PI) * SECTORS);
-      counts[ring * SECTORS + (sector < SECTORS ? sector : SECTORS - 1)]++;
+      counts[bin_of(x, y, z)]++;
     }
   }
   return lost;
-}
-
-/* p-value; bins that expect fewer than 10 draws are pooled, lost draws are a bin too. */
-static double chi2(const double expected[BINS], const long counts[BINS], long lost) {
-  double pool_e = 0, pool_c = 0, x = 0, whole = 0;
-  int dof = 0;
-  for (int i = 0; i < BINS; i++)
-    whole += expected[i];
-  for (int i = 0; i <= BINS; i++) {
-    double e = DRAWS * (i < BINS ? expected[i] : fmax(1 - whole, 0));
-    double c = (double)(i < BINS ? counts[i] : lost);
-    if (e < 10) {
-      pool_e += e;
-      pool_c += c;
-    } else {
-      x += (c - e) * (c - e) / e;
-      dof++;
-    }
-  }
-  if (pool_e >= 10 || pool_c > 10 + 6 * sqrt(pool_e)) {
-    x += (pool_c - pool_e) * (pool_c - pool_e) / fmax(pool_e, 1e-3);
-    dof++;
-  }
-  return chi2_tail(x, dof - 1);
 }
 
 /* ---- the cases -------------------------------------------------------------- */
@@ -242,7 +192,7 @@ static void judge_at(const shade_bsdf *b, const double n[3], const double wo[3],
   static long counts[BINS];
   integrate(b, n, wo, &m, fine, expected);
   long lost = histogram(b, n, wo, &m, single, seed, counts);
-  double p = chi2(expected, counts, lost);
+  double p = chi2(DRAWS, expected, counts, lost);
   v->cases++;
   if (p < v->least) {
     v->least = p;

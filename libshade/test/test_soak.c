@@ -29,7 +29,10 @@
 #define CAN_TRAP 0
 #endif
 
-enum { LANES = 300, DIRECTIONS = 9, INPUTS = 14, OUTPUTS = 8, ISAS = 4 };
+/* Inputs: directions, f0, u, then what a lane may have of its own from ax on, as in shade_lanes. */
+enum { LANES = 300, DIRECTIONS = 9, U = 12, OWN = 14, OWNS = 18, INPUTS = OWN + OWNS };
+enum { OUTPUTS = 8, ISAS = 4 };
+enum { OWN_F82 = 4, OWN_ETA = 7, OWN_K = 10, OWN_KD = 13, OWN_GROOVE = 16 };
 enum { EXCEPTIONS = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW };
 
 /* The entries: what is asked for, one sample a call or all at once, in which precision. */
@@ -77,6 +80,7 @@ typedef struct worker {
   size_t count;
   int finite; /* all input of this block is */
   int textured;
+  unsigned given;       /* bit k: input OWN + k is */
   size_t volatile lane; /* where a trap found the single calls */
   double v[LANES][DIRECTIONS], in[INPUTS][LANES], out[OUTPUTS][LANES];
   float vf[LANES][DIRECTIONS], inf[INPUTS][LANES], outf[OUTPUTS][LANES];
@@ -325,11 +329,18 @@ static void fill(worker *w) {
   w->count = w->block % 64 == 63 ? LANES : 48 + (size_t)(w->block % 8);
   w->finite = w->block % 4 != 0;
   w->textured = w->block % 3 == 0;
+  w->given = w->textured ? (unsigned)(uniform(&w->seed) * (1 << OWNS)) : 0;
+  if ((w->given >> OWN_GROOVE) % 3) /* both components, or neither */
+    w->given |= 3u << OWN_GROOVE;
   for (size_t i = 0; i < w->count; i++) {
     directions(w, w->v[i]);
     for (int c = 0; c < INPUTS; c++) {
       /* v, f0, u */
       double x = c < DIRECTIONS ? w->v[i][c] : chance(w, .2) ? PICK(w, beyond) : share(w);
+      if (c >= OWN && chance(w, .5))
+        x = c < OWN + 2         ? alpha(w)
+            : c < OWN + OWN_F82 ? exponent(w)
+                                : 10 * share(w) - chance(w, .5);
       if (c >= DIRECTIONS && !w->finite && chance(w, .1))
         x = chance(w, .5) ? NAN : INFINITY;
       w->in[c][i] = x;
@@ -387,6 +398,44 @@ static int is_direction(const double *v, const float *vf, form p) {
   return finite && !zero;
 }
 
+static double own_number(const worker *w, form p, int k, size_t i) {
+  return p == DOUBLE ? w->in[OWN + k][i] : (double)w->inf[OWN + k][i];
+}
+
+/* Of the parameters that lane i has of its own, and that are read. */
+static unsigned status_of_own(const worker *w, form p, size_t i) {
+  const int exponents = w->params.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  const double least_alpha = p == DOUBLE ? 1e-4 : (double)1e-4F;
+  const double least_eta = p == DOUBLE ? 1e-3 : (double)1e-3F;
+  unsigned status = SHADE_OK;
+  for (int k = 0; k < OWN_GROOVE; k++) {
+    const double v = own_number(w, p, k, i);
+    const int other = k < 2 ? k + 2 : k - 2; /* the exponent of an alpha, and the other way */
+    double low = 0, high = 1;
+    int read = w->given >> k & 1;
+    if (k < OWN_F82) {
+      read &= (k >= 2) == exponents || !(w->given >> other & 1);
+      low = k < 2 ? least_alpha : 0;
+      high = k < 2 ? 10 : 1e6;
+    } else if (k < OWN_ETA) {
+      read &= w->params.fresnel == SHADE_FRESNEL_F82;
+    } else if (k < OWN_KD) {
+      read &= w->params.fresnel == SHADE_FRESNEL_CONDUCTOR;
+      low = k < OWN_K ? least_eta : 0;
+      high = 100;
+    }
+    if (read && !(v >= low && v <= high))
+      status |= SHADE_CLAMPED_PARAMETER;
+  }
+  if (w->given >> OWN_GROOVE) {
+    const double x = own_number(w, p, OWN_GROOVE, i), y = own_number(w, p, OWN_GROOVE + 1, i);
+    const double least = p == DOUBLE ? DBL_MIN : (double)FLT_MIN;
+    if (!isfinite(x) || !isfinite(y) || !(fmax(fabs(x), fabs(y)) >= least))
+      status |= SHADE_CLAMPED_PARAMETER;
+  }
+  return status;
+}
+
 /* The status bits that lane i must have, but for the luck of a draw; bad lanes are also 0. */
 static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
   unsigned status = SHADE_OK;
@@ -395,13 +444,15 @@ static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
   for (int k = 0; k <= last; k += is_draw(q) ? 6 : 3)
     if (!is_direction(w->v[i] + k, w->vf[i] + k, p))
       status |= SHADE_BAD_INPUT;
-  if (is_draw(q) && (isnan(w->in[12][i]) || isnan(w->in[13][i])))
+  if (is_draw(q) && (isnan(w->in[U][i]) || isnan(w->in[U + 1][i])))
     status |= SHADE_BAD_INPUT;
   for (int c = 9; w->textured && is_batch(q) && q != D_BATCH && c < 12; c++) {
     double f0 = p == DOUBLE ? w->in[c][i] : (double)w->inf[c][i];
     if (!(f0 >= 0 && f0 <= 1))
       status |= SHADE_CLAMPED_PARAMETER;
   }
+  if (is_batch(q) && q != D_BATCH)
+    status |= status_of_own(w, p, i);
   /* a normal that is no direction counts as z */
   if (is_direction(w->v[i], w->vf[i], p) && !(nz > 0))
     status |= SHADE_CLAMPED_NORMAL;
@@ -533,8 +584,8 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
                                   .wox = in.wox,                                                   \
                                   .woy = in.woy,                                                   \
                                   .woz = in.woz,                                                   \
-                                  .u1 = w->in##f[12],                                              \
-                                  .u2 = w->in##f[13]};                                             \
+                                  .u1 = w->in##f[U],                                               \
+                                  .u2 = w->in##f[U + 1]};                                          \
     shade_sample_result##f to = {sizeof to, w->out##f[5], w->out##f[6], w->out##f[7], out.r,       \
                                  out.g,     out.b,        w->out##f[4], out.cosine};               \
     if (w->textured) {                                                                             \
@@ -542,6 +593,11 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
       in.f0g = from.f0g = w->in##f[10];                                                            \
       in.f0b = from.f0b = w->in##f[11];                                                            \
     }                                                                                              \
+    const real *own[OWNS];                                                                         \
+    for (int k = 0; k < OWNS; k++)                                                                 \
+      own[k] = w->given >> k & 1 ? w->in##f[OWN + k] : NULL;                                       \
+    memcpy(&in.ax, own, sizeof own);                                                               \
+    memcpy(&from.ax, own, sizeof own);                                                             \
     if (q == D_BATCH)                                                                              \
       w->status[0] =                                                                               \
           isa->mdf_batch##f(b, w->count, in.nx, in.ny, in.nz, in.wix, in.wiy, in.wiz, out.r);      \

@@ -287,12 +287,11 @@ typedef enum shade_part { SHADE_PART_SPECULAR = 1, SHADE_PART_DIFFUSE = 2 } shad
  *                       SHADE_GROOVE_AUTO goes by the lane's own narrow axis (but for the fibres
  *                       of gram_schmidt, which keep the material's), SHADE_DETAIL_AUTO is rotate
  *   groove              the tangent about z: a vector (x, y) in the local frame, of any length
- *                       but 0 (which counts as NaN, as do sizes below 1e-15), so that textures
- *                       of it may be filtered. Both arrays, or neither. Where a lane has its own
- *                       groove or narrow axis, the same u may draw another wi, of the same density
- *   parts               SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE: f is that part alone, draws
- *                       and density are of the specular lobe alone, or of the diffuse part alone.
- *                       Other bits: SHADE_BAD_CHOICE, and both
+ *                       but 0 (which counts as NaN, as do subnormal and infinite ones), so that
+ *                       textures of it may be filtered. Both arrays, or neither. Where a lane has
+ * its own groove or narrow axis, the same u may draw another wi, of the same density parts
+ * SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE: f is that part alone, draws and density are of the
+ * specular lobe alone, or of the diffuse part alone. Other bits: SHADE_BAD_CHOICE, and both
  */
 typedef struct shade_lanes {
   size_t size;                       /* sizeof(shade_lanes) */
