@@ -30,8 +30,16 @@ def read(text):
     return rows
 
 
+def read_apart(text):
+    """Rows that stand beside no bare pass over the arrays."""
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert list(rows[0]) == COLUMNS
+    assert all(float(row["ns"]) > 0 for row in rows)
+    return rows
+
+
 def bound(row):
-    """What the kernels state of their errors, for exponents to 1e3 (leaf_*.h)."""
+    """What the kernels state of their errors, for exponents to 1e3 (mdf.h, leaf_brdf.h)."""
     if row["precision"] == "fast":
         return 2e-4
     if row["precision"] == "double":
@@ -89,6 +97,26 @@ def test_memory_and_instruction_sets():
     for isa in isas:
         one = read(bench("--csv", "--isa", isa, "--set", "cache", "--mdf", "ggx", "--what", "f"))
         assert {row["isa"] for row in one} == {isa}
+
+
+def test_parameters_of_each_sample():
+    rows = {(row["what"], row["method"], row["precision"]): row
+            for row in read_apart(bench("--csv", "--what", "lanes"))}
+    for what in ("f", "pdf", "sample"):
+        for method in ("none", "rotate"):
+            for precision in ("float", "double"):
+                assert float(rows[what, method, precision]["ratio_perturb"]) == 1
+                for given in ("_alphas", "_all"):
+                    row = rows[what + given, method, precision]
+                    assert 0 < float(row["max_error"]) <= (1e-4 if precision == "float" else 1e-11), row
+    assert len(rows) == 36
+
+
+def test_maps():
+    rows = {row["what"]: row for row in read_apart(bench("--csv", "--what", "maps"))}
+    assert {"slopes_point", "slopes_4", "slopes_64", "slopes_64_by_8", "widen"} <= set(rows)
+    for row in rows.values():
+        assert row["precision"] == "float" and float(row["max_error"]) <= 2e-6, row
 
 
 def test_bad_usage():

@@ -15,6 +15,7 @@
 #include "src/bsdf.h"
 #include "src/isa.h"
 #include "tool/bench_cloth.h"
+#include "tool/bench_lanes.h"
 #include "tool/literal.h"
 #include "tool/text.h"
 #include "tool/tool.h"
@@ -298,14 +299,21 @@ static void usage(FILE *to) {
       "_prepared,\n"
       "                   _pdf and _sample: after preparing; _call: the same in one call a light;\n"
       "                   the first ratio is to cloth_near, errors are against double (near) and\n"
-      "                   the mean of near over many points (footprints of 20 crossings)\n\n"
+      "                   the mean of near over many points (footprints of 20 crossings)\n"
+      "  f, pdf, sample   with --what lanes: GGX with the material's own parameters; _alphas: "
+      "with\n"
+      "                   alphas of each sample, _all: colours, diffuse and groove too; the first\n"
+      "                   ratio is to the material's own\n"
+      "  slopes, widen    with --what maps: normal maps over footprints of so many texels; the "
+      "first\n"
+      "                   ratio is to a point, errors are against the single calls\n\n"
       "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
       "                   ratio_stream,max_error\n"
       "  --output FILE    these columns into a file, beside what is printed\n"
       "  --isa NAME       avx512, avx2, sse2 or scalar (default: that of shade --version)\n"
       "  --all            every instruction set of this CPU\n"
       "  --mdf NAME       one distribution only\n"
-      "  --what NAME      D, f, D_call, f_call or cloth only, or f_ and a horizon\n"
+      "  --what NAME      D, f, D_call, f_call, cloth, lanes or maps only, or f_ and a horizon\n"
       "  --set NAME       cache or memory only\n"
       "  --ex E --ey E    exponents (default 200, 10)\n",
       to);
@@ -313,7 +321,7 @@ static void usage(FILE *to) {
 
 typedef struct options {
   int csv, all, mdf, what, set; /* -1: every one */
-  int cloth;                    /* that alone */
+  int apart;                    /* one of apart_words alone, counted from 1 */
   int horizon;                  /* of WHAT_F_HORIZON; -1: every one */
   const char *isa, *output;
   FILE *file;
@@ -411,6 +419,7 @@ static int find_word(const char *const *words, int count, const char *word) {
 }
 
 static const char *const sets[] = {"cache", "memory"};
+static const char *const apart_words[] = {"cloth", "lanes", "maps"};
 /* 4M queries are 200 to 400 MB: beyond any cache */
 static const size_t counts[] = {1024, (size_t)4 << 20};
 
@@ -428,12 +437,14 @@ static int read_value(options *o, const char *option, const char *text) {
     o->mdf = shade_list_find(SHADE_LIST_MDF, text);
     expected = o->mdf < 0 ? "a distribution (see shade eval --help)" : NULL;
   } else if (!strcmp(option, "--what")) {
-    o->cloth = !strcmp(text, "cloth");
-    o->what = o->cloth ? WHATS : find_word(what_words, WHAT_F_HORIZON, text);
+    o->apart = find_word(apart_words, 3, text) + 1;
+    o->what = o->apart ? WHATS : find_word(what_words, WHAT_F_HORIZON, text);
     o->horizon = strncmp(text, "f_", 2) ? -1 : shade_list_find(SHADE_LIST_HORIZON, text + 2);
     if (o->what < 0 && o->horizon > 0)
       o->what = WHAT_F_HORIZON;
-    expected = o->what < 0 ? "D, f, D_call, f_call, cloth, or f_ and a horizon (not hard)" : NULL;
+    expected = o->what < 0
+                   ? "D, f, D_call, f_call, cloth, lanes, maps, or f_ and a horizon (not hard)"
+                   : NULL;
   } else if (!strcmp(option, "--set")) {
     o->set = find_word(sets, 2, text);
     expected = o->set < 0 ? "cache or memory" : NULL;
@@ -471,7 +482,7 @@ static int read_options(options *o, int argc, char **argv, int *help) {
       i++;
     }
   }
-  if (o->set == 1 && o->what >= 0 && (o->cloth || in_cache_only((what)o->what))) {
+  if (o->set == 1 && o->what >= 0 && (o->apart || in_cache_only((what)o->what))) {
     fputs("shade bench: calls and horizons are timed in cache only (see shade bench --help)\n",
           stderr);
     return TOOL_BAD_USAGE;
@@ -517,19 +528,20 @@ static int bench_set(const options *o, int s, int *done, int total) {
   return TOOL_DONE;
 }
 
-typedef struct cloth_rows {
+typedef struct apart_rows {
   const options *o;
-  double near[2];
-} cloth_rows;
+  double first[2]; /* what ratios are to, in double and float */
+} apart_rows;
 
-static void print_cloth(void *context, const char *what, const char *preset, const char *mdf,
+static void print_apart(void *context, const char *what, const char *preset, const char *mdf,
                         int single, double ns, double error) {
-  cloth_rows *c = context;
+  static const char *const firsts[] = {"cloth_near", "f", "pdf", "sample", "slopes_point"};
+  apart_rows *c = context;
   static const char csv[] = "%s,%s,%s,%s,%s,cache,%.4g,%.4g,0,%.2e\n";
   const char *type = precision_words[single ? SINGLE : TWICE], *isa = shade_isa();
-  if (!strcmp(what, "cloth_near"))
-    c->near[single] = ns;
-  const double ratio = ns / c->near[single];
+  if (find_word(firsts, 5, what) >= 0)
+    c->first[single] = ns;
+  const double ratio = ns / c->first[single];
   if (c->o->csv)
     printf(csv, what, preset, mdf, type, isa, ns, ratio, error);
   else
@@ -540,14 +552,15 @@ static void print_cloth(void *context, const char *what, const char *preset, con
     fprintf(c->o->file, csv, what, preset, mdf, type, isa, ns, ratio, error);
 }
 
-/* By public calls, which run on what the environment named when the cloth was made. */
-static int bench_cloths(const options *o) {
+/* By public calls, which run on what the environment named when a cloth or material was made. */
+static int bench_apart(const options *o) {
+  int (*const jobs[])(bench_cloth_row *, void *) = {bench_cloth, bench_lanes, bench_maps};
   const shade_isa_table *isa;
-  for (int row = 0; o->cloth && (isa = shade_isa_pick(row)); row++) {
-    cloth_rows rows = {o, {1, 1}};
+  for (int row = 0; o->apart && (isa = shade_isa_pick(row)); row++) {
+    apart_rows rows = {o, {1, 1}};
     if (!wanted(o, isa))
       continue;
-    if (setenv(SHADE_ISA_VARIABLE, isa->name, 1) || !bench_cloth(print_cloth, &rows)) {
+    if (setenv(SHADE_ISA_VARIABLE, isa->name, 1) || !jobs[o->apart - 1](print_apart, &rows)) {
       fputs("shade bench: out of memory\n", stderr);
       return TOOL_BAD_INPUT;
     }
@@ -596,7 +609,7 @@ int shade_cmd_bench(int argc, char **argv) {
     if (o.set < 0 || s == o.set)
       status = bench_set(&o, s, &done, total);
   if (!status)
-    status = bench_cloths(&o);
+    status = bench_apart(&o);
   if (isatty(2) && !isatty(1))
     fputs("\r\033[K", stderr);
   if (o.file) {
