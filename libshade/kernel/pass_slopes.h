@@ -128,10 +128,13 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
     const float part = sqrtf(0.5F * (root + fabsf(gap)) / (root + 1e-30F));
     const float other = 0.5F * fabsf(xy) / ((root + 1e-30F) * (part + 1e-30F));
     const float cs = gap > 0 ? part : other, sn = gap > 0 ? other : part;
-    const int none = !(root > 0);
-    o->cs[i] = none ? 1 : cs;
+    /* no axis to speak of: the first side's direction, as moments.c has it */
+    const int round = root <= 0.5F * (float)MOMENT_ROUND * (xx + yy);
+    const float side = 1 / (sqrtf(cx * cx + cy * cy) + 1e-30F);
+    const float along = (cx + 1e-30F) * side, across = cy * side;
     const float turned = xy < 0 ? -sn : sn;
-    o->sn[i] = none ? 0 : turned;
+    o->cs[i] = round ? along : cs;
+    o->sn[i] = round ? across : turned;
     o->longer[i] = longer;
     o->shorter[i] = area / (longer + 1e-30F);
     float blend = longer * 0.57735026918962576F - 1;

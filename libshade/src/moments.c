@@ -164,6 +164,11 @@ void moments_lookup(const moment_pyramid *p, double u, double v, const double fo
   double m[3], value[2], axis[2];
   spread(p, footprint, m);
   principal(m, value, axis);
+  const double ax = footprint[0] * w, ay = footprint[1] * h, side = hypot(ax, ay);
+  if (side > 0 && value[0] - value[1] <= MOMENT_ROUND * (value[0] + value[1])) {
+    axis[0] = ax / side;
+    axis[1] = ay / side;
+  }
   const double longer = sqrt(value[0]), shorter = sqrt(value[1]);
   /* texels of a third of the shorter side, and no more than 16 of them along the longer */
   double texel = fmax(fmax(shorter / 3, longer / 16), 1);

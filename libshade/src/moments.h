@@ -15,6 +15,11 @@
 #include "shade/maps.h"
 
 enum { MOMENTS = 6, MOMENT_LEVELS = 17 };
+/*
+ * A footprint whose axes differ by less than this (of its squared sides) has none to speak of:
+ * roundings would choose them. Its first side stands for the longer axis.
+ */
+#define MOMENT_ROUND 1e-4
 enum { MOMENT_H, MOMENT_X, MOMENT_Y, MOMENT_XX, MOMENT_XY, MOMENT_YY };
 
 /* Index of texel i of n where i may lie outside. */
