@@ -23,6 +23,21 @@
 
 #define PI 3.14159265358979323846
 
+/* Sanitizers look at memory and are slow: there one case in FEWER is enough. */
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) && !defined(SANITIZED)
+#define SANITIZED 1
+#endif
+#ifdef SANITIZED
+enum { FEWER = 3 };
+#else
+enum { FEWER = 1 };
+#endif
+
 /* splitmix64: the same numbers on every machine */
 static inline double uniform(uint64_t *state) {
   uint64_t z = (*state += 0x9e3779b97f4a7c15u);

@@ -8,7 +8,7 @@
 #include "shade/albedo.h"
 
 /* Half vectors laid over the slopes, where every lobe has its size: dwi = 4 (h.wo) dh. */
-#if defined(SANITIZED) || defined(__SANITIZE_ADDRESS__)
+#ifdef SANITIZED
 enum { EVERY = 5 }; /* combinations; each of the lists' entries comes all the same */
 #else
 enum { EVERY = 1 };

@@ -12,14 +12,6 @@
 
 #include "support.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED 1
-#endif
 #ifdef SANITIZED
 enum { DRAWS = 1, NARROWER = 3 }; /* every third window of a path: they are slow */
 #else

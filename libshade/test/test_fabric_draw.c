@@ -10,12 +10,7 @@
 
 #include "shade/presets.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
+#ifdef SANITIZED
 enum { ROUNDS = 16, FINE = 8 };
 #else
 enum { ROUNDS = 256, FINE = 20 }; /* 2^20 draws */

@@ -10,12 +10,7 @@
 
 #include "support.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
+#ifdef SANITIZED
 enum { SLOWED = 10 };
 #else
 enum { SLOWED = 1 };

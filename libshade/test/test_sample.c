@@ -8,14 +8,6 @@
 #include "chi2.h"
 #include "support.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED 1
-#endif
 #ifdef SANITIZED
 enum { DRAWS = 20000, FINE = 8, FINER = 8 };
 #else
