@@ -112,7 +112,12 @@ static real lobe_share(const shade_params *p, real coso) {
     matt += kd * (p->diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY ? 1 - f0 : 1) / 3;
     specular += (p->fresnel == SHADE_FRESNEL_CONDUCTOR ? ref_fresnel(p, c, 1) : f0) / 3;
   }
-  if (p->fresnel == SHADE_FRESNEL_SCHLICK || p->fresnel == SHADE_FRESNEL_F82)
+  const int grazing = p->fresnel == SHADE_FRESNEL_SCHLICK || p->fresnel == SHADE_FRESNEL_F82;
+  if (matt == 0)
+    return 1; /* a white f0 leaves nothing to ashikhmin_shirley's diffuse part */
+  if (specular == 0 && !grazing)
+    return 0;
+  if (grazing)
     specular += (1 - specular) * powl(1 - coso, 5);
   return within(specular / (specular + matt), 0.1L, 0.9L);
 }

@@ -376,9 +376,9 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  * m/(m + k) if r.z > 0, and at least s/(2 (s + nz)). All that f has is found, with f cos / pdf
  * at most max(2, 1 + nz/s) times the largest of hard's draws.
  * With a diffuse part, a share of the draws (0.1 to 0.9 of them, by the reflectances; none where
- * nothing is specular: f0 = 0 and a Fresnel that adds no white, or eta = 1 and k = 0) is the
- * lobe's and the rest is by the cosine about n, for fibres half of it evenly; pdf is that of
- * the mixture.
+ * nothing is specular: f0 = 0 and a Fresnel that adds no white, or eta = 1 and k = 0; all where
+ * ashikhmin_shirley's factor 1 - f0 leaves nothing diffuse) is the lobe's and the rest is by the
+ * cosine about n, for fibres half of it evenly; pdf is that of the mixture.
  * [AshikhminShirley2000; Walter2007; HeitzDEon2014; DupuyBenyoub2023; KangChoKim2011]
  *
  * pdf and f must not be NULL, cosine may. Returns (pdf: or-s into *status, which may be NULL)
