@@ -25,6 +25,7 @@ import dumps
 import pictures
 import programs
 import report
+import whole
 
 # Largest and mean relative error of S against the reference; POV-Ray shades in double.
 CHECK_LIMITS = {"Blender": (1e-4, 1e-5), "POV-Ray": (5e-5, 1e-5)}
@@ -199,7 +200,7 @@ def main(argv=None):
     text = report.table([options.scene.name, "measured", "limit", ""],
                         [row for rows, _ in parts for row in rows])
     text += f"\n\nVerdict: {'both renderers agree' if good else 'NOT within limits'}.\n"
-    (folder / "verdict.txt").write_text(text, encoding="utf-8")
+    whole.write_text(folder / "verdict.txt", text)
     print(f"\n{text}\nPictures: {folder}/blender.png, povray.png, difference.png")
     return 0 if good else 1
 

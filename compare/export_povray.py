@@ -37,6 +37,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import whole  # noqa: E402
+
 METAL = "LibshadeMetalNode"
 SWAP = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 FADE = 1e-4  # fade distance of point lights, in units of the scene's size: error 1e-8 there
@@ -386,8 +389,8 @@ def export(folder):
     for name, text in files.items():
         note = ";" if name.endswith(".ini") else "//"
         source = os.path.basename(bpy.data.filepath) or "an unsaved file"
-        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-            file.write(f"{note} Made from {source} by compare/export_povray.py.\n{text}")
+        whole.write_text(os.path.join(folder, name),
+                         f"{note} Made from {source} by compare/export_povray.py.\n{text}")
     return len(meshes)
 
 

@@ -13,7 +13,6 @@ Exit status 0 if the far model is within 2 % (colour), 2 % (width) and 1.2 % (zo
 back by 1 % at most), in every channel; else 1.
 """
 import argparse
-import csv
 import ctypes
 import json
 import math
@@ -26,6 +25,7 @@ import numpy as np
 import pictures
 import programs
 import report
+import whole
 
 COLOUR, WIDTH, ZOOM, BACK = 0.02, 0.02, 0.012, 0.01
 AUTO, NEAR, FAR, SINGLE = range(4)
@@ -196,7 +196,8 @@ def write_chart(rows, zooms, path):
     axes[2].set_ylabel("change of the patch's mean, %")
     axes[2].set_title("zooming out")
     axes[2].legend(fontsize=7, ncols=2)
-    figure.savefig(path, dpi=110)
+    with whole.place(path) as part:
+        figure.savefig(part, dpi=110)
 
 
 def write_strip(names, path):
@@ -211,7 +212,7 @@ def write_strip(names, path):
                                    direction(10, 0), AUTO).reshape(side, side, 3))
         cloth.close()
         rows.append(np.concatenate([np.pad(tile, ((2, 2), (2, 2), (0, 0))) for tile in row], 1))
-    pyplot(path.parent).imsave(path, pictures.encode(1.6 * math.pi * np.concatenate(rows)))
+    pictures.write_png(path, 1.6 * math.pi * np.concatenate(rows))
 
 
 def main(argv=None):
@@ -235,14 +236,10 @@ def main(argv=None):
                      "standard_error": doubt, "width_far": width_far, "width_single": width_single,
                      "zoom": zooms[name][2], "zoom_back": zooms[name][3]})
         progress.done()
-    with open(options.output / "fabric.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0].keys())
-        writer.writeheader()
-        writer.writerows(rows)
-    with open(options.output / "zoom.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["crossings", *zooms])
-        writer.writerows(zip(next(iter(zooms.values()))[0], *(z[1] for z in zooms.values())))
+    whole.write_csv(options.output / "fabric.csv", rows)
+    whole.write_csv(options.output / "zoom.csv", [
+        ["crossings", *zooms],
+        *zip(next(iter(zooms.values()))[0], *(z[1] for z in zooms.values()))])
     write_chart(rows, zooms, options.output / "chart.png")
     write_strip(names, options.output / "strip.png")
     ok = all(r["colour_far"] <= COLOUR and r["width_far"] <= WIDTH and r["zoom"] <= ZOOM

@@ -23,6 +23,7 @@ import numpy as np
 import programs
 import report
 import truth
+import whole
 
 MATERIALS = {"ashikhmin_shirley": "Ashikhmin-Shirley", "ggx": "GGX", "lambert": "Lambert"}
 MEASURES = ("picture", "brightness")
@@ -91,11 +92,9 @@ def summary(rows):
 
 
 def write_errors(lines, path):
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["measure", "material", "region", *lines[0][3]])
-        for name, material, region, found in lines:
-            writer.writerow([name, material, region, *(f"{e:.4f}" for e in found.values())])
+    whole.write_csv(path, [["measure", "material", "region", *lines[0][3]],
+                           *([name, material, region, *(f"{e:.4f}" for e in found.values())]
+                             for name, material, region, found in lines)])
 
 
 def write_chart(rows, path):
@@ -125,7 +124,8 @@ def write_chart(rows, path):
     handles, labels = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     figure.suptitle("normal-mapped against displaced bumps, by choice of horizon", fontsize=12)
-    figure.savefig(path, dpi=110)
+    with whole.place(path) as part:
+        figure.savefig(part, dpi=110)
 
 
 def main(argv=None):

@@ -3,6 +3,8 @@
 import numpy as np
 import OpenImageIO as oiio
 
+import whole
+
 
 def read(path):
     """RGB of a picture as float64, shape (height, width, 3), rows from the top."""
@@ -43,13 +45,13 @@ def write_png(path, rgb):
 
 
 def _write(path, spec, pixels):
-    target = oiio.ImageOutput.create(str(path))
-    if target is None or not target.open(str(path), spec):
-        raise OSError(f"{path}: {oiio.geterror()}")
-    written = target.write_image(np.ascontiguousarray(pixels))
-    target.close()
-    if not written:
-        raise OSError(f"{path}: {target.geterror()}")
+    with whole.place(path) as part:
+        target = oiio.ImageOutput.create(str(part))
+        if target is None or not target.open(str(part), spec):
+            raise OSError(f"{path}: {oiio.geterror()}")
+        written = target.write_image(np.ascontiguousarray(pixels))
+        if not target.close() or not written:
+            raise OSError(f"{path}: {target.geterror()}")
 
 
 def _check_pair(image, truth):

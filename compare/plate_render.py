@@ -25,6 +25,7 @@ from mathutils import Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plate  # noqa: E402
+import whole  # noqa: E402
 
 
 def new_mesh(quads, file=""):
@@ -163,8 +164,8 @@ def main(path):
         if job["output"]:
             scene.render.filepath = job["output"]
             render(scene, write_still=True)
-    with open(order["result"], "w", encoding="utf-8") as file:
-        json.dump({"seconds": seconds, "blender": bpy.app.version_string}, file)
+    whole.write_text(order["result"],
+                     json.dumps({"seconds": seconds, "blender": bpy.app.version_string}))
 
 
 main(sys.argv[sys.argv.index("--") + 1])

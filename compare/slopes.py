@@ -14,7 +14,6 @@ colour, whatever the distribution. The even ripples are measured, not judged: tw
 not tell their slopes, which are most frequent at their ends, from a random map's.
 """
 import argparse
-import csv
 import subprocess
 from pathlib import Path
 
@@ -24,6 +23,7 @@ import pictures
 import programs
 import report
 import truth
+import whole
 
 COLOUR_LIMIT, MOMENT_LIMIT = 0.03, 0.10
 SIZE, OVER = 256, 2  # texels of a map; samples a texel and axis
@@ -241,7 +241,8 @@ def write_chart(rows, maps, path):
     axes[2, 0].set_ylabel("second moments of slopes, % off")
     for row in range(3):
         axes[row, 0].legend()
-    figure.savefig(path, dpi=100)
+    with whole.place(path) as part:
+        figure.savefig(part, dpi=100)
 
 
 def worst(rows, lobes):
@@ -260,11 +261,8 @@ def main(argv=None):
                                  "--stretch", "2,8", "--spread", "20", "--depth", "0.03,0.12"),
     }
     rows = [row for name, normals in maps.items() for row in compare_map(name, normals, folder)]
-    with open(folder / "slopes.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0].keys())
-        writer.writeheader()
-        writer.writerows({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()}
-                         for row in rows)
+    whole.write_csv(folder / "slopes.csv", (
+        {k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows))
     write_chart(rows, list(maps), folder / "slopes.png")
     table, ok = [], True
     for name in maps:

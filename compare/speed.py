@@ -18,6 +18,7 @@ import pictures
 import plate
 import programs
 import report
+import whole
 
 
 def arguments(argv=None):
@@ -52,7 +53,7 @@ def main(argv=None):
             "libshade": {"engine": "LIBSHADE", "detail": "rotate", **common}}
     order = {"normal_map": str(folder / "normals.exr"), "result": str(folder / "seconds.json"),
              "jobs": list(jobs.values())}
-    (folder / "jobs.json").write_text(json.dumps(order), encoding="utf-8")
+    whole.write_text(folder / "jobs.json", json.dumps(order))
     output = report.step(
         f"Rendering the plate {options.repeat} times with each engine",
         programs.blender(programs.HERE / "plate_render.py", folder / "jobs.json"),

@@ -26,6 +26,7 @@ import pictures
 import plate
 import programs
 import report
+import whole
 
 LIMIT = 0.02
 METHODS = ("none", "perturb", "gram_schmidt", "rotate")
@@ -73,7 +74,8 @@ def prepare(options):
     scratch("--height", folder / "height.exr", "--size", options.quads)
     positions, faces, uv = plate.height_mesh(pictures.read(folder / "height.exr")[..., 0])
     order["mesh"] = str(folder / "mesh.npz")
-    np.savez(order["mesh"], positions=positions, faces=faces, uv=uv)
+    with whole.place(order["mesh"]) as part:
+        np.savez(part, positions=positions, faces=faces, uv=uv)
     return order
 
 
@@ -91,7 +93,7 @@ def render(options):
         job.update(common, output=str(folder / f"{number}.exr"))
     order = {**prepare(options), "result": str(folder / "seconds.json"),
              "jobs": list(jobs.values())}
-    (folder / "jobs.json").write_text(json.dumps(order), encoding="utf-8")
+    whole.write_text(folder / "jobs.json", json.dumps(order))
     for job in jobs.values():
         Path(job["output"]).unlink(missing_ok=True)
     report.step(
@@ -136,7 +138,8 @@ def write_strip(images, measured, path):
         error = f": {measured[name]:.4f}" if name in measured else ""
         axis.set_title(label(name) + error, fontsize=10)
         axis.set_axis_off()
-    figure.savefig(path, dpi=150)
+    with whole.place(path) as part:
+        figure.savefig(part, dpi=150)
 
 
 def write_chart(measured, path):
@@ -150,7 +153,8 @@ def write_chart(measured, path):
     axes.set_xscale("log")
     axes.set_xlim(min(values) / 3.0, 4.0 * max(values))
     axes.set_xlabel("mean absolute error / mean, against the displaced plate (dotted: limit)")
-    figure.savefig(path, dpi=120)
+    with whole.place(path) as part:
+        figure.savefig(part, dpi=120)
 
 
 def main(argv=None):
@@ -171,7 +175,7 @@ def main(argv=None):
     result = {"errors": measured, "limit": LIMIT, "ok": ok, "size": options.size,
               "samples": options.samples, "quads": options.quads, "map": options.map,
               "surface": options.surface, "compared": compared}
-    (options.output / "truth.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
+    whole.write_text(options.output / "truth.json", json.dumps(result, indent=1))
     print()
     print(report.table(
         ["normal map against displaced plate", "error", "limit", ""],
