@@ -35,6 +35,7 @@ import sys
 
 import bpy
 import numpy as np
+from libshade import _native, nodes
 from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -126,10 +127,25 @@ def bump_image(socket, material, folder):
     return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} }}'
 
 
-def fresnel_text(node):
-    """The word and the colours that it is followed by."""
-    colours = {"F82": [node.f82], "CONDUCTOR": [node.eta, node.k]}.get(node.fresnel, [])
-    return " ".join([node.fresnel.lower(), ", ".join(f"rgb {vector(c)}" for c in colours)]).strip()
+def choices_text(node):
+    """A line for each of the table's lists: its word and the numbers that this choice reads; then
+    the numbers that every material has, but for the colour, which is a socket."""
+    table, set_to = _native.table(), nodes.settings(node)
+
+    def text(row):
+        value = set_to[row["word"]]
+        return number(value) if row["components"] == 1 else f"rgb {vector(value)}"
+
+    lines = []
+    for name in table["lists"]:
+        word = set_to[name]
+        read = [text(row) for row in table["params"]
+                if row["read_by"] and row["read_by"][0] == name and word in row["read_by"][1]]
+        start = word if name == "mdf" else f"{name} {word}"  # a distribution needs no word before
+        lines.append(f"{start} {', '.join(read)}".strip())
+    lines += [f"{row['word']} {text(row)}" for row in table["params"]
+              if not row["read_by"] and row["word"] != "f0"]
+    return "\n      ".join(lines)
 
 
 def texture_text(material, folder):
@@ -138,21 +154,13 @@ def texture_text(material, folder):
     if node.inputs["Color"].is_linked:
         raise ExportError(f"material '{material.name}': a textured Color cannot be written")
     colour = node.inputs["Color"].default_value[:3]
-    exponents = node.distribution == "ASHIKHMIN_SHIRLEY"
-    widths = (node.ex, node.ey) if exponents else (node.ax, node.ay)
     bump = bump_image(node.inputs["Normal"], material, folder)
     return f"""texture {{
   pigment {{ rgb 1 }}
   finish {{
     ambient 0 diffuse 0
     mdf {{
-      {node.distribution.lower()} {number(widths[0])}, {number(widths[1])}
-      brdf {node.brdf.lower()}
-      detail {node.detail.lower()}
-      groove {node.groove.lower()}
-      fresnel {fresnel_text(node)}
-      horizon {node.horizon.lower()}
-      diffuse {node.diffuse.lower()} rgb {vector(node.kd)}
+      {choices_text(node)}
       specular rgb {vector(colour)}
       tangent uv{bump}
     }}
