@@ -14,12 +14,7 @@
 
 #include "support.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
+#ifdef SANITIZED
 enum { LANES = 20 };
 #else
 enum { LANES = 80 };

@@ -9,12 +9,7 @@
 #include "chi2.h"
 #include "support.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
+#ifdef SANITIZED
 enum { DRAWS = 20000, FINE = 8, EYES = 2, ROWS = 64 };
 #else
 enum { DRAWS = 131072, FINE = 12, EYES = 5, ROWS = 400 };
