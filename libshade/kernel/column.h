@@ -7,66 +7,71 @@
 static unsigned kernel_weave_batch(const shade_weave *w, size_t total, const double *u,
                                    const double *v, const shade_crossings *out);
 
-LEAF void column_corner(int columns, const double *restrict low, const double *restrict high,
-                        const double *restrict right, const double *restrict top,
-                        const double *restrict all, size_t line, double a, double b, double ox,
-                        double oy, double scale, double *restrict sum) {
+/*
+ * The integral along one side of the table for each of some lanes, from end to end of its
+ * footprint, as a sum of five entries: those on both sides of either end, and the last, for whole
+ * repeats. `per` is 1 over the extent in blocks.
+ */
+typedef struct column_axis {
+  int low[BLOCK], high[BLOCK]; /* the block where an end lies */
+  double before_low[BLOCK], after_low[BLOCK], before_high[BLOCK], after_high[BLOCK];
+  double repeats[BLOCK], per[BLOCK];
+} column_axis;
+
+static void column_along(size_t count, const int *restrict lane, const double *restrict centre,
+                         const double *restrict extent, double size, int blocks,
+                         column_axis *restrict x) {
+  const double scale = blocks / size, most = blocks - 1;
 #pragma omp simd
-  for (int k = 0; k < columns; k++) {
-    double corner = (1 - b) * ((1 - a) * low[k] + a * low[COLUMNS + k]) +
-                    b * ((1 - a) * high[k] + a * high[COLUMNS + k]);
-    double across = (1 - b) * right[k] + b * right[line + (size_t)k];
-    double up = (1 - a) * top[k] + a * top[COLUMNS + k];
-    sum[k] += scale * (corner + ox * across + oy * up + ox * oy * all[k]);
+  for (size_t j = 0; j < count; j++) {
+    /* below a hundredth of a crossing the difference of integrals would lose digits */
+    const double given = extent[lane[j]], wide = scale * (given > 0.01 ? given : 0.01);
+    const double u = centre[lane[j]] / size;
+    const double low = (u - floor(u)) * blocks - 0.5 * wide, high = low + wide;
+    const double first = floor(low / blocks), last = floor(high / blocks);
+    /* both may be rounded up to blocks */
+    const double a = low - first * blocks, b = high - last * blocks;
+    const int i = (int)(a < most ? a : most), k = (int)(b < most ? b : most);
+    x->low[j] = i;
+    x->high[j] = k;
+    x->before_low[j] = a - i - 1;
+    x->after_low[j] = i - a;
+    x->before_high[j] = 1 - (b - k);
+    x->after_high[j] = b - k;
+    x->repeats[j] = last - first;
+    x->per[j] = 1 / wide;
   }
 }
 
-/* The integral of all columns of the table over [0, x] x [0, y], x and y in blocks of the repeat.
- */
-static void column_integral(const shade_fabric *f, double x, double y, double scale, double *sum) {
-  const double ox = floor(x / f->columns), oy = floor(y / f->rows);
-  /* integral = whole repeats above and beside, and what is left */
-  const double left[2] = {x - ox * f->columns, y - oy * f->rows};
-  const int i = (int)fmin(left[0], f->columns - 1), j = (int)fmin(left[1], f->rows - 1);
-  const double a = left[0] - i, b = left[1] - j;
-  const double *t = f->table;
-  const size_t line = (size_t)(f->columns + 1) * COLUMNS;
-  const double *low = t + (size_t)j * line + (size_t)i * COLUMNS, *high = low + line;
-  const double *right = t + (size_t)j * line + (size_t)f->columns * COLUMNS;
-  const double *top = t + (size_t)f->rows * line + (size_t)i * COLUMNS;
-  const double *all = t + (size_t)f->rows * line + (size_t)f->columns * COLUMNS;
-  /* a constant count, so that it is a few vectors */
-  if (f->transmits)
-    column_corner(COLUMNS, low, high, right, top, all, line, a, b, ox, oy, scale, sum);
-  else
-    column_corner(COLUMNS_OPAQUE, low, high, right, top, all, line, a, b, ox, oy, scale, sum);
+/* All columns over the footprint of lane j. */
+LEAF void column_sum(int columns, const shade_fabric *f, const column_axis *x, const column_axis *y,
+                     size_t j, double *restrict column) {
+  const size_t line = (size_t)(f->columns + 1) * COLUMNS_STEP;
+  const double *restrict t = f->table;
+  const size_t a = (size_t)x->low[j] * COLUMNS_STEP, b = (size_t)x->high[j] * COLUMNS_STEP;
+  const size_t end = (size_t)f->columns * COLUMNS_STEP;
+  const double x0 = x->before_low[j], x1 = x->after_low[j], x2 = x->before_high[j];
+  const double x3 = x->after_high[j], x4 = x->repeats[j], scale = x->per[j] * y->per[j];
+  const double y0 = y->before_low[j], y1 = y->after_low[j], y2 = y->before_high[j];
+  const double y3 = y->after_high[j], y4 = y->repeats[j];
+  const double *low = t + (size_t)y->low[j] * line, *high = t + (size_t)y->high[j] * line;
+  const double *top = t + (size_t)f->rows * line;
+#define COLUMN_LINE(t)                                                                             \
+  (x0 * (t)[a + k] + x1 * (t)[a + COLUMNS_STEP + k] + x2 * (t)[b + k] +                            \
+   x3 * (t)[b + COLUMNS_STEP + k] + x4 * (t)[end + k])
+#pragma omp simd
+  for (size_t k = 0; k < (size_t)columns; k++) {
+    const double sum = y0 * COLUMN_LINE(low) + y1 * COLUMN_LINE(low + line) +
+                       y2 * COLUMN_LINE(high) + y3 * COLUMN_LINE(high + line) +
+                       y4 * COLUMN_LINE(top);
+    column[k] = sum > 0 ? scale * sum : 0;
+  }
+#undef COLUMN_LINE
 }
 
 /* So many repeats that where the footprint lies makes no difference. */
-static int column_is_mean(const shade_fabric *f, const double extent[2]) {
-  return extent[0] > 64 * f->width && extent[1] > 64 * f->height;
-}
-
-/* The mean of all columns over the footprint. */
-static void column_mean(const shade_fabric *f, const double uv[2], const double extent[2],
-                        double *column) {
-  /* below a hundredth of a crossing the difference of integrals would lose digits */
-  const double du = fmax(extent[0], 0.01) * f->columns / f->width;
-  const double dv = fmax(extent[1], 0.01) * f->rows / f->height;
-  memcpy(column, f->mean, sizeof f->mean);
-  if (column_is_mean(f, extent))
-    return;
-  const double u = uv[0] / f->width, v = uv[1] / f->height;
-  const double x = (u - floor(u)) * f->columns - 0.5 * du;
-  const double y = (v - floor(v)) * f->rows - 0.5 * dv;
-  const double scale = 1 / (du * dv);
-  double sum[COLUMNS] = {0};
-  column_integral(f, x + du, y + dv, scale, sum);
-  column_integral(f, x, y + dv, -scale, sum);
-  column_integral(f, x + du, y, -scale, sum);
-  column_integral(f, x, y, scale, sum);
-  for (int k = 0; k < COLUMNS; k++)
-    column[k] = fmax(sum[k], 0);
+static int column_is_mean(const shade_fabric *f, double du, double dv) {
+  return du > 64 * f->width && dv > 64 * f->height;
 }
 
 /*
@@ -74,39 +79,52 @@ static void column_mean(const shade_fabric *f, const double uv[2], const double 
  * fine to see: their mean over the footprint, from 16 points of it. From 8 to 16 crossings it
  * fades out; what is left of the streaks there is small.
  */
-static void column_streaks(const shade_fabric *f, const double uv[2], const double extent[2],
-                           double longer, double *column) {
-  double sum[2] = {0, 0}, u[FABRIC_POINTS], v[FABRIC_POINTS], brightness[FABRIC_POINTS];
-  int count[2] = {0, 0}, top[FABRIC_POINTS];
-  for (int k = 0; k < FABRIC_POINTS; k++) {
-    u[k] = uv[0] + extent[0] * ((k % 4 + 0.5) / 4 - 0.5);
-    v[k] = uv[1] + extent[1] * ((k / 4 + 0.5) / 4 - 0.5);
+static int column_has_streaks(const shade_fabric *f, double du, double dv) {
+  const double longer = du > dv ? du : dv;
+  return f->uneven && longer > 0 && longer < 16;
+}
+
+enum { STREAKS = BLOCK / FABRIC_POINTS }; /* lanes whose points are looked up at a time */
+
+/* factor: of each side's brightness, for `count` <= STREAKS of the lanes. */
+static void column_streaks(const shade_fabric *f, size_t count, const int *lane,
+                           const double *centre_u, const double *centre_v, const double *du,
+                           const double *dv, double (*factor)[2]) {
+  double u[BLOCK], v[BLOCK], brightness[BLOCK];
+  int top[BLOCK];
+  for (size_t j = 0; j < count; j++) {
+    const double x = centre_u[lane[j]], y = centre_v[lane[j]];
+    const double wide = du[lane[j]], high = dv[lane[j]];
+    for (int k = 0; k < FABRIC_POINTS; k++) {
+      u[j * FABRIC_POINTS + (size_t)k] = x + wide * ((k % 4 + 0.5) / 4 - 0.5);
+      v[j * FABRIC_POINTS + (size_t)k] = y + high * ((k / 4 + 0.5) / 4 - 0.5);
+    }
   }
   const shade_crossings out = {.size = sizeof out, .top = top, .brightness = brightness};
-  kernel_weave_batch(f->weave, FABRIC_POINTS, u, v, &out);
-  for (int k = 0; k < FABRIC_POINTS; k++)
-    if (top[k] != SHADE_TOP_GAP) {
-      sum[top[k]] += brightness[k];
-      count[top[k]]++;
-    }
-  const double x = fmin(fmax(log2(longer / 8), 0), 1), share = 1 - x * x * (3 - 2 * x);
-  for (int k = 0; k < 2; k++) {
-    double *matt = column + COLUMN_MATT + 3 * k;
-    double factor = count[k] ? 1 + share * (sum[k] / count[k] - 1) : 1;
-    for (int c = 0; c < 3; c++) {
-      matt[c] *= factor;
-      column[COLUMN_PASS + 3 * k + c] *= factor;
+  kernel_weave_batch(f->weave, count * FABRIC_POINTS, u, v, &out);
+  for (size_t j = 0; j < count; j++) {
+    const double longer = du[lane[j]] > dv[lane[j]] ? du[lane[j]] : dv[lane[j]];
+    const double x = longer > 8 ? log2(longer / 8) : 0, share = 1 - x * x * (3 - 2 * x);
+    for (int side = 0; side < 2; side++) {
+      double sum = 0, seen = 0;
+      for (size_t k = j * FABRIC_POINTS; k < (j + 1) * FABRIC_POINTS; k++) {
+        sum += top[k] == side ? brightness[k] : 0;
+        seen += top[k] == side;
+      }
+      factor[j][side] = seen > 0 ? 1 + share * (sum / seen - 1) : 1;
     }
   }
 }
 
-/* The mean of all columns over a footprint, streaks of uneven yarns included. */
-static void column_of(const shade_fabric *f, const double uv[2], const double extent[2],
-                      double column[COLUMNS]) {
-  const double longer = fmax(extent[0], extent[1]);
-  column_mean(f, uv, extent, column);
-  if (f->uneven && longer > 0 && longer < 16)
-    column_streaks(f, uv, extent, longer, column);
+/* The mean of all columns over the footprint of lane j, without streaks. */
+static void column_of(const shade_fabric *f, double du, double dv, const column_axis *x,
+                      const column_axis *y, size_t j, double column[COLUMNS]) {
+  if (column_is_mean(f, du, dv))
+    memcpy(column, f->mean, sizeof f->mean);
+  else if (f->transmits) /* a constant count, so that it is a few vectors */
+    column_sum(COLUMNS, f, x, y, j, column);
+  else
+    column_sum(COLUMNS_OPAQUE, f, x, y, j, column);
 }
 
 #endif

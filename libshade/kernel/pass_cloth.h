@@ -319,7 +319,22 @@ typedef struct FN(lists) {
 } FN(lists);
 
 static void FN(cloth_list)(const FN(cloth) * c, const real *side, FN(lists) * l) {
+  const int first = c->count ? c->kind[0] : CLOTH_VOID;
+  int odd = c->count < 8; /* too few for a vector */
   memset(l->count, 0, sizeof l->count);
+  if (!odd) {
+#pragma omp simd reduction(| : odd)
+    for (size_t i = 0; i < c->count; i++)
+      odd |= (side[i] <= 0) | (c->kind[i] != first);
+  }
+  if (!odd) { /* as where a block is far away */
+    int *lane = l->lane[0][first];
+#pragma omp simd
+    for (size_t i = 0; i < c->count; i++)
+      lane[i] = (int)i;
+    l->count[0][first] = c->count;
+    return;
+  }
   for (size_t i = 0; i < c->count; i++) {
     const int behind = side[i] < 0, kind = side[i] != 0 ? c->kind[i] : CLOTH_VOID;
     l->lane[behind][kind][l->count[behind][kind]++] = (int)i;
@@ -336,15 +351,23 @@ static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, const
   if (!count || (kind <= CLOTH_WARP && kind != k) || kind == CLOTH_GAP || kind == CLOTH_VOID)
     return 0;
   const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
-  int all = count == c->count; /* as where a block is far away */
-  for (size_t j = 0; all && j < count; j++)
-    all = weight[j] > 0;
-  for (size_t j = 0; j < count; j++) {
-    const int i = l->lane[behind][kind][j];
-    g->lane[g->count] = i;
-    g->count += weight[i] > 0;
+  const int *lane = l->lane[behind][kind];
+  int none = count != c->count;
+#pragma omp simd reduction(| : none)
+  for (size_t j = 0; j < count; j++)
+    none |= weight[j] <= 0;
+  g->whole = !none;
+  if (g->whole) {
+    g->count = count;
+#pragma omp simd
+    for (size_t j = 0; j < count; j++)
+      g->lane[j] = lane[j];
+  } else {
+    for (size_t j = 0; j < count; j++) {
+      g->lane[g->count] = lane[j];
+      g->count += weight[lane[j]] > 0;
+    }
   }
-  g->whole = all;
   if (wi)
     FN(cloth_carry)(f, c, kind, k, wi, g, g->wi);
   FN(cloth_carry)(f, c, kind, k, wo, g, g->wo);
@@ -556,7 +579,8 @@ static unsigned FN(kernel_cloth)(const shade_fabric *f, const FN(cloth) * c,
     FN(cloth_facets)(f, c, wi, rgb);
   } else {
     FN(cloth_hard)(f, c, wi, wo, rgb);
-    if (f->horizon != SHADE_HORIZON_HARD && f->horizon != SHADE_HORIZON_VALID_REFLECTION) {
+    if (!c->flat && f->horizon != SHADE_HORIZON_HARD &&
+        f->horizon != SHADE_HORIZON_VALID_REFLECTION) {
       const real *nx = FN(cloth_row)(c, CLOTH_GIVEN), *ny = nx + c->stride, *nz = ny + c->stride;
       (f->horizon == SHADE_HORIZON_CHIANG ? FN(pass_shadow_chiang) : FN(pass_shadow_estevez))(
           c->count, (FN(vec)){nx, ny, nz}, FN(vec_of)(wi), factor);

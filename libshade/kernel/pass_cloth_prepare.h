@@ -39,7 +39,7 @@ static void cloth_point(const double extent[2], int k, double uv[2]) {
 typedef struct FN(preparing) {
   FN(mended) room;
   real n[3][BLOCK], kd[2][3][BLOCK];
-  double u[BLOCK], v[BLOCK], extent[BLOCK][2];
+  double u[BLOCK], v[BLOCK], du[BLOCK], dv[BLOCK];
   int near[BLOCK], far[BLOCK];
   size_t near_count, far_count;
   cloth_seen seen;
@@ -129,51 +129,48 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
   }
 }
 
-/* Rows of far lanes j from columns[k * step], each `step` columns wide; step 0: one for all. */
+/* Rows of far lanes j from columns[k * wide + j * step]; step 0: one for all. */
 LEAF void FN(cloth_far_fill)(const shade_fabric *f, const FN(cloth) * c, const FN(preparing) * p,
-                             const double *columns, size_t wide, size_t step, int whole) {
+                             const real *columns, size_t wide, size_t step, int whole) {
   const int *lane = p->far;
   for (int k = 0; k < 2; k++) {
     real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
-    const double *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
+    const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
-      weight[whole ? (int)j : lane[j]] = (real)seen[j * step];
+      weight[whole ? j : (size_t)lane[j]] = seen[j * step];
   }
   real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
-  const double *bare = columns + (size_t)COLUMN_OPEN * wide, unbacked = f->backed ? 0 : 1;
+  const real *bare = columns + (size_t)COLUMN_OPEN * wide, unbacked = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->far_count; j++)
-    open[whole ? (int)j : lane[j]] = (real)(unbacked * bare[j * step]);
+    open[whole ? j : (size_t)lane[j]] = unbacked * bare[j * step];
   for (int a = 0; a < 3; a++) {
-    const double *gap = columns + (size_t)COLUMN_GAP * wide;
+    const real *gap = columns + (size_t)COLUMN_GAP * wide, backing = (real)f->backing[a];
     real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
-    const double backing = f->backing[a];
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
-      flat[whole ? (int)j : lane[j]] = (real)(gap[j * step] * backing);
+      flat[whole ? j : (size_t)lane[j]] = gap[j * step] * backing;
     for (int k = 0; k < 2; k++) {
       const real *kd = p->kd[k][a];
-      const double *own = columns + (size_t)(COLUMN_MATT + 3 * k + a) * wide;
-      const double *fuzz = columns + (size_t)(COLUMN_FUZZ + 3 * k + a) * wide;
-      const double *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
-      const double *through = columns + (size_t)(COLUMN_PASS + 3 * k + a) * wide;
-      const double leaves = f->side[k].leaves[a];
+      const real *own = columns + (size_t)(COLUMN_MATT + 3 * k + a) * wide;
+      const real *fuzz = columns + (size_t)(COLUMN_FUZZ + 3 * k + a) * wide;
+      const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
+      const real *through = columns + (size_t)(COLUMN_PASS + 3 * k + a) * wide;
+      const real leaves = (real)f->side[k].leaves[a];
       real *to = FN(cloth_row)(c, CLOTH_KD + 3 * k + a);
 #pragma omp simd
       for (size_t j = 0; j < p->far_count; j++) {
-        const int i = whole ? (int)j : lane[j];
-        const double bright = (double)kd[i] * own[j * step], most = seen[j * step];
-        to[i] = (real)((bright < most ? bright : most) * leaves);
-        flat[i] += (real)((double)kd[i] * fuzz[j * step]);
+        const size_t i = whole ? j : (size_t)lane[j];
+        to[i] = FN(minimum)(kd[i] * own[j * step], seen[j * step]) * leaves;
+        flat[i] += kd[i] * fuzz[j * step];
       }
       if (!f->transmits)
         continue;
       real *kt = FN(cloth_row)(c, CLOTH_KT + 3 * k + a);
       for (size_t j = 0; j < p->far_count; j++) {
-        const double bright = (double)kd[lane[j]] * own[j * step], most = seen[j * step];
-        const double left = most - (bright < most ? bright : most), passed = through[j * step];
-        kt[lane[j]] = (real)((passed < left ? passed : left) * leaves);
+        const real bright = kd[lane[j]] * own[j * step], most = seen[j * step];
+        kt[lane[j]] = FN(minimum)(through[j * step], most - FN(minimum)(bright, most)) * leaves;
       }
     }
   }
@@ -183,10 +180,9 @@ LEAF void FN(cloth_far_fill)(const shade_fabric *f, const FN(cloth) * c, const F
 static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, size_t i,
                                shade_fabric_tier tier, FN(preparing) * p) {
   unsigned status = SHADE_OK;
-  double uv[2] = {(double)in->u[start + i], (double)in->v[start + i]}, *extent = p->extent[i];
+  double uv[2] = {(double)in->u[start + i], (double)in->v[start + i]}, extent[2] = {0, 0};
   for (int a = 0; a < 2; a++)
     uv[a] = uv[a] - uv[a] == 0 ? uv[a] : 0;
-  extent[0] = extent[1] = 0;
   if (in->du && in->dv) {
     const real given[2] = {in->du[start + i], in->dv[start + i]};
     for (int a = 0; a < 2; a++) {
@@ -203,6 +199,8 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
   const double share = tier == SHADE_TIER_AUTO ? fabric_far_share(longer) : tier != SHADE_TIER_NEAR;
   p->u[i] = uv[0];
   p->v[i] = uv[1];
+  p->du[i] = extent[0];
+  p->dv[i] = extent[1];
   if (share >= 1 || r < share) {
     p->far[p->far_count++] = (int)i;
     return status;
@@ -238,30 +236,63 @@ static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(prepar
   FN(cloth_near_rows)(f, c, p);
 }
 
+/* Streaks of uneven yarns, into the columns of far lanes, `wide` apart. */
+static void FN(cloth_streaks)(const shade_fabric *f, const FN(preparing) * p, real *columns,
+                              int wide) {
+  int lane[BLOCK], at[BLOCK];
+  size_t count = 0;
+  for (size_t j = 0; j < p->far_count; j++) {
+    lane[count] = p->far[j];
+    at[count] = (int)j;
+    count += column_has_streaks(f, p->du[p->far[j]], p->dv[p->far[j]]) != 0;
+  }
+  for (size_t start = 0; start < count; start += STREAKS) {
+    const size_t size = count - start < STREAKS ? count - start : STREAKS;
+    double factor[STREAKS][2];
+    column_streaks(f, size, lane + start, p->u, p->v, p->du, p->dv, factor);
+    for (size_t j = 0; j < size; j++)
+      for (int k = 0; k < 6; k++) {
+        const real share = (real)factor[j][k / 3];
+        columns[(COLUMN_MATT + k) * wide + at[start + j]] *= share;
+        columns[(COLUMN_PASS + k) * wide + at[start + j]] *= share;
+      }
+  }
+}
+
 static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
                                const FN(preparing) * p) {
   const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
   for (size_t j = 0; j < p->far_count; j++)
     c->kind[p->far[j]] = (unsigned char)kind;
-  int whole = 1; /* all repeats, where the mean is all there is to know */
+  int mean = 1; /* all repeats, where the mean is all there is to know */
   for (size_t j = 0; j < p->far_count && kind == CLOTH_FAR; j++)
-    whole &= column_is_mean(f, p->extent[p->far[j]]);
-  if (whole) {
-    if (p->far_count == c->count)
-      FN(cloth_far_fill)(f, c, p, f->mean, 1, 0, 1);
-    else
-      FN(cloth_far_fill)(f, c, p, f->mean, 1, 0, 0);
-    return;
+    mean &= column_is_mean(f, p->du[p->far[j]], p->dv[p->far[j]]);
+  enum { WIDE = BLOCK + 8 }; /* or all rows would fall on the same lines of the cache */
+  ROOM columns[COLUMNS * WIDE];
+  for (int k = 0; k < COLUMNS; k++)
+    columns[k * WIDE] = (real)f->mean[k];
+  if (!mean) {
+    column_axis x, y;
+    double column[COLUMNS] = {0};
+    column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
+    column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
+    for (size_t j = 0; j < p->far_count; j++) {
+      const int i = p->far[j];
+      column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
+      for (int k = 0; k < COLUMNS; k++)
+        columns[k * WIDE + (int)j] = (real)column[k];
+    }
+    FN(cloth_streaks)(f, p, columns, WIDE);
   }
-  double columns[COLUMNS][BLOCK], column[COLUMNS];
-  for (size_t j = 0; j < p->far_count; j++) {
-    const int i = p->far[j];
-    const double uv[2] = {p->u[i], p->v[i]};
-    column_of(f, uv, p->extent[i], column);
-    for (int k = 0; k < COLUMNS; k++)
-      columns[k][j] = column[k];
-  }
-  FN(cloth_far_fill)(f, c, p, columns[0], BLOCK, 1, 0);
+  const int whole = p->far_count == c->count;
+  if (mean && whole)
+    FN(cloth_far_fill)(f, c, p, columns, WIDE, 0, 1);
+  else if (mean)
+    FN(cloth_far_fill)(f, c, p, columns, WIDE, 0, 0);
+  else if (whole)
+    FN(cloth_far_fill)(f, c, p, columns, WIDE, 1, 1);
+  else
+    FN(cloth_far_fill)(f, c, p, columns, WIDE, 1, 0);
 }
 
 /* Lanes from `start` of in, one term each; in is whole but for what may be NULL. */
@@ -331,9 +362,10 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   c->flat = 1;
   if (!flat) {
     const real *x = FN(cloth_row)(c, CLOTH_N), *y = x + c->stride;
+    const real *gx = FN(cloth_row)(c, CLOTH_GIVEN), *gy = gx + c->stride;
     int tilted = 0;
     for (size_t i = 0; i < size; i++)
-      tilted |= (x[i] != 0) | (y[i] != 0);
+      tilted |= (x[i] != 0) | (y[i] != 0) | (gx[i] != 0) | (gy[i] != 0);
     c->flat = !tilted;
   }
 
@@ -346,9 +378,13 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
     real co = FN(maximum)(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-6));
     open[i] = 1 - open[i] * FN(exp_negative)(FN(minimum)(R(0.5) * nap[i] / co, 80));
   }
-  for (size_t i = 0; i < size; i++) {
-    const real u = in->u[start + i], v = in->v[start + i];
-    const int placed = (u - u == 0) & (v - v == 0);
+  const real *u = in->u + start, *v = in->v + start;
+  int displaced = (mended & SHADE_BAD_INPUT) != 0;
+#pragma omp simd reduction(| : displaced)
+  for (size_t i = 0; i < size; i++)
+    displaced |= !((u[i] - u[i]) + (v[i] - v[i]) == 0);
+  for (size_t i = 0; i < size && displaced; i++) {
+    const int placed = (u[i] - u[i] == 0) & (v[i] - v[i] == 0);
     if ((mended & SHADE_BAD_INPUT && p.room.void_lane[i]) || !placed) {
       status |= SHADE_BAD_INPUT;
       c->kind[i] = CLOTH_VOID;

@@ -176,18 +176,18 @@ static void look_at_block(const shade_fabric *f, int column, int row, int looks,
 /* Fill the table, its means, and the clouds. */
 static void look_at_repeat(shade_fabric *f, int looks, cloud clouds[2]) {
   uint64_t state = 1;
-  const size_t line = (size_t)(f->columns + 1) * COLUMNS;
+  const size_t line = (size_t)(f->columns + 1) * COLUMNS_STEP;
   memset(f->table, 0, line * (size_t)(f->rows + 1) * sizeof *f->table);
   for (int j = 0; j < f->rows; j++) {
     double row[COLUMNS] = {0}; /* of the blocks so far */
     for (int i = 0; i < f->columns; i++) {
       look_at_block(f, i, j, looks, &state, clouds, row);
-      double *below = f->table + (size_t)j * line + (size_t)(i + 1) * COLUMNS;
+      double *below = f->table + (size_t)j * line + (size_t)(i + 1) * COLUMNS_STEP;
       for (int k = 0; k < COLUMNS; k++)
         below[line + (size_t)k] = below[k] + row[k];
     }
   }
-  const double *all = f->table + (size_t)f->rows * line + (size_t)f->columns * COLUMNS;
+  const double *all = f->table + (size_t)f->rows * line + (size_t)f->columns * COLUMNS_STEP;
   for (int k = 0; k < COLUMNS; k++)
     f->mean[k] = all[k] / ((double)f->columns * f->rows);
 }
@@ -228,7 +228,8 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
   const size_t most = blocks * (size_t)(looks * looks);
   cloud clouds[2] = {{malloc(most * sizeof(fabric_look)), 0, 0, 0},
                      {malloc(most * sizeof(fabric_look)), 0, 0, 0}};
-  f->table = malloc((size_t)(f->columns + 1) * (size_t)(f->rows + 1) * COLUMNS * sizeof *f->table);
+  f->table = aligned_alloc(64, (size_t)(f->columns + 1) * (size_t)(f->rows + 1) * COLUMNS_STEP *
+                                   sizeof *f->table);
   int ok = clouds[0].looks && clouds[1].looks && f->table;
   for (int k = 0; k < 2; k++) { /* kd is read by look_at_repeat */
     memcpy(f->side[k].kd, k ? p.warp.kd : p.weft.kd, sizeof f->side[k].kd);

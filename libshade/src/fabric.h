@@ -28,7 +28,8 @@ enum {
   COLUMN_OPEN,                   /* share of the area that nothing covers */
   COLUMN_PASS,                   /* what yarns let through; only if some do */
   COLUMNS = COLUMN_PASS + 6,
-  COLUMNS_OPAQUE = COLUMN_PASS
+  COLUMNS_OPAQUE = COLUMN_PASS,
+  COLUMNS_STEP = 24 /* from one block of the table to the next: whole cache lines */
 };
 
 /* Lobes in the frame of the fibres: x along them, z out of the cloth. Weights add up to 1. */
@@ -69,7 +70,7 @@ struct shade_fabric {
   shade_horizon horizon;
   int columns, rows;    /* of the table: blocks of the repeat */
   double width, height; /* of the repeat, in crossings */
-  double *table;        /* (rows + 1) x (columns + 1) x COLUMNS */
+  double *table;        /* (rows + 1) x (columns + 1) x COLUMNS_STEP */
   double mean[COLUMNS];
 };
 
