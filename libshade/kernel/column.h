@@ -92,6 +92,8 @@ static void column_streaks(const shade_fabric *f, size_t count, const int *lane,
                            const double *dv, double (*factor)[2]) {
   double u[BLOCK], v[BLOCK], brightness[BLOCK];
   int top[BLOCK];
+  if (count == 0)
+    return;
   for (size_t j = 0; j < count; j++) {
     const double x = centre_u[lane[j]], y = centre_v[lane[j]];
     const double wide = du[lane[j]], high = dv[lane[j]];
