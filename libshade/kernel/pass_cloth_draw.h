@@ -85,7 +85,7 @@ static void FN(cloth_eye)(const FN(cloth) * c, const real *wo[3]) {
     wo[a] = FN(cloth_row)(c, CLOTH_WO + a);
 }
 
-/* The same for facets and upright mirrors; draws go the paths of pass_sample.h. */
+/* The same for facets and upright mirrors; draws go the paths of sample.h. */
 static void FN(cloth_facets_density)(const shade_fabric *f, const FN(cloth) * c,
                                      const real *const wi[3], real *pdf) {
   const real *n[3], *wo[3];
