@@ -149,7 +149,7 @@ bench: $(B)/shade
 	@$(B)/shade bench --output $(B)/bench.csv
 
 .PHONY: test-libshade check-libshade check-headers soak $(TESTS:%=%.run)
-LONG := sample fabric pdf accuracy soak lobes furnace horizon fabric_energy continuity
+LONG := fabric_light fabric_draw sample fabric pdf accuracy soak lobes furnace horizon fabric_energy continuity
 # each a target of its own, so that -j runs several at once; the longest first, or they run alone at the end
 LONG_TESTS := $(filter $(LONG:%=$(B)/test/%),$(TESTS))
 test-libshade: $(LONG_TESTS:%=%.run) $(TESTS:%=%.run)
