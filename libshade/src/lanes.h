@@ -6,6 +6,11 @@
 #include <stddef.h>
 #include <string.h>
 
+/* Nine arrays as n, wi and wo of shade_lanes, among the initializers of one. */
+#define SHADE_DIRECTIONS(v)                                                                        \
+  .nx = (v)[0], .ny = (v)[1], .nz = (v)[2], .wix = (v)[3], .wiy = (v)[4], .wiz = (v)[5],           \
+  .wox = (v)[6], .woy = (v)[7], .woz = (v)[8]
+
 /*
  * *given, a structure that begins with its size and goes on in pointers, to *whole, which is
  * `room` bytes long: members beyond given's size become NULL, those that are not known yet are

@@ -17,6 +17,7 @@
 #include "shade/shade.h"
 #include "src/bsdf.h"
 #include "src/isa.h"
+#include "src/lanes.h"
 
 /* cmocka's assert_float_equal works in float */
 #define assert_near(got, want, tolerance) assert_true(fabs((got) - (want)) <= (tolerance))

@@ -333,26 +333,8 @@ static void long_arrays(void **state) {
         status = isa->mdf_batch(&b, LONG, d[0], d[1], d[2], d[3], d[4], d[5], long_out[0]);
         statusf = isa->mdf_batchf(&b, LONG, f[0], f[1], f[2], f[3], f[4], f[5], long_outf[0]);
       } else {
-        shade_lanes in = {.size = sizeof in,
-                          .nx = d[0],
-                          .ny = d[1],
-                          .nz = d[2],
-                          .wix = d[3],
-                          .wiy = d[4],
-                          .wiz = d[5],
-                          .wox = d[6],
-                          .woy = d[7],
-                          .woz = d[8]};
-        shade_lanesf inf = {.size = sizeof inf,
-                            .nx = f[0],
-                            .ny = f[1],
-                            .nz = f[2],
-                            .wix = f[3],
-                            .wiy = f[4],
-                            .wiz = f[5],
-                            .wox = f[6],
-                            .woy = f[7],
-                            .woz = f[8]};
+        shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(d)};
+        shade_lanesf inf = {.size = sizeof inf, SHADE_DIRECTIONS(f)};
         shade_result out = {sizeof out, long_out[0], long_out[1], long_out[2], long_out[3]};
         shade_resultf outf = {sizeof outf, long_outf[0], long_outf[1], long_outf[2], long_outf[3]};
         status = isa->bsdf_batch(&b, LONG, &in, &out);
@@ -478,16 +460,7 @@ static void senseless_input(void **state) {
       lane[c][0] = lane[c][2] = fine[c];
       lane[c][1] = vf[c];
     }
-    shade_lanesf in = {.size = sizeof in,
-                       .nx = lane[0],
-                       .ny = lane[1],
-                       .nz = lane[2],
-                       .wix = lane[3],
-                       .wiy = lane[4],
-                       .wiz = lane[5],
-                       .wox = lane[6],
-                       .woy = lane[7],
-                       .woz = lane[8]};
+    shade_lanesf in = {.size = sizeof in, SHADE_DIRECTIONS(lane)};
     shade_resultf out = {sizeof out, rgb[0], rgb[1], rgb[2], rgb[3]};
     shade_bsdf_eval_batchf(&b, 3, &in, &out);
     shade_bsdf_evalf(&b, fine, fine + 3, fine + 6, good, &good_cosine);

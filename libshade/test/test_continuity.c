@@ -264,29 +264,11 @@ static void shade(const shade_bsdf *b, const window *w, form form, int single, d
   static float rf[3][POINTS], cosinef[POINTS];
   unsigned status = SHADE_OK;
   if (form == DOUBLE && !single) {
-    const shade_lanes in = {.size = sizeof in,
-                            .nx = w->v[0],
-                            .ny = w->v[1],
-                            .nz = w->v[2],
-                            .wix = w->v[3],
-                            .wiy = w->v[4],
-                            .wiz = w->v[5],
-                            .wox = w->v[6],
-                            .woy = w->v[7],
-                            .woz = w->v[8]};
+    const shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(w->v)};
     const shade_result out = {sizeof out, r[0], r[1], r[2], cosine};
     status = shade_bsdf_eval_batch(b, POINTS, &in, &out);
   } else if (!single) {
-    const shade_lanesf in = {.size = sizeof in,
-                             .nx = w->vf[0],
-                             .ny = w->vf[1],
-                             .nz = w->vf[2],
-                             .wix = w->vf[3],
-                             .wiy = w->vf[4],
-                             .wiz = w->vf[5],
-                             .wox = w->vf[6],
-                             .woy = w->vf[7],
-                             .woz = w->vf[8]};
+    const shade_lanesf in = {.size = sizeof in, SHADE_DIRECTIONS(w->vf)};
     const shade_resultf out = {sizeof out, rf[0], rf[1], rf[2], cosinef};
     status = shade_bsdf_eval_batchf(b, POINTS, &in, &out);
   }

@@ -39,16 +39,7 @@ static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3
       g.w[6 + c][i] = wo[c];
     }
   }
-  shade_lanes in = {.size = sizeof in,
-                    .nx = g.w[0],
-                    .ny = g.w[1],
-                    .nz = g.w[2],
-                    .wix = g.w[3],
-                    .wiy = g.w[4],
-                    .wiz = g.w[5],
-                    .wox = g.w[6],
-                    .woy = g.w[7],
-                    .woz = g.w[8]};
+  shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(g.w)};
   shade_result out = {sizeof out, g.f[0], g.f[1], g.f[2], g.f[3]};
   shade_bsdf_eval_batch(b, POINTS, &in, &out);
   double sum = 0;

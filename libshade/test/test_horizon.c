@@ -165,26 +165,8 @@ static void flat_lanes_are_hard(void **state) {
   enum { COUNT = 300 };
   static float in[9][COUNT], out[2][4][COUNT];
   static double ind[9][COUNT], outd[2][4][COUNT];
-  const shade_lanesf lanesf = {.size = sizeof lanesf,
-                               .nx = in[0],
-                               .ny = in[1],
-                               .nz = in[2],
-                               .wix = in[3],
-                               .wiy = in[4],
-                               .wiz = in[5],
-                               .wox = in[6],
-                               .woy = in[7],
-                               .woz = in[8]};
-  const shade_lanes lanes = {.size = sizeof lanes,
-                             .nx = ind[0],
-                             .ny = ind[1],
-                             .nz = ind[2],
-                             .wix = ind[3],
-                             .wiy = ind[4],
-                             .wiz = ind[5],
-                             .wox = ind[6],
-                             .woy = ind[7],
-                             .woz = ind[8]};
+  const shade_lanesf lanesf = {.size = sizeof lanesf, SHADE_DIRECTIONS(in)};
+  const shade_lanes lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(ind)};
   uint64_t seed = 27;
   const shade_isa_table *isa;
   for (int row = 0; (isa = shade_isa_pick(row)); row++)
@@ -410,16 +392,7 @@ static double albedo(const shade_bsdf *b, const double n[3], const double wo[3])
       v[6 + c][i] = wo[c];
     }
   }
-  shade_lanes in = {.size = sizeof in,
-                    .nx = v[0],
-                    .ny = v[1],
-                    .nz = v[2],
-                    .wix = v[3],
-                    .wiy = v[4],
-                    .wiz = v[5],
-                    .wox = v[6],
-                    .woy = v[7],
-                    .woz = v[8]};
+  shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(v)};
   shade_result result = {sizeof result, out[0], out[1], out[2], out[3]};
   shade_bsdf_eval_batch(b, POINTS, &in, &result);
   double sum = 0;
@@ -492,26 +465,8 @@ static void batch_is_single(void **state) {
       }
       ind[k % 9][count / 2] = in[k % 9][count / 2] = NAN;
       int textured = k % 2;
-      shade_lanesf lanesf = {.size = sizeof lanesf,
-                             .nx = in[0],
-                             .ny = in[1],
-                             .nz = in[2],
-                             .wix = in[3],
-                             .wiy = in[4],
-                             .wiz = in[5],
-                             .wox = in[6],
-                             .woy = in[7],
-                             .woz = in[8]};
-      shade_lanes lanes = {.size = sizeof lanes,
-                           .nx = ind[0],
-                           .ny = ind[1],
-                           .nz = ind[2],
-                           .wix = ind[3],
-                           .wiy = ind[4],
-                           .wiz = ind[5],
-                           .wox = ind[6],
-                           .woy = ind[7],
-                           .woz = ind[8]};
+      shade_lanesf lanesf = {.size = sizeof lanesf, SHADE_DIRECTIONS(in)};
+      shade_lanes lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(ind)};
       if (textured) {
         lanesf.f0r = in[9], lanesf.f0g = in[10], lanesf.f0b = in[11];
         lanes.f0r = ind[9], lanes.f0g = ind[10], lanes.f0b = ind[11];
@@ -581,16 +536,7 @@ static void senseless_input(void **state) {
     shade_bsdf_evalf(&b, vf, vf + 3, vf + 6, ff, &cosinef);
     assert_true(!finite || fetestexcept(trapped) == 0);
     assert_true(finite || (status & SHADE_BAD_INPUT));
-    shade_lanesf in = {.size = sizeof in,
-                       .nx = lane[0],
-                       .ny = lane[1],
-                       .nz = lane[2],
-                       .wix = lane[3],
-                       .wiy = lane[4],
-                       .wiz = lane[5],
-                       .wox = lane[6],
-                       .woy = lane[7],
-                       .woz = lane[8]};
+    shade_lanesf in = {.size = sizeof in, SHADE_DIRECTIONS(lane)};
     shade_resultf out = {sizeof out, rgb[0], rgb[1], rgb[2], rgb[3]};
     shade_bsdf_eval_batchf(&b, 2, &in, &out);
     for (int c = 0; c < 3; c++) {

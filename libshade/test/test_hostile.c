@@ -230,16 +230,7 @@ static void fill(block *b, uint64_t number, int single) {
       b->one[PDF][i] = (double)q;                                                                  \
       b->one[D][i] = (double)lobe;                                                                 \
     }                                                                                              \
-    const shade_lanes##f in = {.size = sizeof in,                                                  \
-                               .nx = v[0],                                                         \
-                               .ny = v[1],                                                         \
-                               .nz = v[2],                                                         \
-                               .wix = v[3],                                                        \
-                               .wiy = v[4],                                                        \
-                               .wiz = v[5],                                                        \
-                               .wox = v[6],                                                        \
-                               .woy = v[7],                                                        \
-                               .woz = v[8]};                                                       \
+    const shade_lanes##f in = {.size = sizeof in, SHADE_DIRECTIONS(v)};                            \
     const shade_result##f to = {sizeof to, out[0], out[1], out[2], out[3]};                        \
     b->all_status[0] = isa->bsdf_batch##f(&b->bsdf, LANES, &in, &to);                              \
     b->all_status[1] = isa->pdf_batch##f(&b->bsdf, LANES, &in, pdf);                               \

@@ -56,15 +56,7 @@ static shade_bsdf make_material(void) {
   }                                                                                                \
   static newer_lanes##f lanes_of##f(const arrays##f *a) {                                          \
     newer_lanes##f l = {.known = {.size = sizeof l.known,                                          \
-                                  .nx = a->in[0],                                                  \
-                                  .ny = a->in[1],                                                  \
-                                  .nz = a->in[2],                                                  \
-                                  .wix = a->in[3],                                                 \
-                                  .wiy = a->in[4],                                                 \
-                                  .wiz = a->in[5],                                                 \
-                                  .wox = a->in[6],                                                 \
-                                  .woy = a->in[7],                                                 \
-                                  .woz = a->in[8],                                                 \
+                                  SHADE_DIRECTIONS(a->in),                                         \
                                   .f0r = a->f0,                                                    \
                                   .f0g = a->f0,                                                    \
                                   .f0b = a->f0},                                                   \

@@ -566,16 +566,7 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
 #define CALLS(real, f, p_form)                                                                     \
   static void call_##real(worker *w, const shade_isa_table *isa, what q, form p) {                 \
     const shade_bsdf *b = &w->bsdf[p];                                                             \
-    shade_lanes##f in = {.size = sizeof in,                                                        \
-                         .nx = w->in##f[0],                                                        \
-                         .ny = w->in##f[1],                                                        \
-                         .nz = w->in##f[2],                                                        \
-                         .wix = w->in##f[3],                                                       \
-                         .wiy = w->in##f[4],                                                       \
-                         .wiz = w->in##f[5],                                                       \
-                         .wox = w->in##f[6],                                                       \
-                         .woy = w->in##f[7],                                                       \
-                         .woz = w->in##f[8]};                                                      \
+    shade_lanes##f in = {.size = sizeof in, SHADE_DIRECTIONS(w->in##f)};                           \
     shade_result##f out = {sizeof out, w->out##f[0], w->out##f[1], w->out##f[2], w->out##f[3]};    \
     shade_sample_lanes##f from = {.size = sizeof from,                                             \
                                   .nx = in.nx,                                                     \

@@ -42,57 +42,21 @@ static float inf[INPUTS][COUNT], outf[ARRAYS][COUNT];
 typedef unsigned call(const shade_bsdf *b, size_t count);
 
 static unsigned call_eval(const shade_bsdf *b, size_t count) {
-  const shade_lanes lanes = {.size = sizeof lanes,
-                             .nx = in[NX],
-                             .ny = in[NY],
-                             .nz = in[NZ],
-                             .wix = in[IX],
-                             .wiy = in[IY],
-                             .wiz = in[IZ],
-                             .wox = in[OX],
-                             .woy = in[OY],
-                             .woz = in[OZ]};
+  const shade_lanes lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(in)};
   const shade_result result = {sizeof result, out[0], out[1], out[2], out[3]};
   return shade_bsdf_eval_batch(b, count, &lanes, &result);
 }
 static unsigned call_evalf(const shade_bsdf *b, size_t count) {
-  const shade_lanesf lanes = {.size = sizeof lanes,
-                              .nx = inf[NX],
-                              .ny = inf[NY],
-                              .nz = inf[NZ],
-                              .wix = inf[IX],
-                              .wiy = inf[IY],
-                              .wiz = inf[IZ],
-                              .wox = inf[OX],
-                              .woy = inf[OY],
-                              .woz = inf[OZ]};
+  const shade_lanesf lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(inf)};
   const shade_resultf result = {sizeof result, outf[0], outf[1], outf[2], outf[3]};
   return shade_bsdf_eval_batchf(b, count, &lanes, &result);
 }
 static unsigned call_pdf(const shade_bsdf *b, size_t count) {
-  const shade_lanes lanes = {.size = sizeof lanes,
-                             .nx = in[NX],
-                             .ny = in[NY],
-                             .nz = in[NZ],
-                             .wix = in[IX],
-                             .wiy = in[IY],
-                             .wiz = in[IZ],
-                             .wox = in[OX],
-                             .woy = in[OY],
-                             .woz = in[OZ]};
+  const shade_lanes lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(in)};
   return shade_bsdf_pdf_batch(b, count, &lanes, out[0]);
 }
 static unsigned call_pdff(const shade_bsdf *b, size_t count) {
-  const shade_lanesf lanes = {.size = sizeof lanes,
-                              .nx = inf[NX],
-                              .ny = inf[NY],
-                              .nz = inf[NZ],
-                              .wix = inf[IX],
-                              .wiy = inf[IY],
-                              .wiz = inf[IZ],
-                              .wox = inf[OX],
-                              .woy = inf[OY],
-                              .woz = inf[OZ]};
+  const shade_lanesf lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(inf)};
   return shade_bsdf_pdf_batchf(b, count, &lanes, outf[0]);
 }
 static unsigned call_mdf(const shade_bsdf *b, size_t count) {

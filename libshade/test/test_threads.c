@@ -27,16 +27,7 @@ typedef struct results {
     const real u[2] = {(real).25, (real).75};                                                      \
     for (int c = 0; c < 9; c++)                                                                    \
       v[c] = in##f_[c][i];                                                                         \
-    const shade_lanes##f_ lanes = {.size = sizeof lanes,                                           \
-                                   .nx = in##f_[0],                                                \
-                                   .ny = in##f_[1],                                                \
-                                   .nz = in##f_[2],                                                \
-                                   .wix = in##f_[3],                                               \
-                                   .wiy = in##f_[4],                                               \
-                                   .wiz = in##f_[5],                                               \
-                                   .wox = in##f_[6],                                               \
-                                   .woy = in##f_[7],                                               \
-                                   .woz = in##f_[8]};                                              \
+    const shade_lanes##f_ lanes = {.size = sizeof lanes, SHADE_DIRECTIONS(in##f_)};                \
     const shade_result##f_ result = {sizeof result, r->f##f_[0], r->f##f_[1], r->f##f_[2],         \
                                      r->f##f_[3]};                                                 \
     const shade_sample_lanes##f_ draw = {.size = sizeof draw,                                      \

@@ -60,15 +60,7 @@ static void fill(uint64_t *seed, int single, arrays *a) {
   static void parameters##f(arrays *a, int colours, shade_lanes##f *in) {                          \
     real(*v)[COUNT] = a->in##f;                                                                    \
     *in = (shade_lanes##f){.size = sizeof *in,                                                     \
-                           .nx = v[0],                                                             \
-                           .ny = v[1],                                                             \
-                           .nz = v[2],                                                             \
-                           .wix = v[3],                                                            \
-                           .wiy = v[4],                                                            \
-                           .wiz = v[5],                                                            \
-                           .wox = v[6],                                                            \
-                           .woy = v[7],                                                            \
-                           .woz = v[8],                                                            \
+                           SHADE_DIRECTIONS(v),                                                    \
                            .ax = v[AX],                                                            \
                            .ay = v[AY],                                                            \
                            .groove_x = a->groove##f[0],                                            \
@@ -256,16 +248,7 @@ static void parts(void **state) {
   shade_bsdf_setup(&b, &p);
   p.kd[0] = p.kd[1] = p.kd[2] = 0;
   shade_bsdf_setup(&lobe, &p);
-  shade_lanes in = {.size = sizeof in,
-                    .nx = a.in[0],
-                    .ny = a.in[1],
-                    .nz = a.in[2],
-                    .wix = a.in[3],
-                    .wiy = a.in[4],
-                    .wiz = a.in[5],
-                    .wox = a.in[6],
-                    .woy = a.in[7],
-                    .woz = a.in[8]};
+  shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(a.in)};
   double sum[COUNT] = {0}, whole[COUNT], pdf[COUNT];
   for (size_t part = 0; part <= SHADE_PART_DIFFUSE; part++) {
     in.parts = part;

@@ -52,17 +52,7 @@ static void fill_direction(lanes *m, int first, const double v[3]) {
   .kdg = numbers[KD], .kdb = numbers[KD]
 
 static shade_lanes lanes_of(lanes *m) {
-  return (shade_lanes){.size = sizeof(shade_lanes),
-                       .nx = m->v[0],
-                       .ny = m->v[1],
-                       .nz = m->v[2],
-                       .wix = m->v[3],
-                       .wiy = m->v[4],
-                       .wiz = m->v[5],
-                       .wox = m->v[6],
-                       .woy = m->v[7],
-                       .woz = m->v[8],
-                       OWN(m->number)};
+  return (shade_lanes){.size = sizeof(shade_lanes), SHADE_DIRECTIONS(m->v), OWN(m->number)};
 }
 
 /* Draws to v[3..5], their density to out[4]. */

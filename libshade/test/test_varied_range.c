@@ -55,16 +55,7 @@ static float as_float(double x) { /* without an overflow where it is finite */
 #define ODD_CALL(real, f)                                                                          \
   static unsigned shade_odd##f(const shade_isa_table *isa, const shade_bsdf *b, size_t count,      \
                                size_t first, size_t where, size_t other, odd_lanes *o) {           \
-    shade_lanes##f in = {.size = sizeof in,                                                        \
-                         .nx = o->v##f[0],                                                         \
-                         .ny = o->v##f[1],                                                         \
-                         .nz = o->v##f[2],                                                         \
-                         .wix = o->v##f[3],                                                        \
-                         .wiy = o->v##f[4],                                                        \
-                         .wiz = o->v##f[5],                                                        \
-                         .wox = o->v##f[6],                                                        \
-                         .woy = o->v##f[7],                                                        \
-                         .woz = o->v##f[8]};                                                       \
+    shade_lanes##f in = {.size = sizeof in, SHADE_DIRECTIONS(o->v##f)};                            \
     const real *const one = o->given##f[0] + first, *const two = o->given##f[1] + first;           \
     memcpy((char *)&in + where, &one, sizeof one);                                                 \
     if (other)                                                                                     \

@@ -7,15 +7,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "reference/reference.h"
 #include "shade/shade.h"
 #include "src/bsdf.h"
 #include "src/isa.h"
-#include "tool/bench_cloth.h"
-#include "tool/bench_lanes.h"
+#include "src/lanes.h"
+#include "tool/bench_parts.h"
 #include "tool/literal.h"
 #include "tool/text.h"
 #include "tool/tool.h"
@@ -49,21 +48,6 @@ static int is_call(what w) {
 /* Calls never wait for memory, and what a horizon costs is arithmetic. */
 static int in_cache_only(what w) {
   return is_call(w) || w == WHAT_F_HORIZON;
-}
-
-/* The clock on the wall: a thread's own time is a guess on virtual machines, at times a short one.
- */
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static double uniform(uint64_t *state) { /* splitmix64 */
-  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
 static void release(arrays *a) {
@@ -103,7 +87,7 @@ static int fill(arrays *a, size_t count) {
   uint64_t seed = 1;
   for (size_t i = 0; i < count; i++)
     for (int v = 0; v < INPUTS; v += 3) {
-      double theta = pi / 3 * uniform(&seed), phi = 2 * pi * uniform(&seed);
+      double theta = pi / 3 * bench_uniform(&seed), phi = 2 * pi * bench_uniform(&seed);
       a->twice[v][i] = sin(theta) * cos(phi);
       a->twice[v + 1][i] = sin(theta) * sin(phi);
       a->twice[v + 2][i] = cos(theta);
@@ -122,29 +106,11 @@ static void evaluate_batch(const shade_isa_table *isa, const shade_bsdf *b, what
   else if (asks_d(w))
     isa->mdf_batch(b, a->count, t[0], t[1], t[2], t[3], t[4], t[5], ot[0]);
   else if (single) {
-    shade_lanesf in = {.size = sizeof in,
-                       .nx = s[0],
-                       .ny = s[1],
-                       .nz = s[2],
-                       .wix = s[3],
-                       .wiy = s[4],
-                       .wiz = s[5],
-                       .wox = s[6],
-                       .woy = s[7],
-                       .woz = s[8]};
+    shade_lanesf in = {.size = sizeof in, SHADE_DIRECTIONS(s)};
     shade_resultf out = {sizeof out, os[0], os[1], os[2], os[3]};
     isa->bsdf_batchf(b, a->count, &in, &out);
   } else {
-    shade_lanes in = {.size = sizeof in,
-                      .nx = t[0],
-                      .ny = t[1],
-                      .nz = t[2],
-                      .wix = t[3],
-                      .wiy = t[4],
-                      .wiz = t[5],
-                      .wox = t[6],
-                      .woy = t[7],
-                      .woz = t[8]};
+    shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(t)};
     shade_result out = {sizeof out, ot[0], ot[1], ot[2], ot[3]};
     isa->bsdf_batch(b, a->count, &in, &out);
   }
@@ -275,10 +241,10 @@ static void time_rows(const shade_isa_table *isa, row *rows, int count, what w, 
     rows[r].ns = 1e30;
   for (int round = 0; round < rounds; round++)
     for (int r = 0; r < count; r++) {
-      double begin = seconds();
+      double begin = bench_seconds();
       for (size_t k = 0; k < repeat; k++)
         evaluate(isa, &rows[r], w, single, a);
-      rows[r].ns = fmin(rows[r].ns, (seconds() - begin) * 1e9 / (double)(repeat * a->count));
+      rows[r].ns = fmin(rows[r].ns, (bench_seconds() - begin) * 1e9 / (double)(repeat * a->count));
     }
 }
 
@@ -554,7 +520,7 @@ static void print_apart(void *context, const char *what, const char *preset, con
 
 /* By public calls, which run on what the environment named when a cloth or material was made. */
 static int bench_apart(const options *o) {
-  int (*const jobs[])(bench_cloth_row *, void *) = {bench_cloth, bench_lanes, bench_maps};
+  int (*const jobs[])(bench_row *, void *) = {bench_cloth, bench_lanes, bench_maps};
   const shade_isa_table *isa;
   for (int row = 0; o->apart && (isa = shade_isa_pick(row)); row++) {
     apart_rows rows = {o, {1, 1}};

@@ -7,10 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "shade/presets.h"
-#include "tool/bench_cloth.h"
+#include "tool/bench_parts.h"
 
 enum { COUNT = 1024, RUNS = 40, ARRAYS = 12, OUT = 8, CHECKED = 64, POINTS = 1 << 14 };
 
@@ -23,19 +22,6 @@ typedef struct arrays {
   float *inf[ARRAYS], *outf[OUT];
   void *hits, *hitsf;
 } arrays;
-
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static double uniform(uint64_t *state) { /* splitmix64 */
-  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 static void release(arrays *a) {
   for (int k = 0; k < ARRAYS; k++) {
@@ -66,15 +52,15 @@ static int fill(arrays *a, double footprint) {
   ok &= (a->hits = malloc(shade_fabric_hits_size(COUNT))) != NULL;
   ok &= (a->hitsf = malloc(shade_fabric_hits_sizef(COUNT))) != NULL;
   for (int i = 0; ok && i < COUNT; i++) {
-    double of[ARRAYS] = {64 * uniform(&seed), 64 * uniform(&seed), footprint};
+    double of[ARRAYS] = {64 * bench_uniform(&seed), 64 * bench_uniform(&seed), footprint};
     for (int v = 3; v < 9; v += 3) {
-      const double theta = 1.047 * uniform(&seed), phi = 6.2831853 * uniform(&seed);
+      const double theta = 1.047 * bench_uniform(&seed), phi = 6.2831853 * bench_uniform(&seed);
       of[v] = sin(theta) * cos(phi);
       of[v + 1] = sin(theta) * sin(phi);
       of[v + 2] = cos(theta);
     }
     for (int k = 9; k < ARRAYS; k++)
-      of[k] = uniform(&seed);
+      of[k] = bench_uniform(&seed);
     for (int k = 0; k < ARRAYS; k++) {
       a->inf[k][i] = (float)of[k];
       a->in[k][i] = (double)a->inf[k][i];
@@ -159,12 +145,12 @@ static double best_of(const shade_fabric *f, const arrays *a, shade_fabric_tier 
                       int single) {
   double best = INFINITY;
   for (int k = 0; k < RUNS; k++) {
-    const double begun = seconds();
+    const double begun = bench_seconds();
     if (what == CALL)
       call(f, a, tier, single);
     else
       run(f, a, tier, what, single);
-    best = fmin(best, seconds() - begun);
+    best = fmin(best, bench_seconds() - begun);
   }
   return best / COUNT * 1e9;
 }
@@ -199,7 +185,7 @@ static double error_of(const shade_fabric *f, const arrays *a, shade_fabric_tier
   return worst;
 }
 
-int bench_cloth(bench_cloth_row *print, void *context) {
+int bench_cloth(bench_row *print, void *context) {
   static const char *const tiers[] = {"auto", "near", "far", "single"};
   static const char *const presets[] = {"silk_charmeuse", "denim", "polyester_lining"};
   int status = 1;

@@ -9,11 +9,11 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "reference/reference.h"
 #include "shade/shade.h"
-#include "tool/bench_lanes.h"
+#include "src/lanes.h"
+#include "tool/bench_parts.h"
 
 enum { COUNT = 1024, ROUNDS = 60, REPEAT = 8, CHECKED = 256 };
 /* n, wi, wo; u; alphas, f0, kd, groove; then results */
@@ -31,32 +31,19 @@ typedef struct arrays {
   _Alignas(64) float inf[INPUTS][COUNT + 80], outf[OUTPUTS][COUNT + 80];
 } arrays;
 
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static double uniform(uint64_t *state) { /* splitmix64 */
-  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* Directions within 60 degrees of z; what a texture may hold. */
 static void fill(arrays *a) {
   uint64_t seed = 1;
   memset(a, 0, sizeof *a);
   for (int i = 0; i < COUNT; i++) {
     for (int v = 0; v < U; v += 3) {
-      const double theta = 1.047 * uniform(&seed), phi = 6.2831853 * uniform(&seed);
+      const double theta = 1.047 * bench_uniform(&seed), phi = 6.2831853 * bench_uniform(&seed);
       a->in[v][i] = sin(theta) * cos(phi);
       a->in[v + 1][i] = sin(theta) * sin(phi);
       a->in[v + 2][i] = cos(theta);
     }
     for (int k = U; k < INPUTS; k++)
-      a->in[k][i] = uniform(&seed);
+      a->in[k][i] = bench_uniform(&seed);
     a->in[ALPHA][i] = 0.05 + 0.4 * a->in[ALPHA][i];
     a->in[ALPHA + 1][i] = 0.05 + 0.4 * a->in[ALPHA + 1][i];
     for (int k = 0; k < INPUTS; k++)
@@ -66,16 +53,7 @@ static void fill(arrays *a) {
 
 #define RUN(f)                                                                                     \
   static void run##f(const shade_bsdf *b, arrays *a, job what, given which) {                      \
-    shade_lanes##f in = {.size = sizeof in,                                                        \
-                         .nx = a->in##f[0],                                                        \
-                         .ny = a->in##f[1],                                                        \
-                         .nz = a->in##f[2],                                                        \
-                         .wix = a->in##f[3],                                                       \
-                         .wiy = a->in##f[4],                                                       \
-                         .wiz = a->in##f[5],                                                       \
-                         .wox = a->in##f[6],                                                       \
-                         .woy = a->in##f[7],                                                       \
-                         .woz = a->in##f[8]};                                                      \
+    shade_lanes##f in = {.size = sizeof in, SHADE_DIRECTIONS(a->in##f)};                           \
     if (which != OWN) {                                                                            \
       in.ax = a->in##f[ALPHA];                                                                     \
       in.ay = a->in##f[ALPHA + 1];                                                                 \
@@ -153,7 +131,7 @@ static double error_of(const shade_params *base, const shade_bsdf *b, arrays *a,
   return worst;
 }
 
-int bench_lanes(bench_cloth_row *print, void *context) {
+int bench_lanes(bench_row *print, void *context) {
   static const shade_detail methods[] = {SHADE_DETAIL_NONE, SHADE_DETAIL_ROTATE};
   arrays *a = aligned_alloc(64, (sizeof *a + 63) / 64 * 64);
   if (!a)
@@ -175,10 +153,10 @@ int bench_lanes(bench_cloth_row *print, void *context) {
         shade_bsdf_setup(&b, &p);
         for (int round = 0; round < ROUNDS; round++) /* by turns, as the other rows */
           for (int which = 0; which < GIVENS; which++) {
-            const double begun = seconds();
+            const double begun = bench_seconds();
             for (int k = 0; k < REPEAT; k++)
               run_either(&b, a, (job)what, (given)which, single);
-            ns[which] = fmin(ns[which], (seconds() - begun) * 1e9 / (REPEAT * COUNT));
+            ns[which] = fmin(ns[which], (bench_seconds() - begun) * 1e9 / (REPEAT * COUNT));
           }
         for (int which = 0; which < GIVENS; which++)
           print(context, words[what][which], shade_list_word(SHADE_LIST_DETAIL, (int)p.detail),

@@ -5,22 +5,15 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "shade/maps.h"
-#include "tool/bench_lanes.h"
+#include "tool/bench_parts.h"
 
 enum { SIDE = 1024, COUNT = 1024, ROUNDS = 60 };
 
 typedef struct arrays {
   float in[6][COUNT], out[6][COUNT], width[4][COUNT];
 } arrays;
-
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Waves of every length down to four texels, as slopes. */
 static shade_slope_map *make_map(void) {
@@ -99,7 +92,7 @@ static double error_of(const shade_slope_map *m, const arrays *a, int point) {
   return worst;
 }
 
-int bench_maps(bench_cloth_row *print, void *context) {
+int bench_maps(bench_row *print, void *context) {
   static const struct {
     const char *what;
     double longer, shorter; /* in texels */
@@ -115,17 +108,17 @@ int bench_maps(bench_cloth_row *print, void *context) {
     double best = INFINITY;
     fill(a, rows[row].longer, rows[row].shorter);
     for (int round = 0; round < ROUNDS; round++) {
-      const double begun = seconds();
+      const double begun = bench_seconds();
       look_up(m, a, row == 0);
-      best = fmin(best, seconds() - begun);
+      best = fmin(best, bench_seconds() - begun);
     }
     print(context, rows[row].what, "map", "none", 1, best * 1e9 / COUNT, error_of(m, a, row == 0));
   }
   double best = INFINITY;
   for (int round = 0; m && a && round < ROUNDS; round++) {
-    const double begun = seconds();
+    const double begun = bench_seconds();
     widen(&p, a);
-    best = fmin(best, seconds() - begun);
+    best = fmin(best, bench_seconds() - begun);
   }
   const int done = m && a;
   if (done)
