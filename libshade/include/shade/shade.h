@@ -456,8 +456,9 @@ SHADE_API unsigned shade_bsdf_pdf_batchf(const shade_bsdf *b, size_t count, cons
 SHADE_API const char *shade_isa(void);
 
 /*
- * 0, or -1 and a sentence in error[size] where LIBSHADE_ISA names nothing that this CPU has: it
- * counts as unset then. Programs tell their user.
+ * 0, or -1 and a sentence where LIBSHADE_ISA names nothing that this CPU has: it counts as unset
+ * then, and programs tell their user. Of the sentence what fits goes to error[size], ended by 0
+ * (160 bytes hold all of it); with size 0 error may be NULL. Reads the environment, too.
  */
 SHADE_API int shade_isa_check(char *error, size_t size);
 
