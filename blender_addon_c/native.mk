@@ -8,7 +8,7 @@ NATIVE_PYTHON := /usr/bin/python3
 NATIVE_CFLAGS := -O3 -std=c11 -g -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
   -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
-NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*.c))
+NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*/*.c))
 NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
 
 # What the module opens at run time. Embree's TBB gets a name of its own: Blender has one too, and
@@ -29,14 +29,12 @@ check: native-sanitized native-clang
 
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
-$(NATIVE)/obj/isa_%.o: $(N)/isa_%.c $(NATIVE_FLAGS_IN)
-	@mkdir -p $(@D)
-	$(call say,compile  ,$@)
-	$(Q)$(CC) $(NATIVE_CFLAGS) $(ISA_$*) $(CFLAGS) -MMD -c $< -o $@
+$(NATIVE)/obj/isa/%.o: NATIVE_FOR = $(ISA_$(*F))
+$(NATIVE)/obj/python/%.o: NATIVE_FOR = $(NATIVE_PYTHON_CFLAGS)
 $(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
-	$(Q)$(CC) $(NATIVE_CFLAGS) $(NATIVE_PYTHON_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(NATIVE_FOR) $(CFLAGS) -MMD -c $< -o $@
 $(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@

@@ -35,7 +35,7 @@ MOVING = {"gather": re.compile("gather|^v?insert|^v?unpck")}
 def disassembly(isa):
     """{function: [(mnemonic, operands)]} of the stages' translation unit."""
     listing = subprocess.run(
-        ["objdump", "-d", "--no-show-raw-insn", str(MODULE.parent / f"obj/isa_{isa}.o")],
+        ["objdump", "-d", "--no-show-raw-insn", str(MODULE.parent / f"obj/isa/{isa}.o")],
         capture_output=True,
         text=True,
         check=True,

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scalar leaves that several stages share. All of them vectorise. */
+#ifndef LIBSHADE_LEAF_H
+#define LIBSHADE_LEAF_H
+
+#include <math.h>
+
+#include "batch/batch.h"
+
+#define LEAF static inline __attribute__((always_inline))
+
+/* Clamp to [low, high]; NaN becomes low. */
+LEAF float clampf(float x, float low, float high) {
+  x = x > low ? x : low;
+  return x < high ? x : high;
+}
+
+/* floor for |x| < 2^22, near to x for larger ones; SSE2 has no instruction for it. */
+LEAF float floor_small(float x) {
+#if defined(__SSE4_1__)
+  return floorf(x);
+#else
+  float nearest = (x + 0x1.8p23f) - 0x1.8p23f;
+  return nearest > x ? nearest - 1.0f : nearest;
+#endif
+}
+
+/* A good 32-bit mixer: the finaliser of MurmurHash3. */
+LEAF uint32_t mix(uint32_t h) {
+  h ^= h >> 16;
+  h *= 0x85ebca6bu;
+  h ^= h >> 13;
+  h *= 0xc2b2ae35u;
+  return h ^ h >> 16;
+}
+
+/* [0, 1) from the upper 24 bits. */
+LEAF float unit_float(uint32_t x) {
+  return (float)(int32_t)(x >> 8) * 0x1p-24f;
+}
+
+/* sin and cos of 2 pi x, x in [0, 1): 3e-7. Taylor about the quarter turns. */
+LEAF void turn(float x, float *sine, float *cosine) {
+  int quarter = (int)(x * 4.0f + 0.5f);
+  float a = (x - 0.25f * (float)quarter) * 6.28318530718f; /* |a| <= pi/4 */
+  float a2 = a * a;
+  float s = a * (1.0f + a2 * (-1.0f / 6 + a2 * (1.0f / 120 - a2 * (1.0f / 5040))));
+  float c = 1.0f + a2 * (-0.5f + a2 * (1.0f / 24 + a2 * (-1.0f / 720 + a2 * (1.0f / 40320))));
+  float odd_s = quarter & 1 ? c : s;
+  float odd_c = quarter & 1 ? s : c;
+  *sine = quarter & 2 ? -odd_s : odd_s;
+  *cosine = (quarter + 1) & 2 ? -odd_c : odd_c;
+}
+
+#endif

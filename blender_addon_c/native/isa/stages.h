@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* All stages in their order, for the one translation unit of each instruction set. */
+#include "batch/batch.h"
+#include "render/sampling.h"
+
+#include "stage/camera.h"
+#include "stage/hit.h"
+#include "stage/surface.h"
+#include "stage/bump.h"
+#include "stage/light.h"
+#include "stage/shade.h"
+#include "stage/film.h"
+
+#define LIGHT_STAGE(TYPE, name) stage_##name,
+#define STAGE_TABLE(isa)                                                                           \
+  const stage_table stages_##isa = {.name = #isa,                                                  \
+                                    .camera = stage_camera,                                        \
+                                    .locate = stage_locate,                                        \
+                                    .gather = stage_gather,                                        \
+                                    .corner = stage_corner,                                        \
+                                    .surface = stage_surface,                                      \
+                                    .bilinear = stage_bilinear,                                    \
+                                    .bump = stage_bump,                                            \
+                                    .tint = stage_tint,                                            \
+                                    .disc = stage_disc,                                            \
+                                    .light = {LIGHT_TABLE(LIGHT_STAGE)},                           \
+                                    .lit = stage_lit,                                              \
+                                    .shadow = stage_shadow,                                        \
+                                    .reflect = stage_reflect,                                      \
+                                    .scatter = stage_scatter,                                      \
+                                    .film = stage_film}

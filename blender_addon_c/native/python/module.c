@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The Python module. Only the stable ABI of CPython 3.11: one binary for all newer versions. */
+#define Py_LIMITED_API 0x030b0000
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "batch/batch.h"
+#include "render/job.h"
+#include "python/parse.h"
+
+#define CAPSULE "libshade.job"
+
+/* What a capsule holds. free() empties it, so that later calls fail instead of crash. */
+typedef struct handle {
+  job *job;
+  parse_buffers buffers;
+  int waiters; /* threads inside wait(): free() must not pull the job from under them */
+  struct handle *next;
+} handle;
+
+/* Jobs that are not freed yet, for the end of the process. Guarded by the GIL. */
+static handle *live;
+
+static void handle_clear(handle *h) {
+  job *j = h->job;
+  h->job = NULL;
+  if (!j)
+    return;
+  job_cancel(j);
+  Py_BEGIN_ALLOW_THREADS job_wait(j, -1);
+  Py_END_ALLOW_THREADS while (h->waiters) { /* they only need the GIL to leave */
+    Py_BEGIN_ALLOW_THREADS job_wait(j, -1);
+    Py_END_ALLOW_THREADS
+  }
+  job_free(j);
+  parse_release(&h->buffers);
+}
+
+static void handle_destroy(PyObject *capsule) {
+  handle *h = PyCapsule_GetPointer(capsule, CAPSULE);
+  handle_clear(h);
+  for (handle **at = &live; *at; at = &(*at)->next)
+    if (*at == h) {
+      *at = h->next;
+      break;
+    }
+  free(h);
+}
+
+/* Threads that still render must end before the libraries they run in do. */
+static void finish_all(void) {
+  for (handle *h = live; h; h = h->next)
+    if (h->job) {
+      job_cancel(h->job);
+      job_wait(h->job, -1);
+    }
+}
+
+static handle *get_handle(PyObject *capsule) {
+  handle *h = PyCapsule_GetPointer(capsule, CAPSULE);
+  if (h && !h->job) {
+    PyErr_SetString(PyExc_ValueError, "this job was freed");
+    return NULL;
+  }
+  return h;
+}
+
+PyDoc_STRVAR(start_doc, "start(scene: dict) -> job\n\n"
+                        "Begin to render on threads of its own and return at once. Buffers in the\n"
+                        "scene are read until free(job); do not change them.\n"
+                        "ValueError: the scene is malformed; the message says where.");
+static PyObject *native_start(PyObject *self, PyObject *description) {
+  (void)self;
+  handle *h = calloc(1, sizeof *h);
+  if (!h)
+    return PyErr_NoMemory();
+  scene *s = parse_scene(description, &h->buffers);
+  if (s && !(h->job = job_start(s))) {
+    PyErr_NoMemory();
+    parse_release(&h->buffers);
+  }
+  PyObject *capsule = h->job ? PyCapsule_New(h, CAPSULE, handle_destroy) : NULL;
+  if (!capsule) {
+    handle_clear(h);
+    free(h);
+    return NULL;
+  }
+  h->next = live;
+  live = h;
+  return capsule;
+}
+
+PyDoc_STRVAR(poll_doc, "poll(job) -> dict\n\n"
+                       "state (running, done, cancelled, failed), progress (0 to 1), stage\n"
+                       "(build, render, dump), message (of a failure), warnings (list of str).");
+static PyObject *native_poll(PyObject *self, PyObject *capsule) {
+  static const char *const states[] = {"running", "done", "cancelled", "failed"};
+  static const char *const stages[] = {"build", "render", "dump"};
+  (void)self;
+  handle *h = get_handle(capsule);
+  if (!h)
+    return NULL;
+  job *j = h->job;
+  PyObject *warnings = PyList_New(0);
+  if (!warnings)
+    return NULL;
+  pthread_mutex_lock(&j->log.lock);
+  for (size_t i = 0; i < j->log.warnings && i < MESSAGE_WARNINGS; i++) {
+    const char *utf8 = j->log.warning[i] ? j->log.warning[i] : "out of memory";
+    PyObject *text = PyUnicode_DecodeUTF8(utf8, (Py_ssize_t)strlen(utf8), "replace");
+    if (text)
+      PyList_Append(warnings, text);
+    Py_XDECREF(text);
+  }
+  char message[MESSAGE_SIZE];
+  memcpy(message, j->log.error, sizeof message);
+  pthread_mutex_unlock(&j->log.lock);
+  return Py_BuildValue("{s:s,s:d,s:s,s:s,s:N}", "state", states[job_get_state(j)], "progress",
+                       job_progress(j), "stage", stages[atomic_load(&j->stage)], "message", message,
+                       "warnings", warnings);
+}
+
+PyDoc_STRVAR(wait_doc, "wait(job, seconds: float) -> bool\n\n"
+                       "True when the job has finished, at the latest after this time. Other\n"
+                       "Python threads run meanwhile.");
+static PyObject *native_wait(PyObject *self, PyObject *arguments) {
+  PyObject *capsule;
+  double seconds;
+  (void)self;
+  if (!PyArg_ParseTuple(arguments, "Od:wait", &capsule, &seconds))
+    return NULL;
+  handle *h = get_handle(capsule);
+  if (!h)
+    return NULL;
+  job *j = h->job;
+  bool finished;
+  h->waiters++;
+  Py_BEGIN_ALLOW_THREADS finished = job_wait(j, seconds > 0 ? seconds : 0);
+  Py_END_ALLOW_THREADS h->waiters--;
+  return PyBool_FromLong(finished);
+}
+
+PyDoc_STRVAR(cancel_doc, "cancel(job)\n\nAsk the job to stop; returns at once.");
+static PyObject *native_cancel(PyObject *self, PyObject *capsule) {
+  (void)self;
+  handle *h = get_handle(capsule);
+  if (!h)
+    return NULL;
+  job_cancel(h->job);
+  Py_RETURN_NONE;
+}
+
+PyDoc_STRVAR(image_doc, "image(job, out)\n\n"
+                        "Copy the picture so far into a writable float32 buffer of 4 floats a\n"
+                        "pixel of the region: linear, alpha premultiplied, bottom row first.");
+static PyObject *native_image(PyObject *self, PyObject *arguments) {
+  PyObject *capsule, *out;
+  Py_buffer view;
+  (void)self;
+  if (!PyArg_ParseTuple(arguments, "OO:image", &capsule, &out))
+    return NULL;
+  handle *h = get_handle(capsule);
+  if (!h)
+    return NULL;
+  const render *r = &h->job->render;
+  Py_ssize_t width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
+  if (PyObject_GetBuffer(out, &view, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT) != 0)
+    return NULL;
+  const char *format = view.format ? view.format : "B";
+  format += *format && strchr("@=<", *format) ? 1 : 0;
+  if (strcmp(format, "f") != 0 || view.len != width * height * 4 * (Py_ssize_t)sizeof(float)) {
+    PyErr_Format(PyExc_ValueError, "image: a buffer of %zd float32 is expected",
+                 width * height * 4);
+    PyBuffer_Release(&view);
+    return NULL;
+  }
+  render_copy(r, view.buf);
+  PyBuffer_Release(&view);
+  Py_RETURN_NONE;
+}
+
+PyDoc_STRVAR(timings_doc,
+             "timings(job) -> dict\n\n"
+             "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
+             "threads camera, hit, surface, bump, light, shadow, shade, film. samples: their\n"
+             "number. Complete once the job has finished.");
+static PyObject *native_timings(PyObject *self, PyObject *capsule) {
+  (void)self;
+  handle *h = get_handle(capsule);
+  if (!h)
+    return NULL;
+  const job *j = h->job;
+  bool finished = job_get_state(h->job) != JOB_RUNNING;
+  const render *r = &j->render;
+  double pixels = (double)(r->region[2] - r->region[0]) * (double)(r->region[3] - r->region[1]);
+  PyObject *result = PyDict_New();
+  if (!result)
+    return NULL;
+  const char *name[4 + CLOCK_COUNT + 1] = {"wall", "image", "mesh", "bvh"};
+  double value[4 + CLOCK_COUNT + 1] = {0};
+  if (finished) {
+    value[0] = j->wall;
+    value[1] = j->times.image;
+    value[2] = j->times.mesh;
+    value[3] = j->times.bvh;
+  }
+  for (int k = 0; k < CLOCK_COUNT; k++) {
+    name[4 + k] = stage_clock_name[k];
+    value[4 + k] = finished ? r->seconds[k] : 0.0;
+  }
+  name[4 + CLOCK_COUNT] = "samples";
+  value[4 + CLOCK_COUNT] = pixels * (double)j->scene->samples;
+  for (int k = 0; k < 4 + CLOCK_COUNT + 1; k++) {
+    PyObject *number = PyFloat_FromDouble(value[k]);
+    if (!number || PyDict_SetItemString(result, name[k], number) != 0) {
+      Py_XDECREF(number);
+      Py_DECREF(result);
+      return NULL;
+    }
+    Py_DECREF(number);
+  }
+  return result;
+}
+
+PyDoc_STRVAR(free_doc, "free(job)\n\n"
+                       "Cancel, wait for the threads, release all memory. Later calls with this\n"
+                       "job raise ValueError. Dropping the job does the same.");
+static PyObject *native_free(PyObject *self, PyObject *capsule) {
+  (void)self;
+  handle *h = PyCapsule_GetPointer(capsule, CAPSULE);
+  if (!h)
+    return NULL;
+  handle_clear(h);
+  Py_RETURN_NONE;
+}
+
+/* Append a new reference, which is taken over; false on any failure. */
+static bool append(PyObject *list, PyObject *item) {
+  bool good = item && PyList_Append(list, item) == 0;
+  Py_XDECREF(item);
+  return good;
+}
+
+#define LIGHT_WORD(TYPE, name) #TYPE,
+PyDoc_STRVAR(table_doc,
+             "table() -> dict\n\n"
+             "lists: the choices by name; about: what each list chooses, and its default;\n"
+             "params: the numbers of a material, and by which choices they are read: None, or\n"
+             "(list, words). All as in libshade's table. lights: the types of light.");
+
+/* A new reference: None where every choice reads the number. */
+static PyObject *read_by(const shade_param_info *info) {
+  PyObject *words = PyList_New(0);
+  const char *word;
+  int value;
+  bool good = words && info->list != SHADE_LIST_COUNT;
+  for (int row = 0; good && shade_list_row(info->list, row, &value, &word, NULL, NULL); row++)
+    if (info->choices >> value & 1)
+      good = append(words, PyUnicode_FromString(word));
+  if (good)
+    return Py_BuildValue("(sN)", shade_list_name(info->list), words);
+  Py_XDECREF(words);
+  return info->list == SHADE_LIST_COUNT ? Py_NewRef(Py_None) : NULL;
+}
+
+static PyObject *native_table(PyObject *self, PyObject *unused) {
+  (void)self, (void)unused;
+  PyObject *lists = PyDict_New(), *about = PyDict_New(), *params = PyList_New(0);
+  bool good = lists && about && params;
+  shade_list_info list_info;
+  for (int list = 0; good && shade_list_about((shade_list)list, &list_info); list++) {
+    PyObject *rows = PyList_New(0);
+    int value;
+    const char *name, *label, *help;
+    good = rows != NULL;
+    for (int row = 0; good && shade_list_row((shade_list)list, row, &value, &name, &label, &help);
+         row++)
+      good = append(rows, Py_BuildValue("{s:i,s:s,s:s,s:s}", "value", value, "word", name, "label",
+                                        label, "help", help));
+    good = good && PyDict_SetItemString(lists, list_info.word, rows) == 0;
+    Py_XDECREF(rows);
+    PyObject *told = Py_BuildValue("{s:s,s:s}", "help", list_info.help, "initial",
+                                   shade_list_word((shade_list)list, list_info.initial));
+    good = good && told && PyDict_SetItemString(about, list_info.word, told) == 0;
+    Py_XDECREF(told);
+  }
+  shade_param_info info;
+  for (int row = 0; good && shade_param_row(row, &info); row++)
+    good =
+        append(params, Py_BuildValue("{s:s,s:s,s:s,s:i,s:d,s:d,s:d,s:N}", "word", info.word, "unit",
+                                     info.unit, "help", info.help, "components", info.components,
+                                     "minimum", info.minimum, "maximum", info.maximum, "initial",
+                                     info.initial, "read_by", read_by(&info)));
+  static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD)};
+  PyObject *lights = PyList_New(0);
+  good = good && lights;
+  for (size_t k = 0; good && k < LIGHT_TYPES; k++)
+    good = append(lights, PyUnicode_FromString(types[k]));
+  if (good)
+    return Py_BuildValue("{s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params", params,
+                         "lights", lights);
+  Py_XDECREF(lights);
+  Py_XDECREF(lists);
+  Py_XDECREF(about);
+  Py_XDECREF(params);
+  return NULL;
+}
+
+PyDoc_STRVAR(version_doc, "version() -> str\n\nThe version of libshade.");
+static PyObject *native_version(PyObject *self, PyObject *unused) {
+  (void)self, (void)unused;
+  return PyUnicode_FromString(SHADE_VERSION);
+}
+
+PyDoc_STRVAR(isa_doc, "isa() -> str\n\n"
+                      "The instruction set of what is started now: avx512, avx2, sse2 or scalar.\n"
+                      "LIBSHADE_ISA in the environment asks for less than the CPU has.");
+static PyObject *native_isa(PyObject *self, PyObject *unused) {
+  (void)self, (void)unused;
+  return PyUnicode_FromString(stages_choose()->name);
+}
+
+static int native_exec(PyObject *module) {
+  (void)module;
+  return Py_AtExit(finish_all);
+}
+
+PyMODINIT_FUNC PyInit__native(void) {
+  static PyMethodDef methods[] = {{"start", native_start, METH_O, start_doc},
+                                  {"poll", native_poll, METH_O, poll_doc},
+                                  {"wait", native_wait, METH_VARARGS, wait_doc},
+                                  {"cancel", native_cancel, METH_O, cancel_doc},
+                                  {"image", native_image, METH_VARARGS, image_doc},
+                                  {"timings", native_timings, METH_O, timings_doc},
+                                  {"free", native_free, METH_O, free_doc},
+                                  {"table", native_table, METH_NOARGS, table_doc},
+                                  {"version", native_version, METH_NOARGS, version_doc},
+                                  {"isa", native_isa, METH_NOARGS, isa_doc},
+                                  {NULL, NULL, 0, NULL}};
+  static PyModuleDef_Slot slots[] = {{Py_mod_exec, (void *)native_exec}, {0, NULL}};
+  static PyModuleDef definition = {.m_base = PyModuleDef_HEAD_INIT,
+                                   .m_name = "_native",
+                                   .m_doc = "libshade's renderer: jobs that run on all cores.",
+                                   .m_methods = methods,
+                                   .m_slots = slots};
+  return PyModuleDef_Init(&definition);
+}

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "render/job.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "batch/batch.h"
+#include "render/dump_scene.h"
+#include "system/parallel.h"
+
+static bool out_of_memory(job *j) {
+  return message_error(&j->log, "out of memory");
+}
+
+static bool render_picture(job *j) {
+  atomic_store(&j->stage, JOB_RENDER);
+  return render_run(&j->render);
+}
+
+/* One more pass of the same stages, over the whole picture, a sample in each pixel's middle. */
+static bool render_dump(job *j) {
+  const scene *s = j->scene;
+  sampling middle = {0};
+  shade_dump *dump = dump_scene_create(s);
+  render r = {.scene = s,
+              .sampling = &middle,
+              .cancel = &j->cancel,
+              .log = &j->log,
+              .region = {0, 0, s->width, s->height},
+              .dump = dump};
+  atomic_store(&j->stage, JOB_DUMP);
+  bool good = dump && sampling_init_center(&middle, BATCH) && render_prepare(&r);
+  if (!good)
+    out_of_memory(j);
+  good = good && render_run(&r) && dump_scene_write(dump, s->dump, &j->log);
+  render_free(&r);
+  sampling_free(&middle);
+  shade_dump_free(dump);
+  return good;
+}
+
+static bool run(job *j) {
+  scene *s = j->scene;
+  if (!scene_build(s, &j->cancel, &j->log, &j->times) || !render_picture(j))
+    return false;
+  if (atomic_load(&j->render.status) & SHADE_BAD_INPUT)
+    message_warn(&j->log, "some samples had no valid direction or normal and are black");
+  return !s->dump || render_dump(j);
+}
+
+static void *controller(void *argument) {
+  job *j = argument;
+  double start = parallel_clock();
+  bool good = run(j);
+  pthread_mutex_lock(&j->lock);
+  j->wall = parallel_clock() - start;
+  j->state = good ? JOB_DONE : j->log.error[0] ? JOB_FAILED : JOB_CANCELLED;
+  pthread_cond_broadcast(&j->changed);
+  pthread_mutex_unlock(&j->lock);
+  return NULL;
+}
+
+static void release(job *j) {
+  render_free(&j->render);
+  free(j->render.image);
+  sampling_free(&j->samples);
+  scene_free(j->scene);
+  message_free(&j->log);
+  pthread_cond_destroy(&j->changed);
+  pthread_mutex_destroy(&j->lock);
+  free(j);
+}
+
+job *job_start(scene *s) {
+  job *j = calloc(1, sizeof *j);
+  if (!j) {
+    scene_free(s);
+    return NULL;
+  }
+  j->scene = s;
+  message_init(&j->log);
+  char wrong[160];
+  s->stages = stages_choose();
+  if (shade_isa_check(wrong, sizeof wrong) != 0)
+    message_warn(&j->log, "%s", wrong);
+  pthread_mutex_init(&j->lock, NULL);
+  pthread_condattr_t steady;
+  pthread_condattr_init(&steady);
+  pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+  pthread_cond_init(&j->changed, &steady);
+  pthread_condattr_destroy(&steady);
+  j->render = (render){.scene = s, .sampling = &j->samples, .cancel = &j->cancel, .log = &j->log};
+  memcpy(j->render.region, s->region, sizeof s->region);
+  size_t pixels = (size_t)(s->region[2] - s->region[0]) * (size_t)(s->region[3] - s->region[1]);
+  j->render.image = malloc((pixels + 1) * 4 * sizeof(float));
+  if (!j->render.image || !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter_width) ||
+      !render_prepare(&j->render) || pthread_create(&j->thread, NULL, controller, j) != 0) {
+    release(j);
+    return NULL;
+  }
+  return j;
+}
+
+bool job_wait(job *j, double seconds) {
+  struct timespec until;
+  clock_gettime(CLOCK_MONOTONIC, &until);
+  seconds = seconds < 0 || seconds > 1e8 ? 1e8 : seconds;
+  time_t whole = (time_t)seconds;
+  until.tv_sec += whole;
+  until.tv_nsec += (long)((seconds - (double)whole) * 1e9);
+  if (until.tv_nsec >= 1000000000L) {
+    until.tv_nsec -= 1000000000L;
+    until.tv_sec++;
+  }
+  pthread_mutex_lock(&j->lock);
+  while (j->state == JOB_RUNNING &&
+         pthread_cond_timedwait(&j->changed, &j->lock, &until) != ETIMEDOUT) {
+  }
+  bool finished = j->state != JOB_RUNNING;
+  pthread_mutex_unlock(&j->lock);
+  return finished;
+}
+
+job_state job_get_state(job *j) {
+  pthread_mutex_lock(&j->lock);
+  job_state state = j->state;
+  pthread_mutex_unlock(&j->lock);
+  return state;
+}
+
+double job_progress(const job *j) {
+  size_t tiles = j->render.tiles;
+  return tiles ? (double)atomic_load(&j->render.finished) / (double)tiles : 1.0;
+}
+
+void job_cancel(job *j) {
+  atomic_store(&j->cancel, true);
+}
+
+void job_free(job *j) {
+  job_cancel(j);
+  pthread_join(j->thread, NULL);
+  release(j);
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "render/sampling.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Sobol's points from initial direction numbers m; dimension 0 is van der Corput's. */
+static void sobol_directions(int dimension, uint32_t v[32]) {
+  static const struct {
+    unsigned degree, coefficients, m[3];
+  } table[SAMPLING_DIMENSIONS] = {{0, 0, {0}}, {1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}};
+  unsigned degree = table[dimension].degree;
+  for (unsigned i = 0; i < 32; i++) {
+    if (!degree) {
+      v[i] = 1u << (31 - i);
+    } else if (i < degree) {
+      v[i] = table[dimension].m[i] << (31 - i);
+    } else {
+      v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+      for (unsigned k = 1; k < degree; k++)
+        if (table[dimension].coefficients >> (degree - 1 - k) & 1u)
+          v[i] ^= v[i - k];
+    }
+  }
+}
+
+static double blackman_harris(double x) { /* x in [-1/2, 1/2] */
+  double a = 6.283185307179586 * (x + 0.5);
+  return 0.35875 - 0.48829 * cos(a) + 0.14128 * cos(2 * a) - 0.01168 * cos(3 * a);
+}
+
+/* Inverse of the filter's integral, by the trapezoid rule on a fine grid. */
+static void fill_warp(float *warp, double width) {
+  enum { STEPS = 16 * SAMPLING_WARP };
+  double total = 0, sum = 0;
+  for (int i = 0; i < STEPS; i++)
+    total += blackman_harris((i + 0.5) / STEPS - 0.5);
+  int step = 0;
+  for (int k = 0; k <= SAMPLING_WARP; k++) {
+    double wanted = total * k / SAMPLING_WARP;
+    double part = 0;
+    while (step < STEPS && sum + (part = blackman_harris((step + 0.5) / STEPS - 0.5)) < wanted) {
+      sum += part;
+      step++;
+    }
+    double inside = step < STEPS && part > 0 ? (wanted - sum) / part : 0.0;
+    warp[k] = (float)(width * ((step + inside) / STEPS - 0.5));
+  }
+}
+
+bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width) {
+  *s = (sampling){.period = samples, .scramble = UINT32_MAX};
+  for (int d = 0; d < SAMPLING_DIMENSIONS; d++) {
+    uint32_t v[32];
+    s->point[d] = malloc((samples + run) * sizeof **s->point);
+    if (!s->point[d])
+      return false;
+    sobol_directions(d, v);
+    for (size_t i = 0; i < samples; i++) {
+      uint32_t x = 0;
+      for (unsigned bit = 0; bit < 32 && i >> bit; bit++)
+        if (i >> bit & 1u)
+          x ^= v[bit];
+      s->point[d][i] = x;
+    }
+    for (size_t i = 0; i < run; i++)
+      s->point[d][samples + i] = s->point[d][i];
+  }
+  if (filter_width > 0.0f) {
+    s->warp = malloc((SAMPLING_WARP + 1) * sizeof *s->warp);
+    if (!s->warp)
+      return false;
+    fill_warp(s->warp, (double)filter_width);
+  }
+  return true;
+}
+
+bool sampling_init_center(sampling *s, size_t run) {
+  if (!sampling_init(s, 1, run, 0.0f))
+    return false;
+  s->scramble = 0;
+  for (int d = 0; d < SAMPLING_DIMENSIONS; d++)
+    for (size_t i = 0; i < 1 + run; i++)
+      s->point[d][i] = 0x80000000u;
+  return true;
+}
+
+void sampling_free(sampling *s) {
+  for (int d = 0; d < SAMPLING_DIMENSIONS; d++)
+    free(s->point[d]);
+  free(s->warp);
+}

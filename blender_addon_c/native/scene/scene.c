@@ -1,0 +1,378 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "system/parallel.h"
+#include "shade/mesh.h"
+
+/* Two triangles that follow each other and share an edge: one primitive for Embree. */
+typedef struct pair {
+  uint32_t first;  /* triangles first and first + 1 */
+  uint8_t turn[2]; /* corner of each that is opposite to the shared edge */
+} pair;
+
+/* A mesh in parts as Embree and the records want it; object space. */
+typedef struct parts {
+  size_t pairs, singles;
+  pair *pair;
+  uint32_t *single;
+  float *tangent; /* 4 per corner */
+} parts;
+
+/* Where an instance's share of the world arrays begins. */
+typedef struct share {
+  size_t position, quad, single;
+  double normal[9]; /* inverse transpose but for a positive factor */
+  float mirror;     /* -1 when the matrix mirrors */
+} share;
+
+typedef struct build {
+  scene *scene;
+  const atomic_bool *cancel;
+  message_log *log;
+  parts *parts;  /* per mesh */
+  share *share;  /* per instance */
+  size_t *chunk; /* per instance: its first chunk; one more at the end */
+  float *position;
+  uint32_t *quad, *single;
+  size_t positions, singles;
+} build;
+
+enum { CHUNK = 8192 };
+
+static bool cancelled(const build *b) {
+  return atomic_load_explicit(b->cancel, memory_order_relaxed);
+}
+
+static void *array(build *b, size_t count, size_t size) {
+  void *memory = NULL;
+  if (count < SIZE_MAX / size - 1 &&
+      posix_memalign(&memory, 128, (count ? count : 1) * size + 16) == 0)
+    return memory; /* 16 more: Embree reads a vertex as four floats */
+  message_error(b->log, "out of memory");
+  return NULL;
+}
+
+/* Embree leaves primitives out that reach farther than 1.8e18. */
+static bool usable_position(const float *p) {
+  return fabsf(p[0]) < 1e18f && fabsf(p[1]) < 1e18f && fabsf(p[2]) < 1e18f;
+}
+
+/* Corners of p and q opposite to an edge that both share, in opposite directions. */
+static bool shared_edge(const uint32_t p[3], const uint32_t q[3], uint8_t turn[2]) {
+  for (unsigned i = 0; i < 3; i++)
+    for (unsigned j = 0; j < 3; j++)
+      if (p[i] == q[(j + 1) % 3] && p[(i + 1) % 3] == q[j]) {
+        turn[0] = (uint8_t)((i + 2) % 3);
+        turn[1] = (uint8_t)((j + 2) % 3);
+        return true;
+      }
+  return false;
+}
+
+static void split(const mesh *m, parts *p) {
+  for (size_t t = 0; t < m->triangles; t++) {
+    const uint32_t *corner = m->corner_position + 3 * t;
+    pair found = {.first = (uint32_t)t};
+    bool whole = t + 1 < m->triangles && shared_edge(corner, corner + 3, found.turn);
+    for (unsigned k = 0; whole && k < 6; k++) /* a bad corner must not take the good half along */
+      whole = usable_position(m->position + 3 * (size_t)corner[k]);
+    if (whole) {
+      p->pair[p->pairs++] = found;
+      t++;
+    } else {
+      p->single[p->singles++] = (uint32_t)t;
+    }
+  }
+}
+
+/* Without UVs: the object's X axis where that is possible, else its Y axis. */
+static void plain_tangents(const mesh *m, float *tangent) {
+  for (size_t c = 0; c < 3 * m->triangles; c++) {
+    const float *n = m->corner_normal + 3 * c;
+    unsigned axis = fabsf(n[0]) < 0.999f ? 0u : 1u;
+    for (unsigned k = 0; k < 3; k++)
+      tangent[4 * c + k] = (k == axis ? 1.0f : 0.0f) - n[axis] * n[k];
+    tangent[4 * c + 3] = 1.0f;
+  }
+}
+
+static void prepare_mesh(void *context, size_t i) {
+  build *b = context;
+  const mesh *m = &b->scene->mesh[i];
+  parts *p = &b->parts[i];
+  if (cancelled(b))
+    return;
+  p->pair = array(b, m->triangles / 2, sizeof *p->pair);
+  p->single = array(b, m->triangles, sizeof *p->single);
+  p->tangent = array(b, 12 * m->triangles, sizeof *p->tangent);
+  if (!p->pair || !p->single || !p->tangent)
+    return;
+  split(m, p);
+  if (!m->corner_uv) {
+    plain_tangents(m, p->tangent);
+    if (m->triangles)
+      message_warn(b->log, "%s has no UV map: its tangent is the object's X axis", m->name);
+  } else if (shade_mesh_tangents(m->triangles, m->position, m->corner_position, m->corner_normal,
+                                 m->corner_uv, p->tangent) < 0) {
+    message_error(b->log, "out of memory");
+  }
+}
+
+static void normal_matrix(const double m[12], share *s) {
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++) {
+      int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+      s->normal[3 * r + c] = m[4 * r1 + c1] * m[4 * r2 + c2] - m[4 * r1 + c2] * m[4 * r2 + c1];
+    }
+  double determinant = m[0] * s->normal[0] + m[1] * s->normal[1] + m[2] * s->normal[2];
+  s->mirror = determinant < 0 ? -1.0f : 1.0f;
+  for (int k = 0; k < 9; k++)
+    s->normal[k] *= (double)s->mirror;
+}
+
+/* Unit vector of v; false where it has no direction. */
+static bool normalized(const double v[3], float out[3]) {
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  if (!(length > 1e-30 && length < 1e30))
+    return false;
+  for (int k = 0; k < 3; k++)
+    out[k] = (float)(v[k] / length);
+  return true;
+}
+
+static void turned(const double *m, int stride, const float v[3], double out[3]) {
+  for (int r = 0; r < 3; r++, m += stride)
+    out[r] = m[0] * (double)v[0] + m[1] * (double)v[1] + m[2] * (double)v[2];
+}
+
+static void face_normal(const float *a, const float *b, const float *c, float out[3]) {
+  double u[3], v[3];
+  for (int k = 0; k < 3; k++) {
+    u[k] = (double)b[k] - (double)a[k];
+    v[k] = (double)c[k] - (double)a[k];
+  }
+  double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  if (!normalized(n, out))
+    out[0] = out[1] = 0.0f, out[2] = 1.0f;
+}
+
+/* The record of triangle t, its corners turned so that `turn` comes first. */
+static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
+  const scene *s = b->scene;
+  const instance *in = &s->instance[index];
+  const mesh *m = &s->mesh[in->mesh];
+  const share *sh = &b->share[index];
+  const float *world[3];
+  *out = (triangle){.material = (uint32_t)m->material[t], .handed = 1.0f};
+  for (unsigned k = 0; k < 3; k++)
+    world[k] = b->position + 3 * (sh->position + m->corner_position[3 * t + (turn + k) % 3]);
+  for (unsigned k = 0; k < 3; k++) {
+    size_t corner = 3 * t + (turn + k) % 3;
+    const float *tangent = b->parts[in->mesh].tangent + 4 * corner;
+    float *row = out->corner[k];
+    double v[3];
+    turned(sh->normal, 3, m->corner_normal + 3 * corner, v);
+    if (!normalized(v, row))
+      face_normal(world[0], world[1], world[2], row);
+    turned(in->matrix, 4, tangent, v);
+    if (!normalized(v, row + 3))
+      row[3] = row[4] = row[5] = 0.0f; /* stage_surface finds one */
+    if (tangent[3] < 0.0f)             /* corners without a UV direction say +1 */
+      out->handed = -1.0f;
+    if (m->corner_uv)
+      memcpy(row + 6, m->corner_uv + 2 * corner, 2 * sizeof *row);
+    for (int axis = 0; axis < 3; axis++)
+      out->reach = fmaxf(out->reach, fabsf(world[k][axis]));
+  }
+  out->handed *= sh->mirror;
+}
+
+static void place_positions(void *context, size_t index) {
+  build *b = context;
+  const instance *in = &b->scene->instance[index];
+  const mesh *m = &b->scene->mesh[in->mesh];
+  float *out = b->position + 3 * b->share[index].position;
+  for (size_t i = 0; i < m->positions; i++, out += 3) {
+    double v[3];
+    turned(in->matrix, 4, m->position + 3 * i, v);
+    for (int k = 0; k < 3; k++)
+      out[k] = (float)(v[k] + in->matrix[4 * k + 3]);
+  }
+}
+
+static void place_chunk(void *context, size_t chunk) {
+  build *b = context;
+  scene *s = b->scene;
+  if (cancelled(b))
+    return;
+  size_t low = 0, high = s->instances; /* the instance that holds this chunk */
+  while (high - low > 1) {
+    size_t middle = (low + high) / 2;
+    if (b->chunk[middle] <= chunk)
+      low = middle;
+    else
+      high = middle;
+  }
+  const instance *in = &s->instance[low];
+  const mesh *m = &s->mesh[in->mesh];
+  const parts *p = &b->parts[in->mesh];
+  const share *sh = &b->share[low];
+  size_t begin = (chunk - b->chunk[low]) * CHUNK, end = begin + CHUNK;
+  uint32_t base = (uint32_t)sh->position;
+  for (size_t i = begin; i < end && i < p->pairs; i++) {
+    const pair *two = &p->pair[i];
+    const uint32_t *c = m->corner_position + 3 * (size_t)two->first, *d = c + 3;
+    size_t q = sh->quad + i;
+    /* halves (0, 1, 3) and (2, 3, 1) */
+    b->quad[4 * q + 0] = base + c[two->turn[0]];
+    b->quad[4 * q + 1] = base + c[(two->turn[0] + 1u) % 3];
+    b->quad[4 * q + 2] = base + d[two->turn[1]];
+    b->quad[4 * q + 3] = base + c[(two->turn[0] + 2u) % 3];
+    fill_record(b, low, two->first, two->turn[0], &s->triangle[2 * q]);
+    fill_record(b, low, two->first + 1, two->turn[1], &s->triangle[2 * q + 1]);
+  }
+  for (size_t i = begin > p->pairs ? begin : p->pairs; i < end && i < p->pairs + p->singles; i++) {
+    size_t single = sh->single + i - p->pairs;
+    uint32_t t = p->single[i - p->pairs];
+    for (unsigned k = 0; k < 3; k++)
+      b->single[3 * single + k] = base + m->corner_position[3 * (size_t)t + k];
+    fill_record(b, low, t, 0, &s->triangle[2 * s->quad_count + single]);
+  }
+}
+
+/* Room in the world arrays for each instance. */
+static bool share_out(build *b) {
+  scene *s = b->scene;
+  size_t chunks = 0;
+  b->share = array(b, s->instances, sizeof *b->share);
+  b->chunk = array(b, s->instances + 1, sizeof *b->chunk);
+  if (!b->share || !b->chunk)
+    return false;
+  for (size_t i = 0; i < s->instances; i++) {
+    size_t mesh_index = s->instance[i].mesh;
+    const parts *p = &b->parts[mesh_index];
+    b->share[i] = (share){.position = b->positions, .quad = s->quad_count, .single = b->singles};
+    normal_matrix(s->instance[i].matrix, &b->share[i]);
+    b->chunk[i] = chunks;
+    b->positions += s->mesh[mesh_index].positions;
+    s->quad_count += p->pairs;
+    b->singles += p->singles;
+    chunks += (p->pairs + p->singles + CHUNK - 1) / CHUNK;
+  }
+  b->chunk[s->instances] = chunks;
+  s->triangle_count = 2 * s->quad_count + b->singles;
+  if (b->positions > UINT32_MAX || s->triangle_count >= RECORD_MISS)
+    return message_error(b->log, "the scene has too many triangles (%zu)", s->triangle_count);
+  b->position = array(b, 3 * b->positions, sizeof *b->position);
+  b->quad = array(b, 4 * s->quad_count, sizeof *b->quad);
+  b->single = array(b, 3 * b->singles, sizeof *b->single);
+  s->triangle = array(b, s->triangle_count, sizeof *s->triangle);
+  return b->position && b->quad && b->single && s->triangle;
+}
+
+static bool build_world(build *b) {
+  scene *s = b->scene;
+  b->parts = calloc(s->meshes + 1, sizeof *b->parts);
+  if (!b->parts)
+    return message_error(b->log, "out of memory");
+  parallel_for(s->threads, s->meshes, prepare_mesh, b);
+  if (cancelled(b) || b->log->error[0] || !share_out(b))
+    return false;
+  parallel_for(s->threads, s->instances, place_positions, b);
+  parallel_for(s->threads, b->chunk[s->instances], place_chunk, b);
+  return !cancelled(b);
+}
+
+static bool build_accel(build *b) {
+  scene *s = b->scene;
+  char error[MESSAGE_SIZE];
+  accel_input input = {.positions = b->positions,
+                       .quads = s->quad_count,
+                       .triangles = b->singles,
+                       .position = b->position,
+                       .quad_position = b->quad,
+                       .triangle_position = b->single};
+  s->accel = accel_create(&input, s->threads, b->cancel, error, sizeof error);
+  if (!s->accel && error[0])
+    message_error(b->log, "%s", error);
+  return s->accel != NULL;
+}
+
+static bool build_textures(scene *s, const atomic_bool *cancel, message_log *log) {
+  bool good = true;
+  for (size_t i = 0; i < s->materials; i++) {
+    material *m = &s->material[i];
+    if (m->status & SHADE_CLAMPED_PARAMETER)
+      message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
+    if (m->color_image >= 0) {
+      const image *source = &s->image[m->color_image];
+      m->color[0] = texture_request(&s->textures, source, TEXTURE_RED_GREEN, 1.0f);
+      m->color[1] = texture_request(&s->textures, source, TEXTURE_BLUE, 1.0f);
+      good = good && m->color[0] && m->color[1];
+    }
+    if (m->normal_image >= 0) {
+      const image *source = &s->image[m->normal_image];
+      m->normal = texture_request(&s->textures, source, TEXTURE_NORMAL, m->normal_strength);
+      good = good && m->normal;
+      if (fmax(m->params.ex, m->params.ey) > 500.0 && texture_is_8bit(source))
+        message_warn(log,
+                     "material %s: an 8-bit normal map is too coarse for an exponent of %g; use "
+                     "16 bits or float",
+                     m->name, fmax(m->params.ex, m->params.ey));
+    }
+  }
+  if (!good || !texture_pack(&s->textures, s->threads, cancel))
+    return message_error(log, "out of memory");
+  return true;
+}
+
+bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
+  build b = {.scene = s, .cancel = cancel, .log = log};
+  double start = parallel_clock();
+  if (!build_textures(s, cancel, log))
+    return false;
+  double textures = parallel_clock();
+  bool good = build_world(&b);
+  double world = parallel_clock();
+  good = good && build_accel(&b);
+  *times = (scene_times){
+      .image = textures - start, .mesh = world - textures, .bvh = parallel_clock() - world};
+  for (size_t i = 0; b.parts && i < s->meshes; i++) {
+    free(b.parts[i].pair);
+    free(b.parts[i].single);
+    free(b.parts[i].tangent);
+  }
+  free(b.parts);
+  free(b.share);
+  free(b.chunk);
+  s->world[0] = b.position; /* Embree reads these while it lives */
+  s->world[1] = b.quad;
+  s->world[2] = b.single;
+  return good && !cancelled(&b);
+}
+
+void scene_free(scene *s) {
+  if (!s)
+    return;
+  accel_free(s->accel);
+  for (int i = 0; i < 3; i++)
+    free(s->world[i]);
+  free(s->triangle);
+  texture_free(&s->textures);
+  for (size_t i = 0; s->material && i < s->materials; i++)
+    free(s->material[i].name);
+  for (size_t i = 0; s->mesh && i < s->meshes; i++)
+    free(s->mesh[i].name);
+  free(s->light);
+  free(s->image);
+  free(s->material);
+  free(s->mesh);
+  free(s->instance);
+  free(s->dump);
+  free(s->renderer);
+  free(s);
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What is to be rendered. python/parse.c fills a scene from Python's description;
+ * scene.c turns it into world-space triangles, textures and a BVH. After
+ * scene_build nothing changes any more and every thread may read.
+ */
+#ifndef LIBSHADE_SCENE_H
+#define LIBSHADE_SCENE_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shade/shade.h"
+
+#include "scene/accel.h"
+#include "system/message.h"
+#include "scene/texture.h"
+
+/*
+ * Types of light: ROW(TYPE, name). TYPE is the word in a scene; each has its parse_name in
+ * python/parse.c and its stage_name in stage/light.h, and does not compile without them.
+ */
+#define LIGHT_TABLE(ROW)                                                                           \
+  ROW(SUN, sun)                                                                                    \
+  ROW(POINT, point)
+
+#define LIGHT_TYPE(TYPE, name) LIGHT_##TYPE,
+typedef enum light_type { LIGHT_TABLE(LIGHT_TYPE) LIGHT_TYPES } light_type;
+
+typedef struct light {
+  light_type type;
+  float color[3];   /* sun: irradiance; point: intensity, E = intensity / d^2 */
+  float vector[3];  /* sun: unit direction to the light; point: position */
+  float axis[2][3]; /* sun: two axes of its disc, tan(angle / 2) long */
+  float radius;     /* point: radius; sun: tan(angle / 2). 0 is sharp */
+  bool shadow;
+} light;
+
+typedef struct camera {
+  bool perspective;
+  float axis[3][3]; /* right, up, back; unit, world */
+  float origin[3];
+  float frame[4]; /* x0 x1 y0 y1 of the view plane */
+  float clip[2];
+} camera;
+
+typedef struct material {
+  int number; /* material.ID of a dump */
+  shade_params params;
+  shade_bsdf bsdf;
+  char *name;
+  int color_image, normal_image; /* -1: none */
+  float normal_strength;
+  unsigned status;         /* of the parameters: what had to be clamped */
+  const texture *normal;   /* x and y of the unit normal in [-1, 1] */
+  const texture *color[2]; /* red and green, blue and nothing, 2 c - 1 */
+} material;
+
+typedef struct mesh {
+  size_t positions, triangles;
+  const float *position;           /* 3 per position */
+  const uint32_t *corner_position; /* 3 per triangle */
+  const float *corner_normal;      /* 9 per triangle */
+  const float *corner_uv;          /* 6 per triangle, or NULL */
+  const int32_t *material;         /* 1 per triangle */
+  char *name;
+} mesh;
+
+typedef struct instance {
+  size_t mesh;
+  double matrix[12]; /* object to world, rows of 4 */
+} instance;
+
+/*
+ * All that shading needs to know of one triangle, world space, two cache lines.
+ * A corner is normal, tangent, uv: one vector register of 8.
+ */
+typedef struct triangle {
+  _Alignas(128) float corner[3][8];
+  uint32_t material;
+  float handed; /* bitangent = handed * cross(normal, tangent) */
+  float reach;  /* largest coordinate of a corner: scale of rounding errors */
+  float unused[5];
+} triangle;
+
+/* Records are numbered in 32 bits; the last number is a miss. */
+#define RECORD_MISS UINT32_MAX
+
+typedef struct scene {
+  int width, height;
+  int region[4]; /* x0 y0 x1 y1, y up */
+  int samples;
+  uint32_t seed;
+  int threads;
+  bool transparent;
+  float background[3];
+  float filter_width;
+  camera camera;
+  size_t lights, images, materials, meshes, instances;
+  light *light;
+  image *image;
+  material *material;
+  mesh *mesh;
+  instance *instance;
+  char *dump;                       /* path, or NULL */
+  char *renderer;                   /* for the dump's header */
+  const struct stage_table *stages; /* chosen with the materials: what the environment says then */
+
+  /* made by scene_build */
+  size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
+  triangle *triangle;
+  texture_set textures;
+  void *world[3]; /* positions and indices, for Embree */
+  accel *accel;
+} scene;
+
+typedef struct scene_times {
+  double image, mesh, bvh;
+} scene_times;
+
+/*
+ * Make the textures, the triangles and the BVH. Returns false on failure, with
+ * the reason in `log`, or when *cancel became true.
+ */
+bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
+
+/* Free what scene_build and the parser allocated (not the buffers of Python). NULL is fine. */
+void scene_free(scene *s);
+
+#endif

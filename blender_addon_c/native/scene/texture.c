@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/texture.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "system/parallel.h"
+
+enum { BLOCK = 512, ROWS_PER_TASK = 32, SRGB_STEPS = 4096 };
+
+const texture *texture_request(texture_set *set, const image *source, texture_kind kind,
+                               float strength) {
+  for (size_t i = 0; i < set->count; i++)
+    if (set->item[i]->source == source && set->item[i]->kind == kind &&
+        set->item[i]->strength == strength)
+      return set->item[i];
+  texture **item = realloc(set->item, (set->count + 1) * sizeof *item);
+  if (!item)
+    return NULL;
+  set->item = item;
+  texture *t = calloc(1, sizeof *t);
+  if (!t)
+    return NULL;
+  *t = (texture){.width = source->width,
+                 .height = source->height,
+                 .stride = source->width + TEXTURE_RIM,
+                 .wrap = source->wrap,
+                 .linear = source->closest ? 0.0f : 1.0f,
+                 .source = source,
+                 .kind = kind,
+                 .strength = strength};
+  item[set->count++] = t;
+  return t;
+}
+
+void texture_free(texture_set *set) {
+  for (size_t i = 0; i < set->count; i++) {
+    free(set->item[i]->texel);
+    free(set->item[i]);
+  }
+  free(set->item);
+}
+
+/* One channel of a run of texels as float; channels that are missing repeat the first one. */
+static void load(const image *m, size_t first, size_t count, int channel, float *restrict out) {
+  size_t stride = (size_t)m->channels;
+  size_t at = first * stride + (size_t)(m->channels >= 3 ? channel : 0);
+  if (m->type == IMAGE_FLOAT32) {
+    const float *in = (const float *)m->data + at;
+    for (size_t i = 0; i < count; i++)
+      out[i] = in[i * stride];
+  } else if (m->type == IMAGE_UINT16) {
+    const uint16_t *in = (const uint16_t *)m->data + at;
+    for (size_t i = 0; i < count; i++)
+      out[i] = (float)in[i * stride] * (1.0f / 65535.0f);
+  } else {
+    const uint8_t *in = (const uint8_t *)m->data + at;
+    for (size_t i = 0; i < count; i++)
+      out[i] = (float)in[i * stride] * (1.0f / 255.0f);
+  }
+}
+
+/* Clamp to [low, high]; NaN becomes low. */
+static inline float clamp(float x, float low, float high) {
+  x = x > low ? x : low;
+  return x < high ? x : high;
+}
+
+static float srgb_table[SRGB_STEPS + 2];
+static pthread_once_t srgb_once = PTHREAD_ONCE_INIT;
+
+static void srgb_table_fill(void) {
+  for (int i = 0; i < SRGB_STEPS + 2; i++) {
+    double c = (double)i / SRGB_STEPS;
+    srgb_table[i] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+  }
+}
+
+static void srgb_decode(size_t count, float *restrict c) {
+  for (size_t i = 0; i < count; i++) {
+    float x = clamp(c[i], 0.0f, 1.0f) * SRGB_STEPS;
+    int k = (int)x;
+    c[i] = srgb_table[k] + (x - (float)k) * (srgb_table[k + 1] - srgb_table[k]);
+  }
+}
+
+static inline uint32_t pack_pair(float a, float b) {
+  int low = (int)(a * 32767.0f + (a < 0.0f ? -0.5f : 0.5f));
+  int high = (int)(b * 32767.0f + (b < 0.0f ? -0.5f : 0.5f));
+  return ((uint32_t)low & 0xffffu) | (uint32_t)high << 16;
+}
+
+/*
+ * Tangent-space normal as Cycles' Normal Map node has it: colour to [-1, 1], x and y
+ * times the strength, z mixed towards 1 by a strength below 1; then unit length,
+ * and z kept positive, since the plane stores x and y only.
+ */
+static void pack_normal(size_t count, const float *restrict r, const float *restrict g,
+                        const float *restrict b, float strength, uint32_t *restrict out) {
+  float keep = clamp(strength, 0.0f, 1.0f);
+  for (size_t i = 0; i < count; i++) {
+    float x = (2.0f * r[i] - 1.0f) * strength;
+    float y = (2.0f * g[i] - 1.0f) * strength;
+    float z = 1.0f + keep * (2.0f * b[i] - 2.0f);
+    z = z > 1e-4f ? z : 1e-4f;
+    float length = sqrtf(x * x + y * y + z * z);
+    float scale = length < 1e18f ? 1.0f / length : 0.0f; /* NaN and overflow: flat */
+    out[i] = length < 1e18f ? pack_pair(x * scale, y * scale) : 0u;
+  }
+}
+
+static void pack_color(size_t count, const float *restrict a, const float *restrict b,
+                       uint32_t *restrict out) {
+  for (size_t i = 0; i < count; i++)
+    out[i] =
+        pack_pair(2.0f * clamp(a[i], 0.0f, 1.0f) - 1.0f, 2.0f * clamp(b[i], 0.0f, 1.0f) - 1.0f);
+}
+
+/* What lies beyond the edge of WRAP_CLIP: a flat normal, black. */
+static uint32_t outside(const texture *t) {
+  return t->kind == TEXTURE_NORMAL ? 0u : pack_pair(-1.0f, -1.0f);
+}
+
+/* Where the rim's texel k of an axis comes from; -1: from nowhere. */
+static int rim_source(const texture *t, int k, int size) {
+  if (t->wrap == WRAP_REPEAT)
+    return k < 0 ? size - 1 : k % size;
+  if (t->wrap == WRAP_EXTEND)
+    return k < 0 ? 0 : size - 1;
+  return -1;
+}
+
+static void pack_row(const texture *t, int y) {
+  const image *m = t->source;
+  uint32_t *row = t->texel + (size_t)(y + 1) * (size_t)t->stride + 1;
+  float channel[3][BLOCK];
+  size_t width = (size_t)t->width;
+  int first = t->kind == TEXTURE_BLUE ? 2 : 0, last = t->kind == TEXTURE_RED_GREEN ? 1 : 2;
+  for (size_t x = 0; x < width; x += BLOCK) {
+    size_t count = width - x < BLOCK ? width - x : BLOCK;
+    for (int c = first; c <= last; c++) {
+      load(m, (size_t)y * width + x, count, c, channel[c]);
+      if (m->srgb)
+        srgb_decode(count, channel[c]);
+    }
+    if (t->kind == TEXTURE_NORMAL)
+      pack_normal(count, channel[0], channel[1], channel[2], t->strength, row + x);
+    else if (t->kind == TEXTURE_RED_GREEN)
+      pack_color(count, channel[0], channel[1], row + x);
+    else
+      pack_color(count, channel[2], channel[2], row + x);
+  }
+  for (int k = -1; k < t->width + 2; k = k < 0 ? t->width : k + 1) {
+    int from = rim_source(t, k, t->width);
+    row[k] = from < 0 ? outside(t) : row[from];
+  }
+}
+
+static void pack_rim_rows(const texture *t) {
+  size_t stride = (size_t)t->stride;
+  for (int k = -1; k < t->height + 2; k = k < 0 ? t->height : k + 1) {
+    int from = rim_source(t, k, t->height);
+    uint32_t *row = t->texel + (size_t)(k + 1) * stride;
+    if (from >= 0)
+      memcpy(row, t->texel + (size_t)(from + 1) * stride, stride * sizeof *row);
+    else
+      for (size_t x = 0; x < stride; x++)
+        row[x] = outside(t);
+  }
+}
+
+typedef struct pack_task {
+  const texture *texture;
+  const atomic_bool *cancel;
+} pack_task;
+
+static void pack_rows(void *context, size_t task) {
+  const pack_task *p = context;
+  int y = (int)task * ROWS_PER_TASK, end = y + ROWS_PER_TASK;
+  for (; y < end && y < p->texture->height; y++)
+    if (!atomic_load_explicit(p->cancel, memory_order_relaxed))
+      pack_row(p->texture, y);
+}
+
+bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
+  pthread_once(&srgb_once, srgb_table_fill);
+  for (size_t i = 0; i < set->count; i++) {
+    texture *t = set->item[i];
+    t->texel = malloc((size_t)t->stride * (size_t)(t->height + TEXTURE_RIM) * sizeof *t->texel);
+    if (!t->texel)
+      return false;
+    pack_task task = {.texture = t, .cancel = cancel};
+    parallel_for(threads, ((size_t)t->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, pack_rows,
+                 &task);
+    pack_rim_rows(t);
+  }
+  return true;
+}
+
+bool texture_is_8bit(const image *m) {
+  if (m->type != IMAGE_FLOAT32)
+    return m->type == IMAGE_UINT8;
+  const float *data = m->data;
+  size_t count = (size_t)m->width * (size_t)m->height * (size_t)m->channels;
+  size_t step = count / 4096 + 1;
+  for (size_t i = 0; i < count; i += step) {
+    float level = data[i] * 255.0f;
+    if (!(fabsf(level - rintf(level)) < 1e-3f))
+      return false;
+  }
+  return true;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* dladdr, RTLD_DEEPBIND */
+#include "system/library.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <string.h>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ADDRESS_SANITIZER 1
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define ADDRESS_SANITIZER 1
+#endif
+
+/* AddressSanitizer's allocator and a deeply bound library's would mix. */
+#if defined(ADDRESS_SANITIZER)
+#define SCOPE 0
+#else
+#define SCOPE RTLD_DEEPBIND
+#endif
+
+void *library_open(const char *name, char *error, size_t error_size) {
+  char path[4096];
+  Dl_info self;
+  void *library = NULL;
+  static const char anchor = 0; /* its address is inside this module */
+  if (dladdr(&anchor, &self) && self.dli_fname && strrchr(self.dli_fname, '/')) {
+    int folder = (int)(strrchr(self.dli_fname, '/') - self.dli_fname);
+    int length = snprintf(path, sizeof path, "%.*s/lib/%s", folder, self.dli_fname, name);
+    if (length > 0 && (size_t)length < sizeof path)
+      library = dlopen(path, RTLD_NOW | RTLD_LOCAL | SCOPE);
+  }
+  if (!library)
+    library = dlopen(name, RTLD_NOW | RTLD_LOCAL | SCOPE);
+  if (!library) {
+    const char *reason = dlerror();
+    snprintf(error, error_size, "cannot load %s: %s", name, reason ? reason : "unknown reason");
+  }
+  return library;
+}
+
+void *library_symbol(void *library, const char *name) {
+  return dlsym(library, name);
+}
