@@ -4,10 +4,37 @@
 #define LIBSHADE_LEAF_H
 
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 
-#include "batch/batch.h"
+#include "batch/lanes.h"
 
 #define LEAF static inline __attribute__((always_inline))
+
+typedef struct vec3 {
+  float x, y, z;
+} vec3;
+
+LEAF vec3 load(const lane_v *from, size_t i) {
+  return (vec3){from->x[i], from->y[i], from->z[i]};
+}
+LEAF void store(lane_v *to, size_t i, vec3 v) {
+  to->x[i] = v.x;
+  to->y[i] = v.y;
+  to->z[i] = v.z;
+}
+LEAF float dot(vec3 a, vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+LEAF vec3 scaled(vec3 v, float by) {
+  return (vec3){v.x * by, v.y * by, v.z * by};
+}
+LEAF vec3 select3(bool which, vec3 yes, vec3 no) {
+  return (vec3){which ? yes.x : no.x, which ? yes.y : no.y, which ? yes.z : no.z};
+}
+LEAF vec3 cross(vec3 a, vec3 b) {
+  return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 
 /* Clamp to [low, high]; NaN becomes low. */
 LEAF float clampf(float x, float low, float high) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <string.h>
 
-#include "batch/batch.h"
+#include "stage/stage.h"
 
 const stage_table *stages_choose(void) {
   static const stage_table *const tables[] = {&stages_scalar, &stages_sse2, &stages_avx2,

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* All stages in their order, for the one translation unit of each instruction set. */
-#include "batch/batch.h"
-#include "render/sampling.h"
+#include "stage/stage.h"
 
 #include "stage/camera.h"
 #include "stage/hit.h"

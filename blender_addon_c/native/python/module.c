@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "batch/batch.h"
+#include "stage/stage.h"
 #include "render/job.h"
 #include "python/parse.h"
 
@@ -187,6 +187,7 @@ PyDoc_STRVAR(timings_doc,
              "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
              "threads camera, hit, surface, bump, light, shadow, shade, film. samples: their\n"
              "number. Complete once the job has finished.");
+#define CLOCK_WORD(CLOCK, word) #word,
 static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   (void)self;
   handle *h = get_handle(capsule);
@@ -199,21 +200,19 @@ static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   PyObject *result = PyDict_New();
   if (!result)
     return NULL;
-  const char *name[4 + CLOCK_COUNT + 1] = {"wall", "image", "mesh", "bvh"};
-  double value[4 + CLOCK_COUNT + 1] = {0};
+  const char *name[4 + CLOCKS + 1] = {"wall", "image", "mesh", "bvh", CLOCK_TABLE(CLOCK_WORD)};
+  double value[4 + CLOCKS + 1] = {0};
   if (finished) {
     value[0] = j->wall;
     value[1] = j->times.image;
     value[2] = j->times.mesh;
     value[3] = j->times.bvh;
   }
-  for (int k = 0; k < CLOCK_COUNT; k++) {
-    name[4 + k] = stage_clock_name[k];
+  for (int k = 0; k < CLOCKS; k++)
     value[4 + k] = finished ? r->seconds[k] : 0.0;
-  }
-  name[4 + CLOCK_COUNT] = "samples";
-  value[4 + CLOCK_COUNT] = pixels * (double)j->scene->samples;
-  for (int k = 0; k < 4 + CLOCK_COUNT + 1; k++) {
+  name[4 + CLOCKS] = "samples";
+  value[4 + CLOCKS] = pixels * (double)j->scene->samples;
+  for (int k = 0; k < 4 + CLOCKS + 1; k++) {
     PyObject *number = PyFloat_FromDouble(value[k]);
     if (!number || PyDict_SetItemString(result, name[k], number) != 0) {
       Py_XDECREF(number);

@@ -56,7 +56,7 @@ shade_dump *dump_scene_create(const scene *s) {
 /* Where hit i belongs: with one sample a pixel its lane is its pixel. Rows from the top. */
 static size_t place(const shade_dump *d, const batch *b, const camera_view *view, size_t i) {
   int x, y;
-  pixel_place(view, view->first + b->lane[i], &x, &y);
+  pixel_place(view, view->first + b->queue.lane[i], &x, &y);
   return (size_t)(d->height - 1 - y) * (size_t)d->width + (size_t)x;
 }
 
@@ -66,40 +66,57 @@ static void put(float *const plane[3], size_t at, float x, float y, float z) {
   plane[2][at] = z;
 }
 
-void dump_scene_hits(shade_dump *d, const batch *b, const camera_view *view) {
+static void put_lane(float *const plane[3], size_t at, const lane_v *v, size_t i) {
+  put(plane, at, v->x[i], v->y[i], v->z[i]);
+}
+
+static void put_hits(void *context, const batch *b, const camera_view *view) {
+  shade_dump *d = context;
+  const surfaces *s = &b->surface;
+  const lane_v *bump = &b->input.normal, *away = &b->ray->d;
+  const lane_c *color = &b->input.color;
   float *plane[SHADE_DUMP_BASE];
   for (int k = 0; k < SHADE_DUMP_BASE; k++)
     plane[k] = shade_dump_plane(d, k);
-  for (const segment *g = b->segment; g < b->segment + b->segments; g++)
-    for (size_t i = g->begin; i < g->begin + g->count; i++) {
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
+    for (size_t i = g->begin; i < g->end; i++) {
       size_t at = place(d, b, view, i);
-      float x = b->bump_x[i], y = b->bump_y[i], z = b->bump_z[i];
-      put(plane + SHADE_DUMP_P, at, b->px[i], b->py[i], b->pz[i]);
-      put(plane + SHADE_DUMP_N, at, b->nx[i], b->ny[i], b->nz[i]);
-      put(plane + SHADE_DUMP_T, at, b->tx[i], b->ty[i], b->tz[i]);
-      put(plane + SHADE_DUMP_NS, at, x * b->tx[i] + y * b->bx[i] + z * b->nx[i],
-          x * b->ty[i] + y * b->by[i] + z * b->ny[i], x * b->tz[i] + y * b->bz[i] + z * b->nz[i]);
-      put(plane + SHADE_DUMP_V, at, -b->ray->dx[i], -b->ray->dy[i], -b->ray->dz[i]);
-      plane[SHADE_DUMP_UV][at] = b->u[i];
-      plane[SHADE_DUMP_UV + 1][at] = b->v[i];
+      float x = bump->x[i], y = bump->y[i], z = bump->z[i];
+      put_lane(plane + SHADE_DUMP_P, at, &s->p, i);
+      put_lane(plane + SHADE_DUMP_N, at, &s->n, i);
+      put_lane(plane + SHADE_DUMP_T, at, &s->t, i);
+      put(plane + SHADE_DUMP_NS, at, x * s->t.x[i] + y * s->b.x[i] + z * s->n.x[i],
+          x * s->t.y[i] + y * s->b.y[i] + z * s->n.y[i],
+          x * s->t.z[i] + y * s->b.z[i] + z * s->n.z[i]);
+      put(plane + SHADE_DUMP_V, at, -away->x[i], -away->y[i], -away->z[i]);
+      plane[SHADE_DUMP_UV][at] = s->u[i];
+      plane[SHADE_DUMP_UV + 1][at] = s->v[i];
       plane[SHADE_DUMP_MATERIAL][at] = (float)g->material->number;
       if (g->material->color[0])
-        put(plane + SHADE_DUMP_COLOR, at, b->f0_r[i], b->f0_g[i], b->f0_b[i]);
+        put(plane + SHADE_DUMP_COLOR, at, color->r[i], color->g[i], color->b[i]);
       else
         put(plane + SHADE_DUMP_COLOR, at, (float)g->material->params.f0[0],
             (float)g->material->params.f0[1], (float)g->material->params.f0[2]);
     }
 }
 
-void dump_scene_light(shade_dump *d, const batch *b, const camera_view *view, size_t number,
-                      const float color[3]) {
+static void put_light(void *context, const batch *b, const camera_view *view, size_t number,
+                      const light *light) {
+  shade_dump *d = context;
+  const float *e = b->light.e;
+  const lane_c *shaded = &b->reflection.f;
   float *plane[SHADE_DUMP_PER_LIGHT];
   for (int k = 0; k < SHADE_DUMP_PER_LIGHT; k++)
     plane[k] = shade_dump_light_plane(d, (int)number, k);
-  for (size_t i = 0; i < b->hits; i++) {
+  for (size_t i = 0; i < b->queue.hits; i++) {
     size_t at = place(d, b, view, i);
-    put(plane + SHADE_DUMP_L, at, b->shadow_ray.dx[i], b->shadow_ray.dy[i], b->shadow_ray.dz[i]);
-    put(plane + SHADE_DUMP_E, at, b->e[i] * color[0], b->e[i] * color[1], b->e[i] * color[2]);
-    put(plane + SHADE_DUMP_S, at, b->r[i], b->g[i], b->b[i]);
+    put_lane(plane + SHADE_DUMP_L, at, &b->light.ray.d, i);
+    put(plane + SHADE_DUMP_E, at, e[i] * light->color[0], e[i] * light->color[1],
+        e[i] * light->color[2]);
+    put(plane + SHADE_DUMP_S, at, shaded->r[i], shaded->g[i], shaded->b[i]);
   }
+}
+
+observer dump_scene_observer(shade_dump *d) {
+  return (observer){.context = d, .hits = put_hits, .light = put_light};
 }

@@ -3,7 +3,7 @@
 #ifndef LIBSHADE_DUMP_SCENE_H
 #define LIBSHADE_DUMP_SCENE_H
 
-#include "batch/batch.h"
+#include "render/bounce.h"
 #include "system/message.h"
 
 #include "dump/dump.h"
@@ -12,12 +12,10 @@
 shade_dump *dump_scene_create(const scene *s);
 
 /*
- * One sample a pixel: the hits of a batch, from its arrays as they are, and what
- * one light gave them. Any number of threads, each with its own pixels.
+ * Who writes the hits of a batch, one sample a pixel, and what each light gave them, into the
+ * planes: from its arrays as they are. Any number of threads, each with its own pixels.
  */
-void dump_scene_hits(shade_dump *d, const batch *b, const camera_view *view);
-void dump_scene_light(shade_dump *d, const batch *b, const camera_view *view, size_t number,
-                      const float color[3]);
+observer dump_scene_observer(shade_dump *d);
 
 /* Write it whole or not at all. False, with the reason in the log, on failure. */
 bool dump_scene_write(const shade_dump *d, const char *path, message_log *log);

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <time.h>
 
-#include "batch/batch.h"
 #include "render/dump_scene.h"
 #include "system/parallel.h"
 
@@ -24,12 +23,13 @@ static bool render_dump(job *j) {
   const scene *s = j->scene;
   sampling middle = {0};
   shade_dump *dump = dump_scene_create(s);
+  observer observer = dump_scene_observer(dump);
   render r = {.scene = s,
               .sampling = &middle,
               .cancel = &j->cancel,
               .log = &j->log,
               .region = {0, 0, s->width, s->height},
-              .dump = dump};
+              .observer = &observer};
   atomic_store(&j->stage, JOB_DUMP);
   bool good = dump && sampling_init_center(&middle, BATCH) && render_prepare(&r);
   if (!good)
@@ -45,7 +45,7 @@ static bool run(job *j) {
   scene *s = j->scene;
   if (!scene_build(s, &j->cancel, &j->log, &j->times) || !render_picture(j))
     return false;
-  if (atomic_load(&j->render.status) & SHADE_BAD_INPUT)
+  if (j->render.status & SHADE_BAD_INPUT)
     message_warn(&j->log, "some samples had no valid direction or normal and are black");
   return !s->dump || render_dump(j);
 }

@@ -6,24 +6,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+#include "render/bounce.h"
 #include "system/message.h"
-#include "render/sampling.h"
-#include "scene/scene.h"
-
-#include "dump/dump.h"
-
-typedef enum stage_clock {
-  CLOCK_CAMERA,
-  CLOCK_HIT,
-  CLOCK_SURFACE,
-  CLOCK_BUMP,
-  CLOCK_LIGHT,
-  CLOCK_SHADOW,
-  CLOCK_SHADE,
-  CLOCK_FILM,
-  CLOCK_COUNT
-} stage_clock;
-extern const char *const stage_clock_name[CLOCK_COUNT];
 
 typedef struct render {
   const scene *scene;
@@ -31,8 +15,8 @@ typedef struct render {
   const atomic_bool *cancel;
   message_log *log;
   int region[4];
-  float *image;     /* RGBA of the region, row by row from the bottom; or NULL */
-  shade_dump *dump; /* or NULL */
+  float *image;             /* RGBA of the region, row by row from the bottom; or NULL */
+  const observer *observer; /* or NULL */
 
   /* set by render_prepare */
   int side;      /* of a tile, in pixels */
@@ -43,9 +27,9 @@ typedef struct render {
 
   /* set by render_run */
   atomic_size_t next;
-  atomic_uint status; /* status bits of libshade */
-  pthread_mutex_t lock;
-  double seconds[CLOCK_COUNT]; /* summed over threads */
+  pthread_mutex_t lock;   /* of what follows */
+  unsigned status;        /* bits of libshade */
+  double seconds[CLOCKS]; /* summed over threads */
 } render;
 
 /* False when out of memory. */

@@ -140,37 +140,37 @@ void accel_free(accel *a) {
   free(a);
 }
 
-static struct RTCRayNp ray_arrays(const accel_rays *rays) {
-  return (struct RTCRayNp){.org_x = rays->ox,
-                           .org_y = rays->oy,
-                           .org_z = rays->oz,
-                           .tnear = rays->tnear,
-                           .dir_x = rays->dx,
-                           .dir_y = rays->dy,
-                           .dir_z = rays->dz,
-                           .tfar = rays->tfar};
+static struct RTCRayNp ray_arrays(rays *ray) {
+  return (struct RTCRayNp){.org_x = ray->o.x,
+                           .org_y = ray->o.y,
+                           .org_z = ray->o.z,
+                           .tnear = ray->tnear,
+                           .dir_x = ray->d.x,
+                           .dir_y = ray->d.y,
+                           .dir_z = ray->d.z,
+                           .tfar = ray->tfar};
 }
 
-void accel_intersect(const accel *a, size_t count, const accel_rays *rays, const accel_hits *hits) {
+void accel_intersect(const accel *a, size_t count, rays *ray, hits *hit) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  struct RTCRayHitNp all = {.ray = ray_arrays(rays),
-                            .hit = {.Ng_x = hits->gx,
-                                    .Ng_y = hits->gy,
-                                    .Ng_z = hits->gz,
-                                    .u = hits->u,
-                                    .v = hits->v,
-                                    .primID = hits->primitive,
-                                    .geomID = hits->geometry}};
-  memset(hits->geometry, 0xff, count * sizeof *hits->geometry); /* ACCEL_MISS */
+  struct RTCRayHitNp all = {.ray = ray_arrays(ray),
+                            .hit = {.Ng_x = hit->g.x,
+                                    .Ng_y = hit->g.y,
+                                    .Ng_z = hit->g.z,
+                                    .u = hit->u,
+                                    .v = hit->v,
+                                    .primID = hit->primitive,
+                                    .geomID = hit->geometry}};
+  memset(hit->geometry, 0xff, count * sizeof *hit->geometry); /* ACCEL_MISS */
   embree.rtcIntersectNp(a->scene, &context, &all, (unsigned)count);
 }
 
-void accel_occluded(const accel *a, size_t count, const accel_rays *rays) {
+void accel_occluded(const accel *a, size_t count, rays *ray) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  struct RTCRayNp all = ray_arrays(rays);
+  struct RTCRayNp all = ray_arrays(ray);
   embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
 }

@@ -9,6 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "batch/lanes.h"
+
 typedef struct accel accel;
 
 enum { ACCEL_QUADS = 0, ACCEL_TRIANGLES = 1 }; /* geometry numbers of a hit */
@@ -22,17 +24,6 @@ typedef struct accel_input {
   const uint32_t *triangle_position; /* 3 each */
 } accel_input;
 
-/* One array per component. */
-typedef struct accel_rays {
-  float *ox, *oy, *oz, *tnear; /* origin; a ray with tnear > tfar is not cast */
-  float *dx, *dy, *dz, *tfar;  /* direction; tfar becomes the distance of the hit */
-} accel_rays;
-typedef struct accel_hits {
-  float *gx, *gy, *gz; /* geometric normal, any length */
-  float *u, *v;
-  uint32_t *primitive, *geometry;
-} accel_hits;
-
 /*
  * Build. NULL on failure with a message; NULL with an empty message when *cancel became true.
  * Primitives with a non-finite position are left out.
@@ -41,9 +32,10 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
                     size_t error_size);
 void accel_free(accel *a); /* NULL is fine */
 
-/* The rays of one call should start or end close together: Embree's coherent mode is used. */
-void accel_intersect(const accel *a, size_t count, const accel_rays *rays, const accel_hits *hits);
+/* Misses have the geometry ACCEL_MISS. The rays of one call should start or end close together:
+ * Embree's coherent mode is used. */
+void accel_intersect(const accel *a, size_t count, rays *ray, hits *hit);
 /* tfar of every ray that meets something becomes -infinity. */
-void accel_occluded(const accel *a, size_t count, const accel_rays *rays);
+void accel_occluded(const accel *a, size_t count, rays *ray);
 
 #endif

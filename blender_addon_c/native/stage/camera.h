@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sample positions to camera rays. */
 #include "batch/leaf.h"
+#include "render/sampling.h"
+#include "stage/stage.h"
 
 /* Every second bit of a Z-order number. */
 LEAF uint32_t unzip(uint32_t z) {
@@ -21,18 +23,17 @@ LEAF float place(uint32_t point, const float *restrict warp) {
 }
 
 LEAF void camera_rays(bool perspective, bool filtered, size_t count, const camera_view *view,
-                      const uint32_t *restrict point_x, const uint32_t *restrict point_y,
-                      const float *restrict warp, uint32_t *restrict hash, float *restrict ox,
-                      float *restrict oy, float *restrict oz, float *restrict tnear,
-                      float *restrict dx, float *restrict dy, float *restrict dz,
-                      float *restrict tfar) {
+                      paths *restrict path, rays *restrict ray) {
   const camera c = *view->camera;
+  const uint32_t *restrict point_x = view->point[0], *restrict point_y = view->point[1];
+  const float *restrict warp = filtered ? view->warp : NULL;
   const int x = view->x, y = view->y;
   const int x0 = view->region[0], y0 = view->region[1];
   const int x1 = view->region[2], y1 = view->region[3];
   const uint32_t first = view->first, scramble = view->scramble, seed = mix(view->seed);
   const float per_sample = view->per_sample;
   const float step_x = view->step[0], step_y = view->step[1];
+#pragma omp simd
   for (size_t i = 0; i < count; i++) {
     /* j / samples by a product: half a sample's margin is more than its rounding error */
     uint32_t j = first + (uint32_t)i;
@@ -40,49 +41,42 @@ LEAF void camera_rays(bool perspective, bool filtered, size_t count, const camer
     int px = x + (int)unzip(pixel);
     int py = y + (int)unzip(pixel >> 1);
     uint32_t h = mix((uint32_t)px * 0x8da6b343u ^ (uint32_t)py * 0xd8163841u ^ seed);
-    hash[i] = h;
-    float sx = (float)px + place(point_x[i] ^ (h & scramble), filtered ? warp : NULL);
-    float sy = (float)py + place(point_y[i] ^ (mix(h) & scramble), filtered ? warp : NULL);
+    path->hash[i] = h;
+    float sx = (float)px + place(point_x[i] ^ (h & scramble), warp);
+    float sy = (float)py + place(point_y[i] ^ (mix(h) & scramble), warp);
     float fx = c.frame[0] + sx * step_x;
     float fy = c.frame[2] + sy * step_y;
     float length = perspective ? sqrtf(fx * fx + fy * fy + 1.0f) : 1.0f;
     if (perspective) {
       float inverse = 1.0f / length;
-      ox[i] = c.origin[0];
-      oy[i] = c.origin[1];
-      oz[i] = c.origin[2];
-      dx[i] = (fx * c.axis[0][0] + fy * c.axis[1][0] - c.axis[2][0]) * inverse;
-      dy[i] = (fx * c.axis[0][1] + fy * c.axis[1][1] - c.axis[2][1]) * inverse;
-      dz[i] = (fx * c.axis[0][2] + fy * c.axis[1][2] - c.axis[2][2]) * inverse;
+      ray->o.x[i] = c.origin[0];
+      ray->o.y[i] = c.origin[1];
+      ray->o.z[i] = c.origin[2];
+      ray->d.x[i] = (fx * c.axis[0][0] + fy * c.axis[1][0] - c.axis[2][0]) * inverse;
+      ray->d.y[i] = (fx * c.axis[0][1] + fy * c.axis[1][1] - c.axis[2][1]) * inverse;
+      ray->d.z[i] = (fx * c.axis[0][2] + fy * c.axis[1][2] - c.axis[2][2]) * inverse;
     } else {
-      ox[i] = c.origin[0] + fx * c.axis[0][0] + fy * c.axis[1][0];
-      oy[i] = c.origin[1] + fx * c.axis[0][1] + fy * c.axis[1][1];
-      oz[i] = c.origin[2] + fx * c.axis[0][2] + fy * c.axis[1][2];
-      dx[i] = -c.axis[2][0];
-      dy[i] = -c.axis[2][1];
-      dz[i] = -c.axis[2][2];
+      ray->o.x[i] = c.origin[0] + fx * c.axis[0][0] + fy * c.axis[1][0];
+      ray->o.y[i] = c.origin[1] + fx * c.axis[0][1] + fy * c.axis[1][1];
+      ray->o.z[i] = c.origin[2] + fx * c.axis[0][2] + fy * c.axis[1][2];
+      ray->d.x[i] = -c.axis[2][0];
+      ray->d.y[i] = -c.axis[2][1];
+      ray->d.z[i] = -c.axis[2][2];
     }
-    tnear[i] = c.clip[0] * length;
+    ray->tnear[i] = c.clip[0] * length;
     bool wanted = (px >= x0) & (py >= y0) & (px < x1) & (py < y1);
-    tfar[i] = wanted ? c.clip[1] * length : -1.0f;
+    ray->tfar[i] = wanted ? c.clip[1] * length : -1.0f;
   }
 }
 
-static void stage_camera(size_t count, const camera_view *view, const uint32_t *restrict point_x,
-                         const uint32_t *restrict point_y, const float *restrict warp,
-                         uint32_t *restrict hash, float *restrict ox, float *restrict oy,
-                         float *restrict oz, float *restrict tnear, float *restrict dx,
-                         float *restrict dy, float *restrict dz, float *restrict tfar) {
-#define CAMERA_RAYS(perspective, filtered)                                                         \
-  camera_rays(perspective, filtered, count, view, point_x, point_y, warp, hash, ox, oy, oz, tnear, \
-              dx, dy, dz, tfar)
-  if (view->camera->perspective && warp)
-    CAMERA_RAYS(true, true);
+static void stage_camera(size_t count, const camera_view *view, paths *restrict path,
+                         rays *restrict ray) {
+  if (view->camera->perspective && view->warp)
+    camera_rays(true, true, count, view, path, ray);
   else if (view->camera->perspective)
-    CAMERA_RAYS(true, false);
-  else if (warp)
-    CAMERA_RAYS(false, true);
+    camera_rays(true, false, count, view, path, ray);
+  else if (view->warp)
+    camera_rays(false, true, count, view, path, ray);
   else
-    CAMERA_RAYS(false, false);
-#undef CAMERA_RAYS
+    camera_rays(false, false, count, view, path, ray);
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sums over the samples of each pixel. */
 #include "batch/leaf.h"
+#include "stage/stage.h"
 
-static void stage_film(size_t count, size_t first, size_t samples, const float *restrict r,
-                       const float *restrict g, const float *restrict b,
-                       const float *restrict alpha, float *restrict pixels) {
+static void stage_film(size_t count, const camera_view *view, const lane_c *restrict color,
+                       const paths *restrict path, float *restrict pixels) {
+  const size_t first = view->first, samples = view->samples;
   size_t pixel = first / samples;
   size_t end = (pixel + 1) * samples - first; /* of this pixel's lanes */
   for (size_t i = 0; i < count; end += samples, pixel++) {
@@ -12,10 +13,10 @@ static void stage_film(size_t count, size_t first, size_t samples, const float *
     float red = 0, green = 0, blue = 0, opacity = 0;
 #pragma omp simd reduction(+ : red, green, blue, opacity)
     for (size_t k = i; k < stop; k++) {
-      red += r[k];
-      green += g[k];
-      blue += b[k];
-      opacity += alpha[k];
+      red += color->r[k];
+      green += color->g[k];
+      blue += color->b[k];
+      opacity += path->alpha[k];
     }
     pixels[4 * pixel + 0] += red;
     pixels[4 * pixel + 1] += green;

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reflected light of one light: f comes in, S = f cos E goes out and to the sum. */
 #include "batch/leaf.h"
+#include "stage/stage.h"
 
-static void stage_reflect(size_t count, const float color[3], const float *restrict e,
-                          const float *restrict cosine, float *restrict r, float *restrict g,
-                          float *restrict b, float *restrict sum_r, float *restrict sum_g,
-                          float *restrict sum_b) {
+static void stage_reflect(size_t count, const float color[3], const light_samples *restrict light,
+                          reflections *restrict reflection, lane_c *restrict sum) {
   const float color_r = color[0], color_g = color[1], color_b = color[2];
+  lane_c *restrict f = &reflection->f;
+#pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    float factor = cosine[i] * e[i];
-    r[i] *= factor * color_r;
-    g[i] *= factor * color_g;
-    b[i] *= factor * color_b;
-    sum_r[i] += r[i];
-    sum_g[i] += g[i];
-    sum_b[i] += b[i];
+    float factor = reflection->cosine[i] * light->e[i];
+    f->r[i] *= factor * color_r;
+    f->g[i] *= factor * color_g;
+    f->b[i] *= factor * color_b;
+    sum->r[i] += f->r[i];
+    sum->g[i] += f->g[i];
+    sum->b[i] += f->b[i];
   }
 }

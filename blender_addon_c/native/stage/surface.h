@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hits to surface points: position, frame, direction to the eye. */
 #include "batch/leaf.h"
+#include "stage/stage.h"
 
 /*
  * How far a shadow ray starts off the surface, as a part of the numbers that went
@@ -15,87 +16,60 @@ typedef float row8 __attribute__((vector_size(32), aligned(4), may_alias));
  * By rows, not by lanes: three loads of a row a hit, where sixteen lanes would gather 24 numbers
  * each from all over memory.
  */
-static void stage_corner(size_t count, const triangle *restrict triangles,
-                         const uint32_t *restrict record, const float *restrict u,
-                         const float *restrict v, float *restrict row, float *restrict handed,
-                         float *restrict reach) {
+static void stage_corner(size_t count, const triangle *restrict triangles, const hits *restrict hit,
+                         corners *restrict corner) {
   for (size_t i = 0; i < count; i++) {
-    const triangle *t = &triangles[record[i]];
-    const row8 *corner = (const row8 *)t->corner;
-    *(row8 *)(row + 8 * i) = (1.0f - u[i] - v[i]) * corner[0] + u[i] * corner[1] + v[i] * corner[2];
-    handed[i] = t->handed;
-    reach[i] = t->reach;
+    const triangle *t = &triangles[hit->record[i]];
+    const row8 *row = (const row8 *)t->corner;
+    float u = hit->u[i], v = hit->v[i];
+    *(row8 *)(corner->row + 8 * i) = (1.0f - u - v) * row[0] + u * row[1] + v * row[2];
+    corner->handed[i] = t->handed;
+    corner->reach[i] = t->reach;
   }
 }
 
-static void
-stage_surface(size_t count, const float *restrict row, const float *restrict reach,
-              const float *restrict ox, const float *restrict oy, const float *restrict oz,
-              const float *restrict dx, const float *restrict dy, const float *restrict dz,
-              const float *restrict t, float *restrict gx, float *restrict gy, float *restrict gz,
-              float *restrict px, float *restrict py, float *restrict pz, float *restrict nx,
-              float *restrict ny, float *restrict nz, float *restrict tx, float *restrict ty,
-              float *restrict tz, float *restrict bx, float *restrict by, float *restrict bz,
-              float *restrict wox, float *restrict woy, float *restrict woz, float *restrict uv_u,
-              float *restrict uv_v, float *restrict side) {
+static void stage_surface(size_t count, const rays *restrict ray, const hits *restrict hit,
+                          const corners *restrict corner, surfaces *restrict out) {
+#pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    px[i] = ox[i] + t[i] * dx[i];
-    py[i] = oy[i] + t[i] * dy[i];
-    pz[i] = oz[i] + t[i] * dz[i];
+    vec3 o = load(&ray->o, i), d = load(&ray->d, i);
+    float far = ray->tfar[i];
+    store(&out->p, i, (vec3){o.x + far * d.x, o.y + far * d.y, o.z + far * d.z});
 
     /* geometric normal, towards the eye, as long as the offset of shadow rays */
-    float g = gx[i] * gx[i] + gy[i] * gy[i] + gz[i] * gz[i];
-    float back = gx[i] * dx[i] + gy[i] * dy[i] + gz[i] * dz[i] > 0.0f ? -1.0f : 1.0f;
-    float scale = back / sqrtf(g > 1e-36f ? g : 1e-36f);
-    float ux = gx[i] * scale, uy = gy[i] * scale, uz = gz[i] * scale;
-    float offset = SURFACE_OFFSET * (reach[i] + fabsf(ox[i]) + fabsf(oy[i]) + fabsf(oz[i]) + t[i]);
-    gx[i] = ux * offset;
-    gy[i] = uy * offset;
-    gz[i] = uz * offset;
+    vec3 g = load(&hit->g, i);
+    float g2 = dot(g, g);
+    float back = dot(g, d) > 0.0f ? -1.0f : 1.0f;
+    vec3 flat = scaled(g, back / sqrtf(g2 > 1e-36f ? g2 : 1e-36f));
+    float offset = SURFACE_OFFSET * (corner->reach[i] + fabsf(o.x) + fabsf(o.y) + fabsf(o.z) + far);
+    store(&out->g, i, scaled(flat, offset));
 
     /* interpolated normal, facing the eye; opposite corner normals may cancel */
-    const float *r = &row[8 * i];
-    float x = r[0], y = r[1], z = r[2];
-    float n = x * x + y * y + z * z;
-    bool good = n > 1e-12f;
-    x = good ? x : ux;
-    y = good ? y : uy;
-    z = good ? z : uz;
-    float facing = x * dx[i] + y * dy[i] + z * dz[i] > 0.0f ? -1.0f : 1.0f;
-    float to_unit = facing / sqrtf(good ? n : 1.0f);
-    x *= to_unit;
-    y *= to_unit;
-    z *= to_unit;
-    side[i] = facing;
-    nx[i] = x;
-    ny[i] = y;
-    nz[i] = z;
+    const float *row = &corner->row[8 * i];
+    vec3 n = {row[0], row[1], row[2]};
+    float n2 = dot(n, n);
+    bool good = n2 > 1e-12f;
+    n = select3(good, n, flat);
+    float facing = dot(n, d) > 0.0f ? -1.0f : 1.0f;
+    n = scaled(n, facing / sqrtf(good ? n2 : 1.0f));
+    out->side[i] = facing;
+    store(&out->n, i, n);
 
     /* tangent, orthogonal to it; where there is none, any [Duff2017] */
-    float along = r[3] * x + r[4] * y + r[5] * z;
-    float ax = r[3] - along * x, ay = r[4] - along * y, az = r[5] - along * z;
-    float a = ax * ax + ay * ay + az * az;
-    bool usable = a > 1e-12f;
-    float sign = z < 0.0f ? -1.0f : 1.0f;
-    float q = -1.0f / (sign + z);
-    ax = usable ? ax : 1.0f + sign * x * x * q;
-    ay = usable ? ay : sign * x * y * q;
-    az = usable ? az : -sign * x;
-    float inverse = 1.0f / sqrtf(usable ? a : 1.0f);
-    ax *= inverse;
-    ay *= inverse;
-    az *= inverse;
-    float cx = y * az - z * ay, cy = z * ax - x * az, cz = x * ay - y * ax;
-    tx[i] = ax;
-    ty[i] = ay;
-    tz[i] = az;
-    bx[i] = cx;
-    by[i] = cy;
-    bz[i] = cz;
-    wox[i] = -(dx[i] * ax + dy[i] * ay + dz[i] * az);
-    woy[i] = -(dx[i] * cx + dy[i] * cy + dz[i] * cz);
-    woz[i] = -(dx[i] * x + dy[i] * y + dz[i] * z);
-    uv_u[i] = r[6];
-    uv_v[i] = r[7];
+    vec3 t = {row[3], row[4], row[5]};
+    float along = dot(t, n);
+    t = (vec3){t.x - along * n.x, t.y - along * n.y, t.z - along * n.z};
+    float t2 = dot(t, t);
+    bool usable = t2 > 1e-12f;
+    float sign = n.z < 0.0f ? -1.0f : 1.0f;
+    float q = -1.0f / (sign + n.z);
+    vec3 any = {1.0f + sign * n.x * n.x * q, sign * n.x * n.y * q, -sign * n.x};
+    t = scaled(select3(usable, t, any), 1.0f / sqrtf(usable ? t2 : 1.0f));
+    vec3 b = cross(n, t);
+    store(&out->t, i, t);
+    store(&out->b, i, b);
+    store(&out->wo, i, (vec3){-dot(d, t), -dot(d, b), -dot(d, n)});
+    out->u[i] = row[6];
+    out->v[i] = row[7];
   }
 }

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What the stages read and write: structures of embedded arrays, one number a lane. With
+ * `#pragma omp simd` on the loop and the structures as restrict parameters gcc and clang vectorise
+ * these on every instruction set; structures of pointers they do not.
+ *
+ * A lane is one sample of one pixel up to `locate`, and from there on one hit (queue.h).
+ */
+#ifndef LIBSHADE_LANES_H
+#define LIBSHADE_LANES_H
+
+#include <stdint.h>
+
+enum { BATCH = 1024 };
+
+/*
+ * Whole cache lines, and one more, so that the same lane of different arrays does not fall into
+ * the same set of the cache.
+ */
+typedef __attribute__((aligned(64))) float lane_f[BATCH + 16];
+typedef __attribute__((aligned(64))) uint32_t lane_u[BATCH + 16];
+typedef struct lane_v {
+  lane_f x, y, z;
+} lane_v;
+typedef struct lane_c {
+  lane_f r, g, b;
+} lane_c;
+
+/*
+ * What a path keeps from its camera ray to the film, by sample: more than one bounce would add its
+ * throughput, bounce number and the density of its last draw here.
+ */
+typedef struct paths {
+  lane_u hash;  /* of its pixel: scrambles the points it draws */
+  lane_f alpha; /* 1 where it meets something */
+} paths;
+
+typedef struct rays {
+  lane_v o; /* origin; a ray with tnear > tfar is not cast */
+  lane_f tnear;
+  lane_v d;
+  lane_f tfar; /* becomes the distance of the hit; of a shadow ray -infinity where it is stopped */
+} rays;
+
+typedef struct hits {
+  lane_v g; /* geometric normal, any length */
+  lane_f u, v;
+  lane_u geometry, primitive; /* Embree's; `locate` makes them a record */
+  lane_u record;              /* number of the triangle, or RECORD_MISS */
+} hits;
+
+/* Corners of the triangles that are hit, interpolated. */
+typedef struct corners {
+  __attribute__((aligned(64))) float row[8 * BATCH]; /* normal, tangent, uv of a hit */
+  lane_f handed, reach;                              /* as of struct triangle */
+} corners;
+
+/* Points of surfaces. */
+typedef struct surfaces {
+  lane_v p;       /* position, world */
+  lane_v g;       /* geometric normal towards the eye, as long as a shadow ray is to start off */
+  lane_v n, t, b; /* shading frame, world: normal facing the eye, tangent, cross(n, t) */
+  lane_v wo;      /* to the eye, in the shading frame */
+  lane_f u, v;
+  lane_f side; /* -1 where the interpolated normal had to be turned to the eye */
+} surfaces;
+
+/* What a material's nodes say of each point. */
+typedef struct inputs {
+  lane_v normal; /* perturbed, in the shading frame */
+  lane_c color;
+  lane_f spare;
+} inputs;
+
+/* One sample of a light for each point; here belongs its index once lanes draw lights of their own.
+ */
+typedef struct light_samples {
+  lane_f a, b; /* points of the unit disc */
+  rays ray;    /* d: to the light, unit, world */
+  lane_f e;    /* irradiance as a part of the light's colour; shadows make it 0 */
+  lane_v wi;   /* to the light, in the shading frame */
+} light_samples;
+
+/* What a closure makes of it. */
+typedef struct reflections {
+  lane_c f; /* 1/sr; `reflect` makes it f cos E */
+  lane_f cosine;
+} reflections;
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "batch/queue.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool queue_init(queue *q, const scene *s) {
+  for (uint32_t i = 0; i < BATCH; i++)
+    q->identity[i] = i;
+  q->tally = malloc((s->materials + 1) * sizeof *q->tally);
+  return q->tally != NULL;
+}
+
+void queue_free(queue *q) {
+  free(q->tally);
+}
+
+bool queue_sort(queue *q, const scene *s, size_t count, const uint32_t *record) {
+  memset(q->tally, 0, s->materials * sizeof *q->tally);
+  if (s->materials == 1)
+    q->tally[0] = (uint32_t)q->hits;
+  else
+    for (size_t i = 0; i < count; i++)
+      if (record[i] != RECORD_MISS)
+        q->tally[s->triangle[record[i]].material]++;
+  size_t begin = 0;
+  q->segments = 0;
+  for (size_t m = 0; begin < q->hits; m++) {
+    size_t number = q->tally[m];
+    q->tally[m] = (uint32_t)begin;
+    if (number)
+      q->segment[q->segments++] =
+          (segment){.material = &s->material[m], .begin = begin, .end = begin + number};
+    begin += number;
+  }
+  bool in_place = q->segments == 1 && q->hits == count;
+  q->lane = in_place ? q->identity : q->moved;
+  for (size_t i = 0; !in_place && i < count; i++)
+    if (record[i] != RECORD_MISS)
+      q->moved[q->tally[s->triangle[record[i]].material]++] = (uint32_t)i;
+  return in_place;
+}

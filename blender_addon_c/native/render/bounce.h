@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One batch of samples from the camera to the film: the order of the stages. */
+#ifndef LIBSHADE_BOUNCE_H
+#define LIBSHADE_BOUNCE_H
+
+#include "batch/state.h"
+#include "render/clock.h"
+#include "render/sampling.h"
+#include "stage/stage.h"
+
+/* Who looks on and changes nothing: called with the batch as the stages left it. */
+typedef struct observer {
+  void *context;
+  void (*hits)(void *context, const batch *b, const camera_view *view);
+  void (*light)(void *context, const batch *b, const camera_view *view, size_t number,
+                const light *light);
+} observer;
+
+/* One thread's state. */
+typedef struct worker {
+  const scene *scene;
+  const sampling *sampling;
+  const observer *observer; /* or NULL */
+  batch *batch;
+  unsigned status; /* bits of libshade */
+  clocks clocks;
+} worker;
+
+/* False when out of memory. */
+bool worker_init(worker *w);
+void worker_free(worker *w);
+
+/* Adds the samples view->first … + count of a tile to its pixels, 4 floats each. */
+void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels);
+
+#endif

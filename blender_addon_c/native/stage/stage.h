@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The path of a sample, in the order of the stages:
+ *
+ *   camera   sample positions to rays                              by sample
+ *   (trace)  accel_intersect
+ *   locate   hits to triangle records
+ *   gather   hits only, one material after the other               by hit from here on
+ *   corner   the triangle's corners, interpolated: one row of 8 floats a hit
+ *   surface  position, frame, direction to the eye, uv
+ *   bilinear, bump, tint                                          textures
+ *   disc, light, lit                                              each light: direction, shadow ray
+ *   (trace)  accel_occluded
+ *   shadow
+ *   (shade)  shade_bsdf_eval_batchf for each material
+ *   reflect  f cos E, added up over the lights
+ *   film     averages over the samples of each pixel               by sample again
+ *
+ * Each is one loop over structures of batch/lanes.h. The stages are compiled once for each
+ * instruction set; a stage_table holds the functions of one.
+ */
+#ifndef LIBSHADE_STAGE_H
+#define LIBSHADE_STAGE_H
+
+#include "batch/lanes.h"
+#include "batch/queue.h"
+#include "scene/scene.h"
+
+/* The samples of a tile in one row: lane j is sample j % samples of pixel j / samples (Z order). */
+typedef struct camera_view {
+  const camera *camera;
+  int x, y;         /* the tile's lower left pixel */
+  int region[4];    /* no rays for pixels outside: x0 y0 x1 y1 */
+  uint32_t first;   /* lane 0 of this batch is lane `first` of the tile */
+  uint32_t samples; /* a pixel */
+  float per_sample; /* 1 / samples */
+  float step[2];    /* a pixel's size on the view plane */
+  uint32_t seed, scramble;
+  const uint32_t *point[2]; /* in the pixel, by lane */
+  const float *warp;        /* of the pixel filter, or NULL */
+} camera_view;
+
+/* Two dimensions of the samples' points, by sample. */
+typedef struct points {
+  const uint32_t *x, *y;
+  uint32_t salt, scramble;
+} points;
+
+typedef struct stage_table {
+  const char *name;
+
+  void (*camera)(size_t count, const camera_view *view, paths *path, rays *ray);
+
+  /* u and v of the second half of a quad become those of its own triangle. Returns the number of
+     hits. */
+  size_t (*locate)(size_t count, uint32_t triangle_base, hits *hit, paths *path);
+  void (*gather)(size_t count, const uint32_t *lane, const float *in, float *out);
+
+  void (*corner)(size_t count, const triangle *triangles, const hits *hit, corners *corner);
+  void (*surface)(size_t count, const rays *ray, const hits *hit, const corners *corner,
+                  surfaces *out);
+
+  void (*bilinear)(const segment *g, const texture *texture, const surfaces *at, float *a,
+                   float *b);
+  void (*bump)(const segment *g, const corners *corner, const surfaces *at, inputs *out);
+  void (*tint)(const segment *g, inputs *out);
+
+  void (*disc)(size_t count, const points *points, const uint32_t *lane, const paths *path,
+               light_samples *out);
+  /* By light_type: ray.d, ray.tfar and e from a and b. */
+  void (*light[LIGHT_TYPES])(size_t count, const light *light, const surfaces *at,
+                             light_samples *out);
+  void (*lit)(size_t count, const surfaces *at, light_samples *light);
+  /* Returns how many hits get light. */
+  size_t (*shadow)(size_t count, light_samples *light);
+  void (*reflect)(size_t count, const float color[3], const light_samples *light,
+                  reflections *reflection, lane_c *sum);
+
+  void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
+  /* Adds samples to pixels of 4 floats. */
+  void (*film)(size_t count, const camera_view *view, const lane_c *color, const paths *path,
+               float *pixels);
+} stage_table;
+
+/* Pixel p of a tile: Z order, so that neighbours in a batch are neighbours in the picture. */
+static inline void pixel_place(const camera_view *view, uint32_t p, int *x, int *y) {
+  *x = view->x;
+  *y = view->y;
+  for (unsigned bit = 0; bit < 5; bit++) {
+    *x += (int)((p >> (2 * bit) & 1u) << bit);
+    *y += (int)((p >> (2 * bit + 1) & 1u) << bit);
+  }
+}
+
+extern const stage_table stages_scalar, stages_sse2, stages_avx2, stages_avx512;
+
+/* Those of the instruction set that libshade chooses: shade_isa. */
+const stage_table *stages_choose(void);
+
+#endif
