@@ -38,7 +38,7 @@ $(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
 $(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
--include $(wildcard $(NATIVE)/obj/*.d)
+-include $(wildcard $(NATIVE)/obj/*/*.d)
 
 $(NATIVE)/lib/libembree3.so.3: $(NATIVE_SYSTEM)/libembree3.so.3
 	@mkdir -p $(@D)

@@ -39,7 +39,7 @@ def region_of(scene, width, height):
 
 
 def read(depsgraph, camera, size, region, samples, messages):
-    """The whole scene, as native/python/parse.c takes it, without a dump."""
+    """The whole scene, as native/scene/read.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     table = materials.Table(messages)
     meshes, instances, lights = _objects(depsgraph, table, messages)

@@ -19,7 +19,7 @@ import time
 
 import numpy as np
 
-STAGES = ("camera", "hit", "surface", "bump", "light", "shadow", "shade", "film")
+WHOLE = ("wall", "cpu", "image", "mesh", "bvh", "samples")  # all other times are of stages
 HERE = os.path.dirname(os.path.abspath(__file__))
 BUILT = os.path.join(HERE, "../../build/blender/native/_native.abi3.so")
 
@@ -171,11 +171,12 @@ def main():
     samples = best["samples"]
     print(f"{model}, {threads} threads, {native.isa()}, {compiler}")
     print(f"{args.size} x {args.size}, {args.samples} samples, {2 * args.mesh**2} triangles")
-    for stage in STAGES:
-        print(f"  {stage:8s}{1e9 * best[stage] / samples:8.2f} ns")
-    print(f"  {'sum':8s}{1e9 * sum(best[s] for s in STAGES) / samples:8.2f} ns a sample and thread")
+    stages = [stage for stage in best if stage not in WHOLE and best[stage]]
+    for stage in stages:
+        print(f"  {stage:15s}{1e9 * best[stage] / samples:8.2f} ns")
+    print(f"  {'sum':15s}{1e9 * sum(best[s] for s in stages) / samples:8.2f} ns a sample and thread")
     for part in ("image", "mesh", "bvh", "wall", "cpu"):
-        print(f"  {part:8s}{best[part]:8.4f} s")
+        print(f"  {part:15s}{best[part]:8.4f} s")
     print(
         f"  {samples / best['wall'] / 1e6:.1f} million samples a second, all threads, all included"
     )

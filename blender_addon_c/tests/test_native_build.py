@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif("NATIVE_MODULE" in os.environ, reason="tests the
 
 HERE = Path(__file__).parent
 # all but scatter, which only moves numbers, and one by one in AVX2
-STAGES = """camera locate gather corner surface bilinear bump tint disc sun point lit shadow reflect
+STAGES = """camera locate gather corner surface bilinear bump tint pair sun point lit shadow reflect
 film""".split()
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 
@@ -66,8 +66,10 @@ def test_stage_computes_in_whole_registers(isa, register, stage):
 
 @pytest.mark.parametrize("isa, register", [("avx512", "%zmm"), ("avx2", "%ymm")])
 def test_no_variant_of_a_stage_is_left_scalar(isa, register):
-    """Four texels in each of two wrappings; two sample numbers in each of four cameras."""
-    for stage, word, count in (("bilinear", "gather", 8), ("camera", "cvtdq2ps", 8)):
+    """Four texels in each of two wrappings; two sample numbers in each of four cameras; three roots
+    for the point of a light that has an extent and one for its middle."""
+    for stage, word, count in (("bilinear", "gather", 8), ("camera", "cvtdq2ps", 8),
+                               ("point", "sqrtps", 4)):
         body = disassembly(isa)["stage_" + stage]
         assert sum(word in name and register in operands for name, operands in body) >= count
 

@@ -221,7 +221,8 @@ def test_poll_and_timings_at_the_end():
     }
     times = native.timings(job)
     assert times["samples"] == 50 * 37 * 12
-    stages = {"camera", "hit", "surface", "bump", "light", "shadow", "shade", "film"}
+    lights = {f"light_{kind.lower()}" for kind in native.table()["lights"]}
+    stages = {"camera", "hit", "surface", "bump", *lights, "shadow", "shade", "film"}
     assert set(times) == stages | {"wall", "image", "mesh", "bvh", "samples"}
     assert all(times[k] > 0 for k in stages | {"wall", "mesh", "bvh"})
     native.free(job)

@@ -75,7 +75,7 @@ typedef struct inputs {
 /* One sample of a light for each point; here belongs its index once lanes draw lights of their own.
  */
 typedef struct light_samples {
-  lane_f a, b; /* points of the unit disc */
+  lane_f x, y; /* where on it: a point of the unit square */
   rays ray;    /* d: to the light, unit, world */
   lane_f e;    /* irradiance as a part of the light's colour; shadows make it 0 */
   lane_v wi;   /* to the light, in the shading frame */

@@ -36,6 +36,20 @@ LEAF vec3 cross(vec3 a, vec3 b) {
   return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/* Unit length; false where it has no direction. */
+LEAF bool make_unit(vec3 *v) {
+  float length = sqrtf(dot(*v, *v));
+  *v = (vec3){v->x / length, v->y / length, v->z / length};
+  return length > 1e-20f && length < 1e20f;
+}
+
+/* Two axes across a unit vector [Duff2017]. */
+LEAF void across(vec3 v, vec3 *a, vec3 *b) {
+  float sign = v.z < 0.0f ? -1.0f : 1.0f, q = -1.0f / (sign + v.z);
+  *a = (vec3){1.0f + sign * v.x * v.x * q, sign * v.x * v.y * q, -sign * v.x};
+  *b = (vec3){v.x * v.y * q, sign + v.y * v.y * q, -v.y};
+}
+
 /* Clamp to [low, high]; NaN becomes low. */
 LEAF float clampf(float x, float low, float high) {
   x = x > low ? x : low;

@@ -10,7 +10,7 @@
 #include "stage/shade.h"
 #include "stage/film.h"
 
-#define LIGHT_STAGE(TYPE, name) stage_##name,
+#define LIGHT_FUNCTION(TYPE, name) stage_##name,
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
                                     .camera = stage_camera,                                        \
@@ -21,8 +21,8 @@
                                     .bilinear = stage_bilinear,                                    \
                                     .bump = stage_bump,                                            \
                                     .tint = stage_tint,                                            \
-                                    .disc = stage_disc,                                            \
-                                    .light = {LIGHT_TABLE(LIGHT_STAGE)},                           \
+                                    .pair = stage_pair,                                            \
+                                    .light = {LIGHT_TABLE(LIGHT_FUNCTION)},                        \
                                     .lit = stage_lit,                                              \
                                     .shadow = stage_shadow,                                        \
                                     .reflect = stage_reflect,                                      \

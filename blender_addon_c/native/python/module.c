@@ -9,14 +9,14 @@
 
 #include "stage/stage.h"
 #include "render/job.h"
-#include "python/parse.h"
+#include "python/reader.h"
 
 #define CAPSULE "libshade.job"
 
 /* What a capsule holds. free() empties it, so that later calls fail instead of crash. */
 typedef struct handle {
   job *job;
-  parse_buffers buffers;
+  reader_buffers buffers;
   int waiters; /* threads inside wait(): free() must not pull the job from under them */
   struct handle *next;
 } handle;
@@ -36,7 +36,7 @@ static void handle_clear(handle *h) {
     Py_END_ALLOW_THREADS
   }
   job_free(j);
-  parse_release(&h->buffers);
+  reader_release(&h->buffers);
 }
 
 static void handle_destroy(PyObject *capsule) {
@@ -77,10 +77,10 @@ static PyObject *native_start(PyObject *self, PyObject *description) {
   handle *h = calloc(1, sizeof *h);
   if (!h)
     return PyErr_NoMemory();
-  scene *s = parse_scene(description, &h->buffers);
+  scene *s = reader_scene(description, &h->buffers);
   if (s && !(h->job = job_start(s))) {
     PyErr_NoMemory();
-    parse_release(&h->buffers);
+    reader_release(&h->buffers);
   }
   PyObject *capsule = h->job ? PyCapsule_New(h, CAPSULE, handle_destroy) : NULL;
   if (!capsule) {
@@ -185,9 +185,8 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
 PyDoc_STRVAR(timings_doc,
              "timings(job) -> dict\n\n"
              "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
-             "threads camera, hit, surface, bump, light, shadow, shade, film. samples: their\n"
-             "number. Complete once the job has finished.");
-#define CLOCK_WORD(CLOCK, word) #word,
+             "threads camera, hit, surface, bump, a light_ for each type, shadow, shade, film.\n"
+             "samples: their number. Complete once the job has finished.");
 static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   (void)self;
   handle *h = get_handle(capsule);
@@ -200,7 +199,7 @@ static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   PyObject *result = PyDict_New();
   if (!result)
     return NULL;
-  const char *name[4 + CLOCKS + 1] = {"wall", "image", "mesh", "bvh", CLOCK_TABLE(CLOCK_WORD)};
+  const char *name[4 + CLOCKS + 1] = {"wall", "image", "mesh", "bvh", CLOCK_WORDS};
   double value[4 + CLOCKS + 1] = {0};
   if (finished) {
     value[0] = j->wall;

@@ -111,20 +111,18 @@ static void illuminate(worker *w, size_t number, size_t phase) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   size_t hits = b->queue.hits;
-  if (l->radius > 0.0f && p->scramble) {
+  bool spread = l->common.soft && p->scramble; /* a dump takes lights at their middles */
+  if (spread) {
     points points = {.x = p->point[2] + phase,
                      .y = p->point[3] + phase,
                      .salt = ((uint32_t)number + 1) * 0x9e3779b9u,
                      .scramble = p->scramble};
-    s->disc(hits, &points, b->queue.lane, &b->path, &b->light);
-  } else { /* a dump takes lights at their centres */
-    memset(b->light.a, 0, hits * sizeof(float));
-    memset(b->light.b, 0, hits * sizeof(float));
+    s->pair(hits, &points, b->queue.lane, &b->path, &b->light);
   }
-  s->light[l->type](hits, l, &b->surface, &b->light);
+  s->light[l->type](hits, l, spread, &b->surface, &b->light);
   s->lit(hits, &b->surface, &b->light);
-  clock_tick(&w->clocks, CLOCK_LIGHT);
-  if (l->shadow)
+  clock_tick(&w->clocks, CLOCK_LIGHT + l->type);
+  if (l->common.shadow)
     accel_occluded(w->scene->accel, hits, &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
@@ -132,7 +130,7 @@ static void illuminate(worker *w, size_t number, size_t phase) {
     return;
   for (size_t k = 0; k < b->queue.segments; k++)
     shade(w, &b->queue.segment[k]);
-  s->reflect(hits, l->color, &b->light, &b->reflection, &b->sum);
+  s->reflect(hits, l->common.color, &b->light, &b->reflection, &b->sum);
   clock_tick(&w->clocks, CLOCK_SHADE);
 }
 

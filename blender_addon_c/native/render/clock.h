@@ -3,21 +3,25 @@
 #ifndef LIBSHADE_CLOCK_H
 #define LIBSHADE_CLOCK_H
 
+#include "light/light.h"
 #include "system/parallel.h"
 
-/* ROW(CLOCK, word) */
-#define CLOCK_TABLE(ROW)                                                                           \
-  ROW(CAMERA, camera)                                                                              \
-  ROW(HIT, hit)                                                                                    \
-  ROW(SURFACE, surface)                                                                            \
-  ROW(BUMP, bump)                                                                                  \
-  ROW(LIGHT, light)                                                                                \
-  ROW(SHADOW, shadow)                                                                              \
-  ROW(SHADE, shade)                                                                                \
-  ROW(FILM, film)
+typedef enum clock_number {
+  CLOCK_CAMERA,
+  CLOCK_HIT,
+  CLOCK_SURFACE,
+  CLOCK_BUMP,
+  CLOCK_LIGHT, /* + light_type */
+  CLOCK_SHADOW = CLOCK_LIGHT + LIGHT_TYPES,
+  CLOCK_SHADE,
+  CLOCK_FILM,
+  CLOCKS
+} clock_number;
 
-#define CLOCK_ENUM(CLOCK, word) CLOCK_##CLOCK,
-typedef enum clock_number { CLOCK_TABLE(CLOCK_ENUM) CLOCKS } clock_number;
+/* Their names, by number. */
+#define CLOCK_OF_LIGHT(TYPE, name) "light_" #name,
+#define CLOCK_WORDS                                                                                \
+  "camera", "hit", "surface", "bump", LIGHT_TABLE(CLOCK_OF_LIGHT) "shadow", "shade", "film"
 
 typedef struct clocks {
   double last, seconds[CLOCKS];

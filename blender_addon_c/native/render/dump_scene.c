@@ -111,8 +111,8 @@ static void put_light(void *context, const batch *b, const camera_view *view, si
   for (size_t i = 0; i < b->queue.hits; i++) {
     size_t at = place(d, b, view, i);
     put_lane(plane + SHADE_DUMP_L, at, &b->light.ray.d, i);
-    put(plane + SHADE_DUMP_E, at, e[i] * light->color[0], e[i] * light->color[1],
-        e[i] * light->color[2]);
+    put(plane + SHADE_DUMP_E, at, e[i] * light->common.color[0], e[i] * light->common.color[1],
+        e[i] * light->common.color[2]);
     put(plane + SHADE_DUMP_S, at, shaded->r[i], shaded->g[i], shaded->b[i]);
   }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is to be rendered. python/parse.c fills a scene from Python's description;
+ * What is to be rendered. read.c fills a scene from its description;
  * scene.c turns it into world-space triangles, textures and a BVH. After
  * scene_build nothing changes any more and every thread may read.
  */
@@ -14,29 +14,10 @@
 
 #include "shade/shade.h"
 
+#include "light/light.h"
 #include "scene/accel.h"
 #include "system/message.h"
 #include "scene/texture.h"
-
-/*
- * Types of light: ROW(TYPE, name). TYPE is the word in a scene; each has its parse_name in
- * python/parse.c and its stage_name in stage/light.h, and does not compile without them.
- */
-#define LIGHT_TABLE(ROW)                                                                           \
-  ROW(SUN, sun)                                                                                    \
-  ROW(POINT, point)
-
-#define LIGHT_TYPE(TYPE, name) LIGHT_##TYPE,
-typedef enum light_type { LIGHT_TABLE(LIGHT_TYPE) LIGHT_TYPES } light_type;
-
-typedef struct light {
-  light_type type;
-  float color[3];   /* sun: irradiance; point: intensity, E = intensity / d^2 */
-  float vector[3];  /* sun: unit direction to the light; point: position */
-  float axis[2][3]; /* sun: two axes of its disc, tan(angle / 2) long */
-  float radius;     /* point: radius; sun: tan(angle / 2). 0 is sharp */
-  bool shadow;
-} light;
 
 typedef struct camera {
   bool perspective;
@@ -116,6 +97,9 @@ typedef struct scene {
   accel *accel;
 } scene;
 
+/* A scene that scene_free frees; NULL where its description is wrong. Its buffers stay Python's. */
+scene *scene_read(reader *r);
+
 typedef struct scene_times {
   double image, mesh, bvh;
 } scene_times;
@@ -126,7 +110,7 @@ typedef struct scene_times {
  */
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
 
-/* Free what scene_build and the parser allocated (not the buffers of Python). NULL is fine. */
+/* Free what scene_build and scene_read allocated (not the buffers of Python). NULL is fine. */
 void scene_free(scene *s);
 
 #endif

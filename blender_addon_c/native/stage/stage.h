@@ -9,7 +9,7 @@
  *   corner   the triangle's corners, interpolated: one row of 8 floats a hit
  *   surface  position, frame, direction to the eye, uv
  *   bilinear, bump, tint                                          textures
- *   disc, light, lit                                              each light: direction, shadow ray
+ *   pair, light, lit                                              each light: direction, shadow ray
  *   (trace)  accel_occluded
  *   shadow
  *   (shade)  shade_bsdf_eval_batchf for each material
@@ -65,10 +65,10 @@ typedef struct stage_table {
   void (*bump)(const segment *g, const corners *corner, const surfaces *at, inputs *out);
   void (*tint)(const segment *g, inputs *out);
 
-  void (*disc)(size_t count, const points *points, const uint32_t *lane, const paths *path,
+  void (*pair)(size_t count, const points *points, const uint32_t *lane, const paths *path,
                light_samples *out);
-  /* By light_type: ray.d, ray.tfar and e from a and b. */
-  void (*light[LIGHT_TYPES])(size_t count, const light *light, const surfaces *at,
+  /* By light_type: ray.d, ray.tfar and e, of the point (x, y) or of the light's middle. */
+  void (*light[LIGHT_TYPES])(size_t count, const light *light, bool spread, const surfaces *at,
                              light_samples *out);
   void (*lit)(size_t count, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Kinds of light. Each is one file, light/<name>.h, with
+ *
+ *   light_<name>          what it keeps
+ *   light_<name>_read     reads it from a scene
+ *   light_<name>_sample   a leaf: what it gives to a point, from its middle or, if samples are to
+ *                         be spread over it, from where (x, y) of the unit square falls on it
+ *
+ * and one row: ROW(TYPE, name). TYPE is the word in a scene, LIGHT_TYPE its number, stage_<name>
+ * its stage and light_<name> its clock.
+ */
+#ifndef LIBSHADE_LIGHT_H
+#define LIBSHADE_LIGHT_H
+
+#include "light/point.h"
+#include "light/sun.h"
+
+#define LIGHT_TABLE(ROW)                                                                           \
+  ROW(SUN, sun)                                                                                    \
+  ROW(POINT, point)
+
+#define LIGHT_TYPE(TYPE, name) LIGHT_##TYPE,
+typedef enum light_type { LIGHT_TABLE(LIGHT_TYPE) LIGHT_TYPES } light_type;
+
+#define LIGHT_MEMBER(TYPE, name) light_##name name;
+typedef struct light {
+  light_type type;
+  light_common common;
+  union {
+    LIGHT_TABLE(LIGHT_MEMBER)
+  } of;
+} light;
+
+#endif

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/reader.h"
+#include "system/parallel.h"
+
+enum { MAX_SIZE = 1 << 16, MAX_SAMPLES = 1 << 16, MAX_THREADS = 256 };
+
+static bool read_camera(reader *r, void *out, void *context) {
+  static const char *const types[] = {"ORTHO", "PERSP", NULL};
+  camera *c = out;
+  double matrix[16];
+  int type;
+  (void)context;
+  if (!reader_word(r, "type", types, &type) || !reader_numbers(r, "matrix", 16, matrix) ||
+      !reader_floats(r, "frame", 4, c->frame) || !reader_floats(r, "clip", 2, c->clip))
+    return false;
+  c->perspective = type == 1;
+  for (int column = 0; column < 3; column++) {
+    vec3 axis = {(float)matrix[column], (float)matrix[4 + column], (float)matrix[8 + column]};
+    if (!make_unit(&axis))
+      return reader_expected(r, "matrix", "invertible");
+    memcpy(c->axis[column], &axis, sizeof axis);
+  }
+  for (int row = 0; row < 3; row++)
+    c->origin[row] = (float)matrix[4 * row + 3];
+  if (!(c->clip[0] >= 0 && c->clip[0] < c->clip[1])) /* Embree's rays begin at 0 or later */
+    return reader_expected(r, "clip", "two distances from 0 on, near before far");
+  return true;
+}
+
+#define LIGHT_WORD(TYPE, name) #TYPE,
+#define LIGHT_READ(TYPE, name)                                                                     \
+  case LIGHT_##TYPE:                                                                               \
+    return light_##name##_read(r, &l->common, &l->of.name);
+static bool read_light(reader *r, void *out, void *context) {
+  static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD) NULL};
+  light *l = out;
+  int type;
+  (void)context;
+  if (!reader_word(r, "type", types, &type) || !reader_flag(r, "shadow", &l->common.shadow))
+    return false;
+  switch (l->type = (light_type)type) {
+    LIGHT_TABLE(LIGHT_READ)
+  case LIGHT_TYPES:
+    break;
+  }
+  return false;
+}
+
+static bool read_image(reader *r, void *out, void *context) {
+  static const char *const wraps[] = {"REPEAT", "EXTEND", "CLIP", NULL};
+  static const char *const filters[] = {"LINEAR", "CLOSEST", NULL};
+  image *m = out;
+  int wrap, filter;
+  reader_buffer data;
+  (void)context;
+  if (!reader_integer(r, "width", 1, MAX_SIZE, &m->width) ||
+      !reader_integer(r, "height", 1, MAX_SIZE, &m->height) ||
+      !reader_integer(r, "channels", 1, 4, &m->channels) || !reader_flag(r, "srgb", &m->srgb) ||
+      !reader_word(r, "wrap", wraps, &wrap) || !reader_word(r, "filter", filters, &filter))
+    return false;
+  if ((size_t)(m->width + TEXTURE_RIM) * (size_t)(m->height + TEXTURE_RIM) > INT32_MAX)
+    return reader_fail(r, "the image has too many pixels");
+  size_t count = (size_t)m->width * (size_t)m->height * (size_t)m->channels;
+  if (!reader_items(r, "data", count, "fHB", 0, &data))
+    return false;
+  m->type = data.item_size == 4 ? IMAGE_FLOAT32 : data.item_size == 2 ? IMAGE_UINT16 : IMAGE_UINT8;
+  m->data = data.data;
+  m->wrap = wrap == 0 ? WRAP_REPEAT : wrap == 1 ? WRAP_EXTEND : WRAP_CLIP;
+  m->closest = filter == 1;
+  return true;
+}
+
+static bool choice(reader *r, shade_list list, int *out) {
+  const char *key = shade_list_name(list);
+  char *value, words[512] = "";
+  const char *row_word;
+  if (!reader_text(r, key, NULL, &value))
+    return false;
+  *out = shade_list_find(list, value);
+  free(value);
+  if (*out >= 0)
+    return true;
+  for (int row = 0; shade_list_row(list, row, NULL, &row_word, NULL, NULL); row++)
+    snprintf(words + strlen(words), sizeof words - strlen(words), "%s%s", row ? ", " : "",
+             row_word);
+  return reader_fail(r, "%s must be one of %s", key, words);
+}
+
+static bool image_index(reader *r, const char *key, const scene *s, int *out) {
+  return reader_integer(r, key, -1, (long)s->images - 1, out);
+}
+
+/* The choices of the table. What came later than the first dumps may be
+ * missing, and means what it does there. */
+static bool read_choices(reader *r, shade_params *q) {
+  shade_list_info info;
+  for (int list = 0; shade_list_about((shade_list)list, &info); list++) {
+    int value = info.older;
+    if ((info.in_every_dump || reader_has(r, info.word)) && !choice(r, (shade_list)list, &value))
+      return false;
+    shade_params_set_choice(q, (shade_list)list, value);
+  }
+  return true;
+}
+
+/* The numbers of the table, brought into their ranges: the dump shall say what is shaded. Of
+ * exponents and alphas those count that the distribution reads; they set the others. */
+static bool read_numbers(reader *r, shade_params *q, unsigned *status) {
+  const unsigned mdf = (unsigned)q->mdf;
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++) {
+    double v[3] = {0, 0, 0};
+    if (!info.in_every_dump && !reader_has(r, info.word))
+      continue;
+    if (!(info.components == 1 ? reader_number(r, info.word, v)
+                               : reader_numbers(r, info.word, info.components, v)))
+      return false;
+    if (info.list != SHADE_LIST_MDF || info.choices >> mdf & 1)
+      *status |= shade_params_set(q, row, v);
+  }
+  return true;
+}
+
+static bool read_material(reader *r, void *out, void *context) {
+  const scene *s = context;
+  material *m = out;
+  double strength;
+  shade_params_init(&m->params);
+  m->number = (int)(m - s->material);
+  if (!reader_text(r, "name", NULL, &m->name) || !read_choices(r, &m->params) ||
+      !read_numbers(r, &m->params, &m->status) ||
+      !image_index(r, "color_image", s, &m->color_image) ||
+      !image_index(r, "normal_image", s, &m->normal_image) ||
+      !reader_number(r, "normal_strength", &strength))
+    return false;
+  m->normal_strength = (float)fmin(fmax(strength, 0.0), 1e6);
+  m->status |= shade_bsdf_setup(&m->bsdf, &m->params);
+  return true;
+}
+
+static bool all_below(size_t count, const uint32_t *index, size_t limit) {
+  uint32_t largest = 0;
+  for (size_t i = 0; i < count; i++)
+    largest = index[i] > largest ? index[i] : largest;
+  return count == 0 || largest < limit;
+}
+
+static bool read_mesh(reader *r, void *out, void *context) {
+  const scene *s = context;
+  mesh *m = out;
+  char fallback[32];
+  reader_buffer items;
+  snprintf(fallback, sizeof fallback, "mesh %td", m - s->mesh);
+  if (!reader_text(r, "name", fallback, &m->name) ||
+      !reader_items(r, "positions", SIZE_MAX, "f", 4, &items))
+    return false;
+  m->position = items.data;
+  m->positions = items.size / 12;
+  if (items.size != 12 * m->positions)
+    return reader_expected(r, "positions", "3 floats per position");
+  if (!reader_items(r, "corner_position", SIZE_MAX, "iIlL", 4, &items))
+    return false;
+  m->corner_position = items.data;
+  m->triangles = items.size / 12;
+  if (items.size != 12 * m->triangles)
+    return reader_expected(r, "corner_position", "3 indices per triangle");
+  if (m->triangles > UINT32_MAX / 4 || m->positions > UINT32_MAX / 4)
+    return reader_fail(r, "the mesh has too many triangles");
+  if (!reader_items(r, "corner_normals", 9 * m->triangles, "f", 4, &items))
+    return false;
+  m->corner_normal = items.data;
+  if (!reader_items(r, "material", m->triangles, "iIlL", 4, &items))
+    return false;
+  m->material = items.data;
+  if (reader_has(r, "corner_uvs")) {
+    if (!reader_items(r, "corner_uvs", 6 * m->triangles, "f", 4, &items))
+      return false;
+    m->corner_uv = items.data;
+  }
+  if (!all_below(3 * m->triangles, m->corner_position, m->positions))
+    return reader_fail(r, "corner_position has an index outside of the %zu positions",
+                       m->positions);
+  if (!all_below(m->triangles, (const uint32_t *)m->material, s->materials))
+    return reader_fail(r, "material has an index outside of the %zu materials", s->materials);
+  return true;
+}
+
+static bool read_instance(reader *r, void *out, void *context) {
+  const scene *s = context;
+  instance *in = out;
+  double matrix[16];
+  int index = 0;
+  if (!reader_integer(r, "mesh", 0, (long)s->meshes - 1, &index) ||
+      !reader_numbers(r, "matrix", 16, matrix))
+    return false;
+  in->mesh = (size_t)index;
+  memcpy(in->matrix, matrix, sizeof in->matrix);
+  return true;
+}
+
+static bool read_picture(reader *r, scene *s) {
+  double region[4], seed;
+  char *dump;
+  if (!reader_integer(r, "width", 1, MAX_SIZE, &s->width) ||
+      !reader_integer(r, "height", 1, MAX_SIZE, &s->height) ||
+      !reader_numbers(r, "region", 4, region) ||
+      !reader_integer(r, "samples", 1, MAX_SAMPLES, &s->samples) ||
+      !reader_number(r, "seed", &seed) ||
+      !reader_integer(r, "threads", 0, MAX_THREADS, &s->threads) ||
+      !reader_flag(r, "transparent", &s->transparent) ||
+      !reader_floats(r, "background", 3, s->background) || !reader_text(r, "dump", "", &dump))
+    return false;
+  if (*dump)
+    s->dump = dump;
+  else
+    free(dump);
+  if (!reader_text(r, "renderer", "libshade", &s->renderer))
+    return false;
+  if (reader_has(r, "filter_width") &&
+      !reader_number_within(r, "filter_width", 0, 100, &s->filter_width))
+    return false;
+  s->seed = (uint32_t)(int64_t)fmod(seed, 0x1p32);
+  if (!s->threads)
+    s->threads = parallel_cores();
+  for (int k = 0; k < 4; k++) {
+    int limit = k % 2 ? s->height : s->width;
+    if (!(region[k] >= 0 && region[k] <= limit))
+      return reader_expected(r, "region", "x0, y0, x1, y1 inside of the picture");
+    s->region[k] = (int)region[k];
+  }
+  if (s->region[0] >= s->region[2] || s->region[1] >= s->region[3])
+    return reader_fail(r, "region is empty");
+  return true;
+}
+
+scene *scene_read(reader *r) {
+  scene *s = calloc(1, sizeof *s);
+  if (!s) {
+    reader_out_of_memory(r);
+    return NULL;
+  }
+  /* indices into a list are checked against its full length */
+  if (read_picture(r, s) && reader_dict(r, "camera", read_camera, &s->camera, s) &&
+      reader_each(r, "lights", sizeof(light), &s->lights, &s->light, read_light, s) &&
+      reader_each(r, "images", sizeof(image), &s->images, &s->image, read_image, s) &&
+      reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
+                  s) &&
+      reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&
+      reader_each(r, "instances", sizeof(instance), &s->instances, &s->instance, read_instance, s))
+    return s;
+  scene_free(s);
+  return NULL;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A scene's description, dictionary by dictionary. It is Python's (python/reader.c), of which
+ * nothing is known here. Every function returns false after a failure; the message says where.
+ */
+#ifndef LIBSHADE_READER_H
+#define LIBSHADE_READER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct reader reader;
+
+/* Why what is read cannot be right: always false, so that a caller can return it. */
+__attribute__((format(printf, 2, 3))) bool reader_fail(reader *r, const char *format, ...);
+bool reader_expected(reader *r, const char *key, const char *what);
+bool reader_out_of_memory(reader *r);
+
+bool reader_has(reader *r, const char *key);
+bool reader_number(reader *r, const char *key, double *out);
+bool reader_number_within(reader *r, const char *key, double low, double high, float *out);
+bool reader_integer(reader *r, const char *key, long low, long high, int *out);
+bool reader_flag(reader *r, const char *key, bool *out);
+bool reader_numbers(reader *r, const char *key, int count, double *out); /* count <= 16 */
+bool reader_floats(reader *r, const char *key, int count, float *out);
+/* A copy that the caller frees; `missing` stands for a missing key, NULL: it is required. */
+bool reader_text(reader *r, const char *key, const char *missing, char **out);
+/* One of several words, NULL at their end, as its index. */
+bool reader_word(reader *r, const char *key, const char *const *words, int *out);
+
+/* What `one` makes of a dictionary, or of each in a list: an array of items of this size, which
+ * the caller frees and whose `count` also covers the item that failed. */
+typedef bool reader_one(reader *r, void *out, void *context);
+bool reader_dict(reader *r, const char *key, reader_one *one, void *out, void *context);
+bool reader_each(reader *r, const char *key, size_t size, size_t *count, void *array_out,
+                 reader_one *one, void *context);
+
+/* A buffer of items in one of these formats of Python's struct module; read until the job ends. */
+typedef struct reader_buffer {
+  const void *data;
+  size_t size, item_size; /* in bytes */
+} reader_buffer;
+enum { READER_ANY = 0 }; /* number of items, size of an item */
+bool reader_items(reader *r, const char *key, size_t count, const char *formats, size_t item_size,
+                  reader_buffer *out);
+
+#endif
