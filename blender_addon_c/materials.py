@@ -89,9 +89,8 @@ class Table:
         return names[-1]
 
     def textured(self, indices):
-        """Does any of the materials read an image?"""
-        return any(self.materials[i][kind] >= 0 for i in indices
-                   for kind in ("color_image", "normal_image"))
+        """Has any of the materials a texture?"""
+        return any(self.materials[i]["nodes"] for i in indices)
 
     def image(self, image, wrap, filtering, owner):
         """Index of an image, or -1 when it cannot be used."""
@@ -131,12 +130,12 @@ class Table:
 
 
 class _Reader:
-    """One material. `uv_map`: the UV map that its images ask for."""
+    """One material. `uv_map`: the UV map that its images ask for; `nodes`: what it reads them by."""
 
     def __init__(self, table, messages, material):
         self._table, self._messages, self._material = table, messages, material
         self._owner = f"material '{material.name}'" if material else "no material"
-        self.uv_map = ""
+        self.uv_map, self.nodes = "", []
 
     def _warn(self, text):
         self._messages.warning(f"{self._owner}: {text}")
@@ -144,8 +143,8 @@ class _Reader:
     def read(self):
         material = self._material
         plain = {
-            "name": material.name if material else "", **nodes.initial_settings(),
-            "color_image": -1, "normal_image": -1, "normal_strength": 1.0,
+            "name": material.name if material else "", "closure": "METAL",
+            **nodes.initial_settings(), "nodes": self.nodes,
         }
         if not material:
             return {**plain, **_roughness(0.5), "f0": (0.8, 0.8, 0.8)}
@@ -153,57 +152,62 @@ class _Reader:
         shader = _shader(tree) if tree else None
         node = shader.node if shader else None
         if node and node.bl_idname == nodes.METAL:
-            return {**plain, **nodes.settings(node),
-                    **self._color(node.inputs["Color"], shader.groups),
-                    **self._normal(node.inputs["Normal"], shader.groups)}
+            return {**plain, **nodes.settings(node), "f0": self._inputs(node, "Color", shader)}
         if node and node.type == "BSDF_PRINCIPLED":
             self._warn("no Libshade Metal node; its Principled BSDF is rendered as metal "
                        "of its base colour and roughness")
             return {**plain, **_roughness(node.inputs["Roughness"].default_value),
-                    **self._color(node.inputs["Base Color"], shader.groups),
-                    **self._normal(node.inputs["Normal"], shader.groups)}
+                    "f0": self._inputs(node, "Base Color", shader)}
         fed_by = f"its surface is '{node.name}'" if node else "its surface has no shader"
         self._warn(f"no Libshade Metal node ({fed_by if tree else 'it has no nodes'}); "
                    "rendered as metal of its viewport colour")
         return {**plain, **_roughness(material.roughness),
                 "f0": tuple(material.diffuse_color[:3])}
 
+    def _inputs(self, node, color, shader):
+        """What feeds a shader's colour and normal, as nodes; the colour where it is one."""
+        f0 = self._color(node.inputs[color], shader.groups)
+        self._normal(node.inputs["Normal"], shader.groups)
+        return f0
+
     def _color(self, socket, groups):
+        """The colour of a socket, or white where a node of ours takes its place."""
         found = trace(socket, groups)
         if found.node is None:
-            return {"f0": tuple(found.socket.default_value[:3])}
+            return tuple(found.socket.default_value[:3])
         # What no reader knows goes to the texture's, which says what it leaves out.
         return _COLORS.get(found.node.type, _Reader._color_texture)(self, found)
 
     def _color_value(self, found):
-        return {"f0": tuple(found.output.default_value[:3])}
+        return tuple(found.output.default_value[:3])
 
     def _color_texture(self, found):
         image = self._image(found, "Color")
-        # The image takes the socket's place.
-        return {"f0": (1.0, 1.0, 1.0) if image >= 0 else tuple(found.socket.default_value[:3]),
-                "color_image": image}
+        if image < 0:
+            return tuple(found.socket.default_value[:3])
+        self.nodes.append({"type": "IMAGE", "image": image})
+        return 1.0, 1.0, 1.0
 
     def _normal(self, socket, groups):
         found = trace(socket, groups)
         if found.node is None:
-            return {}
+            return
         if found.node.type != "NORMAL_MAP":
             self._warn(f"Normal: '{found.node.name}' is not supported, only a Normal Map node; "
                        "left out")
-            return {}
+            return
         node = found.node
         if node.space != "TANGENT":
             self._warn(f"Normal: '{node.name}' is in {node.space.lower()} space, only tangent "
                        "space is supported; left out")
-            return {}
+            return
         color = trace(node.inputs["Color"], found.groups)
         if color.node is None:
             self._warn(f"Normal: '{node.name}' has no image; left out")
-            return {}
+            return
         image = self._image(color, "Normal")
         if image < 0:
-            return {}
+            return
         self._check_normal_image(color.node.image)
         if node.uv_map:
             self._use_uv_map(node.uv_map)
@@ -214,7 +218,7 @@ class _Reader:
         elif strength.node:
             self._warn(f"Normal: the strength from '{strength.node.name}' is not supported; "
                        "its socket's own value is used")
-        return {"normal_image": image, "normal_strength": value.default_value}
+        self.nodes.append({"type": "NORMAL_MAP", "image": image, "strength": value.default_value})
 
     def _check_normal_image(self, image):
         if not image.colorspace_settings.is_data:

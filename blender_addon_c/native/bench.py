@@ -103,6 +103,7 @@ def plate(size=512, samples=64, threads=0, cuts=1, image=None):
         "materials": [
             {
                 "name": "steel",
+                "closure": "METAL",
                 "mdf": "ASHIKHMIN_SHIRLEY",
                 "brdf": "ASHIKHMIN_SHIRLEY",
                 "detail": "ROTATE",
@@ -118,9 +119,7 @@ def plate(size=512, samples=64, threads=0, cuts=1, image=None):
                 "k": (3, 3, 3),
                 "diffuse": "LAMBERT",
                 "kd": (0, 0, 0),
-                "color_image": -1,
-                "normal_image": 0,
-                "normal_strength": 1,
+                "nodes": [{"type": "NORMAL_MAP", "image": 0, "strength": 1}],
             }
         ],
         "meshes": [grid(cuts)],

@@ -82,9 +82,13 @@ def point(position, intensity=(1, 1, 1), radius=0.0, shadow=True):
     }
 
 
-def material(**changes):
+def material(color_image=-1, normal_image=-1, normal_strength=1.0, **changes):
+    """A metal; the images' indices become nodes."""
+    color = {"type": "IMAGE", "image": color_image}
+    normal = {"type": "NORMAL_MAP", "image": normal_image, "strength": normal_strength}
     plain = {
         "name": "metal",
+        "closure": "METAL",
         "mdf": "ASHIKHMIN_SHIRLEY",
         "brdf": "ASHIKHMIN_SHIRLEY",
         "detail": "ROTATE",
@@ -101,9 +105,7 @@ def material(**changes):
         "diffuse": "LAMBERT",
         "horizon": "HARD",
         "kd": (0, 0, 0),
-        "color_image": -1,
-        "normal_image": -1,
-        "normal_strength": 1.0,
+        "nodes": [node for node in (color, normal) if node["image"] >= 0],
     }
     assert set(changes) <= set(plain)
     return plain | changes

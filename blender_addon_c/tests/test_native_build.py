@@ -13,14 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import MODULE, ROOT, render, scene
+from native_scenes import MODULE, ROOT, native, render, scene
 
 pytestmark = pytest.mark.skipif("NATIVE_MODULE" in os.environ, reason="tests the release build")
 
 HERE = Path(__file__).parent
-# all but scatter, which only moves numbers, and one by one in AVX2
-STAGES = """camera locate gather corner surface bilinear bump tint pair sun point lit shadow reflect
-film""".split()
+# all but flat, which only sets numbers, and scatter, which moves them, and one by one in AVX2
+KINDS = native.table()  # each has a stage of its name
+STAGES = """camera locate gather corner surface pair lit shadow reflect film""".split()
+STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"]]
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 
 # arithmetic on whole registers; moving them about does not count
@@ -66,9 +67,9 @@ def test_stage_computes_in_whole_registers(isa, register, stage):
 
 @pytest.mark.parametrize("isa, register", [("avx512", "%zmm"), ("avx2", "%ymm")])
 def test_no_variant_of_a_stage_is_left_scalar(isa, register):
-    """Four texels in each of two wrappings; two sample numbers in each of four cameras; three roots
+    """Four texels in each of two wrappings and, for a colour, two textures; two sample numbers in each of four cameras; three roots
     for the point of a light that has an extent and one for its middle."""
-    for stage, word, count in (("bilinear", "gather", 8), ("camera", "cvtdq2ps", 8),
+    for stage, word, count in (("normal_map", "gather", 8), ("image", "gather", 16), ("camera", "cvtdq2ps", 8),
                                ("point", "sqrtps", 4)):
         body = disassembly(isa)["stage_" + stage]
         assert sum(word in name and register in operands for name, operands in body) >= count

@@ -222,8 +222,10 @@ def test_poll_and_timings_at_the_end():
     times = native.timings(job)
     assert times["samples"] == 50 * 37 * 12
     lights = {f"light_{kind.lower()}" for kind in native.table()["lights"]}
-    stages = {"camera", "hit", "surface", "bump", *lights, "shadow", "shade", "film"}
-    assert set(times) == stages | {"wall", "image", "mesh", "bvh", "samples"}
+    stages = {"camera", "hit", "surface", "shadow", *lights, "closure_metal", "reflect", "film"}
+    nodes = {f"node_{kind.lower()}" for kind in native.table()["nodes"]}
+    assert set(times) == stages | nodes | {"wall", "image", "mesh", "bvh", "samples"}
+    assert not any(times[k] for k in nodes)  # it has none
     assert all(times[k] > 0 for k in stages | {"wall", "mesh", "bvh"})
     native.free(job)
 

@@ -93,9 +93,9 @@ def change(path, value):
         ),
         (("materials", 0, "ex"), float("nan"), r"materials\[0\]: ex must be a finite number"),
         (
-            ("materials", 0, "normal_image"),
+            ("materials", 0, "nodes", 0, "image"),
             1,
-            r"materials\[0\]: normal_image must be an integer from -1 to 0",
+            r"materials\[0\]\.nodes\[0\]: image must be an integer from 0 to 0",
         ),
         (("materials", 0, "name"), 7, r"materials\[0\]: name must be a string"),
         (("meshes", 0, "positions"), ..., r"meshes\[0\]: positions is missing"),

@@ -9,6 +9,7 @@
 #ifndef LIBSHADE_LANES_H
 #define LIBSHADE_LANES_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 enum { BATCH = 1024 };
@@ -65,12 +66,18 @@ typedef struct surfaces {
   lane_f side; /* -1 where the interpolated normal had to be turned to the eye */
 } surfaces;
 
-/* What a material's nodes say of each point. */
+/* What a material's nodes say of each point; what none says is the geometry's or the closure's. */
 typedef struct inputs {
-  lane_v normal; /* perturbed, in the shading frame */
+  lane_v normal; /* in the shading frame */
   lane_c color;
-  lane_f spare;
 } inputs;
+typedef enum node_output { OUTPUT_NORMAL = 1, OUTPUT_COLOR = 2 } node_output;
+
+/* A run of the hits of one material; outputs: what its nodes say. */
+typedef struct lane_run {
+  size_t begin, end;
+  unsigned outputs;
+} lane_run;
 
 /* One sample of a light for each point; here belongs its index once lanes draw lights of their own.
  */

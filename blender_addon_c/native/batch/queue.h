@@ -9,10 +9,9 @@
 #include "batch/lanes.h"
 #include "scene/scene.h"
 
-/* A run of hits of one material. */
 typedef struct segment {
   const material *material;
-  size_t begin, end;
+  lane_run run;
 } segment;
 
 typedef struct queue {

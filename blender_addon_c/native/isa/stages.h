@@ -5,12 +5,14 @@
 #include "stage/camera.h"
 #include "stage/hit.h"
 #include "stage/surface.h"
-#include "stage/bump.h"
+#include "stage/node.h"
 #include "stage/light.h"
-#include "stage/shade.h"
+#include "stage/closure.h"
 #include "stage/film.h"
 
 #define LIGHT_FUNCTION(TYPE, name) stage_##name,
+#define NODE_FUNCTION(TYPE, name, OUTPUT) stage_##name,
+#define CLOSURE_FUNCTION(TYPE, name) stage_##name,
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
                                     .camera = stage_camera,                                        \
@@ -18,13 +20,13 @@
                                     .gather = stage_gather,                                        \
                                     .corner = stage_corner,                                        \
                                     .surface = stage_surface,                                      \
-                                    .bilinear = stage_bilinear,                                    \
-                                    .bump = stage_bump,                                            \
-                                    .tint = stage_tint,                                            \
+                                    .flat = stage_flat,                                            \
+                                    .node = {NODE_TABLE(NODE_FUNCTION)},                           \
                                     .pair = stage_pair,                                            \
                                     .light = {LIGHT_TABLE(LIGHT_FUNCTION)},                        \
                                     .lit = stage_lit,                                              \
                                     .shadow = stage_shadow,                                        \
+                                    .closure = {CLOSURE_TABLE(CLOSURE_FUNCTION)},                  \
                                     .reflect = stage_reflect,                                      \
                                     .scatter = stage_scatter,                                      \
                                     .film = stage_film}

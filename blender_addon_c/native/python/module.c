@@ -182,11 +182,12 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
   Py_RETURN_NONE;
 }
 
-PyDoc_STRVAR(timings_doc,
-             "timings(job) -> dict\n\n"
-             "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
-             "threads camera, hit, surface, bump, a light_ for each type, shadow, shade, film.\n"
-             "samples: their number. Complete once the job has finished.");
+PyDoc_STRVAR(
+    timings_doc,
+    "timings(job) -> dict\n\n"
+    "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
+    "threads camera, hit, surface, shadow, reflect, film and, for each type, a\n"
+    "node_, a light_ and a closure_. samples: their number. Complete once the job has finished.");
 static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   (void)self;
   handle *h = get_handle(capsule);
@@ -242,12 +243,27 @@ static bool append(PyObject *list, PyObject *item) {
   return good;
 }
 
+/* A new list of words; NULL on failure. */
+static PyObject *words_of(const char *const *word, size_t count) {
+  PyObject *words = PyList_New(0);
+  bool good = words != NULL;
+  for (size_t k = 0; good && k < count; k++)
+    good = append(words, PyUnicode_FromString(word[k]));
+  if (good)
+    return words;
+  Py_XDECREF(words);
+  return NULL;
+}
+
 #define LIGHT_WORD(TYPE, name) #TYPE,
+#define CLOSURE_WORD(TYPE, name) #TYPE,
+#define NODE_WORD(TYPE, name, OUTPUT) #TYPE,
 PyDoc_STRVAR(table_doc,
              "table() -> dict\n\n"
              "lists: the choices by name; about: what each list chooses, and its default;\n"
              "params: the numbers of a material, and by which choices they are read: None, or\n"
-             "(list, words). All as in libshade's table. lights: the types of light.");
+             "(list, words). All as in libshade's table. lights, closures, nodes: the types of\n"
+             "each that a scene may have.");
 
 /* A new reference: None where every choice reads the number. */
 static PyObject *read_by(const shade_param_info *info) {
@@ -292,14 +308,17 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
                                      info.unit, "help", info.help, "components", info.components,
                                      "minimum", info.minimum, "maximum", info.maximum, "initial",
                                      info.initial, "read_by", read_by(&info)));
-  static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD)};
-  PyObject *lights = PyList_New(0);
-  good = good && lights;
-  for (size_t k = 0; good && k < LIGHT_TYPES; k++)
-    good = append(lights, PyUnicode_FromString(types[k]));
-  if (good)
-    return Py_BuildValue("{s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params", params,
-                         "lights", lights);
+  static const char *const light_words[] = {LIGHT_TABLE(LIGHT_WORD)};
+  static const char *const closure_words[] = {CLOSURE_TABLE(CLOSURE_WORD)};
+  static const char *const node_words[] = {NODE_TABLE(NODE_WORD)};
+  PyObject *lights = words_of(light_words, LIGHT_TYPES);
+  PyObject *closures = words_of(closure_words, CLOSURE_TYPES);
+  PyObject *nodes = words_of(node_words, NODE_TYPES);
+  if (good && lights && closures && nodes)
+    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params",
+                         params, "lights", lights, "closures", closures, "nodes", nodes);
+  Py_XDECREF(nodes);
+  Py_XDECREF(closures);
   Py_XDECREF(lights);
   Py_XDECREF(lists);
   Py_XDECREF(about);

@@ -55,53 +55,29 @@ static void find_surface(worker *w) {
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
 }
 
-static void look_up(worker *w, const segment *g) {
+/* What each material's nodes say. */
+static void run_nodes(worker *w) {
   batch *b = w->batch;
-  inputs *in = &b->input;
-  const stage_table *s = w->scene->stages;
-  const material *m = g->material;
-  if (m->normal) {
-    s->bilinear(g, m->normal, &b->surface, in->normal.x, in->normal.y);
-    s->bump(g, &b->corner, &b->surface, in);
-  } else {
-    memset(in->normal.x + g->begin, 0, (g->end - g->begin) * sizeof(float));
-    memset(in->normal.y + g->begin, 0, (g->end - g->begin) * sizeof(float));
-    for (size_t k = g->begin; k < g->end; k++)
-      in->normal.z[k] = 1.0f;
-  }
-  if (m->color[0]) {
-    s->bilinear(g, m->color[0], &b->surface, in->color.r, in->color.g);
-    s->bilinear(g, m->color[1], &b->surface, in->color.b, in->spare);
-    s->tint(g, in);
-  }
+  const segment *end = b->queue.segment + b->queue.segments;
+  for (const segment *g = b->queue.segment; g < end; g++)
+    if (!(g->run.outputs & OUTPUT_NORMAL))
+      w->scene->stages->flat(g, &b->input);
+  clock_tick(&w->clocks, CLOCK_SURFACE);
+  for (const segment *g = b->queue.segment; g < end; g++)
+    for (const node *n = g->material->node; n < g->material->node + g->material->nodes; n++) {
+      w->scene->stages->node[n->type](g, n, &b->corner, &b->surface, &b->input);
+      clock_tick(&w->clocks, CLOCK_NODE + n->type);
+    }
 }
 
-static void shade(worker *w, const segment *g) {
+static void run_closures(worker *w) {
   batch *b = w->batch;
-  size_t i = g->begin;
-  const inputs *given = &b->input;
-  const lane_v *wi = &b->light.wi, *wo = &b->surface.wo;
-  bool textured = g->material->color[0] != NULL;
-  shade_lanesf in = {.size = sizeof in,
-                     .nx = given->normal.x + i,
-                     .ny = given->normal.y + i,
-                     .nz = given->normal.z + i,
-                     .wix = wi->x + i,
-                     .wiy = wi->y + i,
-                     .wiz = wi->z + i,
-                     .wox = wo->x + i,
-                     .woy = wo->y + i,
-                     .woz = wo->z + i,
-                     .f0r = textured ? given->color.r + i : NULL,
-                     .f0g = textured ? given->color.g + i : NULL,
-                     .f0b = textured ? given->color.b + i : NULL};
-  reflections *f = &b->reflection;
-  shade_resultf out = {.size = sizeof out,
-                       .r = f->f.r + i,
-                       .g = f->f.g + i,
-                       .b = f->f.b + i,
-                       .cosine = f->cosine + i};
-  w->status |= shade_bsdf_eval_batchf(&g->material->bsdf, g->end - g->begin, &in, &out);
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
+    closure_type type = g->material->closure.type;
+    w->status |=
+        w->scene->stages->closure[type](g, &b->surface, &b->input, &b->light, &b->reflection);
+    clock_tick(&w->clocks, CLOCK_CLOSURE + type);
+  }
 }
 
 /* One light on all hits: b->sum grows by what they reflect. */
@@ -128,10 +104,9 @@ static void illuminate(worker *w, size_t number, size_t phase) {
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
     return;
-  for (size_t k = 0; k < b->queue.segments; k++)
-    shade(w, &b->queue.segment[k]);
+  run_closures(w);
   s->reflect(hits, l->common.color, &b->light, &b->reflection, &b->sum);
-  clock_tick(&w->clocks, CLOCK_SHADE);
+  clock_tick(&w->clocks, CLOCK_REFLECT);
 }
 
 static void expose(worker *w, const camera_view *view, size_t count, float *pixels) {
@@ -165,10 +140,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   if (!q->hits)
     return;
   find_surface(w);
-  clock_tick(&w->clocks, CLOCK_SURFACE);
-  for (size_t k = 0; k < q->segments; k++)
-    look_up(w, &q->segment[k]);
-  clock_tick(&w->clocks, CLOCK_BUMP);
+  run_nodes(w);
   memset(b->sum.r, 0, q->hits * sizeof(float));
   memset(b->sum.g, 0, q->hits * sizeof(float));
   memset(b->sum.b, 0, q->hits * sizeof(float));

@@ -3,25 +3,29 @@
 #ifndef LIBSHADE_CLOCK_H
 #define LIBSHADE_CLOCK_H
 
-#include "light/light.h"
+#include "scene/scene.h"
 #include "system/parallel.h"
 
 typedef enum clock_number {
   CLOCK_CAMERA,
   CLOCK_HIT,
   CLOCK_SURFACE,
-  CLOCK_BUMP,
-  CLOCK_LIGHT, /* + light_type */
+  CLOCK_NODE,                            /* + node_type */
+  CLOCK_LIGHT = CLOCK_NODE + NODE_TYPES, /* + light_type */
   CLOCK_SHADOW = CLOCK_LIGHT + LIGHT_TYPES,
-  CLOCK_SHADE,
+  CLOCK_CLOSURE, /* + closure_type */
+  CLOCK_REFLECT = CLOCK_CLOSURE + CLOSURE_TYPES,
   CLOCK_FILM,
   CLOCKS
 } clock_number;
 
 /* Their names, by number. */
+#define CLOCK_OF_NODE(TYPE, name, OUTPUT) "node_" #name,
 #define CLOCK_OF_LIGHT(TYPE, name) "light_" #name,
+#define CLOCK_OF_CLOSURE(TYPE, name) "closure_" #name,
 #define CLOCK_WORDS                                                                                \
-  "camera", "hit", "surface", "bump", LIGHT_TABLE(CLOCK_OF_LIGHT) "shadow", "shade", "film"
+  "camera", "hit", "surface", NODE_TABLE(CLOCK_OF_NODE) LIGHT_TABLE(CLOCK_OF_LIGHT) "shadow",      \
+      CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "film"
 
 typedef struct clocks {
   double last, seconds[CLOCKS];

@@ -36,7 +36,8 @@ static char *header(const scene *s) {
   if (!materials)
     return NULL;
   for (size_t m = 0; m < s->materials; m++)
-    materials[m] = (shade_dump_material){s->material[m].name, &s->material[m].params};
+    materials[m] =
+        (shade_dump_material){s->material[m].name, &s->material[m].closure.of.metal.params};
   char *text = shade_dump_header(s->renderer, materials, s->materials);
   free(materials);
   return text;
@@ -79,7 +80,7 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
   for (int k = 0; k < SHADE_DUMP_BASE; k++)
     plane[k] = shade_dump_plane(d, k);
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
-    for (size_t i = g->begin; i < g->end; i++) {
+    for (size_t i = g->run.begin; i < g->run.end; i++) {
       size_t at = place(d, b, view, i);
       float x = bump->x[i], y = bump->y[i], z = bump->z[i];
       put_lane(plane + SHADE_DUMP_P, at, &s->p, i);
@@ -92,11 +93,11 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
       plane[SHADE_DUMP_UV][at] = s->u[i];
       plane[SHADE_DUMP_UV + 1][at] = s->v[i];
       plane[SHADE_DUMP_MATERIAL][at] = (float)g->material->number;
-      if (g->material->color[0])
+      const double *f0 = g->material->closure.of.metal.params.f0;
+      if (g->run.outputs & OUTPUT_COLOR)
         put(plane + SHADE_DUMP_COLOR, at, color->r[i], color->g[i], color->b[i]);
       else
-        put(plane + SHADE_DUMP_COLOR, at, (float)g->material->params.f0[0],
-            (float)g->material->params.f0[1], (float)g->material->params.f0[2]);
+        put(plane + SHADE_DUMP_COLOR, at, (float)f0[0], (float)f0[1], (float)f0[2]);
     }
 }
 

@@ -77,71 +77,53 @@ static bool read_image(reader *r, void *out, void *context) {
   return true;
 }
 
-static bool choice(reader *r, shade_list list, int *out) {
-  const char *key = shade_list_name(list);
-  char *value, words[512] = "";
-  const char *row_word;
-  if (!reader_text(r, key, NULL, &value))
+#define NODE_WORD(TYPE, name, OUTPUT) #TYPE,
+#define NODE_OUTPUT(TYPE, name, OUTPUT) OUTPUT_##OUTPUT,
+#define NODE_READ(TYPE, name, OUTPUT)                                                              \
+  case NODE_##TYPE:                                                                                \
+    return node_##name##_read(r, &n->of.name, s->images);
+static bool read_node(reader *r, void *out, void *context) {
+  static const char *const types[] = {NODE_TABLE(NODE_WORD) NULL};
+  const scene *s = context;
+  node *n = out;
+  int type;
+  if (!reader_word(r, "type", types, &type))
     return false;
-  *out = shade_list_find(list, value);
-  free(value);
-  if (*out >= 0)
-    return true;
-  for (int row = 0; shade_list_row(list, row, NULL, &row_word, NULL, NULL); row++)
-    snprintf(words + strlen(words), sizeof words - strlen(words), "%s%s", row ? ", " : "",
-             row_word);
-  return reader_fail(r, "%s must be one of %s", key, words);
-}
-
-static bool image_index(reader *r, const char *key, const scene *s, int *out) {
-  return reader_integer(r, key, -1, (long)s->images - 1, out);
-}
-
-/* The choices of the table. What came later than the first dumps may be
- * missing, and means what it does there. */
-static bool read_choices(reader *r, shade_params *q) {
-  shade_list_info info;
-  for (int list = 0; shade_list_about((shade_list)list, &info); list++) {
-    int value = info.older;
-    if ((info.in_every_dump || reader_has(r, info.word)) && !choice(r, (shade_list)list, &value))
-      return false;
-    shade_params_set_choice(q, (shade_list)list, value);
+  switch (n->type = (node_type)type) {
+    NODE_TABLE(NODE_READ)
+  case NODE_TYPES:
+    break;
   }
-  return true;
+  return false;
 }
 
-/* The numbers of the table, brought into their ranges: the dump shall say what is shaded. Of
- * exponents and alphas those count that the distribution reads; they set the others. */
-static bool read_numbers(reader *r, shade_params *q, unsigned *status) {
-  const unsigned mdf = (unsigned)q->mdf;
-  shade_param_info info;
-  for (int row = 0; shade_param_row(row, &info); row++) {
-    double v[3] = {0, 0, 0};
-    if (!info.in_every_dump && !reader_has(r, info.word))
-      continue;
-    if (!(info.components == 1 ? reader_number(r, info.word, v)
-                               : reader_numbers(r, info.word, info.components, v)))
-      return false;
-    if (info.list != SHADE_LIST_MDF || info.choices >> mdf & 1)
-      *status |= shade_params_set(q, row, v);
+#define CLOSURE_WORD(TYPE, name) #TYPE,
+#define CLOSURE_READ(TYPE, name)                                                                   \
+  case CLOSURE_##TYPE:                                                                             \
+    return closure_##name##_read(r, &m->closure.of.name, &m->status);
+static bool read_closure(reader *r, material *m) {
+  static const char *const types[] = {CLOSURE_TABLE(CLOSURE_WORD) NULL};
+  int type;
+  if (!reader_word(r, "closure", types, &type))
+    return false;
+  switch (m->closure.type = (closure_type)type) {
+    CLOSURE_TABLE(CLOSURE_READ)
+  case CLOSURE_TYPES:
+    break;
   }
-  return true;
+  return false;
 }
 
 static bool read_material(reader *r, void *out, void *context) {
+  static const node_output outputs[] = {NODE_TABLE(NODE_OUTPUT)};
   const scene *s = context;
   material *m = out;
-  double strength;
-  shade_params_init(&m->params);
   m->number = (int)(m - s->material);
-  if (!reader_text(r, "name", NULL, &m->name) || !read_choices(r, &m->params) ||
-      !read_numbers(r, &m->params, &m->status) ||
-      !image_index(r, "color_image", s, &m->color_image) ||
-      !image_index(r, "normal_image", s, &m->normal_image) ||
-      !reader_number(r, "normal_strength", &strength))
+  if (!reader_text(r, "name", NULL, &m->name) || !read_closure(r, m) ||
+      !reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, context))
     return false;
-  m->normal_strength = (float)fmin(fmax(strength, 0.0), 1e6);
-  m->status |= shade_bsdf_setup(&m->bsdf, &m->params);
+  for (size_t k = 0; k < m->nodes; k++)
+    m->outputs |= outputs[m->node[k].type];
   return true;
 }
 

@@ -302,28 +302,42 @@ static bool build_accel(build *b) {
   return s->accel != NULL;
 }
 
-static bool build_textures(scene *s, const atomic_bool *cancel, message_log *log) {
+#define CLOSURE_EXPONENT(TYPE, name)                                                               \
+  case CLOSURE_##TYPE:                                                                             \
+    return closure_##name##_exponent(&c->of.name);
+static double exponent_of(const closure *c) {
+  switch (c->type) {
+    CLOSURE_TABLE(CLOSURE_EXPONENT)
+  case CLOSURE_TYPES:
+    break;
+  }
+  return 0.0;
+}
+
+#define NODE_BUILD(TYPE, name, OUTPUT)                                                             \
+  case NODE_##TYPE:                                                                                \
+    return node_##name##_build(&n->of.name, place);
+static bool build_node(node *n, const node_place *place) {
+  switch (n->type) {
+    NODE_TABLE(NODE_BUILD)
+  case NODE_TYPES:
+    break;
+  }
+  return false;
+}
+
+static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
-  for (size_t i = 0; i < s->materials; i++) {
-    material *m = &s->material[i];
+  for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
-    if (m->color_image >= 0) {
-      const image *source = &s->image[m->color_image];
-      m->color[0] = texture_request(&s->textures, source, TEXTURE_RED_GREEN, 1.0f);
-      m->color[1] = texture_request(&s->textures, source, TEXTURE_BLUE, 1.0f);
-      good = good && m->color[0] && m->color[1];
-    }
-    if (m->normal_image >= 0) {
-      const image *source = &s->image[m->normal_image];
-      m->normal = texture_request(&s->textures, source, TEXTURE_NORMAL, m->normal_strength);
-      good = good && m->normal;
-      if (fmax(m->params.ex, m->params.ey) > 500.0 && texture_is_8bit(source))
-        message_warn(log,
-                     "material %s: an 8-bit normal map is too coarse for an exponent of %g; use "
-                     "16 bits or float",
-                     m->name, fmax(m->params.ex, m->params.ey));
-    }
+    node_place place = {.image = s->image,
+                        .textures = &s->textures,
+                        .material = m->name,
+                        .exponent = exponent_of(&m->closure),
+                        .log = log};
+    for (size_t k = 0; good && k < m->nodes; k++)
+      good = build_node(&m->node[k], &place);
   }
   if (!good || !texture_pack(&s->textures, s->threads, cancel))
     return message_error(log, "out of memory");
@@ -333,7 +347,7 @@ static bool build_textures(scene *s, const atomic_bool *cancel, message_log *log
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
   build b = {.scene = s, .cancel = cancel, .log = log};
   double start = parallel_clock();
-  if (!build_textures(s, cancel, log))
+  if (!build_materials(s, cancel, log))
     return false;
   double textures = parallel_clock();
   bool good = build_world(&b);
@@ -363,8 +377,10 @@ void scene_free(scene *s) {
     free(s->world[i]);
   free(s->triangle);
   texture_free(&s->textures);
-  for (size_t i = 0; s->material && i < s->materials; i++)
+  for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);
+    free(s->material[i].node);
+  }
   for (size_t i = 0; s->mesh && i < s->meshes; i++)
     free(s->mesh[i].name);
   free(s->light);

@@ -14,7 +14,9 @@
 
 #include "shade/shade.h"
 
+#include "closure/closure.h"
 #include "light/light.h"
+#include "node/node.h"
 #include "scene/accel.h"
 #include "system/message.h"
 #include "scene/texture.h"
@@ -29,14 +31,12 @@ typedef struct camera {
 
 typedef struct material {
   int number; /* material.ID of a dump */
-  shade_params params;
-  shade_bsdf bsdf;
   char *name;
-  int color_image, normal_image; /* -1: none */
-  float normal_strength;
-  unsigned status;         /* of the parameters: what had to be clamped */
-  const texture *normal;   /* x and y of the unit normal in [-1, 1] */
-  const texture *color[2]; /* red and green, blue and nothing, 2 c - 1 */
+  unsigned status; /* of its closure's parameters: what had to be clamped */
+  closure closure;
+  size_t nodes; /* in the order in which they run */
+  node *node;
+  unsigned outputs; /* of all nodes: bits of node_output */
 } material;
 
 typedef struct mesh {

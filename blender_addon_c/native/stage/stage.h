@@ -8,11 +8,11 @@
  *   gather   hits only, one material after the other               by hit from here on
  *   corner   the triangle's corners, interpolated: one row of 8 floats a hit
  *   surface  position, frame, direction to the eye, uv
- *   bilinear, bump, tint                                          textures
+ *   flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
  *   (trace)  accel_occluded
  *   shadow
- *   (shade)  shade_bsdf_eval_batchf for each material
+ *   closure  f and cosine, for each material
  *   reflect  f cos E, added up over the lights
  *   film     averages over the samples of each pixel               by sample again
  *
@@ -60,10 +60,9 @@ typedef struct stage_table {
   void (*surface)(size_t count, const rays *ray, const hits *hit, const corners *corner,
                   surfaces *out);
 
-  void (*bilinear)(const segment *g, const texture *texture, const surfaces *at, float *a,
-                   float *b);
-  void (*bump)(const segment *g, const corners *corner, const surfaces *at, inputs *out);
-  void (*tint)(const segment *g, inputs *out);
+  void (*flat)(const segment *g, inputs *out);
+  void (*node[NODE_TYPES])(const segment *g, const node *node, const corners *corner,
+                           const surfaces *at, inputs *out);
 
   void (*pair)(size_t count, const points *points, const uint32_t *lane, const paths *path,
                light_samples *out);
@@ -73,6 +72,9 @@ typedef struct stage_table {
   void (*lit)(size_t count, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
+  /* Returns status bits of libshade. */
+  unsigned (*closure[CLOSURE_TYPES])(const segment *g, const surfaces *at, const inputs *given,
+                                     const light_samples *light, reflections *out);
   void (*reflect)(size_t count, const float color[3], const light_samples *light,
                   reflections *reflection, lane_c *sum);
 

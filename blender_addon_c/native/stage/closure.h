@@ -1,7 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reflected light of one light: f comes in, S = f cos E goes out and to the sum. */
+/* Each closure's stage, and what it makes of one light: f comes in, S = f cos E goes to the sum. */
 #include "batch/leaf.h"
 #include "stage/stage.h"
+
+#define CLOSURE_STAGE(TYPE, name)                                                                  \
+  static unsigned stage_##name(const segment *g, const surfaces *restrict at,                      \
+                               const inputs *restrict given, const light_samples *restrict light,  \
+                               reflections *restrict out) {                                        \
+    return closure_##name##_eval(&g->material->closure.of.name, g->run, at, given, light, out);    \
+  }
+CLOSURE_TABLE(CLOSURE_STAGE)
 
 static void stage_reflect(size_t count, const float color[3], const light_samples *restrict light,
                           reflections *restrict reflection, lane_c *restrict sum) {

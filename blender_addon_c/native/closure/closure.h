@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Kinds of closure: what a surface reflects. Each is one file, closure/<name>.h, with
+ *
+ *   closure_<name>            what it keeps
+ *   closure_<name>_read       reads it from a scene
+ *   closure_<name>_exponent   how sharp it is, as an exponent
+ *   closure_<name>_eval       f and cosine for a run of hits
+ *
+ * and one row: ROW(TYPE, name). TYPE is the word in a scene, CLOSURE_TYPE its number, stage_<name>
+ * its stage and closure_<name> its clock.
+ */
+#ifndef LIBSHADE_CLOSURE_H
+#define LIBSHADE_CLOSURE_H
+
+#include "closure/metal.h"
+
+#define CLOSURE_TABLE(ROW) ROW(METAL, metal)
+
+#define CLOSURE_TYPE(TYPE, name) CLOSURE_##TYPE,
+typedef enum closure_type { CLOSURE_TABLE(CLOSURE_TYPE) CLOSURE_TYPES } closure_type;
+
+#define CLOSURE_MEMBER(TYPE, name) closure_##name name;
+typedef struct closure {
+  closure_type type;
+  union {
+    CLOSURE_TABLE(CLOSURE_MEMBER)
+  } of;
+} closure;
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Kinds of node, of which a material's graph is a list in the order in which they run. Each is one
+ * file, node/<name>.h, with
+ *
+ *   node_<name>         what it keeps
+ *   node_<name>_read    reads it from a scene of so many images
+ *   node_<name>_build   before the first sample: asks for textures; false when out of memory
+ *   node_<name>_run     a loop over a run of hits that writes its output, a member of `inputs`
+ *
+ * and one row: ROW(TYPE, name, OUTPUT). TYPE is the word in a scene, NODE_TYPE its number,
+ * stage_<name> its stage and node_<name> its clock.
+ */
+#ifndef LIBSHADE_NODE_H
+#define LIBSHADE_NODE_H
+
+#include "node/image.h"
+#include "node/normal_map.h"
+
+#define NODE_TABLE(ROW)                                                                            \
+  ROW(IMAGE, image, COLOR)                                                                         \
+  ROW(NORMAL_MAP, normal_map, NORMAL)
+
+#define NODE_TYPE(TYPE, name, OUTPUT) NODE_##TYPE,
+typedef enum node_type { NODE_TABLE(NODE_TYPE) NODE_TYPES } node_type;
+
+#define NODE_MEMBER(TYPE, name, OUTPUT) node_##name name;
+typedef struct node {
+  node_type type;
+  union {
+    NODE_TABLE(NODE_MEMBER)
+  } of;
+} node;
+
+#endif
