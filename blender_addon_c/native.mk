@@ -19,13 +19,13 @@ NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
 .PHONY: native native-sanitized native-clang
-native: $(NATIVE_SO) $(NATIVE_LIBS)
+native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages
 # for test_native_build.py, which runs the other tests on them
 native-sanitized:
 	$(Q)$(MAKE) --no-print-directory B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" native
 native-clang:
 	$(Q)$(MAKE) --no-print-directory B=$(B)/clang CC=clang native
-check: native-sanitized native-clang
+check: native native-sanitized native-clang
 
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
@@ -38,6 +38,11 @@ $(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
 $(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
+# the stages without Python; needs cmocka
+NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/%,$(NATIVE_OBJ)) $(B)/libshade.a
+$(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) -lcmocka -lm -o $@
 -include $(wildcard $(NATIVE)/obj/*/*.d)
 
 $(NATIVE)/lib/libembree3.so.3: $(NATIVE_SYSTEM)/libembree3.so.3

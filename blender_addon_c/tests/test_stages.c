@@ -1,0 +1,467 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The stages one by one, on every instruction set of this CPU, without Python: against formulas in
+ * double precision. COUNT leaves a rest that fills no register; what lies beyond it must stay as it
+ * is.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "batch/state.h"
+#include "stage/stage.h"
+
+enum { COUNT = 1003, SET = 0x7b };
+
+static const stage_table *stages;
+static batch *b;
+static uint32_t seed;
+
+static double number(void) { /* [0, 1) */
+  seed = 1664525u * seed + 1013904223u;
+  return (double)(seed >> 8) * 0x1p-24;
+}
+static float between(double low, double high) {
+  return (float)(low + (high - low) * number());
+}
+
+/* A direction, even over the sphere. */
+static vec3 direction(void) {
+  double z = 2 * number() - 1, turns = 6.283185307179586 * number(), r = sqrt(1 - z * z);
+  return (vec3){(float)(r * cos(turns)), (float)(r * sin(turns)), (float)z};
+}
+static double dot_d(vec3 a, vec3 c) {
+  return (double)a.x * (double)c.x + (double)a.y * (double)c.y + (double)a.z * (double)c.z;
+}
+static void near(double found, double wanted, double tolerance) {
+  if (!(fabs(found - wanted) <= tolerance))
+    fail_msg("%s: %.9g where %.9g is right", stages->name, found, wanted);
+}
+static void near3(vec3 found, double x, double y, double z, double tolerance) {
+  near((double)found.x, x, tolerance);
+  near((double)found.y, y, tolerance);
+  near((double)found.z, z, tolerance);
+}
+
+/* Bytes of an array from lane `from` on are as setup left them. */
+static void untouched(const void *array, size_t from) {
+  const unsigned char *byte = array;
+  for (size_t i = from * sizeof(float); i < sizeof(lane_f); i++)
+    assert_int_equal(byte[i], SET);
+}
+
+static int setup(void **state) {
+  b = aligned_alloc(64, sizeof *b);
+  assert_non_null(b);
+  memset(b, SET, sizeof *b);
+  stages = *state;
+  seed = 7;
+  return 0;
+}
+static int teardown(void **state) {
+  (void)state;
+  free(b);
+  return 0;
+}
+
+/* Points with a random shading frame at random places. */
+static void make_points(void) {
+  for (size_t i = 0; i < COUNT; i++) {
+    vec3 n = direction(), t, c;
+    across(n, &t, &c);
+    store(&b->surface.n, i, n);
+    store(&b->surface.t, i, t);
+    store(&b->surface.b, i, c);
+    store(&b->surface.g, i, scaled(n, 1e-4f));
+    store(&b->surface.p, i, (vec3){between(-2, 2), between(-2, 2), between(-2, 2)});
+    b->surface.u[i] = between(-3, 3);
+    b->surface.v[i] = between(-3, 3);
+    b->surface.side[i] = number() < 0.5 ? -1.0f : 1.0f;
+    b->corner.handed[i] = number() < 0.5 ? -1.0f : 1.0f;
+  }
+}
+
+static void camera_through_pixels(void **state) {
+  (void)state;
+  uint32_t middle[COUNT];
+  for (size_t i = 0; i < COUNT; i++)
+    middle[i] = 0x80000000u;
+  camera c = {.axis = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}},
+              .origin = {5, 6, 7},
+              .frame = {-1, 1, -1, 1},
+              .clip = {0.25f, 50}};
+  for (int perspective = 0; perspective < 2; perspective++) {
+    c.perspective = perspective;
+    camera_view view = {.camera = &c,
+                        .region = {0, 0, 32, 30},
+                        .samples = 1,
+                        .per_sample = 1,
+                        .step = {2.0f / 32, 2.0f / 32},
+                        .point = {middle, middle}};
+    stages->camera(COUNT, &view, &b->path, &b->sample_ray);
+    for (uint32_t i = 0; i < COUNT; i++) {
+      int x, y;
+      pixel_place(&view, i, &x, &y);
+      double right = (x + 0.5) / 16 - 1, up = (y + 0.5) / 16 - 1;
+      double length = perspective ? sqrt(right * right + up * up + 1) : 1;
+      vec3 o = load(&b->sample_ray.o, i), d = load(&b->sample_ray.d, i);
+      if (perspective) {
+        near3(o, 5, 6, 7, 0);
+        near3(d, -1 / length, right / length, up / length, 2e-7);
+      } else {
+        near3(o, 5, 6 + right, 7 + up, 1e-6);
+        near3(d, -1, 0, 0, 0);
+      }
+      near((double)b->sample_ray.tnear[i], 0.25 * length, 1e-6);
+      near((double)b->sample_ray.tfar[i], y < 30 ? 50 * length : -1, 1e-5);
+    }
+    untouched(b->sample_ray.d.y, COUNT);
+  }
+}
+
+static void locate_and_move(void **state) {
+  (void)state;
+  size_t wanted = 0;
+  for (size_t i = 0; i < COUNT; i++) {
+    b->sample_hit.geometry[i] = i % 3 == 0   ? ACCEL_MISS
+                                : i % 3 == 1 ? ACCEL_QUADS
+                                             : ACCEL_TRIANGLES;
+    b->sample_hit.primitive[i] = (uint32_t)i;
+    b->sample_hit.u[i] = 0.75f;
+    b->sample_hit.v[i] = i % 2 ? 0.5f : 0.125f;
+    wanted += i % 3 != 0;
+  }
+  assert_int_equal(stages->locate(COUNT, 10000, &b->sample_hit, &b->path), wanted);
+  for (size_t i = 0; i < COUNT; i++) {
+    bool second = i % 3 == 1 && i % 2;
+    near((double)b->path.alpha[i], i % 3 != 0, 0);
+    assert_int_equal(b->sample_hit.record[i], i % 3 == 0   ? RECORD_MISS
+                                              : i % 3 == 1 ? 2 * i + second
+                                                           : 10000 + i);
+    near((double)b->sample_hit.u[i], second ? 0.25 : 0.75, 0);
+  }
+  untouched(b->sample_hit.record, COUNT);
+  for (size_t i = 0; i < COUNT; i++) {
+    b->queue.moved[i] = (uint32_t)(i * 7 % COUNT); /* a permutation: 7 does not divide 1003 */
+    b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = (float)i;
+  }
+  stages->scatter(COUNT, b->queue.moved, &b->sum, &b->sample_color);
+  stages->gather(COUNT, b->queue.moved, b->sample_color.g, b->surface.u);
+  for (size_t i = 0; i < COUNT; i++)
+    near((double)b->surface.u[i], (double)i, 0);
+  untouched(b->surface.u, COUNT);
+}
+
+static void surface_frames(void **state) {
+  (void)state;
+  for (size_t i = 0; i < COUNT; i++) {
+    vec3 d = direction(), n = direction(), t = direction();
+    store(&b->sample_ray.o, i, (vec3){between(-9, 9), between(-9, 9), between(-9, 9)});
+    store(&b->sample_ray.d, i, d);
+    b->sample_ray.tfar[i] = between(0.1, 10);
+    store(&b->sample_hit.g, i, scaled(direction(), between(0.01, 100)));
+    float row[8] = {n.x, n.y, n.z, t.x, t.y, t.z, 0.25f, 0.75f};
+    if (i % 5 == 0) /* corner normals that cancel */
+      row[0] = row[1] = row[2] = 0.0f;
+    if (i % 7 == 0) /* no tangent */
+      row[3] = row[4] = row[5] = 0.0f;
+    memcpy(b->corner.row + 8 * i, row, sizeof row);
+    b->corner.reach[i] = 9.0f;
+  }
+  stages->surface(COUNT, &b->sample_ray, &b->sample_hit, &b->corner, &b->surface);
+  for (size_t i = 0; i < COUNT; i++) {
+    const float *row = b->corner.row + 8 * i;
+    vec3 o = load(&b->sample_ray.o, i), d = load(&b->sample_ray.d, i);
+    vec3 p = load(&b->surface.p, i), n = load(&b->surface.n, i), t = load(&b->surface.t, i);
+    vec3 c = load(&b->surface.b, i), g = load(&b->surface.g, i), wo = load(&b->surface.wo, i);
+    double far = (double)b->sample_ray.tfar[i];
+    near3(p, (double)o.x + far * (double)d.x, (double)o.y + far * (double)d.y,
+          (double)o.z + far * (double)d.z, 4e-6);
+    near(dot_d(n, n), 1, 1e-6);
+    near(dot_d(t, t), 1, 1e-6);
+    near(dot_d(n, t), 0, 1e-5); /* tangents along the normal lose digits */
+    near3(c, (double)n.y * (double)t.z - (double)n.z * (double)t.y,
+          (double)n.z * (double)t.x - (double)n.x * (double)t.z,
+          (double)n.x * (double)t.y - (double)n.y * (double)t.x, 1e-6);
+    assert_true(dot_d(n, d) <= 1e-7 && dot_d(g, d) <= 0);
+    vec3 given = {row[0], row[1], row[2]};
+    near(fabs(dot_d(i % 5 ? given : g, n)), i % 5 ? 1 : sqrt(dot_d(g, g)), 1e-6);
+    near((double)b->surface.side[i], i % 5 ? (dot_d(given, d) > 0 ? -1 : 1) : 1, 0);
+    near3(wo, -dot_d(d, t), -dot_d(d, c), -dot_d(d, n), 1e-6);
+    assert_true(sqrt(dot_d(g, g)) > 2e-6 * 9 && sqrt(dot_d(g, g)) < 2e-6 * 60);
+    near((double)b->surface.u[i], 0.25, 0);
+  }
+  untouched(b->surface.n.x, COUNT);
+}
+
+static void pairs_of_numbers(void **state) {
+  (void)state;
+  uint32_t x[COUNT], y[COUNT];
+  for (uint32_t i = 0; i < COUNT; i++) {
+    x[i] = i << 22; /* in order and, of 1024, even */
+    y[i] = 0xc0000000u;
+    b->path.hash[i] = i * 0x9e3779b9u;
+    b->queue.moved[i] = COUNT - 1 - i;
+  }
+  points plain = {.x = x, .y = y}, mixed = {.x = x, .y = y, .salt = 5, .scramble = UINT32_MAX};
+  stages->pair(COUNT, &plain, b->queue.moved, &b->path, &b->light);
+  for (size_t i = 0; i < COUNT; i++) {
+    near((double)b->light.x[i], (double)(COUNT - 1 - i) / 1024, 0);
+    near((double)b->light.y[i], 0.75, 0);
+  }
+  stages->pair(COUNT, &mixed, b->queue.moved, &b->path, &b->light);
+  double sum = 0, square = 0;
+  for (size_t i = 0; i < COUNT; i++) {
+    double one = (double)b->light.y[i];
+    assert_true(one >= 0 && one < 1);
+    sum += one;
+    square += one * one;
+  }
+  near(sum / COUNT, 0.5, 4 * sqrt(1.0 / 12 / COUNT)); /* four standard deviations */
+  near(square / COUNT, 1.0 / 3, 4 * sqrt(4.0 / 45 / COUNT));
+  untouched(b->light.x, COUNT);
+}
+
+/* A grid over the unit square, in the middles of its cells; returns how many. */
+static size_t make_grid(void) {
+  enum { SIDE = 31 };
+  for (size_t i = 0; i < SIDE * SIDE; i++) {
+    b->light.x[i] = ((float)(i % SIDE) + 0.5f) / SIDE;
+    b->light.y[i] = ((float)(i / SIDE) + 0.5f) / SIDE;
+    store(&b->surface.p, i, (vec3){1, 2, 3});
+  }
+  return SIDE * SIDE;
+}
+
+static void sun_light(void **state) {
+  (void)state;
+  const double radius = 0.5; /* tan(angle / 2) */
+  light sun = {.type = LIGHT_SUN, .of.sun = {.to = {0.6f, 0, 0.8f}}};
+  sun.of.sun.axis[0] = (vec3){0, 0.5f, 0};
+  sun.of.sun.axis[1] = (vec3){-0.4f, 0, 0.3f};
+  size_t count = make_grid();
+  stages->light[LIGHT_SUN](COUNT, &sun, false, &b->surface, &b->light);
+  for (size_t i = 0; i < COUNT; i++)
+    near3(load(&b->light.ray.d, i), 0.6, 0, 0.8, 1e-7);
+  stages->light[LIGHT_SUN](count, &sun, true, &b->surface, &b->light);
+  double across_squared = 0;
+  for (size_t i = 0; i < count; i++) {
+    vec3 d = load(&b->light.ray.d, i);
+    double along = dot_d(d, sun.of.sun.to);
+    near(dot_d(d, d), 1, 1e-6);
+    assert_true(along > 1 / sqrt(1 + radius * radius) - 1e-6);
+    across_squared += 1 / (along * along) - 1;
+    near((double)b->light.e[i], 1, 0);
+    assert_true(isinf(b->light.ray.tfar[i]));
+  }
+  near(across_squared / (double)count, radius * radius / 2, 1e-4); /* of an evenly lit disc */
+}
+
+static void point_light(void **state) {
+  (void)state;
+  const double radius = 0.25;
+  light bulb = {.type = LIGHT_POINT, .of.point = {.position = {1, 2, 5}, .radius = (float)radius}};
+  size_t count = make_grid();
+  stages->light[LIGHT_POINT](count, &bulb, true, &b->surface, &b->light);
+  double height = 2, across_squared = 0;
+  for (size_t i = 0; i < count; i++) {
+    vec3 d = load(&b->light.ray.d, i);
+    double far = (double)b->light.ray.tfar[i];
+    near((double)d.z * far, height, 1e-6); /* on the disc that faces the point */
+    across_squared += far * far - height * height;
+    assert_true(far * far <= height * height + radius * radius + 1e-5);
+    near((double)b->light.e[i] * far * far, 1, 1e-6);
+  }
+  near(across_squared / (double)count, radius * radius / 2, 1e-4);
+  make_points();
+  store(&b->surface.p, 3, (vec3){1, 2, 5}); /* the light itself */
+  stages->light[LIGHT_POINT](COUNT, &bulb, false, &b->surface, &b->light);
+  for (size_t i = 0; i < COUNT; i++) {
+    vec3 p = load(&b->surface.p, i);
+    double x = 1 - (double)p.x, y = 2 - (double)p.y, z = 5 - (double)p.z;
+    double square = x * x + y * y + z * z, far = sqrt(square);
+    near((double)b->light.e[i], i == 3 ? 0 : 1 / square, 1e-6);
+    if (i != 3)
+      near3(load(&b->light.ray.d, i), x / far, y / far, z / far, 1e-6);
+  }
+  untouched(b->light.e, COUNT);
+}
+
+static void shadow_rays(void **state) {
+  (void)state;
+  size_t wanted = 0;
+  make_points();
+  for (size_t i = 0; i < COUNT; i++) {
+    store(&b->light.ray.d, i, direction());
+    b->light.ray.tfar[i] = 5;
+    b->light.e[i] = 0.5f;
+    if (i % 2) /* a facet that is turned away */
+      store(&b->surface.g, i, scaled(load(&b->surface.n, i), -1e-4f));
+  }
+  stages->lit(COUNT, &b->surface, &b->light);
+  for (size_t i = 0; i < COUNT; i++) {
+    vec3 l = load(&b->light.ray.d, i), n = load(&b->surface.n, i), p = load(&b->surface.p, i);
+    vec3 g = load(&b->surface.g, i), wi = load(&b->light.wi, i), o = load(&b->light.ray.o, i);
+    near3(wi, dot_d(l, load(&b->surface.t, i)), dot_d(l, load(&b->surface.b, i)), dot_d(l, n),
+          1e-6);
+    near3(o, (double)p.x + (double)g.x, (double)p.y + (double)g.y, (double)p.z + (double)g.z, 1e-6);
+    bool sees = i % 2 == 0 && dot_d(l, n) > 0;
+    near((double)b->light.ray.tfar[i], sees ? 5 : -1, 0);
+    wanted += sees;
+  }
+  b->light.ray.tfar[0] = -INFINITY; /* stopped on its way */
+  wanted -= dot_d(load(&b->light.ray.d, 0), load(&b->surface.n, 0)) > 0;
+  assert_int_equal(stages->shadow(COUNT, &b->light), wanted);
+  near((double)b->light.e[0], 0, 0);
+  untouched(b->light.e, COUNT);
+}
+
+/* A texture of 2 x 2 texels with its rim, as texture.c packs it; a and b by column and row. */
+static void pack(uint32_t texel[25], const double a[2][2], const double c[2][2]) {
+  for (int y = 0; y < 5; y++)
+    for (int x = 0; x < 5; x++) {
+      int k = (x + 1) % 2, line = (y + 1) % 2; /* it repeats */
+      uint32_t low = (uint32_t)(int32_t)lrint(32767 * a[line][k]) & 0xffffu;
+      texel[5 * y + x] = low | (uint32_t)(int32_t)lrint(32767 * c[line][k]) << 16;
+    }
+}
+
+/* Bilinear over the repeated texels, by definition. */
+static double bilinear(const double a[2][2], double u, double v) {
+  double x = 2 * u - 0.5, y = 2 * v - 0.5, s = x - floor(x), t = y - floor(y);
+  int k = (int)fabs(fmod(floor(x), 2)), line = (int)fabs(fmod(floor(y), 2));
+  double low = (1 - s) * a[line][k] + s * a[line][1 - k];
+  double high = (1 - s) * a[1 - line][k] + s * a[1 - line][1 - k];
+  return (1 - t) * low + t * high;
+}
+
+static void nodes(void **state) {
+  (void)state;
+  const double a[2][2] = {{-1, 0.5}, {0.25, 1}}, c[2][2] = {{0.75, -0.5}, {0, 0.125}};
+  const double x[2][2] = {{-0.5, 0.5}, {0.25, 0.5}}, y[2][2] = {{0.5, -0.5}, {0, 0.125}};
+  uint32_t color_texel[25], normal_texel[25];
+  pack(color_texel, a, c);
+  pack(normal_texel, x, y);
+  texture two = {.width = 2, .height = 2, .stride = 5, .wrap = WRAP_REPEAT, .linear = 1};
+  texture color = two, normal = two;
+  color.texel = color_texel;
+  normal.texel = normal_texel;
+  node image = {.type = NODE_IMAGE, .of.image = {.red_green = &color, .blue = &color}};
+  node bump = {.type = NODE_NORMAL_MAP, .of.normal_map = {.normal = &normal}};
+  segment g = {.run = {.begin = 5, .end = COUNT}};
+  make_points();
+  b->surface.u[6] = NAN;
+  b->surface.v[7] = INFINITY;
+  b->surface.u[8] = -1e30f;
+  stages->flat(&g, &b->input);
+  near3(load(&b->input.normal, 9), 0, 0, 1, 0);
+  stages->node[NODE_IMAGE](&g, &image, &b->corner, &b->surface, &b->input);
+  stages->node[NODE_NORMAL_MAP](&g, &bump, &b->corner, &b->surface, &b->input);
+  for (size_t i = g.run.begin; i < g.run.end; i++) {
+    double u = (double)b->surface.u[i], v = (double)b->surface.v[i];
+    vec3 n = load(&b->input.normal, i);
+    near(dot_d(n, n), 1, 1e-6); /* also where there is no place to look */
+    if (i >= 6 && i <= 8)
+      continue;
+    near((double)b->input.color.r[i], 0.5 + 0.5 * bilinear(a, u, v), 3e-5);
+    near((double)b->input.color.g[i], 0.5 + 0.5 * bilinear(c, u, v), 3e-5);
+    near((double)b->input.color.b[i], 0.5 + 0.5 * bilinear(a, u, v), 3e-5);
+    double nx = bilinear(x, u, v), ny = bilinear(y, u, v);
+    near3(n, nx * (double)b->surface.side[i], ny * (double)b->corner.handed[i],
+          sqrt(1 - nx * nx - ny * ny), 8e-5);
+  }
+  untouched(b->input.normal.x, COUNT);
+  const unsigned char *before = (const unsigned char *)b->input.color.r;
+  assert_int_equal(before[4 * g.run.begin - 1], SET);
+}
+
+static void metal_and_reflection(void **state) {
+  (void)state;
+  material m = {.closure.type = CLOSURE_METAL};
+  closure_metal *metal = &m.closure.of.metal;
+  shade_params_init(&metal->params);
+  metal->params.ex = 40;
+  metal->params.ey = 5;
+  shade_bsdf_setup(&metal->bsdf, &metal->params);
+  segment g = {.material = &m, .run = {.begin = 17, .end = COUNT, .outputs = OUTPUT_NORMAL}};
+  for (size_t i = 0; i < COUNT; i++) {
+    vec3 up[3];
+    for (int k = 0; k < 3; k++) {
+      up[k] = direction();
+      up[k].z = fabsf(up[k].z);
+    }
+    store(&b->input.normal, i, up[0]);
+    store(&b->light.wi, i, up[1]);
+    store(&b->surface.wo, i, up[2]);
+    b->light.e[i] = 0.5f;
+    b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = 1;
+  }
+  assert_int_equal(
+      stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, &b->reflection), 0);
+  stages->reflect(COUNT, (const float[]){1, 2, 4}, &b->light, &b->reflection, &b->sum);
+  for (size_t i = g.run.begin; i < COUNT; i++) {
+    double dir[3][3], f[3], cosine;
+    const lane_v *from[3] = {&b->input.normal, &b->light.wi, &b->surface.wo};
+    for (int k = 0; k < 3; k++) {
+      dir[k][0] = (double)from[k]->x[i];
+      dir[k][1] = (double)from[k]->y[i];
+      dir[k][2] = (double)from[k]->z[i];
+    }
+    shade_bsdf_eval(&metal->bsdf, dir[0], dir[1], dir[2], f, &cosine);
+    for (int k = 0; k < 3; k++) {
+      const lane_f *part[3] = {&b->sum.r, &b->sum.g, &b->sum.b};
+      double wanted = f[k] * cosine * 0.5 * (1 << k);
+      near((double)(*part[k])[i], 1 + wanted, 1e-6 + 1e-3 * wanted);
+    }
+  }
+  untouched(b->reflection.f.r, COUNT);
+}
+
+static void film(void **state) {
+  (void)state;
+  enum { SAMPLES = 7, FIRST = 3 };
+  float pixels[4 * (COUNT / SAMPLES + 2)] = {0};
+  camera_view view = {.first = FIRST, .samples = SAMPLES};
+  double wanted[4 * (COUNT / SAMPLES + 2)] = {0};
+  for (size_t i = 0; i < COUNT; i++) {
+    float value[4] = {between(0, 1), between(0, 9), between(-1, 1), (float)(i % 2)};
+    b->sum.r[i] = value[0];
+    b->sum.g[i] = value[1];
+    b->sum.b[i] = value[2];
+    b->path.alpha[i] = value[3];
+    for (size_t k = 0; k < 4; k++)
+      wanted[4 * ((FIRST + i) / SAMPLES) + k] += (double)value[k];
+  }
+  stages->film(COUNT, &view, &b->sum, &b->path, pixels);
+  for (size_t k = 0; k < sizeof pixels / sizeof *pixels; k++)
+    near((double)pixels[k], wanted[k], 1e-5);
+}
+
+int main(void) {
+  static const stage_table *const tables[] = {&stages_scalar, &stages_sse2, &stages_avx2,
+                                              &stages_avx512};
+  const stage_table *widest = stages_choose();
+  int failed = 0;
+  for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {
+    void *table = (void *)(uintptr_t)tables[k];
+#define TEST(function)                                                                             \
+  { #function, function, setup, teardown, table }
+    const struct CMUnitTest tests[] = {TEST(camera_through_pixels),
+                                       TEST(locate_and_move),
+                                       TEST(surface_frames),
+                                       TEST(pairs_of_numbers),
+                                       TEST(sun_light),
+                                       TEST(point_light),
+                                       TEST(shadow_rays),
+                                       TEST(nodes),
+                                       TEST(metal_and_reflection),
+                                       TEST(film)};
+    failed += cmocka_run_group_tests_name(tables[k]->name, tests, NULL, NULL);
+    if (tables[k] == widest)
+      break;
+  }
+  return failed != 0;
+}
