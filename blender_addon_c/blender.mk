@@ -5,7 +5,7 @@ BLENDER_ADDON := $(B)/blender/addons/libshade
 include blender_addon_c/native.mk
 
 BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
-  $(filter-out %/package.py,$(wildcard blender_addon_c/*.py)) blender_addon_c/blender_manifest.toml) \
+  $(filter-out %/package.py,$(wildcard blender_addon_c/*.py blender_addon_c/export/*.py)) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
 
 blender: $(B)/libshade-blender.zip

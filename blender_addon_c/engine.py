@@ -8,7 +8,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import _native, sync
+from . import _native, export
 from .panels import ENGINE
 from .viewport import Viewport
 
@@ -31,14 +31,14 @@ class LibshadeEngine(bpy.types.RenderEngine):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
 
     def render(self, depsgraph):
-        region = sync.region_of(depsgraph.scene, self.resolution_x, self.resolution_y)
+        region = export.region_of(depsgraph.scene, self.resolution_x, self.resolution_y)
         x0, y0, x1, y1 = region
         pixels = np.zeros((y1 - y0) * (x1 - x0) * 4, np.float32)
         # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
         result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name)
         try:
             self._render(depsgraph, region, result, pixels)
-        except sync.SceneError as error:
+        except export.SceneError as error:
             self.report({"ERROR"}, f"libshade: {error}")
         except Exception:  # Blender would print it and show a black picture as if all were well
             self.report({"ERROR"}, f"libshade: internal error\n{traceback.format_exc()}")
@@ -48,11 +48,11 @@ class LibshadeEngine(bpy.types.RenderEngine):
     def _render(self, depsgraph, region, result, pixels):
         started = time.perf_counter()
         self.update_stats("", "Reading the scene")
-        messages = sync.Messages()
+        messages = export.Messages()
         try:
             size = self.resolution_x, self.resolution_y
-            camera = sync.camera_of(self.camera_override, depsgraph, size, messages)
-            scene = sync.read(depsgraph, camera, size, region,
+            camera = export.camera_of(self.camera_override, depsgraph, size, messages)
+            scene = export.read(depsgraph, camera, size, region,
                               depsgraph.scene.libshade.samples, messages)
             scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
         finally:
@@ -61,7 +61,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
         try:
             job = _native.start(scene)
         except ValueError as error:
-            raise sync.SceneError(str(error)) from error
+            raise export.SceneError(str(error)) from error
         try:
             state = self._wait(job, result, pixels)
             _native.image(job, pixels)
@@ -69,7 +69,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
             for text in state["warnings"]:
                 self.report({"WARNING"}, f"libshade: {text}")
             if state["state"] == "failed":
-                raise sync.SceneError(state["message"])
+                raise export.SceneError(state["message"])
             if state["state"] == "done":
                 self.report({"INFO"}, _summary(_native.timings(job), synced - started))
         finally:

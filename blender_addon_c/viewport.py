@@ -6,7 +6,7 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix
 
-from . import _native, sync
+from . import _native, export
 
 # The share of a redraw that may be spent waiting for more of the picture.
 _WAIT_SECONDS = 0.02
@@ -19,7 +19,7 @@ class Viewport:
         self._scene = None  # what the native module was given; None: to be read
         self._view = None  # (size, view to world, projection, clip) of the job
         self._job, self._finished, self._texture = None, False, None
-        self._error, self._messages = "", sync.Messages()  # why there is no job; what sync said
+        self._error, self._messages = "", export.Messages()  # why there is no job; what export said
 
     def scene_changed(self):
         self._scene = self._view = None
@@ -36,7 +36,7 @@ class Viewport:
         try:
             if view != self._view:
                 self._start(view, depsgraph)
-        except (sync.SceneError, ValueError) as error:
+        except (export.SceneError, ValueError) as error:
             self._job, self._texture, self._error = None, None, str(error)
         if self._job and not self._finished:
             self._finished = _native.wait(self._job, _WAIT_SECONDS)
@@ -62,11 +62,11 @@ class Viewport:
     def _start(self, view, depsgraph):
         self._view, self._finished, self._error = view, False, ""
         size, to_world, projection, clip = view
-        camera = sync.camera_by(projection, to_world, clip)
+        camera = export.camera_by(projection, to_world, clip)
         region = (0, 0, *size)
         if not self._scene:
-            self._messages = sync.Messages()
-            self._scene = sync.read(depsgraph, camera, size, region,
+            self._messages = export.Messages()
+            self._scene = export.read(depsgraph, camera, size, region,
                                     depsgraph.scene.libshade.preview_samples, self._messages)
         self._scene.update(camera=camera, width=size[0], height=size[1], region=region)
         self._job = _native.start(self._scene)  # the one before ends with its last reference

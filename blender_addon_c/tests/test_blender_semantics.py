@@ -72,7 +72,7 @@ TEXTURED = ("uv_node", "color_tex_image")
 
 
 def test_every_node_that_feeds_a_colour_has_a_case():
-    tree = ast.parse((ROOT / "blender_addon_c/materials.py").read_text())
+    tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
     (table,) = (node.value for node in tree.body
                 if isinstance(node, ast.Assign) and node.targets[0].id == "_COLORS")
     for key in table.keys:

@@ -38,7 +38,9 @@ def test_contents():
         names = archive.namelist()
     assert names == sorted(names)
     assert all(n.startswith("libshade/") and not n.endswith((".pyc", ".part")) for n in names)
-    sources = {f"libshade/{p.name}" for p in (ROOT / "blender_addon_c").glob("*.py")}
+    folder = ROOT / "blender_addon_c"
+    sources = {f"libshade/{p.relative_to(folder)}"
+               for pattern in ("*.py", "export/*.py") for p in folder.glob(pattern)}
     sources -= {"libshade/package.py"}
     assert sources <= set(names)
     assert {"libshade/blender_manifest.toml", "libshade/_native.abi3.so"} <= set(names)

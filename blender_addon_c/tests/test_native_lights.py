@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every type of light that the module knows: what reaches a surface, and who reads it from Blender.
 
-A type that has no entry here, or that sync.py does not know, fails.
+A type that has no entry here, or that export/light.py does not know, fails.
 """
 
 import ast
@@ -40,7 +40,7 @@ def test_what_reaches_a_plate(kind, tmp_path):
 
 
 def test_blender_hands_over_what_the_module_knows():
-    tree = ast.parse((ROOT / "blender_addon_c/sync.py").read_text())
+    tree = ast.parse((ROOT / "blender_addon_c/export/light.py").read_text())
     (table,) = (
         node.value
         for node in tree.body

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every kind of node that the module knows: what it says of a plate, and who asks for it in Blender.
 
-A kind that has no entry here, or that materials.py never asks for, fails.
+A kind that has no entry here, or that export/node.py never asks for, fails.
 """
 
 import ast
@@ -47,7 +47,7 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
 
 
 def test_blender_asks_for_what_the_module_knows():
-    tree = ast.parse((ROOT / "blender_addon_c/materials.py").read_text())
+    tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
     asked = {
         value.value
         for node in ast.walk(tree)

@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's evaluated scene to the dictionary that the native module renders."""
+
+from .camera import camera_by, camera_of, region_of
+from .messages import Messages, SceneError
+from .scene import read
+
+__all__ = ["Messages", "SceneError", "camera_by", "camera_of", "read", "region_of"]

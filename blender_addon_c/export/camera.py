@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is seen: the region of the picture, and cameras."""
+
+from .messages import SceneError
+
+
+def region_of(scene, width, height):
+    """Pixels to render, (x0, y0, x1, y1), y up from the bottom, rounded as Blender does."""
+    render = scene.render
+    if not render.use_border:
+        return 0, 0, width, height
+    return (int(render.border_min_x * width), int(render.border_min_y * height),
+            int(render.border_max_x * width), int(render.border_max_y * height))
+
+
+def camera_of(ob, depsgraph, size, messages):
+    """A camera object, as a render of that size sees through it."""
+    if ob is None or ob.type != "CAMERA":
+        raise SceneError("the scene has no camera")
+    ob = ob.evaluated_get(depsgraph)
+    data, render = ob.data, depsgraph.scene_eval.render
+    if data.type == "PANO":
+        raise SceneError(f"camera '{ob.name}' is panoramic: use Perspective or Orthographic")
+    if data.dof.use_dof:
+        messages.warning(f"camera '{ob.name}': depth of field is not supported")
+    # The projection holds lens, sensor fit, shift and aspect.
+    projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
+                                       scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    return camera_by(projection, ob.matrix_world, (data.clip_start, data.clip_end))
+
+
+def camera_by(projection, to_world, clip):
+    """A camera by its projection, turned back into the part of the view plane that it spans."""
+    p = projection
+    perspective = p[3][2] != 0
+    frame = [((p[i][2] + side) if perspective else (side - p[i][3])) / p[i][i]
+             for i in (0, 1) for side in (-1.0, 1.0)]
+    place, turn, _scale = to_world.decompose()
+    matrix = turn.to_matrix().to_4x4()
+    matrix.translation = place
+    return {"type": "PERSP" if perspective else "ORTHO", "matrix": rows(matrix),
+            "frame": tuple(frame), "clip": clip}
+
+
+def rows(matrix):
+    return [value for row in matrix for value in row]

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as a whole: its objects, and the settings of the picture."""
+
+import bpy
+
+from .camera import rows
+from .light import kinds, light_of
+from .material import Table
+from .mesh import mesh_of
+from .messages import SceneError
+from .world import background
+
+_MOST_THREADS = 256  # that the native module starts
+
+
+def read(depsgraph, camera, size, region, samples, messages):
+    """The whole scene, as native/scene/read.c takes it, without a dump."""
+    scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
+    table = Table(messages)
+    meshes, instances, lights = _objects(depsgraph, table, messages)
+    if not instances:
+        raise SceneError("nothing to render: the scene has no visible mesh with faces")
+    if not lights:
+        messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
+    if render.use_multiview:
+        messages.warning("stereoscopy is not supported: every view shows the same picture")
+    return {
+        "width": size[0],
+        "height": size[1],
+        "region": region,
+        "samples": samples,
+        "seed": scene.libshade.seed,
+        "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
+        "transparent": render.film_transparent,
+        "background": background(scene.world, messages),
+        "filter_width": scene.libshade.filter_width,
+        "camera": camera,
+        "lights": lights,
+        "images": table.images.listed,
+        "materials": table.materials,
+        "meshes": meshes,
+        "instances": instances,
+        "dump": "",
+        "renderer": f"Blender {bpy.app.version_string}",
+    }
+
+
+def _objects(depsgraph, table, messages):
+    """All meshes, their instances and the lights."""
+    meshes, instances, lights = [], [], []
+    known = {}  # (mesh, materials of its slots) to the mesh's index, or None for one without faces
+    override = depsgraph.view_layer_eval.material_override
+    for item in depsgraph.object_instances:
+        ob = item.object
+        if not item.show_self:
+            continue
+        if ob.type == "LIGHT":
+            lights += light_of(ob, item.matrix_world, messages)
+        elif isinstance(ob.data, bpy.types.Mesh):  # curves, text and so on come as meshes as well
+            if not ob.visible_camera:
+                messages.warning(f"object '{ob.name}': hidden from the camera, so left out")
+                continue
+            slots = [override] if override else _slots(ob, depsgraph)
+            key = (ob.data, *slots)
+            if key not in known:
+                mesh = mesh_of(ob, slots, table, messages)
+                known[key] = len(meshes) if mesh else None
+                meshes += [mesh] if mesh else []
+            if known[key] is not None:
+                instances.append({"mesh": known[key], "matrix": rows(item.matrix_world)})
+    return meshes, instances, lights
+
+
+def _slots(ob, depsgraph):
+    """Materials by index. Geometry made by nodes brings its own, an object's are in its slots."""
+    if ob.original.evaluated_get(depsgraph).data == ob.data:
+        return [slot.material for slot in ob.material_slots]
+    return list(ob.data.materials)
