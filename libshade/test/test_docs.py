@@ -21,6 +21,20 @@ def test_named_tests_exist(page):
         assert re.search(wanted, path.read_text(), re.M), f"{page.name} names {file}:{function}"
 
 
+@pytest.mark.parametrize("page", ("blender", "povray"))
+def test_the_way_of_a_sample_can_be_followed(page):
+    """Each step names a function and its file; native/ is the add-on's, source/ is POV-Ray's."""
+    page = (ROOT / f"docs/{page}.md").read_text().split("## How a sample travels")[1]
+    steps = re.findall(r"`([\w.:]+)`\s+(?:in\s+|\()([\w/]+\.\w+)", page)
+    assert len(steps) == len(re.findall("`[^`]+`", page)) > 4
+    for function, file in steps:
+        if file.startswith("source/"):
+            continue
+        file = ROOT / (f"blender_addon_c/{file}" if file.startswith("native/") else file)
+        for name in re.split(r"\.|::", function):
+            assert re.search(rf"\b{name}\b", file.read_text()), f"{file} has no {name}"
+
+
 def test_every_printed_formula_is_listed():
     """A test of a printed formula that the page does not mention is of no use to its reader."""
     source = (ROOT / "libshade/test/test_papers.c").read_text()
