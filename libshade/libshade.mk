@@ -15,10 +15,11 @@ CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
 # gcc: partial redundancy elimination splits f(max(x, floor)) into f(x) and a constant, and the
 # vectoriser computes both: a spurious exception, and slower
 ONE_BRANCH := $(if $(CC_IS_GCC),-fno-tree-pre)
-# clang: outside the vectorised loops it packs two divisions into a vector of four, where the two
-# that nobody reads are 0/0: a spurious exception, and slower (sse2: single calls take twice as long
-# with it; without, the whole BRDF over arrays takes a fifth longer)
-FULL_VECTORS := $(if $(CC_IS_GCC),,-fno-slp-vectorize)
+# no vectors outside the vectorised loops. clang packs two divisions into a vector of four, where
+# the two that nobody reads are 0/0: a spurious exception, and slower (sse2: single calls take twice
+# as long with it; without, the whole BRDF over arrays takes a fifth longer). gcc reads in vectors
+# what was just written one by one, and waits: a density of 16 samples takes a sixth longer
+FULL_VECTORS := $(if $(CC_IS_GCC),-fno-tree-slp-vectorize,-fno-slp-vectorize)
 ISA_scalar := $(FULL_VECTORS) -fno-openmp-simd -fno-tree-vectorize -Wno-unknown-pragmas
 ISA_sse2 := $(ONE_BRANCH) $(FULL_VECTORS)
 ISA_avx2 := $(ONE_BRANCH) $(FULL_VECTORS) -mavx2 -mfma -mtune=haswell

@@ -16,6 +16,7 @@ static unsigned FN(mdf_batch)(const bsdf *b, size_t count, const real *nx, const
   ROOM t[BLOCK], xx[BLOCK], yy[BLOCK];
   FN(mended) room;
   unsigned status = SHADE_OK;
+  const FN(shape) own = FN(own_shape)(b);
   const size_t step = FN(block_of)(count, 7);
   for (size_t start = 0; start < count; start += step) {
     size_t size = count - start < step ? count - start : step;
@@ -28,7 +29,7 @@ static unsigned FN(mdf_batch)(const bsdf *b, size_t count, const real *nx, const
       pass_fast(b, size, n, h, d);
     else
 #endif
-      FN(pass_lobe)(b, FN(own_shape)(b), size, n, h, t, xx, yy, d);
+      FN(pass_lobe)(b, &own, size, n, h, t, xx, yy, d);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])
@@ -44,7 +45,7 @@ static unsigned FN(bsdf_batch)(const bsdf *given, size_t count, const FN(shade_l
   FN(varied_room) each;
   bsdf copy;
   unsigned status = SHADE_OK;
-  const bsdf *b = FN(for_lanes)(given, varied, &copy);
+  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
   const size_t step = FN(block_of)(count, 13);
   FN(block) s = {.shape = FN(own_shape)(b)};
   for (size_t start = 0; start < count; start += step) {
@@ -54,7 +55,9 @@ static unsigned FN(bsdf_batch)(const bsdf *given, size_t count, const FN(shade_l
     s.wo = FN(vec_from)(in->wox, in->woy, in->woz, start);
     FN(vec) *const v[3] = {&s.n, &s.wi, &s.wo};
     const unsigned mended = FN(mend_block)(s.count, 3, v, &room);
-    status |= mended | FN(read_varied)(b, varied, start, &s, &each);
+    status |= mended;
+    if (varied)
+      status |= FN(read_varied)(b, varied, start, FN(is_fused)(b), &s, &each);
     const FN(results) to = {{out->r + start, out->g + start, out->b + start}, out->cosine + start};
     status |= FN(shade_block)(b, &s, to);
     for (size_t i = 0; mended & SHADE_BAD_INPUT && i < s.count; i++)

@@ -37,6 +37,9 @@ _Static_assert(offsetof(FN(shade_lanes), parts) - offsetof(FN(shade_lanes), f0r)
 
 /* Whether f0r, or what follows it in shade_lanes, holds anything. One by one, as in lanes.h. */
 LEAF int FN(is_varied)(const void *f0r) {
+#if defined(__GNUC__)
+#pragma GCC unroll 32
+#endif
   for (size_t i = 0; i < sizeof(FN(varied)); i += sizeof(void *)) {
     size_t word;
     memcpy(&word, (const char *)f0r + i, sizeof word);

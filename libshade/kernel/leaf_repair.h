@@ -40,8 +40,9 @@ LEAF real_bits FN(uneven_bits)(real x, real y, real z) {
   return FN(to_bits)(x * x + UNIT_SLACK + y * y + z * z) ^ FN(to_bits)(1);
 }
 
-LEAF int FN(off_unit)(real_bits far, real_bits uneven) {
-  return (far & FAR_BIT) || (uneven & ~(real_bits)UNIT_BITS);
+/* Not 0 where it is not. */
+LEAF real_bits FN(off_unit)(real_bits far, real_bits uneven) {
+  return (far & FAR_BIT) | (uneven & ~(real_bits)UNIT_BITS);
 }
 
 /*
@@ -82,7 +83,7 @@ static inline unsigned FN(mend_normal)(real n[3]) {
 }
 
 static inline unsigned FN(mend_if_needed)(real v[3], int is_normal) {
-  int off = FN(off_unit)(FN(far_bits)(v[0], v[1], v[2]), FN(uneven_bits)(v[0], v[1], v[2]));
+  real_bits off = FN(off_unit)(FN(far_bits)(v[0], v[1], v[2]), FN(uneven_bits)(v[0], v[1], v[2]));
   if (is_normal) /* n.z may vanish when n is made unit */
     return off || !(v[2] > 0) ? FN(mend_normal)(v) : SHADE_OK;
   return off && !FN(make_unit)(v) ? SHADE_BAD_INPUT : SHADE_OK;

@@ -71,8 +71,9 @@ LEAF real FN(density_visible)(real d, real cosine, real l) {
       real *restrict q) {                                                                          \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
       FN(lobe_point) p = {t[i], xx[i], yy[i]};                                                     \
-      real d = FN(word)(p, kx[i], ky[i], FN(slope_peak)(kx[i], ky[i]));                            \
-      real l = FN(smith_##word)(oxx[i] / kx[i] + oyy[i] / ky[i]);                                  \
+      real kk = kx[i] * ky[i], peak = FN(root)(kk) * R(0.31830988618379067154);                    \
+      real d = FN(word)(p, kx[i], ky[i], peak);                                                    \
+      real l = FN(smith_##word)((oxx[i] * ky[i] + oyy[i] * kx[i]) / kk);                           \
       q[i] += weight[i] * FN(density_visible)(d, cosine[i], l);                                    \
     }                                                                                              \
   }

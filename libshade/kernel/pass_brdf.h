@@ -5,11 +5,9 @@
  * h = wi + wo, not normalised, and its cosine hwo with either. Nonzero when some lane
  * has wi = -wo, where there is no h.
  */
-static int FN(pass_half)(size_t count, FN(vec) wi, FN(vec) wo, real *restrict hx, real *restrict hy,
+static int FN(pass_half)(size_t count, VEC(wi), VEC(wo), real *restrict hx, real *restrict hy,
                          real *restrict hz, real *restrict hwo) {
   int opposite = 0;
-  ARRAYS(wi);
-  ARRAYS(wo);
 #pragma omp simd reduction(| : opposite)
   for (size_t i = 0; i < count; i++) {
     hx[i] = wix[i] + wox[i];
@@ -40,11 +38,8 @@ LEAF real FN(lit_cosine)(real ci, real co, real iz, real oz) {
   return FN(minimum)(FN(minimum)(ci, co), FN(minimum)(iz, oz)) > 0 ? co : 0;
 }
 
-static void FN(pass_cosines_about)(size_t count, FN(vec) n, FN(vec) wi, FN(vec) wo,
-                                   real *restrict cosi, real *restrict coso) {
-  ARRAYS(n);
-  ARRAYS(wi);
-  ARRAYS(wo);
+static void FN(pass_cosines_about)(size_t count, VEC(n), VEC(wi), VEC(wo), real *restrict cosi,
+                                   real *restrict coso) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     real ci = FN(dot)(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i]);
@@ -55,9 +50,8 @@ static void FN(pass_cosines_about)(size_t count, FN(vec) n, FN(vec) wi, FN(vec) 
 }
 
 /* The same about z, for the method that ignores n. */
-static void FN(pass_cosines_flat)(size_t count, FN(vec) wi, FN(vec) wo, real *restrict cosi,
-                                  real *restrict coso) {
-  const real *restrict wiz = wi.z, *restrict woz = wo.z;
+static void FN(pass_cosines_flat)(size_t count, const real *restrict wiz, const real *restrict woz,
+                                  real *restrict cosi, real *restrict coso) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     cosi[i] = wiz[i] > 0 ? wiz[i] : 0;
@@ -65,12 +59,12 @@ static void FN(pass_cosines_flat)(size_t count, FN(vec) wi, FN(vec) wo, real *re
   }
 }
 
-static void FN(pass_cosines)(const bsdf *b, size_t count, FN(vec) n, FN(vec) wi, FN(vec) wo,
-                             real *cosi, real *coso) {
+LEAF void FN(pass_cosines)(const bsdf *b, size_t count, FN(vec) n, FN(vec) wi, FN(vec) wo,
+                           real *cosi, real *coso) {
   if (b->carry.map == SHADE_MAP_NONE)
-    FN(pass_cosines_flat)(count, wi, wo, cosi, coso);
+    FN(pass_cosines_flat)(count, wi.z, wo.z, cosi, coso);
   else
-    FN(pass_cosines_about)(count, n, wi, wo, cosi, coso);
+    FN(pass_cosines_about)(count, XYZ(n), XYZ(wi), XYZ(wo), cosi, coso);
 }
 
 /* d becomes f without Fresnel: 0 where coso is. li and lo may be any array but d. */

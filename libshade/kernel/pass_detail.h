@@ -5,10 +5,8 @@
  * BLOCK long and do not overlap.
  */
 #define DETAIL_PASS(leaf, with)                                                                    \
-  static void FN(pass_##leaf)(size_t count, FN(vec) n, FN(vec) h, real *restrict t,                \
-                              real *restrict xx, real *restrict yy) {                              \
-    ARRAYS(n);                                                                                     \
-    ARRAYS(h);                                                                                     \
+  static void FN(pass_##leaf)(size_t count, VEC(n), VEC(h), real *restrict t, real *restrict xx,   \
+                              real *restrict yy) {                                                 \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
       FN(lobe_point) p = FN(lobe_at)(FN(detail_##leaf)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i])); \
       t[i] = p.t;                                                                                  \
@@ -19,15 +17,15 @@
 SHADE_MAP_LEAVES(DETAIL_PASS, )
 #undef DETAIL_PASS
 
-static void FN(pass_detail)(shade_map map, size_t count, FN(vec) n, FN(vec) h, real *t, real *xx,
-                            real *yy) {
+LEAF void FN(pass_detail)(shade_map map, size_t count, FN(vec) n, FN(vec) h, real *t, real *xx,
+                          real *yy) {
   switch (map) {
 #define MAP_CASE(NAME, leaf, along_y, kind, frame, with)                                           \
   case SHADE_MAP_##NAME:                                                                           \
     if (along_y)                                                                                   \
-      FN(pass_##leaf)(count, FN(vec_swapped)(n), FN(vec_swapped)(h), t, yy, xx);                   \
+      FN(pass_##leaf)(count, XYZ(FN(vec_swapped)(n)), XYZ(FN(vec_swapped)(h)), t, yy, xx);         \
     else                                                                                           \
-      FN(pass_##leaf)(count, n, h, t, xx, yy);                                                     \
+      FN(pass_##leaf)(count, XYZ(n), XYZ(h), t, xx, yy);                                           \
     break;
     SHADE_MAP_ROWS(MAP_CASE, )
 #undef MAP_CASE

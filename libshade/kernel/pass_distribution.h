@@ -9,30 +9,42 @@
 typedef struct FN(shape) {
   int varies; /* 1: arrays */
   const real *kx, *ky, *peak, *gx, *gy;
+  const real *ax, *ay; /* arrays of alphas, where the distribution reads them */
 } FN(shape);
 
 LEAF FN(shape) FN(own_shape)(const bsdf *b) {
-  return (FN(shape)){0, &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy)};
+  return (FN(shape)){0, &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy), NULL, NULL};
 }
+
+/*
+ * A block of samples as passes that call passes hand it on: by its address, for a copy reads in
+ * vectors what was just written one by one, and waits.
+ */
+typedef struct FN(block) {
+  size_t count;
+  FN(vec) n, wi, wo;
+  FN(shape) shape;
+  const real *f0[3], *tint[3], *k[3], *kd[3]; /* of each sample, or NULL */
+} FN(block);
 
 /* Along y what was along x. */
 LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
-  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx};
+  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax};
 }
 
 #undef SHAPE
 #undef OWN
 #undef EACH
 #define SHAPE(s)                                                                                   \
-  const real *restrict kx = s.kx, *restrict ky = s.ky, *restrict peak = s.peak;                    \
+  const real *restrict kx = (s)->kx, *restrict ky = (s)->ky, *restrict peak = (s)->peak;           \
   const real own_kx = *kx, own_ky = *ky, own_peak = *peak;                                         \
   (void)own_kx, (void)own_ky, (void)own_peak
 #define OWN own_kx, own_ky, own_peak
 #define EACH kx[i], ky[i], peak[i]
 
 #define SLOPES_PASS(name, word, which)                                                             \
-  static void FN(name)(size_t count, FN(shape) s, const real *restrict t, const real *restrict xx, \
-                       const real *restrict yy, real *restrict d) {                                \
+  static void FN(name)(size_t count, const FN(shape) * s, const real *restrict t,                  \
+                       const real *restrict xx, const real *restrict yy, real *restrict d) {       \
     SHAPE(s);                                                                                      \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
       FN(lobe_point) p = {t[i], xx[i], yy[i]};                                                     \
@@ -40,10 +52,8 @@ LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
     }                                                                                              \
   }
 #define RATIO_PASS(name, leaf, word, which)                                                        \
-  static void FN(name)(size_t count, FN(shape) s, FN(vec) n, FN(vec) h, real *restrict d) {        \
+  static void FN(name)(size_t count, const FN(shape) * s, VEC(n), VEC(h), real *restrict d) {      \
     SHAPE(s);                                                                                      \
-    ARRAYS(n);                                                                                     \
-    ARRAYS(h);                                                                                     \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] =                                  \
         FN(word)(FN(detail_##leaf)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i]), which);              \
   }
@@ -67,9 +77,7 @@ SHADE_TABLE_MDF(MDF_PASSES)
 
 /* The conserving warps: d times their stretch. */
 #define STRETCH_PASS(name, smooth, projected)                                                      \
-  static void FN(pass_stretch_##name)(size_t count, FN(vec) n, FN(vec) h, real *restrict d) {      \
-    ARRAYS(n);                                                                                     \
-    ARRAYS(h);                                                                                     \
+  static void FN(pass_stretch_##name)(size_t count, VEC(n), VEC(h), real *restrict d) {            \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] *=                                 \
         FN(warp_stretch)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], smooth, projected);             \
   }
@@ -79,28 +87,31 @@ STRETCH_PASS(smooth, 1, 0)
 STRETCH_PASS(smooth_projected, 1, 1)
 #undef STRETCH_PASS
 
-static void FN(pass_stretch)(int smooth, int projected, size_t count, FN(vec) n, FN(vec) h,
-                             real *d) {
+LEAF void FN(pass_stretch)(int smooth, int projected, size_t count, FN(vec) n, FN(vec) h, real *d) {
   if (smooth)
-    (projected ? FN(pass_stretch_smooth_projected) : FN(pass_stretch_smooth))(count, n, h, d);
+    (projected ? FN(pass_stretch_smooth_projected) : FN(pass_stretch_smooth))(count, XYZ(n), XYZ(h),
+                                                                              d);
   else
-    (projected ? FN(pass_stretch_linear_projected) : FN(pass_stretch_linear))(count, n, h, d);
+    (projected ? FN(pass_stretch_linear_projected) : FN(pass_stretch_linear))(count, XYZ(n), XYZ(h),
+                                                                              d);
 }
 
 /* n and h to D; h is unit for the warps. t, xx and yy are scratch. */
-static void FN(pass_lobe)(const bsdf *b, FN(shape) s, size_t count, FN(vec) n, FN(vec) h, real *t,
-                          real *xx, real *yy, real *d) {
+LEAF void FN(pass_lobe)(const bsdf *b, const FN(shape) * s, size_t count, FN(vec) n, FN(vec) h,
+                        real *t, real *xx, real *yy, real *d) {
+  const FN(shape) swapped = FN(shape_swapped)(*s);
   switch (b->mdf) {
 #define LOBE_SLOPES(word)                                                                          \
   FN(pass_detail)(b->carry.map, count, n, h, t, xx, yy);                                           \
-  (s.varies ? FN(pass_each_##word) : FN(pass_##word))(count, s, t, xx, yy, d);
+  (s->varies ? FN(pass_each_##word) : FN(pass_##word))(count, s, t, xx, yy, d);
 #define LOBE_RATIO_MAP(NAME, leaf, along_y, kind, frame, word)                                     \
   case SHADE_MAP_##NAME:                                                                           \
     if (along_y)                                                                                   \
-      (s.varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(                       \
-          count, FN(shape_swapped)(s), FN(vec_swapped)(n), FN(vec_swapped)(h), d);                 \
+      (s->varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(                      \
+          count, &swapped, XYZ(FN(vec_swapped)(n)), XYZ(FN(vec_swapped)(h)), d);                   \
     else                                                                                           \
-      (s.varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(count, s, n, h, d);    \
+      (s->varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(count, s, XYZ(n),     \
+                                                                             XYZ(h), d);           \
     break;
 #define LOBE_RATIO(word)                                                                           \
   switch (b->carry.map) {                                                                          \
@@ -149,27 +160,28 @@ static inline real FN(lobe)(const bsdf *b, const real n[3], real hx, real hy, re
 
 /* Slopes of a direction, carried as h is, to 1 + 2 Lambda. */
 #define SMITH_PASS(NAME, word, value, label, help)                                                 \
-  static void FN(pass_smith_##word)(size_t count, FN(shape) s, const real *restrict xx,            \
+  static void FN(pass_smith_##word)(size_t count, const FN(shape) * s, const real *restrict xx,    \
                                     const real *restrict yy, real *restrict l) {                   \
-    const real gx = *s.gx, gy = *s.gy;                                                             \
+    const real gx = *s->gx, gy = *s->gy;                                                           \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) l[i] =                                  \
         FN(smith_##word)(gx * xx[i] + gy * yy[i]);                                                 \
   }                                                                                                \
-  static void FN(pass_each_smith_##word)(size_t count, FN(shape) s, const real *restrict xx,       \
-                                         const real *restrict yy, real *restrict l) {              \
-    const real *restrict gx = s.gx, *restrict gy = s.gy;                                           \
+  static void FN(pass_each_smith_##word)(size_t count, const FN(shape) * s,                        \
+                                         const real *restrict xx, const real *restrict yy,         \
+                                         real *restrict l) {                                       \
+    const real *restrict gx = s->gx, *restrict gy = s->gy;                                         \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) l[i] =                                  \
         FN(smith_##word)(gx[i] * xx[i] + gy[i] * yy[i]);                                           \
   }
 SHADE_TABLE_MDF(SMITH_PASS)
 #undef SMITH_PASS
 
-static void FN(pass_smith)(const bsdf *b, FN(shape) s, size_t count, const real *xx, const real *yy,
-                           real *l) {
+static void FN(pass_smith)(const bsdf *b, const FN(shape) * s, size_t count, const real *xx,
+                           const real *yy, real *l) {
   switch (b->mdf) {
 #define MDF_CASE(NAME, word, value, label, help)                                                   \
   case SHADE_MDF_##NAME:                                                                           \
-    (s.varies ? FN(pass_each_smith_##word) : FN(pass_smith_##word))(count, s, xx, yy, l);          \
+    (s->varies ? FN(pass_each_smith_##word) : FN(pass_smith_##word))(count, s, xx, yy, l);         \
     break;
     SHADE_TABLE_MDF(MDF_CASE)
 #undef MDF_CASE

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* n and h to D in one loop, for `fast`; shade_bsdf_setup sets it only for the maps below. */
 #define FAST_PASS(leaf)                                                                            \
-  static void pass_fast_##leaf(size_t count, shapef s, vecf n, vecf h, float *restrict d) {        \
-    const float kx = *s.kx, ky = *s.ky, peak = *s.peak;                                            \
-    ARRAYS(n);                                                                                     \
-    ARRAYS(h);                                                                                     \
+  static void pass_fast_##leaf(size_t count, float kx, float ky, float peak, VEC(n), VEC(h),       \
+                               float *restrict d) {                                                \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] =                                  \
         fast_##leaf(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], kx, ky, peak);                       \
   }
@@ -13,16 +11,16 @@ FAST_PASS(perturb_ratio)
 FAST_PASS(rotate_ratio)
 #undef FAST_PASS
 
-static void pass_fast(const bsdf *b, size_t count, vecf n, vecf h, float *d) {
-  const shapef s = own_shapef(b);
+LEAF void pass_fast(const bsdf *b, size_t count, vecf n, vecf h, float *d) {
+  const float kx = b->kxf, ky = b->kyf, peak = b->peakf;
   if (b->carry.map == SHADE_MAP_NONE)
-    pass_fast_none(count, s, n, h, d);
+    pass_fast_none(count, kx, ky, peak, XYZ(n), XYZ(h), d);
   else if (b->carry.map == SHADE_MAP_PERTURB_RATIO)
-    pass_fast_perturb_ratio(count, s, n, h, d);
+    pass_fast_perturb_ratio(count, kx, ky, peak, XYZ(n), XYZ(h), d);
   else if (b->carry.map == SHADE_MAP_ROTATE_RATIO_X)
-    pass_fast_rotate_ratio(count, s, n, h, d);
+    pass_fast_rotate_ratio(count, kx, ky, peak, XYZ(n), XYZ(h), d);
   else
-    pass_fast_rotate_ratio(count, shape_swappedf(s), vec_swappedf(n), vec_swappedf(h), d);
+    pass_fast_rotate_ratio(count, ky, kx, peak, XYZ(vec_swappedf(n)), XYZ(vec_swappedf(h)), d);
 }
 
 /* The same decision for one sample. */

@@ -20,18 +20,37 @@ typedef struct FN(ggx_slopes) {
   real x, y, c;
 } FN(ggx_slopes);
 
-LEAF FN(ggx_sample) FN(ggx_of)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real ll, real kx,
-                               real ky, real peak, real gx, real gy, real lowest) {
+/*
+ * The lobe: of a material by its own numbers, with scale and under 1; by a sample's alphas without
+ * a division, top and bottom of the ratio times both alpha^2.
+ */
+typedef struct FN(ggx_lobe) {
+  real kx, ky, scale, least, peak, under, gx, gy;
+} FN(ggx_lobe);
+LEAF FN(ggx_lobe) FN(ggx_own)(const FN(shape) * s, int swap) {
+  return (FN(ggx_lobe)){swap ? *s->ky : *s->kx, swap ? *s->kx : *s->ky, 1, TINY, *s->peak, 1,
+                        swap ? *s->gy : *s->gx, swap ? *s->gx : *s->gy};
+}
+LEAF FN(ggx_lobe) FN(ggx_of_alphas)(real ax, real ay) {
+  real gx = ax * ax, gy = ay * ay;
+  return (FN(ggx_lobe)){gy, gx, gx * gy, LEAST_NORMAL, R(0.31830988618379067154), ax * ay, gx, gy};
+}
+
+LEAF FN(ggx_sample) FN(ggx_of)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real ll,
+                               FN(ggx_lobe) lobe, real lowest) {
   FN(ggx_sample) s;
+  real gx = lobe.gx, gy = lobe.gy;
   real x = i.x + o.x, y = i.y + o.y, d = i.c + o.c;
-  real den = ll * (d * d) + (kx * (x * x) + ky * (y * y));
+  real den = lobe.scale * (ll * (d * d)) + (lobe.kx * (x * x) + lobe.ky * (y * y));
+  real top = lobe.scale * (ll * hh);
   /* at most 100, alpha being at most 10, but for wi and wo that nearly cancel */
-  real ratio = ll * hh / FN(maximum)(den, R(1e-5) * (ll * hh) + TINY);
+  real ratio = top / FN(maximum)(den, R(1e-5) * top + lobe.least);
   real l = FN(root)(ll);
   real si = FN(root)(ll * (i.c * i.c) + (gx * (i.x * i.x) + gy * (i.y * i.y)));
   real so = FN(root)(ll * (o.c * o.c) + (gx * (o.x * o.x) + gy * (o.y * o.y)));
-  real value = peak * (ratio * ratio) * l /
-               FN(maximum)(2 * (o.c * si + i.c * so), R(1e-20) * FN(maximum)(l, R(1e-12)));
+  real value =
+      lobe.peak * (ratio * ratio) * l /
+      (lobe.under * FN(maximum)(2 * (o.c * si + i.c * so), R(1e-20) * FN(maximum)(l, R(1e-12))));
   /* one comparison, as in lit_cosine; as bits, or gcc weaves it into that of the minimum below */
   real_bits lit = -(real_bits)(FN(minimum)(FN(minimum)(i.c, o.c), lowest) > 0);
   s.cosi = FN(maximum)(i.c, 0);
@@ -51,41 +70,34 @@ LEAF FN(ggx_slopes)
   return s;
 }
 
-LEAF FN(ggx_sample)
-    FN(ggx_rotated)(real nx, real ny, real nz, real wix, real wiy, real wiz, real wox, real woy,
-                    real woz, real hh, real kx, real ky, real peak, real gx, real gy) {
+LEAF FN(ggx_sample) FN(ggx_rotated)(real nx, real ny, real nz, real wix, real wiy, real wiz,
+                                    real wox, real woy, real woz, real hh, FN(ggx_lobe) lobe) {
   real scale = FN(rotate_scale)(nx, nz), a = nx * scale, c = nz * scale;
   return FN(ggx_of)(FN(ggx_carried)(a, c, nx, ny, nz, wix, wiy, wiz),
-                    FN(ggx_carried)(a, c, nx, ny, nz, wox, woy, woz), hh, a * a + c * c, kx, ky,
-                    peak, gx, gy, FN(minimum)(wiz, woz));
+                    FN(ggx_carried)(a, c, nx, ny, nz, wox, woy, woz), hh, a * a + c * c, lobe,
+                    FN(minimum)(wiz, woz));
 }
 
-LEAF FN(ggx_sample)
-    FN(ggx_flat)(real nx, real ny, real nz, real wix, real wiy, real wiz, real wox, real woy,
-                 real woz, real hh, real kx, real ky, real peak, real gx, real gy) {
+LEAF FN(ggx_sample) FN(ggx_flat)(real nx, real ny, real nz, real wix, real wiy, real wiz, real wox,
+                                 real woy, real woz, real hh, FN(ggx_lobe) lobe) {
   (void)nx, (void)ny, (void)nz;
-  return FN(ggx_of)((FN(ggx_slopes)){wix, wiy, wiz}, (FN(ggx_slopes)){wox, woy, woz}, hh, 1, kx, ky,
-                    peak, gx, gy, 1);
+  return FN(ggx_of)((FN(ggx_slopes)){wix, wiy, wiz}, (FN(ggx_slopes)){wox, woy, woz}, hh, 1, lobe,
+                    1);
 }
 
-#define GGX_PASS(name, leaf, ...)                                                                  \
-  static int FN(name)(size_t count, FN(shape) s, FN(vec) n, FN(vec) wi, FN(vec) wo,                \
+#define GGX_PASS(name, leaf, lobe)                                                                 \
+  static int FN(name)(size_t count, const FN(shape) * s, int swap, VEC(n), VEC(wi), VEC(wo),       \
                       real *restrict hwo, real *restrict cosi, real *restrict coso,                \
                       real *restrict f) {                                                          \
     int opposite = 0;                                                                              \
-    SHAPE(s);                                                                                      \
-    const real *restrict gx = s.gx, *restrict gy = s.gy;                                           \
-    const real own_gx = *gx, own_gy = *gy;                                                         \
-    (void)own_gx, (void)own_gy;                                                                    \
-    ARRAYS(n);                                                                                     \
-    ARRAYS(wi);                                                                                    \
-    ARRAYS(wo);                                                                                    \
+    const FN(ggx_lobe) own = FN(ggx_own)(s, swap);                                                 \
+    const real *restrict ax = swap ? s->ay : s->ax, *restrict ay = swap ? s->ax : s->ay;           \
+    (void)own, (void)ax, (void)ay;                                                                 \
     _Pragma("omp simd reduction(| : opposite)") for (size_t i = 0; i < count; i++) {               \
       real hx = wix[i] + wox[i], hy = wiy[i] + woy[i], hz = wiz[i] + woz[i];                       \
       real hh = hx * hx + hy * hy + hz * hz;                                                       \
       FN(ggx_sample)                                                                               \
-      r = FN(leaf)(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i], hh,        \
-                   __VA_ARGS__);                                                                   \
+      r = FN(leaf)(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i], hh, lobe); \
       hwo[i] = r.hwo;                                                                              \
       cosi[i] = r.cosi;                                                                            \
       coso[i] = r.coso;                                                                            \
@@ -94,10 +106,10 @@ LEAF FN(ggx_sample)
     }                                                                                              \
     return opposite;                                                                               \
   }
-GGX_PASS(pass_ggx_flat, ggx_flat, OWN, own_gx, own_gy)
-GGX_PASS(pass_ggx_rotated, ggx_rotated, OWN, own_gx, own_gy)
-GGX_PASS(pass_each_ggx_flat, ggx_flat, EACH, gx[i], gy[i])
-GGX_PASS(pass_each_ggx_rotated, ggx_rotated, EACH, gx[i], gy[i])
+GGX_PASS(pass_ggx_flat, ggx_flat, own)
+GGX_PASS(pass_ggx_rotated, ggx_rotated, own)
+GGX_PASS(pass_each_ggx_flat, ggx_flat, FN(ggx_of_alphas)(ax[i], ay[i]))
+GGX_PASS(pass_each_ggx_rotated, ggx_rotated, FN(ggx_of_alphas)(ax[i], ay[i]))
 #undef GGX_PASS
 
 static int FN(is_fused)(const bsdf *b) {
@@ -107,19 +119,18 @@ static int FN(is_fused)(const bsdf *b) {
 }
 
 /* hwo, the cosines as pass_cosines leaves them, and f without Fresnel; returns as pass_half. */
-static int FN(pass_fused)(const bsdf *b, FN(shape) s, size_t count, FN(vec) n, FN(vec) wi,
-                          FN(vec) wo, real *hwo, real *cosi, real *coso, real *f) {
-  if (b->carry.map == SHADE_MAP_NONE) {
-    if (s.varies)
-      return FN(pass_each_ggx_flat)(count, s, n, wi, wo, hwo, cosi, coso, f);
-    return FN(pass_ggx_flat)(count, s, n, wi, wo, hwo, cosi, coso, f);
-  }
-  if (b->carry.map == SHADE_MAP_ROTATE_Y)
-    s = FN(shape_swapped)(s), n = FN(vec_swapped)(n), wi = FN(vec_swapped)(wi),
-    wo = FN(vec_swapped)(wo);
-  if (s.varies)
-    return FN(pass_each_ggx_rotated)(count, s, n, wi, wo, hwo, cosi, coso, f);
-  return FN(pass_ggx_rotated)(count, s, n, wi, wo, hwo, cosi, coso, f);
+LEAF int FN(pass_fused)(const bsdf *b, const FN(block) * s, real *hwo, real *cosi, real *coso,
+                        real *f) {
+  const int varies = s->shape.varies;
+  if (b->carry.map == SHADE_MAP_NONE)
+    return (varies ? FN(pass_each_ggx_flat) : FN(pass_ggx_flat))(
+        s->count, &s->shape, 0, XYZ(s->n), XYZ(s->wi), XYZ(s->wo), hwo, cosi, coso, f);
+  if (b->carry.map == SHADE_MAP_ROTATE_X)
+    return (varies ? FN(pass_each_ggx_rotated) : FN(pass_ggx_rotated))(
+        s->count, &s->shape, 0, XYZ(s->n), XYZ(s->wi), XYZ(s->wo), hwo, cosi, coso, f);
+  return (varies ? FN(pass_each_ggx_rotated) : FN(pass_ggx_rotated))(
+      s->count, &s->shape, 1, XYZ(FN(vec_swapped)(s->n)), XYZ(FN(vec_swapped)(s->wi)),
+      XYZ(FN(vec_swapped)(s->wo)), hwo, cosi, coso, f);
 }
 
 /* The same for one sample. */
@@ -127,12 +138,10 @@ static inline FN(ggx_sample)
     FN(fused)(const bsdf *b, const real n[3], const real wi[3], const real wo[3]) {
   const int x = b->carry.map == SHADE_MAP_ROTATE_Y, y = !x;
   const real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
-  const real hh = hx * hx + hy * hy + hz * hz, peak = b->FN(peak);
-  const real kx = x ? b->FN(ky) : b->FN(kx), ky = x ? b->FN(kx) : b->FN(ky);
-  const real gx = x ? b->FN(gy) : b->FN(gx), gy = x ? b->FN(gx) : b->FN(gy);
+  const real hh = hx * hx + hy * hy + hz * hz;
+  const FN(shape) s = FN(own_shape)(b);
+  const FN(ggx_lobe) lobe = FN(ggx_own)(&s, x);
   if (b->carry.map == SHADE_MAP_NONE)
-    return FN(ggx_flat)(n[0], n[1], n[2], wi[0], wi[1], wi[2], wo[0], wo[1], wo[2], hh, kx, ky,
-                        peak, gx, gy);
-  return FN(ggx_rotated)(n[x], n[y], n[2], wi[x], wi[y], wi[2], wo[x], wo[y], wo[2], hh, kx, ky,
-                         peak, gx, gy);
+    return FN(ggx_flat)(n[0], n[1], n[2], wi[0], wi[1], wi[2], wo[0], wo[1], wo[2], hh, lobe);
+  return FN(ggx_rotated)(n[x], n[y], n[2], wi[x], wi[y], wi[2], wo[x], wo[y], wo[2], hh, lobe);
 }

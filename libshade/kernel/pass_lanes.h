@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A block of samples as the passes take it, and parameters of each sample: within their ranges,
- * in the terms of the distribution, and light and eye turned into the frame of each groove.
+ * Parameters of each sample: within their ranges, in the terms of the distribution, and light and
+ * eye turned into the frame of each groove.
  */
 
 /* What shade_lanes and shade_sample_lanes end in, from f0r on. */
@@ -10,16 +10,9 @@ typedef struct FN(varied) {
   size_t parts;
 } FN(varied);
 
-typedef struct FN(block) {
-  size_t count;
-  FN(vec) n, wi, wo;
-  FN(shape) shape;
-  const real *f0[3], *tint[3], *k[3], *kd[3]; /* of each sample, or NULL */
-} FN(block);
-
 /* Room for a block's parameters. */
 typedef struct FN(varied_room) {
-  ROOM kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
+  ROOM ax[BLOCK], ay[BLOCK], kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
   ROOM f0[3][BLOCK], tint[3][BLOCK], k[3][BLOCK], kd[3][BLOCK];
   int turned; /* into the frame whose x' is (c, s), then x and y exchanged where mirror is 1 */
   ROOM c[BLOCK], s[BLOCK], mirror[BLOCK];
@@ -107,20 +100,26 @@ static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
     peak[i] = FN(root)((kx[i] + 1) * (ky[i] + 1)) * R(0.15915494309189533577);
   }
 }
-/*
- * Alphas within their range, NaN the material's own, and the lobe's shape by one division, which
- * is most of what alphas of each sample cost. Nonzero when something had to change.
- */
-static int FN(pass_alphas)(size_t count, real own_x, real own_y, const real *restrict ax,
-                           const real *restrict ay, real *restrict kx, real *restrict ky,
-                           real *restrict gx, real *restrict gy, real *restrict peak) {
-  int changed = 0;
-#pragma omp simd reduction(| : changed)
+/* Whether all alphas are within their range: as bits, where either difference of all others, NaN
+ * and negative ones too, has the highest one set. */
+static int FN(are_alphas)(size_t count, const real *restrict ax, const real *restrict ay) {
+  const real_bits low = FN(to_bits)(R(1e-4)), high = FN(to_bits)(10);
+  real_bits off = 0;
+#pragma omp simd reduction(| : off)
   for (size_t i = 0; i < count; i++) {
-    real x = ax[i] == ax[i] ? ax[i] : own_x, y = ay[i] == ay[i] ? ay[i] : own_y;
-    x = FN(minimum)(FN(maximum)(x, R(1e-4)), 10);
-    y = FN(minimum)(FN(maximum)(y, R(1e-4)), 10);
-    changed |= !((x == ax[i]) & (y == ay[i]));
+    real_bits x = FN(to_bits)(ax[i]), y = FN(to_bits)(ay[i]);
+    off |= (x - low) | (high - x) | (y - low) | (high - y);
+  }
+  return !(off & SIGN_BIT);
+}
+
+/* The lobe's shape by one division. */
+static void FN(pass_shape_of_alphas)(size_t count, const real *restrict ax, const real *restrict ay,
+                                     real *restrict kx, real *restrict ky, real *restrict gx,
+                                     real *restrict gy, real *restrict peak) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real x = ax[i], y = ay[i];
     real inverse = 1 / (x * y), over_x = y * inverse, over_y = x * inverse;
     peak[i] = R(0.31830988618379067154) * inverse;
     gx[i] = x * x;
@@ -128,25 +127,29 @@ static int FN(pass_alphas)(size_t count, real own_x, real own_y, const real *res
     kx[i] = over_x * over_x;
     ky[i] = over_y * over_y;
   }
-  return changed;
 }
 
-/* Which lanes' narrow axis is not the material's; their parameters change places. */
-static int FN(pass_mirror_lanes)(size_t count, int own_y, real *restrict kx, real *restrict ky,
-                                 real *restrict gx, real *restrict gy, real *restrict mirror) {
+/* Which lanes' narrow axis, that of the greater of x and y, is not the material's. */
+static int FN(pass_mirrored)(size_t count, int own_y, const real *restrict x,
+                             const real *restrict y, real *restrict mirror) {
   int any = 0;
 #pragma omp simd reduction(| : any)
   for (size_t i = 0; i < count; i++) {
-    int other = own_y ? kx[i] >= ky[i] : ky[i] > kx[i];
-    real x = kx[i], y = ky[i], ax = gx[i], ay = gy[i];
+    int other = own_y ? x[i] >= y[i] : y[i] > x[i];
     any |= other;
     mirror[i] = other ? R(1.0) : R(0.0);
-    kx[i] = other ? y : x;
-    ky[i] = other ? x : y;
-    gx[i] = other ? ay : ax;
-    gy[i] = other ? ax : ay;
   }
   return any;
+}
+/* Their parameters change places; to may be from. */
+static void FN(pass_exchange)(size_t count, const real *restrict mirror, const real *x,
+                              const real *y, real *to_x, real *to_y) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    real a = x[i], b = y[i];
+    to_x[i] = mirror[i] > 0 ? b : a;
+    to_y[i] = mirror[i] > 0 ? a : b;
+  }
 }
 
 /* One axis of the lobe, exponents or alphas as the distribution reads them; `own` the material's
@@ -192,10 +195,9 @@ static unsigned FN(read_colour)(size_t count, size_t start, const real *const gi
   return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
 }
 
-/* The material as these lanes need it: *b, or a copy with what they change for all samples. */
+/* The material as lanes that hold parameters need it: *b, or a copy with what they change for all
+ * samples. */
 static const bsdf *FN(for_lanes)(const bsdf *b, const FN(varied) * in, bsdf *copy) {
-  if (!in)
-    return b;
   const int shape = in->ax || in->ay || in->ex || in->ey;
   const int uneven = b->uneven.map != b->carry.map || b->uneven.parts != b->carry.parts;
   const int kd = in->kd[0] || in->kd[1] || in->kd[2];
@@ -215,17 +217,57 @@ static const bsdf *FN(for_lanes)(const bsdf *b, const FN(varied) * in, bsdf *cop
   return copy;
 }
 
+/* Exponents of each sample, in the terms of D and Smith's Lambda. Status bits. */
+static unsigned FN(read_exponents)(const bsdf *b, size_t count, const real *const given[4],
+                                   FN(varied_room) * m, FN(shape) * to, int *mirrored) {
+  unsigned status = FN(read_axis)(1, count, b->FN(kx), given[0], given[2], m->kx);
+  status |= FN(read_axis)(1, count, b->FN(ky), given[1], given[3], m->ky);
+  FN(pass_shape_of_exponents)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
+  if (b->groove_auto && FN(pass_mirrored)(count, b->fibres_along_y, m->kx, m->ky, m->mirror)) {
+    *mirrored = 1;
+    FN(pass_exchange)(count, m->mirror, m->kx, m->ky, m->kx, m->ky);
+    FN(pass_exchange)(count, m->mirror, m->gx, m->gy, m->gx, m->gy);
+  }
+  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL};
+  return status;
+}
+
 /*
- * Everything but directions of `block`, from lane `start` on, unless `in` is NULL; then directions
- * that are not NULL (n, and wi or wo) into the frames of the grooves. Returns status bits.
+ * Alphas of each sample, read where they are if nothing has to change. `alone`: the passes to come
+ * read nothing else.
  */
-static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t start,
+static unsigned FN(read_alphas)(const bsdf *b, size_t count, const real *const given[4], int alone,
+                                FN(varied_room) * m, FN(shape) * to, int *mirrored) {
+  const real *x = given[0], *y = given[1];
+  unsigned status = SHADE_OK;
+  if (!x || !y || !FN(are_alphas)(count, x, y)) {
+    status |= FN(read_axis)(0, count, b->FN(kx), given[0], given[2], m->ax);
+    status |= FN(read_axis)(0, count, b->FN(ky), given[1], given[3], m->ay);
+    x = m->ax;
+    y = m->ay;
+  }
+  if (b->groove_auto && FN(pass_mirrored)(count, b->fibres_along_y, y, x, m->mirror)) {
+    *mirrored = 1;
+    FN(pass_exchange)(count, m->mirror, x, y, m->ax, m->ay);
+    x = m->ax;
+    y = m->ay;
+  }
+  if (!alone)
+    FN(pass_shape_of_alphas)(count, x, y, m->kx, m->ky, m->gx, m->gy, m->peak);
+  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y};
+  return status;
+}
+
+/*
+ * Everything but directions of `block`, from lane `start` on; then directions that are not NULL
+ * (n, and wi or wo) into the frames of the grooves. `alone`: of alphas nothing else is read.
+ * Returns status bits.
+ */
+static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t start, int alone,
                                 FN(block) * block, FN(varied_room) * m) {
   const size_t count = block->count;
   unsigned status = SHADE_OK;
   m->turned = 0;
-  if (!in)
-    return status;
   status |= FN(read_colour)(count, start, in->f0, b->FN(f0), 0, 1, m->f0, block->f0);
   status |= FN(read_colour)(count, start, in->kd, b->FN(kd), 0, 1, m->kd, block->kd);
   if (b->fresnel == SHADE_FRESNEL_F82)
@@ -236,28 +278,12 @@ static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t sta
     status |= FN(read_colour)(count, start, in->k, b->FN(k), 0, 100, m->k, block->k);
   }
   int mirrored = 0;
-  if (in->ax || in->ay || in->ex || in->ey) {
-    const real *const ax = in->ax ? in->ax + start : NULL, *const ay =
-                                                               in->ay ? in->ay + start : NULL;
-    const real *const ex = in->ex ? in->ex + start : NULL, *const ey =
-                                                               in->ey ? in->ey + start : NULL;
-    /* alphas that are given for alphas are read where they are */
-    real *const x = b->exponents ? m->kx : m->c, *const y = b->exponents ? m->ky : m->s;
-    const int x_is_there = ax && !b->exponents, y_is_there = ay && !b->exponents;
-    if (!x_is_there)
-      status |= FN(read_axis)(b->exponents, count, b->FN(kx), ax, ex, x);
-    if (!y_is_there)
-      status |= FN(read_axis)(b->exponents, count, b->FN(ky), ay, ey, y);
-    if (b->exponents)
-      FN(pass_shape_of_exponents)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
-    else if (FN(pass_alphas)(count, 1 / FN(root)(b->FN(kx)), 1 / FN(root)(b->FN(ky)),
-                             x_is_there ? ax : x, y_is_there ? ay : y, m->kx, m->ky, m->gx, m->gy,
-                             m->peak))
-      status |= SHADE_CLAMPED_PARAMETER;
-    if (b->groove_auto)
-      mirrored =
-          FN(pass_mirror_lanes)(count, b->fibres_along_y, m->kx, m->ky, m->gx, m->gy, m->mirror);
-    block->shape = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy};
+  const real *given[4] = {in->ax, in->ay, in->ex, in->ey};
+  if (given[0] || given[1] || given[2] || given[3]) {
+    for (int k = 0; k < 4; k++)
+      given[k] = given[k] ? given[k] + start : NULL;
+    status |= b->exponents ? FN(read_exponents)(b, count, given, m, &block->shape, &mirrored)
+                           : FN(read_alphas)(b, count, given, alone, m, &block->shape, &mirrored);
   }
   if (!mirrored && !(in->groove_x && in->groove_y))
     return status;

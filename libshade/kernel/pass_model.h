@@ -15,22 +15,22 @@ typedef struct FN(specular_room) {
  * f without Fresnel in d, the cosines as pass_cosines leaves them, and hwo. Nonzero when some
  * lane has wi = -wo.
  */
-static int FN(specular_block)(const bsdf *b, const FN(block) * s, FN(specular_room) * m, real *hwo,
-                              real *cosi, real *coso, real *d) {
+LEAF int FN(specular_block)(const bsdf *b, const FN(block) * s, FN(specular_room) * m, real *hwo,
+                            real *cosi, real *coso, real *d) {
   const size_t size = s->count;
   const FN(vec) h = {m->hx, m->hy, m->hz};
   if (FN(is_fused)(b))
-    return FN(pass_fused)(b, s->shape, size, s->n, s->wi, s->wo, hwo, cosi, coso, d);
-  const int opposite = FN(pass_half)(size, s->wi, s->wo, m->hx, m->hy, m->hz, hwo);
+    return FN(pass_fused)(b, s, hwo, cosi, coso, d);
+  const int opposite = FN(pass_half)(size, XYZ(s->wi), XYZ(s->wo), m->hx, m->hy, m->hz, hwo);
   if (b->warp != SHADE_RIGID)
     FN(pass_unit)(size, m->hx, m->hy, m->hz);
-  FN(pass_lobe)(b, s->shape, size, s->n, h, m->t, m->xx, m->yy, d);
+  FN(pass_lobe)(b, &s->shape, size, s->n, h, m->t, m->xx, m->yy, d);
   FN(pass_cosines)(b, size, s->n, s->wi, s->wo, cosi, coso);
   if (b->brdf == SHADE_BRDF_MICROFACET) { /* h is done with */
     FN(pass_detail)(b->carry.shadow, size, s->n, s->wi, m->t, m->xx, m->yy);
-    FN(pass_smith)(b, s->shape, size, m->xx, m->yy, m->hx);
+    FN(pass_smith)(b, &s->shape, size, m->xx, m->yy, m->hx);
     FN(pass_detail)(b->carry.shadow, size, s->n, s->wo, m->t, m->xx, m->yy);
-    FN(pass_smith)(b, s->shape, size, m->xx, m->yy, m->hy);
+    FN(pass_smith)(b, &s->shape, size, m->xx, m->yy, m->hy);
   }
   FN(pass_brdf)(b, size, hwo, cosi, coso, m->hx, m->hy, d);
   return opposite;

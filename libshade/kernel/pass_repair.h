@@ -3,35 +3,34 @@
 
 /* Whether every v is unit. */
 static int FN(are_unit)(size_t count, FN(vec) v) {
-  real_bits far = 0, uneven = 0;
+  real_bits off = 0;
   ARRAYS(v);
-#pragma omp simd reduction(| : far, uneven)
-  for (size_t i = 0; i < count; i++) {
-    far |= FN(far_bits)(vx[i], vy[i], vz[i]);
-    uneven |= FN(uneven_bits)(vx[i], vy[i], vz[i]);
-  }
-  return !FN(off_unit)(far, uneven);
+#pragma omp simd reduction(| : off)
+  for (size_t i = 0; i < count; i++)
+    off |= FN(off_unit)(FN(far_bits)(vx[i], vy[i], vz[i]), FN(uneven_bits)(vx[i], vy[i], vz[i]));
+  return !off;
 }
 
 /*
  * Whether the passes take every n, a and b (which may be a) as they are: unit, and n above the
- * surface. Less 1, 0 has the sign bit and -0 FAR_BIT. One loop: to or the lanes of a register
- * takes as long as ten samples.
+ * surface. Less 1, 0 has the sign bit and -0 FAR_BIT. One loop and one word: to or the lanes of a
+ * register takes as long as ten samples.
  */
 LEAF int FN(is_mended)(size_t count, FN(vec) n, FN(vec) a, FN(vec) b) {
-  real_bits far = 0, uneven = 0, below = 0;
+  real_bits off = 0;
   ARRAYS(n);
   ARRAYS(a);
   ARRAYS(b);
-#pragma omp simd reduction(| : far, uneven, below)
+#pragma omp simd reduction(| : off)
   for (size_t i = 0; i < count; i++) {
-    far |= FN(far_bits)(nx[i], ny[i], nz[i]) | FN(far_bits)(ax[i], ay[i], az[i]) |
-           FN(far_bits)(bx[i], by[i], bz[i]);
-    uneven |= FN(uneven_bits)(nx[i], ny[i], nz[i]) | FN(uneven_bits)(ax[i], ay[i], az[i]) |
-              FN(uneven_bits)(bx[i], by[i], bz[i]);
-    below |= FN(to_bits)(nz[i]) - 1;
+    real_bits far = FN(far_bits)(nx[i], ny[i], nz[i]) | FN(far_bits)(ax[i], ay[i], az[i]) |
+                    FN(far_bits)(bx[i], by[i], bz[i]);
+    real_bits uneven = FN(uneven_bits)(nx[i], ny[i], nz[i]) | FN(uneven_bits)(ax[i], ay[i], az[i]) |
+                       FN(uneven_bits)(bx[i], by[i], bz[i]);
+    real_bits below = FN(to_bits)(nz[i]) - 1;
+    off |= FN(off_unit)(far, uneven) | (below & (SIGN_BIT | FAR_BIT));
   }
-  return !FN(off_unit)(far, uneven) && !(below & (SIGN_BIT | FAR_BIT));
+  return !off;
 }
 
 /* Room for the mended copies of a block's directions. */
@@ -41,12 +40,12 @@ typedef struct FN(mended) {
 } FN(mended);
 
 static __attribute__((noinline)) unsigned FN(mend_lanes)(size_t count, int vectors,
-                                                         FN(vec) *const v[3], FN(mended) * m) {
+                                                         const FN(vec) v[3], FN(mended) * m) {
   unsigned status = SHADE_OK;
   for (size_t i = 0; i < count; i++) {
     unsigned lane = SHADE_OK;
     for (int k = 0; k < vectors; k++) {
-      real w[3] = {v[k]->x[i], v[k]->y[i], v[k]->z[i]};
+      real w[3] = {v[k].x[i], v[k].y[i], v[k].z[i]};
       lane |= FN(mend_if_needed)(w, k == 0);
       m->v[k].x[i] = w[0];
       m->v[k].y[i] = w[1];
@@ -55,16 +54,19 @@ static __attribute__((noinline)) unsigned FN(mend_lanes)(size_t count, int vecto
     m->void_lane[i] = (lane & SHADE_BAD_INPUT) != 0;
     status |= lane;
   }
-  for (int k = 0; k < vectors; k++)
-    *v[k] = FN(vec_in)(&m->v[k]);
   return status;
 }
 
 /*
  * Point the directions (*v[0] a normal) at mended copies where the block needs it. Returns status
- * bits; with SHADE_BAD_INPUT void_lane is filled.
+ * bits; with SHADE_BAD_INPUT void_lane is filled. The slow path sees copies of the directions, so
+ * that they may stay in registers.
  */
 LEAF unsigned FN(mend_block)(size_t count, int vectors, FN(vec) *const v[3], FN(mended) * m) {
-  return FN(is_mended)(count, *v[0], *v[1], *v[vectors - 1]) ? SHADE_OK
-                                                             : FN(mend_lanes)(count, vectors, v, m);
+  const FN(vec) given[3] = {*v[0], *v[1], *v[vectors - 1]};
+  if (FN(is_mended)(count, given[0], given[1], given[2]))
+    return SHADE_OK;
+  for (int k = 0; k < vectors; k++)
+    *v[k] = FN(vec_in)(&m->v[k]);
+  return FN(mend_lanes)(count, vectors, given, m);
 }

@@ -14,16 +14,18 @@ static unsigned FN(pdf_batch)(const bsdf *given, size_t count, const FN(shade_la
   FN(vec_room) bent;
   bsdf copy;
   unsigned status = SHADE_OK;
-  const bsdf *b = FN(for_lanes)(given, varied, &copy);
-  const FN(shape) own = FN(own_shape)(b);
+  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
+  FN(block) s = {.shape = FN(own_shape)(b)};
   for (size_t start = 0; start < count; start += BLOCK) {
-    FN(block) s = {.count = count - start < BLOCK ? count - start : BLOCK, .shape = own};
+    s.count = count - start < BLOCK ? count - start : BLOCK;
     s.n = FN(vec_from)(in->nx, in->ny, in->nz, start);
     s.wi = FN(vec_from)(in->wix, in->wiy, in->wiz, start);
     s.wo = FN(vec_from)(in->wox, in->woy, in->woz, start);
     FN(vec) *const v[3] = {&s.n, &s.wi, &s.wo};
     const unsigned mended = FN(mend_block)(s.count, 3, v, &room);
-    status |= mended | FN(read_varied)(b, varied, start, &s, &each);
+    status |= mended;
+    if (varied)
+      status |= FN(read_varied)(b, varied, start, 0, &s, &each);
     FN(prepare_shares)(b, &s, &draw);
     if (shade_horizon_is(b->horizon).bends) {
       FN(pass_bend)(s.count, s.n, s.wo, &bent);
@@ -86,7 +88,7 @@ static unsigned FN(sample_batch)(const bsdf *given, size_t count, const FN(shade
   ROOM u1[BLOCK], u2[BLOCK], lost[BLOCK], seen[2][BLOCK], bounce[BLOCK];
   bsdf copy;
   unsigned status = SHADE_OK;
-  const bsdf *b = FN(for_lanes)(given, varied, &copy);
+  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
   const FN(shape) own = FN(own_shape)(b);
   const shade_horizon_traits horizon = shade_horizon_is(b->horizon);
   for (size_t start = 0; start < count; start += BLOCK) {
@@ -99,7 +101,9 @@ static unsigned FN(sample_batch)(const bsdf *given, size_t count, const FN(shade
     const unsigned mended = FN(mend_block)(size, 2, v, &room);
     const int odd =
         FN(pass_uniform)(size, in->u1 + start, u1) | FN(pass_uniform)(size, in->u2 + start, u2);
-    status |= mended | FN(read_varied)(b, varied, start, &s, &each);
+    status |= mended;
+    if (varied)
+      status |= FN(read_varied)(b, varied, start, 0, &s, &each);
     FN(prepare_shares)(b, &s, &draw);
     FN(block) about = s;
     if (horizon.bends) {
@@ -122,7 +126,7 @@ static unsigned FN(sample_batch)(const bsdf *given, size_t count, const FN(shade
     FN(density_of_paths)(b, &about, &draw, pdf);
     const FN(results) to = {{out->r + start, out->g + start, out->b + start}, out->cosine + start};
     FN(shade_block)(b, &s, to);
-    if (each.turned)
+    if (varied && each.turned)
       FN(pass_turn_back)(size, each.c, each.s, each.mirror, wi[0], wi[1]);
     for (size_t i = 0; i < size; i++) {
       int empty = (mended & SHADE_BAD_INPUT && room.void_lane[i]) |

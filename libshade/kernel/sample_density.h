@@ -125,9 +125,8 @@ typedef struct FN(draw_room) {
 /* What the shares of draws go by, once for a block. */
 static void FN(prepare_shares)(const bsdf *b, const FN(block) * s, FN(draw_room) * m) {
   m->shares_vary = 0;
-  for (int c = 0; c < 3; c++)
+  for (int c = 0; c < 3 && b->has_diffuse; c++)
     m->shares_vary |= s->f0[c] || s->tint[c] || s->k[c] || s->kd[c];
-  m->shares_vary &= b->has_diffuse;
   if (m->shares_vary)
     FN(read_shares)(b, s, m->lobe, m->diffuse);
 }
@@ -143,7 +142,7 @@ static unsigned FN(density_block)(const bsdf *b, const FN(block) * s, FN(draw_ro
   const size_t size = s->count;
   const FN(vec) h = {m->h[0], m->h[1], m->h[2]};
   unsigned status = SHADE_OK;
-  if (FN(pass_half)(size, s->wi, s->wo, m->h[0], m->h[1], m->h[2], m->hwo))
+  if (FN(pass_half)(size, XYZ(s->wi), XYZ(s->wo), m->h[0], m->h[1], m->h[2], m->hwo))
     status = SHADE_BAD_INPUT;
   FN(pass_cosines)(b, size, s->n, s->wi, s->wo, m->cosi, m->coso);
   if (b->warp != SHADE_RIGID)

@@ -33,6 +33,16 @@ LEAF FN(vec) FN(vec_swapped)(FN(vec) v) {
   return (FN(vec)){v.y, v.x, v.z};
 }
 
+/*
+ * A vec as three parameters vx, vy, vz of a pass that is a call of its own, and as its arguments.
+ * The structure would be copied to the stack in vectors of pointers that were just written one by
+ * one, which waits for as long as ten samples take.
+ */
+#undef VEC
+#undef XYZ
+#define VEC(v) const real *restrict v##x, const real *restrict v##y, const real *restrict v##z
+#define XYZ(v) (v).x, (v).y, (v).z
+
 /* The arrays of v as vx, vy, vz, which is what compilers vectorise: gcc does not through members.
  */
 #undef ARRAYS
