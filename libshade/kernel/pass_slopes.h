@@ -28,8 +28,29 @@ LEAF double floor_of(double x) { /* |x| < 2^51 */
   return r > x ? r - 1 : r;
 }
 
+/* Beside the choices of moment_wrap: no lane reaches an edge. */
+enum { WRAP_NOT = WRAP_MIRROR + 1 };
+
+/* Whether all points within half of a and b about f lie between the middles of the n texels from
+ * `base` on, along one axis; of a group. */
+LEAF int is_within(const int *restrict base, const float *restrict f, const float *restrict a,
+                   const float *restrict b, const int *restrict n) {
+  int beyond = 0;
+#pragma omp simd reduction(| : beyond)
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    /* a hundredth more than what roundings of the places may add */
+    const float reach = 0.505F * (fabsf(a[k]) + fabsf(b[k])) + 0.01F;
+    const int low = base[k] + floor_to_int(f[k] - reach);
+    const int high = base[k] + floor_to_int(f[k] + reach) + 1;
+    beyond |= (low < 0) | (high >= n[k]);
+  }
+  return !beyond;
+}
+
 /* The texel that lies at i, for -2n <= i < 3n. What lies further gives some texel. */
-LEAF int wrap_near(int i, int n, moment_wrap wrap) {
+LEAF int wrap_near(int i, int n, int wrap) {
+  if (wrap == WRAP_NOT)
+    return i;
   const int last = n - 1;
   int repeated = i < 0 ? i + n : i;
   repeated = repeated < 0 ? repeated + n : repeated;
@@ -143,6 +164,24 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
   }
 }
 
+/* Both slopes of a texel, of which half as many are gathered. */
+#if defined(__GNUC__)
+typedef uint64_t __attribute__((may_alias)) slope_pair;
+#define SLOPE_PAIRS(slopes) ((const slope_pair *)(const void *)(slopes))
+#define SLOPE_OF(pairs, i, x, y)                                                                   \
+  const uint64_t x##y = (pairs)[i];                                                                \
+  const float x = from_bitsf((uint32_t)(x##y >> SLOPE_X)),                                         \
+              y = from_bitsf((uint32_t)(x##y >> (32 - SLOPE_X)))
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+enum { SLOPE_X = 32 };
+#else
+enum { SLOPE_X = 0 };
+#endif
+#else
+#define SLOPE_PAIRS(slopes) (slopes)
+#define SLOPE_OF(pairs, i, x, y) const float x = (pairs)[2 * (i)], y = (pairs)[2 * (i) + 1]
+#endif
+
 /* Points of a group of lanes, in texels, and their sums about the first of each. */
 typedef struct slope_group {
   int base_x[SLOPE_GROUP], base_y[SLOPE_GROUP], n1[SLOPE_GROUP], n2[SLOPE_GROUP];
@@ -154,12 +193,12 @@ typedef struct slope_group {
 
 /* Point (a, b) of each lane. Choices that all lanes share are no choices in vectors. */
 LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g, int a, int b,
-                              moment_wrap wrap) {
+                              int wrap) {
   const int width = m->width, height = m->height;
   const float begins = a == 0 && b == 0 ? 1 : 0, shift = 0.07735026918962576F;
   const float at_a = (float)a + 0.5F, shift_a = a % 2 ? shift : -shift;
   const float at_b = (float)b + 0.5F, shift_b = b % 2 ? shift : -shift;
-  const float *restrict slopes = m->slopes;
+  const slope_pair *restrict pairs = SLOPE_PAIRS(m->slopes);
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int inside = a < g->n1[k] && b < g->n2[k];
@@ -175,10 +214,10 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
     const int right = wrap_near(g->base_x[k] + ix + 1, width, wrap);
     const int top = wrap_near(g->base_y[k] + iy, height, wrap) * width;
     const int bottom = wrap_near(g->base_y[k] + iy + 1, height, wrap) * width;
-    const int p = 2 * (top + left), q = 2 * (top + right);
-    const int r = 2 * (bottom + left), z = 2 * (bottom + right);
-    const float px = slopes[p], py = slopes[p + 1], qx = slopes[q], qy = slopes[q + 1];
-    const float rx = slopes[r], ry = slopes[r + 1], zx = slopes[z], zy = slopes[z + 1];
+    SLOPE_OF(pairs, top + left, px, py);
+    SLOPE_OF(pairs, top + right, qx, qy);
+    SLOPE_OF(pairs, bottom + left, rx, ry);
+    SLOPE_OF(pairs, bottom + right, zx, zy);
     const float hx = px + tx * (qx - px), hy = py + tx * (qy - py);
     const float lx = rx + tx * (zx - rx), ly = ry + tx * (zy - ry);
     const float gx = hx + ty * (lx - hx), gy = hy + ty * (ly - hy);
@@ -197,11 +236,13 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
   }
 }
 
-static SLOPE_APART void slope_point(const shade_slope_map *m, slope_group *restrict g, int a,
-                                    int b) {
-  if (m->wrap == WRAP_REPEAT)
+static SLOPE_APART void slope_point(const shade_slope_map *m, slope_group *restrict g, int wrap,
+                                    int a, int b) {
+  if (wrap == WRAP_NOT)
+    slope_point_wrapped(m, g, a, b, WRAP_NOT);
+  else if (wrap == WRAP_REPEAT)
     slope_point_wrapped(m, g, a, b, WRAP_REPEAT);
-  else if (m->wrap == WRAP_CLAMP)
+  else if (wrap == WRAP_CLAMP)
     slope_point_wrapped(m, g, a, b, WRAP_CLAMP);
   else
     slope_point_wrapped(m, g, a, b, WRAP_MIRROR);
@@ -239,9 +280,15 @@ static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size
     g.by[k] = by[k];
     g.cx[k] = g.cy[k] = g.sx[k] = g.sy[k] = g.sxx[k] = g.sxy[k] = g.syy[k] = 0;
   }
+  int widths[SLOPE_GROUP], heights[SLOPE_GROUP];
+  for (int k = 0; k < SLOPE_GROUP; k++)
+    widths[k] = width, heights[k] = height;
+  const int within = is_within(g.base_x, g.fx, g.ax, g.bx, widths) &&
+                     is_within(g.base_y, g.fy, g.ay, g.by, heights);
+  const int wrap = within ? (int)WRAP_NOT : (int)m->wrap;
   for (int a = 0; a < n1; a++)
     for (int b = 0; b < n2; b++)
-      slope_point(m, &g, a, b);
+      slope_point(m, &g, wrap, a, b);
   float *restrict ox = o->x + first, *restrict oy = o->y + first, *restrict oxx = o->xx + first,
                   *restrict oxy = o->xy + first, *restrict oyy = o->yy + first;
 #pragma omp simd
@@ -283,7 +330,7 @@ typedef struct slope_level {
 } slope_level;
 
 /* Texels and weights of probe (a, b). */
-LEAF void slope_probe_wrapped(slope_level *l, int a, int b, moment_wrap wrap) {
+LEAF void slope_probe_wrapped(slope_level *l, int a, int b, int wrap) {
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int inside = a < l->n1[k] && b < l->n2[k];
@@ -311,8 +358,10 @@ LEAF void slope_probe_wrapped(slope_level *l, int a, int b, moment_wrap wrap) {
   }
 }
 
-static SLOPE_APART void slope_probe(slope_level *l, moment_wrap wrap, int a, int b) {
-  if (wrap == WRAP_REPEAT)
+static SLOPE_APART void slope_probe(slope_level *l, int wrap, int a, int b) {
+  if (wrap == WRAP_NOT)
+    slope_probe_wrapped(l, a, b, WRAP_NOT);
+  else if (wrap == WRAP_REPEAT)
     slope_probe_wrapped(l, a, b, WRAP_REPEAT);
   else if (wrap == WRAP_CLAMP)
     slope_probe_wrapped(l, a, b, WRAP_CLAMP);
@@ -397,9 +446,12 @@ static void slope_probes(const shade_slope_map *m, slope_lanes *restrict o, size
       l.ty[k] = t * cs[k] * gy;
       l.weight[k] = (coarse ? next[k] : 1 - next[k]) * l.over1[k] * l.over2[k];
     }
+    const int within = is_within(l.base_x, l.fx, l.sx, l.tx, l.width) &&
+                       is_within(l.base_y, l.fy, l.sy, l.ty, l.height);
+    const int wrap = within ? (int)WRAP_NOT : (int)p->wrap;
     for (int a = 0; a < most1; a++)
       for (int b = 0; b < most2; b++) {
-        slope_probe(&l, p->wrap, a, b);
+        slope_probe(&l, wrap, a, b);
         slope_texels(&l);
       }
   }
