@@ -193,6 +193,13 @@ for single, tag, log_terms, exp_terms, log2_terms, exp2_terms, erfcx_terms, atan
 ROOT = Decimal(2).sqrt()
 emit("SHADE_LOG2_FAST", lambda f: log_ratio(f) / LN2 * 2**23, 1 / ROOT - 1, ROOT - 1, 7, True,
      lambda f, p: p * LN2 / log_ratio(f) / 2**23 - 1, "log2(1 + f) = f P(f) / 2^23, for `fast`")
+def seen_rest(n):
+    """2 (n - log(1 + n)) / n^2."""
+    return 2 * (n - (1 + n).ln()) / (n * n) if n else Decimal(1)
+
+
+emit("SHADE_SEEN", seen_rest, Decimal(0), Decimal(1), 6, True, lambda n, p: p / seen_rest(n) - 1,
+     "n - 2 log(1 + n) = -n + n^2 P(n), for pass_table.h")
 emit("SHADE_EXP2_FAST", exp2_ratio, -EXP2_HALF, EXP2_HALF, 4, True, exp2_error,
      "2^r = 1 + r P(r), for `fast`")
 print("#endif")

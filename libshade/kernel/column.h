@@ -118,13 +118,20 @@ static void column_streaks(const shade_fabric *f, size_t count, const int *lane,
   }
 }
 
-/* The mean of all columns over the footprint of lane j, without streaks. */
+/* How many are read of a fabric. */
+static int column_count(const shade_fabric *f) {
+  return f->transmits ? COLUMNS : f->alike ? COLUMNS_ALIKE : COLUMNS_OPAQUE;
+}
+
+/* The mean of those columns over the footprint of lane j, without streaks. */
 static void column_of(const shade_fabric *f, double du, double dv, const column_axis *x,
                       const column_axis *y, size_t j, double column[COLUMNS]) {
   if (column_is_mean(f, du, dv))
     memcpy(column, f->mean, sizeof f->mean);
   else if (f->transmits) /* a constant count, so that it is a few vectors */
     column_sum(COLUMNS, f, x, y, j, column);
+  else if (f->alike)
+    column_sum(COLUMNS_ALIKE, f, x, y, j, column);
   else
     column_sum(COLUMNS_OPAQUE, f, x, y, j, column);
 }

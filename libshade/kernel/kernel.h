@@ -47,6 +47,7 @@
 #include "sample_draw.h"
 #include "sample.h"
 #include "single.h"
+#include "pass_table.h"
 #include "pass_cloth.h"
 #include "pass_cloth_draw.h"
 #include "column.h"

@@ -244,10 +244,49 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
   }
 }
 
+/* The mixture by its tables; lobe by lobe where light and eye are far apart, across a fade. */
+static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered) * g, real *spec,
+                          real *matt) {
+  const real *const wi[3] = {g->wi[0], g->wi[1], g->wi[2]};
+  const real *const wo[3] = {g->wo[0], g->wo[1], g->wo[2]};
+  const real apart = (real)FABRIC_APART, fade = 1 / ((real)FABRIC_NEARBY - (real)FABRIC_APART);
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
+  FN(gathered) far;
+  real share[BLOCK], one[BLOCK], two[BLOCK];
+  int any = 0;
+  FN(kernel_table)(s->table, g->count, wi, wo, spec, matt);
+#pragma omp simd reduction(| : any)
+  for (size_t j = 0; j < g->count; j++) {
+    share[j] = (ix[j] * ox[j] + iy[j] * oy[j] + iz[j] * oz[j] - apart) * fade;
+    any |= share[j] < 1;
+  }
+  if (!any)
+    return;
+  far.count = 0;
+  for (size_t j = 0; j < g->count; j++) {
+    if (!(share[j] < 1))
+      continue;
+    for (int a = 0; a < 3; a++) {
+      far.wi[a][far.count] = wi[a][j];
+      far.wo[a][far.count] = wo[a][j];
+    }
+    far.lane[far.count++] = (int)j;
+  }
+  FN(cloth_mixture)(FN(ASK_YARN), b, &s->nodes, &far, one, two);
+  for (size_t i = 0; i < far.count; i++) {
+    const int j = far.lane[i];
+    const real part = FN(maximum)(share[j], 0);
+    spec[j] = one[i] + part * (spec[j] - one[i]);
+    matt[j] = two[i] + part * (matt[j] - two[i]);
+  }
+}
+
 /* Lanes of a kind under one lobe of their side. */
 static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int kind,
                           const bsdf *b, FN(gathered) * g, real *first, real *second) {
-  if (kind == CLOTH_FAR) {
+  if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table && b == bsdf_of(&s->lobe[FABRIC_FAR])) {
+    FN(cloth_far)(b, s, g, first, second);
+  } else if (kind == CLOTH_FAR) {
     FN(cloth_mixture)(what, b, what == FN(ASK_YARN) ? &s->nodes : &s->coarse, g, first, second);
   } else {
     FN(cloth_tilts)(c, kind, &s->one, g);
@@ -457,7 +496,7 @@ static void FN(cloth_hard)(const shade_fabric *f, const FN(cloth) * c, const rea
       to[i] = side[i] > 0 ? flat[i] * ci[i] * INVERSE_PI : 0;
   }
   for (int kind = 0; kind < CLOTH_VOID; kind++)
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2 && lists.count[0][kind] + lists.count[1][kind] > 0; k++) {
       const fabric_side *s = &f->side[k];
       if (FN(cloth_gather)(f, c, &lists, 0, kind, k, wi, wo, &g)) {
         FN(cloth_lobes)(FN(ASK_YARN), c, s, k, kind, &g, spec, matt);

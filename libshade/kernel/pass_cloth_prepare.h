@@ -153,8 +153,9 @@ LEAF void FN(cloth_far_fill)(const shade_fabric *f, const FN(cloth) * c, const F
       flat[whole ? j : (size_t)lane[j]] = gap[j * step] * backing;
     for (int k = 0; k < 2; k++) {
       const real *kd = p->kd[k][a];
-      const real *own = columns + (size_t)(COLUMN_MATT + 3 * k + a) * wide;
-      const real *fuzz = columns + (size_t)(COLUMN_FUZZ + 3 * k + a) * wide;
+      const int channel = f->alike ? 0 : COLUMN_CHANNEL * a;
+      const real *own = columns + (size_t)(COLUMN_MATT + k + channel) * wide;
+      const real *fuzz = columns + (size_t)(COLUMN_FUZZ + k + channel) * wide;
       const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
       const real *through = columns + (size_t)(COLUMN_PASS + 3 * k + a) * wide;
       const real leaves = (real)f->side[k].leaves[a];
@@ -216,6 +217,30 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
   return status;
 }
 
+/* What cloth_term does where all is far, without random numbers. */
+static unsigned FN(cloth_all_far)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
+                                  FN(preparing) * p) {
+  const real *u = in->u + start, *v = in->v + start;
+  const int spans = in->du && in->dv;
+  const real *du = spans ? in->du + start : u, *dv = spans ? in->dv + start : v;
+  double *restrict to_u = p->u, *restrict to_v = p->v;
+  double *restrict to_du = p->du, *restrict to_dv = p->dv;
+  int *restrict far = p->far, bad = 0;
+#pragma omp simd reduction(| : bad)
+  for (size_t i = 0; i < size; i++) {
+    const double wide = spans ? (double)du[i] : 0, high = spans ? (double)dv[i] : 0;
+    const double x = (double)u[i], y = (double)v[i];
+    to_u[i] = x - x == 0 ? x : 0;
+    to_v[i] = y - y == 0 ? y : 0;
+    to_du[i] = wide > 0 ? (wide < 1e9 ? wide : 1e9) : 0;
+    to_dv[i] = high > 0 ? (high < 1e9 ? high : 1e9) : 0;
+    far[i] = (int)i;
+    bad |= !((wide >= 0) & (high >= 0));
+  }
+  p->far_count = size;
+  return bad ? SHADE_BAD_INPUT : SHADE_OK;
+}
+
 static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(preparing) * p) {
   cloth_seen *s = &p->seen;
   double u[BLOCK], v[BLOCK];
@@ -251,10 +276,13 @@ static void FN(cloth_streaks)(const shade_fabric *f, const FN(preparing) * p, re
     double factor[STREAKS][2];
     column_streaks(f, size, lane + start, p->u, p->v, p->du, p->dv, factor);
     for (size_t j = 0; j < size; j++)
-      for (int k = 0; k < 6; k++) {
-        const real share = (real)factor[j][k / 3];
-        columns[(COLUMN_MATT + k) * wide + at[start + j]] *= share;
-        columns[(COLUMN_PASS + k) * wide + at[start + j]] *= share;
+      for (int side = 0; side < 2; side++) {
+        real *of = columns + at[start + j];
+        const real share = (real)factor[j][side];
+        for (int a = 0; a < (f->alike ? 1 : 3); a++)
+          of[(COLUMN_MATT + side + COLUMN_CHANNEL * a) * wide] *= share;
+        for (int a = 0; a < 3 && f->transmits; a++)
+          of[(COLUMN_PASS + 3 * side + a) * wide] *= share;
       }
   }
 }
@@ -274,12 +302,13 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
   if (!mean) {
     column_axis x, y;
     double column[COLUMNS] = {0};
+    const int count = column_count(f);
     column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
     column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
     for (size_t j = 0; j < p->far_count; j++) {
       const int i = p->far[j];
       column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
-      for (int k = 0; k < COLUMNS; k++)
+      for (int k = 0; k < count; k++)
         columns[k * WIDE + (int)j] = (real)column[k];
     }
     FN(cloth_streaks)(f, p, columns, WIDE);
@@ -351,6 +380,8 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   if (tier == SHADE_TIER_SINGLE)
     for (size_t i = 0; i < size; i++)
       p.far[p.far_count++] = (int)i;
+  else if (tier == SHADE_TIER_FAR && !in->random)
+    status |= FN(cloth_all_far)(in, start, size, &p);
   else
     for (size_t i = 0; i < size; i++)
       status |= FN(cloth_term)(in, start, i, tier, &p);

@@ -114,12 +114,12 @@ static void add_look(const shade_fabric *f, const room *r, int k, double part, c
   for (int c = 0; c < 3; c++) {
     const double own = fabric_own(f, warp, r->yarn[k], c), kd = f->side[warp].kd[c];
     /* a noisy yarn reflects no more than a white one */
-    const double matt = kd > 0 ? fmin(kd * own * brightness, 1) / kd : own * brightness;
+    const double matt = kd * own * brightness > 1 ? 1 / kd : own * brightness;
     if (gap) {
-      cell[COLUMN_FUZZ + 3 * warp + c] += light * fuzz * part * own;
+      cell[COLUMN_FUZZ + warp + COLUMN_CHANNEL * c] += light * fuzz * part * own;
       continue;
     }
-    cell[COLUMN_MATT + 3 * warp + c] += light * matt * part;
+    cell[COLUMN_MATT + warp + COLUMN_CHANNEL * c] += light * matt * part;
     if (f->transmits)
       cell[COLUMN_PASS + 3 * warp + c] +=
           light * part * fmin(f->side[warp].transmit[c] * own * brightness, 1 - kd * matt);
@@ -190,11 +190,17 @@ static void look_at_repeat(shade_fabric *f, int looks, cloud clouds[2]) {
   const double *all = f->table + (size_t)f->rows * line + (size_t)f->columns * COLUMNS_STEP;
   for (int k = 0; k < COLUMNS; k++)
     f->mean[k] = all[k] / ((double)f->columns * f->rows);
+  f->alike = !f->draft_colors; /* but for what is no more than white in one channel alone */
+  for (int k = COLUMN_MATT; k < COLUMN_MATT + COLUMN_CHANNEL; k++)
+    f->alike &=
+        f->mean[k + COLUMN_CHANNEL] == f->mean[k] && f->mean[k + 2 * COLUMN_CHANNEL] == f->mean[k];
 }
 
 void shade_fabric_free(shade_fabric *f) {
   if (!f)
     return;
+  fabric_table_free(f->side[0].table);
+  fabric_table_free(f->side[1].table);
   free(f->table);
   free(f);
 }

@@ -7,6 +7,7 @@
 
 #include "shade/fabric.h"
 #include "bsdf.h"
+#include "fabric_table.h"
 #include "weave_private.h"
 
 enum {
@@ -18,15 +19,19 @@ enum {
 /*
  * Columns of the table of the repeat, each an integral from (0, 0). Matt ones are for kd = 1:
  * occlusion, noise and the yarn's own colour, 3 channels; by shade_top: weft, warp. All are kept
- * and added up, but what is let through only where something is.
+ * and added up, but what is let through only where something is, and of yarns that are alike in
+ * all channels the first.
  */
 enum {
-  COLUMN_SEEN,                   /* seen and not occluded: what the lobe gets */
-  COLUMN_MATT = COLUMN_SEEN + 2, /* the diffuse part */
-  COLUMN_FUZZ = COLUMN_MATT + 6, /* loose fibres of that yarn in gaps */
-  COLUMN_GAP = COLUMN_FUZZ + 6,  /* the backing, for a reflectance of 1 */
+  COLUMN_SEEN,                   /* seen and not occluded: what the lobe gets; 2 */
+  COLUMN_GAP = COLUMN_SEEN + 2,  /* the backing, for a reflectance of 1 */
   COLUMN_OPEN,                   /* share of the area that nothing covers */
-  COLUMN_PASS,                   /* what yarns let through; only if some do */
+  COLUMN_MATT,                   /* the diffuse part; 2 */
+  COLUMN_FUZZ = COLUMN_MATT + 2, /* loose fibres of that yarn in gaps; 2 */
+  COLUMN_CHANNEL = 4,            /* from one channel of those to the next */
+  COLUMNS_ALIKE = COLUMN_MATT + COLUMN_CHANNEL,
+  /* what yarns let through, 2 x 3: a yarn's channels side by side; only if some do */
+  COLUMN_PASS = COLUMN_MATT + 3 * COLUMN_CHANNEL,
   COLUMNS = COLUMN_PASS + 6,
   COLUMNS_OPAQUE = COLUMN_PASS,
   COLUMNS_STEP = 24 /* from one block of the table to the next: whole cache lines */
@@ -39,12 +44,14 @@ typedef struct fabric_nodes {
   float xf[FABRIC_NODES], yf[FABRIC_NODES], zf[FABRIC_NODES], weightf[FABRIC_NODES];
 } fabric_nodes;
 
-/* Lobes of a side: the yarn's own; as wide as a node, all nodes, or a coarse node need it. */
+/* Lobes of a side: the yarn's own; as wide as a node, all nodes, a coarse node or one of the
+ * table's need it. */
 typedef enum fabric_lobe {
   FABRIC_NEAR,
   FABRIC_FAR,
   FABRIC_SINGLE,
   FABRIC_DRAW,
+  FABRIC_TABLED,
   FABRIC_LOBES
 } fabric_lobe;
 
@@ -55,8 +62,9 @@ typedef struct fabric_side {
   shade_bsdf lobe[FABRIC_LOBES];
   shade_params made_of[FABRIC_LOBES];
   fabric_nodes nodes, one, coarse;
-  double spread[2]; /* variance of the tilt, along and across */
-  double tx, ty;    /* the mean direction of the fibres */
+  double spread[2];    /* variance of the tilt, along and across */
+  double tx, ty;       /* the mean direction of the fibres */
+  fabric_table *table; /* of more nodes than those; NULL: those, one by one */
 } fabric_side;
 
 struct shade_fabric {
@@ -65,6 +73,7 @@ struct shade_fabric {
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];
   int draft_colors, uneven; /* uneven: the brightness of the yarns varies */
+  int alike;                /* the columns of all channels are the same */
   int backed, transmits;    /* the gaps show something; some yarn lets light through */
   double nap, nap_color[3];
   shade_horizon horizon;

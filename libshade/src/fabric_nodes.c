@@ -18,6 +18,7 @@
 #define SPREAD_LEFT 0.1
 #define SPREAD_LEFT_GAUSSIAN 0.06 /* lobes that are steeper in their flanks */
 #define SPREAD_LEFT_COARSE 0.5    /* what directions are drawn from */
+#define SPREAD_LEFT_FINE 0.05     /* what tables are made of */
 #define BROAD 20.0
 
 /* A cut of the cloud. */
@@ -91,14 +92,15 @@ static void measure(const fabric_look *looks, cut *c) {
   c->vy = w > 0 ? yy / w * (1 - c->x * c->x) / z2 : 0;
 }
 
-/* Cut a cloud of looks into at most `most`; returns how many. */
-static int cut_cloud(fabric_look *looks, size_t count, double ex, double ey, double left, int most,
-                     cut *cuts) {
-  int made = 1;
-  cuts[0].start = 0;
-  cuts[0].count = count;
-  measure(looks, &cuts[0]);
-  const double all = cuts[0].weight;
+/* Cut a cloud of looks, or on from the `made` cuts of it, into at most `most`; returns how many. */
+static int cut_cloud(fabric_look *looks, const cut *whole, double ex, double ey, double left,
+                     int most, int made, cut *cuts) {
+  const double all = whole->weight;
+  if (!made) {
+    made = 1;
+    cuts[0] = *whole;
+    measure(looks, &cuts[0]);
+  }
   while (made < most) {
     int worst = -1;
     double largest = 0;
@@ -140,12 +142,17 @@ static int cut_cloud(fabric_look *looks, size_t count, double ex, double ey, dou
   return made;
 }
 
+/* The normal that leans by x and y, if there is one. */
+static void normal_of(double x, double y, double *nx, double *ny, double *nz) {
+  const double z = sqrt(fmax(1 - x * x - y * y, 1e-4));
+  const double scale = 1 / sqrt(x * x + y * y + z * z);
+  *nx = x * scale;
+  *ny = y * scale;
+  *nz = z * scale;
+}
+
 static void set_node(fabric_nodes *nodes, int i, double x, double y, double weight) {
-  double z = sqrt(fmax(1 - x * x - y * y, 1e-4));
-  double scale = 1 / sqrt(x * x + y * y + z * z);
-  nodes->x[i] = x * scale;
-  nodes->y[i] = y * scale;
-  nodes->z[i] = z * scale;
+  normal_of(x, y, &nodes->x[i], &nodes->y[i], &nodes->z[i]);
   nodes->weight[i] = weight;
   nodes->xf[i] = (float)nodes->x[i];
   nodes->yf[i] = (float)nodes->y[i];
@@ -260,6 +267,24 @@ static void set_nodes(fabric_nodes *nodes, const cut *cuts, int count, double wh
   }
 }
 
+/* The tables: of the cuts, and for the diffuse part of the nodes. */
+static void set_table(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
+                      const cut *cuts, int count, double whole, unsigned *status) {
+  double n[3][FABRIC_FINE], weight[FABRIC_FINE], vx = 0, vy = 0;
+  for (int i = 0; i < count; i++) {
+    weight[i] = cuts[i].weight / whole;
+    normal_of(cuts[i].x, cuts[i].y, &n[0][i], &n[1][i], &n[2][i]);
+    vx += weight[i] * cuts[i].vx;
+    vy += weight[i] * cuts[i].vy;
+  }
+  make_lobe(side, FABRIC_TABLED, p, yarn, vx, vy, status);
+  const fabric_nodes *of = &side->nodes;
+  const fabric_lobes fine = {&side->lobe[FABRIC_TABLED], (size_t)count, {n[0], n[1], n[2]}, weight};
+  const fabric_lobes matt = {
+      &side->lobe[FABRIC_FAR], (size_t)of->count, {of->x, of->y, of->z}, of->weight};
+  side->table = fabric_table_create(&fine, &matt);
+}
+
 static void set_one_node(fabric_nodes *nodes) {
   nodes->count = 1;
   set_node(nodes, 0, 0, 0, 1);
@@ -267,7 +292,7 @@ static void set_one_node(fabric_nodes *nodes) {
 
 void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
                      fabric_look *looks, size_t count, unsigned *status) {
-  cut cuts[FABRIC_NODES], whole = {.start = 0, .count = count};
+  cut cuts[FABRIC_FINE], whole = {.start = 0, .count = count};
   const double ex = fmax(yarn->along, BROAD), ey = fmax(yarn->across, BROAD);
   const int gaussian = p->mdf != SHADE_MDF_ASHIKHMIN_SHIRLEY;
   double rest[2];
@@ -286,17 +311,21 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
     return;
   side->spread[0] = whole.vx;
   side->spread[1] = whole.vy;
-  int made = cut_cloud(looks, count, ex, ey, SPREAD_LEFT_COARSE, FABRIC_COARSE, cuts);
+  int made = cut_cloud(looks, &whole, ex, ey, SPREAD_LEFT_COARSE, FABRIC_COARSE, 0, cuts);
   set_nodes(&side->coarse, cuts, made, whole.weight, rest);
   if (p->detail == SHADE_DETAIL_NONE)
     set_one_node(&side->coarse); /* the lobes lie where they are, whatever the tilt */
   else
     make_lobe(side, FABRIC_DRAW, p, yarn, rest[0], rest[1], status);
-  made = cut_cloud(looks, count, ex, ey, gaussian ? SPREAD_LEFT_GAUSSIAN : SPREAD_LEFT,
-                   FABRIC_NODES, cuts);
+  made = cut_cloud(looks, &whole, ex, ey, gaussian ? SPREAD_LEFT_GAUSSIAN : SPREAD_LEFT,
+                   FABRIC_NODES, 0, cuts);
   set_nodes(&side->nodes, cuts, made, whole.weight, rest);
   if (p->detail == SHADE_DETAIL_NONE)
     return;
   make_lobe(side, FABRIC_FAR, p, yarn, rest[0], rest[1], status);
   make_single(side, p, yarn, &whole, rest, status);
+  if (!fabric_table_models(&side->lobe[FABRIC_FAR]))
+    return;
+  made = cut_cloud(looks, &whole, ex, ey, SPREAD_LEFT_FINE, FABRIC_FINE, made, cuts);
+  set_table(side, p, yarn, cuts, made, whole.weight, status);
 }

@@ -10,7 +10,8 @@
 #include "shade/shade.h"
 #include "shade/weave.h"
 
-struct scratch_row; /* of scratch_row.h */
+struct fabric_table; /* of fabric_table.h */
+struct scratch_row;  /* of scratch_row.h */
 struct shade_slope_map;
 struct slope_block; /* of slope_map.h */
 struct widen_block;
@@ -74,6 +75,10 @@ typedef struct shade_isa_table {
                           float *const[3]);
   void (*slopes)(const struct shade_slope_map *, size_t, const struct slope_block *);
   unsigned (*widen)(const struct widen_block *, size_t);
+  void (*table)(const struct fabric_table *, size_t, const double *const[3], const double *const[3],
+                double *, double *);
+  void (*tablef)(const struct fabric_table *, size_t, const float *const[3], const float *const[3],
+                 float *, float *);
 } shade_isa_table;
 
 extern const shade_isa_table shade_isa_scalar, shade_isa_sse2, shade_isa_avx2, shade_isa_avx512;

@@ -62,6 +62,8 @@ const shade_isa_table ISA_TABLE(ISA) = {
     .cloth_pdff = kernel_cloth_pdff,
     .cloth_draw = kernel_cloth_draw,
     .cloth_drawf = kernel_cloth_drawf,
+    .table = kernel_table,
+    .tablef = kernel_tablef,
     .slopes = kernel_slopes,
     .widen = kernel_widen,
 };

@@ -9,9 +9,23 @@
 #include <string.h>
 
 #include "shade/presets.h"
+#include "src/fabric.h"
 #include "tool/bench_parts.h"
 
 enum { COUNT = 1024, RUNS = 40, ARRAYS = 12, OUT = 8, CHECKED = 64, POINTS = 1 << 14 };
+
+/* What stands for a cloth: far by its tables, or by all lobes in turn. */
+typedef struct form {
+  const char *word;
+  shade_fabric_tier tier;
+  int nodes;
+  double footprint;
+} form;
+static const form forms[] = {{"near", SHADE_TIER_NEAR, 0, 0},
+                             {"far", SHADE_TIER_FAR, 0, 20},
+                             {"far_nodes", SHADE_TIER_FAR, 1, 20},
+                             {"single", SHADE_TIER_SINGLE, 0, 0}};
+enum { FORMS = sizeof forms / sizeof forms[0] };
 
 /* What is timed of a cloth. */
 typedef enum job { WHOLE, PREPARED, DENSITY, DRAW, CALL, JOBS } job;
@@ -185,40 +199,51 @@ static double error_of(const shade_fabric *f, const arrays *a, shade_fabric_tier
   return worst;
 }
 
+/* All rows of a form. 0: out of memory. */
+static int bench_form(const shade_fabric *f, const shade_preset *p, const form *form,
+                      bench_row *print, void *context) {
+  arrays a;
+  const int ok = fill(&a, form->footprint);
+  for (int single = 1; ok && single >= 0; single--) {
+    shade_fabric_lanes in = LANES(a.in);
+    shade_fabric_lanesf inf = LANES(a.inf);
+    in.size = sizeof in;
+    inf.size = sizeof inf;
+    shade_fabric_prepare_batch(f, COUNT, &in, form->tier, a.hits, NULL);
+    shade_fabric_prepare_batchf(f, COUNT, &inf, form->tier, a.hitsf, NULL);
+    const double error = error_of(f, &a, form->tier, single);
+    for (int what = 0; what < JOBS; what++) {
+      const int of_draws = what == DENSITY || what == DRAW;
+      char word[32];
+      snprintf(word, sizeof word, "cloth_%s%s", form->word, job_words[what]);
+      if (!(form->nodes && of_draws)) /* those are the same */
+        print(context, word, p->word, shade_list_word(SHADE_LIST_MDF, (int)p->fabric.mdf), single,
+              best_of(f, &a, form->tier, (job)what, single), of_draws ? 0 : error);
+    }
+  }
+  release(&a);
+  return ok;
+}
+
 int bench_cloth(bench_row *print, void *context) {
-  static const char *const tiers[] = {"auto", "near", "far", "single"};
-  static const char *const presets[] = {"silk_charmeuse", "denim", "polyester_lining"};
-  int status = 1;
-  for (size_t row = 0; status && row < sizeof presets / sizeof presets[0]; row++) {
-    shade_preset p;
+  shade_preset p;
+  int ok = 1;
+  for (int row = 0; ok && shade_preset_row(row, &p); row++) {
     shade_weave *weave = NULL;
-    if (!shade_preset_find(presets[row], &p))
+    if (p.kind != SHADE_PRESET_FABRIC)
       continue;
     shade_fabric *f = shade_preset_fabric(&p, &weave, NULL);
-    status = f != NULL;
-    for (int tier = SHADE_TIER_NEAR; status && tier <= SHADE_TIER_SINGLE; tier++) {
-      arrays a;
-      status = fill(&a, tier == SHADE_TIER_FAR ? 20 : 0);
-      for (int single = 1; status && single >= 0; single--) {
-        shade_fabric_lanes in = LANES(a.in);
-        shade_fabric_lanesf inf = LANES(a.inf);
-        in.size = sizeof in;
-        inf.size = sizeof inf;
-        shade_fabric_prepare_batch(f, COUNT, &in, (shade_fabric_tier)tier, a.hits, NULL);
-        shade_fabric_prepare_batchf(f, COUNT, &inf, (shade_fabric_tier)tier, a.hitsf, NULL);
-        const double error = error_of(f, &a, (shade_fabric_tier)tier, single);
-        for (int what = 0; what < JOBS; what++) {
-          char word[32];
-          snprintf(word, sizeof word, "cloth_%s%s", tiers[tier], job_words[what]);
-          print(context, word, p.word, shade_list_word(SHADE_LIST_MDF, (int)p.fabric.mdf), single,
-                best_of(f, &a, (shade_fabric_tier)tier, (job)what, single),
-                what == DENSITY || what == DRAW ? 0 : error);
-        }
-      }
-      release(&a);
+    ok = f != NULL;
+    for (int k = 0; ok && k < FORMS; k++) {
+      fabric_table *tables[2] = {f->side[0].table, f->side[1].table};
+      for (int side = 0; side < 2; side++)
+        f->side[side].table = forms[k].nodes ? NULL : tables[side];
+      ok = bench_form(f, &p, &forms[k], print, context);
+      for (int side = 0; side < 2; side++)
+        f->side[side].table = tables[side];
     }
     shade_fabric_free(f);
     shade_weave_free(weave);
   }
-  return status;
+  return ok;
 }

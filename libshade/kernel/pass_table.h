@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The tables of src/fabric_table.h over arrays. */
+
+/* Where a direction lies between vertices: the lower left one, and the rest of the way. */
+typedef struct FN(table_spot) {
+  int32_t at;
+  real x, y;
+} FN(table_spot);
+
+/*
+ * size: the length of (x, y, z); right, top: the last column and row. Of a direction with z <= 0
+ * or NaN, some place.
+ */
+LEAF FN(table_spot)
+    FN(table_find)(real x, real y, real z, real size, real right, real top, int columns) {
+  const real length = FN(root)(y * y + z * z);
+  const real px = (1 + x / (size + length + TINY)) * (R(0.5) * right);
+  const real py = (1 + y / (length + z + TINY)) * (R(0.5) * top);
+  const real i = FN(minimum)(FN(maximum)(px, 0), right), j = FN(minimum)(FN(maximum)(py, 0), top);
+  const int32_t a = (int32_t)FN(minimum)(i, right - 1), b = (int32_t)FN(minimum)(j, top - 1);
+  const FN(table_spot) spot = {a + b * columns, i - (real)a, j - (real)b};
+  return spot;
+}
+
+typedef struct FN(table_place) {
+  _Alignas(64) int32_t at[BLOCK];
+  ROOM x[BLOCK], y[BLOCK];
+} FN(table_place);
+
+static void FN(pass_table_find)(size_t count, FN(vec) v, int columns, int rows,
+                                FN(table_place) *restrict p) {
+  ARRAYS(v);
+  const real right = (real)(columns - 1), top = (real)(rows - 1);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const FN(table_spot) spot = FN(table_find)(vx[i], vy[i], vz[i], 1, right, top, columns);
+    p->at[i] = spot.at;
+    p->x[i] = spot.x;
+    p->y[i] = spot.y;
+  }
+}
+
+/*
+ * All fields of a vertex lie side by side, and a lane takes them at once: this is a third of the
+ * time of a gather for each, also where there are wide ones.
+ */
+#define TABLE_FETCH(name, type, fields)                                                            \
+  LEAF void FN(table_##name)(const type *restrict table, int columns, FN(table_spot) p,            \
+                             real *restrict to) {                                                  \
+    const type *low = table + (size_t)p.at * fields, *high = low + (size_t)columns * fields;       \
+    ROOM v[2 * fields];                                                                            \
+    _Pragma("omp simd") for (int k = 0; k < 2 * fields; k++) {                                     \
+      const real a = (real)low[k], b = (real)high[k];                                              \
+      v[k] = a + p.y * (b - a);                                                                    \
+    }                                                                                              \
+    _Pragma("omp simd") for (int k = 0; k < fields; k++) to[k] =                                   \
+        v[k] + p.x * (v[fields + k] - v[k]);                                                       \
+  }                                                                                                \
+  static void FN(pass_table_##name)(size_t count, const type *restrict table, int columns,         \
+                                    const FN(table_place) *restrict p,                             \
+                                    real(*restrict to)[fields]) {                                  \
+    for (size_t i = 0; i < count; i++) {                                                           \
+      const FN(table_spot) spot = {p->at[i], p->x[i], p->y[i]};                                    \
+      FN(table_##name)(table, columns, spot, to[i]);                                               \
+    }                                                                                              \
+  }
+TABLE_FETCH(fetch_spec, uint16_t, FABRIC_FIELDS)
+TABLE_FETCH(fetch_matt, int16_t, FABRIC_RANK)
+#undef TABLE_FETCH
+
+/* The same of h = wi + wo, of any length. */
+static void FN(pass_table_find_half)(size_t count, FN(vec) wi, FN(vec) wo, int columns, int rows,
+                                     FN(table_place) *restrict p) {
+  ARRAYS(wi);
+  ARRAYS(wo);
+  const real right = (real)(columns - 1), top = (real)(rows - 1);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const real x = wix[i] + wox[i], y = wiy[i] + woy[i], z = wiz[i] + woz[i];
+    const real size = FN(root)(x * x + y * y + z * z);
+    const FN(table_spot) spot = FN(table_find)(x, y, z, size, right, top, columns);
+    p->at[i] = spot.at;
+    p->x[i] = spot.x;
+    p->y[i] = spot.y;
+  }
+}
+
+/* The integral from 0 to t of min(1, (1 + t) / (1 - t)) within -1 to 1. */
+LEAF real FN(table_integral)(real t) {
+  const real up = FN(minimum)(FN(maximum)(t, 0), 1), down = FN(minimum)(FN(maximum)(-t, 0), 1);
+  return up - down + down * down * SHADE_SEEN(down);
+}
+
+/*
+ * What a lane has for all strips: h' and d, turned along the fibres as its lobes are; the cosine
+ * of h with wo, not quite 0.
+ */
+typedef struct FN(table_turned) {
+  real h, hx, hy, d, dx, dy, variance, cosine;
+} FN(table_turned);
+
+LEAF FN(table_turned)
+    FN(table_turn)(real ix, real iy, real iz, real ox, real oy, real oz, real s, real variance) {
+  const real hx = R(0.5) * (ix + ox), hy = R(0.5) * (iy + oy), hz = R(0.5) * (iz + oz);
+  const real dx = R(0.5) * (ix - ox), dy = R(0.5) * (iy - oy), dz = R(0.5) * (iz - oz);
+  const real c = FN(root)(FN(maximum)(1 - s * s, R(1e-4))), slope = s / c;
+  const FN(table_turned) v = {
+      s * hx + c * hz,
+      hx - slope * hz,
+      hy,
+      s * dx + c * dz,
+      dx - slope * dz,
+      dy,
+      variance,
+      FN(maximum)(FN(root)(hx * hx + hy * hy + hz * hz), R(1e-6)),
+  };
+  return v;
+}
+
+/* The mean of min(1, n.wi / n.wo) within both horizons over a strip. */
+LEAF real FN(table_strip)(FN(table_turned) v, real tilt, real spread) {
+  const real per = 1 / FN(maximum)(v.h + tilt * v.hy, R(1e-3) * v.cosine);
+  const real t = (v.d + tilt * v.dy) * per;
+  const real along = (v.dx - t * v.hx) * per, across = (v.dy - t * v.hy) * per;
+  const real variance = along * along * v.variance + across * across * spread;
+  /* an even spread's half width; never so narrow that the difference below loses its digits */
+  const real half = FN(root)(FN(maximum)(3 * variance, R(1e-6))), inverse = 1 / half;
+  return (FN(table_integral)(t + half) - FN(table_integral)(t - half)) * inverse;
+}
+
+static void FN(pass_table_spec)(const fabric_table *table, size_t count,
+                                real (*restrict f)[FABRIC_FIELDS], FN(vec) wi, FN(vec) wo,
+                                real *restrict spec) {
+  ARRAYS(wi);
+  ARRAYS(wo);
+  const real sine = (real)table->unit[FABRIC_ALONG], square = (real)table->unit[FABRIC_VARIANCE];
+  real d[FABRIC_STRIPS], tilt[FABRIC_STRIPS], spread[FABRIC_STRIPS];
+  for (int k = 0; k < FABRIC_STRIPS; k++) {
+    d[k] = (real)table->scale[k];
+    tilt[k] = (real)table->tilt[k];
+    spread[k] = (real)table->spread[k];
+  }
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const FN(table_turned) v =
+        FN(table_turn)(wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i],
+                       sine * f[i][FABRIC_ALONG] - 1, square * f[i][FABRIC_VARIANCE]);
+#define STRIP(k) d[k] * f[i][k] * FN(table_strip)(v, tilt[k], spread[k])
+    /* gcc unrolls no loop within one */
+    const real sum = STRIP(0) + STRIP(1) + (STRIP(2) + STRIP(3)) + (STRIP(4) + STRIP(5));
+#undef STRIP
+    spec[i] = FN(minimum)(wiz[i], woz[i]) > 0 ? sum / v.cosine : 0;
+  }
+}
+_Static_assert(FABRIC_STRIPS == 6, "as many as are written out above");
+
+static void FN(pass_table_matt)(const fabric_table *table, size_t count,
+                                real (*restrict a)[FABRIC_RANK], real (*restrict b)[FABRIC_RANK],
+                                const real *restrict iz, const real *restrict oz,
+                                real *restrict matt) {
+  const float *unit = table->matt_unit;
+  const real u0 = (real)unit[0], u1 = (real)unit[1], u2 = (real)unit[2], u3 = (real)unit[3];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const real sum = u0 * a[i][0] * b[i][0] + u1 * a[i][1] * b[i][1] +
+                     (u2 * a[i][2] * b[i][2] + u3 * a[i][3] * b[i][3]);
+    matt[i] = FN(minimum)(iz[i], oz[i]) > 0 ? FN(maximum)(sum, 0) : 0;
+  }
+}
+
+static void FN(table_block)(const fabric_table *table, size_t count, FN(vec) wi, FN(vec) wo,
+                            real *spec, real *matt) {
+  FN(table_place) place;
+  ROOM fields[BLOCK][FABRIC_FIELDS], a[BLOCK][FABRIC_RANK], b[BLOCK][FABRIC_RANK];
+  FN(pass_table_find_half)(count, wi, wo, table->columns, table->rows, &place);
+  FN(pass_table_fetch_spec)(count, table->spec, table->columns, &place, fields);
+  FN(pass_table_spec)(table, count, fields, wi, wo, spec);
+  FN(pass_table_find)(count, wi, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE, &place);
+  FN(pass_table_fetch_matt)(count, table->matt[0], FABRIC_MATT_SIDE, &place, a);
+  FN(pass_table_find)(count, wo, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE, &place);
+  FN(pass_table_fetch_matt)(count, table->matt[1], FABRIC_MATT_SIDE, &place, b);
+  FN(pass_table_matt)(table, count, a, b, wi.z, wo.z, matt);
+}
+
+/* One lane: vectors of fields. */
+static void FN(table_lane)(const fabric_table *table, size_t i, FN(vec) wi, FN(vec) wo, real *spec,
+                           real *matt) {
+  ARRAYS(wi);
+  ARRAYS(wo);
+  const real ix = wix[i], iy = wiy[i], iz = wiz[i], ox = wox[i], oy = woy[i], oz = woz[i];
+  const real x = ix + ox, y = iy + oy, z = iz + oz;
+  const real size = FN(root)(x * x + y * y + z * z), side = FABRIC_MATT_SIDE - 1;
+  ROOM f[FABRIC_FIELDS], a[FABRIC_RANK], b[FABRIC_RANK];
+  FN(table_fetch_spec)
+  (table->spec, table->columns,
+   FN(table_find)(x, y, z, size, (real)(table->columns - 1), (real)(table->rows - 1),
+                  table->columns),
+   f);
+  FN(table_fetch_matt)
+  (table->matt[0], FABRIC_MATT_SIDE, FN(table_find)(ix, iy, iz, 1, side, side, FABRIC_MATT_SIDE),
+   a);
+  FN(table_fetch_matt)
+  (table->matt[1], FABRIC_MATT_SIDE, FN(table_find)(ox, oy, oz, 1, side, side, FABRIC_MATT_SIDE),
+   b);
+  const FN(table_turned) v =
+      FN(table_turn)(ix, iy, iz, ox, oy, oz, (real)table->unit[FABRIC_ALONG] * f[FABRIC_ALONG] - 1,
+                     (real)table->unit[FABRIC_VARIANCE] * f[FABRIC_VARIANCE]);
+  real sum = 0, more = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int k = 0; k < FABRIC_FIELDS; k++)
+    sum += (real)table->scale[k] * f[k] *
+           FN(table_strip)(v, (real)table->tilt[k], (real)table->spread[k]);
+  for (int k = 0; k < FABRIC_RANK; k++)
+    more += (real)table->matt_unit[k] * a[k] * b[k];
+  const int lit = FN(minimum)(iz, oz) > 0;
+  *spec = lit ? sum / v.cosine : 0;
+  *matt = lit ? FN(maximum)(more, 0) : 0;
+}
+
+/* spec and matt of kernel_yarn, the mean over the lobes of the table. */
+static void FN(kernel_table)(const fabric_table *table, size_t count, const real *const wi[3],
+                             const real *const wo[3], real *spec, real *matt) {
+  for (size_t i = 0; count < FABRIC_FEW && i < count; i++)
+    FN(table_lane)(table, i, FN(vec_of)(wi), FN(vec_of)(wo), spec + i, matt + i);
+  for (size_t start = 0; count >= FABRIC_FEW && start < count; start += BLOCK)
+    FN(table_block)
+  (table, count - start < BLOCK ? count - start : BLOCK, FN(vec_from)(wi[0], wi[1], wi[2], start),
+   FN(vec_from)(wo[0], wo[1], wo[2], start), spec + start, matt + start);
+}
