@@ -210,7 +210,7 @@ def test_free_while_another_thread_waits():
 
 
 def test_poll_and_timings_at_the_end():
-    job = native.start(busy())
+    job = native.start(busy(max_bounces=1))
     state = finish(job)
     assert state == {
         "state": "done",
@@ -221,7 +221,7 @@ def test_poll_and_timings_at_the_end():
     }
     times = native.timings(job)
     assert times["samples"] == 50 * 37 * 12
-    stages = {"camera", "hit", "surface", "shadow", "reflect", "film"}
+    stages = {"camera", "hit", "surface", "shadow", "reflect", "draw", "trace", "film"}
     stages |= {"light_sun", "light_point", "closure_metal"}
     kinds = {f"{what}_{kind.lower()}" for what in ("light", "closure", "node")
              for kind in native.table()[what + "s"]}

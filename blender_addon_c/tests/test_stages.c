@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "batch/state.h"
+#include "render/sampling.h"
 #include "stage/stage.h"
 
 enum { COUNT = 1003, SET = 0x7b };
@@ -134,16 +135,19 @@ static void locate_and_move(void **state) {
     b->sample_hit.v[i] = i % 2 ? 0.5f : 0.125f;
     wanted += i % 3 != 0;
   }
-  assert_int_equal(stages->locate(COUNT, 10000, &b->sample_hit, &b->path), wanted);
+  assert_int_equal(stages->locate(COUNT, 10000, &b->sample_hit), wanted);
   for (size_t i = 0; i < COUNT; i++) {
     bool second = i % 3 == 1 && i % 2;
-    near((double)b->path.alpha[i], i % 3 != 0, 0);
     assert_int_equal(b->sample_hit.record[i], i % 3 == 0   ? RECORD_MISS
                                               : i % 3 == 1 ? 2 * i + second
                                                            : 10000 + i);
     near((double)b->sample_hit.u[i], second ? 0.25 : 0.75, 0);
   }
   untouched(b->sample_hit.record, COUNT);
+  stages->cover(COUNT, &b->sample_hit, &b->path);
+  for (size_t i = 0; i < COUNT; i++)
+    near((double)b->path.alpha[i], i % 3 != 0, 0);
+  untouched(b->path.alpha, COUNT);
   for (size_t i = 0; i < COUNT; i++) {
     b->queue.moved[i] = (uint32_t)(i * 7 % COUNT); /* a permutation: 7 does not divide 1003 */
     b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = (float)i;
@@ -440,6 +444,132 @@ static void film(void **state) {
     near((double)pixels[k], wanted[k], 1e-5);
 }
 
+/*
+ * 1024 samples of one pixel: each purpose alone fills every elementary square of a (0, 2)-net, and
+ * no two purposes have to do with each other (chi-square, 225 degrees of freedom: 300 is beyond
+ * 1 in 1000, and points that share their order give 15 000).
+ */
+static void shuffled_points(void **state) {
+  (void)state;
+  enum { POINTS = BATCH, BITS = 10, SIDE = 16, PURPOSES = 3 };
+  sampling p;
+  assert_true(sampling_init(&p, POINTS, BATCH, 0.0f));
+  assert_int_equal(p.mask, POINTS - 1);
+  static lane_f x[PURPOSES], y[PURPOSES];
+  b->walk = &b->walks[0];
+  for (uint32_t i = 0; i < POINTS; i++) {
+    b->path.hash[i] = 0x1234567u;
+    b->walk->sample[i] = i;
+    b->queue.moved[i] = i;
+  }
+  for (uint32_t k = 0; k < PURPOSES; k++) {
+    shuffle points = {
+        .index = p.point[0], .reverse = p.reverse, .mask = p.mask, .salt = 77u + 0x9e3779b9u * k};
+    stages->shuffled(POINTS, &points, b->queue.moved, b->walk, &b->path, x[k], y[k]);
+    for (int wide = 0; wide <= BITS; wide++) {
+      static unsigned char seen[POINTS];
+      memset(seen, 0, sizeof seen);
+      for (int i = 0; i < POINTS; i++) {
+        assert_true(x[k][i] >= 0 && x[k][i] < 1 && y[k][i] >= 0 && y[k][i] < 1);
+        int column = (int)(x[k][i] * (float)(1 << wide));
+        int line = (int)(y[k][i] * (float)(1 << (BITS - wide)));
+        seen[(line << wide) + column]++;
+      }
+      for (int i = 0; i < POINTS; i++)
+        assert_int_equal(seen[i], 1);
+    }
+  }
+  for (int k = 0; k < PURPOSES; k++)
+    for (int axis = 0; axis < 2; axis++) {
+      const float *other = axis ? y[(k + 1) % PURPOSES] : x[(k + 1) % PURPOSES];
+      int cell[SIDE * SIDE] = {0};
+      double chi2 = 0;
+      for (int i = 0; i < POINTS; i++)
+        cell[(int)(x[k][i] * SIDE) * SIDE + (int)(other[i] * SIDE)]++;
+      for (int c = 0; c < SIDE * SIDE; c++)
+        chi2 += pow(cell[c] - POINTS / (double)(SIDE * SIDE), 2) / (POINTS / (double)(SIDE * SIDE));
+      assert_true(chi2 < 300);
+    }
+  sampling_free(&p);
+}
+
+/* Which paths go on, where to and with what weight; and what they bring to their samples. */
+static void walks_go_on(void **state) {
+  (void)state;
+  make_points();
+  b->walk = &b->walks[0];
+  b->next = &b->walks[1];
+  for (uint32_t i = 0; i < COUNT; i++) {
+    b->queue.moved[i] = i * 7 % COUNT;
+    b->walk->sample[i] = COUNT - 1 - i;
+    b->walk->weight.r[i] = between(0, 1);
+    b->walk->weight.g[i] = b->walk->weight.b[i] = 0.5f;
+    vec3 wi = direction();
+    store(&b->draw.wi, i, wi);
+    b->draw.f.r[i] = b->draw.f.g[i] = b->draw.f.b[i] = between(0, 2);
+    b->draw.pdf[i] = i % 5 ? between(0.1, 3) : 0.0f;
+    b->draw.cosine[i] = fabsf(wi.z);
+    b->draw.lot[i] = between(0, 1);
+  }
+  batch *before = malloc(sizeof *before);
+  assert_non_null(before);
+  for (int lots = 0; lots < 2; lots++) {
+    memcpy(before, b, sizeof *b);
+    size_t rays = stages->walk(COUNT, lots, b->queue.moved, &b->surface, b->walk, &b->draw,
+                               &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+    size_t k = 0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+      uint32_t from = before->queue.moved[i];
+      vec3 wi = load(&before->draw.wi, i);
+      double pdf = (double)before->draw.pdf[i];
+      if (pdf <= 0 || wi.z <= 0) /* make_points: the facet is the surface */
+        continue;
+      double scale = (double)before->draw.f.r[i] * (double)before->draw.cosine[i] / pdf;
+      double red = scale * (double)before->walks[0].weight.r[from], green = scale * 0.5;
+      double most = fmax(red, green), chance = lots && most < 1 ? sqrt(most) : 1;
+      if (fabs((double)before->draw.lot[i] - chance) < 1e-5 || wi.z < 1e-5f)
+        fail_msg("choose another seed: rounding decides");
+      if ((double)before->draw.lot[i] >= chance)
+        continue;
+      assert_int_equal(b->next->sample[k], before->walks[0].sample[from]);
+      near((double)b->next->weight.r[k], red / chance, 1e-5 * (1 + red / chance));
+      near((double)b->next->weight.b[k], green / chance, 1e-5 * (1 + green / chance));
+      vec3 n = load(&b->surface.n, i), p = load(&b->surface.p, i), d = load(&b->sample_ray.d, k);
+      near(dot_d(d, n), (double)wi.z, 1e-6);
+      near(dot_d(d, load(&b->surface.t, i)), (double)wi.x, 1e-6);
+      near((double)b->sample_ray.o.x[k], (double)p.x + 1e-4 * (double)n.x, 1e-6);
+      near((double)b->sample_ray.tnear[k], 0, 0);
+      assert_true(b->sample_ray.tfar[k] == INFINITY);
+      k++;
+    }
+    assert_int_equal(rays, k);
+    assert_true(rays > 100 && rays < COUNT / 2);
+    untouched(b->next->sample, COUNT);
+    memcpy(b->draw.f.r, before->draw.f.r, 3 * sizeof(lane_f));
+    b->queue = before->queue;
+  }
+  free(before);
+  for (uint32_t i = 0; i < COUNT; i++) {
+    b->sum.r[i] = (float)i;
+    b->sum.g[i] = b->sum.b[i] = 1.0f;
+    b->sample_color.r[i] = b->sample_color.g[i] = b->sample_color.b[i] = 2.0f;
+    b->sample_hit.record[i] = i % 2 ? RECORD_MISS : 3;
+  }
+  const float sky[3] = {1, 2, 3}, most = 5;
+  stages->gain(COUNT, most, b->queue.moved, b->walk, &b->sum, &b->sample_color);
+  stages->escape(COUNT, most, b->sample_hit.record, sky, b->walk, &b->sample_color);
+  for (uint32_t i = 0; i < COUNT; i++) {
+    uint32_t ray = b->queue.moved[i];
+    double w = (double)b->walk->weight.r[ray], mean = (w * i + 1) / 3,
+           dim = mean > 5 ? 5 / mean : 1;
+    bool missed = ray % 2;
+    uint32_t sample = b->walk->sample[ray];
+    near((double)b->sample_color.r[sample], 2 + dim * w * i + (missed ? w : 0), 1e-3);
+    near((double)b->sample_color.g[sample], 2 + dim * 0.5 + (missed ? 1.0 : 0), 1e-5);
+    near((double)b->sample_color.b[sample], 2 + dim * 0.5 + (missed ? 1.5 : 0), 1e-5);
+  }
+}
+
 int main(void) {
   static const stage_table *const tables[] = {&stages_scalar, &stages_sse2, &stages_avx2,
                                               &stages_avx512};
@@ -449,16 +579,11 @@ int main(void) {
     void *table = (void *)(uintptr_t)tables[k];
 #define TEST(function)                                                                             \
   { #function, function, setup, teardown, table }
-    const struct CMUnitTest tests[] = {TEST(camera_through_pixels),
-                                       TEST(locate_and_move),
-                                       TEST(surface_frames),
-                                       TEST(pairs_of_numbers),
-                                       TEST(sun_light),
-                                       TEST(point_light),
-                                       TEST(shadow_rays),
-                                       TEST(nodes),
-                                       TEST(metal_and_reflection),
-                                       TEST(film)};
+    const struct CMUnitTest tests[] = {
+        TEST(camera_through_pixels), TEST(locate_and_move), TEST(surface_frames),
+        TEST(pairs_of_numbers),      TEST(sun_light),       TEST(point_light),
+        TEST(shadow_rays),           TEST(nodes),           TEST(metal_and_reflection),
+        TEST(shuffled_points),       TEST(walks_go_on),     TEST(film)};
     failed += cmocka_run_group_tests_name(tables[k]->name, tests, NULL, NULL);
     if (tables[k] == widest)
       break;

@@ -27,14 +27,17 @@ typedef struct lane_c {
   lane_f r, g, b;
 } lane_c;
 
-/*
- * What a path keeps from its camera ray to the film, by sample: more than one bounce would add its
- * throughput, bounce number and the density of its last draw here.
- */
+/* What a path keeps from its camera ray to the film, by sample. */
 typedef struct paths {
   lane_u hash;  /* of its pixel: scrambles the points it draws */
   lane_f alpha; /* 1 where it meets something */
 } paths;
+
+/* Paths under way, by ray: of which sample, and how much of what the ray meets that sample gets. */
+typedef struct walks {
+  lane_u sample;
+  lane_c weight;
+} walks;
 
 typedef struct rays {
   lane_v o; /* origin; a ray with tnear > tfar is not cast */
@@ -87,6 +90,15 @@ typedef struct light_samples {
   lane_f e;    /* irradiance as a part of the light's colour; shadows make it 0 */
   lane_v wi;   /* to the light, in the shading frame */
 } light_samples;
+
+/* Where a path goes on from each point. */
+typedef struct draws {
+  lane_f x, y; /* the closure's two numbers, uniform in [0, 1) */
+  lane_f lot;  /* roulette's */
+  lane_v wi;   /* drawn, in the shading frame; 0 where there is none */
+  lane_c f;    /* 1/sr; `walk` makes it the weight of the ray that goes there */
+  lane_f pdf, cosine;
+} draws;
 
 /* What a closure makes of it. */
 typedef struct reflections {

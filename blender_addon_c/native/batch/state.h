@@ -7,14 +7,14 @@
 #include "batch/queue.h"
 
 typedef struct batch {
-  /* by sample */
+  /* by sample; rays and hits after the first bounce by ray */
   paths path;
   rays sample_ray;
   hits sample_hit;
   lane_c sample_color;
   /* by hit */
   queue queue;
-  rays *ray; /* the samples' own, or moved_ray */
+  rays *ray; /* those cast last, or moved_ray */
   hits *hit;
   rays moved_ray;
   hits moved_hit;
@@ -23,7 +23,11 @@ typedef struct batch {
   inputs input;
   light_samples light; /* of the light at hand */
   reflections reflection;
-  lane_c sum; /* reflected light of all lights */
+  draws draw;
+  walks *walk, *next; /* by ray, of this bounce and of the one after */
+  walks walks[2];
+  lane_u chosen; /* by ray: the hit it starts from */
+  lane_c sum;    /* reflected light of all lights */
 } batch;
 
 #endif

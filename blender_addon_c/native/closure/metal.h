@@ -13,9 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What a node's colour stands for. */
+enum { METAL_COLOR_F0, METAL_COLOR_KD };
+
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
+  int color_is;
 } closure_metal;
 
 static inline bool closure_metal_choice(reader *r, shade_list list, int *out) {
@@ -68,7 +72,11 @@ static inline bool closure_metal_numbers(reader *r, shade_params *q, unsigned *s
 
 /* *status: what had to be clamped. */
 static inline bool closure_metal_read(reader *r, closure_metal *c, unsigned *status) {
+  static const char *const colors[] = {"F0", "KD", NULL};
   shade_params_init(&c->params);
+  c->color_is = METAL_COLOR_F0;
+  if (reader_has(r, "color_is") && !reader_word(r, "color_is", colors, &c->color_is))
+    return false;
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, status))
     return false;
   *status |= shade_bsdf_setup(&c->bsdf, &c->params);
@@ -84,7 +92,8 @@ static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
                                           const light_samples *restrict light,
                                           reflections *restrict out) {
   size_t i = run.begin;
-  bool colored = run.outputs & OUTPUT_COLOR;
+  bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
+  bool f0 = colored && !kd;
   shade_lanesf in = {.size = sizeof in,
                      .nx = given->normal.x + i,
                      .ny = given->normal.y + i,
@@ -95,15 +104,53 @@ static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
                      .wox = at->wo.x + i,
                      .woy = at->wo.y + i,
                      .woz = at->wo.z + i,
-                     .f0r = colored ? given->color.r + i : NULL,
-                     .f0g = colored ? given->color.g + i : NULL,
-                     .f0b = colored ? given->color.b + i : NULL};
+                     .f0r = f0 ? given->color.r + i : NULL,
+                     .kdr = kd ? given->color.r + i : NULL,
+                     .f0g = f0 ? given->color.g + i : NULL,
+                     .kdg = kd ? given->color.g + i : NULL,
+                     .f0b = f0 ? given->color.b + i : NULL,
+                     .kdb = kd ? given->color.b + i : NULL};
   shade_resultf result = {.size = sizeof result,
                           .r = out->f.r + i,
                           .g = out->f.g + i,
                           .b = out->f.b + i,
                           .cosine = out->cosine + i};
   return shade_bsdf_eval_batchf(&c->bsdf, run.end - run.begin, &in, &result);
+}
+
+/* Directions by f cos, roughly. */
+static inline unsigned closure_metal_draw(const closure_metal *c, lane_run run,
+                                          const surfaces *restrict at, const inputs *restrict given,
+                                          draws *restrict out) {
+  size_t i = run.begin;
+  bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
+  bool f0 = colored && !kd;
+  shade_sample_lanesf in = {.size = sizeof in,
+                            .nx = given->normal.x + i,
+                            .ny = given->normal.y + i,
+                            .nz = given->normal.z + i,
+                            .wox = at->wo.x + i,
+                            .woy = at->wo.y + i,
+                            .woz = at->wo.z + i,
+                            .u1 = out->x + i,
+                            .u2 = out->y + i,
+                            .f0r = f0 ? given->color.r + i : NULL,
+                            .kdr = kd ? given->color.r + i : NULL,
+                            .f0g = f0 ? given->color.g + i : NULL,
+                            .kdg = kd ? given->color.g + i : NULL,
+                            .f0b = f0 ? given->color.b + i : NULL,
+                            .kdb = kd ? given->color.b + i : NULL};
+  shade_sample_resultf result = {.size = sizeof result,
+                                 .wix = out->wi.x + i,
+                                 .wiy = out->wi.y + i,
+                                 .wiz = out->wi.z + i,
+                                 .r = out->f.r + i,
+                                 .g = out->f.g + i,
+                                 .b = out->f.b + i,
+                                 .pdf = out->pdf + i,
+                                 .cosine = out->cosine + i};
+  return shade_bsdf_sample_batchf(&c->bsdf, run.end - run.begin, &in, &result) &
+         ~(unsigned)SHADE_NO_SAMPLE;
 }
 
 #endif

@@ -8,15 +8,18 @@
 #include "stage/node.h"
 #include "stage/light.h"
 #include "stage/closure.h"
+#include "stage/walk.h"
 #include "stage/film.h"
 
 #define LIGHT_FUNCTION(TYPE, name) stage_##name,
 #define NODE_FUNCTION(TYPE, name, OUTPUT) stage_##name,
 #define CLOSURE_FUNCTION(TYPE, name) stage_##name,
+#define DRAW_FUNCTION(TYPE, name) stage_draw_##name,
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
                                     .camera = stage_camera,                                        \
                                     .locate = stage_locate,                                        \
+                                    .cover = stage_cover,                                          \
                                     .gather = stage_gather,                                        \
                                     .corner = stage_corner,                                        \
                                     .surface = stage_surface,                                      \
@@ -28,5 +31,10 @@
                                     .shadow = stage_shadow,                                        \
                                     .closure = {CLOSURE_TABLE(CLOSURE_FUNCTION)},                  \
                                     .reflect = stage_reflect,                                      \
+                                    .shuffled = stage_shuffled,                                    \
+                                    .draw = {CLOSURE_TABLE(DRAW_FUNCTION)},                        \
+                                    .walk = stage_walk,                                            \
+                                    .gain = stage_gain,                                            \
+                                    .escape = stage_escape,                                        \
                                     .scatter = stage_scatter,                                      \
                                     .film = stage_film}

@@ -1,13 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/bounce.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* What points are taken for. */
+enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LIGHT /* + its number */ };
 
 bool worker_init(worker *w) {
   w->batch = aligned_alloc(64, sizeof *w->batch);
   if (!w->batch)
     return false;
+  w->batch->walk = &w->batch->walks[0];
+  w->batch->next = &w->batch->walks[1];
   memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* no stage writes it */
   return queue_init(&w->batch->queue, w->scene);
 }
@@ -18,14 +24,12 @@ void worker_free(worker *w) {
   free(w->batch);
 }
 
-/* Camera rays and what they meet. */
-static void trace(worker *w, const camera_view *view, size_t count) {
+/* What rays meet, sorted by material. */
+static void trace(worker *w, bool first, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  s->stages->camera(count, view, &b->path, &b->sample_ray);
-  clock_tick(&w->clocks, CLOCK_CAMERA);
-  accel_intersect(s->accel, count, &b->sample_ray, &b->sample_hit);
-  b->queue.hits = s->stages->locate(count, (uint32_t)(2 * s->quad_count), &b->sample_hit, &b->path);
+  accel_intersect(s->accel, count, first, &b->sample_ray, &b->sample_hit);
+  b->queue.hits = s->stages->locate(count, (uint32_t)(2 * s->quad_count), &b->sample_hit);
 }
 
 /* Samples to hits: sorted by material, unless nothing need move. */
@@ -80,26 +84,37 @@ static void run_closures(worker *w) {
   }
 }
 
+/* Which points a bounce's light or draw takes; no two of one path may take the same. */
+static shuffle points_of(const worker *w, size_t phase, int bounce, size_t purpose) {
+  const sampling *p = w->sampling;
+  uint32_t salt = (uint32_t)bounce * 0x85ebca6bu + ((uint32_t)purpose + 1) * 0x9e3779b9u;
+  return (shuffle){
+      .index = p->point[0] + phase, .reverse = p->reverse, .mask = p->mask, .salt = salt};
+}
+
 /* One light on all hits: b->sum grows by what they reflect. */
-static void illuminate(worker *w, size_t number, size_t phase) {
+static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   const light *l = &w->scene->light[number];
   const sampling *p = w->sampling;
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   size_t hits = b->queue.hits;
   bool spread = l->common.soft && p->scramble; /* a dump takes lights at their middles */
-  if (spread) {
+  if (spread && bounce == 0) {
     points points = {.x = p->point[2] + phase,
                      .y = p->point[3] + phase,
                      .salt = ((uint32_t)number + 1) * 0x9e3779b9u,
                      .scramble = p->scramble};
     s->pair(hits, &points, b->queue.lane, &b->path, &b->light);
+  } else if (spread) {
+    shuffle points = points_of(w, phase, bounce, PURPOSE_LIGHT + number);
+    s->shuffled(hits, &points, b->queue.lane, b->walk, &b->path, b->light.x, b->light.y);
   }
   s->light[l->type](hits, l, spread, &b->surface, &b->light);
   s->lit(hits, &b->surface, &b->light);
   clock_tick(&w->clocks, CLOCK_LIGHT + l->type);
   if (l->common.shadow)
-    accel_occluded(w->scene->accel, hits, &b->light.ray);
+    accel_occluded(w->scene->accel, hits, bounce == 0, &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
@@ -109,49 +124,108 @@ static void illuminate(worker *w, size_t number, size_t phase) {
   clock_tick(&w->clocks, CLOCK_REFLECT);
 }
 
-static void expose(worker *w, const camera_view *view, size_t count, float *pixels) {
+static void zero(lane_c *color, size_t count) {
+  memset(color->r, 0, count * sizeof(float));
+  memset(color->g, 0, count * sizeof(float));
+  memset(color->b, 0, count * sizeof(float));
+}
+
+/* Surfaces, nodes and lights of the hits of one bounce. */
+static void shade(worker *w, const camera_view *view, int bounce, size_t phase) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  find_surface(w);
+  run_nodes(w);
+  zero(&b->sum, b->queue.hits);
+  if (w->observer)
+    w->observer->hits(w->observer->context, b, view);
+  for (size_t k = 0; k < s->lights; k++) {
+    illuminate(w, k, bounce, phase);
+    if (w->observer)
+      w->observer->light(w->observer->context, b, view, k, &s->light[k]);
+  }
+  clock_start(&w->clocks);
+}
+
+/* Draws where the paths go on; returns how many do. */
+static size_t go_on(worker *w, int bounce, size_t phase) {
+  enum { FIRST_LOTTERY = 3 }; /* before, paths are too few to lose */
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   const queue *q = &b->queue;
-  const lane_c *color = &b->sum;
-  if (q->lane != q->identity) {
-    memset(b->sample_color.r, 0, count * sizeof(float));
-    memset(b->sample_color.g, 0, count * sizeof(float));
-    memset(b->sample_color.b, 0, count * sizeof(float));
-    s->scatter(q->hits, q->lane, color, &b->sample_color);
-    color = &b->sample_color;
+  shuffle points = points_of(w, phase, bounce, PURPOSE_DRAW);
+  s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.x, b->draw.y);
+  points = points_of(w, phase, bounce, PURPOSE_LOT);
+  s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.pdf);
+  for (const segment *g = q->segment; g < q->segment + q->segments; g++)
+    w->status |= s->draw[g->material->closure.type](g, &b->surface, &b->input, &b->draw);
+  size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, q->lane, &b->surface, b->walk, &b->draw,
+                        &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+  clock_tick(&w->clocks, CLOCK_DRAW);
+  return rays;
+}
+
+/* The bounces after the first: sample_color grows by what they bring. */
+static void follow(worker *w, const camera_view *view, size_t phase) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  const float most = s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY;
+  for (int bounce = 0; bounce < s->max_bounces && b->queue.hits; bounce++) {
+    size_t rays = go_on(w, bounce, phase);
+    if (!rays)
+      return;
+    walks *now = b->next;
+    b->next = b->walk;
+    b->walk = now;
+    trace(w, false, rays);
+    s->stages->escape(rays, most, b->sample_hit.record, s->background, b->walk, &b->sample_color);
+    if (b->queue.hits)
+      sort_hits(w, rays);
+    clock_tick(&w->clocks, CLOCK_TRACE);
+    if (!b->queue.hits)
+      return;
+    shade(w, view, bounce + 1, phase);
+    s->stages->gain(b->queue.hits, most, b->queue.lane, b->walk, &b->sum, &b->sample_color);
   }
-  s->film(count, view, color, &b->path, pixels);
+}
+
+/* Every sample a path of weight 1. */
+static void begin_walks(batch *b, size_t count) {
+  memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
+  for (size_t i = 0; i < count; i++)
+    b->walk->weight.r[i] = b->walk->weight.g[i] = b->walk->weight.b[i] = 1.0f;
 }
 
 void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
-  const scene *s = w->scene;
   const sampling *p = w->sampling;
+  const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   const queue *q = &b->queue;
   size_t phase = view->first % p->period;
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
-  trace(w, view, count);
+  s->camera(count, view, &b->path, &b->sample_ray);
+  clock_tick(&w->clocks, CLOCK_CAMERA);
+  trace(w, true, count);
+  s->cover(count, &b->sample_hit, &b->path);
   if (q->hits)
     sort_hits(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!q->hits)
     return;
-  find_surface(w);
-  run_nodes(w);
-  memset(b->sum.r, 0, q->hits * sizeof(float));
-  memset(b->sum.g, 0, q->hits * sizeof(float));
-  memset(b->sum.b, 0, q->hits * sizeof(float));
-  if (w->observer)
-    w->observer->hits(w->observer->context, b, view);
-  for (size_t k = 0; k < s->lights; k++) {
-    illuminate(w, k, phase);
-    if (w->observer)
-      w->observer->light(w->observer->context, b, view, k, &s->light[k]);
+  shade(w, view, 0, phase);
+  const lane_c *color = &b->sum;
+  bool on = w->scene->max_bounces > 0 && !w->observer;
+  if (on || q->lane != q->identity) {
+    color = &b->sample_color;
+    zero(&b->sample_color, count);
+    s->scatter(q->hits, q->lane, &b->sum, &b->sample_color);
   }
-  clock_start(&w->clocks);
-  expose(w, view, count, pixels);
+  if (on) {
+    begin_walks(b, count);
+    follow(w, view, phase);
+  }
+  s->film(count, view, color, &b->path, pixels);
   clock_tick(&w->clocks, CLOCK_FILM);
 }

@@ -15,6 +15,8 @@ typedef enum clock_number {
   CLOCK_SHADOW = CLOCK_LIGHT + LIGHT_TYPES,
   CLOCK_CLOSURE, /* + closure_type */
   CLOCK_REFLECT = CLOCK_CLOSURE + CLOSURE_TYPES,
+  CLOCK_DRAW,
+  CLOCK_TRACE,
   CLOCK_FILM,
   CLOCKS
 } clock_number;
@@ -25,7 +27,7 @@ typedef enum clock_number {
 #define CLOCK_OF_CLOSURE(TYPE, name) "closure_" #name,
 #define CLOCK_WORDS                                                                                \
   "camera", "hit", "surface", NODE_TABLE(CLOCK_OF_NODE) LIGHT_TABLE(CLOCK_OF_LIGHT) "shadow",      \
-      CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "film"
+      CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "draw", "trace", "film"
 
 typedef struct clocks {
   double last, seconds[CLOCKS];

@@ -43,6 +43,11 @@ static char *header(const scene *s) {
   return text;
 }
 
+/* Do nodes give a material's diffuse colour? */
+static bool diffuse_by_nodes(const material *m) {
+  return m->closure.of.metal.color_is == METAL_COLOR_KD && (m->outputs & OUTPUT_COLOR);
+}
+
 shade_dump *dump_scene_create(const scene *s) {
   char *json = header(s);
   shade_dump *d = json ? shade_dump_create(s->width, s->height, (int)s->lights) : NULL;
@@ -51,6 +56,13 @@ shade_dump *dump_scene_create(const scene *s) {
     d = NULL;
   }
   free(json);
+  bool textured = false;
+  for (size_t m = 0; m < s->materials; m++)
+    textured = textured || diffuse_by_nodes(&s->material[m]);
+  if (d && textured && !shade_dump_add(d, SHADE_DUMP_KD)) {
+    shade_dump_free(d);
+    d = NULL;
+  }
   return d;
 }
 
@@ -79,6 +91,9 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
   float *plane[SHADE_DUMP_BASE];
   for (int k = 0; k < SHADE_DUMP_BASE; k++)
     plane[k] = shade_dump_plane(d, k);
+  float *kd[3];
+  for (int k = 0; k < 3; k++)
+    kd[k] = shade_dump_plane(d, SHADE_DUMP_KD + k);
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
     for (size_t i = g->run.begin; i < g->run.end; i++) {
       size_t at = place(d, b, view, i);
@@ -93,11 +108,16 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
       plane[SHADE_DUMP_UV][at] = s->u[i];
       plane[SHADE_DUMP_UV + 1][at] = s->v[i];
       plane[SHADE_DUMP_MATERIAL][at] = (float)g->material->number;
-      const double *f0 = g->material->closure.of.metal.params.f0;
-      if (g->run.outputs & OUTPUT_COLOR)
+      const shade_params *p = &g->material->closure.of.metal.params;
+      bool body = diffuse_by_nodes(g->material), mirror = g->run.outputs & OUTPUT_COLOR && !body;
+      if (mirror)
         put(plane + SHADE_DUMP_COLOR, at, color->r[i], color->g[i], color->b[i]);
       else
-        put(plane + SHADE_DUMP_COLOR, at, (float)f0[0], (float)f0[1], (float)f0[2]);
+        put(plane + SHADE_DUMP_COLOR, at, (float)p->f0[0], (float)p->f0[1], (float)p->f0[2]);
+      if (body)
+        put(kd, at, color->r[i], color->g[i], color->b[i]);
+      else if (shade_dump_has(d, SHADE_DUMP_KD))
+        put(kd, at, (float)p->kd[0], (float)p->kd[1], (float)p->kd[2]);
     }
 }
 

@@ -66,6 +66,22 @@ bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width) 
     for (size_t i = 0; i < run; i++)
       s->point[d][samples + i] = s->point[d][i];
   }
+  uint32_t v[32];
+  sobol_directions(1, v);
+  while (s->mask < samples - 1)
+    s->mask = 2 * s->mask + 1;
+  s->reverse = malloc((s->mask + (size_t)1) * sizeof *s->reverse);
+  if (!s->reverse)
+    return false;
+  for (uint32_t i = 0; i <= s->mask; i++) {
+    uint32_t x = 0, turned = 0;
+    for (unsigned bit = 0; bit < 32 && i >> bit; bit++)
+      if (i >> bit & 1u)
+        x ^= v[bit];
+    for (unsigned bit = 0; bit < 32; bit++)
+      turned |= (x >> bit & 1u) << (31 - bit);
+    s->reverse[i] = turned;
+  }
   if (filter_width > 0.0f) {
     s->warp = malloc((SAMPLING_WARP + 1) * sizeof *s->warp);
     if (!s->warp)
@@ -88,5 +104,6 @@ bool sampling_init_center(sampling *s, size_t run) {
 void sampling_free(sampling *s) {
   for (int d = 0; d < SAMPLING_DIMENSIONS; d++)
     free(s->point[d]);
+  free(s->reverse);
   free(s->warp);
 }

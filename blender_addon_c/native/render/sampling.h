@@ -16,8 +16,10 @@ enum { SAMPLING_DIMENSIONS = 4, SAMPLING_WARP = 256 };
 typedef struct sampling {
   size_t period;                        /* samples a pixel */
   uint32_t *point[SAMPLING_DIMENSIONS]; /* repeated, so that any run of a batch is contiguous */
-  uint32_t scramble;                    /* and-ed with each hash: 0 for a dump */
-  float *warp; /* SAMPLING_WARP + 1 offsets from the pixel's centre, or NULL for the box */
+  uint32_t *reverse; /* by number: dimension 1 with its bits reversed, of mask + 1 points */
+  uint32_t mask;     /* the next power of two, less 1 */
+  uint32_t scramble; /* and-ed with each hash: 0 for a dump */
+  float *warp;       /* SAMPLING_WARP + 1 offsets from the pixel's centre, or NULL for the box */
 } sampling;
 
 /*

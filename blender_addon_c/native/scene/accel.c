@@ -151,10 +151,11 @@ static struct RTCRayNp ray_arrays(rays *ray) {
                            .tfar = ray->tfar};
 }
 
-void accel_intersect(const accel *a, size_t count, rays *ray, hits *hit) {
+void accel_intersect(const accel *a, size_t count, bool coherent, rays *ray, hits *hit) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags =
+      coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   struct RTCRayHitNp all = {.ray = ray_arrays(ray),
                             .hit = {.Ng_x = hit->g.x,
                                     .Ng_y = hit->g.y,
@@ -167,10 +168,11 @@ void accel_intersect(const accel *a, size_t count, rays *ray, hits *hit) {
   embree.rtcIntersectNp(a->scene, &context, &all, (unsigned)count);
 }
 
-void accel_occluded(const accel *a, size_t count, rays *ray) {
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags =
+      coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   struct RTCRayNp all = ray_arrays(ray);
   embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
 }

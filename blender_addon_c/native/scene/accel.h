@@ -6,6 +6,7 @@
 #define LIBSHADE_ACCEL_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -32,10 +33,10 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
                     size_t error_size);
 void accel_free(accel *a); /* NULL is fine */
 
-/* Misses have the geometry ACCEL_MISS. The rays of one call should start or end close together:
- * Embree's coherent mode is used. */
-void accel_intersect(const accel *a, size_t count, rays *ray, hits *hit);
+/* Misses have the geometry ACCEL_MISS. coherent: the rays of this call start or end close
+ * together. */
+void accel_intersect(const accel *a, size_t count, bool coherent, rays *ray, hits *hit);
 /* tfar of every ray that meets something becomes -infinity. */
-void accel_occluded(const accel *a, size_t count, rays *ray);
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray);
 
 #endif

@@ -9,7 +9,7 @@
 #include "scene/reader.h"
 #include "system/parallel.h"
 
-enum { MAX_SIZE = 1 << 16, MAX_SAMPLES = 1 << 16, MAX_THREADS = 256 };
+enum { MAX_SIZE = 1 << 16, MAX_SAMPLES = 1 << 16, MAX_THREADS = 256, MAX_BOUNCES = 1024 };
 
 static bool read_camera(reader *r, void *out, void *context) {
   static const char *const types[] = {"ORTHO", "PERSP", NULL};
@@ -207,6 +207,12 @@ static bool read_picture(reader *r, scene *s) {
     return false;
   if (reader_has(r, "filter_width") &&
       !reader_number_within(r, "filter_width", 0, 100, &s->filter_width))
+    return false;
+  if (reader_has(r, "max_bounces") &&
+      !reader_integer(r, "max_bounces", 0, MAX_BOUNCES, &s->max_bounces))
+    return false;
+  if (reader_has(r, "sample_clamp_indirect") &&
+      !reader_number_within(r, "sample_clamp_indirect", 0, 1e30, &s->clamp_indirect))
     return false;
   s->seed = (uint32_t)(int64_t)fmod(seed, 0x1p32);
   if (!s->threads)

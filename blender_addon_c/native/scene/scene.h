@@ -78,6 +78,8 @@ typedef struct scene {
   bool transparent;
   float background[3];
   float filter_width;
+  int max_bounces;      /* rays of a path after the camera's */
+  float clamp_indirect; /* largest brightness that a later bounce may add to a sample; 0: any */
   camera camera;
   size_t lights, images, materials, meshes, instances;
   light *light;

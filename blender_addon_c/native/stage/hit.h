@@ -3,8 +3,7 @@
 #include "batch/leaf.h"
 #include "stage/stage.h"
 
-static size_t stage_locate(size_t count, uint32_t triangle_base, hits *restrict hit,
-                           paths *restrict path) {
+static size_t stage_locate(size_t count, uint32_t triangle_base, hits *restrict hit) {
   uint32_t found = 0;
 #pragma omp simd reduction(+ : found)
   for (size_t i = 0; i < count; i++) {
@@ -16,10 +15,15 @@ static size_t stage_locate(size_t count, uint32_t triangle_base, hits *restrict 
     hit->u[i] = second ? 1.0f - hit->u[i] : hit->u[i];
     hit->v[i] = second ? 1.0f - hit->v[i] : hit->v[i];
     hit->record[i] = met ? index : RECORD_MISS;
-    path->alpha[i] = met ? 1.0f : 0.0f;
     found += met ? 1u : 0u;
   }
   return found;
+}
+
+static void stage_cover(size_t count, const hits *restrict hit, paths *restrict path) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    path->alpha[i] = hit->record[i] != RECORD_MISS ? 1.0f : 0.0f;
 }
 
 static void stage_gather(size_t count, const uint32_t *restrict lane, const float *restrict in,

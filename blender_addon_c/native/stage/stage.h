@@ -14,7 +14,8 @@
  *   shadow
  *   closure  f and cosine, for each material
  *   reflect  f cos E, added up over the lights
- *   film     averages over the samples of each pixel               by sample again
+ *   shuffled, (draw), walk                                        the next ray, and so on from
+ * trace film     averages over the samples of each pixel               by sample again
  *
  * Each is one loop over structures of batch/lanes.h. The stages are compiled once for each
  * instruction set; a stage_table holds the functions of one.
@@ -46,6 +47,14 @@ typedef struct points {
   uint32_t salt, scramble;
 } points;
 
+/* Two dimensions of an Owen-scrambled sequence in an order of its own for each pixel and salt. */
+typedef struct shuffle {
+  const uint32_t *index;   /* bits reversed: number of each sample in its pixel */
+  const uint32_t *reverse; /* sampling.reverse */
+  uint32_t mask;           /* its length - 1 */
+  uint32_t salt;
+} shuffle;
+
 typedef struct stage_table {
   const char *name;
 
@@ -53,7 +62,8 @@ typedef struct stage_table {
 
   /* u and v of the second half of a quad become those of its own triangle. Returns the number of
      hits. */
-  size_t (*locate)(size_t count, uint32_t triangle_base, hits *hit, paths *path);
+  size_t (*locate)(size_t count, uint32_t triangle_base, hits *hit);
+  void (*cover)(size_t count, const hits *hit, paths *path);
   void (*gather)(size_t count, const uint32_t *lane, const float *in, float *out);
 
   void (*corner)(size_t count, const triangle *triangles, const hits *hit, corners *corner);
@@ -77,6 +87,24 @@ typedef struct stage_table {
                                      const light_samples *light, reflections *out);
   void (*reflect)(size_t count, const float color[3], const light_samples *light,
                   reflections *reflection, lane_c *sum);
+
+  /* Points of later bounces, by hit: x and y uniform in [0, 1). sample: by ray. */
+  void (*shuffled)(size_t count, const shuffle *points, const uint32_t *lane, const walks *walk,
+                   const paths *path, float *x, float *y);
+  /* Returns status bits of libshade. */
+  unsigned (*draw[CLOSURE_TYPES])(const segment *g, const surfaces *at, const inputs *given,
+                                  draws *out);
+  /* The rays that go on, and their walks: what was drawn and outlives roulette, if `lots`. Returns
+     their number; wide is of use within. */
+  size_t (*walk)(size_t count, bool lots, const uint32_t *lane, const surfaces *at,
+                 const walks *walk, draws *draw, rays *wide, uint32_t *chosen, walks *next,
+                 rays *ray);
+  /* Adds to the samples: light of the hits; of rays that meet nothing. What is brighter than
+     `most`, in the mean of its three channels, is dimmed to it. */
+  void (*gain)(size_t count, float most, const uint32_t *lane, const walks *walk, const lane_c *sum,
+               lane_c *color);
+  void (*escape)(size_t count, float most, const uint32_t *record, const float background[3],
+                 const walks *walk, lane_c *color);
 
   void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
   /* Adds samples to pixels of 4 floats. */

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From one bounce to the next: where paths go on, and what they bring to their samples. */
+#include "batch/leaf.h"
+#include "stage/stage.h"
+
+LEAF uint32_t reversed(uint32_t x) {
+  x = x >> 16 | x << 16;
+  x = (x & 0x00ff00ffu) << 8 | (x >> 8 & 0x00ff00ffu);
+  x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
+  x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+  return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+}
+
+/* Owen's scrambling of a number whose bits are reversed: each is turned or not by those below it
+ * alone [Burley2020]; constants by Vegdahl. */
+LEAF uint32_t scrambled(uint32_t x, uint32_t seed) {
+  x ^= x * 0x3d20adeau;
+  x += seed;
+  x *= seed >> 16 | 1u;
+  x ^= x * 0x05526c56u;
+  return x ^ x * 0x53a22864u;
+}
+
+/*
+ * The points of one pair of dimensions are the same for all bounces and lights; what makes them
+ * independent is that each takes them in another order. Points that were only scrambled would pair
+ * the same ones forever, and a pixel would converge to something else.
+ */
+static void stage_shuffled(size_t count, const shuffle *points, const uint32_t *restrict lane,
+                           const walks *restrict walk, const paths *restrict path,
+                           float *restrict x, float *restrict y) {
+  const uint32_t *restrict index = points->index, *restrict reverse = points->reverse;
+  const uint32_t mask = points->mask, salt = points->salt;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    uint32_t sample = walk->sample[lane[i]];
+    uint32_t h = mix(path->hash[sample] + salt);
+    uint32_t number = reversed(scrambled(index[sample], h)) & mask;
+    uint32_t h1 = mix(h), h2 = mix(h1);
+    x[i] = unit_float(reversed(scrambled(number, h1)));
+    y[i] = unit_float(reversed(scrambled(reverse[number], h2)));
+  }
+}
+
+#define DRAW_STAGE(TYPE, name)                                                                     \
+  static unsigned stage_draw_##name(const segment *g, const surfaces *restrict at,                 \
+                                    const inputs *restrict given, draws *restrict out) {           \
+    return closure_##name##_draw(&g->material->closure.of.name, g->run, at, given, out);           \
+  }
+CLOSURE_TABLE(DRAW_STAGE)
+
+LEAF float largest(float a, float b, float c) {
+  float ab = a > b ? a : b;
+  return ab > c ? ab : c;
+}
+
+/*
+ * A path goes on where a direction was drawn that leaves the facet too. Roulette keeps one whose
+ * weight has become w with probability sqrt(w): the square root, because what it may still meet is
+ * not known.
+ */
+static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
+                         const surfaces *restrict at, const walks *restrict walk,
+                         draws *restrict draw, rays *restrict wide, uint32_t *restrict chosen,
+                         walks *restrict next, rays *restrict ray) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    vec3 n = load(&at->n, i), t = load(&at->t, i), b = load(&at->b, i), g = load(&at->g, i);
+    vec3 wi = load(&draw->wi, i), p = load(&at->p, i);
+    vec3 d = {wi.x * t.x + wi.y * b.x + wi.z * n.x, wi.x * t.y + wi.y * b.y + wi.z * n.y,
+              wi.x * t.z + wi.y * b.z + wi.z * n.z};
+    float pdf = draw->pdf[i];
+    bool drawn = (pdf > 0.0f) & (dot(d, g) > 0.0f);
+    float factor = drawn ? draw->cosine[i] / pdf : 0.0f;
+    float r = draw->f.r[i] * factor * walk->weight.r[lane[i]];
+    float green = draw->f.g[i] * factor * walk->weight.g[lane[i]];
+    float blue = draw->f.b[i] * factor * walk->weight.b[lane[i]];
+    float most = largest(r, green, blue);
+    float chance = lots & (most < 1.0f) ? sqrtf(most) : 1.0f;
+    bool goes = (most > 0.0f) & (most < 1e30f) & (draw->lot[i] < chance);
+    float scale = goes ? 1.0f / chance : 0.0f;
+    store(&wide->d, i, scaled(d, 1.0f / sqrtf(goes ? dot(d, d) : 1.0f)));
+    store(&wide->o, i, (vec3){p.x + g.x, p.y + g.y, p.z + g.z});
+    draw->f.r[i] = r * scale;
+    draw->f.g[i] = green * scale;
+    draw->f.b[i] = blue * scale;
+    wide->tfar[i] = goes ? 1.0f : 0.0f;
+  }
+  size_t rays = 0;
+  for (size_t i = 0; i < count; i++) {
+    chosen[rays] = (uint32_t)i;
+    rays += wide->tfar[i] > 0.0f;
+  }
+#pragma omp simd
+  for (size_t k = 0; k < rays; k++) {
+    uint32_t i = chosen[k];
+    ray->o.x[k] = wide->o.x[i];
+    ray->o.y[k] = wide->o.y[i];
+    ray->o.z[k] = wide->o.z[i];
+    ray->tnear[k] = 0.0f;
+    ray->d.x[k] = wide->d.x[i];
+    ray->d.y[k] = wide->d.y[i];
+    ray->d.z[k] = wide->d.z[i];
+    ray->tfar[k] = INFINITY;
+    next->sample[k] = walk->sample[lane[i]];
+    next->weight.r[k] = draw->f.r[i];
+    next->weight.g[k] = draw->f.g[i];
+    next->weight.b[k] = draw->f.b[i];
+  }
+  return rays;
+}
+
+LEAF void add_dimmed(lane_c *color, uint32_t sample, float most, float r, float g, float b) {
+  float mean = (r + g + b) * (1.0f / 3.0f);
+  float dim = mean > most ? most / mean : 1.0f;
+  color->r[sample] += dim * r;
+  color->g[sample] += dim * g;
+  color->b[sample] += dim * b;
+}
+
+/* A sample has one ray at most: no two lanes write to the same place. */
+static void stage_gain(size_t count, float most, const uint32_t *restrict lane,
+                       const walks *restrict walk, const lane_c *restrict sum,
+                       lane_c *restrict color) {
+  for (size_t i = 0; i < count; i++) {
+    uint32_t k = lane[i];
+    add_dimmed(color, walk->sample[k], most, walk->weight.r[k] * sum->r[i],
+               walk->weight.g[k] * sum->g[i], walk->weight.b[k] * sum->b[i]);
+  }
+}
+
+static void stage_escape(size_t count, float most, const uint32_t *restrict record,
+                         const float background[3], const walks *restrict walk,
+                         lane_c *restrict color) {
+  for (size_t k = 0; k < count; k++)
+    if (record[k] == RECORD_MISS)
+      add_dimmed(color, walk->sample[k], most, walk->weight.r[k] * background[0],
+                 walk->weight.g[k] * background[1], walk->weight.b[k] * background[2]);
+}
