@@ -42,6 +42,18 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.prop(settings, "seed")
 
 
+class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
+    bl_label = "Light Paths"
+    bl_context = "render"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(context.scene.libshade, "max_bounces")
+        layout.prop(context.scene.libshade, "sample_clamp_indirect")
+
+
 class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
     bl_label = "Film"
     bl_context = "render"
@@ -89,7 +101,8 @@ class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
 
 
 _CLASSES = (
-    RENDER_PT_libshade_sampling, RENDER_PT_libshade_film, RENDER_PT_libshade_share,
+    RENDER_PT_libshade_sampling, RENDER_PT_libshade_light_paths, RENDER_PT_libshade_film,
+    RENDER_PT_libshade_share,
     DATA_PT_libshade_light,
 )
 

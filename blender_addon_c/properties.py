@@ -21,6 +21,18 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Start of the sampling pattern; the same seed gives the same picture",
         default=0, min=0,
     )
+    max_bounces: IntProperty(
+        name="Max Bounces",
+        description="How often light may be reflected on its way after the first surface; with 0 "
+                    "surfaces see lamps only, neither each other nor the world",
+        default=12, min=0, max=1024,
+    )
+    sample_clamp_indirect: FloatProperty(
+        name="Clamp Indirect",
+        description="Largest brightness that a bounce may add to a sample: less noise, and less "
+                    "light where there should be a glare; 0 leaves all as it is",
+        default=10.0, min=0.0, max=1e8,
+    )
     filter_width: FloatProperty(
         name="Filter Width",
         description="Width of the pixel filter; 0 averages over the pixel's own square",

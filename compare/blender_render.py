@@ -18,6 +18,7 @@ def main(path, percent, samples):
     render = scene.render
     render.engine = "LIBSHADE"
     scene.libshade.samples = int(samples)
+    scene.libshade.max_bounces = 0
     render.resolution_percentage = int(percent)
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth = "32"

@@ -127,6 +127,7 @@ def new_scene(job, image, file=""):
     scene.view_settings.view_transform = "Standard"
     if job["engine"] == "LIBSHADE":
         scene.libshade.samples = job["samples"]
+        scene.libshade.max_bounces = 0
     else:
         cycles = scene.cycles
         cycles.samples = job["samples"]

@@ -16,6 +16,18 @@ def color_of(reader, socket, groups):
     return _COLORS.get(found.node.type, _color_tex_image)(reader, found)
 
 
+def number_of(reader, socket, groups):
+    """The number of a socket."""
+    found = tree.trace(socket, groups)
+    if found.node is None:
+        return found.socket.default_value
+    if found.node.type == "VALUE":
+        return found.output.default_value
+    reader.warn(f"{socket.name}: '{found.node.name}' is not supported; the socket's own value is "
+                "used")
+    return found.socket.default_value
+
+
 def _color_rgb(reader, found):
     return tuple(found.output.default_value[:3])
 

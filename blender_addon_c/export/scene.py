@@ -20,7 +20,9 @@ def read(depsgraph, camera, size, region, samples, messages):
     meshes, instances, lights = _objects(depsgraph, table, messages)
     if not instances:
         raise SceneError("nothing to render: the scene has no visible mesh with faces")
-    if not lights:
+    sky = background(scene.world, messages)
+    bounces = scene.libshade.max_bounces
+    if not lights and not (bounces and any(sky)):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if render.use_multiview:
         messages.warning("stereoscopy is not supported: every view shows the same picture")
@@ -32,7 +34,9 @@ def read(depsgraph, camera, size, region, samples, messages):
         "seed": scene.libshade.seed,
         "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
         "transparent": render.film_transparent,
-        "background": background(scene.world, messages),
+        "background": sky,
+        "max_bounces": bounces,
+        "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
         "filter_width": scene.libshade.filter_width,
         "camera": camera,
         "lights": lights,

@@ -29,7 +29,7 @@ EXPECTED = {
     "mapping_node": ("finished", "Warning: .*coordinates from 'Mapping'.*not supported"),
     "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
     "no_material": ("finished", "Warning: .*'Plane': no material"),
-    "principled": ("finished", "Warning: .*'plain': no Libshade Metal node"),
+    "principled": ("finished", "Warning: .*'plain': 'Principled BSDF': Transmission.* is not supported"),
     "mixed": ("finished", "Warning: .*no Libshade Metal node.*Mix Shader"),
     "area_light": ("finished", "Warning: .*'area': area lights are not supported"),
     "world_shader": ("finished", "Warning: .*world 'world': 'Add Shader' is not supported.*left out"),
@@ -88,7 +88,7 @@ FALLBACK = {
     "no_uv_textured": metal(6, 2, (0.2, 0.4, 0.6)),
     "mapping_node": metal(6, 2, (0.2, 0.4, 0.6)),
     "no_material": rough(0.5),
-    "principled": rough(0.5),  # Blender's default
+    "principled": rough(0.5, 0.04) + 3 * 0.8 / math.pi,  # Blender's defaults: grey, IOR 1.5
     "mixed": rough(0.4),  # default of the viewport's roughness
 }
 

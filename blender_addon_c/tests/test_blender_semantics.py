@@ -15,6 +15,7 @@ from blender_runs import ROOT, Dump, rgba
 METAL = {"ex": 6, "ey": 2, "f0": (0.9, 0.6, 0.3)}
 OTHER = {"ex": 1, "ey": 7, "f0": (0.2, 0.4, 0.8)}
 UP = (0, 0, 1)
+GGX = {"mdf": "ggx", "brdf": "microfacet"}
 
 
 def of_roughness(roughness, f0):
@@ -24,9 +25,12 @@ def of_roughness(roughness, f0):
 
 
 def brightness(metal, irradiance):
-    """S of Ashikhmin and Shirley's lobe where light, eye and normal are one: D's peak over 4."""
-    peak = math.sqrt((metal["ex"] + 1) * (metal["ey"] + 1)) / (2 * math.pi)
-    return np.multiply(metal["f0"], irradiance) * peak / 4
+    """S where light, eye and normal are one: D's peak over 4, and the body's part."""
+    if metal.get("mdf") == "ggx":
+        peak = 1 / (math.pi * metal["ax"] * metal["ay"])
+    else:
+        peak = math.sqrt((metal["ex"] + 1) * (metal["ey"] + 1)) / (2 * math.pi)
+    return (np.multiply(metal["f0"], peak / 4) + np.divide(metal.get("kd", 0), math.pi)) * irradiance
 
 
 def header(path):
@@ -56,7 +60,12 @@ CASES = {
     "color_rgb": {"metal": {**METAL, "f0": (0.2, 0.5, 0.7)}},
     "color_tex_image": {"metal": {**METAL, "f0": linear((1, 230 / 255, 0.8))}},
     "override": {"metal": OTHER},
-    "principled": {"metal": of_roughness(0.6, (0.7, 0.5, 0.2))},
+    "principled": {"metal": {**of_roughness(0.6, (0.04,) * 3), **GGX, "kd": (0.7, 0.5, 0.2)}},
+    "principled_metal": {"metal": {**of_roughness(0.6, (0.7, 0.5, 0.2)), **GGX, "kd": (0, 0, 0)}},
+    "principled_half": {"metal": {**of_roughness(0.6, (0.37, 0.27, 0.12)), **GGX,
+                                  "kd": (0.35, 0.25, 0.1)}},
+    "diffuse": {"metal": {"ex": 200, "ey": 10, "f0": (0, 0, 0), "kd": (0.7, 0.5, 0.2)}},
+    "glossy": {"metal": {**of_roughness(0.6, (0.7, 0.5, 0.2)), **GGX, "fresnel": "none"}},
     "viewport_color": {"metal": of_roughness(0.7, (0.3, 0.6, 0.9))},
     "no_material": {"metal": of_roughness(0.5, (0.8, 0.8, 0.8))},
     "strength": {"normal": cycles_normal(TILT, 2)},
@@ -108,6 +117,8 @@ def test_plain(blender, tmp_path, change):
             found = dump["Color"][0, 0] if textured else material[key]
             half_step = 0.5 / 65535  # a texture's colour has 16 bits
             np.testing.assert_allclose(found, value, rtol=1e-6, atol=half_step if textured else 1e-9)
+        elif isinstance(value, str):
+            assert material[key] == value
         else:
             assert material[key] == pytest.approx(value, rel=1e-6), key
     if change not in ("strength", "value", "uv_normal_map"):  # detail NONE: as bright, in fact

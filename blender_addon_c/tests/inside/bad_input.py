@@ -142,7 +142,8 @@ def no_material(scene):
 def principled(scene):
     ob, _tree, _node = plate(scene)
     ob.data.materials[0] = bpy.data.materials.new("plain")
-    common.tree_of(ob.data.materials[0])
+    inputs = common.tree_of(ob.data.materials[0]).nodes["Principled BSDF"].inputs
+    inputs["Transmission" if "Transmission" in inputs else "Transmission Weight"].default_value = 1
 
 
 def mixed(scene):

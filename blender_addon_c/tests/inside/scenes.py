@@ -333,11 +333,39 @@ def override(_ob, _light, _tree, _node):
     bpy.context.view_layer.material_override = other
 
 
-def principled(ob, _light, _tree, _node):
+def principled(ob, _light, _tree, _node, metallic=0.0):
     material = ob.data.materials[0] = bpy.data.materials.new("plain")
     node = common.tree_of(material).nodes["Principled BSDF"]
     node.inputs["Base Color"].default_value = (0.7, 0.5, 0.2, 1)
     node.inputs["Roughness"].default_value = 0.6
+    node.inputs["Metallic"].default_value = metallic
+    if "IOR" in node.inputs and "Specular IOR Level" in node.inputs:
+        node.inputs["IOR"].default_value = 1.5
+
+
+def principled_metal(*plain):
+    principled(*plain, metallic=1.0)
+
+
+def principled_half(*plain):
+    principled(*plain, metallic=0.5)
+
+
+def _only_shader(ob, kind):
+    material = ob.data.materials[0] = bpy.data.materials.new("plain")
+    tree = common.tree_of(material)
+    shader = tree.nodes.new(kind)
+    shader.inputs["Color"].default_value = (0.7, 0.5, 0.2, 1)
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    return shader
+
+
+def diffuse(ob, _light, _tree, _node):
+    _only_shader(ob, "ShaderNodeBsdfDiffuse")
+
+
+def glossy(ob, _light, _tree, _node):
+    _only_shader(ob, "ShaderNodeBsdfGlossy").inputs["Roughness"].default_value = 0.6
 
 
 def viewport_color(ob, _light, _tree, _node):
@@ -440,6 +468,39 @@ def wraps(options):
             loop.uv = (3 * loop.uv[0] - 1, 3 * loop.uv[1] - 1)
     common.light(scene)
     common.camera(scene, type="ORTHO", ortho_scale=len(options["ways"]))
+    common.render(options["picture"])
+    return {}
+
+
+def first_minute(options):
+    """A new file: cube, lamp, grey world; here on a floor, beside a ball of gold."""
+    bpy.ops.wm.read_factory_settings()
+    common.enable()
+    scene = bpy.context.scene
+    scene.render.engine = options["engine"]
+    scene.render.resolution_x, scene.render.resolution_y = 240, 136
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    settings = scene.cycles if options["engine"] == "CYCLES" else scene.libshade
+    settings.samples = options["samples"]
+    if options["engine"] == "CYCLES":
+        settings.use_denoising = settings.use_adaptive_sampling = False
+        settings.pixel_filter_type = "BOX"
+    if options["floor"]:
+        for name, color, metallic in (("floor", (0.6, 0.25, 0.15, 1), 0), ("gold", (1, 0.77, 0.34, 1), 1)):
+            if name == "floor":
+                bpy.ops.mesh.primitive_plane_add(size=12, location=(0, 0, -1))
+            else:
+                bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, location=(2.2, 1.2, 0))
+                bpy.ops.object.shade_smooth()
+            material = bpy.data.materials.new(name)
+            inputs = common.tree_of(material).nodes["Principled BSDF"].inputs
+            inputs["Base Color"].default_value, inputs["Metallic"].default_value = color, metallic
+            inputs["Roughness"].default_value = 0.4
+            bpy.context.object.data.materials.append(material)
+        world = scene.world.node_tree.nodes["Background"].inputs
+        world["Color"].default_value = (0.3, 0.4, 0.6, 1)
     common.render(options["picture"])
     return {}
 

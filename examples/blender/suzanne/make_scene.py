@@ -168,6 +168,7 @@ def main(path):
     scene = bpy.context.scene
     scene.render.engine = "LIBSHADE"
     scene.libshade.samples = 64
+    scene.libshade.max_bounces = 0  # lamps only, as in the same scene for POV-Ray
     bpy.context.preferences.filepaths.save_version = 0  # no OUT.blend1 of an earlier run
     bpy.ops.wm.save_as_mainfile(filepath=path, relative_remap=True)
 
