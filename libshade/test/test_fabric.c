@@ -116,7 +116,7 @@ static void near_is_the_reference(void **state) {
   cloth c;
   for (int row = 0; open_cloth(row, &c); row += FEWER) {
     double worst = 0, worstf = 0;
-    for (int k = 0; k < 2000; k++) {
+    for (int k = 0; k < 2000; k += FEWER) {
       double uv[2], wi[3], wo[3], s[3], want[3];
       point(k, 64, uv);
       pair(k % PAIRS, wi, wo);
@@ -179,7 +179,7 @@ static void far_is_the_mean_of_near(void **state) {
   cloth c;
   for (int row = 0; open_cloth(row, &c); row += FEWER) {
     double worst = 0, single = 0, doubt = 0;
-    for (int k = 0; k < PAIRS; k++) {
+    for (int k = 0; k < PAIRS; k += FEWER) {
       double wi[3], wo[3], truth[3], s[3];
       const double uv[2] = {0.3, 0.7};
       pair(k, wi, wo);
@@ -248,7 +248,7 @@ static void far_is_the_mean_of_any_cloth(void **state) {
     c.fabric = shade_fabric_create(c.weave, p, NULL);
     assert_non_null(c.fabric);
     double worst = 0;
-    for (int j = 0; j < PAIRS; j += 2) {
+    for (int j = 0; j < PAIRS; j += 2 * FEWER) {
       double wi[3], wo[3], truth[3], s[3];
       const double uv[2] = {0, 0};
       pair(j, wi, wo);
@@ -327,7 +327,7 @@ static void zoom_does_not_pop(void **state) {
   cloth c;
   for (int row = 0; open_cloth(row, &c); row += FEWER) {
     double most = 0, most_back = 0;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2; k += FEWER) {
       enum { POINTS = 1 << 14, STEPS = 14 };
       double wi[3], wo[3], mean[STEPS];
       pair(11 * k + 1, wi, wo);

@@ -336,7 +336,7 @@ static void albedo_is_the_integral(void **state) {
     cloth c = open_cloth(names[name], transmits);
     shade_fabric_albedo *table = shade_fabric_albedo_create(c.fabric);
     assert_non_null(table);
-    for (int k = 0; k < 8; k++) {
+    for (int k = 0; k < 8; k += FEWER) {
       double wo[3], got[3], want[3] = {0, 0, 0};
       any_direction(&seed, 0.1, wo);
       enum { GRID = 96 };
