@@ -76,7 +76,7 @@ static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
     float green = draw->f.g[i] * factor * walk->weight.g[lane[i]];
     float blue = draw->f.b[i] * factor * walk->weight.b[lane[i]];
     float most = largest(r, green, blue);
-    float chance = lots & (most < 1.0f) ? sqrtf(most) : 1.0f;
+    float chance = (lots & (most < 1.0f)) ? sqrtf(most) : 1.0f;
     bool goes = (most > 0.0f) & (most < 1e30f) & (draw->lot[i] < chance);
     float scale = goes ? 1.0f / chance : 0.0f;
     store(&wide->d, i, scaled(d, 1.0f / sqrtf(goes ? dot(d, d) : 1.0f)));
