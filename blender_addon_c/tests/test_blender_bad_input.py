@@ -30,6 +30,8 @@ EXPECTED = {
     "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
     "no_material": ("finished", "Warning: .*'Plane': no material"),
     "principled": ("finished", "Warning: .*'plain': 'Principled BSDF': Transmission.* is not supported"),
+    "anisotropic": ("finished", "(?s)Anisotropic is not supported.*Alpha is not supported"),
+    "beckmann": ("finished", "Warning: .*beckmann is not supported; shaded as GGX"),
     "mixed": ("finished", "Warning: .*no Libshade Metal node.*Mix Shader"),
     "area_light": ("finished", "Warning: .*'area': area lights are not supported"),
     "world_shader": ("finished", "Warning: .*world 'world': 'Add Shader' is not supported.*left out"),

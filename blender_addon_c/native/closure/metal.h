@@ -87,6 +87,14 @@ static inline double closure_metal_exponent(const closure_metal *c) {
   return fmax(c->params.ex, c->params.ey);
 }
 
+/* Members that all lanes of the library have in common. */
+#define METAL_GIVEN                                                                                \
+  .nx = given->normal.x + i, .ny = given->normal.y + i, .nz = given->normal.z + i,                 \
+  .wox = at->wo.x + i, .woy = at->wo.y + i, .woz = at->wo.z + i,                                   \
+  .f0r = f0 ? given->color.r + i : NULL, .f0g = f0 ? given->color.g + i : NULL,                    \
+  .f0b = f0 ? given->color.b + i : NULL, .kdr = kd ? given->color.r + i : NULL,                    \
+  .kdg = kd ? given->color.g + i : NULL, .kdb = kd ? given->color.b + i : NULL
+
 static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
                                           const surfaces *restrict at, const inputs *restrict given,
                                           const light_samples *restrict light,
@@ -95,21 +103,10 @@ static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
   bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
   bool f0 = colored && !kd;
   shade_lanesf in = {.size = sizeof in,
-                     .nx = given->normal.x + i,
-                     .ny = given->normal.y + i,
-                     .nz = given->normal.z + i,
                      .wix = light->wi.x + i,
                      .wiy = light->wi.y + i,
                      .wiz = light->wi.z + i,
-                     .wox = at->wo.x + i,
-                     .woy = at->wo.y + i,
-                     .woz = at->wo.z + i,
-                     .f0r = f0 ? given->color.r + i : NULL,
-                     .kdr = kd ? given->color.r + i : NULL,
-                     .f0g = f0 ? given->color.g + i : NULL,
-                     .kdg = kd ? given->color.g + i : NULL,
-                     .f0b = f0 ? given->color.b + i : NULL,
-                     .kdb = kd ? given->color.b + i : NULL};
+                     METAL_GIVEN};
   shade_resultf result = {.size = sizeof result,
                           .r = out->f.r + i,
                           .g = out->f.g + i,
@@ -125,21 +122,7 @@ static inline unsigned closure_metal_draw(const closure_metal *c, lane_run run,
   size_t i = run.begin;
   bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
   bool f0 = colored && !kd;
-  shade_sample_lanesf in = {.size = sizeof in,
-                            .nx = given->normal.x + i,
-                            .ny = given->normal.y + i,
-                            .nz = given->normal.z + i,
-                            .wox = at->wo.x + i,
-                            .woy = at->wo.y + i,
-                            .woz = at->wo.z + i,
-                            .u1 = out->x + i,
-                            .u2 = out->y + i,
-                            .f0r = f0 ? given->color.r + i : NULL,
-                            .kdr = kd ? given->color.r + i : NULL,
-                            .f0g = f0 ? given->color.g + i : NULL,
-                            .kdg = kd ? given->color.g + i : NULL,
-                            .f0b = f0 ? given->color.b + i : NULL,
-                            .kdb = kd ? given->color.b + i : NULL};
+  shade_sample_lanesf in = {.size = sizeof in, .u1 = out->x + i, .u2 = out->y + i, METAL_GIVEN};
   shade_sample_resultf result = {.size = sizeof result,
                                  .wix = out->wi.x + i,
                                  .wiy = out->wi.y + i,
@@ -152,5 +135,7 @@ static inline unsigned closure_metal_draw(const closure_metal *c, lane_run run,
   return shade_bsdf_sample_batchf(&c->bsdf, run.end - run.begin, &in, &result) &
          ~(unsigned)SHADE_NO_SAMPLE;
 }
+
+#undef METAL_GIVEN
 
 #endif

@@ -24,7 +24,7 @@ void worker_free(worker *w) {
   free(w->batch);
 }
 
-/* What rays meet, sorted by material. */
+/* What rays meet; the first are those of the camera. */
 static void trace(worker *w, bool first, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;
@@ -87,7 +87,7 @@ static void run_closures(worker *w) {
 /* Which points a bounce's light or draw takes; no two of one path may take the same. */
 static shuffle points_of(const worker *w, size_t phase, int bounce, size_t purpose) {
   const sampling *p = w->sampling;
-  uint32_t salt = (uint32_t)bounce * 0x85ebca6bu + ((uint32_t)purpose + 1) * 0x9e3779b9u;
+  uint32_t salt = (uint32_t)(bounce + 1) * 0x85ebca6bu + ((uint32_t)purpose + 1) * 0x9e3779b9u;
   return (shuffle){
       .index = p->point[0] + phase, .reverse = p->reverse, .mask = p->mask, .salt = salt};
 }
@@ -144,7 +144,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
     if (w->observer)
       w->observer->light(w->observer->context, b, view, k, &s->light[k]);
   }
-  clock_start(&w->clocks);
+  clock_start(&w->clocks); /* an observer's time is no stage's */
 }
 
 /* Draws where the paths go on; returns how many do. */
@@ -155,7 +155,7 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   const queue *q = &b->queue;
   shuffle points = points_of(w, phase, bounce, PURPOSE_DRAW);
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.x, b->draw.y);
-  points = points_of(w, phase, bounce, PURPOSE_LOT);
+  points = points_of(w, phase, bounce, PURPOSE_LOT); /* its y is of no use: pdf is written next */
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.pdf);
   for (const segment *g = q->segment; g < q->segment + q->segments; g++)
     w->status |= s->draw[g->material->closure.type](g, &b->surface, &b->input, &b->draw);

@@ -24,6 +24,14 @@ static void sobol_directions(int dimension, uint32_t v[32]) {
   }
 }
 
+static uint32_t sobol_point(const uint32_t v[32], size_t i) {
+  uint32_t x = 0;
+  for (unsigned bit = 0; bit < 32 && i >> bit; bit++)
+    if (i >> bit & 1u)
+      x ^= v[bit];
+  return x;
+}
+
 static double blackman_harris(double x) { /* x in [-1/2, 1/2] */
   double a = 6.283185307179586 * (x + 0.5);
   return 0.35875 - 0.48829 * cos(a) + 0.14128 * cos(2 * a) - 0.01168 * cos(3 * a);
@@ -56,13 +64,8 @@ bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width) 
     if (!s->point[d])
       return false;
     sobol_directions(d, v);
-    for (size_t i = 0; i < samples; i++) {
-      uint32_t x = 0;
-      for (unsigned bit = 0; bit < 32 && i >> bit; bit++)
-        if (i >> bit & 1u)
-          x ^= v[bit];
-      s->point[d][i] = x;
-    }
+    for (size_t i = 0; i < samples; i++)
+      s->point[d][i] = sobol_point(v, i);
     for (size_t i = 0; i < run; i++)
       s->point[d][samples + i] = s->point[d][i];
   }
@@ -74,10 +77,7 @@ bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width) 
   if (!s->reverse)
     return false;
   for (uint32_t i = 0; i <= s->mask; i++) {
-    uint32_t x = 0, turned = 0;
-    for (unsigned bit = 0; bit < 32 && i >> bit; bit++)
-      if (i >> bit & 1u)
-        x ^= v[bit];
+    uint32_t x = sobol_point(v, i), turned = 0;
     for (unsigned bit = 0; bit < 32; bit++)
       turned |= (x >> bit & 1u) << (31 - bit);
     s->reverse[i] = turned;

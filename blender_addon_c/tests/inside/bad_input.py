@@ -146,6 +146,20 @@ def principled(scene):
     inputs["Transmission" if "Transmission" in inputs else "Transmission Weight"].default_value = 1
 
 
+def anisotropic(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.materials[0] = bpy.data.materials.new("plain")
+    inputs = common.tree_of(ob.data.materials[0]).nodes["Principled BSDF"].inputs
+    inputs["Anisotropic"].default_value = inputs["Alpha"].default_value = 0.5
+
+
+def beckmann(scene):
+    _ob, tree, _node = plate(scene)
+    shader = tree.nodes.new("ShaderNodeBsdfGlossy")
+    shader.distribution = "BECKMANN"
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+
+
 def mixed(scene):
     ob, tree, node = plate(scene)
     mix = tree.nodes.new("ShaderNodeMixShader")
@@ -215,7 +229,7 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, mapping_node,
-    other_uv_map, no_material, principled, mixed, area_light, world_shader, panoramic,
+    other_uv_map, no_material, principled, anisotropic, beckmann, mixed, area_light, world_shader, panoramic,
     flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
 ]
