@@ -31,7 +31,7 @@ static largest furnace(const shade_fabric *f) {
   const double none[2] = {0, 0}, some[2] = {1.1, 1.1}, all[2] = {1e6, 1e6};
   const double theta[] = {0, 35, 60, 75, 84, 88};
   largest most = {0, 0, 0, 0};
-  for (int k = 0; k < 6 * 3; k += 2 * FEWER - 1) { /* 5 and 6: all of theta's */
+  for (int k = 0; k < 6 * 3; k += 2 * FEWER - 1) { /* 5 has no factor of 6: every theta */
     double wo[3];
     spherical(theta[k % 6] * PI / 180, (k / 6 + 0.1) * PI / 3, wo);
     for (int p = 0; p < 4; p++) {
