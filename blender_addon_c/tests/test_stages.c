@@ -404,7 +404,12 @@ static void metal_and_reflection(void **state) {
     b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = 1;
   }
   assert_int_equal(
-      stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, &b->reflection), 0);
+      stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, false, &b->reflection),
+      0);
+  untouched(b->reflection.pdf, 0); /* not asked for */
+  assert_int_equal(
+      stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, true, &b->reflection),
+      0);
   stages->reflect(COUNT, (const float[]){1, 2, 4}, &b->light, &b->reflection, &b->sum);
   for (size_t i = g.run.begin; i < COUNT; i++) {
     double dir[3][3], f[3], cosine;
@@ -415,6 +420,8 @@ static void metal_and_reflection(void **state) {
       dir[k][2] = (double)from[k]->z[i];
     }
     shade_bsdf_eval(&metal->bsdf, dir[0], dir[1], dir[2], f, &cosine);
+    double pdf = shade_bsdf_pdf(&metal->bsdf, dir[0], dir[1], dir[2], NULL);
+    near((double)b->reflection.pdf[i], pdf, 1e-6 + 1e-3 * pdf);
     for (int k = 0; k < 3; k++) {
       const lane_f *part[3] = {&b->sum.r, &b->sum.g, &b->sum.b};
       double wanted = f[k] * cosine * 0.5 * (1 << k);
@@ -422,6 +429,7 @@ static void metal_and_reflection(void **state) {
     }
   }
   untouched(b->reflection.f.r, COUNT);
+  untouched(b->reflection.pdf, COUNT);
 }
 
 static void film(void **state) {
@@ -534,6 +542,9 @@ static void walks_go_on(void **state) {
       assert_int_equal(b->next->sample[k], before->walks[0].sample[from]);
       near((double)b->next->weight.r[k], red / chance, 1e-5 * (1 + red / chance));
       near((double)b->next->weight.b[k], green / chance, 1e-5 * (1 + green / chance));
+      near((double)b->next->pdf[k], pdf, 0);
+      near3(load(&b->next->from, k), (double)b->surface.p.x[i], (double)b->surface.p.y[i],
+            (double)b->surface.p.z[i], 0);
       vec3 n = load(&b->surface.n, i), p = load(&b->surface.p, i), d = load(&b->sample_ray.d, k);
       near(dot_d(d, n), (double)wi.z, 1e-6);
       near(dot_d(d, load(&b->surface.t, i)), (double)wi.x, 1e-6);

@@ -33,10 +33,13 @@ typedef struct paths {
   lane_f alpha; /* 1 where it meets something */
 } paths;
 
-/* Paths under way, by ray: of which sample, and how much of what the ray meets that sample gets. */
+/* Paths under way, by ray: of which sample, and how much of what the ray meets that sample gets.
+ * What a light that the ray meets weighs against its own samples goes by how the ray was drawn. */
 typedef struct walks {
   lane_u sample;
   lane_c weight;
+  lane_v from; /* the point at which its direction was drawn */
+  lane_f pdf;  /* with which density, 1/sr */
 } walks;
 
 typedef struct rays {
@@ -104,6 +107,7 @@ typedef struct draws {
 typedef struct reflections {
   lane_c f; /* 1/sr; `reflect` makes it f cos E */
   lane_f cosine;
+  lane_f pdf; /* if asked for: the density of the closure's own draws there, 1/sr */
 } reflections;
 
 #endif

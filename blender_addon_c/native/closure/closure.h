@@ -5,7 +5,7 @@
  *   closure_<name>            what it keeps
  *   closure_<name>_read       reads it from a scene
  *   closure_<name>_exponent   how sharp it is, as an exponent
- *   closure_<name>_eval       f and cosine for a run of hits
+ *   closure_<name>_eval       f and cosine for a run of hits; the density of its draws if asked
  *   closure_<name>_draw       directions, with f, cosine and density
  *
  * and one row: ROW(TYPE, name). TYPE is the word in a scene, CLOSURE_TYPE its number, stage_<name>

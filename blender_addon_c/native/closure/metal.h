@@ -97,7 +97,7 @@ static inline double closure_metal_exponent(const closure_metal *c) {
 
 static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
                                           const surfaces *restrict at, const inputs *restrict given,
-                                          const light_samples *restrict light,
+                                          const light_samples *restrict light, bool density,
                                           reflections *restrict out) {
   size_t i = run.begin;
   bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
@@ -112,7 +112,10 @@ static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
                           .g = out->f.g + i,
                           .b = out->f.b + i,
                           .cosine = out->cosine + i};
-  return shade_bsdf_eval_batchf(&c->bsdf, run.end - run.begin, &in, &result);
+  unsigned status = shade_bsdf_eval_batchf(&c->bsdf, run.end - run.begin, &in, &result);
+  if (density)
+    status |= shade_bsdf_pdf_batchf(&c->bsdf, run.end - run.begin, &in, out->pdf + i);
+  return status;
 }
 
 /* Directions by f cos, roughly. */

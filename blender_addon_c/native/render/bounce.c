@@ -74,12 +74,12 @@ static void run_nodes(worker *w) {
     }
 }
 
-static void run_closures(worker *w) {
+static void run_closures(worker *w, bool density) {
   batch *b = w->batch;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     closure_type type = g->material->closure.type;
-    w->status |=
-        w->scene->stages->closure[type](g, &b->surface, &b->input, &b->light, &b->reflection);
+    w->status |= w->scene->stages->closure[type](g, &b->surface, &b->input, &b->light, density,
+                                                 &b->reflection);
     clock_tick(&w->clocks, CLOCK_CLOSURE + type);
   }
 }
@@ -119,7 +119,7 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
     return;
-  run_closures(w);
+  run_closures(w, false);
   s->reflect(hits, l->common.color, &b->light, &b->reflection, &b->sum);
   clock_tick(&w->clocks, CLOCK_REFLECT);
 }

@@ -6,8 +6,9 @@
 #define CLOSURE_STAGE(TYPE, name)                                                                  \
   static unsigned stage_##name(const segment *g, const surfaces *restrict at,                      \
                                const inputs *restrict given, const light_samples *restrict light,  \
-                               reflections *restrict out) {                                        \
-    return closure_##name##_eval(&g->material->closure.of.name, g->run, at, given, light, out);    \
+                               bool density, reflections *restrict out) {                          \
+    return closure_##name##_eval(&g->material->closure.of.name, g->run, at, given, light, density, \
+                                 out);                                                             \
   }
 CLOSURE_TABLE(CLOSURE_STAGE)
 

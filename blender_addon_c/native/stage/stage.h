@@ -82,9 +82,9 @@ typedef struct stage_table {
   void (*lit)(size_t count, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
-  /* Returns status bits of libshade. */
+  /* density: out->pdf is wanted too. Returns status bits of libshade. */
   unsigned (*closure[CLOSURE_TYPES])(const segment *g, const surfaces *at, const inputs *given,
-                                     const light_samples *light, reflections *out);
+                                     const light_samples *light, bool density, reflections *out);
   void (*reflect)(size_t count, const float color[3], const light_samples *light,
                   reflections *reflection, lane_c *sum);
 

@@ -106,6 +106,10 @@ static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
     next->weight.r[k] = draw->f.r[i];
     next->weight.g[k] = draw->f.g[i];
     next->weight.b[k] = draw->f.b[i];
+    next->from.x[k] = at->p.x[i];
+    next->from.y[k] = at->p.y[i];
+    next->from.z[k] = at->p.z[i];
+    next->pdf[k] = draw->pdf[i];
   }
   return rays;
 }
