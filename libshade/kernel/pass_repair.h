@@ -12,25 +12,54 @@ static int FN(are_unit)(size_t count, FN(vec) v) {
 }
 
 /*
- * Whether the passes take every n, a and b (which may be a) as they are: unit, and n above the
- * surface. Less 1, 0 has the sign bit and -0 FAR_BIT. One loop and one word: to or the lanes of a
- * register takes as long as ten samples.
+ * What is wrong with a block's directions, or-ed over its lanes. AVX-512 takes one word, masked in
+ * every lane: a mask and an or are one instruction there, and to or the lanes of a register takes
+ * as long as ten samples. Elsewhere masks are dear: three words, masked once.
  */
+#undef FLAWS_IN_ONE_WORD
+#if defined(__AVX512F__)
+#define FLAWS_IN_ONE_WORD 1
+#else
+#define FLAWS_IN_ONE_WORD 0
+#endif
+typedef struct FN(flaws) {
+  real_bits far, uneven, below;
+} FN(flaws);
+
+/* Not 0 where a vector is not unit or n not above the surface. `below` is of n.z less 1: 0 has the
+ * sign bit and -0 FAR_BIT. */
+LEAF real_bits FN(any_flaw)(FN(flaws) f) {
+  return FN(off_unit)(f.far, f.uneven) | (f.below & (SIGN_BIT | FAR_BIT));
+}
+
+LEAF FN(flaws) FN(flaws_of_lane)(FN(flaws) f) {
+  return FLAWS_IN_ONE_WORD ? (FN(flaws)){FN(any_flaw)(f), 0, 0} : f;
+}
+
+LEAF int FN(are_flawless)(FN(flaws) all) {
+  return !(FLAWS_IN_ONE_WORD ? all.far : FN(any_flaw)(all));
+}
+
+/* Whether the passes take every n, a and b (which may be a) as they are. One loop. */
 LEAF int FN(is_mended)(size_t count, FN(vec) n, FN(vec) a, FN(vec) b) {
-  real_bits off = 0;
+  real_bits far = 0, uneven = 0, below = 0;
   ARRAYS(n);
   ARRAYS(a);
   ARRAYS(b);
-#pragma omp simd reduction(| : off)
+#pragma omp simd reduction(| : far, uneven, below)
   for (size_t i = 0; i < count; i++) {
-    real_bits far = FN(far_bits)(nx[i], ny[i], nz[i]) | FN(far_bits)(ax[i], ay[i], az[i]) |
-                    FN(far_bits)(bx[i], by[i], bz[i]);
-    real_bits uneven = FN(uneven_bits)(nx[i], ny[i], nz[i]) | FN(uneven_bits)(ax[i], ay[i], az[i]) |
-                       FN(uneven_bits)(bx[i], by[i], bz[i]);
-    real_bits below = FN(to_bits)(nz[i]) - 1;
-    off |= FN(off_unit)(far, uneven) | (below & (SIGN_BIT | FAR_BIT));
+    const FN(flaws) lane = FN(flaws_of_lane)((FN(flaws)){
+        .far = FN(far_bits)(nx[i], ny[i], nz[i]) | FN(far_bits)(ax[i], ay[i], az[i]) |
+               FN(far_bits)(bx[i], by[i], bz[i]),
+        .uneven = FN(uneven_bits)(nx[i], ny[i], nz[i]) | FN(uneven_bits)(ax[i], ay[i], az[i]) |
+                  FN(uneven_bits)(bx[i], by[i], bz[i]),
+        .below = FN(to_bits)(nz[i]) - 1,
+    });
+    far |= lane.far;
+    uneven |= lane.uneven;
+    below |= lane.below;
   }
-  return !off;
+  return FN(are_flawless)((FN(flaws)){far, uneven, below});
 }
 
 /* Room for the mended copies of a block's directions. */
