@@ -265,6 +265,21 @@ def test_bad_usage(options, expected):
     assert expected in result.stderr
 
 
+@pytest.mark.parametrize("numbers, stated", [
+    (("f0", "f82", "eta", "k"), [(), ("f0",), ("f0", "f82"), ("eta", "k")]),
+    (("ex", "ey", "ax", "ay"), [(), ("ex", "ey"), ("ax", "ay")]),
+])
+def test_fresnel_and_lobe_are_stated_whole(numbers, stated):
+    """Of all subsets of their numbers only those that state one choice; the help names them."""
+    usage = run("", "--help").stdout
+    for bits in range(1 << len(numbers)):
+        given = tuple(n for i, n in enumerate(numbers) if bits >> i & 1)
+        options = [word for n in given for word in ("--" + n, "0.5")]
+        assert run("", *options).returncode == (0 if given in stated else 2), given
+        if len(given) > 1:
+            assert (" and ".join("--" + n for n in given) in usage) == (given in stated), given
+
+
 def test_help_names_every_choice():
     result = run("", "--help")
     assert result.returncode == 0

@@ -5,6 +5,7 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
+#include "src/bsdf.h"
 #include "tool/parse.h"
 #include "tool/text.h"
 #include "tool/tool.h"
@@ -32,7 +33,7 @@ static int line_form(const query *q, const char **form) {
                                       "lx ly lz", "nx ny nz wix wiy wiz wox woy woz",
                                       "nx ny nz wox woy woz u1 u2"};
   static const int counts[] = {6, 9, 3, 9, 8};
-  if (q->what == WHAT_DIFFUSE && q->params.diffuse >= SHADE_DIFFUSE_FIBRE_VIEW) {
+  if (q->what == WHAT_DIFFUSE && shade_diffuse_is(q->params.diffuse).sees) {
     *form = "lx ly lz vx vy vz";
     return 6;
   }
@@ -55,6 +56,89 @@ static shade_params initial_params(void) {
   return p;
 }
 
+/* Sets of numbers of a material: a bit for each row of the table. */
+
+/* Those that a choice of a list reads, and choices of other lists do not. */
+static unsigned numbers_of(shade_list list, int value) {
+  unsigned rows = 0;
+  shade_param_info info;
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (info.list == list && info.choices >> value & 1)
+      rows |= 1u << row;
+  if (list == SHADE_LIST_FRESNEL && shade_fresnel_is((shade_fresnel)value).f0)
+    rows |= 1u << shade_param_find("f0"); /* read by diffuse models too */
+  return rows;
+}
+
+/* The choice that is stated by these numbers and no others, or -1; of several the table's own. */
+static int choice_stated(shade_list list, unsigned rows) {
+  shade_list_info about;
+  int value, found = -1;
+  shade_list_about(list, &about);
+  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++)
+    if (numbers_of(list, value) == rows && (found < 0 || value == about.initial))
+      found = value;
+  return found;
+}
+
+/* All that some choice of the list reads. */
+static unsigned numbers_of_any(shade_list list) {
+  unsigned rows = 0;
+  int value;
+  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++)
+    rows |= numbers_of(list, value);
+  return rows;
+}
+
+static void print_numbers(FILE *to, unsigned rows) {
+  shade_param_info info;
+  const char *before = "";
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (rows >> row & 1) {
+      fprintf(to, "%s--%s", before, info.word);
+      before = " and ";
+    }
+}
+
+/* The sets that state a choice of the list, each once. */
+static void print_statements(FILE *to, shade_list list) {
+  const char *before = "";
+  int value;
+  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++) {
+    const unsigned rows = numbers_of(list, value);
+    int earlier = 0, same = 0;
+    for (int i = 0; i < k && shade_list_row(list, i, &earlier, NULL, NULL, NULL); i++)
+      same |= numbers_of(list, earlier) == rows;
+    if (same)
+      continue;
+    fputs(before, to);
+    print_numbers(to, rows);
+    before = ", or ";
+  }
+}
+
+/* Which Fresnel they make. */
+static void print_fresnel(FILE *to) {
+  const shade_list list = SHADE_LIST_FRESNEL;
+  const char *word;
+  int value;
+  for (int k = 0; shade_list_row(list, k, &value, &word, NULL, NULL); k++)
+    if (choice_stated(list, numbers_of(list, value)) == value) {
+      fputs("; with ", to);
+      print_numbers(to, numbers_of(list, value));
+      fprintf(to, " %s", word);
+    }
+}
+
+static void print_initial_lobe(FILE *to, const shade_params *initial) {
+  shade_param_info info;
+  double v[3];
+  const unsigned rows = numbers_of(SHADE_LIST_MDF, initial->mdf);
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (rows >> row & 1 && shade_params_get(initial, row, v) == SHADE_OK)
+      fprintf(to, " --%s %g", info.word, *v);
+}
+
 static void usage(FILE *to) {
   const shade_params initial = initial_params();
   fputs(
@@ -62,8 +146,8 @@ static void usage(FILE *to) {
       "  --what D|f|diffuse|pdf|sample   (default D)\n"
       "                           D: lines of nx ny nz hx hy hz -> D' in 1/sr\n"
       "                           f: lines of nx ny nz wix wiy wiz wox woy woz -> f in 1/sr\n"
-      "                           diffuse: lines of lx ly lz (and vx vy vz, for the models from\n"
-      "                           fibre_view on) -> Phi; fibre along x, normal z\n"
+      "                           diffuse: lines of lx ly lz (and vx vy vz, for the models that\n"
+      "                           depend on the eye) -> Phi; fibre along x, normal z\n"
       "                           pdf: lines as for f -> density of drawing wi, in 1/sr\n"
       "                           sample: lines of nx ny nz wox woy woz u1 u2 -> wi, pdf and f;\n"
       "                           all 0 where the draw finds no direction. --precision\n"
@@ -81,16 +165,18 @@ static void usage(FILE *to) {
   for (int row = 0; shade_param_row(row, &info); row++)
     fprintf(to, "  --%-8s %s, %g to %g%s\n", info.word, info.help, info.minimum, info.maximum,
             info.components > 1 ? ", in every channel" : "");
-  fprintf(to, "  (default --ex %g --ey %g)\n\n", initial.ex, initial.ey);
-  fputs(
-      "Exponents or alphas, both of them. Fresnel is 1 without --f0; with it Schlick's, with --f0\n"
-      "and --f82 darkened towards 82 degrees; or --eta and --k, a conductor's. f includes the\n"
-      "diffuse part with --kd.\n\n"
-      "  --precision fast|float|double|reference   (default double)\n\n"
-      "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
-      "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
-      "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
-      to);
+  fputs("  (default", to);
+  print_initial_lobe(to, &initial);
+  fputs(")\n\nThe lobe is stated by ", to);
+  print_statements(to, SHADE_LIST_MDF);
+  fputs(".\nFresnel is 1", to);
+  print_fresnel(to);
+  fputs(".\nf includes the diffuse part with --kd.\n\n"
+        "  --precision fast|float|double|reference   (default double)\n\n"
+        "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
+        "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
+        "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
+        to);
 }
 
 static int bad_usage(const char *option, const char *value, const char *expected) {
@@ -135,39 +221,39 @@ static int set_number(query *q, int row, const char *option, const char *value) 
   return bad_usage(option, value, range);
 }
 
-/* Fresnel follows from which of its numbers were given: bits of `given` by row. */
+/* Fresnel follows from which of its numbers were given. */
 static int choose_fresnel(query *q, unsigned given) {
-  const unsigned f0 = given >> shade_param_find("f0") & 1;
-  const unsigned f82 = given >> shade_param_find("f82") & 1;
-  const unsigned eta = given >> shade_param_find("eta") & 1;
-  const unsigned k = given >> shade_param_find("k") & 1;
-  if (eta != k || (eta && f0) || (f82 && !f0)) {
-    fputs("shade eval: Fresnel is --f0, or --f0 and --f82, or --eta and --k\n", stderr);
-    return TOOL_BAD_USAGE;
-  }
-  q->params.fresnel = eta   ? SHADE_FRESNEL_CONDUCTOR
-                      : f82 ? SHADE_FRESNEL_F82
-                      : f0  ? SHADE_FRESNEL_SCHLICK
-                            : SHADE_FRESNEL_NONE;
-  return TOOL_DONE;
+  const shade_list list = SHADE_LIST_FRESNEL;
+  const unsigned stated = given & numbers_of_any(list);
+  const int value = choice_stated(list, stated);
+  if (value >= 0)
+    shade_params_set_choice(&q->params, list, value);
+  if (!stated || value >= 0)
+    return TOOL_DONE;
+  fputs("shade eval: Fresnel is ", stderr);
+  print_statements(stderr, list);
+  fputs("\n", stderr);
+  return TOOL_BAD_USAGE;
 }
 
-/* The lobe is stated by one pair of numbers, whole. */
-static int whole_pair(unsigned given) {
-  const unsigned ex = given >> shade_param_find("ex") & 1;
-  const unsigned ey = given >> shade_param_find("ey") & 1;
-  const unsigned ax = given >> shade_param_find("ax") & 1;
-  const unsigned ay = given >> shade_param_find("ay") & 1;
-  if ((ex || ey) && (ax || ay)) {
-    fputs("shade eval: give exponents (--ex, --ey) or alphas (--ax, --ay), not both\n", stderr);
-    return TOOL_BAD_USAGE;
-  }
-  if (ex != ey || ax != ay) {
-    fprintf(stderr, "shade eval: --%s and --%s go together\n", ex != ey ? "ex" : "ax",
-            ex != ey ? "ey" : "ay");
-    return TOOL_BAD_USAGE;
-  }
-  return TOOL_DONE;
+/* The lobe is stated by one set of numbers, whole; any distribution takes any of them. */
+static int whole_lobe(unsigned given) {
+  const shade_list list = SHADE_LIST_MDF;
+  const unsigned stated = given & numbers_of_any(list);
+  int value;
+  if (!stated || choice_stated(list, stated) >= 0)
+    return TOOL_DONE;
+  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++)
+    if (!(stated & ~numbers_of(list, value))) {
+      fputs("shade eval: ", stderr);
+      print_numbers(stderr, numbers_of(list, value));
+      fputs(" go together\n", stderr);
+      return TOOL_BAD_USAGE;
+    }
+  fputs("shade eval: give ", stderr);
+  print_statements(stderr, list);
+  fputs(", not both\n", stderr);
+  return TOOL_BAD_USAGE;
 }
 
 /* The list that an option is called after, or SHADE_LIST_COUNT. Fresnel follows from numbers. */
@@ -230,7 +316,7 @@ static int read_options(query *q, int argc, char **argv, int *help) {
   }
   if (status == TOOL_DONE)
     status = choose_fresnel(q, given);
-  return status == TOOL_DONE ? whole_pair(given) : status;
+  return status == TOOL_DONE ? whole_lobe(given) : status;
 }
 
 /* The answer; status bits tell what was wrong with the directions. */
@@ -242,10 +328,8 @@ static double answer(const query *q, const shade_bsdf *b, const double *v, unsig
     vf[i] = (float)v[i];
   if (q->what == WHAT_DIFFUSE) {
     shade_diffuse model = q->params.diffuse;
-    double left =
-        model == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY && q->params.fresnel != SHADE_FRESNEL_NONE
-            ? 1 - q->params.f0[0]
-            : 1;
+    const int less = shade_diffuse_is(model).less_f0 && q->params.fresnel != SHADE_FRESNEL_NONE;
+    const double left = less ? 1 - q->params.f0[0] : 1;
     return left * (q->precision <= PRECISION_FLOAT ? (double)shade_diffuse_evalf(model, vf, vf + 3)
                    : q->precision == PRECISION_DOUBLE ? shade_diffuse_eval(model, v, v + 3)
                                                       : shade_ref_diffuse(model, v, v + 3));
