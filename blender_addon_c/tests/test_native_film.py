@@ -34,7 +34,7 @@ def test_coverage_is_alpha(samples):
     picture, _ = render(scene(samples=samples, meshes=[half_covered(1 / 16)]))
     assert (picture[:, :8, 3] == 1).all() and (picture[:, 9:] == 0).all()
     edge = picture[:, 8, 3]
-    # a power of two is a net in base 2: exactly half of the samples on either side
+    # a power of two is a net in base 2, over all of its passes: exactly half on either side
     tolerance = 0 if samples in (4, 16, 64, 256) else 1 if samples == 1 else 0.05
     assert (np.abs(edge - 0.5) <= tolerance).all()
     # premultiplied: the colour of the covered part, times alpha
@@ -160,20 +160,38 @@ def test_cancel_stops_before_the_picture_is_whole():
     native.free(job)
 
 
-def test_unfinished_picture_has_whole_tiles_only():
-    flat = scene(width=512, height=512, samples=2048, threads=1)
-    done, _ = render(scene(width=512, height=16, samples=64))
-    job = native.start(flat)
-    while native.poll(job)["progress"] < 0.02:
-        assert not native.wait(job, 0.01)
-    out = np.empty((512, 512, 4), np.float32)
+def so_far(job, size):
+    out = np.empty((size, size, 4), np.float32)
     native.image(job, out)
-    native.free(job)  # cancels too
+    return out
+
+
+def test_unfinished_picture_has_whole_tiles_only_then_all_of_them():
+    size, samples = 1024, 2048
+    flat = scene(width=size, height=size, samples=samples, threads=1)
+    done = render(scene(width=size, height=16, samples=64))[0][0, 0]
+    job = native.start(flat)
+    while native.poll(job)["progress"] == 0:
+        assert not native.wait(job, 0)
+    out = so_far(job, size)
     finished = out[..., 3] == 1
     assert 0 < finished.mean() < 1 and (out[~finished] == 0).all()
-    np.testing.assert_allclose(
-        out[finished], np.broadcast_to(done[0, 0], (finished.sum(), 4)), rtol=1e-4
-    )
+    np.testing.assert_allclose(out[finished], np.broadcast_to(done, (finished.sum(), 4)), rtol=1e-4)
+    while native.poll(job)["progress"] < 5 / samples:  # the first pass takes 4 samples of each
+        assert not native.wait(job, 0.01)
+    out = so_far(job, size)
+    native.free(job)  # cancels too
+    np.testing.assert_allclose(out, np.broadcast_to(done, out.shape), rtol=1e-4)
+
+
+def test_time_limit_ends_a_picture_that_is_whole():
+    job = native.start({**slow(), "width": 256, "height": 256, "region": (0, 0, 256, 256),
+                        "time_limit": 0.2})
+    assert native.wait(job, 60)
+    state = native.poll(job)
+    assert state["state"] == "done" and 0 < state["progress"] < 1
+    assert (so_far(job, 256)[..., 3] > 0).any()
+    native.free(job)
 
 
 def test_dropping_a_job_ends_it():

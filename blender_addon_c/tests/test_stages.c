@@ -460,8 +460,14 @@ static void film(void **state) {
 static void shuffled_points(void **state) {
   (void)state;
   enum { POINTS = BATCH, BITS = 10, SIDE = 16, PURPOSES = 3 };
-  sampling p;
-  assert_true(sampling_init(&p, POINTS, BATCH, 0.0f));
+  sampling_plan plan;
+  assert_true(sampling_init(&plan, POINTS, BATCH, 0.0f));
+  static uint32_t number[POINTS]; /* as the passes give them, one after the other */
+  uint32_t *next = number;
+  for (const sampling *pass = plan.pass; pass < plan.pass + plan.passes; next += pass++->period)
+    memcpy(next, pass->point[0], pass->period * sizeof *next);
+  assert_ptr_equal(next, number + POINTS);
+  const sampling p = plan.pass[plan.passes - 1];
   assert_int_equal(p.mask, POINTS - 1);
   static lane_f x[PURPOSES], y[PURPOSES];
   b->walk = &b->walks[0];
@@ -472,7 +478,7 @@ static void shuffled_points(void **state) {
   }
   for (uint32_t k = 0; k < PURPOSES; k++) {
     shuffle points = {
-        .index = p.point[0], .reverse = p.reverse, .mask = p.mask, .salt = 77u + 0x9e3779b9u * k};
+        .index = number, .reverse = p.reverse, .mask = p.mask, .salt = 77u + 0x9e3779b9u * k};
     stages->shuffled(POINTS, &points, b->queue.moved, b->walk, &b->path, x[k], y[k]);
     for (int wide = 0; wide <= BITS; wide++) {
       static unsigned char seen[POINTS];
@@ -498,7 +504,7 @@ static void shuffled_points(void **state) {
         chi2 += pow(cell[c] - POINTS / (double)(SIDE * SIDE), 2) / (POINTS / (double)(SIDE * SIDE));
       assert_true(chi2 < 300);
     }
-  sampling_free(&p);
+  sampling_free(&plan);
 }
 
 /* Which paths go on, where to and with what weight; and what they bring to their samples. */

@@ -165,7 +165,7 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
   handle *h = get_handle(capsule);
   if (!h)
     return NULL;
-  const render *r = &h->job->render;
+  render *r = &h->job->render;
   Py_ssize_t width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
   if (PyObject_GetBuffer(out, &view, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT) != 0)
     return NULL;

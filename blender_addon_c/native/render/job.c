@@ -21,11 +21,11 @@ static bool render_picture(job *j) {
 /* One more pass of the same stages, over the whole picture, a sample in each pixel's middle. */
 static bool render_dump(job *j) {
   const scene *s = j->scene;
-  sampling middle = {0};
+  sampling_plan middle = {0};
   shade_dump *dump = dump_scene_create(s);
   observer observer = dump_scene_observer(dump);
   render r = {.scene = s,
-              .sampling = &middle,
+              .plan = &middle,
               .cancel = &j->cancel,
               .log = &j->log,
               .region = {0, 0, s->width, s->height},
@@ -64,7 +64,7 @@ static void *controller(void *argument) {
 
 static void release(job *j) {
   render_free(&j->render);
-  free(j->render.image);
+  free(j->render.sum);
   sampling_free(&j->samples);
   scene_free(j->scene);
   message_free(&j->log);
@@ -91,11 +91,15 @@ job *job_start(scene *s) {
   pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
   pthread_cond_init(&j->changed, &steady);
   pthread_condattr_destroy(&steady);
-  j->render = (render){.scene = s, .sampling = &j->samples, .cancel = &j->cancel, .log = &j->log};
+  j->render = (render){.scene = s,
+                       .plan = &j->samples,
+                       .cancel = &j->cancel,
+                       .log = &j->log,
+                       .time_limit = (double)s->time_limit};
   memcpy(j->render.region, s->region, sizeof s->region);
   size_t pixels = (size_t)(s->region[2] - s->region[0]) * (size_t)(s->region[3] - s->region[1]);
-  j->render.image = malloc((pixels + 1) * 4 * sizeof(float));
-  if (!j->render.image || !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter_width) ||
+  j->render.sum = calloc(pixels + 1, 4 * sizeof(float));
+  if (!j->render.sum || !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter_width) ||
       !render_prepare(&j->render) || pthread_create(&j->thread, NULL, controller, j) != 0) {
     release(j);
     return NULL;
@@ -131,8 +135,7 @@ job_state job_get_state(job *j) {
 }
 
 double job_progress(const job *j) {
-  size_t tiles = j->render.tiles;
-  return tiles ? (double)atomic_load(&j->render.finished) / (double)tiles : 1.0;
+  return render_progress(&j->render);
 }
 
 void job_cancel(job *j) {

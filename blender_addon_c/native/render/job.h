@@ -20,7 +20,7 @@ typedef struct job {
   pthread_mutex_t lock; /* of state */
   pthread_cond_t changed;
   job_state state;
-  sampling samples;
+  sampling_plan samples;
   render render;
   scene_times times;
   double wall;

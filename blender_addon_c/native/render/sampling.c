@@ -56,54 +56,85 @@ static void fill_warp(float *warp, double width) {
   }
 }
 
-bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width) {
-  *s = (sampling){.period = samples, .scramble = UINT32_MAX};
+/* Samples of the pass that begins with number `first`. */
+static size_t pass_length(size_t first, size_t samples) {
+  size_t end = first < 4 ? 4 : first < 16 ? 16 : (first / 64 + 1) * 64;
+  return (end < samples ? end : samples) - first;
+}
+
+/* Points `first` and on of each dimension. */
+static bool pass_init(sampling *s, size_t first, size_t run) {
   for (int d = 0; d < SAMPLING_DIMENSIONS; d++) {
     uint32_t v[32];
-    s->point[d] = malloc((samples + run) * sizeof **s->point);
+    s->point[d] = malloc((s->period + run) * sizeof **s->point);
     if (!s->point[d])
       return false;
     sobol_directions(d, v);
-    for (size_t i = 0; i < samples; i++)
-      s->point[d][i] = sobol_point(v, i);
+    for (size_t i = 0; i < s->period; i++)
+      s->point[d][i] = sobol_point(v, first + i);
     for (size_t i = 0; i < run; i++)
-      s->point[d][samples + i] = s->point[d][i];
+      s->point[d][s->period + i] = s->point[d][i];
   }
-  uint32_t v[32];
+  return true;
+}
+
+static uint32_t *reversed_points(uint32_t mask) {
+  uint32_t v[32], *reverse = malloc((mask + (size_t)1) * sizeof *reverse);
   sobol_directions(1, v);
-  while (s->mask < samples - 1)
-    s->mask = 2 * s->mask + 1;
-  s->reverse = malloc((s->mask + (size_t)1) * sizeof *s->reverse);
-  if (!s->reverse)
-    return false;
-  for (uint32_t i = 0; i <= s->mask; i++) {
+  for (uint32_t i = 0; reverse && i <= mask; i++) {
     uint32_t x = sobol_point(v, i), turned = 0;
     for (unsigned bit = 0; bit < 32; bit++)
       turned |= (x >> bit & 1u) << (31 - bit);
-    s->reverse[i] = turned;
+    reverse[i] = turned;
   }
+  return reverse;
+}
+
+bool sampling_init(sampling_plan *s, size_t samples, size_t run, float filter_width) {
+  *s = (sampling_plan){.samples = samples};
+  for (size_t first = 0; first < samples; first += pass_length(first, samples))
+    s->passes++;
+  uint32_t mask = 0;
+  while (mask < samples - 1)
+    mask = 2 * mask + 1;
+  s->pass = calloc(s->passes, sizeof *s->pass);
+  s->reverse = reversed_points(mask);
+  if (!s->pass || !s->reverse)
+    return false;
   if (filter_width > 0.0f) {
     s->warp = malloc((SAMPLING_WARP + 1) * sizeof *s->warp);
     if (!s->warp)
       return false;
     fill_warp(s->warp, (double)filter_width);
   }
+  size_t first = 0;
+  for (sampling *p = s->pass; p < s->pass + s->passes; first += p++->period) {
+    *p = (sampling){.period = pass_length(first, samples),
+                    .reverse = s->reverse,
+                    .mask = mask,
+                    .scramble = UINT32_MAX,
+                    .warp = s->warp};
+    if (!pass_init(p, first, run))
+      return false;
+  }
   return true;
 }
 
-bool sampling_init_center(sampling *s, size_t run) {
+bool sampling_init_center(sampling_plan *s, size_t run) {
   if (!sampling_init(s, 1, run, 0.0f))
     return false;
-  s->scramble = 0;
+  s->pass->scramble = 0;
   for (int d = 0; d < SAMPLING_DIMENSIONS; d++)
     for (size_t i = 0; i < 1 + run; i++)
-      s->point[d][i] = 0x80000000u;
+      s->pass->point[d][i] = 0x80000000u;
   return true;
 }
 
-void sampling_free(sampling *s) {
-  for (int d = 0; d < SAMPLING_DIMENSIONS; d++)
-    free(s->point[d]);
+void sampling_free(sampling_plan *s) {
+  for (size_t k = 0; s->pass && k < s->passes; k++)
+    for (int d = 0; d < SAMPLING_DIMENSIONS; d++)
+      free(s->pass[k].point[d]);
+  free(s->pass);
   free(s->reverse);
   free(s->warp);
 }

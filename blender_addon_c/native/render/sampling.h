@@ -14,24 +14,37 @@
 
 enum { SAMPLING_DIMENSIONS = 4, SAMPLING_WARP = 256 };
 
+/* The samples that a pixel gets in one pass over the picture. */
 typedef struct sampling {
-  size_t period;                        /* samples a pixel */
+  size_t period;                        /* how many */
   uint32_t *point[SAMPLING_DIMENSIONS]; /* repeated, so that any run of a batch is contiguous */
-  uint32_t *reverse; /* by number: dimension 1 with its bits reversed, of mask + 1 points */
-  uint32_t mask;     /* the next power of two, less 1 */
-  uint32_t scramble; /* and-ed with each hash: 0 for a dump */
-  float *warp;       /* SAMPLING_WARP + 1 offsets from the pixel's centre, or NULL for the box */
+  /* what the passes share */
+  const uint32_t *reverse; /* by number: dimension 1, bits reversed, of mask + 1 points */
+  uint32_t mask;           /* the next power of two of all samples, less 1 */
+  uint32_t scramble;       /* and-ed with each hash: 0 for a dump */
+  const float *warp; /* SAMPLING_WARP + 1 offsets from the pixel's centre, or NULL for the box */
 } sampling;
+
+/*
+ * All samples of a pixel, in passes: after 4 and 16 samples there is a picture to look at, then
+ * after every 64. The passes depend on the number of samples alone, and so do the bytes of sums.
+ */
+typedef struct sampling_plan {
+  size_t samples, passes;
+  sampling *pass;
+  uint32_t *reverse;
+  float *warp;
+} sampling_plan;
 
 /*
  * `samples` points a pixel, for runs of at most `run` lanes. filter_width 0: box of one
  * pixel, else Blackman-Harris of this full width in pixels. False when out of memory.
  */
-bool sampling_init(sampling *s, size_t samples, size_t run, float filter_width);
+bool sampling_init(sampling_plan *s, size_t samples, size_t run, float filter_width);
 
 /* One sample in the middle of everything, unscrambled. */
-bool sampling_init_center(sampling *s, size_t run);
+bool sampling_init_center(sampling_plan *s, size_t run);
 
-void sampling_free(sampling *s);
+void sampling_free(sampling_plan *s);
 
 #endif

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/tile.h"
 
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "render/bounce.h"
 #include "system/parallel.h"
 
-enum { MAX_SIDE = 32 };
+enum { SIDE = 16 }; /* pixels: with 4 samples each a tile is one batch */
 
 static bool cancelled(const render *r) {
   return atomic_load_explicit(r->cancel, memory_order_relaxed);
@@ -27,10 +28,8 @@ static void tile_bounds(const render *r, size_t tile, int low[2], int high[2]) {
   }
 }
 
-/* The tile's average into the picture; the background behind it. */
-static void finish_tile(const render *r, const camera_view *view, const float *pixels) {
-  const scene *s = r->scene;
-  float scale = 1.0f / (float)r->sampling->period;
+/* The tile's samples into the picture's. */
+static void add_pixels(const render *r, const camera_view *view, const float *pixels) {
   for (uint32_t p = 0; p < (uint32_t)(r->side * r->side); p++) {
     int x, y;
     pixel_place(view, p, &x, &y);
@@ -38,19 +37,16 @@ static void finish_tile(const render *r, const camera_view *view, const float *p
     y -= r->region[1];
     if (x < 0 || y < 0 || x >= r->region[2] - r->region[0] || y >= r->region[3] - r->region[1])
       continue;
-    float *out = r->image + 4 * ((size_t)y * region_width(r) + (size_t)x);
-    float alpha = pixels[4 * p + 3] * scale;
-    for (unsigned c = 0; c < 3; c++)
-      out[c] =
-          pixels[4 * p + c] * scale + (s->transparent ? 0.0f : (1.0f - alpha) * s->background[c]);
-    out[3] = s->transparent ? alpha : 1.0f;
+    float *out = r->sum + 4 * ((size_t)y * region_width(r) + (size_t)x);
+    for (int c = 0; c < 4; c++)
+      out[c] += pixels[4 * p + (unsigned)c];
   }
 }
 
 static void render_tile(render *r, worker *w, size_t tile) {
-  float pixels[4 * MAX_SIDE * MAX_SIDE] = {0};
+  float pixels[4 * SIDE * SIDE] = {0};
   const scene *s = r->scene;
-  size_t samples = r->sampling->period, lanes = samples * (size_t)(r->side * r->side);
+  size_t samples = w->sampling->period, lanes = samples * (size_t)(r->side * r->side);
   camera_view view = {.camera = &s->camera,
                       .x = r->origin[0] + (int)(tile % r->columns) * r->side,
                       .y = r->origin[1] + (int)(tile / r->columns) * r->side,
@@ -59,8 +55,8 @@ static void render_tile(render *r, worker *w, size_t tile) {
                       .step = {(s->camera.frame[1] - s->camera.frame[0]) / (float)s->width,
                                (s->camera.frame[3] - s->camera.frame[2]) / (float)s->height},
                       .seed = s->seed,
-                      .scramble = r->sampling->scramble,
-                      .warp = r->sampling->warp};
+                      .scramble = w->sampling->scramble,
+                      .warp = w->sampling->warp};
   memcpy(view.region, r->region, sizeof view.region);
   for (size_t first = 0; first < lanes; first += BATCH) {
     if (cancelled(r))
@@ -68,21 +64,36 @@ static void render_tile(render *r, worker *w, size_t tile) {
     view.first = (uint32_t)first;
     bounce_batch(w, &view, lanes - first < BATCH ? lanes - first : BATCH, pixels);
   }
-  if (r->image)
-    finish_tile(r, &view, pixels);
-  atomic_store_explicit(&r->done[tile], true, memory_order_release);
-  atomic_fetch_add_explicit(&r->finished, 1, memory_order_relaxed);
+  pthread_mutex_lock(&r->film);
+  if (r->sum)
+    add_pixels(r, &view, pixels);
+  atomic_fetch_add_explicit(&r->done[tile], 1, memory_order_release);
+  pthread_mutex_unlock(&r->film);
+  atomic_fetch_add_explicit(&r->finished, samples, memory_order_relaxed);
+}
+
+/* Whether a tile of this pass shall still be rendered. */
+static bool goes_on(const render *r, size_t pass) {
+  return !cancelled(r) &&
+         !(pass > 0 && r->time_limit > 0.0 && parallel_clock() - r->start > r->time_limit);
 }
 
 static void work(void *context, size_t number) {
   (void)number;
   render *r = context;
-  worker w = {.scene = r->scene, .sampling = r->sampling, .observer = r->observer};
+  worker w = {.scene = r->scene, .observer = r->observer};
   if (worker_init(&w)) {
     for (;;) {
-      size_t tile = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed);
-      if (tile >= r->tiles || cancelled(r))
+      size_t next = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed);
+      size_t pass = next / r->tiles, tile = next % r->tiles;
+      if (pass >= r->plan->passes || !goes_on(r, pass))
         break;
+      /* a tile's passes are added up in their order: sums of floats depend on it */
+      while (atomic_load_explicit(&r->done[tile], memory_order_acquire) < pass && goes_on(r, pass))
+        sched_yield();
+      if (atomic_load_explicit(&r->done[tile], memory_order_acquire) < pass)
+        break;
+      w.sampling = &r->plan->pass[pass];
       render_tile(r, &w, tile);
     }
   } else {
@@ -97,8 +108,7 @@ static void work(void *context, size_t number) {
 }
 
 bool render_prepare(render *r) {
-  size_t samples = r->sampling->period;
-  r->side = samples < 16 ? MAX_SIDE : samples <= 1024 ? 16 : 4;
+  r->side = SIDE;
   size_t count[2];
   for (int k = 0; k < 2; k++) {
     r->origin[k] = r->region[k] / r->side * r->side;
@@ -107,35 +117,59 @@ bool render_prepare(render *r) {
   r->columns = count[0];
   r->tiles = count[0] * count[1];
   pthread_mutex_init(&r->lock, NULL);
+  pthread_mutex_init(&r->film, NULL);
   r->done = calloc(r->tiles + 1, sizeof *r->done);
   return r->done != NULL;
 }
 
 bool render_run(render *r) {
   size_t threads = (size_t)r->scene->threads;
+  r->start = parallel_clock();
   parallel_for((int)threads, threads < r->tiles ? threads : r->tiles, work, r);
   return !cancelled(r) && !r->log->error[0];
 }
 
-void render_copy(const render *r, float *out) {
+double render_progress(const render *r) {
+  size_t all = r->tiles * r->plan->samples;
+  return all ? (double)atomic_load(&r->finished) / (double)all : 1.0;
+}
+
+/* A row's means; the background behind it. */
+static void copy_row(const scene *s, size_t count, float scale, const float *restrict sum,
+                     float *restrict out) {
+  for (size_t i = 0; i < count; i++, sum += 4, out += 4) {
+    float alpha = sum[3] * scale;
+    for (unsigned c = 0; c < 3; c++)
+      out[c] = sum[c] * scale + (s->transparent ? 0.0f : (1.0f - alpha) * s->background[c]);
+    out[3] = s->transparent ? alpha : 1.0f;
+  }
+}
+
+void render_copy(render *r, float *out) {
   size_t stride = 4 * region_width(r);
   for (size_t tile = 0; tile < r->tiles; tile++) {
-    bool done = atomic_load_explicit(&r->done[tile], memory_order_acquire);
     int low[2], high[2];
     tile_bounds(r, tile, low, high);
-    size_t size = 4 * (size_t)(high[0] - low[0]) * sizeof *out;
+    size_t count = (size_t)(high[0] - low[0]), samples = 0;
+    pthread_mutex_lock(&r->film);
+    size_t passes = atomic_load_explicit(&r->done[tile], memory_order_acquire);
+    for (size_t k = 0; k < passes; k++)
+      samples += r->plan->pass[k].period;
     for (int y = low[1]; y < high[1]; y++) {
       size_t at = (size_t)(y - r->region[1]) * stride + 4 * (size_t)(low[0] - r->region[0]);
-      if (done)
-        memcpy(out + at, r->image + at, size);
+      if (samples)
+        copy_row(r->scene, count, 1.0f / (float)samples, r->sum + at, out + at);
       else
-        memset(out + at, 0, size);
+        memset(out + at, 0, 4 * count * sizeof *out);
     }
+    pthread_mutex_unlock(&r->film);
   }
 }
 
 void render_free(render *r) {
-  if (r->done)
+  if (r->done) {
+    pthread_mutex_destroy(&r->film);
     pthread_mutex_destroy(&r->lock);
+  }
   free(r->done);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A picture, tile by tile, on all threads. */
+/* A picture in passes, each tile by tile, on all threads. */
 #ifndef LIBSHADE_TILE_H
 #define LIBSHADE_TILE_H
 
@@ -11,21 +11,24 @@
 
 typedef struct render {
   const scene *scene;
-  const sampling *sampling;
+  const sampling_plan *plan;
   const atomic_bool *cancel;
   message_log *log;
   int region[4];
-  float *image;             /* RGBA of the region, row by row from the bottom; or NULL */
+  float *sum;               /* of the samples: RGBA of the region, from its lowest row; or NULL */
   const observer *observer; /* or NULL */
+  double time_limit;        /* seconds after which no tile is begun once all have a pass; 0: none */
 
   /* set by render_prepare */
   int side;      /* of a tile, in pixels */
   int origin[2]; /* of the first tile: tiles lie on the same grid whatever the region */
   size_t columns, tiles;
-  atomic_bool *done;      /* per tile: its pixels are in the image */
-  atomic_size_t finished; /* tiles */
+  atomic_size_t *done;    /* per tile: passes in the sums */
+  atomic_size_t finished; /* samples a pixel, over all tiles */
+  pthread_mutex_t film;   /* of the sums, and of done where these are read */
 
   /* set by render_run */
+  double start;
   atomic_size_t next;
   pthread_mutex_t lock;   /* of what follows */
   unsigned status;        /* bits of libshade */
@@ -36,8 +39,11 @@ typedef struct render {
 bool render_prepare(render *r);
 /* False when cancelled or failed; the reason is in the log. */
 bool render_run(render *r);
-/* Copy what is finished; may run at the same time as render_run. */
-void render_copy(const render *r, float *out);
+/* What is finished of all samples, 0 to 1. */
+double render_progress(const render *r);
+/* The picture so far: each pixel's mean over the samples that it has. May run at the same time as
+ * render_run. */
+void render_copy(render *r, float *out);
 void render_free(render *r);
 
 #endif

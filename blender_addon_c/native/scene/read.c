@@ -208,6 +208,8 @@ static bool read_picture(reader *r, scene *s) {
   if (reader_has(r, "filter_width") &&
       !reader_number_within(r, "filter_width", 0, 100, &s->filter_width))
     return false;
+  if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
+    return false;
   if (reader_has(r, "max_bounces") &&
       !reader_integer(r, "max_bounces", 0, MAX_BOUNCES, &s->max_bounces))
     return false;

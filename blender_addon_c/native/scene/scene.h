@@ -78,6 +78,7 @@ typedef struct scene {
   bool transparent;
   float background[3];
   float filter_width;
+  float time_limit;     /* seconds for the picture; 0: as many as it takes */
   int max_bounces;      /* rays of a path after the camera's */
   float clamp_indirect; /* largest brightness that a later bounce may add to a sample; 0: any */
   camera camera;
