@@ -39,6 +39,7 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         settings = context.scene.libshade
         layout.prop(settings, "samples", text="Render")
         layout.prop(settings, "preview_samples", text="Viewport")
+        layout.prop(settings, "time_limit")
         layout.prop(settings, "seed")
 
 
@@ -62,7 +63,11 @@ class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(context.scene.render, "film_transparent")
-        layout.prop(context.scene.libshade, "filter_width")
+        settings = context.scene.libshade
+        layout.prop(settings, "pixel_filter_type")
+        row = layout.row()
+        row.active = settings.pixel_filter_type != "BOX"
+        row.prop(settings, "filter_width")
 
 
 class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):

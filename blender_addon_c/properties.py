@@ -2,7 +2,7 @@
 """Settings of the engine: `scene.libshade`."""
 
 import bpy
-from bpy.props import FloatProperty, IntProperty, PointerProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 
 class LibshadeSettings(bpy.types.PropertyGroup):
@@ -33,10 +33,23 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "light where there should be a glare; 0 leaves all as it is",
         default=10.0, min=0.0, max=1e8,
     )
+    pixel_filter_type: EnumProperty(
+        name="Pixel Filter",
+        description="How samples around a pixel's middle count",
+        items=(("BOX", "Box", "All in the pixel's own square count the same: sharp steps"),
+               ("GAUSSIAN", "Gaussian", "Soft"),
+               ("BLACKMAN_HARRIS", "Blackman-Harris", "Soft, and sharper than Gaussian")),
+        default="BLACKMAN_HARRIS",
+    )
     filter_width: FloatProperty(
-        name="Filter Width",
-        description="Width of the pixel filter; 0 averages over the pixel's own square",
-        default=0.0, min=0.0, max=10.0, subtype="PIXEL",
+        name="Width",
+        description="Width of the pixel filter",
+        default=1.5, min=0.01, max=10.0, subtype="PIXEL",
+    )
+    time_limit: FloatProperty(
+        name="Time Limit",
+        description="Ends a render after this time, with the samples that it has by then; 0: none",
+        default=0.0, min=0.0, max=1e6, step=100, unit="TIME_ABSOLUTE",
     )
 
 

@@ -19,6 +19,7 @@ def main(path, percent, samples):
     render.engine = "LIBSHADE"
     scene.libshade.samples = int(samples)
     scene.libshade.max_bounces = 0
+    scene.libshade.pixel_filter_type = "BOX"  # as POV-Ray's
     render.resolution_percentage = int(percent)
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth = "32"

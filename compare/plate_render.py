@@ -128,6 +128,7 @@ def new_scene(job, image, file=""):
     if job["engine"] == "LIBSHADE":
         scene.libshade.samples = job["samples"]
         scene.libshade.max_bounces = 0
+        scene.libshade.pixel_filter_type = "BOX"
     else:
         cycles = scene.cycles
         cycles.samples = job["samples"]

@@ -21,12 +21,36 @@ def camera_of(ob, depsgraph, size, messages):
     data, render = ob.data, depsgraph.scene_eval.render
     if data.type == "PANO":
         raise SceneError(f"camera '{ob.name}' is panoramic: use Perspective or Orthographic")
-    if data.dof.use_dof:
-        messages.warning(f"camera '{ob.name}': depth of field is not supported")
     # The projection holds lens, sensor fit, shift and aspect.
     projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
                                        scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
-    return camera_by(projection, ob.matrix_world, (data.clip_start, data.clip_end))
+    view = camera_by(projection, ob.matrix_world, (data.clip_start, data.clip_end))
+    return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
+
+
+def _lens(ob, data, depsgraph, messages):
+    """Aperture and plane of focus. An orthographic camera has no focal length: as Cycles, 1 m."""
+    dof = data.dof
+    radius = (data.lens * 1e-3 if data.type == "PERSP" else 1.0) / (2.0 * max(dof.aperture_fstop, 1e-5))
+    distance = _focus_distance(ob, dof, depsgraph)
+    if distance < 1e-6:
+        messages.warning(f"camera '{ob.name}': its focus is on the camera itself; all is sharp")
+        return {}
+    return {"lens": (radius / max(dof.aperture_ratio, 1e-5), radius), "focus": min(distance, 1e18),
+            "blades": min(dof.aperture_blades, 1024), "turn": dof.aperture_rotation}
+
+
+def _focus_distance(ob, dof, depsgraph):
+    """Along the view; of an object that is where its origin is, or that of one of its bones."""
+    if not dof.focus_object:
+        return dof.focus_distance
+    focus = dof.focus_object.evaluated_get(depsgraph)
+    matrix = focus.matrix_world
+    bone = focus.pose.bones.get(dof.focus_subtarget) if focus.pose else None
+    if bone:
+        matrix = matrix @ bone.matrix
+    back = ob.matrix_world.to_3x3().col[2].normalized()
+    return abs(back.dot(ob.matrix_world.translation - matrix.translation))
 
 
 def camera_by(projection, to_world, clip):

@@ -37,7 +37,8 @@ def read(depsgraph, camera, size, region, samples, messages):
         "background": sky,
         "max_bounces": bounces,
         "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
-        "filter_width": scene.libshade.filter_width,
+        **_pixel_filter(scene.libshade),
+        "time_limit": scene.libshade.time_limit,
         "camera": camera,
         "lights": lights,
         "images": table.images.listed,
@@ -47,6 +48,12 @@ def read(depsgraph, camera, size, region, samples, messages):
         "dump": "",
         "renderer": f"Blender {bpy.app.version_string}",
     }
+
+
+def _pixel_filter(settings):
+    if settings.pixel_filter_type == "BOX":
+        return {"filter_width": 0.0}
+    return {"pixel_filter_type": settings.pixel_filter_type, "filter_width": settings.filter_width}
 
 
 def _objects(depsgraph, table, messages):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pixels, samples, alpha; jobs: progress, cancel, threads, memory."""
 
+import math
 import threading
 import time
 
@@ -118,6 +119,45 @@ def test_filter_widens_edges_and_keeps_the_mean():
     beyond = window[x > 0.5 + 0.5 / 3].sum() / window.sum()
     np.testing.assert_allclose(wide[:, 4, 3], beyond, atol=0.01)
     np.testing.assert_allclose(wide[:, 3, 3], 1 - beyond, atol=0.01)
+
+
+def test_gaussian_filter():
+    edge = {"samples": 1024, "meshes": [half_covered(0)], "width": 8, "height": 8}
+    wide, _ = render(scene(filter_width=3.0, pixel_filter_type="GAUSSIAN", **edge))
+    x = (np.arange(30000) + 0.5) / 30000 - 0.5
+    window = np.exp(-2 * (6 * x) ** 2)
+    np.testing.assert_allclose(wide[:, 4, 3], window[x > 0.5 / 3].sum() / window.sum(), atol=0.01)
+
+
+@pytest.mark.parametrize("view", [ortho, persp])
+@pytest.mark.parametrize("blades, turn", [(0, 0.0), (4, 0.0), (4, math.pi / 4), (3, 0.3), (6, 1.0)])
+def test_lens_blurs_an_edge_by_its_shape(view, blades, turn):
+    """The plate 3 before the camera, all sharp at 2: an edge is blurred by half the aperture."""
+    lens = {"lens": (0.3, 0.6), "focus": 2.0, "blades": blades, "turn": turn}
+    edge = {"samples": 4096, "meshes": [half_covered(0)], "width": 8, "height": 8}
+    seen = render(scene(camera={**view(), **lens}, **edge))[0][..., 3].mean(axis=0)
+    rng = np.random.default_rng(7)  # points of the aperture, the same another way: by rejection
+    points = rng.uniform(-1, 1, (1_000_000, 2))
+    middles = turn + 2 * np.pi * np.arange(blades) / max(blades, 1)
+    sides = np.stack([np.cos(middles), np.sin(middles)])
+    inside = ((points @ sides).max(axis=1) < np.cos(np.pi / blades) if blades
+              else (points**2).sum(axis=1) < 1)
+    spread = np.sort(-0.5 * 0.3 * points[inside][:, 0])  # of where rays meet the plate, along x
+    half = 3 * 0.5 if view is persp else 1.0  # of the picture's width, on the plate
+    x = (np.arange(4000) + 0.5) / 4000 * 2 - 1
+    covered = np.searchsorted(spread, -x * half) / len(spread)
+    np.testing.assert_allclose(seen, covered.reshape(8, -1).mean(axis=1), atol=4e-3)
+
+
+def test_what_is_in_focus_is_sharp():
+    nearer = {"meshes": [square(0.5, z=1.0)], "samples": 64}
+    plate = {"meshes": [half_covered(0)], "samples": 64}
+    lens = {"lens": (0.4, 0.4), "focus": 3.0, "blades": 5, "turn": 0.0}
+    for view in (ortho(), persp()):
+        flat = [render(scene(camera=c, **plate))[0] for c in (view, {**view, **lens})]
+        np.testing.assert_allclose(*(f[..., 3] for f in flat), atol=1e-6)
+        near = [render(scene(camera=c, **nearer))[0] for c in (view, {**view, **lens})]
+        assert np.abs(near[0] - near[1])[..., 3].max() > 0.1
 
 
 def test_clip_distances_cut():

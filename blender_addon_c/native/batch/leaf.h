@@ -80,6 +80,34 @@ LEAF float unit_float(uint32_t x) {
   return (float)(int32_t)(x >> 8) * 0x1p-24f;
 }
 
+LEAF uint32_t reversed(uint32_t x) {
+  x = x >> 16 | x << 16;
+  x = (x & 0x00ff00ffu) << 8 | (x >> 8 & 0x00ff00ffu);
+  x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
+  x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+  return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+}
+
+/* Owen's scrambling of a number whose bits are reversed: each is turned or not by those below it
+ * alone [Burley2020]; constants by Vegdahl. */
+LEAF uint32_t scrambled(uint32_t x, uint32_t seed) {
+  x ^= x * 0x3d20adeau;
+  x += seed;
+  x *= seed >> 16 | 1u;
+  x ^= x * 0x05526c56u;
+  return x ^ x * 0x53a22864u;
+}
+
+/* Two dimensions of point `index` (bits reversed) of Sobol's sequence, in an order of its own for
+ * each h and scrambled; reverse: of sampling. */
+LEAF void shuffled_point(uint32_t index, const uint32_t *restrict reverse, uint32_t mask,
+                         uint32_t h, float *x, float *y) {
+  uint32_t number = reversed(scrambled(index, h)) & mask;
+  uint32_t h1 = mix(h), h2 = mix(h1);
+  *x = unit_float(reversed(scrambled(number, h1)));
+  *y = unit_float(reversed(scrambled(reverse[number], h2)));
+}
+
 /* sin and cos of 2 pi x, x in [0, 1): 3e-7. Taylor about the quarter turns. */
 LEAF void turn(float x, float *sine, float *cosine) {
   int quarter = (int)(x * 4.0f + 0.5f);

@@ -18,6 +18,7 @@
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
                                     .camera = stage_camera,                                        \
+                                    .lens = stage_lens,                                            \
                                     .locate = stage_locate,                                        \
                                     .cover = stage_cover,                                          \
                                     .gather = stage_gather,                                        \

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* What points are taken for. */
-enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LIGHT /* + its number */ };
+enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_LIGHT /* + its number */ };
 
 bool worker_init(worker *w) {
   w->batch = aligned_alloc(64, sizeof *w->batch);
@@ -206,6 +206,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
   s->camera(count, view, &b->path, &b->sample_ray);
+  if (view->camera->lens[0] + view->camera->lens[1] > 0.0f && !w->observer) {
+    shuffle points = points_of(w, phase, 0, PURPOSE_LENS);
+    s->lens(count, view->camera, &points, &b->path, &b->sample_ray);
+  }
   clock_tick(&w->clocks, CLOCK_CAMERA);
   trace(w, true, count);
   s->cover(count, &b->sample_hit, &b->path);

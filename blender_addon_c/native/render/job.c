@@ -99,7 +99,8 @@ job *job_start(scene *s) {
   memcpy(j->render.region, s->region, sizeof s->region);
   size_t pixels = (size_t)(s->region[2] - s->region[0]) * (size_t)(s->region[3] - s->region[1]);
   j->render.sum = calloc(pixels + 1, 4 * sizeof(float));
-  if (!j->render.sum || !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter_width) ||
+  if (!j->render.sum ||
+      !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter, s->filter_width) ||
       !render_prepare(&j->render) || pthread_create(&j->thread, NULL, controller, j) != 0) {
     release(j);
     return NULL;

@@ -32,22 +32,25 @@ static uint32_t sobol_point(const uint32_t v[32], size_t i) {
   return x;
 }
 
-static double blackman_harris(double x) { /* x in [-1/2, 1/2] */
+/* A filter at x in [-1/2, 1/2]; the normal distribution ends at 3 times its width. */
+static double filter_at(filter_type filter, double x) {
+  if (filter == FILTER_GAUSSIAN)
+    return exp(-72 * x * x);
   double a = 6.283185307179586 * (x + 0.5);
   return 0.35875 - 0.48829 * cos(a) + 0.14128 * cos(2 * a) - 0.01168 * cos(3 * a);
 }
 
 /* Inverse of the filter's integral, by the trapezoid rule on a fine grid. */
-static void fill_warp(float *warp, double width) {
+static void fill_warp(float *warp, filter_type filter, double width) {
   enum { STEPS = 16 * SAMPLING_WARP };
   double total = 0, sum = 0;
   for (int i = 0; i < STEPS; i++)
-    total += blackman_harris((i + 0.5) / STEPS - 0.5);
+    total += filter_at(filter, (i + 0.5) / STEPS - 0.5);
   int step = 0;
   for (int k = 0; k <= SAMPLING_WARP; k++) {
     double wanted = total * k / SAMPLING_WARP;
     double part = 0;
-    while (step < STEPS && sum + (part = blackman_harris((step + 0.5) / STEPS - 0.5)) < wanted) {
+    while (step < STEPS && sum + (part = filter_at(filter, (step + 0.5) / STEPS - 0.5)) < wanted) {
       sum += part;
       step++;
     }
@@ -90,7 +93,7 @@ static uint32_t *reversed_points(uint32_t mask) {
   return reverse;
 }
 
-bool sampling_init(sampling_plan *s, size_t samples, size_t run, float filter_width) {
+bool sampling_init(sampling_plan *s, size_t samples, size_t run, filter_type filter, float width) {
   *s = (sampling_plan){.samples = samples};
   for (size_t first = 0; first < samples; first += pass_length(first, samples))
     s->passes++;
@@ -101,11 +104,11 @@ bool sampling_init(sampling_plan *s, size_t samples, size_t run, float filter_wi
   s->reverse = reversed_points(mask);
   if (!s->pass || !s->reverse)
     return false;
-  if (filter_width > 0.0f) {
+  if (width > 0.0f) {
     s->warp = malloc((SAMPLING_WARP + 1) * sizeof *s->warp);
     if (!s->warp)
       return false;
-    fill_warp(s->warp, (double)filter_width);
+    fill_warp(s->warp, filter, (double)width);
   }
   size_t first = 0;
   for (sampling *p = s->pass; p < s->pass + s->passes; first += p++->period) {
@@ -121,7 +124,7 @@ bool sampling_init(sampling_plan *s, size_t samples, size_t run, float filter_wi
 }
 
 bool sampling_init_center(sampling_plan *s, size_t run) {
-  if (!sampling_init(s, 1, run, 0.0f))
+  if (!sampling_init(s, 1, run, FILTER_BLACKMAN_HARRIS, 0.0f))
     return false;
   s->pass->scramble = 0;
   for (int d = 0; d < SAMPLING_DIMENSIONS; d++)

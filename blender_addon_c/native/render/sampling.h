@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "scene/scene.h"
+
 enum { SAMPLING_DIMENSIONS = 4, SAMPLING_WARP = 256 };
 
 /* The samples that a pixel gets in one pass over the picture. */
@@ -37,10 +39,10 @@ typedef struct sampling_plan {
 } sampling_plan;
 
 /*
- * `samples` points a pixel, for runs of at most `run` lanes. filter_width 0: box of one
- * pixel, else Blackman-Harris of this full width in pixels. False when out of memory.
+ * `samples` points a pixel, for runs of at most `run` lanes. width 0: box of one pixel, else the
+ * filter's full width in pixels. False when out of memory.
  */
-bool sampling_init(sampling_plan *s, size_t samples, size_t run, float filter_width);
+bool sampling_init(sampling_plan *s, size_t samples, size_t run, filter_type filter, float width);
 
 /* One sample in the middle of everything, unscrambled. */
 bool sampling_init_center(sampling_plan *s, size_t run);

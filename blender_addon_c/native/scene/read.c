@@ -11,6 +11,17 @@
 
 enum { MAX_SIZE = 1 << 16, MAX_SAMPLES = 1 << 16, MAX_THREADS = 256, MAX_BOUNCES = 1024 };
 
+static bool read_lens(reader *r, camera *c) {
+  if (!reader_floats(r, "lens", 2, c->lens) ||
+      !reader_number_within(r, "focus", 1e-6f, 1e18f, &c->focus) ||
+      !reader_integer(r, "blades", 0, 1024, &c->blades) ||
+      !reader_number_within(r, "turn", -1e3f, 1e3f, &c->turn))
+    return false;
+  if (!(c->lens[0] >= 0 && c->lens[1] >= 0))
+    return reader_expected(r, "lens", "two lengths from 0 on");
+  return true;
+}
+
 static bool read_camera(reader *r, void *out, void *context) {
   static const char *const types[] = {"ORTHO", "PERSP", NULL};
   camera *c = out;
@@ -31,7 +42,7 @@ static bool read_camera(reader *r, void *out, void *context) {
     c->origin[row] = (float)matrix[4 * row + 3];
   if (!(c->clip[0] >= 0 && c->clip[0] < c->clip[1])) /* Embree's rays begin at 0 or later */
     return reader_expected(r, "clip", "two distances from 0 on, near before far");
-  return true;
+  return !reader_has(r, "lens") || read_lens(r, c);
 }
 
 #define LIGHT_WORD(TYPE, name) #TYPE,
@@ -208,6 +219,13 @@ static bool read_picture(reader *r, scene *s) {
   if (reader_has(r, "filter_width") &&
       !reader_number_within(r, "filter_width", 0, 100, &s->filter_width))
     return false;
+  if (reader_has(r, "pixel_filter_type")) {
+    static const char *const filters[] = {"BLACKMAN_HARRIS", "GAUSSIAN", NULL};
+    int filter;
+    if (!reader_word(r, "pixel_filter_type", filters, &filter))
+      return false;
+    s->filter = (filter_type)filter;
+  }
   if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
     return false;
   if (reader_has(r, "max_bounces") &&

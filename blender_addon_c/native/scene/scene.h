@@ -27,7 +27,13 @@ typedef struct camera {
   float origin[3];
   float frame[4]; /* x0 x1 y0 y1 of the view plane */
   float clip[2];
+  float lens[2]; /* half the width and height of the aperture; 0: all is sharp */
+  float focus;   /* distance of the plane that is sharp */
+  int blades;    /* corners of the aperture; less than 3: an ellipse */
+  float turn;    /* of the first corner's side, radians */
 } camera;
+
+typedef enum filter_type { FILTER_BLACKMAN_HARRIS, FILTER_GAUSSIAN } filter_type;
 
 typedef struct material {
   int number; /* material.ID of a dump */
@@ -77,7 +83,8 @@ typedef struct scene {
   int threads;
   bool transparent;
   float background[3];
-  float filter_width;
+  filter_type filter;
+  float filter_width;   /* pixels; 0: the pixel's square */
   float time_limit;     /* seconds for the picture; 0: as many as it takes */
   int max_bounces;      /* rays of a path after the camera's */
   float clamp_indirect; /* largest brightness that a later bounce may add to a sample; 0: any */

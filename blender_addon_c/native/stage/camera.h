@@ -80,3 +80,49 @@ static void stage_camera(size_t count, const camera_view *view, paths *restrict 
   else
     camera_rays(false, false, count, view, path, ray);
 }
+
+/* A point of the aperture, of a width and height of 2: of the disc, or of a polygon whose corners
+ * lie on its rim. Each side of that makes a triangle with the middle. */
+LEAF void lens_point(bool disc, float blades, float side, float across, float turned, float x,
+                     float y, float *a, float *b) {
+  float number = floor_small(x * blades);
+  float out = sqrtf(disc ? x : x * blades - number); /* evenly over the area */
+  float along = disc ? 0.0f : (2.0f * y - 1.0f) * across * out;
+  float away = disc ? out : side * out;
+  float angle = disc ? y : number / blades + turned, s, c;
+  turn(angle - floor_small(angle), &s, &c);
+  *a = away * c - along * s;
+  *b = away * s + along * c;
+}
+
+static void stage_lens(size_t count, const camera *camera, const shuffle *points,
+                       const paths *restrict path, rays *restrict ray) {
+  const uint32_t *restrict index = points->index, *restrict reverse = points->reverse;
+  const uint32_t mask = points->mask, salt = points->salt;
+  const vec3 right = {camera->axis[0][0], camera->axis[0][1], camera->axis[0][2]};
+  const vec3 up = {camera->axis[1][0], camera->axis[1][1], camera->axis[1][2]};
+  const vec3 back = {camera->axis[2][0], camera->axis[2][1], camera->axis[2][2]};
+  const bool disc = camera->blades < 3;
+  const float blades = disc ? 1.0f : (float)camera->blades, half = 3.14159265f / blades;
+  const float side = cosf(half), across = sinf(half), turned = camera->turn / 6.28318531f;
+  const float width = camera->lens[0], height = camera->lens[1], focus = camera->focus;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    float x, y, a, b;
+    shuffled_point(index[i], reverse, mask, mix(path->hash[i] + salt), &x, &y);
+    lens_point(disc, blades, side, across, turned, x, y, &a, &b);
+    a *= width;
+    b *= height;
+    vec3 d = load(&ray->d, i), o = load(&ray->o, i);
+    vec3 step = {a * right.x + b * up.x, a * right.y + b * up.y, a * right.z + b * up.z};
+    float depth = -dot(d, back); /* of a step of 1 along the ray; the clipping planes lie in it */
+    float sharp = focus / depth;
+    vec3 to = {d.x * sharp - step.x, d.y * sharp - step.y, d.z * sharp - step.z};
+    to = scaled(to, 1.0f / sqrtf(dot(to, to)));
+    float stretch = depth / -dot(to, back);
+    store(&ray->o, i, (vec3){o.x + step.x, o.y + step.y, o.z + step.z});
+    store(&ray->d, i, to);
+    ray->tnear[i] *= stretch;
+    ray->tfar[i] *= stretch;
+  }
+}

@@ -3,6 +3,7 @@
  * The path of a sample, in the order of the stages:
  *
  *   camera   sample positions to rays                              by sample
+ *   lens     where it is not a pinhole
  *   (trace)  accel_intersect
  *   locate   hits to triangle records
  *   gather   hits only, one material after the other               by hit from here on
@@ -59,6 +60,9 @@ typedef struct stage_table {
   const char *name;
 
   void (*camera)(size_t count, const camera_view *view, paths *path, rays *ray);
+  /* Rays through a pinhole, where the camera has a lens, to rays through that. */
+  void (*lens)(size_t count, const camera *camera, const shuffle *points, const paths *path,
+               rays *ray);
 
   /* u and v of the second half of a quad become those of its own triangle. Returns the number of
      hits. */

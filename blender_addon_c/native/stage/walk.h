@@ -3,24 +3,6 @@
 #include "batch/leaf.h"
 #include "stage/stage.h"
 
-LEAF uint32_t reversed(uint32_t x) {
-  x = x >> 16 | x << 16;
-  x = (x & 0x00ff00ffu) << 8 | (x >> 8 & 0x00ff00ffu);
-  x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
-  x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
-  return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-}
-
-/* Owen's scrambling of a number whose bits are reversed: each is turned or not by those below it
- * alone [Burley2020]; constants by Vegdahl. */
-LEAF uint32_t scrambled(uint32_t x, uint32_t seed) {
-  x ^= x * 0x3d20adeau;
-  x += seed;
-  x *= seed >> 16 | 1u;
-  x ^= x * 0x05526c56u;
-  return x ^ x * 0x53a22864u;
-}
-
 /*
  * The points of one pair of dimensions are the same for all bounces and lights; what makes them
  * independent is that each takes them in another order. Points that were only scrambled would pair
@@ -35,10 +17,7 @@ static void stage_shuffled(size_t count, const shuffle *points, const uint32_t *
   for (size_t i = 0; i < count; i++) {
     uint32_t sample = walk->sample[lane[i]];
     uint32_t h = mix(path->hash[sample] + salt);
-    uint32_t number = reversed(scrambled(index[sample], h)) & mask;
-    uint32_t h1 = mix(h), h2 = mix(h1);
-    x[i] = unit_float(reversed(scrambled(number, h1)));
-    y[i] = unit_float(reversed(scrambled(reverse[number], h2)));
+    shuffled_point(index[sample], reverse, mask, h, &x[i], &y[i]);
   }
 }
 
