@@ -16,6 +16,7 @@ from .viewport import Viewport
 _POLL_SECONDS = 0.05
 # A redraw copies the whole picture, so a window gets one only this often.
 _REDRAW_SECONDS = 0.5
+_STATUS_SECONDS = 0.5
 
 
 class LibshadeEngine(bpy.types.RenderEngine):
@@ -46,17 +47,23 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self.end_result(result)
 
     def _render(self, depsgraph, region, result, pixels):
-        started = time.perf_counter()
-        self.update_stats("", "Reading the scene")
         messages = export.Messages()
         try:
-            size = self.resolution_x, self.resolution_y
-            camera = export.camera_of(self.camera_override, depsgraph, size, messages)
-            scene = export.read(depsgraph, camera, size, region,
-                              depsgraph.scene.libshade.samples, messages)
-            scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
-        finally:
-            self._report_all(messages)
+            self._render_scene(depsgraph, region, result, pixels, messages)
+        finally:  # last, so that Blender's line of text shows them
+            for text in messages.errors:
+                self.report({"ERROR"}, f"libshade: {text}")
+            for text in messages.warnings:
+                self.report({"WARNING"}, f"libshade: {text}")
+
+    def _render_scene(self, depsgraph, region, result, pixels, messages):
+        started = time.perf_counter()
+        self.update_stats("", "Reading the scene")
+        size = self.resolution_x, self.resolution_y
+        camera = export.camera_of(self.camera_override, depsgraph, size, messages)
+        scene = export.read(depsgraph, camera, size, region,
+                            depsgraph.scene.libshade.samples, messages)
+        scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
         synced = time.perf_counter()
         try:
             job = _native.start(scene)
@@ -67,37 +74,31 @@ class LibshadeEngine(bpy.types.RenderEngine):
             _native.image(job, pixels)
             _set_pixels(result, pixels)
             for text in state["warnings"]:
-                self.report({"WARNING"}, f"libshade: {text}")
+                messages.warning(text)
             if state["state"] == "failed":
                 raise export.SceneError(state["message"])
-            if state["state"] == "done":
+            if state["state"] == "done" and os.environ.get("LIBSHADE_TIMINGS"):
                 self.report({"INFO"}, _summary(_native.timings(job), synced - started))
         finally:
             _native.free(job)
 
     def _wait(self, job, result, pixels):
         """Wait for the job, passing Esc on to it; returns its last state."""
-        drawn, shown = time.perf_counter(), ""
+        status, drawn = _Status(), time.perf_counter()
         while not _native.wait(job, _POLL_SECONDS):
             if self.test_break():
                 _native.cancel(job)
             state = _native.poll(job)
             self.update_progress(state["progress"])
-            if _stage(state) != shown:  # in the background each one is a line of text
-                shown = _stage(state)
-                self.update_stats("", shown)
+            text = status.text(state)
+            if text:
+                self.update_stats("", text)
             if not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
                 _native.image(job, pixels)
                 _set_pixels(result, pixels)
                 self.update_result(result)
                 drawn = time.perf_counter()
         return _native.poll(job)
-
-    def _report_all(self, messages):
-        for text in messages.errors:
-            self.report({"ERROR"}, f"libshade: {text}")
-        for text in messages.warnings:
-            self.report({"WARNING"}, f"libshade: {text}")
 
     _viewport = None
 
@@ -113,9 +114,36 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self.tag_redraw()
 
 
-def _stage(state):
-    names = {"build": "Building the BVH", "render": "Rendering", "dump": "Writing the dump"}
-    return f"{names.get(state['stage'], state['stage'])} {100 * state['progress']:.0f} %"
+class _Status:
+    """What is being done, as a line of text."""
+
+    _NAMES = {"build": "Building the BVH", "render": "Rendering", "dump": "Writing the dump"}
+
+    def __init__(self):
+        self._stage, self._begun, self._told = "", 0.0, 0.0
+
+    def text(self, state):
+        """The line, or "" where it is too soon for another: each is printed in the background."""
+        now = time.perf_counter()
+        if state["stage"] != self._stage:
+            self._stage, self._begun, self._told = state["stage"], now, 0.0
+        if now - self._told < _STATUS_SECONDS:
+            return ""
+        self._told = now
+        parts = [self._NAMES[self._stage]]
+        if self._stage == "render":
+            parts.append(f"Sample {state['sample']}/{state['samples']}")
+            spent, done = now - self._begun, state["progress"]
+            if spent > 1.0 and done > 0.0:
+                parts.insert(0, f"Remaining {_clock(spent * (1.0 - done) / done)}")
+        return " | ".join(parts)
+
+
+def _clock(seconds):
+    """As 01:23, or 1:02:03."""
+    minutes, seconds = divmod(int(seconds + 0.5), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
 
 
 def _summary(timings, sync_seconds):

@@ -50,7 +50,7 @@ class Viewport:
         if not self._job:
             return self._error, False
         state = _native.poll(self._job)
-        progress = "" if self._finished else f"{100 * state['progress']:.0f} %"
+        progress = "" if self._finished else f"Sample {state['sample']}/{state['samples']}"
         return " | ".join(filter(None, (progress, self._complaint(state)))), not self._finished
 
     def _complaint(self, state):

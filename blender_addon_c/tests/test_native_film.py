@@ -273,6 +273,8 @@ def test_poll_and_timings_at_the_end():
     assert state == {
         "state": "done",
         "progress": 1.0,
+        "sample": 12,
+        "samples": 12,
         "stage": "render",
         "message": "",
         "warnings": [],

@@ -94,7 +94,8 @@ static PyObject *native_start(PyObject *self, PyObject *description) {
 }
 
 PyDoc_STRVAR(poll_doc, "poll(job) -> dict\n\n"
-                       "state (running, done, cancelled, failed), progress (0 to 1), stage\n"
+                       "state (running, done, cancelled, failed), progress (0 to 1), sample\n"
+                       "(how many of the samples all pixels have, in the mean), samples, stage\n"
                        "(build, render, dump), message (of a failure), warnings (list of str).");
 static PyObject *native_poll(PyObject *self, PyObject *capsule) {
   static const char *const states[] = {"running", "done", "cancelled", "failed"};
@@ -118,9 +119,11 @@ static PyObject *native_poll(PyObject *self, PyObject *capsule) {
   char message[MESSAGE_SIZE];
   memcpy(message, j->log.error, sizeof message);
   pthread_mutex_unlock(&j->log.lock);
-  return Py_BuildValue("{s:s,s:d,s:s,s:s,s:N}", "state", states[job_get_state(j)], "progress",
-                       job_progress(j), "stage", stages[atomic_load(&j->stage)], "message", message,
-                       "warnings", warnings);
+  double progress = job_progress(j);
+  return Py_BuildValue("{s:s,s:d,s:i,s:i,s:s,s:s,s:N}", "state", states[job_get_state(j)],
+                       "progress", progress, "sample", (int)(progress * j->scene->samples),
+                       "samples", j->scene->samples, "stage", stages[atomic_load(&j->stage)],
+                       "message", message, "warnings", warnings);
 }
 
 PyDoc_STRVAR(wait_doc, "wait(job, seconds: float) -> bool\n\n"

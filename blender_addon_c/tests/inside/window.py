@@ -100,14 +100,14 @@ def telling_text(draw):
     return wrapper
 
 
-def telling_progress(stage):
-    """engine._stage that logs once when a render has got somewhere."""
-    def wrapper(state):
+def telling_progress(text):
+    """engine._Status.text that logs once when a render has got somewhere."""
+    def wrapper(status, state):
         got_somewhere = state["stage"] == "render" and state["progress"] > 0
         if got_somewhere and telling_progress.seen != renders:
             telling_progress.seen = renders
             log(f"rendering {renders}")
-        return stage(state)
+        return text(status, state)
     return wrapper
 
 
@@ -126,7 +126,7 @@ def serve():
 common.enable()
 engine, viewport = (sys.modules[f"{common.MODULE}.{name}"] for name in ("engine", "viewport"))
 viewport.Viewport.draw = telling_text(viewport.Viewport.draw)
-engine._stage = telling_progress(engine._stage)
+engine._Status.text = telling_progress(engine._Status.text)
 telling_progress.seen = None
 scene = common.empty_scene(320, 240, 16)
 material, tree, node = common.metal(ex=200, ey=10)
