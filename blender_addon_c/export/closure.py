@@ -2,30 +2,49 @@
 """Shader nodes: one function for each, to a closure of the native module and what feeds it."""
 
 from .. import nodes
+from .graph import is_known
 from .node import color_of, normal_of, number_of
+
+
+def _given(reader, node, groups, settings, **parts):
+    """A metal's settings: f0, kd (three parts) and alpha, and what nodes say of them."""
+    made = dict(settings)
+    for name, given in parts.items():
+        if name == "alpha":
+            made |= _alpha(given)
+            continue
+        made[name] = tuple(part if is_known(part) else 1.0 for part in given)
+        if not is_known(*given):
+            made[f"{name}_from"] = given
+    normal = normal_of(reader, node.inputs["Normal"], groups)
+    return {**made, "normal": normal} if normal else made
+
+
+def _alpha(alpha):
+    if is_known(alpha):
+        return of_alpha(alpha)
+    return {**of_alpha(1.0), "ax_from": [alpha], "ay_from": [alpha]}
 
 
 def _metal(reader, node, groups):
     color = color_of(reader, node.inputs["Color"], groups)
-    normal_of(reader, node.inputs["Normal"], groups)
-    return {**nodes.settings(node), "f0": color}
+    return _given(reader, node, groups, nodes.settings(node), f0=color)
 
 
 def _principled(reader, node, groups):
-    """Its base layer: a metal, or a matt body under a clear surface. Of a mixture of the two a
-    texture's colour goes to the one that weighs more."""
-    inputs = node.inputs
-    metallic = _clamp(number_of(reader, inputs["Metallic"], groups))
+    """Its base layer: a metal, or a matt body under a clear surface."""
+    inputs, math = node.inputs, reader.program.math
+    metallic = _clamp(reader, number_of(reader, inputs["Metallic"], groups))
     color = color_of(reader, inputs["Base Color"], groups)
-    normal_of(reader, inputs["Normal"], groups)
     _name_left_out(reader, node, _LEFT_OUT)
     if inputs["Alpha"].is_linked or inputs["Alpha"].default_value < 1:
         reader.warn(f"'{node.name}': Alpha is not supported; opaque")
     specular = _specular(reader, inputs, groups)
-    return {**_glossy_lobe(reader, node, groups), "fresnel": "SCHLICK",
-            "color_is": "F0" if metallic >= 0.5 else "KD",
-            "f0": tuple(metallic * c + (1 - metallic) * specular for c in color),
-            "kd": tuple((1 - metallic) * c for c in color)}
+    matt = math("SUBTRACT", 1.0, metallic)
+    return _given(reader, node, groups, {"fresnel": "SCHLICK", **_GGX},
+                  alpha=_alpha_of(reader, node, groups),
+                  f0=tuple(math("MIX", specular, c, metallic) for c in color),
+                  kd=tuple(math("MULTIPLY", matt, c) for c in color))
 
 
 # Lobes of the Principled BSDF that have no closure yet, by their socket in one version or another.
@@ -51,37 +70,43 @@ def _emits(name, inputs):
 
 def _specular(reader, inputs, groups):
     """Reflectance of the clear surface at normal incidence."""
+    math = reader.program.math
     if "Specular" in inputs:  # until 3.6
-        return _clamp(0.08 * number_of(reader, inputs["Specular"], groups))
-    ior = max(number_of(reader, inputs["IOR"], groups), 1.0)
-    level = number_of(reader, inputs["Specular IOR Level"], groups)
-    return _clamp(2 * level * ((ior - 1) / (ior + 1)) ** 2)
+        level = number_of(reader, inputs["Specular"], groups)
+        return _clamp(reader, math("MULTIPLY", level, 0.08))
+    ior = math("MAXIMUM", number_of(reader, inputs["IOR"], groups), 1.0)
+    root = math("DIVIDE", math("SUBTRACT", ior, 1.0), math("ADD", ior, 1.0))
+    level = math("MULTIPLY", number_of(reader, inputs["Specular IOR Level"], groups), 2.0)
+    return _clamp(reader, math("MULTIPLY", level, math("MULTIPLY", root, root)))
 
 
 def _diffuse(reader, node, groups):
-    color = color_of(reader, node.inputs["Color"], groups)
-    normal_of(reader, node.inputs["Normal"], groups)
     _name_left_out(reader, node, ("Roughness",))
-    return {"fresnel": "NONE", "f0": (0.0, 0.0, 0.0), "kd": color, "color_is": "KD"}
+    return _given(reader, node, groups, {"fresnel": "NONE"}, f0=(0.0, 0.0, 0.0),
+                  kd=color_of(reader, node.inputs["Color"], groups))
 
 
 def _glossy(reader, node, groups):
-    color = color_of(reader, node.inputs["Color"], groups)
-    normal_of(reader, node.inputs["Normal"], groups)
     _name_left_out(reader, node, ("Anisotropy",))
     if node.distribution not in {"GGX", "MULTI_GGX"}:
         reader.warn(f"'{node.name}': {node.distribution.lower()} is not supported; shaded as GGX")
-    return {**_glossy_lobe(reader, node, groups), "fresnel": "NONE", "f0": color}
+    return _given(reader, node, groups, {"fresnel": "NONE", **_GGX},
+                  alpha=_alpha_of(reader, node, groups),
+                  f0=color_of(reader, node.inputs["Color"], groups))
 
 
-def _glossy_lobe(reader, node, groups):
-    """GGX of a node's roughness, whose square is alpha."""
-    roughness = number_of(reader, node.inputs["Roughness"], groups)
-    return {**of_roughness(_clamp(roughness)), "mdf": "ggx", "brdf": "microfacet"}
+_GGX = {"mdf": "ggx", "brdf": "microfacet"}
 
 
-def _clamp(x):
-    return min(max(x, 0.0), 1.0)
+def _alpha_of(reader, node, groups):
+    """Of a node's roughness the square."""
+    roughness = _clamp(reader, number_of(reader, node.inputs["Roughness"], groups))
+    return reader.program.math("MAXIMUM", reader.program.math("MULTIPLY", roughness, roughness),
+                               1e-4)
+
+
+def _clamp(reader, x):
+    return reader.program.math("CLAMP", x, 0.0, 1.0)
 
 
 # By the node's bl_idname.
@@ -96,6 +121,9 @@ CLOSURES = {
 
 def of_roughness(roughness):
     """Settings of an isotropic metal of Blender's roughness, whose square is alpha."""
-    alpha = max(roughness * roughness, 1e-4)
+    return of_alpha(max(roughness * roughness, 1e-4))
+
+
+def of_alpha(alpha):
     exponent = nodes.exponent_of(alpha)
     return {"ex": exponent, "ey": exponent, "ax": alpha, "ay": alpha}

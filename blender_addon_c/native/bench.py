@@ -119,7 +119,10 @@ def plate(size=512, samples=64, threads=0, cuts=1, image=None):
                 "k": (3, 3, 3),
                 "diffuse": "LAMBERT",
                 "kd": (0, 0, 0),
-                "nodes": [{"type": "NORMAL_MAP", "image": 0, "strength": 1}],
+                "nodes": [
+                    {"type": "NORMAL_MAP", "image": 0, "strength": 1, "out": [(3,), (4,), (5,)]}
+                ],
+                "normal": [(3,), (4,), (5,)],
             }
         ],
         "meshes": [grid(cuts)],

@@ -82,10 +82,16 @@ def point(position, intensity=(1, 1, 1), radius=0.0, shadow=True):
     }
 
 
+def registers(first, count):
+    """That many operands of a graph, from this register on."""
+    return [(first + k,) for k in range(count)]
+
+
 def material(color_image=-1, normal_image=-1, normal_strength=1.0, **changes):
     """A metal; the images' indices become nodes."""
-    color = {"type": "IMAGE", "image": color_image}
-    normal = {"type": "NORMAL_MAP", "image": normal_image, "strength": normal_strength}
+    color = {"type": "IMAGE", "image": color_image, "out": registers(3, 3)}
+    normal = {"type": "NORMAL_MAP", "image": normal_image, "strength": normal_strength,
+              "out": registers(6, 3)}
     plain = {
         "name": "metal",
         "closure": "METAL",
@@ -108,7 +114,9 @@ def material(color_image=-1, normal_image=-1, normal_strength=1.0, **changes):
         "nodes": [node for node in (color, normal) if node["image"] >= 0],
     }
     assert set(changes) <= set(plain)
-    return plain | changes
+    fed = {"f0_from": color["out"]} if color_image >= 0 else {}
+    bumped = {"normal": normal["out"]} if normal_image >= 0 else {}
+    return plain | fed | bumped | changes
 
 
 def image(pixels, **changes):

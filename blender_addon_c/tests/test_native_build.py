@@ -30,6 +30,7 @@ PACKED = re.compile(
     r"|^v?p(add|sub|mul|mull|or|and|cmp|blend)\w*$"
 )
 # moving is all that this one does
+COPIES = {"geometry"}  # of arrays, by memcpy
 MOVING = {"gather": re.compile("gather|^v?insert|^v?unpck")}
 
 
@@ -62,14 +63,16 @@ def test_stage_computes_in_whole_registers(isa, register, stage):
     found = [name for name, operands in body if wanted.search(name) and register in operands]
     assert len(found) >= 1, f"{stage}: no packed arithmetic among {len(body)} instructions"
     calls = [operands for name, operands in body if name.startswith("call")]
-    assert not calls, f"{stage} calls {calls}"
+    assert not calls or stage in COPIES, f"{stage} calls {calls}"
 
 
 @pytest.mark.parametrize("isa, register", [("avx512", "%zmm"), ("avx2", "%ymm")])
 def test_no_variant_of_a_stage_is_left_scalar(isa, register):
-    """Four texels in each of two wrappings and, for a colour, two textures; two sample numbers in each of four cameras; three roots
-    for the point of a light that has an extent and one for its middle."""
-    for stage, word, count in (("normal_map", "gather", 8), ("image", "gather", 16), ("camera", "cvtdq2ps", 8),
+    """Four texels in each of three wrappings and, for a colour, two textures; eight of a ramp; two
+    sample numbers in each of four cameras; three roots for the point of a light that has an extent
+    and one for its middle; of the formulas six that have roots."""
+    for stage, word, count in (("normal_map", "gather", 12), ("image", "gather", 24),
+                               ("ramp", "gather", 8), ("math", "sqrtps", 6), ("camera", "cvtdq2ps", 8),
                                ("point", "sqrtps", 4)):
         body = disassembly(isa)["stage_" + stage]
         assert sum(word in name and register in operands for name, operands in body) >= count

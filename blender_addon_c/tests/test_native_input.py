@@ -88,7 +88,7 @@ def change(path, value):
             r"images\[0\]: data must be a contiguous buffer",
         ),
         (("images", 0, "data"), [1, 2, 3], r"images\[0\]: data must be a contiguous buffer"),
-        (("images", 0, "wrap"), "MIRROR", r"images\[0\]: wrap must be one of REPEAT, EXTEND, CLIP"),
+        (("images", 0, "wrap"), "BOX", r"images\[0\]: wrap must be one of REPEAT, EXTEND, CLIP, MIRROR"),
         (
             ("materials", 0, "detail"),
             "bend",

@@ -5,11 +5,13 @@ A kind that has no entry here, or that export/node.py never asks for, fails.
 """
 
 import ast
+import subprocess
 
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, dump, image, material, native, scene, unit, vectors
+from native_scenes import (ROOT, dump, image, material, native, persp, registers, scene, square, sun,
+                           unit, vectors)
 
 KINDS = native.table()["nodes"]
 COLORS = np.random.default_rng(3).random((5, 7, 3), np.float32)
@@ -29,30 +31,98 @@ def tilted(u, v):
     return np.broadcast_to(TILT, (*u.shape, 3))
 
 
-# By kind: a node, the dump's channels that show its output, and their values at (u, v).
+def stacked(function):
+    """Three numbers at each (u, v) as one array."""
+    return lambda u, v: np.stack([np.broadcast_to(part, u.shape) for part in function(u, v)], -1)
+
+
+UV, COLOR, OUT = registers(3, 3), registers(6, 3), registers(9, 4)
+SOURCES = [{"type": "GEOMETRY", "what": "UV", "out": UV},
+           {"type": "IMAGE", "image": 0, "at": UV[:2], "out": COLOR}]
+TABLE = np.random.default_rng(4).random((256, 4), np.float32)
+TURN = [0, -0.5, 0, 0.75, 0.25, 0, 0, 0.125, 0, 0, 1, 0.5]
+
+
+def ramp(u, _v):
+    at = np.clip(u, 0, 1) * 255
+    return np.stack([np.interp(at, np.arange(256), TABLE[:, k]) for k in range(3)], -1)
+
+
+# By kind: a node that may read SOURCES and writes OUT, and what it says at (u, v): a colour of three
+# (or one, which the others repeat), or NORMAL.
 NODES = {
-    "IMAGE": ({"image": 0}, ("Color", "RGB"), nearest),
-    "NORMAL_MAP": ({"image": 1, "strength": 1.0}, ("Ns", "XYZ"), tilted),
+    "IMAGE": ({"image": 0, "out": OUT[:3]}, nearest),
+    "NORMAL_MAP": ({"image": 1, "strength": 1.0, "out": OUT[:3]}, tilted),
+    "PERTURB": ({"color": [float(0.5 + 0.5 * t) for t in TILT], "strength": [1.0], "out": OUT[:3]},
+                tilted),
+    "GEOMETRY": ({"what": "UV", "out": OUT[:3]}, stacked(lambda u, v: (u, v, 0))),
+    "FRAME": ({"vector": [float(t) for t in TILT], "to": "SHADING", "out": OUT[:3]}, tilted),
+    "TRANSFORM": ({"vector": UV, "matrix": TURN, "unit": False, "out": OUT[:3]},
+                  stacked(lambda u, v: (0.75 - 0.5 * v, 0.25 * u + 0.125, 0.5))),
+    "MATH": ({"operation": "MULTIPLY", "a": UV[:1], "b": UV[1:2], "c": [0.0], "out": OUT[:1]},
+             stacked(lambda u, v: (u * v, u * v, u * v))),
+    "MIX": ({"mode": "SCREEN", "factor": [0.75], "a": UV[:1], "b": UV[1:2], "out": OUT[:1]},
+            stacked(lambda u, v: (1 - (0.25 + 0.75 * (1 - v)) * (1 - u),) * 3)),
+    "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
+NORMALS = ("NORMAL_MAP", "PERTURB", "FRAME")
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_it_says_of_a_plate(kind, tmp_path):
     assert kind in NODES, f"{kind} is not tested: give it an entry in NODES"
-    node, channels, truth = NODES[kind]
-    given = material() | {"nodes": [{"type": kind, **node}]}
+    node, truth = NODES[kind]
+    said = node["out"][:3] if len(node["out"]) > 1 else node["out"] * 3
+    given = material() | {"nodes": [*SOURCES, {"type": kind, **node}],
+                          ("normal" if kind in NORMALS else "f0_from"): said}
     planes, _ = dump(scene(images=IMAGES, materials=[given]), tmp_path / "d.exr")
-    said = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
-    np.testing.assert_allclose(vectors(planes, *channels), said, atol=4e-5)  # 16 bits a texel
+    channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
+    expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
+    np.testing.assert_allclose(vectors(planes, *channels), expected, atol=4e-5)  # 16 bits a texel
+
+
+def varied(**changes):
+    """A metal whose colours and roughness are textures."""
+    nodes = [*SOURCES, {"type": "MATH", "operation": "MULTIPLY_ADD", "a": UV[:1], "b": [0.4],
+                        "c": [0.1], "out": OUT[:1]}]
+    return material(kd=(0.1, 0.1, 0.1), mdf="GGX", brdf="MICROFACET") | {
+        "nodes": nodes, "f0_from": COLOR, "kd_from": [(3,), 0.1, 0.1], "ax_from": OUT[:1],
+        "ay_from": [(4,)]} | changes
+
+
+def test_the_reference_agrees_where_everything_varies(tmp_path):
+    """Reflectance, matt colour and both alphas from nodes: `shade check` reads them in the dump."""
+    given = scene(images=IMAGES, materials=[varied(), material()], camera=persp(),
+                  lights=[sun((0.3, 0.2, 0.9))], meshes=[square(), square(0.5, 0.2, 1)])
+    planes, _ = dump(given, tmp_path / "d.exr")
+    own = planes["material.ID"] == 0
+    np.testing.assert_allclose(planes["alpha.X"][own], 0.1 + 0.4 * planes["uv.U"][own], atol=1e-6)
+    np.testing.assert_allclose(planes["kd.R"][own], planes["uv.U"][own], atol=1e-6)
+    assert (planes["kd.R"][~own] == 0).all() and own.any() and not own.all()
+    done = subprocess.run([ROOT / "build/shade", "check", tmp_path / "d.exr"], capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("change, message", [
+    ({"f0_from": registers(40, 3)}, r"f0_from: no node before has written register 40"),
+    ({"f0_from": registers(62, 3)}, r"f0_from must be 3 operands: finite numbers, or registers"),
+    ({"f0_from": [0.5, 0.5]}, r"f0_from must be 3 operands"),
+    ({"normal": [(3,), (4,), 1.0]}, r"normal must be three registers"),
+    ({"nodes": [{"type": "GEOMETRY", "what": "UV", "out": registers(2, 3)}]},
+     r"nodes\[0\]: out must be registers from 3 on"),
+    ({"nodes": [{"type": "GEOMETRY", "what": "SHADOW", "out": UV}]}, r"what must be one of UV, POS"),
+    ({"nodes": [{"type": "RAMP", "table": TABLE[:9], "at": [0.5], "smooth": True, "out": OUT}]},
+     r"table has 36 items; 1024 are expected"),
+])
+def test_a_graph_that_cannot_be_right_is_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        native.start(scene(images=IMAGES, materials=[varied(**change)]))
 
 
 def test_blender_asks_for_what_the_module_knows():
     tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
-    asked = {
-        value.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Dict)
-        for key, value in zip(node.keys, node.values)
-        if isinstance(key, ast.Constant) and key.value == "type"
-    }
+    tree.body += ast.parse((ROOT / "blender_addon_c/export/graph.py").read_text()).body
+    asked = {node.args[0].value for node in ast.walk(tree)
+             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "emit"}
     assert asked == set(KINDS)

@@ -78,7 +78,8 @@ def test_a_texture_may_be_of_the_body(tmp_path):
     """The kd of a material beside its f0, and so says the dump."""
     rng = np.random.default_rng(3)
     pixels = rng.random((4, 4, 3)).astype(np.float32)
-    textured = matt(0.9, color_image=0) | {"color_is": "KD"}
+    textured = matt(0.9, color_image=0)
+    textured["kd_from"] = textured.pop("f0_from")
     sight = {"images": [image(pixels, filter="CLOSEST")], "materials": [textured], "samples": 1,
              "width": 4, "height": 4}
     seen = picture(**sight, lights=[], background=(1, 1, 1), max_bounces=1)

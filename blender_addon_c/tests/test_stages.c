@@ -353,33 +353,245 @@ static void nodes(void **state) {
   texture color = two, normal = two;
   color.texel = color_texel;
   normal.texel = normal_texel;
-  node image = {.type = NODE_IMAGE, .of.image = {.red_green = &color, .blue = &color}};
-  node bump = {.type = NODE_NORMAL_MAP, .of.normal_map = {.normal = &normal}};
+  node image = {
+      .type = NODE_IMAGE,
+      .of.image = {.out = {3, 4, 5}, .alpha = 6, .red_green = &color, .blue_alpha = &color}};
+  node bump = {.type = NODE_NORMAL_MAP, .of.normal_map = {.out = {7, 8, 9}, .normal = &normal}};
+  node placed = image;
+  placed.of.image.placed = true;
+  placed.of.image.at[0] = (operand){.at = 12};
+  placed.of.image.at[1] = (operand){.at = OPERAND_NUMBER, .number = 0.3f};
+  placed.of.image.out[0] = 10;
+  placed.of.image.out[1] = 11;
   segment g = {.run = {.begin = 5, .end = COUNT}};
   make_points();
   b->surface.u[6] = NAN;
   b->surface.v[7] = INFINITY;
   b->surface.u[8] = -1e30f;
+  for (size_t i = 0; i < COUNT; i++)
+    b->input.at[12][i] = (float)i * 0.01f - 4.0f;
   stages->flat(&g, &b->input);
-  near3(load(&b->input.normal, 9), 0, 0, 1, 0);
+  assert_true(b->input.at[0][9] == 0 && b->input.at[1][9] == 0 && b->input.at[2][9] == 1);
+  stages->node[NODE_IMAGE](&g, &placed, &b->corner, &b->surface, &b->input);
   stages->node[NODE_IMAGE](&g, &image, &b->corner, &b->surface, &b->input);
   stages->node[NODE_NORMAL_MAP](&g, &bump, &b->corner, &b->surface, &b->input);
   for (size_t i = g.run.begin; i < g.run.end; i++) {
-    double u = (double)b->surface.u[i], v = (double)b->surface.v[i];
-    vec3 n = load(&b->input.normal, i);
+    double u = (double)b->surface.u[i], v = (double)b->surface.v[i],
+           elsewhere = 0.01 * (double)i - 4;
+    vec3 n = {b->input.at[7][i], b->input.at[8][i], b->input.at[9][i]};
     near(dot_d(n, n), 1, 1e-6); /* also where there is no place to look */
+    near((double)b->input.at[10][i], 0.5 + 0.5 * bilinear(a, elsewhere, 0.3), 3e-5);
+    near((double)b->input.at[11][i], 0.5 + 0.5 * bilinear(c, elsewhere, 0.3), 3e-5);
     if (i >= 6 && i <= 8)
       continue;
-    near((double)b->input.color.r[i], 0.5 + 0.5 * bilinear(a, u, v), 3e-5);
-    near((double)b->input.color.g[i], 0.5 + 0.5 * bilinear(c, u, v), 3e-5);
-    near((double)b->input.color.b[i], 0.5 + 0.5 * bilinear(a, u, v), 3e-5);
+    near((double)b->input.at[3][i], 0.5 + 0.5 * bilinear(a, u, v), 3e-5);
+    near((double)b->input.at[4][i], 0.5 + 0.5 * bilinear(c, u, v), 3e-5);
+    near((double)b->input.at[5][i], 0.5 + 0.5 * bilinear(a, u, v), 3e-5);
+    near((double)b->input.at[6][i], 0.5 + 0.5 * bilinear(c, u, v), 3e-5);
     double nx = bilinear(x, u, v), ny = bilinear(y, u, v);
     near3(n, nx * (double)b->surface.side[i], ny * (double)b->corner.handed[i],
           sqrt(1 - nx * nx - ny * ny), 8e-5);
   }
-  untouched(b->input.normal.x, COUNT);
-  const unsigned char *before = (const unsigned char *)b->input.color.r;
+  untouched(b->input.at[7], COUNT);
+  const unsigned char *before = (const unsigned char *)b->input.at[3];
   assert_int_equal(before[4 * g.run.begin - 1], SET);
+}
+
+/* Cycles' conventions, long-hand: quotients by 0 are 0, and so on. */
+static double math_truth(int operation, double a, double c, double d) {
+  double h;
+  switch (operation) {
+  case MATH_ADD:
+    return a + c;
+  case MATH_SUBTRACT:
+    return a - c;
+  case MATH_MULTIPLY:
+    return a * c;
+  case MATH_DIVIDE:
+    return c == 0 ? 0 : a / c;
+  case MATH_MULTIPLY_ADD:
+    return a * c + d;
+  case MATH_POWER:
+    return a < 0 && c != rint(c) ? 0 : a == 0 && c < 0 ? 0 : pow(a, c);
+  case MATH_LOGARITHM:
+    return a <= 0 || c <= 0 || c == 1 ? 0 : log(a) / log(c);
+  case MATH_SQRT:
+    return sqrt(fmax(a, 0));
+  case MATH_INVERSE_SQRT:
+    return a > 0 ? 1 / sqrt(a) : 0;
+  case MATH_ABSOLUTE:
+    return fabs(a);
+  case MATH_EXPONENT:
+    return exp(a);
+  case MATH_MINIMUM:
+    return fmin(a, c);
+  case MATH_MAXIMUM:
+    return fmax(a, c);
+  case MATH_LESS_THAN:
+    return a < c;
+  case MATH_GREATER_THAN:
+    return a > c;
+  case MATH_SIGN:
+    return (a > 0) - (a < 0);
+  case MATH_COMPARE:
+    return fabs(a - c) <= fmax(d, 1.1920929e-7);
+  case MATH_SMOOTH_MIN:
+    h = d == 0 ? 0 : fmax(d - fabs(a - c), 0) / d;
+    return fmin(a, c) - pow(h, 3) * d / 6;
+  case MATH_SMOOTH_MAX:
+    h = d == 0 ? 0 : fmax(d - fabs(a - c), 0) / d;
+    return fmax(a, c) + pow(h, 3) * d / 6;
+  case MATH_ROUND:
+    return floor(a + 0.5);
+  case MATH_FLOOR:
+    return floor(a);
+  case MATH_CEIL:
+    return ceil(a);
+  case MATH_TRUNC:
+    return trunc(a);
+  case MATH_FRACT:
+    return a - floor(a);
+  case MATH_MODULO:
+    return c == 0 ? 0 : fmod(a, c);
+  case MATH_FLOORED_MODULO:
+    return c == 0 ? 0 : a - c * floor(a / c);
+  case MATH_WRAP:
+    return c == d ? d : a - (c - d) * floor((a - d) / (c - d));
+  case MATH_SNAP:
+    return c == 0 ? 0 : floor(a / c) * c;
+  case MATH_PINGPONG:
+    h = c == 0 ? 0 : (a - c) / (2 * c);
+    return c == 0 ? 0 : fabs((h - floor(h)) * 2 * c - c);
+  case MATH_SINE:
+    return sin(a);
+  case MATH_COSINE:
+    return cos(a);
+  case MATH_TANGENT:
+    return tan(a);
+  case MATH_ARCSINE:
+    return asin(fmax(-1, fmin(1, a)));
+  case MATH_ARCCOSINE:
+    return acos(fmax(-1, fmin(1, a)));
+  case MATH_ARCTANGENT:
+    return atan(a);
+  case MATH_ARCTAN2:
+    return atan2(a, c);
+  case MATH_SINH:
+    return sinh(a);
+  case MATH_COSH:
+    return cosh(a);
+  case MATH_TANH:
+    return tanh(a);
+  case MATH_RADIANS:
+    return a * 0.017453292519943295;
+  case MATH_DEGREES:
+    return a * 57.29577951308232;
+  case MATH_MIX:
+    return (1 - d) * a + d * c;
+  case MATH_CLAMP:
+    return fmin(fmax(a, c), d);
+  }
+  fail_msg("operation %d has no truth", operation);
+  return 0;
+}
+
+/* Every operation on a lattice with its awkward places: 0, whole numbers, equal operands. */
+static void math_node(void **state) {
+  (void)state;
+  static const float step[10] = {-2.5f, -1, -0.75f, -0.3f, 0, 0.2f, 0.6f, 1, 1.75f, 3};
+  segment g = {.run = {.begin = 3, .end = 1000}};
+  for (size_t i = 0; i < 1000; i++)
+    for (size_t k = 0, d = 1; k < 3; k++, d *= 10)
+      b->input.at[3 + k][i] = step[i / d % 10];
+  for (int operation = 0; operation <= MATH_CLAMP; operation++)
+    for (int fixed = 0; fixed < 2; fixed++) {
+      node n = {.type = NODE_MATH,
+                .of.math = {.operation = operation, .out = 6, .a = {.at = 3}, .b = {.at = 4}}};
+      n.of.math.c = fixed ? (operand){.at = OPERAND_NUMBER, .number = 0.2f} : (operand){.at = 5};
+      stages->node[NODE_MATH](&g, &n, &b->corner, &b->surface, &b->input);
+      for (size_t i = g.run.begin; i < g.run.end; i++) {
+        double a = (double)b->input.at[3][i], c = (double)b->input.at[4][i];
+        double d = fixed ? (double)0.2f : (double)b->input.at[5][i];
+        if (operation == MATH_CLAMP && c > d)
+          continue;
+        double steps = c == 0 ? 0.5 : a / c, range = c == d ? 0.5 : (a - d) / (c - d);
+        double half = c == 0 ? 0.25 : (a - c) / (2 * c);
+        bool jumps = operation == MATH_WRAP       ? fabs(range - rint(range)) < 1e-5
+                     : operation == MATH_PINGPONG ? fabs(half - rint(half)) < 1e-5
+                     : operation == MATH_COMPARE
+                         ? fabs(fabs(a - c) - d) < 1e-6 && a != c
+                         : fabs(steps - rint(steps)) < 1e-5 && a != 0 &&
+                               (operation == MATH_MODULO || operation == MATH_SNAP ||
+                                operation == MATH_FLOORED_MODULO);
+        double wanted = math_truth(operation, a, c, d), found = (double)b->input.at[6][i];
+        if (!jumps && !(fabs(found - wanted) <= 2e-6 * (1 + fabs(wanted))))
+          fail_msg("%s: operation %d of %g, %g, %g is %.9g where %.9g is right", stages->name,
+                   operation, a, c, d, found, wanted);
+      }
+    }
+  untouched(b->input.at[6], 1000);
+}
+
+static double mix_truth(int mode, double t, double a, double c) {
+  double h;
+  switch (mode) {
+  case MIX_MIX:
+    return a * (1 - t) + c * t;
+  case MIX_DARKEN:
+    return a * (1 - t) + fmin(a, c) * t;
+  case MIX_MULTIPLY:
+    return a * (1 - t + t * c);
+  case MIX_BURN:
+    h = 1 - t + t * c;
+    return h <= 0 ? 0 : fmin(fmax(1 - (1 - a) / h, 0), 1);
+  case MIX_LIGHTEN:
+    return a * (1 - t) + fmax(a, c) * t;
+  case MIX_SCREEN:
+    return 1 - (1 - t + t * (1 - c)) * (1 - a);
+  case MIX_DODGE:
+    h = 1 - t * c;
+    return a == 0 ? 0 : h <= 0 ? 1 : fmin(a / h, 1);
+  case MIX_ADD:
+    return a + t * c;
+  case MIX_OVERLAY:
+    return a < 0.5 ? a * (1 - t + 2 * t * c) : 1 - (1 - t + 2 * t * (1 - c)) * (1 - a);
+  case MIX_SOFT_LIGHT:
+    return (1 - t) * a + t * ((1 - a) * c * a + a * (1 - (1 - c) * (1 - a)));
+  case MIX_LINEAR_LIGHT:
+    return a + t * (2 * c - 1);
+  case MIX_DIFFERENCE:
+    return a * (1 - t) + t * fabs(a - c);
+  case MIX_EXCLUSION:
+    return fmax(a * (1 - t) + t * (a + c - 2 * a * c), 0);
+  case MIX_SUBTRACT:
+    return a - t * c;
+  case MIX_DIVIDE:
+    return c == 0 ? a : a * (1 - t) + t * a / c;
+  }
+  fail_msg("mode %d has no truth", mode);
+  return 0;
+}
+
+static void mix_node(void **state) {
+  (void)state;
+  static const float step[10] = {-0.5f, 0, 0.125f, 0.25f, 0.375f, 0.5f, 0.75f, 0.875f, 1, 2.5f};
+  segment g = {.run = {.begin = 3, .end = 1000}};
+  for (size_t i = 0; i < 1000; i++)
+    for (size_t k = 0, d = 1; k < 3; k++, d *= 10)
+      b->input.at[3 + k][i] = k ? step[i / d % 10] : (float)(i % 10) / 9;
+  for (int mode = 0; mode <= MIX_DIVIDE; mode++) {
+    node n = {
+        .type = NODE_MIX,
+        .of.mix = {.mode = mode, .out = 3, .factor = {.at = 3}, .a = {.at = 4}, .b = {.at = 5}}};
+    lane_f factor;
+    memcpy(factor, b->input.at[3], sizeof factor);
+    stages->node[NODE_MIX](&g, &n, &b->corner, &b->surface, &b->input); /* in place */
+    for (size_t i = g.run.begin; i < g.run.end; i++)
+      near((double)b->input.at[3][i],
+           mix_truth(mode, (double)factor[i], (double)b->input.at[4][i], (double)b->input.at[5][i]),
+           1e-5);
+    memcpy(b->input.at[3], factor, sizeof factor);
+  }
 }
 
 static void metal_and_reflection(void **state) {
@@ -390,14 +602,21 @@ static void metal_and_reflection(void **state) {
   metal->params.ex = 40;
   metal->params.ey = 5;
   shade_bsdf_setup(&metal->bsdf, &metal->params);
-  segment g = {.material = &m, .run = {.begin = 17, .end = COUNT, .outputs = OUTPUT_NORMAL}};
+  for (int k = 0; k < 3; k++) {
+    metal->f0[k] = metal->kd[k] = metal->f82[k] = (operand){.at = OPERAND_NUMBER};
+    metal->normal[k] = 3 + k;
+  }
+  metal->ax = metal->ay = (operand){.at = OPERAND_NUMBER};
+  segment g = {.material = &m, .run = {.begin = 17, .end = COUNT}};
   for (size_t i = 0; i < COUNT; i++) {
     vec3 up[3];
     for (int k = 0; k < 3; k++) {
       up[k] = direction();
       up[k].z = fabsf(up[k].z);
     }
-    store(&b->input.normal, i, up[0]);
+    b->input.at[3][i] = up[0].x;
+    b->input.at[4][i] = up[0].y;
+    b->input.at[5][i] = up[0].z;
     store(&b->light.wi, i, up[1]);
     store(&b->surface.wo, i, up[2]);
     b->light.e[i] = 0.5f;
@@ -413,11 +632,14 @@ static void metal_and_reflection(void **state) {
   stages->reflect(COUNT, (const float[]){1, 2, 4}, &b->light, &b->reflection, &b->sum);
   for (size_t i = g.run.begin; i < COUNT; i++) {
     double dir[3][3], f[3], cosine;
-    const lane_v *from[3] = {&b->input.normal, &b->light.wi, &b->surface.wo};
+    const lane_v *from[3] = {NULL, &b->light.wi, &b->surface.wo};
     for (int k = 0; k < 3; k++) {
-      dir[k][0] = (double)from[k]->x[i];
-      dir[k][1] = (double)from[k]->y[i];
-      dir[k][2] = (double)from[k]->z[i];
+      dir[0][k] = (double)b->input.at[3 + k][i];
+      if (k) {
+        dir[k][0] = (double)from[k]->x[i];
+        dir[k][1] = (double)from[k]->y[i];
+        dir[k][2] = (double)from[k]->z[i];
+      }
     }
     shade_bsdf_eval(&metal->bsdf, dir[0], dir[1], dir[2], f, &cosine);
     double pdf = shade_bsdf_pdf(&metal->bsdf, dir[0], dir[1], dir[2], NULL);
@@ -601,11 +823,20 @@ int main(void) {
     void *table = (void *)(uintptr_t)tables[k];
 #define TEST(function)                                                                             \
   { #function, function, setup, teardown, table }
-    const struct CMUnitTest tests[] = {
-        TEST(camera_through_pixels), TEST(locate_and_move), TEST(surface_frames),
-        TEST(pairs_of_numbers),      TEST(sun_light),       TEST(point_light),
-        TEST(shadow_rays),           TEST(nodes),           TEST(metal_and_reflection),
-        TEST(shuffled_points),       TEST(walks_go_on),     TEST(film)};
+    const struct CMUnitTest tests[] = {TEST(camera_through_pixels),
+                                       TEST(locate_and_move),
+                                       TEST(surface_frames),
+                                       TEST(pairs_of_numbers),
+                                       TEST(sun_light),
+                                       TEST(point_light),
+                                       TEST(shadow_rays),
+                                       TEST(nodes),
+                                       TEST(math_node),
+                                       TEST(mix_node),
+                                       TEST(metal_and_reflection),
+                                       TEST(shuffled_points),
+                                       TEST(walks_go_on),
+                                       TEST(film)};
     failed += cmocka_run_group_tests_name(tables[k]->name, tests, NULL, NULL);
     if (tables[k] == widest)
       break;

@@ -72,17 +72,26 @@ typedef struct surfaces {
   lane_f side; /* -1 where the interpolated normal had to be turned to the eye */
 } surfaces;
 
-/* What a material's nodes say of each point; what none says is the geometry's or the closure's. */
+/*
+ * What the nodes of a material's graph write and its closures read: registers. The first three are
+ * never written by a node: the unperturbed normal, in the shading frame.
+ */
+enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 4 };
 typedef struct inputs {
-  lane_v normal; /* in the shading frame */
-  lane_c color;
+  lane_f at[REGISTERS];
+  lane_f constant[CONSTANTS]; /* operands of the node at hand that are no registers */
 } inputs;
-typedef enum node_output { OUTPUT_NORMAL = 1, OUTPUT_COLOR = 2 } node_output;
 
-/* A run of the hits of one material; outputs: what its nodes say. */
+/* A register, or a number. */
+typedef struct operand {
+  int at; /* OPERAND_NUMBER: the number */
+  float number;
+} operand;
+enum { OPERAND_NUMBER = -1 };
+
+/* A run of the hits of one material. */
 typedef struct lane_run {
   size_t begin, end;
-  unsigned outputs;
 } lane_run;
 
 /* One sample of a light for each point; here belongs its index once lanes draw lights of their own.

@@ -121,4 +121,57 @@ LEAF void turn(float x, float *sine, float *cosine) {
   *cosine = (quarter + 1) & 2 ? -odd_c : odd_c;
 }
 
+LEAF float float_of_bits(int32_t bits) {
+  union {
+    int32_t i;
+    float f;
+  } u = {.i = bits};
+  return u.f;
+}
+LEAF int32_t bits_of_float(float x) {
+  union {
+    float f;
+    int32_t i;
+  } u = {.f = x};
+  return u.i;
+}
+
+/* 2^x, relative error 2e-7: Taylor about the nearest integer. Beyond the range of normal floats it
+ * is its end. */
+LEAF float exponential2(float x) {
+  x = clampf(x, -126.0f, 127.999f);
+  float whole = floor_small(x + 0.5f), f = (x - whole) * 0.69314718f; /* |f| <= ln 2 / 2 */
+  float p = 1.0f / 720 + f * (1.0f / 5040);
+  p = 1.0f + f * (1.0f + f * (0.5f + f * (1.0f / 6 + f * (1.0f / 24 + f * (1.0f / 120 + f * p)))));
+  float half = floor_small(0.5f * whole); /* in two steps: 2^128 is no float */
+  return p * float_of_bits(((int32_t)half + 127) << 23) *
+         float_of_bits(((int32_t)(whole - half) + 127) << 23);
+}
+
+/* log2 of x > 0, absolute error 1e-7 and as relative to it; 0 and below count as 2^-126. */
+LEAF float logarithm2(float x) {
+  x = x > 1.17549435e-38f ? x : 1.17549435e-38f;
+  int32_t bits = bits_of_float(x), exponent = (bits - 0x3f3504f3) >> 23; /* from sqrt(1/2) on */
+  float f = float_of_bits(bits - exponent * (1 << 23)) - 1.0f;
+  float s = f / (2.0f + f), q = s * s; /* log((1 + s) / (1 - s)) */
+  float p = 1.0f + q * (1.0f / 3 + q * (1.0f / 5 + q * (1.0f / 7 + q * (1.0f / 9))));
+  return (float)exponent + 2.88539008f * s * p;
+}
+
+/* The angle of (x, y), 3e-7; 0 for no direction. */
+LEAF float arc_tangent2(float y, float x) {
+  float ax = fabsf(x), ay = fabsf(y);
+  bool steep = ay > ax;
+  float high = steep ? ay : ax, low = steep ? ax : ay;
+  float q = high > 0.0f ? low / high : 0.0f;
+  /* twice the angle of the half: |t| <= tan(pi / 8) */
+  float t = q / (1.0f + sqrtf(1.0f + q * q)), t2 = t * t;
+  float p = 1.0f / 9 + t2 * (-1.0f / 11 + t2 * (1.0f / 13 - t2 * (1.0f / 15)));
+  p = 1.0f + t2 * (-1.0f / 3 + t2 * (1.0f / 5 + t2 * (-1.0f / 7 + t2 * p)));
+  float angle = 2.0f * t * p;
+  angle = steep ? 1.57079633f - angle : angle;
+  angle = x < 0.0f ? 3.14159265f - angle : angle;
+  return y < 0.0f ? -angle : angle;
+}
+
 #endif

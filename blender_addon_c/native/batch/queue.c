@@ -29,9 +29,8 @@ bool queue_sort(queue *q, const scene *s, size_t count, const uint32_t *record) 
     size_t number = q->tally[m];
     q->tally[m] = (uint32_t)begin;
     if (number)
-      q->segment[q->segments++] = (segment){
-          .material = &s->material[m],
-          .run = {.begin = begin, .end = begin + number, .outputs = s->material[m].outputs}};
+      q->segment[q->segments++] =
+          (segment){.material = &s->material[m], .run = {.begin = begin, .end = begin + number}};
     begin += number;
   }
   bool in_place = q->segments == 1 && q->hits == count;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* libshade's metal, with the words of its own table. Its reflectance is the colour, if a node gives
- * one. */
+/* libshade's metal, with the words of its own table. What nodes say of it instead, point by point:
+ * `f0_from`, `kd_from`, `f82_from`, three operands each, of which those that are no registers leave
+ * the parameter as it is; `ax_from` and `ay_from`, one each; `normal`, three registers. */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
 
 #include "batch/lanes.h"
-#include "scene/reader.h"
+#include "scene/graph.h"
 #include "shade/shade.h"
 
 #include <math.h>
@@ -13,13 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a node's colour stands for. */
-enum { METAL_COLOR_F0, METAL_COLOR_KD };
-
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
-  int color_is;
+  operand f0[3], kd[3], f82[3], ax, ay;
+  int normal[3];
 } closure_metal;
 
 static inline bool closure_metal_choice(reader *r, shade_list list, int *out) {
@@ -70,12 +69,22 @@ static inline bool closure_metal_numbers(reader *r, shade_params *q, unsigned *s
   return true;
 }
 
+static inline bool closure_metal_from(reader *r, const graph *g, const char *key, int count,
+                                      operand *out) {
+  for (int k = 0; k < count; k++)
+    out[k] = (operand){.at = OPERAND_NUMBER};
+  return !reader_has(r, key) || graph_operands(r, g, key, count, out);
+}
+
 /* *status: what had to be clamped. */
-static inline bool closure_metal_read(reader *r, closure_metal *c, unsigned *status) {
-  static const char *const colors[] = {"F0", "KD", NULL};
+static inline bool closure_metal_read(reader *r, closure_metal *c, const graph *g,
+                                      unsigned *status) {
   shade_params_init(&c->params);
-  c->color_is = METAL_COLOR_F0;
-  if (reader_has(r, "color_is") && !reader_word(r, "color_is", colors, &c->color_is))
+  if (!closure_metal_from(r, g, "f0_from", 3, c->f0) ||
+      !closure_metal_from(r, g, "kd_from", 3, c->kd) ||
+      !closure_metal_from(r, g, "f82_from", 3, c->f82) ||
+      !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
+      !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, status))
     return false;
@@ -87,21 +96,31 @@ static inline double closure_metal_exponent(const closure_metal *c) {
   return fmax(c->params.ex, c->params.ey);
 }
 
+static inline bool closure_metal_varies(const operand *o) {
+  return o[0].at >= 0 || o[1].at >= 0 || o[2].at >= 0;
+}
+
+/* A register from lane i on; NULL, the material's own, of a number. */
+static inline const float *metal_lane(const inputs *given, operand o, size_t i) {
+  return o.at < 0 ? NULL : given->at[o.at] + i;
+}
+
 /* Members that all lanes of the library have in common. */
 #define METAL_GIVEN                                                                                \
-  .nx = given->normal.x + i, .ny = given->normal.y + i, .nz = given->normal.z + i,                 \
-  .wox = at->wo.x + i, .woy = at->wo.y + i, .woz = at->wo.z + i,                                   \
-  .f0r = f0 ? given->color.r + i : NULL, .f0g = f0 ? given->color.g + i : NULL,                    \
-  .f0b = f0 ? given->color.b + i : NULL, .kdr = kd ? given->color.r + i : NULL,                    \
-  .kdg = kd ? given->color.g + i : NULL, .kdb = kd ? given->color.b + i : NULL
+  .nx = given->at[c->normal[0]] + i, .ny = given->at[c->normal[1]] + i,                            \
+  .nz = given->at[c->normal[2]] + i, .wox = at->wo.x + i, .woy = at->wo.y + i,                     \
+  .woz = at->wo.z + i, .f0r = metal_lane(given, c->f0[0], i),                                      \
+  .f0g = metal_lane(given, c->f0[1], i), .f0b = metal_lane(given, c->f0[2], i),                    \
+  .kdr = metal_lane(given, c->kd[0], i), .kdg = metal_lane(given, c->kd[1], i),                    \
+  .kdb = metal_lane(given, c->kd[2], i), .f82r = metal_lane(given, c->f82[0], i),                  \
+  .f82g = metal_lane(given, c->f82[1], i), .f82b = metal_lane(given, c->f82[2], i),                \
+  .ax = metal_lane(given, c->ax, i), .ay = metal_lane(given, c->ay, i)
 
 static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
                                           const surfaces *restrict at, const inputs *restrict given,
                                           const light_samples *restrict light, bool density,
                                           reflections *restrict out) {
   size_t i = run.begin;
-  bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
-  bool f0 = colored && !kd;
   shade_lanesf in = {.size = sizeof in,
                      .wix = light->wi.x + i,
                      .wiy = light->wi.y + i,
@@ -123,8 +142,6 @@ static inline unsigned closure_metal_draw(const closure_metal *c, lane_run run,
                                           const surfaces *restrict at, const inputs *restrict given,
                                           draws *restrict out) {
   size_t i = run.begin;
-  bool colored = run.outputs & OUTPUT_COLOR, kd = colored && c->color_is == METAL_COLOR_KD;
-  bool f0 = colored && !kd;
   shade_sample_lanesf in = {.size = sizeof in, .u1 = out->x + i, .u2 = out->y + i, METAL_GIVEN};
   shade_sample_resultf result = {.size = sizeof result,
                                  .wix = out->wi.x + i,

@@ -12,7 +12,7 @@
 #include "stage/film.h"
 
 #define LIGHT_FUNCTION(TYPE, name) stage_##name,
-#define NODE_FUNCTION(TYPE, name, OUTPUT) stage_##name,
+#define NODE_FUNCTION(TYPE, name) stage_##name,
 #define CLOSURE_FUNCTION(TYPE, name) stage_##name,
 #define DRAW_FUNCTION(TYPE, name) stage_draw_##name,
 #define STAGE_TABLE(isa)                                                                           \

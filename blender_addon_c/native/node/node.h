@@ -1,30 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kinds of node, of which a material's graph is a list in the order in which they run. Each is one
- * file, node/<name>.h, with
+ * Kinds of node, of which a material's graph is a list in the order in which they run: a program
+ * whose instructions read registers and numbers (operands) and write registers. Each is one file,
+ * node/<name>.h, with
  *
  *   node_<name>         what it keeps
- *   node_<name>_read    reads it from a scene of so many images
+ *   node_<name>_read    reads it from a scene
  *   node_<name>_build   before the first sample: asks for textures; false when out of memory
- *   node_<name>_run     a loop over a run of hits that writes its output, a member of `inputs`
+ *   node_<name>_run     a loop over a run of hits that writes its registers
  *
- * and one row: ROW(TYPE, name, OUTPUT). TYPE is the word in a scene, NODE_TYPE its number,
- * stage_<name> its stage and node_<name> its clock.
+ * and one row: ROW(TYPE, name). TYPE is the word in a scene, NODE_TYPE its number, stage_<name> its
+ * stage and node_<name> its clock.
  */
 #ifndef LIBSHADE_NODE_H
 #define LIBSHADE_NODE_H
 
+#include "node/frame.h"
+#include "node/geometry.h"
 #include "node/image.h"
+#include "node/math.h"
+#include "node/mix.h"
 #include "node/normal_map.h"
+#include "node/perturb.h"
+#include "node/ramp.h"
+#include "node/transform.h"
 
 #define NODE_TABLE(ROW)                                                                            \
-  ROW(IMAGE, image, COLOR)                                                                         \
-  ROW(NORMAL_MAP, normal_map, NORMAL)
+  ROW(IMAGE, image)                                                                                \
+  ROW(NORMAL_MAP, normal_map)                                                                      \
+  ROW(PERTURB, perturb)                                                                            \
+  ROW(GEOMETRY, geometry)                                                                          \
+  ROW(FRAME, frame)                                                                                \
+  ROW(TRANSFORM, transform)                                                                        \
+  ROW(MATH, math)                                                                                  \
+  ROW(MIX, mix)                                                                                    \
+  ROW(RAMP, ramp)
 
-#define NODE_TYPE(TYPE, name, OUTPUT) NODE_##TYPE,
+#define NODE_TYPE(TYPE, name) NODE_##TYPE,
 typedef enum node_type { NODE_TABLE(NODE_TYPE) NODE_TYPES } node_type;
 
-#define NODE_MEMBER(TYPE, name, OUTPUT) node_##name name;
+#define NODE_MEMBER(TYPE, name) node_##name name;
 typedef struct node {
   node_type type;
   union {

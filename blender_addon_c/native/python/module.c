@@ -260,7 +260,7 @@ static PyObject *words_of(const char *const *word, size_t count) {
 
 #define LIGHT_WORD(TYPE, name) #TYPE,
 #define CLOSURE_WORD(TYPE, name) #TYPE,
-#define NODE_WORD(TYPE, name, OUTPUT) #TYPE,
+#define NODE_WORD(TYPE, name) #TYPE,
 PyDoc_STRVAR(table_doc,
              "table() -> dict\n\n"
              "lists: the choices by name; about: what each list chooses, and its default;\n"

@@ -132,6 +132,41 @@ bool reader_floats(reader *r, const char *key, int count, float *out) {
   return true;
 }
 
+static bool as_operand(PyObject *value, operand *out) {
+  double number = 0;
+  *out = (operand){.at = OPERAND_NUMBER};
+  if (!PyTuple_Check(value) && !PyList_Check(value)) {
+    if (!as_number(value, &number))
+      return false;
+    out->number = (float)number;
+    return isfinite(out->number);
+  }
+  PyObject *index = PySequence_Size(value) == 1 ? PySequence_GetItem(value, 0) : NULL;
+  long at = index ? PyLong_AsLong(index) : -1;
+  Py_XDECREF(index);
+  out->at = (int)at;
+  return !PyErr_Occurred() && at >= 0 && at < REGISTERS;
+}
+
+bool reader_operands(reader *r, const char *key, int count, operand *out) {
+  PyObject *value;
+  char text[96];
+  if (!require(r, key, &value))
+    return false;
+  snprintf(text, sizeof text, "%d operands: finite numbers, or registers (0) to (%d)", count,
+           REGISTERS - 1);
+  if (!PySequence_Check(value) || PySequence_Size(value) != count)
+    return reader_expected(r, key, text);
+  for (int i = 0; i < count; i++) {
+    PyObject *item = PySequence_GetItem(value, i);
+    bool good = item && as_operand(item, &out[i]);
+    Py_XDECREF(item);
+    if (!good)
+      return reader_expected(r, key, text);
+  }
+  return true;
+}
+
 /* A copy of a string; `missing` stands for a missing key, NULL means that it is required. */
 bool reader_text(reader *r, const char *key, const char *missing, char **out) {
   PyObject *value = find(r, key);

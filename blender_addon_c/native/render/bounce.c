@@ -64,7 +64,7 @@ static void run_nodes(worker *w) {
   batch *b = w->batch;
   const segment *end = b->queue.segment + b->queue.segments;
   for (const segment *g = b->queue.segment; g < end; g++)
-    if (!(g->run.outputs & OUTPUT_NORMAL))
+    if (g->material->closure.of.metal.normal[0] == REGISTER_NORMAL)
       w->scene->stages->flat(g, &b->input);
   clock_tick(&w->clocks, CLOCK_SURFACE);
   for (const segment *g = b->queue.segment; g < end; g++)

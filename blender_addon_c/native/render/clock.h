@@ -22,7 +22,7 @@ typedef enum clock_number {
 } clock_number;
 
 /* Their names, by number. */
-#define CLOCK_OF_NODE(TYPE, name, OUTPUT) "node_" #name,
+#define CLOCK_OF_NODE(TYPE, name) "node_" #name,
 #define CLOCK_OF_LIGHT(TYPE, name) "light_" #name,
 #define CLOCK_OF_CLOSURE(TYPE, name) "closure_" #name,
 #define CLOCK_WORDS                                                                                \

@@ -2,6 +2,7 @@
 #include "render/dump_scene.h"
 
 #include <pthread.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,9 +44,38 @@ static char *header(const scene *s) {
   return text;
 }
 
-/* Do nodes give a material's diffuse colour? */
-static bool diffuse_by_nodes(const material *m) {
-  return m->closure.of.metal.color_is == METAL_COLOR_KD && (m->outputs & OUTPUT_COLOR);
+/* What a dump has a plane for and nodes may give, by hit: as operands and as a parameter. */
+typedef struct varied {
+  enum shade_dump_optional plane;
+  size_t operand, parameter; /* their places in closure_metal and shade_params */
+  int count;
+  double low, high;
+} varied;
+static const varied varied_all[] = {
+    {SHADE_DUMP_KD, offsetof(closure_metal, kd), offsetof(shade_params, kd), 3, 0, 1},
+    {SHADE_DUMP_F82, offsetof(closure_metal, f82), offsetof(shade_params, f82), 3, 0, 1},
+    {SHADE_DUMP_ALPHA, offsetof(closure_metal, ax), offsetof(shade_params, ax), 2, 1e-4, 10}};
+enum { VARIED = sizeof varied_all / sizeof *varied_all };
+_Static_assert(offsetof(closure_metal, ay) == offsetof(closure_metal, ax) + sizeof(operand) &&
+                   offsetof(shade_params, ay) == offsetof(shade_params, ax) + sizeof(double),
+               "ax and ay are one row of varied_all");
+
+static const operand *operand_of(const closure_metal *c, const varied *v, int k) {
+  return (const operand *)((const char *)c + v->operand) + k;
+}
+
+/* Of hit i: what a node says, within the range that the library brings it into, or the material. */
+static float number_of(const inputs *in, operand o, double own, double low, double high, size_t i) {
+  float x = o.at < 0 ? (float)own : in->at[o.at][i];
+  return x != x ? (float)own : x < (float)low ? (float)low : x > (float)high ? (float)high : x;
+}
+
+static bool varies(const scene *s, const varied *v) {
+  for (size_t m = 0; m < s->materials; m++)
+    for (int k = 0; k < v->count; k++)
+      if (operand_of(&s->material[m].closure.of.metal, v, k)->at >= 0)
+        return true;
+  return false;
 }
 
 shade_dump *dump_scene_create(const scene *s) {
@@ -56,13 +86,11 @@ shade_dump *dump_scene_create(const scene *s) {
     d = NULL;
   }
   free(json);
-  bool textured = false;
-  for (size_t m = 0; m < s->materials; m++)
-    textured = textured || diffuse_by_nodes(&s->material[m]);
-  if (d && textured && !shade_dump_add(d, SHADE_DUMP_KD)) {
-    shade_dump_free(d);
-    d = NULL;
-  }
+  for (int v = 0; d && v < VARIED; v++)
+    if (varies(s, &varied_all[v]) && !shade_dump_add(d, varied_all[v].plane)) {
+      shade_dump_free(d);
+      d = NULL;
+    }
   return d;
 }
 
@@ -83,21 +111,30 @@ static void put_lane(float *const plane[3], size_t at, const lane_v *v, size_t i
   put(plane, at, v->x[i], v->y[i], v->z[i]);
 }
 
+static void put_varied(shade_dump *d, size_t at, const closure_metal *c, const inputs *in,
+                       size_t i) {
+  for (const varied *v = varied_all; v < varied_all + VARIED; v++)
+    if (shade_dump_has(d, v->plane))
+      for (int k = 0; k < v->count; k++) {
+        const double *own = (const double *)((const char *)&c->params + v->parameter) + k;
+        shade_dump_plane(d, (int)v->plane + k)[at] =
+            number_of(in, *operand_of(c, v, k), *own, v->low, v->high, i);
+      }
+}
+
 static void put_hits(void *context, const batch *b, const camera_view *view) {
   shade_dump *d = context;
   const surfaces *s = &b->surface;
-  const lane_v *bump = &b->input.normal, *away = &b->ray->d;
-  const lane_c *color = &b->input.color;
+  const lane_v *away = &b->ray->d;
+  const inputs *in = &b->input;
   float *plane[SHADE_DUMP_BASE];
   for (int k = 0; k < SHADE_DUMP_BASE; k++)
     plane[k] = shade_dump_plane(d, k);
-  float *kd[3];
-  for (int k = 0; k < 3; k++)
-    kd[k] = shade_dump_plane(d, SHADE_DUMP_KD + k);
-  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
+    const closure_metal *c = &g->material->closure.of.metal;
     for (size_t i = g->run.begin; i < g->run.end; i++) {
       size_t at = place(d, b, view, i);
-      float x = bump->x[i], y = bump->y[i], z = bump->z[i];
+      float x = in->at[c->normal[0]][i], y = in->at[c->normal[1]][i], z = in->at[c->normal[2]][i];
       put_lane(plane + SHADE_DUMP_P, at, &s->p, i);
       put_lane(plane + SHADE_DUMP_N, at, &s->n, i);
       put_lane(plane + SHADE_DUMP_T, at, &s->t, i);
@@ -108,17 +145,11 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
       plane[SHADE_DUMP_UV][at] = s->u[i];
       plane[SHADE_DUMP_UV + 1][at] = s->v[i];
       plane[SHADE_DUMP_MATERIAL][at] = (float)g->material->number;
-      const shade_params *p = &g->material->closure.of.metal.params;
-      bool body = diffuse_by_nodes(g->material), mirror = g->run.outputs & OUTPUT_COLOR && !body;
-      if (mirror)
-        put(plane + SHADE_DUMP_COLOR, at, color->r[i], color->g[i], color->b[i]);
-      else
-        put(plane + SHADE_DUMP_COLOR, at, (float)p->f0[0], (float)p->f0[1], (float)p->f0[2]);
-      if (body)
-        put(kd, at, color->r[i], color->g[i], color->b[i]);
-      else if (shade_dump_has(d, SHADE_DUMP_KD))
-        put(kd, at, (float)p->kd[0], (float)p->kd[1], (float)p->kd[2]);
+      for (int k = 0; k < 3; k++)
+        plane[SHADE_DUMP_COLOR + k][at] = number_of(in, c->f0[k], c->params.f0[k], 0, 1, i);
+      put_varied(d, at, c, in, i);
     }
+  }
 }
 
 static void put_light(void *context, const batch *b, const camera_view *view, size_t number,

@@ -65,7 +65,7 @@ static bool read_light(reader *r, void *out, void *context) {
 }
 
 static bool read_image(reader *r, void *out, void *context) {
-  static const char *const wraps[] = {"REPEAT", "EXTEND", "CLIP", NULL};
+  static const char *const wraps[] = {"REPEAT", "EXTEND", "CLIP", "MIRROR", NULL};
   static const char *const filters[] = {"LINEAR", "CLOSEST", NULL};
   image *m = out;
   int wrap, filter;
@@ -83,19 +83,18 @@ static bool read_image(reader *r, void *out, void *context) {
     return false;
   m->type = data.item_size == 4 ? IMAGE_FLOAT32 : data.item_size == 2 ? IMAGE_UINT16 : IMAGE_UINT8;
   m->data = data.data;
-  m->wrap = wrap == 0 ? WRAP_REPEAT : wrap == 1 ? WRAP_EXTEND : WRAP_CLIP;
+  m->wrap = (image_wrap)wrap; /* in the order of the words */
   m->closest = filter == 1;
   return true;
 }
 
-#define NODE_WORD(TYPE, name, OUTPUT) #TYPE,
-#define NODE_OUTPUT(TYPE, name, OUTPUT) OUTPUT_##OUTPUT,
-#define NODE_READ(TYPE, name, OUTPUT)                                                              \
+#define NODE_WORD(TYPE, name) #TYPE,
+#define NODE_READ(TYPE, name)                                                                      \
   case NODE_##TYPE:                                                                                \
-    return node_##name##_read(r, &n->of.name, s->images);
+    return node_##name##_read(r, &n->of.name, g);
 static bool read_node(reader *r, void *out, void *context) {
   static const char *const types[] = {NODE_TABLE(NODE_WORD) NULL};
-  const scene *s = context;
+  graph *g = context;
   node *n = out;
   int type;
   if (!reader_word(r, "type", types, &type))
@@ -111,8 +110,8 @@ static bool read_node(reader *r, void *out, void *context) {
 #define CLOSURE_WORD(TYPE, name) #TYPE,
 #define CLOSURE_READ(TYPE, name)                                                                   \
   case CLOSURE_##TYPE:                                                                             \
-    return closure_##name##_read(r, &m->closure.of.name, &m->status);
-static bool read_closure(reader *r, material *m) {
+    return closure_##name##_read(r, &m->closure.of.name, g, &m->status);
+static bool read_closure(reader *r, const graph *g, material *m) {
   static const char *const types[] = {CLOSURE_TABLE(CLOSURE_WORD) NULL};
   int type;
   if (!reader_word(r, "closure", types, &type))
@@ -126,16 +125,13 @@ static bool read_closure(reader *r, material *m) {
 }
 
 static bool read_material(reader *r, void *out, void *context) {
-  static const node_output outputs[] = {NODE_TABLE(NODE_OUTPUT)};
   const scene *s = context;
   material *m = out;
+  graph g = {.images = s->images};
   m->number = (int)(m - s->material);
-  if (!reader_text(r, "name", NULL, &m->name) || !read_closure(r, m) ||
-      !reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, context))
-    return false;
-  for (size_t k = 0; k < m->nodes; k++)
-    m->outputs |= outputs[m->node[k].type];
-  return true;
+  return reader_text(r, "name", NULL, &m->name) &&
+         reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g) &&
+         read_closure(r, &g, m);
 }
 
 static bool all_below(size_t count, const uint32_t *index, size_t limit) {

@@ -9,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "batch/lanes.h"
+
 typedef struct reader reader;
 
 /* Why what is read cannot be right: always false, so that a caller can return it. */
@@ -27,6 +29,9 @@ bool reader_floats(reader *r, const char *key, int count, float *out);
 bool reader_text(reader *r, const char *key, const char *missing, char **out);
 /* One of several words, NULL at their end, as its index. */
 bool reader_word(reader *r, const char *key, const char *const *words, int *out);
+
+/* Operands of a graph: each a number, or a register as a sequence of its one index. */
+bool reader_operands(reader *r, const char *key, int count, operand *out);
 
 /* What `one` makes of a dictionary, or of each in a list: an array of items of this size, which
  * the caller frees and whose `count` also covers the item that failed. */

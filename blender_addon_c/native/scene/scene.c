@@ -314,7 +314,7 @@ static double exponent_of(const closure *c) {
   return 0.0;
 }
 
-#define NODE_BUILD(TYPE, name, OUTPUT)                                                             \
+#define NODE_BUILD(TYPE, name)                                                                     \
   case NODE_##TYPE:                                                                                \
     return node_##name##_build(&n->of.name, place);
 static bool build_node(node *n, const node_place *place) {

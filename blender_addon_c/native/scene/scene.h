@@ -42,7 +42,6 @@ typedef struct material {
   closure closure;
   size_t nodes; /* in the order in which they run */
   node *node;
-  unsigned outputs; /* of all nodes: bits of node_output */
 } material;
 
 typedef struct mesh {

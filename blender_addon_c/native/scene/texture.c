@@ -43,10 +43,17 @@ void texture_free(texture_set *set) {
   free(set->item);
 }
 
-/* One channel of a run of texels as float; channels that are missing repeat the first one. */
+/* One channel of a run of texels as float. Colours that are missing repeat the first one, alpha is
+ * the last of two or four channels and 1 else. */
 static void load(const image *m, size_t first, size_t count, int channel, float *restrict out) {
   size_t stride = (size_t)m->channels;
-  size_t at = first * stride + (size_t)(m->channels >= 3 ? channel : 0);
+  bool alpha = channel == 3;
+  if (alpha && m->channels % 2) {
+    for (size_t i = 0; i < count; i++)
+      out[i] = 1.0f;
+    return;
+  }
+  size_t at = first * stride + (alpha ? stride - 1 : m->channels >= 3 ? (size_t)channel : 0);
   if (m->type == IMAGE_FLOAT32) {
     const float *in = (const float *)m->data + at;
     for (size_t i = 0; i < count; i++)
@@ -118,7 +125,7 @@ static void pack_color(size_t count, const float *restrict a, const float *restr
         pack_pair(2.0f * clamp(a[i], 0.0f, 1.0f) - 1.0f, 2.0f * clamp(b[i], 0.0f, 1.0f) - 1.0f);
 }
 
-/* What lies beyond the edge of WRAP_CLIP: a flat normal, black. */
+/* What lies beyond the edge of WRAP_CLIP: a flat normal, black without alpha. */
 static uint32_t outside(const texture *t) {
   return t->kind == TEXTURE_NORMAL ? 0u : pack_pair(-1.0f, -1.0f);
 }
@@ -127,7 +134,7 @@ static uint32_t outside(const texture *t) {
 static int rim_source(const texture *t, int k, int size) {
   if (t->wrap == WRAP_REPEAT)
     return k < 0 ? size - 1 : k % size;
-  if (t->wrap == WRAP_EXTEND)
+  if (t->wrap == WRAP_EXTEND || t->wrap == WRAP_MIRROR)
     return k < 0 ? 0 : size - 1;
   return -1;
 }
@@ -135,14 +142,15 @@ static int rim_source(const texture *t, int k, int size) {
 static void pack_row(const texture *t, int y) {
   const image *m = t->source;
   uint32_t *row = t->texel + (size_t)(y + 1) * (size_t)t->stride + 1;
-  float channel[3][BLOCK];
+  float channel[4][BLOCK];
   size_t width = (size_t)t->width;
-  int first = t->kind == TEXTURE_BLUE ? 2 : 0, last = t->kind == TEXTURE_RED_GREEN ? 1 : 2;
+  int first = t->kind == TEXTURE_BLUE_ALPHA ? 2 : 0;
+  int last = t->kind == TEXTURE_BLUE_ALPHA ? 3 : t->kind == TEXTURE_RED_GREEN ? 1 : 2;
   for (size_t x = 0; x < width; x += BLOCK) {
     size_t count = width - x < BLOCK ? width - x : BLOCK;
     for (int c = first; c <= last; c++) {
       load(m, (size_t)y * width + x, count, c, channel[c]);
-      if (m->srgb)
+      if (m->srgb && c < 3)
         srgb_decode(count, channel[c]);
     }
     if (t->kind == TEXTURE_NORMAL)
@@ -150,7 +158,7 @@ static void pack_row(const texture *t, int y) {
     else if (t->kind == TEXTURE_RED_GREEN)
       pack_color(count, channel[0], channel[1], row + x);
     else
-      pack_color(count, channel[2], channel[2], row + x);
+      pack_color(count, channel[2], channel[3], row + x);
   }
   for (int k = -1; k < t->width + 2; k = k < 0 ? t->width : k + 1) {
     int from = rim_source(t, k, t->width);

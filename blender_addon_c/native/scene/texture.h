@@ -2,7 +2,7 @@
 /*
  * Images as the stages read them: planes of two signed 16-bit numbers a texel, each in [-1, 1].
  * A normal map is one plane (x and y of the unit normal, strength applied; z is
- * the positive root), a colour two (2 red - 1 and 2 green - 1; 2 blue - 1 and -1).
+ * the positive root), a colour two (2 red - 1 and 2 green - 1; 2 blue - 1 and 2 alpha - 1).
  * 16 bits are as good as float: the displaced plate's error is .0012 with either.
  */
 #ifndef LIBSHADE_TEXTURE_H
@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 typedef enum image_type { IMAGE_FLOAT32, IMAGE_UINT16, IMAGE_UINT8 } image_type;
-typedef enum image_wrap { WRAP_REPEAT, WRAP_EXTEND, WRAP_CLIP } image_wrap;
+typedef enum image_wrap { WRAP_REPEAT, WRAP_EXTEND, WRAP_CLIP, WRAP_MIRROR } image_wrap;
 
 typedef struct image {
   int width, height, channels;
@@ -28,7 +28,7 @@ typedef struct image {
 /* A texture's width and height are those of its image and this. */
 enum { TEXTURE_RIM = 3 };
 
-typedef enum texture_kind { TEXTURE_NORMAL, TEXTURE_RED_GREEN, TEXTURE_BLUE } texture_kind;
+typedef enum texture_kind { TEXTURE_NORMAL, TEXTURE_RED_GREEN, TEXTURE_BLUE_ALPHA } texture_kind;
 
 typedef struct texture {
   /*

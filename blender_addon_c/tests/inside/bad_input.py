@@ -121,12 +121,40 @@ def noise_color(scene):
     tree.links.new(noise.outputs["Color"], node.inputs["Color"])
 
 
-def mapping_node(scene):
+def generated(scene):
     _ob, tree, node = plate(scene)
     texture = common.image_node(tree, flat_image(0.2, 0.4, 0.6))
-    mapping = tree.nodes.new("ShaderNodeMapping")
-    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    source = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(source.outputs["Generated"], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+
+
+def cycle(scene):
+    """Two nodes that feed each other; Blender itself may refuse the link."""
+    _ob, tree, node = plate(scene)
+    one, other = (tree.nodes.new("ShaderNodeGamma") for _ in range(2))
+    for source, target in ((one, other), (other, one)):
+        target.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
+        tree.links.new(source.outputs["Color"], target.inputs["Color"])
+    tree.links.new(other.outputs["Color"], node.inputs["Color"])
+
+
+def too_many_nodes(scene):
+    """Forty images that are all needed at the end."""
+    _ob, tree, node = plate(scene)
+    image = flat_image(0.2, 0.4, 0.6)
+    looks = []
+    for k in range(40):
+        looks.append(common.image_node(tree, image))
+        coordinates = tree.nodes.new("ShaderNodeCombineXYZ")
+        coordinates.inputs["X"].default_value = k / 40
+        tree.links.new(coordinates.outputs["Vector"], looks[-1].inputs["Vector"])
+    socket = node.inputs["Color"]
+    for look in looks:  # each is mixed with what all the others give
+        mix = tree.nodes.new("ShaderNodeMixRGB")
+        tree.links.new(look.outputs["Color"], mix.inputs["Color1"])
+        tree.links.new(mix.outputs["Color"], socket)
+        socket = mix.inputs["Color2"]
 
 
 def other_uv_map(scene):
@@ -228,7 +256,8 @@ def text_and_curve(scene):
 
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
-    broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, mapping_node,
+    broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, generated, cycle,
+    too_many_nodes,
     other_uv_map, no_material, principled, anisotropic, beckmann, mixed, area_light, world_shader, panoramic,
     flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,

@@ -472,6 +472,55 @@ def wraps(options):
     return {}
 
 
+def graph(options):
+    """Planes side by side, each showing what one node says: as the metal's colour, or in Cycles as
+    emission. A case: the node, its settings, its inputs (numbers, or A, B: images of one colour)."""
+    cases = options["cases"]
+    scene = common.empty_scene(4 * len(cases), 4, samples=1)
+    images = {}
+    for name, color in options["colors"].items():
+        image = images[name] = bpy.data.images.new(name, 2, 2, float_buffer=True, is_data=True)
+        image.pixels.foreach_set([*color, 1] * 4)
+        image.update()
+    for column, case in enumerate(cases):
+        material, tree, metal = common.metal(fresnel="NONE", detail="NONE")
+        node = tree.nodes.new(case["node"])
+        for key, value in case.get("set", {}).items():
+            setattr(node, key, value)
+        by = {socket.identifier: socket for socket in node.inputs}
+        for key, value in case.get("inputs", {}).items():
+            socket = node.inputs[int(key)] if key.isdigit() else by.get(key) or node.inputs[key]
+            if isinstance(value, str):
+                tree.links.new(common.image_node(tree, images[value]).outputs["Color"], socket)
+            else:
+                socket.default_value = value
+        if case.get("ramp"):
+            for place, color in case["ramp"]:
+                node.color_ramp.elements.new(place).color = color
+        if "own" in case:
+            node.outputs[0].default_value = case["own"]
+        outputs = {socket.identifier: socket for socket in node.outputs}
+        output = outputs.get(case.get("output")) or node.outputs[case.get("output", 0)]
+        if options["engine"] == "CYCLES":
+            shader = tree.nodes.new("ShaderNodeEmission")
+            tree.links.new(output, shader.inputs["Color"])
+            tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        else:
+            tree.links.new(output, metal.inputs["Color"])
+        ob = common.plane(material, 1)
+        ob.location = (column + 0.5 - 0.5 * len(cases), 0, 0)
+        for loop in ob.data.uv_layers[0].data:
+            loop.uv = (0.3, 0.6)
+    common.light(scene)
+    common.camera(scene, type="ORTHO", ortho_scale=len(cases))
+    if options["engine"] == "CYCLES":
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples, scene.cycles.use_denoising = 1, False
+        scene.cycles.pixel_filter_type = "BOX"
+    common.render(options["picture"])
+    return {}
+
+
 def first_minute(options):
     """A new file: cube, lamp, grey world; here on a floor, beside a ball of gold."""
     bpy.ops.wm.read_factory_settings()

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A material's graph as a program for the native module: nodes that read and write registers."""
+
+import math
+
+_REGISTERS = range(3, 64)  # those that a node of the native module may write
+
+
+class Register:
+    """What a node writes: one number a point. Its index is found once all uses are known."""
+
+
+class TooLarge(Exception):
+    """A graph that would need more registers than there are."""
+
+
+class Program:
+    """`emit` takes nodes; `finish` lists them, and what reads them, with indices."""
+
+    def __init__(self):
+        self._nodes = []
+
+    def emit(self, kind, out=3, more=None, **given):
+        """A node; returns the registers of its `out`, and of `more`, a second output of one."""
+        outputs = {"out": [Register() for _ in range(out)]}
+        if more:
+            outputs[more] = [Register()]
+        self._nodes.append(({"type": kind, **given}, outputs))
+        return [register for part in outputs.values() for register in part]
+
+    def math(self, operation, a, b=0.0, c=0.0):
+        """One operation of the native module's MATH; what is known is worked out here."""
+        known = _known(operation, a, b, c)
+        if known is not None:
+            return known
+        return self.emit("MATH", 1, operation=operation, a=[a], b=[b], c=[c])[0]
+
+    def finish(self, closures):
+        """(nodes, closures) as the native module reads them."""
+        last = {register: len(self._nodes) for register in _registers(closures)}
+        kept = []
+        for index in range(len(self._nodes) - 1, -1, -1):
+            node, outputs = self._nodes[index]
+            if any(register in last for part in outputs.values() for register in part):
+                kept.insert(0, index)
+                for register in _registers(node):
+                    last.setdefault(register, index)
+        free, place, nodes = list(_REGISTERS), {}, []
+        for index in kept:
+            node, outputs = self._nodes[index]
+            written = [register for part in outputs.values() for register in part]
+            read = {register for register in _registers(node) if last[register] == index}
+            if len(written) == 1:  # may take the place of what it reads
+                free = sorted(free + [place[register] for register in read])
+            if len(free) < len(written):
+                raise TooLarge
+            for register in written:
+                place[register] = free.pop(0)
+            nodes.append(_placed({**node, **outputs}, place))
+            done = [r for r in written if last.get(r, index) == index]
+            done += [] if len(written) == 1 else read
+            free = sorted(free + [place[register] for register in done])
+        return nodes, _placed(closures, place)
+
+
+def is_known(*operands):
+    return not any(isinstance(operand, Register) for operand in operands)
+
+
+def _registers(thing):
+    if isinstance(thing, Register):
+        yield thing
+    elif isinstance(thing, dict):
+        for part in thing.values():
+            yield from _registers(part)
+    elif isinstance(thing, (list, tuple)):
+        for part in thing:
+            yield from _registers(part)
+
+
+def _placed(thing, place):
+    if isinstance(thing, Register):
+        return (place[thing],)
+    if isinstance(thing, dict):
+        return {key: _placed(part, place) for key, part in thing.items()}
+    if isinstance(thing, (list, tuple)):
+        return [_placed(part, place) for part in thing]
+    return thing
+
+
+_FOLDED = {
+    "ADD": lambda a, b, c: a + b,
+    "SUBTRACT": lambda a, b, c: a - b,
+    "MULTIPLY": lambda a, b, c: a * b,
+    "DIVIDE": lambda a, b, c: a / b if b else 0.0,
+    "MULTIPLY_ADD": lambda a, b, c: a * b + c,
+    "MINIMUM": lambda a, b, c: min(a, b),
+    "MAXIMUM": lambda a, b, c: max(a, b),
+    "MIX": lambda a, b, c: a + c * (b - a),
+    "CLAMP": lambda a, b, c: min(max(a, b), c),
+    "SQRT": lambda a, b, c: math.sqrt(max(a, 0.0)),
+    "ABSOLUTE": lambda a, b, c: abs(a),
+}
+
+
+def _known(operation, a, b, c):
+    """The result where it needs no node: of numbers, and of what changes nothing."""
+    if operation in _FOLDED and is_known(a, b, c):
+        return float(_FOLDED[operation](a, b, c))
+    if operation == "MULTIPLY":
+        for one, other in ((a, b), (b, a)):
+            if is_known(one) and one in (0, 1):
+                return other if one else 0.0
+    if operation == "ADD" and is_known(a) and a == 0:
+        return b
+    if operation in ("ADD", "SUBTRACT") and is_known(b) and b == 0:
+        return a
+    if operation == "MIX" and is_known(c) and c in (0, 1):
+        return b if c else a
+    return None

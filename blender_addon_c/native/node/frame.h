@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A direction, `vector`, three operands, from world space to the shading frame (`to` SHADING), made
+ * a unit vector above its horizon there, or back (WORLD). Writes `out`. */
+#ifndef LIBSHADE_NODE_FRAME_H
+#define LIBSHADE_NODE_FRAME_H
+
+#include "node/geometry.h"
+
+enum { FRAME_SHADING, FRAME_WORLD };
+
+typedef struct node_frame {
+  operand vector[3];
+  int to, out[3];
+} node_frame;
+
+static inline bool node_frame_read(reader *r, node_frame *n, graph *g) {
+  static const char *const words[] = {"SHADING", "WORLD", NULL};
+  return graph_operands(r, g, "vector", 3, n->vector) && reader_word(r, "to", words, &n->to) &&
+         graph_outputs(r, g, "out", 3, n->out);
+}
+
+static inline bool node_frame_build(node_frame *n, const node_place *place) {
+  (void)n, (void)place;
+  return true;
+}
+
+/* No direction at all becomes the normal. */
+LEAF vec3 upright(vec3 v) {
+  v.z = v.z > 1e-4f ? v.z : 1e-4f;
+  float square = dot(v, v);
+  bool good = square < 1e30f;
+  vec3 unit = scaled(v, 1.0f / sqrtf(good ? square : 1.0f));
+  return select3(good, unit, (vec3){0.0f, 0.0f, 1.0f});
+}
+
+LEAF void node_frame_run(const node_frame *n, lane_run g, const corners *corner,
+                         const surfaces *restrict point, inputs *restrict at) {
+  const float *x = lane_of(at, n->vector[0], 0, g), *y = lane_of(at, n->vector[1], 1, g);
+  const float *z = lane_of(at, n->vector[2], 2, g);
+  float *ox = at->at[n->out[0]], *oy = at->at[n->out[1]], *oz = at->at[n->out[2]];
+  const bool world = n->to == FRAME_WORLD;
+  (void)corner;
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    vec3 v = {x[i], y[i], z[i]};
+    vec3 local = upright(
+        (vec3){dot(v, load(&point->t, i)), dot(v, load(&point->b, i)), dot(v, load(&point->n, i))});
+    vec3 o = select3(world, world_of(point, i, v), local);
+    ox[i] = o.x;
+    oy[i] = o.y;
+    oz[i] = o.z;
+  }
+}
+
+#endif

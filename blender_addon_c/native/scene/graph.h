@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A material's graph while it is read: nodes and closures read only what an earlier node wrote. */
+#ifndef LIBSHADE_GRAPH_H
+#define LIBSHADE_GRAPH_H
+
+#include <stdint.h>
+
+#include "scene/reader.h"
+
+typedef struct graph {
+  size_t images;    /* of the scene */
+  uint64_t written; /* registers, a bit each */
+} graph;
+_Static_assert(REGISTERS <= 64, "graph.written has a bit for each register");
+
+static inline bool graph_operands(reader *r, const graph *g, const char *key, int count,
+                                  operand *out) {
+  if (!reader_operands(r, key, count, out))
+    return false;
+  for (int k = 0; k < count; k++)
+    if (out[k].at >= 0 && !(g->written >> out[k].at & 1))
+      return reader_fail(r, "%s: no node before has written register %d", key, out[k].at);
+  return true;
+}
+
+/* Registers that a node writes. */
+static inline bool graph_outputs(reader *r, graph *g, const char *key, int count, int *out) {
+  operand o[4];
+  if (!reader_operands(r, key, count, o))
+    return false;
+  for (int k = 0; k < count; k++) {
+    if (o[k].at < REGISTER_FIRST)
+      return reader_fail(r, "%s must be registers from %d on", key, REGISTER_FIRST);
+    g->written |= (uint64_t)1 << o[k].at;
+    out[k] = o[k].at;
+  }
+  return true;
+}
+
+/* `normal`: registers of a normal in the shading frame; without it the unperturbed one. */
+static inline bool graph_normal(reader *r, const graph *g, int out[3]) {
+  operand o[3];
+  for (int k = 0; k < 3; k++)
+    out[k] = REGISTER_NORMAL + k;
+  if (!reader_has(r, "normal"))
+    return true;
+  if (!graph_operands(r, g, "normal", 3, o))
+    return false;
+  for (int k = 0; k < 3; k++)
+    if ((out[k] = o[k].at) < 0)
+      return reader_fail(r, "normal must be three registers");
+  return true;
+}
+
+#endif

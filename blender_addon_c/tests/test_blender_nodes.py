@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What nodes say, against Cycles of the same Blender: a plane for each case, whose colour (the
+dump's, or in Cycles emission) is what the node's output says."""
+
+import ast
+
+import numpy as np
+import pytest
+
+from blender_runs import ROOT, Dump, rgba
+
+# what A and B are: images of one colour, so that nothing is worked out before the picture
+COLORS = {"A": (0.2, 0.5, 0.7), "B": (0.6, 0.3, 0.1), "X": (0.35, 0.35, 0.35)}
+
+
+def node(kind, inputs=None, since="3.4", until="9", **more):
+    return {"node": f"ShaderNode{kind}", "inputs": inputs or {}, "since": since, "until": until,
+            **more}
+
+
+MATH = """ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD POWER LOGARITHM SQRT INVERSE_SQRT ABSOLUTE EXPONENT
+MINIMUM MAXIMUM LESS_THAN GREATER_THAN SIGN COMPARE SMOOTH_MIN SMOOTH_MAX ROUND FLOOR CEIL TRUNC FRACT
+MODULO WRAP SNAP PINGPONG SINE COSINE TANGENT ARCSINE ARCCOSINE ARCTANGENT ARCTAN2 SINH COSH TANH
+RADIANS DEGREES""".split()
+VECTORS = """ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT DOT_PRODUCT DISTANCE LENGTH SCALE
+NORMALIZE ABSOLUTE MINIMUM MAXIMUM FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE TANGENT""".split()
+MODES = """MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE
+SUBTRACT DIVIDE""".split()
+TURN = (0.3, -0.5, 0.2)
+
+CASES = [
+    node("RGB", own=(0.25, 0.5, 0.75, 1)),
+    node("Value", own=0.4),
+    *(node("Math", {"0": "X", "1": 0.8, "2": 0.25}, set={"operation": op}) for op in MATH),
+    node("Math", {"0": "X", "1": 0.8}, set={"operation": "FLOORED_MODULO"}, since="4.0"),
+    node("Math", {"0": "A", "1": "B"}, set={"operation": "SUBTRACT"}),  # grey of a colour
+    node("Math", {"0": "X", "1": 0.9}, set={"operation": "ADD", "use_clamp": True}),
+    *(node("VectorMath", {"0": "A", "1": "B", "2": (0.3, 0.17, 0.64), "3": 0.7},
+           set={"operation": op}, output={"DOT_PRODUCT": 1, "DISTANCE": 1, "LENGTH": 1}.get(op, 0))
+      for op in VECTORS if op != "MULTIPLY_ADD"),
+    node("VectorMath", {"0": "A", "1": "B", "2": (0.3, 0.2, 0.6)}, set={"operation": "MULTIPLY_ADD"}),
+    *(node("MixRGB", {"Fac": "X", "Color1": "A", "Color2": "B"}, set={"blend_type": mode})
+      for mode in MODES),
+    node("MixRGB", {"Fac": 1.5, "Color1": "A", "Color2": "B"}, set={"blend_type": "ADD",
+                                                                    "use_clamp": True}),
+    node("Mix", {"Factor_Float": "X", "A_Float": 0.2, "B_Float": "B"}, set={"data_type": "FLOAT"},
+         output="Result_Float"),
+    node("Mix", {"Factor_Float": 0.4, "A_Vector": "A", "B_Vector": "B"}, output="Result_Vector",
+         set={"data_type": "VECTOR"}),
+    node("Mix", {"Factor_Vector": "A", "A_Vector": (0.1, 0.2, 0.3), "B_Vector": "B"},
+         output="Result_Vector", set={"data_type": "VECTOR", "factor_mode": "NON_UNIFORM"}),
+    node("Mix", {"Factor_Float": "X", "A_Color": "A", "B_Color": "B"}, output="Result_Color",
+         set={"data_type": "RGBA", "blend_type": "OVERLAY"}),
+    node("Mix", {"Factor_Float": "X", "A_Color": "A", "B_Color": "B"}, output="Result_Color",
+         set={"data_type": "RGBA", "blend_type": "EXCLUSION"}, since="4.0"),
+    *(node("Mapping", {"Vector": "A", "Location": (0.1, 0.2, -0.1), "Rotation": TURN,
+                       "Scale": (0.8, 1.2, 0.9)}, set={"vector_type": kind})
+      for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")),
+    node("Mapping", {"Vector": "A", "Rotation": TURN, "Scale": "B", "Location": "B"}),
+    *(node("Mapping", {"Vector": "A", "Rotation": TURN, "Scale": "B"}, set={"vector_type": kind})
+      for kind in ("TEXTURE", "NORMAL")),
+    node("UVMap", set={"uv_map": "UVMap"}),
+    *(node("TexCoord", output=output) for output in ("UV", "Normal", "Reflection")),
+    *(node("NewGeometry", output=output)
+      for output in ("Normal", "True Normal", "Incoming", "Backfacing")),
+    node("ValToRGB", {"Fac": "X"}, ramp=[(0.2, (1, 0.2, 0.1, 1)), (0.6, (0.1, 0.9, 0.3, 0.5))]),
+    node("ValToRGB", {"Fac": "X"}, output="Alpha",
+         ramp=[(0.2, (1, 0.2, 0.1, 1)), (0.6, (0.1, 0.9, 0.3, 0.5))]),
+    *(node("SeparateRGB", {"Image": "A"}, output=k, until="4.9") for k in range(3)),
+    *(node("SeparateXYZ", {"Vector": "A"}, output=k) for k in range(3)),
+    *(node("SeparateColor", {"Color": "A"}, output=k) for k in range(3)),
+    node("CombineRGB", {"R": 0.1, "G": "X", "B": 0.9}, until="4.9"),
+    node("CombineXYZ", {"X": 0.1, "Y": "X", "Z": 0.9}),
+    node("CombineColor", {"Red": 0.1, "Green": "X", "Blue": 0.9}),
+    node("Clamp", {"Value": "X", "Min": 0.5, "Max": 0.9}),
+    node("Clamp", {"Value": "X", "Min": 0.9, "Max": 0.5}, set={"clamp_type": "RANGE"}),
+    node("Invert", {"Fac": "X", "Color": "A"}),
+    node("Gamma", {"Color": "A", "Gamma": 2.2}),
+    node("BrightContrast", {"Color": "A", "Bright": 0.1, "Contrast": 0.3}),
+    node("RGBToBW", {"Color": "A"}),
+    node("MapRange", {"Value": "X", "From Min": 0.1, "From Max": 0.7, "To Min": 0.9, "To Max": 0.2}),
+    node("MapRange", {"Value": "X", "From Min": 0.4, "From Max": 0.7, "To Min": 0.9, "To Max": 0.2}),
+]
+
+
+def test_nodes_say_what_they_say_in_cycles(blender, tmp_path):
+    cases = [case for case in CASES if case["since"] <= blender.version < case["until"]]
+    blender.scene("graph", tmp_path, cases=cases, colors=COLORS, engine="LIBSHADE")
+    ours = Dump(tmp_path / "dump.exr")["Color"][2, 2::4]
+    blender.scene("graph", tmp_path, cases=cases, colors=COLORS, engine="CYCLES", dump="")
+    cycles = rgba(tmp_path / "picture.exr")[2, 2::4, :3].clip(0, 1)  # a reflectance
+    far = [(case, a, b) for case, a, b in zip(cases, ours, cycles) if not np.abs(a - b).max() < 2e-4]
+    assert not far, "\n".join(map(str, far))
+    assert len({tuple(color.round(3)) for color in ours}) > len(cases) / 2
+
+
+def test_every_node_has_a_case():
+    tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
+    (table,) = (n.value for n in tree.body
+                if isinstance(n, ast.Assign) and getattr(n.targets[0], "id", "") == "NODES")
+    types = {"UVMAP": "UVMap", "NEW_GEOMETRY": "NewGeometry",
+             "VECT_MATH": "VectorMath", "MIX_RGB": "MixRGB", "VALTORGB": "ValToRGB",
+             "SEPRGB": "SeparateRGB", "SEPXYZ": "SeparateXYZ", "COMBRGB": "CombineRGB",
+             "COMBXYZ": "CombineXYZ", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
+             "RGB": "RGB"}
+    elsewhere = {"NORMAL_MAP", "TEX_IMAGE"}  # test_blender_semantics.py
+    covered = {case["node"].removeprefix("ShaderNode") for case in CASES}
+    for key in table.keys:
+        word = types.get(key.value, key.value.title().replace("_", ""))
+        assert word in covered or key.value in elsewhere, f"{key.value}: give it a case"
