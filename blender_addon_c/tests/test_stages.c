@@ -135,7 +135,7 @@ static void locate_and_move(void **state) {
     b->sample_hit.v[i] = i % 2 ? 0.5f : 0.125f;
     wanted += i % 3 != 0;
   }
-  assert_int_equal(stages->locate(COUNT, 10000, &b->sample_hit), wanted);
+  assert_int_equal(stages->locate(COUNT, 10000, NULL, &b->sample_hit), wanted);
   for (size_t i = 0; i < COUNT; i++) {
     bool second = i % 3 == 1 && i % 2;
     assert_int_equal(b->sample_hit.record[i], i % 3 == 0   ? RECORD_MISS

@@ -53,6 +53,7 @@ typedef struct hits {
   lane_v g; /* geometric normal, any length */
   lane_f u, v;
   lane_u geometry, primitive; /* Embree's; `locate` makes them a record */
+  lane_u instance;            /* number in scene.placed, where there are any */
   lane_u record;              /* number of the triangle, or RECORD_MISS */
 } hits;
 

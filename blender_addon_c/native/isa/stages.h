@@ -23,6 +23,7 @@
                                     .cover = stage_cover,                                          \
                                     .gather = stage_gather,                                        \
                                     .corner = stage_corner,                                        \
+                                    .place = stage_place,                                          \
                                     .surface = stage_surface,                                      \
                                     .flat = stage_flat,                                            \
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \

@@ -29,7 +29,8 @@ static void trace(worker *w, bool first, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;
   accel_intersect(s->accel, count, first, &b->sample_ray, &b->sample_hit);
-  b->queue.hits = s->stages->locate(count, (uint32_t)(2 * s->quad_count), &b->sample_hit);
+  b->queue.hits =
+      s->stages->locate(count, (uint32_t)(2 * s->quad_count), s->placed, &b->sample_hit);
 }
 
 /* Samples to hits: sorted by material, unless nothing need move. */
@@ -50,12 +51,16 @@ static void sort_hits(worker *w, size_t count) {
     w->scene->stages->gather(q->hits, q->lane, from[k], to[k]);
   for (size_t i = 0; i < q->hits; i++)
     to_hit->record[i] = hit->record[q->lane[i]];
+  for (size_t i = 0; w->scene->placed && i < q->hits; i++)
+    to_hit->instance[i] = hit->instance[q->lane[i]];
 }
 
 static void find_surface(worker *w) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   s->corner(b->queue.hits, w->scene->triangle, b->hit, &b->corner);
+  if (w->scene->placed)
+    s->place(b->queue.hits, w->scene->placed, b->hit, &b->corner);
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
 }
 

@@ -27,6 +27,8 @@
   F(rtcCommitGeometry)                                                                             \
   F(rtcAttachGeometryByID)                                                                         \
   F(rtcSetSharedGeometryBuffer)                                                                    \
+  F(rtcSetGeometryInstancedScene)                                                                  \
+  F(rtcSetGeometryTransform)                                                                       \
   F(rtcIntersectNp)                                                                                \
   F(rtcOccludedNp)
 
@@ -41,6 +43,9 @@ static pthread_once_t embree_once = PTHREAD_ONCE_INIT;
 struct accel {
   RTCDevice device;
   RTCScene scene;
+  size_t parts;
+  RTCScene *part; /* that instances refer to */
+  bool instances;
 };
 
 static void embree_load(void) {
@@ -76,19 +81,64 @@ static bool go_on(void *cancel, double fraction) {
   return !atomic_load_explicit((atomic_bool *)cancel, memory_order_relaxed);
 }
 
-static void attach(accel *a, enum RTCGeometryType type, unsigned number, const accel_input *input,
-                   const uint32_t *index, size_t count, enum RTCFormat format,
-                   size_t corners_per_primitive) {
+static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned number,
+                   const accel_input *input, const uint32_t *index, size_t count) {
+  bool quads = type == RTC_GEOMETRY_TYPE_QUAD;
   if (!count)
     return;
   RTCGeometry geometry = embree.rtcNewGeometry(a->device, type);
   embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                     input->position, 0, 3 * sizeof(float), input->positions);
-  embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, format, index, 0,
-                                    corners_per_primitive * sizeof(uint32_t), count);
+  embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                                    quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, index, 0,
+                                    (quads ? 4 : 3) * sizeof(uint32_t), count);
+  embree.rtcCommitGeometry(geometry);
+  embree.rtcAttachGeometryByID(to, geometry, number);
+  embree.rtcReleaseGeometry(geometry);
+}
+
+static void attach_part(accel *a, RTCScene to, const accel_input *input, const accel_part *part) {
+  attach(a, to, RTC_GEOMETRY_TYPE_QUAD, ACCEL_QUADS, input, part->quad_position, part->quads);
+  attach(a, to, RTC_GEOMETRY_TYPE_TRIANGLE, ACCEL_TRIANGLES, input, part->triangle_position,
+         part->triangles);
+}
+
+static RTCScene new_scene(accel *a, const atomic_bool *cancel) {
+  RTCScene made = embree.rtcNewScene(a->device);
+  if (made) {
+    embree.rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST); /* no holes along shared edges */
+    embree.rtcSetSceneProgressMonitorFunction(made, go_on, (void *)(uintptr_t)cancel);
+  }
+  return made;
+}
+
+static void attach_instance(accel *a, unsigned number, const accel_instance *instance) {
+  RTCGeometry geometry = embree.rtcNewGeometry(a->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  embree.rtcSetGeometryInstancedScene(geometry, a->part[instance->part]);
+  embree.rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->matrix);
   embree.rtcCommitGeometry(geometry);
   embree.rtcAttachGeometryByID(a->scene, geometry, number);
   embree.rtcReleaseGeometry(geometry);
+}
+
+/* Parts first: the world's tree is over their bounds. */
+static enum RTCError fill(accel *a, const accel_input *input, const atomic_bool *cancel) {
+  enum RTCError status = RTC_ERROR_NONE;
+  for (; a->parts < input->parts && status == RTC_ERROR_NONE; a->parts++) {
+    RTCScene part = a->part[a->parts] = new_scene(a, cancel);
+    if (!part)
+      break;
+    attach_part(a, part, input, &input->part[a->parts]);
+    embree.rtcCommitScene(part);
+    status = embree.rtcGetDeviceError(a->device);
+  }
+  if (a->parts < input->parts)
+    return status == RTC_ERROR_NONE ? RTC_ERROR_OUT_OF_MEMORY : status;
+  attach_part(a, a->scene, input, &input->world);
+  for (size_t i = 0; i < input->instances; i++)
+    attach_instance(a, (unsigned)(ACCEL_INSTANCES + i), &input->instance[i]);
+  embree.rtcCommitScene(a->scene);
+  return embree.rtcGetDeviceError(a->device);
 }
 
 accel *accel_create(const accel_input *input, int threads, const atomic_bool *cancel, char *error,
@@ -106,18 +156,14 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
   }
   snprintf(config, sizeof config, "threads=%d", threads);
   a->device = embree.rtcNewDevice(config);
-  a->scene = a->device ? embree.rtcNewScene(a->device) : NULL;
+  a->scene = a->device ? new_scene(a, cancel) : NULL;
+  a->part = calloc(input->parts + 1, sizeof *a->part);
+  a->instances = input->instances > 0;
   enum RTCError status = RTC_ERROR_NONE;
-  if (a->scene) {
-    embree.rtcSetSceneFlags(a->scene, RTC_SCENE_FLAG_ROBUST); /* no holes along shared edges */
-    embree.rtcSetSceneProgressMonitorFunction(a->scene, go_on, (void *)(uintptr_t)cancel);
-    attach(a, RTC_GEOMETRY_TYPE_QUAD, ACCEL_QUADS, input, input->quad_position, input->quads,
-           RTC_FORMAT_UINT4, 4);
-    attach(a, RTC_GEOMETRY_TYPE_TRIANGLE, ACCEL_TRIANGLES, input, input->triangle_position,
-           input->triangles, RTC_FORMAT_UINT3, 3);
-    embree.rtcCommitScene(a->scene);
-    status = embree.rtcGetDeviceError(a->device);
-  }
+  if (a->scene && !a->part)
+    status = RTC_ERROR_OUT_OF_MEMORY;
+  else if (a->scene)
+    status = fill(a, input, cancel);
   if (a->scene && status == RTC_ERROR_NONE)
     return a;
   if (status == RTC_ERROR_CANCELLED)
@@ -135,6 +181,9 @@ void accel_free(accel *a) {
     return;
   if (a->scene)
     embree.rtcReleaseScene(a->scene);
+  for (size_t i = 0; a->part && i < a->parts; i++)
+    embree.rtcReleaseScene(a->part[i]);
+  free(a->part);
   if (a->device)
     embree.rtcReleaseDevice(a->device);
   free(a);
@@ -163,9 +212,15 @@ void accel_intersect(const accel *a, size_t count, bool coherent, rays *ray, hit
                                     .u = hit->u,
                                     .v = hit->v,
                                     .primID = hit->primitive,
-                                    .geomID = hit->geometry}};
+                                    .geomID = hit->geometry,
+                                    .instID = {a->instances ? hit->instance : NULL}}};
   memset(hit->geometry, 0xff, count * sizeof *hit->geometry); /* ACCEL_MISS */
+  if (a->instances)
+    memset(hit->instance, 0xff, count * sizeof *hit->instance);
   embree.rtcIntersectNp(a->scene, &context, &all, (unsigned)count);
+  for (size_t i = 0; a->instances && i < count; i++)
+    hit->instance[i] =
+        hit->instance[i] == RTC_INVALID_GEOMETRY_ID ? 0 : hit->instance[i] - ACCEL_INSTANCES + 1;
 }
 
 void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {

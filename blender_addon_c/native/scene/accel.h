@@ -14,15 +14,29 @@
 
 typedef struct accel accel;
 
-enum { ACCEL_QUADS = 0, ACCEL_TRIANGLES = 1 }; /* geometry numbers of a hit */
-#define ACCEL_MISS UINT32_MAX                  /* geometry number of a miss */
+/* geometry numbers of a hit; those of instances in the world begin with the last */
+enum { ACCEL_QUADS = 0, ACCEL_TRIANGLES = 1, ACCEL_INSTANCES = 2 };
+#define ACCEL_MISS UINT32_MAX /* geometry number of a miss */
 
-/* Arrays stay the caller's and must outlive the accel. */
-typedef struct accel_input {
-  size_t positions, quads, triangles;
-  const float *position;             /* 3 each, and one readable float past the end */
+typedef struct accel_part {
+  size_t quads, triangles;
   const uint32_t *quad_position;     /* 4 each; halves (0, 1, 3) and (2, 3, 1) */
   const uint32_t *triangle_position; /* 3 each */
+} accel_part;
+
+typedef struct accel_instance {
+  size_t part;
+  float matrix[12]; /* to the world, rows of 4 */
+} accel_instance;
+
+/* Arrays of positions and indices stay the caller's and must outlive the accel. */
+typedef struct accel_input {
+  size_t positions;
+  const float *position; /* 3 each, and one readable float past the end */
+  accel_part world;
+  size_t parts, instances;
+  const accel_part *part;
+  const accel_instance *instance;
 } accel_input;
 
 /*
@@ -33,8 +47,9 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
                     size_t error_size);
 void accel_free(accel *a); /* NULL is fine */
 
-/* Misses have the geometry ACCEL_MISS. coherent: the rays of this call start or end close
- * together. */
+/* Misses have the geometry ACCEL_MISS. Where there are instances, hit->instance becomes 1 + the
+ * number of that which is hit, 0 for the world, and hit->g is in its space. coherent: the rays of
+ * this call start or end close together. */
 void accel_intersect(const accel *a, size_t count, bool coherent, rays *ray, hits *hit);
 /* tfar of every ray that meets something becomes -infinity. */
 void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray);

@@ -22,26 +22,36 @@ typedef struct parts {
   float *tangent; /* 4 per corner */
 } parts;
 
-/* Where an instance's share of the world arrays begins. */
+/*
+ * A copy of a mesh in the arrays: of an instance, in the world, or the one that many instances
+ * share, as it is. share: where its part of the arrays begins.
+ */
 typedef struct share {
+  size_t mesh;
+  const double *matrix; /* 12 */
   size_t position, quad, single;
-  double normal[9]; /* inverse transpose but for a positive factor */
-  float mirror;     /* -1 when the matrix mirrors */
+  double normal[9];   /* inverse transpose but for a positive factor */
+  float mirror;       /* -1 when the matrix mirrors */
+  float bounds[2][3]; /* of a shared mesh */
 } share;
 
 typedef struct build {
   scene *scene;
   const atomic_bool *cancel;
   message_log *log;
-  parts *parts;  /* per mesh */
-  share *share;  /* per instance */
-  size_t *chunk; /* per instance: its first chunk; one more at the end */
+  parts *parts;       /* per mesh */
+  size_t *shared;     /* per mesh: number of its share, or WORLD where each instance has its own */
+  share *share;       /* those of the world first */
+  size_t shares, own; /* their number, and that of those in the world */
+  size_t *chunk;      /* per share: its first chunk; one more at the end */
   float *position;
   uint32_t *quad, *single;
   size_t positions, singles;
+  size_t own_quads, own_singles; /* of the world */
 } build;
 
 enum { CHUNK = 8192 };
+#define WORLD SIZE_MAX
 
 static bool cancelled(const build *b) {
   return atomic_load_explicit(b->cancel, memory_order_relaxed);
@@ -162,23 +172,21 @@ static void face_normal(const float *a, const float *b, const float *c, float ou
 
 /* The record of triangle t, its corners turned so that `turn` comes first. */
 static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
-  const scene *s = b->scene;
-  const instance *in = &s->instance[index];
-  const mesh *m = &s->mesh[in->mesh];
   const share *sh = &b->share[index];
+  const mesh *m = &b->scene->mesh[sh->mesh];
   const float *world[3];
   *out = (triangle){.material = (uint32_t)m->material[t], .handed = 1.0f};
   for (unsigned k = 0; k < 3; k++)
     world[k] = b->position + 3 * (sh->position + m->corner_position[3 * t + (turn + k) % 3]);
   for (unsigned k = 0; k < 3; k++) {
     size_t corner = 3 * t + (turn + k) % 3;
-    const float *tangent = b->parts[in->mesh].tangent + 4 * corner;
+    const float *tangent = b->parts[sh->mesh].tangent + 4 * corner;
     float *row = out->corner[k];
     double v[3];
     turned(sh->normal, 3, m->corner_normal + 3 * corner, v);
     if (!normalized(v, row))
       face_normal(world[0], world[1], world[2], row);
-    turned(in->matrix, 4, tangent, v);
+    turned(sh->matrix, 4, tangent, v);
     if (!normalized(v, row + 3))
       row[3] = row[4] = row[5] = 0.0f; /* stage_surface finds one */
     if (tangent[3] < 0.0f)             /* corners without a UV direction say +1 */
@@ -193,14 +201,14 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
 
 static void place_positions(void *context, size_t index) {
   build *b = context;
-  const instance *in = &b->scene->instance[index];
-  const mesh *m = &b->scene->mesh[in->mesh];
-  float *out = b->position + 3 * b->share[index].position;
+  const share *sh = &b->share[index];
+  const mesh *m = &b->scene->mesh[sh->mesh];
+  float *out = b->position + 3 * sh->position;
   for (size_t i = 0; i < m->positions; i++, out += 3) {
     double v[3];
-    turned(in->matrix, 4, m->position + 3 * i, v);
+    turned(sh->matrix, 4, m->position + 3 * i, v);
     for (int k = 0; k < 3; k++)
-      out[k] = (float)(v[k] + in->matrix[4 * k + 3]);
+      out[k] = (float)(v[k] + sh->matrix[4 * k + 3]);
   }
 }
 
@@ -209,7 +217,7 @@ static void place_chunk(void *context, size_t chunk) {
   scene *s = b->scene;
   if (cancelled(b))
     return;
-  size_t low = 0, high = s->instances; /* the instance that holds this chunk */
+  size_t low = 0, high = b->shares; /* the share that holds this chunk */
   while (high - low > 1) {
     size_t middle = (low + high) / 2;
     if (b->chunk[middle] <= chunk)
@@ -217,10 +225,9 @@ static void place_chunk(void *context, size_t chunk) {
     else
       high = middle;
   }
-  const instance *in = &s->instance[low];
-  const mesh *m = &s->mesh[in->mesh];
-  const parts *p = &b->parts[in->mesh];
   const share *sh = &b->share[low];
+  const mesh *m = &s->mesh[sh->mesh];
+  const parts *p = &b->parts[sh->mesh];
   size_t begin = (chunk - b->chunk[low]) * CHUNK, end = begin + CHUNK;
   uint32_t base = (uint32_t)sh->position;
   for (size_t i = begin; i < end && i < p->pairs; i++) {
@@ -244,26 +251,97 @@ static void place_chunk(void *context, size_t chunk) {
   }
 }
 
-/* Room in the world arrays for each instance. */
+/* Whether Embree may turn rays into the space of such an instance. */
+static bool invertible(const double m[12]) {
+  share s;
+  double size = 0;
+  normal_matrix(m, &s);
+  for (int k = 0; k < 12; k++)
+    size = fmax(size, fabs(m[k]));
+  double determinant = m[0] * s.normal[0] + m[1] * s.normal[1] + m[2] * s.normal[2];
+  double largest = 0;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      largest = fmax(largest, fabs(m[4 * r + c]));
+  return size < 1e12 && fabs(determinant) > 1e-9 * largest * largest * largest && largest > 1e-9;
+}
+
+/*
+ * Meshes whose copies would be many triangles are kept once, as they are. Few are copied: rays go
+ * through a world without levels in half the time.
+ */
+static bool find_shared(build *b) {
+  enum { FEW = 100000 };
+  const scene *s = b->scene;
+  b->shared = array(b, s->meshes, sizeof *b->shared);
+  size_t *copies = calloc(s->meshes + 1, sizeof *copies);
+  for (size_t i = 0; b->shared && copies && i < s->instances; i++)
+    copies[s->instance[i].mesh] += invertible(s->instance[i].matrix);
+  for (size_t i = 0; b->shared && copies && i < s->meshes; i++) {
+    bool many = copies[i] > 1 && s->mesh[i].triangles > FEW / (copies[i] - 1);
+    b->shared[i] = many ? 0 : WORLD;
+  }
+  bool good = b->shared && copies;
+  free(copies);
+  return good || message_error(b->log, "out of memory");
+}
+
+/* Whether it refers to the mesh's share. */
+static bool is_reference(const build *b, const instance *in) {
+  return b->shared[in->mesh] != WORLD && invertible(in->matrix);
+}
+
+static void find_bounds(const mesh *m, float bounds[2][3]) {
+  for (size_t i = 0; i < m->positions; i++)
+    for (size_t k = 0; k < 3; k++) {
+      float x = m->position[3 * i + k];
+      bounds[0][k] = i == 0 || x < bounds[0][k] ? x : bounds[0][k];
+      bounds[1][k] = i == 0 || x > bounds[1][k] ? x : bounds[1][k];
+    }
+}
+
+/* Room in the arrays for another copy of a mesh. */
+static void add_share(build *b, size_t mesh_index, const double *matrix) {
+  scene *s = b->scene;
+  const parts *p = &b->parts[mesh_index];
+  share *sh = &b->share[b->shares++];
+  *sh = (share){.mesh = mesh_index,
+                .matrix = matrix,
+                .position = b->positions,
+                .quad = s->quad_count,
+                .single = b->singles};
+  normal_matrix(matrix, sh);
+  b->positions += s->mesh[mesh_index].positions;
+  s->quad_count += p->pairs;
+  b->singles += p->singles;
+}
+
 static bool share_out(build *b) {
+  static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   scene *s = b->scene;
   size_t chunks = 0;
-  b->share = array(b, s->instances, sizeof *b->share);
-  b->chunk = array(b, s->instances + 1, sizeof *b->chunk);
-  if (!b->share || !b->chunk)
+  b->share = array(b, s->instances + s->meshes, sizeof *b->share);
+  b->chunk = array(b, s->instances + s->meshes + 1, sizeof *b->chunk);
+  if (!b->share || !b->chunk || !find_shared(b))
     return false;
-  for (size_t i = 0; i < s->instances; i++) {
-    size_t mesh_index = s->instance[i].mesh;
-    const parts *p = &b->parts[mesh_index];
-    b->share[i] = (share){.position = b->positions, .quad = s->quad_count, .single = b->singles};
-    normal_matrix(s->instance[i].matrix, &b->share[i]);
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++)
+    if (!is_reference(b, in))
+      add_share(b, in->mesh, in->matrix);
+  b->own = b->shares;
+  b->own_quads = s->quad_count;
+  b->own_singles = b->singles;
+  for (size_t i = 0; i < s->meshes; i++)
+    if (b->shared[i] != WORLD) {
+      b->shared[i] = b->shares;
+      add_share(b, i, identity);
+      find_bounds(&s->mesh[i], b->share[b->shared[i]].bounds);
+    }
+  for (size_t i = 0; i < b->shares; i++) {
+    const parts *p = &b->parts[b->share[i].mesh];
     b->chunk[i] = chunks;
-    b->positions += s->mesh[mesh_index].positions;
-    s->quad_count += p->pairs;
-    b->singles += p->singles;
     chunks += (p->pairs + p->singles + CHUNK - 1) / CHUNK;
   }
-  b->chunk[s->instances] = chunks;
+  b->chunk[b->shares] = chunks;
   s->triangle_count = 2 * s->quad_count + b->singles;
   if (b->positions > UINT32_MAX || s->triangle_count >= RECORD_MISS)
     return message_error(b->log, "the scene has too many triangles (%zu)", s->triangle_count);
@@ -274,6 +352,66 @@ static bool share_out(build *b) {
   return b->position && b->quad && b->single && s->triangle;
 }
 
+/* The matrix as floats, its largest number 1: directions alone count. */
+static void scaled_matrix(const double *m, int stride, float out[3][3]) {
+  double largest = 1e-300;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      largest = fmax(largest, fabs(m[stride * r + c]));
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      out[r][c] = (float)(m[stride * r + c] / largest);
+}
+
+/* Largest coordinate in the world of a box. */
+static float reach_of(float bounds[2][3], const double matrix[12]) {
+  double largest = 0;
+  for (unsigned corner = 0; corner < 8; corner++) {
+    float v[3];
+    double w[3];
+    for (unsigned k = 0; k < 3; k++)
+      v[k] = bounds[corner >> k & 1u][k];
+    turned(matrix, 4, v, w);
+    for (int k = 0; k < 3; k++)
+      largest = fmax(largest, fabs(w[k] + matrix[4 * k + 3]));
+  }
+  return (float)largest;
+}
+
+/* The instances that refer to a share; number 0 is the world itself. */
+static bool build_placed(build *b) {
+  scene *s = b->scene;
+  size_t count = 1;
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++)
+    count += is_reference(b, in);
+  if (count == 1)
+    return true;
+  s->placed = array(b, count, sizeof *s->placed);
+  if (!s->placed)
+    return false;
+  s->placed[0] = (placed){.normal = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          .linear = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          .single = 2 * (uint32_t)s->quad_count,
+                          .mirror = 1.0f,
+                          .reach = -1.0f};
+  s->placed_count = 1;
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++) {
+    if (!is_reference(b, in))
+      continue;
+    const share *of = &b->share[b->shared[in->mesh]];
+    placed *p = &s->placed[s->placed_count++];
+    share own;
+    normal_matrix(in->matrix, &own);
+    *p = (placed){.quad = 2 * (uint32_t)of->quad,
+                  .single = (uint32_t)(2 * s->quad_count + of->single),
+                  .mirror = own.mirror,
+                  .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
+    scaled_matrix(own.normal, 3, p->normal);
+    scaled_matrix(in->matrix, 4, p->linear);
+  }
+  return true;
+}
+
 static bool build_world(build *b) {
   scene *s = b->scene;
   b->parts = calloc(s->meshes + 1, sizeof *b->parts);
@@ -282,23 +420,52 @@ static bool build_world(build *b) {
   parallel_for(s->threads, s->meshes, prepare_mesh, b);
   if (cancelled(b) || b->log->error[0] || !share_out(b))
     return false;
-  parallel_for(s->threads, s->instances, place_positions, b);
-  parallel_for(s->threads, b->chunk[s->instances], place_chunk, b);
-  return !cancelled(b);
+  parallel_for(s->threads, b->shares, place_positions, b);
+  parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
+  return !cancelled(b) && build_placed(b);
+}
+
+/* What Embree is to know of the shares from `first` on; the arrays' own for the world. */
+static accel_part part_of(const build *b, size_t quad, size_t quads, size_t single,
+                          size_t singles) {
+  return (accel_part){.quads = quads,
+                      .triangles = singles,
+                      .quad_position = b->quad + 4 * quad,
+                      .triangle_position = b->single + 3 * single};
 }
 
 static bool build_accel(build *b) {
   scene *s = b->scene;
   char error[MESSAGE_SIZE];
+  size_t shared = b->shares - b->own, references = s->placed_count ? s->placed_count - 1 : 0;
+  accel_part *part = array(b, shared, sizeof *part);
+  accel_instance *reference = array(b, references, sizeof *reference);
+  bool good = part && reference;
+  for (size_t i = 0; good && i < shared; i++) {
+    const share *sh = &b->share[b->own + i];
+    part[i] =
+        part_of(b, sh->quad, b->parts[sh->mesh].pairs, sh->single, b->parts[sh->mesh].singles);
+  }
+  accel_instance *next = reference;
+  for (size_t i = 0; good && i < s->instances; i++)
+    if (is_reference(b, &s->instance[i])) {
+      next->part = b->shared[s->instance[i].mesh] - b->own;
+      for (int k = 0; k < 12; k++)
+        next->matrix[k] = (float)s->instance[i].matrix[k];
+      next++;
+    }
   accel_input input = {.positions = b->positions,
-                       .quads = s->quad_count,
-                       .triangles = b->singles,
                        .position = b->position,
-                       .quad_position = b->quad,
-                       .triangle_position = b->single};
-  s->accel = accel_create(&input, s->threads, b->cancel, error, sizeof error);
-  if (!s->accel && error[0])
+                       .world = part_of(b, 0, b->own_quads, 0, b->own_singles),
+                       .parts = shared,
+                       .instances = references,
+                       .part = part,
+                       .instance = reference};
+  s->accel = good ? accel_create(&input, s->threads, b->cancel, error, sizeof error) : NULL;
+  if (good && !s->accel && error[0])
     message_error(b->log, "%s", error);
+  free(part);
+  free(reference);
   return s->accel != NULL;
 }
 
@@ -362,6 +529,7 @@ bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
   }
   free(b.parts);
   free(b.share);
+  free(b.shared);
   free(b.chunk);
   s->world[0] = b.position; /* Embree reads these while it lives */
   s->world[1] = b.quad;
@@ -376,6 +544,7 @@ void scene_free(scene *s) {
   for (int i = 0; i < 3; i++)
     free(s->world[i]);
   free(s->triangle);
+  free(s->placed);
   texture_free(&s->textures);
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);

@@ -71,6 +71,18 @@ typedef struct triangle {
   float unused[5];
 } triangle;
 
+/*
+ * An instance of a mesh that is kept once, as it is: hits of it are turned into the world.
+ * Directions alone: the largest number of each matrix is 1.
+ */
+typedef struct placed {
+  uint32_t quad, single; /* number of the mesh's first record of each kind */
+  float normal[3][3];    /* of normals */
+  float linear[3][3];    /* of tangents */
+  float mirror;          /* -1 where the matrix mirrors */
+  float reach;           /* as of a triangle; below 0: the triangle's */
+} placed;
+
 /* Records are numbered in 32 bits; the last number is a miss. */
 #define RECORD_MISS UINT32_MAX
 
@@ -101,6 +113,8 @@ typedef struct scene {
   /* made by scene_build */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
+  placed *placed; /* by instance of Embree; 0 is the world; NULL where there are none */
+  size_t placed_count;
   texture_set textures;
   void *world[3]; /* positions and indices, for Embree */
   accel *accel;

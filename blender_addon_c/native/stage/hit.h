@@ -3,21 +3,29 @@
 #include "batch/leaf.h"
 #include "stage/stage.h"
 
-static size_t stage_locate(size_t count, uint32_t triangle_base, hits *restrict hit) {
+LEAF size_t locate(bool instances, size_t count, uint32_t triangle_base,
+                   const placed *restrict table, hits *restrict hit) {
   uint32_t found = 0;
 #pragma omp simd reduction(+ : found)
   for (size_t i = 0; i < count; i++) {
     bool met = hit->geometry[i] != ACCEL_MISS;
     bool quad = hit->geometry[i] == ACCEL_QUADS;
     bool second = quad & (hit->u[i] + hit->v[i] > 1.0f);
-    uint32_t of_quad = 2 * hit->primitive[i] + (second ? 1u : 0u);
-    uint32_t index = quad ? of_quad : triangle_base + hit->primitive[i];
+    uint32_t quads = instances ? table[hit->instance[i]].quad : 0;
+    uint32_t singles = instances ? table[hit->instance[i]].single : triangle_base;
+    uint32_t of_quad = quads + 2 * hit->primitive[i] + (second ? 1u : 0u);
+    uint32_t index = quad ? of_quad : singles + hit->primitive[i];
     hit->u[i] = second ? 1.0f - hit->u[i] : hit->u[i];
     hit->v[i] = second ? 1.0f - hit->v[i] : hit->v[i];
     hit->record[i] = met ? index : RECORD_MISS;
     found += met ? 1u : 0u;
   }
   return found;
+}
+
+static size_t stage_locate(size_t count, uint32_t triangle_base, const placed *table, hits *hit) {
+  return table ? locate(true, count, triangle_base, table, hit)
+               : locate(false, count, triangle_base, NULL, hit);
 }
 
 static void stage_cover(size_t count, const hits *restrict hit, paths *restrict path) {

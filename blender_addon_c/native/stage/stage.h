@@ -8,6 +8,7 @@
  *   locate   hits to triangle records
  *   gather   hits only, one material after the other               by hit from here on
  *   corner   the triangle's corners, interpolated: one row of 8 floats a hit
+ *   place    into the world, where the scene has instances
  *   surface  position, frame, direction to the eye, uv
  *   flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
@@ -66,11 +67,13 @@ typedef struct stage_table {
 
   /* u and v of the second half of a quad become those of its own triangle. Returns the number of
      hits. */
-  size_t (*locate)(size_t count, uint32_t triangle_base, hits *hit);
+  size_t (*locate)(size_t count, uint32_t triangle_base, const placed *table, hits *hit);
   void (*cover)(size_t count, const hits *hit, paths *path);
   void (*gather)(size_t count, const uint32_t *lane, const float *in, float *out);
 
   void (*corner)(size_t count, const triangle *triangles, const hits *hit, corners *corner);
+  /* Hits of instances into the world. */
+  void (*place)(size_t count, const placed *table, hits *hit, corners *corner);
   void (*surface)(size_t count, const rays *ray, const hits *hit, const corners *corner,
                   surfaces *out);
 

@@ -28,6 +28,27 @@ static void stage_corner(size_t count, const triangle *restrict triangles, const
   }
 }
 
+LEAF void turn_row(const float m[3][3], float *row) {
+  float x = row[0], y = row[1], z = row[2];
+  for (int k = 0; k < 3; k++)
+    row[k] = m[k][0] * x + m[k][1] * y + m[k][2] * z;
+}
+
+/* By rows too: a hit reads one row of the table, all of it. */
+static void stage_place(size_t count, const placed *restrict table, hits *restrict hit,
+                        corners *restrict corner) {
+  for (size_t i = 0; i < count; i++) {
+    const placed *p = &table[hit->instance[i]];
+    float g[3] = {hit->g.x[i], hit->g.y[i], hit->g.z[i]};
+    turn_row(p->normal, corner->row + 8 * i);
+    turn_row(p->linear, corner->row + 8 * i + 3);
+    turn_row(p->normal, g);
+    store(&hit->g, i, (vec3){g[0], g[1], g[2]});
+    corner->handed[i] *= p->mirror;
+    corner->reach[i] = p->reach < 0.0f ? corner->reach[i] : p->reach;
+  }
+}
+
 static void stage_surface(size_t count, const rays *restrict ray, const hits *restrict hit,
                           const corners *restrict corner, surfaces *restrict out) {
 #pragma omp simd

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes kept once for many instances: the picture is that of copies, in a fraction of the memory."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from native_scenes import dump, image, material, render, scene, sphere, square, sun
+
+COPIES, RINGS = 60, 24  # 130,000 triangles in all: more than are copied
+
+
+def matrices(count, kind):
+    """Turned, stretched or mirrored, side by side."""
+    rng = np.random.default_rng(5)
+    out = []
+    for i in range(count):
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        turn[:, 0] *= np.sign(np.linalg.det(turn))
+        if kind == "mirrored":
+            turn[:, 1] *= -1
+        size = rng.uniform(0.5, 1.5, 3) if kind == "stretched" else np.full(3, rng.uniform(0.7, 1.3))
+        m = np.eye(4)
+        m[:3, :3] = 0.12 * turn * size
+        m[:3, 3] = (i % 8 / 4 - 0.875, i // 8 / 4 - 0.875, rng.uniform(-0.2, 0.2))
+        out.append(m)
+    return out
+
+
+def place(placed, mesh, shared):
+    """The same picture by one mesh, or by as many as there are instances."""
+    floor, rest = square(2.0, z=-0.5), [mesh] if shared else [mesh] * len(placed)
+    identity = np.eye(4).ravel().tolist()
+    instances = [{"mesh": 1 if shared else 1 + i, "matrix": m.ravel().tolist()}
+                 for i, m in enumerate(placed)]
+    bumps = np.float32(np.random.default_rng(2).uniform(0.35, 0.65, (8, 8, 3)))
+    bumps[..., 2] = 1
+    return scene(meshes=[floor, *rest], instances=[{"mesh": 0, "matrix": identity}, *instances],
+                 images=[image(bumps)], materials=[material(normal_image=0, detail="ROTATE")],
+                 lights=[sun((0.4, 0.2, 1))], width=64, height=64, samples=4)
+
+
+@pytest.mark.parametrize("kind", ["turned", "stretched", "mirrored"])
+def test_shared_mesh_is_shaded_as_copies_are(kind, tmp_path):
+    placed = matrices(COPIES, kind)
+    ball = sphere(RINGS)
+    planes = [dump(place(placed, ball, shared), tmp_path / "d.exr")[0] for shared in (True, False)]
+    same = np.ones_like(planes[0]["P.X"], bool)
+    for axis in "XYZ":  # but for rays along an outline, which either meet it or do not
+        same &= np.abs(planes[0][f"P.{axis}"] - planes[1][f"P.{axis}"]) < 1e-5
+    assert same.mean() > 0.999 and (planes[1]["P.Z"] > -0.4).mean() > 0.2
+    for name, plane in planes[1].items():
+        if plane.dtype.kind != "f" or name.startswith("light"):
+            continue
+        # corners' normals and tangents are interpolated before they are stretched, not after
+        limit = 0.02 if kind == "stretched" else 2e-4
+        wrong = np.abs(planes[0][name] - plane)[same]
+        assert np.quantile(wrong, 0.999) < limit, name
+
+
+def test_paths_and_shadows_meet_instances():
+    settings = {"max_bounces": 3, "background": (0.3, 0.4, 0.5)}
+    seen = [render({**place(matrices(COPIES, "turned"), sphere(RINGS), shared), **settings})[0]
+            for shared in (True, False)]
+    assert seen[1][..., :3].std() > 0.05
+    assert np.abs(seen[0] - seen[1]).mean() < 2e-3 * seen[1].mean()
+
+
+@pytest.mark.parametrize("bad", [np.diag([0, 1, 1, 1]), np.diag([0, 0, 0, 1]),
+                                 np.diag([1e-30, 1, 1, 1]), np.diag([1e30, 1e30, 1e30, 1])])
+def test_flat_and_endless_instances_are_no_trouble(bad):
+    placed = [*matrices(COPIES, "turned"), np.asarray(bad, float)]
+    picture, state = render(place(placed, sphere(RINGS), True))
+    assert state["state"] == "done" and np.isfinite(picture).all()
+
+
+MEMORY = """
+import resource, sys
+sys.path.insert(0, sys.argv[1])
+from test_native_instances import *
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+render(place(matrices(4000, "turned"), sphere(48), True))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+
+
+def test_memory_of_many_instances():
+    """4000 of 9000 triangles each: 36 million, of which 128 bytes each would be 4.6 GB."""
+    done = subprocess.run([sys.executable, "-c", MEMORY, str(Path(__file__).parent)],
+                          capture_output=True, text=True, timeout=300, check=True)
+    megabytes = int(done.stdout.split()[-1]) / 1024
+    print(f"{megabytes:.0f} MB")
+    assert megabytes < 100
