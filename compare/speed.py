@@ -57,7 +57,7 @@ def main(argv=None):
     output = report.step(
         f"Rendering the plate {options.repeat} times with each engine",
         programs.blender(programs.HERE / "plate_render.py", folder / "jobs.json"),
-        folder / "blender.log", programs.ADD_ON,
+        folder / "blender.log", {**programs.ADD_ON, "LIBSHADE_TIMINGS": "1"},
     )
     result = json.loads((folder / "seconds.json").read_text(encoding="utf-8"))
     seconds = dict(zip(jobs, result["seconds"]))
