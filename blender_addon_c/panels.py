@@ -52,6 +52,7 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(context.scene.libshade, "max_bounces")
+        layout.prop(context.scene.libshade, "sample_clamp_direct")
         layout.prop(context.scene.libshade, "sample_clamp_indirect")
 
 
@@ -92,17 +93,34 @@ class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
     def draw(self, context):
         layout, light = self.layout, context.light
         layout.row().prop(light, "type", expand=True)
-        if light.type not in {"SUN", "POINT"}:
-            layout.label(text="libshade renders sun and point lights only", icon="ERROR")
-            return
         layout.use_property_split = True
         layout.prop(light, "color")
         layout.prop(light, "energy", text="Strength" if light.type == "SUN" else "Power")
+        for name in ("exposure", "normalize"):  # from 4.5 on
+            if hasattr(light, name):
+                layout.prop(light, name)
         if light.type == "SUN":
             layout.prop(light, "angle")
+        elif light.type == "AREA":
+            self._draw_area(light)
         else:
             layout.prop(light, "shadow_soft_size", text="Radius")
+            if hasattr(light, "use_soft_falloff"):
+                layout.prop(light, "use_soft_falloff")
+        if light.type == "SPOT":
+            layout.prop(light, "spot_size")
+            layout.prop(light, "spot_blend", slider=True)
         layout.prop(light, "use_shadow")
+
+    def _draw_area(self, light):
+        layout = self.layout
+        layout.prop(light, "shape")
+        if light.shape in {"RECTANGLE", "ELLIPSE"}:
+            layout.prop(light, "size", text="Size X")
+            layout.prop(light, "size_y", text="Y")
+        else:
+            layout.prop(light, "size")
+        layout.prop(light, "spread")
 
 
 _CLASSES = (

@@ -24,8 +24,14 @@ class LibshadeSettings(bpy.types.PropertyGroup):
     max_bounces: IntProperty(
         name="Max Bounces",
         description="How often light may be reflected on its way after the first surface; with 0 "
-                    "surfaces see lamps only, neither each other nor the world",
+                    "surfaces see lamps and the world only, not each other",
         default=12, min=0, max=1024,
+    )
+    sample_clamp_direct: FloatProperty(
+        name="Clamp Direct",
+        description="Largest brightness that lamps and the world may add to a sample at the first "
+                    "surface; 0 leaves all as it is",
+        default=0.0, min=0.0, max=1e8,
     )
     sample_clamp_indirect: FloatProperty(
         name="Clamp Indirect",

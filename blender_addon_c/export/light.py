@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights: one function for each kind that the native module knows."""
+"""Lights: one function for each kind that the native module knows. Units, shapes and shares are
+those of the Cycles of the Blender that runs."""
 
 import math
 
+import bpy
 import numpy as np
 
 from . import tree
+
+# Cycles 3.4 took an area lamp's power for 4 / pi times what it is, dimmed spots by the cosine to
+# their axis and lit by a sun as by a flat disc. That 3.5 to 4.5 do as 5.0 was not measured.
+_OLD = bpy.app.version < (3, 5)
 
 
 def kinds(join):
@@ -21,23 +27,73 @@ def light_of(ob, matrix, messages):
         messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
                          f"only {kinds('and')}")
         return []
-    return [{"name": ob.name, "type": light.type, "shadow": light.use_shadow,
+    for kind in ("diffuse", "glossy", "transmission"):
+        if not getattr(ob, f"visible_{kind}", True):
+            messages.warning(f"light '{ob.name}': hidden from {kind} rays, which is not "
+                             "supported; it is seen")
+    cycles = getattr(light, "cycles", None)
+    if getattr(cycles, "is_portal", False):
+        messages.warning(f"light '{ob.name}': portals are not supported; left out")
+        return []
+    shadow = light.use_shadow and getattr(cycles, "cast_shadow", True)
+    met = getattr(cycles, "use_multiple_importance_sampling", True)
+    return [{"name": ob.name, "type": light.type, "shadow": shadow, "met": met,
              **_LIGHTS[light.type](light, matrix, strength)}]
 
 
 def _sun(light, matrix, strength):
-    """A sun's strength is its irradiance, in W/m²."""
-    return {"irradiance": strength, "angle": light.angle,
-            "direction": tuple(matrix.to_3x3().col[2].normalized())}
+    """A sun's strength is its irradiance, in W/m², or the radiance of its disc."""
+    sine = math.sin(min(light.angle, math.pi) / 2)
+    if not _normalized(light) and sine > 0:
+        strength = _times(strength, math.pi * sine * sine)
+    return {"irradiance": strength, "angle": light.angle, "even": not _OLD,
+            "direction": _unit(matrix.to_3x3().col[2])}
 
 
-def _point(light, matrix, strength):
-    """A point light's power, in W, spreads evenly over the sphere."""
-    return {"intensity": tuple(s / (4.0 * math.pi) for s in strength),
-            "position": tuple(matrix.translation), "radius": light.shadow_soft_size}
+def _bulb(light, matrix, strength):
+    """Power, in W, spreads evenly over the sphere; or power a square metre, over a ball's."""
+    scale = 1.0 / (4.0 * math.pi)
+    if not _normalized(light):
+        scale = light.shadow_soft_size**2 or 1.0 / math.pi
+    return {"intensity": _times(strength, scale), "position": tuple(matrix.translation),
+            "radius": light.shadow_soft_size, "ball": not getattr(light, "use_soft_falloff", True)}
 
 
-_LIGHTS = {"SUN": _sun, "POINT": _point}  # as in the native module's table
+def _spot(light, matrix, strength):
+    return {**_bulb(light, matrix, strength), "direction": _unit(-matrix.to_3x3().col[2]),
+            "angle": light.spot_size, "blend": light.spot_blend, "cosine_law": _OLD}
+
+
+def _area(light, matrix, strength):
+    """Power, in W, spreads by the cosine over a half sphere; or power a square metre."""
+    x, y, z = matrix.to_3x3().col
+    size = light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    u, v = (tuple(0.5 * length * a for a in axis) for length, axis in zip(size, (x, y)))
+    round_ = light.shape in {"DISK", "ELLIPSE"}
+    scale = 0.25 if _OLD else 1.0 / math.pi
+    if not _normalized(light):
+        area = np.linalg.norm(np.cross(u, v)) * (math.pi if round_ else 4.0)
+        scale = area / math.pi
+    return {"intensity": _times(strength, scale), "position": tuple(matrix.translation),
+            "axis_u": u, "axis_v": v, "direction": _unit(-z), "spread": light.spread,
+            "round": round_}
+
+
+_LIGHTS = {"SUN": _sun, "POINT": _bulb, "SPOT": _spot, "AREA": _area}  # as in the native module
+
+
+def _times(color, factor):
+    return tuple(float(c * factor) for c in color)
+
+
+def _unit(axis):
+    """Its direction; of an object of no size, up."""
+    return tuple(axis.normalized()) if axis.length > 1e-20 else (0.0, 0.0, 1.0)
+
+
+def _normalized(light):
+    """Is its strength that of the whole light, whatever its size? Can be chosen from 4.5 on."""
+    return getattr(light, "normalize", True)
 
 
 def _strength(light, messages):
@@ -47,8 +103,6 @@ def _strength(light, messages):
     factors = [light.color]
     if getattr(light, "use_temperature", False):
         factors.append(light.temperature_color)
-    if not getattr(light, "normalize", True):
-        messages.warning(f"{owner}: power by area (Normalize off) is not supported")
     if tree.of(light):
         color, strength = tree.emission(tree.of(light), "EMISSION", owner, messages, 1.0)
         factors.append(color)

@@ -7,8 +7,7 @@ from .camera import rows
 from .light import kinds, light_of
 from .material import Table
 from .mesh import mesh_of
-from .messages import SceneError
-from .world import background
+from .world import world_of
 
 _MOST_THREADS = 256  # that the native module starts
 
@@ -18,11 +17,8 @@ def read(depsgraph, camera, size, region, samples, messages):
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     table = Table(messages)
     meshes, instances, lights = _objects(depsgraph, table, messages)
-    if not instances:
-        raise SceneError("nothing to render: the scene has no visible mesh with faces")
-    sky = background(scene.world, messages)
-    bounces = scene.libshade.max_bounces
-    if not lights and not (bounces and any(sky)):
+    world = world_of(scene.world, table.images, messages)
+    if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if render.use_multiview:
         messages.warning("stereoscopy is not supported: every view shows the same picture")
@@ -34,8 +30,9 @@ def read(depsgraph, camera, size, region, samples, messages):
         "seed": scene.libshade.seed,
         "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
         "transparent": render.film_transparent,
-        "background": sky,
-        "max_bounces": bounces,
+        **world,
+        "max_bounces": scene.libshade.max_bounces,
+        "sample_clamp_direct": scene.libshade.sample_clamp_direct,
         "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
         **_pixel_filter(scene.libshade),
         "time_limit": scene.libshade.time_limit,

@@ -1,15 +1,149 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is behind everything."""
+"""What is around everything: one colour, or an image."""
+
+from mathutils import Matrix
 
 from . import tree
 
+# What its directions may come from, and their sign.
+_COORDINATES = {"Generated": 1, "Object": 1, "Normal": -1}
 
-def background(world, messages):
-    """Constant background, linear RGB."""
+
+def world_of(world, images, messages):
+    """The part of the scene's dictionary that says what is around everything."""
     if not world:
-        return (0.0, 0.0, 0.0)
+        return {"background": (0.0, 0.0, 0.0)}
+    hidden = {"sky_hidden": not _visible(world, messages)}
     nodes = tree.of(world)
     if not nodes:
-        return tuple(world.color)
-    color, strength = tree.emission(nodes, "BACKGROUND", f"world '{world.name}'", messages, 0.0)
-    return tuple(c * strength for c in color)
+        return {"background": tuple(world.color), **hidden}
+    return {**_Reader(world, images, messages).read(nodes), **hidden}
+
+
+def _visible(world, messages):
+    """Does the camera see it? Other rays always do."""
+    rays = getattr(world, "cycles_visibility", None)
+    if not rays:
+        return True
+    for kind in ("diffuse", "glossy", "transmission", "scatter"):
+        if not getattr(rays, kind, True):
+            messages.warning(f"world '{world.name}': hidden from {kind} rays, which is not "
+                             "supported; it is seen")
+    return getattr(rays, "camera", True)
+
+
+class _Reader:
+    """The nodes of one world."""
+
+    def __init__(self, world, images, messages):
+        self._owner, self._images, self._messages = f"world '{world.name}'", images, messages
+
+    def _warn(self, text):
+        self._messages.warning(f"{self._owner}: {text}")
+
+    def read(self, nodes):
+        shader = tree.shader_of(nodes)
+        node = shader.node if shader else None
+        if not node:
+            return {"background": (0.0, 0.0, 0.0)}
+        if node.type not in {"BACKGROUND", "EMISSION"}:
+            self._warn(f"'{node.name}' is not supported; black")
+            return {"background": (0.0, 0.0, 0.0)}
+        strength = tree.trace(node.inputs["Strength"], shader.groups)
+        if strength.node and strength.node.type != "VALUE":
+            self._warn(f"'{strength.node.name}' is not supported; the socket's own value is used")
+        value = (strength.output if strength.node and strength.node.type == "VALUE"
+                 else strength.socket).default_value
+        color = self._main(tree.trace(node.inputs["Color"], shader.groups))
+        if color.node and color.node.type == "TEX_ENVIRONMENT":
+            sky = self._image(color, value)
+            if sky:
+                return {"background": (0.0, 0.0, 0.0), "sky": sky}
+        plain = color.output if color.node and color.node.type == "RGB" else color.socket
+        return {"background": tuple(max(c * value, 0.0) for c in plain.default_value[:3])}
+
+    def _main(self, color):
+        """A node that is not known passes its main input through."""
+        passed = 0
+        while color.node and color.node.type not in {"TEX_ENVIRONMENT", "RGB"}:
+            self._warn(f"'{color.node.name}' is not supported; left out")
+            inputs = [s for s in color.node.inputs if s.type == "RGBA"]
+            linked = [s for s in inputs if s.is_linked]
+            passed += 1
+            if not inputs or passed > 100:
+                return tree.Source(color.socket, None, None, color.groups)
+            color = tree.trace((linked or inputs)[0], color.groups)
+        return color
+
+    def _image(self, color, strength):
+        node = color.node
+        if not node.image:  # as Cycles shows it
+            self._warn(f"'{node.name}' has no image")
+            return None
+        if node.interpolation not in {"Linear", "Closest"}:
+            self._warn(f"'{node.name}': interpolation {node.interpolation.lower()} is not "
+                       "supported; linear")
+        index = self._images.index(node.image, "REPEAT",
+                                   "CLOSEST" if node.interpolation == "Closest" else "LINEAR",
+                                   self._owner)
+        if index < 0:
+            return None
+        matrix = self._directions(tree.trace(node.inputs["Vector"], color.groups))
+        return {"image": index, "strength": (max(strength, 0.0),) * 3,
+                "matrix": [value for row in matrix[:3] for value in row],
+                "projection": node.projection}
+
+    def _directions(self, found):
+        """The matrix from a direction in the world to the one that the texture looks up."""
+        node = found.node
+        if node is None:
+            return Matrix.Identity(4)
+        if node.type == "MAPPING":
+            inner = tree.trace(node.inputs["Vector"], found.groups)
+            before = (self._directions(inner) if inner.node
+                      else _constant(inner.socket.default_value))
+            return self._mapping(node, found.groups) @ before
+        if node.type == "TEX_COORD" and found.output.name in _COORDINATES:
+            if found.output.name == "Object" and node.object:
+                self._warn(f"'{node.name}': coordinates of an object are not supported; the "
+                           "world's are used")
+            return Matrix.Diagonal((*(_COORDINATES[found.output.name],) * 3, 1.0))
+        self._warn(f"coordinates from '{node.name}' ({found.output.name}) are not supported; "
+                   "directions are used as they are")
+        return Matrix.Identity(4)
+
+    def _mapping(self, node, groups):
+        values = {"Location": (0.0, 0.0, 0.0)}  # not there in 5.0 where it says nothing
+        for name in ("Location", "Rotation", "Scale"):
+            socket = node.inputs.get(name)
+            if not socket:
+                continue
+            found = tree.trace(socket, groups)
+            if found.node:
+                self._warn(f"'{node.name}': {name} from '{found.node.name}' is not supported; "
+                           "the socket's own value is used")
+            values[name] = found.socket.default_value
+        place, turn = Matrix.Translation(values["Location"]), values["Rotation"].to_matrix().to_4x4()
+        scale = values["Scale"]
+        if node.vector_type == "POINT":
+            return place @ turn @ _diagonal(scale)
+        if node.vector_type == "TEXTURE":
+            return _diagonal(_inverse(scale)) @ turn.transposed() @ Matrix.Translation(
+                [-v for v in values["Location"]])
+        return turn @ _diagonal(scale if node.vector_type == "VECTOR" else _inverse(scale))
+
+
+def _diagonal(values):
+    return Matrix.Diagonal((*values, 1.0))
+
+
+def _inverse(values):
+    """As Blender divides: by 0 to 0."""
+    return [1.0 / v if v else 0.0 for v in values]
+
+
+def _constant(values):
+    """The matrix from any direction to one place."""
+    matrix = Matrix.Diagonal((0.0, 0.0, 0.0, 1.0))
+    matrix.translation = values
+    return matrix

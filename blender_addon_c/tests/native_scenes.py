@@ -87,6 +87,26 @@ def registers(first, count):
     return [(first + k,) for k in range(count)]
 
 
+def spot(position, direction=(0, 0, -1), intensity=(1, 1, 1), angle=1.0, blend=0.0, radius=0.0, cosine_law=False):
+    return point(position, intensity, radius) | {
+        "name": "spot", "type": "SPOT", "direction": direction, "angle": angle, "blend": blend,
+        "cosine_law": cosine_law,
+    }
+
+
+def area(position, size=(1, 1), intensity=(1, 1, 1), direction=(0, 0, -1), spread=np.pi, round=False):
+    """Along x and y."""
+    return {
+        "name": "area", "type": "AREA", "intensity": intensity, "position": position,
+        "axis_u": (size[0] / 2, 0, 0), "axis_v": (0, size[1] / 2, 0), "direction": direction,
+        "spread": spread, "round": round, "shadow": True,
+    }
+
+
+def sky(strength=(1, 1, 1), matrix=np.eye(3, 4), projection="EQUIRECTANGULAR", index=0):
+    return {"image": index, "strength": strength, "matrix": np.ravel(matrix).tolist(), "projection": projection}
+
+
 def material(color_image=-1, normal_image=-1, normal_strength=1.0, **changes):
     """A metal; the images' indices become nodes."""
     color = {"type": "IMAGE", "image": color_image, "out": registers(3, 3)}

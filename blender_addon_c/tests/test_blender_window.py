@@ -120,12 +120,12 @@ def test_viewport_says_what_is_wrong(window):
     window.wait("ready 0")
     window.please("viewport")
     window.wait("viewport: ")
-    window.please("area_light")
-    window.wait("viewport: light 'area': area lights are not supported, only sun and point")
-    window.please("empty")
-    nothing = "viewport: nothing to render: the scene has no visible mesh with faces"
-    window.wait(nothing)
+    window.please("portal")
+    portal = "viewport: light 'area': portals are not supported; left out"
+    window.wait(portal)
+    window.please("empty")  # a scene without faces is its world
+    window.wait(portal, times=2)
     window.please("redraw")
-    window.wait(nothing, times=2)
+    window.wait(portal, times=3)
     window.take_screenshot("blender_viewport_error.png")
-    assert window.log.read_text().splitlines()[-1] == nothing
+    assert window.log.read_text().splitlines()[-1] == portal

@@ -74,7 +74,7 @@ def change(path, value):
         (("camera", "frame"), "abc", "camera: frame must be"),
         (("lights",), 3, "lights must be a list"),
         (("lights", 0), 3, r"lights\[0\]: a dict is expected"),
-        (("lights", 0, "type"), "AREA", r"lights\[0\]: type must be one of SUN, POINT"),
+        (("lights", 0, "type"), "LAMP", r"lights\[0\]: type must be one of SUN, POINT, SPOT, AREA"),
         (("lights", 0, "direction"), (0, 0, 0), r"lights\[0\]: direction must be"),
         (("lights", 0, "angle"), -1, r"lights\[0\]: angle must be from 0"),
         (("lights", 1, "position"), (0, 0, float("inf")), r"lights\[1\]: position must be"),

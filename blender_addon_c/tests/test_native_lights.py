@@ -9,9 +9,18 @@ import ast
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, dump, native, point, scene, sun, unit, vectors
+from native_scenes import ROOT, area, dump, native, point, scene, spot, sun, unit, vectors
 
 TYPES = native.table()["lights"]
+
+def to(p):
+    return np.array((0.4, -0.3, 1.5)) - p
+
+
+def faded(t):
+    t = t.clip(0, 1)
+    return t * t * (3 - 2 * t)
+
 
 # By type: a light, and its irradiance and direction at P, from its definition.
 LIGHTS = {
@@ -26,6 +35,26 @@ LIGHTS = {
             np.array((0.4, -0.3, 1.5)) - p,
         ),
     ),
+    # cone of 60 degrees about an axis that leans, full up to half the cosine that is left
+    "SPOT": (
+        spot((0.4, -0.3, 1.5), (-0.3, 0.1, -1), (3, 2, 1), angle=np.pi / 3, blend=0.5),
+        lambda p: (
+            (3, 2, 1) / (to(p) ** 2).sum(-1)[..., None]
+            * faded((unit(-to(p)) @ unit(np.array((-0.3, 0.1, -1))) - np.cos(np.pi / 6))
+                    / (0.5 - 0.5 * np.cos(np.pi / 6)))[..., None],
+            to(p),
+        ),
+    ),
+    # as its middle gives it, with slats: half the cone's angle is 1
+    "AREA": (
+        area((0.4, -0.3, 1.5), (0.5, 0.5), (3, 2, 1), spread=2.0),
+        lambda p: (
+            (3, 2, 1) / (to(p) ** 2).sum(-1)[..., None] * unit(to(p))[..., 2:]
+            * (np.tan(1) - np.hypot(*to(p)[..., :2].T).T / to(p)[..., 2])[..., None].clip(0)
+            / (np.tan(1) - 1),
+            to(p),
+        ),
+    ),
 }
 
 
@@ -35,7 +64,7 @@ def test_what_reaches_a_plate(kind, tmp_path):
     light, truth = LIGHTS[kind]
     planes, _ = dump(scene(lights=[light]), tmp_path / "d.exr")
     irradiance, direction = truth(vectors(planes, "P"))
-    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), irradiance, rtol=1e-5)
+    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), irradiance, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(vectors(planes, "light0.L"), unit(direction), atol=1e-6)
 
 

@@ -19,13 +19,11 @@ def picture(**changes):
     return render(scene(**changes))[0][..., :3].astype(float)
 
 
-def test_without_bounces_the_sky_gives_no_light():
-    assert (picture(lights=[], background=SKY, materials=[matt(0.5)]) == 0).all()
-
-
-def test_a_matt_plate_under_an_even_sky():
-    """Every direction is drawn by its share: each sample is the answer."""
-    seen = picture(lights=[], background=SKY, materials=[matt(0.5)], max_bounces=1)
+@pytest.mark.parametrize("bounces", [0, 1])
+def test_a_matt_plate_under_an_even_sky(bounces):
+    """Every direction is drawn by its share: each sample is the answer. The sky is a light: it needs
+    no bounce."""
+    seen = picture(lights=[], background=SKY, materials=[matt(0.5)], max_bounces=bounces)
     np.testing.assert_allclose(seen, np.broadcast_to(np.multiply(0.5, SKY), seen.shape), rtol=2e-5)
 
 
@@ -64,14 +62,19 @@ def test_light_within_a_ball(bounces):
     np.testing.assert_allclose(seen.mean(), kd / np.pi * irradiance, rtol=4e-3)
 
 
-def test_clamp_dims_what_later_bounces_bring():
-    settings = {"lights": [sun(irradiance=(3, 2, 1))], "materials": [matt(0.5)], "background": SKY,
-                "max_bounces": 1}
-    direct = picture(**settings | {"max_bounces": 0})
-    indirect = np.multiply(0.5, SKY)
-    for clamp, dim in ((0.1, 0.1 / indirect.mean()), (0.7, 1), (0, 1)):
-        seen = picture(**settings, sample_clamp_indirect=clamp)
-        np.testing.assert_allclose(seen, direct + dim * indirect, rtol=2e-5)
+def test_clamps_of_direct_and_indirect_light():
+    """Sun and sky over a plate are direct, each by itself; what a ball's wall gives itself is not."""
+    lit, sky = picture(lights=[sun(irradiance=(3, 2, 1))], materials=[matt(0.5)]), np.multiply(0.5, SKY)
+    for clamp in (0.1, 0.2, 0.7, 0):
+        seen = picture(lights=[sun(irradiance=(3, 2, 1))], materials=[matt(0.5)], background=SKY,
+                       max_bounces=1, sample_clamp_direct=clamp, sample_clamp_indirect=0.01)
+        dimmed = [part * min(1, clamp / part.mean() if clamp else 1) for part in (lit[0, 0], sky)]
+        np.testing.assert_allclose(seen, np.broadcast_to(sum(dimmed), seen.shape), rtol=2e-5)
+    ball = {"lights": [point((0, 0, 0), (1, 1, 1))], "meshes": [sphere(64, 2.0)], "samples": 64,
+            "materials": [matt(0.7)], "camera": persp(eye=(0, 0, 0), target=(1, 0.2, 0.1))}
+    direct, most = picture(**ball, max_bounces=0).mean(), 0.01
+    seen = picture(**ball, max_bounces=1, sample_clamp_indirect=most).mean()
+    np.testing.assert_allclose(seen, direct + most, rtol=1e-3)
 
 
 def test_a_texture_may_be_of_the_body(tmp_path):

@@ -243,43 +243,40 @@ static size_t make_grid(void) {
 static void sun_light(void **state) {
   (void)state;
   const double radius = 0.5; /* tan(angle / 2) */
-  light sun = {.type = LIGHT_SUN, .of.sun = {.to = {0.6f, 0, 0.8f}}};
-  sun.of.sun.axis[0] = (vec3){0, 0.5f, 0};
-  sun.of.sun.axis[1] = (vec3){-0.4f, 0, 0.3f};
+  light sun = {.type = LIGHT_SUN,
+               .common = {.soft = true},
+               .of.sun = {.to = {0.6f, 0, 0.8f}, .radius = 0.5f, .cosine = 0.894427191f}};
+  sun.of.sun.axis[0] = (vec3){0, 1, 0};
+  sun.of.sun.axis[1] = (vec3){-0.8f, 0, 0.6f};
   size_t count = make_grid();
   stages->light[LIGHT_SUN](COUNT, &sun, false, &b->surface, &b->light);
   for (size_t i = 0; i < COUNT; i++)
     near3(load(&b->light.ray.d, i), 0.6, 0, 0.8, 1e-7);
-  stages->light[LIGHT_SUN](count, &sun, true, &b->surface, &b->light);
-  double across_squared = 0;
-  for (size_t i = 0; i < count; i++) {
-    vec3 d = load(&b->light.ray.d, i);
-    double along = dot_d(d, sun.of.sun.to);
-    near(dot_d(d, d), 1, 1e-6);
-    assert_true(along > 1 / sqrt(1 + radius * radius) - 1e-6);
-    across_squared += 1 / (along * along) - 1;
-    near((double)b->light.e[i], 1, 0);
-    assert_true(isinf(b->light.ray.tfar[i]));
+  for (int even = 0; even < 2; even++) {
+    sun.of.sun.even = even ? UINT32_MAX : 0;
+    stages->light[LIGHT_SUN](count, &sun, true, &b->surface, &b->light);
+    double across_squared = 0, facing = 0;
+    for (size_t i = 0; i < count; i++) {
+      vec3 d = load(&b->light.ray.d, i);
+      double along = dot_d(d, sun.of.sun.to);
+      near(dot_d(d, d), 1, 1e-6);
+      assert_true(along > 1 / sqrt(1 + radius * radius) - 1e-6);
+      across_squared += 1 / (along * along) - 1;
+      facing += along * (double)b->light.e[i];
+      near((double)b->light.pdf[i], 0, 0); /* no ray meets it */
+      assert_true(isinf(b->light.ray.tfar[i]));
+    }
+    if (even) /* what it gives to a surface that faces it */
+      near(facing / (double)count, 1, 1e-4);
+    else /* of an evenly lit disc */
+      near(across_squared / (double)count, radius * radius / 2, 1e-4);
   }
-  near(across_squared / (double)count, radius * radius / 2, 1e-4); /* of an evenly lit disc */
 }
 
 static void point_light(void **state) {
   (void)state;
   const double radius = 0.25;
-  light bulb = {.type = LIGHT_POINT, .of.point = {.position = {1, 2, 5}, .radius = (float)radius}};
-  size_t count = make_grid();
-  stages->light[LIGHT_POINT](count, &bulb, true, &b->surface, &b->light);
-  double height = 2, across_squared = 0;
-  for (size_t i = 0; i < count; i++) {
-    vec3 d = load(&b->light.ray.d, i);
-    double far = (double)b->light.ray.tfar[i];
-    near((double)d.z * far, height, 1e-6); /* on the disc that faces the point */
-    across_squared += far * far - height * height;
-    assert_true(far * far <= height * height + radius * radius + 1e-5);
-    near((double)b->light.e[i] * far * far, 1, 1e-6);
-  }
-  near(across_squared / (double)count, radius * radius / 2, 1e-4);
+  light bulb = {.type = LIGHT_POINT, .of.point.bulb = {.position = {1, 2, 5}}};
   make_points();
   store(&b->surface.p, 3, (vec3){1, 2, 5}); /* the light itself */
   stages->light[LIGHT_POINT](COUNT, &bulb, false, &b->surface, &b->light);
@@ -292,6 +289,243 @@ static void point_light(void **state) {
       near3(load(&b->light.ray.d, i), x / far, y / far, z / far, 1e-6);
   }
   untouched(b->light.e, COUNT);
+  bulb.of.point.bulb.radius = (float)radius;
+  size_t count = make_grid();
+  stages->light[LIGHT_POINT](count, &bulb, true, &b->surface, &b->light);
+  double height = 2, across_squared = 0;
+  for (size_t i = 0; i < count; i++) {
+    vec3 d = load(&b->light.ray.d, i);
+    double far = (double)b->light.ray.tfar[i];
+    near((double)d.z * far, height, 1e-6); /* on the disc that faces the point */
+    across_squared += far * far - height * height;
+    assert_true(far * far <= height * height + radius * radius + 1e-5);
+    near((double)b->light.e[i] * far * far * far, height, 1e-5);
+  }
+  near(across_squared / (double)count, radius * radius / 2, 1e-4);
+}
+
+/* Lights with an extent, and what they give to a surface at (1, 2, 3) that faces (0, 0, 1). */
+enum { SOFT_LIGHTS = 9 };
+static void soft_lights(light l[SOFT_LIGHTS], double irradiance[SOFT_LIGHTS]) {
+  const float pi = 3.14159265f;
+  light_bulb disc = {.position = {1, 2, 5}, .radius = 1}, ball = disc;
+  ball.ball = UINT32_MAX;
+  memset(l, 0, SOFT_LIGHTS * sizeof *l);
+  l[0] = (light){.type = LIGHT_POINT, .of.point.bulb = disc};
+  irradiance[0] = 1.0 / (4 + 1);
+  l[1] = (light){.type = LIGHT_POINT, .of.point.bulb = ball};
+  irradiance[1] = 1.0 / 4;
+  l[2] = (light){.type = LIGHT_SPOT,
+                 .of.spot = {.bulb = disc, .axis = {0, 0, -1}, .cosine = 0.5f, .rim = 1e7f}};
+  irradiance[2] = 1.0 / (4 + 1); /* all of it is within the cone */
+  l[3] = l[2];
+  l[3].of.spot.cosine_law = UINT32_MAX; /* 2 pi integral cos^2 sin / (pi radius^2) */
+  irradiance[3] = 2.0 / 3 * (1 - pow(0.8, 1.5));
+  l[4] =
+      (light){.type = LIGHT_SUN,
+              .of.sun = {.to = {0, 0, 1}, .radius = 1, .cosine = 0.70710678f, .even = UINT32_MAX}};
+  irradiance[4] = 1;
+  l[5] = l[4];
+  l[5].of.sun.even = 0; /* mean of the cosine over a disc */
+  irradiance[5] = 2 * (sqrt(2.0) - 1);
+  for (int k = 4; k < 6; k++)
+    across(l[k].of.sun.to, &l[k].of.sun.axis[0], &l[k].of.sun.axis[1]);
+  l[6] = (light){.type = LIGHT_AREA,
+                 .of.area = {.center = {1, 2, 5},
+                             .axis = {{1, 0, 0}, {0, 1, 0}},
+                             .across = {{1, 0, 0}, {0, 1, 0}},
+                             .normal = {0, 0, -1},
+                             .area = 4,
+                             .gain = 1}};
+  /* a square of half side 1 at height 2, by the corner's form factor, times 4: over pi */
+  double t = 0.5, q = t / sqrt(1 + t * t);
+  irradiance[6] = 4 * (q * atan(q)) / 4;
+  l[7] = l[6];
+  l[7].of.area.round = UINT32_MAX;
+  l[7].of.area.area = pi;
+  irradiance[7] = 1.0 / (4 + 1);
+  l[8] = l[7]; /* an ellipse, askew: its draws and its density are still each other's */
+  l[8].of.area.axis[0] = (vec3){0.5f, 0, 0};
+  l[8].of.area.across[0] = (vec3){2, 0, 0};
+  l[8].of.area.center = (vec3){1.5f, 1.5f, 4.5f};
+  l[8].of.area.area = 0.5f * pi;
+  l[8].of.area.slope = 0.3f;
+  irradiance[8] = 0; /* not known */
+  for (int k = 0; k < SOFT_LIGHTS; k++)
+    l[k].common =
+        (light_common){.color = {1, 2, 4}, .power = 1, .soft = true, .shadow = true, .met = true};
+}
+
+/*
+ * Draws of each light against what a ray meets of it: the same radiance, distance and density;
+ * densities that add up to 1 over the sphere, and cells of it that are found as often as that says
+ * (chi-square of up to 255 cells: 340 is beyond 1 in 1000).
+ */
+static void lights_drawn_and_met(void **state) {
+  (void)state;
+  enum { LINES = 16, COLUMNS = 16, FINE = 63, DRAWS = 64 * COUNT };
+  light all[SOFT_LIGHTS];
+  double irradiance[SOFT_LIGHTS];
+  soft_lights(all, irradiance);
+  b->walk = &b->walks[0];
+  for (int n = 0; n < SOFT_LIGHTS; n++) {
+    const light *l = &all[n];
+    /* cells about the axis (0, 0, 1), within the angle that the light may fill */
+    const double lowest = 0.55, line_height = (1 - lowest) / LINES;
+    double expected[LINES * COLUMNS] = {0}, sum = 0, seen[LINES * COLUMNS] = {0};
+    for (int line = 0; line < LINES * FINE; line++) {
+      size_t count = COLUMNS * FINE;
+      double z = lowest + (line + 0.5) * line_height / FINE, flat = sqrt(1 - z * z);
+      assert_true(count <= BATCH);
+      for (size_t i = 0; i < count; i++) {
+        double a = 6.283185307179586 * ((double)i + 0.5) / (double)count;
+        store(&b->walk->from, i, (vec3){1, 2, 3});
+        store(&b->sample_ray.o, i, (vec3){1, 2, 3});
+        store(&b->sample_ray.d, i,
+              (vec3){(float)(flat * cos(a)), (float)(flat * sin(a)), (float)z});
+        b->sample_ray.tfar[i] = INFINITY;
+        b->walk->pdf[i] = 1e-12f; /* the light's samples have all but nothing of the share */
+        b->met.r[i] = b->met.g[i] = b->met.b[i] = 0;
+      }
+      stages->meet[l->type](count, l, b->walk, &b->sample_ray, NULL, &b->met);
+      for (size_t i = 0; i < count; i++) {
+        light_meeting m;
+        vec3 o = {1, 2, 3}, d = load(&b->sample_ray.d, i);
+        m = l->type == LIGHT_POINT  ? light_point_meet(&l->of.point, o, d)
+            : l->type == LIGHT_SPOT ? light_spot_meet(&l->of.spot, o, d)
+            : l->type == LIGHT_SUN  ? light_sun_meet(&l->of.sun, o, d)
+                                    : light_area_meet(&l->of.area, o, d);
+        bool meets = m.distance > 0;
+        double cell = line_height / FINE * 6.283185307179586 / (double)count;
+        double pdf = meets ? (double)m.pdf : 0;
+        expected[line / FINE * COLUMNS + (int)(i / FINE)] += pdf * cell;
+        sum += pdf * cell;
+        double share = meets ? (double)m.radiance * 1e-12 / (pdf + 1e-12) : 0;
+        near((double)b->met.b[i] * 1e12, 4 * share * 1e12, 1e-4 * (1 + 4 * share * 1e12));
+      }
+    }
+    near(sum, 1, 0.01);
+    double facing = 0;
+    for (int draw = 0; draw < DRAWS; draw += COUNT) {
+      for (size_t i = 0; i < COUNT; i++) {
+        b->light.x[i] = between(0, 1);
+        b->light.y[i] = between(0, 1);
+        store(&b->surface.p, i, (vec3){1, 2, 3});
+      }
+      stages->light[l->type](COUNT, l, true, &b->surface, &b->light);
+      for (size_t i = 0; i < COUNT; i++) {
+        vec3 d = load(&b->light.ray.d, i);
+        double z = (double)d.z, a = atan2((double)d.y, (double)d.x) / 6.283185307179586;
+        near(dot_d(d, d), 1, 3e-6);
+        assert_true(z > lowest);
+        int line = (int)((z - lowest) / line_height), column = (int)((a < 0 ? a + 1 : a) * COLUMNS);
+        seen[(line < LINES ? line : LINES - 1) * COLUMNS + (column < COLUMNS ? column : 0)]++;
+        facing += z * (double)b->light.e[i];
+        /* a ray the same way, a hair towards the middle of the light, whose rim is sharp */
+        if (draw == 0) {
+          store(&b->walk->from, i, (vec3){1, 2, 3});
+          store(&b->sample_ray.o, i, (vec3){1, 2, 3});
+          store(&b->sample_ray.d, i, d);
+          b->sample_ray.tfar[i] = i % 2 ? INFINITY : 0.999f * b->light.ray.tfar[i];
+          b->walk->pdf[i] = b->light.pdf[i];
+          b->met.r[i] = b->met.g[i] = b->met.b[i] = 0;
+        }
+      }
+      if (draw)
+        continue;
+      stages->meet[l->type](COUNT, l, b->walk, &b->sample_ray, NULL, &b->met);
+      int rim = 0;
+      for (size_t i = 0; i < COUNT; i++) {
+        double radiance = (double)b->light.e[i] * (double)b->light.pdf[i];
+        bool stopped = i % 2 == 0 && l->type != LIGHT_SUN;
+        if (!stopped && b->met.r[i] == 0.0f && ++rim < 5)
+          continue;
+        near((double)b->met.r[i], stopped ? 0 : radiance / 2, 2e-4 * radiance);
+      }
+    }
+    if (irradiance[n] > 0) /* four deviations of what varies by half */
+      near(facing / DRAWS, irradiance[n], irradiance[n] * 2 / sqrt(DRAWS));
+    double chi2 = 0;
+    int cells = 0;
+    for (int k = 0; k < LINES * COLUMNS; k++)
+      if (expected[k] * DRAWS > 20) {
+        double error = seen[k] - expected[k] / sum * DRAWS;
+        /* a rim that crosses a cell is known to the fine grid only */
+        double spread = expected[k] * DRAWS + pow(0.02 * expected[k] * DRAWS, 2);
+        chi2 += error * error / spread;
+        cells++;
+      }
+    assert_true(cells >= 16);
+    if (!(chi2 < cells + 4.5 * sqrt(2.0 * cells)))
+      fail_msg("%s: light %d: chi-square %g of %d cells", stages->name, n, chi2, cells);
+  }
+}
+
+/* Each lane takes a light by its weight, and its sample is that of the light alone over the
+ * chance. */
+static void one_light_a_lane(void **state) {
+  (void)state;
+  light all[SOFT_LIGHTS];
+  double irradiance[SOFT_LIGHTS];
+  soft_lights(all, irradiance);
+  static const uint32_t used[] = {0, 4, 7};
+  all[0].common.power = all[7].common.power = 20;
+  make_points();
+  for (size_t i = 0; i < COUNT; i++) {
+    b->light.lot[i] = between(0, 1);
+    b->light.x[i] = between(0, 1);
+    b->light.y[i] = between(0, 1);
+    b->weight.sum[i] = 0;
+  }
+  for (size_t k = 0; k < 3; k++)
+    stages->weigh[all[used[k]].type](COUNT, &all[used[k]], &b->surface.p, &b->weight);
+  stages->weigh_evenly(COUNT, 0.25f, &b->weight);
+  memcpy(b->weight.total, b->weight.sum, sizeof b->weight.total);
+  memset(b->weight.sum, 0, sizeof b->weight.sum);
+  memset(b->light.number, 0xff, sizeof b->light.number);
+  double below[COUNT] = {0};
+  for (uint32_t k = 0; k < 4; k++) {
+    if (k < 3)
+      stages->weigh[all[used[k]].type](COUNT, &all[used[k]], &b->surface.p, &b->weight);
+    else
+      stages->weigh_evenly(COUNT, 0.25f, &b->weight);
+    stages->choose(COUNT, k, &b->weight, &b->light);
+    for (size_t i = 0; i < COUNT; i++) {
+      double total = (double)b->weight.total[i], lot = (double)b->light.lot[i];
+      double above = below[i] + (double)b->weight.one[i] / total;
+      if (fabs(lot - below[i]) > 1e-5 && fabs(lot - above) > 1e-5) {
+        bool takes = lot >= below[i] && lot < above;
+        assert_int_equal(b->light.number[i] == k, takes);
+        if (takes)
+          near((double)b->light.chance[i], (double)b->weight.one[i] / total, 1e-5);
+      }
+      below[i] = above;
+    }
+  }
+  near(below[5], 1, 1e-5);
+  for (uint32_t k = 0; k < 3; k++) {
+    size_t count = 0;
+    for (uint32_t i = 0; i < COUNT; i++)
+      if (b->light.number[i] == k)
+        b->lit[count++] = i;
+    assert_true(count > 20);
+    const light *l = &all[used[k]];
+    light_samples *alone = aligned_alloc(64, sizeof *alone);
+    assert_non_null(alone);
+    memcpy(alone, &b->light, sizeof *alone);
+    stages->light[l->type](COUNT, l, true, &b->surface, alone);
+    stages->chosen[l->type](count, b->lit, l, &b->surface, &b->light);
+    for (size_t m = 0; m < count; m++) {
+      uint32_t i = b->lit[m];
+      double chance = (double)b->light.chance[i], e = (double)alone->e[i] / chance;
+      near((double)b->light.e[i], e, 1e-4 * e);
+      near((double)b->light.pdf[i], (double)alone->pdf[i] * chance, 1e-4 * (double)alone->pdf[i]);
+      near((double)b->light.color.g[i], 2, 0);
+      near((double)b->light.ray.tnear[i], 0, 0);
+      near((double)b->light.ray.d.x[i], (double)alone->ray.d.x[i], 1e-6);
+    }
+    free(alone);
+  }
 }
 
 static void shadow_rays(void **state) {
@@ -629,7 +863,7 @@ static void metal_and_reflection(void **state) {
   assert_int_equal(
       stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, true, &b->reflection),
       0);
-  stages->reflect(COUNT, (const float[]){1, 2, 4}, &b->light, &b->reflection, &b->sum);
+  stages->reflect(COUNT, (const float[]){1, 2, 4}, false, &b->light, &b->reflection, &b->sum);
   for (size_t i = g.run.begin; i < COUNT; i++) {
     double dir[3][3], f[3], cosine;
     const lane_v *from[3] = {NULL, &b->light.wi, &b->surface.wo};
@@ -795,9 +1029,14 @@ static void walks_go_on(void **state) {
     b->sample_hit.record[i] = i % 2 ? RECORD_MISS : 3;
   }
   b->sum.r[COUNT - 1] = INFINITY; /* becomes as bright as may be */
+  b->sum.g[COUNT - 1] = 1;
   const float sky[3] = {1, 2, 3}, most = 5;
   stages->gain(COUNT, most, b->queue.moved, b->walk, &b->sum, &b->sample_color);
-  stages->escape(COUNT, most, b->sample_hit.record, sky, b->walk, &b->sample_color);
+  stages->escape(COUNT, b->sample_hit.record, sky, &b->met);
+  untouched(b->met.r, COUNT);
+  for (uint32_t i = 0; i < COUNT; i++)
+    b->queue.identity[i] = i;
+  stages->gain(COUNT, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
   for (uint32_t i = 0; i < COUNT; i++) {
     uint32_t ray = b->queue.moved[i];
     double w = (double)b->walk->weight.r[ray], mean = (w * i + 1) / 3,
@@ -829,6 +1068,8 @@ int main(void) {
                                        TEST(pairs_of_numbers),
                                        TEST(sun_light),
                                        TEST(point_light),
+                                       TEST(lights_drawn_and_met),
+                                       TEST(one_light_a_lane),
                                        TEST(shadow_rays),
                                        TEST(nodes),
                                        TEST(math_node),

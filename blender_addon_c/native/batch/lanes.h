@@ -95,14 +95,27 @@ typedef struct lane_run {
   size_t begin, end;
 } lane_run;
 
-/* One sample of a light for each point; here belongs its index once lanes draw lights of their own.
- */
+/* One sample of a light for each point. */
 typedef struct light_samples {
   lane_f x, y; /* where on it: a point of the unit square */
   rays ray;    /* d: to the light, unit, world */
   lane_f e;    /* irradiance as a part of the light's colour; shadows make it 0 */
+  lane_f pdf;  /* density of its direction, 1/sr; 0 where no drawn ray meets the light */
   lane_v wi;   /* to the light, in the shading frame */
+  /* where each lane chooses a light of its own */
+  lane_f lot;    /* uniform in [0, 1) */
+  lane_u number; /* of its light */
+  lane_f chance; /* with which it was chosen */
+  lane_c color;  /* its light's */
 } light_samples;
+
+/* The lights as a point sees them, for the choice among them: see light/light.h. */
+typedef struct light_weights {
+  lane_f one, sum, total;
+} light_weights;
+
+/* No light gives a point anything. */
+#define LIGHT_NONE UINT32_MAX
 
 /* Where a path goes on from each point. */
 typedef struct draws {

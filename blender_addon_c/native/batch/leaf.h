@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "batch/lanes.h"
 
@@ -34,6 +35,17 @@ LEAF vec3 select3(bool which, vec3 yes, vec3 no) {
 }
 LEAF vec3 cross(vec3 a, vec3 b) {
   return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/* yes where `mask` has all its bits, no where it has none. For what is the same for all lanes: such
+ * a bool would keep gcc from vectorising. */
+LEAF float either(uint32_t mask, float yes, float no) {
+  uint32_t a, b;
+  memcpy(&a, &yes, sizeof a);
+  memcpy(&b, &no, sizeof b);
+  a = (a & mask) | (b & ~mask);
+  memcpy(&yes, &a, sizeof yes);
+  return yes;
 }
 
 /* Unit length; false where it has no direction. */
@@ -172,6 +184,13 @@ LEAF float arc_tangent2(float y, float x) {
   angle = steep ? 1.57079633f - angle : angle;
   angle = x < 0.0f ? 3.14159265f - angle : angle;
   return y < 0.0f ? -angle : angle;
+}
+
+/* The angle of (x, y) in turns, [0, 1): 5e-8. */
+LEAF float turn_of(float y, float x) {
+  float a = arc_tangent2(y, x) * 0.159154943f;
+  a = a < 0.0f ? a + 1.0f : a;
+  return a < 1.0f ? a : 0.0f;
 }
 
 #endif

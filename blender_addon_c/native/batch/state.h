@@ -21,13 +21,20 @@ typedef struct batch {
   corners corner;
   surfaces surface;
   inputs input;
-  light_samples light; /* of the light at hand */
+  light_samples light; /* of the light at hand, or of one light a lane */
+  light_weights weight;
+  lane_u lit; /* hits by their light */
   reflections reflection;
   draws draw;
   walks *walk, *next; /* by ray, of this bounce and of the one after */
   walks walks[2];
   lane_u chosen; /* by ray: the hit it starts from */
   lane_c sum;    /* reflected light of all lights */
+  lane_u missed; /* by number: a ray that meets nothing */
+  lane_v toward; /* its direction, or one that a light sample of the sky goes to */
+  lane_c sky;    /* what is there */
+  lane_f sky_pdf;
+  lane_c met; /* by ray: light of lights it meets */
 } batch;
 
 #endif

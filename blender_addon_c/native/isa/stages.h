@@ -7,11 +7,15 @@
 #include "stage/surface.h"
 #include "stage/node.h"
 #include "stage/light.h"
+#include "stage/sky.h"
 #include "stage/closure.h"
 #include "stage/walk.h"
 #include "stage/film.h"
 
 #define LIGHT_FUNCTION(TYPE, name) stage_##name,
+#define CHOSEN_FUNCTION(TYPE, name) stage_chosen_##name,
+#define WEIGH_FUNCTION(TYPE, name) stage_weigh_##name,
+#define MEET_FUNCTION(TYPE, name) stage_meet_##name,
 #define NODE_FUNCTION(TYPE, name) stage_##name,
 #define CLOSURE_FUNCTION(TYPE, name) stage_##name,
 #define DRAW_FUNCTION(TYPE, name) stage_draw_##name,
@@ -29,6 +33,17 @@
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \
                                     .pair = stage_pair,                                            \
                                     .light = {LIGHT_TABLE(LIGHT_FUNCTION)},                        \
+                                    .chosen = {LIGHT_TABLE(CHOSEN_FUNCTION)},                      \
+                                    .weigh = {LIGHT_TABLE(WEIGH_FUNCTION)},                        \
+                                    .weigh_evenly = stage_weigh_evenly,                            \
+                                    .choose = stage_choose,                                        \
+                                    .meet = {LIGHT_TABLE(MEET_FUNCTION)},                          \
+                                    .sky = stage_sky,                                              \
+                                    .sky_pdf = stage_sky_pdf,                                      \
+                                    .sky_draw = stage_sky_draw,                                    \
+                                    .missed = stage_missed,                                        \
+                                    .lit_by_sky = stage_lit_by_sky,                                \
+                                    .met_sky = stage_met_sky,                                      \
                                     .lit = stage_lit,                                              \
                                     .shadow = stage_shadow,                                        \
                                     .closure = {CLOSURE_TABLE(CLOSURE_FUNCTION)},                  \

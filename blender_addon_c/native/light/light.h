@@ -6,6 +6,9 @@
  *   light_<name>_read     reads it from a scene
  *   light_<name>_sample   a leaf: what it gives to a point, from its middle or, if samples are to
  *                         be spread over it, from where (x, y) of the unit square falls on it
+ *   light_<name>_meet     a leaf: where a ray meets it, and with which density samples go there
+ *   light_<name>_weight   a leaf: about how much it gives to a point, for the choice among lights;
+ *                         more than 0 wherever it gives something
  *
  * and one row: ROW(TYPE, name). TYPE is the word in a scene, LIGHT_TYPE its number, stage_<name>
  * its stage and light_<name> its clock.
@@ -13,12 +16,16 @@
 #ifndef LIBSHADE_LIGHT_H
 #define LIBSHADE_LIGHT_H
 
+#include "light/area.h"
 #include "light/point.h"
+#include "light/spot.h"
 #include "light/sun.h"
 
 #define LIGHT_TABLE(ROW)                                                                           \
   ROW(SUN, sun)                                                                                    \
-  ROW(POINT, point)
+  ROW(POINT, point)                                                                                \
+  ROW(SPOT, spot)                                                                                  \
+  ROW(AREA, area)
 
 #define LIGHT_TYPE(TYPE, name) LIGHT_##TYPE,
 typedef enum light_type { LIGHT_TABLE(LIGHT_TYPE) LIGHT_TYPES } light_type;

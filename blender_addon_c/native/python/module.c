@@ -190,7 +190,8 @@ PyDoc_STRVAR(
     "timings(job) -> dict\n\n"
     "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
     "threads camera, hit, surface, shadow, reflect, film and, for each type, a\n"
-    "node_, a light_ and a closure_. samples: their number. Complete once the job has finished.");
+    "node_, a light_ and a closure_, sky and choice. samples: their number. Complete once the "
+    "job has finished.");
 static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   (void)self;
   handle *h = get_handle(capsule);

@@ -6,11 +6,15 @@
 #include <string.h>
 
 /* What points are taken for. */
-enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_LIGHT /* + its number */ };
+enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_CHOICE, PURPOSE_LIGHT };
 
 bool worker_init(worker *w) {
   w->batch = aligned_alloc(64, sizeof *w->batch);
   if (!w->batch)
+    return false;
+  w->batch->queue.tally = NULL;
+  w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
+  if (!w->end)
     return false;
   w->batch->walk = &w->batch->walks[0];
   w->batch->next = &w->batch->walks[1];
@@ -22,6 +26,7 @@ void worker_free(worker *w) {
   if (w->batch)
     queue_free(&w->batch->queue);
   free(w->batch);
+  free(w->end);
 }
 
 /* What rays meet; the first are those of the camera. */
@@ -97,36 +102,138 @@ static shuffle points_of(const worker *w, size_t phase, int bounce, size_t purpo
       .index = p->point[0] + phase, .reverse = p->reverse, .mask = p->mask, .salt = salt};
 }
 
-/* One light on all hits: b->sum grows by what they reflect. */
-static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
-  const light *l = &w->scene->light[number];
+/* Where on their lights the hits' samples lie. */
+static void draw_points(worker *w, int bounce, size_t phase) {
   const sampling *p = w->sampling;
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
-  size_t hits = b->queue.hits;
-  bool spread = l->common.soft && p->scramble; /* a dump takes lights at their middles */
-  if (spread && bounce == 0) {
+  if (bounce == 0) {
     points points = {.x = p->point[2] + phase,
                      .y = p->point[3] + phase,
-                     .salt = ((uint32_t)number + 1) * 0x9e3779b9u,
+                     .salt = 0x9e3779b9u,
                      .scramble = p->scramble};
-    s->pair(hits, &points, b->queue.lane, &b->path, &b->light);
-  } else if (spread) {
-    shuffle points = points_of(w, phase, bounce, PURPOSE_LIGHT + number);
-    s->shuffled(hits, &points, b->queue.lane, b->walk, &b->path, b->light.x, b->light.y);
+    s->pair(b->queue.hits, &points, b->queue.lane, &b->path, &b->light);
+  } else {
+    shuffle points = points_of(w, phase, bounce, PURPOSE_LIGHT);
+    s->shuffled(b->queue.hits, &points, b->queue.lane, b->walk, &b->path, b->light.x, b->light.y);
   }
-  s->light[l->type](hits, l, spread, &b->surface, &b->light);
+}
+
+/* What the hits reflect of their light samples: b->sum grows by it. */
+static void reflect(worker *w, int bounce, bool shadow, bool shared, const float *color,
+                    clock_number clock) {
+  const stage_table *s = w->scene->stages;
+  batch *b = w->batch;
+  size_t hits = b->queue.hits;
   s->lit(hits, &b->surface, &b->light);
-  clock_tick(&w->clocks, CLOCK_LIGHT + l->type);
-  if (l->common.shadow)
+  clock_tick(&w->clocks, clock);
+  if (shadow)
     accel_occluded(w->scene->accel, hits, bounce == 0, &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
     return;
-  run_closures(w, false);
-  s->reflect(hits, l->common.color, &b->light, &b->reflection, &b->sum);
+  run_closures(w, shared);
+  s->reflect(hits, color, shared, &b->light, &b->reflection, &b->sum);
   clock_tick(&w->clocks, CLOCK_REFLECT);
+}
+
+/* One light on all hits. */
+static void illuminate(worker *w, const light *l, int bounce, size_t phase) {
+  const light_common *c = &l->common;
+  bool spread = c->soft && w->sampling->scramble; /* a dump takes lights at their middles */
+  if (spread)
+    draw_points(w, bounce, phase);
+  w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
+                                   &w->batch->light);
+  reflect(w, bounce, c->shadow, spread && c->met, c->color, CLOCK_LIGHT + (clock_number)l->type);
+}
+
+/* Adds one light to the sums that the choice goes by. */
+static void weigh(worker *w, size_t number, size_t count, const lane_v *p) {
+  const scene *s = w->scene;
+  light_weights *weight = &w->batch->weight;
+  if (number < s->lights)
+    s->stages->weigh[s->light[number].type](count, &s->light[number], p, weight);
+  else
+    s->stages->weigh_evenly(count, s->sky.power, weight);
+}
+
+/* What all lights may give to these points, as b->weight.total. */
+static void weigh_all(worker *w, size_t count, const lane_v *p) {
+  batch *b = w->batch;
+  memset(b->weight.sum, 0, count * sizeof(float));
+  for (size_t k = 0; k < w->scene->choices; k++)
+    weigh(w, k, count, p);
+  memcpy(b->weight.total, b->weight.sum, count * sizeof(float));
+}
+
+/* A light for each hit, by what it may give there. */
+static void choose_lights(worker *w, int bounce, size_t phase) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  light_samples *l = &b->light;
+  size_t hits = b->queue.hits;
+  shuffle points = points_of(w, phase, bounce, PURPOSE_CHOICE);
+  s->stages->shuffled(hits, &points, b->queue.lane, b->walk, &b->path, l->lot, l->chance);
+  weigh_all(w, hits, &b->surface.p);
+  memset(b->weight.sum, 0, hits * sizeof(float));
+  memset(l->number, 0xff, hits * sizeof *l->number); /* LIGHT_NONE */
+  for (size_t k = 0; k < s->choices; k++) {
+    weigh(w, k, hits, &b->surface.p);
+    s->stages->choose(hits, (uint32_t)k, &b->weight, l);
+  }
+}
+
+/* The hits by their lights, each light's one after the other; end: of each in b->lit. */
+static void sort_by_light(worker *w) {
+  batch *b = w->batch;
+  const uint32_t *number = b->light.number;
+  size_t hits = b->queue.hits, choices = w->scene->choices;
+  memset(w->end, 0, choices * sizeof *w->end);
+  for (size_t i = 0; i < hits; i++)
+    if (number[i] != LIGHT_NONE)
+      w->end[number[i]]++;
+  for (size_t k = 0, begin = 0; k < choices; k++) {
+    size_t lanes = w->end[k];
+    w->end[k] = begin;
+    begin += lanes;
+  }
+  for (size_t i = 0; i < hits; i++)
+    if (number[i] != LIGHT_NONE)
+      b->lit[w->end[number[i]]++] = (uint32_t)i;
+    else
+      b->light.ray.tfar[i] = -1.0f;
+}
+
+static void illuminate_by_sky(worker *w, size_t count, const uint32_t *lane) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  s->stages->sky_draw(count, &s->sky, lane, &b->light, &b->toward, b->sky_pdf);
+  s->stages->sky(count, &s->sky, &b->toward, &b->sky);
+  s->stages->lit_by_sky(count, lane, &b->toward, b->sky_pdf, &b->sky, &b->light);
+}
+
+/* One light, or the sky, on each hit. */
+static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  choose_lights(w, bounce, phase);
+  sort_by_light(w);
+  draw_points(w, bounce, phase);
+  clock_tick(&w->clocks, CLOCK_CHOICE);
+  for (size_t k = 0, begin = 0; k < s->choices; begin = w->end[k++]) {
+    size_t count = w->end[k] - begin;
+    const uint32_t *lane = b->lit + begin;
+    if (count && k < s->lights) {
+      s->stages->chosen[s->light[k].type](count, lane, &s->light[k], &b->surface, &b->light);
+      clock_tick(&w->clocks, CLOCK_LIGHT + (clock_number)s->light[k].type);
+    } else if (count) {
+      illuminate_by_sky(w, count, lane);
+      clock_tick(&w->clocks, CLOCK_SKY);
+    }
+  }
+  reflect(w, bounce, true, s->meets, NULL, CLOCK_SHADOW);
 }
 
 static void zero(lane_c *color, size_t count) {
@@ -144,10 +251,15 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   zero(&b->sum, b->queue.hits);
   if (w->observer)
     w->observer->hits(w->observer->context, b, view);
-  for (size_t k = 0; k < s->lights; k++) {
-    illuminate(w, k, bounce, phase);
-    if (w->observer)
+  if (w->observer) {
+    for (size_t k = 0; k < s->lights; k++) {
+      illuminate(w, &s->light[k], bounce, phase);
       w->observer->light(w->observer->context, b, view, k, &s->light[k]);
+    }
+  } else if (s->choices == 1 && s->lights == 1) {
+    illuminate(w, &s->light[0], bounce, phase);
+  } else if (s->choices) {
+    illuminate_by_choice(w, bounce, phase);
   }
   clock_start(&w->clocks); /* an observer's time is no stage's */
 }
@@ -170,12 +282,49 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   return rays;
 }
 
-/* The bounces after the first: sample_color grows by what they bring. */
+/* The sky where rays meet nothing. */
+static void meet_sky(worker *w, size_t rays, const light_weights *weight) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  size_t missed =
+      s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
+  s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
+  s->stages->met_sky(missed, b->missed, b->sky_pdf, &b->sky, b->walk, s->sky.power, weight,
+                     &b->met);
+}
+
+/* What drawn rays meet of lights, each with the share that is left to them. */
+static void meet_lights(worker *w, size_t rays, float most) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  const light_weights *weight = NULL;
+  s->stages->escape(rays, b->sample_hit.record, s->background, &b->met);
+  if (s->choices > 1) {
+    weigh_all(w, rays, &b->walk->from);
+    weight = &b->weight;
+  }
+  for (size_t k = 0; k < s->lights; k++)
+    if (s->light[k].common.met) {
+      if (weight)
+        weigh(w, k, rays, &b->walk->from);
+      s->stages->meet[s->light[k].type](rays, &s->light[k], b->walk, &b->sample_ray, weight,
+                                        &b->met);
+    }
+  if (s->sky.power > 0.0f)
+    meet_sky(w, rays, weight);
+  s->stages->gain(rays, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
+}
+
+/* The bounces after the first: sample_color grows by what they bring. Of the last only what its
+ * rays meet of lights, which is light of the surface before. */
 static void follow(worker *w, const camera_view *view, size_t phase) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  const float most = s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY;
-  for (int bounce = 0; bounce < s->max_bounces && b->queue.hits; bounce++) {
+  float direct = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
+  float indirect = s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY;
+  int bounces = s->max_bounces + (s->meets ? 1 : 0);
+  for (int bounce = 0; bounce < bounces && b->queue.hits; bounce++) {
     size_t rays = go_on(w, bounce, phase);
     if (!rays)
       return;
@@ -183,14 +332,15 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     b->next = b->walk;
     b->walk = now;
     trace(w, false, rays);
-    s->stages->escape(rays, most, b->sample_hit.record, s->background, b->walk, &b->sample_color);
-    if (b->queue.hits)
+    if (s->meets)
+      meet_lights(w, rays, bounce ? indirect : direct);
+    if (b->queue.hits && bounce < s->max_bounces)
       sort_hits(w, rays);
     clock_tick(&w->clocks, CLOCK_TRACE);
-    if (!b->queue.hits)
+    if (!b->queue.hits || bounce >= s->max_bounces)
       return;
     shade(w, view, bounce + 1, phase);
-    s->stages->gain(b->queue.hits, most, b->queue.lane, b->walk, &b->sum, &b->sample_color);
+    s->stages->gain(b->queue.hits, indirect, b->queue.lane, b->walk, &b->sum, &b->sample_color);
   }
 }
 
@@ -201,12 +351,49 @@ static void begin_walks(batch *b, size_t count) {
     b->walk->weight.r[i] = b->walk->weight.g[i] = b->walk->weight.b[i] = 1.0f;
 }
 
-void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
-  const sampling *p = w->sampling;
+/* The sky behind all, for rays of the camera that meet nothing. */
+static void show_sky(worker *w, size_t count) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  size_t missed =
+      s->stages->missed(count, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
+  s->stages->scatter(missed, b->missed, &b->sky, &b->sample_color);
+}
+
+/* Light of the camera's rays, by sample: what surfaces reflect, and the sky behind them. `paths`:
+ * light by more ways than from one lamp. */
+static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths, bool sky,
+                                 size_t count, size_t phase) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   const queue *q = &b->queue;
+  if (q->hits)
+    shade(w, view, 0, phase);
+  if (!paths && !sky && q->lane == q->identity)
+    return &b->sum;
+  zero(&b->sample_color, count);
+  if (sky)
+    show_sky(w, count);
+  if (!q->hits)
+    return &b->sample_color;
+  if (paths && w->scene->clamp_direct > 0.0f)
+    s->gain(q->hits, w->scene->clamp_direct, q->lane, b->walk, &b->sum, &b->sample_color);
+  else
+    s->scatter(q->hits, q->lane, &b->sum, &b->sample_color);
+  if (paths)
+    follow(w, view, phase);
+  return &b->sample_color;
+}
+
+void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
+  const sampling *p = w->sampling;
+  const scene *scene = w->scene;
+  const stage_table *s = scene->stages;
+  batch *b = w->batch;
   size_t phase = view->first % p->period;
+  bool paths = !w->observer && (scene->max_bounces > 0 || scene->meets || scene->choices > 1 ||
+                                scene->clamp_direct > 0.0f);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
@@ -218,23 +405,16 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   clock_tick(&w->clocks, CLOCK_CAMERA);
   trace(w, true, count);
   s->cover(count, &b->sample_hit, &b->path);
-  if (q->hits)
+  bool sky = scene->sky.there && !scene->sky_hidden && !scene->transparent && !w->observer &&
+             b->queue.hits < count;
+  if (b->queue.hits)
     sort_hits(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);
-  if (!q->hits)
+  if (!b->queue.hits && !sky)
     return;
-  shade(w, view, 0, phase);
-  const lane_c *color = &b->sum;
-  bool on = w->scene->max_bounces > 0 && !w->observer;
-  if (on || q->lane != q->identity) {
-    color = &b->sample_color;
-    zero(&b->sample_color, count);
-    s->scatter(q->hits, q->lane, &b->sum, &b->sample_color);
-  }
-  if (on) {
+  if (paths)
     begin_walks(b, count);
-    follow(w, view, phase);
-  }
+  const lane_c *color = shade_batch(w, view, paths, sky, count, phase);
   s->film(count, view, color, &b->path, pixels);
   clock_tick(&w->clocks, CLOCK_FILM);
 }

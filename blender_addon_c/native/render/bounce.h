@@ -22,6 +22,7 @@ typedef struct worker {
   const sampling *sampling;
   const observer *observer; /* or NULL */
   batch *batch;
+  size_t *end;     /* by light that hits choose: past the last of them in batch->lit */
   unsigned status; /* bits of libshade */
   clocks clocks;
 } worker;

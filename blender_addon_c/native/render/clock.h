@@ -12,7 +12,9 @@ typedef enum clock_number {
   CLOCK_SURFACE,
   CLOCK_NODE,                            /* + node_type */
   CLOCK_LIGHT = CLOCK_NODE + NODE_TYPES, /* + light_type */
-  CLOCK_SHADOW = CLOCK_LIGHT + LIGHT_TYPES,
+  CLOCK_SKY = CLOCK_LIGHT + LIGHT_TYPES,
+  CLOCK_CHOICE, /* of a light a lane */
+  CLOCK_SHADOW,
   CLOCK_CLOSURE, /* + closure_type */
   CLOCK_REFLECT = CLOCK_CLOSURE + CLOSURE_TYPES,
   CLOCK_DRAW,
@@ -26,8 +28,8 @@ typedef enum clock_number {
 #define CLOCK_OF_LIGHT(TYPE, name) "light_" #name,
 #define CLOCK_OF_CLOSURE(TYPE, name) "closure_" #name,
 #define CLOCK_WORDS                                                                                \
-  "camera", "hit", "surface", NODE_TABLE(CLOCK_OF_NODE) LIGHT_TABLE(CLOCK_OF_LIGHT) "shadow",      \
-      CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "draw", "trace", "film"
+  "camera", "hit", "surface", NODE_TABLE(CLOCK_OF_NODE) LIGHT_TABLE(CLOCK_OF_LIGHT) "sky",         \
+      "choice", "shadow", CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "draw", "trace", "film"
 
 typedef struct clocks {
   double last, seconds[CLOCKS];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,12 +50,10 @@ static bool read_camera(reader *r, void *out, void *context) {
 #define LIGHT_READ(TYPE, name)                                                                     \
   case LIGHT_##TYPE:                                                                               \
     return light_##name##_read(r, &l->common, &l->of.name);
-static bool read_light(reader *r, void *out, void *context) {
+static bool read_kind_of_light(reader *r, light *l) {
   static const char *const types[] = {LIGHT_TABLE(LIGHT_WORD) NULL};
-  light *l = out;
   int type;
-  (void)context;
-  if (!reader_word(r, "type", types, &type) || !reader_flag(r, "shadow", &l->common.shadow))
+  if (!reader_word(r, "type", types, &type))
     return false;
   switch (l->type = (light_type)type) {
     LIGHT_TABLE(LIGHT_READ)
@@ -62,6 +61,22 @@ static bool read_light(reader *r, void *out, void *context) {
     break;
   }
   return false;
+}
+
+/* met: missing means yes. Light that throws no shadows would be met only where nothing is before
+ * it: it is sampled alone. */
+static bool read_light(reader *r, void *out, void *context) {
+  light *l = out;
+  light_common *c = &l->common;
+  bool met = true;
+  (void)context;
+  if (!reader_flag(r, "shadow", &c->shadow) || !read_kind_of_light(r, l) ||
+      (reader_has(r, "met") && !reader_flag(r, "met", &met)))
+    return false;
+  c->met = met && c->soft && c->shadow;
+  float power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
+  c->power = power < 1e30f ? power : 1e30f;
+  return true;
 }
 
 static bool read_image(reader *r, void *out, void *context) {
@@ -134,6 +149,14 @@ static bool read_material(reader *r, void *out, void *context) {
          read_closure(r, &g, m);
 }
 
+static bool read_sky(reader *r, scene *s) {
+  int images = (int)(s->images < INT_MAX ? s->images : INT_MAX);
+  if (!reader_has(r, "sky"))
+    return true;
+  memset(s->background, 0, sizeof s->background);
+  return reader_dict(r, "sky", sky_read, &s->sky, &images);
+}
+
 static bool all_below(size_t count, const uint32_t *index, size_t limit) {
   uint32_t largest = 0;
   for (size_t i = 0; i < count; i++)
@@ -204,7 +227,9 @@ static bool read_picture(reader *r, scene *s) {
       !reader_number(r, "seed", &seed) ||
       !reader_integer(r, "threads", 0, MAX_THREADS, &s->threads) ||
       !reader_flag(r, "transparent", &s->transparent) ||
-      !reader_floats(r, "background", 3, s->background) || !reader_text(r, "dump", "", &dump))
+      !reader_floats(r, "background", 3, s->background) ||
+      (reader_has(r, "sky_hidden") && !reader_flag(r, "sky_hidden", &s->sky_hidden)) ||
+      !reader_text(r, "dump", "", &dump))
     return false;
   if (*dump)
     s->dump = dump;
@@ -226,6 +251,9 @@ static bool read_picture(reader *r, scene *s) {
     return false;
   if (reader_has(r, "max_bounces") &&
       !reader_integer(r, "max_bounces", 0, MAX_BOUNCES, &s->max_bounces))
+    return false;
+  if (reader_has(r, "sample_clamp_direct") &&
+      !reader_number_within(r, "sample_clamp_direct", 0, 1e30, &s->clamp_direct))
     return false;
   if (reader_has(r, "sample_clamp_indirect") &&
       !reader_number_within(r, "sample_clamp_indirect", 0, 1e30, &s->clamp_indirect))
@@ -254,6 +282,7 @@ scene *scene_read(reader *r) {
   if (read_picture(r, s) && reader_dict(r, "camera", read_camera, &s->camera, s) &&
       reader_each(r, "lights", sizeof(light), &s->lights, &s->light, read_light, s) &&
       reader_each(r, "images", sizeof(image), &s->images, &s->image, read_image, s) &&
+      read_sky(r, s) &&
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
                   s) &&
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&

@@ -511,10 +511,26 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
   return true;
 }
 
+/* What may light a surface, and by which way. An even sky is no light to choose: rays that are
+ * drawn by the surface find it as well as can be. */
+static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) {
+  s->choices = s->lights;
+  s->meets = s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f;
+  for (size_t k = 0; k < s->lights; k++)
+    s->meets = s->meets || s->light[k].common.met;
+  if (!s->sky.there)
+    return true;
+  if (!sky_build(&s->sky, s->image, s->threads, cancel))
+    return message_error(log, "out of memory");
+  s->choices += s->sky.power > 0.0f;
+  s->meets = s->meets || s->sky.power > 0.0f;
+  return true;
+}
+
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
   build b = {.scene = s, .cancel = cancel, .log = log};
   double start = parallel_clock();
-  if (!build_materials(s, cancel, log))
+  if (!build_materials(s, cancel, log) || !build_lights(s, cancel, log))
     return false;
   double textures = parallel_clock();
   bool good = build_world(&b);
@@ -546,6 +562,7 @@ void scene_free(scene *s) {
   free(s->triangle);
   free(s->placed);
   texture_free(&s->textures);
+  sky_free(&s->sky);
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);
     free(s->material[i].node);

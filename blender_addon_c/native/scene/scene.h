@@ -19,6 +19,7 @@
 #include "node/node.h"
 #include "scene/accel.h"
 #include "system/message.h"
+#include "scene/sky.h"
 #include "scene/texture.h"
 
 typedef struct camera {
@@ -93,12 +94,15 @@ typedef struct scene {
   uint32_t seed;
   int threads;
   bool transparent;
-  float background[3];
+  float background[3]; /* 0 where there is a sky */
+  sky sky;
+  bool sky_hidden; /* background and sky are black to the camera */
   filter_type filter;
-  float filter_width;   /* pixels; 0: the pixel's square */
-  float time_limit;     /* seconds for the picture; 0: as many as it takes */
-  int max_bounces;      /* rays of a path after the camera's */
-  float clamp_indirect; /* largest brightness that a later bounce may add to a sample; 0: any */
+  float filter_width; /* pixels; 0: the pixel's square */
+  float time_limit;   /* seconds for the picture; 0: as many as it takes */
+  int max_bounces;    /* of a path before the surface that it sees last */
+  float clamp_direct; /* largest brightness that lights may add to a sample at its first surface */
+  float clamp_indirect; /* and all light at a later bounce; 0: any */
   camera camera;
   size_t lights, images, materials, meshes, instances;
   light *light;
@@ -111,6 +115,8 @@ typedef struct scene {
   const struct stage_table *stages; /* chosen with the materials: what the environment says then */
 
   /* made by scene_build */
+  size_t choices;                    /* lights, and the sky where it is one: the last */
+  bool meets;                        /* drawn rays may meet light */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
   placed *placed; /* by instance of Embree; 0 is the world; NULL where there are none */

@@ -220,3 +220,12 @@ bool texture_is_8bit(const image *m) {
   }
   return true;
 }
+
+void image_row(const image *source, int y, int channel, float *out) {
+  size_t width = (size_t)source->width;
+  load(source, (size_t)y * width, width, channel, out);
+  if (source->srgb) {
+    pthread_once(&srgb_once, srgb_table_fill);
+    srgb_decode(width, out);
+  }
+}

@@ -63,6 +63,9 @@ bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel);
  */
 bool texture_is_8bit(const image *source);
 
+/* One channel of a row of an image, linear; a channel that is missing repeats the first one. */
+void image_row(const image *source, int y, int channel, float *out);
+
 void texture_free(texture_set *set);
 
 #endif

@@ -12,12 +12,15 @@
  *   surface  position, frame, direction to the eye, uv
  *   flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
+ *   (or weigh, choose, chosen, lit                                one light for each hit)
  *   (trace)  accel_occluded
  *   shadow
  *   closure  f and cosine, for each material
  *   reflect  f cos E, added up over the lights
  *   shuffled, (draw), walk                                        the next ray, and so on from
- * trace film     averages over the samples of each pixel               by sample again
+ * trace
+ *   missed, sky, meet, gain                                       lights that it meets
+ *   film     averages over the samples of each pixel               by sample again
  *
  * Each is one loop over structures of batch/lanes.h. The stages are compiled once for each
  * instruction set; a stage_table holds the functions of one.
@@ -83,16 +86,43 @@ typedef struct stage_table {
 
   void (*pair)(size_t count, const points *points, const uint32_t *lane, const paths *path,
                light_samples *out);
-  /* By light_type: ray.d, ray.tfar and e, of the point (x, y) or of the light's middle. */
+  /* By light_type: ray.d, ray.tfar, e and pdf, of the point (x, y) or of the light's middle. */
   void (*light[LIGHT_TYPES])(size_t count, const light *light, bool spread, const surfaces *at,
                              light_samples *out);
+  /* The same for these lanes alone, of a light that each of them has chosen; its colour too. */
+  void (*chosen[LIGHT_TYPES])(size_t count, const uint32_t *lane, const light *light,
+                              const surfaces *at, light_samples *out);
+  /* weight->one of a light at points, added to weight->sum; */
+  void (*weigh[LIGHT_TYPES])(size_t count, const light *light, const lane_v *p,
+                             light_weights *weight);
+  void (*weigh_evenly)(size_t count, float power, light_weights *weight); /* the same of a sky */
+  /* and those lanes take light `number` whose lot the sum has passed with it. */
+  void (*choose)(size_t count, uint32_t number, const light_weights *weight, light_samples *out);
+  /* What rays meet of a light on their way, into met. Where weights are given, the light was one
+     of a choice by them. */
+  void (*meet[LIGHT_TYPES])(size_t count, const light *light, const walks *walk, const rays *ray,
+                            const light_weights *weight, lane_c *met);
+
+  /* The image around everything (sky.h). */
+  void (*sky)(size_t count, const sky *sky, const lane_v *d, lane_c *out);
+  void (*sky_pdf)(size_t count, const sky *sky, const lane_v *d, float *pdf);
+  void (*sky_draw)(size_t count, const sky *sky, const uint32_t *lane, const light_samples *from,
+                   lane_v *d, float *pdf);
+  size_t (*missed)(size_t count, const uint32_t *record, const rays *ray, uint32_t *missed,
+                   lane_v *toward);
+  /* Sky as the light of lanes that chose it; as what missed rays meet. */
+  void (*lit_by_sky)(size_t count, const uint32_t *lane, const lane_v *d, const float *pdf,
+                     const lane_c *sky, light_samples *out);
+  void (*met_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
+                  const walks *walk, float power, const light_weights *weight, lane_c *met);
   void (*lit)(size_t count, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
   /* density: out->pdf is wanted too. Returns status bits of libshade. */
   unsigned (*closure[CLOSURE_TYPES])(const segment *g, const surfaces *at, const inputs *given,
                                      const light_samples *light, bool density, reflections *out);
-  void (*reflect)(size_t count, const float color[3], const light_samples *light,
+  /* color NULL: each lane's own. shared: drawn rays meet these lights as well. */
+  void (*reflect)(size_t count, const float color[3], bool shared, const light_samples *light,
                   reflections *reflection, lane_c *sum);
 
   /* Points of later bounces, by hit: x and y uniform in [0, 1). sample: by ray. */
@@ -106,12 +136,12 @@ typedef struct stage_table {
   size_t (*walk)(size_t count, bool lots, const uint32_t *lane, const surfaces *at,
                  const walks *walk, draws *draw, rays *wide, uint32_t *chosen, walks *next,
                  rays *ray);
-  /* Adds to the samples: light of the hits; of rays that meet nothing. What is brighter than
-     `most`, in the mean of its three channels, is dimmed to it. */
+  /* Adds the light of hits or of rays, by lane, to the samples. What is brighter than `most`, in
+     the mean of its three channels, is dimmed to it. */
   void (*gain)(size_t count, float most, const uint32_t *lane, const walks *walk, const lane_c *sum,
                lane_c *color);
-  void (*escape)(size_t count, float most, const uint32_t *record, const float background[3],
-                 const walks *walk, lane_c *color);
+  /* Of rays that meet nothing, an even background. */
+  void (*escape)(size_t count, const uint32_t *record, const float background[3], lane_c *met);
 
   void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
   /* Adds samples to pixels of 4 floats. */

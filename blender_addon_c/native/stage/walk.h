@@ -116,11 +116,14 @@ static void stage_gain(size_t count, float most, const uint32_t *restrict lane,
   }
 }
 
-static void stage_escape(size_t count, float most, const uint32_t *restrict record,
-                         const float background[3], const walks *restrict walk,
-                         lane_c *restrict color) {
-  for (size_t k = 0; k < count; k++)
-    if (record[k] == RECORD_MISS)
-      add_dimmed(color, walk->sample[k], most, walk->weight.r[k] * background[0],
-                 walk->weight.g[k] * background[1], walk->weight.b[k] * background[2]);
+static void stage_escape(size_t count, const uint32_t *restrict record, const float background[3],
+                         lane_c *restrict met) {
+  const float red = background[0], green = background[1], blue = background[2];
+#pragma omp simd
+  for (size_t k = 0; k < count; k++) {
+    bool missed = record[k] == RECORD_MISS;
+    met->r[k] = missed ? red : 0.0f;
+    met->g[k] = missed ? green : 0.0f;
+    met->b[k] = missed ? blue : 0.0f;
+  }
 }

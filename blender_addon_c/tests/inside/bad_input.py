@@ -4,6 +4,7 @@
 For each: a line "CASE name", all that Blender prints, and "END finished|error".
 """
 
+import math
 import os
 import sys
 
@@ -195,9 +196,45 @@ def mixed(scene):
     tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
 
 
-def area_light(scene):
+def flat_lights(scene):
+    """Of no size, and of no direction."""
     plate(scene)
-    common.light(scene, "AREA")
+    for kind in ("AREA", "SPOT", "SUN"):
+        light = common.light(scene, kind, location=(0, 0, 2))
+        light.scale = (0, 0, 0)
+        if kind == "AREA":
+            light.data.spread = math.radians(1)
+
+
+def portal(scene):
+    plate(scene)
+    common.light(scene, "AREA").data.cycles.is_portal = True
+
+
+def sky(scene, image):
+    plate(scene)
+    scene.world = bpy.data.worlds.new("world")
+    tree = common.tree_of(scene.world)
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = image
+    tree.links.new(texture.outputs[0], tree.nodes["Background"].inputs["Color"])
+    return tree, texture
+
+
+def world_without_image(scene):
+    sky(scene, None)
+
+
+def world_of_nothing(scene):
+    """No number, less than no light, all that there is; looked up where a scale of 0 leads."""
+    image = bpy.data.images.new("sky", 4, 2, float_buffer=True, is_data=True)
+    image.pixels.foreach_set([math.nan, -1, math.inf, 1] * 8)
+    image.update()
+    tree, texture = sky(scene, image)
+    mapping = tree.nodes.new("ShaderNodeMapping")
+    mapping.vector_type = "TEXTURE"
+    mapping.inputs["Scale"].default_value = (0, 0, 0)
+    tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
 
 
 def world_shader(scene):
@@ -258,7 +295,8 @@ CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, generated, cycle,
     too_many_nodes,
-    other_uv_map, no_material, principled, anisotropic, beckmann, mixed, area_light, world_shader, panoramic,
+    other_uv_map, no_material, principled, anisotropic, beckmann, mixed, flat_lights, portal, world_shader,
+    world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
 ]

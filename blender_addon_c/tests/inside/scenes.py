@@ -554,6 +554,76 @@ def first_minute(options):
     return {}
 
 
+def lit(options):
+    """A floor, a matt ball and a metal one under one light, or under a world."""
+    scene = common.empty_scene(48, 32)
+    scene.render.film_transparent = False
+    scene.render.engine = options["engine"]
+    settings = scene.cycles if options["engine"] == "CYCLES" else scene.libshade
+    settings.samples, settings.max_bounces = options["samples"], 12
+    if options["engine"] == "CYCLES":
+        settings.use_denoising = settings.use_adaptive_sampling = False
+        settings.blur_glossy = settings.light_sampling_threshold = 0
+    else:
+        settings.filter_width = 0
+    for kind, color, rough, place in (("Diffuse", (0.6, 0.5, 0.4, 1), 0, None),
+                                      ("Diffuse", (0.3, 0.6, 0.3, 1), 0, (1, -0.3, 0.5)),
+                                      ("Glossy", (0.8, 0.7, 0.5, 1), 0.5, (-0.6, 0.2, 0.6))):
+        material = bpy.data.materials.new(kind)
+        tree = common.tree_of(material)
+        shader = tree.nodes.new("ShaderNodeBsdf" + kind)
+        shader.inputs["Color"].default_value, shader.inputs["Roughness"].default_value = color, rough
+        if kind == "Glossy":
+            shader.distribution = "GGX"
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        if place:
+            bpy.ops.mesh.primitive_uv_sphere_add(radius=place[2], location=place, segments=48, ring_count=24)
+            common.smooth(common.added(material).data)
+        else:
+            common.plane(material, 8)
+    if options["light"]:
+        light = common.light(scene, options["light"], location=(1, -1, 2), rotation=(0.5, 0.4, 0.2))
+        light.scale = options.get("scale", (1, 1, 1))
+        for name, value in options["settings"].items():
+            setattr(light.data, name, value)
+    else:
+        sky(scene, options["image"], options.get("mapping"))
+    common.camera(scene, (0, -5, 3), (1.08, 0, 0))
+    if options.get("empty"):
+        for ob in [ob for ob in scene.objects if ob.type == "MESH"]:
+            bpy.data.objects.remove(ob)
+    common.render(options["picture"])
+    return {}
+
+
+def sky(scene, image, mapping):
+    """A world of one colour, or of an image with two lamps in it."""
+    scene.world = bpy.data.worlds.new("world")
+    tree = common.tree_of(scene.world)
+    background = tree.nodes["Background"].inputs
+    background["Color"].default_value, background["Strength"].default_value = (0.3, 0.5, 0.8, 1), 1.5
+    if not image:
+        return
+    pixels = np.full((16, 32, 4), (0.2, 0.3, 0.5, 1), np.float32)
+    pixels[10:12, 5:7] = (30, 20, 10, 1)
+    pixels[13, 25] = (5, 20, 60, 1)
+    picture = bpy.data.images.new("sky", 32, 16, float_buffer=True, is_data=True)
+    picture.pixels.foreach_set(pixels.ravel())
+    picture.update()
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image, texture.projection = picture, image
+    tree.links.new(texture.outputs["Color"], background["Color"])
+    if mapping:
+        node = tree.nodes.new("ShaderNodeMapping")
+        node.vector_type = mapping["type"]
+        for name in ("Location", "Rotation", "Scale"):
+            if name in mapping:
+                node.inputs[name].default_value = mapping[name]
+        coordinates = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(coordinates.outputs["Generated"], node.inputs["Vector"])
+        tree.links.new(node.outputs["Vector"], texture.inputs["Vector"])
+
+
 def edges(options):
     """A turned plane, whose edges show the sampling pattern."""
     scene = common.empty_scene(24, 24)

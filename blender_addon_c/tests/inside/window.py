@@ -2,7 +2,7 @@
 """A Blender window to be driven by keys; tells its state line by line in a log.
 
 Files that ask for something, and go when it is done: SCREENSHOT.please for a picture of the
-window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.area_light
+window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.portal
 for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas
 to be drawn again.
 
@@ -76,8 +76,8 @@ def show_viewport():
             area.spaces.active.shading.type = "RENDERED"
 
 
-def add_area_light():
-    common.light(bpy.context.scene, "AREA")
+def add_portal():
+    common.light(bpy.context.scene, "AREA").data.cycles.is_portal = True
 
 
 def remove_meshes():
@@ -114,7 +114,7 @@ def telling_progress(text):
 def serve():
     for please, action in ((screenshot + ".please", take_screenshot),
                            (log_path + ".viewport", show_viewport),
-                           (log_path + ".area_light", add_area_light),
+                           (log_path + ".portal", add_portal),
                            (log_path + ".empty", remove_meshes),
                            (log_path + ".redraw", redraw)):
         if os.path.exists(please):

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * An image around everything, and a map of the sphere by which directions are drawn to where it is
+ * bright: cells of one solid angle, even in z and in the angle about it.
+ */
+#ifndef LIBSHADE_SKY_H
+#define LIBSHADE_SKY_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "scene/reader.h"
+#include "scene/texture.h"
+
+/* Powers of two: stage/sky.h halves them. 1024 columns are worth 1.23 times 256 in a studio. */
+enum { SKY_ROWS = 512, SKY_COLUMNS = 1024 };
+
+typedef struct sky {
+  bool there; /* else all below is 0 */
+  int image;
+  float strength[3];
+  float matrix[12]; /* of a direction to that in the image, rows of 4 */
+  uint32_t ball; /* the image is that of a mirror ball, else latitude by longitude; for either() */
+  uint32_t closest; /* texel, instead of bilinear; for either() */
+
+  /* made by sky_build */
+  int width, height;
+  float *texel;   /* r g b 0, times strength; one column and one row more repeat the first */
+  float *row;     /* part of the light below row i; SKY_ROWS + 1 */
+  float *column;  /* the same within each row; SKY_ROWS times SKY_COLUMNS + 1 */
+  float *density; /* of the cells, 1/sr */
+  float power;    /* irradiance if it came from all of the half sphere; 0: it is black */
+} sky;
+
+bool sky_read(reader *r, void *out, void *context);
+
+/* False when out of memory; stops early when *cancel is true. */
+bool sky_build(sky *s, const image *images, int threads, const atomic_bool *cancel);
+
+void sky_free(sky *s);
+
+#endif

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each light alone, and worlds, against the Cycles of the same Blender."""
+
+import numpy as np
+import pytest
+
+from test_blender_paths import averaged
+
+LIGHTS = {
+    "sun": ("SUN", {"energy": 3, "angle": 0.4}),
+    "point": ("POINT", {"energy": 200, "shadow_soft_size": 0}),
+    "soft point": ("POINT", {"energy": 200, "shadow_soft_size": 0.5}),
+    "ball": ("POINT", {"energy": 200, "shadow_soft_size": 0.5, "use_soft_falloff": False}),
+    "spot": ("SPOT", {"energy": 500, "spot_size": 1.3, "spot_blend": 0.4, "shadow_soft_size": 0}),
+    "soft spot": ("SPOT", {"energy": 500, "spot_size": 1.3, "spot_blend": 0.4, "shadow_soft_size": 0.4}),
+    "square": ("AREA", {"energy": 150, "shape": "SQUARE", "size": 1}),
+    "rectangle": ("AREA", {"energy": 150, "shape": "RECTANGLE", "size": 1.5, "size_y": 0.3}),
+    "disk": ("AREA", {"energy": 150, "shape": "DISK", "size": 1}),
+    "ellipse": ("AREA", {"energy": 150, "shape": "ELLIPSE", "size": 1, "size_y": 0.4}, {"scale": (1.5, 1, 1)}),
+    "spread": ("AREA", {"energy": 150, "shape": "SQUARE", "size": 1, "spread": 1.5}),
+    "for its area": ("AREA", {"energy": 150, "shape": "DISK", "size": 0.7, "normalize": False, "exposure": 1}),
+    "world": (None, {}, {"image": ""}),
+    "turned image": (None, {}, {"image": "EQUIRECTANGULAR", "mapping": {
+        "type": "POINT", "Rotation": (0.4, -0.3, 1)}}),
+    "bent image": (None, {}, {"image": "EQUIRECTANGULAR", "mapping": {
+        "type": "TEXTURE", "Location": (0.1, 0.2, -0.2), "Rotation": (0, 0.2, 2), "Scale": (1, 0.7, 1.2)}}),
+    "mirror ball": (None, {}, {"image": "MIRROR_BALL", "mapping": {"type": "VECTOR", "Rotation": (0, 0, 0.5)}}),
+}
+LATER = {"ball": "4", "for its area": "4.5"}  # the version that brought it
+
+
+@pytest.mark.parametrize("name", LIGHTS)
+def test_light(blender, tmp_path, name):
+    if blender.version < LATER.get(name, ""):
+        pytest.skip("this version has no such light")
+    light, settings, more = (*LIGHTS[name], {})[:3]
+    pictures = []
+    samples = 256 if "sp" in name else 128  # of spots and slats some reaches the floor by the ball only
+    for engine in "LIBSHADE", "CYCLES":
+        blender.scene("lit", tmp_path, dump="", engine=engine, samples=samples, light=light,
+                      settings=settings, **more)
+        pictures.append(averaged(tmp_path / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"{name}: relative error {apart:.4f}, mean {ours.mean() / theirs.mean():.4f} of {theirs.mean():.3f}")
+    assert theirs.mean() > 0.05
+    assert abs(ours.mean() / theirs.mean() - 1) <= 0.005
+    assert apart <= 0.02
+
+
+def test_a_world_alone(blender, tmp_path):
+    """A scene without a face is its world, pixel by pixel."""
+    pictures = []
+    for engine in "LIBSHADE", "CYCLES":
+        blender.scene("lit", tmp_path, dump="", engine=engine, samples=64, light=None, empty=True,
+                      image="EQUIRECTANGULAR", mapping={"type": "POINT", "Rotation": (1.5, 0.2, 0.3)})
+        pictures.append(averaged(tmp_path / "picture.exr"))
+    assert pictures[1].std() > 0.1
+    np.testing.assert_allclose(pictures[0], pictures[1], rtol=0.05, atol=0.02)
