@@ -21,7 +21,9 @@ HERE = Path(__file__).parent
 # all but flat, which only sets numbers, and scatter, which moves them, and one by one in AVX2
 KINDS = native.table()  # each has a stage of its name
 STAGES = """camera locate gather corner surface pair lit shadow reflect film""".split()
+STAGES += "weigh_evenly choose escape sky sky_pdf sky_draw".split()
 STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"]]
+STAGES += ["meet_" + kind.lower() for kind in KINDS["lights"]]
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 
 # arithmetic on whole registers; moving them about does not count
