@@ -106,7 +106,7 @@ static void stage_choose(size_t count, uint32_t number, const light_weights *res
   }
 }
 
-/* The share of a way to find light, of two whose densities these are [Veach1997, 9.2.4]. */
+/* The share of a way to find light, of two whose densities these are [VeachGuibas1995]. */
 LEAF float balance(float own, float other) {
   float sum = own + other;
   return own / (sum > 1e-30f ? sum : 1e-30f);
