@@ -5,7 +5,7 @@ N := blender_addon_c/native
 NATIVE := $(B)/blender/native
 NATIVE_SO := $(NATIVE)/_native.abi3.so
 NATIVE_PYTHON := /usr/bin/python3
-NATIVE_CFLAGS := -O3 -std=c11 -g -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
+NATIVE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
   -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
 NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*/*.c))

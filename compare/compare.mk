@@ -32,7 +32,7 @@ $(DEMO)/agreed: $(DEMO)/suzanne.blend $(RENDERERS) $(COMPARE)
 # choices of horizon against displaced bumps: a program of its own, no renderer
 $(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
 	$(call say,compile  ,$@)
-	$(Q)$(CC) -O2 -std=c11 -g $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $^ -lm -o $@
+	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $^ -lm -o $@
 
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
