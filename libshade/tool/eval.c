@@ -133,7 +133,7 @@ static void print_fresnel(FILE *to) {
 static void print_initial_lobe(FILE *to, const shade_params *initial) {
   shade_param_info info;
   double v[3];
-  const unsigned rows = numbers_of(SHADE_LIST_MDF, initial->mdf);
+  const unsigned rows = numbers_of(SHADE_LIST_MDF, (int)initial->mdf);
   for (int row = 0; shade_param_row(row, &info); row++)
     if (rows >> row & 1 && shade_params_get(initial, row, v) == SHADE_OK)
       fprintf(to, " --%s %g", info.word, *v);
