@@ -30,11 +30,15 @@ class LibshadeEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
+        for p in export.passes_of(renderlayer):
+            self.register_pass(scene, renderlayer, p.name, len(p.channels), p.channels, p.kind)
 
     def render(self, depsgraph):
         region = export.region_of(depsgraph.scene, self.resolution_x, self.resolution_y)
         x0, y0, x1, y1 = region
         pixels = np.zeros((y1 - y0) * (x1 - x0) * 4, np.float32)
+        for p in export.passes_of(depsgraph.view_layer):
+            self.add_pass(p.name, len(p.channels), p.channels, layer=depsgraph.view_layer.name)
         # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
         result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name)
         try:
@@ -64,6 +68,9 @@ class LibshadeEngine(bpy.types.RenderEngine):
         scene = export.read(depsgraph, camera, size, region,
                             depsgraph.scene.libshade.samples, messages)
         scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
+        passes = export.passes_of(depsgraph.view_layer)
+        scene["planes"] = [{"type": p.plane} for p in passes]
+        export.passes_left_out(depsgraph.view_layer, messages)
         synced = time.perf_counter()
         try:
             job = _native.start(scene)
@@ -73,6 +80,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
             state = self._wait(job, result, pixels)
             _native.image(job, pixels)
             _set_pixels(result, pixels)
+            _set_passes(result, job, passes, len(pixels) // 4)
             for text in state["warnings"]:
                 messages.warning(text)
             if state["state"] == "failed":
@@ -153,12 +161,19 @@ def _summary(timings, sync_seconds):
             f"{timings['samples']:.0f} samples; seconds summed over threads: {', '.join(stages)}")
 
 
-def _set_pixels(result, pixels):
-    rect = result.layers[0].passes["Combined"].rect
+def _set_pixels(result, pixels, name="Combined", channels=4):
+    rect = result.layers[0].passes[name].rect
     try:
         rect.foreach_set(pixels)
-    except TypeError:  # until 4.0 rows of four
-        rect.foreach_set(pixels.reshape(-1, 4))
+    except TypeError:  # until 4.0 rows of as many as there are channels
+        rect.foreach_set(pixels.reshape(-1, channels))
+
+
+def _set_passes(result, job, passes, count):
+    for p in passes:
+        numbers = np.zeros(count * len(p.channels), np.float32)
+        _native.image(job, numbers, p.plane)
+        _set_pixels(result, numbers, p.name, len(p.channels))
 
 
 def register():

@@ -3,6 +3,8 @@
 
 from .camera import camera_by, camera_of, region_of
 from .messages import Messages, SceneError
+from .passes import passes_left_out, passes_of
 from .scene import read
 
-__all__ = ["Messages", "SceneError", "camera_by", "camera_of", "read", "region_of"]
+__all__ = ["Messages", "SceneError", "camera_by", "camera_of", "passes_left_out", "passes_of", "read",
+           "region_of"]

@@ -58,7 +58,8 @@ class Reader:
 
     def read(self):
         material = self._material
-        plain = {"name": material.name if material else "", "closure": "METAL",
+        plain = {"name": material.name if material else "",
+            "pass_index": material.pass_index if material else 0, "closure": "METAL",
                  **nodes.initial_settings(), "nodes": []}
         if not material:
             return {**plain, **of_roughness(0.5), "f0": (0.8, 0.8, 0.8)}

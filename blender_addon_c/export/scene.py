@@ -75,7 +75,8 @@ def _objects(depsgraph, table, messages):
                 known[key] = len(meshes) if mesh else None
                 meshes += [mesh] if mesh else []
             if known[key] is not None:
-                instances.append({"mesh": known[key], "matrix": rows(item.matrix_world)})
+                instances.append({"mesh": known[key], "matrix": rows(item.matrix_world),
+                                  "pass_index": ob.pass_index})
     return meshes, instances, lights
 
 

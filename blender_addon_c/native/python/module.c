@@ -156,31 +156,52 @@ static PyObject *native_cancel(PyObject *self, PyObject *capsule) {
   Py_RETURN_NONE;
 }
 
-PyDoc_STRVAR(image_doc, "image(job, out)\n\n"
+PyDoc_STRVAR(image_doc, "image(job, out, plane='')\n\n"
                         "Copy the picture so far into a writable float32 buffer of 4 floats a\n"
-                        "pixel of the region: linear, alpha premultiplied, bottom row first.");
+                        "pixel of the region: linear, alpha premultiplied, bottom row first. Or a\n"
+                        "plane that the scene asked for, of as many floats a pixel as it has.");
+
+/* The plane of that word, if it is one that is rendered; PLANES where none is meant. */
+static bool find_plane(const render *r, const char *word, plane_type *out) {
+  *out = PLANES;
+  for (int k = 0; k < PLANES; k++)
+    if (strcmp(word, plane_word((plane_type)k)) == 0)
+      *out = (plane_type)k;
+  if (!*word || (*out != PLANES && r->planes.wanted >> *out & 1u))
+    return true;
+  PyErr_Format(PyExc_ValueError, "image: the scene did not ask for a plane '%s'", word);
+  return false;
+}
+
 static PyObject *native_image(PyObject *self, PyObject *arguments) {
   PyObject *capsule, *out;
+  const char *word = "";
+  plane_type plane;
   Py_buffer view;
   (void)self;
-  if (!PyArg_ParseTuple(arguments, "OO:image", &capsule, &out))
+  if (!PyArg_ParseTuple(arguments, "OO|s:image", &capsule, &out, &word))
     return NULL;
   handle *h = get_handle(capsule);
   if (!h)
     return NULL;
   render *r = &h->job->render;
+  if (!find_plane(r, word, &plane))
+    return NULL;
   Py_ssize_t width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
+  Py_ssize_t count = width * height * (plane == PLANES ? 4 : plane_channels(plane));
   if (PyObject_GetBuffer(out, &view, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT) != 0)
     return NULL;
   const char *format = view.format ? view.format : "B";
   format += *format && strchr("@=<", *format) ? 1 : 0;
-  if (strcmp(format, "f") != 0 || view.len != width * height * 4 * (Py_ssize_t)sizeof(float)) {
-    PyErr_Format(PyExc_ValueError, "image: a buffer of %zd float32 is expected",
-                 width * height * 4);
+  if (strcmp(format, "f") != 0 || view.len != count * (Py_ssize_t)sizeof(float)) {
+    PyErr_Format(PyExc_ValueError, "image: a buffer of %zd float32 is expected", count);
     PyBuffer_Release(&view);
     return NULL;
   }
-  render_copy(r, view.buf);
+  if (plane == PLANES)
+    render_copy(r, view.buf);
+  else
+    render_copy_plane(r, plane, view.buf);
   PyBuffer_Release(&view);
   Py_RETURN_NONE;
 }

@@ -368,8 +368,13 @@ static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths,
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   const queue *q = &b->queue;
-  if (q->hits)
+  if (q->hits) {
     shade(w, view, 0, phase);
+    if (w->numbers) {
+      plane_add(w->planes, w->scene, b, view, w->first_pass, w->numbers);
+      clock_tick(&w->clocks, CLOCK_FILM);
+    }
+  }
   if (!paths && !sky && q->lane == q->identity)
     return &b->sum;
   zero(&b->sample_color, count);

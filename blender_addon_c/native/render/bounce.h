@@ -5,6 +5,7 @@
 
 #include "batch/state.h"
 #include "render/clock.h"
+#include "render/plane.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
 
@@ -21,6 +22,9 @@ typedef struct worker {
   const scene *scene;
   const sampling *sampling;
   const observer *observer; /* or NULL */
+  const plane_layout *planes;
+  bool first_pass;
+  float *numbers; /* of the tile's planes, or NULL where none is wanted */
   batch *batch;
   size_t *end;     /* by light that hits choose: past the last of them in batch->lit */
   unsigned status; /* bits of libshade */

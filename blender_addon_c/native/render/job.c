@@ -65,6 +65,7 @@ static void *controller(void *argument) {
 static void release(job *j) {
   render_free(&j->render);
   free(j->render.sum);
+  free(j->render.numbers);
   sampling_free(&j->samples);
   scene_free(j->scene);
   message_free(&j->log);
@@ -99,7 +100,10 @@ job *job_start(scene *s) {
   memcpy(j->render.region, s->region, sizeof s->region);
   size_t pixels = (size_t)(s->region[2] - s->region[0]) * (size_t)(s->region[3] - s->region[1]);
   j->render.sum = calloc(pixels + 1, 4 * sizeof(float));
-  if (!j->render.sum ||
+  j->render.planes = plane_layout_of(s->planes);
+  if (s->planes)
+    j->render.numbers = calloc(pixels + 1, (size_t)j->render.planes.channels * sizeof(float));
+  if (!j->render.sum || (s->planes && !j->render.numbers) ||
       !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter, s->filter_width) ||
       !render_prepare(&j->render) || pthread_create(&j->thread, NULL, controller, j) != 0) {
     release(j);

@@ -28,8 +28,9 @@ static void tile_bounds(const render *r, size_t tile, int low[2], int high[2]) {
   }
 }
 
-/* The tile's samples into the picture's. */
-static void add_pixels(const render *r, const camera_view *view, const float *pixels) {
+/* The tile's numbers, `channels` a pixel, into those of the picture. */
+static void add_pixels(const render *r, const camera_view *view, size_t channels,
+                       const float *pixels, float *sum) {
   for (uint32_t p = 0; p < (uint32_t)(r->side * r->side); p++) {
     int x, y;
     pixel_place(view, p, &x, &y);
@@ -37,14 +38,14 @@ static void add_pixels(const render *r, const camera_view *view, const float *pi
     y -= r->region[1];
     if (x < 0 || y < 0 || x >= r->region[2] - r->region[0] || y >= r->region[3] - r->region[1])
       continue;
-    float *out = r->sum + 4 * ((size_t)y * region_width(r) + (size_t)x);
-    for (int c = 0; c < 4; c++)
-      out[c] += pixels[4 * p + (unsigned)c];
+    float *out = sum + channels * ((size_t)y * region_width(r) + (size_t)x);
+    for (size_t c = 0; c < channels; c++)
+      out[c] += pixels[channels * p + c];
   }
 }
 
 static void render_tile(render *r, worker *w, size_t tile) {
-  float pixels[4 * SIDE * SIDE] = {0};
+  float pixels[4 * SIDE * SIDE] = {0}, numbers[PLANE_CHANNELS_MAX * SIDE * SIDE];
   const scene *s = r->scene;
   size_t samples = w->sampling->period, lanes = samples * (size_t)(r->side * r->side);
   camera_view view = {.camera = &s->camera,
@@ -58,6 +59,11 @@ static void render_tile(render *r, worker *w, size_t tile) {
                       .scramble = w->sampling->scramble,
                       .warp = w->sampling->warp};
   memcpy(view.region, r->region, sizeof view.region);
+  size_t channels = (size_t)r->planes.channels;
+  if (r->numbers) {
+    memset(numbers, 0, channels * SIDE * SIDE * sizeof *numbers);
+    w->numbers = numbers;
+  }
   for (size_t first = 0; first < lanes; first += BATCH) {
     if (cancelled(r))
       return;
@@ -66,7 +72,9 @@ static void render_tile(render *r, worker *w, size_t tile) {
   }
   pthread_mutex_lock(&r->film);
   if (r->sum)
-    add_pixels(r, &view, pixels);
+    add_pixels(r, &view, 4, pixels, r->sum);
+  if (r->numbers)
+    add_pixels(r, &view, channels, numbers, r->numbers);
   atomic_fetch_add_explicit(&r->done[tile], 1, memory_order_release);
   pthread_mutex_unlock(&r->film);
   atomic_fetch_add_explicit(&r->finished, samples, memory_order_relaxed);
@@ -81,7 +89,7 @@ static bool goes_on(const render *r, size_t pass) {
 static void work(void *context, size_t number) {
   (void)number;
   render *r = context;
-  worker w = {.scene = r->scene, .observer = r->observer};
+  worker w = {.scene = r->scene, .observer = r->observer, .planes = &r->planes};
   if (worker_init(&w)) {
     for (;;) {
       size_t next = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed);
@@ -94,6 +102,7 @@ static void work(void *context, size_t number) {
       if (atomic_load_explicit(&r->done[tile], memory_order_acquire) < pass)
         break;
       w.sampling = &r->plan->pass[pass];
+      w.first_pass = pass == 0;
       render_tile(r, &w, tile);
     }
   } else {
@@ -146,23 +155,57 @@ static void copy_row(const scene *s, size_t count, float scale, const float *res
   }
 }
 
+/* Where a tile lies in the picture, and how many samples its pixels have. */
+typedef struct patch {
+  int low[2], high[2];
+  size_t samples;
+} patch;
+
+static patch patch_of(const render *r, size_t tile) {
+  patch p = {.samples = 0};
+  tile_bounds(r, tile, p.low, p.high);
+  size_t passes = atomic_load_explicit(&r->done[tile], memory_order_acquire);
+  for (size_t k = 0; k < passes; k++)
+    p.samples += r->plan->pass[k].period;
+  return p;
+}
+
+/* Number of a pixel of the region. */
+static size_t place_of(const render *r, int x, int y) {
+  return (size_t)(y - r->region[1]) * region_width(r) + (size_t)(x - r->region[0]);
+}
+
 void render_copy(render *r, float *out) {
-  size_t stride = 4 * region_width(r);
   for (size_t tile = 0; tile < r->tiles; tile++) {
-    int low[2], high[2];
-    tile_bounds(r, tile, low, high);
-    size_t count = (size_t)(high[0] - low[0]), samples = 0;
     pthread_mutex_lock(&r->film);
-    size_t passes = atomic_load_explicit(&r->done[tile], memory_order_acquire);
-    for (size_t k = 0; k < passes; k++)
-      samples += r->plan->pass[k].period;
-    for (int y = low[1]; y < high[1]; y++) {
-      size_t at = (size_t)(y - r->region[1]) * stride + 4 * (size_t)(low[0] - r->region[0]);
-      if (samples)
-        copy_row(r->scene, count, 1.0f / (float)samples, r->sum + at, out + at);
+    patch p = patch_of(r, tile);
+    size_t count = (size_t)(p.high[0] - p.low[0]);
+    for (int y = p.low[1]; y < p.high[1]; y++) {
+      size_t at = 4 * place_of(r, p.low[0], y);
+      if (p.samples)
+        copy_row(r->scene, count, 1.0f / (float)p.samples, r->sum + at, out + at);
       else
         memset(out + at, 0, 4 * count * sizeof *out);
     }
+    pthread_mutex_unlock(&r->film);
+  }
+}
+
+void render_copy_plane(render *r, plane_type plane, float *out) {
+  size_t channels = (size_t)plane_channels(plane), stride = (size_t)r->planes.channels;
+  for (size_t tile = 0; tile < r->tiles; tile++) {
+    pthread_mutex_lock(&r->film);
+    patch p = patch_of(r, tile);
+    float scale = !plane_is_filtered(plane) ? 1.0f : p.samples ? 1.0f / (float)p.samples : 0.0f;
+    for (int y = p.low[1]; y < p.high[1]; y++)
+      for (int x = p.low[0]; x < p.high[0]; x++) {
+        size_t at = place_of(r, x, y);
+        const float *from = r->numbers + stride * at + r->planes.at[plane];
+        for (size_t c = 0; c < channels; c++)
+          out[channels * at + c] = from[c] * scale;
+        if (plane == PLANE_DEPTH && !(from[0] > 0.0f))
+          out[at] = PLANE_FAR;
+      }
     pthread_mutex_unlock(&r->film);
   }
 }

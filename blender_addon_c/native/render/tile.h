@@ -15,7 +15,9 @@ typedef struct render {
   const atomic_bool *cancel;
   message_log *log;
   int region[4];
-  float *sum;               /* of the samples: RGBA of the region, from its lowest row; or NULL */
+  float *sum; /* of the samples: RGBA of the region, from its lowest row; or NULL */
+  plane_layout planes;
+  float *numbers;           /* of the planes that are wanted: all of a pixel, as sum; or NULL */
   const observer *observer; /* or NULL */
   double time_limit;        /* seconds after which no tile is begun once all have a pass; 0: none */
 
@@ -44,6 +46,8 @@ double render_progress(const render *r);
 /* The picture so far: each pixel's mean over the samples that it has. May run at the same time as
  * render_run. */
 void render_copy(render *r, float *out);
+/* The same of a plane that is wanted. */
+void render_copy_plane(render *r, plane_type plane, float *out);
 void render_free(render *r);
 
 #endif

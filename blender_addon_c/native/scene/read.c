@@ -7,10 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/plane.h"
 #include "scene/reader.h"
 #include "system/parallel.h"
 
-enum { MAX_SIZE = 1 << 16, MAX_SAMPLES = 1 << 16, MAX_THREADS = 256, MAX_BOUNCES = 1024 };
+enum {
+  MAX_SIZE = 1 << 16,
+  MAX_SAMPLES = 1 << 16,
+  MAX_THREADS = 256,
+  MAX_BOUNCES = 1024,
+  MAX_INDEX = 32767
+};
 
 static bool read_lens(reader *r, camera *c) {
   if (!reader_floats(r, "lens", 2, c->lens) ||
@@ -144,6 +151,8 @@ static bool read_material(reader *r, void *out, void *context) {
   material *m = out;
   graph g = {.images = s->images};
   m->number = (int)(m - s->material);
+  if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
+    return false;
   return reader_text(r, "name", NULL, &m->name) &&
          reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g) &&
          read_closure(r, &g, m);
@@ -213,8 +222,31 @@ static bool read_instance(reader *r, void *out, void *context) {
       !reader_numbers(r, "matrix", 16, matrix))
     return false;
   in->mesh = (size_t)index;
+  if (reader_has(r, "pass_index") &&
+      !reader_integer(r, "pass_index", 0, MAX_INDEX, &in->pass_index))
+    return false;
   memcpy(in->matrix, matrix, sizeof in->matrix);
   return true;
+}
+
+static bool read_plane(reader *r, void *out, void *context) {
+  const char *words[PLANES + 1] = {NULL};
+  scene *s = context;
+  int *type = out;
+  for (int k = 0; k < PLANES; k++)
+    words[k] = plane_word((plane_type)k);
+  if (!reader_word(r, "type", words, type))
+    return false;
+  s->planes |= 1u << *type;
+  return true;
+}
+
+static bool read_planes(reader *r, scene *s) {
+  size_t count;
+  int *types = NULL;
+  bool good = reader_each(r, "planes", sizeof *types, &count, &types, read_plane, s);
+  free(types);
+  return good;
 }
 
 static bool read_picture(reader *r, scene *s) {
@@ -247,6 +279,8 @@ static bool read_picture(reader *r, scene *s) {
       return false;
     s->filter = (filter_type)filter;
   }
+  if (reader_has(r, "planes") && !read_planes(r, s))
+    return false;
   if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
     return false;
   if (reader_has(r, "max_bounces") &&

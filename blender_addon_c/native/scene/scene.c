@@ -29,6 +29,7 @@ typedef struct parts {
 typedef struct share {
   size_t mesh;
   const double *matrix; /* 12 */
+  int pass_index;
   size_t position, quad, single;
   double normal[9];   /* inverse transpose but for a positive factor */
   float mirror;       /* -1 when the matrix mirrors */
@@ -175,7 +176,8 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
   const share *sh = &b->share[index];
   const mesh *m = &b->scene->mesh[sh->mesh];
   const float *world[3];
-  *out = (triangle){.material = (uint32_t)m->material[t], .handed = 1.0f};
+  *out = (triangle){
+      .material = (uint32_t)m->material[t], .handed = 1.0f, .object = (float)sh->pass_index};
   for (unsigned k = 0; k < 3; k++)
     world[k] = b->position + 3 * (sh->position + m->corner_position[3 * t + (turn + k) % 3]);
   for (unsigned k = 0; k < 3; k++) {
@@ -301,12 +303,13 @@ static void find_bounds(const mesh *m, float bounds[2][3]) {
 }
 
 /* Room in the arrays for another copy of a mesh. */
-static void add_share(build *b, size_t mesh_index, const double *matrix) {
+static void add_share(build *b, size_t mesh_index, const double *matrix, int pass_index) {
   scene *s = b->scene;
   const parts *p = &b->parts[mesh_index];
   share *sh = &b->share[b->shares++];
   *sh = (share){.mesh = mesh_index,
                 .matrix = matrix,
+                .pass_index = pass_index,
                 .position = b->positions,
                 .quad = s->quad_count,
                 .single = b->singles};
@@ -326,14 +329,14 @@ static bool share_out(build *b) {
     return false;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++)
     if (!is_reference(b, in))
-      add_share(b, in->mesh, in->matrix);
+      add_share(b, in->mesh, in->matrix, in->pass_index);
   b->own = b->shares;
   b->own_quads = s->quad_count;
   b->own_singles = b->singles;
   for (size_t i = 0; i < s->meshes; i++)
     if (b->shared[i] != WORLD) {
       b->shared[i] = b->shares;
-      add_share(b, i, identity);
+      add_share(b, i, identity, 0);
       find_bounds(&s->mesh[i], b->share[b->shared[i]].bounds);
     }
   for (size_t i = 0; i < b->shares; i++) {
@@ -405,6 +408,7 @@ static bool build_placed(build *b) {
     *p = (placed){.quad = 2 * (uint32_t)of->quad,
                   .single = (uint32_t)(2 * s->quad_count + of->single),
                   .mirror = own.mirror,
+                  .object = (float)in->pass_index,
                   .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
     scaled_matrix(own.normal, 3, p->normal);
     scaled_matrix(in->matrix, 4, p->linear);

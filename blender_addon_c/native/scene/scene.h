@@ -38,6 +38,7 @@ typedef enum filter_type { FILTER_BLACKMAN_HARRIS, FILTER_GAUSSIAN } filter_type
 
 typedef struct material {
   int number; /* material.ID of a dump */
+  int pass_index;
   char *name;
   unsigned status; /* of its closure's parameters: what had to be clamped */
   closure closure;
@@ -58,6 +59,7 @@ typedef struct mesh {
 typedef struct instance {
   size_t mesh;
   double matrix[12]; /* object to world, rows of 4 */
+  int pass_index;    /* of its object */
 } instance;
 
 /*
@@ -69,7 +71,8 @@ typedef struct triangle {
   uint32_t material;
   float handed; /* bitangent = handed * cross(normal, tangent) */
   float reach;  /* largest coordinate of a corner: scale of rounding errors */
-  float unused[5];
+  float object; /* pass_index of its instance */
+  float unused[4];
 } triangle;
 
 /*
@@ -82,6 +85,7 @@ typedef struct placed {
   float linear[3][3];    /* of tangents */
   float mirror;          /* -1 where the matrix mirrors */
   float reach;           /* as of a triangle; below 0: the triangle's */
+  float object;
 } placed;
 
 /* Records are numbered in 32 bits; the last number is a miss. */
@@ -99,6 +103,7 @@ typedef struct scene {
   bool sky_hidden; /* background and sky are black to the camera */
   filter_type filter;
   float filter_width; /* pixels; 0: the pixel's square */
+  unsigned planes;    /* what is rendered beside the picture: a bit for each plane_type */
   float time_limit;   /* seconds for the picture; 0: as many as it takes */
   int max_bounces;    /* of a path before the surface that it sees last */
   float clamp_direct; /* largest brightness that lights may add to a sample at its first surface */

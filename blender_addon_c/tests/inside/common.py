@@ -45,6 +45,13 @@ def empty_scene(width=64, height=48, samples=4):
     return scene
 
 
+def write_multilayer(scene):
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):  # from 5.0 on
+        settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format = "OPEN_EXR_MULTILAYER"
+
+
 def link(scene, name, data, location=(0, 0, 0), rotation=(0, 0, 0)):
     ob = bpy.data.objects.new(name, data)
     ob.location, ob.rotation_euler = location, rotation

@@ -147,10 +147,7 @@ def layers(options):
     second = scene.view_layers.new("second")
     second.layer_collection.children["first only"].exclude = True
     scene.view_layers[0].name = "first"
-    settings = scene.render.image_settings
-    if hasattr(settings, "media_type"):  # from 5.0 on
-        settings.media_type = "MULTI_LAYER_IMAGE"
-    settings.file_format = "OPEN_EXR_MULTILAYER"
+    common.write_multilayer(scene)
     common.render(options["picture"])
     return {}
 
@@ -688,6 +685,29 @@ def viewport(options):
     alpha = drawn[-1].reshape(side, side, 4)[side // 2, :, 3]
     return {"said": said, "alpha": [float(alpha[int((x + 1) / 2 * side)])
                                     for x, _ in options["planes"]]}
+
+
+def passes(options):
+    """A tilted plate, two metres before the camera, in one view layer and not in the other."""
+    scene = common.empty_scene(16, 16, samples=8)
+    common.write_multilayer(scene)
+    common.camera(scene, (0, 0, 3), type="ORTHO", ortho_scale=2)
+    common.light(scene)
+    plate = common.plane(common.metal()[0], 1.0)
+    plate.rotation_euler, plate.location = (0.0, 0.5, 0.0), (0.0, 0.0, 1.0)  # x: -cos to cos
+    plate.pass_index, plate.data.materials[0].pass_index = 7, 3
+    collection = bpy.data.collections.new("plate")
+    scene.collection.children.link(collection)
+    scene.collection.objects.unlink(plate)
+    collection.objects.link(plate)
+    common.plane(common.metal("aside")[0]).location = (10, 10, 0)
+    full, empty = scene.view_layers[0], scene.view_layers.new("Empty")
+    empty.layer_collection.children["plate"].exclude = True
+    for layer in (full, empty):
+        for name in options["passes"]:
+            setattr(layer, "use_pass_" + name, True)
+    common.render(options["picture"])
+    return {"layers": [full.name, empty.name]}
 
 
 for line in sys.stdin:
