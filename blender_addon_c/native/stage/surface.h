@@ -9,6 +9,9 @@
  */
 #define SURFACE_OFFSET 2e-6f
 
+/* Cosine of eye and interpolated normal that is left as it is. */
+#define GRAZING 0.02f
+
 /* One corner of a triangle, or the interpolated one. */
 typedef float row8 __attribute__((vector_size(32), aligned(4), may_alias));
 
@@ -65,15 +68,23 @@ static void stage_surface(size_t count, const rays *restrict ray, const hits *re
     float offset = SURFACE_OFFSET * (corner->reach[i] + fabsf(o.x) + fabsf(o.y) + fabsf(o.z) + far);
     store(&out->g, i, scaled(flat, offset));
 
-    /* interpolated normal, facing the eye; opposite corner normals may cancel */
+    /* interpolated normal, on the side of the facet's; opposite corner normals may cancel */
     const float *row = &corner->row[8 * i];
     vec3 n = {row[0], row[1], row[2]};
     float n2 = dot(n, n);
     bool good = n2 > 1e-12f;
     n = select3(good, n, flat);
-    float facing = dot(n, d) > 0.0f ? -1.0f : 1.0f;
+    float facing = dot(n, flat) < 0.0f ? -1.0f : 1.0f;
     n = scaled(n, facing / sqrtf(good ? n2 : 1.0f));
     out->side[i] = facing;
+    /* along a smooth outline it turns away from the eye: as much of the facet's as brings it back
+     */
+    float seen = -dot(n, d), facet = -dot(flat, d);
+    facet = facet > 1e-6f ? facet : 1e-6f;
+    float least = 0.5f * facet < GRAZING ? 0.5f * facet : GRAZING;
+    float bend = seen < least ? (least - seen) / (facet - least) : 0.0f;
+    n = (vec3){n.x + bend * flat.x, n.y + bend * flat.y, n.z + bend * flat.z};
+    n = scaled(n, 1.0f / sqrtf(dot(n, n)));
     store(&out->n, i, n);
 
     /* tangent, orthogonal to it; where there is none, any [Duff2017] */
