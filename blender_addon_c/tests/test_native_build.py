@@ -21,9 +21,9 @@ HERE = Path(__file__).parent
 # all but flat, which only sets numbers, and scatter, which moves them, and one by one in AVX2
 KINDS = native.table()  # each has a stage of its name
 STAGES = """camera locate gather corner surface pair lit shadow reflect film""".split()
-STAGES += "weigh_evenly choose escape sky sky_pdf sky_draw".split()
+STAGES += "settle choose escape sky sky_pdf sky_draw".split()
 STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"]]
-STAGES += ["meet_" + kind.lower() for kind in KINDS["lights"]]
+STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("meet_", "chosen_")]
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 
 # arithmetic on whole registers; moving them about does not count
@@ -33,7 +33,7 @@ PACKED = re.compile(
 )
 # moving is all that this one does
 COPIES = {"geometry"}  # of arrays, by memcpy
-MOVING = {"gather": re.compile("gather|^v?insert|^v?unpck")}
+MOVING = {"settle": re.compile("gather|^v?insert|^v?unpck"), "gather": re.compile("gather|^v?insert|^v?unpck")}
 
 
 def disassembly(isa):

@@ -479,67 +479,173 @@ static void lights_drawn_and_met(void **state) {
  * chance. */
 static void one_light_a_lane(void **state) {
   (void)state;
+  enum { USED = 3 };
+  static const uint32_t used[USED] = {0, 4, 7};
   light all[SOFT_LIGHTS];
-  double irradiance[SOFT_LIGHTS];
+  double irradiance[SOFT_LIGHTS], below[COUNT] = {0};
   soft_lights(all, irradiance);
-  static const uint32_t used[] = {0, 4, 7};
   all[0].common.power = all[7].common.power = 20;
   make_points();
   for (size_t i = 0; i < COUNT; i++) {
-    b->light.lot[i] = between(0, 1);
+    b->choice.lot[i] = between(0, 1);
     b->light.x[i] = between(0, 1);
     b->light.y[i] = between(0, 1);
-    b->weight.sum[i] = 0;
+    b->weight.sum[i] = b->weight.total[i] = 0;
   }
-  for (size_t k = 0; k < 3; k++)
-    stages->weigh[all[used[k]].type](COUNT, &all[used[k]], &b->surface.p, &b->weight);
-  stages->weigh_evenly(COUNT, 0.25f, &b->weight);
-  memcpy(b->weight.total, b->weight.sum, sizeof b->weight.total);
-  memset(b->weight.sum, 0, sizeof b->weight.sum);
-  memset(b->light.number, 0xff, sizeof b->light.number);
-  double below[COUNT] = {0};
-  for (uint32_t k = 0; k < 4; k++) {
-    if (k < 3)
-      stages->weigh[all[used[k]].type](COUNT, &all[used[k]], &b->surface.p, &b->weight);
-    else
-      stages->weigh_evenly(COUNT, 0.25f, &b->weight);
-    stages->choose(COUNT, k, &b->weight, &b->light);
+  for (size_t k = 0; k < USED; k++) {
+    const light *l = &all[used[k]];
+    stages->weigh[l->type](COUNT, l, &b->surface.p, b->weight.one[k]);
+    stages->add(COUNT, b->weight.one[k], b->weight.total);
+  }
+  memset(b->choice.number, 0xff, sizeof b->choice.number);
+  for (uint32_t k = 0; k < USED; k++) {
+    stages->choose(COUNT, k, b->weight.one[k], &b->weight, &b->choice);
     for (size_t i = 0; i < COUNT; i++) {
-      double total = (double)b->weight.total[i], lot = (double)b->light.lot[i];
-      double above = below[i] + (double)b->weight.one[i] / total;
+      double total = (double)b->weight.total[i], lot = (double)b->choice.lot[i];
+      double share = (double)b->weight.one[k][i] / total, above = below[i] + share;
       if (fabs(lot - below[i]) > 1e-5 && fabs(lot - above) > 1e-5) {
         bool takes = lot >= below[i] && lot < above;
-        assert_int_equal(b->light.number[i] == k, takes);
+        assert_int_equal(b->choice.number[i] == k, takes);
         if (takes)
-          near((double)b->light.chance[i], (double)b->weight.one[i] / total, 1e-5);
+          near((double)b->choice.chance[i], share, 1e-5);
       }
       below[i] = above;
     }
   }
   near(below[5], 1, 1e-5);
-  for (uint32_t k = 0; k < 3; k++) {
-    size_t count = 0;
+  light_samples *alone = aligned_alloc(64, sizeof *alone);
+  assert_non_null(alone);
+  memcpy(alone, &b->light, sizeof *alone);
+  for (uint32_t k = 0, begin = 0, end = 0; k < USED; k++, begin = end) {
     for (uint32_t i = 0; i < COUNT; i++)
-      if (b->light.number[i] == k)
-        b->lit[count++] = i;
-    assert_true(count > 20);
+      if (b->choice.number[i] == k) {
+        b->choice.place[i] = end;
+        b->choice.lane[end++] = i;
+      }
+    assert_true(end > begin + 20);
     const light *l = &all[used[k]];
-    light_samples *alone = aligned_alloc(64, sizeof *alone);
-    assert_non_null(alone);
-    memcpy(alone, &b->light, sizeof *alone);
-    stages->light[l->type](COUNT, l, true, &b->surface, alone);
-    stages->chosen[l->type](count, b->lit, l, &b->surface, &b->light);
-    for (size_t m = 0; m < count; m++) {
-      uint32_t i = b->lit[m];
-      double chance = (double)b->light.chance[i], e = (double)alone->e[i] / chance;
-      near((double)b->light.e[i], e, 1e-4 * e);
-      near((double)b->light.pdf[i], (double)alone->pdf[i] * chance, 1e-4 * (double)alone->pdf[i]);
-      near((double)b->light.color.g[i], 2, 0);
-      near((double)b->light.ray.tnear[i], 0, 0);
-      near((double)b->light.ray.d.x[i], (double)alone->ray.d.x[i], 1e-6);
-    }
-    free(alone);
+    stages->chosen[l->type](begin, end, &b->choice, l, &b->surface, &b->light, &b->drawn);
   }
+  untouched(b->drawn.e, COUNT);
+  stages->settle(COUNT, &b->choice, &b->drawn, &b->light);
+  untouched(b->light.e, COUNT);
+  for (uint32_t k = 0; k < USED; k++) {
+    const light *l = &all[used[k]];
+    stages->light[l->type](COUNT, l, true, &b->surface, alone);
+    for (size_t i = 0; i < COUNT; i++)
+      if (b->choice.number[i] == k) {
+        double chance = (double)b->choice.chance[i], e = (double)alone->e[i] / chance;
+        near((double)b->light.e[i], e, 1e-4 * e);
+        near((double)b->light.pdf[i], (double)alone->pdf[i] * chance, 1e-4 * (double)alone->pdf[i]);
+        near((double)b->light.color.g[i], 2, 0);
+        near((double)b->light.ray.tnear[i], 0, 0);
+        near((double)b->light.ray.d.x[i], (double)alone->ray.d.x[i], 1e-6);
+      }
+  }
+  free(alone);
+}
+
+/* The sky's image as its formulas say, in double precision: latitude by longitude, linear. */
+static double sky_at(const float *data, int width, int height, int channel, vec3 d) {
+  const double pi = 3.141592653589793;
+  double x = (0.5 - atan2((double)d.y, (double)d.x) / (2 * pi)) * width - 0.5;
+  double y = (1 - acos(fmax(-1, fmin(1, (double)d.z))) / pi) * height - 0.5;
+  int column = (int)floor(x), line = (int)floor(y);
+  double u = x - column, v = y - line, sum = 0;
+  for (int k = 0; k < 4; k++) {
+    int at_x = (column + k % 2 + width) % width, at_y = (line + k / 2 + height) % height;
+    double part = (k % 2 ? u : 1 - u) * (k / 2 ? v : 1 - v);
+    sum += part * (double)data[4 * (at_y * width + at_x) + channel];
+  }
+  return sum;
+}
+
+/* An image with a small sun: what is seen, where draws go, and with which density. */
+static void sky_seen_and_drawn(void **state) {
+  (void)state;
+  enum { WIDTH = 40, HEIGHT = 20, CELLS_Z = 12, CELLS_A = 16, DRAWS = 200 * COUNT };
+  static float data[4 * WIDTH * HEIGHT];
+  for (size_t k = 0; k < sizeof data / sizeof *data; k++)
+    data[k] = between(0, 1);
+  for (int k = 0; k < 3; k++)
+    data[4 * (13 * WIDTH + 9) + k] = 500;
+  image source = {.width = WIDTH, .height = HEIGHT, .channels = 4, .data = data};
+  atomic_bool cancel = false;
+  sky s = {.strength = {1, 2, 3}};
+  /* x to y, y to z, z to x: the image is turned against the world */
+  s.matrix[1] = s.matrix[6] = s.matrix[8] = 1;
+  assert_true(sky_build(&s, &source, 1, &cancel));
+  for (size_t i = 0; i < COUNT; i++)
+    store(&b->toward, i, direction());
+  stages->sky(COUNT, &s, &b->toward, &b->sky);
+  for (size_t i = 0; i < COUNT; i++) {
+    vec3 d = load(&b->toward, i), turned = {d.y, d.z, d.x};
+    for (int k = 0; k < 3; k++) {
+      const lane_f *out[3] = {&b->sky.r, &b->sky.g, &b->sky.b};
+      double wanted = (k + 1) * sky_at(data, WIDTH, HEIGHT, k, turned);
+      near((double)(*out[k])[i], wanted, 2e-3 + 1e-4 * wanted);
+    }
+  }
+  untouched(b->sky.r, COUNT);
+  /* the density's integral, by cells of a grid that is not the map's, and the brightness' */
+  double expected[CELLS_Z * CELLS_A] = {0}, sum = 0, light = 0;
+  const int lines = 12 * 60, columns = 960;
+  for (int line = 0; line < lines; line++) {
+    double z = -1 + (line + 0.5) * 2 / lines, flat = sqrt(1 - z * z);
+    for (int k = 0; k < columns; k++) {
+      double a = 6.283185307179586 * (k + 0.5) / columns;
+      store(&b->toward, (size_t)k,
+            (vec3){(float)(flat * cos(a)), (float)(flat * sin(a)), (float)z});
+    }
+    stages->sky_pdf((size_t)columns, &s, &b->toward, b->sky_pdf);
+    stages->sky((size_t)columns, &s, &b->toward, &b->sky);
+    for (int k = 0; k < columns; k++) {
+      double cell = 12.566370614359172 / (lines * columns) * (double)b->sky_pdf[k];
+      expected[line / 60 * CELLS_A + k / 60] += cell;
+      sum += cell;
+      light += 0.25 / (lines * columns) * 12.566370614359172 *
+               (0.2126 * (double)b->sky.r[k] + 0.7152 * (double)b->sky.g[k] +
+                0.0722 * (double)b->sky.b[k]);
+    }
+  }
+  near(sum, 1, 2e-3);
+  near((double)s.power, light, 5e-3 * light);
+  double seen[CELLS_Z * CELLS_A] = {0}, radiance = 0;
+  for (uint32_t i = 0; i < COUNT; i++)
+    b->queue.moved[i] = i;
+  for (int draw = 0; draw < DRAWS; draw += COUNT) {
+    for (size_t i = 0; i < COUNT; i++) {
+      b->light.x[i] = between(0, 1);
+      b->light.y[i] = between(0, 1);
+    }
+    stages->sky_draw(COUNT, &s, b->queue.moved, &b->light, &b->toward, b->sky_pdf);
+    stages->sky(COUNT, &s, &b->toward, &b->sky);
+    for (size_t i = 0; i < COUNT; i++) {
+      vec3 d = load(&b->toward, i);
+      near(dot_d(d, d), 1, 1e-5);
+      double a = atan2((double)d.y, (double)d.x) / 6.283185307179586;
+      int line = (int)(((double)d.z + 1) / 2 * CELLS_Z);
+      int column = (int)((a < 0 ? a + 1 : a) * CELLS_A);
+      seen[(line < CELLS_Z ? line : CELLS_Z - 1) * CELLS_A + column % CELLS_A]++;
+      radiance += (double)b->sky.g[i] / (double)b->sky_pdf[i];
+    }
+  }
+  double chi2 = 0, all_light = 0;
+  for (int k = 0; k < CELLS_Z * CELLS_A; k++) {
+    double error = seen[k] - expected[k] * DRAWS;
+    chi2 += error * error / (expected[k] * DRAWS + pow(5e-3 * expected[k] * DRAWS, 2));
+  }
+  if (!(chi2 < CELLS_Z * CELLS_A + 4.5 * sqrt(2.0 * CELLS_Z * CELLS_A)))
+    fail_msg("%s: chi-square %g of %d cells", stages->name, chi2, CELLS_Z * CELLS_A);
+  for (int line = 0; line < 400; line++) /* of the image itself, green, times its strength */
+    for (int k = 0; k < 800; k++) {
+      double z = -1 + (line + 0.5) / 200, a = 6.283185307179586 * (k + 0.5) / 800;
+      double flat = sqrt(1 - z * z);
+      vec3 d = {(float)(flat * cos(a)), (float)(flat * sin(a)), (float)z};
+      all_light += 2 * sky_at(data, WIDTH, HEIGHT, 1, d) * 12.566370614359172 / (400.0 * 800);
+    }
+  near(radiance / DRAWS, all_light, 0.01 * all_light);
+  sky_free(&s);
 }
 
 static void shadow_rays(void **state) {
@@ -994,13 +1100,14 @@ static void walks_go_on(void **state) {
     b->draw.pdf[i] = i % 5 ? between(0.1, 3) : 0.0f;
     b->draw.cosine[i] = fabsf(wi.z);
     b->draw.lot[i] = between(0, 1);
+    b->weight.total[i] = (float)i;
   }
   batch *before = malloc(sizeof *before);
   assert_non_null(before);
   for (int lots = 0; lots < 2; lots++) {
     memcpy(before, b, sizeof *b);
-    size_t rays = stages->walk(COUNT, lots, b->queue.moved, &b->surface, b->walk, &b->draw,
-                               &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+    size_t rays = stages->walk(COUNT, lots, b->queue.moved, &b->surface, b->walk, b->weight.total,
+                               &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
     size_t k = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
       uint32_t from = before->queue.moved[i];
@@ -1019,6 +1126,7 @@ static void walks_go_on(void **state) {
       near((double)b->next->weight.r[k], red / chance, 1e-5 * (1 + red / chance));
       near((double)b->next->weight.b[k], green / chance, 1e-5 * (1 + green / chance));
       near((double)b->next->pdf[k], pdf, 0);
+      near((double)b->next->lights[k], (double)i, 0);
       near3(load(&b->next->from, k), (double)b->surface.p.x[i], (double)b->surface.p.y[i],
             (double)b->surface.p.z[i], 0);
       vec3 n = load(&b->surface.n, i), p = load(&b->surface.p, i), d = load(&b->sample_ray.d, k);
@@ -1084,6 +1192,7 @@ int main(void) {
                                        TEST(point_light),
                                        TEST(lights_drawn_and_met),
                                        TEST(one_light_a_lane),
+                                       TEST(sky_seen_and_drawn),
                                        TEST(shadow_rays),
                                        TEST(nodes),
                                        TEST(math_node),

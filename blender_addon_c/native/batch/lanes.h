@@ -38,8 +38,9 @@ typedef struct paths {
 typedef struct walks {
   lane_u sample;
   lane_c weight;
-  lane_v from; /* the point at which its direction was drawn */
-  lane_f pdf;  /* with which density, 1/sr */
+  lane_v from;   /* the point at which its direction was drawn */
+  lane_f pdf;    /* with which density, 1/sr */
+  lane_f lights; /* what all lights may give there, by their weights (light/light.h) */
 } walks;
 
 typedef struct rays {
@@ -97,25 +98,39 @@ typedef struct lane_run {
 
 /* One sample of a light for each point. */
 typedef struct light_samples {
-  lane_f x, y; /* where on it: a point of the unit square */
-  rays ray;    /* d: to the light, unit, world */
-  lane_f e;    /* irradiance as a part of the light's colour; shadows make it 0 */
-  lane_f pdf;  /* density of its direction, 1/sr; 0 where no drawn ray meets the light */
-  lane_v wi;   /* to the light, in the shading frame */
-  /* where each lane chooses a light of its own */
-  lane_f lot;    /* uniform in [0, 1) */
-  lane_u number; /* of its light */
-  lane_f chance; /* with which it was chosen */
-  lane_c color;  /* its light's */
+  lane_f x, y;  /* where on it: a point of the unit square */
+  rays ray;     /* d: to the light, unit, world */
+  lane_f e;     /* irradiance as a part of the light's colour; shadows make it 0 */
+  lane_f pdf;   /* density of its direction, 1/sr; 0 where no drawn ray meets the light */
+  lane_v wi;    /* to the light, in the shading frame */
+  lane_c color; /* its light's, where each lane chooses a light of its own */
 } light_samples;
-
-/* The lights as a point sees them, for the choice among them: see light/light.h. */
-typedef struct light_weights {
-  lane_f one, sum, total;
-} light_weights;
 
 /* No light gives a point anything. */
 #define LIGHT_NONE UINT32_MAX
+
+/* A light for each point. */
+typedef struct light_choices {
+  lane_f lot;    /* uniform in [0, 1) */
+  lane_u number; /* of the light, or LIGHT_NONE */
+  lane_f chance; /* with which it was chosen */
+  lane_u lane;   /* the points, those of each light one after the other, */
+  lane_u place;  /* and where among them each point is */
+} light_choices;
+
+/* Samples of lights in the order of light_choices.lane, for light_samples. */
+typedef struct light_draws {
+  lane_v d;
+  lane_f tnear, tfar, e, pdf;
+  lane_c color;
+} light_draws;
+
+/* The lights as points see them, for the choice among them (light/light.h). The first ones are
+ * kept, each is weighed twice. */
+enum { LIGHT_WEIGHTS = 8 };
+typedef struct light_weights {
+  lane_f one[LIGHT_WEIGHTS], sum, total;
+} light_weights;
 
 /* Where a path goes on from each point. */
 typedef struct draws {

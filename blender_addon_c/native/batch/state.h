@@ -23,7 +23,8 @@ typedef struct batch {
   inputs input;
   light_samples light; /* of the light at hand, or of one light a lane */
   light_weights weight;
-  lane_u lit; /* hits by their light */
+  light_choices choice;
+  light_draws drawn;
   reflections reflection;
   draws draw;
   walks *walk, *next; /* by ray, of this bounce and of the one after */

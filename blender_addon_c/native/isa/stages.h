@@ -35,7 +35,8 @@
                                     .light = {LIGHT_TABLE(LIGHT_FUNCTION)},                        \
                                     .chosen = {LIGHT_TABLE(CHOSEN_FUNCTION)},                      \
                                     .weigh = {LIGHT_TABLE(WEIGH_FUNCTION)},                        \
-                                    .weigh_evenly = stage_weigh_evenly,                            \
+                                    .settle = stage_settle,                                        \
+                                    .add = stage_add,                                              \
                                     .choose = stage_choose,                                        \
                                     .meet = {LIGHT_TABLE(MEET_FUNCTION)},                          \
                                     .sky = stage_sky,                                              \

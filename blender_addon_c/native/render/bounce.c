@@ -18,7 +18,10 @@ bool worker_init(worker *w) {
     return false;
   w->batch->walk = &w->batch->walks[0];
   w->batch->next = &w->batch->walks[1];
-  memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* no stage writes it */
+  memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* lights that are alone write none */
+  memset(w->batch->weight.total, 0, sizeof(lane_f));
+  memset(&w->batch->drawn, 0, sizeof w->batch->drawn);
+  w->batch->drawn.tfar[BATCH] = -1.0f; /* of those that no light reaches */
   return queue_init(&w->batch->queue, w->scene);
 }
 
@@ -149,69 +152,72 @@ static void illuminate(worker *w, const light *l, int bounce, size_t phase) {
   reflect(w, bounce, c->shadow, spread && c->met, c->color, CLOCK_LIGHT + (clock_number)l->type);
 }
 
-/* Adds one light to the sums that the choice goes by. */
-static void weigh(worker *w, size_t number, size_t count, const lane_v *p) {
+/* What one light may give to these points. */
+static void weigh(worker *w, size_t number, size_t count, const lane_v *p, float *one) {
   const scene *s = w->scene;
-  light_weights *weight = &w->batch->weight;
   if (number < s->lights)
-    s->stages->weigh[s->light[number].type](count, &s->light[number], p, weight);
+    s->stages->weigh[s->light[number].type](count, &s->light[number], p, one);
   else
-    s->stages->weigh_evenly(count, s->sky.power, weight);
+    for (size_t i = 0; i < count; i++)
+      one[i] = s->sky.power;
 }
 
-/* What all lights may give to these points, as b->weight.total. */
-static void weigh_all(worker *w, size_t count, const lane_v *p) {
-  batch *b = w->batch;
-  memset(b->weight.sum, 0, count * sizeof(float));
-  for (size_t k = 0; k < w->scene->choices; k++)
-    weigh(w, k, count, p);
-  memcpy(b->weight.total, b->weight.sum, count * sizeof(float));
-}
-
-/* A light for each hit, by what it may give there. */
+/* A light for each hit, by what it may give there; b->weight.total: what all may give. */
 static void choose_lights(worker *w, int bounce, size_t phase) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  light_samples *l = &b->light;
+  light_weights *weight = &b->weight;
   size_t hits = b->queue.hits;
   shuffle points = points_of(w, phase, bounce, PURPOSE_CHOICE);
-  s->stages->shuffled(hits, &points, b->queue.lane, b->walk, &b->path, l->lot, l->chance);
-  weigh_all(w, hits, &b->surface.p);
-  memset(b->weight.sum, 0, hits * sizeof(float));
-  memset(l->number, 0xff, hits * sizeof *l->number); /* LIGHT_NONE */
+  s->stages->shuffled(hits, &points, b->queue.lane, b->walk, &b->path, b->choice.lot,
+                      b->choice.chance);
+  memset(weight->total, 0, hits * sizeof(float));
+  memset(weight->sum, 0, hits * sizeof(float));
+  memset(b->choice.number, 0xff, hits * sizeof(uint32_t)); /* LIGHT_NONE */
   for (size_t k = 0; k < s->choices; k++) {
-    weigh(w, k, hits, &b->surface.p);
-    s->stages->choose(hits, (uint32_t)k, &b->weight, l);
+    float *one = weight->one[k % LIGHT_WEIGHTS];
+    weigh(w, k, hits, &b->surface.p, one);
+    s->stages->add(hits, one, weight->total);
+  }
+  for (size_t k = 0; k < s->choices; k++) {
+    float *one = weight->one[k % LIGHT_WEIGHTS];
+    if (s->choices > LIGHT_WEIGHTS)
+      weigh(w, k, hits, &b->surface.p, one);
+    s->stages->choose(hits, (uint32_t)k, one, weight, &b->choice);
   }
 }
 
-/* The hits by their lights, each light's one after the other; end: of each in b->lit. */
+/* The hits by their lights, each light's one after the other up to place w->end. Those that have
+ * none share a place beyond, that is dark. */
 static void sort_by_light(worker *w) {
   batch *b = w->batch;
-  const uint32_t *number = b->light.number;
+  light_choices *c = &b->choice;
   size_t hits = b->queue.hits, choices = w->scene->choices;
   memset(w->end, 0, choices * sizeof *w->end);
   for (size_t i = 0; i < hits; i++)
-    if (number[i] != LIGHT_NONE)
-      w->end[number[i]]++;
+    if (c->number[i] != LIGHT_NONE)
+      w->end[c->number[i]]++;
   for (size_t k = 0, begin = 0; k < choices; k++) {
     size_t lanes = w->end[k];
     w->end[k] = begin;
     begin += lanes;
   }
-  for (size_t i = 0; i < hits; i++)
-    if (number[i] != LIGHT_NONE)
-      b->lit[w->end[number[i]]++] = (uint32_t)i;
-    else
-      b->light.ray.tfar[i] = -1.0f;
+  for (size_t i = 0; i < hits; i++) {
+    c->place[i] = BATCH;
+    if (c->number[i] != LIGHT_NONE) {
+      c->place[i] = (uint32_t)w->end[c->number[i]]++;
+      c->lane[c->place[i]] = (uint32_t)i;
+    }
+  }
 }
 
-static void illuminate_by_sky(worker *w, size_t count, const uint32_t *lane) {
+static void illuminate_by_sky(worker *w, size_t begin, size_t end) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  s->stages->sky_draw(count, &s->sky, lane, &b->light, &b->toward, b->sky_pdf);
-  s->stages->sky(count, &s->sky, &b->toward, &b->sky);
-  s->stages->lit_by_sky(count, lane, &b->toward, b->sky_pdf, &b->sky, &b->light);
+  s->stages->sky_draw(end - begin, &s->sky, b->choice.lane + begin, &b->light, &b->toward,
+                      b->sky_pdf);
+  s->stages->sky(end - begin, &s->sky, &b->toward, &b->sky);
+  s->stages->lit_by_sky(begin, end, &b->choice, &b->toward, b->sky_pdf, &b->sky, &b->drawn);
 }
 
 /* One light, or the sky, on each hit. */
@@ -223,16 +229,17 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
   draw_points(w, bounce, phase);
   clock_tick(&w->clocks, CLOCK_CHOICE);
   for (size_t k = 0, begin = 0; k < s->choices; begin = w->end[k++]) {
-    size_t count = w->end[k] - begin;
-    const uint32_t *lane = b->lit + begin;
-    if (count && k < s->lights) {
-      s->stages->chosen[s->light[k].type](count, lane, &s->light[k], &b->surface, &b->light);
+    if (w->end[k] > begin && k < s->lights) {
+      s->stages->chosen[s->light[k].type](begin, w->end[k], &b->choice, &s->light[k], &b->surface,
+                                          &b->light, &b->drawn);
       clock_tick(&w->clocks, CLOCK_LIGHT + (clock_number)s->light[k].type);
-    } else if (count) {
-      illuminate_by_sky(w, count, lane);
+    } else if (w->end[k] > begin) {
+      illuminate_by_sky(w, begin, w->end[k]);
       clock_tick(&w->clocks, CLOCK_SKY);
     }
   }
+  s->stages->settle(b->queue.hits, &b->choice, &b->drawn, &b->light);
+  clock_tick(&w->clocks, CLOCK_CHOICE);
   reflect(w, bounce, true, s->meets, NULL, CLOCK_SHADOW);
 }
 
@@ -276,21 +283,22 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.pdf);
   for (const segment *g = q->segment; g < q->segment + q->segments; g++)
     w->status |= s->draw[g->material->closure.type](g, &b->surface, &b->input, &b->draw);
-  size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, q->lane, &b->surface, b->walk, &b->draw,
-                        &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+  size_t rays =
+      s->walk(q->hits, bounce >= FIRST_LOTTERY, q->lane, &b->surface, b->walk, b->weight.total,
+              &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
 }
 
 /* The sky where rays meet nothing. */
-static void meet_sky(worker *w, size_t rays, const light_weights *weight) {
+static void meet_sky(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
   s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
   s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
-  s->stages->met_sky(missed, b->missed, b->sky_pdf, &b->sky, b->walk, s->sky.power, weight,
+  s->stages->met_sky(missed, b->missed, b->sky_pdf, &b->sky, b->walk, s->choices > 1, s->sky.power,
                      &b->met);
 }
 
@@ -298,21 +306,17 @@ static void meet_sky(worker *w, size_t rays, const light_weights *weight) {
 static void meet_lights(worker *w, size_t rays, float most) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  const light_weights *weight = NULL;
+  float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
   s->stages->escape(rays, b->sample_hit.record, s->background, &b->met);
-  if (s->choices > 1) {
-    weigh_all(w, rays, &b->walk->from);
-    weight = &b->weight;
-  }
   for (size_t k = 0; k < s->lights; k++)
     if (s->light[k].common.met) {
       if (weight)
-        weigh(w, k, rays, &b->walk->from);
+        weigh(w, k, rays, &b->walk->from, weight);
       s->stages->meet[s->light[k].type](rays, &s->light[k], b->walk, &b->sample_ray, weight,
                                         &b->met);
     }
   if (s->sky.power > 0.0f)
-    meet_sky(w, rays, weight);
+    meet_sky(w, rays);
   s->stages->gain(rays, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
 }
 

@@ -10,20 +10,6 @@
 
 enum { ROWS_PER_TASK = 16, TASK_LANES = BATCH };
 
-bool sky_read(reader *r, void *out, void *context) {
-  static const char *const projections[] = {"EQUIRECTANGULAR", "MIRROR_BALL", NULL};
-  const int *images = context;
-  sky *s = out;
-  int projection;
-  if (!reader_integer(r, "image", 0, *images - 1, &s->image) ||
-      !reader_floats(r, "strength", 3, s->strength) || !reader_floats(r, "matrix", 12, s->matrix) ||
-      !reader_word(r, "projection", projections, &projection))
-    return false;
-  s->ball = projection == 1 ? UINT32_MAX : 0;
-  s->there = true;
-  return true;
-}
-
 typedef struct sky_task {
   sky *sky;
   const image *image;

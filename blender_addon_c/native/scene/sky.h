@@ -10,7 +10,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "scene/reader.h"
 #include "scene/texture.h"
 
 /* Powers of two: stage/sky.h halves them. 1024 columns are worth 1.23 times 256 in a studio. */
@@ -32,8 +31,6 @@ typedef struct sky {
   float *density; /* of the cells, 1/sr */
   float power;    /* irradiance if it came from all of the half sphere; 0: it is black */
 } sky;
-
-bool sky_read(reader *r, void *out, void *context);
 
 /* False when out of memory; stops early when *cancel is true. */
 bool sky_build(sky *s, const image *images, int threads, const atomic_bool *cancel);

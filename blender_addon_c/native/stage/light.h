@@ -43,66 +43,84 @@ LIGHT_TABLE(LIGHT_STAGE)
 
 /* A light that throws no shadow casts rays that begin beyond their end. */
 #define CHOSEN_STAGE(TYPE, name)                                                                   \
-  LEAF void chosen_##name(bool spread, size_t count, const uint32_t *restrict lane,                \
+  LEAF void chosen_##name(bool spread, size_t begin, size_t end, const light_choices *choice,      \
                           const light *light, const surfaces *restrict at,                         \
-                          light_samples *restrict out) {                                           \
+                          const light_samples *restrict from, light_draws *restrict out) {         \
     const light_##name own = light->of.name;                                                       \
     const float met = light->common.met ? 1.0f : 0.0f;                                             \
     const float tnear = light->common.shadow ? 0.0f : INFINITY;                                    \
     const float red = light->common.color[0], green = light->common.color[1];                      \
     const float blue = light->common.color[2];                                                     \
-    _Pragma("omp simd") for (size_t k = 0; k < count; k++) {                                       \
-      size_t i = lane[k];                                                                          \
-      light_sample s = light_##name##_sample(&own, spread, out->x[i], out->y[i], load(&at->p, i)); \
-      float chance = out->chance[i];                                                               \
-      store(&out->ray.d, i, s.direction);                                                          \
-      out->ray.tnear[i] = tnear;                                                                   \
-      out->ray.tfar[i] = s.distance;                                                               \
-      out->e[i] = s.e / chance;                                                                    \
-      out->pdf[i] = met * s.pdf * chance;                                                          \
-      out->color.r[i] = red;                                                                       \
-      out->color.g[i] = green;                                                                     \
-      out->color.b[i] = blue;                                                                      \
+    const uint32_t *restrict lane = choice->lane;                                                  \
+    const float *restrict chances = choice->chance;                                                \
+    _Pragma("omp simd") for (size_t k = begin; k < end; k++) {                                     \
+      uint32_t i = lane[k];                                                                        \
+      vec3 p = {at->p.x[i], at->p.y[i], at->p.z[i]};                                               \
+      light_sample s = light_##name##_sample(&own, spread, from->x[i], from->y[i], p);             \
+      float chance = chances[i];                                                                   \
+      store(&out->d, k, s.direction);                                                              \
+      out->tnear[k] = tnear;                                                                       \
+      out->tfar[k] = s.distance;                                                                   \
+      out->e[k] = s.e / chance;                                                                    \
+      out->pdf[k] = met * s.pdf * chance;                                                          \
+      out->color.r[k] = red;                                                                       \
+      out->color.g[k] = green;                                                                     \
+      out->color.b[k] = blue;                                                                      \
     }                                                                                              \
   }                                                                                                \
-  static void stage_chosen_##name(size_t count, const uint32_t *restrict lane, const light *light, \
-                                  const surfaces *restrict at, light_samples *restrict out) {      \
+  static void stage_chosen_##name(size_t begin, size_t end, const light_choices *choice,           \
+                                  const light *light, const surfaces *restrict at,                 \
+                                  const light_samples *restrict from, light_draws *restrict out) { \
     if (light->common.soft)                                                                        \
-      chosen_##name(true, count, lane, light, at, out);                                            \
+      chosen_##name(true, begin, end, choice, light, at, from, out);                               \
     else                                                                                           \
-      chosen_##name(false, count, lane, light, at, out);                                           \
+      chosen_##name(false, begin, end, choice, light, at, from, out);                              \
   }
 LIGHT_TABLE(CHOSEN_STAGE)
 
-#define WEIGH_STAGE(TYPE, name)                                                                    \
-  static void stage_weigh_##name(size_t count, const light *light, const lane_v *restrict p,       \
-                                 light_weights *restrict weight) {                                 \
-    const light_##name own = light->of.name;                                                       \
-    const float power = light->common.power;                                                       \
-    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      float one = clampf(power * light_##name##_weight(&own, load(p, i)), 0.0f, 1e30f);            \
-      weight->one[i] = one;                                                                        \
-      weight->sum[i] += one;                                                                       \
-    }                                                                                              \
-  }
-LIGHT_TABLE(WEIGH_STAGE)
-
-static void stage_weigh_evenly(size_t count, float power, light_weights *restrict weight) {
+/* The samples back to their points. */
+static void stage_settle(size_t count, const light_choices *choice, const light_draws *restrict in,
+                         light_samples *restrict out) {
+  const uint32_t *restrict place = choice->place;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    weight->one[i] = power;
-    weight->sum[i] += power;
+    uint32_t k = place[i];
+    store(&out->ray.d, i, (vec3){in->d.x[k], in->d.y[k], in->d.z[k]});
+    out->ray.tnear[i] = in->tnear[k];
+    out->ray.tfar[i] = in->tfar[k];
+    out->e[i] = in->e[k];
+    out->pdf[i] = in->pdf[k];
+    out->color.r[i] = in->color.r[k];
+    out->color.g[i] = in->color.g[k];
+    out->color.b[i] = in->color.b[k];
   }
 }
 
-static void stage_choose(size_t count, uint32_t number, const light_weights *restrict weight,
-                         light_samples *restrict out) {
+#define WEIGH_STAGE(TYPE, name)                                                                    \
+  static void stage_weigh_##name(size_t count, const light *light, const lane_v *restrict p,       \
+                                 float *restrict one) {                                            \
+    const light_##name own = light->of.name;                                                       \
+    const float power = light->common.power;                                                       \
+    _Pragma("omp simd") for (size_t i = 0; i < count; i++) one[i] =                                \
+        clampf(power * light_##name##_weight(&own, load(p, i)), 0.0f, 1e30f);                      \
+  }
+LIGHT_TABLE(WEIGH_STAGE)
+
+static void stage_add(size_t count, const float *restrict one, float *restrict sum) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    sum[i] += one[i];
+}
+
+static void stage_choose(size_t count, uint32_t number, const float *restrict one,
+                         light_weights *restrict weight, light_choices *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    float total = weight->total[i];
-    bool takes = (out->number[i] == LIGHT_NONE) & (weight->sum[i] > out->lot[i] * total);
+    float total = weight->total[i], sum = weight->sum[i] + one[i];
+    bool takes = (out->number[i] == LIGHT_NONE) & (sum > out->lot[i] * total);
     out->number[i] = takes ? number : out->number[i];
-    out->chance[i] = takes ? weight->one[i] / total : out->chance[i];
+    out->chance[i] = takes ? one[i] / total : out->chance[i];
+    weight->sum[i] = sum;
   }
 }
 
@@ -118,7 +136,7 @@ LEAF float balance(float own, float other) {
  */
 #define MEET_STAGE(TYPE, name)                                                                     \
   LEAF void meet_##name(bool chosen, size_t count, const light *light, const walks *restrict walk, \
-                        const rays *restrict ray, const light_weights *restrict weight,            \
+                        const rays *restrict ray, const float *restrict weight,                    \
                         lane_c *restrict met) {                                                    \
     const light_##name own = light->of.name;                                                       \
     const float red = light->common.color[0], green = light->common.color[1];                      \
@@ -130,7 +148,7 @@ LEAF float balance(float own, float other) {
       float near = dot(gone, d) * 0.999f;                                                          \
       bool meets =                                                                                 \
           (m.distance > near) & (m.distance - near <= ray->tfar[k]) & (m.radiance > 0.0f);         \
-      float chance = chosen ? weight->one[k] / weight->total[k] : 1.0f;                            \
+      float chance = chosen ? weight[k] / walk->lights[k] : 1.0f;                                  \
       float part = balance(walk->pdf[k], m.pdf * chance);                                          \
       part = meets ? part * m.radiance : 0.0f;                                                     \
       met->r[k] += part * red;                                                                     \
@@ -139,7 +157,7 @@ LEAF float balance(float own, float other) {
     }                                                                                              \
   }                                                                                                \
   static void stage_meet_##name(size_t count, const light *light, const walks *restrict walk,      \
-                                const rays *restrict ray, const light_weights *restrict weight,    \
+                                const rays *restrict ray, const float *restrict weight,            \
                                 lane_c *restrict met) {                                            \
     if (weight)                                                                                    \
       meet_##name(true, count, light, walk, ray, weight, met);                                     \
@@ -148,45 +166,37 @@ LEAF float balance(float own, float other) {
   }
 LIGHT_TABLE(MEET_STAGE)
 
-static void stage_lit_by_sky(size_t count, const uint32_t *restrict lane, const lane_v *restrict d,
-                             const float *restrict pdf, const lane_c *restrict sky,
-                             light_samples *restrict out) {
+static void stage_lit_by_sky(size_t begin, size_t end, const light_choices *choice,
+                             const lane_v *restrict d, const float *restrict pdf,
+                             const lane_c *restrict sky, light_draws *restrict out) {
+  const uint32_t *restrict lane = choice->lane;
+  const float *restrict chances = choice->chance;
 #pragma omp simd
-  for (size_t k = 0; k < count; k++) {
-    size_t i = lane[k];
-    float chance = out->chance[i];
-    store(&out->ray.d, i, load(d, k));
-    out->ray.tnear[i] = 0.0f;
-    out->ray.tfar[i] = INFINITY;
-    out->e[i] = pdf[k] > 0.0f ? 1.0f / (pdf[k] * chance) : 0.0f;
-    out->pdf[i] = pdf[k] * chance;
-    out->color.r[i] = sky->r[k];
-    out->color.g[i] = sky->g[k];
-    out->color.b[i] = sky->b[k];
+  for (size_t k = begin; k < end; k++) {
+    float density = pdf[k - begin] * chances[lane[k]];
+    store(&out->d, k, load(d, k - begin));
+    out->tnear[k] = 0.0f;
+    out->tfar[k] = INFINITY;
+    out->e[k] = density > 0.0f ? 1.0f / density : 0.0f;
+    out->pdf[k] = density;
+    out->color.r[k] = sky->r[k - begin];
+    out->color.g[k] = sky->g[k - begin];
+    out->color.b[k] = sky->b[k - begin];
   }
 }
 
-LEAF void met_sky(bool chosen, size_t count, const uint32_t *restrict missed,
-                  const float *restrict pdf, const lane_c *restrict sky, const walks *restrict walk,
-                  float power, const light_weights *restrict weight, lane_c *restrict met) {
-#pragma omp simd
+/* What is met by rays that miss all, one by one: packed, what it takes to reach them costs more. */
+static void stage_met_sky(size_t count, const uint32_t *restrict missed, const float *restrict pdf,
+                          const lane_c *restrict sky, const walks *restrict walk, bool chosen,
+                          float power, lane_c *restrict met) {
   for (size_t k = 0; k < count; k++) {
     size_t i = missed[k];
-    float chance = chosen ? power / weight->total[i] : 1.0f;
+    float chance = chosen ? power / walk->lights[i] : 1.0f;
     float part = balance(walk->pdf[i], pdf[k] * chance);
     met->r[i] += part * sky->r[k];
     met->g[i] += part * sky->g[k];
     met->b[i] += part * sky->b[k];
   }
-}
-
-static void stage_met_sky(size_t count, const uint32_t *restrict missed, const float *restrict pdf,
-                          const lane_c *restrict sky, const walks *restrict walk, float power,
-                          const light_weights *restrict weight, lane_c *restrict met) {
-  if (weight)
-    met_sky(true, count, missed, pdf, sky, walk, power, weight, met);
-  else
-    met_sky(false, count, missed, pdf, sky, walk, power, NULL, met);
 }
 
 /*

@@ -89,19 +89,24 @@ typedef struct stage_table {
   /* By light_type: ray.d, ray.tfar, e and pdf, of the point (x, y) or of the light's middle. */
   void (*light[LIGHT_TYPES])(size_t count, const light *light, bool spread, const surfaces *at,
                              light_samples *out);
-  /* The same for these lanes alone, of a light that each of them has chosen; its colour too. */
-  void (*chosen[LIGHT_TYPES])(size_t count, const uint32_t *lane, const light *light,
-                              const surfaces *at, light_samples *out);
-  /* weight->one of a light at points, added to weight->sum; */
-  void (*weigh[LIGHT_TYPES])(size_t count, const light *light, const lane_v *p,
-                             light_weights *weight);
-  void (*weigh_evenly)(size_t count, float power, light_weights *weight); /* the same of a sky */
-  /* and those lanes take light `number` whose lot the sum has passed with it. */
-  void (*choose)(size_t count, uint32_t number, const light_weights *weight, light_samples *out);
-  /* What rays meet of a light on their way, into met. Where weights are given, the light was one
-     of a choice by them. */
+  /* The same of places begin to end of a choice, of a light that these points have chosen; its
+     colour too. */
+  void (*chosen[LIGHT_TYPES])(size_t begin, size_t end, const light_choices *choice,
+                              const light *light, const surfaces *at, const light_samples *from,
+                              light_draws *out);
+  void (*settle)(size_t count, const light_choices *choice, const light_draws *in,
+                 light_samples *out);
+  /* Weights of a light at points. */
+  void (*weigh[LIGHT_TYPES])(size_t count, const light *light, const lane_v *p, float *one);
+  void (*add)(size_t count, const float *one, float *sum);
+  /* Adds a light's weights to weight->sum; those points take it whose lot the sum passes with it.
+   */
+  void (*choose)(size_t count, uint32_t number, const float *one, light_weights *weight,
+                 light_choices *out);
+  /* What rays meet of a light on their way, into met. weight: where the light was one of a choice,
+     its weights at walk->from. */
   void (*meet[LIGHT_TYPES])(size_t count, const light *light, const walks *walk, const rays *ray,
-                            const light_weights *weight, lane_c *met);
+                            const float *weight, lane_c *met);
 
   /* The image around everything (sky.h). */
   void (*sky)(size_t count, const sky *sky, const lane_v *d, lane_c *out);
@@ -110,11 +115,11 @@ typedef struct stage_table {
                    lane_v *d, float *pdf);
   size_t (*missed)(size_t count, const uint32_t *record, const rays *ray, uint32_t *missed,
                    lane_v *toward);
-  /* Sky as the light of lanes that chose it; as what missed rays meet. */
-  void (*lit_by_sky)(size_t count, const uint32_t *lane, const lane_v *d, const float *pdf,
-                     const lane_c *sky, light_samples *out);
+  /* Sky as the light of places begin to end of a choice; as what missed rays meet. */
+  void (*lit_by_sky)(size_t begin, size_t end, const light_choices *choice, const lane_v *d,
+                     const float *pdf, const lane_c *sky, light_draws *out);
   void (*met_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
-                  const walks *walk, float power, const light_weights *weight, lane_c *met);
+                  const walks *walk, bool chosen, float power, lane_c *met);
   void (*lit)(size_t count, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
@@ -134,8 +139,8 @@ typedef struct stage_table {
   /* The rays that go on, and their walks: what was drawn and outlives roulette, if `lots`. Returns
      their number; wide is of use within. */
   size_t (*walk)(size_t count, bool lots, const uint32_t *lane, const surfaces *at,
-                 const walks *walk, draws *draw, rays *wide, uint32_t *chosen, walks *next,
-                 rays *ray);
+                 const walks *walk, const float *lights, draws *draw, rays *wide, uint32_t *chosen,
+                 walks *next, rays *ray);
   /* Adds the light of hits or of rays, by lane, to the samples. What is brighter than `most`, in
      the mean of its three channels, is dimmed to it. */
   void (*gain)(size_t count, float most, const uint32_t *lane, const walks *walk, const lane_c *sum,

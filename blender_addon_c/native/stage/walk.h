@@ -40,8 +40,8 @@ LEAF float largest(float a, float b, float c) {
  */
 static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
                          const surfaces *restrict at, const walks *restrict walk,
-                         draws *restrict draw, rays *restrict wide, uint32_t *restrict chosen,
-                         walks *restrict next, rays *restrict ray) {
+                         const float *restrict lights, draws *restrict draw, rays *restrict wide,
+                         uint32_t *restrict chosen, walks *restrict next, rays *restrict ray) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     vec3 n = load(&at->n, i), t = load(&at->t, i), b = load(&at->b, i), g = load(&at->g, i);
@@ -89,6 +89,7 @@ static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
     next->from.y[k] = at->p.y[i];
     next->from.z[k] = at->p.z[i];
     next->pdf[k] = draw->pdf[i];
+    next->lights[k] = lights[i];
   }
   return rays;
 }

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light that samples of lights and drawn rays share: against quadratures, for surfaces that leave it
+to the one or to the other."""
+
+import numpy as np
+import pytest
+
+from native_scenes import (
+    area, ashikhmin_shirley, box, image, material, mesh, native, ortho, persp, point, render, scene, sky, sphere,
+    spot, square, sun)
+
+EYE = (0.6, 0, 0.8)  # seen from there, the plate's middle looks at the light
+
+
+def matt(kd=0.5):
+    return material(f0=(0, 0, 0), fresnel="NONE", kd=(kd,) * 3)
+
+
+def picture(**changes):
+    return render(scene(**changes))[0][..., :3].astype(float)
+
+
+def reflected(surface, radiance, cells=512):
+    """Light from all of the half sphere, z up, that leaves towards EYE: the midpoint rule."""
+    z, phi = np.meshgrid((np.arange(cells) + 0.5) / cells,
+                         (np.arange(2 * cells) + 0.5) * np.pi / cells, indexing="ij")
+    r = np.sqrt(1 - z**2)
+    wi = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+    if surface["kd"][0]:
+        f_cos = np.broadcast_to(surface["kd"], wi.shape) / np.pi * z[..., None]
+    else:
+        f_cos = ashikhmin_shirley(np.broadcast_to((0, 0, 1), wi.shape), wi, np.broadcast_to(EYE, wi.shape),
+                                  surface["ex"], surface["ey"], surface["f0"])
+    return (f_cos * radiance(wi)).mean((0, 1)) * 2 * np.pi
+
+
+# metal that all but mirrors, metal that spreads, a matt body
+SURFACES = {"sharp": material(ex=3000.0, ey=900.0), "wide": material(ex=20.0, ey=5.0), "matt": matt()}
+
+
+def ray_meets(kind, d, p=(0, 0, 0)):
+    """Radiance that a ray from p meets of the lights below."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if kind == "area":  # at z = 1.5, from x = -1.9 to -0.4
+            q = d * (1.5 / d[..., 2:])
+            inside = (np.abs(q[..., 0] + 1.15) < 0.75) & (np.abs(q[..., 1]) < 0.5)
+            return (inside * 2 / (1.5 * 1.0))[..., None]
+        if kind == "sun":
+            angle = np.arccos(np.clip(d @ (-0.6, 0, 0.8), -1, 1))
+            return ((angle < 0.2) * 3 / (np.pi * np.sin(0.2) ** 2))[..., None]
+        c = np.array((-1.2, 0, 1.6))  # a ball of radius 0.5
+        off2 = (c**2).sum() - (d @ c) ** 2
+        return (((off2 < 0.25) & (d @ c > 0)) * 2 / (np.pi * 0.25))[..., None]
+
+
+LIGHTS = {
+    "area": area((-1.15, 0, 1.5), (1.5, 1.0), (2, 2, 2)),
+    "sun": sun((-0.6, 0, 0.8), (3, 3, 3), angle=0.4) | {"even": True},
+    "ball": point((-1.2, 0, 1.6), (2, 2, 2), 0.5) | {"ball": True},
+}
+
+
+def of_plate(surface, lights, **changes):
+    return picture(**{"materials": [surface], "lights": lights, "width": 8, "height": 8, "samples": 1024,
+                      "camera": ortho(half=1e-3, eye=EYE)} | changes).mean((0, 1))
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.parametrize("kind", LIGHTS)
+def test_soft_light_on_metal(kind, surface):
+    """Seen as a mirror image by the sharp metal, which samples of the light would hardly find."""
+    truth = reflected(SURFACES[surface], lambda d: ray_meets(kind, d))
+    assert truth.min() > 0.01
+    np.testing.assert_allclose(of_plate(SURFACES[surface], [LIGHTS[kind]]), truth, rtol=0.01)
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_a_choice_of_lights_and_a_sky(surface):
+    """One of three lights or the sky a sample: the sum of all."""
+    pixels = np.full((8, 16, 3), 0.2, np.float32)
+    pixels[6, 8:12] = (6, 3, 1)
+    truth = reflected(SURFACES[surface], lambda d: sum(ray_meets(kind, d) for kind in LIGHTS)
+                      + sky_of(pixels, d))
+    seen = of_plate(SURFACES[surface], list(LIGHTS.values()), images=[image(pixels, filter="CLOSEST")],
+                    sky=sky(), samples=2048)
+    np.testing.assert_allclose(seen, truth, rtol=0.01)
+
+
+def sky_of(pixels, d):
+    """Closest texel of an image of the sky by longitude and latitude, seen from inside."""
+    height, width = pixels.shape[:2]
+    x = (0.5 - np.arctan2(d[..., 1], d[..., 0]) / (2 * np.pi)) % 1
+    y = 1 - np.arccos(np.clip(d[..., 2], -1, 1)) / np.pi
+    return pixels[np.minimum((y * height).astype(int), height - 1), (x * width).astype(int) % width]
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.parametrize("bounces", [0, 3])
+def test_sky_on_a_plate(surface, bounces):
+    """An image with a lamp in it, turned by a matrix; it is a light, and needs no bounce."""
+    rng = np.random.default_rng(1)
+    pixels = rng.random((16, 32, 3)).astype(np.float32)
+    pixels[12, 7] = (80, 60, 40)
+    turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]])
+    truth = reflected(SURFACES[surface], lambda d: sky_of(pixels, d @ turn.T) * (1, 2, 0.5))
+    seen = of_plate(SURFACES[surface], [], images=[image(pixels, filter="CLOSEST")], max_bounces=bounces,
+                    sky=sky((1, 2, 0.5), np.c_[turn, np.zeros(3)]), samples=2048)
+    np.testing.assert_allclose(seen, truth, rtol=0.015)
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+@pytest.mark.parametrize("faces", [False, True])
+def test_the_camera_sees_the_sky(hidden, faces):
+    rng = np.random.default_rng(2)
+    pixels = rng.random((16, 32, 3)).astype(np.float32)
+    around = {"images": [image(pixels, filter="CLOSEST")], "sky": sky(), "sky_hidden": hidden, "lights": [],
+              "camera": persp(0.5, (0, 0, 0), (0.3, 1, 0.2)), "width": 24, "height": 24, "samples": 1,
+              "meshes": [square(9, -50)] if faces else []}
+    seen, _ = render(scene(**around, transparent=False))
+    half = (np.arange(24) + 0.5) / 24 - 0.5
+    matrix = np.reshape(around["camera"]["matrix"], (4, 4))[:3, :3]
+    d = np.stack([*np.meshgrid(half, half), np.full((24, 24), -1.0)], -1) @ matrix.T
+    d /= np.linalg.norm(d, axis=-1, keepdims=True)
+    truth = sky_of(pixels, d) * (not hidden)
+    agree = np.isclose(seen[..., :3], truth, atol=1e-6).all(-1)  # samples lie in their pixel somewhere
+    assert agree.mean() > 0.6 and (hidden or truth.std() > 0.1)
+    assert (seen[..., 3] == 1).all()
+    clear, _ = render(scene(**around, transparent=True))
+    assert not clear[12:].any()
+
+
+def test_a_closed_box_keeps_a_strong_sky_out():
+    pixels = np.full((8, 16, 3), 1e6, np.float32)
+    pixels[6, 3] = 1e9
+    seen = picture(lights=[], images=[image(pixels)], sky=sky(), meshes=[box((-1, -1, -1), (1, 1, 1))],
+                   materials=[matt(0.9)], camera=persp(eye=(0.1, 0.2, 0.3), target=(1, 1, 1)),
+                   max_bounces=16, samples=64)
+    assert (seen == 0).all()
+
+
+def test_a_wall_stops_what_a_ray_would_meet():
+    """A mirror under a light, with a plate between them; the light behind it gives nothing."""
+    lid = mesh([[-9, -9, 1], [9, -9, 1], [9, 9, 1], [-9, 9, 1]], [[0, 1, 2], [0, 2, 3]])
+    view = {"camera": ortho(half=1e-3, eye=(0.4, 0, 0.5)), "materials": [SURFACES["sharp"]],
+            "lights": [area((-1, 0, 2), (3, 3), (9, 9, 9))], "samples": 256, "width": 8, "height": 8}
+    assert picture(**view).mean() > 0.1
+    assert (picture(**view, meshes=[square(), lid]) == 0).all()
+
+
+@pytest.mark.parametrize("lights", [0, 1, 20])
+def test_threads_change_no_bit(lights):
+    pixels = np.full((8, 16, 3), 0.2, np.float32)
+    pixels[6, 3] = 50
+    some = [area((-1, 0, 2)), spot((1, 0, 2), radius=0.2), sun(angle=0.1), point((0, 1, 2), shadow=False)]
+    settings = {"meshes": [square(), sphere(12, 0.4, (0, 0, 0.5))], "materials": [matt(0.6)],
+                "images": [image(pixels)], "sky": sky(), "lights": (some * 5)[:lights], "max_bounces": 6,
+                "width": 40, "height": 30, "transparent": False}
+    assert (picture(**settings, threads=1) == picture(**settings, threads=2)).all()
+
+
+@pytest.mark.parametrize("wrong, words", [
+    ({"image": 1}, "image must be"), ({"matrix": [1] * 11}, "matrix must be"),
+    ({"strength": (1, float("nan"), 1)}, "strength must be"), ({"projection": "FLAT"}, "projection must be one of")])
+def test_malformed_sky(wrong, words):
+    with pytest.raises(ValueError, match="sky.*" + words):
+        native.start(scene(images=[image(np.ones((2, 4, 3), np.float32))], sky=sky() | wrong))
