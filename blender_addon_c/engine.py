@@ -70,6 +70,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
         scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
         passes = export.passes_of(depsgraph.view_layer)
         scene["planes"] = [{"type": p.plane} for p in passes]
+        scene.update(export.denoiser(depsgraph.scene.libshade))
         export.passes_left_out(depsgraph.view_layer, messages)
         synced = time.perf_counter()
         try:
@@ -125,7 +126,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
 class _Status:
     """What is being done, as a line of text."""
 
-    _NAMES = {"build": "Building the BVH", "render": "Rendering", "dump": "Writing the dump"}
+    _NAMES = {"build": "Building the BVH", "render": "Rendering", "denoise": "Denoising",
+              "dump": "Writing the dump"}
 
     def __init__(self):
         self._stage, self._begun, self._told = "", 0.0, 0.0

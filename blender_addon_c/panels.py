@@ -40,7 +40,9 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.prop(settings, "samples", text="Render")
         layout.prop(settings, "preview_samples", text="Viewport")
         layout.prop(settings, "time_limit")
+        layout.prop(settings, "use_denoising")
         layout.prop(settings, "seed")
+        layout.prop(settings, "use_animated_seed")
 
 
 class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):

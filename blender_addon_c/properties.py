@@ -2,7 +2,7 @@
 """Settings of the engine: `scene.libshade`."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 
 class LibshadeSettings(bpy.types.PropertyGroup):
@@ -51,6 +51,18 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         name="Width",
         description="Width of the pixel filter",
         default=1.5, min=0.01, max=10.0, subtype="PIXEL",
+    )
+    use_denoising: BoolProperty(
+        name="Denoise",
+        description="Take the noise out of a finished render with Open Image Denoise: few samples "
+                    "then look like many. Blender brings it from 4.x on; else install pyoidn from "
+                    "PyPI for Blender's Python",
+        default=False,
+    )
+    use_animated_seed: BoolProperty(
+        name="Animate Seed",
+        description="Another sampling pattern for each frame, so that noise does not stand still",
+        default=False,
     )
     time_limit: FloatProperty(
         name="Time Limit",

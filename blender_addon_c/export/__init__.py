@@ -2,9 +2,10 @@
 """Blender's evaluated scene to the dictionary that the native module renders."""
 
 from .camera import camera_by, camera_of, region_of
+from .denoise import denoiser
 from .messages import Messages, SceneError
 from .passes import passes_left_out, passes_of
 from .scene import read
 
-__all__ = ["Messages", "SceneError", "camera_by", "camera_of", "passes_left_out", "passes_of", "read",
+__all__ = ["Messages", "SceneError", "camera_by", "camera_of", "denoiser", "passes_left_out", "passes_of", "read",
            "region_of"]

@@ -27,7 +27,7 @@ def read(depsgraph, camera, size, region, samples, messages):
         "height": size[1],
         "region": region,
         "samples": samples,
-        "seed": scene.libshade.seed,
+        "seed": _seed(scene),
         "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
         "transparent": render.film_transparent,
         **world,
@@ -45,6 +45,11 @@ def read(depsgraph, camera, size, region, samples, messages):
         "dump": "",
         "renderer": f"Blender {bpy.app.version_string}",
     }
+
+
+def _seed(scene):
+    settings = scene.libshade
+    return settings.seed + (scene.frame_current if settings.use_animated_seed else 0)
 
 
 def _pixel_filter(settings):

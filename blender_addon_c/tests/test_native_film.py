@@ -224,6 +224,30 @@ def test_unfinished_picture_has_whole_tiles_only_then_all_of_them():
     np.testing.assert_allclose(out, np.broadcast_to(done, out.shape), rtol=1e-4)
 
 
+def test_planes_tell_the_first_surface():
+    """Normal bent by a map, colour as it is textured, numbers; nothing where nothing is met."""
+    bump = np.tile(np.float32([0.5 + 0.5 * 0.6, 0.5, 0.5 + 0.5 * 0.8]), (2, 2, 1))
+    tint = np.tile(np.float32([0.25, 0.5, 0.75]), (2, 2, 1))
+    plate = {**material(color_image=0, normal_image=1), "pass_index": 9}
+    words = ["NORMAL", "ALBEDO", "MATERIAL", "DEPTH"]
+    wanted = scene(materials=[plate], images=[image(tint), image(bump)], meshes=[square(0.5)],
+                   planes=[{"type": word} for word in words], samples=20)
+    job = native.start(wanted)
+    finish(job)
+    normal, albedo, number, depth = (np.full((16, 16, n), np.nan, np.float32) for n in (3, 3, 1, 1))
+    for word, out in zip(words, (normal, albedo, number, depth)):
+        native.image(job, out, word)
+    with pytest.raises(ValueError, match="did not ask for a plane 'UV'"):
+        native.image(job, depth, "UV")
+    native.free(job)
+    inside, outside = (slice(5, 11),) * 2, (slice(0, 3),) * 2
+    np.testing.assert_allclose(normal[inside], np.broadcast_to([0.6, 0, 0.8], (6, 6, 3)), atol=1e-3)
+    np.testing.assert_allclose(albedo[inside], np.broadcast_to(tint[0, 0], (6, 6, 3)), atol=1e-3)
+    assert (number[inside] == 9).all() and (number[outside] == 0).all()
+    np.testing.assert_allclose(depth[inside], 3, atol=1e-5)
+    assert (depth[outside] == 1e10).all() and (normal[outside] == 0).all()
+
+
 def test_time_limit_ends_a_picture_that_is_whole():
     job = native.start({**slow(), "width": 256, "height": 256, "region": (0, 0, 256, 256),
                         "time_limit": 0.2})

@@ -93,13 +93,14 @@ static PyObject *native_start(PyObject *self, PyObject *description) {
   return capsule;
 }
 
-PyDoc_STRVAR(poll_doc, "poll(job) -> dict\n\n"
-                       "state (running, done, cancelled, failed), progress (0 to 1), sample\n"
-                       "(how many of the samples all pixels have, in the mean), samples, stage\n"
-                       "(build, render, dump), message (of a failure), warnings (list of str).");
+PyDoc_STRVAR(poll_doc,
+             "poll(job) -> dict\n\n"
+             "state (running, done, cancelled, failed), progress (0 to 1), sample\n"
+             "(how many of the samples all pixels have, in the mean), samples, stage\n"
+             "(build, render, denoise, dump), message (of a failure), warnings (list of str).");
 static PyObject *native_poll(PyObject *self, PyObject *capsule) {
   static const char *const states[] = {"running", "done", "cancelled", "failed"};
-  static const char *const stages[] = {"build", "render", "dump"};
+  static const char *const stages[] = {"build", "render", "denoise", "dump"};
   (void)self;
   handle *h = get_handle(capsule);
   if (!h)

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "render/denoise.h"
 #include "render/dump_scene.h"
 #include "system/parallel.h"
 
@@ -16,6 +17,43 @@ static bool out_of_memory(job *j) {
 static bool render_picture(job *j) {
   atomic_store(&j->stage, JOB_RENDER);
   return render_run(&j->render);
+}
+
+/* A denoiser that is missing or fails is no reason to lose the picture. */
+static bool denoise(job *j) {
+  render *r = &j->render;
+  int width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
+  size_t pixels = (size_t)width * (size_t)height;
+  char wrong[MESSAGE_SIZE] = "out of memory";
+  float *color = malloc(4 * pixels * sizeof *color);
+  float *albedo = malloc(3 * pixels * sizeof *albedo),
+        *normal = malloc(3 * pixels * sizeof *normal);
+  bool good = color && albedo && normal;
+  atomic_store(&j->stage, JOB_DENOISE);
+  if (good) {
+    render_copy(r, color);
+    render_copy_plane(r, PLANE_ALBEDO, albedo);
+    render_copy_plane(r, PLANE_NORMAL, normal);
+    denoise_input input = {.width = width,
+                           .height = height,
+                           .color = color,
+                           .albedo = albedo,
+                           .normal = normal,
+                           .threads = j->scene->threads};
+    good = denoise_run(&input, j->scene->denoiser, &j->cancel, wrong, sizeof wrong);
+  }
+  free(albedo);
+  free(normal);
+  if (good) {
+    pthread_mutex_lock(&r->film);
+    r->whole = color;
+    pthread_mutex_unlock(&r->film);
+    return true;
+  }
+  free(color);
+  if (wrong[0])
+    message_warn(&j->log, "%s; the picture is as noisy as it was", wrong);
+  return !atomic_load(&j->cancel);
 }
 
 /* One more pass of the same stages, over the whole picture, a sample in each pixel's middle. */
@@ -47,7 +85,7 @@ static bool run(job *j) {
     return false;
   if (j->render.status & SHADE_BAD_INPUT)
     message_warn(&j->log, "some samples had no valid direction or normal and are black");
-  return !s->dump || render_dump(j);
+  return (!s->denoise || denoise(j)) && (!s->dump || render_dump(j));
 }
 
 static void *controller(void *argument) {
@@ -66,6 +104,7 @@ static void release(job *j) {
   render_free(&j->render);
   free(j->render.sum);
   free(j->render.numbers);
+  free(j->render.whole);
   sampling_free(&j->samples);
   scene_free(j->scene);
   message_free(&j->log);

@@ -9,7 +9,7 @@
 #include "render/tile.h"
 
 typedef enum job_state { JOB_RUNNING, JOB_DONE, JOB_CANCELLED, JOB_FAILED } job_state;
-typedef enum job_stage { JOB_BUILD, JOB_RENDER, JOB_DUMP } job_stage;
+typedef enum job_stage { JOB_BUILD, JOB_RENDER, JOB_DENOISE, JOB_DUMP } job_stage;
 
 typedef struct job {
   scene *scene;

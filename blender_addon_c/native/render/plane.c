@@ -44,6 +44,22 @@ static vec3 shading_normal(const batch *b, const material *m, size_t i) {
   return to_world(&b->surface, i, (vec3){at[from[0]][i], at[from[1]][i], at[from[2]][i]});
 }
 
+static float operand_or(const inputs *in, operand o, double number, size_t i) {
+  float x = o.at < 0 ? (float)number : in->at[o.at][i];
+  return clampf(x, 0.0f, 1.0f);
+}
+
+/* What the surface reflects of white light, roughly. */
+static vec3 albedo_of(const batch *b, const material *m, size_t i) {
+  const closure_metal *c = &m->closure.of.metal;
+  float sum[3];
+  for (int k = 0; k < 3; k++)
+    sum[k] = clampf(operand_or(&b->input, c->f0[k], c->params.f0[k], i) +
+                        operand_or(&b->input, c->kd[k], c->params.kd[k], i),
+                    0.0f, 1.0f);
+  return (vec3){sum[0], sum[1], sum[2]};
+}
+
 /* Of an instance whose mesh is shared, or of the triangle. */
 static float object_of(const scene *s, const hits *hit, size_t i) {
   bool shared = s->placed && hit->instance[i];
@@ -64,6 +80,8 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
     return p;
   case PLANE_NORMAL:
     return shading_normal(b, m, i);
+  case PLANE_ALBEDO:
+    return albedo_of(b, m, i);
   case PLANE_UV:
     return (vec3){at->u[i], at->v[i], 1.0f};
   case PLANE_OBJECT:

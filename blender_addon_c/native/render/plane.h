@@ -17,6 +17,7 @@
   ROW(DEPTH, 1, false)                                                                             \
   ROW(POSITION, 3, false)                                                                          \
   ROW(NORMAL, 3, true)                                                                             \
+  ROW(ALBEDO, 3, true)                                                                             \
   ROW(UV, 3, true)                                                                                 \
   ROW(OBJECT, 1, false)                                                                            \
   ROW(MATERIAL, 1, false)

@@ -15,7 +15,8 @@ typedef struct render {
   const atomic_bool *cancel;
   message_log *log;
   int region[4];
-  float *sum; /* of the samples: RGBA of the region, from its lowest row; or NULL */
+  float *sum;   /* of the samples: RGBA of the region, from its lowest row; or NULL */
+  float *whole; /* the picture that takes the place of the means, once it is made */
   plane_layout planes;
   float *numbers;           /* of the planes that are wanted: all of a pixel, as sum; or NULL */
   const observer *observer; /* or NULL */

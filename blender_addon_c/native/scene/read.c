@@ -295,6 +295,11 @@ static bool read_picture(reader *r, scene *s) {
   }
   if (reader_has(r, "planes") && !read_planes(r, s))
     return false;
+  if (reader_has(r, "use_denoising") && (!reader_flag(r, "use_denoising", &s->denoise) ||
+                                         !reader_text(r, "denoiser", "", &s->denoiser)))
+    return false;
+  if (s->denoise)
+    s->planes |= 1u << PLANE_ALBEDO | 1u << PLANE_NORMAL;
   if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
     return false;
   if (reader_has(r, "max_bounces") &&

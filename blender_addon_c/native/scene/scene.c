@@ -578,6 +578,7 @@ void scene_free(scene *s) {
   free(s->material);
   free(s->mesh);
   free(s->instance);
+  free(s->denoiser);
   free(s->dump);
   free(s->renderer);
   free(s);

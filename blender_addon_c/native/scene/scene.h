@@ -115,6 +115,8 @@ typedef struct scene {
   material *material;
   mesh *mesh;
   instance *instance;
+  bool denoise;
+  char *denoiser;                   /* path of Open Image Denoise, or NULL */
   char *dump;                       /* path, or NULL */
   char *renderer;                   /* for the dump's header */
   const struct stage_table *stages; /* chosen with the materials: what the environment says then */

@@ -531,8 +531,8 @@ def first_minute(options):
     settings = scene.cycles if options["engine"] == "CYCLES" else scene.libshade
     settings.samples = options["samples"]
     if options["engine"] == "CYCLES":
-        settings.use_denoising = settings.use_adaptive_sampling = False
-        settings.pixel_filter_type = "BOX"
+        settings.use_adaptive_sampling = False
+    settings.use_denoising = options.get("denoise", False)
     if options["floor"]:
         for name, color, metallic in (("floor", (0.6, 0.25, 0.15, 1), 0), ("gold", (1, 0.77, 0.34, 1), 1)):
             if name == "floor":
