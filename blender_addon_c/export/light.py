@@ -60,8 +60,18 @@ def _bulb(light, matrix, strength):
 
 
 def _spot(light, matrix, strength):
-    return {**_bulb(light, matrix, strength), "direction": _unit(-matrix.to_3x3().col[2]),
-            "angle": light.spot_size, "blend": light.spot_blend, "cosine_law": _OLD}
+    return {**_bulb(light, matrix, strength), **_cone(matrix), "angle": light.spot_size,
+            "blend": light.spot_blend, "cosine_law": _OLD}
+
+
+def _cone(matrix):
+    """Where a spot shines. Its object's scale makes the cone wide or narrow, but not in 3.4."""
+    x, y, z = matrix.to_3x3().col
+    across = {}
+    if not _OLD and min(x.length, y.length, z.length) > 1e-6:
+        across = {"across_u": tuple(x.normalized() * z.length / x.length),
+                  "across_v": tuple(y.normalized() * z.length / y.length)}
+    return {"direction": _unit(-z), **across}
 
 
 def _area(light, matrix, strength):

@@ -13,6 +13,8 @@ LIGHTS = {
     "ball": ("POINT", {"energy": 200, "shadow_soft_size": 0.5, "use_soft_falloff": False}),
     "spot": ("SPOT", {"energy": 500, "spot_size": 1.3, "spot_blend": 0.4, "shadow_soft_size": 0}),
     "soft spot": ("SPOT", {"energy": 500, "spot_size": 1.3, "spot_blend": 0.4, "shadow_soft_size": 0.4}),
+    "squeezed spot": ("SPOT", {"energy": 500, "spot_size": 1.3, "spot_blend": 0.4, "shadow_soft_size": 0},
+                      {"scale": (0.6, 1.2, 0.9)}),
     "square": ("AREA", {"energy": 150, "shape": "SQUARE", "size": 1}),
     "rectangle": ("AREA", {"energy": 150, "shape": "RECTANGLE", "size": 1.5, "size_y": 0.3}),
     "disk": ("AREA", {"energy": 150, "shape": "DISK", "size": 1}),

@@ -330,7 +330,11 @@ static void soft_lights(light l[SOFT_LIGHTS], double irradiance[SOFT_LIGHTS]) {
   l[1] = (light){.type = LIGHT_POINT, .of.point.bulb = ball};
   irradiance[1] = 1.0 / 4;
   l[2] = (light){.type = LIGHT_SPOT,
-                 .of.spot = {.bulb = disc, .axis = {0, 0, -1}, .cosine = 0.5f, .rim = 1e7f}};
+                 .of.spot = {.bulb = disc,
+                             .axis = {0, 0, -1},
+                             .across = {{1, 0, 0}, {0, 1, 0}},
+                             .cosine = 0.5f,
+                             .rim = 1e7f}};
   irradiance[2] = 1.0 / (4 + 1); /* all of it is within the cone */
   l[3] = l[2];
   l[3].of.spot.cosine_law = UINT32_MAX; /* 2 pi integral cos^2 sin / (pi radius^2) */

@@ -8,9 +8,10 @@
 typedef struct light_spot {
   light_bulb bulb;
   vec3 axis;           /* where it shines, unit */
+  vec3 across[2];      /* of the cone, unit where it is round; longer where it is narrow */
   float cosine;        /* of half the cone's angle */
   float rim;           /* 1 / that over which it fades, in the cosine */
-  uint32_t cosine_law; /* dimmed by the cosine too, as Cycles' spots were until 3.4 */
+  uint32_t cosine_law; /* dimmed by the cosine too, as Cycles' spots were until 3.4; for either() */
 } light_spot;
 
 static inline bool light_spot_read(reader *r, light_common *common, light_spot *l) {
@@ -23,6 +24,14 @@ static inline bool light_spot_read(reader *r, light_common *common, light_spot *
   l->axis = (vec3){v[0], v[1], v[2]};
   if (!make_unit(&l->axis))
     return reader_expected(r, "direction", "a direction");
+  across(l->axis, &l->across[0], &l->across[1]);
+  for (int k = 0; k < 2; k++) {
+    const char *key = k ? "across_v" : "across_u";
+    if (reader_has(r, key) && !reader_floats(r, key, 3, v))
+      return false;
+    if (reader_has(r, key))
+      l->across[k] = (vec3){v[0], v[1], v[2]};
+  }
   l->cosine = cosf(0.5f * angle);
   float width = (1.0f - l->cosine) * blend;
   l->rim = 1.0f / (width > 1e-7f ? width : 1e-7f);
@@ -31,7 +40,9 @@ static inline bool light_spot_read(reader *r, light_common *common, light_spot *
 
 /* d: from the point to the light. */
 LEAF float light_spot_part(const light_spot *l, vec3 d) {
-  float cosine = -dot(d, l->axis);
+  float z = -dot(d, l->axis), x = dot(d, l->across[0]), y = dot(d, l->across[1]);
+  float length2 = x * x + y * y + z * z;
+  float cosine = z / sqrtf(length2 > 1e-30f ? length2 : 1e-30f);
   float t = clampf((cosine - l->cosine) * l->rim, 0.0f, 1.0f);
   float law = either(l->cosine_law, cosine, 1.0f);
   return t * t * (3.0f - 2.0f * t) * (law > 0.0f ? law : 0.0f);
