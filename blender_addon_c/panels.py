@@ -54,6 +54,9 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(context.scene.libshade, "max_bounces")
+        column = layout.column(align=True)
+        for name in ("diffuse", "glossy", "transmission", "transparent_max"):
+            column.prop(context.scene.libshade, f"{name}_bounces")
         layout.prop(context.scene.libshade, "sample_clamp_direct")
         layout.prop(context.scene.libshade, "sample_clamp_indirect")
 

@@ -27,6 +27,27 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "surfaces see lamps and the world only, not each other",
         default=12, min=0, max=1024,
     )
+    diffuse_bounces: IntProperty(
+        name="Diffuse",
+        description="How many of them may be off matt surfaces",
+        default=4, min=0, max=1024,
+    )
+    glossy_bounces: IntProperty(
+        name="Glossy",
+        description="How many of them may be off shining surfaces",
+        default=4, min=0, max=1024,
+    )
+    transmission_bounces: IntProperty(
+        name="Transmission",
+        description="How many of them may go through surfaces",
+        default=12, min=0, max=1024,
+    )
+    transparent_max_bounces: IntProperty(
+        name="Transparent",
+        description="Through how many surfaces that are not wholly there a path goes straight on; "
+                    "these are no bounces",
+        default=8, min=0, max=1024,
+    )
     sample_clamp_direct: FloatProperty(
         name="Clamp Direct",
         description="Largest brightness that lamps and the world may add to a sample at the first "

@@ -1,112 +1,459 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes: one function for each, to a closure of the native module and what feeds it."""
+"""Shader nodes: one function for each, to closures of the native module and what feeds them.
+
+`collect` follows Mix and Add Shader; every shader that they lead to adds its closures, with its share
+as their weight, to the material's reader. They follow Cycles of the Blender that runs.
+"""
+
+import bpy
 
 from .. import nodes
+from . import tree
 from .graph import is_known
 from .node import color_of, normal_of, number_of
 
-
-def _given(reader, node, groups, settings, **parts):
-    """A metal's settings: f0, kd (three parts) and alpha, and what nodes say of them."""
-    made = dict(settings)
-    for name, given in parts.items():
-        if name == "alpha":
-            made |= _alpha(given)
-            continue
-        made[name] = tuple(part if is_known(part) else 1.0 for part in given)
-        if not is_known(*given):
-            made[f"{name}_from"] = given
-    normal = normal_of(reader, node.inputs["Normal"], groups)
-    return {**made, "normal": normal} if normal else made
+_WHITE, _BLACK = (1.0,) * 3, (0.0,) * 3
+_JOINT = bpy.app.version >= (4, 0)  # Smith's shadowing of both directions together
 
 
-def _alpha(alpha):
-    if is_known(alpha):
-        return of_alpha(alpha)
-    return {**of_alpha(1.0), "ax_from": [alpha], "ay_from": [alpha]}
+def collect(reader, socket, groups, share=1.0):
+    """All closures of what feeds a shader socket. share: a number or register."""
+    found = tree.trace(socket, groups)
+    node = found.node
+    if node is None or (is_known(share) and share == 0):
+        return
+    key = (node, found.groups)
+    if key in reader.open:
+        reader.warn(f"'{node.name}' feeds itself; the link is left out")
+        return
+    reader.open.add(key)
+    if node.type in ("MIX_SHADER", "ADD_SHADER"):
+        _combined(reader, found, share)
+    elif node.bl_idname in CLOSURES:
+        CLOSURES[node.bl_idname](reader, node, found.groups, share)
+    else:
+        _unknown(reader, found, share)
+    reader.open.remove(key)
 
 
-def _metal(reader, node, groups):
-    color = color_of(reader, node.inputs["Color"], groups)
-    return _given(reader, node, groups, nodes.settings(node), f0=color)
+def _combined(reader, found, share):
+    inputs, math = found.node.inputs, reader.program.math
+    if found.node.type == "ADD_SHADER":
+        for socket in inputs:
+            collect(reader, socket, found.groups, share)
+        return
+    factor = _clamp(reader, number_of(reader, inputs[0], found.groups))
+    collect(reader, inputs[1], found.groups,
+            math("MULTIPLY", share, math("SUBTRACT", 1.0, factor)))
+    collect(reader, inputs[2], found.groups, math("MULTIPLY", share, factor))
 
 
-def _principled(reader, node, groups):
-    """Its base layer: a metal, or a matt body under a clear surface."""
-    inputs, math = node.inputs, reader.program.math
-    metallic = _clamp(reader, number_of(reader, inputs["Metallic"], groups))
-    color = color_of(reader, inputs["Base Color"], groups)
-    _name_left_out(reader, node, _LEFT_OUT)
-    if inputs["Alpha"].is_linked or inputs["Alpha"].default_value < 1:
-        reader.warn(f"'{node.name}': Alpha is not supported; opaque")
-    specular = _specular(reader, inputs, groups)
-    matt = math("SUBTRACT", 1.0, metallic)
-    return _given(reader, node, groups, {"fresnel": "SCHLICK", **_GGX},
-                  alpha=_alpha_of(reader, node, groups),
-                  f0=tuple(math("MIX", specular, c, metallic) for c in color),
-                  kd=tuple(math("MULTIPLY", matt, c) for c in color))
+def _unknown(reader, found, share):
+    """Its first shader, else a matt surface of its colour: never black without a word."""
+    node = found.node
+    shader = next((s for s in node.inputs if s.type == "SHADER" and s.is_linked), None)
+    color = node.inputs.get("Color")
+    if node.type in ("GROUP", "GROUP_INPUT"):
+        reader.warn(f"'{node.name}' ({found.output.name}) has nothing to shade by; left out")
+    elif shader:
+        reader.warn(f"'{node.name}' is not supported; what feeds it is used")
+        collect(reader, shader, found.groups, share)
+    elif color:
+        reader.warn(f"'{node.name}' is not supported; shaded as a Diffuse BSDF of its colour")
+        _lambert(reader, color_of(reader, color, found.groups), share,
+                 _normal(reader, node, found.groups))
+    else:
+        reader.warn(f"'{node.name}' is not supported; left out")
 
 
-# Lobes of the Principled BSDF that have no closure yet, by their socket in one version or another.
-_LEFT_OUT = ("Subsurface", "Subsurface Weight", "Transmission", "Transmission Weight", "Sheen",
-             "Sheen Weight", "Clearcoat", "Coat Weight", "Emission Strength", "Anisotropic")
-
-
-def _name_left_out(reader, node, names):
-    """A warning for each of these sockets that says something."""
-    for name in names:
-        socket = node.inputs.get(name)
-        if socket and (socket.is_linked or socket.default_value) and _emits(name, node.inputs):
-            reader.warn(f"'{node.name}': {name} is not supported; left out")
-
-
-def _emits(name, inputs):
-    """False for the strength of an emission that is black, as it is in a new node."""
-    if name != "Emission Strength":
-        return True
-    color = inputs.get("Emission Color") or inputs["Emission"]  # the latter until 3.6
-    return color.is_linked or any(color.default_value[:3])
-
-
-def _specular(reader, inputs, groups):
-    """Reflectance of the clear surface at normal incidence."""
-    math = reader.program.math
-    if "Specular" in inputs:  # until 3.6
-        level = number_of(reader, inputs["Specular"], groups)
-        return _clamp(reader, math("MULTIPLY", level, 0.08))
-    ior = math("MAXIMUM", number_of(reader, inputs["IOR"], groups), 1.0)
-    root = math("DIVIDE", math("SUBTRACT", ior, 1.0), math("ADD", ior, 1.0))
-    level = math("MULTIPLY", number_of(reader, inputs["Specular IOR Level"], groups), 2.0)
-    return _clamp(reader, math("MULTIPLY", level, math("MULTIPLY", root, root)))
-
-
-def _diffuse(reader, node, groups):
-    _name_left_out(reader, node, ("Roughness",))
-    return _given(reader, node, groups, {"fresnel": "NONE"}, f0=(0.0, 0.0, 0.0),
-                  kd=color_of(reader, node.inputs["Color"], groups))
-
-
-def _glossy(reader, node, groups):
-    _name_left_out(reader, node, ("Anisotropy",))
-    if node.distribution not in {"GGX", "MULTI_GGX"}:
-        reader.warn(f"'{node.name}': {node.distribution.lower()} is not supported; shaded as GGX")
-    return _given(reader, node, groups, {"fresnel": "NONE", **_GGX},
-                  alpha=_alpha_of(reader, node, groups),
-                  f0=color_of(reader, node.inputs["Color"], groups))
-
-
-_GGX = {"mdf": "ggx", "brdf": "microfacet"}
-
-
-def _alpha_of(reader, node, groups):
-    """Of a node's roughness the square."""
-    roughness = _clamp(reader, number_of(reader, node.inputs["Roughness"], groups))
-    return reader.program.math("MAXIMUM", reader.program.math("MULTIPLY", roughness, roughness),
-                               1e-4)
+# ---- what closures are made of
 
 
 def _clamp(reader, x):
     return reader.program.math("CLAMP", x, 0.0, 1.0)
+
+
+def _times(reader, color, factor):
+    return tuple(reader.program.math("MULTIPLY", part, factor) for part in color)
+
+
+def _normal(reader, node, groups, name="Normal"):
+    socket = node.inputs.get(name)
+    return normal_of(reader, socket, groups) if socket else None
+
+
+def _add(reader, closure, weight, normal=None):
+    """weight: three parts, or one for all. What weighs nothing is left out."""
+    weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
+    if is_known(*weight) and not any(part > 0 for part in weight):
+        return
+    if not is_known(*weight) or weight != _WHITE:
+        closure = {**closure, "weight": weight}
+    reader.closures.append({**closure, "normal": normal} if normal else closure)
+
+
+def _metal_closure(settings, **parts):
+    """A METAL: settings, and what may be a register: f0, kd, f82, eta (three parts each), alpha (one
+    or two), groove (two)."""
+    made = {"closure": "METAL", **nodes.initial_settings(), **settings}
+    for name, given in parts.items():
+        if name == "groove":
+            made |= {"groove_from": given} if given else {}
+        elif name == "alpha":
+            made |= _alphas(*(given if isinstance(given, tuple) else (given, given)))
+        else:
+            made[name] = tuple(part if is_known(part) else 1.0 for part in given)
+            made |= {} if is_known(*given) else {f"{name}_from": given}
+    return made
+
+
+def _alphas(x, y):
+    made = {}
+    for axis, alpha in (("x", x), ("y", y)):
+        known = min(max(alpha, 1e-4), 10.0) if is_known(alpha) else 1.0
+        made |= {f"a{axis}": known, f"e{axis}": nodes.exponent_of(known)}
+        made |= {} if is_known(alpha) else {f"a{axis}_from": [alpha]}
+    return made
+
+
+_GGX = {"mdf": "ggx", "brdf": "microfacet"}
+_LOBES = {
+    "GGX": _GGX, "MULTI_GGX": _GGX, "SHARP": _GGX,
+    "BECKMANN": {"mdf": "beckmann", "brdf": "microfacet"},
+    "ASHIKHMIN_SHIRLEY": {"mdf": "ashikhmin_shirley", "brdf": "ashikhmin_shirley"},
+}
+
+
+def _alpha_of(reader, node, groups, name="Roughness"):
+    """Of a node's roughness the square; of one without, 0."""
+    socket = node.inputs.get(name)
+    if not socket or getattr(node, "distribution", "") == "SHARP":
+        return 1e-4
+    roughness = _clamp(reader, number_of(reader, socket, groups))
+    return reader.program.math("MAXIMUM", reader.program.math("MULTIPLY", roughness, roughness),
+                               1e-4)
+
+
+class _Lobe:
+    """What a round GGX lobe reflects of even light: `one` with a Fresnel of 1, `clear` a clear body's
+    from 0 head-on to 1, `mean` the first's mean."""
+
+    def __init__(self, reader, alpha, normal):
+        given = {"normal": normal} if normal else {}
+        self._math = reader.program.math
+        self.one, self.clear, self.mean = reader.program.emit("ALBEDO", alpha=[alpha], **given)
+
+    def kept(self, color):
+        """By which factor several bounces between facets raise a lobe of this mean reflectance
+        [KullaConty2017], as Cycles has it from 4.0 on."""
+        math = self._math
+        missing = math("DIVIDE", math("SUBTRACT", 1.0, self.one), self.one)
+        lost = math("SUBTRACT", 1.0, self.mean)
+        parts = []
+        for part in color:
+            again = math("DIVIDE", math("MULTIPLY", part, self.mean),
+                         math("SUBTRACT", 1.0, math("MULTIPLY", part, lost)))
+            parts.append(math("MULTIPLY_ADD", again, missing, 1.0))
+        return tuple(parts)
+
+    def albedo(self, head_on):
+        """Of a clear body with this reflectance head-on."""
+        math = self._math
+        rest = math("SUBTRACT", 1.0, head_on)
+        return math("MULTIPLY_ADD", head_on, self.one, math("MULTIPLY", rest, self.clear))
+
+
+def _is_smooth(alpha):
+    """Too sharp for light to be lost between facets."""
+    return is_known(alpha) and alpha < 1e-3
+
+
+# ---- shaders
+
+
+def _metal(reader, node, groups, share):
+    color = color_of(reader, node.inputs["Color"], groups)
+    _add(reader, _metal_closure(nodes.settings(node), f0=color), share,
+         _normal(reader, node, groups))
+
+
+def _lambert(reader, color, share, normal):
+    _add(reader, _metal_closure({"fresnel": "NONE"}, f0=_BLACK, kd=color), share, normal)
+
+
+def _diffuse(reader, node, groups, share):
+    color, normal = color_of(reader, node.inputs["Color"], groups), _normal(reader, node, groups)
+    _matt(reader, color, number_of(reader, node.inputs["Roughness"], groups), share, normal)
+
+
+def _matt(reader, color, roughness, share, normal):
+    if is_known(roughness) and roughness <= 0:
+        _lambert(reader, color, share, normal)
+        return
+    model = "EON" if bpy.app.version >= (4, 3) else "OREN_NAYAR"
+    _add(reader, {"closure": "DIFFUSE", "model": model, "color": color, "roughness": [roughness]},
+         share, normal)
+
+
+def _glossy(reader, node, groups, share):
+    color, alpha = color_of(reader, node.inputs["Color"], groups), _alpha_of(reader, node, groups)
+    normal, distribution = _normal(reader, node, groups), node.distribution
+    if distribution not in _LOBES:
+        reader.warn(f"'{node.name}': {distribution.lower()} is not supported; shaded as GGX")
+        distribution = "GGX"
+    alphas, groove = _stretched(reader, node, groups, alpha)
+    if distribution == "MULTI_GGX" and not _is_smooth(alpha):
+        kept = _Lobe(reader, alpha, normal).kept(color)
+        share = tuple(reader.program.math("MULTIPLY", share, part) for part in kept)
+    _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution]}, f0=color, alpha=alphas,
+                                groove=groove), share, normal)
+
+
+def _stretched(reader, node, groups, alpha):
+    """Alphas along the tangent and across it, and where it is turned to, or None. Of the Glossy BSDF:
+    alpha / (1 + a) and alpha (1 + a) below 0, alpha (1 - a) and alpha / (1 - a) above."""
+    math, inputs = reader.program.math, node.inputs
+    socket = inputs.get("Anisotropy")
+    a = number_of(reader, socket, groups) if socket else 0.0
+    if is_known(a) and a == 0:
+        return (alpha, alpha), None
+    a = math("CLAMP", a, -0.99, 0.99)
+    size = math("SUBTRACT", 1.0, math("ABSOLUTE", a))
+    small, large = math("MULTIPLY", alpha, size), math("DIVIDE", alpha, size)
+    along = math("GREATER_THAN", a, 0.0) if not is_known(a) else float(a > 0)
+    _check_tangent(reader, node)
+    return ((math("MIX", large, small, along), math("MIX", small, large, along)),
+            _turned(reader, inputs["Rotation"], groups))
+
+
+def _check_tangent(reader, node):
+    socket = node.inputs.get("Tangent")
+    found = tree.trace(socket, ()).node if socket else None
+    if found and not (found.type == "TANGENT" and found.direction_type == "UV_MAP"):
+        reader.warn(f"'{node.name}': a tangent from '{found.name}' is not supported; the UV map's "
+                    "is used")
+    if not found:
+        reader.warn(f"'{node.name}': its grooves follow the UV map, not the object's round")
+
+
+def _turned(reader, socket, groups):
+    """Of a rotation in turns the tangent's x and y."""
+    turns = number_of(reader, socket, groups)
+    if is_known(turns) and turns % 1 == 0:
+        return None
+    math = reader.program.math
+    angle = math("MULTIPLY", turns, 6.283185307179586)
+    return [math("COSINE", angle), math("SINE", angle)]
+
+
+def _glass_closure(reader, node, groups, **given):
+    ior = number_of(reader, node.inputs["IOR"], groups)
+    return {"closure": "GLASS", "ior": [ior], "tint": _WHITE, "reflects": True, "refracts": True,
+            "joint": _JOINT, **given}
+
+
+def _glass(reader, node, groups, share, reflects=True):
+    color = color_of(reader, node.inputs["Color"], groups)
+    alpha = _alpha_of(reader, node, groups)
+    if node.distribution == "BECKMANN":
+        reader.warn(f"'{node.name}': Beckmann is not supported; shaded as GGX")
+    if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
+        reader.warn(f"'{node.name}': several bounces between its facets are left out")
+    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], reflects=reflects),
+         _times(reader, color, share), _normal(reader, node, groups))
+
+
+def _refraction(reader, node, groups, share):
+    _glass(reader, node, groups, share, reflects=False)
+
+
+def _translucent(reader, node, groups, share):
+    color = color_of(reader, node.inputs["Color"], groups)
+    _add(reader, {"closure": "TRANSLUCENT"}, _times(reader, color, share),
+         _normal(reader, node, groups))
+
+
+def _transparent(reader, node, groups, share):
+    color = color_of(reader, node.inputs["Color"], groups)
+    _add(reader, {"closure": "TRANSPARENT"}, _times(reader, color, share))
+
+
+def _emission(reader, node, groups, share):
+    color = color_of(reader, node.inputs["Color"], groups)
+    strength = number_of(reader, node.inputs["Strength"], groups)
+    _shine(reader, color, reader.program.math("MULTIPLY", strength, share))
+
+
+def _shine(reader, color, strength):
+    _add(reader, {"closure": "EMISSION"}, _times(reader, color, strength))
+
+
+# ---- Principled BSDF
+
+
+def _principled(reader, node, groups, share):
+    inputs, math = node.inputs, reader.program.math
+    alpha = _clamp(reader, number_of(reader, inputs["Alpha"], groups))
+    _add(reader, {"closure": "TRANSPARENT"}, math("MULTIPLY", share, math("SUBTRACT", 1.0, alpha)))
+    share = math("MULTIPLY", share, alpha)
+    _name_left_out(reader, node)
+    layers = _Principled(reader, node, groups)
+    (layers.until_3_6 if "Specular" in inputs else layers.from_4_0)(share)
+
+
+# Sockets without a closure yet, in one version or another, and what they are where they say nothing.
+_LEFT_OUT = {"Subsurface": 0, "Subsurface Weight": 0, "Sheen": 0, "Sheen Weight": 0,
+             "Specular Tint": None, "Thin Film Thickness": 0, "Transmission Roughness": 0}
+
+
+def _name_left_out(reader, node):
+    """A warning for each of these sockets that says something."""
+    for name, plain in _LEFT_OUT.items():
+        socket = node.inputs.get(name)
+        if not socket:
+            continue
+        value = socket.default_value
+        if plain is None:  # a number until 3.6, 0; a colour from 4.0 on, white
+            says = value if isinstance(value, float) else any(part != 1 for part in value[:3])
+        else:
+            says = value != plain
+        if socket.is_linked or says:
+            reader.warn(f"'{node.name}': {name} is not supported; left out")
+
+
+class _Principled:
+    """Its layers, from the top: each takes its part of the share, the rest goes to those below."""
+
+    def __init__(self, reader, node, groups):
+        self.reader, self.node, self.groups, self.math = reader, node, groups, reader.program.math
+        self.base = color_of(reader, node.inputs["Base Color"], groups)
+        self.metallic = _clamp(reader, self._number("Metallic"))
+        self.alpha, self.normal = _alpha_of(reader, node, groups), _normal(reader, node, groups)
+        self.alphas, self.groove = self._stretched()
+        self.several = getattr(node, "distribution", "GGX") == "MULTI_GGX" and not _is_smooth(
+            self.alpha)
+
+    def _number(self, *names):
+        name = next(name for name in names if name in self.node.inputs)
+        return number_of(self.reader, self.node.inputs[name], self.groups)
+
+    def _stretched(self):
+        """alpha / a and alpha a, a^2 = 1 - 0.9 anisotropic."""
+        amount = _clamp(self.reader, self._number("Anisotropic"))
+        if is_known(amount) and amount == 0:
+            return (self.alpha, self.alpha), None
+        _check_tangent(self.reader, self.node)
+        math = self.math
+        a = math("SQRT", math("SUBTRACT", 1.0, math("MULTIPLY", amount, 0.9)))
+        return ((math("DIVIDE", self.alpha, a), math("MULTIPLY", self.alpha, a)),
+                _turned(self.reader, self.node.inputs["Anisotropic Rotation"], self.groups))
+
+    def _rest(self, share, part):
+        return self.math("MULTIPLY", share, self.math("SUBTRACT", 1.0, part))
+
+    def _part(self, share, part):
+        return self.math("MULTIPLY", share, part)
+
+    def _lobe(self, share, settings, kept=None, **parts):
+        """kept: the mean reflectance, where several bounces between facets count."""
+        if kept and self.several:
+            kept = _Lobe(self.reader, self.alpha, self.normal).kept(kept)
+            share = tuple(self.math("MULTIPLY", share, part) for part in kept)
+        _add(self.reader, _metal_closure({**_GGX, **settings}, alpha=self.alphas,
+                                         groove=self.groove, **parts), share, self.normal)
+
+    def _clear(self, share, eta, kept=None):
+        self._lobe(share, {"fresnel": "CONDUCTOR", "k": _BLACK}, kept, f0=_WHITE, eta=(eta,) * 3)
+
+    def _head_on(self, eta):
+        root = self.math("DIVIDE", self.math("SUBTRACT", eta, 1.0), self.math("ADD", eta, 1.0))
+        return self.math("MULTIPLY", root, root)
+
+    def _eta(self, head_on):
+        """The index whose reflectance this is, at most of .99."""
+        root = self.math("SQRT", self.math("CLAMP", head_on, 0.0, 0.99))
+        return self.math("DIVIDE", self.math("ADD", 1.0, root), self.math("SUBTRACT", 1.0, root))
+
+    def _mean(self, head_on):
+        """Schlick's mean over the directions."""
+        return self.math("MULTIPLY_ADD", head_on, 20 / 21, 1 / 21)
+
+    def _coat(self, share, weight, alpha, eta, normal):
+        _add(self.reader, _metal_closure({**_GGX, "fresnel": "CONDUCTOR", "k": _BLACK}, f0=_WHITE,
+                                         eta=(eta,) * 3, alpha=alpha),
+             self._part(share, weight), normal)
+
+    def _emission(self, share):
+        inputs = self.node.inputs
+        color = color_of(self.reader, inputs.get("Emission Color") or inputs["Emission"],
+                         self.groups)
+        _shine(self.reader, color, self._part(share, self._number("Emission Strength")))
+
+    def until_3_6(self, share):
+        math = self.math
+        through = _clamp(self.reader, self._number("Transmission"))
+        self._emission(share)
+        coat = _clamp(self.reader, self._number("Clearcoat"))
+        self._coat(share, math("MULTIPLY", coat, 0.25),
+                   _alpha_of(self.reader, self.node, self.groups, "Clearcoat Roughness"), 1.5,
+                   _normal(self.reader, self.node, self.groups, "Clearcoat Normal"))
+        matt = self._rest(share, self.metallic)
+        glass = self._part(matt, through)
+        if not (is_known(glass) and glass == 0):
+            _add(self.reader, _glass_closure(self.reader, self.node, self.groups, tint=self.base,
+                                             alpha=[self.alpha]), glass, self.normal)
+        _add(self.reader, {"closure": "DIFFUSE", "model": "BURLEY", "color": self.base,
+                           "roughness": [_clamp(self.reader, self._number("Roughness"))]},
+             self._rest(matt, through), self.normal)
+        surface = math("SUBTRACT", share, glass)
+        head_on = math("CLAMP", math("MULTIPLY", self._number("Specular"), 0.08), 0.0, 1.0)
+        if is_known(self.metallic) and self.metallic == 0:
+            self._clear(surface, self._eta(head_on), (self._mean(head_on),) * 3)
+            return
+        f0 = tuple(math("MIX", head_on, part, self.metallic) for part in self.base)
+        self._lobe(surface, {"fresnel": "SCHLICK"}, tuple(map(self._mean, f0)), f0=f0)
+
+    def from_4_0(self, share):
+        math, reader = self.math, self.reader
+        coat = _clamp(reader, self._number("Coat Weight"))
+        if not (is_known(coat) and coat == 0):
+            share = self._coated(share, coat)
+        self._emission(share)
+        self._lobe(self._part(share, self.metallic), {"fresnel": "SCHLICK"},
+                   tuple(map(self._mean, self.base)), f0=self.base)
+        share = self._rest(share, self.metallic)
+        through = _clamp(reader, self._number("Transmission Weight"))
+        glass = self._part(share, through)
+        if not (is_known(glass) and glass == 0):
+            tint = tuple(math("SQRT", _clamp(reader, part)) for part in self.base)
+            _add(reader, _glass_closure(reader, self.node, self.groups, tint=tint,
+                                        alpha=[self.alpha]), glass, self.normal)
+        share = self._rest(share, through)
+        if is_known(share) and share == 0:
+            return
+        head_on = self._head_on(math("MAXIMUM", self._number("IOR"), 1.0))
+        level = self._number("Specular IOR Level")
+        if not (is_known(level) and level == 0.5):
+            head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
+        self._clear(share, self._eta(head_on), (self._mean(head_on),) * 3)
+        lobe = _Lobe(reader, self.alpha, self.normal)
+        hidden = lobe.albedo(head_on)
+        if self.several:
+            hidden = math("MULTIPLY", hidden, lobe.kept((self._mean(head_on),))[0])
+        roughness = self._number("Diffuse Roughness") if "Diffuse Roughness" in self.node.inputs else 0.0
+        _matt(reader, self.base, roughness, self._rest(share, _clamp(reader, hidden)), self.normal)
+
+    def _coated(self, share, weight):
+        reader = self.reader
+        alpha = _alpha_of(reader, self.node, self.groups, "Coat Roughness")
+        eta = self.math("MAXIMUM", self._number("Coat IOR"), 1.0)
+        normal = _normal(reader, self.node, self.groups, "Coat Normal")
+        self._coat(share, weight, alpha, eta, normal)
+        tint = self.node.inputs["Coat Tint"]
+        if tint.is_linked or any(part != 1 for part in tint.default_value[:3]):
+            reader.warn(f"'{self.node.name}': Coat Tint is not supported; left out")
+        hidden = _Lobe(reader, alpha, normal).albedo(self._head_on(eta))
+        return self._rest(share, self._part(weight, hidden))
 
 
 # By the node's bl_idname.
@@ -116,14 +463,14 @@ CLOSURES = {
     "ShaderNodeBsdfDiffuse": _diffuse,
     "ShaderNodeBsdfGlossy": _glossy,
     "ShaderNodeBsdfAnisotropic": _glossy,
+    "ShaderNodeBsdfGlass": _glass,
+    "ShaderNodeBsdfRefraction": _refraction,
+    "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeBsdfTransparent": _transparent,
+    "ShaderNodeEmission": _emission,
 }
 
 
 def of_roughness(roughness):
     """Settings of an isotropic metal of Blender's roughness, whose square is alpha."""
-    return of_alpha(max(roughness * roughness, 1e-4))
-
-
-def of_alpha(alpha):
-    exponent = nodes.exponent_of(alpha)
-    return {"ex": exponent, "ey": exponent, "ax": alpha, "ay": alpha}
+    return _alphas(*(max(roughness * roughness, 1e-4),) * 2)

@@ -100,6 +100,8 @@ _FOLDED = {
     "CLAMP": lambda a, b, c: min(max(a, b), c),
     "SQRT": lambda a, b, c: math.sqrt(max(a, 0.0)),
     "ABSOLUTE": lambda a, b, c: abs(a),
+    "COSINE": lambda a, b, c: math.cos(a),
+    "SINE": lambda a, b, c: math.sin(a),
 }
 
 

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials: a closure and a graph of nodes. Whatever is linked and not understood is named."""
+"""Materials: closures and a graph of nodes. Whatever is linked and not understood is named."""
 
 from .. import nodes
 from . import tree
-from .closure import CLOSURES, of_roughness
+from .closure import collect, of_roughness
 from .graph import Program, TooLarge
 from .image import Images
+
+
+_MOST = 8  # closures of a material
+_NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
 
 
 class Table:
@@ -45,42 +49,48 @@ class Table:
 
 class Reader:
     """One material, and what its nodes found out: `uv_map`, that its images ask for, if one of them
-    `uses_uv`; the `program`, and what outputs say that are `known`."""
+    `uses_uv`; the `program`, what outputs say that are `known`, and `closures`."""
 
     def __init__(self, images, messages, material):
         self.images, self._messages, self._material = images, messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
         self.uv_map, self.uses_uv = "", False
         self.program, self.known = Program(), {}
+        self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 
     def warn(self, text):
         self._messages.warning(f"{self.owner}: {text}")
 
     def read(self):
         material = self._material
-        plain = {"name": material.name if material else "",
-            "pass_index": material.pass_index if material else 0, "closure": "METAL",
-                 **nodes.initial_settings(), "nodes": []}
+        about = {"name": material.name if material else "",
+                 "pass_index": material.pass_index if material else 0}
+        plain = {**about, "closure": "METAL", **nodes.initial_settings(), "nodes": []}
         if not material:
             return {**plain, **of_roughness(0.5), "f0": (0.8, 0.8, 0.8)}
         own = tree.of(material)
         shader = tree.shader_of(own) if own else None
-        node = shader.node if shader else None
-        closure = CLOSURES.get(node.bl_idname) if node else None
-        if closure:
+        if shader and shader.node:
             try:
-                made = closure(self, node, shader.groups)
-                listed, made = self.program.finish(made)
-                return {**plain, **made, "nodes": listed}
+                return {**about, **self._of_nodes(own)}
             except TooLarge:
                 self.warn("its nodes are too many at once; rendered as metal of its viewport "
                           "colour")
         else:
-            fed_by = f"its surface is '{node.name}'" if node else "its surface has no shader"
-            self.warn(f"no Libshade Metal node ({fed_by if own else 'it has no nodes'}); "
+            self.warn(f"no shader ({'its surface has none' if own else 'it has no nodes'}); "
                       "rendered as metal of its viewport colour")
         return {**plain, **of_roughness(material.roughness),
                 "f0": tuple(material.diffuse_color[:3])}
+
+    def _of_nodes(self, own):
+        collect(self, own.get_output_node("ALL").inputs["Surface"], ())
+        if len(self.closures) > _MOST:
+            self.warn(f"its {len(self.closures)} shaders are more than {_MOST}; the last are left out")
+        closures = self.closures[:_MOST] or [_NOTHING]
+        nodes_, closures = self.program.finish(closures)
+        if len(closures) == 1:
+            return {"nodes": nodes_, **closures[0]}
+        return {"nodes": nodes_, "closures": closures}
 
     def use_uv_map(self, name):
         self.uses_uv = True

@@ -9,6 +9,8 @@ from .material import Table
 from .mesh import mesh_of
 from .world import world_of
 
+_BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces",
+           "transparent_max_bounces")  # as in the settings and in the native module
 _MOST_THREADS = 256  # that the native module starts
 
 
@@ -31,7 +33,7 @@ def read(depsgraph, camera, size, region, samples, messages):
         "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
         "transparent": render.film_transparent,
         **world,
-        "max_bounces": scene.libshade.max_bounces,
+        **{name: getattr(scene.libshade, name) for name in _BOUNCES},
         "sample_clamp_direct": scene.libshade.sample_clamp_direct,
         "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
         **_pixel_filter(scene.libshade),

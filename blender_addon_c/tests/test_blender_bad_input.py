@@ -31,10 +31,13 @@ EXPECTED = {
     "too_many_nodes": ("finished", "Warning: .*'steel': its nodes are too many at once"),
     "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
     "no_material": ("finished", "Warning: .*'Plane': no material"),
-    "principled": ("finished", "Warning: .*'plain': 'Principled BSDF': Transmission.* is not supported"),
-    "anisotropic": ("finished", "(?s)Anisotropic is not supported.*Alpha is not supported"),
-    "beckmann": ("finished", "Warning: .*beckmann is not supported; shaded as GGX"),
-    "mixed": ("finished", "Warning: .*no Libshade Metal node.*Mix Shader"),
+    "principled": ("finished", "Warning: .*'plain': 'Principled BSDF': Subsurface.* is not supported"),
+    "anisotropic": ("finished", "Warning: .*its grooves follow the UV map"),
+    "beckmann": ("finished", "Warning: .*Beckmann is not supported; shaded as GGX"),
+    "mixed": ("finished", None),
+    "toon": ("finished", "Warning: .*'Toon BSDF' is not supported; shaded as a Diffuse BSDF"),
+    "no_shader": ("finished", "Warning: .*no shader .its surface has none"),
+    "many_shaders": ("finished", "Warning: .*its 10 shaders are more than 8"),
     "flat_lights": ("finished", None),
     "portal": ("finished", "Warning: .*'area': portals are not supported; left out"),
     "world_shader": ("finished", "Warning: .*world 'world': 'Add Shader' is not supported; black"),
@@ -96,8 +99,8 @@ FALLBACK = {
     "generated": metal(6, 2, (0.2, 0.4, 0.6)), "cycle": metal(6, 2, (0.9, 0.6, 0.3)),
     "too_many_nodes": rough(0.4),
     "no_material": rough(0.5),
-    "principled": rough(0.5, 0.04) + 3 * 0.8 / math.pi,  # Blender's defaults: grey, IOR 1.5
-    "mixed": rough(0.4),  # default of the viewport's roughness
+    "mixed": STEEL / 2, "toon": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,
+    "no_shader": rough(0.4),  # default of the viewport's roughness
 }
 
 

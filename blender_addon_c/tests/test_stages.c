@@ -663,7 +663,7 @@ static void shadow_rays(void **state) {
     if (i % 2) /* a facet that is turned away */
       store(&b->surface.g, i, scaled(load(&b->surface.n, i), -1e-4f));
   }
-  stages->lit(COUNT, &b->surface, &b->light);
+  stages->lit((lane_run){.begin = 0, .end = COUNT}, false, &b->surface, &b->light);
   for (size_t i = 0; i < COUNT; i++) {
     vec3 l = load(&b->light.ray.d, i), n = load(&b->surface.n, i), p = load(&b->surface.p, i);
     vec3 g = load(&b->surface.g, i), wi = load(&b->light.wi, i), o = load(&b->light.ray.o, i);
@@ -954,18 +954,18 @@ static void mix_node(void **state) {
 
 static void metal_and_reflection(void **state) {
   (void)state;
-  material m = {.closure.type = CLOSURE_METAL};
-  closure_metal *metal = &m.closure.of.metal;
+  closure m = {.type = CLOSURE_METAL};
+  closure_metal *metal = &m.of.metal;
   shade_params_init(&metal->params);
   metal->params.ex = 40;
   metal->params.ey = 5;
   shade_bsdf_setup(&metal->bsdf, &metal->params);
   for (int k = 0; k < 3; k++) {
-    metal->f0[k] = metal->kd[k] = metal->f82[k] = (operand){.at = OPERAND_NUMBER};
+    metal->f0[k] = metal->kd[k] = metal->f82[k] = metal->eta[k] = (operand){.at = OPERAND_NUMBER};
     metal->normal[k] = 3 + k;
   }
   metal->ax = metal->ay = (operand){.at = OPERAND_NUMBER};
-  segment g = {.material = &m, .run = {.begin = 17, .end = COUNT}};
+  segment g = {.run = {.begin = 17, .end = COUNT}};
   for (size_t i = 0; i < COUNT; i++) {
     vec3 up[3];
     for (int k = 0; k < 3; k++) {
@@ -980,13 +980,13 @@ static void metal_and_reflection(void **state) {
     b->light.e[i] = 0.5f;
     b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = 1;
   }
-  assert_int_equal(
-      stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, false, &b->reflection),
-      0);
+  assert_int_equal(stages->closure[CLOSURE_METAL](&m, g.run, &b->surface, &b->input, &b->light.wi,
+                                                  false, &b->reflection),
+                   0);
   untouched(b->reflection.pdf, 0); /* not asked for */
-  assert_int_equal(
-      stages->closure[CLOSURE_METAL](&g, &b->surface, &b->input, &b->light, true, &b->reflection),
-      0);
+  assert_int_equal(stages->closure[CLOSURE_METAL](&m, g.run, &b->surface, &b->input, &b->light.wi,
+                                                  true, &b->reflection),
+                   0);
   stages->reflect(COUNT, (const float[]){1, 2, 4}, false, &b->light, &b->reflection, &b->sum);
   for (size_t i = g.run.begin; i < COUNT; i++) {
     double dir[3][3], f[3], cosine;
@@ -1010,6 +1010,151 @@ static void metal_and_reflection(void **state) {
   }
   untouched(b->reflection.f.r, COUNT);
   untouched(b->reflection.pdf, COUNT);
+}
+
+/* The closures that are no metals, by number; false past their end. */
+static bool closure_by(int number, closure *c) {
+  const operand half = {.at = OPERAND_NUMBER, .number = 0.5f};
+  memset(c, 0, sizeof *c);
+  if (number < 4) {
+    c->type = CLOSURE_DIFFUSE;
+    c->of.diffuse = (closure_diffuse){
+        .model = number, .normal = {3, 4, 5}, .color = {half, half, half}, .roughness = half};
+  } else if (number == 4) {
+    c->type = CLOSURE_TRANSLUCENT;
+    c->of.translucent = (closure_translucent){.normal = {3, 4, 5}};
+  } else {
+    c->type = CLOSURE_GLASS;
+    c->of.glass = (closure_glass){.normal = {3, 4, 5},
+                                  .ior = {.at = OPERAND_NUMBER, .number = 1.5f},
+                                  .alpha = half,
+                                  .tint = {half, half, half},
+                                  .reflects = number % 3 != 0,
+                                  .refracts = number % 3 != 1,
+                                  .joint = number % 2};
+  }
+  return number < 11;
+}
+
+/* The same light, eye and normal for all points. */
+static void make_meeting(vec3 n, vec3 wo, float side) {
+  for (size_t i = 0; i < BATCH; i++) {
+    b->input.at[3][i] = n.x;
+    b->input.at[4][i] = n.y;
+    b->input.at[5][i] = n.z;
+    store(&b->surface.wo, i, wo);
+    b->surface.side[i] = side;
+  }
+}
+
+enum { RINGS = 8, SECTORS = 8, CELLS = 2 * RINGS * SECTORS };
+static size_t cell_of(vec3 d) {
+  double around = (atan2((double)d.y, (double)d.x) / 6.283185307179586 + 1) * SECTORS;
+  size_t ring = (size_t)fmin(((double)d.z + 1) * RINGS, 2 * RINGS - 1);
+  return ring * SECTORS + (size_t)around % SECTORS;
+}
+
+/* Draws fill the sphere as their density says (chi-square over cells of equal area), f and density
+ * of a draw are those of its direction, and no more leaves than came. */
+static void closures_draw_by_their_density(void **state) {
+  (void)state;
+  enum { ROUNDS = 60, FINE = 12 };
+  const lane_run run = {.begin = 0, .end = 1000};
+  closure c;
+  for (int number = 0; closure_by(number, &c); number++)
+    for (int tilted = 0; tilted < 2; tilted++) {
+      vec3 n = tilted ? (vec3){0.28f, -0.1f, 0} : (vec3){0, 0, 1}, wo = {0.6f, 0, 0.8f};
+      n.z = sqrtf(1 - n.x * n.x - n.y * n.y);
+      make_meeting(n, wo, tilted ? -1.0f : 1.0f);
+      double found[CELLS + 1] = {0}, wanted[CELLS + 1] = {0}, chi2 = 0, albedo = 0;
+      for (int round = 0; round < ROUNDS; round++) {
+        for (size_t i = 0; i < run.end; i++) {
+          b->draw.x[i] = between(0, 1);
+          b->draw.y[i] = between(0, 1);
+          b->draw.choice[i] = between(0, 1);
+        }
+        stages->draw[c.type](&c, run, &b->surface, &b->input, &b->draw);
+        stages->closure[c.type](&c, run, &b->surface, &b->input, &b->draw.wi, true, &b->reflection);
+        for (size_t i = 0; i < run.end; i++) {
+          double pdf = (double)b->draw.pdf[i], cosine = (double)b->draw.cosine[i];
+          found[pdf > 0 ? cell_of(load(&b->draw.wi, i)) : CELLS] += 1;
+          if (!(pdf > 0))
+            continue;
+          double f = (double)b->draw.f.g[i] * cosine;
+          double same = (double)b->reflection.f.g[i] * (double)b->reflection.cosine[i];
+          near(f, same, 2e-3 * f + 1e-6);
+          near(pdf, (double)b->reflection.pdf[i], 2e-3 * pdf + 1e-6);
+          albedo += f / pdf / (ROUNDS * (double)run.end);
+        }
+      }
+      for (size_t cell = 0; cell < CELLS; cell++) {
+        for (size_t k = 0; k < FINE * FINE; k++) {
+          double z = -1 + ((double)(cell / SECTORS) + ((double)(k % FINE) + 0.5) / FINE) / RINGS;
+          double turns = ((double)(cell % SECTORS) + ((double)(k / FINE) + 0.5) / FINE) / SECTORS;
+          double r = sqrt(1 - z * z);
+          store(&b->light.wi, k,
+                (vec3){(float)(r * cos(6.283185307179586 * turns)),
+                       (float)(r * sin(6.283185307179586 * turns)), (float)z});
+        }
+        stages->closure[c.type](&c, (lane_run){.end = FINE * FINE}, &b->surface, &b->input,
+                                &b->light.wi, true, &b->reflection);
+        for (size_t k = 0; k < FINE * FINE; k++)
+          wanted[cell] += (double)b->reflection.pdf[k] * 12.566370614359172 / CELLS / FINE / FINE;
+        wanted[CELLS] += wanted[cell];
+      }
+      assert_true(wanted[CELLS] < 1.01 && albedo < 1.02);
+      wanted[CELLS] = 1 - wanted[CELLS]; /* nothing is drawn */
+      double all = ROUNDS * (double)run.end, rest_found = 0, rest_wanted = 0;
+      int cells = 0;
+      for (size_t cell = 0; cell <= CELLS; cell++) {
+        double expected = all * wanted[cell];
+        if (expected < 50) { /* rare ones together */
+          rest_found += found[cell];
+          rest_wanted += expected;
+          continue;
+        }
+        chi2 += pow(found[cell] - expected, 2) / (expected + 1e-5 * expected * expected);
+        cells++;
+      }
+      near(rest_found, rest_wanted, 6 * sqrt(fmax(rest_wanted, 0) + 1) + 2e-3 * all);
+      if (!(chi2 < cells + 4 * sqrt(2.0 * cells) + 10))
+        fail_msg("%s: closure %d, tilted %d: chi-square %g over %d cells", stages->name, number,
+                 tilted, chi2, cells);
+    }
+}
+
+/* What goes one way goes the other: matt models, and reflection at glass. */
+static void closures_are_reciprocal(void **state) {
+  (void)state;
+  closure c;
+  const lane_run run = {.begin = 0, .end = 500};
+  for (int number = 0; closure_by(number, &c); number++) {
+    if (number == 4 || number > 10)
+      continue;
+    make_meeting((vec3){0, 0, 1}, (vec3){0, 0, 1}, 1.0f);
+    for (size_t i = 0; i < run.end; i++) {
+      vec3 one = direction(), other = direction();
+      one.z = fabsf(one.z) + 1e-3f;
+      other.z = fabsf(other.z) + 1e-3f;
+      store(&b->surface.wo, i, scaled(one, 1 / sqrtf(dot(one, one))));
+      store(&b->light.wi, i, scaled(other, 1 / sqrtf(dot(other, other))));
+    }
+    stages->closure[c.type](&c, run, &b->surface, &b->input, &b->light.wi, true, &b->reflection);
+    lane_f forward;
+    for (size_t i = 0; i < run.end; i++) {
+      bool in_f = c.type == CLOSURE_GLASS; /* its f holds the cosine */
+      forward[i] = b->reflection.f.r[i] / (in_f ? b->light.wi.z[i] : 1.0f);
+      vec3 swapped = load(&b->surface.wo, i);
+      store(&b->surface.wo, i, load(&b->light.wi, i));
+      store(&b->light.wi, i, swapped);
+    }
+    stages->closure[c.type](&c, run, &b->surface, &b->input, &b->light.wi, true, &b->reflection);
+    for (size_t i = 0; i < run.end; i++) {
+      bool in_f = c.type == CLOSURE_GLASS;
+      double back = (double)(b->reflection.f.r[i] / (in_f ? b->light.wi.z[i] : 1.0f));
+      near(back, (double)forward[i], 1e-3 * fabs(back) + 1e-5);
+    }
+  }
 }
 
 static void film(void **state) {
@@ -1104,25 +1249,40 @@ static void walks_go_on(void **state) {
     b->draw.pdf[i] = i % 5 ? between(0.1, 3) : 0.0f;
     b->draw.cosine[i] = fabsf(wi.z);
     b->draw.lot[i] = between(0, 1);
+    b->draw.kind[i] = wi.z < 0 ? BOUNCE_TRANSMISSION : i % 3 ? i % 2 : BOUNCE_TRANSPARENT;
+    for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
+      b->walk->bounces[k][i] = (i >> k) % 3;
     b->weight.total[i] = (float)i;
   }
   batch *before = malloc(sizeof *before);
   assert_non_null(before);
+  const walk_limits limits = {.kind = {2, 1, 2, 1}, .all = 4};
   for (int lots = 0; lots < 2; lots++) {
     memcpy(before, b, sizeof *b);
-    size_t rays = stages->walk(COUNT, lots, b->queue.moved, &b->surface, b->walk, b->weight.total,
-                               &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+    size_t rays =
+        stages->walk(COUNT, lots, &limits, lots, b->queue.moved, &b->surface, b->walk,
+                     b->weight.total, &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
     size_t k = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
       uint32_t from = before->queue.moved[i];
       vec3 wi = load(&before->draw.wi, i);
       double pdf = (double)before->draw.pdf[i];
-      if (pdf <= 0 || wi.z <= 0) /* make_points: the facet is the surface */
+      if (pdf <= 0)
+        continue;
+      uint32_t kind = before->draw.kind[i], made[BOUNCE_KINDS], all = 0;
+      bool within = true;
+      for (uint32_t c = 0; c < BOUNCE_KINDS; c++) {
+        made[c] = before->walks[0].bounces[c][from] + (c == kind);
+        within = within && (c == BOUNCE_TRANSPARENT || made[c] <= limits.kind[c]);
+        all += c == BOUNCE_TRANSPARENT ? 0 : made[c];
+      }
+      within = within && all <= limits.all;
+      if (made[BOUNCE_TRANSPARENT] > limits.kind[BOUNCE_TRANSPARENT] || !(within || lots))
         continue;
       double scale = (double)before->draw.f.r[i] * (double)before->draw.cosine[i] / pdf;
       double red = scale * (double)before->walks[0].weight.r[from], green = scale * 0.5;
       double most = fmax(red, green), chance = lots && most < 1 ? sqrt(most) : 1;
-      if (fabs((double)before->draw.lot[i] - chance) < 1e-5 || wi.z < 1e-5f)
+      if (fabs((double)before->draw.lot[i] - chance) < 1e-5 || fabsf(wi.z) < 1e-5f)
         fail_msg("choose another seed: rounding decides");
       if ((double)before->draw.lot[i] >= chance)
         continue;
@@ -1136,7 +1296,11 @@ static void walks_go_on(void **state) {
       vec3 n = load(&b->surface.n, i), p = load(&b->surface.p, i), d = load(&b->sample_ray.d, k);
       near(dot_d(d, n), (double)wi.z, 1e-6);
       near(dot_d(d, load(&b->surface.t, i)), (double)wi.x, 1e-6);
-      near((double)b->sample_ray.o.x[k], (double)p.x + 1e-4 * (double)n.x, 1e-6);
+      double off = wi.z < 0 ? -1e-4 : 1e-4; /* make_points: the facet is the surface */
+      near((double)b->sample_ray.o.x[k], (double)p.x + off * (double)n.x, 1e-6);
+      assert_int_equal(b->next->ends[k] != 0, !within);
+      for (uint32_t c = 0; c < BOUNCE_KINDS; c++)
+        assert_int_equal(b->next->bounces[c][k], made[c]);
       near((double)b->sample_ray.tnear[k], 0, 0);
       assert_true(b->sample_ray.tfar[k] == INFINITY);
       k++;
@@ -1145,6 +1309,7 @@ static void walks_go_on(void **state) {
     assert_true(rays > 100 && rays < COUNT / 2);
     untouched(b->next->sample, COUNT);
     memcpy(b->draw.f.r, before->draw.f.r, 3 * sizeof(lane_f));
+    memcpy(b->draw.kind, before->draw.kind, sizeof(lane_u));
     b->queue = before->queue;
   }
   free(before);
@@ -1202,6 +1367,8 @@ int main(void) {
                                        TEST(math_node),
                                        TEST(mix_node),
                                        TEST(metal_and_reflection),
+                                       TEST(closures_draw_by_their_density),
+                                       TEST(closures_are_reciprocal),
                                        TEST(shuffled_points),
                                        TEST(walks_go_on),
                                        TEST(film)};

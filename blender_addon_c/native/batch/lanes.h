@@ -33,6 +33,20 @@ typedef struct paths {
   lane_f alpha; /* 1 where it meets something */
 } paths;
 
+/* What a path does at a surface. Passing straight on is no bounce, but counted. */
+typedef enum bounce_kind {
+  BOUNCE_DIFFUSE,
+  BOUNCE_GLOSSY,
+  BOUNCE_TRANSMISSION,
+  BOUNCE_TRANSPARENT,
+  BOUNCE_KINDS
+} bounce_kind;
+
+/* How often a path may do what. */
+typedef struct walk_limits {
+  uint32_t kind[BOUNCE_KINDS], all; /* all: of those that are bounces */
+} walk_limits;
+
 /* Paths under way, by ray: of which sample, and how much of what the ray meets that sample gets.
  * What a light that the ray meets weighs against its own samples goes by how the ray was drawn. */
 typedef struct walks {
@@ -41,6 +55,8 @@ typedef struct walks {
   lane_v from;   /* the point at which its direction was drawn */
   lane_f pdf;    /* with which density, 1/sr */
   lane_f lights; /* what all lights may give there, by their weights (light/light.h) */
+  lane_u bounces[BOUNCE_KINDS]; /* of each kind so far */
+  lane_u ends;                  /* not 0: no surface counts any more, only lights */
 } walks;
 
 typedef struct rays {
@@ -78,10 +94,10 @@ typedef struct surfaces {
  * What the nodes of a material's graph write and its closures read: registers. The first three are
  * never written by a node: the unperturbed normal, in the shading frame.
  */
-enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 4 };
+enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 8 };
 typedef struct inputs {
   lane_f at[REGISTERS];
-  lane_f constant[CONSTANTS]; /* operands of the node at hand that are no registers */
+  lane_f constant[CONSTANTS]; /* operands of the node or closure at hand that are no registers */
 } inputs;
 
 /* A register, or a number. */
@@ -134,10 +150,12 @@ typedef struct light_weights {
 
 /* Where a path goes on from each point. */
 typedef struct draws {
-  lane_f x, y; /* the closure's two numbers, uniform in [0, 1) */
-  lane_f lot;  /* roulette's */
-  lane_v wi;   /* drawn, in the shading frame; 0 where there is none */
-  lane_c f;    /* 1/sr; `walk` makes it the weight of the ray that goes there */
+  lane_f x, y;   /* the closure's two numbers, uniform in [0, 1) */
+  lane_f lot;    /* roulette's */
+  lane_f choice; /* among closures, and then the drawn closure's third number, as even */
+  lane_u kind;   /* bounce_kind of what was drawn */
+  lane_v wi;     /* drawn, in the shading frame; 0 where there is none */
+  lane_c f;      /* 1/sr; `walk` makes it the weight of the ray that goes there */
   lane_f pdf, cosine;
 } draws;
 
@@ -147,5 +165,13 @@ typedef struct reflections {
   lane_f cosine;
   lane_f pdf; /* if asked for: the density of the closure's own draws there, 1/sr */
 } reflections;
+
+/* A material's closures at each point: with which probability each draws, and which one did. */
+enum { CLOSURES_MOST = 8 };
+typedef struct choices {
+  lane_f chance[CLOSURES_MOST];
+  lane_u drawn;
+  lane_f albedo, sum;
+} choices;
 
 #endif

@@ -27,6 +27,9 @@ typedef struct batch {
   light_draws drawn;
   reflections reflection;
   draws draw;
+  choices closures; /* among the closures of lists, */
+  reflections part; /* one of them at a time */
+  draws part_draw;
   walks *walk, *next; /* by ray, of this bounce and of the one after */
   walks walks[2];
   lane_u chosen; /* by ray: the hit it starts from */

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kinds of closure: what a surface reflects. Each is one file, closure/<name>.h, with
+ * Kinds of closure: what a surface does with light. A material has a list of them, each with a
+ * weight. Each kind is one file, closure/<name>.h, with
  *
  *   closure_<name>            what it keeps
  *   closure_<name>_read       reads it from a scene
  *   closure_<name>_exponent   how sharp it is, as an exponent
- *   closure_<name>_eval       f and cosine for a run of hits; the density of its draws if asked
- *   closure_<name>_draw       directions, with f, cosine and density
+ *   closure_<name>_traits     bits of closure_trait (closure/common.h)
+ *   closure_<name>_albedo     for a run of hits, how much of the light it sends on, roughly: the
+ * more, the likelier it draws closure_<name>_eval       f and cosine for a run of hits; the density
+ * of its draws if asked closure_<name>_draw       directions, with f, cosine and density
  *
  * and one row: ROW(TYPE, name). TYPE is the word in a scene, CLOSURE_TYPE its number, stage_<name>
  * its stage and closure_<name> its clock.
@@ -14,9 +17,20 @@
 #ifndef LIBSHADE_CLOSURE_H
 #define LIBSHADE_CLOSURE_H
 
+#include "closure/diffuse.h"
+#include "closure/emission.h"
+#include "closure/glass.h"
 #include "closure/metal.h"
+#include "closure/translucent.h"
+#include "closure/transparent.h"
 
-#define CLOSURE_TABLE(ROW) ROW(METAL, metal)
+#define CLOSURE_TABLE(ROW)                                                                         \
+  ROW(METAL, metal)                                                                                \
+  ROW(DIFFUSE, diffuse)                                                                            \
+  ROW(TRANSLUCENT, translucent)                                                                    \
+  ROW(GLASS, glass)                                                                                \
+  ROW(TRANSPARENT, transparent)                                                                    \
+  ROW(EMISSION, emission)
 
 #define CLOSURE_TYPE(TYPE, name) CLOSURE_##TYPE,
 typedef enum closure_type { CLOSURE_TABLE(CLOSURE_TYPE) CLOSURE_TYPES } closure_type;
@@ -24,6 +38,8 @@ typedef enum closure_type { CLOSURE_TABLE(CLOSURE_TYPE) CLOSURE_TYPES } closure_
 #define CLOSURE_MEMBER(TYPE, name) closure_##name name;
 typedef struct closure {
   closure_type type;
+  unsigned traits;
+  operand weight[3];
   union {
     CLOSURE_TABLE(CLOSURE_MEMBER)
   } of;

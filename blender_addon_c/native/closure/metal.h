@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* libshade's metal, with the words of its own table. What nodes say of it instead, point by point:
- * `f0_from`, `kd_from`, `f82_from`, three operands each, of which those that are no registers leave
- * the parameter as it is; `ax_from` and `ay_from`, one each; `normal`, three registers. */
+ * `f0_from`, `kd_from`, `f82_from`, `eta_from`, three operands each, of which those that are no
+ * registers leave the parameter as it is; `ax_from` and `ay_from`, one each; `groove_from`, two,
+ * the tangent about the normal; `normal`, three registers. */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
 
 #include "batch/lanes.h"
-#include "scene/graph.h"
+#include "closure/common.h"
+#include "node/common.h"
 #include "shade/shade.h"
 
 #include <math.h>
@@ -17,7 +19,8 @@
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
-  operand f0[3], kd[3], f82[3], ax, ay;
+  operand f0[3], kd[3], f82[3], eta[3], ax, ay, groove[2];
+  bool grooved;
   int normal[3];
 } closure_metal;
 
@@ -77,12 +80,14 @@ static inline bool closure_metal_from(reader *r, const graph *g, const char *key
 }
 
 /* *status: what had to be clamped. */
-static inline bool closure_metal_read(reader *r, closure_metal *c, const graph *g,
-                                      unsigned *status) {
+static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, unsigned *status) {
   shade_params_init(&c->params);
+  c->grooved = reader_has(r, "groove_from");
   if (!closure_metal_from(r, g, "f0_from", 3, c->f0) ||
       !closure_metal_from(r, g, "kd_from", 3, c->kd) ||
       !closure_metal_from(r, g, "f82_from", 3, c->f82) ||
+      !closure_metal_from(r, g, "eta_from", 3, c->eta) ||
+      !closure_metal_from(r, g, "groove_from", 2, c->groove) ||
       !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
       !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
@@ -96,8 +101,38 @@ static inline double closure_metal_exponent(const closure_metal *c) {
   return fmax(c->params.ex, c->params.ey);
 }
 
-static inline bool closure_metal_varies(const operand *o) {
-  return o[0].at >= 0 || o[1].at >= 0 || o[2].at >= 0;
+/* A matt body alone counts as diffuse. */
+LEAF unsigned closure_metal_traits(const closure_metal *c) {
+  bool mirror = c->params.fresnel != SHADE_FRESNEL_NONE;
+  for (int k = 0; k < 3; k++)
+    mirror = mirror || c->f0[k].at >= 0 || c->params.f0[k] > 0;
+  return CLOSURE_SCATTERS | (mirror ? 0u : (unsigned)CLOSURE_MATT);
+}
+
+/* Schlick's Fresnel of f0, and the matt part; of a conductor that varies, as if it were dark. */
+LEAF void closure_metal_albedo(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                               inputs *given, float *out) {
+  const float *f0[3], *kd[3];
+  const bool exact = c->params.fresnel == SHADE_FRESNEL_CONDUCTOR;
+  const float white = c->params.fresnel == SHADE_FRESNEL_NONE ? 0.0f : 1.0f;
+  for (int k = 0; k < 3; k++) {
+    double n = c->params.eta[k], x = c->params.k[k];
+    double own =
+        exact ? ((n - 1) * (n - 1) + x * x) / ((n + 1) * (n + 1) + x * x) : c->params.f0[k];
+    operand head_on = exact ? (operand){.at = OPERAND_NUMBER} : c->f0[k], matt = c->kd[k];
+    head_on.number = exact && c->eta[k].at >= 0 ? 0.05f : (float)own;
+    matt.number = (float)c->params.kd[k];
+    f0[k] = lane_of(given, head_on, k, run);
+    kd[k] = lane_of(given, matt, 3 + k, run);
+  }
+  const float *f0r = f0[0], *f0g = f0[1], *f0b = f0[2], *kdr = kd[0], *kdg = kd[1], *kdb = kd[2];
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float dark = 1.0f - clampf(dot(normal_at(given, c->normal, i), load(&at->wo, i)), 0.0f, 1.0f);
+    float mean = clampf((f0r[i] + f0g[i] + f0b[i]) * (1.0f / 3.0f), 0.0f, 1.0f);
+    float edge = white * (1.0f - mean) * dark * dark * dark * dark * dark;
+    out[i] = mean + edge + clampf((kdr[i] + kdg[i] + kdb[i]) * (1.0f / 3.0f), 0.0f, 1.0f);
+  }
 }
 
 /* A register from lane i on; NULL, the material's own, of a number. */
@@ -114,18 +149,18 @@ static inline const float *metal_lane(const inputs *given, operand o, size_t i) 
   .kdr = metal_lane(given, c->kd[0], i), .kdg = metal_lane(given, c->kd[1], i),                    \
   .kdb = metal_lane(given, c->kd[2], i), .f82r = metal_lane(given, c->f82[0], i),                  \
   .f82g = metal_lane(given, c->f82[1], i), .f82b = metal_lane(given, c->f82[2], i),                \
-  .ax = metal_lane(given, c->ax, i), .ay = metal_lane(given, c->ay, i)
+  .etar = metal_lane(given, c->eta[0], i), .etag = metal_lane(given, c->eta[1], i),                \
+  .etab = metal_lane(given, c->eta[2], i), .ax = metal_lane(given, c->ax, i),                      \
+  .ay = metal_lane(given, c->ay, i),                                                               \
+  .groove_x = c->grooved ? lane_of(given, c->groove[0], 6, run) + i : NULL,                        \
+  .groove_y = c->grooved ? lane_of(given, c->groove[1], 7, run) + i : NULL
 
-static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
-                                          const surfaces *restrict at, const inputs *restrict given,
-                                          const light_samples *restrict light, bool density,
-                                          reflections *restrict out) {
+LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                                 inputs *given, const lane_v *restrict wi, bool density,
+                                 reflections *restrict out) {
   size_t i = run.begin;
-  shade_lanesf in = {.size = sizeof in,
-                     .wix = light->wi.x + i,
-                     .wiy = light->wi.y + i,
-                     .wiz = light->wi.z + i,
-                     METAL_GIVEN};
+  shade_lanesf in = {
+      .size = sizeof in, .wix = wi->x + i, .wiy = wi->y + i, .wiz = wi->z + i, METAL_GIVEN};
   shade_resultf result = {.size = sizeof result,
                           .r = out->f.r + i,
                           .g = out->f.g + i,
@@ -138,9 +173,8 @@ static inline unsigned closure_metal_eval(const closure_metal *c, lane_run run,
 }
 
 /* Directions by f cos, roughly. */
-static inline unsigned closure_metal_draw(const closure_metal *c, lane_run run,
-                                          const surfaces *restrict at, const inputs *restrict given,
-                                          draws *restrict out) {
+LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                                 inputs *given, draws *restrict out) {
   size_t i = run.begin;
   shade_sample_lanesf in = {.size = sizeof in, .u1 = out->x + i, .u2 = out->y + i, METAL_GIVEN};
   shade_sample_resultf result = {.size = sizeof result,

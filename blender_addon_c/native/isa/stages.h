@@ -18,6 +18,7 @@
 #define MEET_FUNCTION(TYPE, name) stage_meet_##name,
 #define NODE_FUNCTION(TYPE, name) stage_##name,
 #define CLOSURE_FUNCTION(TYPE, name) stage_##name,
+#define ALBEDO_FUNCTION(TYPE, name) stage_albedo_##name,
 #define DRAW_FUNCTION(TYPE, name) stage_draw_##name,
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
@@ -48,6 +49,17 @@
                                     .lit = stage_lit,                                              \
                                     .shadow = stage_shadow,                                        \
                                     .closure = {CLOSURE_TABLE(CLOSURE_FUNCTION)},                  \
+                                    .albedo = {CLOSURE_TABLE(ALBEDO_FUNCTION)},                    \
+                                    .chance = stage_chance,                                        \
+                                    .share = stage_share,                                          \
+                                    .emit = stage_emit,                                            \
+                                    .join_all = stage_join_all,                                    \
+                                    .pick = stage_pick,                                            \
+                                    .kind = stage_kind,                                            \
+                                    .take = stage_take,                                            \
+                                    .join = stage_join,                                            \
+                                    .uncover = stage_uncover,                                      \
+                                    .end = stage_end,                                              \
                                     .reflect = stage_reflect,                                      \
                                     .shuffled = stage_shuffled,                                    \
                                     .draw = {CLOSURE_TABLE(DRAW_FUNCTION)},                        \

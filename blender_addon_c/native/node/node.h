@@ -15,6 +15,7 @@
 #ifndef LIBSHADE_NODE_H
 #define LIBSHADE_NODE_H
 
+#include "node/albedo.h"
 #include "node/frame.h"
 #include "node/geometry.h"
 #include "node/image.h"
@@ -29,6 +30,7 @@
   ROW(IMAGE, image)                                                                                \
   ROW(NORMAL_MAP, normal_map)                                                                      \
   ROW(PERTURB, perturb)                                                                            \
+  ROW(ALBEDO, albedo)                                                                              \
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(FRAME, frame)                                                                                \
   ROW(TRANSFORM, transform)                                                                        \

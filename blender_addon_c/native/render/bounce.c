@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/bounce.h"
 
+#include "render/closures.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,7 +79,7 @@ static void run_nodes(worker *w) {
   batch *b = w->batch;
   const segment *end = b->queue.segment + b->queue.segments;
   for (const segment *g = b->queue.segment; g < end; g++)
-    if (g->material->closure.of.metal.normal[0] == REGISTER_NORMAL)
+    if (g->material->bare)
       w->scene->stages->flat(g, &b->input);
   clock_tick(&w->clocks, CLOCK_SURFACE);
   for (const segment *g = b->queue.segment; g < end; g++)
@@ -85,16 +87,6 @@ static void run_nodes(worker *w) {
       w->scene->stages->node[n->type](g, n, &b->corner, &b->surface, &b->input);
       clock_tick(&w->clocks, CLOCK_NODE + n->type);
     }
-}
-
-static void run_closures(worker *w, bool density) {
-  batch *b = w->batch;
-  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
-    closure_type type = g->material->closure.type;
-    w->status |= w->scene->stages->closure[type](g, &b->surface, &b->input, &b->light, density,
-                                                 &b->reflection);
-    clock_tick(&w->clocks, CLOCK_CLOSURE + type);
-  }
 }
 
 /* Which points a bounce's light or draw takes; no two of one path may take the same. */
@@ -128,7 +120,8 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   size_t hits = b->queue.hits;
-  s->lit(hits, &b->surface, &b->light);
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
+    s->lit(g->run, g->material->traits & CLOSURE_THROUGH, &b->surface, &b->light);
   clock_tick(&w->clocks, clock);
   if (shadow)
     accel_occluded(w->scene->accel, hits, bounce == 0, &b->light.ray);
@@ -136,7 +129,7 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
     return;
-  run_closures(w, shared);
+  closures_eval(w, shared);
   s->reflect(hits, color, shared, &b->light, &b->reflection, &b->sum);
   clock_tick(&w->clocks, CLOCK_REFLECT);
 }
@@ -256,6 +249,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   find_surface(w);
   run_nodes(w);
   zero(&b->sum, b->queue.hits);
+  closures_weigh(w);
   if (w->observer)
     w->observer->hits(w->observer->context, b, view);
   if (w->observer) {
@@ -279,13 +273,12 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   const queue *q = &b->queue;
   shuffle points = points_of(w, phase, bounce, PURPOSE_DRAW);
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.x, b->draw.y);
-  points = points_of(w, phase, bounce, PURPOSE_LOT); /* its y is of no use: pdf is written next */
-  s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.pdf);
-  for (const segment *g = q->segment; g < q->segment + q->segments; g++)
-    w->status |= s->draw[g->material->closure.type](g, &b->surface, &b->input, &b->draw);
-  size_t rays =
-      s->walk(q->hits, bounce >= FIRST_LOTTERY, q->lane, &b->surface, b->walk, b->weight.total,
-              &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+  points = points_of(w, phase, bounce, PURPOSE_LOT);
+  s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.choice);
+  closures_draw(w);
+  size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->meets,
+                        q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray,
+                        b->chosen, b->next, &b->sample_ray);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
 }
@@ -320,14 +313,15 @@ static void meet_lights(worker *w, size_t rays, float most) {
   s->stages->gain(rays, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
 }
 
-/* The bounces after the first: sample_color grows by what they bring. Of the last only what its
- * rays meet of lights, which is light of the surface before. */
+/* The bounces after the first: sample_color grows by what they bring. Of a path's last only what
+ * its ray meets of lights, which is light of the surface before. */
 static void follow(worker *w, const camera_view *view, size_t phase) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float direct = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
   float indirect = s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY;
-  int bounces = s->max_bounces + (s->meets ? 1 : 0);
+  int passing = s->passes ? (int)s->limits.kind[BOUNCE_TRANSPARENT] : 0;
+  int bounces = s->max_bounces + passing + (s->meets ? 1 : 0);
   for (int bounce = 0; bounce < bounces && b->queue.hits; bounce++) {
     size_t rays = go_on(w, bounce, phase);
     if (!rays)
@@ -336,12 +330,15 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     b->next = b->walk;
     b->walk = now;
     trace(w, false, rays);
+    if (s->passes && s->transparent)
+      s->stages->uncover(rays, b->sample_hit.record, b->walk, &b->path);
     if (s->meets)
       meet_lights(w, rays, bounce ? indirect : direct);
-    if (b->queue.hits && bounce < s->max_bounces)
+    b->queue.hits = s->stages->end(rays, b->walk, b->sample_hit.record);
+    if (b->queue.hits)
       sort_hits(w, rays);
     clock_tick(&w->clocks, CLOCK_TRACE);
-    if (!b->queue.hits || bounce >= s->max_bounces)
+    if (!b->queue.hits)
       return;
     shade(w, view, bounce + 1, phase);
     s->stages->gain(b->queue.hits, indirect, b->queue.lane, b->walk, &b->sum, &b->sample_color);
@@ -353,6 +350,8 @@ static void begin_walks(batch *b, size_t count) {
   memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
   for (size_t i = 0; i < count; i++)
     b->walk->weight.r[i] = b->walk->weight.g[i] = b->walk->weight.b[i] = 1.0f;
+  for (int kind = 0; kind < BOUNCE_KINDS; kind++)
+    memset(b->walk->bounces[kind], 0, count * sizeof(uint32_t));
 }
 
 /* The sky behind all, for rays of the camera that meet nothing. */
@@ -401,8 +400,8 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   const stage_table *s = scene->stages;
   batch *b = w->batch;
   size_t phase = view->first % p->period;
-  bool paths = !w->observer && (scene->max_bounces > 0 || scene->meets || scene->choices > 1 ||
-                                scene->clamp_direct > 0.0f);
+  bool paths = !w->observer && (scene->max_bounces > 0 || scene->passes || scene->meets ||
+                                scene->choices > 1 || scene->clamp_direct > 0.0f);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);

@@ -31,14 +31,26 @@ bool dump_scene_write(const shade_dump *d, const char *path, message_log *log) {
   return true;
 }
 
+/* One metal and nothing else: what a dump has words for. */
+static bool is_metal(const material *m) {
+  const operand *w = m->closure[0].weight;
+  bool whole = true;
+  for (int k = 0; k < 3; k++)
+    whole = whole && w[k].at < 0 && w[k].number == 1.0f;
+  return m->closures == 1 && m->closure[0].type == CLOSURE_METAL && whole;
+}
+
 /* What the dump's header says of the scene; the caller frees. */
 static char *header(const scene *s) {
   shade_dump_material *materials = malloc((s->materials + 1) * sizeof *materials);
   if (!materials)
     return NULL;
+  shade_params other;
+  shade_params_init(&other);
   for (size_t m = 0; m < s->materials; m++)
-    materials[m] =
-        (shade_dump_material){s->material[m].name, &s->material[m].closure.of.metal.params};
+    materials[m] = (shade_dump_material){
+        s->material[m].name,
+        is_metal(&s->material[m]) ? &s->material[m].closure[0].of.metal.params : &other};
   char *text = shade_dump_header(s->renderer, materials, s->materials);
   free(materials);
   return text;
@@ -73,12 +85,18 @@ static float number_of(const inputs *in, operand o, double own, double low, doub
 static bool varies(const scene *s, const varied *v) {
   for (size_t m = 0; m < s->materials; m++)
     for (int k = 0; k < v->count; k++)
-      if (operand_of(&s->material[m].closure.of.metal, v, k)->at >= 0)
+      if (is_metal(&s->material[m]) &&
+          operand_of(&s->material[m].closure[0].of.metal, v, k)->at >= 0)
         return true;
   return false;
 }
 
-shade_dump *dump_scene_create(const scene *s) {
+shade_dump *dump_scene_create(const scene *s, message_log *log) {
+  for (size_t m = 0; m < s->materials; m++)
+    if (!is_metal(&s->material[m]))
+      message_warn(log, "material %s: more than one metal, so the dump leaves it out",
+                   s->material[m].name);
+
   char *json = header(s);
   shade_dump *d = json ? shade_dump_create(s->width, s->height, (int)s->lights) : NULL;
   if (d && shade_dump_set_json(d, json) < 0) {
@@ -131,7 +149,9 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
   for (int k = 0; k < SHADE_DUMP_BASE; k++)
     plane[k] = shade_dump_plane(d, k);
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
-    const closure_metal *c = &g->material->closure.of.metal;
+    if (!is_metal(g->material)) /* left out, as if nothing were there */
+      continue;
+    const closure_metal *c = &g->material->closure[0].of.metal;
     for (size_t i = g->run.begin; i < g->run.end; i++) {
       size_t at = place(d, b, view, i);
       float x = in->at[c->normal[0]][i], y = in->at[c->normal[1]][i], z = in->at[c->normal[2]][i];

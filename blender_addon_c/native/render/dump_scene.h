@@ -9,7 +9,7 @@
 #include "dump/dump.h"
 
 /* Empty planes and the header of a scene. NULL when out of memory. */
-shade_dump *dump_scene_create(const scene *s);
+shade_dump *dump_scene_create(const scene *s, message_log *log);
 
 /*
  * Who writes the hits of a batch, one sample a pixel, and what each light gave them, into the

@@ -60,7 +60,7 @@ static bool denoise(job *j) {
 static bool render_dump(job *j) {
   const scene *s = j->scene;
   sampling_plan middle = {0};
-  shade_dump *dump = dump_scene_create(s);
+  shade_dump *dump = dump_scene_create(s, &j->log);
   observer observer = dump_scene_observer(dump);
   render r = {.scene = s,
               .plan = &middle,

@@ -39,7 +39,7 @@ static vec3 to_world(const surfaces *at, size_t i, vec3 v) {
 }
 
 static vec3 shading_normal(const batch *b, const material *m, size_t i) {
-  const int *from = m->closure.of.metal.normal;
+  const int *from = m->normal;
   const lane_f *at = b->input.at;
   return to_world(&b->surface, i, (vec3){at[from[0]][i], at[from[1]][i], at[from[2]][i]});
 }
@@ -49,15 +49,33 @@ static float operand_or(const inputs *in, operand o, double number, size_t i) {
   return clampf(x, 0.0f, 1.0f);
 }
 
+/* One closure's colour: a metal's head-on and its body, a matt surface's; what is clear is white.
+ */
+static float closure_color(const inputs *in, const closure *c, int k, size_t i) {
+  const closure_metal *metal = &c->of.metal;
+  if (c->type == CLOSURE_DIFFUSE)
+    return operand_or(in, c->of.diffuse.color[k], (double)c->of.diffuse.color[k].number, i);
+  if (c->type != CLOSURE_METAL)
+    return 1.0f;
+  double n = metal->params.eta[k], x = metal->params.k[k];
+  double head_on = ((n - 1) * (n - 1) + x * x) / ((n + 1) * (n + 1) + x * x);
+  operand number = {.at = OPERAND_NUMBER};
+  bool exact = metal->params.fresnel == SHADE_FRESNEL_CONDUCTOR;
+  float mirror = exact ? operand_or(in, number, metal->eta[k].at < 0 ? head_on : 0.04, i)
+                       : operand_or(in, metal->f0[k], metal->params.f0[k], i);
+  return mirror + operand_or(in, metal->kd[k], metal->params.kd[k], i);
+}
+
 /* What the surface reflects of white light, roughly. */
 static vec3 albedo_of(const batch *b, const material *m, size_t i) {
-  const closure_metal *c = &m->closure.of.metal;
-  float sum[3];
-  for (int k = 0; k < 3; k++)
-    sum[k] = clampf(operand_or(&b->input, c->f0[k], c->params.f0[k], i) +
-                        operand_or(&b->input, c->kd[k], c->params.kd[k], i),
-                    0.0f, 1.0f);
-  return (vec3){sum[0], sum[1], sum[2]};
+  float sum[3] = {0, 0, 0};
+  for (size_t number = 0; number < m->closures; number++) {
+    const closure *c = &m->closure[number];
+    for (int k = 0; k < 3; k++)
+      sum[k] += operand_or(&b->input, c->weight[k], (double)c->weight[k].number, i) *
+                closure_color(&b->input, c, k, i);
+  }
+  return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};
 }
 
 /* Of an instance whose mesh is shared, or of the triangle. */

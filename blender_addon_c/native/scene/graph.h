@@ -10,6 +10,9 @@
 typedef struct graph {
   size_t images;    /* of the scene */
   uint64_t written; /* registers, a bit each */
+  bool bare;        /* something takes the unperturbed normal */
+  int normal[3];    /* the first that something takes since `named` was false */
+  bool named;
 } graph;
 _Static_assert(REGISTERS <= 64, "graph.written has a bit for each register");
 
@@ -38,17 +41,19 @@ static inline bool graph_outputs(reader *r, graph *g, const char *key, int count
 }
 
 /* `normal`: registers of a normal in the shading frame; without it the unperturbed one. */
-static inline bool graph_normal(reader *r, const graph *g, int out[3]) {
-  operand o[3];
-  for (int k = 0; k < 3; k++)
-    out[k] = REGISTER_NORMAL + k;
+static inline bool graph_normal(reader *r, graph *g, int out[3]) {
+  operand o[3] = {
+      {.at = REGISTER_NORMAL}, {.at = REGISTER_NORMAL + 1}, {.at = REGISTER_NORMAL + 2}};
   if (!reader_has(r, "normal"))
-    return true;
-  if (!graph_operands(r, g, "normal", 3, o))
+    g->bare = true;
+  else if (!graph_operands(r, g, "normal", 3, o))
     return false;
-  for (int k = 0; k < 3; k++)
+  for (int k = 0; k < 3; k++) {
     if ((out[k] = o[k].at) < 0)
       return reader_fail(r, "normal must be three registers");
+    g->normal[k] = g->named ? g->normal[k] : out[k];
+  }
+  g->named = true;
   return true;
 }
 

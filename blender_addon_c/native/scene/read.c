@@ -131,14 +131,31 @@ static bool read_node(reader *r, void *out, void *context) {
 
 #define CLOSURE_WORD(TYPE, name) #TYPE,
 #define CLOSURE_READ(TYPE, name)                                                                   \
-  case CLOSURE_##TYPE:                                                                             \
-    return closure_##name##_read(r, &m->closure.of.name, g, &m->status);
-static bool read_closure(reader *r, const graph *g, material *m) {
+  case CLOSURE_##TYPE: {                                                                           \
+    if (!closure_##name##_read(r, &c->of.name, m->graph, &m->of->status))                          \
+      return false;                                                                                \
+    c->traits = closure_##name##_traits(&c->of.name);                                              \
+    m->of->traits |= c->traits;                                                                    \
+    return true;                                                                                   \
+  }
+
+/* A material whose closures are read. */
+typedef struct closure_reader {
+  material *of;
+  graph *graph;
+} closure_reader;
+
+static bool read_closure(reader *r, void *out, void *context) {
   static const char *const types[] = {CLOSURE_TABLE(CLOSURE_WORD) NULL};
+  closure_reader *m = context;
+  closure *c = out;
   int type;
-  if (!reader_word(r, "closure", types, &type))
+  for (int k = 0; k < 3; k++)
+    c->weight[k] = (operand){.at = OPERAND_NUMBER, .number = 1.0f};
+  if (!reader_word(r, "closure", types, &type) ||
+      (reader_has(r, "weight") && !graph_operands(r, m->graph, "weight", 3, c->weight)))
     return false;
-  switch (m->closure.type = (closure_type)type) {
+  switch (c->type = (closure_type)type) {
     CLOSURE_TABLE(CLOSURE_READ)
   case CLOSURE_TYPES:
     break;
@@ -146,16 +163,42 @@ static bool read_closure(reader *r, const graph *g, material *m) {
   return false;
 }
 
+/* A list, or one as the material itself. */
+static bool read_closures(reader *r, graph *g, material *m) {
+  closure_reader context = {.of = m, .graph = g};
+  closure *list = NULL;
+  m->closures = 1;
+  if (!reader_has(r, "closures"))
+    return read_closure(r, &m->closure[0], &context);
+  bool good = reader_each(r, "closures", sizeof *list, &m->closures, &list, read_closure, &context);
+  if (good && (m->closures < 1 || m->closures > CLOSURES_MOST))
+    good = reader_fail(r, "closures has %zu items; 1 to %d are expected", m->closures,
+                       (int)CLOSURES_MOST);
+  if (good)
+    memcpy(m->closure, list, m->closures * sizeof *list);
+  free(list);
+  return good;
+}
+
 static bool read_material(reader *r, void *out, void *context) {
-  const scene *s = context;
+  scene *s = context;
   material *m = out;
   graph g = {.images = s->images};
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
-  return reader_text(r, "name", NULL, &m->name) &&
-         reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g) &&
-         read_closure(r, &g, m);
+  if (!reader_text(r, "name", NULL, &m->name) ||
+      !reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g))
+    return false;
+  g.named = false;
+  for (int k = 0; k < 3; k++)
+    g.normal[k] = REGISTER_NORMAL + k;
+  if (!read_closures(r, &g, m))
+    return false;
+  memcpy(m->normal, g.normal, sizeof m->normal);
+  m->bare = g.bare || !g.named;
+  s->passes |= (m->traits & CLOSURE_PASSES) != 0;
+  return true;
 }
 
 static bool read_sky_image(reader *r, void *out, void *context) {
@@ -308,6 +351,15 @@ static bool read_picture(reader *r, scene *s) {
   if (reader_has(r, "sample_clamp_direct") &&
       !reader_number_within(r, "sample_clamp_direct", 0, 1e30, &s->clamp_direct))
     return false;
+  static const char *const kinds[BOUNCE_KINDS] = {
+      "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_max_bounces"};
+  s->limits.all = (uint32_t)s->max_bounces;
+  for (int k = 0; k < BOUNCE_KINDS; k++) {
+    int most = k == BOUNCE_TRANSPARENT ? 8 : MAX_BOUNCES;
+    if (reader_has(r, kinds[k]) && !reader_integer(r, kinds[k], 0, MAX_BOUNCES, &most))
+      return false;
+    s->limits.kind[k] = (uint32_t)most;
+  }
   if (reader_has(r, "sample_clamp_indirect") &&
       !reader_number_within(r, "sample_clamp_indirect", 0, 1e30, &s->clamp_indirect))
     return false;

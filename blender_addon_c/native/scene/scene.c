@@ -485,6 +485,13 @@ static double exponent_of(const closure *c) {
   return 0.0;
 }
 
+static double sharpest(const material *m) {
+  double most = 0;
+  for (size_t k = 0; k < m->closures; k++)
+    most = fmax(most, exponent_of(&m->closure[k]));
+  return most;
+}
+
 #define NODE_BUILD(TYPE, name)                                                                     \
   case NODE_##TYPE:                                                                                \
     return node_##name##_build(&n->of.name, place);
@@ -505,7 +512,7 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
     node_place place = {.image = s->image,
                         .textures = &s->textures,
                         .material = m->name,
-                        .exponent = exponent_of(&m->closure),
+                        .exponent = sharpest(m),
                         .log = log};
     for (size_t k = 0; good && k < m->nodes; k++)
       good = build_node(&m->node[k], &place);

@@ -41,8 +41,12 @@ typedef struct material {
   int pass_index;
   char *name;
   unsigned status; /* of its closure's parameters: what had to be clamped */
-  closure closure;
-  size_t nodes; /* in the order in which they run */
+  size_t closures; /* 1 to CLOSURES_MOST */
+  closure closure[CLOSURES_MOST];
+  unsigned traits; /* of all of them */
+  int normal[3];   /* registers of the first one's */
+  bool bare;       /* one of them takes the unperturbed normal */
+  size_t nodes;    /* in the order in which they run */
   node *node;
 } material;
 
@@ -108,6 +112,8 @@ typedef struct scene {
   int max_bounces;    /* of a path before the surface that it sees last */
   float clamp_direct; /* largest brightness that lights may add to a sample at its first surface */
   float clamp_indirect; /* and all light at a later bounce; 0: any */
+  walk_limits limits;
+  bool passes; /* some material lets rays pass on */
   camera camera;
   size_t lights, images, materials, meshes, instances;
   light *light;

@@ -1,16 +1,145 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Each closure's stage, and what it makes of one light: f comes in, S = f cos E goes to the sum. */
+/* Each closure's stages, those of lists of closures, and what one light makes of f: S = f cos E
+ * goes to the sum. */
 #include "batch/leaf.h"
 #include "stage/stage.h"
 
 #define CLOSURE_STAGE(TYPE, name)                                                                  \
-  static unsigned stage_##name(const segment *g, const surfaces *restrict at,                      \
-                               const inputs *restrict given, const light_samples *restrict light,  \
-                               bool density, reflections *restrict out) {                          \
-    return closure_##name##_eval(&g->material->closure.of.name, g->run, at, given, light, density, \
-                                 out);                                                             \
+  static unsigned stage_##name(const closure *c, lane_run run, const surfaces *at, inputs *given,  \
+                               const lane_v *wi, bool density, reflections *out) {                 \
+    return closure_##name##_eval(&c->of.name, run, at, given, wi, density, out);                   \
+  }                                                                                                \
+  static unsigned stage_draw_##name(const closure *c, lane_run run, const surfaces *at,            \
+                                    inputs *given, draws *out) {                                   \
+    return closure_##name##_draw(&c->of.name, run, at, given, out);                                \
+  }                                                                                                \
+  static void stage_albedo_##name(const closure *c, lane_run run, const surfaces *at,              \
+                                  inputs *given, float *out) {                                     \
+    closure_##name##_albedo(&c->of.name, run, at, given, out);                                     \
   }
 CLOSURE_TABLE(CLOSURE_STAGE)
+
+/* A weight, never NaN or below 0. */
+typedef struct weight_lanes {
+  const float *r, *g, *b;
+} weight_lanes;
+static inline weight_lanes weight_of(const closure *c, inputs *given, lane_run run) {
+  return (weight_lanes){.r = lane_of(given, c->weight[0], 0, run),
+                        .g = lane_of(given, c->weight[1], 1, run),
+                        .b = lane_of(given, c->weight[2], 2, run)};
+}
+LEAF float weight_at(const float *lane, size_t i) {
+  return clampf(lane[i], 0.0f, 1e30f);
+}
+
+/* How much a closure draws: by its weight and `albedo`, to *chance; their sum grows. */
+static void stage_chance(const closure *c, lane_run run, inputs *given,
+                         const float *restrict albedo, float *restrict chance,
+                         float *restrict sum) {
+  const weight_lanes w = weight_of(c, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float mean = (weight_at(w.r, i) + weight_at(w.g, i) + weight_at(w.b, i)) * (1.0f / 3.0f);
+    chance[i] = mean * albedo[i];
+    sum[i] += chance[i];
+  }
+}
+
+/* Chances become probabilities. */
+static void stage_share(lane_run run, const float *restrict sum, float *restrict chance) {
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float total = sum[i];
+    chance[i] = total > 0.0f ? chance[i] / total : 0.0f;
+  }
+}
+
+/* What is left of `choice` beyond closures that are not drawn; the drawn one's is even again. */
+static void stage_pick(lane_run run, uint32_t number, const float *restrict chance,
+                       uint32_t *restrict drawn, float *restrict choice) {
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float share = chance[i], left = choice[i];
+    bool open = drawn[i] == CLOSURES_MOST, takes = open & (left < share);
+    float even = clampf(left / (share > 1e-20f ? share : 1e-20f), 0.0f, 0.99999994f);
+    drawn[i] = takes ? number : drawn[i];
+    choice[i] = takes ? even : (open ? left - share : left);
+  }
+}
+
+/* One closure's f and density to those of the whole list, which keep f cos and no cosine. */
+static void stage_join_all(const closure *c, lane_run run, inputs *given,
+                           const float *restrict chance, const reflections *restrict part,
+                           reflections *restrict out) {
+  const weight_lanes w = weight_of(c, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float cosine = part->cosine[i];
+    out->f.r[i] += weight_at(w.r, i) * cosine * part->f.r[i];
+    out->f.g[i] += weight_at(w.g, i) * cosine * part->f.g[i];
+    out->f.b[i] += weight_at(w.b, i) * cosine * part->f.b[i];
+    out->pdf[i] += chance[i] * part->pdf[i];
+  }
+}
+
+/* A closure's draws where it is the one that draws. */
+static void stage_take(const closure *c, lane_run run, uint32_t number, inputs *given,
+                       const choices *restrict choice, const draws *restrict part,
+                       draws *restrict out) {
+  const weight_lanes w = weight_of(c, given, run);
+  const float *chance = choice->chance[number];
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    bool takes = choice->drawn[i] == number;
+    float cosine = part->cosine[i];
+    store(&out->wi, i, select3(takes, load(&part->wi, i), load(&out->wi, i)));
+    out->f.r[i] = takes ? weight_at(w.r, i) * cosine * part->f.r[i] : out->f.r[i];
+    out->f.g[i] = takes ? weight_at(w.g, i) * cosine * part->f.g[i] : out->f.g[i];
+    out->f.b[i] = takes ? weight_at(w.b, i) * cosine * part->f.b[i] : out->f.b[i];
+    out->pdf[i] = takes ? chance[i] * part->pdf[i] : out->pdf[i];
+    out->cosine[i] = takes ? 1.0f : out->cosine[i];
+    out->kind[i] = takes ? part->kind[i] : out->kind[i];
+  }
+}
+
+/* What another closure of the list has in the direction that was drawn. */
+static void stage_join(const closure *c, lane_run run, uint32_t number, inputs *given,
+                       const choices *restrict choice, const reflections *restrict part,
+                       draws *restrict out) {
+  const weight_lanes w = weight_of(c, given, run);
+  const float *chance = choice->chance[number];
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    bool joins =
+        (choice->drawn[i] != number) & (out->pdf[i] > 0.0f) & (out->kind[i] != BOUNCE_TRANSPARENT);
+    float cosine = joins ? part->cosine[i] : 0.0f;
+    float pdf = joins ? part->pdf[i] : 0.0f;
+    out->f.r[i] += cosine > 0.0f ? weight_at(w.r, i) * cosine * part->f.r[i] : 0.0f;
+    out->f.g[i] += cosine > 0.0f ? weight_at(w.g, i) * cosine * part->f.g[i] : 0.0f;
+    out->f.b[i] += cosine > 0.0f ? weight_at(w.b, i) * cosine * part->f.b[i] : 0.0f;
+    out->pdf[i] += chance[i] * pdf;
+  }
+}
+
+/* What a draw counts as: through the surface it is transmission, whatever drew it. */
+static void stage_kind(lane_run run, bounce_kind kind, draws *restrict out) {
+  const uint32_t here = kind;
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++)
+    out->kind[i] =
+        ((here != BOUNCE_TRANSPARENT) & (out->wi.z[i] < 0.0f)) ? BOUNCE_TRANSMISSION : here;
+}
+
+/* Radiance of a closure that shines. */
+static void stage_emit(const closure *c, lane_run run, inputs *given, lane_c *restrict sum) {
+  const weight_lanes w = weight_of(c, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    sum->r[i] += weight_at(w.r, i);
+    sum->g[i] += weight_at(w.g, i);
+    sum->b[i] += weight_at(w.b, i);
+  }
+}
 
 LEAF void reflect(bool own, bool shared, size_t count, const float color[3],
                   const light_samples *restrict light, reflections *restrict reflection,

@@ -120,12 +120,28 @@ typedef struct stage_table {
                      const float *pdf, const lane_c *sky, light_draws *out);
   void (*met_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
                   const walks *walk, bool chosen, float power, lane_c *met);
-  void (*lit)(size_t count, const surfaces *at, light_samples *light);
+  void (*lit)(lane_run run, bool through, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
   /* density: out->pdf is wanted too. Returns status bits of libshade. */
-  unsigned (*closure[CLOSURE_TYPES])(const segment *g, const surfaces *at, const inputs *given,
-                                     const light_samples *light, bool density, reflections *out);
+  unsigned (*closure[CLOSURE_TYPES])(const closure *c, lane_run run, const surfaces *at,
+                                     inputs *given, const lane_v *wi, bool density,
+                                     reflections *out);
+  /* Lists of closures, in the order of render/closures.c. */
+  void (*albedo[CLOSURE_TYPES])(const closure *c, lane_run run, const surfaces *at, inputs *given,
+                                float *out);
+  void (*chance)(const closure *c, lane_run run, inputs *given, const float *albedo, float *chance,
+                 float *sum);
+  void (*share)(lane_run run, const float *sum, float *chance);
+  void (*emit)(const closure *c, lane_run run, inputs *given, lane_c *sum);
+  void (*join_all)(const closure *c, lane_run run, inputs *given, const float *chance,
+                   const reflections *part, reflections *out);
+  void (*pick)(lane_run run, uint32_t number, const float *chance, uint32_t *drawn, float *choice);
+  void (*kind)(lane_run run, bounce_kind kind, draws *out);
+  void (*take)(const closure *c, lane_run run, uint32_t number, inputs *given,
+               const choices *choice, const draws *part, draws *out);
+  void (*join)(const closure *c, lane_run run, uint32_t number, inputs *given,
+               const choices *choice, const reflections *part, draws *out);
   /* color NULL: each lane's own. shared: drawn rays meet these lights as well. */
   void (*reflect)(size_t count, const float color[3], bool shared, const light_samples *light,
                   reflections *reflection, lane_c *sum);
@@ -134,17 +150,21 @@ typedef struct stage_table {
   void (*shuffled)(size_t count, const shuffle *points, const uint32_t *lane, const walks *walk,
                    const paths *path, float *x, float *y);
   /* Returns status bits of libshade. */
-  unsigned (*draw[CLOSURE_TYPES])(const segment *g, const surfaces *at, const inputs *given,
+  unsigned (*draw[CLOSURE_TYPES])(const closure *c, lane_run run, const surfaces *at, inputs *given,
                                   draws *out);
   /* The rays that go on, and their walks: what was drawn and outlives roulette, if `lots`. Returns
      their number; wide is of use within. */
-  size_t (*walk)(size_t count, bool lots, const uint32_t *lane, const surfaces *at,
-                 const walks *walk, const float *lights, draws *draw, rays *wide, uint32_t *chosen,
-                 walks *next, rays *ray);
+  size_t (*walk)(size_t count, bool lots, const walk_limits *limits, bool meets,
+                 const uint32_t *lane, const surfaces *at, const walks *walk, const float *lights,
+                 draws *draw, rays *wide, uint32_t *chosen, walks *next, rays *ray);
   /* Adds the light of hits or of rays, by lane, to the samples. What is brighter than `most`, in
      the mean of its three channels, is dimmed to it. */
   void (*gain)(size_t count, float most, const uint32_t *lane, const walks *walk, const lane_c *sum,
                lane_c *color);
+  /* Of rays that only passed through surfaces and meet nothing: the picture shows nothing there. */
+  void (*uncover)(size_t count, const uint32_t *record, walks *walk, paths *path);
+  /* Hits of paths that end there count as none; the number of the others. */
+  size_t (*end)(size_t count, const walks *walk, uint32_t *record);
   /* Of rays that meet nothing, an even background. */
   void (*escape)(size_t count, const uint32_t *record, const float background[3], lane_c *met);
 

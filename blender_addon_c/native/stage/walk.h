@@ -21,35 +21,48 @@ static void stage_shuffled(size_t count, const shuffle *points, const uint32_t *
   }
 }
 
-#define DRAW_STAGE(TYPE, name)                                                                     \
-  static unsigned stage_draw_##name(const segment *g, const surfaces *restrict at,                 \
-                                    const inputs *restrict given, draws *restrict out) {           \
-    return closure_##name##_draw(&g->material->closure.of.name, g->run, at, given, out);           \
-  }
-CLOSURE_TABLE(DRAW_STAGE)
-
 LEAF float largest(float a, float b, float c) {
   float ab = a > b ? a : b;
   return ab > c ? ab : c;
 }
 
+enum { WALK_ENDS = 4 }; /* beside a bounce_kind */
+
 /*
- * A path goes on where a direction was drawn that leaves the facet too. Roulette keeps one whose
+ * A path goes on where a direction was drawn that leaves the facet too, on the same side as the
+ * smooth surface, and where it may still do what it does there; where it may not, its ray looks for
+ * lights only, if a scene has any that it `meets`. Roulette keeps one whose
  * weight has become w with probability sqrt(w): the square root, because what it may still meet is
  * not known.
  */
-static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
-                         const surfaces *restrict at, const walks *restrict walk,
-                         const float *restrict lights, draws *restrict draw, rays *restrict wide,
-                         uint32_t *restrict chosen, walks *restrict next, rays *restrict ray) {
+static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, bool meets,
+                         const uint32_t *restrict lane, const surfaces *restrict at,
+                         const walks *restrict walk, const float *restrict lights,
+                         draws *restrict draw, rays *restrict wide, uint32_t *restrict chosen,
+                         walks *restrict next, rays *restrict ray) {
+  const uint32_t most_diffuse = limits->kind[BOUNCE_DIFFUSE];
+  const uint32_t most_glossy = limits->kind[BOUNCE_GLOSSY];
+  const uint32_t most_through = limits->kind[BOUNCE_TRANSMISSION];
+  const uint32_t most_passing = limits->kind[BOUNCE_TRANSPARENT], most_all = limits->all;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
+    uint32_t from = lane[i], kind = draw->kind[i];
+    uint32_t diffuse = walk->bounces[0][from] + (kind == BOUNCE_DIFFUSE);
+    uint32_t glossy = walk->bounces[1][from] + (kind == BOUNCE_GLOSSY);
+    uint32_t through = walk->bounces[2][from] + (kind == BOUNCE_TRANSMISSION);
+    uint32_t passing = walk->bounces[3][from] + (kind == BOUNCE_TRANSPARENT);
+    bool within = (diffuse <= most_diffuse) & (glossy <= most_glossy) & (through <= most_through) &
+                  (diffuse + glossy + through <= most_all);
+    bool may = (within | meets) & (passing <= most_passing);
+    draw->kind[i] = within ? kind : kind | WALK_ENDS;
     vec3 n = load(&at->n, i), t = load(&at->t, i), b = load(&at->b, i), g = load(&at->g, i);
     vec3 wi = load(&draw->wi, i), p = load(&at->p, i);
     vec3 d = {wi.x * t.x + wi.y * b.x + wi.z * n.x, wi.x * t.y + wi.y * b.y + wi.z * n.y,
               wi.x * t.z + wi.y * b.z + wi.z * n.z};
     float pdf = draw->pdf[i];
-    bool drawn = (pdf > 0.0f) & (dot(d, g) > 0.0f);
+    bool below = wi.z < 0.0f;
+    vec3 off = scaled(g, below ? -1.0f : 1.0f);
+    bool drawn = may & (pdf > 0.0f) & (dot(d, off) > 0.0f);
     float factor = drawn ? draw->cosine[i] / pdf : 0.0f;
     float r = draw->f.r[i] * factor * walk->weight.r[lane[i]];
     float green = draw->f.g[i] * factor * walk->weight.g[lane[i]];
@@ -59,7 +72,7 @@ static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
     bool goes = (most > 0.0f) & (most < 1e30f) & (draw->lot[i] < chance);
     float scale = goes ? 1.0f / chance : 0.0f;
     store(&wide->d, i, scaled(d, 1.0f / sqrtf(goes ? dot(d, d) : 1.0f)));
-    store(&wide->o, i, (vec3){p.x + g.x, p.y + g.y, p.z + g.z});
+    store(&wide->o, i, (vec3){p.x + off.x, p.y + off.y, p.z + off.z});
     draw->f.r[i] = r * scale;
     draw->f.g[i] = green * scale;
     draw->f.b[i] = blue * scale;
@@ -90,6 +103,9 @@ static size_t stage_walk(size_t count, bool lots, const uint32_t *restrict lane,
     next->from.z[k] = at->p.z[i];
     next->pdf[k] = draw->pdf[i];
     next->lights[k] = lights[i];
+    for (uint32_t kind = 0; kind < BOUNCE_KINDS; kind++)
+      next->bounces[kind][k] = walk->bounces[kind][lane[i]] + ((draw->kind[i] & 3u) == kind);
+    next->ends[k] = draw->kind[i] & WALK_ENDS;
   }
   return rays;
 }
@@ -115,6 +131,29 @@ static void stage_gain(size_t count, float most, const uint32_t *restrict lane,
     add_dimmed(color, walk->sample[k], most, walk->weight.r[k] * sum->r[i],
                walk->weight.g[k] * sum->g[i], walk->weight.b[k] * sum->b[i]);
   }
+}
+
+static void stage_uncover(size_t count, const uint32_t *restrict record, walks *restrict walk,
+                          paths *restrict path) {
+  for (size_t k = 0; k < count; k++) {
+    bool passed = !(walk->bounces[BOUNCE_DIFFUSE][k] | walk->bounces[BOUNCE_GLOSSY][k] |
+                    walk->bounces[BOUNCE_TRANSMISSION][k]);
+    if (record[k] != RECORD_MISS || !passed)
+      continue;
+    float mean = (walk->weight.r[k] + walk->weight.g[k] + walk->weight.b[k]) * (1.0f / 3.0f);
+    path->alpha[walk->sample[k]] -= mean;
+    walk->weight.r[k] = walk->weight.g[k] = walk->weight.b[k] = 0.0f;
+  }
+}
+
+static size_t stage_end(size_t count, const walks *restrict walk, uint32_t *restrict record) {
+  uint32_t hits = 0;
+#pragma omp simd reduction(+ : hits)
+  for (size_t k = 0; k < count; k++) {
+    record[k] = walk->ends[k] ? RECORD_MISS : record[k];
+    hits += record[k] != RECORD_MISS ? 1u : 0u;
+  }
+  return hits;
 }
 
 static void stage_escape(size_t count, const uint32_t *restrict record, const float background[3],

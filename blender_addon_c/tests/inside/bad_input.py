@@ -172,7 +172,7 @@ def principled(scene):
     ob, _tree, _node = plate(scene)
     ob.data.materials[0] = bpy.data.materials.new("plain")
     inputs = common.tree_of(ob.data.materials[0]).nodes["Principled BSDF"].inputs
-    inputs["Transmission" if "Transmission" in inputs else "Transmission Weight"].default_value = 1
+    inputs["Subsurface" if "Subsurface" in inputs else "Subsurface Weight"].default_value = 1
 
 
 def anisotropic(scene):
@@ -184,7 +184,7 @@ def anisotropic(scene):
 
 def beckmann(scene):
     _ob, tree, _node = plate(scene)
-    shader = tree.nodes.new("ShaderNodeBsdfGlossy")
+    shader = tree.nodes.new("ShaderNodeBsdfGlass")
     shader.distribution = "BECKMANN"
     tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
 
@@ -247,6 +247,32 @@ def world_shader(scene):
     tree.links.new(add.outputs[0], tree.nodes["World Output"].inputs["Surface"])
 
 
+def toon(scene):
+    _ob, tree, _node = plate(scene)
+    shader = tree.nodes.new("ShaderNodeBsdfToon")
+    tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
+def no_shader(scene):
+    _ob, tree, node = plate(scene)
+    tree.nodes.remove(node)
+
+
+def many_shaders(scene):
+    """The metal, and nine that shine with black."""
+    _ob, tree, node = plate(scene)
+    last = node.outputs["BSDF"]
+    for _ in range(9):
+        add, shine = tree.nodes.new("ShaderNodeAddShader"), tree.nodes.new("ShaderNodeEmission")
+        value = tree.nodes.new("ShaderNodeTexCoord")  # not known before the picture
+        tree.links.new(value.outputs["Reflection"], shine.inputs["Color"])
+        shine.inputs["Strength"].default_value = 1e-9
+        tree.links.new(last, add.inputs[0])
+        tree.links.new(shine.outputs[0], add.inputs[1])
+        last = add.outputs[0]
+    tree.links.new(last, tree.nodes["Material Output"].inputs["Surface"])
+
+
 def panoramic(scene):
     plate(scene)
     scene.camera.data.type = "PANO"
@@ -295,7 +321,7 @@ CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, generated, cycle,
     too_many_nodes,
-    other_uv_map, no_material, principled, anisotropic, beckmann, mixed, flat_lights, portal, world_shader,
+    other_uv_map, no_material, principled, anisotropic, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,

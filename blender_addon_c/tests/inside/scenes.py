@@ -330,24 +330,6 @@ def override(_ob, _light, _tree, _node):
     bpy.context.view_layer.material_override = other
 
 
-def principled(ob, _light, _tree, _node, metallic=0.0):
-    material = ob.data.materials[0] = bpy.data.materials.new("plain")
-    node = common.tree_of(material).nodes["Principled BSDF"]
-    node.inputs["Base Color"].default_value = (0.7, 0.5, 0.2, 1)
-    node.inputs["Roughness"].default_value = 0.6
-    node.inputs["Metallic"].default_value = metallic
-    if "IOR" in node.inputs and "Specular IOR Level" in node.inputs:
-        node.inputs["IOR"].default_value = 1.5
-
-
-def principled_metal(*plain):
-    principled(*plain, metallic=1.0)
-
-
-def principled_half(*plain):
-    principled(*plain, metallic=0.5)
-
-
 def _only_shader(ob, kind):
     material = ob.data.materials[0] = bpy.data.materials.new("plain")
     tree = common.tree_of(material)
@@ -362,7 +344,8 @@ def diffuse(ob, _light, _tree, _node):
 
 
 def glossy(ob, _light, _tree, _node):
-    _only_shader(ob, "ShaderNodeBsdfGlossy").inputs["Roughness"].default_value = 0.6
+    shader = _only_shader(ob, "ShaderNodeBsdfGlossy")
+    shader.distribution, shader.inputs["Roughness"].default_value = "GGX", 0.6
 
 
 def viewport_color(ob, _light, _tree, _node):
@@ -514,6 +497,53 @@ def graph(options):
         scene.render.engine = "CYCLES"
         scene.cycles.samples, scene.cycles.use_denoising = 1, False
         scene.cycles.pixel_filter_type = "BOX"
+    common.render(options["picture"])
+    return {}
+
+
+def balls(options):
+    """Balls in a row under an even sky and a sun, each of one shader; options["cases"]: its node and
+    inputs, or a pair of such and how they are combined."""
+    cases = options["cases"]
+    scene = common.empty_scene(24 * len(cases), 24, samples=options["samples"])
+    scene.render.film_transparent = False
+    for column, case in enumerate(cases):
+        material = bpy.data.materials.new(case["name"])
+        tree = common.tree_of(material)
+        tree.nodes.clear()
+        last = None
+        for shader in case["shaders"]:
+            node = tree.nodes.new(shader["node"])
+            for key, value in shader.get("set", {}).items():
+                setattr(node, key, value)
+            for key, value in shader.get("inputs", {}).items():
+                if key in node.inputs:  # some have other names in another version
+                    node.inputs[key].default_value = value
+            if last:
+                both = tree.nodes.new(case["by"])
+                tree.links.new(last, both.inputs[len(both.inputs) - 2])
+                tree.links.new(node.outputs[0], both.inputs[len(both.inputs) - 1])
+                node = both
+            last = node.outputs[0]
+        output = tree.nodes.new("ShaderNodeOutputMaterial")
+        tree.links.new(last, output.inputs["Surface"])
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.45)
+        ob = common.added(material)
+        ob.location = (column + 0.5 - 0.5 * len(cases), 0, 0)
+        common.smooth(ob.data)
+    scene.world = bpy.data.worlds.new("world")
+    background = common.tree_of(scene.world).nodes["Background"].inputs
+    background["Color"].default_value = (0.5, 0.5, 0.5, 1)
+    common.light(scene, rotation=(0.6, 0.3, 0), energy=1.0, size=0.3)
+    common.camera(scene, type="ORTHO", ortho_scale=len(cases))
+    settings = scene.libshade
+    if options["engine"] == "CYCLES":
+        scene.render.engine = "CYCLES"
+        settings = scene.cycles
+        settings.use_denoising = settings.use_adaptive_sampling = False
+        settings.samples, settings.blur_glossy = options["samples"], 0
+    settings.pixel_filter_type = "BOX"
+    settings.max_bounces, settings.sample_clamp_indirect = 12, 0
     common.render(options["picture"])
     return {}
 

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What kinds of closure have in common. */
+#ifndef LIBSHADE_CLOSURE_COMMON_H
+#define LIBSHADE_CLOSURE_COMMON_H
+
+#include "batch/leaf.h"
+#include "scene/graph.h"
+
+/* What a closure does. */
+typedef enum closure_trait {
+  CLOSURE_SCATTERS = 1, /* it has f and draws directions */
+  CLOSURE_THROUGH = 2,  /* to and from the side that is not seen, too */
+  CLOSURE_PASSES = 4,   /* its rays go straight on */
+  CLOSURE_EMITS = 8,    /* its weight is radiance */
+  CLOSURE_MATT = 16     /* its bounces count as diffuse ones */
+} closure_trait;
+
+/* Density and f of a direction that is drawn with certainty: what stands for infinite ones. Its
+ * square is a float, and so is 1e-9 of it beside any other density. */
+#define CLOSURE_CERTAIN 1e15f
+
+/* The registers of a normal from a run's lanes. */
+LEAF vec3 normal_at(const inputs *given, const int normal[3], size_t i) {
+  return (vec3){given->at[normal[0]][i], given->at[normal[1]][i], given->at[normal[2]][i]};
+}
+
+/* A direction about n by the cosine, from a point of the unit square; its density is cos / pi. */
+LEAF vec3 cosine_about(vec3 n, float x, float y, float *cosine) {
+  float radius = sqrtf(x), s, c;
+  vec3 a, b;
+  turn(y, &s, &c);
+  across(n, &a, &b);
+  *cosine = sqrtf(1.0f - x);
+  float p = radius * c, q = radius * s, z = *cosine;
+  return (vec3){p * a.x + q * b.x + z * n.x, p * a.y + q * b.y + z * n.y,
+                p * a.z + q * b.z + z * n.z};
+}
+
+#endif

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A rough interface between air and a clear body: GGX, exact Fresnel [Walter2007]. `ior` and
+ * `alpha`, an operand each; `tint`, three, of what is refracted; `normal`; `reflects` and
+ * `refracts`, whether it does; only refracting, it has no Fresnel. `joint`: Smith's shadowing of
+ * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014].
+ *
+ * As in Cycles, refraction does not scale radiance by the squared indices: what a ray carries is
+ * never more than before, and light that enters a body and leaves it is the same either way.
+ */
+#ifndef LIBSHADE_CLOSURE_GLASS_H
+#define LIBSHADE_CLOSURE_GLASS_H
+
+#include "closure/common.h"
+#include "node/common.h"
+
+typedef struct closure_glass {
+  operand ior, alpha, tint[3];
+  bool reflects, refracts, joint;
+  int normal[3];
+} closure_glass;
+
+static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g, unsigned *status) {
+  (void)status;
+  return graph_operands(r, g, "ior", 1, &c->ior) && graph_operands(r, g, "alpha", 1, &c->alpha) &&
+         graph_operands(r, g, "tint", 3, c->tint) && reader_flag(r, "reflects", &c->reflects) &&
+         reader_flag(r, "refracts", &c->refracts) && reader_flag(r, "joint", &c->joint) &&
+         graph_normal(r, g, c->normal);
+}
+static inline double closure_glass_exponent(const closure_glass *c) {
+  return c->alpha.at < 0 ? 2.0 / fmax((double)c->alpha.number * (double)c->alpha.number, 1e-8) : 0;
+}
+static inline unsigned closure_glass_traits(const closure_glass *c) {
+  return CLOSURE_SCATTERS | (c->refracts ? CLOSURE_THROUGH : 0u);
+}
+
+/* Index beyond the surface over that before it; never 1, where nothing would be refracted and no
+ * microfacet said which way. */
+LEAF float glass_eta(float ior, float side) {
+  ior = clampf(ior, 1e-3f, 1e3f);
+  float eta = side < 0.0f ? 1.0f / ior : ior;
+  return eta < 1.0f ? (eta < 0.9999f ? eta : 0.9999f) : (eta > 1.0001f ? eta : 1.0001f);
+}
+
+/* Reflectance; 1 where all is reflected. *t: cosine beyond. */
+LEAF float glass_fresnel(float cosine, float eta, float *t) {
+  float square = 1.0f - (1.0f - cosine * cosine) / (eta * eta);
+  float g = sqrtf(square > 0.0f ? square : 0.0f);
+  float s = (cosine - eta * g) / (cosine + eta * g), p = (eta * cosine - g) / (eta * cosine + g);
+  *t = g;
+  return square > 0.0f ? 0.5f * (s * s + p * p) : 1.0f;
+}
+
+/* Smith's Lambda of GGX for a direction with this cosine from the normal. */
+LEAF float glass_lambda(float cosine, float alpha) {
+  float c2 = cosine * cosine;
+  c2 = c2 > 1e-12f ? c2 : 1e-12f;
+  float tan2 = (1.0f - c2) / c2;
+  tan2 = tan2 > 0.0f ? tan2 : 0.0f;
+  return 0.5f * (sqrtf(1.0f + alpha * alpha * tan2) - 1.0f);
+}
+
+/* What it does, as factors: loops without branches. */
+typedef struct glass_kind {
+  float both, mirror, clear; /* which of three: Fresnel decides, all is reflected, or refracted */
+  float joint;
+} glass_kind;
+static inline glass_kind glass_kind_of(const closure_glass *c) {
+  return (glass_kind){.both = c->reflects && c->refracts,
+                      .mirror = c->reflects && !c->refracts,
+                      .clear = !c->reflects,
+                      .joint = c->joint};
+}
+
+typedef struct glass_terms {
+  float reflected, refracted, pdf; /* f cos */
+} glass_terms;
+
+/* For a microfacet h with h.n, h.wo > 0; `through`: wi lies beyond. */
+LEAF glass_terms glass_of(const glass_kind *c, float alpha, float eta, vec3 n, vec3 h, float ho,
+                          float hi, float no, float ni, bool through) {
+  float nh = dot(n, h), t;
+  vec3 off = {h.x - nh * n.x, h.y - nh * n.y, h.z - nh * n.z};
+  float spread = dot(off, off) + alpha * alpha * nh * nh;
+  float d = alpha * alpha / (3.14159265f * spread * spread);
+  float fresnel = glass_fresnel(ho, eta, &t);
+  fresnel = c->both * fresnel + c->mirror + c->clear * (fresnel < 1.0f ? 0.0f : 1.0f);
+  float lo = glass_lambda(no, alpha), li = glass_lambda(ni, alpha);
+  float first = 1.0f / (1.0f + lo);
+  float both = first / (1.0f + li), together = 1.0f / (1.0f + lo + li);
+  both += c->joint * (together - both);
+  float down = ho + eta * hi;
+  float beyond = eta * eta * fabsf(hi) * ho / (down * down + 1e-30f);
+  float jacobian = through ? beyond : 0.25f;
+  float per_facet = d * jacobian / no;
+  float share = through ? 1.0f - fresnel : (1.0f - c->clear) * fresnel;
+  bool there = (nh > 0.0f) & (ho > 0.0f) & (no > 0.0f) & ((hi < 0.0f) == through);
+  per_facet = there ? per_facet * share : 0.0f;
+  return (glass_terms){.reflected = through ? 0.0f : per_facet * both,
+                       .refracted = through ? per_facet * both : 0.0f,
+                       .pdf = per_facet * first};
+}
+
+/* What it reads of a run's points. */
+typedef struct glass_lanes {
+  const float *ior, *alpha, *tint[3];
+} glass_lanes;
+
+static inline glass_lanes glass_lanes_of(const closure_glass *c, inputs *given, lane_run run) {
+  glass_lanes lanes = {.ior = lane_of(given, c->ior, 3, run),
+                       .alpha = lane_of(given, c->alpha, 4, run)};
+  for (int k = 0; k < 3; k++)
+    lanes.tint[k] = lane_of(given, c->tint[k], k, run);
+  return lanes;
+}
+
+LEAF void glass_store(const glass_lanes *from, size_t i, glass_terms terms, lane_c *f) {
+  f->r[i] = terms.reflected + terms.refracted * from->tint[0][i];
+  f->g[i] = terms.reflected + terms.refracted * from->tint[1][i];
+  f->b[i] = terms.reflected + terms.refracted * from->tint[2][i];
+}
+
+LEAF unsigned closure_glass_eval(const closure_glass *glass, lane_run run,
+                                 const surfaces *restrict at, inputs *given,
+                                 const lane_v *restrict wi, bool density,
+                                 reflections *restrict out) {
+  const closure_glass own = *glass;
+  const glass_kind what = glass_kind_of(glass);
+  const glass_lanes from = glass_lanes_of(glass, given, run);
+  (void)density;
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    vec3 n = normal_at(given, own.normal, i), l = load(wi, i), v = load(&at->wo, i);
+    float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
+    float eta = glass_eta(from.ior[i], at->side[i]);
+    float ni = dot(n, l), no = dot(n, v);
+    bool through = ni < 0.0f;
+    float by = through ? eta : 1.0f;
+    vec3 h = {v.x + by * l.x, v.y + by * l.y, v.z + by * l.z};
+    float square = dot(h, h), up = dot(h, n) < 0.0f ? -1.0f : 1.0f;
+    h = scaled(h, up / sqrtf(square > 1e-20f ? square : 1e-20f));
+    glass_terms terms =
+        glass_of(&what, alpha, eta, n, h, dot(h, v), dot(h, l), no, fabsf(ni), through);
+    bool sided = through ? l.z < 0.0f : l.z > 0.0f;
+    terms.reflected = sided ? terms.reflected : 0.0f;
+    terms.refracted = sided ? terms.refracted : 0.0f;
+    glass_store(&from, i, terms, &out->f);
+    out->cosine[i] = 1.0f; /* it is in f */
+    out->pdf[i] = sided ? terms.pdf : 0.0f;
+  }
+  return 0;
+}
+
+/* A visible microfacet [Heitz2018, DupuyBenyoub2023], then which way light goes at it. */
+LEAF unsigned closure_glass_draw(const closure_glass *glass, lane_run run,
+                                 const surfaces *restrict at, inputs *given, draws *restrict out) {
+  const closure_glass own = *glass;
+  const glass_kind what = glass_kind_of(glass);
+  const glass_lanes from = glass_lanes_of(glass, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    vec3 n = normal_at(given, own.normal, i), v = load(&at->wo, i), a, b;
+    float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
+    float eta = glass_eta(from.ior[i], at->side[i]);
+    across(n, &a, &b);
+    float no = dot(n, v);
+    vec3 w = {alpha * dot(v, a), alpha * dot(v, b), no};
+    w = scaled(w, 1.0f / sqrtf(dot(w, w) + 1e-30f));
+    float s, c, z = (1.0f - out->x[i]) * (1.0f + w.z) - w.z;
+    float sine = sqrtf(clampf(1.0f - z * z, 0.0f, 1.0f));
+    turn(out->y[i], &s, &c);
+    vec3 m = {alpha * (sine * c + w.x), alpha * (sine * s + w.y), clampf(z + w.z, 0.0f, 2.0f)};
+    m = scaled(m, 1.0f / sqrtf(dot(m, m) + 1e-30f));
+    vec3 h = {m.x * a.x + m.y * b.x + m.z * n.x, m.x * a.y + m.y * b.y + m.z * n.y,
+              m.x * a.z + m.y * b.z + m.z * n.z};
+    float ho = dot(h, v), t;
+    float fresnel = glass_fresnel(ho, eta, &t);
+    float share = what.both * fresnel + what.mirror;
+    bool turned = (out->choice[i] < share) | (fresnel >= 1.0f);
+    float inverse = 1.0f / eta, bent = ho * inverse - t;
+    float along = turned ? 2.0f * ho : bent, back = turned ? 1.0f : inverse;
+    vec3 l = {along * h.x - back * v.x, along * h.y - back * v.y, along * h.z - back * v.z};
+    float ni = dot(n, l);
+    bool good = (ho > 0.0f) & (no > 0.0f) & ((ni > 0.0f) == turned) & ((l.z > 0.0f) == turned);
+    glass_terms terms =
+        glass_of(&what, alpha, eta, n, h, ho, turned ? ho : -t, no, fabsf(ni), !turned);
+    glass_store(&from, i, terms, &out->f);
+    store(&out->wi, i, l);
+    out->cosine[i] = 1.0f;
+    out->pdf[i] = good ? terms.pdf : 0.0f;
+  }
+  return 0;
+}
+
+LEAF void closure_glass_albedo(const closure_glass *c, lane_run run, const surfaces *at,
+                               inputs *given, float *out) {
+  (void)c, (void)at, (void)given;
+  for (size_t i = run.begin; i < run.end; i++)
+    out[i] = 1.0f;
+}
+
+#endif

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * How much a round GGX lobe of alpha `alpha`, one operand, about `normal` reflects of even light
+ * towards the eye, by a table of libshade's. Writes `out`: with a Fresnel of 1 everywhere; with
+ * that of a clear body, from 0 head-on to 1 (index 1.5, scaled); the first one's mean over the
+ * eye's directions. What is lost of 1 left the surface's facets more than once.
+ */
+#ifndef LIBSHADE_NODE_ALBEDO_H
+#define LIBSHADE_NODE_ALBEDO_H
+
+#include <pthread.h>
+#include <stdlib.h>
+
+#include "node/common.h"
+#include "shade/albedo.h"
+
+/* Even in sqrt(alpha) and in the eye's cosine. */
+enum { ALBEDO_ROUGH = 24, ALBEDO_EYE = 32 };
+
+typedef struct node_albedo {
+  operand alpha;
+  int normal[3], out[3];
+  const float *table;
+} node_albedo;
+
+static inline bool node_albedo_read(reader *r, node_albedo *n, graph *g) {
+  return graph_normal(r, g, n->normal) && graph_operands(r, g, "alpha", 1, &n->alpha) &&
+         graph_outputs(r, g, "out", 3, n->out);
+}
+
+/* False when out of memory. */
+bool albedo_table_make(const float **table);
+
+static inline bool node_albedo_build(node_albedo *n, const node_place *place) {
+  (void)place;
+  return albedo_table_make(&n->table);
+}
+
+LEAF float albedo_look(const float *table, int at, float s, float t) {
+  return lerp(lerp(table[at], table[at + 1], s),
+              lerp(table[at + ALBEDO_EYE], table[at + ALBEDO_EYE + 1], s), t);
+}
+
+LEAF void node_albedo_run(const node_albedo *n, lane_run g, const corners *corner,
+                          const surfaces *restrict point, inputs *at) {
+  const float *alpha = lane_of(at, n->alpha, 0, g), *table = n->table;
+  const float *nx = at->at[n->normal[0]], *ny = at->at[n->normal[1]], *nz = at->at[n->normal[2]];
+  float *one = at->at[n->out[0]], *clear = at->at[n->out[1]], *mean = at->at[n->out[2]];
+  (void)corner;
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    vec3 v = load(&point->wo, i);
+    float y = sqrtf(clampf(alpha[i], 0.0f, 1.0f)) * (ALBEDO_ROUGH - 1);
+    float x = clampf(nx[i] * v.x + ny[i] * v.y + nz[i] * v.z, 0.0f, 1.0f) * (ALBEDO_EYE - 1);
+    int row = (int)y < ALBEDO_ROUGH - 2 ? (int)y : ALBEDO_ROUGH - 2;
+    int column = (int)x < ALBEDO_EYE - 2 ? (int)x : ALBEDO_EYE - 2;
+    float s = x - (float)column, t = y - (float)row;
+    int place = row * ALBEDO_EYE + column;
+    float a = albedo_look(table, place, s, t);
+    float b = albedo_look(table + ALBEDO_ROUGH * ALBEDO_EYE, place, s, t);
+    const float *means = table + 2 * ALBEDO_ROUGH * ALBEDO_EYE;
+    one[i] = a;
+    clear[i] = b;
+    mean[i] = lerp(means[row], means[row + 1], t);
+  }
+}
+
+#endif

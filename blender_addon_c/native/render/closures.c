@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "render/closures.h"
+
+#include <string.h>
+
+/* One closure as it is needs no list: most materials, and all of a dump. */
+static bool is_plain(const material *m) {
+  const operand *w = m->closure[0].weight;
+  return m->closures == 1 && w[0].at < 0 && w[1].at < 0 && w[2].at < 0 && w[0].number == 1.0f &&
+         w[1].number == 1.0f && w[2].number == 1.0f;
+}
+
+static void zero_run(float *lane, lane_run run) {
+  memset(lane + run.begin, 0, (run.end - run.begin) * sizeof *lane);
+}
+
+static void weigh(worker *w, const segment *g) {
+  const stage_table *s = w->scene->stages;
+  const material *m = g->material;
+  batch *b = w->batch;
+  choices *choice = &b->closures;
+  zero_run(choice->sum, g->run);
+  for (size_t k = 0; k < m->closures; k++) {
+    const closure *c = &m->closure[k];
+    s->albedo[c->type](c, g->run, &b->surface, &b->input, choice->albedo);
+    s->chance(c, g->run, &b->input, choice->albedo, choice->chance[k], choice->sum);
+  }
+  for (size_t k = 0; k < m->closures; k++)
+    s->share(g->run, choice->sum, choice->chance[k]);
+}
+
+void closures_weigh(worker *w) {
+  batch *b = w->batch;
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
+    const material *m = g->material;
+    if (!is_plain(m))
+      weigh(w, g);
+    for (size_t k = 0; k < m->closures; k++)
+      if (m->closure[k].traits & CLOSURE_EMITS)
+        w->scene->stages->emit(&m->closure[k], g->run, &b->input, &b->sum);
+  }
+}
+
+static void eval_list(worker *w, const segment *g, bool density) {
+  const stage_table *s = w->scene->stages;
+  batch *b = w->batch;
+  reflections *out = &b->reflection;
+  float *sums[] = {out->f.r, out->f.g, out->f.b, out->pdf};
+  for (size_t k = 0; k < sizeof sums / sizeof *sums; k++)
+    zero_run(sums[k], g->run);
+  for (size_t i = g->run.begin; i < g->run.end; i++)
+    out->cosine[i] = 1.0f;
+  if (!density)
+    zero_run(b->part.pdf, g->run);
+  for (size_t k = 0; k < g->material->closures; k++) {
+    const closure *c = &g->material->closure[k];
+    if (!(c->traits & CLOSURE_SCATTERS))
+      continue;
+    w->status |=
+        s->closure[c->type](c, g->run, &b->surface, &b->input, &b->light.wi, density, &b->part);
+    s->join_all(c, g->run, &b->input, b->closures.chance[k], &b->part, out);
+  }
+}
+
+void closures_eval(worker *w, bool density) {
+  batch *b = w->batch;
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
+    const closure *c = &g->material->closure[0];
+    if (is_plain(g->material))
+      w->status |= w->scene->stages->closure[c->type](c, g->run, &b->surface, &b->input,
+                                                      &b->light.wi, density, &b->reflection);
+    else
+      eval_list(w, g, density);
+    clock_tick(&w->clocks, CLOCK_CLOSURE + c->type);
+  }
+}
+
+static bounce_kind kind_of(const closure *c) {
+  return c->traits & CLOSURE_PASSES ? BOUNCE_TRANSPARENT
+         : c->traits & CLOSURE_MATT ? BOUNCE_DIFFUSE
+                                    : BOUNCE_GLOSSY;
+}
+
+static void draw_list(worker *w, const segment *g) {
+  const stage_table *s = w->scene->stages;
+  const material *m = g->material;
+  const lane_run run = g->run;
+  batch *b = w->batch;
+  draws *out = &b->draw, *part = &b->part_draw;
+  size_t bytes = (run.end - run.begin) * sizeof(float);
+  zero_run(out->pdf, run);
+  for (size_t i = run.begin; i < run.end; i++) {
+    b->closures.drawn[i] = CLOSURES_MOST;
+    out->wi.x[i] = out->wi.y[i] = out->wi.z[i] = 0.0f;
+    out->kind[i] = BOUNCE_GLOSSY;
+  }
+  for (uint32_t k = 0; k < m->closures; k++)
+    s->pick(run, k, b->closures.chance[k], b->closures.drawn, out->choice);
+  memcpy(part->x + run.begin, out->x + run.begin, bytes);
+  memcpy(part->y + run.begin, out->y + run.begin, bytes);
+  memcpy(part->choice + run.begin, out->choice + run.begin, bytes);
+  for (uint32_t k = 0; k < m->closures; k++) {
+    const closure *c = &m->closure[k];
+    if (c->traits & CLOSURE_EMITS)
+      continue;
+    w->status |= s->draw[c->type](c, run, &b->surface, &b->input, part);
+    s->kind(run, kind_of(c), part);
+    s->take(c, run, k, &b->input, &b->closures, part, out);
+  }
+  for (uint32_t k = 0; k < m->closures; k++) {
+    const closure *c = &m->closure[k];
+    if (m->closures == 1 || !(c->traits & CLOSURE_SCATTERS))
+      continue;
+    /* where nothing was drawn there is no direction, and nothing to complain of */
+    s->closure[c->type](c, run, &b->surface, &b->input, &out->wi, true, &b->part);
+    s->join(c, run, k, &b->input, &b->closures, &b->part, out);
+  }
+}
+
+void closures_draw(worker *w) {
+  const stage_table *s = w->scene->stages;
+  batch *b = w->batch;
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
+    const closure *c = &g->material->closure[0];
+    if (is_plain(g->material)) {
+      w->status |= s->draw[c->type](c, g->run, &b->surface, &b->input, &b->draw);
+      s->kind(g->run, kind_of(c), &b->draw);
+    } else {
+      draw_list(w, g);
+    }
+  }
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The lists of closures of a batch's hits: each hit draws with one of its material's, what it
+ * reflects and how likely it was drawn are of all. */
+#ifndef LIBSHADE_CLOSURES_H
+#define LIBSHADE_CLOSURES_H
+
+#include "render/bounce.h"
+
+/* Once the nodes have run: what shines goes to the sum, and how likely each closure is to draw. */
+void closures_weigh(worker *w);
+/* f and cosine for the light's direction; with `density` how likely a draw goes there. */
+void closures_eval(worker *w, bool density);
+/* Where the paths go on. */
+void closures_draw(worker *w);
+
+#endif

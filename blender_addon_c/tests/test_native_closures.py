@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closures and lists of them in the whole engine: a ball in an even white world. What loses nothing
+is as bright as the world, what lets light through as well; nothing is brighter."""
+
+import numpy as np
+import pytest
+
+from native_scenes import material, native, ortho, registers, render, scene, sphere, square
+
+WHITE = (1.0, 1.0, 1.0)
+
+
+def diffuse(model="LAMBERT", roughness=0.0, color=WHITE):
+    return {"closure": "DIFFUSE", "model": model, "color": color, "roughness": [roughness]}
+
+
+def glass(alpha, ior=1.5, **changes):
+    return {"closure": "GLASS", "ior": [ior], "alpha": [alpha], "tint": WHITE, "reflects": True,
+            "refracts": True, "joint": True} | changes
+
+
+def glossy(alpha):
+    made = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=WHITE, ax=alpha, ay=alpha)
+    return {key: value for key, value in made.items() if key not in ("name", "nodes")}
+
+
+def weighed(closure, *weight):
+    return closure | {"weight": weight * (3 // len(weight))}
+
+
+def of(*closures, nodes=()):
+    return {"name": "listed", "nodes": list(nodes), "closures": list(closures)}
+
+
+TRANSLUCENT, TRANSPARENT = {"closure": "TRANSLUCENT"}, {"closure": "TRANSPARENT"}
+EMISSION = {"closure": "EMISSION"}
+SIDE = 24
+
+
+def furnace(given, shape=None, **changes):
+    """Mean RGB of the ball, and its error by chance."""
+    plain = {"width": SIDE, "height": SIDE, "samples": 64, "background": WHITE, "lights": [],
+             "transparent": False, "max_bounces": 64, "transparent_max_bounces": 64,
+             "materials": [given], "meshes": [shape or sphere(smooth=False)], "camera": ortho(1.0)}
+    picture, _ = render(scene(**plain | changes))
+    y, x = (np.mgrid[:SIDE, :SIDE] + 0.5) / (SIDE / 2) - 1
+    ball = picture[np.hypot(x, y) < 0.9][:, :3].astype(float)
+    return ball.mean(0), ball.std(0).max() / np.sqrt(len(ball))
+
+
+KEEP_ALL = {
+    "lambert": of(diffuse()), "eon": of(diffuse("EON", 0.7)), "translucent": of(TRANSLUCENT),
+    "transparent": of(TRANSPARENT), "glass": of(glass(1e-4)), "refraction": of(
+        glass(1e-4, reflects=False)), "mirror": of(glossy(1e-3)),
+    "half there": of(weighed(diffuse(), 0.5), weighed(TRANSPARENT, 0.5)),
+    "three": of(weighed(diffuse(), 0.2), weighed(TRANSLUCENT, 0.5), weighed(glass(1e-4), 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", KEEP_ALL)
+def test_what_keeps_all_light_is_not_seen(name):
+    mean, _ = furnace(KEEP_ALL[name])
+    assert mean == pytest.approx(WHITE, abs=0.01)
+
+
+LOSE = {
+    "oren nayar": of(diffuse("OREN_NAYAR", 0.7)), "glass": of(glass(0.3)),
+    "apart": of(glass(0.3, joint=False)), "glossy": of(glossy(0.4)),
+    "mixed": of(weighed(glossy(0.4), 0.5), weighed(diffuse(), 0.25), weighed(glass(0.2), 0.25)),
+}
+
+
+@pytest.mark.parametrize("name", LOSE)
+def test_nothing_makes_light(name):
+    mean, error = furnace(LOSE[name])
+    assert (mean < 1 + 3 * error).all() and (mean > 0.5).all()
+
+
+def test_burley_is_as_bright_as_its_own_formula_says():
+    """Disney's diffuse makes a little: its albedo, by quadrature, over the ball's visible half."""
+    rough, steps = 0.5, 64
+    cosine = (np.arange(steps) + 0.5) / steps
+    nv, nl, phi = np.meshgrid(cosine, cosine, np.arange(steps) * 2 * np.pi / steps, indexing="ij")
+    lv = nl * nv + np.sqrt((1 - nl**2) * (1 - nv**2)) * np.cos(phi)
+    fl, fv, rr = (1 - nl) ** 5, (1 - nv) ** 5, 2 * rough * (0.5 + 0.5 * lv)
+    f = (1 - fl / 2) * (1 - fv / 2) + rr * (fl + fv + fl * fv * (rr - 1))
+    albedo = (2 * f * nl).mean((1, 2))  # f nl over the hemisphere, / pi
+    seen = cosine > np.sqrt(1 - 0.9**2)
+    mean, _ = furnace(of(diffuse("BURLEY", rough)), sphere(rings=64, smooth=False), samples=256)
+    expected = np.average(albedo[seen], weights=cosine[seen])
+    assert mean == pytest.approx(np.full(3, expected), abs=0.003)
+
+
+def test_a_register_weighs_and_emits():
+    """Emission by the UV map: what shines is not lit, and no bounce is needed."""
+    uv = registers(3, 3)
+    nodes = [{"type": "GEOMETRY", "what": "UV", "out": uv}]
+    given = of(EMISSION | {"weight": [*uv[:2], 0.25]}, nodes=nodes)
+    picture, _ = render(scene(materials=[given], lights=[], samples=64, max_bounces=0))
+    at = (np.arange(16) + 0.5) / 16
+    np.testing.assert_allclose(picture[..., 0], np.broadcast_to(at, (16, 16)), atol=0.01)
+    np.testing.assert_allclose(picture[..., 1], np.broadcast_to(at[:, None], (16, 16)), atol=0.01)
+    np.testing.assert_allclose(picture[..., 2], 0.25, rtol=1e-6)
+
+
+def test_a_picture_shows_nothing_where_rays_pass():
+    """Alpha of a film that is transparent, and no colour of the world behind."""
+    given = of(weighed(EMISSION, 0.5), weighed(TRANSPARENT, 0.75))
+    picture, _ = render(scene(materials=[given], lights=[], samples=256, background=WHITE,
+                              max_bounces=2, camera=ortho(0.9)))
+    np.testing.assert_allclose(picture[..., :3], 0.5, rtol=1e-5)
+    assert picture[..., 3].mean() == pytest.approx(0.25, abs=0.01)
+
+
+@pytest.mark.parametrize("kind, key, place", [
+    (diffuse(), "diffuse_bounces", 4), (glossy(1e-3), "glossy_bounces", 4),
+    (glass(1e-3, reflects=False), "transmission_bounces", -2),
+    (TRANSLUCENT, "transmission_bounces", -2), (TRANSPARENT, "transparent_max_bounces", -2)])
+def test_bounces_of_each_kind_have_their_end(kind, key, place):
+    """A sheet, and a wide one that shines: behind the camera or below the first."""
+    meshes = [square(), square(200.0, place, 1)]
+    given = scene(materials=[of(kind), of(EMISSION)], meshes=meshes, lights=[], max_bounces=3)
+    seen = {}
+    for word in ("diffuse_bounces", "glossy_bounces", "transmission_bounces",
+                 "transparent_max_bounces", "max_bounces"):
+        seen[word] = render(given | {word: 0})[0][..., 0].mean()
+    stops = {key} | (set() if kind is TRANSPARENT else {"max_bounces"})
+    for word, brightness in seen.items():
+        assert brightness == (0 if word in stops else pytest.approx(1, abs=0.03)), word
+
+
+def test_a_list_that_is_too_long_is_refused():
+    with pytest.raises(ValueError, match=r"closures has 9 items; 1 to 8 are expected"):
+        native.start(scene(materials=[of(*[TRANSPARENT] * 9)]))
+    with pytest.raises(ValueError, match=r"closures has 0 items"):
+        native.start(scene(materials=[of()]))
+    with pytest.raises(ValueError, match=r"closures\[1\]: model must be one of LAMBERT, OREN_NAYAR"):
+        native.start(scene(materials=[of(TRANSPARENT, diffuse("MINNAERT"))]))
+
+
+def test_what_is_not_finite_stays_out():
+    """Weights and parameters beyond their range, NaN too: a picture of numbers."""
+    uv, bad = registers(3, 3), registers(6, 1)
+    nodes = [{"type": "GEOMETRY", "what": "UV", "out": uv},
+             {"type": "MATH", "operation": "EXPONENT", "a": [1e4], "b": [0.0], "c": [0.0], "out": bad},
+             {"type": "MATH", "operation": "SUBTRACT", "a": bad, "b": bad, "c": [0.0], "out": bad},
+             {"type": "MATH", "operation": "MODULO", "a": [1e30], "b": [1e-30], "c": [0.0],
+              "out": registers(7, 1)}]
+    odd = registers(7, 1)
+    given = of(weighed(diffuse("EON", 5.0, (bad[0], odd[0], -3.0)), 2.0),
+               glass(-1.0, 0.0) | {"weight": [bad[0], odd[0], 0.1], "alpha": odd, "ior": bad},
+               weighed(TRANSLUCENT, -1.0), glossy(0.1) | {"ax_from": bad, "ay_from": odd}, nodes=nodes)
+    render(scene(materials=[given], meshes=[square()], max_bounces=4, background=WHITE))
