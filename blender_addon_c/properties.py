@@ -60,6 +60,12 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "light where there should be a glare; 0 leaves all as it is",
         default=10.0, min=0.0, max=1e8,
     )
+    groove_transport: BoolProperty(
+        name="Grooves Follow Bumps",
+        description="Anisotropic shaders of Cycles reflect as the displaced surface would, as Libshade "
+                    "Metal does; off: as in Cycles, where only the normal is bent",
+        default=True,
+    )
     pixel_filter_type: EnumProperty(
         name="Pixel Filter",
         description="How samples around a pixel's middle count",

@@ -83,7 +83,10 @@ def _normal(reader, node, groups, name="Normal"):
 
 
 def _add(reader, closure, weight, normal=None):
-    """weight: three parts, or one for all. What weighs nothing is left out."""
+    """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
+    Cycles' own shaders."""
+    if closure.pop("stock", False) and not reader.transport:
+        closure["detail"] = "gram_schmidt"
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
     if is_known(*weight) and not any(part > 0 for part in weight):
         return
@@ -95,7 +98,7 @@ def _add(reader, closure, weight, normal=None):
 def _metal_closure(settings, **parts):
     """A METAL: settings, and what may be a register: f0, kd, f82, eta (three parts each), alpha (one
     or two), groove (two)."""
-    made = {"closure": "METAL", **nodes.initial_settings(), **settings}
+    made = {"closure": "METAL", **nodes.initial_settings(), "stock": True, **settings}
     for name, given in parts.items():
         if name == "groove":
             made |= {"groove_from": given} if given else {}
@@ -173,7 +176,7 @@ def _is_smooth(alpha):
 
 def _metal(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
-    _add(reader, _metal_closure(nodes.settings(node), f0=color), share,
+    _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, f0=color), share,
          _normal(reader, node, groups))
 
 

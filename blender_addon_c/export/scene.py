@@ -17,7 +17,7 @@ _MOST_THREADS = 256  # that the native module starts
 def read(depsgraph, camera, size, region, samples, messages):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
-    table = Table(messages)
+    table = Table(messages, scene.libshade.groove_transport)
     meshes, instances, lights = _objects(depsgraph, table, messages)
     world = world_of(scene.world, table.images, messages)
     if not lights and "sky" not in world and not any(world["background"]):

@@ -2,6 +2,7 @@
 """Shaders against Cycles of the same Blender: balls under an even sky and a sun."""
 
 import numpy as np
+import pytest
 
 from blender_runs import rgba
 
@@ -31,6 +32,12 @@ def principled(name, **inputs):
     return one(name, "BsdfPrincipled", {"Base Color": RED, **given})
 
 
+def grooved(case):
+    """Its grooves along the UV map: the only tangent that is supported."""
+    case["shaders"][0]["grooved"] = True
+    return case
+
+
 CASES = [
     one("diffuse", "BsdfDiffuse", {"Color": RED}),
     one("rough diffuse", "BsdfDiffuse", {"Color": RED, "Roughness": 0.8}),
@@ -55,6 +62,12 @@ CASES = [
     principled("clear", **{"Transmission Weight": 1.0, "Roughness": 0.1}),
     principled("shining", **{"Emission Color": (0.1, 0.4, 0.9, 1), "Emission Strength": 1.0}),
     principled("see through", Alpha=0.4),
+    grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
+                                                 "Rotation": 0.1}, distribution="GGX")),
+    grooved(one("across", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": -0.6},
+                distribution="ASHIKHMIN_SHIRLEY")),
+    grooved(principled("brushed", Metallic=1.0, Roughness=0.5, Anisotropic=0.7,
+                       **{"Anisotropic Rotation": 0.2})),
 ]
 # How far a ball's mean may be from that of Cycles where it is not the same model: 3.4's clear coat
 # has another distribution, its metal Schlick's Fresnel where it bends the exact one's curve.
@@ -79,3 +92,13 @@ def test_shaders_are_those_of_cycles(blender, tmp_path):
         if off > OFF.get((case["name"], blender.version), 0.01) or apart > 0.02:
             far.append((case["name"], off, apart))
     assert not far, far
+
+
+@pytest.mark.parametrize("transport, detail", [(True, "ROTATE"), (False, "GRAM_SCHMIDT")])
+def test_grooves_go_with_bumps_or_as_in_cycles(blender, tmp_path, transport, detail):
+    pictures = []
+    for own in ("", detail, "GRAM_SCHMIDT" if transport else "ROTATE"):
+        blender.scene("grooves", tmp_path, transport=transport, detail=own, dump="")
+        pictures.append(rgba(tmp_path / "picture.exr")[8, 8, :3])
+    np.testing.assert_allclose(pictures[0], pictures[1], rtol=1e-4)
+    assert np.abs(pictures[0] / pictures[2] - 1).min() > 0.05

@@ -501,6 +501,28 @@ def graph(options):
     return {}
 
 
+def grooves(options):
+    """A plane of one tilted normal: an anisotropic BSDF of Cycles', or our metal that is the same."""
+    scene = common.empty_scene(16, 16)
+    scene.libshade.groove_transport = options["transport"]
+    material, tree, node = common.metal(distribution="GGX", brdf="MICROFACET", fresnel="NONE",
+                                        detail=options["detail"] or "ROTATE", ax=0.25 * 0.4,
+                                        ay=0.25 / 0.4)
+    if not options["detail"]:
+        tree.nodes.remove(node)
+        node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
+        node.distribution = "GGX"
+        node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.5, 0.6
+        tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
+    tilted(tree, node, 1.0)
+    common.plane(material)
+    common.light(scene, rotation=(0.5, 0.4, 0))
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    common.render(options["picture"])
+    return {}
+
+
 def balls(options):
     """Balls in a row under an even sky and a sun, each of one shader; options["cases"]: its node and
     inputs, or a pair of such and how they are combined."""
@@ -519,6 +541,10 @@ def balls(options):
             for key, value in shader.get("inputs", {}).items():
                 if key in node.inputs:  # some have other names in another version
                     node.inputs[key].default_value = value
+            if shader.get("grooved"):
+                tangent = tree.nodes.new("ShaderNodeTangent")
+                tangent.direction_type = "UV_MAP"
+                tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
             if last:
                 both = tree.nodes.new(case["by"])
                 tree.links.new(last, both.inputs[len(both.inputs) - 2])
