@@ -41,3 +41,4 @@ compare: demo $(B)/horizon
 	@$(PY) compare/horizon.py
 	@$(PY) compare/fabric.py
 	@$(PY) compare/speed.py
+	@$(PY) compare/paths.py
