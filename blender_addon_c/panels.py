@@ -60,6 +60,7 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
         layout.prop(context.scene.libshade, "groove_transport")
         layout.prop(context.scene.libshade, "sample_clamp_direct")
         layout.prop(context.scene.libshade, "sample_clamp_indirect")
+        layout.prop(context.scene.libshade, "soft_terminator")
 
 
 class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):

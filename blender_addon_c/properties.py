@@ -79,6 +79,11 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Width of the pixel filter",
         default=1.5, min=0.01, max=10.0, subtype="PIXEL",
     )
+    soft_terminator: BoolProperty(
+        name="Soft Terminator",
+        description="Smooth surfaces of few faces cast no shadows of these faces on themselves",
+        default=True,
+    )
     use_denoising: BoolProperty(
         name="Denoise",
         description="Take the noise out of a finished render with Open Image Denoise: few samples "

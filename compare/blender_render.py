@@ -20,6 +20,7 @@ def main(path, percent, samples):
     scene.libshade.samples = int(samples)
     scene.libshade.max_bounces = 0
     scene.libshade.pixel_filter_type = "BOX"  # as POV-Ray's
+    scene.libshade.soft_terminator = False
     render.resolution_percentage = int(percent)
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth = "32"

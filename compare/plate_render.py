@@ -129,6 +129,7 @@ def new_scene(job, image, file=""):
         scene.libshade.samples = job["samples"]
         scene.libshade.max_bounces = 0
         scene.libshade.pixel_filter_type = "BOX"
+        scene.libshade.soft_terminator = False
     else:
         cycles = scene.cycles
         cycles.samples = job["samples"]

@@ -38,6 +38,7 @@ def read(depsgraph, camera, size, region, samples, messages):
         "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
         **_pixel_filter(scene.libshade),
         "time_limit": scene.libshade.time_limit,
+        "soft_terminator": scene.libshade.soft_terminator,
         "camera": camera,
         "lights": lights,
         "images": table.images.listed,

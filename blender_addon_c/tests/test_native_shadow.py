@@ -265,3 +265,35 @@ def test_soft_light_of_no_size_is_sharp():
     sharp, _ = render(scene(lights=[sun((0.5, 0.2, 1))], **base))
     tiny, _ = render(scene(lights=[sun((0.5, 0.2, 1), angle=1e-5)], **base))
     np.testing.assert_allclose(tiny, sharp, atol=2e-2 * sharp.max())
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("shared", [False, True])
+def test_soft_terminator_of_few_faces(back, shared):
+    """A smooth ball of few faces under a low sun is lit as the round one is; its faces' own shadow
+    is far from that. Seen from within, where it does not bulge, nothing changes."""
+    matt = material(fresnel="NONE", f0=(0, 0, 0), kd=(1, 1, 1))
+    size = 0.8 if not back else 4.0
+    turn = np.diag([size, size, size, 1.0])
+    view = ortho() if not back else ortho(eye=(0, 0, 0.5))
+    lights = [sun((1, 0, 0.3))] if not back else [point((0.5, 0.2, 0.2))]
+
+    def ball(rings, **changes):
+        copies = 100_000 // rings**2 if shared else 0  # so many that the mesh is kept once
+        far = np.diag([1e-3, 1e-3, 1e-3, 1.0])
+        far[:3, 3] = 50, 50, 0
+        placed = [turn] + [far] * copies
+        return render(scene(
+            meshes=[sphere(rings)], materials=[matt], width=64, height=64, lights=lights, camera=view,
+            instances=[{"mesh": 0, "matrix": m.ravel().tolist()} for m in placed], **changes))[0]
+
+    few = [ball(10, soft_terminator=on)[..., 0] for on in (False, True)]
+    if back:
+        np.testing.assert_allclose(*few, atol=1e-6)
+        assert few[0].mean() > 0.01
+        return
+    many = ball(96)[..., 0]
+    inside = (ball(10)[..., 3] == 1) & (many > 0) & (many < 0.3 * many.max())
+    hard, soft = (np.abs(f - many)[inside].mean() / many[inside].mean() for f in few)
+    print(f"error {hard:.4f} hard, {soft:.4f} soft, {inside.mean():.3f} of the picture")
+    assert soft < 0.4 * hard and soft < 0.03

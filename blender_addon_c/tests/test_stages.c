@@ -652,8 +652,7 @@ static void sky_seen_and_drawn(void **state) {
   sky_free(&s);
 }
 
-static void shadow_rays(void **state) {
-  (void)state;
+static void shadow_rays_from(bool lifted) {
   size_t wanted = 0;
   make_points();
   for (size_t i = 0; i < COUNT; i++) {
@@ -662,15 +661,20 @@ static void shadow_rays(void **state) {
     b->light.e[i] = 0.5f;
     if (i % 2) /* a facet that is turned away */
       store(&b->surface.g, i, scaled(load(&b->surface.n, i), -1e-4f));
+    store(&b->surface.start, i, (vec3){between(-2, 2), between(-2, 2), between(-2, 2)});
+    b->surface.slack[i] = i % 3 ? 0.0f : INFINITY; /* a facet whose own shadow does not count */
   }
-  stages->lit((lane_run){.begin = 0, .end = COUNT}, false, &b->surface, &b->light);
+  stages->lit((lane_run){.begin = 0, .end = COUNT}, false, lifted, &b->surface, &b->light);
   for (size_t i = 0; i < COUNT; i++) {
-    vec3 l = load(&b->light.ray.d, i), n = load(&b->surface.n, i), p = load(&b->surface.p, i);
-    vec3 g = load(&b->surface.g, i), wi = load(&b->light.wi, i), o = load(&b->light.ray.o, i);
+    vec3 l = load(&b->light.ray.d, i), n = load(&b->surface.n, i);
+    vec3 p = load(&b->surface.p, i), g = load(&b->surface.g, i), wi = load(&b->light.wi, i);
+    vec3 o = load(&b->light.ray.o, i), start = {p.x + g.x, p.y + g.y, p.z + g.z};
+    if (lifted)
+      start = load(&b->surface.start, i);
     near3(wi, dot_d(l, load(&b->surface.t, i)), dot_d(l, load(&b->surface.b, i)), dot_d(l, n),
           1e-6);
-    near3(o, (double)p.x + (double)g.x, (double)p.y + (double)g.y, (double)p.z + (double)g.z, 1e-6);
-    bool sees = i % 2 == 0 && dot_d(l, n) > 0;
+    near3(o, (double)start.x, (double)start.y, (double)start.z, 0);
+    bool sees = (i % 2 == 0 || (lifted && i % 3 == 0)) && dot_d(l, n) > 0;
     near((double)b->light.ray.tfar[i], sees ? 5 : -1, 0);
     wanted += sees;
   }
@@ -679,6 +683,12 @@ static void shadow_rays(void **state) {
   assert_int_equal(stages->shadow(COUNT, &b->light), wanted);
   near((double)b->light.e[0], 0, 0);
   untouched(b->light.e, COUNT);
+}
+
+static void shadow_rays(void **state) {
+  (void)state;
+  shadow_rays_from(false);
+  shadow_rays_from(true);
 }
 
 /* A texture of 2 x 2 texels with its rim, as texture.c packs it; a and b by column and row. */

@@ -82,8 +82,11 @@ typedef struct corners {
 
 /* Points of surfaces. */
 typedef struct surfaces {
-  lane_v p;       /* position, world */
-  lane_v g;       /* geometric normal towards the eye, as long as a shadow ray is to start off */
+  lane_v p; /* position, world */
+  lane_v g; /* geometric normal towards the eye, as long as a shadow ray is to start off */
+  /* where the scene has curved triangles: */
+  lane_v start;   /* of shadow rays to lights on the eye's side */
+  lane_f slack;   /* infinite where such lights may also be below the facet */
   lane_v n, t, b; /* shading frame, world: normal facing the eye, tangent, cross(n, t) */
   lane_v wo;      /* to the eye, in the shading frame */
   lane_f u, v;

@@ -30,6 +30,7 @@
                                     .corner = stage_corner,                                        \
                                     .place = stage_place,                                          \
                                     .surface = stage_surface,                                      \
+                                    .lift = stage_lift,                                            \
                                     .flat = stage_flat,                                            \
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \
                                     .pair = stage_pair,                                            \

@@ -65,6 +65,11 @@ static void sort_hits(worker *w, size_t count) {
     to_hit->instance[i] = hit->instance[q->lane[i]];
 }
 
+/* A dump is compared with others, that do not know of it. */
+static bool is_lifted(const worker *w) {
+  return w->scene->curved && !w->observer;
+}
+
 static void find_surface(worker *w) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
@@ -72,6 +77,8 @@ static void find_surface(worker *w) {
   if (w->scene->placed)
     s->place(b->queue.hits, w->scene->placed, b->hit, &b->corner);
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
+  if (is_lifted(w))
+    s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
 }
 
 /* What each material's nodes say. */
@@ -121,7 +128,7 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
   batch *b = w->batch;
   size_t hits = b->queue.hits;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
-    s->lit(g->run, g->material->traits & CLOSURE_THROUGH, &b->surface, &b->light);
+    s->lit(g->run, g->material->traits & CLOSURE_THROUGH, is_lifted(w), &b->surface, &b->light);
   clock_tick(&w->clocks, clock);
   if (shadow)
     accel_occluded(w->scene->accel, hits, bounce == 0, &b->light.ray);

@@ -171,6 +171,31 @@ static void face_normal(const float *a, const float *b, const float *c, float ou
     out[0] = out[1] = 0.0f, out[2] = 1.0f;
 }
 
+static uint16_t upper_half(float x) {
+  uint32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return (uint16_t)((bits + 0x8000u) >> 16);
+}
+
+/* How far a triangle bulges, by its corners' normals; not worth it below a thousandth. */
+static void find_heights(const float *const corner[3], triangle *out) {
+  int next = 0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      if (i == j)
+        continue;
+      float height = 0, length = 0;
+      for (int k = 0; k < 3; k++) {
+        float step = corner[j][k] - corner[i][k];
+        height += step * out->corner[i][k];
+        length += step * step;
+      }
+      bool finite = length < 1e36f; /* false for NaN */
+      out->height[next++] = upper_half(finite ? height : 0.0f);
+      out->curved |= finite && fabsf(height) > 1e-3f * sqrtf(length);
+    }
+}
+
 /* The record of triangle t, its corners turned so that `turn` comes first. */
 static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
   const share *sh = &b->share[index];
@@ -199,6 +224,8 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
       out->reach = fmaxf(out->reach, fabsf(world[k][axis]));
   }
   out->handed *= sh->mirror;
+  if (b->scene->soft_terminator)
+    find_heights(world, out);
 }
 
 static void place_positions(void *context, size_t index) {
@@ -355,8 +382,8 @@ static bool share_out(build *b) {
   return b->position && b->quad && b->single && s->triangle;
 }
 
-/* The matrix as floats, its largest number 1: directions alone count. */
-static void scaled_matrix(const double *m, int stride, float out[3][3]) {
+/* The matrix as floats, its largest number 1: directions alone count. Returns that number. */
+static float scaled_matrix(const double *m, int stride, float out[3][3]) {
   double largest = 1e-300;
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++)
@@ -364,6 +391,7 @@ static void scaled_matrix(const double *m, int stride, float out[3][3]) {
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++)
       out[r][c] = (float)(m[stride * r + c] / largest);
+  return (float)largest;
 }
 
 /* Largest coordinate in the world of a box. */
@@ -395,6 +423,7 @@ static bool build_placed(build *b) {
   s->placed[0] = (placed){.normal = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                           .linear = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                           .single = 2 * (uint32_t)s->quad_count,
+                          .scale = 1.0f,
                           .mirror = 1.0f,
                           .reach = -1.0f};
   s->placed_count = 1;
@@ -411,7 +440,7 @@ static bool build_placed(build *b) {
                   .object = (float)in->pass_index,
                   .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
     scaled_matrix(own.normal, 3, p->normal);
-    scaled_matrix(in->matrix, 4, p->linear);
+    p->scale = scaled_matrix(in->matrix, 4, p->linear);
   }
   return true;
 }
@@ -426,6 +455,8 @@ static bool build_world(build *b) {
     return false;
   parallel_for(s->threads, b->shares, place_positions, b);
   parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
+  for (size_t i = 0; s->soft_terminator && !s->curved && i < s->triangle_count; i++)
+    s->curved = s->triangle[i].curved;
   return !cancelled(b) && build_placed(b);
 }
 

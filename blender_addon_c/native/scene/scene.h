@@ -76,8 +76,12 @@ typedef struct triangle {
   float handed; /* bitangent = handed * cross(normal, tangent) */
   float reach;  /* largest coordinate of a corner: scale of rounding errors */
   float object; /* pass_index of its instance */
-  float unused[4];
+  /* Heights of the corners over each other's tangent planes, of a smooth triangle whose `curved` is
+   * 1: of 1 and 2 over that of 0, 0 and 2 over 1, 0 and 1 over 2; upper halves of floats. */
+  uint16_t height[6];
+  uint32_t curved;
 } triangle;
+_Static_assert(sizeof(triangle) == 128, "two cache lines");
 
 /*
  * An instance of a mesh that is kept once, as it is: hits of it are turned into the world.
@@ -87,6 +91,7 @@ typedef struct placed {
   uint32_t quad, single; /* number of the mesh's first record of each kind */
   float normal[3][3];    /* of normals */
   float linear[3][3];    /* of tangents */
+  float scale;           /* of linear, to be the matrix */
   float mirror;          /* -1 where the matrix mirrors */
   float reach;           /* as of a triangle; below 0: the triangle's */
   float object;
@@ -102,7 +107,8 @@ typedef struct scene {
   uint32_t seed;
   int threads;
   bool transparent;
-  float background[3]; /* 0 where there is a sky */
+  bool soft_terminator; /* smooth surfaces cast no shadows of their facets on themselves */
+  float background[3];  /* 0 where there is a sky */
   sky sky;
   bool sky_hidden; /* background and sky are black to the camera */
   filter_type filter;
@@ -132,6 +138,7 @@ typedef struct scene {
   bool meets;                        /* drawn rays may meet light */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
+  bool curved;    /* any of them, where the scene wants to know */
   placed *placed; /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;
   texture_set textures;

@@ -204,31 +204,38 @@ static void stage_met_sky(size_t count, const uint32_t *restrict missed, const f
  * facet that is seen or, if the material lets light `through`, on the other, and only where the
  * smooth normal agrees; all else casts no ray.
  */
-LEAF void lit(bool through, lane_run run, const surfaces *restrict at,
+LEAF void lit(bool through, bool lifted, lane_run run, const surfaces *restrict at,
               light_samples *restrict light) {
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 l = load(&light->ray.d, i), p = load(&at->p, i), g = load(&at->g, i);
     float height = dot(l, load(&at->n, i));
     float above = dot(l, g);
-    bool seen = (height > 0.0f) & (above > 0.0f);
-    float off = 1.0f;
+    float least = lifted ? -at->slack[i] : 0.0f;
+    bool seen = (height > 0.0f) & (above > least);
+    vec3 start = {p.x + g.x, p.y + g.y, p.z + g.z};
+    if (lifted)
+      start = load(&at->start, i);
     if (through) {
       bool behind = (height < 0.0f) & (above < 0.0f);
       seen = seen | behind;
-      off = behind ? -1.0f : 1.0f;
+      start = select3(behind, (vec3){p.x - g.x, p.y - g.y, p.z - g.z}, start);
     }
     store(&light->wi, i, (vec3){dot(l, load(&at->t, i)), dot(l, load(&at->b, i)), height});
-    store(&light->ray.o, i, (vec3){p.x + off * g.x, p.y + off * g.y, p.z + off * g.z});
+    store(&light->ray.o, i, start);
     light->ray.tfar[i] = seen ? light->ray.tfar[i] : -1.0f;
   }
 }
-static void stage_lit(lane_run run, bool through, const surfaces *restrict at,
+static void stage_lit(lane_run run, bool through, bool lifted, const surfaces *restrict at,
                       light_samples *restrict light) {
-  if (through)
-    lit(true, run, at, light);
+  if (through && lifted)
+    lit(true, true, run, at, light);
+  else if (through)
+    lit(true, false, run, at, light);
+  else if (lifted)
+    lit(false, true, run, at, light);
   else
-    lit(false, run, at, light);
+    lit(false, false, run, at, light);
 }
 
 static size_t stage_shadow(size_t count, light_samples *restrict light) {

@@ -10,6 +10,7 @@
  *   corner   the triangle's corners, interpolated: one row of 8 floats a hit
  *   place    into the world, where the scene has instances
  *   surface  position, frame, direction to the eye, uv
+ *   lift     shadow rays start above the facets of smooth surfaces
  *   flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
  *   (or weigh, choose, chosen, lit                                one light for each hit)
@@ -79,7 +80,9 @@ typedef struct stage_table {
   void (*place)(size_t count, const placed *table, hits *hit, corners *corner);
   void (*surface)(size_t count, const rays *ray, const hits *hit, const corners *corner,
                   surfaces *out);
-
+  /* Where the scene has curved triangles. */
+  void (*lift)(size_t count, const triangle *triangles, const placed *table, const hits *hit,
+               surfaces *out);
   void (*flat)(const segment *g, inputs *out);
   void (*node[NODE_TYPES])(const segment *g, const node *node, const corners *corner,
                            const surfaces *at, inputs *out);
@@ -120,7 +123,8 @@ typedef struct stage_table {
                      const float *pdf, const lane_c *sky, light_draws *out);
   void (*met_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
                   const walks *walk, bool chosen, float power, lane_c *met);
-  void (*lit)(lane_run run, bool through, const surfaces *at, light_samples *light);
+  /* lifted: `lift` has said where shadow rays start. */
+  void (*lit)(lane_run run, bool through, bool lifted, const surfaces *at, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
   /* density: out->pdf is wanted too. Returns status bits of libshade. */

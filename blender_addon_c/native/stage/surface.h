@@ -52,9 +52,52 @@ static void stage_place(size_t count, const placed *restrict table, hits *restri
   }
 }
 
+/* The frame of normal n. */
+LEAF void put_frame(const float *restrict row, vec3 n, vec3 d, size_t i, surfaces *restrict out) {
+  /* tangent, orthogonal to it; where there is none, any [Duff2017] */
+  vec3 t = {row[3], row[4], row[5]};
+  float along = dot(t, n);
+  t = (vec3){t.x - along * n.x, t.y - along * n.y, t.z - along * n.z};
+  float t2 = dot(t, t);
+  bool usable = t2 > 1e-12f;
+  float sign = n.z < 0.0f ? -1.0f : 1.0f;
+  float q = -1.0f / (sign + n.z);
+  vec3 any = {1.0f + sign * n.x * n.x * q, sign * n.x * n.y * q, -sign * n.x};
+  t = scaled(select3(usable, t, any), 1.0f / sqrtf(usable ? t2 : 1.0f));
+  vec3 b = cross(n, t);
+  store(&out->n, i, n);
+  store(&out->t, i, t);
+  store(&out->b, i, b);
+  store(&out->wo, i, (vec3){-dot(d, t), -dot(d, b), -dot(d, n)});
+}
+
+/* Cosine of eye and normal below which the latter is bent, where `facet` is that of the facet. */
+LEAF float least_seen(float facet) {
+  facet = facet > 1e-6f ? facet : 1e-6f;
+  return 0.5f * facet < GRAZING ? 0.5f * facet : GRAZING;
+}
+
+/* Along a smooth outline normals turn away from the eye: as much of the facet's as brings them
+ * back. Few are: a loop of its own costs less than all lanes' roots. */
+static __attribute__((noinline)) void bend_normals(size_t count, const rays *restrict ray,
+                                                   const corners *restrict corner,
+                                                   surfaces *restrict out) {
+  for (size_t i = 0; i < count; i++) {
+    vec3 n = load(&out->n, i), d = load(&ray->d, i), flat = load(&out->g, i);
+    flat = scaled(flat, 1.0f / sqrtf(dot(flat, flat)));
+    float seen = -dot(n, d), facet = -dot(flat, d), least = least_seen(facet);
+    if (seen >= least)
+      continue;
+    float bend = (least - seen) / ((facet > 1e-6f ? facet : 1e-6f) - least);
+    n = (vec3){n.x + bend * flat.x, n.y + bend * flat.y, n.z + bend * flat.z};
+    put_frame(corner->row + 8 * i, scaled(n, 1.0f / sqrtf(dot(n, n))), d, i, out);
+  }
+}
+
 static void stage_surface(size_t count, const rays *restrict ray, const hits *restrict hit,
                           const corners *restrict corner, surfaces *restrict out) {
-#pragma omp simd
+  uint32_t bent = 0;
+#pragma omp simd reduction(| : bent)
   for (size_t i = 0; i < count; i++) {
     vec3 o = load(&ray->o, i), d = load(&ray->d, i);
     float far = ray->tfar[i];
@@ -77,31 +120,59 @@ static void stage_surface(size_t count, const rays *restrict ray, const hits *re
     float facing = dot(n, flat) < 0.0f ? -1.0f : 1.0f;
     n = scaled(n, facing / sqrtf(good ? n2 : 1.0f));
     out->side[i] = facing;
-    /* along a smooth outline it turns away from the eye: as much of the facet's as brings it back
-     */
-    float seen = -dot(n, d), facet = -dot(flat, d);
-    facet = facet > 1e-6f ? facet : 1e-6f;
-    float least = 0.5f * facet < GRAZING ? 0.5f * facet : GRAZING;
-    float bend = seen < least ? (least - seen) / (facet - least) : 0.0f;
-    n = (vec3){n.x + bend * flat.x, n.y + bend * flat.y, n.z + bend * flat.z};
-    n = scaled(n, 1.0f / sqrtf(dot(n, n)));
-    store(&out->n, i, n);
-
-    /* tangent, orthogonal to it; where there is none, any [Duff2017] */
-    vec3 t = {row[3], row[4], row[5]};
-    float along = dot(t, n);
-    t = (vec3){t.x - along * n.x, t.y - along * n.y, t.z - along * n.z};
-    float t2 = dot(t, t);
-    bool usable = t2 > 1e-12f;
-    float sign = n.z < 0.0f ? -1.0f : 1.0f;
-    float q = -1.0f / (sign + n.z);
-    vec3 any = {1.0f + sign * n.x * n.x * q, sign * n.x * n.y * q, -sign * n.x};
-    t = scaled(select3(usable, t, any), 1.0f / sqrtf(usable ? t2 : 1.0f));
-    vec3 b = cross(n, t);
-    store(&out->t, i, t);
-    store(&out->b, i, b);
-    store(&out->wo, i, (vec3){-dot(d, t), -dot(d, b), -dot(d, n)});
+    bent |= -dot(n, d) < least_seen(-dot(flat, d)) ? 1u : 0u;
+    put_frame(row, n, d, i, out);
     out->u[i] = row[6];
     out->v[i] = row[7];
+  }
+  if (bent)
+    bend_normals(count, ray, corner, out);
+}
+
+LEAF float from_upper_half(uint16_t bits) {
+  union {
+    uint32_t bits;
+    float number;
+  } whole = {(uint32_t)bits << 16};
+  return whole.number;
+}
+
+/*
+ * Facets of a smooth surface that bulges lie below it: their own shadow ends in steps. Shadow rays
+ * set out from where the corners' tangent planes say the surface is, by the point's weights
+ * [Hanika2021].
+ */
+static void stage_lift(size_t count, const triangle *restrict triangles,
+                       const placed *restrict table, const hits *restrict hit,
+                       surfaces *restrict out) {
+  static const int other[3][2] = {{1, 2}, {0, 2}, {0, 1}};
+  for (size_t i = 0; i < count; i++) {
+    const triangle *t = &triangles[hit->record[i]];
+    vec3 p = load(&out->p, i), g = load(&out->g, i);
+    store(&out->start, i, (vec3){p.x + g.x, p.y + g.y, p.z + g.z});
+    out->slack[i] = 0.0f;
+    if (!t->curved)
+      continue;
+    float u = hit->u[i], v = hit->v[i], side = out->side[i];
+    float weight[3] = {1.0f - u - v, u, v}, lift[3] = {0, 0, 0}, sum = 0;
+    for (int k = 0; k < 3; k++) {
+      float height = weight[other[k][0]] * from_upper_half(t->height[2 * k]) +
+                     weight[other[k][1]] * from_upper_half(t->height[2 * k + 1]);
+      float below = side * height < 0.0f ? weight[k] * fabsf(height) * side : 0.0f;
+      sum += fabsf(below);
+      for (int axis = 0; axis < 3; axis++)
+        lift[axis] += below * t->corner[k][axis];
+    }
+    if (!(sum > 0.0f))
+      continue;
+    float scale = 1.0f;
+    if (table && hit->instance[i]) {
+      turn_row(table[hit->instance[i]].linear, lift);
+      scale = table[hit->instance[i]].scale;
+    }
+    out->start.x[i] += scale * lift[0];
+    out->start.y[i] += scale * lift[1];
+    out->start.z[i] += scale * lift[2];
+    out->slack[i] = INFINITY;
   }
 }
