@@ -41,7 +41,7 @@ def test_denoising(blender, tmp_path):
     missing = "Open Image Denoise was not found; the picture is as noisy as it was"
     if blender.version < "4":  # Debian has none
         assert missing in text
-        np.testing.assert_allclose(noisy, clean, atol=1e-5)  # 3.4 adds up normals in any order
+        np.testing.assert_allclose(noisy, clean, rtol=1e-4, atol=1e-5)  # 3.4 adds up normals in any order
         return
     assert missing not in text
     many, _ = picture(512, False)

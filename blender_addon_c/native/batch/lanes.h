@@ -54,7 +54,8 @@ typedef struct walks {
   lane_c weight;
   lane_v from;   /* the point at which its direction was drawn */
   lane_f pdf;    /* with which density, 1/sr */
-  lane_f lights; /* what all lights may give there, by their weights (light/light.h) */
+  lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
+                    gave a sample */
   lane_u bounces[BOUNCE_KINDS]; /* of each kind so far */
   lane_u ends;                  /* not 0: no surface counts any more, only lights */
 } walks;

@@ -249,6 +249,13 @@ static void zero(lane_c *color, size_t count) {
   memset(color->b, 0, count * sizeof(float));
 }
 
+/* What the camera sees is worth a shadow ray for each of a few lamps: to choose one among three
+ * makes the only noise of a picture that otherwise has none. */
+static bool takes_all_lamps(const scene *s, int bounce) {
+  enum { FEW = 4 };
+  return s->choices == s->lights && s->lights <= (bounce == 0 ? FEW : 1);
+}
+
 /* Surfaces, nodes and lights of the hits of one bounce. */
 static void shade(worker *w, const camera_view *view, int bounce, size_t phase) {
   const scene *s = w->scene;
@@ -264,8 +271,10 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
       illuminate(w, &s->light[k], bounce, phase);
       w->observer->light(w->observer->context, b, view, k, &s->light[k]);
     }
-  } else if (s->choices == 1 && s->lights == 1) {
-    illuminate(w, &s->light[0], bounce, phase);
+  } else if (takes_all_lamps(s, bounce)) {
+    for (size_t k = 0; k < s->lights; k++)
+      illuminate(w, &s->light[k], bounce, phase);
+    memset(b->weight.total, 0, b->queue.hits * sizeof(float)); /* no choice was made */
   } else if (s->choices) {
     illuminate_by_choice(w, bounce, phase);
   }

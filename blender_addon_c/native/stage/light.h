@@ -148,7 +148,8 @@ LEAF float balance(float own, float other) {
       float near = dot(gone, d) * 0.999f;                                                          \
       bool meets =                                                                                 \
           (m.distance > near) & (m.distance - near <= ray->tfar[k]) & (m.radiance > 0.0f);         \
-      float chance = chosen ? weight[k] / walk->lights[k] : 1.0f;                                  \
+      bool choice = chosen & (walk->lights[k] > 0.0f);                                             \
+      float chance = choice ? weight[k] / (choice ? walk->lights[k] : 1.0f) : 1.0f;                \
       float part = balance(walk->pdf[k], m.pdf * chance);                                          \
       part = meets ? part * m.radiance : 0.0f;                                                     \
       met->r[k] += part * red;                                                                     \
