@@ -4,7 +4,8 @@
  *   LAMBERT
  *   OREN_NAYAR   as Cycles has it until 4.2: Oren and Nayar's qualitative model, tan replaced
  *                [Fujii2012]
- *   EON          the same with the light of several bounces, from 4.3 on [Portsmouth2025]
+ *   EON          the same with the light of several bounces, from 4.3 on [Portsmouth2025]; of these
+ *                Cycles takes the colour once more than the paper
  *   BURLEY       of the Principled BSDF until 3.6 [Burley2012]
  */
 #ifndef LIBSHADE_CLOSURE_DIFFUSE_H
@@ -71,7 +72,7 @@ LEAF float diffuse_term(int model, float color, float rough, float nl, float nv,
   float from = 1.0f - a * (1.0f + rough / DIFFUSE_PI * eon_share(nl));
   float to = 1.0f - a * (1.0f + rough / DIFFUSE_PI * eon_share(nv));
   float lost = 1.0f - mean > 1e-6f ? 1.0f - mean : 1e-6f;
-  float again = color * mean / (1.0f - color * lost);
+  float again = color * color * mean / (1.0f - color * lost); /* Cycles: the colour twice */
   return color * (single + again * from * to / lost);
 }
 
