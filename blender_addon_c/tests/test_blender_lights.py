@@ -21,6 +21,7 @@ LIGHTS = {
     "ellipse": ("AREA", {"energy": 150, "shape": "ELLIPSE", "size": 1, "size_y": 0.4}, {"scale": (1.5, 1, 1)}),
     "spread": ("AREA", {"energy": 150, "shape": "SQUARE", "size": 1, "spread": 1.5}),
     "for its area": ("AREA", {"energy": 150, "shape": "DISK", "size": 0.7, "normalize": False, "exposure": 1}),
+    "shining mesh": ("MESH", {"strength": 20}),
     "world": (None, {}, {"image": ""}),
     "turned image": (None, {}, {"image": "EQUIRECTANGULAR", "mapping": {
         "type": "POINT", "Rotation": (0.4, -0.3, 1)}}),

@@ -117,9 +117,12 @@ def test_a_picture_shows_nothing_where_rays_pass():
     (glass(1e-3, reflects=False), "transmission_bounces", -2),
     (TRANSLUCENT, "transmission_bounces", -2), (TRANSPARENT, "transparent_max_bounces", -2)])
 def test_bounces_of_each_kind_have_their_end(kind, key, place):
-    """A sheet, and a wide one that shines: behind the camera or below the first."""
+    """A sheet, and a wide one that shines: behind the camera or below the first. Its brightness is
+    a node's: as a plain number it would be a light, which needs no bounce."""
     meshes = [square(), square(200.0, place, 1)]
-    given = scene(materials=[of(kind), of(EMISSION)], meshes=meshes, lights=[], max_bounces=3)
+    one = {"type": "MATH", "operation": "ADD", "a": [1.0], "b": [0.0], "c": [0.0], "out": registers(3, 1)}
+    shines = of(EMISSION | {"weight": registers(3, 1) * 3}, nodes=[one])
+    given = scene(materials=[of(kind), shines], meshes=meshes, lights=[], max_bounces=3)
     seen = {}
     for word in ("diffuse_bounces", "glossy_bounces", "transmission_bounces",
                  "transparent_max_bounces", "max_bounces"):

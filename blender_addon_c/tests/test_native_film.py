@@ -309,7 +309,7 @@ def test_poll_and_timings_at_the_end():
     stages |= {"light_sun", "light_point", "closure_metal"}
     kinds = {f"{what}_{kind.lower()}" for what in ("light", "closure", "node")
              for kind in native.table()[what + "s"]}
-    assert set(times) == stages | kinds | {"sky", "wall", "image", "mesh", "bvh", "samples"}
+    assert set(times) == stages | kinds | {"sky", "emitters", "wall", "image", "mesh", "bvh", "samples"}
     assert not any(times[k] for k in kinds - stages)  # those it does not have
     assert all(times[k] > 0 for k in stages | {"wall", "mesh", "bvh"})
     native.free(job)

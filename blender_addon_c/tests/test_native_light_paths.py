@@ -164,3 +164,54 @@ def test_threads_change_no_bit(lights):
 def test_malformed_sky(wrong, words):
     with pytest.raises(ValueError, match="sky.*" + words):
         native.start(scene(images=[image(np.ones((2, 4, 3), np.float32))], sky=sky() | wrong))
+
+
+def shining(radiance):
+    return {"name": "lamp", "nodes": [], "closures": [{"closure": "EMISSION", "weight": [radiance] * 3}]}
+
+
+def panel(pieces=1):
+    """The area light above, as faces that shine: in one mesh, or in instances of a small one."""
+    whole = mesh([[-1.9, -0.5, 1.5], [-0.4, -0.5, 1.5], [-0.4, 0.5, 1.5], [-1.9, 0.5, 1.5]],
+                 [[0, 1, 2], [0, 2, 3]], materials=1)
+    if pieces == 1:
+        return {"meshes": [square(), whole]}
+    places = [np.eye(4) for _ in range(pieces)]
+    for k, place in enumerate(places):
+        place[0, 0] = 1 / pieces
+        place[0, 3] = -1.9 + (1.9 + 1.5 * k) / pieces
+    return {"meshes": [square(), whole],
+            "instances": [{"mesh": 0, "matrix": np.eye(4).ravel().tolist()},
+                          *({"mesh": 1, "matrix": place.ravel().tolist()} for place in places)]}
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.parametrize("pieces", [1, 30])
+@pytest.mark.parametrize("bounces", [0, 2])
+def test_faces_that_shine(surface, pieces, bounces):
+    """A light like others: drawn from by samples, met by rays, without a bounce too."""
+    truth = reflected(SURFACES[surface], lambda d: ray_meets("area", d))
+    seen = of_plate(SURFACES[surface], [], **panel(pieces), materials=[SURFACES[surface], shining(2 / 1.5)],
+                    max_bounces=bounces)
+    np.testing.assert_allclose(seen, truth, rtol=0.01)
+
+
+def test_faces_that_shine_beside_a_sun_and_a_sky():
+    truth = reflected(SURFACES["wide"], lambda d: sum(ray_meets(kind, d) for kind in ("area", "sun")) + 0.2)
+    seen = of_plate(SURFACES["wide"], [LIGHTS["sun"]], **panel(), samples=2048,
+                    materials=[SURFACES["wide"], shining(2 / 1.5)],
+                    images=[image(np.full((8, 16, 3), 0.2, np.float32))], sky=sky())
+    # the panel hides the sky behind it
+    hidden = reflected(SURFACES["wide"], lambda d: 0.2 * (ray_meets("area", d) > 0))
+    both = reflected(SURFACES["wide"], lambda d: ray_meets("sun", d) * (ray_meets("area", d) > 0))
+    np.testing.assert_allclose(seen, truth - hidden - both, rtol=0.01)
+
+
+def test_a_ball_that_shines_within_a_ball():
+    """Of its thousand faces half are behind the others; what samples of those behind lose, and what
+    ends just before those in front, is what its disc says."""
+    walls, lamp = sphere(64, 2.0), sphere(32, 0.25)
+    lamp["material"][:] = 1
+    seen = picture(lights=[], meshes=[walls, lamp], materials=[matt(0.5), shining(3)], max_bounces=0,
+                   camera=persp(0.5, (0, 0, 1.0), (0.2, 0.1, 3)), samples=256)
+    np.testing.assert_allclose(seen.mean(), 0.5 * 3 * (0.25 / 2) ** 2, rtol=4e-3)

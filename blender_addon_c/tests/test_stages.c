@@ -652,6 +652,131 @@ static void sky_seen_and_drawn(void **state) {
   sky_free(&s);
 }
 
+/* Irradiance at the origin, facing +z, of a triangle of radiance 1: by small ones. */
+static double irradiance_of(const double corner[3][3]) {
+  enum { FINE = 60 };
+  double u[3], v[3], sum = 0;
+  for (int k = 0; k < 3; k++) {
+    u[k] = corner[1][k] - corner[0][k];
+    v[k] = corner[2][k] - corner[0][k];
+  }
+  double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  for (int i = 0; i < FINE; i++)
+    for (int j = 0; j < 2 * (FINE - i) - 1; j++) {
+      double a = (i + (j % 2 ? 2.0 : 1.0) / 3) / FINE, c = (j / 2 + (j % 2 ? 2.0 : 1.0) / 3) / FINE;
+      double p[3], d2 = 0, facing = 0;
+      for (int k = 0; k < 3; k++) {
+        p[k] = corner[0][k] + a * u[k] + c * v[k];
+        d2 += p[k] * p[k];
+        facing += p[k] * n[k] / 2 / (FINE * FINE);
+      }
+      sum += p[2] > 0 ? p[2] * fabs(facing) / (d2 * d2) : 0;
+    }
+  return sum;
+}
+
+/* Two instances of a mesh, of whose triangles one shines, one does a little, and one not at all. */
+static void triangles_that_shine(void **state) {
+  (void)state;
+  enum { DRAWS = 100 * COUNT };
+  const float position[] = {0, 0, 0, 1, 0, 0, 0, 1, 0.5f, 1, 1, 0};
+  const uint32_t corner[] = {0, 1, 2, 1, 3, 2, 0, 1, 3};
+  const int32_t of[] = {0, 1, 2};
+  material m[3] = {{.shines = true, .radiance = {3, 2, 1}},
+                   {.shines = true, .radiance = {0.25f, 0.25f, 0.25f}},
+                   {.shines = false, .radiance = {9, 9, 9}}};
+  mesh one = {.positions = 4,
+              .triangles = 3,
+              .position = position,
+              .corner_position = corner,
+              .material = of};
+  instance in[2] = {{.matrix = {1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 2}},
+                    {.matrix = {0, 0, 2, -2, 0, 1, 0, 0.25, -1, 0, 0, 1.5}}};
+  scene s = {
+      .instances = 2, .meshes = 1, .materials = 3, .material = m, .mesh = &one, .instance = in};
+  assert_true(emitters_build(&s));
+  assert_int_equal(s.emitters.count, 4);
+  double wanted[3] = {0, 0, 0}, found[3] = {0, 0, 0}, square = 0;
+  for (int k = 0; k < 2; k++)
+    for (size_t t = 0; t < 2; t++) {
+      double place[3][3];
+      for (int c = 0; c < 3; c++)
+        for (int axis = 0; axis < 3; axis++) {
+          const float *p = position + 3 * corner[3 * t + (size_t)c];
+          const double *row = in[k].matrix + 4 * axis;
+          place[c][axis] =
+              row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
+        }
+      double irradiance = irradiance_of(place);
+      for (int c = 0; c < 3; c++)
+        wanted[c] += irradiance * (double)m[t].radiance[c];
+    }
+  b->walk = &b->walks[0];
+  for (uint32_t i = 0; i < COUNT; i++) {
+    b->choice.lane[i] = i;
+    b->choice.chance[i] = i % 2 ? 1.0f : 0.5f;
+    store(&b->surface.p, i, (vec3){0, 0, 0});
+    store(&b->surface.g, i, (vec3){0, 0, 1e-6f});
+  }
+  for (int draw = 0; draw < DRAWS; draw += COUNT) {
+    for (size_t i = 0; i < COUNT; i++) {
+      b->light.x[i] = between(0, 1);
+      b->light.y[i] = between(0, 1);
+    }
+    stages->lit_by_emitters(0, COUNT, &b->choice, false, &s.emitters, &b->surface, &b->light,
+                            &b->drawn);
+    for (size_t i = 0; i < COUNT; i++) {
+      vec3 d = load(&b->drawn.d, i);
+      double part = (double)b->choice.chance[i] * (double)b->drawn.e[i] * fmax(0, (double)d.z);
+      near(dot_d(d, d), 1, 1e-5);
+      near((double)b->drawn.e[i] * (double)b->drawn.pdf[i], 1, 1e-5);
+      found[0] += part * (double)b->drawn.color.r[i];
+      found[1] += part * (double)b->drawn.color.g[i];
+      found[2] += part * (double)b->drawn.color.b[i];
+      square += pow(part * (double)b->drawn.color.r[i], 2);
+    }
+  }
+  double deviation = sqrt(square / DRAWS - pow(found[0] / DRAWS, 2)) / sqrt(DRAWS);
+  for (int c = 0; c < 3; c++)
+    near(found[c] / DRAWS, wanted[c], 4 * deviation + 2e-3 * wanted[c]);
+  /* rays to the same places, drawn with another density: what is left to them */
+  float *weight = aligned_alloc(64, sizeof(lane_f));
+  triangle *triangles = aligned_alloc(128, 3 * sizeof *triangles);
+  assert_true(weight && triangles);
+  for (uint32_t t = 0; t < 3; t++)
+    triangles[t].material = t;
+  for (uint32_t i = 0; i < COUNT; i++) {
+    bool strong = b->drawn.color.r[i] == m[0].radiance[0];
+    vec3 d = load(&b->drawn.d, i), p = scaled(d, b->drawn.tfar[i]);
+    store(&b->sample_ray.o, i, scaled(d, 0.25f)); /* it passed something on its way */
+    store(&b->sample_ray.d, i, d);
+    b->sample_ray.tfar[i] = b->drawn.tfar[i] - 0.25f;
+    store(&b->walk->from, i, (vec3){0, 0, 0});
+    b->walk->pdf[i] = 0.3f;
+    b->walk->lights[i] = 2.0f;
+    weight[i] = i % 2 ? 2.0f : 1.0f;
+    b->met.r[i] = b->met.g[i] = b->met.b[i] = 1.0f;
+    b->sample_hit.record[i] = i % 7 == 0 ? RECORD_MISS : i % 7 == 1 ? 2 : strong ? 0 : 1;
+    for (int t = 0; t < 4; t++) {
+      const float *row = s.emitters.row + EMITTER_ROW * t;
+      vec3 n = cross((vec3){row[3], row[4], row[5]}, (vec3){row[6], row[7], row[8]});
+      vec3 off = {p.x - row[0], p.y - row[1], p.z - row[2]};
+      if (fabs(dot_d(off, n)) < 1e-4) /* it lies on this one */
+        store(&b->sample_hit.g, i, scaled(n, i % 3 ? 0.5f : -0.25f));
+    }
+  }
+  stages->met_emitters(COUNT, &s.emitters, triangles, NULL, &b->sample_hit, &b->sample_ray, b->walk,
+                       weight, &b->met);
+  for (size_t i = 0; i < COUNT; i++) {
+    double part = i % 7 < 2 ? 0 : 0.3 / (0.3 + (double)b->drawn.pdf[i]);
+    near((double)b->met.g[i], 1 + part * (double)b->drawn.color.g[i], 2e-3 * (1 + part));
+  }
+  untouched(b->met.g, COUNT);
+  free(triangles);
+  free(weight);
+  emitters_free(&s.emitters);
+}
+
 static void shadow_rays_from(bool lifted) {
   size_t wanted = 0;
   make_points();
@@ -1372,6 +1497,7 @@ int main(void) {
                                        TEST(lights_drawn_and_met),
                                        TEST(one_light_a_lane),
                                        TEST(sky_seen_and_drawn),
+                                       TEST(triangles_that_shine),
                                        TEST(shadow_rays),
                                        TEST(nodes),
                                        TEST(math_node),

@@ -8,6 +8,7 @@
 #include "stage/node.h"
 #include "stage/light.h"
 #include "stage/sky.h"
+#include "stage/emitters.h"
 #include "stage/closure.h"
 #include "stage/walk.h"
 #include "stage/film.h"
@@ -41,6 +42,9 @@
                                     .add = stage_add,                                              \
                                     .choose = stage_choose,                                        \
                                     .meet = {LIGHT_TABLE(MEET_FUNCTION)},                          \
+                                    .weigh_emitters = stage_weigh_emitters,                        \
+                                    .lit_by_emitters = stage_lit_by_emitters,                      \
+                                    .met_emitters = stage_met_emitters,                            \
                                     .sky = stage_sky,                                              \
                                     .sky_pdf = stage_sky_pdf,                                      \
                                     .sky_draw = stage_sky_draw,                                    \

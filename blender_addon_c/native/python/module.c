@@ -207,13 +207,13 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
   Py_RETURN_NONE;
 }
 
-PyDoc_STRVAR(
-    timings_doc,
-    "timings(job) -> dict\n\n"
-    "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
-    "threads camera, hit, surface, shadow, reflect, film and, for each type, a\n"
-    "node_, a light_ and a closure_, sky and choice. samples: their number. Complete once the "
-    "job has finished.");
+PyDoc_STRVAR(timings_doc,
+             "timings(job) -> dict\n\n"
+             "Seconds: wall, image (packing), mesh (tangents, world space), bvh; and summed over\n"
+             "threads camera, hit, surface, shadow, reflect, film and, for each type, a\n"
+             "node_, a light_ and a closure_, sky, emitters and choice. samples: their number. "
+             "Complete once the "
+             "job has finished.");
 static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   (void)self;
   handle *h = get_handle(capsule);

@@ -152,14 +152,21 @@ static void illuminate(worker *w, const light *l, int bounce, size_t phase) {
   reflect(w, bounce, c->shadow, spread && c->met, c->color, CLOCK_LIGHT + (clock_number)l->type);
 }
 
+/* After the lamps come the sky and the emitters, as far as there are any. */
+static bool is_sky(const scene *s, size_t number) {
+  return number == s->lights && s->sky.power > 0.0f;
+}
+
 /* What one light may give to these points. */
 static void weigh(worker *w, size_t number, size_t count, const lane_v *p, float *one) {
   const scene *s = w->scene;
   if (number < s->lights)
     s->stages->weigh[s->light[number].type](count, &s->light[number], p, one);
-  else
+  else if (is_sky(s, number))
     for (size_t i = 0; i < count; i++)
       one[i] = s->sky.power;
+  else
+    s->stages->weigh_emitters(count, &s->emitters, p, one);
 }
 
 /* A light for each hit, by what it may give there; b->weight.total: what all may give. */
@@ -233,9 +240,13 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
       s->stages->chosen[s->light[k].type](begin, w->end[k], &b->choice, &s->light[k], &b->surface,
                                           &b->light, &b->drawn);
       clock_tick(&w->clocks, CLOCK_LIGHT + (clock_number)s->light[k].type);
-    } else if (w->end[k] > begin) {
+    } else if (w->end[k] > begin && is_sky(s, k)) {
       illuminate_by_sky(w, begin, w->end[k]);
       clock_tick(&w->clocks, CLOCK_SKY);
+    } else if (w->end[k] > begin) {
+      s->stages->lit_by_emitters(begin, w->end[k], &b->choice, is_lifted(w), &s->emitters,
+                                 &b->surface, &b->light, &b->drawn);
+      clock_tick(&w->clocks, CLOCK_EMITTERS);
     }
   }
   s->stages->settle(b->queue.hits, &b->choice, &b->drawn, &b->light);
@@ -263,7 +274,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   find_surface(w);
   run_nodes(w);
   zero(&b->sum, b->queue.hits);
-  closures_weigh(w);
+  closures_weigh(w, bounce == 0);
   if (w->observer)
     w->observer->hits(w->observer->context, b, view);
   if (w->observer) {
@@ -326,6 +337,12 @@ static void meet_lights(worker *w, size_t rays, float most) {
     }
   if (s->sky.power > 0.0f)
     meet_sky(w, rays);
+  if (s->emitters.count) {
+    if (weight)
+      s->stages->weigh_emitters(rays, &s->emitters, &b->walk->from, weight);
+    s->stages->met_emitters(rays, &s->emitters, s->triangle, s->placed, &b->sample_hit,
+                            &b->sample_ray, b->walk, weight, &b->met);
+  }
   s->stages->gain(rays, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
 }
 

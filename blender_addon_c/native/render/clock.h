@@ -13,6 +13,7 @@ typedef enum clock_number {
   CLOCK_NODE,                            /* + node_type */
   CLOCK_LIGHT = CLOCK_NODE + NODE_TYPES, /* + light_type */
   CLOCK_SKY = CLOCK_LIGHT + LIGHT_TYPES,
+  CLOCK_EMITTERS,
   CLOCK_CHOICE, /* of a light a lane */
   CLOCK_SHADOW,
   CLOCK_CLOSURE, /* + closure_type */
@@ -29,7 +30,8 @@ typedef enum clock_number {
 #define CLOCK_OF_CLOSURE(TYPE, name) "closure_" #name,
 #define CLOCK_WORDS                                                                                \
   "camera", "hit", "surface", NODE_TABLE(CLOCK_OF_NODE) LIGHT_TABLE(CLOCK_OF_LIGHT) "sky",         \
-      "choice", "shadow", CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "draw", "trace", "film"
+      "emitters", "choice", "shadow", CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "draw", "trace",  \
+      "film"
 
 typedef struct clocks {
   double last, seconds[CLOCKS];

@@ -29,12 +29,14 @@ static void weigh(worker *w, const segment *g) {
     s->share(g->run, choice->sum, choice->chance[k]);
 }
 
-void closures_weigh(worker *w) {
+void closures_weigh(worker *w, bool first) {
   batch *b = w->batch;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const material *m = g->material;
     if (!is_plain(m))
       weigh(w, g);
+    if (!first && m->shines && w->scene->emitters.count)
+      continue; /* its ray has met this light already, and shared it */
     for (size_t k = 0; k < m->closures; k++)
       if (m->closure[k].traits & CLOSURE_EMITS)
         w->scene->stages->emit(&m->closure[k], g->run, &b->input, &b->sum);

@@ -7,7 +7,7 @@
 #include "render/bounce.h"
 
 /* Once the nodes have run: what shines goes to the sum, and how likely each closure is to draw. */
-void closures_weigh(worker *w);
+void closures_weigh(worker *w, bool first);
 /* f and cosine for the light's direction; with `density` how likely a draw goes there. */
 void closures_eval(worker *w, bool density);
 /* Where the paths go on. */

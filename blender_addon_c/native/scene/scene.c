@@ -553,6 +553,24 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
   return true;
 }
 
+/* Is what a material shines with the same everywhere? */
+static void find_radiance(material *m) {
+  memset(m->radiance, 0, sizeof m->radiance);
+  m->shines = false;
+  for (const closure *c = m->closure; c < m->closure + m->closures; c++) {
+    if (!(c->traits & CLOSURE_EMITS))
+      continue;
+    for (int k = 0; k < 3; k++) {
+      if (c->weight[k].at != OPERAND_NUMBER) {
+        m->shines = false;
+        return;
+      }
+      m->radiance[k] += c->weight[k].number;
+      m->shines = m->shines || c->weight[k].number > 0.0f;
+    }
+  }
+}
+
 /* What may light a surface, and by which way. An even sky is no light to choose: rays that are
  * drawn by the surface find it as well as can be. */
 static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) {
@@ -560,12 +578,12 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
   s->meets = s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f;
   for (size_t k = 0; k < s->lights; k++)
     s->meets = s->meets || s->light[k].common.met;
-  if (!s->sky.there)
-    return true;
-  if (!sky_build(&s->sky, s->image, s->threads, cancel))
+  for (material *m = s->material; m < s->material + s->materials; m++)
+    find_radiance(m);
+  if ((s->sky.there && !sky_build(&s->sky, s->image, s->threads, cancel)) || !emitters_build(s))
     return message_error(log, "out of memory");
-  s->choices += s->sky.power > 0.0f;
-  s->meets = s->meets || s->sky.power > 0.0f;
+  s->choices += (size_t)(s->sky.power > 0.0f) + (size_t)(s->emitters.count > 0);
+  s->meets = s->meets || s->sky.power > 0.0f || s->emitters.count > 0;
   return true;
 }
 
@@ -605,6 +623,7 @@ void scene_free(scene *s) {
   free(s->placed);
   texture_free(&s->textures);
   sky_free(&s->sky);
+  emitters_free(&s->emitters);
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);
     free(s->material[i].node);

@@ -18,6 +18,7 @@
 #include "light/light.h"
 #include "node/node.h"
 #include "scene/accel.h"
+#include "scene/emitters.h"
 #include "system/message.h"
 #include "scene/sky.h"
 #include "scene/texture.h"
@@ -48,6 +49,8 @@ typedef struct material {
   bool bare;       /* one of them takes the unperturbed normal */
   size_t nodes;    /* in the order in which they run */
   node *node;
+  bool shines; /* evenly, with this radiance: its triangles are a light */
+  float radiance[3];
 } material;
 
 typedef struct mesh {
@@ -134,7 +137,8 @@ typedef struct scene {
   const struct stage_table *stages; /* chosen with the materials: what the environment says then */
 
   /* made by scene_build */
-  size_t choices;                    /* lights, and the sky where it is one: the last */
+  size_t choices; /* lights, the sky and the emitters, where they are some */
+  emitters emitters;
   bool meets;                        /* drawn rays may meet light */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;

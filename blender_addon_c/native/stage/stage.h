@@ -111,6 +111,15 @@ typedef struct stage_table {
   void (*meet[LIGHT_TYPES])(size_t count, const light *light, const walks *walk, const rays *ray,
                             const float *weight, lane_c *met);
 
+  /* Triangles that shine (emitters.h). */
+  void (*weigh_emitters)(size_t count, const emitters *e, const lane_v *p, float *one);
+  void (*lit_by_emitters)(size_t begin, size_t end, const light_choices *choice, bool lifted,
+                          const emitters *e, const surfaces *at, const light_samples *from,
+                          light_draws *out);
+  void (*met_emitters)(size_t count, const emitters *e, const triangle *triangles,
+                       const placed *placed, const hits *hit, const rays *ray, const walks *walk,
+                       const float *weight, lane_c *met);
+
   /* The image around everything (sky.h). */
   void (*sky)(size_t count, const sky *sky, const lane_v *d, lane_c *out);
   void (*sky_pdf)(size_t count, const sky *sky, const lane_v *d, float *pdf);

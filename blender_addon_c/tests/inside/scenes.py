@@ -634,7 +634,16 @@ def lit(options):
             common.smooth(common.added(material).data)
         else:
             common.plane(material, 8)
-    if options["light"]:
+    if options["light"] == "MESH":
+        material = bpy.data.materials.new("lamp")
+        tree = common.tree_of(material)
+        shader = tree.nodes.new("ShaderNodeEmission")
+        shader.inputs["Color"].default_value = (1, 0.8, 0.5, 1)
+        shader.inputs["Strength"].default_value = options["settings"]["strength"]
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.3, location=(1, -1, 2))
+        common.added(material).scale = (1, 1.5, 0.7)
+    elif options["light"]:
         light = common.light(scene, options["light"], location=(1, -1, 2), rotation=(0.5, 0.4, 0.2))
         light.scale = options.get("scale", (1, 1, 1))
         for name, value in options["settings"].items():

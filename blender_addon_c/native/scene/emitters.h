@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Triangles that shine, each evenly and to both sides: one light together, of which a point is
+ * drawn by area and brightness.
+ */
+#ifndef LIBSHADE_EMITTERS_H
+#define LIBSHADE_EMITTERS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* One triangle: corner, the edges from it, radiance, and the sum of shares before it. Nine and
+ * three numbers in rows of 16. */
+enum {
+  EMITTER_CORNER = 0,
+  EMITTER_EDGE = 3,
+  EMITTER_COLOR = 9,
+  EMITTER_SHARE = 12,
+  EMITTER_ROW = 16
+};
+
+typedef struct emitters {
+  size_t count;
+  float *row;      /* EMITTER_ROW numbers each */
+  float *sum;      /* part of the light of those before; count + 1 */
+  float *material; /* by number: radiance, density per area of its points; or 0 */
+  float bright; /* brightness times area of all; a point of brightness b has b / bright as density,
+                   1/m² */
+  float power;  /* intensity, as of a light that is far */
+  float center[3];
+  float radius2; /* of what holds them, squared */
+} emitters;
+
+/* Brightness of a radiance; what draws go by. */
+static inline float emitter_brightness(const float radiance[3]) {
+  return (radiance[0] + radiance[1] + radiance[2]) * (1.0f / 3.0f);
+}
+
+struct scene;
+
+/* Of all triangles whose materials say `shines`. False when out of memory. */
+bool emitters_build(struct scene *s);
+void emitters_free(emitters *e);
+
+#endif
