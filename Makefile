@@ -7,7 +7,7 @@
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles
 #   make install   libshade, its headers, manual pages and tool to PREFIX (/usr/local); uninstall
-#   make soak      libshade on a hundred million random and awkward cases
+#   make soak      libshade on a hundred million random and awkward cases, Blender on five hundred
 #   make bench     speed against accuracy
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang

@@ -10,6 +10,12 @@ BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
 
 blender: $(B)/libshade-blender.zip
 
+# five hundred awkward scenes in either Blender: some minutes
+soak: soak-blender
+soak-blender: $(B)/libshade-blender.zip
+	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 500
+.PHONY: soak-blender
+
 $(BLENDER_ADDON)/%: blender_addon_c/%
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)

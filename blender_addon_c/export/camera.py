@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is seen: the region of the picture, and cameras."""
 
+import math
+
 from .messages import SceneError
 
 
@@ -24,6 +26,8 @@ def camera_of(ob, depsgraph, size, messages):
     # The projection holds lens, sensor fit, shift and aspect.
     projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
                                        scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    if not all(math.isfinite(projection[i][i]) and projection[i][i] for i in (0, 1)):
+        raise SceneError(f"camera '{ob.name}' sees nothing: its view is of no size")
     view = camera_by(projection, ob.matrix_world, (data.clip_start, data.clip_end))
     return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
 

@@ -75,9 +75,9 @@ class Reader:
         if shader and shader.node:
             try:
                 return {**about, **self._of_nodes(own)}
-            except TooLarge:
-                self.warn("its nodes are too many at once; rendered as metal of its viewport "
-                          "colour")
+            except (TooLarge, RecursionError) as error:
+                many = "many at once" if isinstance(error, TooLarge) else "deep"
+                self.warn(f"its nodes are too {many}; rendered as metal of its viewport colour")
         else:
             self.warn(f"no shader ({'its surface has none' if own else 'it has no nodes'}); "
                       "rendered as metal of its viewport colour")

@@ -59,10 +59,10 @@ def value_of(reader, socket, groups, own=None):
 
 
 def _own_value(socket):
-    value = getattr(socket, "default_value", 0.0)
-    if hasattr(value, "__len__"):
-        return Value("RGBA" if len(value) == 4 else "VECTOR", tuple(float(v) for v in value[:3]))
-    return Value("VALUE", (float(value),))
+    value = tree.own_value(socket)
+    if isinstance(value, tuple):
+        return Value("RGBA" if len(value) == 4 else "VECTOR", value[:3])
+    return Value("VALUE", (value,))
 
 
 def _value(reader, found, socket):

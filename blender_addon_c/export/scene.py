@@ -3,6 +3,7 @@
 
 import bpy
 
+from . import tree
 from .camera import rows
 from .light import kinds, light_of
 from .material import Table
@@ -18,8 +19,9 @@ def read(depsgraph, camera, size, region, samples, messages):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     table = Table(messages, scene.libshade.groove_transport)
-    meshes, instances, lights = _objects(depsgraph, table, messages)
-    world = world_of(scene.world, table.images, messages)
+    with tree.deep():
+        meshes, instances, lights = _objects(depsgraph, table, messages)
+        world = world_of(scene.world, table.images, messages)
     if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if render.use_multiview:

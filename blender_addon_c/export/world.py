@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is around everything: one colour, or an image."""
 
-from mathutils import Matrix
+from mathutils import Euler, Matrix
 
 from . import tree
 
@@ -17,7 +17,11 @@ def world_of(world, images, messages):
     nodes = tree.of(world)
     if not nodes:
         return {"background": tuple(world.color), **hidden}
-    return {**_Reader(world, images, messages).read(nodes), **hidden}
+    try:
+        return {**_Reader(world, images, messages).read(nodes), **hidden}
+    except RecursionError:
+        messages.warning(f"world '{world.name}': its nodes are too deep; black")
+        return {"background": (0.0, 0.0, 0.0), **hidden}
 
 
 def _visible(world, messages):
@@ -52,15 +56,15 @@ class _Reader:
         strength = tree.trace(node.inputs["Strength"], shader.groups)
         if strength.node and strength.node.type != "VALUE":
             self._warn(f"'{strength.node.name}' is not supported; the socket's own value is used")
-        value = (strength.output if strength.node and strength.node.type == "VALUE"
-                 else strength.socket).default_value
+        value = tree.number_in(strength.output if strength.node and strength.node.type == "VALUE"
+                               else strength.socket)
         color = self._main(tree.trace(node.inputs["Color"], shader.groups))
         if color.node and color.node.type == "TEX_ENVIRONMENT":
             sky = self._image(color, value)
             if sky:
                 return {"background": (0.0, 0.0, 0.0), "sky": sky}
         plain = color.output if color.node and color.node.type == "RGB" else color.socket
-        return {"background": tuple(max(c * value, 0.0) for c in plain.default_value[:3])}
+        return {"background": tuple(max(c * value, 0.0) for c in tree.color_in(plain))}
 
     def _main(self, color):
         """A node that is not known passes its main input through."""
@@ -101,7 +105,7 @@ class _Reader:
         if node.type == "MAPPING":
             inner = tree.trace(node.inputs["Vector"], found.groups)
             before = (self._directions(inner) if inner.node
-                      else _constant(inner.socket.default_value))
+                      else _constant(tree.color_in(inner.socket)))
             return self._mapping(node, found.groups) @ before
         if node.type == "TEX_COORD" and found.output.name in _COORDINATES:
             if found.output.name == "Object" and node.object:
@@ -122,8 +126,8 @@ class _Reader:
             if found.node:
                 self._warn(f"'{node.name}': {name} from '{found.node.name}' is not supported; "
                            "the socket's own value is used")
-            values[name] = found.socket.default_value
-        place, turn = Matrix.Translation(values["Location"]), values["Rotation"].to_matrix().to_4x4()
+            values[name] = tree.color_in(found.socket)
+        place, turn = Matrix.Translation(values["Location"]), Euler(values["Rotation"]).to_matrix().to_4x4()
         scale = values["Scale"]
         if node.vector_type == "POINT":
             return place @ turn @ _diagonal(scale)

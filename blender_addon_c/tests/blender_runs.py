@@ -42,11 +42,12 @@ class Blender:
     def _words(self, script, *arguments):
         return [str(word) for word in (*self._command, INSIDE / script, "--", *arguments)]
 
-    def run(self, script, *arguments, env=None, prefix=(), status=0, stdin=""):
+    def run(self, script, *arguments, env=None, prefix=(), status=0, stdin="", seconds=300):
         """Run inside/`script`; returns all it printed. status None: any."""
         done = subprocess.run([*prefix, *self._words(script, *arguments)], input=stdin,
                               env=self.environment(env), stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, timeout=300, check=False)
+                              stderr=subprocess.STDOUT, text=True, errors="replace",
+                              timeout=seconds, check=False)
         assert status is None or done.returncode == status, done.stdout[-4000:]
         return done.stdout
 

@@ -28,6 +28,7 @@ EXPECTED = {
     "noise_color": ("finished", "Warning: .*'steel': Color: 'Noise Texture'.* not supported"),
     "generated": ("finished", "Warning: .*coordinates from 'Texture Coordinate' .Generated. are not"),
     "cycle": ("finished", None),
+    "deep_nodes": ("finished", None),
     "too_many_nodes": ("finished", "Warning: .*'steel': its nodes are too many at once"),
     "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
     "no_material": ("finished", "Warning: .*'Plane': no material"),
@@ -93,7 +94,7 @@ STEEL = metal(6, 2, (0.9, 0.6, 0.3))
 # what stands in for what cannot be rendered, at the picture's centre
 FALLBACK = {
     "fine": STEEL, "no_uv": STEEL, "no_image": STEEL, "bump_node": STEEL, "noise_color": STEEL,
-    "other_uv_map": STEEL, "slot_out_of_range": STEEL,
+    "other_uv_map": STEEL, "deep_nodes": STEEL, "slot_out_of_range": STEEL,
     "no_light": np.zeros(3),
     "no_uv_textured": metal(6, 2, (0.2, 0.4, 0.6)),
     "generated": metal(6, 2, (0.2, 0.4, 0.6)), "cycle": metal(6, 2, (0.9, 0.6, 0.3)),

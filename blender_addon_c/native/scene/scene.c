@@ -218,8 +218,10 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
       row[3] = row[4] = row[5] = 0.0f; /* stage_surface finds one */
     if (tangent[3] < 0.0f)             /* corners without a UV direction say +1 */
       out->handed = -1.0f;
-    if (m->corner_uv)
-      memcpy(row + 6, m->corner_uv + 2 * corner, 2 * sizeof *row);
+    for (unsigned axis = 0; m->corner_uv && axis < 2; axis++) {
+      float uv = m->corner_uv[2 * corner + axis];
+      row[6 + axis] = fabsf(uv) < 1e18f ? uv : 0.0f; /* so that its differences are numbers */
+    }
     for (int axis = 0; axis < 3; axis++)
       out->reach = fmaxf(out->reach, fabsf(world[k][axis]));
   }

@@ -140,6 +140,17 @@ def cycle(scene):
     tree.links.new(other.outputs["Color"], node.inputs["Color"])
 
 
+def deep_nodes(scene):
+    """Three hundred, each of which feeds the next: more than Python's calls usually may be deep."""
+    _ob, tree, node = plate(scene)
+    socket = node.inputs["Color"]
+    for _ in range(300):
+        gamma = tree.nodes.new("ShaderNodeGamma")
+        gamma.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
+        tree.links.new(gamma.outputs["Color"], socket)
+        socket = gamma.inputs["Color"]
+
+
 def too_many_nodes(scene):
     """Forty images that are all needed at the end."""
     _ob, tree, node = plate(scene)
@@ -320,7 +331,7 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, generated, cycle,
-    too_many_nodes,
+    deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, anisotropic, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,

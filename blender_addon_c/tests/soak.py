@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Awkward scenes by chance, in Blender 3.4 and 5.0: inside/hostile.py, and what became of each seed.
+
+    build/venv/bin/python blender_addon_c/tests/soak.py [--seeds 500] [--first 0] [--version 3.4]
+"""
+
+import argparse
+import collections
+import pathlib
+import re
+import sys
+import tempfile
+
+from blender_runs import Blender
+
+
+def seeds(blender, folder, first, count, seconds=300):
+    """Runs seeds and yields (seed, how it ended, all that was printed). After a crash comes the next."""
+    end = first + count
+    while first < end:
+        text = blender.run("hostile.py", folder, first, end - first, status=None, seconds=seconds)
+        ran = re.split(r"^SEED (\d+)\n", text, flags=re.M)
+        if len(ran) < 3:
+            raise RuntimeError(text[-4000:])
+        for number, said in zip(ran[1::2], ran[2::2]):
+            ended = re.findall(r"^END (.*)$", said, re.M)
+            how = ended[-1] if ended else "crashed or hung"
+            if "Traceback" in said and "internal error" not in how:
+                how = "broken: Python's traceback"
+            yield int(number), how, said
+            first = int(number) + 1
+
+
+def good(how):
+    return how in ("finished", "error")
+
+
+def main():
+    words = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    words.add_argument("--seeds", type=int, default=500)
+    words.add_argument("--first", type=int, default=0)
+    words.add_argument("--version", choices=["3.4", "5.0"])
+    given = words.parse_args()
+    failed = 0
+    for version in [given.version] if given.version else ["3.4", "5.0"]:
+        ends = collections.Counter()
+        with tempfile.TemporaryDirectory() as home:
+            blender = Blender(version, pathlib.Path(home) / "home")
+            for seed, how, said in seeds(blender, home, given.first, given.seeds, seconds=None):
+                ends[how if good(how) else "broken"] += 1
+                if not good(how):
+                    failed += 1
+                    print(f"Blender {version}, seed {seed}: {how}\n{said[-3000:]}", flush=True)
+        print(f"Blender {version}: {dict(ends)}", flush=True)
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()
