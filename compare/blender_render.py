@@ -21,6 +21,9 @@ def main(path, percent, samples):
     scene.libshade.max_bounces = 0
     scene.libshade.pixel_filter_type = "BOX"  # as POV-Ray's
     scene.libshade.soft_terminator = False
+    if scene.world:  # the background of POV-Ray lights nothing
+        for kind in ("diffuse", "glossy", "transmission", "scatter"):
+            setattr(scene.world.cycles_visibility, kind, False)
     render.resolution_percentage = int(percent)
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth = "32"

@@ -13,7 +13,7 @@ def world_of(world, images, messages):
     """The part of the scene's dictionary that says what is around everything."""
     if not world:
         return {"background": (0.0, 0.0, 0.0)}
-    hidden = {"sky_hidden": not _visible(world, messages)}
+    hidden = _visibility(world, messages)
     nodes = tree.of(world)
     if not nodes:
         return {"background": tuple(world.color), **hidden}
@@ -24,16 +24,14 @@ def world_of(world, images, messages):
         return {"background": (0.0, 0.0, 0.0), **hidden}
 
 
-def _visible(world, messages):
-    """Does the camera see it? Other rays always do."""
+def _visibility(world, messages):
+    """May the camera see it, and may surfaces? Those of one kind alone are not told apart."""
     rays = getattr(world, "cycles_visibility", None)
-    if not rays:
-        return True
-    for kind in ("diffuse", "glossy", "transmission", "scatter"):
-        if not getattr(rays, kind, True):
-            messages.warning(f"world '{world.name}': hidden from {kind} rays, which is not "
-                             "supported; it is seen")
-    return getattr(rays, "camera", True)
+    kinds = [kind for kind in ("diffuse", "glossy", "transmission") if not getattr(rays, kind, True)]
+    if kinds and len(kinds) < 3:
+        messages.warning(f"world '{world.name}': hidden from {' and '.join(kinds)} rays alone, which "
+                         "is not supported; it is seen")
+    return {"sky_hidden": not getattr(rays, "camera", True), "sky_dark": len(kinds) == 3}
 
 
 class _Reader:

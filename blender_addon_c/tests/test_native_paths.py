@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from native_scenes import (
-    ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, render, scene, sphere,
-    square, sun, vectors)
+    ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, render, scene, sky,
+    sphere, square, sun, vectors)
 
 SKY = (0.5, 1.0, 2.0)
 
@@ -132,3 +132,14 @@ def test_threads_change_no_bit():
 def test_senseless_number_of_bounces(value, words):
     with pytest.raises((ValueError, TypeError), match=words):
         native.start(scene(max_bounces=value))
+
+
+@pytest.mark.parametrize("bounces", [0, 4])
+def test_a_dark_sky_is_seen_and_lights_nothing(bounces):
+    pixels = np.full((4, 8, 3), 0.7, np.float32)
+    for around in ({"background": SKY}, {"images": [image(pixels)], "sky": sky()}):
+        seen, lit = (picture(lights=[], materials=[matt(0.5)], meshes=[square(0.5)], transparent=False,
+                             max_bounces=bounces, sky_dark=dark, **around) for dark in (True, False))
+        assert (seen[5:11, 5:11, :3] == 0).all() and (seen[:3, :3, :3] > 0.2).all()
+        np.testing.assert_allclose(seen[:3, :3], lit[:3, :3], rtol=1e-6)
+        assert (lit[5:11, 5:11, :3] > 0.05).all()

@@ -198,13 +198,13 @@ static void surface_frames(void **state) {
     double length = sqrt(dot_d(g, g)), side = i % 5 && dot_d(given, g) < 0 ? -1 : 1;
     double facet = -dot_d(g, d) / length, seen = i % 5 ? -side * dot_d(given, d) : facet;
     near((double)b->surface.side[i], side, 0);
-    if (seen >= fmin(0.5 * facet, 0.02)) {
+    if (seen >= fmin(0.5 * facet, 0.002)) {
       near(dot_d(i % 5 ? given : g, n), i % 5 ? side : length, 1e-6);
     } else {
       double between_them =
           acos(fmin(dot_d(n, g) / length, 1)) + acos(fmin(side * dot_d(n, given), 1));
       near(between_them, acos(fmax(side * dot_d(given, g) / length, -1)), 2e-3);
-      assert_true(-dot_d(n, d) > 0.5 * fmin(0.5 * facet, 0.02) && -dot_d(n, d) < 0.05);
+      assert_true(-dot_d(n, d) > 0.5 * fmin(0.5 * facet, 0.002) && -dot_d(n, d) < 0.01);
       bent++;
     }
     near3(wo, -dot_d(d, t), -dot_d(d, c), -dot_d(d, n), 1e-6);

@@ -327,7 +327,8 @@ static void meet_lights(worker *w, size_t rays, float most) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
-  s->stages->escape(rays, b->sample_hit.record, s->background, &b->met);
+  static const float dark[3] = {0, 0, 0};
+  s->stages->escape(rays, b->sample_hit.record, s->sky_dark ? dark : s->background, &b->met);
   for (size_t k = 0; k < s->lights; k++)
     if (s->light[k].common.met) {
       if (weight)

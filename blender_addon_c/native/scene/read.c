@@ -318,6 +318,7 @@ static bool read_picture(reader *r, scene *s) {
       !reader_flag(r, "transparent", &s->transparent) ||
       !reader_floats(r, "background", 3, s->background) ||
       (reader_has(r, "sky_hidden") && !reader_flag(r, "sky_hidden", &s->sky_hidden)) ||
+      (reader_has(r, "sky_dark") && !reader_flag(r, "sky_dark", &s->sky_dark)) ||
       !reader_text(r, "dump", "", &dump))
     return false;
   if (*dump)

@@ -113,7 +113,8 @@ typedef struct scene {
   bool soft_terminator; /* smooth surfaces cast no shadows of their facets on themselves */
   float background[3];  /* 0 where there is a sky */
   sky sky;
-  bool sky_hidden; /* background and sky are black to the camera */
+  bool sky_hidden; /* background and sky are black to the camera, */
+  bool sky_dark;   /* or to all else */
   filter_type filter;
   float filter_width; /* pixels; 0: the pixel's square */
   unsigned planes;    /* what is rendered beside the picture: a bit for each plane_type */

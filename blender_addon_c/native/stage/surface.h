@@ -10,7 +10,7 @@
 #define SURFACE_OFFSET 2e-6f
 
 /* Cosine of eye and interpolated normal that is left as it is. */
-#define GRAZING 0.02f
+#define GRAZING 0.002f
 
 /* One corner of a triangle, or the interpolated one. */
 typedef float row8 __attribute__((vector_size(32), aligned(4), may_alias));
