@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene as a whole: its objects, and the settings of the picture."""
 
+import math
+
 import bpy
 
 from . import tree
@@ -84,8 +86,11 @@ def _objects(depsgraph, table, messages):
                 mesh = mesh_of(ob, slots, table, messages)
                 known[key] = len(meshes) if mesh else None
                 meshes += [mesh] if mesh else []
-            if known[key] is not None:
-                instances.append({"mesh": known[key], "matrix": rows(item.matrix_world),
+            matrix = rows(item.matrix_world)
+            if not math.isfinite(sum(matrix)):
+                messages.warning(f"object '{ob.name}': its place is not a number; left out")
+            elif known[key] is not None:
+                instances.append({"mesh": known[key], "matrix": matrix,
                                   "pass_index": ob.pass_index})
     return meshes, instances, lights
 

@@ -47,6 +47,7 @@ EXPECTED = {
     "panoramic": ("error", "'camera' is panoramic"),
     "flat_object": ("finished", None),
     "vanished_object": ("finished", None),
+    "nowhere": ("finished", "Warning: .*'lost': its place is not a number; left out"),
     "not_a_number": ("finished", "Warning: .*'Plane': some of its vertices have no valid position"),
     "slot_out_of_range": ("finished", None),
     "extreme_exponents": ("finished", None),
@@ -94,7 +95,7 @@ STEEL = metal(6, 2, (0.9, 0.6, 0.3))
 # what stands in for what cannot be rendered, at the picture's centre
 FALLBACK = {
     "fine": STEEL, "no_uv": STEEL, "no_image": STEEL, "bump_node": STEEL, "noise_color": STEEL,
-    "other_uv_map": STEEL, "deep_nodes": STEEL, "slot_out_of_range": STEEL,
+    "other_uv_map": STEEL, "deep_nodes": STEEL, "nowhere": STEEL, "slot_out_of_range": STEEL,
     "no_light": np.zeros(3),
     "no_uv_textured": metal(6, 2, (0.2, 0.4, 0.6)),
     "generated": metal(6, 2, (0.2, 0.4, 0.6)), "cycle": metal(6, 2, (0.9, 0.6, 0.3)),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import dump, image, material, render, scene, sphere, square, sun
+from native_scenes import dump, image, look_at, material, render, scene, sphere, square, sun
 
 COPIES, RINGS = 60, 24  # 130,000 triangles in all: more than are copied
 
@@ -41,6 +41,24 @@ def place(placed, mesh, shared):
     return scene(meshes=[floor, *rest], instances=[{"mesh": 0, "matrix": identity}, *instances],
                  images=[image(bumps)], materials=[material(normal_image=0, detail="ROTATE")],
                  lights=[sun((0.4, 0.2, 1))], width=64, height=64, samples=4)
+
+
+def test_an_instance_that_rays_cannot_be_turned_into():
+    """So flat, and seen from so far, that in its space a ray's numbers would be too large."""
+    flat, far = np.diag((0.5, 0.5, 1e-9, 1.0)), look_at((0, 0, 1e12), (0, 0, 0))
+    given = place([*matrices(COPIES, "turned"), flat], sphere(RINGS), True)
+    given["camera"] = {**given["camera"], "matrix": far.ravel().tolist(), "clip": (1, 2e12)}
+    y, x = (np.mgrid[:64, :64] - 31.5) / 32
+    assert (render(given)[0][np.hypot(x, y) < 0.45][:, 3] == 1).all()
+
+
+@pytest.mark.parametrize("lens", [{}, {"lens": (3e38, 3e38), "focus": 1e-6, "blades": 0, "turn": 0.0}])
+def test_a_camera_that_is_too_far_away(lens):
+    """Its rays' numbers are too large for Embree: it sees nothing, and nothing breaks."""
+    far = look_at((0, 0, 1), (0, 0, 0))
+    far[2, 3] = 3e38
+    camera = {**scene()["camera"], "matrix": far.ravel().tolist(), "clip": (0, 1e30), **lens}
+    assert np.isfinite(render(scene(camera=camera))[0]).all()
 
 
 @pytest.mark.parametrize("kind", ["turned", "stretched", "mirrored"])

@@ -19,6 +19,11 @@ enum {
   MAX_INDEX = 32767
 };
 
+/* Embree takes no rays whose numbers are larger than 1.8e18. */
+static float within_reach(double x) {
+  return (float)(x < -1e17 ? -1e17 : x > 1e17 ? 1e17 : x);
+}
+
 static bool read_lens(reader *r, camera *c) {
   if (!reader_floats(r, "lens", 2, c->lens) ||
       !reader_number_within(r, "focus", 1e-6f, 1e18f, &c->focus) ||
@@ -27,6 +32,8 @@ static bool read_lens(reader *r, camera *c) {
     return false;
   if (!(c->lens[0] >= 0 && c->lens[1] >= 0))
     return reader_expected(r, "lens", "two lengths from 0 on");
+  for (int k = 0; k < 2; k++)
+    c->lens[k] = within_reach((double)c->lens[k]);
   return true;
 }
 
@@ -40,6 +47,8 @@ static bool read_camera(reader *r, void *out, void *context) {
       !reader_floats(r, "frame", 4, c->frame) || !reader_floats(r, "clip", 2, c->clip))
     return false;
   c->perspective = type == 1;
+  for (int k = 0; k < 4; k++)
+    c->frame[k] = within_reach((double)c->frame[k]);
   for (int column = 0; column < 3; column++) {
     vec3 axis = {(float)matrix[column], (float)matrix[4 + column], (float)matrix[8 + column]};
     if (!make_unit(&axis))
@@ -47,7 +56,7 @@ static bool read_camera(reader *r, void *out, void *context) {
     memcpy(c->axis[column], &axis, sizeof axis);
   }
   for (int row = 0; row < 3; row++)
-    c->origin[row] = (float)matrix[4 * row + 3];
+    c->origin[row] = within_reach(matrix[4 * row + 3]);
   if (!(c->clip[0] >= 0 && c->clip[0] < c->clip[1])) /* Embree's rays begin at 0 or later */
     return reader_expected(r, "clip", "two distances from 0 on, near before far");
   return !reader_has(r, "lens") || read_lens(r, c);

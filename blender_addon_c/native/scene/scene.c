@@ -49,6 +49,7 @@ typedef struct build {
   uint32_t *quad, *single;
   size_t positions, singles;
   size_t own_quads, own_singles; /* of the world */
+  float reach;                   /* of its numbers */
 } build;
 
 enum { CHUNK = 8192 };
@@ -282,19 +283,46 @@ static void place_chunk(void *context, size_t chunk) {
   }
 }
 
-/* Whether Embree may turn rays into the space of such an instance. */
-static bool invertible(const double m[12]) {
+/* How far from 0 the scene's numbers reach; 1e18 where a part of it is farther and left out. */
+static float find_reach(const scene *s) {
+  float reach = 1.0f;
+  float *largest = calloc(s->meshes + 1, sizeof *largest);
+  for (size_t i = 0; largest && i < s->meshes; i++)
+    for (size_t k = 0; k < 3 * s->mesh[i].positions; k++) {
+      float x = fabsf(s->mesh[i].position[k]);
+      largest[i] = x > largest[i] && x < 1e18f ? x : largest[i];
+    }
+  for (size_t i = 0; largest && i < s->instances; i++) {
+    const double *m = s->instance[i].matrix;
+    double far = 0;
+    for (int k = 0; k < 12; k++)
+      far += fabs(m[k]) * ((k & 3) == 3 ? 1.0 : (double)largest[s->instance[i].mesh]);
+    if (isfinite(far)) /* else all of it is left out */
+      reach = fmaxf(reach, (float)fmin(far, 1e18));
+  }
+  for (int k = 0; k < 3; k++)
+    reach = fmaxf(reach, fabsf(s->camera.origin[k]));
+  free(largest);
+  return largest && reach < 1e18f ? reach : 1e18f;
+}
+
+/* Whether Embree may turn the rays of a scene of such a reach into the space of such an instance:
+ * in there they must be numbers less than 1.8e18. */
+static bool invertible(const double m[12], float reach) {
   share s;
-  double size = 0;
+  double size = 0, largest = 0, inverse = 0;
   normal_matrix(m, &s);
-  for (int k = 0; k < 12; k++)
+  for (int k = 0; k < 12; k++) {
+    if (!isfinite(m[k]))
+      return false;
     size = fmax(size, fabs(m[k]));
-  double determinant = m[0] * s.normal[0] + m[1] * s.normal[1] + m[2] * s.normal[2];
-  double largest = 0;
-  for (int r = 0; r < 3; r++)
-    for (int c = 0; c < 3; c++)
-      largest = fmax(largest, fabs(m[4 * r + c]));
-  return size < 1e12 && fabs(determinant) > 1e-9 * largest * largest * largest && largest > 1e-9;
+    largest = (k & 3) == 3 ? largest : fmax(largest, fabs(m[k]));
+  }
+  for (int k = 0; k < 9; k++)
+    inverse = fmax(inverse, fabs(s.normal[k]));
+  double determinant = fabs(m[0] * s.normal[0] + m[1] * s.normal[1] + m[2] * s.normal[2]);
+  return size < 1e12 && determinant > 1e-9 * largest * largest * largest && largest > 1e-9 &&
+         6.0 * inverse * fmax(size, (double)reach) < 1e18 * determinant;
 }
 
 /*
@@ -304,10 +332,11 @@ static bool invertible(const double m[12]) {
 static bool find_shared(build *b) {
   enum { FEW = 100000 };
   const scene *s = b->scene;
+  b->reach = find_reach(s);
   b->shared = array(b, s->meshes, sizeof *b->shared);
   size_t *copies = calloc(s->meshes + 1, sizeof *copies);
   for (size_t i = 0; b->shared && copies && i < s->instances; i++)
-    copies[s->instance[i].mesh] += invertible(s->instance[i].matrix);
+    copies[s->instance[i].mesh] += invertible(s->instance[i].matrix, b->reach);
   for (size_t i = 0; b->shared && copies && i < s->meshes; i++) {
     bool many = copies[i] > 1 && s->mesh[i].triangles > FEW / (copies[i] - 1);
     b->shared[i] = many ? 0 : WORLD;
@@ -319,7 +348,7 @@ static bool find_shared(build *b) {
 
 /* Whether it refers to the mesh's share. */
 static bool is_reference(const build *b, const instance *in) {
-  return b->shared[in->mesh] != WORLD && invertible(in->matrix);
+  return b->shared[in->mesh] != WORLD && invertible(in->matrix, b->reach);
 }
 
 static void find_bounds(const mesh *m, float bounds[2][3]) {

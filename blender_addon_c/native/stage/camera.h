@@ -119,7 +119,8 @@ static void stage_lens(size_t count, const camera *camera, const shuffle *points
     float sharp = focus / depth;
     vec3 to = {d.x * sharp - step.x, d.y * sharp - step.y, d.z * sharp - step.z};
     to = scaled(to, 1.0f / sqrtf(dot(to, to)));
-    float stretch = depth / -dot(to, back);
+    float seen = -dot(to, back);
+    float stretch = depth / (seen > 1e-9f ? seen : 1e-9f);
     store(&ray->o, i, (vec3){o.x + step.x, o.y + step.y, o.z + step.z});
     store(&ray->d, i, to);
     ray->tnear[i] *= stretch;

@@ -299,6 +299,12 @@ def vanished_object(scene):
     ob.scale = (0, 0, 0)
 
 
+def nowhere(scene):
+    """One object of two."""
+    ob, _tree, _node = plate(scene)
+    common.link(scene, "lost", ob.data, (float("nan"), 0, 0))
+
+
 def not_a_number(scene):
     ob, _tree, _node = plate(scene)
     ob.data.vertices[0].co = (float("nan"), 0, 0)
@@ -334,7 +340,7 @@ CASES = [
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, anisotropic, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
-    flat_object, vanished_object, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
+    flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
 ]
 
