@@ -786,7 +786,7 @@ static void shadow_rays_from(bool lifted) {
     b->light.e[i] = 0.5f;
     if (i % 2) /* a facet that is turned away */
       store(&b->surface.g, i, scaled(load(&b->surface.n, i), -1e-4f));
-    store(&b->surface.start, i, (vec3){between(-2, 2), between(-2, 2), between(-2, 2)});
+    store(&b->surface.lift, i, (vec3){between(-2, 2), between(-2, 2), between(-2, 2)});
     b->surface.slack[i] = i % 3 ? 0.0f : INFINITY; /* a facet whose own shadow does not count */
   }
   stages->lit((lane_run){.begin = 0, .end = COUNT}, false, lifted, &b->surface, &b->light);
@@ -794,11 +794,13 @@ static void shadow_rays_from(bool lifted) {
     vec3 l = load(&b->light.ray.d, i), n = load(&b->surface.n, i);
     vec3 p = load(&b->surface.p, i), g = load(&b->surface.g, i), wi = load(&b->light.wi, i);
     vec3 o = load(&b->light.ray.o, i), start = {p.x + g.x, p.y + g.y, p.z + g.z};
-    if (lifted)
-      start = load(&b->surface.start, i);
+    if (lifted) {
+      vec3 lift = load(&b->surface.lift, i);
+      start = (vec3){start.x + lift.x, start.y + lift.y, start.z + lift.z};
+    }
     near3(wi, dot_d(l, load(&b->surface.t, i)), dot_d(l, load(&b->surface.b, i)), dot_d(l, n),
           1e-6);
-    near3(o, (double)start.x, (double)start.y, (double)start.z, 0);
+    near3(o, (double)start.x, (double)start.y, (double)start.z, 1e-6);
     bool sees = (i % 2 == 0 || (lifted && i % 3 == 0)) && dot_d(l, n) > 0;
     near((double)b->light.ray.tfar[i], sees ? 5 : -1, 0);
     wanted += sees;

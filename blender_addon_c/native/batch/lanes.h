@@ -86,7 +86,7 @@ typedef struct surfaces {
   lane_v p; /* position, world */
   lane_v g; /* geometric normal towards the eye, as long as a shadow ray is to start off */
   /* where the scene has curved triangles: */
-  lane_v start;   /* of shadow rays to lights on the eye's side */
+  lane_v lift;    /* how much farther off shadow rays start to lights on the eye's side */
   lane_f slack;   /* infinite where such lights may also be below the facet */
   lane_v n, t, b; /* shading frame, world: normal facing the eye, tangent, cross(n, t) */
   lane_v wo;      /* to the eye, in the shading frame */

@@ -59,7 +59,7 @@ LEAF void lit_by_emitters(bool lifted, size_t begin, size_t end, const light_cho
     float off = dot(d, g) < 0.0f ? -1.0f : 1.0f;
     d = (vec3){d.x - off * g.x, d.y - off * g.y, d.z - off * g.z};
     if (lifted) {
-      vec3 above = {q.x - at->start.x[i], q.y - at->start.y[i], q.z - at->start.z[i]};
+      vec3 above = {d.x - at->lift.x[i], d.y - at->lift.y[i], d.z - at->lift.z[i]};
       d = select3(off > 0.0f, above, d);
     }
     float d2 = dot(d, d), n2 = dot(n, n);

@@ -215,8 +215,10 @@ LEAF void lit(bool through, bool lifted, lane_run run, const surfaces *restrict 
     float least = lifted ? -at->slack[i] : 0.0f;
     bool seen = (height > 0.0f) & (above > least);
     vec3 start = {p.x + g.x, p.y + g.y, p.z + g.z};
-    if (lifted)
-      start = load(&at->start, i);
+    if (lifted) {
+      vec3 lift = load(&at->lift, i);
+      start = (vec3){start.x + lift.x, start.y + lift.y, start.z + lift.z};
+    }
     if (through) {
       bool behind = (height < 0.0f) & (above < 0.0f);
       seen = seen | behind;

@@ -148,8 +148,7 @@ static void stage_lift(size_t count, const triangle *restrict triangles,
   static const int other[3][2] = {{1, 2}, {0, 2}, {0, 1}};
   for (size_t i = 0; i < count; i++) {
     const triangle *t = &triangles[hit->record[i]];
-    vec3 p = load(&out->p, i), g = load(&out->g, i);
-    store(&out->start, i, (vec3){p.x + g.x, p.y + g.y, p.z + g.z});
+    store(&out->lift, i, (vec3){0, 0, 0});
     out->slack[i] = 0.0f;
     if (!t->curved)
       continue;
@@ -170,9 +169,7 @@ static void stage_lift(size_t count, const triangle *restrict triangles,
       turn_row(table[hit->instance[i]].linear, lift);
       scale = table[hit->instance[i]].scale;
     }
-    out->start.x[i] += scale * lift[0];
-    out->start.y[i] += scale * lift[1];
-    out->start.z[i] += scale * lift[2];
+    store(&out->lift, i, (vec3){scale * lift[0], scale * lift[1], scale * lift[2]});
     out->slack[i] = INFINITY;
   }
 }
