@@ -58,6 +58,8 @@ class Reader:
         self.owner = f"material '{material.name}'" if material else "no material"
         self.uv_map, self.uses_uv = "", False
         self.program, self.known = Program(), {}
+        self.shift = None  # (0 or 1, step): coordinates are read so far along u or v
+        self.in_height = False
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 
     def warn(self, text):

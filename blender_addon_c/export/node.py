@@ -48,7 +48,7 @@ def value_of(reader, socket, groups, own=None):
     own = own or _own_value(found.socket)
     if found.node is None:
         return own
-    key = (found.output, found.groups)
+    key = (found.output, found.groups, reader.shift)
     if key not in reader.known:
         reader.known[key] = None  # being asked for
         reader.known[key] = _value(reader, found, socket) or "unknown"
@@ -138,7 +138,7 @@ def _tex_image(reader, found):
     if image < 0:
         return None
     at = _coordinates(reader, node.inputs["Vector"], found.groups)
-    key = ("image", node, found.groups)
+    key = ("image", node, found.groups, reader.shift)
     if key not in reader.known:  # both outputs are of one look
         reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image,
                                                 **({"at": at[:2]} if at else {}))
@@ -165,6 +165,11 @@ def _image(reader, node):
 
 def _coordinates(reader, socket, groups):
     """Where an image is looked up; None: at the UV map's place."""
+    at = _place(reader, socket, groups)
+    return _uv(reader) if at is None and reader.shift else at
+
+
+def _place(reader, socket, groups):
     found = tree.trace(socket, groups)
     if found.node is None or (found.node.type == "TEX_COORD" and found.output.name == "UV"):
         reader.uses_uv = True
@@ -228,12 +233,77 @@ def _check_normal_image(reader, image):
                     "highlights; use 16 bits or float")
 
 
+def _bump(reader, found):
+    """The height is read at the point, a step along u and one along v."""
+    node, groups = found.node, found.groups
+    own = normal_of(reader, node.inputs["Normal"], groups)
+    height = node.inputs["Height"]
+    if reader.in_height:
+        reader.warn(f"'{node.name}' bends a normal that a height depends on; left out")
+    if reader.in_height or tree.trace(height, groups).node is None:
+        return Value("NORMAL", own) if own else None
+    width = node.inputs.get("Filter Width")
+    if width and (width.is_linked or abs(width.default_value - 0.1) > 1e-6):
+        reader.warn(f"'{node.name}': Filter Width is not supported; heights are a quarter of a texel apart")
+    step = 0.25 / max(1.0, _fineness(height, groups, set()) or 250.0)
+    heights, reader.in_height = [], True
+    for shift in (None, (0, step), (1, step)):
+        reader.shift = shift
+        heights.append(number_of(reader, height, groups))
+    reader.shift, reader.in_height = None, False
+    distance = _number(reader, found, "Distance")
+    if node.invert:
+        distance = reader.program.math("MULTIPLY", distance, -1.0)
+    return Value("NORMAL", reader.program.emit(
+        "BUMP", height=heights, step=step, strength=[_number(reader, found, "Strength")],
+        distance=[distance], normal=own or (0.0, 0.0, 1.0)))
+
+
+def _fineness(socket, groups, seen):
+    """Texels of the finest image that feeds a socket, along the UV map; 0 where there is none."""
+    found = tree.trace(socket, groups)
+    node = found.node
+    if node is None or (node, found.groups) in seen:
+        return 0.0
+    seen.add((node, found.groups))
+    if node.type == "TEX_IMAGE":
+        size = max(node.image.size) if node.image else 0
+        return size * _repeats(node.inputs["Vector"], found.groups)
+    return max((_fineness(s, found.groups, seen) for s in node.inputs if s.is_linked), default=0.0)
+
+
+def _repeats(socket, groups):
+    """How often the nearest Mapping node, if there is one, repeats what is looked up."""
+    found = tree.trace(socket, groups)
+    if found.node is None or found.node.type != "MAPPING" or found.node.inputs["Scale"].is_linked:
+        return 1.0
+    scale = max(abs(s) for s in found.node.inputs["Scale"].default_value)
+    return 1 / scale if found.node.vector_type == "TEXTURE" and scale else scale
+
+
 # ---- coordinates
+
+
+def _uv(reader):
+    parts = reader.program.emit("GEOMETRY", what="UV")
+    if reader.shift:
+        axis, step = reader.shift
+        parts[axis] = reader.program.math("ADD", parts[axis], step)
+    return parts
+
+
+def _position(reader):
+    parts = reader.program.emit("GEOMETRY", what="POSITION")
+    if reader.shift:
+        axis, step = reader.shift
+        along = reader.program.emit("GEOMETRY", what=("ALONG_U", "ALONG_V")[axis])
+        parts = _each(reader, "MULTIPLY_ADD", along, (step,) * 3, parts)
+    return parts
 
 
 def _uv_map(reader, found):
     reader.use_uv_map(found.node.uv_map)
-    return reader.program.emit("GEOMETRY", what="UV")
+    return _uv(reader)
 
 
 def _tex_coord(reader, found):
@@ -242,7 +312,7 @@ def _tex_coord(reader, found):
         return reader.program.emit("GEOMETRY", what="REFLECTION")
     if name == "Object" and node.object:
         inverse = node.object.matrix_world.inverted_safe()
-        return _transform(reader, reader.program.emit("GEOMETRY", what="POSITION"), inverse)
+        return _transform(reader, _position(reader), inverse)
     if name == "Normal":
         reader.warn(f"'{node.name}' (Normal) is that of world space, not of the object's")
         return reader.program.emit("GEOMETRY", what="NORMAL")
@@ -250,7 +320,7 @@ def _tex_coord(reader, found):
         reader.warn(f"coordinates from '{node.name}' ({name}) are not supported; the UV map is "
                     "used as it is")
     reader.uses_uv = True
-    return reader.program.emit("GEOMETRY", what="UV")
+    return _uv(reader)
 
 
 _GEOMETRY = {"Position": "POSITION", "Normal": "NORMAL", "Tangent": "TANGENT",
@@ -263,7 +333,7 @@ def _geometry(reader, found):
         reader.warn(f"'{found.node.name}' ({found.output.name}) is not supported; the socket's own "
                     "value is used")
         return None
-    parts = reader.program.emit("GEOMETRY", what=what)
+    parts = _position(reader) if what == "POSITION" else reader.program.emit("GEOMETRY", what=what)
     return parts[:1] if what == "BACKFACING" else parts
 
 
@@ -277,7 +347,7 @@ def _mapping(reader, found):
     vector = _coordinates(reader, found.node.inputs["Vector"], found.groups)
     if vector is None:
         linked = found.node.inputs["Vector"].is_linked
-        vector = (reader.program.emit("GEOMETRY", what="UV") if linked
+        vector = (_uv(reader) if linked
                   else _own_value(found.node.inputs["Vector"]).parts)
     place = (_input(reader, found, "Location") if kind in ("POINT", "TEXTURE") else (0.0,) * 3)
     scale, turn = _input(reader, found, "Scale"), _input(reader, found, "Rotation")
@@ -397,7 +467,7 @@ def _mix(reader, found):
 
 
 def _ramp(reader, found):
-    ramp, key = found.node.color_ramp, ("ramp", found.node, found.groups)
+    ramp, key = found.node.color_ramp, ("ramp", found.node, found.groups, reader.shift)
     if key not in reader.known:
         table = array("f", [part for k in range(256) for part in ramp.evaluate(k / 255)])
         reader.known[key] = reader.program.emit(
@@ -467,6 +537,7 @@ def _map_range(reader, found):
 # By the node's type: each is tested by test_blender_semantics.
 NODES = {
     "RGB": _rgb, "VALUE": _value_node, "TEX_IMAGE": _tex_image, "NORMAL_MAP": _normal_map,
+    "BUMP": _bump,
     "UVMAP": _uv_map, "TEX_COORD": _tex_coord, "NEW_GEOMETRY": _geometry, "MAPPING": _mapping,
     "MATH": _math, "VECT_MATH": _vector_math, "MIX_RGB": _mix_rgb, "MIX": _mix, "VALTORGB": _ramp,
     "SEPRGB": _separate, "SEPXYZ": _separate, "SEPARATE_COLOR": _separate,

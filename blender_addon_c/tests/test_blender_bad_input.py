@@ -24,7 +24,7 @@ EXPECTED = {
     "broken_image": ("error", "material 'steel': image 'broken.png' cannot be read: .*broken.png"),
     "no_image": ("finished", "Warning: .*'steel': 'Image Texture' has no image"),
     "eight_bit_normal_map": ("finished", "'bytes' has colour space 'sRGB': set it to Non-Color"),
-    "bump_node": ("finished", "Warning: .*'steel': Normal: 'Bump' .Normal. is not supported"),
+    "bump_node": ("finished", "Warning: .*'steel': Height: 'Noise Texture'.* not supported"),
     "noise_color": ("finished", "Warning: .*'steel': Color: 'Noise Texture'.* not supported"),
     "generated": ("finished", "Warning: .*coordinates from 'Texture Coordinate' .Generated. are not"),
     "cycle": ("finished", None),

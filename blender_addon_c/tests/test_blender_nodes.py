@@ -94,6 +94,24 @@ def test_nodes_say_what_they_say_in_cycles(blender, tmp_path):
     assert len({tuple(color.round(3)) for color in ours}) > len(cases) / 2
 
 
+BUMPS = {"image": {}, "inverted": {"invert": True, "strength": 0.5, "distance": 0.4},
+         "mapped": {"mapping": 2.0, "distance": 0.1}, "position": {"position": True, "distance": 0.4}, "two": {"chain": True}}
+
+
+@pytest.mark.parametrize("case", BUMPS)
+def test_bumps_are_those_of_cycles(blender, tmp_path, case):
+    """A matt plate whose smooth heights a low sun lights."""
+    pictures = []
+    for engine in ("LIBSHADE", "CYCLES"):
+        blender.scene("heights", tmp_path, engine=engine, dump="", **BUMPS[case])
+        pictures.append(rgba(tmp_path / "picture.exr")[..., 0].astype(float))
+    ours, theirs = pictures
+    assert theirs.std() > 0.05 * theirs.mean()  # there are bumps
+    assert abs(ours.mean() / theirs.mean() - 1) < 0.01
+    blocks = (ours - theirs).reshape(16, 4, 16, 4).mean((1, 3))
+    assert np.abs(blocks).mean() < min(0.02 * theirs.mean(), 0.1 * theirs.std())
+
+
 def test_every_node_has_a_case():
     tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
     (table,) = (n.value for n in tree.body
@@ -103,7 +121,8 @@ def test_every_node_has_a_case():
              "SEPRGB": "SeparateRGB", "SEPXYZ": "SeparateXYZ", "COMBRGB": "CombineRGB",
              "COMBXYZ": "CombineXYZ", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
              "RGB": "RGB"}
-    elsewhere = {"NORMAL_MAP", "TEX_IMAGE"}  # test_blender_semantics.py
+    # test_blender_semantics.py, and here
+    elsewhere = {"NORMAL_MAP", "TEX_IMAGE", "BUMP"}
     covered = {case["node"].removeprefix("ShaderNode") for case in CASES}
     for key in table.keys:
         word = types.get(key.value, key.value.title().replace("_", ""))

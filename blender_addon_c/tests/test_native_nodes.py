@@ -10,7 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from native_scenes import (ROOT, dump, image, material, native, persp, registers, scene, square, sun,
+from native_scenes import (ROOT, dump, image, material, mesh, native, persp, registers, scene, square, sun,
                            unit, vectors)
 
 KINDS = native.table()["nodes"]
@@ -64,6 +64,9 @@ NODES = {
     "NORMAL_MAP": ({"image": 1, "strength": 1.0, "out": OUT[:3]}, tilted),
     "PERTURB": ({"color": [float(0.5 + 0.5 * t) for t in TILT], "strength": [1.0], "out": OUT[:3]},
                 tilted),
+    "BUMP": ({"height": [0.1, 0.1 + 0.6 * 0.25, 0.1 - 0.4 * 0.25], "step": 0.25, "strength": [0.5],
+              "distance": [2.0], "normal": [0.0, 0.0, 1.0], "out": OUT[:3]}, lambda u, v:
+             np.broadcast_to(unit(unit(np.array((-0.6, 0.4, 1))) + (0, 0, 1)), (*u.shape, 3))),
     "ALBEDO": ({"alpha": [0.5], "out": OUT[:3]}, rough_albedo),
     "GEOMETRY": ({"what": "UV", "out": OUT[:3]}, stacked(lambda u, v: (u, v, 0))),
     "FRAME": ({"vector": [float(t) for t in TILT], "to": "SHADING", "out": OUT[:3]}, tilted),
@@ -75,7 +78,7 @@ NODES = {
             stacked(lambda u, v: (1 - (0.25 + 0.75 * (1 - v)) * (1 - u),) * 3)),
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
-NORMALS = ("NORMAL_MAP", "PERTURB", "FRAME")
+NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "FRAME")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -90,6 +93,34 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
+
+
+@pytest.mark.parametrize("uvs", [[(0, 0), (0.5, 0.2), (0.9, 1.1), (0.4, 0.9)],
+                                 [(0, 0), (-1, 0), (-1, 2), (0, 2)], [(0.3, 0.3)] * 4])
+def test_bumps_of_a_slope_are_the_same_by_any_uv_map(uvs, tmp_path):
+    """Sheared, mirrored, or none: height 0.5 x - 0.25 y has the same normal."""
+    position, du, dv, h = registers(3, 3), registers(6, 3), registers(9, 3), registers(12, 6)
+
+    def slope(a, b, c, first, out):
+        return [{"type": "MATH", "operation": "MULTIPLY_ADD", "a": [a], "b": [0.5 * c], "c": [first],
+                 "out": [out]},
+                {"type": "MATH", "operation": "MULTIPLY_ADD", "a": [b], "b": [-0.25 * c], "c": [out],
+                 "out": [out]}]
+
+    nodes = [{"type": "GEOMETRY", "what": what, "out": out}
+             for what, out in (("POSITION", position), ("ALONG_U", du), ("ALONG_V", dv))]
+    nodes += slope(*position[:2], 1, 0.0, h[0]) + slope(*du[:2], 0.125, h[0], h[1])
+    nodes += slope(*dv[:2], 0.125, h[0], h[2])
+    nodes += [{"type": "BUMP", "height": h[:3], "step": 0.125, "strength": [1.0], "distance": [1.0],
+               "normal": [0.0, 0.0, 1.0], "out": h[3:]}]
+    corners = 0.5 * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
+    plate = mesh(corners, [[0, 1, 2], [0, 2, 3]], uvs=np.float32(uvs))
+    planes, _ = dump(scene(materials=[material() | {"nodes": nodes, "normal": h[3:]}],
+                           meshes=[plate]), tmp_path / "d.exr")
+    seen = planes["material.ID"] == 0
+    expected = np.broadcast_to(unit(np.array((-0.5, 0.25, 1))), (seen.sum(), 3))
+    assert seen.any()
+    np.testing.assert_allclose(vectors(planes, "Ns", "XYZ")[seen], expected, atol=1e-5)
 
 
 def varied(**changes):

@@ -91,7 +91,8 @@ typedef struct surfaces {
   lane_v n, t, b; /* shading frame, world: normal facing the eye, tangent, cross(n, t) */
   lane_v wo;      /* to the eye, in the shading frame */
   lane_f u, v;
-  lane_f side; /* -1 where the interpolated normal had to be turned to the eye's side */
+  lane_v du, dv; /* position by u and v, where the scene has `stretch` */
+  lane_f side;   /* -1 where the interpolated normal had to be turned to the eye's side */
 } surfaces;
 
 /*

@@ -32,6 +32,7 @@
                                     .place = stage_place,                                          \
                                     .surface = stage_surface,                                      \
                                     .lift = stage_lift,                                            \
+                                    .stretch = stage_stretch,                                      \
                                     .flat = stage_flat,                                            \
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \
                                     .pair = stage_pair,                                            \

@@ -28,6 +28,12 @@ LEAF vec3 geometry_true_normal(const surfaces *at, size_t i) {
 LEAF vec3 geometry_tangent(const surfaces *at, size_t i) {
   return load(&at->t, i);
 }
+LEAF vec3 geometry_along_u(const surfaces *at, size_t i) {
+  return load(&at->du, i);
+}
+LEAF vec3 geometry_along_v(const surfaces *at, size_t i) {
+  return load(&at->dv, i);
+}
 LEAF vec3 geometry_incoming(const surfaces *at, size_t i) {
   return world_of(at, i, load(&at->wo, i));
 }
@@ -45,6 +51,8 @@ LEAF vec3 geometry_backfacing(const surfaces *at, size_t i) {
   ROW(NORMAL, normal)                                                                              \
   ROW(TRUE_NORMAL, true_normal)                                                                    \
   ROW(TANGENT, tangent)                                                                            \
+  ROW(ALONG_U, along_u)                                                                            \
+  ROW(ALONG_V, along_v)                                                                            \
   ROW(INCOMING, incoming)                                                                          \
   ROW(REFLECTION, reflection)                                                                      \
   ROW(BACKFACING, backfacing)
@@ -60,6 +68,11 @@ typedef struct node_geometry {
 static inline bool node_geometry_read(reader *r, node_geometry *n, graph *g) {
   static const char *const words[] = {GEOMETRY_TABLE(GEOMETRY_WORD) NULL};
   return reader_word(r, "what", words, &n->what) && graph_outputs(r, g, "out", 3, n->out);
+}
+
+/* Does it need position by u and v? */
+static inline bool geometry_stretches(const node_geometry *n) {
+  return n->what == GEOMETRY_ALONG_U || n->what == GEOMETRY_ALONG_V;
 }
 
 static inline bool node_geometry_build(node_geometry *n, const node_place *place) {

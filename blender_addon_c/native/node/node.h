@@ -16,6 +16,7 @@
 #define LIBSHADE_NODE_H
 
 #include "node/albedo.h"
+#include "node/bump.h"
 #include "node/frame.h"
 #include "node/geometry.h"
 #include "node/image.h"
@@ -30,6 +31,7 @@
   ROW(IMAGE, image)                                                                                \
   ROW(NORMAL_MAP, normal_map)                                                                      \
   ROW(PERTURB, perturb)                                                                            \
+  ROW(BUMP, bump)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(FRAME, frame)                                                                                \

@@ -79,6 +79,8 @@ static void find_surface(worker *w) {
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
   if (is_lifted(w))
     s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
+  if (w->scene->stretch)
+    s->stretch(b->queue.hits, w->scene->stretch, w->scene->placed, b->hit, &b->surface);
 }
 
 /* What each material's nodes say. */

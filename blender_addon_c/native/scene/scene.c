@@ -197,6 +197,22 @@ static void find_heights(const float *const corner[3], triangle *out) {
     }
 }
 
+/* Position by u and v, or by two edges where these are no measure. */
+static void find_stretch(const float *const corner[3], const triangle *t, stretch *out) {
+  double u1 = (double)t->corner[1][6] - (double)t->corner[0][6];
+  double v1 = (double)t->corner[1][7] - (double)t->corner[0][7];
+  double u2 = (double)t->corner[2][6] - (double)t->corner[0][6];
+  double v2 = (double)t->corner[2][7] - (double)t->corner[0][7];
+  double area = u1 * v2 - u2 * v1;
+  bool good = fabs(area) > 1e-18;
+  for (int k = 0; k < 3; k++) {
+    double a = (double)corner[1][k] - (double)corner[0][k];
+    double b = (double)corner[2][k] - (double)corner[0][k];
+    out->u[k] = (float)(good ? (a * v2 - b * v1) / area : a);
+    out->v[k] = (float)(good ? (b * u1 - a * u2) / area : b);
+  }
+}
+
 /* The record of triangle t, its corners turned so that `turn` comes first. */
 static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
   const share *sh = &b->share[index];
@@ -229,6 +245,8 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
   out->handed *= sh->mirror;
   if (b->scene->soft_terminator)
     find_heights(world, out);
+  if (b->scene->stretch)
+    find_stretch(world, out, &b->scene->stretch[out - b->scene->triangle]);
 }
 
 static void place_positions(void *context, size_t index) {
@@ -377,6 +395,14 @@ static void add_share(build *b, size_t mesh_index, const double *matrix, int pas
   b->singles += p->singles;
 }
 
+static bool is_bumped(const scene *s) {
+  for (const material *m = s->material; m < s->material + s->materials; m++)
+    for (const node *n = m->node; n < m->node + m->nodes; n++)
+      if (n->type == NODE_BUMP || (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
+        return true;
+  return false;
+}
+
 static bool share_out(build *b) {
   static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   scene *s = b->scene;
@@ -410,6 +436,8 @@ static bool share_out(build *b) {
   b->quad = array(b, 4 * s->quad_count, sizeof *b->quad);
   b->single = array(b, 3 * b->singles, sizeof *b->single);
   s->triangle = array(b, s->triangle_count, sizeof *s->triangle);
+  if (is_bumped(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
+    return false;
   return b->position && b->quad && b->single && s->triangle;
 }
 
@@ -653,6 +681,7 @@ void scene_free(scene *s) {
   for (int i = 0; i < 3; i++)
     free(s->world[i]);
   free(s->triangle);
+  free(s->stretch);
   free(s->placed);
   texture_free(&s->textures);
   sky_free(&s->sky);

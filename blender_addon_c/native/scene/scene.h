@@ -86,6 +86,11 @@ typedef struct triangle {
 } triangle;
 _Static_assert(sizeof(triangle) == 128, "two cache lines");
 
+/* Position of a triangle by u and v; without UVs by two of its edges. */
+typedef struct stretch {
+  float u[3], v[3];
+} stretch;
+
 /*
  * An instance of a mesh that is kept once, as it is: hits of it are turned into the world.
  * Directions alone: the largest number of each matrix is 1.
@@ -143,8 +148,9 @@ typedef struct scene {
   bool meets;                        /* drawn rays may meet light */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
-  bool curved;    /* any of them, where the scene wants to know */
-  placed *placed; /* by instance of Embree; 0 is the world; NULL where there are none */
+  stretch *stretch; /* by triangle, where a material asks for it */
+  bool curved;      /* any of them, where the scene wants to know */
+  placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;
   texture_set textures;
   void *world[3]; /* positions and indices, for Embree */

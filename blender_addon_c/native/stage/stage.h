@@ -11,6 +11,7 @@
  *   place    into the world, where the scene has instances
  *   surface  position, frame, direction to the eye, uv
  *   lift     shadow rays start above the facets of smooth surfaces
+ *   stretch  position by u and v, where materials ask for it
  *   flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
  *   (or weigh, choose, chosen, lit                                one light for each hit)
@@ -83,6 +84,9 @@ typedef struct stage_table {
   /* Where the scene has curved triangles. */
   void (*lift)(size_t count, const triangle *triangles, const placed *table, const hits *hit,
                surfaces *out);
+  /* Where the scene has bumps by heights. */
+  void (*stretch)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
+                  surfaces *out);
   void (*flat)(const segment *g, inputs *out);
   void (*node[NODE_TYPES])(const segment *g, const node *node, const corners *corner,
                            const surfaces *at, inputs *out);

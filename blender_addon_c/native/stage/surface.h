@@ -173,3 +173,21 @@ static void stage_lift(size_t count, const triangle *restrict triangles,
     out->slack[i] = INFINITY;
   }
 }
+
+/* Position by u and v, in the world. */
+static void stage_stretch(size_t count, const stretch *restrict triangles,
+                          const placed *restrict table, const hits *restrict hit,
+                          surfaces *restrict out) {
+  for (size_t i = 0; i < count; i++) {
+    stretch s = triangles[hit->record[i]];
+    float scale = 1.0f;
+    if (table && hit->instance[i]) {
+      const placed *p = &table[hit->instance[i]];
+      scale = p->scale;
+      turn_row(p->linear, s.u);
+      turn_row(p->linear, s.v);
+    }
+    store(&out->du, i, (vec3){scale * s.u[0], scale * s.u[1], scale * s.u[2]});
+    store(&out->dv, i, (vec3){scale * s.v[0], scale * s.v[1], scale * s.v[2]});
+  }
+}

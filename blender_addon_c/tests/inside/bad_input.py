@@ -113,6 +113,8 @@ def eight_bit_normal_map(scene):
 def bump_node(scene):
     _ob, tree, node = plate(scene)
     bump = tree.nodes.new("ShaderNodeBump")
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
     tree.links.new(bump.outputs["Normal"], node.inputs["Normal"])
 
 

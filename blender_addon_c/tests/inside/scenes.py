@@ -501,6 +501,59 @@ def graph(options):
     return {}
 
 
+def heights(options):
+    """A matt plate, twice as long as its UV map says, under a low sun and a Bump node or two."""
+    scene = common.empty_scene(64, 64, samples=16)
+    material = bpy.data.materials.new("matt")
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    shader, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "OutputMaterial"))
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    bump = tree.nodes.new("ShaderNodeBump")
+    bump.invert = options.get("invert", False)
+    bump.inputs["Strength"].default_value = options.get("strength", 1.0)
+    bump.inputs["Distance"].default_value = options.get("distance", 0.2)
+    tree.links.new(bump.outputs[0], shader.inputs["Normal"])
+    if options.get("position"):
+        geometry, parts = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeSeparateXYZ")
+        wave = tree.nodes.new("ShaderNodeMath")
+        wave.operation = "SINE"
+        tree.links.new(geometry.outputs["Position"], parts.inputs[0])
+        tree.links.new(parts.outputs["X"], wave.inputs[0])
+        height = wave.outputs[0]
+    else:
+        image = bpy.data.images.new("waves", 64, 64, float_buffer=True, is_data=True)
+        at = (np.arange(64) + 0.5) / 64 * 2 * math.pi
+        waves = 0.5 + 0.2 * np.sin(at)[None, :] + 0.2 * np.cos(2 * at + 1)[:, None]
+        image.pixels.foreach_set(np.float32(np.stack([waves] * 3 + [waves * 0 + 1], -1).ravel()))
+        image.update()
+        texture = common.image_node(tree, image)
+        if options.get("mapping"):
+            place, mapping = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Mapping"))
+            mapping.inputs["Scale"].default_value = (options["mapping"],) * 3
+            tree.links.new(place.outputs["UV"], mapping.inputs["Vector"])
+            tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+        grey = tree.nodes.new("ShaderNodeRGBToBW")
+        tree.links.new(texture.outputs["Color"], grey.inputs[0])
+        height = grey.outputs[0]
+    tree.links.new(height, bump.inputs["Height"])
+    if options.get("chain"):
+        first = tree.nodes.new("ShaderNodeBump")
+        first.inputs["Distance"].default_value = 0.05
+        tree.links.new(height, first.inputs["Height"])
+        tree.links.new(first.outputs[0], bump.inputs["Normal"])
+    plate = common.plane(material, 2.0)
+    plate.scale = (1, 2, 1)
+    common.light(scene, rotation=(0.7, 0.5, 0))
+    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    if options["engine"] == "CYCLES":
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples, scene.cycles.use_denoising = 16, False
+        scene.cycles.use_adaptive_sampling, scene.cycles.pixel_filter_type = False, "BOX"
+    common.render(options["picture"])
+    return {}
+
+
 def grooves(options):
     """A plane of one tilted normal: an anisotropic BSDF of Cycles', or our metal that is the same."""
     scene = common.empty_scene(16, 16)
