@@ -503,7 +503,7 @@ def graph(options):
 
 def heights(options):
     """A matt plate, twice as long as its UV map says, under a low sun and a Bump node or two."""
-    scene = common.empty_scene(64, 64, samples=16)
+    scene = common.empty_scene(128, 128, samples=16)
     material = bpy.data.materials.new("matt")
     tree = common.tree_of(material)
     tree.nodes.clear()
