@@ -7,9 +7,9 @@
  *   closure_<name>_read       reads it from a scene
  *   closure_<name>_exponent   how sharp it is, as an exponent
  *   closure_<name>_traits     bits of closure_trait (closure/common.h)
- *   closure_<name>_albedo     for a run of hits, how much of the light it sends on, roughly: the
- * more, the likelier it draws closure_<name>_eval       f and cosine for a run of hits; the density
- * of its draws if asked closure_<name>_draw       directions, with f, cosine and density
+ *   closure_<name>_albedo     how much light it sends on, roughly: the more, the likelier a draw
+ *   closure_<name>_eval       f and cosine for a run of hits; the density of its draws if asked
+ *   closure_<name>_draw       directions, with f, cosine and density
  *
  * and one row: ROW(TYPE, name). TYPE is the word in a scene, CLOSURE_TYPE its number, stage_<name>
  * its stage and closure_<name> its clock.
