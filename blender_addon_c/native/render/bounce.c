@@ -359,6 +359,8 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
   int passing = s->passes ? (int)s->limits.kind[BOUNCE_TRANSPARENT] : 0;
   int bounces = s->max_bounces + passing + (s->meets ? 1 : 0);
   for (int bounce = 0; bounce < bounces && b->queue.hits; bounce++) {
+    if (atomic_load_explicit(w->cancel, memory_order_relaxed))
+      return;
     size_t rays = go_on(w, bounce, phase);
     if (!rays)
       return;

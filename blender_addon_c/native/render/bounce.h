@@ -3,6 +3,8 @@
 #ifndef LIBSHADE_BOUNCE_H
 #define LIBSHADE_BOUNCE_H
 
+#include <stdatomic.h>
+
 #include "batch/state.h"
 #include "render/clock.h"
 #include "render/plane.h"
@@ -21,7 +23,8 @@ typedef struct observer {
 typedef struct worker {
   const scene *scene;
   const sampling *sampling;
-  const observer *observer; /* or NULL */
+  const observer *observer;  /* or NULL */
+  const atomic_bool *cancel; /* what a batch leaves undone once this is true is never shown */
   const plane_layout *planes;
   bool first_pass;
   float *numbers; /* of the tile's planes, or NULL where none is wanted */

@@ -70,6 +70,8 @@ static void render_tile(render *r, worker *w, size_t tile) {
     view.first = (uint32_t)first;
     bounce_batch(w, &view, lanes - first < BATCH ? lanes - first : BATCH, pixels);
   }
+  if (cancelled(r))
+    return;
   pthread_mutex_lock(&r->film);
   if (r->sum)
     add_pixels(r, &view, 4, pixels, r->sum);
@@ -89,7 +91,8 @@ static bool goes_on(const render *r, size_t pass) {
 static void work(void *context, size_t number) {
   (void)number;
   render *r = context;
-  worker w = {.scene = r->scene, .observer = r->observer, .planes = &r->planes};
+  worker w = {
+      .scene = r->scene, .observer = r->observer, .cancel = r->cancel, .planes = &r->planes};
   if (worker_init(&w)) {
     for (;;) {
       size_t next = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed);
