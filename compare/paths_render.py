@@ -45,8 +45,14 @@ def material(name, kind, color, **sockets):
 def brushed():
     """GGX with alphas .05 and .3. Cycles: alphas r² (1 - a) and r² / (1 - a)."""
     roughness, anisotropy = math.sqrt(math.sqrt(0.05 * 0.3)), 1.0 - math.sqrt(0.05 / 0.3)
-    return material("brushed", "Anisotropic", (0.9, 0.75, 0.5), Roughness=roughness,
+    made = material("brushed", "Anisotropic", (0.9, 0.75, 0.5), Roughness=roughness,
                     Anisotropy=anisotropy)
+    tree = made.node_tree
+    tangent = tree.nodes.new("ShaderNodeTangent")
+    tangent.direction_type = "UV_MAP"  # left out, it runs round the object's Z axis
+    shader = next(n for n in tree.nodes if "Tangent" in n.inputs)
+    tree.links.new(tangent.outputs["Tangent"], shader.inputs["Tangent"])
+    return made
 
 
 def link(scene, name, data, location=(0, 0, 0), rotation=(0, 0, 0)):
