@@ -16,9 +16,8 @@ def averaged(path):
 
 @pytest.mark.parametrize("floor", [False, True])
 def test_a_new_file(blender, tmp_path, floor):
-    """Nothing but the engine is chosen. From 4.0 on Cycles dims the body of a Principled BSDF by
-    what its surface reflects, a twentieth, which is not done here yet."""
-    limit = (0.03 if floor else 0.02) if blender.version < "4" else (0.06 if floor else 0.05)
+    """Nothing but the engine is chosen."""
+    limit = 0.02 if floor else 0.005
     pictures = []
     for engine, samples in ("LIBSHADE", 64), ("CYCLES", 128):
         blender.scene("first_minute", tmp_path, dump="", engine=engine, samples=samples, floor=floor)

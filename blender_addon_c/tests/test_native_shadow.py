@@ -226,6 +226,29 @@ def test_two_of_the_same_light_are_one_of_twice_the_strength():
     assert np.abs(two - one).max() < 0.1 * one.max()
 
 
+def test_soft_lights_have_samples_of_their_own():
+    """Two of the same light: as bright as one of twice the strength, but with less noise."""
+    half_roof = mesh([[-9, -9, 1], [0, -9, 1], [0, 9, 1], [-9, 9, 1]], [[0, 1, 2], [0, 2, 3]])
+    base = {
+        "camera": ortho(0.2, (0, 0, 0.5)),
+        "meshes": [square(9), half_roof],
+        "samples": 4,
+        "materials": [material(ex=0.0, ey=0.0, fresnel="NONE", f0=(1, 1, 1))],
+    }
+
+    def picture(*lights, **changes):
+        return render(scene(lights=list(lights), **base | changes))[0][..., 0].astype(float)
+
+    # no drawn ray meets them: their own samples alone
+    light, double = ({**sun(angle=1.0, irradiance=(e, e, e)), "met": False} for e in (1, 2))
+    truth = picture(double, samples=4096)
+    one, two = picture(double) - truth, picture(light, light) - truth
+    assert abs(two.mean()) < 0.02 * truth.mean()
+    noise = [np.sqrt((error**2).mean()) for error in (one, two)]
+    # independent: 0.71; the same samples: 1
+    assert 0.01 * truth.mean() < noise[0] and 0.5 * noise[0] < noise[1] < 0.85 * noise[0]
+
+
 @pytest.mark.parametrize("shadow", [True, False])
 def test_light_behind_the_facet_is_no_light(tmp_path, shadow):
     """The smooth normal leans to the light, which is below the triangle itself: nothing lets it

@@ -106,15 +106,15 @@ static shuffle points_of(const worker *w, size_t phase, int bounce, size_t purpo
       .index = p->point[0] + phase, .reverse = p->reverse, .mask = p->mask, .salt = salt};
 }
 
-/* Where on their lights the hits' samples lie. */
-static void draw_points(worker *w, int bounce, size_t phase) {
+/* Where on their lights the hits' samples lie; those of another light, by its number, elsewhere. */
+static void draw_points(worker *w, size_t number, int bounce, size_t phase) {
   const sampling *p = w->sampling;
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   if (bounce == 0) {
     points points = {.x = p->point[2] + phase,
                      .y = p->point[3] + phase,
-                     .salt = 0x9e3779b9u,
+                     .salt = ((uint32_t)number + 1) * 0x9e3779b9u,
                      .scramble = p->scramble};
     s->pair(b->queue.hits, &points, b->queue.lane, &b->path, &b->light);
   } else {
@@ -144,11 +144,12 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
 }
 
 /* One light on all hits. */
-static void illuminate(worker *w, const light *l, int bounce, size_t phase) {
+static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
+  const light *l = &w->scene->light[number];
   const light_common *c = &l->common;
   bool spread = c->soft && w->sampling->scramble; /* a dump takes lights at their middles */
   if (spread)
-    draw_points(w, bounce, phase);
+    draw_points(w, number, bounce, phase);
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
   reflect(w, bounce, c->shadow, spread && c->met, c->color, CLOCK_LIGHT + (clock_number)l->type);
@@ -235,7 +236,7 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
   batch *b = w->batch;
   choose_lights(w, bounce, phase);
   sort_by_light(w);
-  draw_points(w, bounce, phase);
+  draw_points(w, 0, bounce, phase);
   clock_tick(&w->clocks, CLOCK_CHOICE);
   for (size_t k = 0, begin = 0; k < s->choices; begin = w->end[k++]) {
     if (w->end[k] > begin && k < s->lights) {
@@ -281,12 +282,12 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
     w->observer->hits(w->observer->context, b, view);
   if (w->observer) {
     for (size_t k = 0; k < s->lights; k++) {
-      illuminate(w, &s->light[k], bounce, phase);
+      illuminate(w, k, bounce, phase);
       w->observer->light(w->observer->context, b, view, k, &s->light[k]);
     }
   } else if (takes_all_lamps(s, bounce)) {
     for (size_t k = 0; k < s->lights; k++)
-      illuminate(w, &s->light[k], bounce, phase);
+      illuminate(w, k, bounce, phase);
     memset(b->weight.total, 0, b->queue.hits * sizeof(float)); /* no choice was made */
   } else if (s->choices) {
     illuminate_by_choice(w, bounce, phase);
