@@ -2,6 +2,8 @@
 /*
  * Tangents of a UV-mapped triangle mesh, by the rules of MikkTSpace.
  *
+ * 0. gather: the corners at one place, in order of their numbers. All that follows
+ *    stays among those of one place, so places may be worked at side by side.
  * 1. weld: corners with equal position, normal and UV become one vertex.
  * 2. link: triangles that run along the same edge in opposite directions become
  *    neighbours there, in pairs.
@@ -31,16 +33,23 @@ enum {
   FACET_DEGENERATE = 8, /* two corners at one place: no part in any group */
 };
 
+enum { PLACES = 2048, TRIANGLES = 8192 }; /* that one piece of work takes */
+
 struct mesh {
   const float *position, *normal, *uv;
   const uint32_t *corner_position;
-  uint32_t corners;
+  uint32_t corners, places;
+  uint32_t *place;    /* per position: where it is; those with equal values are at one place */
+  uint32_t *start;    /* per place: its first in `corner`; one more at the end */
+  uint32_t *corner;   /* corners, those of each place one after the other */
+  uint32_t *spare;    /* two per entry of `corner`: hash tables with open addressing */
   uint32_t *vertex;   /* per corner: first corner with the same values */
   uint32_t *opposite; /* per edge: the neighbour's edge, or NOTHING */
   uint32_t *group;    /* per corner: first corner of its group, or NOTHING */
-  uint32_t *table;    /* hash table with open addressing */
-  size_t mask;        /* its length - 1, length a power of two */
   uint8_t *facet;     /* per triangle: the bits above */
+  uint8_t *held;      /* per place: a triangle there has no handedness yet */
+  float *tangent;
+  uint32_t *without; /* per piece of work: corners without a direction */
 };
 
 /* ---- values of a corner -------------------------------------------------- */
@@ -73,25 +82,23 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Scale to length 1. A zero vector stays as it is and gives 0. */
-static int normalise(double v[3]) {
+/* Scale to length 1. A zero vector stays as it is. */
+static void normalise(double v[3]) {
   double length = sqrt(dot(v, v));
-  if (!(length > 0))
-    return 0;
+  double scale = length > 0 ? 1 / length : 0;
   for (int i = 0; i < 3; ++i)
-    v[i] /= length;
-  return 1;
+    v[i] *= scale;
 }
 
 /*
- * Make the part of unit v that lies in the plane of unit n, of length 1; 0 if
- * there is none. Below 1e-7 it would be the rounding of the float normal.
+ * Leave of v the part that lies in the plane of unit n; 0 if there is none. Below 1e-7
+ * of v it would be the rounding of the float normal.
  */
 static int project(double v[3], const double n[3]) {
-  double along = dot(v, n);
+  double along = dot(v, n), square = dot(v, v);
   for (int i = 0; i < 3; ++i)
     v[i] -= along * n[i];
-  return dot(v, v) > 1e-14 && normalise(v);
+  return dot(v, v) > 1e-14 * square;
 }
 
 static void normal_of(const struct mesh *m, uint32_t c, double out[3]) {
@@ -100,16 +107,7 @@ static void normal_of(const struct mesh *m, uint32_t c, double out[3]) {
   normalise(out);
 }
 
-/* ---- 1. weld --------------------------------------------------------------- */
-
-static void values_of(const struct mesh *m, uint32_t c, float out[8]) {
-  const float *p = m->position + 3 * (size_t)m->corner_position[c];
-  memcpy(out, p, 3 * sizeof *out);
-  memcpy(out + 3, m->normal + 3 * (size_t)c, 3 * sizeof *out);
-  memcpy(out + 6, m->uv + 2 * (size_t)c, 2 * sizeof *out);
-  for (int i = 0; i < 8; ++i)
-    out[i] = finite_or_zero(out[i]);
-}
+/* ---- 0. gather ------------------------------------------------------------- */
 
 /* Two rounds of multiply and shift: neighbours in space end up far apart. */
 static uint64_t mix(uint64_t h) {
@@ -118,38 +116,101 @@ static uint64_t mix(uint64_t h) {
   return h ^ (h >> 32);
 }
 
-static uint64_t hash_values(const float values[8]) {
-  uint64_t pairs[4], h = 0;
-  memcpy(pairs, values, sizeof pairs);
-  for (int i = 0; i < 4; ++i)
-    h = mix(h + pairs[i]);
+/* Where to look first in a table of `length`, by the hash's upper half. */
+static uint32_t first_slot(uint64_t hash, uint32_t length) {
+  return (uint32_t)((hash >> 32) * length >> 32);
+}
+static uint32_t next_slot(uint32_t slot, uint32_t length) {
+  return slot + 1 < length ? slot + 1 : 0;
+}
+
+static void place_values(const struct mesh *m, uint32_t position, float out[4]) {
+  for (int i = 0; i < 3; ++i)
+    out[i] = finite_or_zero(m->position[3 * (size_t)position + (size_t)i]);
+  out[3] = 0;
+}
+
+static uint64_t hash_pairs(const float *values, int pairs) {
+  uint64_t pair, h = 0;
+  for (int i = 0; i < pairs; ++i) {
+    memcpy(&pair, values + 2 * i, sizeof pair);
+    h = mix(h + pair);
+  }
   return h;
 }
 
-static void clear_table(struct mesh *m) {
-  memset(m->table, 0xff, (m->mask + 1) * sizeof *m->table); /* NOTHING */
+/* A position whose values are new gets the next place. `table` holds such positions, by their
+ * values. */
+static uint32_t find_place(struct mesh *m, uint32_t position, uint32_t *table, uint32_t length) {
+  float mine[4], other[4];
+  place_values(m, position, mine);
+  uint32_t slot = first_slot(hash_pairs(mine, 2), length);
+  for (; table[slot] != NOTHING; slot = next_slot(slot, length)) {
+    place_values(m, table[slot], other);
+    if (memcmp(mine, other, sizeof mine) == 0)
+      return m->place[table[slot]];
+  }
+  table[slot] = position;
+  return m->places++;
 }
 
-static void weld(struct mesh *m) {
-  clear_table(m);
+static uint32_t place_of(const struct mesh *m, uint32_t c) {
+  return m->place[m->corner_position[c]];
+}
+
+/* Places in the order in which corners come to them, and the corners of each: by counting. */
+static void gather(struct mesh *m, uint32_t positions) {
+  const uint32_t most = positions < m->corners ? positions : m->corners;
+  const uint32_t length = most + most / 2 + 1; /* less than 2 per corner, but for the last */
+  memset(m->place, 0xff, positions * sizeof *m->place); /* NOTHING */
+  memset(m->spare, 0xff, length * sizeof *m->spare);    /* NOTHING */
+  memset(m->start, 0, ((size_t)most + 1) * sizeof *m->start);
   for (uint32_t c = 0; c < m->corners; ++c) {
-    float mine[8], other[8];
-    values_of(m, c, mine);
-    size_t slot = (size_t)hash_values(mine) & m->mask;
-    for (; m->table[slot] != NOTHING; slot = (slot + 1) & m->mask) {
-      values_of(m, m->table[slot], other);
+    const uint32_t position = m->corner_position[c];
+    if (m->place[position] == NOTHING)
+      m->place[position] = find_place(m, position, m->spare, length);
+    ++m->start[m->place[position]];
+  }
+  uint32_t end = 0;
+  for (uint32_t p = 0; p <= m->places; ++p) /* ends, which counting down makes the starts */
+    m->start[p] = end += p < m->places ? m->start[p] : 0;
+  for (uint32_t c = m->corners; c-- > 0;)
+    m->corner[--m->start[place_of(m, c)]] = c;
+}
+
+/* ---- 1. weld --------------------------------------------------------------- */
+
+/* Normal and UV: all that tells corners at one place apart. */
+static void values_of(const struct mesh *m, uint32_t c, float out[6]) {
+  for (size_t i = 0; i < 3; ++i)
+    out[i] = finite_or_zero(m->normal[3 * (size_t)c + i]);
+  for (size_t i = 0; i < 2; ++i)
+    out[3 + i] = finite_or_zero(m->uv[2 * (size_t)c + i]);
+  out[5] = 0;
+}
+
+static void weld(const struct mesh *m, uint32_t place) {
+  const uint32_t first = m->start[place], end = m->start[place + 1], length = 2 * (end - first);
+  uint32_t *table = m->spare + 2 * (size_t)first;
+  memset(table, 0xff, length * sizeof *table); /* NOTHING */
+  for (uint32_t k = first; k < end; ++k) {
+    float mine[6], other[6];
+    values_of(m, m->corner[k], mine);
+    uint32_t slot = first_slot(hash_pairs(mine, 3), length);
+    for (; table[slot] != NOTHING; slot = next_slot(slot, length)) {
+      values_of(m, table[slot], other);
       if (memcmp(mine, other, sizeof mine) == 0)
         break;
     }
-    if (m->table[slot] == NOTHING)
-      m->table[slot] = c;
-    m->vertex[c] = m->table[slot];
+    if (table[slot] == NOTHING)
+      table[slot] = m->corner[k];
+    m->vertex[m->corner[k]] = table[slot];
   }
 }
 
 /* ---- triangles ------------------------------------------------------------- */
 
-/* The direction of dP/du, unit, or zero where there is none; returns twice the UV area. */
+/* The direction of dP/du, of any length, or zero where there is none; returns twice the UV area. */
 static double triangle_dpdu(const struct mesh *m, uint32_t first, double dpdu[3]) {
   double p[3][3], uv[3][2];
   for (uint32_t i = 0; i < 3; ++i) {
@@ -161,28 +222,18 @@ static double triangle_dpdu(const struct mesh *m, uint32_t first, double dpdu[3]
   double area = u1 * v2 - v1 * u2;
   for (int i = 0; i < 3; ++i)
     dpdu[i] = copysign(1.0, area) * (v2 * (p[1][i] - p[0][i]) - v1 * (p[2][i] - p[0][i]));
-  normalise(dpdu);
   return area;
 }
 
-static int same_place(const struct mesh *m, uint32_t a, uint32_t b) {
-  double p[3], q[3];
-  position_of(m, a, p);
-  position_of(m, b, q);
-  return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
-}
-
-static void classify(struct mesh *m) {
-  for (uint32_t t = 0; t < m->corners / 3; ++t) {
-    uint32_t c = 3 * t;
-    double dpdu[3], area = triangle_dpdu(m, c, dpdu);
-    if (same_place(m, c, c + 1) || same_place(m, c + 1, c + 2) || same_place(m, c + 2, c))
-      m->facet[t] = FACET_DEGENERATE;
-    else if (area == 0)
-      m->facet[t] = FACET_FLAT | FACET_UNDECIDED;
-    else
-      m->facet[t] = area < 0 ? FACET_NEGATIVE : 0;
-  }
+static void classify(const struct mesh *m, uint32_t t) {
+  const uint32_t c = 3 * t, p[3] = {place_of(m, c), place_of(m, c + 1), place_of(m, c + 2)};
+  double dpdu[3], area = triangle_dpdu(m, c, dpdu);
+  if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0])
+    m->facet[t] = FACET_DEGENERATE;
+  else if (area == 0)
+    m->facet[t] = FACET_FLAT | FACET_UNDECIDED;
+  else
+    m->facet[t] = area < 0 ? FACET_NEGATIVE : 0;
 }
 
 /* ---- 2. link --------------------------------------------------------------- */
@@ -194,19 +245,19 @@ static void classify(struct mesh *m) {
  * line, whose successor is the first; m->group holds the successors, NOTHING
  * where the line has run empty (the slot still says whose line it is).
  */
-static void link_edge(struct mesh *m, uint32_t edge) {
+static void link_edge(const struct mesh *m, uint32_t edge, uint32_t *table, uint32_t length) {
   uint32_t *successor = m->group;
   uint32_t from = m->vertex[edge], to = m->vertex[next_corner(edge)];
   uint64_t low = from < to ? from : to, high = from < to ? to : from;
-  size_t slot = (size_t)mix(low << 32 | high) & m->mask;
+  uint32_t slot = first_slot(mix(low << 32 | high), length);
   int opposite = 0;
-  for (; m->table[slot] != NOTHING; slot = (slot + 1) & m->mask) {
-    uint32_t a = m->vertex[m->table[slot]], b = m->vertex[next_corner(m->table[slot])];
+  for (; table[slot] != NOTHING; slot = next_slot(slot, length)) {
+    uint32_t a = m->vertex[table[slot]], b = m->vertex[next_corner(table[slot])];
     opposite = a == to && b == from;
     if (opposite || (a == from && b == to))
       break;
   }
-  uint32_t last = m->table[slot];
+  uint32_t last = table[slot];
   int waiting = last != NOTHING && successor[last] != NOTHING;
   if (waiting && opposite) {
     uint32_t first = successor[last];
@@ -217,17 +268,24 @@ static void link_edge(struct mesh *m, uint32_t edge) {
     successor[edge] = waiting ? successor[last] : edge;
     if (waiting)
       successor[last] = edge;
-    m->table[slot] = edge;
+    table[slot] = edge;
   }
 }
 
-static void link_edges(struct mesh *m) {
-  clear_table(m);
-  memset(m->opposite, 0xff, m->corners * sizeof *m->opposite); /* NOTHING */
-  memset(m->group, 0xff, m->corners * sizeof *m->group);
-  for (uint32_t c = 0; c < m->corners; ++c)
-    if (m->facet[c / 3] != FACET_DEGENERATE)
-      link_edge(m, c);
+/* An edge is linked at the place of its lower vertex: of a triangle at most two are. */
+static void link_edges(const struct mesh *m, uint32_t place) {
+  const uint32_t first = m->start[place], end = m->start[place + 1], length = 2 * (end - first);
+  uint32_t *table = m->spare + 2 * (size_t)first;
+  memset(table, 0xff, length * sizeof *table); /* NOTHING */
+  for (uint32_t k = first; k < end; ++k) {
+    const uint32_t c = m->corner[k], own = m->vertex[c];
+    if (m->facet[c / 3] == FACET_DEGENERATE)
+      continue;
+    if (own < m->vertex[next_corner(c)])
+      link_edge(m, c, table, length);
+    if (own < m->vertex[previous_corner(c)])
+      link_edge(m, previous_corner(c), table, length);
+  }
 }
 
 /* ---- 3. fans --------------------------------------------------------------- */
@@ -251,8 +309,6 @@ static double corner_angle(const struct mesh *m, uint32_t c, const double n[3]) 
     a[i] -= p[i];
     b[i] -= p[i];
   }
-  normalise(a);
-  normalise(b);
   if (!project(a, n) || !project(b, n))
     return 0;
   double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
@@ -264,7 +320,7 @@ static double corner_angle(const struct mesh *m, uint32_t c, const double n[3]) 
  * Walk from corner c through its fan, away across one kind of edge, until it
  * ends or another group or the other handedness is met. Adds to sum.
  */
-static void walk_fan(struct mesh *m, uint32_t c,
+static void walk_fan(const struct mesh *m, uint32_t c,
                      uint32_t (*across)(const struct mesh *m, uint32_t c), uint32_t group,
                      const double n[3], double sum[3]) {
   const uint8_t handedness = m->facet[group / 3] & FACET_NEGATIVE;
@@ -279,29 +335,45 @@ static void walk_fan(struct mesh *m, uint32_t c,
     triangle_dpdu(m, c - c % 3, dpdu);
     if ((*facet & FACET_FLAT) || !project(dpdu, n))
       continue;
+    normalise(dpdu);
     double angle = corner_angle(m, c, n);
     for (int i = 0; i < 3; ++i)
       sum[i] += angle * dpdu[i];
   }
 }
 
-/* Puts the tangent of each group, or zero, at the group's first corner. */
-static void make_groups(struct mesh *m, float *tangent) {
-  memset(m->group, 0xff, m->corners * sizeof *m->group); /* NOTHING */
-  for (uint32_t c = 0; c < m->corners; ++c) {
-    const uint8_t facet = m->facet[c / 3];
-    if (m->group[c] != NOTHING || (facet & (FACET_FLAT | FACET_DEGENERATE)))
-      continue;
-    double n[3], sum[3] = {0, 0, 0};
-    normal_of(m, c, n);
-    walk_fan(m, c, across_leaving, c, n, sum);
-    walk_fan(m, across_entering(m, c), across_entering, c, n, sum);
-    normalise(sum);
-    float *t = tangent + 4 * (size_t)c;
-    for (int i = 0; i < 3; ++i)
-      t[i] = (float)sum[i];
-    t[3] = (facet & FACET_NEGATIVE) ? -1.0f : 1.0f;
-  }
+/* Puts the tangent of corner c's group, or zero, at c, if it is the group's first. */
+static void make_group(const struct mesh *m, uint32_t c) {
+  const uint8_t facet = m->facet[c / 3];
+  if (m->group[c] != NOTHING || (facet & (FACET_FLAT | FACET_DEGENERATE)))
+    return;
+  double n[3], sum[3] = {0, 0, 0};
+  normal_of(m, c, n);
+  walk_fan(m, c, across_leaving, c, n, sum);
+  walk_fan(m, across_entering(m, c), across_entering, c, n, sum);
+  normalise(sum);
+  float *t = m->tangent + 4 * (size_t)c;
+  for (int i = 0; i < 3; ++i)
+    t[i] = (float)sum[i];
+  t[3] = (facet & FACET_NEGATIVE) ? -1.0f : 1.0f;
+}
+
+/* Which handedness a triangle without one takes goes by the order of all corners that it has: such
+ * places wait for the end. */
+static void make_groups(const struct mesh *m, uint32_t place) {
+  m->held[place] = 0;
+  for (uint32_t k = m->start[place]; k < m->start[place + 1]; ++k)
+    m->held[place] |= m->facet[m->corner[k] / 3] & FACET_UNDECIDED;
+  for (uint32_t k = m->start[place]; k < m->start[place + 1] && !m->held[place]; ++k)
+    make_group(m, m->corner[k]);
+}
+
+static void make_held_groups(const struct mesh *m) {
+  if (!memchr(m->facet, FACET_FLAT | FACET_UNDECIDED, m->corners / 3))
+    return;
+  for (uint32_t c = 0; c < m->corners; ++c)
+    if (m->held[place_of(m, c)])
+      make_group(m, c);
 }
 
 /* ---- 4. share -------------------------------------------------------------- */
@@ -314,6 +386,7 @@ static void any_tangent(const double n[3], float t[4]) {
       axis = i;
   double v[3] = {axis == 0, axis == 1, axis == 2};
   project(v, n);
+  normalise(v);
   for (int i = 0; i < 3; ++i)
     t[i] = (float)v[i];
   t[3] = 1;
@@ -334,35 +407,97 @@ static uint32_t settle(const struct mesh *m, uint32_t c, uint32_t source, float 
 }
 
 /* Every corner takes its tangent; returns how many found none. */
-static uint32_t share(struct mesh *m, float *tangent) {
+static uint32_t share(const struct mesh *m, uint32_t place) {
+  const uint32_t *first = m->corner + m->start[place], *end = m->corner + m->start[place + 1];
   uint32_t *first_group = m->opposite; /* per vertex; the links have done their work */
-  memset(first_group, 0xff, m->corners * sizeof *first_group); /* NOTHING */
-  for (uint32_t c = 0; c < m->corners; ++c)
-    if (m->group[c] != NOTHING && first_group[m->vertex[c]] == NOTHING)
-      first_group[m->vertex[c]] = m->group[c];
   uint32_t without = 0;
-  for (uint32_t c = 0; c < m->corners; ++c)
-    if (m->group[c] != c)
-      without +=
-          settle(m, c, m->group[c] != NOTHING ? m->group[c] : first_group[m->vertex[c]], tangent);
-  for (uint32_t c = 0; c < m->corners; ++c) /* last: the others read these */
-    if (m->group[c] == c)
-      without += settle(m, c, c, tangent);
+  for (const uint32_t *c = first; c < end; ++c)
+    first_group[*c] = NOTHING;
+  for (const uint32_t *c = first; c < end; ++c)
+    if (m->group[*c] != NOTHING && first_group[m->vertex[*c]] == NOTHING)
+      first_group[m->vertex[*c]] = m->group[*c];
+  for (const uint32_t *c = first; c < end; ++c)
+    if (m->group[*c] != *c)
+      without += settle(m, *c, m->group[*c] != NOTHING ? m->group[*c] : first_group[m->vertex[*c]],
+                        m->tangent);
+  for (const uint32_t *c = first; c < end; ++c) /* last: the others read these */
+    if (m->group[*c] == *c)
+      without += settle(m, *c, *c, m->tangent);
   return without;
 }
 
-long shade_mesh_tangents(size_t triangles, const float *position, const uint32_t *corner_position,
-                         const float *corner_normal, const float *corner_uv,
-                         float *corner_tangent) {
+/* ---- pieces of work ---------------------------------------------------------- */
+
+static uint32_t most(size_t begin, uint32_t step, uint32_t limit) {
+  return limit - begin < step ? limit : (uint32_t)begin + step;
+}
+
+static void classify_piece(void *context, size_t piece) {
+  const struct mesh *m = context;
+  for (uint32_t t = (uint32_t)piece * TRIANGLES, end = most(t, TRIANGLES, m->corners / 3); t < end;
+       ++t)
+    classify(m, t);
+}
+
+#define OVER_PLACES(name, what)                                                                    \
+  static void name##_piece(void *context, size_t piece) {                                          \
+    const struct mesh *m = context;                                                                \
+    for (uint32_t p = (uint32_t)piece * PLACES, end = most(p, PLACES, m->places); p < end; ++p)    \
+      what;                                                                                        \
+  }
+OVER_PLACES(weld, weld(m, p))
+OVER_PLACES(link, link_edges(m, p))
+OVER_PLACES(groups, make_groups(m, p))
+OVER_PLACES(share, m->without[piece] += share(m, p))
+
+static void one_by_one(void *pool, size_t count, void (*work)(void *context, size_t i),
+                       void *context) {
+  (void)pool;
+  for (size_t i = 0; i < count; ++i)
+    work(context, i);
+}
+
+static uint32_t pieces(uint32_t count, uint32_t step) {
+  return count / step + (count % step != 0);
+}
+
+static long solve(struct mesh *m, uint32_t positions, shade_each *each, void *pool) {
+  gather(m, positions);
+  const uint32_t parts = pieces(m->places, PLACES);
+  each(pool, parts, weld_piece, m);
+  each(pool, pieces(m->corners / 3, TRIANGLES), classify_piece, m);
+  memset(m->opposite, 0xff, m->corners * sizeof *m->opposite); /* NOTHING */
+  memset(m->group, 0xff, m->corners * sizeof *m->group);
+  each(pool, parts, link_piece, m);
+  memset(m->group, 0xff, m->corners * sizeof *m->group);
+  each(pool, parts, groups_piece, m);
+  make_held_groups(m);
+  m->without = m->spare; /* done with */
+  memset(m->without, 0, parts * sizeof *m->without);
+  each(pool, parts, share_piece, m);
+  long without = 0;
+  for (uint32_t i = 0; i < parts; ++i)
+    without += m->without[i];
+  return without;
+}
+
+long shade_mesh_tangents_by(size_t triangles, const float *position,
+                            const uint32_t *corner_position, const float *corner_normal,
+                            const float *corner_uv, float *corner_tangent, shade_each *each,
+                            void *pool) {
   if (triangles == 0)
     return 0;
   if (triangles > INT32_MAX / 3)
     return -1;
   const size_t corners = 3 * triangles;
-  size_t length = 4;
-  while (length < corners + corners / 2)
-    length *= 2;
-  uint32_t *memory = malloc((3 * corners + length) * sizeof *memory + triangles);
+  size_t positions = 0;
+  for (size_t c = 0; c < corners; ++c)
+    positions = corner_position[c] >= positions ? (size_t)corner_position[c] + 1 : positions;
+  if (positions > UINT32_MAX - 1)
+    return -1;
+  const size_t places = positions < corners ? positions : corners;
+  uint32_t *memory =
+      malloc((6 * corners + positions + places + 2) * sizeof *memory + triangles + places);
   if (!memory)
     return -1;
   struct mesh m = {
@@ -374,15 +509,22 @@ long shade_mesh_tangents(size_t triangles, const float *position, const uint32_t
       .vertex = memory,
       .opposite = memory + corners,
       .group = memory + 2 * corners,
-      .table = memory + 3 * corners,
-      .mask = length - 1,
-      .facet = (uint8_t *)(memory + 3 * corners + length),
+      .corner = memory + 3 * corners,
+      .spare = memory + 4 * corners,
+      .place = memory + 6 * corners,
+      .start = memory + 6 * corners + positions,
+      .facet = (uint8_t *)(memory + 6 * corners + positions + places + 2),
+      .tangent = corner_tangent,
   };
-  weld(&m);
-  classify(&m);
-  link_edges(&m);
-  make_groups(&m, corner_tangent);
-  const uint32_t without = share(&m, corner_tangent);
+  m.held = m.facet + triangles;
+  const long without = solve(&m, (uint32_t)positions, each ? each : one_by_one, pool);
   free(memory);
-  return (long)without;
+  return without;
+}
+
+long shade_mesh_tangents(size_t triangles, const float *position, const uint32_t *corner_position,
+                         const float *corner_normal, const float *corner_uv,
+                         float *corner_tangent) {
+  return shade_mesh_tangents_by(triangles, position, corner_position, corner_normal, corner_uv,
+                                corner_tangent, NULL, NULL);
 }

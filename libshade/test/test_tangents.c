@@ -349,6 +349,38 @@ static void test_negative_zero(void **state) {
   free_mesh(&m);
 }
 
+/* The last piece first, the odd ones before the even: any order will do. */
+static void backwards(void *pool, size_t count, void (*work)(void *context, size_t i),
+                      void *context) {
+  *(size_t *)pool = count > *(size_t *)pool ? count : *(size_t *)pool;
+  for (size_t i = count; i-- > 0;)
+    if (i % 2)
+      work(context, i);
+  for (size_t i = count; i-- > 0;)
+    if (i % 2 == 0)
+      work(context, i);
+}
+
+/* Pieces of work may go to any thread: the same bytes, triangles without handedness included. */
+static void test_threads_do_not_matter(void **state) {
+  (void)state;
+  mesh m = tessellate(torus, 160, 40);
+  for (size_t t = 0; t < m.triangles; t += 37) /* no UV area */
+    memcpy(m.uv + 6 * t + 2, m.uv + 6 * t, 2 * sizeof *m.uv);
+  for (size_t k = 0; k < 2 * m.triangles; k += 2) /* a third is mirrored */
+    m.uv[k] *= -1;
+  const long without = solve(&m);
+  float *again = malloc(12 * m.triangles * sizeof *again);
+  size_t pieces = 0;
+  assert_int_equal(shade_mesh_tangents_by(m.triangles, m.position, m.index, m.normal, m.uv, again,
+                                          backwards, &pieces),
+                   without);
+  assert_true(pieces > 2);
+  assert_memory_equal(again, m.tangent, 12 * m.triangles * sizeof *again);
+  free(again);
+  free_mesh(&m);
+}
+
 /* ---- hard input --------------------------------------------------------------------- */
 
 static void test_no_uv_at_all(void **state) {
@@ -524,6 +556,7 @@ int main(void) {
       cmocka_unit_test(test_flat_joins),
       cmocka_unit_test(test_collapsed_shares),
       cmocka_unit_test(test_indexing_does_not_matter),
+      cmocka_unit_test(test_threads_do_not_matter),
       cmocka_unit_test(test_long_normals),
       cmocka_unit_test(test_negative_zero),
       cmocka_unit_test(test_no_uv_at_all),

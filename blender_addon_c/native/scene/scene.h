@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is to be rendered. read.c fills a scene from its description;
- * scene.c turns it into world-space triangles, textures and a BVH. After
- * scene_build nothing changes any more and every thread may read.
+ * What is to be rendered. read.c fills a scene from its description; scene.c makes textures and
+ * lights of it, world.c triangles and a BVH. After scene_build nothing changes any more and every
+ * thread may read.
  */
 #ifndef LIBSHADE_SCENE_H
 #define LIBSHADE_SCENE_H

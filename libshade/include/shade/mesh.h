@@ -32,7 +32,8 @@ extern "C" {
  * orthogonal to its normal and handedness +1. Non-finite input counts as 0.
  *
  * Corners are matched by value, so indexed and unindexed meshes give the same
- * result. Time and scratch memory (about 25 bytes) are linear in the corners.
+ * result. Time and scratch memory (25 bytes, and 9 a position) are linear in the
+ * corners.
  * Returns the number of corners without a UV direction, or -1 when out of memory or
  * beyond 715 million triangles (then corner_tangent is untouched). Thread-safe.
  * [Mikkelsen2008]
@@ -40,6 +41,19 @@ extern "C" {
 SHADE_API long shade_mesh_tangents(size_t triangles, const float *position,
                                    const uint32_t *corner_position, const float *corner_normal,
                                    const float *corner_uv, float *corner_tangent);
+
+/*
+ * Calls work(context, i) for each i below count, in any order, by as many threads as
+ * it likes, and returns once all are done. pool is the caller's own.
+ */
+typedef void shade_each(void *pool, size_t count, void (*work)(void *context, size_t i),
+                        void *context);
+
+/* The same by the caller's threads, and the same bytes. each NULL: by none but this one. */
+SHADE_API long shade_mesh_tangents_by(size_t triangles, const float *position,
+                                      const uint32_t *corner_position, const float *corner_normal,
+                                      const float *corner_uv, float *corner_tangent,
+                                      shade_each *each, void *pool);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/parts.h"
+#include "system/parallel.h"
+
+/*
+ * A copy of a mesh in the arrays: of an instance, in the world, or the one that many instances
+ * share, as it is. share: where its part of the arrays begins.
+ */
+typedef struct share {
+  size_t mesh;
+  const double *matrix; /* 12 */
+  int pass_index;
+  size_t position, quad, single;
+  double normal[9];   /* inverse transpose but for a positive factor */
+  float mirror;       /* -1 when the matrix mirrors */
+  float bounds[2][3]; /* of a shared mesh */
+} share;
+
+typedef struct build {
+  scene *scene;
+  const atomic_bool *cancel;
+  message_log *log;
+  parts *parts;       /* per mesh */
+  size_t *shared;     /* per mesh: number of its share, or WORLD where each instance has its own */
+  share *share;       /* those of the world first */
+  size_t shares, own; /* their number, and that of those in the world */
+  size_t *chunk;      /* per share: its first chunk; one more at the end */
+  float *position;
+  uint32_t *quad, *single;
+  size_t positions, singles;
+  size_t own_quads, own_singles; /* of the world */
+  float reach;                   /* of its numbers */
+} build;
+
+enum { CHUNK = 8192 };
+#define WORLD SIZE_MAX
+
+static bool cancelled(const build *b) {
+  return atomic_load_explicit(b->cancel, memory_order_relaxed);
+}
+
+static void *array(build *b, size_t count, size_t size) {
+  return scene_array(b->log, count, size);
+}
+
+static void normal_matrix(const double m[12], share *s) {
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++) {
+      int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+      s->normal[3 * r + c] = m[4 * r1 + c1] * m[4 * r2 + c2] - m[4 * r1 + c2] * m[4 * r2 + c1];
+    }
+  double determinant = m[0] * s->normal[0] + m[1] * s->normal[1] + m[2] * s->normal[2];
+  s->mirror = determinant < 0 ? -1.0f : 1.0f;
+  for (int k = 0; k < 9; k++)
+    s->normal[k] *= (double)s->mirror;
+}
+
+/* Unit vector of v; false where it has no direction. */
+static bool normalized(const double v[3], float out[3]) {
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  if (!(length > 1e-30 && length < 1e30))
+    return false;
+  for (int k = 0; k < 3; k++)
+    out[k] = (float)(v[k] / length);
+  return true;
+}
+
+static void turned(const double *m, int stride, const float v[3], double out[3]) {
+  for (int r = 0; r < 3; r++, m += stride)
+    out[r] = m[0] * (double)v[0] + m[1] * (double)v[1] + m[2] * (double)v[2];
+}
+
+static void face_normal(const float *a, const float *b, const float *c, float out[3]) {
+  double u[3], v[3];
+  for (int k = 0; k < 3; k++) {
+    u[k] = (double)b[k] - (double)a[k];
+    v[k] = (double)c[k] - (double)a[k];
+  }
+  double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  if (!normalized(n, out))
+    out[0] = out[1] = 0.0f, out[2] = 1.0f;
+}
+
+static uint16_t upper_half(float x) {
+  uint32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return (uint16_t)((bits + 0x8000u) >> 16);
+}
+
+/* How far a triangle bulges, by its corners' normals; not worth it below a thousandth. */
+static void find_heights(const float *const corner[3], triangle *out) {
+  int next = 0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      if (i == j)
+        continue;
+      float height = 0, length = 0;
+      for (int k = 0; k < 3; k++) {
+        float step = corner[j][k] - corner[i][k];
+        height += step * out->corner[i][k];
+        length += step * step;
+      }
+      bool finite = length < 1e36f; /* false for NaN */
+      out->height[next++] = upper_half(finite ? height : 0.0f);
+      out->curved |= finite && fabsf(height) > 1e-3f * sqrtf(length);
+    }
+}
+
+/* Position by u and v, or by two edges where these are no measure. */
+static void find_stretch(const float *const corner[3], const triangle *t, stretch *out) {
+  double u1 = (double)t->corner[1][6] - (double)t->corner[0][6];
+  double v1 = (double)t->corner[1][7] - (double)t->corner[0][7];
+  double u2 = (double)t->corner[2][6] - (double)t->corner[0][6];
+  double v2 = (double)t->corner[2][7] - (double)t->corner[0][7];
+  double area = u1 * v2 - u2 * v1;
+  bool good = fabs(area) > 1e-18;
+  for (int k = 0; k < 3; k++) {
+    double a = (double)corner[1][k] - (double)corner[0][k];
+    double b = (double)corner[2][k] - (double)corner[0][k];
+    out->u[k] = (float)(good ? (a * v2 - b * v1) / area : a);
+    out->v[k] = (float)(good ? (b * u1 - a * u2) / area : b);
+  }
+}
+
+/* The record of triangle t, its corners turned so that `turn` comes first. */
+static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
+  const share *sh = &b->share[index];
+  const mesh *m = &b->scene->mesh[sh->mesh];
+  const float *world[3];
+  *out = (triangle){
+      .material = (uint32_t)m->material[t], .handed = 1.0f, .object = (float)sh->pass_index};
+  for (unsigned k = 0; k < 3; k++)
+    world[k] = b->position + 3 * (sh->position + m->corner_position[3 * t + (turn + k) % 3]);
+  for (unsigned k = 0; k < 3; k++) {
+    size_t corner = 3 * t + (turn + k) % 3;
+    const float *tangent = b->parts[sh->mesh].tangent + 4 * corner;
+    float *row = out->corner[k];
+    double v[3];
+    turned(sh->normal, 3, m->corner_normal + 3 * corner, v);
+    if (!normalized(v, row))
+      face_normal(world[0], world[1], world[2], row);
+    turned(sh->matrix, 4, tangent, v);
+    if (!normalized(v, row + 3))
+      row[3] = row[4] = row[5] = 0.0f; /* stage_surface finds one */
+    if (tangent[3] < 0.0f)             /* corners without a UV direction say +1 */
+      out->handed = -1.0f;
+    for (unsigned axis = 0; m->corner_uv && axis < 2; axis++) {
+      float uv = m->corner_uv[2 * corner + axis];
+      row[6 + axis] = fabsf(uv) < 1e18f ? uv : 0.0f; /* so that its differences are numbers */
+    }
+    for (int axis = 0; axis < 3; axis++)
+      out->reach = fmaxf(out->reach, fabsf(world[k][axis]));
+  }
+  out->handed *= sh->mirror;
+  if (b->scene->soft_terminator)
+    find_heights(world, out);
+  if (b->scene->stretch)
+    find_stretch(world, out, &b->scene->stretch[out - b->scene->triangle]);
+}
+
+static void place_positions(void *context, size_t index) {
+  build *b = context;
+  const share *sh = &b->share[index];
+  const mesh *m = &b->scene->mesh[sh->mesh];
+  float *out = b->position + 3 * sh->position;
+  for (size_t i = 0; i < m->positions; i++, out += 3) {
+    double v[3];
+    turned(sh->matrix, 4, m->position + 3 * i, v);
+    for (int k = 0; k < 3; k++)
+      out[k] = (float)(v[k] + sh->matrix[4 * k + 3]);
+  }
+}
+
+static void place_chunk(void *context, size_t chunk) {
+  build *b = context;
+  scene *s = b->scene;
+  if (cancelled(b))
+    return;
+  size_t low = 0, high = b->shares; /* the share that holds this chunk */
+  while (high - low > 1) {
+    size_t middle = (low + high) / 2;
+    if (b->chunk[middle] <= chunk)
+      low = middle;
+    else
+      high = middle;
+  }
+  const share *sh = &b->share[low];
+  const mesh *m = &s->mesh[sh->mesh];
+  const parts *p = &b->parts[sh->mesh];
+  size_t begin = (chunk - b->chunk[low]) * CHUNK, end = begin + CHUNK;
+  uint32_t base = (uint32_t)sh->position;
+  for (size_t i = begin; i < end && i < p->pairs; i++) {
+    const pair *two = &p->pair[i];
+    const uint32_t *c = m->corner_position + 3 * (size_t)two->first, *d = c + 3;
+    size_t q = sh->quad + i;
+    /* halves (0, 1, 3) and (2, 3, 1) */
+    b->quad[4 * q + 0] = base + c[two->turn[0]];
+    b->quad[4 * q + 1] = base + c[(two->turn[0] + 1u) % 3];
+    b->quad[4 * q + 2] = base + d[two->turn[1]];
+    b->quad[4 * q + 3] = base + c[(two->turn[0] + 2u) % 3];
+    fill_record(b, low, two->first, two->turn[0], &s->triangle[2 * q]);
+    fill_record(b, low, two->first + 1, two->turn[1], &s->triangle[2 * q + 1]);
+  }
+  for (size_t i = begin > p->pairs ? begin : p->pairs; i < end && i < p->pairs + p->singles; i++) {
+    size_t single = sh->single + i - p->pairs;
+    uint32_t t = p->single[i - p->pairs];
+    for (unsigned k = 0; k < 3; k++)
+      b->single[3 * single + k] = base + m->corner_position[3 * (size_t)t + k];
+    fill_record(b, low, t, 0, &s->triangle[2 * s->quad_count + single]);
+  }
+}
+
+/* How far from 0 the scene's numbers reach; 1e18 where a part of it is farther and left out. */
+static float find_reach(const scene *s) {
+  float reach = 1.0f;
+  float *largest = calloc(s->meshes + 1, sizeof *largest);
+  for (size_t i = 0; largest && i < s->meshes; i++)
+    for (size_t k = 0; k < 3 * s->mesh[i].positions; k++) {
+      float x = fabsf(s->mesh[i].position[k]);
+      largest[i] = x > largest[i] && x < 1e18f ? x : largest[i];
+    }
+  for (size_t i = 0; largest && i < s->instances; i++) {
+    const double *m = s->instance[i].matrix;
+    double far = 0;
+    for (int k = 0; k < 12; k++)
+      far += fabs(m[k]) * ((k & 3) == 3 ? 1.0 : (double)largest[s->instance[i].mesh]);
+    if (isfinite(far)) /* else all of it is left out */
+      reach = fmaxf(reach, (float)fmin(far, 1e18));
+  }
+  for (int k = 0; k < 3; k++)
+    reach = fmaxf(reach, fabsf(s->camera.origin[k]));
+  free(largest);
+  return largest && reach < 1e18f ? reach : 1e18f;
+}
+
+/* Whether Embree may turn the rays of a scene of such a reach into the space of such an instance:
+ * in there they must be numbers less than 1.8e18. */
+static bool invertible(const double m[12], float reach) {
+  share s;
+  double size = 0, largest = 0, inverse = 0;
+  normal_matrix(m, &s);
+  for (int k = 0; k < 12; k++) {
+    if (!isfinite(m[k]))
+      return false;
+    size = fmax(size, fabs(m[k]));
+    largest = (k & 3) == 3 ? largest : fmax(largest, fabs(m[k]));
+  }
+  for (int k = 0; k < 9; k++)
+    inverse = fmax(inverse, fabs(s.normal[k]));
+  double determinant = fabs(m[0] * s.normal[0] + m[1] * s.normal[1] + m[2] * s.normal[2]);
+  return size < 1e12 && determinant > 1e-9 * largest * largest * largest && largest > 1e-9 &&
+         6.0 * inverse * fmax(size, (double)reach) < 1e18 * determinant;
+}
+
+/*
+ * Meshes whose copies would be many triangles are kept once, as they are. Few are copied: rays go
+ * through a world without levels in half the time.
+ */
+static bool find_shared(build *b) {
+  enum { FEW = 100000 };
+  const scene *s = b->scene;
+  b->reach = find_reach(s);
+  b->shared = array(b, s->meshes, sizeof *b->shared);
+  size_t *copies = calloc(s->meshes + 1, sizeof *copies);
+  for (size_t i = 0; b->shared && copies && i < s->instances; i++)
+    copies[s->instance[i].mesh] += invertible(s->instance[i].matrix, b->reach);
+  for (size_t i = 0; b->shared && copies && i < s->meshes; i++) {
+    bool many = copies[i] > 1 && s->mesh[i].triangles > FEW / (copies[i] - 1);
+    b->shared[i] = many ? 0 : WORLD;
+  }
+  bool good = b->shared && copies;
+  free(copies);
+  return good || message_error(b->log, "out of memory");
+}
+
+/* Whether it refers to the mesh's share. */
+static bool is_reference(const build *b, const instance *in) {
+  return b->shared[in->mesh] != WORLD && invertible(in->matrix, b->reach);
+}
+
+static void find_bounds(const mesh *m, float bounds[2][3]) {
+  for (size_t i = 0; i < m->positions; i++)
+    for (size_t k = 0; k < 3; k++) {
+      float x = m->position[3 * i + k];
+      bounds[0][k] = i == 0 || x < bounds[0][k] ? x : bounds[0][k];
+      bounds[1][k] = i == 0 || x > bounds[1][k] ? x : bounds[1][k];
+    }
+}
+
+/* Room in the arrays for another copy of a mesh. */
+static void add_share(build *b, size_t mesh_index, const double *matrix, int pass_index) {
+  scene *s = b->scene;
+  const parts *p = &b->parts[mesh_index];
+  share *sh = &b->share[b->shares++];
+  *sh = (share){.mesh = mesh_index,
+                .matrix = matrix,
+                .pass_index = pass_index,
+                .position = b->positions,
+                .quad = s->quad_count,
+                .single = b->singles};
+  normal_matrix(matrix, sh);
+  b->positions += s->mesh[mesh_index].positions;
+  s->quad_count += p->pairs;
+  b->singles += p->singles;
+}
+
+static bool is_bumped(const scene *s) {
+  for (const material *m = s->material; m < s->material + s->materials; m++)
+    for (const node *n = m->node; n < m->node + m->nodes; n++)
+      if (n->type == NODE_BUMP || (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
+        return true;
+  return false;
+}
+
+static bool share_out(build *b) {
+  static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  scene *s = b->scene;
+  size_t chunks = 0;
+  b->share = array(b, s->instances + s->meshes, sizeof *b->share);
+  b->chunk = array(b, s->instances + s->meshes + 1, sizeof *b->chunk);
+  if (!b->share || !b->chunk || !find_shared(b))
+    return false;
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++)
+    if (!is_reference(b, in))
+      add_share(b, in->mesh, in->matrix, in->pass_index);
+  b->own = b->shares;
+  b->own_quads = s->quad_count;
+  b->own_singles = b->singles;
+  for (size_t i = 0; i < s->meshes; i++)
+    if (b->shared[i] != WORLD) {
+      b->shared[i] = b->shares;
+      add_share(b, i, identity, 0);
+      find_bounds(&s->mesh[i], b->share[b->shared[i]].bounds);
+    }
+  for (size_t i = 0; i < b->shares; i++) {
+    const parts *p = &b->parts[b->share[i].mesh];
+    b->chunk[i] = chunks;
+    chunks += (p->pairs + p->singles + CHUNK - 1) / CHUNK;
+  }
+  b->chunk[b->shares] = chunks;
+  s->triangle_count = 2 * s->quad_count + b->singles;
+  if (b->positions > UINT32_MAX || s->triangle_count >= RECORD_MISS)
+    return message_error(b->log, "the scene has too many triangles (%zu)", s->triangle_count);
+  b->position = array(b, 3 * b->positions, sizeof *b->position);
+  b->quad = array(b, 4 * s->quad_count, sizeof *b->quad);
+  b->single = array(b, 3 * b->singles, sizeof *b->single);
+  s->triangle = array(b, s->triangle_count, sizeof *s->triangle);
+  if (is_bumped(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
+    return false;
+  return b->position && b->quad && b->single && s->triangle;
+}
+
+/* The matrix as floats, its largest number 1: directions alone count. Returns that number. */
+static float scaled_matrix(const double *m, int stride, float out[3][3]) {
+  double largest = 1e-300;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      largest = fmax(largest, fabs(m[stride * r + c]));
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      out[r][c] = (float)(m[stride * r + c] / largest);
+  return (float)largest;
+}
+
+/* Largest coordinate in the world of a box. */
+static float reach_of(float bounds[2][3], const double matrix[12]) {
+  double largest = 0;
+  for (unsigned corner = 0; corner < 8; corner++) {
+    float v[3];
+    double w[3];
+    for (unsigned k = 0; k < 3; k++)
+      v[k] = bounds[corner >> k & 1u][k];
+    turned(matrix, 4, v, w);
+    for (int k = 0; k < 3; k++)
+      largest = fmax(largest, fabs(w[k] + matrix[4 * k + 3]));
+  }
+  return (float)largest;
+}
+
+/* The instances that refer to a share; number 0 is the world itself. */
+static bool build_placed(build *b) {
+  scene *s = b->scene;
+  size_t count = 1;
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++)
+    count += is_reference(b, in);
+  if (count == 1)
+    return true;
+  s->placed = array(b, count, sizeof *s->placed);
+  if (!s->placed)
+    return false;
+  s->placed[0] = (placed){.normal = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          .linear = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          .single = 2 * (uint32_t)s->quad_count,
+                          .scale = 1.0f,
+                          .mirror = 1.0f,
+                          .reach = -1.0f};
+  s->placed_count = 1;
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++) {
+    if (!is_reference(b, in))
+      continue;
+    const share *of = &b->share[b->shared[in->mesh]];
+    placed *p = &s->placed[s->placed_count++];
+    share own;
+    normal_matrix(in->matrix, &own);
+    *p = (placed){.quad = 2 * (uint32_t)of->quad,
+                  .single = (uint32_t)(2 * s->quad_count + of->single),
+                  .mirror = own.mirror,
+                  .object = (float)in->pass_index,
+                  .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
+    scaled_matrix(own.normal, 3, p->normal);
+    p->scale = scaled_matrix(in->matrix, 4, p->linear);
+  }
+  return true;
+}
+
+static bool build_world(build *b) {
+  scene *s = b->scene;
+  b->parts = parts_make(s, b->cancel, b->log);
+  if (!b->parts || !share_out(b))
+    return false;
+  parallel_for(s->threads, b->shares, place_positions, b);
+  parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
+  for (size_t i = 0; s->soft_terminator && !s->curved && i < s->triangle_count; i++)
+    s->curved = s->triangle[i].curved;
+  return !cancelled(b) && build_placed(b);
+}
+
+/* What Embree is to know of the shares from `first` on; the arrays' own for the world. */
+static accel_part part_of(const build *b, size_t quad, size_t quads, size_t single,
+                          size_t singles) {
+  return (accel_part){.quads = quads,
+                      .triangles = singles,
+                      .quad_position = b->quad + 4 * quad,
+                      .triangle_position = b->single + 3 * single};
+}
+
+static bool build_accel(build *b) {
+  scene *s = b->scene;
+  char error[MESSAGE_SIZE];
+  size_t shared = b->shares - b->own, references = s->placed_count ? s->placed_count - 1 : 0;
+  accel_part *part = array(b, shared, sizeof *part);
+  accel_instance *reference = array(b, references, sizeof *reference);
+  bool good = part && reference;
+  for (size_t i = 0; good && i < shared; i++) {
+    const share *sh = &b->share[b->own + i];
+    part[i] =
+        part_of(b, sh->quad, b->parts[sh->mesh].pairs, sh->single, b->parts[sh->mesh].singles);
+  }
+  accel_instance *next = reference;
+  for (size_t i = 0; good && i < s->instances; i++)
+    if (is_reference(b, &s->instance[i])) {
+      next->part = b->shared[s->instance[i].mesh] - b->own;
+      for (int k = 0; k < 12; k++)
+        next->matrix[k] = (float)s->instance[i].matrix[k];
+      next++;
+    }
+  accel_input input = {.positions = b->positions,
+                       .position = b->position,
+                       .world = part_of(b, 0, b->own_quads, 0, b->own_singles),
+                       .parts = shared,
+                       .instances = references,
+                       .part = part,
+                       .instance = reference};
+  s->accel = good ? accel_create(&input, s->threads, b->cancel, error, sizeof error) : NULL;
+  if (good && !s->accel && error[0])
+    message_error(b->log, "%s", error);
+  free(part);
+  free(reference);
+  return s->accel != NULL;
+}
+
+bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
+  build b = {.scene = s, .cancel = cancel, .log = log};
+  double start = parallel_clock();
+  bool good = build_world(&b);
+  double built = parallel_clock();
+  good = good && build_accel(&b);
+  times->mesh = built - start;
+  times->bvh = parallel_clock() - built;
+  parts_free(b.parts, s->meshes);
+  free(b.share);
+  free(b.shared);
+  free(b.chunk);
+  s->world[0] = b.position; /* Embree reads these while it lives */
+  s->world[1] = b.quad;
+  s->world[2] = b.single;
+  return good && !cancelled(&b);
+}

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The geometry of the world: meshes and instances to records of triangles, and the BVH. */
+#ifndef LIBSHADE_WORLD_H
+#define LIBSHADE_WORLD_H
+
+#include "scene/scene.h"
+
+/* False on failure, with the reason in `log`, or when *cancel became true. Times: mesh and bvh. */
+bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
+
+#endif
