@@ -38,6 +38,7 @@ def read(depsgraph, camera, size, region, samples, messages):
         "transparent": render.film_transparent,
         **world,
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
+        "transparent_less": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
         "sample_clamp_direct": scene.libshade.sample_clamp_direct,
         "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
         **_pixel_filter(scene.libshade),

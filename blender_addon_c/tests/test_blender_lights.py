@@ -36,9 +36,28 @@ LATER = {"ball": "4", "for its area": "4.5"}  # the version that brought it
 def test_light(blender, tmp_path, name):
     if blender.version < LATER.get(name, ""):
         pytest.skip("this version has no such light")
-    light, settings, more = (*LIGHTS[name], {})[:3]
-    pictures = []
     samples = 256 if "sp" in name else 128  # of spots and slats some reaches the floor by the ball only
+    compare(blender, tmp_path, name, samples, (*LIGHTS[name], {})[:3])
+
+
+ALL_PANES = ["glass paper", "half there", "holes"]
+PANES = {
+    "sun": ("SUN", {"energy": 3, "angle": 0}), "soft sun": LIGHTS["sun"], "point": LIGHTS["point"],
+    "square": LIGHTS["square"], "shining mesh": LIGHTS["shining mesh"], "turned image": LIGHTS["turned image"],
+    "no passes": ("SUN", {"energy": 3, "angle": 0}, {"passes": 0}),
+    "one pass": ("SUN", {"energy": 3, "angle": 0}, {"passes": 1}),
+}
+
+
+@pytest.mark.parametrize("name", PANES)
+def test_light_through_panes(blender, tmp_path, name):
+    light, settings, more = (*PANES[name], {})[:3]
+    compare(blender, tmp_path, name, 256, (light, settings, {**more, "panes": ALL_PANES}))
+
+
+def compare(blender, tmp_path, name, samples, case):
+    light, settings, more = case
+    pictures = []
     for engine in "LIBSHADE", "CYCLES":
         blender.scene("lit", tmp_path, dump="", engine=engine, samples=samples, light=light,
                       settings=settings, **more)

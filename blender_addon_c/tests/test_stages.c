@@ -402,6 +402,7 @@ static void lights_drawn_and_met(void **state) {
         store(&b->sample_ray.d, i,
               (vec3){(float)(flat * cos(a)), (float)(flat * sin(a)), (float)z});
         b->sample_ray.tfar[i] = INFINITY;
+        b->walk->ray[i] = RAY_DIFFUSE;
         b->walk->pdf[i] = 1e-12f; /* the light's samples have all but nothing of the share */
         b->met.r[i] = b->met.g[i] = b->met.b[i] = 0;
       }
@@ -445,6 +446,7 @@ static void lights_drawn_and_met(void **state) {
           store(&b->sample_ray.o, i, (vec3){1, 2, 3});
           store(&b->sample_ray.d, i, d);
           b->sample_ray.tfar[i] = i % 2 ? INFINITY : 0.999f * b->light.ray.tfar[i];
+          b->walk->ray[i] = RAY_GLOSSY;
           b->walk->pdf[i] = b->light.pdf[i];
           b->met.r[i] = b->met.g[i] = b->met.b[i] = 0;
         }
@@ -1389,6 +1391,11 @@ static void walks_go_on(void **state) {
     b->draw.kind[i] = wi.z < 0 ? BOUNCE_TRANSMISSION : i % 3 ? i % 2 : BOUNCE_TRANSPARENT;
     for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
       b->walk->bounces[k][i] = (i >> k) % 3;
+    b->walk->ends[i] = i % 11 == 0;
+    b->walk->ray[i] = i % 2 ? RAY_CAMERA : RAY_GLOSSY;
+    b->walk->pdf[i] = 7.0f;
+    b->walk->lights[i] = 8.0f;
+    store(&b->walk->from, i, (vec3){4, 5, 6});
     b->weight.total[i] = (float)i;
   }
   batch *before = malloc(sizeof *before);
@@ -1410,11 +1417,13 @@ static void walks_go_on(void **state) {
       bool within = true;
       for (uint32_t c = 0; c < BOUNCE_KINDS; c++) {
         made[c] = before->walks[0].bounces[c][from] + (c == kind);
-        within = within && (c == BOUNCE_TRANSPARENT || made[c] <= limits.kind[c]);
+        within = within && made[c] <= limits.kind[c];
         all += c == BOUNCE_TRANSPARENT ? 0 : made[c];
       }
       within = within && all <= limits.all;
-      if (made[BOUNCE_TRANSPARENT] > limits.kind[BOUNCE_TRANSPARENT] || !(within || lots))
+      bool straight = kind == BOUNCE_TRANSPARENT; /* for lights, through one surface more */
+      if (made[BOUNCE_TRANSPARENT] > limits.kind[BOUNCE_TRANSPARENT] + 1 || !(within || lots) ||
+          (before->walks[0].ends[from] && !straight))
         continue;
       double scale = (double)before->draw.f.r[i] * (double)before->draw.cosine[i] / pdf;
       double red = scale * (double)before->walks[0].weight.r[from], green = scale * 0.5;
@@ -1426,10 +1435,15 @@ static void walks_go_on(void **state) {
       assert_int_equal(b->next->sample[k], before->walks[0].sample[from]);
       near((double)b->next->weight.r[k], red / chance, 1e-5 * (1 + red / chance));
       near((double)b->next->weight.b[k], green / chance, 1e-5 * (1 + green / chance));
-      near((double)b->next->pdf[k], pdf, 0);
-      near((double)b->next->lights[k], (double)i, 0);
-      near3(load(&b->next->from, k), (double)b->surface.p.x[i], (double)b->surface.p.y[i],
-            (double)b->surface.p.z[i], 0);
+      near((double)b->next->pdf[k], straight ? 7 : pdf, 0);
+      near((double)b->next->lights[k], straight ? 8 : (double)i, 0);
+      vec3 from_there = straight ? (vec3){4, 5, 6} : load(&b->surface.p, i);
+      near3(load(&b->next->from, k), (double)from_there.x, (double)from_there.y,
+            (double)from_there.z, 0);
+      assert_int_equal(b->next->ray[k], straight ? from % 2 ? RAY_CAMERA : RAY_GLOSSY
+                                        : kind == BOUNCE_DIFFUSE ? RAY_DIFFUSE
+                                        : kind == BOUNCE_GLOSSY  ? RAY_GLOSSY
+                                                                 : RAY_TRANSMISSION);
       vec3 n = load(&b->surface.n, i), p = load(&b->surface.p, i), d = load(&b->sample_ray.d, k);
       near(dot_d(d, n), (double)wi.z, 1e-6);
       near(dot_d(d, load(&b->surface.t, i)), (double)wi.x, 1e-6);
@@ -1458,13 +1472,16 @@ static void walks_go_on(void **state) {
   }
   b->sum.r[COUNT - 1] = INFINITY; /* becomes as bright as may be */
   b->sum.g[COUNT - 1] = 1;
-  const float sky[3] = {1, 2, 3}, most = 5;
-  stages->gain(COUNT, most, b->queue.moved, b->walk, &b->sum, &b->sample_color);
+  const float sky[3] = {1, 2, 3}, most[2] = {INFINITY, 5};
+  for (uint32_t i = 0; i < COUNT; i++) /* after two bounces, and many passages */
+    for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
+      b->walk->bounces[k][i] = k < 2 ? 1 : k == BOUNCE_TRANSPARENT ? 9 : 0;
+  stages->gain(COUNT, most, 1, b->queue.moved, b->walk, &b->sum, &b->sample_color);
   stages->escape(COUNT, b->sample_hit.record, sky, &b->met);
   untouched(b->met.r, COUNT);
   for (uint32_t i = 0; i < COUNT; i++)
     b->queue.identity[i] = i;
-  stages->gain(COUNT, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
+  stages->gain(COUNT, most, 2, b->queue.identity, b->walk, &b->met, &b->sample_color);
   for (uint32_t i = 0; i < COUNT; i++) {
     uint32_t ray = b->queue.moved[i];
     double w = (double)b->walk->weight.r[ray], mean = (w * i + 1) / 3,

@@ -42,9 +42,18 @@ typedef enum bounce_kind {
   BOUNCE_KINDS
 } bounce_kind;
 
+/* Rays by what they come from: bits, 2 << the bounce_kind. */
+typedef enum ray_kind {
+  RAY_CAMERA = 1,
+  RAY_DIFFUSE = 2,
+  RAY_GLOSSY = 4,
+  RAY_TRANSMISSION = 8
+} ray_kind;
+
 /* How often a path may do what. */
 typedef struct walk_limits {
   uint32_t kind[BOUNCE_KINDS], all; /* all: of those that are bounces */
+  uint32_t shadows;                 /* surfaces that a path and a shadow ray at its end pass */
 } walk_limits;
 
 /* Paths under way, by ray: of which sample, and how much of what the ray meets that sample gets.
@@ -57,7 +66,8 @@ typedef struct walks {
   lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
                     gave a sample */
   lane_u bounces[BOUNCE_KINDS]; /* of each kind so far */
-  lane_u ends;                  /* not 0: no surface counts any more, only lights */
+  lane_u ray;                   /* ray_kind of its direction: passing straight on is no kind */
+  lane_u ends; /* not 0: no surface counts any more, only lights, behind transparent ones too */
 } walks;
 
 typedef struct rays {
@@ -126,6 +136,16 @@ typedef struct light_samples {
   lane_v wi;    /* to the light, in the shading frame */
   lane_c color; /* its light's, where each lane chooses a light of its own */
 } light_samples;
+
+/* Light samples' rays that something stops, on their way through transparent surfaces. */
+typedef struct passages {
+  lane_f tfar; /* by light sample: how far its ray was to go */
+  lane_c tint; /* what is left of its light */
+  lane_u hit;  /* by ray under way: its light sample, */
+  lane_u left; /* how many surfaces it may still go through, */
+  lane_f rest; /* and how far it still has to go */
+  lane_u next_hit, next_left;
+} passages;
 
 /* No light gives a point anything. */
 #define LIGHT_NONE UINT32_MAX

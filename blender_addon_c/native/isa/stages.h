@@ -7,6 +7,7 @@
 #include "stage/surface.h"
 #include "stage/node.h"
 #include "stage/light.h"
+#include "stage/through.h"
 #include "stage/sky.h"
 #include "stage/emitters.h"
 #include "stage/closure.h"
@@ -53,6 +54,10 @@
                                     .lit_by_sky = stage_lit_by_sky,                                \
                                     .met_sky = stage_met_sky,                                      \
                                     .lit = stage_lit,                                              \
+                                    .stopped = stage_stopped,                                      \
+                                    .sift = stage_sift,                                            \
+                                    .pass = stage_pass,                                            \
+                                    .tint = stage_tint,                                            \
                                     .shadow = stage_shadow,                                        \
                                     .closure = {CLOSURE_TABLE(CLOSURE_FUNCTION)},                  \
                                     .albedo = {CLOSURE_TABLE(ALBEDO_FUNCTION)},                    \
@@ -66,6 +71,7 @@
                                     .join = stage_join,                                            \
                                     .uncover = stage_uncover,                                      \
                                     .end = stage_end,                                              \
+                                    .mute = stage_mute,                                            \
                                     .reflect = stage_reflect,                                      \
                                     .shuffled = stage_shuffled,                                    \
                                     .draw = {CLOSURE_TABLE(DRAW_FUNCTION)},                        \

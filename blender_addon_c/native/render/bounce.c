@@ -2,6 +2,8 @@
 #include "render/bounce.h"
 
 #include "render/closures.h"
+#include "render/hits.h"
+#include "render/through.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,14 +12,11 @@
 /* What points are taken for. */
 enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_CHOICE, PURPOSE_LIGHT };
 
-bool worker_init(worker *w) {
+bool batch_init(worker *w) {
   w->batch = aligned_alloc(64, sizeof *w->batch);
   if (!w->batch)
     return false;
   w->batch->queue.tally = NULL;
-  w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
-  if (!w->end)
-    return false;
   w->batch->walk = &w->batch->walks[0];
   w->batch->next = &w->batch->walks[1];
   memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* lights that are alone write none */
@@ -27,75 +26,25 @@ bool worker_init(worker *w) {
   return queue_init(&w->batch->queue, w->scene);
 }
 
-void worker_free(worker *w) {
+void batch_free(worker *w) {
   if (w->batch)
     queue_free(&w->batch->queue);
   free(w->batch);
+}
+
+bool worker_init(worker *w) {
+  w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
+  if (!w->end || !batch_init(w))
+    return false;
+  if (!w->scene->passes || w->observer) /* a dump's shadows are those of opaque surfaces */
+    return true;
+  return (w->through = through_create(w)) != NULL;
+}
+
+void worker_free(worker *w) {
+  batch_free(w);
   free(w->end);
-}
-
-/* What rays meet; the first are those of the camera. */
-static void trace(worker *w, bool first, size_t count) {
-  const scene *s = w->scene;
-  batch *b = w->batch;
-  accel_intersect(s->accel, count, first, &b->sample_ray, &b->sample_hit);
-  b->queue.hits =
-      s->stages->locate(count, (uint32_t)(2 * s->quad_count), s->placed, &b->sample_hit);
-}
-
-/* Samples to hits: sorted by material, unless nothing need move. */
-static void sort_hits(worker *w, size_t count) {
-  batch *b = w->batch;
-  const queue *q = &b->queue;
-  const rays *ray = b->ray = &b->sample_ray;
-  const hits *hit = b->hit = &b->sample_hit;
-  if (queue_sort(&b->queue, w->scene, count, hit->record))
-    return;
-  rays *to_ray = b->ray = &b->moved_ray;
-  hits *to_hit = b->hit = &b->moved_hit;
-  const float *from[] = {ray->o.x,  ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z,
-                         ray->tfar, hit->g.x, hit->g.y, hit->g.z, hit->u,   hit->v};
-  float *to[] = {to_ray->o.x,  to_ray->o.y, to_ray->o.z, to_ray->d.x, to_ray->d.y, to_ray->d.z,
-                 to_ray->tfar, to_hit->g.x, to_hit->g.y, to_hit->g.z, to_hit->u,   to_hit->v};
-  for (size_t k = 0; k < sizeof from / sizeof *from; k++)
-    w->scene->stages->gather(q->hits, q->lane, from[k], to[k]);
-  for (size_t i = 0; i < q->hits; i++)
-    to_hit->record[i] = hit->record[q->lane[i]];
-  for (size_t i = 0; w->scene->placed && i < q->hits; i++)
-    to_hit->instance[i] = hit->instance[q->lane[i]];
-}
-
-/* A dump is compared with others, that do not know of it. */
-static bool is_lifted(const worker *w) {
-  return w->scene->curved && !w->observer;
-}
-
-static void find_surface(worker *w) {
-  const stage_table *s = w->scene->stages;
-  batch *b = w->batch;
-  s->corner(b->queue.hits, w->scene->triangle, b->hit, &b->corner);
-  if (w->scene->placed)
-    s->place(b->queue.hits, w->scene->placed, b->hit, &b->corner);
-  s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
-  if (is_lifted(w))
-    s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
-  if (w->scene->stretch)
-    s->stretch(b->queue.hits, w->scene->stretch, w->scene->placed, b->hit, &b->surface);
-}
-
-/* What each material's nodes say. */
-static void run_nodes(worker *w) {
-  batch *b = w->batch;
-  const segment *end = b->queue.segment + b->queue.segments;
-  for (const segment *g = b->queue.segment; g < end; g++)
-    if (g->material->bare)
-      w->scene->stages->flat(g, &b->input);
-  clock_tick(&w->clocks, CLOCK_SURFACE);
-  for (const segment *g = b->queue.segment; g < end; g++)
-    for (const node *n = g->material->node; n < g->material->node + g->material->nodes; n++) {
-      w->scene->stages->node[n->type](g, n, &b->corner, &b->surface, &b->input);
-      clock_tick(&w->clocks, CLOCK_NODE + n->type);
-    }
+  through_free(w->through);
 }
 
 /* Which points a bounce's light or draw takes; no two of one path may take the same. */
@@ -130,9 +79,11 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
   batch *b = w->batch;
   size_t hits = b->queue.hits;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
-    s->lit(g->run, g->material->traits & CLOSURE_THROUGH, is_lifted(w), &b->surface, &b->light);
+    s->lit(g->run, g->material->traits & CLOSURE_THROUGH, hits_lifted(w), &b->surface, &b->light);
   clock_tick(&w->clocks, clock);
-  if (shadow)
+  if (shadow && w->through)
+    color = through_shadows(w, bounce == 0, color) ? NULL : color;
+  else if (shadow)
     accel_occluded(w->scene->accel, hits, bounce == 0, &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
@@ -247,7 +198,7 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
       illuminate_by_sky(w, begin, w->end[k]);
       clock_tick(&w->clocks, CLOCK_SKY);
     } else if (w->end[k] > begin) {
-      s->stages->lit_by_emitters(begin, w->end[k], &b->choice, is_lifted(w), &s->emitters,
+      s->stages->lit_by_emitters(begin, w->end[k], &b->choice, hits_lifted(w), &s->emitters,
                                  &b->surface, &b->light, &b->drawn);
       clock_tick(&w->clocks, CLOCK_EMITTERS);
     }
@@ -274,8 +225,8 @@ static bool takes_all_lamps(const scene *s, int bounce) {
 static void shade(worker *w, const camera_view *view, int bounce, size_t phase) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  find_surface(w);
-  run_nodes(w);
+  hits_surface(w);
+  hits_nodes(w);
   zero(&b->sum, b->queue.hits);
   closures_weigh(w, bounce == 0);
   if (w->observer)
@@ -326,7 +277,7 @@ static void meet_sky(worker *w, size_t rays) {
 }
 
 /* What drawn rays meet of lights, each with the share that is left to them. */
-static void meet_lights(worker *w, size_t rays, float most) {
+static void meet_lights(worker *w, size_t rays, const float most[2]) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
@@ -347,7 +298,7 @@ static void meet_lights(worker *w, size_t rays, float most) {
     s->stages->met_emitters(rays, &s->emitters, s->triangle, s->placed, &b->sample_hit,
                             &b->sample_ray, b->walk, weight, &b->met);
   }
-  s->stages->gain(rays, most, b->queue.identity, b->walk, &b->met, &b->sample_color);
+  s->stages->gain(rays, most, 1, b->queue.identity, b->walk, &b->met, &b->sample_color);
 }
 
 /* The bounces after the first: sample_color grows by what they bring. Of a path's last only what
@@ -355,9 +306,9 @@ static void meet_lights(worker *w, size_t rays, float most) {
 static void follow(worker *w, const camera_view *view, size_t phase) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  float direct = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
-  float indirect = s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY;
-  int passing = s->passes ? (int)s->limits.kind[BOUNCE_TRANSPARENT] : 0;
+  const float most[2] = {s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY,
+                         s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY};
+  int passing = s->passes ? (int)s->limits.kind[BOUNCE_TRANSPARENT] + 1 : 0;
   int bounces = s->max_bounces + passing + (s->meets ? 1 : 0);
   for (int bounce = 0; bounce < bounces && b->queue.hits; bounce++) {
     if (atomic_load_explicit(w->cancel, memory_order_relaxed))
@@ -368,27 +319,39 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     walks *now = b->next;
     b->next = b->walk;
     b->walk = now;
-    trace(w, false, rays);
+    hits_trace(w, false, rays);
     if (s->passes && s->transparent)
       s->stages->uncover(rays, b->sample_hit.record, b->walk, &b->path);
     if (s->meets)
-      meet_lights(w, rays, bounce ? indirect : direct);
-    b->queue.hits = s->stages->end(rays, b->walk, b->sample_hit.record);
+      meet_lights(w, rays, most);
+    b->queue.hits = s->stages->end(rays, b->walk, s->triangle, s->passes ? s->material : NULL,
+                                   b->sample_hit.record);
     if (b->queue.hits)
-      sort_hits(w, rays);
+      hits_sort(w, rays);
     clock_tick(&w->clocks, CLOCK_TRACE);
     if (!b->queue.hits)
       return;
     shade(w, view, bounce + 1, phase);
-    s->stages->gain(b->queue.hits, indirect, b->queue.lane, b->walk, &b->sum, &b->sample_color);
+    if (s->passes)
+      s->stages->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
+    s->stages->gain(b->queue.hits, most, 0, b->queue.lane, b->walk, &b->sum, &b->sample_color);
   }
 }
 
 /* Every sample a path of weight 1. */
-static void begin_walks(batch *b, size_t count) {
+static void begin_walks(worker *w, size_t count) {
+  batch *b = w->batch;
   memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
   for (size_t i = 0; i < count; i++)
     b->walk->weight.r[i] = b->walk->weight.g[i] = b->walk->weight.b[i] = 1.0f;
+  if (w->scene->passes)
+    for (size_t i = 0; i < count; i++) { /* where they go straight on: no light has had a sample */
+      b->walk->from.x[i] = b->walk->from.y[i] = b->walk->from.z[i] = 0.0f;
+      b->walk->pdf[i] = CLOSURE_CERTAIN;
+      b->walk->lights[i] = 1e30f;
+      b->walk->ray[i] = RAY_CAMERA;
+    }
+  memset(b->walk->ends, 0, count * sizeof(uint32_t));
   for (int kind = 0; kind < BOUNCE_KINDS; kind++)
     memset(b->walk->bounces[kind], 0, count * sizeof(uint32_t));
 }
@@ -425,7 +388,8 @@ static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths,
   if (!q->hits)
     return &b->sample_color;
   if (paths && w->scene->clamp_direct > 0.0f)
-    s->gain(q->hits, w->scene->clamp_direct, q->lane, b->walk, &b->sum, &b->sample_color);
+    s->gain(q->hits, (const float[2]){w->scene->clamp_direct, INFINITY}, 0, q->lane, b->walk,
+            &b->sum, &b->sample_color);
   else
     s->scatter(q->hits, q->lane, &b->sum, &b->sample_color);
   if (paths)
@@ -450,17 +414,17 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     s->lens(count, view->camera, &points, &b->path, &b->sample_ray);
   }
   clock_tick(&w->clocks, CLOCK_CAMERA);
-  trace(w, true, count);
+  hits_trace(w, true, count);
   s->cover(count, &b->sample_hit, &b->path);
   bool sky = scene->sky.there && !scene->sky_hidden && !scene->transparent && !w->observer &&
              b->queue.hits < count;
   if (b->queue.hits)
-    sort_hits(w, count);
+    hits_sort(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!b->queue.hits && !sky)
     return;
   if (paths)
-    begin_walks(b, count);
+    begin_walks(w, count);
   const lane_c *color = shade_batch(w, view, paths, sky, count, phase);
   s->film(count, view, color, &b->path, pixels);
   clock_tick(&w->clocks, CLOCK_FILM);

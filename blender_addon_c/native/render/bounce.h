@@ -32,8 +32,12 @@ typedef struct worker {
   size_t *end;     /* by light that hits choose: past the last of them in batch->lit */
   unsigned status; /* bits of libshade */
   clocks clocks;
+  struct through *through; /* what shadow rays need where some surface is transparent, or NULL */
 } worker;
 
+/* Its batch alone. False when out of memory. */
+bool batch_init(worker *w);
+void batch_free(worker *w);
 /* False when out of memory. */
 bool worker_init(worker *w);
 void worker_free(worker *w);

@@ -372,6 +372,13 @@ static bool read_picture(reader *r, scene *s) {
       return false;
     s->limits.kind[k] = (uint32_t)most;
   }
+  /* From some version on Cycles lets paths through one surface less than shadow rays. */
+  bool less = false;
+  if (reader_has(r, "transparent_less") && !reader_flag(r, "transparent_less", &less))
+    return false;
+  uint32_t *straight = &s->limits.kind[BOUNCE_TRANSPARENT];
+  s->limits.shadows = *straight;
+  *straight -= less && *straight > 0;
   if (reader_has(r, "sample_clamp_indirect") &&
       !reader_number_within(r, "sample_clamp_indirect", 0, 1e30, &s->clamp_indirect))
     return false;

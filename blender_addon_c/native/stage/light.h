@@ -146,8 +146,8 @@ LEAF float balance(float own, float other) {
       vec3 gone = {o.x - from.x, o.y - from.y, o.z - from.z};                                      \
       light_meeting m = light_##name##_meet(&own, from, d);                                        \
       float near = dot(gone, d) * 0.999f;                                                          \
-      bool meets =                                                                                 \
-          (m.distance > near) & (m.distance - near <= ray->tfar[k]) & (m.radiance > 0.0f);         \
+      bool meets = (m.distance > near) & (m.distance - near <= ray->tfar[k]) &                     \
+                   (m.radiance > 0.0f) & (walk->ray[k] != RAY_CAMERA);                             \
       bool choice = chosen & (walk->lights[k] > 0.0f);                                             \
       float chance = choice ? weight[k] / (choice ? walk->lights[k] : 1.0f) : 1.0f;                \
       float part = balance(walk->pdf[k], m.pdf * chance);                                          \

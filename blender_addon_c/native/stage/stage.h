@@ -16,6 +16,7 @@
  *   pair, light, lit                                              each light: direction, shadow ray
  *   (or weigh, choose, chosen, lit                                one light for each hit)
  *   (trace)  accel_occluded
+ *   stopped, sift, pass, tint                                      through transparent surfaces
  *   shadow
  *   closure  f and cosine, for each material
  *   reflect  f cos E, added up over the lights
@@ -138,6 +139,14 @@ typedef struct stage_table {
                   const walks *walk, bool chosen, float power, lane_c *met);
   /* lifted: `lift` has said where shadow rays start. */
   void (*lit)(lane_run run, bool through, bool lifted, const surfaces *at, light_samples *light);
+  /* Shadow rays through transparent surfaces (through.h). */
+  size_t (*stopped)(size_t count, uint32_t left, const uint32_t *lane, const walks *walk,
+                    const light_samples *light, passages *way, rays *ray);
+  size_t (*sift)(size_t count, const triangle *triangles, const material *materials,
+                 const passages *way, uint32_t *record, light_samples *light);
+  size_t (*pass)(size_t count, const uint32_t *lane, const surfaces *at, const rays *came,
+                 const lane_c *share, passages *way, rays *ray, light_samples *light);
+  void (*tint)(size_t count, const float color[3], const passages *way, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);
   /* density: out->pdf is wanted too. Returns status bits of libshade. */
@@ -174,14 +183,19 @@ typedef struct stage_table {
   size_t (*walk)(size_t count, bool lots, const walk_limits *limits, bool meets,
                  const uint32_t *lane, const surfaces *at, const walks *walk, const float *lights,
                  draws *draw, rays *wide, uint32_t *chosen, walks *next, rays *ray);
-  /* Adds the light of hits or of rays, by lane, to the samples. What is brighter than `most`, in
-     the mean of its three channels, is dimmed to it. */
-  void (*gain)(size_t count, float most, const uint32_t *lane, const walks *walk, const lane_c *sum,
-               lane_c *color);
+  /* Adds the light of hits or of rays, by lane, to the samples. What is brighter than most[0], in
+     the mean of its three channels, is dimmed to it; most[1] counts after more bounces than `free`.
+   */
+  void (*gain)(size_t count, const float most[2], uint32_t free, const uint32_t *lane,
+               const walks *walk, const lane_c *sum, lane_c *color);
   /* Of rays that only passed through surfaces and meet nothing: the picture shows nothing there. */
   void (*uncover)(size_t count, const uint32_t *record, walks *walk, paths *path);
-  /* Hits of paths that end there count as none; the number of the others. */
-  size_t (*end)(size_t count, const walks *walk, uint32_t *record);
+  /* Hits of paths that end there count as none, but for those of transparent surfaces, behind which
+     there may be light; materials NULL: there are none. The number of the others. */
+  size_t (*end)(size_t count, const walks *walk, const triangle *triangles,
+                const material *materials, uint32_t *record);
+  /* Of paths that have ended, no surface's light counts. */
+  void (*mute)(size_t count, const uint32_t *lane, const walks *walk, lane_c *sum);
   /* Of rays that meet nothing, an even background. */
   void (*escape)(size_t count, const uint32_t *record, const float background[3], lane_c *met);
 

@@ -31,9 +31,10 @@ enum { WALK_ENDS = 4 }; /* beside a bounce_kind */
 /*
  * A path goes on where a direction was drawn that leaves the facet too, on the same side as the
  * smooth surface, and where it may still do what it does there; where it may not, its ray looks for
- * lights only, if a scene has any that it `meets`. Roulette keeps one whose
- * weight has become w with probability sqrt(w): the square root, because what it may still meet is
- * not known.
+ * lights only, if a scene has any that it `meets`, through transparent surfaces as samples of these
+ * lights do; light that it meets after a passage weighs as if nothing had been there. Roulette
+ * keeps one whose weight has become w with probability sqrt(w): the square root, because what it
+ * may still meet is not known.
  */
 static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, bool meets,
                          const uint32_t *restrict lane, const surfaces *restrict at,
@@ -51,9 +52,11 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     uint32_t glossy = walk->bounces[1][from] + (kind == BOUNCE_GLOSSY);
     uint32_t through = walk->bounces[2][from] + (kind == BOUNCE_TRANSMISSION);
     uint32_t passing = walk->bounces[3][from] + (kind == BOUNCE_TRANSPARENT);
+    bool straight = kind == BOUNCE_TRANSPARENT;
     bool within = (diffuse <= most_diffuse) & (glossy <= most_glossy) & (through <= most_through) &
-                  (diffuse + glossy + through <= most_all);
-    bool may = (within | meets) & (passing <= most_passing);
+                  (diffuse + glossy + through <= most_all) & (passing <= most_passing);
+    bool may =
+        (within | meets) & (passing <= most_passing + 1) & (straight | (walk->ends[from] == 0));
     draw->kind[i] = within ? kind : kind | WALK_ENDS;
     vec3 n = load(&at->n, i), t = load(&at->t, i), b = load(&at->b, i), g = load(&at->g, i);
     vec3 wi = load(&draw->wi, i), p = load(&at->p, i);
@@ -94,17 +97,20 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     ray->d.y[k] = wide->d.y[i];
     ray->d.z[k] = wide->d.z[i];
     ray->tfar[k] = INFINITY;
-    next->sample[k] = walk->sample[lane[i]];
+    uint32_t from = lane[i], kind = draw->kind[i] & 3u;
+    bool straight = kind == BOUNCE_TRANSPARENT;
+    next->sample[k] = walk->sample[from];
     next->weight.r[k] = draw->f.r[i];
     next->weight.g[k] = draw->f.g[i];
     next->weight.b[k] = draw->f.b[i];
-    next->from.x[k] = at->p.x[i];
-    next->from.y[k] = at->p.y[i];
-    next->from.z[k] = at->p.z[i];
-    next->pdf[k] = draw->pdf[i];
-    next->lights[k] = lights[i];
-    for (uint32_t kind = 0; kind < BOUNCE_KINDS; kind++)
-      next->bounces[kind][k] = walk->bounces[kind][lane[i]] + ((draw->kind[i] & 3u) == kind);
+    next->from.x[k] = straight ? walk->from.x[from] : at->p.x[i];
+    next->from.y[k] = straight ? walk->from.y[from] : at->p.y[i];
+    next->from.z[k] = straight ? walk->from.z[from] : at->p.z[i];
+    next->pdf[k] = straight ? walk->pdf[from] : draw->pdf[i];
+    next->lights[k] = straight ? walk->lights[from] : lights[i];
+    next->ray[k] = straight ? walk->ray[from] : 2u << kind;
+    for (uint32_t one = 0; one < BOUNCE_KINDS; one++)
+      next->bounces[one][k] = walk->bounces[one][from] + (kind == one);
     next->ends[k] = draw->kind[i] & WALK_ENDS;
   }
   return rays;
@@ -123,12 +129,14 @@ LEAF void add_dimmed(lane_c *color, uint32_t sample, float most, float r, float 
 }
 
 /* A sample has one ray at most: no two lanes write to the same place. */
-static void stage_gain(size_t count, float most, const uint32_t *restrict lane,
-                       const walks *restrict walk, const lane_c *restrict sum,
-                       lane_c *restrict color) {
+static void stage_gain(size_t count, const float most[2], uint32_t free,
+                       const uint32_t *restrict lane, const walks *restrict walk,
+                       const lane_c *restrict sum, lane_c *restrict color) {
   for (size_t i = 0; i < count; i++) {
     uint32_t k = lane[i];
-    add_dimmed(color, walk->sample[k], most, walk->weight.r[k] * sum->r[i],
+    uint32_t bounced = walk->bounces[BOUNCE_DIFFUSE][k] + walk->bounces[BOUNCE_GLOSSY][k] +
+                       walk->bounces[BOUNCE_TRANSMISSION][k];
+    add_dimmed(color, walk->sample[k], most[bounced > free], walk->weight.r[k] * sum->r[i],
                walk->weight.g[k] * sum->g[i], walk->weight.b[k] * sum->b[i]);
   }
 }
@@ -146,14 +154,35 @@ static void stage_uncover(size_t count, const uint32_t *restrict record, walks *
   }
 }
 
-static size_t stage_end(size_t count, const walks *restrict walk, uint32_t *restrict record) {
+static size_t stage_end(size_t count, const walks *restrict walk, const triangle *triangles,
+                        const material *materials, uint32_t *restrict record) {
   uint32_t hits = 0;
+  for (size_t k = 0; materials && k < count; k++) {
+    bool stays =
+        record[k] != RECORD_MISS &&
+        (!walk->ends[k] || materials[triangles[record[k]].material].traits & CLOSURE_PASSES);
+    record[k] = stays ? record[k] : RECORD_MISS;
+    hits += stays;
+  }
+  if (materials)
+    return hits;
 #pragma omp simd reduction(+ : hits)
   for (size_t k = 0; k < count; k++) {
     record[k] = walk->ends[k] ? RECORD_MISS : record[k];
     hits += record[k] != RECORD_MISS ? 1u : 0u;
   }
   return hits;
+}
+
+static void stage_mute(size_t count, const uint32_t *restrict lane, const walks *restrict walk,
+                       lane_c *restrict sum) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    bool counts = walk->ends[lane[i]] == 0;
+    sum->r[i] = counts ? sum->r[i] : 0.0f;
+    sum->g[i] = counts ? sum->g[i] : 0.0f;
+    sum->b[i] = counts ? sum->b[i] : 0.0f;
+  }
 }
 
 static void stage_escape(size_t count, const uint32_t *restrict record, const float background[3],

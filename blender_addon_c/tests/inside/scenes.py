@@ -704,11 +704,43 @@ def lit(options):
     else:
         sky(scene, options["image"], options.get("mapping"))
     common.camera(scene, (0, -5, 3), (1.08, 0, 0))
+    if "panes" in options:
+        panes(options["panes"])
+        settings.transparent_max_bounces = options.get("passes", 8)
+        settings.sample_clamp_indirect = 0
     if options.get("empty"):
         for ob in [ob for ob in scene.objects if ob.type == "MESH"]:
             bpy.data.objects.remove(ob)
     common.render(options["picture"])
     return {}
+
+
+def panes(kinds):
+    """Sheets between the floor and the light, one above the other, some before the eye as well."""
+    for number, kind in enumerate(kinds):
+        material = bpy.data.materials.new(kind)
+        tree = common.tree_of(material)
+        if kind == "glass paper":
+            tree.nodes.remove(tree.nodes["Principled BSDF"])
+            shader = tree.nodes.new("ShaderNodeBsdfTransparent")
+            shader.inputs["Color"].default_value = (0.9, 0.6, 0.2, 1)
+            tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        else:
+            shader = tree.nodes["Principled BSDF"]
+            shader.inputs["Base Color"].default_value = (0.2, 0.5, 0.7, 1)
+            shader.inputs["Roughness"].default_value, shader.inputs["Alpha"].default_value = 1, 0.5
+            if "Specular" in shader.inputs:  # until 3.6, whose lobe is not quite the same here
+                shader.inputs["Specular"].default_value = 0
+        if kind == "holes":
+            image = bpy.data.images.new("holes", 4, 4, float_buffer=True, is_data=True)
+            alphas = np.indices((4, 4)).sum(0) % 2
+            image.pixels.foreach_set(np.float32(np.stack([alphas * 0.8] * 4, -1).ravel()))
+            image.update()
+            texture = common.image_node(tree, image)
+            texture.interpolation = "Closest"
+            tree.links.new(texture.outputs["Color"], shader.inputs["Alpha"])
+        sheet = common.plane(material, 2.5)
+        sheet.location = (-0.3 + 0.3 * number, 0.2 - 0.4 * number, 1.2 + 0.2 * number)
 
 
 def sky(scene, image, mapping):

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "render/hits.h"
+
+void hits_trace(worker *w, bool first, size_t count) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  accel_intersect(s->accel, count, first, &b->sample_ray, &b->sample_hit);
+  b->queue.hits =
+      s->stages->locate(count, (uint32_t)(2 * s->quad_count), s->placed, &b->sample_hit);
+}
+
+void hits_sort(worker *w, size_t count) {
+  batch *b = w->batch;
+  const queue *q = &b->queue;
+  const rays *ray = b->ray = &b->sample_ray;
+  const hits *hit = b->hit = &b->sample_hit;
+  if (queue_sort(&b->queue, w->scene, count, hit->record))
+    return;
+  rays *to_ray = b->ray = &b->moved_ray;
+  hits *to_hit = b->hit = &b->moved_hit;
+  const float *from[] = {ray->o.x,  ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z,
+                         ray->tfar, hit->g.x, hit->g.y, hit->g.z, hit->u,   hit->v};
+  float *to[] = {to_ray->o.x,  to_ray->o.y, to_ray->o.z, to_ray->d.x, to_ray->d.y, to_ray->d.z,
+                 to_ray->tfar, to_hit->g.x, to_hit->g.y, to_hit->g.z, to_hit->u,   to_hit->v};
+  for (size_t k = 0; k < sizeof from / sizeof *from; k++)
+    w->scene->stages->gather(q->hits, q->lane, from[k], to[k]);
+  for (size_t i = 0; i < q->hits; i++)
+    to_hit->record[i] = hit->record[q->lane[i]];
+  for (size_t i = 0; w->scene->placed && i < q->hits; i++)
+    to_hit->instance[i] = hit->instance[q->lane[i]];
+}
+
+bool hits_lifted(const worker *w) {
+  return w->scene->curved && !w->observer;
+}
+
+void hits_surface(worker *w) {
+  const stage_table *s = w->scene->stages;
+  batch *b = w->batch;
+  s->corner(b->queue.hits, w->scene->triangle, b->hit, &b->corner);
+  if (w->scene->placed)
+    s->place(b->queue.hits, w->scene->placed, b->hit, &b->corner);
+  s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
+  if (hits_lifted(w))
+    s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
+  if (w->scene->stretch)
+    s->stretch(b->queue.hits, w->scene->stretch, w->scene->placed, b->hit, &b->surface);
+}
+
+void hits_nodes(worker *w) {
+  batch *b = w->batch;
+  const segment *end = b->queue.segment + b->queue.segments;
+  for (const segment *g = b->queue.segment; g < end; g++)
+    if (g->material->bare)
+      w->scene->stages->flat(g, &b->input);
+  clock_tick(&w->clocks, CLOCK_SURFACE);
+  for (const segment *g = b->queue.segment; g < end; g++)
+    for (const node *n = g->material->node; n < g->material->node + g->material->nodes; n++) {
+      w->scene->stages->node[n->type](g, n, &b->corner, &b->surface, &b->input);
+      clock_tick(&w->clocks, CLOCK_NODE + n->type);
+    }
+}

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From a batch's rays to the surfaces that they meet, and what the nodes there say. */
+#ifndef LIBSHADE_HITS_H
+#define LIBSHADE_HITS_H
+
+#include "render/bounce.h"
+
+/* What rays meet; the first are those of the camera. */
+void hits_trace(worker *w, bool first, size_t count);
+/* Samples to hits: sorted by material, unless nothing need move. */
+void hits_sort(worker *w, size_t count);
+/* Do shadow rays start above facets? A dump is compared with others, that do not know of it. */
+bool hits_lifted(const worker *w);
+void hits_surface(worker *w);
+/* What each material's nodes say. */
+void hits_nodes(worker *w);
+
+#endif

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "render/through.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/hits.h"
+
+struct through {
+  worker inner; /* at surfaces on the way, whose rays are the shadow rays that are stopped */
+  passages way;
+};
+
+through *through_create(const worker *w) {
+  through *t = aligned_alloc(64, (sizeof *t + 63) / 64 * 64);
+  if (!t)
+    return NULL;
+  t->inner = (worker){.scene = w->scene, .sampling = w->sampling, .cancel = w->cancel};
+  if (batch_init(&t->inner))
+    return t;
+  through_free(t);
+  return NULL;
+}
+
+void through_free(through *t) {
+  if (t)
+    batch_free(&t->inner);
+  free(t);
+}
+
+/* How much light goes straight on at the hits: their transparent closures' weights. */
+static void add_shares(worker *w) {
+  batch *b = w->batch;
+  size_t bytes = b->queue.hits * sizeof(float);
+  memset(b->sum.r, 0, bytes);
+  memset(b->sum.g, 0, bytes);
+  memset(b->sum.b, 0, bytes);
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
+    for (size_t k = 0; k < g->material->closures; k++)
+      if (g->material->closure[k].traits & CLOSURE_PASSES)
+        w->scene->stages->emit(&g->material->closure[k], g->run, &b->input, &b->sum);
+}
+
+bool through_shadows(worker *w, bool coherent, const float *color) {
+  const scene *s = w->scene;
+  const stage_table *stage = s->stages;
+  batch *b = w->batch;
+  worker *inner = &w->through->inner;
+  batch *at = inner->batch;
+  passages *way = &w->through->way;
+  size_t hits = b->queue.hits;
+  memcpy(way->tfar, b->light.ray.tfar, hits * sizeof(float));
+  accel_occluded(s->accel, hits, coherent, &b->light.ray);
+  size_t rays = stage->stopped(hits, s->limits.shadows, b->queue.lane, b->walk, &b->light, way,
+                               &at->sample_ray);
+  bool any = false;
+  while (rays) {
+    hits_trace(inner, false, rays);
+    at->queue.hits =
+        stage->sift(rays, s->triangle, s->material, way, at->sample_hit.record, &b->light);
+    if (!at->queue.hits)
+      break;
+    any = true;
+    hits_sort(inner, rays);
+    hits_surface(inner);
+    hits_nodes(inner);
+    add_shares(inner);
+    rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum, way,
+                       &at->light.ray, &b->light);
+    memcpy(&at->sample_ray, &at->light.ray, sizeof at->sample_ray);
+  }
+  if (any)
+    stage->tint(hits, color, way, &b->light);
+  return any;
+}
