@@ -82,9 +82,10 @@ def _normal(reader, node, groups, name="Normal"):
     return normal_of(reader, socket, groups) if socket else None
 
 
-def _add(reader, closure, weight, normal=None):
+def _add(reader, closure, weight, normal=None, color=None):
     """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
-    Cycles' own shaders."""
+    Cycles' own shaders. color: in passes of colour, where it is not what the closure says, by its
+    weight."""
     if closure.pop("stock", False) and not reader.transport:
         closure["detail"] = "gram_schmidt"
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
@@ -92,6 +93,8 @@ def _add(reader, closure, weight, normal=None):
         return
     if not is_known(*weight) or weight != _WHITE:
         closure = {**closure, "weight": weight}
+    if reader.colors and color:
+        closure = {**closure, "pass_color": tuple(color)}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
 
 
@@ -205,11 +208,15 @@ def _glossy(reader, node, groups, share):
         reader.warn(f"'{node.name}': {distribution.lower()} is not supported; shaded as GGX")
         distribution = "GGX"
     alphas, groove = _stretched(reader, node, groups, alpha)
+    seen = None
     if distribution == "MULTI_GGX" and not _is_smooth(alpha):
-        kept = _Lobe(reader, alpha, normal).kept(color)
+        lobe = _Lobe(reader, alpha, normal)
+        kept = lobe.kept(color)
         share = tuple(reader.program.math("MULTIPLY", share, part) for part in kept)
+        seen = (_times(reader, color, lobe.one) if _JOINT else
+                tuple(reader.program.math("DIVIDE", part, by) for part, by in zip(color, kept)))
     _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution]}, f0=color, alpha=alphas,
-                                groove=groove), share, normal)
+                                groove=groove), share, normal, seen)
 
 
 def _stretched(reader, node, groups, alpha):
@@ -357,16 +364,19 @@ class _Principled:
     def _part(self, share, part):
         return self.math("MULTIPLY", share, part)
 
-    def _lobe(self, share, settings, kept=None, **parts):
-        """kept: the mean reflectance, where several bounces between facets count."""
-        if kept and self.several:
-            kept = _Lobe(self.reader, self.alpha, self.normal).kept(kept)
-            share = tuple(self.math("MULTIPLY", share, part) for part in kept)
+    def _lobe(self, share, settings, head_on, **parts):
+        lobe = _Lobe(self.reader, self.alpha, self.normal)
+        kept = lobe.kept(tuple(map(self._mean, head_on))) if self.several else _WHITE
+        share = tuple(self.math("MULTIPLY", share, part) for part in kept)
+        # from 4.0 on Cycles' colour is the albedo, before it is 1 for all lobes
+        seen = (tuple(map(lobe.albedo, head_on)) if _JOINT else
+                tuple(self.math("DIVIDE", 1.0, part) for part in kept))
         _add(self.reader, _metal_closure({**_GGX, **settings}, alpha=self.alphas,
-                                         groove=self.groove, **parts), share, self.normal)
+                                         groove=self.groove, **parts), share, self.normal, seen)
 
-    def _clear(self, share, eta, kept=None):
-        self._lobe(share, {"fresnel": "CONDUCTOR", "k": _BLACK}, kept, f0=_WHITE, eta=(eta,) * 3)
+    def _clear(self, share, head_on):
+        self._lobe(share, {"fresnel": "CONDUCTOR", "k": _BLACK}, (head_on,) * 3, f0=_WHITE,
+                   eta=(self._eta(head_on),) * 3)
 
     def _head_on(self, eta):
         root = self.math("DIVIDE", self.math("SUBTRACT", eta, 1.0), self.math("ADD", eta, 1.0))
@@ -381,10 +391,10 @@ class _Principled:
         """Schlick's mean over the directions."""
         return self.math("MULTIPLY_ADD", head_on, 20 / 21, 1 / 21)
 
-    def _coat(self, share, weight, alpha, eta, normal):
+    def _coat(self, share, weight, alpha, eta, normal, color):
         _add(self.reader, _metal_closure({**_GGX, "fresnel": "CONDUCTOR", "k": _BLACK}, f0=_WHITE,
                                          eta=(eta,) * 3, alpha=alpha),
-             self._part(share, weight), normal)
+             self._part(share, weight), normal, (color,) * 3)
 
     def _emission(self, share):
         inputs = self.node.inputs
@@ -399,7 +409,7 @@ class _Principled:
         coat = _clamp(self.reader, self._number("Clearcoat"))
         self._coat(share, math("MULTIPLY", coat, 0.25),
                    _alpha_of(self.reader, self.node, self.groups, "Clearcoat Roughness"), 1.5,
-                   _normal(self.reader, self.node, self.groups, "Clearcoat Normal"))
+                   _normal(self.reader, self.node, self.groups, "Clearcoat Normal"), 4.0)
         matt = self._rest(share, self.metallic)
         glass = self._part(matt, through)
         if not (is_known(glass) and glass == 0):
@@ -411,10 +421,10 @@ class _Principled:
         surface = math("SUBTRACT", share, glass)
         head_on = math("CLAMP", math("MULTIPLY", self._number("Specular"), 0.08), 0.0, 1.0)
         if is_known(self.metallic) and self.metallic == 0:
-            self._clear(surface, self._eta(head_on), (self._mean(head_on),) * 3)
+            self._clear(surface, head_on)
             return
         f0 = tuple(math("MIX", head_on, part, self.metallic) for part in self.base)
-        self._lobe(surface, {"fresnel": "SCHLICK"}, tuple(map(self._mean, f0)), f0=f0)
+        self._lobe(surface, {"fresnel": "SCHLICK"}, f0, f0=f0)
 
     def from_4_0(self, share):
         math, reader = self.math, self.reader
@@ -422,8 +432,8 @@ class _Principled:
         if not (is_known(coat) and coat == 0):
             share = self._coated(share, coat)
         self._emission(share)
-        self._lobe(self._part(share, self.metallic), {"fresnel": "SCHLICK"},
-                   tuple(map(self._mean, self.base)), f0=self.base)
+        self._lobe(self._part(share, self.metallic), {"fresnel": "SCHLICK"}, self.base,
+                   f0=self.base)
         share = self._rest(share, self.metallic)
         through = _clamp(reader, self._number("Transmission Weight"))
         glass = self._part(share, through)
@@ -438,7 +448,7 @@ class _Principled:
         level = self._number("Specular IOR Level")
         if not (is_known(level) and level == 0.5):
             head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
-        self._clear(share, self._eta(head_on), (self._mean(head_on),) * 3)
+        self._clear(share, head_on)
         lobe = _Lobe(reader, self.alpha, self.normal)
         hidden = lobe.albedo(head_on)
         if self.several:
@@ -451,11 +461,11 @@ class _Principled:
         alpha = _alpha_of(reader, self.node, self.groups, "Coat Roughness")
         eta = self.math("MAXIMUM", self._number("Coat IOR"), 1.0)
         normal = _normal(reader, self.node, self.groups, "Coat Normal")
-        self._coat(share, weight, alpha, eta, normal)
+        hidden = _Lobe(reader, alpha, normal).albedo(self._head_on(eta))
+        self._coat(share, weight, alpha, eta, normal, hidden)
         tint = self.node.inputs["Coat Tint"]
         if tint.is_linked or any(part != 1 for part in tint.default_value[:3]):
             reader.warn(f"'{self.node.name}': Coat Tint is not supported; left out")
-        hidden = _Lobe(reader, alpha, normal).albedo(self._head_on(eta))
         return self._rest(share, self._part(weight, hidden))
 
 

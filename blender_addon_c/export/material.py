@@ -15,9 +15,10 @@ _NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
 class Table:
     """Materials and images of one render, each once."""
 
-    def __init__(self, messages, transport):
+    def __init__(self, messages, transport, colors):
         self.materials, self.images = [], Images(messages)
         self._transport = transport  # do grooves go with bumps?
+        self._colors = colors  # are there passes of colour?
         self._messages = messages
         self._indices = {}  # by material
         self._uv_maps = []  # by index, "" is the mesh's active one
@@ -28,7 +29,8 @@ class Table:
         if material not in self._indices:
             if not material:
                 self._messages.warning(f"object '{owner}': no material, rendered as grey metal")
-            reader = Reader(self.images, self._messages, material, self._transport)
+            reader = Reader(self.images, self._messages, material, self._transport,
+                            self._colors)
             self._indices[material] = len(self.materials)
             self.materials.append(reader.read())
             self._uv_maps.append(reader.uv_map)
@@ -52,8 +54,8 @@ class Reader:
     """One material, and what its nodes found out: `uv_map`, that its images ask for, if one of them
     `uses_uv`; the `program`, what outputs say that are `known`, and `closures`."""
 
-    def __init__(self, images, messages, material, transport):
-        self.transport = transport
+    def __init__(self, images, messages, material, transport, colors):
+        self.transport, self.colors = transport, colors
         self.images, self._messages, self._material = images, messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
         self.uv_map, self.uses_uv = "", False

@@ -3,26 +3,44 @@
 
 from collections import namedtuple
 
+import bpy
+
 # The view layer's property, Blender's name, what its channels are called, how Blender shows it,
 # and the native module's plane.
 Pass = namedtuple("Pass", "wanted_by name channels kind plane")
 
+_LONG = bpy.app.version >= (5, 0)  # names of passes are whole words
+
+
+def _pass(wanted_by, name, long_name, channels, kind, plane):
+    return Pass(f"use_pass_{wanted_by}", long_name if _LONG else name, channels, kind, plane)
+
+
+def _light_passes():
+    for kind, short in (("diffuse", "Diff"), ("glossy", "Gloss"), ("transmission", "Trans")):
+        for part, end in (("direct", "Dir"), ("indirect", "Ind"), ("color", "Col")):
+            yield _pass(f"{kind}_{part}", short + end, f"{kind} {part}".title(), "RGB", "COLOR",
+                        f"{kind}_{part}".upper())
+
+
+# In the order of Cycles, and so of a file's channels.
 PASSES = (
-    Pass("use_pass_z", "Depth", "Z", "VALUE", "DEPTH"),
-    Pass("use_pass_position", "Position", "XYZ", "VECTOR", "POSITION"),
-    Pass("use_pass_normal", "Normal", "XYZ", "VECTOR", "NORMAL"),
-    Pass("use_pass_uv", "UV", "UVA", "VECTOR", "UV"),
-    Pass("use_pass_object_index", "IndexOB", "X", "VALUE", "OBJECT"),
-    Pass("use_pass_material_index", "IndexMA", "X", "VALUE", "MATERIAL"),
+    _pass("z", "Depth", "Depth", "Z", "VALUE", "DEPTH"),
+    _pass("position", "Position", "Position", "XYZ", "VECTOR", "POSITION"),
+    _pass("normal", "Normal", "Normal", "XYZ", "VECTOR", "NORMAL"),
+    _pass("uv", "UV", "UV", "UVA", "VECTOR", "UV"),
+    _pass("object_index", "IndexOB", "Object Index", "X", "VALUE", "OBJECT"),
+    _pass("material_index", "IndexMA", "Material Index", "X", "VALUE", "MATERIAL"),
+    *_light_passes(),
+    _pass("emit", "Emit", "Emission", "RGB", "COLOR", "EMISSION"),
+    _pass("environment", "Env", "Environment", "RGB", "COLOR", "ENVIRONMENT"),
 )
 
 # Properties of what no plane stands for yet, where the Blender that runs has them.
 _UNKNOWN = {
     "use_pass_mist": "Mist", "use_pass_vector": "Vector", "use_pass_shadow": "Shadow",
-    "use_pass_ambient_occlusion": "Ambient Occlusion", "use_pass_emit": "Emission",
-    "use_pass_environment": "Environment",
-    **{f"use_pass_{what}_{part}": f"{what.capitalize()} {part.capitalize()}"
-       for what in ("diffuse", "glossy", "transmission", "subsurface")
+    "use_pass_ambient_occlusion": "Ambient Occlusion",
+    **{f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}"
        for part in ("direct", "indirect", "color")},
     **{f"use_pass_cryptomatte_{what}": f"Cryptomatte {what.capitalize()}"
        for what in ("object", "material", "asset")},
@@ -32,6 +50,11 @@ _UNKNOWN = {
 def passes_of(view_layer):
     """Those that the view layer asks for and the engine has."""
     return [p for p in PASSES if getattr(view_layer, p.wanted_by)]
+
+
+def have_colors(view_layer):
+    """Do any need the colours of surfaces? Light of each kind is divided by these."""
+    return any(p.plane.endswith(("_DIRECT", "_INDIRECT", "_COLOR")) for p in passes_of(view_layer))
 
 
 def passes_left_out(view_layer, messages):

@@ -5,7 +5,7 @@ import math
 
 import bpy
 
-from . import tree
+from . import passes, tree
 from .camera import rows
 from .light import kinds, light_of
 from .material import Table
@@ -20,7 +20,8 @@ _MOST_THREADS = 256  # that the native module starts
 def read(depsgraph, camera, size, region, samples, messages):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
-    table = Table(messages, scene.libshade.groove_transport)
+    table = Table(messages, scene.libshade.groove_transport,
+                  passes.have_colors(depsgraph.view_layer))
     with tree.deep():
         meshes, instances, lights = _objects(depsgraph, table, messages)
         world = world_of(scene.world, table.images, messages)

@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from blender_runs import read_picture
+from test_blender_closures import CASES
 
 WANTED = ("z", "position", "normal", "uv", "object_index", "material_index", "mist")
 
@@ -15,8 +16,10 @@ def test_passes_of_two_view_layers(blender, tmp_path):
     names, pixels = read_picture(tmp_path / "picture.exr")
     full, empty = ({name.split(".", 1)[1]: pixels[..., k] for k, name in enumerate(names)
                     if name.startswith(layer + ".")} for layer in told["layers"])
-    assert set(full) == set(empty) >= {"Depth.Z", "Position.X", "Normal.Z", "UV.U", "UV.A",
-                                       "IndexOB.X", "IndexMA.X", "Combined.A"}
+    indices = [f"{name}.X" for name in (("IndexOB", "IndexMA") if blender.version < "5" else
+                                        ("Object Index", "Material Index"))]
+    assert set(full) == set(empty) >= {"Depth.Z", "Position.X", "Normal.Z", "UV.U", "UV.A", *indices,
+                                       "Combined.A"}
     assert (empty["Combined.A"] == 0).all() and (empty["Depth.Z"] == 1e10).all()
     assert "passes that are not rendered: Mist" in text
     # pixels that the plate covers; each looks along -z, from (x, y, 3)
@@ -34,5 +37,51 @@ def test_passes_of_two_view_layers(blender, tmp_path):
     np.testing.assert_allclose(full["UV.U"][whole],
                                np.broadcast_to(0.5 + middle / math.cos(0.5), (16, 16))[whole], atol=0.01)
     assert (full["UV.A"][whole] == 1).all()
-    assert (full["IndexOB.X"][whole] == 7).all() and (full["IndexMA.X"][whole] == 3).all()
-    assert (empty["IndexOB.X"] == 0).all()
+    assert (full[indices[0]][whole] == 7).all() and (full[indices[1]][whole] == 3).all()
+    assert (empty[indices[0]] == 0).all()
+
+
+KINDS = {"3.4": ("Diff", "Gloss", "Trans"), "5.0": ("Diffuse ", "Glossy ", "Transmission ")}
+PARTS = {"3.4": ("Dir", "Ind", "Col"), "5.0": ("Direct", "Indirect", "Color")}
+SEEN = {"3.4": ("Emit", "Env"), "5.0": ("Emission", "Environment")}
+LIGHT = (*(f"{kind}_{part}" for kind in ("diffuse", "glossy", "transmission")
+           for part in ("direct", "indirect", "color")), "emit", "environment")
+BALLS = ("diffuse", "glossy", "glass", "translucent", "half there", "mixed", "added", "metallic",
+         "half metallic", "clear")
+SIDE = 24
+
+
+def by_pass(path, ends="RGB"):
+    """{pass: height x width x 3} of a file's only layer."""
+    names, pixels = read_picture(path)
+    number = {name.split(".", 1)[1]: k for k, name in enumerate(names)}
+    return {name: pixels[..., [number[f"{name}.{end}"] for end in ends]].astype(float)
+            for name in {key.rsplit(".", 1)[0] for key in number}}
+
+
+def test_light_passes_are_those_of_cycles(blender, tmp_path):
+    """Balls and a floor under a sky and a sun: what each pass adds to the picture."""
+    cases = [case for case in CASES if case["name"] in BALLS]
+    pictures = []
+    for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
+        blender.scene("balls", tmp_path, dump="", cases=cases, engine=engine, samples=samples,
+                      passes=LIGHT, floor=(0.6, 0.3, 0.2, 1))
+        pictures.append(by_pass(tmp_path / "picture.exr"))
+    assert set(pictures[0]) == set(pictures[1])
+    kinds, parts, seen = (names[blender.version] for names in (KINDS, PARTS, SEEN))
+    for picture in pictures:
+        for kind in kinds:
+            for part in parts[:2]:
+                picture[kind + part] *= picture[kind + parts[2]]
+        np.testing.assert_allclose(
+            sum(picture[kind + part] for kind in kinds for part in parts[:2])
+            + sum(picture[name] for name in seen), picture["Combined"], rtol=1e-4, atol=1e-5)
+    far = []
+    for column, case in enumerate(cases):
+        ours, theirs = ({name: p[:, SIDE * column:SIDE * (column + 1)].mean()
+                         for name, p in picture.items()} for picture in pictures)
+        for name, mean in theirs.items():
+            off = abs(ours[name] - mean) / (mean + 0.1 * theirs["Combined"])
+            if off > 0.01:
+                far.append((case["name"], name, ours[name], mean, off))
+    assert not far, '\n'.join(map(str, far))

@@ -40,6 +40,8 @@ typedef struct closure {
   closure_type type;
   unsigned traits;
   operand weight[3];
+  bool colored;     /* in passes of colour it is not what the closure itself says, */
+  operand color[3]; /* but this, times the weight */
   union {
     CLOSURE_TABLE(CLOSURE_MEMBER)
   } of;

@@ -3,6 +3,7 @@
 
 #include "render/closures.h"
 #include "render/hits.h"
+#include "render/light_passes.h"
 #include "render/through.h"
 
 #include <math.h>
@@ -34,7 +35,7 @@ void batch_free(worker *w) {
 
 bool worker_init(worker *w) {
   w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
-  if (!w->end || !batch_init(w))
+  if (!w->end || !batch_init(w) || !light_passes_init(w))
     return false;
   if (!w->scene->passes || w->observer) /* a dump's shadows are those of opaque surfaces */
     return true;
@@ -45,6 +46,7 @@ void worker_free(worker *w) {
   batch_free(w);
   free(w->end);
   through_free(w->through);
+  free(w->light);
 }
 
 /* Which points a bounce's light or draw takes; no two of one path may take the same. */
@@ -91,6 +93,8 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
     return;
   closures_eval(w, shared);
   s->reflect(hits, color, shared, &b->light, &b->reflection, &b->sum);
+  if (w->light)
+    light_passes_reflected(w);
   clock_tick(&w->clocks, CLOCK_REFLECT);
 }
 
@@ -229,6 +233,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
   closures_weigh(w, bounce == 0);
+  if (w->light)
+    light_passes_shone(w);
   if (w->observer)
     w->observer->hits(w->observer->context, b, view);
   if (w->observer) {
@@ -257,6 +263,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   points = points_of(w, phase, bounce, PURPOSE_LOT);
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.choice);
   closures_draw(w);
+  if (w->light)
+    light_passes_drawn(w);
   size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->meets,
                         q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray,
                         b->chosen, b->next, &b->sample_ray);
@@ -299,6 +307,8 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
                             &b->sample_ray, b->walk, weight, &b->met);
   }
   s->stages->gain(rays, most, 1, b->queue.identity, b->walk, &b->met, &b->sample_color);
+  if (w->light)
+    light_passes_met(w, rays, most);
 }
 
 /* The bounces after the first: sample_color grows by what they bring. Of a path's last only what
@@ -320,6 +330,8 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     b->next = b->walk;
     b->walk = now;
     hits_trace(w, false, rays);
+    if (w->light && s->passes && s->transparent)
+      light_passes_environment(w, b->walk, rays);
     if (s->passes && s->transparent)
       s->stages->uncover(rays, b->sample_hit.record, b->walk, &b->path);
     if (s->meets)
@@ -335,6 +347,8 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     if (s->passes)
       s->stages->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
     s->stages->gain(b->queue.hits, most, 0, b->queue.lane, b->walk, &b->sum, &b->sample_color);
+    if (w->light)
+      light_passes_gain(w, most);
   }
 }
 
@@ -387,11 +401,14 @@ static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths,
     show_sky(w, count);
   if (!q->hits)
     return &b->sample_color;
-  if (paths && w->scene->clamp_direct > 0.0f)
-    s->gain(q->hits, (const float[2]){w->scene->clamp_direct, INFINITY}, 0, q->lane, b->walk,
-            &b->sum, &b->sample_color);
+  const bool clamped = paths && w->scene->clamp_direct > 0.0f;
+  const float most[2] = {clamped ? w->scene->clamp_direct : INFINITY, INFINITY};
+  if (clamped)
+    s->gain(q->hits, most, 0, q->lane, b->walk, &b->sum, &b->sample_color);
   else
     s->scatter(q->hits, q->lane, &b->sum, &b->sample_color);
+  if (w->light)
+    light_passes_gain(w, most);
   if (paths)
     follow(w, view, phase);
   return &b->sample_color;
@@ -404,7 +421,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   batch *b = w->batch;
   size_t phase = view->first % p->period;
   bool paths = !w->observer && (scene->max_bounces > 0 || scene->passes || scene->meets ||
-                                scene->choices > 1 || scene->clamp_direct > 0.0f);
+                                scene->choices > 1 || scene->clamp_direct > 0.0f || w->light);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
@@ -421,11 +438,15 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   if (b->queue.hits)
     hits_sort(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);
-  if (!b->queue.hits && !sky)
+  if (!b->queue.hits && !sky && !w->light)
     return;
   if (paths)
     begin_walks(w, count);
+  if (w->light)
+    light_passes_begin(w, count);
   const lane_c *color = shade_batch(w, view, paths, sky, count, phase);
   s->film(count, view, color, &b->path, pixels);
+  if (w->light)
+    light_passes_film(w, view, count);
   clock_tick(&w->clocks, CLOCK_FILM);
 }

@@ -27,7 +27,8 @@ typedef struct worker {
   const atomic_bool *cancel; /* what a batch leaves undone once this is true is never shown */
   const plane_layout *planes;
   bool first_pass;
-  float *numbers; /* of the tile's planes, or NULL where none is wanted */
+  float *numbers;             /* of the tile's planes, or NULL where none is wanted */
+  struct light_passes *light; /* or NULL where no plane of light is wanted */
   batch *batch;
   size_t *end;     /* by light that hits choose: past the last of them in batch->lit */
   unsigned status; /* bits of libshade */

@@ -22,6 +22,20 @@ bool plane_is_filtered(plane_type type) {
   return filtered[type];
 }
 
+plane_type plane_divisor(plane_type type) {
+  int number = (int)type - PLANE_LIGHT;
+  if (number < 0 || type >= PLANE_EMISSION || number % LIGHT_PARTS == LIGHT_COLOR)
+    return PLANES;
+  return (plane_type)((int)type - number % LIGHT_PARTS + LIGHT_COLOR);
+}
+
+unsigned plane_needs(unsigned wanted) {
+  for (int k = PLANE_LIGHT; k < PLANES; k++)
+    if (wanted >> k & 1u && plane_divisor((plane_type)k) != PLANES)
+      wanted |= 1u << plane_divisor((plane_type)k);
+  return wanted;
+}
+
 plane_layout plane_layout_of(unsigned wanted) {
   plane_layout l = {.wanted = wanted};
   for (int k = 0; k < PLANES; k++) {
@@ -49,9 +63,7 @@ static float operand_or(const inputs *in, operand o, double number, size_t i) {
   return clampf(x, 0.0f, 1.0f);
 }
 
-/* One closure's colour: a metal's head-on and its body, a matt surface's; what is clear is white.
- */
-static float closure_color(const inputs *in, const closure *c, int k, size_t i) {
+float plane_closure_color(const inputs *in, const closure *c, int k, size_t i) {
   const closure_metal *metal = &c->of.metal;
   if (c->type == CLOSURE_DIFFUSE)
     return operand_or(in, c->of.diffuse.color[k], (double)c->of.diffuse.color[k].number, i);
@@ -73,7 +85,7 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
     const closure *c = &m->closure[number];
     for (int k = 0; k < 3; k++)
       sum[k] += operand_or(&b->input, c->weight[k], (double)c->weight[k].number, i) *
-                closure_color(&b->input, c, k, i);
+                plane_closure_color(&b->input, c, k, i);
   }
   return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};
 }
@@ -106,10 +118,9 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
     return (vec3){object_of(s, b->hit, i), 0, 0};
   case PLANE_MATERIAL:
     return (vec3){(float)m->pass_index, 0, 0};
-  case PLANES:
-    break;
+  default:
+    return (vec3){0, 0, 0};
   }
-  return (vec3){0, 0, 0};
 }
 
 void plane_add(const plane_layout *layout, const scene *s, const batch *b, const camera_view *view,
@@ -120,7 +131,7 @@ void plane_add(const plane_layout *layout, const scene *s, const batch *b, const
       uint32_t sample = view->first + q->lane[i];
       float *pixel = numbers + (size_t)layout->channels * (sample / view->samples);
       bool has_first = first && sample % view->samples == 0;
-      for (int k = 0; k < PLANES; k++) {
+      for (int k = 0; k < PLANE_LIGHT; k++) {
         if (!(layout->wanted >> k & 1u) || !(has_first || plane_is_filtered((plane_type)k)))
           continue;
         vec3 v = value_of((plane_type)k, s, b, g->material, i);

@@ -173,6 +173,20 @@ static patch patch_of(const render *r, size_t tile) {
   return p;
 }
 
+/* By a colour; where a channel of that is 0 the others' mean, as Cycles has it: there is no light
+ * to tell of, and a grey one stays grey. */
+static void divide(float *value, const float *color) {
+  float sum = 0.0f, parts = 0.0f;
+  for (int c = 0; c < 3; c++) {
+    bool good = color[c] != 0.0f;
+    value[c] = good ? value[c] / color[c] : 0.0f;
+    sum += value[c];
+    parts += good ? 1.0f : 0.0f;
+  }
+  for (int c = 0; c < 3 && parts > 0.0f; c++)
+    value[c] = color[c] != 0.0f ? value[c] : sum / parts;
+}
+
 /* Number of a pixel of the region. */
 static size_t place_of(const render *r, int x, int y) {
   return (size_t)(y - r->region[1]) * region_width(r) + (size_t)(x - r->region[0]);
@@ -204,6 +218,7 @@ void render_copy(render *r, float *out) {
 
 void render_copy_plane(render *r, plane_type plane, float *out) {
   size_t channels = (size_t)plane_channels(plane), stride = (size_t)r->planes.channels;
+  plane_type divisor = plane_divisor(plane);
   for (size_t tile = 0; tile < r->tiles; tile++) {
     pthread_mutex_lock(&r->film);
     patch p = patch_of(r, tile);
@@ -212,10 +227,13 @@ void render_copy_plane(render *r, plane_type plane, float *out) {
       for (int x = p.low[0]; x < p.high[0]; x++) {
         size_t at = place_of(r, x, y);
         const float *from = r->numbers + stride * at + r->planes.at[plane];
+        float by = divisor != PLANES ? 1.0f : scale; /* the colour is a sum as well */
         for (size_t c = 0; c < channels; c++)
-          out[channels * at + c] = from[c] * scale;
+          out[channels * at + c] = from[c] * by;
         if (plane == PLANE_DEPTH && !(from[0] > 0.0f))
           out[at] = PLANE_FAR;
+        if (divisor != PLANES)
+          divide(out + channels * at, r->numbers + stride * at + r->planes.at[divisor]);
       }
     pthread_mutex_unlock(&r->film);
   }

@@ -161,8 +161,10 @@ static bool read_closure(reader *r, void *out, void *context) {
   int type;
   for (int k = 0; k < 3; k++)
     c->weight[k] = (operand){.at = OPERAND_NUMBER, .number = 1.0f};
+  c->colored = reader_has(r, "pass_color");
   if (!reader_word(r, "closure", types, &type) ||
-      (reader_has(r, "weight") && !graph_operands(r, m->graph, "weight", 3, c->weight)))
+      (reader_has(r, "weight") && !graph_operands(r, m->graph, "weight", 3, c->weight)) ||
+      (c->colored && !graph_operands(r, m->graph, "pass_color", 3, c->color)))
     return false;
   switch (c->type = (closure_type)type) {
     CLOSURE_TABLE(CLOSURE_READ)
@@ -355,6 +357,7 @@ static bool read_picture(reader *r, scene *s) {
     return false;
   if (s->denoise)
     s->planes |= 1u << PLANE_ALBEDO | 1u << PLANE_NORMAL;
+  s->planes = plane_needs(s->planes);
   if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
     return false;
   if (reader_has(r, "max_bounces") &&

@@ -53,6 +53,12 @@ def write_multilayer(scene):
     settings.file_format = "OPEN_EXR_MULTILAYER"
 
 
+def ask_for(layer, passes):
+    """Passes of a view layer, by their properties."""
+    for name in passes:
+        setattr(layer, "use_pass_" + name, True)
+
+
 def link(scene, name, data, location=(0, 0, 0), rotation=(0, 0, 0)):
     ob = bpy.data.objects.new(name, data)
     ob.location, ob.rotation_euler = location, rotation

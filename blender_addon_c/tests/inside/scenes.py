@@ -614,6 +614,10 @@ def balls(options):
     background = common.tree_of(scene.world).nodes["Background"].inputs
     background["Color"].default_value = (0.5, 0.5, 0.5, 1)
     common.light(scene, rotation=(0.6, 0.3, 0), energy=1.0, size=0.3)
+    if "floor" in options:  # behind the lower halves
+        floor = bpy.data.materials.new("floor")
+        common.tree_of(floor).nodes["Principled BSDF"].inputs["Base Color"].default_value = options["floor"]
+        common.plane(floor, 2 * len(cases)).location = (0, -len(cases), -0.5)
     common.camera(scene, type="ORTHO", ortho_scale=len(cases))
     settings = scene.libshade
     if options["engine"] == "CYCLES":
@@ -623,6 +627,9 @@ def balls(options):
         settings.samples, settings.blur_glossy = options["samples"], 0
     settings.pixel_filter_type = "BOX"
     settings.max_bounces, settings.sample_clamp_indirect = 12, 0
+    if "passes" in options:
+        common.write_multilayer(scene)
+        common.ask_for(scene.view_layers[0], options["passes"])
     common.render(options["picture"])
     return {}
 
@@ -854,8 +861,7 @@ def passes(options):
     full, empty = scene.view_layers[0], scene.view_layers.new("Empty")
     empty.layer_collection.children["plate"].exclude = True
     for layer in (full, empty):
-        for name in options["passes"]:
-            setattr(layer, "use_pass_" + name, True)
+        common.ask_for(layer, options["passes"])
     common.render(options["picture"])
     return {"layers": [full.name, empty.name]}
 

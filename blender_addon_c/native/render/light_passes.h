@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Light by the way that it took to the eye, as Cycles sorts it. What the camera sees shine is
+ * emission, what it sees behind all is environment, through transparent surfaces too. All other
+ * light goes to the kind, matt, shining or through, of the first surface that is not passed, by the
+ * shares that the closures of each kind have in what the surface sends to the eye. It is direct
+ * where it comes from lights, whether a sample of theirs or a drawn ray found them, and indirect
+ * where there are more surfaces on its way. Of these surfaces' colours there are planes as well.
+ *
+ * What is here follows a batch from outside: where no such plane is wanted, nothing is called.
+ */
+#ifndef LIBSHADE_LIGHT_PASSES_H
+#define LIBSHADE_LIGHT_PASSES_H
+
+#include "render/bounce.h"
+
+/* Makes w->light where planes of light are wanted. False when out of memory. */
+bool light_passes_init(worker *w);
+
+/* In the order of a batch: the camera's rays are traced and have their walks; */
+void light_passes_begin(worker *w, size_t count);
+/* hits know what they shine themselves; */
+void light_passes_shone(worker *w);
+/* what a light makes of the closures is in batch->reflection; */
+void light_passes_reflected(worker *w);
+/* the light of the hits goes to their samples, no brighter than `most` as in the stage `gain`; */
+void light_passes_gain(worker *w, const float most[2]);
+/* new directions are drawn; */
+void light_passes_drawn(worker *w);
+/* rays that meet nothing, and passed through surfaces only, end at the sky behind all; */
+void light_passes_environment(worker *w, const walks *walk, size_t rays);
+/* rays have met lights; */
+void light_passes_met(worker *w, size_t rays, const float most[2]);
+/* and all is added to the tile's numbers. */
+void light_passes_film(worker *w, const camera_view *view, size_t count);
+
+#endif

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light by the way it took: planes beside the picture against their sum and against formulas."""
+
+import numpy as np
+import pytest
+
+from native_scenes import finish, image, material, native, ortho, point, scene, sky, sphere, square, sun
+from test_native_closures import EMISSION, TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
+
+KINDS, PARTS = ("DIFFUSE", "GLOSSY", "TRANSMISSION"), ("DIRECT", "INDIRECT", "COLOR")
+ALL = [f"{kind}_{part}" for kind in KINDS for part in PARTS] + ["EMISSION", "ENVIRONMENT"]
+ONE = {"width": 1, "height": 1, "lights": [], "transparent": False}
+FACE = of(diffuse(color=(0.8, 0.5, 0.2)))
+GOLD = {key: value for key, value in material(mdf="GGX", brdf="MICROFACET", ax=0.3, ay=0.3).items()
+        if key not in ("name", "nodes")}
+
+
+def passes(description, wanted=tuple(ALL)):
+    """The picture and the planes, by name, from the bottom."""
+    job = native.start(scene(**description) | {"planes": [{"type": name} for name in wanted]})
+    assert finish(job)["state"] == "done"
+    size = description.get("height", 16), description.get("width", 16)
+    picture, planes = np.full((*size, 4), np.nan, np.float32), {}
+    native.image(job, picture)
+    for name in wanted:
+        planes[name] = np.full((*size, 3), np.nan, np.float32)
+        native.image(job, planes[name], name)
+        assert np.isfinite(planes[name]).all(), name
+    native.free(job)
+    return picture, planes
+
+
+def total(planes):
+    """The picture that the planes say."""
+    return planes["EMISSION"] + planes["ENVIRONMENT"] + sum(
+        planes[f"{kind}_COLOR"] * (planes[f"{kind}_DIRECT"] + planes[f"{kind}_INDIRECT"])
+        for kind in KINDS)
+
+
+def of_everything(**changes):
+    """Balls of lists of closures over a floor, under lamps and an image."""
+    materials = [
+        of(diffuse(color=(0.7, 0.6, 0.5))),
+        of(weighed(diffuse(color=(0.8, 0.2, 0.1)), 0.5), weighed(GOLD, 0.5)),
+        of(weighed(glass(0.2), 0.9, 0.8, 0.7)),
+        of(weighed(TRANSPARENT, 0.6), weighed(diffuse(), 0.2), weighed(TRANSLUCENT, 0.1, 0.2, 0.1)),
+        of(weighed(glass(1e-4), 0.3), weighed(GOLD, 0.3), weighed(diffuse(), 0.2),
+           weighed(EMISSION, 0.1, 0.2, 0.3)),
+    ]
+    balls = [sphere(12, 0.45, (x, y, 0.5)) | {"material": np.full(24 * 24, number, np.int32)}
+             for number, (x, y) in enumerate([(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)], 1)]
+    pixels = np.full((4, 8, 3), 0.4, np.float32)
+    pixels[3, 2] = (8, 6, 4)
+    return {"width": 24, "height": 24, "samples": 16, "transparent": False, "max_bounces": 6,
+            "materials": materials, "meshes": [square(0.8), *balls], "camera": ortho(1.1, (0.3, -0.8, 3)),
+            "lights": [sun((1, 0.4, 1), angle=0.1), point((0, 0, 1.5), radius=0.1)],
+            "images": [image(pixels)], "sky": sky()} | changes
+
+
+@pytest.mark.parametrize("changes", [
+    {}, {"sample_clamp_direct": 0.5, "sample_clamp_indirect": 0.3}, {"max_bounces": 0},
+    {"lights": [], "background": (0.3, 0.4, 0.5)}, {"lights": [sun((0.2, 0.3, 1))], "sky_hidden": True},
+], ids=["all", "clamped", "no bounce", "sky alone", "sky hidden"])
+def test_the_planes_add_up_to_the_picture(changes):
+    description = of_everything(**changes)
+    picture, planes = passes(description)
+    np.testing.assert_allclose(total(planes), picture[..., :3], rtol=1e-4, atol=1e-6)
+    said = {name for name, plane in planes.items() if plane.max() > 0.01}
+    if not changes:
+        assert said == set(ALL)
+    assert planes["ENVIRONMENT"][0, 0].max() == (0 if "sky_hidden" in changes else picture[0, 0, :3].max())
+    # the picture is the same as without any planes, and theirs whatever the threads
+    for threads, wanted in ((1, ALL), (2, [])):
+        again, others = passes(description | {"threads": threads}, tuple(wanted))
+        np.testing.assert_allclose(again, picture, rtol=2e-6, atol=1e-7)
+        for name, plane in others.items():
+            assert (plane == planes[name]).all()
+
+
+def test_a_film_that_is_clear_keeps_what_is_behind_it():
+    """The picture has no sky, the pass has: also through what lets light pass."""
+    clear, planes = passes(of_everything(transparent=True))
+    solid, others = passes(of_everything())
+    for name in ALL:
+        np.testing.assert_allclose(planes[name], others[name], rtol=1e-4, atol=1e-5, err_msg=name)
+    assert (solid[..., :3] >= clear[..., :3] - 1e-5).all() and clear[..., 3].min() == 0
+    np.testing.assert_allclose(total(planes) - planes["ENVIRONMENT"], clear[..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_colours():
+    """Weights times colours; of metal head-on; of glass what a smooth one reflects and refracts."""
+    for given, kind, color in (
+            (FACE, "DIFFUSE", (0.8, 0.5, 0.2)), (of(GOLD), "GLOSSY", (0.9, 0.6, 0.3)),
+            (of(weighed(diffuse(color=(0.8, 0.5, 0.2)), 0.5, 1, 0.25)), "DIFFUSE", (0.4, 0.5, 0.05)),
+            (of(weighed(TRANSLUCENT, 0.3, 0.2, 0.1)), "DIFFUSE", (0.3, 0.2, 0.1)),
+            (of(glass(0.3, ior=2.0)), "GLOSSY", (1 / 9,) * 3),
+            (of(glass(0.3, ior=2.0) | {"tint": (1, 0.5, 0)}), "TRANSMISSION", (8 / 9, 4 / 9, 0)),
+            (of(glass(0.3, refracts=False)), "GLOSSY", (1, 1, 1)),
+            (of(glass(0.3, reflects=False)), "TRANSMISSION", (1, 1, 1)),
+            (of(glossy(0.5) | {"pass_color": (0.1, 0.2, 4.0)}), "GLOSSY", (0.1, 0.2, 4.0)),
+            (of(EMISSION), "DIFFUSE", (0, 0, 0)), (of(weighed(TRANSPARENT, 0.5)), "GLOSSY", (0, 0, 0))):
+        _, planes = passes({**ONE, "materials": [given], "samples": 4})
+        np.testing.assert_allclose(planes[f"{kind}_COLOR"][0, 0], color, rtol=1e-5, atol=1e-7)
+    # a picture of the light alone has its colour too, with which it is divided
+    _, planes = passes({**ONE, "materials": [FACE], "lights": [sun()]}, ("DIFFUSE_DIRECT",))
+    np.testing.assert_allclose(planes["DIFFUSE_DIRECT"], 1 / np.pi, rtol=1e-5)
+
+
+def test_light_without_a_colour_is_grey():
+    """A channel that the colour lacks is the others' mean."""
+    _, planes = passes({**ONE, "materials": [of(diffuse(color=(0, 0.5, 0.25)))], "lights": [
+        sun(irradiance=(np.pi, np.pi, 3 * np.pi))]})
+    np.testing.assert_allclose(planes["DIFFUSE_DIRECT"][0, 0], (2, 1, 3), rtol=1e-5)
+    _, planes = passes({**ONE, "materials": [of(diffuse(color=(0, 0, 0)))], "lights": [sun()]})
+    assert (planes["DIFFUSE_DIRECT"] == 0).all()
+
+
+def test_passed_surfaces_are_seen_and_not_counted():
+    """Two veils before a face: what each shows, by what the ones before leave."""
+    veil = of(weighed(TRANSPARENT, 0.5), weighed(diffuse(color=(0.8, 0.8, 0.8)), 0.25),
+              weighed(EMISSION, 0.1, 0.1, 0.1))
+    _, planes = passes({**ONE, "samples": 1024, "background": (1, 1, 1), "max_bounces": 0,
+                        "materials": [veil, of(GOLD)], "transparent_max_bounces": 8,
+                        "meshes": [square(z=1.0), square(z=0.5)]})
+    color, emitted = planes["DIFFUSE_COLOR"][0, 0], planes["EMISSION"][0, 0]
+    np.testing.assert_allclose(color, 0.2 * (1 + 0.5), rtol=0.02)
+    np.testing.assert_allclose(emitted, 0.1 * (1 + 0.5), rtol=0.02)
+    np.testing.assert_allclose(planes["ENVIRONMENT"][0, 0], 0.25, rtol=0.05)
+    assert (planes["GLOSSY_COLOR"] == 0).all()
+
+
+@pytest.mark.parametrize("name, closure", [("DIFFUSE", diffuse(color=(0.5, 0.5, 0.5))), ("GLOSSY", glossy(1e-3))])
+def test_light_of_a_closed_ball(name, closure):
+    """It shines with e on the inside and reflects a: e is direct, e (a + a^2 + … a^n) indirect."""
+    a, e, bounces = 0.5, 0.75, 5
+    given = of(weighed(closure, a / 0.5 if name == "DIFFUSE" else a), weighed(EMISSION, e))
+    _, planes = passes({**ONE, "samples": 4096, "materials": [given], "max_bounces": bounces,
+                        "meshes": [sphere(16, 4.0, smooth=False)], "camera": ortho(0.1, (0, 0, 0.5))})
+    later = e * sum(a**k for k in range(1, bounces + 1))
+    for what, value, within in ((f"{name}_COLOR", a, 1e-5), ("EMISSION", e, 1e-5), (f"{name}_DIRECT", e, 0.02),
+                        (f"{name}_INDIRECT", later, 0.03)):
+        np.testing.assert_allclose(planes[what][0, 0], value, rtol=within, err_msg=what)
+    assert (planes["ENVIRONMENT"] == 0).all()
+
+
+def test_bad_colours():
+    for bad in ((1, 1), "white", (np.nan,)):
+        with pytest.raises(ValueError, match="pass_color"):
+            native.start(scene(materials=[of(diffuse() | {"pass_color": bad})]))
