@@ -37,6 +37,7 @@ $(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
 	@$(PY) compare/truth.py --surface scratches
+	@$(PY) compare/truth.py --light sky
 	@$(PY) compare/slopes.py
 	@$(PY) compare/horizon.py
 	@$(PY) compare/fabric.py

@@ -6,10 +6,11 @@
 
 JOBS.json is {"normal_map": file, "mesh": file or "", "result": file, "jobs": [job, ...]}; the
 mesh, if there is one, is an .npz of positions, faces and uv that takes the place of the
-displaced plate, with smooth normals of its own. A job is
+displaced plate, with smooth normals of its own. "sky", if there is one, is a picture that lights
+the plate in the sun's place, by up to BOUNCES. A job is
     "engine":   "CYCLES" or "LIBSHADE"
     "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
-    "detail":   libshade's detail method (LIBSHADE only)
+    "detail":   libshade's detail method (LIBSHADE only); without it the metal is Cycles' own node
     "size", "samples", "quads": integers
     "repeat":   how often to render for time; the seconds of each go to the result file
     "output":   OpenEXR file for the picture, or "" for none (costs one more render)
@@ -26,6 +27,8 @@ from mathutils import Vector
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plate  # noqa: E402
 import whole  # noqa: E402
+
+BOUNCES = 4  # under a sky
 
 
 def new_mesh(quads, file=""):
@@ -64,13 +67,13 @@ def normal_map_node(tree, image):
 
 
 def new_material(job, image):
-    """The metal, as the job's engine spells it."""
+    """The metal, as libshade's or as Cycles' node."""
     material = bpy.data.materials.new("metal")
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
-    if job["engine"] == "LIBSHADE":
+    if "detail" in job:
         metal = tree.nodes.new("LibshadeMetalNode")
         metal.ex, metal.ey = plate.EX, plate.EY
         metal.detail = job["detail"].upper()
@@ -92,20 +95,38 @@ def new_material(job, image):
     return material
 
 
-def new_scene(job, image, file=""):
-    """Plate, sun and a camera straight above, filling the picture."""
-    scene = bpy.data.scenes.new("plate")
-    displaced = job["surface"] == "displaced"
-    mesh = new_mesh(job["quads"] if displaced else 1, file if displaced else "")
-    mesh.materials.append(new_material(job, image))
-    scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
-
+def new_sun(scene):
     light = bpy.data.lights.new("sun", "SUN")
     light.energy, light.angle = 1.0, 0.0
     sun = bpy.data.objects.new("sun", light)
     sun.rotation_euler = Vector(plate.SUN).to_track_quat("Z", "Y").to_euler()
     scene.collection.objects.link(sun)
 
+
+def new_world(file):
+    """Black, or the picture."""
+    world = bpy.data.worlds.new("world")
+    world.color = (0.0, 0.0, 0.0)
+    if file:
+        world.use_nodes = True
+        tree = world.node_tree
+        sky = tree.nodes.new("ShaderNodeTexEnvironment")
+        sky.image = bpy.data.images.load(file, check_existing=True)
+        background = next(n for n in tree.nodes if n.type == "BACKGROUND")
+        tree.links.new(sky.outputs["Color"], background.inputs["Color"])
+    return world
+
+
+def new_scene(job, image, file="", sky=""):
+    """Plate, sun or sky, and a camera straight above, filling the picture."""
+    scene = bpy.data.scenes.new("plate")
+    displaced = job["surface"] == "displaced"
+    mesh = new_mesh(job["quads"] if displaced else 1, file if displaced else "")
+    mesh.materials.append(new_material(job, image))
+    scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
+
+    if not sky:
+        new_sun(scene)
     camera = bpy.data.cameras.new("camera")
     camera.type, camera.ortho_scale = "ORTHO", 1.0
     above = bpy.data.objects.new("camera", camera)
@@ -113,9 +134,7 @@ def new_scene(job, image, file=""):
     scene.collection.objects.link(above)
     scene.camera = above
 
-    world = bpy.data.worlds.new("black")
-    world.color = (0.0, 0.0, 0.0)
-    scene.world = world
+    scene.world = new_world(sky)
 
     render = scene.render
     render.engine = job["engine"]
@@ -125,20 +144,15 @@ def new_scene(job, image, file=""):
     render.image_settings.color_depth = "32"
     scene.display_settings.display_device = "sRGB"
     scene.view_settings.view_transform = "Standard"
-    if job["engine"] == "LIBSHADE":
-        scene.libshade.samples = job["samples"]
-        scene.libshade.max_bounces = 0
-        scene.libshade.pixel_filter_type = "BOX"
-        scene.libshade.soft_terminator = False
-    else:
-        cycles = scene.cycles
-        cycles.samples = job["samples"]
-        cycles.use_adaptive_sampling = False
-        cycles.use_denoising = False
-        cycles.max_bounces = 0
-        cycles.pixel_filter_type = "BOX"
-        cycles.light_sampling_threshold = 0.0
-        cycles.sample_clamp_direct = 0.0
+    settings = scene.libshade if job["engine"] == "LIBSHADE" else scene.cycles
+    for name, value in {
+        "samples": job["samples"], "max_bounces": BOUNCES if sky else 0, "pixel_filter_type": "BOX",
+        "use_adaptive_sampling": False, "use_denoising": False, "light_sampling_threshold": 0.0,
+        "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0, "blur_glossy": 0.0,
+        "soft_terminator": False,
+    }.items():
+        if hasattr(settings, name):
+            setattr(settings, name, value)
     return scene
 
 
@@ -156,7 +170,8 @@ def main(path):
     jobs = order["jobs"]
     image = bpy.data.images.load(order["normal_map"])
     image.colorspace_settings.name = "Non-Color"
-    scenes = [new_scene(job, image, order.get("mesh", "")) for job in jobs]
+    scenes = [new_scene(job, image, order.get("mesh", ""), order.get("sky", ""))
+              for job in jobs]
     seconds = [[] for _ in jobs]
     # In turns, so that a machine that is busy for a while slows all of them.
     for turn in range(max(job["repeat"] for job in jobs)):

@@ -6,13 +6,21 @@ engine renders it flat with a normal map, once per detail method; so does
 Cycles, with its own Normal Map node. The error is the mean absolute difference
 over the mean of the truth.
 
+That Cycles' own Anisotropic BSDF, whose grooves follow bumps in our engine, is within a limit of
+its own is checked as well.
+
+With --light sky a picture of a studio takes the sun's place, light goes up to 4 bounces, and the
+error is that of means over 4 x 4 pixels: noise is no difference. Real bumps hide some of the sky
+and reflect each other, which no flat plate does and no detail method can know: it is what is left of
+the error of `rotate`. What is asked is less than the error of Cycles.
+
 With --surface scratches the bumps are a field of `shade scratch`: its height picture
 displaces the mesh, whose normals are the mesh's own; its normal picture is the normal map.
 The error is then taken off the creases, where pits meet each other and the plate. More
 methods are compared, and `rotate` must also be the best of them.
 
 Leaves in the output folder: truth.json, strip.png (the pictures side by side),
-chart.png (the errors). Exit status 0 if `rotate` is within its limit, else 1.
+chart.png (the errors). Exit status 0 if all limits hold, else 1.
 """
 import argparse
 import json
@@ -22,6 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
+import paths
 import pictures
 import plate
 import programs
@@ -29,10 +38,12 @@ import report
 import whole
 
 LIMIT = 0.02
+STOCK_LIMIT = 0.01
 METHODS = ("none", "perturb", "gram_schmidt", "rotate")
 SCRATCH_METHODS = ("none", "perturb", "deform_linear", "deform_smooth", "shortest_arc",
                    "gram_schmidt", "rotate")
 CYCLES = "Cycles' normal map"
+STOCK = "Cycles' Anisotropic, here"
 
 
 def arguments(argv=None):
@@ -41,6 +52,8 @@ def arguments(argv=None):
     )
     parser.add_argument("--surface", choices=("waves", "scratches"), default="waves",
                         help="what is bumped (default waves)")
+    parser.add_argument("--light", choices=("sun", "sky"), default="sun",
+                        help="what lights it (default sun)")
     parser.add_argument("--size", type=int, default=512, help="pixels along a side (default 512)")
     parser.add_argument("--samples", type=int, default=256, help="per pixel (default 256)")
     parser.add_argument("--quads", type=int, default=800,
@@ -48,12 +61,21 @@ def arguments(argv=None):
     parser.add_argument("--map", type=int, default=2048, help="texels along a side (default 2048)")
     parser.add_argument("--output", type=Path,
                         help="folder for results (default build/compare/truth, or "
-                             "build/compare/truth-scratches)")
+                             "build/compare/truth-scratches, build/compare/truth-sky)")
     options = parser.parse_args(argv)
+    if options.light == "sky" and (options.surface != "waves" or options.size < 4):
+        parser.error("--light sky is for --surface waves, of --size 4 or more")
     if options.output is None:
-        name = "truth" if options.surface == "waves" else "truth-scratches"
+        name = "truth-sky" if options.light == "sky" else \
+            "truth" if options.surface == "waves" else "truth-scratches"
         options.output = programs.BUILD / "compare" / name
     return options
+
+
+def methods(options):
+    if options.light == "sky":
+        return ("rotate",)
+    return METHODS if options.surface == "waves" else SCRATCH_METHODS
 
 
 def scratch(*arguments):
@@ -67,6 +89,9 @@ def prepare(options):
     """Write the normal map, and the mesh where it is a field of scratches; the order's part."""
     folder = options.output
     order = {"normal_map": str(folder / "normals.exr"), "mesh": ""}
+    if options.light == "sky":
+        order["sky"] = str(folder / "sky.exr")
+        pictures.write_float(order["sky"], paths.studio())
     if options.surface == "waves":
         pictures.write_float(order["normal_map"], plate.normal_map(options.map))
         return order
@@ -86,9 +111,10 @@ def render(options):
     jobs = {
         "displaced": {"engine": "CYCLES", "surface": "displaced"},
         CYCLES: {"engine": "CYCLES", "surface": "bumped"},
-        **{m: {"engine": "LIBSHADE", "surface": "bumped", "detail": m}
-           for m in (METHODS if options.surface == "waves" else SCRATCH_METHODS)},
+        **{m: {"engine": "LIBSHADE", "surface": "bumped", "detail": m} for m in methods(options)},
     }
+    if options.surface == "waves":
+        jobs[STOCK] = {"engine": "LIBSHADE", "surface": "bumped"}
     for number, job in enumerate(jobs.values()):
         job.update(common, output=str(folder / f"{number}.exr"))
     order = {**prepare(options), "result": str(folder / "seconds.json"),
@@ -111,6 +137,13 @@ def errors(images, where=None):
             for name, image in kept.items() if name != "displaced"}
 
 
+def limits(measured, light):
+    """Largest errors, by name."""
+    if light == "sky":
+        return {name: measured[CYCLES] for name in ("rotate", STOCK)}
+    return {"rotate": LIMIT, **({STOCK: STOCK_LIMIT} if STOCK in measured else {})}
+
+
 def pyplot(folder):
     """matplotlib without a window and without files in the user's home."""
     os.environ.setdefault("MPLCONFIGDIR", str(folder))
@@ -128,7 +161,8 @@ def label(name):
 
 def write_strip(images, measured, path):
     """The pictures side by side, each with its error."""
-    order = ["displaced", "rotate", "gram_schmidt", CYCLES, "perturb"]
+    order = [name for name in ("displaced", "rotate", "gram_schmidt", CYCLES, "perturb")
+             if name in images]
     # Bright enough to see the lobe's skirts; its peak is far beyond white.
     scale = 0.5 / images["displaced"].mean()
     figure, axes = pyplot(path.parent).subplots(1, len(order), figsize=(3 * len(order), 3.3),
@@ -142,14 +176,14 @@ def write_strip(images, measured, path):
         figure.savefig(part, dpi=150)
 
 
-def write_chart(measured, path):
+def write_chart(measured, limit, path):
     figure, axes = pyplot(path.parent).subplots(figsize=(7, 3), layout="constrained")
     names = sorted(measured, key=measured.get, reverse=True)
     values = [measured[name] for name in names]
     bars = axes.barh([label(n) for n in names], values,
                      color=["#c8553d" if n == CYCLES else "#2a6f97" for n in names])
     axes.bar_label(bars, [f" {v:.4f}" for v in values])
-    axes.axvline(LIMIT, color="black", linestyle=":", linewidth=1)
+    axes.axvline(limit, color="black", linestyle=":", linewidth=1)
     axes.set_xscale("log")
     axes.set_xlim(min(values) / 3.0, 4.0 * max(values))
     axes.set_xlabel("mean absolute error / mean, against the displaced plate (dotted: limit)")
@@ -162,6 +196,8 @@ def main(argv=None):
     options.output = options.output.resolve()
     options.output.mkdir(parents=True, exist_ok=True)
     images = render(options)
+    if options.light == "sky":
+        images = {name: paths.blocks(image) for name, image in images.items()}
     where, compared = None, 1.0
     if options.surface == "scratches":
         where = plate.off_creases(pictures.read(options.output / "normals.exr"), options.size)
@@ -169,24 +205,26 @@ def main(argv=None):
         if not where.any():
             raise ValueError(f"{options.output / 'normals.exr'}: no pixel lies off the creases")
     measured = errors(images, where)
+    limit = limits(measured, options.light)
+    ok = {name: measured[name] < most for name, most in limit.items()}
+    ok["rotate"] &= min((name for name in measured if name != STOCK), key=measured.get) == "rotate"
     write_strip(images, measured, options.output / "strip.png")
-    write_chart(measured, options.output / "chart.png")
-    ok = measured["rotate"] <= LIMIT and min(measured, key=measured.get) == "rotate"
-    result = {"errors": measured, "limit": LIMIT, "ok": ok, "size": options.size,
+    write_chart(measured, limit["rotate"], options.output / "chart.png")
+    result = {"errors": measured, "limits": limit, "ok": all(ok.values()), "size": options.size,
               "samples": options.samples, "quads": options.quads, "map": options.map,
-              "surface": options.surface, "compared": compared}
+              "surface": options.surface, "light": options.light, "compared": compared}
     whole.write_text(options.output / "truth.json", json.dumps(result, indent=1))
     print()
     print(report.table(
         ["normal map against displaced plate", "error", "limit", ""],
-        [[label(name), f"{value:.4f}", f"{LIMIT}" if name == "rotate" else "",
-          ("ok" if ok else "MISSED") if name == "rotate" else ""]
+        [[label(name), f"{value:.4f}", f"{limit[name]:.4g}" if name in limit else "",
+          ("ok" if ok[name] else "MISSED") if name in limit else ""]
          for name, value in measured.items()],
     ))
     if where is not None:
         print(f"\nOff the creases: {100 * compared:.0f} % of the picture.")
     print(f"\nPictures and figures: {options.output}")
-    return 0 if ok else 1
+    return 0 if result["ok"] else 1
 
 
 if __name__ == "__main__":

@@ -372,22 +372,25 @@ def test_parameters_are_compared_as_json():
 PIXELS = 64
 
 
-def judge_truth(monkeypatch, folder, errors, surface="waves", where=None):
+def judge_truth(monkeypatch, folder, errors, surface="waves", where=None, light="sun"):
     """main() on pictures that are off by these errors, `rotate` at the pixels `where` only.
     Returns (status, what truth.json says)."""
-    methods = truth.METHODS if surface == "waves" else truth.SCRATCH_METHODS
+    names = [*(truth.METHODS if surface == "waves" else truth.SCRATCH_METHODS), truth.CYCLES]
+    errors = {**({truth.STOCK: 0.005} if surface == "waves" else {}), **errors}
     displaced = np.random.default_rng(3).random((PIXELS, PIXELS, 3)) + 0.5
     images = {"displaced": displaced}
-    for name in (truth.CYCLES, *methods):
+    for name in {*names, *errors}:
         off = errors.get(name, 0.3) * displaced.mean()
-        sign = np.where(np.indices((PIXELS, PIXELS)).sum(0) % 2, 1, -1)[..., None]
+        tile = 1 if light == "sun" else 4
+        sign = np.where((np.indices((PIXELS, PIXELS)) // tile).sum(0) % 2, 1, -1)[..., None]
         images[name] = displaced + off * sign * (
             where[..., None] if name == "rotate" and where is not None else 1)
     monkeypatch.setattr(truth, "render", lambda options: images)
     for name in ("write_strip", "write_chart"):
         monkeypatch.setattr(truth, name, lambda *_: None)
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        status = truth.main(["--output", str(folder), "--surface", surface, "--size", str(PIXELS)])
+        status = truth.main(["--output", str(folder), "--surface", surface, "--light", light,
+                             "--size", str(PIXELS)])
     result = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     assert result["ok"] == (status == 0) == ("MISSED" not in said.getvalue())
     return status, result
@@ -400,12 +403,26 @@ def judge_truth(monkeypatch, folder, errors, surface="waves", where=None):
     ({"rotate": 0.019, "perturb": 0.018}, 1),  # within it, but not the best
     ({"rotate": 0.019, truth.CYCLES: 0.018}, 1),
     ({"rotate": 0.5}, 1),
+    ({"rotate": 0.015, truth.STOCK: 0.009}, 0),
+    ({"rotate": 0.015, truth.STOCK: 0.011}, 1),
 ])
 def test_truth(monkeypatch, tmp_path, errors, status):
     got, result = judge_truth(monkeypatch, tmp_path, errors)
     assert got == status and result["compared"] == 1
     for name, error in errors.items():
         assert result["errors"][name] == pytest.approx(error, rel=1e-3)
+
+
+@pytest.mark.parametrize("rotate, stock, cycles, status", [
+    (0.06, 0.08, 0.1, 0),
+    (0.11, 0.08, 0.1, 1),
+    (0.06, 0.11, 0.1, 1),
+])
+def test_truth_under_a_sky(monkeypatch, tmp_path, rotate, stock, cycles, status):
+    errors = {"rotate": rotate, truth.STOCK: stock, truth.CYCLES: cycles}
+    got, result = judge_truth(monkeypatch, tmp_path, errors, light="sky")
+    assert got == status
+    assert result["errors"][truth.STOCK] == pytest.approx(stock, rel=1e-3)
 
 
 @pytest.mark.parametrize("errors, status", [
