@@ -11,9 +11,9 @@ bl_info = {
     "category": "Render",
 }
 
-from . import engine, nodes, panels, properties
+from . import engine, fabric, nodes, panels, properties
 
-_MODULES = (properties, nodes, engine, panels)
+_MODULES = (properties, nodes, fabric, engine, panels)
 
 
 def register():

@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from . import _native
 
 METAL = "LibshadeMetalNode"
+_OURS = (METAL, "LibshadeFabricNode")  # of fabric.py
 
 _TABLE = _native.table()
 # Table lists whose property on the node has another name.
@@ -125,7 +126,8 @@ def _initial_color():
     return tuple(value) if hasattr(value, "__len__") else (value,) * 3
 
 
-def _new_socket(tree, name, in_out, kind):
+def new_socket(tree, name, in_out, kind):
+    """A socket of a group."""
     if hasattr(tree, "interface"):  # 4.0 and later
         return tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
     return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
@@ -134,11 +136,11 @@ def _new_socket(tree, name, in_out, kind):
 def _new_tree():
     """What other renderers see: a Principled metal along the UV tangent."""
     tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
-    color = _new_socket(tree, "Color", "INPUT", "NodeSocketColor")
+    color = new_socket(tree, "Color", "INPUT", "NodeSocketColor")
     color.default_value = (*_initial_color(), 1.0)
-    normal = _new_socket(tree, "Normal", "INPUT", "NodeSocketVector")
+    normal = new_socket(tree, "Normal", "INPUT", "NodeSocketVector")
     normal.hide_value = True  # unlinked, it is the surface's own normal
-    _new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
+    new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
 
     inputs = tree.nodes.new("NodeGroupInput")
     tangent = tree.nodes.new("ShaderNodeTangent")
@@ -250,7 +252,7 @@ render without this add-on. The microfacet settings are lost"""
             material = getattr(context, "material", None) or (
                 context.object and context.object.active_material)
             trees = [material.node_tree] if material and material.node_tree else []
-        nodes = [(t, n) for t in trees if not t.library for n in t.nodes if n.bl_idname == METAL]
+        nodes = [(t, n) for t in trees if not t.library for n in t.nodes if n.bl_idname in _OURS]
         if not nodes:
             self.report({"WARNING"}, "No Libshade node here to convert")
             return {"CANCELLED"}

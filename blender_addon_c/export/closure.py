@@ -7,7 +7,7 @@ as their weight, to the material's reader. They follow Cycles of the Blender tha
 
 import bpy
 
-from .. import nodes
+from .. import fabric, nodes
 from . import tree
 from .graph import is_known
 from .node import color_of, normal_of, number_of
@@ -181,6 +181,28 @@ def _metal(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
     _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, f0=color), share,
          _normal(reader, node, groups))
+
+
+def _fabric(reader, node, groups, share):
+    """Where the nodes say the same everywhere, the cloth has these colours; else the preset's own, and
+    each point another."""
+    emit, math = reader.program.emit, reader.program.math
+    cloth, fed = fabric.settings(node), {}
+    for yarn in ("warp", "weft"):
+        color = color_of(reader, node.inputs[f"{yarn.title()} Color"], groups)
+        if is_known(*color):
+            cloth[yarn] = tuple(min(max(part, 0.0), 1.0) for part in color)
+        else:  # the rest goes through
+            fed[f"{yarn}_from"] = _times(reader, color, 1.0 - cloth["transmit"])
+    reader.use_uv_map("")
+    normal = _normal(reader, node, groups)
+    fed |= {"cloth": reader.cloth(cloth), **({"normal": normal} if normal else {})}
+    fed["place"] = emit("WEAVE", 4, cloth=fed["cloth"])
+    coverage = emit("CLOTH", 1, **fed)
+    _add(reader, {"closure": "FABRIC", "coverage": coverage, **fed}, share)
+    if node.open_gaps:
+        _add(reader, {"closure": "TRANSPARENT"},
+             math("MULTIPLY", share, math("SUBTRACT", 1.0, coverage[0])))
 
 
 def _lambert(reader, color, share, normal):
@@ -472,6 +494,7 @@ class _Principled:
 # By the node's bl_idname.
 CLOSURES = {
     nodes.METAL: _metal,
+    fabric.FABRIC: _fabric,
     "ShaderNodeBsdfPrincipled": _principled,
     "ShaderNodeBsdfDiffuse": _diffuse,
     "ShaderNodeBsdfGlossy": _glossy,

@@ -17,6 +17,7 @@ class Table:
 
     def __init__(self, messages, transport, colors):
         self.materials, self.images = [], Images(messages)
+        self.cloths = []
         self._transport = transport  # do grooves go with bumps?
         self._colors = colors  # are there passes of colour?
         self._messages = messages
@@ -29,7 +30,7 @@ class Table:
         if material not in self._indices:
             if not material:
                 self._messages.warning(f"object '{owner}': no material, rendered as grey metal")
-            reader = Reader(self.images, self._messages, material, self._transport,
+            reader = Reader(self, self._messages, material, self._transport,
                             self._colors)
             self._indices[material] = len(self.materials)
             self.materials.append(reader.read())
@@ -54,9 +55,10 @@ class Reader:
     """One material, and what its nodes found out: `uv_map`, that its images ask for, if one of them
     `uses_uv`; the `program`, what outputs say that are `known`, and `closures`."""
 
-    def __init__(self, images, messages, material, transport, colors):
+    def __init__(self, table, messages, material, transport, colors):
         self.transport, self.colors = transport, colors
-        self.images, self._messages, self._material = images, messages, material
+        self.images, self._cloths = table.images, table.cloths
+        self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
         self.uv_map, self.uses_uv = "", False
         self.program, self.known = Program(), {}
@@ -97,6 +99,12 @@ class Reader:
         if len(closures) == 1:
             return {"nodes": nodes_, **closures[0]}
         return {"nodes": nodes_, "closures": closures}
+
+    def cloth(self, given):
+        """Index of a cloth, each once."""
+        if given not in self._cloths:
+            self._cloths.append(given)
+        return self._cloths.index(given)
 
     def use_uv_map(self, name):
         self.uses_uv = True

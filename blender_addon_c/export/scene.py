@@ -48,6 +48,7 @@ def read(depsgraph, camera, size, region, samples, messages):
         "camera": camera,
         "lights": lights,
         "images": table.images.listed,
+        "cloths": table.cloths,
         "materials": table.materials,
         "meshes": meshes,
         "instances": instances,

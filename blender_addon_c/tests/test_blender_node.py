@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The metal node: its properties, its files, and what other renderers make of it."""
+"""The metal and the cloth node: their properties, their files, and what other renderers make of them."""
 
+import subprocess
+
+import numpy as np
 import pytest
 
-from blender_runs import difference, rgba
+from blender_runs import BUILD, Dump, difference, rgba
 
 
 def test_node(blender, tmp_path):
@@ -20,3 +23,22 @@ def test_cycles_renders_it(blender, tmp_path, converted):
     principled = rgba(tmp_path / "picture.exr")
     assert principled[..., :3].max() > 0.5
     assert difference(picture, principled) < 1e-4
+
+
+def test_cloth(blender, tmp_path):
+    """The reference agrees with the first plate; the second, whose colours vary, is not in the dump."""
+    _told, text = blender.scene("cloth", tmp_path)
+    done = subprocess.run([BUILD / "shade", "check", tmp_path / "dump.exr"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    dump = Dump(tmp_path / "dump.exr")
+    assert np.ptp(dump["uv"][..., 0][dump.hit]) == pytest.approx(8, rel=0.1) and dump.hit[:, :24].all()
+    assert not dump.hit[:, 24:].any() and "more than one metal or cloth" in text
+    picture = rgba(tmp_path / "picture.exr")
+    assert 0.9 < picture[:, 26:46, 3].mean() < 0.99 and (picture[:, 2:22, 3] == 1).all()
+    light, dark = picture[4:-4, 38:46, :3].mean((0, 1)), picture[4:-4, 26:34, :3].mean((0, 1))
+    assert (light > 4 * dark).all() and (dark > 0).all()
+    # Cycles sees the mean of both colours, about as bright
+    ours = picture[4:-4, 4:20, :3].mean((0, 1))
+    blender.scene("cloth", tmp_path, engine="CYCLES", dump="")
+    theirs = rgba(tmp_path / "picture.exr")[4:-4, 4:20, :3].mean((0, 1))
+    assert (np.abs(np.log(theirs / ours)) < np.log(1.5)).all(), (ours, theirs)

@@ -5,6 +5,7 @@ A kind that has no entry here, or that export/node.py never asks for, fails.
 """
 
 import ast
+import json
 import subprocess
 
 import numpy as np
@@ -37,8 +38,14 @@ def stacked(function):
 
 
 UV, COLOR, OUT = registers(3, 3), registers(6, 3), registers(9, 4)
+PLACE = registers(13, 4)
 SOURCES = [{"type": "GEOMETRY", "what": "UV", "out": UV},
-           {"type": "IMAGE", "image": 0, "at": UV[:2], "out": COLOR}]
+           {"type": "IMAGE", "image": 0, "at": UV[:2], "out": COLOR},
+           {"type": "WEAVE", "cloth": 0, "out": PLACE}]
+ENDS, PICKS = (json.loads(subprocess.run([ROOT / "build/shade", "presets", "linen", "--json"], check=True,
+                                         capture_output=True).stdout)[key] for key in ("ends_per_cm", "picks_per_cm"))
+LINEN = PICKS / ENDS
+CLOTHS = [{"preset": "linen", "size": 0.005 / ENDS, "transmit": 0.0, "open": False}]
 TABLE = np.random.default_rng(4).random((256, 4), np.float32)
 TURN = [0, -0.5, 0, 0.75, 0.25, 0, 0, 0.125, 0, 0, 1, 0.5]
 
@@ -76,6 +83,9 @@ NODES = {
              stacked(lambda u, v: (u * v, u * v, u * v))),
     "MIX": ({"mode": "SCREEN", "factor": [0.75], "a": UV[:1], "b": UV[1:2], "out": OUT[:1]},
             stacked(lambda u, v: (1 - (0.25 + 0.75 * (1 - v)) * (1 - u),) * 3)),
+    # half a crossing along u, a pixel is a sixteenth of the plate
+    "WEAVE": ({"cloth": 0, "out": OUT}, stacked(lambda u, v: (0.5 * u, 0.5 * LINEN * v, 0.5 / 16))),
+    "CLOTH": ({"cloth": 0, "place": PLACE, "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
 NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "FRAME")
@@ -89,7 +99,7 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     error = 0.005 if kind == "ALBEDO" else 4e-5  # a table; 16 bits a texel
     given = material() | {"nodes": [*SOURCES, {"type": kind, **node}],
                           ("normal" if kind in NORMALS else "f0_from"): said}
-    planes, _ = dump(scene(images=IMAGES, materials=[given]), tmp_path / "d.exr")
+    planes, _ = dump(scene(images=IMAGES, cloths=CLOTHS, materials=[given]), tmp_path / "d.exr")
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
@@ -134,7 +144,7 @@ def varied(**changes):
 
 def test_the_reference_agrees_where_everything_varies(tmp_path):
     """Reflectance, matt colour and both alphas from nodes: `shade check` reads them in the dump."""
-    given = scene(images=IMAGES, materials=[varied(), material()], camera=persp(),
+    given = scene(images=IMAGES, cloths=CLOTHS, materials=[varied(), material()], camera=persp(),
                   lights=[sun((0.3, 0.2, 0.9))], meshes=[square(), square(0.5, 0.2, 1)])
     planes, _ = dump(given, tmp_path / "d.exr")
     own = planes["material.ID"] == 0
@@ -159,7 +169,7 @@ def test_the_reference_agrees_where_everything_varies(tmp_path):
 ])
 def test_a_graph_that_cannot_be_right_is_refused(change, message):
     with pytest.raises(ValueError, match=message):
-        native.start(scene(images=IMAGES, materials=[varied(**change)]))
+        native.start(scene(images=IMAGES, cloths=CLOTHS, materials=[varied(**change)]))
 
 
 def test_blender_asks_for_what_the_module_knows():
@@ -167,5 +177,5 @@ def test_blender_asks_for_what_the_module_knows():
     for file in ("graph.py", "closure.py"):
         tree.body += ast.parse((ROOT / "blender_addon_c/export" / file).read_text()).body
     asked = {node.args[0].value for node in ast.walk(tree)
-             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "emit"}
+             if isinstance(node, ast.Call) and "emit" in (getattr(node.func, "attr", ""), getattr(node.func, "id", ""))}
     assert asked == set(KINDS)

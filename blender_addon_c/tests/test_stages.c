@@ -1151,10 +1151,41 @@ static void metal_and_reflection(void **state) {
   untouched(b->reflection.pdf, COUNT);
 }
 
+/* A cloth that lets light through, from near (one term of its footprint) and from afar. */
+static void make_cloth(bool far, closure *c) {
+  static cloth denim;
+  if (!denim.fabric) {
+    assert_int_equal(shade_preset_find("denim", &denim.preset), 1);
+    for (int k = 0; k < 3; k++)
+      denim.preset.fabric.warp_transmit[k] = denim.preset.fabric.weft_transmit[k] = 0.2;
+    denim.through = true;
+    denim.fabric = shade_preset_fabric(&denim.preset, &denim.weave, NULL);
+    assert_non_null(denim.fabric);
+  }
+  *c = (closure){.type = CLOSURE_FABRIC};
+  c->of.fabric.use = (cloth_use){.cloth = &denim, .normal = {3, 4, 5}};
+  for (int k = 0; k < 4; k++)
+    c->of.fabric.use.place[k] = (operand){.at = 6 + k};
+  for (int k = 0; k < 3; k++)
+    c->of.fabric.use.warp[k] = c->of.fabric.use.weft[k] = (operand){.at = OPERAND_NUMBER};
+  b->input.single = true;
+  b->input.cloth = NULL;
+  for (size_t i = 0; i < BATCH; i++) {
+    b->input.at[6][i] = 3.3f;
+    b->input.at[7][i] = 5.4f;
+    b->input.at[8][i] = b->input.at[9][i] = far ? 20.0f : 0.3f;
+    b->input.term[i] = 0.6f;
+  }
+}
+
 /* The closures that are no metals, by number; false past their end. */
 static bool closure_by(int number, closure *c) {
   const operand half = {.at = OPERAND_NUMBER, .number = 0.5f};
   memset(c, 0, sizeof *c);
+  if (number == 11 || number == 12) {
+    make_cloth(number == 12, c);
+    return true;
+  }
   if (number < 4) {
     c->type = CLOSURE_DIFFUSE;
     c->of.diffuse = (closure_diffuse){

@@ -128,8 +128,11 @@ static size_t put_header(char *text, size_t size, const char *renderer,
   at = append(text, size, at, "\", \"materials\": [");
   for (size_t i = 0; i < count; i++) {
     at = append(text, size, at, i ? ", " : "");
-    at += (size_t)shade_params_json(materials[i].params, (int)i, materials[i].name,
-                                    size ? text + at : NULL, size ? size - at : 0);
+    if (materials[i].json)
+      at = append(text, size, at, materials[i].json);
+    else
+      at += (size_t)shade_params_json(materials[i].params, (int)i, materials[i].name,
+                                      size ? text + at : NULL, size ? size - at : 0);
   }
   at = append(text, size, at, "]}");
   if (size)

@@ -93,6 +93,7 @@ int shade_dump_has(const shade_dump *d, enum shade_dump_optional channel);
 typedef struct shade_dump_material {
   const char *name;
   const shade_params *params;
+  const char *json; /* or NULL; else the whole material, as shade_fabric_json writes it */
 } shade_dump_material;
 char *shade_dump_header(const char *renderer, const shade_dump_material *materials, size_t count);
 

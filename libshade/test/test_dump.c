@@ -559,7 +559,7 @@ static void header_is_json(void **state) {
   for (int i = 0; i < 2; i++)
     shade_params_init(&p[i]);
   shade_params_set_exponents(&p[1], 5, 6);
-  const shade_dump_material materials[] = {{odd, &p[0]}, {NULL, &p[1]}};
+  const shade_dump_material materials[] = {{odd, &p[0], NULL}, {NULL, &p[1], NULL}};
   char *text = shade_dump_header(odd, materials, 2);
   assert_non_null(text);
   json *header = json_read(text, error, sizeof error);

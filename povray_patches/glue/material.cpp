@@ -27,7 +27,7 @@ std::string Scene::json(const std::string &renderer) const {
   std::vector<shade_dump_material> all;
 
   for (size_t i = 0; i < materials.size(); i++) {
-    const shade_dump_material m = {materials[i]->name.c_str(), &materials[i]->params};
+    const shade_dump_material m = {materials[i]->name.c_str(), &materials[i]->params, NULL};
     all.push_back(m);
   }
   char *const header = shade_dump_header(renderer.c_str(), all.data(), all.size());

@@ -9,6 +9,7 @@
 #ifndef LIBSHADE_LANES_H
 #define LIBSHADE_LANES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -63,6 +64,8 @@ typedef struct walks {
   lane_c weight;
   lane_v from;   /* the point at which its direction was drawn */
   lane_f pdf;    /* with which density, 1/sr */
+  lane_f width;  /* where the scene has cloth: of what the ray stands for, across it, there, */
+  lane_f spread; /* and how much wider that gets in a unit of its length */
   lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
                     gave a sample */
   lane_u bounces[BOUNCE_KINDS]; /* of each kind so far */
@@ -102,6 +105,7 @@ typedef struct surfaces {
   lane_v wo;      /* to the eye, in the shading frame */
   lane_f u, v;
   lane_v du, dv; /* position by u and v, where the scene has `stretch` */
+  lane_f width;  /* where it has cloth: across the ray, of what the hit stands for */
   lane_f side;   /* -1 where the interpolated normal had to be turned to the eye's side */
 } surfaces;
 
@@ -113,6 +117,10 @@ enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 8 };
 typedef struct inputs {
   lane_f at[REGISTERS];
   lane_f constant[CONSTANTS]; /* operands of the node or closure at hand that are no registers */
+  /* where the scene has cloth: */
+  lane_f term; /* a random number, which term of its footprint a hit is, if `single`; */
+  bool single; /* else it is all of them */
+  struct cloth_room *cloth; /* hits that are prepared, or NULL */
 } inputs;
 
 /* A register, or a number. */

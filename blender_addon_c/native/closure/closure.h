@@ -19,6 +19,7 @@
 
 #include "closure/diffuse.h"
 #include "closure/emission.h"
+#include "closure/fabric.h"
 #include "closure/glass.h"
 #include "closure/metal.h"
 #include "closure/translucent.h"
@@ -28,6 +29,7 @@
   ROW(METAL, metal)                                                                                \
   ROW(DIFFUSE, diffuse)                                                                            \
   ROW(TRANSLUCENT, translucent)                                                                    \
+  ROW(FABRIC, fabric)                                                                              \
   ROW(GLASS, glass)                                                                                \
   ROW(TRANSPARENT, transparent)                                                                    \
   ROW(EMISSION, emission)

@@ -3,6 +3,7 @@
 #include "stage/stage.h"
 
 #include "stage/camera.h"
+#include "stage/cone.h"
 #include "stage/hit.h"
 #include "stage/surface.h"
 #include "stage/node.h"
@@ -34,6 +35,9 @@
                                     .surface = stage_surface,                                      \
                                     .lift = stage_lift,                                            \
                                     .stretch = stage_stretch,                                      \
+                                    .pixel_cone = stage_pixel_cone,                                \
+                                    .width = stage_width,                                          \
+                                    .spread = stage_spread,                                        \
                                     .flat = stage_flat,                                            \
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \
                                     .pair = stage_pair,                                            \

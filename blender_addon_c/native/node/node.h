@@ -17,6 +17,7 @@
 
 #include "node/albedo.h"
 #include "node/bump.h"
+#include "node/cloth.h"
 #include "node/frame.h"
 #include "node/geometry.h"
 #include "node/image.h"
@@ -26,6 +27,7 @@
 #include "node/perturb.h"
 #include "node/ramp.h"
 #include "node/transform.h"
+#include "node/weave.h"
 
 #define NODE_TABLE(ROW)                                                                            \
   ROW(IMAGE, image)                                                                                \
@@ -38,7 +40,9 @@
   ROW(TRANSFORM, transform)                                                                        \
   ROW(MATH, math)                                                                                  \
   ROW(MIX, mix)                                                                                    \
-  ROW(RAMP, ramp)
+  ROW(RAMP, ramp)                                                                                  \
+  ROW(WEAVE, weave)                                                                                \
+  ROW(CLOTH, cloth)
 
 #define NODE_TYPE(TYPE, name) NODE_##TYPE,
 typedef enum node_type { NODE_TABLE(NODE_TYPE) NODE_TYPES } node_type;

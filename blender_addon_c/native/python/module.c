@@ -284,12 +284,14 @@ static PyObject *words_of(const char *const *word, size_t count) {
 #define LIGHT_WORD(TYPE, name) #TYPE,
 #define CLOSURE_WORD(TYPE, name) #TYPE,
 #define NODE_WORD(TYPE, name) #TYPE,
-PyDoc_STRVAR(table_doc,
-             "table() -> dict\n\n"
-             "lists: the choices by name; about: what each list chooses, and its default;\n"
-             "params: the numbers of a material, and by which choices they are read: None, or\n"
-             "(list, words). All as in libshade's table. lights, closures, nodes: the types of\n"
-             "each that a scene may have.");
+PyDoc_STRVAR(
+    table_doc,
+    "table() -> dict\n\n"
+    "lists: the choices by name; about: what each list chooses, and its default;\n"
+    "params: the numbers of a material, and by which choices they are read: None, or\n"
+    "(list, words). All as in libshade's table. lights, closures, nodes: the types of\n"
+    "each that a scene may have. cloths: libshade's, with the mean exponent of their yarns\n"
+    "and the share of crossings where the weft is on top.");
 
 /* A new reference: None where every choice reads the number. */
 static PyObject *read_by(const shade_param_info *info) {
@@ -304,6 +306,65 @@ static PyObject *read_by(const shade_param_info *info) {
     return Py_BuildValue("(sN)", shade_list_name(info->list), words);
   Py_XDECREF(words);
   return info->list == SHADE_LIST_COUNT ? Py_NewRef(Py_None) : NULL;
+}
+
+/* Where the weft is on top, as a share of all crossings; half where that is not known. */
+static double weft_share(const char *weave) {
+  shade_draft *d = shade_draft_named(weave);
+  if (!d)
+    return 0.5;
+  size_t cells = (size_t)d->ends * (size_t)d->picks, warp = 0;
+  for (size_t k = 0; k < cells; k++)
+    warp += d->warp_up[k] != 0;
+  shade_draft_free(d);
+  return 1.0 - (double)warp / (double)cells;
+}
+
+/* A new reference. */
+static PyObject *cloth_rows(void) {
+  PyObject *rows = PyList_New(0);
+  bool good = rows != NULL;
+  shade_preset p;
+  for (int row = 0; good && shade_preset_row(row, &p); row++) {
+    if (p.kind != SHADE_PRESET_FABRIC)
+      continue;
+    const shade_yarn *warp = &p.fabric.warp, *weft = &p.fabric.weft;
+    double exponent = (warp->along + warp->across + weft->along + weft->across) / 4;
+    good =
+        append(rows, Py_BuildValue("{s:s,s:s,s:s,s:(ddd),s:(ddd),s:d,s:d}", "word", p.word, "label",
+                                   p.label, "help", p.help, "warp", warp->kd[0], warp->kd[1],
+                                   warp->kd[2], "weft", weft->kd[0], weft->kd[1], weft->kd[2],
+                                   "exponent", exponent, "weft_share", weft_share(p.weave)));
+  }
+  if (good)
+    return rows;
+  Py_XDECREF(rows);
+  return NULL;
+}
+
+PyDoc_STRVAR(cloth_albedo_doc,
+             "cloth_albedo(word) -> (r, g, b)\n\n"
+             "How much of even light a cloth of libshade's reflects towards an eye above it, seen\n"
+             "from afar. Takes some tenths of a second.");
+static PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
+  (void)self;
+  const char *word = PyUnicode_AsUTF8AndSize(argument, NULL);
+  shade_preset p;
+  double rgb[3] = {0, 0, 0};
+  if (!word)
+    return NULL;
+  if (!shade_preset_find(word, &p) || p.kind != SHADE_PRESET_FABRIC)
+    return PyErr_Format(PyExc_ValueError, "no cloth '%s'", word);
+  shade_weave *weave = NULL;
+  shade_fabric *fabric = shade_preset_fabric(&p, &weave, NULL);
+  shade_fabric_albedo *albedo = fabric ? shade_fabric_albedo_create(fabric) : NULL;
+  if (albedo)
+    shade_fabric_albedo_eval(albedo, (double[]){0, 0, 1}, rgb);
+  bool good = albedo != NULL;
+  shade_fabric_albedo_free(albedo);
+  shade_fabric_free(fabric);
+  shade_weave_free(weave);
+  return good ? Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]) : PyErr_NoMemory();
 }
 
 static PyObject *native_table(PyObject *self, PyObject *unused) {
@@ -340,9 +401,12 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
   PyObject *lights = words_of(light_words, LIGHT_TYPES);
   PyObject *closures = words_of(closure_words, CLOSURE_TYPES);
   PyObject *nodes = words_of(node_words, NODE_TYPES);
-  if (good && lights && closures && nodes)
-    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params",
-                         params, "lights", lights, "closures", closures, "nodes", nodes);
+  PyObject *cloths = cloth_rows();
+  if (good && lights && closures && nodes && cloths)
+    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params",
+                         params, "lights", lights, "closures", closures, "nodes", nodes, "cloths",
+                         cloths);
+  Py_XDECREF(cloths);
   Py_XDECREF(nodes);
   Py_XDECREF(closures);
   Py_XDECREF(lights);
@@ -380,6 +444,7 @@ PyMODINIT_FUNC PyInit__native(void) {
                                   {"timings", native_timings, METH_O, timings_doc},
                                   {"free", native_free, METH_O, free_doc},
                                   {"table", native_table, METH_NOARGS, table_doc},
+                                  {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
                                   {"version", native_version, METH_NOARGS, version_doc},
                                   {"isa", native_isa, METH_NOARGS, isa_doc},
                                   {NULL, NULL, 0, NULL}};

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* What points are taken for. */
-enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_CHOICE, PURPOSE_LIGHT };
+enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_CHOICE, PURPOSE_LIGHT, PURPOSE_CLOTH };
 
 bool batch_init(worker *w) {
   w->batch = aligned_alloc(64, sizeof *w->batch);
@@ -24,6 +24,10 @@ bool batch_init(worker *w) {
   memset(w->batch->weight.total, 0, sizeof(lane_f));
   memset(&w->batch->drawn, 0, sizeof w->batch->drawn);
   w->batch->drawn.tfar[BATCH] = -1.0f; /* of those that no light reaches */
+  w->batch->input.cloth = NULL;
+  w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
+  memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
+  memset(w->batch->surface.width, 0, sizeof(lane_f));
   return queue_init(&w->batch->queue, w->scene);
 }
 
@@ -37,6 +41,11 @@ bool worker_init(worker *w) {
   w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
   if (!w->end || !batch_init(w) || !light_passes_init(w))
     return false;
+  if (w->scene->cloths && !w->observer) {
+    if (!cloth_room_init(&w->cloth))
+      return false;
+    w->batch->input.cloth = &w->cloth;
+  }
   if (!w->scene->passes || w->observer) /* a dump's shadows are those of opaque surfaces */
     return true;
   return (w->through = through_create(w)) != NULL;
@@ -45,6 +54,7 @@ bool worker_init(worker *w) {
 void worker_free(worker *w) {
   batch_free(w);
   free(w->end);
+  cloth_room_free(&w->cloth);
   through_free(w->through);
   free(w->light);
 }
@@ -55,6 +65,19 @@ static shuffle points_of(const worker *w, size_t phase, int bounce, size_t purpo
   uint32_t salt = (uint32_t)(bounce + 1) * 0x85ebca6bu + ((uint32_t)purpose + 1) * 0x9e3779b9u;
   return (shuffle){
       .index = p->point[0] + phase, .reverse = p->reverse, .mask = p->mask, .salt = salt};
+}
+
+/* Which term of its footprint each hit on cloth is. */
+static void draw_terms(worker *w, int bounce, size_t phase) {
+  const stage_table *s = w->scene->stages;
+  batch *b = w->batch;
+  inputs *in = &b->input;
+  if (!in->cloth)
+    return;
+  in->cloth->runs = in->cloth->used = 0;
+  shuffle points = points_of(w, phase, bounce, PURPOSE_CLOTH);
+  s->shuffled(b->queue.hits, &points, b->queue.lane, b->walk, &b->path, in->term,
+              b->closures.albedo);
 }
 
 /* Where on their lights the hits' samples lie; those of another light, by its number, elsewhere. */
@@ -230,6 +253,9 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   const scene *s = w->scene;
   batch *b = w->batch;
   hits_surface(w);
+  if (s->cloths)
+    s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+  draw_terms(w, bounce, phase);
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
   closures_weigh(w, bounce == 0);
@@ -268,6 +294,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->meets,
                         q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray,
                         b->chosen, b->next, &b->sample_ray);
+  if (w->scene->cloths)
+    s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->walk, b->next);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
 }
@@ -420,8 +448,9 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   const stage_table *s = scene->stages;
   batch *b = w->batch;
   size_t phase = view->first % p->period;
-  bool paths = !w->observer && (scene->max_bounces > 0 || scene->passes || scene->meets ||
-                                scene->choices > 1 || scene->clamp_direct > 0.0f || w->light);
+  bool paths = !w->observer &&
+               (scene->max_bounces > 0 || scene->passes || scene->meets || scene->choices > 1 ||
+                scene->clamp_direct > 0.0f || w->light || scene->cloths);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
@@ -442,6 +471,8 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     return;
   if (paths)
     begin_walks(w, count);
+  if (scene->cloths)
+    s->pixel_cone(count, view, &b->sample_ray, b->walk);
   if (w->light)
     light_passes_begin(w, count);
   const lane_c *color = shade_batch(w, view, paths, sky, count, phase);

@@ -30,6 +30,7 @@ typedef struct worker {
   float *numbers;             /* of the tile's planes, or NULL where none is wanted */
   struct light_passes *light; /* or NULL where no plane of light is wanted */
   batch *batch;
+  cloth_room cloth;
   size_t *end;     /* by light that hits choose: past the last of them in batch->lit */
   unsigned status; /* bits of libshade */
   clocks clocks;

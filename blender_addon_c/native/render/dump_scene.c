@@ -31,27 +31,63 @@ bool dump_scene_write(const shade_dump *d, const char *path, message_log *log) {
   return true;
 }
 
-/* One metal and nothing else: what a dump has words for. */
-static bool is_metal(const material *m) {
-  const operand *w = m->closure[0].weight;
+static bool is_whole(const closure *c) {
   bool whole = true;
   for (int k = 0; k < 3; k++)
-    whole = whole && w[k].at < 0 && w[k].number == 1.0f;
-  return m->closures == 1 && m->closure[0].type == CLOSURE_METAL && whole;
+    whole = whole && c->weight[k].at < 0 && c->weight[k].number == 1.0f;
+  return whole;
+}
+
+/* One metal and nothing else: what a dump has words for, */
+static bool is_metal(const material *m) {
+  return m->closures == 1 && m->closure[0].type == CLOSURE_METAL && is_whole(&m->closure[0]);
+}
+
+/* or one cloth of colours that are the same everywhere, through whose gaps what is behind is seen.
+ */
+static bool is_cloth(const material *m) {
+  const closure_fabric *c = &m->closure[0].of.fabric;
+  if (m->closure[0].type != CLOSURE_FABRIC || !is_whole(&m->closure[0]))
+    return false;
+  for (int k = 0; k < 3; k++)
+    if (c->use.warp[k].at >= 0 || c->use.weft[k].at >= 0)
+      return false;
+  for (size_t k = 1; k < m->closures; k++)
+    if (m->closure[k].type != CLOSURE_TRANSPARENT)
+      return false;
+  return true;
+}
+
+/* NULL when out of memory; the caller frees. */
+static char *cloth_json(const material *m, size_t id) {
+  const shade_preset *p = &m->closure[0].of.fabric.use.cloth->preset;
+  int length = shade_fabric_json((int)id, m->name, NULL, p->weave, &p->yarns, &p->fabric, NULL, 0);
+  char *text = length < 0 ? NULL : malloc((size_t)length + 1);
+  if (text)
+    shade_fabric_json((int)id, m->name, NULL, p->weave, &p->yarns, &p->fabric, text,
+                      (size_t)length + 1);
+  return text;
 }
 
 /* What the dump's header says of the scene; the caller frees. */
 static char *header(const scene *s) {
-  shade_dump_material *materials = malloc((s->materials + 1) * sizeof *materials);
-  if (!materials)
-    return NULL;
+  shade_dump_material *materials = calloc(s->materials + 1, sizeof *materials);
+  char **cloths = calloc(s->materials + 1, sizeof *cloths), *text = NULL;
   shade_params other;
   shade_params_init(&other);
-  for (size_t m = 0; m < s->materials; m++)
+  bool good = materials && cloths;
+  for (size_t m = 0; good && m < s->materials; m++) {
+    const material *from = &s->material[m];
     materials[m] = (shade_dump_material){
-        s->material[m].name,
-        is_metal(&s->material[m]) ? &s->material[m].closure[0].of.metal.params : &other};
-  char *text = shade_dump_header(s->renderer, materials, s->materials);
+        from->name, is_metal(from) ? &from->closure[0].of.metal.params : &other, NULL};
+    if (is_cloth(from))
+      good = (materials[m].json = cloths[m] = cloth_json(from, m)) != NULL;
+  }
+  if (good)
+    text = shade_dump_header(s->renderer, materials, s->materials);
+  for (size_t m = 0; cloths && m < s->materials; m++)
+    free(cloths[m]);
+  free(cloths);
   free(materials);
   return text;
 }
@@ -93,8 +129,8 @@ static bool varies(const scene *s, const varied *v) {
 
 shade_dump *dump_scene_create(const scene *s, message_log *log) {
   for (size_t m = 0; m < s->materials; m++)
-    if (!is_metal(&s->material[m]))
-      message_warn(log, "material %s: more than one metal, so the dump leaves it out",
+    if (!is_metal(&s->material[m]) && !is_cloth(&s->material[m]))
+      message_warn(log, "material %s: more than one metal or cloth, so the dump leaves it out",
                    s->material[m].name);
 
   char *json = header(s);
@@ -106,6 +142,12 @@ shade_dump *dump_scene_create(const scene *s, message_log *log) {
   free(json);
   for (int v = 0; d && v < VARIED; v++)
     if (varies(s, &varied_all[v]) && !shade_dump_add(d, varied_all[v].plane)) {
+      shade_dump_free(d);
+      d = NULL;
+    }
+  for (size_t m = 0; d && m < s->materials; m++)
+    if (is_cloth(&s->material[m]) &&
+        !(shade_dump_add(d, SHADE_DUMP_FOOT) && shade_dump_add(d, SHADE_DUMP_COVERAGE))) {
       shade_dump_free(d);
       d = NULL;
     }
@@ -140,6 +182,25 @@ static void put_varied(shade_dump *d, size_t at, const closure_metal *c, const i
       }
 }
 
+static void put_metal(shade_dump *d, size_t at, const closure *of, const inputs *in, size_t i) {
+  const closure_metal *c = &of->of.metal;
+  for (int k = 0; k < 3; k++)
+    shade_dump_plane(d, SHADE_DUMP_COLOR + k)[at] =
+        number_of(in, c->f0[k], c->params.f0[k], 0, 1, i);
+  put_varied(d, at, c, in, i);
+}
+
+/* Its place is that in the weave. */
+static void put_cloth(shade_dump *d, size_t at, const closure *of, const inputs *in, size_t i) {
+  const closure_fabric *c = &of->of.fabric;
+  static const int planes[] = {SHADE_DUMP_UV, SHADE_DUMP_UV + 1, SHADE_DUMP_FOOT,
+                               SHADE_DUMP_FOOT + 1};
+  for (int k = 0; k < 4; k++)
+    shade_dump_plane(d, planes[k])[at] = in->at[c->use.place[k].at][i];
+  shade_dump_plane(d, SHADE_DUMP_COVERAGE)[at] =
+      c->coverage.at < 0 ? c->coverage.number : in->at[c->coverage.at][i];
+}
+
 static void put_hits(void *context, const batch *b, const camera_view *view) {
   shade_dump *d = context;
   const surfaces *s = &b->surface;
@@ -149,12 +210,14 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
   for (int k = 0; k < SHADE_DUMP_BASE; k++)
     plane[k] = shade_dump_plane(d, k);
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
-    if (!is_metal(g->material)) /* left out, as if nothing were there */
+    const material *m = g->material;
+    const closure *c = &m->closure[0];
+    if (!is_metal(m) && !is_cloth(m)) /* left out, as if nothing were there */
       continue;
-    const closure_metal *c = &g->material->closure[0].of.metal;
+    const int *normal = c->type == CLOSURE_FABRIC ? c->of.fabric.use.normal : c->of.metal.normal;
     for (size_t i = g->run.begin; i < g->run.end; i++) {
       size_t at = place(d, b, view, i);
-      float x = in->at[c->normal[0]][i], y = in->at[c->normal[1]][i], z = in->at[c->normal[2]][i];
+      float x = in->at[normal[0]][i], y = in->at[normal[1]][i], z = in->at[normal[2]][i];
       put_lane(plane + SHADE_DUMP_P, at, &s->p, i);
       put_lane(plane + SHADE_DUMP_N, at, &s->n, i);
       put_lane(plane + SHADE_DUMP_T, at, &s->t, i);
@@ -164,10 +227,11 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
       put(plane + SHADE_DUMP_V, at, -away->x[i], -away->y[i], -away->z[i]);
       plane[SHADE_DUMP_UV][at] = s->u[i];
       plane[SHADE_DUMP_UV + 1][at] = s->v[i];
-      plane[SHADE_DUMP_MATERIAL][at] = (float)g->material->number;
-      for (int k = 0; k < 3; k++)
-        plane[SHADE_DUMP_COLOR + k][at] = number_of(in, c->f0[k], c->params.f0[k], 0, 1, i);
-      put_varied(d, at, c, in, i);
+      plane[SHADE_DUMP_MATERIAL][at] = (float)m->number;
+      if (c->type == CLOSURE_FABRIC)
+        put_cloth(d, at, c, in, i);
+      else
+        put_metal(d, at, c, in, i);
     }
   }
 }
@@ -182,6 +246,8 @@ static void put_light(void *context, const batch *b, const camera_view *view, si
     plane[k] = shade_dump_light_plane(d, (int)number, k);
   for (size_t i = 0; i < b->queue.hits; i++) {
     size_t at = place(d, b, view, i);
+    if (shade_dump_plane(d, SHADE_DUMP_MATERIAL)[at] < 0.0f) /* left out */
+      continue;
     put_lane(plane + SHADE_DUMP_L, at, &b->light.ray.d, i);
     put(plane + SHADE_DUMP_E, at, e[i] * light->common.color[0], e[i] * light->common.color[1],
         e[i] * light->common.color[2]);

@@ -67,6 +67,12 @@ float plane_closure_color(const inputs *in, const closure *c, int k, size_t i) {
   const closure_metal *metal = &c->of.metal;
   if (c->type == CLOSURE_DIFFUSE)
     return operand_or(in, c->of.diffuse.color[k], (double)c->of.diffuse.color[k].number, i);
+  if (c->type == CLOSURE_FABRIC) {
+    const cloth_use *use = &c->of.fabric.use;
+    const shade_fabric_params *p = &use->cloth->preset.fabric;
+    return 0.5f * (operand_or(in, use->warp[k], p->warp.kd[k], i) +
+                   operand_or(in, use->weft[k], p->weft.kd[k], i));
+  }
   if (c->type != CLOSURE_METAL)
     return 1.0f;
   double n = metal->params.eta[k], x = metal->params.k[k];

@@ -5,10 +5,13 @@
 
 #include <stdint.h>
 
+#include "scene/cloth.h"
 #include "scene/reader.h"
 
 typedef struct graph {
-  size_t images;    /* of the scene */
+  size_t images; /* of the scene */
+  const cloth *cloth;
+  size_t cloths;
   uint64_t written; /* registers, a bit each */
   bool bare;        /* something takes the unperturbed normal */
   int normal[3];    /* the first that something takes since `named` was false */

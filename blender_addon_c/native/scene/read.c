@@ -194,7 +194,7 @@ static bool read_closures(reader *r, graph *g, material *m) {
 static bool read_material(reader *r, void *out, void *context) {
   scene *s = context;
   material *m = out;
-  graph g = {.images = s->images};
+  graph g = {.images = s->images, .cloth = s->cloth, .cloths = s->cloths};
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
@@ -410,6 +410,8 @@ scene *scene_read(reader *r) {
       reader_each(r, "lights", sizeof(light), &s->lights, &s->light, read_light, s) &&
       reader_each(r, "images", sizeof(image), &s->images, &s->image, read_image, s) &&
       read_sky(r, s) &&
+      (!reader_has(r, "cloths") ||
+       reader_each(r, "cloths", sizeof(cloth), &s->cloths, &s->cloth, cloth_read, s)) &&
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
                   s) &&
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&

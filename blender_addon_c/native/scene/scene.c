@@ -39,6 +39,16 @@ static bool build_node(node *n, const node_place *place) {
   return false;
 }
 
+static bool build_cloths(scene *s, const atomic_bool *cancel, message_log *log) {
+  for (size_t k = 0; k < s->cloths; k++) {
+    if (atomic_load_explicit(cancel, memory_order_relaxed))
+      return false;
+    if (!cloth_build(&s->cloth[k]))
+      return message_error(log, "out of memory");
+  }
+  return true;
+}
+
 static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
   for (material *m = s->material; m < s->material + s->materials; m++) {
@@ -96,7 +106,8 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
   double start = parallel_clock();
   *times = (scene_times){0};
-  if (!build_materials(s, cancel, log) || !build_lights(s, cancel, log))
+  if (!build_cloths(s, cancel, log) || !build_materials(s, cancel, log) ||
+      !build_lights(s, cancel, log))
     return false;
   times->image = parallel_clock() - start;
   return world_build(s, cancel, log, times);
@@ -120,6 +131,9 @@ void scene_free(scene *s) {
   }
   for (size_t i = 0; s->mesh && i < s->meshes; i++)
     free(s->mesh[i].name);
+  for (size_t i = 0; s->cloth && i < s->cloths; i++)
+    cloth_free(&s->cloth[i]);
+  free(s->cloth);
   free(s->light);
   free(s->image);
   free(s->material);

@@ -18,6 +18,7 @@
 #include "light/light.h"
 #include "node/node.h"
 #include "scene/accel.h"
+#include "scene/cloth.h"
 #include "scene/emitters.h"
 #include "system/message.h"
 #include "scene/sky.h"
@@ -130,9 +131,10 @@ typedef struct scene {
   walk_limits limits;
   bool passes; /* some material lets rays pass on */
   camera camera;
-  size_t lights, images, materials, meshes, instances;
+  size_t lights, images, cloths, materials, meshes, instances;
   light *light;
   image *image;
+  cloth *cloth;
   material *material;
   mesh *mesh;
   instance *instance;

@@ -310,10 +310,11 @@ static void add_share(build *b, size_t mesh_index, const double *matrix, int pas
   b->singles += p->singles;
 }
 
-static bool is_bumped(const scene *s) {
+static bool is_stretched(const scene *s) {
   for (const material *m = s->material; m < s->material + s->materials; m++)
     for (const node *n = m->node; n < m->node + m->nodes; n++)
-      if (n->type == NODE_BUMP || (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
+      if (n->type == NODE_BUMP || n->type == NODE_WEAVE ||
+          (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
         return true;
   return false;
 }
@@ -351,7 +352,7 @@ static bool share_out(build *b) {
   b->quad = array(b, 4 * s->quad_count, sizeof *b->quad);
   b->single = array(b, 3 * b->singles, sizeof *b->single);
   s->triangle = array(b, s->triangle_count, sizeof *s->triangle);
-  if (is_bumped(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
+  if (is_stretched(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
     return false;
   return b->position && b->quad && b->single && s->triangle;
 }

@@ -12,7 +12,8 @@
  *   surface  position, frame, direction to the eye, uv
  *   lift     shadow rays start above the facets of smooth surfaces
  *   stretch  position by u and v, where materials ask for it
- *   flat, node                                                    what the material's nodes say
+ *   (pixel_cone, width, spread)                                   how much a ray stands for, of
+ * cloth flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
  *   (or weigh, choose, chosen, lit                                one light for each hit)
  *   (trace)  accel_occluded
@@ -88,6 +89,13 @@ typedef struct stage_table {
   /* Where the scene has bumps by heights. */
   void (*stretch)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
                   surfaces *out);
+  /* Where the scene has cloth: widths of the camera's rays, by sample, of hits, and of rays drawn.
+   */
+  void (*pixel_cone)(size_t count, const camera_view *view, const rays *ray, walks *walk);
+  void (*width)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,
+                surfaces *out);
+  void (*spread)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
+                 const draws *draw, const walks *walk, walks *next);
   void (*flat)(const segment *g, inputs *out);
   void (*node[NODE_TYPES])(const segment *g, const node *node, const corners *corner,
                            const surfaces *at, inputs *out);

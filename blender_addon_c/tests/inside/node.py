@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The metal node without a render; asserts. arguments: none"""
+"""The metal and the cloth node without a render; asserts. arguments: none"""
 
 import os
 import sys
@@ -95,6 +95,24 @@ def test_convert(node):
                    for n in m.node_tree.nodes)
 
 
+def test_fabric():
+    """A preset's colours are the sockets'; the mean inside follows what shows; a copy is its own."""
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    node = tree.nodes.new("LibshadeFabricNode")
+    assert [s.name for s in node.inputs] == ["Warp Color", "Weft Color", "Normal"]
+    before = [tuple(s.default_value) for s in list(node.inputs)[:2]]
+    node.preset = "DENIM"
+    warp, weft = (tuple(s.default_value)[:3] for s in list(node.inputs)[:2])
+    assert before != [warp, weft] and warp[2] > 2 * warp[0] and weft[0] > 0.3, (warp, weft)
+    assert near(node.node_tree.nodes["Mix"].inputs[0].default_value, 0.25)  # twill 3/1
+    tree.links.new(node.outputs["BSDF"], tree.get_output_node("ALL").inputs["Surface"]
+                   if tree.get_output_node("ALL") else
+                   tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    inner = node.node_tree
+    assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"}
+    assert any(n.bl_idname == "ShaderNodeGroup" and n.node_tree == inner for n in tree.nodes)
+
+
 def test_disable_and_enable():
     """Switching the add-on off and on with a rendered node in the file; Blender must survive."""
     material, _tree, _node = common.metal("again")
@@ -116,6 +134,7 @@ test_twins(node)
 test_preview(node)
 test_copies(material, node)
 test_convert(test_save_and_load(blend))
+test_fabric()
 test_disable_and_enable()
 print("all asserted")
 common.finish()

@@ -236,6 +236,35 @@ def cycles(options):
     return {}
 
 
+def cloth(options):
+    """Two plates of cloth under a sun, 8 crossings of linen each; the second's colour is an image's,
+    dark to the left, and what is behind shows between its yarns."""
+    scene = common.empty_scene(48, 24, samples=16)
+    scene.render.engine = options.get("engine", "LIBSHADE")
+    if scene.render.engine == "CYCLES":
+        scene.cycles.samples, scene.cycles.use_denoising = 8, False
+    for x in (-1, 1):
+        material = bpy.data.materials.new(f"cloth {x}")
+        tree = common.tree_of(material)
+        tree.nodes.clear()
+        node, output = tree.nodes.new("LibshadeFabricNode"), tree.nodes.new("ShaderNodeOutputMaterial")
+        tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+        node.preset, node.size = "LINEN", 8 / 15 / 100
+        if x > 0:
+            image = bpy.data.images.new("image", 2, 1, float_buffer=True)
+            image.pixels.foreach_set(np.float32([0.05, 0.05, 0.05, 1, 0.8, 0.8, 0.8, 1]))
+            texture = common.image_node(tree, image)
+            texture.interpolation = "Closest"
+            for name in ("Warp Color", "Weft Color"):
+                tree.links.new(texture.outputs["Color"], node.inputs[name])
+            node.open_gaps = True
+        common.plane(material).location = (x, 0, 0)
+    common.light(scene, rotation=(0.5, 0, 0))
+    common.camera(scene, type="ORTHO", ortho_scale=4.0)
+    common.render(options["picture"])
+    return {}
+
+
 def suzanne(options):
     """Suzanne subdivided on a bumped floor; options["save"]: keep the file, else open it."""
     if options.get("save"):

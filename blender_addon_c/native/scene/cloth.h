@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Cloths of a scene: libshade's presets, each with its own colours, made once for all materials
+ * that take it. */
+#ifndef LIBSHADE_CLOTH_H
+#define LIBSHADE_CLOTH_H
+
+#include "batch/lanes.h"
+#include "scene/reader.h"
+#include "shade/presets.h"
+
+typedef struct cloth {
+  shade_preset preset; /* as the scene changed it */
+  float per_u, per_v;  /* crossings in one unit of the UV map */
+  float bright;        /* of all that it reflects, roughly */
+  bool through;        /* light from behind reaches the eye */
+  shade_weave *weave;  /* made by cloth_build */
+  shade_fabric *fabric;
+} cloth;
+
+/*
+ * `preset`, a word; `size`, metres of cloth in one unit of the UV map; `transmit`, the share of
+ * what is matt that leaves on the other side; `open`: nothing is behind the gaps. `warp`, `weft`:
+ * colours in place of the preset's, and what goes with them (backing, coloured highlights) changes
+ * alike.
+ */
+bool cloth_read(reader *r, void *out, void *context);
+/* False when out of memory. */
+bool cloth_build(cloth *c);
+void cloth_free(cloth *c);
+
+/* Room for the hits of a batch that are prepared for several lights and a draw. */
+enum { CLOTH_RUNS = 8 };
+typedef struct cloth_room {
+  unsigned char *bytes;
+  size_t size, used;
+  size_t runs;
+  struct {
+    size_t begin, end; /* which lanes, */
+    int place;         /* and by which register they are known */
+    void *hits;
+  } run[CLOTH_RUNS];
+} cloth_room;
+
+/* False when out of memory. */
+bool cloth_room_init(cloth_room *room);
+void cloth_room_free(cloth_room *room);
+
+/* A run's hits, or NULL where they were not prepared. */
+static inline const void *cloth_hits(const cloth_room *room, lane_run run, int place) {
+  for (size_t k = 0; room && k < room->runs; k++)
+    if (room->run[k].begin == run.begin && room->run[k].end == run.end &&
+        room->run[k].place == place)
+      return room->run[k].hits;
+  return NULL;
+}
+
+#endif
