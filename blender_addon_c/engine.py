@@ -30,14 +30,14 @@ class LibshadeEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
-        for p in export.passes_of(renderlayer):
+        for p in export.passes_of(scene, renderlayer):
             self.register_pass(scene, renderlayer, p.name, len(p.channels), p.channels, p.kind)
 
     def render(self, depsgraph):
         region = export.region_of(depsgraph.scene, self.resolution_x, self.resolution_y)
         x0, y0, x1, y1 = region
         pixels = np.zeros((y1 - y0) * (x1 - x0) * 4, np.float32)
-        for p in export.passes_of(depsgraph.view_layer):
+        for p in export.passes_of(depsgraph.scene, depsgraph.view_layer):
             self.add_pass(p.name, len(p.channels), p.channels, layer=depsgraph.view_layer.name)
         # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
         result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name)
@@ -68,8 +68,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
         scene = export.read(depsgraph, camera, size, region,
                             depsgraph.scene.libshade.samples, messages)
         scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
-        passes = export.passes_of(depsgraph.view_layer)
-        scene["planes"] = [{"type": p.plane} for p in passes]
+        passes = export.passes_of(depsgraph.scene, depsgraph.view_layer)
+        scene.update(export.planes_of(passes, depsgraph.scene.world))
         scene.update(export.denoiser(depsgraph.scene.libshade))
         export.passes_left_out(depsgraph.view_layer, messages)
         synced = time.perf_counter()

@@ -89,6 +89,31 @@ class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):
         ).all_materials = True
 
 
+class VIEWLAYER_PT_libshade_passes(_Panel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        view_layer = context.view_layer
+        column = layout.column(heading="Include", align=True)
+        for name in ("z", "mist", "position", "normal", "uv"):
+            column.prop(view_layer, f"use_pass_{name}")
+        column.prop(view_layer.libshade, "denoising_store_passes")
+        column = layout.column(heading="Indexes", align=True)
+        for name in ("object_index", "material_index"):
+            column.prop(view_layer, f"use_pass_{name}")
+        for kind in ("diffuse", "glossy", "transmission"):
+            column = layout.column(heading=kind.title(), align=True)
+            for part in ("direct", "indirect", "color"):
+                column.prop(view_layer, f"use_pass_{kind}_{part}", text=part.title())
+        column = layout.column(heading="Other", align=True)
+        column.prop(view_layer, "use_pass_emit", text="Emission")
+        column.prop(view_layer, "use_pass_environment")
+
+
 class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
     bl_label = "Light"
     bl_context = "data"
@@ -132,7 +157,7 @@ class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
 
 _CLASSES = (
     RENDER_PT_libshade_sampling, RENDER_PT_libshade_light_paths, RENDER_PT_libshade_film,
-    RENDER_PT_libshade_share,
+    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes,
     DATA_PT_libshade_light,
 )
 

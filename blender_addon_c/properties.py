@@ -1,8 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of the engine: `scene.libshade`."""
+"""Settings of the engine: `scene.libshade`, and `view_layer.libshade`."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+
+def _update_passes(_settings, context):
+    """What a view layer's node in the compositor offers."""
+    if context.view_layer:
+        context.view_layer.update_render_passes()
+
+
+class LibshadeViewLayerSettings(bpy.types.PropertyGroup):
+    denoising_store_passes: BoolProperty(
+        name="Denoising Data",
+        description="Passes of the surfaces' normals and colours, that Blender's Denoise node takes",
+        default=False, update=_update_passes,
+    )
 
 
 class LibshadeSettings(bpy.types.PropertyGroup):
@@ -89,7 +103,7 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Take the noise out of a finished render with Open Image Denoise: few samples "
                     "then look like many. Blender brings it from 4.x on; else install pyoidn from "
                     "PyPI for Blender's Python",
-        default=False,
+        default=False, update=_update_passes,
     )
     use_animated_seed: BoolProperty(
         name="Animate Seed",
@@ -103,11 +117,16 @@ class LibshadeSettings(bpy.types.PropertyGroup):
     )
 
 
+_OWNERS = ((LibshadeSettings, bpy.types.Scene), (LibshadeViewLayerSettings, bpy.types.ViewLayer))
+
+
 def register():
-    bpy.utils.register_class(LibshadeSettings)
-    bpy.types.Scene.libshade = PointerProperty(type=LibshadeSettings)
+    for settings, owner in _OWNERS:
+        bpy.utils.register_class(settings)
+        owner.libshade = PointerProperty(type=settings)
 
 
 def unregister():
-    del bpy.types.Scene.libshade
-    bpy.utils.unregister_class(LibshadeSettings)
+    for settings, owner in _OWNERS:
+        del owner.libshade
+        bpy.utils.unregister_class(settings)

@@ -5,10 +5,11 @@ from collections import namedtuple
 
 import bpy
 
-# The view layer's property, Blender's name, what its channels are called, how Blender shows it,
+# The view layer's property (or that of its `libshade`, or the scene's), Blender's name, what its channels are called, how Blender shows it,
 # and the native module's plane.
 Pass = namedtuple("Pass", "wanted_by name channels kind plane")
 
+NOISY = "NOISY"  # the picture that was denoised, which is no plane
 _LONG = bpy.app.version >= (5, 0)  # names of passes are whole words
 
 
@@ -26,6 +27,7 @@ def _light_passes():
 # In the order of Cycles, and so of a file's channels.
 PASSES = (
     _pass("z", "Depth", "Depth", "Z", "VALUE", "DEPTH"),
+    _pass("mist", "Mist", "Mist", "Z", "VALUE", "MIST"),
     _pass("position", "Position", "Position", "XYZ", "VECTOR", "POSITION"),
     _pass("normal", "Normal", "Normal", "XYZ", "VECTOR", "NORMAL"),
     _pass("uv", "UV", "UV", "UVA", "VECTOR", "UV"),
@@ -34,11 +36,15 @@ PASSES = (
     *_light_passes(),
     _pass("emit", "Emit", "Emission", "RGB", "COLOR", "EMISSION"),
     _pass("environment", "Env", "Environment", "RGB", "COLOR", "ENVIRONMENT"),
+    Pass("use_denoising", "Noisy Image", "RGBA", "COLOR", NOISY),
+    Pass("denoising_store_passes", "Denoising Normal", "XYZ", "VECTOR", "SEEN_NORMAL"),
+    Pass("denoising_store_passes", "Denoising Albedo", "RGB", "COLOR", "ALBEDO"),
+    Pass("denoising_store_passes", "Denoising Depth", "Z", "VALUE", "DISTANCE"),
 )
 
 # Properties of what no plane stands for yet, where the Blender that runs has them.
 _UNKNOWN = {
-    "use_pass_mist": "Mist", "use_pass_vector": "Vector", "use_pass_shadow": "Shadow",
+    "use_pass_vector": "Vector", "use_pass_shadow": "Shadow",
     "use_pass_ambient_occlusion": "Ambient Occlusion",
     **{f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}"
        for part in ("direct", "indirect", "color")},
@@ -47,14 +53,27 @@ _UNKNOWN = {
 }
 
 
-def passes_of(view_layer):
+def passes_of(scene, view_layer):
     """Those that the view layer asks for and the engine has."""
-    return [p for p in PASSES if getattr(view_layer, p.wanted_by)]
+    owners = {"use_denoising": scene.libshade, "denoising_store_passes": view_layer.libshade}
+    return [p for p in PASSES if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
 
 
-def have_colors(view_layer):
+def planes_of(passes, world):
+    """What the native module reads for them."""
+    planes = {"planes": [{"type": p.plane} for p in passes if p.plane != NOISY]}
+    if any(p.plane == "MIST" for p in passes):
+        settings = world.mist_settings if world else None
+        planes["mist"] = {"start": settings.start if settings else 0.0,
+                          "depth": settings.depth if settings else 100.0,
+                          "falloff": settings.falloff if settings else "LINEAR"}
+    return planes
+
+
+def have_colors(scene, view_layer):
     """Do any need the colours of surfaces? Light of each kind is divided by these."""
-    return any(p.plane.endswith(("_DIRECT", "_INDIRECT", "_COLOR")) for p in passes_of(view_layer))
+    return any(p.plane.endswith(("_DIRECT", "_INDIRECT", "_COLOR"))
+               for p in passes_of(scene, view_layer))
 
 
 def passes_left_out(view_layer, messages):

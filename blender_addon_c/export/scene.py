@@ -21,7 +21,7 @@ def read(depsgraph, camera, size, region, samples, messages):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     table = Table(messages, scene.libshade.groove_transport,
-                  passes.have_colors(depsgraph.view_layer))
+                  passes.have_colors(scene, depsgraph.view_layer))
     with tree.deep():
         meshes, instances, lights = _objects(depsgraph, table, messages)
         world = world_of(scene.world, table.images, messages)

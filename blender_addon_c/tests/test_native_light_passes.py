@@ -4,7 +4,9 @@
 import numpy as np
 import pytest
 
-from native_scenes import finish, image, material, native, ortho, point, scene, sky, sphere, square, sun
+from native_scenes import (
+    finish, image, look_at, material, native, ortho, persp, point, scene, sky, sphere, square, sun,
+)
 from test_native_closures import EMISSION, TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 
 KINDS, PARTS = ("DIFFUSE", "GLOSSY", "TRANSMISSION"), ("DIRECT", "INDIRECT", "COLOR")
@@ -15,7 +17,7 @@ GOLD = {key: value for key, value in material(mdf="GGX", brdf="MICROFACET", ax=0
         if key not in ("name", "nodes")}
 
 
-def passes(description, wanted=tuple(ALL)):
+def passes(description, wanted=tuple(ALL), channels=3):
     """The picture and the planes, by name, from the bottom."""
     job = native.start(scene(**description) | {"planes": [{"type": name} for name in wanted]})
     assert finish(job)["state"] == "done"
@@ -23,7 +25,7 @@ def passes(description, wanted=tuple(ALL)):
     picture, planes = np.full((*size, 4), np.nan, np.float32), {}
     native.image(job, picture)
     for name in wanted:
-        planes[name] = np.full((*size, 3), np.nan, np.float32)
+        planes[name] = np.full((*size, channels), np.nan, np.float32)
         native.image(job, planes[name], name)
         assert np.isfinite(planes[name]).all(), name
     native.free(job)
@@ -143,7 +145,42 @@ def test_light_of_a_closed_ball(name, closure):
     assert (planes["ENVIRONMENT"] == 0).all()
 
 
-def test_bad_colours():
+EYE = (1.0, -2.0, 3.0)
+
+
+def test_distance_and_normal_as_the_camera_sees_them():
+    """Of the ray's middle through one pixel: from where the camera clips, and z away from it."""
+    tilted = {**ONE, "camera": persp(1e-4, EYE, (0.1, 0.2, 0), clip=(0.5, 100)), "materials": [FACE]}
+    away = np.linalg.norm(np.subtract(EYE, (0.1, 0.2, 0)))
+    _, distance = passes(tilted, ("DISTANCE",), 1)
+    np.testing.assert_allclose(distance["DISTANCE"], away - 0.5, rtol=1e-4)
+    _, normal = passes(tilted, ("SEEN_NORMAL",))
+    seen = look_at(EYE, (0.1, 0.2, 0))[:3, :3].T @ (0, 0, 1) * (1, 1, -1)
+    np.testing.assert_allclose(normal["SEEN_NORMAL"][0, 0], seen, atol=1e-4)
+
+
+@pytest.mark.parametrize("camera", [ortho, persp])
+@pytest.mark.parametrize("falloff, power", [("LINEAR", 1), ("QUADRATIC", 2), ("INVERSE_QUADRATIC", 0.5)])
+def test_mist(camera, falloff, power):
+    veil = of(weighed(TRANSPARENT, 0.9, 0.5, 0.1), weighed(diffuse(), 0.1))
+    for given, meshes, clear in ((FACE, [square()], 1.0), (veil, [square()], 0.5),
+                                 (FACE, [square(z=2.0)], 0), (FACE, [square(1e-6, z=1.0)], 0)):
+        mist = {"start": 1.25, "depth": 4.0, "falloff": falloff}
+        _, planes = passes({**ONE, "camera": camera(1e-3), "materials": [given], "meshes": meshes,
+                            "mist": mist}, ("MIST",), 1)
+        depth = 3.0 if clear else 1.0
+        left = 1 - np.clip((depth - 1.25) / 4, 0, 1) ** power
+        expected = 1 - clear * left if clear else (0 if meshes[0]["positions"][0][0] == -1 else 1)
+        np.testing.assert_allclose(planes["MIST"], expected, rtol=1e-4, atol=1e-6)
+    _, planes = passes({**ONE, "camera": camera(1e-3), "mist": {**mist, "depth": 0.0}}, ("MIST",), 1)
+    assert (planes["MIST"] == 0).all()  # of no depth there is none, as in Cycles
+
+
+def test_bad_input():
+    for bad in ({"start": 0, "depth": 1, "falloff": "CUBIC"}, {"start": 0, "depth": np.nan, "falloff": "LINEAR"},
+                {"depth": 1, "falloff": "LINEAR"}):
+        with pytest.raises(ValueError, match="mist|falloff|depth|start"):
+            native.start(scene(mist=bad))
     for bad in ((1, 1), "white", (np.nan,)):
         with pytest.raises(ValueError, match="pass_color"):
             native.start(scene(materials=[of(diffuse() | {"pass_color": bad})]))

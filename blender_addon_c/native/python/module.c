@@ -160,7 +160,10 @@ static PyObject *native_cancel(PyObject *self, PyObject *capsule) {
 PyDoc_STRVAR(image_doc, "image(job, out, plane='')\n\n"
                         "Copy the picture so far into a writable float32 buffer of 4 floats a\n"
                         "pixel of the region: linear, alpha premultiplied, bottom row first. Or a\n"
-                        "plane that the scene asked for, of as many floats a pixel as it has.");
+                        "plane that the scene asked for, of as many floats a pixel as it has; or\n"
+                        "NOISY, the picture as it was before it was denoised.");
+
+#define NOISY "NOISY"
 
 /* The plane of that word, if it is one that is rendered; PLANES where none is meant. */
 static bool find_plane(const render *r, const char *word, plane_type *out) {
@@ -168,7 +171,7 @@ static bool find_plane(const render *r, const char *word, plane_type *out) {
   for (int k = 0; k < PLANES; k++)
     if (strcmp(word, plane_word((plane_type)k)) == 0)
       *out = (plane_type)k;
-  if (!*word || (*out != PLANES && r->planes.wanted >> *out & 1u))
+  if (!*word || strcmp(word, NOISY) == 0 || (*out != PLANES && r->planes.wanted >> *out & 1u))
     return true;
   PyErr_Format(PyExc_ValueError, "image: the scene did not ask for a plane '%s'", word);
   return false;
@@ -199,7 +202,9 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
     PyBuffer_Release(&view);
     return NULL;
   }
-  if (plane == PLANES)
+  if (plane == PLANES && *word)
+    render_copy_noisy(r, view.buf);
+  else if (plane == PLANES)
     render_copy(r, view.buf);
   else
     render_copy_plane(r, plane, view.buf);

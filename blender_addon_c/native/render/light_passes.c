@@ -272,6 +272,35 @@ static void colors_of(const batch *b, const material *m, size_t i, float out[LIG
   }
 }
 
+/* How much of a hit lets nothing pass, of what its path weighs. */
+static float opacity_of(const batch *b, const material *m, size_t i) {
+  size_t ray = b->queue.lane[i];
+  const float weight[3] = {b->walk->weight.r[ray], b->walk->weight.g[ray], b->walk->weight.b[ray]};
+  float mean = 0.0f;
+  for (int k = 0; k < 3; k++) {
+    float passes = 0.0f;
+    for (const closure *c = m->closure; c < m->closure + m->closures; c++)
+      passes += c->traits & CLOSURE_PASSES ? operand_at(&b->input, c->weight[k], i) : 0.0f;
+    mean += weight[k] * clampf(1.0f - passes, 0.0f, 1.0f) * (1.0f / 3.0f);
+  }
+  return mean;
+}
+
+/* What mist leaves of a hit; 1 less that is the mist, where there is nothing as well. */
+static float clear_of(const scene *s, const batch *b, size_t i) {
+  const camera *eye = &s->camera;
+  vec3 p = load(&b->surface.p, i);
+  vec3 d = {p.x - eye->origin[0], p.y - eye->origin[1], p.z - eye->origin[2]};
+  float away = eye->perspective
+                   ? sqrtf(dot(d, d))
+                   : fabsf(d.x * eye->axis[2][0] + d.y * eye->axis[2][1] + d.z * eye->axis[2][2]);
+  float mist = clampf((away - s->mist.start) * s->mist.rise, 0.0f, 1.0f);
+  mist = s->mist.falloff == MIST_QUADRATIC           ? mist * mist
+         : s->mist.falloff == MIST_INVERSE_QUADRATIC ? sqrtf(mist)
+                                                     : mist;
+  return 1.0f - mist;
+}
+
 /* What the camera sees of surfaces, itself or through others. */
 static void gain_seen(worker *w, const material *m, size_t i, float dim) {
   batch *b = w->batch;
@@ -280,6 +309,7 @@ static void gain_seen(worker *w, const material *m, size_t i, float dim) {
   color3 c = weighed(b->walk, ray, &p->shone, i, dim);
   float color[LIGHT_KINDS][3];
   add(emission_of(p), sample, c.r, c.g, c.b);
+  p->sum[PLANE_MIST - PLANE_LIGHT].r[sample] += opacity_of(b, m, i) * clear_of(w->scene, b, i);
   colors_of(b, m, i, color);
   for (int kind = 0; kind < LIGHT_KINDS; kind++) {
     c = weighed(b->walk, ray, &p->reflected[kind], i, dim);
@@ -370,7 +400,7 @@ void light_passes_film(worker *w, const camera_view *view, size_t count) {
         sum[1] += from->g[i];
         sum[2] += from->b[i];
       }
-      for (int c = 0; c < 3; c++)
+      for (int c = 0; c < plane_channels((plane_type)(PLANE_LIGHT + k)); c++)
         to[stride * pixel + (size_t)c] += sum[c];
     }
   }

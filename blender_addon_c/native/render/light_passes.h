@@ -5,7 +5,8 @@
  * light goes to the kind, matt, shining or through, of the first surface that is not passed, by the
  * shares that the closures of each kind have in what the surface sends to the eye. It is direct
  * where it comes from lights, whether a sample of theirs or a drawn ray found them, and indirect
- * where there are more surfaces on its way. Of these surfaces' colours there are planes as well.
+ * where there are more surfaces on its way. Of these surfaces' colours there are planes as well,
+ * and of the mist before all that the camera sees: 1 less what it leaves.
  *
  * What is here follows a batch from outside: where no such plane is wanted, nothing is called.
  */

@@ -114,6 +114,19 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
   }
   case PLANE_POSITION:
     return p;
+  case PLANE_DISTANCE: {
+    vec3 d = load(&b->ray->d, i);
+    float near =
+        -eye->clip[0] / (d.x * eye->axis[2][0] + d.y * eye->axis[2][1] + d.z * eye->axis[2][2]);
+    return (vec3){(b->ray->tfar[i] - near) * sqrtf(dot(d, d)), 0, 0};
+  }
+  case PLANE_SEEN_NORMAL: {
+    vec3 n = shading_normal(b, m, i);
+    const float(*axis)[3] = eye->axis;
+    return (vec3){n.x * axis[0][0] + n.y * axis[0][1] + n.z * axis[0][2],
+                  n.x * axis[1][0] + n.y * axis[1][1] + n.z * axis[1][2],
+                  -(n.x * axis[2][0] + n.y * axis[2][1] + n.z * axis[2][2])};
+  }
   case PLANE_NORMAL:
     return shading_normal(b, m, i);
   case PLANE_ALBEDO:

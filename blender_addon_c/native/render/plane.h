@@ -3,8 +3,9 @@
  * What is rendered beside the picture, of the first surface that each sample meets. Each plane is
  * one row, ROW(TYPE, channels, filtered): TYPE is its word in a scene. A plane that is filtered is
  * the mean over a pixel's samples, 0 where they meet nothing; one that is not (distances and
- * numbers have no mean) is that of the pixel's first sample. Planes of light are of all surfaces
- * (render/light_passes.h).
+ * numbers have no mean) is that of the pixel's first sample. DISTANCE is along the ray, from where
+ * the camera clips; SEEN_NORMAL in the camera's frame, z away from it. Planes of light are of all
+ * surfaces (render/light_passes.h).
  */
 #ifndef LIBSHADE_PLANE_H
 #define LIBSHADE_PLANE_H
@@ -21,7 +22,9 @@
   ROW(ALBEDO, 3, true)                                                                             \
   ROW(UV, 3, true)                                                                                 \
   ROW(OBJECT, 1, false)                                                                            \
-  ROW(MATERIAL, 1, false)
+  ROW(MATERIAL, 1, false)                                                                          \
+  ROW(DISTANCE, 1, true)                                                                           \
+  ROW(SEEN_NORMAL, 3, true)
 
 /* Of each kind (bounce_kind) its parts in this order; those of light are divided by the colour once
  * they are looked at. */
@@ -36,7 +39,8 @@
   ROW(TRANSMISSION_INDIRECT, 3, true)                                                              \
   ROW(TRANSMISSION_COLOR, 3, true)                                                                 \
   ROW(EMISSION, 3, true)                                                                           \
-  ROW(ENVIRONMENT, 3, true)
+  ROW(ENVIRONMENT, 3, true)                                                                        \
+  ROW(MIST, 1, true)
 
 #define PLANE_TABLE(ROW) PLANES_OF_SURFACES(ROW) PLANES_OF_LIGHT(ROW)
 

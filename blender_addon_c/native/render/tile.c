@@ -199,8 +199,12 @@ void render_copy(render *r, float *out) {
   if (whole) {
     size_t pixels = region_width(r) * (size_t)(r->region[3] - r->region[1]);
     memcpy(out, whole, 4 * pixels * sizeof *out);
-    return;
+  } else {
+    render_copy_noisy(r, out);
   }
+}
+
+void render_copy_noisy(render *r, float *out) {
   for (size_t tile = 0; tile < r->tiles; tile++) {
     pthread_mutex_lock(&r->film);
     patch p = patch_of(r, tile);
@@ -232,6 +236,10 @@ void render_copy_plane(render *r, plane_type plane, float *out) {
           out[channels * at + c] = from[c] * by;
         if (plane == PLANE_DEPTH && !(from[0] > 0.0f))
           out[at] = PLANE_FAR;
+        if (plane == PLANE_MIST) {
+          float left = 1.0f - out[at];
+          out[at] = left > 0.0f ? left : 0.0f;
+        }
         if (divisor != PLANES)
           divide(out + channels * at, r->numbers + stride * at + r->planes.at[divisor]);
       }

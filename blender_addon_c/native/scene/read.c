@@ -317,6 +317,21 @@ static bool read_planes(reader *r, scene *s) {
   return good;
 }
 
+static bool read_mist(reader *r, void *out, void *context) {
+  static const char *const falloffs[] = {"LINEAR", "QUADRATIC", "INVERSE_QUADRATIC", NULL};
+  mist *m = out;
+  int falloff;
+  float depth;
+  (void)context;
+  if (!reader_number_within(r, "start", 0, 1e30, &m->start) ||
+      !reader_number_within(r, "depth", 0, 1e30, &depth) ||
+      !reader_word(r, "falloff", falloffs, &falloff))
+    return false;
+  m->rise = depth > 0.0f ? 1.0f / depth : 0.0f;
+  m->falloff = (mist_falloff)falloff;
+  return true;
+}
+
 static bool read_picture(reader *r, scene *s) {
   double region[4], seed;
   char *dump;
@@ -358,6 +373,8 @@ static bool read_picture(reader *r, scene *s) {
   if (s->denoise)
     s->planes |= 1u << PLANE_ALBEDO | 1u << PLANE_NORMAL;
   s->planes = plane_needs(s->planes);
+  if (reader_has(r, "mist") && !reader_dict(r, "mist", read_mist, &s->mist, NULL))
+    return false;
   if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
     return false;
   if (reader_has(r, "max_bounces") &&

@@ -36,6 +36,13 @@ typedef struct camera {
   float turn;    /* of the first corner's side, radians */
 } camera;
 
+/* How far what is seen fades; only a plane tells. */
+typedef enum mist_falloff { MIST_LINEAR, MIST_QUADRATIC, MIST_INVERSE_QUADRATIC } mist_falloff;
+typedef struct mist {
+  float start, rise; /* none is before the start, nothing is left 1 / rise behind */
+  mist_falloff falloff;
+} mist;
+
 typedef enum filter_type { FILTER_BLACKMAN_HARRIS, FILTER_GAUSSIAN } filter_type;
 
 typedef struct material {
@@ -131,6 +138,7 @@ typedef struct scene {
   walk_limits limits;
   bool passes; /* some material lets rays pass on */
   camera camera;
+  mist mist;
   size_t lights, images, cloths, materials, meshes, instances;
   light *light;
   image *image;

@@ -53,10 +53,11 @@ def write_multilayer(scene):
     settings.file_format = "OPEN_EXR_MULTILAYER"
 
 
-def ask_for(layer, passes):
+def ask_for(layer, passes, denoising=False):
     """Passes of a view layer, by their properties."""
     for name in passes:
         setattr(layer, "use_pass_" + name, True)
+    layer.cycles.denoising_store_passes = layer.libshade.denoising_store_passes = denoising
 
 
 def link(scene, name, data, location=(0, 0, 0), rotation=(0, 0, 0)):

@@ -658,9 +658,25 @@ def balls(options):
     settings.max_bounces, settings.sample_clamp_indirect = 12, 0
     if "passes" in options:
         common.write_multilayer(scene)
-        common.ask_for(scene.view_layers[0], options["passes"])
+        common.ask_for(scene.view_layers[0], options["passes"], True)
+        scene.world.mist_settings.start, scene.world.mist_settings.depth = 3.2, 2.0
     common.render(options["picture"])
     return {}
+
+
+def denoise_node(scene):
+    """Blender 5's compositor: the Denoise node on the picture as it was and on our passes."""
+    layer = scene.view_layers[0]
+    layer.libshade.denoising_store_passes = True
+    layer.update_render_passes()
+    tree = bpy.data.node_groups.new("compositor", "CompositorNodeTree")
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    scene.compositing_node_group = tree
+    picture, node, out = (tree.nodes.new(kind) for kind in (
+        "CompositorNodeRLayers", "CompositorNodeDenoise", "NodeGroupOutput"))
+    for name, socket in (("Image", "Image"), ("Denoising Normal", "Normal"), ("Denoising Albedo", "Albedo")):
+        tree.links.new(picture.outputs[name], node.inputs[socket])
+    tree.links.new(node.outputs["Image"], out.inputs[0])
 
 
 def first_minute(options):
@@ -678,6 +694,10 @@ def first_minute(options):
     if options["engine"] == "CYCLES":
         settings.use_adaptive_sampling = False
     settings.use_denoising = options.get("denoise", False)
+    if options.get("compositor"):
+        denoise_node(scene)
+    if options.get("multilayer"):
+        common.write_multilayer(scene)
     if options["floor"]:
         for name, color, metallic in (("floor", (0.6, 0.25, 0.15, 1), 0), ("gold", (1, 0.77, 0.34, 1), 1)):
             if name == "floor":
