@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from . import tree
+from .visibility import BOUNCED, hidden, is_hidden
 
 # Cycles 3.4 took an area lamp's power for 4 / pi times what it is, dimmed spots by the cosine to
 # their axis and lit by a sun as by a flat disc. That 3.5 to 4.5 do as 5.0 was not measured.
@@ -27,17 +28,16 @@ def light_of(ob, matrix, messages):
         messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
                          f"only {kinds('and')}")
         return []
-    for kind in ("diffuse", "glossy", "transmission"):
-        if not getattr(ob, f"visible_{kind}", True):
-            messages.warning(f"light '{ob.name}': hidden from {kind} rays, which is not "
-                             "supported; it is seen")
+    bits = hidden(ob, BOUNCED)  # the camera never sees lamps, whatever the object says
+    if is_hidden(bits, *BOUNCED):
+        return []
     cycles = getattr(light, "cycles", None)
     if getattr(cycles, "is_portal", False):
         messages.warning(f"light '{ob.name}': portals are not supported; left out")
         return []
     shadow = light.use_shadow and getattr(cycles, "cast_shadow", True)
     met = getattr(cycles, "use_multiple_importance_sampling", True)
-    return [{"name": ob.name, "type": light.type, "shadow": shadow, "met": met,
+    return [{"name": ob.name, "type": light.type, "shadow": shadow, "met": met, "hidden": bits,
              **_LIGHTS[light.type](light, matrix, strength)}]
 
 

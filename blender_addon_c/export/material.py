@@ -25,8 +25,11 @@ class Table:
         self._uv_maps = []  # by index, "" is the mesh's active one
         self._textured = []  # by index: does it look anything up there?
 
-    def index(self, material, owner):
-        """Index of a material; None is an empty slot of the object `owner`."""
+    def index(self, material, owner, drawn=True):
+        """Index of a material; None is an empty slot of the object `owner`. Not drawn: no light,
+        whatever it shines with."""
+        if not drawn:
+            return self._undrawn(material, owner)
         if material not in self._indices:
             if not material:
                 self._messages.warning(f"object '{owner}': no material, rendered as grey metal")
@@ -37,6 +40,16 @@ class Table:
             self._uv_maps.append(reader.uv_map)
             self._textured.append(reader.uses_uv)
         return self._indices[material]
+
+    def _undrawn(self, material, owner):
+        key = (material, "undrawn")
+        if key not in self._indices:
+            like = self.index(material, owner)
+            self._indices[key] = len(self.materials)
+            self.materials.append({**self.materials[like], "drawn": False})
+            self._uv_maps.append(self._uv_maps[like])
+            self._textured.append(self._textured[like])
+        return self._indices[key]
 
     def uv_map(self, indices, owner):
         """Name of the UV map that materials ask for, "" for the mesh's active one."""

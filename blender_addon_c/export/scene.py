@@ -10,6 +10,7 @@ from .camera import rows
 from .light import kinds, light_of
 from .material import Table
 from .mesh import mesh_of
+from .visibility import ALL, BOUNCED, hidden, is_hidden
 from .world import world_of
 
 _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces",
@@ -71,7 +72,8 @@ def _pixel_filter(settings):
 def _objects(depsgraph, table, messages):
     """All meshes, their instances and the lights."""
     meshes, instances, lights = [], [], []
-    known = {}  # (mesh, materials of its slots) to the mesh's index, or None for one without faces
+    # (mesh, are its faces a light, materials of its slots): its index, or None for one without faces
+    known = {}
     override = depsgraph.view_layer_eval.material_override
     for item in depsgraph.object_instances:
         ob = item.object
@@ -80,13 +82,15 @@ def _objects(depsgraph, table, messages):
         if ob.type == "LIGHT":
             lights += light_of(ob, item.matrix_world, messages)
         elif isinstance(ob.data, bpy.types.Mesh):  # curves, text and so on come as meshes as well
-            if not ob.visible_camera:
-                messages.warning(f"object '{ob.name}': hidden from the camera, so left out")
+            bits = hidden(ob, ALL)
+            if is_hidden(bits, *ALL):
                 continue
             slots = [override] if override else _slots(ob, depsgraph)
-            key = (ob.data, *slots)
+            # is it hidden from some rays of surfaces, only those that see it find its light
+            drawn = not any(is_hidden(bits, kind) for kind in BOUNCED)
+            key = (ob.data, drawn, *slots)
             if key not in known:
-                mesh = mesh_of(ob, slots, table, messages)
+                mesh = mesh_of(ob, slots, drawn, table, messages)
                 known[key] = len(meshes) if mesh else None
                 meshes += [mesh] if mesh else []
             matrix = rows(item.matrix_world)
@@ -94,7 +98,7 @@ def _objects(depsgraph, table, messages):
                 messages.warning(f"object '{ob.name}': its place is not a number; left out")
             elif known[key] is not None:
                 instances.append({"mesh": known[key], "matrix": matrix,
-                                  "pass_index": ob.pass_index})
+                                  "pass_index": ob.pass_index, "hidden": bits})
     return meshes, instances, lights
 
 

@@ -4,6 +4,7 @@
 from mathutils import Euler, Matrix
 
 from . import tree
+from .visibility import ALL, hidden
 
 # What its directions may come from, and their sign.
 _COORDINATES = {"Generated": 1, "Object": 1, "Normal": -1}
@@ -13,25 +14,15 @@ def world_of(world, images, messages):
     """The part of the scene's dictionary that says what is around everything."""
     if not world:
         return {"background": (0.0, 0.0, 0.0)}
-    hidden = _visibility(world, messages)
+    seen = {"sky_hidden": hidden(getattr(world, "cycles_visibility", None), ALL[:-1], "")}
     nodes = tree.of(world)
     if not nodes:
-        return {"background": tuple(world.color), **hidden}
+        return {"background": tuple(world.color), **seen}
     try:
-        return {**_Reader(world, images, messages).read(nodes), **hidden}
+        return {**_Reader(world, images, messages).read(nodes), **seen}
     except RecursionError:
         messages.warning(f"world '{world.name}': its nodes are too deep; black")
-        return {"background": (0.0, 0.0, 0.0), **hidden}
-
-
-def _visibility(world, messages):
-    """May the camera see it, and may surfaces? Those of one kind alone are not told apart."""
-    rays = getattr(world, "cycles_visibility", None)
-    kinds = [kind for kind in ("diffuse", "glossy", "transmission") if not getattr(rays, kind, True)]
-    if kinds and len(kinds) < 3:
-        messages.warning(f"world '{world.name}': hidden from {' and '.join(kinds)} rays alone, which "
-                         "is not supported; it is seen")
-    return {"sky_hidden": not getattr(rays, "camera", True), "sky_dark": len(kinds) == 3}
+        return {"background": (0.0, 0.0, 0.0), **seen}
 
 
 class _Reader:

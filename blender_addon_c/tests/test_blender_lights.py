@@ -55,6 +55,21 @@ def test_light_through_panes(blender, tmp_path, name):
     compare(blender, tmp_path, name, 256, (light, settings, {**more, "panes": ALL_PANES}))
 
 
+HIDDEN = {
+    "lamp, glossy": ("square", "lamp", ["glossy", "camera"]), "world, glossy": ("turned image", "world", ["glossy"]),
+    "faces, camera": ("shining mesh", "lamp", ["camera"]), "faces, diffuse": ("shining mesh", "lamp", ["diffuse"]),
+    "ball, camera": ("soft point", "ball", ["camera"]), "ball, shadow": ("soft point", "ball", ["shadow"]),
+}
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_what_is_hidden(blender, tmp_path, name):
+    light, what, kinds = HIDDEN[name]
+    light, settings, more = (*LIGHTS[light], {})[:3]
+    samples = 512 if name.startswith("faces") else 128
+    compare(blender, tmp_path, name, samples, (light, settings, {**more, "hidden": {what: kinds}}))
+
+
 def compare(blender, tmp_path, name, samples, case):
     light, settings, more = case
     pictures = []

@@ -113,7 +113,7 @@ def test_sky_on_a_plate(surface, bounces):
 def test_the_camera_sees_the_sky(hidden, faces):
     rng = np.random.default_rng(2)
     pixels = rng.random((16, 32, 3)).astype(np.float32)
-    around = {"images": [image(pixels, filter="CLOSEST")], "sky": sky(), "sky_hidden": hidden, "lights": [],
+    around = {"images": [image(pixels, filter="CLOSEST")], "sky": sky(), "sky_hidden": int(hidden), "lights": [],
               "camera": persp(0.5, (0, 0, 0), (0.3, 1, 0.2)), "width": 24, "height": 24, "samples": 1,
               "meshes": [square(9, -50)] if faces else []}
     seen, _ = render(scene(**around, transparent=False))

@@ -139,7 +139,7 @@ def test_a_dark_sky_is_seen_and_lights_nothing(bounces):
     pixels = np.full((4, 8, 3), 0.7, np.float32)
     for around in ({"background": SKY}, {"images": [image(pixels)], "sky": sky()}):
         seen, lit = (picture(lights=[], materials=[matt(0.5)], meshes=[square(0.5)], transparent=False,
-                             max_bounces=bounces, sky_dark=dark, **around) for dark in (True, False))
+                             max_bounces=bounces, sky_hidden=14 * dark, **around) for dark in (True, False))
         assert (seen[5:11, 5:11, :3] == 0).all() and (seen[:3, :3, :3] > 0.2).all()
         np.testing.assert_allclose(seen[:3, :3], lit[:3, :3], rtol=1e-6)
         assert (lit[5:11, 5:11, :3] > 0.05).all()

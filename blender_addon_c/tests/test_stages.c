@@ -1419,7 +1419,9 @@ static void walks_go_on(void **state) {
     b->draw.pdf[i] = i % 5 ? between(0.1, 3) : 0.0f;
     b->draw.cosine[i] = fabsf(wi.z);
     b->draw.lot[i] = between(0, 1);
-    b->draw.kind[i] = wi.z < 0 ? BOUNCE_TRANSMISSION : i % 3 ? i % 2 : BOUNCE_TRANSPARENT;
+    b->draw.kind[i] = wi.z < 0 ? BOUNCE_TRANSMISSION | (i % 2 ? BOUNCE_MATT : 0)
+                      : i % 3  ? i % 2
+                               : BOUNCE_TRANSPARENT;
     for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
       b->walk->bounces[k][i] = (i >> k) % 3;
     b->walk->ends[i] = i % 11 == 0;
@@ -1444,7 +1446,7 @@ static void walks_go_on(void **state) {
       double pdf = (double)before->draw.pdf[i];
       if (pdf <= 0)
         continue;
-      uint32_t kind = before->draw.kind[i], made[BOUNCE_KINDS], all = 0;
+      uint32_t kind = before->draw.kind[i] & BOUNCE_MASK, made[BOUNCE_KINDS], all = 0;
       bool within = true;
       for (uint32_t c = 0; c < BOUNCE_KINDS; c++) {
         made[c] = before->walks[0].bounces[c][from] + (c == kind);
@@ -1471,10 +1473,11 @@ static void walks_go_on(void **state) {
       vec3 from_there = straight ? (vec3){4, 5, 6} : load(&b->surface.p, i);
       near3(load(&b->next->from, k), (double)from_there.x, (double)from_there.y,
             (double)from_there.z, 0);
+      uint32_t through = RAY_TRANSMISSION | (i % 2 ? (uint32_t)RAY_DIFFUSE : 0);
       assert_int_equal(b->next->ray[k], straight ? from % 2 ? RAY_CAMERA : RAY_GLOSSY
                                         : kind == BOUNCE_DIFFUSE ? RAY_DIFFUSE
                                         : kind == BOUNCE_GLOSSY  ? RAY_GLOSSY
-                                                                 : RAY_TRANSMISSION);
+                                                                 : through);
       vec3 n = load(&b->surface.n, i), p = load(&b->surface.p, i), d = load(&b->sample_ray.d, k);
       near(dot_d(d, n), (double)wi.z, 1e-6);
       near(dot_d(d, load(&b->surface.t, i)), (double)wi.x, 1e-6);
@@ -1508,7 +1511,9 @@ static void walks_go_on(void **state) {
     for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
       b->walk->bounces[k][i] = k < 2 ? 1 : k == BOUNCE_TRANSPARENT ? 9 : 0;
   stages->gain(COUNT, most, 1, b->queue.moved, b->walk, &b->sum, &b->sample_color);
-  stages->escape(COUNT, b->sample_hit.record, sky, &b->met);
+  for (uint32_t i = 0; i < COUNT; i++)
+    b->walk->ray[i] = i % 6 == 1 ? RAY_GLOSSY : RAY_DIFFUSE | RAY_TRANSMISSION;
+  stages->escape(COUNT, b->sample_hit.record, b->walk, RAY_CAMERA | RAY_GLOSSY, sky, &b->met);
   untouched(b->met.r, COUNT);
   for (uint32_t i = 0; i < COUNT; i++)
     b->queue.identity[i] = i;
@@ -1517,7 +1522,7 @@ static void walks_go_on(void **state) {
     uint32_t ray = b->queue.moved[i];
     double w = (double)b->walk->weight.r[ray], mean = (w * i + 1) / 3,
            dim = mean > 5 ? 5 / mean : 1;
-    bool missed = ray % 2;
+    bool missed = ray % 6 == 3 || ray % 6 == 5;
     uint32_t sample = b->walk->sample[ray];
     if (i == COUNT - 1) {
       near((double)b->sample_color.r[sample], 2 + 15 + (missed ? w : 0), 1e-3);

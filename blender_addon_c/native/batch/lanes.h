@@ -34,7 +34,8 @@ typedef struct paths {
   lane_f alpha; /* 1 where it meets something */
 } paths;
 
-/* What a path does at a surface. Passing straight on is no bounce, but counted. */
+/* What a path does at a surface. Passing straight on is no bounce, but counted. Beside it the bit
+ * BOUNCE_MATT: through a matt surface. */
 typedef enum bounce_kind {
   BOUNCE_DIFFUSE,
   BOUNCE_GLOSSY,
@@ -42,13 +43,17 @@ typedef enum bounce_kind {
   BOUNCE_TRANSPARENT,
   BOUNCE_KINDS
 } bounce_kind;
+enum { BOUNCE_MASK = 3, BOUNCE_MATT = 8 };
 
-/* Rays by what they come from: bits, 2 << the bounce_kind. */
+/* Rays by what they come from: bits, 2 << the bounce_kind. Lights and objects may be hidden from
+ * some. */
 typedef enum ray_kind {
   RAY_CAMERA = 1,
   RAY_DIFFUSE = 2,
   RAY_GLOSSY = 4,
-  RAY_TRANSMISSION = 8
+  RAY_TRANSMISSION = 8,
+  RAY_SHADOW = 16,
+  RAY_BOUNCED = RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION
 } ray_kind;
 
 /* How often a path may do what. */
@@ -137,12 +142,13 @@ typedef struct lane_run {
 
 /* One sample of a light for each point. */
 typedef struct light_samples {
-  lane_f x, y;  /* where on it: a point of the unit square */
-  rays ray;     /* d: to the light, unit, world */
-  lane_f e;     /* irradiance as a part of the light's colour; shadows make it 0 */
-  lane_f pdf;   /* density of its direction, 1/sr; 0 where no drawn ray meets the light */
-  lane_v wi;    /* to the light, in the shading frame */
-  lane_c color; /* its light's, where each lane chooses a light of its own */
+  lane_f x, y;   /* where on it: a point of the unit square */
+  rays ray;      /* d: to the light, unit, world */
+  lane_f e;      /* irradiance as a part of the light's colour; shadows make it 0 */
+  lane_f pdf;    /* density of its direction, 1/sr; 0 where no drawn ray meets the light */
+  lane_v wi;     /* to the light, in the shading frame */
+  lane_c color;  /* its light's, where each lane chooses a light of its own */
+  lane_u hidden; /* from surfaces that draw rays of these kinds, where some light is */
 } light_samples;
 
 /* Light samples' rays that something stops, on their way through transparent surfaces. */

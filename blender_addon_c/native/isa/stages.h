@@ -71,6 +71,7 @@
                                     .join_all = stage_join_all,                                    \
                                     .pick = stage_pick,                                            \
                                     .kind = stage_kind,                                            \
+                                    .exclude = stage_exclude,                                      \
                                     .take = stage_take,                                            \
                                     .join = stage_join,                                            \
                                     .uncover = stage_uncover,                                      \

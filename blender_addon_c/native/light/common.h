@@ -13,7 +13,8 @@ typedef struct light_common {
   float power;    /* brightness of the colour, for the choice among lights */
   bool soft;      /* it has an extent, over which samples are spread */
   bool shadow;
-  bool met; /* rays that surfaces draw meet it: these and its samples share its light */
+  uint32_t hidden; /* ray_kinds that do not see it; the camera never does */
+  bool met;        /* rays that surfaces draw meet it: these and its samples share its light */
 } light_common;
 
 /* What one point of a light gives to one point of a surface. */

@@ -128,6 +128,8 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   bool spread = c->soft && w->sampling->scramble; /* a dump takes lights at their middles */
   if (spread)
     draw_points(w, number, bounce, phase);
+  for (size_t i = 0; w->scene->hides && i < w->batch->queue.hits; i++)
+    w->batch->light.hidden[i] = c->hidden;
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
   reflect(w, bounce, c->shadow, spread && c->met, c->color, CLOCK_LIGHT + (clock_number)l->type);
@@ -208,6 +210,19 @@ static void illuminate_by_sky(worker *w, size_t begin, size_t end) {
   s->stages->lit_by_sky(begin, end, &b->choice, &b->toward, b->sky_pdf, &b->sky, &b->drawn);
 }
 
+/* From whom the lights that points have chosen are hidden. */
+static void find_hidden(worker *w) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  for (size_t i = 0; i < b->queue.hits; i++) {
+    uint32_t k = b->choice.number[i];
+    b->light.hidden[i] = k == LIGHT_NONE ? 0
+                         : k < s->lights ? s->light[k].common.hidden
+                         : is_sky(s, k)  ? s->sky_hidden
+                                         : 0;
+  }
+}
+
 /* One light, or the sky, on each hit. */
 static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
   const scene *s = w->scene;
@@ -231,6 +246,8 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
     }
   }
   s->stages->settle(b->queue.hits, &b->choice, &b->drawn, &b->light);
+  if (s->hides)
+    find_hidden(w);
   clock_tick(&w->clocks, CLOCK_CHOICE);
   reflect(w, bounce, true, s->meets, NULL, CLOCK_SHADOW);
 }
@@ -309,7 +326,7 @@ static void meet_sky(worker *w, size_t rays) {
   s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
   s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
   s->stages->met_sky(missed, b->missed, b->sky_pdf, &b->sky, b->walk, s->choices > 1, s->sky.power,
-                     &b->met);
+                     s->sky_hidden, &b->met);
 }
 
 /* What drawn rays meet of lights, each with the share that is left to them. */
@@ -317,8 +334,7 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
-  static const float dark[3] = {0, 0, 0};
-  s->stages->escape(rays, b->sample_hit.record, s->sky_dark ? dark : s->background, &b->met);
+  s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden, s->background, &b->met);
   for (size_t k = 0; k < s->lights; k++)
     if (s->light[k].common.met) {
       if (weight)
@@ -357,7 +373,7 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     walks *now = b->next;
     b->next = b->walk;
     b->walk = now;
-    hits_trace(w, false, rays);
+    hits_trace(w, (ray_kind)0, rays);
     if (w->light && s->passes && s->transparent)
       light_passes_environment(w, b->walk, rays);
     if (s->passes && s->transparent)
@@ -460,10 +476,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     s->lens(count, view->camera, &points, &b->path, &b->sample_ray);
   }
   clock_tick(&w->clocks, CLOCK_CAMERA);
-  hits_trace(w, true, count);
+  hits_trace(w, RAY_CAMERA, count);
   s->cover(count, &b->sample_hit, &b->path);
-  bool sky = scene->sky.there && !scene->sky_hidden && !scene->transparent && !w->observer &&
-             b->queue.hits < count;
+  bool sky = scene->sky.there && !(scene->sky_hidden & RAY_CAMERA) && !scene->transparent &&
+             !w->observer && b->queue.hits < count;
   if (b->queue.hits)
     hits_sort(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);

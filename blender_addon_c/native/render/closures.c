@@ -43,6 +43,19 @@ void closures_weigh(worker *w, bool first) {
   }
 }
 
+static bounce_kind kind_of(const closure *c) {
+  return c->traits & CLOSURE_PASSES ? BOUNCE_TRANSPARENT
+         : c->traits & CLOSURE_MATT ? BOUNCE_DIFFUSE
+                                    : BOUNCE_GLOSSY;
+}
+
+void closures_exclude(const worker *w, const closure *c, lane_run run, reflections *out) {
+  uint32_t above = 2u << kind_of(c);
+  uint32_t below = c->traits & CLOSURE_MATT ? (uint32_t)RAY_DIFFUSE : (uint32_t)RAY_TRANSMISSION;
+  if (w->scene->hides)
+    w->scene->stages->exclude(run, above, below, &w->batch->light, out);
+}
+
 static void eval_list(worker *w, const segment *g, bool density) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
@@ -60,6 +73,7 @@ static void eval_list(worker *w, const segment *g, bool density) {
       continue;
     w->status |=
         s->closure[c->type](c, g->run, &b->surface, &b->input, &b->light.wi, density, &b->part);
+    closures_exclude(w, c, g->run, &b->part);
     s->join_all(c, g->run, &b->input, b->closures.chance[k], &b->part, out);
   }
 }
@@ -68,19 +82,15 @@ void closures_eval(worker *w, bool density) {
   batch *b = w->batch;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const closure *c = &g->material->closure[0];
-    if (is_plain(g->material))
+    if (is_plain(g->material)) {
       w->status |= w->scene->stages->closure[c->type](c, g->run, &b->surface, &b->input,
                                                       &b->light.wi, density, &b->reflection);
-    else
+      closures_exclude(w, c, g->run, &b->reflection);
+    } else {
       eval_list(w, g, density);
+    }
     clock_tick(&w->clocks, CLOCK_CLOSURE + c->type);
   }
-}
-
-static bounce_kind kind_of(const closure *c) {
-  return c->traits & CLOSURE_PASSES ? BOUNCE_TRANSPARENT
-         : c->traits & CLOSURE_MATT ? BOUNCE_DIFFUSE
-                                    : BOUNCE_GLOSSY;
 }
 
 static void draw_list(worker *w, const segment *g) {

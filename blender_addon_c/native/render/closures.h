@@ -10,6 +10,9 @@
 void closures_weigh(worker *w, bool first);
 /* f and cosine for the light's direction; with `density` how likely a draw goes there. */
 void closures_eval(worker *w, bool density);
+/* Light that is hidden from rays that a closure draws is so from the closure: of a run, in `out`.
+ */
+void closures_exclude(const worker *w, const closure *c, lane_run run, reflections *out);
 /* Where the paths go on. */
 void closures_draw(worker *w);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/hits.h"
 
-void hits_trace(worker *w, bool first, size_t count) {
+void hits_trace(worker *w, ray_kind kind, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  accel_intersect(s->accel, count, first, &b->sample_ray, &b->sample_hit);
+  accel_intersect(s->accel, count, kind, b->walk->ray, &b->sample_ray, &b->sample_hit);
   b->queue.hits =
       s->stages->locate(count, (uint32_t)(2 * s->quad_count), s->placed, &b->sample_hit);
 }

@@ -5,8 +5,8 @@
 
 #include "render/bounce.h"
 
-/* What rays meet; the first are those of the camera. */
-void hits_trace(worker *w, bool first, size_t count);
+/* What rays meet. kind: of all; 0: of each its walk's. */
+void hits_trace(worker *w, ray_kind kind, size_t count);
 /* Samples to hits: sorted by material, unless nothing need move. */
 void hits_sort(worker *w, size_t count);
 /* Do shadow rays start above facets? A dump is compared with others, that do not know of it. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "batch/leaf.h"
+#include "render/closures.h"
 
 enum { LIGHT_KINDS = BOUNCE_TRANSPARENT };          /* the first of bounce_kind */
 enum { KIND_BY_SIDE = LIGHT_KINDS, KINDS_SEVERAL }; /* glossy or through; not the same for all */
@@ -100,6 +101,8 @@ static void split(worker *w, const segment *g, const lane_v *restrict wi,
     zero_run(&p->one.f, run);
     /* without a complaint: they were asked before, and for draws there may be no direction */
     s->closure[c->type](c, run, &b->surface, &b->input, wi, false, &b->part);
+    if (!without)
+      closures_exclude(w, c, run, &b->part);
     s->join_all(c, run, &b->input, b->closures.chance[k], &b->part, &p->one);
     for (uint32_t to = 0; to < LIGHT_KINDS; to++) {
       lane_c *restrict part = &p->part[to];
@@ -361,7 +364,7 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   lane_c *out = environment_of(w->light);
-  if (s->sky_hidden)
+  if (s->sky_hidden & RAY_CAMERA)
     return;
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);

@@ -55,7 +55,7 @@ bool through_shadows(worker *w, bool coherent, const float *color) {
                                &at->sample_ray);
   bool any = false;
   while (rays) {
-    hits_trace(inner, false, rays);
+    hits_trace(inner, RAY_SHADOW, rays);
     at->queue.hits =
         stage->sift(rays, s->triangle, s->material, way, at->sample_hit.record, &b->light);
     if (!at->queue.hits)

@@ -152,8 +152,9 @@ static void copy_row(const scene *s, size_t count, float scale, const float *res
   for (size_t i = 0; i < count; i++, sum += 4, out += 4) {
     float alpha = sum[3] * scale;
     for (unsigned c = 0; c < 3; c++)
-      out[c] = sum[c] * scale +
-               (s->transparent || s->sky_hidden ? 0.0f : (1.0f - alpha) * s->background[c]);
+      out[c] =
+          sum[c] * scale +
+          (s->transparent || s->sky_hidden & RAY_CAMERA ? 0.0f : (1.0f - alpha) * s->background[c]);
     out[3] = s->transparent ? alpha : 1.0f;
   }
 }

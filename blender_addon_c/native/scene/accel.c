@@ -29,6 +29,9 @@
   F(rtcSetSharedGeometryBuffer)                                                                    \
   F(rtcSetGeometryInstancedScene)                                                                  \
   F(rtcSetGeometryTransform)                                                                       \
+  F(rtcSetGeometryUserData)                                                                        \
+  F(rtcSetGeometryIntersectFilterFunction)                                                         \
+  F(rtcSetGeometryOccludedFilterFunction)                                                          \
   F(rtcIntersectNp)                                                                                \
   F(rtcOccludedNp)
 
@@ -40,12 +43,23 @@ static struct {
 } embree;
 static pthread_once_t embree_once = PTHREAD_ONCE_INIT;
 
+/* What is hidden of a geometry, from which rays: its primitives' own, or all of an instance. */
+typedef struct veil {
+  const accel *of;
+  const uint8_t *hidden; /* NULL: instances say */
+  size_t step;
+} veil;
+
 struct accel {
   RTCDevice device;
   RTCScene scene;
   size_t parts;
   RTCScene *part; /* that instances refer to */
   bool instances;
+  bool veiled;         /* something is hidden from some rays */
+  uint8_t *hidden;     /* by instance */
+  veil own[2], shared; /* of the world's quads and triangles; of all parts */
+  uint32_t camera[BATCH], shadow[BATCH];
 };
 
 static void embree_load(void) {
@@ -81,6 +95,24 @@ static bool go_on(void *cancel, double fraction) {
   return !atomic_load_explicit((atomic_bool *)cancel, memory_order_relaxed);
 }
 
+/* Hits that a ray does not see are none. Rays through a surface are of no kind beside. */
+static void look_away(const struct RTCFilterFunctionNArguments *arguments) {
+  enum { RAY_MASK = 9, HIT_PRIMITIVE = 5, HIT_INSTANCE = 7 }; /* rows of N numbers; names: C++ */
+  const veil *v = arguments->geometryUserPtr;
+  const unsigned *ray = (const unsigned *)(const void *)arguments->ray;
+  const unsigned *hit = (const unsigned *)(const void *)arguments->hit;
+  const size_t count = arguments->N;
+  for (size_t i = 0; i < count; i++) {
+    unsigned kind = ray[RAY_MASK * count + i];
+    kind = kind & RAY_TRANSMISSION ? (unsigned)RAY_TRANSMISSION : kind;
+    if (!arguments->valid[i])
+      continue;
+    unsigned hidden = v->hidden ? v->hidden[v->step * hit[HIT_PRIMITIVE * count + i]]
+                                : v->of->hidden[hit[HIT_INSTANCE * count + i] - ACCEL_INSTANCES];
+    arguments->valid[i] = hidden & kind ? 0 : arguments->valid[i];
+  }
+}
+
 static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned number,
                    const accel_input *input, const uint32_t *index, size_t count) {
   bool quads = type == RTC_GEOMETRY_TYPE_QUAD;
@@ -92,6 +124,11 @@ static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned nu
   embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
                                     quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, index, 0,
                                     (quads ? 4 : 3) * sizeof(uint32_t), count);
+  if (a->veiled) {
+    embree.rtcSetGeometryUserData(geometry, to == a->scene ? &a->own[number] : &a->shared);
+    embree.rtcSetGeometryIntersectFilterFunction(geometry, look_away);
+    embree.rtcSetGeometryOccludedFilterFunction(geometry, look_away);
+  }
   embree.rtcCommitGeometry(geometry);
   embree.rtcAttachGeometryByID(to, geometry, number);
   embree.rtcReleaseGeometry(geometry);
@@ -141,6 +178,24 @@ static enum RTCError fill(accel *a, const accel_input *input, const atomic_bool 
   return embree.rtcGetDeviceError(a->device);
 }
 
+/* What is hidden, where anything is. */
+static bool draw_veils(accel *a, const accel_input *input) {
+  if (!input->quad_hidden)
+    return true;
+  a->veiled = true;
+  a->hidden = calloc(input->instances + 1, 1);
+  for (size_t i = 0; a->hidden && i < input->instances; i++)
+    a->hidden[i] = (uint8_t)input->instance[i].hidden;
+  a->own[ACCEL_QUADS] = (veil){.of = a, .hidden = input->quad_hidden, .step = 2};
+  a->own[ACCEL_TRIANGLES] = (veil){.of = a, .hidden = input->triangle_hidden, .step = 1};
+  a->shared = (veil){.of = a};
+  for (size_t i = 0; i < BATCH; i++) {
+    a->camera[i] = RAY_CAMERA;
+    a->shadow[i] = RAY_SHADOW;
+  }
+  return a->hidden != NULL;
+}
+
 accel *accel_create(const accel_input *input, int threads, const atomic_bool *cancel, char *error,
                     size_t error_size) {
   char config[32];
@@ -160,7 +215,7 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
   a->part = calloc(input->parts + 1, sizeof *a->part);
   a->instances = input->instances > 0;
   enum RTCError status = RTC_ERROR_NONE;
-  if (a->scene && !a->part)
+  if (a->scene && !(a->part && draw_veils(a, input)))
     status = RTC_ERROR_OUT_OF_MEMORY;
   else if (a->scene)
     status = fill(a, input, cancel);
@@ -184,13 +239,15 @@ void accel_free(accel *a) {
   for (size_t i = 0; a->part && i < a->parts; i++)
     embree.rtcReleaseScene(a->part[i]);
   free(a->part);
+  free(a->hidden);
   if (a->device)
     embree.rtcReleaseDevice(a->device);
   free(a);
 }
 
-static struct RTCRayNp ray_arrays(rays *ray) {
-  return (struct RTCRayNp){.org_x = ray->o.x,
+static struct RTCRayNp ray_arrays(const accel *a, rays *ray, const uint32_t *kinds) {
+  return (struct RTCRayNp){.mask = a->veiled ? (unsigned *)(uintptr_t)kinds : NULL, /* but read */
+                           .org_x = ray->o.x,
                            .org_y = ray->o.y,
                            .org_z = ray->o.z,
                            .tnear = ray->tnear,
@@ -200,12 +257,15 @@ static struct RTCRayNp ray_arrays(rays *ray) {
                            .tfar = ray->tfar};
 }
 
-void accel_intersect(const accel *a, size_t count, bool coherent, rays *ray, hits *hit) {
+void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
+                     hits *hit) {
+  bool coherent = kind == RAY_CAMERA;
+  kinds = kind == RAY_CAMERA ? a->camera : kind == RAY_SHADOW ? a->shadow : kinds;
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags =
       coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  struct RTCRayHitNp all = {.ray = ray_arrays(ray),
+  struct RTCRayHitNp all = {.ray = ray_arrays(a, ray, kinds),
                             .hit = {.Ng_x = hit->g.x,
                                     .Ng_y = hit->g.y,
                                     .Ng_z = hit->g.z,
@@ -228,6 +288,6 @@ void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
   rtcInitIntersectContext(&context);
   context.flags =
       coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  struct RTCRayNp all = ray_arrays(ray);
+  struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
   embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
 }

@@ -27,6 +27,7 @@ typedef struct accel_part {
 typedef struct accel_instance {
   size_t part;
   float matrix[12]; /* to the world, rows of 4 */
+  uint32_t hidden;  /* ray_kinds that do not see it */
 } accel_instance;
 
 /* Arrays of positions and indices stay the caller's and must outlive the accel. */
@@ -37,6 +38,9 @@ typedef struct accel_input {
   size_t parts, instances;
   const accel_part *part;
   const accel_instance *instance;
+  /* NULL, or of the world's quads (every other number) and triangles: ray_kinds that do not see
+     them. These too must outlive the accel. */
+  const uint8_t *quad_hidden, *triangle_hidden;
 } accel_input;
 
 /*
@@ -48,10 +52,12 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
 void accel_free(accel *a); /* NULL is fine */
 
 /* Misses have the geometry ACCEL_MISS. Where there are instances, hit->instance becomes 1 + the
- * number of that which is hit, 0 for the world, and hit->g is in its space. coherent: the rays of
- * this call start or end close together. */
-void accel_intersect(const accel *a, size_t count, bool coherent, rays *ray, hits *hit);
-/* tfar of every ray that meets something becomes -infinity. */
+ * number of that which is hit, 0 for the world, and hit->g is in its space. kind: of all these
+ * rays; 0: of each ray in kinds. Those of the camera start or end close together. */
+void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
+                     hits *hit);
+/* Shadow rays; coherent as those of the camera are. tfar of every ray that meets something becomes
+ * -infinity. */
 void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray);
 
 #endif

@@ -85,10 +85,14 @@ static bool read_light(reader *r, void *out, void *context) {
   light *l = out;
   light_common *c = &l->common;
   bool met = true;
-  (void)context;
+  int hidden = 0;
+  scene *s = context;
   if (!reader_flag(r, "shadow", &c->shadow) || !read_kind_of_light(r, l) ||
-      (reader_has(r, "met") && !reader_flag(r, "met", &met)))
+      (reader_has(r, "met") && !reader_flag(r, "met", &met)) ||
+      (reader_has(r, "hidden") && !reader_integer(r, "hidden", 0, RAY_BOUNCED, &hidden)))
     return false;
+  c->hidden = (uint32_t)hidden;
+  s->hides |= hidden != 0;
   c->met = met && c->soft && c->shadow;
   float power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
   c->power = power < 1e30f ? power : 1e30f;
@@ -198,6 +202,10 @@ static bool read_material(reader *r, void *out, void *context) {
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
+  bool drawn = true;
+  if (reader_has(r, "drawn") && !reader_flag(r, "drawn", &drawn))
+    return false;
+  m->undrawn = !drawn;
   if (!reader_text(r, "name", NULL, &m->name) ||
       !reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g))
     return false;
@@ -293,6 +301,9 @@ static bool read_instance(reader *r, void *out, void *context) {
   if (reader_has(r, "pass_index") &&
       !reader_integer(r, "pass_index", 0, MAX_INDEX, &in->pass_index))
     return false;
+  if (reader_has(r, "hidden") &&
+      !reader_integer(r, "hidden", 0, RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW, &in->hidden))
+    return false;
   memcpy(in->matrix, matrix, sizeof in->matrix);
   return true;
 }
@@ -334,6 +345,7 @@ static bool read_mist(reader *r, void *out, void *context) {
 
 static bool read_picture(reader *r, scene *s) {
   double region[4], seed;
+  int sky_hidden = 0;
   char *dump;
   if (!reader_integer(r, "width", 1, MAX_SIZE, &s->width) ||
       !reader_integer(r, "height", 1, MAX_SIZE, &s->height) ||
@@ -343,10 +355,12 @@ static bool read_picture(reader *r, scene *s) {
       !reader_integer(r, "threads", 0, MAX_THREADS, &s->threads) ||
       !reader_flag(r, "transparent", &s->transparent) ||
       !reader_floats(r, "background", 3, s->background) ||
-      (reader_has(r, "sky_hidden") && !reader_flag(r, "sky_hidden", &s->sky_hidden)) ||
-      (reader_has(r, "sky_dark") && !reader_flag(r, "sky_dark", &s->sky_dark)) ||
+      (reader_has(r, "sky_hidden") &&
+       !reader_integer(r, "sky_hidden", 0, RAY_CAMERA | RAY_BOUNCED, &sky_hidden)) ||
       !reader_text(r, "dump", "", &dump))
     return false;
+  s->sky_hidden = (uint32_t)sky_hidden;
+  s->hides = (sky_hidden & RAY_BOUNCED) != 0;
   if (*dump)
     s->dump = dump;
   else

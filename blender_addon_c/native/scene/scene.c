@@ -71,6 +71,8 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
 static void find_radiance(material *m) {
   memset(m->radiance, 0, sizeof m->radiance);
   m->shines = false;
+  if (m->undrawn)
+    return;
   for (const closure *c = m->closure; c < m->closure + m->closures; c++) {
     if (!(c->traits & CLOSURE_EMITS))
       continue;
@@ -89,15 +91,16 @@ static void find_radiance(material *m) {
  * drawn by the surface find it as well as can be. */
 static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) {
   s->choices = s->lights;
-  s->meets = !s->sky_dark &&
-             (s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f);
+  bool sky_dark = (s->sky_hidden & RAY_BOUNCED) == RAY_BOUNCED;
+  s->meets =
+      !sky_dark && (s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f);
   for (size_t k = 0; k < s->lights; k++)
     s->meets = s->meets || s->light[k].common.met;
   for (material *m = s->material; m < s->material + s->materials; m++)
     find_radiance(m);
   if ((s->sky.there && !sky_build(&s->sky, s->image, s->threads, cancel)) || !emitters_build(s))
     return message_error(log, "out of memory");
-  s->sky.power = s->sky_dark ? 0.0f : s->sky.power;
+  s->sky.power = sky_dark ? 0.0f : s->sky.power;
   s->choices += (size_t)(s->sky.power > 0.0f) + (size_t)(s->emitters.count > 0);
   s->meets = s->meets || s->sky.power > 0.0f || s->emitters.count > 0;
   return true;
@@ -121,6 +124,7 @@ void scene_free(scene *s) {
     free(s->world[i]);
   free(s->triangle);
   free(s->stretch);
+  free(s->hidden);
   free(s->placed);
   texture_free(&s->textures);
   sky_free(&s->sky);

@@ -57,7 +57,8 @@ typedef struct material {
   bool bare;       /* one of them takes the unperturbed normal */
   size_t nodes;    /* in the order in which they run */
   node *node;
-  bool shines; /* evenly, with this radiance: its triangles are a light */
+  bool undrawn; /* whatever it shines with, its triangles are no light: rays alone find them */
+  bool shines;  /* evenly, with this radiance: its triangles are a light */
   float radiance[3];
 } material;
 
@@ -75,6 +76,7 @@ typedef struct instance {
   size_t mesh;
   double matrix[12]; /* object to world, rows of 4 */
   int pass_index;    /* of its object */
+  int hidden;        /* ray_kinds that do not see it */
 } instance;
 
 /*
@@ -111,6 +113,7 @@ typedef struct placed {
   float mirror;          /* -1 where the matrix mirrors */
   float reach;           /* as of a triangle; below 0: the triangle's */
   float object;
+  uint32_t hidden;
 } placed;
 
 /* Records are numbered in 32 bits; the last number is a miss. */
@@ -126,8 +129,7 @@ typedef struct scene {
   bool soft_terminator; /* smooth surfaces cast no shadows of their facets on themselves */
   float background[3];  /* 0 where there is a sky */
   sky sky;
-  bool sky_hidden; /* background and sky are black to the camera, */
-  bool sky_dark;   /* or to all else */
+  uint32_t sky_hidden; /* ray_kinds to which background and sky are black */
   filter_type filter;
   float filter_width; /* pixels; 0: the pixel's square */
   unsigned planes;    /* what is rendered beside the picture: a bit for each plane_type */
@@ -156,9 +158,11 @@ typedef struct scene {
   size_t choices; /* lights, the sky and the emitters, where they are some */
   emitters emitters;
   bool meets;                        /* drawn rays may meet light */
+  bool hides;                        /* some light is hidden from some kinds of ray */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
   stretch *stretch; /* by triangle, where a material asks for it */
+  uint8_t *hidden;  /* by triangle: ray_kinds that do not see it; NULL where all see all */
   bool curved;      /* any of them, where the scene wants to know */
   placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;

@@ -16,6 +16,7 @@ typedef struct share {
   size_t mesh;
   const double *matrix; /* 12 */
   int pass_index;
+  uint8_t hidden;
   size_t position, quad, single;
   double normal[9];   /* inverse transpose but for a positive factor */
   float mirror;       /* -1 when the matrix mirrors */
@@ -160,6 +161,8 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
   out->handed *= sh->mirror;
   if (b->scene->soft_terminator)
     find_heights(world, out);
+  if (b->scene->hidden)
+    b->scene->hidden[out - b->scene->triangle] = sh->hidden;
   if (b->scene->stretch)
     find_stretch(world, out, &b->scene->stretch[out - b->scene->triangle]);
 }
@@ -294,13 +297,15 @@ static void find_bounds(const mesh *m, float bounds[2][3]) {
 }
 
 /* Room in the arrays for another copy of a mesh. */
-static void add_share(build *b, size_t mesh_index, const double *matrix, int pass_index) {
+static void add_share(build *b, size_t mesh_index, const double *matrix, int pass_index,
+                      int hidden) {
   scene *s = b->scene;
   const parts *p = &b->parts[mesh_index];
   share *sh = &b->share[b->shares++];
   *sh = (share){.mesh = mesh_index,
                 .matrix = matrix,
                 .pass_index = pass_index,
+                .hidden = (uint8_t)hidden,
                 .position = b->positions,
                 .quad = s->quad_count,
                 .single = b->singles};
@@ -319,6 +324,13 @@ static bool is_stretched(const scene *s) {
   return false;
 }
 
+static bool is_veiled(const scene *s) {
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++)
+    if (in->hidden)
+      return true;
+  return false;
+}
+
 static bool share_out(build *b) {
   static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   scene *s = b->scene;
@@ -329,14 +341,14 @@ static bool share_out(build *b) {
     return false;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++)
     if (!is_reference(b, in))
-      add_share(b, in->mesh, in->matrix, in->pass_index);
+      add_share(b, in->mesh, in->matrix, in->pass_index, in->hidden);
   b->own = b->shares;
   b->own_quads = s->quad_count;
   b->own_singles = b->singles;
   for (size_t i = 0; i < s->meshes; i++)
     if (b->shared[i] != WORLD) {
       b->shared[i] = b->shares;
-      add_share(b, i, identity, 0);
+      add_share(b, i, identity, 0, 0);
       find_bounds(&s->mesh[i], b->share[b->shared[i]].bounds);
     }
   for (size_t i = 0; i < b->shares; i++) {
@@ -352,6 +364,8 @@ static bool share_out(build *b) {
   b->quad = array(b, 4 * s->quad_count, sizeof *b->quad);
   b->single = array(b, 3 * b->singles, sizeof *b->single);
   s->triangle = array(b, s->triangle_count, sizeof *s->triangle);
+  if (is_veiled(s) && !(s->hidden = array(b, s->triangle_count, sizeof *s->hidden)))
+    return false;
   if (is_stretched(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
     return false;
   return b->position && b->quad && b->single && s->triangle;
@@ -413,6 +427,7 @@ static bool build_placed(build *b) {
                   .single = (uint32_t)(2 * s->quad_count + of->single),
                   .mirror = own.mirror,
                   .object = (float)in->pass_index,
+                  .hidden = (uint32_t)in->hidden,
                   .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
     scaled_matrix(own.normal, 3, p->normal);
     p->scale = scaled_matrix(in->matrix, 4, p->linear);
@@ -459,6 +474,7 @@ static bool build_accel(build *b) {
       next->part = b->shared[s->instance[i].mesh] - b->own;
       for (int k = 0; k < 12; k++)
         next->matrix[k] = (float)s->instance[i].matrix[k];
+      next->hidden = (uint32_t)s->instance[i].hidden;
       next++;
     }
   accel_input input = {.positions = b->positions,
@@ -467,7 +483,9 @@ static bool build_accel(build *b) {
                        .parts = shared,
                        .instances = references,
                        .part = part,
-                       .instance = reference};
+                       .instance = reference,
+                       .quad_hidden = s->hidden,
+                       .triangle_hidden = s->hidden ? s->hidden + 2 * s->quad_count : NULL};
   s->accel = good ? accel_create(&input, s->threads, b->cancel, error, sizeof error) : NULL;
   if (good && !s->accel && error[0])
     message_error(b->log, "%s", error);

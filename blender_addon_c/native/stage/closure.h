@@ -124,10 +124,22 @@ static void stage_join(const closure *c, lane_run run, uint32_t number, inputs *
 /* What a draw counts as: through the surface it is transmission, whatever drew it. */
 static void stage_kind(lane_run run, bounce_kind kind, draws *restrict out) {
   const uint32_t here = kind;
+  const uint32_t below = kind == BOUNCE_TRANSPARENT ? here
+                         : kind == BOUNCE_DIFFUSE   ? BOUNCE_TRANSMISSION | BOUNCE_MATT
+                                                    : BOUNCE_TRANSMISSION;
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++)
-    out->kind[i] =
-        ((here != BOUNCE_TRANSPARENT) & (out->wi.z[i] < 0.0f)) ? BOUNCE_TRANSMISSION : here;
+    out->kind[i] = out->wi.z[i] < 0.0f ? below : here;
+}
+
+/* No light that is hidden from these kinds of ray, on the side of the eye or on the other. */
+static void stage_exclude(lane_run run, uint32_t above, uint32_t below,
+                          const light_samples *restrict light, reflections *restrict out) {
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    uint32_t kind = light->wi.z[i] < 0.0f ? below : above;
+    out->cosine[i] = light->hidden[i] & kind ? 0.0f : out->cosine[i];
+  }
 }
 
 /* Radiance of a closure that shines. */

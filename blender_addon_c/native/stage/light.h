@@ -139,6 +139,7 @@ LEAF float balance(float own, float other) {
                         const rays *restrict ray, const float *restrict weight,                    \
                         lane_c *restrict met) {                                                    \
     const light_##name own = light->of.name;                                                       \
+    const uint32_t hidden = light->common.hidden | RAY_CAMERA;                                     \
     const float red = light->common.color[0], green = light->common.color[1];                      \
     const float blue = light->common.color[2];                                                     \
     _Pragma("omp simd") for (size_t k = 0; k < count; k++) {                                       \
@@ -147,7 +148,7 @@ LEAF float balance(float own, float other) {
       light_meeting m = light_##name##_meet(&own, from, d);                                        \
       float near = dot(gone, d) * 0.999f;                                                          \
       bool meets = (m.distance > near) & (m.distance - near <= ray->tfar[k]) &                     \
-                   (m.radiance > 0.0f) & (walk->ray[k] != RAY_CAMERA);                             \
+                   (m.radiance > 0.0f) & ((walk->ray[k] & hidden) == 0);                           \
       bool choice = chosen & (walk->lights[k] > 0.0f);                                             \
       float chance = choice ? weight[k] / (choice ? walk->lights[k] : 1.0f) : 1.0f;                \
       float part = balance(walk->pdf[k], m.pdf * chance);                                          \
@@ -189,11 +190,11 @@ static void stage_lit_by_sky(size_t begin, size_t end, const light_choices *choi
 /* What is met by rays that miss all, one by one: packed, what it takes to reach them costs more. */
 static void stage_met_sky(size_t count, const uint32_t *restrict missed, const float *restrict pdf,
                           const lane_c *restrict sky, const walks *restrict walk, bool chosen,
-                          float power, lane_c *restrict met) {
+                          float power, uint32_t hidden, lane_c *restrict met) {
   for (size_t k = 0; k < count; k++) {
     size_t i = missed[k];
     float chance = chosen ? power / walk->lights[i] : 1.0f;
-    float part = balance(walk->pdf[i], pdf[k] * chance);
+    float part = walk->ray[i] & hidden ? 0.0f : balance(walk->pdf[i], pdf[k] * chance);
     met->r[i] += part * sky->r[k];
     met->g[i] += part * sky->g[k];
     met->b[i] += part * sky->b[k];

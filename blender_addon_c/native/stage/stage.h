@@ -144,7 +144,7 @@ typedef struct stage_table {
   void (*lit_by_sky)(size_t begin, size_t end, const light_choices *choice, const lane_v *d,
                      const float *pdf, const lane_c *sky, light_draws *out);
   void (*met_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
-                  const walks *walk, bool chosen, float power, lane_c *met);
+                  const walks *walk, bool chosen, float power, uint32_t hidden, lane_c *met);
   /* lifted: `lift` has said where shadow rays start. */
   void (*lit)(lane_run run, bool through, bool lifted, const surfaces *at, light_samples *light);
   /* Shadow rays through transparent surfaces (through.h). */
@@ -172,6 +172,8 @@ typedef struct stage_table {
                    const reflections *part, reflections *out);
   void (*pick)(lane_run run, uint32_t number, const float *chance, uint32_t *drawn, float *choice);
   void (*kind)(lane_run run, bounce_kind kind, draws *out);
+  void (*exclude)(lane_run run, uint32_t above, uint32_t below, const light_samples *light,
+                  reflections *out);
   void (*take)(const closure *c, lane_run run, uint32_t number, inputs *given,
                const choices *choice, const draws *part, draws *out);
   void (*join)(const closure *c, lane_run run, uint32_t number, inputs *given,
@@ -204,8 +206,9 @@ typedef struct stage_table {
                 const material *materials, uint32_t *record);
   /* Of paths that have ended, no surface's light counts. */
   void (*mute)(size_t count, const uint32_t *lane, const walks *walk, lane_c *sum);
-  /* Of rays that meet nothing, an even background. */
-  void (*escape)(size_t count, const uint32_t *record, const float background[3], lane_c *met);
+  /* Of rays that meet nothing, an even background; but for rays that it is hidden from. */
+  void (*escape)(size_t count, const uint32_t *record, const walks *walk, uint32_t hidden,
+                 const float background[3], lane_c *met);
 
   void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
   /* Adds samples to pixels of 4 floats. */

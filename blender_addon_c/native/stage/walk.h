@@ -26,7 +26,7 @@ LEAF float largest(float a, float b, float c) {
   return ab > c ? ab : c;
 }
 
-enum { WALK_ENDS = 4 }; /* beside a bounce_kind */
+enum { WALK_ENDS = 16 }; /* beside a bounce_kind */
 
 /*
  * A path goes on where a direction was drawn that leaves the facet too, on the same side as the
@@ -47,7 +47,7 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
   const uint32_t most_passing = limits->kind[BOUNCE_TRANSPARENT], most_all = limits->all;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    uint32_t from = lane[i], kind = draw->kind[i];
+    uint32_t from = lane[i], kind = draw->kind[i] & BOUNCE_MASK;
     uint32_t diffuse = walk->bounces[0][from] + (kind == BOUNCE_DIFFUSE);
     uint32_t glossy = walk->bounces[1][from] + (kind == BOUNCE_GLOSSY);
     uint32_t through = walk->bounces[2][from] + (kind == BOUNCE_TRANSMISSION);
@@ -57,7 +57,7 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
                   (diffuse + glossy + through <= most_all) & (passing <= most_passing);
     bool may =
         (within | meets) & (passing <= most_passing + 1) & (straight | (walk->ends[from] == 0));
-    draw->kind[i] = within ? kind : kind | WALK_ENDS;
+    draw->kind[i] |= within ? 0 : WALK_ENDS;
     vec3 n = load(&at->n, i), t = load(&at->t, i), b = load(&at->b, i), g = load(&at->g, i);
     vec3 wi = load(&draw->wi, i), p = load(&at->p, i);
     vec3 d = {wi.x * t.x + wi.y * b.x + wi.z * n.x, wi.x * t.y + wi.y * b.y + wi.z * n.y,
@@ -97,7 +97,7 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     ray->d.y[k] = wide->d.y[i];
     ray->d.z[k] = wide->d.z[i];
     ray->tfar[k] = INFINITY;
-    uint32_t from = lane[i], kind = draw->kind[i] & 3u;
+    uint32_t from = lane[i], kind = draw->kind[i] & BOUNCE_MASK;
     bool straight = kind == BOUNCE_TRANSPARENT;
     next->sample[k] = walk->sample[from];
     next->weight.r[k] = draw->f.r[i];
@@ -108,7 +108,8 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     next->from.z[k] = straight ? walk->from.z[from] : at->p.z[i];
     next->pdf[k] = straight ? walk->pdf[from] : draw->pdf[i];
     next->lights[k] = straight ? walk->lights[from] : lights[i];
-    next->ray[k] = straight ? walk->ray[from] : 2u << kind;
+    uint32_t matt = draw->kind[i] & BOUNCE_MATT ? RAY_DIFFUSE : 0;
+    next->ray[k] = straight ? walk->ray[from] : 2u << kind | matt;
     for (uint32_t one = 0; one < BOUNCE_KINDS; one++)
       next->bounces[one][k] = walk->bounces[one][from] + (kind == one);
     next->ends[k] = draw->kind[i] & WALK_ENDS;
@@ -185,12 +186,12 @@ static void stage_mute(size_t count, const uint32_t *restrict lane, const walks 
   }
 }
 
-static void stage_escape(size_t count, const uint32_t *restrict record, const float background[3],
-                         lane_c *restrict met) {
+static void stage_escape(size_t count, const uint32_t *restrict record, const walks *restrict walk,
+                         uint32_t hidden, const float background[3], lane_c *restrict met) {
   const float red = background[0], green = background[1], blue = background[2];
 #pragma omp simd
   for (size_t k = 0; k < count; k++) {
-    bool missed = record[k] == RECORD_MISS;
+    bool missed = (record[k] == RECORD_MISS) & ((walk->ray[k] & hidden) == 0);
     met->r[k] = missed ? red : 0.0f;
     met->g[k] = missed ? green : 0.0f;
     met->b[k] = missed ? blue : 0.0f;

@@ -760,6 +760,7 @@ def lit(options):
     else:
         sky(scene, options["image"], options.get("mapping"))
     common.camera(scene, (0, -5, 3), (1.08, 0, 0))
+    hide(scene, options.get("hidden", {}))
     if "panes" in options:
         panes(options["panes"])
         settings.transparent_max_bounces = options.get("passes", 8)
@@ -769,6 +770,19 @@ def lit(options):
             bpy.data.objects.remove(ob)
     common.render(options["picture"])
     return {}
+
+
+def hide(scene, hidden):
+    """Kinds of ray that do not see the lamp, the metal ball ("Sphere.001") or the world."""
+    for name, kinds in hidden.items():
+        things = [ob for ob in scene.objects if ob.type == "LIGHT" or ob.name.startswith("Ico")]
+        if name == "ball":
+            things = [ob for ob in scene.objects if ob.name == "Sphere.001"]
+        for kind in kinds:
+            if name == "world":
+                setattr(scene.world.cycles_visibility, kind, False)
+            else:
+                setattr(things[0], f"visible_{kind}", False)
 
 
 def panes(kinds):

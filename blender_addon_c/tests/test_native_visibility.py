@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What some kinds of ray do not see: lamps, the sky, objects, alone and as instances of one mesh."""
+
+import numpy as np
+import pytest
+
+from native_scenes import (
+    area, box, image, material, mesh, native, ortho, point, render, scene, sky, sphere, square, sun)
+from test_native_closures import TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
+from test_native_light_paths import LIGHTS, SURFACES, of_plate, shining
+
+CAMERA, DIFFUSE, GLOSSY, TRANSMISSION, SHADOW = 1, 2, 4, 8, 16
+PIXELS = np.full((8, 16, 3), 0.2, np.float32)
+PIXELS[6, 8:12] = (6, 3, 1)
+AROUND = {"images": [image(PIXELS)], "sky": sky()}
+
+
+def picture(**changes):
+    return render(scene(**changes))[0][..., :3].astype(float)
+
+
+@pytest.mark.parametrize("kind", [*LIGHTS, "sharp"])
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_lamp_is_hidden_from_kinds_of_surface(kind, beside):
+    """beside: another lamp, so that samples choose."""
+    lamp = LIGHTS.get(kind) or point((-1.2, 0, 1.6), (2, 2, 2))
+    rest = [point((0.3, 0, 3.0))] * 5 * beside
+    # wide metal and matt: of their own, mixed, each must lose its own light
+    mixed = of(weighed(glossy(0.5), 0.5), weighed(diffuse(), 0.5))
+    for hidden in (0, DIFFUSE, GLOSSY, TRANSMISSION):
+        for surface, sees in (("wide", hidden != GLOSSY), ("matt", hidden != DIFFUSE)):
+            both = of_plate(SURFACES[surface], [lamp | {"hidden": hidden}, *rest], samples=256)
+            wanted = of_plate(SURFACES[surface], [lamp, *rest] if sees else rest, samples=256)
+            np.testing.assert_allclose(both, wanted, rtol=0 if not rest else 0.03, atol=1e-7)
+    parts = [of_plate(mixed, [lamp | {"hidden": hidden}], samples=1024) for hidden in (0, DIFFUSE, GLOSSY)]
+    assert parts[1].min() > 0.01 and parts[2].min() > 0.01
+    np.testing.assert_allclose(parts[1] + parts[2], parts[0], rtol=0.02)
+
+
+def test_a_lamp_that_light_through_surfaces_does_not_meet():
+    """Below a sheet that lets it through, by a facet or spread; beside one that mirrors it."""
+    lamp = area((0, 0, 2), (2, 2), (3, 3, 3))
+    below = {"camera": ortho(0.3, (0, 0, -3)), "samples": 64, "max_bounces": 2}
+    for sheet, kinds in ((of(TRANSLUCENT), DIFFUSE), (of(glass(0.3)), TRANSMISSION)):
+        for hidden in (0, DIFFUSE, GLOSSY, TRANSMISSION):
+            seen = picture(lights=[lamp | {"hidden": hidden}], materials=[sheet], **below).mean()
+            if hidden == kinds:
+                assert seen == 0
+            elif kinds == TRANSMISSION or hidden != TRANSMISSION:  # what is spread is of both kinds
+                assert seen > 0.05
+    mirrored = [picture(lights=[lamp | {"hidden": hidden}], materials=[of(glass(0.3))], samples=64).mean()
+                for hidden in (0, TRANSMISSION)]
+    assert mirrored[0] > 0.005 and mirrored[1] == pytest.approx(mirrored[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("around", [{"background": (0.5, 1, 2)}, AROUND])
+@pytest.mark.parametrize("surface, own", [("wide", GLOSSY), ("matt", DIFFUSE)])
+def test_a_sky_is_hidden_from_kinds_of_surface(around, surface, own):
+    given = {"max_bounces": 1, "samples": 256, "transparent": False}
+    clear = of_plate(SURFACES[surface], [], **around, **given)
+    assert clear.min() > 0.02
+    for hidden in (CAMERA, DIFFUSE, GLOSSY, TRANSMISSION):
+        seen = of_plate(SURFACES[surface], [], **around, **given, sky_hidden=hidden)
+        np.testing.assert_allclose(seen, 0 if hidden == own else clear, rtol=1e-6)
+
+
+def test_a_sky_hidden_from_the_camera_is_so_behind_a_pane():
+    pane = of(weighed(TRANSPARENT, 0.5))
+    for around in ({"background": (1, 1, 1)}, AROUND):
+        for hidden in (0, CAMERA):
+            seen = picture(lights=[], materials=[pane], transparent=False, sky_hidden=hidden, **around)
+            assert seen.mean() == 0 if hidden else seen.mean() > 0.05
+
+
+def instance(mesh, hidden=0, z=0.0, scale=1.0):
+    matrix = np.diag([scale, scale, scale, 1.0])
+    matrix[2, 3] = z
+    return {"mesh": mesh, "matrix": matrix.ravel().tolist(), "hidden": hidden}
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_an_object_is_hidden_from_kinds_of_ray(shared):
+    """A sheet over a plate: the eye, the shadows and the plate's own rays each see it or do not."""
+    plate, sheet = square(1.0), square(3.0)
+    meshes = [plate, sheet]
+    if shared:  # sheets far away make many copies of it
+        cuts = 256
+        t = np.linspace(-3, 3, cuts + 1)
+        x, y = np.meshgrid(t, t)
+        i = np.arange(cuts * (cuts + 1)).reshape(cuts, cuts + 1)[:, :-1].reshape(-1, 1)
+        meshes[1] = mesh(np.stack([x, y, 0 * x], -1).reshape(-1, 3),
+                         (i + np.array([0, 1, cuts + 2, 0, cuts + 2, cuts + 1])).reshape(-1, 3))
+    meshes[1]["material"][:] = 1
+    matt = material(f0=(0, 0, 0), fresnel="NONE", kd=(0.5,) * 3)
+
+    def seen(hidden, **changes):
+        return picture(meshes=meshes, materials=[matt, shining(0.0)], samples=16, camera=ortho(0.5), **changes,
+                       instances=[instance(0), instance(1, hidden, 1.0), instance(1, 0, 500.0)]).mean((0, 1))
+
+    lit = {"lights": [sun(irradiance=(np.pi,) * 3)]}
+    sky_only = {"lights": [], "background": (1, 1, 1), "max_bounces": 2}
+    for case in (lit, sky_only):
+        assert (seen(0, **case) == 0).all()  # black from above
+    far = CAMERA | SHADOW | DIFFUSE | GLOSSY | TRANSMISSION
+    # the other sheet, far above, stops the sun but not the sky
+    assert (seen(CAMERA, **lit) == 0).all() and (seen(CAMERA | SHADOW, **lit) == 0).all()
+    near = [instance(0), instance(1, 0, 1.0), instance(1, 0, -500.0)]
+    for hidden, sunny, airy in ((CAMERA, 0, 0.1), (CAMERA | SHADOW, 0.5, 0.1), (CAMERA | DIFFUSE, 0, 0.5),
+                                (CAMERA | GLOSSY, 0, 0.1), (far, 0.5, 0.5)):
+        near[1]["hidden"] = hidden
+        both = [picture(meshes=meshes, materials=[matt, shining(0.0)], samples=64, camera=ortho(0.05), instances=near,
+                        **case).mean() for case in (lit, sky_only)]
+        assert both[0] == pytest.approx(sunny, abs=1e-5)
+        if airy == 0.5:
+            assert both[1] == pytest.approx(0.5, rel=1e-4)
+        else:  # what a square of 6 x 6 at height 1 leaves of the half sphere
+            assert both[1] == pytest.approx(0.5 * (1 - form_factor(3.0)), rel=0.05)
+
+
+def form_factor(half):
+    """Of a square over its middle at height 1, seen from a facet below: quadrature."""
+    t = (np.arange(2000) + 0.5) / 2000 * 2 * half - half
+    x, y = np.meshgrid(t, t)
+    return (1 / (np.pi * (x**2 + y**2 + 1) ** 2)).mean() * (2 * half) ** 2
+
+
+def test_faces_that_shine_and_are_hidden():
+    """No light any more that is drawn: rays of other kinds find it all the same."""
+    lamp = square(0.5, 1.0, 1)
+    matt = material(f0=(0, 0, 0), fresnel="NONE", kd=(0.5,) * 3)
+    given = {"meshes": [square(), lamp], "lights": [], "samples": 1024, "width": 8, "height": 8,
+             "camera": ortho(1e-3, (1.5, 0, 1.5)), "max_bounces": 1}
+
+    def seen(hidden, drawn):
+        return picture(**given, materials=[matt, shining(3.0) | {"drawn": drawn}],
+                       instances=[instance(0), instance(1, hidden)]).mean()
+
+    truth = seen(0, True)
+    assert truth > 0.1
+    assert seen(GLOSSY, False) == pytest.approx(truth, rel=0.02)
+    assert seen(DIFFUSE, False) == 0
+
+
+def test_threads_change_no_bit():
+    given = {"lights": [LIGHTS["area"] | {"hidden": GLOSSY}, sun((0.3, 0, 1), angle=0.1)] + [point((0, 0, 2))] * 4,
+             "meshes": [square(), sphere(12, 0.4, (0, 0, 0.5)), box((0.5, 0.5, 0), (0.7, 0.7, 0.4))],
+             "materials": [of(weighed(glossy(0.5), 0.5), weighed(diffuse(), 0.5))], "sky_hidden": DIFFUSE, **AROUND,
+             "width": 40, "height": 30, "max_bounces": 4,
+             "instances": [instance(0), instance(1, GLOSSY), instance(2, CAMERA | SHADOW)]}
+    assert (picture(**given, threads=1) == picture(**given, threads=2)).all()
+
+
+@pytest.mark.parametrize("wrong", [{"lights": [sun() | {"hidden": 16}]}, {"sky_hidden": 16},
+                                   {"instances": [instance(0, 32)]}])
+def test_malformed(wrong):
+    with pytest.raises(ValueError, match="hidden"):
+        native.start(scene(**wrong))
