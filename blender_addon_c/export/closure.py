@@ -205,8 +205,12 @@ def _fabric(reader, node, groups, share):
              math("MULTIPLY", share, math("SUBTRACT", 1.0, coverage[0])))
 
 
+def _lambert_closure(color):
+    return _metal_closure({"fresnel": "NONE"}, f0=_BLACK, kd=color)
+
+
 def _lambert(reader, color, share, normal):
-    _add(reader, _metal_closure({"fresnel": "NONE"}, f0=_BLACK, kd=color), share, normal)
+    _add(reader, _lambert_closure(color), share, normal)
 
 
 def _diffuse(reader, node, groups, share):
@@ -507,6 +511,6 @@ CLOSURES = {
 }
 
 
-def of_roughness(roughness):
-    """Settings of an isotropic metal of Blender's roughness, whose square is alpha."""
-    return _alphas(*(max(roughness * roughness, 1e-4),) * 2)
+def plain(color):
+    """The closure of a Diffuse BSDF of one colour, without a reader."""
+    return _lambert_closure(color)

@@ -7,6 +7,10 @@ import bpy
 import numpy as np
 
 
+MISSING = -2  # instead of an index: no file, or none that can be read
+MISSING_COLOR = (1.0, 0.0, 1.0)  # as Cycles and the viewport show it
+
+
 class Images:
     """`listed`: what the native module gets."""
 
@@ -14,17 +18,17 @@ class Images:
         self.listed = []
         self._messages = messages
         self._indices = {}  # by image, wrap and filter
-        self._pixels = {}  # by image; None: cannot be read
+        self._pixels = {}  # by image; what has no pixels: the index that stands for it
 
     def index(self, image, wrap, filtering, owner):
-        """Index of an image, or -1 when it cannot be used."""
+        """Index of an image, MISSING, or -1 when it cannot be used."""
         key = (image, wrap, filtering)
         if key not in self._indices:
             if image not in self._pixels:
                 self._pixels[image] = self._fetch(image, owner)
             pixels = self._pixels[image]
-            self._indices[key] = -1 if pixels is None else len(self.listed)
-            if pixels is not None:
+            self._indices[key] = pixels if isinstance(pixels, int) else len(self.listed)
+            if not isinstance(pixels, int):
                 self.listed.append({**pixels, "wrap": wrap, "filter": filtering})
         return self._indices[key]
 
@@ -32,16 +36,16 @@ class Images:
         if image.source not in {"FILE", "GENERATED"}:
             self._messages.warning(f"{owner}: image '{image.name}' is a "
                                    f"{image.source.lower()}: only single images are supported")
-            return None
+            return -1
         path = os.path.normpath(bpy.path.abspath(image.filepath, library=image.library))
         on_disk = image.source == "FILE" and not image.packed_file and not image.is_dirty
         if on_disk and not os.path.isfile(path):
-            self._messages.error(f"{owner}: image file not found: {path}")
-            return None
+            self._messages.warning(f"{owner}: image file not found: {path}")
+            return MISSING
         width, height = image.size
         if not width or not height:
-            self._messages.error(f"{owner}: image '{image.name}' cannot be read: {path}")
-            return None
+            self._messages.warning(f"{owner}: image '{image.name}' cannot be read: {path}")
+            return MISSING
         data = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(data)
         # Blender hands float images over in linear light, bytes as they are in the file.

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials: closures and a graph of nodes. Whatever is linked and not understood is named."""
 
-from .. import nodes
 from . import tree
-from .closure import collect, of_roughness
+from .closure import collect, plain
 from .graph import Program, TooLarge
 from .image import Images
 
 
 _MOST = 8  # closures of a material
+_BARE = (0.8, 0.8, 0.8)  # of what has no material [measured in Cycles 3.4, 5.0]
 _NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
 
 
@@ -25,14 +25,11 @@ class Table:
         self._uv_maps = []  # by index, "" is the mesh's active one
         self._textured = []  # by index: does it look anything up there?
 
-    def index(self, material, owner, drawn=True):
-        """Index of a material; None is an empty slot of the object `owner`. Not drawn: no light,
-        whatever it shines with."""
+    def index(self, material, drawn=True):
+        """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with."""
         if not drawn:
-            return self._undrawn(material, owner)
+            return self._undrawn(material)
         if material not in self._indices:
-            if not material:
-                self._messages.warning(f"object '{owner}': no material, rendered as grey metal")
             reader = Reader(self, self._messages, material, self._transport,
                             self._colors)
             self._indices[material] = len(self.materials)
@@ -41,10 +38,10 @@ class Table:
             self._textured.append(reader.uses_uv)
         return self._indices[material]
 
-    def _undrawn(self, material, owner):
+    def _undrawn(self, material):
         key = (material, "undrawn")
         if key not in self._indices:
-            like = self.index(material, owner)
+            like = self.index(material)
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
             self._uv_maps.append(self._uv_maps[like])
@@ -86,25 +83,22 @@ class Reader:
         material = self._material
         about = {"name": material.name if material else "",
                  "pass_index": material.pass_index if material else 0}
-        plain = {**about, "closure": "METAL", **nodes.initial_settings(), "nodes": []}
-        if not material:
-            return {**plain, **of_roughness(0.5), "f0": (0.8, 0.8, 0.8)}
-        own = tree.of(material)
-        shader = tree.shader_of(own) if own else None
-        if shader and shader.node:
+        own = tree.of(material) if material else None
+        if own:
             try:
                 return {**about, **self._of_nodes(own)}
             except (TooLarge, RecursionError) as error:
                 many = "many at once" if isinstance(error, TooLarge) else "deep"
-                self.warn(f"its nodes are too {many}; rendered as metal of its viewport colour")
-        else:
-            self.warn(f"no shader ({'its surface has none' if own else 'it has no nodes'}); "
-                      "rendered as metal of its viewport colour")
-        return {**plain, **of_roughness(material.roughness),
-                "f0": tuple(material.diffuse_color[:3])}
+                self.warn(f"its nodes are too {many}; shaded as a Diffuse BSDF of its viewport colour")
+        color = tuple(material.diffuse_color[:3]) if material else _BARE
+        return {**about, **plain(color), "nodes": []}
 
     def _of_nodes(self, own):
-        collect(self, own.get_output_node("ALL").inputs["Surface"], ())
+        shader = tree.shader_of(own)
+        if shader and shader.node:
+            collect(self, own.get_output_node("ALL").inputs["Surface"], ())
+        else:
+            self.warn("no shader (its surface has none); black, as in Cycles")
         if len(self.closures) > _MOST:
             self.warn(f"its {len(self.closures)} shaders are more than {_MOST}; the last are left out")
         closures = self.closures[:_MOST] or [_NOTHING]

@@ -20,7 +20,7 @@ def mesh_of(ob, slots, drawn, table, messages):
     if not triangles:
         return None
     corners = _get(triangles, "loops", 3, np.int32)
-    triangle_materials, used = _triangle_materials(mesh, slots or [None], drawn, table, ob.name)
+    triangle_materials, used = _triangle_materials(mesh, slots or [None], drawn, table)
     positions = _get(mesh.vertices, "co", 3, np.float32)
     if not np.isfinite(positions).all():
         messages.warning(f"object '{ob.name}': some of its vertices have no valid position")
@@ -67,7 +67,7 @@ def _corner_uvs(mesh, corners, name, owner, messages):
     return uvs.view(np.int64)[corners].view(np.float32)
 
 
-def _triangle_materials(mesh, slots, drawn, table, owner):
+def _triangle_materials(mesh, slots, drawn, table):
     """Material of each triangle, and all those that are in use: indices into the table."""
     if len(slots) == 1:
         slot = np.zeros(len(mesh.loop_triangles), np.int32)
@@ -75,5 +75,5 @@ def _triangle_materials(mesh, slots, drawn, table, owner):
         slot = _get(mesh.loop_triangles, "material_index", 1, np.int32).clip(0, len(slots) - 1)
     indices = np.zeros(len(slots), np.int32)
     used = np.flatnonzero(np.bincount(slot))
-    indices[used] = [table.index(slots[i], owner, drawn) for i in used]
+    indices[used] = [table.index(slots[i], drawn) for i in used]
     return indices[slot], indices[used].tolist()

@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from . import tree
 from .graph import is_known
+from .image import MISSING, MISSING_COLOR
 
 # kind: VALUE, RGBA, VECTOR, or NORMAL, a vector in the shading frame.
 Value = namedtuple("Value", "kind parts")
@@ -135,6 +136,8 @@ def _value_node(_reader, found):
 def _tex_image(reader, found):
     node = found.node
     image = _image(reader, node)
+    if image == MISSING:
+        return (1.0,) if found.output.name == "Alpha" else MISSING_COLOR
     if image < 0:
         return None
     at = _coordinates(reader, node.inputs["Vector"], found.groups)
@@ -147,10 +150,10 @@ def _tex_image(reader, found):
 
 
 def _image(reader, node):
-    """Index of the image that a node shows, or -1 (with a message)."""
+    """Index of the image that a node shows, MISSING or -1 (with a message)."""
     if not node.image:
-        reader.warn(f"'{node.name}' has no image; left out")
-        return -1
+        reader.warn(f"'{node.name}' has no image")
+        return MISSING
     if node.projection != "FLAT":
         reader.warn(f"'{node.name}': only flat projection is supported")
     if node.extension not in _WRAPS:

@@ -4,6 +4,7 @@
 from mathutils import Euler, Matrix
 
 from . import tree
+from .image import MISSING, MISSING_COLOR
 from .visibility import ALL, hidden
 
 # What its directions may come from, and their sign.
@@ -50,6 +51,8 @@ class _Reader:
         color = self._main(tree.trace(node.inputs["Color"], shader.groups))
         if color.node and color.node.type == "TEX_ENVIRONMENT":
             sky = self._image(color, value)
+            if sky == MISSING:
+                return {"background": tuple(c * max(value, 0.0) for c in MISSING_COLOR)}
             if sky:
                 return {"background": (0.0, 0.0, 0.0), "sky": sky}
         plain = color.output if color.node and color.node.type == "RGB" else color.socket
@@ -70,9 +73,9 @@ class _Reader:
 
     def _image(self, color, strength):
         node = color.node
-        if not node.image:  # as Cycles shows it
+        if not node.image:
             self._warn(f"'{node.name}' has no image")
-            return None
+            return MISSING
         if node.interpolation not in {"Linear", "Closest"}:
             self._warn(f"'{node.name}': interpolation {node.interpolation.lower()} is not "
                        "supported; linear")
@@ -80,7 +83,7 @@ class _Reader:
                                    "CLOSEST" if node.interpolation == "Closest" else "LINEAR",
                                    self._owner)
         if index < 0:
-            return None
+            return index if index == MISSING else None
         matrix = self._directions(tree.trace(node.inputs["Vector"], color.groups))
         return {"image": index, "strength": (max(strength, 0.0),) * 3,
                 "matrix": [value for row in matrix[:3] for value in row],

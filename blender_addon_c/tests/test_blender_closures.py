@@ -69,6 +69,8 @@ CASES = [
     grooved(principled("brushed", Metallic=1.0, Roughness=0.5, Anisotropic=0.7,
                        **{"Anisotropic Rotation": 0.2})),
 ]
+CASES += [{"name": kind, "bare": kind} for kind in
+          ("none", "untouched", "no nodes", "no shader", "image")]
 # How far a ball's mean may be from that of Cycles where it is not the same model: 3.4's clear coat
 # has another distribution.
 OFF = {("coated", "3.4"): 0.03}

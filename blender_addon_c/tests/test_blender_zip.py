@@ -111,21 +111,21 @@ def test_foreign_libraries_in_global_scope(blender50, blend, plain50, tmp_path):
     assert_as_before(tmp_path, plain50)
 
 
-@pytest.mark.parametrize("missing", [False, True])
-def test_command_line(blender34, blend, tmp_path, missing):
+@pytest.mark.parametrize("blind", [False, True])
+def test_command_line(blender34, blend, tmp_path, blind):
     """blender -b FILE -E LIBSHADE -f 1: a picture and status 0, or a message and status 1."""
     file = blend[0]
-    if missing:
-        file = tmp_path / "missing.blend"
-        blender34.scene("missing_image", tmp_path, save=str(file), dump="")
+    if blind:
+        file = tmp_path / "blind.blend"
+        blender34.scene("panoramic", tmp_path, save=str(file), dump="")
     done = subprocess.run(
         [shutil.which("blender"), "-b", "--factory-startup", "--addons", "libshade", file,
          "-E", "LIBSHADE", "-o", tmp_path / "frame_", "-F", "OPEN_EXR", "-f", "1"],
         env=blender34.environment(), capture_output=True, text=True, timeout=300, check=False)
     picture = tmp_path / "frame_0001.exr"
-    if missing:
+    if blind:
         assert done.returncode == 1 and not picture.exists()
-        assert "image file not found: /nowhere/gone.png" in done.stdout + done.stderr
+        assert "'camera' is panoramic" in done.stdout + done.stderr
     else:
         assert done.returncode == 0, done.stderr
         assert difference(rgba(picture), blend[1]) < 1e-3

@@ -294,16 +294,11 @@ def suzanne(options):
     return {}
 
 
-def missing_image(options):
-    """Only saves the file: a plane whose image is not there."""
+def panoramic(options):
+    """Only saves the file: a plane before a camera that cannot be rendered."""
     scene = common.empty_scene(16, 16)
-    material, tree, node = common.metal()
-    image = bpy.data.images.new("gone", 4, 4)
-    image.source, image.filepath = "FILE", "/nowhere/gone.png"
-    tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
-    common.plane(material)
-    common.light(scene)
-    common.camera(scene)
+    common.plane(common.metal()[0])
+    common.camera(scene, type="PANO")
     bpy.ops.wm.save_as_mainfile(filepath=options["save"])
     return {}
 
@@ -375,12 +370,6 @@ def diffuse(ob, _light, _tree, _node):
 def glossy(ob, _light, _tree, _node):
     shader = _only_shader(ob, "ShaderNodeBsdfGlossy")
     shader.distribution, shader.inputs["Roughness"].default_value = "GGX", 0.6
-
-
-def viewport_color(ob, _light, _tree, _node):
-    material = ob.data.materials[0] = bpy.data.materials.new("plain")
-    common.tree_of(material).nodes.clear()
-    material.diffuse_color, material.roughness = (0.3, 0.6, 0.9, 1), 0.7
 
 
 def no_material(ob, _light, _tree, _node):
@@ -605,36 +594,62 @@ def grooves(options):
     return {}
 
 
+def shaded(case):
+    """A material of one shader: its node and inputs, or a pair of such and how they are combined."""
+    material = bpy.data.materials.new(case["name"])
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    last = None
+    for shader in case["shaders"]:
+        node = tree.nodes.new(shader["node"])
+        for key, value in shader.get("set", {}).items():
+            setattr(node, key, value)
+        for key, value in shader.get("inputs", {}).items():
+            if key in node.inputs:  # some have other names in another version
+                node.inputs[key].default_value = value
+        if shader.get("grooved"):
+            tangent = tree.nodes.new("ShaderNodeTangent")
+            tangent.direction_type = "UV_MAP"
+            tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
+        if last:
+            both = tree.nodes.new(case["by"])
+            tree.links.new(last, both.inputs[len(both.inputs) - 2])
+            tree.links.new(node.outputs[0], both.inputs[len(both.inputs) - 1])
+            node = both
+        last = node.outputs[0]
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(last, output.inputs["Surface"])
+    return material
+
+
+def bare(kind):
+    """A material that says nothing, or not what it should."""
+    if kind == "none":
+        return None
+    material = bpy.data.materials.new(kind)
+    material.diffuse_color = (0.2, 0.5, 0.1, 1)
+    if kind == "untouched":
+        return material
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    if kind == "no shader":
+        tree.nodes.new("ShaderNodeOutputMaterial")
+    elif kind == "image":
+        node = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        tree.links.new(node.outputs["BSDF"], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+        texture = common.image_node(tree, bpy.data.images.new("gone", 1, 1))
+        texture.image.source, texture.image.filepath = "FILE", "/nowhere/gone.png"
+        tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+    return material
+
+
 def balls(options):
-    """Balls in a row under an even sky and a sun, each of one shader; options["cases"]: its node and
-    inputs, or a pair of such and how they are combined."""
+    """Balls in a row under an even sky and a sun; options["cases"]: their materials."""
     cases = options["cases"]
     scene = common.empty_scene(24 * len(cases), 24, samples=options["samples"])
     scene.render.film_transparent = False
     for column, case in enumerate(cases):
-        material = bpy.data.materials.new(case["name"])
-        tree = common.tree_of(material)
-        tree.nodes.clear()
-        last = None
-        for shader in case["shaders"]:
-            node = tree.nodes.new(shader["node"])
-            for key, value in shader.get("set", {}).items():
-                setattr(node, key, value)
-            for key, value in shader.get("inputs", {}).items():
-                if key in node.inputs:  # some have other names in another version
-                    node.inputs[key].default_value = value
-            if shader.get("grooved"):
-                tangent = tree.nodes.new("ShaderNodeTangent")
-                tangent.direction_type = "UV_MAP"
-                tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
-            if last:
-                both = tree.nodes.new(case["by"])
-                tree.links.new(last, both.inputs[len(both.inputs) - 2])
-                tree.links.new(node.outputs[0], both.inputs[len(both.inputs) - 1])
-                node = both
-            last = node.outputs[0]
-        output = tree.nodes.new("ShaderNodeOutputMaterial")
-        tree.links.new(last, output.inputs["Surface"])
+        material = bare(case["bare"]) if "bare" in case else shaded(case)
         bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.45)
         ob = common.added(material)
         ob.location = (column + 0.5 - 0.5 * len(cases), 0, 0)
