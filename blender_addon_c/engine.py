@@ -17,6 +17,7 @@ _POLL_SECONDS = 0.05
 # A redraw copies the whole picture, so a window gets one only this often.
 _REDRAW_SECONDS = 0.5
 _STATUS_SECONDS = 0.5
+_MEGABYTE = 1 << 20
 
 
 class LibshadeEngine(bpy.types.RenderEngine):
@@ -99,6 +100,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 _native.cancel(job)
             state = _native.poll(job)
             self.update_progress(state["progress"])
+            self.update_memory_stats(memory_used=state["memory"] / _MEGABYTE,
+                                     memory_peak=state["memory_peak"] / _MEGABYTE)
             text = status.text(state)
             if text:
                 self.update_stats("", text)
@@ -140,7 +143,8 @@ class _Status:
         if now - self._told < _STATUS_SECONDS:
             return ""
         self._told = now
-        parts = [self._NAMES[self._stage]]
+        used, peak = state["memory"] / _MEGABYTE, state["memory_peak"] / _MEGABYTE
+        parts = [f"Mem:{used:.2f}M, Peak:{peak:.2f}M", self._NAMES[self._stage]]
         if self._stage == "render":
             parts.append(f"Sample {state['sample']}/{state['samples']}")
             spent, done = now - self._begun, state["progress"]

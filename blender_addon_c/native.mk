@@ -2,6 +2,7 @@
 # The renderer of the Blender engine: a Python module in C with its own copies of Embree, TBB and
 # OpenEXRCore beside it. Needs python3-dev, libembree-dev, libopenexr-dev, patchelf.
 N := blender_addon_c/native
+COMMA := ,
 NATIVE := $(B)/blender/native
 NATIVE_SO := $(NATIVE)/_native.abi3.so
 NATIVE_PYTHON := /usr/bin/python3
@@ -9,7 +10,8 @@ NATIVE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fvisibility=hidden -fno-math-errno
   -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
 NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*/*.c))
-NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
+NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic \
+  $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc aligned_alloc posix_memalign strdup free)
 
 # What the module opens at run time. Embree's TBB gets a name of its own: Blender has one too, and
 # the loader gives the first library of a name to all who ask for that name.

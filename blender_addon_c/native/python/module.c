@@ -9,6 +9,7 @@
 
 #include "stage/stage.h"
 #include "render/job.h"
+#include "system/memory.h"
 #include "python/reader.h"
 
 #define CAPSULE "libshade.job"
@@ -97,7 +98,9 @@ PyDoc_STRVAR(poll_doc,
              "poll(job) -> dict\n\n"
              "state (running, done, cancelled, failed), progress (0 to 1), sample\n"
              "(how many of the samples all pixels have, in the mean), samples, stage\n"
-             "(build, render, denoise, dump), message (of a failure), warnings (list of str).");
+             "(build, render, denoise, dump), message (of a failure), warnings (list of str),\n"
+             "memory, memory_peak (bytes that the module holds, for all jobs, and the most since\n"
+             "the last one was started).");
 static PyObject *native_poll(PyObject *self, PyObject *capsule) {
   static const char *const states[] = {"running", "done", "cancelled", "failed"};
   static const char *const stages[] = {"build", "render", "denoise", "dump"};
@@ -121,10 +124,11 @@ static PyObject *native_poll(PyObject *self, PyObject *capsule) {
   memcpy(message, j->log.error, sizeof message);
   pthread_mutex_unlock(&j->log.lock);
   double progress = job_progress(j);
-  return Py_BuildValue("{s:s,s:d,s:i,s:i,s:s,s:s,s:N}", "state", states[job_get_state(j)],
+  return Py_BuildValue("{s:s,s:d,s:i,s:i,s:s,s:s,s:N,s:L,s:L}", "state", states[job_get_state(j)],
                        "progress", progress, "sample", (int)(progress * j->scene->samples),
                        "samples", j->scene->samples, "stage", stages[atomic_load(&j->stage)],
-                       "message", message, "warnings", warnings);
+                       "message", message, "warnings", warnings, "memory", memory_used(),
+                       "memory_peak", memory_peak());
 }
 
 PyDoc_STRVAR(wait_doc, "wait(job, seconds: float) -> bool\n\n"

@@ -8,6 +8,7 @@
 
 #include "render/denoise.h"
 #include "render/dump_scene.h"
+#include "system/memory.h"
 #include "system/parallel.h"
 
 static bool out_of_memory(job *j) {
@@ -114,6 +115,7 @@ static void release(job *j) {
 }
 
 job *job_start(scene *s) {
+  memory_restart();
   job *j = calloc(1, sizeof *j);
   if (!j) {
     scene_free(s);

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "system/library.h"
+#include "system/memory.h"
 
 #define EMBREE_LIBRARY "libembree3.so.3"
 
@@ -17,6 +18,7 @@
   F(rtcReleaseDevice)                                                                              \
   F(rtcGetDeviceError)                                                                             \
   F(rtcGetDeviceProperty)                                                                          \
+  F(rtcSetDeviceMemoryMonitorFunction)                                                             \
   F(rtcNewScene)                                                                                   \
   F(rtcReleaseScene)                                                                               \
   F(rtcCommitScene)                                                                                \
@@ -111,6 +113,12 @@ static void look_away(const struct RTCFilterFunctionNArguments *arguments) {
                                 : v->of->hidden[hit[HIT_INSTANCE * count + i] - ACCEL_INSTANCES];
     arguments->valid[i] = hidden & kind ? 0 : arguments->valid[i];
   }
+}
+
+static bool count_memory(void *unused, ssize_t bytes, bool after) {
+  (void)unused, (void)after;
+  memory_add(bytes);
+  return true;
 }
 
 static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned number,
@@ -211,6 +219,8 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
   }
   snprintf(config, sizeof config, "threads=%d", threads);
   a->device = embree.rtcNewDevice(config);
+  if (a->device)
+    embree.rtcSetDeviceMemoryMonitorFunction(a->device, count_memory, NULL);
   a->scene = a->device ? new_scene(a, cancel) : NULL;
   a->part = calloc(input->parts + 1, sizeof *a->part);
   a->instances = input->instances > 0;

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/memory.h"
+
+#include <malloc.h>
+#include <stdatomic.h>
+#include <stddef.h>
+
+/* The linker's --wrap: the module's malloc is __wrap_malloc, the C library's __real_malloc. */
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *old, size_t size);
+void *__real_aligned_alloc(size_t alignment, size_t size);
+int __real_posix_memalign(void **made, size_t alignment, size_t size);
+char *__real_strdup(const char *text);
+void __real_free(void *old);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+int __wrap_posix_memalign(void **made, size_t alignment, size_t size);
+char *__wrap_strdup(const char *text);
+void __wrap_free(void *old);
+
+static atomic_llong used, peak;
+
+void memory_add(long long bytes) {
+  long long now = atomic_fetch_add_explicit(&used, bytes, memory_order_relaxed) + bytes;
+  long long most = atomic_load_explicit(&peak, memory_order_relaxed);
+  while (now > most && !atomic_compare_exchange_weak_explicit(
+                           &peak, &most, now, memory_order_relaxed, memory_order_relaxed)) {
+  }
+}
+
+long long memory_used(void) {
+  return atomic_load_explicit(&used, memory_order_relaxed);
+}
+
+long long memory_peak(void) {
+  return atomic_load_explicit(&peak, memory_order_relaxed);
+}
+
+void memory_restart(void) {
+  atomic_store_explicit(&peak, memory_used(), memory_order_relaxed);
+}
+
+static long long size_of(void *block) {
+  return block ? (long long)malloc_usable_size(block) : 0;
+}
+
+static void *made(void *block) {
+  memory_add(size_of(block));
+  return block;
+}
+
+void *__wrap_malloc(size_t size) {
+  return made(__real_malloc(size));
+}
+
+void *__wrap_calloc(size_t count, size_t size) {
+  return made(__real_calloc(count, size));
+}
+
+void *__wrap_aligned_alloc(size_t alignment, size_t size) {
+  return made(__real_aligned_alloc(alignment, size));
+}
+
+int __wrap_posix_memalign(void **block, size_t alignment, size_t size) {
+  int wrong = __real_posix_memalign(block, alignment, size);
+  if (!wrong)
+    made(*block);
+  return wrong;
+}
+
+char *__wrap_strdup(const char *text) {
+  return made(__real_strdup(text));
+}
+
+void *__wrap_realloc(void *old, size_t size) {
+  long long before = size_of(old);
+  void *block = __real_realloc(old, size);
+  if (block || !size)
+    memory_add(size_of(block) - before);
+  return block;
+}
+
+void __wrap_free(void *old) {
+  memory_add(-size_of(old));
+  __real_free(old);
+}
