@@ -64,7 +64,7 @@ class Viewport:
         size, to_world, projection, clip = view
         camera = export.camera_by(projection, to_world, clip)
         region = (0, 0, *size)
-        if not self._scene:
+        if not self._scene or self._scene["by_camera"]:
             self._messages = export.Messages()
             self._scene = export.read(depsgraph, camera, size, region,
                                     depsgraph.scene.libshade.preview_samples, self._messages)

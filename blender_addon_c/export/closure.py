@@ -10,7 +10,8 @@ import bpy
 from .. import fabric, nodes
 from . import tree
 from .graph import is_known
-from .node import color_of, normal_of, number_of
+from .node_place import round_tangent, tangent_of
+from .value import color_of, normal_of, number_of
 
 _WHITE, _BLACK = (1.0,) * 3, (0.0,) * 3
 _JOINT = bpy.app.version >= (4, 0)  # Smith's shadowing of both directions together
@@ -194,7 +195,7 @@ def _fabric(reader, node, groups, share):
             cloth[yarn] = tuple(min(max(part, 0.0), 1.0) for part in color)
         else:  # the rest goes through
             fed[f"{yarn}_from"] = _times(reader, color, 1.0 - cloth["transmit"])
-    reader.use_uv_map("")
+    reader.is_main("")
     normal = _normal(reader, node, groups)
     fed |= {"cloth": reader.cloth(cloth), **({"normal": normal} if normal else {})}
     fed["place"] = emit("WEAVE", 4, cloth=fed["cloth"])
@@ -257,29 +258,37 @@ def _stretched(reader, node, groups, alpha):
     size = math("SUBTRACT", 1.0, math("ABSOLUTE", a))
     small, large = math("MULTIPLY", alpha, size), math("DIVIDE", alpha, size)
     along = math("GREATER_THAN", a, 0.0) if not is_known(a) else float(a > 0)
-    _check_tangent(reader, node)
     return ((math("MIX", large, small, along), math("MIX", small, large, along)),
-            _turned(reader, inputs["Rotation"], groups))
+            _groove(reader, node, "Rotation", groups))
 
 
-def _check_tangent(reader, node):
-    socket = node.inputs.get("Tangent")
-    found = tree.trace(socket, ()).node if socket else None
-    if found and not (found.type == "TANGENT" and found.direction_type == "UV_MAP"):
-        reader.warn(f"'{node.name}': a tangent from '{found.name}' is not supported; the UV map's "
-                    "is used")
-    if not found:
-        reader.warn(f"'{node.name}': its grooves follow the UV map, not the object's round")
+def _tangent(reader, node, groups):
+    """x and y of a node's Tangent in the shading frame, or None: the UV map's own. Where nothing feeds
+    it, it goes round the object's z axis."""
+    found = tree.trace(node.inputs["Tangent"], groups)
+    if found.node is None:
+        vector = round_tangent(reader, "Z")
+    elif found.node.type == "TANGENT":
+        vector = tangent_of(reader, found.node)
+    else:
+        vector = color_of(reader, node.inputs["Tangent"], groups)
+    return vector and reader.program.emit("FRAME", vector=tuple(vector), to="SHADING")[:2]
 
 
-def _turned(reader, socket, groups):
-    """Of a rotation in turns the tangent's x and y."""
-    turns = number_of(reader, socket, groups)
+def _groove(reader, node, rotation, groups):
+    """Where the tangent points once it is turned, as x and y, or None: the UV map's own."""
+    own = _tangent(reader, node, groups)
+    turns = number_of(reader, node.inputs[rotation], groups)
     if is_known(turns) and turns % 1 == 0:
-        return None
+        return own
     math = reader.program.math
     angle = math("MULTIPLY", turns, 6.283185307179586)
-    return [math("COSINE", angle), math("SINE", angle)]
+    c, s = math("COSINE", angle), math("SINE", angle)
+    if not own:
+        return [c, s]
+    x, y = own
+    return [math("SUBTRACT", math("MULTIPLY", x, c), math("MULTIPLY", y, s)),
+            math("MULTIPLY_ADD", x, s, math("MULTIPLY", y, c))]
 
 
 def _glass_closure(reader, node, groups, **given):
@@ -378,11 +387,10 @@ class _Principled:
         amount = _clamp(self.reader, self._number("Anisotropic"))
         if is_known(amount) and amount == 0:
             return (self.alpha, self.alpha), None
-        _check_tangent(self.reader, self.node)
         math = self.math
         a = math("SQRT", math("SUBTRACT", 1.0, math("MULTIPLY", amount, 0.9)))
         return ((math("DIVIDE", self.alpha, a), math("MULTIPLY", self.alpha, a)),
-                _turned(self.reader, self.node.inputs["Anisotropic Rotation"], self.groups))
+                _groove(self.reader, self.node, "Anisotropic Rotation", self.groups))
 
     def _rest(self, share, part):
         return self.math("MULTIPLY", share, self.math("SUBTRACT", 1.0, part))

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials: closures and a graph of nodes. Whatever is linked and not understood is named."""
 
+from mathutils import Matrix
+
 from . import tree
 from .closure import collect, plain
 from .graph import Program, TooLarge
 from .image import Images
+from .layers import Layers
+from .node import NODES
 
 
 _MOST = 8  # closures of a material
@@ -13,16 +17,21 @@ _NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
 
 
 class Table:
-    """Materials and images of one render, each once."""
+    """Materials, images and layers of one render, each once."""
 
-    def __init__(self, messages, transport, colors):
-        self.materials, self.images = [], Images(messages)
+    def __init__(self, messages, transport, colors, camera, depsgraph):
+        self.materials, self.images, self.layers = [], Images(messages), Layers()
         self.cloths = []
-        self._transport = transport  # do grooves go with bumps?
-        self._colors = colors  # are there passes of colour?
+        self.transport = transport  # do grooves go with bumps?
+        self.colors = colors  # are there passes of colour?
+        self.by_camera = False  # does a material look different from elsewhere?
+        self.by_object = False  # or for each object?
+        self.camera, self._depsgraph = camera, depsgraph
+        self._active_maps = None  # by material: names of the active UV maps of its objects
         self._messages = messages
         self._indices = {}  # by material
-        self._uv_maps = []  # by index, "" is the mesh's active one
+        self._uv_maps = []  # by index: the main one; "" is the mesh's active one
+        self._layers = []  # by index: (number, kind, name)
         self._textured = []  # by index: does it look anything up there?
 
     def index(self, material, drawn=True):
@@ -30,12 +39,12 @@ class Table:
         if not drawn:
             return self._undrawn(material)
         if material not in self._indices:
-            reader = Reader(self, self._messages, material, self._transport,
-                            self._colors)
+            reader = Reader(self, self._messages, material)
             self._indices[material] = len(self.materials)
             self.materials.append(reader.read())
-            self._uv_maps.append(reader.uv_map)
-            self._textured.append(reader.uses_uv)
+            self._uv_maps.append(reader.uv_map or "")
+            self._layers.append(reader.layers)
+            self._textured.append(reader.uv_map is not None)
         return self._indices[material]
 
     def _undrawn(self, material):
@@ -45,16 +54,27 @@ class Table:
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
             self._uv_maps.append(self._uv_maps[like])
+            self._layers.append(self._layers[like])
             self._textured.append(self._textured[like])
         return self._indices[key]
 
-    def uv_map(self, indices, owner):
-        """Name of the UV map that materials ask for, "" for the mesh's active one."""
-        names = sorted({self._uv_maps[i] for i in indices})
-        if len(names) > 1:
-            self._messages.warning(f"object '{owner}': its materials use different UV maps; "
-                                   f"libshade uses '{names[-1]}' for all")
-        return names[-1]
+    def uv_maps(self, indices):
+        """By material: name of its main UV map, "" for the mesh's active one."""
+        return {i: self._uv_maps[i] for i in indices}
+
+    def layers_of(self, indices):
+        """All that these materials ask for: (number, kind, name)."""
+        return sorted({wanted for i in indices for wanted in self._layers[i]})
+
+    def active_uv_maps(self, material):
+        """Names of the active UV maps of the objects that it is on."""
+        if self._active_maps is None:
+            self._active_maps = {}
+            for ob in self._depsgraph.objects:
+                active = next((l.name for l in getattr(ob.data, "uv_layers", ()) if l.active_render), None)
+                for slot in ob.material_slots if active else ():
+                    self._active_maps.setdefault(slot.material, set()).add(active)
+        return self._active_maps.get(material, set())
 
     def textured(self, indices):
         """Has any of the materials a texture?"""
@@ -62,16 +82,17 @@ class Table:
 
 
 class Reader:
-    """One material, and what its nodes found out: `uv_map`, that its images ask for, if one of them
-    `uses_uv`; the `program`, what outputs say that are `known`, and `closures`."""
+    """One material, and what its nodes found out: `uv_map`, its main one, None if nothing asks for any,
+    and other `layers`; the `program`, what outputs say that are `known`, and `closures`."""
 
-    def __init__(self, table, messages, material, transport, colors):
-        self.transport, self.colors = transport, colors
-        self.images, self._cloths = table.images, table.cloths
+    def __init__(self, table, messages, material):
+        self.transport, self.colors = table.transport, table.colors
+        self.images, self._table = table.images, table
         self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
-        self.uv_map, self.uses_uv = "", False
-        self.program, self.known = Program(), {}
+        self.pass_index = material.pass_index if material else 0
+        self.uv_map, self.layers = None, set()
+        self.nodes, self.program, self.known = NODES, Program(), {}
         self.shift = None  # (0 or 1, step): coordinates are read so far along u or v
         self.in_height = False
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
@@ -82,7 +103,7 @@ class Reader:
     def read(self):
         material = self._material
         about = {"name": material.name if material else "",
-                 "pass_index": material.pass_index if material else 0}
+                 "pass_index": self.pass_index}
         own = tree.of(material) if material else None
         if own:
             try:
@@ -109,13 +130,33 @@ class Reader:
 
     def cloth(self, given):
         """Index of a cloth, each once."""
-        if given not in self._cloths:
-            self._cloths.append(given)
-        return self._cloths.index(given)
+        if given not in self._table.cloths:
+            self._table.cloths.append(given)
+        return self._table.cloths.index(given)
 
-    def use_uv_map(self, name):
-        self.uses_uv = True
-        if name and self.uv_map and name != self.uv_map:
-            self.warn(f"uses the UV maps '{self.uv_map}' and '{name}'; "
-                      f"libshade uses '{self.uv_map}' for both")
-        self.uv_map = self.uv_map or name
+    def is_main(self, name):
+        """Is this UV map ("": the active one) the material's main one, the first that it asks for?"""
+        if name and self._table.active_uv_maps(self._material) == {name}:
+            name = ""
+        self.uv_map = name if self.uv_map is None else self.uv_map
+        return name == self.uv_map
+
+    def layer(self, kind, name):
+        """Number of a layer, which its meshes then have."""
+        number = self._table.layers.number(kind, name)
+        if kind == "TANGENT":
+            self.layer("UV", name)
+        self.layers.add((number, kind, name))
+        return number
+
+    def asks_objects(self):
+        self._table.by_object = True
+
+    def camera(self):
+        """(to its space, z away from it; frame; is it perspective?)"""
+        self._table.by_camera = True
+        camera = self._table.camera
+        numbers = camera["matrix"]
+        place = Matrix([numbers[4 * row:4 * row + 4] for row in range(4)])
+        return (Matrix.Diagonal((1, 1, -1, 1)) @ place.inverted_safe(), camera["frame"],
+                camera["type"] == "PERSP")

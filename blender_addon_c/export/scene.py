@@ -22,7 +22,7 @@ def read(depsgraph, camera, size, region, samples, messages):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     table = Table(messages, scene.libshade.groove_transport,
-                  passes.have_colors(scene, depsgraph.view_layer))
+                  passes.have_colors(scene, depsgraph.view_layer), camera, depsgraph)
     with tree.deep():
         meshes, instances, lights = _objects(depsgraph, table, messages)
         world = world_of(scene.world, table.images, messages)
@@ -50,7 +50,9 @@ def read(depsgraph, camera, size, region, samples, messages):
         "lights": lights,
         "images": table.images.listed,
         "cloths": table.cloths,
+        "layers": table.layers.listed,
         "materials": table.materials,
+        "by_camera": table.by_camera,
         "meshes": meshes,
         "instances": instances,
         "dump": "",
@@ -97,9 +99,35 @@ def _objects(depsgraph, table, messages):
             if not math.isfinite(sum(matrix)):
                 messages.warning(f"object '{ob.name}': its place is not a number; left out")
             elif known[key] is not None:
-                instances.append({"mesh": known[key], "matrix": matrix,
-                                  "pass_index": ob.pass_index, "hidden": bits})
+                instances.append({"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
+                                  "hidden": bits, **(_own(item) if table.by_object else {})})
     return meshes, instances, lights
+
+
+def _own(item):
+    """What nodes may ask of an object."""
+    number = item.random_id if item.is_instance else _hash(item.object.name)
+    return {"color": tuple(item.object.color), "random": (number & 0xffffffff) / 0xffffffff}
+
+
+def _hash(name):
+    """The number that Cycles gives to an object of this name: its bytes, mixed by lookup3 [Jenkins2006]."""
+    whole = 0xffffffff
+    text = 0
+    for byte in name.encode():
+        text = text * 37 + (byte - 256 if byte > 127 else byte) & whole
+    b = c = 0xdeadbeef + 8 + 13
+    a = b + text & whole
+    for k, shift in enumerate((14, 11, 25, 16, 4, 14, 24)):
+        x, y = ((c, b), (a, c), (b, a))[k % 3]
+        x = (x ^ y) - (y << shift | y >> 32 - shift) & whole
+        if k % 3 == 0:
+            c = x
+        elif k % 3 == 1:
+            a = x
+        else:
+            b = x
+    return c
 
 
 def _slots(ob, depsgraph):

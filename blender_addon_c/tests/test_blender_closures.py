@@ -32,9 +32,9 @@ def principled(name, **inputs):
     return one(name, "BsdfPrincipled", {"Base Color": RED, **given})
 
 
-def grooved(case):
-    """Its grooves along the UV map: the only tangent that is supported."""
-    case["shaders"][0]["grooved"] = True
+def grooved(case, by="UV"):
+    """Its grooves along the UV map, or round an axis."""
+    case["shaders"][0]["grooved"] = by
     return case
 
 
@@ -66,6 +66,9 @@ CASES = [
                                                  "Rotation": 0.1}, distribution="GGX")),
     grooved(one("across", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": -0.6},
                 distribution="ASHIKHMIN_SHIRLEY")),
+    grooved(one("round", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
+                                             "Rotation": 0.1}, distribution="GGX"), "X"),
+    principled("turned", Metallic=1.0, Roughness=0.5, Anisotropic=0.7),
     grooved(principled("brushed", Metallic=1.0, Roughness=0.5, Anisotropic=0.7,
                        **{"Anisotropic Rotation": 0.2})),
 ]

@@ -94,6 +94,60 @@ def test_nodes_say_what_they_say_in_cycles(blender, tmp_path):
     assert len({tuple(color.round(3)) for color in ours}) > len(cases) / 2
 
 
+def place(kind, output=0, **more):
+    return {"node": f"ShaderNode{kind}", "output": output, **{"since": "3.4", **more}}
+
+
+TURNED = {"turn": (2.9, 0.2, 0.2)}  # seen from behind
+# where axes are scaled apart, Cycles turns UV tangents as normals; here they stay on the surface
+EVEN = {"scale": (0.8, 0.8, 0.8)}
+# and, like 3.4 where eye and normal are nearly at right angles, bends normals of a curved mesh a little
+NEARLY_FLAT = EVEN | {"height": 0.02}
+PLACES = [
+    *(place("TexCoord", output) for output in ("Generated", "Normal", "UV", "Object", "Camera", "Window",
+                                               "Reflection")),
+    place("TexCoord", "Generated", modifiers=["SUBSURF", "CAST"]),
+    place("TexCoord", "Normal", **TURNED),
+    *(place("UVMap", set={"uv_map": name}) for name in ("UVMap", "second", "")),
+    *(place("Tangent", set={"direction_type": "RADIAL", "axis": axis}) for axis in "XYZ"),
+    *(place("Tangent", set={"direction_type": "UV_MAP", "uv_map": name}, **EVEN)
+      for name in ("UVMap", "second", "")),
+    *(place("NewGeometry", output) for output in ("Position", "Normal", "True Normal", "Tangent", "Incoming")),
+    *(place("Attribute", output, set={"attribute_name": name})
+      for name, output in (("number", "Color"), ("number", "Fac"), ("vector", "Vector"), ("vector", "Fac"),
+                           ("count", "Fac"), ("bytes", "Color"), ("floats", "Color"), ("floats", "Fac"),
+                           ("floats", "Alpha"), ("UVMap", "Vector"), ("gone", "Color"))),
+    *(place("VertexColor", output, set={"layer_name": name})
+      for name, output in (("", "Color"), ("bytes", "Color"), ("bytes", "Alpha"), ("floats", "Alpha"))),
+    *(place("ObjectInfo", output)
+      for output in ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random")),
+    *(place("NormalMap", set={"space": space, "uv_map": name}, strength=strength, **more)
+      for space, name, strength, more in (
+          ("TANGENT", "UVMap", 1.0, NEARLY_FLAT), ("TANGENT", "second", 1.0, NEARLY_FLAT),
+          ("TANGENT", "second", 0.6, NEARLY_FLAT | {"since": "4.0"}),
+          ("TANGENT", "UVMap", 1.5, TURNED | NEARLY_FLAT | {"since": "4.0"}), ("OBJECT", "", 1.0, {}), ("WORLD", "", 0.7, {}),
+          ("BLENDER_OBJECT", "", 1.0, {"blue": 0.1}),
+          ("BLENDER_WORLD", "", 1.0, TURNED))),
+]
+
+
+@pytest.mark.parametrize("perspective", [False, True])
+def test_places_are_those_of_cycles(blender, tmp_path, perspective):
+    cases = PLACES if not perspective else [case for case in PLACES if case["node"] == "ShaderNodeTexCoord"]
+    cases = [case for case in cases if case["since"] <= blender.version]
+    options = {"cases": cases, "perspective": perspective}
+    blender.scene("places", tmp_path, engine="LIBSHADE", **options)
+    ours = Dump(tmp_path / "dump.exr")["Color"]
+    blender.scene("places", tmp_path, engine="CYCLES", dump="", **options)
+    cycles = rgba(tmp_path / "picture.exr")[..., :3].clip(0, 1)
+    far = []
+    for column, case in enumerate(cases):
+        a, b = (picture[5:12, 16 * column + 5:16 * column + 12] for picture in (ours, cycles))
+        if not np.abs(a - b).max() < 2e-4:
+            far.append((case, np.abs(a - b).max(), a[3, 3], b[3, 3]))
+    assert not far, "\n".join(map(str, far))
+
+
 BUMPS = {"image": {}, "inverted": {"invert": True, "strength": 0.5, "distance": 0.4},
          "mapped": {"mapping": 2.0, "distance": 0.1}, "position": {"position": True, "distance": 0.4},
          "two": {"chain": True}}
@@ -114,17 +168,19 @@ def test_bumps_are_those_of_cycles(blender, tmp_path, case):
 
 
 def test_every_node_has_a_case():
-    tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
-    (table,) = (n.value for n in tree.body
-                if isinstance(n, ast.Assign) and getattr(n.targets[0], "id", "") == "NODES")
+    keys = []
+    for file in (ROOT / "blender_addon_c/export").glob("node_*.py"):
+        (table,) = (n.value for n in ast.parse(file.read_text()).body
+                    if isinstance(n, ast.Assign) and getattr(n.targets[0], "id", "") == "NODES")
+        keys += table.keys
     types = {"UVMAP": "UVMap", "NEW_GEOMETRY": "NewGeometry",
              "VECT_MATH": "VectorMath", "MIX_RGB": "MixRGB", "VALTORGB": "ValToRGB",
              "SEPRGB": "SeparateRGB", "SEPXYZ": "SeparateXYZ", "COMBRGB": "CombineRGB",
              "COMBXYZ": "CombineXYZ", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
              "RGB": "RGB"}
     # test_blender_semantics.py, and here
-    elsewhere = {"NORMAL_MAP", "TEX_IMAGE", "BUMP"}
-    covered = {case["node"].removeprefix("ShaderNode") for case in CASES}
-    for key in table.keys:
+    elsewhere = {"TEX_IMAGE", "BUMP"}
+    covered = {case["node"].removeprefix("ShaderNode") for case in CASES + PLACES}
+    for key in keys:
         word = types.get(key.value, key.value.title().replace("_", ""))
         assert word in covered or key.value in elsewhere, f"{key.value}: give it a case"

@@ -32,7 +32,7 @@ PACKED = re.compile(
     r"|^v?p(add|sub|mul|mull|or|and|cmp|blend)\w*$"
 )
 # moving is all that this one does
-COPIES = {"geometry"}  # of arrays, by memcpy
+COPIES = {"geometry", "layer"}  # of arrays, by memcpy
 MOVING = {"settle": re.compile("gather|^v?insert|^v?unpck"), "gather": re.compile("gather|^v?insert|^v?unpck")}
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every kind of node that the module knows: what it says of a plate, and who asks for it in Blender.
 
-A kind that has no entry here, or that export/node.py never asks for, fails.
+A kind that has no entry here, or that nothing in export/ asks for, fails.
 """
 
 import ast
@@ -76,6 +76,10 @@ NODES = {
              np.broadcast_to(unit(unit(np.array((-0.6, 0.4, 1))) + (0, 0, 1)), (*u.shape, 3))),
     "ALBEDO": ({"alpha": [0.5], "out": OUT[:3]}, rough_albedo),
     "GEOMETRY": ({"what": "UV", "out": OUT[:3]}, stacked(lambda u, v: (u, v, 0))),
+    "LAYER": ({"layer": 0, "along": "U", "step": 0.125, "out": OUT[:3]},
+              stacked(lambda u, v: (0.5 * (u + 0.125) + 0.25 * v, 0.75 - 0.5 * v, 0))),
+    "OBJECT": ({"what": "POINT_INTO", "vector": UV, "out": OUT[:3]},
+               stacked(lambda u, v: (0.5 * u + 0.25, v, 0.5))),
     "FRAME": ({"vector": [float(t) for t in TILT], "to": "SHADING", "out": OUT[:3]}, tilted),
     "TRANSFORM": ({"vector": UV, "matrix": TURN, "unit": False, "out": OUT[:3]},
                   stacked(lambda u, v: (0.75 - 0.5 * v, 0.25 * u + 0.125, 0.5))),
@@ -88,6 +92,14 @@ NODES = {
     "CLOTH": ({"cloth": 0, "place": PLACE, "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
+PLATE = square()
+U, V = PLATE["corner_uvs"].reshape(-1, 2).T
+# elsewhere and half as wide, which its instance makes good
+AWRY = {"layers": [{"width": 2}],
+        "meshes": [PLATE | {"positions": ((PLATE["positions"] + (0.5, 0, 0.5)) * (0.5, 1, 1)).astype(np.float32),
+                            "layers": [{"layer": 0, "data": np.ascontiguousarray(
+                                np.stack([0.5 * U + 0.25 * V, 0.75 - 0.5 * V], -1), np.float32)}]}],
+        "instances": [{"mesh": 0, "matrix": [2, 0, 0, -0.5, 0, 1, 0, 0, 0, 0, 1, -0.5, 0, 0, 0, 1]}]}
 NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "FRAME")
 
 
@@ -99,7 +111,7 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     error = 0.005 if kind == "ALBEDO" else 4e-5  # a table; 16 bits a texel
     given = material() | {"nodes": [*SOURCES, {"type": kind, **node}],
                           ("normal" if kind in NORMALS else "f0_from"): said}
-    planes, _ = dump(scene(images=IMAGES, cloths=CLOTHS, materials=[given]), tmp_path / "d.exr")
+    planes, _ = dump(scene(images=IMAGES, cloths=CLOTHS, materials=[given], **AWRY), tmp_path / "d.exr")
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
@@ -173,9 +185,9 @@ def test_a_graph_that_cannot_be_right_is_refused(change, message):
 
 
 def test_blender_asks_for_what_the_module_knows():
-    tree = ast.parse((ROOT / "blender_addon_c/export/node.py").read_text())
-    for file in ("graph.py", "closure.py"):
-        tree.body += ast.parse((ROOT / "blender_addon_c/export" / file).read_text()).body
+    tree = ast.parse("")
+    for file in (ROOT / "blender_addon_c/export").glob("*.py"):
+        tree.body += ast.parse(file.read_text()).body
     asked = {node.args[0].value for node in ast.walk(tree)
              if isinstance(node, ast.Call) and "emit" in (getattr(node.func, "attr", ""), getattr(node.func, "id", ""))}
     assert asked == set(KINDS)

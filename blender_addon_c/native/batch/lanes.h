@@ -111,7 +111,11 @@ typedef struct surfaces {
   lane_f u, v;
   lane_v du, dv; /* position by u and v, where the scene has `stretch` */
   lane_f width;  /* where it has cloth: across the ray, of what the hit stands for */
-  lane_f side;   /* -1 where the interpolated normal had to be turned to the eye's side */
+  /* where the scene is `identified`: which triangle and object, and the second and third corner's
+   * weights */
+  lane_u record, instance, object;
+  lane_f w1, w2;
+  lane_f side; /* -1 where the interpolated normal had to be turned to the eye's side */
 } surfaces;
 
 /*

@@ -38,6 +38,7 @@
                                     .pixel_cone = stage_pixel_cone,                                \
                                     .width = stage_width,                                          \
                                     .spread = stage_spread,                                        \
+                                    .identify = stage_identify,                                    \
                                     .flat = stage_flat,                                            \
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \
                                     .pair = stage_pair,                                            \

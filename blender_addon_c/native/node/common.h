@@ -5,6 +5,7 @@
 
 #include "batch/leaf.h"
 #include "scene/graph.h"
+#include "scene/object.h"
 #include "scene/texture.h"
 #include "system/message.h"
 
@@ -12,8 +13,10 @@
 typedef struct node_place {
   const image *image; /* the scene's */
   texture_set *textures;
-  const char *material; /* its name, */
-  double exponent;      /* and how sharp it reflects */
+  const layer *layer;
+  object *const *object; /* the scene's, once it is there */
+  const char *material;  /* its name, */
+  double exponent;       /* and how sharp it reflects */
   message_log *log;
 } node_place;
 

@@ -21,9 +21,11 @@
 #include "node/frame.h"
 #include "node/geometry.h"
 #include "node/image.h"
+#include "node/layer.h"
 #include "node/math.h"
 #include "node/mix.h"
 #include "node/normal_map.h"
+#include "node/object.h"
 #include "node/perturb.h"
 #include "node/ramp.h"
 #include "node/transform.h"
@@ -36,6 +38,8 @@
   ROW(BUMP, bump)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GEOMETRY, geometry)                                                                          \
+  ROW(LAYER, layer)                                                                                \
+  ROW(OBJECT, object)                                                                              \
   ROW(FRAME, frame)                                                                                \
   ROW(TRANSFORM, transform)                                                                        \
   ROW(MATH, math)                                                                                  \

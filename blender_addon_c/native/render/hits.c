@@ -43,6 +43,8 @@ void hits_surface(worker *w) {
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
   if (hits_lifted(w))
     s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
+  if (w->scene->identified)
+    s->identify(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
   if (w->scene->stretch)
     s->stretch(b->queue.hits, w->scene->stretch, w->scene->placed, b->hit, &b->surface);
 }

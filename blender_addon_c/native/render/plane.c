@@ -99,7 +99,9 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
 /* Of an instance whose mesh is shared, or of the triangle. */
 static float object_of(const scene *s, const hits *hit, size_t i) {
   bool shared = s->placed && hit->instance[i];
-  return shared ? s->placed[hit->instance[i]].object : s->triangle[hit->record[i]].object;
+  uint32_t number =
+      shared ? s->placed[hit->instance[i]].object : s->triangle[hit->record[i]].object;
+  return (float)s->instance[number].pass_index;
 }
 
 /* What a plane has to say of one hit. */

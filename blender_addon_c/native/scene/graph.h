@@ -12,6 +12,8 @@ typedef struct graph {
   size_t images; /* of the scene */
   const cloth *cloth;
   size_t cloths;
+  size_t layers;
+  bool identified;  /* something asks which triangle or object it is */
   uint64_t written; /* registers, a bit each */
   bool bare;        /* something takes the unperturbed normal */
   int normal[3];    /* the first that something takes since `named` was false */

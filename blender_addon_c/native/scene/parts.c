@@ -74,9 +74,26 @@ static void each(void *pool, size_t count, void (*work)(void *context, size_t i)
   parallel_for(*(const int *)pool, count, work, context);
 }
 
-static bool find_tangents(const mesh *m, int threads, float *tangent) {
-  return shade_mesh_tangents_by(m->triangles, m->position, m->corner_position, m->corner_normal,
-                                m->corner_uv, tangent, each, &threads) >= 0;
+static bool find_tangents(const mesh *m, const float *uv, int threads, float *tangent) {
+  return shade_mesh_tangents_by(m->triangles, m->position, m->corner_position, m->corner_normal, uv,
+                                tangent, each, &threads) >= 0;
+}
+
+/* Tangents of UV maps beside the mesh's own. */
+static bool find_layers(const preparation *b, const mesh *m, int threads, parts *p) {
+  const scene *s = b->scene;
+  if (!s->layers)
+    return true;
+  p->layer = calloc(s->layers, sizeof *p->layer);
+  for (size_t k = 0; p->layer && k < s->layers; k++) {
+    int of = s->layer[k].tangents_of;
+    if (of < 0 || !m->layer[of])
+      continue;
+    p->layer[k] = scene_array(b->log, 12 * m->triangles, sizeof **p->layer);
+    if (!p->layer[k] || !find_tangents(m, m->layer[of], threads, p->layer[k]))
+      return false;
+  }
+  return p->layer != NULL;
 }
 
 static void prepare(const preparation *b, size_t i, int threads) {
@@ -94,9 +111,11 @@ static void prepare(const preparation *b, size_t i, int threads) {
     plain_tangents(m, p->tangent);
     if (m->triangles)
       message_warn(b->log, "%s has no UV map: its tangent is the object's X axis", m->name);
-  } else if (!find_tangents(m, threads, p->tangent)) {
+  } else if (!find_tangents(m, m->corner_uv, threads, p->tangent)) {
     message_error(b->log, "out of memory");
   }
+  if (!find_layers(b, m, threads, p))
+    message_error(b->log, "out of memory");
 }
 
 static void prepare_small(void *context, size_t i) {
@@ -118,15 +137,19 @@ parts *parts_make(const scene *s, const atomic_bool *cancel, message_log *log) {
   parallel_for(s->threads, s->meshes, prepare_small, &b);
   if (!log->error[0] && !atomic_load_explicit(cancel, memory_order_relaxed))
     return b.parts;
-  parts_free(b.parts, s->meshes);
+  parts_free(b.parts, s);
   return NULL;
 }
 
-void parts_free(parts *p, size_t meshes) {
+void parts_free(parts *p, const scene *s) {
+  size_t meshes = s->meshes, layers = s->layers;
   for (size_t i = 0; p && i < meshes; i++) {
     free(p[i].pair);
     free(p[i].single);
     free(p[i].tangent);
+    for (size_t k = 0; p[i].layer && k < layers; k++)
+      free(p[i].layer[k]);
+    free(p[i].layer);
   }
   free(p);
 }

@@ -17,12 +17,13 @@ typedef struct parts {
   pair *pair;
   uint32_t *single;
   float *tangent; /* 4 per corner */
+  float **layer;  /* the same of the scene's layers of tangents, or NULL */
 } parts;
 
 /* As many as the scene has meshes, or NULL: cancelled, or with the reason in the log. */
 parts *parts_make(const scene *s, const atomic_bool *cancel, message_log *log);
 
-void parts_free(parts *p, size_t meshes);
+void parts_free(parts *p, const scene *s);
 
 /* Memory that Embree may read, not cleared; NULL with a message where there is none. */
 void *scene_array(message_log *log, size_t count, size_t size);

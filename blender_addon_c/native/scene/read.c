@@ -198,7 +198,7 @@ static bool read_closures(reader *r, graph *g, material *m) {
 static bool read_material(reader *r, void *out, void *context) {
   scene *s = context;
   material *m = out;
-  graph g = {.images = s->images, .cloth = s->cloth, .cloths = s->cloths};
+  graph g = {.images = s->images, .cloth = s->cloth, .cloths = s->cloths, .layers = s->layers};
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
@@ -210,6 +210,7 @@ static bool read_material(reader *r, void *out, void *context) {
       !reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g))
     return false;
   g.named = false;
+  s->identified |= g.identified;
   for (int k = 0; k < 3; k++)
     g.normal[k] = REGISTER_NORMAL + k;
   if (!read_closures(r, &g, m))
@@ -249,6 +250,60 @@ static bool all_below(size_t count, const uint32_t *index, size_t limit) {
   return count == 0 || largest < limit;
 }
 
+/* What a mesh has of one of the scene's layers. */
+typedef struct own_layer {
+  int number;
+  const float *data;
+} own_layer;
+
+typedef struct layer_reader {
+  const scene *of;
+  size_t triangles;
+} layer_reader;
+
+static bool read_own_layer(reader *r, void *out, void *context) {
+  const layer_reader *m = context;
+  own_layer *own = out;
+  reader_buffer items;
+  if (!reader_integer(r, "layer", 0, (long)m->of->layers - 1, &own->number))
+    return false;
+  size_t width = (size_t)m->of->layer[own->number].width;
+  if (!reader_items(r, "data", 3 * width * m->triangles, "f", 4, &items))
+    return false;
+  own->data = items.data;
+  return true;
+}
+
+static bool read_layers_of(reader *r, const scene *s, mesh *m) {
+  layer_reader context = {.of = s, .triangles = m->triangles};
+  own_layer *list = NULL;
+  size_t count;
+  if (!s->layers)
+    return true;
+  m->layer = calloc(s->layers, sizeof *m->layer);
+  if (!m->layer)
+    return reader_out_of_memory(r);
+  bool good = !reader_has(r, "layers") ||
+              reader_each(r, "layers", sizeof *list, &count, &list, read_own_layer, &context);
+  for (size_t k = 0; good && list && k < count; k++)
+    m->layer[list[k].number] = list[k].data;
+  free(list);
+  return good;
+}
+
+static bool read_layer(reader *r, void *out, void *context) {
+  const scene *s = context;
+  layer *l = out;
+  int before = (int)(l - s->layer);
+  l->tangents_of = -1;
+  return reader_integer(r, "width", 2, 4, &l->width) &&
+         (l->width != 3 || reader_expected(r, "width", "2 or 4")) &&
+         (!reader_has(r, "tangents_of") ||
+          (reader_integer(r, "tangents_of", 0, before - 1, &l->tangents_of) &&
+           ((l->width == 4 && s->layer[l->tangents_of].width == 2) ||
+            reader_expected(r, "tangents_of", "a layer of two numbers"))));
+}
+
 static bool read_mesh(reader *r, void *out, void *context) {
   const scene *s = context;
   mesh *m = out;
@@ -281,6 +336,8 @@ static bool read_mesh(reader *r, void *out, void *context) {
       return false;
     m->corner_uv = items.data;
   }
+  if (!read_layers_of(r, s, m))
+    return false;
   if (!all_below(3 * m->triangles, m->corner_position, m->positions))
     return reader_fail(r, "corner_position has an index outside of the %zu positions",
                        m->positions);
@@ -305,7 +362,10 @@ static bool read_instance(reader *r, void *out, void *context) {
       !reader_integer(r, "hidden", 0, RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW, &in->hidden))
     return false;
   memcpy(in->matrix, matrix, sizeof in->matrix);
-  return true;
+  for (int k = 0; k < 4; k++)
+    in->color[k] = 1.0f;
+  return (!reader_has(r, "color") || reader_floats(r, "color", 4, in->color)) &&
+         (!reader_has(r, "random") || reader_number_within(r, "random", 0, 1, &in->random));
 }
 
 static bool read_plane(reader *r, void *out, void *context) {
@@ -443,6 +503,8 @@ scene *scene_read(reader *r) {
       read_sky(r, s) &&
       (!reader_has(r, "cloths") ||
        reader_each(r, "cloths", sizeof(cloth), &s->cloths, &s->cloth, cloth_read, s)) &&
+      (!reader_has(r, "layers") ||
+       reader_each(r, "layers", sizeof(layer), &s->layers, &s->layer, read_layer, s)) &&
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
                   s) &&
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&

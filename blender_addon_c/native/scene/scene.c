@@ -56,6 +56,8 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
     node_place place = {.image = s->image,
                         .textures = &s->textures,
+                        .layer = s->layer,
+                        .object = &s->object,
                         .material = m->name,
                         .exponent = sharpest(m),
                         .log = log};
@@ -125,6 +127,10 @@ void scene_free(scene *s) {
   free(s->triangle);
   free(s->stretch);
   free(s->hidden);
+  free(s->object);
+  for (size_t i = 0; s->layer && i < s->layers; i++)
+    free(s->layer[i].corner);
+  free(s->layer);
   free(s->placed);
   texture_free(&s->textures);
   sky_free(&s->sky);
@@ -133,8 +139,10 @@ void scene_free(scene *s) {
     free(s->material[i].name);
     free(s->material[i].node);
   }
-  for (size_t i = 0; s->mesh && i < s->meshes; i++)
+  for (size_t i = 0; s->mesh && i < s->meshes; i++) {
     free(s->mesh[i].name);
+    free(s->mesh[i].layer);
+  }
   for (size_t i = 0; s->cloth && i < s->cloths; i++)
     cloth_free(&s->cloth[i]);
   free(s->cloth);

@@ -20,6 +20,7 @@
 #include "scene/accel.h"
 #include "scene/cloth.h"
 #include "scene/emitters.h"
+#include "scene/object.h"
 #include "system/message.h"
 #include "scene/sky.h"
 #include "scene/texture.h"
@@ -69,6 +70,7 @@ typedef struct mesh {
   const float *corner_normal;      /* 9 per triangle */
   const float *corner_uv;          /* 6 per triangle, or NULL */
   const int32_t *material;         /* 1 per triangle */
+  const float **layer;             /* by layer of the scene: per corner, or NULL */
   char *name;
 } mesh;
 
@@ -77,6 +79,7 @@ typedef struct instance {
   double matrix[12]; /* object to world, rows of 4 */
   int pass_index;    /* of its object */
   int hidden;        /* ray_kinds that do not see it */
+  float color[4], random;
 } instance;
 
 /*
@@ -86,9 +89,9 @@ typedef struct instance {
 typedef struct triangle {
   _Alignas(128) float corner[3][8];
   uint32_t material;
-  float handed; /* bitangent = handed * cross(normal, tangent) */
-  float reach;  /* largest coordinate of a corner: scale of rounding errors */
-  float object; /* pass_index of its instance */
+  float handed;    /* bitangent = handed * cross(normal, tangent) */
+  float reach;     /* largest coordinate of a corner: scale of rounding errors */
+  uint32_t object; /* number of its instance */
   /* Heights of the corners over each other's tangent planes, of a smooth triangle whose `curved` is
    * 1: of 1 and 2 over that of 0, 0 and 2 over 1, 0 and 1 over 2; upper halves of floats. */
   uint16_t height[6];
@@ -100,21 +103,6 @@ _Static_assert(sizeof(triangle) == 128, "two cache lines");
 typedef struct stretch {
   float u[3], v[3];
 } stretch;
-
-/*
- * An instance of a mesh that is kept once, as it is: hits of it are turned into the world.
- * Directions alone: the largest number of each matrix is 1.
- */
-typedef struct placed {
-  uint32_t quad, single; /* number of the mesh's first record of each kind */
-  float normal[3][3];    /* of normals */
-  float linear[3][3];    /* of tangents */
-  float scale;           /* of linear, to be the matrix */
-  float mirror;          /* -1 where the matrix mirrors */
-  float reach;           /* as of a triangle; below 0: the triangle's */
-  float object;
-  uint32_t hidden;
-} placed;
 
 /* Records are numbered in 32 bits; the last number is a miss. */
 #define RECORD_MISS UINT32_MAX
@@ -141,13 +129,15 @@ typedef struct scene {
   bool passes; /* some material lets rays pass on */
   camera camera;
   mist mist;
-  size_t lights, images, cloths, materials, meshes, instances;
+  size_t lights, images, cloths, materials, meshes, instances, layers;
   light *light;
   image *image;
   cloth *cloth;
   material *material;
   mesh *mesh;
   instance *instance;
+  layer *layer;
+  bool identified; /* some node asks for layers or for objects */
   bool denoise;
   char *denoiser;                   /* path of Open Image Denoise, or NULL */
   char *dump;                       /* path, or NULL */
@@ -163,6 +153,7 @@ typedef struct scene {
   triangle *triangle;
   stretch *stretch; /* by triangle, where a material asks for it */
   uint8_t *hidden;  /* by triangle: ray_kinds that do not see it; NULL where all see all */
+  object *object;   /* by instance, where nodes ask */
   bool curved;      /* any of them, where the scene wants to know */
   placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;

@@ -15,7 +15,7 @@
 typedef struct share {
   size_t mesh;
   const double *matrix; /* 12 */
-  int pass_index;
+  uint32_t object;
   uint8_t hidden;
   size_t position, quad, single;
   double normal[9];   /* inverse transpose but for a positive factor */
@@ -129,13 +129,36 @@ static void find_stretch(const float *const corner[3], const triangle *t, stretc
   }
 }
 
+/* The scene's layers of triangle t, its corners turned so that `turn` comes first, for a record. */
+static void fill_layers(const build *b, const share *sh, size_t t, unsigned turn, size_t record) {
+  const scene *s = b->scene;
+  const mesh *m = &s->mesh[sh->mesh];
+  for (size_t k = 0; k < s->layers; k++) {
+    const layer *to = &s->layer[k];
+    size_t width = (size_t)to->width;
+    const float *from = to->tangents_of < 0 ? m->layer[k] : b->parts[sh->mesh].layer[k];
+    for (unsigned corner = 0; corner < 3; corner++) {
+      float *out = to->corner + (3 * record + corner) * width;
+      const float *in = from ? from + (3 * t + (turn + corner) % 3) * width : NULL;
+      for (size_t i = 0; i < width; i++)
+        out[i] = in && fabsf(in[i]) < 1e18f ? in[i] : 0.0f;
+      double v[3];
+      if (!in || to->tangents_of < 0)
+        continue;
+      turned(sh->matrix, 4, in, v);
+      if (!normalized(v, out))
+        out[0] = out[1] = out[2] = 0.0f;
+      out[3] *= sh->mirror;
+    }
+  }
+}
+
 /* The record of triangle t, its corners turned so that `turn` comes first. */
 static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
   const share *sh = &b->share[index];
   const mesh *m = &b->scene->mesh[sh->mesh];
   const float *world[3];
-  *out = (triangle){
-      .material = (uint32_t)m->material[t], .handed = 1.0f, .object = (float)sh->pass_index};
+  *out = (triangle){.material = (uint32_t)m->material[t], .handed = 1.0f, .object = sh->object};
   for (unsigned k = 0; k < 3; k++)
     world[k] = b->position + 3 * (sh->position + m->corner_position[3 * t + (turn + k) % 3]);
   for (unsigned k = 0; k < 3; k++) {
@@ -163,6 +186,8 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
     find_heights(world, out);
   if (b->scene->hidden)
     b->scene->hidden[out - b->scene->triangle] = sh->hidden;
+  if (b->scene->layers)
+    fill_layers(b, sh, t, turn, (size_t)(out - b->scene->triangle));
   if (b->scene->stretch)
     find_stretch(world, out, &b->scene->stretch[out - b->scene->triangle]);
 }
@@ -297,14 +322,14 @@ static void find_bounds(const mesh *m, float bounds[2][3]) {
 }
 
 /* Room in the arrays for another copy of a mesh. */
-static void add_share(build *b, size_t mesh_index, const double *matrix, int pass_index,
+static void add_share(build *b, size_t mesh_index, const double *matrix, size_t object,
                       int hidden) {
   scene *s = b->scene;
   const parts *p = &b->parts[mesh_index];
   share *sh = &b->share[b->shares++];
   *sh = (share){.mesh = mesh_index,
                 .matrix = matrix,
-                .pass_index = pass_index,
+                .object = (uint32_t)object,
                 .hidden = (uint8_t)hidden,
                 .position = b->positions,
                 .quad = s->quad_count,
@@ -341,7 +366,7 @@ static bool share_out(build *b) {
     return false;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++)
     if (!is_reference(b, in))
-      add_share(b, in->mesh, in->matrix, in->pass_index, in->hidden);
+      add_share(b, in->mesh, in->matrix, (size_t)(in - s->instance), in->hidden);
   b->own = b->shares;
   b->own_quads = s->quad_count;
   b->own_singles = b->singles;
@@ -368,6 +393,13 @@ static bool share_out(build *b) {
     return false;
   if (is_stretched(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
     return false;
+  for (size_t k = 0; k < s->layers; k++) {
+    layer *l = &s->layer[k];
+    l->corner = array(b, 3 * s->triangle_count, (size_t)l->width * sizeof *l->corner);
+    l->record = (const float *)s->triangle;
+    if (!l->corner)
+      return false;
+  }
   return b->position && b->quad && b->single && s->triangle;
 }
 
@@ -426,13 +458,41 @@ static bool build_placed(build *b) {
     *p = (placed){.quad = 2 * (uint32_t)of->quad,
                   .single = (uint32_t)(2 * s->quad_count + of->single),
                   .mirror = own.mirror,
-                  .object = (float)in->pass_index,
+                  .object = (uint32_t)(in - s->instance),
                   .hidden = (uint32_t)in->hidden,
                   .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
     scaled_matrix(own.normal, 3, p->normal);
     p->scale = scaled_matrix(in->matrix, 4, p->linear);
   }
   return true;
+}
+
+/* What nodes may ask of each instance. */
+static bool build_objects(build *b) {
+  scene *s = b->scene;
+  s->object = array(b, s->instances, sizeof *s->object);
+  for (size_t i = 0; s->object && i < s->instances; i++) {
+    const instance *in = &s->instance[i];
+    const double *m = in->matrix;
+    object *out = &s->object[i];
+    share own;
+    *out = (object){.pass_index = (float)in->pass_index, .random = in->random};
+    memcpy(out->color, in->color, sizeof out->color);
+    normal_matrix(m, &own); /* the inverse's transpose times |determinant| */
+    double size = fabs(m[0] * own.normal[0] + m[1] * own.normal[1] + m[2] * own.normal[2]);
+    for (int r = 0; r < 3; r++) {
+      double moved = 0;
+      for (int c = 0; c < 3; c++) {
+        double part = size > 0 && isfinite(size) ? own.normal[3 * c + r] / size : 0.0;
+        out->inverse[4 * r + c] = (float)part;
+        moved -= part * m[4 * c + 3];
+      }
+      out->inverse[4 * r + 3] = (float)moved;
+    }
+    for (int k = 0; k < 12; k++)
+      out->matrix[k] = (float)m[k];
+  }
+  return s->object != NULL;
 }
 
 static bool build_world(build *b) {
@@ -444,7 +504,11 @@ static bool build_world(build *b) {
   parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
   for (size_t i = 0; s->soft_terminator && !s->curved && i < s->triangle_count; i++)
     s->curved = s->triangle[i].curved;
-  return !cancelled(b) && build_placed(b);
+  if (cancelled(b) || !build_placed(b))
+    return false;
+  for (size_t k = 0; k < s->layers; k++)
+    s->layer[k].placed = s->placed;
+  return !s->identified || build_objects(b);
 }
 
 /* What Embree is to know of the shares from `first` on; the arrays' own for the world. */
@@ -502,7 +566,7 @@ bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
   good = good && build_accel(&b);
   times->mesh = built - start;
   times->bvh = parallel_clock() - built;
-  parts_free(b.parts, s->meshes);
+  parts_free(b.parts, s);
   free(b.share);
   free(b.shared);
   free(b.chunk);

@@ -12,6 +12,7 @@
  *   surface  position, frame, direction to the eye, uv
  *   lift     shadow rays start above the facets of smooth surfaces
  *   stretch  position by u and v, where materials ask for it
+ *   identify which triangle and object, where they ask
  *   (pixel_cone, width, spread)                                   how much a ray stands for, of
  * cloth flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
@@ -96,6 +97,9 @@ typedef struct stage_table {
                 surfaces *out);
   void (*spread)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
                  const draws *draw, const walks *walk, walks *next);
+  /* Where nodes ask for layers or objects. */
+  void (*identify)(size_t count, const triangle *triangles, const placed *table, const hits *hit,
+                   surfaces *out);
   void (*flat)(const segment *g, inputs *out);
   void (*node[NODE_TYPES])(const segment *g, const node *node, const corners *corner,
                            const surfaces *at, inputs *out);

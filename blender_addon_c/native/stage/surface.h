@@ -191,3 +191,16 @@ static void stage_stretch(size_t count, const stretch *restrict triangles,
     store(&out->dv, i, (vec3){scale * s.v[0], scale * s.v[1], scale * s.v[2]});
   }
 }
+
+static void stage_identify(size_t count, const triangle *restrict triangles,
+                           const placed *restrict table, const hits *restrict hit,
+                           surfaces *restrict out) {
+  memcpy(out->record, hit->record, count * sizeof *out->record);
+  memcpy(out->w1, hit->u, count * sizeof *out->w1);
+  memcpy(out->w2, hit->v, count * sizeof *out->w2);
+  for (size_t i = 0; i < count; i++) {
+    uint32_t instance = table ? hit->instance[i] : 0;
+    out->instance[i] = instance;
+    out->object[i] = instance ? table[instance].object : triangles[hit->record[i]].object;
+  }
+}

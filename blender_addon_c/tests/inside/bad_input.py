@@ -124,11 +124,11 @@ def noise_color(scene):
     tree.links.new(noise.outputs["Color"], node.inputs["Color"])
 
 
-def generated(scene):
+def pointiness(scene):
     _ob, tree, node = plate(scene)
     texture = common.image_node(tree, flat_image(0.2, 0.4, 0.6))
-    source = tree.nodes.new("ShaderNodeTexCoord")
-    tree.links.new(source.outputs["Generated"], texture.inputs["Vector"])
+    source = tree.nodes.new("ShaderNodeNewGeometry")
+    tree.links.new(source.outputs["Pointiness"], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], node.inputs["Color"])
 
 
@@ -186,13 +186,6 @@ def principled(scene):
     ob.data.materials[0] = bpy.data.materials.new("plain")
     inputs = common.tree_of(ob.data.materials[0]).nodes["Principled BSDF"].inputs
     inputs["Subsurface" if "Subsurface" in inputs else "Subsurface Weight"].default_value = 1
-
-
-def anisotropic(scene):
-    ob, _tree, _node = plate(scene)
-    ob.data.materials[0] = bpy.data.materials.new("plain")
-    inputs = common.tree_of(ob.data.materials[0]).nodes["Principled BSDF"].inputs
-    inputs["Anisotropic"].default_value = inputs["Alpha"].default_value = 0.5
 
 
 def beckmann(scene):
@@ -338,9 +331,9 @@ def text_and_curve(scene):
 
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
-    broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, generated, cycle,
+    broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, anisotropic, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
+    other_uv_map, no_material, principled, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,

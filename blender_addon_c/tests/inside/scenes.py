@@ -519,6 +519,79 @@ def graph(options):
     return {}
 
 
+def _sheet(material, options):
+    """A curved, smooth sheet in an awkward place, with all kinds of attributes and two UV maps; the
+    active one is not the first."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=5, y_subdivisions=4, size=1)
+    ob = common.added(material)
+    mesh = ob.data
+    common.smooth(mesh)
+    for vertex in mesh.vertices:
+        x, y, _ = vertex.co
+        vertex.co.z = options.get("height", 0.1) * math.sin(4 * x + y)
+    second = mesh.uv_layers.new(name="second")
+    for k, loop in enumerate(mesh.loops):
+        x, y, _ = mesh.vertices[loop.vertex_index].co
+        second.data[k].uv = (0.4 + 0.3 * y, 0.6 - 0.5 * x + 0.2 * y)
+    second.active_render = True
+    for name, kind, domain, size in (("number", "FLOAT", "POINT", 1), ("vector", "FLOAT_VECTOR", "POINT", 3),
+                                     ("count", "INT", "FACE", 1), ("bytes", "BYTE_COLOR", "CORNER", 4),
+                                     ("floats", "FLOAT_COLOR", "POINT", 4)):
+        attribute = mesh.attributes.new(name, kind, domain)
+        numbers = [(0.5 + 0.5 * math.sin(0.7 * k)) for k in range(size * len(attribute.data))]
+        numbers = [k % 3 for k in range(len(attribute.data))] if kind == "INT" else numbers
+        attribute.data.foreach_set("value" if size == 1 else "vector" if size == 3 else "color", numbers)
+    colors = mesh.color_attributes
+    colors.render_color_index = list(colors.keys()).index("floats")
+    for name in options.get("modifiers", ()):
+        ob.modifiers.new(name, name)
+    ob.color, ob.pass_index, material.pass_index = (0.2, 0.7, 0.4, 0.6), 3, 2
+    ob.rotation_euler = options.get("turn", (0.3, -0.2, 0.5))
+    ob.scale = options.get("scale", (0.9, 0.7, 0.8))
+    return ob
+
+
+def places(options):
+    """Curved sheets side by side, each showing what one node says there, a quarter of it about .5."""
+    cases = options["cases"]
+    scene = common.empty_scene(16 * len(cases), 16, samples=1)
+    for column, case in enumerate(cases):
+        image = bpy.data.images.new("tilt", 1, 1, float_buffer=True, is_data=True)
+        image.pixels.foreach_set([0.7, 0.35, case.get("blue", 0.9), 1])
+        image.update()
+        material, tree, metal = common.metal(f"material {column}", fresnel="NONE", detail="NONE")
+        node = tree.nodes.new(case["node"])
+        for key, value in case.get("set", {}).items():
+            setattr(node, key, value)
+        if "Color" in node.inputs:
+            tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
+            node.inputs["Strength"].default_value = case.get("strength", 1.0)
+        scaled = tree.nodes.new("ShaderNodeVectorMath")
+        scaled.operation = "MULTIPLY_ADD"
+        scaled.inputs[1].default_value = scaled.inputs[2].default_value = (0.25,) * 3
+        scaled.inputs[2].default_value = (0.5,) * 3
+        tree.links.new(node.outputs[case.get("output", 0)], scaled.inputs[0])
+        if options["engine"] == "CYCLES":
+            shader = tree.nodes.new("ShaderNodeEmission")
+            tree.links.new(scaled.outputs[0], shader.inputs["Color"])
+            tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        else:
+            tree.links.new(scaled.outputs[0], metal.inputs["Color"])
+        ob = _sheet(material, case)
+        ob.name = f"sheet {column}"
+        ob.location = (column + 0.5 - 0.5 * len(cases), 0.1, 0.2)
+    common.light(scene)
+    kind = {"type": "ORTHO", "ortho_scale": len(cases)}
+    if options["perspective"]:
+        kind = {"angle": 2 * math.atan(0.125 * len(cases)), "shift_y": 0.1 / len(cases)}
+    common.camera(scene, (0, 0, 4), **kind)
+    if options["engine"] == "CYCLES":
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.filter_width = 1, False, 0.01
+    common.render(options["picture"])
+    return {}
+
+
 def heights(options):
     """A matt plate, twice as long as its UV map says, under a low sun and a Bump node or two."""
     scene = common.empty_scene(128, 128, samples=16)
@@ -585,6 +658,9 @@ def grooves(options):
         node.distribution = "GGX"
         node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.5, 0.6
         tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        tangent = tree.nodes.new("ShaderNodeTangent")
+        tangent.direction_type = "UV_MAP"
+        tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
     node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
     tilted(tree, node, 1.0)
     common.plane(material)
@@ -609,7 +685,8 @@ def shaded(case):
                 node.inputs[key].default_value = value
         if shader.get("grooved"):
             tangent = tree.nodes.new("ShaderNodeTangent")
-            tangent.direction_type = "UV_MAP"
+            tangent.direction_type = "RADIAL" if shader["grooved"] in "XYZ" else "UV_MAP"
+            tangent.axis = shader["grooved"] if shader["grooved"] in "XYZ" else "Z"
             tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
         if last:
             both = tree.nodes.new(case["by"])

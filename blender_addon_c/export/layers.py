@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers at the corners of meshes, beside their UV map: what materials ask for, each once.
+
+A layer is a kind and a name: UV, a map that is not the mesh's main one; TANGENT, its direction, which the
+native module makes; GENERATED, places in the object's texture space; COLOR, a colour attribute ("": the
+active one); ATTRIBUTE, any other.
+"""
+
+import numpy as np
+
+_WIDTHS = {"UV": 2}  # the others have four
+
+
+class Layers:
+    """`listed`: what the native module gets."""
+
+    def __init__(self):
+        self.listed = []
+        self._numbers = {}  # by kind and name
+
+    def number(self, kind, name):
+        key = kind, name
+        if key not in self._numbers:
+            given = {"width": _WIDTHS.get(kind, 4)}
+            if kind == "TANGENT":
+                given["tangents_of"] = self.number("UV", name)
+            self._numbers[key] = len(self.listed)
+            self.listed.append(given)
+        return self._numbers[key]
+
+
+def read(collection, attribute, width, dtype=np.float32):
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(attribute, values)
+    return values
+
+
+def uv_layer(mesh, name, owner, messages):
+    """The UV map of that name, or the active render map; None without any."""
+    layer = mesh.uv_layers.get(name) if name else None
+    if name and not layer:
+        messages.warning(f"object '{owner}': no UV map '{name}'; using the active one")
+    return layer or next((l for l in mesh.uv_layers if l.active_render), None)
+
+
+def uvs_of(layer):
+    """Pairs, as one 64-bit number each, which move 5 times faster."""
+    if hasattr(layer, "uv"):  # from 3.5 on
+        return read(layer.uv, "vector", 2).view(np.int64)
+    return read(layer.data, "uv", 2).view(np.int64)
+
+
+def data_of(mesh, kind, name, where, owner, messages):
+    """A layer of a mesh, by corner of its triangles; None where it has none, with a message. where:
+    by domain, what each corner of a triangle is there."""
+    if kind == "UV":
+        layer = uv_layer(mesh, name, owner, messages)
+        return uvs_of(layer)[where["CORNER"]].view(np.float32) if layer else None
+    if kind == "GENERATED":
+        return _generated(mesh)[where["POINT"]].ravel()
+    attribute = _attribute(mesh, kind, name)
+    layer = None if attribute else mesh.uv_layers.get(name) if name else None
+    if layer:
+        numbers = _four(uvs_of(layer).view(np.float32).reshape(-1, 2))
+        return numbers[where["CORNER"]].ravel()
+    if not attribute or attribute.domain not in where or attribute.data_type not in _READ:
+        what = "has no attribute" if not attribute else "cannot read its attribute"
+        messages.warning(f"object '{owner}' {what} '{name}'; 0 is used")
+        return None
+    member, width = _READ[attribute.data_type]
+    numbers = _four(_numbers(attribute, member, width))
+    return numbers[where[attribute.domain]].ravel()
+
+
+# What an attribute's items are called, and how many numbers they are, by its type.
+_READ = {"FLOAT": ("value", 1), "INT": ("value", 1), "BOOLEAN": ("value", 1), "FLOAT2": ("vector", 2),
+         "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
+
+
+def _numbers(attribute, member, width):
+    kind = {"INT": np.int32, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
+    return read(attribute.data, member, width, kind).astype(np.float32).reshape(-1, width)
+
+
+def _four(numbers):
+    """One number three times; what is missing of a vector is 0, of alpha 1."""
+    count, width = numbers.shape
+    if width == 4:
+        return numbers
+    made = np.zeros((count, 4), np.float32)
+    made[:, 3] = 1
+    made[:, :3 if width == 1 else width] = numbers
+    return made
+
+
+def _attribute(mesh, kind, name):
+    if kind == "COLOR" and not name:
+        colors = mesh.color_attributes
+        at = colors.render_color_index
+        return colors[at] if 0 <= at < len(colors) else None
+    return mesh.attributes.get(name)
+
+
+def _generated(mesh):
+    """0 to 1 over the texture space of the mesh before modifiers deform it."""
+    made = np.zeros((len(mesh.vertices), 4), np.float32)
+    at = read(mesh.vertices, "undeformed_co", 3).reshape(-1, 3)
+    place, size = np.array(mesh.texspace_location), np.array(mesh.texspace_size)
+    scale = np.where(size != 0, 0.5 / np.where(size != 0, size, 1), 0)
+    made[:, :3] = (at - place) * scale + 0.5
+    return made

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images as nodes show them."""
+
+from .image import MISSING, MISSING_COLOR
+from .node_place import place
+
+_WRAPS = {"REPEAT", "EXTEND", "CLIP", "MIRROR"}
+_FILTERS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
+
+
+def _tex_image(reader, found):
+    node = found.node
+    image = image_of(reader, node)
+    if image == MISSING:
+        return (1.0,) if found.output.name == "Alpha" else MISSING_COLOR
+    if image < 0:
+        return None
+    at = place(reader, node.inputs["Vector"], found.groups)
+    key = ("image", node, found.groups, reader.shift)
+    if key not in reader.known:  # both outputs are of one look
+        reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image,
+                                                **({"at": at[:2]} if at else {}))
+    *color, alpha = reader.known[key]
+    return (alpha,) if found.output.name == "Alpha" else color
+
+
+def image_of(reader, node):
+    """Index of the image that a node shows, MISSING or -1 (with a message)."""
+    if not node.image:
+        reader.warn(f"'{node.name}' has no image")
+        return MISSING
+    if node.projection != "FLAT":
+        reader.warn(f"'{node.name}': only flat projection is supported")
+    if node.extension not in _WRAPS:
+        reader.warn(f"'{node.name}': extension {node.extension.lower()} is not supported; repeated")
+    if node.interpolation not in _FILTERS:
+        reader.warn(f"'{node.name}': interpolation {node.interpolation.lower()} is not supported; "
+                    "linear")
+    return reader.images.index(
+        node.image, node.extension if node.extension in _WRAPS else "REPEAT",
+        _FILTERS.get(node.interpolation, "LINEAR"), reader.owner)
+
+
+NODES = {"TEX_IMAGE": _tex_image}

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that bend normals."""
+
+from . import tree
+from .graph import is_known
+from .node_image import image_of
+from .node_place import layer, of_object, place
+from .value import Value, each, normal_of, number_in, number_of, unit, vector_in
+
+
+def _normal_map(reader, found):
+    node = found.node
+    strength = number_in(reader, found, "Strength")
+    if node.space != "TANGENT":
+        return _normal_of_space(reader, found, strength)
+    own = reader.is_main(node.uv_map)
+    color = tree.trace(node.inputs["Color"], found.groups)
+    if color.node and color.node.type == "TEX_IMAGE" and color.output.name == "Color":
+        _check_normal_image(reader, color.node.image)
+        image = image_of(reader, color.node)
+        if image < 0:
+            return None
+        at = place(reader, color.node.inputs["Vector"], color.groups)
+        if own and at is None and is_known(strength):
+            return Value("NORMAL", reader.program.emit("NORMAL_MAP", image=image,
+                                                       strength=strength))
+    elif color.node is None:
+        reader.warn(f"'{node.name}' has no image")
+    tangent = {} if own else {"tangent": layer(reader, "TANGENT", node.uv_map)}
+    return Value("NORMAL", reader.program.emit("PERTURB", color=vector_in(reader, found, "Color"),
+                                               strength=[strength], **tangent))
+
+
+def _normal_of_space(reader, found, strength):
+    """Of the world's space or the object's; on the back it is turned round."""
+    color, space = vector_in(reader, found, "Color"), found.node.space
+    to = each(reader, "MULTIPLY_ADD", color, (2.0,) * 3, (-1.0,) * 3)
+    if space.startswith("BLENDER"):
+        to = (to[0], *each(reader, "MULTIPLY", to[1:], (-1.0,) * 2, (0.0,) * 2))
+    if space.endswith("OBJECT"):
+        to = of_object(reader, "NORMAL_OUT_OF", to)
+    else:
+        to = unit(reader, to)
+    back = reader.program.emit("GEOMETRY", what="BACKFACING")[0]
+    side = reader.program.math("MULTIPLY_ADD", back, -2.0, 1.0)
+    own = reader.program.emit("GEOMETRY", what="NORMAL")
+    mixed = each(reader, "MIX", own, each(reader, "MULTIPLY", to, (side,) * 3), (strength,) * 3)
+    return Value("NORMAL", reader.program.emit("FRAME", vector=mixed, to="SHADING"))
+
+
+def _check_normal_image(reader, image):
+    if image and not image.colorspace_settings.is_data:
+        reader.warn(f"normal map '{image.name}' has colour space "
+                    f"'{image.colorspace_settings.name}': set it to Non-Color")
+    if image and not image.is_float:
+        reader.warn(f"normal map '{image.name}' has 8 bits: its steps show in sharp "
+                    "highlights; use 16 bits or float")
+
+
+def _bump(reader, found):
+    """The height is read at the point, a step along u and one along v."""
+    node, groups = found.node, found.groups
+    own = normal_of(reader, node.inputs["Normal"], groups)
+    height = node.inputs["Height"]
+    if reader.in_height:
+        reader.warn(f"'{node.name}' bends a normal that a height depends on; left out")
+    if reader.in_height or tree.trace(height, groups).node is None:
+        return Value("NORMAL", own) if own else None
+    width = node.inputs.get("Filter Width")
+    if width and (width.is_linked or abs(width.default_value - 0.1) > 1e-6):
+        reader.warn(f"'{node.name}': Filter Width is not supported; heights are a quarter of a texel apart")
+    step = 0.25 / max(1.0, _fineness(height, groups, set()) or 250.0)
+    heights, reader.in_height = [], True
+    for shift in (None, (0, step), (1, step)):
+        reader.shift = shift
+        heights.append(number_of(reader, height, groups))
+    reader.shift, reader.in_height = None, False
+    distance = number_in(reader, found, "Distance")
+    if node.invert:
+        distance = reader.program.math("MULTIPLY", distance, -1.0)
+    return Value("NORMAL", reader.program.emit(
+        "BUMP", height=heights, step=step, strength=[number_in(reader, found, "Strength")],
+        distance=[distance], normal=own or (0.0, 0.0, 1.0)))
+
+
+def _fineness(socket, groups, seen):
+    """Texels of the finest image that feeds a socket, along the UV map; 0 where there is none."""
+    found = tree.trace(socket, groups)
+    node = found.node
+    if node is None or (node, found.groups) in seen:
+        return 0.0
+    seen.add((node, found.groups))
+    if node.type == "TEX_IMAGE":
+        size = max(node.image.size) if node.image else 0
+        return size * _repeats(node.inputs["Vector"], found.groups)
+    return max((_fineness(s, found.groups, seen) for s in node.inputs if s.is_linked), default=0.0)
+
+
+def _repeats(socket, groups):
+    """How often the nearest Mapping node, if there is one, repeats what is looked up."""
+    found = tree.trace(socket, groups)
+    if found.node is None or found.node.type != "MAPPING" or found.node.inputs["Scale"].is_linked:
+        return 1.0
+    scale = max(abs(s) for s in found.node.inputs["Scale"].default_value)
+    return 1 / scale if found.node.vector_type == "TEXTURE" and scale else scale
+
+
+NODES = {"NORMAL_MAP": _normal_map, "BUMP": _bump}

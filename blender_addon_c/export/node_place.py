@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a point is: coordinates, what the surface is there, and the object that it belongs to."""
+
+from mathutils import Matrix
+
+from . import tree
+from .graph import is_known
+from .value import Value, dot, each, three, unit, value_of, vector_in
+
+
+# ---- the UV map and other layers of the mesh
+
+
+def uv(reader, name=""):
+    """Of the map of that name; "" is the active one."""
+    if not reader.is_main(name):
+        return layer(reader, "UV", name)[:3]
+    parts = reader.program.emit("GEOMETRY", what="UV")
+    if reader.shift:
+        axis, step = reader.shift
+        parts[axis] = reader.program.math("ADD", parts[axis], step)
+    return parts
+
+
+def layer(reader, kind, name=""):
+    """Four parts of a layer (layers.py)."""
+    key = ("layer", kind, name, reader.shift)
+    if key not in reader.known:
+        shift = {"along": "NONE"}
+        if reader.shift and kind != "TANGENT":
+            shift = {"along": "UV"[reader.shift[0]], "step": reader.shift[1]}
+        reader.known[key] = reader.program.emit("LAYER", 3, "more", layer=reader.layer(kind, name), **shift)
+    return reader.known[key]
+
+
+def place(reader, socket, groups):
+    """Where an image is looked up; None: at the place of the UV map that is the mesh's own."""
+    found = tree.trace(socket, groups)
+    name = ""
+    if found.node and found.node.type == "UVMAP":
+        name = found.node.uv_map
+    elif found.node and not (found.node.type == "TEX_COORD" and found.output.name == "UV"):
+        value = value_of(reader, socket, groups, own=Value("VECTOR", None))
+        if value.parts is not None:
+            return three(reader, value)
+    return None if reader.is_main(name) and not reader.shift else uv(reader, name)
+
+
+def _uv_map(reader, found):
+    if found.node.from_instancer:
+        reader.warn(f"'{found.node.name}': the instancer's UV map is not supported; the mesh's is used")
+    return uv(reader, found.node.uv_map)
+
+
+def _attribute(reader, found):
+    """Of a colour, Fac is its mean."""
+    node = found.node
+    if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
+        reader.warn(f"'{node.name}': attributes of the {node.attribute_type.lower()} are not supported; left out")
+        return None
+    if node.type == "VERTEX_COLOR":
+        *color, alpha = layer(reader, "COLOR", node.layer_name)
+    else:
+        *color, alpha = layer(reader, "ATTRIBUTE", node.attribute_name)
+    if found.output.name == "Alpha":
+        return (alpha,)
+    return (dot(reader, color, (1 / 3,) * 3),) if found.output.identifier == "Fac" else color
+
+
+# ---- the point
+
+
+def position(reader):
+    parts = reader.program.emit("GEOMETRY", what="POSITION")
+    if reader.shift:
+        axis, step = reader.shift
+        along = reader.program.emit("GEOMETRY", what=("ALONG_U", "ALONG_V")[axis])
+        parts = each(reader, "MULTIPLY_ADD", along, (step,) * 3, parts)
+    return parts
+
+
+def of_object(reader, what, vector=None):
+    """Of the object that is hit; a vector into its space or out of it."""
+    reader.asks_objects()
+    return reader.program.emit("OBJECT", what=what, **({"vector": tuple(vector)} if vector else {}))
+
+
+def _tex_coord(reader, found):
+    name, node = found.output.name, found.node
+    if node.from_instancer and name in ("Generated", "UV"):
+        reader.warn(f"'{node.name}': the instancer's coordinates are not supported; the mesh's are used")
+    if name == "Object":
+        if not node.object:
+            return of_object(reader, "POINT_INTO", position(reader))
+        return transform(reader, position(reader), node.object.matrix_world.inverted_safe())
+    return _COORDINATES[name](reader)
+
+
+def _camera(reader):
+    return transform(reader, position(reader), reader.camera()[0])
+
+
+def _window(reader):
+    """Of the picture's frame, 0 to 1."""
+    to_camera, (x0, x1, y0, y1), perspective = reader.camera()
+    *at, far = transform(reader, position(reader), to_camera)
+    divide = reader.program.math
+    if perspective:
+        at = [divide("DIVIDE", part, far) for part in at]
+    return (*(divide("MULTIPLY", divide("SUBTRACT", part, low), 1.0 / (high - low))
+              for part, low, high in zip(at, (x0, y0), (x1, y1))), 0.0)
+
+
+_COORDINATES = {
+    "Generated": lambda reader: layer(reader, "GENERATED")[:3],
+    "Normal": lambda reader: of_object(reader, "NORMAL_INTO",
+                                       reader.program.emit("GEOMETRY", what="NORMAL")),
+    "UV": uv,
+    "Camera": _camera,
+    "Window": _window,
+    "Reflection": lambda reader: reader.program.emit("GEOMETRY", what="REFLECTION"),
+}
+
+_GEOMETRY = {"Position": "POSITION", "Normal": "NORMAL", "True Normal": "TRUE_NORMAL",
+             "Incoming": "INCOMING", "Backfacing": "BACKFACING"}
+
+
+def _geometry(reader, found):
+    name = found.output.name
+    if name == "Tangent":
+        return round_tangent(reader, "Z")
+    what = _GEOMETRY.get(name)
+    if not what:
+        reader.warn(f"'{found.node.name}' ({name}) is not supported; the socket's own value is used")
+        return None
+    parts = position(reader) if what == "POSITION" else reader.program.emit("GEOMETRY", what=what)
+    return parts[:1] if what == "BACKFACING" else parts
+
+
+# ---- tangents, in world space
+
+
+def round_tangent(reader, axis):
+    """Along circles about an axis through the middle of the object's texture space."""
+    key = ("round", axis)
+    if key not in reader.known:
+        shift, reader.shift = reader.shift, None
+        x, y, z = each(reader, "SUBTRACT", layer(reader, "GENERATED")[:3], (0.5,) * 3)
+        back = reader.program.math
+        about = {"X": (0.0, back("MULTIPLY", z, -1.0), y), "Y": (back("MULTIPLY", z, -1.0), 0.0, x),
+                 "Z": (back("MULTIPLY", y, -1.0), x, 0.0)}[axis]
+        reader.known[key] = _along_surface(reader, of_object(reader, "NORMAL_OUT_OF", about))
+        reader.shift = shift
+    return reader.known[key]
+
+
+def _along_surface(reader, vector):
+    """Its part along the surface, of length 1."""
+    normal = reader.program.emit("GEOMETRY", what="NORMAL")
+    down = reader.program.math("MULTIPLY", dot(reader, vector, normal), -1.0)
+    along = each(reader, "MULTIPLY_ADD", normal, (down,) * 3, vector)
+    return unit(reader, along)
+
+
+def tangent_of(reader, node):
+    """What a Tangent node says; None where it is the mesh's own."""
+    if node.direction_type == "RADIAL":
+        return round_tangent(reader, node.axis)
+    if reader.is_main(node.uv_map):
+        return None
+    return _along_surface(reader, layer(reader, "TANGENT", node.uv_map)[:3])
+
+
+def _tangent(reader, found):
+    return tangent_of(reader, found.node) or reader.program.emit("GEOMETRY", what="TANGENT")
+
+
+# ---- the object
+
+
+def _object_info(reader, found):
+    name = found.output.name
+    if name == "Material Index":
+        return (float(reader.pass_index),)
+    if name in ("Location", "Color"):
+        return of_object(reader, name.upper())
+    key = ("object numbers",)
+    if key not in reader.known:
+        reader.known[key] = of_object(reader, "NUMBERS")
+    return (reader.known[key][("Alpha", "Object Index", "Random").index(name)],)
+
+
+# ---- transformations
+
+
+def transform(reader, vector, matrix, unit=False):
+    rows = [float(value) for row in matrix.to_4x4()[:3] for value in row]
+    return reader.program.emit("TRANSFORM", vector=tuple(vector), matrix=rows, unit=unit)
+
+
+def _mapping(reader, found):
+    kind = found.node.vector_type
+    vector = vector_in(reader, found, "Vector")
+    place = (vector_in(reader, found, "Location") if kind in ("POINT", "TEXTURE") else (0.0,) * 3)
+    scale, turn = vector_in(reader, found, "Scale"), vector_in(reader, found, "Rotation")
+    if not is_known(*turn):
+        reader.warn(f"'{found.node.name}': a rotation that varies is not supported; its socket's "
+                    "own value is used")
+        turn = tuple(found.node.inputs["Rotation"].default_value)
+    rotation = euler(turn)
+    if kind == "TEXTURE":
+        moved = each(reader, "SUBTRACT", vector, place)
+        return each(reader, "DIVIDE", transform(reader, moved, rotation.transposed()), scale)
+    if is_known(*scale, *place):
+        factors = [(1 / s if s else 0.0) if kind == "NORMAL" else s for s in scale]
+        matrix = rotation.to_4x4() @ Matrix.Diagonal((*factors, 1.0))
+        matrix.translation = place
+        return transform(reader, vector, matrix, unit=kind == "NORMAL")
+    sized = each(reader, "DIVIDE" if kind == "NORMAL" else "MULTIPLY", vector, scale)
+    turned = transform(reader, sized, rotation, unit=kind == "NORMAL")
+    return each(reader, "ADD", turned, place)
+
+
+def euler(turn):
+    x, y, z = (Matrix.Rotation(angle, 3, axis) for angle, axis in zip(turn, "XYZ"))
+    return z @ y @ x
+
+
+NODES = {
+    "UVMAP": _uv_map, "TEX_COORD": _tex_coord, "NEW_GEOMETRY": _geometry, "MAPPING": _mapping,
+    "TANGENT": _tangent, "ATTRIBUTE": _attribute, "VERTEX_COLOR": _attribute, "OBJECT_INFO": _object_info,
+}

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What sockets say: a node's own value, or parts that the nodes behind it make.
+
+A function of a node gets the material's reader and where a link came from (tree.Source), and returns what
+the node's output says: parts, each a number or a register, one of a value, three of a colour or vector.
+The functions are in node_*.py.
+"""
+
+from collections import namedtuple
+
+from . import tree
+
+# kind: VALUE, RGBA, VECTOR, or NORMAL, a vector in the shading frame.
+Value = namedtuple("Value", "kind parts")
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # of Rec. 709, Blender's default
+
+
+def color_of(reader, socket, groups):
+    """Three parts of a socket."""
+    return three(reader, value_of(reader, socket, groups))
+
+
+def number_of(reader, socket, groups):
+    """The one part of a socket."""
+    return one(reader, value_of(reader, socket, groups))
+
+
+def normal_of(reader, socket, groups):
+    """Registers of a normal in the shading frame, or None for the surface's own."""
+    found = tree.trace(socket, groups)
+    if found.node is None:
+        return None
+    value = value_of(reader, socket, groups, own=Value("NORMAL", None))
+    if value.parts is None or value.kind == "NORMAL":
+        return value.parts
+    return reader.program.emit("FRAME", vector=three(reader, value), to="SHADING")
+
+
+def value_of(reader, socket, groups, own=None):
+    """What feeds a socket. `own`: what it is where nothing does, else the socket's own value."""
+    found = tree.trace(socket, groups)
+    own = own or own_value(found.socket)
+    if found.node is None:
+        return own
+    key = (found.output, found.groups, reader.shift)
+    if key not in reader.known:
+        reader.known[key] = None  # being asked for
+        reader.known[key] = _value(reader, found, socket) or "unknown"
+    known = reader.known[key]
+    if known is None:
+        reader.warn(f"'{found.node.name}' feeds itself; the link is left out")
+    return own if known in (None, "unknown") else known
+
+
+def own_value(socket):
+    value = tree.own_value(socket)
+    if isinstance(value, tuple):
+        return Value("RGBA" if len(value) == 4 else "VECTOR", value[:3])
+    return Value("VALUE", (value,))
+
+
+def _value(reader, found, socket):
+    node = found.node
+    function = reader.nodes.get(node.type)
+    if not function:
+        reader.warn(f"{socket.name}: '{node.name}' ({found.output.name}) is not supported; "
+                    "what feeds it is used, or the socket's own value")
+        through = next((l for l in node.internal_links if l.to_socket == found.output), None)
+        if not (through and through.from_socket.is_linked):
+            return None
+        return value_of(reader, through.from_socket, found.groups)
+    value = function(reader, found)
+    if value is None or isinstance(value, Value):
+        return value
+    return Value("VALUE" if len(value) == 1 else found.output.type, tuple(value))
+
+
+def three(reader, value):
+    if value.kind == "NORMAL":
+        return tuple(reader.program.emit("FRAME", vector=value.parts, to="WORLD"))
+    return value.parts if len(value.parts) == 3 else value.parts * 3
+
+
+def one(reader, value):
+    if len(value.parts) == 1:
+        return value.parts[0]
+    weights = LUMINANCE if value.kind == "RGBA" else (1 / 3,) * 3
+    return dot(reader, three(reader, value), weights)
+
+
+# ---- several numbers at once
+
+
+def each(reader, operation, a, b=(0.0,) * 3, c=(0.0,) * 3):
+    return tuple(reader.program.math(operation, *parts) for parts in zip(a, b, c))
+
+
+def dot(reader, a, b):
+    total = 0.0
+    for one, other in zip(a, b):
+        total = reader.program.math("ADD", total, reader.program.math("MULTIPLY", one, other))
+    return total
+
+
+def unit(reader, vector):
+    """Of length 1; nothing stays nothing."""
+    return each(reader, "DIVIDE", vector, (reader.program.math("SQRT", dot(reader, vector, vector)),) * 3)
+
+
+def clamped(reader, part):
+    return reader.program.math("CLAMP", part, 0.0, 1.0)
+
+
+def vector_in(reader, found, name):
+    """Three parts of an input, by name or number."""
+    return color_of(reader, found.node.inputs[name], found.groups)
+
+
+def number_in(reader, found, name):
+    return number_of(reader, found.node.inputs[name], found.groups)
