@@ -141,27 +141,32 @@ def _alpha_of(reader, node, groups, name="Roughness"):
                                1e-4)
 
 
+def _kept(reader, color, one, mean):
+    """By which factor several bounces between facets raise a lobe of this mean reflectance, of which
+    `one` is left, in the mean over all directions `mean` [KullaConty2017], as Cycles has it from 4.0
+    on."""
+    math = reader.program.math
+    missing = math("DIVIDE", math("SUBTRACT", 1.0, one), one)
+    lost = math("SUBTRACT", 1.0, mean)
+    parts = []
+    for part in color:
+        again = math("DIVIDE", math("MULTIPLY", part, mean),
+                     math("SUBTRACT", 1.0, math("MULTIPLY", part, lost)))
+        parts.append(math("MULTIPLY_ADD", again, missing, 1.0))
+    return tuple(parts)
+
+
 class _Lobe:
     """What a round GGX lobe reflects of even light: `one` with a Fresnel of 1, `clear` a clear body's
     from 0 head-on to 1, `mean` the first's mean."""
 
     def __init__(self, reader, alpha, normal):
         given = {"normal": normal} if normal else {}
-        self._math = reader.program.math
+        self._reader, self._math = reader, reader.program.math
         self.one, self.clear, self.mean = reader.program.emit("ALBEDO", alpha=[alpha], **given)
 
     def kept(self, color):
-        """By which factor several bounces between facets raise a lobe of this mean reflectance
-        [KullaConty2017], as Cycles has it from 4.0 on."""
-        math = self._math
-        missing = math("DIVIDE", math("SUBTRACT", 1.0, self.one), self.one)
-        lost = math("SUBTRACT", 1.0, self.mean)
-        parts = []
-        for part in color:
-            again = math("DIVIDE", math("MULTIPLY", part, self.mean),
-                         math("SUBTRACT", 1.0, math("MULTIPLY", part, lost)))
-            parts.append(math("MULTIPLY_ADD", again, missing, 1.0))
-        return tuple(parts)
+        return _kept(self._reader, color, self.one, self.mean)
 
     def albedo(self, head_on):
         """Of a clear body with this reflectance head-on."""
@@ -294,7 +299,7 @@ def _groove(reader, node, rotation, groups):
 def _glass_closure(reader, node, groups, **given):
     ior = number_of(reader, node.inputs["IOR"], groups)
     return {"closure": "GLASS", "ior": [ior], "tint": _WHITE, "reflects": True, "refracts": True,
-            "joint": _JOINT, **given}
+            "joint": _JOINT, "flat": not _JOINT and node.distribution != "MULTI_GGX", **given}
 
 
 def _glass(reader, node, groups, share, reflects=True):
@@ -302,10 +307,30 @@ def _glass(reader, node, groups, share, reflects=True):
     alpha = _alpha_of(reader, node, groups)
     if node.distribution == "BECKMANN":
         reader.warn(f"'{node.name}': Beckmann is not supported; shaded as GGX")
+    _add_glass(reader, node, groups, alpha, share, _normal(reader, node, groups), color,
+               reflects=reflects)
+
+
+def _add_glass(reader, node, groups, alpha, share, normal, color=_WHITE, **given):
+    """Where the node says so, light that met the facets several times leaves as the rest does, each
+    time in this colour."""
+    seen = None
     if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
-        reader.warn(f"'{node.name}': several bounces between its facets are left out")
-    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], reflects=reflects),
-         _times(reader, color, share), _normal(reader, node, groups))
+        about = {"normal": normal} if normal else {}
+        ior = number_of(reader, node.inputs["IOR"], groups)
+        one, mean = reader.program.emit("GLASS_ALBEDO", 2, ior=[ior], alpha=[alpha], joint=_JOINT,
+                                        **about)
+        kept = _kept(reader, color, one, mean)
+        share = tuple(reader.program.math("MULTIPLY", share, part) for part in kept)
+        seen = tuple(reader.program.math("DIVIDE", 1.0, part) for part in kept)
+        if "tint" in given:  # of what goes through alone
+            by = _kept(reader, given["tint"], one, mean)
+            given["tint"] = tuple(
+                reader.program.math("MULTIPLY", part, reader.program.math("MULTIPLY", more, one))
+                for part, more in zip(given["tint"], by))
+    share = tuple(reader.program.math("MULTIPLY", part, by) for part, by in zip(
+        share if isinstance(share, tuple) else (share,) * 3, color))
+    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], **given), share, normal, seen)
 
 
 def _refraction(reader, node, groups, share):
@@ -447,8 +472,8 @@ class _Principled:
         matt = self._rest(share, self.metallic)
         glass = self._part(matt, through)
         if not (is_known(glass) and glass == 0):
-            _add(self.reader, _glass_closure(self.reader, self.node, self.groups, tint=self.base,
-                                             alpha=[self.alpha]), glass, self.normal)
+            _add_glass(self.reader, self.node, self.groups, self.alpha, glass, self.normal,
+                       tint=self.base)
         _add(self.reader, {"closure": "DIFFUSE", "model": "BURLEY", "color": self.base,
                            "roughness": [_clamp(self.reader, self._number("Roughness"))]},
              self._rest(matt, through), self.normal)
@@ -473,8 +498,7 @@ class _Principled:
         glass = self._part(share, through)
         if not (is_known(glass) and glass == 0):
             tint = tuple(math("SQRT", _clamp(reader, part)) for part in self.base)
-            _add(reader, _glass_closure(reader, self.node, self.groups, tint=tint,
-                                        alpha=[self.alpha]), glass, self.normal)
+            _add_glass(reader, self.node, self.groups, self.alpha, glass, self.normal, tint=tint)
         share = self._rest(share, through)
         if is_known(share) and share == 0:
             return

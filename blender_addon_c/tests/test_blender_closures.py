@@ -45,6 +45,8 @@ CASES = [
     one("beckmann", "BsdfGlossy", {"Color": RED, "Roughness": 0.5}, distribution="BECKMANN"),
     one("several", "BsdfGlossy", {"Color": RED, "Roughness": 0.7}, distribution="MULTI_GGX"),
     one("glass", "BsdfGlass", {"Color": RED, "Roughness": 0.1}, distribution="GGX"),
+    one("several in glass", "BsdfGlass", {"Color": RED, "Roughness": 0.6}, distribution="MULTI_GGX"),
+    one("rough glass", "BsdfGlass", {"Color": RED, "Roughness": 0.6}, distribution="GGX"),
     one("refraction", "BsdfRefraction", {"Color": RED, "Roughness": 0.2}, distribution="GGX"),
     one("translucent", "BsdfTranslucent", {"Color": RED}),
     one("transparent", "BsdfTransparent", {"Color": RED}),
@@ -60,6 +62,7 @@ CASES = [
     principled("rough", Roughness=1.0),
     principled("coated", **{"Coat Weight": 1.0, "Coat Roughness": 0.1}),
     principled("clear", **{"Transmission Weight": 1.0, "Roughness": 0.1}),
+    principled("rough and clear", **{"Transmission Weight": 1.0, "Roughness": 0.6}),
     principled("shining", **{"Emission Color": (0.1, 0.4, 0.9, 1), "Emission Strength": 1.0}),
     principled("see through", Alpha=0.4),
     grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
@@ -75,8 +78,11 @@ CASES = [
 CASES += [{"name": kind, "bare": kind} for kind in
           ("none", "untouched", "no nodes", "no shader", "image")]
 # How far a ball's mean may be from that of Cycles where it is not the same model: 3.4's clear coat
-# has another distribution.
-OFF = {("coated", "3.4"): 0.03}
+# has another distribution; its light walks among the facets of rough glass, where ours has the share that
+# does leave as the rest. 5.0's Principled darkens what goes through tinted, rough glass by a little more. APART: of 4 x 4 pixels.
+OFF = {("coated", "3.4"): 0.03, ("several in glass", "3.4"): 0.05,
+       ("rough and clear", "5.0"): 0.025}
+APART = {("several in glass", "3.4"): 0.025}
 
 
 def test_shaders_are_those_of_cycles(blender, tmp_path):
@@ -94,7 +100,8 @@ def test_shaders_are_those_of_cycles(blender, tmp_path):
         # 4 x 4 pixels at a time: less noise
         blocks = (ours[at] - theirs[at]).reshape(6, 4, 6, 4, 3).mean((1, 3))
         apart = np.abs(blocks).mean() / mean.mean()
-        if off > OFF.get((case["name"], blender.version), 0.01) or apart > 0.02:
+        if off > OFF.get((case["name"], blender.version), 0.01) or apart > APART.get(
+                (case["name"], blender.version), 0.02):
             far.append((case["name"], off, apart))
     assert not far, far
 

@@ -63,6 +63,17 @@ def test_what_keeps_all_light_is_not_seen(name):
     assert mean == pytest.approx(WHITE, abs=0.01)
 
 
+@pytest.mark.parametrize("alpha, ior, joint", [(0.1, 1.5, True), (0.25, 1.5, False), (0.5, 1.5, True),
+                                              (1.0, 1.5, True), (1.0, 1.5, False), (0.3, 1.8, True), (0.7, 1.1, True)])
+def test_glass_with_all_its_bounces_is_not_seen(alpha, ior, joint):
+    """The share that GLASS_ALBEDO says is lost goes the way of the rest."""
+    one, more = registers(3, 2), registers(5, 1)
+    nodes = [{"type": "GLASS_ALBEDO", "ior": [ior], "alpha": [alpha], "joint": joint, "out": one},
+             {"type": "MATH", "operation": "DIVIDE", "a": [1.0], "b": one[:1], "c": [0.0], "out": more}]
+    mean, _ = furnace(of(glass(alpha, ior, joint=joint) | {"weight": more * 3}, nodes=nodes))
+    assert mean == pytest.approx(WHITE, abs=0.01)
+
+
 LOSE = {
     "oren nayar": of(diffuse("OREN_NAYAR", 0.7)), "glass": of(glass(0.3)),
     "apart": of(glass(0.3, joint=False)), "glossy": of(glossy(0.4)),

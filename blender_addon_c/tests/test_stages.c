@@ -1199,11 +1199,12 @@ static bool closure_by(int number, closure *c) {
                                   .ior = {.at = OPERAND_NUMBER, .number = 1.5f},
                                   .alpha = half,
                                   .tint = {half, half, half},
-                                  .reflects = number % 3 != 0,
-                                  .refracts = number % 3 != 1,
-                                  .joint = number % 2};
+                                  .reflects = number % 3 != 0 || number == 13,
+                                  .refracts = number % 3 != 1 || number == 13,
+                                  .joint = number % 2,
+                                  .flat = number == 13};
   }
-  return number < 11;
+  return number < 14;
 }
 
 /* The same light, eye and normal for all points. */

@@ -3,7 +3,8 @@
  * A rough interface between air and a clear body: GGX, exact Fresnel [Walter2007]. `ior` and
  * `alpha`, an operand each; `tint`, three, of what is refracted; `normal`; `reflects` and
  * `refracts`, whether it does; only refracting, it has no Fresnel. `joint`: Smith's shadowing of
- * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014].
+ * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014]. `flat`:
+ * Fresnel is that of the surface, as Cycles had it until then, not of its facets.
  *
  * As in Cycles, refraction does not scale radiance by the squared indices: what a ray carries is
  * never more than before, and light that enters a body and leaves it is the same either way.
@@ -16,7 +17,7 @@
 
 typedef struct closure_glass {
   operand ior, alpha, tint[3];
-  bool reflects, refracts, joint;
+  bool reflects, refracts, joint, flat;
   int normal[3];
 } closure_glass;
 
@@ -25,6 +26,7 @@ static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g, uns
   return graph_operands(r, g, "ior", 1, &c->ior) && graph_operands(r, g, "alpha", 1, &c->alpha) &&
          graph_operands(r, g, "tint", 3, c->tint) && reader_flag(r, "reflects", &c->reflects) &&
          reader_flag(r, "refracts", &c->refracts) && reader_flag(r, "joint", &c->joint) &&
+         (!reader_has(r, "flat") || reader_flag(r, "flat", &c->flat)) &&
          graph_normal(r, g, c->normal);
 }
 static inline double closure_glass_exponent(const closure_glass *c) {
@@ -63,18 +65,25 @@ LEAF float glass_lambda(float cosine, float alpha) {
 /* What it does, as factors: loops without branches. */
 typedef struct glass_kind {
   float both, mirror, clear; /* which of three: Fresnel decides, all is reflected, or refracted */
-  float joint;
+  float joint, flat;
 } glass_kind;
 static inline glass_kind glass_kind_of(const closure_glass *c) {
   return (glass_kind){.both = c->reflects && c->refracts,
                       .mirror = c->reflects && !c->refracts,
                       .clear = !c->reflects,
-                      .joint = c->joint};
+                      .joint = c->joint,
+                      .flat = c->flat};
 }
 
 typedef struct glass_terms {
   float reflected, refracted, pdf; /* f cos */
 } glass_terms;
+
+/* Which share is reflected where both is done; `own`: at the facet. */
+LEAF float glass_mirrored(const glass_kind *c, float own, float no, float eta) {
+  float t, whole = glass_fresnel(clampf(no, 0.0f, 1.0f), eta, &t);
+  return own + c->flat * (whole - own);
+}
 
 /* For a microfacet h with h.n, h.wo > 0; `through`: wi lies beyond. */
 LEAF glass_terms glass_of(const glass_kind *c, float alpha, float eta, vec3 n, vec3 h, float ho,
@@ -84,7 +93,8 @@ LEAF glass_terms glass_of(const glass_kind *c, float alpha, float eta, vec3 n, v
   float spread = dot(off, off) + alpha * alpha * nh * nh;
   float d = alpha * alpha / (3.14159265f * spread * spread);
   float fresnel = glass_fresnel(ho, eta, &t);
-  fresnel = c->both * fresnel + c->mirror + c->clear * (fresnel < 1.0f ? 0.0f : 1.0f);
+  fresnel = c->both * glass_mirrored(c, fresnel, no, eta) + c->mirror +
+            c->clear * (fresnel < 1.0f ? 0.0f : 1.0f);
   float lo = glass_lambda(no, alpha), li = glass_lambda(ni, alpha);
   float first = 1.0f / (1.0f + lo);
   float both = first / (1.0f + li), together = 1.0f / (1.0f + lo + li);
@@ -175,13 +185,14 @@ LEAF unsigned closure_glass_draw(const closure_glass *glass, lane_run run,
               m.x * a.z + m.y * b.z + m.z * n.z};
     float ho = dot(h, v), t;
     float fresnel = glass_fresnel(ho, eta, &t);
-    float share = what.both * fresnel + what.mirror;
-    bool turned = (out->choice[i] < share) | (fresnel >= 1.0f);
+    float share = what.both * glass_mirrored(&what, fresnel, no, eta) + what.mirror;
+    bool bends = fresnel < 1.0f, turned = (out->choice[i] < share) | !(bends | (what.flat > 0.0f));
     float inverse = 1.0f / eta, bent = ho * inverse - t;
     float along = turned ? 2.0f * ho : bent, back = turned ? 1.0f : inverse;
     vec3 l = {along * h.x - back * v.x, along * h.y - back * v.y, along * h.z - back * v.z};
     float ni = dot(n, l);
-    bool good = (ho > 0.0f) & (no > 0.0f) & ((ni > 0.0f) == turned) & ((l.z > 0.0f) == turned);
+    bool good = (ho > 0.0f) & (no > 0.0f) & ((ni > 0.0f) == turned) & ((l.z > 0.0f) == turned) &
+                (turned | bends);
     glass_terms terms =
         glass_of(&what, alpha, eta, n, h, ho, turned ? ho : -t, no, fabsf(ni), !turned);
     glass_store(&from, i, terms, &out->f);

@@ -20,6 +20,7 @@
 #include "node/cloth.h"
 #include "node/frame.h"
 #include "node/geometry.h"
+#include "node/glass_albedo.h"
 #include "node/image.h"
 #include "node/layer.h"
 #include "node/math.h"
@@ -37,6 +38,7 @@
   ROW(PERTURB, perturb)                                                                            \
   ROW(BUMP, bump)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
+  ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(LAYER, layer)                                                                                \
   ROW(OBJECT, object)                                                                              \

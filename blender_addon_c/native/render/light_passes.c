@@ -265,6 +265,7 @@ static void colors_of(const batch *b, const material *m, size_t i, float out[LIG
       float weight = operand_at(in, c->weight[k], i);
       float color = c->colored ? operand_at(in, c->color[k], i) : plane_closure_color(in, c, k, i);
       if (c->type == CLOSURE_GLASS) {
+        weight *= c->colored ? color : 1.0f;
         out[BOUNCE_GLOSSY][k] += weight * mirror;
         out[BOUNCE_TRANSMISSION][k] +=
             weight * (1.0f - mirror) * operand_at(in, c->of.glass.tint[k], i);
