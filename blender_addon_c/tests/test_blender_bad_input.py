@@ -17,6 +17,7 @@ EXPECTED = {
     "no_camera": ("error", "no camera"),
     "no_light": ("finished", "Warning: .*no sun or point or spot or area light"),
     "no_uv": ("finished", "Warning: .*'Plane' has no UV map"),
+    "no_uv_matt": ("finished", None),
     "no_uv_textured": ("finished", "Warning: .*'Plane': textures need a UV map"),
     "no_faces": ("finished", None),
     "missing_image": ("finished", "Warning: .*'steel': image file not found: .*gone.png"),
@@ -112,6 +113,10 @@ def test_what_stands_in_for_it(cases, name):
 @pytest.mark.parametrize("name", ["flat_object", "vanished_object"])
 def test_what_has_no_area_is_not_seen(cases, name):
     assert not rgba(cases[1] / f"{name}.exr").any()
+
+
+def test_tangents_matter_to_grooves_only(cases):
+    assert "Warning" not in cases[0]["no_uv_matt"][1]
 
 
 def test_eight_bits(cases):

@@ -12,7 +12,8 @@ typedef enum closure_trait {
   CLOSURE_THROUGH = 2,  /* to and from the side that is not seen, too */
   CLOSURE_PASSES = 4,   /* its rays go straight on */
   CLOSURE_EMITS = 8,    /* its weight is radiance */
-  CLOSURE_MATT = 16     /* its bounces count as diffuse ones */
+  CLOSURE_MATT = 16,    /* its bounces count as diffuse ones */
+  CLOSURE_GROOVED = 32  /* turned about its normal it is another */
 } closure_trait;
 
 /* Density and f of a direction that is drawn with certainty: what stands for infinite ones. Its

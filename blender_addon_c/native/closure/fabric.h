@@ -22,7 +22,8 @@ static inline double closure_fabric_exponent(const closure_fabric *c) {
   return fmax(fmax(p->warp.along, p->warp.across), fmax(p->weft.along, p->weft.across));
 }
 static inline unsigned closure_fabric_traits(const closure_fabric *c) {
-  return CLOSURE_SCATTERS | CLOSURE_MATT | (c->use.cloth->through ? (unsigned)CLOSURE_THROUGH : 0u);
+  return CLOSURE_SCATTERS | CLOSURE_MATT | CLOSURE_GROOVED |
+         (c->use.cloth->through ? (unsigned)CLOSURE_THROUGH : 0u);
 }
 
 LEAF void closure_fabric_albedo(const closure_fabric *c, lane_run run, const surfaces *at,

@@ -106,7 +106,11 @@ LEAF unsigned closure_metal_traits(const closure_metal *c) {
   bool mirror = c->params.fresnel != SHADE_FRESNEL_NONE;
   for (int k = 0; k < 3; k++)
     mirror = mirror || c->f0[k].at >= 0 || c->params.f0[k] > 0;
-  return CLOSURE_SCATTERS | (mirror ? 0u : (unsigned)CLOSURE_MATT);
+  bool uneven = c->params.ax != c->params.ay || c->ax.at != c->ay.at;
+  bool fibres = c->params.diffuse != SHADE_DIFFUSE_LAMBERT &&
+                c->params.diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  return CLOSURE_SCATTERS | (mirror ? 0u : (unsigned)CLOSURE_MATT) |
+         (fibres || (mirror && uneven) ? (unsigned)CLOSURE_GROOVED : 0u);
 }
 
 /* Schlick's Fresnel of f0, and the matt part; of a conductor that varies, as if it were dark. */

@@ -70,6 +70,14 @@ static void plain_tangents(const mesh *m, float *tangent) {
   }
 }
 
+/* Does it matter which way its tangents point? */
+static bool grooved(const scene *s, const mesh *m) {
+  for (size_t t = 0; t < m->triangles; t++)
+    if (s->material[m->material[t]].traits & CLOSURE_GROOVED)
+      return true;
+  return false;
+}
+
 static void each(void *pool, size_t count, void (*work)(void *context, size_t i), void *context) {
   parallel_for(*(const int *)pool, count, work, context);
 }
@@ -109,7 +117,7 @@ static void prepare(const preparation *b, size_t i, int threads) {
   split(m, p);
   if (!m->corner_uv) {
     plain_tangents(m, p->tangent);
-    if (m->triangles)
+    if (grooved(b->scene, m))
       message_warn(b->log, "%s has no UV map: its tangent is the object's X axis", m->name);
   } else if (!find_tangents(m, m->corner_uv, threads, p->tangent)) {
     message_error(b->log, "out of memory");

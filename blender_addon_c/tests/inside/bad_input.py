@@ -69,6 +69,12 @@ def no_uv(scene):
     ob.data.uv_layers.remove(ob.data.uv_layers[0])
 
 
+def no_uv_matt(scene):
+    ob, _tree, _node = plate(scene)
+    ob.data.materials.clear()
+    ob.data.uv_layers.remove(ob.data.uv_layers[0])
+
+
 def no_uv_textured(scene):
     ob, tree, node = plate(scene)
     texture = common.image_node(tree, flat_image(0.2, 0.4, 0.6))
@@ -330,7 +336,8 @@ def text_and_curve(scene):
 
 
 CASES = [
-    fine, empty, no_camera, no_light, no_uv, no_uv_textured, no_faces, missing_image, missing_normal_map,
+    fine, empty, no_camera, no_light, no_uv, no_uv_matt, no_uv_textured, no_faces, missing_image,
+    missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
