@@ -66,10 +66,11 @@ class LibshadeEngine(bpy.types.RenderEngine):
         self.update_stats("", "Reading the scene")
         size = self.resolution_x, self.resolution_y
         camera = export.camera_of(self.camera_override, depsgraph, size, messages)
-        scene = export.read(depsgraph, camera, size, region,
-                            depsgraph.scene.libshade.samples, messages)
-        scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
         passes = export.passes_of(depsgraph.scene, depsgraph.view_layer)
+        mattes = export.Mattes(passes)
+        scene = export.read(depsgraph, camera, size, region,
+                            depsgraph.scene.libshade.samples, messages, mattes)
+        scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
         scene.update(export.planes_of(passes, depsgraph.scene.world))
         scene.update(export.denoiser(depsgraph.scene.libshade))
         export.passes_left_out(depsgraph.view_layer, messages)
@@ -83,6 +84,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
             _native.image(job, pixels)
             _set_pixels(result, pixels)
             _set_passes(result, job, passes, len(pixels) // 4)
+            for field, text in mattes.fields(depsgraph.view_layer.name):
+                self.get_result().stamp_data_add_field(field, text)
             for text in state["warnings"]:
                 messages.warning(text)
             if state["state"] == "failed":

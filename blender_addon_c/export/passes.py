@@ -36,6 +36,9 @@ PASSES = (
     *_light_passes(),
     _pass("emit", "Emit", "Emission", "RGB", "COLOR", "EMISSION"),
     _pass("environment", "Env", "Environment", "RGB", "COLOR", "ENVIRONMENT"),
+)
+# After those of names, whose number is the view layer's.
+_LAST = (
     Pass("use_denoising", "Noisy Image", "RGBA", "COLOR", NOISY),
     Pass("denoising_store_passes", "Denoising Normal", "XYZ", "VECTOR", "SEEN_NORMAL"),
     Pass("denoising_store_passes", "Denoising Albedo", "RGB", "COLOR", "ALBEDO"),
@@ -48,20 +51,28 @@ _UNKNOWN = {
     "use_pass_ambient_occlusion": "Ambient Occlusion",
     **{f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}"
        for part in ("direct", "indirect", "color")},
-    **{f"use_pass_cryptomatte_{what}": f"Cryptomatte {what.capitalize()}"
-       for what in ("object", "material", "asset")},
 }
 
 
 def passes_of(scene, view_layer):
     """Those that the view layer asks for and the engine has."""
     owners = {"use_denoising": scene.libshade, "denoising_store_passes": view_layer.libshade}
-    return [p for p in PASSES if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
+    return [p for p in (*PASSES, *_mattes(view_layer), *_LAST)
+            if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
+
+
+def _mattes(view_layer):
+    """Layers of two names each, of every kind; their channels are written as Cycles writes them."""
+    layers = (min(16, view_layer.pass_cryptomatte_depth) + 1) // 2
+    return [Pass(f"use_pass_cryptomatte_{kind}", f"Crypto{kind.title()}{layer:02}", "rgba", "COLOR",
+                 f"{kind.upper()}_MATTE{layer:02}")
+            for kind in ("object", "material", "asset") for layer in range(layers)]
 
 
 def planes_of(passes, world):
     """What the native module reads for them."""
-    planes = {"planes": [{"type": p.plane} for p in passes if p.plane != NOISY]}
+    planes = {"planes": [{"type": p.plane} for p in passes
+                         if p.plane != NOISY and "_MATTE" not in p.plane]}
     if any(p.plane == "MIST" for p in passes):
         settings = world.mist_settings if world else None
         planes["mist"] = {"start": settings.start if settings else 0.0,

@@ -9,6 +9,7 @@ from . import passes, tree
 from .camera import rows
 from .light import kinds, light_of
 from .material import Table
+from .matte import Mattes
 from .mesh import mesh_of
 from .visibility import ALL, BOUNCED, hidden, is_hidden
 from .world import world_of
@@ -18,13 +19,14 @@ _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bo
 _MOST_THREADS = 256  # that the native module starts
 
 
-def read(depsgraph, camera, size, region, samples, messages):
+def read(depsgraph, camera, size, region, samples, messages, mattes=None):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
+    mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     table = Table(messages, scene.libshade.groove_transport,
                   passes.have_colors(scene, depsgraph.view_layer), camera, depsgraph)
     with tree.deep():
-        meshes, instances, lights = _objects(depsgraph, table, messages)
+        meshes, instances, lights = _objects(depsgraph, table, mattes, messages)
         world = world_of(scene.world, table.images, messages)
     if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
@@ -51,7 +53,8 @@ def read(depsgraph, camera, size, region, samples, messages):
         "images": table.images.listed,
         "cloths": table.cloths,
         "layers": table.layers.listed,
-        "materials": table.materials,
+        "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
+        **mattes.wanted(),
         "by_camera": table.by_camera,
         "meshes": meshes,
         "instances": instances,
@@ -71,7 +74,7 @@ def _pixel_filter(settings):
     return {"pixel_filter_type": settings.pixel_filter_type, "filter_width": settings.filter_width}
 
 
-def _objects(depsgraph, table, messages):
+def _objects(depsgraph, table, mattes, messages):
     """All meshes, their instances and the lights."""
     meshes, instances, lights = [], [], []
     # (mesh, are its faces a light, materials of its slots): its index, or None for one without faces
@@ -100,7 +103,8 @@ def _objects(depsgraph, table, messages):
                 messages.warning(f"object '{ob.name}': its place is not a number; left out")
             elif known[key] is not None:
                 instances.append({"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
-                                  "hidden": bits, **(_own(item) if table.by_object else {})})
+                                  "hidden": bits, **mattes.of_object(ob),
+                                  **(_own(item) if table.by_object else {})})
     return meshes, instances, lights
 
 

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Passes beside the picture, by view layer, in a multilayer file."""
 
+import json
 import math
 import re
 
 import numpy as np
+import OpenImageIO as oiio
 
 from blender_runs import read_picture
 from test_blender_closures import CASES
@@ -51,6 +53,7 @@ PARTS = {"3.4": ("Dir", "Ind", "Col"), "5.0": ("Direct", "Indirect", "Color")}
 SEEN = {"3.4": ("Emit", "Env"), "5.0": ("Emission", "Environment")}
 LIGHT = (*(f"{kind}_{part}" for kind in ("diffuse", "glossy", "transmission")
            for part in ("direct", "indirect", "color")), "emit", "environment")
+NAMES = tuple(f"cryptomatte_{kind}" for kind in ("object", "material", "asset"))
 BALLS = ("diffuse", "glossy", "glass", "translucent", "half there", "mixed", "added", "metallic",
          "half metallic", "clear")
 SIDE = 24
@@ -69,19 +72,52 @@ def by_pass(names, pixels):
             for name, ends in channels.items()}
 
 
+def coverage(picture, kind):
+    """{number of a name: how much of each pixel shows it}."""
+    found = {}
+    for layer in range(3):
+        pixels = picture[f"Crypto{kind}{layer:02}"]
+        for pair in (0, 2):
+            for name in np.unique(pixels[..., pair][pixels[..., pair + 1] > 0]):
+                there = np.where(pixels[..., pair] == name, pixels[..., pair + 1], 0)
+                found[name] = found.get(name, 0) + there
+    return found
+
+
+def check_mattes(pictures, headers):
+    """The same names cover as much as in Cycles, and a file says what these are."""
+    for kind in ("Object", "Material", "Asset"):
+        ours, theirs = (coverage(picture, kind) for picture in pictures)
+        assert set(ours) == set(theirs) and len(ours) == len(BALLS) + 1
+        for name, pixels in theirs.items():
+            assert abs(ours[name].mean() - pixels.mean()) < 0.01 * pixels.mean()
+            assert np.abs(ours[name] - pixels).mean() < 0.05 * pixels.mean()
+    ours, theirs = ({field.name: field.value for field in header.extra_attribs
+                     if field.name.startswith("cryptomatte/")} for header in headers)
+    assert set(ours) == set(theirs) and len(ours) == 12
+    for key, value in ours.items():
+        if not key.endswith("manifest"):
+            assert value == theirs[key]
+            continue
+        assert json.loads(value).items() <= json.loads(theirs[key]).items()  # it lists what is hidden, too
+        assert len(json.loads(value)) == len(BALLS) + 1
+
+
 def test_passes_are_those_of_cycles(blender, tmp_path):
     """Balls and a floor under a sky and a sun: names, and what each pass adds to the picture."""
     cases = [case for case in CASES if case["name"] in BALLS]
-    files = []
+    files, headers = [], []
     for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
         _, text = blender.scene("balls", tmp_path, dump="", cases=cases, engine=engine, samples=samples,
-                                passes=(*WANTED[:-1], *LIGHT), floor=(0.6, 0.3, 0.2, 1))
+                                passes=(*WANTED[:-1], *LIGHT, *NAMES), floor=(0.6, 0.3, 0.2, 1))
         if engine == "LIBSHADE" and blender.version < "5":  # which prints no status by itself
             said = re.search(r"\| Mem:([\d.]+)M, Peak:([\d.]+)M \| Rendering \| Sample \d+/256", text)
             assert said and 1 < float(said.group(1)) <= float(said.group(2)) < 100, text
         files.append(read_picture(tmp_path / "picture.exr"))
+        headers.append(oiio.ImageBuf(str(tmp_path / "picture.exr")).spec())
     assert files[0][0] == files[1][0]  # layers, passes and channels, in their order
     pictures = [by_pass(*file) for file in files]
+    check_mattes(pictures, headers)
     behind = pictures[1][SEEN[blender.version][1]].max(-1) > 0
     for picture in pictures:  # there Cycles takes the sky's colour for data
         picture["Denoising Albedo"][behind] = 0
@@ -99,7 +135,7 @@ def test_passes_are_those_of_cycles(blender, tmp_path):
                          for name, p in picture.items()} for picture in pictures)
         whole = theirs["Combined"]
         for name, mean in theirs.items():
-            if name.startswith("Denoising") and case["name"] not in FIRST:
+            if name.startswith("Crypto") or (name.startswith("Denoising") and case["name"] not in FIRST):
                 continue
             off = abs(ours[name] - mean) / (abs(mean) + 0.1 * whole)
             # of one sample a pixel those at the rims are chance
@@ -124,3 +160,9 @@ def test_denoise_node(blender50, tmp_path):
     kept = by_pass(*read_picture(tmp_path / "picture.exr"))
     np.testing.assert_allclose(kept["Noisy Image"], noisy, rtol=1e-4, atol=1e-5)
     assert ((kept["Combined"] - many) ** 2 / (many**2 + 1e-3)).mean() < before / 4
+
+
+def test_cryptomatte_node(blender50, tmp_path):
+    blender50.scene("picked", tmp_path, dump="", who="right")
+    matte = read_picture(tmp_path / "picture.exr")[1][..., 0]
+    assert (matte[4:12, :8] == 0).all() and (matte[4:12, 8:] == 1).all() and (matte[:4] == 0).all()

@@ -4,6 +4,7 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -165,9 +166,26 @@ PyDoc_STRVAR(image_doc, "image(job, out, plane='')\n\n"
                         "Copy the picture so far into a writable float32 buffer of 4 floats a\n"
                         "pixel of the region: linear, alpha premultiplied, bottom row first. Or a\n"
                         "plane that the scene asked for, of as many floats a pixel as it has; or\n"
-                        "NOISY, the picture as it was before it was denoised.");
+                        "NOISY, the picture as it was before it was denoised; or OBJECT_MATTE00,\n"
+                        "…, MATERIAL_MATTE00, …, ASSET_MATTE00, …: two slots of names each.");
 
 #define NOISY "NOISY"
+
+/* Of KIND_MATTE and a layer's two digits, as far as it is rendered. */
+static bool find_matte(const render *r, const char *word, matte_kind *kind, size_t *layer) {
+  for (int k = 0; k < MATTE_KINDS; k++) {
+    char begin[32];
+    snprintf(begin, sizeof begin, "%s_MATTE", matte_word((matte_kind)k));
+    size_t length = strlen(begin);
+    if (strncmp(word, begin, length) != 0 || strlen(word) != length + 2 ||
+        strspn(word + length, "0123456789") != 2)
+      continue;
+    *kind = (matte_kind)k;
+    *layer = (size_t)((word[length] - '0') * 10 + word[length + 1] - '0');
+    return r->matte && r->mattes.wanted >> k & 1u && 2 * *layer < r->mattes.slots;
+  }
+  return false;
+}
 
 /* The plane of that word, if it is one that is rendered; PLANES where none is meant. */
 static bool find_plane(const render *r, const char *word, plane_type *out) {
@@ -193,7 +211,10 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
   if (!h)
     return NULL;
   render *r = &h->job->render;
-  if (!find_plane(r, word, &plane))
+  matte_kind kind = MATTE_KINDS;
+  size_t layer = 0;
+  bool matte = find_matte(r, word, &kind, &layer);
+  if (!find_plane(r, matte ? "" : word, &plane))
     return NULL;
   Py_ssize_t width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
   Py_ssize_t count = width * height * (plane == PLANES ? 4 : plane_channels(plane));
@@ -206,7 +227,9 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
     PyBuffer_Release(&view);
     return NULL;
   }
-  if (plane == PLANES && *word)
+  if (matte)
+    render_copy_matte(r, kind, layer, view.buf);
+  else if (plane == PLANES && *word)
     render_copy_noisy(r, view.buf);
   else if (plane == PLANES)
     render_copy(r, view.buf);

@@ -490,10 +490,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   if (scene->cloths)
     s->pixel_cone(count, view, &b->sample_ray, b->walk);
   if (w->light)
-    light_passes_begin(w, count);
+    light_passes_begin(w, view, count);
   const lane_c *color = shade_batch(w, view, paths, sky, count, phase);
   s->film(count, view, color, &b->path, pixels);
   if (w->light)
-    light_passes_film(w, view, count);
+    light_passes_film(w, count);
   clock_tick(&w->clocks, CLOCK_FILM);
 }

@@ -7,6 +7,7 @@
 
 #include "batch/state.h"
 #include "render/clock.h"
+#include "render/matte.h"
 #include "render/plane.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
@@ -28,7 +29,9 @@ typedef struct worker {
   const plane_layout *planes;
   bool first_pass;
   float *numbers;             /* of the tile's planes, or NULL where none is wanted */
-  struct light_passes *light; /* or NULL where no plane of light is wanted */
+  struct light_passes *light; /* or NULL where no plane of light and no matte is wanted */
+  const matte_layout *mattes; /* or NULL where none is wanted, */
+  float *matte;               /* and those of the tile */
   batch *batch;
   cloth_room cloth;
   size_t *end;     /* by light that hits choose: past the last of them in batch->lit */

@@ -106,6 +106,7 @@ static void release(job *j) {
   free(j->render.sum);
   free(j->render.numbers);
   free(j->render.whole);
+  free(j->render.matte);
   sampling_free(&j->samples);
   scene_free(j->scene);
   message_free(&j->log);
@@ -144,7 +145,10 @@ job *job_start(scene *s) {
   j->render.planes = plane_layout_of(s->planes);
   if (s->planes)
     j->render.numbers = calloc(pixels + 1, (size_t)j->render.planes.channels * sizeof(float));
-  if (!j->render.sum || (s->planes && !j->render.numbers) ||
+  j->render.mattes = matte_layout_of(s->mattes, (size_t)s->matte_slots);
+  if (s->mattes)
+    j->render.matte = calloc(pixels + 1, j->render.mattes.all * sizeof(float));
+  if (!j->render.sum || (s->planes && !j->render.numbers) || (s->mattes && !j->render.matte) ||
       !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter, s->filter_width) ||
       !render_prepare(&j->render) || pthread_create(&j->thread, NULL, controller, j) != 0) {
     release(j);

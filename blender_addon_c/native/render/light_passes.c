@@ -11,6 +11,7 @@ enum { LIGHT_KINDS = BOUNCE_TRANSPARENT };          /* the first of bounce_kind 
 enum { KIND_BY_SIDE = LIGHT_KINDS, KINDS_SEVERAL }; /* glossy or through; not the same for all */
 
 typedef struct light_passes {
+  size_t first, samples; /* of the batch, as in camera_view */
   /* by hit */
   lane_c shone, reflected[LIGHT_KINDS];
   /* by sample: how much of what comes along its first drawn ray counts as each kind */
@@ -22,7 +23,7 @@ typedef struct light_passes {
 } light_passes;
 
 bool light_passes_init(worker *w) {
-  if (!w->planes || !(w->planes->wanted & PLANES_LIGHT_MASK))
+  if (!w->mattes && !(w->planes && w->planes->wanted & PLANES_LIGHT_MASK))
     return true;
   w->light = aligned_alloc(64, sizeof *w->light);
   return w->light != NULL;
@@ -305,6 +306,18 @@ static float clear_of(const scene *s, const batch *b, size_t i) {
   return 1.0f - mist;
 }
 
+/* A hit's names to the slots of its pixel. */
+static void add_mattes(worker *w, const material *m, size_t i, size_t sample, float coverage) {
+  const matte_layout *layout = w->mattes;
+  const instance *object = plane_object(w->scene, w->batch->hit, i);
+  const float name[MATTE_KINDS] = {object->matte[0], m->matte, object->matte[1]};
+  size_t pixel = (w->light->first + sample) / w->light->samples;
+  for (int kind = 0; kind < MATTE_KINDS; kind++)
+    if (layout->wanted >> kind & 1u)
+      matte_add(w->matte + layout->all * pixel + layout->at[kind], layout->slots, name[kind],
+                coverage);
+}
+
 /* What the camera sees of surfaces, itself or through others. */
 static void gain_seen(worker *w, const material *m, size_t i, float dim) {
   batch *b = w->batch;
@@ -313,7 +326,10 @@ static void gain_seen(worker *w, const material *m, size_t i, float dim) {
   color3 c = weighed(b->walk, ray, &p->shone, i, dim);
   float color[LIGHT_KINDS][3];
   add(emission_of(p), sample, c.r, c.g, c.b);
-  p->sum[PLANE_MIST - PLANE_LIGHT].r[sample] += opacity_of(b, m, i) * clear_of(w->scene, b, i);
+  float opacity = opacity_of(b, m, i);
+  p->sum[PLANE_MIST - PLANE_LIGHT].r[sample] += opacity * clear_of(w->scene, b, i);
+  if (w->mattes)
+    add_mattes(w, m, i, sample, opacity);
   colors_of(b, m, i, color);
   for (int kind = 0; kind < LIGHT_KINDS; kind++) {
     c = weighed(b->walk, ray, &p->reflected[kind], i, dim);
@@ -382,14 +398,16 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   }
 }
 
-void light_passes_begin(worker *w, size_t count) {
+void light_passes_begin(worker *w, const camera_view *view, size_t count) {
+  w->light->first = view->first;
+  w->light->samples = view->samples;
   for (int k = 0; k < LIGHT_PLANES; k++)
     zero_run(&w->light->sum[k], (lane_run){0, count});
   light_passes_environment(w, w->batch->walk, count);
 }
 
-void light_passes_film(worker *w, const camera_view *view, size_t count) {
-  const size_t first = view->first, samples = view->samples;
+void light_passes_film(worker *w, size_t count) {
+  const size_t first = w->light->first, samples = w->light->samples;
   const size_t stride = (size_t)w->planes->channels;
   for (int k = 0; k < LIGHT_PLANES; k++) {
     if (!(w->planes->wanted >> (PLANE_LIGHT + k) & 1u))

@@ -6,7 +6,7 @@
  * shares that the closures of each kind have in what the surface sends to the eye. It is direct
  * where it comes from lights, whether a sample of theirs or a drawn ray found them, and indirect
  * where there are more surfaces on its way. Of these surfaces' colours there are planes as well,
- * and of the mist before all that the camera sees: 1 less what it leaves.
+ * and of the mist before all that the camera sees: 1 less what it leaves. Mattes go with it.
  *
  * What is here follows a batch from outside: where no such plane is wanted, nothing is called.
  */
@@ -15,11 +15,11 @@
 
 #include "render/bounce.h"
 
-/* Makes w->light where planes of light are wanted. False when out of memory. */
+/* Makes w->light where planes of light or mattes are wanted. False when out of memory. */
 bool light_passes_init(worker *w);
 
 /* In the order of a batch: the camera's rays are traced and have their walks; */
-void light_passes_begin(worker *w, size_t count);
+void light_passes_begin(worker *w, const camera_view *view, size_t count);
 /* hits know what they shine themselves; */
 void light_passes_shone(worker *w);
 /* what a light makes of the closures is in batch->reflection; */
@@ -33,6 +33,6 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays);
 /* rays have met lights; */
 void light_passes_met(worker *w, size_t rays, const float most[2]);
 /* and all is added to the tile's numbers. */
-void light_passes_film(worker *w, const camera_view *view, size_t count);
+void light_passes_film(worker *w, size_t count);
 
 #endif

@@ -96,12 +96,10 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
   return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};
 }
 
-/* Of an instance whose mesh is shared, or of the triangle. */
-static float object_of(const scene *s, const hits *hit, size_t i) {
+const instance *plane_object(const scene *s, const hits *hit, size_t i) {
   bool shared = s->placed && hit->instance[i];
-  uint32_t number =
-      shared ? s->placed[hit->instance[i]].object : s->triangle[hit->record[i]].object;
-  return (float)s->instance[number].pass_index;
+  return &s->instance[shared ? s->placed[hit->instance[i]].object
+                             : s->triangle[hit->record[i]].object];
 }
 
 /* What a plane has to say of one hit. */
@@ -136,7 +134,7 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
   case PLANE_UV:
     return (vec3){at->u[i], at->v[i], 1.0f};
   case PLANE_OBJECT:
-    return (vec3){object_of(s, b->hit, i), 0, 0};
+    return (vec3){(float)plane_object(s, b->hit, i)->pass_index, 0, 0};
   case PLANE_MATERIAL:
     return (vec3){(float)m->pass_index, 0, 0};
   default:

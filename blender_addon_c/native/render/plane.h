@@ -77,6 +77,9 @@ typedef struct plane_layout {
 
 plane_layout plane_layout_of(unsigned wanted);
 
+/* The instance that is hit: one whose mesh is shared, or the triangle's. */
+const instance *plane_object(const scene *s, const hits *hit, size_t i);
+
 /* One closure's colour in channel k, 0 to 1: a metal's head-on and its body, a matt surface's; what
  * is clear is white. */
 float plane_closure_color(const inputs *in, const closure *c, int k, size_t i);

@@ -28,9 +28,9 @@ static void tile_bounds(const render *r, size_t tile, int low[2], int high[2]) {
   }
 }
 
-/* The tile's numbers, `channels` a pixel, into those of the picture. */
+/* The tile's numbers, `channels` a pixel, into those of the picture; `mattes` are merged. */
 static void add_pixels(const render *r, const camera_view *view, size_t channels,
-                       const float *pixels, float *sum) {
+                       const matte_layout *mattes, const float *pixels, float *sum) {
   for (uint32_t p = 0; p < (uint32_t)(r->side * r->side); p++) {
     int x, y;
     pixel_place(view, p, &x, &y);
@@ -39,7 +39,9 @@ static void add_pixels(const render *r, const camera_view *view, size_t channels
     if (x < 0 || y < 0 || x >= r->region[2] - r->region[0] || y >= r->region[3] - r->region[1])
       continue;
     float *out = sum + channels * ((size_t)y * region_width(r) + (size_t)x);
-    for (size_t c = 0; c < channels; c++)
+    if (mattes)
+      matte_merge(mattes, pixels + channels * p, out);
+    for (size_t c = 0; !mattes && c < channels; c++)
       out[c] += pixels[channels * p + c];
   }
 }
@@ -64,6 +66,8 @@ static void render_tile(render *r, worker *w, size_t tile) {
     memset(numbers, 0, channels * SIDE * SIDE * sizeof *numbers);
     w->numbers = numbers;
   }
+  if (w->matte)
+    memset(w->matte, 0, r->mattes.all * SIDE * SIDE * sizeof *w->matte);
   for (size_t first = 0; first < lanes; first += BATCH) {
     if (cancelled(r))
       return;
@@ -74,9 +78,11 @@ static void render_tile(render *r, worker *w, size_t tile) {
     return;
   pthread_mutex_lock(&r->film);
   if (r->sum)
-    add_pixels(r, &view, 4, pixels, r->sum);
+    add_pixels(r, &view, 4, NULL, pixels, r->sum);
   if (r->numbers)
-    add_pixels(r, &view, channels, numbers, r->numbers);
+    add_pixels(r, &view, channels, NULL, numbers, r->numbers);
+  if (w->matte)
+    add_pixels(r, &view, r->mattes.all, &r->mattes, w->matte, r->matte);
   atomic_fetch_add_explicit(&r->done[tile], 1, memory_order_release);
   pthread_mutex_unlock(&r->film);
   atomic_fetch_add_explicit(&r->finished, samples, memory_order_relaxed);
@@ -93,7 +99,11 @@ static void work(void *context, size_t number) {
   render *r = context;
   worker w = {
       .scene = r->scene, .observer = r->observer, .cancel = r->cancel, .planes = &r->planes};
-  if (worker_init(&w)) {
+  if (r->matte) {
+    w.mattes = &r->mattes;
+    w.matte = malloc(r->mattes.all * SIDE * SIDE * sizeof *w.matte);
+  }
+  if ((!r->matte || w.matte) && worker_init(&w)) {
     for (;;) {
       size_t next = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed);
       size_t pass = next / r->tiles, tile = next % r->tiles;
@@ -112,6 +122,7 @@ static void work(void *context, size_t number) {
     message_error(r->log, "out of memory");
   }
   worker_free(&w);
+  free(w.matte);
   pthread_mutex_lock(&r->lock);
   r->status |= w.status;
   for (int k = 0; k < CLOCKS; k++)
@@ -243,6 +254,20 @@ void render_copy_plane(render *r, plane_type plane, float *out) {
         }
         if (divisor != PLANES)
           divide(out + channels * at, r->numbers + stride * at + r->planes.at[divisor]);
+      }
+    pthread_mutex_unlock(&r->film);
+  }
+}
+
+void render_copy_matte(render *r, matte_kind kind, size_t layer, float *out) {
+  for (size_t tile = 0; tile < r->tiles; tile++) {
+    pthread_mutex_lock(&r->film);
+    patch p = patch_of(r, tile);
+    float scale = p.samples ? 1.0f / (float)p.samples : 0.0f;
+    for (int y = p.low[1]; y < p.high[1]; y++)
+      for (int x = p.low[0]; x < p.high[0]; x++) {
+        size_t at = place_of(r, x, y);
+        matte_layer(&r->mattes, r->matte + r->mattes.all * at, kind, layer, scale, out + 4 * at);
       }
     pthread_mutex_unlock(&r->film);
   }

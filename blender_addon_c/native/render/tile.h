@@ -18,7 +18,9 @@ typedef struct render {
   float *sum;   /* of the samples: RGBA of the region, from its lowest row; or NULL */
   float *whole; /* the picture that takes the place of the means, once it is made */
   plane_layout planes;
-  float *numbers;           /* of the planes that are wanted: all of a pixel, as sum; or NULL */
+  float *numbers; /* of the planes that are wanted: all of a pixel, as sum; or NULL */
+  matte_layout mattes;
+  float *matte;             /* the same of names' slots; or NULL */
   const observer *observer; /* or NULL */
   double time_limit;        /* seconds after which no tile is begun once all have a pass; 0: none */
 
@@ -51,6 +53,8 @@ void render_copy(render *r, float *out);
 void render_copy_noisy(render *r, float *out);
 /* The same of a plane that is wanted. */
 void render_copy_plane(render *r, plane_type plane, float *out);
+/* The same of a layer of names that are wanted, 4 floats a pixel. */
+void render_copy_matte(render *r, matte_kind kind, size_t layer, float *out);
 void render_free(render *r);
 
 #endif

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/matte.h"
 #include "render/plane.h"
 #include "scene/reader.h"
 #include "system/parallel.h"
@@ -202,6 +203,8 @@ static bool read_material(reader *r, void *out, void *context) {
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
+  if (reader_has(r, "matte") && !reader_floats(r, "matte", 1, &m->matte))
+    return false;
   bool drawn = true;
   if (reader_has(r, "drawn") && !reader_flag(r, "drawn", &drawn))
     return false;
@@ -358,6 +361,8 @@ static bool read_instance(reader *r, void *out, void *context) {
   if (reader_has(r, "pass_index") &&
       !reader_integer(r, "pass_index", 0, MAX_INDEX, &in->pass_index))
     return false;
+  if (reader_has(r, "matte") && !reader_floats(r, "matte", 2, in->matte))
+    return false;
   if (reader_has(r, "hidden") &&
       !reader_integer(r, "hidden", 0, RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW, &in->hidden))
     return false;
@@ -385,6 +390,27 @@ static bool read_planes(reader *r, scene *s) {
   int *types = NULL;
   bool good = reader_each(r, "planes", sizeof *types, &count, &types, read_plane, s);
   free(types);
+  return good;
+}
+
+static bool read_matte(reader *r, void *out, void *context) {
+  const char *words[MATTE_KINDS + 1] = {NULL};
+  scene *s = context;
+  int *kind = out;
+  for (int k = 0; k < MATTE_KINDS; k++)
+    words[k] = matte_word((matte_kind)k);
+  if (!reader_word(r, "type", words, kind))
+    return false;
+  s->mattes |= 1u << *kind;
+  return true;
+}
+
+static bool read_mattes(reader *r, scene *s) {
+  size_t count;
+  int *kinds = NULL;
+  bool good = reader_integer(r, "matte_slots", 1, MATTE_SLOTS_MOST, &s->matte_slots) &&
+              reader_each(r, "mattes", sizeof *kinds, &count, &kinds, read_matte, s);
+  free(kinds);
   return good;
 }
 
@@ -447,6 +473,8 @@ static bool read_picture(reader *r, scene *s) {
   if (s->denoise)
     s->planes |= 1u << PLANE_ALBEDO | 1u << PLANE_NORMAL;
   s->planes = plane_needs(s->planes);
+  if (reader_has(r, "mattes") && !read_mattes(r, s))
+    return false;
   if (reader_has(r, "mist") && !reader_dict(r, "mist", read_mist, &s->mist, NULL))
     return false;
   if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))

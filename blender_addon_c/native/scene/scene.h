@@ -49,6 +49,7 @@ typedef enum filter_type { FILTER_BLACKMAN_HARRIS, FILTER_GAUSSIAN } filter_type
 typedef struct material {
   int number; /* material.ID of a dump */
   int pass_index;
+  float matte; /* what stands for its name */
   char *name;
   unsigned status; /* of its closure's parameters: what had to be clamped */
   size_t closures; /* 1 to CLOSURES_MOST */
@@ -78,6 +79,7 @@ typedef struct instance {
   size_t mesh;
   double matrix[12]; /* object to world, rows of 4 */
   int pass_index;    /* of its object */
+  float matte[2];    /* what stands for the object's name, and its asset's */
   int hidden;        /* ray_kinds that do not see it */
   float color[4], random;
 } instance;
@@ -120,6 +122,8 @@ typedef struct scene {
   uint32_t sky_hidden; /* ray_kinds to which background and sky are black */
   filter_type filter;
   float filter_width; /* pixels; 0: the pixel's square */
+  unsigned mattes;    /* which are wanted: a bit for each matte_kind, */
+  int matte_slots;    /* and how many names a pixel has of each */
   unsigned planes;    /* what is rendered beside the picture: a bit for each plane_type */
   float time_limit;   /* seconds for the picture; 0: as many as it takes */
   int max_bounces;    /* of a path before the surface that it sees last */

@@ -771,6 +771,26 @@ def denoise_node(scene):
     tree.links.new(node.outputs["Image"], out.inputs[0])
 
 
+def picked(options):
+    """What Blender 5's Cryptomatte node picks by the name of one of two plates."""
+    scene = common.empty_scene(16, 16, samples=4)
+    for name, place in (("left", -0.5), ("right", 0.5)):
+        ob = common.plane(common.metal(name)[0], 1.0)
+        ob.name, ob.location = name, (place, 0, 0)
+    common.camera(scene, (0, 0, 3), type="ORTHO", ortho_scale=2)
+    common.light(scene)
+    common.ask_for(scene.view_layers[0], ["cryptomatte_object"])
+    scene.view_layers[0].update_render_passes()
+    tree = bpy.data.node_groups.new("compositor", "CompositorNodeTree")
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    scene.compositing_node_group = tree
+    node, out = tree.nodes.new("CompositorNodeCryptomatteV2"), tree.nodes.new("NodeGroupOutput")
+    node.scene, node.layer_name, node.matte_id = scene, "ViewLayer.CryptoObject", options["who"]
+    tree.links.new(node.outputs["Matte"], out.inputs[0])
+    common.render(options["picture"])
+    return {}
+
+
 def first_minute(options):
     """A new file: cube, lamp, grey world; here on a floor, beside a ball of gold."""
     bpy.ops.wm.read_factory_settings()
