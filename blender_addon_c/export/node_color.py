@@ -55,8 +55,45 @@ def _vector_math(reader, found):
         return (program.math("SQRT", dot(reader, d, d)),)
     if node.operation == "NORMALIZE":
         return unit(reader, a)
+    if node.operation in _VECTORS:
+        return _VECTORS[node.operation](reader, found, a, b, c)
     reader.warn(f"'{node.name}': {node.operation.lower()} is not supported; its first input is used")
     return a
+
+
+def _scaled(reader, vector, by, more=(0.0,) * 3):
+    return each(reader, "MULTIPLY_ADD", vector, (by,) * 3, more)
+
+
+def _project(reader, _found, a, b, _c):
+    return _scaled(reader, b, reader.program.math("DIVIDE", dot(reader, a, b), dot(reader, b, b)))
+
+
+def _reflect(reader, _found, a, b, _c):
+    normal = unit(reader, b)
+    return _scaled(reader, normal, reader.program.math("MULTIPLY", dot(reader, a, normal), -2.0), a)
+
+
+def _refract(reader, found, a, b, _c):
+    """Nothing where all is reflected."""
+    math, normal, eta = reader.program.math, unit(reader, b), number_in(reader, found, "Scale")
+    along = dot(reader, a, normal)
+    sine = math("MULTIPLY", math("MULTIPLY", eta, eta),
+                math("SUBTRACT", 1.0, math("MULTIPLY", along, along)))
+    rest = math("SUBTRACT", 1.0, sine)
+    down = math("MULTIPLY_ADD", eta, along, math("SQRT", rest))
+    bent = _scaled(reader, normal, math("MULTIPLY", down, -1.0), each(reader, "MULTIPLY", a, (eta,) * 3))
+    there = math("SUBTRACT", 1.0, math("LESS_THAN", rest, 0.0))
+    return each(reader, "MULTIPLY", bent, (there,) * 3)
+
+
+def _face_forward(reader, _found, a, b, c):
+    math = reader.program.math
+    side = math("MULTIPLY_ADD", math("LESS_THAN", dot(reader, c, b), 0.0), 2.0, -1.0)
+    return each(reader, "MULTIPLY", a, (side,) * 3)
+
+
+_VECTORS = {"PROJECT": _project, "REFLECT": _reflect, "REFRACT": _refract, "FACEFORWARD": _face_forward}
 
 
 MODES = set("""MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT
@@ -65,6 +102,8 @@ DIFFERENCE EXCLUSION SUBTRACT DIVIDE""".split())
 
 def _blend(reader, node, factor, a, b):
     mode = node.blend_type
+    if mode in _HUES:
+        return _HUES[mode](reader, factor, a, b)
     if mode not in MODES:
         reader.warn(f"'{node.name}': blending by {mode.lower()} is not supported; mixed")
         mode = "MIX"
@@ -72,6 +111,47 @@ def _blend(reader, node, factor, a, b):
         return each(reader, "MIX", a, b, (factor,) * 3)
     return tuple(reader.program.emit("MIX", 1, mode=mode, factor=[factor], a=[one], b=[other])[0]
                  for one, other in zip(a, b))
+
+
+def hue(reader, what, color):
+    return reader.program.emit("HUE", what=what, color=tuple(color))
+
+
+def _with_hue_of(reader, factor, a, b, saturation):
+    """a with the hue of b, which may be grey, and with its saturation too."""
+    own, other = hue(reader, "RGB_TO_HSV", a), hue(reader, "RGB_TO_HSV", b)
+    made = hue(reader, "HSV_TO_RGB", (other[0], other[1] if saturation else own[1], own[2]))
+    colored = reader.program.math("SUBTRACT", 1.0, reader.program.math("COMPARE", other[1], 0.0, 0.0))
+    return each(reader, "MIX", a, made, (reader.program.math("MULTIPLY", factor, colored),) * 3)
+
+
+def _mix_saturation(reader, factor, a, b):
+    own, other = hue(reader, "RGB_TO_HSV", a), hue(reader, "RGB_TO_HSV", b)
+    mixed = reader.program.math("MIX", own[1], other[1], factor)
+    made = hue(reader, "HSV_TO_RGB", (own[0], mixed, own[2]))
+    grey = reader.program.math("COMPARE", own[1], 0.0, 0.0)
+    return each(reader, "MIX", made, a, (grey,) * 3)
+
+
+def _mix_value(reader, factor, a, b):
+    own, other = hue(reader, "RGB_TO_HSV", a), hue(reader, "RGB_TO_HSV", b)
+    return hue(reader, "HSV_TO_RGB", (*own[:2], reader.program.math("MIX", own[2], other[2], factor)))
+
+
+_HUES = {"HUE": lambda reader, factor, a, b: _with_hue_of(reader, factor, a, b, False),
+         "COLOR": lambda reader, factor, a, b: _with_hue_of(reader, factor, a, b, True),
+         "SATURATION": _mix_saturation, "VALUE": _mix_value}
+
+
+def _hue_saturation(reader, found):
+    math, color = reader.program.math, vector_in(reader, found, "Color")
+    h, s, v = hue(reader, "RGB_TO_HSV", color)
+    turned = math("FRACT", math("ADD", math("ADD", h, number_in(reader, found, "Hue")), 0.5))
+    made = hue(reader, "HSV_TO_RGB", (
+        turned, clamped(reader, math("MULTIPLY", s, number_in(reader, found, "Saturation"))),
+        math("MULTIPLY", v, number_in(reader, found, "Value"))))
+    mixed = each(reader, "MIX", color, made, (number_in(reader, found, "Fac"),) * 3)
+    return each(reader, "MAXIMUM", mixed)
 
 
 def _mix_rgb(reader, found):
@@ -115,15 +195,27 @@ def _ramp(reader, found):
 
 
 def _separate(reader, found):
-    if getattr(found.node, "mode", "RGB") != "RGB":
-        reader.warn(f"'{found.node.name}': {found.node.mode} is not supported; taken as RGB")
-    return (vector_in(reader, found, 0)[list(found.node.outputs).index(found.output)],)
+    mode, color = getattr(found.node, "mode", "RGB"), vector_in(reader, found, 0)
+    if mode != "RGB":
+        key = ("separate", found.node, found.groups, reader.shift)
+        if key not in reader.known:
+            reader.known[key] = hue(reader, f"RGB_TO_{mode}", color)
+        color = reader.known[key]
+    return (color[list(found.node.outputs).index(found.output)],)
 
 
 def _combine(reader, found):
-    if getattr(found.node, "mode", "RGB") != "RGB":
-        reader.warn(f"'{found.node.name}': {found.node.mode} is not supported; taken as RGB")
-    return tuple(number_in(reader, found, k) for k in range(3))
+    mode = getattr(found.node, "mode", "RGB")
+    color = tuple(number_in(reader, found, k) for k in range(3))
+    return color if mode == "RGB" else hue(reader, f"{mode}_TO_RGB", color)
+
+
+def _old_hsv(reader, found):
+    """Nodes of their own until 3.3, which old files still have."""
+    if len(found.node.outputs) == 1:
+        return hue(reader, "HSV_TO_RGB", (number_in(reader, found, k) for k in range(3)))
+    color = hue(reader, "RGB_TO_HSV", vector_in(reader, found, 0))
+    return (color[list(found.node.outputs).index(found.output)],)
 
 
 def _clamp(reader, found):
@@ -177,5 +269,5 @@ NODES = {
     "SEPRGB": _separate, "SEPXYZ": _separate, "SEPARATE_COLOR": _separate,
     "COMBRGB": _combine, "COMBXYZ": _combine, "COMBINE_COLOR": _combine,
     "CLAMP": _clamp, "INVERT": _invert, "GAMMA": _gamma, "BRIGHTCONTRAST": _bright_contrast,
-    "RGBTOBW": _to_bw, "MAP_RANGE": _map_range,
+    "SEPHSV": _old_hsv, "COMBHSV": _old_hsv, "HUE_SAT": _hue_saturation, "RGBTOBW": _to_bw, "MAP_RANGE": _map_range,
 }

@@ -5,7 +5,7 @@ from .image import MISSING, MISSING_COLOR
 from .node_place import place
 
 _WRAPS = {"REPEAT", "EXTEND", "CLIP", "MIRROR"}
-_FILTERS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
+_FILTERS = {"Linear": "LINEAR", "Closest": "CLOSEST", "Cubic": "LINEAR", "Smart": "LINEAR"}
 
 
 def _tex_image(reader, found):
@@ -18,10 +18,14 @@ def _tex_image(reader, found):
     at = place(reader, node.inputs["Vector"], found.groups)
     key = ("image", node, found.groups, reader.shift)
     if key not in reader.known:  # both outputs are of one look
-        reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image,
+        reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=is_cubic(node),
                                                 **({"at": at[:2]} if at else {}))
     *color, alpha = reader.known[key]
     return (alpha,) if found.output.name == "Alpha" else color
+
+
+def is_cubic(node):
+    return node.interpolation in ("Cubic", "Smart")
 
 
 def image_of(reader, node):

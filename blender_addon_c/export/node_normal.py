@@ -3,7 +3,7 @@
 
 from . import tree
 from .graph import is_known
-from .node_image import image_of
+from .node_image import image_of, is_cubic
 from .node_place import layer, of_object, place
 from .value import Value, each, normal_of, number_in, number_of, unit, vector_in
 
@@ -21,7 +21,7 @@ def _normal_map(reader, found):
         if image < 0:
             return None
         at = place(reader, color.node.inputs["Vector"], color.groups)
-        if own and at is None and is_known(strength):
+        if own and at is None and is_known(strength) and not is_cubic(color.node):
             return Value("NORMAL", reader.program.emit("NORMAL_MAP", image=image,
                                                        strength=strength))
     elif color.node is None:

@@ -203,25 +203,36 @@ def _mapping(reader, found):
     vector = vector_in(reader, found, "Vector")
     place = (vector_in(reader, found, "Location") if kind in ("POINT", "TEXTURE") else (0.0,) * 3)
     scale, turn = vector_in(reader, found, "Scale"), vector_in(reader, found, "Rotation")
-    if not is_known(*turn):
-        reader.warn(f"'{found.node.name}': a rotation that varies is not supported; its socket's "
-                    "own value is used")
-        turn = tuple(found.node.inputs["Rotation"].default_value)
-    rotation = euler(turn)
     if kind == "TEXTURE":
         moved = each(reader, "SUBTRACT", vector, place)
-        return each(reader, "DIVIDE", transform(reader, moved, rotation.transposed()), scale)
-    if is_known(*scale, *place):
+        return each(reader, "DIVIDE", _turned(reader, moved, turn, back=True), scale)
+    if is_known(*scale, *place, *turn):
         factors = [(1 / s if s else 0.0) if kind == "NORMAL" else s for s in scale]
-        matrix = rotation.to_4x4() @ Matrix.Diagonal((*factors, 1.0))
+        matrix = _euler(turn).to_4x4() @ Matrix.Diagonal((*factors, 1.0))
         matrix.translation = place
         return transform(reader, vector, matrix, unit=kind == "NORMAL")
     sized = each(reader, "DIVIDE" if kind == "NORMAL" else "MULTIPLY", vector, scale)
-    turned = transform(reader, sized, rotation, unit=kind == "NORMAL")
-    return each(reader, "ADD", turned, place)
+    turned = _turned(reader, sized, turn)
+    return each(reader, "ADD", unit(reader, turned) if kind == "NORMAL" else turned, place)
 
 
-def euler(turn):
+def _turned(reader, vector, turn, back=False):
+    """About x, y and z one after the other, or all of it back."""
+    if is_known(*turn):
+        rotation = _euler(turn)
+        return transform(reader, vector, rotation.transposed() if back else rotation)
+    math, made = reader.program.math, list(vector)
+    for axis in (2, 1, 0) if back else (0, 1, 2):
+        c = math("COSINE", turn[axis])
+        s = math("MULTIPLY", math("SINE", turn[axis]), -1.0 if back else 1.0)
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        x, y = made[one], made[two]
+        made[one] = math("SUBTRACT", math("MULTIPLY", x, c), math("MULTIPLY", y, s))
+        made[two] = math("MULTIPLY_ADD", x, s, math("MULTIPLY", y, c))
+    return made
+
+
+def _euler(turn):
     x, y, z = (Matrix.Rotation(angle, 3, axis) for angle, axis in zip(turn, "XYZ"))
     return z @ y @ x
 

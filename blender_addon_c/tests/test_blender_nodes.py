@@ -23,9 +23,10 @@ MINIMUM MAXIMUM LESS_THAN GREATER_THAN SIGN COMPARE SMOOTH_MIN SMOOTH_MAX ROUND 
 MODULO WRAP SNAP PINGPONG SINE COSINE TANGENT ARCSINE ARCCOSINE ARCTANGENT ARCTAN2 SINH COSH TANH
 RADIANS DEGREES""".split()
 VECTORS = """ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT DOT_PRODUCT DISTANCE LENGTH SCALE
-NORMALIZE ABSOLUTE MINIMUM MAXIMUM FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE TANGENT""".split()
+NORMALIZE ABSOLUTE MINIMUM MAXIMUM FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE TANGENT PROJECT
+REFLECT REFRACT FACEFORWARD""".split()
 MODES = """MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE
-SUBTRACT DIVIDE""".split()
+SUBTRACT DIVIDE HUE SATURATION VALUE COLOR""".split()
 TURN = (0.3, -0.5, 0.2)
 
 CASES = [
@@ -41,6 +42,10 @@ CASES = [
     node("VectorMath", {"0": "A", "1": "B", "2": (0.3, 0.2, 0.6)}, set={"operation": "MULTIPLY_ADD"}),
     *(node("MixRGB", {"Fac": "X", "Color1": "A", "Color2": "B"}, set={"blend_type": mode})
       for mode in MODES),
+    *(node("MixRGB", {"Fac": "X", "Color1": one, "Color2": other}, set={"blend_type": mode})
+      for mode in ("HUE", "SATURATION", "VALUE", "COLOR") for one, other in (("X", "B"), ("B", "X"))),
+    *(node("Mix", {"Factor_Float": "X", "A_Color": "A", "B_Color": "B"}, output="Result_Color",
+           set={"data_type": "RGBA", "blend_type": mode}) for mode in ("HUE", "COLOR")),
     node("MixRGB", {"Fac": 1.5, "Color1": "A", "Color2": "B"}, set={"blend_type": "ADD",
                                                                     "use_clamp": True}),
     node("Mix", {"Factor_Float": "X", "A_Float": 0.2, "B_Float": "B"}, set={"data_type": "FLOAT"},
@@ -59,6 +64,8 @@ CASES = [
     node("Mapping", {"Vector": "A", "Rotation": TURN, "Scale": "B", "Location": "B"}),
     *(node("Mapping", {"Vector": "A", "Rotation": TURN, "Scale": "B"}, set={"vector_type": kind})
       for kind in ("TEXTURE", "NORMAL")),
+    *(node("Mapping", {"Vector": "A", "Rotation": "B", "Scale": (0.8, 1.2, 0.9), "Location": (0.1, 0.2, 0.1)},
+           set={"vector_type": kind}) for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL")),
     node("UVMap", set={"uv_map": "UVMap"}),
     *(node("TexCoord", output=output) for output in ("UV", "Normal", "Reflection")),
     *(node("NewGeometry", output=output)
@@ -69,6 +76,14 @@ CASES = [
     *(node("SeparateRGB", {"Image": "A"}, output=k, until="4.9") for k in range(3)),
     *(node("SeparateXYZ", {"Vector": "A"}, output=k) for k in range(3)),
     *(node("SeparateColor", {"Color": "A"}, output=k) for k in range(3)),
+    *(node("SeparateColor", {"Color": color}, output=k, set={"mode": mode})
+      for mode in ("HSV", "HSL") for color in "ABX" for k in range(3)),
+    *(node("SeparateHSV", {"Color": "B"}, output=k, until="4.9") for k in range(3)),
+    node("CombineHSV", {"H": 0.1, "S": "X", "V": 0.9}, until="4.9"),
+    *(node("CombineColor", {"Red": h, "Green": "X", "Blue": 0.6}, set={"mode": mode})
+      for mode in ("HSV", "HSL") for h in (0.1, 0.3, 0.45, 0.6, 0.7, 0.9, 1.0)),
+    *(node("HueSaturation", {"Hue": h, "Saturation": s, "Value": v, "Fac": f, "Color": color})
+      for h, s, v, f, color in ((0.7, 1.2, 0.8, 1.0, "A"), (0.1, 0.5, 1.4, 0.6, "B"), ("X", 2.0, "X", 1.0, "A"))),
     node("CombineRGB", {"R": 0.1, "G": "X", "B": 0.9}, until="4.9"),
     node("CombineXYZ", {"X": 0.1, "Y": "X", "Z": 0.9}),
     node("CombineColor", {"Red": 0.1, "Green": "X", "Blue": 0.9}),
@@ -121,6 +136,15 @@ PLACES = [
       for name, output in (("", "Color"), ("bytes", "Color"), ("bytes", "Alpha"), ("floats", "Alpha"))),
     *(place("ObjectInfo", output)
       for output in ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random")),
+    *(place(kind, output, inputs={socket: value, **({"Normal": (0.2, 0.1, 1)} if bent else {})}, **turn)
+      for kind, output, socket, value in (
+          ("Fresnel", 0, "IOR", 1.45), ("Fresnel", 0, "IOR", 0.7), ("LayerWeight", "Fresnel", "Blend", 0.3),
+          ("LayerWeight", "Facing", "Blend", 0.3), ("LayerWeight", "Facing", "Blend", 0.8))
+      for turn, bent in (({}, False), (TURNED, False), (TURNED, True))),
+    *(place("TexImage", set={"interpolation": kind, "extension": wrap})
+      for kind, wrap in (("Cubic", "REPEAT"), ("Cubic", "EXTEND"), ("Cubic", "CLIP"), ("Smart", "REPEAT"),
+                         ("Linear", "REPEAT"))),
+    place("TexImage", "Alpha", set={"interpolation": "Cubic"}),
     *(place("NormalMap", set={"space": space, "uv_map": name}, strength=strength, **more)
       for space, name, strength, more in (
           ("TANGENT", "UVMap", 1.0, NEARLY_FLAT), ("TANGENT", "second", 1.0, NEARLY_FLAT),
@@ -176,10 +200,10 @@ def test_every_node_has_a_case():
     types = {"UVMAP": "UVMap", "NEW_GEOMETRY": "NewGeometry",
              "VECT_MATH": "VectorMath", "MIX_RGB": "MixRGB", "VALTORGB": "ValToRGB",
              "SEPRGB": "SeparateRGB", "SEPXYZ": "SeparateXYZ", "COMBRGB": "CombineRGB",
-             "COMBXYZ": "CombineXYZ", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
+             "COMBXYZ": "CombineXYZ", "SEPHSV": "SeparateHSV", "COMBHSV": "CombineHSV", "HUE_SAT": "HueSaturation", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
              "RGB": "RGB"}
     # test_blender_semantics.py, and here
-    elsewhere = {"TEX_IMAGE", "BUMP"}
+    elsewhere = {"BUMP"}
     covered = {case["node"].removeprefix("ShaderNode") for case in CASES + PLACES}
     for key in keys:
         word = types.get(key.value, key.value.title().replace("_", ""))

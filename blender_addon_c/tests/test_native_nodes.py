@@ -93,6 +93,8 @@ NODES = {
     # half a crossing along u, a pixel is a sixteenth of the plate
     "WEAVE": ({"cloth": 0, "out": OUT}, stacked(lambda u, v: (0.5 * u, 0.5 * LINEN * v, 0.5 / 16))),
     "CLOTH": ({"cloth": 0, "place": PLACE, "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
+    "HUE": ({"what": "HSV_TO_RGB", "color": [0.25, *UV[:2]], "out": OUT[:3]},  # between yellow and green
+            stacked(lambda u, v: (v * (1 - 0.5 * u), v, v * (1 - u)))),
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
 PLATE = square()

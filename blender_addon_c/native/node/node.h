@@ -21,6 +21,7 @@
 #include "node/frame.h"
 #include "node/geometry.h"
 #include "node/glass_albedo.h"
+#include "node/hue.h"
 #include "node/image.h"
 #include "node/layer.h"
 #include "node/math.h"
@@ -46,6 +47,7 @@
   ROW(TRANSFORM, transform)                                                                        \
   ROW(MATH, math)                                                                                  \
   ROW(MIX, mix)                                                                                    \
+  ROW(HUE, hue)                                                                                    \
   ROW(RAMP, ramp)                                                                                  \
   ROW(WEAVE, weave)                                                                                \
   ROW(CLOTH, cloth)

@@ -563,6 +563,22 @@ def places(options):
         node = tree.nodes.new(case["node"])
         for key, value in case.get("set", {}).items():
             setattr(node, key, value)
+        for name, value in case.get("inputs", {}).items():
+            if name == "Normal":  # bent, in world space
+                normal = tree.nodes.new("ShaderNodeVectorMath")
+                normal.operation, normal.inputs[1].default_value = "MULTIPLY_ADD", (1, 1, 1)
+                normal.inputs[2].default_value = value
+                tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"], normal.inputs[0])
+                unit = tree.nodes.new("ShaderNodeVectorMath")
+                unit.operation = "NORMALIZE"
+                tree.links.new(normal.outputs[0], unit.inputs[0])
+                tree.links.new(unit.outputs[0], node.inputs["Normal"])
+            else:
+                node.inputs[name].default_value = value
+        if case["node"] == "ShaderNodeTexImage":
+            node.image = bpy.data.images.new("spots", 5, 4, float_buffer=True, is_data=True)
+            node.image.pixels.foreach_set([0.5 + 0.5 * math.sin(k * k) for k in range(80)])
+            node.image.update()
         if "Color" in node.inputs:
             tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
             node.inputs["Strength"].default_value = case.get("strength", 1.0)
