@@ -40,6 +40,7 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.prop(settings, "samples", text="Render")
         layout.prop(settings, "preview_samples", text="Viewport")
         layout.prop(settings, "time_limit")
+        layout.prop(settings, "light_sampling_threshold")
         layout.prop(settings, "use_denoising")
         layout.prop(settings, "seed")
         layout.prop(settings, "use_animated_seed")
@@ -60,6 +61,9 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
         layout.prop(context.scene.libshade, "groove_transport")
         layout.prop(context.scene.libshade, "sample_clamp_direct")
         layout.prop(context.scene.libshade, "sample_clamp_indirect")
+        layout.prop(context.scene.libshade, "blur_glossy")
+        layout.prop(context.scene.libshade, "caustics_reflective")
+        layout.prop(context.scene.libshade, "caustics_refractive")
         layout.prop(context.scene.libshade, "soft_terminator")
 
 

@@ -74,6 +74,28 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "light where there should be a glare; 0 leaves all as it is",
         default=10.0, min=0.0, max=1e8,
     )
+    light_sampling_threshold: FloatProperty(
+        name="Light Threshold",
+        description="Light of lamps that would add less than this to a surface is left to chance: "
+                    "fewer shadow rays, a little more noise, the same picture in the mean; 0: none is",
+        default=0.01, min=0.0, max=1.0, precision=4,
+    )
+    caustics_reflective: BoolProperty(
+        name="Reflective Caustics",
+        description="Matt surfaces are lit by what shining ones mirror; off: less noise, and too dark",
+        default=True,
+    )
+    caustics_refractive: BoolProperty(
+        name="Refractive Caustics",
+        description="Matt surfaces are lit through glass; off: less noise, and too dark",
+        default=True,
+    )
+    blur_glossy: FloatProperty(
+        name="Filter Glossy",
+        description="Shining surfaces that a path meets after a blurry bounce are blurred: less noise, "
+                    "softer caustics; 0 leaves them sharp",
+        default=1.0, min=0.0, max=10.0,
+    )
     groove_transport: BoolProperty(
         name="Grooves Follow Bumps",
         description="Anisotropic shaders of Cycles reflect as the displaced surface would, as Libshade "

@@ -16,6 +16,8 @@ from .world import world_of
 
 _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces",
            "transparent_max_bounces")  # as in the settings and in the native module
+_SHORTCUTS = ("sample_clamp_direct", "sample_clamp_indirect", "light_sampling_threshold", "blur_glossy",
+              "caustics_reflective", "caustics_refractive")
 _MOST_THREADS = 256  # that the native module starts
 
 
@@ -43,8 +45,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         **world,
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
         "transparent_less": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
-        "sample_clamp_direct": scene.libshade.sample_clamp_direct,
-        "sample_clamp_indirect": scene.libshade.sample_clamp_indirect,
+        **{name: getattr(scene.libshade, name) for name in _SHORTCUTS},
         **_pixel_filter(scene.libshade),
         "time_limit": scene.libshade.time_limit,
         "soft_terminator": scene.libshade.soft_terminator,

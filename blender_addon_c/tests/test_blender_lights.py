@@ -70,14 +70,28 @@ def test_what_is_hidden(blender, tmp_path, name):
     compare(blender, tmp_path, name, samples, (light, settings, {**more, "hidden": {what: kinds}}))
 
 
-def compare(blender, tmp_path, name, samples, case):
+SHORTCUTS = {
+    "blur": ("small lamp", {"blur_glossy": 10.0}, {"roughness": 0.1}),
+    "no caustics": ("square", {"caustics_reflective": False}, {"roughness": 0.3}),
+    "threshold": ("soft point", {"light_sampling_threshold": 0.5}, {}),
+}
+
+
+@pytest.mark.parametrize("name", SHORTCUTS)
+def test_shortcuts(blender, tmp_path, name):
+    light, given, more = SHORTCUTS[name]
+    kind, settings = LIGHTS.get(light) or ("SUN", {"energy": 3, "angle": 0.02})
+    compare(blender, tmp_path, name, 512, (kind, settings, {**more, "given": given}), rows=np.s_[4:])  # the floor: no highlights
+
+
+def compare(blender, tmp_path, name, samples, case, rows=np.s_[:]):
     light, settings, more = case
     pictures = []
     for engine in "LIBSHADE", "CYCLES":
         blender.scene("lit", tmp_path, dump="", engine=engine, samples=samples, light=light,
                       settings=settings, **more)
         pictures.append(averaged(tmp_path / "picture.exr"))
-    ours, theirs = pictures
+    ours, theirs = (p[rows] for p in pictures)
     apart = np.abs(ours - theirs).mean() / theirs.mean()
     print(f"{name}: relative error {apart:.4f}, mean {ours.mean() / theirs.mean():.4f} of {theirs.mean():.3f}")
     assert theirs.mean() > 0.05

@@ -58,6 +58,7 @@ static int setup(void **state) {
   b = aligned_alloc(64, sizeof *b);
   assert_non_null(b);
   memset(b, SET, sizeof *b);
+  b->input.blurs = false;
   stages = *state;
   seed = 7;
   return 0;

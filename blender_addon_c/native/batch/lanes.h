@@ -10,6 +10,7 @@
 #define LIBSHADE_LANES_H
 
 #include <stdbool.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -69,6 +70,7 @@ typedef struct walks {
   lane_c weight;
   lane_v from;   /* the point at which its direction was drawn */
   lane_f pdf;    /* with which density, 1/sr */
+  lane_f least;  /* the least density of the path so far */
   lane_f width;  /* where the scene has cloth: of what the ray stands for, across it, there, */
   lane_f spread; /* and how much wider that gets in a unit of its length */
   lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
@@ -122,9 +124,12 @@ typedef struct surfaces {
  * What the nodes of a material's graph write and its closures read: registers. The first three are
  * never written by a node: the unperturbed normal, in the shading frame.
  */
-enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 8 };
+enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 8, BLURRED = 2 };
 typedef struct inputs {
   lane_f at[REGISTERS];
+  bool blurs;                 /* lobes are no sharper than: */
+  lane_f blur;                /* this alpha */
+  lane_f blurred[BLURRED];    /* alphas of the closure at hand, none of them less */
   lane_f constant[CONSTANTS]; /* operands of the node or closure at hand that are no registers */
   /* where the scene has cloth: */
   lane_f term; /* a random number, which term of its footprint a hit is, if `single`; */

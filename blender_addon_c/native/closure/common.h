@@ -4,6 +4,7 @@
 #define LIBSHADE_CLOSURE_COMMON_H
 
 #include "batch/leaf.h"
+#include "node/common.h"
 #include "scene/graph.h"
 
 /* What a closure does. */
@@ -23,6 +24,20 @@ typedef enum closure_trait {
 /* The registers of a normal from a run's lanes. */
 LEAF vec3 normal_at(const inputs *given, const int normal[3], size_t i) {
   return (vec3){given->at[normal[0]][i], given->at[normal[1]][i], given->at[normal[2]][i]};
+}
+
+/* The lanes of an alpha that is a number or a register, no sharper than the path wants it. */
+static inline const float *alpha_lane(inputs *given, operand alpha, int place, int blurred,
+                                      lane_run run) {
+  const float *restrict from = lane_of(given, alpha, place, run);
+  if (!given->blurs)
+    return from;
+  const float *restrict least = given->blur;
+  float *restrict to = given->blurred[blurred];
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++)
+    to[i] = from[i] > least[i] ? from[i] : least[i];
+  return to;
 }
 
 /* A direction about n by the cosine, from a point of the unit square; its density is cos / pi. */

@@ -118,7 +118,7 @@ typedef struct glass_lanes {
 
 static inline glass_lanes glass_lanes_of(const closure_glass *c, inputs *given, lane_run run) {
   glass_lanes lanes = {.ior = lane_of(given, c->ior, 3, run),
-                       .alpha = lane_of(given, c->alpha, 4, run)};
+                       .alpha = alpha_lane(given, c->alpha, 4, 0, run)};
   for (int k = 0; k < 3; k++)
     lanes.tint[k] = lane_of(given, c->tint[k], k, run);
   return lanes;

@@ -144,6 +144,15 @@ static inline const float *metal_lane(const inputs *given, operand o, size_t i) 
   return o.at < 0 ? NULL : given->at[o.at] + i;
 }
 
+/* Of an alpha; its own number where paths do not want it blurred. */
+static inline const float *metal_alpha(inputs *given, operand o, double own, int axis,
+                                       lane_run run) {
+  if (!given->blurs)
+    return metal_lane(given, o, run.begin);
+  o.number = (float)own;
+  return alpha_lane(given, o, 4 + axis, axis, run) + run.begin;
+}
+
 /* Members that all lanes of the library have in common. */
 #define METAL_GIVEN                                                                                \
   .nx = given->at[c->normal[0]] + i, .ny = given->at[c->normal[1]] + i,                            \
@@ -154,8 +163,8 @@ static inline const float *metal_lane(const inputs *given, operand o, size_t i) 
   .kdb = metal_lane(given, c->kd[2], i), .f82r = metal_lane(given, c->f82[0], i),                  \
   .f82g = metal_lane(given, c->f82[1], i), .f82b = metal_lane(given, c->f82[2], i),                \
   .etar = metal_lane(given, c->eta[0], i), .etag = metal_lane(given, c->eta[1], i),                \
-  .etab = metal_lane(given, c->eta[2], i), .ax = metal_lane(given, c->ax, i),                      \
-  .ay = metal_lane(given, c->ay, i),                                                               \
+  .etab = metal_lane(given, c->eta[2], i), .ax = metal_alpha(given, c->ax, c->params.ax, 0, run),  \
+  .ay = metal_alpha(given, c->ay, c->params.ay, 1, run),                                           \
   .groove_x = c->grooved ? lane_of(given, c->groove[0], 6, run) + i : NULL,                        \
   .groove_y = c->grooved ? lane_of(given, c->groove[1], 7, run) + i : NULL
 

@@ -73,6 +73,8 @@
                                     .pick = stage_pick,                                            \
                                     .kind = stage_kind,                                            \
                                     .exclude = stage_exclude,                                      \
+                                    .forbid = stage_forbid,                                        \
+                                    .spare = stage_spare,                                          \
                                     .take = stage_take,                                            \
                                     .join = stage_join,                                            \
                                     .uncover = stage_uncover,                                      \
@@ -82,6 +84,7 @@
                                     .shuffled = stage_shuffled,                                    \
                                     .draw = {CLOSURE_TABLE(DRAW_FUNCTION)},                        \
                                     .walk = stage_walk,                                            \
+                                    .blur = stage_blur,                                            \
                                     .gain = stage_gain,                                            \
                                     .escape = stage_escape,                                        \
                                     .scatter = stage_scatter,                                      \

@@ -11,7 +11,15 @@
 #include <string.h>
 
 /* What points are taken for. */
-enum { PURPOSE_DRAW, PURPOSE_LOT, PURPOSE_LENS, PURPOSE_CHOICE, PURPOSE_LIGHT, PURPOSE_CLOTH };
+enum {
+  PURPOSE_DRAW,
+  PURPOSE_LOT,
+  PURPOSE_LENS,
+  PURPOSE_CHOICE,
+  PURPOSE_LIGHT,
+  PURPOSE_CLOTH,
+  PURPOSE_SPARE
+};
 
 bool batch_init(worker *w) {
   w->batch = aligned_alloc(64, sizeof *w->batch);
@@ -20,6 +28,7 @@ bool batch_init(worker *w) {
   w->batch->queue.tally = NULL;
   w->batch->walk = &w->batch->walks[0];
   w->batch->next = &w->batch->walks[1];
+  w->batch->input.blurs = false;
   memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* lights that are alone write none */
   memset(w->batch->weight.total, 0, sizeof(lane_f));
   memset(&w->batch->drawn, 0, sizeof w->batch->drawn);
@@ -97,15 +106,32 @@ static void draw_points(worker *w, size_t number, int bounce, size_t phase) {
   }
 }
 
-/* What the hits reflect of their light samples: b->sum grows by it. */
-static void reflect(worker *w, int bounce, bool shadow, bool shared, const float *color,
-                    clock_number clock) {
+/* Fewer shadow rays: those of light samples that bring little are cast now and then. */
+static void spare_shadows(worker *w, size_t number, int bounce, size_t phase, bool shared,
+                          const float *color) {
+  const stage_table *s = w->scene->stages;
+  batch *b = w->batch;
+  shuffle points = points_of(w, phase, bounce, PURPOSE_SPARE + number);
+  s->shuffled(b->queue.hits, &points, b->queue.lane, b->walk, &b->path, b->draw.lot,
+              b->draw.choice);
+  closures_eval(w, shared);
+  s->spare(b->queue.hits, w->scene->light_threshold, color, shared, b->draw.lot, &b->reflection,
+           &b->light);
+}
+
+/* What the hits reflect of their light samples: b->sum grows by it. number: of the light, where all
+ * have the same. */
+static void reflect(worker *w, size_t number, int bounce, size_t phase, bool shadow, bool shared,
+                    const float *color, clock_number clock) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   size_t hits = b->queue.hits;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
     s->lit(g->run, g->material->traits & CLOSURE_THROUGH, hits_lifted(w), &b->surface, &b->light);
   clock_tick(&w->clocks, clock);
+  bool spares = shadow && w->scene->light_threshold > 0.0f && !w->observer;
+  if (spares)
+    spare_shadows(w, number, bounce, phase, shared, color);
   if (shadow && w->through)
     color = through_shadows(w, bounce == 0, color) ? NULL : color;
   else if (shadow)
@@ -114,7 +140,8 @@ static void reflect(worker *w, int bounce, bool shadow, bool shared, const float
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
     return;
-  closures_eval(w, shared);
+  if (!spares)
+    closures_eval(w, shared);
   s->reflect(hits, color, shared, &b->light, &b->reflection, &b->sum);
   if (w->light)
     light_passes_reflected(w);
@@ -132,7 +159,8 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
     w->batch->light.hidden[i] = c->hidden;
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
-  reflect(w, bounce, c->shadow, spread && c->met, c->color, CLOCK_LIGHT + (clock_number)l->type);
+  reflect(w, number, bounce, phase, c->shadow, spread && c->met, c->color,
+          CLOCK_LIGHT + (clock_number)l->type);
 }
 
 /* After the lamps come the sky and the emitters, as far as there are any. */
@@ -249,7 +277,7 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
   if (s->hides)
     find_hidden(w);
   clock_tick(&w->clocks, CLOCK_CHOICE);
-  reflect(w, bounce, true, s->meets, NULL, CLOCK_SHADOW);
+  reflect(w, 0, bounce, phase, true, s->meets, NULL, CLOCK_SHADOW);
 }
 
 static void zero(lane_c *color, size_t count) {
@@ -275,6 +303,10 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   draw_terms(w, bounce, phase);
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
+  w->later = bounce > 0;
+  b->input.blurs = w->later && s->blur_glossy > 0.0f;
+  if (b->input.blurs)
+    s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
   closures_weigh(w, bounce == 0);
   if (w->light)
     light_passes_shone(w);
@@ -407,8 +439,11 @@ static void begin_walks(worker *w, size_t count) {
       b->walk->from.x[i] = b->walk->from.y[i] = b->walk->from.z[i] = 0.0f;
       b->walk->pdf[i] = CLOSURE_CERTAIN;
       b->walk->lights[i] = 1e30f;
-      b->walk->ray[i] = RAY_CAMERA;
     }
+  for (size_t i = 0; i < count; i++) {
+    b->walk->ray[i] = RAY_CAMERA;
+    b->walk->least[i] = INFINITY;
+  }
   memset(b->walk->ends, 0, count * sizeof(uint32_t));
   for (int kind = 0; kind < BOUNCE_KINDS; kind++)
     memset(b->walk->bounces[kind], 0, count * sizeof(uint32_t));
@@ -464,9 +499,9 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   const stage_table *s = scene->stages;
   batch *b = w->batch;
   size_t phase = view->first % p->period;
-  bool paths = !w->observer &&
-               (scene->max_bounces > 0 || scene->passes || scene->meets || scene->choices > 1 ||
-                scene->clamp_direct > 0.0f || w->light || scene->cloths);
+  bool paths = !w->observer && (scene->max_bounces > 0 || scene->passes || scene->meets ||
+                                scene->choices > 1 || scene->clamp_direct > 0.0f || w->light ||
+                                scene->cloths || scene->light_threshold > 0.0f);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);

@@ -14,6 +14,22 @@ static void zero_run(float *lane, lane_run run) {
   memset(lane + run.begin, 0, (run.end - run.begin) * sizeof *lane);
 }
 
+static bounce_kind kind_of(const closure *c) {
+  return c->traits & CLOSURE_PASSES ? BOUNCE_TRANSPARENT
+         : c->traits & CLOSURE_MATT ? BOUNCE_DIFFUSE
+                                    : BOUNCE_GLOSSY;
+}
+
+/* What scenes without caustics leave out of a closure at surfaces that matt ones see: in `cosine`,
+ * that of directions with these heights over the surface. */
+static void forbid(const worker *w, const closure *c, lane_run run, const float *z, float *cosine) {
+  const scene *s = w->scene;
+  bool shines = w->later && kind_of(c) == BOUNCE_GLOSSY;
+  if (shines && (s->no_reflected || s->no_refracted))
+    s->stages->forbid(run, s->no_reflected, s->no_refracted, w->batch->queue.lane, w->batch->walk,
+                      z, cosine);
+}
+
 static void weigh(worker *w, const segment *g) {
   const stage_table *s = w->scene->stages;
   const material *m = g->material;
@@ -23,6 +39,8 @@ static void weigh(worker *w, const segment *g) {
   for (size_t k = 0; k < m->closures; k++) {
     const closure *c = &m->closure[k];
     s->albedo[c->type](c, g->run, &b->surface, &b->input, choice->albedo);
+    if (c->type != CLOSURE_GLASS || (w->scene->no_reflected && w->scene->no_refracted))
+      forbid(w, c, g->run, b->surface.wo.z, choice->albedo);
     s->chance(c, g->run, &b->input, choice->albedo, choice->chance[k], choice->sum);
   }
   for (size_t k = 0; k < m->closures; k++)
@@ -41,12 +59,6 @@ void closures_weigh(worker *w, bool first) {
       if (m->closure[k].traits & CLOSURE_EMITS)
         w->scene->stages->emit(&m->closure[k], g->run, &b->input, &b->sum);
   }
-}
-
-static bounce_kind kind_of(const closure *c) {
-  return c->traits & CLOSURE_PASSES ? BOUNCE_TRANSPARENT
-         : c->traits & CLOSURE_MATT ? BOUNCE_DIFFUSE
-                                    : BOUNCE_GLOSSY;
 }
 
 void closures_exclude(const worker *w, const closure *c, lane_run run, reflections *out) {
@@ -74,6 +86,7 @@ static void eval_list(worker *w, const segment *g, bool density) {
     w->status |=
         s->closure[c->type](c, g->run, &b->surface, &b->input, &b->light.wi, density, &b->part);
     closures_exclude(w, c, g->run, &b->part);
+    forbid(w, c, g->run, b->light.wi.z, b->part.cosine);
     s->join_all(c, g->run, &b->input, b->closures.chance[k], &b->part, out);
   }
 }
@@ -86,6 +99,7 @@ void closures_eval(worker *w, bool density) {
       w->status |= w->scene->stages->closure[c->type](c, g->run, &b->surface, &b->input,
                                                       &b->light.wi, density, &b->reflection);
       closures_exclude(w, c, g->run, &b->reflection);
+      forbid(w, c, g->run, b->light.wi.z, b->reflection.cosine);
     } else {
       eval_list(w, g, density);
     }
@@ -117,6 +131,7 @@ static void draw_list(worker *w, const segment *g) {
       continue;
     w->status |= s->draw[c->type](c, run, &b->surface, &b->input, part);
     s->kind(run, kind_of(c), part);
+    forbid(w, c, run, part->wi.z, part->cosine);
     s->take(c, run, k, &b->input, &b->closures, part, out);
   }
   for (uint32_t k = 0; k < m->closures; k++) {
@@ -125,6 +140,7 @@ static void draw_list(worker *w, const segment *g) {
       continue;
     /* where nothing was drawn there is no direction, and nothing to complain of */
     s->closure[c->type](c, run, &b->surface, &b->input, &out->wi, true, &b->part);
+    forbid(w, c, run, out->wi.z, b->part.cosine);
     s->join(c, run, k, &b->input, &b->closures, &b->part, out);
   }
 }
@@ -137,6 +153,7 @@ void closures_draw(worker *w) {
     if (is_plain(g->material)) {
       w->status |= s->draw[c->type](c, g->run, &b->surface, &b->input, &b->draw);
       s->kind(g->run, kind_of(c), &b->draw);
+      forbid(w, c, g->run, b->draw.wi.z, b->draw.cosine);
     } else {
       draw_list(w, g);
     }

@@ -494,6 +494,17 @@ static bool read_picture(reader *r, scene *s) {
       return false;
     s->limits.kind[k] = (uint32_t)most;
   }
+  bool reflected = true, refracted = true;
+  if ((reader_has(r, "light_sampling_threshold") &&
+       !reader_number_within(r, "light_sampling_threshold", 0, 1e30, &s->light_threshold)) ||
+      (reader_has(r, "blur_glossy") &&
+       !reader_number_within(r, "blur_glossy", 0, 1e30, &s->blur_glossy)) ||
+      (reader_has(r, "caustics_reflective") &&
+       !reader_flag(r, "caustics_reflective", &reflected)) ||
+      (reader_has(r, "caustics_refractive") && !reader_flag(r, "caustics_refractive", &refracted)))
+    return false;
+  s->no_reflected = !reflected;
+  s->no_refracted = !refracted;
   /* From some version on Cycles lets paths through one surface less than shadow rays. */
   bool less = false;
   if (reader_has(r, "transparent_less") && !reader_flag(r, "transparent_less", &less))

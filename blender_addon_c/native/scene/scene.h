@@ -130,7 +130,10 @@ typedef struct scene {
   float clamp_direct; /* largest brightness that lights may add to a sample at its first surface */
   float clamp_indirect; /* and all light at a later bounce; 0: any */
   walk_limits limits;
-  bool passes; /* some material lets rays pass on */
+  float light_threshold; /* light samples that bring less are worth a shadow ray now and then; 0 */
+  float blur_glossy;     /* lobes that a path meets by chance are blurred the more; 0: not */
+  bool no_reflected, no_refracted; /* caustics: of matt surfaces by mirrors, through glass */
+  bool passes;                     /* some material lets rays pass on */
   camera camera;
   mist mist;
   size_t lights, images, cloths, materials, meshes, instances, layers;

@@ -132,6 +132,42 @@ static void stage_kind(lane_run run, bounce_kind kind, draws *restrict out) {
     out->kind[i] = out->wi.z[i] < 0.0f ? below : here;
 }
 
+/* No mirror image (above), or no view through glass (below), for rays from matt surfaces. */
+static void stage_forbid(lane_run run, bool above, bool below, const uint32_t *restrict lane,
+                         const walks *restrict walk, const float *restrict z,
+                         float *restrict cosine) {
+  const uint32_t up = above ? RAY_DIFFUSE : 0, down = below ? RAY_DIFFUSE : 0;
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    uint32_t kinds = z[i] < 0.0f ? down : up;
+    cosine[i] = walk->ray[lane[i]] & kinds ? 0.0f : cosine[i];
+  }
+}
+
+/* Light samples that bring less than `threshold` are left to chance, in proportion: no shadow ray,
+ * or more light. color NULL: each has its own. */
+static void stage_spare(size_t count, float threshold, const float color[3], bool shared,
+                        const float *restrict lot, const reflections *restrict reflection,
+                        light_samples *restrict light) {
+  const lane_c *restrict f = &reflection->f;
+  const bool own = !color;
+  const float red = own ? 0.0f : color[0], green = own ? 0.0f : color[1];
+  const float blue = own ? 0.0f : color[2], inverse = 1.0f / threshold;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    float r = f->r[i] * (own ? light->color.r[i] : red);
+    float g = f->g[i] * (own ? light->color.g[i] : green);
+    float b = f->b[i] * (own ? light->color.b[i] : blue);
+    float most = r > g ? r : g, pdf = light->pdf[i];
+    most = most > b ? most : b;
+    float part = (shared & (pdf > 0.0f)) ? balance(pdf, reflection->pdf[i]) : 1.0f;
+    float chance = most * part * reflection->cosine[i] * light->e[i] * inverse;
+    bool kept = lot[i] < chance;
+    light->ray.tfar[i] = kept ? light->ray.tfar[i] : -1.0f;
+    light->e[i] = (kept & (chance < 1.0f)) ? light->e[i] / chance : light->e[i];
+  }
+}
+
 /* No light that is hidden from these kinds of ray, on the side of the eye or on the other. */
 static void stage_exclude(lane_run run, uint32_t above, uint32_t below,
                           const light_samples *restrict light, reflections *restrict out) {

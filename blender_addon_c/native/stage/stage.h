@@ -176,6 +176,10 @@ typedef struct stage_table {
                    const reflections *part, reflections *out);
   void (*pick)(lane_run run, uint32_t number, const float *chance, uint32_t *drawn, float *choice);
   void (*kind)(lane_run run, bounce_kind kind, draws *out);
+  void (*forbid)(lane_run run, bool above, bool below, const uint32_t *lane, const walks *walk,
+                 const float *z, float *cosine);
+  void (*spare)(size_t count, float threshold, const float color[3], bool shared, const float *lot,
+                const reflections *reflection, light_samples *light);
   void (*exclude)(lane_run run, uint32_t above, uint32_t below, const light_samples *light,
                   reflections *out);
   void (*take)(const closure *c, lane_run run, uint32_t number, inputs *given,
@@ -189,6 +193,8 @@ typedef struct stage_table {
   /* Points of later bounces, by hit: x and y uniform in [0, 1). sample: by ray. */
   void (*shuffled)(size_t count, const shuffle *points, const uint32_t *lane, const walks *walk,
                    const paths *path, float *x, float *y);
+  /* How blurred lobes are at hits; filter: 1 / blur_glossy. */
+  void (*blur)(size_t count, float filter, const uint32_t *lane, const walks *walk, float *blur);
   /* Returns status bits of libshade. */
   unsigned (*draw[CLOSURE_TYPES])(const closure *c, lane_run run, const surfaces *at, inputs *given,
                                   draws *out);

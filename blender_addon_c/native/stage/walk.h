@@ -21,6 +21,16 @@ static void stage_shuffled(size_t count, const shuffle *points, const uint32_t *
   }
 }
 
+/* Of a lobe that a path meets behind a bounce with little density: alpha, as Cycles blurs it. */
+static void stage_blur(size_t count, float filter, const uint32_t *restrict lane,
+                       const walks *restrict walk, float *restrict blur) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    float rest = 1.0f - filter * walk->least[lane[i]];
+    blur[i] = 0.5f * sqrtf(rest > 0.0f ? rest : 0.0f);
+  }
+}
+
 LEAF float largest(float a, float b, float c) {
   float ab = a > b ? a : b;
   return ab > c ? ab : c;
@@ -107,6 +117,8 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     next->from.y[k] = straight ? walk->from.y[from] : at->p.y[i];
     next->from.z[k] = straight ? walk->from.z[from] : at->p.z[i];
     next->pdf[k] = straight ? walk->pdf[from] : draw->pdf[i];
+    float least = walk->least[from], pdf = draw->pdf[i];
+    next->least[k] = (straight | (least < pdf)) ? least : pdf;
     next->lights[k] = straight ? walk->lights[from] : lights[i];
     uint32_t matt = draw->kind[i] & BOUNCE_MATT ? RAY_DIFFUSE : 0;
     next->ray[k] = straight ? walk->ray[from] : 2u << kind | matt;

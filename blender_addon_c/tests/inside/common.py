@@ -42,6 +42,7 @@ def empty_scene(width=64, height=48, samples=4):
     scene.libshade.samples = samples
     scene.libshade.max_bounces = 0  # lamps only, for what is compared with a formula
     scene.libshade.pixel_filter_type = "BOX"
+    scene.libshade.light_sampling_threshold = scene.libshade.blur_glossy = 0
     scene.libshade.soft_terminator = False
     return scene
 

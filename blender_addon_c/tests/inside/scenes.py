@@ -889,6 +889,12 @@ def lit(options):
         sky(scene, options["image"], options.get("mapping"))
     common.camera(scene, (0, -5, 3), (1.08, 0, 0))
     hide(scene, options.get("hidden", {}))
+    for name, value in options.get("given", {}).items():
+        setattr(settings, name, value)
+    if "roughness" in options:
+        scene.objects["Sphere.001"].scale = (3, 3, 3)  # a large part of what is seen
+        scene.objects["Sphere.001"].data.materials[0].node_tree.nodes["Glossy BSDF"].inputs[
+            "Roughness"].default_value = options["roughness"]
     if "panes" in options:
         panes(options["panes"])
         settings.transparent_max_bounces = options.get("passes", 8)

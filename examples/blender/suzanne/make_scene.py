@@ -170,6 +170,7 @@ def main(path):
     scene.libshade.samples = 64
     scene.libshade.max_bounces = 0  # lamps only, as in the same scene for POV-Ray
     scene.libshade.pixel_filter_type = "BOX"
+    scene.libshade.light_sampling_threshold = 0
     scene.libshade.soft_terminator = False
     bpy.context.preferences.filepaths.save_version = 0  # no OUT.blend1 of an earlier run
     bpy.ops.wm.save_as_mainfile(filepath=path, relative_remap=True)
