@@ -294,6 +294,7 @@ def test_free_while_another_thread_waits():
 def test_poll_and_timings_at_the_end():
     job = native.start(busy(max_bounces=1))
     state = finish(job)
+    assert 0 < state.pop("memory") <= state.pop("memory_peak")
     assert state == {
         "state": "done",
         "progress": 1.0,

@@ -89,6 +89,20 @@ def test_a_film_that_is_clear_keeps_what_is_behind_it():
     np.testing.assert_allclose(total(planes) - planes["ENVIRONMENT"], clear[..., :3], rtol=1e-4, atol=1e-5)
 
 
+@pytest.mark.parametrize("image_there", [False, True])
+@pytest.mark.parametrize("clear", [False, True])
+def test_a_sky_that_is_too_bright(image_there, clear):
+    """Behind all and behind a veil no brighter than *Clamp Direct*, its hue kept, as in Cycles."""
+    hue = np.float32((1, 2, 3))
+    world = {"images": [image(np.full((4, 8, 3), hue))], "sky": sky()} if image_there else {"background": hue.tolist()}
+    veil = of(weighed(TRANSPARENT, 0.1))
+    for meshes, left in (([square(z=-90.0, half=1e-3)], 1.0), ([square()], 0.2 / 0.5)):
+        picture, planes = passes({**ONE, **world, "meshes": meshes, "materials": [veil], "samples": 4096 if left < 1 else 4,
+                                  "sample_clamp_direct": 0.5, "camera": ortho(1e-2), "transparent": clear})
+        np.testing.assert_allclose(planes["ENVIRONMENT"][0, 0], 0.5 * hue / 2 * left, rtol=1e-4 if left == 1 else 0.2)
+        np.testing.assert_allclose(picture[0, 0, :3], 0 if clear else planes["ENVIRONMENT"][0, 0], atol=1e-4)
+
+
 def test_colours():
     """Weights times colours; of metal head-on; of glass what a smooth one reflects and refracts."""
     for given, kind, color in (

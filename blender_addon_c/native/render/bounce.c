@@ -456,7 +456,11 @@ static void show_sky(worker *w, size_t count) {
   size_t missed =
       s->stages->missed(count, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
   s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
-  s->stages->scatter(missed, b->missed, &b->sky, &b->sample_color);
+  if (s->clamp_direct > 0.0f)
+    s->stages->gain(missed, (const float[2]){s->clamp_direct, INFINITY}, 0, b->missed, b->walk,
+                    &b->sky, &b->sample_color);
+  else
+    s->stages->scatter(missed, b->missed, &b->sky, &b->sample_color);
 }
 
 /* Light of the camera's rays, by sample: what surfaces reflect, and the sky behind them. `paths`:

@@ -387,14 +387,18 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
   if (s->sky.there)
     s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
+  for (size_t k = 0; !s->sky.there && k < missed; k++) {
+    b->sky.r[k] = s->background[0];
+    b->sky.g[k] = s->background[1];
+    b->sky.b[k] = s->background[2];
+  }
+  const float most = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
   for (size_t k = 0; k < missed; k++) {
-    size_t ray = b->missed[k], sample = walk->sample[ray];
+    size_t ray = b->missed[k];
     if (bounces_of(walk, ray))
       continue;
-    const float *even = s->background;
-    add(out, sample, walk->weight.r[ray] * (s->sky.there ? b->sky.r[k] : even[0]),
-        walk->weight.g[ray] * (s->sky.there ? b->sky.g[k] : even[1]),
-        walk->weight.b[ray] * (s->sky.there ? b->sky.b[k] : even[2]));
+    color3 c = weighed(walk, ray, &b->sky, k, dimming(walk, ray, &b->sky, k, most));
+    add(out, walk->sample[ray], c.r, c.g, c.b);
   }
 }
 

@@ -157,15 +157,25 @@ double render_progress(const render *r) {
   return all ? (double)atomic_load(&r->finished) / (double)all : 1.0;
 }
 
+/* The background as the camera sees it, no brighter than lights may be. */
+static void find_backdrop(const scene *s, float out[3]) {
+  const float *even = s->background, most = s->clamp_direct;
+  float mean = (even[0] + even[1] + even[2]) * (1.0f / 3.0f);
+  float factor = s->transparent || s->sky_hidden & RAY_CAMERA ? 0.0f : 1.0f;
+  factor *= most > 0.0f && mean > most ? most / mean : 1.0f;
+  for (int k = 0; k < 3; k++)
+    out[k] = factor > 0.0f ? factor * even[k] : 0.0f;
+}
+
 /* A row's means; the background behind it. */
 static void copy_row(const scene *s, size_t count, float scale, const float *restrict sum,
                      float *restrict out) {
+  float behind[3];
+  find_backdrop(s, behind);
   for (size_t i = 0; i < count; i++, sum += 4, out += 4) {
     float alpha = sum[3] * scale;
     for (unsigned c = 0; c < 3; c++)
-      out[c] =
-          sum[c] * scale +
-          (s->transparent || s->sky_hidden & RAY_CAMERA ? 0.0f : (1.0f - alpha) * s->background[c]);
+      out[c] = sum[c] * scale + (1.0f - alpha) * behind[c];
     out[3] = s->transparent ? alpha : 1.0f;
   }
 }
