@@ -79,6 +79,54 @@ def test_shared_mesh_is_shaded_as_copies_are(kind, tmp_path):
         assert np.quantile(wrong, 0.999) < limit, name
 
 
+def asking():
+    """Scene and material whose nodes ask for all that belongs to an object: a wave in its own space is a
+    height, on a normal of another UV map than the mesh's, and the colour is its normal there."""
+    step, free = 1e-3, iter(range(3, 64))
+    nodes, heights = [], []
+
+    def emit(kind, count=3, **given):
+        nodes.append({"type": kind, **given, "out": [(next(free),) for _ in range(count)]})
+        return nodes[-1]["out"]
+
+    place = emit("GEOMETRY", what="POSITION")
+    for what in ("", "ALONG_U", "ALONG_V"):
+        here = place
+        if what:
+            along = emit("GEOMETRY", what=what)
+            here = [emit("MATH", 1, operation="MULTIPLY_ADD", a=[a], b=[step], c=[b])[0]
+                    for a, b in zip(along, place)]
+        own = emit("OBJECT", what="POINT_INTO", vector=here)
+        wide = emit("MATH", 1, operation="MULTIPLY", a=[own[2]], b=[6.0], c=[0.0])
+        heights += emit("MATH", 1, operation="SINE", a=wide, b=[0.0], c=[0.0])
+    more = [(next(free),)]
+    tangent = [*emit("LAYER", layer=1, along="NONE", more=more), *more]
+    normal = emit("PERTURB", color=[0.6, 0.45, 1.0], strength=[1.0], tangent=tangent)
+    normal = emit("BUMP", height=heights, step=step, strength=[1.0], distance=[0.01], normal=normal)
+    inside = emit("OBJECT", what="NORMAL_INTO", vector=emit("GEOMETRY", what="NORMAL"))
+    color = [emit("MATH", 1, operation="MULTIPLY_ADD", a=[part], b=[0.4], c=[0.5])[0] for part in inside]
+    return {"layers": [{"width": 2}, {"width": 4, "tangents_of": 0}],
+            "materials": [material(detail="ROTATE") | {"nodes": nodes, "normal": normal, "f0_from": color}]}
+
+
+@pytest.mark.parametrize("kind", ["turned", "stretched", "mirrored"])
+def test_what_nodes_ask_of_instances_is_that_of_copies(kind, tmp_path):
+    """Position by u and v for bumps, layers, tangents of another UV map, the object's own space."""
+    ball = sphere(RINGS)
+    ball["layers"] = [{"layer": 0, "data": np.ascontiguousarray(
+        ball["corner_uvs"].reshape(-1, 2) @ np.float32([[0.8, 0.6], [-0.6, 0.8]]))}]
+    planes = [dump({**place(matrices(COPIES, kind), ball, shared), **asking()}, tmp_path / "d.exr")[0]
+              for shared in (True, False)]
+    same = planes[1]["P.Z"] > -0.4
+    for axis in "XYZ":
+        same &= np.abs(planes[0][f"P.{axis}"] - planes[1][f"P.{axis}"]) < 1e-5
+    assert same.mean() > 0.2
+    for name in ("Ns.X", "Ns.Y", "Ns.Z", "Color.R", "Color.G", "Color.B"):
+        limit = 0.02 if kind == "stretched" else 5e-4
+        assert np.quantile(np.abs(planes[0][name] - planes[1][name])[same], 0.998) < limit, name
+    assert planes[1]["Ns.X"][same].std() > 0.1 and planes[1]["Color.R"][same].std() > 0.1
+
+
 def test_paths_and_shadows_meet_instances():
     settings = {"max_bounces": 3, "background": (0.3, 0.4, 0.5)}
     seen = [render({**place(matrices(COPIES, "turned"), sphere(RINGS), shared), **settings})[0]
