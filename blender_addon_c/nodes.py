@@ -134,12 +134,13 @@ def new_socket(tree, name, in_out, kind):
 
 
 def _new_tree():
-    """What other renderers see: a Principled metal along the UV tangent."""
+    """What other renderers see: a Principled metal along its tangent, of the UV map where that is 0."""
     tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
     color = new_socket(tree, "Color", "INPUT", "NodeSocketColor")
     color.default_value = (*_initial_color(), 1.0)
     normal = new_socket(tree, "Normal", "INPUT", "NodeSocketVector")
     normal.hide_value = True  # unlinked, it is the surface's own normal
+    new_socket(tree, "Tangent", "INPUT", "NodeSocketVector").hide_value = True
     new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
 
     inputs = tree.nodes.new("NodeGroupInput")
@@ -152,9 +153,25 @@ def _new_tree():
     shader.inputs["Metallic"].default_value = 1.0
     tree.links.new(inputs.outputs["Color"], shader.inputs["Base Color"])
     tree.links.new(inputs.outputs["Normal"], shader.inputs["Normal"])
-    tree.links.new(tangent.outputs["Tangent"], shader.inputs["Tangent"])
+    tree.links.new(_either(tree, inputs.outputs["Tangent"], tangent.outputs["Tangent"]),
+                   shader.inputs["Tangent"])
     tree.links.new(shader.outputs["BSDF"], outputs.inputs["BSDF"])
     return tree
+
+
+def _either(tree, vector, other):
+    """A vector, or another one where it is 0."""
+    length, there, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VectorMath", "Math", "Mix"))
+    length.operation, there.operation, mix.data_type = "LENGTH", "GREATER_THAN", "VECTOR"
+    there.inputs[1].default_value = 0.0
+    length.location, there.location, mix.location = (-100, -300), (50, -300), (150, -150)
+    sockets = {socket.identifier: socket for socket in (*mix.inputs, *mix.outputs)}
+    tree.links.new(vector, length.inputs[0])
+    tree.links.new(length.outputs["Value"], there.inputs[0])
+    tree.links.new(there.outputs[0], sockets["Factor_Float"])
+    tree.links.new(other, sockets["A_Vector"])
+    tree.links.new(vector, sockets["B_Vector"])
+    return sockets["Result_Vector"]
 
 
 class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):

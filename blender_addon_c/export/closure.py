@@ -185,7 +185,9 @@ def _is_smooth(alpha):
 
 def _metal(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
-    _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, f0=color), share,
+    linked = "Tangent" in node.inputs and tree.trace(node.inputs["Tangent"], groups).node
+    _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, f0=color,
+                                groove=_tangent(reader, node, groups) if linked else None), share,
          _normal(reader, node, groups))
 
 

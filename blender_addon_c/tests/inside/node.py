@@ -15,7 +15,7 @@ def near(a, b):
 
 
 def test_sockets(node):
-    assert [s.name for s in node.inputs] == ["Color", "Normal"]
+    assert [s.name for s in node.inputs] == ["Color", "Normal", "Tangent"]
     assert [s.name for s in node.outputs] == ["BSDF"]
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
     assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"

@@ -216,12 +216,13 @@ def cycles(options):
         node = tree.nodes["Principled BSDF"]
         node.inputs["Metallic"].default_value = 1
         node.inputs["Roughness"].default_value = 0.4
+        node.inputs["Anisotropic"].default_value = (1 - 0.08 / 0.32) / 0.9
         tangent = tree.nodes.new("ShaderNodeTangent")
         tangent.direction_type = "UV_MAP"
         tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
         color = node.inputs["Base Color"]
     else:
-        material, tree, node = common.metal(ax=0.16, ay=0.16)
+        material, tree, node = common.metal(ax=0.32, ay=0.08)
         color = node.inputs["Color"]
     color.default_value = (0.9, 0.6, 0.3, 1)
     if options["converted"] is True:
@@ -674,8 +675,9 @@ def grooves(options):
         node.distribution = "GGX"
         node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.5, 0.6
         tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    if options["axis"] or not options["detail"]:
         tangent = tree.nodes.new("ShaderNodeTangent")
-        tangent.direction_type = "UV_MAP"
+        tangent.direction_type, tangent.axis = "RADIAL" if options["axis"] else "UV_MAP", options["axis"] or "Z"
         tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
     node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
     tilted(tree, node, 1.0)
