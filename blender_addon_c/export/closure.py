@@ -14,6 +14,7 @@ from .node_place import round_tangent, tangent_of
 from .value import color_of, normal_of, number_of
 
 _WHITE, _BLACK = (1.0,) * 3, (0.0,) * 3
+_LUMINANCE = (0.2126, 0.7152, 0.0722)  # of Rec. 709
 _JOINT = bpy.app.version >= (4, 0)  # Smith's shadowing of both directions together
 
 
@@ -75,7 +76,9 @@ def _clamp(reader, x):
 
 
 def _times(reader, color, factor):
-    return tuple(reader.program.math("MULTIPLY", part, factor) for part in color)
+    """factor: one for all, or three parts."""
+    by = factor if isinstance(factor, tuple) else (factor,) * 3
+    return tuple(reader.program.math("MULTIPLY", part, other) for part, other in zip(color, by))
 
 
 def _normal(reader, node, groups, name="Normal"):
@@ -322,21 +325,44 @@ def _add_glass(reader, node, groups, alpha, share, normal, color=_WHITE, **given
         ior = number_of(reader, node.inputs["IOR"], groups)
         one, mean = reader.program.emit("GLASS_ALBEDO", 2, ior=[ior], alpha=[alpha], joint=_JOINT,
                                         **about)
-        kept = _kept(reader, color, one, mean)
-        share = tuple(reader.program.math("MULTIPLY", share, part) for part in kept)
+        kept = _kept(reader, given.get("tint", color), one, mean)
+        share = _times(reader, kept, share)
         seen = tuple(reader.program.math("DIVIDE", 1.0, part) for part in kept)
-        if "tint" in given:  # of what goes through alone
-            by = _kept(reader, given["tint"], one, mean)
-            given["tint"] = tuple(
-                reader.program.math("MULTIPLY", part, reader.program.math("MULTIPLY", more, one))
-                for part, more in zip(given["tint"], by))
-    share = tuple(reader.program.math("MULTIPLY", part, by) for part, by in zip(
-        share if isinstance(share, tuple) else (share,) * 3, color))
-    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], **given), share, normal, seen)
+    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], **given),
+         _times(reader, color, share), normal, seen)
 
 
 def _refraction(reader, node, groups, share):
     _glass(reader, node, groups, share, reflects=False)
+
+
+def _velvet(reader, node, groups, share):
+    _add_velvet(reader, node, groups, share, number_of(reader, node.inputs["Sigma"], groups))
+
+
+def _add_velvet(reader, node, groups, share, sigma):
+    color, normal = color_of(reader, node.inputs["Color"], groups), _normal(reader, node, groups)
+    _add(reader, {"closure": "SHEEN", "model": "VELVET", "sigma": [sigma]},
+         _times(reader, color, share), normal, color)
+
+
+def _sheen(reader, node, groups, share):
+    roughness = _clamp(reader, number_of(reader, node.inputs["Roughness"], groups))
+    if node.distribution == "ASHIKHMIN":
+        _add_velvet(reader, node, groups, share, roughness)
+        return
+    color = color_of(reader, node.inputs["Color"], groups)
+    _fibres(reader, color, roughness, share, _normal(reader, node, groups))
+
+
+def _fibres(reader, color, roughness, share, normal):
+    """What they reflect of even light, by colour."""
+    about = {"normal": normal} if normal else {}
+    a, b, one = reader.program.emit("FIBRES", roughness=[roughness], **about)
+    seen = _times(reader, color, one)
+    _add(reader, {"closure": "SHEEN", "model": "FIBRES", "a": [a], "b": [b]},
+         _times(reader, seen, share), normal)
+    return seen
 
 
 def _translucent(reader, node, groups, share):
@@ -374,8 +400,8 @@ def _principled(reader, node, groups, share):
 
 
 # Sockets without a closure yet, in one version or another, and what they are where they say nothing.
-_LEFT_OUT = {"Subsurface": 0, "Subsurface Weight": 0, "Sheen": 0, "Sheen Weight": 0,
-             "Specular Tint": None, "Thin Film Thickness": 0, "Transmission Roughness": 0}
+_LEFT_OUT = {"Subsurface": 0, "Subsurface Weight": 0, "Thin Film Thickness": 0,
+             "Transmission Roughness": 0}
 
 
 def _name_left_out(reader, node):
@@ -384,13 +410,13 @@ def _name_left_out(reader, node):
         socket = node.inputs.get(name)
         if not socket:
             continue
-        value = socket.default_value
-        if plain is None:  # a number until 3.6, 0; a colour from 4.0 on, white
-            says = value if isinstance(value, float) else any(part != 1 for part in value[:3])
-        else:
-            says = value != plain
-        if socket.is_linked or says:
+        if socket.is_linked or socket.default_value != plain:
             reader.warn(f"'{node.name}': {name} is not supported; left out")
+
+
+def _largest(reader, color):
+    math = reader.program.math
+    return math("MAXIMUM", math("MAXIMUM", color[0], color[1]), color[2])
 
 
 class _Principled:
@@ -420,15 +446,18 @@ class _Principled:
                 _groove(self.reader, self.node, "Anisotropic Rotation", self.groups))
 
     def _rest(self, share, part):
-        return self.math("MULTIPLY", share, self.math("SUBTRACT", 1.0, part))
+        return self._part(share, self.math("SUBTRACT", 1.0, part))
 
     def _part(self, share, part):
+        """share: one for all, or three parts."""
+        if isinstance(share, tuple):
+            return _times(self.reader, share, part)
         return self.math("MULTIPLY", share, part)
 
     def _lobe(self, share, settings, head_on, **parts):
         lobe = _Lobe(self.reader, self.alpha, self.normal)
         kept = lobe.kept(tuple(map(self._mean, head_on))) if self.several else _WHITE
-        share = tuple(self.math("MULTIPLY", share, part) for part in kept)
+        share = _times(self.reader, kept, share)
         # from 4.0 on Cycles' colour is the albedo, before it is 1 for all lobes
         seen = (tuple(map(lobe.albedo, head_on)) if _JOINT else
                 tuple(self.math("DIVIDE", 1.0, part) for part in kept))
@@ -463,14 +492,28 @@ class _Principled:
                          self.groups)
         _shine(self.reader, color, self._part(share, self._number("Emission Strength")))
 
+    def _hue(self, name, bright):
+        """White, or as far as this socket says the base colour as bright as white."""
+        amount = self._number(name)
+        if is_known(amount) and amount == 0:
+            return _WHITE
+        math, sum_ = self.math, 0.0
+        for part, by in zip(self.base, bright):
+            sum_ = math("ADD", sum_, math("MULTIPLY", part, by))
+        there = float(sum_ > 0) if is_known(sum_) else math("GREATER_THAN", sum_, 0.0)
+        least = math("MAXIMUM", sum_, 1e-6)
+        return tuple(math("MIX", 1.0, math("DIVIDE", part, least), math("MULTIPLY", amount, there))
+                     for part in self.base)
+
     def until_3_6(self, share):
         math = self.math
         through = _clamp(self.reader, self._number("Transmission"))
         self._emission(share)
         coat = _clamp(self.reader, self._number("Clearcoat"))
-        self._coat(share, math("MULTIPLY", coat, 0.25),
-                   _alpha_of(self.reader, self.node, self.groups, "Clearcoat Roughness"), 1.5,
-                   _normal(self.reader, self.node, self.groups, "Clearcoat Normal"), 4.0)
+        alpha = _alpha_of(self.reader, self.node, self.groups, "Clearcoat Roughness")
+        _add(self.reader, {"closure": "COAT", "alpha": [alpha]},
+             self._part(share, math("MULTIPLY", coat, 0.25)),
+             _normal(self.reader, self.node, self.groups, "Clearcoat Normal"), (4.0,) * 3)
         matt = self._rest(share, self.metallic)
         glass = self._part(matt, through)
         if not (is_known(glass) and glass == 0):
@@ -479,28 +522,40 @@ class _Principled:
         _add(self.reader, {"closure": "DIFFUSE", "model": "BURLEY", "color": self.base,
                            "roughness": [_clamp(self.reader, self._number("Roughness"))]},
              self._rest(matt, through), self.normal)
+        sheen = self._number("Sheen")
+        _add(self.reader, {"closure": "SHEEN", "model": "SCHLICK"},
+             _times(self.reader, self._hue("Sheen Tint", _LUMINANCE),
+                    self._part(self._rest(matt, through), sheen)), self.normal, _WHITE)
         surface = math("SUBTRACT", share, glass)
         head_on = math("CLAMP", math("MULTIPLY", self._number("Specular"), 0.08), 0.0, 1.0)
-        if is_known(self.metallic) and self.metallic == 0:
+        hue = self._hue("Specular Tint", (0.3, 0.6, 0.1))
+        if is_known(self.metallic) and self.metallic == 0 and hue == _WHITE:
             self._clear(surface, head_on)
             return
-        f0 = tuple(math("MIX", head_on, part, self.metallic) for part in self.base)
+        f0 = tuple(math("MIX", math("MULTIPLY", head_on, tint), part, self.metallic)
+                   for part, tint in zip(self.base, hue))
         self._lobe(surface, {"fresnel": "SCHLICK"}, f0, f0=f0)
 
     def from_4_0(self, share):
         math, reader = self.math, self.reader
+        sheen = math("MAXIMUM", self._number("Sheen Weight"), 0.0)
+        if not (is_known(sheen) and sheen == 0):
+            share = self._under_sheen(share, sheen)
         coat = _clamp(reader, self._number("Coat Weight"))
         if not (is_known(coat) and coat == 0):
             share = self._coated(share, coat)
         self._emission(share)
-        self._lobe(self._part(share, self.metallic), {"fresnel": "SCHLICK"}, self.base,
-                   f0=self.base)
+        tint = color_of(reader, self.node.inputs["Specular Tint"], self.groups)
+        white = is_known(*tint) and all(part >= 1 for part in tint)
+        metal = {"fresnel": "SCHLICK"} if white else {"fresnel": "F82"}
+        self._lobe(self._part(share, self.metallic), metal, self.base, f0=self.base,
+                   **({} if white else {"f82": tuple(_clamp(reader, part) for part in tint)}))
         share = self._rest(share, self.metallic)
         through = _clamp(reader, self._number("Transmission Weight"))
         glass = self._part(share, through)
         if not (is_known(glass) and glass == 0):
-            tint = tuple(math("SQRT", _clamp(reader, part)) for part in self.base)
-            _add_glass(reader, self.node, self.groups, self.alpha, glass, self.normal, tint=tint)
+            beyond = tuple(math("SQRT", _clamp(reader, part)) for part in self.base)
+            _add_glass(reader, self.node, self.groups, self.alpha, glass, self.normal, tint=beyond)
         share = self._rest(share, through)
         if is_known(share) and share == 0:
             return
@@ -508,8 +563,13 @@ class _Principled:
         level = self._number("Specular IOR Level")
         if not (is_known(level) and level == 0.5):
             head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
-        self._clear(share, head_on)
         lobe = _Lobe(reader, self.alpha, self.normal)
+        if is_known(*tint) and tuple(tint) == _WHITE:
+            self._clear(share, head_on)
+        else:
+            f0 = tuple(_clamp(reader, math("MULTIPLY", head_on, part)) for part in tint)
+            self._lobe(share, {"fresnel": "SCHLICK"}, f0, f0=f0)
+            head_on = _largest(reader, f0)
         hidden = lobe.albedo(head_on)
         if self.several:
             hidden = math("MULTIPLY", hidden, lobe.kept((self._mean(head_on),))[0])
@@ -523,10 +583,37 @@ class _Principled:
         normal = _normal(reader, self.node, self.groups, "Coat Normal")
         hidden = _Lobe(reader, alpha, normal).albedo(self._head_on(eta))
         self._coat(share, weight, alpha, eta, normal, hidden)
-        tint = self.node.inputs["Coat Tint"]
-        if tint.is_linked or any(part != 1 for part in tint.default_value[:3]):
-            reader.warn(f"'{self.node.name}': Coat Tint is not supported; left out")
-        return self._rest(share, self._part(weight, hidden))
+        share = self._rest(share, self._part(weight, hidden))
+        tint = color_of(reader, self.node.inputs["Coat Tint"], self.groups)
+        if is_known(*tint) and tuple(tint) == _WHITE:
+            return share
+        # as long a way as the eye's ray has in it, in units of the shortest
+        math = self.math
+        cosine = self._seen(normal)
+        sine = math("DIVIDE", math("SUBTRACT", 1.0, math("MULTIPLY", cosine, cosine)),
+                    math("MULTIPLY", eta, eta))
+        way = math("DIVIDE", 1.0, math("SQRT", math("SUBTRACT", 1.0, sine)))
+        return _times(self.reader, tuple(math("MIX", 1.0, math(
+            "POWER", math("MAXIMUM", part, 0.0), way), weight) for part in tint), share)
+
+    def _seen(self, normal):
+        """Cosine of the eye and a normal in the shading frame."""
+        program = self.reader.program
+        eye = program.emit("FRAME", vector=program.emit("GEOMETRY", what="INCOMING"), to="SHADING")
+        if not normal:
+            return eye[2]
+        sum_ = 0.0
+        for a, b in zip(eye, normal):
+            sum_ = self.math("ADD", sum_, self.math("MULTIPLY", a, b))
+        return _clamp(self.reader, sum_)
+
+    def _under_sheen(self, share, weight):
+        reader = self.reader
+        tint = color_of(reader, self.node.inputs["Sheen Tint"], self.groups)
+        color = tuple(self.math("MULTIPLY", weight, part) for part in tint)
+        seen = _fibres(reader, color, _clamp(reader, self._number("Sheen Roughness")), share,
+                       self.normal)
+        return self._rest(share, _clamp(reader, _largest(reader, seen)))
 
 
 # By the node's bl_idname.
@@ -539,6 +626,8 @@ CLOSURES = {
     "ShaderNodeBsdfAnisotropic": _glossy,
     "ShaderNodeBsdfGlass": _glass,
     "ShaderNodeBsdfRefraction": _refraction,
+    "ShaderNodeBsdfSheen": _sheen,
+    "ShaderNodeBsdfVelvet": _velvet,
     "ShaderNodeBsdfTranslucent": _translucent,
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeEmission": _emission,

@@ -8,7 +8,27 @@ from blender_runs import rgba
 
 
 def shader(kind, inputs=None, **more):
-    return {"node": f"ShaderNode{kind}", "inputs": inputs or {}, "set": more}
+    return {"node": kind, "inputs": inputs or {}, "set": more}
+
+
+def of_version(thing, version):
+    """What a case says of this version alone, by a dictionary of versions."""
+    if isinstance(thing, dict) and thing and set(thing) <= {"3.4", "5.0"}:
+        return thing.get(version)
+    if isinstance(thing, dict):
+        made = {key: of_version(part, version) for key, part in thing.items()}
+        return {key: part for key, part in made.items() if part is not None}
+    if isinstance(thing, (list, tuple)):
+        return [of_version(part, version) for part in thing]
+    return thing
+
+
+def cases_of(version):
+    made = of_version(CASES, version)
+    for case in made:
+        for item in case.get("shaders", ()):
+            item["node"] = "ShaderNode" + item["node"]
+    return made
 
 
 RED = (0.8, 0.3, 0.1, 1)
@@ -26,7 +46,7 @@ def principled(name, **inputs):
     """Inputs by the names of 4.0 on; what they were until 3.6 beside them."""
     old = {"Coat Weight": "Clearcoat", "Coat Roughness": "Clearcoat Roughness",
            "Transmission Weight": "Transmission", "Emission Color": "Emission",
-           "Specular IOR Level": "Specular"}
+           "Specular IOR Level": "Specular", "Sheen Weight": "Sheen"}
     given = {key.replace("_", " "): value for key, value in inputs.items()}
     given |= {old[key]: value for key, value in given.items() if key in old}
     return one(name, "BsdfPrincipled", {"Base Color": RED, **given})
@@ -65,6 +85,16 @@ CASES = [
     principled("rough and clear", **{"Transmission Weight": 1.0, "Roughness": 0.6}),
     principled("shining", **{"Emission Color": (0.1, 0.4, 0.9, 1), "Emission Strength": 1.0}),
     principled("see through", Alpha=0.4),
+    principled("sheen", **{"Sheen Weight": 1.0, "Sheen Tint": {"3.4": 0.7, "5.0": (0.3, 0.6, 1.0, 1)}}),
+    principled("tinted", Roughness=0.3, **{"Specular Tint": {"3.4": 1.0, "5.0": RED}}),
+    principled("tinted metal", Roughness=0.3, Metallic=1.0, **{"Specular Tint": {"3.4": 1.0, "5.0": (0.3, 0.6, 1, 1)}}),
+    principled("tinted coat", **{"Coat Weight": 0.8, "Coat Roughness": 0.2, "Coat Tint": {"5.0": RED}}),
+    one("velvet", {"3.4": "BsdfVelvet", "5.0": "BsdfSheen"}, {"Color": RED, "Sigma": 0.5, "Roughness": 0.5},
+        distribution={"5.0": "ASHIKHMIN"}),
+    one("fibres", {"3.4": "BsdfVelvet", "5.0": "BsdfSheen"}, {"Color": RED, "Sigma": 0.9, "Roughness": 0.5},
+        distribution={"5.0": "MICROFIBER"}),
+    one("fine fibres", {"3.4": "BsdfVelvet", "5.0": "BsdfSheen"}, {"Color": RED, "Sigma": 0.25, "Roughness": 0.25},
+        distribution={"5.0": "MICROFIBER"}),
     grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
                                                  "Rotation": 0.1}, distribution="GGX")),
     grooved(one("across", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": -0.6},
@@ -77,16 +107,15 @@ CASES = [
 ]
 CASES += [{"name": kind, "bare": kind} for kind in
           ("none", "untouched", "no nodes", "no shader", "image")]
-# How far a ball's mean may be from that of Cycles where it is not the same model: 3.4's clear coat
-# has another distribution; its light walks among the facets of rough glass, where ours has the share that
-# does leave as the rest. 5.0's Principled darkens what goes through tinted, rough glass by a little more. APART: of 4 x 4 pixels.
-OFF = {("coated", "3.4"): 0.03, ("several in glass", "3.4"): 0.05,
-       ("rough and clear", "5.0"): 0.025}
+# How far a ball's mean may be from that of Cycles where it is not the same model: 3.4's light walks among
+# the facets of rough glass, where ours has the share that does leave as the rest; and it draws its clear coat by another density than it says, so that
+# what is below is 2 % too dark under a sky (under the sun alone ours is within .5 %). APART: of 4 x 4 pixels.
+OFF = {("several in glass", "3.4"): 0.05, ("coated", "3.4"): 0.03, ("tinted coat", "3.4"): 0.03}
 APART = {("several in glass", "3.4"): 0.025}
 
 
 def test_shaders_are_those_of_cycles(blender, tmp_path):
-    cases = CASES
+    cases = cases_of(blender.version)
     pictures = []
     for engine, samples in (("LIBSHADE", 256), ("CYCLES", 256)):
         blender.scene("balls", tmp_path, cases=cases, engine=engine, samples=samples, dump="")

@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 from blender_runs import read_picture
-from test_blender_closures import CASES
+from test_blender_closures import cases_of
 
 WANTED = ("z", "position", "normal", "uv", "object_index", "material_index", "mist",
           "vector")
@@ -105,7 +105,7 @@ def check_mattes(pictures, headers):
 
 def test_passes_are_those_of_cycles(blender, tmp_path):
     """Balls and a floor under a sky and a sun: names, and what each pass adds to the picture."""
-    cases = [case for case in CASES if case["name"] in BALLS]
+    cases = [case for case in cases_of(blender.version) if case["name"] in BALLS]
     files, headers = [], []
     for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
         _, text = blender.scene("balls", tmp_path, dump="", cases=cases, engine=engine, samples=samples,

@@ -52,6 +52,7 @@ KEEP_ALL = {
     "lambert": of(diffuse()), "eon": of(diffuse("EON", 0.7)), "translucent": of(TRANSLUCENT),
     "transparent": of(TRANSPARENT), "glass": of(glass(1e-4)), "refraction": of(
         glass(1e-4, reflects=False)), "mirror": of(glossy(1e-3)),
+    "fibres": of({"closure": "SHEEN", "model": "FIBRES", "a": [0.4], "b": [-0.1]}),
     "half there": of(weighed(diffuse(), 0.5), weighed(TRANSPARENT, 0.5)),
     "three": of(weighed(diffuse(), 0.2), weighed(TRANSLUCENT, 0.5), weighed(glass(1e-4), 0.3)),
 }
@@ -77,6 +78,9 @@ def test_glass_with_all_its_bounces_is_not_seen(alpha, ior, joint):
 LOSE = {
     "oren nayar": of(diffuse("OREN_NAYAR", 0.7)), "glass": of(glass(0.3)),
     "apart": of(glass(0.3, joint=False)), "glossy": of(glossy(0.4)),
+    "velvet": of(weighed(diffuse(), 0.7), weighed({"closure": "SHEEN", "model": "VELVET", "sigma": [0.3]}, 0.2)),
+    "coat": of(weighed(diffuse(), 0.8), weighed({"closure": "COAT", "alpha": [0.2]}, 0.25)),
+    "rim": of(weighed(diffuse(), 0.7), weighed({"closure": "SHEEN", "model": "SCHLICK"}, 0.3)),
     "mixed": of(weighed(glossy(0.4), 0.5), weighed(diffuse(), 0.25), weighed(glass(0.2), 0.25)),
 }
 

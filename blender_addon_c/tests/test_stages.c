@@ -1187,6 +1187,20 @@ static bool closure_by(int number, closure *c) {
     make_cloth(number == 12, c);
     return true;
   }
+  if (number == 14) {
+    c->type = CLOSURE_COAT;
+    c->of.coat = (closure_coat){.normal = {3, 4, 5}, .alpha = half};
+    return true;
+  }
+  if (number > 14) {
+    c->type = CLOSURE_SHEEN;
+    c->of.sheen = (closure_sheen){.model = number - 15,
+                                  .normal = {3, 4, 5},
+                                  .sigma = half,
+                                  .a = half,
+                                  .b = {.at = OPERAND_NUMBER, .number = -0.7f}};
+    return number < 18;
+  }
   if (number < 4) {
     c->type = CLOSURE_DIFFUSE;
     c->of.diffuse = (closure_diffuse){

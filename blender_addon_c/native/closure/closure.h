@@ -17,11 +17,13 @@
 #ifndef LIBSHADE_CLOSURE_H
 #define LIBSHADE_CLOSURE_H
 
+#include "closure/coat.h"
 #include "closure/diffuse.h"
 #include "closure/emission.h"
 #include "closure/fabric.h"
 #include "closure/glass.h"
 #include "closure/metal.h"
+#include "closure/sheen.h"
 #include "closure/translucent.h"
 #include "closure/transparent.h"
 
@@ -31,6 +33,8 @@
   ROW(TRANSLUCENT, translucent)                                                                    \
   ROW(FABRIC, fabric)                                                                              \
   ROW(GLASS, glass)                                                                                \
+  ROW(COAT, coat)                                                                                  \
+  ROW(SHEEN, sheen)                                                                                \
   ROW(TRANSPARENT, transparent)                                                                    \
   ROW(EMISSION, emission)
 

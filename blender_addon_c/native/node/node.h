@@ -30,6 +30,7 @@
 #include "node/object.h"
 #include "node/perturb.h"
 #include "node/ramp.h"
+#include "node/fibres.h"
 #include "node/transform.h"
 #include "node/weave.h"
 
@@ -40,6 +41,7 @@
   ROW(BUMP, bump)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
+  ROW(FIBRES, fibres)                                                                              \
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(LAYER, layer)                                                                                \
   ROW(OBJECT, object)                                                                              \

@@ -751,7 +751,7 @@ def balls(options):
         common.smooth(ob.data)
     scene.world = bpy.data.worlds.new("world")
     background = common.tree_of(scene.world).nodes["Background"].inputs
-    background["Color"].default_value = (0.5, 0.5, 0.5, 1)
+    background["Color"].default_value = (*[options.get("sky", 0.5)] * 3, 1)
     common.light(scene, rotation=(0.6, 0.3, 0), energy=1.0, size=0.3)
     if "floor" in options:  # behind the lower halves
         floor = bpy.data.materials.new("floor")
