@@ -18,9 +18,14 @@ def _mixed(k):
     return _turned(k * 0xCC9E2D51 & _MASK, 15) * 0x1B873593 & _MASK
 
 
+def _bytes(name):
+    """In UTF-8; Blender hands those that are no text through as they are."""
+    return name.encode("utf-8", "surrogateescape")
+
+
 def hash_of(name):
-    """MurmurHash3 of the name in UTF-8, 32 bits, from 0 on."""
-    data = name.encode("utf-8", "surrogatepass")
+    """MurmurHash3 of the name's bytes, 32 bits, from 0 on."""
+    data = _bytes(name)
     whole = len(data) // 4 * 4
     h = 0
     for (k,) in struct.iter_unpack("<I", data[:whole]):
@@ -78,7 +83,8 @@ class Mattes:
         for kind in self.kinds:
             name = f"{view_layer}.{_LAYERS[kind]}"
             begin = f"cryptomatte/{hash_of(name):08x}"[:19] + "/"
-            manifest = {name: f"{number:08x}" for name, number in self._hashes[kind].items()}
+            manifest = {_bytes(name).decode("utf-8", "replace"): f"{number:08x}"
+                        for name, number in self._hashes[kind].items()}
             yield begin + "name", name
             yield begin + "hash", "MurmurHash3_32"
             yield begin + "conversion", "uint32_to_float32"

@@ -25,8 +25,8 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
-    table = Table(messages, scene.libshade.groove_transport,
-                  passes.have_colors(scene, depsgraph.view_layer), camera, depsgraph)
+    colors = depsgraph.mode == "RENDER" and passes.have_colors(scene, depsgraph.view_layer)
+    table = Table(messages, scene.libshade.groove_transport, colors, camera, depsgraph)
     with tree.deep():
         meshes, instances, lights = _objects(depsgraph, table, mattes, messages)
         world = world_of(scene.world, table.images, messages)

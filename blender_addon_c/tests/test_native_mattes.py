@@ -2,7 +2,9 @@
 """Cryptomatte: hashes of names against published ones, slots of names against coverage that is known."""
 
 import importlib.util
+import json
 import struct
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,12 +23,28 @@ def test_hashes():
     for name, value in {"": 0, "a": 0x3C2569B2, "hello": 0x248BFA47, "hello, world": 0x149BBB7F,
                         "The quick brown fox jumps over the lazy dog": 0x2E4FF723}.items():
         assert names.hash_of(name) == value
-    assert names.hash_of("\udc80") != names.hash_of("")  # a name that is no text is one all the same
+    assert names.hash_of("\udcc3\udca4") == names.hash_of("ä")  # bytes count, text or not
     assert struct.pack("<f", names.number_of(0x3C2569B2)) == struct.pack("<I", 0x3C2569B2)
     for odd in (0, 0x7FFFFFFF, 0xFF800000, 0x80000001):  # 0, NaN, infinity, too small
         number = names.number_of(odd)
         assert np.isfinite(np.float32(number)) and abs(number) >= np.finfo(np.float32).tiny
         assert np.float32(number).view(np.uint32) & 0x807FFFFF == odd & 0x807FFFFF
+
+
+def test_header():
+    asked = [SimpleNamespace(plane=f"{kind}_MATTE{layer:02}") for kind in ("OBJECT", "MATERIAL") for layer in (0, 1)]
+    mattes = names.Mattes(asked)
+    assert mattes.wanted() == {"mattes": [{"type": "OBJECT"}, {"type": "MATERIAL"}], "matte_slots": 4}
+    top = SimpleNamespace(name='a "quoted" ä\udc80', parent=None)
+    own = mattes.of_object(SimpleNamespace(name="hello", parent=SimpleNamespace(name="between", parent=top)))
+    assert own["matte"] == (names.number_of(0x248BFA47), names.number_of(names.hash_of(top.name)))
+    mattes.of_object(top)
+    assert mattes.of_material("") == {"matte": (names.number_of(0x78D05529),)}  # as Cycles has it
+    fields = dict(mattes.fields("ViewLayer"))
+    "".join(fields.values()).encode("utf-8")
+    assert fields["cryptomatte/542cafa/name"] == "ViewLayer.CryptoObject" and len(fields) == 8
+    manifest = json.loads(fields["cryptomatte/542cafa/manifest"])
+    assert manifest["hello"] == "248bfa47" and len(manifest) == 2
 
 
 def instance(index, **more):
