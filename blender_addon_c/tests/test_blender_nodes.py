@@ -124,6 +124,10 @@ PLACES = [
     place("TexCoord", "Generated", modifiers=["SUBSURF", "CAST"]),
     place("TexCoord", "Normal", **TURNED),
     *(place("UVMap", set={"uv_map": name}) for name in ("UVMap", "second", "")),
+    *(place("UVMap", set={"uv_map": name}, beside=True) for name in ("UVMap", "second", "")),
+    place("UVMap", set={"uv_map": "UVMap"}, other={"set": {"uv_map": "second"}}),
+    *(place("TexImage", uv_map=name, beside=True) for name in ("UVMap", "second")),
+    place("Tangent", set={"direction_type": "UV_MAP", "uv_map": "UVMap"}, beside=True, **EVEN),
     *(place("Tangent", set={"direction_type": "RADIAL", "axis": axis}) for axis in "XYZ"),
     *(place("Tangent", set={"direction_type": "UV_MAP", "uv_map": name}, **EVEN)
       for name in ("UVMap", "second", "")),
@@ -145,6 +149,8 @@ PLACES = [
       for kind, wrap in (("Cubic", "REPEAT"), ("Cubic", "EXTEND"), ("Cubic", "CLIP"), ("Smart", "REPEAT"),
                          ("Linear", "REPEAT"))),
     place("TexImage", "Alpha", set={"interpolation": "Cubic"}),
+    place("NormalMap", set={"uv_map": "UVMap"}, beside=True, **NEARLY_FLAT),
+    place("NormalMap", set={"uv_map": "UVMap"}, beside=True, **TURNED, **NEARLY_FLAT),
     *(place("NormalMap", set={"space": space, "uv_map": name}, strength=strength, **more)
       for space, name, strength, more in (
           ("TANGENT", "UVMap", 1.0, NEARLY_FLAT), ("TANGENT", "second", 1.0, NEARLY_FLAT),
@@ -174,7 +180,7 @@ def test_places_are_those_of_cycles(blender, tmp_path, perspective):
 
 BUMPS = {"image": {}, "inverted": {"invert": True, "strength": 0.5, "distance": 0.4},
          "mapped": {"mapping": 2.0, "distance": 0.1}, "position": {"position": True, "distance": 0.4},
-         "two": {"chain": True}}
+         "two": {"chain": True}, "other map": {"other": True}}
 
 
 @pytest.mark.parametrize("case", BUMPS)

@@ -552,49 +552,71 @@ def _sheet(material, options):
     return ob
 
 
+def _plain_image(*color):
+    image = bpy.data.images.new("plain", 1, 1, float_buffer=True, is_data=True)
+    image.pixels.foreach_set([*color, 1])
+    image.update()
+    return image
+
+
+def _bent_normal(tree, by):
+    """The surface's normal and a bit of the world."""
+    added, unit = (tree.nodes.new("ShaderNodeVectorMath") for _ in range(2))
+    added.operation, unit.operation = "ADD", "NORMALIZE"
+    added.inputs[1].default_value = by
+    tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"], added.inputs[0])
+    tree.links.new(added.outputs[0], unit.inputs[0])
+    return unit.outputs[0]
+
+
+def _showing(case, engine):
+    """A material of what a node says. "beside": an image has asked for the active UV map before."""
+    material, tree, metal = common.metal(case["node"], fresnel="NONE", detail="NONE")
+    node = tree.nodes.new(case["node"])
+    for key, value in case.get("set", {}).items():
+        setattr(node, key, value)
+    for name, value in case.get("inputs", {}).items():
+        if name == "Normal":
+            tree.links.new(_bent_normal(tree, value), node.inputs["Normal"])
+        else:
+            node.inputs[name].default_value = value
+    if case["node"] == "ShaderNodeTexImage":
+        node.image = bpy.data.images.new("spots", 5, 4, float_buffer=True, is_data=True)
+        node.image.pixels.foreach_set([0.5 + 0.5 * math.sin(k * k) for k in range(80)])
+        node.image.update()
+    if "uv_map" in case:
+        where = tree.nodes.new("ShaderNodeUVMap")
+        where.uv_map = case["uv_map"]
+        tree.links.new(where.outputs[0], node.inputs["Vector"])
+    if "Color" in node.inputs:
+        image = _plain_image(0.7, 0.35, case.get("blue", 0.9))
+        tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
+        node.inputs["Strength"].default_value = case.get("strength", 1.0)
+    scaled = tree.nodes.new("ShaderNodeVectorMath")
+    scaled.operation = "MULTIPLY_ADD"
+    scaled.inputs[0].default_value, scaled.inputs[2].default_value = (0.25,) * 3, (0.5,) * 3
+    if case.get("beside"):
+        tree.links.new(common.image_node(tree, _plain_image(*[0.25] * 3)).outputs["Color"], scaled.inputs[0])
+    tree.links.new(node.outputs[case.get("output", 0)], scaled.inputs[1])
+    if engine == "CYCLES":
+        shader = tree.nodes.new("ShaderNodeEmission")
+        tree.links.new(scaled.outputs[0], shader.inputs["Color"])
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    else:
+        tree.links.new(scaled.outputs[0], metal.inputs["Color"])
+    return material
+
+
 def places(options):
     """Curved sheets side by side, each showing what one node says there, a quarter of it about .5."""
     cases = options["cases"]
     scene = common.empty_scene(16 * len(cases), 16, samples=1)
     for column, case in enumerate(cases):
-        image = bpy.data.images.new("tilt", 1, 1, float_buffer=True, is_data=True)
-        image.pixels.foreach_set([0.7, 0.35, case.get("blue", 0.9), 1])
-        image.update()
-        material, tree, metal = common.metal(f"material {column}", fresnel="NONE", detail="NONE")
-        node = tree.nodes.new(case["node"])
-        for key, value in case.get("set", {}).items():
-            setattr(node, key, value)
-        for name, value in case.get("inputs", {}).items():
-            if name == "Normal":  # bent, in world space
-                normal = tree.nodes.new("ShaderNodeVectorMath")
-                normal.operation, normal.inputs[1].default_value = "MULTIPLY_ADD", (1, 1, 1)
-                normal.inputs[2].default_value = value
-                tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"], normal.inputs[0])
-                unit = tree.nodes.new("ShaderNodeVectorMath")
-                unit.operation = "NORMALIZE"
-                tree.links.new(normal.outputs[0], unit.inputs[0])
-                tree.links.new(unit.outputs[0], node.inputs["Normal"])
-            else:
-                node.inputs[name].default_value = value
-        if case["node"] == "ShaderNodeTexImage":
-            node.image = bpy.data.images.new("spots", 5, 4, float_buffer=True, is_data=True)
-            node.image.pixels.foreach_set([0.5 + 0.5 * math.sin(k * k) for k in range(80)])
-            node.image.update()
-        if "Color" in node.inputs:
-            tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
-            node.inputs["Strength"].default_value = case.get("strength", 1.0)
-        scaled = tree.nodes.new("ShaderNodeVectorMath")
-        scaled.operation = "MULTIPLY_ADD"
-        scaled.inputs[1].default_value = scaled.inputs[2].default_value = (0.25,) * 3
-        scaled.inputs[2].default_value = (0.5,) * 3
-        tree.links.new(node.outputs[case.get("output", 0)], scaled.inputs[0])
-        if options["engine"] == "CYCLES":
-            shader = tree.nodes.new("ShaderNodeEmission")
-            tree.links.new(scaled.outputs[0], shader.inputs["Color"])
-            tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
-        else:
-            tree.links.new(scaled.outputs[0], metal.inputs["Color"])
-        ob = _sheet(material, case)
+        ob = _sheet(_showing(case, options["engine"]), case)
+        if "other" in case:
+            ob.data.materials.append(_showing({**case, **case["other"]}, options["engine"]))
+            for k, polygon in enumerate(ob.data.polygons):
+                polygon.material_index = k % 2
         ob.name = f"sheet {column}"
         ob.location = (column + 0.5 - 0.5 * len(cases), 0.1, 0.2)
     common.light(scene)
@@ -636,6 +658,12 @@ def heights(options):
         image.pixels.foreach_set(np.float32(np.stack([waves] * 3 + [waves * 0 + 1], -1).ravel()))
         image.update()
         texture = common.image_node(tree, image)
+        if options.get("other"):
+            where = tree.nodes.new("ShaderNodeUVMap")
+            where.uv_map = "other"
+            tree.links.new(where.outputs[0], texture.inputs["Vector"])
+            tree.links.new(common.image_node(tree, _plain_image(*[0.8] * 3)).outputs["Color"],
+                           shader.inputs["Color"])
         if options.get("mapping"):
             place, mapping = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Mapping"))
             mapping.inputs["Scale"].default_value = (options["mapping"],) * 3
@@ -652,6 +680,12 @@ def heights(options):
         tree.links.new(first.outputs[0], bump.inputs["Normal"])
     plate = common.plane(material, 2.0)
     plate.scale = (1, 2, 1)
+    if options.get("other"):
+        own, other = plate.data.uv_layers[0], plate.data.uv_layers.new(name="other")
+        for loop in range(4):
+            u, v = own.data[loop].uv
+            other.data[loop].uv = (v + 0.2, 1.5 * u - 0.3 * v)
+        own.active_render = True
     common.light(scene, rotation=(0.7, 0.5, 0))
     common.camera(scene, type="ORTHO", ortho_scale=2.0)
     if options["engine"] == "CYCLES":
