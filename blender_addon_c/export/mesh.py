@@ -56,7 +56,9 @@ def _corner_normals(mesh, corners):
     if hasattr(mesh, "corner_normals"):  # from 4.1 on
         normals = read(mesh.corner_normals, "vector", 3, np.float32)
         return normals.reshape(-1, 3).take(corners, axis=0).ravel()
-    return read(mesh.loop_triangles, "split_normals", 9, np.float32)
+    normals = read(mesh.loop_triangles, "split_normals", 9, np.float32)
+    mesh.free_normals_split()
+    return normals
 
 
 def _corner_uvs(mesh, corners, materials, names, owner, messages):

@@ -149,15 +149,19 @@ parts *parts_make(const scene *s, const atomic_bool *cancel, message_log *log) {
   return NULL;
 }
 
-void parts_free(parts *p, const scene *s) {
-  size_t meshes = s->meshes, layers = s->layers;
-  for (size_t i = 0; p && i < meshes; i++) {
+void parts_used(parts *p, const scene *s) {
+  for (size_t i = 0; p && i < s->meshes; i++) {
     free(p[i].pair);
     free(p[i].single);
     free(p[i].tangent);
-    for (size_t k = 0; p[i].layer && k < layers; k++)
+    for (size_t k = 0; p[i].layer && k < s->layers; k++)
       free(p[i].layer[k]);
     free(p[i].layer);
+    p[i] = (parts){.pairs = p[i].pairs, .singles = p[i].singles};
   }
+}
+
+void parts_free(parts *p, const scene *s) {
+  parts_used(p, s);
   free(p);
 }

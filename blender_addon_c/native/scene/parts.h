@@ -23,6 +23,8 @@ typedef struct parts {
 /* As many as the scene has meshes, or NULL: cancelled, or with the reason in the log. */
 parts *parts_make(const scene *s, const atomic_bool *cancel, message_log *log);
 
+/* Their arrays are needed no more, their numbers are. */
+void parts_used(parts *p, const scene *s);
 void parts_free(parts *p, const scene *s);
 
 /* Memory that Embree may read, not cleared; NULL with a message where there is none. */

@@ -562,6 +562,7 @@ bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
   build b = {.scene = s, .cancel = cancel, .log = log};
   double start = parallel_clock();
   bool good = build_world(&b);
+  parts_used(b.parts, s); /* room for the BVH */
   double built = parallel_clock();
   good = good && build_accel(&b);
   times->mesh = built - start;
