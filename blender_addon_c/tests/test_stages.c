@@ -1345,22 +1345,26 @@ static void closures_are_reciprocal(void **state) {
 
 static void film(void **state) {
   (void)state;
-  enum { SAMPLES = 7, FIRST = 3 };
-  float pixels[4 * (COUNT / SAMPLES + 2)] = {0};
-  camera_view view = {.first = FIRST, .samples = SAMPLES};
-  double wanted[4 * (COUNT / SAMPLES + 2)] = {0};
-  for (size_t i = 0; i < COUNT; i++) {
-    float value[4] = {between(0, 1), between(0, 9), between(-1, 1), (float)(i % 2)};
-    b->sum.r[i] = value[0];
-    b->sum.g[i] = value[1];
-    b->sum.b[i] = value[2];
-    b->path.alpha[i] = value[3];
-    for (size_t k = 0; k < 4; k++)
-      wanted[4 * ((FIRST + i) / SAMPLES) + k] += (double)value[k];
+  enum { FEWEST = 4 };
+  static const uint32_t cases[][2] = {{7, 3}, {4, 0}, {4, 2}, {12, 5}, {12, 24}, {64, 10}};
+  for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+    const uint32_t samples = cases[c][0], first = cases[c][1];
+    float pixels[4 * (COUNT / FEWEST + 8)] = {0};
+    camera_view view = {.first = first, .samples = samples};
+    double wanted[4 * (COUNT / FEWEST + 8)] = {0};
+    for (size_t i = 0; i < COUNT; i++) {
+      float value[4] = {between(0, 1), between(0, 9), between(-1, 1), (float)(i % 2)};
+      b->sum.r[i] = value[0];
+      b->sum.g[i] = value[1];
+      b->sum.b[i] = value[2];
+      b->path.alpha[i] = value[3];
+      for (size_t k = 0; k < 4; k++)
+        wanted[4 * ((first + i) / samples) + k] += (double)value[k];
+    }
+    stages->film(COUNT, &view, &b->sum, &b->path, pixels);
+    for (size_t k = 0; k < sizeof pixels / sizeof *pixels; k++)
+      near((double)pixels[k], wanted[k], 1e-6 * fabs(wanted[k]) + 1e-5);
   }
-  stages->film(COUNT, &view, &b->sum, &b->path, pixels);
-  for (size_t k = 0; k < sizeof pixels / sizeof *pixels; k++)
-    near((double)pixels[k], wanted[k], 1e-5);
 }
 
 /*
