@@ -304,14 +304,13 @@ def _groove(reader, node, rotation, groups):
 def _glass_closure(reader, node, groups, **given):
     ior = number_of(reader, node.inputs["IOR"], groups)
     return {"closure": "GLASS", "ior": [ior], "tint": _WHITE, "reflects": True, "refracts": True,
-            "joint": _JOINT, "flat": not _JOINT and node.distribution != "MULTI_GGX", **given}
+            "joint": _JOINT, "flat": not _JOINT and node.distribution != "MULTI_GGX",
+            "beckmann": node.distribution == "BECKMANN", **given}
 
 
 def _glass(reader, node, groups, share, reflects=True):
     color = color_of(reader, node.inputs["Color"], groups)
     alpha = _alpha_of(reader, node, groups)
-    if node.distribution == "BECKMANN":
-        reader.warn(f"'{node.name}': Beckmann is not supported; shaded as GGX")
     _add_glass(reader, node, groups, alpha, share, _normal(reader, node, groups), color,
                reflects=reflects)
 

@@ -67,6 +67,8 @@ CASES = [
     one("glass", "BsdfGlass", {"Color": RED, "Roughness": 0.1}, distribution="GGX"),
     one("several in glass", "BsdfGlass", {"Color": RED, "Roughness": 0.6}, distribution="MULTI_GGX"),
     one("rough glass", "BsdfGlass", {"Color": RED, "Roughness": 0.6}, distribution="GGX"),
+    one("beckmann glass", "BsdfGlass", {"Color": RED, "Roughness": 0.5}, distribution="BECKMANN"),
+    one("beckmann bends", "BsdfRefraction", {"Color": RED, "Roughness": 0.4}, distribution="BECKMANN"),
     one("refraction", "BsdfRefraction", {"Color": RED, "Roughness": 0.2}, distribution="GGX"),
     one("translucent", "BsdfTranslucent", {"Color": RED}),
     one("transparent", "BsdfTransparent", {"Color": RED}),

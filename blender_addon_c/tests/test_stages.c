@@ -1192,6 +1192,11 @@ static bool closure_by(int number, closure *c) {
     c->of.coat = (closure_coat){.normal = {3, 4, 5}, .alpha = half};
     return true;
   }
+  if (number > 17) { /* as those of GGX */
+    closure_by(number - 13, c);
+    c->of.glass.beckmann = true;
+    return number < 22;
+  }
   if (number > 14) {
     c->type = CLOSURE_SHEEN;
     c->of.sheen = (closure_sheen){.model = number - 15,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A rough interface between air and a clear body: GGX, exact Fresnel [Walter2007]. `ior` and
- * `alpha`, an operand each; `tint`, three, of what is refracted; `normal`; `reflects` and
+ * A rough interface between air and a clear body: GGX, or `beckmann`'s, exact Fresnel [Walter2007].
+ * `ior` and `alpha`, an operand each; `tint`, three, of what is refracted; `normal`; `reflects` and
  * `refracts`, whether it does; only refracting, it has no Fresnel. `joint`: Smith's shadowing of
  * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014]. `flat`:
  * Fresnel is that of the surface, as Cycles had it until then, not of its facets.
@@ -17,7 +17,7 @@
 
 typedef struct closure_glass {
   operand ior, alpha, tint[3];
-  bool reflects, refracts, joint, flat;
+  bool reflects, refracts, joint, flat, beckmann;
   int normal[3];
 } closure_glass;
 
@@ -27,6 +27,7 @@ static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g, uns
          graph_operands(r, g, "tint", 3, c->tint) && reader_flag(r, "reflects", &c->reflects) &&
          reader_flag(r, "refracts", &c->refracts) && reader_flag(r, "joint", &c->joint) &&
          (!reader_has(r, "flat") || reader_flag(r, "flat", &c->flat)) &&
+         (!reader_has(r, "beckmann") || reader_flag(r, "beckmann", &c->beckmann)) &&
          graph_normal(r, g, c->normal);
 }
 static inline double closure_glass_exponent(const closure_glass *c) {
@@ -62,6 +63,25 @@ LEAF float glass_lambda(float cosine, float alpha) {
   return 0.5f * (sqrtf(1.0f + alpha * alpha * tan2) - 1.0f);
 }
 
+/* Beckmann's, a fit to .4 % [Walter2007]. */
+LEAF float glass_beckmann_lambda(float cosine, float alpha) {
+  float c2 = clampf(cosine * cosine, 1e-12f, 1.0f), sine2 = 1.0f - c2;
+  float a = sqrtf(c2 / (sine2 > 1e-12f ? sine2 : 1e-12f)) / alpha;
+  float fit = (1.0f + a * (-1.259f + a * 0.396f)) / (a * (3.535f + a * 2.181f));
+  return a < 1.6f ? fit : 0.0f;
+}
+
+/* Microfacets whose h is inclined by this, of GGX or Beckmann. off2: squared sine. */
+LEAF float glass_facets(bool beckmann, float alpha, float nh, float off2) {
+  float a2 = alpha * alpha, n2 = nh * nh;
+  if (beckmann) {
+    n2 = n2 > 1e-12f ? n2 : 1e-12f;
+    return exponential2(-1.44269504f * off2 / (n2 * a2)) / (3.14159265f * a2 * n2 * n2);
+  }
+  float spread = off2 + a2 * n2;
+  return a2 / (3.14159265f * spread * spread);
+}
+
 /* What it does, as factors: loops without branches. */
 typedef struct glass_kind {
   float both, mirror, clear; /* which of three: Fresnel decides, all is reflected, or refracted */
@@ -86,16 +106,16 @@ LEAF float glass_mirrored(const glass_kind *c, float own, float no, float eta) {
 }
 
 /* For a microfacet h with h.n, h.wo > 0; `through`: wi lies beyond. */
-LEAF glass_terms glass_of(const glass_kind *c, float alpha, float eta, vec3 n, vec3 h, float ho,
-                          float hi, float no, float ni, bool through) {
+LEAF glass_terms glass_of(bool beckmann, const glass_kind *c, float alpha, float eta, vec3 n,
+                          vec3 h, float ho, float hi, float no, float ni, bool through) {
   float nh = dot(n, h), t;
   vec3 off = {h.x - nh * n.x, h.y - nh * n.y, h.z - nh * n.z};
-  float spread = dot(off, off) + alpha * alpha * nh * nh;
-  float d = alpha * alpha / (3.14159265f * spread * spread);
+  float d = glass_facets(beckmann, alpha, nh, dot(off, off));
   float fresnel = glass_fresnel(ho, eta, &t);
   fresnel = c->both * glass_mirrored(c, fresnel, no, eta) + c->mirror +
             c->clear * (fresnel < 1.0f ? 0.0f : 1.0f);
-  float lo = glass_lambda(no, alpha), li = glass_lambda(ni, alpha);
+  float lo = beckmann ? glass_beckmann_lambda(no, alpha) : glass_lambda(no, alpha);
+  float li = beckmann ? glass_beckmann_lambda(ni, alpha) : glass_lambda(ni, alpha);
   float first = 1.0f / (1.0f + lo);
   float both = first / (1.0f + li), together = 1.0f / (1.0f + lo + li);
   both += c->joint * (together - both);
@@ -108,7 +128,8 @@ LEAF glass_terms glass_of(const glass_kind *c, float alpha, float eta, vec3 n, v
   per_facet = there ? per_facet * share : 0.0f;
   return (glass_terms){.reflected = through ? 0.0f : per_facet * both,
                        .refracted = through ? per_facet * both : 0.0f,
-                       .pdf = per_facet * first};
+                       /* of visible facets, or of all by their cosine */
+                       .pdf = per_facet * (beckmann ? no * nh / (ho > 1e-6f ? ho : 1e-6f) : first)};
 }
 
 /* What it reads of a run's points. */
@@ -130,14 +151,12 @@ LEAF void glass_store(const glass_lanes *from, size_t i, glass_terms terms, lane
   f->b[i] = terms.reflected + terms.refracted * from->tint[2][i];
 }
 
-LEAF unsigned closure_glass_eval(const closure_glass *glass, lane_run run,
-                                 const surfaces *restrict at, inputs *given,
-                                 const lane_v *restrict wi, bool density,
-                                 reflections *restrict out) {
+LEAF void glass_eval(bool beckmann, const closure_glass *glass, lane_run run,
+                     const surfaces *restrict at, inputs *given, const lane_v *restrict wi,
+                     reflections *restrict out) {
   const closure_glass own = *glass;
   const glass_kind what = glass_kind_of(glass);
   const glass_lanes from = glass_lanes_of(glass, given, run);
-  (void)density;
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = normal_at(given, own.normal, i), l = load(wi, i), v = load(&at->wo, i);
@@ -150,7 +169,7 @@ LEAF unsigned closure_glass_eval(const closure_glass *glass, lane_run run,
     float square = dot(h, h), up = dot(h, n) < 0.0f ? -1.0f : 1.0f;
     h = scaled(h, up / sqrtf(square > 1e-20f ? square : 1e-20f));
     glass_terms terms =
-        glass_of(&what, alpha, eta, n, h, dot(h, v), dot(h, l), no, fabsf(ni), through);
+        glass_of(beckmann, &what, alpha, eta, n, h, dot(h, v), dot(h, l), no, fabsf(ni), through);
     bool sided = through ? l.z < 0.0f : l.z > 0.0f;
     terms.reflected = sided ? terms.reflected : 0.0f;
     terms.refracted = sided ? terms.refracted : 0.0f;
@@ -158,12 +177,42 @@ LEAF unsigned closure_glass_eval(const closure_glass *glass, lane_run run,
     out->cosine[i] = 1.0f; /* it is in f */
     out->pdf[i] = sided ? terms.pdf : 0.0f;
   }
+}
+
+LEAF unsigned closure_glass_eval(const closure_glass *c, lane_run run, const surfaces *restrict at,
+                                 inputs *given, const lane_v *restrict wi, bool density,
+                                 reflections *restrict out) {
+  (void)density;
+  if (c->beckmann)
+    glass_eval(true, c, run, at, given, wi, out);
+  else
+    glass_eval(false, c, run, at, given, wi, out);
   return 0;
 }
 
-/* A visible microfacet [Heitz2018, DupuyBenyoub2023], then which way light goes at it. */
-LEAF unsigned closure_glass_draw(const closure_glass *glass, lane_run run,
-                                 const surfaces *restrict at, inputs *given, draws *restrict out) {
+/* A microfacet in the frame of the normal that the eye, v there, sees [Heitz2018,
+ * DupuyBenyoub2023]. */
+LEAF vec3 glass_visible(float alpha, vec3 v, float x, float y) {
+  vec3 w = {alpha * v.x, alpha * v.y, v.z};
+  w = scaled(w, 1.0f / sqrtf(dot(w, w) + 1e-30f));
+  float s, c, z = (1.0f - x) * (1.0f + w.z) - w.z;
+  float sine = sqrtf(clampf(1.0f - z * z, 0.0f, 1.0f));
+  turn(y, &s, &c);
+  vec3 m = {alpha * (sine * c + w.x), alpha * (sine * s + w.y), clampf(z + w.z, 0.0f, 2.0f)};
+  return scaled(m, 1.0f / sqrtf(dot(m, m) + 1e-30f));
+}
+
+/* Any of Beckmann's, by its cosine. */
+LEAF vec3 glass_beckmann_facet(float alpha, float x, float y) {
+  float s, c, tan2 = -0.69314718f * alpha * alpha * logarithm2(1.0f - x);
+  float z = 1.0f / sqrtf(1.0f + tan2), sine = sqrtf(clampf(tan2, 0.0f, 1e12f)) * z;
+  turn(y, &s, &c);
+  return (vec3){sine * c, sine * s, z};
+}
+
+/* A microfacet, then which way light goes at it. */
+LEAF void glass_draw(bool beckmann, const closure_glass *glass, lane_run run,
+                     const surfaces *restrict at, inputs *given, draws *restrict out) {
   const closure_glass own = *glass;
   const glass_kind what = glass_kind_of(glass);
   const glass_lanes from = glass_lanes_of(glass, given, run);
@@ -174,13 +223,9 @@ LEAF unsigned closure_glass_draw(const closure_glass *glass, lane_run run,
     float eta = glass_eta(from.ior[i], at->side[i]);
     across(n, &a, &b);
     float no = dot(n, v);
-    vec3 w = {alpha * dot(v, a), alpha * dot(v, b), no};
-    w = scaled(w, 1.0f / sqrtf(dot(w, w) + 1e-30f));
-    float s, c, z = (1.0f - out->x[i]) * (1.0f + w.z) - w.z;
-    float sine = sqrtf(clampf(1.0f - z * z, 0.0f, 1.0f));
-    turn(out->y[i], &s, &c);
-    vec3 m = {alpha * (sine * c + w.x), alpha * (sine * s + w.y), clampf(z + w.z, 0.0f, 2.0f)};
-    m = scaled(m, 1.0f / sqrtf(dot(m, m) + 1e-30f));
+    vec3 seen = {dot(v, a), dot(v, b), no};
+    vec3 m = beckmann ? glass_beckmann_facet(alpha, out->x[i], out->y[i])
+                      : glass_visible(alpha, seen, out->x[i], out->y[i]);
     vec3 h = {m.x * a.x + m.y * b.x + m.z * n.x, m.x * a.y + m.y * b.y + m.z * n.y,
               m.x * a.z + m.y * b.z + m.z * n.z};
     float ho = dot(h, v), t;
@@ -194,12 +239,20 @@ LEAF unsigned closure_glass_draw(const closure_glass *glass, lane_run run,
     bool good = (ho > 0.0f) & (no > 0.0f) & ((ni > 0.0f) == turned) & ((l.z > 0.0f) == turned) &
                 (turned | bends);
     glass_terms terms =
-        glass_of(&what, alpha, eta, n, h, ho, turned ? ho : -t, no, fabsf(ni), !turned);
+        glass_of(beckmann, &what, alpha, eta, n, h, ho, turned ? ho : -t, no, fabsf(ni), !turned);
     glass_store(&from, i, terms, &out->f);
     store(&out->wi, i, l);
     out->cosine[i] = 1.0f;
     out->pdf[i] = good ? terms.pdf : 0.0f;
   }
+}
+
+LEAF unsigned closure_glass_draw(const closure_glass *c, lane_run run, const surfaces *restrict at,
+                                 inputs *given, draws *restrict out) {
+  if (c->beckmann)
+    glass_draw(true, c, run, at, given, out);
+  else
+    glass_draw(false, c, run, at, given, out);
   return 0;
 }
 
