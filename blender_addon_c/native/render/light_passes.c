@@ -12,6 +12,7 @@ enum { KIND_BY_SIDE = LIGHT_KINDS, KINDS_SEVERAL }; /* glossy or through; not th
 
 typedef struct light_passes {
   size_t first, samples; /* of the batch, as in camera_view */
+  bool seen;             /* the camera sees some hits: else GLOSSY stands for all kinds */
   /* by hit */
   lane_c shone, reflected[LIGHT_KINDS];
   /* by sample: how much of what comes along its first drawn ray counts as each kind */
@@ -124,6 +125,12 @@ LEAF float share_of(float part, float all) {
 
 /* ---- at hits */
 
+/* How many bounces lie behind a ray; what it passed is none. */
+static uint32_t bounces_of(const walks *walk, size_t ray) {
+  return walk->bounces[BOUNCE_DIFFUSE][ray] + walk->bounces[BOUNCE_GLOSSY][ray] +
+         walk->bounces[BOUNCE_TRANSMISSION][ray];
+}
+
 void light_passes_shone(worker *w) {
   light_passes *p = w->light;
   lane_run all = {0, w->batch->queue.hits};
@@ -133,6 +140,9 @@ void light_passes_shone(worker *w) {
   memcpy(p->shone.b, w->batch->sum.b, bytes);
   for (int kind = 0; kind < LIGHT_KINDS; kind++)
     zero_run(&p->reflected[kind], all);
+  p->seen = false;
+  for (size_t i = 0; i < all.end && !p->seen; i++)
+    p->seen = !bounces_of(w->batch->walk, w->batch->queue.lane[i]);
 }
 
 void light_passes_reflected(worker *w) {
@@ -140,6 +150,13 @@ void light_passes_reflected(worker *w) {
   light_passes *p = w->light;
   const lane_c *restrict f = &b->reflection.f;
   const lane_v *restrict wi = &b->light.wi;
+  if (!p->seen) {
+    lane_c *restrict out = &p->reflected[BOUNCE_GLOSSY];
+#pragma omp simd
+    for (size_t i = 0; i < b->queue.hits; i++)
+      add(out, i, f->r[i], f->g[i], f->b[i]);
+    return;
+  }
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const uint32_t all = kind_of_all(g->material);
     if (all == KINDS_SEVERAL)
@@ -167,18 +184,14 @@ void light_passes_reflected(worker *w) {
   }
 }
 
-/* How many bounces lie behind a ray; what it passed is none. */
-static uint32_t bounces_of(const walks *walk, size_t ray) {
-  return walk->bounces[BOUNCE_DIFFUSE][ray] + walk->bounces[BOUNCE_GLOSSY][ray] +
-         walk->bounces[BOUNCE_TRANSMISSION][ray];
-}
-
 /* ---- where paths go on */
 
 void light_passes_drawn(worker *w) {
   batch *b = w->batch;
   light_passes *p = w->light;
   const draws *draw = &b->draw;
+  if (!p->seen)
+    return;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const uint32_t all = kind_of_all(g->material);
     if (all == KINDS_SEVERAL)
@@ -356,7 +369,8 @@ void light_passes_gain(worker *w, const float most[2]) {
       }
       add_shared(p, bounces == 1 ? LIGHT_DIRECT : LIGHT_INDIRECT, sample,
                  weighed(b->walk, ray, &p->shone, i, dim));
-      for (int kind = 0; kind < LIGHT_KINDS; kind++)
+      for (int kind = p->seen ? 0 : BOUNCE_GLOSSY;
+           kind < (p->seen ? LIGHT_KINDS : BOUNCE_GLOSSY + 1); kind++)
         add_shared(p, LIGHT_INDIRECT, sample, weighed(b->walk, ray, &p->reflected[kind], i, dim));
     }
 }
