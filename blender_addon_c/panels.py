@@ -40,6 +40,11 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.prop(settings, "samples", text="Render")
         layout.prop(settings, "preview_samples", text="Viewport")
         layout.prop(settings, "time_limit")
+        layout.prop(settings, "use_adaptive_sampling")
+        column = layout.column(align=True)
+        column.active = settings.use_adaptive_sampling
+        column.prop(settings, "adaptive_threshold")
+        column.prop(settings, "adaptive_min_samples")
         layout.prop(settings, "light_sampling_threshold")
         layout.prop(settings, "use_denoising")
         layout.prop(settings, "seed")

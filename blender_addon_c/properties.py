@@ -120,6 +120,21 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Smooth surfaces of few faces cast no shadows of these faces on themselves",
         default=True,
     )
+    use_adaptive_sampling: BoolProperty(
+        name="Adaptive Sampling",
+        description="Parts of the picture that have little noise left get no more samples",
+        default=False,
+    )
+    adaptive_threshold: FloatProperty(
+        name="Noise Threshold",
+        description="Noise at which a part of the picture is done; 0: by the number of samples",
+        default=0.01, min=0.0, max=1.0, precision=4,
+    )
+    adaptive_min_samples: IntProperty(
+        name="Min Samples",
+        description="Samples that each pixel gets before; 0: by the threshold",
+        default=0, min=0, max=4096,
+    )
     use_denoising: BoolProperty(
         name="Denoise",
         description="Take the noise out of a finished render with Open Image Denoise: few samples "

@@ -46,6 +46,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
         "transparent_less": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
         **{name: getattr(scene.libshade, name) for name in _SHORTCUTS},
+        **_adaptive(scene.libshade, samples),
         **_pixel_filter(scene.libshade),
         "time_limit": scene.libshade.time_limit,
         "soft_terminator": scene.libshade.soft_terminator,
@@ -67,6 +68,15 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
 def _seed(scene):
     settings = scene.libshade
     return settings.seed + (scene.frame_current if settings.use_animated_seed else 0)
+
+
+def _adaptive(settings, samples):
+    """What 0 stands for is as in Cycles."""
+    if not settings.use_adaptive_sampling:
+        return {}
+    threshold = settings.adaptive_threshold or max(0.001, 1.0 / samples)
+    least = settings.adaptive_min_samples or math.ceil(16.0 / threshold**0.3)
+    return {"adaptive_threshold": threshold, "adaptive_min_samples": max(4, least)}
 
 
 def _pixel_filter(settings):

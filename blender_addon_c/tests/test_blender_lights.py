@@ -74,6 +74,7 @@ SHORTCUTS = {
     "blur": ("small lamp", {"blur_glossy": 10.0}, {"roughness": 0.1}),
     "no caustics": ("square", {"caustics_reflective": False}, {"roughness": 0.3}),
     "threshold": ("soft point", {"light_sampling_threshold": 0.5}, {}),
+    "adaptive": ("soft point", {"use_adaptive_sampling": True, "adaptive_threshold": 0.03}, {}),
 }
 
 

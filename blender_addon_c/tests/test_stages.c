@@ -1354,9 +1354,9 @@ static void film(void **state) {
   static const uint32_t cases[][2] = {{7, 3}, {4, 0}, {4, 2}, {12, 5}, {12, 24}, {64, 10}};
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
     const uint32_t samples = cases[c][0], first = cases[c][1];
-    float pixels[4 * (COUNT / FEWEST + 8)] = {0};
+    float pixels[4 * (COUNT / FEWEST + 8)] = {0}, half[3 * (COUNT / FEWEST + 8)] = {0};
     camera_view view = {.first = first, .samples = samples};
-    double wanted[4 * (COUNT / FEWEST + 8)] = {0};
+    double wanted[4 * (COUNT / FEWEST + 8)] = {0}, early[3 * (COUNT / FEWEST + 8)] = {0};
     for (size_t i = 0; i < COUNT; i++) {
       float value[4] = {between(0, 1), between(0, 9), between(-1, 1), (float)(i % 2)};
       b->sum.r[i] = value[0];
@@ -1365,10 +1365,15 @@ static void film(void **state) {
       b->path.alpha[i] = value[3];
       for (size_t k = 0; k < 4; k++)
         wanted[4 * ((first + i) / samples) + k] += (double)value[k];
+      for (size_t k = 0; k < 3; k++)
+        early[3 * ((first + i) / samples) + k] +=
+            (first + i) % samples < samples / 2 ? (double)value[k] : 0;
     }
-    stages->film(COUNT, &view, &b->sum, &b->path, pixels);
+    stages->film(COUNT, &view, &b->sum, &b->path, pixels, half);
     for (size_t k = 0; k < sizeof pixels / sizeof *pixels; k++)
       near((double)pixels[k], wanted[k], 1e-6 * fabs(wanted[k]) + 1e-5);
+    for (size_t k = 0; k < sizeof half / sizeof *half; k++)
+      near((double)half[k], early[k], 1e-6 * fabs(early[k]) + 1e-5);
   }
 }
 

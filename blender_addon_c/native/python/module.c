@@ -269,7 +269,7 @@ static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   for (int k = 0; k < CLOCKS; k++)
     value[4 + k] = finished ? r->seconds[k] : 0.0;
   name[4 + CLOCKS] = "samples";
-  value[4 + CLOCKS] = pixels * (double)j->scene->samples;
+  value[4 + CLOCKS] = pixels * (double)j->scene->samples - (double)atomic_load(&r->spared);
   for (int k = 0; k < 4 + CLOCKS + 1; k++) {
     PyObject *number = PyFloat_FromDouble(value[k]);
     if (!number || PyDict_SetItemString(result, name[k], number) != 0) {

@@ -531,7 +531,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   if (w->light)
     light_passes_begin(w, view, count);
   const lane_c *color = shade_batch(w, view, paths, sky, count, phase);
-  s->film(count, view, color, &b->path, pixels);
+  s->film(count, view, color, &b->path, pixels, w->half);
   if (w->light)
     light_passes_film(w, count);
   clock_tick(&w->clocks, CLOCK_FILM);

@@ -28,7 +28,8 @@ typedef struct worker {
   const atomic_bool *cancel; /* what a batch leaves undone once this is true is never shown */
   const plane_layout *planes;
   bool first_pass;
-  float *numbers;             /* of the tile's planes, or NULL where none is wanted */
+  float *half;    /* of the tile's first halves, where blocks may be done early, or NULL */
+  float *numbers; /* of the tile's planes, or NULL where none is wanted */
   struct light_passes *light; /* or NULL where no plane of light and no matte is wanted */
   const matte_layout *mattes; /* or NULL where none is wanted, */
   float *matte;               /* and those of the tile */

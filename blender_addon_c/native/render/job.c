@@ -105,6 +105,7 @@ static void release(job *j) {
   render_free(&j->render);
   free(j->render.sum);
   free(j->render.numbers);
+  adaptive_free(&j->render.adaptive);
   free(j->render.whole);
   free(j->render.matte);
   sampling_free(&j->samples);
@@ -134,11 +135,13 @@ job *job_start(scene *s) {
   pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
   pthread_cond_init(&j->changed, &steady);
   pthread_condattr_destroy(&steady);
-  j->render = (render){.scene = s,
-                       .plan = &j->samples,
-                       .cancel = &j->cancel,
-                       .log = &j->log,
-                       .time_limit = (double)s->time_limit};
+  j->render = (render){
+      .scene = s,
+      .plan = &j->samples,
+      .cancel = &j->cancel,
+      .log = &j->log,
+      .time_limit = (double)s->time_limit,
+      .adaptive = {.threshold = s->adaptive_threshold, .least = (size_t)s->adaptive_least}};
   memcpy(j->render.region, s->region, sizeof s->region);
   size_t pixels = (size_t)(s->region[2] - s->region[0]) * (size_t)(s->region[3] - s->region[1]);
   j->render.sum = calloc(pixels + 1, 4 * sizeof(float));
@@ -150,7 +153,10 @@ job *job_start(scene *s) {
     j->render.matte = calloc(pixels + 1, j->render.mattes.all * sizeof(float));
   if (!j->render.sum || (s->planes && !j->render.numbers) || (s->mattes && !j->render.matte) ||
       !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter, s->filter_width) ||
-      !render_prepare(&j->render) || pthread_create(&j->thread, NULL, controller, j) != 0) {
+      !render_prepare(&j->render) ||
+      (s->adaptive_threshold > 0.0f &&
+       !adaptive_init(&j->render.adaptive, j->render.tiles, pixels)) ||
+      pthread_create(&j->thread, NULL, controller, j) != 0) {
     release(j);
     return NULL;
   }

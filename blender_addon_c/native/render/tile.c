@@ -59,10 +59,67 @@ static void add_pixels(const render *r, const camera_view *view, size_t channels
   }
 }
 
+_Static_assert(SIDE *SIDE == ADAPTIVE_BLOCKS * ADAPTIVE_PIXELS, "blocks fill a tile");
+
+/* Whether a block is done, by the errors of its pixels in the picture: the mean of their squares.
+ */
+static bool judge(const render *r, const camera_view *view, uint32_t number, size_t block) {
+  const adaptive *a = &r->adaptive;
+  size_t half, samples = adaptive_samples(a, r->plan, block, &half);
+  double squares = 0;
+  uint32_t pixels = 0;
+  if (samples < a->least || !half)
+    return false;
+  for (uint32_t p = number * ADAPTIVE_PIXELS; p < (number + 1) * ADAPTIVE_PIXELS; p++) {
+    int x, y;
+    pixel_place(view, p, &x, &y);
+    x -= r->region[0];
+    y -= r->region[1];
+    if (x < 0 || y < 0 || x >= r->region[2] - r->region[0] || y >= r->region[3] - r->region[1])
+      continue;
+    size_t at = (size_t)y * region_width(r) + (size_t)x;
+    double error = (double)adaptive_error(r->sum + 4 * at, a->half + 3 * at, samples, half);
+    squares += error * error;
+    pixels++;
+  }
+  double most = (double)a->threshold;
+  return squares <= most * most * pixels; /* false for NaN */
+}
+
+/* After a pass: what its blocks have now, and which of them are done. */
+static void judge_all(render *r, const camera_view *view, size_t tile) {
+  adaptive *a = &r->adaptive;
+  for (uint32_t number = 0; number < ADAPTIVE_BLOCKS; number++) {
+    size_t block = tile * ADAPTIVE_BLOCKS + number;
+    if (a->done[block]) {
+      atomic_fetch_add_explicit(&r->spared, (size_t)view->samples * ADAPTIVE_PIXELS,
+                                memory_order_relaxed);
+      continue;
+    }
+    a->passes[block]++;
+    a->done[block] = judge(r, view, number, block);
+  }
+}
+
+/* The samples of blocks begin to end; false when cancelled. */
+static bool render_blocks(const render *r, worker *w, camera_view *view, size_t begin, size_t end,
+                          float *pixels) {
+  size_t lanes = (size_t)view->samples * ADAPTIVE_PIXELS;
+  for (size_t first = begin * lanes; first < end * lanes; first += BATCH) {
+    if (cancelled(r))
+      return false;
+    view->first = (uint32_t)first;
+    bounce_batch(w, view, end * lanes - first < BATCH ? end * lanes - first : BATCH, pixels);
+  }
+  return true;
+}
+
 static void render_tile(render *r, worker *w, size_t tile) {
-  float pixels[4 * SIDE * SIDE] = {0}, numbers[PLANE_CHANNELS_MAX * SIDE * SIDE];
+  float pixels[4 * SIDE * SIDE] = {0}, half[3 * SIDE * SIDE] = {0},
+                          numbers[PLANE_CHANNELS_MAX * SIDE * SIDE];
   const scene *s = r->scene;
-  size_t samples = w->sampling->period, lanes = samples * (size_t)(r->side * r->side);
+  size_t samples = w->sampling->period;
+  const uint8_t *done = r->adaptive.done ? r->adaptive.done + tile * ADAPTIVE_BLOCKS : NULL;
   camera_view view = {.camera = &s->camera,
                       .x = r->origin[0] + (int)(tile % r->columns) * r->side,
                       .y = r->origin[1] + (int)(tile / r->columns) * r->side,
@@ -81,11 +138,13 @@ static void render_tile(render *r, worker *w, size_t tile) {
   }
   if (w->matte)
     memset(w->matte, 0, r->mattes.all * SIDE * SIDE * sizeof *w->matte);
-  for (size_t first = 0; first < lanes; first += BATCH) {
-    if (cancelled(r))
+  w->half = done ? half : NULL;
+  for (size_t begin = 0, end; begin < ADAPTIVE_BLOCKS; begin = end) {
+    bool left_out = done && done[begin];
+    for (end = begin + 1; end < ADAPTIVE_BLOCKS && (done && done[end]) == left_out;)
+      end++;
+    if (!left_out && !render_blocks(r, w, &view, begin, end, pixels))
       return;
-    view.first = (uint32_t)first;
-    bounce_batch(w, &view, lanes - first < BATCH ? lanes - first : BATCH, pixels);
   }
   if (cancelled(r))
     return;
@@ -96,6 +155,10 @@ static void render_tile(render *r, worker *w, size_t tile) {
     add_pixels(r, &view, channels, NULL, numbers, r->numbers);
   if (w->matte)
     add_pixels(r, &view, r->mattes.all, &r->mattes, w->matte, r->matte);
+  if (done) {
+    add_pixels(r, &view, 3, NULL, half, r->adaptive.half);
+    judge_all(r, &view, tile);
+  }
   atomic_fetch_add_explicit(&r->done[tile], 1, memory_order_release);
   pthread_mutex_unlock(&r->film);
   atomic_fetch_add_explicit(&r->finished, samples, memory_order_relaxed);
@@ -222,6 +285,15 @@ static void divide(float *value, const float *color) {
     value[c] = color[c] != 0.0f ? value[c] : sum / parts;
 }
 
+/* One over the samples of a pixel. */
+static float scale_of(const render *r, const patch *p, size_t tile, int x, int y) {
+  size_t half, samples = p->samples;
+  if (r->adaptive.done)
+    samples = adaptive_samples(&r->adaptive, r->plan,
+                               adaptive_block(tile, x - r->origin[0], y - r->origin[1]), &half);
+  return samples ? 1.0f / (float)samples : 0.0f;
+}
+
 void render_copy(render *r, float *out) {
   pthread_mutex_lock(&r->film);
   const float *whole = r->whole;
@@ -241,7 +313,11 @@ void render_copy_noisy(render *r, float *out) {
     size_t count = (size_t)(p.high[0] - p.low[0]);
     for (int y = p.low[1]; y < p.high[1]; y++) {
       size_t at = 4 * place_of(r, p.low[0], y);
-      if (p.samples)
+      if (p.samples && r->adaptive.done)
+        for (size_t i = 0; i < count; i++)
+          copy_row(r->scene, 1, scale_of(r, &p, tile, p.low[0] + (int)i, y), r->sum + at + 4 * i,
+                   out + at + 4 * i);
+      else if (p.samples)
         copy_row(r->scene, count, 1.0f / (float)p.samples, r->sum + at, out + at);
       else
         memset(out + at, 0, 4 * count * sizeof *out);
@@ -256,11 +332,11 @@ void render_copy_plane(render *r, plane_type plane, float *out) {
   for (size_t tile = 0; tile < r->tiles; tile++) {
     pthread_mutex_lock(&r->film);
     patch p = patch_of(r, tile);
-    float scale = !plane_is_filtered(plane) ? 1.0f : p.samples ? 1.0f / (float)p.samples : 0.0f;
     for (int y = p.low[1]; y < p.high[1]; y++)
       for (int x = p.low[0]; x < p.high[0]; x++) {
         size_t at = place_of(r, x, y);
         const float *from = r->numbers + stride * at + r->planes.at[plane];
+        float scale = plane_is_filtered(plane) ? scale_of(r, &p, tile, x, y) : 1.0f;
         float by = divisor != PLANES ? 1.0f : scale; /* the colour is a sum as well */
         for (size_t c = 0; c < channels; c++)
           out[channels * at + c] = from[c] * by;
@@ -281,11 +357,11 @@ void render_copy_matte(render *r, matte_kind kind, size_t layer, float *out) {
   for (size_t tile = 0; tile < r->tiles; tile++) {
     pthread_mutex_lock(&r->film);
     patch p = patch_of(r, tile);
-    float scale = p.samples ? 1.0f / (float)p.samples : 0.0f;
     for (int y = p.low[1]; y < p.high[1]; y++)
       for (int x = p.low[0]; x < p.high[0]; x++) {
         size_t at = place_of(r, x, y);
-        matte_layer(&r->mattes, r->matte + r->mattes.all * at, kind, layer, scale, out + 4 * at);
+        matte_layer(&r->mattes, r->matte + r->mattes.all * at, kind, layer,
+                    scale_of(r, &p, tile, x, y), out + 4 * at);
       }
     pthread_mutex_unlock(&r->film);
   }

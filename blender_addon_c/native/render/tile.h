@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+#include "render/adaptive.h"
 #include "render/bounce.h"
 #include "system/message.h"
 
@@ -22,14 +23,16 @@ typedef struct render {
   matte_layout mattes;
   float *matte;             /* the same of names' slots; or NULL */
   const observer *observer; /* or NULL */
-  double time_limit;        /* seconds after which no tile is begun once all have a pass; 0: none */
+  adaptive adaptive;
+  double time_limit; /* seconds after which no tile is begun once all have a pass; 0: none */
 
   /* set by render_prepare */
   int side;      /* of a tile, in pixels */
   int origin[2]; /* of the first tile: tiles lie on the same grid whatever the region */
   size_t columns, tiles;
   atomic_size_t *done;    /* per tile: passes in the sums */
-  atomic_size_t finished; /* samples a pixel, over all tiles */
+  atomic_size_t finished; /* samples a pixel, over all tiles, with those that are not needed */
+  atomic_size_t spared;   /* these, of all pixels */
   pthread_mutex_t film;   /* of the sums, and of done where these are read */
 
   /* set by render_run */

@@ -494,6 +494,11 @@ static bool read_picture(reader *r, scene *s) {
       return false;
     s->limits.kind[k] = (uint32_t)most;
   }
+  if ((reader_has(r, "adaptive_threshold") &&
+       !reader_number_within(r, "adaptive_threshold", 0, 1e30, &s->adaptive_threshold)) ||
+      (reader_has(r, "adaptive_min_samples") &&
+       !reader_integer(r, "adaptive_min_samples", 1, MAX_SAMPLES, &s->adaptive_least)))
+    return false;
   bool reflected = true, refracted = true;
   if ((reader_has(r, "light_sampling_threshold") &&
        !reader_number_within(r, "light_sampling_threshold", 0, 1e30, &s->light_threshold)) ||

@@ -121,10 +121,12 @@ typedef struct scene {
   sky sky;
   uint32_t sky_hidden; /* ray_kinds to which background and sky are black */
   filter_type filter;
-  float filter_width; /* pixels; 0: the pixel's square */
-  unsigned mattes;    /* which are wanted: a bit for each matte_kind, */
-  int matte_slots;    /* and how many names a pixel has of each */
-  unsigned planes;    /* what is rendered beside the picture: a bit for each plane_type */
+  float filter_width;       /* pixels; 0: the pixel's square */
+  unsigned mattes;          /* which are wanted: a bit for each matte_kind, */
+  int matte_slots;          /* and how many names a pixel has of each */
+  unsigned planes;          /* what is rendered beside the picture: a bit for each plane_type */
+  float adaptive_threshold; /* see render/adaptive.h */
+  int adaptive_least;
   float time_limit;   /* seconds for the picture; 0: as many as it takes */
   int max_bounces;    /* of a path before the surface that it sees last */
   float clamp_direct; /* largest brightness that lights may add to a sample at its first surface */

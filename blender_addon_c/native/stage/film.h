@@ -35,8 +35,30 @@ static void film_of_few(size_t begin, size_t end, size_t samples, const lane_c *
   }
 }
 
+/* Of the samples that are in the first half of their pixel's. */
+static void film_half(size_t count, size_t first, size_t samples, const lane_c *restrict color,
+                      float *restrict half) {
+  for (size_t i = 0, number = first % samples, pixel = first / samples; i < count; pixel++) {
+    size_t stop = i + samples - number, middle = i + samples / 2 - number;
+    float red = 0, green = 0, blue = 0;
+    stop = stop < count ? stop : count;
+    middle = number >= samples / 2 ? i : middle < count ? middle : count;
+#pragma omp simd reduction(+ : red, green, blue)
+    for (size_t k = i; k < middle; k++) {
+      red += color->r[k];
+      green += color->g[k];
+      blue += color->b[k];
+    }
+    half[3 * pixel + 0] += red;
+    half[3 * pixel + 1] += green;
+    half[3 * pixel + 2] += blue;
+    i = stop;
+    number = 0;
+  }
+}
+
 static void stage_film(size_t count, const camera_view *view, const lane_c *restrict color,
-                       const paths *restrict path, float *restrict pixels) {
+                       const paths *restrict path, float *restrict pixels, float *restrict half) {
   enum { FEW = 16 };
   const size_t first = view->first, samples = view->samples;
   const bool few = samples < FEW && samples % 4 == 0;
@@ -66,4 +88,6 @@ static void stage_film(size_t count, const camera_view *view, const lane_c *rest
     pixels[4 * pixel + 3] += opacity;
     i = stop;
   }
+  if (half)
+    film_half(count, first, samples, color, half);
 }

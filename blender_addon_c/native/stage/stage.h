@@ -221,9 +221,10 @@ typedef struct stage_table {
                  const float background[3], lane_c *met);
 
   void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
-  /* Adds samples to pixels of 4 floats. */
+  /* Adds samples to pixels of 4 floats; those of the first half of a pixel's to `half`, 3 floats
+     each, or NULL. */
   void (*film)(size_t count, const camera_view *view, const lane_c *color, const paths *path,
-               float *pixels);
+               float *pixels, float *half);
 } stage_table;
 
 /* Pixel p of a tile: Z order, so that neighbours in a batch are neighbours in the picture. */

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blocks of pixels that need no more samples get none: which ones, that their means stay right, and that
+nothing depends on threads, tiles or what else is wanted."""
+
+import numpy as np
+import pytest
+
+from native_scenes import area, finish, image, material, native, ortho, persp, render, scene, sky, sphere, square, sun
+from test_native_closures import EMISSION, of
+
+SIDE = 32
+
+
+def spent(description):
+    """The picture, and how many samples a pixel it took."""
+    job = native.start(description)
+    assert finish(job)["state"] == "done"
+    picture = np.full((description["height"], description["width"], 4), np.nan, np.float32)
+    native.image(job, picture)
+    samples = native.timings(job)["samples"] / picture[..., 0].size
+    native.free(job)
+    return picture, samples
+
+
+def half_noisy(**changes):
+    """Left an even light, right a matt plate under a large lamp."""
+    left, right = square(1.0, 0.0, 1), square(1.0)
+    for half, x in ((left, -1), (right, 1)):
+        half["positions"][:, 0] += x
+    matt = material(f0=(0, 0, 0), fresnel="NONE", kd=(0.8,) * 3)
+    given = {"meshes": [left, right], "materials": [matt, of(EMISSION | {"weight": [0.5] * 3})],
+             "lights": [area((1, 0, 1), (4, 4), (9, 9, 9))], "width": SIDE, "height": SIDE, "samples": 512,
+             "camera": ortho(1.0), "transparent": False}
+    return scene(**given | changes)
+
+
+def test_only_noisy_blocks_go_on():
+    whole, all_samples = spent(half_noisy())
+    done, some = spent(half_noisy(adaptive_threshold=1e-4, adaptive_min_samples=16))
+    assert all_samples == 512
+    assert some == pytest.approx((512 + 16) / 2, rel=0.01)  # of the left half only the first two passes
+    np.testing.assert_allclose(done, whole, rtol=1e-5)
+    _, least = spent(half_noisy(adaptive_threshold=1e9, adaptive_min_samples=1))
+    assert least == 4
+    _, more = spent(half_noisy(adaptive_threshold=1e9, adaptive_min_samples=65))
+    assert more == 128
+
+
+@pytest.mark.parametrize("threshold", [0.05, 0.01])
+def test_the_error_is_what_was_asked_for(threshold):
+    """Of each block's pixels, by the root of the brightness: about the threshold, where it is done early."""
+    truth, _ = spent(half_noisy(samples=8192))
+    seen, some = spent(half_noisy(samples=4096, adaptive_threshold=threshold, adaptive_min_samples=4))
+    error = np.abs(seen - truth)[..., :3].sum(-1) / np.sqrt(truth[..., :3].sum(-1))
+    assert some < 3000
+    assert np.sqrt((error[:, SIDE // 2:] ** 2).mean()) < 1.1 * threshold
+
+
+def studio(**changes):
+    rng = np.random.default_rng(5)
+    pixels = rng.random((16, 32, 3)).astype(np.float32)
+    pixels[12, 7] = (200, 150, 100)
+    return scene(**{"meshes": [square(2), sphere(32, 0.5, (0, 0, 0.5))], "images": [image(pixels)], "sky": sky(),
+                    "materials": [material(ex=60.0, ey=8.0)], "lights": [sun((0.3, 0.2, 1), angle=0.1)],
+                    "width": 40, "height": 28, "max_bounces": 4, "camera": persp(0.4, (0, -3, 1.5), (0, 0, 0.3)),
+                    "transparent": False} | changes)
+
+
+def test_the_mean_stays_right():
+    """Many small pictures, each of another seed: to stop early darkens them by what chance hides."""
+    full = np.mean([spent(studio(samples=1024, seed=seed))[0][..., :3].mean() for seed in range(4)])
+    early = [spent(studio(samples=1024, seed=seed, adaptive_threshold=0.05, adaptive_min_samples=16))
+             for seed in range(12)]
+    assert np.mean([samples for _, samples in early]) < 400
+    assert np.mean([picture[..., :3].mean() for picture, _ in early]) == pytest.approx(full, rel=0.003)
+
+
+def test_threads_change_no_bit_and_few_samples_all_count():
+    given = studio(samples=300, adaptive_threshold=0.05, adaptive_min_samples=16)
+    one, samples = spent(given | {"threads": 1})
+    two, _ = spent(given | {"threads": 2})
+    assert (one == two).all() and samples < 300
+    plain, _ = render(studio(samples=16, adaptive_threshold=1e9, adaptive_min_samples=16))
+    assert (plain == render(studio(samples=16))[0]).all()
+
+
+def test_planes_are_means_over_the_same_samples():
+    """Of emission the picture is the plane, whatever a block's number of samples."""
+    given = half_noisy(adaptive_threshold=1e-4, adaptive_min_samples=16, planes=[{"type": "POSITION"}, {"type": "ALBEDO"}])
+    job = native.start(given)
+    assert finish(job)["state"] == "done"
+    albedo = np.zeros((SIDE, SIDE, 3), np.float32)
+    native.image(job, albedo, "ALBEDO")
+    native.free(job)
+    np.testing.assert_allclose(albedo[:, SIDE // 2 + 1:], 0.8, rtol=1e-4)
+
+
+@pytest.mark.parametrize("name, value", [("adaptive_threshold", -1), ("adaptive_threshold", float("nan")),
+                                         ("adaptive_min_samples", 0)])
+def test_malformed(name, value):
+    with pytest.raises(ValueError, match=name):
+        native.start(scene(**{name: value}))
