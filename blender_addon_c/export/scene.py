@@ -98,6 +98,10 @@ def _objects(depsgraph, table, mattes, messages):
         if ob.type == "LIGHT":
             lights += light_of(ob, item.matrix_world, messages)
         elif isinstance(ob.data, bpy.types.Mesh):  # curves, text and so on come as meshes as well
+            for name in ("shadow_catcher", "holdout"):
+                if getattr(ob, f"is_{name}", False):
+                    messages.warning(f"object '{ob.name}': {name.replace('_', ' ')}s are not supported; "
+                                     "seen as it is")
             bits = hidden(ob, ALL)
             if is_hidden(bits, *ALL):
                 continue

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from native_scenes import (
-    area, box, image, material, mesh, native, ortho, point, render, scene, sky, sphere, square, sun)
+    area, box, dump, image, material, mesh, native, ortho, point, render, scene, sky, sphere, square, sun)
 from test_native_closures import TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 from test_native_light_paths import LIGHTS, SURFACES, of_plate, shining
 
@@ -139,6 +139,12 @@ def test_faces_that_shine_and_are_hidden():
     assert truth > 0.1
     assert seen(GLOSSY, False) == pytest.approx(truth, rel=0.02)
     assert seen(DIFFUSE, False) == 0
+
+
+def test_a_dump_knows_of_no_hidden_lamps(tmp_path):
+    seen, hidden = (dump(scene(lights=[sun() | {"hidden": bits}]), tmp_path / "d.exr")[0]["light0.S.R"]
+                    for bits in (0, GLOSSY))
+    assert seen.max() > 0 and (seen == hidden).all()
 
 
 def test_threads_change_no_bit():

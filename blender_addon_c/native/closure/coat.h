@@ -46,7 +46,7 @@ LEAF float coat_of(float alpha, vec3 n, vec3 v, vec3 l, vec3 h, float *pdf) {
 LEAF unsigned closure_coat_eval(const closure_coat *c, lane_run run, const surfaces *restrict at,
                                 inputs *given, const lane_v *restrict wi, bool density,
                                 reflections *restrict out) {
-  const float *alpha = lane_of(given, c->alpha, 0, run);
+  const float *alpha = alpha_lane(given, c->alpha, 0, 0, run);
   (void)density;
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
@@ -62,7 +62,7 @@ LEAF unsigned closure_coat_eval(const closure_coat *c, lane_run run, const surfa
 
 LEAF unsigned closure_coat_draw(const closure_coat *c, lane_run run, const surfaces *restrict at,
                                 inputs *given, draws *restrict out) {
-  const float *alpha = lane_of(given, c->alpha, 0, run);
+  const float *alpha = alpha_lane(given, c->alpha, 0, 0, run);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = normal_at(given, c->normal, i), v = load(&at->wo, i), x, y;

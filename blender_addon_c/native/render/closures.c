@@ -64,7 +64,7 @@ void closures_weigh(worker *w, bool first) {
 void closures_exclude(const worker *w, const closure *c, lane_run run, reflections *out) {
   uint32_t above = 2u << kind_of(c);
   uint32_t below = c->traits & CLOSURE_MATT ? (uint32_t)RAY_DIFFUSE : (uint32_t)RAY_TRANSMISSION;
-  if (w->scene->hides)
+  if (w->scene->hides && !w->observer) /* a dump's lights are seen by all */
     w->scene->stages->exclude(run, above, below, &w->batch->light, out);
 }
 
