@@ -202,7 +202,7 @@ def _fabric(reader, node, groups, share):
     for yarn in ("warp", "weft"):
         color = color_of(reader, node.inputs[f"{yarn.title()} Color"], groups)
         if is_known(*color):
-            cloth[yarn] = tuple(min(max(part, 0.0), 1.0) for part in color)
+            cloth[yarn] = tuple(min(part, 1.0) if part > 0 else 0.0 for part in color)  # NaN too
         else:  # the rest goes through
             fed[f"{yarn}_from"] = _times(reader, color, 1.0 - cloth["transmit"])
     reader.is_main("")

@@ -194,11 +194,15 @@ def principled(scene):
     inputs["Subsurface" if "Subsurface" in inputs else "Subsurface Weight"].default_value = 1
 
 
-def beckmann(scene):
-    _ob, tree, _node = plate(scene)
-    shader = tree.nodes.new("ShaderNodeBsdfGlass")
-    shader.distribution = "BECKMANN"
+def cloth_without_uv(scene):
+    """And in colours that are none."""
+    ob, tree, _node = plate(scene)
+    shader = tree.nodes.new("LibshadeFabricNode")
+    shader.inputs["Warp Color"].default_value = (math.nan, math.inf, -1, 1)
+    shader.open_gaps, shader.transmission = True, 1
     tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    while ob.data.uv_layers:
+        ob.data.uv_layers.remove(ob.data.uv_layers[0])
 
 
 def mixed(scene):
@@ -340,7 +344,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, beckmann, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
+    other_uv_map, no_material, principled, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
