@@ -9,7 +9,7 @@ import ast
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, area, dump, native, point, scene, spot, sun, unit, vectors
+from native_scenes import ROOT, area, dump, native, point, render, scene, spot, sun, unit, vectors
 
 TYPES = native.table()["lights"]
 
@@ -66,6 +66,15 @@ def test_what_reaches_a_plate(kind, tmp_path):
     irradiance, direction = truth(vectors(planes, "P"))
     np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), irradiance, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(vectors(planes, "light0.L"), unit(direction), atol=1e-6)
+
+
+@pytest.mark.parametrize("radius", [1e-38, 1e-20, 1e-13])
+def test_a_tiny_lamp_is_a_sharp_one(radius):
+    """Its square is no number to divide by."""
+    given = [render(scene(lights=[point((0.3, 0.2, 1), radius=r)], background=(0.1, 0.1, 0.1)))[0]
+             for r in (radius, 0.0)]
+    np.testing.assert_allclose(given[0], given[1], rtol=1e-5)
+    assert given[1][..., 0].max() > 0.1
 
 
 def test_blender_hands_over_what_the_module_knows():

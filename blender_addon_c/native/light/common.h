@@ -64,6 +64,7 @@ static inline bool light_bulb_read(reader *r, light_common *common, light_bulb *
               reader_floats(r, "position", 3, l->position) &&
               reader_number_within(r, "radius", 0, 1e18, &l->radius) &&
               light_switch_read(r, "ball", &l->ball);
+  l->radius = l->radius > 1e-12f ? l->radius : 0.0f; /* its square must be a number to divide by */
   common->soft = l->radius > 0.0f;
   return good;
 }
