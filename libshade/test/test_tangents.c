@@ -367,10 +367,10 @@ static void test_threads_do_not_matter(void **state) {
   (void)state;
   mesh m = tessellate(plane, 64, 64);
   for (size_t c = 0; c < 3 * m.triangles; c++) /* UVs by chance: a third has no area */
-    for (size_t k = 0; k < 2; k++)
-      m.uv[2 * c + k] = (float)((int)(64 * m.position[3 * c] * (5 + k) +
-                                      64 * m.position[3 * c + 1] * (11 - 3 * k)) %
-                                7 % 3);
+    for (int k = 0; k < 2; k++)
+      m.uv[2 * c + (size_t)k] = (float)((int)(64 * m.position[3 * c] * (float)(5 + k) +
+                                              64 * m.position[3 * c + 1] * (float)(11 - 3 * k)) %
+                                        7 % 3);
   for (size_t t = 0; t < m.triangles; t++) { /* neighbours far apart in the list */
     const size_t other = (t * 7919) % m.triangles;
     float *arrays[] = {m.position, m.normal, m.uv};
