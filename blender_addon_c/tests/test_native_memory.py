@@ -2,7 +2,7 @@
 """What the module says that it holds, against the kernel's view of the process and sizes that are known."""
 
 import os
-import resource
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -23,9 +23,10 @@ def held(**changes):
 
 
 def resident():
-    """Bytes, now and at most."""
-    now = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
-    return now, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    """Bytes, now and at most. (getrusage counts what was there before exec as well.)"""
+    told = Path("/proc/self/status").read_text()
+    return tuple(int(re.search(rf"^{name}:\s*(\d+) kB", told, re.M).group(1)) * 1024
+                 for name in ("VmRSS", "VmHWM"))
 
 
 def test_a_picture_is_four_floats_a_pixel():

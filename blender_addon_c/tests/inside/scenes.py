@@ -169,7 +169,8 @@ def bump(options):
         tree.links.new(reroute.outputs[0], node.inputs["Normal"])
     elif options["wiring"] == "uv map":
         # The active render map is turned by a quarter; the node asks for the other.
-        first, second = plane.data.uv_layers[0], plane.data.uv_layers.new(name="turned")
+        plane.data.uv_layers.new(name="turned")  # it moves the one that is there
+        first, second = plane.data.uv_layers
         for loop in range(4):
             u, v = first.data[loop].uv
             second.data[loop].uv = (v, 1 - u)
@@ -408,7 +409,9 @@ def uv_layers(ob):
     """first: as it is; second: turned by a quarter; third: half as large. The third renders."""
     first = ob.data.uv_layers[0]
     first.name = "first"
-    second, third = (ob.data.uv_layers.new(name=name) for name in ("second", "third"))
+    for name in ("second", "third"):  # each moves those that are there
+        ob.data.uv_layers.new(name=name)
+    _, second, third = ob.data.uv_layers
     for loop in range(4):
         u, v = ob.data.uv_layers["first"].data[loop].uv
         second.data[loop].uv, third.data[loop].uv = (v, 1 - u), (u / 2, v / 2)
@@ -681,7 +684,8 @@ def heights(options):
     plate = common.plane(material, 2.0)
     plate.scale = (1, 2, 1)
     if options.get("other"):
-        own, other = plate.data.uv_layers[0], plate.data.uv_layers.new(name="other")
+        plate.data.uv_layers.new(name="other")  # it moves those that are there
+        own, other = plate.data.uv_layers
         for loop in range(4):
             u, v = own.data[loop].uv
             other.data[loop].uv = (v + 0.2, 1.5 * u - 0.3 * v)
