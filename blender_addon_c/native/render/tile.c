@@ -73,11 +73,9 @@ static bool judge(const render *r, const camera_view *view, uint32_t number, siz
   for (uint32_t p = number * ADAPTIVE_PIXELS; p < (number + 1) * ADAPTIVE_PIXELS; p++) {
     int x, y;
     pixel_place(view, p, &x, &y);
-    x -= r->region[0];
-    y -= r->region[1];
-    if (x < 0 || y < 0 || x >= r->region[2] - r->region[0] || y >= r->region[3] - r->region[1])
+    if (!is_inside(r, x, y))
       continue;
-    size_t at = (size_t)y * region_width(r) + (size_t)x;
+    size_t at = place_of(r, x, y);
     double error = (double)adaptive_error(r->sum + 4 * at, a->half + 3 * at, samples, half);
     squares += error * error;
     pixels++;
