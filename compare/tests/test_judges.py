@@ -413,15 +413,17 @@ def test_truth(monkeypatch, tmp_path, errors, status):
         assert result["errors"][name] == pytest.approx(error, rel=1e-3)
 
 
-@pytest.mark.parametrize("rotate, stock, cycles, status", [
-    (0.06, 0.08, 0.1, 0),
-    (0.11, 0.08, 0.1, 1),
-    (0.06, 0.11, 0.1, 1),
+@pytest.mark.parametrize("rotate, stock, cycles, status, wanted", [
+    (0.03, 0.032, 0.1, 0, True),
+    (0.03, 0.035, 0.1, 0, False),
+    (0.06, 0.08, 0.1, 0, False),
+    (0.11, 0.08, 0.1, 1, False),
+    (0.06, 0.11, 0.1, 1, False),
 ])
-def test_truth_under_a_sky(monkeypatch, tmp_path, rotate, stock, cycles, status):
+def test_truth_under_a_sky(monkeypatch, tmp_path, rotate, stock, cycles, status, wanted):
     errors = {"rotate": rotate, truth.STOCK: stock, truth.CYCLES: cycles}
     got, result = judge_truth(monkeypatch, tmp_path, errors, light="sky")
-    assert got == status
+    assert got == status and result["wanted"] == wanted
     assert result["errors"][truth.STOCK] == pytest.approx(stock, rel=1e-3)
 
 
