@@ -7,7 +7,7 @@
  *   f    entry.h, batch.h: blocks; pass_repair.h: directions mended; pass_lanes.h: parameters of
  *        each sample; pass_horizon.h: the choice of horizon, around pass_model.h: `hard`
  *   draw entry.h, sample.h, sample_draw.h, sample_frame.h, sample_density.h
- *   one sample: single.h
+ *   one sample: single.h; of cloth: single_cloth.h
  */
 #include "real.h"
 
@@ -49,6 +49,7 @@
 #include "single.h"
 #include "pass_table.h"
 #include "pass_cloth.h"
+#include "single_cloth.h"
 #include "pass_cloth_draw.h"
 #include "column.h"
 #include "pass_cloth_prepare.h"

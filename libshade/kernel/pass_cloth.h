@@ -17,21 +17,26 @@ typedef struct FN(gathered) {
   real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK];
 } FN(gathered);
 
-/* Cosines about n, and which lanes are lit: side is 1 from in front, -1 from behind, else 0. */
+/* 1 where lit from in front, -1 from behind, else 0; by the cosines about n and z. */
+LEAF real FN(side_of)(real ci, real co, real iz, real oz) {
+  real seen = FN(minimum)(co, oz);
+  real front = FN(minimum)(FN(minimum)(ci, iz), seen);
+  real behind = FN(minimum)(FN(minimum)(-ci, -iz), seen);
+  return front > 0 ? R(1.0) : behind > 0 ? R(-1.0) : R(0.0);
+}
+
+/* Cosines about n, and which lanes are lit. */
 static void FN(cloth_sides)(const FN(cloth) * c, const real *const wi[3], const real *const wo[3],
                             real *restrict ci, real *restrict co, real *restrict side) {
   const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    real a = nx[i] * ix[i] + ny[i] * iy[i] + nz[i] * iz[i];
-    real b = nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i];
-    real seen = FN(minimum)(b, oz[i]);
+    real a = FN(dot)(nx[i], ny[i], nz[i], ix[i], iy[i], iz[i]);
+    real b = FN(dot)(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i]);
     ci[i] = a;
     co[i] = b;
-    real front = FN(minimum)(FN(minimum)(a, iz[i]), seen);
-    real behind = FN(minimum)(FN(minimum)(-a, -iz[i]), seen);
-    side[i] = front > 0 ? R(1.0) : behind > 0 ? R(-1.0) : R(0.0);
+    side[i] = FN(side_of)(a, b, iz[i], oz[i]);
   }
   for (size_t i = 0; i < c->count; i++) /* gaps and nap are there whatever the kind */
     side[i] = c->kind[i] == CLOTH_VOID ? 0 : side[i];
@@ -80,38 +85,49 @@ typedef struct FN(carried) {
   real mx, my, flip;
 } FN(carried);
 
+/* Of lane i; near: along its own fibres, else along their mean. flat: n is z. */
+LEAF FN(triple) FN(cloth_carry_lane)(FN(carried) v, size_t i, int near, int flat) {
+  const real tx = near ? v.tx[i] : v.mx, ty = near ? v.ty[i] : v.my;
+  FN(carrier) a = {1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
+  if (!flat)
+    a = FN(carrier_of)(v.nx[i], v.ny[i], v.nz[i], tx, ty);
+  FN(triple) w = FN(carry)(a, v.x[i], v.y[i], v.z[i]);
+  w.y *= v.flip;
+  return w;
+}
+
 LEAF void FN(cloth_carry_lanes)(const FN(carried) * from, size_t count, const int *lane, int whole,
                                 int near, int flat, real (*to)[BLOCK]) {
   const FN(carried) v = *from;
   real *ox = to[0], *oy = to[1], *oz = to[2];
 #pragma omp simd
   for (size_t j = 0; j < count; j++) {
-    const size_t i = whole ? j : (size_t)lane[j];
-    const real tx = near ? v.tx[i] : v.mx, ty = near ? v.ty[i] : v.my;
-    FN(carrier) a = {1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
-    if (!flat)
-      a = FN(carrier_of)(v.nx[i], v.ny[i], v.nz[i], tx, ty);
-    FN(triple) w = FN(carry)(a, v.x[i], v.y[i], v.z[i]);
+    FN(triple) w = FN(cloth_carry_lane)(v, whole ? j : (size_t)lane[j], near, flat);
     ox[j] = w.x;
-    oy[j] = v.flip * w.y;
+    oy[j] = w.y;
     oz[j] = w.z;
   }
+}
+
+LEAF FN(carried)
+    FN(cloth_carried)(const shade_fabric *f, const FN(cloth) * c, int k, const real *const w[3]) {
+  return (FN(carried)){.nx = FN(cloth_row)(c, CLOTH_N + k),
+                       .ny = FN(cloth_row)(c, CLOTH_N + 1 - k),
+                       .nz = FN(cloth_row)(c, CLOTH_N + 2),
+                       .tx = FN(cloth_row)(c, CLOTH_FIBRE + k),
+                       .ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k),
+                       .x = w[k],
+                       .y = w[1 - k],
+                       .z = w[2],
+                       .mx = (real)(k ? f->side[k].ty : f->side[k].tx),
+                       .my = (real)(k ? f->side[k].tx : f->side[k].ty),
+                       .flip = k ? R(-1.0) : R(1.0)};
 }
 
 static void FN(cloth_carry)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
                             const real *const w[3], const FN(gathered) * g, real (*to)[BLOCK]) {
   const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
-  const FN(carried) v = {.nx = FN(cloth_row)(c, CLOTH_N + k),
-                         .ny = FN(cloth_row)(c, CLOTH_N + 1 - k),
-                         .nz = FN(cloth_row)(c, CLOTH_N + 2),
-                         .tx = FN(cloth_row)(c, CLOTH_FIBRE + k),
-                         .ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k),
-                         .x = w[k],
-                         .y = w[1 - k],
-                         .z = w[2],
-                         .mx = (real)(k ? f->side[k].ty : f->side[k].tx),
-                         .my = (real)(k ? f->side[k].tx : f->side[k].ty),
-                         .flip = k ? R(-1.0) : R(1.0)};
+  const FN(carried) v = FN(cloth_carried)(f, c, k, w);
   const size_t count = g->count;
   if (near)
     c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 0, 1, 1, to)
@@ -175,19 +191,22 @@ static FN(shade_lanes) FN(lanes_of)(const FN(gathered) * g) {
   return in;
 }
 
-/* Diffuse light from behind about the yarn's normal. */
+/* Diffuse light from behind about the yarn's normal, by the cosines of light and eye about it. */
+LEAF real FN(let_through)(real light, real co) {
+  const real ci = -light;
+  real enter = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(ci, 0), 1));
+  real leave = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(co, 0), 1));
+  return FN(minimum)(ci, co) > 0 ? ci * INVERSE_PI * enter * leave : 0;
+}
+
 static void FN(cloth_through)(const FN(gathered) * g, real *restrict through) {
   const real *nx = g->n[0], *ny = g->n[1], *nz = g->n[2];
   const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
   const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
 #pragma omp simd
-  for (size_t j = 0; j < g->count; j++) {
-    real ci = -(nx[j] * ix[j] + ny[j] * iy[j] + nz[j] * iz[j]);
-    real co = nx[j] * ox[j] + ny[j] * oy[j] + nz[j] * oz[j];
-    real enter = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(ci, 0), 1));
-    real leave = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(co, 0), 1));
-    through[j] = FN(minimum)(ci, co) > 0 ? ci * INVERSE_PI * enter * leave : 0;
-  }
+  for (size_t j = 0; j < g->count; j++)
+    through[j] = FN(let_through)(FN(dot)(nx[j], ny[j], nz[j], ix[j], iy[j], iz[j]),
+                                 FN(dot)(nx[j], ny[j], nz[j], ox[j], oy[j], oz[j]));
 }
 
 /*
@@ -326,26 +345,33 @@ static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_si
   }
 }
 
+typedef struct FN(faced) {
+  real nx, ny, nz, vx, vy;
+} FN(faced);
+
 /*
  * What share of tilts, even about their mean, faces w: the single lobe's stand-in for the
  * horizons of the yarns that turn away.
  */
-LEAF real FN(facing)(real nx, real ny, real nz, real vx, real vy, real x, real y, real z) {
-  real reach = FN(root)(3 * (vx * x * x + vy * y * y)), c = nx * x + ny * y + nz * z;
+LEAF real FN(facing)(FN(faced) f, real x, real y, real z) {
+  real reach = FN(root)(3 * (f.vx * x * x + f.vy * y * y)), c = f.nx * x + f.ny * y + f.nz * z;
   real part = R(0.5) * (1 + c / FN(maximum)(reach, R(1e-20)));
   return c >= reach ? 1 : FN(maximum)(part, 0);
 }
 
+LEAF FN(faced) FN(faced_of)(const fabric_side *s) {
+  return (FN(faced)){s->one.FN(x)[0], s->one.FN(y)[0], s->one.FN(z)[0], (real)s->spread[0],
+                     (real)s->spread[1]};
+}
+
 static void FN(cloth_facing)(const fabric_side *side, const FN(gathered) * g, real *restrict spec,
                              real *restrict matt) {
-  const real nx = side->one.FN(x)[0], ny = side->one.FN(y)[0], nz = side->one.FN(z)[0];
-  const real vx = (real)side->spread[0], vy = (real)side->spread[1];
+  const FN(faced) f = FN(faced_of)(side);
   const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
   const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
 #pragma omp simd
   for (size_t j = 0; j < g->count; j++) {
-    real seen = FN(facing)(nx, ny, nz, vx, vy, ix[j], iy[j], iz[j]) *
-                FN(facing)(nx, ny, nz, vx, vy, ox[j], oy[j], oz[j]);
+    real seen = FN(facing)(f, ix[j], iy[j], iz[j]) * FN(facing)(f, ox[j], oy[j], oz[j]);
     spec[j] *= seen;
     matt[j] *= seen;
   }
@@ -452,6 +478,19 @@ static void FN(cloth_white)(size_t count, const real *const wi[3], const real *c
  * that t counts half there. Light from behind passes it once. [Chandrasekhar1960 Sect. 3;
  * KoenderinkPont2003]
  */
+typedef struct FN(napped) {
+  real through, back;
+} FN(napped);
+
+LEAF FN(napped) FN(napped_of)(real nap, real ci, real co, real side) {
+  int lit = side > 0;
+  real in = lit ? ci : 1, out = side != 0 ? co : 1;
+  real way = (lit ? 1 / in : 0) + 1 / out;
+  real through = FN(exp_negative)(R(0.5) * nap * way);
+  real back = in / (in + out) * (1 - through * through) * (R(0.25) * INVERSE_PI);
+  return (FN(napped)){through, lit ? back : 0};
+}
+
 static void FN(cloth_nap)(const shade_fabric *f, const FN(cloth) * c, const real *restrict ci,
                           const real *restrict co, const real *restrict side, real *const rgb[3]) {
   const real *nap = FN(cloth_row)(c, CLOTH_NAP);
@@ -459,15 +498,10 @@ static void FN(cloth_nap)(const shade_fabric *f, const FN(cloth) * c, const real
   real *red = rgb[0], *green = rgb[1], *blue = rgb[2];
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    int lit = side[i] > 0;
-    real in = lit ? ci[i] : 1, out = side[i] != 0 ? co[i] : 1;
-    real way = (lit ? 1 / in : 0) + 1 / out;
-    real through = FN(exp_negative)(R(0.5) * nap[i] * way);
-    real back = in / (in + out) * (1 - through * through) * (R(0.25) * INVERSE_PI);
-    back = lit ? back : 0;
-    red[i] = red[i] * through + r * back;
-    green[i] = green[i] * through + g * back;
-    blue[i] = blue[i] * through + b * back;
+    const FN(napped) lane = FN(napped_of)(nap[i], ci[i], co[i], side[i]);
+    red[i] = red[i] * lane.through + r * lane.back;
+    green[i] = green[i] * lane.through + g * lane.back;
+    blue[i] = blue[i] * lane.through + b * lane.back;
   }
 }
 
@@ -548,14 +582,18 @@ static unsigned FN(mend_light)(size_t count, const real *const wi[3], FN(mended_
   return status;
 }
 
-/* Lanes whose wi is opposite to wo, where there is no half vector; only light from behind is. */
+/* Whether wi is opposite to wo, where there is no half vector; only light from behind is. */
+LEAF int FN(is_opposite)(real ix, real iy, real iz, real ox, real oy, real oz) {
+  return !(2 + 2 * (ix * ox + iy * oy + iz * oz) > R(1e-30));
+}
+
 static unsigned FN(cloth_opposite)(const FN(cloth) * c, const real *const wi[3]) {
   const real *ox = FN(cloth_row)(c, CLOTH_WO), *oy = ox + c->stride, *oz = oy + c->stride;
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
   int any = 0;
 #pragma omp simd reduction(| : any)
   for (size_t i = 0; i < c->count; i++)
-    any |= !(2 + 2 * (ix[i] * ox[i] + iy[i] * oy[i] + iz[i] * oz[i]) > R(1e-30));
+    any |= FN(is_opposite)(ix[i], iy[i], iz[i], ox[i], oy[i], oz[i]);
   return any ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
@@ -603,8 +641,8 @@ static void FN(cloth_facets)(const shade_fabric *f, const FN(cloth) * c, const r
 }
 
 /* s of every lane; rgb does not overlap wi. Returns status bits. */
-static unsigned FN(kernel_cloth)(const shade_fabric *f, const FN(cloth) * c,
-                                 const real *const wi_in[3], real *const rgb[3]) {
+static unsigned FN(cloth_block)(const shade_fabric *f, const FN(cloth) * c,
+                                const real *const wi_in[3], real *const rgb[3]) {
   FN(mended_light) m;
   const real *wo[3];
   real factor[BLOCK];

@@ -18,6 +18,33 @@ static unsigned FN(mdf_one)(const bsdf *b, const real n_in[3], const real h_in[3
   return status;
 }
 
+/* f without Fresnel of a lit pair, whose sum is h; n is z where the method ignores it. */
+LEAF real FN(specular_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                           real hx, real hy, real hz, real hwo, real cosi, real coso) {
+  if (FN(is_fused)(b))
+    return FN(fused)(b, n, wi, wo).f;
+  real scale = b->warp != SHADE_RIGID ? FN(scale_to_unit)(hx, hy, hz) : 1;
+  FN(angles) a = {hwo, cosi, coso, 0, 0};
+  if (b->brdf == SHADE_BRDF_MICROFACET) {
+    a.li = FN(smith)(b, n, wi);
+    a.lo = FN(smith)(b, n, wo);
+  }
+  /* rounded, as a batch does that keeps them */
+  hx = FN(multiply_add)(hx, scale, 0);
+  hy = FN(multiply_add)(hy, scale, 0);
+  hz = FN(multiply_add)(hz, scale, 0);
+  return FN(brdf)(b, FN(lobe)(b, n, hx, hy, hz), a);
+}
+
+/* Phi of a lit pair. */
+LEAF real FN(phi_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3], real cosi,
+                      real coso) {
+  const int k = b->fibres_along_y, l = !k;
+  real ly = FN(across_fibre)(n[k], n[l], n[2], wi[k], wi[l], wi[2]);
+  real vy = FN(across_fibre)(n[k], n[l], n[2], wo[k], wo[l], wo[2]);
+  return FN(diffuse_phi)(b->diffuse, ly, cosi, vy, coso);
+}
+
 /* f and the cosine, 0 beyond the horizons of n and z. Directions are mended. */
 static unsigned FN(hard_one)(const bsdf *b, const real n_in[3], const real wi[3], const real wo[3],
                              real f[3], real *cosine) {
@@ -34,34 +61,35 @@ static unsigned FN(hard_one)(const bsdf *b, const real n_in[3], const real wi[3]
     return SHADE_BAD_INPUT;
   if (!(cosi > 0 && coso > 0 && wi[2] > 0 && wo[2] > 0))
     return SHADE_OK;
-  real hwo = FN(half_cosine)(hx, hy, hz), value;
-  if (one) {
-    value = FN(fused)(b, n, wi, wo).f;
-  } else {
-    real scale = b->warp != SHADE_RIGID ? FN(scale_to_unit)(hx, hy, hz) : 1;
-    FN(angles) a = {hwo, cosi, coso, 0, 0};
-    if (b->brdf == SHADE_BRDF_MICROFACET) {
-      a.li = FN(smith)(b, n, wi);
-      a.lo = FN(smith)(b, n, wo);
-    }
-    /* rounded, as a batch does that keeps them */
-    hx = FN(multiply_add)(hx, scale, 0);
-    hy = FN(multiply_add)(hy, scale, 0);
-    hz = FN(multiply_add)(hz, scale, 0);
-    value = FN(brdf)(b, FN(lobe)(b, n, hx, hy, hz), a);
-  }
+  real hwo = FN(half_cosine)(hx, hy, hz);
+  real value = FN(specular_one)(b, n, wi, wo, hx, hy, hz, hwo, cosi, coso);
   for (int c = 0; c < 3; c++)
     f[c] = value * FN(fresnel)(b, c, hwo);
   if (b->has_diffuse) {
-    const int k = b->fibres_along_y, l = !k;
-    real ly = FN(across_fibre)(n[k], n[l], n[2], wi[k], wi[l], wi[2]);
-    real vy = FN(across_fibre)(n[k], n[l], n[2], wo[k], wo[l], wo[2]);
-    real phi = FN(diffuse_phi)(b->diffuse, ly, cosi, vy, coso);
+    real phi = FN(phi_one)(b, n, wi, wo, cosi, coso);
     real q = phi * R(0.31830988618379067154) / FN(maximum)(cosi, R(1e-20));
     for (int c = 0; c < 3; c++)
       f[c] += FN(diffuse_scale)(b, c) * q;
   }
   return SHADE_OK;
+}
+
+/* As yarn_batch. */
+static void FN(yarn_one)(const bsdf *b, const real n_in[3], const real wi[3], const real wo[3],
+                         real *spec, real *matt) {
+  const int flat = b->carry.map == SHADE_MAP_NONE;
+  const real n[3] = {flat ? 0 : n_in[0], flat ? 0 : n_in[1], flat ? 1 : n_in[2]};
+  const real cosi = FN(dot)(n[0], n[1], n[2], wi[0], wi[1], wi[2]);
+  const real coso = FN(dot)(n[0], n[1], n[2], wo[0], wo[1], wo[2]);
+  const real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
+  *spec = *matt = 0;
+  if (!(FN(lit_cosine)(cosi, coso, wi[2], wo[2]) > 0))
+    return;
+  const real hwo = FN(half_cosine)(hx, hy, hz);
+  const real enter = 1 - FN(schlick_weight)(FN(minimum)(cosi, 1));
+  const real leave = 1 - FN(schlick_weight)(FN(minimum)(coso, 1));
+  *spec = FN(specular_one)(b, n, wi, wo, hx, hy, hz, hwo, cosi, coso) * cosi;
+  *matt = FN(phi_one)(b, n, wi, wo, cosi, coso) * R(0.31830988618379067154) * enter * leave;
 }
 
 static unsigned FN(facets_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3],

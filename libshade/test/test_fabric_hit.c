@@ -176,6 +176,115 @@ static void one_is_many_is_prepared(void **state) {
   close_cloth(&c);
 }
 
+/* ---- one light in one call ---------------------------------------------------- */
+
+/* What the next cloth is made of. */
+static shade_horizon next_horizon;
+static int next_transmits;
+static void with_all_parts(shade_fabric_params *p) {
+  p->horizon = next_horizon;
+  p->nap = 0.3;
+  if (next_transmits)
+    transmits(p);
+  for (int a = 0; a < 3; a++)
+    p->backing[a] = 0.1 + 0.2 * a;
+}
+
+/*
+ * A single call runs other code than lanes do: the same answer for every horizon, kind of lane and
+ * side of the cloth, in folds, at grazing angles, with directions of any length, and where there is
+ * no direction.
+ */
+static void one_call_is_a_lane(void **state) {
+  (void)state;
+  static arrays m;
+  uint64_t seed = 12;
+  double worst = 0, worstf = 0;
+  int lit[2] = {0, 0}, bad = 0;
+  for (int k = 0; k < 2 * SHADE_HORIZON_COUNT; k++) {
+    next_horizon = (shade_horizon)(k / 2);
+    next_transmits = k % 2;
+    cloth c = open_cloth(k % 2 ? "linen" : "herringbone_tweed", with_all_parts);
+    for (int tier = 0; tier < 4; tier++) {
+      fill(&m, &seed);
+      for (int i = 0; i < N; i++) {
+        const double size = i % 7 == 1 ? 1e-12 : i % 7 == 2 ? 1e12 : i % 70 == 3 ? NAN : 1;
+        for (int a = 0; a < 3; a++) {
+          m.in[4 + a][i] = i % 2 ? FOLD[a] : a == 2;
+          m.in[7 + a][i] *= i % 90 == 4 ? 0 : size;
+          if (i % 50 == 5) /* the fold's horizon */
+            m.in[7 + a][i] = a == 0 ? 0.8 : a == 1 ? 0.6 - 1e-14 : 0;
+          if (i % 50 == 6) /* opposite to the eye */
+            m.in[7 + a][i] = -m.in[10 + a][i];
+          m.inf[4 + a][i] = (float)m.in[4 + a][i];
+          m.inf[7 + a][i] = (float)m.in[7 + a][i];
+          m.wi[a][i] = m.in[7 + a][i];
+        }
+      }
+      shade_fabric_lanes in = LANES_OF(m.in);
+      shade_fabric_lanesf inf = LANES_OF(m.inf);
+      const shade_fabric_result out = {
+          .size = sizeof out, .r = m.rgb[0], .g = m.rgb[1], .b = m.rgb[2]};
+      const shade_fabric_resultf outf = {
+          .size = sizeof outf, .r = m.rgbf[0], .g = m.rgbf[1], .b = m.rgbf[2]};
+      in.size = sizeof in;
+      inf.size = sizeof inf;
+      shade_fabric_eval_batch(c.fabric, N, &in, (shade_fabric_tier)tier, &out);
+      shade_fabric_eval_batchf(c.fabric, N, &inf, (shade_fabric_tier)tier, &outf);
+      for (int i = 0; i < N; i++) {
+        const shade_fabric_point p = point_of(&c, &m, i);
+        const double wi[3] = {m.wi[0][i], m.wi[1][i], m.wi[2][i]};
+        const double wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
+        const float wif[3] = {inf.wix[i], inf.wiy[i], inf.wiz[i]};
+        const float wof[3] = {inf.wox[i], inf.woy[i], inf.woz[i]};
+        const float nf[3] = {inf.nx[i], inf.ny[i], inf.nz[i]};
+        double s[3];
+        float sf[3];
+        shade_fabric_hit hit;
+        shade_fabric_hitf hitf;
+        shade_fabric_pointf pf;
+        shade_fabric_point_initf(c.fabric, &pf);
+        for (int a = 0; a < 3; a++) {
+          pf.n[a] = nf[a];
+          pf.warp_kd[a] = m.inf[14 + a][i];
+        }
+        for (int a = 0; a < 2; a++) {
+          pf.uv[a] = m.inf[a][i];
+          pf.footprint[a] = m.inf[2 + a][i];
+        }
+        pf.random = inf.random[i];
+        pf.warp_gloss = inf.warp_gloss[i];
+        pf.weft_gloss = inf.weft_gloss[i];
+        shade_fabric_prepare(c.fabric, &p, wo, (shade_fabric_tier)tier, &hit, NULL);
+        shade_fabric_preparef(c.fabric, &pf, wof, (shade_fabric_tier)tier, &hitf, NULL);
+        const unsigned status = shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+        const double size = hypot(hypot(wi[0], wi[1]), wi[2]);
+        const double opposite = size + wi[0] * wo[0] + wi[1] * wo[1] + wi[2] * wo[2];
+        if (!(size > 0)) {
+          assert_int_equal(status, SHADE_BAD_INPUT);
+          bad++;
+        } else if (opposite > 1e-6 * size) {
+          assert_int_equal(status, SHADE_OK);
+        }
+        shade_fabric_hit_evalf(c.fabric, &hitf, wif, sf);
+        lit[wi[2] < 0] += s[1] > 0;
+        for (int a = 0; a < 3; a++) {
+          assert_true(isfinite(s[a]) && isfinite(sf[a]));
+          worst = fmax(worst, fabs(s[a] - m.rgb[a][i]) / (s[a] + 1e-3));
+          worstf = fmax(worstf, (double)fabsf(sf[a] - m.rgbf[a][i]) / ((double)sf[a] + 1e-3));
+        }
+      }
+    }
+    close_cloth(&c);
+  }
+  print_message(
+      "one call against a lane: %.1e, float %.1e; lit %d, from behind %d, no direction %d\n", worst,
+      worstf, lit[0], lit[1], bad);
+  assert_true(worst <= 1e-11);
+  assert_true(worstf <= 3e-4);
+  assert_true(lit[0] > 10000 && lit[1] > 500 && bad > 100);
+}
+
 /* ---- the random number -------------------------------------------------------- */
 
 static void random_numbers_mean_all_terms(void **state) {
@@ -455,9 +564,13 @@ static void short_structures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_is_many_is_prepared), cmocka_unit_test(random_numbers_mean_all_terms),
-      cmocka_unit_test(textures_are_parameters), cmocka_unit_test(gloss_scales_exponents),
-      cmocka_unit_test(no_input_breaks_it),      cmocka_unit_test(short_structures),
+      cmocka_unit_test(one_is_many_is_prepared),
+      cmocka_unit_test(one_call_is_a_lane),
+      cmocka_unit_test(random_numbers_mean_all_terms),
+      cmocka_unit_test(textures_are_parameters),
+      cmocka_unit_test(gloss_scales_exponents),
+      cmocka_unit_test(no_input_breaks_it),
+      cmocka_unit_test(short_structures),
   };
   return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);
 }
