@@ -28,9 +28,13 @@ include compare/compare.mk
 # check-libshade is a make of its own, on the same objects: not beside the others under -j.
 # pytest last: its closing line is the result. A file of tests stays with one worker, which starts
 # its Blender once.
-check: lint all blender povray $(B)/horizon
+check: povray setup-test setup-demo all blender $(B)/horizon lint
 	$(MAKE) --output-sync=target check-libshade
-	$(PY) -m pytest --numprocesses $(JOBS) --dist loadfile
+	$(PY) -m pytest --numprocesses $(JOBS) --dist loadfile --durations 20
+ifneq ($(filter check,$(MAKECMDGOALS)),)
+lint: | $(S)/lint.packages
+$(NATIVE)/test_stages native-sanitized native-clang: | $(S)/test.packages
+endif
 
 pictures: compare
 	$(PY) setup/pictures.py

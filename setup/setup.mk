@@ -22,7 +22,8 @@ NEEDS_soak := build blender test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
 NEEDS_fuzz := build test
-NEEDS_check := build blender povray demo test
+# what make must find when it starts; the rest is fetched and unpacked while these are compiled
+NEEDS_check := build blender
 NEEDS := $(sort $(foreach goal,$(MAKECMDGOALS),$(NEEDS_$(goal))))
 ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
@@ -39,6 +40,11 @@ $(S)/%.packages: setup/packages-%.txt
 	@touch $@
 $(S)/%.stamp: $(S)/%.packages
 	@touch $@
+ifneq ($(filter check,$(MAKECMDGOALS)),)
+# one after the other: one that waits for another's apt would take the place of a compiler
+$(S)/test.packages: | $(S)/povray.packages
+$(S)/demo.packages $(S)/lint.packages: | $(S)/test.packages
+endif
 $(S)/demo.stamp: $(VENV)/done
 $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 
