@@ -11,7 +11,12 @@
 #include "kernel/mdf.h"
 #include "support.h"
 
-enum { COUNT = 1024, CASES = 20 };
+#ifdef __SANITIZE_ADDRESS__
+enum { CASES = 5 };
+#else
+enum { CASES = 20 };
+#endif
+enum { COUNT = 1024 };
 
 typedef struct lanes {
   double nx[COUNT], ny[COUNT], nz[COUNT], hx[COUNT], hy[COUNT], hz[COUNT], d[COUNT];

@@ -300,7 +300,7 @@ static void highlight(const cloth *c, int points, shade_fabric_tier tier, double
 static void far_is_as_wide(void **state) {
   (void)state;
   cloth c;
-  for (int row = 0; open_cloth(row, &c); row += FEWER) {
+  for (int row = 0; open_cloth(row, &c); row += FEWER * FEWER) {
     double truth[2], far[2], single[2];
     alter(&c, no_diffuse);
     highlight(&c, 512, SHADE_TIER_NEAR, truth);
@@ -325,7 +325,7 @@ static void far_is_as_wide(void **state) {
 static void zoom_does_not_pop(void **state) {
   (void)state;
   cloth c;
-  for (int row = 0; open_cloth(row, &c); row += FEWER) {
+  for (int row = 0; open_cloth(row, &c); row += FEWER * FEWER) {
     double most = 0, most_back = 0;
     for (int k = 0; k < 2; k += FEWER) {
       enum { POINTS = 1 << 14, STEPS = 14 };

@@ -7,7 +7,7 @@
 #include "support.h"
 
 /* Points of the quadrature: half vectors laid over the slopes, where every lobe has its size. */
-enum { RINGS = 400, SPOKES = 200, POINTS = RINGS * SPOKES };
+enum { RINGS = 400, SPOKES = 200 / FEWER, POINTS = RINGS * SPOKES };
 
 typedef struct grid {
   double w[9][POINTS], weight[POINTS], f[4][POINTS];
