@@ -46,10 +46,14 @@ def test_only_noisy_blocks_go_on():
     assert more == 128
 
 
+@pytest.fixture(scope="module")
+def truth():
+    return spent(half_noisy(samples=8192))[0]
+
+
 @pytest.mark.parametrize("threshold", [0.05, 0.01])
-def test_the_error_is_what_was_asked_for(threshold):
+def test_the_error_is_what_was_asked_for(truth, threshold):
     """Of each block's pixels, by the root of the brightness: about the threshold, where it is done early."""
-    truth, _ = spent(half_noisy(samples=8192))
     seen, some = spent(half_noisy(samples=4096, adaptive_threshold=threshold, adaptive_min_samples=4))
     error = np.abs(seen - truth)[..., :3].sum(-1) / np.sqrt(truth[..., :3].sum(-1))
     assert some < 3000
@@ -67,10 +71,11 @@ def studio(**changes):
 
 
 def test_the_mean_stays_right():
-    """Many small pictures, each of another seed: to stop early darkens them by what chance hides."""
-    full = np.mean([spent(studio(samples=1024, seed=seed))[0][..., :3].mean() for seed in range(4)])
+    """Many small pictures, each of another seed: to stop early darkens them by what chance hides. A picture's
+    mean varies by .11 %, that of three beside that of six by .08."""
+    full = np.mean([spent(studio(samples=1024, seed=seed))[0][..., :3].mean() for seed in range(3)])
     early = [spent(studio(samples=1024, seed=seed, adaptive_threshold=0.05, adaptive_min_samples=16))
-             for seed in range(12)]
+             for seed in range(6)]
     assert np.mean([samples for _, samples in early]) < 400
     assert np.mean([picture[..., :3].mean() for picture, _ in early]) == pytest.approx(full, rel=0.003)
 

@@ -96,7 +96,7 @@ def test_an_even_sky_gives_the_albedo():
     rows = np.c_[np.zeros((len(wi), 2)), np.full(len(wi), 50.0), wi, np.tile(wo, (len(wi), 1))]
     expected = asked("silk_shantung", rows).mean(0) * 2 * np.pi
     given = scene(cloths=[cloth("silk_shantung", 10.0)], materials=[fabric()], meshes=[square(1.5)],
-                  camera=ortho(0.5, tuple(3 * wo)), lights=[], background=(1, 1, 1), max_bounces=1, samples=256)
+                  camera=ortho(0.5, tuple(3 * wo)), lights=[], background=(1, 1, 1), max_bounces=1, samples=64)  # chance: .07 %
     picture, _ = render(given)
     np.testing.assert_allclose(picture[..., :3].mean((0, 1)), expected, rtol=0.01)
     picture, _ = render(given | {"camera": ortho(0.5)})
