@@ -9,7 +9,7 @@ PATCHED, UNPATCHED  POV-Ray programs (UNPATCHED may be Debian's own: built with
 DISTRIBUTION        the folder 'distribution' of POV-Ray's source (scenes/, include/)
 SCENE-FOLDER        below scenes/; by default textures lights objects
 
-Every .pov is rendered at 64x48, 16 bits a component, one thread, JOBS (4) at a
+Every .pov is rendered at 64x48, 16 bits a component, one thread, JOBS (16) at a
 time: POV-Ray spends most of so small a render waiting for its own messages.
 Exit status: 0 all equal, 1 a difference, 2 wrong usage."
 
@@ -54,7 +54,7 @@ export work patched unpatched distribution
 
 start=$SECONDS
 (cd "$work/unpatched" && find "$@" -name '*.pov' | sort) |
-  xargs -P "${JOBS:-4}" -I{} bash -c 'compare_scene "$1"' _ {} | tee "$work/verdicts" |
+  xargs -P "${JOBS:-16}" -I{} bash -c 'compare_scene "$1"' _ {} | tee "$work/verdicts" |
   { [ -t 2 ] && awk '{ printf "\r%d scenes ", NR > "/dev/stderr" } END { print "" > "/dev/stderr" }' || cat >/dev/null; }
 
 grep -v '^equal' "$work/verdicts" | sort || true
