@@ -205,16 +205,35 @@ def cloth(folder, makedump):
     return path
 
 
-@pytest.fixture(scope="module")
-def near_cloth(cloth, folder):
-    """The same without its far hits, of each of which the reference takes a mean for long."""
+def less_cloth(cloth, path, *left_out):
+    """The same without most hits of some tiers: for far ones the reference takes a mean each, for single
+    ones much of the cloth once."""
     dump = Dump(cloth)
     longer = np.maximum(dump["foot.U"], dump["foot.V"])
-    dump.pixels[(dump["tier"] == 2) | (dump["tier"] == 0) & (longer > 0.75)] = 0
+    of_tier = {"far": (dump["tier"] == 2) | (dump["tier"] == 0) & (longer > 0.75), "single": dump["tier"] == 3}
+    for tier in left_out:
+        dump.pixels[of_tier[tier]] = 0
+    of_tier["far"][::4] = False
+    dump.pixels[of_tier["far"]] = 0
     dump["material.ID"][dump["N.X"]**2 + dump["N.Y"]**2 + dump["N.Z"]**2 == 0] = -1
-    path = dump.write(folder / "near_cloth.exr")
+    dump.write(path)
     assert check_json(path)["pass"]
     return path
+
+
+@pytest.fixture(scope="module")
+def near_cloth(cloth, folder):
+    return less_cloth(cloth, folder / "near_cloth.exr", "far", "single")
+
+
+@pytest.fixture(scope="module")
+def single_cloth(cloth, folder):
+    return less_cloth(cloth, folder / "single_cloth.exr", "far")
+
+
+@pytest.fixture(scope="module")
+def far_cloth(cloth, folder):
+    return less_cloth(cloth, folder / "far_cloth.exr", "single")
 
 
 def test_cloth_passes(cloth):
@@ -247,8 +266,8 @@ def lit_cloth(dump, tier):
     ("single", "light0.S.G", 1.1), ("near", "light0.E.R", 1.01), ("points", "light0.E.B", 1.01),
     ("far", "light0.E.G", 1.5), ("single", "light0.E.R", 1.1), ("near", "light0.S.G", 0),
     ("far", "light0.S.R", 0), ("single", "light0.S.B", 0)])
-def test_one_wrong_value_on_cloth(cloth, near_cloth, tmp_path, tier, channel, factor):
-    dump = Dump(cloth if tier == "far" else near_cloth)
+def test_one_wrong_value_on_cloth(request, tmp_path, tier, channel, factor):
+    dump = Dump(request.getfixturevalue(("near" if tier == "points" else tier) + "_cloth"))
     y, x = lit_cloth(dump, tier)
     dump[channel][y, x] *= factor
     report = check_json(dump.write(tmp_path / "x.exr"))
