@@ -26,6 +26,7 @@ include povray_patches/povray.mk
 include compare/compare.mk
 
 # check-libshade is a make of its own, on the same objects: not beside the others under -j.
+# `--durations` says what its tests cost, setup/timed.sh what steps of make do.
 # pytest last: its closing line is the result. A file of tests stays with one worker, which starts
 # its Blender once. One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
 check: povray setup-test setup-demo all blender $(B)/horizon lint

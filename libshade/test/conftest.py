@@ -10,7 +10,7 @@ import re
 LONGEST = {
     "test_native_build.py::test_all_tests_under_sanitizers": 60,
     "test_source.py::test_no_existing_scene_changes": 60,
-    "test_check.py": 80,
+    "test_check.py": 110,
     "test_blender_lights.py": 65,
     "test_end_to_end.py": 60,
     "test_native_build.py::test_all_tests_compiled_by_clang": 30,
