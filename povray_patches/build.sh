@@ -107,7 +107,7 @@ fi
 # ---- configure
 
 configure=(./configure COMPILED_BY="libshade" --without-x --without-libsdl --disable-optimiz --disable-strip
-  --with-boost-thread=boost_thread "CXX=${CXX:-g++}" "CXXFLAGS=${CXXFLAGS:--O2}")
+  --with-boost-thread=boost_thread "CXX=${CXX:-g++}" "CXXFLAGS=${CXXFLAGS:--O3}")
 [ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=${archives//$'\n'/ } -lOpenEXRCore-3_1")
 
 # prebuild lists the source files, so a new one means a new configuration

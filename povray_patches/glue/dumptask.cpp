@@ -8,6 +8,7 @@
 
 #include "backend/control/messagefactory.h"
 #include "backend/mdf/dump.h"
+#include "backend/mdf/material.h"
 #include "backend/scene/scene.h"
 #include "backend/scene/view.h"
 
@@ -51,7 +52,7 @@ void View::StartMdfDump(unsigned int &tracing_method) {
 void MdfDumpTask::Run() {
   // not POV_RAY_VERSION: the distribution's own suffix says nothing about the shading
   GetViewData()->GetMdfDump()->write(
-      GetSceneData()->mdfScene.json("POV-Ray " VERSION " + libshade"));
+      GetSceneData()->mdfScene->json("POV-Ray " VERSION " + libshade"));
 }
 
 void MdfDumpTask::Finish() {

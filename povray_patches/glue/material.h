@@ -5,9 +5,11 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "shade/albedo.h"
 #include "shade/shade.h"
 #include "backend/mdf/bumpimage.h"
 
@@ -17,24 +19,51 @@ struct Material {
   Material();
 
   enum Tangent {
-    TANGENT_DEFAULT, // dP/du where the object has UV coordinates, else its x axis
+    TANGENT_DEFAULT, // dP/du where the object has UV coordinates, else what Shape says
     TANGENT_FROM_UV, // the same, but asked for: the parser warns where there are none
-    TANGENT_AXIS     // a direction in the object's own space
+    TANGENT_AXIS,    // a direction in the texture's space
+    TANGENT_RADIAL   // around an axis there
   };
 
   std::string name; // where it was written: "file:line"
   shade_params params;
-  shade_bsdf bsdf; // of params; made by Scene::add
   Tangent tangent;
-  double axis[3];                        // for TANGENT_AXIS
+  double axis[3];                        // for TANGENT_AXIS and _RADIAL
+  double centre[3];                      // for TANGENT_RADIAL: a point of the axis
   std::shared_ptr<const BumpImage> bump; // or NULL
   double strength;                       // of bump
   int id;                                // position in the scene's list
+
+  // Of params, made by Scene::add: all of it, and each part alone. They add up.
+  shade_bsdf bsdf, specular, diffuse;
+  bool has_diffuse;
+  // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
+  std::shared_ptr<const shade_bsdf_albedo> albedo;
 };
 
 // Tangents of a mesh: for each corner the unit vector along dP/du and the
 // handedness, as shade_mesh_tangents gives them. Empty: the mesh has no UVs.
 typedef std::vector<float> MeshTangents;
+
+// What is known of an object's tangents.
+struct Shape {
+  enum Kind {
+    OTHER,       // no UV coordinates: the object's x axis
+    PLANE,       // nor here: the axis of the object that is nearest to it, x if it can be
+    CONE,        // nor here: around its own axis
+    DIFFERENCES, // UV coordinates that are a function of the point
+    LATHE,
+    PATCH,
+    PARAMETRIC,
+    MESH
+  };
+
+  explicit Shape(Kind k) : kind(k) {}
+  bool has_uv() const { return kind >= DIFFERENCES; }
+
+  Kind kind;
+  MeshTangents tangents; // of a mesh
+};
 
 // What all the blocks of a scene need to keep. FINISH is copied and freed as
 // plain memory, so it only points to a Material here. Filled by the parser's
@@ -49,14 +78,15 @@ public:
   std::string json(const std::string &renderer) const;
 
   std::map<std::string, std::shared_ptr<const BumpImage>> images; // by path
-  std::map<const void *, MeshTangents> meshes;                    // by MESH_DATA
+  std::map<const void *, std::shared_ptr<const Shape>> meshes;    // by MESH_DATA
+  std::map<Shape::Kind, std::shared_ptr<const Shape>> shapes;     // all others
 
-  // True the first time it is asked about a block and a subject.
-  bool first_warning(const Material *material, const char *subject);
+  // True the first time it is asked about a text.
+  bool first_warning(const std::string &text) { return warned.insert(text).second; }
 
 private:
   std::vector<std::shared_ptr<const Material>> materials;
-  std::map<std::pair<const Material *, std::string>, bool> warned;
+  std::set<std::string> warned;
 };
 
 // A point of a surface with an mdf { } block, seen from one direction.
@@ -70,10 +100,19 @@ public:
               const double V[3]);
 
   bool has_material() const { return material != NULL; }
+  const Material &of() const { return *material; }
+
+  // Is this direction above the surface? Light from elsewhere gives nothing.
+  bool faces(const double L[3]) const {
+    return frame[2][0] * L[0] + frame[2][1] * L[1] + frame[2][2] * L[2] > 0.0;
+  }
 
   // S = f cos E for light from the unit direction L with the irradiance E
-  // at normal incidence, RGB.
-  void light(const double L[3], const double E[3], double S[3]) const;
+  // at normal incidence, RGB; f is the material's, or one part of it.
+  void light(const shade_bsdf &part, const double L[3], const double E[3], double S[3]) const;
+
+  // What share of even light the diffuse part reflects, RGB.
+  void diffuse_albedo(double albedo[3]) const;
 
 private:
   const Material *material;

@@ -4,16 +4,20 @@
 // frame.h must always be the first POV file included (pulls in platform config)
 #include "backend/frame.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <set>
 
 #include "base/fileinputoutput.h"
 #include "base/image/image.h"
 #include "base/stringutilities.h"
+#include "backend/math/matrices.h"
 #include "backend/mdf/surface.h"
 #include "backend/mdf/words.h"
 #include "backend/parser/parse.h"
+#include "backend/scene/scene.h"
 #include "backend/shape/mesh.h"
 #include "backend/support/fileutil.h"
 #include "backend/texture/pigment.h"
@@ -56,13 +60,61 @@ void collect_blocks(const TEXTURE *texture, std::set<const mdf::Material *> &blo
 
 } // namespace
 
-// Numbers of one row of the table; `word` is what the block calls it.
-void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
-  shade_param_info info;
-  double v[3];
+// Scenes ask `#ifdef (mdf_Version)` whether this is a POV-Ray that knows the block. It counts up
+// whenever a word comes, goes or changes its meaning; 1 was that of libshade 0.1.
+void Parser::Declare_Mdf_Version() {
+  SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
-  shade_param_row(row, &info);
-  if (info.components == 3) {
+  entry->Data = Create_Float();
+  *reinterpret_cast<DBL *>(entry->Data) = 2.0;
+}
+
+// Loops and macros parse the same block many times: once is enough.
+void Parser::Warn_Mdf(const std::string &text) {
+  if (sceneData->mdfScene->first_warning(text))
+    Warning(0, "mdf: %s", text.c_str());
+}
+
+// The error for a token that is none of these words (`last` as in expected_words).
+void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
+  const std::string expected = mdf::expected_words(words, last);
+  std::string found;
+
+  if (Token.Token_Id == IDENTIFIER_TOKEN)
+    found = Token.Token_String;
+  else if (Token.Token_Id != RIGHT_CURLY_TOKEN)
+    found = Get_Token_String(Token.Function_Id);
+  const std::string nearest = mdf::nearest_word(words, found);
+  if (nearest.empty())
+    Expectation_Error(expected.c_str());
+  Error("Expected '%s', '%s' found instead; did you mean '%s'?", expected.c_str(), found.c_str(),
+        nearest.c_str());
+}
+
+// Numbers (three: of a colour) that have to be there, and to be numbers. `what` is their name in
+// messages.
+void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
+  const char *const kind = (count == 3) ? "a colour" : "a number";
+
+  Get_Token();
+  switch (Token.Token_Id) {
+  case MDF_WORD_TOKEN:
+  case IDENTIFIER_TOKEN:
+    Error("mdf: %s needs %s, '%s' found instead.", what.c_str(), kind, Token.Token_String);
+    break;
+  case RIGHT_CURLY_TOKEN:
+  case LEFT_CURLY_TOKEN:
+  case STRING_LITERAL_TOKEN:
+  case COMMA_TOKEN:
+  case END_OF_FILE_TOKEN:
+    Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind,
+          Get_Token_String(Token.Token_Id));
+    break;
+  default:
+    Unget_Token();
+  }
+
+  if (count == 3) {
     RGBColour colour;
     Parse_Colour(colour);
     v[0] = colour.red();
@@ -70,22 +122,34 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
     v[2] = colour.blue();
   } else
     v[0] = Parse_Float();
+  for (int c = 0; c < count; c++)
+    if (!std::isfinite(v[c]))
+      Error("mdf: %s is not a finite number.", what.c_str());
+}
 
-  // a lobe's number too small is a mistake, a colour a little out of range is not
-  if (info.components == 1 && !(v[0] >= info.minimum))
-    Error("mdf: %s is %g, expected a number from %g to %g.", word.c_str(), v[0], info.minimum,
-          info.maximum);
+// Numbers of one row of the table; `word` is what the block calls it. A number out of range is
+// taken as the nearest within, and the author is told.
+void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
+  shade_param_info info;
+  double v[3], set[3];
+  bool changed = false;
+
+  shade_param_row(row, &info);
+  Parse_Mdf_Numbers(word, info.components, v);
   shade_params_set(&material.params, row, v);
-  double set[3];
   shade_params_get(&material.params, row, set);
   for (int c = 0; c < info.components; c++)
-    if (set[c] != v[c]) {
-      if (info.components == 1)
-        Warning(0, "mdf: %s is %g; it is taken as %g, the largest possible.", word.c_str(), v[c],
-                set[c]);
-      else
-        Warning(0, "mdf: a component of %s is %g; it is taken as %g.", word.c_str(), v[c], set[c]);
-    }
+    changed = changed || set[c] != v[c];
+  if (!changed)
+    return;
+
+  char text[160];
+  if (info.components == 3)
+    snprintf(text, sizeof text, "<%g, %g, %g>; it is taken as <%g, %g, %g>.", v[0], v[1], v[2],
+             set[0], set[1], set[2]);
+  else
+    snprintf(text, sizeof text, "%g; it is taken as %g.", v[0], set[0]);
+  Warn_Mdf(word + " is " + text);
 }
 
 // The numbers that a choice reads, in the order of the table.
@@ -96,6 +160,35 @@ void Parser::Parse_Mdf_Rows(mdf::Material &material, shade_list list, int value)
     if (i > 0)
       Parse_Comma();
     Parse_Mdf_Row(material, rows[i], mdf::name_of_row(rows[i], list, value));
+  }
+}
+
+// As in `specular 1 roughness r`: the reciprocal of an exponent. One, or one along and one across.
+void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
+  const std::vector<int> rows = mdf::rows_of_choice(SHADE_LIST_MDF, SHADE_MDF_ASHIKHMIN_SHIRLEY);
+  double r = 0.0;
+
+  for (size_t i = 0; i < rows.size(); i++) {
+    bool another = (i == 0);
+    if (i > 0) {
+      Get_Token();
+      another = Token.Token_Id == COMMA_TOKEN;
+      if (!another)
+        Unget_Token();
+    }
+    if (another) {
+      shade_param_info info;
+      shade_param_row(rows[i], &info);
+      Parse_Mdf_Numbers("roughness", 1, &r);
+      if (!(r * info.maximum >= 1.0)) {
+        char text[80];
+        snprintf(text, sizeof text, "roughness is %g; it is taken as %g.", r, 1.0 / info.maximum);
+        Warn_Mdf(text);
+        r = 1.0 / info.maximum;
+      }
+    }
+    const double exponent = 1.0 / r;
+    shade_params_set(&material.params, rows[i], &exponent);
   }
 }
 
@@ -111,7 +204,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   EXPECT
     CASE (MDF_WORD_TOKEN)
       if (Token.Function_Id == mdf::IMAGE_STRENGTH)
-        material.strength = Parse_Float();
+        Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
       else {
         type = Token.Function_Id;
         char *text = Parse_C_String(true);
@@ -126,25 +219,29 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
     END_CASE
 
     OTHERWISE
-      Expectation_Error(mdf::expected_words(mdf::WORDS_IMAGE, "}").c_str());
+      Expect_Mdf_Word(mdf::WORDS_IMAGE, "}");
     END_CASE
   END_EXPECT
   // clang-format on
 
   if (name.empty())
     Expectation_Error("png \"file\" or exr \"file\"");
-  if (!(material.strength >= 0.0))
-    Error("mdf: bump_image strength is %g, expected 0 or more.", material.strength);
+  if (material.strength < 0.0) {
+    char text[80];
+    snprintf(text, sizeof text, "bump_image strength is %g; it is taken as 0.", material.strength);
+    Warn_Mdf(text);
+    material.strength = 0.0;
+  }
 
   UCS2String found;
   const std::unique_ptr<IStream> file(
       Locate_File(this, sceneData, ASCIItoUCS2String(name.c_str()),
-                  type == mdf::IMAGE_PNG ? POV_File_Image_PNG : POV_File_Image_EXR, found, true));
+                  type == mdf::IMAGE_PNG ? POV_File_Image_PNG : POV_File_Image_EXR, found, false));
   if (file.get() == NULL)
     Error("mdf: cannot open the bump_image file '%s'.", name.c_str());
 
   const std::string path = UCS2toASCIIString(found);
-  std::shared_ptr<const mdf::BumpImage> &image = sceneData->mdfScene.images[path];
+  std::shared_ptr<const mdf::BumpImage> &image = sceneData->mdfScene->images[path];
   try {
     if (!image)
       image.reset(type == mdf::IMAGE_PNG ? read_png(file.get()) : mdf::read_exr(path));
@@ -156,20 +253,68 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   Parse_End();
 }
 
+namespace {
+
+// A direction of unit length. False if the vector has none.
+bool direction_of(double v[3]) {
+  double largest = 0.0;
+
+  for (int c = 0; c < 3; c++) {
+    if (!std::isfinite(v[c]))
+      return false;
+    largest = std::max(largest, fabs(v[c]));
+  }
+  if (!(largest > EPSILON))
+    return false;
+  for (int c = 0; c < 3; c++)
+    v[c] /= largest; // its square is then no number too large
+  const double length = Vector3d(v).length();
+  for (int c = 0; c < 3; c++)
+    v[c] /= length;
+  return true;
+}
+
+} // namespace
+
 void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
   {
     const mdf::WordScope words(Mdf_Words, mdf::WORDS_TANGENT);
     Get_Token();
   }
-  if (Token.Token_Id == MDF_WORD_TOKEN) {
+  const bool radial = Token.Token_Id == MDF_WORD_TOKEN && Token.Function_Id == mdf::TANGENT_AROUND;
+  if (Token.Token_Id == MDF_WORD_TOKEN && !radial) {
     material.tangent = mdf::Material::TANGENT_FROM_UV;
     return;
   }
-  Unget_Token();
-  Parse_Vector(material.axis);
-  material.tangent = mdf::Material::TANGENT_AXIS;
-  if (!(Vector3d(material.axis).length() > EPSILON))
-    Error("mdf: tangent <0, 0, 0> has no direction.");
+  if (!radial) {
+    if (Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == RIGHT_CURLY_TOKEN)
+      Expect_Mdf_Word(mdf::WORDS_TANGENT, "a vector");
+    Unget_Token();
+  }
+
+  bool at = false;
+  {
+    // an expression reads one token ahead, which may be `at`
+    const mdf::WordScope words(Mdf_Words, radial ? mdf::WORDS_RADIAL : mdf::WORDS_BLOCK);
+    Parse_Vector(material.axis);
+    if (radial) {
+      Get_Token();
+      at = Token.Token_Id == MDF_WORD_TOKEN && Token.Function_Id == mdf::BLOCK_AT;
+      if (!at)
+        Unget_Token();
+    }
+  }
+  const Vector3d written(material.axis);
+  if (!direction_of(material.axis))
+    Error("mdf: tangent <%g, %g, %g> has no direction.", written[X], written[Y], written[Z]);
+  material.tangent = radial ? mdf::Material::TANGENT_RADIAL : mdf::Material::TANGENT_AXIS;
+
+  Assign_Vector(material.centre, *Vector3d(0.0));
+  if (at)
+    Parse_Vector(material.centre);
+  for (int c = 0; c < 3; c++)
+    if (!std::isfinite(material.centre[c]))
+      Error("mdf: tangent radial's point is not finite.");
 }
 
 void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
@@ -179,7 +324,7 @@ void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
     Get_Token();
   }
   if (Token.Token_Id != MDF_WORD_TOKEN)
-    Expectation_Error(mdf::expected_words(choices, "").c_str());
+    Expect_Mdf_Word(choices, "");
 
   const int value = Token.Function_Id;
   shade_params_set_choice(&material.params, list, value);
@@ -203,8 +348,11 @@ void Parser::Parse_Mdf(FINISH *finish) {
     EXPECT
       CASE (MDF_WORD_TOKEN)
         word = Token.Function_Id;
-        if (word == mdf::BLOCK_TANGENT)
+        if (word == mdf::BLOCK_TANGENT) {
           Parse_Mdf_Tangent(material);
+          MIdentity(finish->Mdf_Space); // it counts from here
+        } else if (word == mdf::BLOCK_ROUGHNESS)
+          Parse_Mdf_Roughness(material);
         else if (word == mdf::BLOCK_BUMP_IMAGE)
           Parse_Mdf_Bump_Image(material);
         else if (word >= mdf::BLOCK_ROW)
@@ -223,7 +371,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
       END_CASE
 
       OTHERWISE
-        Expectation_Error(mdf::expected_words(mdf::WORDS_BLOCK, "}").c_str());
+        Expect_Mdf_Word(mdf::WORDS_BLOCK, "}");
       END_CASE
     END_EXPECT
     // clang-format on
@@ -231,46 +379,63 @@ void Parser::Parse_Mdf(FINISH *finish) {
   Parse_End();
 
   char wrong[160];
-  if (sceneData->mdfScene.empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once
+  if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once
     Warning(0, "mdf: %s.", wrong);
-  finish->Mdf = sceneData->mdfScene.add(material);
+  finish->Mdf = sceneData->mdfScene->add(material);
 }
 
-void Parser::Post_Process_Mdf(ConstObjectPtr object) {
+void Parser::Post_Process_Mdf(ObjectPtr object) {
   std::set<const mdf::Material *> blocks;
-  mdf::Scene &scene = sceneData->mdfScene;
+  mdf::Scene &scene = *sceneData->mdfScene;
   const Mesh *mesh = dynamic_cast<const Mesh *>(object);
 
-  if (scene.empty())
+  if (scene.empty() || (object->Type & IS_COMPOUND_OBJECT)) // its children come on their own
     return;
+  if (mesh == NULL) { // whatever its textures: it may show those of others (cutaway_textures)
+    const mdf::Shape::Kind kind = mdf_kind(object);
+    std::shared_ptr<const mdf::Shape> &shape = scene.shapes[kind];
+    if (!shape)
+      shape.reset(new mdf::Shape(kind));
+    object->Mdf_Shape = shape.get();
+  }
+
   collect_blocks(object->Texture, blocks);
   collect_blocks(object->Interior_Texture, blocks);
   for (long i = 0; mesh != NULL && i < mesh->Number_Of_Textures; i++)
     collect_blocks(mesh->Textures[i], blocks);
-  if (blocks.empty() || (object->Type & IS_COMPOUND_OBJECT)) // its children come on their own
+  if (blocks.empty())
     return;
 
-  if (mesh != NULL && scene.meshes.find(mesh->Data) == scene.meshes.end()) {
-    const long without = mdf_add_mesh(mesh, scene);
-    if (without > 0 && without < 3 * mesh->Data->Number_Of_Triangles)
-      Warning(0,
-              "mdf: %ld of the %ld corners of a mesh have no UV area around them; their tangents "
-              "are arbitrary.",
-              without, 3 * mesh->Data->Number_Of_Triangles);
+  if (mesh != NULL) {
+    if (scene.meshes.find(mesh->Data) == scene.meshes.end()) {
+      const long without = mdf_add_mesh(mesh, scene);
+      if (without > 0 && without < 3 * mesh->Data->Number_Of_Triangles)
+        Warning(0,
+                "mdf: %ld of the %ld corners of a mesh have no UV area around them; their "
+                "tangents are arbitrary.",
+                without, 3 * mesh->Data->Number_Of_Triangles);
+    }
+    object->Mdf_Shape = scene.meshes[mesh->Data].get();
   }
+  if (object->Mdf_Shape->has_uv())
+    return;
 
-  const MdfUv uv = mdf_uv(object, scene);
-  const char *kind =
-      (mesh != NULL) ? "a mesh without UV coordinates" : "an object without UV coordinates";
+  std::string kind = " on an object without UV coordinates: ", direction = "along its x axis";
+  if (mesh != NULL)
+    kind = " on a mesh without UV coordinates: ";
+  if (object->Mdf_Shape->kind == mdf::Shape::CONE) {
+    kind = " on a cone or cylinder, which has no UV coordinates: ";
+    direction = "around its axis";
+  } else if (object->Mdf_Shape->kind == mdf::Shape::PLANE) {
+    kind = " on a plane or disc, which has no UV coordinates: ";
+    direction = "along its x axis, or z where it faces x";
+  }
   for (std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
     const mdf::Material *block = *i;
-    if (uv == MDF_UV_NONE && block->tangent == mdf::Material::TANGENT_FROM_UV &&
-        scene.first_warning(block, "tangent"))
-      Warning(0, "mdf: 'tangent uv' (%s) on %s: the object's x axis is used.", block->name.c_str(),
-              kind);
-    if (uv != MDF_UV_FULL && block->bump && scene.first_warning(block, "bump_image"))
-      Warning(0, "mdf: 'bump_image' (%s) on %s: it has no effect there.", block->name.c_str(),
-              kind);
+    if (block->tangent == mdf::Material::TANGENT_FROM_UV)
+      Warn_Mdf("'tangent uv' (" + block->name + ")" + kind + "strokes run " + direction + ".");
+    if (block->bump)
+      Warn_Mdf("'bump_image' (" + block->name + ")" + kind + "it has no effect there.");
   }
 }
 

@@ -11,15 +11,23 @@
 #include "backend/colour/colour.h"
 #include "backend/math/matrices.h"
 #include "backend/math/vector.h"
+#include "backend/pattern/pattern.h"
+#include "backend/pattern/warps.h"
 #include "backend/scene/scene.h"
 #include "backend/scene/threaddata.h"
+#include "backend/shape/bezier.h"
 #include "backend/shape/boxes.h"
+#include "backend/shape/cones.h"
+#include "backend/shape/discs.h"
+#include "backend/shape/fpmetric.h"
 #include "backend/shape/lathe.h"
 #include "backend/shape/mesh.h"
 #include "backend/shape/ovus.h"
+#include "backend/shape/planes.h"
 #include "backend/shape/sor.h"
 #include "backend/shape/spheres.h"
 #include "backend/shape/torus.h"
+#include "backend/vm/fnpovfpu.h"
 
 // this must be the last file included
 #include "base/povdebug.h"
@@ -46,26 +54,81 @@ bool orthogonalise(Vector3d &v, const Vector3d &n) {
   return true;
 }
 
-Vector3d to_world(const ObjectBase *object, const Vector3d &direction) {
-  Vector3d world(direction);
+Vector3d moved(const Vector3d &direction, const TRANSFORM *transform) {
+  Vector3d result(direction);
 
-  if (object->UV_Trans != NULL)
-    MTransDirection(*world, *direction, object->UV_Trans);
-  return world;
+  if (transform != NULL)
+    MTransDirection(*result, *direction, transform);
+  return result;
 }
 
-// A unit tangent along an axis of the object; along z where that axis is normal to the surface.
-Vector3d axis_tangent(const ObjectBase *object, const Vector3d &axis, const Vector3d &normal) {
-  Vector3d tangent = to_world(object, axis);
+Vector3d moved(const Vector3d &direction, const MATRIX m) {
+  Vector3d result(0.0);
 
-  if (orthogonalise(tangent, normal))
-    return tangent;
+  for (int i = X; i <= Z; i++)
+    result += direction[i] * Vector3d(m[i][X], m[i][Y], m[i][Z]);
+  return result;
+}
+
+// Any unit vector orthogonal to a normal: z where that can be.
+Vector3d any_tangent(const Vector3d &normal) {
+  Vector3d tangent;
+
   for (int i = Z; i >= X; i--) {
     tangent = axis_vector(i);
     if (orthogonalise(tangent, normal))
       break;
   }
   return tangent;
+}
+
+// ---- tangents of a texture's space ----
+
+// A direction in the innermost of these textures, in the space around them all. As for normals,
+// transformations count; warps that bend space or repeat it do not.
+Vector3d out_of(const std::vector<const TEXTURE *> &warps, Vector3d direction) {
+  for (size_t i = warps.size(); i-- > 0;) {
+    const WARP *warp = warps[i]->Warps;
+    while (warp != NULL && warp->Next_Warp != NULL)
+      warp = warp->Next_Warp;
+    for (; warp != NULL; warp = warp->Prev_Warp)
+      if (warp->Warp_Type == TRANSFORM_WARP)
+        direction = moved(direction, &reinterpret_cast<const TRANS *>(warp)->Trans);
+  }
+  return direction;
+}
+
+// Where a texture is laid out by UV coordinates it has no place in space; its axes are the
+// object's.
+bool mapped_by_uv(const ObjectBase *object, const std::vector<const TEXTURE *> &warps) {
+  for (size_t i = 0; i < warps.size(); i++)
+    if (warps[i]->Type == UV_MAP_PATTERN)
+      return true;
+  return Test_Flag(object, UV_FLAG) != 0;
+}
+
+// The direction of TANGENT_AXIS or TANGENT_RADIAL, world space, of any length.
+Vector3d texture_direction(const mdf::Material &material, const FINISH *finish,
+                           const Intersection &isect, const std::vector<const TEXTURE *> &warps,
+                           const Vector3d &point) {
+  const bool by_uv = mapped_by_uv(isect.Object, warps);
+  Vector3d direction(material.axis);
+
+  if (material.tangent == mdf::Material::TANGENT_RADIAL) {
+    Vector3d p(point);
+    MATRIX inverse;
+
+    if (by_uv) {
+      p = Vector3d(isect.IPoint);
+      if (isect.Object->UV_Trans != NULL)
+        MInvTransPoint(*p, isect.IPoint, isect.Object->UV_Trans);
+    }
+    MInvers(inverse, finish->Mdf_Space);
+    p = moved(p, inverse) + Vector3d(inverse[3][X], inverse[3][Y], inverse[3][Z]);
+    direction = cross(direction, p - Vector3d(material.centre));
+  }
+  direction = moved(direction, finish->Mdf_Space);
+  return by_uv ? moved(direction, isect.Object->UV_Trans) : out_of(warps, direction);
 }
 
 // ---- meshes ----
@@ -126,9 +189,28 @@ double determinant(const MATRIX m) {
   return sum;
 }
 
-// dP/du at a point of a mesh and a vector on the side of dP/dv, world space.
-bool mesh_directions(const Mesh *mesh, const mdf::MeshTangents &tangents, const Intersection &isect,
+// dP/du and dP/dv of a triangle, in the mesh's space. False where its UVs have no area.
+bool triangle_directions(const MESH_DATA *data, const MESH_TRIANGLE *t, Vector3d &du,
+                         Vector3d &dv) {
+  const Vector3d first = vertex(data, t->P1);
+  const Vector3d a = vertex(data, t->P2) - first, b = vertex(data, t->P3) - first;
+  const UV_VECT *const uv = data->UVCoords;
+  const double au = uv[t->UV2][U] - uv[t->UV1][U], av = uv[t->UV2][V] - uv[t->UV1][V];
+  const double bu = uv[t->UV3][U] - uv[t->UV1][U], bv = uv[t->UV3][V] - uv[t->UV1][V];
+  const double det = au * bv - bu * av;
+
+  if (det == 0.0)
+    return false;
+  du = (bv / det) * a - (av / det) * b;
+  dv = (au / det) * b - (bu / det) * a;
+  return true;
+}
+
+// dP/du at a point of a mesh, of unit length, and dP/dv, as long and as slanted against it as in
+// the flat triangle; world space.
+bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isect,
                      const Vector3d &outside, Vector3d &du, Vector3d &dv) {
+  const Mesh *mesh = static_cast<const Mesh *>(isect.Object);
   const MESH_TRIANGLE *t = reinterpret_cast<const MESH_TRIANGLE *>(isect.Pointer);
   const float *corner = &tangents[(size_t)(12 * (t - mesh->Data->Triangles))];
   Vector3d p(isect.IPoint);
@@ -141,13 +223,26 @@ bool mesh_directions(const Mesh *mesh, const mdf::MeshTangents &tangents, const 
   for (int k = 0; k < 3; k++)
     du += weight[k] * Vector3d(corner[4 * k], corner[4 * k + 1], corner[4 * k + 2]);
   if (mesh->Trans != NULL) {
-    const Vector3d object_du(du);
-    MTransDirection(*du, *object_du, mesh->Trans);
+    du = moved(du, mesh->Trans);
     if (determinant(mesh->Trans->matrix) < 0.0) // mirrored: so is the side of the cross product
       handedness = -handedness;
   }
+  if (!(dot(du, du) > 0.0))
+    return false;
+  du.normalize();
   dv = handedness * cross(outside, du);
-  return dot(du, du) > 0.0;
+
+  Vector3d flat_du, flat_dv;
+  if (triangle_directions(mesh->Data, t, flat_du, flat_dv)) {
+    flat_du = moved(flat_du, mesh->Trans);
+    flat_dv = moved(flat_dv, mesh->Trans);
+    const double uu = dot(flat_du, flat_du);
+    const double along = dot(flat_du, flat_dv) / uu;
+    const double across = cross(flat_du, flat_dv).length() / uu;
+    if (std::isfinite(along) && std::isfinite(across) && across > 0.0)
+      dv = across * dv + along * du;
+  }
+  return true;
 }
 
 // ---- other objects ----
@@ -178,7 +273,6 @@ bool difference_directions(const Intersection &isect, const Vector3d &raw_normal
     }
   }
 
-  const Vector3d gradient_u = slope[0][U] * side[0] + slope[1][U] * side[1];
   const double det = slope[0][U] * slope[1][V] - slope[1][U] * slope[0][V];
   const double scale = fabs(slope[0][U] * slope[1][V]) + fabs(slope[1][U] * slope[0][V]);
 
@@ -186,24 +280,152 @@ bool difference_directions(const Intersection &isect, const Vector3d &raw_normal
     const double sign = (det > 0.0) ? 1.0 : -1.0;
     du = sign * (slope[1][V] * side[0] - slope[0][V] * side[1]);
     dv = sign * (slope[0][U] * side[1] - slope[1][U] * side[0]);
-  } else {
-    // A lathe keeps v with the intersection, not with the point. There u runs
-    // around the axis, across v.
-    du = gradient_u;
-    dv = cross(raw_normal, du);
+    return std::isfinite(dot(du, du)) && dot(du, du) > 0.0;
   }
+  return false;
+}
+
+// A lathe keeps v with the intersection, not with the point: v is the place on its spline.
+bool lathe_directions(const Intersection &isect, Vector3d &du, Vector3d &dv) {
+  const Lathe *lathe = static_cast<const Lathe *>(isect.Object);
+  const LATHE_SPLINE_ENTRY &e = lathe->Spline->Entry[isect.i1];
+  const double t = isect.d1;
+  double slope[2];
+  VECTOR p;
+
+  MInvTransPoint(p, isect.IPoint, lathe->Trans);
+  const double r = std::sqrt(p[X] * p[X] + p[Z] * p[Z]);
+  if (!(r > EPSILON))
+    return false;
+  for (int i = 0; i < 2; i++)
+    slope[i] = lathe->Number * ((3.0 * e.A[i] * t + 2.0 * e.B[i]) * t + e.C[i]);
+  du = moved(2.0 * M_PI * Vector3d(-p[Z], 0.0, p[X]), lathe->Trans);
+  dv = moved(Vector3d(slope[0] * p[X] / r, slope[1], slope[0] * p[Z] / r), lathe->Trans);
+  return true;
+}
+
+// Bernstein's polynomials of degree 3 and their derivatives.
+void bernstein(double t, double value[4], double slope[4]) {
+  const double s = 1.0 - t;
+
+  value[0] = s * s * s;
+  value[1] = 3.0 * s * s * t;
+  value[2] = 3.0 * s * t * t;
+  value[3] = t * t * t;
+  slope[0] = -3.0 * s * s;
+  slope[1] = 3.0 * s * (s - 2.0 * t);
+  slope[2] = 3.0 * t * (2.0 * s - t);
+  slope[3] = 3.0 * t * t;
+}
+
+// The patch's own parameters are lost behind uv_vectors, which are bilinear in them: Newton's
+// steps bring them back. The first counts along rows of control points, the second the rows.
+bool patch_directions(const Intersection &isect, Vector3d &du, Vector3d &dv) {
+  const BicubicPatch *patch = static_cast<const BicubicPatch *>(isect.Object);
+  double p[2] = {0.5, 0.5}, jacobian[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, det = 0.0; // d uv[k]/d p[i]
+
+  for (int step = 0; step < 20; step++) {
+    double miss[2];
+    for (int k = 0; k < 2; k++) {
+      const double a = patch->ST[0][k], b = patch->ST[1][k], c = patch->ST[2][k],
+                   d = patch->ST[3][k];
+      jacobian[0][k] = (1.0 - p[1]) * (b - a) + p[1] * (c - d);
+      jacobian[1][k] = (1.0 - p[0]) * (d - a) + p[0] * (c - b);
+      miss[k] = isect.Iuv[k] - ((1.0 - p[1]) * ((1.0 - p[0]) * a + p[0] * b) +
+                                p[1] * ((1.0 - p[0]) * d + p[0] * c));
+    }
+    det = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
+    if (det == 0.0 || !std::isfinite(det))
+      return false;
+    const double move[2] = {(miss[0] * jacobian[1][1] - miss[1] * jacobian[1][0]) / det,
+                            (miss[1] * jacobian[0][0] - miss[0] * jacobian[0][1]) / det};
+    p[0] += move[0];
+    p[1] += move[1];
+    if (fabs(move[0]) + fabs(move[1]) < 1e-12)
+      break;
+  }
+
+  double value[2][4], slope[2][4];
+  Vector3d along[2] = {Vector3d(0.0), Vector3d(0.0)}; // dP/dp
+  bernstein(p[0], value[0], slope[0]);
+  bernstein(p[1], value[1], slope[1]);
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) {
+      const Vector3d control(patch->Control_Points[i][j]);
+      along[0] += value[1][i] * slope[0][j] * control;
+      along[1] += slope[1][i] * value[0][j] * control;
+    }
+  du = (jacobian[1][1] / det) * along[0] - (jacobian[0][1] / det) * along[1];
+  dv = (jacobian[0][0] / det) * along[1] - (jacobian[1][0] / det) * along[0];
   return std::isfinite(dot(du, du)) && dot(du, du) > 0.0;
 }
 
-bool uv_directions(const Intersection &isect, const Vector3d &raw_normal, const Vector3d &outside,
-                   TraceThreadData *thread, const mdf::Scene &scene, Vector3d &du, Vector3d &dv) {
-  const Mesh *mesh = dynamic_cast<const Mesh *>(isect.Object);
+// The point of a parametric at (u, v), in its own space.
+Vector3d parametric_point(const Parametric *object, double u, double v, TraceThreadData *thread) {
+  FPUContext *const context = thread->functionContext;
+  double p[3];
 
-  if (mdf_uv(isect.Object, scene) == MDF_UV_NONE)
+  for (int i = X; i <= Z; i++) {
+    context->SetLocal(U, u);
+    context->SetLocal(V, v);
+    p[i] = POVFPU_Run(context, *object->Function[i]);
+  }
+  return Vector3d(p);
+}
+
+bool parametric_directions(const Intersection &isect, TraceThreadData *thread, Vector3d &du,
+                           Vector3d &dv) {
+  const Parametric *object = static_cast<const Parametric *>(isect.Object);
+  const double u = isect.Iuv[U], v = isect.Iuv[V];
+  const double step_u = 1e-6 * (object->umax - object->umin),
+               step_v = 1e-6 * (object->vmax - object->vmin);
+
+  du = (0.5 / step_u) * (parametric_point(object, u + step_u, v, thread) -
+                         parametric_point(object, u - step_u, v, thread));
+  dv = (0.5 / step_v) * (parametric_point(object, u, v + step_v, thread) -
+                         parametric_point(object, u, v - step_v, thread));
+  du = moved(du, object->Trans);
+  dv = moved(dv, object->Trans);
+  return std::isfinite(dot(du, du)) && dot(du, du) > 0.0 && std::isfinite(dot(dv, dv));
+}
+
+// For what has no UV coordinates: a direction along which strokes would run, and one across.
+bool fallback_directions(mdf::Shape::Kind kind, const Intersection &isect, const Vector3d &normal,
+                         Vector3d &du, Vector3d &dv) {
+  const ObjectBase *object = isect.Object;
+
+  if (kind == mdf::Shape::CONE) { // in its own space it stands on z
+    VECTOR p;
+    MInvTransPoint(p, isect.IPoint, object->Trans);
+    du = moved(Vector3d(-p[Y], p[X], 0.0), object->Trans);
+  } else {
+    du = moved(axis_vector(X), object->UV_Trans);
+    if (kind == mdf::Shape::PLANE && fabs(dot(du, normal)) > 0.9999 * du.length())
+      du = moved(axis_vector(Z), object->UV_Trans);
+  }
+  if (!orthogonalise(du, normal))
     return false;
-  if (mesh != NULL)
-    return mesh_directions(mesh, scene.meshes.find(mesh->Data)->second, isect, outside, du, dv);
-  return difference_directions(isect, raw_normal, thread, du, dv);
+  dv = cross(normal, du);
+  return true;
+}
+
+// dP/du and dP/dv, world space; their lengths are right against each other.
+bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vector3d &raw_normal,
+                   const Vector3d &outside, TraceThreadData *thread, Vector3d &du, Vector3d &dv) {
+  switch (shape.kind) {
+  case mdf::Shape::DIFFERENCES:
+    return difference_directions(isect, raw_normal, thread, du, dv);
+  case mdf::Shape::LATHE:
+    return lathe_directions(isect, du, dv);
+  case mdf::Shape::PATCH:
+    return patch_directions(isect, du, dv);
+  case mdf::Shape::PARAMETRIC:
+    return parametric_directions(isect, thread, du, dv);
+  case mdf::Shape::MESH:
+    return mesh_directions(shape.tangents, isect, outside, du, dv);
+  default:
+    return fallback_directions(shape.kind, isect, raw_normal, du, dv);
+  }
 }
 
 // Where a normal map of the object points, world space, on the eye's side.
@@ -235,19 +457,31 @@ Vector3d add_slopes(const Vector3d &a, const Vector3d &b, const Vector3d &up) {
 
 } // namespace
 
-MdfUv mdf_uv(const ObjectBase *object, const mdf::Scene &scene) {
-  if (const Mesh *mesh = dynamic_cast<const Mesh *>(object)) {
-    const std::map<const void *, mdf::MeshTangents>::const_iterator found =
-        scene.meshes.find(mesh->Data);
-    return (found != scene.meshes.end() && !found->second.empty()) ? MDF_UV_FULL : MDF_UV_NONE;
-  }
-  if (dynamic_cast<const Lathe *>(object) != NULL)
-    return MDF_UV_DIRECTION;
+mdf::Shape::Kind mdf_kind(const ObjectBase *object) {
   if (dynamic_cast<const Sphere *>(object) != NULL || dynamic_cast<const Box *>(object) != NULL ||
       dynamic_cast<const Torus *>(object) != NULL || dynamic_cast<const Sor *>(object) != NULL ||
       dynamic_cast<const Ovus *>(object) != NULL)
-    return MDF_UV_FULL;
-  return MDF_UV_NONE;
+    return mdf::Shape::DIFFERENCES;
+  if (dynamic_cast<const Lathe *>(object) != NULL)
+    return mdf::Shape::LATHE;
+  if (dynamic_cast<const BicubicPatch *>(object) != NULL)
+    return mdf::Shape::PATCH;
+  if (dynamic_cast<const Parametric *>(object) != NULL)
+    return mdf::Shape::PARAMETRIC;
+  if (dynamic_cast<const Plane *>(object) != NULL || dynamic_cast<const Disc *>(object) != NULL)
+    return mdf::Shape::PLANE;
+  if (dynamic_cast<const Cone *>(object) != NULL)
+    return mdf::Shape::CONE;
+  return mdf::Shape::OTHER; // also a mesh, until mdf_add_mesh finds more
+}
+
+void Transform_Mdf(FINISH *finish, const TRANSFORM *transform, bool with_object) {
+  if (finish == NULL || finish->Mdf == NULL)
+    return;
+  if (with_object && finish->Mdf->tangent != mdf::Material::TANGENT_AXIS &&
+      finish->Mdf->tangent != mdf::Material::TANGENT_RADIAL)
+    return;
+  MTimesA(finish->Mdf_Space, transform->matrix);
 }
 
 long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
@@ -275,9 +509,11 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
   if (without < 0)
     throw std::bad_alloc();
 
-  mdf::MeshTangents &kept = scene.meshes[data];
-  kept.clear();
-  if (without < (long)corners) {
+  const bool has_uv = without < (long)corners;
+  const std::shared_ptr<mdf::Shape> shape(
+      new mdf::Shape(has_uv ? mdf::Shape::MESH : mdf::Shape::OTHER));
+  mdf::MeshTangents &kept = shape->tangents;
+  if (has_uv) {
     kept.resize(4 * corners);
     for (size_t t = 0; t < triangles; t++) {
       const Corners c = corners_of(data, &data->Triangles[t]);
@@ -286,63 +522,107 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
           kept[4 * (3 * t + (size_t)c.order[k]) + i] = tangents[4 * (3 * t + k) + i];
     }
   }
+  scene.meshes[data] = shape;
   return without;
 }
 
-MdfHit::MdfHit(const mdf::Material *material, const Intersection &isect, const Ray &ray,
-               const Vector3d &raw_normal, const Vector3d &layer_normal, TraceThreadData *thread,
-               mdf::Dump *d, int p)
-    : dump(NULL), pixel(-1), global_lights(0) {
-  if (material == NULL)
+void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
+                     const Vector3d &raw_normal, const Vector3d &layer_normal,
+                     const std::vector<const TEXTURE *> &warps, const Vector3d &ipoint,
+                     TraceThreadData *thread, mdf::Dump *d, int p) {
+  const mdf::Material &material = *finish->Mdf;
+
+  // Such a ray sees no highlights, as it sees none of POV-Ray's own.
+  if (ray.IsRadiosityRay() && !material.has_diffuse)
     return;
 
-  const mdf::Scene &scene = thread->GetSceneData()->mdfScene;
+  static const mdf::Shape unknown(mdf::Shape::OTHER);
   const ObjectBase *object = isect.Object;
+  const mdf::Shape &shape = (object->Mdf_Shape != NULL) ? *object->Mdf_Shape : unknown;
   const Vector3d N = raw_normal.normalized(), V = -Vector3d(ray.Direction).normalized();
+  const bool dumped = p >= 0, by_axis = material.tangent == mdf::Material::TANGENT_AXIS ||
+                                        material.tangent == mdf::Material::TANGENT_RADIAL;
+  const bool bumped = material.bump && shape.has_uv();
   Vector3d outside, du, dv, T, Ns = layer_normal.normalized();
   UV_VECT uv = {0.0, 0.0};
-  bool has_uv = false;
+  bool has_directions = false;
 
-  if (mdf_uv(object, scene) != MDF_UV_NONE) {
-    Intersection copy(isect); // Normal() wants to write to it
-    object->Normal(*outside, &copy, thread);
+  if (shape.has_uv() && (bumped || dumped))
     object->UVCoord(uv, &isect, thread);
-    has_uv = uv_directions(isect, N, outside, thread, scene, du, dv);
+  if (!by_axis || bumped) {
+    Intersection copy(isect); // Normal() wants to write to it
+    if (shape.kind == mdf::Shape::MESH || bumped)
+      object->Normal(*outside, &copy, thread);
+    has_directions = uv_directions(shape, isect, N, outside, thread, du, dv);
   }
 
-  if (material->bump && has_uv && mdf_uv(object, scene) == MDF_UV_FULL) {
+  if (bumped && has_directions) {
     const bool front = (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0);
-    Ns = add_slopes(Ns, mapped_normal(*material, uv, N, front, du, dv), N);
+    Ns = add_slopes(Ns, mapped_normal(material, uv, N, front, du, dv), N);
   }
 
-  T = du;
-  if (material->tangent == mdf::Material::TANGENT_AXIS)
-    T = axis_tangent(object, Vector3d(material->axis), N);
-  else if (!has_uv || !orthogonalise(T, N))
-    T = axis_tangent(object, axis_vector(X), N);
+  if (by_axis)
+    T = texture_direction(material, finish, isect, warps, ipoint);
+  else if (has_directions)
+    T = finish->Mdf_Space[X][X] * du + finish->Mdf_Space[X][Y] * dv;
+  if (!orthogonalise(T, N)) {
+    T = du; // the texture's x axis stands upright on the UV plane
+    if (by_axis || !has_directions || !orthogonalise(T, N))
+      T = any_tangent(N);
+  }
 
-  point = mdf::ShadedPoint(material, *N, *T, *Ns, *V);
-  if (p >= 0 && d->hit(p, material, isect.IPoint, uv, *N, *T, *Ns, *V)) {
+  shaded = mdf::ShadedPoint(&material, *N, *T, *Ns, *V);
+  both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
+  if (dumped && d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V)) {
     dump = d;
     pixel = p;
     global_lights = (int)thread->GetSceneData()->lightSources.size();
   }
 }
 
-void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour,
-                      const LightSource *light, RGBColour &colour) const {
-  if (!point.has_material())
+void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight,
+                      bool diffuse, const LightSource *light, RGBColour &colour) const {
+  if (!HasBlock())
     return;
 
+  const mdf::Material &material = shaded.of();
   const double E[3] = {M_PI * light_colour.red(), M_PI * light_colour.green(),
                        M_PI * light_colour.blue()};
+  const bool behind = !shaded.faces(direction);
+  const bool recorded = dump != NULL && light != NULL && highlight;
+  const bool whole = highlight && (!material.has_diffuse ||
+                                   (diffuse && opacity == 1.0 && !(behind && both_sides)));
   double S[3];
 
-  point.light(direction, E, S);
-  colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
-  if (dump != NULL && light != NULL)
-    dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0), direction,
-                E, S);
+  if (whole || recorded) {
+    shaded.light(material.bsdf, direction, E, S);
+    if (whole)
+      colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
+    if (recorded)
+      dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0),
+                  direction, E, S);
+  }
+  if (whole)
+    return;
+
+  if (highlight) {
+    shaded.light(material.specular, direction, E, S);
+    colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
+  }
+  if (diffuse && material.has_diffuse) {
+    // what double_illuminate lets through shines as from the other side
+    const Vector3d through = -Vector3d(direction);
+    shaded.light(material.diffuse, behind && both_sides ? *through : direction, E, S);
+    colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]) * opacity;
+  }
+}
+
+RGBColour MdfHit::DiffuseAlbedo() const {
+  double albedo[3] = {0.0, 0.0, 0.0};
+
+  if (HasBlock())
+    shaded.diffuse_albedo(albedo);
+  return RGBColour((COLC)albedo[0], (COLC)albedo[1], (COLC)albedo[2]);
 }
 
 } // namespace pov

@@ -3,6 +3,8 @@
 #ifndef POVRAY_BACKEND_MDF_SURFACE_H
 #define POVRAY_BACKEND_MDF_SURFACE_H
 
+#include <vector>
+
 #include "backend/frame.h"
 #include "backend/mdf/dump.h"
 #include "backend/mdf/material.h"
@@ -11,42 +13,61 @@ namespace pov {
 
 class Mesh;
 
-// What an object's UV coordinates are good for.
-enum MdfUv {
-  MDF_UV_NONE,      // none, or none whose direction on the surface can be found
-  MDF_UV_DIRECTION, // dP/du only: tangents, but no normal map
-  MDF_UV_FULL
-};
-
-// For a mesh, mdf_add_mesh must have been called.
-MdfUv mdf_uv(const ObjectBase *object, const mdf::Scene &scene);
+// How the tangents of an object are found. Meshes: mdf_add_mesh.
+mdf::Shape::Kind mdf_kind(const ObjectBase *object);
 
 // Computes the tangents of a mesh (once per MESH_DATA) for the render threads.
 // Returns how many of its corners have no UV direction. Throws std::bad_alloc.
 long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene);
 
+// Moves the space of a finish's tangent by a texture's transformation.
+// with_object: the object goes the same way, and with it what `tangent uv` takes from it.
+void Transform_Mdf(FINISH *finish, const TRANSFORM *transform, bool with_object);
+
 // One texture layer at one intersection. Does nothing where the layer's finish
-// has no mdf block.
+// has no mdf block, or one that gives nothing to such a ray.
 class MdfHit {
 public:
   // raw_normal and layer_normal: before and after `normal { }`, facing the
-  // eye. pixel: of the dump, or -1.
-  MdfHit(const mdf::Material *material, const Intersection &isect, const Ray &ray,
-         const Vector3d &raw_normal, const Vector3d &layer_normal, TraceThreadData *thread,
-         mdf::Dump *dump = NULL, int pixel = -1);
+  // eye. warps: the patterns around the layer's texture, the outermost first; point:
+  // isect.IPoint in the layer's space. opacity: of the layer's pigment, for the
+  // diffuse part. pixel: of the dump, or -1.
+  MdfHit(const FINISH *finish, const Intersection &isect, const Ray &ray,
+         const Vector3d &raw_normal, const Vector3d &layer_normal,
+         const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
+         TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1)
+      : dump(NULL), pixel(-1), global_lights(0), opacity(opacity), both_sides(false) {
+    if (finish->Mdf != NULL)
+      Prepare(finish, isect, ray, raw_normal, layer_normal, warps, point, thread, dump, pixel);
+  }
+
+  bool HasBlock() const { return shaded.has_material(); }
+
+  // Can light from this direction give anything?
+  bool Faces(const VECTOR direction) const { return HasBlock() && shaded.faces(direction); }
 
   // Adds what the layer reflects of light of this colour from this unit
-  // direction. POV-Ray's diffuse term is albedo · cos · colour, without
-  // 1/pi: its colour stands for an irradiance of pi · colour. Light of no
-  // single source (photons, parts of an area light) is NULL: not dumped.
-  void AddLight(const VECTOR direction, const RGBColour &light_colour, const LightSource *light,
-                RGBColour &colour) const;
+  // direction: its highlight, its diffuse part, or both. POV-Ray's diffuse term is
+  // albedo · cos · colour, without 1/pi: its colour stands for an irradiance of
+  // pi · colour. Light of no single source (photons, parts of an area light) is NULL: not dumped.
+  void AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight, bool diffuse,
+                const LightSource *light, RGBColour &colour) const;
+
+  // What share of even light the diffuse part reflects.
+  RGBColour DiffuseAlbedo() const;
 
 private:
-  mdf::ShadedPoint point;
+  mdf::ShadedPoint shaded;
   mdf::Dump *dump;
   int pixel;
   int global_lights;
+  double opacity;
+  bool both_sides; // double_illuminate
+
+  void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
+               const Vector3d &raw_normal, const Vector3d &layer_normal,
+               const std::vector<const TEXTURE *> &warps, const Vector3d &point,
+               TraceThreadData *thread, mdf::Dump *dump, int pixel);
 };
 
 } // namespace pov

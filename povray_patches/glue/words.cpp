@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "backend/mdf/words.h"
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -41,8 +42,12 @@ std::vector<Words> make_sets() {
   for (int row = 0; shade_param_row(row, &info); row++)
     if (info.list == SHADE_LIST_COUNT)
       add(sets[WORDS_BLOCK], word_of_row(row), BLOCK_ROW + row);
+  add(sets[WORDS_BLOCK], "roughness", BLOCK_ROUGHNESS);
   add(sets[WORDS_BLOCK], "bump_image", BLOCK_BUMP_IMAGE);
+  sets[WORDS_RADIAL] = sets[WORDS_BLOCK];
+  add(sets[WORDS_RADIAL], "at", BLOCK_AT);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);
+  add(sets[WORDS_TANGENT], "radial", TANGENT_AROUND);
   add(sets[WORDS_IMAGE], "png", IMAGE_PNG);
   add(sets[WORDS_IMAGE], "exr", IMAGE_EXR);
   add(sets[WORDS_IMAGE], "strength", IMAGE_STRENGTH);
@@ -92,6 +97,54 @@ int find_word(WordSet set, const char *text) {
     if (std::strcmp(i->text, text) == 0)
       return i->identity;
   return -1;
+}
+
+namespace {
+
+char lower(char c) {
+  return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c;
+}
+
+// How many letters to insert, leave out, replace, or swap with the next (case does not count).
+size_t distance(const std::string &a, const std::string &b) {
+  std::vector<std::vector<size_t>> d(a.size() + 1, std::vector<size_t>(b.size() + 1));
+
+  for (size_t i = 0; i <= a.size(); i++)
+    for (size_t j = 0; j <= b.size(); j++) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      d[i][j] = std::min(std::min(d[i - 1][j], d[i][j - 1]) + 1, d[i - 1][j - 1] + (same ? 0 : 1));
+      if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) &&
+          lower(a[i - 2]) == lower(b[j - 1]))
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+} // namespace
+
+std::string nearest_word(WordSet set, const std::string &text) {
+  const Words &words = words_of(set);
+  // two slips in a word of six letters; the beginning of a word counts as one slip
+  size_t least = std::min((text.size() + 1) / 3, (size_t)3) + 1;
+  std::string nearest;
+
+  if (text.size() > 40)
+    return nearest;
+  for (Words::const_iterator i = words.begin(); i != words.end(); ++i) {
+    const std::string word(i->text);
+    size_t slips = distance(word, text);
+    if (text.size() > 2 && word.compare(0, text.size(), text) == 0)
+      slips = 1;
+    if (slips < least) {
+      least = slips;
+      nearest = word;
+    }
+  }
+  return nearest;
 }
 
 std::string expected_words(WordSet set, const std::string &last) {

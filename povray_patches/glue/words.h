@@ -16,6 +16,7 @@ enum WordSet {
   WORDS_NONE,    // outside mdf { }, and inside # directives
   WORDS_BLOCK,   // where a statement may begin
   WORDS_TANGENT, // after `tangent`
+  WORDS_RADIAL,  // after `tangent radial`: those of the block, and `at`
   WORDS_IMAGE,   // inside bump_image { }
   WORDS_LIST     // and on, words_of_list(): after the name of a list of the table
 };
@@ -26,10 +27,12 @@ enum BlockWord {
   BLOCK_LIST = 1000, // BLOCK_LIST + a shade_list: `detail`, `groove`, …
   BLOCK_ROW = 2000,  // BLOCK_ROW + a row of the table that every choice reads: `specular`
   BLOCK_TANGENT = 3000,
-  BLOCK_BUMP_IMAGE
+  BLOCK_ROUGHNESS,
+  BLOCK_BUMP_IMAGE,
+  BLOCK_AT // of WORDS_RADIAL
 };
 
-enum TangentWord { TANGENT_UV };
+enum TangentWord { TANGENT_UV, TANGENT_AROUND };
 enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH };
 
 inline WordSet words_of_list(shade_list list) {
@@ -51,6 +54,9 @@ int find_word(WordSet set, const char *text);
 
 // "detail, fresnel or }": what a parse error says was expected. `last` may be empty.
 std::string expected_words(WordSet set, const std::string &last);
+
+// The word of `set` that `text` was probably meant to be, or "".
+std::string nearest_word(WordSet set, const std::string &text);
 
 // Sets a word set and puts the old one back at the end of the scope.
 class WordScope {

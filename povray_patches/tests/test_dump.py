@@ -96,7 +96,7 @@ def test_mesh_tangent_follows_u(render):
 
 
 def test_axis_tangent_moves_with_the_object(render):
-    objects = textured("box { -.7, .7 rotate <-20, 30, 10>", "tangent <0, 1, 0>")
+    objects = textured("box { -.7, .7", "tangent <0, 1, 0>")[:-2] + "rotate <-20, 30, 10> }"
     dump = render(scene(objects), (96, 72)).dump
     ax, ay, az = np.radians([-20, 30, 10])
     # in its left-handed space POV-Ray turns by the left hand: the usual matrices

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: AGPL-3.0-or-later
 """How libshade's term sits among POV-Ray's own."""
+import re
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,16 @@ def test_fill_light_gives_no_highlight(render):
 def test_light_from_behind_gives_nothing_even_to_double_illuminate(render):
     result = render(scene(sphere(more="double_illuminate"), "light_source { <-10, -20, 50>, rgb 1 }\n"))
     assert result.dump.hit.any() and result.image.max() == 0
+
+
+def test_light_from_behind_casts_no_shadow_rays(render):
+    """As many as with the word `diffuse`: of a ball, half of it lit; bumps may add those that face the light, no more."""
+    def rays(finish, normal=""):
+        result = render(scene(SPHERE.format(normal=normal, finish=finish, more=""), "light_source { <50, 0, 10>, rgb 1 }"), options=["+WT1"])
+        return int(re.search(r"Shadow Ray Tests:\s+(\d+)", result.log).group(1))
+    stock, block = "finish { ambient 0 diffuse .5 }", "finish { ambient 0 diffuse 0 mdf { } }"
+    assert rays(block) == rays(stock) > 100
+    assert rays(stock, "normal { bumps 2 scale .1 }") <= rays(block, "normal { bumps 2 scale .1 }") < 1.35 * rays(stock)
 
 
 def test_seen_in_a_mirror(render):
