@@ -16,13 +16,14 @@ void queue_free(queue *q) {
 }
 
 bool queue_sort(queue *q, const scene *s, size_t count, const uint32_t *record) {
+  uint32_t material[BATCH]; /* a triangle is far away: once */
   memset(q->tally, 0, s->materials * sizeof *q->tally);
   if (s->materials == 1)
     q->tally[0] = (uint32_t)q->hits;
   else
     for (size_t i = 0; i < count; i++)
       if (record[i] != RECORD_MISS)
-        q->tally[s->triangle[record[i]].material]++;
+        q->tally[material[i] = s->triangle[record[i]].material]++;
   size_t begin = 0;
   q->segments = 0;
   for (size_t m = 0; begin < q->hits; m++) {
@@ -37,6 +38,6 @@ bool queue_sort(queue *q, const scene *s, size_t count, const uint32_t *record) 
   q->lane = in_place ? q->identity : q->moved;
   for (size_t i = 0; !in_place && i < count; i++)
     if (record[i] != RECORD_MISS)
-      q->moved[q->tally[s->triangle[record[i]].material]++] = (uint32_t)i;
+      q->moved[q->tally[s->materials == 1 ? 0 : material[i]]++] = (uint32_t)i;
   return in_place;
 }

@@ -110,6 +110,8 @@ static void sum_up(sky *s) {
       *density = total > 0 ? (float)((double)*density / (total * cell)) : 0.0f;
     }
     column[SKY_COLUMNS] = 1.0f;
+    for (size_t i = 0; i < SKY_COLUMNS / SKY_STRIDE; i++)
+      s->coarse[j * (SKY_COLUMNS / SKY_STRIDE) + i] = column[i * SKY_STRIDE];
   }
   s->row[SKY_ROWS] = 1.0f;
 }
@@ -123,8 +125,9 @@ bool sky_build(sky *s, const image *images, int threads, const atomic_bool *canc
   s->texel = malloc(4 * texels * sizeof *s->texel);
   s->row = malloc((SKY_ROWS + 1) * sizeof *s->row);
   s->column = malloc(SKY_ROWS * (SKY_COLUMNS + 1) * sizeof *s->column);
+  s->coarse = malloc(SKY_ROWS * (SKY_COLUMNS / SKY_STRIDE) * sizeof *s->coarse);
   s->density = malloc(SKY_ROWS * SKY_COLUMNS * sizeof *s->density);
-  if (!s->texel || !s->row || !s->column || !s->density)
+  if (!s->texel || !s->row || !s->column || !s->coarse || !s->density)
     return false;
   sky_task task = {.sky = s, .image = source, .stages = stages_choose(), .cancel = cancel};
   parallel_for(threads, ((size_t)s->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, fill_texels,
@@ -140,5 +143,6 @@ void sky_free(sky *s) {
   free(s->texel);
   free(s->row);
   free(s->column);
+  free(s->coarse);
   free(s->density);
 }

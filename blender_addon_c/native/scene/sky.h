@@ -13,7 +13,7 @@
 #include "scene/texture.h"
 
 /* Powers of two: stage/sky.h halves them. 1024 columns are worth 1.23 times 256 in a studio. */
-enum { SKY_ROWS = 512, SKY_COLUMNS = 1024 };
+enum { SKY_ROWS = 512, SKY_COLUMNS = 1024, SKY_STRIDE = 32 };
 
 typedef struct sky {
   bool there; /* else all below is 0 */
@@ -28,6 +28,7 @@ typedef struct sky {
   float *texel;   /* r g b 0, times strength; one column and one row more repeat the first */
   float *row;     /* part of the light below row i; SKY_ROWS + 1 */
   float *column;  /* the same within each row; SKY_ROWS times SKY_COLUMNS + 1 */
+  float *coarse;  /* every SKY_STRIDE-th of these sums: 64 KB, where the search begins */
   float *density; /* of the cells, 1/sr */
   float power;    /* irradiance if it came from all of the half sphere; 0: it is black */
 } sky;

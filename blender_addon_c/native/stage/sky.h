@@ -78,37 +78,39 @@ static void stage_sky_pdf(size_t count, const sky *s, const lane_v *restrict d,
   }
 }
 
-/* The last eight steps of a search; a loop gcc would leave in the way of vectors. */
+/* The last five steps of a search; a loop gcc would leave in the way of vectors. */
 #define SKY_STEP(at, sums, first, u, step) at += sums[first + at + step] <= u ? step : 0;
 #define SKY_STEPS(at, sums, first, u)                                                              \
-  SKY_STEP(at, sums, first, u, 128)                                                                \
-  SKY_STEP(at, sums, first, u, 64)                                                                 \
-  SKY_STEP(at, sums, first, u, 32)                                                                 \
   SKY_STEP(at, sums, first, u, 16)                                                                 \
   SKY_STEP(at, sums, first, u, 8)                                                                  \
   SKY_STEP(at, sums, first, u, 4)                                                                  \
   SKY_STEP(at, sums, first, u, 2)                                                                  \
   SKY_STEP(at, sums, first, u, 1)
-_Static_assert(SKY_ROWS == 512 && SKY_COLUMNS == 1024, "the searches have 9 and 10 steps");
+_Static_assert(SKY_ROWS == 512 && SKY_COLUMNS == 1024 && SKY_STRIDE == 32,
+               "the searches have 9 and twice 5 steps");
 
 /*
  * Directions by their cell's share of the light: inverted sums, each step of a search for all
  * lanes; within a cell evenly. Rather than by an alias table, which would break the even spread of
- * the points.
+ * the points. Each column's search begins in a table that stays in the cache.
  */
 static void stage_sky_draw(size_t count, const sky *s, const uint32_t *restrict lane,
                            const light_samples *restrict from, lane_v *restrict d,
                            float *restrict pdf) {
   const float *restrict row = s->row, *restrict column = s->column;
-  const float *restrict density = s->density;
+  const float *restrict coarse = s->coarse, *restrict density = s->density;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     float x = from->x[lane[i]], y = from->y[lane[i]];
     int line = row[256] <= y ? 256 : 0;
+    SKY_STEP(line, row, 0, y, 128)
+    SKY_STEP(line, row, 0, y, 64)
+    SKY_STEP(line, row, 0, y, 32)
     SKY_STEPS(line, row, 0, y)
+    int part = 0;
+    SKY_STEPS(part, coarse, line * (SKY_COLUMNS / SKY_STRIDE), x)
     const int first = line * (SKY_COLUMNS + 1);
-    int cell = column[first + 512] <= x ? 512 : 0;
-    cell += column[first + cell + 256] <= x ? 256 : 0;
+    int cell = SKY_STRIDE * part;
     SKY_STEPS(cell, column, first, x)
     float below = row[line], left = column[first + cell];
     float high = row[line + 1] - below, wide = column[first + cell + 1] - left;
