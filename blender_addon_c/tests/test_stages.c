@@ -1150,6 +1150,37 @@ static void metal_and_reflection(void **state) {
   }
   untouched(b->reflection.f.r, COUNT);
   untouched(b->reflection.pdf, COUNT);
+
+  /* a matt body alone, by the shorter way; a register of its colour */
+  shade_params_init(&metal->params);
+  metal->params.fresnel = SHADE_FRESNEL_NONE;
+  for (int k = 0; k < 3; k++) {
+    metal->params.kd[k] = 0.3 * k;
+    metal->params.f0[k] = 0;
+  }
+  shade_bsdf_setup(&metal->bsdf, &metal->params);
+  metal->kd[1] = (operand){.at = 6};
+  metal->matt = true;
+  for (size_t i = 0; i < COUNT; i++) {
+    store(&b->light.wi, i, direction());
+    b->input.at[6][i] = i % 5 ? between(-0.2, 1.2) : NAN;
+  }
+  stages->closure[CLOSURE_METAL](&m, g.run, &b->surface, &b->input, &b->light.wi, true,
+                                 &b->reflection);
+  for (size_t i = g.run.begin; i < COUNT; i++) {
+    const double z[3] = {0, 0, 1};
+    vec3 v = load(&b->surface.wo, i), l = load(&b->light.wi, i);
+    double wi[3] = {(double)l.x, (double)l.y, (double)l.z}, f[3], cosine;
+    double wo[3] = {(double)v.x, (double)v.y, (double)v.z};
+    double green = i % 5 ? fmin(fmax((double)b->input.at[6][i], 0), 1) : 0.3;
+    shade_bsdf_eval(&metal->bsdf, z, wi, wo, f, &cosine);
+    double pdf = shade_bsdf_pdf(&metal->bsdf, z, wi, wo, NULL);
+    const lane_c *found = &b->reflection.f;
+    near((double)b->reflection.pdf[i], pdf, 1e-5);
+    near((double)(found->r[i] * b->reflection.cosine[i]), f[0] * cosine, 1e-6);
+    near((double)(found->g[i] * b->reflection.cosine[i]), f[1] * cosine * green / 0.3, 1e-5);
+    near((double)(found->b[i] * b->reflection.cosine[i]), f[2] * cosine, 1e-6);
+  }
 }
 
 /* A cloth that lets light through, from near (one term of its footprint) and from afar. */
@@ -1185,6 +1216,13 @@ static bool closure_by(int number, closure *c) {
   memset(c, 0, sizeof *c);
   if (number == 11 || number == 12) {
     make_cloth(number == 12, c);
+    return true;
+  }
+  if (number == 22) {
+    c->type = CLOSURE_METAL;
+    c->of.metal.matt = true;
+    for (int k = 0; k < 3; k++)
+      c->of.metal.kd[k] = half;
     return true;
   }
   if (number == 14) {

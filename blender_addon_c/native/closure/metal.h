@@ -16,11 +16,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define METAL_PI 3.14159265f
+
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
   operand f0[3], kd[3], f82[3], eta[3], ax, ay, groove[2];
   bool grooved;
+  bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
 } closure_metal;
 
@@ -94,6 +97,10 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, status))
     return false;
   *status |= shade_bsdf_setup(&c->bsdf, &c->params);
+  c->matt = c->params.fresnel == SHADE_FRESNEL_NONE && c->params.diffuse == SHADE_DIFFUSE_LAMBERT;
+  for (int k = 0; k < 3; k++)
+    c->matt =
+        c->matt && c->f0[k].at < 0 && !(c->params.f0[k] > 0) && c->normal[k] == REGISTER_NORMAL + k;
   return true;
 }
 
@@ -168,10 +175,72 @@ static inline const float *metal_alpha(inputs *given, operand o, double own, int
   .groove_x = c->grooved ? lane_of(given, c->groove[0], 6, run) + i : NULL,                        \
   .groove_y = c->grooved ? lane_of(given, c->groove[1], 7, run) + i : NULL
 
+/* The matt body by itself, where every horizon is the same: a tenth of what the library would do.
+ * No numbers are the material's own. */
+typedef struct matt_lanes {
+  const float *kd[3];
+  float own[3];
+} matt_lanes;
+
+static inline matt_lanes matt_lanes_of(const closure_metal *c, inputs *given, lane_run run) {
+  matt_lanes lanes;
+  for (int k = 0; k < 3; k++) {
+    operand kd = c->kd[k];
+    kd.number = lanes.own[k] = (float)c->params.kd[k];
+    lanes.kd[k] = lane_of(given, kd, k, run);
+  }
+  return lanes;
+}
+
+LEAF void matt_f(const matt_lanes *from, size_t i, bool lit, lane_c *f) {
+  float r = from->kd[0][i], g = from->kd[1][i], b = from->kd[2][i];
+  float scale = lit ? 1.0f / METAL_PI : 0.0f;
+  f->r[i] = scale * clampf(r == r ? r : from->own[0], 0.0f, 1.0f);
+  f->g[i] = scale * clampf(g == g ? g : from->own[1], 0.0f, 1.0f);
+  f->b[i] = scale * clampf(b == b ? b : from->own[2], 0.0f, 1.0f);
+}
+
+LEAF void matt_eval(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                    inputs *given, const lane_v *restrict wi, bool density,
+                    reflections *restrict out) {
+  const matt_lanes lanes = matt_lanes_of(c, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float cosine = wi->z[i];
+    bool lit = (cosine > 0.0f) & (at->wo.z[i] > 0.0f);
+    matt_f(&lanes, i, lit, &out->f);
+    out->cosine[i] = lit ? cosine : 0.0f;
+    if (density)
+      out->pdf[i] = lit ? cosine * (1.0f / METAL_PI) : 0.0f;
+  }
+}
+
+LEAF void matt_draw(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                    inputs *given, draws *restrict out) {
+  const matt_lanes lanes = matt_lanes_of(c, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float radius = sqrtf(out->x[i]), cosine = sqrtf(1.0f - out->x[i]), s, k;
+    bool lit = (cosine > 0.0f) & (at->wo.z[i] > 0.0f);
+    turn(out->y[i], &s, &k);
+    store(&out->wi, i, (vec3){radius * k, radius * s, cosine});
+    matt_f(&lanes, i, lit, &out->f);
+    out->cosine[i] = cosine;
+    out->pdf[i] = lit ? cosine * (1.0f / METAL_PI) : 0.0f;
+  }
+}
+
 LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const surfaces *restrict at,
                                  inputs *given, const lane_v *restrict wi, bool density,
                                  reflections *restrict out) {
   size_t i = run.begin;
+  if (c->matt) {
+    if (density)
+      matt_eval(c, run, at, given, wi, true, out);
+    else
+      matt_eval(c, run, at, given, wi, false, out);
+    return 0;
+  }
   shade_lanesf in = {
       .size = sizeof in, .wix = wi->x + i, .wiy = wi->y + i, .wiz = wi->z + i, METAL_GIVEN};
   shade_resultf result = {.size = sizeof result,
@@ -189,6 +258,10 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
 LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const surfaces *restrict at,
                                  inputs *given, draws *restrict out) {
   size_t i = run.begin;
+  if (c->matt) {
+    matt_draw(c, run, at, given, out);
+    return 0;
+  }
   shade_sample_lanesf in = {.size = sizeof in, .u1 = out->x + i, .u2 = out->y + i, METAL_GIVEN};
   shade_sample_resultf result = {.size = sizeof result,
                                  .wix = out->wi.x + i,
