@@ -5,7 +5,7 @@ is as bright as the world, what lets light through as well; nothing is brighter.
 import numpy as np
 import pytest
 
-from native_scenes import material, native, ortho, registers, render, scene, sphere, square
+from native_scenes import material, native, ortho, point, registers, render, scene, sphere, square
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -73,6 +73,18 @@ def test_glass_with_all_its_bounces_is_not_seen(alpha, ior, joint):
              {"type": "MATH", "operation": "DIVIDE", "a": [1.0], "b": one[:1], "c": [0.0], "out": more}]
     mean, _ = furnace(of(glass(alpha, ior, joint=joint) | {"weight": more * 3}, nodes=nodes))
     assert mean == pytest.approx(WHITE, abs=0.01)
+
+
+@pytest.mark.parametrize("mirror", ["mirror", "glass"])
+@pytest.mark.parametrize("lamp", [[], [point((0, 0, 5), (1e-7,) * 3)]])
+def test_what_gathers_light_is_not_seen_on_a_matt_plate(mirror, lamp):
+    """With a lamp the plate aims at the balls, of which one is cut in two by it."""
+    balls = [sphere(12, 0.4, (0.3, 0.3, 0.7), smooth=False), sphere(12, 0.3, (-0.4, -0.3, 0.05), smooth=False)]
+    surface = of(glossy(0.01)) if mirror == "mirror" else KEEP_ALL[mirror]
+    plate = square(4.0, material_index=1)
+    mean, error = furnace(surface, lights=lamp, meshes=[*balls, plate], samples=256,
+                          materials=[surface, of(diffuse())])
+    assert mean == pytest.approx(WHITE, abs=0.004) and error < 0.002
 
 
 LOSE = {

@@ -74,6 +74,17 @@ def test_soft_light_on_metal(kind, surface):
     np.testing.assert_allclose(of_plate(SURFACES[surface], [LIGHTS[kind]]), truth, rtol=0.01)
 
 
+def test_a_lamp_before_what_gathers_light():
+    """Draws of the plate are aimed at a mirror far behind the lamp, which covers a part of it: samples of the lamp
+    and they share its light still. It shines downwards, so that the mirror is dark."""
+    mirror = sphere(12, 3.0, (-6.4, 0.8, 8.0))
+    truth = reflected(SURFACES["matt"], lambda d: ray_meets("area", d))
+    seen = of_plate(SURFACES["matt"], [LIGHTS["area"]], meshes=[square(), mirror | {"material": mirror["material"] + 1}],
+                    materials=[SURFACES["matt"], material(fresnel="NONE", f0=(0.3, 0.3, 0.3), ex=30.0, ey=30.0)],
+                    max_bounces=1, samples=256)
+    np.testing.assert_allclose(seen, truth, rtol=0.004)
+
+
 @pytest.mark.parametrize("surface", SURFACES)
 def test_a_choice_of_lights_and_a_sky(surface):
     """One of three lights or the sky a sample: the sum of all."""

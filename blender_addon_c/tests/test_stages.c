@@ -1352,6 +1352,91 @@ static void closures_draw_by_their_density(void **state) {
     }
 }
 
+/* Draws that are aimed at balls fill the sphere as their density says, which lets none get lost;
+ * whatever they are worth, they add up to the integral. Of the balls one is high, one half sunk,
+ * one around the point and one too small. */
+static void matt_draws_are_aimed(void **state) {
+  (void)state;
+  enum { ROUNDS = 80, FINE = 31 };
+  const aims aims = {
+      .count = 4,
+      .ball = {{{5, 4, 3}, 9.0f}, {{0, 1, 3}, 0.7f}, {{3, 0, 0.2f}, 1.2f}, {{1, 1, 4}, 1e-2f}}};
+  const lane_run run = {.begin = 0, .end = 1000}, fine = {.begin = 0, .end = FINE * FINE};
+  const vec3 wo = {0.6f, 0, 0.8f};
+  closure c;
+  closure_by(0, &c);
+  make_meeting((vec3){0, 0, 1}, wo, 1.0f);
+  for (size_t i = 0; i < BATCH; i++) {
+    store(&b->surface.p, i, (vec3){0, 0, 0});
+    store(&b->surface.t, i, (vec3){1, 0, 0});
+    store(&b->surface.b, i, (vec3){0, 1, 0});
+    store(&b->surface.n, i, (vec3){0, 0, 1});
+  }
+  stages->aim((lane_run){.end = BATCH}, &aims, &b->surface, &b->cones);
+  near((double)b->cones.density[0][7], 0, 0);
+  near((double)b->cones.density[3][7], 0, 0);
+  assert_true(b->cones.density[1][7] > 1 && b->cones.density[2][7] > 0.1f);
+  assert_true(b->cones.rest[7] > 0.7f && b->cones.rest[7] < 0.95f);
+  double found[CELLS] = {0}, wanted[CELLS] = {0}, all = ROUNDS * (double)run.end, sum[3] = {0},
+         chi2 = 0;
+  size_t aimed = 0;
+  for (int round = 0; round < ROUNDS; round++) {
+    for (size_t i = 0; i < run.end; i++) {
+      b->draw.x[i] = between(0, 1);
+      b->draw.y[i] = between(0, 1);
+    }
+    stages->aim_pick(run, aims.count, &b->cones, &b->draw);
+    stages->draw[c.type](&c, run, &b->surface, &b->input, &b->draw);
+    stages->aim_turn(run, aims.count, &b->cones, &b->draw);
+    stages->closure[c.type](&c, run, &b->surface, &b->input, &b->draw.wi, true, &b->part);
+    stages->aim_take(run, &b->part, &b->draw);
+    stages->aim_mix(run, aims.count, &b->cones, &b->draw.wi, b->draw.pdf);
+    for (size_t i = 0; i < run.end; i++) {
+      vec3 wi = load(&b->draw.wi, i), toward = {0, 0.316227766f, 0.948683298f};
+      double f = (double)b->draw.f.g[i] * (double)b->draw.cosine[i];
+      bool inside = acos(fmin(dot_d(wi, toward), 1)) < asin(0.7 / sqrt(10));
+      near(dot_d(wi, wi), 1, 1e-5);
+      near(f, wi.z > 0 ? 0.5 / 3.141592653589793 * (double)wi.z : 0, 1e-6);
+      near((double)b->draw.own[i], 2 * f, 1e-5);
+      assert_true(b->draw.pdf[i] > 0);
+      found[cell_of(wi)] += 1;
+      aimed += b->cones.drawn[i] != CONE_NONE;
+      sum[0] += f / (double)b->draw.pdf[i] / all;
+      sum[1] += (double)wi.z * f / (double)b->draw.pdf[i] / all;
+      sum[2] += inside ? f / (double)b->draw.pdf[i] / all : 0;
+    }
+  }
+  near((double)aimed / all, 1 - (double)b->cones.rest[7], 0.006);
+  near(sum[0], 0.5, 0.005); /* of the hemisphere; times the cosine; of the ball: sine² cosine */
+  near(sum[1], 1.0 / 3, 0.004);
+  near(sum[2], 0.5 * 0.049 * 0.948683298, 0.001);
+  for (size_t cell = 0; cell < CELLS; cell++) {
+    for (size_t k = 0; k < fine.end; k++) {
+      double z = -1 + ((double)(cell / SECTORS) + ((double)(k % FINE) + 0.5) / FINE) / RINGS;
+      double turns = ((double)(cell % SECTORS) + ((double)(k / FINE) + 0.5) / FINE) / SECTORS;
+      double r = sqrt(1 - z * z), around = 6.283185307179586 * turns;
+      store(&b->light.wi, k, (vec3){(float)(r * cos(around)), (float)(r * sin(around)), (float)z});
+      b->reflection.pdf[k] = (float)(fmax(z, 0) / 3.141592653589793);
+    }
+    stages->aim_mix(fine, aims.count, &b->cones, &b->light.wi, b->reflection.pdf);
+    for (size_t k = 0; k < fine.end; k++)
+      wanted[cell] += (double)b->reflection.pdf[k] * 12.566370614359172 / CELLS / FINE / FINE;
+  }
+  double whole = 0;
+  int cells = 0;
+  for (size_t cell = 0; cell < CELLS; cell++) {
+    double expected = all * wanted[cell];
+    whole += wanted[cell];
+    if (expected < 50)
+      continue;
+    chi2 += pow(found[cell] - expected, 2) / (expected + 1e-4 * expected * expected);
+    cells++;
+  }
+  near(whole, 1, 0.005);
+  if (!(chi2 < cells + 4 * sqrt(2.0 * cells) + 10))
+    fail_msg("%s: chi-square %g over %d cells", stages->name, chi2, cells);
+}
+
 /* What goes one way goes the other: matt models, and reflection at glass. */
 static void closures_are_reciprocal(void **state) {
   (void)state;
@@ -1485,6 +1570,7 @@ static void walks_go_on(void **state) {
     store(&b->draw.wi, i, wi);
     b->draw.f.r[i] = b->draw.f.g[i] = b->draw.f.b[i] = between(0, 2);
     b->draw.pdf[i] = i % 5 ? between(0.1, 3) : 0.0f;
+    b->draw.own[i] = b->draw.pdf[i] * (i % 4 ? 1.0f : 0.5f);
     b->draw.cosine[i] = fabsf(wi.z);
     b->draw.lot[i] = between(0, 1);
     b->draw.kind[i] = wi.z < 0 ? BOUNCE_TRANSMISSION | (i % 2 ? BOUNCE_MATT : 0)
@@ -1528,7 +1614,8 @@ static void walks_go_on(void **state) {
         continue;
       double scale = (double)before->draw.f.r[i] * (double)before->draw.cosine[i] / pdf;
       double red = scale * (double)before->walks[0].weight.r[from], green = scale * 0.5;
-      double most = fmax(red, green), chance = lots && most < 1 ? sqrt(most) : 1;
+      double most = fmax(red, green) * (i % 4 ? 1 : 2);
+      double chance = lots && most < 1 ? sqrt(most) : 1;
       if (fabs((double)before->draw.lot[i] - chance) < 1e-5 || fabsf(wi.z) < 1e-5f)
         fail_msg("choose another seed: rounding decides");
       if ((double)before->draw.lot[i] >= chance)
@@ -1627,6 +1714,7 @@ int main(void) {
                                        TEST(mix_node),
                                        TEST(metal_and_reflection),
                                        TEST(closures_draw_by_their_density),
+                                       TEST(matt_draws_are_aimed),
                                        TEST(closures_are_reciprocal),
                                        TEST(shuffled_points),
                                        TEST(walks_go_on),

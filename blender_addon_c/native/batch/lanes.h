@@ -196,6 +196,16 @@ typedef struct light_weights {
   lane_f one[LIGHT_WEIGHTS], sum, total;
 } light_weights;
 
+/* Balls that matt surfaces aim draws at (scene/aims.h), from points of surfaces. */
+enum { CONES = 4, CONE_NONE = CONES };
+typedef struct cones {
+  lane_v axis[CONES];    /* in the shading frame */
+  lane_f narrow[CONES];  /* 1 less the cosine of its half angle */
+  lane_f density[CONES]; /* of draws that go there, within it; 0: none do */
+  lane_f rest;           /* share of the draws that the surface makes itself */
+  lane_u drawn;          /* which a draw goes to, or CONE_NONE */
+} cones;
+
 /* Where a path goes on from each point. */
 typedef struct draws {
   lane_f x, y;   /* the closure's two numbers, uniform in [0, 1) */
@@ -205,6 +215,7 @@ typedef struct draws {
   lane_v wi;     /* drawn, in the shading frame; 0 where there is none */
   lane_c f;      /* 1/sr; `walk` makes it the weight of the ray that goes there */
   lane_f pdf, cosine;
+  lane_f own; /* the density without what it aims at */
 } draws;
 
 /* What a closure makes of it. */

@@ -30,6 +30,7 @@ typedef struct batch {
   choices closures; /* among the closures of lists, */
   reflections part; /* one of them at a time */
   draws part_draw;
+  cones cones;
   walks *walk, *next; /* by ray, of this bounce and of the one after */
   walks walks[2];
   lane_u chosen; /* by ray: the hit it starts from */

@@ -12,6 +12,7 @@
 #include "stage/sky.h"
 #include "stage/emitters.h"
 #include "stage/closure.h"
+#include "stage/aim.h"
 #include "stage/walk.h"
 #include "stage/film.h"
 
@@ -83,6 +84,11 @@
                                     .reflect = stage_reflect,                                      \
                                     .shuffled = stage_shuffled,                                    \
                                     .draw = {CLOSURE_TABLE(DRAW_FUNCTION)},                        \
+                                    .aim = stage_aim,                                              \
+                                    .aim_pick = stage_aim_pick,                                    \
+                                    .aim_turn = stage_aim_turn,                                    \
+                                    .aim_mix = stage_aim_mix,                                      \
+                                    .aim_take = stage_aim_take,                                    \
                                     .walk = stage_walk,                                            \
                                     .blur = stage_blur,                                            \
                                     .gain = stage_gain,                                            \

@@ -308,6 +308,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   if (b->input.blurs)
     s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
   closures_weigh(w, bounce == 0);
+  w->aims = w->observer || bounce >= s->max_bounces ? 0 : s->aims.count;
+  closures_aim(w);
   if (w->light)
     light_passes_shone(w);
   if (w->observer)

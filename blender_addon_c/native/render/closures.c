@@ -68,6 +68,33 @@ void closures_exclude(const worker *w, const closure *c, lane_run run, reflectio
     w->scene->stages->exclude(run, above, below, &w->batch->light, out);
 }
 
+/* A path may aim draws where it goes on as from one matt surface. */
+static bool is_aiming(const worker *w, const material *m) {
+  unsigned kinds = CLOSURE_SCATTERS | CLOSURE_MATT | CLOSURE_THROUGH;
+  return w->aims && is_plain(m) &&
+         (m->closure[0].traits & kinds) == (CLOSURE_SCATTERS | CLOSURE_MATT);
+}
+
+void closures_aim(worker *w) {
+  batch *b = w->batch;
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
+    if (is_aiming(w, g->material))
+      w->scene->stages->aim(g->run, &w->scene->aims, &b->surface, &b->cones);
+}
+
+static void draw_aimed(worker *w, const segment *g) {
+  const stage_table *s = w->scene->stages;
+  const closure *c = &g->material->closure[0];
+  batch *b = w->batch;
+  s->aim_pick(g->run, w->aims, &b->cones, &b->draw);
+  w->status |= s->draw[c->type](c, g->run, &b->surface, &b->input, &b->draw);
+  s->aim_turn(g->run, w->aims, &b->cones, &b->draw);
+  w->status |= s->closure[c->type](c, g->run, &b->surface, &b->input, &b->draw.wi, true, &b->part);
+  s->aim_take(g->run, &b->part, &b->draw);
+  s->aim_mix(g->run, w->aims, &b->cones, &b->draw.wi, b->draw.pdf);
+  s->kind(g->run, kind_of(c), &b->draw);
+}
+
 static void eval_list(worker *w, const segment *g, bool density) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
@@ -98,6 +125,8 @@ void closures_eval(worker *w, bool density) {
     if (is_plain(g->material)) {
       w->status |= w->scene->stages->closure[c->type](c, g->run, &b->surface, &b->input,
                                                       &b->light.wi, density, &b->reflection);
+      if (density && is_aiming(w, g->material))
+        w->scene->stages->aim_mix(g->run, w->aims, &b->cones, &b->light.wi, b->reflection.pdf);
       closures_exclude(w, c, g->run, &b->reflection);
       forbid(w, c, g->run, b->light.wi.z, b->reflection.cosine);
     } else {
@@ -150,6 +179,10 @@ void closures_draw(worker *w) {
   batch *b = w->batch;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const closure *c = &g->material->closure[0];
+    if (is_aiming(w, g->material)) {
+      draw_aimed(w, g);
+      continue;
+    }
     if (is_plain(g->material)) {
       w->status |= s->draw[c->type](c, g->run, &b->surface, &b->input, &b->draw);
       s->kind(g->run, kind_of(c), &b->draw);
@@ -157,5 +190,7 @@ void closures_draw(worker *w) {
     } else {
       draw_list(w, g);
     }
+    memcpy(b->draw.own + g->run.begin, b->draw.pdf + g->run.begin,
+           (g->run.end - g->run.begin) * sizeof(float));
   }
 }

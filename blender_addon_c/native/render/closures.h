@@ -8,6 +8,8 @@
 
 /* Once the nodes have run: what shines goes to the sum, and how likely each closure is to draw. */
 void closures_weigh(worker *w, bool first);
+/* At what matt surfaces aim some of their draws, where w->aims says that they do. */
+void closures_aim(worker *w);
 /* f and cosine for the light's direction; with `density` how likely a draw goes there. */
 void closures_eval(worker *w, bool density);
 /* Light that is hidden from rays that a closure draws is so from the closure: of a run, in `out`.

@@ -105,7 +105,7 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
   s->sky.power = sky_dark ? 0.0f : s->sky.power;
   s->choices += (size_t)(s->sky.power > 0.0f) + (size_t)(s->emitters.count > 0);
   s->meets = s->meets || s->sky.power > 0.0f || s->emitters.count > 0;
-  return true;
+  return aims_build(s) || message_error(log, "out of memory");
 }
 
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {

@@ -18,6 +18,7 @@
 #include "light/light.h"
 #include "node/node.h"
 #include "scene/accel.h"
+#include "scene/aims.h"
 #include "scene/cloth.h"
 #include "scene/emitters.h"
 #include "scene/object.h"
@@ -156,6 +157,7 @@ typedef struct scene {
   /* made by scene_build */
   size_t choices; /* lights, the sky and the emitters, where they are some */
   emitters emitters;
+  aims aims;
   bool meets;                        /* drawn rays may meet light */
   bool hides;                        /* some light is hidden from some kinds of ray */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */

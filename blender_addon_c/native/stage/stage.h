@@ -198,6 +198,12 @@ typedef struct stage_table {
   /* Returns status bits of libshade. */
   unsigned (*draw[CLOSURE_TYPES])(const closure *c, lane_run run, const surfaces *at, inputs *given,
                                   draws *out);
+  /* Draws that are aimed at balls (aim.h). */
+  void (*aim)(lane_run run, const aims *aims, const surfaces *at, cones *out);
+  void (*aim_pick)(lane_run run, size_t count, cones *cones, draws *out);
+  void (*aim_turn)(lane_run run, size_t count, const cones *cones, draws *out);
+  void (*aim_mix)(lane_run run, size_t count, const cones *cones, const lane_v *wi, float *pdf);
+  void (*aim_take)(lane_run run, const reflections *part, draws *out);
   /* The rays that go on, and their walks: what was drawn and outlives roulette, if `lots`. Returns
      their number; wide is of use within. */
   size_t (*walk)(size_t count, bool lots, const walk_limits *limits, bool meets,

@@ -44,7 +44,8 @@ enum { WALK_ENDS = 16 }; /* beside a bounce_kind */
  * lights only, if a scene has any that it `meets`, through transparent surfaces as samples of these
  * lights do; light that it meets after a passage weighs as if nothing had been there. Roulette
  * keeps one whose weight has become w with probability sqrt(w): the square root, because what it
- * may still meet is not known.
+ * may still meet is not known. A draw that was aimed has less weight, not less to meet: it counts
+ * as if the surface had drawn it by itself.
  */
 static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, bool meets,
                          const uint32_t *restrict lane, const surfaces *restrict at,
@@ -81,7 +82,8 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     float green = draw->f.g[i] * factor * walk->weight.g[lane[i]];
     float blue = draw->f.b[i] * factor * walk->weight.b[lane[i]];
     float most = largest(r, green, blue);
-    float chance = (lots & (most < 1.0f)) ? sqrtf(most) : 1.0f;
+    float worth = most * (pdf / (draw->own[i] > 1e-20f ? draw->own[i] : 1e-20f));
+    float chance = (lots & (worth < 1.0f)) ? sqrtf(worth) : 1.0f;
     bool goes = (most > 0.0f) & (most < 1e30f) & (draw->lot[i] < chance);
     float scale = goes ? 1.0f / chance : 0.0f;
     store(&wide->d, i, scaled(d, 1.0f / sqrtf(goes ? dot(d, d) : 1.0f)));
@@ -117,8 +119,8 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     next->from.y[k] = straight ? walk->from.y[from] : at->p.y[i];
     next->from.z[k] = straight ? walk->from.z[from] : at->p.z[i];
     next->pdf[k] = straight ? walk->pdf[from] : draw->pdf[i];
-    float least = walk->least[from], pdf = draw->pdf[i];
-    next->least[k] = (straight | (least < pdf)) ? least : pdf;
+    float least = walk->least[from], own = draw->own[i];
+    next->least[k] = (straight | (least < own)) ? least : own;
     next->lights[k] = straight ? walk->lights[from] : lights[i];
     uint32_t matt = draw->kind[i] & BOUNCE_MATT ? RAY_DIFFUSE : 0;
     next->ray[k] = straight ? walk->ray[from] : 2u << kind | matt;
