@@ -56,6 +56,31 @@ def normal_map(size):
     return (0.5 + 0.5 * n[::-1]).astype(np.float32)
 
 
+def same_normals(size):
+    """Where among size x size pixels the plate has the normal that it has at each of them.
+
+    Pairs (column, row) of whole-numbered pictures, 8 PERIODS^2 in all, rows from either side; size is
+    a multiple of 4 PERIODS. With s = k (u + v) and d = k (u - v) the slopes are SLOPE/2 times
+    (sin s - sin d, sin s + sin d): they stay where s becomes pi - s, or d does, and over periods.
+    """
+    if size % (4 * PERIODS):
+        raise ValueError(f"{size} pixels: no multiple of {4 * PERIODS}")
+    period = size // PERIODS
+    column, row = np.meshgrid(np.arange(size), np.arange(size))
+    places = []
+    for turned_s in (False, True):
+        for turned_d in (False, True):
+            u, v = column, row
+            if turned_s:
+                u, v = period // 4 - 1 - v, period // 4 - 1 - u
+            if turned_d:
+                u, v = v + period // 4, u - period // 4
+            places += [((u + half * period // 2 + i * period) % size,
+                        (v + half * period // 2 + j * period) % size)
+                       for half in (0, 1) for i in range(PERIODS) for j in range(PERIODS)]
+    return places
+
+
 def mesh(quads):
     """The displaced plate as (positions, normals, faces, uv per vertex)."""
     side = np.linspace(0.0, 1.0, quads + 1)

@@ -6,11 +6,12 @@
 
 JOBS.json is {"normal_map": file, "mesh": file or "", "result": file, "jobs": [job, ...]}; the
 mesh, if there is one, is an .npz of positions, faces and uv that takes the place of the
-displaced plate, with smooth normals of its own. "sky", if there is one, is a picture that lights
-the plate in the sun's place, by up to BOUNCES. A job is
+displaced plate, with smooth normals of its own. A job is
     "engine":   "CYCLES" or "LIBSHADE"
     "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
     "detail":   libshade's detail method (LIBSHADE only); without it the metal is Cycles' own node
+    "sky":      if there is one, a picture that lights the plate in the sun's place, by up to BOUNCES
+    "seed":     of the noise, 0 if there is none
     "size", "samples", "quads": integers
     "repeat":   how often to render for time; the seconds of each go to the result file
     "output":   OpenEXR file for the picture, or "" for none (costs one more render)
@@ -149,7 +150,7 @@ def new_scene(job, image, file="", sky=""):
         "samples": job["samples"], "max_bounces": BOUNCES if sky else 0, "pixel_filter_type": "BOX",
         "use_adaptive_sampling": False, "use_denoising": False, "light_sampling_threshold": 0.0,
         "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0, "blur_glossy": 0.0,
-        "soft_terminator": False,
+        "soft_terminator": False, "seed": job.get("seed", 0),
     }.items():
         if hasattr(settings, name):
             setattr(settings, name, value)
@@ -170,7 +171,7 @@ def main(path):
     jobs = order["jobs"]
     image = bpy.data.images.load(order["normal_map"])
     image.colorspace_settings.name = "Non-Color"
-    scenes = [new_scene(job, image, order.get("mesh", ""), order.get("sky", ""))
+    scenes = [new_scene(job, image, order.get("mesh", ""), job.get("sky", ""))
               for job in jobs]
     seconds = [[] for _ in jobs]
     # In turns, so that a machine that is busy for a while slows all of them.

@@ -18,6 +18,7 @@ import consistency
 import dumps
 import fabric
 import pictures
+import plate
 import programs
 import report
 import slopes
@@ -372,7 +373,7 @@ def test_parameters_are_compared_as_json():
 PIXELS = 64
 
 
-def judge_truth(monkeypatch, folder, errors, surface="waves", where=None, light="sun"):
+def judge_truth(monkeypatch, folder, errors, surface="waves", where=None):
     """main() on pictures that are off by these errors, `rotate` at the pixels `where` only.
     Returns (status, what truth.json says)."""
     names = [*(truth.METHODS if surface == "waves" else truth.SCRATCH_METHODS), truth.CYCLES]
@@ -381,16 +382,14 @@ def judge_truth(monkeypatch, folder, errors, surface="waves", where=None, light=
     images = {"displaced": displaced}
     for name in {*names, *errors}:
         off = errors.get(name, 0.3) * displaced.mean()
-        tile = 1 if light == "sun" else 4
-        sign = np.where((np.indices((PIXELS, PIXELS)) // tile).sum(0) % 2, 1, -1)[..., None]
+        sign = np.where(np.indices((PIXELS, PIXELS)).sum(0) % 2, 1, -1)[..., None]
         images[name] = displaced + off * sign * (
             where[..., None] if name == "rotate" and where is not None else 1)
     monkeypatch.setattr(truth, "render", lambda options: images)
     for name in ("write_strip", "write_chart"):
         monkeypatch.setattr(truth, name, lambda *_: None)
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        status = truth.main(["--output", str(folder), "--surface", surface, "--light", light,
-                             "--size", str(PIXELS)])
+        status = truth.main(["--output", str(folder), "--surface", surface, "--size", str(PIXELS)])
     result = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     assert result["ok"] == (status == 0) == ("MISSED" not in said.getvalue())
     return status, result
@@ -413,6 +412,30 @@ def test_truth(monkeypatch, tmp_path, errors, status):
         assert result["errors"][name] == pytest.approx(error, rel=1e-3)
 
 
+def judge_skies(monkeypatch, folder, *skies):
+    """main() under skies with these (rotate, stock, Cycles) errors of 4 x 4 blocks; (status, truth.json)."""
+    blocks = np.where(np.indices((PIXELS // 4, PIXELS // 4)).sum(0) % 2, 1, -1)
+    chequer = np.kron(blocks, np.ones((4, 4)))[..., None]
+    single = np.where(np.indices((PIXELS, PIXELS)).sum(0) % 2, 1, -1)[..., None]
+    plain = np.random.default_rng(3).random((PIXELS // 4, PIXELS // 4, 3)) + 0.5
+    picture = np.kron(plain, np.ones((4, 4, 1)))
+    mean = picture.mean()
+    made = {f"sky {k}": {"displaced": picture + 0.002 * mean * chequer, truth.AGAIN: picture - 0.002 * mean * chequer,
+                         "rotate": picture + rotate * mean * chequer + 0.3 * mean * single,
+                         truth.STOCK: picture - stock * mean * chequer,
+                         truth.CYCLES: picture + cycles * mean * chequer}
+            for k, (rotate, stock, cycles) in enumerate(skies)}
+    monkeypatch.setattr(truth, "render_skies", lambda options: made)
+    for name in ("write_strip", "write_chart"):
+        monkeypatch.setattr(truth, name, lambda *_: None)
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        status = truth.main(["--output", str(folder), "--light", "sky", "--size", str(PIXELS)])
+    result = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    assert result["ok"] == (status == 0) == ("MISSED" not in said.getvalue())
+    assert result["wanted"] == ("not reached" not in said.getvalue())
+    return status, result
+
+
 @pytest.mark.parametrize("rotate, stock, cycles, status, wanted", [
     (0.03, 0.032, 0.1, 0, True),
     (0.03, 0.035, 0.1, 0, False),
@@ -421,10 +444,41 @@ def test_truth(monkeypatch, tmp_path, errors, status):
     (0.06, 0.11, 0.1, 1, False),
 ])
 def test_truth_under_a_sky(monkeypatch, tmp_path, rotate, stock, cycles, status, wanted):
-    errors = {"rotate": rotate, truth.STOCK: stock, truth.CYCLES: cycles}
-    got, result = judge_truth(monkeypatch, tmp_path, errors, light="sky")
+    got, result = judge_skies(monkeypatch, tmp_path, (rotate, stock, cycles))
     assert got == status and result["wanted"] == wanted
-    assert result["errors"][truth.STOCK] == pytest.approx(stock, rel=1e-3)
+    one = result["skies"]["sky 0"]
+    assert one["rotate"] == pytest.approx(rotate, rel=1e-3)  # what is within a block does not count
+    assert one[truth.STOCK] == pytest.approx(stock, rel=1e-3)
+    assert one[truth.NOISE] == pytest.approx(0.002, rel=1e-3)
+
+
+def test_truth_under_skies_goes_by_the_median_and_by_each(monkeypatch, tmp_path):
+    good, fair, bad = (0.03, 0.03, 0.1), (0.05, 0.05, 0.1), (0.12, 0.05, 0.1)
+    assert judge_skies(monkeypatch, tmp_path, good, good, fair)[1]["wanted"]
+    assert not judge_skies(monkeypatch, tmp_path, good, fair, fair)[1]["wanted"]
+    status, result = judge_skies(monkeypatch, tmp_path, good, good, bad)
+    assert status == 1 and result["wanted"]
+    assert result["beside_cycles"]["rotate"] == pytest.approx(0.3, rel=1e-3)
+
+
+def test_what_depends_on_the_normal_alone():
+    """Nothing is left of such a picture; of one that tells peaks from pits, all that it tells."""
+    size = 64
+    by_normal = plate.normals(*plate.grid(size))[::-1] + 2.0
+    assert truth.of_the_normal_alone(by_normal) == pytest.approx(by_normal, abs=1e-12)
+    u, v = plate.grid(size)
+    curved = np.sign(plate.height(u, v))[::-1, :, None]  # as many up as down, wherever slopes are the same
+    nearest = truth.of_the_normal_alone(by_normal + 0.1 * curved)
+    assert np.abs(nearest - by_normal - 0.1 * curved).mean() == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.parametrize("words", [["--light", "sky", "--size", "40"], ["--sky", __file__],
+                                   ["--light", "sky", "--sky", "gone.exr"],
+                                   ["--light", "sky", "--surface", "scratches"]])
+def test_truth_under_no_sky_is_refused(words):
+    with pytest.raises(SystemExit) as end, contextlib.redirect_stderr(io.StringIO()):
+        truth.arguments(words)
+    assert end.value.code == 2
 
 
 @pytest.mark.parametrize("errors, status", [

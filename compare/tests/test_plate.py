@@ -103,3 +103,18 @@ def test_creases_are_left_out():
     assert kept[1:-1, [size // 2 - 2, size // 2 + 1]].all()
     waves = plate.normal_map(1024)
     assert plate.off_creases(waves, pixels).all()
+
+
+@pytest.mark.parametrize("size", [8, 32])
+def test_same_normals_are_the_same(size):
+    n = plate.normals(*plate.grid(size))
+    places = plate.same_normals(size)
+    assert len(places) == 8 * plate.PERIODS**2
+    for picture in (n, n[::-1]):
+        assert max(np.abs(picture[v, u] - picture).max() for u, v in places) < 1e-14
+    # all of them: as many as a search finds, where slopes are not on an axis of symmetry
+    at = 1, 2
+    alike = {tuple(place) for place in np.argwhere(np.abs(n - n[at]).max(-1) < 1e-9)}
+    assert {(v[at], u[at]) for u, v in places} == alike
+    with pytest.raises(ValueError, match="multiple"):
+        plate.same_normals(size + 4)
