@@ -1,16 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that bend normals."""
 
+import bpy
+
 from . import tree
 from .graph import is_known
 from .node_image import image_of, is_cubic
 from .node_place import layer, of_object, place
 from .value import Value, each, normal_of, number_in, number_of, unit, vector_in
 
+# A normal map's strength mixed unit normals in 3.4; in 5.0 it multiplies slopes. Those between were
+# not measured.
+_MIXES = bpy.app.version < (3, 5)
+
 
 def _normal_map(reader, found):
-    node = found.node
     strength = number_in(reader, found, "Strength")
+    if not _MIXES or found.node.space != "TANGENT" or (is_known(strength) and strength == 1.0):
+        return _normal_map_of(reader, found, strength)
+    whole = _normal_map_of(reader, found, 1.0)
+    if whole is None:
+        return None
+    times = reader.program.math("MAXIMUM", strength, 0.0)
+    rest = reader.program.math("SUBTRACT", 1.0, times)
+    x, y, z = each(reader, "MULTIPLY_ADD", whole.parts, (times,) * 3, (0.0, 0.0, rest))
+    return Value("NORMAL", unit(reader, (x, y, reader.program.math("MAXIMUM", z, 1e-4))))
+
+
+def _normal_map_of(reader, found, strength):
+    node = found.node
     if node.space != "TANGENT":
         return _normal_of_space(reader, found, strength)
     own = reader.is_main(node.uv_map)

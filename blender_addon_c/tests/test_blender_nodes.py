@@ -154,8 +154,8 @@ PLACES = [
     *(place("NormalMap", set={"space": space, "uv_map": name}, strength=strength, **more)
       for space, name, strength, more in (
           ("TANGENT", "UVMap", 1.0, NEARLY_FLAT), ("TANGENT", "second", 1.0, NEARLY_FLAT),
-          ("TANGENT", "second", 0.6, NEARLY_FLAT | {"since": "5.0"}),
-          ("TANGENT", "UVMap", 1.5, TURNED | NEARLY_FLAT | {"since": "5.0"}), ("OBJECT", "", 1.0, {}), ("WORLD", "", 0.7, {}),
+          ("TANGENT", "second", 0.6, NEARLY_FLAT),
+          ("TANGENT", "UVMap", 1.5, TURNED | NEARLY_FLAT), ("OBJECT", "", 1.0, {}), ("WORLD", "", 0.7, {}),
           ("BLENDER_OBJECT", "", 1.0, {"blue": 0.1}),
           ("BLENDER_WORLD", "", 1.0, TURNED))),
 ]
