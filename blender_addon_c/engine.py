@@ -78,7 +78,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
         try:
             job = _native.start(scene)
         except ValueError as error:
-            raise export.SceneError(str(error)) from error
+            raise export.SceneError(export.named(str(error), scene)) from error
         try:
             state = self._wait(job, result, pixels)
             _native.image(job, pixels)

@@ -69,7 +69,10 @@ class Viewport:
             self._scene = export.read(depsgraph, camera, size, region,
                                     depsgraph.scene.libshade.preview_samples, self._messages)
         self._scene.update(camera=camera, width=size[0], height=size[1], region=region)
-        self._job = _native.start(self._scene)  # the one before ends with its last reference
+        try:
+            self._job = _native.start(self._scene)  # the one before ends with its last reference
+        except ValueError as error:
+            raise export.SceneError(export.named(str(error), self._scene)) from error
 
     def _fetch(self, size):
         pixels = np.empty(size[0] * size[1] * 4, np.float32)

@@ -40,6 +40,7 @@ EXPECTED = {
     "no_shader": ("finished", "Warning: .*no shader .its surface has none"),
     "many_shaders": ("finished", "Warning: .*its 10 shaders are more than 8"),
     "flat_lights": ("finished", None),
+    "no_strength": ("error", "libshade: light 'broken lamp': intensity must be"),
     "portal": ("finished", "Warning: .*'area': portals are not supported; left out"),
     "world_shader": ("finished", "Warning: .*world 'world': 'Add Shader' is not supported; black"),
     "world_without_image": ("finished", "Warning: .*world 'world': 'Environment Texture' has no image"),

@@ -222,6 +222,13 @@ def flat_lights(scene):
             light.data.spread = math.radians(1)
 
 
+def no_strength(scene):
+    """The second lamp's is no number."""
+    plate(scene)
+    light = common.light(scene, "POINT", location=(0, 0, 2))
+    light.name, light.data.energy = "broken lamp", math.nan
+
+
 def portal(scene):
     plate(scene)
     common.light(scene, "AREA").data.cycles.is_portal = True
@@ -344,7 +351,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, portal, world_shader,
+    other_uv_map, no_material, principled, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
