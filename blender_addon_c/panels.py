@@ -85,6 +85,7 @@ class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
         row = layout.row()
         row.active = settings.pixel_filter_type != "BOX"
         row.prop(settings, "filter_width")
+        layout.prop(settings, "texture_blur")
 
 
 class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):

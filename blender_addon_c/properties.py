@@ -96,6 +96,13 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "softer caustics; 0 leaves them sharp",
         default=1.0, min=0.0, max=10.0,
     )
+    texture_blur: FloatProperty(
+        name="Texture Blur",
+        description="Colours of images are averaged over this part of a pixel, or of what a reflected "
+                    "ray stands for: less noise where an image is small in the picture, more of its "
+                    "edges with larger numbers; 0: points of the image, as in Cycles",
+        default=0.25, min=0.0, max=10.0,
+    )
     groove_transport: BoolProperty(
         name="Grooves Follow Bumps",
         description="Anisotropic shaders of Cycles reflect as the displaced surface would, as Libshade "

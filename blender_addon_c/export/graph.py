@@ -37,6 +37,16 @@ class Program:
 
     def finish(self, closures):
         """(nodes, closures) as the native module reads them."""
+        self._keep_averages(closures)
+        try:
+            return self._finish(closures)
+        except TooLarge:  # averages need coordinates of neighbours
+            for index in range(len(self._nodes)):
+                self._look_at_points(index)
+            return self._finish(closures)
+
+    def _used(self, closures):
+        """Nodes, and by register the last one that reads it."""
         last = {register: len(self._nodes) for register in _registers(closures)}
         kept = []
         for index in range(len(self._nodes) - 1, -1, -1):
@@ -45,6 +55,30 @@ class Program:
                 kept.insert(0, index)
                 for register in _registers(node):
                     last.setdefault(register, index)
+        return kept, last
+
+    def _keep_averages(self, closures):
+        """Images are averaged where light is, too, by what follows: the mean of what is made of them is
+        then what is made of the mean. What only passes of colour read makes no difference."""
+        seen = [{k: v for k, v in closure.items() if k != "pass_color"} for closure in closures]
+        bent = set()
+        for closure in seen:
+            bent.update(_registers({k: v for k, v in closure.items() if k not in _LINEAR_OF_CLOSURES}))
+        for index in reversed(self._used(seen)[0]):
+            node, outputs = self._nodes[index]
+            through = any(register in bent for part in outputs.values() for register in part)
+            straight = () if through else _linear_operands(node)
+            bent.update(_registers({k: v for k, v in node.items() if k not in straight}))
+            if through:
+                self._look_at_points(index)
+
+    def _look_at_points(self, index):
+        node, outputs = self._nodes[index]
+        self._nodes[index] = ({k: v for k, v in node.items() if k not in ("averaged", "near", "step")}
+                              if node.get("averaged") else node, outputs)
+
+    def _finish(self, closures):
+        kept, last = self._used(closures)
         free, place, nodes = list(_REGISTERS), {}, []
         for index in kept:
             node, outputs = self._nodes[index]
@@ -65,6 +99,24 @@ class Program:
 
 def is_known(*operands):
     return not any(isinstance(operand, Register) for operand in operands)
+
+
+# Of closures what their light is proportional to, and of MATH what the result is, of each by itself.
+_LINEAR_OF_CLOSURES = {"weight", "color", "tint", "f0_from", "kd_from", "warp_from", "weft_from"}
+_LINEAR = {"ADD": "ab", "SUBTRACT": "ab", "MULTIPLY": "ab", "MULTIPLY_ADD": "abc", "MIX": "abc",
+           "DIVIDE": "a", "CLAMP": "a"}
+_LINEAR_MODES = {"MIX", "ADD", "SUBTRACT", "MULTIPLY", "SCREEN", "LINEAR_LIGHT"}
+
+
+def _linear_operands(node):
+    """Keys of what a node's result changes with in proportion; nothing twice."""
+    keys = ()
+    if node["type"] == "MATH":
+        keys = tuple(_LINEAR.get(node["operation"], ""))
+    elif node["type"] == "MIX" and node["mode"] in _LINEAR_MODES:
+        keys = ("factor", "a", "b")
+    read = [register for key in keys for register in _registers(node[key])]
+    return keys if len(read) == len(set(read)) else ()
 
 
 def _registers(thing):

@@ -19,10 +19,11 @@ _NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
 class Table:
     """Materials, images and layers of one render, each once."""
 
-    def __init__(self, messages, transport, colors, camera, depsgraph):
+    def __init__(self, messages, settings, colors, camera, depsgraph):
         self.materials, self.images, self.layers = [], Images(messages), Layers()
         self.cloths = []
-        self.transport = transport  # do grooves go with bumps?
+        self.transport = settings.groove_transport  # do grooves go with bumps?
+        self.averages = settings.texture_blur > 0  # are images averaged?
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
@@ -86,7 +87,7 @@ class Reader:
     and other `layers`; the `program`, what outputs say that are `known`, and `closures`."""
 
     def __init__(self, table, messages, material):
-        self.transport, self.colors = table.transport, table.colors
+        self.transport, self.colors, self.averages = table.transport, table.colors, table.averages
         self.images, self._table = table.images, table
         self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"

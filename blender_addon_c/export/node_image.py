@@ -4,6 +4,8 @@
 from .image import MISSING, MISSING_COLOR
 from .node_place import place
 
+_STEP = 1 / 256  # along u and v, by which coordinates say how they move
+
 _WRAPS = {"REPEAT", "EXTEND", "CLIP", "MIRROR"}
 _FILTERS = {"Linear": "LINEAR", "Closest": "CLOSEST", "Cubic": "LINEAR", "Smart": "LINEAR"}
 
@@ -18,10 +20,27 @@ def _tex_image(reader, found):
     at = place(reader, node.inputs["Vector"], found.groups)
     key = ("image", node, found.groups, reader.shift)
     if key not in reader.known:  # both outputs are of one look
-        reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=is_cubic(node),
-                                                **({"at": at[:2]} if at else {}))
+        elsewhere = {"at": at[:2]} if at else {}
+        if _is_averaged(reader, node):
+            elsewhere |= {"averaged": True, **(_near(reader, node, found.groups) if at else {})}
+        reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=is_cubic(node), **elsewhere)
     *color, alpha = reader.known[key]
     return (alpha,) if found.output.name == "Alpha" else color
+
+
+def _is_averaged(reader, node):
+    """Light, not data; heights are of points."""
+    return (reader.averages and not reader.shift and not reader.in_height and node.interpolation == "Linear"
+            and not node.image.colorspace_settings.is_data)
+
+
+def _near(reader, node, groups):
+    near = []
+    for axis in (0, 1):
+        reader.shift = (axis, _STEP)
+        near += place(reader, node.inputs["Vector"], groups)[:2]
+    reader.shift = None
+    return {"near": near, "step": _STEP}
 
 
 def is_cubic(node):

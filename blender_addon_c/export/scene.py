@@ -16,7 +16,7 @@ from .world import world_of
 
 _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces",
            "transparent_max_bounces")  # as in the settings and in the native module
-_SHORTCUTS = ("sample_clamp_direct", "sample_clamp_indirect", "light_sampling_threshold", "blur_glossy",
+_SHORTCUTS = ("sample_clamp_direct", "sample_clamp_indirect", "light_sampling_threshold", "blur_glossy", "texture_blur",
               "caustics_reflective", "caustics_refractive")
 _MOST_THREADS = 256  # that the native module starts
 
@@ -26,7 +26,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     colors = depsgraph.mode == "RENDER" and passes.have_colors(scene, depsgraph.view_layer)
-    table = Table(messages, scene.libshade.groove_transport, colors, camera, depsgraph)
+    table = Table(messages, scene.libshade, colors, camera, depsgraph)
     with tree.deep():
         meshes, instances, lights = _objects(depsgraph, table, mattes, messages)
         world = world_of(scene.world, table.images, messages)
@@ -44,7 +44,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         "transparent": render.film_transparent,
         **world,
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
-        "transparent_less": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
+        "transparent_less": bpy.app.version >= (5, 0),  # measured: 3.4, 4.2, 4.5 and 5.0
         **{name: getattr(scene.libshade, name) for name in _SHORTCUTS},
         **_adaptive(scene.libshade, samples),
         **_pixel_filter(scene.libshade),

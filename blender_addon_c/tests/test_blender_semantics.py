@@ -196,3 +196,16 @@ def test_clip_of_the_viewport(blender, tmp_path, perspective, clip, planes, show
     told, _ = blender.scene("viewport", tmp_path, dump="", perspective=perspective, clip=clip,
                             planes=planes)
     assert told["said"] == "" and told["alpha"] == pytest.approx(shown)
+
+
+@pytest.mark.parametrize("bent", [False, True])
+def test_images_far_away_are_averages(blender, tmp_path, bent):
+    """As Cycles has them by many points; by few points nearer to it where nodes let the mean through."""
+    def picture(engine, samples, **options):
+        blender.scene("minified", tmp_path, engine=engine, samples=samples, bent=bent, dump="", **options)
+        return rgba(tmp_path / "picture.exr")[4:-4, 4:-4, :3].astype(float)
+
+    truth = picture("CYCLES", 256)
+    assert picture("LIBSHADE", 256).mean() == pytest.approx(truth.mean(), rel=0.003)
+    averaged, points = (np.abs(picture("LIBSHADE", 4, **blur) - truth).mean() for blur in ({}, {"blur": 0.0}))
+    assert averaged == points if bent else averaged < 0.75 * points

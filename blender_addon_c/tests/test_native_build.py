@@ -73,7 +73,7 @@ def test_no_variant_of_a_stage_is_left_scalar(isa, register):
     """Four texels in each of three wrappings and, for a colour, two textures; eight of a ramp; two
     sample numbers in each of four cameras; three roots for the point of a light that has an extent
     and one for its middle; of the formulas six that have roots."""
-    for stage, word, count in (("normal_map", "gather", 12), ("image", "gather", 24),
+    for stage, word, count in (("normal_map", "gather", 12), ("image", "gather", 24), ("image", "sqrtps", 6),
                                ("ramp", "gather", 8), ("math", "sqrtps", 6), ("camera", "cvtdq2ps", 8),
                                ("point", "sqrtps", 4)):
         body = disassembly(isa)["stage_" + stage]

@@ -71,7 +71,7 @@ typedef struct walks {
   lane_v from;   /* the point at which its direction was drawn */
   lane_f pdf;    /* with which density, 1/sr */
   lane_f least;  /* the least density of the path so far */
-  lane_f width;  /* where the scene has cloth: of what the ray stands for, across it, there, */
+  lane_f width;  /* where the scene has cones: of what the ray stands for, across it, there, */
   lane_f spread; /* and how much wider that gets in a unit of its length */
   lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
                     gave a sample */
@@ -112,7 +112,7 @@ typedef struct surfaces {
   lane_v wo;      /* to the eye, in the shading frame */
   lane_f u, v;
   lane_v du, dv; /* position by u and v, where the scene has `stretch` */
-  lane_f width;  /* where it has cloth: across the ray, of what the hit stands for */
+  lane_f width;  /* where it has cones: across the ray, of what the hit stands for */
   /* where the scene is `identified`: which triangle and object, and the second and third corner's
    * weights */
   lane_u record, instance, object;
@@ -131,6 +131,7 @@ typedef struct inputs {
   lane_f blur;                /* this alpha */
   lane_f blurred[BLURRED];    /* alphas of the closure at hand, none of them less */
   lane_f constant[CONSTANTS]; /* operands of the node or closure at hand that are no registers */
+  float texture_blur;         /* colours of images are averaged over this part of a ray's width */
   /* where the scene has cloth: */
   lane_f term; /* a random number, which term of its footprint a hit is, if `single`; */
   bool single; /* else it is all of them */

@@ -15,6 +15,7 @@ typedef struct node_place {
   texture_set *textures;
   const layer *layer;
   object *const *object; /* the scene's, once it is there */
+  float texture_blur;    /* as of the scene */
   const char *material;  /* its name, */
   double exponent;       /* and how sharp it reflects */
   message_log *log;

@@ -1,23 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* An image's colour: `image`, its index; `at`, two operands, where it is not the UV map's place.
  * `cubic`, whether texels are mixed by cubic splines. Writes `out`, red, green and blue, and, where
- * it is there, `alpha`. */
+ * it is there, `alpha`. `averaged`: over what the ray stands for; `near`, where `at` is, two
+ * operands a step of `step` further along u and two as far along v. */
 #ifndef LIBSHADE_NODE_IMAGE_H
 #define LIBSHADE_NODE_IMAGE_H
 
-#include "node/common.h"
+#include "node/geometry.h"
 
 typedef struct node_image {
   int image, out[3], alpha; /* alpha: -1 where nothing asks for it */
-  bool placed, cubic;
-  operand at[2];
+  bool placed, cubic, averaged;
+  operand at[2], near[4];
+  float per_step;
   const texture *red_green, *blue_alpha;
 } node_image;
 
 static inline bool node_image_read(reader *r, node_image *n, graph *g) {
   n->alpha = -1;
   n->placed = reader_has(r, "at");
-  n->cubic = false;
+  n->cubic = n->averaged = false;
+  n->per_step = 0.0f;
+  double step = 1.0;
+  if (reader_has(r, "averaged") && !reader_flag(r, "averaged", &n->averaged))
+    return false;
+  if (n->averaged && n->placed) {
+    if (!graph_operands(r, g, "near", 4, n->near) || !reader_number(r, "step", &step))
+      return false;
+    n->per_step = (float)(1.0 / fmin(fmax(step, 1e-6), 1.0));
+  }
   return (!reader_has(r, "cubic") || reader_flag(r, "cubic", &n->cubic)) &&
          reader_integer(r, "image", 0, (long)g->images - 1, &n->image) &&
          (!n->placed || graph_operands(r, g, "at", 2, n->at)) &&
@@ -27,8 +38,12 @@ static inline bool node_image_read(reader *r, node_image *n, graph *g) {
 
 static inline bool node_image_build(node_image *n, const node_place *place) {
   const image *source = place->image + n->image;
-  n->red_green = texture_request(place->textures, source, TEXTURE_RED_GREEN, 1.0f);
-  n->blue_alpha = texture_request(place->textures, source, TEXTURE_BLUE_ALPHA, 1.0f);
+  n->averaged = n->averaged && !n->cubic && !source->closest && place->texture_blur > 0.0f;
+  texture_coarse coarse = !n->averaged    ? COARSE_NONE
+                          : n->alpha >= 0 ? COARSE_WEIGHTED
+                                          : COARSE_EVEN;
+  n->red_green = texture_request(place->textures, source, TEXTURE_RED_GREEN, 1.0f, coarse);
+  n->blue_alpha = texture_request(place->textures, source, TEXTURE_BLUE_ALPHA, 1.0f, coarse);
   return n->red_green && n->blue_alpha;
 }
 
@@ -100,9 +115,95 @@ LEAF void node_image_cubic(image_wrap wrap, const node_image *n, lane_run g, con
   }
 }
 
+/* How much the place in the image, in texels, changes along u and v. */
+typedef struct image_slope {
+  float s_u, s_v, t_u, t_v;
+} image_slope;
+
+/*
+ * How many texels a ray of this width stands for, squared, where they are fewest: of the ellipse
+ * that its round section covers in the image the short axis. With q across the ray and across_u,
+ * across_v as in node/weave.h it is the smaller singular value of q to texels.
+ */
+LEAF float image_footprint(const surfaces *restrict point, size_t i, image_slope by, float width) {
+  vec3 eye = world_of(point, i, load(&point->wo, i));
+  vec3 du = load(&point->du, i), dv = load(&point->dv, i);
+  vec3 v = cross(dv, eye), u = cross(eye, du);
+  vec3 s = {by.s_u * v.x + by.s_v * u.x, by.s_u * v.y + by.s_v * u.y, by.s_u * v.z + by.s_v * u.z};
+  vec3 t = {by.t_u * v.x + by.t_v * u.x, by.t_u * v.y + by.t_v * u.y, by.t_u * v.z + by.t_v * u.z};
+  float ss = dot(s, s), tt = dot(t, t), st = dot(s, t), half = 0.5f * (ss - tt);
+  float larger = 0.5f * (ss + tt) + sqrtf(half * half + st * st);
+  float area = (by.s_u * by.t_v - by.s_v * by.t_u) * width;
+  return area * area / (larger > 1e-30f ? larger : 1e-30f);
+}
+
+/*
+ * A texel's mean, weighted by how near it is looked up, spreads as far as that over a square of the
+ * square root of three times its width: from that width on the image is seen coarser. Between two
+ * levels a point takes either, by the last bits of its place, so that in the mean it is as far.
+ */
+LEAF int image_level(float texels2, int count, float u, float v) {
+  float square = clampf(texels2 * (1.0f / 3.0f), 1.0f, 1e12f);
+  int level = ((bits_of_float(square) >> 23) - 127) >> 1; /* 4^level <= square < 4^(level + 1) */
+  float more = square * float_of_bits((127 - 2 * level) << 23) - 1.0f;
+  uint32_t h = mix((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v));
+  level += 3.0f * unit_float(h) < more ? 1 : 0;
+  return level < count - 1 ? level : count - 1;
+}
+
+LEAF texel_place image_find(image_wrap wrap, const texture_levels *restrict of, int level, float u,
+                            float v) {
+  float half = float_of_bits((127 - level) << 23); /* halved so often */
+  float width = floor_small(of->width * half), height = floor_small(of->height * half);
+  width = width > 1.0f ? width : 1.0f;
+  height = height > 1.0f ? height : 1.0f;
+  float x = texel_position(wrap, u, width, 1.0f), y = texel_position(wrap, v, height, 1.0f);
+  int column = (int)x, line = (int)y, stride = (int)width + TEXTURE_RIM;
+  return (texel_place){.at = of->at[level] + line * stride + column,
+                       .stride = stride,
+                       .s = x - (float)column,
+                       .t = y - (float)line};
+}
+
+LEAF void node_image_averaged(bool placed, image_wrap wrap, const node_image *n, lane_run g,
+                              const float *u, const float *v, const surfaces *restrict point,
+                              inputs *at) {
+  const texture_levels of = n->red_green->level; /* the other's are alike */
+  const uint32_t *red_green = n->red_green->texel, *blue_alpha = n->blue_alpha->texel;
+  float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
+  float *alpha = n->alpha < 0 ? at->constant[2] : at->at[n->alpha];
+  const float *near[4];
+  for (int k = 0; k < 4; k++)
+    near[k] = placed ? lane_of(at, n->near[k], 3 + k, g) : u;
+  const float *su = near[0], *tu = near[1], *sv = near[2], *tv = near[3];
+  const float width = of.width, height = of.height, blur = at->texture_blur;
+  const float by_s = width * n->per_step, by_t = height * n->per_step;
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    image_slope by = {.s_u = placed ? (su[i] - u[i]) * by_s : width,
+                      .s_v = placed ? (sv[i] - u[i]) * by_s : 0.0f,
+                      .t_u = placed ? (tu[i] - v[i]) * by_t : 0.0f,
+                      .t_v = placed ? (tv[i] - v[i]) * by_t : height};
+    float texels2 = image_footprint(point, i, by, blur * point->width[i]);
+    int level = image_level(texels2, of.count, u[i], v[i]);
+    texel_place p = image_find(wrap, &of, level, u[i], v[i]);
+    float a, b, c, d;
+    texel_pair(red_green, p, &a, &b);
+    texel_pair(blue_alpha, p, &c, &d);
+    red[i] = tint(a);
+    green[i] = tint(b);
+    blue[i] = tint(c);
+    alpha[i] = tint(d);
+  }
+}
+
 LEAF void node_image_any(image_wrap wrap, const node_image *n, lane_run g, const float *u,
-                         const float *v, inputs *at) {
-  if (n->cubic)
+                         const float *v, const surfaces *point, inputs *at) {
+  if (n->averaged && n->placed && at->texture_blur > 0.0f)
+    node_image_averaged(true, wrap, n, g, u, v, point, at);
+  else if (n->averaged && at->texture_blur > 0.0f)
+    node_image_averaged(false, wrap, n, g, u, v, point, at);
+  else if (n->cubic)
     node_image_cubic(wrap, n, g, u, v, at);
   else
     node_image_wrapped(wrap, n, g, u, v, at);
@@ -115,14 +216,14 @@ LEAF void node_image_run(const node_image *n, lane_run g, const corners *corner,
   (void)corner;
   switch (n->red_green->wrap) {
   case WRAP_REPEAT:
-    node_image_any(WRAP_REPEAT, n, g, u, v, at);
+    node_image_any(WRAP_REPEAT, n, g, u, v, point, at);
     break;
   case WRAP_MIRROR:
-    node_image_any(WRAP_MIRROR, n, g, u, v, at);
+    node_image_any(WRAP_MIRROR, n, g, u, v, point, at);
     break;
   case WRAP_EXTEND:
   case WRAP_CLIP:
-    node_image_any(WRAP_EXTEND, n, g, u, v, at);
+    node_image_any(WRAP_EXTEND, n, g, u, v, point, at);
   }
 }
 

@@ -23,7 +23,7 @@ static inline bool node_normal_map_read(reader *r, node_normal_map *n, graph *g)
 
 static inline bool node_normal_map_build(node_normal_map *n, const node_place *place) {
   const image *source = place->image + n->image;
-  n->normal = texture_request(place->textures, source, TEXTURE_NORMAL, n->strength);
+  n->normal = texture_request(place->textures, source, TEXTURE_NORMAL, n->strength, COARSE_NONE);
   if (place->exponent > 500.0 && texture_is_8bit(source))
     message_warn(place->log,
                  "material %s: an 8-bit normal map is too coarse for an exponent of %g; use "

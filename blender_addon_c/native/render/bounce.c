@@ -34,6 +34,7 @@ bool batch_init(worker *w) {
   memset(&w->batch->drawn, 0, sizeof w->batch->drawn);
   w->batch->drawn.tfar[BATCH] = -1.0f; /* of those that no light reaches */
   w->batch->input.cloth = NULL;
+  w->batch->input.texture_blur = w->observer ? 0.0f : w->scene->texture_blur; /* dumps say points */
   w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
   memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
   memset(w->batch->surface.width, 0, sizeof(lane_f));
@@ -298,7 +299,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   const scene *s = w->scene;
   batch *b = w->batch;
   hits_surface(w);
-  if (s->cloths)
+  if (s->cones)
     s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   draw_terms(w, bounce, phase);
   hits_nodes(w);
@@ -345,7 +346,7 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->meets,
                         q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray,
                         b->chosen, b->next, &b->sample_ray);
-  if (w->scene->cloths)
+  if (w->scene->cones)
     s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->walk, b->next);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
@@ -507,7 +508,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   size_t phase = view->first % p->period;
   bool paths = !w->observer && (scene->max_bounces > 0 || scene->passes || scene->meets ||
                                 scene->choices > 1 || scene->clamp_direct > 0.0f || w->light ||
-                                scene->cloths || scene->light_threshold > 0.0f);
+                                scene->cones || scene->light_threshold > 0.0f);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
@@ -528,7 +529,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     return;
   if (paths)
     begin_walks(w, count);
-  if (scene->cloths)
+  if (scene->cones)
     s->pixel_cone(count, view, &b->sample_ray, b->walk);
   if (w->light)
     light_passes_begin(w, view, count);

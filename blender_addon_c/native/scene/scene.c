@@ -51,6 +51,7 @@ static bool build_cloths(scene *s, const atomic_bool *cancel, message_log *log) 
 
 static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
+  s->cones = s->cloths > 0;
   for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
@@ -58,11 +59,14 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
                         .textures = &s->textures,
                         .layer = s->layer,
                         .object = &s->object,
+                        .texture_blur = s->texture_blur,
                         .material = m->name,
                         .exponent = sharpest(m),
                         .log = log};
     for (size_t k = 0; good && k < m->nodes; k++)
       good = build_node(&m->node[k], &place);
+    for (size_t k = 0; good && k < m->nodes; k++)
+      s->cones = s->cones || (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged);
   }
   if (!good || !texture_pack(&s->textures, s->threads, cancel))
     return message_error(log, "out of memory");

@@ -135,6 +135,7 @@ typedef struct scene {
   walk_limits limits;
   float light_threshold; /* light samples that bring less are worth a shadow ray now and then; 0 */
   float blur_glossy;     /* lobes that a path meets by chance are blurred the more; 0: not */
+  float texture_blur;    /* of a ray's width, over which colours of images are averaged; 0: not */
   bool no_reflected, no_refracted; /* caustics: of matt surfaces by mirrors, through glass */
   bool passes;                     /* some material lets rays pass on */
   camera camera;
@@ -165,6 +166,7 @@ typedef struct scene {
   stretch *stretch; /* by triangle, where a material asks for it */
   uint8_t *hidden;  /* by triangle: ray_kinds that do not see it; NULL where all see all */
   object *object;   /* by instance, where nodes ask */
+  bool cones;       /* cloth or images ask how much a ray stands for */
   bool curved;      /* any of them, where the scene wants to know */
   placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;

@@ -10,12 +10,23 @@
 
 enum { BLOCK = 512, ROWS_PER_TASK = 32, SRGB_STEPS = 4096 };
 
+static bool has_alpha(const image *m) {
+  return m->channels % 2 == 0;
+}
+
 const texture *texture_request(texture_set *set, const image *source, texture_kind kind,
-                               float strength) {
-  for (size_t i = 0; i < set->count; i++)
-    if (set->item[i]->source == source && set->item[i]->kind == kind &&
-        set->item[i]->strength == strength)
-      return set->item[i];
+                               float strength, texture_coarse coarse) {
+  if (coarse == COARSE_WEIGHTED && !has_alpha(source))
+    coarse = COARSE_EVEN;
+  for (size_t i = 0; i < set->count; i++) {
+    texture *t = set->item[i];
+    if (t->source != source || t->kind != kind || t->strength != strength)
+      continue;
+    if (t->coarse == COARSE_NONE)
+      t->coarse = coarse; /* the image itself is the same */
+    if (t->coarse == coarse || coarse == COARSE_NONE)
+      return t;
+  }
   texture **item = realloc(set->item, (set->count + 1) * sizeof *item);
   if (!item)
     return NULL;
@@ -30,7 +41,8 @@ const texture *texture_request(texture_set *set, const image *source, texture_ki
                  .linear = source->closest ? 0.0f : 1.0f,
                  .source = source,
                  .kind = kind,
-                 .strength = strength};
+                 .strength = strength,
+                 .coarse = coarse};
   item[set->count++] = t;
   return t;
 }
@@ -48,7 +60,7 @@ void texture_free(texture_set *set) {
 static void load(const image *m, size_t first, size_t count, int channel, float *restrict out) {
   size_t stride = (size_t)m->channels;
   bool alpha = channel == 3;
-  if (alpha && m->channels % 2) {
+  if (alpha && !has_alpha(m)) {
     for (size_t i = 0; i < count; i++)
       out[i] = 1.0f;
     return;
@@ -139,9 +151,31 @@ static int rim_source(const texture *t, int k, int size) {
   return -1;
 }
 
+static int level_size(int size, int level) {
+  size >>= level;
+  return size > 1 ? size : 1;
+}
+static int level_stride(const texture *t, int level) {
+  return level_size(t->width, level) + TEXTURE_RIM;
+}
+
+/* Texel (0, y) of a level. */
+static uint32_t *level_row(const texture *t, int level, int y) {
+  return t->texel + t->level.at[level] + (ptrdiff_t)(y + 1) * level_stride(t, level) + 1;
+}
+
+static void pack_rim(const texture *t, int level, int y) {
+  uint32_t *row = level_row(t, level, y);
+  int width = level_size(t->width, level);
+  for (int k = -1; k < width + 2; k = k < 0 ? width : k + 1) {
+    int from = rim_source(t, k, width);
+    row[k] = from < 0 ? outside(t) : row[from];
+  }
+}
+
 static void pack_row(const texture *t, int y) {
   const image *m = t->source;
-  uint32_t *row = t->texel + (size_t)(y + 1) * (size_t)t->stride + 1;
+  uint32_t *row = level_row(t, 0, y);
   float channel[4][BLOCK];
   size_t width = (size_t)t->width;
   int first = t->kind == TEXTURE_BLUE_ALPHA ? 2 : 0;
@@ -160,50 +194,172 @@ static void pack_row(const texture *t, int y) {
     else
       pack_color(count, channel[2], channel[3], row + x);
   }
-  for (int k = -1; k < t->width + 2; k = k < 0 ? t->width : k + 1) {
-    int from = rim_source(t, k, t->width);
-    row[k] = from < 0 ? outside(t) : row[from];
-  }
+  pack_rim(t, 0, y);
 }
 
-static void pack_rim_rows(const texture *t) {
-  size_t stride = (size_t)t->stride;
-  for (int k = -1; k < t->height + 2; k = k < 0 ? t->height : k + 1) {
-    int from = rim_source(t, k, t->height);
-    uint32_t *row = t->texel + (size_t)(k + 1) * stride;
+static void pack_rim_rows(const texture *t, int level) {
+  size_t stride = (size_t)level_stride(t, level);
+  int height = level_size(t->height, level);
+  for (int k = -1; k < height + 2; k = k < 0 ? height : k + 1) {
+    int from = rim_source(t, k, height);
+    uint32_t *row = level_row(t, level, k) - 1;
     if (from >= 0)
-      memcpy(row, t->texel + (size_t)(from + 1) * stride, stride * sizeof *row);
+      memcpy(row, level_row(t, level, from) - 1, stride * sizeof *row);
     else
       for (size_t x = 0; x < stride; x++)
         row[x] = outside(t);
   }
 }
 
+/* Of an axis's texel k, which finer ones it covers, and how much of the first and of the last. */
+typedef struct cover {
+  int first, last;
+  float begin, end;
+} cover;
+
+static cover cover_of(int k, int size, int finer) {
+  double begin = (double)k * finer / size, end = (double)(k + 1) * finer / size;
+  int first = (int)begin, last = (int)ceil(end) - 1;
+  last = last < finer ? last : finer - 1;
+  return (cover){first, last, (float)(fmin(first + 1, end) - begin),
+                 last > first ? (float)(end - last) : 0.0f};
+}
+
+static float cover_weight(const cover *c, int k) {
+  return k == c->first ? c->begin : k == c->last ? c->end : 1.0f;
+}
+
+static float first_of(uint32_t pair) {
+  return (float)(int16_t)(pair & 0xffffu) * (1.0f / 32767.0f);
+}
+static float second_of(uint32_t pair) {
+  return (float)(int16_t)(pair >> 16) * (1.0f / 32767.0f);
+}
+
+/* Sizes that halve, of texels that count alike. */
+static void pack_halved_row(const texture *t, int level, int y) {
+  const uint32_t *low = level_row(t, level - 1, 2 * y), *high = level_row(t, level - 1, 2 * y + 1);
+  uint32_t *row = level_row(t, level, y);
+  int width = level_size(t->width, level);
+  for (int x = 0; x < width; x++) {
+    uint32_t p = low[2 * x], q = low[2 * x + 1], r = high[2 * x], s = high[2 * x + 1];
+    int a = (int16_t)p + (int16_t)q + (int16_t)r + (int16_t)s;
+    int b = ((int32_t)p >> 16) + ((int32_t)q >> 16) + ((int32_t)r >> 16) + ((int32_t)s >> 16);
+    row[x] = ((uint32_t)((a + 2) >> 2) & 0xffffu) | (uint32_t)((b + 2) >> 2) << 16;
+  }
+  pack_rim(t, level, y);
+}
+
+/* A row of a coarser level; alpha: the texture whose second number says how much each texel counts,
+ * or NULL. Where nothing counts they count alike. */
+static void pack_coarse_row(const texture *t, const texture *alpha, int level, int y) {
+  int finer_width = level_size(t->width, level - 1),
+      finer_height = level_size(t->height, level - 1);
+  int width = level_size(t->width, level), height = level_size(t->height, level);
+  if (!alpha && finer_width == 2 * width && finer_height == 2 * height) {
+    pack_halved_row(t, level, y);
+    return;
+  }
+  uint32_t *row = level_row(t, level, y);
+  cover down = cover_of(y, height, finer_height);
+  for (int x = 0; x < width; x++) {
+    cover along = cover_of(x, width, finer_width);
+    float a = 0, b = 0, sum = 0, wa = 0, wb = 0, weights = 0;
+    for (int j = down.first; j <= down.last; j++) {
+      const uint32_t *from = level_row(t, level - 1, j);
+      const uint32_t *by = alpha ? level_row(alpha, level - 1, j) : NULL;
+      for (int i = along.first; i <= along.last; i++) {
+        float share = cover_weight(&down, j) * cover_weight(&along, i);
+        float weight = by ? share * (0.5f + 0.5f * second_of(by[i])) : share;
+        a += share * first_of(from[i]);
+        b += share * second_of(from[i]);
+        wa += weight * first_of(from[i]);
+        wb += weight * second_of(from[i]);
+        sum += share;
+        weights += weight;
+      }
+    }
+    bool counts = weights > 1e-6f, own = alpha == t; /* alpha itself is a plain mean */
+    float scale = 1.0f / (counts ? weights : sum);
+    row[x] = pack_pair(clamp((counts ? wa : a) * scale, -1.0f, 1.0f),
+                       clamp(own ? b / sum : (counts ? wb : b) * scale, -1.0f, 1.0f));
+  }
+  pack_rim(t, level, y);
+}
+
+/* Where each level begins; no more than fit into an int. Returns the texels of all. */
+static size_t find_levels(texture *t) {
+  texture_levels *l = &t->level;
+  size_t texels = 0;
+  *l = (texture_levels){.width = (float)t->width, .height = (float)t->height};
+  do {
+    size_t width = (size_t)level_size(t->width, l->count);
+    size_t height = (size_t)level_size(t->height, l->count);
+    size_t more = (width + TEXTURE_RIM) * (height + TEXTURE_RIM);
+    if (l->count && texels + more > INT32_MAX)
+      break;
+    l->at[l->count++] = (int)texels;
+    texels += more;
+    if (width == 1 && height == 1)
+      break;
+  } while (t->coarse != COARSE_NONE && l->count < TEXTURE_LEVELS);
+  return texels;
+}
+
 typedef struct pack_task {
-  const texture *texture;
+  const texture *texture, *alpha;
+  int level, height;
   const atomic_bool *cancel;
 } pack_task;
 
 static void pack_rows(void *context, size_t task) {
   const pack_task *p = context;
   int y = (int)task * ROWS_PER_TASK, end = y + ROWS_PER_TASK;
-  for (; y < end && y < p->texture->height; y++)
-    if (!atomic_load_explicit(p->cancel, memory_order_relaxed))
+  for (; y < end && y < p->height; y++)
+    if (atomic_load_explicit(p->cancel, memory_order_relaxed))
+      return;
+    else if (p->level)
+      pack_coarse_row(p->texture, p->alpha, p->level, y);
+    else
       pack_row(p->texture, y);
+}
+
+static void pack_level(const texture *t, const texture *alpha, int level, int threads,
+                       const atomic_bool *cancel) {
+  pack_task task = {.texture = t,
+                    .alpha = alpha,
+                    .level = level,
+                    .height = level_size(t->height, level),
+                    .cancel = cancel};
+  parallel_for(threads, ((size_t)task.height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, pack_rows,
+               &task);
+  pack_rim_rows(t, level);
+}
+
+/* The texture that has the alpha of a weighted one. */
+static const texture *alpha_of(const texture_set *set, const texture *t) {
+  for (size_t i = 0; t->coarse == COARSE_WEIGHTED && i < set->count; i++)
+    if (set->item[i]->source == t->source && set->item[i]->kind == TEXTURE_BLUE_ALPHA &&
+        set->item[i]->coarse == COARSE_WEIGHTED)
+      return set->item[i];
+  return NULL;
 }
 
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
   pthread_once(&srgb_once, srgb_table_fill);
   for (size_t i = 0; i < set->count; i++) {
     texture *t = set->item[i];
-    t->texel = malloc((size_t)t->stride * (size_t)(t->height + TEXTURE_RIM) * sizeof *t->texel);
+    t->texel = malloc(find_levels(t) * sizeof *t->texel);
     if (!t->texel)
       return false;
-    pack_task task = {.texture = t, .cancel = cancel};
-    parallel_for(threads, ((size_t)t->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, pack_rows,
-                 &task);
-    pack_rim_rows(t);
+    pack_level(t, NULL, 0, threads, cancel);
   }
+  for (int level = 1; level < TEXTURE_LEVELS; level++)
+    for (size_t i = 0; i < set->count; i++) {
+      const texture *t = set->item[i];
+      if (level < t->level.count)
+        pack_level(t, alpha_of(set, t), level, threads, cancel);
+    }
   return true;
 }
 

@@ -4,6 +4,9 @@
  * A normal map is one plane (x and y of the unit normal, strength applied; z is
  * the positive root), a colour two (2 red - 1 and 2 green - 1; 2 blue - 1 and 2 alpha - 1).
  * 16 bits are as good as float: the displaced plate's error is .0012 with either.
+ *
+ * A colour may have coarser levels, each half as large as the one before down to one texel, a third
+ * more memory in all: a texel there is the mean of those that it covers, in linear light.
  */
 #ifndef LIBSHADE_TEXTURE_H
 #define LIBSHADE_TEXTURE_H
@@ -26,9 +29,19 @@ typedef struct image {
 } image;
 
 /* A texture's width and height are those of its image and this. */
-enum { TEXTURE_RIM = 3 };
+enum { TEXTURE_RIM = 3, TEXTURE_LEVELS = 24 };
 
 typedef enum texture_kind { TEXTURE_NORMAL, TEXTURE_RED_GREEN, TEXTURE_BLUE_ALPHA } texture_kind;
+
+/* WEIGHTED: means of colours go by their alpha, as what is behind them sees them. */
+typedef enum texture_coarse { COARSE_NONE, COARSE_EVEN, COARSE_WEIGHTED } texture_coarse;
+
+/* Level 0 is the image, of this width and height; each other is half as large, rounded down, but a
+ * texel at least. Where the texels of each begin. */
+typedef struct texture_levels {
+  int count, at[TEXTURE_LEVELS];
+  float width, height;
+} texture_levels;
 
 typedef struct texture {
   /*
@@ -43,6 +56,8 @@ typedef struct texture {
   const image *source;
   texture_kind kind;
   float strength;
+  texture_coarse coarse;
+  texture_levels level;
 } texture;
 
 typedef struct texture_set {
@@ -50,9 +65,10 @@ typedef struct texture_set {
   texture **item;
 } texture_set;
 
-/* The texture for an image, the same one for the same request. NULL when out of memory. */
+/* The texture for an image, the same one for the same request. NULL when out of memory. Normals
+ * have no coarser levels: the mean of normals is no normal of the mean. */
 const texture *texture_request(texture_set *set, const image *source, texture_kind kind,
-                               float strength);
+                               float strength, texture_coarse coarse);
 
 /* Fill all requested textures. False when out of memory; stops early when *cancel is true. */
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel);

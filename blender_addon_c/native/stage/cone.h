@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How wide what a ray stands for is: of the camera's a pixel, later the more the less is known of
- * where light comes from. Cloth is seen yarn by yarn or from afar by that. */
+ * where light comes from. Cloth is seen yarn by yarn or from afar by that, images as coarsely. */
 #include "batch/leaf.h"
 #include "stage/stage.h"
 

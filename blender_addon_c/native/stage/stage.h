@@ -90,7 +90,7 @@ typedef struct stage_table {
   /* Where the scene has bumps by heights. */
   void (*stretch)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
                   surfaces *out);
-  /* Where the scene has cloth: widths of the camera's rays, by sample, of hits, and of rays drawn.
+  /* Where the scene has cones: widths of the camera's rays, by sample, of hits, and of rays drawn.
    */
   void (*pixel_cone)(size_t count, const camera_view *view, const rays *ray, walks *walk);
   void (*width)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,

@@ -474,6 +474,40 @@ def wraps(options):
     return {}
 
 
+def minified(options):
+    """A plane that shines with an image of twelve texels a pixel: through a Mapping node, then a node
+    that averages do not pass."""
+    scene = common.empty_scene(32, 32, samples=options["samples"])
+    size, rng = 384, np.random.default_rng(3)
+    image = bpy.data.images.new("noise", size, size, float_buffer=True)  # linear: Cycles mixes bytes as coded
+    pixels = np.ones((size, size, 4), np.float32)
+    pixels[..., :3] = rng.random((size, size, 3)) > 0.5
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    material, tree, _ = common.metal()
+    texture, mapping = common.image_node(tree, image), tree.nodes.new("ShaderNodeMapping")
+    mapping.inputs["Rotation"].default_value = (0, 0, 0.5)
+    mapping.inputs["Scale"].default_value = (1.5, 1, 1)
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["UV"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    shader, color = tree.nodes.new("ShaderNodeEmission"), texture.outputs["Color"]
+    if options["bent"]:
+        node = tree.nodes.new("ShaderNodeGamma")
+        node.inputs["Gamma"].default_value = 3.0
+        tree.links.new(color, node.inputs["Color"])
+        color = node.outputs["Color"]
+    tree.links.new(color, shader.inputs["Color"])
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    common.plane(material, 1)
+    common.camera(scene, type="ORTHO", ortho_scale=1)
+    scene.render.engine = options["engine"]
+    scene.libshade.texture_blur = options.get("blur", scene.libshade.texture_blur)
+    if options["engine"] == "CYCLES":
+        scene.cycles.samples, scene.cycles.use_denoising = options["samples"], False
+    common.render(options["picture"])
+    return {}
+
+
 def graph(options):
     """Planes side by side, each showing what one node says: as the metal's colour, or in Cycles as
     emission. A case: the node, its settings, its inputs (numbers, or A, B: images of one colour)."""

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which images a graph averages: those that light is proportional to. Without Blender."""
+
+import importlib.util
+
+import pytest
+
+from native_scenes import ROOT
+
+_SPEC = importlib.util.spec_from_file_location("graph", ROOT / "blender_addon_c/export/graph.py")
+graph = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(graph)
+
+
+def is_averaged(use):
+    """use: (program, the image's colour) -> what a closure has."""
+    program = graph.Program()
+    color = program.emit("IMAGE", 3, image=0, averaged=True, near=[0.0] * 4, step=0.1)
+    nodes, _ = program.finish([{"closure": "DIFFUSE", **use(program, color)}])
+    image = next(node for node in nodes if node["type"] == "IMAGE")
+    assert ("near" in image) == ("averaged" in image)
+    return "averaged" in image
+
+
+LINEAR = {
+    "color": lambda p, c: {"color": c},
+    "weight": lambda p, c: {"weight": c},
+    "scaled": lambda p, c: {"color": [p.math("DIVIDE", p.math("MULTIPLY_ADD", c[0], 2.0, 0.1), 3.0)] * 3},
+    "mixed": lambda p, c: {"color": [p.emit("MIX", 1, mode="MIX", factor=[c[0]], a=[0.2], b=[0.9])[0]] * 3},
+    "product of two": lambda p, c: {"color": [p.math("MULTIPLY", c[0], c[1])] * 3},
+    "seen in passes alone": lambda p, c: {"color": c, "pass_color": [p.math("POWER", c[0], 2.0)] * 3},
+    "left out": lambda p, c: (p.math("POWER", c[0], 2.0), {"color": c})[1],
+}
+BENT = {
+    "roughness": lambda p, c: {"roughness": c[:1]},
+    "normal": lambda p, c: {"normal": c},
+    "ramp": lambda p, c: {"color": p.emit("RAMP", 3, factor=c[:1])},
+    "power": lambda p, c: {"color": [p.math("POWER", c[0], 2.0)] * 3},
+    "square": lambda p, c: {"color": [p.math("MULTIPLY", c[0], c[0])] * 3},
+    "under a line": lambda p, c: {"color": [p.math("DIVIDE", 1.0, c[0])] * 3},
+    "further on": lambda p, c: {"color": [p.math("SQRT", p.math("ADD", c[0], 1.0))] * 3},
+    "both": lambda p, c: {"color": c, "roughness": c[:1]},
+    "overlay": lambda p, c: {"color": [p.emit("MIX", 1, mode="OVERLAY", factor=[1.0], a=[c[0]], b=[0.9])[0]] * 3},
+    "where to look": lambda p, c: {"color": p.emit("IMAGE", 3, image=1, at=c[:2])},
+}
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_averaged(name):
+    assert is_averaged(LINEAR[name])
+
+
+@pytest.mark.parametrize("name", BENT)
+def test_not_averaged(name):
+    assert not is_averaged(BENT[name])
+
+
+def test_a_full_graph_looks_at_points():
+    """What averages need would be too many registers at once."""
+    program = graph.Program()
+    places = [program.emit("OBJECT", 3, what="LOCATION") for _ in range(19)]  # 57 registers of 61
+    color = program.emit("IMAGE", 3, image=0, at=places[0][:2], averaged=True, step=0.1,
+                         near=program.emit("OBJECT", 3, what="COLOR") + program.emit("OBJECT", 1, what="NUMBERS"))
+    sum_ = 0.0
+    for part in (part for place in places for part in place):
+        sum_ = program.math("ADD", sum_, part)
+    nodes, _ = program.finish([{"closure": "DIFFUSE", "color": color, "weight": [sum_] * 3}])
+    assert not any("averaged" in node for node in nodes)

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images averaged over what a ray stands for, against means and waves worked out by hand."""
+
+import numpy as np
+import pytest
+
+from native_scenes import image, look_at, native, ortho, registers, render, scene, square
+
+WIDE = 256  # texels
+SIDE = 16  # pixels: each WIDE / SIDE texels wide
+UV, TURNED, NEAR_U, NEAR_V, COLOR, ALPHA = 3, 6, 9, 12, 15, 18
+
+
+def shining(mixed=False, at=None, **given):
+    """A material that shines with the image; mixed: and lets light from behind through by its alpha."""
+    look = {"type": "IMAGE", "image": 0, "out": registers(COLOR, 3), "averaged": True, **given}
+    nodes = []
+    if at is not None:
+        step = 1 / 256
+        nodes = [{"type": "GEOMETRY", "what": "UV", "out": registers(UV, 3)}]
+        for out, moved in ((TURNED, (0, 0)), (NEAR_U, (step, 0)), (NEAR_V, (0, step))):
+            matrix = np.array(at, float)
+            matrix[:2, 3] += matrix[:2, :2] @ moved
+            nodes.append({"type": "TRANSFORM", "vector": registers(UV, 3), "matrix": matrix.ravel().tolist(),
+                          "unit": False, "out": registers(out, 3)})
+        look |= {"at": registers(TURNED, 2), "near": registers(NEAR_U, 2) + registers(NEAR_V, 2), "step": step}
+    if mixed:
+        look["alpha"] = registers(ALPHA, 1)
+    return {"name": "shining", "nodes": nodes + [look],
+            "closures": [{"closure": "EMISSION", "weight": registers(COLOR, 3)}]}
+
+
+def seen(pixels, blur, material=None, camera=None, side=SIDE, samples=64, **given):
+    """The first channel, row 0 at the bottom."""
+    made = scene(width=side, height=side, samples=samples, lights=[], transparent=False, images=[image(pixels, **given)],
+                 materials=[material or shining()], camera=camera or ortho(), texture_blur=blur)
+    return render(made)[0][..., :3]
+
+
+def wave(periods, across=WIDE, down=8, vertical=False):
+    """A cosine along u, or v, about a half."""
+    x = (np.arange(across) + 0.5) / across
+    line = 0.5 + 0.4 * np.cos(2 * np.pi * periods * x)
+    grid = np.repeat(line[None], down, 0)
+    return np.repeat((grid.T if vertical else grid)[..., None], 3, -1).astype(np.float32)
+
+
+def amplitude(line, periods):
+    """Of this many periods in a row of pixels."""
+    x = (np.arange(len(line)) + 0.5) / len(line)
+    return 2 * np.mean(line * np.exp(-2j * np.pi * periods * x))
+
+
+def kept(texels, periods):
+    """Of a wave's amplitude by a blur as far as that of a square of so many texels."""
+    return np.exp(-2 * np.pi**2 * (periods / WIDE) ** 2 * texels**2 / 12)
+
+
+@pytest.mark.parametrize("blur", [0.5, 1.0, 2.0, 3.3])
+def test_a_wave_fades_as_by_the_footprint(blur):
+    """Pixels are squares beside it."""
+    texels, periods = WIDE / SIDE, 2
+    found = seen(wave(periods, down=WIDE), blur, samples=1024).mean(0)[:, 0]
+    wanted = 0.4 * np.sinc(periods / SIDE) * kept(blur * texels, periods)
+    assert abs(amplitude(found, periods)) == pytest.approx(wanted, abs=0.0015)
+
+
+@pytest.mark.parametrize("vertical", [False, True])
+def test_the_short_axis_of_an_oblique_footprint_counts(vertical):
+    """Seen at 60 degrees a pixel is twice as long along y; the image is blurred as across, either way."""
+    blur, periods, texels = 2.0, 2, WIDE / SIDE
+    camera = ortho() | {"matrix": look_at((0, -3 * np.sin(np.pi / 3), 1.5), (0, 0, 0)).ravel().tolist()}
+    if vertical:  # pixels see the middle of the square, all of it fits into half of the frame
+        camera |= {"frame": (-1, 1, -0.5, 0.5)}
+    pixels = wave(periods, down=WIDE, vertical=vertical)
+    found = seen(pixels, blur, camera=camera, samples=1024)[..., 0]
+    if vertical:
+        texels *= np.sqrt(0.5)  # a pixel's side is that of a square as large
+        assert abs(amplitude(found.mean(1), periods)) == pytest.approx(
+            0.4 * np.sinc(periods / SIDE) * kept(blur * texels, periods), abs=0.002)
+    else:
+        middle = found[SIDE // 2 - 3:SIDE // 2 + 3].mean(0)
+        assert abs(amplitude(middle, periods)) == pytest.approx(
+            0.4 * np.sinc(periods / SIDE) * kept(blur * texels, periods), abs=0.002)
+
+
+def test_coordinates_say_how_large_the_footprint_is():
+    """Turned by 30 degrees, three times as dense along one axis as along the other."""
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    turned = np.zeros((3, 4))
+    turned[:2, :2] = np.diag((3.0, 1.0)) @ ((c, -s), (s, c))
+    blur, texels = 2.0, WIDE / SIDE
+    found = seen(wave(1, down=WIDE, vertical=True), blur, shining(at=turned), samples=1024)[..., 0]
+    y, x = (np.mgrid[:SIDE, :SIDE] + 0.5) / SIDE
+    plain = np.exp(-2j * np.pi * (s * x + c * y))
+    # the wave runs along the second axis, by one period in a turned unit of the picture
+    fit = np.c_[np.ones(x.size), plain.real.ravel(), plain.imag.ravel()]
+    _, a, b = np.linalg.lstsq(fit, found.ravel().astype(float), rcond=None)[0]
+    wanted = 0.4 * np.sinc(s / SIDE) * np.sinc(c / SIDE) * kept(blur * texels, 1)
+    assert np.hypot(a, b) == pytest.approx(wanted, abs=0.002)
+
+
+@pytest.mark.parametrize("wrap", ["REPEAT", "MIRROR"])
+@pytest.mark.parametrize("size", [(64, 64), (47, 65), (3, 200), (1, 1)])
+def test_nothing_is_lost(size, wrap):
+    """Whatever the size, the mean of a picture that shows all of the image is the image's."""
+    pixels = np.random.default_rng(5).random((*size, 3)).astype(np.float32)
+    for blur in (1.0, 20.0, 1000.0):
+        found = seen(pixels, blur, samples=256, wrap=wrap).mean((0, 1))
+        if blur == 1000.0 or wrap == "REPEAT":
+            assert found == pytest.approx(pixels.mean((0, 1)), abs=2e-3 if wrap == "REPEAT" else 1e-4)
+
+
+def test_a_point_is_near_the_mean_of_its_footprint():
+    """By one sample a pixel, of white noise: the whole pixel's mean, by adding up its texels."""
+    texels = 16
+    pixels = np.random.default_rng(1).random((SIDE * texels,) * 2).astype(np.float32)
+    truth = pixels.reshape(SIDE, texels, SIDE, texels).mean((1, 3))
+    errors = [np.sqrt(np.mean((seen(np.repeat(pixels[..., None], 3, -1), blur, samples=1)[..., 0] - truth) ** 2))
+              for blur in (0.0, 1.0)]
+    assert errors[1] < 0.15 * errors[0]
+
+
+def test_light_is_averaged_not_its_code():
+    board = np.indices((64, 64)).sum(0) % 2 * 255
+    pixels = np.repeat(board[..., None], 3, -1).astype(np.uint8)
+    assert seen(pixels, 2.0, srgb=True) == pytest.approx(0.5, abs=1e-3)
+
+
+def test_what_cannot_be_seen_colours_nothing():
+    """Half of the texels are grey, the others green and transparent."""
+    pixels = np.zeros((64, 64, 4), np.float32)
+    on = np.indices((64, 64)).sum(0) % 2 == 1
+    pixels[on], pixels[~on] = (0.5, 0.5, 0.5, 1), (0, 1, 0, 0)
+    assert seen(pixels, 4.0, shining(mixed=True)) == pytest.approx(0.5, abs=1e-3)
+    assert seen(pixels, 4.0)[..., 1] == pytest.approx(0.75, abs=1e-3)  # who does not ask for alpha sees green
+    about = shining(mixed=True)
+    about["closures"] = [{"closure": "EMISSION", "weight": registers(ALPHA, 1) * 3}]
+    assert seen(pixels, 4.0, about) == pytest.approx(0.5, abs=1e-3)
+
+
+def test_images_that_are_not_smaller_than_their_pixels_stay():
+    pixels = np.random.default_rng(2).random((8, 8, 3)).astype(np.float32)
+    assert (seen(pixels, 1.0) == seen(pixels, 0.0)).all()
+    fine = np.random.default_rng(2).random((256, 256, 3)).astype(np.float32)
+    for given, material in (({"filter": "CLOSEST"}, None), ({}, shining(cubic=True)), ({}, shining(averaged=False))):
+        assert (seen(fine, 1.0, material, **given) == seen(fine, 0.0, material, **given)).all()
+    assert not (seen(fine, 1.0) == seen(fine, 0.0)).all()
+
+
+def test_what_is_beyond_a_clipped_image_fades():
+    """Far away it is a square of light about the middle, as bright in all."""
+    pixels = np.ones((64, 64, 3), np.float32)
+    half = np.zeros((3, 4))
+    half[:2] = (2, 0, 0, -0.5), (0, 2, 0, -0.5)  # the image is half as wide as the square
+    whole = seen(pixels, 0.0, shining(at=half), wrap="CLIP").mean()
+    assert whole == pytest.approx(0.25, abs=2e-3)
+    assert seen(pixels, 4.0, shining(at=half), wrap="CLIP", samples=256).mean() == pytest.approx(0.25, abs=2e-3)
+    assert seen(pixels, 4.0, shining(at=half), wrap="EXTEND") == pytest.approx(1, abs=1e-4)
+
+
+def test_a_look_elsewhere_says_how_it_moves():
+    look = shining(at=np.eye(3, 4))
+    del look["nodes"][-1]["near"]
+    with pytest.raises(ValueError, match="near"):
+        native.start(scene(images=[image(wave(1))], materials=[look]))
+    with pytest.raises(ValueError, match="texture_blur"):
+        native.start(scene(texture_blur=-1.0))
