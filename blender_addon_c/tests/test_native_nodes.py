@@ -97,6 +97,20 @@ NODES = {
     "CLOTH": ({"cloth": 0, "place": PLACE, "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
     "HUE": ({"what": "HSV_TO_RGB", "color": [0.25, *UV[:2]], "out": OUT[:3]},  # between yellow and green
             stacked(lambda u, v: (v * (1 - 0.5 * u), v, v * (1 - u)))),
+    # nothing in a corner of the lattice, which is halfway
+    "NOISE": ({"dimensions": 3, "what": "FBM", "even": True, "first": False, "at": [1.0, -2.0, 3.0, 0.0],
+               "detail": [2.5], "roughness": [0.5], "lacunarity": [2.0], "offset": [0.0], "gain": [1.0],
+               "out": OUT[:1]}, lambda u, v: np.full((*u.shape, 3), 0.5)),
+    # not at random: the nearest corner of the lattice
+    "VORONOI": ({"dimensions": 2, "feature": "F1", "metric": "EUCLIDEAN", "whole": True, "at": [*UV[:2], 0.0, 0.0],
+                 "exponent": [1.0], "smoothness": [0.0], "randomness": [0.0], "out": registers(17, 8)},
+                stacked(lambda u, v: (np.hypot(u - np.round(u), v - np.round(v)), np.round(u), np.round(v)))),
+    # lookup3 of .37, and of it and 1 and 2, worked out apart
+    "WHITE_NOISE": ({"dimensions": 1, "at": [0.37, 0.0, 0.0, 0.0], "out": OUT},
+                    stacked(lambda u, v: (0.9755615, 0.5816281, 0.7770802))),
+    "BRICK": ({"at": UV[:2], "width": [1.0], "height": [1.0], "mortar": [0.22], "smooth": [0.0], "bias": [-1.0],
+               "shift": 0.5, "shift_each": 2, "squash": 1.0, "squash_each": 2, "out": OUT[:2]},
+              stacked(lambda u, v: (0, np.minimum.reduce([(u + 0.5) % 1, 1 - (u + 0.5) % 1, v, 1 - v]) < 0.22, 0))),
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
 PLATE = square()
@@ -114,7 +128,7 @@ NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "FRAME")
 def test_what_it_says_of_a_plate(kind, tmp_path):
     assert kind in NODES, f"{kind} is not tested: give it an entry in NODES"
     node, truth = NODES[kind]
-    said = node["out"][:3] if len(node["out"]) > 1 and "ALBEDO" not in kind else node["out"][:1] * 3
+    said = (node["out"] * 3)[:3] if "ALBEDO" not in kind else node["out"][:1] * 3
     said = sorted(said) if kind == "FIBRES" else said  # the albedo first: b is negative, and f0 is not
     error = 0.005 if "ALBEDO" in kind else 0.01 if kind == "FIBRES" else 4e-5  # a table; 16 bits a texel
     given = material() | {"nodes": [*SOURCES, {"type": kind, **node}],

@@ -16,6 +16,7 @@
 #define LIBSHADE_NODE_H
 
 #include "node/albedo.h"
+#include "node/brick.h"
 #include "node/bump.h"
 #include "node/cloth.h"
 #include "node/frame.h"
@@ -26,13 +27,16 @@
 #include "node/layer.h"
 #include "node/math.h"
 #include "node/mix.h"
+#include "node/noise.h"
 #include "node/normal_map.h"
 #include "node/object.h"
 #include "node/perturb.h"
 #include "node/ramp.h"
 #include "node/fibres.h"
 #include "node/transform.h"
+#include "node/voronoi.h"
 #include "node/weave.h"
+#include "node/white_noise.h"
 
 #define NODE_TABLE(ROW)                                                                            \
   ROW(IMAGE, image)                                                                                \
@@ -50,6 +54,10 @@
   ROW(MATH, math)                                                                                  \
   ROW(MIX, mix)                                                                                    \
   ROW(HUE, hue)                                                                                    \
+  ROW(NOISE, noise)                                                                                \
+  ROW(VORONOI, voronoi)                                                                            \
+  ROW(WHITE_NOISE, white_noise)                                                                    \
+  ROW(BRICK, brick)                                                                                \
   ROW(RAMP, ramp)                                                                                  \
   ROW(WEAVE, weave)                                                                                \
   ROW(CLOTH, cloth)

@@ -31,9 +31,9 @@ static inline bool graph_operands(reader *r, const graph *g, const char *key, in
   return true;
 }
 
-/* Registers that a node writes. */
+/* Registers that a node writes, up to eight. */
 static inline bool graph_outputs(reader *r, graph *g, const char *key, int count, int *out) {
-  operand o[4];
+  operand o[8];
   if (!reader_operands(r, key, count, o))
     return false;
   for (int k = 0; k < count; k++) {
