@@ -63,7 +63,7 @@ PNG_LIBS := $(shell printf '\043include <png.h>\nint main(void){return 0;}' | \
 IMAGE_FORMATS := $(TOOL_EXR) $(if $(PNG_LIBS),-DHAVE_PNG)
 IMAGE_OBJ += $(if $(EXR_LIBS),$(O)/image/image_exr.o) $(if $(PNG_LIBS),$(O)/image/image_png.o)
 TOOL_OBJ += $(IMAGE_OBJ) $(WHOLE_OBJ) $(O)/tool/scratch.o
-TOOL_OBJ += $(O)/image/read.o $(O)/tool/slopes.o $(O)/tool/points.o
+TOOL_OBJ += $(O)/image/read.o $(O)/tool/slopes.o $(O)/tool/numbers.o $(O)/tool/points.o
 
 # pictures of any format are read by a module that the tool loads when it needs it, made
 # where OpenImageIO is found. Its header is only looked for: to read it takes a second and a half,

@@ -134,7 +134,7 @@ def test_several_lobes_keep_the_mean_and_no_more_than_the_covariance(tmp_path, l
     (("a.exr", "--strength", "nan"), "0 to 100"),
     (("a.exr", "--mdf", "phong"), "ashikhmin_shirley"),
     (("a.exr", "--ex", "1"), "--ex and --ey"),
-    (("a.exr", "--ax", "0", "--ay", "1"), "1e-4 to 10"),
+    (("a.exr", "--ax", "0", "--ay", "1"), "from 0.0001 to 10"),
     (("a.exr", "--ex", "1", "--ey", "1", "--ax", "1", "--ay", "1"), "not both"),
     (("a.exr", "--wrap"), "lacks its value"),
     (("a.exr", "--wrong"), "unknown option '--wrong'")])

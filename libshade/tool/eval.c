@@ -6,6 +6,7 @@
 #include "reference/reference.h"
 #include "shade/shade.h"
 #include "src/bsdf.h"
+#include "tool/numbers.h"
 #include "tool/parse.h"
 #include "tool/text.h"
 #include "tool/tool.h"
@@ -56,76 +57,15 @@ static shade_params initial_params(void) {
   return p;
 }
 
-/* Sets of numbers of a material: a bit for each row of the table. */
-
-/* Those that a choice of a list reads, and choices of other lists do not. */
-static unsigned numbers_of(shade_list list, int value) {
-  unsigned rows = 0;
-  shade_param_info info;
-  for (int row = 0; shade_param_row(row, &info); row++)
-    if (info.list == list && info.choices >> value & 1)
-      rows |= 1u << row;
-  if (list == SHADE_LIST_FRESNEL && shade_fresnel_is((shade_fresnel)value).f0)
-    rows |= 1u << shade_param_find("f0"); /* read by diffuse models too */
-  return rows;
-}
-
-/* The choice that is stated by these numbers and no others, or -1; of several the table's own. */
-static int choice_stated(shade_list list, unsigned rows) {
-  shade_list_info about;
-  int value, found = -1;
-  shade_list_about(list, &about);
-  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++)
-    if (numbers_of(list, value) == rows && (found < 0 || value == about.initial))
-      found = value;
-  return found;
-}
-
-/* All that some choice of the list reads. */
-static unsigned numbers_of_any(shade_list list) {
-  unsigned rows = 0;
-  int value;
-  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++)
-    rows |= numbers_of(list, value);
-  return rows;
-}
-
-static void print_numbers(FILE *to, unsigned rows) {
-  shade_param_info info;
-  const char *before = "";
-  for (int row = 0; shade_param_row(row, &info); row++)
-    if (rows >> row & 1) {
-      fprintf(to, "%s--%s", before, info.word);
-      before = " and ";
-    }
-}
-
-/* The sets that state a choice of the list, each once. */
-static void print_statements(FILE *to, shade_list list) {
-  const char *before = "";
-  int value;
-  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++) {
-    const unsigned rows = numbers_of(list, value);
-    int earlier = 0, same = 0;
-    for (int i = 0; i < k && shade_list_row(list, i, &earlier, NULL, NULL, NULL); i++)
-      same |= numbers_of(list, earlier) == rows;
-    if (same)
-      continue;
-    fputs(before, to);
-    print_numbers(to, rows);
-    before = ", or ";
-  }
-}
-
 /* Which Fresnel they make. */
 static void print_fresnel(FILE *to) {
   const shade_list list = SHADE_LIST_FRESNEL;
   const char *word;
   int value;
   for (int k = 0; shade_list_row(list, k, &value, &word, NULL, NULL); k++)
-    if (choice_stated(list, numbers_of(list, value)) == value) {
+    if (tool_choice_stated(list, tool_numbers_of(list, value)) == value) {
       fputs("; with ", to);
-      print_numbers(to, numbers_of(list, value));
+      tool_print_numbers(to, tool_numbers_of(list, value));
       fprintf(to, " %s", word);
     }
 }
@@ -133,7 +73,7 @@ static void print_fresnel(FILE *to) {
 static void print_initial_lobe(FILE *to, const shade_params *initial) {
   shade_param_info info;
   double v[3];
-  const unsigned rows = numbers_of(SHADE_LIST_MDF, (int)initial->mdf);
+  const unsigned rows = tool_numbers_of(SHADE_LIST_MDF, (int)initial->mdf);
   for (int row = 0; shade_param_row(row, &info); row++)
     if (rows >> row & 1 && shade_params_get(initial, row, v) == SHADE_OK)
       fprintf(to, " --%s %g", info.word, *v);
@@ -168,7 +108,7 @@ static void usage(FILE *to) {
   fputs("  (default", to);
   print_initial_lobe(to, &initial);
   fputs(")\n\nThe lobe is stated by ", to);
-  print_statements(to, SHADE_LIST_MDF);
+  tool_print_statements(to, SHADE_LIST_MDF);
   fputs(".\nFresnel is 1", to);
   print_fresnel(to);
   fputs(".\nf includes the diffuse part with --kd.\n\n"
@@ -224,35 +164,15 @@ static int set_number(query *q, int row, const char *option, const char *value) 
 /* Fresnel follows from which of its numbers were given. */
 static int choose_fresnel(query *q, unsigned given) {
   const shade_list list = SHADE_LIST_FRESNEL;
-  const unsigned stated = given & numbers_of_any(list);
-  const int value = choice_stated(list, stated);
+  const unsigned stated = given & tool_numbers_of_any(list);
+  const int value = tool_choice_stated(list, stated);
   if (value >= 0)
     shade_params_set_choice(&q->params, list, value);
   if (!stated || value >= 0)
     return TOOL_DONE;
   fputs("shade eval: Fresnel is ", stderr);
-  print_statements(stderr, list);
+  tool_print_statements(stderr, list);
   fputs("\n", stderr);
-  return TOOL_BAD_USAGE;
-}
-
-/* The lobe is stated by one set of numbers, whole; any distribution takes any of them. */
-static int whole_lobe(unsigned given) {
-  const shade_list list = SHADE_LIST_MDF;
-  const unsigned stated = given & numbers_of_any(list);
-  int value;
-  if (!stated || choice_stated(list, stated) >= 0)
-    return TOOL_DONE;
-  for (int k = 0; shade_list_row(list, k, &value, NULL, NULL, NULL); k++)
-    if (!(stated & ~numbers_of(list, value))) {
-      fputs("shade eval: ", stderr);
-      print_numbers(stderr, numbers_of(list, value));
-      fputs(" go together\n", stderr);
-      return TOOL_BAD_USAGE;
-    }
-  fputs("shade eval: give ", stderr);
-  print_statements(stderr, list);
-  fputs(", not both\n", stderr);
   return TOOL_BAD_USAGE;
 }
 
@@ -316,7 +236,7 @@ static int read_options(query *q, int argc, char **argv, int *help) {
   }
   if (status == TOOL_DONE)
     status = choose_fresnel(q, given);
-  return status == TOOL_DONE ? whole_lobe(given) : status;
+  return status == TOOL_DONE ? tool_whole_lobe("eval", given) : status;
 }
 
 /* The answer; status bits tell what was wrong with the directions. */

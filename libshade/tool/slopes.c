@@ -8,6 +8,8 @@
 #include "image/read.h"
 #include "kernel/mdf.h"
 #include "shade/maps.h"
+#include "tool/numbers.h"
+#include "tool/parse.h"
 #include "tool/points.h"
 #include "tool/tool.h"
 
@@ -36,7 +38,7 @@ typedef struct options {
   const char *path;
   shade_slope_options slopes;
   shade_params lobe;
-  double ex, ey, ax, ay;     /* negative: not given */
+  unsigned given;            /* numbers of the lobe, as numbers.h has them */
   int help, has_lobe, lobes; /* lobes 0: not given */
 } options;
 
@@ -58,31 +60,37 @@ static int find(const char *word, const char *const words[3]) {
   return -1;
 }
 
+/* The row of a number that states a lobe, or -1. */
+static int lobe_row(const char *option) {
+  const int row = strncmp(option, "--", 2) ? -1 : shade_param_find(option + 2);
+  return row >= 0 && tool_numbers_of_any(SHADE_LIST_MDF) >> row & 1 ? row : -1;
+}
+
+static int set_number(options *o, int row, const char *option, const char *text) {
+  shade_param_info info;
+  double x;
+  char expected[80];
+  shade_param_row(row, &info);
+  o->given |= 1u << row;
+  o->has_lobe = 1;
+  if (tool_parse_number(text, &x) && shade_params_set(&o->lobe, row, &x) == SHADE_OK)
+    return TOOL_DONE;
+  snprintf(expected, sizeof expected, "a number from %g to %g", info.minimum, info.maximum);
+  return bad(option, text, expected);
+}
+
 static int read_value(options *o, const char *option, const char *text) {
   static const char *const kinds[3] = {"colour", "signed", "slope"};
   static const char *const wraps[3] = {"repeat", "clamp", "mirror"};
-  const struct {
-    const char *name;
-    double *target, low, high;
-    const char *expected;
-  } numbers[] = {
-      {"--strength", &o->slopes.strength, 0, 100, "a number from 0 to 100"},
-      {"--ex", &o->ex, 0, 1e6, "an exponent from 0 to 1e6"},
-      {"--ey", &o->ey, 0, 1e6, "an exponent from 0 to 1e6"},
-      {"--ax", &o->ax, 1e-4, 10, "an alpha from 1e-4 to 10"},
-      {"--ay", &o->ay, 1e-4, 10, "an alpha from 1e-4 to 10"},
-  };
-  for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-    if (!strcmp(option, numbers[i].name)) {
-      char *end;
-      const double x = strtod(text, &end);
-      if (end == text || *end || !(x >= numbers[i].low && x <= numbers[i].high))
-        return bad(option, text, numbers[i].expected);
-      *numbers[i].target = x;
-      return TOOL_DONE;
-    }
   int place;
-  if (!strcmp(option, "--lobes")) {
+  if (lobe_row(option) >= 0)
+    return set_number(o, lobe_row(option), option, text);
+  if (!strcmp(option, "--strength")) {
+    double x;
+    if (!tool_parse_number(text, &x) || !(x >= 0 && x <= 100))
+      return bad(option, text, "a number from 0 to 100");
+    o->slopes.strength = x;
+  } else if (!strcmp(option, "--lobes")) {
     if (strlen(text) != 1 || *text < '1' || *text > '0' + SHADE_SLOPE_LOBES)
       return bad(option, text, "a whole number from 1 to 8");
     o->lobes = *text - '0';
@@ -107,26 +115,14 @@ static int read_value(options *o, const char *option, const char *text) {
 static int check(options *o) {
   if (!o->path)
     return fail("expected a picture (see shade slopes --help)");
-  if ((o->ex < 0) != (o->ey < 0))
-    return fail("--ex and --ey go together");
-  if ((o->ax < 0) != (o->ay < 0))
-    return fail("--ax and --ay go together");
-  if (o->ex >= 0 && o->ax >= 0)
-    return fail("give exponents (--ex, --ey) or alphas (--ax, --ay), not both");
-  if (o->ex >= 0)
-    shade_params_set_exponents(&o->lobe, o->ex, o->ey);
-  if (o->ax >= 0)
-    shade_params_set_alphas(&o->lobe, o->ax, o->ay);
-  o->has_lobe = o->has_lobe || o->ex >= 0 || o->ax >= 0;
-  return TOOL_DONE;
+  return tool_whole_lobe("slopes", o->given);
 }
 
 static int read_options(options *o, int argc, char **argv) {
-  static const char *const valued[] = {"--normals", "--wrap", "--strength", "--mdf",  "--ex",
-                                       "--ey",      "--ax",   "--ay",       "--lobes"};
+  static const char *const valued[] = {"--normals", "--wrap", "--strength", "--mdf", "--lobes"};
   for (int i = 1; i < argc; i++) {
     const char *option = argv[i];
-    int takes = 0;
+    int takes = lobe_row(option) >= 0;
     for (size_t k = 0; k < sizeof valued / sizeof valued[0]; k++)
       takes |= !strcmp(option, valued[k]);
     if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
@@ -190,7 +186,6 @@ int shade_cmd_slopes(int argc, char **argv) {
   memset(&o, 0, sizeof o);
   shade_slope_options_init(&o.slopes);
   shade_params_init(&o.lobe);
-  o.ex = o.ey = o.ax = o.ay = -1;
   int status = read_options(&o, argc, argv);
   if (status)
     return status;
