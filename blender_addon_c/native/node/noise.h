@@ -243,18 +243,19 @@ LEAF void node_noise_run(const node_noise *n, lane_run g, const corners *corner,
     const float *lacunarity = lacuna + begin, *roughness = rough + begin;
     const float *offset = offsets + begin, *gain = gains + begin, *detail = details + begin;
     float *out = at->at[n->out] + begin, most = 0.0f;
-#pragma omp simd reduction(max : most)
+#pragma omp simd
     for (size_t i = 0; i < count; i++) {
-      for (int d = 0; d < LATTICE_DIMENSIONS; d++)
-        l->x[d][i] = x[d][begin + i];
       float octaves = clampf(detail[i], 0.0f, (float)NOISE_MOST) + begins;
-      octaves = octaves < least ? octaves + 1.0f : octaves;
-      l->octaves[i] = octaves;
+      l->octaves[i] = octaves < least ? octaves + 1.0f : octaves;
       l->frequency[i] = l->power[i] = 1.0f;
       l->value[i] = l->total[i] = l->weight[i] = l->signal[i] = 0.0f;
       l->part[i] = l->part_total[i] = 0.0f;
-      most = octaves > most ? octaves : most;
     }
+    for (int d = 0; d < LATTICE_DIMENSIONS; d++)
+      for (size_t i = 0; i < count; i++)
+        l->x[d][i] = x[d][begin + i];
+    for (size_t i = 0; i < count; i++)
+      most = l->octaves[i] > most ? l->octaves[i] : most;
     for (int k = 0; k == 0 || (float)k < most; k++) {
       switch (n->dimensions) {
         NOISE_OCTAVE(1)
