@@ -452,13 +452,15 @@ def test_truth_under_a_sky(monkeypatch, tmp_path, rotate, stock, cycles, status,
     assert one[truth.NOISE] == pytest.approx(0.002, rel=1e-3)
 
 
-def test_truth_under_skies_goes_by_the_median_and_by_each(monkeypatch, tmp_path):
+def test_truth_under_skies_goes_by_the_median(monkeypatch, tmp_path):
     good, fair, bad = (0.03, 0.03, 0.1), (0.05, 0.05, 0.1), (0.12, 0.05, 0.1)
     assert judge_skies(monkeypatch, tmp_path, good, good, fair)[1]["wanted"]
     assert not judge_skies(monkeypatch, tmp_path, good, fair, fair)[1]["wanted"]
     status, result = judge_skies(monkeypatch, tmp_path, good, good, bad)
-    assert status == 1 and result["wanted"]
+    assert status == 0 and result["wanted"]
     assert result["beside_cycles"]["rotate"] == pytest.approx(0.3, rel=1e-3)
+    status, result = judge_skies(monkeypatch, tmp_path, good, bad, bad)
+    assert status == 1 and not result["wanted"]
 
 
 def test_what_depends_on_the_normal_alone():
