@@ -179,8 +179,10 @@ def render_skies(options):
     """{sky: {name: picture}}."""
     files, jobs = skies(options), {}
     for sky, file in files.items():
-        one = {**jobs_of(options), AGAIN: {"engine": "CYCLES", "surface": "displaced", "seed": 1}}
-        jobs.update({(sky, name): {**job, "sky": str(file)} for name, job in one.items()})
+        one = {**jobs_of(options), AGAIN: {"engine": "CYCLES", "surface": "displaced"}}
+        # seeds of their own: noise that pictures have in common would pass for likeness
+        jobs.update({(sky, name): {**job, "sky": str(file), "seed": seed}
+                     for seed, (name, job) in enumerate(one.items())})
     made = run(options, jobs)
     return {sky: {name: picture for (under, name), picture in made.items() if under == sky}
             for sky in files}
