@@ -216,8 +216,13 @@ def _fabric(reader, node, groups, share):
              math("MULTIPLY", share, math("SUBTRACT", 1.0, coverage[0])))
 
 
+# Where bumps turn matt facets to a low light, 3.4 fades it [Chiang2019]; 5.0 does not. Those between
+# were not measured.
+_MATT = {"fresnel": "NONE", **({"horizon": "chiang"} if bpy.app.version < (3, 5) else {})}
+
+
 def _lambert_closure(color):
-    return _metal_closure({"fresnel": "NONE"}, f0=_BLACK, kd=color)
+    return _metal_closure(_MATT, f0=_BLACK, kd=color)
 
 
 def _lambert(reader, color, share, normal):
