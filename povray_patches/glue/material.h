@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "backend/mdf/bumpimage.h"
 #include "shade/albedo.h"
 #include "shade/shade.h"
-#include "backend/mdf/bumpimage.h"
 
 namespace mdf {
 
@@ -19,8 +19,10 @@ struct Material {
   Material();
 
   enum Tangent {
-    TANGENT_DEFAULT, // dP/du where the object has UV coordinates, else what Shape says
-    TANGENT_FROM_UV, // the same, but asked for: the parser warns where there are none
+    TANGENT_DEFAULT, // dP/du where the object has UV coordinates, else what
+                     // Shape says
+    TANGENT_FROM_UV, // the same, but asked for: the parser warns where there
+                     // are none
     TANGENT_AXIS,    // a direction in the texture's space
     TANGENT_RADIAL   // around an axis there
   };
@@ -48,10 +50,14 @@ typedef std::vector<float> MeshTangents;
 // What is known of an object's tangents.
 struct Shape {
   enum Kind {
-    OTHER,       // no UV coordinates: the object's x axis
-    PLANE,       // nor here: the axis of the object that is nearest to it, x if it can be
-    CONE,        // nor here: around its own axis
-    DIFFERENCES, // UV coordinates that are a function of the point
+    OTHER,  // no UV coordinates: the object's x axis
+    PLANE,  // nor here: the axis of the object that is nearest to it, x if it
+            // can be
+    CONE,   // nor here: around its own axis
+    BOX,    // UV coordinates that are a function of the point
+    SPHERE, // the same, u round the y axis of the object
+    ROUND,  // round the y axis of the shape's own space
+    TORUS,  // round that, the other way
     LATHE,
     PATCH,
     PARAMETRIC,
@@ -59,7 +65,7 @@ struct Shape {
   };
 
   explicit Shape(Kind k) : kind(k) {}
-  bool has_uv() const { return kind >= DIFFERENCES; }
+  bool has_uv() const { return kind >= BOX; }
 
   Kind kind;
   MeshTangents tangents; // of a mesh

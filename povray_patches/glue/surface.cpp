@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 
 // frame.h must always be the first POV file included (pulls in platform config)
-#include "backend/frame.h"
 #include "backend/mdf/surface.h"
+#include "backend/frame.h"
 
 #include <cmath>
 #include <new>
 
-#include "shade/mesh.h"
 #include "backend/colour/colour.h"
 #include "backend/math/matrices.h"
 #include "backend/math/vector.h"
@@ -28,6 +27,7 @@
 #include "backend/shape/spheres.h"
 #include "backend/shape/torus.h"
 #include "backend/vm/fnpovfpu.h"
+#include "shade/mesh.h"
 
 // this must be the last file included
 #include "base/povdebug.h"
@@ -40,7 +40,8 @@ Vector3d axis_vector(int axis) {
   return Vector3d(axis == X, axis == Y, axis == Z);
 }
 
-// v without its part along the unit vector n, normalised. False if nothing is left.
+// v without its part along the unit vector n, normalised. False if nothing is
+// left.
 bool orthogonalise(Vector3d &v, const Vector3d &n) {
   const double before = v.length();
   v -= n * dot(v, n);
@@ -84,8 +85,9 @@ Vector3d any_tangent(const Vector3d &normal) {
 
 // ---- tangents of a texture's space ----
 
-// A direction in the innermost of these textures, in the space around them all. As for normals,
-// transformations count; warps that bend space or repeat it do not.
+// A direction in the innermost of these textures, in the space around them all.
+// As for normals, transformations count; warps that bend space or repeat it do
+// not.
 Vector3d out_of(const std::vector<const TEXTURE *> &warps, Vector3d direction) {
   for (size_t i = warps.size(); i-- > 0;) {
     const WARP *warp = warps[i]->Warps;
@@ -98,8 +100,8 @@ Vector3d out_of(const std::vector<const TEXTURE *> &warps, Vector3d direction) {
   return direction;
 }
 
-// Where a texture is laid out by UV coordinates it has no place in space; its axes are the
-// object's.
+// Where a texture is laid out by UV coordinates it has no place in space; its
+// axes are the object's.
 bool mapped_by_uv(const ObjectBase *object, const std::vector<const TEXTURE *> &warps) {
   for (size_t i = 0; i < warps.size(); i++)
     if (warps[i]->Type == UV_MAP_PATTERN)
@@ -189,7 +191,8 @@ double determinant(const MATRIX m) {
   return sum;
 }
 
-// dP/du and dP/dv of a triangle, in the mesh's space. False where its UVs have no area.
+// dP/du and dP/dv of a triangle, in the mesh's space. False where its UVs have
+// no area.
 bool triangle_directions(const MESH_DATA *data, const MESH_TRIANGLE *t, Vector3d &du,
                          Vector3d &dv) {
   const Vector3d first = vertex(data, t->P1);
@@ -206,8 +209,8 @@ bool triangle_directions(const MESH_DATA *data, const MESH_TRIANGLE *t, Vector3d
   return true;
 }
 
-// dP/du at a point of a mesh, of unit length, and dP/dv, as long and as slanted against it as in
-// the flat triangle; world space.
+// dP/du at a point of a mesh, of unit length, and dP/dv, as long and as slanted
+// against it as in the flat triangle; world space.
 bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isect,
                      const Vector3d &outside, Vector3d &du, Vector3d &dv) {
   const Mesh *mesh = static_cast<const Mesh *>(isect.Object);
@@ -285,7 +288,34 @@ bool difference_directions(const Intersection &isect, const Vector3d &raw_normal
   return false;
 }
 
-// A lathe keeps v with the intersection, not with the point: v is the place on its spline.
+// dP/du alone, where u is an angle about an axis. False on the axis, and for a
+// box.
+bool round_direction(mdf::Shape::Kind kind, const Intersection &isect, Vector3d &du) {
+  const ObjectBase *object = isect.Object;
+  const TRANSFORM *space = (kind == mdf::Shape::SPHERE) ? object->UV_Trans : object->Trans;
+  Vector3d p(isect.IPoint);
+
+  if (kind == mdf::Shape::BOX)
+    return false;
+  if (kind == mdf::Shape::SPHERE) {
+    Vector3d centre(static_cast<const Sphere *>(object)->Center);
+    if (object->Trans != NULL)
+      MTransPoint(*centre, *centre, object->Trans);
+    p -= centre;
+    if (space != NULL)
+      MInvTransDirection(*p, *p, space);
+  } else if (space != NULL)
+    MInvTransPoint(*p, *p, space);
+  if (!(p[X] * p[X] + p[Z] * p[Z] > EPSILON * dot(p, p)))
+    return false;
+  du = moved(Vector3d(-p[Z], 0.0, p[X]), space);
+  if (kind == mdf::Shape::TORUS)
+    du = -du;
+  return true;
+}
+
+// A lathe keeps v with the intersection, not with the point: v is the place on
+// its spline.
 bool lathe_directions(const Intersection &isect, Vector3d &du, Vector3d &dv) {
   const Lathe *lathe = static_cast<const Lathe *>(isect.Object);
   const LATHE_SPLINE_ENTRY &e = lathe->Spline->Entry[isect.i1];
@@ -318,11 +348,13 @@ void bernstein(double t, double value[4], double slope[4]) {
   slope[3] = 3.0 * t * t;
 }
 
-// The patch's own parameters are lost behind uv_vectors, which are bilinear in them: Newton's
-// steps bring them back. The first counts along rows of control points, the second the rows.
+// The patch's own parameters are lost behind uv_vectors, which are bilinear in
+// them: Newton's steps bring them back. The first counts along rows of control
+// points, the second the rows.
 bool patch_directions(const Intersection &isect, Vector3d &du, Vector3d &dv) {
   const BicubicPatch *patch = static_cast<const BicubicPatch *>(isect.Object);
-  double p[2] = {0.5, 0.5}, jacobian[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, det = 0.0; // d uv[k]/d p[i]
+  double p[2] = {0.5, 0.5}, jacobian[2][2] = {{0.0, 0.0}, {0.0, 0.0}},
+         det = 0.0; // d uv[k]/d p[i]
 
   for (int step = 0; step < 20; step++) {
     double miss[2];
@@ -389,7 +421,8 @@ bool parametric_directions(const Intersection &isect, TraceThreadData *thread, V
   return std::isfinite(dot(du, du)) && dot(du, du) > 0.0 && std::isfinite(dot(dv, dv));
 }
 
-// For what has no UV coordinates: a direction along which strokes would run, and one across.
+// For what has no UV coordinates: a direction along which strokes would run,
+// and one across.
 bool fallback_directions(mdf::Shape::Kind kind, const Intersection &isect, const Vector3d &normal,
                          Vector3d &du, Vector3d &dv) {
   const ObjectBase *object = isect.Object;
@@ -409,12 +442,18 @@ bool fallback_directions(mdf::Shape::Kind kind, const Intersection &isect, const
   return true;
 }
 
-// dP/du and dP/dv, world space; their lengths are right against each other.
+// dP/du and, if wanted, dP/dv, world space; their lengths are right against
+// each other.
 bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vector3d &raw_normal,
-                   const Vector3d &outside, TraceThreadData *thread, Vector3d &du, Vector3d &dv) {
+                   const Vector3d &outside, TraceThreadData *thread, bool with_dv, Vector3d &du,
+                   Vector3d &dv) {
   switch (shape.kind) {
-  case mdf::Shape::DIFFERENCES:
-    return difference_directions(isect, raw_normal, thread, du, dv);
+  case mdf::Shape::BOX:
+  case mdf::Shape::SPHERE:
+  case mdf::Shape::ROUND:
+  case mdf::Shape::TORUS:
+    return (!with_dv && round_direction(shape.kind, isect, du)) ||
+           difference_directions(isect, raw_normal, thread, du, dv);
   case mdf::Shape::LATHE:
     return lathe_directions(isect, du, dv);
   case mdf::Shape::PATCH:
@@ -458,10 +497,14 @@ Vector3d add_slopes(const Vector3d &a, const Vector3d &b, const Vector3d &up) {
 } // namespace
 
 mdf::Shape::Kind mdf_kind(const ObjectBase *object) {
-  if (dynamic_cast<const Sphere *>(object) != NULL || dynamic_cast<const Box *>(object) != NULL ||
-      dynamic_cast<const Torus *>(object) != NULL || dynamic_cast<const Sor *>(object) != NULL ||
-      dynamic_cast<const Ovus *>(object) != NULL)
-    return mdf::Shape::DIFFERENCES;
+  if (dynamic_cast<const Box *>(object) != NULL)
+    return mdf::Shape::BOX;
+  if (dynamic_cast<const Sphere *>(object) != NULL)
+    return mdf::Shape::SPHERE;
+  if (dynamic_cast<const Sor *>(object) != NULL || dynamic_cast<const Ovus *>(object) != NULL)
+    return mdf::Shape::ROUND;
+  if (dynamic_cast<const Torus *>(object) != NULL)
+    return mdf::Shape::TORUS;
   if (dynamic_cast<const Lathe *>(object) != NULL)
     return mdf::Shape::LATHE;
   if (dynamic_cast<const BicubicPatch *>(object) != NULL)
@@ -553,7 +596,9 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     Intersection copy(isect); // Normal() wants to write to it
     if (shape.kind == mdf::Shape::MESH || bumped)
       object->Normal(*outside, &copy, thread);
-    has_directions = uv_directions(shape, isect, N, outside, thread, du, dv);
+    // a texture that is not turned by itself needs no dP/dv
+    const bool turned = finish->Mdf_Space[X][Y] != 0.0 || !(finish->Mdf_Space[X][X] > 0.0);
+    has_directions = uv_directions(shape, isect, N, outside, thread, bumped || turned, du, dv);
   }
 
   if (bumped && has_directions) {

@@ -132,6 +132,18 @@ def test_a_texture_that_stands_on_the_uv_plane(render):
     check(dump, sphere_directions(dump.P)[0], 2e-5, known=np.abs(dump.P[..., 1]) < .95)
 
 
+@pytest.mark.parametrize("geometry", ["sphere { <.2, -.1, .3>, .8", "sphere { <.2, 0, 0>, .5 scale <1, 2, .7> rotate <30, 40, 50> translate .1*x",
+                                      "torus { .8, .3 rotate -40*x", "ovus { .8, .5 scale <1, .8, 1.2> rotate 70*z",
+                                      "sor { 5, <0, -.5>, <.6, 0>, <.9, .5>, <.5, 1>, <.4, 1.4> translate -.6*y rotate 20*x"])
+def test_axes_of_round_shapes_agree_with_their_uv_function(render, geometry):
+    """Without a map dP/du is worked out from the axis; where dP/dv is wanted too, from differences of UVCoord()."""
+    plain = render(scene(f"{geometry} {texture('tangent uv')} }}")).dump
+    differences = render(scene(f"{geometry} {texture('tangent uv', 'matrix <1, 1e-12, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0>')} }}")).dump
+    clear = plain.hit & (np.abs(dot(plain.N, differences.T)) < 1)
+    turned = np.linalg.norm(plain.T - differences.T, axis=-1)[clear]
+    assert clear.sum() > 200 and np.median(turned) < 1e-6 and (turned > 1e-4).mean() < .01  # at the poles both are anything
+
+
 # ---- lathe, patch and parametric ----
 
 @pytest.fixture
