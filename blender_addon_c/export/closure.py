@@ -257,8 +257,72 @@ def _glossy(reader, node, groups, share):
         share = tuple(reader.program.math("MULTIPLY", share, part) for part in kept)
         seen = (_times(reader, color, lobe.one) if _JOINT else
                 tuple(reader.program.math("DIVIDE", part, by) for part, by in zip(color, kept)))
-    _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution]}, f0=color, alpha=alphas,
-                                groove=groove), share, normal, seen)
+    _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution], **_apart(distribution)}, f0=color,
+                                alpha=alphas, groove=groove), share, normal, seen)
+
+
+def _apart(distribution):
+    """How Cycles' lobe is shadowed, where one bounce is all."""
+    return {"apart": True} if not _JOINT and distribution in ("GGX", "BECKMANN") else {}
+
+
+def _metallic(reader, node, groups, share):
+    """The Metallic BSDF of 4.3 on: colours head-on and at 82 degrees, or a conductor's."""
+    inputs, math = node.inputs, reader.program.math
+    alpha, normal = _alpha_of(reader, node, groups), _normal(reader, node, groups)
+    alphas, groove = _drawn_out(reader, node, groups, alpha, "Anisotropy", "Rotation")
+    if node.fresnel_type == "F82":
+        base = color_of(reader, inputs["Base Color"], groups)
+        edge = tuple(_clamp(reader, part) for part in color_of(reader, inputs["Edge Tint"], groups))
+        settings, parts, head_on = {"fresnel": "F82"}, {"f0": base, "f82": edge}, base
+        lost = tuple(math("MULTIPLY", math("MULTIPLY_ADD", part, 1 - _SCHLICK_82, _SCHLICK_82),
+                          math("SUBTRACT", 1.0, by)) for part, by in zip(base, edge))
+    else:
+        eta, k = (tuple(math("MAXIMUM", part, 0.0) for part in color_of(reader, inputs[name], groups))
+                  for name in ("IOR", "Extinction"))
+        settings, parts = {"fresnel": "CONDUCTOR"}, {"f0": _WHITE, "eta": eta, "k": k}
+        head_on = tuple(_conductor(reader, n, x, 1.0) for n, x in zip(eta, k))
+        lost = tuple(math("SUBTRACT", math("MULTIPLY_ADD", part, 1 - _SCHLICK_82, _SCHLICK_82),
+                          _conductor(reader, n, x, 1 / 7)) for part, n, x in zip(head_on, eta, k))
+    film = inputs.get("Thin Film Thickness")
+    if film and (film.is_linked or film.default_value > 0):
+        reader.warn(f"'{node.name}': Thin Film Thickness is not supported; left out")
+    lobe = _Lobe(reader, alpha, normal)
+    if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
+        # the mean over the directions of Schlick's and of the dip at 82 degrees
+        means = tuple(math("MULTIPLY_ADD", less, -_DIP, _mean(reader, part)) for part, less in zip(head_on, lost))
+        share = _times(reader, lobe.kept(means), share)
+    _add(reader, _metal_closure({**_LOBES[node.distribution], **settings}, alpha=alphas, groove=groove, **parts),
+         share, normal, tuple(map(lobe.albedo, head_on)))
+
+
+def _mean(reader, head_on):
+    """Schlick's mean over the directions."""
+    return reader.program.math("MULTIPLY_ADD", head_on, 20 / 21, 1 / 21)
+
+
+_SCHLICK_82 = (6 / 7) ** 5  # at a cosine of 1/7; what is missing there of the mean of x (1 - x)^6, scaled to 1
+_DIP = 7 * (7 / 6) ** 6 / 126
+
+
+def _conductor(reader, n, k, cosine):
+    """Reflectance of even light, not polarised, where the index is large against 1: within a hundredth."""
+    math = reader.program.math
+    square = math("ADD", math("MULTIPLY", n, n), math("MULTIPLY", k, k))
+    middle, parts = math("MULTIPLY", n, 2.0 * cosine), []
+    for low, high in ((square, cosine * cosine), (math("MULTIPLY", square, cosine * cosine), 1.0)):
+        whole = math("ADD", low, high)
+        parts.append(math("DIVIDE", math("SUBTRACT", whole, middle), math("ADD", whole, middle)))
+    return math("MULTIPLY", 0.5, math("ADD", *parts))
+
+
+def _drawn_out(reader, node, groups, alpha, name, rotation):
+    """alpha / a and alpha a, a^2 = 1 - 0.9 anisotropic; where the tangent is turned to, or None."""
+    math, amount = reader.program.math, _clamp(reader, number_of(reader, node.inputs[name], groups))
+    if is_known(amount) and amount == 0:
+        return (alpha, alpha), None
+    a = math("SQRT", math("SUBTRACT", 1.0, math("MULTIPLY", amount, 0.9)))
+    return (math("DIVIDE", alpha, a), math("MULTIPLY", alpha, a)), _groove(reader, node, rotation, groups)
 
 
 def _stretched(reader, node, groups, alpha):
@@ -431,23 +495,14 @@ class _Principled:
         self.base = color_of(reader, node.inputs["Base Color"], groups)
         self.metallic = _clamp(reader, self._number("Metallic"))
         self.alpha, self.normal = _alpha_of(reader, node, groups), _normal(reader, node, groups)
-        self.alphas, self.groove = self._stretched()
+        self.alphas, self.groove = _drawn_out(reader, node, groups, self.alpha, "Anisotropic",
+                                              "Anisotropic Rotation")
         self.several = getattr(node, "distribution", "GGX") == "MULTI_GGX" and not _is_smooth(
             self.alpha)
 
     def _number(self, *names):
         name = next(name for name in names if name in self.node.inputs)
         return number_of(self.reader, self.node.inputs[name], self.groups)
-
-    def _stretched(self):
-        """alpha / a and alpha a, a^2 = 1 - 0.9 anisotropic."""
-        amount = _clamp(self.reader, self._number("Anisotropic"))
-        if is_known(amount) and amount == 0:
-            return (self.alpha, self.alpha), None
-        math = self.math
-        a = math("SQRT", math("SUBTRACT", 1.0, math("MULTIPLY", amount, 0.9)))
-        return ((math("DIVIDE", self.alpha, a), math("MULTIPLY", self.alpha, a)),
-                _groove(self.reader, self.node, "Anisotropic Rotation", self.groups))
 
     def _rest(self, share, part):
         return self._part(share, self.math("SUBTRACT", 1.0, part))
@@ -460,12 +515,13 @@ class _Principled:
 
     def _lobe(self, share, settings, head_on, **parts):
         lobe = _Lobe(self.reader, self.alpha, self.normal)
-        kept = lobe.kept(tuple(map(self._mean, head_on))) if self.several else _WHITE
+        kept = lobe.kept(tuple(_mean(self.reader, part) for part in head_on)) if self.several else _WHITE
         share = _times(self.reader, kept, share)
         # from 4.0 on Cycles' colour is the albedo, before it is 1 for all lobes
         seen = (tuple(map(lobe.albedo, head_on)) if _JOINT else
                 tuple(self.math("DIVIDE", 1.0, part) for part in kept))
-        _add(self.reader, _metal_closure({**_GGX, **settings}, alpha=self.alphas,
+        shadow = {} if self.several else _apart("GGX")
+        _add(self.reader, _metal_closure({**_GGX, **shadow, **settings}, alpha=self.alphas,
                                          groove=self.groove, **parts), share, self.normal, seen)
 
     def _clear(self, share, head_on):
@@ -480,10 +536,6 @@ class _Principled:
         """The index whose reflectance this is, at most of .99."""
         root = self.math("SQRT", self.math("CLAMP", head_on, 0.0, 0.99))
         return self.math("DIVIDE", self.math("ADD", 1.0, root), self.math("SUBTRACT", 1.0, root))
-
-    def _mean(self, head_on):
-        """Schlick's mean over the directions."""
-        return self.math("MULTIPLY_ADD", head_on, 20 / 21, 1 / 21)
 
     def _coat(self, share, weight, alpha, eta, normal, color):
         _add(self.reader, _metal_closure({**_GGX, "fresnel": "CONDUCTOR", "k": _BLACK}, f0=_WHITE,
@@ -576,7 +628,7 @@ class _Principled:
             head_on = _largest(reader, f0)
         hidden = lobe.albedo(head_on)
         if self.several:
-            hidden = math("MULTIPLY", hidden, lobe.kept((self._mean(head_on),))[0])
+            hidden = math("MULTIPLY", hidden, lobe.kept((_mean(reader, head_on),))[0])
         roughness = self._number("Diffuse Roughness") if "Diffuse Roughness" in self.node.inputs else 0.0
         _matt(reader, self.base, roughness, self._rest(share, _clamp(reader, hidden)), self.normal)
 
@@ -628,6 +680,7 @@ CLOSURES = {
     "ShaderNodeBsdfDiffuse": _diffuse,
     "ShaderNodeBsdfGlossy": _glossy,
     "ShaderNodeBsdfAnisotropic": _glossy,
+    "ShaderNodeBsdfMetallic": _metallic,
     "ShaderNodeBsdfGlass": _glass,
     "ShaderNodeBsdfRefraction": _refraction,
     "ShaderNodeBsdfSheen": _sheen,

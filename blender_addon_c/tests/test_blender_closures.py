@@ -63,6 +63,8 @@ CASES = [
     one("rough diffuse", "BsdfDiffuse", {"Color": RED, "Roughness": 0.8}),
     one("glossy", "BsdfGlossy", {"Color": RED, "Roughness": 0.3}, distribution="GGX"),
     one("beckmann", "BsdfGlossy", {"Color": RED, "Roughness": 0.5}, distribution="BECKMANN"),
+    one("very rough", "BsdfGlossy", {"Color": RED, "Roughness": 0.9}, distribution="GGX"),
+    one("very rough beckmann", "BsdfGlossy", {"Color": RED, "Roughness": 0.9}, distribution="BECKMANN"),
     one("several", "BsdfGlossy", {"Color": RED, "Roughness": 0.7}, distribution="MULTI_GGX"),
     one("glass", "BsdfGlass", {"Color": RED, "Roughness": 0.1}, distribution="GGX"),
     one("several in glass", "BsdfGlass", {"Color": RED, "Roughness": 0.6}, distribution="MULTI_GGX"),
@@ -78,6 +80,15 @@ CASES = [
     two("added", "AddShader", shader("BsdfDiffuse", {"Color": RED}),
         shader("Emission", {"Color": (0.1, 0.2, 0.3, 1)})),
     two("half there", "MixShader", shader("BsdfDiffuse", {"Color": RED}), shader("BsdfTransparent")),
+    one("metallic", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+        "Color": RED, "Base Color": RED, "Edge Tint": (0.3, 0.6, 1, 1), "Roughness": 0.6}, distribution="MULTI_GGX",
+        fresnel_type={"5.0": "F82"}),
+    one("conductor", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+        "Color": RED, "IOR": (0.18, 0.42, 1.37), "Extinction": (3.4, 2.35, 1.77), "Roughness": 0.7,
+        "Anisotropy": {"5.0": 0.6}, "Rotation": {"5.0": 0.1}}, distribution="MULTI_GGX",
+        fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
+    one("beckmann conductor", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+        "Color": RED, "Roughness": 0.4}, distribution="BECKMANN", fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
     principled("principled"),
     principled("metallic", Metallic=1.0, Roughness=0.4),
     principled("half metallic", Metallic=0.5, Roughness=0.4),

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* libshade's metal, with the words of its own table. What nodes say of it instead, point by point:
- * `f0_from`, `kd_from`, `f82_from`, `eta_from`, three operands each, of which those that are no
- * registers leave the parameter as it is; `ax_from` and `ay_from`, one each; `groove_from`, two,
- * the tangent about the normal; `normal`, three registers. */
+ * `f0_from`, `kd_from`, `f82_from`, `eta_from`, `k_from`, three operands each, of which those that
+ * are no registers leave the parameter as it is; `ax_from` and `ay_from`, one each; `groove_from`,
+ * two, the tangent about the normal; `normal`, three registers. `apart`: Smith's shadowing of each
+ * direction by itself, as Cycles' GGX and Beckmann had it until 3.6, not of both together. */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
 
 #include "batch/lanes.h"
 #include "closure/common.h"
+#include "closure/glass.h"
 #include "node/common.h"
 #include "shade/shade.h"
 
@@ -21,8 +23,8 @@
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
-  operand f0[3], kd[3], f82[3], eta[3], ax, ay, groove[2];
-  bool grooved;
+  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2];
+  bool grooved, apart;
   bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
 } closure_metal;
@@ -86,16 +88,21 @@ static inline bool closure_metal_from(reader *r, const graph *g, const char *key
 static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, unsigned *status) {
   shade_params_init(&c->params);
   c->grooved = reader_has(r, "groove_from");
-  if (!closure_metal_from(r, g, "f0_from", 3, c->f0) ||
+  c->apart = false;
+  if ((reader_has(r, "apart") && !reader_flag(r, "apart", &c->apart)) ||
+      !closure_metal_from(r, g, "f0_from", 3, c->f0) ||
       !closure_metal_from(r, g, "kd_from", 3, c->kd) ||
       !closure_metal_from(r, g, "f82_from", 3, c->f82) ||
       !closure_metal_from(r, g, "eta_from", 3, c->eta) ||
+      !closure_metal_from(r, g, "k_from", 3, c->k) ||
       !closure_metal_from(r, g, "groove_from", 2, c->groove) ||
       !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
       !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, status))
     return false;
+  c->apart = c->apart && c->params.brdf == SHADE_BRDF_MICROFACET &&
+             (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
   *status |= shade_bsdf_setup(&c->bsdf, &c->params);
   c->matt = c->params.fresnel == SHADE_FRESNEL_NONE && c->params.diffuse == SHADE_DIFFUSE_LAMBERT;
   for (int k = 0; k < 3; k++)
@@ -160,6 +167,60 @@ static inline const float *metal_alpha(inputs *given, operand o, double own, int
   return alpha_lane(given, o, 4 + axis, axis, run) + run.begin;
 }
 
+/* Alphas along the tangent and across it, and the tangent. */
+typedef struct metal_shape {
+  const float *ax, *ay, *x, *y;
+} metal_shape;
+
+static inline metal_shape metal_shape_of(const closure_metal *c, lane_run run, inputs *given) {
+  operand ax = c->ax, ay = c->ay, x = {.at = OPERAND_NUMBER, .number = 1.0f};
+  operand y = {.at = OPERAND_NUMBER, .number = 0.0f};
+  ax.number = (float)c->params.ax;
+  ay.number = (float)c->params.ay;
+  return (metal_shape){.ax = alpha_lane(given, ax, 4, 0, run),
+                       .ay = alpha_lane(given, ay, 5, 1, run),
+                       .x = lane_of(given, c->grooved ? c->groove[0] : x, 6, run),
+                       .y = lane_of(given, c->grooved ? c->groove[1] : y, 7, run)};
+}
+
+LEAF float metal_lambda(bool beckmann, vec3 n, vec3 t, vec3 w, float ax, float ay) {
+  float z = dot(n, w), x = dot(t, w), z2 = clampf(z * z, 1e-12f, 1.0f);
+  float y2 = clampf(1.0f - z2 - x * x, 0.0f, 1.0f), sine2 = x * x + y2;
+  float a2 = (ax * ax * x * x + ay * ay * y2) / (sine2 > 1e-12f ? sine2 : 1e-12f);
+  float alpha = sqrtf(a2 > 1e-12f ? a2 : 1e-12f), cosine = sqrtf(z2);
+  return beckmann ? glass_beckmann_lambda(cosine, alpha) : glass_lambda(cosine, alpha);
+}
+
+/* f, by the shadowing of both directions together, to f by that of each. */
+LEAF void metal_shadow_apart(bool beckmann, const closure_metal *c, lane_run run,
+                             const surfaces *restrict at, inputs *given, const lane_v *restrict wi,
+                             lane_c *restrict f) {
+  const closure_metal own = *c;
+  const metal_shape from = metal_shape_of(c, run, given);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    vec3 n = normal_at(given, own.normal, i), t = {from.x[i], from.y[i], 0.0f};
+    float along = dot(t, n);
+    t = (vec3){t.x - along * n.x, t.y - along * n.y, -along * n.z};
+    float length2 = dot(t, t);
+    t = scaled(t, 1.0f / sqrtf(length2 > 1e-30f ? length2 : 1e-30f));
+    float lo = metal_lambda(beckmann, n, t, load(&at->wo, i), from.ax[i], from.ay[i]);
+    float li = metal_lambda(beckmann, n, t, load(wi, i), from.ax[i], from.ay[i]);
+    float by = (1.0f + lo + li) / ((1.0f + lo) * (1.0f + li));
+    f->r[i] *= by;
+    f->g[i] *= by;
+    f->b[i] *= by;
+  }
+}
+
+LEAF void metal_apart(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                      inputs *given, const lane_v *restrict wi, lane_c *restrict f) {
+  if (c->apart && c->params.mdf == SHADE_MDF_BECKMANN)
+    metal_shadow_apart(true, c, run, at, given, wi, f);
+  else if (c->apart)
+    metal_shadow_apart(false, c, run, at, given, wi, f);
+}
+
 /* Members that all lanes of the library have in common. */
 #define METAL_GIVEN                                                                                \
   .nx = given->at[c->normal[0]] + i, .ny = given->at[c->normal[1]] + i,                            \
@@ -170,7 +231,9 @@ static inline const float *metal_alpha(inputs *given, operand o, double own, int
   .kdb = metal_lane(given, c->kd[2], i), .f82r = metal_lane(given, c->f82[0], i),                  \
   .f82g = metal_lane(given, c->f82[1], i), .f82b = metal_lane(given, c->f82[2], i),                \
   .etar = metal_lane(given, c->eta[0], i), .etag = metal_lane(given, c->eta[1], i),                \
-  .etab = metal_lane(given, c->eta[2], i), .ax = metal_alpha(given, c->ax, c->params.ax, 0, run),  \
+  .etab = metal_lane(given, c->eta[2], i), .kr = metal_lane(given, c->k[0], i),                    \
+  .kg = metal_lane(given, c->k[1], i), .kb = metal_lane(given, c->k[2], i),                        \
+  .ax = metal_alpha(given, c->ax, c->params.ax, 0, run),                                           \
   .ay = metal_alpha(given, c->ay, c->params.ay, 1, run),                                           \
   .groove_x = c->grooved ? lane_of(given, c->groove[0], 6, run) + i : NULL,                        \
   .groove_y = c->grooved ? lane_of(given, c->groove[1], 7, run) + i : NULL
@@ -251,6 +314,7 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
   unsigned status = shade_bsdf_eval_batchf(&c->bsdf, run.end - run.begin, &in, &result);
   if (density)
     status |= shade_bsdf_pdf_batchf(&c->bsdf, run.end - run.begin, &in, out->pdf + i);
+  metal_apart(c, run, at, given, wi, &out->f);
   return status;
 }
 
@@ -272,8 +336,9 @@ LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const sur
                                  .b = out->f.b + i,
                                  .pdf = out->pdf + i,
                                  .cosine = out->cosine + i};
-  return shade_bsdf_sample_batchf(&c->bsdf, run.end - run.begin, &in, &result) &
-         ~(unsigned)SHADE_NO_SAMPLE;
+  unsigned status = shade_bsdf_sample_batchf(&c->bsdf, run.end - run.begin, &in, &result);
+  metal_apart(c, run, at, given, &out->wi, &out->f);
+  return status & ~(unsigned)SHADE_NO_SAMPLE;
 }
 
 #undef METAL_GIVEN

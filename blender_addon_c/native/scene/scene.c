@@ -55,6 +55,9 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
   for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
+    for (size_t k = 0; s->dump && k < m->closures; k++)
+      if (m->closure[k].type == CLOSURE_METAL)
+        m->closure[k].of.metal.apart = false; /* a dump holds what the library says */
     node_place place = {.image = s->image,
                         .textures = &s->textures,
                         .layer = s->layer,
