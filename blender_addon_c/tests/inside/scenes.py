@@ -738,13 +738,13 @@ def grooves(options):
     """A plane of one tilted normal: an anisotropic BSDF of Cycles', or our metal that is the same."""
     scene = common.empty_scene(16, 16)
     scene.libshade.groove_transport = options["transport"]
-    material, tree, node = common.metal(distribution="GGX", brdf="MICROFACET", fresnel="NONE",
-                                        detail=options["detail"] or "ROTATE", ax=0.25 * 0.4,
-                                        ay=0.25 / 0.4)
+    exponents = [2 / (0.25 * by) ** 2 - 2 for by in (0.4, 1 / 0.4)]
+    material, tree, node = common.metal(distribution="ASHIKHMIN_SHIRLEY", brdf="ASHIKHMIN_SHIRLEY", fresnel="NONE",
+                                        detail=options["detail"] or "ROTATE", ex=exponents[0], ey=exponents[1])
     if not options["detail"]:
         tree.nodes.remove(node)
         node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
-        node.distribution = "GGX"
+        node.distribution = "ASHIKHMIN_SHIRLEY"
         node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.5, 0.6
         tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
     if options["axis"] or not options["detail"]:
