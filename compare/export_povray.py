@@ -124,6 +124,9 @@ def bump_image(socket, material, folder):
         raise ExportError(f"{what}: image '{image.name}' ({path}) must be a PNG or OpenEXR file")
     relative = os.path.relpath(path, folder).replace("\\", "/")
     strength = node.inputs["Strength"].default_value
+    if strength > 1 and bpy.app.version < (3, 5):
+        raise ExportError(f"{what}: Blender {bpy.app.version_string} mixes normals by the strength, {strength:.3g}; "
+                          "POV-Ray's multiplies slopes, as later Blenders do: only up to 1 can be written")
     return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} }}'
 
 

@@ -25,8 +25,8 @@ EXPECTED = {
     "broken_image": ("finished", "Warning: .*'steel': image 'broken.png' cannot be read: .*broken.png"),
     "no_image": ("finished", "Warning: .*'steel': 'Image Texture' has no image"),
     "eight_bit_normal_map": ("finished", "'bytes' has colour space 'sRGB': set it to Non-Color"),
-    "bump_node": ("finished", "Warning: .*'steel': Height: 'Noise Texture'.* not supported"),
-    "noise_color": ("finished", "Warning: .*'steel': Color: 'Noise Texture'.* not supported"),
+    "bump_node": ("finished", "Warning: .*'steel': Height: 'Wireframe'.* not supported"),
+    "sky_color": ("finished", "Warning: .*'steel': Color: 'Sky Texture'.* not supported"),
     "pointiness": ("finished", "Warning: .*'Geometry' .Pointiness. is not supported"),
     "cycle": ("finished", None),
     "deep_nodes": ("finished", None),
@@ -90,7 +90,7 @@ def metal(ex, ey, color):
 STEEL = metal(6, 2, (0.9, 0.6, 0.3))
 # what stands in for what cannot be rendered, at the picture's centre
 FALLBACK = {
-    "fine": STEEL, "no_uv": STEEL, "no_image": STEEL, "bump_node": STEEL, "noise_color": STEEL,
+    "fine": STEEL, "no_uv": STEEL, "no_image": STEEL, "bump_node": STEEL, "sky_color": STEEL,
     "other_uv_map": STEEL, "deep_nodes": STEEL, "nowhere": STEEL, "slot_out_of_range": STEEL,
     "no_light": np.zeros(3),
     "no_uv_textured": metal(6, 2, (0.2, 0.4, 0.6)),

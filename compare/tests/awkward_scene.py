@@ -2,7 +2,7 @@
 """Run inside Blender: a scene full of what converters get wrong. Argument: OUT.blend [PERSP|ORTHO]
 
 Two materials on one mesh, a mirrored and an unevenly scaled object, two objects
-that share a mesh, flat shading, a normal map of strength 2, models that need other
+that share a mesh, flat shading, a normal map of half its strength, models that need other
 numbers (alphas, indices of refraction), coloured lights under a turned parent, a camera with
 shift, a tall picture, transparent film.
 """
@@ -35,7 +35,7 @@ def build(folder, camera_type):
     image = make_scene.load_normal_map(path)
     fine = make_scene.new_metal("Fine, bumped", 120.0, 4.0, image)
     across = make_scene.new_metal("Across", 3.0, 80.0, image)
-    strong = make_scene.new_metal("Strong", 40.0, 10.0, image, 2.0)
+    strong = make_scene.new_metal("Strong", 40.0, 10.0, image, 0.5)
     set_metal(strong, distribution="GGX", brdf="MICROFACET", fresnel="CONDUCTOR", ax=0.1, ay=0.4,
               eta=(0.2, 0.9, 1.1), k=(3.9, 2.4, 2.3))
     set_metal(across, fresnel="F82", f82=(0.9, 0.8, 0.7), diffuse="FIBRE", kd=(0.1, 0.2, 0.3))

@@ -119,15 +119,15 @@ def eight_bit_normal_map(scene):
 def bump_node(scene):
     _ob, tree, node = plate(scene)
     bump = tree.nodes.new("ShaderNodeBump")
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    wires = tree.nodes.new("ShaderNodeWireframe")
+    tree.links.new(wires.outputs[0], bump.inputs["Height"])
     tree.links.new(bump.outputs["Normal"], node.inputs["Normal"])
 
 
-def noise_color(scene):
+def sky_color(scene):
     _ob, tree, node = plate(scene)
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(noise.outputs["Color"], node.inputs["Color"])
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    tree.links.new(sky.outputs["Color"], node.inputs["Color"])
 
 
 def pointiness(scene):
@@ -349,7 +349,7 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_matt, no_uv_textured, no_faces, missing_image,
     missing_normal_map,
-    broken_image, no_image, eight_bit_normal_map, bump_node, noise_color, pointiness, cycle,
+    broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
