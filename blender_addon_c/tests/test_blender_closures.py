@@ -80,7 +80,7 @@ CASES = [
     two("added", "AddShader", shader("BsdfDiffuse", {"Color": RED}),
         shader("Emission", {"Color": (0.1, 0.2, 0.3, 1)})),
     two("half there", "MixShader", shader("BsdfDiffuse", {"Color": RED}), shader("BsdfTransparent")),
-    one("metallic", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+    one("metallic by tints", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
         "Color": RED, "Base Color": RED, "Edge Tint": (0.3, 0.6, 1, 1), "Roughness": 0.6}, distribution="MULTI_GGX",
         fresnel_type={"5.0": "F82"}),
     one("conductor", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
