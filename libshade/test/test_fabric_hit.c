@@ -280,8 +280,8 @@ static void one_call_is_a_lane(void **state) {
   print_message(
       "one call against a lane: %.1e, float %.1e; lit %d, from behind %d, no direction %d\n", worst,
       worstf, lit[0], lit[1], bad);
-  assert_true(worst <= 1e-11);
-  assert_true(worstf <= 3e-4);
+  assert_true(worst <= 1e-13);
+  assert_true(worstf <= 1e-5);
   assert_true(lit[0] > 10000 && lit[1] > 500 && bad > 100);
 }
 
