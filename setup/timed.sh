@@ -5,7 +5,8 @@
 mkdir -p build
 spent=$(mktemp) || exit
 TIMEFORMAT='%U %S %R'
-{ time /bin/bash "$@" 2>&3; } 3>&2 2>"$spent"
+# low numbers are make's: its jobs' pipe
+{ time /bin/bash "$@" 2>&"$err"; } {err}>&2 2>"$spent"
 status=$?
 printf '%s %s\n' "$(<"$spent")" "$(tr '\n\t' '  ' <<<"${*: -1}" | tail -c 300)" >>build/times.txt
 rm -f "$spent"
