@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "backend/mdf/bumpimage.h"
@@ -34,6 +35,9 @@ struct Material {
   double centre[3];                      // for TANGENT_RADIAL: a point of the axis
   std::shared_ptr<const BumpImage> bump; // or NULL
   double strength;                       // of bump
+  bool reflects;                         // `reflection { }`
+  int samples;                           // rays at a hit, at most; 0: by the width of the lobe
+  double clamp;                          // the brightest that a ray may bring; 0: anything
   int id;                                // position in the scene's list
 
   // Of params, made by Scene::add: all of it, and each part alone. They add up.
@@ -41,6 +45,17 @@ struct Material {
   bool has_diffuse;
   // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
   std::shared_ptr<const shade_bsdf_albedo> albedo;
+  // Of the specular part, once an object shows it (Scene::use); else NULL.
+  std::shared_ptr<const shade_bsdf_albedo> specular_albedo;
+
+  // The specular part, no alpha below that of the level. A path that has left a rough surface
+  // sees sharp lobes so: it seldom finds a light in them, and then a dazzling one.
+  enum { LEVELS = 4 };
+  shade_bsdf widened[LEVELS];
+  double width; // what it asks of the lobes behind: half its mean alpha
+  int rays;     // `samples`, or the choice for them
+  // The widest level up to an alpha, or -1.
+  static int level_of(double alpha);
 };
 
 // Tangents of a mesh: for each corner the unit vector along dP/du and the
@@ -79,6 +94,8 @@ public:
   // Makes the block ready and keeps it until the scene ends.
   const Material *add(const Material &material);
   bool empty() const { return materials.empty(); }
+  // Makes what only a block needs that is seen. Throws std::bad_alloc.
+  void use(const Material *material);
 
   // {"version": …, "renderer": …, "materials": […]}, for a dump's header.
   std::string json(const std::string &renderer) const;
@@ -91,7 +108,9 @@ public:
   bool first_warning(const std::string &text) { return warned.insert(text).second; }
 
 private:
-  std::vector<std::shared_ptr<const Material>> materials;
+  std::vector<std::shared_ptr<Material>> materials;
+  // equal blocks share one: scenes copy them in loops
+  std::vector<std::pair<shade_params, std::shared_ptr<const shade_bsdf_albedo>>> albedos;
   std::set<std::string> warned;
 };
 
@@ -117,8 +136,13 @@ public:
   // at normal incidence, RGB; f is the material's, or one part of it.
   void light(const shade_bsdf &part, const double L[3], const double E[3], double S[3]) const;
 
-  // What share of even light the diffuse part reflects, RGB.
+  // What share of even light each part reflects, RGB.
   void diffuse_albedo(double albedo[3]) const;
+  void specular_albedo(double albedo[3]) const;
+
+  // A direction L that light comes from, drawn for the part by two numbers in [0, 1), and what
+  // share of its light is reflected: f cos / pdf. False if there is none.
+  bool draw(const shade_bsdf &part, const double u[2], double L[3], double reflectance[3]) const;
 
 private:
   const Material *material;

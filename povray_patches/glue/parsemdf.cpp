@@ -13,6 +13,7 @@
 #include "base/fileinputoutput.h"
 #include "base/image/image.h"
 #include "base/stringutilities.h"
+#include "backend/lighting/point.h"
 #include "backend/math/matrices.h"
 #include "backend/mdf/surface.h"
 #include "backend/mdf/words.h"
@@ -66,13 +67,21 @@ void Parser::Declare_Mdf_Version() {
   SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
   entry->Data = Create_Float();
-  *reinterpret_cast<DBL *>(entry->Data) = 2.0;
+  *reinterpret_cast<DBL *>(entry->Data) = 3.0;
 }
 
 // Loops and macros parse the same block many times: once is enough.
 void Parser::Warn_Mdf(const std::string &text) {
   if (sceneData->mdfScene->first_warning(text))
     Warning(0, "mdf: %s", text.c_str());
+}
+
+// A number out of range.
+void Parser::Warn_Mdf_Number(const std::string &what, double written, double taken) {
+  char text[80];
+
+  snprintf(text, sizeof text, " is %g; it is taken as %g.", written, taken);
+  Warn_Mdf(what + text);
 }
 
 // The error for a token that is none of these words (`last` as in expected_words).
@@ -181,9 +190,7 @@ void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
       shade_param_row(rows[i], &info);
       Parse_Mdf_Numbers("roughness", 1, &r);
       if (!(r * info.maximum >= 1.0)) {
-        char text[80];
-        snprintf(text, sizeof text, "roughness is %g; it is taken as %g.", r, 1.0 / info.maximum);
-        Warn_Mdf(text);
+        Warn_Mdf_Number("roughness", r, 1.0 / info.maximum);
         r = 1.0 / info.maximum;
       }
     }
@@ -227,9 +234,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   if (name.empty())
     Expectation_Error("png \"file\" or exr \"file\"");
   if (material.strength < 0.0) {
-    char text[80];
-    snprintf(text, sizeof text, "bump_image strength is %g; it is taken as 0.", material.strength);
-    Warn_Mdf(text);
+    Warn_Mdf_Number("bump_image strength", material.strength, 0.0);
     material.strength = 0.0;
   }
 
@@ -250,6 +255,56 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   }
   material.bump = image;
 
+  Parse_End();
+}
+
+// `reflection { samples n clamp c }`, either of which may be left out; `reflection off` where a
+// finish that this one began with has it.
+void Parser::Parse_Mdf_Reflection(mdf::Material &material) {
+  Get_Token();
+  if (Token.Function_Id == OFF_TOKEN || Token.Function_Id == ON_TOKEN) {
+    material.reflects = Token.Function_Id == ON_TOKEN;
+    return;
+  }
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expectation_Error("{, on or off");
+  Unget_Token();
+
+  const mdf::WordScope words(Mdf_Words, mdf::WORDS_REFLECTION);
+  double number;
+
+  Parse_Begin();
+  material.reflects = true;
+  material.samples = 0;
+  material.clamp = 0.0;
+  // clang-format off
+  EXPECT
+    CASE (MDF_WORD_TOKEN)
+      if (Token.Function_Id == mdf::REFLECTION_SAMPLES) {
+        Parse_Mdf_Numbers("reflection samples", 1, &number);
+        const double taken = floor(std::min(std::max(number, 1.0), 4096.0));
+        if (taken != number)
+          Warn_Mdf_Number("reflection samples", number, taken);
+        material.samples = (int)taken;
+      } else {
+        Parse_Mdf_Numbers("reflection clamp", 1, &material.clamp);
+        if (material.clamp < 0.0) {
+          Warn_Mdf_Number("reflection clamp", material.clamp, 0.0);
+          material.clamp = 0.0;
+        }
+      }
+    END_CASE
+
+    CASE (RIGHT_CURLY_TOKEN)
+      UNGET
+      EXIT
+    END_CASE
+
+    OTHERWISE
+      Expect_Mdf_Word(mdf::WORDS_REFLECTION, "}");
+    END_CASE
+  END_EXPECT
+  // clang-format on
   Parse_End();
 }
 
@@ -355,6 +410,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
           Parse_Mdf_Roughness(material);
         else if (word == mdf::BLOCK_BUMP_IMAGE)
           Parse_Mdf_Bump_Image(material);
+        else if (word == mdf::BLOCK_REFLECTION)
+          Parse_Mdf_Reflection(material);
         else if (word >= mdf::BLOCK_ROW)
           Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
         else if (word >= mdf::BLOCK_LIST)
@@ -389,6 +446,11 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
   mdf::Scene &scene = *sceneData->mdfScene;
   const Mesh *mesh = dynamic_cast<const Mesh *>(object);
 
+  if (object->Type & LIGHT_SOURCE_OBJECT) {
+    const LightSource *lamp = static_cast<const LightSource *>(object);
+    if (!lamp->children.empty() && lamp->Light_Type != FILL_LIGHT_SOURCE)
+      Mark_Mdf_Lamp(lamp->children[0]);
+  }
   if (scene.empty() || (object->Type & IS_COMPOUND_OBJECT)) // its children come on their own
     return;
   if (mesh == NULL) { // whatever its textures: it may show those of others (cutaway_textures)
@@ -405,6 +467,8 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     collect_blocks(mesh->Textures[i], blocks);
   if (blocks.empty())
     return;
+  for (std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i)
+    scene.use(*i);
 
   if (mesh != NULL) {
     if (scene.meshes.find(mesh->Data) == scene.meshes.end()) {

@@ -5,6 +5,8 @@
 #include "backend/frame.h"
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <new>
 
 #include "backend/colour/colour.h"
@@ -575,10 +577,6 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
                      TraceThreadData *thread, mdf::Dump *d, int p) {
   const mdf::Material &material = *finish->Mdf;
 
-  // Such a ray sees no highlights, as it sees none of POV-Ray's own.
-  if (ray.IsRadiosityRay() && !material.has_diffuse)
-    return;
-
   static const mdf::Shape unknown(mdf::Shape::OTHER);
   const ObjectBase *object = isect.Object;
   const mdf::Shape &shape = (object->Mdf_Shape != NULL) ? *object->Mdf_Shape : unknown;
@@ -635,8 +633,9 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
                        M_PI * light_colour.blue()};
   const bool behind = !shaded.faces(direction);
   const bool recorded = dump != NULL && light != NULL && highlight;
-  const bool whole = highlight && (!material.has_diffuse ||
-                                   (diffuse && opacity == 1.0 && !(behind && both_sides)));
+  const bool whole =
+      highlight && level < 0 &&
+      (!material.has_diffuse || (diffuse && opacity == 1.0 && !(behind && both_sides)));
   double S[3];
 
   if (whole || recorded) {
@@ -651,7 +650,7 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
     return;
 
   if (highlight) {
-    shaded.light(material.specular, direction, E, S);
+    shaded.light(Specular(), direction, E, S);
     colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
   }
   if (diffuse && material.has_diffuse) {
@@ -668,6 +667,86 @@ RGBColour MdfHit::DiffuseAlbedo() const {
   if (HasBlock())
     shaded.diffuse_albedo(albedo);
   return RGBColour((COLC)albedo[0], (COLC)albedo[1], (COLC)albedo[2]);
+}
+
+RGBColour MdfHit::SpecularAlbedo() const {
+  double albedo[3] = {0.0, 0.0, 0.0};
+
+  if (HasBlock())
+    shaded.specular_albedo(albedo);
+  return RGBColour((COLC)albedo[0], (COLC)albedo[1], (COLC)albedo[2]);
+}
+
+namespace {
+
+uint64_t mix(uint64_t z) { // splitmix64's
+  z += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+// Point `index` of Sobol's first two dimensions: any run of 2^k from a multiple of 2^k on meets
+// each cell of every grid of 2^k equal cells once.
+void low_discrepancy(uint32_t index, uint32_t point[2]) {
+  uint32_t direction[2] = {0x80000000u, 0x80000000u};
+
+  point[0] = point[1] = 0;
+  for (; index != 0; index >>= 1) {
+    if (index & 1) {
+      point[0] ^= direction[0];
+      point[1] ^= direction[1];
+    }
+    direction[0] >>= 1;
+    direction[1] ^= direction[1] >> 1;
+  }
+}
+
+} // namespace
+
+void MdfHit::Seed(const VECTOR point, const VECTOR direction, int layer, unsigned int seed[2]) {
+  uint64_t hash = mix((uint64_t)layer);
+
+  for (int i = X; i <= Z; i++) {
+    uint64_t bits[2];
+    std::memcpy(&bits[0], &point[i], sizeof bits[0]);
+    std::memcpy(&bits[1], &direction[i], sizeof bits[1]);
+    hash = mix(mix(hash ^ bits[0]) ^ bits[1]);
+  }
+  seed[0] = (uint32_t)hash;
+  seed[1] = (uint32_t)(hash >> 32);
+}
+
+bool MdfHit::Draw(unsigned int index, const unsigned int seed[2], Vector3d &direction,
+                  RGBColour &reflectance) const {
+  uint32_t point[2];
+  double u[2], L[3], share[3];
+
+  low_discrepancy(index, point);
+  for (int i = 0; i < 2; i++)
+    u[i] = (point[i] ^ seed[i]) * 0x1p-32;
+  if (!shaded.draw(Specular(), u, L, share))
+    return false;
+  direction = Vector3d(L);
+  reflectance = RGBColour((COLC)share[0], (COLC)share[1], (COLC)share[2]);
+  return true;
+}
+
+void MdfHit::Clamp(RGBColour &colour) const {
+  const double most = shaded.of().clamp;
+  const double brightest = max(max(colour.red(), colour.green()), colour.blue());
+
+  if (most > 0.0 && brightest > most)
+    colour *= most / brightest;
+}
+
+void Mark_Mdf_Lamp(ObjectBase *object) {
+  object->Mdf_Lamp = true;
+  if (object->Type & IS_COMPOUND_OBJECT) {
+    std::vector<ObjectPtr> &parts = static_cast<CompoundObject *>(object)->children;
+    for (size_t i = 0; i < parts.size(); i++)
+      Mark_Mdf_Lamp(parts[i]);
+  }
 }
 
 } // namespace pov

@@ -44,6 +44,7 @@ std::vector<Words> make_sets() {
       add(sets[WORDS_BLOCK], word_of_row(row), BLOCK_ROW + row);
   add(sets[WORDS_BLOCK], "roughness", BLOCK_ROUGHNESS);
   add(sets[WORDS_BLOCK], "bump_image", BLOCK_BUMP_IMAGE);
+  add(sets[WORDS_BLOCK], "reflection", BLOCK_REFLECTION);
   sets[WORDS_RADIAL] = sets[WORDS_BLOCK];
   add(sets[WORDS_RADIAL], "at", BLOCK_AT);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);
@@ -51,6 +52,8 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_IMAGE], "png", IMAGE_PNG);
   add(sets[WORDS_IMAGE], "exr", IMAGE_EXR);
   add(sets[WORDS_IMAGE], "strength", IMAGE_STRENGTH);
+  add(sets[WORDS_REFLECTION], "samples", REFLECTION_SAMPLES);
+  add(sets[WORDS_REFLECTION], "clamp", REFLECTION_CLAMP);
   return sets;
 }
 

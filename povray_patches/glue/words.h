@@ -13,12 +13,13 @@ namespace mdf {
 // Which words the tokenizer takes for itself. Every place has its own small
 // set, so that `x` after `groove` is a choice and after `tangent` a vector.
 enum WordSet {
-  WORDS_NONE,    // outside mdf { }, and inside # directives
-  WORDS_BLOCK,   // where a statement may begin
-  WORDS_TANGENT, // after `tangent`
-  WORDS_RADIAL,  // after `tangent radial`: those of the block, and `at`
-  WORDS_IMAGE,   // inside bump_image { }
-  WORDS_LIST     // and on, words_of_list(): after the name of a list of the table
+  WORDS_NONE,       // outside mdf { }, and inside # directives
+  WORDS_BLOCK,      // where a statement may begin
+  WORDS_TANGENT,    // after `tangent`
+  WORDS_RADIAL,     // after `tangent radial`: those of the block, and `at`
+  WORDS_IMAGE,      // inside bump_image { }
+  WORDS_REFLECTION, // inside reflection { }
+  WORDS_LIST        // and on, words_of_list(): after the name of a list of the table
 };
 
 // Identities of the words of WORDS_BLOCK beyond the distributions, whose
@@ -29,11 +30,13 @@ enum BlockWord {
   BLOCK_TANGENT = 3000,
   BLOCK_ROUGHNESS,
   BLOCK_BUMP_IMAGE,
+  BLOCK_REFLECTION,
   BLOCK_AT // of WORDS_RADIAL
 };
 
 enum TangentWord { TANGENT_UV, TANGENT_AROUND };
 enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH };
+enum ReflectionWord { REFLECTION_SAMPLES, REFLECTION_CLAMP };
 
 inline WordSet words_of_list(shade_list list) {
   return (WordSet)((int)WORDS_LIST + (int)list);

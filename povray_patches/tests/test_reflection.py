@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: AGPL-3.0-or-later
+"""`reflection { }`: what a lobe gathers of the scene, against integrals of Ashikhmin and Shirley's formula."""
+import numpy as np
+import pytest
+
+from scenes import dot, normalise
+
+EX, EY = 60.0, 9.0
+EYE = normalise(np.array([0.3, 0.8, -0.5]))  # from the plate
+FAR, RADIUS = 1000.0, 250.0
+METAL = "specular <1, .8, .6> horizon hard tangent x"
+
+
+def scene(block, rest, finish="ambient 0 diffuse 0"):
+    """A plate in the xz plane, seen from one direction all over."""
+    place = "<" + ", ".join(f"{10 * c:.9g}" for c in EYE) + ">"
+    return f"""#version 3.7; global_settings {{ assumed_gamma 1 }}
+camera {{ orthographic location {place} look_at 0 angle 2 }}
+box {{ <-4, -1, -4>, <4, 0, 4> pigment {{ rgb 0 }} finish {{ {finish} mdf {{ ashikhmin_shirley {EX}, {EY} {METAL} {block} }} }} }}
+{rest}
+"""
+
+
+def emitter(towards, radiance=1.0, radius=RADIUS):
+    place = "<" + ", ".join(f"{FAR * c:.9g}" for c in towards) + ">"
+    return f"sphere {{ {place}, {radius} pigment {{ rgb 1 }} finish {{ ambient 0 diffuse 0 emission {radiance} }} }}\n"
+
+
+def brdf_cos(wi):
+    """f cos for f0 = 1 towards EYE; T, B, N are POV-Ray's x, z, y [AshikhminShirley2000 Eq. 4]."""
+    h = normalise(wi + EYE)
+    ho, ni, no = dot(h, EYE), wi[..., 1], EYE[1]
+    sine2 = np.maximum(1 - h[..., 1] ** 2, 1e-30)
+    exponent = (EX * h[..., 0] ** 2 + EY * h[..., 2] ** 2) / sine2
+    D = np.sqrt((EX + 1) * (EY + 1)) / (2 * np.pi) * np.maximum(h[..., 1], 0) ** exponent
+    return np.where(ni > 0, D / (4 * ho * np.maximum(ni, no)) * ni, 0)
+
+
+def over_sphere(inside, n=1200):
+    """The integral of f cos over the directions that `inside` takes, by midpoints."""
+    z, phi = np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(2 * n) + 0.5) * np.pi / n, indexing="ij")
+    r = np.sqrt(1 - z * z)
+    wi = np.stack([r * np.cos(phi), z, r * np.sin(phi)], -1)
+    return np.sum(brdf_cos(wi) * inside(wi)) / n * np.pi / n
+
+
+MIRROR = EYE * [-1, 1, -1]
+TURNED = normalise(MIRROR + [0.25, 0, 0.1])
+CLOSE = pytest.approx
+
+
+def mean(result):
+    return result.image.mean((0, 1))
+
+
+COLOUR = np.array([1, 0.8, 0.6])
+
+
+def test_furnace(render):
+    """Even light of 1 from all round gives the albedo."""
+    found = mean(render(scene("reflection { samples 64 }", "background { rgb 1 }"), (32, 24), dump=False))
+    assert found == CLOSE(over_sphere(lambda wi: 1.0) * COLOUR, rel=0.01)
+
+
+@pytest.mark.parametrize("towards", [MIRROR, TURNED], ids=["mirrored", "turned"])
+def test_gathers_the_integral_over_an_emitter(render, towards):
+    cone = np.sqrt(1 - (RADIUS / FAR) ** 2)
+    expected = over_sphere(lambda wi: wi @ towards > cone) * COLOUR
+    found = mean(render(scene("reflection { samples 64 }", emitter(towards)), (48, 36), dump=False))
+    assert expected[0] > 0.05 and found == CLOSE(expected, rel=0.01)
+
+
+def test_a_highlight_is_the_reflection_of_what_is_as_bright(render):
+    """A lamp of colour c is an irradiance of pi c: as a small ball of radiance pi c over its solid angle."""
+    small = 30.0
+    solid_angle = 2 * np.pi * (1 - np.sqrt(1 - (small / FAR) ** 2))
+    place = "<" + ", ".join(f"{FAR * c:.9g}" for c in TURNED) + ">"
+    lamp = f"light_source {{ {place}, rgb 1 parallel point_at 0 %s }}\n"
+    highlight = mean(render(scene("", lamp % ""), dump=False))
+    ball = emitter(TURNED, np.pi / solid_angle, small)
+    gathered = mean(render(scene("reflection { samples 256 }", ball), (64, 48), dump=False))
+    assert highlight == CLOSE(np.pi * brdf_cos(TURNED) * COLOUR, rel=2e-3)
+    assert gathered == CLOSE(highlight, rel=0.03)
+    # and the same ball as what the lamp looks like is not counted again, unless the lamp gives no highlight
+    looks = "looks_like { " + emitter(np.zeros(3), np.pi / solid_angle, small).strip() + " }"
+    both = mean(render(scene("reflection { samples 16 }", lamp % looks), dump=False))
+    assert both == CLOSE(highlight, rel=2e-3)
+    fill = mean(render(scene("reflection { samples 256 }", lamp % ("shadowless " + looks)), (64, 48), dump=False))
+    assert fill == CLOSE(highlight, rel=0.03)
+
+
+def test_same_bytes_for_any_threads_and_window(render):
+    text = scene("reflection { samples 5 }", emitter(MIRROR) + "sphere { <1, .3, .5>, .5 pigment { checker rgb 1 rgb .1 } finish { emission 1 } }\n")
+    one = render(text, (40, 30), ["+WT1"], dump=False).image
+    four = render(text, (40, 30), ["+WT4", "+BS8"], dump=False).image
+    part = render(text, (40, 30), ["+SC11", "+SR7", "+EC30", "+ER20"], dump=False).image
+    assert np.array_equal(one, four)
+    assert np.array_equal(part[6:20, 10:30], one[6:20, 10:30])
+    assert one.std() > 0.01
+
+
+def test_rays_multiply_no_further_than_asked(render):
+    """Two plates that see each other: N rays at the first, one for each at the second, each one level deep."""
+    facing = "box { <-9, 4, -9>, <9, 5, 9> no_image pigment { rgb 0 } finish { ambient 0 diffuse 0 mdf { ashikhmin_shirley 60, 9 specular 1 reflection { samples 16 } } } }\n"
+    result = render(scene("reflection { samples 16 }", facing + "background { rgb 1 }"), (16, 12), ["+WT1", "+V"], dump=False)
+    reflected = int(result.message.split("Reflected Rays:")[1].split()[0])
+    assert reflected <= 16 * 12 * 16 * 4  # max_trace_level 5: the camera's ray and four
+
+
+def test_clamp_holds_what_a_ray_brings(render):
+    bright = "background { rgb 50 }"
+    held = mean(render(scene("reflection { samples 64 clamp 2 }", bright), (32, 24), dump=False))
+    assert held == CLOSE(2 * over_sphere(lambda wi: 1.0) * COLOUR, rel=0.01)
+
+
+@pytest.mark.parametrize("finish, share", [("ambient .3 diffuse 0", 0.3), ("ambient 0 diffuse 0", 0.0)])
+def test_without_it_ambient_light_counts(render, finish, share):
+    """The library's albedo is a table: within .02 [albedo.h]."""
+    found = mean(render(scene("", "background { rgb 1 }", finish), dump=False))
+    assert found == CLOSE(share * over_sphere(lambda wi: 1.0) * COLOUR, abs=0.02 * share + 1e-6)
+
+
+def test_radiosity_lights_metal(render):
+    text = scene("", "background { rgb 1 }").replace("assumed_gamma 1", "assumed_gamma 1 radiosity { count 60 error_bound .5 pretrace_end .05 }")
+    assert mean(render(text, dump=False)) == CLOSE(over_sphere(lambda wi: 1.0) * COLOUR, rel=0.05)
+
+
+def test_conserve_energy_takes_it_from_what_lies_below(render):
+    layers = scene("", "", "ambient 1 diffuse 0 conserve_energy").replace("pigment { rgb 0 }", "texture { pigment { rgb 1 } finish { ambient 1 diffuse 0 } } texture { pigment { rgbt <0, 0, 0, 1> }")
+    layers = layers.replace("} } }\n", "} } } }\n", 1)
+    found = mean(render(layers, dump=False))
+    albedo = over_sphere(lambda wi: 1.0) * COLOUR
+    assert found == CLOSE(albedo + 1 - albedo, abs=0.03)
+
+
+@pytest.mark.parametrize("words, message", [
+    ("reflection", "'{, on or off'"),
+    ("reflection { sample 3 }", "did you mean 'samples'"),
+    ("reflection { samples }", "reflection samples needs a number"),
+    ("reflection { clamp 1e999 }", "reflection clamp is not a finite number"),
+])
+def test_what_is_refused(render, words, message):
+    result = render(scene(words, ""), (8, 6), dump=False, fails=True)
+    assert result.status == 1 and message in result.message
+
+
+@pytest.mark.parametrize("words, message", [
+    ("reflection { samples 0 }", "reflection samples is 0; it is taken as 1."),
+    ("reflection { samples 2.5 }", "reflection samples is 2.5; it is taken as 2."),
+    ("reflection { clamp -1 }", "reflection clamp is -1; it is taken as 0."),
+])
+def test_what_is_taken_as_the_nearest(render, words, message):
+    assert message in render(scene(words, ""), (8, 6), dump=False).message
+
+
+def test_off_again(render):
+    """A finish that begins with another one can leave its reflections out."""
+    on = scene("reflection { }", "background { rgb 1 }")
+    off = on.replace("box {", "#declare Shining = finish { ambient 0 diffuse 0 mdf { ggx .2, .2 reflection { } } }\nbox {", 1)
+    off = off.replace("finish { ambient 0 diffuse 0 mdf { ashikhmin", "finish { Shining mdf { ashikhmin").replace("reflection { } } } }\nbackground", "reflection off } } }\nbackground")
+    assert "Shining mdf" in off and "reflection off" in off
+    assert mean(render(on, (8, 6), dump=False))[0] > 0.5
+    assert mean(render(off, (8, 6), dump=False))[0] == 0
