@@ -18,10 +18,16 @@ std::string Dump::wanted() {
   return (name != NULL) ? name : "";
 }
 
-Dump::Dump(const std::string &file, int width, int height, int lights)
+Dump::Dump(const std::string &file, int width, int height, int lights, bool cloth, bool painted)
     : path(file), data(shade_dump_create(width, height, lights)) {
   if (data == NULL)
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
+  if ((cloth && (shade_dump_add(data, SHADE_DUMP_FOOT) == NULL ||
+                 shade_dump_add(data, SHADE_DUMP_COVERAGE) == NULL)) ||
+      (painted && shade_dump_add(data, SHADE_DUMP_KD) == NULL)) {
+    shade_dump_free(data);
+    throw std::runtime_error("LIBSHADE_DUMP: out of memory");
+  }
   // Better now than after the last pixel.
   const size_t slash = path.rfind('/');
   const std::string folder = (slash == std::string::npos) ? "." : path.substr(0, slash + 1);
@@ -57,30 +63,50 @@ void Dump::put(float *plane, int pixel, const double *values, int count) {
     plane[(size_t)c * size + (size_t)pixel] = (float)values[c];
 }
 
+void Dump::put_vector(float *plane, int pixel, const double v[3], bool mirrored) {
+  const double seen[3] = {mirrored ? -v[0] : v[0], v[1], v[2]};
+
+  put(plane, pixel, seen, 3);
+}
+
 bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2],
-               const double N[3], const double T[3], const double Ns[3], const double V[3]) {
+               const double N[3], const double T[3], const double Ns[3], const double V[3],
+               const double pigment[3], const ClothPlace *cloth, double gaps) {
   float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
+  const shade_params &params = material->params;
+  const bool mirrored = cloth != NULL;
 
   if (*id >= 0.0f)
     return false;
   *id = (float)material->id;
-  put(shade_dump_plane(data, SHADE_DUMP_P), pixel, P, 3);
-  put(shade_dump_plane(data, SHADE_DUMP_N), pixel, N, 3);
-  put(shade_dump_plane(data, SHADE_DUMP_T), pixel, T, 3);
-  put(shade_dump_plane(data, SHADE_DUMP_NS), pixel, Ns, 3);
-  put(shade_dump_plane(data, SHADE_DUMP_V), pixel, V, 3);
-  put(shade_dump_plane(data, SHADE_DUMP_UV), pixel, uv, 2);
-  put(shade_dump_plane(data, SHADE_DUMP_COLOR), pixel, material->params.f0, 3);
+  put_vector(shade_dump_plane(data, SHADE_DUMP_P), pixel, P, mirrored);
+  put_vector(shade_dump_plane(data, SHADE_DUMP_N), pixel, N, mirrored);
+  put_vector(shade_dump_plane(data, SHADE_DUMP_T), pixel, T, mirrored);
+  put_vector(shade_dump_plane(data, SHADE_DUMP_NS), pixel, Ns, mirrored);
+  put_vector(shade_dump_plane(data, SHADE_DUMP_V), pixel, V, mirrored);
+  put(shade_dump_plane(data, SHADE_DUMP_UV), pixel, cloth ? cloth->uv : uv, 2);
+  put(shade_dump_plane(data, SHADE_DUMP_COLOR), pixel,
+      material->specular_pigment ? pigment : params.f0, 3);
+  if (shade_dump_has(data, SHADE_DUMP_KD))
+    put(shade_dump_plane(data, SHADE_DUMP_KD), pixel, material->kd_pigment ? pigment : params.kd,
+        3);
+  if (shade_dump_has(data, SHADE_DUMP_FOOT)) {
+    static const double none[2] = {0.0, 0.0};
+    const double coverage = 1.0 - gaps;
+    put(shade_dump_plane(data, SHADE_DUMP_FOOT), pixel, cloth ? cloth->foot : none, 2);
+    put(shade_dump_plane(data, SHADE_DUMP_COVERAGE), pixel, &coverage, 1);
+  }
   // A light that sends nothing here is never reported; L must still be a direction.
   for (int number = 0; number < data->lights; number++)
-    put(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, N, 3);
+    put_vector(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, N, mirrored);
   return true;
 }
 
-void Dump::light(int pixel, int number, const double L[3], const double E[3], const double S[3]) {
+void Dump::light(int pixel, int number, const double L[3], const double E[3], const double S[3],
+                 bool cloth) {
   if (number < 0 || number >= data->lights)
     return;
-  put(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, L, 3);
+  put_vector(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, L, cloth);
   put(shade_dump_light_plane(data, number, SHADE_DUMP_E), pixel, E, 3);
   put(shade_dump_light_plane(data, number, SHADE_DUMP_S), pixel, S, 3);
 }

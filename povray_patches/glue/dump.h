@@ -20,7 +20,8 @@ public:
   static std::string wanted();
 
   // Throws std::runtime_error when memory is short or the folder cannot be written to.
-  Dump(const std::string &path, int width, int height, int lights);
+  // cloth, painted: whether the scene has any, and diffuse parts in a pigment's colours.
+  Dump(const std::string &path, int width, int height, int lights, bool cloth, bool painted);
   ~Dump();
 
   // A ray through the position (x, y) begins; whole numbers are the pixels'
@@ -30,11 +31,15 @@ public:
 
   // What the eye sees at `pixel`. False if the pixel already holds a
   // hit: the first (top) layer with an mdf { } block counts.
+  // pigment: the layer's colour. cloth: where on it, else NULL; gaps: what it leaves of the ray.
+  // Cloth is recorded in a mirror, x the other way: it has a hand, and POV-Ray's space the left.
   bool hit(int pixel, const Material *material, const double P[3], const double uv[2],
-           const double N[3], const double T[3], const double Ns[3], const double V[3]);
+           const double N[3], const double T[3], const double Ns[3], const double V[3],
+           const double pigment[3], const ClothPlace *cloth, double gaps);
 
-  // One light on that hit.
-  void light(int pixel, int number, const double L[3], const double E[3], const double S[3]);
+  // One light on that hit; cloth: whether it is one.
+  void light(int pixel, int number, const double L[3], const double E[3], const double S[3],
+             bool cloth);
 
   // Throws std::runtime_error naming the file.
   void write(const std::string &json);
@@ -44,6 +49,8 @@ private:
   shade_dump *const data;
 
   void put(float *plane, int pixel, const double *values, int count);
+  // A vector, mirrored where cloth was hit.
+  void put_vector(float *plane, int pixel, const double v[3], bool mirrored);
 
   Dump(const Dump &);
   Dump &operator=(const Dump &);

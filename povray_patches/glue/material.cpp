@@ -13,8 +13,8 @@ namespace mdf {
 
 Material::Material()
     : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), reflects(false), samples(0),
-      clamp(0.0), id(-1), bsdf(), specular(), diffuse(), has_diffuse(false), widened(), width(0.0),
-      rays(1) {
+      clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
+      has_diffuse(false), black(), widened(), widened_black(), width(0.0), rays(1) {
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
   params.fresnel = SHADE_FRESNEL_NONE;
@@ -38,6 +38,11 @@ shade_params specular_of(const shade_params &p) {
 
 // What reflections need of a block.
 void widen(Material &m) {
+  if (m.cloth) { // what is matt comes from all sides
+    m.width = 0.5;
+    m.rays = m.samples > 0 ? m.samples : 32;
+    return;
+  }
   const double ax = alpha_of(m.params, m.params.ax, m.params.ex);
   const double ay = alpha_of(m.params, m.params.ay, m.params.ey);
 
@@ -53,18 +58,30 @@ void widen(Material &m) {
     p.ex = std::min(p.ex, most);
     p.ey = std::min(p.ey, most);
     shade_bsdf_setup(&m.widened[level], &p);
+    for (int c = 0; c < 3; c++)
+      p.f0[c] = 0.0;
+    shade_bsdf_setup(&m.widened_black[level], &p);
   }
 }
 
 // The specular part is the material without kd; the diffuse part is the one without a Fresnel
 // term, with what Ashikhmin and Shirley's model leaves of kd beside f0.
 void split(Material &m) {
-  shade_params diffuse = m.params;
-  const shade_params specular = specular_of(m.params);
+  shade_params diffuse, black;
+
+  for (int c = 0; c < 3; c++) {
+    m.params.f0[c] = m.specular_pigment ? 1.0 : m.params.f0[c];
+    m.params.kd[c] = m.kd_pigment ? 1.0 : m.params.kd[c];
+  }
+  diffuse = m.params;
+  const shade_params specular = black = specular_of(m.params);
+  for (int c = 0; c < 3; c++)
+    black.f0[c] = 0.0;
+  shade_bsdf_setup(&m.black, &black);
 
   m.has_diffuse = false;
   for (int c = 0; c < 3; c++) {
-    if (m.params.diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY)
+    if (m.params.diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY && !m.specular_pigment)
       diffuse.kd[c] *= 1.0 - m.params.f0[c];
     diffuse.f0[c] = 0.0;
     m.has_diffuse = m.has_diffuse || diffuse.kd[c] > 0.0;
@@ -85,6 +102,15 @@ void split(Material &m) {
 
 } // namespace
 
+bool *Material::pigment_for(int row) {
+  shade_param_info info;
+
+  shade_param_row(row, &info);
+  return std::strcmp(info.word, "f0") == 0   ? &specular_pigment
+         : std::strcmp(info.word, "kd") == 0 ? &kd_pigment
+                                             : NULL;
+}
+
 int Material::level_of(double alpha) {
   int level = -1;
 
@@ -98,35 +124,68 @@ const Material *Scene::add(const Material &material) {
 
   kept->id = (int)materials.size();
   kept->specular_albedo.reset();
+  kept->black_albedo.reset();
+  kept->woven.reset();
   split(*kept);
   widen(*kept);
   materials.push_back(kept);
   return kept.get();
 }
 
+std::shared_ptr<const shade_bsdf_albedo> Scene::albedo_of(const shade_params &specular) {
+  for (size_t i = albedos.size(); i-- > 0;)
+    if (std::memcmp(&albedos[i].first, &specular, sizeof specular) == 0)
+      return albedos[i].second;
+  shade_bsdf_albedo *const table = shade_bsdf_albedo_create(&specular, NULL);
+  if (table == NULL)
+    throw std::bad_alloc();
+  const std::shared_ptr<const shade_bsdf_albedo> kept(table, shade_bsdf_albedo_free);
+  albedos.push_back(std::make_pair(specular, kept));
+  return kept;
+}
+
 void Scene::use(const Material *material) {
   Material &m = *materials[(size_t)material->id];
 
+  if (m.cloth) {
+    if (!m.woven)
+      m.woven = loom.woven(*m.cloth);
+    return;
+  }
   if (m.specular_albedo)
     return;
-  const shade_params p = specular_of(m.params);
-  for (size_t i = albedos.size(); i-- > 0 && !m.specular_albedo;)
-    if (std::memcmp(&albedos[i].first, &p, sizeof p) == 0)
-      m.specular_albedo = albedos[i].second;
-  if (m.specular_albedo)
-    return;
-  shade_bsdf_albedo *const table = shade_bsdf_albedo_create(&p, NULL);
-  if (table == NULL)
-    throw std::bad_alloc();
-  m.specular_albedo.reset(table, shade_bsdf_albedo_free);
-  albedos.push_back(std::make_pair(p, m.specular_albedo));
+  shade_params p = specular_of(m.params);
+  m.specular_albedo = albedo_of(p);
+  for (int c = 0; c < 3; c++)
+    p.f0[c] = 0.0;
+  if (m.specular_pigment)
+    m.black_albedo = albedo_of(p);
+}
+
+bool Scene::has_cloth() const {
+  for (size_t i = 0; i < materials.size(); i++)
+    if (materials[i]->cloth)
+      return true;
+  return false;
+}
+
+bool Scene::has_painted() const {
+  for (size_t i = 0; i < materials.size(); i++)
+    if (materials[i]->kd_pigment)
+      return true;
+  return false;
 }
 
 std::string Scene::json(const std::string &renderer) const {
   std::vector<shade_dump_material> all;
+  std::vector<std::string> cloths(materials.size());
 
   for (size_t i = 0; i < materials.size(); i++) {
-    const shade_dump_material m = {materials[i]->name.c_str(), &materials[i]->params, NULL};
+    const Material &of = *materials[i];
+    if (of.cloth)
+      cloths[i] = of.cloth->json(of.id, of.name.c_str());
+    const shade_dump_material m = {of.name.c_str(), &of.params,
+                                   of.cloth ? cloths[i].c_str() : NULL};
     all.push_back(m);
   }
   char *const header = shade_dump_header(renderer.c_str(), all.data(), all.size());
@@ -140,13 +199,46 @@ std::string Scene::json(const std::string &renderer) const {
 ShadedPoint::ShadedPoint(const Material *m, const double N[3], const double T[3],
                          const double Ns[3], const double V[3])
     : material(m) {
+  // Cloth has a hand: a twill rises to the right. POV-Ray's space is left-handed, so what is
+  // upwards of a T to the right is the other way.
+  const double hand = m->cloth ? -1.0 : 1.0;
+
   for (int c = 0; c < 3; c++) {
     frame[0][c] = T[c];
-    frame[1][c] = N[(c + 1) % 3] * T[(c + 2) % 3] - N[(c + 2) % 3] * T[(c + 1) % 3];
+    frame[1][c] = hand * (N[(c + 1) % 3] * T[(c + 2) % 3] - N[(c + 2) % 3] * T[(c + 1) % 3]);
     frame[2][c] = N[c];
+    pigment[c] = 1.0;
   }
   to_local(V, eye);
   to_local(Ns, normal);
+}
+
+void ShadedPoint::set_pigment(const double rgb[3]) {
+  for (int c = 0; c < 3; c++)
+    pigment[c] = std::min(std::max(rgb[c], 0.0), 1.0);
+}
+
+double ShadedPoint::lay(const ClothPlace &place) {
+  const Cloth &cloth = *material->cloth;
+  shade_fabric_point point;
+  double coverage = 1.0;
+
+  shade_fabric_point_init(material->woven->fabric(), &point);
+  for (int i = 0; i < 2; i++) {
+    point.uv[i] = place.uv[i];
+    point.footprint[i] = place.foot[i];
+  }
+  for (int c = 0; c < 3; c++) {
+    point.n[c] = normal[c];
+    if (cloth.pigment[0])
+      point.warp_kd[c] = pigment[c];
+    if (cloth.pigment[1])
+      point.weft_kd[c] = pigment[c];
+  }
+  hit.reset(new shade_fabric_hit);
+  shade_fabric_prepare(material->woven->fabric(), &point, eye,
+                       place.far ? SHADE_TIER_FAR : SHADE_TIER_AUTO, hit.get(), &coverage);
+  return coverage;
 }
 
 void ShadedPoint::to_local(const double world[3], double local[3]) const {
@@ -154,41 +246,102 @@ void ShadedPoint::to_local(const double world[3], double local[3]) const {
     local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
 }
 
-void ShadedPoint::light(const shade_bsdf &part, const double L[3], const double E[3],
+void ShadedPoint::to_world(const double local[3], double world[3]) const {
+  for (int c = 0; c < 3; c++)
+    world[c] = frame[0][c] * local[0] + frame[1][c] * local[1] + frame[2][c] * local[2];
+}
+
+// The specular part in the pigment's colour, from what is reflected in white and in black.
+void ShadedPoint::tint(const double black[3], double white[3]) const {
+  for (int c = 0; c < 3; c++)
+    white[c] = black[c] + pigment[c] * (white[c] - black[c]);
+}
+
+void ShadedPoint::light(Part part, int level, const double L[3], const double E[3],
                         double S[3]) const {
-  double wi[3], f[3], cosine;
+  const Material &m = *material;
+  double wi[3], f[3], cosine = 1.0;
 
   to_local(L, wi);
-  shade_bsdf_eval(&part, normal, wi, eye, f, &cosine);
+  if (m.cloth)
+    shade_fabric_hit_eval(m.woven->fabric(), hit.get(), wi, f);
+  else if (part == DIFFUSE) {
+    shade_bsdf_eval(&m.diffuse, normal, wi, eye, f, &cosine);
+    paint_diffuse(f);
+  } else {
+    const shade_bsdf &white = part == ALL ? m.bsdf : level < 0 ? m.specular : m.widened[level];
+    shade_bsdf_eval(&white, normal, wi, eye, f, &cosine);
+    if (m.specular_pigment && part != ALL) {
+      double black[3] = {0.0, 0.0, 0.0};
+      if (m.params.fresnel != SHADE_FRESNEL_NONE)
+        shade_bsdf_eval(level < 0 ? &m.black : &m.widened_black[level], normal, wi, eye, black,
+                        NULL);
+      tint(black, f);
+    }
+  }
   for (int c = 0; c < 3; c++)
     S[c] = f[c] * cosine * E[c];
+}
+
+// What a pigment makes of the diffuse part, which is in white for it.
+void ShadedPoint::paint_diffuse(double f[3]) const {
+  const Material &m = *material;
+  const bool leaves = m.specular_pigment && m.params.diffuse == SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+
+  for (int c = 0; c < 3; c++) {
+    f[c] *= m.kd_pigment ? pigment[c] : 1.0;
+    f[c] *= leaves ? 1.0 - pigment[c] : 1.0;
+  }
 }
 
 void ShadedPoint::diffuse_albedo(double albedo[3]) const {
   for (int c = 0; c < 3; c++)
     albedo[c] = material->has_diffuse ? material->params.kd[c] : 0.0;
+  if (material->cloth)
+    return;
   if (material->albedo)
     shade_bsdf_albedo_eval(material->albedo.get(), NULL, eye, NULL, albedo);
+  paint_diffuse(albedo);
 }
 
 void ShadedPoint::specular_albedo(double albedo[3]) const {
+  const Material &m = *material;
+
+  if (m.cloth) {
+    m.woven->albedo(eye, albedo);
+    return;
+  }
   for (int c = 0; c < 3; c++) // what nobody announced: the colour alone
-    albedo[c] = material->params.f0[c];
-  if (material->specular_albedo)
-    shade_bsdf_albedo_eval(material->specular_albedo.get(), normal, eye, albedo, NULL);
+    albedo[c] = m.params.f0[c];
+  if (m.specular_albedo)
+    shade_bsdf_albedo_eval(m.specular_albedo.get(), normal, eye, albedo, NULL);
+  if (m.specular_pigment) {
+    double black[3] = {0.0, 0.0, 0.0};
+    if (m.black_albedo)
+      shade_bsdf_albedo_eval(m.black_albedo.get(), normal, eye, black, NULL);
+    tint(black, albedo);
+  }
 }
 
-bool ShadedPoint::draw(const shade_bsdf &part, const double u[2], double L[3],
-                       double reflectance[3]) const {
-  double wi[3], f[3], pdf, cosine;
+bool ShadedPoint::draw(int level, const double u[3], double L[3], double reflectance[3]) const {
+  const Material &m = *material;
+  double wi[3], f[3], pdf, cosine = 1.0;
 
-  shade_bsdf_sample(&part, normal, eye, u, wi, f, &pdf, &cosine);
-  if (!(pdf > 0.0) || !(wi[2] > 0.0))
+  if (m.cloth)
+    shade_fabric_hit_sample(m.woven->fabric(), hit.get(), u, wi, f, &pdf);
+  else
+    shade_bsdf_sample(level < 0 ? &m.specular : &m.widened[level], normal, eye, u, wi, f, &pdf,
+                      &cosine);
+  if (!(pdf > 0.0) || !(wi[2] > 0.0 || m.cloth))
     return false;
-  for (int c = 0; c < 3; c++) {
-    reflectance[c] = f[c] * cosine / pdf;
-    L[c] = frame[0][c] * wi[0] + frame[1][c] * wi[1] + frame[2][c] * wi[2];
+  to_world(wi, L);
+  if (m.specular_pigment && !m.cloth) {
+    static const double one[3] = {1.0, 1.0, 1.0};
+    light(SPECULAR, level, L, one, f);
+    cosine = 1.0;
   }
+  for (int c = 0; c < 3; c++)
+    reflectance[c] = f[c] * cosine / pdf;
   return reflectance[0] > 0.0 || reflectance[1] > 0.0 || reflectance[2] > 0.0;
 }
 

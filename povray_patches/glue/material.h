@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "backend/mdf/bumpimage.h"
+#include "backend/mdf/cloth.h"
 #include "shade/albedo.h"
 #include "shade/shade.h"
 
@@ -38,7 +39,16 @@ struct Material {
   bool reflects;                         // `reflection { }`
   int samples;                           // rays at a hit, at most; 0: by the width of the lobe
   double clamp;                          // the brightest that a ray may bring; 0: anything
+  std::shared_ptr<const Cloth> cloth;    // or NULL; then params are not its own
+  bool specular_pigment, kd_pigment;     // colours of the layer's pigment in place of f0, kd
   int id;                                // position in the scene's list
+
+  bool by_axis() const { return tangent == TANGENT_AXIS || tangent == TANGENT_RADIAL; }
+  bool has_pigment() const {
+    return cloth ? cloth->pigment[0] || cloth->pigment[1] : specular_pigment || kd_pigment;
+  }
+  // Where it is kept that this row of params is the pigment's; NULL: it cannot be.
+  bool *pigment_for(int row);
 
   // Of params, made by Scene::add: all of it, and each part alone. They add up.
   shade_bsdf bsdf, specular, diffuse;
@@ -47,13 +57,20 @@ struct Material {
   std::shared_ptr<const shade_bsdf_albedo> albedo;
   // Of the specular part, once an object shows it (Scene::use); else NULL.
   std::shared_ptr<const shade_bsdf_albedo> specular_albedo;
+  // The cloth, likewise.
+  std::shared_ptr<const Woven> woven;
+  // The specular part in black, where its colour is the pigment's: `specular` is then in white,
+  // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
+  shade_bsdf black;
+  std::shared_ptr<const shade_bsdf_albedo> black_albedo;
 
   // The specular part, no alpha below that of the level. A path that has left a rough surface
   // sees sharp lobes so: it seldom finds a light in them, and then a dazzling one.
   enum { LEVELS = 4 };
   shade_bsdf widened[LEVELS];
-  double width; // what it asks of the lobes behind: half its mean alpha
-  int rays;     // `samples`, or the choice for them
+  shade_bsdf widened_black[LEVELS]; // as `black`
+  double width;                     // what it asks of the lobes behind: half its mean alpha
+  int rays;                         // `samples`, or the choice for them
   // The widest level up to an alpha, or -1.
   static int level_of(double alpha);
 };
@@ -94,6 +111,9 @@ public:
   // Makes the block ready and keeps it until the scene ends.
   const Material *add(const Material &material);
   bool empty() const { return materials.empty(); }
+  // Whether any block is a cloth, or has a diffuse part in a pigment's colours.
+  bool has_cloth() const;
+  bool has_painted() const;
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
 
@@ -111,45 +131,66 @@ private:
   std::vector<std::shared_ptr<Material>> materials;
   // equal blocks share one: scenes copy them in loops
   std::vector<std::pair<shade_params, std::shared_ptr<const shade_bsdf_albedo>>> albedos;
+  Loom loom;
+
+  std::shared_ptr<const shade_bsdf_albedo> albedo_of(const shade_params &specular);
   std::set<std::string> warned;
 };
 
 // A point of a surface with an mdf { } block, seen from one direction.
 // All vectors are unit, in world space; N faces the eye, T is orthogonal to N.
-// POV-Ray's space is left-handed, but a mirror does not change this BRDF: the
-// frame's y axis is the formula N x T, and every vector goes through it alike.
+// POV-Ray's space is left-handed, but a mirror does not change a BRDF: the
+// frame's y axis is the formula N x T, and every vector goes through it alike. On cloth, whose
+// pattern has a hand, it is the other way.
 class ShadedPoint {
 public:
+  enum Part { ALL, SPECULAR, DIFFUSE }; // ALL: where no colour is the pigment's
+
   ShadedPoint() : material(NULL) {}
   ShadedPoint(const Material *m, const double N[3], const double T[3], const double Ns[3],
               const double V[3]);
 
+  // The colour of the layer's pigment; white, if it is not told.
+  void set_pigment(const double rgb[3]);
+  // Where on its cloth this is: to be told before light comes. Returns the share of the eye's ray
+  // that meets something.
+  double lay(const ClothPlace &place);
+
   bool has_material() const { return material != NULL; }
   const Material &of() const { return *material; }
 
-  // Is this direction above the surface? Light from elsewhere gives nothing.
-  bool faces(const double L[3]) const {
+  // Is this direction above the surface?
+  bool above(const double L[3]) const {
     return frame[2][0] * L[0] + frame[2][1] * L[1] + frame[2][2] * L[2] > 0.0;
+  }
+  // Light from elsewhere gives nothing.
+  bool faces(const double L[3]) const {
+    return above(L) || (material->cloth && material->cloth->transmits());
   }
 
   // S = f cos E for light from the unit direction L with the irradiance E
-  // at normal incidence, RGB; f is the material's, or one part of it.
-  void light(const shade_bsdf &part, const double L[3], const double E[3], double S[3]) const;
+  // at normal incidence, RGB; f is the material's, or one part of it; all of a cloth's. level: of
+  // Material::widened, or -1.
+  void light(Part part, int level, const double L[3], const double E[3], double S[3]) const;
 
-  // What share of even light each part reflects, RGB.
+  // What share of even light each part reflects, RGB. All that a cloth does counts as specular.
   void diffuse_albedo(double albedo[3]) const;
   void specular_albedo(double albedo[3]) const;
 
-  // A direction L that light comes from, drawn for the part by two numbers in [0, 1), and what
-  // share of its light is reflected: f cos / pdf. False if there is none.
-  bool draw(const shade_bsdf &part, const double u[2], double L[3], double reflectance[3]) const;
+  // A direction L that light comes from, drawn for the specular part (all of a cloth) by numbers
+  // in [0, 1), and what share of its light is reflected: f cos / pdf. False if there is none.
+  bool draw(int level, const double u[3], double L[3], double reflectance[3]) const;
 
 private:
   const Material *material;
   double frame[3][3]; // T, N x T, N
-  double eye[3], normal[3];
+  double eye[3], normal[3], pigment[3];
+  std::unique_ptr<shade_fabric_hit> hit; // of a cloth
 
   void to_local(const double world[3], double local[3]) const;
+  void to_world(const double local[3], double world[3]) const;
+  void tint(const double black[3], double white[3]) const;
+  void paint_diffuse(double f[3]) const;
 };
 
 } // namespace mdf

@@ -136,6 +136,15 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
       Error("mdf: %s is not a finite number.", what.c_str());
 }
 
+// `pigment` in place of a colour: that of the texture's layer.
+bool Parser::Parse_Mdf_Pigment() {
+  Get_Token();
+  if (Token.Token_Id == PIGMENT_TOKEN)
+    return true;
+  Unget_Token();
+  return false;
+}
+
 // Numbers of one row of the table; `word` is what the block calls it. A number out of range is
 // taken as the nearest within, and the author is told.
 void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
@@ -144,6 +153,11 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
   bool changed = false;
 
   shade_param_row(row, &info);
+  if (info.components == 3) {
+    bool *const pigment = material.pigment_for(row);
+    if (pigment != NULL && (*pigment = Parse_Mdf_Pigment()))
+      return;
+  }
   Parse_Mdf_Numbers(word, info.components, v);
   shade_params_set(&material.params, row, v);
   shade_params_get(&material.params, row, set);
@@ -412,6 +426,10 @@ void Parser::Parse_Mdf(FINISH *finish) {
           Parse_Mdf_Bump_Image(material);
         else if (word == mdf::BLOCK_REFLECTION)
           Parse_Mdf_Reflection(material);
+        else if (word == mdf::BLOCK_PRESET)
+          Parse_Mdf_Preset(material);
+        else if (word == mdf::BLOCK_FABRIC)
+          Parse_Mdf_Fabric(material);
         else if (word >= mdf::BLOCK_ROW)
           Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
         else if (word >= mdf::BLOCK_LIST)
@@ -469,6 +487,8 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     return;
   for (std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i)
     scene.use(*i);
+  static const char *const laid =
+      " on an object without UV coordinates: it lies along two of the object's axes.";
 
   if (mesh != NULL) {
     if (scene.meshes.find(mesh->Data) == scene.meshes.end()) {
@@ -498,6 +518,8 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     const mdf::Material *block = *i;
     if (block->tangent == mdf::Material::TANGENT_FROM_UV)
       Warn_Mdf("'tangent uv' (" + block->name + ")" + kind + "strokes run " + direction + ".");
+    if (block->cloth && object->Mdf_Shape->kind == mdf::Shape::OTHER)
+      Warn_Mdf("'fabric' (" + block->name + ")" + laid);
     if (block->bump)
       Warn_Mdf("'bump_image' (" + block->name + ")" + kind + "it has no effect there.");
   }

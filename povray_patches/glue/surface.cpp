@@ -211,8 +211,8 @@ bool triangle_directions(const MESH_DATA *data, const MESH_TRIANGLE *t, Vector3d
   return true;
 }
 
-// dP/du at a point of a mesh, of unit length, and dP/dv, as long and as slanted
-// against it as in the flat triangle; world space.
+// dP/du at a point of a mesh and dP/dv, as long and as slanted against each other as in the flat
+// triangle; world space.
 bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isect,
                      const Vector3d &outside, Vector3d &du, Vector3d &dv) {
   const Mesh *mesh = static_cast<const Mesh *>(isect.Object);
@@ -244,8 +244,10 @@ bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isec
     const double uu = dot(flat_du, flat_du);
     const double along = dot(flat_du, flat_dv) / uu;
     const double across = cross(flat_du, flat_dv).length() / uu;
-    if (std::isfinite(along) && std::isfinite(across) && across > 0.0)
-      dv = across * dv + along * du;
+    if (std::isfinite(along) && std::isfinite(across) && across > 0.0) {
+      dv = std::sqrt(uu) * (across * dv + along * du);
+      du *= std::sqrt(uu);
+    }
   }
   return true;
 }
@@ -282,9 +284,9 @@ bool difference_directions(const Intersection &isect, const Vector3d &raw_normal
   const double scale = fabs(slope[0][U] * slope[1][V]) + fabs(slope[1][U] * slope[0][V]);
 
   if (fabs(det) > 1e-9 * scale) {
-    const double sign = (det > 0.0) ? 1.0 : -1.0;
-    du = sign * (slope[1][V] * side[0] - slope[0][V] * side[1]);
-    dv = sign * (slope[0][U] * side[1] - slope[1][U] * side[0]);
+    const double length = 2.0 * step / det;
+    du = length * (slope[1][V] * side[0] - slope[0][V] * side[1]);
+    dv = length * (slope[0][U] * side[1] - slope[1][U] * side[0]);
     return std::isfinite(dot(du, du)) && dot(du, du) > 0.0;
   }
   return false;
@@ -444,8 +446,80 @@ bool fallback_directions(mdf::Shape::Kind kind, const Intersection &isect, const
   return true;
 }
 
-// dP/du and, if wanted, dP/dv, world space; their lengths are right against
-// each other.
+// The same for cloth, with a place: round and along a cone, by two of the object's axes else, of
+// which the surface faces the third most. A unit of u or v is one of the object's space; round a
+// cone, once round.
+bool planar_place(mdf::Shape::Kind kind, const Intersection &isect, const Vector3d &normal,
+                  UV_VECT uv, Vector3d &du, Vector3d &dv) {
+  const ObjectBase *object = isect.Object;
+  const TRANSFORM *space = kind == mdf::Shape::CONE ? object->Trans : object->UV_Trans;
+  Vector3d p(isect.IPoint), n(normal), across[3];
+
+  if (space != NULL) {
+    MInvTransPoint(*p, *p, space);
+    MInvTransNormal(*n, *n, space);
+  }
+  int up = fabs(n[X]) > fabs(n[Y]) ? X : Y;
+  if (fabs(n[Z]) > fabs(n[up]))
+    up = Z;
+  if (kind == mdf::Shape::CONE && fabs(p[X] * n[X] + p[Y] * n[Y]) > 1e-6 * n.length()) {
+    const double r = std::sqrt(p[X] * p[X] + p[Y] * p[Y]); // its side; it stands on z
+    uv[U] = atan2(p[Y], p[X]) / (2.0 * M_PI);
+    uv[V] = p[Z];
+    across[0] = 2.0 * M_PI * Vector3d(-p[Y], p[X], 0.0);
+    across[1] = axis_vector(Z);
+    across[2] = Vector3d(p[X] / r, p[Y] / r, 0.0);
+  } else {
+    const int first = up == X ? Z : X, second = up == Y ? Z : Y;
+    uv[U] = p[first];
+    uv[V] = p[second];
+    across[0] = axis_vector(first);
+    across[1] = axis_vector(second);
+    across[2] = axis_vector(up);
+  }
+  for (int i = 0; i < 3; i++)
+    across[i] = moved(across[i], space);
+  const double upright = dot(across[2], normal);
+  du = across[0] - across[2] * (dot(across[0], normal) / upright);
+  dv = across[1] - across[2] * (dot(across[1], normal) / upright);
+  return std::isfinite(dot(du, du)) && std::isfinite(dot(dv, dv));
+}
+
+// Where on the cloth a ray of the width `size` meets it. The texture's own transformations move
+// it in the (u, v) plane, as they do what is laid out by `uv_mapping`. v counts so that the cloth
+// shows its face, whichever way the object's v runs: T, N x T the other way (ShadedPoint) and N
+// stand as u, v and the eye.
+mdf::ClothPlace cloth_place(const FINISH *finish, const UV_VECT uv, const Vector3d &du,
+                            const Vector3d &dv, const Vector3d &N, const Vector3d &T,
+                            const Vector3d &eye, bool has_directions, double size) {
+  const mdf::Cloth &cloth = *finish->Mdf->cloth;
+  const MATRIX &m = finish->Mdf_Space;
+  const double det = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X];
+  const double u = uv[U] - m[3][X], v = uv[V] - m[3][Y];
+  mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
+
+  if (!has_directions || det == 0.0 || !std::isfinite(det))
+    return place;
+  const Vector3d along = m[X][X] * du + m[X][Y] * dv, up = m[Y][X] * du + m[Y][Y] * dv;
+  const double hand = dot(cross(T, N), up) < 0.0 ? -1.0 : 1.0;
+  place.uv[0] = (u * m[Y][Y] - v * m[Y][X]) / det;
+  place.uv[1] = hand * (v * m[X][X] - u * m[X][Y]) / det;
+  // A step q across the ray goes along the ray until it meets the surface again; of the steps as
+  // long as the ray is wide the largest says the extent. A thousand widths are enough.
+  const Vector3d across_v = cross(up, eye), across_u = cross(eye, along);
+  const double least = 1e-3 * across_v.length() * along.length();
+  const double area = max(fabs(dot(along, across_v)), least);
+  const double scale = area > 0.0 ? size / area : 0.0;
+  place.foot[0] = scale * across_v.length();
+  place.foot[1] = scale * across_u.length();
+  for (int axis = 0; axis < 2; axis++) {
+    place.uv[axis] = clip(place.uv[axis] * cloth.per_unit(axis), -1e8, 1e8);
+    place.foot[axis] = clip(place.foot[axis] * cloth.per_unit(axis), 0.0, 1e8);
+  }
+  return place;
+}
+
+// dP/du and, if wanted, dP/dv, world space. Where both are, their lengths are right.
 bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vector3d &raw_normal,
                    const Vector3d &outside, TraceThreadData *thread, bool with_dv, Vector3d &du,
                    Vector3d &dv) {
@@ -574,21 +648,25 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
 void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
                      const Vector3d &raw_normal, const Vector3d &layer_normal,
                      const std::vector<const TEXTURE *> &warps, const Vector3d &ipoint,
-                     TraceThreadData *thread, mdf::Dump *d, int p) {
+                     TraceThreadData *thread, mdf::Dump *d, int p, double size,
+                     const RGBColour &pigment) {
   const mdf::Material &material = *finish->Mdf;
+  const bool cloth = material.cloth != NULL;
+
+  if (cloth && !material.woven) // no object that shows it was announced
+    return;
 
   static const mdf::Shape unknown(mdf::Shape::OTHER);
   const ObjectBase *object = isect.Object;
   const mdf::Shape &shape = (object->Mdf_Shape != NULL) ? *object->Mdf_Shape : unknown;
   const Vector3d N = raw_normal.normalized(), V = -Vector3d(ray.Direction).normalized();
-  const bool dumped = p >= 0, by_axis = material.tangent == mdf::Material::TANGENT_AXIS ||
-                                        material.tangent == mdf::Material::TANGENT_RADIAL;
+  const bool dumped = p >= 0, by_axis = !cloth && material.by_axis();
   const bool bumped = material.bump && shape.has_uv();
   Vector3d outside, du, dv, T, Ns = layer_normal.normalized();
   UV_VECT uv = {0.0, 0.0};
   bool has_directions = false;
 
-  if (shape.has_uv() && (bumped || dumped))
+  if (shape.has_uv() && (bumped || dumped || cloth))
     object->UVCoord(uv, &isect, thread);
   if (!by_axis || bumped) {
     Intersection copy(isect); // Normal() wants to write to it
@@ -596,7 +674,9 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
       object->Normal(*outside, &copy, thread);
     // a texture that is not turned by itself needs no dP/dv
     const bool turned = finish->Mdf_Space[X][Y] != 0.0 || !(finish->Mdf_Space[X][X] > 0.0);
-    has_directions = uv_directions(shape, isect, N, outside, thread, bumped || turned, du, dv);
+    has_directions = (cloth && !shape.has_uv()) ? planar_place(shape.kind, isect, N, uv, du, dv)
+                                                : uv_directions(shape, isect, N, outside, thread,
+                                                                bumped || turned || cloth, du, dv);
   }
 
   if (bumped && has_directions) {
@@ -615,12 +695,37 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   }
 
   shaded = mdf::ShadedPoint(&material, *N, *T, *Ns, *V);
+  const double rgb[3] = {pigment.red(), pigment.green(), pigment.blue()};
+  if (material.has_pigment())
+    shaded.set_pigment(rgb);
+  mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
+  if (cloth) {
+    place = cloth_place(finish, uv, du, dv, N, T, V, has_directions, size);
+    place.far = level >= 0 || ray.IsRadiosityRay();
+    gaps = 1.0 - shaded.lay(place);
+  }
   both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
-  if (dumped && d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V)) {
+  // a dump has no room for the colours of yarns
+  if (dumped && !(cloth && material.has_pigment()) &&
+      d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V, rgb, cloth ? &place : NULL, gaps)) {
     dump = d;
     pixel = p;
     global_lights = (int)thread->GetSceneData()->lightSources.size();
   }
+}
+
+bool Mdf_Is_Open(const FINISH *finish) {
+  return finish != NULL && finish->Mdf != NULL && finish->Mdf->cloth && finish->Mdf->cloth->open();
+}
+
+double MdfHit::ShadowGaps(const FINISH *finish, const Intersection &isect, const Ray &ray,
+                          const Vector3d &raw_normal, TraceThreadData *thread, double size) {
+  if (!Mdf_Is_Open(finish))
+    return 0.0;
+  const Vector3d facing = dot(raw_normal, Vector3d(ray.Direction)) > 0.0 ? -raw_normal : raw_normal;
+  const MdfHit hit(finish, isect, ray, facing, facing, std::vector<const TEXTURE *>(),
+                   Vector3d(isect.IPoint), 1.0, thread, NULL, -1, 0.0, size);
+  return hit.Gaps();
 }
 
 void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight,
@@ -631,34 +736,57 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
   const mdf::Material &material = shaded.of();
   const double E[3] = {M_PI * light_colour.red(), M_PI * light_colour.green(),
                        M_PI * light_colour.blue()};
-  const bool behind = !shaded.faces(direction);
+  const bool behind = !shaded.above(direction), cloth = material.cloth != NULL;
   const bool recorded = dump != NULL && light != NULL && highlight;
-  const bool whole =
-      highlight && level < 0 &&
-      (!material.has_diffuse || (diffuse && opacity == 1.0 && !(behind && both_sides)));
+  // what double_illuminate lets through shines as from the other side
+  const Vector3d through = -Vector3d(direction);
+  const bool turned = behind && both_sides && !(cloth && material.cloth->transmits());
   double S[3];
 
-  if (whole || recorded) {
-    shaded.light(material.bsdf, direction, E, S);
-    if (whole)
-      colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
-    if (recorded)
-      dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0),
-                  direction, E, S);
-  }
-  if (whole)
+  if (cloth) { // all of it goes where what is diffuse goes
+    if (!highlight && !diffuse)
+      return;
+    shaded.light(mdf::ShadedPoint::ALL, -1, turned ? *through : direction, E, S);
+    colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]) * opacity;
+    if (recorded && !turned)
+      Record(light, direction, E, S);
     return;
+  }
 
+  const bool whole = highlight && level < 0 && !material.has_pigment() &&
+                     (!material.has_diffuse || (diffuse && opacity == 1.0 && !turned));
+
+  if (whole) {
+    shaded.light(mdf::ShadedPoint::ALL, -1, direction, E, S);
+    colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
+    if (recorded)
+      Record(light, direction, E, S);
+    return;
+  }
+  if (recorded) {
+    double part[3];
+    shaded.light(mdf::ShadedPoint::SPECULAR, -1, direction, E, S);
+    if (material.has_diffuse) {
+      shaded.light(mdf::ShadedPoint::DIFFUSE, -1, direction, E, part);
+      for (int c = 0; c < 3; c++)
+        S[c] += part[c];
+    }
+    Record(light, direction, E, S);
+  }
   if (highlight) {
-    shaded.light(Specular(), direction, E, S);
+    shaded.light(mdf::ShadedPoint::SPECULAR, level, direction, E, S);
     colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
   }
   if (diffuse && material.has_diffuse) {
-    // what double_illuminate lets through shines as from the other side
-    const Vector3d through = -Vector3d(direction);
-    shaded.light(material.diffuse, behind && both_sides ? *through : direction, E, S);
+    shaded.light(mdf::ShadedPoint::DIFFUSE, -1, turned ? *through : direction, E, S);
     colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]) * opacity;
   }
+}
+
+void MdfHit::Record(const LightSource *light, const VECTOR direction, const double E[3],
+                    const double S[3]) const {
+  dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0), direction, E,
+              S, shaded.of().cloth != NULL);
 }
 
 RGBColour MdfHit::DiffuseAlbedo() const {
@@ -675,6 +803,10 @@ RGBColour MdfHit::SpecularAlbedo() const {
   if (HasBlock())
     shaded.specular_albedo(albedo);
   return RGBColour((COLC)albedo[0], (COLC)albedo[1], (COLC)albedo[2]);
+}
+
+RGBColour MdfHit::ConservedAlbedo() const {
+  return HasBlock() && shaded.of().cloth ? RGBColour(0.0) : SpecularAlbedo();
 }
 
 namespace {
@@ -719,13 +851,16 @@ void MdfHit::Seed(const VECTOR point, const VECTOR direction, int layer, unsigne
 
 bool MdfHit::Draw(unsigned int index, const unsigned int seed[2], Vector3d &direction,
                   RGBColour &reflectance) const {
-  uint32_t point[2];
-  double u[2], L[3], share[3];
+  uint32_t point[3];
+  double u[3], L[3], share[3];
 
   low_discrepancy(index, point);
+  point[2] = (uint32_t)((seed[0] ^ seed[1]) + index * 2654435769u); // multiples of the golden ratio
   for (int i = 0; i < 2; i++)
-    u[i] = (point[i] ^ seed[i]) * 0x1p-32;
-  if (!shaded.draw(Specular(), u, L, share))
+    point[i] ^= seed[i];
+  for (int i = 0; i < 3; i++)
+    u[i] = point[i] * 0x1p-32;
+  if (!shaded.draw(level, u, L, share))
     return false;
   direction = Vector3d(L);
   reflectance = RGBColour((COLC)share[0], (COLC)share[1], (COLC)share[2]);

@@ -23,6 +23,9 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene);
 // Remembers what a lamp looks like: reflections leave it out, whose light is a highlight already.
 void Mark_Mdf_Lamp(ObjectBase *object);
 
+// Whether rays may pass between the yarns of a finish's cloth.
+bool Mdf_Is_Open(const FINISH *finish);
+
 // Moves the space of a finish's tangent by a texture's transformation.
 // with_object: the object goes the same way, and with it what `tangent uv` takes from it.
 void Transform_Mdf(FINISH *finish, const TRANSFORM *transform, bool with_object);
@@ -35,16 +38,28 @@ public:
   // eye. warps: the patterns around the layer's texture, the outermost first; point:
   // isect.IPoint in the layer's space. opacity: of the layer's pigment, for the
   // diffuse part. pixel: of the dump, or -1. width: the alpha that rough surfaces before this one
-  // spread the ray by.
+  // spread the ray by; size: how wide the ray is here. pigment: the layer's colour.
   MdfHit(const FINISH *finish, const Intersection &isect, const Ray &ray,
          const Vector3d &raw_normal, const Vector3d &layer_normal,
          const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
-         TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0)
-      : dump(NULL), pixel(-1), global_lights(0), opacity(opacity), both_sides(false),
+         TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0,
+         double size = 0.0, const RGBColour &pigment = RGBColour(1.0))
+      : dump(NULL), pixel(-1), global_lights(0), opacity(opacity), both_sides(false), gaps(0.0),
         level(mdf::Material::level_of(width)) {
     if (finish->Mdf != NULL)
-      Prepare(finish, isect, ray, raw_normal, layer_normal, warps, point, thread, dump, pixel);
+      Prepare(finish, isect, ray, raw_normal, layer_normal, warps, point, thread, dump, pixel, size,
+              pigment);
   }
+
+  // What share of a ray passes between the yarns of a cloth without a backing. Of the layer's own
+  // transparency what it leaves is added.
+  double Gaps() const { return gaps; }
+  static RGBColour Through(const RGBColour &transparency, double gaps) {
+    return transparency + (RGBColour(1.0) - transparency) * gaps;
+  }
+  // The same for a shadow ray.
+  static double ShadowGaps(const FINISH *finish, const Intersection &isect, const Ray &ray,
+                           const Vector3d &raw_normal, TraceThreadData *thread, double size);
 
   bool HasBlock() const { return shaded.has_material(); }
 
@@ -58,9 +73,11 @@ public:
   void AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight, bool diffuse,
                 const LightSource *light, RGBColour &colour) const;
 
-  // What share of even light the diffuse part reflects.
+  // What share of even light the diffuse part reflects, and the rest: of a cloth, all of it.
   RGBColour DiffuseAlbedo() const;
   RGBColour SpecularAlbedo() const;
+  // What conserve_energy takes from the layers below.
+  RGBColour ConservedAlbedo() const;
 
   // `reflection { }`: at most how many rays, and what the lobes behind are widened to.
   bool Reflects() const { return HasBlock() && shaded.of().reflects; }
@@ -81,16 +98,16 @@ private:
   int global_lights;
   double opacity;
   bool both_sides; // double_illuminate
-  int level;       // of the widened lobes, or -1
+  double gaps;
+  int level; // of the widened lobes, or -1
 
-  const shade_bsdf &Specular() const {
-    return level < 0 ? shaded.of().specular : shaded.of().widened[level];
-  }
-
+  void Record(const LightSource *light, const VECTOR direction, const double E[3],
+              const double S[3]) const;
   void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
                const Vector3d &raw_normal, const Vector3d &layer_normal,
                const std::vector<const TEXTURE *> &warps, const Vector3d &point,
-               TraceThreadData *thread, mdf::Dump *dump, int pixel);
+               TraceThreadData *thread, mdf::Dump *dump, int pixel, double size,
+               const RGBColour &pigment);
 };
 
 } // namespace pov

@@ -28,6 +28,47 @@ void add_list(Words &words, shade_list list) {
     add(words, text, value);
 }
 
+// A cloth has the lists of a block but for the grooves, which are its yarns', Fresnel's, and
+// what is diffuse, which is said of each yarn.
+void add_cloth(std::vector<Words> &sets) {
+  Words &fabric = sets[WORDS_FABRIC], &yarn = sets[WORDS_YARN];
+  static const shade_list lists[] = {SHADE_LIST_BRDF, SHADE_LIST_DETAIL, SHADE_LIST_HORIZON};
+  shade_fabric_params cloth;
+  shade_yarn material;
+  shade_param_info info;
+  const char *text;
+
+  add(fabric, "preset", FABRIC_PRESET);
+  add(fabric, "weave", FABRIC_WEAVE);
+  add(fabric, "draft", FABRIC_DRAFT);
+  add(fabric, "crossings", FABRIC_CROSSINGS);
+  add(fabric, "mm_per_unit", FABRIC_MM_PER_UNIT);
+  add(fabric, "ends_per_cm", FABRIC_ENDS_PER_CM);
+  add(fabric, "picks_per_cm", FABRIC_PICKS_PER_CM);
+  add(fabric, "warp", FABRIC_WARP);
+  add(fabric, "weft", FABRIC_WEFT);
+  add(fabric, "yarns", FABRIC_YARNS);
+  add(fabric, "occlusion", FABRIC_OCCLUSION);
+  add(fabric, "seed", FABRIC_SEED);
+  add(fabric, "draft_colors", FABRIC_DRAFT_COLORS);
+  for (int row = 0; shade_fabric_number(&cloth, row, &info) != NULL; row++)
+    if (std::strstr(info.word, "transmit") == NULL) // said of each yarn
+      add(fabric, info.word, BLOCK_ROW + row);
+  add_list(fabric, SHADE_LIST_MDF);
+  for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+    add(fabric, shade_list_name(lists[i]), BLOCK_LIST + lists[i]);
+
+  for (int row = 0; shade_yarn_param_row(row, &info); row++)
+    add(yarn, info.word, BLOCK_ROW + row);
+  for (int row = 0; shade_fabric_yarn_number(&material, row, &info) != NULL; row++)
+    if (std::strcmp(info.word, "kd") != 0) // said after `diffuse`
+      add(yarn, word_of_yarn(row), YARN_MATERIAL + row);
+  add(yarn, shade_list_name(SHADE_LIST_DIFFUSE), BLOCK_LIST + SHADE_LIST_DIFFUSE);
+  add(yarn, "transmit", YARN_TRANSMIT);
+  for (int row = 0, value; shade_occlusion_row(row, &value, &text, NULL, NULL); row++)
+    add(sets[WORDS_OCCLUSION], text, value);
+}
+
 std::vector<Words> make_sets() {
   std::vector<Words> sets((size_t)words_of_list(SHADE_LIST_COUNT));
 
@@ -45,6 +86,8 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_BLOCK], "roughness", BLOCK_ROUGHNESS);
   add(sets[WORDS_BLOCK], "bump_image", BLOCK_BUMP_IMAGE);
   add(sets[WORDS_BLOCK], "reflection", BLOCK_REFLECTION);
+  add(sets[WORDS_BLOCK], "preset", BLOCK_PRESET);
+  add(sets[WORDS_BLOCK], "fabric", BLOCK_FABRIC);
   sets[WORDS_RADIAL] = sets[WORDS_BLOCK];
   add(sets[WORDS_RADIAL], "at", BLOCK_AT);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);
@@ -54,6 +97,7 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_IMAGE], "strength", IMAGE_STRENGTH);
   add(sets[WORDS_REFLECTION], "samples", REFLECTION_SAMPLES);
   add(sets[WORDS_REFLECTION], "clamp", REFLECTION_CLAMP);
+  add_cloth(sets);
   return sets;
 }
 
@@ -91,6 +135,14 @@ const char *word_of_row(int row) {
 
   shade_param_row(row, &info);
   return std::strcmp(info.word, "f0") == 0 ? "specular" : info.word; // as elsewhere in a finish
+}
+
+const char *word_of_yarn(int row) {
+  shade_yarn yarn;
+  shade_param_info info;
+
+  shade_fabric_yarn_number(&yarn, row, &info);
+  return std::strcmp(info.word, "f0") == 0 ? "specular" : info.word;
 }
 
 int find_word(WordSet set, const char *text) {

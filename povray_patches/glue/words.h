@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "shade/shade.h"
+#include "shade/fabric.h"
 
 namespace mdf {
 
@@ -19,6 +19,9 @@ enum WordSet {
   WORDS_RADIAL,     // after `tangent radial`: those of the block, and `at`
   WORDS_IMAGE,      // inside bump_image { }
   WORDS_REFLECTION, // inside reflection { }
+  WORDS_FABRIC,     // inside fabric { }
+  WORDS_YARN,       // inside warp { } and weft { }
+  WORDS_OCCLUSION,  // after `occlusion`
   WORDS_LIST        // and on, words_of_list(): after the name of a list of the table
 };
 
@@ -31,7 +34,29 @@ enum BlockWord {
   BLOCK_ROUGHNESS,
   BLOCK_BUMP_IMAGE,
   BLOCK_REFLECTION,
+  BLOCK_PRESET,
+  BLOCK_FABRIC,
   BLOCK_AT // of WORDS_RADIAL
+};
+
+// Of WORDS_FABRIC and WORDS_YARN beyond the distributions and lists, which are numbered as in a
+// block: BLOCK_ROW + a row of shade_fabric_number or shade_yarn_param_row.
+enum FabricWord {
+  FABRIC_PRESET = BLOCK_TANGENT,
+  FABRIC_WEAVE,
+  FABRIC_DRAFT,
+  FABRIC_CROSSINGS,
+  FABRIC_MM_PER_UNIT,
+  FABRIC_ENDS_PER_CM,
+  FABRIC_PICKS_PER_CM,
+  FABRIC_WARP,
+  FABRIC_WEFT,
+  FABRIC_YARNS,
+  FABRIC_OCCLUSION,
+  FABRIC_SEED,
+  FABRIC_DRAFT_COLORS,
+  YARN_TRANSMIT,
+  YARN_MATERIAL = BLOCK_TANGENT + 1000 // + a row of shade_fabric_yarn_number
 };
 
 enum TangentWord { TANGENT_UV, TANGENT_AROUND };
@@ -50,6 +75,9 @@ std::string name_of_row(int row, shade_list list, int value);
 
 // What a block calls a row that every choice reads.
 const char *word_of_row(int row);
+
+// What warp { } calls a row of shade_fabric_yarn_number.
+const char *word_of_yarn(int row);
 
 // The identity of `text` in `set`, or -1. Exact spelling: a scene may have a
 // `Detail` of its own.

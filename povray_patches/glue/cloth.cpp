@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+#include "backend/mdf/cloth.h"
+
+#include <new>
+#include <vector>
+
+namespace mdf {
+
+Cloth::Cloth() : weave("plain"), mm_per_unit(200.0) {
+  shade_weave_params_init(&yarns);
+  shade_fabric_params_init(&material);
+  for (int axis = 0; axis < 2; axis++) {
+    per_cm[axis] = 10.0;
+    crossings[axis] = 0.0;
+    pigment[axis] = false;
+  }
+}
+
+void Cloth::take(const shade_preset &preset) {
+  weave = preset.weave;
+  draft.reset();
+  yarns = preset.yarns;
+  material = preset.fabric;
+  per_cm[0] = preset.ends_per_cm;
+  per_cm[1] = preset.picks_per_cm;
+  pigment[0] = pigment[1] = false;
+}
+
+namespace {
+
+// How many yarns to the centimetre; 0: the draft does not say.
+double density(const shade_thread *threads, int count) {
+  double sum = 0.0;
+
+  for (int i = 0; i < count; i++) {
+    if (!(threads[i].spacing > 0.0))
+      return 0.0;
+    sum += threads[i].spacing;
+  }
+  return count / sum;
+}
+
+bool is_coloured(const shade_thread *threads, int count) {
+  for (int i = 0; i < count; i++)
+    for (int c = 0; c < 3; c++)
+      if (threads[i].color[c] != 1.0)
+        return true;
+  return false;
+}
+
+} // namespace
+
+void Cloth::take(const std::shared_ptr<const shade_draft> &own) {
+  const double ends = density(own->warp, own->ends), picks = density(own->weft, own->picks);
+
+  weave.clear();
+  draft = own;
+  if (ends > 0.0)
+    per_cm[0] = ends;
+  if (picks > 0.0)
+    per_cm[1] = picks;
+  shade_weave_params_from_draft(&yarns, own.get());
+  if (is_coloured(own->warp, own->ends) || is_coloured(own->weft, own->picks)) {
+    material.draft_colors = 1;
+    for (int c = 0; c < 3; c++) // the draft's colours are all that dyes them
+      material.warp.kd[c] = material.weft.kd[c] = 1.0;
+  }
+}
+
+double Cloth::per_unit(int axis) const {
+  return crossings[axis] > 0.0 ? crossings[axis] : 0.1 * mm_per_unit * per_cm[axis];
+}
+
+bool Cloth::transmits() const {
+  for (int c = 0; c < 3; c++)
+    if (material.warp_transmit[c] > 0.0 || material.weft_transmit[c] > 0.0)
+      return true;
+  return false;
+}
+
+bool Cloth::open() const {
+  return material.backing[0] == 0.0 && material.backing[1] == 0.0 && material.backing[2] == 0.0;
+}
+
+std::string Cloth::json(int id, const char *name) const {
+  const char *const word = weave.empty() ? NULL : weave.c_str();
+  const int length = shade_fabric_json(id, name, draft.get(), word, &yarns, &material, NULL, 0);
+  std::vector<char> text((size_t)(length < 0 ? 0 : length) + 1);
+
+  if (length < 0 ||
+      shade_fabric_json(id, name, draft.get(), word, &yarns, &material, &text[0], text.size()) < 0)
+    throw std::bad_alloc();
+  return std::string(&text[0]);
+}
+
+Woven::Woven(const Cloth &cloth) {
+  const std::shared_ptr<shade_draft> named(
+      cloth.draft ? NULL : shade_draft_named(cloth.weave.c_str()), shade_draft_free);
+
+  weave.reset(shade_weave_create(cloth.draft ? cloth.draft.get() : named.get(), &cloth.yarns, NULL),
+              shade_weave_free);
+  if (weave)
+    ready.reset(shade_fabric_create(weave.get(), &cloth.material, NULL), shade_fabric_free);
+  if (!ready)
+    throw std::bad_alloc();
+}
+
+void Woven::albedo(const double wo[3], double rgb[3]) const {
+  std::call_once(asked, [this] {
+    table.reset(shade_fabric_albedo_create(ready.get()), shade_fabric_albedo_free);
+  });
+  if (!table)
+    throw std::bad_alloc();
+  shade_fabric_albedo_eval(table.get(), wo, rgb);
+}
+
+std::shared_ptr<const Woven> Loom::woven(const Cloth &cloth) {
+  std::shared_ptr<const Woven> &kept = by_text[cloth.json(0, "")];
+
+  if (!kept)
+    kept.reset(new Woven(cloth));
+  return kept;
+}
+
+} // namespace mdf
