@@ -3,6 +3,7 @@
 
 from array import array
 
+from .graph import is_known
 from .value import LUMINANCE, clamped, color_of, dot, each, number_in, number_of, unit, vector_in
 
 
@@ -251,16 +252,47 @@ def _to_bw(reader, found):
 
 
 def _map_range(reader, found):
-    node, program = found.node, reader.program
-    if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
-        reader.warn(f"'{node.name}': only linear ranges of floats are supported")
-    names = ("Value", "From Min", "From Max", "To Min", "To Max")
-    value, low, high, to_low, to_high = (number_in(reader, found, name) for name in names)
-    part = program.math("DIVIDE", program.math("SUBTRACT", value, low),
-                        program.math("SUBTRACT", high, low))
-    if node.clamp:
+    node = found.node
+    by = {socket.identifier: socket for socket in node.inputs}
+    vector = node.data_type == "FLOAT_VECTOR"
+    names = ("From Min", "From Max", "To Min", "To Max", "Steps")
+    if not vector:
+        given = (number_of(reader, by[name], found.groups) for name in ("Value", *names))
+        return (_ranged(reader, node, *given),)
+    sockets = (by["Vector"], *(by[name.replace(" ", "_") + "_FLOAT3"] for name in names))
+    given = zip(*(color_of(reader, socket, found.groups) for socket in sockets))
+    return tuple(_ranged(reader, node, *parts) for parts in given)
+
+
+def _ranged(reader, node, value, low, high, to_low, to_high, steps):
+    """Of numbers an empty range says 0, as near as it may, of vectors its lower end."""
+    math, kind = reader.program.math, node.interpolation_type
+    part = math("DIVIDE", math("SUBTRACT", value, low), math("SUBTRACT", high, low))
+    if kind == "STEPPED":
+        steps = math("MAXIMUM", steps, 0.0)
+        part = math("DIVIDE", math("FLOOR", math("MULTIPLY", part, math("ADD", steps, 1.0))), steps)
+    if node.clamp or kind.startswith("SMOOTH"):
         part = clamped(reader, part)
-    return (program.math("MIX", to_low, to_high, part),)
+    square = math("MULTIPLY", part, part)
+    if kind == "SMOOTHSTEP":
+        part = math("MULTIPLY", square, math("MULTIPLY_ADD", part, -2.0, 3.0))
+    elif kind == "SMOOTHERSTEP":
+        inner = math("MULTIPLY_ADD", part, math("MULTIPLY_ADD", part, 6.0, -15.0), 10.0)
+        part = math("MULTIPLY", math("MULTIPLY", square, part), inner)
+    made = math("MIX", to_low, to_high, part)
+    if node.data_type == "FLOAT" and not (is_known(low, high) and low != high):
+        made = math("MULTIPLY", made, math("SUBTRACT", 1.0, math("COMPARE", low, high, 0.0)))
+        if node.clamp:
+            made = math("CLAMP", made, math("MINIMUM", to_low, to_high), math("MAXIMUM", to_low, to_high))
+    return made
+
+
+def _normal(reader, found):
+    """A direction of its own, and how much another is along it."""
+    own = unit(reader, tuple(float(part) for part in found.node.outputs["Normal"].default_value))
+    if found.output.name == "Normal":
+        return own
+    return (dot(reader, own, unit(reader, vector_in(reader, found, "Normal"))),)
 
 
 NODES = {
@@ -270,4 +302,5 @@ NODES = {
     "COMBRGB": _combine, "COMBXYZ": _combine, "COMBINE_COLOR": _combine,
     "CLAMP": _clamp, "INVERT": _invert, "GAMMA": _gamma, "BRIGHTCONTRAST": _bright_contrast,
     "SEPHSV": _old_hsv, "COMBHSV": _old_hsv, "HUE_SAT": _hue_saturation, "RGBTOBW": _to_bw, "MAP_RANGE": _map_range,
+    "NORMAL": _normal,
 }

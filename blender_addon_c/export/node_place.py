@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a point is: coordinates, what the surface is there, and the object that it belongs to."""
 
+import bpy
 from mathutils import Matrix
 
 from . import tree
 from .graph import is_known
-from .value import Value, dot, each, three, unit, value_of, vector_in
+from .value import Value, dot, each, number_in, three, unit, value_of, vector_in
 
 
 # ---- the UV map and other layers of the mesh
@@ -109,6 +110,17 @@ def _window(reader):
         at = [divide("DIVIDE", part, far) for part in at]
     return (*(divide("MULTIPLY", divide("SUBTRACT", part, low), 1.0 / (high - low))
               for part, low, high in zip(at, (x0, y0), (x1, y1))), 0.0)
+
+
+def _camera_data(reader, found):
+    """Of the point itself, in heights too."""
+    shift, reader.shift = reader.shift, None
+    at = _camera(reader)
+    reader.shift = shift
+    if found.output.name == "View Z Depth":
+        return at[2:]
+    far = reader.program.math("SQRT", dot(reader, at, at))
+    return (far,) if found.output.name == "View Distance" else each(reader, "DIVIDE", at, (far,) * 3)
 
 
 _COORDINATES = {
@@ -232,6 +244,67 @@ def _turned(reader, vector, turn, back=False):
     return made
 
 
+def _vector_rotate(reader, found):
+    node, math = found.node, reader.program.math
+    vector, center = (vector_in(reader, found, name) for name in ("Vector", "Center"))
+    moved = each(reader, "SUBTRACT", vector, center)
+    if node.rotation_type == "EULER_XYZ":
+        turned = _turned(reader, moved, vector_in(reader, found, "Rotation"), back=node.invert)
+        return each(reader, "ADD", turned, center)
+    angle = math("MULTIPLY", number_in(reader, found, "Angle"), -1.0 if node.invert else 1.0)
+    if node.rotation_type != "AXIS_ANGLE":
+        turn = [angle if node.rotation_type[0] == axis else 0.0 for axis in "XYZ"]
+        return each(reader, "ADD", _turned(reader, moved, turn), center)
+    axis = vector_in(reader, found, "Axis")
+    turned = each(reader, "ADD", _turned_about(reader, moved, unit(reader, axis), angle), center)
+    there = math("GREATER_THAN", dot(reader, axis, axis), 0.0)  # without an axis it stays
+    return each(reader, "MIX", vector, turned, (there,) * 3)
+
+
+def _turned_about(reader, v, axis, angle):
+    """v cos + (axis x v) sin + axis (axis v) (1 - cos)."""
+    math = reader.program.math
+    c, s = math("COSINE", angle), math("SINE", angle)
+    down = math("MULTIPLY", dot(reader, axis, v), math("SUBTRACT", 1.0, c))
+    made = []
+    for k in range(3):
+        one, two = (k + 1) % 3, (k + 2) % 3
+        across = math("SUBTRACT", math("MULTIPLY", axis[one], v[two]), math("MULTIPLY", axis[two], v[one]))
+        made.append(math("ADD", math("MULTIPLY_ADD", across, s, math("MULTIPLY", v[k], c)),
+                         math("MULTIPLY", axis[k], down)))
+    return made
+
+
+# From some version on normals are turned so that they stay across surfaces, also where objects are
+# scaled more along one axis. Those between 3.4 and 5.0 were not measured.
+_ACROSS = bpy.app.version >= (5, 0)
+
+
+def _vector_transform(reader, found):
+    node, vector = found.node, vector_in(reader, found, "Vector")
+    kind = node.vector_type
+    across = kind == "NORMAL" and _ACROSS
+    word = "NORMAL" if across else "POINT" if kind == "POINT" else "VECTOR"
+    if node.convert_from != node.convert_to:
+        if node.convert_from == "OBJECT":
+            vector = of_object(reader, f"{word}_OUT_OF", vector)
+        elif node.convert_from == "CAMERA":
+            vector = _by_camera(reader, kind, vector, back=True)
+        if node.convert_to == "OBJECT":
+            vector = of_object(reader, f"{word}_INTO", vector)
+        elif node.convert_to == "CAMERA":
+            vector = _by_camera(reader, kind, vector)
+    elif across:
+        return vector
+    return unit(reader, vector) if kind == "NORMAL" else vector
+
+
+def _by_camera(reader, kind, vector, back=False):
+    matrix = reader.camera()[0]
+    matrix = matrix.inverted_safe() if back else matrix
+    return transform(reader, vector, matrix if kind == "POINT" else matrix.to_3x3())
+
+
 def _euler(turn):
     x, y, z = (Matrix.Rotation(angle, 3, axis) for angle, axis in zip(turn, "XYZ"))
     return z @ y @ x
@@ -240,4 +313,5 @@ def _euler(turn):
 NODES = {
     "UVMAP": _uv_map, "TEX_COORD": _tex_coord, "NEW_GEOMETRY": _geometry, "MAPPING": _mapping,
     "TANGENT": _tangent, "ATTRIBUTE": _attribute, "VERTEX_COLOR": _attribute, "OBJECT_INFO": _object_info,
+    "CAMERA": _camera_data, "VECTOR_ROTATE": _vector_rotate, "VECT_TRANSFORM": _vector_transform,
 }

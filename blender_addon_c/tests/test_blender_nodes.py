@@ -100,6 +100,10 @@ CASES = [
     node("Clamp", {"Value": "X", "Min": 0.5, "Max": 0.9}),
     node("Clamp", {"Value": "X", "Min": 0.9, "Max": 0.5}, set={"clamp_type": "RANGE"}),
     node("Invert", {"Fac": "X", "Color": "A"}),
+    *(node("Blackbody", {"Temperature": t}) for t in (300.0, 1000.0, 5200.0, 20000.0)),
+    *(node("Wavelength", {"Wavelength": nm}) for nm in (300.0, 433.0, 612.0)),
+    *(node("RGBCurve", {"Fac": 0.8, "Color": color}, curves=[[(0, 0.2), (0.8, 0.9), (0.4, 0.1)]] * 4)
+      for color in ("A", (0.1, 0.5, 0.9, 1))),
     node("Gamma", {"Color": "A", "Gamma": 2.2}),
     node("BrightContrast", {"Color": "A", "Bright": 0.1, "Contrast": 0.3}),
     node("RGBToBW", {"Color": "A"}),
@@ -128,6 +132,7 @@ TURNED = {"turn": (2.9, 0.2, 0.2)}  # seen from behind
 EVEN = {"scale": (0.8, 0.8, 0.8)}
 # and, like 3.4 where eye and normal are nearly at right angles, bends normals of a curved mesh a little
 NEARLY_FLAT = EVEN | {"height": 0.02}
+SPACES = ("WORLD", "OBJECT", "CAMERA")
 PLACES = [
     *(place("TexCoord", output) for output in ("Generated", "Normal", "UV", "Object", "Camera", "Window",
                                                "Reflection")),
@@ -159,6 +164,10 @@ PLACES = [
       for kind, wrap in (("Cubic", "REPEAT"), ("Cubic", "EXTEND"), ("Cubic", "CLIP"), ("Smart", "REPEAT"),
                          ("Linear", "REPEAT"))),
     place("TexImage", "Alpha", set={"interpolation": "Cubic"}),
+    *(place("CameraData", output) for output in ("View Vector", "View Z Depth", "View Distance")),
+    *(place("VectorTransform", set={"vector_type": kind, "convert_from": one, "convert_to": other},
+            fed={"Vector": ([0.9, 0.5, -0.7], [0.1, 0.4, 0.3])}, times=0.1)
+      for kind in ("POINT", "VECTOR", "NORMAL") for one in SPACES for other in SPACES),
     place("NormalMap", set={"uv_map": "UVMap"}, beside=True, **NEARLY_FLAT),
     place("NormalMap", set={"uv_map": "UVMap"}, beside=True, **TURNED, **NEARLY_FLAT),
     *(place("NormalMap", set={"space": space, "uv_map": name}, strength=strength, **more)
@@ -171,11 +180,12 @@ PLACES = [
 ]
 
 
-@pytest.mark.parametrize("perspective", [False, True])
+@pytest.mark.parametrize("perspective", ["", "TexCoord", "CameraData", "VectorTransform"])
 def test_places_are_those_of_cycles(blender, tmp_path, perspective):
-    cases = PLACES if not perspective else [case for case in PLACES if case["node"] == "ShaderNodeTexCoord"]
+    """Of a camera in perspective those of one kind, where that makes a difference."""
+    cases = [case for case in PLACES if not perspective or case["node"] == f"ShaderNode{perspective}"]
     cases = [case for case in cases if case["since"] <= blender.version]
-    options = {"cases": cases, "perspective": perspective}
+    options = {"cases": cases, "perspective": bool(perspective)}
     blender.scene("places", tmp_path, engine="LIBSHADE", **options)
     ours = Dump(tmp_path / "dump.exr")["Color"]
     blender.scene("places", tmp_path, engine="CYCLES", dump="", **options)
@@ -194,7 +204,41 @@ FRACTALS = "MULTIFRACTAL RIDGED_MULTIFRACTAL HYBRID_MULTIFRACTAL FBM HETERO_TERR
 BRICKS = {"Scale": 3.0, "Mortar Size": 0.1, "Bias": 0.1, "Color1": (0.9, 0.2, 0.1, 1), "Color2": (0.3, 0.6, 0.1, 1)}
 
 
+LINES = [[(-0.2, 0.9), (1.3, 0.1), (0.2, 0.1), (0.6, 0.8)], [(0.1, 0.3), (0.9, 0.4), (0.5, 0.9)],
+         [(0, 0.2), (1, 1.4), (0.7, 0.1)], [(0, 0.1), (1, 0.9), (0.4, 0.6)]]
+RANGES = ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP")
+ENDS = ((0.2, 0.8, 1.5, -0.5), (0.9, 0.1, 0.0, 1.2), (0.4, 0.4, 0.3, 0.9))
+
+
+def ends(four, steps=3.0, vector=False):
+    names = ("From Min", "From Max", "To Min", "To Max", "Steps")
+    names = [name.replace(" ", "_") + "_FLOAT3" for name in names] if vector else names
+    values = [*four, steps]
+    return dict(zip(names, [[v, v + 0.05, v - 0.02] for v in values] if vector else values))
+
+
 PATTERNS = [
+    *(place(kind, fed={socket: (1.6, -0.3)}, inputs={factor: by}, curves=LINES[:curves], extend=extend)
+      for kind, socket, factor, curves in (("RGBCurve", "Color", "Fac", 4), ("VectorCurve", "Vector", "Fac", 3),
+                                           ("FloatCurve", "Value", "Factor", 1))
+      for by in (1.0, 0.7) for extend in ("EXTRAPOLATED", "HORIZONTAL")),
+    *(place("Blackbody", fed={"Temperature": (by, more)}, times=0.1)
+      for by, more in ((14000.0, -200.0), (2500.0, 700.0))),
+    place("Wavelength", fed={"Wavelength": (500.0, 340.0)}, times=0.5),
+    *(place("MapRange", set={"interpolation_type": kind, "clamp": clamp}, inputs=ends(four),
+            fed={"Value": (1.0, 0.0)}) for kind in RANGES for clamp in (True, False) for four in ENDS),
+    *(place("MapRange", "Vector", set={"interpolation_type": kind, "clamp": clamp, "data_type": "FLOAT_VECTOR"},
+            inputs=ends(four, vector=True), fed={"Vector": (1.0, 0.0)})
+      for kind in RANGES for clamp in (True, False) for four in ENDS),
+    place("MapRange", set={"interpolation_type": "STEPPED"}, inputs=ends(ENDS[0], 0.0), fed={"Value": (1.0, 0.0)}),
+    *(place("VectorRotate", set={"rotation_type": kind, "invert": invert},
+            inputs={"Center": (0.1, 0.4, -0.2), **more}, fed={"Vector": (2.0, -1.0)} | fed)
+      for kind, more in (("AXIS_ANGLE", {"Axis": (1, 2, -0.5), "Angle": 0.8}), ("AXIS_ANGLE", {"Axis": (0, 0, 0)}),
+                         ("X_AXIS", {"Angle": 0.8}), ("Y_AXIS", {"Angle": 0.8}), ("Z_AXIS", {"Angle": 0.8}),
+                         ("EULER_XYZ", {"Rotation": TURN}))
+      for invert in (False, True) for fed in ({}, {"Rotation" if kind[0] == "E" else "Angle": (2.0, 0.1)})),
+    place("VectorRotate", inputs={"Angle": 0.8}, fed={"Vector": (2.0, -1.0), "Axis": (1.5, -0.4)}),
+    *(place("Normal", output, own=(0.48, 0.36, 0.8), fed={"Normal": (2.0, -0.7)}) for output in ("Normal", "Dot")),
     *(place("TexNoise", output, set={"noise_dimensions": size}, inputs=of(size, **NOISE, Distortion=by))
       for size in DIMENSIONS for output, by in ((0, 0.0), ("Color", 0.6))),
     *(place("TexNoise", 0, set={"noise_type": kind, "normalize": False}, since="4.1",
@@ -280,7 +324,8 @@ def test_every_node_has_a_case():
              "VECT_MATH": "VectorMath", "MIX_RGB": "MixRGB", "VALTORGB": "ValToRGB",
              "SEPRGB": "SeparateRGB", "SEPXYZ": "SeparateXYZ", "COMBRGB": "CombineRGB",
              "COMBXYZ": "CombineXYZ", "SEPHSV": "SeparateHSV", "COMBHSV": "CombineHSV", "HUE_SAT": "HueSaturation", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
-             "RGB": "RGB"}
+             "RGB": "RGB", "CURVE_RGB": "RGBCurve", "CURVE_VEC": "VectorCurve", "CURVE_FLOAT": "FloatCurve",
+             "CAMERA": "CameraData", "VECT_TRANSFORM": "VectorTransform"}
     # test_blender_semantics.py, and here
     elsewhere = {"BUMP"}
     covered = {case["node"].removeprefix("ShaderNode") for case in CASES + PLACES + PATTERNS}

@@ -19,6 +19,7 @@
 #include "node/brick.h"
 #include "node/bump.h"
 #include "node/cloth.h"
+#include "node/curve.h"
 #include "node/frame.h"
 #include "node/geometry.h"
 #include "node/glass_albedo.h"
@@ -59,6 +60,7 @@
   ROW(WHITE_NOISE, white_noise)                                                                    \
   ROW(BRICK, brick)                                                                                \
   ROW(RAMP, ramp)                                                                                  \
+  ROW(CURVE, curve)                                                                                \
   ROW(WEAVE, weave)                                                                                \
   ROW(CLOTH, cloth)
 

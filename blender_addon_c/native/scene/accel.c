@@ -294,6 +294,10 @@ void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t
 }
 
 void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
+  /* Embree 3.13 was seen to go round for ever in a small batch of shadow rays that was said to be
+   * coherent; there is little to gain in these. */
+  enum { LEAST_COHERENT = 512 };
+  coherent = coherent && count >= LEAST_COHERENT;
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags =

@@ -72,7 +72,19 @@ USUAL = ["LibshadeMetalNode"] * 3 + [
     "ShaderNodeBsdfTransparent", "ShaderNodeEmission", "ShaderNodeMixShader", "ShaderNodeAddShader",
     "ShaderNodeMath", "ShaderNodeVectorMath", "ShaderNodeMixRGB", "ShaderNodeMapping",
     "ShaderNodeTexImage", "ShaderNodeTexCoord", "ShaderNodeNormalMap", "ShaderNodeBump",
-    "ShaderNodeValToRGB", "ShaderNodeUVMap", "ShaderNodeTexEnvironment", "NodeReroute"]
+    "ShaderNodeValToRGB", "ShaderNodeUVMap", "ShaderNodeRGBCurve", "ShaderNodeMapRange",
+    "ShaderNodeVectorTransform", "ShaderNodeVectorRotate", "ShaderNodeTexEnvironment", "NodeReroute"]
+
+
+def bend(chance, mapping):
+    """Points of curves, some of them in one place."""
+    for curve in mapping.curves:
+        for _ in range(chance.randrange(4)):
+            curve.points.new(*(chance.choice((-1e6, -1.0, 0.0, 0.5, 1.0, 1e6)) for _ in range(2)))
+        for point in curve.points:
+            point.handle_type = chance.choice(["AUTO", "VECTOR", "AUTO_CLAMPED"])
+    mapping.use_clip, mapping.extend = chance.one_in(2), chance.choice(["HORIZONTAL", "EXTRAPOLATED"])
+    mapping.update()
 
 
 def node(chance, tree, images):
@@ -88,6 +100,8 @@ def node(chance, tree, images):
         made.uv_map = chance.choice(["", "UVMap", "elsewhere"])
     if hasattr(made, "object") and bpy.data.objects:
         made.object = chance.choice(list(bpy.data.objects))
+    if hasattr(made, "mapping"):
+        bend(chance, made.mapping)
     for socket in made.inputs:
         if chance.one_in(3):
             disturb_value(chance, socket)

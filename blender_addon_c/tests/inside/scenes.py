@@ -533,6 +533,7 @@ def graph(options):
         if case.get("ramp"):
             for place, color in case["ramp"]:
                 node.color_ramp.elements.new(place).color = color
+        _bend(node, case)
         if "own" in case:
             node.outputs[0].default_value = case["own"]
         outputs = {socket.identifier: socket for socket in node.outputs}
@@ -555,6 +556,19 @@ def graph(options):
         scene.cycles.pixel_filter_type = "BOX"
     common.render(options["picture"])
     return {}
+
+
+def _bend(node, case):
+    """"curves": the points of each; what they leave out stays a line."""
+    for curve, points in zip(node.mapping.curves if "curves" in case else (), case.get("curves", ())):
+        for k, point in enumerate(points):
+            if k < len(curve.points):
+                curve.points[k].location = point
+            else:
+                curve.points.new(*point)
+    if "curves" in case:
+        node.mapping.use_clip, node.mapping.extend = False, case.get("extend", "EXTRAPOLATED")
+        node.mapping.update()
 
 
 def _sheet(material, options):
@@ -612,26 +626,38 @@ def _showing(case, engine):
     node = tree.nodes.new(case["node"])
     for key, value in case.get("set", {}).items():
         setattr(node, key, value)
+    by = {socket.identifier: socket for socket in node.inputs}
     for name, value in case.get("inputs", {}).items():
         if name == "Normal":
             tree.links.new(_bent_normal(tree, value), node.inputs["Normal"])
         else:
-            node.inputs[name].default_value = value
+            (by.get(name) or node.inputs[name]).default_value = value
+    if "own" in case:
+        node.outputs[0].default_value = case["own"]
     if case["node"] == "ShaderNodeTexImage":
         node.image = bpy.data.images.new("spots", 5, 4, float_buffer=True, is_data=True)
         node.image.pixels.foreach_set([0.5 + 0.5 * math.sin(k * k) for k in range(80)])
         node.image.update()
+    _bend(node, case)
+    for name, (by, more) in case.get("fed", {}).items():  # by generated coordinates
+        place, moved = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeVectorMath")
+        moved.operation = "MULTIPLY_ADD"
+        moved.inputs[1].default_value = by if isinstance(by, list) else (by,) * 3
+        moved.inputs[2].default_value = more if isinstance(more, list) else (more,) * 3
+        tree.links.new(place.outputs["Generated"], moved.inputs[0])
+        tree.links.new(moved.outputs[0], {s.identifier: s for s in node.inputs}[name])
     if "uv_map" in case:
         where = tree.nodes.new("ShaderNodeUVMap")
         where.uv_map = case["uv_map"]
         tree.links.new(where.outputs[0], node.inputs["Vector"])
-    if "Color" in node.inputs:
+    if "Color" in node.inputs and "Strength" in node.inputs:
         image = _plain_image(0.7, 0.35, case.get("blue", 0.9))
         tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
         node.inputs["Strength"].default_value = case.get("strength", 1.0)
     scaled = tree.nodes.new("ShaderNodeVectorMath")
     scaled.operation = "MULTIPLY_ADD"
-    scaled.inputs[0].default_value, scaled.inputs[2].default_value = (0.25,) * 3, (0.5,) * 3
+    scaled.inputs[0].default_value = (case.get("times", 0.25),) * 3
+    scaled.inputs[2].default_value = (0.5,) * 3
     if case.get("beside"):
         tree.links.new(common.image_node(tree, _plain_image(*[0.25] * 3)).outputs["Color"], scaled.inputs[0])
     tree.links.new(node.outputs[case.get("output", 0)], scaled.inputs[1])
