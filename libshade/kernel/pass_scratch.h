@@ -6,17 +6,18 @@
  */
 #include "../src/scratch_row.h"
 
-/* Place the samples of line l. */
-static void scratch_jitter(const scratch_row *r, int l, scratch_block *restrict to) {
-  const uint64_t first =
+/* Place `blocks` blocks of samples of line l, from the first-th of the line on. */
+static void scratch_jitter(const scratch_row *r, int l, int first, int blocks,
+                           scratch_block *restrict to) {
+  const uint64_t number =
       (uint64_t)(r->line / r->n) * (uint64_t)r->width * 64 + (uint64_t)(l * r->n);
-  const uint32_t *restrict cell64 = r->cell64;
+  const uint32_t *restrict cell64 = r->cell64 + (size_t)first * SCRATCH_BLOCK;
   const uint64_t key = r->key;
-  for (int b = 0; b < r->blocks; b++, to++, cell64 += SCRATCH_BLOCK) {
+  for (int b = 0; b < blocks; b++, to++, cell64 += SCRATCH_BLOCK) {
     float *restrict off = to->off, *restrict down = to->down;
 #pragma omp simd
     for (int i = 0; i < SCRATCH_BLOCK; i++) {
-      uint64_t z = (key ^ (first + cell64[i])) + 0x9e3779b97f4a7c15u;
+      uint64_t z = (key ^ (number + cell64[i])) + 0x9e3779b97f4a7c15u;
       z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
       z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
       z ^= z >> 31;
@@ -77,36 +78,42 @@ static inline int scratch_reaches(const scratch_stroke *s, float a0, float b0,
 }
 
 /* Draw it. Returns the least depth of the block. */
-static inline float scratch_dig(const scratch_stroke *s, float a0, float b0, scratch_block *block) {
+static inline float scratch_dig(const scratch_stroke *s, float a0, float b0,
+                                scratch_block *restrict block) {
   const float *restrict off = block->off, *restrict down = block->down;
   float *restrict depth = block->depth, *restrict x = block->x, *restrict y = block->y;
   const float ax = s->ax, ay = s->ay, bx = s->bx, by = s->by;
-  const float linear = s->linear, square = s->square, k2 = s->k2, rim = s->rim, rk = s->rk;
-  const float rim2 = rim * rim, xa = s->xa, xb = s->xb, ya = s->ya, yb = s->yb;
+  const float k2 = s->k2, rim = s->rim, rim2 = rim * rim, rk = s->rk;
+  const float xa = s->xa, xb = s->xb, ya = s->ya, yb = s->yb;
+  /* By way of these: where a loop writes back what it may keep, compilers make the store depend on
+     the comparison, which takes twice as long. */
+  float deeper[SCRATCH_BLOCK], to_x[SCRATCH_BLOCK], to_y[SCRATCH_BLOCK];
 #pragma omp simd
   for (int k = 0; k < SCRATCH_BLOCK; k++) {
     const float a = a0 + ax * off[k] + ay * down[k], b = b0 + bx * off[k] + by * down[k];
-    const float e = 1 - (a * a + b * b), inside = e > 0 ? e : 0, before = depth[k];
-    const int deeper = e > before * (linear + square * before);
+    const float e = 1 - a * a - b * b, inside = e > 0 ? e : 0, before = depth[k];
     const float w = sqrtf(rim2 + k2 * inside);
     const float inverse = 1 / (w * (w + rim)), over_w = (w + rim) * inverse;
-    const float l = rk * inside * (w * inverse);
+    const float now = rk * inside * (w * inverse);
     const float sx = (xa * a + xb * b) * over_w, sy = (ya * a + yb * b) * over_w;
-    const float ox = x[k], oy = y[k];
-    depth[k] = deeper ? l : before;
-    x[k] = deeper ? sx : ox;
-    y[k] = deeper ? sy : oy;
+    deeper[k] = now > before ? now : before;
+    to_x[k] = now > before ? sx : x[k];
+    to_y[k] = now > before ? sy : y[k];
   }
-  float least = depth[0];
+  float least = deeper[0];
 #pragma omp simd reduction(min : least)
-  for (int k = 0; k < SCRATCH_BLOCK; k++)
-    least = depth[k] < least ? depth[k] : least;
+  for (int k = 0; k < SCRATCH_BLOCK; k++) {
+    depth[k] = deeper[k];
+    x[k] = to_x[k];
+    y[k] = to_y[k];
+    least = deeper[k] < least ? deeper[k] : least;
+  }
   return least;
 }
 
-/* `sum`: MOMENTS lines. */
-static void scratch_add_line(int blocks, const scratch_block *from, float *restrict sum) {
-  const size_t line = (size_t)blocks * SCRATCH_BLOCK;
+/* `sum`: MOMENTS lines of `line` samples each. */
+static void scratch_add_line(int blocks, const scratch_block *from, size_t line,
+                             float *restrict sum) {
   for (int b = 0; b < blocks; b++, from++, sum += SCRATCH_BLOCK) {
     const float *restrict depth = from->depth, *restrict x = from->x, *restrict y = from->y;
     float *restrict h = sum, *restrict sx = h + line, *restrict sy = sx + line,
@@ -123,43 +130,90 @@ static void scratch_add_line(int blocks, const scratch_block *from, float *restr
   }
 }
 
-static void kernel_scratch_row(const scratch_row *r) {
-  const size_t samples = (size_t)r->blocks * SCRATCH_BLOCK;
-  for (int l = 0; l < r->n; l++)
-    scratch_jitter(r, l, r->block + l * r->blocks);
-  memset(r->least, 0, (size_t)(r->n * r->blocks) * sizeof *r->least);
-  for (size_t i = 0; i < r->strokes; i++) {
-    const scratch_stroke *s = &r->stroke[i];
-    const float lowest = s->depth;
+/* For each line the strokes that meet it, with the blocks from the first to before the last. */
+static void scratch_meet(const scratch_row *r, uint32_t count[SCRATCH_LINES]) {
+  memset(count, 0, SCRATCH_LINES * sizeof *count);
+  for (uint32_t i = 0; i < r->strokes; i++) {
     int first[SCRATCH_LINES], last[SCRATCH_LINES];
-    scratch_spans(s, r->line, r->n * r->width, first, last);
+    scratch_spans(&r->pool[r->stroke[i]], r->line, r->n * r->width, first, last);
     for (int l = 0; l < r->n; l++) {
-      if (last[l] < first[l])
-        continue;
-      const float v = (float)(r->line + l - s->y);
-      scratch_block *line = r->block + l * r->blocks;
-      float *least = r->least + l * r->blocks;
-      const int end = last[l] / SCRATCH_BLOCK;
-      for (int k = first[l] / SCRATCH_BLOCK; k <= end; k++) {
-        if (least[k] >= lowest)
-          continue;
-        const float u = (float)(k * SCRATCH_BLOCK - s->x);
-        const float a = s->ax * u + s->ay * v, b = s->bx * u + s->by * v;
-        if (scratch_reaches(s, a, b, &line[k]))
-          least[k] = scratch_dig(s, a, b, &line[k]);
-      }
+      const unsigned begin = (unsigned)first[l] / SCRATCH_BLOCK;
+      const unsigned end = (unsigned)(last[l] + SCRATCH_BLOCK) / SCRATCH_BLOCK;
+      /* written whether or not it meets, and then written over: faster than a jump */
+      r->span[(size_t)l * r->room + count[l]] =
+          (scratch_span){r->stroke[i], (uint16_t)begin, (uint16_t)end};
+      count[l] += last[l] >= first[l];
     }
   }
-  memset(r->sum, 0, MOMENTS * samples * sizeof *r->sum);
-  for (int l = 0; l < r->n; l++)
-    scratch_add_line(r->blocks, r->block + l * r->blocks, r->sum);
-  const float part = 1 / (float)(r->n * r->n);
-  for (int i = 0; i < r->width; i++)
-    for (int c = 0; c < MOMENTS; c++) {
-      const float *s = r->sum + (size_t)c * samples + (size_t)i * (size_t)r->n;
-      float total = 0;
-      for (int k = 0; k < r->n; k++)
-        total += s[k];
-      r->to[i * MOMENTS + c] = part * total;
+}
+
+/*
+ * Draw the strokes over `blocks` blocks of line l. A block that lies as low as a stroke's deepest
+ * place is done with: so are all strokes that follow.
+ */
+static void scratch_draw(const scratch_row *r, int l, int from, int blocks, uint32_t strokes,
+                         scratch_block *block) {
+  const scratch_span *span = r->span + (size_t)l * r->room;
+  float least[SCRATCH_TILE] = {0};
+  uint64_t open = ~(uint64_t)0 >> (64 - blocks);
+  for (uint32_t i = 0; i < strokes && open; i++) {
+    const int begin = span[i].begin > from ? span[i].begin - from : 0;
+    const int end = span[i].end < from + blocks ? span[i].end - from : blocks;
+    if (begin >= end)
+      continue;
+    uint64_t meets = ~(uint64_t)0 >> (64 - (end - begin)) << begin & open;
+    if (!meets)
+      continue;
+    const scratch_stroke *s = &r->pool[span[i].stroke];
+    const float v = (float)(r->line + l - s->y), av = s->ay * v, bv = s->by * v;
+    for (; meets; meets &= meets - 1) {
+      const int k = __builtin_ctzll(meets);
+      if (least[k] >= s->depth) {
+        open &= ~((uint64_t)1 << k);
+        continue;
+      }
+      const float u = (float)((from + k) * SCRATCH_BLOCK - s->x);
+      const float a = s->ax * u + av, b = s->bx * u + bv;
+      if (scratch_reaches(s, a, b, &block[k]))
+        least[k] = scratch_dig(s, a, b, &block[k]);
     }
+  }
+}
+
+/* Means over the cells: MOMENTS side by side, or one addition would wait for the other. */
+static void scratch_cells(const scratch_row *r, size_t line) {
+  const float part = 1 / (float)(r->n * r->n);
+  const float *h = r->sum, *x = h + line, *y = x + line, *xx = y + line, *xy = xx + line,
+              *yy = xy + line;
+  float *to = r->to;
+  for (int i = 0; i < r->width; i++, to += MOMENTS) {
+    float total[MOMENTS] = {0};
+    for (int k = 0; k < r->n; k++) {
+      total[0] += *h++;
+      total[1] += *x++;
+      total[2] += *y++;
+      total[3] += *xx++;
+      total[4] += *xy++;
+      total[5] += *yy++;
+    }
+    for (int c = 0; c < MOMENTS; c++)
+      to[c] = part * total[c];
+  }
+}
+
+static void kernel_scratch_row(const scratch_row *r) {
+  const size_t samples = (size_t)r->blocks * SCRATCH_BLOCK;
+  _Alignas(64) scratch_block block[SCRATCH_TILE]; /* stays in the first-level cache */
+  uint32_t strokes[SCRATCH_LINES];
+  scratch_meet(r, strokes);
+  memset(r->sum, 0, MOMENTS * samples * sizeof *r->sum);
+  for (int from = 0; from < r->blocks; from += SCRATCH_TILE) {
+    const int rest = r->blocks - from, blocks = rest < SCRATCH_TILE ? rest : SCRATCH_TILE;
+    for (int l = 0; l < r->n; l++) {
+      scratch_jitter(r, l, from, blocks, block);
+      scratch_draw(r, l, from, blocks, strokes[l], block);
+      scratch_add_line(blocks, block, samples, r->sum + (size_t)from * SCRATCH_BLOCK);
+    }
+  }
+  scratch_cells(r, samples);
 }

@@ -61,6 +61,21 @@ static int reduce(moment_level *to, int width, int height, moment_row *row, cons
   return status;
 }
 
+/* As reduce would, where sides are halved: most of them, and the largest. */
+static int halve(moment_level *to, const moment_level *from) {
+  const size_t narrow = (size_t)to->width * MOMENTS, wide = (size_t)from->width * MOMENTS;
+  to->texels = level_room(narrow * (size_t)to->height);
+  for (int j = 0; to->texels && j < to->height; j++) {
+    const float *upper = from->texels + (size_t)(2 * j) * wide, *lower = upper + wide;
+    float *mean = to->texels + (size_t)j * narrow;
+    for (int i = 0; i < to->width; i++, upper += 2 * MOMENTS, lower += 2 * MOMENTS)
+      for (int c = 0; c < MOMENTS; c++)
+        *mean++ = (float)(0.25 * ((double)upper[c] + (double)upper[c + MOMENTS] + (double)lower[c] +
+                                  (double)lower[c + MOMENTS]));
+  }
+  return to->texels ? 0 : -1;
+}
+
 static void level_row(const void *context, int j, float *to) {
   const moment_level *l = context;
   const size_t size = (size_t)l->width * MOMENTS;
@@ -84,7 +99,8 @@ int moments_create(moment_pyramid *p, int width, int height, int shrink, moment_
     to->width = half(from->width, 2);
     to->height = half(from->height, 2);
     p->levels++;
-    if (reduce(to, from->width, from->height, level_row, from) != 0)
+    const int halved = from->width == 2 * to->width && from->height == 2 * to->height;
+    if ((halved ? halve(to, from) : reduce(to, from->width, from->height, level_row, from)) != 0)
       return -1;
   }
   return 0;

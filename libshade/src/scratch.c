@@ -46,17 +46,52 @@ static pit make_pit(const shade_scratch_params *p, int layer, uint32_t index) {
               .scale = k > 0 ? r / k : 0,
               .gradient1 = k / s,
               .gradient2 = k};
+  const double along_x = r * s * made.along[0], along_y = r * s * made.along[1];
+  const double across_x = r * made.along[1], across_y = r * made.along[0];
+  made.reach[0] = sqrt(along_x * along_x + across_x * across_x);
+  made.reach[1] = sqrt(along_y * along_y + across_y * across_y);
   /* rounding must not leave a place that is deeper */
   made.depth = made.scale * (1 - made.rim) * (1 + 1e-9);
   return made;
 }
 
+/* Where a pit stands in the order: moving these takes less than moving pits. */
+typedef struct pit_place {
+  double depth;
+  uint32_t number;
+} pit_place;
+
 /* The deepest first; on equal depth the one that was drawn first. */
-static int compare_pits(const void *a, const void *b) {
-  const pit *p = a, *q = b;
+static int compare_places(const void *a, const void *b) {
+  const pit_place *p = a, *q = b;
   if (p->depth != q->depth)
     return p->depth > q->depth ? -1 : 1;
   return p->number < q->number ? -1 : 1;
+}
+
+/* All pits of the layers, sorted. 0, or -1 when out of memory. */
+static int make_pits(shade_scratch_field *f, const shade_scratch_params *p) {
+  size_t pits = 0;
+  for (int i = 0; i < p->layers; i++)
+    pits += p->layer[i].pits;
+  f->pit = malloc((pits + 1) * sizeof *f->pit);
+  pit *drawn = malloc((pits + 1) * sizeof *drawn);
+  pit_place *place = malloc((pits + 1) * sizeof *place);
+  const int status = f->pit && drawn && place ? 0 : -1;
+  for (int i = 0; status == 0 && i < p->layers; i++)
+    for (uint32_t k = 0; k < p->layer[i].pits; k++, f->pits++) {
+      pit *made = &drawn[f->pits];
+      *made = make_pit(p, i, k);
+      made->number = (uint32_t)f->pits;
+      place[f->pits] = (pit_place){made->depth, made->number};
+    }
+  if (status == 0)
+    qsort(place, f->pits, sizeof *place, compare_places);
+  for (size_t i = 0; i < f->pits; i++)
+    f->pit[i] = drawn[place[i].number];
+  free(drawn);
+  free(place);
+  return status;
 }
 
 /* ---- parameters --------------------------------------------------------------------- */
@@ -198,22 +233,7 @@ shade_scratch_field *shade_scratch_create(const shade_scratch_params *given, uns
     return NULL;
   f->aspect = p.aspect;
   f->seed = p.seed;
-  size_t pits = 0;
-  for (int i = 0; i < p.layers; i++)
-    pits += p.layer[i].pits;
-  f->pit = malloc((pits + 1) * sizeof *f->pit);
-  if (!f->pit) {
-    shade_scratch_free(f);
-    return NULL;
-  }
-  for (int i = 0; i < p.layers; i++)
-    for (uint32_t k = 0; k < p.layer[i].pits; k++) {
-      f->pit[f->pits] = make_pit(&p, i, k);
-      f->pit[f->pits].number = (uint32_t)f->pits;
-      f->pits++;
-    }
-  qsort(f->pit, f->pits, sizeof *f->pit, compare_pits);
-  if (scratch_fill_bins(f) != 0 ||
+  if (make_pits(f, &p) != 0 || scratch_fill_bins(f) != 0 ||
       (p.cells > 0 && scratch_make_table(f, p.cells, shade_isa_tables[shade_isa_chosen()]) != 0)) {
     shade_scratch_free(f);
     return NULL;

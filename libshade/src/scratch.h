@@ -16,6 +16,7 @@ typedef struct pit {
   double along[2];   /* unit, along the scratch */
   double half_along; /* half axes of the rim */
   double half_across;
+  double reach[2];  /* along x and y, to either side */
   double k2, rim;   /* k^2; sqrt(1 - k^2) */
   double scale;     /* r/k */
   double gradient1; /* k/s */

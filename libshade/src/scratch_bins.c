@@ -23,10 +23,9 @@ static void bin_sides(const shade_scratch_field *f, double *width, double *heigh
   double covering = 0, x = 0, y = 0;
   for (size_t i = 0; i < f->pits; i++) {
     const pit *p = &f->pit[i];
-    const double c = p->along[0], s = p->along[1];
     covering += PI * p->half_along * p->half_across / f->aspect;
-    x += hypot(p->half_along * c, p->half_across * s);
-    y += hypot(p->half_along * s, p->half_across * c);
+    x += p->reach[0];
+    y += p->reach[1];
   }
   *width = fmin(1, f->aspect);
   *height = *width;
@@ -57,24 +56,39 @@ static double within(double x, double low, double high) {
   return x < high ? x : high;
 }
 
-/*
- * Visit the bins under a pit's ellipse, row by row of bins. Without a list count[bin + 1]
- * grows by one each; with a list the pit is put at list[count[bin]++].
- */
-static void visit(const shade_scratch_field *f, uint32_t index, uint32_t *count, uint32_t *list) {
-  const pit *p = &f->pit[index];
+static int floor_int(double x) { /* to call floor() takes as long as the rest of a row */
+  const int i = (int)x;
+  return i - (x < i);
+}
+
+/* Of a pit in a row of bins: the first, and the last as if the row went on past the seam. */
+typedef struct stretch {
+  int begin, end;
+} stretch;
+
+/* The rows of bins that pits reach, as if they went on past the seam. */
+typedef struct pit_rows {
+  int first, last;
+} pit_rows;
+
+static pit_rows rows_of(const shade_scratch_field *f, const pit *p) {
+  const double margin = 1e-9; /* of a bin, against rounding */
+  const double rows = f->up / f->aspect;
+  return (pit_rows){floor_int((p->y - p->reach[1]) * rows - margin),
+                    floor_int((p->y + p->reach[1]) * rows + margin)};
+}
+
+/* A pit's bins, row by row. Returns what is after the last of them. */
+static stretch *find(const shade_scratch_field *f, const pit *p, pit_rows rows, stretch *to) {
   const double c = p->along[0], s = p->along[1];
   const double a2 = 1 / (p->half_along * p->half_along), b2 = 1 / (p->half_across * p->half_across);
   /* A x^2 + 2 B x y + C y^2 <= 1 */
   const double A = c * c * a2 + s * s * b2, B = c * s * (a2 - b2), C = s * s * a2 + c * c * b2;
-  const double det = a2 * b2, reach = sqrt(A / det), y_right = -B * sqrt(1 / (C * det));
+  const double det = a2 * b2, reach = p->reach[1], y_right = -B * sqrt(1 / (C * det));
   const double lean = -B / A, half = 1 / A, bend = det / (A * A);
-  const double width = 1.0 / f->across, height = f->aspect / f->up;
-  const double margin = 1e-9; /* of a bin, against rounding */
-  const int first = (int)floor((p->y - reach) / height - margin);
-  const int last = (int)floor((p->y + reach) / height + margin);
-  int to = wrap(first, f->up);
-  for (int row = first; row <= last; row++, to = to + 1 < f->up ? to + 1 : 0) {
+  const double height = f->aspect / f->up;
+  const double margin = 1e-9;
+  for (int row = rows.first; row <= rows.last; row++) {
     const double y0 = within((row - margin) * height - p->y, -reach, reach);
     const double y1 = within((row + 1 + margin) * height - p->y, -reach, reach);
     /* the right edge bulges most at y_right, the left one at -y_right */
@@ -82,20 +96,53 @@ static void visit(const shade_scratch_field *f, uint32_t index, uint32_t *count,
     const double right2 = half - bend * right * right, left2 = half - bend * left * left;
     const double x1 = lean * right + sqrt(right2 > 0 ? right2 : 0);
     const double x0 = lean * left - sqrt(left2 > 0 ? left2 : 0);
-    const int begin = (int)floor((p->x + x0) / width - margin);
-    int end = (int)floor((p->x + x1) / width + margin);
-    if (end - begin >= f->across)
-      end = begin + f->across - 1;
-    size_t bin = (size_t)to * (size_t)f->across + (size_t)wrap(begin, f->across);
-    const size_t past = ((size_t)to + 1) * (size_t)f->across;
-    for (int column = begin; column <= end; column++) {
-      if (list)
-        list[count[bin]++] = index;
-      else
-        count[bin + 1]++;
-      bin = bin + 1 < past ? bin + 1 : past - (size_t)f->across;
-    }
+    const int begin = floor_int((p->x + x0) * f->across - margin);
+    const int end = floor_int((p->x + x1) * f->across + margin);
+    const int from = wrap(begin, f->across), most = f->across - 1;
+    *to++ = (stretch){from, from + (end - begin < most ? end - begin : most)};
   }
+  return to;
+}
+
+/*
+ * start[bin + 1]: where the bin's list begins. start[bin + 2] is first by how much the bin's count
+ * exceeds that of the bin before. Returns how many are listed.
+ */
+static size_t count_listed(shade_scratch_field *f, const pit_rows *rows, const stretch *at) {
+  const int across = f->across;
+  for (size_t i = 0; i < f->pits; i++)
+    for (int row = rows[i].first; row <= rows[i].last; row++, at++) {
+      uint32_t *bin = f->start + 2 + (size_t)wrap(row, f->up) * (size_t)across;
+      bin[at->begin]++;
+      if (at->end >= across) {
+        bin[across]--;
+        bin[0]++;
+        bin[at->end + 1 - across]--;
+      } else {
+        bin[at->end + 1]--;
+      }
+    }
+  uint32_t here = 0, total = 0;
+  for (size_t bin = 0; bin < (size_t)across * (size_t)f->up; bin++) {
+    here += f->start[bin + 2];
+    f->start[bin + 1] = total;
+    total += here;
+  }
+  return total;
+}
+
+/* The deepest pits come first; start[bin + 1] moves to where the next list begins. */
+static void list_pits(shade_scratch_field *f, const pit_rows *rows, const stretch *at) {
+  const int across = f->across;
+  for (size_t i = 0; i < f->pits; i++)
+    for (int row = rows[i].first; row <= rows[i].last; row++, at++) {
+      uint32_t *end = f->start + 1 + (size_t)wrap(row, f->up) * (size_t)across;
+      const int seam = at->end < across ? at->end : across - 1;
+      for (int column = at->begin; column <= seam; column++)
+        f->list[end[column]++] = (uint32_t)i;
+      for (int column = across; column <= at->end; column++)
+        f->list[end[column - across]++] = (uint32_t)i;
+    }
 }
 
 int scratch_fill_bins(shade_scratch_field *f) {
@@ -104,21 +151,25 @@ int scratch_fill_bins(shade_scratch_field *f) {
   f->across = (int)fmin(fmax(floor(1 / width), 1), 1e6);
   f->up = (int)fmin(fmax(floor(f->aspect / height), 1), 1e6);
   const size_t bins = (size_t)f->across * (size_t)f->up;
-  f->start = calloc(bins + 2, sizeof *f->start);
-  if (!f->start)
-    return -1;
-  /* counted one place on, so that filling moves start[bin + 1] to where bin + 1 begins */
-  for (size_t i = 0; i < f->pits; i++)
-    if (f->pit[i].k2 > 0)
-      visit(f, (uint32_t)i, f->start + 1, NULL);
-  for (size_t i = 0; i <= bins; i++)
-    f->start[i + 1] += f->start[i];
-  const size_t total = f->start[bins + 1];
-  f->list = malloc((total + 1) * sizeof *f->list);
-  if (!f->list)
-    return -1;
-  for (size_t i = 0; i < f->pits; i++)
-    if (f->pit[i].k2 > 0)
-      visit(f, (uint32_t)i, f->start + 1, f->list);
-  return 0;
+  pit_rows *rows = malloc((f->pits + 1) * sizeof *rows);
+  size_t count = 0;
+  for (size_t i = 0; rows && i < f->pits; i++) {
+    rows[i] = f->pit[i].k2 > 0 ? rows_of(f, &f->pit[i]) : (pit_rows){0, -1};
+    count += (size_t)(rows[i].last - rows[i].first + 1);
+  }
+  stretch *all = malloc((count + 1) * sizeof *all), *to = all;
+  f->start = calloc(bins + 3, sizeof *f->start);
+  int status = rows && all && f->start ? 0 : -1;
+  for (size_t i = 0; status == 0 && i < f->pits; i++)
+    if (rows[i].last >= rows[i].first)
+      to = find(f, &f->pit[i], rows[i], to);
+  if (status == 0) {
+    f->list = malloc((count_listed(f, rows, all) + 1) * sizeof *f->list);
+    status = f->list ? 0 : -1;
+  }
+  if (status == 0)
+    list_pits(f, rows, all);
+  free(rows);
+  free(all);
+  return status;
 }

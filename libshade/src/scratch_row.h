@@ -28,6 +28,7 @@ typedef struct scratch_stroke {
 
 enum {
   SCRATCH_BLOCK = 16, /* samples that are tested together */
+  SCRATCH_TILE = 64,  /* most blocks that are drawn together: a bit for each */
   SCRATCH_LINES = 8   /* most lines a row of cells */
 };
 
@@ -38,19 +39,26 @@ typedef struct scratch_block {
   float depth[SCRATCH_BLOCK], x[SCRATCH_BLOCK], y[SCRATCH_BLOCK]; /* with the slopes */
 } scratch_block;
 
+/* Blocks of a line that a stroke may reach: from begin to before end. */
+typedef struct scratch_span {
+  uint32_t stroke;
+  uint16_t begin, end;
+} scratch_span;
+
 typedef struct scratch_row {
-  int n;                        /* lines a row, samples a cell and line */
-  int width;                    /* cells */
-  int blocks;                   /* a line */
-  int line;                     /* first of the row */
-  uint64_t key;                 /* of the jitter; cell i, sample k of it: key of (cell * 64 + k) */
-  const uint32_t *cell64;       /* 64 * cell + sample of the line, for each sample of a line */
-  const scratch_stroke *stroke; /* those that reach the row, the deepest first */
+  int n;                  /* lines a row, samples a cell and line */
+  int width;              /* cells */
+  int blocks;             /* a line */
+  int line;               /* first of the row */
+  uint64_t key;           /* of the jitter; cell i, sample k of it: key of (cell * 64 + k) */
+  const uint32_t *cell64; /* 64 * cell + sample of the line, for each sample of a line */
+  const scratch_stroke *pool;
+  const uint32_t *stroke; /* those of the pool that reach the row, the deepest first */
   size_t strokes;
-  scratch_block *block; /* room for n lines of them */
-  float *least;         /* room for the least depth of each */
-  float *sum;           /* room for MOMENTS lines of samples */
-  float *to;            /* MOMENTS for each cell */
+  scratch_span *span; /* n lists, `room` long each */
+  size_t room;
+  float *sum; /* room for MOMENTS lines of samples */
+  float *to;  /* MOMENTS for each cell */
 } scratch_row;
 
 #endif

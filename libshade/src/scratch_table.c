@@ -20,8 +20,9 @@ typedef struct drawing {
   int width, height, n;
   uint32_t *start; /* rows + 1: where a row's images begin */
   image *image;
-  scratch_stroke *active, *next; /* those of the row; `room` long */
-  size_t actives, room;
+  scratch_stroke *pool;           /* those of the row, anywhere; `room` long, as the lists are */
+  uint32_t *active, *next, *idle; /* places in it: of the row, of the next one, of nobody */
+  size_t actives, idles, room;
   int failed; /* out of memory */
   scratch_row row;
 } drawing;
@@ -71,8 +72,7 @@ static void visit(drawing *d, uint32_t index, image *to) {
       1e-12; /* k^2 below which single precision knows no pit, nor does a picture */
   if (!(p->k2 > least * least))
     return;
-  const double x_reach = hypot(p->half_along * p->along[0], p->half_across * p->along[1]);
-  const double y_reach = hypot(p->half_along * p->along[1], p->half_across * p->along[0]);
+  const double x_reach = p->reach[0], y_reach = p->reach[1];
   for (int shift = 0; shift < 9; shift++) {
     const double x = p->x + (shift % 3 - 1), y = 1 - p->y / f->aspect + (shift / 3 - 1);
     const double top = (y - y_reach / f->aspect) * d->height;
@@ -109,30 +109,52 @@ static int sort_images(drawing *d) {
   return 0;
 }
 
+/* `list` grown to `room`, or NULL and what was there freed. */
+static uint32_t *grown(uint32_t *list, size_t room) {
+  uint32_t *more = realloc(list, room * sizeof *more);
+  if (!more)
+    free(list);
+  return more;
+}
+
+static int make_room(drawing *d, size_t room) {
+  scratch_stroke *pool = realloc(d->pool, room * sizeof *pool);
+  d->pool = pool ? pool : d->pool;
+  d->active = grown(d->active, room);
+  d->next = grown(d->next, room);
+  d->idle = grown(d->idle, room);
+  free(d->row.span);
+  d->row.span = malloc((size_t)d->n * room * sizeof *d->row.span);
+  if (!pool || !d->active || !d->next || !d->idle || !d->row.span)
+    return -1;
+  for (size_t i = room; i-- > d->room;)
+    d->idle[d->idles++] = (uint32_t)i;
+  d->room = room;
+  return 0;
+}
+
 /* The strokes of row j: of those that were there the ones that still are, and new ones, by rank. */
 static int advance(drawing *d, int j) {
   const uint32_t end = d->start[j + 1];
   uint32_t k = d->start[j];
   const size_t most = d->actives + (end - k);
-  if (most > d->room) {
-    d->room = 2 * most;
-    free(d->next);
-    d->next = malloc(d->room * sizeof *d->next);
-    scratch_stroke *more = realloc(d->active, d->room * sizeof *more);
-    d->active = more ? more : d->active;
-    if (!more || !d->next)
-      return -1;
-  }
+  if (most > d->room && make_room(d, 2 * most) != 0)
+    return -1;
   const double top = (double)j * d->n - 1e-3;
-  scratch_stroke *to = d->next;
+  uint32_t *to = d->next;
   for (size_t old = 0; old < d->actives || k < end;) {
-    const scratch_stroke *s = &d->active[old];
+    const uint32_t place = old < d->actives ? d->active[old] : 0;
+    const scratch_stroke *s = &d->pool[place];
     if (k == end || (old < d->actives && s->rank <= d->image[k].pit)) {
       if (s->y + s->reach >= top)
-        *to++ = *s;
+        *to++ = place;
+      else
+        d->idle[d->idles++] = place;
       old++;
     } else {
-      *to++ = stroke_of(d, &d->image[k++]);
+      const uint32_t free_place = d->idle[--d->idles];
+      d->pool[free_place] = stroke_of(d, &d->image[k++]);
+      *to++ = free_place;
     }
   }
   d->actives = (size_t)(to - d->next);
@@ -150,8 +172,10 @@ static void table_row(const void *context, int j, float *to) {
     return;
   }
   d->row.line = j * d->n;
+  d->row.pool = d->pool;
   d->row.stroke = d->active;
   d->row.strokes = d->actives;
+  d->row.room = d->room;
   d->row.to = to;
   d->isa->scratch_row(&d->row);
 }
@@ -160,22 +184,21 @@ static int draw_table(drawing *d, moment_pyramid *table) {
   const size_t blocks = (size_t)d->row.blocks, samples = blocks * SCRATCH_BLOCK;
   uint32_t *cell64 = calloc(samples, sizeof *cell64);
   d->row.cell64 = cell64;
-  d->row.block = aligned_alloc(64, blocks * (size_t)d->n * sizeof *d->row.block);
   d->row.sum = malloc(samples * MOMENTS * sizeof *d->row.sum);
-  d->row.least = malloc(blocks * (size_t)d->n * sizeof *d->row.least);
-  int status = cell64 && d->row.block && d->row.least && d->row.sum ? sort_images(d) : -1;
+  int status = cell64 && d->row.sum ? sort_images(d) : -1;
   for (int i = 0; status == 0 && i < d->n * d->width; i++)
     cell64[i] = (uint32_t)(i / d->n * 64 + i % d->n);
   if (status == 0)
     status = moments_create(table, d->width, d->height, 1, WRAP_REPEAT, table_row, &d);
   free(cell64);
-  free(d->row.block);
-  free(d->row.least);
   free(d->row.sum);
+  free(d->row.span);
   free(d->start);
   free(d->image);
+  free(d->pool);
   free(d->active);
   free(d->next);
+  free(d->idle);
   return d->failed ? -1 : status;
 }
 

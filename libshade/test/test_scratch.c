@@ -6,6 +6,7 @@
 
 #include "shade/maps.h"
 #include "src/scratch.h"
+#include "src/scratch_row.h"
 
 static shade_scratch_params one_layer(uint32_t pits, double radius, double stretch, double depth) {
   shade_scratch_params p;
@@ -339,19 +340,21 @@ static void footprints_are_averages(void **state) {
 /* Every cell of the table, on every instruction set, is the mean of the field at its samples. */
 static void the_table_is_made_of_points(void **state) {
   (void)state;
-  enum { CELLS = 48 };
-  const double aspects[] = {1, 0.37, 2.2};
-  for (int a = 0; a < 6; a++) {
+  enum { SHAPES = 4 };
+  const double aspects[SHAPES] = {1, 0.37, 2.2, 0.02};
+  const int cells[SHAPES] = {48, 48, 48, 200}; /* the last: lines of more samples than a tile's */
+  for (int a = 0; a < 2 * SHAPES; a++) {
+    const int few = a < SHAPES; /* and the plate shows; of many most are hidden */
     shade_scratch_params p;
     shade_scratch_params_init(&p);
-    p.aspect = aspects[a % 3];
+    p.aspect = aspects[a % SHAPES];
     p.cells = 0;
     p.seed = 5;
-    p.layers = a < 3 ? 3 : 1; /* few pits, and the plate shows; many, and most are hidden */
-    p.layer[0].pits = a < 3 ? 60 : 4000;
-    p.layer[0].radius = (shade_range){0.0004, a < 3 ? 0.002 : 0.01};
+    p.layers = few ? 3 : 1;
+    p.layer[0].pits = few ? 60 : 4000;
+    p.layer[0].radius = (shade_range){0.0004, few ? 0.002 : 0.01};
     p.layer[0].stretch = (shade_range){20, 400};
-    p.layer[0].direction = a < 3 ? 1.1 : 0.03;
+    p.layer[0].direction = few ? 1.1 : 0.03;
     p.layer[1].pits = 20;
     p.layer[1].radius = (shade_range){0.01, 0.2};
     p.layer[1].stretch = (shade_range){1, 5};
@@ -361,10 +364,11 @@ static void the_table_is_made_of_points(void **state) {
     shade_scratch_field *f = create(&p);
     const shade_isa_table *isa;
     for (int row = 0; (isa = shade_isa_pick(row)); row++) {
-      assert_int_equal(scratch_make_table(f, CELLS, isa), 0);
+      assert_int_equal(scratch_make_table(f, cells[a % SHAPES], isa), 0);
       const moment_level *l = &f->table.level[0];
       const int n = f->samples;
-      assert_int_equal(l->width > l->height ? l->width : l->height, CELLS);
+      assert_int_equal(l->width > l->height ? l->width : l->height, cells[a % SHAPES]);
+      assert_true(a % SHAPES != 3 || l->width * n > SCRATCH_TILE * SCRATCH_BLOCK);
       const uint64_t key = scratch_mix(f->seed ^ 0x7461626c65u);
       int off = 0, covered = 0;
       for (int cell = 0; cell < l->width * l->height; cell++) {
