@@ -187,6 +187,21 @@ def _tangent(reader, found):
     return tangent_of(reader, found.node) or reader.program.emit("GEOMETRY", what="TANGENT")
 
 
+_WAYS = {
+    "Is Camera Ray": "CAMERA", "Is Shadow Ray": "SHADOW", "Is Diffuse Ray": "DIFFUSE", "Is Glossy Ray": "GLOSSY",
+    "Is Singular Ray": "SINGULAR", "Is Reflection Ray": "REFLECTION", "Is Transmission Ray": "TRANSMISSION",
+    "Ray Length": "LENGTH", "Ray Depth": "DEPTH", "Diffuse Depth": "DIFFUSE_DEPTH",
+    "Glossy Depth": "GLOSSY_DEPTH", "Transparent Depth": "TRANSPARENT_DEPTH",
+    "Transmission Depth": "TRANSMISSION_DEPTH",
+}
+
+
+def _light_path(reader, found):
+    """There are no volumes and no portals."""
+    what = _WAYS.get(found.output.name)
+    return reader.program.emit("PATH", 1, what=what) if what else (0.0,)
+
+
 # ---- the object
 
 
@@ -313,5 +328,5 @@ def _euler(turn):
 NODES = {
     "UVMAP": _uv_map, "TEX_COORD": _tex_coord, "NEW_GEOMETRY": _geometry, "MAPPING": _mapping,
     "TANGENT": _tangent, "ATTRIBUTE": _attribute, "VERTEX_COLOR": _attribute, "OBJECT_INFO": _object_info,
-    "CAMERA": _camera_data, "VECTOR_ROTATE": _vector_rotate, "VECT_TRANSFORM": _vector_transform,
+    "CAMERA": _camera_data, "LIGHT_PATH": _light_path, "VECTOR_ROTATE": _vector_rotate, "VECT_TRANSFORM": _vector_transform,
 }

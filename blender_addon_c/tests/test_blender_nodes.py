@@ -164,6 +164,7 @@ PLACES = [
       for kind, wrap in (("Cubic", "REPEAT"), ("Cubic", "EXTEND"), ("Cubic", "CLIP"), ("Smart", "REPEAT"),
                          ("Linear", "REPEAT"))),
     place("TexImage", "Alpha", set={"interpolation": "Cubic"}),
+    *(place("LightPath", output) for output in ("Is Camera Ray", "Ray Length", "Ray Depth")),
     *(place("CameraData", output) for output in ("View Vector", "View Z Depth", "View Distance")),
     *(place("VectorTransform", set={"vector_type": kind, "convert_from": one, "convert_to": other},
             fed={"Vector": ([0.9, 0.5, -0.7], [0.1, 0.4, 0.3])}, times=0.1)
@@ -180,7 +181,7 @@ PLACES = [
 ]
 
 
-@pytest.mark.parametrize("perspective", ["", "TexCoord", "CameraData", "VectorTransform"])
+@pytest.mark.parametrize("perspective", ["", "TexCoord", "CameraData", "VectorTransform", "LightPath"])
 def test_places_are_those_of_cycles(blender, tmp_path, perspective):
     """Of a camera in perspective those of one kind, where that makes a difference."""
     cases = [case for case in PLACES if not perspective or case["node"] == f"ShaderNode{perspective}"]
@@ -293,6 +294,29 @@ def test_patterns_are_those_of_cycles(blender, tmp_path):
             far.append((case, np.sort(error)[-3], a[3, 3], b[3, 3]))
     assert not far, "\n".join(map(str, far))
     assert flat < 3 + len(cases) / 8
+
+
+WAYS = [("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray"), ("Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray"),
+        ("Is Transmission Ray", "Ray Length", "Ray Depth"), ("Diffuse Depth", "Glossy Depth", "Transparent Depth"),
+        ("Transmission Depth", "Ray Length", "Is Camera Ray")]
+
+
+@pytest.mark.parametrize("shadow", [False, True])
+@pytest.mark.parametrize("outputs", WAYS)
+def test_ways_are_those_of_cycles(blender, tmp_path, outputs, shadow):
+    """What Light Path says of rays from all kinds of surface, and of shadow rays through two panes."""
+    pictures = []
+    for engine in ("LIBSHADE", "CYCLES"):
+        blender.scene("ways", tmp_path, engine=engine, dump="", outputs=outputs, shadow=shadow, samples=64,
+                      scale=0.05 if "Ray Length" in outputs else 0.3)
+        pictures.append(rgba(tmp_path / "picture.exr")[..., :3].astype(float))
+    if shadow:
+        ours, theirs = (np.stack([p[4:28, x:x + 24] for x in (4, 36)]) for p in pictures)
+        assert theirs.mean((1, 2)).min() > 0
+        np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=2e-4)
+        return
+    ours, theirs = (p[2:6].reshape(4, -1, 8, 3)[:, :, 2:6].mean((0, 2)) for p in pictures)
+    np.testing.assert_allclose(ours, theirs, rtol=4e-3)
 
 
 BUMPS = {"image": {}, "inverted": {"invert": True, "strength": 0.5, "distance": 0.4},

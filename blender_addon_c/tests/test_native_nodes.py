@@ -85,6 +85,7 @@ NODES = {
               stacked(lambda u, v: (0.5 * (u + 0.125) + 0.25 * v, 0.75 - 0.5 * v, 0))),
     "OBJECT": ({"what": "POINT_INTO", "vector": UV, "out": OUT[:3]},
                stacked(lambda u, v: (0.5 * u + 0.25, v, 0.5))),
+    "PATH": ({"what": "CAMERA", "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
     "FRAME": ({"vector": [float(t) for t in TILT], "to": "SHADING", "out": OUT[:3]}, tilted),
     "TRANSFORM": ({"vector": UV, "matrix": TURN, "unit": False, "out": OUT[:3]},
                   stacked(lambda u, v: (0.75 - 0.5 * v, 0.25 * u + 0.125, 0.5))),

@@ -35,8 +35,8 @@ typedef struct paths {
   lane_f alpha; /* 1 where it meets something */
 } paths;
 
-/* What a path does at a surface. Passing straight on is no bounce, but counted. Beside it the bit
- * BOUNCE_MATT: through a matt surface. */
+/* What a path does at a surface. Passing straight on is no bounce, but counted. Beside it bits:
+ * BOUNCE_MATT: through a matt surface; BOUNCE_SHARP: as by a mirror. */
 typedef enum bounce_kind {
   BOUNCE_DIFFUSE,
   BOUNCE_GLOSSY,
@@ -44,7 +44,7 @@ typedef enum bounce_kind {
   BOUNCE_TRANSPARENT,
   BOUNCE_KINDS
 } bounce_kind;
-enum { BOUNCE_MASK = 3, BOUNCE_MATT = 8 };
+enum { BOUNCE_MASK = 3, BOUNCE_SHARP = 4, BOUNCE_MATT = 8 };
 
 /* Rays by what they come from: bits, 2 << the bounce_kind. Lights and objects may be hidden from
  * some. */
@@ -54,6 +54,7 @@ typedef enum ray_kind {
   RAY_GLOSSY = 4,
   RAY_TRANSMISSION = 8,
   RAY_SHADOW = 16,
+  RAY_SINGULAR = 32, /* beside one of the others: by a mirror, or clear glass */
   RAY_BOUNCED = RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION
 } ray_kind;
 
@@ -73,6 +74,7 @@ typedef struct walks {
   lane_f least;  /* the least density of the path so far */
   lane_f width;  /* where the scene has cones: of what the ray stands for, across it, there, */
   lane_f spread; /* and how much wider that gets in a unit of its length */
+  lane_f length; /* where nodes ask: from there to where it went straight on last */
   lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
                     gave a sample */
   lane_u bounces[BOUNCE_KINDS]; /* of each kind so far */
@@ -118,6 +120,11 @@ typedef struct surfaces {
   lane_u record, instance, object;
   lane_f w1, w2;
   lane_f side; /* -1 where the interpolated normal had to be turned to the eye's side */
+  /* where the scene is `routed`: the ray_kind that met the point, how long it was, and the path's
+   * bounces so far */
+  lane_u ray;
+  lane_f length;
+  lane_u depth[BOUNCE_KINDS];
 } surfaces;
 
 /*
@@ -167,8 +174,10 @@ typedef struct passages {
   lane_c tint; /* what is left of its light */
   lane_u hit;  /* by ray under way: its light sample, */
   lane_u left; /* how many surfaces it may still go through, */
-  lane_f rest; /* and how far it still has to go */
+  lane_f rest; /* and how far it still has to go; */
+  lane_f gone; /* how far it went before, where nodes ask */
   lane_u next_hit, next_left;
+  lane_f next_gone;
 } passages;
 
 /* No light gives a point anything. */

@@ -45,6 +45,7 @@ typedef enum closure_type { CLOSURE_TABLE(CLOSURE_TYPE) CLOSURE_TYPES } closure_
 typedef struct closure {
   closure_type type;
   unsigned traits;
+  bool sharp; /* as a mirror: no rougher than can be */
   operand weight[3];
   bool colored;     /* in passes of colour it is not what the closure itself says, */
   operand color[3]; /* but this, times the weight */

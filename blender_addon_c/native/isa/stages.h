@@ -5,6 +5,7 @@
 #include "stage/camera.h"
 #include "stage/cone.h"
 #include "stage/hit.h"
+#include "stage/route.h"
 #include "stage/surface.h"
 #include "stage/node.h"
 #include "stage/light.h"
@@ -39,6 +40,10 @@
                                     .pixel_cone = stage_pixel_cone,                                \
                                     .width = stage_width,                                          \
                                     .spread = stage_spread,                                        \
+                                    .depart = stage_depart,                                        \
+                                    .route = stage_route,                                          \
+                                    .trail = stage_trail,                                          \
+                                    .route_shadow = stage_route_shadow,                            \
                                     .identify = stage_identify,                                    \
                                     .flat = stage_flat,                                            \
                                     .node = {NODE_TABLE(NODE_FUNCTION)},                           \

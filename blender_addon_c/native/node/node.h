@@ -31,6 +31,7 @@
 #include "node/noise.h"
 #include "node/normal_map.h"
 #include "node/object.h"
+#include "node/path.h"
 #include "node/perturb.h"
 #include "node/ramp.h"
 #include "node/fibres.h"
@@ -50,6 +51,7 @@
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(LAYER, layer)                                                                                \
   ROW(OBJECT, object)                                                                              \
+  ROW(PATH, path)                                                                                  \
   ROW(FRAME, frame)                                                                                \
   ROW(TRANSFORM, transform)                                                                        \
   ROW(MATH, math)                                                                                  \

@@ -301,6 +301,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   hits_surface(w);
   if (s->cones)
     s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+  if (s->routed)
+    s->stages->route(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   draw_terms(w, bounce, phase);
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
@@ -348,6 +350,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
                         b->chosen, b->next, &b->sample_ray);
   if (w->scene->cones)
     s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->walk, b->next);
+  if (w->scene->routed)
+    s->trail(rays, b->chosen, &b->surface, &b->draw, b->next);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
 }
@@ -527,8 +531,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!b->queue.hits && !sky && !w->light)
     return;
-  if (paths)
+  if (paths || scene->routed)
     begin_walks(w, count);
+  if (scene->routed)
+    s->depart(count, &b->sample_ray, b->walk);
   if (scene->cones)
     s->pixel_cone(count, view, &b->sample_ray, b->walk);
   if (w->light)

@@ -20,6 +20,10 @@ static bounce_kind kind_of(const closure *c) {
                                     : BOUNCE_GLOSSY;
 }
 
+static bool is_sharp(const closure *c) {
+  return c->sharp && kind_of(c) == BOUNCE_GLOSSY;
+}
+
 /* What scenes without caustics leave out of a closure at surfaces that matt ones see: in `cosine`,
  * that of directions with these heights over the surface. */
 static void forbid(const worker *w, const closure *c, lane_run run, const float *z, float *cosine) {
@@ -92,7 +96,7 @@ static void draw_aimed(worker *w, const segment *g) {
   w->status |= s->closure[c->type](c, g->run, &b->surface, &b->input, &b->draw.wi, true, &b->part);
   s->aim_take(g->run, &b->part, &b->draw);
   s->aim_mix(g->run, w->aims, &b->cones, &b->draw.wi, b->draw.pdf);
-  s->kind(g->run, kind_of(c), &b->draw);
+  s->kind(g->run, kind_of(c), is_sharp(c), &b->draw);
 }
 
 static void eval_list(worker *w, const segment *g, bool density) {
@@ -159,7 +163,7 @@ static void draw_list(worker *w, const segment *g) {
     if (c->traits & CLOSURE_EMITS)
       continue;
     w->status |= s->draw[c->type](c, run, &b->surface, &b->input, part);
-    s->kind(run, kind_of(c), part);
+    s->kind(run, kind_of(c), is_sharp(c), part);
     forbid(w, c, run, part->wi.z, part->cosine);
     s->take(c, run, k, &b->input, &b->closures, part, out);
   }
@@ -185,7 +189,7 @@ void closures_draw(worker *w) {
     }
     if (is_plain(g->material)) {
       w->status |= s->draw[c->type](c, g->run, &b->surface, &b->input, &b->draw);
-      s->kind(g->run, kind_of(c), &b->draw);
+      s->kind(g->run, kind_of(c), is_sharp(c), &b->draw);
       forbid(w, c, g->run, b->draw.wi.z, b->draw.cosine);
     } else {
       draw_list(w, g);

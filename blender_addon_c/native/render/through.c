@@ -63,6 +63,9 @@ bool through_shadows(worker *w, bool coherent, const float *color) {
     any = true;
     hits_sort(inner, rays);
     hits_surface(inner);
+    if (s->routed)
+      stage->route_shadow(at->queue.hits, s->limits.shadows, at->queue.lane, way, b->queue.lane,
+                          b->walk, at->ray, &at->surface);
     hits_nodes(inner);
     add_shares(inner);
     rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum, way,

@@ -20,6 +20,16 @@ static double exponent_of(const closure *c) {
   return 0.0;
 }
 
+/* No alpha is below 1e-4. */
+static bool is_sharp(const closure *c) {
+  const double least = 1.01e-4;
+  const closure_metal *metal = &c->of.metal;
+  const closure_glass *glass = &c->of.glass;
+  if (c->type == CLOSURE_METAL)
+    return metal->params.ax <= least && metal->params.ay <= least;
+  return c->type == CLOSURE_GLASS && glass->alpha.at < 0 && (double)glass->alpha.number <= least;
+}
+
 static double sharpest(const material *m) {
   double most = 0;
   for (size_t k = 0; k < m->closures; k++)
@@ -55,6 +65,8 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
   for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
+    for (size_t k = 0; k < m->closures; k++)
+      m->closure[k].sharp = is_sharp(&m->closure[k]);
     for (size_t k = 0; s->dump && k < m->closures; k++)
       if (m->closure[k].type == CLOSURE_METAL)
         m->closure[k].of.metal.apart = false; /* a dump holds what the library says */

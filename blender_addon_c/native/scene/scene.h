@@ -149,6 +149,7 @@ typedef struct scene {
   instance *instance;
   layer *layer;
   bool identified; /* some node asks for layers or for objects */
+  bool routed;     /* or by which way it is seen */
   bool denoise;
   char *denoiser;                   /* path of Open Image Denoise, or NULL */
   char *dump;                       /* path, or NULL */

@@ -122,14 +122,14 @@ static void stage_join(const closure *c, lane_run run, uint32_t number, inputs *
 }
 
 /* What a draw counts as: through the surface it is transmission, whatever drew it. */
-static void stage_kind(lane_run run, bounce_kind kind, draws *restrict out) {
-  const uint32_t here = kind;
+static void stage_kind(lane_run run, bounce_kind kind, bool sharp, draws *restrict out) {
+  const uint32_t here = kind, also = sharp ? BOUNCE_SHARP : 0;
   const uint32_t below = kind == BOUNCE_TRANSPARENT ? here
                          : kind == BOUNCE_DIFFUSE   ? BOUNCE_TRANSMISSION | BOUNCE_MATT
                                                     : BOUNCE_TRANSMISSION;
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++)
-    out->kind[i] = out->wi.z[i] < 0.0f ? below : here;
+    out->kind[i] = (out->wi.z[i] < 0.0f ? below : here) | also;
 }
 
 /* No mirror image (above), or no view through glass (below), for rays from matt surfaces. */

@@ -13,6 +13,7 @@
  *   lift     shadow rays start above the facets of smooth surfaces
  *   stretch  position by u and v, where materials ask for it
  *   identify which triangle and object, where they ask
+ *   (depart, route, trail)                                        by which way they are seen
  *   (pixel_cone, width, spread)                                   how much a ray stands for, of
  * cloth flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
@@ -97,6 +98,15 @@ typedef struct stage_table {
                 surfaces *out);
   void (*spread)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
                  const draws *draw, const walks *walk, walks *next);
+  /* Where nodes ask by which way points are seen: lengths of the camera's rays, by sample, ways of
+     hits, lengths of rays drawn; ways of hits of shadow rays, whose senders are hits of paths. */
+  void (*depart)(size_t count, const rays *ray, walks *walk);
+  void (*route)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,
+                surfaces *out);
+  void (*trail)(size_t rays, const uint32_t *chosen, const surfaces *at, const draws *draw,
+                walks *next);
+  void (*route_shadow)(size_t count, uint32_t left, const uint32_t *lane, const passages *way,
+                       const uint32_t *sender, const walks *walk, const rays *ray, surfaces *out);
   /* Where nodes ask for layers or objects. */
   void (*identify)(size_t count, const triangle *triangles, const placed *table, const hits *hit,
                    surfaces *out);
@@ -175,7 +185,7 @@ typedef struct stage_table {
   void (*join_all)(const closure *c, lane_run run, inputs *given, const float *chance,
                    const reflections *part, reflections *out);
   void (*pick)(lane_run run, uint32_t number, const float *chance, uint32_t *drawn, float *choice);
-  void (*kind)(lane_run run, bounce_kind kind, draws *out);
+  void (*kind)(lane_run run, bounce_kind kind, bool sharp, draws *out);
   void (*forbid)(lane_run run, bool above, bool below, const uint32_t *lane, const walks *walk,
                  const float *z, float *cosine);
   void (*spare)(size_t count, float threshold, const float color[3], bool shared, const float *lot,

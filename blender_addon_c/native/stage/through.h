@@ -28,6 +28,7 @@ static size_t stage_stopped(size_t count, uint32_t left, const uint32_t *restric
     ray->d.z[k] = light->ray.d.z[i];
     ray->tnear[k] = 0.0f;
     ray->tfar[k] = way->rest[k] = way->tfar[i];
+    way->gone[k] = 0.0f;
   }
   return found;
 }
@@ -86,11 +87,13 @@ static size_t stage_pass(size_t count, const uint32_t *restrict lane, const surf
     ray->tnear[goes] = 0.0f;
     ray->tfar[goes] = rest;
     way->next_hit[goes] = hit;
+    way->next_gone[goes] = way->gone[k] + came->tfar[i];
     way->next_left[goes++] = way->left[k] - 1;
   }
   for (size_t k = 0; k < goes; k++) {
     way->hit[k] = way->next_hit[k];
     way->left[k] = way->next_left[k];
+    way->gone[k] = way->next_gone[k];
     way->rest[k] = ray->tfar[k];
   }
   return goes;

@@ -123,7 +123,8 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
     next->least[k] = (straight | (least < own)) ? least : own;
     next->lights[k] = straight ? walk->lights[from] : lights[i];
     uint32_t matt = draw->kind[i] & BOUNCE_MATT ? RAY_DIFFUSE : 0;
-    next->ray[k] = straight ? walk->ray[from] : 2u << kind | matt;
+    uint32_t sharp = draw->kind[i] & BOUNCE_SHARP ? RAY_SINGULAR : 0;
+    next->ray[k] = straight ? walk->ray[from] : 2u << kind | matt | sharp;
     for (uint32_t one = 0; one < BOUNCE_KINDS; one++)
       next->bounces[one][k] = walk->bounces[one][from] + (kind == one);
     next->ends[k] = draw->kind[i] & WALK_ENDS;

@@ -694,6 +694,84 @@ def places(options):
     return {}
 
 
+def _way_color(tree, names, scale, offset):
+    """Three outputs of a Light Path node as a colour."""
+    path, color, scaled = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("LightPath", "CombineXYZ", "VectorMath"))
+    for name, socket in zip(names, color.inputs):
+        tree.links.new(path.outputs[name], socket)
+    scaled.operation = "MULTIPLY_ADD"
+    scaled.inputs[1].default_value, scaled.inputs[2].default_value = (scale,) * 3, (offset,) * 3
+    tree.links.new(color.outputs[0], scaled.inputs[0])
+    return scaled.outputs[0]
+
+
+def _of_shader(kind, color=None, tree_color=None, **settings):
+    material = bpy.data.materials.new(kind)
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    shader, output = (tree.nodes.new(f"ShaderNode{word}") for word in (kind, "OutputMaterial"))
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    if color:
+        shader.inputs["Color"].default_value = (*color, 1)
+    if tree_color:
+        tree.links.new(_way_color(tree, *tree_color), shader.inputs["Color"])
+    for name, value in settings.items():
+        if name in shader.inputs:
+            shader.inputs[name].default_value = value
+        else:
+            setattr(shader, name, value)
+    return material
+
+
+def _even_light(material):
+    """Cycles finds its light by rays alone, as it is found here."""
+    if bpy.app.version < (3, 5):
+        material.cycles.sample_as_light = False
+    else:
+        material.cycles.emission_sampling = "NONE"
+
+
+def ways(options):
+    """By which way points are seen. Plates of several shaders in a dome that shines by what three
+    outputs of a Light Path node say, or "shadow": a floor beneath two plates that light of a lamp
+    passes by that, seen as it is and through a clear pane."""
+    names, scale = options["outputs"], options["scale"]
+    if options["shadow"]:
+        scene = common.empty_scene(64, 32, samples=32)
+        # diagonals of quads, along which Cycles loses rays, lie out of sight
+        common.plane(_of_shader("BsdfDiffuse", (0.8,) * 3), 12).location.x = 4
+        for height in (0.5, 1.25):
+            plate = common.plane(_of_shader("BsdfTransparent", tree_color=(names, -scale, 1.0)), 12)
+            plate.location = (4, 0, height)
+            plate.visible_camera = plate.visible_transmission = False
+        common.plane(_of_shader("BsdfRefraction", (1,) * 3, Roughness=0.0, IOR=1.1), 6).location = (3, 0, 3.5)
+        common.light(scene, "POINT", 300.0, location=(0.1, 0.2, 3))
+        common.camera(scene, type="ORTHO", ortho_scale=2, clip_start=0.2)
+    else:
+        plates = [("BsdfDiffuse", {}), ("BsdfGlossy", {"Roughness": 0.0}), ("BsdfGlossy", {"Roughness": 0.5}),
+                  ("BsdfRefraction", {"Roughness": 0.0, "IOR": 1.3}), ("BsdfRefraction", {"Roughness": 0.5, "IOR": 1.3}),
+                  ("BsdfTranslucent", {}), ("BsdfTransparent", {}), ("BsdfGlossy", {"Roughness": 0.0})]
+        scene = common.empty_scene(8 * len(plates), 8, samples=options["samples"])
+        for column, (kind, settings) in enumerate(plates):
+            plate = common.plane(_of_shader(kind, (0.8,) * 3, **settings), 0.9)
+            plate.location.x = column + 0.5 - 0.5 * len(plates)
+        pane = common.plane(_of_shader("BsdfTransparent", (0.9,) * 3), 0.9)
+        pane.location = (plate.location.x, 0, 0.02)
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=12, segments=64, ring_count=32)
+        dome = _of_shader("Emission", tree_color=(names, scale, 0.05))
+        common.added(dome)
+        _even_light(dome)
+        common.camera(scene, type="ORTHO", ortho_scale=len(plates), clip_start=0.2)
+    if options["engine"] == "CYCLES":
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples, scene.cycles.use_denoising = options["samples"], False
+        scene.cycles.use_adaptive_sampling, scene.cycles.blur_glossy = False, 0
+    else:
+        scene.libshade.blur_glossy, scene.libshade.max_bounces = 0, 12
+    common.render(options["picture"])
+    return {}
+
+
 def heights(options):
     """A matt plate, twice as long as its UV map says, under a low sun and a Bump node or two."""
     scene = common.empty_scene(128, 128, samples=16)
