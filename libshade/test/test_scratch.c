@@ -342,7 +342,7 @@ static void the_table_is_made_of_points(void **state) {
   (void)state;
   enum { SHAPES = 4 };
   const double aspects[SHAPES] = {1, 0.37, 2.2, 0.02};
-  const int cells[SHAPES] = {48, 48, 48, 200}; /* the last: lines of more samples than a tile's */
+  const int cells[SHAPES] = {48, 48, 48, 400}; /* the last: lines of more samples than a tile's */
   for (int a = 0; a < 2 * SHAPES; a++) {
     const int few = a < SHAPES; /* and the plate shows; of many most are hidden */
     shade_scratch_params p;
