@@ -7,7 +7,8 @@
 
 /* Is the ray one of these, and none of those? */
 LEAF float path_is(uint32_t ray, uint32_t some, uint32_t none) {
-  return ((ray & some) != 0) & ((ray & none) == 0) ? 1.0f : 0.0f;
+  bool is = ((ray & some) != 0) & ((ray & none) == 0);
+  return is ? 1.0f : 0.0f;
 }
 
 /* As Cycles has them: what is refracted counts as glossy too, and no ray comes from a surface and
