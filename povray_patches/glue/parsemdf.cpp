@@ -67,7 +67,7 @@ void Parser::Declare_Mdf_Version() {
   SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
   entry->Data = Create_Float();
-  *reinterpret_cast<DBL *>(entry->Data) = 3.0;
+  *reinterpret_cast<DBL *>(entry->Data) = 4.0;
 }
 
 // Loops and macros parse the same block many times: once is enough.

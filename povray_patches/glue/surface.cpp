@@ -513,8 +513,9 @@ mdf::ClothPlace cloth_place(const FINISH *finish, const UV_VECT uv, const Vector
   place.foot[0] = scale * across_v.length();
   place.foot[1] = scale * across_u.length();
   for (int axis = 0; axis < 2; axis++) {
-    place.uv[axis] = clip(place.uv[axis] * cloth.per_unit(axis), -1e8, 1e8);
-    place.foot[axis] = clip(place.foot[axis] * cloth.per_unit(axis), 0.0, 1e8);
+    // yarns have edges: what a dump can say is what is looked up
+    place.uv[axis] = (float)clip(place.uv[axis] * cloth.per_unit(axis), -1e8, 1e8);
+    place.foot[axis] = (float)clip(place.foot[axis] * cloth.per_unit(axis), 0.0, 1e8);
   }
   return place;
 }

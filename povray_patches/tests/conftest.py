@@ -71,6 +71,18 @@ class Dump:
                     if self.lights else np.zeros((0,) + self.hit.shape + (3,)))
         self.channels = channels
 
+    def only(self, mask):
+        """A dump of these pixels alone, in a file beside it."""
+        image = oiio.ImageBuf(str(self.path))
+        pixels = image.get_pixels(oiio.FLOAT)
+        names = image.spec().channelnames
+        pixels[~mask] = 0
+        pixels[~mask, names.index("material.ID")] = -1
+        image.set_pixels(image.roi, np.ascontiguousarray(pixels))
+        path = Path(self.path).with_suffix(".only.exr")
+        assert image.write(str(path)), image.geterror()
+        return Dump(path)
+
 
 class Result:
     def __init__(self, status, log, image, dump):

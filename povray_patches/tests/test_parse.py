@@ -8,7 +8,7 @@ import pytest
 from scenes import HEADER, SUN, saddle, scene
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, tangent, "
-         "specular, roughness, bump_image, reflection or }")
+         "specular, roughness, bump_image, reflection, preset, fabric or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
            "deform_linear_conserving or deform_smooth_conserving")
 
@@ -125,7 +125,7 @@ sphere { y, .5 pigment { rgb 1 } }
 @pytest.mark.parametrize("block, message", [
     ("shiny 3", f"Expected '{WORDS}', undeclared identifier 'shiny' found instead"),
     ("diffuse wool .2", "Expected 'lambert, max_normal, fibre,"),
-    ("fabric { weave 2, 1, 1 }", f"Expected '{WORDS}', undeclared identifier 'fabric' found instead"),
+    ("weft { }", f"Expected '{WORDS}', undeclared identifier 'weft' found instead"),
     ("200, 10", f"Expected '{WORDS}'"),
     ("Ashikhmin_Shirley 1, 1", f"Expected '{WORDS}', 'Ashikhmin_Shirley' found instead; did you mean 'ashikhmin_shirley'?"),
     ("detail rotated", f"Expected '{DETAILS}', 'rotated' found instead; did you mean 'rotate'?"),

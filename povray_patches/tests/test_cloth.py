@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: AGPL-3.0-or-later
+"""`fabric { }`: against libshade's reference, by what is known of weaves, and by what light may pass."""
+import numpy as np
+import pytest
+
+from scenes import HEADER, SUN, LAMP, scene
+
+CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
+          "shot_taffeta", "herringbone_tweed")
+FRONT = """#version 3.7;
+global_settings { assumed_gamma 1 }
+camera { orthographic location <0, 0, -3> right 2*x up 2*y look_at 0 }
+"""
+
+
+def cloth(words, pigment="rgb 0", more="", ambient=0):
+    return f"texture {{ pigment {{ {pigment} }} finish {{ ambient {ambient} diffuse 0 mdf {{ fabric {{ {words} }} {more} }} }} }}"
+
+
+def sheet(x0=-1., y0=-1., x1=1., y1=1., z=0., uv="<0, 0>, <1, 0>, <1, 1>, <0, 1>"):
+    """Its uv_vectors run right and up, as the eye sees it."""
+    return (f"mesh2 {{ vertex_vectors {{ 4, <{x0}, {y0}, {z}>, <{x1}, {y0}, {z}>, <{x1}, {y1}, {z}>, <{x0}, {y1}, {z}> }}\n"
+            f"uv_vectors {{ 4, {uv} }} face_indices {{ 2, <0, 1, 2>, <0, 2, 3> }}\n")
+
+
+def swatches(crossings, cloths=CLOTHS):
+    """Cloths side by side."""
+    text = ""
+    for k, word in enumerate(cloths):
+        x, y = k % 3 * .66 - 1, k // 3 * .66 - 1
+        text += sheet(x, y, x + .6, y + .6) + cloth(f'preset "{word}" crossings <{crossings}, {crossings * .9}>') + " }\n"
+    return text
+
+
+# Far away the reference takes ten seconds a cloth. Where near passes into far one value may be off by more than
+# `shade check` allows; sums are not.
+@pytest.mark.parametrize("crossings, size, cloths", [(4, 36, CLOTHS), (1200, 9, ("denim", "silk_charmeuse"))])
+def test_every_preset_is_the_reference_near_and_far(render, shade_check, crossings, size, cloths):
+    report = shade_check(render(scene(swatches(crossings, cloths), SUN, FRONT), size=(size, size)).dump, 2e-5)
+    assert ("cloth far" in report) == (crossings > 10), report
+
+
+def test_near_passes_into_far_without_a_change_of_mean(render):
+    """The mean picture of a swatch is the same from every distance."""
+    for word in ("denim", "gabardine", "herringbone_tweed"):
+        text = sheet() + cloth(f'preset "{word}" crossings <48, 48>') + "}"
+        means = [render(scene(text, SUN, FRONT), size=(n, n), dump=False).image.mean((0, 1)) for n in (384, 64, 36, 24, 12)]
+        for mean in means[1:]:
+            assert mean == pytest.approx(means[0], rel=.06)  # 48 yarns, whose brightness varies by a fifth: 3 % of their mean
+
+
+OBJECTS = {"sphere": "sphere { 0, 1", "torus": "torus { .7, .3 rotate -40*x", "box": "box { -.6, .6 rotate <20, 30, 0>",
+           "cylinder": "cylinder { -.7*y, .7*y, .6 rotate -30*x", "cone": "cone { -y, .9, y, .2", "plane": "plane { y, -.5 clipped_by { sphere { 0, .9 } }",
+           "blob": "blob { threshold .5 sphere { -.4*x, 1, 1 } sphere { .4*x, 1, 1 }",
+           "lathe": "lathe { cubic_spline 5, <0, -.5>, <.6, 0>, <.9, .5>, <.5, 1>, <.4, 1.4> translate -.6*y",
+           "mirrored": "sphere { 0, 1 scale <-1, 1, 1>", "inside out": "sphere { 0, 1 inverse", "squashed": "sphere { 0, 1 scale <1, .5, .7>"}
+
+
+@pytest.mark.parametrize("shape", OBJECTS)
+def test_every_object_is_the_reference(render, shade_check, shape):
+    per_unit = 3.3 if shape in ("cylinder", "cone", "plane", "blob", "lathe") else 15.3
+    body = OBJECTS[shape] + " " + cloth(f'preset "denim" crossings {per_unit}') + "}"
+    dump = render(scene(body), size=(60, 45)).dump
+    assert dump.hit.mean() > .05 and np.isfinite(dump.S).all()
+    # at poles and rims a pixel is long one way and narrow the other: its mean is held to no single value there
+    longest = np.maximum(dump.channels["foot.U"], dump.channels["foot.V"])
+    assert (longest[dump.hit] > .75).mean() < .2, longest[dump.hit].mean()
+    shade_check(dump.only(longest < .75), 2e-5)
+
+
+def test_a_unit_of_uv_holds_as_many_crossings_as_it_says(render):
+    for words, u, v in (('preset "linen" crossings <30, 20>', 30, 20), ('preset "linen" crossings 12', 12, 12),
+                        ("ends_per_cm 7 picks_per_cm 3 mm_per_unit 50", 35, 15), ("weave \"plain\"", 200, 200)):
+        dump = render(scene(sheet() + cloth(words) + "}", SUN, FRONT), size=(16, 16)).dump
+        pixels = (np.arange(16) + .5) / 16
+        assert dump.uv[..., 0] == pytest.approx(np.broadcast_to(pixels * u, (16, 16)), rel=1e-5)
+        assert dump.uv[..., 1] == pytest.approx(np.broadcast_to(pixels[::-1, None] * v, (16, 16)), rel=1e-5)
+        # a pixel is a sixteenth
+        assert dump.channels["foot.U"] == pytest.approx(np.full((16, 16), u / 16), rel=1e-5)
+        assert dump.channels["foot.V"] == pytest.approx(np.full((16, 16), v / 16), rel=1e-5)
+
+
+def test_the_footprint_grows_with_distance_and_slant(render):
+    near, far, slanted = (render(scene(sheet() + cloth("crossings 10") + f" {place} }}", SUN, """#version 3.7;
+global_settings { assumed_gamma 1 }
+camera { location 0 right x up y direction 2*z }
+"""), size=(21, 21)).dump for place in ("translate 4*z", "translate 8*z", "rotate 60*y translate 4*z"))
+    width = lambda dump, axis: dump.channels[f"foot.{axis}"][10, 10]
+    assert width(near, "U") == pytest.approx(10 / 2 * 4 * .5 / 21, rel=1e-3)
+    assert width(far, "U") == pytest.approx(2 * width(near, "U"), rel=1e-3)
+    assert width(slanted, "U") == pytest.approx(2 * width(near, "U"), rel=1e-3)
+    assert width(slanted, "V") == pytest.approx(width(near, "V"), rel=1e-3)
+
+
+@pytest.mark.parametrize("transform, map", [("", ""), ("rotate 180*y", "behind"), ("scale <-1, 1, 1>", "mirrored")])
+def test_a_twill_rises_to_the_right(render, transform, map):
+    """Weft is on top iff ((floor u + n_s floor v) mod (n_w + n_p)) < n_w, as whoever looks at the cloth counts it."""
+    words = "weave 1, 3, 1 crossings 8 warp { diffuse rgb 0 specular 0 } weft { diffuse rgb .8 specular 0 } yarns { curve 0 ridge 0 segments 0 }"
+    image = render(scene(sheet() + cloth(words) + transform + "}", "light_source { -9*z, rgb 1 parallel point_at 0 }\n", FRONT),
+                   size=(8, 8), dump=False).image[::-1, :, 0]  # row 0 at the bottom
+    weft = image > .1
+    assert weft.mean() == pytest.approx(1 / 4)
+    up = [[(i, j) for i in range(8) if weft[j, i]] for j in range(8)]
+    steps = {(up[j + 1][0][0] - up[j][0][0]) % 4 for j in range(7)}
+    # (i + j) mod 4 == 0: one up is one to the left, in whatever way the map runs
+    assert steps == {3}, weft.astype(int)
+
+
+def test_what_is_behind_shows_through_the_gaps(render, shade_check):
+    words = "crossings 6 yarns { width 1 gap .5 } backing rgb 0"
+    text = sheet() + cloth(words) + "}\nbackground { rgb <1, .5, .25> }"
+    near = render(scene(text, "", FRONT), size=(96, 96))
+    coverage = near.dump.channels["coverage.A"]
+    assert set(np.unique(coverage)) <= {0., 1.} or coverage.min() < .01
+    assert 1 - coverage.mean() == pytest.approx((.5 / 1.5) ** 2, abs=.02)
+    assert near.image == pytest.approx((1 - coverage)[..., None] * [1, .5, .25], abs=1e-3)
+    far = render(scene(text.replace("crossings 6", "crossings 6000"), "", FRONT), size=(8, 8)).image
+    assert far == pytest.approx(np.broadcast_to(np.array([1, .5, .25]) * (.5 / 1.5) ** 2, (8, 8, 3)), rel=.03)
+    lined = render(scene(text.replace("backing rgb 0", "backing rgb .1"), "", FRONT), size=(8, 8), dump=False).image
+    assert lined.max() == 0
+
+
+def test_light_passes_the_gaps_and_nothing_else(render):
+    """The floor below a net: its mean is that of the open floor times the share of the gaps, near and far."""
+    camera = """#version 3.7;
+global_settings { assumed_gamma 1 }
+camera { orthographic location <0, -.5, -8> direction z up y right x look_at <0, -.5, 0> }
+light_source { <0, 90, 0>, rgb 1 parallel point_at 0 }
+plane { y, -1 pigment { rgb 1 } finish { ambient 0 diffuse 1 } }
+""".replace("location <0, -.5, -8> direction z up y right x look_at <0, -.5, 0>", "location <0, -.5, 0> up z right x direction -y")
+    mean = {}
+    for crossings in (0, 10, 5000):
+        net = sheet(-3, -3, 3, 3) + cloth(f"crossings {6 * crossings} yarns {{ gap 1 }} backing rgb 0") + " rotate 90*x }" if crossings else ""
+        mean[crossings] = render(camera + net, size=(100, 100), dump=False).image.mean()
+    assert mean[0] == pytest.approx(1, abs=2e-3)
+    assert mean[10] == pytest.approx(.25, abs=.01)
+    assert mean[5000] == pytest.approx(.25, abs=.01)
+
+
+def test_light_from_behind_comes_through_thin_yarns(render, shade_check):
+    lights = "light_source { <2, 3, 9>, rgb 1 parallel point_at 0 }\n"
+    thin = 'preset "linen" crossings 21.3 yarns { diffuse rgb .4 transmit rgb <.4, .3, .2> }'
+    dump = render(scene(sheet() + cloth(thin) + "}", lights, FRONT), size=(64, 64)).dump
+    assert dump.S.mean((0, 1, 2)).min() > .01
+    shade_check(dump, 2e-5)
+    assert render(scene(sheet() + cloth('preset "linen" crossings 20') + "}", lights, FRONT), size=(16, 16)).dump.S.max() == 0
+
+
+def test_folds_carry_the_cloth(render, shade_check):
+    bent = cloth('preset "silk_charmeuse" crossings 20').replace("finish", "normal { bumps .6 scale .4 } finish")
+    dump = render(scene(sheet() + bent + "}", header=FRONT), size=(64, 64)).dump
+    assert np.abs(dump.N - dump.Ns).max() > .1
+    shade_check(dump, 2e-5)
+
+
+@pytest.mark.parametrize("words", ["ggx detail deform_smooth horizon chiang occlusion sky",
+                                   "seed 7 yarns { vary_brightness .5 slub .4 along 40 across 4 diffuse fibre_view rgb <.5, .2, .1> }",
+                                   "weave \"satin-8\" nap 1 nap_color rgb <.9, .8, .7> brdf ashikhmin_shirley"])
+def test_every_number_reaches_the_cloth(render, shade_check, words):
+    shade_check(render(scene(sheet() + cloth(words + " crossings 9") + "}", header=FRONT), size=(48, 48)).dump, 2e-5)
+
+
+WIF = """[WIF]
+Version=1.1
+[CONTENTS]
+WEAVING=true
+WARP=true
+WEFT=true
+THREADING=true
+TIEUP=true
+TREADLING=true
+COLOR PALETTE=true
+COLOR TABLE=true
+WARP COLORS=true
+[WEAVING]
+Shafts=2
+Treadles=2
+[WARP]
+Threads=2
+Color=1
+Spacing=.1
+Units=centimeters
+[WEFT]
+Threads=2
+Color=2
+Spacing=.2
+Units=centimeters
+[COLOR PALETTE]
+Entries=2
+Range=0,255
+[COLOR TABLE]
+1=255,0,0
+2=0,0,255
+[WARP COLORS]
+1=1
+2=1
+[THREADING]
+1=1
+2=2
+[TIEUP]
+1=1
+2=2
+[TREADLING]
+1=1
+2=2
+"""
+
+
+def test_a_draft_brings_its_yarns(render, shade_check, tmp_path):
+    (tmp_path / "two.wif").write_text(WIF)
+    dump = render(scene(sheet() + cloth('draft "two.wif" mm_per_unit 20') + "}", header=FRONT), size=(64, 64)).dump
+    assert dump.uv[0, -1] == pytest.approx([20 * 127 / 128, 10 * 127 / 128], rel=1e-5)  # 10 and 5 to the centimetre
+    shade_check(dump, 2e-5)
+    S = dump.S.sum((0, 1, 2))
+    assert S[0] > 3 * S[1] and S[2] > 3 * S[1]  # red and blue
+
+
+@pytest.mark.parametrize("colour", ["<.7, .3, .1>", "<.1, .5, .8>"])
+def test_yarns_take_the_pigments_colour(render, colour):
+    pictures = [render(scene(sheet() + cloth(f'preset "gabardine" crossings 20 warp {{ diffuse {d} }}', p) + "}", header=FRONT),
+                       dump=False).image for d, p in (("pigment", f"rgb {colour}"), (f"rgb {colour}", "rgb 0"))]
+    assert pictures[0] == pytest.approx(pictures[1], rel=2e-3, abs=1e-4)  # half floats
+
+
+@pytest.mark.parametrize("fresnel", ["none", "schlick", "f82 rgb <.9, .7, .8>"])
+@pytest.mark.parametrize("rest", ["", "diffuse lambert pigment", "diffuse ashikhmin_shirley pigment", "diffuse fibre rgb .4", "reflection { samples 4 }"])
+def test_metal_takes_the_pigments_colour(render, shade_check, fresnel, rest):
+    """A pattern is patches of blocks with its colours."""
+    colours = ("rgb <.9, .6, .2>", "rgb <.2, .5, .9>")
+    block = lambda specular, diffuse: (f"finish {{ ambient .2 diffuse 0 mdf {{ ggx .3, .1 fresnel {fresnel} specular {specular} "
+                                       f"{rest.replace('pigment', diffuse)} }} }}")
+    whole = f"texture {{ pigment {{ checker {colours[0]}, {colours[1]} scale .5 }} {block('pigment', 'pigment')} }}"
+    parts = " ".join(f"texture {{ pigment {{ rgb 0 }} {block(c, c)} }}" for c in colours)
+    results = [render(scene("background { rgb .5 } sphere { 0, 1 " + t + "}"))
+               for t in (whole, f"texture {{ checker {parts} scale .5 }}")]
+    # the finish's own ambient shows the pigment, which the patches have not
+    own = results[0].dump
+    shade_check(own)
+    assert results[0].dump.S == pytest.approx(results[1].dump.S, rel=1e-4, abs=1e-6)
+
+
+def test_a_metal_preset_is_the_librarys(render):
+    dump = render(scene('sphere { 0, 1 texture { pigment { rgb 0 } finish { mdf { preset "brushed_brass" } } } }')).dump
+    assert dump.header["materials"][0]["fresnel"] == "conductor"
+    assert dump.header["materials"][0]["eta"] == pytest.approx([.444, .527, 1.094])
+
+
+@pytest.mark.parametrize("word", ["denim", "silk_charmeuse", "wool_flannel"])
+def test_even_light_shows_the_albedo(render, word):
+    """In a white room rays find the albedo; `ambient 1` shows the library's table of it, within its 5 %."""
+    room = "background { rgb 1 } "
+    lit = render(scene(room + sheet() + cloth(f'preset "{word}" crossings 900', more="reflection { samples 256 }") + "}", "", FRONT),
+                 size=(12, 12), dump=False).image.mean((0, 1))
+    shown = render(scene(room + sheet() + cloth(f'preset "{word}" crossings 900', ambient=1) + "}", "", FRONT),
+                   size=(12, 12), dump=False).image.mean((0, 1))
+    assert lit == pytest.approx(shown, rel=.06)
+
+
+def test_the_same_for_any_number_of_threads(render):
+    text = scene(swatches(200).replace('crossings', 'backing 0 crossings'), header=FRONT)
+    one, two = (render(text, options=[f"+WT{n}"], dump=False).image for n in (1, 2))
+    assert (one == two).all()
+
+
+@pytest.mark.parametrize("block, message", [
+    ('fabric { preset "denin" }', 'mdf: there is no cloth "denin"; there are: silk_charmeuse,'),
+    ('fabric { preset "brushed_steel" }', 'mdf: there is no cloth "brushed_steel"'),
+    ('preset "goldd"', 'mdf: there is no preset "goldd". Cloths: silk_charmeuse,'),
+    ("preset denim", "mdf: preset needs a text in quotes, 'denim' found instead."),
+    ("fabric 3", "Missing {"), ("fabric { crosings 3 }", "did you mean 'crossings'?"),
+    ("fabric { warp { widht 3 } }", "did you mean 'width'?"),
+    ("fabric { crossings }", "mdf: crossings needs how many there are"),
+    ("fabric { crossings 1e300 * 1e300 }", "mdf: crossings is not a finite number."),
+    ("fabric { weave 1, 2 }", "mdf: weave needs a number, } found instead."), ("fabric { weave 0, 0, 0 }", "mdf: there is no weave 0, 0, 0"),
+    ("fabric { weave 1.5, 1, 1 }", "mdf: weave needs three whole numbers"),
+    ('fabric { weave "twil" }', 'mdf: there is no weave "twil"; there are: plain,'),
+    ('fabric { draft "none.wif" }', "mdf: cannot open the draft 'none.wif'."),
+    ('fabric { draft "scene.pov" }', "expected the sections of a Weaving Information File"),
+    ("fabric { occlusion skyy }", "did you mean 'sky'?"), ("fabric { detail rotat }", "did you mean 'rotate'?"),
+    ("fabric { warp { diffuse wool rgb 1 } }", "mdf: warp: diffuse needs a colour, 'wool' found instead."),
+    ("fabric { draft_colors 1 }", "on or off"), ("fabric { mm_per_unit }", "mdf: mm_per_unit needs a number"),
+    ("fabric { backing }", "mdf: backing needs a colour"), ("fabric {", "found instead")])
+def test_errors_name_what_was_expected(render, block, message):
+    result = render(scene(f"sphere {{ 0, 1 texture {{ finish {{ mdf {{ {block} }} }} }} }}"), fails=True)
+    assert result.status == 1 and "Parse Error" in result.log
+    assert message.lower() in result.message.lower(), result.message
+
+
+@pytest.mark.parametrize("block, message", [
+    ("fabric { crossings 0 }", "mdf: crossings is 0; it is taken as 1e-06."),
+    ("fabric { yarns { curve 3 } }", "mdf: yarns: curve is 3; it is taken as 0.98."),
+    ("fabric { weft { diffuse rgb <2, 0, 0> } }", "mdf: weft: diffuse is <2, 0, 0>; it is taken as <1, 0, 0>."),
+    ("fabric { nap -1 }", "mdf: nap is -1; it is taken as 0.")])
+def test_numbers_out_of_range_are_warned_of_once(render, block, message):
+    ball = f"sphere {{ 0, 1 texture {{ finish {{ mdf {{ {block} }} }} }} }}\n"
+    assert render(scene(ball + ball), size=(8, 6)).message.count(message) == 1
