@@ -94,7 +94,7 @@ class Reader:
         self.pass_index = material.pass_index if material else 0
         self.uv_map, self.layers = None, set()
         self.nodes, self.program, self.known = NODES, Program(), {}
-        self.shift = None  # (0 or 1, step): coordinates are read so far along u or v
+        self.shift = None  # two numbers or registers: coordinates are read so far along u and v
         self.in_height = False
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 

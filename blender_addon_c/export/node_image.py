@@ -36,8 +36,8 @@ def _is_averaged(reader, node):
 
 def _near(reader, node, groups):
     near = []
-    for axis in (0, 1):
-        reader.shift = (axis, _STEP)
+    for shift in ((_STEP, 0.0), (0.0, _STEP)):
+        reader.shift = shift
         near += place(reader, node.inputs["Vector"], groups)[:2]
     reader.shift = None
     return {"near": near, "step": _STEP}

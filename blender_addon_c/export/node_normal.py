@@ -76,7 +76,8 @@ def _check_normal_image(reader, image):
 
 
 def _bump(reader, found):
-    """The height is read at the point, a step along u and one along v."""
+    """The height is read at the point and two steps of a part of a pixel's width from there; where that is
+    not known, of a quarter of a texel."""
     node, groups = found.node, found.groups
     own = normal_of(reader, node.inputs["Normal"], groups)
     height = node.inputs["Height"]
@@ -84,12 +85,16 @@ def _bump(reader, found):
         reader.warn(f"'{node.name}' bends a normal that a height depends on; left out")
     if reader.in_height or tree.trace(height, groups).node is None:
         return Value("NORMAL", own) if own else None
-    width = node.inputs.get("Filter Width")
-    if width and (width.is_linked or abs(width.default_value - 0.1) > 1e-6):
-        reader.warn(f"'{node.name}': Filter Width is not supported; heights are a quarter of a texel apart")
+    width = _filter_width(reader, node)
+    if not width > 0:
+        return Value("NORMAL", own) if own else None
     step = 0.25 / max(1.0, _fineness(height, groups, set()) or 250.0)
+    key = ("steps", width, step)
+    if key not in reader.known:
+        reader.known[key] = [tuple(reader.program.emit("STEP", 2, axis=axis, scale=min(width, 1e6), otherwise=step))
+                             for axis in "XY"]
     heights, reader.in_height = [], True
-    for shift in (None, (0, step), (1, step)):
+    for shift in (None, *reader.known[key]):
         reader.shift = shift
         heights.append(number_of(reader, height, groups))
     reader.shift, reader.in_height = None, False
@@ -97,8 +102,16 @@ def _bump(reader, found):
     if node.invert:
         distance = reader.program.math("MULTIPLY", distance, -1.0)
     return Value("NORMAL", reader.program.emit(
-        "BUMP", height=heights, step=step, strength=[number_in(reader, found, "Strength")],
+        "BUMP", height=heights, along=sum(reader.known[key], ()), strength=[number_in(reader, found, "Strength")],
         distance=[distance], normal=own or (0.0, 0.0, 1.0)))
+
+
+def _filter_width(reader, node):
+    """In pixels. Before it was a socket it was 1 (3.4); versions between were not measured."""
+    socket = node.inputs.get("Filter Width")
+    if socket and socket.is_linked:
+        reader.warn(f"'{node.name}': what feeds Filter Width is left out, as in Cycles")
+    return socket.default_value if socket else 1.0
 
 
 def _fineness(socket, groups, seen):

@@ -17,8 +17,7 @@ def uv(reader, name=""):
     if not reader.is_main(name):
         return layer(reader, "UV", name)[:3]
     parts = reader.program.emit("GEOMETRY", what="UV")
-    if reader.shift:
-        axis, step = reader.shift
+    for axis, step in enumerate(reader.shift or ()):
         parts[axis] = reader.program.math("ADD", parts[axis], step)
     return parts
 
@@ -27,9 +26,7 @@ def layer(reader, kind, name=""):
     """Four parts of a layer (layers.py)."""
     key = ("layer", kind, name, reader.shift)
     if key not in reader.known:
-        shift = {"along": "NONE"}
-        if reader.shift and kind != "TANGENT":
-            shift = {"along": "UV"[reader.shift[0]], "step": reader.shift[1]}
+        shift = {"shift": reader.shift} if reader.shift and kind != "TANGENT" else {}
         reader.known[key] = reader.program.emit("LAYER", 3, "more", layer=reader.layer(kind, name), **shift)
     return reader.known[key]
 
@@ -73,10 +70,12 @@ def _attribute(reader, found):
 
 def position(reader):
     parts = reader.program.emit("GEOMETRY", what="POSITION")
-    if reader.shift:
-        axis, step = reader.shift
-        along = reader.program.emit("GEOMETRY", what=("ALONG_U", "ALONG_V")[axis])
-        parts = each(reader, "MULTIPLY_ADD", along, (step,) * 3, parts)
+    for what, step in zip(("ALONG_U", "ALONG_V"), reader.shift or ()):
+        if is_known(step) and step == 0:
+            continue
+        if what not in reader.known:
+            reader.known[what] = reader.program.emit("GEOMETRY", what=what)
+        parts = each(reader, "MULTIPLY_ADD", reader.known[what], (step,) * 3, parts)
     return parts
 
 

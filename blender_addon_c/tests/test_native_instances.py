@@ -100,9 +100,9 @@ def asking():
         wide = emit("MATH", 1, operation="MULTIPLY", a=[own[2]], b=[6.0], c=[0.0])
         heights += emit("MATH", 1, operation="SINE", a=wide, b=[0.0], c=[0.0])
     more = [(next(free),)]
-    tangent = [*emit("LAYER", layer=1, along="NONE", more=more), *more]
+    tangent = [*emit("LAYER", layer=1, more=more), *more]
     normal = emit("PERTURB", color=[0.6, 0.45, 1.0], strength=[1.0], tangent=tangent)
-    normal = emit("BUMP", height=heights, step=step, strength=[1.0], distance=[0.01], normal=normal)
+    normal = emit("BUMP", height=heights, along=[step, 0.0, 0.0, step], strength=[1.0], distance=[0.01], normal=normal)
     inside = emit("OBJECT", what="NORMAL_INTO", vector=emit("GEOMETRY", what="NORMAL"))
     color = [emit("MATH", 1, operation="MULTIPLY_ADD", a=[part], b=[0.4], c=[0.5])[0] for part in inside]
     return {"layers": [{"width": 2}, {"width": 4, "tangents_of": 0}],

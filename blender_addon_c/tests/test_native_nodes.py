@@ -71,7 +71,7 @@ NODES = {
     "NORMAL_MAP": ({"image": 1, "strength": 1.0, "out": OUT[:3]}, tilted),
     "PERTURB": ({"color": [float(0.5 + 0.5 * t) for t in TILT], "strength": [1.0], "out": OUT[:3]},
                 tilted),
-    "BUMP": ({"height": [0.1, 0.1 + 0.6 * 0.25, 0.1 - 0.4 * 0.25], "step": 0.25, "strength": [0.5],
+    "BUMP": ({"height": [0.1, 0.1 + 0.6 * 0.25, 0.1 - 0.4 * 0.25], "along": [0.25, 0, 0, 0.25], "strength": [0.5],
               "distance": [2.0], "normal": [0.0, 0.0, 1.0], "out": OUT[:3]}, lambda u, v:
              np.broadcast_to(unit(unit(np.array((-0.6, 0.4, 1))) + (0, 0, 1)), (*u.shape, 3))),
     "ALBEDO": ({"alpha": [0.5], "out": OUT[:3]}, rough_albedo),
@@ -81,10 +81,13 @@ NODES = {
     # from above, of roughness 1, as Cycles 5.0 was seen to reflect: .342 of even light, a .876, b about 0
     "FIBRES": ({"roughness": [1.0], "out": [OUT[1], OUT[2], OUT[0]]}, stacked(lambda u, v: (0.342, 0.876, 0.0))),
     "GEOMETRY": ({"what": "UV", "out": OUT[:3]}, stacked(lambda u, v: (u, v, 0))),
-    "LAYER": ({"layer": 0, "along": "U", "step": 0.125, "out": OUT[:3]},
+    "LAYER": ({"layer": 0, "shift": [0.125, 0.0], "out": OUT[:3]},
               stacked(lambda u, v: (0.5 * (u + 0.125) + 0.25 * v, 0.75 - 0.5 * v, 0))),
     "OBJECT": ({"what": "POINT_INTO", "vector": UV, "out": OUT[:3]},
                stacked(lambda u, v: (0.5 * u + 0.25, v, 0.5))),
+    # a pixel is a sixteenth of the plate; across (0, 0, 1) and (1, 1, 1) x (0, 0, 1)
+    "STEP": ({"axis": "Y", "scale": 8.0, "otherwise": 0.1, "out": OUT[:2]},
+             stacked(lambda u, v: (0.5 * 0.5**0.5,) * 3)),
     "PATH": ({"what": "CAMERA", "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
     "FRAME": ({"vector": [float(t) for t in TILT], "to": "SHADING", "out": OUT[:3]}, tilted),
     "TRANSFORM": ({"vector": UV, "matrix": TURN, "unit": False, "out": OUT[:3]},
@@ -159,7 +162,7 @@ def test_bumps_of_a_slope_are_the_same_by_any_uv_map(uvs, tmp_path):
              for what, out in (("POSITION", position), ("ALONG_U", du), ("ALONG_V", dv))]
     nodes += slope(*position[:2], 1, 0.0, h[0]) + slope(*du[:2], 0.125, h[0], h[1])
     nodes += slope(*dv[:2], 0.125, h[0], h[2])
-    nodes += [{"type": "BUMP", "height": h[:3], "step": 0.125, "strength": [1.0], "distance": [1.0],
+    nodes += [{"type": "BUMP", "height": h[:3], "along": [0.125, 0, 0, 0.125], "strength": [1.0], "distance": [1.0],
                "normal": [0.0, 0.0, 1.0], "out": h[3:]}]
     corners = 0.5 * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
     plate = mesh(corners, [[0, 1, 2], [0, 2, 3]], uvs=np.float32(uvs))

@@ -74,6 +74,8 @@ typedef struct walks {
   lane_f least;  /* the least density of the path so far */
   lane_f width;  /* where the scene has cones: of what the ray stands for, across it, there, */
   lane_f spread; /* and how much wider that gets in a unit of its length */
+  lane_f pixel;  /* where heights are: a pixel's width there by the length of the way, */
+  lane_f widen;  /* and how much wider that gets in a unit of it */
   lane_f length; /* where nodes ask: from there to where it went straight on last */
   lane_f lights; /* what all lights may give there, by their weights (light/light.h); 0: each one
                     gave a sample */
@@ -115,6 +117,7 @@ typedef struct surfaces {
   lane_f u, v;
   lane_v du, dv; /* position by u and v, where the scene has `stretch` */
   lane_f width;  /* where it has cones: across the ray, of what the hit stands for */
+  lane_f pixel;  /* where it is `stepped`: a pixel's width, 0 where it is not known */
   /* where the scene is `identified`: which triangle and object, and the second and third corner's
    * weights */
   lane_u record, instance, object;
@@ -131,7 +134,7 @@ typedef struct surfaces {
  * What the nodes of a material's graph write and its closures read: registers. The first three are
  * never written by a node: the unperturbed normal, in the shading frame.
  */
-enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 9, BLURRED = 2 };
+enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 12, BLURRED = 2 };
 typedef struct inputs {
   lane_f at[REGISTERS];
   bool blurs;                 /* lobes are no sharper than: */

@@ -40,6 +40,9 @@
                                     .pixel_cone = stage_pixel_cone,                                \
                                     .width = stage_width,                                          \
                                     .spread = stage_spread,                                        \
+                                    .pixel = stage_pixel,                                          \
+                                    .footprint = stage_footprint,                                  \
+                                    .carry = stage_carry,                                          \
                                     .depart = stage_depart,                                        \
                                     .route = stage_route,                                          \
                                     .trail = stage_trail,                                          \

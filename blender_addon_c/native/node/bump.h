@@ -1,27 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A normal by heights, as Cycles' Bump node has it [Mikkelsen2008]: `height`, three operands, at
- * the point, a step of `step` further along u and as far along v; `strength` and `distance`;
- * `normal`, which it bends, three operands in the shading frame. Writes `out`, a normal there. */
+ * the point and two steps from there; `along`, four, these steps along u and v; `strength` and
+ * `distance`; `normal`, which it bends, three operands in the shading frame. Writes `out`, a normal
+ * there. */
 #ifndef LIBSHADE_NODE_BUMP_H
 #define LIBSHADE_NODE_BUMP_H
 
 #include "node/frame.h"
 
 typedef struct node_bump {
-  operand height[3], strength, distance, normal[3];
-  float per_step;
+  operand height[3], along[4], strength, distance, normal[3];
   int out[3];
 } node_bump;
 
 static inline bool node_bump_read(reader *r, node_bump *n, graph *g) {
-  double step;
-  if (!graph_operands(r, g, "height", 3, n->height) || !reader_number(r, "step", &step) ||
-      !graph_operands(r, g, "strength", 1, &n->strength) ||
-      !graph_operands(r, g, "distance", 1, &n->distance) ||
-      !graph_operands(r, g, "normal", 3, n->normal) || !graph_outputs(r, g, "out", 3, n->out))
-    return false;
-  n->per_step = (float)(1.0 / fmin(fmax(step, 1e-6), 1.0));
-  return true;
+  return graph_operands(r, g, "height", 3, n->height) &&
+         graph_operands(r, g, "along", 4, n->along) &&
+         graph_operands(r, g, "strength", 1, &n->strength) &&
+         graph_operands(r, g, "distance", 1, &n->distance) &&
+         graph_operands(r, g, "normal", 3, n->normal) && graph_outputs(r, g, "out", 3, n->out);
 }
 
 static inline bool node_bump_build(node_bump *n, const node_place *place) {
@@ -33,29 +30,38 @@ LEAF vec3 in_frame(const surfaces *at, size_t i, vec3 v) {
   return (vec3){dot(v, load(&at->t, i)), dot(v, load(&at->b, i)), dot(v, load(&at->n, i))};
 }
 
-/* Where u and v say nothing of the surface, the normal stays. */
+LEAF vec3 two_steps(vec3 du, vec3 dv, float u, float v) {
+  return (vec3){u * du.x + v * dv.x, u * du.y + v * dv.y, u * du.z + v * dv.z};
+}
+
+/* Where the steps say nothing of the surface, the normal stays. They are scaled to an area of 1,
+ * the heights with them. */
 LEAF void node_bump_run(const node_bump *n, lane_run g, const corners *corner,
                         const surfaces *point, inputs *at) {
-  const float *h = lane_of(at, n->height[0], 0, g), *hu = lane_of(at, n->height[1], 1, g);
-  const float *hv = lane_of(at, n->height[2], 2, g), *force = lane_of(at, n->strength, 3, g);
+  const float *h = lane_of(at, n->height[0], 0, g), *hp = lane_of(at, n->height[1], 1, g);
+  const float *hq = lane_of(at, n->height[2], 2, g), *force = lane_of(at, n->strength, 3, g);
   const float *far = lane_of(at, n->distance, 4, g), *x = lane_of(at, n->normal[0], 5, g);
   const float *y = lane_of(at, n->normal[1], 6, g), *z = lane_of(at, n->normal[2], 7, g);
+  const float *pu = lane_of(at, n->along[0], 8, g), *pv = lane_of(at, n->along[1], 9, g);
+  const float *qu = lane_of(at, n->along[2], 10, g), *qv = lane_of(at, n->along[3], 11, g);
   float *nx = at->at[n->out[0]], *ny = at->at[n->out[1]], *nz = at->at[n->out[2]];
-  const float per_step = n->per_step;
   (void)corner;
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
     vec3 own = {x[i], y[i], z[i]};
     vec3 du = in_frame(point, i, load(&point->du, i)), dv = in_frame(point, i, load(&point->dv, i));
-    vec3 across_u = cross(dv, own), across_v = cross(own, du);
-    float area = dot(du, across_u);
-    float slope = (area < 0.0f ? -1.0f : 1.0f) * per_step * clampf(far[i], -1e6f, 1e6f);
-    float su = slope * (hu[i] - h[i]), sv = slope * (hv[i] - h[i]), size = fabsf(area);
-    vec3 bent = {size * own.x - su * across_u.x - sv * across_v.x,
-                 size * own.y - su * across_u.y - sv * across_v.y,
-                 size * own.z - su * across_u.z - sv * across_v.z};
+    vec3 p = two_steps(du, dv, pu[i], pv[i]), q = two_steps(du, dv, qu[i], qv[i]);
+    vec3 across_p = cross(q, own), across_q = cross(own, p);
+    float area = dot(p, across_p), size = fabsf(area);
+    bool flat = !(size > 1e-30f); /* true for NaN */
+    float scale = 1.0f / (flat ? 1.0f : size);
+    float slope = (area < 0.0f ? -1.0f : 1.0f) * scale * clampf(far[i], -1e6f, 1e6f);
+    float sp = slope * (hp[i] - h[i]), sq = slope * (hq[i] - h[i]);
+    vec3 bent = {own.x - sp * across_p.x - sq * across_q.x,
+                 own.y - sp * across_p.y - sq * across_q.y,
+                 own.z - sp * across_p.z - sq * across_q.z};
     float square = dot(bent, bent), strength = clampf(force[i], 0.0f, 1e6f);
-    bool good = size > 1e-18f && square > 1e-36f && square < 1e30f; /* false for NaN */
+    bool good = !flat & (square > 1e-36f) & (square < 1e30f); /* false for NaN */
     vec3 to = select3(good, scaled(bent, 1.0f / sqrtf(good ? square : 1.0f)), own);
     vec3 mixed =
         upright((vec3){own.x + strength * (to.x - own.x), own.y + strength * (to.y - own.y),

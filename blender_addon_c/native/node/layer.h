@@ -1,28 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One of the scene's layers at the point: `layer`, its number; `along` (NONE, U, V) and `step`, how
- * far along the UV map from there. Writes `out`, three numbers, and, where it is there, `more`, the
- * fourth. Of tangents three are a direction in world space, the fourth is their handedness. */
+/* One of the scene's layers at the point: `layer`, its number; `shift`, where it is there, two
+ * operands: how far along u and v from there. Writes `out`, three numbers, and, where it is there,
+ * `more`, the fourth. Of tangents three are a direction in world space, the fourth is their
+ * handedness. */
 #ifndef LIBSHADE_NODE_LAYER_H
 #define LIBSHADE_NODE_LAYER_H
 
 #include "node/common.h"
 
-enum { LAYER_HERE, LAYER_U, LAYER_V };
-
 typedef struct node_layer {
-  int layer, along, out[3], more; /* more: -1 where nothing asks for it */
-  float step;
+  int layer, out[3], more; /* more: -1 where nothing asks for it */
+  bool shifted;
+  operand shift[2];
   const layer *of;
 } node_layer;
 
 static inline bool node_layer_read(reader *r, node_layer *n, graph *g) {
-  static const char *const words[] = {"NONE", "U", "V", NULL};
   n->more = -1;
-  n->step = 0.0f;
+  n->shifted = reader_has(r, "shift");
   g->identified = true;
   return reader_integer(r, "layer", 0, (long)g->layers - 1, &n->layer) &&
-         reader_word(r, "along", words, &n->along) &&
-         (n->along == LAYER_HERE || reader_number_within(r, "step", 0, 1, &n->step)) &&
+         (!n->shifted || graph_operands(r, g, "shift", 2, n->shift)) &&
          graph_outputs(r, g, "out", 3, n->out) &&
          (!reader_has(r, "more") || graph_outputs(r, g, "more", 1, &n->more));
 }
@@ -32,12 +30,12 @@ static inline bool node_layer_build(node_layer *n, const node_place *place) {
   return true;
 }
 
-/* Weights of the second and third corner, a step along u or v further. As position by u and v
+/* Weights of the second and third corner, so far along u and v. As position by u and v
  * (scene.h, stretch): where the UV map says nothing of the surface, along its edges. */
 LEAF void layer_weights(const node_layer *n, lane_run g, const surfaces *restrict point,
-                        float *restrict wa, float *restrict wb) {
+                        const float *restrict du, const float *restrict dv, float *restrict wa,
+                        float *restrict wb) {
   const float *record = n->of->record;
-  const float step = n->step, du = n->along == LAYER_U ? 1.0f : 0.0f, dv = 1.0f - du;
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
     size_t at = 32 * (size_t)point->record[i];
@@ -47,8 +45,8 @@ LEAF void layer_weights(const node_layer *n, lane_run g, const surfaces *restric
     float area = u1 * v2 - u2 * v1;
     bool good = fabsf(area) > 1e-18f;
     float by = good ? 1.0f / area : 1.0f;
-    wa[i] = point->w1[i] + step * (good ? (du * v2 - dv * u2) * by : du);
-    wb[i] = point->w2[i] + step * (good ? (dv * u1 - du * v1) * by : dv);
+    wa[i] = point->w1[i] + (good ? (du[i] * v2 - dv[i] * u2) * by : du[i]);
+    wb[i] = point->w2[i] + (good ? (dv[i] * u1 - du[i] * v1) * by : dv[i]);
   }
 }
 
@@ -98,8 +96,9 @@ LEAF void node_layer_run(const node_layer *n, lane_run g, const corners *corner,
   float *a = at->constant[0], *b = at->constant[1];
   const float *wa = point->w1, *wb = point->w2;
   (void)corner;
-  if (n->along != LAYER_HERE) {
-    layer_weights(n, g, point, a, b);
+  if (n->shifted) {
+    layer_weights(n, g, point, lane_of(at, n->shift[0], 3, g), lane_of(at, n->shift[1], 4, g), a,
+                  b);
     wa = a;
     wb = b;
   }

@@ -35,6 +35,7 @@
 #include "node/perturb.h"
 #include "node/ramp.h"
 #include "node/fibres.h"
+#include "node/step.h"
 #include "node/transform.h"
 #include "node/voronoi.h"
 #include "node/weave.h"
@@ -44,6 +45,7 @@
   ROW(IMAGE, image)                                                                                \
   ROW(NORMAL_MAP, normal_map)                                                                      \
   ROW(PERTURB, perturb)                                                                            \
+  ROW(STEP, step)                                                                                  \
   ROW(BUMP, bump)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GLASS_ALBEDO, glass_albedo)                                                                  \

@@ -38,6 +38,7 @@ bool batch_init(worker *w) {
   w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
   memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
   memset(w->batch->surface.width, 0, sizeof(lane_f));
+  memset(w->batch->surface.pixel, 0, sizeof(lane_f));
   return queue_init(&w->batch->queue, w->scene);
 }
 
@@ -301,6 +302,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   hits_surface(w);
   if (s->cones)
     s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+  if (s->stepped)
+    s->stages->footprint(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   if (s->routed)
     s->stages->route(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   draw_terms(w, bounce, phase);
@@ -350,6 +353,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
                         b->chosen, b->next, &b->sample_ray);
   if (w->scene->cones)
     s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->walk, b->next);
+  if (w->scene->stepped)
+    s->carry(rays, b->chosen, q->lane, &b->surface, b->walk, b->next);
   if (w->scene->routed)
     s->trail(rays, b->chosen, &b->surface, &b->draw, b->next);
   clock_tick(&w->clocks, CLOCK_DRAW);
@@ -531,8 +536,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!b->queue.hits && !sky && !w->light)
     return;
-  if (paths || scene->routed)
+  if (paths || scene->routed || scene->stepped)
     begin_walks(w, count);
+  if (scene->stepped)
+    s->pixel(count, view, &b->sample_ray, b->walk);
   if (scene->routed)
     s->depart(count, &b->sample_ray, b->walk);
   if (scene->cones)

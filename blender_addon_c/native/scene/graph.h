@@ -15,6 +15,7 @@ typedef struct graph {
   size_t layers;
   bool identified;  /* something asks which triangle or object it is */
   bool routed;      /* or by which way it is seen */
+  bool stepped;     /* or how wide a pixel is there */
   uint64_t written; /* registers, a bit each */
   bool bare;        /* something takes the unperturbed normal */
   int normal[3];    /* the first that something takes since `named` was false */

@@ -215,6 +215,7 @@ static bool read_material(reader *r, void *out, void *context) {
   g.named = false;
   s->identified |= g.identified;
   s->routed |= g.routed;
+  s->stepped |= g.stepped;
   for (int k = 0; k < 3; k++)
     g.normal[k] = REGISTER_NORMAL + k;
   if (!read_closures(r, &g, m))

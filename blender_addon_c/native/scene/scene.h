@@ -150,6 +150,7 @@ typedef struct scene {
   layer *layer;
   bool identified; /* some node asks for layers or for objects */
   bool routed;     /* or by which way it is seen */
+  bool stepped;    /* or how wide a pixel is there */
   bool denoise;
   char *denoiser;                   /* path of Open Image Denoise, or NULL */
   char *dump;                       /* path, or NULL */

@@ -344,7 +344,7 @@ static bool is_stretched(const scene *s) {
   for (const material *m = s->material; m < s->material + s->materials; m++)
     for (const node *n = m->node; n < m->node + m->nodes; n++)
       if (n->type == NODE_BUMP || n->type == NODE_WEAVE ||
-          (n->type == NODE_IMAGE && n->of.image.averaged) ||
+          (n->type == NODE_IMAGE && n->of.image.averaged) || n->type == NODE_STEP ||
           (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
         return true;
   return false;

@@ -40,3 +40,43 @@ static void stage_spread(size_t rays, const uint32_t *restrict chosen,
     next->spread[k] = walk->spread[lane[i]] + share / sqrtf(most);
   }
 }
+
+/* Of the plane before the camera as its rays see it; from behind a lens nearly so. */
+static void stage_pixel(size_t count, const camera_view *view, const rays *restrict ray,
+                        walks *restrict walk) {
+  const camera *c = view->camera;
+  const float wide = fabsf(view->step[0]), high = fabsf(view->step[1]);
+  const float even = c->perspective ? 0.0f : 0.5f * (wide + high);
+  const float seen = c->perspective ? 0.5f : 0.0f;
+  const vec3 right = {c->axis[0][0], c->axis[0][1], c->axis[0][2]};
+  const vec3 up = {c->axis[1][0], c->axis[1][1], c->axis[1][2]};
+  const vec3 back = {c->axis[2][0], c->axis[2][1], c->axis[2][2]};
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    vec3 d = load(&ray->d, i);
+    float x = dot(d, right), y = dot(d, up);
+    float across = sqrtf(clampf(1.0f - x * x, 0.0f, 1.0f));
+    float upright = sqrtf(clampf(1.0f - y * y, 0.0f, 1.0f));
+    walk->pixel[i] = even;
+    walk->widen[i] = seen * fabsf(dot(d, back)) * (wide * across + high * upright);
+  }
+}
+
+static void stage_footprint(size_t count, const uint32_t *restrict lane, const walks *restrict walk,
+                            const rays *restrict ray, surfaces *restrict out) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    out->pixel[i] = walk->pixel[lane[i]] + walk->widen[lane[i]] * ray->tfar[i];
+}
+
+/* Whatever a ray was drawn from counts as a flat mirror, as in Cycles. */
+static void stage_carry(size_t rays, const uint32_t *restrict chosen, const uint32_t *restrict lane,
+                        const surfaces *restrict at, const walks *restrict walk,
+                        walks *restrict next) {
+#pragma omp simd
+  for (size_t k = 0; k < rays; k++) {
+    uint32_t i = chosen[k];
+    next->pixel[k] = at->pixel[i];
+    next->widen[k] = walk->widen[lane[i]];
+  }
+}

@@ -13,6 +13,7 @@
  *   lift     shadow rays start above the facets of smooth surfaces
  *   stretch  position by u and v, where materials ask for it
  *   identify which triangle and object, where they ask
+ *   (pixel, footprint, carry)                                     how wide a pixel is there
  *   (depart, route, trail)                                        by which way they are seen
  *   (pixel_cone, width, spread)                                   how much a ray stands for, of
  * cloth flat, node                                                    what the material's nodes say
@@ -98,6 +99,12 @@ typedef struct stage_table {
                 surfaces *out);
   void (*spread)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
                  const draws *draw, const walks *walk, walks *next);
+  /* Where heights are read: a pixel's width, of the camera's rays, of hits, of rays drawn. */
+  void (*pixel)(size_t count, const camera_view *view, const rays *ray, walks *walk);
+  void (*footprint)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,
+                    surfaces *out);
+  void (*carry)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
+                const walks *walk, walks *next);
   /* Where nodes ask by which way points are seen: lengths of the camera's rays, by sample, ways of
      hits, lengths of rays drawn; ways of hits of shadow rays, whose senders are hits of paths. */
   void (*depart)(size_t count, const rays *ray, walks *walk);

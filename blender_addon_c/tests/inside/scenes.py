@@ -828,11 +828,21 @@ def heights(options):
             u, v = own.data[loop].uv
             other.data[loop].uv = (v + 0.2, 1.5 * u - 0.3 * v)
         own.active_render = True
+    if "filter" in options and "Filter Width" in bump.inputs:
+        bump.inputs["Filter Width"].default_value = options["filter"]
     common.light(scene, rotation=(0.7, 0.5, 0))
-    common.camera(scene, type="ORTHO", ortho_scale=2.0)
+    if options.get("mirror"):  # before the eye, which looks up
+        mirror = common.plane(_of_shader("BsdfGlossy", (1,) * 3, Roughness=0.0), 100)
+        mirror.location, mirror.visible_shadow = (3, 0, 8), False
+        common.camera(scene, rotation=(math.pi, 0, 0), angle=0.1)
+        scene.libshade.max_bounces = 1
+    elif options.get("perspective"):
+        common.camera(scene, angle=0.4)
+    else:
+        common.camera(scene, type="ORTHO", ortho_scale=2.0)
     if options["engine"] == "CYCLES":
         scene.render.engine = "CYCLES"
-        scene.cycles.samples, scene.cycles.use_denoising = 16, False
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.max_bounces = 16, False, 1
         scene.cycles.use_adaptive_sampling, scene.cycles.pixel_filter_type = False, "BOX"
     common.render(options["picture"])
     return {}
