@@ -234,6 +234,22 @@ def _diffuse(reader, node, groups, share):
     _matt(reader, color, number_of(reader, node.inputs["Roughness"], groups), share, normal)
 
 
+def _subsurface(reader, node, groups, share):
+    """Without a radius Cycles has a Diffuse BSDF too."""
+    if _spreads(node, "Scale", "Radius"):
+        reader.warn(f"'{node.name}': light below the surface is not supported; shaded as a Diffuse BSDF of its colour")
+    _lambert(reader, color_of(reader, node.inputs["Color"], groups), share, _normal(reader, node, groups))
+
+
+def _spreads(node, *names):
+    """Do sockets say how far light goes below the surface?"""
+    for name in names:
+        socket = node.inputs.get(name)
+        if socket and not socket.is_linked and not any(tree.color_in(socket)):
+            return False
+    return True
+
+
 def _matt(reader, color, roughness, share, normal):
     if is_known(roughness) and roughness <= 0:
         _lambert(reader, color, share, normal)
@@ -468,8 +484,9 @@ def _principled(reader, node, groups, share):
 
 
 # Sockets without a closure yet, in one version or another, and what they are where they say nothing.
-_LEFT_OUT = {"Subsurface": 0, "Subsurface Weight": 0, "Thin Film Thickness": 0,
-             "Transmission Roughness": 0}
+_LEFT_OUT = {"Thin Film Thickness": 0, "Transmission Roughness": 0}
+# What goes below the surface, in 3.4 and from 4.0 on, is matt.
+_BELOW = ("Subsurface", "Subsurface Weight")
 
 
 def _name_left_out(reader, node):
@@ -480,6 +497,11 @@ def _name_left_out(reader, node):
             continue
         if socket.is_linked or socket.default_value != plain:
             reader.warn(f"'{node.name}': {name} is not supported; left out")
+    for name in _BELOW:
+        socket = node.inputs.get(name)
+        if (socket and (socket.is_linked or socket.default_value > 0) and
+                _spreads(node, "Subsurface Radius", "Subsurface Scale")):
+            reader.warn(f"'{node.name}': {name} is not supported; shaded as matt")
 
 
 def _largest(reader, color):
@@ -561,6 +583,14 @@ class _Principled:
         return tuple(math("MIX", 1.0, math("DIVIDE", part, least), math("MULTIPLY", amount, there))
                      for part in self.base)
 
+    def _below(self):
+        """The base colour, or as far as light goes below the surface its own."""
+        part = _clamp(self.reader, self._number("Subsurface"))
+        if is_known(part) and part == 0:
+            return self.base
+        other = color_of(self.reader, self.node.inputs["Subsurface Color"], self.groups)
+        return tuple(self.math("MIX", one, two, part) for one, two in zip(self.base, other))
+
     def until_3_6(self, share):
         math = self.math
         through = _clamp(self.reader, self._number("Transmission"))
@@ -575,7 +605,7 @@ class _Principled:
         if not (is_known(glass) and glass == 0):
             _add_glass(self.reader, self.node, self.groups, self.alpha, glass, self.normal,
                        tint=self.base)
-        _add(self.reader, {"closure": "DIFFUSE", "model": "BURLEY", "color": self.base,
+        _add(self.reader, {"closure": "DIFFUSE", "model": "BURLEY", "color": self._below(),
                            "roughness": [_clamp(self.reader, self._number("Roughness"))]},
              self._rest(matt, through), self.normal)
         sheen = self._number("Sheen")
@@ -686,6 +716,7 @@ CLOSURES = {
     "ShaderNodeBsdfSheen": _sheen,
     "ShaderNodeBsdfVelvet": _velvet,
     "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeSubsurfaceScattering": _subsurface,
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeEmission": _emission,
 }

@@ -24,6 +24,7 @@ def light_of(ob, matrix, messages):
     """The light of an object, in a list; empty where its kind is not known."""
     light = ob.data
     strength = _strength(light, messages)
+    name_linking(ob, "light", messages)
     if light.type not in _LIGHTS:
         messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
                          f"only {kinds('and')}")
@@ -39,6 +40,15 @@ def light_of(ob, matrix, messages):
     met = getattr(cycles, "use_multiple_importance_sampling", True)
     return [{"name": ob.name, "type": light.type, "shadow": shadow, "met": met, "hidden": bits,
              **_LIGHTS[light.type](light, matrix, strength)}]
+
+
+def name_linking(ob, word, messages):
+    """From 4.0 on an object's light may be for some others alone."""
+    linking = getattr(ob, "light_linking", None)
+    for name in ("receiver", "blocker"):
+        if linking and getattr(linking, f"{name}_collection"):
+            messages.warning(f"{word} '{ob.name}': its {name}s' collection (light linking) is not supported; "
+                             f"all objects are {name}s")
 
 
 def _sun(light, matrix, strength):

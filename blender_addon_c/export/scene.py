@@ -7,7 +7,7 @@ import bpy
 
 from . import passes, tree
 from .camera import rows
-from .light import kinds, light_of
+from .light import kinds, light_of, name_linking
 from .material import Table
 from .matte import Mattes
 from .mesh import mesh_of
@@ -102,6 +102,7 @@ def _objects(depsgraph, table, mattes, messages):
                 if getattr(ob, f"is_{name}", False):
                     messages.warning(f"object '{ob.name}': {name.replace('_', ' ')}s are not supported; "
                                      "seen as it is")
+            name_linking(ob, "object", messages)
             bits = hidden(ob, ALL)
             if is_hidden(bits, *ALL):
                 continue

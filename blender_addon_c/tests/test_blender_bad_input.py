@@ -34,6 +34,8 @@ EXPECTED = {
     "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
     "no_material": ("finished", None),
     "principled": ("finished", "Warning: .*'plain': 'Principled BSDF': Subsurface.* is not supported"),
+    "light_linking": ("finished", None),
+    "subsurface": ("finished", "Warning: .*'Subsurface Scattering': light below the surface is not supported"),
     "cloth_without_uv": ("finished", "Warning: .*'Plane': textures need a UV map"),
     "mixed": ("finished", None),
     "toon": ("finished", "Warning: .*'Toon BSDF' is not supported; shaded as a Diffuse BSDF"),
@@ -99,6 +101,7 @@ FALLBACK = {
     "no_material": np.full(3, 3 * 0.8 / math.pi),
     "missing_image": metal(6, 2, (1, 0, 1)), "broken_image": metal(6, 2, (1, 0, 1)),
     "missing_normal_map": STEEL,
+    "subsurface": np.full(3, 3 * 0.8 / math.pi), "light_linking": STEEL,
     "mixed": STEEL / 2, "toon": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,
     "no_shader": np.zeros(3),
 }
@@ -118,6 +121,13 @@ def test_what_has_no_area_is_not_seen(cases, name):
 
 def test_tangents_matter_to_grooves_only(cases):
     assert "Warning" not in cases[0]["no_uv_matt"][1]
+
+
+def test_light_linking_is_named_where_there_is_any(blender, cases):
+    said = cases[0]["light_linking"][1]
+    named = ["Warning: .*light '.*': its receivers' collection .light linking. is not supported",
+             "Warning: .*object 'Plane': its blockers' collection .light linking. is not supported"]
+    assert [bool(re.search(text, said)) for text in named] == [blender.version >= "4.0"] * 2, said
 
 
 def test_eight_bits(cases):

@@ -89,7 +89,11 @@ CASES = [
         fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
     one("beckmann conductor", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
         "Color": RED, "Roughness": 0.4}, distribution="BECKMANN", fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
+    one("below", "SubsurfaceScattering", {"Color": RED, "Scale": 0.0}),
     principled("principled"),
+    principled("principled below", Roughness=0.3, **{
+        "Subsurface": 0.7, "Subsurface Weight": 0.7, "Subsurface Color": (0.2, 0.5, 0.9, 1),
+        "Subsurface Radius": (0.0, 0.0, 0.0), "Subsurface Scale": 0.0}),
     principled("metallic", Metallic=1.0, Roughness=0.4),
     principled("half metallic", Metallic=0.5, Roughness=0.4),
     principled("rough", Roughness=1.0),

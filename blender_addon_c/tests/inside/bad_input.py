@@ -194,6 +194,22 @@ def principled(scene):
     inputs["Subsurface" if "Subsurface" in inputs else "Subsurface Weight"].default_value = 1
 
 
+def light_linking(scene):
+    """Only from 4.0 on. Two objects' light is for some others."""
+    ob, _tree, _node = plate(scene)
+    lamp = next(ob for ob in scene.objects if ob.type == "LIGHT")
+    if bpy.app.version >= (4, 0):
+        lamp.light_linking.receiver_collection = scene.collection
+        ob.light_linking.blocker_collection = scene.collection
+
+
+def subsurface(scene):
+    ob, tree, _node = plate(scene)
+    node = tree.nodes.new("ShaderNodeSubsurfaceScattering")
+    node.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1)
+    tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+
+
 def cloth_without_uv(scene):
     """And in colours that are none."""
     ob, tree, _node = plate(scene)
@@ -351,7 +367,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
+    other_uv_map, no_material, principled, light_linking, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
