@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 
 #include <ImfChannelList.h>
@@ -84,6 +85,53 @@ void BumpImage::normal(double u, double v, double strength, double n[3]) const {
   }
   for (int c = 0; !found && c < 3; c++)
     n[c] = flat[c];
+}
+
+std::shared_ptr<const shade_slope_map> BumpImage::slopes(double strength) const {
+  std::shared_ptr<const shade_slope_map> &kept = pyramids[strength];
+
+  if (!kept) {
+    shade_slope_options options;
+    shade_slope_options_init(&options);
+    options.strength = strength;
+    shade_slope_map *const made =
+        shade_slope_map_create(&texels[0], (int)columns, (int)rows, 3, &options, NULL);
+    if (made == NULL)
+      throw std::bad_alloc();
+    kept.reset(made, [](const shade_slope_map *map) {
+      shade_slope_map_free(const_cast<shade_slope_map *>(map));
+    });
+  }
+  return kept;
+}
+
+void BumpImage::normal(double u, double v, double strength, const double footprint[4],
+                       const shade_slope_map *slopes, double n[3], double covariance[3]) const {
+  double texels_long = 0.0;
+  shade_slopes over;
+
+  covariance[0] = covariance[1] = covariance[2] = 0.0;
+  for (int side = 0; side < 2; side++)
+    texels_long = std::max(texels_long, std::hypot(footprint[2 * side] * (double)columns,
+                                                   footprint[2 * side + 1] * (double)rows));
+  if (slopes == NULL || !(texels_long > 1.0)) {
+    normal(u, v, strength, n);
+    return;
+  }
+  if (shade_slope_lookup(slopes, u, v, footprint, &over) & SHADE_BAD_INPUT) {
+    normal(u, v, strength, n);
+    return;
+  }
+  const double share = std::min(texels_long - 1.0, 1.0);
+  for (int i = 0; i < 3; i++)
+    covariance[i] = share * over.covariance[i];
+  if (share < 1.0) {
+    normal(u, v, strength, n);
+    for (int i = 0; i < 3; i++)
+      n[i] += share * (over.normal[i] - n[i]);
+    normalise(n);
+  } else
+    std::copy(over.normal, over.normal + 3, n);
 }
 
 BumpImage *read_exr(const std::string &path) {

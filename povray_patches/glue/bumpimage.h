@@ -5,8 +5,12 @@
 #define POVRAY_BACKEND_MDF_BUMPIMAGE_H
 
 #include <cstddef>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "shade/maps.h"
 
 namespace mdf {
 
@@ -29,8 +33,18 @@ public:
   // Flat where u or v is not finite or the map holds no direction.
   void normal(double u, double v, double strength, double n[3]) const;
 
+  // The same over a footprint, which shade_slope_lookup explains; *covariance (xx, xy, yy) is what
+  // the slopes do about their mean. slopes: of slopes(strength). A footprint of less than a texel
+  // is a point, and from two texels on the map's pyramid answers.
+  void normal(double u, double v, double strength, const double footprint[4],
+              const shade_slope_map *slopes, double n[3], double covariance[3]) const;
+
+  // The pyramid; not while others may ask. Throws std::bad_alloc.
+  std::shared_ptr<const shade_slope_map> slopes(double strength) const;
+
 private:
   size_t columns, rows;
+  mutable std::map<double, std::shared_ptr<const shade_slope_map>> pyramids; // by strength
   std::vector<float> texels;
 
   const float *texel(size_t column, size_t row) const {

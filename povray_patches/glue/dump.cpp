@@ -18,13 +18,16 @@ std::string Dump::wanted() {
   return (name != NULL) ? name : "";
 }
 
-Dump::Dump(const std::string &file, int width, int height, int lights, bool cloth, bool painted)
+Dump::Dump(const std::string &file, int width, int height, int lights, bool cloth, bool painted,
+           bool bumps)
     : path(file), data(shade_dump_create(width, height, lights)) {
   if (data == NULL)
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
   if ((cloth && (shade_dump_add(data, SHADE_DUMP_FOOT) == NULL ||
                  shade_dump_add(data, SHADE_DUMP_COVERAGE) == NULL)) ||
-      (painted && shade_dump_add(data, SHADE_DUMP_KD) == NULL)) {
+      (painted && shade_dump_add(data, SHADE_DUMP_KD) == NULL) ||
+      (bumps && (shade_dump_add(data, SHADE_DUMP_ALPHA) == NULL ||
+                 shade_dump_add(data, SHADE_DUMP_GROOVE) == NULL))) {
     shade_dump_free(data);
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
   }
@@ -71,7 +74,8 @@ void Dump::put_vector(float *plane, int pixel, const double v[3], bool mirrored)
 
 bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2],
                const double N[3], const double T[3], const double Ns[3], const double V[3],
-               const double pigment[3], const ClothPlace *cloth, double gaps) {
+               const double pigment[3], const ClothPlace *cloth, double gaps, const double alpha[2],
+               double angle) {
   float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
   const shade_params &params = material->params;
   const bool mirrored = cloth != NULL;
@@ -90,6 +94,10 @@ bool Dump::hit(int pixel, const Material *material, const double P[3], const dou
   if (shade_dump_has(data, SHADE_DUMP_KD))
     put(shade_dump_plane(data, SHADE_DUMP_KD), pixel, material->kd_pigment ? pigment : params.kd,
         3);
+  if (shade_dump_has(data, SHADE_DUMP_ALPHA)) {
+    put(shade_dump_plane(data, SHADE_DUMP_ALPHA), pixel, alpha, 2);
+    put(shade_dump_plane(data, SHADE_DUMP_GROOVE), pixel, &angle, 1);
+  }
   if (shade_dump_has(data, SHADE_DUMP_FOOT)) {
     static const double none[2] = {0.0, 0.0};
     const double coverage = 1.0 - gaps;

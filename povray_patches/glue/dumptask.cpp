@@ -43,8 +43,8 @@ void View::StartMdfDump(unsigned int &tracing_method) {
   try {
     viewData.mdfDump.reset(new mdf::Dump(path, (int)viewData.width, (int)viewData.height,
                                          (int)(lights.size() + scene.lightGroupLightSources.size()),
-                                         scene.mdfScene->has_cloth(),
-                                         scene.mdfScene->has_painted()));
+                                         scene.mdfScene->has_cloth(), scene.mdfScene->has_painted(),
+                                         scene.mdfScene->has_bumps()));
   } catch (const std::runtime_error &e) {
     throw POV_EXCEPTION_STRING(e.what());
   }

@@ -12,9 +12,11 @@
 namespace mdf {
 
 Material::Material()
-    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), reflects(false), samples(0),
-      clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
-      has_diffuse(false), black(), widened(), widened_black(), width(0.0), rays(1) {
+    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), bump_scale(), bump_move(),
+      reflects(false), samples(0), clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1),
+      bsdf(), specular(), diffuse(), has_diffuse(false), black(), widened(), widened_black(),
+      width(0.0), rays(1) {
+  bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
   params.fresnel = SHADE_FRESNEL_NONE;
@@ -36,6 +38,20 @@ shade_params specular_of(const shade_params &p) {
   return specular;
 }
 
+// The specular part, no narrower than a level.
+shade_params widened(const shade_params &params, int level) {
+  shade_params p = specular_of(params);
+
+  if (level >= 0) {
+    const double least = LEVEL_ALPHA[level], most = 2.0 / (least * least) - 2.0;
+    p.ax = std::max(p.ax, least);
+    p.ay = std::max(p.ay, least);
+    p.ex = std::min(p.ex, most);
+    p.ey = std::min(p.ey, most);
+  }
+  return p;
+}
+
 // What reflections need of a block.
 void widen(Material &m) {
   if (m.cloth) { // what is matt comes from all sides
@@ -51,12 +67,7 @@ void widen(Material &m) {
   const double spread = 64.0 * std::sqrt(std::max(ax, ay));
   m.rays = m.samples > 0 ? m.samples : (int)std::min(std::max(std::ceil(spread), 4.0), 64.0);
   for (int level = 0; level < Material::LEVELS; level++) {
-    const double least = LEVEL_ALPHA[level], most = 2.0 / (least * least) - 2.0;
-    shade_params p = specular_of(m.params);
-    p.ax = std::max(p.ax, least);
-    p.ay = std::max(p.ay, least);
-    p.ex = std::min(p.ex, most);
-    p.ey = std::min(p.ey, most);
+    shade_params p = widened(m.params, level);
     shade_bsdf_setup(&m.widened[level], &p);
     for (int c = 0; c < 3; c++)
       p.f0[c] = 0.0;
@@ -126,6 +137,7 @@ const Material *Scene::add(const Material &material) {
   kept->specular_albedo.reset();
   kept->black_albedo.reset();
   kept->woven.reset();
+  kept->slopes.reset();
   split(*kept);
   widen(*kept);
   materials.push_back(kept);
@@ -147,6 +159,8 @@ std::shared_ptr<const shade_bsdf_albedo> Scene::albedo_of(const shade_params &sp
 void Scene::use(const Material *material) {
   Material &m = *materials[(size_t)material->id];
 
+  if (m.bump && !m.slopes)
+    m.slopes = m.bump->slopes(m.strength);
   if (m.cloth) {
     if (!m.woven)
       m.woven = loom.woven(*m.cloth);
@@ -176,15 +190,28 @@ bool Scene::has_painted() const {
   return false;
 }
 
+bool Scene::has_bumps() const {
+  for (size_t i = 0; i < materials.size(); i++)
+    if (materials[i]->bump)
+      return true;
+  return false;
+}
+
 std::string Scene::json(const std::string &renderer) const {
   std::vector<shade_dump_material> all;
   std::vector<std::string> cloths(materials.size());
+  std::vector<shade_params> bumped(materials.size());
 
   for (size_t i = 0; i < materials.size(); i++) {
     const Material &of = *materials[i];
     if (of.cloth)
       cloths[i] = of.cloth->json(of.id, of.name.c_str());
-    const shade_dump_material m = {of.name.c_str(), &of.params,
+    if (of.bump) { // where bumps widen a lobe its grooves stay where they were
+      static const double none[3] = {0.0, 0.0, 0.0};
+      double angle;
+      shade_params_widen(&of.params, NULL, none, &bumped[i], &angle);
+    }
+    const shade_dump_material m = {of.name.c_str(), of.bump ? &bumped[i] : &of.params,
                                    of.cloth ? cloths[i].c_str() : NULL};
     all.push_back(m);
   }
@@ -241,6 +268,63 @@ double ShadedPoint::lay(const ClothPlace &place) {
   return coverage;
 }
 
+void ShadedPoint::Rough::turn(const double v[3], double turned[3]) const {
+  turned[0] = c * v[0] + s * v[1];
+  turned[1] = c * v[1] - s * v[0];
+  turned[2] = v[2];
+}
+
+void ShadedPoint::Rough::back(const double turned[3], double v[3]) const {
+  v[0] = c * turned[0] - s * turned[1];
+  v[1] = c * turned[1] + s * turned[0];
+  v[2] = turned[2];
+}
+
+void ShadedPoint::roughen(const double covariance[3], int level) {
+  if (!(covariance[0] + covariance[2] > 1e-9)) // less than any lobe's own
+    return;
+  shade_params black;
+
+  rough.reset(new Rough);
+  shade_params p = widened(material->params, level);
+  shade_params_widen(&p, normal, covariance, &rough->params, &rough->angle);
+  rough->c = std::cos(rough->angle);
+  rough->s = std::sin(rough->angle);
+  shade_bsdf_setup(&rough->specular, &rough->params);
+  if (material->specular_pigment) {
+    black = rough->params;
+    for (int c = 0; c < 3; c++)
+      black.f0[c] = 0.0;
+    shade_bsdf_setup(&rough->black, &black);
+  }
+}
+
+void ShadedPoint::lobe(double alpha[2], double *angle) const {
+  const shade_params &p = rough ? rough->params : material->params;
+
+  alpha[0] = alpha_of(p, p.ax, p.ex);
+  alpha[1] = alpha_of(p, p.ay, p.ey);
+  *angle = rough ? rough->angle : 0.0;
+}
+
+// The specular lobe, or the same in black, with what its bumps make of it.
+void ShadedPoint::specular(bool in_black, int level, const double wi[3], double f[3],
+                           double *cosine) const {
+  const Material &m = *material;
+
+  if (rough) {
+    double n[3], i[3], o[3];
+    rough->turn(normal, n);
+    rough->turn(wi, i);
+    rough->turn(eye, o);
+    shade_bsdf_eval(in_black ? &rough->black : &rough->specular, n, i, o, f, cosine);
+  } else if (level < 0)
+    shade_bsdf_eval(in_black ? &m.black : &m.specular, normal, wi, eye, f, cosine);
+  else
+    shade_bsdf_eval(in_black ? &m.widened_black[level] : &m.widened[level], normal, wi, eye, f,
+                    cosine);
+}
+
 void ShadedPoint::to_local(const double world[3], double local[3]) const {
   for (int row = 0; row < 3; row++)
     local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
@@ -268,14 +352,14 @@ void ShadedPoint::light(Part part, int level, const double L[3], const double E[
   else if (part == DIFFUSE) {
     shade_bsdf_eval(&m.diffuse, normal, wi, eye, f, &cosine);
     paint_diffuse(f);
-  } else {
-    const shade_bsdf &white = part == ALL ? m.bsdf : level < 0 ? m.specular : m.widened[level];
-    shade_bsdf_eval(&white, normal, wi, eye, f, &cosine);
-    if (m.specular_pigment && part != ALL) {
+  } else if (part == ALL)
+    shade_bsdf_eval(&m.bsdf, normal, wi, eye, f, &cosine);
+  else {
+    specular(false, level, wi, f, &cosine);
+    if (m.specular_pigment) {
       double black[3] = {0.0, 0.0, 0.0};
       if (m.params.fresnel != SHADE_FRESNEL_NONE)
-        shade_bsdf_eval(level < 0 ? &m.black : &m.widened_black[level], normal, wi, eye, black,
-                        NULL);
+        specular(true, level, wi, black, NULL);
       tint(black, f);
     }
   }
@@ -329,7 +413,13 @@ bool ShadedPoint::draw(int level, const double u[3], double L[3], double reflect
 
   if (m.cloth)
     shade_fabric_hit_sample(m.woven->fabric(), hit.get(), u, wi, f, &pdf);
-  else
+  else if (rough) {
+    double n[3], o[3], drawn[3];
+    rough->turn(normal, n);
+    rough->turn(eye, o);
+    shade_bsdf_sample(&rough->specular, n, o, u, drawn, f, &pdf, &cosine);
+    rough->back(drawn, wi);
+  } else
     shade_bsdf_sample(level < 0 ? &m.specular : &m.widened[level], normal, eye, u, wi, f, &pdf,
                       &cosine);
   if (!(pdf > 0.0) || !(wi[2] > 0.0 || m.cloth))

@@ -36,6 +36,7 @@ struct Material {
   double centre[3];                      // for TANGENT_RADIAL: a point of the axis
   std::shared_ptr<const BumpImage> bump; // or NULL
   double strength;                       // of bump
+  double bump_scale[2], bump_move[2];    // of its UV coordinates
   bool reflects;                         // `reflection { }`
   int samples;                           // rays at a hit, at most; 0: by the width of the lobe
   double clamp;                          // the brightest that a ray may bring; 0: anything
@@ -59,6 +60,8 @@ struct Material {
   std::shared_ptr<const shade_bsdf_albedo> specular_albedo;
   // The cloth, likewise.
   std::shared_ptr<const Woven> woven;
+  // The bump image from afar, likewise.
+  std::shared_ptr<const shade_slope_map> slopes;
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
   // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
   shade_bsdf black;
@@ -114,6 +117,7 @@ public:
   // Whether any block is a cloth, or has a diffuse part in a pigment's colours.
   bool has_cloth() const;
   bool has_painted() const;
+  bool has_bumps() const; // from an image
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
 
@@ -155,6 +159,12 @@ public:
   // Where on its cloth this is: to be told before light comes. Returns the share of the eye's ray
   // that meets something.
   double lay(const ClothPlace &place);
+  // Bumps too small to be seen, as roughness: the covariance of their slopes, local. level: of
+  // Material::widened, or -1.
+  void roughen(const double covariance[3], int level);
+  bool is_rough() const { return rough != NULL; }
+  // The lobe's alphas and how far its grooves are turned from T.
+  void lobe(double alpha[2], double *angle) const;
 
   bool has_material() const { return material != NULL; }
   const Material &of() const { return *material; }
@@ -187,8 +197,18 @@ private:
   double eye[3], normal[3], pigment[3];
   std::unique_ptr<shade_fabric_hit> hit; // of a cloth
 
+  struct Rough {
+    shade_bsdf specular, black;
+    shade_params params;
+    double angle, c, s; // its cosine and sine
+    void turn(const double v[3], double turned[3]) const;
+    void back(const double turned[3], double v[3]) const;
+  };
+  std::unique_ptr<Rough> rough;
+
   void to_local(const double world[3], double local[3]) const;
   void to_world(const double local[3], double world[3]) const;
+  void specular(bool in_black, int level, const double wi[3], double f[3], double *cosine) const;
   void tint(const double black[3], double white[3]) const;
   void paint_diffuse(double f[3]) const;
 };

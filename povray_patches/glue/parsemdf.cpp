@@ -220,13 +220,32 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
 
   Parse_Begin();
   material.strength = 1.0;
+  for (int axis = 0; axis < 2; axis++) {
+    material.bump_scale[axis] = 1.0;
+    material.bump_move[axis] = 0.0;
+  }
 
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)
       if (Token.Function_Id == mdf::IMAGE_STRENGTH)
         Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
-      else {
+      else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
+        const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
+        UV_VECT both;
+        Parse_UV_Vect(both);
+        for (int axis = 0; axis < 2; axis++) {
+          if (!std::isfinite(both[axis]) || (is_scale && both[axis] == 0.0))
+            Error("mdf: bump_image %s <%g, %g> is not to be had.", is_scale ? "scale" : "translate",
+                  both[U], both[V]);
+          // in the order they are written, as elsewhere
+          if (is_scale) {
+            material.bump_scale[axis] *= both[axis];
+            material.bump_move[axis] *= both[axis];
+          } else
+            material.bump_move[axis] += both[axis];
+        }
+      } else {
         type = Token.Function_Id;
         char *text = Parse_C_String(true);
         name = text;

@@ -517,6 +517,9 @@ mdf::ClothPlace cloth_place(const FINISH *finish, const UV_VECT uv, const Vector
     place.uv[axis] = (float)clip(place.uv[axis] * cloth.per_unit(axis), -1e8, 1e8);
     place.foot[axis] = (float)clip(place.foot[axis] * cloth.per_unit(axis), 0.0, 1e8);
   }
+  // less than a quarter of a yarn: one point of it says as much as sixteen
+  if (max(place.foot[0], place.foot[1]) < 0.25)
+    place.foot[0] = place.foot[1] = 0.0;
   return place;
 }
 
@@ -544,25 +547,40 @@ bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vec
   }
 }
 
-// Where a normal map of the object points, world space, on the eye's side.
-// du and dv as above. The bitangent is the perpendicular of normal and tangent
-// on the side of dP/dv: what handedness · N x T is in a right-handed space.
-Vector3d mapped_normal(const mdf::Material &material, const double uv[2],
-                       const Vector3d &raw_normal, bool front, const Vector3d &du,
-                       const Vector3d &dv) {
-  double n[3];
-  Vector3d tangent(du);
+// What a ray of the width `size` covers of the (u, v) plane: two steps across it go along the ray
+// until they meet the surface again; no further than a thousand widths.
+void uv_footprint(const Vector3d &du, const Vector3d &dv, const Vector3d &eye, double size,
+                  double foot[4]) {
+  const Vector3d across_v = cross(dv, eye), across_u = cross(eye, du);
+  const double least = 1e-3 * across_v.length() * du.length();
+  double area = dot(du, across_v);
 
+  if (fabs(area) < least)
+    area = area < 0.0 ? -least : least;
+  const Vector3d first = any_tangent(eye), second = cross(eye, first);
+  const double scale = area != 0.0 ? size / area : 0.0;
+  foot[0] = scale * dot(first, across_v);
+  foot[1] = scale * dot(first, across_u);
+  foot[2] = scale * dot(second, across_v);
+  foot[3] = scale * dot(second, across_u);
+}
+
+// The frame of a normal map: dP/du upright on the normal, and the perpendicular of both on the side
+// of dP/dv: what handedness · N x T is in a right-handed space. Seen from behind, a bump is a dent:
+// both turn round.
+bool map_frame(const Vector3d &raw_normal, bool front, const Vector3d &du, const Vector3d &dv,
+               Vector3d &tangent, Vector3d &bitangent) {
+  tangent = du;
   if (!orthogonalise(tangent, raw_normal))
-    return raw_normal;
-
-  Vector3d bitangent = cross(raw_normal, tangent);
+    return false;
+  bitangent = cross(raw_normal, tangent);
   if (dot(bitangent, dv) < 0.0)
     bitangent = -bitangent;
-  material.bump->normal(uv[U], uv[V], material.strength, n);
-  // Seen from behind, a bump is a dent: the normal turns round as a whole.
-  const double side = front ? 1.0 : -1.0;
-  return side * n[X] * tangent + side * n[Y] * bitangent + n[Z] * raw_normal;
+  if (!front) {
+    tangent = -tangent;
+    bitangent = -bitangent;
+  }
+  return true;
 }
 
 // Two bumps on one surface: their slopes -n.xy/n.z add, as heights would.
@@ -680,9 +698,22 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
                                                                 bumped || turned || cloth, du, dv);
   }
 
+  Vector3d map_x, map_y;
+  double covariance[3] = {0.0, 0.0, 0.0};
   if (bumped && has_directions) {
     const bool front = (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0);
-    Ns = add_slopes(Ns, mapped_normal(material, uv, N, front, du, dv), N);
+    if (map_frame(N, front, du, dv, map_x, map_y)) {
+      double at[2], foot[4], n[3];
+      uv_footprint(du, dv, V, size, foot);
+      for (int axis = 0; axis < 2; axis++) {
+        at[axis] = (uv[axis] - material.bump_move[axis]) / material.bump_scale[axis];
+        foot[axis] /= material.bump_scale[axis];
+        foot[2 + axis] /= material.bump_scale[axis];
+      }
+      material.bump->normal(at[0], at[1], material.strength, foot, material.slopes.get(), n,
+                            covariance);
+      Ns = add_slopes(Ns, n[X] * map_x + n[Y] * map_y + n[Z] * N, N);
+    }
   }
 
   if (by_axis)
@@ -700,15 +731,28 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   if (material.has_pigment())
     shaded.set_pigment(rgb);
   mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
+  if (!cloth && covariance[0] + covariance[2] > 0.0) {
+    const Vector3d B = cross(N, T); // the frame's y axis, as ShadedPoint has it
+    const double a = dot(T, map_x), b = dot(T, map_y), c = dot(B, map_x), d = dot(B, map_y);
+    const double local[3] = {
+        a * a * covariance[0] + 2.0 * a * b * covariance[1] + b * b * covariance[2],
+        a * c * covariance[0] + (a * d + b * c) * covariance[1] + b * d * covariance[2],
+        c * c * covariance[0] + 2.0 * c * d * covariance[1] + d * d * covariance[2]};
+    shaded.roughen(local, level);
+  }
   if (cloth) {
     place = cloth_place(finish, uv, du, dv, N, T, V, has_directions, size);
     place.far = level >= 0 || ray.IsRadiosityRay();
     gaps = 1.0 - shaded.lay(place);
   }
   both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
-  // a dump has no room for the colours of yarns
+  double alpha[2], angle;
+  shaded.lobe(alpha, &angle);
+  // a dump has no room for the colours of yarns, nor for fibres that run elsewhere than the grooves
   if (dumped && !(cloth && material.has_pigment()) &&
-      d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V, rgb, cloth ? &place : NULL, gaps)) {
+      !(angle != 0.0 && material.has_diffuse && material.params.diffuse != SHADE_DIFFUSE_LAMBERT) &&
+      d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V, rgb, cloth ? &place : NULL, gaps,
+             alpha, angle)) {
     dump = d;
     pixel = p;
     global_lights = (int)thread->GetSceneData()->lightSources.size();
@@ -754,7 +798,7 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
     return;
   }
 
-  const bool whole = highlight && level < 0 && !material.has_pigment() &&
+  const bool whole = highlight && level < 0 && !material.has_pigment() && !shaded.is_rough() &&
                      (!material.has_diffuse || (diffuse && opacity == 1.0 && !turned));
 
   if (whole) {

@@ -56,14 +56,14 @@ void add_cloth(std::vector<Words> &sets) {
       add(fabric, info.word, BLOCK_ROW + row);
   add_list(fabric, SHADE_LIST_MDF);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
-    add(fabric, shade_list_name(lists[i]), BLOCK_LIST + lists[i]);
+    add(fabric, shade_list_name(lists[i]), (int)BLOCK_LIST + (int)lists[i]);
 
   for (int row = 0; shade_yarn_param_row(row, &info); row++)
     add(yarn, info.word, BLOCK_ROW + row);
   for (int row = 0; shade_fabric_yarn_number(&material, row, &info) != NULL; row++)
     if (std::strcmp(info.word, "kd") != 0) // said after `diffuse`
       add(yarn, word_of_yarn(row), YARN_MATERIAL + row);
-  add(yarn, shade_list_name(SHADE_LIST_DIFFUSE), BLOCK_LIST + SHADE_LIST_DIFFUSE);
+  add(yarn, shade_list_name(SHADE_LIST_DIFFUSE), (int)BLOCK_LIST + (int)SHADE_LIST_DIFFUSE);
   add(yarn, "transmit", YARN_TRANSMIT);
   for (int row = 0, value; shade_occlusion_row(row, &value, &text, NULL, NULL); row++)
     add(sets[WORDS_OCCLUSION], text, value);
@@ -95,6 +95,8 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_IMAGE], "png", IMAGE_PNG);
   add(sets[WORDS_IMAGE], "exr", IMAGE_EXR);
   add(sets[WORDS_IMAGE], "strength", IMAGE_STRENGTH);
+  add(sets[WORDS_IMAGE], "scale", IMAGE_SCALE);
+  add(sets[WORDS_IMAGE], "translate", IMAGE_TRANSLATE);
   add(sets[WORDS_REFLECTION], "samples", REFLECTION_SAMPLES);
   add(sets[WORDS_REFLECTION], "clamp", REFLECTION_CLAMP);
   add_cloth(sets);

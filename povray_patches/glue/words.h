@@ -60,7 +60,7 @@ enum FabricWord {
 };
 
 enum TangentWord { TANGENT_UV, TANGENT_AROUND };
-enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH };
+enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH, IMAGE_SCALE, IMAGE_TRANSLATE };
 enum ReflectionWord { REFLECTION_SAMPLES, REFLECTION_CLAMP };
 
 inline WordSet words_of_list(shade_list list) {
