@@ -83,15 +83,17 @@ def _times(reader, color, factor):
 
 def _normal(reader, node, groups, name="Normal"):
     socket = node.inputs.get(name)
-    return normal_of(reader, socket, groups) if socket else None
+    return normal_of(reader, socket, groups) if socket else reader.bumped
 
 
 def _add(reader, closure, weight, normal=None, color=None):
     """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
     Cycles' own shaders. color: in passes of colour, where it is not what the closure says, by its
     weight."""
-    if closure.pop("stock", False) and not reader.transport:
-        closure["detail"] = "gram_schmidt"
+    if closure.pop("stock", False):
+        closure |= {} if reader.transport else {"detail": "gram_schmidt"}
+        if reader.bumped:  # Cycles fades by what bumps turn a displaced normal: less than they turn this one
+            closure["horizon"] = "hard" if closure["f0"] == _BLACK else "valid_reflection"
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
     if is_known(*weight) and not any(part > 0 for part in weight):
         return

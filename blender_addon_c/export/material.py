@@ -9,11 +9,18 @@ from .graph import Program, TooLarge
 from .image import Images
 from .layers import Layers
 from .node import NODES
+from .node_normal import displaced
 
 
 _MOST = 8  # closures of a material
 _BARE = (0.8, 0.8, 0.8)  # of what has no material [measured in Cycles 3.4, 5.0]
 _NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
+
+
+def displacement_method(material):
+    """It has moved to the material itself."""
+    owner = material if hasattr(material, "displacement_method") else getattr(material, "cycles", None)
+    return getattr(owner, "displacement_method", "BUMP")
 
 
 class Table:
@@ -96,6 +103,7 @@ class Reader:
         self.nodes, self.program, self.known = NODES, Program(), {}
         self.shift = None  # two numbers or registers: coordinates are read so far along u and v
         self.in_height = False
+        self.bumped = None  # registers of the normal that the displacement makes
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 
     def warn(self, text):
@@ -118,7 +126,11 @@ class Reader:
     def _of_nodes(self, own):
         shader = tree.shader_of(own)
         if shader and shader.node:
-            collect(self, own.get_output_node("ALL").inputs["Surface"], ())
+            inputs = own.get_output_node("ALL").inputs
+            self.bumped = displaced(self, inputs["Displacement"])
+            if self.bumped and displacement_method(self._material) != "BUMP":
+                self.warn("displacement of the surface itself is not supported; its normals are bumped")
+            collect(self, inputs["Surface"], ())
         else:
             self.warn("no shader (its surface has none); black, as in Cycles")
         if len(self.closures) > _MOST:

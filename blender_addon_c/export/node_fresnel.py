@@ -2,7 +2,7 @@
 """How much a surface shows its side: Fresnel's reflectance, and what is like it."""
 
 from . import tree
-from .value import dot, number_in, three, value_of
+from .value import dot, number_in, surface_normal, three, value_of
 
 
 def _cosine(reader, found):
@@ -10,7 +10,7 @@ def _cosine(reader, found):
     socket, normal = found.node.inputs["Normal"], None
     if tree.trace(socket, found.groups).node:
         normal = value_of(reader, socket, found.groups)
-    normal = three(reader, normal) if normal else reader.program.emit("GEOMETRY", what="NORMAL")
+    normal = three(reader, normal) if normal else surface_normal(reader)
     eye = reader.program.emit("GEOMETRY", what="INCOMING")
     return reader.program.math("ABSOLUTE", dot(reader, eye, normal))
 

@@ -7,7 +7,7 @@ from . import tree
 from .graph import is_known
 from .node_image import image_of, is_cubic
 from .node_place import layer, of_object, place
-from .value import Value, each, normal_of, number_in, number_of, unit, vector_in
+from .value import Value, each, dot, normal_of, number_in, number_of, surface_normal, three, unit, value_of, vector_in
 
 # A normal map's strength mixed unit normals in 3.4; in 5.0 it multiplies slopes. Those between were
 # not measured.
@@ -61,7 +61,7 @@ def _normal_of_space(reader, found, strength):
         to = unit(reader, to)
     back = reader.program.emit("GEOMETRY", what="BACKFACING")[0]
     side = reader.program.math("MULTIPLY_ADD", back, -2.0, 1.0)
-    own = reader.program.emit("GEOMETRY", what="NORMAL")
+    own = surface_normal(reader)
     mixed = each(reader, "MIX", own, each(reader, "MULTIPLY", to, (side,) * 3), (strength,) * 3)
     return Value("NORMAL", reader.program.emit("FRAME", vector=mixed, to="SHADING"))
 
@@ -88,7 +88,19 @@ def _bump(reader, found):
     width = _filter_width(reader, node)
     if not width > 0:
         return Value("NORMAL", own) if own else None
-    step = 0.25 / max(1.0, _fineness(height, groups, set()) or 250.0)
+    distance = number_in(reader, found, "Distance")
+    if node.invert:
+        distance = reader.program.math("MULTIPLY", distance, -1.0)
+    return _bumped(reader, width, _fineness(height, groups, set()), lambda: number_of(reader, height, groups),
+                   strength=[number_in(reader, found, "Strength")], distance=[distance], normal=own or _UP)
+
+
+_UP = (0.0, 0.0, 1.0)
+
+
+def _bumped(reader, width, fineness, height, **given):
+    """height: reads it, wherever coordinates are shifted to."""
+    step = 0.25 / max(1.0, fineness or 250.0)
     key = ("steps", width, step)
     if key not in reader.known:
         reader.known[key] = [tuple(reader.program.emit("STEP", 2, axis=axis, scale=min(width, 1e6), otherwise=step))
@@ -96,14 +108,48 @@ def _bump(reader, found):
     heights, reader.in_height = [], True
     for shift in (None, *reader.known[key]):
         reader.shift = shift
-        heights.append(number_of(reader, height, groups))
+        heights.append(height())
     reader.shift, reader.in_height = None, False
-    distance = number_in(reader, found, "Distance")
-    if node.invert:
-        distance = reader.program.math("MULTIPLY", distance, -1.0)
-    return Value("NORMAL", reader.program.emit(
-        "BUMP", height=heights, along=sum(reader.known[key], ()), strength=[number_in(reader, found, "Strength")],
-        distance=[distance], normal=own or (0.0, 0.0, 1.0)))
+    return Value("NORMAL", reader.program.emit("BUMP", height=heights, along=sum(reader.known[key], ()), **given))
+
+
+def displaced(reader, socket):
+    """Registers of the normal that a material's displacement makes, None without one. Cycles bumps by its
+    part along the normal."""
+    if tree.trace(socket).node is None:
+        return None
+
+    def height():
+        parts = three(reader, value_of(reader, socket, ()))
+        return dot(reader, parts, reader.program.emit("GEOMETRY", what="NORMAL"))
+
+    width = 0.1 if bpy.app.version >= (4, 2) else 1.0  # of a Bump node; those between were not measured
+    return _bumped(reader, width, _fineness(socket, (), set()), height, strength=[1.0], distance=[1.0],
+                   normal=_UP).parts
+
+
+def _displacement(reader, found):
+    """Along the normal, in the object's space before it is scaled."""
+    node, math = found.node, reader.program.math
+    socket = node.inputs["Normal"]
+    normal = (value_of(reader, socket, found.groups) if tree.trace(socket, found.groups).node else
+              Value("VECTOR", reader.program.emit("GEOMETRY", what="NORMAL")))
+    far = math("MULTIPLY", math("SUBTRACT", number_in(reader, found, "Height"), number_in(reader, found, "Midlevel")),
+               number_in(reader, found, "Scale"))
+    if node.space != "OBJECT":
+        return each(reader, "MULTIPLY", three(reader, normal), (far,) * 3)
+    own = of_object(reader, "NORMAL_INTO", three(reader, normal))
+    return of_object(reader, "VECTOR_OUT_OF", each(reader, "MULTIPLY", own, (far,) * 3))
+
+
+def _vector_displacement(reader, found):
+    node = found.node
+    if node.space == "TANGENT":
+        reader.warn(f"'{node.name}': tangent space is not supported; that of the object is used")
+    middle, scale = (number_in(reader, found, name) for name in ("Midlevel", "Scale"))
+    vector = each(reader, "SUBTRACT", vector_in(reader, found, "Vector"), (middle,) * 3)
+    vector = each(reader, "MULTIPLY", vector, (scale,) * 3)
+    return vector if node.space == "WORLD" else of_object(reader, "VECTOR_OUT_OF", vector)
 
 
 def _filter_width(reader, node):
@@ -136,4 +182,5 @@ def _repeats(socket, groups):
     return 1 / scale if found.node.vector_type == "TEXTURE" and scale else scale
 
 
-NODES = {"NORMAL_MAP": _normal_map, "BUMP": _bump}
+NODES = {"NORMAL_MAP": _normal_map, "BUMP": _bump, "DISPLACEMENT": _displacement,
+         "VECTOR_DISPLACEMENT": _vector_displacement}

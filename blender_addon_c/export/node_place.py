@@ -6,7 +6,7 @@ from mathutils import Matrix
 
 from . import tree
 from .graph import is_known
-from .value import Value, dot, each, number_in, three, unit, value_of, vector_in
+from .value import Value, dot, each, number_in, surface_normal, three, unit, value_of, vector_in
 
 
 # ---- the UV map and other layers of the mesh
@@ -124,8 +124,7 @@ def _camera_data(reader, found):
 
 _COORDINATES = {
     "Generated": lambda reader: layer(reader, "GENERATED")[:3],
-    "Normal": lambda reader: of_object(reader, "NORMAL_INTO",
-                                       reader.program.emit("GEOMETRY", what="NORMAL")),
+    "Normal": lambda reader: of_object(reader, "NORMAL_INTO", surface_normal(reader)),
     "UV": uv,
     "Camera": _camera,
     "Window": _window,
@@ -144,7 +143,9 @@ def _geometry(reader, found):
     if not what:
         reader.warn(f"'{found.node.name}' ({name}) is not supported; the socket's own value is used")
         return None
-    parts = position(reader) if what == "POSITION" else reader.program.emit("GEOMETRY", what=what)
+    if what in ("POSITION", "NORMAL"):
+        return position(reader) if what == "POSITION" else surface_normal(reader)
+    parts = reader.program.emit("GEOMETRY", what=what)
     return parts[:1] if what == "BACKFACING" else parts
 
 

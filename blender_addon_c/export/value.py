@@ -30,11 +30,18 @@ def normal_of(reader, socket, groups):
     """Registers of a normal in the shading frame, or None for the surface's own."""
     found = tree.trace(socket, groups)
     if found.node is None:
-        return None
+        return reader.bumped
     value = value_of(reader, socket, groups, own=Value("NORMAL", None))
     if value.parts is None or value.kind == "NORMAL":
-        return value.parts
+        return value.parts or reader.bumped
     return reader.program.emit("FRAME", vector=three(reader, value), to="SHADING")
+
+
+def surface_normal(reader):
+    """The surface's own in world space, as its displacement bumps it."""
+    if reader.bumped:
+        return three(reader, Value("NORMAL", reader.bumped))
+    return reader.program.emit("GEOMETRY", what="NORMAL")
 
 
 def value_of(reader, socket, groups, own=None):

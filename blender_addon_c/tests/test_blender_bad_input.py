@@ -34,6 +34,7 @@ EXPECTED = {
     "other_uv_map": ("finished", "Warning: .*'Plane': no UV map 'elsewhere'"),
     "no_material": ("finished", None),
     "principled": ("finished", "Warning: .*'plain': 'Principled BSDF': Subsurface.* is not supported"),
+    "displaced": ("finished", "Warning: .*'steel': displacement of the surface itself is not supported"),
     "light_linking": ("finished", None),
     "subsurface": ("finished", "Warning: .*'Subsurface Scattering': light below the surface is not supported"),
     "cloth_without_uv": ("finished", "Warning: .*'Plane': textures need a UV map"),
@@ -101,7 +102,7 @@ FALLBACK = {
     "no_material": np.full(3, 3 * 0.8 / math.pi),
     "missing_image": metal(6, 2, (1, 0, 1)), "broken_image": metal(6, 2, (1, 0, 1)),
     "missing_normal_map": STEEL,
-    "subsurface": np.full(3, 3 * 0.8 / math.pi), "light_linking": STEEL,
+    "subsurface": np.full(3, 3 * 0.8 / math.pi), "light_linking": STEEL, "displaced": STEEL,
     "mixed": STEEL / 2, "toon": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,
     "no_shader": np.zeros(3),
 }

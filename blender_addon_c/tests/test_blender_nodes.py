@@ -322,9 +322,16 @@ def test_ways_are_those_of_cycles(blender, tmp_path, outputs, shadow):
 BUMPS = {"image": {}, "inverted": {"invert": True, "strength": 0.5, "distance": 0.4},
          "mapped": {"mapping": 2.0, "distance": 0.1}, "position": {"position": True, "distance": 0.4},
          "two": {"chain": True}, "other map": {"other": True},
+         "displaced": {"displaced": "OBJECT"}, "displaced in the world": {"displaced": "WORLD"},
+         "displaced by a vector": {"displaced": "OBJECT", "by": "VectorDisplacement"},
+         "displaced and bumped": {"displaced": "WORLD", "chain": True, "distance": 0.1},
          "wide": {"filter": 12.0}, "far": {"mapping": 9.0, "distance": 0.03, "filter": 1.0},
          "perspective": {"mapping": 9.0, "distance": 0.03, "filter": 1.0, "perspective": True},
          "mirror": {"mapping": 9.0, "distance": 0.03, "filter": 1.0, "mirror": True}}
+
+
+# 3.4 fades a displaced normal's bumps by what they turn it, here they do not fade
+NOT_FADED = {("displaced and bumped", "3.4"): 0.002}
 
 
 @pytest.mark.parametrize("case", BUMPS)
@@ -337,9 +344,10 @@ def test_bumps_are_those_of_cycles(blender, tmp_path, case):
         pictures.append(rgba(tmp_path / "picture.exr")[..., 0].astype(float))
     ours, theirs = pictures
     assert theirs.std() > 0.05 * theirs.mean()  # there are bumps
-    assert abs(ours.mean() / theirs.mean() - 1) < 0.001
+    limit = NOT_FADED.get((case, blender.version), 0.001)
+    assert abs(ours.mean() / theirs.mean() - 1) < limit
     blocks = (ours - theirs).reshape(16, 8, 16, 8).mean((1, 3))
-    assert np.abs(blocks).mean() < 0.001 * theirs.mean()
+    assert np.abs(blocks).mean() < limit * theirs.mean()
 
 
 def test_every_node_has_a_case():
@@ -355,7 +363,7 @@ def test_every_node_has_a_case():
              "RGB": "RGB", "CURVE_RGB": "RGBCurve", "CURVE_VEC": "VectorCurve", "CURVE_FLOAT": "FloatCurve",
              "CAMERA": "CameraData", "VECT_TRANSFORM": "VectorTransform"}
     # test_blender_semantics.py, and here
-    elsewhere = {"BUMP"}
+    elsewhere = {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT"}
     covered = {case["node"].removeprefix("ShaderNode") for case in CASES + PLACES + PATTERNS}
     for key in keys:
         word = types.get(key.value, key.value.title().replace("_", ""))

@@ -203,6 +203,16 @@ def light_linking(scene):
         ob.light_linking.blocker_collection = scene.collection
 
 
+def displaced(scene):
+    """The surface itself, which is bumped only; flat, it is as it was."""
+    ob, tree, _node = plate(scene)
+    material = ob.data.materials[0]
+    owner = material if hasattr(material, "displacement_method") else material.cycles
+    owner.displacement_method = "DISPLACEMENT"
+    node = tree.nodes.new("ShaderNodeDisplacement")
+    tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Displacement"])
+
+
 def subsurface(scene):
     ob, tree, _node = plate(scene)
     node = tree.nodes.new("ShaderNodeSubsurfaceScattering")
@@ -367,7 +377,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, light_linking, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
+    other_uv_map, no_material, principled, light_linking, displaced, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,

@@ -73,7 +73,7 @@ USUAL = ["LibshadeMetalNode"] * 3 + [
     "ShaderNodeMath", "ShaderNodeVectorMath", "ShaderNodeMixRGB", "ShaderNodeMapping",
     "ShaderNodeTexImage", "ShaderNodeTexCoord", "ShaderNodeNormalMap", "ShaderNodeBump",
     "ShaderNodeValToRGB", "ShaderNodeUVMap", "ShaderNodeRGBCurve", "ShaderNodeMapRange",
-    "ShaderNodeVectorTransform", "ShaderNodeLightPath", "ShaderNodeVectorRotate", "ShaderNodeTexEnvironment", "NodeReroute"]
+    "ShaderNodeVectorTransform", "ShaderNodeLightPath", "ShaderNodeDisplacement", "ShaderNodeVectorRotate", "ShaderNodeTexEnvironment", "NodeReroute"]
 
 
 def bend(chance, mapping):

@@ -814,13 +814,20 @@ def heights(options):
         tree.links.new(texture.outputs["Color"], grey.inputs[0])
         height = grey.outputs[0]
     tree.links.new(height, bump.inputs["Height"])
-    if options.get("chain"):
+    if options.get("displaced"):
+        displacement = tree.nodes.new(f"ShaderNode{options.get('by', 'Displacement')}")
+        displacement.space, displacement.inputs["Scale"].default_value = options["displaced"], 0.15
+        tree.links.new(height, displacement.inputs[0])
+        tree.links.new(displacement.outputs[0], output.inputs["Displacement"])
+        if not options.get("chain"):
+            tree.links.remove(bump.outputs[0].links[0])
+    elif options.get("chain"):
         first = tree.nodes.new("ShaderNodeBump")
         first.inputs["Distance"].default_value = 0.05
         tree.links.new(height, first.inputs["Height"])
         tree.links.new(first.outputs[0], bump.inputs["Normal"])
     plate = common.plane(material, 2.0)
-    plate.scale = (1, 2, 1)
+    plate.scale = (1, 2, 1.5)
     if options.get("other"):
         plate.data.uv_layers.new(name="other")  # it moves those that are there
         own, other = plate.data.uv_layers
@@ -842,7 +849,8 @@ def heights(options):
         common.camera(scene, type="ORTHO", ortho_scale=2.0)
     if options["engine"] == "CYCLES":
         scene.render.engine = "CYCLES"
-        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.max_bounces = 16, False, 1
+        scene.cycles.samples, scene.cycles.use_denoising = 16, False
+        scene.cycles.max_bounces = 1 if options.get("mirror") else 0
         scene.cycles.use_adaptive_sampling, scene.cycles.pixel_filter_type = False, "BOX"
     common.render(options["picture"])
     return {}
