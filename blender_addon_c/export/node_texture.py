@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Patterns made of numbers: noise, cells, waves, bricks and the like."""
 
-from math import pi
+from math import ceil, pi
 from struct import pack, unpack
 
 import bpy
@@ -145,15 +145,52 @@ def _cells(reader, found, dimensions, at):
     randomness = math("CLAMP", number_in(reader, found, "Randomness"), 0.0, 1.0)
     exponent = _input(reader, found, "Exponent", 1.0)
 
-    made = reader.program.emit("VORONOI", 8, dimensions=dimensions, at=list(at), feature=feature,
-                               metric=node.distance, exponent=[exponent], smoothness=[smoothness],
-                               randomness=[randomness], whole=bpy.app.version >= (5, 0))
-    detail = _input(reader, found, "Detail")
-    if feature != "N_SPHERE_RADIUS" and not (is_known(detail) and detail == 0):
-        reader.warn(f"'{node.name}': detail is not supported; left out")
-    if getattr(node, "normalize", False) and feature != "N_SPHERE_RADIUS":
-        made = (math("DIVIDE", made[0], _farthest(reader, node, dimensions, exponent, randomness)), *made[1:])
+    def look(at):
+        return reader.program.emit("VORONOI", 8, dimensions=dimensions, at=list(at), feature=feature,
+                                   metric=node.distance, exponent=[exponent], smoothness=[smoothness],
+                                   randomness=[randomness], whole=bpy.app.version >= (5, 0))
+
+    if feature == "N_SPHERE_RADIUS":
+        return look(at)
+    far = _farthest(reader, node, dimensions, exponent, randomness)
+    add = _nearest_edge if feature == "DISTANCE_TO_EDGE" else _added_cells
+    made, most = look(at), far if add is _nearest_edge else 1.0
+    for scale, part, amplitude in _octaves(reader, found):
+        made, most = add(reader, made, most, look([math("MULTIPLY", x, scale) for x in at]), scale,
+                         math("MULTIPLY", amplitude, part), far)
+    if getattr(node, "normalize", False):
+        if add is _added_cells:
+            made = (made[0], *made[1:5], *(math("DIVIDE", part, most) for part in made[5:]))
+            most = math("MULTIPLY", most, far)
+        made = (math("DIVIDE", made[0], most), *made[1:])
     return made
+
+
+def _octaves(reader, found):
+    """After the first: (scale, which part of it counts, amplitude)."""
+    math = reader.program.math
+    detail = math("CLAMP", _input(reader, found, "Detail"), 0.0, 15.0)
+    roughness = math("CLAMP", _input(reader, found, "Roughness", 0.5), 0.0, 1.0)
+    lacunarity, scale, amplitude = _input(reader, found, "Lacunarity", 2.0), 1.0, 1.0
+    for k in range(1, (ceil(detail) if is_known(detail) else 15) + 1):
+        scale, amplitude = math("MULTIPLY", scale, lacunarity), math("MULTIPLY", amplitude, roughness)
+        yield scale, math("CLAMP", math("SUBTRACT", detail, k - 1.0), 0.0, 1.0), amplitude
+
+
+def _added_cells(reader, made, most, octave, scale, amplitude, _far):
+    math = reader.program.math
+    distance, *color = (math("MULTIPLY_ADD", more, amplitude, part)
+                        for part, more in zip((made[0], *made[5:]), (octave[0], *octave[5:])))
+    place = [math("MIX", part, math("DIVIDE", more, scale), amplitude)
+             for part, more in zip(made[1:5], octave[1:5])]
+    return (distance, *place, *color), math("ADD", most, amplitude)
+
+
+def _nearest_edge(reader, made, most, octave, scale, amplitude, far):
+    math = reader.program.math
+    nearer = math("MINIMUM", made[0], math("DIVIDE", octave[0], scale))
+    return ((math("MIX", made[0], nearer, amplitude), *made[1:]),
+            math("MIX", most, math("DIVIDE", far, scale), amplitude))
 
 
 def _farthest(reader, node, dimensions, exponent, randomness):

@@ -256,6 +256,15 @@ PATTERNS = [
           ("F1", ("Distance", "Color", "W" if size == "1D" else "Position")), ("F2", ("Distance", "Color")),
           ("SMOOTH_F1", ("Distance", "Color", "W" if size in ("1D", "4D") else "Position")),
           ("DISTANCE_TO_EDGE", ("Distance",)), ("N_SPHERE_RADIUS", ("Radius",))) for output in outputs),
+    *(place("TexVoronoi", output, set={"voronoi_dimensions": size, "feature": feature, "normalize": even}, since="4.0",
+            inputs=of(size, Scale=2.0, Randomness=0.9, Roughness=0.6, Lacunarity=1.8, Detail=detail))
+      for size, detail, even in (("1D", 1.0, False), ("2D", 2.4, True), ("3D", 1.3, False), ("4D", 0.7, True))
+      for feature, outputs in (("F1", ("Distance", "Color", "W" if size == "1D" else "Position")),
+                               ("F2", ("Distance", "Color")), ("SMOOTH_F1", ("Distance", "Color")),
+                               ("DISTANCE_TO_EDGE", ("Distance",)), ("N_SPHERE_RADIUS", ("Radius",)))
+      for output in outputs),
+    *(place("TexVoronoi", "Distance", set={"feature": feature}, inputs={"Scale": 2.0, "Lacunarity": 1.7, "Roughness": 0.4},
+            fed={"Detail": (6.0, -0.5)}, since="4.0") for feature in ("F1", "DISTANCE_TO_EDGE")),
     *(place("TexVoronoi", "Distance", set={"distance": metric, "feature": feature},
             inputs={"Scale": 3.0, **({"Exponent": 0.7} if metric == "MINKOWSKI" else {})})
       for metric in ("MANHATTAN", "CHEBYCHEV", "MINKOWSKI") for feature in ("F1", "F2")),
