@@ -53,7 +53,7 @@ static real over_arc(arc on, vec a, const vec *b) {
 
 /* Phi of unit l and v above the horizon. */
 static real diffuse(shade_diffuse model, vec l, vec v) {
-  if (hypotl(v.y, v.z) < 1e-15L) /* along the fibre: as seen from above */
+  if (length2(v.y, v.z) < 1e-15L) /* along the fibre: as seen from above */
     v = (vec){0, 0, 1};
   switch (model) {
   case SHADE_DIFFUSE_MAX_NORMAL: {

@@ -37,7 +37,7 @@ vec ref_bent(vec n, vec wo) {
   if (wo.z <= 0 || (n.x == 0 && n.y == 0) || mirrored(wo, n).z >= t)
     return n;
   vec x = unit((vec){n.x, n.y, 0});
-  real phi = atan2l(dot(x, wo), wo.z), rho = hypotl(dot(x, wo), wo.z);
+  real phi = atan2l(dot(x, wo), wo.z), rho = length2(dot(x, wo), wo.z);
   real theta = (phi + acosl(t / rho)) / 2;
   return plus(scale(x, sinl(theta)), (vec){0, 0, cosl(theta)});
 }
@@ -47,7 +47,7 @@ int ref_bends(shade_horizon horizon) {
 }
 
 facets ref_facets_of(vec n) {
-  real side = hypotl(n.x, n.y);
+  real side = length2(n.x, n.y);
   facets s = {{n, {0, 0, 0}}, {1 / n.z, side / n.z}};
   if (side > 0)
     s.normal[UPRIGHT] = (vec){-n.x / side, -n.y / side, 0};
@@ -112,7 +112,7 @@ real ref_shadow(shade_horizon horizon, vec n, vec wi) {
   if (wi.z <= 0)
     return 0;
   if (horizon == SHADE_HORIZON_ESTEVEZ || horizon == SHADE_HORIZON_VALID_ESTEVEZ) {
-    real bump = atan2l(hypotl(n.x, n.y), n.z), light = atan2l(hypotl(wi.x, wi.y), wi.z);
+    real bump = atan2l(length2(n.x, n.y), n.z), light = atan2l(length2(wi.x, wi.y), wi.z);
     real alpha2 = square(tanl(bump)) / 8;
     return 2 / (1 + sqrtl(1 + (alpha2 < 1 ? alpha2 : 1) * square(tanl(light))));
   }

@@ -57,7 +57,7 @@ static real lambda(const shade_params *p, vec n, vec w) {
     ax = sqrtl(2 / (within(p->ex, 0, 1e6L) + 2));
     ay = sqrtl(2 / (within(p->ey, 0, 1e6L) + 2));
   }
-  real slope = hypotl(ax * m.x, ay * m.y); /* alpha(phi) sin theta */
+  real slope = length2(ax * m.x, ay * m.y); /* alpha(phi) sin theta */
   if (slope == 0)
     return 0;
   real a = m.z / slope;

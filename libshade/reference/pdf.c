@@ -15,7 +15,7 @@ static int by_exponents(const shade_params *p) {
 
 /* Density of m, per sr about it, from its angles; eye is wo in the same frame. */
 static real half_density(const shade_params *p, proposal q, vec m, vec eye, int visible) {
-  real theta = atan2l(hypotl(m.x, m.y), m.z), phi = atan2l(m.y, m.x);
+  real theta = atan2l(length2(m.x, m.y), m.z), phi = atan2l(m.y, m.x);
   real c = cosl(theta), tan2 = square(tanl(theta));
   if (m.x == 0 && m.y == 0)
     phi = pi / 4; /* the mean of both axes */
@@ -24,7 +24,7 @@ static real half_density(const shade_params *p, proposal q, vec m, vec eye, int 
     return sqrtl((q.x + 1) * (q.y + 1)) / (2 * pi) * powl(c, e);
   }
   real k = square(cosl(phi) / q.x) + square(sinl(phi) / q.y), peak = 1 / (pi * q.x * q.y);
-  real slope = visible ? hypotl(q.x * eye.x, q.y * eye.y) / eye.z : 0, d = 0, lambda_o = 0;
+  real slope = visible ? length2(q.x * eye.x, q.y * eye.y) / eye.z : 0, d = 0, lambda_o = 0;
   switch (p->mdf) {
   case SHADE_MDF_WARD_HALF:
     return peak * expl(-4 * k * square(sinl(theta / 2))) / -expm1l(-2 * k);
@@ -58,7 +58,7 @@ static int proposals(const shade_params *p, vec n, proposal q[3]) {
   }
   if (detail == SHADE_DETAIL_ROTATE_APPROXIMATE && p->mdf != SHADE_MDF_ASHIKHMIN_SHIRLEY) {
     /* alpha/L, at most sqrt(1000) */
-    real l = ref_grooves_along_y(p) ? hypotl(n.y, n.z) : hypotl(n.x, n.z);
+    real l = ref_grooves_along_y(p) ? length2(n.y, n.z) : length2(n.x, n.z);
     real most = sqrtl(1000);
     ex = p->mdf == SHADE_MDF_WARD && ex * l * l < 1e-3L ? 1e-3L : ex * l * l;
     ey = p->mdf == SHADE_MDF_WARD && ey * l * l < 1e-3L ? 1e-3L : ey * l * l;
@@ -146,7 +146,7 @@ static real two_facet_density(const shade_params *p, vec n, vec lobe_n, vec wi, 
     return hard_density(p, n, lobe_n, wi, wo);
   const vec t = s.normal[UPRIGHT];
   /* of the light w that leaves the bumped facet towards the mirror (t.w < 0), what is sent on */
-  real tilt = atan2l(hypotl(n.x, n.y), n.z);
+  real tilt = atan2l(length2(n.x, n.y), n.z);
   real bounced = 0.5L * sinl(tilt) / (sinl(tilt) + cosl(tilt));
   vec image = mirrored(wo, n);
   if (dot(t, image) < 0 && image.z > 0) {

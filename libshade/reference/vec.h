@@ -27,8 +27,13 @@ static inline vec minus(vec a, vec b) {
 static inline vec plus(vec a, vec b) {
   return (vec){a.x + b.x, a.y + b.y, a.z + b.z};
 }
+/* hypotl takes ten times as long, and is needed only where squares leave the range of a long
+   double: those of doubles do not */
+static inline real length2(real x, real y) {
+  return sqrtl(x * x + y * y);
+}
 static inline real length(vec a) {
-  return hypotl(hypotl(a.x, a.y), a.z);
+  return sqrtl(a.x * a.x + a.y * a.y + a.z * a.z);
 }
 static inline vec unit(vec a) {
   return scale(a, 1 / length(a));

@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+#include "support.h"
+
 enum { RINGS = 20, SECTORS = 40, BINS = RINGS * SECTORS };
 
 /* Upper tail of the chi-square distribution: Q(dof/2, x/2) by series or continued fraction. */
@@ -31,19 +33,25 @@ static inline double chi2_tail(double x, int dof) {
 
 /* Point k of fine x fine of a bin, even in cos theta and phi; bin_of is the way back. */
 static inline void bin_point(int bin, int k, int fine, double w[3]) {
+  enum { FINEST = 40 };
+  static double turned[SECTORS * FINEST][2];
+  static int made; /* for so fine */
+  for (int i = 0; made != fine && i < SECTORS * fine; i++) {
+    const double phi = 2 * PI * (i + 0.5) / (SECTORS * fine);
+    turned[i][0] = cos(phi);
+    turned[i][1] = sin(phi);
+  }
+  made = fine;
   const double z = (bin / SECTORS + (k / fine + 0.5) / fine) / RINGS;
-  const double phi = 2 * 3.14159265358979323846 * (bin % SECTORS + (k % fine + 0.5) / fine);
-  const double s = sqrt((1 - z) * (1 + z));
-  w[0] = s * cos(phi / SECTORS);
-  w[1] = s * sin(phi / SECTORS);
+  const double s = sqrt((1 - z) * (1 + z)), *v = turned[bin % SECTORS * fine + k % fine];
+  w[0] = s * v[0];
+  w[1] = s * v[1];
   w[2] = z;
 }
 
 static inline int bin_of(double x, double y, double z) {
-  const double turn = atan2(y, x) / (2 * 3.14159265358979323846);
   const int ring = (int)fmin(z * RINGS, RINGS - 1);
-  const int sector = (int)((turn < 0 ? turn + 1 : turn) * SECTORS);
-  return ring * SECTORS + (sector < SECTORS ? sector : SECTORS - 1);
+  return ring * SECTORS + sector_of(x, y, SECTORS);
 }
 
 /*

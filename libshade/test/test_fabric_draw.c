@@ -484,9 +484,7 @@ static double integrals(const cloth *c, const example *e, arrays *m, double *cel
 
 static int cell_of(double x, double y, double z) {
   const int ring = (int)fmin((z + 1) / 2 * RINGS, RINGS - 1);
-  double turn = atan2(y, x) / (2 * PI);
-  turn -= floor(turn);
-  return ring * SPOKES + (int)fmin(turn * SPOKES, SPOKES - 1);
+  return ring * SPOKES + sector_of(x, y, SPOKES);
 }
 
 /* z of the chi-square; cells that expect less than 10 count together. */

@@ -80,8 +80,9 @@ typedef struct worker {
   size_t count;
   int finite; /* all input of this block is */
   int textured;
-  unsigned given;       /* bit k: input OWN + k is */
-  size_t volatile lane; /* where a trap found the single calls */
+  unsigned given;           /* bit k: input OWN + k is */
+  size_t volatile lane;     /* where a trap found the single calls */
+  unsigned facts[2][LANES]; /* what is wrong with each lane, in double and in float */
   double v[LANES][DIRECTIONS], in[INPUTS][LANES], out[OUTPUTS][LANES];
   float vf[LANES][DIRECTIONS], inf[INPUTS][LANES], outf[OUTPUTS][LANES];
   unsigned status[LANES];
@@ -436,36 +437,14 @@ static unsigned status_of_own(const worker *w, form p, size_t i) {
   return status;
 }
 
-/* The status bits that lane i must have, but for the luck of a draw; bad lanes are also 0. */
-static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
-  unsigned status = SHADE_OK;
-  double nz = p == DOUBLE ? w->v[i][2] : (double)w->vf[i][2];
-  int last = q == D_ONE || q == D_BATCH ? 3 : 6;
-  for (int k = 0; k <= last; k += is_draw(q) ? 6 : 3)
-    if (!is_direction(w->v[i] + k, w->vf[i] + k, p))
-      status |= SHADE_BAD_INPUT;
-  if (is_draw(q) && (isnan(w->in[U][i]) || isnan(w->in[U + 1][i])))
-    status |= SHADE_BAD_INPUT;
-  for (int c = 9; w->textured && is_batch(q) && q != D_BATCH && c < 12; c++) {
-    double f0 = p == DOUBLE ? w->in[c][i] : (double)w->inf[c][i];
-    if (!(f0 >= 0 && f0 <= 1))
-      status |= SHADE_CLAMPED_PARAMETER;
-  }
-  if (is_batch(q) && q != D_BATCH)
-    status |= status_of_own(w, p, i);
-  /* a normal that is no direction counts as z */
-  if (is_direction(w->v[i], w->vf[i], p) && !(nz > 0))
-    status |= SHADE_CLAMPED_NORMAL;
-  return status;
-}
-
 /* Within some roundings: whether wi + wo is 0 then depends on them. */
 static int nearly_opposite(const worker *w, form p, size_t i) {
   long double v[6], length[2], sum = 0; /* whose range holds any square */
   for (int c = 0; c < 6; c++)
     v[c] = p == DOUBLE ? (long double)w->v[i][3 + c] : (long double)w->vf[i][3 + c];
   for (int k = 0; k < 2; k++)
-    length[k] = hypotl(hypotl(v[3 * k], v[3 * k + 1]), v[3 * k + 2]);
+    length[k] =
+        sqrtl(v[3 * k] * v[3 * k] + v[3 * k + 1] * v[3 * k + 1] + v[3 * k + 2] * v[3 * k + 2]);
   for (int c = 0; c < 3; c++)
     sum += fabsl(v[c] / length[0] + v[3 + c] / length[1]);
   return sum < 1e-5L;
@@ -478,6 +457,58 @@ static int nearly_below(const worker *w, form p, size_t i) {
     n[c] = p == DOUBLE ? (long double)w->v[i][c] : (long double)w->vf[i][c];
   long double least = p == DOUBLE ? (long double)DBL_TRUE_MIN : (long double)FLT_TRUE_MIN;
   return n[2] > 0 && n[2] < 8 * least * sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+/* Of a lane, whatever is asked of it: found once for all entries of all instruction sets. */
+enum {
+  NO_NORMAL = 1, /* no direction, as the two that follow */
+  NO_WI = 2,
+  NO_WO = 4,
+  NO_NUMBER = 8,         /* u1 or u2 */
+  NORMAL_BELOW = 16,     /* a normal that is no direction counts as z */
+  F0_OUTSIDE = 32,       /* of [0, 1] */
+  OWN_MENDED = 64,       /* of the lane's own parameters */
+  NEARLY_OPPOSITE = 128, /* wi and wo */
+  NEARLY_BELOW = 256     /* n */
+};
+
+static unsigned facts_of(const worker *w, form p, size_t i) {
+  const double nz = p == DOUBLE ? w->v[i][2] : (double)w->vf[i][2];
+  unsigned facts = 0;
+  for (int k = 0; k < 3; k++)
+    if (!is_direction(w->v[i] + 3 * k, w->vf[i] + 3 * k, p))
+      facts |= (unsigned)NO_NORMAL << k;
+  if (isnan(w->in[U][i]) || isnan(w->in[U + 1][i]))
+    facts |= NO_NUMBER;
+  for (int c = 9; c < 12; c++) {
+    const double f0 = p == DOUBLE ? w->in[c][i] : (double)w->inf[c][i];
+    if (!(f0 >= 0 && f0 <= 1))
+      facts |= F0_OUTSIDE;
+  }
+  if (!(facts & NO_NORMAL) && !(nz > 0))
+    facts |= NORMAL_BELOW;
+  if (status_of_own(w, p, i) != SHADE_OK)
+    facts |= OWN_MENDED;
+  if (nearly_opposite(w, p, i))
+    facts |= NEARLY_OPPOSITE;
+  if (nearly_below(w, p, i))
+    facts |= NEARLY_BELOW;
+  return facts;
+}
+
+/* The status bits that lane i must have, but for the luck of a draw; bad lanes are also 0. */
+static unsigned wanted_status(const worker *w, what q, form p, size_t i) {
+  const unsigned facts = w->facts[p != DOUBLE][i];
+  const unsigned read = q == D_ONE || q == D_BATCH ? NO_NORMAL | NO_WI
+                        : is_draw(q)               ? NO_NORMAL | NO_WO | NO_NUMBER
+                                                   : NO_NORMAL | NO_WI | NO_WO;
+  const int varies = is_batch(q) && q != D_BATCH;
+  unsigned status = facts & read ? SHADE_BAD_INPUT : SHADE_OK;
+  if (varies && ((facts & OWN_MENDED) || (w->textured && (facts & F0_OUTSIDE))))
+    status |= SHADE_CLAMPED_PARAMETER;
+  if (facts & NORMAL_BELOW)
+    status |= SHADE_CLAMPED_NORMAL;
+  return status;
 }
 
 /* What is wrong with a draw, NULL if nothing is. */
@@ -515,7 +546,7 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
   for (size_t i = 0; i < w->count; i++) {
     answer a = answer_of(w, q, p, i);
     const char *wrong = NULL;
-    unsigned want = wanted_status(w, q, p, i);
+    const unsigned want = wanted_status(w, q, p, i), facts = w->facts[p != DOUBLE][i];
     for (int c = 0; c < 3; c++) {
       if (!isfinite(a.value[c]))
         wrong = "not finite", found->not_finite++;
@@ -539,8 +570,8 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
     unsigned luck = is_draw(q) && a.pdf == 0 ? SHADE_NO_SAMPLE : 0;
     int pair = q == F_ONE || q == F_BATCH || q == PDF_ONE || q == PDF_BATCH;
     unsigned open =
-        pair && !(want & SHADE_BAD_INPUT) && nearly_opposite(w, p, i) ? SHADE_BAD_INPUT : 0;
-    if (nearly_below(w, p, i))
+        pair && !(want & SHADE_BAD_INPUT) && (facts & NEARLY_OPPOSITE) ? SHADE_BAD_INPUT : 0;
+    if (facts & NEARLY_BELOW)
       open |= SHADE_CLAMPED_NORMAL;
     if (q != PHI && !is_batch(q)) {
       if ((w->status[i] ^ (want | luck)) & ~open)
@@ -691,6 +722,10 @@ static void one_block(worker *w) {
     tell(w, NULL, "setup", "", LANES, "wrong status");
   }
   fill(w);
+  for (size_t i = 0; i < w->count; i++) {
+    w->facts[0][i] = facts_of(w, DOUBLE, i);
+    w->facts[1][i] = facts_of(w, FLOAT, i);
+  }
   const shade_isa_table *isa;
   for (int row = 0; (isa = shade_isa_pick(row)); row++)
     for (int p = 0; p < FORMS; p++)
