@@ -20,35 +20,94 @@ def world_of(world, images, messages):
     if not nodes:
         return {"background": tuple(world.color), **seen}
     try:
-        return {**_Reader(world, images, messages).read(nodes), **seen}
+        reader = _Reader(world, images, messages)
+        return {**_by_camera(reader, reader.read(nodes), nodes), **seen}
     except RecursionError:
         messages.warning(f"world '{world.name}': its nodes are too deep; black")
         return {"background": (0.0, 0.0, 0.0), **seen}
 
 
+def _by_camera(reader, lit, nodes):
+    """What the camera sees may be another colour than what lights the scene."""
+    if not reader.asked:
+        return lit
+    reader.camera = True
+    seen = reader.read(nodes)
+    if seen == lit:
+        return lit
+    if "sky" in seen:
+        reader.warn("an image that only the camera sees is not supported; it sees what lights the scene")
+        return lit
+    return {**lit, "backdrop": seen["background"]}
+
+
 class _Reader:
-    """The nodes of one world."""
+    """The nodes of one world, for rays of surfaces or, where it makes a difference, of the `camera`."""
 
     def __init__(self, world, images, messages):
         self._owner, self._images, self._messages = f"world '{world.name}'", images, messages
+        self.camera, self.asked = False, False
 
-    def _warn(self, text):
-        self._messages.warning(f"{self._owner}: {text}")
+    def warn(self, text):
+        if not self.camera:  # else it is said already
+            self._messages.warning(f"{self._owner}: {text}")
+
+    def _factor(self, socket, groups):
+        """A number that is known, or None."""
+        found = tree.trace(socket, groups)
+        if found.node is None:
+            return tree.number_in(found.socket)
+        if found.node.type == "LIGHT_PATH" and found.output.name == "Is Camera Ray":
+            self.asked = True
+            return float(self.camera)
+        if found.node.type == "MATH" and found.node.operation == "SUBTRACT":
+            parts = [self._factor(socket, found.groups) for socket in found.node.inputs[:2]]
+            return None if None in parts else parts[0] - parts[1]
+        return None
+
+    def _trace(self, socket, groups=()):
+        """Where links lead, past nodes that pass on all of one input."""
+        found = tree.trace(socket, groups)
+        for _ in range(100):
+            names = self._sides(found.node) if found.node else None
+            if not names:
+                break
+            by = {socket.identifier: socket for socket in found.node.inputs}
+            factor, *sides = (by.get(name) or found.node.inputs[k] for k, name in enumerate(names))
+            share = self._factor(factor, found.groups)
+            if share not in (0.0, 1.0):
+                break
+            found = tree.trace(sides[int(share)], found.groups)
+        return found
+
+    @staticmethod
+    def _sides(node):
+        """Names of the factor and of both inputs of a node that mixes, else None."""
+        if node.type == "MIX_SHADER":
+            return "Fac", "Shader", "Shader_001"
+        if node.type == "MIX_RGB" and node.blend_type == "MIX":
+            return "Fac", "Color1", "Color2"
+        if node.type == "MIX" and node.data_type == "FLOAT":
+            return "Factor_Float", "A_Float", "B_Float"
+        if node.type == "MIX" and node.data_type == "RGBA" and node.blend_type == "MIX":
+            return "Factor_Float", "A_Color", "B_Color"
+        return None
 
     def read(self, nodes):
-        shader = tree.shader_of(nodes)
+        output = nodes.get_output_node("ALL")
+        shader = self._trace(output.inputs["Surface"]) if output else None
         node = shader.node if shader else None
         if not node:
             return {"background": (0.0, 0.0, 0.0)}
         if node.type not in {"BACKGROUND", "EMISSION"}:
-            self._warn(f"'{node.name}' is not supported; black")
+            self.warn(f"'{node.name}' is not supported; black")
             return {"background": (0.0, 0.0, 0.0)}
-        strength = tree.trace(node.inputs["Strength"], shader.groups)
+        strength = self._trace(node.inputs["Strength"], shader.groups)
         if strength.node and strength.node.type != "VALUE":
-            self._warn(f"'{strength.node.name}' is not supported; the socket's own value is used")
+            self.warn(f"'{strength.node.name}' is not supported; the socket's own value is used")
         value = tree.number_in(strength.output if strength.node and strength.node.type == "VALUE"
                                else strength.socket)
-        color = self._main(tree.trace(node.inputs["Color"], shader.groups))
+        color = self._main(self._trace(node.inputs["Color"], shader.groups))
         if color.node and color.node.type == "TEX_ENVIRONMENT":
             sky = self._image(color, value)
             if sky == MISSING:
@@ -62,7 +121,7 @@ class _Reader:
         """A node that is not known passes its main input through."""
         passed = 0
         while color.node and color.node.type not in {"TEX_ENVIRONMENT", "RGB"}:
-            self._warn(f"'{color.node.name}' is not supported; left out")
+            self.warn(f"'{color.node.name}' is not supported; left out")
             inputs = [s for s in color.node.inputs if s.type == "RGBA"]
             linked = [s for s in inputs if s.is_linked]
             passed += 1
@@ -74,10 +133,10 @@ class _Reader:
     def _image(self, color, strength):
         node = color.node
         if not node.image:
-            self._warn(f"'{node.name}' has no image")
+            self.warn(f"'{node.name}' has no image")
             return MISSING
         if node.interpolation not in {"Linear", "Closest"}:
-            self._warn(f"'{node.name}': interpolation {node.interpolation.lower()} is not "
+            self.warn(f"'{node.name}': interpolation {node.interpolation.lower()} is not "
                        "supported; linear")
         index = self._images.index(node.image, "REPEAT",
                                    "CLOSEST" if node.interpolation == "Closest" else "LINEAR",
@@ -101,10 +160,10 @@ class _Reader:
             return self._mapping(node, found.groups) @ before
         if node.type == "TEX_COORD" and found.output.name in _COORDINATES:
             if found.output.name == "Object" and node.object:
-                self._warn(f"'{node.name}': coordinates of an object are not supported; the "
+                self.warn(f"'{node.name}': coordinates of an object are not supported; the "
                            "world's are used")
             return Matrix.Diagonal((*(_COORDINATES[found.output.name],) * 3, 1.0))
-        self._warn(f"coordinates from '{node.name}' ({found.output.name}) are not supported; "
+        self.warn(f"coordinates from '{node.name}' ({found.output.name}) are not supported; "
                    "directions are used as they are")
         return Matrix.Identity(4)
 
@@ -116,7 +175,7 @@ class _Reader:
                 continue
             found = tree.trace(socket, groups)
             if found.node:
-                self._warn(f"'{node.name}': {name} from '{found.node.name}' is not supported; "
+                self.warn(f"'{node.name}': {name} from '{found.node.name}' is not supported; "
                            "the socket's own value is used")
             values[name] = tree.color_in(found.socket)
         place, turn = Matrix.Translation(values["Location"]), Euler(values["Rotation"]).to_matrix().to_4x4()

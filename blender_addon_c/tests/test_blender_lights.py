@@ -40,6 +40,18 @@ def test_light(blender, tmp_path, name):
     compare(blender, tmp_path, name, samples, (*LIGHTS[name], {})[:3])
 
 
+BY_CAMERA = {"shaders": "turned image", "colors": "turned image", "colors of a colour": "world", "strengths": "world"}
+
+
+@pytest.mark.parametrize("name", BY_CAMERA)
+@pytest.mark.parametrize("panes", [(), ("glass paper",)])
+def test_the_camera_sees_another_world(blender, tmp_path, name, panes):
+    """By Is Camera Ray, through panes too; what lights the scene is as it was."""
+    light, settings, more = LIGHTS[BY_CAMERA[name]]
+    compare(blender, tmp_path, name, 256, (light, settings, {
+        **more, "by camera": name.split()[0], **({"panes": panes} if panes else {})}))
+
+
 ALL_PANES = ["glass paper", "half there", "holes"]
 PANES = {
     "sun": ("SUN", {"energy": 3, "angle": 0}), "point": LIGHTS["point"],

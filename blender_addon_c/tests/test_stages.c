@@ -1667,8 +1667,12 @@ static void walks_go_on(void **state) {
       b->walk->bounces[k][i] = k < 2 ? 1 : k == BOUNCE_TRANSPARENT ? 9 : 0;
   stages->gain(COUNT, most, 1, b->queue.moved, b->walk, &b->sum, &b->sample_color);
   for (uint32_t i = 0; i < COUNT; i++)
-    b->walk->ray[i] = i % 6 == 1 ? RAY_GLOSSY : RAY_DIFFUSE | RAY_TRANSMISSION;
-  stages->escape(COUNT, b->sample_hit.record, b->walk, RAY_CAMERA | RAY_GLOSSY, sky, &b->met);
+    b->walk->ray[i] = i % 6 == 1   ? RAY_GLOSSY
+                      : i % 6 == 3 ? RAY_CAMERA
+                                   : RAY_DIFFUSE | RAY_TRANSMISSION;
+  const float backdrop[3] = {2 * sky[0], 3 * sky[1], 4 * sky[2]}; /* what the camera's rays see */
+  stages->escape(COUNT, b->sample_hit.record, b->walk, RAY_CAMERA | RAY_GLOSSY, sky, backdrop,
+                 &b->met);
   untouched(b->met.r, COUNT);
   for (uint32_t i = 0; i < COUNT; i++)
     b->queue.identity[i] = i;
@@ -1677,15 +1681,18 @@ static void walks_go_on(void **state) {
     uint32_t ray = b->queue.moved[i];
     double w = (double)b->walk->weight.r[ray], mean = (w * i + 1) / 3,
            dim = mean > 5 ? 5 / mean : 1;
-    bool missed = ray % 6 == 3 || ray % 6 == 5;
+    bool camera = ray % 6 == 3, missed = camera || ray % 6 == 5;
     uint32_t sample = b->walk->sample[ray];
     if (i == COUNT - 1) {
-      near((double)b->sample_color.r[sample], 2 + 15 + (missed ? w : 0), 1e-3);
+      near((double)b->sample_color.r[sample], 2 + 15 + (missed ? (camera ? 2 : 1) * w : 0), 1e-3);
       continue;
     }
-    near((double)b->sample_color.r[sample], 2 + dim * w * i + (missed ? w : 0), 1e-3);
-    near((double)b->sample_color.g[sample], 2 + dim * 0.5 + (missed ? 1.0 : 0), 1e-5);
-    near((double)b->sample_color.b[sample], 2 + dim * 0.5 + (missed ? 1.5 : 0), 1e-5);
+    near((double)b->sample_color.r[sample], 2 + dim * w * i + (missed ? (camera ? 2 : 1) * w : 0),
+         1e-3);
+    near((double)b->sample_color.g[sample], 2 + dim * 0.5 + (missed ? (camera ? 3 : 1) * 1.0 : 0),
+         1e-5);
+    near((double)b->sample_color.b[sample], 2 + dim * 0.5 + (missed ? (camera ? 4 : 1) * 1.5 : 0),
+         1e-5);
   }
 }
 

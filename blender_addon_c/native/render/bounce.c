@@ -378,7 +378,8 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
-  s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden, s->background, &b->met);
+  s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden, s->background, s->backdrop,
+                    &b->met);
   for (size_t k = 0; k < s->lights; k++)
     if (s->light[k].common.met) {
       if (weight)

@@ -395,16 +395,15 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   lane_c *out = environment_of(w->light);
-  if (s->sky_hidden & RAY_CAMERA)
-    return;
+  const bool image = s->sky.there && !(s->sky_hidden & RAY_CAMERA);
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
-  if (s->sky.there)
+  if (image)
     s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
-  for (size_t k = 0; !s->sky.there && k < missed; k++) {
-    b->sky.r[k] = s->background[0];
-    b->sky.g[k] = s->background[1];
-    b->sky.b[k] = s->background[2];
+  for (size_t k = 0; !image && k < missed; k++) {
+    b->sky.r[k] = s->backdrop[0];
+    b->sky.g[k] = s->backdrop[1];
+    b->sky.b[k] = s->backdrop[2];
   }
   const float most = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
   for (size_t k = 0; k < missed; k++) {

@@ -233,9 +233,9 @@ double render_progress(const render *r) {
 
 /* The background as the camera sees it, no brighter than lights may be. */
 static void find_backdrop(const scene *s, float out[3]) {
-  const float *even = s->background, most = s->clamp_direct;
+  const float *even = s->backdrop, most = s->clamp_direct;
   float mean = (even[0] + even[1] + even[2]) * (1.0f / 3.0f);
-  float factor = s->transparent || s->sky_hidden & RAY_CAMERA ? 0.0f : 1.0f;
+  float factor = s->transparent ? 0.0f : 1.0f;
   factor *= most > 0.0f && mean > most ? most / mean : 1.0f;
   for (int k = 0; k < 3; k++)
     out[k] = factor > 0.0f ? factor * even[k] : 0.0f;

@@ -240,12 +240,23 @@ static bool read_sky_image(reader *r, void *out, void *context) {
   return true;
 }
 
+/* `backdrop`: a colour that rays of the camera see instead, whatever lights the scene. */
 static bool read_sky(reader *r, scene *s) {
   int images = (int)(s->images < INT_MAX ? s->images : INT_MAX);
-  if (!reader_has(r, "sky"))
-    return true;
-  memset(s->background, 0, sizeof s->background);
-  return reader_dict(r, "sky", read_sky_image, &s->sky, &images);
+  if (reader_has(r, "sky")) {
+    memset(s->background, 0, sizeof s->background);
+    if (!reader_dict(r, "sky", read_sky_image, &s->sky, &images))
+      return false;
+  }
+  bool apart = reader_has(r, "backdrop"), hidden = (s->sky_hidden & RAY_CAMERA) != 0;
+  memcpy(s->backdrop, s->background, sizeof s->backdrop);
+  if (apart && !reader_floats(r, "backdrop", 3, s->backdrop))
+    return false;
+  if (hidden)
+    memset(s->backdrop, 0, sizeof s->backdrop);
+  if (apart)
+    s->sky_hidden |= RAY_CAMERA;
+  return true;
 }
 
 static bool all_below(size_t count, const uint32_t *index, size_t limit) {

@@ -117,6 +117,8 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
       !sky_dark && (s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f);
   for (size_t k = 0; k < s->lights; k++)
     s->meets = s->meets || s->light[k].common.met;
+  for (int k = 0; k < 3; k++) /* behind surfaces that let its rays pass */
+    s->meets = s->meets || (s->passes && s->backdrop[k] > 0.0f);
   for (material *m = s->material; m < s->material + s->materials; m++)
     find_radiance(m);
   if ((s->sky.there && !sky_build(&s->sky, s->image, s->threads, cancel)) || !emitters_build(s))

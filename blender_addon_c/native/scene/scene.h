@@ -121,6 +121,7 @@ typedef struct scene {
   float background[3];  /* 0 where there is a sky */
   sky sky;
   uint32_t sky_hidden; /* ray_kinds to which background and sky are black */
+  float backdrop[3];   /* what rays of the camera see, where they see no sky */
   filter_type filter;
   float filter_width;       /* pixels; 0: the pixel's square */
   unsigned mattes;          /* which are wanted: a bit for each matte_kind, */

@@ -239,9 +239,10 @@ typedef struct stage_table {
                 const material *materials, uint32_t *record);
   /* Of paths that have ended, no surface's light counts. */
   void (*mute)(size_t count, const uint32_t *lane, const walks *walk, lane_c *sum);
-  /* Of rays that meet nothing, an even background; but for rays that it is hidden from. */
+  /* Of rays that meet nothing, an even background; but for rays that it is hidden from. Those of
+     the camera see the backdrop. */
   void (*escape)(size_t count, const uint32_t *record, const walks *walk, uint32_t hidden,
-                 const float background[3], lane_c *met);
+                 const float background[3], const float backdrop[3], lane_c *met);
 
   void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
   /* Adds samples to pixels of 4 floats; those of the first half of a pixel's to `half`, 3 floats

@@ -202,13 +202,18 @@ static void stage_mute(size_t count, const uint32_t *restrict lane, const walks 
 }
 
 static void stage_escape(size_t count, const uint32_t *restrict record, const walks *restrict walk,
-                         uint32_t hidden, const float background[3], lane_c *restrict met) {
+                         uint32_t hidden, const float background[3], const float backdrop[3],
+                         lane_c *restrict met) {
   const float red = background[0], green = background[1], blue = background[2];
+  const float far_red = backdrop[0], far_green = backdrop[1], far_blue = backdrop[2];
 #pragma omp simd
   for (size_t k = 0; k < count; k++) {
-    bool missed = (record[k] == RECORD_MISS) & ((walk->ray[k] & hidden) == 0);
-    met->r[k] = missed ? red : 0.0f;
-    met->g[k] = missed ? green : 0.0f;
-    met->b[k] = missed ? blue : 0.0f;
+    uint32_t ray = walk->ray[k];
+    float missed = record[k] == RECORD_MISS ? 1.0f : 0.0f;
+    float near = (ray & (hidden | RAY_CAMERA)) == 0 ? missed : 0.0f;
+    float far = (ray & RAY_CAMERA) != 0 ? missed : 0.0f;
+    met->r[k] = near * red + far * far_red;
+    met->g[k] = near * green + far * far_green;
+    met->b[k] = near * blue + far * far_blue;
   }
 }

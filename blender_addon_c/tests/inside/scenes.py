@@ -1083,6 +1083,8 @@ def lit(options):
             setattr(light.data, name, value)
     else:
         sky(scene, options["image"], options.get("mapping"))
+        if "by camera" in options:
+            by_camera(scene, options["by camera"])
     common.camera(scene, (0, -5, 3), (1.08, 0, 0))
     hide(scene, options.get("hidden", {}))
     for name, value in options.get("given", {}).items():
@@ -1141,6 +1143,33 @@ def panes(kinds):
             tree.links.new(texture.outputs["Color"], shader.inputs["Alpha"])
         sheet = common.plane(material, 2.5)
         sheet.location = (-0.3 + 0.3 * number, 0.2 - 0.4 * number, 1.2 + 0.2 * number)
+
+
+def by_camera(scene, way):
+    """Rays of the camera see another colour: two shaders, two colours, or two strengths."""
+    tree = common.tree_of(scene.world)
+    path, lit = tree.nodes.new("ShaderNodeLightPath"), tree.nodes["Background"]
+    camera = path.outputs["Is Camera Ray"]
+    if way == "shaders":
+        mixed, other = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBackground")
+        other.inputs["Color"].default_value = (0.1, 0.4, 0.2, 1)
+        turned = tree.nodes.new("ShaderNodeMath")
+        turned.operation, turned.inputs[0].default_value = "SUBTRACT", 1.0
+        for output, socket in ((camera, turned.inputs[1]), (turned.outputs[0], mixed.inputs[0]),
+                               (other.outputs[0], mixed.inputs[1]), (lit.outputs[0], mixed.inputs[2]),
+                               (mixed.outputs[0], tree.get_output_node("ALL").inputs["Surface"])):
+            tree.links.new(output, socket)
+        return
+    mixed = tree.nodes.new("ShaderNodeMixRGB" if way == "colors" else "ShaderNodeMix")
+    mixed.inputs[2].default_value = (0.1, 0.4, 0.2, 1) if way == "colors" else 3.0
+    one, other, socket = ((mixed.inputs[1], mixed.inputs[2], lit.inputs["Color"]) if way == "colors" else
+                          (mixed.inputs[2], mixed.inputs[3], lit.inputs["Strength"]))
+    if way == "colors" and socket.is_linked:
+        tree.links.new(socket.links[0].from_socket, one)
+    else:
+        one.default_value, other.default_value = (0.4, 0.3, 0.2, 1) if way == "colors" else 1.5, other.default_value
+    tree.links.new(camera, mixed.inputs[0])
+    tree.links.new(mixed.outputs[0], socket)
 
 
 def sky(scene, image, mapping):
