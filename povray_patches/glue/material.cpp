@@ -138,6 +138,7 @@ const Material *Scene::add(const Material &material) {
   kept->black_albedo.reset();
   kept->woven.reset();
   kept->slopes.reset();
+  kept->field.reset();
   split(*kept);
   widen(*kept);
   materials.push_back(kept);
@@ -161,6 +162,8 @@ void Scene::use(const Material *material) {
 
   if (m.bump && !m.slopes)
     m.slopes = m.bump->slopes(m.strength);
+  if (m.scratches && !m.field)
+    m.field = scratcher.field(m.scratches->params);
   if (m.cloth) {
     if (!m.woven)
       m.woven = loom.woven(*m.cloth);
@@ -192,7 +195,7 @@ bool Scene::has_painted() const {
 
 bool Scene::has_bumps() const {
   for (size_t i = 0; i < materials.size(); i++)
-    if (materials[i]->bump)
+    if (materials[i]->bump || materials[i]->scratches)
       return true;
   return false;
 }
@@ -206,12 +209,13 @@ std::string Scene::json(const std::string &renderer) const {
     const Material &of = *materials[i];
     if (of.cloth)
       cloths[i] = of.cloth->json(of.id, of.name.c_str());
-    if (of.bump) { // where bumps widen a lobe its grooves stay where they were
+    const bool bumps = of.bump || of.scratches;
+    if (bumps) { // where bumps widen a lobe its grooves stay where they were
       static const double none[3] = {0.0, 0.0, 0.0};
       double angle;
       shade_params_widen(&of.params, NULL, none, &bumped[i], &angle);
     }
-    const shade_dump_material m = {of.name.c_str(), of.bump ? &bumped[i] : &of.params,
+    const shade_dump_material m = {of.name.c_str(), bumps ? &bumped[i] : &of.params,
                                    of.cloth ? cloths[i].c_str() : NULL};
     all.push_back(m);
   }

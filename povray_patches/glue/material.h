@@ -12,6 +12,7 @@
 
 #include "backend/mdf/bumpimage.h"
 #include "backend/mdf/cloth.h"
+#include "backend/mdf/scratches.h"
 #include "shade/albedo.h"
 #include "shade/shade.h"
 
@@ -32,17 +33,18 @@ struct Material {
   std::string name; // where it was written: "file:line"
   shade_params params;
   Tangent tangent;
-  double axis[3];                        // for TANGENT_AXIS and _RADIAL
-  double centre[3];                      // for TANGENT_RADIAL: a point of the axis
-  std::shared_ptr<const BumpImage> bump; // or NULL
-  double strength;                       // of bump
-  double bump_scale[2], bump_move[2];    // of its UV coordinates
-  bool reflects;                         // `reflection { }`
-  int samples;                           // rays at a hit, at most; 0: by the width of the lobe
-  double clamp;                          // the brightest that a ray may bring; 0: anything
-  std::shared_ptr<const Cloth> cloth;    // or NULL; then params are not its own
-  bool specular_pigment, kd_pigment;     // colours of the layer's pigment in place of f0, kd
-  int id;                                // position in the scene's list
+  double axis[3];                             // for TANGENT_AXIS and _RADIAL
+  double centre[3];                           // for TANGENT_RADIAL: a point of the axis
+  std::shared_ptr<const BumpImage> bump;      // or NULL
+  double strength;                            // of bump
+  double bump_scale[2], bump_move[2];         // of its UV coordinates
+  std::shared_ptr<const Scratches> scratches; // or NULL
+  bool reflects;                              // `reflection { }`
+  int samples;                                // rays at a hit, at most; 0: by the width of the lobe
+  double clamp;                               // the brightest that a ray may bring; 0: anything
+  std::shared_ptr<const Cloth> cloth;         // or NULL; then params are not its own
+  bool specular_pigment, kd_pigment;          // colours of the layer's pigment in place of f0, kd
+  int id;                                     // position in the scene's list
 
   bool by_axis() const { return tangent == TANGENT_AXIS || tangent == TANGENT_RADIAL; }
   bool has_pigment() const {
@@ -62,6 +64,7 @@ struct Material {
   std::shared_ptr<const Woven> woven;
   // The bump image from afar, likewise.
   std::shared_ptr<const shade_slope_map> slopes;
+  std::shared_ptr<const shade_scratch_field> field; // of scratches
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
   // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
   shade_bsdf black;
@@ -117,7 +120,7 @@ public:
   // Whether any block is a cloth, or has a diffuse part in a pigment's colours.
   bool has_cloth() const;
   bool has_painted() const;
-  bool has_bumps() const; // from an image
+  bool has_bumps() const; // from an image, or scratches
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
 
@@ -136,6 +139,7 @@ private:
   // equal blocks share one: scenes copy them in loops
   std::vector<std::pair<shade_params, std::shared_ptr<const shade_bsdf_albedo>>> albedos;
   Loom loom;
+  Scratcher scratcher;
 
   std::shared_ptr<const shade_bsdf_albedo> albedo_of(const shade_params &specular);
   std::set<std::string> warned;

@@ -449,6 +449,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
           Parse_Mdf_Preset(material);
         else if (word == mdf::BLOCK_FABRIC)
           Parse_Mdf_Fabric(material);
+        else if (word == mdf::BLOCK_SCRATCHES)
+          Parse_Mdf_Scratches(material);
         else if (word >= mdf::BLOCK_ROW)
           Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
         else if (word >= mdf::BLOCK_LIST)

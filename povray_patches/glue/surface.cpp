@@ -583,6 +583,57 @@ bool map_frame(const Vector3d &raw_normal, bool front, const Vector3d &du, const
   return true;
 }
 
+// A normal of the bump image over a footprint in the (u, v) plane, world space. Adds what slopes
+// do about it to a covariance in the map's frame.
+Vector3d image_normal(const mdf::Material &material, const UV_VECT uv, const double foot[4],
+                      const Vector3d &map_x, const Vector3d &map_y, const Vector3d &up,
+                      double covariance[3]) {
+  double at[2], over[4], n[3], spread[3];
+
+  for (int axis = 0; axis < 2; axis++) {
+    at[axis] = (uv[axis] - material.bump_move[axis]) / material.bump_scale[axis];
+    over[axis] = foot[axis] / material.bump_scale[axis];
+    over[2 + axis] = foot[2 + axis] / material.bump_scale[axis];
+  }
+  material.bump->normal(at[0], at[1], material.strength, over, material.slopes.get(), n, spread);
+  for (int i = 0; i < 3; i++)
+    covariance[i] += spread[i];
+  return n[X] * map_x + n[Y] * map_y + n[Z] * up;
+}
+
+// The same of scratches, which the texture's own transformations turn and scale in that plane.
+Vector3d scratch_normal(const mdf::Material &material, const FINISH *finish, const UV_VECT uv,
+                        const double foot[4], const Vector3d &map_x, const Vector3d &map_y,
+                        const Vector3d &up, double covariance[3]) {
+  const MATRIX &m = finish->Mdf_Space;
+  const double det = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X];
+  const double per_unit = material.scratches->per_unit();
+  // from the plane to the texture's: the inverse of m there
+  const double back[2][2] = {{per_unit * m[Y][Y] / det, -per_unit * m[Y][X] / det},
+                             {-per_unit * m[X][Y] / det, per_unit * m[X][X] / det}};
+  const double u = uv[U] - m[3][X], v = uv[V] - m[3][Y];
+  double over[4];
+  shade_slopes found;
+
+  for (int side = 0; side < 2; side++)
+    for (int axis = 0; axis < 2; axis++)
+      over[2 * side + axis] = back[axis][0] * foot[2 * side] + back[axis][1] * foot[2 * side + 1];
+  if (shade_scratch_eval(material.field.get(), back[0][0] * u + back[0][1] * v,
+                         back[1][0] * u + back[1][1] * v, over, NULL, &found) &
+      SHADE_BAD_INPUT)
+    return up;
+  // slopes back on the surface: along its own u and v, where the texture turned them
+  const double length = std::sqrt(fabs(det));
+  const double a = m[X][X] / length, b = m[X][Y] / length, c = m[Y][X] / length,
+               d = m[Y][Y] / length;
+  const double *const s = found.mean, *const k = found.covariance;
+  const double sx = a * s[0] + c * s[1], sy = b * s[0] + d * s[1];
+  covariance[0] += a * a * k[0] + 2.0 * a * c * k[1] + c * c * k[2];
+  covariance[1] += a * b * k[0] + (a * d + b * c) * k[1] + c * d * k[2];
+  covariance[2] += b * b * k[0] + 2.0 * b * d * k[1] + d * d * k[2];
+  return (up - sx * map_x - sy * map_y).normalized();
+}
+
 // Two bumps on one surface: their slopes -n.xy/n.z add, as heights would.
 Vector3d add_slopes(const Vector3d &a, const Vector3d &b, const Vector3d &up) {
   const double az = dot(a, up), bz = dot(b, up);
@@ -680,39 +731,39 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   const mdf::Shape &shape = (object->Mdf_Shape != NULL) ? *object->Mdf_Shape : unknown;
   const Vector3d N = raw_normal.normalized(), V = -Vector3d(ray.Direction).normalized();
   const bool dumped = p >= 0, by_axis = !cloth && material.by_axis();
-  const bool bumped = material.bump && shape.has_uv();
+  const bool bumped = material.bump && shape.has_uv(), scratched = material.field != NULL;
   Vector3d outside, du, dv, T, Ns = layer_normal.normalized();
   UV_VECT uv = {0.0, 0.0};
   bool has_directions = false;
 
-  if (shape.has_uv() && (bumped || dumped || cloth))
+  if (shape.has_uv() && (bumped || dumped || cloth || scratched))
     object->UVCoord(uv, &isect, thread);
-  if (!by_axis || bumped) {
+  if (!by_axis || bumped || scratched) {
     Intersection copy(isect); // Normal() wants to write to it
     if (shape.kind == mdf::Shape::MESH || bumped)
       object->Normal(*outside, &copy, thread);
     // a texture that is not turned by itself needs no dP/dv
     const bool turned = finish->Mdf_Space[X][Y] != 0.0 || !(finish->Mdf_Space[X][X] > 0.0);
-    has_directions = (cloth && !shape.has_uv()) ? planar_place(shape.kind, isect, N, uv, du, dv)
-                                                : uv_directions(shape, isect, N, outside, thread,
-                                                                bumped || turned || cloth, du, dv);
+    has_directions = ((cloth || scratched) && !shape.has_uv())
+                         ? planar_place(shape.kind, isect, N, uv, du, dv)
+                         : uv_directions(shape, isect, N, outside, thread,
+                                         bumped || turned || cloth || scratched, du, dv);
   }
 
   Vector3d map_x, map_y;
   double covariance[3] = {0.0, 0.0, 0.0};
-  if (bumped && has_directions) {
-    const bool front = (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0);
+  if ((bumped || scratched) && has_directions) {
+    const bool front = bumped && shape.has_uv()
+                           ? (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0)
+                           : true;
+    double foot[4];
+    uv_footprint(du, dv, V, size, foot);
     if (map_frame(N, front, du, dv, map_x, map_y)) {
-      double at[2], foot[4], n[3];
-      uv_footprint(du, dv, V, size, foot);
-      for (int axis = 0; axis < 2; axis++) {
-        at[axis] = (uv[axis] - material.bump_move[axis]) / material.bump_scale[axis];
-        foot[axis] /= material.bump_scale[axis];
-        foot[2 + axis] /= material.bump_scale[axis];
-      }
-      material.bump->normal(at[0], at[1], material.strength, foot, material.slopes.get(), n,
-                            covariance);
-      Ns = add_slopes(Ns, n[X] * map_x + n[Y] * map_y + n[Z] * N, N);
+      if (bumped)
+        Ns = add_slopes(Ns, image_normal(material, uv, foot, map_x, map_y, N, covariance), N);
+      if (scratched)
+        Ns = add_slopes(Ns, scratch_normal(material, finish, uv, foot, map_x, map_y, N, covariance),
+                        N);
     }
   }
 

@@ -88,6 +88,7 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_BLOCK], "reflection", BLOCK_REFLECTION);
   add(sets[WORDS_BLOCK], "preset", BLOCK_PRESET);
   add(sets[WORDS_BLOCK], "fabric", BLOCK_FABRIC);
+  add(sets[WORDS_BLOCK], "scratches", BLOCK_SCRATCHES);
   sets[WORDS_RADIAL] = sets[WORDS_BLOCK];
   add(sets[WORDS_RADIAL], "at", BLOCK_AT);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);
@@ -100,6 +101,17 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_REFLECTION], "samples", REFLECTION_SAMPLES);
   add(sets[WORDS_REFLECTION], "clamp", REFLECTION_CLAMP);
   add_cloth(sets);
+  add(sets[WORDS_SCRATCHES], "preset", SCRATCH_PRESET);
+  add(sets[WORDS_SCRATCHES], "tile_mm", SCRATCH_TILE_MM);
+  add(sets[WORDS_SCRATCHES], "mm_per_unit", SCRATCH_MM_PER_UNIT);
+  add(sets[WORDS_SCRATCHES], "seed", SCRATCH_SEED);
+  add(sets[WORDS_SCRATCHES], "layer", SCRATCH_LAYER);
+  add(sets[WORDS_LAYER], "pits", LAYER_PITS);
+  add(sets[WORDS_LAYER], "radius", LAYER_RADIUS);
+  add(sets[WORDS_LAYER], "stretch", LAYER_STRETCH);
+  add(sets[WORDS_LAYER], "depth", LAYER_DEPTH);
+  add(sets[WORDS_LAYER], "direction", LAYER_DIRECTION);
+  add(sets[WORDS_LAYER], "spread", LAYER_SPREAD);
   return sets;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "shade/fabric.h"
+#include "shade/maps.h"
 
 namespace mdf {
 
@@ -22,6 +23,8 @@ enum WordSet {
   WORDS_FABRIC,     // inside fabric { }
   WORDS_YARN,       // inside warp { } and weft { }
   WORDS_OCCLUSION,  // after `occlusion`
+  WORDS_SCRATCHES,  // inside scratches { }
+  WORDS_LAYER,      // inside scratches { layer { } }
   WORDS_LIST        // and on, words_of_list(): after the name of a list of the table
 };
 
@@ -36,6 +39,7 @@ enum BlockWord {
   BLOCK_REFLECTION,
   BLOCK_PRESET,
   BLOCK_FABRIC,
+  BLOCK_SCRATCHES,
   BLOCK_AT // of WORDS_RADIAL
 };
 
@@ -62,6 +66,22 @@ enum FabricWord {
 enum TangentWord { TANGENT_UV, TANGENT_AROUND };
 enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH, IMAGE_SCALE, IMAGE_TRANSLATE };
 enum ReflectionWord { REFLECTION_SAMPLES, REFLECTION_CLAMP };
+
+enum ScratchWord {
+  SCRATCH_PRESET,
+  SCRATCH_TILE_MM,
+  SCRATCH_MM_PER_UNIT,
+  SCRATCH_SEED,
+  SCRATCH_LAYER
+};
+enum LayerWord {
+  LAYER_PITS,
+  LAYER_RADIUS,
+  LAYER_STRETCH,
+  LAYER_DEPTH,
+  LAYER_DIRECTION,
+  LAYER_SPREAD
+};
 
 inline WordSet words_of_list(shade_list list) {
   return (WordSet)((int)WORDS_LIST + (int)list);

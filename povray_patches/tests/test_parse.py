@@ -8,7 +8,7 @@ import pytest
 from scenes import HEADER, SUN, saddle, scene
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, tangent, "
-         "specular, roughness, bump_image, reflection, preset, fabric or }")
+         "specular, roughness, bump_image, reflection, preset, fabric, scratches or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
            "deform_linear_conserving or deform_smooth_conserving")
 

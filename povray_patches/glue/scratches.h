@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// `scratches { }`: a field of scratches in the (u, v) plane. No type of POV-Ray's appears here.
+#ifndef POVRAY_BACKEND_MDF_SCRATCHES_H
+#define POVRAY_BACKEND_MDF_SCRATCHES_H
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "shade/maps.h"
+#include "shade/presets.h"
+
+namespace mdf {
+
+struct Scratches {
+  Scratches(); // fine ones along u
+
+  shade_scratch_params params; // lengths in tiles
+  double tile_mm;              // width of the tile that repeats
+  double mm_per_unit;          // what one unit of u or v spans
+
+  void take(const shade_preset &preset);
+  double per_unit() const { return mm_per_unit / tile_mm; }
+};
+
+// Fields are made once for equal numbers: scenes copy blocks in loops.
+class Scratcher {
+public:
+  // Throws std::bad_alloc.
+  std::shared_ptr<const shade_scratch_field> field(const shade_scratch_params &params);
+
+private:
+  std::vector<std::pair<shade_scratch_params, std::shared_ptr<const shade_scratch_field>>> made;
+};
+
+} // namespace mdf
+
+#endif
