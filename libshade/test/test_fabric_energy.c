@@ -12,11 +12,19 @@ static double albedo(const shade_fabric *f, const double uv[2], const double foo
                      shade_fabric_tier tier, const double wo[3]) {
   enum { RINGS = 32, SPOKES = 64 };
   double sum[3] = {0, 0, 0};
+  shade_fabric_point p;
+  shade_fabric_hit hit;
+  shade_fabric_point_init(f, &p);
+  for (int c = 0; c < 2; c++) {
+    p.uv[c] = uv[c];
+    p.footprint[c] = footprint[c];
+  }
+  shade_fabric_prepare(f, &p, wo, tier, &hit, NULL);
   for (int i = 0; i < RINGS; i++)
     for (int j = 0; j < SPOKES; j++) {
       double z = (i + 0.5) / RINGS, phi = 2 * PI * (j + 0.5 * (i % 2)) / SPOKES, wi[3], s[3];
       spherical(acos(z), phi, wi);
-      shade_fabric_eval(f, uv, footprint, NULL, wi, wo, tier, s);
+      shade_fabric_hit_eval(f, &hit, wi, s);
       for (int c = 0; c < 3; c++)
         sum[c] += s[c] * 2 * PI / (RINGS * SPOKES);
     }

@@ -332,7 +332,8 @@ static void albedo_is_the_integral(void **state) {
   const double all[2] = {1e6, 1e6}, none[2] = {0, 0};
   uint64_t seed = 31;
   double worst = 0;
-  for (int name = 0; name < 3; name += FEWER) {
+  /* sanitizers see the one of fewest lobes */
+  for (int name = FEWER > 1 ? 2 : 0; name < 3; name += FEWER) {
     cloth c = open_cloth(names[name], transmits);
     shade_fabric_albedo *table = shade_fabric_albedo_create(c.fabric);
     assert_non_null(table);

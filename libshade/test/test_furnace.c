@@ -20,11 +20,16 @@ static grid g;
  */
 static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3],
                      const double pole[3], const double wo[3]) {
+  static double spoke[SPOKES][2];
+  for (int k = 0; k < SPOKES; k++) {
+    spoke[k][0] = cos(2 * PI * (k + 0.5) / SPOKES);
+    spoke[k][1] = sin(2 * PI * (k + 0.5) / SPOKES);
+  }
   for (int i = 0; i < POINTS; i++) {
     /* slope = alpha r; r = s/(1 - s) covers all of it */
-    double s = (i / SPOKES + 0.5) / RINGS, phi = 2 * PI * (i % SPOKES + 0.5) / SPOKES;
+    double s = (i / SPOKES + 0.5) / RINGS;
     double r = s / (1 - s), dr = 1 / ((1 - s) * (1 - s)) / RINGS;
-    double sx = ax * r * cos(phi), sy = ay * r * sin(phi);
+    double sx = ax * r * spoke[i % SPOKES][0], sy = ay * r * spoke[i % SPOKES][1];
     double z = 1 / sqrt(1 + sx * sx + sy * sy);
     double dh = z * z * z * ax * ay * r * dr * 2 * PI / SPOKES;
     double hx = sx * z, hy = sy * z, hz = z;
