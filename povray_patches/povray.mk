@@ -7,7 +7,9 @@ POVRAY := $(B)/povray/povray
 povray: setup-povray $(B)/libshade_dump.a $(B)/libshade.a
 	@$(P)/build.sh $(B)/povray libshade $(B)/libshade_dump.a $(B)/libshade.a
 
-# "no existing scene changes", on its own (about 50 s); also one of the tests
+# "no existing scene changes", and 200 broken blocks, on their own (about 3 min); also in the tests,
+# where the broken blocks are 25
 .PHONY: check-povray-scenes
-check-povray-scenes: povray
+check-povray-scenes: povray setup-test
 	$(P)/check.sh $(POVRAY) povray $(B)/povray/src/distribution
+	MUTATED=200 $(PY) -m pytest -q $(P)/tests/test_mutated.py
