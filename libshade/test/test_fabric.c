@@ -149,14 +149,40 @@ static void near_is_the_reference(void **state) {
 /* Mean of the near model over many crossings, and the standard error of its brightest channel. */
 static double near_mean(const cloth *c, int points, const double wi[3], const double wo[3],
                         double mean[3]) {
+  enum { BATCH = 4096 };
+  static double in[9][BATCH], out[3][BATCH];
+  const shade_fabric_lanes lanes = {.size = sizeof lanes,
+                                    .u = in[0],
+                                    .v = in[1],
+                                    .du = in[2],
+                                    .dv = in[2],
+                                    .wix = in[3],
+                                    .wiy = in[4],
+                                    .wiz = in[5],
+                                    .wox = in[6],
+                                    .woy = in[7],
+                                    .woz = in[8]};
+  const shade_fabric_result result = {.size = sizeof result, .r = out[0], .g = out[1], .b = out[2]};
+  for (int i = 0; i < BATCH; i++)
+    for (int j = 0; j < 3; j++) {
+      in[3 + j][i] = wi[j];
+      in[6 + j][i] = wo[j];
+    }
   double square = 0, sum[3] = {0, 0, 0};
-  for (int k = 0; k < points; k++) {
-    double uv[2], s[3];
-    point(k, 4096, uv);
-    shade_fabric_eval(c->fabric, uv, NULL, NULL, wi, wo, SHADE_TIER_NEAR, s);
-    for (int j = 0; j < 3; j++)
-      sum[j] += s[j];
-    square += s[1] * s[1];
+  assert_int_equal(points % BATCH, 0);
+  for (int start = 0; start < points; start += BATCH) {
+    for (int i = 0; i < BATCH; i++) {
+      double uv[2];
+      point(start + i, 4096, uv);
+      in[0][i] = uv[0];
+      in[1][i] = uv[1];
+    }
+    shade_fabric_eval_batch(c->fabric, BATCH, &lanes, SHADE_TIER_NEAR, &result);
+    for (int i = 0; i < BATCH; i++) {
+      for (int j = 0; j < 3; j++)
+        sum[j] += out[j][i];
+      square += out[1][i] * out[1][i];
+    }
   }
   for (int j = 0; j < 3; j++)
     mean[j] = sum[j] / points;
