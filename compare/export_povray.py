@@ -127,7 +127,7 @@ def bump_image(socket, material, folder):
     if strength > 1 and bpy.app.version < (3, 5):
         raise ExportError(f"{what}: Blender {bpy.app.version_string} mixes normals by the strength, {strength:.3g}; "
                           "POV-Ray's multiplies slopes, as later Blenders do: only up to 1 can be written")
-    return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} }}'
+    return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} filter off }}'
 
 
 def choices_text(node):

@@ -12,10 +12,10 @@
 namespace mdf {
 
 Material::Material()
-    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), bump_scale(), bump_move(),
-      reflects(false), samples(0), clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1),
-      bsdf(), specular(), diffuse(), has_diffuse(false), black(), widened(), widened_black(),
-      width(0.0), rays(1) {
+    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_scale(),
+      bump_move(), reflects(false), samples(0), clamp(0.0), specular_pigment(false),
+      kd_pigment(false), id(-1), bsdf(), specular(), diffuse(), has_diffuse(false), black(),
+      widened(), widened_black(), width(0.0), rays(1) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -195,7 +195,7 @@ bool Scene::has_painted() const {
 
 bool Scene::has_bumps() const {
   for (size_t i = 0; i < materials.size(); i++)
-    if (materials[i]->bump || materials[i]->scratches)
+    if ((materials[i]->bump && materials[i]->filtered) || materials[i]->scratches)
       return true;
   return false;
 }
@@ -209,7 +209,7 @@ std::string Scene::json(const std::string &renderer) const {
     const Material &of = *materials[i];
     if (of.cloth)
       cloths[i] = of.cloth->json(of.id, of.name.c_str());
-    const bool bumps = of.bump || of.scratches;
+    const bool bumps = (of.bump && of.filtered) || of.scratches;
     if (bumps) { // where bumps widen a lobe its grooves stay where they were
       static const double none[3] = {0.0, 0.0, 0.0};
       double angle;

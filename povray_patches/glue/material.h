@@ -37,6 +37,7 @@ struct Material {
   double centre[3];                           // for TANGENT_RADIAL: a point of the axis
   std::shared_ptr<const BumpImage> bump;      // or NULL
   double strength;                            // of bump
+  bool filtered;                              // bumps below a pixel are roughness
   double bump_scale[2], bump_move[2];         // of its UV coordinates
   std::shared_ptr<const Scratches> scratches; // or NULL
   bool reflects;                              // `reflection { }`

@@ -220,6 +220,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
 
   Parse_Begin();
   material.strength = 1.0;
+  material.filtered = true;
   for (int axis = 0; axis < 2; axis++) {
     material.bump_scale[axis] = 1.0;
     material.bump_move[axis] = 0.0;
@@ -230,7 +231,12 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
     CASE (MDF_WORD_TOKEN)
       if (Token.Function_Id == mdf::IMAGE_STRENGTH)
         Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
-      else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
+      else if (Token.Function_Id == mdf::IMAGE_FILTER) {
+        Get_Token();
+        if (Token.Function_Id != ON_TOKEN && Token.Function_Id != OFF_TOKEN)
+          Expectation_Error("on or off");
+        material.filtered = Token.Function_Id == ON_TOKEN;
+      } else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
         const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
         UV_VECT both;
         Parse_UV_Vect(both);

@@ -592,8 +592,8 @@ Vector3d image_normal(const mdf::Material &material, const UV_VECT uv, const dou
 
   for (int axis = 0; axis < 2; axis++) {
     at[axis] = (uv[axis] - material.bump_move[axis]) / material.bump_scale[axis];
-    over[axis] = foot[axis] / material.bump_scale[axis];
-    over[2 + axis] = foot[2 + axis] / material.bump_scale[axis];
+    over[axis] = material.filtered ? foot[axis] / material.bump_scale[axis] : 0.0;
+    over[2 + axis] = material.filtered ? foot[2 + axis] / material.bump_scale[axis] : 0.0;
   }
   material.bump->normal(at[0], at[1], material.strength, over, material.slopes.get(), n, spread);
   for (int i = 0; i < 3; i++)

@@ -98,6 +98,7 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_IMAGE], "strength", IMAGE_STRENGTH);
   add(sets[WORDS_IMAGE], "scale", IMAGE_SCALE);
   add(sets[WORDS_IMAGE], "translate", IMAGE_TRANSLATE);
+  add(sets[WORDS_IMAGE], "filter", IMAGE_FILTER);
   add(sets[WORDS_REFLECTION], "samples", REFLECTION_SAMPLES);
   add(sets[WORDS_REFLECTION], "clamp", REFLECTION_CLAMP);
   add_cloth(sets);

@@ -389,3 +389,9 @@ def test_scale_and_translate_move_the_map(render, fine):
     by_uv = render(PLATE + text, size=(64, 64)).dump
     assert moved.Ns == pytest.approx(by_uv.Ns, abs=1e-5)
     assert moved.S == pytest.approx(by_uv.S, rel=1e-3, abs=1e-6)
+
+
+def test_without_a_filter_a_pixel_is_a_point(render, fine):
+    dump = render(PLATE + plate("beckmann .18, .36", 'png "fine.png" filter off'), size=(32, 32)).dump
+    assert "alpha.X" not in dump.channels
+    assert np.abs(dump.Ns[..., 0]).max() > .1

@@ -157,7 +157,7 @@ sphere { y, .5 pigment { rgb 1 } }
     ("tangent radial y at <0, 1e300 * 1e300, 0>", "mdf: tangent radial's point is not finite."),
     ("at <0, 1, 0>", f"Expected '{WORDS}', undeclared identifier 'at' found instead"),
     ("bump_image { }", "Expected 'png \"file\" or exr \"file\"'"),
-    ("bump_image { jpeg \"a.jpg\" }", "Expected 'png, exr, strength, scale, translate or }', jpeg found instead"),
+    ("bump_image { jpeg \"a.jpg\" }", "Expected 'png, exr, strength, scale, translate, filter or }', jpeg found instead"),
     ("bump_image { png \"missing.png\" }", "mdf: cannot open the bump_image file 'missing.png'."),
     ("bump_image { exr \"missing\" }", "mdf: cannot open the bump_image file 'missing'."),
     ("bump_image { png \"broken.png\" }", "mdf: cannot read the bump_image file 'broken.png'"),

@@ -38,7 +38,7 @@ background { rgb <0.012, 0.014, 0.018> }
       fresnel schlick
       specular rgb <0.62, 0.62, 0.65>
       tangent uv
-      bump_image { png "../textures/turned.png" }
+      bump_image { png "../textures/turned.png" filter off }
     }
   }
 }
