@@ -287,8 +287,6 @@ void ShadedPoint::Rough::back(const double turned[3], double v[3]) const {
 void ShadedPoint::roughen(const double covariance[3], int level) {
   if (!(covariance[0] + covariance[2] > 1e-9)) // less than any lobe's own
     return;
-  shade_params black;
-
   rough.reset(new Rough);
   shade_params p = widened(material->params, level);
   shade_params_widen(&p, normal, covariance, &rough->params, &rough->angle);
@@ -296,7 +294,7 @@ void ShadedPoint::roughen(const double covariance[3], int level) {
   rough->s = std::sin(rough->angle);
   shade_bsdf_setup(&rough->specular, &rough->params);
   if (material->specular_pigment) {
-    black = rough->params;
+    shade_params black = rough->params;
     for (int c = 0; c < 3; c++)
       black.f0[c] = 0.0;
     shade_bsdf_setup(&rough->black, &black);

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <memory>
 
 #include "base/fileinputoutput.h"
@@ -23,6 +21,17 @@
 
 namespace pov {
 
+// `off` in place of what is in braces.
+bool Parser::Parse_Mdf_Off() {
+  Get_Token();
+  if (Token.Function_Id == OFF_TOKEN)
+    return true;
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expectation_Error("{ or off");
+  Unget_Token();
+  return false;
+}
+
 // A name in quotes.
 std::string Parser::Parse_Mdf_String(const std::string &what) {
   Get_Token();
@@ -37,32 +46,47 @@ std::string Parser::Parse_Mdf_String(const std::string &what) {
 
 namespace {
 
-enum Kinds { CLOTHS = 1, METALS = 2 };
-
-// "a, b, c" of the presets of these kinds.
-std::string presets_of(int kinds) {
+// "a, b, c" of the presets of a kind.
+std::string presets_of(shade_preset_kind kind) {
   std::string all;
   shade_preset preset;
 
   for (int row = 0; shade_preset_row(row, &preset); row++)
-    if (kinds & (preset.kind == SHADE_PRESET_FABRIC ? CLOTHS : METALS))
+    if (preset.kind == kind)
       all += (all.empty() ? "" : ", ") + std::string(preset.word);
   return all;
 }
 
 } // namespace
 
-void Parser::Parse_Mdf_Preset(mdf::Material &material) {
+// A preset by its name in quotes; of any kind, or of one.
+void Parser::Parse_Mdf_Preset_Named(bool cloths, bool metals, shade_preset &preset) {
   const std::string name = Parse_Mdf_String("preset");
+
+  if (shade_preset_find(name.c_str(), &preset) &&
+      (preset.kind == SHADE_PRESET_FABRIC ? cloths : metals))
+    return;
+  std::string there;
+  if (cloths)
+    there += " Cloths: " + presets_of(SHADE_PRESET_FABRIC) + ".";
+  if (metals)
+    there += " Metals: " + presets_of(SHADE_PRESET_METAL) + ".";
+  Error("mdf: there is no %s \"%s\".%s",
+        cloths && metals ? "preset"
+        : cloths         ? "cloth"
+                         : "metal",
+        name.c_str(), there.c_str());
+}
+
+void Parser::Parse_Mdf_Preset(mdf::Material &material) {
   shade_preset preset;
 
-  if (!shade_preset_find(name.c_str(), &preset))
-    Error("mdf: there is no preset \"%s\". Cloths: %s. Metals: %s.", name.c_str(),
-          presets_of(CLOTHS).c_str(), presets_of(METALS).c_str());
+  Parse_Mdf_Preset_Named(true, true, preset);
   if (preset.kind == SHADE_PRESET_FABRIC) {
     const std::shared_ptr<mdf::Cloth> cloth(new mdf::Cloth);
     cloth->take(preset);
     material.cloth = cloth;
+    material.scratches.reset(); // of a metal that it was
     return;
   }
   material.cloth.reset();
@@ -75,163 +99,15 @@ void Parser::Parse_Mdf_Preset(mdf::Material &material) {
   material.specular_pigment = material.kd_pigment = false;
 }
 
-// `scratches { … }`, `scratches off`.
-void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
-  Get_Token();
-  if (Token.Function_Id == OFF_TOKEN) {
-    material.scratches.reset();
-    return;
-  }
-  if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expectation_Error("{ or off");
-  Unget_Token();
-
-  const std::shared_ptr<mdf::Scratches> scratches(
-      material.scratches ? new mdf::Scratches(*material.scratches) : new mdf::Scratches);
-  const mdf::WordScope words(Mdf_Words, mdf::WORDS_SCRATCHES);
-  bool first = true;
-  double number;
-
-  Parse_Begin();
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      switch (Token.Function_Id) {
-      case mdf::SCRATCH_PRESET: {
-        const std::string name = Parse_Mdf_String("preset");
-        shade_preset preset;
-        if (!shade_preset_find(name.c_str(), &preset) || preset.kind != SHADE_PRESET_METAL)
-          Error("mdf: there is no metal \"%s\"; there are: %s.", name.c_str(), presets_of(METALS).c_str());
-        scratches->take(preset);
-        break;
-      }
-      case mdf::SCRATCH_TILE_MM:
-        scratches->tile_mm = Parse_Mdf_Size("tile_mm");
-        break;
-      case mdf::SCRATCH_MM_PER_UNIT:
-        scratches->mm_per_unit = Parse_Mdf_Size("mm_per_unit");
-        break;
-      case mdf::SCRATCH_SEED:
-        Parse_Mdf_Numbers("seed", 1, &number);
-        scratches->params.seed = (uint64_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
-        break;
-      default:
-        if (first) // the first layer takes the place of those that were there
-          scratches->params.layers = 0;
-        else if (scratches->params.layers == SHADE_SCRATCH_LAYERS)
-          Error("mdf: scratches have %d layers at most.", (int)SHADE_SCRATCH_LAYERS);
-        first = false;
-        Parse_Mdf_Layer(*scratches);
-      }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_SCRATCHES, "}");
-    END_CASE
-  END_EXPECT
-  // clang-format on
-  Parse_End();
-  material.scratches = scratches;
-}
-
-// `a, b`, within limits: the ends of a range.
-void Parser::Parse_Mdf_Range(const std::string &what, double least, double most, double unit,
-                             shade_range &range) {
-  double *const ends[2] = {&range.low, &range.high};
-
-  for (int i = 0; i < 2; i++) {
-    double number;
-    if (i > 0)
-      Parse_Comma();
-    Parse_Mdf_Numbers(what, 1, &number);
-    *ends[i] = std::min(std::max(number / unit, least), most);
-    if (*ends[i] != number / unit)
-      Warn_Mdf_Number(what, number, *ends[i] * unit);
-  }
-  if (range.low > range.high)
-    std::swap(range.low, range.high);
-}
-
-void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
-  const mdf::WordScope words(Mdf_Words, mdf::WORDS_LAYER);
-  const mdf::Scratches plain;
-  shade_scratch_layer &layer = scratches.params.layer[scratches.params.layers];
-  const double degree = M_PI / 180.0;
-  double number;
-
-  layer = plain.params.layer[0];
-  Parse_Begin();
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      switch (Token.Function_Id) {
-      case mdf::LAYER_PITS: {
-        Parse_Mdf_Numbers("pits", 1, &number);
-        const double taken = floor(std::min(std::max(number, 0.0), (double)SHADE_SCRATCH_MAX_PITS));
-        if (taken != number)
-          Warn_Mdf_Number("pits", number, taken);
-        layer.pits = (uint32_t)taken;
-        break;
-      }
-      case mdf::LAYER_RADIUS:
-        Parse_Mdf_Range("radius", 1e-6, 0.5, scratches.tile_mm, layer.radius);
-        break;
-      case mdf::LAYER_STRETCH:
-        Parse_Mdf_Range("stretch", 1.0, 1e5, 1.0, layer.stretch);
-        break;
-      case mdf::LAYER_DEPTH:
-        Parse_Mdf_Range("depth", 0.0, 0.99, 1.0, layer.depth);
-        break;
-      case mdf::LAYER_DIRECTION:
-        Parse_Mdf_Numbers("direction", 1, &number);
-        layer.direction = degree * number;
-        break;
-      default:
-        Parse_Mdf_Numbers("spread", 1, &number);
-        layer.spread = degree * std::min(std::max(number, 0.0), 90.0);
-        if (number < 0.0 || number > 90.0)
-          Warn_Mdf_Number("spread", number, layer.spread / degree);
-      }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_LAYER, "}");
-    END_CASE
-  END_EXPECT
-  // clang-format on
-  Parse_End();
-  scratches.params.layers++;
-}
-
 // A number, or a colour, that is kept at `place`.
 void Parser::Parse_Mdf_Number_Of(const std::string &what, const shade_param_info &info,
                                  double *place) {
   double v[3];
-  bool changed = false;
 
   Parse_Mdf_Numbers(what, info.components, v);
-  for (int c = 0; c < info.components; c++) {
+  for (int c = 0; c < info.components; c++)
     place[c] = std::min(std::max(v[c], info.minimum), info.maximum);
-    changed = changed || place[c] != v[c];
-  }
-  if (changed && info.components == 1)
-    Warn_Mdf_Number(what, v[0], place[0]);
-  else if (changed) {
-    char text[160];
-    snprintf(text, sizeof text, " is <%g, %g, %g>; it is taken as <%g, %g, %g>.", v[0], v[1], v[2],
-             place[0], place[1], place[2]);
-    Warn_Mdf(what + text);
-  }
+  Warn_Mdf_Numbers(what, info.components, v, place);
 }
 
 // How much, or how many: above 0.
@@ -378,6 +254,7 @@ void Parser::Parse_Mdf_Weave(mdf::Cloth &cloth) {
 }
 
 void Parser::Parse_Mdf_Draft(mdf::Cloth &cloth) {
+  const size_t MOST_BYTES = (size_t)64 << 20; // far beyond any draft; some files never end
   const std::string name = Parse_Mdf_String("draft");
   UCS2String found;
   const std::unique_ptr<IStream> file(Locate_File(this, sceneData, ASCIItoUCS2String(name.c_str()),
@@ -387,8 +264,12 @@ void Parser::Parse_Mdf_Draft(mdf::Cloth &cloth) {
     Error("mdf: cannot open the draft '%s'.", name.c_str());
   std::string text; // byte by byte: read() is all or nothing
   char message[512];
-  for (int byte = file->Read_Byte(); byte != EOF; byte = file->Read_Byte())
+  for (int byte = file->Read_Byte(); byte != EOF; byte = file->Read_Byte()) {
+    if (text.size() == MOST_BYTES)
+      Error("mdf: cannot read the draft '%s': it is longer than %d MiB.", name.c_str(),
+            (int)(MOST_BYTES >> 20));
     text += (char)byte;
+  }
   const std::shared_ptr<const shade_draft> draft(
       shade_wif_parse(text.data(), text.size(), name.c_str(), message, sizeof message),
       [](const shade_draft *d) { shade_draft_free(const_cast<shade_draft *>(d)); });
@@ -416,13 +297,19 @@ void Parser::Parse_Mdf_Crossings(mdf::Cloth &cloth) {
   }
 }
 
+// `fabric { … }`; `fabric off` where a finish that this one began with is cloth.
 void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
+  if (Parse_Mdf_Off()) {
+    material.cloth.reset();
+    return;
+  }
   // of the finish that this one began with
   const std::shared_ptr<mdf::Cloth> cloth(material.cloth ? new mdf::Cloth(*material.cloth)
                                                          : new mdf::Cloth);
   const mdf::WordScope words(Mdf_Words, mdf::WORDS_FABRIC);
   shade_fabric_params &p = cloth->material;
   shade_param_info info;
+  shade_preset preset;
   double number;
   int word;
 
@@ -432,14 +319,10 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
     CASE (MDF_WORD_TOKEN)
       word = Token.Function_Id;
       switch (word) {
-      case mdf::FABRIC_PRESET: {
-        const std::string name = Parse_Mdf_String("preset");
-        shade_preset preset;
-        if (!shade_preset_find(name.c_str(), &preset) || preset.kind != SHADE_PRESET_FABRIC)
-          Error("mdf: there is no cloth \"%s\"; there are: %s.", name.c_str(), presets_of(CLOTHS).c_str());
+      case mdf::FABRIC_PRESET:
+        Parse_Mdf_Preset_Named(true, false, preset);
         cloth->take(preset);
         break;
-      }
       case mdf::FABRIC_WEAVE:
         Parse_Mdf_Weave(*cloth);
         break;
@@ -509,6 +392,7 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
   // clang-format on
   Parse_End();
   material.cloth = cloth;
+  material.scratches.reset();
 }
 
 void Parser::Parse_Mdf_Cloth_Choice(shade_fabric_params &p, shade_list list) {

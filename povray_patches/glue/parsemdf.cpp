@@ -76,12 +76,23 @@ void Parser::Warn_Mdf(const std::string &text) {
     Warning(0, "mdf: %s", text.c_str());
 }
 
-// A number out of range.
-void Parser::Warn_Mdf_Number(const std::string &what, double written, double taken) {
-  char text[80];
+// A number, or a colour, that was out of range.
+void Parser::Warn_Mdf_Numbers(const std::string &what, int count, const double *written,
+                              const double *taken) {
+  char text[160];
 
-  snprintf(text, sizeof text, " is %g; it is taken as %g.", written, taken);
+  if (std::equal(written, written + count, taken))
+    return;
+  if (count == 3)
+    snprintf(text, sizeof text, " is <%g, %g, %g>; it is taken as <%g, %g, %g>.", written[0],
+             written[1], written[2], taken[0], taken[1], taken[2]);
+  else
+    snprintf(text, sizeof text, " is %g; it is taken as %g.", written[0], taken[0]);
   Warn_Mdf(what + text);
+}
+
+void Parser::Warn_Mdf_Number(const std::string &what, double written, double taken) {
+  Warn_Mdf_Numbers(what, 1, &written, &taken);
 }
 
 // The error for a token that is none of these words (`last` as in expected_words).
@@ -150,7 +161,6 @@ bool Parser::Parse_Mdf_Pigment() {
 void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
   shade_param_info info;
   double v[3], set[3];
-  bool changed = false;
 
   shade_param_row(row, &info);
   if (info.components == 3) {
@@ -161,18 +171,7 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
   Parse_Mdf_Numbers(word, info.components, v);
   shade_params_set(&material.params, row, v);
   shade_params_get(&material.params, row, set);
-  for (int c = 0; c < info.components; c++)
-    changed = changed || set[c] != v[c];
-  if (!changed)
-    return;
-
-  char text[160];
-  if (info.components == 3)
-    snprintf(text, sizeof text, "<%g, %g, %g>; it is taken as <%g, %g, %g>.", v[0], v[1], v[2],
-             set[0], set[1], set[2]);
-  else
-    snprintf(text, sizeof text, "%g; it is taken as %g.", v[0], set[0]);
-  Warn_Mdf(word + " is " + text);
+  Warn_Mdf_Numbers(word, info.components, v, set);
 }
 
 // The numbers that a choice reads, in the order of the table.

@@ -753,9 +753,8 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   Vector3d map_x, map_y;
   double covariance[3] = {0.0, 0.0, 0.0};
   if ((bumped || scratched) && has_directions) {
-    const bool front = bumped && shape.has_uv()
-                           ? (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0)
-                           : true;
+    const bool front =
+        !bumped || (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0);
     double foot[4];
     uv_footprint(du, dv, V, size, foot);
     if (map_frame(N, front, du, dv, map_x, map_y)) {
@@ -797,10 +796,12 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     gaps = 1.0 - shaded.lay(place);
   }
   both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
+  if (!dumped)
+    return;
   double alpha[2], angle;
   shaded.lobe(alpha, &angle);
   // a dump has no room for the colours of yarns, nor for fibres that run elsewhere than the grooves
-  if (dumped && !(cloth && material.has_pigment()) &&
+  if (!(cloth && material.has_pigment()) &&
       !(angle != 0.0 && material.has_diffuse && material.params.diffuse != SHADE_DIFFUSE_LAMBERT) &&
       d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V, rgb, cloth ? &place : NULL, gaps,
              alpha, angle)) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "shade/fabric.h"
-#include "shade/maps.h"
+#include "shade/presets.h"
 
 namespace mdf {
 
