@@ -55,7 +55,8 @@ def _curve_float(reader, found):
 
 
 # Colour of a black body of luminance 1, Rec. 709: from a temperature on, red and green are
-# a / t + b t + c, blue is a polynomial. Fitted to what Cycles 3.4 and 5.0 say, within 1e-6.
+# a / t + b t + c, blue is a polynomial: forms and stretches are those of Cycles, the numbers fitted to
+# what its 3.4 and 5.0 say, within 1e-6.
 _HOT = (
     (800, (1.61919904e3, -2.05009840e-3, 5.02993546), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),
     (965, (2.48845963e3, -1.11330365e-3, 3.22620128),
