@@ -45,15 +45,17 @@ Vector3d axis_vector(int axis) {
 // v without its part along the unit vector n, normalised. False if nothing is
 // left.
 bool orthogonalise(Vector3d &v, const Vector3d &n) {
-  const double before = v.length();
+  const double before = v.lengthSqr();
   v -= n * dot(v, n);
-  const double after = v.length();
+  const double after = v.lengthSqr();
 
-  if (!(after > 1e-9 * before) || !std::isfinite(after))
+  if (!(after > 1e-18 * before) || !std::isfinite(after))
     return false;
-  v /= after;
-  v -= n * dot(v, n); // once more: v may have been almost along n
-  v.normalize();
+  v /= std::sqrt(after);
+  if (after < 1e-2 * before) { // v was almost along n: what rounding left of it counts
+    v -= n * dot(v, n);
+    v.normalize();
+  }
   return true;
 }
 
@@ -292,15 +294,13 @@ bool difference_directions(const Intersection &isect, const Vector3d &raw_normal
   return false;
 }
 
-// dP/du alone, where u is an angle about an axis. False on the axis, and for a
-// box.
-bool round_direction(mdf::Shape::Kind kind, const Intersection &isect, Vector3d &du) {
+// A point of the object in the space where its UV coordinates are what uv_gradients says, from the
+// middle of a sphere. Returns what leads from there to the world; NULL: nothing.
+const TRANSFORM *uv_space(mdf::Shape::Kind kind, const Intersection &isect, Vector3d &p) {
   const ObjectBase *object = isect.Object;
   const TRANSFORM *space = (kind == mdf::Shape::SPHERE) ? object->UV_Trans : object->Trans;
-  Vector3d p(isect.IPoint);
 
-  if (kind == mdf::Shape::BOX)
-    return false;
+  p = Vector3d(isect.IPoint);
   if (kind == mdf::Shape::SPHERE) {
     Vector3d centre(static_cast<const Sphere *>(object)->Center);
     if (object->Trans != NULL)
@@ -310,12 +310,74 @@ bool round_direction(mdf::Shape::Kind kind, const Intersection &isect, Vector3d 
       MInvTransDirection(*p, *p, space);
   } else if (space != NULL)
     MInvTransPoint(*p, *p, space);
+  return space;
+}
+
+// dP/du alone, where u is an angle about an axis. False on the axis.
+bool round_direction(mdf::Shape::Kind kind, const Intersection &isect, Vector3d &du) {
+  Vector3d p;
+  const TRANSFORM *space = uv_space(kind, isect, p);
+
   if (!(p[X] * p[X] + p[Z] * p[Z] > EPSILON * dot(p, p)))
     return false;
   du = moved(Vector3d(-p[Z], 0.0, p[X]), space);
   if (kind == mdf::Shape::TORUS)
     du = -du;
   return true;
+}
+
+// How u and v change over space, in that of uv_space. False where they are not told by a formula,
+// or at a pole. A box: by the drawing in boxes.cpp.
+bool uv_gradients(mdf::Shape::Kind kind, const Intersection &isect, const Vector3d &p,
+                  Vector3d &grad_u, Vector3d &grad_v) {
+  if (kind == mdf::Shape::BOX) {
+    const Box *box = static_cast<const Box *>(isect.Object);
+    const int axis = (isect.i1 - 1) / 2; // boxes.cpp counts its sides so
+    const bool high = isect.i1 % 2 == 0;
+    const int along = axis == X ? Z : X, up = axis == Y ? Z : Y;
+    grad_u = axis_vector(along) / (4.0 * (box->bounds[1][along] - box->bounds[0][along]));
+    grad_v = axis_vector(up) / (3.0 * (box->bounds[1][up] - box->bounds[0][up]));
+    if ((axis == X && high) || (axis == Z && !high))
+      grad_u = -grad_u;
+    if (axis == Y && high)
+      grad_v = -grad_v;
+    return true;
+  }
+
+  const double all = dot(p, p), across = p[X] * p[X] + p[Z] * p[Z], r = std::sqrt(across);
+  if (!(across > EPSILON * all) || kind == mdf::Shape::ROUND)
+    return false;
+  grad_u = Vector3d(-p[Z], 0.0, p[X]) / (2.0 * M_PI * across);
+  if (kind == mdf::Shape::SPHERE) // v = 1/2 + asin(y / |p|) / pi
+    grad_v = (axis_vector(Y) - p * (p[Y] / all)) / (M_PI * r);
+  else { // a torus: v is the angle about its ring
+    const double out = r - static_cast<const Torus *>(isect.Object)->MajorRadius;
+    grad_u = -grad_u;
+    grad_v = Vector3d(-p[Y] * p[X] / r, out, -p[Y] * p[Z] / r) /
+             (2.0 * M_PI * (out * out + p[Y] * p[Y]));
+  }
+  return true;
+}
+
+// dP/du and dP/dv from there: upright on the normal, and what moves one coordinate leaves the
+// other.
+bool gradient_directions(mdf::Shape::Kind kind, const Intersection &isect, const Vector3d &normal,
+                         Vector3d &du, Vector3d &dv) {
+  Vector3d p, grad_u, grad_v;
+  const TRANSFORM *space = uv_space(kind, isect, p);
+
+  if (!uv_gradients(kind, isect, p, grad_u, grad_v))
+    return false;
+  if (space != NULL) {
+    MTransNormal(*grad_u, *grad_u, space);
+    MTransNormal(*grad_v, *grad_v, space);
+  }
+  du = cross(grad_v, normal);
+  dv = cross(normal, grad_u);
+  const double det = dot(grad_u, du); // dot(grad_v, dv) as well
+  du /= det;
+  dv /= det;
+  return std::isfinite(dot(du, du)) && std::isfinite(dot(dv, dv)) && dot(du, du) > 0.0;
 }
 
 // A lathe keeps v with the intersection, not with the point: v is the place on
@@ -532,7 +594,8 @@ bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vec
   case mdf::Shape::SPHERE:
   case mdf::Shape::ROUND:
   case mdf::Shape::TORUS:
-    return (!with_dv && round_direction(shape.kind, isect, du)) ||
+    return (!with_dv && shape.kind != mdf::Shape::BOX && round_direction(shape.kind, isect, du)) ||
+           gradient_directions(shape.kind, isect, raw_normal, du, dv) ||
            difference_directions(isect, raw_normal, thread, du, dv);
   case mdf::Shape::LATHE:
     return lathe_directions(isect, du, dv);

@@ -136,12 +136,28 @@ def test_a_texture_that_stands_on_the_uv_plane(render):
                                       "torus { .8, .3 rotate -40*x", "ovus { .8, .5 scale <1, .8, 1.2> rotate 70*z",
                                       "sor { 5, <0, -.5>, <.6, 0>, <.9, .5>, <.5, 1>, <.4, 1.4> translate -.6*y rotate 20*x"])
 def test_axes_of_round_shapes_agree_with_their_uv_function(render, geometry):
-    """Without a map dP/du is worked out from the axis; where dP/dv is wanted too, from differences of UVCoord()."""
+    """Without a map dP/du is worked out from the axis; where dP/dv is wanted too, from the gradients of u and v, or differences of UVCoord()."""
     plain = render(scene(f"{geometry} {texture('tangent uv')} }}")).dump
     differences = render(scene(f"{geometry} {texture('tangent uv', 'matrix <1, 1e-12, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0>')} }}")).dump
     clear = plain.hit & (np.abs(dot(plain.N, differences.T)) < 1)
     turned = np.linalg.norm(plain.T - differences.T, axis=-1)[clear]
     assert clear.sum() > 200 and np.median(turned) < 1e-6 and (turned > 1e-4).mean() < .01  # at the poles both are anything
+
+
+@pytest.mark.parametrize("eye", ["<3, 2.5, -4>", "<-3, -2.5, 4>"])
+def test_box_runs_along_u_and_v_of_every_side(render, eye):
+    """dP/du and dP/dv of a side are what its points and their UV coordinates in the dump say."""
+    seen = 0
+    for turned_by, k in ((0, 0), (90, 1)):
+        text = scene(f"box {{ <-.7, -.4, -.6>, <.5, .6, .8> {texture('tangent uv', f'rotate {turned_by}*z')} scale <1, 1.4, -.8> rotate <20, 30, -10> }}")
+        dump = render(text[:text.index("camera")] + f"camera {{ location {eye} look_at 0 angle 40 }}\n" + text[text.index("light_source"):]).dump
+        for n in np.unique(np.round(dump.N[dump.hit], 4), axis=0):
+            side = dump.hit & (dot(dump.N, n) > .999)
+            uv = dump.uv[side]
+            step = np.linalg.lstsq(np.c_[uv, np.ones(len(uv))], dump.P[side], rcond=None)[0]
+            check(dump, step[k], 1e-4, 50, side)
+            seen += 1
+    assert seen == 6
 
 
 # ---- lathe, patch and parametric ----
