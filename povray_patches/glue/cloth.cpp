@@ -93,7 +93,9 @@ std::string Cloth::json(int id, const char *name) const {
   return std::string(&text[0]);
 }
 
-Woven::Woven(const Cloth &cloth) {
+Woven::Woven(const Cloth &cloth) : material(cloth.material) {
+  pigment[0] = cloth.pigment[0];
+  pigment[1] = cloth.pigment[1];
   const std::shared_ptr<shade_draft> named(
       cloth.draft ? NULL : shade_draft_named(cloth.weave.c_str()), shade_draft_free);
 
@@ -105,17 +107,46 @@ Woven::Woven(const Cloth &cloth) {
     throw std::bad_alloc();
 }
 
-void Woven::albedo(const double wo[3], double rgb[3]) const {
-  std::call_once(asked, [this] {
-    table.reset(shade_fabric_albedo_create(ready.get()), shade_fabric_albedo_free);
-  });
-  if (!table)
+std::shared_ptr<shade_fabric_albedo> Woven::table(double paint) const {
+  shade_fabric_params painted = material;
+
+  for (int c = 0; c < 3; c++) {
+    if (pigment[0])
+      painted.warp.kd[c] = paint;
+    if (pigment[1])
+      painted.weft.kd[c] = paint;
+  }
+  const std::shared_ptr<shade_fabric> cloth(shade_fabric_create(weave.get(), &painted, NULL),
+                                            shade_fabric_free);
+  const std::shared_ptr<shade_fabric_albedo> made(
+      cloth ? shade_fabric_albedo_create(cloth.get()) : NULL, shade_fabric_albedo_free);
+  if (!made)
     throw std::bad_alloc();
-  shade_fabric_albedo_eval(table.get(), wo, rgb);
+  return made;
+}
+
+void Woven::albedo(const double wo[3], const double colour[3], double rgb[3]) const {
+  const bool painted = pigment[0] || pigment[1];
+
+  std::call_once(asked, [&] {
+    white = table(1.0);
+    if (painted)
+      black = table(0.0);
+  });
+  shade_fabric_albedo_eval(white.get(), wo, rgb);
+  if (!painted)
+    return;
+  double none[3];
+  shade_fabric_albedo_eval(black.get(), wo, none);
+  for (int c = 0; c < 3; c++)
+    rgb[c] = none[c] + colour[c] * (rgb[c] - none[c]);
 }
 
 std::shared_ptr<const Woven> Loom::woven(const Cloth &cloth) {
-  std::shared_ptr<const Woven> &kept = by_text[cloth.json(0, "")];
+  // a dump's words do not say whose colour is the pigment's
+  std::shared_ptr<const Woven> &kept =
+      by_text[(cloth.pigment[0] ? "p" : " ") + std::string(cloth.pigment[1] ? "p" : " ") +
+              cloth.json(0, "")];
 
   if (!kept)
     kept.reset(new Woven(cloth));

@@ -45,14 +45,20 @@ public:
   explicit Woven(const Cloth &cloth);
 
   const shade_fabric *fabric() const { return ready.get(); }
-  // The share of even light that leaves towards wo (local). Found when it is first asked for.
-  void albedo(const double wo[3], double rgb[3]) const;
+  // The share of even light that leaves towards wo (local), where the pigment has this colour.
+  // Found when it is first asked for.
+  void albedo(const double wo[3], const double pigment[3], double rgb[3]) const;
 
 private:
   std::shared_ptr<shade_weave> weave;
   std::shared_ptr<shade_fabric> ready;
   mutable std::once_flag asked;
-  mutable std::shared_ptr<shade_fabric_albedo> table;
+  shade_fabric_params material;
+  bool pigment[2]; // of Cloth
+  // With yarns of the pigment's colour in white, and in black: what is reflected is linear in it.
+  mutable std::shared_ptr<shade_fabric_albedo> white, black;
+
+  std::shared_ptr<shade_fabric_albedo> table(double paint) const;
 
   Woven(const Woven &);
   Woven &operator=(const Woven &);

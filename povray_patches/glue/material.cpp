@@ -394,7 +394,7 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
   const Material &m = *material;
 
   if (m.cloth) {
-    m.woven->albedo(eye, albedo);
+    m.woven->albedo(eye, pigment, albedo);
     return;
   }
   for (int c = 0; c < 3; c++) // what nobody announced: the colour alone

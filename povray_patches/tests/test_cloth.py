@@ -222,6 +222,18 @@ def test_yarns_take_the_pigments_colour(render, colour):
     assert pictures[0] == pytest.approx(pictures[1], rel=2e-3, abs=1e-4)  # half floats
 
 
+@pytest.mark.parametrize("yarns", ["warp", "yarns"])
+@pytest.mark.parametrize("settings", ["", "radiosity { pretrace_start .2 pretrace_end .1 count 20 }"])
+def test_yarns_glow_in_the_pigments_colour(render, yarns, settings):
+    """What ambient light and radiosity's give: one colour, said either way."""
+    header = FRONT.replace("assumed_gamma 1", "assumed_gamma 1 " + settings)
+    assert settings in header
+    pictures = [render(scene("background { rgb <.4, .6, .8> } " + sheet() + cloth(f'preset "gabardine" crossings 20 {yarns} {{ diffuse {d} }}', "rgb <.8, .3, .1>", ambient=.5) + "}",
+                             "", header), dump=False).image for d in ("pigment", "rgb <.8, .3, .1>")]
+    assert pictures[0].max() > .1
+    assert pictures[0] == pytest.approx(pictures[1], rel=.05)  # what fabric.h says of a cloth's albedo
+
+
 @pytest.mark.parametrize("fresnel", ["none", "schlick", "f82 rgb <.9, .7, .8>"])
 @pytest.mark.parametrize("rest", ["", "diffuse lambert pigment", "diffuse ashikhmin_shirley pigment", "diffuse fibre rgb .4", "reflection { samples 4 }"])
 def test_metal_takes_the_pigments_colour(render, shade_check, fresnel, rest):
