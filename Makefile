@@ -9,6 +9,7 @@
 #   make install   libshade, its headers, manual pages and tool to PREFIX (/usr/local); uninstall
 #   make soak      libshade on a hundred million random and awkward cases, Blender on five hundred
 #   make bench     speed against accuracy
+#   make compare-files  scenes of others, from packages, in our engine and in Cycles
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang
 #   make lint      layout of the code, licence lines
@@ -18,7 +19,7 @@ B := build
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all demo check bench blender povray compare pictures lint clean help
+.PHONY: all demo check bench blender povray compare compare-files pictures lint clean help
 include setup/setup.mk
 include libshade/libshade.mk
 include blender_addon_c/blender.mk

@@ -34,6 +34,10 @@ $(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $^ -lm -o $@
 
+# scenes of Debian's and PyPI's packages in our engine and in Cycles; FILES="--filter 'openshot' --count 5"
+compare-files: $(B)/libshade-blender.zip $(VENV_BPY)/done
+	@$(PY) compare/real_files.py $(FILES)
+
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
 	@$(PY) compare/truth.py --surface scratches

@@ -33,6 +33,8 @@ def collect(reader, socket, groups, share=1.0):
         _combined(reader, found, share)
     elif node.bl_idname in CLOSURES:
         CLOSURES[node.bl_idname](reader, node, found.groups, share)
+    elif found.output.type != "SHADER":  # what is no shader shines
+        _shine(reader, color_of(reader, socket, groups), share)
     else:
         _unknown(reader, found, share)
     reader.open.remove(key)
@@ -721,6 +723,7 @@ CLOSURES = {
     "ShaderNodeSubsurfaceScattering": _subsurface,
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeEmission": _emission,
+    "ShaderNodeBackground": _emission,
 }
 
 

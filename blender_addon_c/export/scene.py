@@ -29,7 +29,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
     table = Table(messages, scene.libshade, colors, camera, depsgraph)
     with tree.deep():
         meshes, instances, lights = _objects(depsgraph, table, mattes, messages)
-        world = world_of(scene.world, table.images, messages)
+        world = world_of(scene.world if depsgraph.view_layer.use_sky else None, table.images, messages)
     if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if render.use_multiview:

@@ -27,6 +27,7 @@ LIGHTS = {
         "type": "POINT", "Rotation": (0.4, -0.3, 1)}}),
     "bent image": (None, {}, {"image": "EQUIRECTANGULAR", "mapping": {
         "type": "TEXTURE", "Location": (0.1, 0.2, -0.2), "Rotation": (0, 0.2, 2), "Scale": (1, 0.7, 1.2)}}),
+    "left out": ("SUN", {"energy": 3, "angle": 0.4}, {"no sky": True}),
     "mirror ball": (None, {}, {"image": "MIRROR_BALL", "mapping": {"type": "VECTOR", "Rotation": (0, 0, 0.5)}}),
 }
 LATER = {"ball": "4", "for its area": "4.5"}  # the version that brought it

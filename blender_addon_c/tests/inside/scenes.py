@@ -1085,6 +1085,9 @@ def lit(options):
         sky(scene, options["image"], options.get("mapping"))
         if "by camera" in options:
             by_camera(scene, options["by camera"])
+    if "no sky" in options:
+        sky(scene, None, None)
+        bpy.context.view_layer.use_sky = False
     common.camera(scene, (0, -5, 3), (1.08, 0, 0))
     hide(scene, options.get("hidden", {}))
     for name, value in options.get("given", {}).items():
