@@ -82,7 +82,8 @@ def _adaptive(settings, samples):
 def _pixel_filter(settings):
     if settings.pixel_filter_type == "BOX":
         return {"filter_width": 0.0}
-    return {"pixel_filter_type": settings.pixel_filter_type, "filter_width": settings.filter_width}
+    times = {"GAUSSIAN": 3, "BLACKMAN_HARRIS": 2}[settings.pixel_filter_type]  # where Cycles' end, in its widths
+    return {"pixel_filter_type": settings.pixel_filter_type, "filter_width": times * settings.filter_width}
 
 
 def _objects(depsgraph, table, mattes, messages):

@@ -164,6 +164,20 @@ def test_seed(blender, tmp_path):
         assert picture.mean() == pytest.approx(1.2**2 / 4, abs=0.01)
 
 
+@pytest.mark.parametrize("kind, width", [("BLACKMAN_HARRIS", 1.5), ("GAUSSIAN", 1.5), ("BLACKMAN_HARRIS", 3.0),
+                                         ("BOX", 1.0)])
+def test_pixel_filter_is_that_of_cycles(blender, tmp_path, kind, width):
+    """Both blur the plane's edges alike; half the width is ten times as far from that, or more."""
+    def coverage(engine, part=1.0):
+        blender.scene("edges", tmp_path, filter=(kind, part * width), engine=engine, samples=1024, dump="")
+        return rgba(tmp_path / "picture.exr")[..., 3]
+
+    truth = coverage("CYCLES")
+    apart = np.abs(coverage("LIBSHADE") - truth).mean()
+    assert apart < 0.002
+    assert kind == "BOX" or np.abs(coverage("LIBSHADE", 0.5) - truth).mean() > max(10 * apart, 0.01)
+
+
 def disc_part(d, r):
     """Part of a disc of radius r beyond a line at the signed distance d from its centre."""
     t = np.clip(d / r, -1, 1)

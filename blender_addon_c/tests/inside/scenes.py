@@ -1205,8 +1205,14 @@ def sky(scene, image, mapping):
 
 def edges(options):
     """A turned plane, whose edges show the sampling pattern."""
-    scene = common.empty_scene(24, 24)
-    scene.libshade.seed = options["seed"]
+    scene = common.empty_scene(24, 24, options.get("samples", 4))
+    scene.libshade.seed = options.get("seed", 0)
+    if "filter" in options:
+        scene.cycles.samples, scene.cycles.use_denoising = options["samples"], False
+        scene.cycles.use_adaptive_sampling = False
+        scene.render.engine = options["engine"]
+        for settings in scene.libshade, scene.cycles:
+            settings.pixel_filter_type, settings.filter_width = options["filter"]
     common.plane(common.metal()[0], 1.2).rotation_euler = (0, 0, 0.3)
     common.light(scene)
     common.camera(scene, type="ORTHO", ortho_scale=2.0)
