@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is around everything: one colour, or an image."""
+"""What is around everything: one colour, an image, or a sky."""
 
 from mathutils import Euler, Matrix
 
 from . import tree
 from .image import MISSING, MISSING_COLOR
+from .sky import sky_of
 from .visibility import ALL, hidden
 
 # What its directions may come from, and their sign.
@@ -36,7 +37,7 @@ def _by_camera(reader, lit, nodes):
     if seen == lit:
         return lit
     if "sky" in seen:
-        reader.warn("an image that only the camera sees is not supported; it sees what lights the scene")
+        reader.warn("an image or sky that only the camera sees is not supported; it sees what lights the scene")
         return lit
     return {**lit, "backdrop": seen["background"]}
 
@@ -114,13 +115,15 @@ class _Reader:
                 return {"background": tuple(c * max(value, 0.0) for c in MISSING_COLOR)}
             if sky:
                 return {"background": (0.0, 0.0, 0.0), "sky": sky}
+        if color.node and color.node.type == "TEX_SKY":
+            return {"background": (0.0, 0.0, 0.0), "sky": self._sky(color, value)}
         plain = color.output if color.node and color.node.type == "RGB" else color.socket
         return {"background": tuple(max(c * value, 0.0) for c in tree.color_in(plain))}
 
     def _main(self, color):
         """A node that is not known passes its main input through."""
         passed = 0
-        while color.node and color.node.type not in {"TEX_ENVIRONMENT", "RGB"}:
+        while color.node and color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY", "RGB"}:
             self.warn(f"'{color.node.name}' is not supported; left out")
             inputs = [s for s in color.node.inputs if s.type == "RGBA"]
             linked = [s for s in inputs if s.is_linked]
@@ -147,6 +150,13 @@ class _Reader:
         return {"image": index, "strength": (max(strength, 0.0),) * 3,
                 "matrix": [value for row in matrix[:3] for value in row],
                 "projection": node.projection}
+
+    def _sky(self, color, strength):
+        """What is linked to its vector counts where it is shown."""
+        vector = color.node.inputs.get("Vector")
+        matrix = (self._directions(tree.trace(vector, color.groups)) if vector and vector.enabled else
+                  Matrix.Identity(4))
+        return sky_of(self, color.node, strength, matrix)
 
     def _directions(self, found):
         """The matrix from a direction in the world to the one that the texture looks up."""

@@ -171,7 +171,9 @@ def test_threads_change_no_bit(lights):
 
 @pytest.mark.parametrize("wrong, words", [
     ({"image": 1}, "image must be"), ({"matrix": [1] * 11}, "matrix must be"),
-    ({"strength": (1, float("nan"), 1)}, "strength must be"), ({"projection": "FLAT"}, "projection must be one of")])
+    ({"strength": (1, float("nan"), 1)}, "strength must be"), ({"projection": "FLAT"}, "projection must be one of"),
+    ({"model": "HAZE"}, "model must be one of"), ({"model": "PREETHAM", "elevation": 2}, "elevation must be"),
+    ({"model": "SINGLE", "elevation": 1, "altitude": -1}, "altitude must be")])
 def test_malformed_sky(wrong, words):
     with pytest.raises(ValueError, match="sky.*" + words):
         native.start(scene(images=[image(np.ones((2, 4, 3), np.float32))], sky=sky() | wrong))

@@ -226,26 +226,12 @@ static bool read_material(reader *r, void *out, void *context) {
   return true;
 }
 
-static bool read_sky_image(reader *r, void *out, void *context) {
-  static const char *const projections[] = {"EQUIRECTANGULAR", "MIRROR_BALL", NULL};
-  const int *images = context;
-  sky *s = out;
-  int projection;
-  if (!reader_integer(r, "image", 0, *images - 1, &s->image) ||
-      !reader_floats(r, "strength", 3, s->strength) || !reader_floats(r, "matrix", 12, s->matrix) ||
-      !reader_word(r, "projection", projections, &projection))
-    return false;
-  s->ball = projection == 1 ? UINT32_MAX : 0;
-  s->there = true;
-  return true;
-}
-
 /* `backdrop`: a colour that rays of the camera see instead, whatever lights the scene. */
 static bool read_sky(reader *r, scene *s) {
   int images = (int)(s->images < INT_MAX ? s->images : INT_MAX);
   if (reader_has(r, "sky")) {
     memset(s->background, 0, sizeof s->background);
-    if (!reader_dict(r, "sky", read_sky_image, &s->sky, &images))
+    if (!sky_read(r, &s->sky, images))
       return false;
   }
   bool apart = reader_has(r, "backdrop"), hidden = (s->sky_hidden & RAY_CAMERA) != 0;

@@ -10,9 +10,12 @@
 
 enum { ROWS_PER_TASK = 16, TASK_LANES = BATCH };
 
+/* of the draws go to a sun, however bright it is: it may be hidden */
+static const double SUN_MOST = 0.8;
+
 typedef struct sky_task {
   sky *sky;
-  const image *image;
+  const image *image; /* NULL: of the atmosphere */
   const stage_table *stages;
   const atomic_bool *cancel;
   atomic_bool failed;
@@ -48,6 +51,72 @@ static void fill_texels(void *context, size_t task) {
     memcpy(row + 4 * width, row, 4 * sizeof *row);
   }
   free(channel);
+}
+
+/* A row of an atmosphere's sky; the half beyond the sun mirrors the other. */
+static void fill_modelled(void *context, size_t line) {
+  sky_task *t = context;
+  const sky *s = t->sky;
+  atmosphere_half half;
+  float *row = s->texel + 4 * line * (size_t)(s->width + 1);
+  bool ground = s->air.model == ATMOSPHERE_SINGLE && line < ATMOSPHERE_HORIZON;
+  float shown = ground ? atmosphere_ground(&s->air, (int)line) : 1.0f;
+  if (stopped(t) || !(shown > 0.0f)) {
+    memset(row, 0, 4 * (size_t)(s->width + 1) * sizeof *row);
+    return;
+  }
+  atmosphere_row(&s->air, ground ? ATMOSPHERE_HORIZON : (int)line, half);
+  for (int x = 0; x < ATMOSPHERE_HALF; x++) {
+    double rgb[3];
+    atmosphere_rgb((double[3]){(double)half[0][x], (double)half[1][x], (double)half[2][x]}, rgb);
+    float *one = row + 4 * x, *other = row + 4 * (ATMOSPHERE_COLUMNS - 1 - x);
+    for (int c = 0; c < 3; c++)
+      one[c] = other[c] = usable((float)rgb[c] * shown * s->strength[c]);
+    one[3] = other[3] = 0.0f;
+  }
+  memcpy(row + 4 * s->width, row, 4 * sizeof *row);
+}
+
+/* The sun of an atmosphere stands in the middle of its image, whose x axis is below it. */
+static void place_sun(sky *s) {
+  const atmosphere *a = &s->air;
+  const float *m = s->matrix;
+  sky_sun *sun = &s->sun;
+  float x = cosf(a->elevation), z = sinf(a->elevation);
+  vec3 to = {m[0] * x + m[8] * z, m[1] * x + m[9] * z, m[2] * x + m[10] * z}, across_, along;
+  if (!make_unit(&to))
+    return;
+  across(to, &across_, &along);
+  memcpy(sun->to, (float[3]){to.x, to.y, to.z}, sizeof sun->to);
+  memcpy(sun->across, (float[3]){across_.x, across_.y, across_.z}, sizeof sun->across);
+  memcpy(sun->along, (float[3]){along.x, along.y, along.z}, sizeof sun->along);
+  double half = 0.5 * (double)a->sun_size, chord = 2 * sin(0.5 * half);
+  double angle = 3.141592653589793 * chord * chord, lower[3], upper[3], bright = 0;
+  for (int k = 0; k < 2; k++) {
+    double xyz[3], *rgb = k ? upper : lower;
+    atmosphere_sun(a, k == 1, xyz);
+    atmosphere_rgb(xyz, rgb);
+    for (int c = 0; c < 3; c++)
+      rgb[c] = (double)usable((float)(rgb[c] / angle * (double)(a->sun_bright * s->strength[c])));
+    bright += 0.5 * (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]);
+  }
+  for (int c = 0; c < 3; c++) {
+    sun->lower[c] = (float)lower[c];
+    sun->more[c] = (float)(upper[c] - lower[c]);
+  }
+  sun->chord2 = (float)(chord * chord);
+  sun->half2 = (float)(half * half);
+  double low = (double)a->elevation - half, high = (double)a->elevation + half;
+  sun->low = (float)(a->later ? low : fmax(low, 0));
+  sun->per_rise = (float)(1 / fmax(high - (double)sun->low, 1e-6));
+  sun->covers = a->later ? 0 : UINT32_MAX;
+  sun->low_z = (float)-sin(atmosphere_dip(a));
+  double power = 0.8 * 0.25 * angle * bright; /* of the disc the rim takes a fifth */
+  if (power > 0) {
+    sun->share = (float)fmin(power / (power + (double)s->power), SUN_MOST);
+    s->power += (float)power;
+    sun->density = sun->share / (float)angle;
+  }
 }
 
 /*
@@ -117,10 +186,10 @@ static void sum_up(sky *s) {
 }
 
 bool sky_build(sky *s, const image *images, int threads, const atomic_bool *cancel) {
-  const image *source = &images[s->image];
-  s->width = source->width;
-  s->height = source->height;
-  s->closest = source->closest ? UINT32_MAX : 0;
+  const image *source = s->modelled ? NULL : &images[s->image];
+  s->width = source ? source->width : ATMOSPHERE_COLUMNS;
+  s->height = source ? source->height : ATMOSPHERE_ROWS;
+  s->closest = source && source->closest ? UINT32_MAX : 0;
   size_t texels = ((size_t)s->width + 1) * ((size_t)s->height + 1);
   s->texel = malloc(4 * texels * sizeof *s->texel);
   s->row = malloc((SKY_ROWS + 1) * sizeof *s->row);
@@ -130,12 +199,21 @@ bool sky_build(sky *s, const image *images, int threads, const atomic_bool *canc
   if (!s->texel || !s->row || !s->column || !s->coarse || !s->density)
     return false;
   sky_task task = {.sky = s, .image = source, .stages = stages_choose(), .cancel = cancel};
-  parallel_for(threads, ((size_t)s->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, fill_texels,
-               &task);
-  size_t stride = 4 * ((size_t)s->width + 1);
-  memcpy(s->texel + stride * (size_t)s->height, s->texel, stride * sizeof *s->texel);
+  size_t stride = 4 * ((size_t)s->width + 1), last = (size_t)s->height - 1;
+  if (source)
+    parallel_for(threads, ((size_t)s->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, fill_texels,
+                 &task);
+  else if (atmosphere_prepare(&s->air, threads))
+    parallel_for(threads, (size_t)s->height, fill_modelled, &task);
+  else
+    return false;
+  atmosphere_free(&s->air);
+  memcpy(s->texel + stride * (last + 1), s->texel + (source ? 0 : stride * last),
+         stride * sizeof *s->texel);
   parallel_for(threads, SKY_ROWS, fill_row, &task);
   sum_up(s);
+  if (s->modelled && s->air.sun_size > 0.0f)
+    place_sun(s);
   return !atomic_load(&task.failed);
 }
 

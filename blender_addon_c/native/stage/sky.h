@@ -16,8 +16,10 @@ LEAF void sky_place(const sky *s, vec3 d, float *x, float *y) {
   float v = 1.0f - 2.0f * turn_of(flat, q.z);
   float depth = 2.0f - 2.0f * q.y; /* mirror ball: the normal is halfway to the eye at -y */
   float scale = 0.5f / sqrtf(depth > 1e-12f ? depth : 1e-12f);
+  float rise = 2.0f * v - 1.0f;
   u = either(s->ball, 0.5f + q.x * scale, u);
   v = either(s->ball, 0.5f + q.z * scale, v);
+  v = either(s->dome, clampf(0.5f + 0.5f * copysignf(sqrtf(fabsf(rise)), rise), 0.0f, 0.99999f), v);
   u -= floor_small(u);
   v -= floor_small(v);
   float half = either(s->closest, 0.0f, 0.5f);
@@ -25,7 +27,33 @@ LEAF void sky_place(const sky *s, vec3 d, float *x, float *y) {
   *x = u * width - half;
   *y = v * height - half;
   *x = *x < 0.0f ? *x + width : *x;
-  *y = *y < 0.0f ? *y + height : *y;
+  *y = *y < 0.0f ? either(s->dome, 0.0f, *y + height) : *y;
+}
+
+/* Squared distance from the middle of the sun's disc over that of its rim. */
+LEAF float sun_distance2(const sky_sun *s, vec3 d) {
+  float x = d.x - s->to[0], y = d.y - s->to[1], z = d.z - s->to[2];
+  float chord2 = x * x + y * y + z * z;
+  return chord2 * (1.0f + chord2 * (1.0f / 12 + chord2 * (1.0f / 90))) / s->half2;
+}
+
+/* At the rim there is .4 of the light of the middle, as in Blender. */
+static void add_sun(size_t count, const sky *s, const lane_v *restrict d, lane_c *restrict out) {
+  const sky_sun own = s->sun;
+  const float *m = s->matrix + 8;
+  const float m0 = m[0], m1 = m[1], m2 = m[2];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    float z = m0 * d->x[i] + m1 * d->y[i] + m2 * d->z[i], far2 = sun_distance2(&own, load(d, i));
+    bool seen = (far2 < 1.0f) & (z >= own.low_z);
+    float rise = 1.57079633f - arc_tangent2(sqrtf(clampf(1.0f - z * z, 0.0f, 1.0f)), z);
+    float by = (rise - own.low) * own.per_rise;
+    float limb = seen ? 0.4f + 0.6f * sqrtf(clampf(1.0f - far2, 0.0f, 1.0f)) : 0.0f;
+    float sky_there = seen ? either(own.covers, 0.0f, 1.0f) : 1.0f;
+    out->r[i] = sky_there * out->r[i] + limb * (own.lower[0] + by * own.more[0]);
+    out->g[i] = sky_there * out->g[i] + limb * (own.lower[1] + by * own.more[1]);
+    out->b[i] = sky_there * out->b[i] + limb * (own.lower[2] + by * own.more[2]);
+  }
 }
 
 typedef float texel4 __attribute__((vector_size(16), aligned(4), may_alias));
@@ -63,6 +91,8 @@ static void stage_sky(size_t count, const sky *s, const lane_v *restrict d, lane
       out->b[begin + k] = c[2];
     }
   }
+  if (own.sun.share > 0.0f)
+    add_sun(count, s, d, out);
 }
 
 /* Density with which sky_draw finds these directions. */
@@ -75,6 +105,30 @@ static void stage_sky_pdf(size_t count, const sky *s, const lane_v *restrict d,
     float y = clampf((0.5f - 0.5f * d->z[i]) * SKY_ROWS, 0.0f, SKY_ROWS - 1);
     x = clampf(x, 0.0f, SKY_COLUMNS - 1);
     pdf[i] = density[(int)y * SKY_COLUMNS + (int)x];
+  }
+  const sky_sun sun = s->sun;
+  if (sun.share > 0.0f)
+#pragma omp simd
+    for (size_t i = 0; i < count; i++)
+      pdf[i] = (1.0f - sun.share) * pdf[i] +
+               (sun_distance2(&sun, load(d, i)) < 1.0f ? sun.density : 0.0f);
+}
+
+/* Of the draws those that go to the sun, evenly over its disc. */
+static void draw_sun(size_t count, const sky_sun *s, const uint32_t *restrict lane,
+                     const light_samples *restrict from, lane_v *restrict d) {
+  const sky_sun own = *s;
+  const float per_share = 1.0f / own.share;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    float x = from->x[lane[i]], chord2 = own.chord2 * from->y[lane[i]], sine, cosine;
+    turn(clampf(x * per_share, 0.0f, 0.99999f), &sine, &cosine);
+    float up = 1.0f - 0.5f * chord2, flat = sqrtf(chord2 * (1.0f - 0.25f * chord2));
+    float a = flat * cosine, b = flat * sine;
+    vec3 to = {up * own.to[0] + a * own.across[0] + b * own.along[0],
+               up * own.to[1] + a * own.across[1] + b * own.along[1],
+               up * own.to[2] + a * own.across[2] + b * own.along[2]};
+    store(d, i, select3(x < own.share, to, load(d, i)));
   }
 }
 
@@ -99,9 +153,11 @@ static void stage_sky_draw(size_t count, const sky *s, const uint32_t *restrict 
                            float *restrict pdf) {
   const float *restrict row = s->row, *restrict column = s->column;
   const float *restrict coarse = s->coarse, *restrict density = s->density;
+  const float share = s->sun.share, others = 1.0f / (1.0f - share);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     float x = from->x[lane[i]], y = from->y[lane[i]];
+    x = clampf((x - share) * others, 0.0f, 1.0f);
     int line = row[256] <= y ? 256 : 0;
     SKY_STEP(line, row, 0, y, 128)
     SKY_STEP(line, row, 0, y, 64)
@@ -121,6 +177,10 @@ static void stage_sky_draw(size_t count, const sky *s, const uint32_t *restrict 
     turn(((float)cell + fx) * (1.0f / SKY_COLUMNS), &sine, &cosine);
     store(d, i, (vec3){flat * cosine, flat * sine, z});
     pdf[i] = density[line * SKY_COLUMNS + cell];
+  }
+  if (share > 0.0f) {
+    draw_sun(count, &s->sun, lane, from, d);
+    stage_sky_pdf(count, s, d, pdf);
   }
 }
 

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/atmosphere.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+bool atmosphere_prepare(atmosphere *a, int threads) {
+  return a->model != ATMOSPHERE_MULTIPLE || multiple_prepare(a, threads);
+}
+
+void atmosphere_free(atmosphere *a) {
+  free(a->table);
+  a->table = NULL;
+}
+
+void atmosphere_row(const atmosphere *a, int row, atmosphere_half out) {
+  switch (a->model) {
+  case ATMOSPHERE_SINGLE:
+    single_row(a, row, out);
+    break;
+  case ATMOSPHERE_MULTIPLE:
+    multiple_row(a, row, out);
+    break;
+  case ATMOSPHERE_PREETHAM:
+    preetham_row(a, row, out);
+  }
+}
+
+float atmosphere_ground(const atmosphere *a, int row) {
+  double far = 1 - (row + (a->later ? 0 : 0.5)) / ATMOSPHERE_HORIZON;
+  double left = 1 - 2.5 * sin(1.5707963267948966 * far * far);
+  return left > 0 ? (float)(left * left * left) : 0.0f;
+}
+
+void atmosphere_sun(const atmosphere *a, bool upper, double xyz[3]) {
+  double half = 0.5 * (double)a->sun_size, top = (double)a->elevation + half;
+  double elevation = upper ? top : (double)a->elevation - half;
+  if (a->model == ATMOSPHERE_MULTIPLE) {
+    multiple_sun(a, elevation, xyz);
+    return;
+  }
+  single_sun(a, elevation > 0 ? elevation : 0, xyz);
+  for (int k = 0; k < 3; k++)
+    xyz[k] = top > 0 ? xyz[k] : 0;
+}
+
+double atmosphere_dip(const atmosphere *a) {
+  return a->later ? multiple_dip(a) : 0;
+}
+
+/* Linear light of Rec. 709 and D65. */
+void atmosphere_rgb(const double xyz[3], double rgb[3]) {
+  static const double matrix[3][3] = {{3.2404542, -1.5371385, -0.4985314},
+                                      {-0.9692660, 1.8760108, 0.0415560},
+                                      {0.0556434, -0.2040259, 1.0572252}};
+  for (int k = 0; k < 3; k++)
+    rgb[k] = matrix[k][0] * xyz[0] + matrix[k][1] * xyz[1] + matrix[k][2] * xyz[2];
+}

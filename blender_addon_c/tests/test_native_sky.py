@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sun of a sky: without air there is nothing else, and its light is known. Against the fit of the CIE's
+observer by [WymanSloanShirley2013]; skies with air are compared with Cycles (test_blender_sky.py)."""
+
+import numpy as np
+import pytest
+
+from native_scenes import ortho, persp
+from test_native_light_paths import SURFACES, of_plate, picture, reflected
+
+TO = np.array((-0.6, 0, 0.8))  # seen from the eye, the plate's middle looks at it
+TURN = np.diag((-1.0, -1.0, 1.0))  # the sky's sun stands above its x axis
+
+
+def airless(**changes):
+    return {"model": "SINGLE", "elevation": float(np.arcsin(0.8)), "altitude": 0.0, "air": 0.0, "dust": 0.0,
+            "ozone": 0.0, "later": True, "sun_size": 0.4, "sun_bright": 2.0, "strength": (0.01, 0.02, 0.01),
+            "matrix": np.c_[TURN, np.zeros(3)].ravel().tolist(), **changes}
+
+
+def sunlight():
+    """Of a black body of 5778 K in linear Rec. 709, W/m²."""
+    def lobe(nm, middle, below, above):
+        return np.exp(-0.5 * ((nm - middle) / np.where(nm < middle, below, above)) ** 2)
+
+    nm = np.arange(380.0, 780.5)
+    bright = 6.79e-5 * 1.191043e20 / nm**5 / np.expm1(1.438777e7 / (nm * 5778))
+    x = 1.056 * lobe(nm, 599.8, 37.9, 31) + 0.362 * lobe(nm, 442, 16, 26.7) - 0.065 * lobe(nm, 501.1, 20.4, 26.2)
+    y = 0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1)
+    z = 1.217 * lobe(nm, 437, 11.8, 36) + 0.681 * lobe(nm, 459, 26, 13.8)
+    to_rgb = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
+    return to_rgb @ [(bright * part).sum() for part in (x, y, z)]
+
+
+def radiance(d, size=0.4):
+    angle = np.arccos(np.clip(d @ TO, -1, 1)) / (size / 2)
+    limb = 0.4 + 0.6 * np.sqrt(np.maximum(1 - angle**2, 0))
+    even = 2 * np.array((0.01, 0.02, 0.01)) * sunlight() / (2 * np.pi * (1 - np.cos(size / 2)))
+    return (limb * (angle < 1))[..., None] * even
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_sun_on_a_plate(surface):
+    truth = reflected(SURFACES[surface], radiance)
+    seen = of_plate(SURFACES[surface], [], sky=airless())
+    np.testing.assert_allclose(seen, truth, rtol=0.02)  # of which the fit's part is .01
+
+
+def test_a_small_sun():
+    """Its irradiance is that of any size, but for the rim."""
+    seen = of_plate(SURFACES["matt"], [], sky=airless(sun_size=0.005), samples=64)
+    np.testing.assert_allclose(seen, 0.5 / np.pi * 0.8 * 0.8 * 2 * np.array((0.01, 0.02, 0.01)) * sunlight(), rtol=0.02)
+
+
+def test_the_disc_is_seen():
+    seen = picture(sky=airless(), lights=[], meshes=[], transparent=False, camera=persp(0.3, (0, 0, 0), TO), width=33,
+                   height=33, samples=64)
+    np.testing.assert_allclose(seen[16, 16], radiance(TO), rtol=0.015)
+    assert not seen[0].any() and 0.2 < (seen[16] > 0).mean() < 0.8
+
+
+def test_the_ground_hides_a_sun_that_sets():
+    """All of the light is above the level, whose eye is as good as there."""
+    up, down = (picture(sky=airless(elevation=0.0, matrix=np.eye(3, 4).ravel().tolist()), lights=[], transparent=False,
+                        meshes=[], camera=ortho(eye=(0, 0, 0), target=(1, 0, way * 0.05)), samples=4, width=2,
+                        height=2).mean() for way in (1, -1))
+    assert up > 1 and down == 0
