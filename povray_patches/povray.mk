@@ -7,6 +7,18 @@ POVRAY := $(B)/povray/povray
 povray: setup-povray $(B)/libshade_dump.a $(B)/libshade.a
 	@$(P)/build.sh $(B)/povray libshade $(B)/libshade_dump.a $(B)/libshade.a
 
+# The words of a block, for editors.
+WORDS := $(B)/povray/editor/words.txt $(B)/povray/editor/pov.vim
+povray: $(WORDS)
+$(B)/povray/editor/words.txt: FORM := text
+$(B)/povray/editor/pov.vim: FORM := vim
+$(WORDS): $(B)/povray/editor/words
+	@$< $(FORM) >$@
+$(B)/povray/editor/words: $(P)/editor/words.cpp $(wildcard $(P)/glue/words.*) $(B)/libshade.a | setup-povray
+	@mkdir -p $(@D)/include/backend
+	@ln -sfn $(abspath $(P)/glue) $(@D)/include/backend/mdf
+	@$(CXX) -O1 -Wall -Wextra -Wconversion -Werror -I$(@D)/include -Ilibshade/include $< $(P)/glue/words.cpp $(B)/libshade.a -lm -lpthread -o $@
+
 # "no existing scene changes", and 200 broken blocks, on their own (about 3 min); also in the tests,
 # where the broken blocks are 25
 .PHONY: check-povray-scenes

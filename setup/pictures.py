@@ -40,9 +40,25 @@ def povray_cloth():
     Image.open(made).convert("RGB").save(ROOT / "examples" / "povray-cloth.jpg", quality=86, optimize=True)
 
 
+def povray_sheet():
+    """examples/povray.jpg: what is in examples/povray beside the demo and the cloth."""
+    build = ROOT / "build"
+    names = ["embossed", "lampshade", "reflection", "kitchen", "presets", "inlay", "scratches", "turned", "metals"]
+    subprocess.run([build / "shade", "weave", "--name", "basket", "--cells", "16", "--curve", ".35", "--ridge", "0", "--map", "normal",
+                    "--bits", "16", "-o", build / "basket.png"], check=True)
+    sheet = Image.new("RGB", (3 * 480, 3 * 270))
+    for i, name in enumerate(names):
+        made = build / f"povray-{name}.png"
+        subprocess.run([build / "povray" / "povray", f"+I{ROOT}/examples/povray/{name}/{name}.pov", f"+L{build}", f"+O{made}",
+                        "+W960", "+H540", "+A0.2", "-D", "-V"], check=True, stderr=subprocess.DEVNULL)
+        sheet.paste(Image.open(made).convert("RGB").resize((480, 270), Image.LANCZOS), (480 * (i % 3), 270 * (i // 3)))
+    sheet.save(ROOT / "examples" / "povray.jpg", quality=86, optimize=True)
+
+
 def main():
     swatches()
     povray_cloth()
+    povray_sheet()
     both = side_by_side([Image.open(DEMO / f"{name}.png") for name in ("blender", "povray")])
     scaled(both).save(ROOT / "examples" / "suzanne.jpg", quality=88, optimize=True)
     scaled(Image.open(STRIP).convert("RGB")).save(ROOT / "examples" / "plate.jpg", quality=88, optimize=True)

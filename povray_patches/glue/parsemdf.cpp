@@ -15,6 +15,7 @@
 #include "base/stringutilities.h"
 #include "backend/lighting/point.h"
 #include "backend/math/matrices.h"
+#include "backend/mdf/notes.h"
 #include "backend/mdf/surface.h"
 #include "backend/mdf/words.h"
 #include "backend/parser/parse.h"
@@ -45,11 +46,11 @@ mdf::BumpImage *read_png(IStream *file) {
   return bump.release();
 }
 
-// All mdf blocks of a texture.
-void collect_blocks(const TEXTURE *texture, std::set<const mdf::Material *> &blocks) {
+// All finishes of a texture that have an mdf block.
+void collect_blocks(const TEXTURE *texture, std::set<const FINISH *> &blocks) {
   for (; texture != NULL; texture = reinterpret_cast<const TEXTURE *>(texture->Next)) {
     if (texture->Type == PLAIN_PATTERN && texture->Finish != NULL && texture->Finish->Mdf != NULL)
-      blocks.insert(texture->Finish->Mdf);
+      blocks.insert(texture->Finish);
     if (texture->Type == BITMAP_PATTERN)
       for (const TEXTURE *m = texture->Materials; m != NULL; m = m->Next_Material)
         collect_blocks(m, blocks);
@@ -67,7 +68,7 @@ void Parser::Declare_Mdf_Version() {
   SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
   entry->Data = Create_Float();
-  *reinterpret_cast<DBL *>(entry->Data) = 4.0;
+  *reinterpret_cast<DBL *>(entry->Data) = 5.0;
 }
 
 // Loops and macros parse the same block many times: once is enough.
@@ -156,6 +157,13 @@ bool Parser::Parse_Mdf_Pigment() {
   return false;
 }
 
+bool Parser::Parse_Mdf_Switch() {
+  Get_Token();
+  if (Token.Function_Id != ON_TOKEN && Token.Function_Id != OFF_TOKEN)
+    Expectation_Error("on or off");
+  return Token.Function_Id == ON_TOKEN;
+}
+
 // Numbers of one row of the table; `word` is what the block calls it. A number out of range is
 // taken as the nearest within, and the author is told.
 void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
@@ -230,12 +238,9 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
     CASE (MDF_WORD_TOKEN)
       if (Token.Function_Id == mdf::IMAGE_STRENGTH)
         Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
-      else if (Token.Function_Id == mdf::IMAGE_FILTER) {
-        Get_Token();
-        if (Token.Function_Id != ON_TOKEN && Token.Function_Id != OFF_TOKEN)
-          Expectation_Error("on or off");
-        material.filtered = Token.Function_Id == ON_TOKEN;
-      } else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
+      else if (Token.Function_Id == mdf::IMAGE_FILTER)
+        material.filtered = Parse_Mdf_Switch();
+      else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
         const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
         UV_VECT both;
         Parse_UV_Vect(both);
@@ -456,6 +461,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
           Parse_Mdf_Fabric(material);
         else if (word == mdf::BLOCK_SCRATCHES)
           Parse_Mdf_Scratches(material);
+        else if (word == mdf::BLOCK_NOTES)
+          material.notes = Parse_Mdf_Switch();
         else if (word >= mdf::BLOCK_ROW)
           Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
         else if (word >= mdf::BLOCK_LIST)
@@ -486,7 +493,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
 }
 
 void Parser::Post_Process_Mdf(ObjectPtr object) {
-  std::set<const mdf::Material *> blocks;
+  std::set<const FINISH *> blocks;
   mdf::Scene &scene = *sceneData->mdfScene;
   const Mesh *mesh = dynamic_cast<const Mesh *>(object);
 
@@ -511,8 +518,11 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     collect_blocks(mesh->Textures[i], blocks);
   if (blocks.empty())
     return;
-  for (std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i)
-    scene.use(*i);
+  for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
+    scene.use((*i)->Mdf);
+    if ((*i)->Mdf->notes && scene.first_warning(Mdf_Notes(*i)))
+      Debug_Info("%s", Mdf_Notes(*i).c_str());
+  }
   static const char *const laid =
       " on an object without UV coordinates: it lies along two of the object's axes.";
 
@@ -540,8 +550,8 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     kind = " on a plane or disc, which has no UV coordinates: ";
     direction = "along its x axis, or z where it faces x";
   }
-  for (std::set<const mdf::Material *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
-    const mdf::Material *block = *i;
+  for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
+    const mdf::Material *block = (*i)->Mdf;
     if (block->tangent == mdf::Material::TANGENT_FROM_UV)
       Warn_Mdf("'tangent uv' (" + block->name + ")" + kind + "strokes run " + direction + ".");
     if (block->cloth && object->Mdf_Shape->kind == mdf::Shape::OTHER)

@@ -89,6 +89,7 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_BLOCK], "preset", BLOCK_PRESET);
   add(sets[WORDS_BLOCK], "fabric", BLOCK_FABRIC);
   add(sets[WORDS_BLOCK], "scratches", BLOCK_SCRATCHES);
+  add(sets[WORDS_BLOCK], "notes", BLOCK_NOTES);
   sets[WORDS_RADIAL] = sets[WORDS_BLOCK];
   add(sets[WORDS_RADIAL], "at", BLOCK_AT);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);
@@ -158,6 +159,15 @@ const char *word_of_yarn(int row) {
 
   shade_fabric_yarn_number(&yarn, row, &info);
   return std::strcmp(info.word, "f0") == 0 ? "specular" : info.word;
+}
+
+std::vector<std::string> words_in(WordSet set) {
+  const Words &words = words_of(set);
+  std::vector<std::string> texts;
+
+  for (size_t i = 0; i < words.size(); i++)
+    texts.push_back(words[i].text);
+  return texts;
 }
 
 int find_word(WordSet set, const char *text) {

@@ -40,6 +40,7 @@ enum BlockWord {
   BLOCK_PRESET,
   BLOCK_FABRIC,
   BLOCK_SCRATCHES,
+  BLOCK_NOTES,
   BLOCK_AT // of WORDS_RADIAL
 };
 
@@ -98,6 +99,9 @@ const char *word_of_row(int row);
 
 // What warp { } calls a row of shade_fabric_yarn_number.
 const char *word_of_yarn(int row);
+
+// The words of a set, in the order that messages have.
+std::vector<std::string> words_in(WordSet set);
 
 // The identity of `text` in `set`, or -1. Exact spelling: a scene may have a
 // `Detail` of its own.

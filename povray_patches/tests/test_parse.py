@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: AGPL-3.0-or-later
 """finish { mdf { } }: what it accepts, and what it says about what it does not."""
+import re
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ import pytest
 from scenes import HEADER, SUN, saddle, scene
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, tangent, "
-         "specular, roughness, bump_image, reflection, preset, fabric, scratches or }")
+         "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
            "deform_linear_conserving or deform_smooth_conserving")
 
@@ -256,6 +258,32 @@ def test_mesh_with_a_collapsed_uv_triangle_warns(render):
 def test_mdf_is_reserved_only_as_such(render):
     result = render(scene("#declare mdf = 3; sphere { 0, 1 pigment { rgb 1 } }"), fails=True, dump=False)
     assert result.status == 1 and "mdf found instead" in result.message
+
+
+def test_the_list_for_editors_is_what_the_parser_takes(povray, render):
+    """What a block says that it expects, and what the list for editors has."""
+    lines = [line.split() for line in (Path(povray).parent / "editor/words.txt").read_text().splitlines()]
+    for place, before, after in (("mdf", "", ""), ("reflection", "reflection {", "}"), ("fabric", "fabric {", "}"), ("warp", "fabric { warp {", "} }"),
+                                 ("scratches", "scratches {", "}"), ("bump_image", "bump_image {", "}"), ("fresnel", "fresnel", "")):
+        message = render(scene(sphere(f"{before} Zzzzz {after}", "#declare Zzzzz = 1;")), (8, 8), fails=True).message
+        expected = re.search(r"Expected '(.*)', ", " ".join(message.split())).group(1)
+        assert sorted(re.split(r", | or ", expected.removesuffix(" or }"))) == sorted(w for p, w in lines if p == place), place
+    vim = (Path(povray).parent / "editor/pov.vim").read_text()
+    assert {line.split()[-1] for line in vim.splitlines() if line.startswith("syn keyword")} == {w for _, w in lines}
+
+
+def test_notes_tell_a_block_once(render):
+    block = "finish { ambient 0 diffuse .4 mdf { ggx .1, .3 fresnel schlick specular rgb <.9, .7, .4> diffuse fibre .1 reflection { samples 7 clamp 3 } notes on } }"
+    result = render(scene("".join(f"sphere {{ {i}*x, 1 texture {{ pigment {{ rgb .5 }} Finish }} }}\n" for i in range(3)).replace("Finish", block, 3)), (16, 12))
+    text = " ".join(result.log.split())
+    assert text.count("mdf block at ") == 3  # three blocks, three places
+    for part in ("lobe: ggx 0.1, 0.3; detail rotate, horizon valid_estevez", "colour: fresnel schlick, specular rgb <0.9, 0.7, 0.4>",
+                 "diffuse: fibre rgb 0.1", "strokes: along u of each object", "the finish adds to it: diffuse 0.4",
+                 "reflection: 7 rays at a hit, none brighter than 3"):
+        assert text.count(part) == 3, part
+    declared = f"#declare F = {block}\n" + "".join(f"sphere {{ {i}*x, 1 texture {{ pigment {{ rgb .5 }} finish {{ F }} }} }}\n" for i in range(3))
+    assert render(scene(declared), (16, 12)).log.count("mdf block at ") == 1
+    assert "mdf block at" not in render(scene(declared.replace("notes on", "notes off")), (16, 12)).log
 
 
 def test_include_file_of_metals(render, shade_check):

@@ -19,7 +19,7 @@ background { rgb <0.012, 0.014, 0.018> }
 
 // Ashikhmin-Shirley's exponents: the larger one lies along the strokes.
 #macro Brushed(Colour, Along, Across)
-  ambient 0 diffuse 0
+  ambient 0.08 diffuse 0 // what is not lit shows the room's even light
   mdf {
     ashikhmin_shirley Along, Across
     detail rotate
@@ -32,7 +32,7 @@ background { rgb <0.012, 0.014, 0.018> }
 sphere {
   0, 1
   texture {
-    pigment { rgb 1 }
+    pigment { rgb 0 }
     normal { wrinkles 0.08 scale <0.9, 0.04, 0.9> }
     finish { Brushed(rgb <0.95, 0.64, 0.54>, 120, 3) }
   }
@@ -44,7 +44,7 @@ sphere {
 torus {
   0.85, 0.38
   texture {
-    pigment { rgb 1 }
+    pigment { rgb 0 }
     normal { bumps 0.18 scale 0.16 }
     finish { Brushed(rgb <1.00, 0.78, 0.34>, 200, 4) }
   }
@@ -56,10 +56,10 @@ torus {
 box {
   -0.8, 0.8
   texture {
-    pigment { rgb 1 }
+    pigment { rgb 0 }
     normal { wrinkles 0.06 scale <0.9, 0.04, 0.9> } // a grain along x
     finish {
-      ambient 0 diffuse 0
+      ambient 0.08 diffuse 0
       mdf {
         ashikhmin_shirley 300, 3
         detail rotate

@@ -21,9 +21,9 @@ light_source { <1, 9, 7> rgb 0.6 }
 background { rgb <0.012, 0.014, 0.018> }
 
 #declare Steel = texture {
-  pigment { rgb 1 }
+  pigment { rgb 0 }
   finish {
-    ambient 0 diffuse 0
+    ambient 0.08 diffuse 0
     mdf {
       roughness 1/250, 1/4 // along and across the strokes
       fresnel schlick
