@@ -6,9 +6,24 @@ import os
 import bpy
 import numpy as np
 
+from .main_thread import on_main_thread
+
 
 MISSING = -2  # instead of an index: no file, or none that can be read
 MISSING_COLOR = (1.0, 0.0, 1.0)  # as Cycles and the viewport show it
+_MOST_TEXELS = 1 << 28  # of all tiles together
+
+
+def tiles_of(image):
+    """How many tiles lie beside each other and above each other; what is not tiled is one."""
+    if image.source != "TILED":
+        return 1, 1
+    places = [_place(tile.number) for tile in image.tiles]
+    return tuple(1 + max(place[axis] for place in places) for axis in (0, 1))
+
+
+def _place(number):
+    return (number - 1001) % 10, (number - 1001) // 10
 
 
 class Images:
@@ -17,35 +32,44 @@ class Images:
     def __init__(self, messages):
         self.listed = []
         self._messages = messages
-        self._indices = {}  # by image, wrap and filter
-        self._pixels = {}  # by image; what has no pixels: the index that stands for it
+        self._indices = {}  # by image and file, wrap and filter
+        self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
 
-    def index(self, image, wrap, filtering, owner):
-        """Index of an image, MISSING, or -1 when it cannot be used."""
-        key = (image, wrap, filtering)
+    def index(self, image, wrap, filtering, owner, user=None):
+        """Index of an image, MISSING, or -1 when it cannot be used. user: says which of a sequence."""
+        path = _frame(image, user) if image.source == "SEQUENCE" and user else None
+        key = (image, path, wrap, filtering)
         if key not in self._indices:
-            if image not in self._pixels:
-                self._pixels[image] = self._fetch(image, owner)
-            pixels = self._pixels[image]
+            if (image, path) not in self._pixels:
+                self._pixels[image, path] = self._fetch(image, owner, path)
+            pixels = self._pixels[image, path]
             self._indices[key] = pixels if isinstance(pixels, int) else len(self.listed)
             if not isinstance(pixels, int):
                 self.listed.append({**pixels, "wrap": wrap, "filter": filtering})
         return self._indices[key]
 
-    def _fetch(self, image, owner):
+    def _fetch(self, image, owner, path):
+        if image.source == "TILED":
+            return self._tiled(image, owner)
+        if image.source == "SEQUENCE" and path:
+            found = self._loaded(image, path, owner)
+            return MISSING if found is None else found
         if image.source not in {"FILE", "GENERATED"}:
             self._messages.warning(f"{owner}: image '{image.name}' is a "
-                                   f"{image.source.lower()}: only single images are supported")
+                                   f"{image.source.lower()}: only images are supported")
             return -1
-        path = os.path.normpath(bpy.path.abspath(image.filepath, library=image.library))
+        path = _absolute(image, image.filepath)
         on_disk = image.source == "FILE" and not image.packed_file and not image.is_dirty
         if on_disk and not os.path.isfile(path):
             self._messages.warning(f"{owner}: image file not found: {path}")
             return MISSING
-        width, height = image.size
-        if not width or not height:
+        if not all(image.size):
             self._messages.warning(f"{owner}: image '{image.name}' cannot be read: {path}")
             return MISSING
+        return self._read(image, owner)
+
+    def _read(self, image, owner):
+        width, height = image.size
         data = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(data)
         # Blender hands float images over in linear light, bytes as they are in the file.
@@ -55,3 +79,75 @@ class Images:
                                    f"'{image.colorspace_settings.name}' is read as Non-Color")
         return {"width": width, "height": height, "channels": image.channels, "data": data,
                 "srgb": srgb}
+
+    def _loaded(self, like, path, owner, packed=None):
+        """Pixels of a file that Blender shows as a part of an image; None without any."""
+        def load():
+            if packed:
+                one = bpy.data.images.new("libshade", 1, 1)
+                one.pack(data=packed, data_len=len(packed))
+                one.source = "FILE"
+            else:
+                one = bpy.data.images.load(path)
+            try:
+                one.colorspace_settings.name = like.colorspace_settings.name
+                one.alpha_mode = like.alpha_mode
+                return self._read(one, owner) if all(one.size) else None
+            finally:
+                bpy.data.images.remove(one)
+
+        if not packed and not os.path.isfile(path):
+            self._messages.warning(f"{owner}: image file not found: {path}")
+            return None
+        try:
+            found = on_main_thread(load)
+        except (RuntimeError, TimeoutError) as error:
+            self._messages.warning(f"{owner}: {path}: {str(error).strip()}")
+            return None
+        if found is None:
+            self._messages.warning(f"{owner}: image cannot be read: {path}")
+        return found
+
+    def _tiled(self, image, owner):
+        """All tiles as one image, as large as their largest each."""
+        packed = {f.tile_number: f.packed_file.data for f in getattr(image, "packed_files", ()) if hasattr(f, "tile_number")}
+        tiles = {}
+        for tile in image.tiles:
+            u, v = _place(tile.number)
+            path = image.filepath.replace("<UDIM>", str(tile.number)).replace("<UVTILE>", f"u{u + 1}_v{v + 1}")
+            found = self._loaded(image, _absolute(image, path), owner, packed.get(tile.number))
+            if found:
+                tiles[u, v] = found
+        if not tiles:
+            return MISSING
+        columns, rows = tiles_of(image)
+        width, height, channels = (max(t[k] for t in tiles.values()) for k in ("width", "height", "channels"))
+        if columns * rows * width * height > _MOST_TEXELS:
+            self._messages.warning(f"{owner}: image '{image.name}': {columns} times {rows} tiles are too many")
+            return -1
+        channels = max(channels, 3)
+        whole = np.empty((rows * height, columns * width, channels), np.float32)
+        whole[:] = (*MISSING_COLOR, 1.0)[:channels]
+        for (u, v), tile in tiles.items():
+            part = whole[v * height:(v + 1) * height, u * width:(u + 1) * width]
+            part[:] = _as_large(tile, width, height, channels)
+        return {"width": columns * width, "height": rows * height, "channels": channels, "data": whole.ravel(),
+                "srgb": next(iter(tiles.values()))["srgb"]}
+
+
+def _as_large(tile, width, height, channels):
+    """By the nearest texel; grey becomes a colour, what has no alpha is opaque."""
+    own = tile["data"].reshape(tile["height"], tile["width"], tile["channels"])
+    own = own[np.arange(height) * tile["height"] // height][:, np.arange(width) * tile["width"] // width]
+    color = own[..., :3] if tile["channels"] >= 3 else np.repeat(own[..., :1], 3, -1)
+    alpha = own[..., -1:] if tile["channels"] % 2 == 0 else np.ones_like(own[..., :1])
+    return np.concatenate((color, alpha), -1)[..., :channels]
+
+
+def _absolute(image, path):
+    return os.path.normpath(bpy.path.abspath(path, library=image.library))
+
+
+def _frame(image, user):
+    """The file of a sequence that a node shows at its scene's frame."""
+    return _absolute(image, image.filepath_from_user(image_user=user))

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images as nodes show them."""
 
-from .image import MISSING, MISSING_COLOR
-from .node_place import place
+import math
+
+from .image import MISSING, MISSING_COLOR, tiles_of
+from .node_place import of_object, place, uv
+from .value import dot, each, surface_normal
 
 _STEP = 1 / 256  # along u and v, by which coordinates say how they move
 
@@ -17,15 +20,89 @@ def _tex_image(reader, found):
         return (1.0,) if found.output.name == "Alpha" else MISSING_COLOR
     if image < 0:
         return None
-    at = place(reader, node.inputs["Vector"], found.groups)
     key = ("image", node, found.groups, reader.shift)
     if key not in reader.known:  # both outputs are of one look
-        elsewhere = {"at": at[:2]} if at else {}
-        if _is_averaged(reader, node):
-            elsewhere |= {"averaged": True, **(_near(reader, node, found.groups) if at else {})}
-        reader.known[key] = reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=is_cubic(node), **elsewhere)
+        reader.known[key] = _PROJECTIONS[node.projection](reader, node, found.groups, image)
     *color, alpha = reader.known[key]
     return (alpha,) if found.output.name == "Alpha" else color
+
+
+# ---- by projection: red, green, blue, alpha
+
+
+def _flat(reader, node, groups, image):
+    scale = [1.0 / count for count in tiles_of(node.image)]
+
+    def where():
+        at = place(reader, node.inputs["Vector"], groups)
+        if at is None and scale != [1.0, 1.0]:
+            at = uv(reader)
+        return at and [reader.program.math("MULTIPLY", part, by) for part, by in zip(at, scale)]
+
+    return _look(reader, node, image, where)
+
+
+def _box(reader, node, groups, image):
+    """From three sides, by how much the normal turns to each; none shows it mirrored."""
+    normal = of_object(reader, "NORMAL_INTO", surface_normal(reader))
+    sides = reader.program.emit("BOX", normal=normal, blend=node.projection_blend)
+    total = (0.0,) * 4
+    for side, (axis, across, up, turned) in zip(sides, ((0, 1, 2, "LESS_THAN"), (1, 0, 2, "GREATER_THAN"),
+                                                        (2, 1, 0, "GREATER_THAN"))):
+        behind = reader.program.math(turned, normal[axis], 0.0)
+
+        def where(across=across, up=up, behind=behind):
+            at = _vector(reader, node, groups)
+            other = reader.program.math("MULTIPLY_ADD", at[across], -2.0, 1.0)
+            return reader.program.math("MULTIPLY_ADD", other, behind, at[across]), at[up]
+
+        seen = _look(reader, node, image, where)
+        total = each(reader, "MULTIPLY_ADD", seen, (side,) * 4, total)
+    return total
+
+
+def _sphere(reader, node, groups, image):
+    def where():
+        at = _about_middle(reader, node, groups)
+        far = reader.program.math("SQRT", dot(reader, at, at))
+        down = reader.program.math("ARCCOSINE", reader.program.math("DIVIDE", at[2], far))
+        return _round(reader, at), reader.program.math("MULTIPLY_ADD", down, -1.0 / math.pi, 1.0)
+
+    return _look(reader, node, image, where, averaged=False)  # there is a seam
+
+
+def _tube(reader, node, groups, image):
+    def where():
+        at = _about_middle(reader, node, groups)
+        return _round(reader, at), reader.program.math("MULTIPLY_ADD", at[2], 0.5, 0.5)
+
+    return _look(reader, node, image, where, averaged=False)
+
+
+_PROJECTIONS = {"FLAT": _flat, "BOX": _box, "SPHERE": _sphere, "TUBE": _tube}
+
+
+def _vector(reader, node, groups):
+    at = place(reader, node.inputs["Vector"], groups)
+    return uv(reader) if at is None else at
+
+
+def _about_middle(reader, node, groups):
+    return each(reader, "MULTIPLY_ADD", _vector(reader, node, groups), (2.0,) * 3, (-1.0,) * 3)
+
+
+def _round(reader, at):
+    turn = reader.program.math("ARCTAN2", at[0], at[1])
+    return reader.program.math("MULTIPLY_ADD", turn, -0.5 / math.pi, 0.5)
+
+
+def _look(reader, node, image, where, averaged=True):
+    """where: says the place, None for that of the UV map, wherever coordinates are shifted to."""
+    at = where()
+    elsewhere = {"at": at[:2]} if at else {}
+    if averaged and _is_averaged(reader, node):
+        elsewhere |= {"averaged": True, **(_near(reader, where) if at else {})}
+    return reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=is_cubic(node), **elsewhere)
 
 
 def _is_averaged(reader, node):
@@ -34,13 +111,18 @@ def _is_averaged(reader, node):
             and not node.image.colorspace_settings.is_data)
 
 
-def _near(reader, node, groups):
+def _near(reader, where):
     near = []
     for shift in ((_STEP, 0.0), (0.0, _STEP)):
         reader.shift = shift
-        near += place(reader, node.inputs["Vector"], groups)[:2]
+        near += where()[:2]
     reader.shift = None
     return {"near": near, "step": _STEP}
+
+
+def is_plain(node):
+    """A single image, looked up where its coordinates say."""
+    return node.projection == "FLAT" and node.image.source != "TILED"
 
 
 def is_cubic(node):
@@ -52,8 +134,6 @@ def image_of(reader, node):
     if not node.image:
         reader.warn(f"'{node.name}' has no image")
         return MISSING
-    if node.projection != "FLAT":
-        reader.warn(f"'{node.name}': only flat projection is supported")
     if node.extension not in _WRAPS:
         reader.warn(f"'{node.name}': extension {node.extension.lower()} is not supported; repeated")
     if node.interpolation not in _FILTERS:
@@ -61,7 +141,7 @@ def image_of(reader, node):
                     "linear")
     return reader.images.index(
         node.image, node.extension if node.extension in _WRAPS else "REPEAT",
-        _FILTERS.get(node.interpolation, "LINEAR"), reader.owner)
+        _FILTERS.get(node.interpolation, "LINEAR"), reader.owner, node.image_user)
 
 
 NODES = {"TEX_IMAGE": _tex_image}

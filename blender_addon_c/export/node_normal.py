@@ -5,7 +5,7 @@ import bpy
 
 from . import tree
 from .graph import is_known
-from .node_image import image_of, is_cubic
+from .node_image import image_of, is_cubic, is_plain
 from .node_place import layer, of_object, place
 from .value import Value, each, dot, normal_of, number_in, number_of, surface_normal, three, unit, value_of, vector_in
 
@@ -39,7 +39,7 @@ def _normal_map_of(reader, found, strength):
         if image < 0:
             return None
         at = place(reader, color.node.inputs["Vector"], color.groups)
-        if own and at is None and is_known(strength) and not is_cubic(color.node):
+        if own and at is None and is_known(strength) and not is_cubic(color.node) and is_plain(color.node):
             return Value("NORMAL", reader.program.emit("NORMAL_MAP", image=image,
                                                        strength=strength))
     elif color.node is None:

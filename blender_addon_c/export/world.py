@@ -143,7 +143,7 @@ class _Reader:
                        "supported; linear")
         index = self._images.index(node.image, "REPEAT",
                                    "CLOSEST" if node.interpolation == "Closest" else "LINEAR",
-                                   self._owner)
+                                   self._owner, node.image_user)
         if index < 0:
             return index if index == MISSING else None
         matrix = self._directions(tree.trace(node.inputs["Vector"], color.groups))

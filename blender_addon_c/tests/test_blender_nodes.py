@@ -164,6 +164,14 @@ PLACES = [
       for kind, wrap in (("Cubic", "REPEAT"), ("Cubic", "EXTEND"), ("Cubic", "CLIP"), ("Smart", "REPEAT"),
                          ("Linear", "REPEAT"))),
     place("TexImage", "Alpha", set={"interpolation": "Cubic"}),
+    *(place("TexImage", output, set={"projection": "BOX", "projection_blend": blend}, fed={"Vector": by}, height=0.3, **more)
+      for output, blend, by, more in (
+          ("Color", 0.0, (1.0, 0.0), {}), ("Color", 0.3, (1.7, -0.3), {}), ("Color", 1.0, (0.6, 0.1), {}),
+          ("Alpha", 0.5, (1.0, 0.0), {"turn": (1.2, 0.5, 0.7)}), ("Color", 0.2, (1.0, 0.0), {"turn": (2.6, -0.7, 0.2)}),
+          ("Color", 0.5, (1.0, 0.0), {"turn": (-0.7, -0.5, 0.3)}))),
+    place("TexImage", set={"projection": "BOX", "projection_blend": 0.3}),
+    *(place("TexImage", set={"projection": kind, "interpolation": mixed}, fed={"Vector": (1.3, -0.2)})
+      for kind in ("SPHERE", "TUBE") for mixed in ("Linear", "Cubic")),
     *(place("LightPath", output) for output in ("Is Camera Ray", "Ray Length", "Ray Depth")),
     *(place("CameraData", output) for output in ("View Vector", "View Z Depth", "View Distance")),
     *(place("VectorTransform", set={"vector_type": kind, "convert_from": one, "convert_to": other},

@@ -115,6 +115,9 @@ NODES = {
     "BRICK": ({"at": UV[:2], "width": [1.0], "height": [1.0], "mortar": [0.22], "smooth": [0.0], "bias": [-1.0],
                "shift": 0.5, "shift_each": 2, "squash": 1.0, "squash_each": 2, "out": OUT[:2]},
               stacked(lambda u, v: (0, np.minimum.reduce([(u + 0.5) % 1, 1 - (u + 0.5) % 1, v, 1 - v]) < 0.22, 0))),
+    # between its x and its y side where neither is a third as large again, and from above
+    "BOX": ({"normal": [*UV[:2], 0.0], "blend": 0.25, "out": OUT[:3]},
+            stacked(lambda u, v: (np.clip((u / (u + v) - 0.375) * 4, 0, 1), np.clip((v / (u + v) - 0.375) * 4, 0, 1), 0))),
     # .2, .6, .4 over [.25, .75], and on as lines
     "CURVE": ({"table": np.array((0.2, 0.6, 0.4), np.float32), "low": 0.25, "high": 0.75, "at": UV[:1], "extend": True,
                "out": OUT[:1]}, stacked(lambda u, v: (np.where(u < 0.5, 1.6 * u - 0.2, 1 - 0.8 * u).clip(0, 1),) * 3)),

@@ -16,6 +16,7 @@
 #define LIBSHADE_NODE_H
 
 #include "node/albedo.h"
+#include "node/box.h"
 #include "node/brick.h"
 #include "node/bump.h"
 #include "node/cloth.h"
@@ -63,6 +64,7 @@
   ROW(VORONOI, voronoi)                                                                            \
   ROW(WHITE_NOISE, white_noise)                                                                    \
   ROW(BRICK, brick)                                                                                \
+  ROW(BOX, box)                                                                                    \
   ROW(RAMP, ramp)                                                                                  \
   ROW(CURVE, curve)                                                                                \
   ROW(WEAVE, weave)                                                                                \

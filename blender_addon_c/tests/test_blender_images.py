@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images of many files, against the Cycles of the same Blender."""
+
+import numpy as np
+import pytest
+
+from blender_runs import Dump, rgba
+
+CASES = {"tiles": {}, "packed tiles": {"packed": True}, "before": {"frame": 1}, "first": {"frame": 2}, "later": {"frame": 3},
+         "last": {"frame": 9}, "around": {"frame": 5, "cyclic": True}, "moved": {"frame": 2, "offset": 1}}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_files_are_those_of_cycles(blender, tmp_path, name):
+    pictures = []
+    for engine in ("LIBSHADE", "CYCLES"):
+        folder = tmp_path / engine
+        folder.mkdir()
+        options = {"where": str(folder), **CASES[name]}
+        if engine == "LIBSHADE":
+            blender.scene("many_files", tmp_path, engine=engine, **options)
+            pictures.append(Dump(tmp_path / "dump.exr")["Color"])
+        else:
+            blender.scene("many_files", tmp_path, engine=engine, dump="", **options)
+            pictures.append(rgba(tmp_path / "picture.exr")[..., :3])
+    ours, theirs = pictures
+    assert theirs.std() > 0.1
+    np.testing.assert_allclose(ours, theirs, atol=2e-3)
