@@ -144,11 +144,12 @@ def _displacement(reader, found):
 
 def _vector_displacement(reader, found):
     node = found.node
-    if node.space == "TANGENT":
-        reader.warn(f"'{node.name}': tangent space is not supported; that of the object is used")
     middle, scale = (number_in(reader, found, name) for name in ("Midlevel", "Scale"))
     vector = each(reader, "SUBTRACT", vector_in(reader, found, "Vector"), (middle,) * 3)
     vector = each(reader, "MULTIPLY", vector, (scale,) * 3)
+    if node.space == "TANGENT":  # what moves along the surface bends no normal
+        own = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="NORMAL"))
+        vector = each(reader, "MULTIPLY", own, vector[1:2] * 3)
     return vector if node.space == "WORLD" else of_object(reader, "VECTOR_OUT_OF", vector)
 
 

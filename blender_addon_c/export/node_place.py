@@ -202,6 +202,22 @@ def _light_path(reader, found):
     return reader.program.emit("PATH", 1, what=what) if what else (0.0,)
 
 
+def _light_falloff(reader, found):
+    """A strength that does not fall off as light does, by the way of the ray."""
+    math, name = reader.program.math, found.output.name
+    strength, smooth = (number_in(reader, found, socket) for socket in ("Strength", "Smooth"))
+    if name == "Quadratic" and is_known(smooth) and smooth <= 0:
+        return (strength,)
+    far = reader.program.emit("PATH", 1, what="LENGTH")[0]
+    square = math("MULTIPLY", far, far)
+    if name != "Quadratic":
+        strength = math("MULTIPLY", strength, far if name == "Linear" else square)
+    if is_known(smooth) and smooth <= 0:
+        return (strength,)
+    part = math("DIVIDE", square, math("ADD", math("MAXIMUM", smooth, 0.0), square))
+    return (math("MULTIPLY", strength, part),)
+
+
 # ---- the object
 
 
@@ -328,5 +344,6 @@ def _euler(turn):
 NODES = {
     "UVMAP": _uv_map, "TEX_COORD": _tex_coord, "NEW_GEOMETRY": _geometry, "MAPPING": _mapping,
     "TANGENT": _tangent, "ATTRIBUTE": _attribute, "VERTEX_COLOR": _attribute, "OBJECT_INFO": _object_info,
-    "CAMERA": _camera_data, "LIGHT_PATH": _light_path, "VECTOR_ROTATE": _vector_rotate, "VECT_TRANSFORM": _vector_transform,
+    "CAMERA": _camera_data, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff,
+    "VECTOR_ROTATE": _vector_rotate, "VECT_TRANSFORM": _vector_transform,
 }

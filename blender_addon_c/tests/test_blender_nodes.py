@@ -172,6 +172,13 @@ PLACES = [
     place("TexImage", set={"projection": "BOX", "projection_blend": 0.3}),
     *(place("TexImage", set={"projection": kind, "interpolation": mixed}, fed={"Vector": (1.3, -0.2)})
       for kind in ("SPHERE", "TUBE") for mixed in ("Linear", "Cubic")),
+    *(place("LightFalloff", output, inputs={"Strength": 0.4, "Smooth": smooth}, times=0.1)
+      for output in ("Quadratic", "Linear", "Constant") for smooth in (0.0, 3.0)),
+    *(place("ParticleInfo", output) for output in ("Index", "Random", "Age", "Lifetime", "Location", "Size", "Velocity",
+                                                   "Angular Velocity")),
+    *(place("HairInfo", output) for output in ("Is Strand", "Intercept", "Length", "Thickness", "Tangent Normal", "Random")),
+    *(place("AmbientOcclusion", output, inputs={"Color": (0.3, 0.5, 0.7, 1), "Distance": 1e-5}) for output in ("Color", "AO")),
+    *(place("Bevel", inputs={"Radius": 0.0, **bent}) for bent in ({}, {"Normal": (0.2, 0.1, 1)})),
     *(place("LightPath", output) for output in ("Is Camera Ray", "Ray Length", "Ray Depth")),
     *(place("CameraData", output) for output in ("View Vector", "View Z Depth", "View Distance")),
     *(place("VectorTransform", set={"vector_type": kind, "convert_from": one, "convert_to": other},
@@ -189,7 +196,8 @@ PLACES = [
 ]
 
 
-@pytest.mark.parametrize("perspective", ["", "TexCoord", "CameraData", "VectorTransform", "LightPath"])
+@pytest.mark.parametrize("perspective", ["", "TexCoord", "CameraData", "VectorTransform", "LightPath",
+                                         "LightFalloff"])
 def test_places_are_those_of_cycles(blender, tmp_path, perspective):
     """Of a camera in perspective those of one kind, where that makes a difference."""
     cases = [case for case in PLACES if not perspective or case["node"] == f"ShaderNode{perspective}"]
@@ -341,6 +349,7 @@ BUMPS = {"image": {}, "inverted": {"invert": True, "strength": 0.5, "distance": 
          "two": {"chain": True}, "other map": {"other": True},
          "displaced": {"displaced": "OBJECT"}, "displaced in the world": {"displaced": "WORLD"},
          "displaced by a vector": {"displaced": "OBJECT", "by": "VectorDisplacement"},
+         "displaced in the tangent's space": {"displaced": "TANGENT", "by": "VectorDisplacement"},
          "displaced and bumped": {"displaced": "WORLD", "chain": True, "distance": 0.1},
          "wide": {"filter": 12.0}, "far": {"mapping": 9.0, "distance": 0.03, "filter": 1.0},
          "perspective": {"mapping": 9.0, "distance": 0.03, "filter": 1.0, "perspective": True},
