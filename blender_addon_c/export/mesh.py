@@ -6,9 +6,8 @@ import numpy as np
 from .layers import data_of, read, uv_layer, uvs_of
 
 
-def mesh_of(ob, slots, drawn, table, messages):
-    """Triangles of an evaluated mesh, or None when it has no faces. drawn: may they be a light?"""
-    mesh = ob.data
+def mesh_of(ob, mesh, slots, drawn, table, messages):
+    """Triangles of an object's evaluated mesh, or None when it has no faces. drawn: may they be a light?"""
     if hasattr(mesh, "calc_normals_split"):  # until 4.1 corner normals are made on request
         mesh.calc_normals_split()
     mesh.calc_loop_triangles()

@@ -112,7 +112,7 @@ def _objects(depsgraph, table, mattes, messages):
             drawn = not any(is_hidden(bits, kind) for kind in BOUNCED)
             key = (ob.data, drawn, *slots)
             if key not in known:
-                mesh = mesh_of(ob, slots, drawn, table, messages)
+                mesh = _mesh(ob, depsgraph, slots, drawn, table, messages)
                 known[key] = len(meshes) if mesh else None
                 meshes += [mesh] if mesh else []
             matrix = rows(item.matrix_world)
@@ -123,6 +123,17 @@ def _objects(depsgraph, table, mattes, messages):
                                   "hidden": bits, **mattes.of_object(ob),
                                   **(_own(item) if table.by_object else {})})
     return meshes, instances, lights
+
+
+def _mesh(ob, depsgraph, slots, drawn, table, messages):
+    """That of an object in edit mode has no UV maps until 3.4, but a copy of it has."""
+    if not ob.data.is_editmode:
+        return mesh_of(ob, ob.data, slots, drawn, table, messages)
+    copy = ob.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+    try:
+        return mesh_of(ob, copy, slots, drawn, table, messages)
+    finally:
+        ob.to_mesh_clear()
 
 
 def _own(item):

@@ -66,12 +66,13 @@ CASES = {
     "value": {"normal": cycles_normal(TILT, 0.25)},
     "slot_clamp": {"metal": OTHER},
     "uv_active": {"uv": lambda u, v: (u / 2, v / 2)},
+    "edited": {"uv": lambda u, v: (u / 2, v / 2), "metal": {**METAL, "f0": linear((1, 230 / 255, 0.8))}},
     "uv_node": {"uv": lambda u, v: (v, 1 - u), "metal": {**METAL, "f0": (0, 0, 0)}},
     "uv_normal_map": {"uv": lambda u, v: (u, v), "normal": TILT},
 }
 
 
-TEXTURED = {"uv_node", *(case for case in CASES if case.startswith("color_tex_"))}
+TEXTURED = {"uv_node", "edited", *(case for case in CASES if case.startswith("color_tex_"))}
 
 
 @pytest.mark.parametrize("change", CASES)

@@ -425,6 +425,14 @@ def uv_active(ob, _light, _tree, _node):
     uv_layers(ob)
 
 
+def edited(ob, _light, tree, node):
+    """A file may be saved in edit mode."""
+    uv_layers(ob)
+    color_tex_image(ob, _light, tree, node)
+    bpy.context.view_layer.objects.active = ob
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
 def uv_node(ob, _light, tree, node):
     uv_layers(ob)
     image = bpy.data.images.new("image", 2, 2, float_buffer=True, is_data=True)
