@@ -5,6 +5,8 @@
 as their weight, to the material's reader. They follow Cycles of the Blender that runs.
 """
 
+from types import SimpleNamespace
+
 import bpy
 
 from .. import fabric, nodes
@@ -730,3 +732,16 @@ CLOSURES = {
 def plain(color):
     """The closure of a Diffuse BSDF of one colour, without a reader."""
     return _lambert_closure(color)
+
+
+_PRINCIPLED = {"Base Color": (0.8, 0.8, 0.8, 1.0), "Metallic": 0.0, "Roughness": 0.5, "IOR": 1.5, "Alpha": 1.0,
+               "Diffuse Roughness": 0.0, "Specular IOR Level": 0.5, "Specular Tint": (1.0,) * 4, "Anisotropic": 0.0,
+               "Transmission Weight": 0.0, "Coat Weight": 0.0, "Sheen Weight": 0.0, "Emission Strength": 0.0,
+               "Emission Color": (1.0,) * 4}
+
+
+def principled(reader):
+    """The closures of a new Principled BSDF of 5.0, without a node."""
+    sockets = {name: SimpleNamespace(links=(), is_linked=False, default_value=value)
+               for name, value in _PRINCIPLED.items()}
+    _principled(reader, SimpleNamespace(name="", inputs=sockets, distribution="MULTI_GGX"), (), 1.0)

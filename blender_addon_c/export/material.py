@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials: closures and a graph of nodes. Whatever is linked and not understood is named."""
 
+import bpy
 from mathutils import Matrix
 
 from . import tree
-from .closure import collect, plain
+from .closure import collect, plain, principled
 from .graph import Program, TooLarge
 from .image import Images
 from .layers import Layers
@@ -13,7 +14,7 @@ from .node_normal import displaced
 
 
 _MOST = 8  # closures of a material
-_BARE = (0.8, 0.8, 0.8)  # of what has no material [measured in Cycles 3.4, 5.0]
+_BARE = (0.8, 0.8, 0.8)  # of what has no material in 3.4; in 5.0 it is a new Principled BSDF [measured]
 _NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
 
 
@@ -120,6 +121,9 @@ class Reader:
             except (TooLarge, RecursionError) as error:
                 many = "many at once" if isinstance(error, TooLarge) else "deep"
                 self.warn(f"its nodes are too {many}; shaded as a Diffuse BSDF of its viewport colour")
+        if not material and bpy.app.version >= (4, 0):
+            principled(self)
+            return {**about, **self._finished()}
         color = tuple(material.diffuse_color[:3]) if material else _BARE
         return {**about, **plain(color), "nodes": []}
 
@@ -135,6 +139,9 @@ class Reader:
             self.warn("no shader (its surface has none); black, as in Cycles")
         if len(self.closures) > _MOST:
             self.warn(f"its {len(self.closures)} shaders are more than {_MOST}; the last are left out")
+        return self._finished()
+
+    def _finished(self):
         closures = self.closures[:_MOST] or [_NOTHING]
         nodes_, closures = self.program.finish(closures)
         if len(closures) == 1:

@@ -44,6 +44,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         "transparent": render.film_transparent,
         **world,
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
+        "matt_leans": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
         "transparent_less": bpy.app.version >= (5, 0),  # measured: 3.4, 4.2, 4.5 and 5.0
         **{name: getattr(scene.libshade, name) for name in _SHORTCUTS},
         **_adaptive(scene.libshade, samples),

@@ -155,6 +155,18 @@ def test_shaders_are_those_of_cycles(blender, tmp_path):
     assert not far, far
 
 
+def test_smooth_cubes(blender, tmp_path):
+    """Where normals turn far from the facets' and from the eye, shaders take those that Cycles' take."""
+    pictures = []
+    for engine in ("LIBSHADE", "CYCLES"):
+        blender.scene("cubes", tmp_path, engine=engine, dump="")
+        pictures.append(rgba(tmp_path / "picture.exr")[..., :3].astype(float))
+    ours, theirs = pictures
+    for half in np.s_[:, :32], np.s_[:, 32:]:
+        assert theirs[half].mean() > 0.05
+        assert np.abs(ours[half] - theirs[half]).mean() / theirs[half].mean() < 0.01
+
+
 @pytest.mark.parametrize("transport, detail, axis", [(True, "ROTATE", ""), (False, "GRAM_SCHMIDT", ""),
                                                      (True, "ROTATE", "Z")])
 def test_grooves_go_with_bumps_or_as_in_cycles(blender, tmp_path, transport, detail, axis):

@@ -105,6 +105,11 @@ typedef struct corners {
   lane_f handed, reach;                              /* as of struct triangle */
 } corners;
 
+/* What matt surfaces do where normals were bent to the eye: that of the interpolated ones, as
+ * Cycles does from some version on, or, until then, of the bent ones, faded by these [Chiang2019].
+ */
+typedef enum leaning { LEANS_NOT, LEANS_AWAY, LEANS_FADING } leaning;
+
 /* Points of surfaces. */
 typedef struct surfaces {
   lane_v p; /* position, world */
@@ -114,6 +119,7 @@ typedef struct surfaces {
   lane_f slack;   /* infinite where such lights may also be below the facet */
   lane_v n, t, b; /* shading frame, world: normal facing the eye, tangent, cross(n, t) */
   lane_v wo;      /* to the eye, in the shading frame */
+  lane_v lean; /* where some normal `leans`: the interpolated one, in the frame of the bent one */
   lane_f u, v;
   lane_v du, dv; /* position by u and v, where the scene has `stretch` */
   lane_f width;  /* where it has cones: across the ray, of what the hit stands for */
@@ -123,6 +129,7 @@ typedef struct surfaces {
   lane_u record, instance, object;
   lane_f w1, w2;
   lane_f side; /* -1 where the interpolated normal had to be turned to the eye's side */
+  leaning leans;
   /* where the scene is `routed`: the ray_kind that met the point, how long it was, and the path's
    * bounces so far */
   lane_u ray;

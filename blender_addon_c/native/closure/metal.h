@@ -255,23 +255,34 @@ static inline matt_lanes matt_lanes_of(const closure_metal *c, inputs *given, la
   return lanes;
 }
 
-LEAF void matt_f(const matt_lanes *from, size_t i, bool lit, lane_c *f) {
+LEAF void matt_f(const matt_lanes *from, size_t i, float scale, lane_c *f) {
   float r = from->kd[0][i], g = from->kd[1][i], b = from->kd[2][i];
-  float scale = lit ? 1.0f / METAL_PI : 0.0f;
+  scale *= 1.0f / METAL_PI;
   f->r[i] = scale * clampf(r == r ? r : from->own[0], 0.0f, 1.0f);
   f->g[i] = scale * clampf(g == g ? g : from->own[1], 0.0f, 1.0f);
   f->b[i] = scale * clampf(b == b ? b : from->own[2], 0.0f, 1.0f);
 }
 
+/* The cubic in g = n.l/(n.z l.z) that meets 1 without a kink at g = 1. [Chiang2019] */
+LEAF float matt_fade(vec3 n, vec3 l) {
+  float cosine = n.z * l.z, whole = dot(n, l);
+  float g = whole < cosine ? clampf(whole, 0.0f, 1.0f) / (cosine > 1e-12f ? cosine : 1e-12f) : 1.0f;
+  return g + g * g * (1.0f - g);
+}
+
 LEAF void matt_eval(const closure_metal *c, lane_run run, const surfaces *restrict at,
-                    inputs *given, const lane_v *restrict wi, bool density,
+                    inputs *given, const lane_v *restrict wi, leaning leans, bool density,
                     reflections *restrict out) {
   const matt_lanes lanes = matt_lanes_of(c, given, run);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    float cosine = wi->z[i];
-    bool lit = (cosine > 0.0f) & (at->wo.z[i] > 0.0f);
-    matt_f(&lanes, i, lit, &out->f);
+    float z = wi->z[i], cosine = z, fade = 1.0f;
+    if (leans == LEANS_AWAY)
+      cosine = dot(load(&at->lean, i), load(wi, i));
+    if (leans == LEANS_FADING)
+      fade = matt_fade(load(&at->lean, i), load(wi, i));
+    bool lit = (cosine > 0.0f) & (z > 0.0f) & (at->wo.z[i] > 0.0f);
+    matt_f(&lanes, i, lit ? fade : 0.0f, &out->f);
     out->cosine[i] = lit ? cosine : 0.0f;
     if (density)
       out->pdf[i] = lit ? cosine * (1.0f / METAL_PI) : 0.0f;
@@ -279,15 +290,20 @@ LEAF void matt_eval(const closure_metal *c, lane_run run, const surfaces *restri
 }
 
 LEAF void matt_draw(const closure_metal *c, lane_run run, const surfaces *restrict at,
-                    inputs *given, draws *restrict out) {
+                    inputs *given, leaning leans, draws *restrict out) {
   const matt_lanes lanes = matt_lanes_of(c, given, run);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    float radius = sqrtf(out->x[i]), cosine = sqrtf(1.0f - out->x[i]), s, k;
-    bool lit = (cosine > 0.0f) & (at->wo.z[i] > 0.0f);
+    float radius = sqrtf(out->x[i]), cosine = sqrtf(1.0f - out->x[i]), fade = 1.0f, s, k;
     turn(out->y[i], &s, &k);
-    store(&out->wi, i, (vec3){radius * k, radius * s, cosine});
-    matt_f(&lanes, i, lit, &out->f);
+    vec3 l = {radius * k, radius * s, cosine};
+    if (leans == LEANS_AWAY)
+      l = cosine_about(load(&at->lean, i), out->x[i], out->y[i], &cosine);
+    if (leans == LEANS_FADING)
+      fade = matt_fade(load(&at->lean, i), l);
+    bool lit = (cosine > 0.0f) & (l.z > 0.0f) & (at->wo.z[i] > 0.0f);
+    store(&out->wi, i, l);
+    matt_f(&lanes, i, lit ? fade : 0.0f, &out->f);
     out->cosine[i] = cosine;
     out->pdf[i] = lit ? cosine * (1.0f / METAL_PI) : 0.0f;
   }
@@ -298,10 +314,14 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
                                  reflections *restrict out) {
   size_t i = run.begin;
   if (c->matt) {
-    if (density)
-      matt_eval(c, run, at, given, wi, true, out);
+    if (at->leans == LEANS_AWAY)
+      matt_eval(c, run, at, given, wi, LEANS_AWAY, true, out);
+    else if (at->leans == LEANS_FADING)
+      matt_eval(c, run, at, given, wi, LEANS_FADING, true, out);
+    else if (density)
+      matt_eval(c, run, at, given, wi, LEANS_NOT, true, out);
     else
-      matt_eval(c, run, at, given, wi, false, out);
+      matt_eval(c, run, at, given, wi, LEANS_NOT, false, out);
     return 0;
   }
   shade_lanesf in = {
@@ -323,7 +343,12 @@ LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const sur
                                  inputs *given, draws *restrict out) {
   size_t i = run.begin;
   if (c->matt) {
-    matt_draw(c, run, at, given, out);
+    if (at->leans == LEANS_AWAY)
+      matt_draw(c, run, at, given, LEANS_AWAY, out);
+    else if (at->leans == LEANS_FADING)
+      matt_draw(c, run, at, given, LEANS_FADING, out);
+    else
+      matt_draw(c, run, at, given, LEANS_NOT, out);
     return 0;
   }
   shade_sample_lanesf in = {.size = sizeof in, .u1 = out->x + i, .u2 = out->y + i, METAL_GIVEN};

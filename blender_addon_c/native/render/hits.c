@@ -40,7 +40,9 @@ void hits_surface(worker *w) {
   s->corner(b->queue.hits, w->scene->triangle, b->hit, &b->corner);
   if (w->scene->placed)
     s->place(b->queue.hits, w->scene->placed, b->hit, &b->corner);
-  s->surface(b->queue.hits, b->ray, b->hit, &b->corner, &b->surface);
+  s->surface(b->queue.hits, b->ray, b->hit, &b->corner, !w->observer, &b->surface);
+  if (b->surface.leans)
+    b->surface.leans = w->observer ? LEANS_NOT : w->scene->matt_leans ? LEANS_AWAY : LEANS_FADING;
   if (hits_lifted(w))
     s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
   if (w->scene->identified)

@@ -464,6 +464,8 @@ static bool read_picture(reader *r, scene *s) {
   }
   if (reader_has(r, "planes") && !read_planes(r, s))
     return false;
+  if (reader_has(r, "matt_leans") && !reader_flag(r, "matt_leans", &s->matt_leans))
+    return false;
   if (reader_has(r, "soft_terminator") && !reader_flag(r, "soft_terminator", &s->soft_terminator))
     return false;
   if (reader_has(r, "use_denoising") && (!reader_flag(r, "use_denoising", &s->denoise) ||

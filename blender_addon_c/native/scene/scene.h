@@ -117,6 +117,7 @@ typedef struct scene {
   uint32_t seed;
   int threads;
   bool transparent;
+  bool matt_leans;      /* LEANS_AWAY, not LEANS_FADING */
   bool soft_terminator; /* smooth surfaces cast no shadows of their facets on themselves */
   float background[3];  /* 0 where there is a sky */
   sky sky;

@@ -84,7 +84,7 @@ typedef struct stage_table {
   void (*corner)(size_t count, const triangle *triangles, const hits *hit, corners *corner);
   /* Hits of instances into the world. */
   void (*place)(size_t count, const placed *table, hits *hit, corners *corner);
-  void (*surface)(size_t count, const rays *ray, const hits *hit, const corners *corner,
+  void (*surface)(size_t count, const rays *ray, const hits *hit, const corners *corner, bool valid,
                   surfaces *out);
   /* Where the scene has curved triangles. */
   void (*lift)(size_t count, const triangle *triangles, const placed *table, const hits *hit,

@@ -77,25 +77,60 @@ LEAF float least_seen(float facet) {
   return 0.5f * facet < GRAZING ? 0.5f * facet : GRAZING;
 }
 
-/* Along a smooth outline normals turn away from the eye: as much of the facet's as brings them
- * back. Few are: a loop of its own costs less than all lanes' roots. */
+/* Height over the facet that the eye's mirror image is to have, where `facet` is the eye's. */
+LEAF float least_image(float facet) {
+  return 0.9f * facet < 0.01f ? 0.9f * facet : 0.01f;
+}
+
+/* Is the eye's mirror image by n too low over the facet, or, of a dump, the eye over n? */
+LEAF bool is_bent(bool valid, float seen, float facet, float along) {
+  return valid ? 2.0f * seen * along - facet < least_image(facet) : seen < least_seen(facet);
+}
+
+/* n, turned towards the facet's normal as far as brings the mirror image of the eye up, as Cycles
+ * does: it halves the angle between both in the plane of these normals. */
+LEAF vec3 valid_normal(vec3 n, vec3 flat, vec3 d, float facet, float along) {
+  vec3 side = {n.x - along * flat.x, n.y - along * flat.y, n.z - along * flat.z};
+  float length = sqrtf(dot(side, side));
+  if (!(length > 1e-6f) || !(facet > 1e-6f))
+    return n;
+  side = scaled(side, 1.0f / length);
+  float low = least_image(facet), eye = -dot(d, side);
+  float over = (facet - low) * (facet + low), image = sqrtf(eye * eye + over);
+  float x = eye < 0.0f ? over / (image - eye) : image + eye, z = facet + low;
+  n = (vec3){x * side.x + z * flat.x, x * side.y + z * flat.y, x * side.z + z * flat.z};
+  return scaled(n, 1.0f / sqrtf(dot(n, n)));
+}
+
+/* Along a smooth outline, and on smooth surfaces of few facets, normals turn away from the eye:
+ * they are bent back, for a dump by as much of the facet's as leaves them at a grazing angle. Few
+ * are: a loop of its own costs less than all lanes' roots. */
 static __attribute__((noinline)) void bend_normals(size_t count, const rays *restrict ray,
-                                                   const corners *restrict corner,
+                                                   const corners *restrict corner, bool valid,
                                                    surfaces *restrict out) {
   for (size_t i = 0; i < count; i++) {
-    vec3 n = load(&out->n, i), d = load(&ray->d, i), flat = load(&out->g, i);
+    store(&out->lean, i, (vec3){0.0f, 0.0f, 1.0f});
+    vec3 own = load(&out->n, i), n = own, d = load(&ray->d, i), flat = load(&out->g, i);
     flat = scaled(flat, 1.0f / sqrtf(dot(flat, flat)));
-    float seen = -dot(n, d), facet = -dot(flat, d), least = least_seen(facet);
-    if (seen >= least)
+    float facet = -dot(flat, d), along = dot(n, flat), least = least_seen(facet);
+    if (!is_bent(valid, -dot(n, d), facet, along))
       continue;
-    float bend = (least - seen) / ((facet > 1e-6f ? facet : 1e-6f) - least);
-    n = (vec3){n.x + bend * flat.x, n.y + bend * flat.y, n.z + bend * flat.z};
-    put_frame(corner->row + 8 * i, scaled(n, 1.0f / sqrtf(dot(n, n))), d, i, out);
+    if (valid)
+      n = valid_normal(n, flat, d, facet, along);
+    float seen = -dot(n, d);
+    if (seen < least) {
+      float bend = (least - seen) / ((facet > 1e-6f ? facet : 1e-6f) - least);
+      n = (vec3){n.x + bend * flat.x, n.y + bend * flat.y, n.z + bend * flat.z};
+      n = scaled(n, 1.0f / sqrtf(dot(n, n)));
+    }
+    put_frame(corner->row + 8 * i, n, d, i, out);
+    vec3 t = load(&out->t, i), b = load(&out->b, i);
+    store(&out->lean, i, (vec3){dot(own, t), dot(own, b), dot(own, n)});
   }
 }
 
-static void stage_surface(size_t count, const rays *restrict ray, const hits *restrict hit,
-                          const corners *restrict corner, surfaces *restrict out) {
+LEAF void surfaces_of(size_t count, const rays *restrict ray, const hits *restrict hit,
+                      const corners *restrict corner, bool valid, surfaces *restrict out) {
   uint32_t bent = 0;
 #pragma omp simd reduction(| : bent)
   for (size_t i = 0; i < count; i++) {
@@ -120,13 +155,23 @@ static void stage_surface(size_t count, const rays *restrict ray, const hits *re
     float facing = dot(n, flat) < 0.0f ? -1.0f : 1.0f;
     n = scaled(n, facing / sqrtf(good ? n2 : 1.0f));
     out->side[i] = facing;
-    bent |= -dot(n, d) < least_seen(-dot(flat, d)) ? 1u : 0u;
+    bent |= is_bent(valid, -dot(n, d), -dot(flat, d), dot(n, flat)) ? 1u : 0u;
     put_frame(row, n, d, i, out);
     out->u[i] = row[6];
     out->v[i] = row[7];
   }
+  out->leans = bent ? LEANS_AWAY : LEANS_NOT;
   if (bent)
-    bend_normals(count, ray, corner, out);
+    bend_normals(count, ray, corner, valid, out);
+}
+
+/* valid: normals are as closures of Cycles take them, else as a dump's. */
+static void stage_surface(size_t count, const rays *restrict ray, const hits *restrict hit,
+                          const corners *restrict corner, bool valid, surfaces *restrict out) {
+  if (valid)
+    surfaces_of(count, ray, hit, corner, true, out);
+  else
+    surfaces_of(count, ray, hit, corner, false, out);
 }
 
 LEAF float from_upper_half(uint16_t bits) {

@@ -1213,6 +1213,24 @@ def sky(scene, image, mapping):
         tree.links.new(node.outputs["Vector"], texture.inputs["Vector"])
 
 
+def cubes(options):
+    """Cubes with the normals of balls, one without a material, one matt, under a sun."""
+    scene = common.empty_scene(64, 32, samples=64)
+    matt = shaded({"name": "matt", "shaders": [{"node": "ShaderNodeBsdfDiffuse"}]})
+    for x, material in ((-1.5, None), (1.5, matt)):
+        bpy.ops.mesh.primitive_cube_add(location=(x, 0, 0), rotation=(0.2, 0.1, 0.4))
+        common.smooth(common.added(material).data)
+    common.light(scene, rotation=(0.6, 0.3, 0.2), size=0.02)
+    common.camera(scene, (0, -9, 4), (1.15, 0, 0), lens=45)
+    scene.render.engine = options["engine"]
+    scene.cycles.samples, scene.cycles.use_denoising = 64, False
+    scene.cycles.use_adaptive_sampling, scene.cycles.pixel_filter_type = False, "BOX"
+    scene.libshade.max_bounces = scene.cycles.max_bounces = 0
+    scene.libshade.soft_terminator = True
+    common.render(options["picture"])
+    return {}
+
+
 def edges(options):
     """A turned plane, whose edges show the sampling pattern."""
     scene = common.empty_scene(24, 24, options.get("samples", 4))
