@@ -113,13 +113,25 @@ def emit(name, function, low, high, terms, single, relative, note):
     bound = worst(lambda x: relative(x, evaluate(exact, x)), low, high)
     suffix = "f" if single else ""
     digits = 9 if single else 17
-    horner = ""
-    for c in reversed(coefficients):
+
+    def literal(c):
         value = f"{c:.{digits}g}"
-        value += ("" if "." in value else ".0") + suffix
-        horner = f"({value} + (z) * {horner})" if horner else value
+        return value + ("" if "." in value else ".0") + suffix
+
+    def horner(these, argument):
+        text = ""
+        for c in reversed(these):
+            text = f"({literal(c)} + {argument} * {text})" if text else literal(c)
+        return text
+
+    if single:
+        text = horner(coefficients, "(z)")
+    else:  # two chains of half the length, for one is what a single call waits for; the last step
+        # is Horner's, whose rounding is the least
+        even, odd = (horner(coefficients[k::2], "((z) * (z))") for k in (1, 2))
+        text = f"({literal(coefficients[0])} + (z) * ({even} + (z) * {odd}))"
     print(f"/* {note}: relative error {float(bound):.1e} */")
-    print(f"#define {name}(z) {horner}\n")
+    print(f"#define {name}(z) {text}\n")
 
 
 def split_ln2(single):
