@@ -38,6 +38,11 @@ $(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
 compare-files: $(B)/libshade-blender.zip $(VENV_BPY)/done
 	@$(PY) compare/real_files.py $(FILES)
 
+# a block's cost: each scene beside its twin without
+.PHONY: bench-povray
+bench-povray: povray setup-test
+	@$(PY) compare/twins.py $(POVRAY) -o $(B)/twins.csv
+
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
 	@$(PY) compare/truth.py --surface scratches
