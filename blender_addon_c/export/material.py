@@ -129,12 +129,17 @@ class Reader:
 
     def _of_nodes(self, own):
         shader = tree.shader_of(own)
+        inputs = own.get_output_node("ALL").inputs if shader else {}
+        volume = "Volume" in inputs and tree.trace(inputs["Volume"]).node
+        if volume:
+            self.warn("volumes are not supported; left out")
         if shader and shader.node:
-            inputs = own.get_output_node("ALL").inputs
             self.bumped = displaced(self, inputs["Displacement"])
             if self.bumped and displacement_method(self._material) != "BUMP":
                 self.warn("displacement of the surface itself is not supported; its normals are bumped")
             collect(self, inputs["Surface"], ())
+        elif volume:
+            self.closures.append({"closure": "TRANSPARENT"})
         else:
             self.warn("no shader (its surface has none); black, as in Cycles")
         if len(self.closures) > _MOST:

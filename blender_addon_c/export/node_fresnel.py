@@ -2,15 +2,17 @@
 """How much a surface shows its side: Fresnel's reflectance, and what is like it."""
 
 from . import tree
-from .value import dot, number_in, surface_normal, three, value_of
+from .value import dot, group_vector, number_in, surface_normal, three, value_of
 
 
 def _cosine(reader, found):
     """Of the eye and the normal, which may be bumped."""
-    socket, normal = found.node.inputs["Normal"], None
-    if tree.trace(socket, found.groups).node:
-        normal = value_of(reader, socket, found.groups)
-    normal = three(reader, normal) if normal else surface_normal(reader)
+    socket = found.node.inputs["Normal"]
+    source = tree.trace(socket, found.groups)
+    if source.node:
+        normal = three(reader, value_of(reader, socket, found.groups))
+    else:
+        normal = group_vector(source) or surface_normal(reader)
     eye = reader.program.emit("GEOMETRY", what="INCOMING")
     return reader.program.math("ABSOLUTE", dot(reader, eye, normal))
 

@@ -11,7 +11,7 @@ from .light import kinds, light_of, name_linking
 from .material import Table
 from .matte import Mattes
 from .mesh import mesh_of
-from .visibility import ALL, BOUNCED, hidden, is_hidden
+from .visibility import ALL, BOUNCED, CAMERA, hidden, is_hidden
 from .world import world_of
 
 _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces",
@@ -93,6 +93,7 @@ def _objects(depsgraph, table, mattes, messages):
     # (mesh, are its faces a light, materials of its slots): its index, or None for one without faces
     known = {}
     override = depsgraph.view_layer_eval.material_override
+    marks = _marks(depsgraph.view_layer.layer_collection)
     for item in depsgraph.object_instances:
         ob = item.object
         if not item.show_self:
@@ -101,11 +102,13 @@ def _objects(depsgraph, table, mattes, messages):
             lights += light_of(ob, item.matrix_world, messages)
         elif isinstance(ob.data, bpy.types.Mesh):  # curves, text and so on come as meshes as well
             for name in ("shadow_catcher", "holdout"):
-                if getattr(ob, f"is_{name}", False):
+                if getattr(ob, f"is_{name}", False) or name in marks and _marked(item, name, depsgraph):
                     messages.warning(f"object '{ob.name}': {name.replace('_', ' ')}s are not supported; "
                                      "seen as it is")
             name_linking(ob, "object", messages)
             bits = hidden(ob, ALL)
+            if "indirect_only" in marks and _marked(item, "indirect_only", depsgraph):
+                bits |= CAMERA
             if is_hidden(bits, *ALL):
                 continue
             slots = [override] if override else _slots(ob, depsgraph)
@@ -124,6 +127,18 @@ def _objects(depsgraph, table, mattes, messages):
                                   "hidden": bits, **mattes.of_object(ob),
                                   **(_own(item) if table.by_object else {})})
     return meshes, instances, lights
+
+
+def _marks(collection):
+    """What some collection of a view layer, or one inside, is."""
+    own = {name for name in ("holdout", "indirect_only") if getattr(collection, name)}
+    return own.union(*map(_marks, collection.children))
+
+
+def _marked(item, name, depsgraph):
+    """Does a collection of its object, or of what instances it, say so?"""
+    owner = (item.parent or item.object).original
+    return getattr(owner, f"{name}_get")(view_layer=depsgraph.view_layer)
 
 
 def _mesh(ob, depsgraph, slots, drawn, table, messages):

@@ -8,6 +8,8 @@ The functions are in node_*.py.
 
 from collections import namedtuple
 
+import bpy
+
 from . import tree
 
 # kind: VALUE, RGBA, VECTOR, or NORMAL, a vector in the shading frame.
@@ -30,11 +32,22 @@ def normal_of(reader, socket, groups):
     """Registers of a normal in the shading frame, or None for the surface's own."""
     found = tree.trace(socket, groups)
     if found.node is None:
-        return reader.bumped
+        given = group_vector(found)
+        if not given or not any(given):
+            return reader.bumped
+        return reader.program.emit("FRAME", vector=given, to="SHADING")
     value = value_of(reader, socket, groups, own=Value("NORMAL", None))
     if value.parts is None or value.kind == "NORMAL":
         return value.parts or reader.bumped
     return reader.program.emit("FRAME", vector=three(reader, value), to="SHADING")
+
+
+def group_vector(found):
+    """What a group's socket says that feeds a normal and that nothing feeds: a vector, from 5.0 on and where
+    its value is shown [measured in 3.4, 5.0]; else None."""
+    if bpy.app.version < (5, 0) or found.socket.node.type != "GROUP" or found.socket.hide_value:
+        return None
+    return tree.color_in(found.socket)
 
 
 def surface_normal(reader):

@@ -4,6 +4,7 @@
 _BITS = {"camera": 1, "diffuse": 2, "glossy": 4, "transmission": 8, "shadow": 16}  # batch/lanes.h
 BOUNCED = ("diffuse", "glossy", "transmission")
 ALL = tuple(_BITS)
+CAMERA = _BITS["camera"]
 
 
 def hidden(owner, kinds, prefix="visible_"):

@@ -39,6 +39,8 @@ EXPECTED = {
     "subsurface": ("finished", "Warning: .*'Subsurface Scattering': light below the surface is not supported"),
     "cloth_without_uv": ("finished", "Warning: .*'Plane': textures need a UV map"),
     "mixed": ("finished", None),
+    "volume": ("finished", "Warning: .*'steel': volumes are not supported; left out"),
+    "volume_alone": ("finished", "Warning: .*'steel': volumes are not supported; left out"),
     "toon": ("finished", "Warning: .*'Toon BSDF' is not supported; shaded as a Diffuse BSDF"),
     "no_shader": ("finished", "Warning: .*no shader .its surface has none"),
     "many_shaders": ("finished", "Warning: .*its 10 shaders are more than 8"),
@@ -103,6 +105,7 @@ FALLBACK = {
     "missing_image": metal(6, 2, (1, 0, 1)), "broken_image": metal(6, 2, (1, 0, 1)),
     "missing_normal_map": STEEL,
     "subsurface": np.full(3, 3 * 0.8 / math.pi), "light_linking": STEEL, "displaced": STEEL,
+    "volume": STEEL,
     "mixed": STEEL / 2, "toon": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,
     "no_shader": np.zeros(3),
 }
@@ -123,6 +126,10 @@ def test_what_stands_in_for_it(blender, cases, name):
 @pytest.mark.parametrize("name", ["flat_object", "vanished_object"])
 def test_what_has_no_area_is_not_seen(cases, name):
     assert not rgba(cases[1] / f"{name}.exr").any()
+
+
+def test_a_volume_alone_is_seen_through(cases):
+    assert np.abs(rgba(cases[1] / "volume_alone.exr")).max() < 1e-6
 
 
 def test_tangents_matter_to_grooves_only(cases):

@@ -71,6 +71,7 @@ HIDDEN = {
     "lamp, glossy": ("square", "lamp", ["glossy", "camera"]), "world, glossy": ("turned image", "world", ["glossy"]),
     "faces, diffuse": ("shining mesh", "lamp", ["diffuse"]),
     "ball, shadow": ("soft point", "ball", ["shadow"]),
+    "ball, camera": ("soft point", "ball", ["indirect only"]),
 }
 
 

@@ -160,6 +160,8 @@ PLACES = [
           ("Fresnel", 0, "IOR", 1.45), ("Fresnel", 0, "IOR", 0.7), ("LayerWeight", "Fresnel", "Blend", 0.3),
           ("LayerWeight", "Facing", "Blend", 0.3), ("LayerWeight", "Facing", "Blend", 0.8))
       for turn, bent in (({}, False), (TURNED, False), (TURNED, True))),
+    *(place("LayerWeight", "Facing", group=(vector, hidden), **TURNED)
+      for vector in ((0, 0, 0), (0.6, 0, 0.8)) for hidden in (False, True)),
     *(place("TexImage", set={"interpolation": kind, "extension": wrap})
       for kind, wrap in (("Cubic", "REPEAT"), ("Cubic", "EXTEND"), ("Cubic", "CLIP"), ("Smart", "REPEAT"),
                          ("Linear", "REPEAT"))),

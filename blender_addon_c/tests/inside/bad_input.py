@@ -213,6 +213,20 @@ def displaced(scene):
     tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Displacement"])
 
 
+def volume(scene):
+    """What is inside is left out."""
+    _ob, tree, _node = plate(scene)
+    node = tree.nodes.new("ShaderNodeVolumeAbsorption")
+    tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Volume"])
+
+
+def volume_alone(scene):
+    """A surface without a shader shows what is behind."""
+    volume(scene)
+    tree = scene.objects["Plane"].data.materials[0].node_tree
+    tree.links.remove(tree.get_output_node("ALL").inputs["Surface"].links[0])
+
+
 def subsurface(scene):
     ob, tree, _node = plate(scene)
     node = tree.nodes.new("ShaderNodeSubsurfaceScattering")
@@ -377,7 +391,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, light_linking, displaced, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
+    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
     world_without_image, world_of_nothing, panoramic,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,

@@ -630,6 +630,23 @@ def _bent_normal(tree, by):
     return unit.outputs[0]
 
 
+def _through_group(tree, name, vector, hidden):
+    """What comes out of a group that passes on its own vector, which nothing feeds."""
+    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    if hasattr(group, "interface"):  # from 4.0 on
+        socket = group.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketVector")
+        group.interface.new_socket(name, in_out="OUTPUT", socket_type="NodeSocketVector")
+    else:
+        socket = group.inputs.new("NodeSocketVector", name)
+        group.outputs.new("NodeSocketVector", name)
+    socket.hide_value = hidden
+    group.links.new(group.nodes.new("NodeGroupInput").outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.inputs[0].default_value = vector
+    return node.outputs[0]
+
+
 def _showing(case, engine):
     """A material of what a node says. "beside": an image has asked for the active UV map before."""
     material, tree, metal = common.metal(case["node"], fresnel="NONE", detail="NONE")
@@ -649,6 +666,8 @@ def _showing(case, engine):
         node.image.pixels.foreach_set([0.5 + 0.5 * math.sin(k * k) for k in range(80)])
         node.image.update()
     _bend(node, case)
+    if "group" in case:
+        tree.links.new(_through_group(tree, "Normal", *case["group"]), node.inputs["Normal"])
     for name, (by, more) in case.get("fed", {}).items():  # by generated coordinates
         place, moved = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeVectorMath")
         moved.operation = "MULTIPLY_ADD"
@@ -1124,7 +1143,13 @@ def hide(scene, hidden):
         if name == "ball":
             things = [ob for ob in scene.objects if ob.name == "Sphere.001"]
         for kind in kinds:
-            if name == "world":
+            if kind == "indirect only":
+                apart = bpy.data.collections.new("apart")
+                scene.collection.children.link(apart)
+                apart.objects.link(things[0])
+                scene.collection.objects.unlink(things[0])
+                bpy.context.view_layer.layer_collection.children["apart"].indirect_only = True
+            elif name == "world":
                 setattr(scene.world.cycles_visibility, kind, False)
             else:
                 setattr(things[0], f"visible_{kind}", False)
