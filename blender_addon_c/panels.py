@@ -86,6 +86,7 @@ class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
         row.active = settings.pixel_filter_type != "BOX"
         row.prop(settings, "filter_width")
         layout.prop(settings, "texture_blur")
+        layout.prop(settings, "filter_normals")
 
 
 class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):

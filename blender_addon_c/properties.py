@@ -103,6 +103,12 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "edges with larger numbers; 0: points of the image, as in Cycles",
         default=0.25, min=0.0, max=10.0,
     )
+    filter_normals: BoolProperty(
+        name="Filter Normal Maps",
+        description="Bumps of normal maps that are smaller than what a sample stands for become roughness: "
+                    "few samples neither sparkle nor lose the highlight; off: points of the map, as in Cycles",
+        default=True,
+    )
     groove_transport: BoolProperty(
         name="Grooves Follow Bumps",
         description="Anisotropic shaders of Cycles reflect as the displaced surface would, as Libshade "

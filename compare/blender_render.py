@@ -21,7 +21,7 @@ def main(path, percent, samples):
     scene.libshade.max_bounces = 0
     scene.libshade.pixel_filter_type = "BOX"  # as POV-Ray's
     scene.libshade.light_sampling_threshold = 0
-    scene.libshade.soft_terminator = False
+    scene.libshade.soft_terminator = scene.libshade.filter_normals = False  # as export_povray.py writes it
     if scene.world:  # the background of POV-Ray lights nothing
         for kind in ("diffuse", "glossy", "transmission", "scatter"):
             setattr(scene.world.cycles_visibility, kind, False)

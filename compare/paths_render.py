@@ -150,7 +150,7 @@ def set_render(scene, job):
               "diffuse_bounces": bounces, "glossy_bounces": bounces, "blur_glossy": 0.0,
               "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0,
               "light_sampling_threshold": 0.0, "pixel_filter_type": "BOX",
-              "use_adaptive_sampling": False, "use_denoising": False}
+              "use_adaptive_sampling": False, "use_denoising": False, "filter_normals": False}
     for name, value in values.items():
         if hasattr(settings, name):
             setattr(settings, name, value)

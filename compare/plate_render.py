@@ -150,7 +150,7 @@ def new_scene(job, image, file="", sky=""):
         "samples": job["samples"], "max_bounces": BOUNCES if sky else 0, "pixel_filter_type": "BOX",
         "use_adaptive_sampling": False, "use_denoising": False, "light_sampling_threshold": 0.0,
         "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0, "blur_glossy": 0.0,
-        "soft_terminator": False, "seed": job.get("seed", 0),
+        "soft_terminator": False, "filter_normals": False, "seed": job.get("seed", 0),
     }.items():
         if hasattr(settings, name):
             setattr(settings, name, value)

@@ -38,7 +38,7 @@ SETTINGS = {"max_bounces": 12, "diffuse_bounces": 4, "glossy_bounces": 4, "trans
             "pixel_filter_type": "BLACKMAN_HARRIS", "filter_width": 1.5, "device": "CPU",
             "use_progressive_refine": False, "time_limit": 0.0,
             # ours alone: images are looked up at points and grooves stay behind bumps, as in Cycles
-            "texture_blur": 0.0, "groove_transport": False}
+            "texture_blur": 0.0, "filter_normals": False, "groove_transport": False}
 
 
 def link(name, data):

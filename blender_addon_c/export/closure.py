@@ -98,6 +98,8 @@ def _add(reader, closure, weight, normal=None, color=None):
         closure |= {} if reader.transport else {"detail": "gram_schmidt"}
         if reader.bumped:  # Cycles fades by what bumps turn a displaced normal: less than they turn this one
             closure["horizon"] = "hard" if closure["f0"] == _BLACK else "valid_reflection"
+    if normal and normal[0] in reader.filtered and _is_even(closure):
+        normal, weight = _filtered(reader, closure, normal, weight)
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
     if is_known(*weight) and not any(part > 0 for part in weight):
         return
@@ -182,6 +184,50 @@ class _Lobe:
         math = self._math
         rest = math("SUBTRACT", 1.0, head_on)
         return math("MULTIPLY_ADD", head_on, self.one, math("MULTIPLY", rest, self.clear))
+
+
+def _is_even(closure):
+    """A lobe that stays as it is where it is widened: about a Gaussian of slopes. GGX's tails would
+    grow with it, to a half too much light beside highlights."""
+    return (closure["closure"] == "METAL" and closure["f0"] != _BLACK and
+            closure["mdf"].lower() in ("ashikhmin_shirley", "beckmann", "ward", "ward_half"))
+
+
+def _filtered(reader, closure, normal, weight):
+    """The mean normal, a lobe as wide as its bumps make it, along its grooves and across (where these
+    are turned, both as much), and its weight: a wide lobe loses light between its facets, bumps do not."""
+    math = reader.program.math
+    normal, spread = reader.filtered[normal[0]]
+    if "groove_from" in closure:
+        spread = (math("MULTIPLY", math("ADD", *spread), 0.5),) * 2
+    before, after = 0.0, 0.0  # sums of squares
+    for axis, more in zip("xy", spread):
+        alpha = closure.get(f"a{axis}_from", [closure[f"a{axis}"]])[0]
+        square = math("MULTIPLY", alpha, alpha)
+        if closure["mdf"].lower() == "ashikhmin_shirley":
+            wide = _cosines(reader, square, more)
+        else:
+            wide = math("ADD", square, more)
+        closure[f"a{axis}_from"] = [math("SQRT", wide)]
+        before, after = math("ADD", before, square), math("ADD", after, wide)
+    lobe = closure["mdf"].upper()
+    if closure["brdf"].lower() != {"ASHIKHMIN_SHIRLEY": "ashikhmin_shirley", "BECKMANN": "microfacet"}.get(lobe):
+        return normal, weight
+    albedos = [reader.program.emit("ALBEDO", lobe=lobe, normal=normal,
+                                   alpha=[math("SQRT", math("MULTIPLY", sum_, 0.5))])[0] for sum_ in (before, after)]
+    kept = math("DIVIDE", *albedos)
+    parts = weight if isinstance(weight, (tuple, list)) else (weight,) * 3
+    return normal, tuple(math("MULTIPLY", part, kept) for part in parts)
+
+
+def _cosines(reader, square, more):
+    """Of a power e of the cosine slopes vary by 1 / (e - 1) along an axis, and alpha squared is
+    2 / (e + 2); to that alpha, where they vary by half of `more` more."""
+    math = reader.program.math
+    square = math("MINIMUM", square, 0.6)
+    varies = math("DIVIDE", square, math("MULTIPLY_ADD", square, -3.0, 2.0))
+    varies = math("MULTIPLY_ADD", more, 0.5, varies)
+    return math("DIVIDE", math("MULTIPLY", varies, 2.0), math("MULTIPLY_ADD", varies, 3.0, 1.0))
 
 
 def _is_smooth(alpha):

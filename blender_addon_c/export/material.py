@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials: closures and a graph of nodes. Whatever is linked and not understood is named."""
 
+import os
+
 import bpy
 from mathutils import Matrix
 
@@ -32,6 +34,8 @@ class Table:
         self.cloths = []
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.averages = settings.texture_blur > 0  # are images averaged?
+        # do bumps of normal maps become roughness? A dump holds points, as they are shaded then
+        self.filters = settings.filter_normals and not os.environ.get("LIBSHADE_DUMP")
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
@@ -96,7 +100,7 @@ class Reader:
 
     def __init__(self, table, messages, material):
         self.transport, self.colors, self.averages = table.transport, table.colors, table.averages
-        self.images, self._table = table.images, table
+        self.filters, self.images, self._table = table.filters, table.images, table
         self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
         self.pass_index = material.pass_index if material else 0
@@ -104,6 +108,9 @@ class Reader:
         self.nodes, self.program, self.known = NODES, Program(), {}
         self.shift = None  # two numbers or registers: coordinates are read so far along u and v
         self.in_height = False
+        # by the first register of a normal: what it is in the mean, and what its bumps then add to squares of
+        # alphas, along x and along y
+        self.filtered = {}
         self.bumped = None  # registers of the normal that the displacement makes
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 

@@ -40,8 +40,11 @@ def _normal_map_of(reader, found, strength):
             return None
         at = place(reader, color.node.inputs["Vector"], color.groups)
         if own and at is None and is_known(strength) and not is_cubic(color.node) and is_plain(color.node):
-            return Value("NORMAL", reader.program.emit("NORMAL_MAP", image=image,
-                                                       strength=strength))
+            normal = reader.program.emit("NORMAL_MAP", image=image, strength=strength)
+            if reader.filters:
+                *mean, x, y = reader.program.emit("NORMAL_MAP", 5, image=image, strength=strength, filtered=True)
+                reader.filtered[normal[0]] = mean, (x, y)
+            return Value("NORMAL", normal)
     elif color.node is None:
         reader.warn(f"'{node.name}' has no image")
     tangent = {} if own else {"tangent": layer(reader, "TANGENT", node.uv_map)}

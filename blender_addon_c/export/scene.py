@@ -47,6 +47,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         "matt_leans": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
         "transparent_less": bpy.app.version >= (5, 0),  # measured: 3.4, 4.2, 4.5 and 5.0
         **{name: getattr(scene.libshade, name) for name in _SHORTCUTS},
+        "normal_blur": samples**-0.5 if scene.libshade.filter_normals else 0.0,
         **_adaptive(scene.libshade, samples),
         **_pixel_filter(scene.libshade),
         "time_limit": scene.libshade.time_limit,

@@ -148,7 +148,8 @@ typedef struct inputs {
   lane_f blur;                /* this alpha */
   lane_f blurred[BLURRED];    /* alphas of the closure at hand, none of them less */
   lane_f constant[CONSTANTS]; /* operands of the node or closure at hand that are no registers */
-  float texture_blur;         /* colours of images are averaged over this part of a ray's width */
+  float texture_blur;         /* colours of images are averaged over this part of a ray's width, */
+  float normal_blur;          /* and normals over this one */
   /* where the scene has cloth: */
   lane_f term; /* a random number, which term of its footprint a hit is, if `single`; */
   bool single; /* else it is all of them */

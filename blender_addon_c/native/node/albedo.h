@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * How much a round GGX lobe of alpha `alpha`, one operand, about `normal` reflects of even light
- * towards the eye, by a table of libshade's. Writes `out`: with a Fresnel of 1 everywhere; with
- * that of a clear body, from 0 head-on to 1 (index 1.5, scaled); the first one's mean over the
- * eye's directions. What is lost of 1 left the surface's facets more than once.
+ * How much a round lobe, `lobe` (GGX where it is not said), of alpha `alpha`, one operand, about
+ * `normal` reflects of even light towards the eye, by a table of libshade's. Writes `out`: with a
+ * Fresnel of 1 everywhere; of GGX with that of a clear body, from 0 head-on to 1 (index 1.5,
+ * scaled); the first one's mean over the eye's directions. What is lost of 1 left the surface's
+ * facets more than once.
  */
 #ifndef LIBSHADE_NODE_ALBEDO_H
 #define LIBSHADE_NODE_ALBEDO_H
@@ -17,23 +18,29 @@
 /* Even in sqrt(alpha) and in the eye's cosine. */
 enum { ALBEDO_ROUGH = 24, ALBEDO_EYE = 32 };
 
+typedef enum albedo_lobe { ALBEDO_GGX, ALBEDO_BECKMANN, ALBEDO_COSINES, ALBEDO_LOBES } albedo_lobe;
+
 typedef struct node_albedo {
+  int lobe;
   operand alpha;
   int normal[3], out[3];
   const float *table;
 } node_albedo;
 
 static inline bool node_albedo_read(reader *r, node_albedo *n, graph *g) {
-  return graph_normal(r, g, n->normal) && graph_operands(r, g, "alpha", 1, &n->alpha) &&
+  static const char *const lobes[] = {"GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY", NULL};
+  n->lobe = ALBEDO_GGX;
+  return (!reader_has(r, "lobe") || reader_word(r, "lobe", lobes, &n->lobe)) &&
+         graph_normal(r, g, n->normal) && graph_operands(r, g, "alpha", 1, &n->alpha) &&
          graph_outputs(r, g, "out", 3, n->out);
 }
 
 /* False when out of memory. */
-bool albedo_table_make(const float **table);
+bool albedo_table_make(albedo_lobe lobe, const float **table);
 
 static inline bool node_albedo_build(node_albedo *n, const node_place *place) {
   (void)place;
-  return albedo_table_make(&n->table);
+  return albedo_table_make((albedo_lobe)n->lobe, &n->table);
 }
 
 LEAF float albedo_look(const float *table, int at, float s, float t) {

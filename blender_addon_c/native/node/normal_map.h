@@ -1,21 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* An image, at the UV map's place, as a tangent-space normal map, as Cycles reads it: `image`, its
- * index, and `strength`. Writes `out`, a normal in the shading frame. */
+ * index, and `strength`. Writes `out`, a normal in the shading frame; `filtered`: of the normals
+ * that the ray stands for the mean, and two numbers more, twice the variance of their slopes along
+ * the frame's x and y, which is what they add to the squares of a lobe's alphas [OlanoBaker2010].
+ */
 #ifndef LIBSHADE_NODE_NORMAL_MAP_H
 #define LIBSHADE_NODE_NORMAL_MAP_H
 
-#include "node/common.h"
+#include "node/image.h"
 
 typedef struct node_normal_map {
-  int image, out[3];
+  int image, out[5];
+  bool filtered;
   float strength;
-  const texture *normal;
+  const texture *normal, *squares; /* squares: NULL where points are looked at */
 } node_normal_map;
 
 static inline bool node_normal_map_read(reader *r, node_normal_map *n, graph *g) {
   double strength;
-  if (!reader_integer(r, "image", 0, (long)g->images - 1, &n->image) ||
-      !reader_number(r, "strength", &strength) || !graph_outputs(r, g, "out", 3, n->out))
+  n->filtered = false;
+  if ((reader_has(r, "filtered") && !reader_flag(r, "filtered", &n->filtered)) ||
+      !reader_integer(r, "image", 0, (long)g->images - 1, &n->image) ||
+      !reader_number(r, "strength", &strength) ||
+      !graph_outputs(r, g, "out", n->filtered ? 5 : 3, n->out))
     return false;
   n->strength = (float)fmin(fmax(strength, 0.0), 1e6);
   return true;
@@ -23,13 +30,16 @@ static inline bool node_normal_map_read(reader *r, node_normal_map *n, graph *g)
 
 static inline bool node_normal_map_build(node_normal_map *n, const node_place *place) {
   const image *source = place->image + n->image;
-  n->normal = texture_request(place->textures, source, TEXTURE_NORMAL, n->strength, COARSE_NONE);
+  bool coarse = n->filtered && place->normal_blur > 0.0f && !source->closest;
+  n->normal = texture_request(place->textures, source, TEXTURE_NORMAL, n->strength,
+                              coarse ? COARSE_EVEN : COARSE_NONE);
+  n->squares = coarse && n->normal ? texture_squares(place->textures, n->normal) : NULL;
   if (place->exponent > 500.0 && texture_is_8bit(source))
     message_warn(place->log,
                  "material %s: an 8-bit normal map is too coarse for an exponent of %g; use "
                  "16 bits or float",
                  place->material, place->exponent);
-  return n->normal != NULL;
+  return n->normal && (n->squares || !coarse);
 }
 
 /*
@@ -55,18 +65,62 @@ LEAF void node_normal_map_wrapped(image_wrap wrap, const node_normal_map *n, lan
   }
 }
 
+/* Between two levels a point takes either, as images do. */
+LEAF void node_normal_map_filtered(image_wrap wrap, const node_normal_map *n, lane_run g,
+                                   const corners *restrict corner, const surfaces *restrict point,
+                                   inputs *at) {
+  const texture_levels of = n->normal->level, squares_of = n->squares->level;
+  const uint32_t *texel = n->normal->texel, *square = n->squares->texel;
+  const float *u = point->u, *v = point->v;
+  float *nx = at->at[n->out[0]], *ny = at->at[n->out[1]], *nz = at->at[n->out[2]];
+  float *sx = at->at[n->out[3]], *sy = at->at[n->out[4]];
+  const float blur = at->normal_blur;
+  const image_slope by_uv = {.s_u = of.width, .t_v = of.height};
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    float covered = image_footprint(point, i, by_uv, blur * point->width[i]);
+    int level = image_level(covered, of.count, u[i], v[i]);
+    float x, y, xx, yy;
+    texel_pair(texel, image_find(wrap, &of, level, u[i], v[i]), &x, &y);
+    texel_pair(square, image_find(wrap, &squares_of, level > 0 ? level - 1 : 0, u[i], v[i]), &xx,
+               &yy);
+    float slope = 1.0f - xx - yy; /* the mean of z squared */
+    float by = level > 0 ? 2.0f / (slope > 0.1f ? slope : 0.1f) : 0.0f;
+    float left_x = xx - x * x, left_y = yy - y * y;
+    sx[i] = left_x > 0.0f ? by * left_x : 0.0f;
+    sy[i] = left_y > 0.0f ? by * left_y : 0.0f;
+    float z2 = 1.0f - x * x - y * y;
+    z2 = z2 > 1e-8f ? z2 : 1e-8f;
+    float inverse = 1.0f / sqrtf(x * x + y * y + z2);
+    nx[i] = x * point->side[i] * inverse;
+    ny[i] = y * corner->handed[i] * inverse;
+    nz[i] = sqrtf(z2) * inverse;
+  }
+}
+
+LEAF void node_normal_map_any(image_wrap wrap, const node_normal_map *n, lane_run g,
+                              const corners *corner, const surfaces *point, inputs *at) {
+  if (n->squares && at->normal_blur > 0.0f) {
+    node_normal_map_filtered(wrap, n, g, corner, point, at);
+    return;
+  }
+  node_normal_map_wrapped(wrap, n, g, corner, point, at);
+  for (int k = 3; n->filtered && k < 5; k++)
+    memset(at->at[n->out[k]] + g.begin, 0, (g.end - g.begin) * sizeof(float));
+}
+
 LEAF void node_normal_map_run(const node_normal_map *n, lane_run g, const corners *corner,
                               const surfaces *point, inputs *at) {
   switch (n->normal->wrap) {
   case WRAP_REPEAT:
-    node_normal_map_wrapped(WRAP_REPEAT, n, g, corner, point, at);
+    node_normal_map_any(WRAP_REPEAT, n, g, corner, point, at);
     break;
   case WRAP_MIRROR:
-    node_normal_map_wrapped(WRAP_MIRROR, n, g, corner, point, at);
+    node_normal_map_any(WRAP_MIRROR, n, g, corner, point, at);
     break;
   case WRAP_EXTEND:
   case WRAP_CLIP:
-    node_normal_map_wrapped(WRAP_EXTEND, n, g, corner, point, at);
+    node_normal_map_any(WRAP_EXTEND, n, g, corner, point, at);
   }
 }
 

@@ -35,6 +35,7 @@ bool batch_init(worker *w) {
   w->batch->drawn.tfar[BATCH] = -1.0f; /* of those that no light reaches */
   w->batch->input.cloth = NULL;
   w->batch->input.texture_blur = w->observer ? 0.0f : w->scene->texture_blur; /* dumps say points */
+  w->batch->input.normal_blur = w->observer ? 0.0f : w->scene->normal_blur;
   w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
   memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
   memset(w->batch->surface.width, 0, sizeof(lane_f));

@@ -3,18 +3,21 @@
 
 #include <math.h>
 
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-static float made[2 * ALBEDO_ROUGH * ALBEDO_EYE + ALBEDO_ROUGH];
-static bool whole;
+static pthread_mutex_t making = PTHREAD_MUTEX_INITIALIZER;
+static float made[ALBEDO_LOBES][2 * ALBEDO_ROUGH * ALBEDO_EYE + ALBEDO_ROUGH];
+static bool whole[ALBEDO_LOBES];
 
 /* A row of the table; `clear`: with a clear body's Fresnel. */
-static bool fill(double alpha, bool clear, float *row) {
+static bool fill(albedo_lobe lobe, double alpha, bool clear, float *row) {
   shade_params p;
   shade_params_init(&p);
-  p.mdf = SHADE_MDF_GGX;
-  p.brdf = SHADE_BRDF_MICROFACET;
+  p.mdf = lobe == ALBEDO_GGX        ? SHADE_MDF_GGX
+          : lobe == ALBEDO_BECKMANN ? SHADE_MDF_BECKMANN
+                                    : SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  p.brdf = lobe == ALBEDO_COSINES ? SHADE_BRDF_ASHIKHMIN_SHIRLEY : SHADE_BRDF_MICROFACET;
   p.fresnel = clear ? SHADE_FRESNEL_CONDUCTOR : SHADE_FRESNEL_NONE;
   p.ax = p.ay = fmax(alpha, 1e-3);
+  p.ex = p.ey = fmax(2 / (p.ax * p.ax) - 2, 0);
   for (int k = 0; k < 3; k++) {
     p.eta[k] = 1.5;
     p.k[k] = 0.0;
@@ -33,14 +36,16 @@ static bool fill(double alpha, bool clear, float *row) {
   return true;
 }
 
-static void make(void) {
+static bool make(albedo_lobe lobe) {
   const double head_on = 0.04; /* of index 1.5 */
-  float *clear = made + ALBEDO_ROUGH * ALBEDO_EYE, *mean = clear + ALBEDO_ROUGH * ALBEDO_EYE;
+  float *ones = made[lobe], *clear = ones + ALBEDO_ROUGH * ALBEDO_EYE;
+  float *mean = clear + ALBEDO_ROUGH * ALBEDO_EYE;
   for (int j = 0; j < ALBEDO_ROUGH; j++) {
     double root = j / (double)(ALBEDO_ROUGH - 1), sum = 0;
-    float *one = made + j * ALBEDO_EYE, *other = clear + j * ALBEDO_EYE;
-    if (!fill(root * root, false, one) || !fill(root * root, true, other))
-      return;
+    float *one = ones + j * ALBEDO_EYE, *other = clear + j * ALBEDO_EYE;
+    if (!fill(lobe, root * root, false, one) ||
+        (lobe == ALBEDO_GGX && !fill(lobe, root * root, true, other)))
+      return false;
     for (int k = 0; k < ALBEDO_EYE; k++) {
       other[k] = (float)(((double)other[k] - head_on * (double)one[k]) / (1 - head_on));
       double cosine = k / (double)(ALBEDO_EYE - 1), ends = k % (ALBEDO_EYE - 1) ? 1 : 0.5;
@@ -48,11 +53,13 @@ static void make(void) {
     }
     mean[j] = (float)sum;
   }
-  whole = true;
+  return true;
 }
 
-bool albedo_table_make(const float **table) {
-  pthread_once(&once, make);
-  *table = made;
-  return whole;
+bool albedo_table_make(albedo_lobe lobe, const float **table) {
+  pthread_mutex_lock(&making);
+  whole[lobe] = whole[lobe] || make(lobe);
+  pthread_mutex_unlock(&making);
+  *table = made[lobe];
+  return whole[lobe];
 }

@@ -505,6 +505,8 @@ static bool read_picture(reader *r, scene *s) {
        !reader_number_within(r, "light_sampling_threshold", 0, 1e30, &s->light_threshold)) ||
       (reader_has(r, "texture_blur") &&
        !reader_number_within(r, "texture_blur", 0, 1e3, &s->texture_blur)) ||
+      (reader_has(r, "normal_blur") &&
+       !reader_number_within(r, "normal_blur", 0, 1e3, &s->normal_blur)) ||
       (reader_has(r, "blur_glossy") &&
        !reader_number_within(r, "blur_glossy", 0, 1e30, &s->blur_glossy)) ||
       (reader_has(r, "caustics_reflective") &&

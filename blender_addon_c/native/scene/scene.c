@@ -75,13 +75,15 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
                         .layer = s->layer,
                         .object = &s->object,
                         .texture_blur = s->texture_blur,
+                        .normal_blur = s->normal_blur,
                         .material = m->name,
                         .exponent = sharpest(m),
                         .log = log};
     for (size_t k = 0; good && k < m->nodes; k++)
       good = build_node(&m->node[k], &place);
     for (size_t k = 0; good && k < m->nodes; k++)
-      s->cones = s->cones || (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged);
+      s->cones = s->cones || (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged) ||
+                 (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares);
   }
   if (!good || !texture_pack(&s->textures, s->threads, cancel))
     return message_error(log, "out of memory");

@@ -138,6 +138,7 @@ typedef struct scene {
   float light_threshold; /* light samples that bring less are worth a shadow ray now and then; 0 */
   float blur_glossy;     /* lobes that a path meets by chance are blurred the more; 0: not */
   float texture_blur;    /* of a ray's width, over which colours of images are averaged; 0: not */
+  float normal_blur;     /* over which normals of images become roughness; 0: not */
   bool no_reflected, no_refracted; /* caustics: of matt surfaces by mirrors, through glass */
   bool passes;                     /* some material lets rays pass on */
   camera camera;

@@ -14,6 +14,17 @@ static bool has_alpha(const image *m) {
   return m->channels % 2 == 0;
 }
 
+static texture *add_texture(texture_set *set) {
+  texture **item = realloc(set->item, (set->count + 1) * sizeof *item);
+  if (!item)
+    return NULL;
+  set->item = item;
+  texture *t = calloc(1, sizeof *t);
+  if (t)
+    item[set->count++] = t;
+  return t;
+}
+
 const texture *texture_request(texture_set *set, const image *source, texture_kind kind,
                                float strength, texture_coarse coarse) {
   if (coarse == COARSE_WEIGHTED && !has_alpha(source))
@@ -27,11 +38,7 @@ const texture *texture_request(texture_set *set, const image *source, texture_ki
     if (t->coarse == coarse || coarse == COARSE_NONE)
       return t;
   }
-  texture **item = realloc(set->item, (set->count + 1) * sizeof *item);
-  if (!item)
-    return NULL;
-  set->item = item;
-  texture *t = calloc(1, sizeof *t);
+  texture *t = add_texture(set);
   if (!t)
     return NULL;
   *t = (texture){.width = source->width,
@@ -43,7 +50,28 @@ const texture *texture_request(texture_set *set, const image *source, texture_ki
                  .kind = kind,
                  .strength = strength,
                  .coarse = coarse};
-  item[set->count++] = t;
+  return t;
+}
+
+static int halved(int size) {
+  return size > 1 ? size / 2 : 1;
+}
+
+const texture *texture_squares(texture_set *set, const texture *normal) {
+  for (size_t i = 0; i < set->count; i++)
+    if (set->item[i]->normal == normal)
+      return set->item[i];
+  texture *t = add_texture(set);
+  if (!t)
+    return NULL;
+  *t = (texture){.width = halved(normal->width),
+                 .height = halved(normal->height),
+                 .stride = halved(normal->width) + TEXTURE_RIM,
+                 .wrap = normal->wrap,
+                 .linear = normal->linear,
+                 .kind = TEXTURE_SQUARES,
+                 .coarse = COARSE_EVEN,
+                 .normal = normal};
   return t;
 }
 
@@ -139,7 +167,7 @@ static void pack_color(size_t count, const float *restrict a, const float *restr
 
 /* What lies beyond the edge of WRAP_CLIP: a flat normal, black without alpha. */
 static uint32_t outside(const texture *t) {
-  return t->kind == TEXTURE_NORMAL ? 0u : pack_pair(-1.0f, -1.0f);
+  return t->kind == TEXTURE_NORMAL || t->kind == TEXTURE_SQUARES ? 0u : pack_pair(-1.0f, -1.0f);
 }
 
 /* Where the rim's texel k of an axis comes from; -1: from nowhere. */
@@ -287,6 +315,28 @@ static void pack_coarse_row(const texture *t, const texture *alpha, int level, i
   pack_rim(t, level, y);
 }
 
+/* Of squares those of the normals that a texel covers. */
+static void pack_squares_row(const texture *t, int y) {
+  const texture *from = t->normal;
+  cover down = cover_of(y, t->height, from->height);
+  uint32_t *row = level_row(t, 0, y);
+  for (int x = 0; x < t->width; x++) {
+    cover along = cover_of(x, t->width, from->width);
+    float a = 0, b = 0, sum = 0;
+    for (int j = down.first; j <= down.last; j++) {
+      const uint32_t *normal = level_row(from, 0, j);
+      for (int i = along.first; i <= along.last; i++) {
+        float share = cover_weight(&down, j) * cover_weight(&along, i);
+        a += share * first_of(normal[i]) * first_of(normal[i]);
+        b += share * second_of(normal[i]) * second_of(normal[i]);
+        sum += share;
+      }
+    }
+    row[x] = pack_pair(clamp(a / sum, 0.0f, 1.0f), clamp(b / sum, 0.0f, 1.0f));
+  }
+  pack_rim(t, 0, y);
+}
+
 /* Where each level begins; no more than fit into an int. Returns the texels of all. */
 static size_t find_levels(texture *t) {
   texture_levels *l = &t->level;
@@ -318,6 +368,8 @@ static void pack_rows(void *context, size_t task) {
   for (; y < end && y < p->height; y++)
     if (atomic_load_explicit(p->cancel, memory_order_relaxed))
       return;
+    else if (!p->level && p->texture->kind == TEXTURE_SQUARES)
+      pack_squares_row(p->texture, y);
     else if (p->level)
       pack_coarse_row(p->texture, p->alpha, p->level, y);
     else

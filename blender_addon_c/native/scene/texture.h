@@ -31,7 +31,13 @@ typedef struct image {
 /* A texture's width and height are those of its image and this. */
 enum { TEXTURE_RIM = 3, TEXTURE_LEVELS = 24 };
 
-typedef enum texture_kind { TEXTURE_NORMAL, TEXTURE_RED_GREEN, TEXTURE_BLUE_ALPHA } texture_kind;
+typedef enum texture_kind {
+  TEXTURE_NORMAL,
+  TEXTURE_RED_GREEN,
+  TEXTURE_BLUE_ALPHA,
+  TEXTURE_SQUARES /* of a normal map's x and y, means over texels of its coarser levels, from 1 on
+                   */
+} texture_kind;
 
 /* WEIGHTED: means of colours go by their alpha, as what is behind them sees them. */
 typedef enum texture_coarse { COARSE_NONE, COARSE_EVEN, COARSE_WEIGHTED } texture_coarse;
@@ -58,6 +64,7 @@ typedef struct texture {
   float strength;
   texture_coarse coarse;
   texture_levels level;
+  const struct texture *normal; /* of squares */
 } texture;
 
 typedef struct texture_set {
@@ -65,10 +72,13 @@ typedef struct texture_set {
   texture **item;
 } texture_set;
 
-/* The texture for an image, the same one for the same request. NULL when out of memory. Normals
- * have no coarser levels: the mean of normals is no normal of the mean. */
+/* The texture for an image, the same one for the same request. NULL when out of memory. Coarser
+ * levels of normals are means of their x and y: what these do not say, their squares do. */
 const texture *texture_request(texture_set *set, const image *source, texture_kind kind,
                                float strength, texture_coarse coarse);
+
+/* Its level k stands beside level k + 1 of the normals. NULL when out of memory. */
+const texture *texture_squares(texture_set *set, const texture *normal);
 
 /* Fill all requested textures. False when out of memory; stops early when *cancel is true. */
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel);
