@@ -46,19 +46,19 @@ def apart_of(ours, theirs):
 
 @pytest.mark.parametrize("name", CASES)
 def test_directions(blender, tmp_path, name):
-    """One a pixel; eight of 3,072 may be on the other side of the disc's rim."""
+    """One a pixel; 16 of 12,288 may be on the other side of the disc's rim."""
     ours, theirs = both(blender, tmp_path, "seen_sky", sky=known_to(blender, CASES[name]))
     off = apart_of(ours, theirs)
-    print(f"{name}: mean {off.mean():.5f}, most {np.sort(off.ravel())[-9:]}")
+    print(f"{name}: mean {off.mean():.5f}, most {np.sort(off.ravel())[-17:]}")
     assert theirs.std() > 0.05 * theirs.mean()
-    assert np.sort(off.ravel())[-9] < 0.01 and off.mean() < 0.001
+    assert np.sort(off.ravel())[-17] < 0.01 and off.mean() < 0.001
 
 
 def test_a_turned_sky(blender, tmp_path):
     sky = known_to(blender, {**CASES["day, single"], "sun_disc": False})
     ours, theirs = both(blender, tmp_path, "seen_sky", sky=sky, turn=(0.5, -0.3, 0.8))
     off = apart_of(ours, theirs)
-    assert np.sort(off.ravel())[-9] < 0.01 and off.mean() < 0.001
+    assert np.sort(off.ravel())[-17] < 0.01 and off.mean() < 0.001
 
 
 @pytest.mark.parametrize("name", ["day, single", "low, single", "low, multiple"])

@@ -26,10 +26,18 @@ void atmosphere_row(const atmosphere *a, int row, atmosphere_half out) {
   }
 }
 
-float atmosphere_ground(const atmosphere *a, int row) {
-  double far = 1 - (row + (a->later ? 0 : 0.5)) / ATMOSPHERE_HORIZON;
+static double ground_left(double far) {
   double left = 1 - 2.5 * sin(1.5707963267948966 * far * far);
-  return left > 0 ? (float)(left * left * left) : 0.0f;
+  return left > 0 ? left * left * left : 0;
+}
+
+/* Blender 5.0 has the rows in its table; before, each direction is worked out, from which what lies
+ * between two rows here errs as far as their ends. */
+float atmosphere_ground(const atmosphere *a, int row) {
+  const double step = 1.0 / ATMOSPHERE_HORIZON;
+  double far = 1 - (row + (a->later ? 0 : 0.5)) * step, left = ground_left(far);
+  double bent = ground_left(far + step) - 2 * left + ground_left(far - step);
+  return (float)fmax(a->later ? left : left - bent / 16, 0);
 }
 
 void atmosphere_sun(const atmosphere *a, bool upper, double xyz[3]) {

@@ -39,7 +39,7 @@ def _settings(scene, engine, samples):
 
 def seen_sky(options):
     """A lattice of directions, one a pixel: half the sphere's, the horizon at a third of the height."""
-    scene = common.empty_scene(64, 48)
+    scene = common.empty_scene(128, 96)
     settings = _settings(scene, options["engine"], 1)
     settings.pixel_filter_type = "BLACKMAN_HARRIS"
     settings.filter_width = 0.01 if options["engine"] == "CYCLES" else 0.0  # pixels' middles
