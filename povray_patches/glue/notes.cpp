@@ -91,8 +91,12 @@ void metal(const mdf::Material &m, std::ostream &text) {
 }
 
 void cloth(const mdf::Cloth &c, std::ostream &text) {
-  text << "  cloth: weave " << (c.draft ? "of a draft" : c.weave) << ", " << c.per_unit(0) << " x "
-       << c.per_unit(1) << " crossings on a unit of u and v\n"
+  if (c.draft)
+    text << "  cloth: a draft of " << c.draft->ends << " ends and " << c.draft->picks << " picks"
+         << (c.material.draft_colors ? " in its own colours" : "") << ", ";
+  else
+    text << "  cloth: weave " << c.weave << ", ";
+  text << c.per_unit(0) << " x " << c.per_unit(1) << " crossings on a unit of u and v\n"
        << "  warp: diffuse " << (c.pigment[0] ? "pigment" : colour(c.material.warp.kd))
        << "; weft: diffuse " << (c.pigment[1] ? "pigment" : colour(c.material.weft.kd)) << "\n";
   if (c.transmits())

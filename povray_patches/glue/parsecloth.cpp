@@ -229,6 +229,8 @@ void Parser::Parse_Mdf_Weave(mdf::Cloth &cloth) {
     cloth.draft.reset();
     return;
   }
+  if (Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == MDF_WORD_TOKEN)
+    Error("mdf: weave needs a text in quotes, weave \"%s\", or three numbers.", Token.Token_String);
   Unget_Token();
 
   int numbers[3];

@@ -431,6 +431,14 @@ void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
 
 void Parser::Parse_Mdf(FINISH *finish) {
   mdf::Material material;
+  std::string of_metal; // the first word of this block that only metals read
+
+  Get_Token();
+  if (Token.Function_Id == OFF_TOKEN) {
+    finish->Mdf = NULL;
+    return;
+  }
+  Unget_Token();
 
   if (finish->Mdf != NULL) // of the finish that this one began with
     material = *finish->Mdf;
@@ -446,6 +454,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
     EXPECT
       CASE (MDF_WORD_TOKEN)
         word = Token.Function_Id;
+        if (of_metal.empty() && mdf::is_of_metal(word))
+          of_metal = Token.Token_String;
         if (word == mdf::BLOCK_TANGENT) {
           Parse_Mdf_Tangent(material);
           MIdentity(finish->Mdf_Space); // it counts from here
@@ -485,6 +495,9 @@ void Parser::Parse_Mdf(FINISH *finish) {
     // clang-format on
   }
   Parse_End();
+  if (material.cloth && !of_metal.empty())
+    Warn_Mdf("'" + of_metal + "' (" + material.name +
+             ") has no part in a cloth; what its yarns are is said inside fabric { }.");
 
   char wrong[160];
   if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once
@@ -554,8 +567,8 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     const mdf::Material *block = (*i)->Mdf;
     if (block->tangent == mdf::Material::TANGENT_FROM_UV)
       Warn_Mdf("'tangent uv' (" + block->name + ")" + kind + "strokes run " + direction + ".");
-    if (block->cloth && object->Mdf_Shape->kind == mdf::Shape::OTHER)
-      Warn_Mdf("'fabric' (" + block->name + ")" + laid);
+    if ((block->cloth || block->scratches) && object->Mdf_Shape->kind == mdf::Shape::OTHER)
+      Warn_Mdf((block->cloth ? "'fabric' (" : "'scratches' (") + block->name + ")" + laid);
     if (block->bump)
       Warn_Mdf("'bump_image' (" + block->name + ")" + kind + "it has no effect there.");
   }

@@ -807,7 +807,9 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
       object->Normal(*outside, &copy, thread);
     // a texture that is not turned by itself needs no dP/dv
     const bool turned = finish->Mdf_Space[X][Y] != 0.0 || !(finish->Mdf_Space[X][X] > 0.0);
-    has_directions = ((cloth || scratched) && !shape.has_uv())
+    // a box's UV coordinates unfold it, each side to its own scale: cloth keeps that of the scene
+    const bool by_side = shape.kind == mdf::Shape::BOX && !bumped;
+    has_directions = ((cloth || scratched) && (!shape.has_uv() || by_side))
                          ? planar_place(shape.kind, isect, N, uv, du, dv)
                          : uv_directions(shape, isect, N, outside, thread,
                                          bumped || turned || cloth || scratched, du, dv);

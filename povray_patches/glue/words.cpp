@@ -134,6 +134,11 @@ std::vector<int> rows_of_choice(shade_list list, int value) {
   return rows;
 }
 
+bool is_of_metal(int word) {
+  return word != BLOCK_PRESET && word != BLOCK_FABRIC && word != BLOCK_BUMP_IMAGE &&
+         word != BLOCK_REFLECTION && word != BLOCK_NOTES;
+}
+
 std::string name_of_row(int row, shade_list list, int value) {
   shade_param_info info;
   const std::string name = shade_list_name(list), choice = shade_list_word(list, value);

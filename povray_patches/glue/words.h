@@ -91,6 +91,9 @@ inline WordSet words_of_list(shade_list list) {
 // The rows of the table's numbers that this choice of a list reads.
 std::vector<int> rows_of_choice(shade_list list, int value);
 
+// Whether a word of WORDS_BLOCK has no part in a cloth.
+bool is_of_metal(int word);
+
 // What messages call a row that follows a choice: "alpha ax", "fresnel conductor's k".
 std::string name_of_row(int row, shade_list list, int value);
 

@@ -58,7 +58,7 @@ OBJECTS = {"sphere": "sphere { 0, 1", "torus": "torus { .7, .3 rotate -40*x", "b
 
 @pytest.mark.parametrize("shape", OBJECTS)
 def test_every_object_is_the_reference(render, shade_check, shape):
-    per_unit = 3.3 if shape in ("cylinder", "cone", "plane", "blob", "lathe") else 15.3
+    per_unit = 3.3 if shape in ("cylinder", "cone", "plane", "blob", "lathe", "box") else 15.3
     body = OBJECTS[shape] + " " + cloth(f'preset "denim" crossings {per_unit}') + "}"
     dump = render(scene(body), size=(60, 45)).dump
     assert dump.hit.mean() > .05 and np.isfinite(dump.S).all()
@@ -78,6 +78,17 @@ def test_a_unit_of_uv_holds_as_many_crossings_as_it_says(render):
         # a pixel is a sixteenth
         assert dump.channels["foot.U"] == pytest.approx(np.full((16, 16), u / 16), rel=1e-5)
         assert dump.channels["foot.V"] == pytest.approx(np.full((16, 16), v / 16), rel=1e-5)
+
+
+def test_cloth_has_one_scale_on_all_sides_of_a_box(render):
+    """A unit of a box's sides is one of the object, whatever their size."""
+    for turn in ("", "rotate 90*y", "rotate 90*x", "rotate -90*y"):
+        dump = render(scene(f"box {{ <-.5, -.1, -.3>, <.5, .1, .3> {cloth('crossings 12')} {turn} }}", SUN, FRONT), size=(64, 64)).dump
+        for axis in (0, 1):
+            step = np.abs(np.diff(np.where(dump.hit, dump.uv[..., axis], np.nan), axis=1 - axis))
+            across = np.abs(np.diff(np.where(dump.hit, dump.uv[..., axis], np.nan), axis=axis))
+            steps = np.nanmedian(step), np.nanmedian(across)
+            assert max(steps) == pytest.approx(12 * 2 / 64, rel=1e-3) and min(steps) < 1e-6
 
 
 def test_the_footprint_grows_with_distance_and_slant(render):

@@ -272,6 +272,19 @@ def test_the_list_for_editors_is_what_the_parser_takes(povray, render):
     assert {line.split()[-1] for line in vim.splitlines() if line.startswith("syn keyword")} == {w for _, w in lines}
 
 
+def test_a_block_is_taken_off(render):
+    text = "#default { finish { ambient 0 diffuse .5 mdf { ggx .1, .3 } } }\nsphere { 0, 1 pigment { rgb 1 } finish { mdf off } }\n"
+    plain = "#default { finish { ambient 0 diffuse .5 } }\nsphere { 0, 1 pigment { rgb 1 } }\n"
+    assert (render(scene(text), dump=False).image == render(scene(plain), dump=False).image).all()
+
+
+@pytest.mark.parametrize("words, said", [("tangent x fabric { }", "'tangent'"), ("preset \"linen\" specular rgb <1, 0, 0>", "'specular'"), ("ggx .1, .2 fabric { }", "'ggx'"),
+                                         ("fabric { } reflection { } notes off", None), ("specular .5 fabric { } fabric off", None)])
+def test_what_has_no_part_in_a_cloth_is_said(render, words, said):
+    log = render(scene(sphere(words)), (8, 8)).message
+    assert ("has no part in a cloth" in log) == bool(said) and (said or "") in log
+
+
 def test_notes_tell_a_block_once(render):
     block = "finish { ambient 0 diffuse .4 mdf { ggx .1, .3 fresnel schlick specular rgb <.9, .7, .4> diffuse fibre .1 reflection { samples 7 clamp 3 } notes on } }"
     result = render(scene("".join(f"sphere {{ {i}*x, 1 texture {{ pigment {{ rgb .5 }} Finish }} }}\n" for i in range(3)).replace("Finish", block, 3)), (16, 12))
