@@ -390,7 +390,7 @@ def _drawn_out(reader, node, groups, alpha, name, rotation):
     if is_known(amount) and amount == 0:
         return (alpha, alpha), None
     a = math("SQRT", math("SUBTRACT", 1.0, math("MULTIPLY", amount, 0.9)))
-    return (math("DIVIDE", alpha, a), math("MULTIPLY", alpha, a)), _groove(reader, node, rotation, groups)
+    return (math("MINIMUM", math("DIVIDE", alpha, a), 1.0), math("MULTIPLY", alpha, a)), _groove(reader, node, rotation, groups)
 
 
 def _stretched(reader, node, groups, alpha):
@@ -403,7 +403,7 @@ def _stretched(reader, node, groups, alpha):
         return (alpha, alpha), None
     a = math("CLAMP", a, -0.99, 0.99)
     size = math("SUBTRACT", 1.0, math("ABSOLUTE", a))
-    small, large = math("MULTIPLY", alpha, size), math("DIVIDE", alpha, size)
+    small, large = math("MULTIPLY", alpha, size), math("MINIMUM", math("DIVIDE", alpha, size), 1.0)
     along = math("GREATER_THAN", a, 0.0) if not is_known(a) else float(a > 0)
     return ((math("MIX", large, small, along), math("MIX", small, large, along)),
             _groove(reader, node, "Rotation", groups))

@@ -117,6 +117,7 @@ CASES = [
         distribution={"5.0": "MICROFIBER"}),
     grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
                                                  "Rotation": 0.1}, distribution="GGX")),
+    grooved(one("stretched far", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.6, "Anisotropy": 0.9}, distribution="GGX")),
     grooved(one("across", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": -0.6},
                 distribution="ASHIKHMIN_SHIRLEY")),
     grooved(one("round", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
