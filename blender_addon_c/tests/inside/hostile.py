@@ -313,8 +313,9 @@ def world(chance, scene, images):
     tree = common.tree_of(scene.world)
     chance.disturb(scene.world)
     if chance.one_in(2):
-        texture = tree.nodes.new("ShaderNodeTexEnvironment")
-        texture.image = chance.choice(images)
+        texture = tree.nodes.new(chance.choice(["ShaderNodeTexEnvironment", "ShaderNodeTexSky"]))
+        if hasattr(texture, "image"):
+            texture.image = chance.choice(images)
         chance.disturb(texture)
         tree.links.new(texture.outputs[0], tree.nodes["Background"].inputs["Color"])
         disturb_value(chance, tree.nodes["Background"].inputs["Strength"])
