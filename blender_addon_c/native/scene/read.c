@@ -95,8 +95,9 @@ static bool read_light(reader *r, void *out, void *context) {
   c->hidden = (uint32_t)hidden;
   s->hides |= hidden != 0;
   c->met = met && c->soft && c->shadow;
-  float power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
-  c->power = power < 1e30f ? power : 1e30f;
+  for (int k = 0; k < 3; k++) /* a highlight of what is brighter would be no number */
+    c->color[k] = fminf(fmaxf(c->color[k], -1e30f), 1e30f);
+  c->power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
   return true;
 }
 
