@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import report
+import whole
 
 
 def root_of(source, package, version, folder):
@@ -62,7 +63,7 @@ def _sources(folder):
         else:
             entries = re.findall(r"(?m)^\s*deb\s.*$", text)
             text = "\n".join(e + "\n" + e.replace("deb", "deb-src", 1) for e in entries) + "\n"
-        (lists / file.name).write_text(text, encoding="utf-8")
+        whole.write_text(lists / file.name, text)
     _run("apt-get update", ["apt-get", *options, "update"], folder, folder)
     (lists / "updated").touch()
     return options

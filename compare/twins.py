@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from whole import write_csv
+import whole
 
 ROOT = Path(__file__).resolve().parent.parent
 SHAPES = "sphere torus box plane cylinder cone lathe sor spheres mesh".split()
@@ -59,8 +59,8 @@ def main():
             if arguments.only not in name:
                 continue
             paths = {side: Path(folder) / f"{name}-{side}.pov" for side in ("block", "stock")}
-            paths["block"].write_text(text)
-            paths["stock"].write_text(twin(text))
+            whole.write_text(paths["block"], text)
+            whole.write_text(paths["stock"], twin(text))
             times = {"block": [], "stock": []}
             for pair in range(arguments.pairs):
                 for side in sorted(paths, reverse=pair % 2):
@@ -72,7 +72,7 @@ def main():
     if not rows:
         sys.exit(f"twins.py: no scene has '{arguments.only}' in its name")
     if arguments.output:
-        write_csv(arguments.output, rows)
+        whole.write_csv(arguments.output, rows)
 
 
 if __name__ == "__main__":
