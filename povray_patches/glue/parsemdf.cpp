@@ -533,8 +533,11 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     return;
   for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
     scene.use((*i)->Mdf);
-    if ((*i)->Mdf->notes && scene.first_warning(Mdf_Notes(*i)))
-      Debug_Info("%s", Mdf_Notes(*i).c_str());
+    if (!(*i)->Mdf->notes)
+      continue;
+    const std::string notes = Mdf_Notes(*i);
+    if (scene.first_warning(notes)) // once, as warnings
+      Debug_Info("%s", notes.c_str());
   }
   static const char *const laid =
       " on an object without UV coordinates: it lies along two of the object's axes.";

@@ -53,7 +53,7 @@ box {
       ambient .1 diffuse 0
       mdf {
         fabric {
-          weave "plain" crossings <180, 150>
+          weave "plain" crossings <23, 29>
           yarns { width .3 gap .7 curve .7 along 60 across 12 diffuse fibre rgb <.75, .7, .6> transmit rgb .15 }
           backing rgb 0
         }
