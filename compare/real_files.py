@@ -11,7 +11,7 @@ The difference is the mean absolute difference over the mean, of 4 x 4 means. Pi
 with the warnings that our engine gave, are in --output; a second run renders what is new: all of ours
 after a new `make blender`, Cycles' never again. Not judged, but counted, is what Blender cannot open or
 package, where nothing is seen, and where Cycles' seeds differ by half of --limit even so. Exit status 1
-where less than --share of the others are within --limit.
+where less than --share of the others are within --limit, or there are no others.
 """
 import argparse
 import csv
@@ -187,7 +187,7 @@ def verdict(results, options):
     named = sum(bool(r["warnings"]) for r in bad)
     print(f"\n{len(good)} of {len(judged)} within {options.limit} ({100 * len(good) / max(len(judged), 1):.1f} %); "
           f"of the other {len(bad)} {named} with a warning; {len(results) - len(judged)} not judged")
-    return len(good) >= options.share * len(judged)
+    return bool(judged) and len(good) >= options.share * len(judged)
 
 
 def main(argv=None):

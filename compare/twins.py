@@ -49,6 +49,10 @@ def main():
     parser.add_argument("--only", default="", help="scenes whose name has this in it")
     parser.add_argument("-o", "--output", default="", help="the table as CSV")
     arguments = parser.parse_args()
+    if arguments.pairs < 1:
+        parser.error("--pairs must be 1 or more")
+    if not os.access(arguments.povray, os.X_OK):
+        parser.error(f"{arguments.povray}: no such program")
 
     primitives = (ROOT / "compare/twins/primitives.pov").read_text()
     scenes = [(name, primitives, [f"Declare=Shape={i}", "+W2400", "+H1200"]) for i, name in enumerate(SHAPES)]

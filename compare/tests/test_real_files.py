@@ -34,6 +34,7 @@ def test_verdict(capsys):
                 row("values that are not finite")):
         assert not real_files.verdict([*good[1:], bad, bad], options)
     assert "of the other 2 0 with a warning" in capsys.readouterr().out
+    assert not real_files.verdict([row("package: not to be had")], options)
 
 
 def test_key_changes_with_what_is_asked():
