@@ -9,6 +9,7 @@
 #   make install   libshade, its headers, manual pages and tool to PREFIX (/usr/local); uninstall
 #   make soak      libshade on a hundred million random and awkward cases, Blender on five hundred
 #   make bench     speed against accuracy
+#   make bench-povray  what a block costs a render of POV-Ray's
 #   make compare-files  scenes of others, from packages, in our engine and in Cycles
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang
