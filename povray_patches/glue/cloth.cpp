@@ -107,17 +107,23 @@ Woven::Woven(const Cloth &cloth) : material(cloth.material) {
     throw std::bad_alloc();
 }
 
-std::shared_ptr<shade_fabric_albedo> Woven::table(double paint) const {
-  shade_fabric_params painted = material;
+bool Woven::painted() const {
+  return pigment[0] || pigment[1];
+}
 
-  for (int c = 0; c < 3; c++) {
-    if (pigment[0])
-      painted.warp.kd[c] = paint;
-    if (pigment[1])
-      painted.weft.kd[c] = paint;
+std::shared_ptr<shade_fabric_albedo> Woven::table(double paint) const {
+  std::shared_ptr<shade_fabric> cloth = ready;
+
+  if (painted()) {
+    shade_fabric_params in_paint = material;
+    for (int c = 0; c < 3; c++) {
+      if (pigment[0])
+        in_paint.warp.kd[c] = paint;
+      if (pigment[1])
+        in_paint.weft.kd[c] = paint;
+    }
+    cloth.reset(shade_fabric_create(weave.get(), &in_paint, NULL), shade_fabric_free);
   }
-  const std::shared_ptr<shade_fabric> cloth(shade_fabric_create(weave.get(), &painted, NULL),
-                                            shade_fabric_free);
   const std::shared_ptr<shade_fabric_albedo> made(
       cloth ? shade_fabric_albedo_create(cloth.get()) : NULL, shade_fabric_albedo_free);
   if (!made)
@@ -126,15 +132,13 @@ std::shared_ptr<shade_fabric_albedo> Woven::table(double paint) const {
 }
 
 void Woven::albedo(const double wo[3], const double colour[3], double rgb[3]) const {
-  const bool painted = pigment[0] || pigment[1];
-
-  std::call_once(asked, [&] {
+  std::call_once(asked, [this] {
     white = table(1.0);
-    if (painted)
+    if (painted())
       black = table(0.0);
   });
   shade_fabric_albedo_eval(white.get(), wo, rgb);
-  if (!painted)
+  if (!painted())
     return;
   double none[3];
   shade_fabric_albedo_eval(black.get(), wo, none);

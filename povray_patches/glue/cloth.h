@@ -58,6 +58,7 @@ private:
   // With yarns of the pigment's colour in white, and in black: what is reflected is linear in it.
   mutable std::shared_ptr<shade_fabric_albedo> white, black;
 
+  bool painted() const;
   std::shared_ptr<shade_fabric_albedo> table(double paint) const;
 
   Woven(const Woven &);

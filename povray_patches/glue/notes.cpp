@@ -4,7 +4,6 @@
 #include "backend/frame.h"
 #include "backend/mdf/notes.h"
 
-#include <cstring>
 #include <sstream>
 #include <vector>
 
