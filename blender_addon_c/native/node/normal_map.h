@@ -46,6 +46,13 @@ static inline bool node_normal_map_build(node_normal_map *n, const node_place *p
  * x and y of the map's normal to the shading frame, whose y axis is cross(N, T) and whose N faces
  * the eye: on the back the bumps are those of the same displaced sheet, seen from behind.
  */
+LEAF vec3 node_normal_map_unit(float x, float y, float side, float handed) {
+  float z2 = 1.0f - x * x - y * y;
+  z2 = z2 > 1e-8f ? z2 : 1e-8f;
+  float inverse = 1.0f / sqrtf(x * x + y * y + z2);
+  return (vec3){x * side * inverse, y * handed * inverse, sqrtf(z2) * inverse};
+}
+
 LEAF void node_normal_map_wrapped(image_wrap wrap, const node_normal_map *n, lane_run g,
                                   const corners *restrict corner, const surfaces *restrict point,
                                   inputs *at) {
@@ -56,12 +63,10 @@ LEAF void node_normal_map_wrapped(image_wrap wrap, const node_normal_map *n, lan
   for (size_t i = g.begin; i < g.end; i++) {
     float x, y;
     texel_pair(texel, texel_find(wrap, &own, point->u[i], point->v[i]), &x, &y);
-    float z2 = 1.0f - x * x - y * y;
-    z2 = z2 > 1e-8f ? z2 : 1e-8f;
-    float inverse = 1.0f / sqrtf(x * x + y * y + z2);
-    nx[i] = x * point->side[i] * inverse;
-    ny[i] = y * corner->handed[i] * inverse;
-    nz[i] = sqrtf(z2) * inverse;
+    vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
+    nx[i] = normal.x;
+    ny[i] = normal.y;
+    nz[i] = normal.z;
   }
 }
 
@@ -89,12 +94,10 @@ LEAF void node_normal_map_filtered(image_wrap wrap, const node_normal_map *n, la
     float left_x = xx - x * x, left_y = yy - y * y;
     sx[i] = left_x > 0.0f ? by * left_x : 0.0f;
     sy[i] = left_y > 0.0f ? by * left_y : 0.0f;
-    float z2 = 1.0f - x * x - y * y;
-    z2 = z2 > 1e-8f ? z2 : 1e-8f;
-    float inverse = 1.0f / sqrtf(x * x + y * y + z2);
-    nx[i] = x * point->side[i] * inverse;
-    ny[i] = y * corner->handed[i] * inverse;
-    nz[i] = sqrtf(z2) * inverse;
+    vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
+    nx[i] = normal.x;
+    ny[i] = normal.y;
+    nz[i] = normal.z;
   }
 }
 
