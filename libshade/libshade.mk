@@ -38,7 +38,8 @@ SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/
   $(O)/src/slopes.o $(O)/src/albedo.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_eval.o \
-  $(O)/src/fabric_table.o $(O)/src/fabric_albedo.o $(O)/src/fabric_json.o $(O)/src/presets.o
+  $(O)/src/fabric_table.o $(O)/src/fabric_shadow.o $(O)/src/fabric_albedo.o \
+  $(O)/src/fabric_json.o $(O)/src/presets.o
 WHOLE_OBJ := $(O)/dump/whole.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o

@@ -513,6 +513,87 @@ static int FN(any_nap)(const FN(cloth) * c) {
   return any;
 }
 
+/*
+ * Shadows of the yarns on one another. Of yarns whose m.w is even about its mean c, within reach
+ * of it, the mean of the positive part; times their share.
+ */
+typedef struct FN(leaning) {
+  real share, x, y, z, xx, xy, yy;
+} FN(leaning);
+
+LEAF FN(leaning) FN(leaning_of)(const fabric_lean *l) {
+  return (FN(leaning)){(real)l->share, (real)l->mean[0], (real)l->mean[1], (real)l->mean[2],
+                       (real)l->xx,    (real)l->xy,      (real)l->yy};
+}
+
+LEAF real FN(yarns_take)(FN(leaning) l, real x, real y, real z) {
+  real c = l.x * x + l.y * y + l.z * z;
+  real spread = l.xx * x * x + 2 * l.xy * x * y + l.yy * y * y;
+  real reach = FN(root)(3 * FN(maximum)(spread, R(1e-12)));
+  real over = FN(maximum)(c + reach, 0);
+  return l.share * (c >= reach ? c : over * over / (4 * reach));
+}
+
+/* The part of it that falls on the cloth: w lit from above, in the frame of weft yarns. */
+LEAF real FN(shadowed)(FN(leaning) weft, FN(leaning) warp, real level, real x, real y, real z) {
+  real falls = FN(maximum)(z, R(1e-20));
+  real taken = FN(yarns_take)(weft, x, y, z) + FN(yarns_take)(warp, x, y, z) + level * z;
+  return taken > falls ? falls / taken : 1;
+}
+
+/* The same of lane i, whose light is w: from behind, the yarns' other sides lean as much. */
+typedef struct FN(shadowing) {
+  FN(leaning) weft, warp;
+  real level;
+  const real *nx, *ny, *nz;
+} FN(shadowing);
+
+LEAF FN(shadowing) FN(shadowing_of)(const shade_fabric *f, const FN(cloth) * c) {
+  return (FN(shadowing)){.weft = FN(leaning_of)(&f->lean[0]),
+                         .warp = FN(leaning_of)(&f->lean[1]),
+                         .level = (real)f->level,
+                         .nx = FN(cloth_row)(c, CLOTH_N),
+                         .ny = FN(cloth_row)(c, CLOTH_N + 1),
+                         .nz = FN(cloth_row)(c, CLOTH_N + 2)};
+}
+
+LEAF real FN(shadowing_lane)(FN(shadowing) s, size_t i, int flat, real x, real y, real z) {
+  FN(carrier) a = {1, 0, 0, 1, 0, 0, 0, 1, 1, 0};
+  if (!flat)
+    a = FN(carrier_of)(s.nx[i], s.ny[i], s.nz[i], 1, 0);
+  FN(triple) w = FN(carry)(a, x, y, z);
+  real side = w.z < 0 ? R(-1.0) : R(1.0);
+  return FN(shadowed)(s.weft, s.warp, s.level, side * w.x, side * w.y, side * w.z);
+}
+
+LEAF void FN(cloth_shadow_lanes)(FN(shadowing) s, size_t count, int flat, const real *const wi[3],
+                                 real *restrict factor) {
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    factor[i] = FN(shadowing_lane)(s, i, flat, ix[i], iy[i], iz[i]);
+}
+
+/* ci: cosines about n. */
+static void FN(cloth_shadow)(const shade_fabric *f, const FN(cloth) * c, const real *restrict ci,
+                             const real *const wi[3], real *const rgb[3]) {
+  const FN(shadowing) s = FN(shadowing_of)(f, c);
+  const real below = (real)f->shadows_below;
+  real factor[BLOCK];
+  int any = 0;
+#pragma omp simd reduction(| : any)
+  for (size_t i = 0; i < c->count; i++)
+    any |= FN(absolute)(ci[i]) < below;
+  if (!any)
+    return;
+  if (c->flat)
+    FN(cloth_shadow_lanes)(s, c->count, 1, wi, factor);
+  else
+    FN(cloth_shadow_lanes)(s, c->count, 0, wi, factor);
+  for (int channel = 0; channel < 3; channel++)
+    FN(pass_multiply)(c->count, factor, rgb[channel]);
+}
+
 /* s by the rule of `hard`, for eyes wo. */
 static void FN(cloth_hard)(const shade_fabric *f, const FN(cloth) * c, const real *const wi[3],
                            const real *const wo[3], real *const rgb[3]) {
@@ -552,6 +633,8 @@ static void FN(cloth_hard)(const shade_fabric *f, const FN(cloth) * c, const rea
           rgb[channel][g.lane[j]] += kt[g.lane[j]] * spec[j];
       }
     }
+  if (f->shadows)
+    FN(cloth_shadow)(f, c, ci, wi, rgb);
   if (FN(any_nap)(c))
     FN(cloth_nap)(f, c, ci, co, side, rgb);
 }

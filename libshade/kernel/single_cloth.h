@@ -100,6 +100,11 @@ static unsigned FN(cloth_one)(const shade_fabric *f, const FN(cloth) * c,
     }
   }
 
+  if (f->shadows && FN(absolute)(ci) < (real)f->shadows_below) {
+    const real lit = FN(shadowing_lane)(FN(shadowing_of)(f, c), 0, c->flat, w[0], w[1], w[2]);
+    for (int a = 0; a < 3; a++)
+      sum[a] *= lit;
+  }
   const real nap = row[CLOTH_NAP * step];
   if (nap > 0) {
     const FN(napped) fibres = FN(napped_of)(nap, ci, co, side);

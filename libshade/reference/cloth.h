@@ -10,12 +10,19 @@
 #include "shade/fabric.h"
 #include "shade/weave.h"
 
+/* The normals of the yarns of one direction, over CONVENTIONS.md's points of the cloth. */
+typedef struct shade_ref_lean {
+  double share, mean[3], covariance[3]; /* xx, xy, yy */
+} shade_ref_lean;
+
 /* draft is not copied and must outlive the rest. */
 typedef struct shade_ref_cloth {
   const shade_draft *draft;
   shade_weave_params yarns;
   shade_fabric_params fabric;
   double thickness[2], spacing[2]; /* means of what is stated, 0: nothing; weft, warp */
+  shade_ref_lean lean[2];          /* for shadows; weft, warp */
+  double gaps;
 } shade_ref_cloth;
 
 /* Parameters clamped to their ranges, NaN and choices out of range as the headers say. */

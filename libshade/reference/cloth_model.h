@@ -39,6 +39,13 @@ void ref_point_color(const shade_ref_cloth *c, const ref_point *at, real color[3
 /* What a nap makes of s; ci and co: about the cloth's normal. */
 void ref_nap(const shade_fabric_params *p, real ci, real co, real s[3]);
 
+/* How the yarns lean, over 4096 points. */
+void ref_find_leans(shade_ref_cloth *c);
+
+/* s times what the yarns leave one another of the light from wi. n: of the fold, as for
+ * ref_in_cloth. */
+void ref_shade_by_yarns(const shade_ref_cloth *c, vec n, vec wi, real s[3]);
+
 /* A hit, and what it sends on by the rule of `hard`. */
 typedef struct ref_hit {
   const shade_ref_cloth *cloth;

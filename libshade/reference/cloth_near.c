@@ -28,6 +28,8 @@ shade_ref_cloth shade_ref_cloth_of(const shade_draft *draft, const shade_weave_p
   mend_color(c.fabric.weft_transmit, 0);
   if ((unsigned)c.fabric.horizon >= SHADE_HORIZON_COUNT)
     c.fabric.horizon = SHADE_HORIZON_HARD;
+  if (c.fabric.shadows)
+    ref_find_leans(&c);
   return c;
 }
 
@@ -170,6 +172,7 @@ static void point_s(const ref_hit *hit, vec n, vec wi, vec wo, real s[3]) {
     for (int k = 0; k < 3 && in > 0 && out > 0; k++)
       s[k] = at->occlusion * color[k] * square(1 - (real)yarn->f0[k]) * (1 - white(in)) *
              (1 - white(out)) * in / pi;
+    ref_shade_by_yarns(c, n, wi, s);
     nap_from_behind(&c->fabric, co, s);
     return;
   }
@@ -181,6 +184,7 @@ static void point_s(const ref_hit *hit, vec n, vec wi, vec wo, real s[3]) {
     for (int k = 0; k < 3; k++)
       s[k] = at->occlusion * (glossy[k] + color[k] * matt[k]);
   }
+  ref_shade_by_yarns(c, n, wi, s);
   if (c->fabric.nap > 0)
     ref_nap(&c->fabric, ci, co, s);
 }

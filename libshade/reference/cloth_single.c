@@ -189,6 +189,7 @@ static void single_s(const ref_hit *hit, vec n, vec wi, vec wo, real s[3]) {
     for (int k = 0; k < 3; k++)
       s[k] += faces * (side->share * glossy[k] + side->matt[k] * matt[k]);
   }
+  ref_shade_by_yarns(c, n, wi, s);
   if (c->fabric.nap > 0)
     ref_nap(&c->fabric, ci, co, s);
 }

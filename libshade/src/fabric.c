@@ -44,6 +44,7 @@ void shade_fabric_params_init(shade_fabric_params *p) {
   }
   p->weft = p->warp;
   p->horizon = SHADE_HORIZON_VALID_ESTEVEZ;
+  p->shadows = 1;
 }
 
 static double within(double x, double low, double high, double initial, unsigned *status) {
@@ -74,7 +75,8 @@ static shade_fabric_params within_ranges(const shade_fabric_params *given, unsig
   shade_fabric_params_init(&initial);
   p = initial;
   if (given) {
-    p.horizon = SHADE_HORIZON_HARD; /* callers that do not know of it */
+    p.horizon = SHADE_HORIZON_HARD; /* callers that do not know of it, nor of shadows */
+    p.shadows = 0;
     memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
   }
   yarn_within(&p.warp, &initial.warp, status);
@@ -254,6 +256,8 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
       side->ty = length > 0 ? clouds[k].ty / length : k == SHADE_TOP_WARP;
       fabric_set_side(side, &p, k ? &p.warp : &p.weft, clouds[k].looks, clouds[k].count, &bits);
     }
+    if (p.shadows && p.detail != SHADE_DETAIL_NONE) /* where tilts lean away, there are shadows */
+      fabric_set_shadows(f);
   }
   free(clouds[0].looks);
   free(clouds[1].looks);

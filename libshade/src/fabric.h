@@ -67,6 +67,14 @@ typedef struct fabric_side {
   fabric_table *table; /* of more nodes than those; NULL: those, one by one */
 } fabric_side;
 
+/*
+ * The normals m of one side as the light meets them, gaps left out: their share of the cloth, and
+ * of those the mean and the covariance in x and y, in the frame of the cloth.
+ */
+typedef struct fabric_lean {
+  double share, mean[3], xx, xy, yy;
+} fabric_lean;
+
 struct shade_fabric {
   int isa; /* of shade_isa_tables: what it runs on */
   const shade_weave *weave;
@@ -81,6 +89,10 @@ struct shade_fabric {
   double width, height; /* of the repeat, in crossings */
   double *table;        /* (rows + 1) x (columns + 1) x COLUMNS_STEP */
   double mean[COLUMNS];
+  int shadows; /* of yarns on one another, from the next two */
+  fabric_lean lean[2];
+  double level;         /* share of the cloth that is gap: as level as the cloth */
+  double shadows_below; /* cosine of light: none where it is higher */
 };
 
 /* One look at a yarn: tilt in the frame of its fibres, angles; weight is its occlusion. */
@@ -91,6 +103,9 @@ typedef struct fabric_look {
 /* Lobes of one side from its looks, whose order changes. fabric_nodes.c */
 void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
                      fabric_look *looks, size_t count, unsigned *status);
+
+/* What the shadows of yarns depend on. fabric_shadow.c */
+void fabric_set_shadows(shade_fabric *f);
 
 /* The lobe for yarns of less gloss, [0, 1], in *room. */
 const shade_bsdf *shade_fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,

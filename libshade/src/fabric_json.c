@@ -120,7 +120,8 @@ int shade_fabric_params_json(const shade_fabric_params *given, char *buffer, siz
   const double *v;
   shade_fabric_params p;
   shade_fabric_params_init(&p);
-  p.horizon = SHADE_HORIZON_HARD; /* of callers older than that choice */
+  p.horizon = SHADE_HORIZON_HARD; /* of callers older than that choice, or than shadows */
+  p.shadows = 0;
   memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
   put_choice(&t, &comma, SHADE_LIST_MDF, (int)p.mdf);
   put_choice(&t, &comma, SHADE_LIST_BRDF, (int)p.brdf);
@@ -128,6 +129,8 @@ int shade_fabric_params_json(const shade_fabric_params *given, char *buffer, siz
   put_choice(&t, &comma, SHADE_LIST_HORIZON, (int)p.horizon);
   put_key(&t, &comma, "draft_colors");
   json_put(&t, p.draft_colors ? "true" : "false");
+  put_key(&t, &comma, "shadows");
+  json_put(&t, p.shadows ? "true" : "false");
   for (int row = 0; (v = shade_fabric_number(&p, row, &info)); row++)
     put_numbers(&t, &comma, &info, v);
   put_key(&t, &comma, "warp");

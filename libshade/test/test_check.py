@@ -325,7 +325,7 @@ def test_header_of_cloth_is_read_strictly(near_cloth, tmp_path, path, value, mes
 @pytest.mark.parametrize("material, path, value", [
     (0, ["yarns", "warp", "crimp"], 0.01), (1, ["yarns", "seed"], 77), (2, ["yarns", "weft", "curve"], 0),
     (3, ["cloth", "nap"], 0), (0, ["cloth", "weft", "along"], 5), (1, ["cloth", "warp", "kd"], [0, 0, 0]),
-    (2, ["cloth", "horizon"], "hard"), (1, ["cloth", "draft_colors"], False)])
+    (2, ["cloth", "horizon"], "hard"), (1, ["cloth", "draft_colors"], False), (0, ["cloth", "shadows"], False)])
 def test_each_part_of_the_header_matters(near_cloth, tmp_path, material, path, value):
     dump = Dump(near_cloth)
     place = dump.header["materials"][material]["fabric"]

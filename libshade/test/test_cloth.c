@@ -117,6 +117,7 @@ static cloth random_cloth(void) {
   random_yarn_material(&f.warp);
   random_yarn_material(&f.weft);
   f.draft_colors = below(2);
+  f.shadows = below(2);
   for (int k = 0; k < 3; k++) {
     f.backing[k] = random_number();
     f.nap_color[k] = random_number();

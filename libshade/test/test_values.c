@@ -224,6 +224,7 @@ static void defaults(void **state) {
   assert_int_equal(f.detail, 3);
   assert_int_equal(f.draft_colors, 0);
   assert_true(f.nap == 0);
+  assert_int_equal(f.shadows, 1);
   const shade_yarn *yarns[2] = {&f.warp, &f.weft};
   for (int k = 0; k < 2; k++) {
     assert_true(yarns[k]->along == 100 && yarns[k]->across == 10);
@@ -386,6 +387,7 @@ static void short_fabric(void **state) {
     p.nap = 0.7;                                                                                   \
     p.nap_color[2] = 0.9;                                                                          \
     shade_fabric_params_init(&want);                                                               \
+    want.shadows = 0;                                                                              \
     memcpy((char *)&want + sizeof p.size, (char *)&p + sizeof p.size,                              \
            offsetof(shade_fabric_params, member) - sizeof p.size);                                 \
     BYTES_FROM(p, member);                                                                         \
@@ -412,6 +414,7 @@ static void short_fabric(void **state) {
   SHORT_FABRIC(backing);
   SHORT_FABRIC(nap);
   SHORT_FABRIC(nap_color);
+  SHORT_FABRIC(shadows);
   shade_weave_free(weave);
   shade_draft_free(draft);
 }

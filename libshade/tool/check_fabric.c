@@ -130,6 +130,15 @@ static int read_yarn(const reading *r, const json *object, const char *key, shad
   return good && none_left(r, left, key);
 }
 
+static int take_switch(const reading *r, const json *object, const char *key, int *value,
+                       int *left) {
+  const json *given = take(r, object, key, left);
+  if (!given)
+    return 0;
+  *value = given->type == JSON_TRUE;
+  return *value || given->type == JSON_FALSE || wrong(r, "bad value of", key);
+}
+
 static int read_cloth(const reading *r, const json *object, shade_fabric_params *p) {
   shade_param_info info;
   double *place;
@@ -146,12 +155,11 @@ static int read_cloth(const reading *r, const json *object, shade_fabric_params 
   p->horizon = (shade_horizon)horizon;
   for (int row = 0; good && (place = shade_fabric_number(p, row, &info)); row++)
     good = take_numbers(r, object, &info, place, &left);
-  const json *colors = good ? take(r, object, "draft_colors", &left) : NULL;
-  if (!colors)
+  if (!good || !take_switch(r, object, "draft_colors", &p->draft_colors, &left))
     return 0;
-  if (colors->type != JSON_TRUE && colors->type != JSON_FALSE)
-    return wrong(r, "bad value of", "draft_colors");
-  p->draft_colors = colors->type == JSON_TRUE;
+  p->shadows = 0; /* of dumps older than they are */
+  if (json_member(object, "shadows") && !take_switch(r, object, "shadows", &p->shadows, &left))
+    return 0;
   const json *warp = take(r, object, "warp", &left), *weft = take(r, object, "weft", &left);
   return none_left(r, left, "cloth") && read_yarn(r, warp, "warp", &p->warp) &&
          read_yarn(r, weft, "weft", &p->weft);

@@ -55,10 +55,15 @@ typedef struct shade_fabric_params {
   /* For folds: what becomes of light and eye at the horizon of n (shade.h). Callers whose
    * `size` ends before it keep `hard`. */
   shade_horizon horizon;
+  /* 1: yarns shade one another. Where light grazes, the yarns that lean towards it would take
+   * more than falls on the cloth; all of it is scaled to what does, so that s goes to 0 at the
+   * terminator instead of ending in a line (CONVENTIONS.md, "Shadows of yarns"). 0: as if each
+   * yarn were alone; so for callers whose `size` ends before it. */
+  int shadows;
 } shade_fabric_params;
 
 /* Ashikhmin-Shirley, rotate, fibre diffuse; exponents 100 and 10, f0 .04, kd .5, no nap,
- * nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ. */
+ * nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ, shadows. */
 SHADE_API void shade_fabric_params_init(shade_fabric_params *p);
 
 /*
