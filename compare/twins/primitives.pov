@@ -10,7 +10,7 @@ light_source { <2, 9, 6> rgb .55 }
   pigment { rgb 1 }
   normal { bumps .2 scale .2 }
   finish {
-    ambient 0
+    ambient 0 diffuse 0
     mdf { ashikhmin_shirley 120, 3 specular .6 fresnel schlick diffuse lambert .3 }
   }
 }

@@ -24,6 +24,35 @@ void BumpImage::set(size_t column, size_t row, float red, float green, float blu
   t[2] = blue;
 }
 
+BumpImage *BumpImage::once() const {
+  BumpImage *const image = new BumpImage(2 * columns, 2 * rows);
+  const size_t left = columns / 2, above = rows / 2;
+
+  for (size_t row = 0; row < 2 * rows; row++)
+    for (size_t column = 0; column < 2 * columns; column++)
+      image->set(column, row, 0.5f, 0.5f, 1.0f);
+  for (size_t row = 0; row < rows; row++)
+    for (size_t column = 0; column < columns; column++) {
+      const float *const t = texel(column, row);
+      image->set(left + column, above + row, t[0], t[1], t[2]);
+    }
+  return image;
+}
+
+bool BumpImage::within(double uv[2]) const {
+  const double sides[2] = {(double)columns, (double)rows};
+
+  for (int axis = 0; axis < 2; axis++) {
+    // what lies before the picture on either axis; rows count from the top
+    const double before = std::floor(0.25 * sides[axis]), inner = 0.5 * sides[axis];
+    const double from = axis == 0 ? before : sides[axis] - inner - before;
+    uv[axis] = (uv[axis] * inner + from) / sides[axis];
+    if (!(uv[axis] >= 0.0 && uv[axis] <= 1.0))
+      return false;
+  }
+  return true;
+}
+
 namespace {
 
 // The two texels around x (in texels, centres at half) and the weight of the second.

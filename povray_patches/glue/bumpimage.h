@@ -23,6 +23,11 @@ public:
   size_t height() const { return rows; }
   void set(size_t column, size_t row, float red, float green, float blue);
 
+  // The picture amid a flat one of twice its size. within: of a place in the picture, the place
+  // there. Returns false where that is flat, and neither does the other picture reach.
+  BumpImage *once() const;
+  bool within(double uv[2]) const;
+
   // The stored colour at (u, v), bilinear, repeating. As in Blender: u to
   // the right, v up, row 0 is the top of the picture, the centre of texel
   // (i, j) at u = (i + .5)/width, v = 1 - (j + .5)/height.

@@ -12,10 +12,10 @@
 namespace mdf {
 
 Material::Material()
-    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_scale(),
-      bump_move(), reflects(false), notes(false), samples(0), clamp(0.0), specular_pigment(false),
-      kd_pigment(false), id(-1), bsdf(), specular(), diffuse(), has_diffuse(false), black(),
-      widened(), widened_black(), width(0.0), rays(1) {
+    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_once(false),
+      bump_scale(), bump_move(), reflects(false), notes(false), samples(0), clamp(0.0),
+      specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
+      has_diffuse(false), matt(false), black(), widened(), widened_black(), width(0.0), rays(1) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -98,7 +98,13 @@ void split(Material &m) {
     m.has_diffuse = m.has_diffuse || diffuse.kd[c] > 0.0;
   }
   diffuse.fresnel = SHADE_FRESNEL_NONE;
-  shade_bsdf_setup(&m.bsdf, &m.params);
+  if (diffuse.diffuse == SHADE_DIFFUSE_LAMBERT) { // the shape of what is black is the cheapest
+    diffuse.mdf = SHADE_MDF_GGX;
+    shade_params_set_alphas(&diffuse, 1.0, 1.0);
+  }
+  m.matt = m.params.fresnel == SHADE_FRESNEL_NONE && !m.specular_pigment && m.params.f0[0] == 0.0 &&
+           m.params.f0[1] == 0.0 && m.params.f0[2] == 0.0;
+  shade_bsdf_setup(&m.bsdf, m.matt ? &diffuse : &m.params);
   shade_bsdf_setup(&m.specular, &specular);
   shade_bsdf_setup(&m.diffuse, &diffuse);
 
@@ -227,9 +233,9 @@ std::string Scene::json(const std::string &renderer) const {
   return text;
 }
 
-ShadedPoint::ShadedPoint(const Material *m, const double N[3], const double T[3],
-                         const double Ns[3], const double V[3])
-    : material(m) {
+void ShadedPoint::set(const Material *m, const double N[3], const double T[3], const double Ns[3],
+                      const double V[3]) {
+  material = m;
   // Cloth has a hand: a twill rises to the right. POV-Ray's space is left-handed, so what is
   // upwards of a T to the right is the other way.
   const double hand = m->cloth ? -1.0 : 1.0;
@@ -399,7 +405,7 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
   }
   for (int c = 0; c < 3; c++) // what nobody announced: the colour alone
     albedo[c] = m.params.f0[c];
-  if (m.specular_albedo)
+  if (m.specular_albedo && !m.matt)
     shade_bsdf_albedo_eval(m.specular_albedo.get(), normal, eye, albedo, NULL);
   if (m.specular_pigment) {
     double black[3] = {0.0, 0.0, 0.0};

@@ -38,6 +38,7 @@ struct Material {
   std::shared_ptr<const BumpImage> bump;      // or NULL
   double strength;                            // of bump
   bool filtered;                              // bumps below a pixel are roughness
+  bool bump_once;                             // bump is BumpImage::once() of a picture
   double bump_scale[2], bump_move[2];         // of its UV coordinates
   std::shared_ptr<const Scratches> scratches; // or NULL
   bool reflects;                              // `reflection { }`
@@ -58,6 +59,7 @@ struct Material {
   // Of params, made by Scene::add: all of it, and each part alone. They add up.
   shade_bsdf bsdf, specular, diffuse;
   bool has_diffuse;
+  bool matt; // nothing is specular
   // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
   std::shared_ptr<const shade_bsdf_albedo> albedo;
   // Of the specular part, once an object shows it (Scene::use); else NULL.
@@ -157,8 +159,8 @@ public:
   enum Part { ALL, SPECULAR, DIFFUSE }; // ALL: where no colour is the pigment's
 
   ShadedPoint() : material(NULL) {}
-  ShadedPoint(const Material *m, const double N[3], const double T[3], const double Ns[3],
-              const double V[3]);
+  void set(const Material *m, const double N[3], const double T[3], const double Ns[3],
+           const double V[3]);
 
   // The colour of the layer's pigment; white, if it is not told.
   void set_pigment(const double rgb[3]);

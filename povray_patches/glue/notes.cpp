@@ -84,7 +84,8 @@ void metal(const mdf::Material &m, std::ostream &text) {
     text << "along u of each object\n";
   if (m.bump)
     text << "  bumps: an image of " << m.bump->width() << " x " << m.bump->height() << ", strength "
-         << m.strength << (m.filtered ? "; below a pixel they are roughness\n" : ", unfiltered\n");
+         << m.strength << (m.filtered ? "; below a pixel they are roughness" : ", unfiltered")
+         << (m.bump_once ? ", once\n" : "\n");
   if (m.scratches)
     text << "  scratches: a unit of u and v is " << m.scratches->mm_per_unit << " mm\n";
 }

@@ -34,7 +34,7 @@ bool Parser::Parse_Mdf_Off() {
 
 // A name in quotes.
 std::string Parser::Parse_Mdf_String(const std::string &what) {
-  Get_Token();
+  Get_Mdf_Operand();
   if (Token.Token_Id == MDF_WORD_TOKEN || Token.Token_Id == IDENTIFIER_TOKEN)
     Error("mdf: %s needs a text in quotes, '%s' found instead.", what.c_str(), Token.Token_String);
   Unget_Token();
@@ -213,8 +213,8 @@ void Parser::Parse_Mdf_Yarn_Colour(mdf::Cloth &cloth, const std::string &what,
 }
 
 void Parser::Parse_Mdf_Weave(mdf::Cloth &cloth) {
-  Get_Token();
-  if (Token.Token_Id == STRING_LITERAL_TOKEN) {
+  Get_Mdf_Operand();
+  if (Token.Token_Id == STRING_LITERAL_TOKEN || Token.Function_Id == STRING_ID_TOKEN) {
     Unget_Token();
     const std::string name = Parse_Mdf_String("weave");
     const std::shared_ptr<shade_draft> found(shade_draft_named(name.c_str()), shade_draft_free);
@@ -285,7 +285,7 @@ void Parser::Parse_Mdf_Draft(mdf::Cloth &cloth) {
 void Parser::Parse_Mdf_Crossings(mdf::Cloth &cloth) {
   UV_VECT both;
 
-  Get_Token();
+  Get_Mdf_Operand();
   if (Token.Token_Id == MDF_WORD_TOKEN || Token.Token_Id == RIGHT_CURLY_TOKEN)
     Error("mdf: crossings needs how many there are in one unit of u, or <in u, in v>.");
   Unget_Token();

@@ -20,6 +20,7 @@
 #include "backend/mdf/words.h"
 #include "backend/parser/parse.h"
 #include "backend/scene/scene.h"
+#include "backend/shape/blob.h"
 #include "backend/shape/mesh.h"
 #include "backend/support/fileutil.h"
 #include "backend/texture/pigment.h"
@@ -68,7 +69,7 @@ void Parser::Declare_Mdf_Version() {
   SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
   entry->Data = Create_Float();
-  *reinterpret_cast<DBL *>(entry->Data) = 5.0;
+  *reinterpret_cast<DBL *>(entry->Data) = 6.0;
 }
 
 // Loops and macros parse the same block many times: once is enough.
@@ -105,11 +106,36 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
     found = Token.Token_String;
   else if (Token.Token_Id != RIGHT_CURLY_TOKEN)
     found = Get_Token_String(Token.Function_Id);
+  const std::string hint = mdf::hint_for(words, found);
   const std::string nearest = mdf::nearest_word(words, found);
+  if (!hint.empty() && (nearest.empty() || words < mdf::WORDS_LIST))
+    Error("Expected '%s', %s found instead; %s.", expected.c_str(),
+          Token.Token_Id == IDENTIFIER_TOKEN ? ("undeclared identifier '" + found + "'").c_str()
+                                             : Get_Token_String(Token.Function_Id),
+          hint.c_str());
   if (nearest.empty())
     Expectation_Error(expected.c_str());
   Error("Expected '%s', '%s' found instead; did you mean '%s'?", expected.c_str(), found.c_str(),
         nearest.c_str());
+}
+
+// Whether the scene has given the symbol just read a meaning of its own.
+bool Parser::Is_Mdf_Word_Declared() {
+  for (int table = Table_Index; table > 0; table--)
+    if (Find_Symbol(table, String) != NULL)
+      return true;
+  return false;
+}
+
+// Where a number or a text is due, a word of the block that the scene has declared is the scene's.
+void Parser::Get_Mdf_Operand() {
+  Get_Token();
+  if (Token.Token_Id != MDF_WORD_TOKEN || !Is_Mdf_Word_Declared())
+    return;
+  Token.Token_Id = END_OF_FILE_TOKEN;
+  Read_Declared_Symbol();
+  if (Token.Token_Id == END_OF_FILE_TOKEN) // a macro: what it begins with
+    Get_Token();
 }
 
 // Numbers (three: of a colour) that have to be there, and to be numbers. `what` is their name in
@@ -117,7 +143,7 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
 void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
   const char *const kind = (count == 3) ? "a colour" : "a number";
 
-  Get_Token();
+  Get_Mdf_Operand();
   switch (Token.Token_Id) {
   case MDF_WORD_TOKEN:
   case IDENTIFIER_TOKEN:
@@ -182,6 +208,22 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
   Warn_Mdf_Numbers(word, info.components, v, set);
 }
 
+// Widths that are allowed and of no use: exponents in place of alphas, or alphas in place of
+// exponents.
+void Parser::Warn_Mdf_Width(const mdf::Material &material, int row, int mdf,
+                            const std::string &what) {
+  const bool exponents = mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  double v[3];
+
+  shade_params_get(&material.params, row, v);
+  if (exponents ? v[0] > 0.0 && v[0] < 1.0 : v[0] > 1.0)
+    Warn_Mdf(what + " (" + material.name + ") is " + mdf::text_of(v[0]) +
+             (exponents ? ": below 1 there is no highlight left; alphas are read by ggx, beckmann "
+                          "and ward."
+                        : ": above 1 there is no highlight left; exponents are read by "
+                          "ashikhmin_shirley."));
+}
+
 // The numbers that a choice reads, in the order of the table.
 void Parser::Parse_Mdf_Rows(mdf::Material &material, shade_list list, int value) {
   const std::vector<int> rows = mdf::rows_of_choice(list, value);
@@ -190,6 +232,8 @@ void Parser::Parse_Mdf_Rows(mdf::Material &material, shade_list list, int value)
     if (i > 0)
       Parse_Comma();
     Parse_Mdf_Row(material, rows[i], mdf::name_of_row(rows[i], list, value));
+    if (list == SHADE_LIST_MDF)
+      Warn_Mdf_Width(material, rows[i], value, mdf::name_of_row(rows[i], list, value));
   }
 }
 
@@ -213,7 +257,9 @@ void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
       if (!(r * info.maximum >= 1.0)) {
         Warn_Mdf_Number("roughness", r, 1.0 / info.maximum);
         r = 1.0 / info.maximum;
-      }
+      } else if (r > 1.0)
+        Warn_Mdf("roughness (" + material.name + ") is " + mdf::text_of(r) +
+                 ": above 1 there is no highlight left.");
     }
     const double exponent = 1.0 / r;
     shade_params_set(&material.params, rows[i], &exponent);
@@ -226,6 +272,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   int type = mdf::IMAGE_PNG;
 
   Parse_Begin();
+  material.bump_once = false;
   material.strength = 1.0;
   material.filtered = true;
   for (int axis = 0; axis < 2; axis++) {
@@ -240,6 +287,8 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
         Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
       else if (Token.Function_Id == mdf::IMAGE_FILTER)
         material.filtered = Parse_Mdf_Switch();
+      else if (Token.Function_Id == mdf::IMAGE_ONCE)
+        material.bump_once = true;
       else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
         const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
         UV_VECT both;
@@ -297,6 +346,12 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
     Error("mdf: cannot read the bump_image file '%s': %s", path.c_str(), e.what());
   }
   material.bump = image;
+  if (material.bump_once) {
+    std::shared_ptr<const mdf::BumpImage> &alone = sceneData->mdfScene->images[path + "\nonce"];
+    if (!alone)
+      alone.reset(image->once());
+    material.bump = alone;
+  }
 
   Parse_End();
 }
@@ -529,6 +584,9 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
   collect_blocks(object->Interior_Texture, blocks);
   for (long i = 0; mesh != NULL && i < mesh->Number_Of_Textures; i++)
     collect_blocks(mesh->Textures[i], blocks);
+  if (const Blob *blob = dynamic_cast<const Blob *>(object))
+    for (int i = 0; i < blob->Data->Number_Of_Components; i++)
+      collect_blocks(blob->Element_Texture[i], blocks);
   if (blocks.empty())
     return;
   for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {

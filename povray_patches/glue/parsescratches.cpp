@@ -41,7 +41,10 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
         scratches->take(preset);
         break;
       case mdf::SCRATCH_TILE_MM:
-        scratches->tile_mm = Parse_Mdf_Size("tile_mm");
+        number = Parse_Mdf_Size("tile_mm");
+        if (!scratches->set_tile(number))
+          Warn_Mdf("a tile_mm of " + mdf::text_of(number) +
+                   " would hold more than a million scratches; they have grown instead.");
         break;
       case mdf::SCRATCH_MM_PER_UNIT:
         scratches->mm_per_unit = Parse_Mdf_Size("mm_per_unit");
@@ -52,7 +55,7 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
         break;
       default:
         if (first) // the first layer takes the place of those that were there
-          scratches->params.layers = 0;
+          scratches->begin_layers();
         else if (scratches->params.layers == SHADE_SCRATCH_LAYERS)
           Error("mdf: scratches have %d layers at most.", (int)SHADE_SCRATCH_LAYERS);
         first = false;
@@ -94,11 +97,12 @@ void Parser::Parse_Mdf_Range(const std::string &what, double least, double most,
 
 void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
   const mdf::WordScope words(Mdf_Words, mdf::WORDS_LAYER);
-  const mdf::Scratches plain;
+  mdf::Scratches plain;
   shade_scratch_layer &layer = scratches.params.layer[scratches.params.layers];
   const double degree = M_PI / 180.0;
   double number;
 
+  plain.set_tile(scratches.tile_mm);
   layer = plain.params.layer[0];
   Parse_Begin();
   // clang-format off
@@ -146,6 +150,7 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
   // clang-format on
   Parse_End();
   scratches.params.layers++;
+  scratches.end_layer();
 }
 
 } // namespace pov

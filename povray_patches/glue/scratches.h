@@ -20,7 +20,18 @@ struct Scratches {
   double mm_per_unit;          // what one unit of u or v spans
 
   void take(const shade_preset &preset);
+  // Another tile with scratches of the same size in it: those of a preset as dense as they were,
+  // those of a scene's own layers as many. False: so many there cannot be, they have grown.
+  bool set_tile(double mm);
+  // Before the first of a scene's own layers, and after each.
+  void begin_layers();
+  void end_layer();
   double per_unit() const { return mm_per_unit / tile_mm; }
+
+private:
+  bool own_layers;
+  shade_scratch_params made; // as a preset has them, on a tile of made_mm
+  double made_mm;
 };
 
 // Fields are made once for equal numbers: scenes copy blocks in loops.

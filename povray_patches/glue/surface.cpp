@@ -42,6 +42,12 @@ Vector3d axis_vector(int axis) {
   return Vector3d(axis == X, axis == Y, axis == Z);
 }
 
+// A vector of unit length, which what POV-Ray hands over mostly has already.
+Vector3d unit(const Vector3d &v) {
+  const double square = v.lengthSqr();
+  return fabs(square - 1.0) < 1e-12 ? v : v / std::sqrt(square);
+}
+
 // v without its part along the unit vector n, normalised. False if nothing is
 // left.
 bool orthogonalise(Vector3d &v, const Vector3d &n) {
@@ -51,7 +57,7 @@ bool orthogonalise(Vector3d &v, const Vector3d &n) {
 
   if (!(after > 1e-18 * before) || !std::isfinite(after))
     return false;
-  v /= std::sqrt(after);
+  v *= 1.0 / std::sqrt(after);
   if (after < 1e-2 * before) { // v was almost along n: what rounding left of it counts
     v -= n * dot(v, n);
     v.normalize();
@@ -73,6 +79,16 @@ Vector3d moved(const Vector3d &direction, const MATRIX m) {
   for (int i = X; i <= Z; i++)
     result += direction[i] * Vector3d(m[i][X], m[i][Y], m[i][Z]);
   return result;
+}
+
+// The point that a matrix moves to p.
+Vector3d moved_back(const Vector3d &p, const MATRIX m) {
+  const Vector3d rows[4] = {Vector3d(m[0]), Vector3d(m[1]), Vector3d(m[2]), Vector3d(m[3])};
+  const Vector3d offset = p - rows[3], yz = cross(rows[1], rows[2]);
+
+  return Vector3d(dot(offset, yz), dot(offset, cross(rows[2], rows[0])),
+                  dot(offset, cross(rows[0], rows[1]))) /
+         dot(rows[0], yz);
 }
 
 // Any unit vector orthogonal to a normal: z where that can be.
@@ -122,16 +138,12 @@ Vector3d texture_direction(const mdf::Material &material, const FINISH *finish,
 
   if (material.tangent == mdf::Material::TANGENT_RADIAL) {
     Vector3d p(point);
-    MATRIX inverse;
-
     if (by_uv) {
       p = Vector3d(isect.IPoint);
       if (isect.Object->UV_Trans != NULL)
         MInvTransPoint(*p, isect.IPoint, isect.Object->UV_Trans);
     }
-    MInvers(inverse, finish->Mdf_Space);
-    p = moved(p, inverse) + Vector3d(inverse[3][X], inverse[3][Y], inverse[3][Z]);
-    direction = cross(direction, p - Vector3d(material.centre));
+    direction = cross(direction, moved_back(p, finish->Mdf_Space) - Vector3d(material.centre));
   }
   direction = moved(direction, finish->Mdf_Space);
   return by_uv ? moved(direction, isect.Object->UV_Trans) : out_of(warps, direction);
@@ -216,12 +228,12 @@ bool triangle_directions(const MESH_DATA *data, const MESH_TRIANGLE *t, Vector3d
 // dP/du at a point of a mesh and dP/dv, as long and as slanted against each other as in the flat
 // triangle; world space.
 bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isect,
-                     const Vector3d &outside, Vector3d &du, Vector3d &dv) {
+                     const Vector3d &outside, bool with_dv, Vector3d &du, Vector3d &dv) {
   const Mesh *mesh = static_cast<const Mesh *>(isect.Object);
   const MESH_TRIANGLE *t = reinterpret_cast<const MESH_TRIANGLE *>(isect.Pointer);
   const float *corner = &tangents[(size_t)(12 * (t - mesh->Data->Triangles))];
   Vector3d p(isect.IPoint);
-  double weight[3], handedness = corner[3];
+  double weight[3];
 
   if (mesh->Trans != NULL)
     MInvTransPoint(*p, isect.IPoint, mesh->Trans);
@@ -229,15 +241,16 @@ bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isec
   du = Vector3d(0.0);
   for (int k = 0; k < 3; k++)
     du += weight[k] * Vector3d(corner[4 * k], corner[4 * k + 1], corner[4 * k + 2]);
-  if (mesh->Trans != NULL) {
+  if (mesh->Trans != NULL)
     du = moved(du, mesh->Trans);
-    if (determinant(mesh->Trans->matrix) < 0.0) // mirrored: so is the side of the cross product
-      handedness = -handedness;
-  }
   if (!(dot(du, du) > 0.0))
     return false;
+  if (!with_dv)
+    return true;
+  // mirrored: so is the side of the cross product
+  const bool mirrored = mesh->Trans != NULL && determinant(mesh->Trans->matrix) < 0.0;
   du.normalize();
-  dv = handedness * cross(outside, du);
+  dv = (mirrored ? -corner[3] : corner[3]) * cross(outside, du);
 
   Vector3d flat_du, flat_dv;
   if (triangle_directions(mesh->Data, t, flat_du, flat_dv)) {
@@ -604,7 +617,7 @@ bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vec
   case mdf::Shape::PARAMETRIC:
     return parametric_directions(isect, thread, du, dv);
   case mdf::Shape::MESH:
-    return mesh_directions(shape.tangents, isect, outside, du, dv);
+    return mesh_directions(shape.tangents, isect, outside, with_dv, du, dv);
   default:
     return fallback_directions(shape.kind, isect, raw_normal, du, dv);
   }
@@ -657,6 +670,12 @@ Vector3d image_normal(const mdf::Material &material, const UV_VECT uv, const dou
     at[axis] = (uv[axis] - material.bump_move[axis]) / material.bump_scale[axis];
     over[axis] = material.filtered ? foot[axis] / material.bump_scale[axis] : 0.0;
     over[2 + axis] = material.filtered ? foot[2 + axis] / material.bump_scale[axis] : 0.0;
+  }
+  if (material.bump_once) { // its picture is half as wide as the one around it
+    if (!material.bump->within(at))
+      return up;
+    for (int i = 0; i < 4; i++)
+      over[i] *= 0.5;
   }
   material.bump->normal(at[0], at[1], material.strength, over, material.slopes.get(), n, spread);
   for (int i = 0; i < 3; i++)
@@ -792,27 +811,32 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   static const mdf::Shape unknown(mdf::Shape::OTHER);
   const ObjectBase *object = isect.Object;
   const mdf::Shape &shape = (object->Mdf_Shape != NULL) ? *object->Mdf_Shape : unknown;
-  const Vector3d N = raw_normal.normalized(), V = -Vector3d(ray.Direction).normalized();
+  const Vector3d N = unit(raw_normal), V = -unit(Vector3d(ray.Direction));
   const bool dumped = p >= 0, by_axis = !cloth && material.by_axis();
   const bool bumped = material.bump && shape.has_uv(), scratched = material.field != NULL;
-  Vector3d outside, du, dv, T, Ns = layer_normal.normalized();
+  // what Lambert's law shines is the same for every tangent
+  const bool any = !cloth && !dumped && material.matt &&
+                   material.params.diffuse == SHADE_DIFFUSE_LAMBERT && !bumped && !scratched;
+  Vector3d outside, du, dv, T, Ns = unit(layer_normal);
   UV_VECT uv = {0.0, 0.0};
-  bool has_directions = false;
+  bool has_directions = false, upright = false;
 
   if (shape.has_uv() && (bumped || dumped || cloth || scratched))
     object->UVCoord(uv, &isect, thread);
-  if (!by_axis || bumped || scratched) {
-    Intersection copy(isect); // Normal() wants to write to it
-    if (shape.kind == mdf::Shape::MESH || bumped)
-      object->Normal(*outside, &copy, thread);
+  if ((!by_axis && !any) || bumped || scratched) {
     // a texture that is not turned by itself needs no dP/dv
     const bool turned = finish->Mdf_Space[X][Y] != 0.0 || !(finish->Mdf_Space[X][X] > 0.0);
+    const bool both = bumped || turned || cloth || scratched;
+    if (bumped || (both && shape.kind == mdf::Shape::MESH)) {
+      Intersection copy(isect); // Normal() wants to write to it
+      object->Normal(*outside, &copy, thread);
+    }
+    upright = !both && !shape.has_uv();
     // a box's UV coordinates unfold it, each side to its own scale: cloth keeps that of the scene
     const bool by_side = shape.kind == mdf::Shape::BOX && !bumped;
     has_directions = ((cloth || scratched) && (!shape.has_uv() || by_side))
                          ? planar_place(shape.kind, isect, N, uv, du, dv)
-                         : uv_directions(shape, isect, N, outside, thread,
-                                         bumped || turned || cloth || scratched, du, dv);
+                         : uv_directions(shape, isect, N, outside, thread, both, du, dv);
   }
 
   Vector3d map_x, map_y;
@@ -831,17 +855,19 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     }
   }
 
-  if (by_axis)
+  if (any)
+    T = fabs(N[X]) < 0.7 ? axis_vector(X) : axis_vector(Z);
+  else if (by_axis)
     T = texture_direction(material, finish, isect, warps, ipoint);
   else if (has_directions)
-    T = finish->Mdf_Space[X][X] * du + finish->Mdf_Space[X][Y] * dv;
-  if (!orthogonalise(T, N)) {
+    T = upright ? du : finish->Mdf_Space[X][X] * du + finish->Mdf_Space[X][Y] * dv;
+  if (!(upright && has_directions) && !orthogonalise(T, N)) {
     T = du; // the texture's x axis stands upright on the UV plane
     if (by_axis || !has_directions || !orthogonalise(T, N))
       T = any_tangent(N);
   }
 
-  shaded = mdf::ShadedPoint(&material, *N, *T, *Ns, *V);
+  shaded.set(&material, *N, *T, *Ns, *V);
   const double rgb[3] = {pigment.red(), pigment.green(), pigment.blue()};
   if (material.has_pigment())
     shaded.set_pigment(rgb);
@@ -861,6 +887,8 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     gaps = 1.0 - shaded.lay(place);
   }
   both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
+  simple = !cloth && level < 0 && !material.has_pigment() && !shaded.is_rough() &&
+           (!material.has_diffuse || (opacity == 1.0 && !both_sides));
   if (!dumped)
     return;
   double alpha[2], angle;
@@ -898,12 +926,21 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
   const mdf::Material &material = shaded.of();
   const double E[3] = {M_PI * light_colour.red(), M_PI * light_colour.green(),
                        M_PI * light_colour.blue()};
-  const bool behind = !shaded.above(direction), cloth = material.cloth != NULL;
   const bool recorded = dump != NULL && light != NULL && highlight;
+  double S[3];
+
+  if (simple && highlight && (diffuse || !material.has_diffuse)) {
+    shaded.light(mdf::ShadedPoint::ALL, -1, direction, E, S);
+    colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
+    if (recorded)
+      Record(light, direction, E, S);
+    return;
+  }
+
+  const bool behind = !shaded.above(direction), cloth = material.cloth != NULL;
   // what double_illuminate lets through shines as from the other side
   const Vector3d through = -Vector3d(direction);
   const bool turned = behind && both_sides && !(cloth && material.cloth->transmits());
-  double S[3];
 
   if (cloth) { // all of it goes where what is diffuse goes
     if (!highlight && !diffuse)
@@ -915,16 +952,6 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
     return;
   }
 
-  const bool whole = highlight && level < 0 && !material.has_pigment() && !shaded.is_rough() &&
-                     (!material.has_diffuse || (diffuse && opacity == 1.0 && !turned));
-
-  if (whole) {
-    shaded.light(mdf::ShadedPoint::ALL, -1, direction, E, S);
-    colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
-    if (recorded)
-      Record(light, direction, E, S);
-    return;
-  }
   if (recorded) {
     double part[3];
     shaded.light(mdf::ShadedPoint::SPECULAR, -1, direction, E, S);

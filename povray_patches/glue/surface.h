@@ -44,8 +44,8 @@ public:
          const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
          TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0,
          double size = 0.0, const RGBColour &pigment = RGBColour(1.0))
-      : dump(NULL), pixel(-1), global_lights(0), opacity(opacity), both_sides(false), gaps(0.0),
-        level(mdf::Material::level_of(width)) {
+      : dump(NULL), pixel(-1), global_lights(0), opacity(opacity), both_sides(false), simple(false),
+        gaps(0.0), level(mdf::Material::level_of(width)) {
     if (finish->Mdf != NULL)
       Prepare(finish, isect, ray, raw_normal, layer_normal, warps, point, thread, dump, pixel, size,
               pigment);
@@ -98,6 +98,7 @@ private:
   int global_lights;
   double opacity;
   bool both_sides; // double_illuminate
+  bool simple;     // both parts may be lit by one call
   double gaps;
   int level; // of the widened lobes, or -1
 

@@ -2,6 +2,7 @@
 #include "backend/mdf/words.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <vector>
 
@@ -100,6 +101,7 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_IMAGE], "scale", IMAGE_SCALE);
   add(sets[WORDS_IMAGE], "translate", IMAGE_TRANSLATE);
   add(sets[WORDS_IMAGE], "filter", IMAGE_FILTER);
+  add(sets[WORDS_IMAGE], "once", IMAGE_ONCE);
   add(sets[WORDS_REFLECTION], "samples", REFLECTION_SAMPLES);
   add(sets[WORDS_REFLECTION], "clamp", REFLECTION_CLAMP);
   add_cloth(sets);
@@ -230,6 +232,97 @@ std::string nearest_word(WordSet set, const std::string &text) {
     }
   }
   return nearest;
+}
+
+namespace {
+
+// Where the words of a set belong; those of lists follow its name.
+std::string place_of(WordSet set) {
+  switch (set) {
+  case WORDS_BLOCK:
+    return "stands in mdf { } itself";
+  case WORDS_FABRIC:
+    return "stands in fabric { }";
+  case WORDS_YARN:
+    return "stands in warp { }, weft { } or yarns { } of fabric { }";
+  case WORDS_SCRATCHES:
+    return "stands in scratches { }";
+  case WORDS_LAYER:
+    return "stands in layer { } of scratches { }";
+  case WORDS_IMAGE:
+    return "stands in bump_image { }";
+  case WORDS_REFLECTION:
+    return "stands in reflection { }";
+  case WORDS_RADIAL:
+    return "follows tangent radial <axis>";
+  default:
+    return set >= WORDS_LIST
+               ? std::string("follows ") + shade_list_name((shade_list)(set - (int)WORDS_LIST))
+               : "";
+  }
+}
+
+// POV-Ray's own words that are looked for in a block.
+const char *place_of_reserved(const std::string &text) {
+  static const char *const places[][2] = {
+      {" normal bump_map slope_map ", "stands in the texture, beside finish { }, and moves the "
+                                      "block's highlight too"},
+      {" pigment texture finish rotate translate scale matrix transform warp turbulence ",
+       "stands in the texture, beside finish { }"},
+      {" metallic ", "is what a block is without it: the metal's colour follows specular"},
+      {" ambient emission phong phong_size brilliance irid conserve_energy crand subsurface ",
+       "stands in finish { }, beside mdf { }"},
+      {" rgb rgbf rgbt rgbft srgb color colour red green blue ",
+       "begins a colour, which follows the word that it is of: specular rgb <.9, .7, .4>"},
+      {" ior interior ", "stands in the object's interior { }; a metal's index follows fresnel "
+                         "conductor"},
+  };
+
+  for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+    if (std::strstr(places[i][0], (" " + text + " ").c_str()) != NULL)
+      return places[i][1];
+  return NULL;
+}
+
+} // namespace
+
+std::string hint_for(WordSet set, const std::string &text) {
+  static const WordSet near[][2] = {{WORDS_FABRIC, WORDS_YARN},
+                                    {WORDS_YARN, WORDS_FABRIC},
+                                    {WORDS_SCRATCHES, WORDS_LAYER},
+                                    {WORDS_LAYER, WORDS_SCRATCHES}};
+  static const WordSet far[] = {WORDS_BLOCK, WORDS_FABRIC,     WORDS_YARN,  WORDS_SCRATCHES,
+                                WORDS_LAYER, WORDS_REFLECTION, WORDS_IMAGE, WORDS_RADIAL};
+  std::vector<WordSet> others;
+
+  if (set == words_of_list(SHADE_LIST_DIFFUSE))
+    return "a block's diffuse part is a model and a colour, as in diffuse lambert rgb .3; "
+           "POV-Ray's "
+           "own diffuse stands in finish { }, beside mdf { }";
+  if (set == words_of_list(SHADE_LIST_FRESNEL))
+    return "as in fresnel schlick";
+  if (set >= WORDS_LIST || text.empty())
+    return "";
+  const char *const reserved = place_of_reserved(text);
+  if (reserved != NULL && !(set == WORDS_BLOCK && text == "warp"))
+    return "'" + text + "' " + reserved;
+  for (size_t i = 0; i < sizeof near / sizeof *near; i++)
+    if (near[i][0] == set)
+      others.push_back(near[i][1]);
+  others.insert(others.end(), far, far + sizeof far / sizeof *far);
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    others.push_back(words_of_list((shade_list)list));
+  for (size_t i = 0; i < others.size(); i++)
+    if (others[i] != set && find_word(others[i], text.c_str()) >= 0)
+      return "'" + text + "' " + place_of(others[i]);
+  return "";
+}
+
+std::string text_of(double number) {
+  char text[40];
+
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
 }
 
 std::string expected_words(WordSet set, const std::string &last) {

@@ -65,7 +65,15 @@ enum FabricWord {
 };
 
 enum TangentWord { TANGENT_UV, TANGENT_AROUND };
-enum ImageWord { IMAGE_PNG, IMAGE_EXR, IMAGE_STRENGTH, IMAGE_SCALE, IMAGE_TRANSLATE, IMAGE_FILTER };
+enum ImageWord {
+  IMAGE_PNG,
+  IMAGE_EXR,
+  IMAGE_STRENGTH,
+  IMAGE_SCALE,
+  IMAGE_TRANSLATE,
+  IMAGE_FILTER,
+  IMAGE_ONCE
+};
 enum ReflectionWord { REFLECTION_SAMPLES, REFLECTION_CLAMP };
 
 enum ScratchWord {
@@ -115,6 +123,13 @@ std::string expected_words(WordSet set, const std::string &last);
 
 // The word of `set` that `text` was probably meant to be, or "".
 std::string nearest_word(WordSet set, const std::string &text);
+
+// What to do about something found in place of a word of `set`: where it belongs, if it is a word
+// of another place or of POV-Ray's, or how a list is said. "" where there is nothing to tell.
+std::string hint_for(WordSet set, const std::string &text);
+
+// A number as messages have it.
+std::string text_of(double number);
 
 // Sets a word set and puts the old one back at the end of the scope.
 class WordScope {

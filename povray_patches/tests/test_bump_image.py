@@ -78,6 +78,28 @@ def check(dump, expected, limit=2e-6):
     assert angle.max() < limit and dot(dump.Ns[dump.hit], expected[dump.hit]).min() > 0
 
 
+@pytest.mark.parametrize("filtering", ["filter off", ""])
+def test_once_is_flat_beside_the_picture(render, shade_check, colours, filtering):
+    """As stock's `once` of pictures. Texels at the edge pass into the plate over half a texel each way."""
+    more = f"strength 1.5 scale <.4, .5> translate <.3, -.2> once {filtering}"
+    dump = render(TOP + textured(quad(), more=more), (96, 72)).dump
+    around = np.full((11, 13, 3), (.5, .5, 1.))
+    around[3:8, 3:10] = colours
+    at = (dump.uv - (.3, -.2)) / (.4, .5)
+    inside = ((at > -.2) & (at < 1.2)).all(-1)
+    place = (at * (7, 5) + 3) / (13, 11)
+    expected = np.where(inside[..., None], mapped(around, place, 1.5), (0, 0, 1.))
+    assert .05 < np.mean(inside[dump.hit]) < .5
+    check(dump, from_blender(expected), 2e-6 if filtering else .15)
+    shade_check(dump)
+    far = render(TOP + textured(quad(), more=more.replace("<.4, .5>", "<.04, .05>").replace("-.2>", ".2>")), (96, 72)).dump
+    if not filtering:
+        rough = far.channels["alpha.X"]
+        at = (far.uv - (.3, .2)) / (.04, .05)
+        beside = far.hit & ((at < -.8) | (at > 1.8)).any(-1)
+        assert (rough[beside] == rough[far.hit].min()).all() and rough[far.hit].max() > rough[far.hit].min() + .02
+
+
 @pytest.fixture
 def colours(tmp_path):
     values = random_map()

@@ -352,6 +352,37 @@ def test_a_metal_preset_brings_its_scratches(render):
     assert bumps('preset "scratched_gold" scratches off') == 0
 
 
+def test_cloth_on_the_parts_of_a_blob(render):
+    ball = "sphere {{ {} * x, 1, 1 texture {{ pigment {{ rgb 1 }} finish {{ mdf {{ fabric {{ preset \"denim\" }} }} }} }} }}"
+    result = render(scene(f"blob {{ threshold .5 {ball.format(-.4)} {ball.format(.4)} }}"), size=(32, 24))
+    assert result.message.count("without UV coordinates: it lies along two of the object's axes") == 1
+    assert result.dump.hit.any() and result.image.max() > .01
+
+
+def test_a_larger_tile_holds_more_of_the_same_scratches(render):
+    """A quarter of a tile four times as wide: as rough, by scratches of the same width. A tile so large that they would be too many
+    grows them, and says so."""
+    def look(words):
+        text = scene(sheet() + f"texture {{ pigment {{ rgb 0 }} finish {{ mdf {{ preset \"scratched_steel\" scratches {{ mm_per_unit 9 {words} }} }} }} }} }}", SUN, FRONT)
+        dump = render(text, size=(300, 300)).dump
+        tilted = dump.Ns[..., 2] > -.98
+        edges = (tilted[:, 1:] != tilted[:, :-1]).mean()
+        return tilted.mean(), edges
+    share, edges = look("tile_mm 50")
+    assert .1 < share < .5
+    for words in ("tile_mm 200", 'preset "scratched_gold" tile_mm 9 tile_mm 150'):
+        assert look(words) == pytest.approx((share, edges), rel=.2), words
+    said = "mdf: a tile_mm of 10000 would hold more than a million scratches; they have grown instead."
+    assert render(scene('#declare F = finish { mdf { preset "scratched_steel" scratches { tile_mm 10000 } } }\n'), (8, 6)).message.count(said) == 1
+
+
+def test_the_tile_leaves_a_layers_lengths(render):
+    layer = "layer { pits 4000 radius .01, .03 stretch 100, 400 depth .2, .4 direction 30 spread 10 }"
+    def normals(words):
+        return render(scene(sheet() + f"texture {{ finish {{ mdf {{ scratches {{ mm_per_unit 25 {words} }} }} }} }} }}", SUN, FRONT), size=(60, 60)).dump.Ns
+    np.testing.assert_allclose(normals("tile_mm 12 " + layer), normals("tile_mm 40 " + layer + " tile_mm 12"), atol=1e-6)
+
+
 @pytest.mark.parametrize("block, message", [
     ("scratches 3", "{ or off"), ('scratches { preset "denim" }', 'mdf: there is no metal "denim". Metals: brushed_steel,'),
     ("scratches { layer { pits } }", "mdf: pits needs a number"), ("scratches { layer { radius .1 } }", "mdf: radius needs a number"),

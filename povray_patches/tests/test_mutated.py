@@ -14,9 +14,9 @@ BLOCKS = ["ashikhmin_shirley 200 , 10 detail rotate fresnel schlick horizon vali
           'fabric { preset "denim" crossings < 30 , 20 > warp { diffuse pigment width 1 gap .2 along 30 } nap .1 backing rgb 0 }',
           'fabric { weave 1 , 2 , 1 yarns { diffuse fibre rgb .3 transmit rgb .2 crimp .3 slub .2 } occlusion sky seed 3 ggx detail deform_smooth mm_per_unit 90 }',
           'preset "scratched_gold" scratches { tile_mm 9 mm_per_unit 30 layer { pits 90 radius .01 , .1 stretch 3 , 9 depth .1 , .4 direction 20 spread 9 } }',
-          'beckmann .2 , .1 bump_image { png "bump.png" strength 2 scale < 2 , 3 > translate < .1 , .2 > }']
+          'beckmann .2 , .1 bump_image { png "bump.png" strength 2 once scale < 2 , 3 > translate < .1 , .2 > }']
 WORDS = ["{", "}", ",", "<", ">", "-1", "0", "1e300", "1e300*1e300", "1e-300", "-7.5", "x", "rgb", "pigment", "\"denim\"", "off", "on", "#declare A = 1;",
-         "fabric", "reflection", "mdf", "warp", "layer", "99999999999", "texture", "rotate", "none", "samples", "crossings", "/*", "//", "'"]
+         "fabric", "reflection", "mdf", "warp", "layer", "99999999999", "texture", "rotate", "none", "samples", "crossings", "occlusion", "tile_mm 4000", "normal", "ambient", "/*", "//", "'"]
 
 
 def mutated(number):

@@ -159,7 +159,7 @@ sphere { y, .5 pigment { rgb 1 } }
     ("tangent radial y at <0, 1e300 * 1e300, 0>", "mdf: tangent radial's point is not finite."),
     ("at <0, 1, 0>", f"Expected '{WORDS}', undeclared identifier 'at' found instead"),
     ("bump_image { }", "Expected 'png \"file\" or exr \"file\"'"),
-    ("bump_image { jpeg \"a.jpg\" }", "Expected 'png, exr, strength, scale, translate, filter or }', jpeg found instead"),
+    ("bump_image { jpeg \"a.jpg\" }", "Expected 'png, exr, strength, scale, translate, filter, once or }', jpeg found instead"),
     ("bump_image { png \"missing.png\" }", "mdf: cannot open the bump_image file 'missing.png'."),
     ("bump_image { exr \"missing\" }", "mdf: cannot open the bump_image file 'missing'."),
     ("bump_image { png \"broken.png\" }", "mdf: cannot read the bump_image file 'broken.png'"),
@@ -178,10 +178,45 @@ def test_errors_name_line_and_expectation(render, tmp_path, block, message):
     assert log.count("Parse Error") == 1, log
 
 
+@pytest.mark.parametrize("block, hint", [
+    ("diffuse .5", "; a block's diffuse part is a model and a colour, as in diffuse lambert rgb .3; POV-Ray's own diffuse stands in finish"),
+    ("fresnel on", "on found instead; as in fresnel schlick."), ("normal { bumps .2 }", "'normal' stands in the texture, beside finish { }, and moves"),
+    ("metallic", "the metal's colour follows specular."), ("ambient 0", "'ambient' stands in finish { }, beside mdf { }."),
+    ("rgb <.9, .7, .4>", "specular rgb <.9, .7, .4>."), ("rotate 30*y", "'rotate' stands in the texture, beside finish { }."),
+    ("occlusion sky", "'occlusion' stands in fabric { }."), ("warp { }", "'warp' stands in fabric { }."), ("crimp .2", "'crimp' stands in warp { }, weft { } or yarns { }"),
+    ("samples 4", "'samples' stands in reflection { }."), ("fabric { crimp .2 }", "'crimp' stands in warp { }, weft { } or yarns { }"),
+    ("fabric { warp { crossings 3 } }", "'crossings' stands in fabric { }."), ("fabric { tangent x }", "'tangent' stands in mdf { } itself."),
+    ("scratches { pits 3 }", "'pits' stands in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel."), ("ior 1.5", "follows fresnel conductor.")])
+def test_an_error_tells_where_a_word_belongs(render, block, hint):
+    result = render(scene(sphere(block)), (8, 8), fails=True)
+    assert result.status == 1 and hint in result.message, result.message
+
+
+def test_a_scenes_own_variables_may_be_named_like_words(render, material):
+    """Where a number, a colour or a text is due, and within expressions."""
+    before = ("#declare across = 40; #declare detail = 7; #declare preset = \"brushed_gold\"; #declare fibre = rgb <.1, .2, .3>; #declare layer = array[2] { 3, 4 };\n"
+              "#macro gap(A) 2 * A #end #declare crossings = <30, 20>; #declare weave = \"plain\";\n")
+    m = material("ashikhmin_shirley detail, detail * detail + layer[1] specular rgb detail / 10 - fibre detail none", before)
+    assert (m["ex"], m["ey"], m["detail"]) == (7, 53, "none") and m["f0"] == pytest.approx([.6, .5, .4], abs=1e-6)
+    m = material("ggx layer[0] / 10 across / 100 specular fibre tangent <detail, across, 0>", before)
+    assert (m["ax"], m["ay"]) == (.3, .4) and m["f0"] == pytest.approx([.1, .2, .3], abs=1e-6)
+    gold = material("preset preset scratches off", before)
+    assert gold["fresnel"] == "conductor" and gold["eta"] == material('preset "brushed_gold" scratches off')["eta"]
+    words = "fabric {{ weave {} crossings {} warp {{ along {} across {} width {} diffuse rgb {} }} }}"
+    own = material(words.format("weave", "crossings", "detail", "across", "gap(.4)", "fibre"), before)
+    plain = material(words.format('"plain"', "<30, 20>", "7", "40", ".8", "<.1, .2, .3>"))
+    assert {k: v for k, v in own.items() if k != "name"} == {k: v for k, v in plain.items() if k != "name"}
+
+
 @pytest.mark.parametrize("block, objects, message", [
     ("ashikhmin_shirley 2e6, 1", None, "exponent ex is 2e+06; it is taken as 1e+06."),
     ("ashikhmin_shirley 5, -1e-3", None, "exponent ey is -0.001; it is taken as 0."),
     ("ggx 20, .5", None, "alpha ax is 20; it is taken as 10."),
+    ("ggx .1, 5", None, "alpha ay (scene.pov:6) is 5: above 1 there is no highlight left; exponents are read by ashikhmin_shirley."),
+    ("ashikhmin_shirley .1, .3", None, "exponent ex (scene.pov:6) is 0.1: below 1 there is no highlight left; alphas are read by ggx, beckmann and ward."),
+    ("roughness 3", None, "roughness (scene.pov:6) is 3: above 1 there is no highlight left."),
+    ("tangent uv", "blob { threshold .5 sphere { -.4*x, 1, 1 texture { TEXTURE } } sphere { .4*x, 1, 1 texture { TEXTURE } } }",
+     "'tangent uv' (scene.pov:6) on an object without UV coordinates: strokes run along its x axis."),
     ("roughness -2, .1", None, "roughness is -2; it is taken as 1e-06."),
     ("specular rgb <1.5, -1, .5>", None, "specular is <1.5, -1, 0.5>; it is taken as <1, 0, 0.5>."),
     ("bump_image { png \"flat.png\" strength -1 }", None, "bump_image strength is -1; it is taken as 0."),

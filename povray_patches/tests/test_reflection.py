@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: AGPL-3.0-or-later
 """`reflection { }`: what a lobe gathers of the scene, against integrals of Ashikhmin and Shirley's formula."""
+import re
+
 import numpy as np
 import pytest
 
@@ -161,3 +163,17 @@ def test_off_again(render):
     assert "Shining mdf" in off and "reflection off" in off
     assert mean(render(on, (8, 6), dump=False))[0] > 0.5
     assert mean(render(off, (8, 6), dump=False))[0] == 0
+
+
+def test_focal_blur_shares_the_rays_out(render):
+    """A pixel's samples send together what one alone would, at least one each, and see the same."""
+    def look(samples, blur):
+        text = scene(f"reflection {{ samples {samples} }}", emitter(normalise(np.array([-.3, .8, .5]))))
+        text = text.replace("orthographic", "").replace("angle 2", f"angle 2 {blur}")
+        result = render(text, (12, 12), dump=False)
+        return result.image.mean((0, 1)), int(re.search(r"Reflected Rays:\s+(\d+)", result.log).group(1))
+    sharp, rays = look(128, "")
+    blurred, shared = look(128, "aperture .01 focal_point 0 blur_samples 16, 16")
+    assert blurred == pytest.approx(sharp, rel=.02)
+    assert shared == pytest.approx(rays, rel=.1)
+    assert look(4, "aperture .01 focal_point 0 blur_samples 16, 16")[1] == pytest.approx(16 * 144, rel=.1)
