@@ -11,9 +11,9 @@ bl_info = {
     "category": "Render",
 }
 
-from . import engine, fabric, nodes, panels, properties
+from . import engine, fabric, groove, menus, nodes, panels, properties
 
-_MODULES = (properties, nodes, fabric, engine, panels)
+_MODULES = (properties, nodes, fabric, groove, menus, engine, panels)
 
 
 def register():

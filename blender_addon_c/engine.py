@@ -65,25 +65,36 @@ class LibshadeEngine(bpy.types.RenderEngine):
         started = time.perf_counter()
         self.update_stats("", "Reading the scene")
         size = self.resolution_x, self.resolution_y
-        camera = export.camera_of(self.camera_override, depsgraph, size, messages)
         passes = export.passes_of(depsgraph.scene, depsgraph.view_layer)
-        mattes = export.Mattes(passes)
-        scene = export.read(depsgraph, camera, size, region,
-                            depsgraph.scene.libshade.samples, messages, mattes)
-        scene["dump"] = os.environ.get("LIBSHADE_DUMP", "")
+        mattes, dump = export.Mattes(passes), os.environ.get("LIBSHADE_DUMP", "")
+
+        def camera():
+            return export.camera_of(self.camera_override, depsgraph, size, messages)
+
+        with export.motion_of(self, depsgraph, camera, dump, messages) as motion:
+            scene = export.read(depsgraph, camera(), size, region,
+                                depsgraph.scene.libshade.samples, messages, mattes, motion)
+        scene["dump"] = dump
         scene.update(export.planes_of(passes, depsgraph.scene.world))
         scene.update(export.denoiser(depsgraph.scene.libshade))
         export.passes_left_out(depsgraph.view_layer, messages)
         synced = time.perf_counter()
-        try:
-            job = _native.start(scene)
-        except ValueError as error:
-            raise export.SceneError(export.named(str(error), scene)) from error
+        pictures = {}
+        apart = any(p.plane == export.CATCHER for p in passes)
+        views = None if dump else export.catcher.views(scene, apart)
+        if not views and scene["catchers"]["seen"]:
+            messages.warning("a dump shows shadow catchers as they are")
+        finished, scene = self._pictures(views, pictures, len(pixels), messages) if views else (False, scene)
+        job = _start(scene)
         try:
             state = self._wait(job, result, pixels)
             _native.image(job, pixels)
+            if finished:
+                pictures["others"] = pixels.reshape(-1, 4).copy()
+                pixels[:] = pixels if apart else export.catcher.composed(pictures).ravel()
             _set_pixels(result, pixels)
-            _set_passes(result, job, passes, len(pixels) // 4)
+            left = export.catcher.seen_shadow(pictures).ravel() if finished else np.ones(len(pixels) // 4 * 3, np.float32)
+            _set_passes(result, job, passes, left)
             for field, text in mattes.fields(depsgraph.view_layer.name):
                 self.get_result().stamp_data_add_field(field, text)
             for text in state["warnings"]:
@@ -95,8 +106,32 @@ class LibshadeEngine(bpy.types.RenderEngine):
         finally:
             _native.free(job)
 
+    def _pictures(self, views, pictures, count, messages):
+        """Those that the last one needs, which share its time limit: whether all are there, and the last one's scene."""
+        ends = time.perf_counter() + views["others"].get("time_limit", 0.0)
+        names = [name for name in views if name != "others"]
+        for left, name in zip(range(len(views), 1, -1), names):
+            pictures[name] = self._picture(_within(views[name], ends, left), count, messages)
+            if pictures[name] is None:  # Esc
+                return False, views["others"]
+        return True, _within(views["others"], ends, 1)
+
+    def _picture(self, scene, count, messages):
+        """Of a scene that is only needed for another's: four numbers a pixel, or None after Esc."""
+        pixels, job = np.zeros(count, np.float32), _start(scene)
+        try:
+            state = self._wait(job, None, pixels)
+            for text in state["warnings"]:
+                messages.warning(text)
+            if state["state"] == "failed":
+                raise export.SceneError(state["message"])
+            _native.image(job, pixels)
+        finally:
+            _native.free(job)
+        return pixels.reshape(-1, 4) if state["state"] == "done" else None
+
     def _wait(self, job, result, pixels):
-        """Wait for the job, passing Esc on to it; returns its last state."""
+        """Wait for the job, passing Esc on to it; returns its last state. result: None where nothing is to be shown."""
         status, drawn = _Status(), time.perf_counter()
         while not _native.wait(job, _POLL_SECONDS):
             if self.test_break():
@@ -108,7 +143,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
             text = status.text(state)
             if text:
                 self.update_stats("", text)
-            if not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
+            if result and not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
                 _native.image(job, pixels)
                 _set_pixels(result, pixels)
                 self.update_result(result)
@@ -170,6 +205,20 @@ def _summary(timings, sync_seconds):
             f"{timings['samples']:.0f} samples; seconds summed over threads: {', '.join(stages)}")
 
 
+def _within(scene, ends, count):
+    """A scene with its part of the time that is left, if that is limited: one of so many pictures."""
+    if not scene.get("time_limit"):
+        return scene
+    return {**scene, "time_limit": max(ends - time.perf_counter(), 0.1) / count}
+
+
+def _start(scene):
+    try:
+        return _native.start(scene)
+    except ValueError as error:
+        raise export.SceneError(export.named(str(error), scene)) from error
+
+
 def _set_pixels(result, pixels, name="Combined", channels=4):
     rect = result.layers[0].passes[name].rect
     try:
@@ -178,10 +227,15 @@ def _set_pixels(result, pixels, name="Combined", channels=4):
         rect.foreach_set(pixels.reshape(-1, channels))
 
 
-def _set_passes(result, job, passes, count):
+def _set_passes(result, job, passes, left):
+    """left: what shadows leave of catchers."""
+    count = len(left) // 3
     for p in passes:
         numbers = np.zeros(count * len(p.channels), np.float32)
-        _native.image(job, numbers, p.plane)
+        if p.plane == export.CATCHER:
+            numbers = left
+        else:
+            _native.image(job, numbers, p.plane)
         _set_pixels(result, numbers, p.name, len(p.channels))
 
 

@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from . import _native
-from .nodes import new_socket
+from .group import new_socket
 
 FABRIC = "LibshadeFabricNode"
 

@@ -2,14 +2,15 @@
 """The material node, and the operator that turns it into a plain group.
 
 Names, ranges and help come from libshade's own table, so that a word added
-there appears here. Inside the node is a Principled BSDF: other renderers see
-an ordinary metal.
+there appears here. Inside the node is an Anisotropic BSDF behind Libshade Groove: other renderers
+see a metal whose grooves follow bumps. Older files have a Principled BSDF there, and keep it.
 """
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
-from . import _native
+from . import _native, groove
+from .group import new_socket
 
 METAL = "LibshadeMetalNode"
 _OURS = (METAL, "LibshadeFabricNode")  # of fabric.py
@@ -17,7 +18,11 @@ _OURS = (METAL, "LibshadeFabricNode")  # of fabric.py
 _TABLE = _native.table()
 # Table lists whose property on the node has another name.
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
-_SHADER = "Principled BSDF"
+_OLD_SHADER = "Principled BSDF"
+_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR = "Anisotropic BSDF", "Diffuse BSDF", "Groove", "Fresnel", "Color"
+_INSIDE = {_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR}
+# Of Cycles' distributions the nearest.
+_DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
 
 
 def _choices():
@@ -102,6 +107,7 @@ def _properties():
             items=[(row["word"].upper(), row["label"], row["help"], row["value"])
                    for row in _TABLE["lists"][name]],
             default=_initial_choice(name).upper(),
+            update=lambda node, _context: node.update_preview(),
         )
     for row in _parameters():
         common = {
@@ -126,15 +132,8 @@ def _initial_color():
     return tuple(value) if hasattr(value, "__len__") else (value,) * 3
 
 
-def new_socket(tree, name, in_out, kind):
-    """A socket of a group."""
-    if hasattr(tree, "interface"):  # 4.0 and later
-        return tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
-    return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
-
-
 def _new_tree():
-    """What other renderers see: a Principled metal along its tangent, of the UV map where that is 0."""
+    """What other renderers see: a metal along its tangent, of the UV map where that is 0."""
     tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
     color = new_socket(tree, "Color", "INPUT", "NodeSocketColor")
     color.default_value = (*_initial_color(), 1.0)
@@ -143,19 +142,36 @@ def _new_tree():
     new_socket(tree, "Tangent", "INPUT", "NodeSocketVector").hide_value = True
     new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
 
-    inputs = tree.nodes.new("NodeGroupInput")
-    tangent = tree.nodes.new("ShaderNodeTangent")
-    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    outputs = tree.nodes.new("NodeGroupOutput")
-    inputs.location, tangent.location, outputs.location = (-300, 0), (-300, -300), (300, 0)
+    def new(kind, x, y, name=""):
+        node = tree.nodes.new(kind)
+        node.location, node.name = (x, y), name or node.name
+        return node
+
+    inputs, tangent = new("NodeGroupInput", -500, 0), new("ShaderNodeTangent", -500, -300)
+    group = new("ShaderNodeGroup", 50, -200, _GROOVE)
+    facing, power = new("ShaderNodeLayerWeight", 50, 200), new("ShaderNodeMath", 200, 200)
+    edge, color = new("ShaderNodeMath", 350, 200, _FRESNEL), new("ShaderNodeMixRGB", 500, 100, _COLOR)
+    shader, matt = new("ShaderNodeBsdfAnisotropic", 700, 0, _SHADER), new("ShaderNodeBsdfDiffuse", 700, -250, _MATT)
+    both, outputs = new("ShaderNodeAddShader", 900, 0), new("NodeGroupOutput", 1100, 0)
     tangent.direction_type = "UV_MAP"
-    shader.name = _SHADER
-    shader.inputs["Metallic"].default_value = 1.0
-    tree.links.new(inputs.outputs["Color"], shader.inputs["Base Color"])
-    tree.links.new(inputs.outputs["Normal"], shader.inputs["Normal"])
-    tree.links.new(_either(tree, inputs.outputs["Tangent"], tangent.outputs["Tangent"]),
-                   shader.inputs["Tangent"])
-    tree.links.new(shader.outputs["BSDF"], outputs.inputs["BSDF"])
+    group.node_tree, group.label = groove.groove_tree(), groove.NAME
+    facing.inputs["Blend"].default_value = 0.5  # Facing is then 1 less the cosine to the eye
+    power.operation, edge.operation = "POWER", "MULTIPLY"
+    power.inputs[1].default_value = 5.0
+    color.inputs["Color2"].default_value = (1.0, 1.0, 1.0, 1.0)
+    link = tree.links.new
+    link(inputs.outputs["Normal"], group.inputs["Normal"])
+    link(_either(tree, inputs.outputs["Tangent"], tangent.outputs["Tangent"]), group.inputs["Tangent"])
+    link(facing.outputs["Facing"], power.inputs[0])
+    link(power.outputs[0], edge.inputs[0])
+    link(edge.outputs[0], color.inputs["Fac"])
+    link(inputs.outputs["Color"], color.inputs["Color1"])
+    link(color.outputs[0], shader.inputs["Color"])
+    for node in (facing, shader, matt):
+        link(group.outputs["Normal"], node.inputs["Normal"])
+    link(shader.outputs["BSDF"], both.inputs[0])
+    link(matt.outputs["BSDF"], both.inputs[1])
+    link(both.outputs["Shader"], outputs.inputs["BSDF"])
     return tree
 
 
@@ -192,22 +208,55 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         self.shares_tree = node.shares_tree = True
 
     def update_preview(self):
-        """Carry the roughness over to the Principled BSDF inside.
-
-        Cycles' convention: alphas are r²/a along the tangent and r²·a across, with
-        a² = 1 − 0.9 anisotropic; a quarter turn swaps the two.
-        """
-        if not (self.node_tree and self.node_tree.nodes.get(_SHADER)):
+        """Carry the settings over to the shaders inside."""
+        inner = self.node_tree.nodes if self.node_tree else {}
+        old = inner.get(_OLD_SHADER)
+        if not old and not all(inner.get(name) for name in _INSIDE):
             return  # someone has been inside
         if self.shares_tree:
             self.node_tree, self.shares_tree = self.node_tree.copy(), False
-        shader = self.node_tree.nodes[_SHADER]
+            inner = self.node_tree.nodes
+        if old:
+            self._update_principled(inner[_OLD_SHADER])
+        else:
+            self._update_anisotropic(inner)
+
+    def _update_principled(self, shader):
+        """Cycles' convention: alphas are r²/a along the tangent and r²·a across, with
+        a² = 1 − 0.9 anisotropic; a quarter turn swaps the two.
+        """
         narrow, wide = sorted((self.ax, self.ay))
         shader.inputs["Roughness"].default_value = min(1.0, (narrow * wide) ** 0.25)
         shader.inputs["Anisotropic"].default_value = min(1.0, (1.0 - narrow / wide) / 0.9)
         shader.inputs["Anisotropic Rotation"].default_value = 0.25 if self.ax < self.ay else 0.0
 
+    def _update_anisotropic(self, inner):
+        """Here alphas are r² (1 − a) along the tangent and r²/(1 − a) across, or for a < 0 r²/(1 + a)
+        and r² (1 + a).
+        """
+        shader, matt = inner[_SHADER], inner[_MATT]
+        shader.distribution = _DISTRIBUTION.get(self.distribution, "BECKMANN")
+        shader.inputs["Roughness"].default_value = min(1.0, (self.ax * self.ay) ** 0.25)
+        narrow, wide = sorted((self.ax, self.ay))
+        ratio = 1.0 - (narrow / wide) ** 0.5
+        shader.inputs["Anisotropy"].default_value = ratio if self.ax < self.ay else -ratio
+        inner[_FRESNEL].inputs[1].default_value = float(self.fresnel != "NONE")
+        color, links = inner[_COLOR].inputs["Color1"], self.node_tree.links
+        if self.fresnel == "CONDUCTOR":
+            for link in color.links:
+                links.remove(link)
+            color.default_value = (*[((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k)
+                                     for n, k in zip(self.eta, self.k)], 1.0)
+        elif not color.is_linked:
+            for given in (n for n in inner if n.bl_idname == "NodeGroupInput"):
+                links.new(given.outputs["Color"], color)
+        matt.inputs["Color"].default_value = (*self.kd, 1.0)
+        groove_x = self.groove == "X" or self.groove == "AUTO" and self.ax <= self.ay
+        links.new(inner[_GROOVE].outputs[groove.TANGENT if groove_x else groove.ACROSS],
+                  shader.inputs["Tangent"])
+
     def draw_buttons(self, _context, layout):
+        layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
         layout.prop(self, "distribution", text="")
         layout.prop(self, "detail")
         column = layout.column(align=True)
@@ -216,6 +265,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
                 column.prop(self, row["word"])
 
     def draw_buttons_ext(self, _context, layout):
+        layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
         for _name, attribute in _choices():
             layout.prop(self, attribute)
         for row in _parameters():
@@ -226,6 +276,58 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
 
     def draw_label(self):
         return "Libshade Metal"
+
+
+_METALS = {row["word"].upper(): row for row in _TABLE["metals"]}
+_ROUND = "libshade_round"  # on a Tangent node that a preset has placed
+
+
+def apply_preset(node, preset):
+    """Make a metal node a metal of libshade's; strokes of turned ones go round the object's z axis
+    where nothing else says where."""
+    row = _METALS[preset]
+    values = _native.metal(row["word"])
+    for name, attribute in _choices():
+        setattr(node, attribute, values[name].upper())
+    for parameter in _parameters():
+        setattr(node, parameter["word"], values[parameter["word"]])
+    node.inputs["Color"].default_value = (*values["f0"], 1.0)
+    tree, tangent = node.id_data, node.inputs["Tangent"]
+    source = tangent.links[0].from_node if tangent.is_linked else None
+    if row["turned"] and not source:
+        source = tree.nodes.new("ShaderNodeTangent")
+        source.direction_type, source.axis, source[_ROUND] = "RADIAL", "Z", True
+        source.parent, source.location = node.parent, (node.location[0] - 200, node.location[1] - 150)
+        tree.links.new(source.outputs[0], tangent)
+    elif not row["turned"] and source and source.get(_ROUND):
+        tree.links.remove(tangent.links[0])
+        if not source.outputs[0].is_linked:
+            tree.nodes.remove(source)
+
+
+class LIBSHADE_OT_metal_preset(bpy.types.Operator):
+    """Give this Libshade Metal the settings of a metal; its scratches are in its roughness, as from afar"""
+
+    bl_idname = "libshade.metal_preset"
+    bl_label = "Metal"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(name="Metal", description="Which metal, worked how",
+                         items=[(word, row["label"], row["help"]) for word, row in _METALS.items()])
+
+    @staticmethod
+    def node_of(context):
+        node = getattr(context, "node", None) or getattr(context, "active_node", None)
+        return node if node and node.bl_idname == METAL else None
+
+    @classmethod
+    def poll(cls, context):
+        node = cls.node_of(context)
+        return node is not None and not node.id_data.library
+
+    def execute(self, context):
+        apply_preset(self.node_of(context), self.preset)
+        return {"FINISHED"}
 
 
 def _replace_by_group(tree, node):
@@ -248,8 +350,8 @@ def _replace_by_group(tree, node):
 
 
 class LIBSHADE_OT_convert_to_group(bpy.types.Operator):
-    """Replace Libshade nodes by plain groups around a Principled BSDF, for files that must \
-render without this add-on. The microfacet settings are lost"""
+    """Replace Libshade nodes by plain groups of Cycles' own shaders, for files that must \
+render without this add-on. Settings that those shaders lack are lost"""
 
     bl_idname = "libshade.convert_to_group"
     bl_label = "Convert to Plain Group"
@@ -289,6 +391,7 @@ def _draw_add_menu(self, context):
 def register():
     if not bpy.types.Node.bl_rna_get_subclass_py(METAL):  # see unregister
         bpy.utils.register_class(LibshadeMetalNode)
+    bpy.utils.register_class(LIBSHADE_OT_metal_preset)
     bpy.utils.register_class(LIBSHADE_OT_convert_to_group)
     bpy.types.NODE_MT_add.append(_draw_add_menu)
 
@@ -296,6 +399,7 @@ def register():
 def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
     bpy.utils.unregister_class(LIBSHADE_OT_convert_to_group)
+    bpy.utils.unregister_class(LIBSHADE_OT_metal_preset)
     # Blender 3.4 crashes when it frees the evaluated copy of a node whose class is gone: there
     # the class stays until Blender ends, and the add-on finds it when it is enabled again.
     if bpy.app.version >= (5, 0):

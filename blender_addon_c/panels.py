@@ -3,6 +3,7 @@
 
 import bpy
 
+from .export import blur_settings
 from .nodes import LIBSHADE_OT_convert_to_group
 
 ENGINE = "LIBSHADE"
@@ -89,6 +90,45 @@ class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
         layout.prop(settings, "filter_normals")
 
 
+class RENDER_PT_libshade_motion_blur(_Panel, bpy.types.Panel):
+    bl_label = "Motion Blur"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.render, "use_motion_blur", text="")
+
+    def draw(self, context):
+        layout, render = self.layout, context.scene.render
+        layout.use_property_split = True
+        layout.active = render.use_motion_blur
+        if blur_settings(context.scene):
+            layout.prop(blur_settings(context.scene), "motion_blur_position", text="Position")
+        layout.prop(render, "motion_blur_shutter")
+        layout.template_curve_mapping(render, "motion_blur_shutter_curve")
+
+
+class OBJECT_PT_libshade_motion_blur(_Panel, bpy.types.Panel):
+    bl_label = "Motion Blur"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and hasattr(context.object, "cycles")
+
+    def draw_header(self, context):
+        self.layout.prop(context.object.cycles, "use_motion_blur", text="")
+
+    def draw(self, context):
+        layout, settings = self.layout, context.object.cycles
+        layout.use_property_split = True
+        layout.active = context.scene.render.use_motion_blur and settings.use_motion_blur
+        layout.prop(settings, "motion_steps", text="Steps")
+        if context.object.type != "CAMERA":
+            layout.prop(settings, "use_deform_motion", text="Deformation")
+
+
 class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):
     bl_label = "Sharing the File"
     bl_context = "render"
@@ -110,9 +150,10 @@ class VIEWLAYER_PT_libshade_passes(_Panel, bpy.types.Panel):
         layout.use_property_decorate = False
         view_layer = context.view_layer
         column = layout.column(heading="Include", align=True)
-        for name in ("z", "mist", "position", "normal", "uv"):
+        for name in ("z", "mist", "position", "normal", "vector", "uv"):
             column.prop(view_layer, f"use_pass_{name}")
-        column.prop(view_layer.libshade, "denoising_store_passes")
+        for name in ("denoising_store_passes", "use_pass_shadow_catcher", "pass_debug_sample_count"):
+            column.prop(view_layer.libshade, name)
         column = layout.column(heading="Indexes", align=True)
         for name in ("object_index", "material_index"):
             column.prop(view_layer, f"use_pass_{name}")
@@ -157,7 +198,11 @@ class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
         if light.type == "SPOT":
             layout.prop(light, "spot_size")
             layout.prop(light, "spot_blend", slider=True)
-        layout.prop(light, "use_shadow")
+        cycles = getattr(light, "cycles", None)
+        if hasattr(cycles, "cast_shadow"):  # until 4.1
+            layout.prop(cycles, "cast_shadow", text="Shadow")
+        else:
+            layout.prop(light, "use_shadow")
 
     def _draw_area(self, light):
         layout = self.layout
@@ -170,10 +215,79 @@ class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
         layout.prop(light, "spread")
 
 
+class DATA_PT_libshade_panorama(_Panel, bpy.types.Panel):
+    bl_label = "Panorama"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.camera and context.camera.type == "PANO" and cls.settings(context.camera)
+
+    @staticmethod
+    def settings(camera):
+        """Cycles' until 4.5, then the camera's own."""
+        return camera if hasattr(camera, "panorama_type") else getattr(camera, "cycles", None)
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        settings = self.settings(context.camera)
+        # names by what each type reads
+        layout.prop(settings, "panorama_type", text="Type")
+        read = {"EQUIRECTANGULAR": ("longitude_", "latitude_"), "FISHEYE_EQUIDISTANT": ("fisheye_fov",),
+                "FISHEYE_EQUISOLID": ("fisheye_lens", "fisheye_fov"),
+                "FISHEYE_LENS_POLYNOMIAL": ("fisheye_fov", "fisheye_polynomial_"),
+                "CENTRAL_CYLINDRICAL": ("central_cylindrical_",)}.get(settings.panorama_type, ())
+        column = layout.column(align=True)
+        for name in settings.bl_rna.properties.keys():
+            if read and name.startswith(read):
+                column.prop(settings, name)
+
+
+class _VisibilityPanel(_Panel):
+    bl_label = "Ray Visibility"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        owner, prefix, more = self.of(context)
+        layout = self.layout
+        layout.use_property_split = True
+        column = layout.column()
+        for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+            if hasattr(owner, prefix + kind):
+                column.prop(owner, prefix + kind, text=kind.title())
+        for name in more:
+            layout.prop(owner, name)
+
+
+class OBJECT_PT_libshade_visibility(_VisibilityPanel, bpy.types.Panel):
+    bl_context = "object"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.object
+
+    @staticmethod
+    def of(context):
+        return context.object, "visible_", ("is_holdout", "is_shadow_catcher")
+
+
+class WORLD_PT_libshade_visibility(_VisibilityPanel, bpy.types.Panel):
+    bl_context = "world"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and hasattr(context.world, "cycles_visibility")
+
+    @staticmethod
+    def of(context):
+        return context.world.cycles_visibility, "", ()
+
+
 _CLASSES = (
     RENDER_PT_libshade_sampling, RENDER_PT_libshade_light_paths, RENDER_PT_libshade_film,
-    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes,
-    DATA_PT_libshade_light,
+    RENDER_PT_libshade_motion_blur, OBJECT_PT_libshade_motion_blur, RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes,
+    DATA_PT_libshade_light, DATA_PT_libshade_panorama, OBJECT_PT_libshade_visibility, WORLD_PT_libshade_visibility,
 )
 
 

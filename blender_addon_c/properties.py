@@ -17,6 +17,16 @@ class LibshadeViewLayerSettings(bpy.types.PropertyGroup):
         description="Passes of the surfaces' normals and colours, that Blender's Denoise node takes",
         default=False, update=_update_passes,
     )
+    use_pass_shadow_catcher: BoolProperty(
+        name="Shadow Catcher",
+        description="What shadows leave of the light of objects that catch them",
+        default=False, update=_update_passes,
+    )
+    pass_debug_sample_count: BoolProperty(
+        name="Sample Count",
+        description="The part of all samples that each pixel got: adaptive sampling or a time limit end them early",
+        default=False, update=_update_passes,
+    )
 
 
 class LibshadeSettings(bpy.types.PropertyGroup):

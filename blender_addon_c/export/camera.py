@@ -22,7 +22,8 @@ def camera_of(ob, depsgraph, size, messages):
     ob = ob.evaluated_get(depsgraph)
     data, render = ob.data, depsgraph.scene_eval.render
     if data.type == "PANO":
-        raise SceneError(f"camera '{ob.name}' is panoramic: use Perspective or Orthographic")
+        view = _panorama(ob, data, render, size, messages)
+        return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
     # The projection holds lens, sensor fit, shift and aspect.
     projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
                                        scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
@@ -32,10 +33,44 @@ def camera_of(ob, depsgraph, size, messages):
     return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
 
 
+_PANORAMAS = ("EQUIRECTANGULAR", "EQUIANGULAR_CUBEMAP_FACE", "MIRRORBALL", "FISHEYE_EQUIDISTANT",
+              "FISHEYE_EQUISOLID", "FISHEYE_LENS_POLYNOMIAL", "CENTRAL_CYLINDRICAL")  # as in the native module
+
+
+def _panorama(ob, data, render, size, messages):
+    """A camera that sees around it. Its settings are Cycles' until 4.5, then its own."""
+    settings = data if hasattr(data, "panorama_type") else getattr(data, "cycles", None)
+    kind = getattr(settings, "panorama_type", "EQUIRECTANGULAR")
+    if kind not in _PANORAMAS:
+        messages.warning(f"camera '{ob.name}': panoramas of type {kind.lower()} are not supported; equirectangular")
+        kind = "EQUIRECTANGULAR"
+
+    def value(name, otherwise):
+        return getattr(settings, name, otherwise)
+
+    if kind == "CENTRAL_CYLINDRICAL":
+        radius = max(value("central_cylindrical_radius", 1.0), 1e-6)
+        low, high = (value(f"central_cylindrical_range_v_{end}", 1.0) / radius for end in ("min", "max"))
+        sides = *(value(f"central_cylindrical_range_u_{end}", 0.0) for end in ("min", "max")), low, high
+    else:
+        sides = [value(f"{name}_{end}", sign * most) for name, most in
+                 (("longitude", math.pi), ("latitude", math.pi / 2)) for end, sign in (("min", -1), ("max", 1))]
+    width, height = size[0] * render.pixel_aspect_x, size[1] * render.pixel_aspect_y
+    fit = data.sensor_fit if data.sensor_fit != "AUTO" else "HORIZONTAL" if width >= height else "VERTICAL"
+    measure = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+    unit = measure / (width if fit == "HORIZONTAL" else height)
+    frame = data.shift_x, 1.0 + data.shift_x, data.shift_y, 1.0 + data.shift_y  # of the picture, whatever its shape
+    view = _placed(ob.matrix_world)
+    return {**view, "type": "PANO", "panorama": kind, "frame": frame, "range": sides,
+            "clip": (data.clip_start, data.clip_end), "fov": value("fisheye_fov", math.pi),
+            "focal": max(value("fisheye_lens", 10.5), 1e-6), "sensor": (width * unit, height * unit),
+            "polynomial": [value(f"fisheye_polynomial_k{k}", 0.0) for k in range(5)]}
+
+
 def _lens(ob, data, depsgraph, messages):
     """Aperture and plane of focus. An orthographic camera has no focal length: as Cycles, 1 m."""
     dof = data.dof
-    radius = (data.lens * 1e-3 if data.type == "PERSP" else 1.0) / (2.0 * max(dof.aperture_fstop, 1e-5))
+    radius = (data.lens * 1e-3 if data.type != "ORTHO" else 1.0) / (2.0 * max(dof.aperture_fstop, 1e-5))
     distance = _focus_distance(ob, dof, depsgraph)
     if distance < 1e-6:
         messages.warning(f"camera '{ob.name}': its focus is on the camera itself; all is sharp")
@@ -63,11 +98,15 @@ def camera_by(projection, to_world, clip):
     perspective = p[3][2] != 0
     frame = [((p[i][2] + side) if perspective else (side - p[i][3])) / p[i][i]
              for i in (0, 1) for side in (-1.0, 1.0)]
+    return {**_placed(to_world), "type": "PERSP" if perspective else "ORTHO", "frame": tuple(frame), "clip": clip}
+
+
+def _placed(to_world):
+    """Where it stands, whatever its size."""
     place, turn, _scale = to_world.decompose()
     matrix = turn.to_matrix().to_4x4()
     matrix.translation = place
-    return {"type": "PERSP" if perspective else "ORTHO", "matrix": rows(matrix),
-            "frame": tuple(frame), "clip": clip}
+    return {"matrix": rows(matrix)}
 
 
 def rows(matrix):

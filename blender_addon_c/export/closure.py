@@ -94,12 +94,15 @@ def _add(reader, closure, weight, normal=None, color=None):
     """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
     Cycles' own shaders. color: in passes of colour, where it is not what the closure says, by its
     weight."""
-    if closure.pop("stock", False):
+    stock = closure.pop("stock", False)
+    if stock:
         closure |= {} if reader.transport else {"detail": "gram_schmidt"}
         if reader.bumped:  # Cycles fades by what bumps turn a displaced normal: less than they turn this one
             closure["horizon"] = "hard" if closure["f0"] == _BLACK else "valid_reflection"
     if normal and normal[0] in reader.filtered and _is_even(closure):
         normal, weight = _filtered(reader, closure, normal, weight)
+    if normal and not reader.dumps:
+        normal = _valid(reader, closure, normal, stock)
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
     if is_known(*weight) and not any(part > 0 for part in weight):
         return
@@ -108,6 +111,35 @@ def _add(reader, closure, weight, normal=None, color=None):
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
+
+
+# What bumps hide from a matt surface: versions between were not measured.
+_BUMPS = "FADED" if bpy.app.version < (3, 5) else "SHADED"
+
+
+def _valid(reader, closure, normal, stock):
+    """The normal that Cycles' closure takes, here in place of a horizon of our own: so that the eye's mirror
+    image is not below the surface, but from some version on not of what is matt. With grooves that go with
+    bumps metals keep theirs."""
+    kind, below = closure["closure"], reader.below.get(normal[0], normal)
+    if kind == "METAL":
+        if stock and not reader.transport:
+            closure["horizon"] = "hard"
+        return _turned(reader, normal) if stock else normal
+    elif kind == "DIFFUSE" and reader.bumped:
+        return below
+    elif kind == "DIFFUSE":
+        closure["bumps"] = _BUMPS
+        if _BUMPS == "SHADED":
+            return below
+    return reader.program.emit("BEND", normal=below)
+
+
+def _turned(reader, normal):
+    """Of what shines."""
+    if reader.transport or reader.dumps:
+        return normal
+    return reader.program.emit("BEND", normal=reader.below.get(normal[0], normal))
 
 
 def _metal_closure(settings, **parts):
@@ -172,7 +204,7 @@ class _Lobe:
     from 0 head-on to 1, `mean` the first's mean."""
 
     def __init__(self, reader, alpha, normal):
-        given = {"normal": normal} if normal else {}
+        given = {"normal": _turned(reader, normal)} if normal else {}
         self._reader, self._math = reader, reader.program.math
         self.one, self.clear, self.mean = reader.program.emit("ALBEDO", alpha=[alpha], **given)
 
@@ -268,9 +300,9 @@ def _fabric(reader, node, groups, share):
              math("MULTIPLY", share, math("SUBTRACT", 1.0, coverage[0])))
 
 
-# Where bumps turn matt facets to a low light, 3.4 fades it [Chiang2019]; 5.0 does not. Those between
-# were not measured.
-_MATT = {"fresnel": "NONE", **({"horizon": "chiang"} if bpy.app.version < (3, 5) else {})}
+# Where bumps turn matt facets to a low light, 3.4 fades it [Chiang2019], 5.0 shades it [Estevez2019].
+# Those between were not measured.
+_MATT = {"fresnel": "NONE", "horizon": "chiang" if bpy.app.version < (3, 5) else "estevez"}
 
 
 def _lambert_closure(color):
@@ -278,7 +310,10 @@ def _lambert_closure(color):
 
 
 def _lambert(reader, color, share, normal):
-    _add(reader, _lambert_closure(color), share, normal)
+    if normal and not reader.dumps:  # a dump knows metals and cloth
+        _add(reader, {"closure": "DIFFUSE", "model": "LAMBERT", "color": color, "roughness": [0.0]}, share, normal)
+    else:
+        _add(reader, _lambert_closure(color), share, normal)
 
 
 def _diffuse(reader, node, groups, share):
@@ -318,6 +353,8 @@ def _glossy(reader, node, groups, share):
         reader.warn(f"'{node.name}': {distribution.lower()} is not supported; shaded as GGX")
         distribution = "GGX"
     alphas, groove = _stretched(reader, node, groups, alpha)
+    if distribution == "BECKMANN" and alphas[0] != alphas[1] and not _JOINT:
+        reader.warn(f"'{node.name}': Cycles of this version shades a stretched Beckmann a few percent brighter")
     seen = None
     if distribution == "MULTI_GGX" and not _is_smooth(alpha):
         lobe = _Lobe(reader, alpha, normal)
@@ -512,6 +549,10 @@ def _transparent(reader, node, groups, share):
     _add(reader, {"closure": "TRANSPARENT"}, _times(reader, color, share))
 
 
+def _holdout(reader, _node, _groups, share):
+    _add(reader, {"closure": "EMISSION", "holds": True}, share)
+
+
 def _emission(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
     strength = number_of(reader, node.inputs["Strength"], groups)
@@ -598,9 +639,13 @@ class _Principled:
         _add(self.reader, _metal_closure({**_GGX, **shadow, **settings}, alpha=self.alphas,
                                          groove=self.groove, **parts), share, self.normal, seen)
 
-    def _clear(self, share, head_on):
+    def _clear(self, share, head_on, thin=0.0):
+        """thin: 1 where light is faster inside than outside."""
+        eta = self._eta(head_on)
+        if not (is_known(thin) and thin == 0):
+            eta = self.math("MIX", eta, self.math("DIVIDE", 1.0, eta), thin)
         self._lobe(share, {"fresnel": "CONDUCTOR", "k": _BLACK}, (head_on,) * 3, f0=_WHITE,
-                   eta=(self._eta(head_on),) * 3)
+                   eta=(eta,) * 3)
 
     def _head_on(self, eta):
         root = self.math("DIVIDE", self.math("SUBTRACT", eta, 1.0), self.math("ADD", eta, 1.0))
@@ -646,6 +691,10 @@ class _Principled:
     def until_3_6(self, share):
         math = self.math
         through = _clamp(self.reader, self._number("Transmission"))
+        ior = self._number("IOR")
+        if is_known(ior) and ior <= 0 and not (is_known(through) and through == 0):
+            self.reader.warn(f"'{self.node.name}': an IOR of {ior:g} has no meaning: as Cycles of 3.4 does not show it "
+                             "(black), it is shaded as 1")
         self._emission(share)
         coat = _clamp(self.reader, self._number("Clearcoat"))
         alpha = _alpha_of(self.reader, self.node, self.groups, "Clearcoat Roughness")
@@ -697,13 +746,16 @@ class _Principled:
         share = self._rest(share, through)
         if is_known(share) and share == 0:
             return
-        head_on = self._head_on(math("MAXIMUM", self._number("IOR"), 1.0))
+        ior = math("MAXIMUM", self._number("IOR"), 1e-5)
+        if is_known(ior) and ior < 0.1 and not (is_known(through) and through == 0):
+            reader.warn(f"'{self.node.name}': an IOR of {ior:.2g} has no meaning; what is transmitted is off from Cycles'")
+        head_on = self._head_on(ior)
         level = self._number("Specular IOR Level")
         if not (is_known(level) and level == 0.5):
             head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
         lobe = _Lobe(reader, self.alpha, self.normal)
         if is_known(*tint) and tuple(tint) == _WHITE:
-            self._clear(share, head_on)
+            self._clear(share, head_on, math("LESS_THAN", ior, 1.0))
         else:
             f0 = tuple(_clamp(reader, math("MULTIPLY", head_on, part)) for part in tint)
             self._lobe(share, {"fresnel": "SCHLICK"}, f0, f0=f0)
@@ -772,7 +824,24 @@ CLOSURES = {
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeEmission": _emission,
     "ShaderNodeBackground": _emission,
+    "ShaderNodeHoldout": _holdout,
 }
+
+
+def held_out(reader):
+    """The camera sees a hole in the place of all but what is transparent; nothing else does."""
+    math = reader.program.math
+    camera = reader.program.emit("PATH", 1, what="CAMERA")[0]
+    held, kept, others = (camera,) * 3, [], math("SUBTRACT", 1.0, camera)
+    for closure in reader.closures:
+        weight = tuple(closure.get("weight", _WHITE))
+        if closure["closure"] == "TRANSPARENT":
+            held = tuple(_clamp(reader, math("SUBTRACT", part, math("MULTIPLY", camera, by)))
+                         for part, by in zip(held, weight))
+            kept.append(closure)
+        elif not closure.get("holds"):
+            kept.append({**closure, "weight": _times(reader, weight, others)})
+    reader.closures = [{"closure": "EMISSION", "holds": True, "weight": held}, *kept]
 
 
 def plain(color):

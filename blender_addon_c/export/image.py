@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images, each once whatever its uses."""
 
+import mmap
 import os
+import tempfile
 
 import bpy
 import numpy as np
@@ -11,6 +13,7 @@ from .main_thread import on_main_thread
 
 MISSING = -2  # instead of an index: no file, or none that can be read
 MISSING_COLOR = (1.0, 0.0, 1.0)  # as Cycles and the viewport show it
+_LARGE = 1 << 26  # bytes
 _MOST_TEXELS = 1 << 28  # of all tiles together
 
 
@@ -32,6 +35,7 @@ class Images:
     def __init__(self, messages):
         self.listed = []
         self._messages = messages
+        self._down = {}  # by index
         self._indices = {}  # by image and file, wrap and filter
         self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
 
@@ -47,6 +51,14 @@ class Images:
             if not isinstance(pixels, int):
                 self.listed.append({**pixels, "wrap": wrap, "filter": filtering})
         return self._indices[key]
+
+    def points_down(self, index):
+        """Is it, as a normal map, below the surface somewhere?"""
+        if index not in self._down:
+            found = self.listed[index]
+            blue = found["data"][2::found["channels"]] if found["channels"] >= 3 else np.empty(0, np.float32)
+            self._down[index] = bool(len(blue) and np.nanmin(blue) < 0.49 * _opaque(blue))
+        return self._down[index]
 
     def _fetch(self, image, owner, path):
         if image.source == "TILED":
@@ -72,13 +84,16 @@ class Images:
         width, height = image.size
         data = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(data)
+        paged = False
+        if not image.is_float:
+            data, paged = _bytes(data)
         # Blender hands float images over in linear light, bytes as they are in the file.
         srgb = not image.is_float and image.colorspace_settings.name == "sRGB"
         if not (srgb or image.is_float or image.colorspace_settings.is_data):
             self._messages.warning(f"{owner}: image '{image.name}': colour space "
                                    f"'{image.colorspace_settings.name}' is read as Non-Color")
         return {"width": width, "height": height, "channels": image.channels, "data": data,
-                "srgb": srgb}
+                "srgb": srgb, "paged": paged}
 
     def _loaded(self, like, path, owner, packed=None):
         """Pixels of a file that Blender shows as a part of an image; None without any."""
@@ -126,13 +141,44 @@ class Images:
             self._messages.warning(f"{owner}: image '{image.name}': {columns} times {rows} tiles are too many")
             return -1
         channels = max(channels, 3)
-        whole = np.empty((rows * height, columns * width, channels), np.float32)
-        whole[:] = (*MISSING_COLOR, 1.0)[:channels]
+        kinds = {tile["data"].dtype for tile in tiles.values()}
+        whole = np.empty((rows * height, columns * width, channels), kinds.pop() if len(kinds) == 1 else np.float32)
+        opaque = _opaque(whole)
+        whole[:] = [opaque * part for part in (*MISSING_COLOR, 1)[:channels]]
         for (u, v), tile in tiles.items():
             part = whole[v * height:(v + 1) * height, u * width:(u + 1) * width]
-            part[:] = _as_large(tile, width, height, channels)
+            part[:] = _as_large(tile, width, height, channels) * (opaque / _opaque(tile["data"]))
         return {"width": columns * width, "height": rows * height, "channels": channels, "data": whole.ravel(),
                 "srgb": next(iter(tiles.values()))["srgb"]}
+
+
+def _bytes(data):
+    """Of 0 to 1; by parts, so that it takes no more than the result."""
+    made, pages = _room(len(data))
+    for start in range(0, len(data), 1 << 22):
+        part = data[start:start + (1 << 22)]
+        np.rint(part * 255, out=part)
+        made[start:start + (1 << 22)] = part
+        if pages and hasattr(mmap, "MADV_DONTNEED"):  # to the file, until the native module reads it
+            pages.madvise(mmap.MADV_DONTNEED, start, len(part))
+    return made, pages is not None
+
+
+def _room(size):
+    """So many bytes; many of them lie in a file without a name, not in memory."""
+    if size >= _LARGE and hasattr(os, "posix_fallocate"):
+        try:
+            with tempfile.TemporaryFile() as file:
+                os.posix_fallocate(file.fileno(), 0, size)
+                pages = mmap.mmap(file.fileno(), size)
+            return np.frombuffer(pages, np.uint8), pages
+        except OSError:  # no room there
+            pass
+    return np.empty(size, np.uint8), None
+
+
+def _opaque(data):
+    return 255 if data.dtype == np.uint8 else 1
 
 
 def _as_large(tile, width, height, channels):
@@ -140,7 +186,7 @@ def _as_large(tile, width, height, channels):
     own = tile["data"].reshape(tile["height"], tile["width"], tile["channels"])
     own = own[np.arange(height) * tile["height"] // height][:, np.arange(width) * tile["width"] // width]
     color = own[..., :3] if tile["channels"] >= 3 else np.repeat(own[..., :1], 3, -1)
-    alpha = own[..., -1:] if tile["channels"] % 2 == 0 else np.ones_like(own[..., :1])
+    alpha = own[..., -1:] if tile["channels"] % 2 == 0 else np.full_like(own[..., :1], _opaque(own))
     return np.concatenate((color, alpha), -1)[..., :channels]
 
 

@@ -20,11 +20,11 @@ def kinds(join):
     return f" {join} ".join(name.lower() for name in _LIGHTS)
 
 
-def light_of(ob, matrix, messages):
+def light_of(ob, matrix, links, messages):
     """The light of an object, in a list; empty where its kind is not known."""
     light = ob.data
     strength = _strength(light, messages)
-    name_linking(ob, "light", messages)
+    name_linking(ob, "light", messages, ("blocker",))
     if light.type not in _LIGHTS:
         messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
                          f"only {kinds('and')}")
@@ -36,16 +36,60 @@ def light_of(ob, matrix, messages):
     if getattr(cycles, "is_portal", False):
         messages.warning(f"light '{ob.name}': portals are not supported; left out")
         return []
-    shadow = light.use_shadow and getattr(cycles, "cast_shadow", True)
+    shadow = getattr(cycles, "cast_shadow", light.use_shadow)  # until 4.1 Cycles' own
     met = getattr(cycles, "use_multiple_importance_sampling", True)
     return [{"name": ob.name, "type": light.type, "shadow": shadow, "met": met, "hidden": bits,
-             **_LIGHTS[light.type](light, matrix, strength)}]
+             **links.of_light(ob), **_LIGHTS[light.type](light, matrix, strength)}]
 
 
-def name_linking(ob, word, messages):
-    """From 4.0 on an object's light may be for some others alone."""
+class Links:
+    """From 4.0 on a light may be for some objects alone. `lights`, then what each object does not get."""
+
+    _MOST = 30  # as in the native module
+
+    def __init__(self, messages):
+        self._messages, self._bits, self._some, self._without = messages, {}, [], []
+
+    def of_light(self, ob):
+        """Its bit, where it is not for all."""
+        linking = getattr(ob.original, "light_linking", None)
+        collection = linking and linking.receiver_collection
+        if not collection:
+            return {}
+        if collection not in self._bits:
+            if len(self._some) == self._MOST:
+                self._messages.warning(f"light '{ob.name}': the light linking of {self._MOST} sets of lights is "
+                                       "supported; it lights all")
+                return {}
+            included, excluded = _receivers(collection)
+            self._bits[collection] = len(self._some)
+            self._some.append(included)
+            self._without.append(excluded)
+        return {"link": self._bits[collection]}
+
+    def of_object(self, ob, parent):
+        """What does not light it, nor, if that has no say, its instancer."""
+        bits = 0
+        for k, (some, without) in enumerate(zip(self._some, self._without)):
+            mine = {ob.original, *([parent.original] if parent else ())}
+            bits |= ((bool(some) and not mine & some) or bool(mine & without)) << k
+        return {"unlit": bits} if bits else {}
+
+
+def _receivers(collection):
+    """(objects that are to be lit, none: all others; those that are not)."""
+    sets = {"INCLUDE": set(), "EXCLUDE": set()}
+    for ob, how in zip(collection.objects, collection.collection_objects):
+        sets[how.light_linking.link_state].add(ob)
+    for child, how in zip(collection.children, collection.collection_children):
+        sets[how.light_linking.link_state].update(child.all_objects)
+    return sets["INCLUDE"], sets["EXCLUDE"]
+
+
+def name_linking(ob, word, messages, names=("receiver", "blocker")):
+    """What of it is not supported."""
     linking = getattr(ob, "light_linking", None)
-    for name in ("receiver", "blocker"):
+    for name in names:
         if linking and getattr(linking, f"{name}_collection"):
             messages.warning(f"{word} '{ob.name}': its {name}s' collection (light linking) is not supported; "
                              f"all objects are {name}s")

@@ -7,7 +7,7 @@ import bpy
 from mathutils import Matrix
 
 from . import tree
-from .closure import collect, plain, principled
+from .closure import collect, held_out, plain, principled
 from .graph import Program, TooLarge
 from .image import Images
 from .layers import Layers
@@ -35,7 +35,8 @@ class Table:
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.averages = settings.texture_blur > 0  # are images averaged?
         # do bumps of normal maps become roughness? A dump holds points, as they are shaded then
-        self.filters = settings.filter_normals and not os.environ.get("LIBSHADE_DUMP")
+        self.dumps = bool(os.environ.get("LIBSHADE_DUMP"))
+        self.filters = settings.filter_normals and not self.dumps
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
@@ -47,23 +48,25 @@ class Table:
         self._layers = []  # by index: (number, kind, name)
         self._textured = []  # by index: does it look anything up there?
 
-    def index(self, material, drawn=True):
-        """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with."""
+    def index(self, material, drawn=True, held=False):
+        """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. Held: a hole in
+        the picture."""
         if not drawn:
-            return self._undrawn(material)
-        if material not in self._indices:
-            reader = Reader(self, self._messages, material)
-            self._indices[material] = len(self.materials)
+            return self._undrawn(material, held)
+        key = (material, held)
+        if key not in self._indices:
+            reader = Reader(self, self._messages, material, held)
+            self._indices[key] = len(self.materials)
             self.materials.append(reader.read())
             self._uv_maps.append(reader.uv_map or "")
             self._layers.append(reader.layers)
             self._textured.append(reader.uv_map is not None)
-        return self._indices[material]
+        return self._indices[key]
 
-    def _undrawn(self, material):
-        key = (material, "undrawn")
+    def _undrawn(self, material, held):
+        key = (material, held, "undrawn")
         if key not in self._indices:
-            like = self.index(material)
+            like = self.index(material, held=held)
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
             self._uv_maps.append(self._uv_maps[like])
@@ -98,9 +101,11 @@ class Reader:
     """One material, and what its nodes found out: `uv_map`, its main one, None if nothing asks for any,
     and other `layers`; the `program`, what outputs say that are `known`, and `closures`."""
 
-    def __init__(self, table, messages, material):
+    def __init__(self, table, messages, material, held=False):
+        self._held = held
         self.transport, self.colors, self.averages = table.transport, table.colors, table.averages
         self.filters, self.images, self._table = table.filters, table.images, table
+        self.dumps = table.dumps
         self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
         self.pass_index = material.pass_index if material else 0
@@ -111,6 +116,8 @@ class Reader:
         # by the first register of a normal: what it is in the mean, and what its bumps then add to squares of
         # alphas, along x and along y
         self.filtered = {}
+        # by the first register of a normal, which is never below the surface: the one that it would be
+        self.below = {}
         self.bumped = None  # registers of the normal that the displacement makes
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 
@@ -132,7 +139,8 @@ class Reader:
             principled(self)
             return {**about, **self._finished()}
         color = tuple(material.diffuse_color[:3]) if material else _BARE
-        return {**about, **plain(color), "nodes": []}
+        self.program, self.closures = Program(), [plain(color)]
+        return {**about, **self._finished()}
 
     def _of_nodes(self, own):
         shader = tree.shader_of(own)
@@ -141,7 +149,7 @@ class Reader:
         if volume:
             self.warn("volumes are not supported; left out")
         if shader and shader.node:
-            self.bumped = displaced(self, inputs["Displacement"])
+            self.bumped = "Displacement" in inputs and displaced(self, inputs["Displacement"])
             if self.bumped and displacement_method(self._material) != "BUMP":
                 self.warn("displacement of the surface itself is not supported; its normals are bumped")
             collect(self, inputs["Surface"], ())
@@ -154,6 +162,8 @@ class Reader:
         return self._finished()
 
     def _finished(self):
+        if self._held:
+            held_out(self)
         closures = self.closures[:_MOST] or [_NOTHING]
         nodes_, closures = self.program.finish(closures)
         if len(closures) == 1:

@@ -6,8 +6,8 @@ import numpy as np
 from .layers import data_of, read, uv_layer, uvs_of
 
 
-def mesh_of(ob, mesh, slots, drawn, table, messages):
-    """Triangles of an object's evaluated mesh, or None when it has no faces. drawn: may they be a light?"""
+def mesh_of(ob, mesh, slots, way, table, motion, messages):
+    """Triangles of an object's evaluated mesh, or None when it has no faces. way: of the table, how its materials are."""
     if hasattr(mesh, "calc_normals_split"):  # until 4.1 corner normals are made on request
         mesh.calc_normals_split()
     mesh.calc_loop_triangles()
@@ -15,7 +15,7 @@ def mesh_of(ob, mesh, slots, drawn, table, messages):
     if not triangles:
         return None
     corners = read(triangles, "loops", 3, np.int32)
-    triangle_materials, used = _triangle_materials(mesh, slots or [None], drawn, table)
+    triangle_materials, used = _triangle_materials(mesh, slots or [None], way, table)
     positions = read(mesh.vertices, "co", 3, np.float32)
     if not np.isfinite(positions).all():
         messages.warning(f"object '{ob.name}': some of its vertices have no valid position")
@@ -30,6 +30,7 @@ def mesh_of(ob, mesh, slots, drawn, table, messages):
         "corner_normals": _corner_normals(mesh, corners),
         "corner_uvs": uvs,
         "material": triangle_materials,
+        **motion.shape(ob, mesh, corners, messages),
         "layers": _layers(mesh, corners, corner_positions, table.layers_of(used), ob.name, messages),
     }
 
@@ -75,7 +76,7 @@ def _corner_uvs(mesh, corners, materials, names, owner, messages):
     return made.view(np.float32)
 
 
-def _triangle_materials(mesh, slots, drawn, table):
+def _triangle_materials(mesh, slots, way, table):
     """Material of each triangle, and all those that are in use: indices into the table."""
     if len(slots) == 1:
         slot = np.zeros(len(mesh.loop_triangles), np.int32)
@@ -83,5 +84,5 @@ def _triangle_materials(mesh, slots, drawn, table):
         slot = read(mesh.loop_triangles, "material_index", 1, np.int32).clip(0, len(slots) - 1)
     indices = np.zeros(len(slots), np.int32)
     used = np.flatnonzero(np.bincount(slot))
-    indices[used] = [table.index(slots[i], drawn) for i in used]
+    indices[used] = [table.index(slots[i], *way) for i in used]
     return indices[slot], indices[used].tolist()

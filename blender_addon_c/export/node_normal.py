@@ -7,7 +7,7 @@ from . import tree
 from .graph import is_known
 from .node_image import image_of, is_cubic, is_plain
 from .node_place import layer, of_object, place
-from .value import Value, each, dot, normal_of, number_in, number_of, surface_normal, three, unit, value_of, vector_in
+from .value import Value, each, dot, framed, normal_of, number_in, number_of, surface_normal, three, unit, value_of, vector_in
 
 # A normal map's strength mixed unit normals in 3.4; in 5.0 it multiplies slopes. Those between were
 # not measured.
@@ -39,7 +39,8 @@ def _normal_map_of(reader, found, strength):
         if image < 0:
             return None
         at = place(reader, color.node.inputs["Vector"], color.groups)
-        if own and at is None and is_known(strength) and not is_cubic(color.node) and is_plain(color.node):
+        if (own and at is None and is_known(strength) and not is_cubic(color.node) and is_plain(color.node)
+                and not reader.images.points_down(image)):
             normal = reader.program.emit("NORMAL_MAP", image=image, strength=strength)
             if reader.filters:
                 *mean, x, y = reader.program.emit("NORMAL_MAP", 5, image=image, strength=strength, filtered=True)
@@ -48,8 +49,10 @@ def _normal_map_of(reader, found, strength):
     elif color.node is None:
         reader.warn(f"'{node.name}' has no image")
     tangent = {} if own else {"tangent": layer(reader, "TANGENT", node.uv_map)}
-    return Value("NORMAL", reader.program.emit("PERTURB", color=vector_in(reader, found, "Color"),
-                                               strength=[strength], **tangent))
+    given = {"color": vector_in(reader, found, "Color"), "strength": [strength], **tangent}
+    normal = reader.program.emit("PERTURB", **given)
+    reader.below[normal[0]] = reader.program.emit("PERTURB", below=True, **given)
+    return Value("NORMAL", normal)
 
 
 def _normal_of_space(reader, found, strength):
@@ -66,7 +69,7 @@ def _normal_of_space(reader, found, strength):
     side = reader.program.math("MULTIPLY_ADD", back, -2.0, 1.0)
     own = surface_normal(reader)
     mixed = each(reader, "MIX", own, each(reader, "MULTIPLY", to, (side,) * 3), (strength,) * 3)
-    return Value("NORMAL", reader.program.emit("FRAME", vector=mixed, to="SHADING"))
+    return Value("NORMAL", framed(reader, mixed))
 
 
 def _check_normal_image(reader, image):

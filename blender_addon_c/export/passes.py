@@ -30,6 +30,7 @@ PASSES = (
     _pass("mist", "Mist", "Mist", "Z", "VALUE", "MIST"),
     _pass("position", "Position", "Position", "XYZ", "VECTOR", "POSITION"),
     _pass("normal", "Normal", "Normal", "XYZ", "VECTOR", "NORMAL"),
+    _pass("vector", "Vector", "Vector", "XYZW", "VECTOR", "VECTOR"),
     _pass("uv", "UV", "UV", "UVA", "VECTOR", "UV"),
     _pass("object_index", "IndexOB", "Object Index", "X", "VALUE", "OBJECT"),
     _pass("material_index", "IndexMA", "Material Index", "X", "VALUE", "MATERIAL"),
@@ -37,6 +38,9 @@ PASSES = (
     _pass("emit", "Emit", "Emission", "RGB", "COLOR", "EMISSION"),
     _pass("environment", "Env", "Environment", "RGB", "COLOR", "ENVIRONMENT"),
 )
+CATCHER = "SHADOW_CATCHER"  # of several pictures
+_CATCHER = Pass("use_pass_shadow_catcher", "Shadow Catcher", "RGB", "COLOR", CATCHER)
+_COUNT = Pass("pass_debug_sample_count", "Debug Sample Count", "X", "VALUE", "SAMPLES")
 # After those of names, whose number is the view layer's.
 _LAST = (
     Pass("use_denoising", "Noisy Image", "RGBA", "COLOR", NOISY),
@@ -47,7 +51,7 @@ _LAST = (
 
 # Properties of what no plane stands for yet, where the Blender that runs has them.
 _UNKNOWN = {
-    "use_pass_vector": "Vector", "use_pass_shadow": "Shadow",
+    "use_pass_shadow": "Shadow",
     "use_pass_ambient_occlusion": "Ambient Occlusion",
     **{f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}"
        for part in ("direct", "indirect", "color")},
@@ -56,8 +60,9 @@ _UNKNOWN = {
 
 def passes_of(scene, view_layer):
     """Those that the view layer asks for and the engine has."""
-    owners = {"use_denoising": scene.libshade, "denoising_store_passes": view_layer.libshade}
-    return [p for p in (*PASSES, *_mattes(view_layer), *_LAST)
+    owners = {"use_denoising": scene.libshade, **dict.fromkeys(
+        ("denoising_store_passes", "pass_debug_sample_count", "use_pass_shadow_catcher"), view_layer.libshade)}
+    return [p for p in (*PASSES, _CATCHER, _COUNT, *_mattes(view_layer), *_LAST)
             if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
 
 
@@ -72,7 +77,7 @@ def _mattes(view_layer):
 def planes_of(passes, world):
     """What the native module reads for them."""
     planes = {"planes": [{"type": p.plane} for p in passes
-                         if p.plane != NOISY and "_MATTE" not in p.plane]}
+                         if p.plane not in (NOISY, CATCHER) and "_MATTE" not in p.plane]}
     if any(p.plane == "MIST" for p in passes):
         settings = world.mist_settings if world else None
         planes["mist"] = {"start": settings.start if settings else 0.0,

@@ -2,15 +2,19 @@
 """The scene as a whole: its objects, and the settings of the picture."""
 
 import math
+from collections import namedtuple
 
 import bpy
+import numpy as np
 
-from . import passes, tree
+from . import passes, strands, tree
 from .camera import rows
-from .light import kinds, light_of, name_linking
+from .light import Links, kinds, light_of, name_linking
 from .material import Table
 from .matte import Mattes
 from .mesh import mesh_of
+from .motion import Still
+from .twins import name_twins
 from .visibility import ALL, BOUNCED, CAMERA, hidden, is_hidden
 from .world import world_of
 
@@ -21,17 +25,19 @@ _SHORTCUTS = ("sample_clamp_direct", "sample_clamp_indirect", "light_sampling_th
 _MOST_THREADS = 256  # that the native module starts
 
 
-def read(depsgraph, camera, size, region, samples, messages, mattes=None):
+def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion=Still()):
     """The whole scene, as native/scene/read.c takes it, without a dump."""
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     colors = depsgraph.mode == "RENDER" and passes.have_colors(scene, depsgraph.view_layer)
     table = Table(messages, scene.libshade, colors, camera, depsgraph)
     with tree.deep():
-        meshes, instances, lights = _objects(depsgraph, table, mattes, messages)
+        meshes, instances, lights, catchers = _objects(depsgraph, table, mattes, motion, messages)
         world = world_of(scene.world if depsgraph.view_layer.use_sky else None, table.images, messages)
     if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
+    if depsgraph.mode == "RENDER":
+        name_twins(meshes, instances, messages)
     if render.use_multiview:
         messages.warning("stereoscopy is not supported: every view shows the same picture")
     return {
@@ -52,7 +58,8 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         **_pixel_filter(scene.libshade),
         "time_limit": scene.libshade.time_limit,
         "soft_terminator": scene.libshade.soft_terminator,
-        "camera": camera,
+        "camera": {**camera, **motion.camera()},
+        **motion.scene(),
         "lights": lights,
         "images": table.images.listed,
         "cloths": table.cloths,
@@ -62,6 +69,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None):
         "by_camera": table.by_camera,
         "meshes": meshes,
         "instances": instances,
+        "catchers": catchers,
         "dump": "",
         "renderer": f"Blender {bpy.app.version_string}",
     }
@@ -88,46 +96,106 @@ def _pixel_filter(settings):
     return {"pixel_filter_type": settings.pixel_filter_type, "filter_width": times * settings.filter_width}
 
 
-def _objects(depsgraph, table, mattes, messages):
+def _objects(depsgraph, table, mattes, motion, messages):
     """All meshes, their instances and the lights."""
-    meshes, instances, lights = [], [], []
-    # (mesh, are its faces a light, materials of its slots): its index, or None for one without faces
+    meshes, instances, lights, catchers = [], [], [], {"seen": [], "held": []}
+    # (what it is of, how its materials are, materials of its slots): its index, or None for one without faces
     known = {}
-    override = depsgraph.view_layer_eval.material_override
     marks = _marks(depsgraph.view_layer.layer_collection)
+    links = Links(messages)
+    # first, so that objects know which are for some alone; instances of lamps are linked as the lamps are
+    for ob in depsgraph.objects if "light_linking" in bpy.types.Object.bl_rna.properties else ():
+        if ob.type == "LIGHT":
+            links.of_light(ob)
     for item in depsgraph.object_instances:
         ob = item.object
-        if not item.show_self:
-            continue
         if ob.type == "LIGHT":
-            lights += light_of(ob, item.matrix_world, messages)
-        elif isinstance(ob.data, bpy.types.Mesh):  # curves, text and so on come as meshes as well
-            for name in ("shadow_catcher", "holdout"):
-                if getattr(ob, f"is_{name}", False) or name in marks and _marked(item, name, depsgraph):
-                    messages.warning(f"object '{ob.name}': {name.replace('_', ' ')}s are not supported; "
-                                     "seen as it is")
+            lights += light_of(ob, item.matrix_world, links, messages) if item.show_self else []
+            continue
+        for shape in _shapes(item, depsgraph, table, motion, messages):
+            catches = getattr(ob, "is_shadow_catcher", False)
+            held = ob.is_holdout or ("holdout" in marks and _marked(item, "holdout", depsgraph))
             name_linking(ob, "object", messages)
             bits = hidden(ob, ALL)
             if "indirect_only" in marks and _marked(item, "indirect_only", depsgraph):
                 bits |= CAMERA
             if is_hidden(bits, *ALL):
                 continue
-            slots = [override] if override else _slots(ob, depsgraph)
             # is it hidden from some rays of surfaces, only those that see it find its light
             drawn = not any(is_hidden(bits, kind) for kind in BOUNCED)
-            key = (ob.data, drawn, *slots)
-            if key not in known:
-                mesh = _mesh(ob, depsgraph, slots, drawn, table, messages)
-                known[key] = len(meshes) if mesh else None
-                meshes += [mesh] if mesh else []
+            # a light that moves is found by rays alone, too
+            moved = motion.place(item)
+            drawn = drawn and not (motion.blurs and (moved is not None or shape.bent))
             matrix = rows(item.matrix_world)
             if not math.isfinite(sum(matrix)):
                 messages.warning(f"object '{ob.name}': its place is not a number; left out")
-            elif known[key] is not None:
-                instances.append({"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
-                                  "hidden": bits, **mattes.of_object(ob),
-                                  **(_own(item) if table.by_object else {})})
-    return meshes, instances, lights
+                continue
+            for holds in (held, True) if catches and not held else (held,):
+                way = drawn, holds
+                key = (shape.of, way, *shape.slots)
+                if key not in known:
+                    mesh = shape.make(way)
+                    known[key] = len(meshes) if mesh else None
+                    meshes += [mesh] if mesh else []
+                if known[key] is None:
+                    break
+                made = {"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
+                        "hidden": bits, "motion": moved, **mattes.of_object(ob),
+                        **links.of_object(ob, item.parent), **(_own(item) if table.by_object else {})}
+                made = _at_points(made, *shape.points) if shape.points else [made]
+                instances += made if holds == held else []
+                if catches and not held:
+                    catchers["held" if holds else "seen"] += made
+    return meshes, instances, lights, catchers
+
+
+# What is drawn of an object. of: what it is the same for; points: places and sizes of copies, or None; bent: does it
+# change meanwhile?
+_Shape = namedtuple("_Shape", "of slots make points bent", defaults=(None, False))
+
+
+def _shapes(item, depsgraph, table, motion, messages):
+    """The object itself, and the hair on it."""
+    ob, override = item.object, depsgraph.view_layer_eval.material_override
+    if not isinstance(ob.data, (bpy.types.Mesh, strands.CURVES, strands.POINTS)):
+        return  # text and so on come as meshes
+    slots = [override] if override else _slots(ob, depsgraph)
+    owner = f"object '{ob.name}'"
+    if not item.show_self:
+        pass
+    elif isinstance(ob.data, bpy.types.Mesh):
+        bent = motion.bends(ob)
+        yield _Shape((ob.data, ob.original if bent else None), slots,
+                     lambda way: _mesh(ob, depsgraph, slots, way, table, motion, messages), bent=bent)
+    elif isinstance(ob.data, strands.CURVES):
+        yield _Shape(ob.data, slots, lambda way: strands.tubes(
+            strands.of_curves(ob.data), item.matrix_world, owner, table.index((slots or [None])[0], *way)))
+    elif isinstance(ob.data, strands.POINTS):
+        points = strands.of_points(ob.data)
+        if len(points[0]):
+            yield _Shape(ob.data, slots, lambda way: strands.ball(
+                len(points[0]), owner, table.index((slots or [None])[0], *way)), points)
+    if item.show_particles and ob.type == "MESH":
+        matrix = item.matrix_world
+        for modifier, system in strands.hairs(ob):
+            used = [(slots or [None])[min(max(system.settings.material - 1, 0), max(len(slots) - 1, 0))]]
+            yield _Shape((ob.original, system.name), used, lambda way, modifier=modifier, system=system, used=used:
+                         strands.tubes(strands.of_hair(ob, modifier, system), matrix, owner, table.index(used[0], *way)))
+
+
+def _at_points(made, places, sizes):
+    """Copies of an instance, within its space; round whatever that is, as in Cycles."""
+    def at(matrix):
+        moved = np.repeat(matrix[None], len(places), 0)
+        moved[:, :3, :3] = (strands.even_size(matrix) * sizes)[:, None, None] * np.eye(3)
+        moved[:, :3, 3] += places @ matrix[:3, :3].T
+        return moved
+
+    matrices = at(np.array(made["matrix"]).reshape(4, 4)).reshape(-1, 16).tolist()
+    if made["motion"] is None:
+        return [{**made, "matrix": matrix} for matrix in matrices]
+    moved = np.stack([at(matrix) for matrix in made["motion"]], 1).astype(np.float32)
+    return [{**made, "matrix": matrix, "motion": motion} for matrix, motion in zip(matrices, moved)]
 
 
 def _marks(collection):
@@ -142,13 +210,13 @@ def _marked(item, name, depsgraph):
     return getattr(owner, f"{name}_get")(view_layer=depsgraph.view_layer)
 
 
-def _mesh(ob, depsgraph, slots, drawn, table, messages):
+def _mesh(ob, depsgraph, slots, way, table, motion, messages):
     """That of an object in edit mode has no UV maps until 3.4, but a copy of it has."""
     if not ob.data.is_editmode:
-        return mesh_of(ob, ob.data, slots, drawn, table, messages)
+        return mesh_of(ob, ob.data, slots, way, table, motion, messages)
     copy = ob.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
-        return mesh_of(ob, copy, slots, drawn, table, messages)
+        return mesh_of(ob, copy, slots, way, table, motion, messages)
     finally:
         ob.to_mesh_clear()
 

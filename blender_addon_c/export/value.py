@@ -35,11 +35,21 @@ def normal_of(reader, socket, groups):
         given = group_vector(found)
         if not given or not any(given):
             return reader.bumped
-        return reader.program.emit("FRAME", vector=given, to="SHADING")
+        return framed(reader, given)
     value = value_of(reader, socket, groups, own=Value("NORMAL", None))
     if value.parts is None or value.kind == "NORMAL":
         return value.parts or reader.bumped
-    return reader.program.emit("FRAME", vector=three(reader, value), to="SHADING")
+    if value.kind == "RGBA":
+        reader.warn(f"'{socket.node.name}': {socket.name} is fed by a colour ('{found.node.name}') without a Normal Map "
+                    "node: such normals point anywhere, below the surface too, where Cycles of 3.4 shades otherwise")
+    return framed(reader, three(reader, value))
+
+
+def framed(reader, vector):
+    """A vector in the world as a normal, which may be below the surface."""
+    normal = reader.program.emit("FRAME", vector=vector, to="SHADING")
+    reader.below[normal[0]] = reader.program.emit("FRAME", vector=vector, to="SHADING", below=True)
+    return normal
 
 
 def group_vector(found):

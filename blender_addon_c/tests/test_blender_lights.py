@@ -123,3 +123,17 @@ def test_a_world_alone(blender, tmp_path):
         pictures.append(averaged(tmp_path / "picture.exr"))
     assert pictures[1].std() > 0.1
     np.testing.assert_allclose(pictures[0], pictures[1], rtol=0.05, atol=0.02)
+
+
+@pytest.mark.parametrize("more, radius", [(0, 0.0), (4, 0.5)])
+def test_lights_for_some_objects(blender50, tmp_path, more, radius):
+    """All lamps at the first surface, and one of many, soft ones."""
+    pictures = []
+    for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
+        _, text = blender50.scene("linked", tmp_path, dump="", engine=engine, samples=samples, more=more, radius=radius)
+        assert "light linking" not in text
+        pictures.append(averaged(tmp_path / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"relative error {apart:.4f}, means {ours.mean((0, 1))} {theirs.mean((0, 1))}")
+    assert apart < 0.012

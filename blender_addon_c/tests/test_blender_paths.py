@@ -4,14 +4,7 @@
 import numpy as np
 import pytest
 
-from blender_runs import rgba
-
-
-def averaged(path):
-    """Means of 4 x 4 pixels."""
-    pixels = rgba(path)[..., :3].astype(float)
-    height, width = (side // 4 for side in pixels.shape[:2])
-    return pixels[:4 * height, :4 * width].reshape(height, 4, width, 4, 3).mean((1, 3))
+from blender_runs import averaged, rgba
 
 
 @pytest.mark.parametrize("floor", [False, True])

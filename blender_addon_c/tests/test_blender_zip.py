@@ -117,7 +117,7 @@ def test_command_line(blender34, blend, tmp_path, blind):
     file = blend[0]
     if blind:
         file = tmp_path / "blind.blend"
-        blender34.scene("panoramic", tmp_path, save=str(file), dump="")
+        blender34.scene("blind", tmp_path, save=str(file), dump="")
     done = subprocess.run(
         [shutil.which("blender"), "-b", "--factory-startup", "--addons", "libshade", file,
          "-E", "LIBSHADE", "-o", tmp_path / "frame_", "-F", "OPEN_EXR", "-f", "1"],
@@ -125,7 +125,7 @@ def test_command_line(blender34, blend, tmp_path, blind):
     picture = tmp_path / "frame_0001.exr"
     if blind:
         assert done.returncode == 1 and not picture.exists()
-        assert "'camera' is panoramic" in done.stdout + done.stderr
+        assert "sees nothing" in done.stdout + done.stderr
     else:
         assert done.returncode == 0, done.stderr
         assert difference(rgba(picture), blend[1]) < 1e-3

@@ -91,13 +91,16 @@ def test_threads_change_no_bit_and_few_samples_all_count():
 
 def test_planes_are_means_over_the_same_samples():
     """Of emission the picture is the plane, whatever a block's number of samples."""
-    given = half_noisy(adaptive_threshold=1e-4, adaptive_min_samples=16, planes=[{"type": "POSITION"}, {"type": "ALBEDO"}])
+    given = half_noisy(adaptive_threshold=1e-4, adaptive_min_samples=16, planes=[{"type": name} for name in ("POSITION", "ALBEDO", "SAMPLES")])
     job = native.start(given)
     assert finish(job)["state"] == "done"
     albedo = np.zeros((SIDE, SIDE, 3), np.float32)
     native.image(job, albedo, "ALBEDO")
+    part = np.zeros((SIDE, SIDE), np.float32)
+    native.image(job, part, "SAMPLES")
     native.free(job)
     np.testing.assert_allclose(albedo[:, SIDE // 2 + 1:], 0.8, rtol=1e-4)
+    assert (part[:, :SIDE // 2 - 4] == 16 / 512).all() and (part[:, SIDE // 2 + 4:] == 1).all()
 
 
 @pytest.mark.parametrize("name, value", [("adaptive_threshold", -1), ("adaptive_threshold", float("nan")),

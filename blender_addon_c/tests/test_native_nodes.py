@@ -89,6 +89,9 @@ NODES = {
     "STEP": ({"axis": "Y", "scale": 8.0, "otherwise": 0.1, "out": OUT[:2]},
              stacked(lambda u, v: (0.5 * 0.5**0.5,) * 3)),
     "PATH": ({"what": "CAMERA", "out": OUT[:1]}, stacked(lambda u, v: (1.0, 1.0, 1.0))),
+    # the eye's mirror image is to be .01 above the plate
+    "BEND": ({"normal": [0.8, 0.0, -0.6], "out": OUT[:3]},
+             stacked(lambda u, v: (0.495**0.5, 0.0, 0.505**0.5))),
     "FRAME": ({"vector": [float(t) for t in TILT], "to": "SHADING", "out": OUT[:3]}, tilted),
     "TRANSFORM": ({"vector": UV, "matrix": TURN, "unit": False, "out": OUT[:3]},
                   stacked(lambda u, v: (0.75 - 0.5 * v, 0.25 * u + 0.125, 0.5))),
@@ -131,7 +134,7 @@ AWRY = {"layers": [{"width": 2}],
                             "layers": [{"layer": 0, "data": np.ascontiguousarray(
                                 np.stack([0.5 * U + 0.25 * V, 0.75 - 0.5 * V], -1), np.float32)}]}],
         "instances": [{"mesh": 0, "matrix": [2, 0, 0, -0.5, 0, 1, 0, 0, 0, 0, 1, -0.5, 0, 0, 0, 1]}]}
-NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "FRAME")
+NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "BEND", "FRAME")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -147,6 +150,18 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
+
+
+@pytest.mark.parametrize("kind, given", [("PERTURB", {"color": [0.9, 0.5, 0.2], "strength": [1.0]}),
+                                         ("FRAME", {"vector": [0.8, 0.0, -0.6], "to": "SHADING"})])
+def test_normals_below_the_surface_are_bent_up(kind, given, tmp_path):
+    """Where it is asked for they stay there, else they end at the horizon: both bend to the same."""
+    for below in (True, False):
+        nodes = [{"type": kind, "below": below, "out": OUT[:3], **given},
+                 {"type": "BEND", "normal": OUT[:3], "out": UV}]
+        made = scene(images=IMAGES, cloths=CLOTHS, materials=[material() | {"nodes": nodes, "normal": UV}], **AWRY)
+        planes, _ = dump(made, tmp_path / "d.exr")
+        np.testing.assert_allclose(vectors(planes, "Ns", "XYZ").mean((0, 1)), (0.495**0.5, 0, 0.505**0.5), atol=2e-4)
 
 
 @pytest.mark.parametrize("uvs", [[(0, 0), (0.5, 0.2), (0.9, 1.1), (0.4, 0.9)],

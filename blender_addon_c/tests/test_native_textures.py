@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images averaged over what a ray stands for, against means and waves worked out by hand."""
 
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -124,7 +126,26 @@ def test_a_point_is_near_the_mean_of_its_footprint():
 def test_light_is_averaged_not_its_code():
     board = np.indices((64, 64)).sum(0) % 2 * 255
     pixels = np.repeat(board[..., None], 3, -1).astype(np.uint8)
-    assert seen(pixels, 2.0, srgb=True) == pytest.approx(0.5, abs=1e-3)
+    found = seen(pixels, 2.0, srgb=True)
+    assert found.mean() == pytest.approx(0.5, abs=1e-3)
+    assert found == pytest.approx(0.5, abs=4e-3)  # coarser levels are bytes, too
+
+
+@pytest.mark.parametrize("srgb", [False, True])
+def test_bytes_are_mixed_as_they_are(srgb):
+    """Between two texels it is the light of the code between, as in Cycles."""
+    pixels = np.zeros((1, 2, 3), np.uint8)
+    pixels[0] = (10, 60, 200), (30, 250, 90)
+    half = np.zeros((3, 4))
+    half[:2] = (0.5, 0, 0, 0.25), (0, 0, 0, 0.5)  # from the middle of one to that of the other
+    for cubic in (False, True):
+        found = seen(pixels, 0.0, shining(at=half, cubic=cubic), srgb=srgb, wrap="EXTEND", samples=256)
+        x = (np.arange(SIDE) + 0.5)[:, None] / SIDE
+        if cubic:  # a B-spline over two texels that go on
+            x = (1 + 3 * x + 3 * x**2 - 2 * x**3) / 6
+        code = (pixels[0, 0] * (1 - x) + pixels[0, 1] * x) / 255
+        light = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4) if srgb else code
+        np.testing.assert_allclose(found.mean(0), light, atol=2e-3)
 
 
 def test_what_cannot_be_seen_colours_nothing():
@@ -166,3 +187,24 @@ def test_a_look_elsewhere_says_how_it_moves():
         native.start(scene(images=[image(wave(1))], materials=[look]))
     with pytest.raises(ValueError, match="texture_blur"):
         native.start(scene(texture_blur=-1.0))
+
+
+@pytest.mark.parametrize("folder", ["/tmp", "/dev/shm", "/nowhere/at/all"])
+def test_large_images_look_the_same_wherever_they_lie(folder, monkeypatch):
+    """In a file, or where there is none in memory; what is in a file is not held."""
+    pixels = np.zeros((4200, 4200, 3), np.uint8)
+    pixels[:2100, :, 0], pixels[2100:, :, 1] = 255, 128
+    monkeypatch.setenv("TMPDIR", folder)
+    made = scene(width=4, height=4, samples=4, lights=[], transparent=False, images=[image(pixels)],
+                 materials=[shining()], camera=ortho(), texture_blur=0.0)
+    job = native.start(made)
+    native.wait(job, 1e9)
+    state = native.poll(job)
+    native.free(job)
+    assert state["state"] == "done"
+    kind = subprocess.run(["stat", "-f", "-c", "%T", folder], capture_output=True, text=True).stdout.strip()
+    on_disk = kind not in ("", "tmpfs")
+    assert (state["memory_peak"] < 4 * pixels.size / 3) == on_disk, (kind, state["memory_peak"])
+    found = render(made)[0][..., :3]
+    np.testing.assert_allclose(found[:1, :, 0], 1, atol=1e-5)
+    np.testing.assert_allclose(found[3:, :, 1], 128 / 255, atol=1e-5)

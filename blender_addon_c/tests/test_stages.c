@@ -176,9 +176,10 @@ static void frames(bool valid) {
       row[3] = row[4] = row[5] = 0.0f;
     memcpy(b->corner.row + 8 * i, row, sizeof row);
     b->corner.reach[i] = 9.0f;
+    b->corner.outward[i] = i % 3 ? 1.0f : -1.0f;
   }
   stages->surface(COUNT, &b->sample_ray, &b->sample_hit, &b->corner, valid, &b->surface);
-  int bent = 0;
+  int bent = 0, behind = 0;
   for (size_t i = 0; i < COUNT; i++) {
     const float *row = b->corner.row + 8 * i;
     vec3 o = load(&b->sample_ray.o, i), d = load(&b->sample_ray.d, i);
@@ -195,15 +196,19 @@ static void frames(bool valid) {
           (double)n.x * (double)t.y - (double)n.y * (double)t.x, 1e-6);
     assert_true(dot_d(n, d) <= 1e-7 && dot_d(g, d) <= 0);
     vec3 given = {row[0], row[1], row[2]};
-    /* the facet's side decides; what then turns away from the eye becomes a mean of both normals
-       that the eye sees at a grazing angle */
+    /* the facet's side decides, of a dump that which the given normal is on; what then turns away
+       from the eye becomes a mean of both normals that the eye sees at a grazing angle */
     double length = sqrt(dot_d(g, g)), side = i % 5 && dot_d(given, g) < 0 ? -1 : 1;
+    if (valid && i % 5)
+      side = (dot_d(load(&b->sample_hit.g, i), d) > 0 ? -1 : 1) * (i % 3 ? 1 : -1);
     double facet = -dot_d(g, d) / length, seen = i % 5 ? -side * dot_d(given, d) : facet;
     near((double)b->surface.side[i], side, 0);
-    double along = i % 5 ? fabs(dot_d(given, g)) / length : 1, low = fmin(0.9 * facet, 0.01);
+    double along = i % 5 ? side * dot_d(given, g) / length : 1, low = fmin(0.9 * facet, 0.01);
     bool kept = valid ? 2 * seen * along - facet >= low : seen >= fmin(0.5 * facet, 0.002);
+    double turned = kept && along < 0 ? -1 : 1; /* behind both: the other side is seen */
+    behind += turned < 0;
     if (kept) {
-      near(dot_d(i % 5 ? given : g, n), i % 5 ? side : length, 1e-6);
+      near(dot_d(i % 5 ? given : g, n), i % 5 ? turned * side : length, 1e-6);
     } else {
       double of_facet = dot_d(n, g) / length, image = -2 * dot_d(n, d) * of_facet - facet;
       double between_them = acos(fmin(of_facet, 1)) + acos(fmin(side * dot_d(n, given), 1));
@@ -229,6 +234,7 @@ static void frames(bool valid) {
     near((double)b->surface.u[i], 0.25, 0);
   }
   assert_true(bent > COUNT / 10 && b->surface.leans);
+  assert_true(valid ? behind > COUNT / 10 : !behind);
   untouched(b->surface.n.x, COUNT);
 }
 

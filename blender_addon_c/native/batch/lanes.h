@@ -33,6 +33,7 @@ typedef struct lane_c {
 typedef struct paths {
   lane_u hash;  /* of its pixel: scrambles the points it draws */
   lane_f alpha; /* 1 where it meets something */
+  lane_f time;  /* where something moves: that of all its rays */
 } paths;
 
 /* What a path does at a surface. Passing straight on is no bounce, but counted. Beside it bits:
@@ -89,6 +90,7 @@ typedef struct rays {
   lane_f tnear;
   lane_v d;
   lane_f tfar; /* becomes the distance of the hit; of a shadow ray -infinity where it is stopped */
+  lane_f time; /* where something moves: 0 to 1 while the shutter is open */
 } rays;
 
 typedef struct hits {
@@ -103,6 +105,7 @@ typedef struct hits {
 typedef struct corners {
   __attribute__((aligned(64))) float row[8 * BATCH]; /* normal, tangent, uv of a hit */
   lane_f handed, reach;                              /* as of struct triangle */
+  lane_f outward; /* -1 where the geometric normal points inwards */
 } corners;
 
 /* What matt surfaces do where normals were bent to the eye: that of the interpolated ones, as
@@ -127,8 +130,10 @@ typedef struct surfaces {
   /* where the scene is `identified`: which triangle and object, and the second and third corner's
    * weights */
   lane_u record, instance, object;
+  const struct placed *placed; /* that these are numbers in */
+  const struct object *objects;
   lane_f w1, w2;
-  lane_f side; /* -1 where the interpolated normal had to be turned to the eye's side */
+  lane_f side; /* -1 where the normals had to be turned to the eye's side */
   leaning leans;
   /* where the scene is `routed`: the ray_kind that met the point, how long it was, and the path's
    * bounces so far */

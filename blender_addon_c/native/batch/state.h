@@ -5,6 +5,7 @@
 
 #include "batch/lanes.h"
 #include "batch/queue.h"
+#include "scene/object.h"
 
 typedef struct batch {
   /* by sample; rays and hits after the first bounce by ray */
@@ -18,6 +19,11 @@ typedef struct batch {
   hits *hit;
   rays moved_ray;
   hits moved_hit;
+  /* The scene's tables, or, where something moves, copies with room for one of its own a hit. */
+  const placed *placed;
+  const object *object;
+  placed *own_placed;
+  object *own_object;
   corners corner;
   surfaces surface;
   inputs input;

@@ -14,6 +14,7 @@ typedef enum closure_trait {
   CLOSURE_PASSES = 4,   /* its rays go straight on */
   CLOSURE_EMITS = 8,    /* its weight is radiance */
   CLOSURE_MATT = 16,    /* its bounces count as diffuse ones */
+  CLOSURE_HOLDS = 64,   /* its weight is a hole in the picture */
   CLOSURE_GROOVED = 32  /* turned about its normal it is another */
 } closure_trait;
 
@@ -38,6 +39,26 @@ static inline const float *alpha_lane(inputs *given, operand alpha, int place, i
   for (size_t i = run.begin; i < run.end; i++)
     to[i] = from[i] > least[i] ? from[i] : least[i];
   return to;
+}
+
+/* How much is left of the light from l where a matt surface's normal is bent from `own` to n: the
+ * cubic in g = own.l/(n.l n.own) that meets 1 without a kink at g = 1. [Chiang2019] */
+LEAF float matt_fade(vec3 own, vec3 n, vec3 l) {
+  float cosine = dot(n, own) * dot(n, l), whole = dot(own, l);
+  bool full = (whole > 0.0f) & !(whole < cosine);
+  float g = full ? 1.0f : clampf(whole, 0.0f, 1.0f) / (cosine > 1e-12f ? cosine : 1e-12f);
+  g = clampf(g, 0.0f, 1.0f);
+  return g + g * g * (1.0f - g);
+}
+
+/* The same by Smith's shadow of facets that have n as often as `own`: 0 where n is behind `own`.
+ * [Estevez2019] */
+LEAF float matt_shadow(vec3 own, vec3 n, vec3 l) {
+  float up = dot(n, own), light = dot(own, l);
+  float square = clampf(up * up, 1e-12f, 1.0f), low = clampf(light * light, 1e-12f, 1.0f);
+  float alpha2 = clampf(0.125f * (1.0f - square) / square, 0.0f, 1.0f);
+  float part = 2.0f / (1.0f + sqrtf(1.0f + alpha2 * (1.0f - low) / low));
+  return ((up > -1e-6f) & (light > 0.0f)) ? part : 0.0f;
 }
 
 /* A direction about n by the cosine, from a point of the unit square; its density is cos / pi. */

@@ -7,6 +7,10 @@
  *   EON          the same with the light of several bounces, from 4.3 on [Portsmouth2025]; of these
  *                Cycles takes the colour once more than the paper
  *   BURLEY       of the Principled BSDF until 3.6 [Burley2012]
+ * and `bumps`, what is lit where the normal is not the surface's own, one of
+ *   HARD         what eye and light see of it
+ *   SHADED       what light sees of it, less by Smith's shadow of such bumps [Estevez2019]
+ *   FADED        what both see, less where it is turned to the light [Chiang2019]
  */
 #ifndef LIBSHADE_CLOSURE_DIFFUSE_H
 #define LIBSHADE_CLOSURE_DIFFUSE_H
@@ -15,15 +19,21 @@
 #include "node/common.h"
 
 enum { DIFFUSE_LAMBERT, DIFFUSE_OREN_NAYAR, DIFFUSE_EON, DIFFUSE_BURLEY };
+enum { DIFFUSE_HARD, DIFFUSE_SHADED, DIFFUSE_FADED };
 
 typedef struct closure_diffuse {
-  int model, normal[3];
+  int model, bumps, normal[3];
   operand color[3], roughness;
 } closure_diffuse;
 
 static inline bool closure_diffuse_read(reader *r, closure_diffuse *c, graph *g, unsigned *status) {
   static const char *const models[] = {"LAMBERT", "OREN_NAYAR", "EON", "BURLEY", NULL};
+  static const char *const bumps[] = {"HARD", "SHADED", "FADED", NULL};
   (void)status;
+  c->bumps = DIFFUSE_HARD;
+  if (reader_has(r, "bumps") && !reader_word(r, "bumps", bumps, &c->bumps))
+    return false;
+  g->bare |= c->bumps != DIFFUSE_HARD; /* it reads the surface's own normal, too */
   return reader_word(r, "model", models, &c->model) && graph_operands(r, g, "color", 3, c->color) &&
          graph_operands(r, g, "roughness", 1, &c->roughness) && graph_normal(r, g, c->normal);
 }
@@ -90,9 +100,9 @@ static inline diffuse_lanes diffuse_lanes_of(const closure_diffuse *c, inputs *g
 }
 
 LEAF void diffuse_f(int model, const diffuse_lanes *from, size_t i, float nl, float nv, float lv,
-                    bool lit, lane_c *f) {
+                    float part, lane_c *f) {
   float rough = clampf(from->roughness[i], 0.0f, 1.0f);
-  float scale = lit ? 1.0f / DIFFUSE_PI : 0.0f;
+  float scale = part * (1.0f / DIFFUSE_PI);
   float r = clampf(from->color[0][i], 0.0f, 1.0f), g = clampf(from->color[1][i], 0.0f, 1.0f);
   float b = clampf(from->color[2][i], 0.0f, 1.0f);
   f->r[i] = scale * diffuse_term(model, r, rough, nl, nv, lv);
@@ -100,17 +110,45 @@ LEAF void diffuse_f(int model, const diffuse_lanes *from, size_t i, float nl, fl
   f->b[i] = scale * diffuse_term(model, b, rough, nl, nv, lv);
 }
 
+/* The normal, and that which it is bent from; what of the eye's cosine is enough. */
+typedef struct diffuse_bent {
+  const float *n[3], *own[3];
+  float least, fades, shades;
+} diffuse_bent;
+
+static inline diffuse_bent diffuse_bent_of(const closure_diffuse *c, const surfaces *at,
+                                           const inputs *given) {
+  const float *const lean[] = {at->lean.x, at->lean.y, at->lean.z};
+  bool plain = c->normal[0] == REGISTER_NORMAL, away = plain && at->leans == LEANS_AWAY;
+  bool fades = c->bumps == DIFFUSE_FADED || (plain && at->leans == LEANS_FADING);
+  diffuse_bent made = {.least = away || c->bumps == DIFFUSE_SHADED ? -2.0f : 0.0f,
+                       .fades = fades ? 1.0f : 0.0f,
+                       .shades = c->bumps == DIFFUSE_SHADED ? 1.0f : 0.0f};
+  for (int k = 0; k < 3; k++) {
+    made.n[k] = away ? lean[k] : given->at[c->normal[k]];
+    made.own[k] = at->leans == LEANS_FADING ? lean[k] : given->at[REGISTER_NORMAL + k];
+  }
+  return made;
+}
+
+LEAF float diffuse_fade(const diffuse_bent *bent, size_t i, vec3 n, vec3 l) {
+  vec3 own = {bent->own[0][i], bent->own[1][i], bent->own[2][i]};
+  return 1.0f + bent->fades * (matt_fade(own, n, l) - 1.0f) +
+         bent->shades * (matt_shadow(own, n, l) - 1.0f);
+}
+
 LEAF void diffuse_eval(int model, const closure_diffuse *c, lane_run run,
                        const surfaces *restrict at, inputs *given, const lane_v *restrict wi,
                        reflections *restrict out) {
   const diffuse_lanes lanes = diffuse_lanes_of(c, given, run);
+  const diffuse_bent bent = diffuse_bent_of(c, at, given);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    vec3 n = normal_at(given, c->normal, i), l = load(wi, i), v = load(&at->wo, i);
+    vec3 n = {bent.n[0][i], bent.n[1][i], bent.n[2][i]}, l = load(wi, i), v = load(&at->wo, i);
     float nl = dot(n, l), nv = dot(n, v);
-    bool lit = (nl > 0.0f) & (l.z > 0.0f) & (nv > 0.0f);
-    diffuse_f(model, &lanes, i, clampf(nl, 0.0f, 1.0f), clampf(nv, 0.0f, 1.0f), dot(l, v), lit,
-              &out->f);
+    bool lit = (nl > 0.0f) & (l.z > 0.0f) & (nv > bent.least);
+    diffuse_f(model, &lanes, i, clampf(nl, 0.0f, 1.0f), clampf(nv, 0.0f, 1.0f), dot(l, v),
+              lit ? diffuse_fade(&bent, i, n, l) : 0.0f, &out->f);
     out->cosine[i] = lit ? nl : 0.0f;
     out->pdf[i] = lit ? nl * (1.0f / DIFFUSE_PI) : 0.0f;
   }
@@ -119,14 +157,16 @@ LEAF void diffuse_eval(int model, const closure_diffuse *c, lane_run run,
 LEAF void diffuse_draw(int model, const closure_diffuse *c, lane_run run,
                        const surfaces *restrict at, inputs *given, draws *restrict out) {
   const diffuse_lanes lanes = diffuse_lanes_of(c, given, run);
+  const diffuse_bent bent = diffuse_bent_of(c, at, given);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    vec3 n = normal_at(given, c->normal, i), v = load(&at->wo, i);
+    vec3 n = {bent.n[0][i], bent.n[1][i], bent.n[2][i]}, v = load(&at->wo, i);
     float nl, nv = dot(n, v);
     vec3 l = cosine_about(n, out->x[i], out->y[i], &nl);
-    bool lit = (nl > 0.0f) & (l.z > 0.0f) & (nv > 0.0f);
+    bool lit = (nl > 0.0f) & (l.z > 0.0f) & (nv > bent.least);
     store(&out->wi, i, l);
-    diffuse_f(model, &lanes, i, nl, clampf(nv, 0.0f, 1.0f), dot(l, v), lit, &out->f);
+    diffuse_f(model, &lanes, i, nl, clampf(nv, 0.0f, 1.0f), dot(l, v),
+              lit ? diffuse_fade(&bent, i, n, l) : 0.0f, &out->f);
     out->cosine[i] = nl;
     out->pdf[i] = lit ? nl * (1.0f / DIFFUSE_PI) : 0.0f;
   }

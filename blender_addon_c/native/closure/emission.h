@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shines evenly to both sides: its weight is the radiance. No direction is drawn by it. */
+/* Shines evenly to both sides: its weight is the radiance. No direction is drawn by it. Or `holds`:
+ * black, and as much of the picture as its weight says shows nothing there. */
 #ifndef LIBSHADE_CLOSURE_EMISSION_H
 #define LIBSHADE_CLOSURE_EMISSION_H
 
 #include "closure/common.h"
 
 typedef struct closure_emission {
-  char nothing;
+  bool holds;
 } closure_emission;
 
 static inline bool closure_emission_read(reader *r, closure_emission *c, graph *g,
                                          unsigned *status) {
-  (void)r, (void)c, (void)g, (void)status;
-  return true;
+  (void)g, (void)status;
+  return !reader_has(r, "holds") || reader_flag(r, "holds", &c->holds);
 }
 static inline double closure_emission_exponent(const closure_emission *c) {
   (void)c;
   return 0;
 }
 static inline unsigned closure_emission_traits(const closure_emission *c) {
-  (void)c;
-  return CLOSURE_EMITS;
+  return c->holds ? CLOSURE_HOLDS : CLOSURE_EMITS;
 }
 
 LEAF unsigned closure_emission_eval(const closure_emission *c, lane_run run, const surfaces *at,

@@ -263,13 +263,6 @@ LEAF void matt_f(const matt_lanes *from, size_t i, float scale, lane_c *f) {
   f->b[i] = scale * clampf(b == b ? b : from->own[2], 0.0f, 1.0f);
 }
 
-/* The cubic in g = n.l/(n.z l.z) that meets 1 without a kink at g = 1. [Chiang2019] */
-LEAF float matt_fade(vec3 n, vec3 l) {
-  float cosine = n.z * l.z, whole = dot(n, l);
-  float g = whole < cosine ? clampf(whole, 0.0f, 1.0f) / (cosine > 1e-12f ? cosine : 1e-12f) : 1.0f;
-  return g + g * g * (1.0f - g);
-}
-
 LEAF void matt_eval(const closure_metal *c, lane_run run, const surfaces *restrict at,
                     inputs *given, const lane_v *restrict wi, leaning leans, bool density,
                     reflections *restrict out) {
@@ -280,7 +273,7 @@ LEAF void matt_eval(const closure_metal *c, lane_run run, const surfaces *restri
     if (leans == LEANS_AWAY)
       cosine = dot(load(&at->lean, i), load(wi, i));
     if (leans == LEANS_FADING)
-      fade = matt_fade(load(&at->lean, i), load(wi, i));
+      fade = matt_fade(load(&at->lean, i), (vec3){0.0f, 0.0f, 1.0f}, load(wi, i));
     bool lit = (cosine > 0.0f) & (z > 0.0f) & (at->wo.z[i] > 0.0f);
     matt_f(&lanes, i, lit ? fade : 0.0f, &out->f);
     out->cosine[i] = lit ? cosine : 0.0f;
@@ -300,7 +293,7 @@ LEAF void matt_draw(const closure_metal *c, lane_run run, const surfaces *restri
     if (leans == LEANS_AWAY)
       l = cosine_about(load(&at->lean, i), out->x[i], out->y[i], &cosine);
     if (leans == LEANS_FADING)
-      fade = matt_fade(load(&at->lean, i), l);
+      fade = matt_fade(load(&at->lean, i), (vec3){0.0f, 0.0f, 1.0f}, l);
     bool lit = (cosine > 0.0f) & (l.z > 0.0f) & (at->wo.z[i] > 0.0f);
     store(&out->wi, i, l);
     matt_f(&lanes, i, lit ? fade : 0.0f, &out->f);

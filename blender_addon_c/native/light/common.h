@@ -14,6 +14,7 @@ typedef struct light_common {
   bool soft;      /* it has an extent, over which samples are spread */
   bool shadow;
   uint32_t hidden; /* ray_kinds that do not see it; the camera never does */
+  uint32_t link;   /* 0, or the bit of instances that it does not light */
   bool met;        /* rays that surfaces draw meet it: these and its samples share its light */
 } light_common;
 

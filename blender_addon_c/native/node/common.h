@@ -14,7 +14,6 @@ typedef struct node_place {
   const image *image; /* the scene's */
   texture_set *textures;
   const layer *layer;
-  object *const *object;           /* the scene's, once it is there */
   float texture_blur, normal_blur; /* as of the scene */
   const char *material;            /* its name, */
   double exponent;                 /* and how sharp it reflects */

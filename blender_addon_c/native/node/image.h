@@ -13,7 +13,8 @@ typedef struct node_image {
   bool placed, cubic, averaged;
   operand at[2], near[4];
   float per_step;
-  const texture *red_green, *blue_alpha;
+  const texture *red_green, *blue_alpha; /* of bytes the first is all */
+  uint32_t srgb;                         /* bytes are to be decoded, for either() */
 } node_image;
 
 static inline bool node_image_read(reader *r, node_image *n, graph *g) {
@@ -42,6 +43,12 @@ static inline bool node_image_build(node_image *n, const node_place *place) {
   texture_coarse coarse = !n->averaged    ? COARSE_NONE
                           : n->alpha >= 0 ? COARSE_WEIGHTED
                                           : COARSE_EVEN;
+  n->srgb = source->srgb ? UINT32_MAX : 0;
+  n->blue_alpha = NULL;
+  if (source->type == IMAGE_UINT8) {
+    n->red_green = texture_request(place->textures, source, TEXTURE_BYTES, 1.0f, coarse);
+    return n->red_green;
+  }
   n->red_green = texture_request(place->textures, source, TEXTURE_RED_GREEN, 1.0f, coarse);
   n->blue_alpha = texture_request(place->textures, source, TEXTURE_BLUE_ALPHA, 1.0f, coarse);
   return n->red_green && n->blue_alpha;
@@ -50,6 +57,62 @@ static inline bool node_image_build(node_image *n, const node_place *place) {
 /* [-1, 1] of the texture to [0, 1]; the last rounding may be beyond. */
 LEAF float tint(float c) {
   return clampf(0.5f + 0.5f * c, 0.0f, 1.0f);
+}
+
+/* sRGB to light: 1.1e-5 of it. The power of .4 is that of the root, by a polynomial. */
+LEAF float light_of(float c) {
+  float u = (c + 0.055f) * (1.0f / 1.055f), s = sqrtf(u);
+  float p = 0.751994425f + s * (-0.431574699f + s * 0.106261945f);
+  p = 0.0359017390f + s * (1.33498098f + s * (-0.797553513f + s * p));
+  return c <= 0.04045f ? c * (1.0f / 12.92f) : u * u * p;
+}
+
+typedef struct image_color {
+  float r, g, b, a;
+} image_color;
+
+/* One of the bytes of four texels, mixed. */
+LEAF float byte_mixed(uint32_t c00, uint32_t c10, uint32_t c01, uint32_t c11, int by, float x,
+                      float y) {
+  float a = (float)(int32_t)(c00 >> by & 255u), b = (float)(int32_t)(c10 >> by & 255u);
+  float c = (float)(int32_t)(c01 >> by & 255u), d = (float)(int32_t)(c11 >> by & 255u);
+  return (1.0f / 255.0f) * lerp(lerp(a, b, x), lerp(c, d, x), y);
+}
+
+LEAF image_color texel_color(const uint32_t *texel, texel_place p) {
+  uint32_t c00 = texel[p.at], c10 = texel[p.at + 1];
+  uint32_t c01 = texel[p.at + p.stride], c11 = texel[p.at + p.stride + 1];
+  return (image_color){
+      byte_mixed(c00, c10, c01, c11, 0, p.s, p.t), byte_mixed(c00, c10, c01, c11, 8, p.s, p.t),
+      byte_mixed(c00, c10, c01, c11, 16, p.s, p.t), byte_mixed(c00, c10, c01, c11, 24, p.s, p.t)};
+}
+
+LEAF image_color pair_color(const uint32_t *red_green, const uint32_t *blue_alpha, texel_place p) {
+  float r, g, b, a;
+  texel_pair(red_green, p, &r, &g);
+  texel_pair(blue_alpha, p, &b, &a);
+  return (image_color){tint(r), tint(g), tint(b), tint(a)};
+}
+
+LEAF image_color decoded(uint32_t srgb, image_color c) {
+  return (image_color){either(srgb, light_of(c.r), c.r), either(srgb, light_of(c.g), c.g),
+                       either(srgb, light_of(c.b), c.b), c.a};
+}
+
+LEAF void node_image_bytes(image_wrap wrap, const node_image *n, lane_run g, const float *u,
+                           const float *v, inputs *at) {
+  const texture own = *n->red_green;
+  const uint32_t *texel = own.texel, srgb = n->srgb;
+  float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
+  float *alpha = n->alpha < 0 ? at->constant[2] : at->at[n->alpha];
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    image_color c = decoded(srgb, texel_color(texel, texel_find(wrap, &own, u[i], v[i])));
+    red[i] = c.r;
+    green[i] = c.g;
+    blue[i] = c.b;
+    alpha[i] = c.a;
+  }
 }
 
 LEAF void node_image_wrapped(image_wrap wrap, const node_image *n, lane_run g, const float *u,
@@ -90,6 +153,31 @@ LEAF spline spline_find(float u, float size) {
 
 LEAF float four_mixed(float f00, float f10, float f01, float f11, float s, float t) {
   return lerp(lerp(f00, f10, s), lerp(f01, f11, s), t);
+}
+
+LEAF void node_image_cubic_bytes(image_wrap wrap, const node_image *n, lane_run g, const float *u,
+                                 const float *v, inputs *at) {
+  const texture own = *n->red_green;
+  const uint32_t *texel = own.texel, srgb = n->srgb;
+  float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
+  float *alpha = n->alpha < 0 ? at->constant[2] : at->at[n->alpha];
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    spline x = spline_find(u[i], (float)own.width), y = spline_find(v[i], (float)own.height);
+    image_color a = texel_color(texel, texel_find(wrap, &own, x.first, y.first));
+    image_color b = texel_color(texel, texel_find(wrap, &own, x.last, y.first));
+    image_color c = texel_color(texel, texel_find(wrap, &own, x.first, y.last));
+    image_color d = texel_color(texel, texel_find(wrap, &own, x.last, y.last));
+    image_color all = {four_mixed(a.r, b.r, c.r, d.r, x.share, y.share),
+                       four_mixed(a.g, b.g, c.g, d.g, x.share, y.share),
+                       four_mixed(a.b, b.b, c.b, d.b, x.share, y.share),
+                       four_mixed(a.a, b.a, c.a, d.a, x.share, y.share)};
+    all = decoded(srgb, all);
+    red[i] = all.r;
+    green[i] = all.g;
+    blue[i] = all.b;
+    alpha[i] = all.a;
+  }
 }
 
 LEAF void node_image_cubic(image_wrap wrap, const node_image *n, lane_run g, const float *u,
@@ -165,11 +253,12 @@ LEAF texel_place image_find(image_wrap wrap, const texture_levels *restrict of, 
                        .t = y - (float)line};
 }
 
-LEAF void node_image_averaged(bool placed, image_wrap wrap, const node_image *n, lane_run g,
-                              const float *u, const float *v, const surfaces *restrict point,
-                              inputs *at) {
+LEAF void node_image_averaged(bool bytes, bool placed, image_wrap wrap, const node_image *n,
+                              lane_run g, const float *u, const float *v,
+                              const surfaces *restrict point, inputs *at) {
   const texture_levels of = n->red_green->level; /* the other's are alike */
-  const uint32_t *red_green = n->red_green->texel, *blue_alpha = n->blue_alpha->texel;
+  const uint32_t *red_green = n->red_green->texel;
+  const uint32_t *blue_alpha = bytes ? red_green : n->blue_alpha->texel, srgb = n->srgb;
   float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
   float *alpha = n->alpha < 0 ? at->constant[2] : at->at[n->alpha];
   const float *near[4];
@@ -187,24 +276,32 @@ LEAF void node_image_averaged(bool placed, image_wrap wrap, const node_image *n,
     float texels2 = image_footprint(point, i, by, blur * point->width[i]);
     int level = image_level(texels2, of.count, u[i], v[i]);
     texel_place p = image_find(wrap, &of, level, u[i], v[i]);
-    float a, b, c, d;
-    texel_pair(red_green, p, &a, &b);
-    texel_pair(blue_alpha, p, &c, &d);
-    red[i] = tint(a);
-    green[i] = tint(b);
-    blue[i] = tint(c);
-    alpha[i] = tint(d);
+    image_color c =
+        bytes ? decoded(srgb, texel_color(red_green, p)) : pair_color(red_green, blue_alpha, p);
+    red[i] = c.r;
+    green[i] = c.g;
+    blue[i] = c.b;
+    alpha[i] = c.a;
   }
 }
 
 LEAF void node_image_any(image_wrap wrap, const node_image *n, lane_run g, const float *u,
                          const float *v, const surfaces *point, inputs *at) {
-  if (n->averaged && n->placed && at->texture_blur > 0.0f)
-    node_image_averaged(true, wrap, n, g, u, v, point, at);
+  const bool bytes = !n->blue_alpha;
+  if (n->averaged && at->texture_blur > 0.0f && bytes && n->placed)
+    node_image_averaged(true, true, wrap, n, g, u, v, point, at);
+  else if (n->averaged && at->texture_blur > 0.0f && bytes)
+    node_image_averaged(true, false, wrap, n, g, u, v, point, at);
+  else if (n->averaged && at->texture_blur > 0.0f && n->placed)
+    node_image_averaged(false, true, wrap, n, g, u, v, point, at);
   else if (n->averaged && at->texture_blur > 0.0f)
-    node_image_averaged(false, wrap, n, g, u, v, point, at);
+    node_image_averaged(false, false, wrap, n, g, u, v, point, at);
+  else if (n->cubic && bytes)
+    node_image_cubic_bytes(wrap, n, g, u, v, at);
   else if (n->cubic)
     node_image_cubic(wrap, n, g, u, v, at);
+  else if (bytes)
+    node_image_bytes(wrap, n, g, u, v, at);
   else
     node_image_wrapped(wrap, n, g, u, v, at);
 }

@@ -79,8 +79,8 @@ LEAF void layer_turn(const node_layer *n, lane_run g, const surfaces *restrict p
   float *w = n->more < 0 ? at->constant[2] : at->at[n->more];
   for (size_t i = g.begin; i < g.end; i++) {
     float hand = n->of->corner[12 * (size_t)point->record[i] + 3];
-    if (n->of->placed && point->instance[i]) {
-      const placed *p = &n->of->placed[point->instance[i]];
+    if (point->placed && point->instance[i]) {
+      const placed *p = &point->placed[point->instance[i]];
       vec3 v = {x[i], y[i], z[i]};
       x[i] = p->linear[0][0] * v.x + p->linear[0][1] * v.y + p->linear[0][2] * v.z;
       y[i] = p->linear[1][0] * v.x + p->linear[1][1] * v.y + p->linear[1][2] * v.z;

@@ -16,6 +16,7 @@
 #define LIBSHADE_NODE_H
 
 #include "node/albedo.h"
+#include "node/bend.h"
 #include "node/box.h"
 #include "node/brick.h"
 #include "node/bump.h"
@@ -48,6 +49,7 @@
   ROW(PERTURB, perturb)                                                                            \
   ROW(STEP, step)                                                                                  \
   ROW(BUMP, bump)                                                                                  \
+  ROW(BEND, bend)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
   ROW(FIBRES, fibres)                                                                              \

@@ -41,7 +41,6 @@ enum { OBJECT_TABLE(OBJECT_NUMBER) };
 typedef struct node_object {
   int what, out[3];
   operand vector[3];
-  object *const *table;
 } node_object;
 
 static inline bool node_object_read(reader *r, node_object *n, graph *g) {
@@ -55,7 +54,7 @@ static inline bool node_object_read(reader *r, node_object *n, graph *g) {
 }
 
 static inline bool node_object_build(node_object *n, const node_place *place) {
-  n->table = place->object;
+  (void)n, (void)place;
   return true;
 }
 
@@ -75,7 +74,7 @@ static inline bool node_object_build(node_object *n, const node_place *place) {
 LEAF void node_object_run(const node_object *n, lane_run g, const corners *corner,
                           const surfaces *restrict point, inputs *at) {
   const float *vx = lane_of(at, n->vector[0], 0, g), *vy = lane_of(at, n->vector[1], 1, g);
-  const float *vz = lane_of(at, n->vector[2], 2, g), *m = (const float *)*n->table;
+  const float *vz = lane_of(at, n->vector[2], 2, g), *m = (const float *)point->objects;
   float *x = at->at[n->out[0]], *y = at->at[n->out[1]], *z = at->at[n->out[2]];
   (void)corner;
   switch (n->what) { OBJECT_TABLE(OBJECT_CASE) }

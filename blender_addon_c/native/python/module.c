@@ -323,7 +323,8 @@ PyDoc_STRVAR(
     "params: the numbers of a material, and by which choices they are read: None, or\n"
     "(list, words). All as in libshade's table. lights, closures, nodes: the types of\n"
     "each that a scene may have. cloths: libshade's, with the mean exponent of their yarns\n"
-    "and the share of crossings where the weft is on top.");
+    "and the share of crossings where the weft is on top. metals: libshade's; the strokes of\n"
+    "turned ones lie round the middle of the part.");
 
 /* A new reference: None where every choice reads the number. */
 static PyObject *read_by(const shade_param_info *info) {
@@ -374,10 +375,97 @@ static PyObject *cloth_rows(void) {
   return NULL;
 }
 
+/* A new reference. */
+static PyObject *metal_rows(void) {
+  PyObject *rows = PyList_New(0);
+  bool good = rows != NULL;
+  shade_preset p;
+  for (int row = 0; good && shade_preset_row(row, &p); row++)
+    if (p.kind == SHADE_PRESET_METAL)
+      good = append(rows, Py_BuildValue("{s:s,s:s,s:s,s:N}", "word", p.word, "label", p.label,
+                                        "help", p.help, "turned", PyBool_FromLong(p.turned)));
+  if (good)
+    return rows;
+  Py_XDECREF(rows);
+  return NULL;
+}
+
+/* A metal's lobe with the slopes of all its scratches in it, as it is seen from afar. */
+static bool metal_from_afar(const shade_preset *p, shade_params *to) {
+  shade_scratch_params fewer = p->scratches;
+  shade_slopes slopes;
+  double angle;
+  fewer.cells = 64; /* their mean over the tile is all that is asked */
+  shade_scratch_field *field = shade_scratch_create(&fewer, NULL);
+  if (!field)
+    return false;
+  shade_scratch_eval(field, 0.5, 0.5, (double[]){1, 0, 0, 1}, NULL, &slopes);
+  shade_scratch_free(field);
+  /* strokes lie along the tangent, or any way: no lobe is turned */
+  slopes.covariance[1] = 0;
+  shade_params_widen(&p->metal, (double[]){0, 0, 1}, slopes.covariance, to, &angle);
+  return true;
+}
+
+PyDoc_STRVAR(metal_doc,
+             "metal(word) -> dict\n\n"
+             "The settings of a metal of libshade's, by the words of table(): choices as\n"
+             "words, numbers as floats or triples. Its scratches are in its roughness, as\n"
+             "they are from afar. Takes some milliseconds.");
+static PyObject *native_metal(PyObject *self, PyObject *argument) {
+  (void)self;
+  const char *word = PyUnicode_AsUTF8AndSize(argument, NULL);
+  shade_preset p;
+  shade_params metal;
+  if (!word)
+    return NULL;
+  if (!shade_preset_find(word, &p) || p.kind != SHADE_PRESET_METAL)
+    return PyErr_Format(PyExc_ValueError, "no metal '%s'", word);
+  if (!metal_from_afar(&p, &metal))
+    return PyErr_NoMemory();
+  PyObject *all = PyDict_New();
+  bool good = all != NULL;
+  shade_list_info list;
+  for (int k = 0; good && shade_list_about((shade_list)k, &list); k++) {
+    const int value = shade_params_get_choice(&metal, (shade_list)k);
+    PyObject *chosen = PyUnicode_FromString(shade_list_word((shade_list)k, value));
+    good = chosen && PyDict_SetItemString(all, list.word, chosen) == 0;
+    Py_XDECREF(chosen);
+  }
+  shade_param_info info;
+  for (int row = 0; good && shade_param_row(row, &info); row++) {
+    double v[3] = {0, 0, 0};
+    shade_params_get(&metal, row, v);
+    PyObject *number =
+        info.components == 1 ? PyFloat_FromDouble(v[0]) : Py_BuildValue("(ddd)", v[0], v[1], v[2]);
+    good = number && PyDict_SetItemString(all, info.word, number) == 0;
+    Py_XDECREF(number);
+  }
+  if (good)
+    return all;
+  Py_XDECREF(all);
+  return NULL;
+}
+
+/* The integral of f cos over even light for an eye above, from afar: cells of equal solid angle. */
+static void albedo_from_above(const shade_fabric *fabric, double rgb[3]) {
+  enum { RINGS = 48, SPOKES = 96 };
+  const double up[3] = {0, 0, 1}, uv[2] = {0, 0}, wide[2] = {1e9, 1e9}, turn = 6.283185307179586;
+  for (int k = 0; k < RINGS * SPOKES; k++) {
+    const double z = (k / SPOKES + 0.5) / RINGS, side = sqrt(1 - z * z);
+    const double angle = turn * (k % SPOKES + 0.5 * (k / SPOKES % 2)) / SPOKES;
+    const double wi[3] = {side * cos(angle), side * sin(angle), z};
+    double s[3];
+    shade_fabric_eval(fabric, uv, wide, NULL, wi, up, SHADE_TIER_FAR, s);
+    for (int a = 0; a < 3; a++)
+      rgb[a] += s[a] * turn / (RINGS * SPOKES);
+  }
+}
+
 PyDoc_STRVAR(cloth_albedo_doc,
              "cloth_albedo(word) -> (r, g, b)\n\n"
              "How much of even light a cloth of libshade's reflects towards an eye above it, seen\n"
-             "from afar. Takes some tenths of a second.");
+             "from afar.");
 static PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
   (void)self;
   const char *word = PyUnicode_AsUTF8AndSize(argument, NULL);
@@ -389,14 +477,12 @@ static PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
     return PyErr_Format(PyExc_ValueError, "no cloth '%s'", word);
   shade_weave *weave = NULL;
   shade_fabric *fabric = shade_preset_fabric(&p, &weave, NULL);
-  shade_fabric_albedo *albedo = fabric ? shade_fabric_albedo_create(fabric) : NULL;
-  if (albedo)
-    shade_fabric_albedo_eval(albedo, (double[]){0, 0, 1}, rgb);
-  bool good = albedo != NULL;
-  shade_fabric_albedo_free(albedo);
+  if (!fabric)
+    return PyErr_NoMemory();
+  albedo_from_above(fabric, rgb);
   shade_fabric_free(fabric);
   shade_weave_free(weave);
-  return good ? Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]) : PyErr_NoMemory();
+  return Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]);
 }
 
 static PyObject *native_table(PyObject *self, PyObject *unused) {
@@ -433,11 +519,12 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
   PyObject *lights = words_of(light_words, LIGHT_TYPES);
   PyObject *closures = words_of(closure_words, CLOSURE_TYPES);
   PyObject *nodes = words_of(node_words, NODE_TYPES);
-  PyObject *cloths = cloth_rows();
-  if (good && lights && closures && nodes && cloths)
-    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about, "params",
-                         params, "lights", lights, "closures", closures, "nodes", nodes, "cloths",
-                         cloths);
+  PyObject *cloths = cloth_rows(), *metals = metal_rows();
+  if (good && lights && closures && nodes && cloths && metals)
+    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about,
+                         "params", params, "lights", lights, "closures", closures, "nodes", nodes,
+                         "cloths", cloths, "metals", metals);
+  Py_XDECREF(metals);
   Py_XDECREF(cloths);
   Py_XDECREF(nodes);
   Py_XDECREF(closures);
@@ -476,6 +563,7 @@ PyMODINIT_FUNC PyInit__native(void) {
                                   {"timings", native_timings, METH_O, timings_doc},
                                   {"free", native_free, METH_O, free_doc},
                                   {"table", native_table, METH_NOARGS, table_doc},
+                                  {"metal", native_metal, METH_O, metal_doc},
                                   {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
                                   {"version", native_version, METH_NOARGS, version_doc},
                                   {"isa", native_isa, METH_NOARGS, isa_doc},

@@ -4,6 +4,8 @@
 #include "render/closures.h"
 #include "render/hits.h"
 #include "render/light_passes.h"
+#include "render/motion.h"
+#include "render/panorama.h"
 #include "render/through.h"
 
 #include <math.h>
@@ -18,7 +20,8 @@ enum {
   PURPOSE_CHOICE,
   PURPOSE_LIGHT,
   PURPOSE_CLOTH,
-  PURPOSE_SPARE
+  PURPOSE_SPARE, /* and as many more as there are lamps */
+  PURPOSE_TIME = 64
 };
 
 bool batch_init(worker *w) {
@@ -40,12 +43,14 @@ bool batch_init(worker *w) {
   memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
   memset(w->batch->surface.width, 0, sizeof(lane_f));
   memset(w->batch->surface.pixel, 0, sizeof(lane_f));
-  return queue_init(&w->batch->queue, w->scene);
+  return motion_init(w->batch, w->scene) && queue_init(&w->batch->queue, w->scene);
 }
 
 void batch_free(worker *w) {
-  if (w->batch)
+  if (w->batch) {
     queue_free(&w->batch->queue);
+    motion_end(w->batch);
+  }
   free(w->batch);
 }
 
@@ -151,6 +156,14 @@ static void reflect(worker *w, size_t number, int bounce, size_t phase, bool sha
   clock_tick(&w->clocks, CLOCK_REFLECT);
 }
 
+/* Some lights are for some instances alone: what they give to others is none. */
+static void unlink(const worker *w, uint32_t link, float *restrict gives) {
+  const scene *s = w->scene;
+  const batch *b = w->batch;
+  for (size_t i = 0; link && i < b->queue.hits; i++)
+    gives[i] = (uint32_t)plane_object(s, b, i)->unlit & link ? 0.0f : gives[i];
+}
+
 /* One light on all hits. */
 static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   const light *l = &w->scene->light[number];
@@ -162,6 +175,7 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
     w->batch->light.hidden[i] = c->hidden;
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
+  unlink(w, w->observer ? 0 : c->link, w->batch->light.e);
   reflect(w, number, bounce, phase, c->shadow, spread && c->met, c->color,
           CLOCK_LIGHT + (clock_number)l->type);
 }
@@ -198,12 +212,15 @@ static void choose_lights(worker *w, int bounce, size_t phase) {
   for (size_t k = 0; k < s->choices; k++) {
     float *one = weight->one[k % LIGHT_WEIGHTS];
     weigh(w, k, hits, &b->surface.p, one);
+    unlink(w, k < s->lights ? s->light[k].common.link : 0, one);
     s->stages->add(hits, one, weight->total);
   }
   for (size_t k = 0; k < s->choices; k++) {
     float *one = weight->one[k % LIGHT_WEIGHTS];
-    if (s->choices > LIGHT_WEIGHTS)
+    if (s->choices > LIGHT_WEIGHTS) {
       weigh(w, k, hits, &b->surface.p, one);
+      unlink(w, k < s->lights ? s->light[k].common.link : 0, one);
+    }
     s->stages->choose(hits, (uint32_t)k, one, weight, &b->choice);
   }
 }
@@ -307,6 +324,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
     s->stages->footprint(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   if (s->routed)
     s->stages->route(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+  if (s->timed)
+    motion_shadows(w);
   draw_terms(w, bounce, phase);
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
@@ -315,6 +334,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   if (b->input.blurs)
     s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
   closures_weigh(w, bounce == 0);
+  if (s->holds && !w->observer)
+    closures_hold(w, view);
   w->aims = w->observer || bounce >= s->max_bounces ? 0 : s->aims.count;
   closures_aim(w);
   if (w->light)
@@ -393,7 +414,7 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   if (s->emitters.count) {
     if (weight)
       s->stages->weigh_emitters(rays, &s->emitters, &b->walk->from, weight);
-    s->stages->met_emitters(rays, &s->emitters, s->triangle, s->placed, &b->sample_hit,
+    s->stages->met_emitters(rays, &s->emitters, s->triangle, b->placed, &b->sample_hit,
                             &b->sample_ray, b->walk, weight, &b->met);
   }
   s->stages->gain(rays, most, 1, b->queue.identity, b->walk, &b->met, &b->sample_color);
@@ -419,6 +440,8 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     walks *now = b->next;
     b->next = b->walk;
     b->walk = now;
+    if (s->timed)
+      motion_walks(w, rays);
     hits_trace(w, (ray_kind)0, rays);
     if (w->light && s->passes && s->transparent)
       light_passes_environment(w, b->walk, rays);
@@ -523,22 +546,35 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
-  s->camera(count, view, &b->path, &b->sample_ray);
-  if (view->camera->lens[0] + view->camera->lens[1] > 0.0f && !w->observer) {
-    shuffle points = points_of(w, phase, 0, PURPOSE_LENS);
-    s->lens(count, view->camera, &points, &b->path, &b->sample_ray);
+  const shuffle aperture = points_of(w, phase, 0, PURPOSE_LENS);
+  const bool lens = view->camera->lens[0] + view->camera->lens[1] > 0.0f && !w->observer;
+  if (view->camera->panorama)
+    panorama_rays(w, view, lens ? &aperture : NULL, count);
+  else
+    s->camera(count, view, &b->path, &b->sample_ray);
+  if (scene->moves) {
+    shuffle points = points_of(w, phase, 0, PURPOSE_TIME);
+    motion_times(w, w->observer ? NULL : &points, count);
+    if (!w->observer)
+      motion_zoom(w, count);
   }
+  if (lens && !view->camera->panorama)
+    s->lens(count, view->camera, &aperture, &b->path, &b->sample_ray);
+  if (scene->moves && !w->observer)
+    motion_camera(w, count);
   clock_tick(&w->clocks, CLOCK_CAMERA);
   hits_trace(w, RAY_CAMERA, count);
   s->cover(count, &b->sample_hit, &b->path);
+  if (view->camera->panorama)
+    panorama_cover(w, count);
   bool sky = scene->sky.there && !(scene->sky_hidden & RAY_CAMERA) && !scene->transparent &&
              !w->observer && b->queue.hits < count;
   if (b->queue.hits)
     hits_sort(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);
-  if (!b->queue.hits && !sky && !w->light)
+  if (!b->queue.hits && !sky && !w->light && !view->camera->panorama)
     return;
-  if (paths || scene->routed || scene->stepped)
+  if (paths || scene->routed || scene->stepped || scene->holds)
     begin_walks(w, count);
   if (scene->stepped)
     s->pixel(count, view, &b->sample_ray, b->walk);
@@ -546,6 +582,8 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     s->depart(count, &b->sample_ray, b->walk);
   if (scene->cones)
     s->pixel_cone(count, view, &b->sample_ray, b->walk);
+  if (view->camera->panorama && (scene->cones || scene->stepped))
+    panorama_cones(w, view, count);
   if (w->light)
     light_passes_begin(w, view, count);
   const lane_c *color = shade_batch(w, view, paths, sky, count, phase);

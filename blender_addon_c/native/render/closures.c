@@ -65,6 +65,36 @@ void closures_weigh(worker *w, bool first) {
   }
 }
 
+void closures_hold(worker *w, const camera_view *view) {
+  const bool transparent = w->scene->transparent;
+  batch *b = w->batch;
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
+    if (!(g->material->traits & CLOSURE_HOLDS))
+      continue;
+    for (size_t i = g->run.begin; i < g->run.end; i++)
+      b->met.r[i] = b->met.g[i] = b->met.b[i] = 0.0f;
+    for (size_t k = 0; k < g->material->closures; k++)
+      if (g->material->closure[k].traits & CLOSURE_HOLDS)
+        w->scene->stages->emit(&g->material->closure[k], g->run, &b->input, &b->met);
+    for (size_t i = g->run.begin; i < g->run.end; i++) {
+      size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
+      const walks *walk = b->walk;
+      float held = (b->met.r[i] * walk->weight.r[ray] + b->met.g[i] * walk->weight.g[ray] +
+                    b->met.b[i] * walk->weight.b[ray]) *
+                   (1.0f / 3.0f);
+      float *alpha = &b->path.alpha[sample];
+      held = held > 0.0f ? held : 0.0f; /* NaN holds nothing */
+      if (walk->ray[ray] != RAY_CAMERA)
+        continue;
+      if (transparent)
+        *alpha = *alpha > held ? *alpha - held : 0.0f;
+      else if (w->numbers) /* black, before the background */
+        w->numbers[(size_t)w->planes->channels * ((view->first + sample) / view->samples) +
+                   (size_t)w->planes->at[PLANE_HELD]] += held;
+    }
+  }
+}
+
 void closures_exclude(const worker *w, const closure *c, lane_run run, reflections *out) {
   uint32_t above = 2u << kind_of(c);
   uint32_t below = c->traits & CLOSURE_MATT ? (uint32_t)RAY_DIFFUSE : (uint32_t)RAY_TRANSMISSION;

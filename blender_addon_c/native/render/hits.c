@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/hits.h"
 
+#include "render/motion.h"
+
 void hits_trace(worker *w, ray_kind kind, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;
@@ -26,6 +28,8 @@ void hits_sort(worker *w, size_t count) {
     w->scene->stages->gather(q->hits, q->lane, from[k], to[k]);
   for (size_t i = 0; i < q->hits; i++)
     to_hit->record[i] = hit->record[q->lane[i]];
+  if (w->scene->timed)
+    w->scene->stages->gather(q->hits, q->lane, ray->time, to_ray->time);
   for (size_t i = 0; w->scene->placed && i < q->hits; i++)
     to_hit->instance[i] = hit->instance[q->lane[i]];
 }
@@ -38,17 +42,24 @@ void hits_surface(worker *w) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   s->corner(b->queue.hits, w->scene->triangle, b->hit, &b->corner);
+  if (w->scene->timed)
+    motion_hits(w);
   if (w->scene->placed)
-    s->place(b->queue.hits, w->scene->placed, b->hit, &b->corner);
+    s->place(b->queue.hits, b->placed, b->hit, &b->corner);
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, !w->observer, &b->surface);
   if (b->surface.leans)
     b->surface.leans = w->observer ? LEANS_NOT : w->scene->matt_leans ? LEANS_AWAY : LEANS_FADING;
   if (hits_lifted(w))
-    s->lift(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
-  if (w->scene->identified)
-    s->identify(b->queue.hits, w->scene->triangle, w->scene->placed, b->hit, &b->surface);
+    s->lift(b->queue.hits, w->scene->triangle, b->placed, b->hit, &b->surface);
+  if (w->scene->identified) {
+    b->surface.placed = b->placed;
+    b->surface.objects = b->object;
+    s->identify(b->queue.hits, w->scene->triangle, b->placed, b->hit, &b->surface);
+  }
   if (w->scene->stretch)
-    s->stretch(b->queue.hits, w->scene->stretch, w->scene->placed, b->hit, &b->surface);
+    s->stretch(b->queue.hits, w->scene->stretch, b->placed, b->hit, &b->surface);
+  if (w->scene->timed)
+    motion_objects(w);
 }
 
 void hits_nodes(worker *w) {

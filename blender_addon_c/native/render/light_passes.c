@@ -298,7 +298,9 @@ static float opacity_of(const batch *b, const material *m, size_t i) {
   for (int k = 0; k < 3; k++) {
     float passes = 0.0f;
     for (const closure *c = m->closure; c < m->closure + m->closures; c++)
-      passes += c->traits & CLOSURE_PASSES ? operand_at(&b->input, c->weight[k], i) : 0.0f;
+      passes += c->traits & (CLOSURE_PASSES | CLOSURE_HOLDS)
+                    ? operand_at(&b->input, c->weight[k], i)
+                    : 0.0f;
     mean += weight[k] * clampf(1.0f - passes, 0.0f, 1.0f) * (1.0f / 3.0f);
   }
   return mean;
@@ -322,7 +324,7 @@ static float clear_of(const scene *s, const batch *b, size_t i) {
 /* A hit's names to the slots of its pixel. */
 static void add_mattes(worker *w, const material *m, size_t i, size_t sample, float coverage) {
   const matte_layout *layout = w->mattes;
-  const instance *object = plane_object(w->scene, w->batch->hit, i);
+  const instance *object = plane_object(w->scene, w->batch, i);
   const float name[MATTE_KINDS] = {object->matte[0], m->matte, object->matte[1]};
   size_t pixel = (w->light->first + sample) / w->light->samples;
   for (int kind = 0; kind < MATTE_KINDS; kind++)

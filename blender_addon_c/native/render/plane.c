@@ -2,6 +2,7 @@
 #include "render/plane.h"
 
 #include "batch/leaf.h"
+#include "render/vector.h"
 
 #define PLANE_WORD(TYPE, channels, filtered) #TYPE,
 #define PLANE_COUNT(TYPE, channels, filtered) channels,
@@ -30,6 +31,8 @@ plane_type plane_divisor(plane_type type) {
 }
 
 unsigned plane_needs(unsigned wanted) {
+  if (wanted >> PLANE_VECTOR & 1u)
+    wanted |= 1u << PLANE_VECTOR_HITS;
   for (int k = PLANE_LIGHT; k < PLANES; k++)
     if (wanted >> k & 1u && plane_divisor((plane_type)k) != PLANES)
       wanted |= 1u << plane_divisor((plane_type)k);
@@ -96,9 +99,10 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
   return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};
 }
 
-const instance *plane_object(const scene *s, const hits *hit, size_t i) {
-  bool shared = s->placed && hit->instance[i];
-  return &s->instance[shared ? s->placed[hit->instance[i]].object
+const instance *plane_object(const scene *s, const batch *b, size_t i) {
+  const hits *hit = b->hit;
+  bool shared = b->placed && hit->instance[i];
+  return &s->instance[shared ? b->placed[hit->instance[i]].object
                              : s->triangle[hit->record[i]].object];
 }
 
@@ -110,12 +114,16 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
   switch (type) {
   case PLANE_DEPTH: {
     vec3 d = {p.x - eye->origin[0], p.y - eye->origin[1], p.z - eye->origin[2]};
+    if (eye->panorama)
+      return (vec3){sqrtf(dot(d, d)), 0, 0};
     return (vec3){-(d.x * eye->axis[2][0] + d.y * eye->axis[2][1] + d.z * eye->axis[2][2]), 0, 0};
   }
   case PLANE_POSITION:
     return p;
   case PLANE_DISTANCE: {
     vec3 d = load(&b->ray->d, i);
+    if (eye->panorama)
+      return (vec3){b->ray->tfar[i] - eye->clip[0], 0, 0};
     float near =
         -eye->clip[0] / (d.x * eye->axis[2][0] + d.y * eye->axis[2][1] + d.z * eye->axis[2][2]);
     return (vec3){(b->ray->tfar[i] - near) * sqrtf(dot(d, d)), 0, 0};
@@ -134,7 +142,9 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
   case PLANE_UV:
     return (vec3){at->u[i], at->v[i], 1.0f};
   case PLANE_OBJECT:
-    return (vec3){(float)plane_object(s, b->hit, i)->pass_index, 0, 0};
+    return (vec3){(float)plane_object(s, b, i)->pass_index, 0, 0};
+  case PLANE_VECTOR_HITS:
+    return (vec3){1, 0, 0};
   case PLANE_MATERIAL:
     return (vec3){(float)m->pass_index, 0, 0};
   default:
@@ -153,6 +163,13 @@ void plane_add(const plane_layout *layout, const scene *s, const batch *b, const
       for (int k = 0; k < PLANE_LIGHT; k++) {
         if (!(layout->wanted >> k & 1u) || !(has_first || plane_is_filtered((plane_type)k)))
           continue;
+        if (k == PLANE_VECTOR) {
+          float moved[4];
+          vector_of(s, b, i, moved);
+          for (int c = 0; c < 4; c++)
+            pixel[layout->at[k] + c] += moved[c];
+          continue;
+        }
         vec3 v = value_of((plane_type)k, s, b, g->material, i);
         const float value[3] = {v.x, v.y, v.z};
         for (int c = 0; c < plane_channels((plane_type)k); c++)

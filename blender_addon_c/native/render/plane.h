@@ -4,8 +4,10 @@
  * one row, ROW(TYPE, channels, filtered): TYPE is its word in a scene. A plane that is filtered is
  * the mean over a pixel's samples, 0 where they meet nothing; one that is not (distances and
  * numbers have no mean) is that of the pixel's first sample. DISTANCE is along the ray, from where
- * the camera clips; SEEN_NORMAL in the camera's frame, z away from it. Planes of light are of all
- * surfaces (render/light_passes.h).
+ * the camera clips; SEEN_NORMAL in the camera's frame, z away from it; VECTOR the mean over
+ * VECTOR_HITS (render/vector.h); SAMPLES the part of all samples that the pixel has; HELD, how
+ * much of it is a hole before a background. Planes of
+ * light are of all surfaces (render/light_passes.h).
  */
 #ifndef LIBSHADE_PLANE_H
 #define LIBSHADE_PLANE_H
@@ -24,7 +26,11 @@
   ROW(OBJECT, 1, false)                                                                            \
   ROW(MATERIAL, 1, false)                                                                          \
   ROW(DISTANCE, 1, true)                                                                           \
-  ROW(SEEN_NORMAL, 3, true)
+  ROW(SEEN_NORMAL, 3, true)                                                                        \
+  ROW(VECTOR, 4, true)                                                                             \
+  ROW(VECTOR_HITS, 1, true)                                                                        \
+  ROW(SAMPLES, 1, false)                                                                           \
+  ROW(HELD, 1, true)
 
 /* Of each kind (bounce_kind) its parts in this order; those of light are divided by the colour once
  * they are looked at. */
@@ -78,7 +84,7 @@ typedef struct plane_layout {
 plane_layout plane_layout_of(unsigned wanted);
 
 /* The instance that is hit: one whose mesh is shared, or the triangle's. */
-const instance *plane_object(const scene *s, const hits *hit, size_t i);
+const instance *plane_object(const scene *s, const batch *b, size_t i);
 
 /* One closure's colour in channel k, 0 to 1: a metal's head-on and its body, a matt surface's; what
  * is clear is white. */

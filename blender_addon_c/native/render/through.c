@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "render/hits.h"
+#include "render/motion.h"
 
 struct through {
   worker inner; /* at surfaces on the way, whose rays are the shadow rays that are stopped */
@@ -55,6 +56,8 @@ bool through_shadows(worker *w, bool coherent, const float *color) {
                                &at->sample_ray);
   bool any = false;
   while (rays) {
+    if (s->timed)
+      motion_passages(b, way, at, rays);
     hits_trace(inner, RAY_SHADOW, rays);
     at->queue.hits =
         stage->sift(rays, s->triangle, s->material, way, at->sample_hit.record, &b->light);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/tile.h"
 
+#include <math.h>
 #include <sched.h>
 #include <stdlib.h>
 #include <string.h>
@@ -292,6 +293,15 @@ static float scale_of(const render *r, const patch *p, size_t tile, int x, int y
   return samples ? 1.0f / (float)samples : 0.0f;
 }
 
+/* Alpha of a row that something held out is in, before a background. */
+static void leave_holes(const render *r, const patch *p, size_t tile, int y, float *out) {
+  for (int x = p->low[0]; x < p->high[0]; x++) {
+    size_t at = place_of(r, x, y);
+    float held = r->numbers[(size_t)r->planes.channels * at + (size_t)r->planes.at[PLANE_HELD]];
+    out[4 * at + 3] = fmaxf(1.0f - held * scale_of(r, p, tile, x, y), 0.0f);
+  }
+}
+
 void render_copy(render *r, float *out) {
   pthread_mutex_lock(&r->film);
   const float *whole = r->whole;
@@ -319,6 +329,8 @@ void render_copy_noisy(render *r, float *out) {
         copy_row(r->scene, count, 1.0f / (float)p.samples, r->sum + at, out + at);
       else
         memset(out + at, 0, 4 * count * sizeof *out);
+      if (p.samples && r->planes.wanted >> PLANE_HELD & 1u)
+        leave_holes(r, &p, tile, y, out);
     }
     pthread_mutex_unlock(&r->film);
   }
@@ -336,8 +348,16 @@ void render_copy_plane(render *r, plane_type plane, float *out) {
         const float *from = r->numbers + stride * at + r->planes.at[plane];
         float scale = plane_is_filtered(plane) ? scale_of(r, &p, tile, x, y) : 1.0f;
         float by = divisor != PLANES ? 1.0f : scale; /* the colour is a sum as well */
+        if (plane == PLANE_VECTOR) {
+          float hits = r->numbers[stride * at + (size_t)r->planes.at[PLANE_VECTOR_HITS]];
+          by = hits > 0.0f ? 1.0f / hits : 0.0f;
+        }
         for (size_t c = 0; c < channels; c++)
           out[channels * at + c] = from[c] * by;
+        if (plane == PLANE_SAMPLES) {
+          float part = scale_of(r, &p, tile, x, y) * (float)r->plan->samples;
+          out[at] = part > 0.0f ? 1.0f / part : 0.0f;
+        }
         if (plane == PLANE_DEPTH && !(from[0] > 0.0f))
           out[at] = PLANE_FAR;
         if (plane == PLANE_MIST) {

@@ -31,6 +31,8 @@
   F(rtcSetSharedGeometryBuffer)                                                                    \
   F(rtcSetGeometryInstancedScene)                                                                  \
   F(rtcSetGeometryTransform)                                                                       \
+  F(rtcSetGeometryTransformQuaternion)                                                             \
+  F(rtcSetGeometryTimeStepCount)                                                                   \
   F(rtcSetGeometryUserData)                                                                        \
   F(rtcSetGeometryIntersectFilterFunction)                                                         \
   F(rtcSetGeometryOccludedFilterFunction)                                                          \
@@ -57,7 +59,7 @@ struct accel {
   RTCScene scene;
   size_t parts;
   RTCScene *part; /* that instances refer to */
-  bool instances;
+  bool instances, timed;
   bool veiled;         /* something is hidden from some rays */
   uint8_t *hidden;     /* by instance */
   veil own[2], shared; /* of the world's quads and triangles; of all parts */
@@ -122,13 +124,18 @@ static bool count_memory(void *unused, ssize_t bytes, bool after) {
 }
 
 static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned number,
-                   const accel_input *input, const uint32_t *index, size_t count) {
+                   const accel_input *input, const accel_part *part, const uint32_t *index,
+                   size_t count) {
   bool quads = type == RTC_GEOMETRY_TYPE_QUAD;
   if (!count)
     return;
   RTCGeometry geometry = embree.rtcNewGeometry(a->device, type);
-  embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                    input->position, 0, 3 * sizeof(float), input->positions);
+  if (part->steps)
+    embree.rtcSetGeometryTimeStepCount(geometry, (unsigned)part->steps);
+  for (size_t k = 0; k < (part->steps ? (size_t)part->steps : 1); k++)
+    embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, (unsigned)k,
+                                      RTC_FORMAT_FLOAT3, input->position + 3 * k * part->stride, 0,
+                                      3 * sizeof(float), input->positions - k * part->stride);
   embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
                                     quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, index, 0,
                                     (quads ? 4 : 3) * sizeof(uint32_t), count);
@@ -143,8 +150,8 @@ static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned nu
 }
 
 static void attach_part(accel *a, RTCScene to, const accel_input *input, const accel_part *part) {
-  attach(a, to, RTC_GEOMETRY_TYPE_QUAD, ACCEL_QUADS, input, part->quad_position, part->quads);
-  attach(a, to, RTC_GEOMETRY_TYPE_TRIANGLE, ACCEL_TRIANGLES, input, part->triangle_position,
+  attach(a, to, RTC_GEOMETRY_TYPE_QUAD, ACCEL_QUADS, input, part, part->quad_position, part->quads);
+  attach(a, to, RTC_GEOMETRY_TYPE_TRIANGLE, ACCEL_TRIANGLES, input, part, part->triangle_position,
          part->triangles);
 }
 
@@ -157,10 +164,35 @@ static RTCScene new_scene(accel *a, const atomic_bool *cancel) {
   return made;
 }
 
+/* What turns goes round, between its steps too. */
+static void set_motion(RTCGeometry geometry, const motion *m) {
+  embree.rtcSetGeometryTimeStepCount(geometry, (unsigned)m->steps);
+  for (int k = 0; k < m->steps; k++) {
+    const pose *p = &m->pose[k];
+    struct RTCQuaternionDecomposition d = {.scale_x = p->shape[0],
+                                           .skew_xy = p->shape[1],
+                                           .skew_xz = p->shape[2],
+                                           .scale_y = p->shape[3],
+                                           .skew_yz = p->shape[4],
+                                           .scale_z = p->shape[5],
+                                           .quaternion_r = p->turn[0],
+                                           .quaternion_i = p->turn[1],
+                                           .quaternion_j = p->turn[2],
+                                           .quaternion_k = p->turn[3],
+                                           .translation_x = p->place[0],
+                                           .translation_y = p->place[1],
+                                           .translation_z = p->place[2]};
+    embree.rtcSetGeometryTransformQuaternion(geometry, (unsigned)k, &d);
+  }
+}
+
 static void attach_instance(accel *a, unsigned number, const accel_instance *instance) {
   RTCGeometry geometry = embree.rtcNewGeometry(a->device, RTC_GEOMETRY_TYPE_INSTANCE);
   embree.rtcSetGeometryInstancedScene(geometry, a->part[instance->part]);
-  embree.rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->matrix);
+  if (instance->motion)
+    set_motion(geometry, instance->motion);
+  else
+    embree.rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->matrix);
   embree.rtcCommitGeometry(geometry);
   embree.rtcAttachGeometryByID(a->scene, geometry, number);
   embree.rtcReleaseGeometry(geometry);
@@ -224,6 +256,7 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
   a->scene = a->device ? new_scene(a, cancel) : NULL;
   a->part = calloc(input->parts + 1, sizeof *a->part);
   a->instances = input->instances > 0;
+  a->timed = input->timed;
   enum RTCError status = RTC_ERROR_NONE;
   if (a->scene && !(a->part && draw_veils(a, input)))
     status = RTC_ERROR_OUT_OF_MEMORY;
@@ -257,6 +290,7 @@ void accel_free(accel *a) {
 
 static struct RTCRayNp ray_arrays(const accel *a, rays *ray, const uint32_t *kinds) {
   return (struct RTCRayNp){.mask = a->veiled ? (unsigned *)(uintptr_t)kinds : NULL, /* but read */
+                           .time = a->timed ? ray->time : NULL,
                            .org_x = ray->o.x,
                            .org_y = ray->o.y,
                            .org_z = ray->o.z,

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "batch/lanes.h"
+#include "scene/motion.h"
 
 typedef struct accel accel;
 
@@ -22,12 +23,16 @@ typedef struct accel_part {
   size_t quads, triangles;
   const uint32_t *quad_position;     /* 4 each; halves (0, 1, 3) and (2, 3, 1) */
   const uint32_t *triangle_position; /* 3 each */
+  /* of one that changes its shape: how many times, and from one's positions to the next one's */
+  int steps;
+  size_t stride;
 } accel_part;
 
 typedef struct accel_instance {
   size_t part;
-  float matrix[12]; /* to the world, rows of 4 */
-  uint32_t hidden;  /* ray_kinds that do not see it */
+  float matrix[12];     /* to the world, rows of 4 */
+  uint32_t hidden;      /* ray_kinds that do not see it */
+  const motion *motion; /* or NULL */
 } accel_instance;
 
 /* Arrays of positions and indices stay the caller's and must outlive the accel. */
@@ -41,6 +46,7 @@ typedef struct accel_input {
   /* NULL, or of the world's quads (every other number) and triangles: ray_kinds that do not see
      them. These too must outlive the accel. */
   const uint8_t *quad_hidden, *triangle_hidden;
+  bool timed; /* something moves: rays have times */
 } accel_input;
 
 /*

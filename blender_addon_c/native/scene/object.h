@@ -21,6 +21,7 @@ _Static_assert(sizeof(object) == 32 * sizeof(float), "nodes count in floats");
  */
 typedef struct placed {
   uint32_t quad, single; /* number of the mesh's first record of each kind */
+  uint32_t singles;      /* how many of the latter */
   float normal[3][3];    /* of normals */
   float linear[3][3];    /* of tangents */
   float scale;           /* of linear, to be the matrix */
@@ -28,6 +29,8 @@ typedef struct placed {
   float reach;           /* as of a triangle; below 0: the triangle's */
   uint32_t object;       /* number of its instance */
   uint32_t hidden;
+  const struct motion *motion; /* NULL: it stays where it is */
+  const struct deform *deform; /* NULL: and as it is */
 } placed;
 
 typedef struct layer {
@@ -36,7 +39,6 @@ typedef struct layer {
   /* of the world */
   float *corner;       /* 3 corners of each record; 0 where a mesh has no such layer */
   const float *record; /* struct triangle, 32 floats each */
-  const placed *placed;
 } layer;
 
 #endif

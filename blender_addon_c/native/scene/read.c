@@ -17,7 +17,8 @@ enum {
   MAX_SAMPLES = 1 << 16,
   MAX_THREADS = 256,
   MAX_BOUNCES = 1024,
-  MAX_INDEX = 32767
+  MAX_INDEX = 32767,
+  LINKS_MOST = 30 /* lights that are for some instances alone */
 };
 
 /* Embree takes no rays whose numbers are larger than 1.8e18. */
@@ -38,8 +39,54 @@ static bool read_lens(reader *r, camera *c) {
   return true;
 }
 
+/* Places at evenly spaced times, from 0 to 1: 12 numbers each. What cannot move stays. */
+static bool read_motion(reader *r, motion *out) {
+  reader_buffer items;
+  if (!reader_has(r, "motion"))
+    return true;
+  if (!reader_items(r, "motion", SIZE_MAX, "f", 4, &items))
+    return false;
+  size_t steps = items.size / (12 * sizeof(float));
+  if (items.size != 12 * steps * sizeof(float) || steps < 2 || steps > MOTION_STEPS_MOST)
+    return reader_expected(r, "motion", "12 numbers at each of 2 to 129 times");
+  return motion_make(items.data, (int)steps, out) || !out->steps || reader_out_of_memory(r);
+}
+
+static bool read_frames(reader *r, camera *c) {
+  reader_buffer items;
+  size_t bytes = 4 * (size_t)c->motion.steps * sizeof *c->frames;
+  if (!c->motion.steps || !reader_has(r, "frames"))
+    return true;
+  if (!reader_items(r, "frames", bytes / sizeof(float), "f", 4, &items))
+    return false;
+  c->frames = malloc(bytes);
+  if (!c->frames)
+    return reader_out_of_memory(r);
+  for (size_t k = 0; k < bytes / sizeof(float); k++)
+    c->frames[k] = within_reach((double)((const float *)items.data)[k]);
+  return true;
+}
+
+#define PANORAMA_WORD(WORD) #WORD,
+static bool read_panorama(reader *r, camera *c) {
+  static const char *const words[] = {PANORAMA_TABLE(PANORAMA_WORD) NULL};
+  int type;
+  if (!reader_word(r, "panorama", words, &type) || !reader_floats(r, "range", 4, c->range) ||
+      !reader_number_within(r, "fov", 0, 100, &c->fov) ||
+      !reader_number_within(r, "focal", 1e-6, 1e6, &c->focal) ||
+      !reader_floats(r, "sensor", 2, c->sensor) ||
+      !reader_floats(r, "polynomial", 5, c->polynomial))
+    return false;
+  c->panorama = (panorama)type;
+  for (int k = 0; k < 4; k++) /* sines of what is larger would be noise */
+    c->range[k] = fminf(fmaxf(c->range[k], -1e4f), 1e4f);
+  for (int k = 0; k < 2; k++)
+    c->sensor[k] = fminf(fmaxf(c->sensor[k], -1e6f), 1e6f);
+  return type != PANORAMA_NONE || reader_expected(r, "panorama", "a kind");
+}
+
 static bool read_camera(reader *r, void *out, void *context) {
-  static const char *const types[] = {"ORTHO", "PERSP", NULL};
+  static const char *const types[] = {"ORTHO", "PERSP", "PANO", NULL};
   camera *c = out;
   double matrix[16];
   int type;
@@ -47,7 +94,9 @@ static bool read_camera(reader *r, void *out, void *context) {
   if (!reader_word(r, "type", types, &type) || !reader_numbers(r, "matrix", 16, matrix) ||
       !reader_floats(r, "frame", 4, c->frame) || !reader_floats(r, "clip", 2, c->clip))
     return false;
-  c->perspective = type == 1;
+  c->perspective = type != 0;
+  if (type == 2 && !read_panorama(r, c))
+    return false;
   for (int k = 0; k < 4; k++)
     c->frame[k] = within_reach((double)c->frame[k]);
   for (int column = 0; column < 3; column++) {
@@ -60,6 +109,8 @@ static bool read_camera(reader *r, void *out, void *context) {
     c->origin[row] = within_reach(matrix[4 * row + 3]);
   if (!(c->clip[0] >= 0 && c->clip[0] < c->clip[1])) /* Embree's rays begin at 0 or later */
     return reader_expected(r, "clip", "two distances from 0 on, near before far");
+  if (!read_motion(r, &c->motion) || !read_frames(r, c))
+    return false;
   return !reader_has(r, "lens") || read_lens(r, c);
 }
 
@@ -93,8 +144,13 @@ static bool read_light(reader *r, void *out, void *context) {
       (reader_has(r, "hidden") && !reader_integer(r, "hidden", 0, RAY_BOUNCED, &hidden)))
     return false;
   c->hidden = (uint32_t)hidden;
+  int link = -1;
+  if (reader_has(r, "link") && !reader_integer(r, "link", 0, LINKS_MOST - 1, &link))
+    return false;
+  c->link = link < 0 ? 0 : 1u << link;
+  s->links |= link >= 0;
   s->hides |= hidden != 0;
-  c->met = met && c->soft && c->shadow;
+  c->met = met && c->soft && c->shadow && !c->link;
   for (int k = 0; k < 3; k++) /* a highlight of what is brighter would be no number */
     c->color[k] = fminf(fmaxf(c->color[k], -1e30f), 1e30f);
   c->power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
@@ -120,6 +176,9 @@ static bool read_image(reader *r, void *out, void *context) {
     return false;
   m->type = data.item_size == 4 ? IMAGE_FLOAT32 : data.item_size == 2 ? IMAGE_UINT16 : IMAGE_UINT8;
   m->data = data.data;
+  m->paged = false;
+  if (reader_has(r, "paged") && !reader_flag(r, "paged", &m->paged))
+    return false;
   m->wrap = (image_wrap)wrap; /* in the order of the words */
   m->closest = filter == 1;
   return true;
@@ -224,6 +283,7 @@ static bool read_material(reader *r, void *out, void *context) {
   memcpy(m->normal, g.normal, sizeof m->normal);
   m->bare = g.bare || !g.named;
   s->passes |= (m->traits & CLOSURE_PASSES) != 0;
+  s->holds |= (m->traits & CLOSURE_HOLDS) != 0;
   return true;
 }
 
@@ -307,6 +367,24 @@ static bool read_layer(reader *r, void *out, void *context) {
             reader_expected(r, "tangents_of", "a layer of two numbers"))));
 }
 
+/* Of a mesh that changes its shape: positions and normals at evenly spaced times. */
+static bool read_shapes(reader *r, bool vectors, mesh *m) {
+  reader_buffer items;
+  if (!reader_has(r, "moved_positions") || !m->positions || !m->triangles)
+    return true;
+  if (!reader_items(r, "moved_positions", SIZE_MAX, "f", 4, &items))
+    return false;
+  size_t steps = items.size / (12 * m->positions);
+  if (items.size != 12 * m->positions * steps || steps < 2 || steps > MOTION_STEPS_MOST)
+    return reader_expected(r, "moved_positions", "all positions at each of 2 to 129 times");
+  m->moved_position = items.data;
+  if (!reader_items(r, "moved_normals", 9 * m->triangles * steps, "f", 4, &items))
+    return false;
+  m->moved_normal = items.data;
+  *(vectors ? &m->shapes : &m->steps) = (int)steps;
+  return true;
+}
+
 static bool read_mesh(reader *r, void *out, void *context) {
   const scene *s = context;
   mesh *m = out;
@@ -339,7 +417,7 @@ static bool read_mesh(reader *r, void *out, void *context) {
       return false;
     m->corner_uv = items.data;
   }
-  if (!read_layers_of(r, s, m))
+  if (!read_layers_of(r, s, m) || !read_shapes(r, s->vectors, m))
     return false;
   if (!all_below(3 * m->triangles, m->corner_position, m->positions))
     return reader_fail(r, "corner_position has an index outside of the %zu positions",
@@ -350,7 +428,7 @@ static bool read_mesh(reader *r, void *out, void *context) {
 }
 
 static bool read_instance(reader *r, void *out, void *context) {
-  const scene *s = context;
+  scene *s = context;
   instance *in = out;
   double matrix[16];
   int index = 0;
@@ -363,10 +441,16 @@ static bool read_instance(reader *r, void *out, void *context) {
     return false;
   if (reader_has(r, "matte") && !reader_floats(r, "matte", 2, in->matte))
     return false;
+  if (reader_has(r, "unlit") && !reader_integer(r, "unlit", 0, (1 << LINKS_MOST) - 1, &in->unlit))
+    return false;
   if (reader_has(r, "hidden") &&
       !reader_integer(r, "hidden", 0, RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW, &in->hidden))
     return false;
   memcpy(in->matrix, matrix, sizeof in->matrix);
+  if (!read_motion(r, &in->motion))
+    return false;
+  in->unmoved = reader_has(r, "motion") && !in->motion.steps;
+  s->moves |= in->unmoved || in->motion.steps || s->mesh[in->mesh].steps;
   for (int k = 0; k < 4; k++)
     in->color[k] = 1.0f;
   return (!reader_has(r, "color") || reader_floats(r, "color", 4, in->color)) &&
@@ -429,6 +513,22 @@ static bool read_mist(reader *r, void *out, void *context) {
   return true;
 }
 
+/* When the shutter is open: times by an even number. */
+static bool read_shutter(reader *r, scene *s) {
+  reader_buffer items;
+  if (!reader_has(r, "shutter"))
+    return true;
+  if (!reader_items(r, "shutter", SHUTTER_STEPS + 1, "f", 4, &items))
+    return false;
+  s->shutter = malloc(items.size);
+  if (!s->shutter)
+    return reader_out_of_memory(r);
+  const float *from = items.data;
+  for (size_t k = 0; k <= SHUTTER_STEPS; k++) /* NaN becomes 0 */
+    s->shutter[k] = from[k] > 0.0f ? fminf(from[k], 1.0f) : 0.0f;
+  return true;
+}
+
 static bool read_picture(reader *r, scene *s) {
   double region[4], seed;
   int sky_hidden = 0;
@@ -463,6 +563,8 @@ static bool read_picture(reader *r, scene *s) {
       return false;
     s->filter = (filter_type)filter;
   }
+  if (!read_shutter(r, s) || (reader_has(r, "vectors") && !reader_flag(r, "vectors", &s->vectors)))
+    return false;
   if (reader_has(r, "planes") && !read_planes(r, s))
     return false;
   if (reader_has(r, "matt_leans") && !reader_flag(r, "matt_leans", &s->matt_leans))
@@ -558,8 +660,14 @@ scene *scene_read(reader *r) {
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
                   s) &&
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&
-      reader_each(r, "instances", sizeof(instance), &s->instances, &s->instance, read_instance, s))
-    return s;
+      reader_each(r, "instances", sizeof(instance), &s->instances, &s->instance, read_instance,
+                  s)) {
+    s->moves = !s->vectors && (s->moves || s->camera.motion.steps > 0);
+    s->planes |= s->holds && !s->transparent ? 1u << PLANE_HELD : 0u;
+    if (!s->dump || !s->camera.panorama)
+      return s;
+    reader_fail(r, "camera: a dump needs one that is not panoramic");
+  }
   scene_free(s);
   return NULL;
 }

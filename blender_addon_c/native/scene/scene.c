@@ -73,7 +73,6 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
     node_place place = {.image = s->image,
                         .textures = &s->textures,
                         .layer = s->layer,
-                        .object = &s->object,
                         .texture_blur = s->texture_blur,
                         .normal_blur = s->normal_blur,
                         .material = m->name,
@@ -155,6 +154,13 @@ void scene_free(scene *s) {
     free(s->layer[i].corner);
   free(s->layer);
   free(s->placed);
+  free(s->deform);
+  free(s->moved_normal);
+  free(s->shutter);
+  motion_free(&s->camera.motion);
+  free(s->camera.frames);
+  for (size_t i = 0; s->instance && i < s->instances; i++)
+    motion_free(&s->instance[i].motion);
   texture_free(&s->textures);
   sky_free(&s->sky);
   emitters_free(&s->emitters);

@@ -21,13 +21,33 @@
 #include "scene/aims.h"
 #include "scene/cloth.h"
 #include "scene/emitters.h"
+#include "scene/motion.h"
 #include "scene/object.h"
 #include "system/message.h"
 #include "scene/sky.h"
 #include "scene/texture.h"
 
+/* Cameras that see around them (render/panorama.c): words in a scene. */
+#define PANORAMA_TABLE(ROW)                                                                        \
+  ROW(NONE)                                                                                        \
+  ROW(EQUIRECTANGULAR)                                                                             \
+  ROW(EQUIANGULAR_CUBEMAP_FACE)                                                                    \
+  ROW(MIRRORBALL)                                                                                  \
+  ROW(FISHEYE_EQUIDISTANT)                                                                         \
+  ROW(FISHEYE_EQUISOLID)                                                                           \
+  ROW(FISHEYE_LENS_POLYNOMIAL)                                                                     \
+  ROW(CENTRAL_CYLINDRICAL)
+#define PANORAMA_NUMBER(WORD) PANORAMA_##WORD,
+typedef enum panorama { PANORAMA_TABLE(PANORAMA_NUMBER) } panorama;
+
 typedef struct camera {
-  bool perspective;
+  bool perspective; /* or a panorama */
+  panorama panorama;
+  float range[4];  /* longitudes and latitudes of its sides; of a cylinder heights */
+  float fov;       /* of a fisheye, radians; */
+  float focal;     /* its focal length, */
+  float sensor[2]; /* and what its sensor measures, in the same unit; */
+  float polynomial[5];
   float axis[3][3]; /* right, up, back; unit, world */
   float origin[3];
   float frame[4]; /* x0 x1 y0 y1 of the view plane */
@@ -36,6 +56,8 @@ typedef struct camera {
   float focus;   /* distance of the plane that is sharp */
   int blades;    /* corners of the aperture; less than 3: an ellipse */
   float turn;    /* of the first corner's side, radians */
+  motion motion;
+  float *frames; /* `frame` at each of its steps, or NULL */
 } camera;
 
 /* How far what is seen fades; only a plane tells. */
@@ -73,6 +95,10 @@ typedef struct mesh {
   const float *corner_uv;          /* 6 per triangle, or NULL */
   const int32_t *material;         /* 1 per triangle */
   const float **layer;             /* by layer of the scene: per corner, or NULL */
+  /* where it changes its shape: how many times, and positions and normals at each */
+  int steps;
+  const float *moved_position, *moved_normal;
+  int shapes; /* the same where the scene has `vectors`: it stands still, but for these */
   char *name;
 } mesh;
 
@@ -82,7 +108,11 @@ typedef struct instance {
   int pass_index;    /* of its object */
   float matte[2];    /* what stands for the object's name, and its asset's */
   int hidden;        /* ray_kinds that do not see it */
+  int unlit;         /* bits of lights that do not light it */
   float color[4], random;
+  motion motion;
+  size_t base;  /* of its mesh's positions among those that Embree reads */
+  bool unmoved; /* it would move, but not by places that can be inverted */
 } instance;
 
 /*
@@ -98,7 +128,7 @@ typedef struct triangle {
   /* Heights of the corners over each other's tangent planes, of a smooth triangle whose `curved` is
    * 1: of 1 and 2 over that of 0, 0 and 2 over 1, 0 and 1 over 2; upper halves of floats. */
   uint16_t height[6];
-  uint32_t curved;
+  uint16_t curved, mirrored; /* mirrored: its corners go round the other way */
 } triangle;
 _Static_assert(sizeof(triangle) == 128, "two cache lines");
 
@@ -106,6 +136,16 @@ _Static_assert(sizeof(triangle) == 128, "two cache lines");
 typedef struct stretch {
   float u[3], v[3];
 } stretch;
+
+/* A mesh that changes its shape, as it is kept: at each of its steps. */
+typedef struct deform {
+  int steps;
+  uint32_t positions, records; /* how many at each step */
+  size_t position;             /* of the first step's first, in the world's; others follow */
+  size_t normal;               /* the same in moved_normal: three a record, quads' halves first */
+} deform;
+
+enum { SHUTTER_STEPS = 256 };
 
 /* Records are numbered in 32 bits; the last number is a miss. */
 #define RECORD_MISS UINT32_MAX
@@ -141,6 +181,7 @@ typedef struct scene {
   float normal_blur;     /* over which normals of images become roughness; 0: not */
   bool no_reflected, no_refracted; /* caustics: of matt surfaces by mirrors, through glass */
   bool passes;                     /* some material lets rays pass on */
+  bool holds;                      /* or leaves a hole in the picture */
   camera camera;
   mist mist;
   size_t lights, images, cloths, materials, meshes, instances, layers;
@@ -154,6 +195,10 @@ typedef struct scene {
   bool identified; /* some node asks for layers or for objects */
   bool routed;     /* or by which way it is seen */
   bool stepped;    /* or how wide a pixel is there */
+  bool moves;      /* something moves while the shutter is open: */
+  bool timed;      /* not the camera alone */
+  bool vectors;    /* nothing does, but a plane says where it was and will be */
+  float *shutter;  /* SHUTTER_STEPS + 1 times by an even number from 0 to 1, or NULL: the same */
   bool denoise;
   char *denoiser;                   /* path of Open Image Denoise, or NULL */
   char *dump;                       /* path, or NULL */
@@ -165,6 +210,7 @@ typedef struct scene {
   emitters emitters;
   aims aims;
   bool meets;                        /* drawn rays may meet light */
+  bool links;                        /* some light is for some instances alone */
   bool hides;                        /* some light is hidden from some kinds of ray */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
@@ -175,6 +221,8 @@ typedef struct scene {
   bool curved;      /* any of them, where the scene wants to know */
   placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;
+  deform *deform; /* of placed ones */
+  float *moved_normal;
   texture_set textures;
   void *world[3]; /* positions and indices, for Embree */
   accel *accel;

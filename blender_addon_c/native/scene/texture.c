@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "system/pages.h"
 #include "system/parallel.h"
 
 enum { BLOCK = 512, ROWS_PER_TASK = 32, SRGB_STEPS = 4096 };
@@ -77,7 +78,10 @@ const texture *texture_squares(texture_set *set, const texture *normal) {
 
 void texture_free(texture_set *set) {
   for (size_t i = 0; i < set->count; i++) {
-    free(set->item[i]->texel);
+    if (set->item[i]->paged)
+      pages_free(set->item[i]->texel, set->item[i]->paged);
+    else
+      free(set->item[i]->texel);
     free(set->item[i]);
   }
   free(set->item);
@@ -167,7 +171,8 @@ static void pack_color(size_t count, const float *restrict a, const float *restr
 
 /* What lies beyond the edge of WRAP_CLIP: a flat normal, black without alpha. */
 static uint32_t outside(const texture *t) {
-  return t->kind == TEXTURE_NORMAL || t->kind == TEXTURE_SQUARES ? 0u : pack_pair(-1.0f, -1.0f);
+  return t->kind == TEXTURE_RED_GREEN || t->kind == TEXTURE_BLUE_ALPHA ? pack_pair(-1.0f, -1.0f)
+                                                                       : 0u;
 }
 
 /* Where the rim's texel k of an axis comes from; -1: from nowhere. */
@@ -201,7 +206,23 @@ static void pack_rim(const texture *t, int level, int y) {
   }
 }
 
+static void pack_bytes_row(const texture *t, int y) {
+  const image *m = t->source;
+  uint32_t *row = level_row(t, 0, y);
+  size_t step = (size_t)m->channels, green = step >= 3 ? 1 : 0, blue = 2 * green;
+  const uint8_t *in = (const uint8_t *)m->data + (size_t)y * (size_t)t->width * step;
+  for (int x = 0; x < t->width; x++, in += step) {
+    uint32_t alpha = has_alpha(m) ? in[step - 1] : 255u;
+    row[x] = in[0] | (uint32_t)in[green] << 8 | (uint32_t)in[blue] << 16 | alpha << 24;
+  }
+  pack_rim(t, 0, y);
+}
+
 static void pack_row(const texture *t, int y) {
+  if (t->kind == TEXTURE_BYTES) {
+    pack_bytes_row(t, y);
+    return;
+  }
   const image *m = t->source;
   uint32_t *row = level_row(t, 0, y);
   float channel[4][BLOCK];
@@ -278,9 +299,94 @@ static void pack_halved_row(const texture *t, int level, int y) {
   pack_rim(t, level, y);
 }
 
+/* Light of bytes, and the last of them of which the light is no more than this (of 4095 steps to
+ * begin at). */
+static float byte_light[2][257];
+static uint8_t byte_below[2][4097];
+
+static void byte_tables_fill(void) {
+  srgb_table_fill();
+  for (int srgb = 0; srgb < 2; srgb++) {
+    for (int k = 0; k < 256; k++)
+      byte_light[srgb][k] = (float)k * (1.0f / 255.0f);
+    if (srgb)
+      for (int k = 0; k < 256; k++) {
+        double c = k / 255.0;
+        byte_light[srgb][k] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+      }
+    byte_light[srgb][256] = 2.0f;
+    for (int i = 0, k = 0; i < 4097; i++) {
+      while (k < 255 && byte_light[srgb][k + 1] <= (float)i * (1.0f / 4096.0f))
+        k++;
+      byte_below[srgb][i] = (uint8_t)k;
+    }
+  }
+}
+
+/* One of the two bytes about a light, by `lot`, so that the mean of many is this light. */
+static uint32_t byte_of(bool srgb, float light, float lot) {
+  const float *table = byte_light[srgb];
+  light = clamp(light, 0.0f, 1.0f);
+  int k = byte_below[srgb][(int)(light * 4096.0f)];
+  while (table[k + 1] <= light)
+    k++;
+  return (uint32_t)k + (k < 255 && light - table[k] > lot * (table[k + 1] - table[k]) ? 1u : 0u);
+}
+
+static uint32_t mixed(uint32_t h) {
+  h = (h ^ h >> 16) * 0x7feb352du;
+  h = (h ^ h >> 15) * 0x846ca68bu;
+  return h ^ h >> 16;
+}
+
+/* Means of light, of alpha, and by alpha of light where t is weighted. */
+static void pack_coarse_bytes_row(const texture *t, int level, int y) {
+  int finer_width = level_size(t->width, level - 1),
+      finer_height = level_size(t->height, level - 1);
+  int width = level_size(t->width, level), height = level_size(t->height, level);
+  uint32_t *row = level_row(t, level, y);
+  const float *light = byte_light[t->source->srgb];
+  const bool weighted = t->coarse == COARSE_WEIGHTED;
+  cover down = cover_of(y, height, finer_height);
+  for (int x = 0; x < width; x++) {
+    cover along = cover_of(x, width, finer_width);
+    float even[4] = {0, 0, 0, 0}, by_alpha[3] = {0, 0, 0}, sum = 0;
+    for (int j = down.first; j <= down.last; j++) {
+      const uint32_t *from = level_row(t, level - 1, j);
+      for (int i = along.first; i <= along.last; i++) {
+        float share = cover_weight(&down, j) * cover_weight(&along, i);
+        float alpha = share * (float)(from[i] >> 24);
+        for (int c = 0; c < 3; c++) {
+          float part = light[from[i] >> 8 * c & 255u];
+          even[c] += share * part;
+          by_alpha[c] += alpha * part;
+        }
+        even[3] += alpha;
+        sum += share;
+      }
+    }
+    bool counts = weighted && even[3] > 1e-4f;
+    uint32_t texel = 0, seed = mixed((uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^
+                                     (uint32_t)level * 83492791u);
+    for (int c = 0; c < 4; c++) {
+      float lot = ((float)(seed >> 8 * c & 255u) + 0.5f) * (1.0f / 256.0f);
+      float part = c == 3   ? even[3] / (255.0f * sum)
+                   : counts ? by_alpha[c] / even[3]
+                            : even[c] / sum;
+      texel |= byte_of(c < 3 && t->source->srgb, part, lot) << 8 * c;
+    }
+    row[x] = texel;
+  }
+  pack_rim(t, level, y);
+}
+
 /* A row of a coarser level; alpha: the texture whose second number says how much each texel counts,
  * or NULL. Where nothing counts they count alike. */
 static void pack_coarse_row(const texture *t, const texture *alpha, int level, int y) {
+  if (t->kind == TEXTURE_BYTES) {
+    pack_coarse_bytes_row(t, level, y);
+    return;
+  }
   int finer_width = level_size(t->width, level - 1),
       finer_height = level_size(t->height, level - 1);
   int width = level_size(t->width, level), height = level_size(t->height, level);
@@ -386,6 +492,8 @@ static void pack_level(const texture *t, const texture *alpha, int level, int th
   parallel_for(threads, ((size_t)task.height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, pack_rows,
                &task);
   pack_rim_rows(t, level);
+  if (t->paged)
+    pages_leave(t->texel, t->paged);
 }
 
 /* The texture that has the alpha of a weighted one. */
@@ -397,14 +505,28 @@ static const texture *alpha_of(const texture_set *set, const texture *t) {
   return NULL;
 }
 
+/* What was read for the texture may go. */
+static void leave_source(const image *m) {
+  size_t size = m->type == IMAGE_FLOAT32 ? 4 : m->type == IMAGE_UINT16 ? 2 : 1;
+  void *data;
+  memcpy(&data, &m->data, sizeof data);
+  pages_leave(data, (size_t)m->width * (size_t)m->height * (size_t)m->channels * size);
+}
+
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
-  pthread_once(&srgb_once, srgb_table_fill);
+  pthread_once(&srgb_once, byte_tables_fill);
   for (size_t i = 0; i < set->count; i++) {
     texture *t = set->item[i];
-    t->texel = malloc(find_levels(t) * sizeof *t->texel);
+    size_t bytes = find_levels(t) * sizeof *t->texel;
+    t->texel = pages_new(bytes);
+    t->paged = t->texel ? bytes : 0;
+    if (!t->texel)
+      t->texel = malloc(bytes);
     if (!t->texel)
       return false;
     pack_level(t, NULL, 0, threads, cancel);
+    if (t->source && t->source->paged)
+      leave_source(t->source);
   }
   for (int level = 1; level < TEXTURE_LEVELS; level++)
     for (size_t i = 0; i < set->count; i++) {
@@ -433,7 +555,7 @@ void image_row(const image *source, int y, int channel, float *out) {
   size_t width = (size_t)source->width;
   load(source, (size_t)y * width, width, channel, out);
   if (source->srgb) {
-    pthread_once(&srgb_once, srgb_table_fill);
+    pthread_once(&srgb_once, byte_tables_fill);
     srgb_decode(width, out);
   }
 }

@@ -5,6 +5,9 @@
  * the positive root), a colour two (2 red - 1 and 2 green - 1; 2 blue - 1 and 2 alpha - 1).
  * 16 bits are as good as float: the displaced plate's error is .0012 with either.
  *
+ * A colour of bytes is one plane of four bytes a texel as they are in the file, which are mixed
+ * before they are decoded, as in Cycles.
+ *
  * A colour may have coarser levels, each half as large as the one before down to one texel, a third
  * more memory in all: a texel there is the mean of those that it covers, in linear light.
  */
@@ -26,6 +29,7 @@ typedef struct image {
   bool srgb;        /* to be decoded to linear */
   image_wrap wrap;
   bool closest; /* nearest texel instead of bilinear */
+  bool paged;   /* data is of a file's pages, all of them */
 } image;
 
 /* A texture's width and height are those of its image and this. */
@@ -35,6 +39,7 @@ typedef enum texture_kind {
   TEXTURE_NORMAL,
   TEXTURE_RED_GREEN,
   TEXTURE_BLUE_ALPHA,
+  TEXTURE_BYTES,  /* red in the lowest, alpha in the highest */
   TEXTURE_SQUARES /* of a normal map's x and y, means over texels of its coarser levels, from 1 on
                    */
 } texture_kind;
@@ -58,6 +63,7 @@ typedef struct texture {
   int width, height, stride; /* texel (x, y) is number (y + 1) * stride + x + 1 */
   image_wrap wrap;
   float linear; /* 1: bilinear, 0: nearest */
+  size_t paged; /* bytes, of a large one: in pages.h's file */
   /* what it is made from */
   const image *source;
   texture_kind kind;

@@ -18,6 +18,7 @@ typedef struct share {
   uint32_t object;
   uint8_t hidden;
   size_t position, quad, single;
+  size_t moved;       /* where the normals of a mesh that changes its shape begin */
   double normal[9];   /* inverse transpose but for a positive factor */
   float mirror;       /* -1 when the matrix mirrors */
   float bounds[2][3]; /* of a shared mesh */
@@ -34,7 +35,7 @@ typedef struct build {
   size_t *chunk;      /* per share: its first chunk; one more at the end */
   float *position;
   uint32_t *quad, *single;
-  size_t positions, singles;
+  size_t positions, singles, moved;
   size_t own_quads, own_singles; /* of the world */
   float reach;                   /* of its numbers */
 } build;
@@ -153,14 +154,36 @@ static void fill_layers(const build *b, const share *sh, size_t t, unsigned turn
   }
 }
 
+/* Normals of triangle t at each step, in the order of a record. */
+static void fill_moved(const build *b, const share *sh, size_t t, unsigned turn, size_t record,
+                       const triangle *now) {
+  const scene *s = b->scene;
+  const mesh *m = &s->mesh[sh->mesh];
+  const parts *p = &b->parts[sh->mesh];
+  size_t records = 2 * p->pairs + p->singles;
+  /* the mesh's own halves of quads stand first there, then its single triangles */
+  size_t local = record < 2 * s->quad_count
+                     ? record - 2 * sh->quad
+                     : 2 * p->pairs + record - (2 * s->quad_count + sh->single);
+  for (size_t k = 0; k < (size_t)m->steps; k++)
+    for (unsigned corner = 0; corner < 3; corner++) {
+      const float *in = m->moved_normal + 9 * m->triangles * k + 3 * (3 * t + (turn + corner) % 3);
+      float *out = s->moved_normal + sh->moved + 9 * (k * records + local) + 3 * corner;
+      const double v[3] = {(double)in[0], (double)in[1], (double)in[2]};
+      if (!normalized(v, out))
+        memcpy(out, now->corner[corner], 3 * sizeof *out);
+    }
+}
+
 /* The record of triangle t, its corners turned so that `turn` comes first. */
 static void fill_record(const build *b, size_t index, size_t t, unsigned turn, triangle *out) {
   const share *sh = &b->share[index];
   const mesh *m = &b->scene->mesh[sh->mesh];
   const float *world[3];
   *out = (triangle){.material = (uint32_t)m->material[t], .handed = 1.0f, .object = sh->object};
+  size_t now = m->steps && index >= b->own ? (size_t)(m->steps / 2) * m->positions : 0;
   for (unsigned k = 0; k < 3; k++)
-    world[k] = b->position + 3 * (sh->position + m->corner_position[3 * t + (turn + k) % 3]);
+    world[k] = b->position + 3 * (sh->position + now + m->corner_position[3 * t + (turn + k) % 3]);
   for (unsigned k = 0; k < 3; k++) {
     size_t corner = 3 * t + (turn + k) % 3;
     const float *tangent = b->parts[sh->mesh].tangent + 4 * corner;
@@ -182,8 +205,11 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
       out->reach = fmaxf(out->reach, fabsf(world[k][axis]));
   }
   out->handed *= sh->mirror;
+  out->mirrored = sh->mirror < 0.0f;
   if (b->scene->soft_terminator)
     find_heights(world, out);
+  if (m->steps && index >= b->own)
+    fill_moved(b, sh, t, turn, (size_t)(out - b->scene->triangle), out);
   if (b->scene->hidden)
     b->scene->hidden[out - b->scene->triangle] = sh->hidden;
   if (b->scene->layers)
@@ -197,6 +223,10 @@ static void place_positions(void *context, size_t index) {
   const share *sh = &b->share[index];
   const mesh *m = &b->scene->mesh[sh->mesh];
   float *out = b->position + 3 * sh->position;
+  if (m->steps && index >= b->own) {
+    memcpy(out, m->moved_position, 3 * (size_t)m->steps * m->positions * sizeof *out);
+    return;
+  }
   for (size_t i = 0; i < m->positions; i++, out += 3) {
     double v[3];
     turned(sh->matrix, 4, m->position + 3 * i, v);
@@ -261,6 +291,10 @@ static float find_reach(const scene *s) {
     if (isfinite(far)) /* else all of it is left out */
       reach = fmaxf(reach, (float)fmin(far, 1e18));
   }
+  for (const instance *in = s->instance; in < s->instance + s->instances; in++)
+    for (int step = 0; step < in->motion.steps; step++)
+      for (int k = 0; k < 3; k++)
+        reach = fmaxf(reach, fabsf(in->motion.pose[step].place[k]));
   for (int k = 0; k < 3; k++)
     reach = fmaxf(reach, fabsf(s->camera.origin[k]));
   free(largest);
@@ -286,6 +320,26 @@ static bool invertible(const double m[12], float reach) {
          6.0 * inverse * fmax(size, (double)reach) < 1e18 * determinant;
 }
 
+/* Where one that moves is; it stays where rays could not be turned into its space at all times. */
+static void settle(const build *b, instance *in) {
+  motion *m = &in->motion;
+  for (int k = 0; k < m->steps; k++) {
+    float at[12];
+    double matrix[12];
+    motion_at(m, (float)k / (float)(m->steps - 1), at);
+    for (int i = 0; i < 12; i++)
+      matrix[i] = (double)at[i];
+    if (!invertible(matrix, b->reach)) {
+      motion_free(m);
+      in->unmoved = true;
+    }
+  }
+  if (in->unmoved)
+    message_warn(b->log,
+                 "%s moves too far, or to no size, while the shutter is open: it is not blurred",
+                 b->scene->mesh[in->mesh].name);
+}
+
 /*
  * Meshes whose copies would be many triangles are kept once, as they are. Few are copied: rays go
  * through a world without levels in half the time.
@@ -300,7 +354,12 @@ static bool find_shared(build *b) {
     copies[s->instance[i].mesh] += invertible(s->instance[i].matrix, b->reach);
   for (size_t i = 0; b->shared && copies && i < s->meshes; i++) {
     bool many = copies[i] > 1 && s->mesh[i].triangles > FEW / (copies[i] - 1);
-    b->shared[i] = many ? 0 : WORLD;
+    b->shared[i] = many || s->mesh[i].steps ? 0 : WORLD;
+  }
+  for (instance *in = s->instance; s->moves && in < s->instance + s->instances; in++) {
+    settle(b, in);
+    if (b->shared && in->motion.steps)
+      b->shared[in->mesh] = 0;
   }
   bool good = b->shared && copies;
   free(copies);
@@ -313,17 +372,18 @@ static bool is_reference(const build *b, const instance *in) {
 }
 
 static void find_bounds(const mesh *m, float bounds[2][3]) {
-  for (size_t i = 0; i < m->positions; i++)
+  const float *position = m->steps ? m->moved_position : m->position;
+  for (size_t i = 0; i < m->positions * (m->steps ? (size_t)m->steps : 1); i++)
     for (size_t k = 0; k < 3; k++) {
-      float x = m->position[3 * i + k];
+      float x = position[3 * i + k];
       bounds[0][k] = i == 0 || x < bounds[0][k] ? x : bounds[0][k];
       bounds[1][k] = i == 0 || x > bounds[1][k] ? x : bounds[1][k];
     }
 }
 
 /* Room in the arrays for another copy of a mesh. */
-static void add_share(build *b, size_t mesh_index, const double *matrix, size_t object,
-                      int hidden) {
+static void add_share(build *b, size_t mesh_index, const double *matrix, size_t object, int hidden,
+                      bool shared) {
   scene *s = b->scene;
   const parts *p = &b->parts[mesh_index];
   share *sh = &b->share[b->shares++];
@@ -335,7 +395,12 @@ static void add_share(build *b, size_t mesh_index, const double *matrix, size_t 
                 .quad = s->quad_count,
                 .single = b->singles};
   normal_matrix(matrix, sh);
-  b->positions += s->mesh[mesh_index].positions;
+  const mesh *m = &s->mesh[mesh_index];
+  b->positions += m->positions * (m->steps && shared ? (size_t)m->steps : 1);
+  if (m->steps && shared) {
+    sh->moved = b->moved;
+    b->moved += 9 * (size_t)m->steps * m->triangles;
+  }
   s->quad_count += p->pairs;
   b->singles += p->singles;
 }
@@ -368,16 +433,21 @@ static bool share_out(build *b) {
     return false;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++)
     if (!is_reference(b, in))
-      add_share(b, in->mesh, in->matrix, (size_t)(in - s->instance), in->hidden);
+      add_share(b, in->mesh, in->matrix, (size_t)(in - s->instance), in->hidden, false);
   b->own = b->shares;
   b->own_quads = s->quad_count;
   b->own_singles = b->singles;
   for (size_t i = 0; i < s->meshes; i++)
     if (b->shared[i] != WORLD) {
       b->shared[i] = b->shares;
-      add_share(b, i, identity, 0, 0);
+      add_share(b, i, identity, 0, 0, true);
       find_bounds(&s->mesh[i], b->share[b->shared[i]].bounds);
     }
+  for (size_t i = 0; i < b->own; i++)
+    s->instance[b->share[i].object].base = b->share[i].position;
+  for (instance *in = s->instance; in < s->instance + s->instances; in++)
+    if (is_reference(b, in))
+      in->base = b->share[b->shared[in->mesh]].position;
   for (size_t i = 0; i < b->shares; i++) {
     const parts *p = &b->parts[b->share[i].mesh];
     b->chunk[i] = chunks;
@@ -391,6 +461,8 @@ static bool share_out(build *b) {
   b->quad = array(b, 4 * s->quad_count, sizeof *b->quad);
   b->single = array(b, 3 * b->singles, sizeof *b->single);
   s->triangle = array(b, s->triangle_count, sizeof *s->triangle);
+  if (b->moved && !(s->moved_normal = array(b, b->moved, sizeof *s->moved_normal)))
+    return false;
   if (is_veiled(s) && !(s->hidden = array(b, s->triangle_count, sizeof *s->hidden)))
     return false;
   if (is_stretched(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
@@ -432,6 +504,24 @@ static float reach_of(float bounds[2][3], const double matrix[12]) {
   return (float)largest;
 }
 
+/* Where meshes that change their shape are. */
+static bool build_deforms(build *b) {
+  scene *s = b->scene;
+  s->deform = b->moved ? array(b, s->meshes, sizeof *s->deform) : NULL;
+  for (size_t i = 0; s->deform && i < s->meshes; i++) {
+    const mesh *m = &s->mesh[i];
+    if (!m->steps || b->shared[i] == WORLD)
+      continue;
+    const share *sh = &b->share[b->shared[i]];
+    s->deform[i] = (deform){.steps = m->steps,
+                            .positions = (uint32_t)m->positions,
+                            .records = (uint32_t)m->triangles,
+                            .position = sh->position,
+                            .normal = sh->moved};
+  }
+  return !b->moved || s->deform;
+}
+
 /* The instances that refer to a share; number 0 is the world itself. */
 static bool build_placed(build *b) {
   scene *s = b->scene;
@@ -455,18 +545,53 @@ static bool build_placed(build *b) {
       continue;
     const share *of = &b->share[b->shared[in->mesh]];
     placed *p = &s->placed[s->placed_count++];
-    share own;
-    normal_matrix(in->matrix, &own);
     *p = (placed){.quad = 2 * (uint32_t)of->quad,
                   .single = (uint32_t)(2 * s->quad_count + of->single),
-                  .mirror = own.mirror,
+                  .singles = (uint32_t)b->parts[in->mesh].singles,
                   .object = (uint32_t)(in - s->instance),
                   .hidden = (uint32_t)in->hidden,
                   .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
-    scaled_matrix(own.normal, 3, p->normal);
-    p->scale = scaled_matrix(in->matrix, 4, p->linear);
+    world_place(in->matrix, p);
+    if (s->moves && in->motion.steps)
+      p->motion = &in->motion;
+    if (s->mesh[in->mesh].steps)
+      p->deform = &s->deform[in->mesh];
+    for (int k = 0; k < in->motion.steps; k++) {
+      float at[12];
+      double matrix[12];
+      motion_at(&in->motion, (float)k / (float)(in->motion.steps - 1), at);
+      for (int i = 0; i < 12; i++)
+        matrix[i] = (double)at[i];
+      p->reach = fmaxf(p->reach, reach_of(b->share[b->shared[in->mesh]].bounds, matrix));
+    }
+    s->timed = s->timed || p->motion || p->deform;
   }
   return true;
+}
+
+void world_place(const double matrix[12], placed *out) {
+  share own;
+  normal_matrix(matrix, &own);
+  out->mirror = own.mirror;
+  scaled_matrix(own.normal, 3, out->normal);
+  out->scale = scaled_matrix(matrix, 4, out->linear);
+}
+
+void world_object(const double m[12], object *out) {
+  share own;
+  normal_matrix(m, &own); /* the inverse's transpose times |determinant| */
+  double size = fabs(m[0] * own.normal[0] + m[1] * own.normal[1] + m[2] * own.normal[2]);
+  for (int r = 0; r < 3; r++) {
+    double moved = 0;
+    for (int c = 0; c < 3; c++) {
+      double part = size > 0 && isfinite(size) ? own.normal[3 * c + r] / size : 0.0;
+      out->inverse[4 * r + c] = (float)part;
+      moved -= part * m[4 * c + 3];
+    }
+    out->inverse[4 * r + 3] = (float)moved;
+  }
+  for (int k = 0; k < 12; k++)
+    out->matrix[k] = (float)m[k];
 }
 
 /* What nodes may ask of each instance. */
@@ -475,24 +600,10 @@ static bool build_objects(build *b) {
   s->object = array(b, s->instances, sizeof *s->object);
   for (size_t i = 0; s->object && i < s->instances; i++) {
     const instance *in = &s->instance[i];
-    const double *m = in->matrix;
     object *out = &s->object[i];
-    share own;
     *out = (object){.pass_index = (float)in->pass_index, .random = in->random};
     memcpy(out->color, in->color, sizeof out->color);
-    normal_matrix(m, &own); /* the inverse's transpose times |determinant| */
-    double size = fabs(m[0] * own.normal[0] + m[1] * own.normal[1] + m[2] * own.normal[2]);
-    for (int r = 0; r < 3; r++) {
-      double moved = 0;
-      for (int c = 0; c < 3; c++) {
-        double part = size > 0 && isfinite(size) ? own.normal[3 * c + r] / size : 0.0;
-        out->inverse[4 * r + c] = (float)part;
-        moved -= part * m[4 * c + 3];
-      }
-      out->inverse[4 * r + 3] = (float)moved;
-    }
-    for (int k = 0; k < 12; k++)
-      out->matrix[k] = (float)m[k];
+    world_object(in->matrix, out);
   }
   return s->object != NULL;
 }
@@ -506,10 +617,8 @@ static bool build_world(build *b) {
   parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
   for (size_t i = 0; s->soft_terminator && !s->curved && i < s->triangle_count; i++)
     s->curved = s->triangle[i].curved;
-  if (cancelled(b) || !build_placed(b))
+  if (cancelled(b) || !build_deforms(b) || !build_placed(b))
     return false;
-  for (size_t k = 0; k < s->layers; k++)
-    s->layer[k].placed = s->placed;
   return !s->identified || build_objects(b);
 }
 
@@ -533,6 +642,8 @@ static bool build_accel(build *b) {
     const share *sh = &b->share[b->own + i];
     part[i] =
         part_of(b, sh->quad, b->parts[sh->mesh].pairs, sh->single, b->parts[sh->mesh].singles);
+    part[i].steps = s->mesh[sh->mesh].steps;
+    part[i].stride = s->mesh[sh->mesh].positions;
   }
   accel_instance *next = reference;
   for (size_t i = 0; good && i < s->instances; i++)
@@ -541,6 +652,7 @@ static bool build_accel(build *b) {
       for (int k = 0; k < 12; k++)
         next->matrix[k] = (float)s->instance[i].matrix[k];
       next->hidden = (uint32_t)s->instance[i].hidden;
+      next->motion = s->moves && s->instance[i].motion.steps ? &s->instance[i].motion : NULL;
       next++;
     }
   accel_input input = {.positions = b->positions,
@@ -551,7 +663,8 @@ static bool build_accel(build *b) {
                        .part = part,
                        .instance = reference,
                        .quad_hidden = s->hidden,
-                       .triangle_hidden = s->hidden ? s->hidden + 2 * s->quad_count : NULL};
+                       .triangle_hidden = s->hidden ? s->hidden + 2 * s->quad_count : NULL,
+                       .timed = s->timed};
   s->accel = good ? accel_create(&input, s->threads, b->cancel, error, sizeof error) : NULL;
   if (good && !s->accel && error[0])
     message_error(b->log, "%s", error);

@@ -8,4 +8,8 @@
 /* False on failure, with the reason in `log`, or when *cancel became true. Times: mesh and bvh. */
 bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
 
+/* How directions come from a space into the world, and what nodes may ask of an object there. */
+void world_place(const double matrix[12], placed *out);
+void world_object(const double matrix[12], object *out);
+
 #endif

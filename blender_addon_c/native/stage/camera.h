@@ -2,6 +2,7 @@
 /* Sample positions to camera rays. */
 #include "batch/leaf.h"
 #include "render/sampling.h"
+#include "stage/aperture.h"
 #include "stage/stage.h"
 
 /* Every second bit of a Z-order number. */
@@ -79,20 +80,6 @@ static void stage_camera(size_t count, const camera_view *view, paths *restrict 
     camera_rays(false, true, count, view, path, ray);
   else
     camera_rays(false, false, count, view, path, ray);
-}
-
-/* A point of the aperture, of a width and height of 2: of the disc, or of a polygon whose corners
- * lie on its rim. Each side of that makes a triangle with the middle. */
-LEAF void lens_point(bool disc, float blades, float side, float across, float turned, float x,
-                     float y, float *a, float *b) {
-  float number = floor_small(x * blades);
-  float out = sqrtf(disc ? x : x * blades - number); /* evenly over the area */
-  float along = disc ? 0.0f : (2.0f * y - 1.0f) * across * out;
-  float away = disc ? out : side * out;
-  float angle = disc ? y : number / blades + turned, s, c;
-  turn(angle - floor_small(angle), &s, &c);
-  *a = away * c - along * s;
-  *b = away * s + along * c;
 }
 
 static void stage_lens(size_t count, const camera *camera, const shuffle *points,

@@ -190,7 +190,7 @@ static size_t stage_missed(size_t count, const uint32_t *restrict record, const 
   size_t found = 0;
   for (size_t i = 0; i < count; i++) {
     missed[found] = (uint32_t)i;
-    found += record[i] == RECORD_MISS;
+    found += (record[i] == RECORD_MISS) & (ray->tfar[i] >= 0.0f); /* else there was no ray */
   }
 #pragma omp simd
   for (size_t k = 0; k < found; k++) {

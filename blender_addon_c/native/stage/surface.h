@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hits to surface points: position, frame, direction to the eye. */
 #include "batch/leaf.h"
+#include "batch/valid.h"
 #include "stage/stage.h"
 
 /*
@@ -28,6 +29,7 @@ static void stage_corner(size_t count, const triangle *restrict triangles, const
     *(row8 *)(corner->row + 8 * i) = (1.0f - u - v) * row[0] + u * row[1] + v * row[2];
     corner->handed[i] = t->handed;
     corner->reach[i] = t->reach;
+    corner->outward[i] = t->mirrored ? -1.0f : 1.0f;
   }
 }
 
@@ -77,29 +79,9 @@ LEAF float least_seen(float facet) {
   return 0.5f * facet < GRAZING ? 0.5f * facet : GRAZING;
 }
 
-/* Height over the facet that the eye's mirror image is to have, where `facet` is the eye's. */
-LEAF float least_image(float facet) {
-  return 0.9f * facet < 0.01f ? 0.9f * facet : 0.01f;
-}
-
 /* Is the eye's mirror image by n too low over the facet, or, of a dump, the eye over n? */
 LEAF bool is_bent(bool valid, float seen, float facet, float along) {
   return valid ? 2.0f * seen * along - facet < least_image(facet) : seen < least_seen(facet);
-}
-
-/* n, turned towards the facet's normal as far as brings the mirror image of the eye up, as Cycles
- * does: it halves the angle between both in the plane of these normals. */
-LEAF vec3 valid_normal(vec3 n, vec3 flat, vec3 d, float facet, float along) {
-  vec3 side = {n.x - along * flat.x, n.y - along * flat.y, n.z - along * flat.z};
-  float length = sqrtf(dot(side, side));
-  if (!(length > 1e-6f) || !(facet > 1e-6f))
-    return n;
-  side = scaled(side, 1.0f / length);
-  float low = least_image(facet), eye = -dot(d, side);
-  float over = (facet - low) * (facet + low), image = sqrtf(eye * eye + over);
-  float x = eye < 0.0f ? over / (image - eye) : image + eye, z = facet + low;
-  n = (vec3){x * side.x + z * flat.x, x * side.y + z * flat.y, x * side.z + z * flat.z};
-  return scaled(n, 1.0f / sqrtf(dot(n, n)));
 }
 
 /* Along a smooth outline, and on smooth surfaces of few facets, normals turn away from the eye:
@@ -113,10 +95,13 @@ static __attribute__((noinline)) void bend_normals(size_t count, const rays *res
     vec3 own = load(&out->n, i), n = own, d = load(&ray->d, i), flat = load(&out->g, i);
     flat = scaled(flat, 1.0f / sqrtf(dot(flat, flat)));
     float facet = -dot(flat, d), along = dot(n, flat), least = least_seen(facet);
-    if (!is_bent(valid, -dot(n, d), facet, along))
-      continue;
-    if (valid)
+    if (!is_bent(valid, -dot(n, d), facet, along)) {
+      if (!(along < 0.0f))
+        continue;
+      n = scaled(n, -1.0f); /* nothing is lit that shines, what is matt by the other */
+    } else if (valid) {
       n = valid_normal(n, flat, d, facet, along);
+    }
     float seen = -dot(n, d);
     if (seen < least) {
       float bend = (least - seen) / ((facet > 1e-6f ? facet : 1e-6f) - least);
@@ -146,16 +131,19 @@ LEAF void surfaces_of(size_t count, const rays *restrict ray, const hits *restri
     float offset = SURFACE_OFFSET * (corner->reach[i] + fabsf(o.x) + fabsf(o.y) + fabsf(o.z) + far);
     store(&out->g, i, scaled(flat, offset));
 
-    /* interpolated normal, on the side of the facet's; opposite corner normals may cancel */
+    /* interpolated normal, turned to the eye as the facet's is, for a dump to the side of that;
+     * opposite corner normals may cancel */
     const float *row = &corner->row[8 * i];
     vec3 n = {row[0], row[1], row[2]};
     float n2 = dot(n, n);
     bool good = n2 > 1e-12f;
     n = select3(good, n, flat);
     float facing = dot(n, flat) < 0.0f ? -1.0f : 1.0f;
+    facing = (valid & good) ? back * corner->outward[i] : facing;
     n = scaled(n, facing / sqrtf(good ? n2 : 1.0f));
     out->side[i] = facing;
-    bent |= is_bent(valid, -dot(n, d), -dot(flat, d), dot(n, flat)) ? 1u : 0u;
+    float along = dot(n, flat);
+    bent |= (is_bent(valid, -dot(n, d), -dot(flat, d), along) | (along < 0.0f)) ? 1u : 0u;
     put_frame(row, n, d, i, out);
     out->u[i] = row[6];
     out->v[i] = row[7];

@@ -336,9 +336,9 @@ def many_shaders(scene):
     tree.links.new(last, tree.nodes["Material Output"].inputs["Surface"])
 
 
-def panoramic(scene):
+def blind(scene):
     plate(scene)
-    scene.camera.data.type = "PANO"
+    scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 0.0
 
 
 def flat_object(scene):
@@ -392,7 +392,7 @@ CASES = [
     broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
-    world_without_image, world_of_nothing, panoramic,
+    world_without_image, world_of_nothing, blind,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
 ]

@@ -76,6 +76,12 @@ def camera(scene, location=(0, 0, 4), rotation=(0, 0, 0), **settings):
     return scene.camera
 
 
+def cast_shadow(light, casts):
+    """A lamp's shadow: until 4.1 Cycles has a setting of its own."""
+    owner = light.cycles if hasattr(getattr(light, "cycles", None), "cast_shadow") else light
+    setattr(owner, "cast_shadow" if owner != light else "use_shadow", casts)
+
+
 def light(scene, kind="SUN", energy=3.0, size=0.0, **place):
     data = bpy.data.lights.new(kind.lower(), kind)
     data.energy = energy

@@ -332,10 +332,31 @@ def seen_by(chance, scene):
         chance.disturb(ob.data)
         chance.disturb(ob.data.dof)
     ob.data.type = chance.choice(["PERSP"] * 8 + ["ORTHO"] * 3 + ["PANO"])
+    if ob.data.type == "PANO":
+        chance.disturb(ob.data if hasattr(ob.data, "panorama_type") else ob.data.cycles)
     if chance.one_in(6):
         place(chance, ob)
     if chance.one_in(8):
         ob.data.dof.focus_object = ob
+
+
+def moving(chance, scene):
+    """Things are elsewhere, and other ones, while the shutter is open."""
+    render = scene.render
+    render.use_motion_blur, render.motion_blur_shutter = True, chance.choice([0.5, 1, 0.01, 100])
+    for ob in scene.objects:
+        if chance.one_in(2):
+            for frame in (1, 2):
+                for path in ("location", "rotation_euler", "scale"):
+                    ob.keyframe_insert(path, frame=frame)
+                place(chance, ob)
+        if chance.one_in(3) and ob.type == "MESH" and ob.data.vertices:
+            modifier = ob.modifiers.new("moves", chance.choice(["WAVE", "BUILD", "ARRAY", "CAST"]))
+            for name in ("time_offset", "frame_start", "factor", "count"):
+                if hasattr(modifier, name):
+                    setattr(modifier, name, int(chance.gauss(0, 3)))
+        chance.disturb(ob.cycles)
+        ob.cycles.motion_steps = chance.choice([1, 1, 2, 5])
 
 
 def settings(chance, scene):
@@ -354,6 +375,10 @@ def settings(chance, scene):
     render.threads_mode = chance.choice(["AUTO", "FIXED"])
     render.threads = chance.choice([1, 2, 64])
     render.use_multiview = chance.one_in(12)
+    if chance.one_in(4):
+        moving(chance, scene)
+    for ob in scene.objects if chance.one_in(6) else ():
+        ob.is_shadow_catcher, ob.is_holdout = chance.one_in(2), chance.one_in(4)
     if chance.one_in(3):
         for name in dir(layer):
             if name.startswith("use_pass_"):

@@ -63,7 +63,8 @@ def vary(k, scene, field, more, materials, world):
     scene.render.use_border = k % 6 == 0
     scene.render.border_max_x = 0.5
     bpy.context.view_layer.use_pass_normal = bpy.context.view_layer.use_pass_z = k % 5 == 0
-    scene.camera.data.type = "PANO" if (k + 1) % 10 == 0 else "PERSP"
+    blind = (k + 1) % 10 == 0
+    scene.camera.data.type, scene.camera.data.ortho_scale = ("ORTHO", 0.0) if blind else ("PERSP", 6.0)
     field.data.vertices[0].co.z = 0.001 * k
 
 

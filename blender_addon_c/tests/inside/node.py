@@ -3,6 +3,7 @@
 
 import os
 import sys
+from types import SimpleNamespace
 
 import bpy
 
@@ -41,10 +42,35 @@ def test_twins(node):
 
 
 def test_preview(node):
-    """Cycles' Principled BSDF, α = r²/a and r²·a with a² = 1 − 0.9 anisotropic, has our alphas."""
+    """Cycles' Anisotropic BSDF, α = r² (1 − a) and r²/(1 − a), a < 0: r²/(1 + a) and r² (1 + a), has our alphas."""
+    inner = node.node_tree.nodes
+    shader = inner["Anisotropic BSDF"]
+    for ax, ay in ((0.2, 0.1), (0.018, 0.45), (0.15, 0.15)):
+        node.ax, node.ay = ax, ay
+        r, a = (shader.inputs[n].default_value for n in ("Roughness", "Anisotropy"))
+        alphas = (r * r / (1 + a), r * r * (1 + a)) if a < 0 else (r * r * (1 - a), r * r / (1 - a))
+        assert near(alphas[0], ax) and near(alphas[1], ay), (alphas, ax, ay)
+        strokes = shader.inputs["Tangent"].links[0].from_socket.name
+        assert strokes == ("Tangent" if ax <= ay else "Strokes Across")
+    node.groove = "Y"
+    assert shader.inputs["Tangent"].links[0].from_socket.name == "Strokes Across"
+    node.groove, node.kd, node.distribution = "AUTO", (0.1, 0.2, 0.3), "GGX"
+    assert [near(a, b) for a, b in zip(inner["Diffuse BSDF"].inputs["Color"].default_value, (0.1, 0.2, 0.3))]
+    assert shader.distribution == "GGX" and shader.inputs["Tangent"].links[0].from_socket.name == "Tangent"
+    node.kd, node.distribution, node.fresnel = (0, 0, 0), "ASHIKHMIN_SHIRLEY", "CONDUCTOR"
+    color = inner["Color"].inputs["Color1"]
+    assert not color.is_linked and near(color.default_value[0], (0.25 + 9) / (2.25 + 9))
+    node.fresnel = "SCHLICK"
+    assert color.is_linked and shader.distribution == "ASHIKHMIN_SHIRLEY"
+    assert [g.name for g in bpy.data.node_groups if g.get("libshade_groove")] == ["Libshade Groove"]
+
+
+def test_old_files(node):
+    """A node of a file with a Principled BSDF inside keeps it."""
+    tree = node.node_tree = bpy.data.node_groups.new("old", "ShaderNodeTree")
+    principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
     for ax, ay in ((0.2, 0.1), (0.1, 0.2), (0.15, 0.15)):
         node.ax, node.ay = ax, ay
-        principled = node.node_tree.nodes["Principled BSDF"]
         roughness, anisotropic, rotation = (principled.inputs[n].default_value for n in (
             "Roughness", "Anisotropic", "Anisotropic Rotation"))
         aspect = (1 - 0.9 * anisotropic) ** 0.5
@@ -52,12 +78,101 @@ def test_preview(node):
         if rotation:
             alphas = alphas[::-1]
         assert near(alphas[0], ax) and near(alphas[1], ay), (alphas, ax, ay)
+    tree.nodes.clear()
+    node.ax = 0.3  # someone has been inside: nothing to do
+
+
+def test_metals():
+    """Each preset is what it is called, as a person would tell it; turned ones have a round grain."""
+    _material, tree, node = common.metal("presets")
+    nodes = sys.modules[f"{common.MODULE}.nodes"]
+    words = [item.identifier for item in bpy.ops.libshade.metal_preset.get_rna_type().properties["preset"].enum_items]
+    assert len(words) == 18 and "BRUSHED_STEEL" in words
+    color, alphas = {}, {}
+    for word in words:
+        nodes.apply_preset(node, word)
+        color[word], alphas[word] = tuple(node.inputs["Color"].default_value)[:3], (node.ax, node.ay)
+        assert all(0.3 < c <= 1 for c in color[word]) or "GOLD" in word or "COPPER" in word or "BRASS" in word, word
+        tangents = [n for n in tree.nodes if n.bl_idname == "ShaderNodeTangent"]
+        assert len(tangents) == node.inputs["Tangent"].is_linked == ("TURNED" in word), word
+        assert not tangents or tangents[0].direction_type == "RADIAL"
+    for word, (ax, ay) in alphas.items():
+        ratio = max(ax, ay) / min(ax, ay)
+        assert ratio < 1.2 if "SCRATCHED" in word else ratio > 2, (word, ax, ay)
+        assert "SCRATCHED" in word or ax < ay  # smooth along the strokes
+    r, g, b = color["BRUSHED_GOLD"]
+    assert r > 1.1 * g > 1.5 * b, (r, g, b)
+    r, g, b = color["TURNED_COPPER"]
+    assert r > g > b and r > 1.3 * g
+    assert max(color["SCRATCHED_ALUMINIUM"]) < 1.1 * min(color["SCRATCHED_ALUMINIUM"])
+    # a tangent of the author's own stays
+    own = tree.nodes.new("ShaderNodeTangent")
+    tree.links.new(own.outputs[0], node.inputs["Tangent"])
+    for word in ("TURNED_BRASS", "BRUSHED_BRASS"):
+        nodes.apply_preset(node, word)
+        assert node.inputs["Tangent"].links[0].from_node == own
+    with bpy.context.temp_override(node=node):
+        assert bpy.ops.libshade.metal_preset(preset="BRUSHED_TITANIUM") == {"FINISHED"}
+    assert near(node.ax, alphas["BRUSHED_TITANIUM"][0])
+    assert not bpy.ops.libshade.metal_preset.poll()
+
+
+class Layout:
+    """Takes what a panel draws; a property that is not there is an error."""
+
+    def __init__(self, drawn):
+        self.drawn = drawn
+
+    def prop(self, owner, name, **_text):
+        assert hasattr(owner, name), (owner, name)
+        self.drawn.append(name)
+
+    def operator(self, _name, text=""):
+        self.drawn.append(text)
+        return SimpleNamespace()
+
+    def column(self, **_settings):
+        return Layout(self.drawn)
+
+
+def drawn_by(panel, **context):
+    drawn = []
+    known = SimpleNamespace(layout=Layout(drawn))
+    for name in ("of", "settings"):
+        if hasattr(panel, name):
+            setattr(known, name, getattr(panel, name))
+    panel.draw(known, SimpleNamespace(**context))
+    return drawn
+
+
+def test_panels_and_menus():
+    """Panels have this Blender's names for what they show; the menu has the engine's shaders."""
+    common.empty_scene()
+    panels, menus = (sys.modules[f"{common.MODULE}.{name}"] for name in ("panels", "menus"))
+    camera = bpy.data.cameras.new("camera")
+    camera.type = "PANO"
+    settings = camera if hasattr(camera, "panorama_type") else camera.cycles
+    counts = []
+    for kind in ("EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT", "FISHEYE_EQUISOLID", "FISHEYE_LENS_POLYNOMIAL", "MIRRORBALL"):
+        settings.panorama_type = kind
+        counts.append(len(drawn_by(panels.DATA_PT_libshade_panorama, camera=camera)))
+    assert counts == [5, 2, 3, 7, 1], counts
+    ob, world = bpy.data.objects.new("object", None), bpy.data.worlds.new("world")
+    assert drawn_by(panels.OBJECT_PT_libshade_visibility, object=ob) == [
+        "visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow",
+        "is_holdout", "is_shadow_catcher"]
+    assert drawn_by(panels.WORLD_PT_libshade_visibility, world=world)[:4] == ["camera", "diffuse", "glossy", "transmission"]
+    labels = drawn_by(menus.NODE_MT_libshade_shaders)
+    assert labels[:3] == ["Material Output", "Mix Shader", "Add Shader"] and len(labels) > 12
+    assert {"Principled BSDF", "Diffuse BSDF", "Emission", "Glass BSDF"} < set(labels)
+    # 3.4 hides its own under our engine, 5.0 does not
+    assert menus._hides_shaders() == (bpy.app.version < (4, 0))
 
 
 def test_copies(material, node):
     """A copy's settings are its own, those of the node inside too, whichever is changed."""
     def inside(node):
-        return node.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value
+        return node.node_tree.nodes["Anisotropic BSDF"].inputs["Roughness"].default_value
 
     other = material.copy().node_tree.nodes[node.name]
     before = inside(node)
@@ -132,9 +247,12 @@ material.use_fake_user = True
 test_sockets(node)
 test_twins(node)
 test_preview(node)
+test_old_files(common.metal("old")[2])
 test_copies(material, node)
 test_convert(test_save_and_load(blend))
 test_fabric()
+test_metals()
+test_panels_and_menus()
 test_disable_and_enable()
 print("all asserted")
 common.finish()

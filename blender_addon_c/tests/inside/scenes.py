@@ -49,7 +49,7 @@ def lights(options):
     near = common.light(scene, "POINT", 100, location=(1, 1, 2))
     near.data.color = (0.2, 0.4, 1)
     hidden = common.light(scene, "POINT", 50, location=(-3, 0, 0.5))
-    hidden.data.use_shadow = options["shadow"]
+    common.cast_shadow(hidden.data, options["shadow"])
     common.render(options["picture"])
     return {}
 
@@ -211,23 +211,22 @@ def color(options):
 
 
 def cycles(options):
-    """A ball of metal in Cycles: by our node, by its plain group, or by a Principled BSDF."""
+    """A ball of metal in Cycles: by our node, by its plain group, or by an Anisotropic BSDF."""
     scene = common.empty_scene(48, 48)
-    if options["converted"] == "principled":
+    if options["converted"] == "anisotropic":
         material = bpy.data.materials.new("metal")
         tree = common.tree_of(material)
-        node = tree.nodes["Principled BSDF"]
-        node.inputs["Metallic"].default_value = 1
-        node.inputs["Roughness"].default_value = 0.4
-        node.inputs["Anisotropic"].default_value = (1 - 0.08 / 0.32) / 0.9
+        tree.nodes.clear()
+        node, output = tree.nodes.new("ShaderNodeBsdfAnisotropic"), tree.nodes.new("ShaderNodeOutputMaterial")
+        node.distribution = "ASHIKHMIN_SHIRLEY"
+        node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.4, -0.5
         tangent = tree.nodes.new("ShaderNodeTangent")
         tangent.direction_type = "UV_MAP"
         tree.links.new(tangent.outputs["Tangent"], node.inputs["Tangent"])
-        color = node.inputs["Base Color"]
+        tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
     else:
-        material, tree, node = common.metal(ax=0.32, ay=0.08)
-        color = node.inputs["Color"]
-    color.default_value = (0.9, 0.6, 0.3, 1)
+        material, tree, node = common.metal(ax=0.32, ay=0.08, fresnel="NONE")
+    node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
     if options["converted"] is True:
         bpy.ops.libshade.convert_to_group(all_materials=True)
     bpy.ops.mesh.primitive_uv_sphere_add()
@@ -298,13 +297,168 @@ def suzanne(options):
     return {}
 
 
-def panoramic(options):
+def _in_cycles(scene, samples):
+    """The same scene by Cycles: no denoising, no clamping, all samples."""
+    scene.render.engine = "CYCLES"
+    settings = scene.cycles
+    settings.use_denoising = settings.use_adaptive_sampling = False
+    settings.samples, settings.blur_glossy, settings.sample_clamp_indirect = samples, 0, 0
+    settings.pixel_filter_type = "BOX"
+
+
+def _matt(name, *color):
+    material = bpy.data.materials.new(name)
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    shader.inputs["Color"].default_value = (*color, 1)
+    tree.links.new(shader.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return material
+
+
+def _key(owner, path, *values):
+    """Straight from one value to the next, frame by frame from 1 on."""
+    for frame, value in enumerate(values):
+        setattr(owner, path, value)
+        owner.keyframe_insert(path, frame=1 + frame)
+    action = owner.id_data.animation_data.action
+    curves = action.layers[0].strips[0].channelbags[0].fcurves if hasattr(action, "layers") and action.layers else action.fcurves
+    for curve in curves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def _moving_camera(scene):
+    _key(scene.camera, "location", (0, -6, 2.4), (0.3, -6, 2.4), (0.9, -5.6, 2.4))
+    _key(scene.camera, "rotation_euler", (1.2, 0, 0), (1.2, 0, 0), (1.2, 0.1, 0.2))
+
+
+def _zooming_camera(scene):
+    _key(scene.camera.data, "lens", 50, 50, 40)
+
+
+def _moving_object(scene):
+    bpy.ops.mesh.primitive_cube_add(size=1.6)
+    cube = common.added(_matt("cube", 0.8, 0.3, 0.1))
+    cube.scale = (1, 0.6, 1.2)
+    _key(cube, "location", (0, 0, 0.9), (0.2, 0, 0.9), (1, 0, 1.1))
+    _key(cube, "rotation_euler", (0, 0, 0), (0.3, 0, 0), (0.3, 0.4, 2.6))
+    still = bpy.data.objects.new("still", cube.data)
+    still.location = (-1.6, 0, 1)
+    scene.collection.objects.link(still)
+
+
+def _moving_shape(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12)
+    ball = common.added(_matt("ball", 0.3, 0.7, 0.2))
+    common.smooth(ball.data)
+    ball.location = (0, 0, 1)
+    ball.shape_key_add(name="basis")
+    other = ball.shape_key_add(name="other")
+    for point in other.data:
+        x, y, z = point.co
+        point.co = (1.6 * x + 0.5 * z, y, 0.6 * z)
+    _key(other, "value", 0.0, 0.2, 1.0)
+
+
+def _no_motion(scene):
+    """What asks for blur and cannot have it."""
+    import math
+    bpy.ops.mesh.primitive_cube_add(size=1.0)
+    cube = common.added(_matt("cube", 0.8, 0.3, 0.1))
+    _key(cube, "scale", (1, 1, 1), (1, 1, 1), (0, 0, 0))
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    grown = common.added(_matt("grown", 0.8, 0.3, 0.1))
+    modifier = grown.modifiers.new("array", "ARRAY")
+    _key(modifier, "count", 1, 2, 3)
+    wave = grown.modifiers.new("wave", "WAVE")
+    wave.time_offset = -10
+    far = bpy.data.objects.new("far", cube.data)
+    scene.collection.objects.link(far)
+    _key(far, "location", (0, 0, 0), (0, 0, 0), (1e30, math.inf, math.nan))
+
+
+def moving(options):
+    """One thing that moves over a floor under a sun and a lamp, from frame 2 to 3."""
+    scene = common.empty_scene(64, 48, samples=options["samples"])
+    scene.render.film_transparent = False
+    common.plane(_matt("floor", 0.5, 0.5, 0.5), 12)
+    common.camera(scene, (0, -6, 2.4), (1.2, 0, 0))
+    common.light(scene, rotation=(0.7, 0.3, 0), energy=2.0, size=0.2)
+    data = scene.camera.data
+    if "panorama" in options:
+        data.type = "PANO"
+        for name, value in options["panorama"].items():
+            setattr(data if hasattr(data, "panorama_type") else data.cycles, name, value)
+    if "lens" in options:
+        data.dof.use_dof = True
+        for name, value in options["lens"].items():
+            setattr(data.dof, name, value)
+    for what in options["what"]:
+        globals()[f"_{what}"](scene)
+    render = scene.render
+    render.use_motion_blur, render.motion_blur_shutter = options.get("blur", True), options.get("shutter", 1.0)
+    owner = scene.cycles if hasattr(scene.cycles, "motion_blur_position") else render
+    owner.motion_blur_position = options.get("position", "START")
+    for ob in scene.objects:
+        for name, value in options.get("object", {}).items():
+            setattr(ob.cycles, name, value)
+    if "curve" in options:
+        points = render.motion_blur_shutter_curve.curves[0].points
+        for point, place in zip(points, options["curve"]):
+            point.location = place
+        render.motion_blur_shutter_curve.update()
+    scene.frame_set(options.get("frame", 2))
+    scene.libshade.max_bounces = 4
+    if "passes" in options:
+        common.write_multilayer(scene)
+        common.ask_for(scene.view_layers[0], options["passes"])
+    if options["engine"] == "CYCLES":
+        _in_cycles(scene, options["samples"])
+        scene.cycles.max_bounces = 4
+    common.render(options["picture"])
+    return {"frame": scene.frame_current}
+
+
+def blind(options):
     """Only saves the file: a plane before a camera that cannot be rendered."""
     scene = common.empty_scene(16, 16)
     common.plane(common.metal()[0])
-    common.camera(scene, type="PANO")
+    common.camera(scene, type="ORTHO", ortho_scale=0.0)
     bpy.ops.wm.save_as_mainfile(filepath=options["save"])
     return {}
+
+
+def around(options):
+    """A ball that shines as its direction says, 2 more, and a camera that sees around in it."""
+    scene = common.empty_scene(options.pop("width"), options.pop("height"), samples=1)
+    engine, kind, path = (options.pop(name) for name in ("engine", "kind", "picture"))
+    scene.render.film_transparent = False
+    material = bpy.data.materials.new("direction")
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    place, to, unit, more = tree.nodes.new("ShaderNodeNewGeometry"), *(
+        tree.nodes.new("ShaderNodeVectorMath") for _ in range(3))
+    to.operation, unit.operation = "SUBTRACT", "NORMALIZE"
+    to.inputs[1].default_value, more.inputs[1].default_value = (1, 2, 3), (2, 2, 2)
+    shine, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
+    for source, target in ((place.outputs["Position"], to), (to.outputs[0], unit), (unit.outputs[0], more),
+                           (more.outputs[0], shine), (shine.outputs[0], out)):
+        tree.links.new(source, target.inputs[0])
+    bpy.ops.mesh.primitive_cube_add(size=20, location=(1, 2, 3))
+    common.added(material)
+    data = common.camera(scene, (1, 2, 3), (1.0, 0.3, -0.4), type="PANO").data
+    settings = data if hasattr(data, "panorama_type") else data.cycles
+    settings.panorama_type = kind
+    for name, value in options.items():
+        setattr(settings if hasattr(settings, name) else data, name, value)
+    if engine == "CYCLES":
+        _in_cycles(scene, 1)
+    for settings in scene.cycles, scene.libshade:
+        settings.pixel_filter_type, settings.filter_width = "BLACKMAN_HARRIS", 0.01
+    common.render(path)
+    return {}
+
 
 # ---- one plain scene; each change is one thing that Blender says, and that the renderer must read
 
@@ -891,7 +1045,8 @@ def grooves(options):
     scene.libshade.groove_transport = options["transport"]
     exponents = [2 / (0.25 * by) ** 2 - 2 for by in (0.4, 1 / 0.4)]
     material, tree, node = common.metal(distribution="ASHIKHMIN_SHIRLEY", brdf="ASHIKHMIN_SHIRLEY", fresnel="NONE",
-                                        detail=options["detail"] or "ROTATE", ex=exponents[0], ey=exponents[1])
+                                        detail=options["detail"] or "ROTATE", ex=exponents[0], ey=exponents[1],
+                                        **({} if options["transport"] else {"horizon": "VALID_REFLECTION"}))
     if not options["detail"]:
         tree.nodes.remove(node)
         node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
@@ -911,6 +1066,18 @@ def grooves(options):
     return {}
 
 
+def bump_of(tree, bump):
+    """A colour as a normal map, or ("vector", x, y, z)."""
+    if bump[0] == "vector":
+        node = tree.nodes.new("ShaderNodeCombineXYZ")
+        for socket, number in zip(node.inputs, bump[1:]):
+            socket.default_value = number
+    else:
+        node = tree.nodes.new("ShaderNodeNormalMap")
+        node.inputs["Color"].default_value = (*bump, 1)
+    return node.outputs[0]
+
+
 def shaded(case):
     """A material of one shader: its node and inputs, or a pair of such and how they are combined."""
     material = bpy.data.materials.new(case["name"])
@@ -920,10 +1087,13 @@ def shaded(case):
     for shader in case["shaders"]:
         node = tree.nodes.new(shader["node"])
         for key, value in shader.get("set", {}).items():
-            setattr(node, key, value)
+            if hasattr(node, key):
+                setattr(node, key, value)
         for key, value in shader.get("inputs", {}).items():
             if key in node.inputs:  # some have other names in another version
                 node.inputs[key].default_value = value
+        if shader.get("bump"):
+            tree.links.new(bump_of(tree, shader["bump"]), node.inputs["Normal"])
         if shader.get("grooved"):
             tangent = tree.nodes.new("ShaderNodeTangent")
             tangent.direction_type = "RADIAL" if shader["grooved"] in "XYZ" else "UV_MAP"
@@ -982,6 +1152,7 @@ def balls(options):
         common.plane(floor, 2 * len(cases)).location = (0, -len(cases), -0.5)
     common.camera(scene, type="ORTHO", ortho_scale=len(cases))
     settings = scene.libshade
+    settings.groove_transport = False
     if options["engine"] == "CYCLES":
         scene.render.engine = "CYCLES"
         settings = scene.cycles
@@ -1155,6 +1326,183 @@ def hide(scene, hidden):
                 setattr(things[0], f"visible_{kind}", False)
 
 
+def holes(options):
+    """A row of plates before a matt wall, and what leaves holes: an object, a collection, shaders, alpha."""
+    scene = common.empty_scene(96, 24, samples=options["samples"])
+    scene.render.film_transparent = options["transparent"]
+    scene.world = bpy.data.worlds.new("world")
+    common.tree_of(scene.world).nodes["Background"].inputs["Color"].default_value = (0.3, 0.4, 0.5, 1)
+    common.plane(_matt("wall", 0.7, 0.2, 0.2), 3).location = (-2, 0, -1)
+    common.light(scene, rotation=(0.6, 0.3, 0), energy=2.0, size=0.1)
+    collection = bpy.data.collections.new("held")
+    scene.collection.children.link(collection)
+    for column, kind in enumerate(("object", "collection", "shader", "half", "alpha", "mirror")):
+        material = bpy.data.materials.new(kind)
+        tree = common.tree_of(material)
+        tree.nodes.clear()
+        mix, out = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeOutputMaterial")
+        mix.inputs[0].default_value = {"half": 0.5, "alpha": 0.3}.get(kind, 1.0 if kind == "shader" else 0.0)
+        body = tree.nodes.new("ShaderNodeBsdfGlossy" if kind == "mirror" else "ShaderNodeBsdfDiffuse")
+        body.inputs[0].default_value = (0.2, 0.6, 0.3, 1)
+        tree.links.new(body.outputs[0], mix.inputs[1])
+        other = tree.nodes.new("ShaderNodeBsdfTransparent" if kind == "alpha" else "ShaderNodeHoldout")
+        tree.links.new(other.outputs[0], mix.inputs[2])
+        tree.links.new(mix.outputs[0], out.inputs["Surface"])
+        ob = common.plane(material, 0.8)
+        ob.location = (column - 2.5, 0, 0)
+        ob.is_holdout = kind in ("object", "alpha", "mirror")
+        if kind == "collection":
+            scene.collection.objects.unlink(ob)
+            collection.objects.link(ob)
+    bpy.context.view_layer.layer_collection.children["held"].holdout = True
+    mirror = common.plane(_glossy("floor"), 8)  # sees them all as they are
+    mirror.location, mirror.rotation_euler = (0, -0.5, 0), (-1.2, 0, 0)
+    common.camera(scene, type="ORTHO", ortho_scale=6)
+    if options["engine"] == "CYCLES":
+        _in_cycles(scene, options["samples"])
+    for settings in scene.cycles, scene.libshade:
+        settings.max_bounces = 4
+    common.render(options["picture"])
+    return {}
+
+
+def _glossy(name):
+    material = _matt(name, 0, 0, 0)
+    tree = material.node_tree
+    shader = tree.nodes.new("ShaderNodeBsdfGlossy")
+    shader.inputs["Color"].default_value, shader.inputs["Roughness"].default_value = (0.8, 0.8, 0.8, 1), 0.2
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    return material
+
+
+def hairy(options):
+    """Thin things over a floor: hair of particles, curves, points, each alone."""
+    scene = common.empty_scene(64, 48, samples=options["samples"])
+    scene.render.film_transparent = False
+    scene.world = bpy.data.worlds.new("world")
+    common.tree_of(scene.world).nodes["Background"].inputs["Color"].default_value = (0.4, 0.4, 0.4, 1)
+    common.plane(_matt("floor", 0.5, 0.5, 0.5), 12)
+    common.light(scene, rotation=(0.7, 0.3, 0), energy=2.0, size=0.2)
+    scene.cycles_curves.shape = "THICK"  # ribbons show nothing to who looks along them
+    globals()[f"_{options['what']}"](scene)
+    if options["what"] == "curves" and options.get("broken"):
+        data = scene.objects["curves"].data
+        data.points.foreach_set("position", np.tile(np.float32([np.nan, 1e30, 0, 0, 0, 1]), 90))
+        data.attributes["radius"].data.foreach_set("value", np.tile(np.float32([np.nan, -1, np.inf, 0.1]), 45))
+        common.link(scene, "flat", data).scale = (0, 1, 1)
+        common.link(scene, "nothing", bpy.data.hair_curves.new("nothing"))
+    common.camera(scene, (0, -6, 2.4), (1.2, 0, 0))
+    if options["engine"] == "CYCLES":
+        _in_cycles(scene, options["samples"])
+    for settings in scene.cycles, scene.libshade:
+        settings.max_bounces = 4
+    scene.libshade.soft_terminator = True
+    common.render(options["picture"])
+    return {}
+
+
+def _hair(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8, location=(0, 0, 1), scale=(0.8, 0.8, 0.8))
+    ball = common.added(_matt("ball", 0.1, 0.1, 0.4))
+    ball.data.materials.append(_matt("hair", 0.8, 0.4, 0.1))
+    ball.modifiers.new("hair", "PARTICLE_SYSTEM")
+    settings = ball.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length, settings.hair_step = "HAIR", 60, 0.7, 4
+    settings.root_radius, settings.tip_radius, settings.radius_scale, settings.shape = 1.0, 0.3, 0.12, -0.3
+    settings.material = 2
+    settings.emit_from, settings.use_emit_random, settings.use_modifier_stack = "VERT", False, False
+
+
+def _curves(scene):
+    data = bpy.data.hair_curves.new("curves")  # from 3.5 on
+    data.add_curves([6] * 30)
+    rng = np.random.default_rng(3)
+    steps = rng.normal(0, 0.15, (30, 6, 3)) + (0, 0, 0.25)
+    points = np.cumsum(steps, 1) + np.stack([rng.uniform(-1.8, 1.8, 30), rng.uniform(-1, 1, 30), 0 * steps[:, 0, 0]], -1)[:, None]
+    data.points.foreach_set("position", points.astype(np.float32).ravel())
+    radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+    radius.data.foreach_set("value", np.tile(np.linspace(0.05, 0.02, 6), 30).astype(np.float32))
+    data.materials.append(_matt("hair", 0.8, 0.4, 0.1))
+    common.link(scene, "curves", data).scale = (1, 1, 1.2)
+
+
+def _points(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=10, ring_count=6, location=(0, 0, 1))
+    ball = common.added(None)
+    tree = bpy.data.node_groups.new("points", "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, end, points, shade = (tree.nodes.new(kind) for kind in (
+        "NodeGroupInput", "NodeGroupOutput", "GeometryNodeMeshToPoints", "GeometryNodeSetMaterial"))
+    points.inputs["Radius"].default_value = 0.13
+    shade.inputs["Material"].default_value = _matt("points", 0.8, 0.4, 0.1)
+    for source, target in ((start.outputs[0], points.inputs[0]), (points.outputs[0], shade.inputs[0]), (shade.outputs[0], end.inputs[0])):
+        tree.links.new(source, target)
+    ball.modifiers.new("points", "NODES").node_group = tree
+    ball.scale = (1.3, 1, 0.8)
+
+
+def linked(options):
+    """Three balls and a floor; a lamp for the first ball, one for all but the second, and one for all."""
+    scene = common.empty_scene(64, 24, samples=options["samples"])
+    scene.render.film_transparent = False
+    common.plane(_matt("floor", 0.5, 0.5, 0.5), 12)
+    balls = []
+    for x in (-1.6, 0, 1.6):
+        bpy.ops.mesh.primitive_uv_sphere_add(location=(x, 0, 0.7), radius=0.7)
+        balls.append(common.added(_matt("ball", 0.6, 0.6, 0.6)))
+        common.smooth(balls[-1].data)
+    for color, place, ball, state in (((1, 0.1, 0.1), (-3, -2, 3), balls[0], "INCLUDE"),
+                                      ((0.1, 1, 0.1), (3, -2, 3), balls[1], "EXCLUDE"), ((0.1, 0.1, 1), (0, -3, 3), None, "")):
+        lamp = common.light(scene, "POINT", 200, options["radius"], location=place)
+        lamp.data.color = color
+        if ball:
+            collection = bpy.data.collections.new("receivers")
+            collection.objects.link(ball)
+            collection.collection_objects[0].light_linking.link_state = state
+            lamp.light_linking.receiver_collection = collection
+    for k in range(options["more"]):  # so many that each sample takes one of them
+        common.light(scene, "POINT", 5, location=(k, 2, 2))
+    common.camera(scene, (0, -6, 2), (1.25, 0, 0), lens=40)
+    if options["engine"] == "CYCLES":
+        _in_cycles(scene, options["samples"])
+    for settings in scene.cycles, scene.libshade:
+        settings.max_bounces = 3
+    common.render(options["picture"])
+    return {}
+
+
+def caught(options):
+    """A ball and a cube on a floor that catches their shadows, beside a wall that does, too."""
+    scene = common.empty_scene(64, 48, samples=options["samples"])
+    scene.render.film_transparent = options["transparent"]
+    scene.world = bpy.data.worlds.new("world")
+    common.tree_of(scene.world).nodes["Background"].inputs["Color"].default_value = (0.3, 0.4, 0.5, 1)
+    floor = common.plane(_matt("floor", 0.5, 0.4, 0.3), 3)
+    floor.is_shadow_catcher = True
+    wall = common.plane(_matt("wall", 0.5, 0.5, 0.5), 3)
+    wall.location, wall.rotation_euler, wall.is_shadow_catcher = (0, 1.5, 1), (1.57, 0, 0), True
+    bpy.ops.mesh.primitive_uv_sphere_add(location=(-0.6, 0, 0.6), radius=0.6)
+    common.smooth(common.added(_matt("ball", 0.8, 0.3, 0.1)).data)
+    bpy.ops.mesh.primitive_cube_add(size=0.7, location=(0.8, -0.2, 0.35))
+    common.added(_matt("cube", 0.2, 0.6, 0.2))
+    common.light(scene, rotation=(0.7, 0.4, 0), energy=2.0, size=0.2)
+    common.camera(scene, (0, -6, 2.4), (1.2, 0, 0))
+    if options["engine"] == "CYCLES":
+        _in_cycles(scene, options["samples"])
+    for settings in scene.cycles, scene.libshade:
+        settings.max_bounces = 4
+    common.write_multilayer(scene)
+    for settings in scene.view_layers[0].cycles, scene.view_layers[0].libshade:
+        settings.use_pass_shadow_catcher = options["apart"]
+    common.render(options["picture"])
+    return {}
+
+
 def panes(kinds):
     """Sheets between the floor and the light, one above the other, some before the eye as well."""
     for number, kind in enumerate(kinds):
@@ -1283,7 +1631,7 @@ def penumbra(options):
         light = common.light(scene, "SUN", 1, size=options["size"])
     else:
         light = common.light(scene, "POINT", 100, size=options["size"], location=(0, 0, 4))
-    light.data.use_shadow = options["shadow"]
+    common.cast_shadow(light.data, options["shadow"])
     common.camera(scene, (0, 0, 0.5), type="ORTHO", ortho_scale=1.0)
     common.render(options["picture"])
     return {}

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender draws by points: hair of particles and curves as tubes, points as balls. They are as thick as in
+Cycles in the mean over all sides; its ribbons turn to each ray instead."""
+
+from collections import namedtuple
+
+import bpy
+import numpy as np
+
+from .layers import read
+
+# points: one after the other; radii of these; ends: behind the last point of each; root: a UV of each, or None
+Strands = namedtuple("Strands", "points radii ends roots")
+
+_MANY = 1_000_000  # triangles from which on tubes have fewer sides, three at last and no more rings than points
+_TRIANGLES = np.int32([[0, 1, 2], [0, 2, 3]])
+
+
+def of_curves(data):
+    """Of a Curves object: its control points."""
+    count = len(data.points)
+    points = read(data.points, "position", 3).reshape(-1, 3)
+    radius = data.attributes.get("radius")
+    if radius and radius.domain == "POINT" and radius.data_type == "FLOAT":
+        radii = read(radius.data, "value", 1)
+    else:
+        radii = np.full(count, 0.005, np.float32)  # as Cycles
+    lengths = read(data.curves, "points_length", 1, np.int32)
+    return Strands(points, radii, np.cumsum(lengths), None)
+
+
+def hairs(ob):
+    """(modifier, particle system) of each that is drawn as hair."""
+    for modifier in ob.modifiers:
+        if modifier.type == "PARTICLE_SYSTEM" and modifier.show_render:
+            settings = modifier.particle_system.settings
+            if settings.type == "HAIR" and settings.render_type == "PATH":
+                yield modifier, modifier.particle_system
+
+
+def of_hair(ob, modifier, system):
+    """Of a particle system: children, else their parents, as long as they are."""
+    settings = system.settings
+    parents, children = len(system.particles), len(system.child_particles)
+    first = parents if settings.child_type != "NONE" and children else 0
+    last = parents + (children if first else 0)
+    steps = (1 << settings.render_step) + 1 + (settings.kink_extra_steps if settings.kink == "SPIRAL" else 0)
+    points = np.empty((last - first, steps, 3))
+    for strand in range(first, last):
+        for step in range(steps):
+            points[strand - first, step] = system.co_hair(ob, particle_no=strand, step=step)
+    roots = None
+    if ob.type == "MESH" and ob.data.uv_layers and parents:
+        any_ = system.particles[0]
+        roots = np.float32([system.uv_on_emitter(modifier, particle=system.particles[k] if k < parents else any_,
+                                                 particle_no=k, uv_no=0) for k in range(first, last)])
+    place = np.linalg.pinv(np.array(ob.matrix_world, float))
+    points = points @ place[:3, :3].T + place[:3, 3]
+    steps_long = np.linalg.norm(np.diff(points, axis=1), axis=2)
+    along = np.concatenate([np.zeros((len(points), 1)), np.cumsum(steps_long, 1)], 1)
+    there = along[:, -1] > 0
+    along, points, roots = along[there] / along[there, -1:], points[there], roots[there] if roots is not None else None
+    left = 1.0 - along
+    if settings.shape:
+        left = left ** (1 + settings.shape if settings.shape < 0 else 1 / max(1 - settings.shape, 1e-6))
+    root, tip = (0.5 * settings.radius_scale * radius for radius in (settings.root_radius, settings.tip_radius))
+    radii = left * (root - tip) + tip
+    if settings.use_close_tip:
+        radii[:, -1] = 0
+    return Strands(points.reshape(-1, 3).astype(np.float32), radii.ravel().astype(np.float32),
+                   np.arange(1, len(points) + 1) * steps, roots)
+
+
+def even_size(matrix):
+    """By how much an object's matrix scales what stays round, as Cycles has it."""
+    return float(abs(np.linalg.det(np.array(matrix, float)[:3, :3])) ** (1 / 3))
+
+
+def tubes(strands, matrix, owner, material):
+    """Their surface as a mesh of the native module, round where its object stands; None without any."""
+    points, radii, ends = _good(strands)
+    to_world = np.array(matrix, float)[:3, :3]
+    if not np.isfinite(to_world).all() or not even_size(matrix) > 1e-12:
+        to_world = np.eye(3)
+    points, radii = points @ to_world.T, radii * even_size(to_world)
+    starts = np.concatenate([[0], ends[:-1]]).astype(np.int64) if len(ends) else np.zeros(0, np.int64)
+    counts = ends - starts
+    keep = np.repeat(counts > 1, counts)
+    long = np.flatnonzero(counts > 1)
+    if not len(long):
+        return None
+    points, radii, counts = points[keep], radii[keep], counts[counts > 1]
+    sides = next((n for n in (8, 6, 4) if 4 * n * len(points) < _MANY), 3)
+    for least in (sides > 3, 8 * sides * len(points) < _MANY // 4):
+        points, radii, counts = _finer(points, radii, counts) if least else (points, radii, counts)
+    ends = np.cumsum(counts)
+    # directions: from each point's neighbour before to the one after
+    number = np.arange(len(points))
+    first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
+    ahead = points[np.minimum(number + 1, last)] - points[np.maximum(number - 1, first)]
+    along = _unit(ahead)
+    side, up = _across(along)
+    angle = 2 * np.pi * np.arange(sides) / sides
+    # a polygon whose width is that of the circle, in the mean over all sides
+    wide = np.pi / (sides * np.sin(np.pi / sides)) * radii
+    normals = np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * up[:, None]
+    rings = (points[:, None] + wide[:, None, None] * normals) @ np.linalg.inv(to_world).T
+    normals = normals @ to_world
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    before = np.flatnonzero(number != last)
+    k = np.arange(sides)
+    a = before[:, None] * sides + k
+    b = before[:, None] * sides + (k + 1) % sides
+    quads = np.stack([a, b, b + sides, a + sides], -1).reshape(-1, 4)
+    corners = quads[:, _TRIANGLES].reshape(-1)
+    uvs = None
+    if strands.roots is not None:
+        of = np.repeat(np.repeat(np.arange(len(counts)), counts), sides)
+        uvs = np.ascontiguousarray(strands.roots[long][of][corners], np.float32)
+    return {"name": owner, "positions": np.ascontiguousarray(rings.reshape(-1, 3), np.float32),
+            "corner_position": corners.astype(np.int32),
+            "corner_normals": np.ascontiguousarray(normals.reshape(-1, 3)[corners], np.float32),
+            "corner_uvs": uvs, "material": np.full(len(corners) // 3, material, np.int32), "layers": []}
+
+
+def _good(strands):
+    """Points that are no numbers are where the first one is, without thickness."""
+    ends = np.asarray(strands.ends, np.int64)
+    bad = ~np.isfinite(strands.points).all(1) | ~np.isfinite(strands.radii)
+    points, radii = np.where(bad[:, None], 0, strands.points), np.where(bad, 0, strands.radii)
+    if bad.any() and not bad.all():
+        counts = np.diff(ends, prepend=0)
+        # of each strand the first point that is good, if there is one
+        place = np.where(bad, len(bad), np.arange(len(bad)))
+        first = np.full(len(counts), len(bad))
+        first[counts > 0] = np.minimum.reduceat(place, (ends - counts)[counts > 0])
+        first = np.repeat(np.minimum(first, len(bad) - 1), counts)
+        points = np.where(bad[:, None], points[first], points)
+    return points.clip(-1e17, 1e17), np.abs(radii).clip(0, 1e17), ends
+
+
+def _finer(points, radii, counts):
+    """A point more between two, on the curve of Catmull and Rom."""
+    ends = np.cumsum(counts)
+    number = np.arange(len(points))
+    first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
+    p0, p1 = points[np.maximum(number - 1, first)], points
+    p2, p3 = points[np.minimum(number + 1, last)], points[np.minimum(number + 2, last)]
+    middle = (9 * (p1 + p2) - p0 - p3) / 16
+    between = 0.5 * (radii + radii[np.minimum(number + 1, last)])
+    made = np.stack([points, middle], 1).reshape(-1, 3)
+    thick = np.stack([radii, between], 1).reshape(-1)
+    keep = np.ones(len(made), bool)
+    keep[2 * (ends - 1) + 1] = False
+    return made[keep], thick[keep], 2 * counts - 1
+
+
+def _unit(vectors):
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.where(length > 0, vectors / np.where(length > 0, length, 1), (0, 0, 1))
+
+
+def _across(axis):
+    """Two axes across unit vectors."""
+    other = np.where(np.abs(axis[:, :1]) < 0.7, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    side = _unit(np.cross(axis, other))
+    return side, np.cross(axis, side)
+
+
+def ball(count, owner, material):
+    """A ball of radius 1, the coarser the more of them there are; in the mean its outline is as large as a circle."""
+    points, faces = _icosahedron()
+    for _ in range(3 if count <= 500 else 2 if count <= 5000 else 1):
+        points, faces = _split(points, faces)
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    corners = faces.ravel().astype(np.int32)
+    return {"name": owner, "positions": np.ascontiguousarray(points * np.sqrt(4 * np.pi / area), np.float32),
+            "corner_position": corners, "corner_normals": np.ascontiguousarray(points[corners], np.float32),
+            "corner_uvs": None, "material": np.full(len(faces), material, np.int32), "layers": []}
+
+
+def _icosahedron():
+    g = (1 + 5**0.5) / 2
+    points = np.array([(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
+                       (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)])
+    faces = np.array([(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2),
+                      (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5),
+                      (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)])
+    return points / np.linalg.norm(points[0]), faces
+
+
+def _split(points, faces):
+    """Each face in four."""
+    a, b, c = faces.T
+    pairs = np.sort(np.concatenate([np.stack(p, 1) for p in ((a, b), (b, c), (c, a))]), 1)
+    unique, index = np.unique(pairs, axis=0, return_inverse=True)
+    ab, bc, ca = (index.ravel() + len(points)).reshape(3, -1)
+    points = np.concatenate([points, _unit(points[unique].sum(1))])
+    return points, np.concatenate([np.stack(f, 1) for f in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
+
+
+def of_points(data):
+    """Places and radii of a point cloud."""
+    attributes = data.attributes
+    places, radius = attributes.get("position"), attributes.get("radius")
+    if not places:
+        return np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
+    points = read(places.data, "vector", 3).reshape(-1, 3)
+    radii = read(radius.data, "value", 1) if radius else np.full(len(points), 0.01, np.float32)  # as Cycles
+    good = np.isfinite(points).all(1) & np.isfinite(radii) & (radii > 0)
+    return points[good], radii[good]
+
+
+CURVES = getattr(bpy.types, "Curves", ())
+POINTS = getattr(bpy.types, "PointCloud", ())

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plates of compare/plate.py by Cycles, and by our engine, with and without Libshade Groove; asserts what
+the operator does to a file. argument: a folder, for NAME.exr of each picture"""
+
+import os
+import sys
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "..", "compare")]
+import common
+import plate
+
+SIZE = 64
+# shader, anisotropy, rotation
+SHADERS = {
+    "along": ("ShaderNodeBsdfAnisotropic", -0.8, 0.0),
+    "across": ("ShaderNodeBsdfAnisotropic", 0.8, 0.0),
+    "turned": ("ShaderNodeBsdfAnisotropic", 0.8, 0.1),
+    "principled": ("ShaderNodeBsdfPrincipled", 0.8, 0.0),
+    "principled_turned": ("ShaderNodeBsdfPrincipled", 0.8, 0.1),
+    "principled_quarter": ("ShaderNodeBsdfPrincipled", 0.8, 0.25),
+}
+
+
+def new_scene(engine):
+    scene = common.empty_scene(SIZE, SIZE, 16)
+    scene.render.engine = engine
+    cycles = scene.cycles
+    cycles.samples, cycles.max_bounces, cycles.pixel_filter_type = 16, 0, "BOX"
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.light_sampling_threshold = cycles.blur_glossy = cycles.sample_clamp_indirect = 0
+    scene.libshade.filter_normals = False
+    sun = common.light(scene, "SUN", 1.0)
+    sun.rotation_euler = Vector(plate.SUN).to_track_quat("Z", "Y").to_euler()
+    common.camera(scene, (0, 0, 2), type="ORTHO", ortho_scale=1)
+    return scene
+
+
+def bumps():
+    image = bpy.data.images.new("bumps", 256, 256, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.ones((256, 256, 4), np.float32)
+    pixels[..., :3] = plate.normal_map(256)[::-1]
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def new_material(name, image=None):
+    """The shader; with an image its normal is bumped."""
+    kind, anisotropy, rotation = SHADERS[name]
+    material = bpy.data.materials.new(name)
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    shader, output, tangent = (tree.nodes.new(kind) for kind in (
+        kind, "ShaderNodeOutputMaterial", "ShaderNodeTangent"))
+    tangent.direction_type = "UV_MAP"
+    if kind == "ShaderNodeBsdfPrincipled":
+        settings = {"Metallic": 1, "Roughness": 0.4, "Anisotropic": anisotropy, "Anisotropic Rotation": rotation,
+                    "Base Color": (1, 1, 1, 1)}
+        shader.distribution = "GGX"
+    else:
+        settings = {"Roughness": plate.ROUGHNESS, "Anisotropy": anisotropy, "Rotation": rotation,
+                    "Color": (1, 1, 1, 1)}
+        shader.distribution = "ASHIKHMIN_SHIRLEY"
+    for word, value in settings.items():
+        shader.inputs[word].default_value = value
+    tree.links.new(tangent.outputs[0], shader.inputs["Tangent"])
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    if image:
+        common.normal_map(tree, shader, image)
+    return material, tree, shader
+
+
+def new_plate(quads):
+    positions, normals, faces, uv = plate.mesh(quads)
+    if quads == 1:
+        positions[:, 2] = 0
+    mesh = bpy.data.meshes.new("plate")
+    mesh.from_pydata(positions.tolist(), [], faces.tolist())
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(faces), bool))
+    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", uv[faces.ravel()].astype(np.float32).ravel())
+    if hasattr(mesh, "use_auto_smooth"):  # removed in 4.1
+        mesh.use_auto_smooth, mesh.auto_smooth_angle = True, np.pi
+    mesh.update()
+    if quads > 1:
+        mesh.normals_split_custom_set_from_vertices(normals.tolist())
+    return mesh
+
+
+def pictures(folder, engine, words):
+    """NAME_bumped and NAME_groove; by Cycles NAME_displaced, and NAME_unlinked of the same."""
+    scene = new_scene(engine)
+    image = bumps()
+    flat = common.link(scene, "flat", new_plate(1))
+    fine = common.link(scene, "fine", new_plate(300)) if engine == "CYCLES" else None
+
+    def render(ob, material, name):
+        for other in filter(None, (flat, fine)):
+            other.hide_render = other != ob
+        ob.data.materials.clear()
+        ob.data.materials.append(material)
+        common.render(os.path.join(folder, f"{engine.lower()}_{name}.exr"))
+
+    for word in words:
+        material, tree, shader = new_material(word, image)
+        before = shader.inputs["Tangent"].links[0].from_socket
+        render(flat, material, word + "_bumped")
+        assert bpy.ops.libshade.follow_bumps() == {"FINISHED"}
+        group = shader.inputs["Tangent"].links[0].from_node
+        assert group.bl_idname == "ShaderNodeGroup" and group.inputs["Tangent"].links[0].from_socket == before
+        render(flat, material, word + "_groove")
+        assert bpy.ops.libshade.follow_bumps() == {"CANCELLED"}  # not twice
+        assert bpy.ops.libshade.follow_bumps(take_away=True) == {"FINISHED"}
+        assert shader.inputs["Tangent"].links[0].from_socket == before
+        if not fine:
+            continue
+        plain, tree, shader = new_material(word)
+        render(fine, plain, word + "_displaced")
+        group = groove_in(tree)  # its Normal not linked: as if it were not there
+        tree.links.new(shader.inputs["Tangent"].links[0].from_socket, group.inputs["Tangent"])
+        tree.links.new(group.outputs["Tangent"], shader.inputs["Tangent"])
+        render(fine, plain, word + "_unlinked")
+    if not fine:
+        return
+    # strokes across the tangent, on the lines of the surface: those along dP/dv, the tangent of a map
+    # whose u and v are exchanged
+    assert bpy.ops.libshade.follow_bumps(strokes="ACROSS") == {"FINISHED"}
+    render(flat, bpy.data.materials["across"], "strokes_groove")
+    along, tree, shader = new_material("across")
+    shader.inputs["Anisotropy"].default_value *= -1
+    tree.nodes["Tangent"].uv_map = "swapped"
+    uv = np.empty(2 * len(fine.data.loops), np.float32)
+    fine.data.uv_layers["UVMap"].data.foreach_get("uv", uv)
+    fine.data.uv_layers.new(name="swapped").data.foreach_set("uv", uv.reshape(-1, 2)[:, ::-1].ravel())
+    render(fine, along, "strokes_displaced")
+
+
+def metals(folder):
+    """Libshade Metal in Cycles, of the alphas of "across" there; by our engine the same."""
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene = new_scene(engine)
+        flat = common.link(scene, "flat", new_plate(1))
+        for horizon, bumped in (("VALID_ESTEVEZ", True), ("HARD", False)):
+            narrow = 0.018 if bumped else 0.15  # noise of pixels is not what is asked
+            material, tree, node = common.metal("metal", fresnel="NONE", ax=narrow, ay=0.45, horizon=horizon)
+            node.inputs["Color"].default_value = (1, 1, 1, 1)
+            if bumped:
+                common.normal_map(tree, node, bumps())
+                flat.data.materials.append(material)
+            else:
+                bpy.data.objects.remove(flat)
+                bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
+                common.smooth(common.added(material).data)
+            word = "plate" if bumped else "ball"
+            common.render(os.path.join(folder, f"{engine.lower()}_metal_{word}.exr"))
+
+
+def groove_in(tree):
+    group = tree.nodes.new("ShaderNodeGroup")
+    group.node_tree = sys.modules[f"{common.MODULE}.groove"].groove_tree()
+    return group
+
+
+def operator():
+    """Reroutes, tangents that nothing feeds, groups, shaders that are not concerned."""
+    common.empty_scene()
+    image = bumps()
+    _material, tree, shader = new_material("across", image)
+    tree.links.remove(shader.inputs["Tangent"].links[0])
+    knee = tree.nodes.new("NodeReroute")
+    tree.links.new(shader.inputs["Normal"].links[0].from_socket, knee.inputs[0])
+    tree.links.new(knee.outputs[0], shader.inputs["Normal"])
+    new_material("along")  # without a bump
+    _material, other, round_one = new_material("along", image)
+    other.links.remove(round_one.inputs["Tangent"].links[0])
+    round_one.inputs["Anisotropy"].default_value = 0
+    inner = bpy.data.node_groups.new("inner", "ShaderNodeTree")
+    principled, bump = (inner.nodes.new(kind) for kind in ("ShaderNodeBsdfPrincipled", "ShaderNodeBump"))
+    principled.inputs["Anisotropic"].default_value = 0.5
+    inner.links.new(bump.outputs[0], principled.inputs["Normal"])
+    material, ours, node = common.metal()
+    ours.links.new(ours.nodes.new("ShaderNodeBump").outputs[0], node.inputs["Normal"])
+
+    def followed():
+        return [s for s in (shader, principled, round_one) if s.inputs["Tangent"].is_linked]
+    assert bpy.ops.libshade.follow_bumps(strokes="ACROSS") == {"FINISHED"}
+    assert followed() == [shader, principled]
+    link = shader.inputs["Tangent"].links[0]
+    assert link.from_socket.name == "Strokes Across" and not link.from_node.inputs["Tangent"].is_linked
+    assert link.from_node.inputs["Normal"].links[0].from_node.bl_idname == "ShaderNodeNormalMap"
+    inside = node.node_tree
+    assert [n.name for n in inside.nodes if n.bl_idname == "ShaderNodeGroup"] == ["Groove"]
+    by_hand = groove_in(tree)
+    assert bpy.ops.libshade.follow_bumps(take_away=True) == {"FINISHED"}
+    assert not followed() and by_hand.name in tree.nodes and "Libshade Groove" in bpy.data.node_groups
+    assert "Groove" in inside.nodes
+    bpy.data.materials.remove(material)
+    bpy.data.node_groups.remove(inside)
+    tree.nodes.remove(by_hand)
+    bpy.ops.libshade.follow_bumps()
+    bpy.ops.libshade.follow_bumps(take_away=True)
+    assert "Libshade Groove" not in bpy.data.node_groups
+    assert bpy.ops.libshade.follow_bumps(take_away=True) == {"CANCELLED"}
+
+
+folder, = common.arguments()
+common.enable()
+operator()
+pictures(folder, "CYCLES", SHADERS)
+pictures(folder, "LIBSHADE", ("across", "principled"))
+metals(folder)
+print("all asserted", flush=True)
+common.finish()

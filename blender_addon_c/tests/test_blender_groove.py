@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Libshade Groove in Cycles: bumped plates against the plate displaced in Cycles."""
+
+import numpy as np
+
+from blender_runs import rgba
+
+
+def off(picture, truth):
+    return np.abs(picture - truth).mean() / truth.mean()
+
+
+def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
+    assert "all asserted" in blender.run("groove.py", tmp_path)
+
+    def picture(name, engine="cycles"):
+        return rgba(tmp_path / f"{engine}_{name}.exr")[..., :3]
+
+    for word in ("along", "across", "turned", "principled", "principled_turned", "principled_quarter"):
+        truth = picture(word + "_displaced")
+        error = {what: off(picture(f"{word}_{what}"), truth) for what in ("bumped", "groove")}
+        print(word, {what: round(float(value), 5) for what, value in error.items()})
+        assert truth.mean() > 0.01 and error["bumped"] > 0.04 and error["groove"] < 0.01, (word, error)
+        assert off(picture(word + "_unlinked"), truth) < 1e-5
+    truth = picture("strokes_displaced")
+    print("strokes", off(picture("strokes_groove"), truth), off(picture("across_groove"), truth))
+    assert off(picture("strokes_groove"), truth) < 0.01 < 0.04 < off(picture("across_groove"), truth)
+    for word in ("across", "principled"):  # ours does it by itself, and not twice
+        assert off(picture(word + "_groove", "libshade"), picture(word + "_bumped", "libshade")) < 1e-5
+    # Libshade Metal in Cycles: grooves go with bumps, and without bumps it is our own engine's
+    error = off(picture("metal_plate"), picture("across_displaced"))
+    same = off(picture("metal_ball"), picture("metal_ball", "libshade"))
+    print("metal", error, same)
+    assert error < 0.01 and same < 0.01

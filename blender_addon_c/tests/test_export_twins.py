@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects and faces in one place are named, others are not."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+FILE = Path(__file__).resolve().parents[1] / "export/twins.py"
+SPEC = importlib.util.spec_from_file_location("twins", FILE)
+twins = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(twins)
+
+HERE, ASIDE = ([1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0] for x in (0, 9))
+GRID = np.stack([*np.mgrid[:6, :6], np.zeros((6, 6))], -1).reshape(-1, 3).astype(np.float32)
+SQUARES = np.array([i + 6 * j for j in range(5) for i in range(5)])
+
+
+def mesh(name, offsets=((0, 1, 7), (0, 7, 6)), positions=GRID):
+    corners = np.concatenate([SQUARES + k for triangle in offsets for k in triangle]).reshape(2, 3, -1).transpose(0, 2, 1)
+    return {"name": name, "positions": positions.ravel(), "corner_position": corners.astype(np.int32).ravel()}
+
+
+TWICE = np.tile(mesh("b")["corner_position"], 2)
+
+
+@pytest.mark.parametrize("meshes, places, said", [
+    ([mesh("a")], [HERE], None), ([mesh("a")], [HERE, HERE], "a: "), ([mesh("a")], [HERE, ASIDE], None),
+    ([mesh("a"), mesh("b", ((0, 7, 6), (1, 7, 0)))], [HERE, HERE], "(and 1 more)"),
+    ([mesh("a"), mesh("b", ((0, 1, 6), (1, 7, 6)))], [HERE, HERE], None),  # other diagonals: their middles differ
+    ([mesh("b") | {"corner_position": TWICE}], [HERE], "b: "),
+    ([mesh("a", positions=GRID * np.float32("nan"))], [HERE, HERE], None), ([mesh("a")], [], None),
+    ([mesh("a", positions=0 * GRID)], [HERE, HERE], None)])
+def test_twins(meshes, places, said):
+    found = []
+    log = type("Log", (), {"warning": lambda _self, text: found.append(text)})()
+    twins.name_twins(meshes, [{"mesh": min(k, len(meshes) - 1), "matrix": m} for k, m in enumerate(places)], log)
+    assert len(found) == (said is not None)
+    assert said is None or said in found[0]

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What moves while the shutter is open, against how long each point is covered, worked out by hand; vectors, holes, lights
+for some objects, panoramas."""
+
+import numpy as np
+import pytest
+
+from native_scenes import mesh, native, ortho, persp, render, scene, square, sun
+
+SIDE = 64
+CENTERS = (np.arange(SIDE) + 0.5) * 2 / SIDE - 1  # of pixels, in a view from -1 to 1
+
+
+def matrix(x=0.0, y=0.0, angle=0.0, size=1.0):
+    c, s = size * np.cos(angle), size * np.sin(angle)
+    return np.array([[c, -s, 0, x], [s, c, 0, y], [0, 0, size, 0]], np.float32)
+
+
+def seen(samples=1024, **changes):
+    """How much of each pixel is covered."""
+    instance = {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), **changes.pop("instance", {})}
+    given = scene(width=SIDE, height=SIDE, samples=samples, instances=[instance],
+                  **{"meshes": [square(0.25)], **changes})
+    return render(given)[0][..., 3]
+
+
+def covered(low, high):
+    """Of the pixels of a row by what reaches from `low` to `high` at the times of an even row."""
+    edges = np.linspace(-1, 1, SIDE + 1)
+    parts = [np.clip((np.minimum(b, edges[1:]) - np.maximum(a, edges[:-1])) * SIDE / 2, 0, 1)
+             for a, b in zip(low, high)]
+    return np.mean(parts, 0)
+
+
+def test_a_square_moves():
+    """From -.5 to 0 and on to .25, as long on both ways."""
+    alpha = seen(instance={"motion": np.stack([matrix(-0.5), matrix(0), matrix(0.25)])})
+    time = (np.arange(4096) + 0.5) / 4096
+    middle = np.interp(time, [0, 0.5, 1], [-0.5, 0, 0.25])
+    assert np.abs(alpha[26:38].mean(0) - covered(middle - 0.25, middle + 0.25)).max() < 4e-3
+    assert (alpha[:SIDE // 4] == 0).all()
+
+
+def test_the_shutter_opens_slowly():
+    """As x: half of the light comes in the last 1 - sqrt(1/2) of the time."""
+    shutter = np.sqrt(np.linspace(0, 1, 257)).astype(np.float32)
+    alpha = seen(instance={"motion": np.stack([matrix(-0.5), matrix(0.5)])}, shutter=shutter)
+    time = np.sqrt((np.arange(4096) + 0.5) / 4096)
+    assert np.abs(alpha[26:38].mean(0) - covered(time - 0.75, time - 0.25)).max() < 6e-3
+
+
+def test_a_turn_goes_round():
+    """A quarter of a turn from two places is an arc: all its points are as far from the middle."""
+    thin = mesh([[0.6, -0.02, 0], [0.7, -0.02, 0], [0.7, 0.02, 0], [0.6, 0.02, 0]], [[0, 1, 2], [0, 2, 3]])
+    alpha = seen(meshes=[thin], instance={"motion": np.stack([matrix(angle=0), matrix(angle=np.pi / 2)])})
+    x, y = np.meshgrid(CENTERS, CENTERS)
+    far = np.hypot(x, y)
+    assert alpha[(far < 0.57) | (far > 0.74)].max() == 0
+    # an arm .04 wide passes each point of the arc for .04 / r of a quarter turn
+    inside = (far > 0.62) & (far < 0.68) & (x > 0.1) & (y > 0.1)
+    expected = 0.04 / 0.65 / (np.pi / 2)
+    assert alpha[inside].mean() == pytest.approx(expected, rel=0.03)
+
+
+def test_a_shape_changes():
+    """A square whose right edge goes from .25 to .75; normals turn to the side meanwhile."""
+    wide = square(0.25)
+    places = np.stack([wide["positions"]] * 3)
+    for step in range(3):
+        places[step, 1:3, 0] += 0.25 * step
+    normals = np.stack([wide["corner_normals"]] * 3)
+    wide |= {"positions": np.ascontiguousarray(places[1]), "moved_positions": places, "moved_normals": normals}
+    alpha = seen(meshes=[wide])
+    time = (np.arange(4096) + 0.5) / 4096
+    assert np.abs(alpha[26:38].mean(0) - covered(-0.25 + 0 * time, 0.25 + 0.5 * time)).max() < 4e-3
+
+
+def test_normals_turn_along():
+    """What turns by 60 degrees about x under a light from above is lit by the mean cosine."""
+    def tilted(angle):
+        c, s = np.cos(angle), np.sin(angle)
+        return np.float32([[1, 0, 0, 0], [0, c, -s, 0], [0, s, c, 0]])
+
+    matt = {"name": "matt", "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0],
+                                          "color": (1, 1, 1)}], "nodes": []}
+    motion = np.stack([tilted(a) for a in np.linspace(-np.pi / 3, np.pi / 3, 3)])
+    instance = {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": motion}
+    try:
+        picture, _ = render(scene(width=16, height=16, samples=1024, materials=[matt], meshes=[square(4.0)],
+                                  instances=[instance], camera=ortho(0.1)))
+    except ValueError as error:
+        pytest.fail(str(error))
+    expected = np.sin(np.pi / 3) / (np.pi / 3) / np.pi
+    assert picture[..., 0].mean() == pytest.approx(expected, rel=5e-3)
+
+
+def test_the_camera_moves_and_zooms():
+    """To the right by a quarter of what it sees, while that gets half as large."""
+    camera = persp(1.0, eye=(0, 0, 1))
+    motion = np.stack([np.float32([[1, 0, 0, x], [0, 1, 0, 0], [0, 0, 1, 1]]) for x in (0, 0.5)])
+    frames = np.float32([[-1, 1, -1, 1], [-0.5, 0.5, -0.5, 0.5]])
+    alpha = seen(camera={**camera, "motion": motion, "frames": frames})
+    time = (np.arange(4096) + 0.5) / 4096
+    half = 1 - 0.5 * time
+    expected = covered((-0.25 - 0.5 * time) / half, (0.25 - 0.5 * time) / half)
+    assert np.abs(alpha[26:38].mean(0) - expected).max() < 4e-3
+
+
+@pytest.mark.parametrize("motion", [
+    np.full((3, 12), np.nan), np.full((2, 12), np.inf), np.zeros((2, 12)), np.full((5, 12), 1e30),
+    np.stack([matrix().ravel(), matrix(size=1e-30).ravel()])])
+def test_places_that_are_none(motion):
+    """It stays where it is, with a word about it where it would move."""
+    given = scene(width=16, height=16, instances=[
+        {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": np.float32(motion)}])
+    picture, state = render(given)
+    assert (picture[..., 3] == 1).all()
+    assert "is not blurred" in "".join(state["warnings"])
+
+
+@pytest.mark.parametrize("changes, message", [
+    ({"motion": np.zeros((1, 12), np.float32)}, "motion must be 12 numbers"),
+    ({"motion": np.zeros((2, 11), np.float32)}, "motion must be 12 numbers"),
+    ({"motion": np.zeros((200, 12), np.float32)}, "motion must be 12 numbers"),
+])
+def test_wrong_lengths(changes, message):
+    given = scene(instances=[{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), **changes}])
+    with pytest.raises(ValueError, match=message):
+        native.start(given)
+
+
+@pytest.mark.parametrize("positions, normals, message", [
+    (np.zeros((2, 5, 3)), np.zeros((2, 6, 3)), "moved_positions must be all positions"),
+    (np.zeros((3, 4, 3)), np.zeros((2, 6, 3)), "moved_normals"),
+])
+def test_shapes_of_other_lengths(positions, normals, message):
+    given = scene(meshes=[{**square(), "moved_positions": np.float32(positions),
+                           "moved_normals": np.float32(normals)}])
+    with pytest.raises(ValueError, match=message):
+        native.start(given)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1e30])
+def test_shapes_of_no_numbers(value):
+    places = np.stack([square()["positions"]] * 3)
+    places[0] = value
+    normals = np.full((3, 6, 3), value, np.float32)
+    assert np.isfinite(render(scene(meshes=[{**square(), "moved_positions": places, "moved_normals": normals}]))[0]).all()
+    assert np.isfinite(seen(16, shutter=np.full(257, np.nan, np.float32),
+                            instance={"motion": np.stack([matrix(-0.5), matrix(0.5)])})).all()
+
+
+def test_loose_triangles_of_two_meshes():
+    """One that bends after one that does not, neither with two triangles to a quad: each keeps its own normals."""
+    def loose(count, z, size, seed):
+        corner = np.random.default_rng(seed).uniform(-0.9, 0.6, (count, 1, 2))
+        flat = corner + np.array([[0, 0], [size, 0], [0, size]])
+        points = np.concatenate([flat, np.full((count, 3, 1), z)], -1).reshape(-1, 3)
+        return mesh(points.tolist(), np.arange(3 * count).reshape(-1, 3).tolist())
+    still, bent = loose(500, -1.0, 0.01, 1), loose(40, 0.0, 0.3, 2)
+    places = np.stack([np.asarray(bent["positions"], np.float32).reshape(-1, 3)] * 3)
+    normals = np.stack([np.asarray(bent["corner_normals"], np.float32)] * 3)
+    places[2, :, 0] += 0.01
+    matt = {"name": "matt", "nodes": [],
+            "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0], "color": (1, 1, 1)}]}
+
+    def picture(changes):
+        meshes = [still, {**bent, **changes}]
+        return render(scene(width=32, height=32, samples=64, materials=[matt], meshes=meshes, lights=[sun()],
+                            instances=[{"mesh": k, "matrix": np.eye(4).ravel().tolist()} for k in range(2)]))[0]
+    plain, moved = picture({}), picture({"moved_positions": places, "moved_normals": normals})
+    whole = (plain[..., 3] == 1) & (moved[..., 3] == 1)
+    assert whole.sum() > 50
+    np.testing.assert_allclose(moved[whole], plain[whole], rtol=1e-5)
+
+
+def test_vectors():
+    """A square that came by a quarter of the picture to the right, and goes on by half of it upwards; in pixels."""
+    motion = np.stack([matrix(-0.5), matrix(), matrix(0, 1)])
+    job = native.start(scene(width=16, height=16, samples=4, vectors=True, planes=[{"type": "VECTOR"}], instances=[
+        {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": motion}]))
+    assert native.wait(job, 60)
+    vectors = np.zeros((16, 16, 4), np.float32)
+    native.image(job, vectors, "VECTOR")
+    native.free(job)
+    np.testing.assert_allclose(vectors, np.broadcast_to([-4, 0, 0, -8], vectors.shape), atol=1e-4)
+
+
+@pytest.mark.parametrize("transparent", [True, False])
+def test_a_hole(transparent):
+    """Three quarters of it; the sky behind is not seen there."""
+    held = {"name": "held", "closures": [{"closure": "EMISSION", "holds": True, "weight": [0.75] * 3}], "nodes": []}
+    picture, _ = render(scene(materials=[held], meshes=[square(0.5)], transparent=transparent, background=(2, 2, 2)))
+    assert (np.abs(picture[8, 8] - (0, 0, 0, 0.25)) < 1e-6).all()
+    assert (picture[0, 0] == ((0, 0, 0, 0) if transparent else (2, 2, 2, 1))).all()
+
+
+def test_a_light_for_some():
+    left, right = (np.float32([[1, 0, 0, x], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]).ravel().tolist() for x in (-0.5, 0.5))
+    matt = {"name": "matt", "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0],
+                                          "color": (1, 1, 1)}], "nodes": []}
+    for lights in (1, 6):  # all of them, or one a sample
+        picture, _ = render(scene(materials=[matt], meshes=[square(0.5)], lights=[sun() | {"link": 3}] * lights, instances=[
+            {"mesh": 0, "matrix": left}, {"mesh": 0, "matrix": right, "unlit": 1 << 3}]))
+        assert picture[8, 4, 0] == pytest.approx(lights / np.pi, rel=1e-3) and picture[8, 12, 0] == 0
+
+
+@pytest.mark.parametrize("kind", ["EQUIRECTANGULAR", "EQUIANGULAR_CUBEMAP_FACE", "MIRRORBALL", "FISHEYE_EQUIDISTANT",
+                                  "FISHEYE_EQUISOLID", "FISHEYE_LENS_POLYNOMIAL", "CENTRAL_CYLINDRICAL"])
+@pytest.mark.parametrize("number", [0.0, 1e30, -1e30])
+def test_panoramas_of_extreme_numbers(kind, number):
+    camera = {**ortho(), "type": "PANO", "panorama": kind, "range": [number] * 4, "fov": 100.0 if number else 0.0,
+              "focal": 1e-6, "sensor": (number, number), "polynomial": [number] * 5, "frame": [0, number, number, 1],
+              "lens": (1e17, 0.1), "focus": 1e-6, "blades": 3, "turn": 1.0}
+    render(scene(camera=camera, samples=2, planes=[{"type": name} for name in ("DEPTH", "DISTANCE", "VECTOR", "HELD")]))
