@@ -29,11 +29,11 @@ include compare/compare.mk
 
 # check-libshade is a make of its own, on the same objects: not beside the others under -j.
 # `--durations` says what its tests cost, setup/timed.sh what steps of make do.
-# pytest last: its closing line is the result. A file of tests stays with one worker, which starts
-# its Blender once. One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
+# pytest last: its closing line is the result. What goes to which worker, and when, is in conftest.py.
+# One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
 check: povray setup-test setup-demo all blender $(B)/horizon lint
 	$(MAKE) --output-sync=target check-libshade
-	$(PY) -m pytest --numprocesses $$(( $(JOBS) + 1 )) --dist loadfile --durations 20
+	$(PY) -m pytest --numprocesses $$(( $(JOBS) + 1 )) --dist loadfile --no-loadscope-reorder --durations 20
 ifneq ($(filter check,$(MAKECMDGOALS)),)
 lint: | $(S)/lint.packages
 $(NATIVE)/test_stages native-sanitized native-clang: | $(S)/test.packages

@@ -71,7 +71,7 @@ def test_povray_examples_shade_what_the_reference_says(scene, suzanne, tmp_path)
 
 
 def test_rotate_follows_the_displaced_plate(tmp_path):
-    done = run("truth.py", "--size", 192, "--samples", 256, "--output", tmp_path)
+    done = run("truth.py", "--size", 192, "--samples", 128, "--quads", 500, "--map", 1024, "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     errors = json.loads((tmp_path / "truth.json").read_text())["errors"]
     assert errors["rotate"] <= 0.02

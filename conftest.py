@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The order of the tests: what takes longest begins first, or one worker is left with it at the end.
+
+A file stays with one worker, which starts its Blender once; but tests that run all others anew go apart.
+"""
+
+from pathlib import PurePath
+
+import pytest
+
+ALONE = ("test_all_tests_under_sanitizers", "test_all_tests_compiled_by_clang")
+# Files by the seconds of a processor that they took, where more than some; in no order beyond that.
+LONGEST = """test_check test_blender_lights test_blender_nodes test_end_to_end test_cloth test_source
+test_blender_closures test_blender_sky test_examples test_blender_paths test_blender_window test_blender_groove
+test_blender_holes_and_hair test_blender_passes test_bench test_blender_hostile test_parse test_tangents
+test_bump_image test_dump test_blender_bad_input test_slopes test_blender_leaks test_swatch""".split()
+
+
+def rank(item):
+    if item.originalname in ALONE:
+        return -1
+    name = PurePath(item.location[0]).stem
+    return LONGEST.index(name) if name in LONGEST else len(LONGEST)
+
+
+def pytest_collection_modifyitems(config, items):
+    if hasattr(config, "workerinput"):
+        items.sort(key=rank)
+
+
+@pytest.hookimpl(optionalhook=True)  # of xdist, which may be absent
+def pytest_xdist_make_scheduler(config, log):
+    if config.getvalue("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class FilesButForSome(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            return nodeid if any(name in nodeid for name in ALONE) else super()._split_scope(nodeid)
+
+    return FilesButForSome(config, log)
