@@ -213,3 +213,16 @@ def test_panoramas_of_extreme_numbers(kind, number):
               "focal": 1e-6, "sensor": (number, number), "polynomial": [number] * 5, "frame": [0, number, number, 1],
               "lens": (1e17, 0.1), "focus": 1e-6, "blades": 3, "turn": 1.0}
     render(scene(camera=camera, samples=2, planes=[{"type": name} for name in ("DEPTH", "DISTANCE", "VECTOR", "HELD")]))
+
+
+def test_what_a_panorama_does_not_see():
+    """A fisheye's rim through the corner between two tiles: all of one is lit, then comes the other, beyond the rim."""
+    matt = {"name": "matt", "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0],
+                                          "color": (1, 1, 1)}], "nodes": []}
+    rim = np.sin(0.5) / np.sqrt(2)
+    x, y = 0.5 - rim, 0.5 + rim
+    camera = {**ortho(), "type": "PANO", "panorama": "FISHEYE_EQUISOLID", "fov": 2.0, "focal": 0.5, "range": [0.0] * 4,
+              "sensor": (1.0, 1.0), "polynomial": [0.0] * 5, "frame": [x - 0.05, x + 0.05, y - 0.05, y + 0.05]}
+    picture, _ = render(scene(camera=camera, width=32, height=32, threads=1, transparent=False, materials=[matt],
+                              meshes=[square(99.0)]))
+    assert (picture[:16, 16:, 0] > 0.3).all() and (picture[16:, :16] == (0, 0, 0, 1)).all()

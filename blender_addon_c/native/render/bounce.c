@@ -514,7 +514,7 @@ static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths,
       clock_tick(&w->clocks, CLOCK_FILM);
     }
   }
-  if (!paths && !sky && q->lane == q->identity)
+  if (q->hits && !paths && !sky && q->lane == q->identity)
     return &b->sum;
   zero(&b->sample_color, count);
   if (sky)
