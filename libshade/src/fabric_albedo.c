@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Directional albedo of a cloth from afar: a table over the eye's direction. */
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,9 +35,9 @@ static void set_lights(room *r) {
   }
 }
 
-/* The integral of s over the first `count` lights. */
-static void measure(const shade_fabric *f, size_t count, const double wo[3], room *r,
-                    double rgb[3]) {
+/* The integral of s over the lights that reach wo. */
+static void measure(const shade_fabric *f, const double wo[3], room *r, double rgb[3]) {
+  const size_t count = f->transmits ? LIGHTS : LIGHTS / 2;
   const shade_fabric_lanesf in = {.size = sizeof in,
                                   .u = r->in[0],
                                   .v = r->in[1],
@@ -70,13 +71,12 @@ shade_fabric_albedo *shade_fabric_albedo_create(const shade_fabric *f) {
     return NULL;
   }
   set_lights(r);
-  const size_t count = f->transmits ? LIGHTS : LIGHTS / 2;
   for (int i = 0; i < ELEVATIONS; i++)
     for (int j = 0; j < AZIMUTHS; j++) {
       const double t = (double)i / (ELEVATIONS - 1), z = fmax(t * t, LEAST), side = sqrt(1 - z * z);
       const double wo[3] = {side * cos(TURN * j / AZIMUTHS), side * sin(TURN * j / AZIMUTHS), z};
       if (i + 1 < ELEVATIONS || j == 0)
-        measure(f, count, wo, r, table->rgb[i][j]);
+        measure(f, wo, r, table->rgb[i][j]);
       else /* all azimuths are one at the pole */
         memcpy(table->rgb[i][j], table->rgb[i][0], sizeof table->rgb[i][j]);
     }
@@ -88,17 +88,24 @@ void shade_fabric_albedo_free(shade_fabric_albedo *table) {
   free(table);
 }
 
+/* wo of length 1, if it has a direction. */
+static bool set_length(const double wo[3], double out[3]) {
+  const double size = hypot(hypot(wo[0], wo[1]), wo[2]);
+  for (int a = 0; a < 3; a++)
+    out[a] = wo[a] / size;
+  return isfinite(size) && size > 0;
+}
+
 unsigned shade_fabric_albedo_eval(const shade_fabric_albedo *table, const double wo[3],
                                   double rgb[3]) {
-  const double size = hypot(hypot(wo[0], wo[1]), wo[2]);
+  double unit[3];
   memset(rgb, 0, 3 * sizeof *rgb);
-  if (!isfinite(size) || !(size > 0))
+  if (!set_length(wo, unit))
     return SHADE_BAD_INPUT;
-  const double z = wo[2] / size;
-  if (!(z > 0))
+  if (!(unit[2] > 0))
     return SHADE_OK;
-  const double row = sqrt(fmin(z, 1)) * (ELEVATIONS - 1);
-  double turn = atan2(wo[1], wo[0]) / TURN;
+  const double row = sqrt(fmin(unit[2], 1)) * (ELEVATIONS - 1);
+  double turn = atan2(unit[1], unit[0]) / TURN;
   turn = (turn - floor(turn)) * AZIMUTHS;
   const int i = (int)fmin(row, ELEVATIONS - 2), j = (int)fmin(turn, AZIMUTHS - 1);
   const double a = row - i, b = turn - j;
@@ -109,4 +116,17 @@ unsigned shade_fabric_albedo_eval(const shade_fabric_albedo *table, const double
              a * ((1 - b) * high[j][c] + b * high[next][c]);
   }
   return SHADE_OK;
+}
+
+unsigned shade_fabric_albedo_towards(const shade_fabric *f, const double wo[3], double rgb[3]) {
+  double unit[3];
+  room *r = malloc(sizeof *r);
+  const bool good = r && f && set_length(wo, unit);
+  memset(rgb, 0, 3 * sizeof *rgb);
+  if (good && unit[2] > 0) {
+    set_lights(r);
+    measure(f, unit, r, rgb);
+  }
+  free(r);
+  return good ? SHADE_OK : SHADE_BAD_INPUT;
 }

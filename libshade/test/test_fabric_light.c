@@ -332,14 +332,14 @@ static void weights_are_bounded(void **state) {
 
 /* ---- albedo ----------------------------------------------------------------------------- */
 
-/* The table against the integral of s over both sides, far, and with a nap, by the midpoint rule.
- */
+/* The table, and one direction's own quadrature, against the integral of s over both sides, far,
+ * and with a nap, by the midpoint rule. */
 static void albedo_is_the_integral(void **state) {
   (void)state;
   const char *names[] = {"denim", "silk_charmeuse", "wool_flannel"};
   const double all[2] = {1e6, 1e6}, none[2] = {0, 0};
   uint64_t seed = 31;
-  double worst = 0;
+  double worst = 0, apart = 0;
   /* sanitizers see the one of fewest lobes */
   for (int name = FEWER > 1 ? 2 : 0; name < 3; name += FEWER) {
     cloth c = open_cloth(names[name], transmits);
@@ -359,6 +359,10 @@ static void albedo_is_the_integral(void **state) {
       assert_int_equal(shade_fabric_albedo_eval(table, wo, got), SHADE_OK);
       for (int a = 0; a < 3; a++)
         worst = fmax(worst, fabs(got[a] / want[a] - 1));
+      const double longer[3] = {1e3 * wo[0], 1e3 * wo[1], 1e3 * wo[2]};
+      assert_int_equal(shade_fabric_albedo_towards(c.fabric, longer, got), SHADE_OK);
+      for (int a = 0; a < 3; a++)
+        apart = fmax(apart, fabs(got[a] / want[a] - 1));
     }
     double rgb[3];
     const double down[3] = {0.6, 0, -0.8}, bad[3] = {NAN, 0, 1};
@@ -366,12 +370,20 @@ static void albedo_is_the_integral(void **state) {
     assert_true(rgb[0] == 0 && rgb[2] == 0);
     assert_int_equal(shade_fabric_albedo_eval(table, bad, rgb), SHADE_BAD_INPUT);
     assert_true(rgb[1] == 0);
+    rgb[0] = rgb[1] = 1;
+    assert_int_equal(shade_fabric_albedo_towards(c.fabric, down, rgb), SHADE_OK);
+    assert_true(rgb[0] == 0 && rgb[2] == 0);
+    rgb[1] = 1;
+    assert_int_equal(shade_fabric_albedo_towards(c.fabric, bad, rgb), SHADE_BAD_INPUT);
+    assert_true(rgb[1] == 0);
     shade_fabric_albedo_free(table);
     close_cloth(&c);
   }
   shade_fabric_albedo_free(NULL);
   print_message("albedo's table against the integral: %.2f %%\n", 100 * worst);
+  print_message("one direction's quadrature: %.2f %%\n", 100 * apart);
   assert_true(worst <= 0.05);
+  assert_true(apart <= 0.02);
 }
 
 int main(void) {

@@ -447,21 +447,6 @@ static PyObject *native_metal(PyObject *self, PyObject *argument) {
   return NULL;
 }
 
-/* The integral of f cos over even light for an eye above, from afar: cells of equal solid angle. */
-static void albedo_from_above(const shade_fabric *fabric, double rgb[3]) {
-  enum { RINGS = 48, SPOKES = 96 };
-  const double up[3] = {0, 0, 1}, uv[2] = {0, 0}, wide[2] = {1e9, 1e9}, turn = 6.283185307179586;
-  for (int k = 0; k < RINGS * SPOKES; k++) {
-    const double z = (k / SPOKES + 0.5) / RINGS, side = sqrt(1 - z * z);
-    const double angle = turn * (k % SPOKES + 0.5 * (k / SPOKES % 2)) / SPOKES;
-    const double wi[3] = {side * cos(angle), side * sin(angle), z};
-    double s[3];
-    shade_fabric_eval(fabric, uv, wide, NULL, wi, up, SHADE_TIER_FAR, s);
-    for (int a = 0; a < 3; a++)
-      rgb[a] += s[a] * turn / (RINGS * SPOKES);
-  }
-}
-
 PyDoc_STRVAR(cloth_albedo_doc,
              "cloth_albedo(word) -> (r, g, b)\n\n"
              "How much of even light a cloth of libshade's reflects towards an eye above it, seen\n"
@@ -470,19 +455,18 @@ static PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
   (void)self;
   const char *word = PyUnicode_AsUTF8AndSize(argument, NULL);
   shade_preset p;
-  double rgb[3] = {0, 0, 0};
+  const double above[3] = {0, 0, 1};
+  double rgb[3];
   if (!word)
     return NULL;
   if (!shade_preset_find(word, &p) || p.kind != SHADE_PRESET_FABRIC)
     return PyErr_Format(PyExc_ValueError, "no cloth '%s'", word);
   shade_weave *weave = NULL;
   shade_fabric *fabric = shade_preset_fabric(&p, &weave, NULL);
-  if (!fabric)
-    return PyErr_NoMemory();
-  albedo_from_above(fabric, rgb);
+  const bool good = fabric && shade_fabric_albedo_towards(fabric, above, rgb) == SHADE_OK;
   shade_fabric_free(fabric);
   shade_weave_free(weave);
-  return Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]);
+  return !good ? PyErr_NoMemory() : Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]);
 }
 
 static PyObject *native_table(PyObject *self, PyObject *unused) {

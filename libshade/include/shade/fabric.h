@@ -375,6 +375,13 @@ SHADE_API void shade_fabric_albedo_free(shade_fabric_albedo *albedo); /* NULL is
 SHADE_API unsigned shade_fabric_albedo_eval(const shade_fabric_albedo *albedo, const double wo[3],
                                             double rgb[3]);
 
+/*
+ * The same for one wo of any length, without a table: the quadrature alone (within 2 % where
+ * wo.z/|wo| >= .1), some milliseconds. SHADE_BAD_INPUT, and rgb is 0, when out of memory too.
+ */
+SHADE_API unsigned shade_fabric_albedo_towards(const shade_fabric *fabric, const double wo[3],
+                                               double rgb[3]);
+
 /* How the far model sees the fabric, for charts and tests. */
 typedef struct shade_fabric_info {
   int warp_lobes, weft_lobes;            /* nodes of the mixture */
