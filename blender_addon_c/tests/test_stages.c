@@ -17,6 +17,13 @@
 
 enum { COUNT = 1003, SET = 0x7b };
 
+/* Sanitizers look at memory and are slow: there fewer draws are enough. */
+#ifdef __SANITIZE_ADDRESS__
+enum { FEWER = 4 };
+#else
+enum { FEWER = 1 };
+#endif
+
 static const stage_table *stages;
 static batch *b;
 static uint32_t seed;
@@ -414,7 +421,7 @@ static void soft_lights(light l[SOFT_LIGHTS], double irradiance[SOFT_LIGHTS]) {
  */
 static void lights_drawn_and_met(void **state) {
   (void)state;
-  enum { LINES = 16, COLUMNS = 16, FINE = 63, DRAWS = 64 * COUNT };
+  enum { LINES = 16, COLUMNS = 16, FINE = 63, DRAWS = 64 / FEWER * COUNT };
   light all[SOFT_LIGHTS];
   double irradiance[SOFT_LIGHTS];
   soft_lights(all, irradiance);
@@ -1319,7 +1326,7 @@ static size_t cell_of(vec3 d) {
  * of a draw are those of its direction, and no more leaves than came. */
 static void closures_draw_by_their_density(void **state) {
   (void)state;
-  enum { ROUNDS = 60, FINE = 12 };
+  enum { ROUNDS = 60 / FEWER, FINE = 12 };
   const lane_run run = {.begin = 0, .end = 1000};
   closure c;
   for (int number = 0; closure_by(number, &c); number++)

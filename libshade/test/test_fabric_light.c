@@ -340,9 +340,9 @@ static void albedo_is_the_integral(void **state) {
   const double all[2] = {1e6, 1e6}, none[2] = {0, 0};
   uint64_t seed = 31;
   double worst = 0, apart = 0;
-  /* sanitizers see the one of fewest lobes */
+  /* sanitizers see the one of fewest lobes, from one side */
   for (int name = FEWER > 1 ? 2 : 0; name < 3; name += FEWER) {
-    cloth c = open_cloth(names[name], transmits);
+    cloth c = open_cloth(names[name], FEWER > 1 ? NULL : transmits);
     shade_fabric_albedo *table = shade_fabric_albedo_create(c.fabric);
     assert_non_null(table);
     for (int k = 0; k < 8; k += FEWER) {

@@ -43,7 +43,7 @@ static double lobe(double x, double y, double z) {
 }
 
 /* The hemisphere by the midpoint rule. */
-enum { THETAS = 240, PHIS = 240, POINTS = THETAS * PHIS };
+enum { THETAS = 240 / FEWER, PHIS = 240 / FEWER, POINTS = THETAS * PHIS };
 
 static double direction(int i, double h[3]) {
   double theta = (i / PHIS + 0.5) * (PI / 2) / THETAS;
