@@ -16,6 +16,18 @@ static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n[3], const real
   return FN(bsdf_one)(bsdf_of(b), n, wi, wo, f, cosine);
 }
 
+static unsigned FN(kernel_prepare)(const shade_bsdf *b, const real n[3], const real wo[3],
+                                   FN(shade_bsdf_hit) * room) {
+  FN(bsdf_hit) *hit = (FN(bsdf_hit) *)room;
+  FN(prepare_one)(bsdf_of(b), n, wo, hit);
+  return hit->status;
+}
+
+static unsigned FN(kernel_hit)(const shade_bsdf *b, const FN(shade_bsdf_hit) * hit,
+                               const real wi[3], real f[3], real *cosine) {
+  return FN(hit_one)(bsdf_of(b), (const FN(bsdf_hit) *)hit, wi, f, cosine);
+}
+
 static unsigned FN(kernel_pdf)(const shade_bsdf *b, const real n[3], const real wi[3],
                                const real wo[3], real *pdf) {
   return FN(pdf_one)(bsdf_of(b), n, wi, wo, pdf);

@@ -66,7 +66,13 @@ LEAF real FN(diffuse_ashikhmin_shirley)(real ly, real lz, real vy, real vz) {
  * is anything, 0. Grooves along y: the same with x and y exchanged. Absolute error, tilts to
  * 89.9 degrees: float 3e-7, double 6e-16, worst at the largest tilt.
  */
+LEAF real FN(over_fibre)(real nx, real ny, real nz, real wx, real wy, real wz) {
+  /* L times that */
+  return FN(dot2)(nx, nz, FN(difference)(nx, wy, ny, wx), FN(difference)(nz, wy, ny, wz));
+}
+LEAF real FN(fibre_length)(real nx, real nz) {
+  return FN(root)(nx * nx + nz * nz) + TINY;
+}
 LEAF real FN(across_fibre)(real nx, real ny, real nz, real wx, real wy, real wz) {
-  real y = nx * (nx * wy - ny * wx) + nz * (nz * wy - ny * wz);
-  return y / (FN(root)(nx * nx + nz * nz) + TINY);
+  return FN(over_fibre)(nx, ny, nz, wx, wy, wz) / FN(fibre_length)(nx, nz);
 }

@@ -51,12 +51,17 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
  * Smith's shadow of wi from z, for GGX of alpha^2 = tan^2/8 (1 at most), tan that of n from z.
  * [Estevez2019]
  */
-LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
-  real alpha2 = FN(minimum)(R(0.125) * (nx * nx + ny * ny) / FN(maximum)(nz * nz, TINY), 1);
+LEAF real FN(estevez_alpha2)(real nx, real ny, real nz) {
+  return FN(minimum)(R(0.125) * (nx * nx + ny * ny) / FN(maximum)(nz * nz, TINY), 1);
+}
+LEAF real FN(shadow_of_alpha2)(real alpha2, real wix, real wiy, real wiz) {
   real z = FN(maximum)(wiz, 0);
   /* z again, where it has no square */
   real sum = z + FN(maximum)(FN(root)(z * z + alpha2 * (wix * wix + wiy * wiy)), z);
   return 2 * z / FN(maximum)(sum, LEAST_NORMAL);
+}
+LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
+  return FN(shadow_of_alpha2)(FN(estevez_alpha2)(nx, ny, nz), wix, wiy, wiz);
 }
 
 /* The cubic in g = wi.z/(n.z n.wi) that meets 1 without a kink at g = 1. [Chiang2019] */

@@ -35,6 +35,28 @@ unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const float wi[
   return isa_of(b)->bsdff(b, n, wi, wo, f, cosine ? cosine : &unused);
 }
 
+unsigned shade_bsdf_prepare(const shade_bsdf *b, const double n[3], const double wo[3],
+                            shade_bsdf_hit *hit) {
+  return isa_of(b)->prepare(b, n, wo, hit);
+}
+
+unsigned shade_bsdf_preparef(const shade_bsdf *b, const float n[3], const float wo[3],
+                             shade_bsdf_hitf *hit) {
+  return isa_of(b)->preparef(b, n, wo, hit);
+}
+
+unsigned shade_bsdf_hit_eval(const shade_bsdf *b, const shade_bsdf_hit *hit, const double wi[3],
+                             double f[3], double *cosine) {
+  double unused;
+  return isa_of(b)->hit(b, hit, wi, f, cosine ? cosine : &unused);
+}
+
+unsigned shade_bsdf_hit_evalf(const shade_bsdf *b, const shade_bsdf_hitf *hit, const float wi[3],
+                              float f[3], float *cosine) {
+  float unused;
+  return isa_of(b)->hitf(b, hit, wi, f, cosine ? cosine : &unused);
+}
+
 unsigned shade_bsdf_eval_batch(const shade_bsdf *b, size_t count, const shade_lanes *in,
                                const shade_result *out) {
   return isa_of(b)->bsdf_batch(b, count, in, out);

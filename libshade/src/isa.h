@@ -26,6 +26,10 @@ typedef struct shade_isa_table {
                    double *);
   unsigned (*bsdff)(const shade_bsdf *, const float *, const float *, const float *, float *,
                     float *);
+  unsigned (*prepare)(const shade_bsdf *, const double *, const double *, shade_bsdf_hit *);
+  unsigned (*preparef)(const shade_bsdf *, const float *, const float *, shade_bsdf_hitf *);
+  unsigned (*hit)(const shade_bsdf *, const shade_bsdf_hit *, const double *, double *, double *);
+  unsigned (*hitf)(const shade_bsdf *, const shade_bsdf_hitf *, const float *, float *, float *);
   unsigned (*bsdf_batch)(const shade_bsdf *, size_t, const shade_lanes *, const shade_result *);
   unsigned (*bsdf_batchf)(const shade_bsdf *, size_t, const shade_lanesf *, const shade_resultf *);
   unsigned (*mdf)(const shade_bsdf *, const double *, const double *, double *);

@@ -248,6 +248,7 @@ void ShadedPoint::set(const Material *m, const double N[3], const double T[3], c
   }
   to_local(V, eye);
   to_local(Ns, normal);
+  prepared = 0;
 }
 
 void ShadedPoint::set_pigment(const double rgb[3]) {
@@ -294,6 +295,7 @@ void ShadedPoint::roughen(const double covariance[3], int level) {
   if (!(covariance[0] + covariance[2] > 1e-9)) // less than any lobe's own
     return;
   rough.reset(new Rough);
+  prepared = 0;
   shade_params p = widened(material->params, level);
   shade_params_widen(&p, normal, covariance, &rough->params, &rough->angle);
   rough->c = std::cos(rough->angle);
@@ -315,22 +317,39 @@ void ShadedPoint::lobe(double alpha[2], double *angle) const {
   *angle = rough ? rough->angle : 0.0;
 }
 
+// f and the cosine of one of the lobes; of a rough one in its own frame.
+void ShadedPoint::lobe_light(Lobe of, const shade_bsdf *b, const double wi[3], double f[3],
+                             double *cosine) const {
+  shade_bsdf_hit *const at = &prepared_hit[of];
+  const bool turned = rough && of >= OF_SPECULAR;
+  double n[3], o[3], i[3];
+
+  if (!(prepared >> of & 1)) {
+    if (turned) {
+      rough->turn(normal, n);
+      rough->turn(eye, o);
+    }
+    shade_bsdf_prepare(b, turned ? n : normal, turned ? o : eye, at);
+    prepared |= 1u << of;
+  }
+  if (turned)
+    rough->turn(wi, i);
+  shade_bsdf_hit_eval(b, at, turned ? i : wi, f, cosine);
+}
+
 // The specular lobe, or the same in black, with what its bumps make of it.
 void ShadedPoint::specular(bool in_black, int level, const double wi[3], double f[3],
                            double *cosine) const {
   const Material &m = *material;
 
-  if (rough) {
-    double n[3], i[3], o[3];
-    rough->turn(normal, n);
-    rough->turn(wi, i);
-    rough->turn(eye, o);
-    shade_bsdf_eval(in_black ? &rough->black : &rough->specular, n, i, o, f, cosine);
-  } else if (level < 0)
-    shade_bsdf_eval(in_black ? &m.black : &m.specular, normal, wi, eye, f, cosine);
+  if (rough)
+    lobe_light(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &rough->black : &rough->specular, wi,
+               f, cosine);
+  else if (level < 0)
+    lobe_light(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &m.black : &m.specular, wi, f, cosine);
   else
-    shade_bsdf_eval(in_black ? &m.widened_black[level] : &m.widened[level], normal, wi, eye, f,
-                    cosine);
+    lobe_light(in_black ? OF_WIDENED_BLACK : OF_WIDENED,
+               in_black ? &m.widened_black[level] : &m.widened[level], wi, f, cosine);
 }
 
 void ShadedPoint::to_local(const double world[3], double local[3]) const {
@@ -358,10 +377,10 @@ void ShadedPoint::light(Part part, int level, const double L[3], const double E[
   if (m.cloth)
     shade_fabric_hit_eval(m.woven->fabric(), hit.get(), wi, f);
   else if (part == DIFFUSE) {
-    shade_bsdf_eval(&m.diffuse, normal, wi, eye, f, &cosine);
+    lobe_light(OF_DIFFUSE, &m.diffuse, wi, f, &cosine);
     paint_diffuse(f);
   } else if (part == ALL)
-    shade_bsdf_eval(&m.bsdf, normal, wi, eye, f, &cosine);
+    lobe_light(OF_ALL, &m.bsdf, wi, f, &cosine);
   else {
     specular(false, level, wi, f, &cosine);
     if (m.specular_pigment) {

@@ -158,7 +158,7 @@ class ShadedPoint {
 public:
   enum Part { ALL, SPECULAR, DIFFUSE }; // ALL: where no colour is the pigment's
 
-  ShadedPoint() : material(NULL) {}
+  ShadedPoint() : material(NULL), prepared(0) {}
   void set(const Material *m, const double N[3], const double T[3], const double Ns[3],
            const double V[3]);
 
@@ -216,6 +216,14 @@ private:
 
   void to_local(const double world[3], double local[3]) const;
   void to_world(const double local[3], double world[3]) const;
+  // Each lobe that light may be asked of, prepared for the eye by the first light: most points
+  // need one of them.
+  enum Lobe { OF_ALL, OF_DIFFUSE, OF_SPECULAR, OF_BLACK, OF_WIDENED, OF_WIDENED_BLACK, LOBES };
+  mutable shade_bsdf_hit prepared_hit[LOBES];
+  mutable unsigned int prepared; // bit 1 << lobe
+
+  void lobe_light(Lobe lobe, const shade_bsdf *b, const double wi[3], double f[3],
+                  double *cosine) const;
   void specular(bool in_black, int level, const double wi[3], double f[3], double *cosine) const;
   void tint(const double black[3], double white[3]) const;
   void paint_diffuse(double f[3]) const;

@@ -366,10 +366,10 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
         cloth->yarns.seed = (uint32_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
         break;
       case mdf::FABRIC_DRAFT_COLORS:
-        Get_Token();
-        if (Token.Function_Id != ON_TOKEN && Token.Function_Id != OFF_TOKEN)
-          Expectation_Error("on or off");
-        p.draft_colors = Token.Function_Id == ON_TOKEN;
+        p.draft_colors = Parse_Mdf_Switch();
+        break;
+      case mdf::FABRIC_SHADOWS:
+        p.shadows = Parse_Mdf_Switch();
         break;
       default:
         if (word >= mdf::BLOCK_ROW) {

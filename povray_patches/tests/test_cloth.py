@@ -311,6 +311,18 @@ def test_the_same_for_any_number_of_threads(render):
     assert (one == two).all()
 
 
+def test_shadows_of_yarns_may_be_left_out(render, shade_check):
+    """Yarns that lean towards a low lamp then take more than falls on the cloth (CONVENTIONS.md)."""
+    low = "light_source { <800, 0, -100> rgb 1 parallel point_at 0 }\n"  # 83 degrees
+    dumps = [render(scene(sheet() + cloth(f'preset "silk_shantung" crossings 4 yarns {{ diffuse rgb 1 }} {words}') + "}", low, FRONT), size=(24, 24)).dump
+             for words in ("", "shadows on", "shadows off")]
+    for dump in dumps:
+        shade_check(dump, 2e-5)
+    assert [dump.header["materials"][0]["fabric"]["cloth"]["shadows"] for dump in dumps] == [True, True, False]
+    assert (dumps[0].S == dumps[1].S).all()
+    assert dumps[2].S.sum() > 1.1 * dumps[1].S.sum()
+
+
 SCRATCHES = "scratches { tile_mm 20 mm_per_unit 40 layer { pits 4000 radius .01, .03 stretch 100, 400 depth .2, .4 direction 30 spread 10 } }"
 
 
@@ -402,7 +414,7 @@ def test_the_tile_leaves_a_layers_lengths(render):
     ('fabric { draft "scene.pov" }', "expected the sections of a Weaving Information File"),
     ("fabric { occlusion skyy }", "did you mean 'sky'?"), ("fabric { detail rotat }", "did you mean 'rotate'?"),
     ("fabric { warp { diffuse wool rgb 1 } }", "mdf: warp: diffuse needs a colour, 'wool' found instead."),
-    ("fabric { draft_colors 1 }", "on or off"), ("fabric { mm_per_unit }", "mdf: mm_per_unit needs a number"),
+    ("fabric { draft_colors 1 }", "on or off"), ("fabric { shadows }", "on or off"), ("fabric { mm_per_unit }", "mdf: mm_per_unit needs a number"),
     ("fabric { backing }", "mdf: backing needs a colour"), ("fabric {", "found instead")])
 def test_errors_name_what_was_expected(render, block, message):
     result = render(scene(f"sphere {{ 0, 1 texture {{ finish {{ mdf {{ {block} }} }} }} }}"), fails=True)

@@ -251,6 +251,31 @@ SHADE_API unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const
                                     const float wo[3], float f[3], float *cosine);
 
 /*
+ * A hit prepared for many lights: what shade_bsdf_eval works out of the eye and the normal alone,
+ * once (directions made unit, n bent for its horizon, Smith's Lambda of wo). A fixed size, private
+ * contents, nothing to free; may be copied. It holds for the material it was prepared with, in as
+ * many threads as that, until the material changes; a call without this one before it reads what is
+ * not there.
+ *
+ * What shade_bsdf_hit_eval gives for wi is what shade_bsdf_eval gives for n, wi and wo, to the last
+ * bit, status included; shade_bsdf_prepare returns those status bits that n and wo cause.
+ */
+typedef struct shade_bsdf_hit {
+  double inside[32];
+} shade_bsdf_hit;
+typedef struct shade_bsdf_hitf {
+  double inside[20];
+} shade_bsdf_hitf;
+SHADE_API unsigned shade_bsdf_prepare(const shade_bsdf *b, const double n[3], const double wo[3],
+                                      shade_bsdf_hit *hit);
+SHADE_API unsigned shade_bsdf_preparef(const shade_bsdf *b, const float n[3], const float wo[3],
+                                       shade_bsdf_hitf *hit);
+SHADE_API unsigned shade_bsdf_hit_eval(const shade_bsdf *b, const shade_bsdf_hit *hit,
+                                       const double wi[3], double f[3], double *cosine);
+SHADE_API unsigned shade_bsdf_hit_evalf(const shade_bsdf *b, const shade_bsdf_hitf *hit,
+                                        const float wi[3], float f[3], float *cosine);
+
+/*
  * Phi of a diffuse model in the fibre's frame: x along the fibre, z the normal; f cos =
  * kd Phi/pi, Lambert's Phi is l.z. l to the light, v to the eye, unit (v is read by
  * fibre_view and ashikhmin_shirley only). 0 for l.z <= 0, and for v.z <= 0 where v is read;

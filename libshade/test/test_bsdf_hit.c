@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Prepared hits give what shade_bsdf_eval gives, to the last bit and status, for every choice of
+ * the table: of many hits prepared before the first light, copies too, with lights in any order,
+ * directions of any length, downward and not finite. (That shade_bsdf_eval is right is for
+ * test_bsdf, test_horizon and test_hostile.)
+ */
+#include <string.h>
+
+#include "support.h"
+
+enum { HITS = 6, LIGHTS = 6 };
+
+typedef struct directions {
+  double n[HITS][3], wo[HITS][3], wi[LIGHTS][3];
+  float nf[HITS][3], wof[HITS][3], wif[LIGHTS][3];
+} directions;
+
+static void make(uint64_t *seed, directions *d) {
+  for (int i = 0; i < HITS; i++) {
+    spherical(1.5 * uniform(seed) * (i > 1), 6.3 * uniform(seed), d->n[i]);
+    spherical(1.6 * uniform(seed), 6.3 * uniform(seed), d->wo[i]);
+    spherical(1.7 * uniform(seed), 6.3 * uniform(seed), d->wi[i]);
+  }
+  for (int k = 0; k < 3; k++) {
+    d->n[2][k] *= 3e4; /* to be made unit */
+    d->wi[2][k] *= 1e-7;
+    d->wi[3][k] = -d->wo[3][k];
+  }
+  d->n[3][2] = -d->n[3][2];
+  if (uniform(seed) < 0.3)
+    d->wo[4][0] = NAN;
+  if (uniform(seed) < 0.3)
+    d->wi[4][1] = INFINITY;
+  if (uniform(seed) < 0.1)
+    d->n[5][0] = d->n[5][1] = d->n[5][2] = 0;
+  for (int i = 0; i < HITS; i++)
+    for (int k = 0; k < 3; k++) {
+      d->nf[i][k] = (float)d->n[i][k];
+      d->wof[i][k] = (float)d->wo[i][k];
+      d->wif[i][k] = (float)d->wi[i][k];
+    }
+}
+
+static void compare(const shade_bsdf *b, const directions *d) {
+  shade_bsdf_hit hit[HITS], copy;
+  shade_bsdf_hitf hitf[HITS], copyf;
+  memset(hit, 0xff, sizeof hit); /* NaN: what is read must have been written */
+  memset(hitf, 0xff, sizeof hitf);
+  unsigned mended[HITS], mendedf[HITS];
+  for (int i = 0; i < HITS; i++) {
+    mended[i] = shade_bsdf_prepare(b, d->n[i], d->wo[i], &hit[i]);
+    mendedf[i] = shade_bsdf_preparef(b, d->nf[i], d->wof[i], &hitf[i]);
+  }
+  for (int light = LIGHTS - 1; light >= 0; light--)
+    for (int i = 0; i < HITS; i++) {
+      double got[4], want[4];
+      float gotf[4], wantf[4];
+      copy = hit[i];
+      copyf = hitf[i];
+      const unsigned is = shade_bsdf_hit_eval(b, &copy, d->wi[light], got, &got[3]);
+      const unsigned was = shade_bsdf_eval(b, d->n[i], d->wi[light], d->wo[i], want, &want[3]);
+      assert_int_equal(is, was);
+      assert_int_equal(mended[i] & ~was, 0);
+      assert_memory_equal(got, want, sizeof got);
+      const unsigned isf = shade_bsdf_hit_evalf(b, &copyf, d->wif[light], gotf, &gotf[3]);
+      const unsigned wasf =
+          shade_bsdf_evalf(b, d->nf[i], d->wif[light], d->wof[i], wantf, &wantf[3]);
+      assert_int_equal(isf, wasf);
+      assert_int_equal(mendedf[i] & ~wasf, 0);
+      assert_memory_equal(gotf, wantf, sizeof gotf);
+    }
+}
+
+static void every_choice(void **state) {
+  uint64_t seed = 11;
+  directions d;
+  (void)state;
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+    for (int brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
+      for (int detail = 0; detail < SHADE_DETAIL_COUNT; detail++)
+        for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++) {
+          const int other = mdf + brdf + detail + horizon; /* the others take turns */
+          shade_params p;
+          shade_bsdf b;
+          shade_params_init(&p);
+          shade_params_set_exponents(&p, 2 + 60 * uniform(&seed), 2 + 60 * uniform(&seed));
+          p.mdf = (shade_mdf)mdf;
+          p.brdf = (shade_brdf)brdf;
+          p.detail = (shade_detail)detail;
+          p.horizon = (shade_horizon)horizon;
+          p.groove = (shade_groove)(other % SHADE_GROOVE_COUNT);
+          p.fresnel = (shade_fresnel)(other % SHADE_FRESNEL_COUNT);
+          p.diffuse = (shade_diffuse)(uniform(&seed) * SHADE_DIFFUSE_COUNT);
+          for (int c = 0; c < 3; c++)
+            p.kd[c] = other % 3 ? uniform(&seed) : 0;
+          shade_bsdf_setup(&b, &p);
+          make(&seed, &d);
+          compare(&b, &d);
+        }
+}
+
+/* As from shade_bsdf_eval: the cosine may be left out. */
+static void cosine_is_optional(void **state) {
+  (void)state;
+  const shade_bsdf b = make_bsdf(SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, 200, 10);
+  const double n[3] = {0.1, 0.2, 0.97}, wo[3] = {0, 0, 1}, wi[3] = {0.3, 0, 0.95};
+  const float nf[3] = {0.1f, 0.2f, 0.97f}, wof[3] = {0, 0, 1}, wif[3] = {0.3f, 0, 0.95f};
+  shade_bsdf_hit hit;
+  shade_bsdf_hitf hitf;
+  double f[3];
+  float ff[3];
+  shade_bsdf_prepare(&b, n, wo, &hit);
+  shade_bsdf_preparef(&b, nf, wof, &hitf);
+  assert_int_equal(shade_bsdf_hit_eval(&b, &hit, wi, f, NULL), SHADE_OK);
+  assert_int_equal(shade_bsdf_hit_evalf(&b, &hitf, wif, ff, NULL), SHADE_OK);
+  assert_true(f[0] > 0 && ff[0] > 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(every_choice),
+                                     cmocka_unit_test(cosine_is_optional)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
