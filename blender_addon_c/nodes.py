@@ -20,9 +20,16 @@ _TABLE = _native.table()
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
 _OLD_SHADER = "Principled BSDF"
 _SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR = "Anisotropic BSDF", "Diffuse BSDF", "Groove", "Fresnel", "Color"
+# Sockets that properties set: what these say counts until a socket is linked or says something else.
+SHAPE, MATT_COLOR = ("Roughness", "Anisotropy"), ("Diffuse Color",)
+_SETS = {"ex": SHAPE, "ey": SHAPE, "ax": SHAPE, "ay": SHAPE, "kd": MATT_COLOR}
 _INSIDE = {_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR}
 # Of Cycles' distributions the nearest.
 _DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
+
+
+_NAMES = {"ex": "Exponent Along U", "ey": "Exponent Across U", "ax": "Alpha Along U", "ay": "Alpha Across U",
+          "kd": "Diffuse Color"}
 
 
 def _choices():
@@ -73,6 +80,29 @@ def exponent_of(alpha):
     return max(0.0, 2.0 / (alpha * alpha) - 2.0)
 
 
+def shape_of(ax, ay):
+    """Roughness and anisotropy of alphas, as Cycles' Anisotropic BSDF has them: r² (1 - a) along the tangent and
+    r² / (1 - a) across, or for a < 0 r² / (1 + a) and r² (1 + a)."""
+    narrow, wide = sorted((ax, ay))
+    ratio = 1.0 - (narrow / wide) ** 0.5
+    return min(1.0, (ax * ay) ** 0.25), ratio if ax < ay else -ratio
+
+
+def _numbers(socket):
+    value = socket.default_value
+    return tuple(value) if hasattr(value, "__len__") else (value,)
+
+
+def sockets_rule(node, names):
+    """Do these sockets say what the properties do not: are they linked, or not as properties set them? Nodes
+    of older files have none."""
+    sockets = [node.inputs[name] for name in names if name in node.inputs]
+    if any(socket.is_linked for socket in sockets):
+        return True
+    kept = {"Roughness": node.set_shape[:1], "Anisotropy": node.set_shape[1:], "Diffuse Color": node.set_matt}
+    return any(_numbers(socket) != tuple(kept[socket.name]) for socket in sockets)
+
+
 # Exponents and alphas say the same thing; setting one sets the other.
 _TWIN = {
     "ex": ("ax", alpha_of), "ey": ("ay", alpha_of),
@@ -94,6 +124,8 @@ def _updater(word):
                 setattr(node, twin, convert(getattr(node, word)))
             finally:
                 _setting_twin = False
+        if word in _SETS:
+            node.set_sockets(_SETS[word])
         node.update_preview()
     return update
 
@@ -111,7 +143,7 @@ def _properties():
         )
     for row in _parameters():
         common = {
-            "name": row["word"], "description": row["help"], "precision": 4,
+            "name": _NAMES.get(row["word"], row["word"]), "description": row["help"], "precision": 4,
             "min": row["minimum"], "max": row["maximum"], "default": _initial(row),
             "update": _updater(row["word"]),
         }
@@ -122,6 +154,9 @@ def _properties():
             subtype = "COLOR" if row["maximum"] <= 1 else "NONE"
             made[row["word"]] = FloatVectorProperty(size=row["components"], subtype=subtype,
                                                     **common)
+    # What the properties last set these sockets to.
+    made["set_shape"] = FloatVectorProperty(size=2, options={"HIDDEN"})
+    made["set_matt"] = FloatVectorProperty(size=4, options={"HIDDEN"})
     # The tree inside also belongs to a copy of this node, until one of them changes.
     made["shares_tree"] = BoolProperty(options={"HIDDEN"})
     return made
@@ -137,6 +172,13 @@ def _new_tree():
     tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
     color = new_socket(tree, "Color", "INPUT", "NodeSocketColor")
     color.default_value = (*_initial_color(), 1.0)
+    for name, low, high, about in (
+            ("Roughness", 0.0, 1.0, "Its square is the width of the reflection"),
+            ("Anisotropy", -0.99, 0.99, "How much narrower it is along the strokes: .9 is 100 : 1"),
+            ("Rotation", -1e4, 1e4, "Turns the tangent; 1 is all the way round")):
+        socket = new_socket(tree, name, "INPUT", "NodeSocketFloat")
+        socket.min_value, socket.max_value, socket.description = low, high, about
+    new_socket(tree, "Diffuse Color", "INPUT", "NodeSocketColor").default_value = (0.0, 0.0, 0.0, 1.0)
     normal = new_socket(tree, "Normal", "INPUT", "NodeSocketVector")
     normal.hide_value = True  # unlinked, it is the surface's own normal
     new_socket(tree, "Tangent", "INPUT", "NodeSocketVector").hide_value = True
@@ -167,6 +209,9 @@ def _new_tree():
     link(edge.outputs[0], color.inputs["Fac"])
     link(inputs.outputs["Color"], color.inputs["Color1"])
     link(color.outputs[0], shader.inputs["Color"])
+    for name in (*SHAPE, "Rotation"):
+        link(inputs.outputs[name], shader.inputs[name])
+    link(inputs.outputs["Diffuse Color"], matt.inputs["Color"])
     for node in (facing, shader, matt):
         link(group.outputs["Normal"], node.inputs["Normal"])
     link(shader.outputs["BSDF"], both.inputs[0])
@@ -200,12 +245,25 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
 
     def init(self, _context):
         self.node_tree = _new_tree()
+        self.set_sockets((*SHAPE, *MATT_COLOR))
         self.update_preview()
 
     def copy(self, node):
         # Giving the copy a tree of its own right here would upset Blender 3.4's count of the
         # tree's users, and a tree without users is not saved.
         self.shares_tree = node.shares_tree = True
+
+    def set_sockets(self, names):
+        """What properties say, to the sockets that say the same; a socket brings it into its range."""
+        if any(name not in self.inputs for name in names):
+            return  # of an older file
+        said = {**dict(zip(SHAPE, shape_of(self.ax, self.ay))), "Diffuse Color": (*self.kd, 1.0)}
+        for name in names:
+            self.inputs[name].default_value = said[name]
+        if names != MATT_COLOR:
+            self.set_shape = [part for name in SHAPE for part in _numbers(self.inputs[name])]
+        if names != SHAPE:
+            self.set_matt = _numbers(self.inputs["Diffuse Color"])
 
     def update_preview(self):
         """Carry the settings over to the shaders inside."""
@@ -231,15 +289,11 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         shader.inputs["Anisotropic Rotation"].default_value = 0.25 if self.ax < self.ay else 0.0
 
     def _update_anisotropic(self, inner):
-        """Here alphas are r² (1 − a) along the tangent and r²/(1 − a) across, or for a < 0 r²/(1 + a)
-        and r² (1 + a).
-        """
+        """The sockets feed the shaders; those of older files, which have none, keep these values."""
         shader, matt = inner[_SHADER], inner[_MATT]
         shader.distribution = _DISTRIBUTION.get(self.distribution, "BECKMANN")
-        shader.inputs["Roughness"].default_value = min(1.0, (self.ax * self.ay) ** 0.25)
-        narrow, wide = sorted((self.ax, self.ay))
-        ratio = 1.0 - (narrow / wide) ** 0.5
-        shader.inputs["Anisotropy"].default_value = ratio if self.ax < self.ay else -ratio
+        for name, value in zip(SHAPE, shape_of(self.ax, self.ay)):
+            shader.inputs[name].default_value = value
         inner[_FRESNEL].inputs[1].default_value = float(self.fresnel != "NONE")
         color, links = inner[_COLOR].inputs["Color1"], self.node_tree.links
         if self.fresnel == "CONDUCTOR":
@@ -259,6 +313,8 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
         layout.prop(self, "distribution", text="")
         layout.prop(self, "detail")
+        if SHAPE[0] in self.inputs:  # they say it
+            return
         column = layout.column(align=True)
         for row in _parameters():
             if row["read_by"] and row["read_by"][0] == "mdf" and _is_read(self, row):

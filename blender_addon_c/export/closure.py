@@ -273,8 +273,15 @@ def _is_smooth(alpha):
 def _metal(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
     linked = "Tangent" in node.inputs and tree.trace(node.inputs["Tangent"], groups).node
-    _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, f0=color,
-                                groove=_tangent(reader, node, groups) if linked else None), share,
+    parts, groove = {"f0": color}, _tangent(reader, node, groups) if linked else None
+    if nodes.sockets_rule(node, nodes.SHAPE):
+        parts["alpha"] = _pulled(reader, node, groups, _alpha_of(reader, node, groups))
+    if nodes.sockets_rule(node, nodes.MATT_COLOR):
+        matt = color_of(reader, node.inputs["Diffuse Color"], groups)
+        parts["kd"] = tuple(_clamp(reader, part) for part in matt)
+    if "Rotation" in node.inputs:
+        groove = _rotated(reader, groove, node.inputs["Rotation"], groups)
+    _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, groove=groove, **parts), share,
          _normal(reader, node, groups))
 
 
@@ -431,19 +438,23 @@ def _drawn_out(reader, node, groups, alpha, name, rotation):
 
 
 def _stretched(reader, node, groups, alpha):
-    """Alphas along the tangent and across it, and where it is turned to, or None. Of the Glossy BSDF:
-    alpha / (1 + a) and alpha (1 + a) below 0, alpha (1 - a) and alpha / (1 - a) above."""
-    math, inputs = reader.program.math, node.inputs
-    socket = inputs.get("Anisotropy")
+    """Alphas along the tangent and across it, and where it is turned to, or None."""
+    alphas = _pulled(reader, node, groups, alpha)
+    return alphas, None if alphas[0] is alphas[1] else _groove(reader, node, "Rotation", groups)
+
+
+def _pulled(reader, node, groups, alpha):
+    """Alphas along the tangent and across it, of the Glossy BSDF: alpha / (1 + a) and alpha (1 + a) below 0,
+    alpha (1 - a) and alpha / (1 - a) above."""
+    math, socket = reader.program.math, node.inputs.get("Anisotropy")
     a = number_of(reader, socket, groups) if socket else 0.0
     if is_known(a) and a == 0:
-        return (alpha, alpha), None
+        return alpha, alpha
     a = math("CLAMP", a, -0.99, 0.99)
     size = math("SUBTRACT", 1.0, math("ABSOLUTE", a))
     small, large = math("MULTIPLY", alpha, size), math("MINIMUM", math("DIVIDE", alpha, size), 1.0)
     along = math("GREATER_THAN", a, 0.0) if not is_known(a) else float(a > 0)
-    return ((math("MIX", large, small, along), math("MIX", small, large, along)),
-            _groove(reader, node, "Rotation", groups))
+    return math("MIX", large, small, along), math("MIX", small, large, along)
 
 
 def _tangent(reader, node, groups):
@@ -461,8 +472,12 @@ def _tangent(reader, node, groups):
 
 def _groove(reader, node, rotation, groups):
     """Where the tangent points once it is turned, as x and y, or None: the UV map's own."""
-    own = _tangent(reader, node, groups)
-    turns = number_of(reader, node.inputs[rotation], groups)
+    return _rotated(reader, _tangent(reader, node, groups), node.inputs[rotation], groups)
+
+
+def _rotated(reader, own, rotation, groups):
+    """The same of a tangent, None for the UV map's own, and a socket of turns."""
+    turns = number_of(reader, rotation, groups)
     if is_known(turns) and turns % 1 == 0:
         return own
     math = reader.program.math

@@ -25,6 +25,19 @@ def test_cycles_renders_it(blender, tmp_path, converted):
     assert difference(picture, anisotropic) < 1e-4
 
 
+@pytest.mark.parametrize("ggx", [False, True])
+@pytest.mark.parametrize("fed", [[], ["Roughness", "Anisotropy", "Rotation", "Diffuse Color"]])
+def test_sockets(blender, tmp_path, fed, ggx):
+    """By our engine and by Cycles, and by the reference through the dump."""
+    blender.scene("metal_sockets", tmp_path, fed=fed, ggx=ggx)
+    ours, dump = rgba(tmp_path / "picture.exr"), Dump(tmp_path / "dump.exr")
+    done = subprocess.run([BUILD / "shade", "check", tmp_path / "dump.exr"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert dump.hit.mean() > 0.5
+    blender.scene("metal_sockets", tmp_path, fed=fed, ggx=ggx, engine="CYCLES", dump="")
+    assert difference(ours, rgba(tmp_path / "picture.exr")) < 0.01
+
+
 def test_cloth(blender, tmp_path):
     """The reference agrees with the first plate; the second, whose colours vary, is not in the dump."""
     _told, text = blender.scene("cloth", tmp_path)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/dump_scene.h"
 
+#include <float.h>
+#include <math.h>
 #include <pthread.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -127,6 +129,13 @@ static bool varies(const scene *s, const varied *v) {
   return false;
 }
 
+static bool is_turned(const scene *s) {
+  for (size_t m = 0; m < s->materials; m++)
+    if (is_metal(&s->material[m]) && s->material[m].closure[0].of.metal.grooved)
+      return true;
+  return false;
+}
+
 shade_dump *dump_scene_create(const scene *s, message_log *log) {
   for (size_t m = 0; m < s->materials; m++)
     if (!is_metal(&s->material[m]) && !is_cloth(&s->material[m]))
@@ -145,6 +154,10 @@ shade_dump *dump_scene_create(const scene *s, message_log *log) {
       shade_dump_free(d);
       d = NULL;
     }
+  if (d && is_turned(s) && !shade_dump_add(d, SHADE_DUMP_GROOVE)) {
+    shade_dump_free(d);
+    d = NULL;
+  }
   for (size_t m = 0; d && m < s->materials; m++)
     if (is_cloth(&s->material[m]) &&
         !(shade_dump_add(d, SHADE_DUMP_FOOT) && shade_dump_add(d, SHADE_DUMP_COVERAGE))) {
@@ -182,12 +195,25 @@ static void put_varied(shade_dump *d, size_t at, const closure_metal *c, const i
       }
 }
 
+/* Of hit i: where the grooves run, from the tangent; 0 where the library takes the tangent itself.
+ */
+static float angle_of(const closure_metal *c, const inputs *in, size_t i) {
+  float x[2];
+  for (int k = 0; k < 2; k++)
+    x[k] = c->groove[k].at < 0 ? c->groove[k].number : in->at[c->groove[k].at][i];
+  float size = fmaxf(fabsf(x[0]), fabsf(x[1]));
+  bool good = c->grooved && isfinite(x[0]) && isfinite(x[1]) && size >= FLT_MIN;
+  return good ? atan2f(x[1], x[0]) : 0.0f;
+}
+
 static void put_metal(shade_dump *d, size_t at, const closure *of, const inputs *in, size_t i) {
   const closure_metal *c = &of->of.metal;
   for (int k = 0; k < 3; k++)
     shade_dump_plane(d, SHADE_DUMP_COLOR + k)[at] =
         number_of(in, c->f0[k], c->params.f0[k], 0, 1, i);
   put_varied(d, at, c, in, i);
+  if (shade_dump_has(d, SHADE_DUMP_GROOVE))
+    shade_dump_plane(d, SHADE_DUMP_GROOVE)[at] = angle_of(c, in, i);
 }
 
 /* Its place is that in the weave. */

@@ -16,7 +16,8 @@ def near(a, b):
 
 
 def test_sockets(node):
-    assert [s.name for s in node.inputs] == ["Color", "Normal", "Tangent"]
+    assert [s.name for s in node.inputs] == [
+        "Color", "Roughness", "Anisotropy", "Rotation", "Diffuse Color", "Normal", "Tangent"]
     assert [s.name for s in node.outputs] == ["BSDF"]
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
     assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"
@@ -63,6 +64,23 @@ def test_preview(node):
     node.fresnel = "SCHLICK"
     assert color.is_linked and shader.distribution == "ASHIKHMIN_SHIRLEY"
     assert [g.name for g in bpy.data.node_groups if g.get("libshade_groove")] == ["Libshade Groove"]
+
+
+def test_properties_set_sockets(node):
+    """Cycles' formulas of roughness and anisotropy, on the sockets; a socket's own value stays until a
+    property of the same thing is set."""
+    roughness, amount = node.inputs["Roughness"], node.inputs["Anisotropy"]
+    for ax, ay in ((0.2, 0.1), (0.01, 1.0), (0.15, 0.15)):
+        node.ax, node.ay = ax, ay
+        r, a = roughness.default_value, amount.default_value
+        alphas = (r * r / (1 + a), r * r * (1 + a)) if a < 0 else (r * r * (1 - a), r * r / (1 - a))
+        assert near(alphas[0], ax) and near(alphas[1], ay), (alphas, ax, ay)
+    roughness.default_value = 0.75
+    node.detail, node.kd = "NONE", (0.1, 0.2, 0.3)
+    assert roughness.default_value == 0.75
+    assert [near(a, b) for a, b in zip(node.inputs["Diffuse Color"].default_value, (0.1, 0.2, 0.3))] == [True] * 3
+    node.ay = 0.15
+    assert near(roughness.default_value, 0.15 ** 0.5)
 
 
 def test_old_files(node):
@@ -247,6 +265,7 @@ material.use_fake_user = True
 test_sockets(node)
 test_twins(node)
 test_preview(node)
+test_properties_set_sockets(common.metal("sockets")[2])
 test_old_files(common.metal("old")[2])
 test_copies(material, node)
 test_convert(test_save_and_load(blend))
