@@ -32,3 +32,11 @@ def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
     same = off(picture("metal_ball"), picture("metal_ball", "libshade"))
     print("metal", error, same)
     assert error < 0.01 and same < 0.01
+    # its sockets
+    for word in ("varied_ashikhmin_shirley", "varied_ggx", "varied_beckmann"):
+        error = off(picture("sockets_" + word, "libshade"), picture("sockets_" + word))
+        print(word, error)
+        assert error < (0.01 if blender.version > "5" or "shirley" in word else 0.03), word  # 3.4: separable Smith
+    for engine in ("libshade", "cycles"):
+        assert off(picture("sockets_told_True", engine), picture("sockets_told_False", engine)) < 1e-4
+    assert off(picture("sockets_varied_ggx"), picture("sockets_told_True")) > 0.05

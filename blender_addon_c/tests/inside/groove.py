@@ -159,6 +159,43 @@ def metals(folder):
             common.render(os.path.join(folder, f"{engine.lower()}_metal_{word}.exr"))
 
 
+def sockets(folder):
+    """Libshade Metal told by its sockets: by what varies over a ball, in both engines; by numbers in ours."""
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene = new_scene(engine)
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
+        ball = common.added(None)
+        common.smooth(ball.data)
+
+        def render(word, material):
+            ball.data.materials.clear()
+            ball.data.materials.append(material)
+            common.render(os.path.join(folder, f"{engine.lower()}_sockets_{word}.exr"))
+
+        for number, distribution in enumerate(("ASHIKHMIN_SHIRLEY", "GGX", "BECKMANN")):
+            material, tree, node = common.metal("varied", fresnel="NONE", ax=0.15, ay=0.45, horizon="HARD",
+                                                distribution=distribution,
+                                                brdf="ASHIKHMIN_SHIRLEY" if number == 0 else "MICROFACET")
+            uv, parts = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeSeparateXYZ")
+            tree.links.new(uv.outputs[0], parts.inputs[0])
+            for part, name, low, high in (("Y", "Roughness", 0.2, 0.9), ("X", "Anisotropy", -0.7, 0.7), ("Y", "Rotation", 0, 0.5)):
+                wave = tree.nodes.new("ShaderNodeMapRange")
+                wave.inputs["To Min"].default_value, wave.inputs["To Max"].default_value = low, high
+                tree.links.new(parts.outputs[part], wave.inputs["Value"])
+                if number != 1 or name == "Roughness":  # of one roughness alone
+                    tree.links.new(wave.outputs[0], node.inputs[name])
+            tree.links.new(uv.outputs[0], node.inputs["Diffuse Color"])
+            render(f"varied_{distribution.lower()}", material)
+        for told in (False, True):
+            material, tree, node = common.metal("told", fresnel="NONE", ax=0.1, ay=0.4, horizon="HARD", kd=(0.1, 0.2, 0.3))
+            if told:  # the same by numbers
+                node.ax, node.ay, node.kd = 0.3, 0.2, (0, 0, 0)
+                node.inputs["Roughness"].default_value = 0.2**0.5
+                node.inputs["Anisotropy"].default_value = 0.5
+                node.inputs["Diffuse Color"].default_value = (0.1, 0.2, 0.3, 1)
+            render(f"told_{told}", material)
+
+
 def groove_in(tree):
     group = tree.nodes.new("ShaderNodeGroup")
     group.node_tree = sys.modules[f"{common.MODULE}.groove"].groove_tree()
@@ -213,5 +250,6 @@ operator()
 pictures(folder, "CYCLES", SHADERS)
 pictures(folder, "LIBSHADE", ("across", "principled"))
 metals(folder)
+sockets(folder)
 print("all asserted", flush=True)
 common.finish()
