@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shadows: where geometry says, no acne, no leaks, penumbras of the right width."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -320,3 +324,30 @@ def test_soft_terminator_of_few_faces(back, shared):
     hard, soft = (np.abs(f - many)[inside].mean() / many[inside].mean() for f in few)
     print(f"error {hard:.4f} hard, {soft:.4f} soft, {inside.mean():.3f} of the picture")
     assert soft < 0.4 * hard and soft < 0.03
+
+
+ENDLESS = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+from native_scenes import persp, point, area, render, scene, sphere, square, sun
+from test_native_instances import matrices
+rng = np.random.default_rng(0)
+placed = matrices(9, "turned")
+for m in placed:
+    m[:3, :3] *= 3
+    m[:3, 3] = rng.uniform(-0.7, 0.7, 3)
+render(scene(width=40, height=40, samples=4, threads=1, meshes=[square(2, -0.8), sphere(60)],
+             instances=[{"mesh": k > 0, "matrix": m.ravel().tolist()} for k, m in enumerate([np.eye(4), *placed])],
+             lights=[sun((0.3, 0.2, 1)), point((0, 0, 2), radius=0.1), area((1, 0, 1.5))],
+             camera=persp(eye=rng.uniform(-2, 2, 2).tolist() + [3])))
+"""
+
+
+def test_shadow_rays_between_instances_end():
+    """Said to be coherent, Embree 3.13 followed some of these for ever."""
+    subprocess.run([sys.executable, "-c", ENDLESS, str(Path(__file__).parent)], check=True, timeout=100)

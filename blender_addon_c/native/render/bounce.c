@@ -141,9 +141,9 @@ static void reflect(worker *w, size_t number, int bounce, size_t phase, bool sha
   if (spares)
     spare_shadows(w, number, bounce, phase, shared, color);
   if (shadow && w->through)
-    color = through_shadows(w, bounce == 0, color) ? NULL : color;
+    color = through_shadows(w, color) ? NULL : color;
   else if (shadow)
-    accel_occluded(w->scene->accel, hits, bounce == 0, &b->light.ray);
+    accel_occluded(w->scene->accel, hits, &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)

@@ -42,7 +42,7 @@ static void add_shares(worker *w) {
         w->scene->stages->emit(&g->material->closure[k], g->run, &b->input, &b->sum);
 }
 
-bool through_shadows(worker *w, bool coherent, const float *color) {
+bool through_shadows(worker *w, const float *color) {
   const scene *s = w->scene;
   const stage_table *stage = s->stages;
   batch *b = w->batch;
@@ -51,7 +51,7 @@ bool through_shadows(worker *w, bool coherent, const float *color) {
   passages *way = &w->through->way;
   size_t hits = b->queue.hits;
   memcpy(way->tfar, b->light.ray.tfar, hits * sizeof(float));
-  accel_occluded(s->accel, hits, coherent, &b->light.ray);
+  accel_occluded(s->accel, hits, &b->light.ray);
   size_t rays = stage->stopped(hits, s->limits.shadows, b->queue.lane, b->walk, &b->light, way,
                                &at->sample_ray);
   bool any = false;

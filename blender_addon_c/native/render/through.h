@@ -14,6 +14,6 @@ void through_free(through *t); /* NULL is fine */
 
 /* In place of accel_occluded for the batch's light samples. True where some light came through
  * surfaces: it has their colours then. color: of the light, NULL: each sample has its own. */
-bool through_shadows(worker *w, bool coherent, const float *color);
+bool through_shadows(worker *w, const float *color);
 
 #endif

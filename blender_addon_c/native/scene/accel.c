@@ -327,15 +327,12 @@ void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t
         hit->instance[i] == RTC_INVALID_GEOMETRY_ID ? 0 : hit->instance[i] - ACCEL_INSTANCES + 1;
 }
 
-void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
-  /* Embree 3.13 was seen to go round for ever in a small batch of shadow rays that was said to be
-   * coherent; there is little to gain in these. */
-  enum { LEAST_COHERENT = 512 };
-  coherent = coherent && count >= LEAST_COHERENT;
+void accel_occluded(const accel *a, size_t count, rays *ray) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags =
-      coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  /* Said to be coherent, rays made Embree 3.13 go round for ever
+   * (tests/test_native_shadow.py has some), and soft lights' took longer. */
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
   embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
 }

@@ -62,8 +62,7 @@ void accel_free(accel *a); /* NULL is fine */
  * rays; 0: of each ray in kinds. Those of the camera start or end close together. */
 void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
                      hits *hit);
-/* Shadow rays; coherent as those of the camera are. tfar of every ray that meets something becomes
- * -infinity. */
-void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray);
+/* Shadow rays. tfar of every ray that meets something becomes -infinity. */
+void accel_occluded(const accel *a, size_t count, rays *ray);
 
 #endif
