@@ -12,8 +12,9 @@ bl_info = {
 }
 
 from . import engine, fabric, groove, menus, nodes, panels, properties
+from .export import kept
 
-_MODULES = (properties, nodes, fabric, groove, menus, engine, panels)
+_MODULES = (properties, nodes, fabric, groove, menus, kept, engine, panels)
 
 
 def register():

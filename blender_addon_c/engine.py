@@ -152,9 +152,9 @@ class LibshadeEngine(bpy.types.RenderEngine):
 
     _viewport = None
 
-    def view_update(self, _context, _depsgraph):
-        if self._viewport:
-            self._viewport.scene_changed()
+    def view_update(self, _context, depsgraph):
+        self._viewport = self._viewport or Viewport()
+        self._viewport.scene_changed(depsgraph)
 
     def view_draw(self, context, depsgraph):
         self._viewport = self._viewport or Viewport()

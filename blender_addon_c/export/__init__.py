@@ -4,11 +4,12 @@
 from . import catcher
 from .camera import camera_by, camera_of, region_of
 from .denoise import denoiser
+from .kept import Kept, Later
 from .matte import Mattes
 from .messages import Messages, SceneError, named
 from .motion import blur_settings, motion_of
 from .passes import CATCHER, passes_left_out, passes_of, planes_of
 from .scene import read
 
-__all__ = ["CATCHER", "Mattes", "Messages", "SceneError", "blur_settings", "camera_by", "camera_of", "catcher", "denoiser", "motion_of", "named", "passes_left_out", "passes_of",
-           "planes_of", "read", "region_of"]
+__all__ = ["CATCHER", "Kept", "Later", "Mattes", "Messages", "SceneError", "blur_settings", "camera_by", "camera_of",
+           "catcher", "denoiser", "motion_of", "named", "passes_left_out", "passes_of", "planes_of", "read", "region_of"]

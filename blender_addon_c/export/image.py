@@ -32,9 +32,9 @@ def _place(number):
 class Images:
     """`listed`: what the native module gets."""
 
-    def __init__(self, messages):
+    def __init__(self, messages, kept=None):
         self.listed = []
-        self._messages = messages
+        self._messages, self._kept = messages, kept
         self._down = {}  # by index
         self._indices = {}  # by image and file, wrap and filter
         self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
@@ -45,7 +45,7 @@ class Images:
         key = (image, path, wrap, filtering)
         if key not in self._indices:
             if (image, path) not in self._pixels:
-                self._pixels[image, path] = self._fetch(image, owner, path)
+                self._pixels[image, path] = self._find(image, owner, path)
             pixels = self._pixels[image, path]
             self._indices[key] = pixels if isinstance(pixels, int) else len(self.listed)
             if not isinstance(pixels, int):
@@ -59,6 +59,11 @@ class Images:
             blue = found["data"][2::found["channels"]] if found["channels"] >= 3 else np.empty(0, np.float32)
             self._down[index] = bool(len(blue) and np.nanmin(blue) < 0.49 * _opaque(blue))
         return self._down[index]
+
+    def _find(self, image, owner, path):
+        if self._kept:
+            return self._kept.image(image, path, lambda: self._fetch(image, owner, path))
+        return self._fetch(image, owner, path)
 
     def _fetch(self, image, owner, path):
         if image.source == "TILED":

@@ -29,8 +29,8 @@ def displacement_method(material):
 class Table:
     """Materials, images and layers of one render, each once."""
 
-    def __init__(self, messages, settings, colors, camera, depsgraph):
-        self.materials, self.images, self.layers = [], Images(messages), Layers()
+    def __init__(self, messages, settings, colors, camera, depsgraph, kept=None):
+        self.materials, self.images, self.layers = [], Images(messages, kept), Layers()
         self.cloths = []
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.averages = settings.texture_blur > 0  # are images averaged?

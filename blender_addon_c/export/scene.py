@@ -9,6 +9,7 @@ import numpy as np
 
 from . import passes, strands, tree
 from .camera import rows
+from .kept import owners_of
 from .light import Links, kinds, light_of, name_linking
 from .material import Table
 from .matte import Mattes
@@ -22,18 +23,24 @@ _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bo
            "transparent_max_bounces")  # as in the settings and in the native module
 _SHORTCUTS = ("sample_clamp_direct", "sample_clamp_indirect", "light_sampling_threshold", "blur_glossy", "texture_blur",
               "caustics_reflective", "caustics_refractive")
+_APART = 4096  # triangles of a mesh that moves by itself in a viewport
 _MOST_THREADS = 256  # that the native module starts
 
 
-def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion=Still()):
-    """The whole scene, as native/scene/read.c takes it, without a dump."""
+def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion=Still(), kept=None, space=None):
+    """The whole scene, as native/scene/read.c takes it, without a dump. kept: what was read before (kept.Kept);
+    Later may be raised then. space: the 3D view that shows it."""
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     colors = depsgraph.mode == "RENDER" and passes.have_colors(scene, depsgraph.view_layer)
-    table = Table(messages, scene.libshade, colors, camera, depsgraph)
+    table = Table(messages, scene.libshade, colors, camera, depsgraph, kept)
+    if kept:
+        kept.begin()
     with tree.deep():
-        meshes, instances, lights, catchers = _objects(depsgraph, table, mattes, motion, messages)
+        meshes, instances, lights, catchers = _objects(depsgraph, table, mattes, motion, messages, kept, space)
         world = world_of(scene.world if depsgraph.view_layer.use_sky else None, table.images, messages)
+    if kept:
+        kept.end()
     if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if depsgraph.mode == "RENDER":
@@ -70,6 +77,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "meshes": meshes,
         "instances": instances,
         "catchers": catchers,
+        "apart": _APART if kept else 0,
         "dump": "",
         "renderer": f"Blender {bpy.app.version_string}",
     }
@@ -96,7 +104,7 @@ def _pixel_filter(settings):
     return {"pixel_filter_type": settings.pixel_filter_type, "filter_width": times * settings.filter_width}
 
 
-def _objects(depsgraph, table, mattes, motion, messages):
+def _objects(depsgraph, table, mattes, motion, messages, kept, space):
     """All meshes, their instances and the lights."""
     meshes, instances, lights, catchers = [], [], [], {"seen": [], "held": []}
     # (what it is of, how its materials are, materials of its slots): its index, or None for one without faces
@@ -109,10 +117,12 @@ def _objects(depsgraph, table, mattes, motion, messages):
             links.of_light(ob)
     for item in depsgraph.object_instances:
         ob = item.object
+        if space and not ob.visible_in_viewport_get(space):
+            continue  # of a local view, or of types that it hides: lamps too, as in Cycles
         if ob.type == "LIGHT":
             lights += light_of(ob, item.matrix_world, links, messages) if item.show_self else []
             continue
-        for shape in _shapes(item, depsgraph, table, motion, messages):
+        for shape in _shapes(item, depsgraph, motion):
             catches = getattr(ob, "is_shadow_catcher", False)
             held = ob.is_holdout or ("holdout" in marks and _marked(item, "holdout", depsgraph))
             name_linking(ob, "object", messages)
@@ -134,7 +144,8 @@ def _objects(depsgraph, table, mattes, motion, messages):
                 way = drawn, holds
                 key = (shape.of, way, *shape.slots)
                 if key not in known:
-                    mesh = shape.make(way)
+                    mesh = (kept.mesh(shape, way, owners_of(item, depsgraph), table, messages) if kept
+                            else shape.make(way, table, messages))
                     known[key] = len(meshes) if mesh else None
                     meshes += [mesh] if mesh else []
                 if known[key] is None:
@@ -149,37 +160,39 @@ def _objects(depsgraph, table, mattes, motion, messages):
     return meshes, instances, lights, catchers
 
 
-# What is drawn of an object. of: what it is the same for; points: places and sizes of copies, or None; bent: does it
-# change meanwhile?
-_Shape = namedtuple("_Shape", "of slots make points bent", defaults=(None, False))
+# What is drawn of an object. of: what it is the same for; owner: its name; points: places and sizes of copies, or
+# None; bent: does it change meanwhile?
+_Shape = namedtuple("_Shape", "of owner slots make points bent", defaults=(None, False))
 
 
-def _shapes(item, depsgraph, table, motion, messages):
+def _shapes(item, depsgraph, motion):
     """The object itself, and the hair on it."""
     ob, override = item.object, depsgraph.view_layer_eval.material_override
     if not isinstance(ob.data, (bpy.types.Mesh, strands.CURVES, strands.POINTS)):
         return  # text and so on come as meshes
     slots = [override] if override else _slots(ob, depsgraph)
     owner = f"object '{ob.name}'"
+    shown_at = tuple(round(x, 6) for row in item.matrix_world.to_3x3() for x in row)  # tubes are round there
     if not item.show_self:
         pass
     elif isinstance(ob.data, bpy.types.Mesh):
         bent = motion.bends(ob)
-        yield _Shape((ob.data, ob.original if bent else None), slots,
-                     lambda way: _mesh(ob, depsgraph, slots, way, table, motion, messages), bent=bent)
+        yield _Shape((ob.data, ob.original if bent else None), owner, slots,
+                     lambda way, table, messages: _mesh(ob, depsgraph, slots, way, table, motion, messages), bent=bent)
     elif isinstance(ob.data, strands.CURVES):
-        yield _Shape(ob.data, slots, lambda way: strands.tubes(
+        yield _Shape((ob.data, shown_at), owner, slots, lambda way, table, _messages: strands.tubes(
             strands.of_curves(ob.data), item.matrix_world, owner, table.index((slots or [None])[0], *way)))
     elif isinstance(ob.data, strands.POINTS):
         points = strands.of_points(ob.data)
         if len(points[0]):
-            yield _Shape(ob.data, slots, lambda way: strands.ball(
+            yield _Shape((ob.data, len(points[0])), owner, slots, lambda way, table, _messages: strands.ball(
                 len(points[0]), owner, table.index((slots or [None])[0], *way)), points)
     if item.show_particles and ob.type == "MESH":
         matrix = item.matrix_world
         for modifier, system in strands.hairs(ob):
             used = [(slots or [None])[min(max(system.settings.material - 1, 0), max(len(slots) - 1, 0))]]
-            yield _Shape((ob.original, system.name), used, lambda way, modifier=modifier, system=system, used=used:
+            yield _Shape((ob.original, system.name, shown_at), owner, used,
+                         lambda way, table, _messages, modifier=modifier, system=system, used=used:
                          strands.tubes(strands.of_hair(ob, modifier, system), matrix, owner, table.index(used[0], *way)))
 
 

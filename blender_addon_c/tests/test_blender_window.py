@@ -16,7 +16,7 @@ from blender_runs import BUILD, INSIDE, rgba
 class Window:
     """Blender in a window of a screen of its own, and the log of inside/window.py."""
 
-    def __init__(self, blender, folder, screenshot):
+    def __init__(self, blender, folder, screenshot, *more):
         self.log, self._screenshot = folder / "log", screenshot
         self._read, number = os.pipe()
         self._screen = subprocess.Popen(
@@ -29,7 +29,7 @@ class Window:
         self._output = open(folder / "output", "w")
         self.blender = subprocess.Popen(
             [shutil.which("blender"), "--factory-startup", "--window-geometry", "0", "0", "1280",
-             "900", "-P", INSIDE / "window.py", "--", self.log, screenshot],
+             "900", "-P", INSIDE / "window.py", "--", self.log, screenshot, *more],
             env=self._env, stdout=self._output, stderr=subprocess.STDOUT)
 
     def wait(self, line, seconds=60, times=1):
@@ -69,10 +69,10 @@ class Window:
 
 
 @pytest.fixture
-def window(blender34, tmp_path):
+def window(request, blender34, tmp_path):
     folder = BUILD / "screenshots"
     folder.mkdir(exist_ok=True)
-    window = Window(blender34, tmp_path, folder / "blender.png")
+    window = Window(blender34, tmp_path, folder / "blender.png", *getattr(request, "param", ()))
     yield window
     window.close()
 
@@ -129,3 +129,27 @@ def test_viewport_says_what_is_wrong(window):
     window.wait(portal, times=3)
     window.take_screenshot("blender_viewport_error.png")
     assert window.log.read_text().splitlines()[-1] == portal
+
+
+EDITS = 100
+
+
+@pytest.mark.parametrize("window", [(str(EDITS),)], indirect=True)
+def test_viewport_while_it_is_edited(window):
+    """By chance, with undo: the picture never goes, and what there is in the end is what a new viewport shows."""
+    window.wait("ready 0")
+    window.please("viewport")
+    window.please("edits")
+    window.wait("edited", seconds=280)
+    told = window.log.read_text().splitlines()
+    taken = [word.split(":") for line in told if line.startswith("seconds ") for word in line.split()[1:]]
+    print(f"{len(taken)} first pictures: median {np.median([float(seconds) for _, seconds in taken]):.3f} s,",
+          "longest", *max(taken, key=lambda word: float(word[1])))
+    assert len(taken) > EDITS / 4 and not [line for line in told if line.startswith("blank")]
+    window.wait("whole")
+    in_the_end = rgba(window.take_screenshot("blender_edited.png"))[80:800, :1000]
+    window.please("solid")
+    window.please("viewport")
+    window.wait("whole", times=2)
+    fresh = rgba(window.take_screenshot("blender_edited_fresh.png"))[80:800, :1000]
+    assert np.ptp(fresh[..., :3]) > 0.2 and (np.abs(in_the_end - fresh) > 0.02).any(-1).mean() < 0.002

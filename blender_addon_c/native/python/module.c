@@ -70,16 +70,8 @@ static handle *get_handle(PyObject *capsule) {
   return h;
 }
 
-PyDoc_STRVAR(start_doc, "start(scene: dict) -> job\n\n"
-                        "Begin to render on threads of its own and return at once. Buffers in the\n"
-                        "scene are read until free(job); do not change them.\n"
-                        "ValueError: the scene is malformed; the message says where.");
-static PyObject *native_start(PyObject *self, PyObject *description) {
-  (void)self;
-  handle *h = calloc(1, sizeof *h);
-  if (!h)
-    return PyErr_NoMemory();
-  scene *s = reader_scene(description, &h->buffers);
+/* A capsule of a job for this scene, if it is one; both are taken over. */
+static PyObject *begin(scene *s, handle *h) {
   if (s && !(h->job = job_start(s))) {
     PyErr_NoMemory();
     reader_release(&h->buffers);
@@ -93,6 +85,65 @@ static PyObject *native_start(PyObject *self, PyObject *description) {
   h->next = live;
   live = h;
   return capsule;
+}
+
+/* Ends what a job does, without the GIL. */
+static void stop(job *j) {
+  job_cancel(j);
+  Py_BEGIN_ALLOW_THREADS job_wait(j, -1);
+  Py_END_ALLOW_THREADS
+}
+
+PyDoc_STRVAR(start_doc,
+             "start(scene: dict, before=None) -> job\n\n"
+             "Begin to render on threads of its own and return at once. Buffers in the\n"
+             "scene are read until free(job); do not change them. before: a job that is\n"
+             "cancelled; where both scenes say 'apart' the new one uses what it has built:\n"
+             "the BVH where all meshes' buffers are the same, textures of the same images.\n"
+             "ValueError: the scene is malformed; the message says where.");
+static PyObject *native_start(PyObject *self, PyObject *arguments) {
+  PyObject *description, *before = Py_None;
+  (void)self;
+  if (!PyArg_ParseTuple(arguments, "O|O:start", &description, &before))
+    return NULL;
+  handle *old = before != Py_None ? get_handle(before) : NULL, *h = NULL;
+  if (PyErr_Occurred())
+    return NULL;
+  if (!(h = calloc(1, sizeof *h)))
+    return PyErr_NoMemory();
+  scene *s = reader_scene(description, &h->buffers);
+  if (s && old) {
+    stop(old->job);
+    scene_take(s, old->job->scene);
+  }
+  return begin(s, h);
+}
+
+PyDoc_STRVAR(look_doc,
+             "look(job, view: dict) -> job or None\n\n"
+             "Another picture of a job's scene: width, height, region, samples and camera,\n"
+             "as of start(), for its own. The job is cancelled, and free from then on; None\n"
+             "where its scene was not built: it has to be started again.");
+static PyObject *native_look(PyObject *self, PyObject *arguments) {
+  PyObject *before, *view;
+  (void)self;
+  if (!PyArg_ParseTuple(arguments, "OO:look", &before, &view))
+    return NULL;
+  handle *old = get_handle(before), *h = NULL;
+  if (!old)
+    return NULL;
+  stop(old->job);
+  if (!old->job->scene->built || old->waiters)
+    return Py_NewRef(Py_None);
+  if (!reader_look(view, old->job->scene))
+    return NULL;
+  if (!(h = calloc(1, sizeof *h)))
+    return PyErr_NoMemory();
+  h->buffers = old->buffers;
+  old->buffers = (reader_buffers){0};
+  scene *s = job_leave(old->job);
+  old->job = NULL;
+  return begin(s, h);
 }
 
 PyDoc_STRVAR(poll_doc,
@@ -162,12 +213,13 @@ static PyObject *native_cancel(PyObject *self, PyObject *capsule) {
   Py_RETURN_NONE;
 }
 
-PyDoc_STRVAR(image_doc, "image(job, out, plane='')\n\n"
+PyDoc_STRVAR(image_doc, "image(job, out, plane='', over=False)\n\n"
                         "Copy the picture so far into a writable float32 buffer of 4 floats a\n"
                         "pixel of the region: linear, alpha premultiplied, bottom row first. Or a\n"
                         "plane that the scene asked for, of as many floats a pixel as it has; or\n"
                         "NOISY, the picture as it was before it was denoised; or OBJECT_MATTE00,\n"
-                        "…, MATERIAL_MATTE00, …, ASSET_MATTE00, …: two slots of names each.");
+                        "…, MATERIAL_MATTE00, …, ASSET_MATTE00, …: two slots of names each.\n"
+                        "over: what the picture does not show yet stays as it is in the buffer.");
 
 #define NOISY "NOISY"
 
@@ -205,7 +257,8 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
   plane_type plane;
   Py_buffer view;
   (void)self;
-  if (!PyArg_ParseTuple(arguments, "OO|s:image", &capsule, &out, &word))
+  int over = 0;
+  if (!PyArg_ParseTuple(arguments, "OO|sp:image", &capsule, &out, &word, &over))
     return NULL;
   handle *h = get_handle(capsule);
   if (!h)
@@ -231,6 +284,8 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
     render_copy_matte(r, kind, layer, view.buf);
   else if (plane == PLANES && *word)
     render_copy_noisy(r, view.buf);
+  else if (plane == PLANES && over)
+    render_copy_over(r, view.buf);
   else if (plane == PLANES)
     render_copy(r, view.buf);
   else
@@ -539,7 +594,8 @@ static int native_exec(PyObject *module) {
 }
 
 PyMODINIT_FUNC PyInit__native(void) {
-  static PyMethodDef methods[] = {{"start", native_start, METH_O, start_doc},
+  static PyMethodDef methods[] = {{"start", native_start, METH_VARARGS, start_doc},
+                                  {"look", native_look, METH_VARARGS, look_doc},
                                   {"poll", native_poll, METH_O, poll_doc},
                                   {"wait", native_wait, METH_VARARGS, wait_doc},
                                   {"cancel", native_cancel, METH_O, cancel_doc},

@@ -277,6 +277,14 @@ scene *reader_scene(void *description, reader_buffers *buffers) {
   return s;
 }
 
+bool reader_look(void *description, scene *s) {
+  reader_buffers none = {0};
+  reader r = {.dict = description, .buffers = &none};
+  bool good = PyDict_Check(r.dict) ? scene_look(&r, s) : reader_fail(&r, "a dict is expected");
+  reader_release(&none);
+  return good;
+}
+
 void reader_release(reader_buffers *buffers) {
   Py_buffer *view = buffers->view;
   while (buffers->count)

@@ -16,6 +16,8 @@ typedef struct reader_buffers {
  * malformed. The scene reads the buffers until reader_release.
  */
 scene *reader_scene(void *description, reader_buffers *buffers);
+/* Another view of it: scene_look. */
+bool reader_look(void *description, scene *s);
 void reader_release(reader_buffers *buffers);
 
 #endif

@@ -198,8 +198,15 @@ void job_cancel(job *j) {
   atomic_store(&j->cancel, true);
 }
 
-void job_free(job *j) {
+scene *job_leave(job *j) {
+  scene *s = j->scene;
   job_cancel(j);
   pthread_join(j->thread, NULL);
+  j->scene = NULL;
   release(j);
+  return s;
+}
+
+void job_free(job *j) {
+  scene_free(job_leave(j));
 }

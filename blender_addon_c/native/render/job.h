@@ -26,6 +26,8 @@ typedef struct job {
   double wall;
 } job;
 
+/* Ends a job and gives its scene back, which is the caller's from then on. */
+scene *job_leave(job *j);
 /* Takes the scene over, also when it fails. NULL when out of memory or threads. */
 job *job_start(scene *s);
 /* True when finished within this time; negative waits for ever. */

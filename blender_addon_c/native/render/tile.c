@@ -314,7 +314,7 @@ void render_copy(render *r, float *out) {
   }
 }
 
-void render_copy_noisy(render *r, float *out) {
+static void copy_tiles(render *r, bool clear, float *out) {
   for (size_t tile = 0; tile < r->tiles; tile++) {
     pthread_mutex_lock(&r->film);
     patch p = patch_of(r, tile);
@@ -327,13 +327,21 @@ void render_copy_noisy(render *r, float *out) {
                    out + at + 4 * i);
       else if (p.samples)
         copy_row(r->scene, count, 1.0f / (float)p.samples, r->sum + at, out + at);
-      else
+      else if (clear)
         memset(out + at, 0, 4 * count * sizeof *out);
       if (p.samples && r->planes.wanted >> PLANE_HELD & 1u)
         leave_holes(r, &p, tile, y, out);
     }
     pthread_mutex_unlock(&r->film);
   }
+}
+
+void render_copy_noisy(render *r, float *out) {
+  copy_tiles(r, true, out);
+}
+
+void render_copy_over(render *r, float *out) {
+  copy_tiles(r, false, out);
 }
 
 void render_copy_plane(render *r, plane_type plane, float *out) {

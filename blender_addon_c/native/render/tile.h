@@ -52,6 +52,8 @@ double render_progress(const render *r);
 /* The picture so far: each pixel's mean over the samples that it has. May run at the same time as
  * render_run. */
 void render_copy(render *r, float *out);
+/* The same where there are samples; elsewhere `out` stays as it is. */
+void render_copy_over(render *r, float *out);
 /* The same without what was made of it. */
 void render_copy_noisy(render *r, float *out);
 /* The same of a plane that is wanted. */

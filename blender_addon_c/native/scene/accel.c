@@ -155,12 +155,13 @@ static void attach_part(accel *a, RTCScene to, const accel_input *input, const a
          part->triangles);
 }
 
+/* cancel: or NULL */
 static RTCScene new_scene(accel *a, const atomic_bool *cancel) {
   RTCScene made = embree.rtcNewScene(a->device);
-  if (made) {
+  if (made)
     embree.rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST); /* no holes along shared edges */
+  if (made && cancel)
     embree.rtcSetSceneProgressMonitorFunction(made, go_on, (void *)(uintptr_t)cancel);
-  }
   return made;
 }
 
@@ -236,6 +237,16 @@ static bool draw_veils(accel *a, const accel_input *input) {
   return a->hidden != NULL;
 }
 
+/* Why there is none; empty where that was wanted. */
+static void explain(enum RTCError status, char *error, size_t error_size) {
+  if (status == RTC_ERROR_CANCELLED)
+    error[0] = 0;
+  else if (status == RTC_ERROR_OUT_OF_MEMORY)
+    snprintf(error, error_size, "out of memory in Embree");
+  else
+    snprintf(error, error_size, "Embree cannot build the scene (error %d)", (int)status);
+}
+
 accel *accel_create(const accel_input *input, int threads, const atomic_bool *cancel, char *error,
                     size_t error_size) {
   char config[32];
@@ -264,14 +275,18 @@ accel *accel_create(const accel_input *input, int threads, const atomic_bool *ca
     status = fill(a, input, cancel);
   if (a->scene && status == RTC_ERROR_NONE)
     return a;
-  if (status == RTC_ERROR_CANCELLED)
-    error[0] = 0;
-  else if (status == RTC_ERROR_OUT_OF_MEMORY)
-    snprintf(error, error_size, "out of memory in Embree");
-  else
-    snprintf(error, error_size, "Embree cannot build the scene (error %d)", (int)status);
+  explain(status, error, error_size);
   accel_free(a);
   return NULL;
+}
+
+bool accel_place(accel *a, const accel_input *input, char *error, size_t error_size) {
+  embree.rtcReleaseScene(a->scene);
+  a->scene = new_scene(a, NULL);
+  enum RTCError status = a->scene ? fill(a, input, NULL) : RTC_ERROR_OUT_OF_MEMORY;
+  if (status != RTC_ERROR_NONE)
+    explain(status, error, error_size);
+  return status == RTC_ERROR_NONE;
 }
 
 void accel_free(accel *a) {

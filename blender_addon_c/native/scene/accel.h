@@ -55,6 +55,9 @@ typedef struct accel_input {
  */
 accel *accel_create(const accel_input *input, int threads, const atomic_bool *cancel, char *error,
                     size_t error_size);
+/* The world again, of parts that are as they were: its own positions and instances may have moved.
+ * False with a message; then it can only be freed. */
+bool accel_place(accel *a, const accel_input *input, char *error, size_t error_size);
 void accel_free(accel *a); /* NULL is fine */
 
 /* Misses have the geometry ACCEL_MISS. Where there are instances, hit->instance becomes 1 + the

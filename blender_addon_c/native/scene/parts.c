@@ -14,7 +14,7 @@ typedef struct preparation {
   const atomic_bool *cancel;
   message_log *log;
   parts *parts;
-  int threads; /* for each mesh */
+  const bool *wanted;
 } preparation;
 
 void *scene_array(message_log *log, size_t count, size_t size) {
@@ -70,14 +70,6 @@ static void plain_tangents(const mesh *m, float *tangent) {
   }
 }
 
-/* Does it matter which way its tangents point? */
-static bool grooved(const scene *s, const mesh *m) {
-  for (size_t t = 0; t < m->triangles; t++)
-    if (s->material[m->material[t]].traits & CLOSURE_GROOVED)
-      return true;
-  return false;
-}
-
 static void each(void *pool, size_t count, void (*work)(void *context, size_t i), void *context) {
   parallel_for(*(const int *)pool, count, work, context);
 }
@@ -115,32 +107,29 @@ static void prepare(const preparation *b, size_t i, int threads) {
   if (!p->pair || !p->single || !p->tangent)
     return;
   split(m, p);
-  if (!m->corner_uv) {
+  if (!m->corner_uv)
     plain_tangents(m, p->tangent);
-    if (grooved(b->scene, m))
-      message_warn(b->log, "%s has no UV map: its tangent is the object's X axis", m->name);
-  } else if (!find_tangents(m, m->corner_uv, threads, p->tangent)) {
+  else if (!find_tangents(m, m->corner_uv, threads, p->tangent))
     message_error(b->log, "out of memory");
-  }
   if (!find_layers(b, m, threads, p))
     message_error(b->log, "out of memory");
 }
 
 static void prepare_small(void *context, size_t i) {
   const preparation *b = context;
-  if (b->scene->mesh[i].triangles < LARGE)
+  if (b->scene->mesh[i].triangles < LARGE && (!b->wanted || b->wanted[i]))
     prepare(b, i, 1);
 }
 
-parts *parts_make(const scene *s, const atomic_bool *cancel, message_log *log) {
-  preparation b = {.scene = s, .cancel = cancel, .log = log};
+parts *parts_make(const scene *s, const bool *wanted, const atomic_bool *cancel, message_log *log) {
+  preparation b = {.scene = s, .cancel = cancel, .log = log, .wanted = wanted};
   b.parts = calloc(s->meshes + 1, sizeof *b.parts);
   if (!b.parts) {
     message_error(log, "out of memory");
     return NULL;
   }
   for (size_t i = 0; i < s->meshes; i++)
-    if (s->mesh[i].triangles >= LARGE)
+    if (s->mesh[i].triangles >= LARGE && (!wanted || wanted[i]))
       prepare(&b, i, s->threads);
   parallel_for(s->threads, s->meshes, prepare_small, &b);
   if (!log->error[0] && !atomic_load_explicit(cancel, memory_order_relaxed))

@@ -20,8 +20,9 @@ typedef struct parts {
   float **layer;  /* the same of the scene's layers of tangents, or NULL */
 } parts;
 
-/* As many as the scene has meshes, or NULL: cancelled, or with the reason in the log. */
-parts *parts_make(const scene *s, const atomic_bool *cancel, message_log *log);
+/* As many as the scene has meshes, or NULL: cancelled, or with the reason in the log. wanted: which
+ * of them are made, NULL: all. */
+parts *parts_make(const scene *s, const bool *wanted, const atomic_bool *cancel, message_log *log);
 
 /* Their arrays are needed no more, their numbers are. */
 void parts_used(parts *p, const scene *s);

@@ -529,15 +529,29 @@ static bool read_shutter(reader *r, scene *s) {
   return true;
 }
 
-static bool read_picture(reader *r, scene *s) {
-  double region[4], seed;
-  int sky_hidden = 0;
-  char *dump;
+/* How large the picture is, which part of it is wanted, and how well. */
+static bool read_size(reader *r, scene *s) {
+  double region[4];
   if (!reader_integer(r, "width", 1, MAX_SIZE, &s->width) ||
       !reader_integer(r, "height", 1, MAX_SIZE, &s->height) ||
       !reader_numbers(r, "region", 4, region) ||
-      !reader_integer(r, "samples", 1, MAX_SAMPLES, &s->samples) ||
-      !reader_number(r, "seed", &seed) ||
+      !reader_integer(r, "samples", 1, MAX_SAMPLES, &s->samples))
+    return false;
+  for (int k = 0; k < 4; k++) {
+    int limit = k % 2 ? s->height : s->width;
+    if (!(region[k] >= 0 && region[k] <= limit))
+      return reader_expected(r, "region", "x0, y0, x1, y1 inside of the picture");
+    s->region[k] = (int)region[k];
+  }
+  return (s->region[0] < s->region[2] && s->region[1] < s->region[3]) ||
+         reader_fail(r, "region is empty");
+}
+
+static bool read_picture(reader *r, scene *s) {
+  double seed;
+  int sky_hidden = 0;
+  char *dump;
+  if (!read_size(r, s) || !reader_number(r, "seed", &seed) ||
       !reader_integer(r, "threads", 0, MAX_THREADS, &s->threads) ||
       !reader_flag(r, "transparent", &s->transparent) ||
       !reader_floats(r, "background", 3, s->background) ||
@@ -629,16 +643,30 @@ static bool read_picture(reader *r, scene *s) {
       !reader_number_within(r, "sample_clamp_indirect", 0, 1e30, &s->clamp_indirect))
     return false;
   s->seed = (uint32_t)(int64_t)fmod(seed, 0x1p32);
+  if (reader_has(r, "apart") && !reader_integer(r, "apart", 0, INT_MAX, &s->apart))
+    return false;
   if (!s->threads)
     s->threads = parallel_cores();
-  for (int k = 0; k < 4; k++) {
-    int limit = k % 2 ? s->height : s->width;
-    if (!(region[k] >= 0 && region[k] <= limit))
-      return reader_expected(r, "region", "x0, y0, x1, y1 inside of the picture");
-    s->region[k] = (int)region[k];
+  return true;
+}
+
+bool scene_look(reader *r, scene *s) {
+  scene view = {.width = 0};
+  bool good = read_size(r, &view) && reader_dict(r, "camera", read_camera, &view.camera, &view);
+  if (good && view.camera.motion.steps)
+    good = reader_expected(r, "camera", "one that stands still");
+  if (!good) {
+    motion_free(&view.camera.motion);
+    free(view.camera.frames);
+    return false;
   }
-  if (s->region[0] >= s->region[2] || s->region[1] >= s->region[3])
-    return reader_fail(r, "region is empty");
+  motion_free(&s->camera.motion);
+  free(s->camera.frames);
+  s->camera = view.camera;
+  s->width = view.width;
+  s->height = view.height;
+  s->samples = view.samples;
+  memcpy(s->region, view.region, sizeof s->region);
   return true;
 }
 

@@ -84,6 +84,9 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
       s->cones = s->cones || (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged) ||
                  (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares);
   }
+  texture_take(&s->textures, &s->kept);
+  free(s->kept_image);
+  s->kept_image = NULL;
   if (!good || !texture_pack(&s->textures, s->threads, cancel))
     return message_error(log, "out of memory");
   return true;
@@ -130,14 +133,31 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
   return aims_build(s) || message_error(log, "out of memory");
 }
 
+void scene_take(scene *to, scene *from) {
+  if (!from->built || !from->apart || !to->apart)
+    return;
+  world_take(to, from);
+  to->kept = from->textures;
+  to->kept_image = from->image;
+  from->textures = (texture_set){0};
+  from->image = NULL;
+  from->built = false;
+}
+
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
+  static const atomic_bool never;
   double start = parallel_clock();
   *times = (scene_times){0};
+  if (s->built)
+    return !atomic_load(cancel);
+  if (s->plan) /* there is little to do, and what was taken over shall not be lost */
+    cancel = &never;
   if (!build_cloths(s, cancel, log) || !build_materials(s, cancel, log) ||
       !build_lights(s, cancel, log))
     return false;
   times->image = parallel_clock() - start;
-  return world_build(s, cancel, log, times);
+  s->built = world_build(s, cancel, log, times);
+  return s->built;
 }
 
 void scene_free(scene *s) {
@@ -146,6 +166,7 @@ void scene_free(scene *s) {
   accel_free(s->accel);
   for (int i = 0; i < 3; i++)
     free(s->world[i]);
+  world_plan_free(s->plan);
   free(s->triangle);
   free(s->stretch);
   free(s->hidden);
@@ -162,6 +183,8 @@ void scene_free(scene *s) {
   for (size_t i = 0; s->instance && i < s->instances; i++)
     motion_free(&s->instance[i].motion);
   texture_free(&s->textures);
+  texture_free(&s->kept);
+  free(s->kept_image);
   sky_free(&s->sky);
   emitters_free(&s->emitters);
   for (size_t i = 0; s->material && i < s->materials; i++) {

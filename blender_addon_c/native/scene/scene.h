@@ -199,6 +199,9 @@ typedef struct scene {
   bool timed;      /* not the camera alone */
   bool vectors;    /* nothing does, but a plane says where it was and will be */
   float *shutter;  /* SHUTTER_STEPS + 1 times by an even number from 0 to 1, or NULL: the same */
+  /* meshes of so many triangles, and all where they are many, are kept by themselves, and another
+   * scene may take the world over; 0: only where that is less work for rays */
+  int apart;
   bool denoise;
   char *denoiser;                   /* path of Open Image Denoise, or NULL */
   char *dump;                       /* path, or NULL */
@@ -224,9 +227,17 @@ typedef struct scene {
   deform *deform; /* of placed ones */
   float *moved_normal;
   texture_set textures;
-  void *world[3]; /* positions and indices, for Embree */
+  texture_set kept; /* of a scene before, and the images that they are made from */
+  image *kept_image;
+  void *world[3];          /* positions and indices, for Embree */
+  struct world_plan *plan; /* how all these lie there, where another scene may take them over */
+  bool built;
   accel *accel;
 } scene;
+
+/* Another view of a scene that is built: its camera, size, region and samples. What was there stays
+ * where the description is wrong. */
+bool scene_look(reader *r, scene *s);
 
 /* A scene that scene_free frees; NULL where its description is wrong. Its buffers stay Python's. */
 scene *scene_read(reader *r);
@@ -240,6 +251,10 @@ typedef struct scene_times {
  * the reason in `log`, or when *cancel became true.
  */
 bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
+
+/* What a scene that is read can use of one that is built and not needed any more, it takes over:
+ * the world where the meshes are the same buffers, textures of the same images. */
+void scene_take(scene *to, scene *from);
 
 /* Free what scene_build and scene_read allocated (not the buffers of Python). NULL is fine. */
 void scene_free(scene *s);

@@ -76,6 +76,36 @@ const texture *texture_squares(texture_set *set, const texture *normal) {
   return t;
 }
 
+static bool same_image(const image *a, const image *b) {
+  return a->data == b->data && a->width == b->width && a->height == b->height &&
+         a->channels == b->channels && a->type == b->type && a->srgb == b->srgb &&
+         a->wrap == b->wrap && a->closest == b->closest;
+}
+
+static bool same_request(const texture *a, const texture *b) {
+  if (a->kind == TEXTURE_SQUARES || b->kind == TEXTURE_SQUARES)
+    return a->kind == b->kind && same_request(a->normal, b->normal);
+  return a->kind == b->kind && a->strength == b->strength && a->coarse == b->coarse &&
+         same_image(a->source, b->source);
+}
+
+void texture_take(texture_set *set, texture_set *before) {
+  for (size_t i = 0; i < set->count; i++)
+    for (size_t k = 0; k < before->count && !set->item[i]->texel; k++) {
+      texture *to = set->item[i], *from = before->item[k];
+      if (!from->texel || !same_request(to, from))
+        continue;
+      to->texel = from->texel;
+      to->paged = from->paged;
+      to->level = from->level;
+      to->filled = true;
+      from->texel = NULL;
+      from->paged = 0;
+    }
+  texture_free(before);
+  *before = (texture_set){0};
+}
+
 void texture_free(texture_set *set) {
   for (size_t i = 0; i < set->count; i++) {
     if (set->item[i]->paged)
@@ -517,6 +547,8 @@ bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
   pthread_once(&srgb_once, byte_tables_fill);
   for (size_t i = 0; i < set->count; i++) {
     texture *t = set->item[i];
+    if (t->filled)
+      continue;
     size_t bytes = find_levels(t) * sizeof *t->texel;
     t->texel = pages_new(bytes);
     t->paged = t->texel ? bytes : 0;
@@ -531,7 +563,7 @@ bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
   for (int level = 1; level < TEXTURE_LEVELS; level++)
     for (size_t i = 0; i < set->count; i++) {
       const texture *t = set->item[i];
-      if (level < t->level.count)
+      if (!t->filled && level < t->level.count)
         pack_level(t, alpha_of(set, t), level, threads, cancel);
     }
   return true;

@@ -64,6 +64,7 @@ typedef struct texture {
   image_wrap wrap;
   float linear; /* 1: bilinear, 0: nearest */
   size_t paged; /* bytes, of a large one: in pages.h's file */
+  bool filled;  /* before */
   /* what it is made from */
   const image *source;
   texture_kind kind;
@@ -97,6 +98,10 @@ bool texture_is_8bit(const image *source);
 
 /* One channel of a row of an image, linear; a channel that is missing repeats the first one. */
 void image_row(const image *source, int y, int channel, float *out);
+
+/* Textures that are requested and not filled take what the same request was filled with before; of
+ * these nothing is left. */
+void texture_take(texture_set *set, texture_set *before);
 
 void texture_free(texture_set *set);
 

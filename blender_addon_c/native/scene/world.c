@@ -40,6 +40,12 @@ typedef struct build {
   float reach;                   /* of its numbers */
 } build;
 
+/* Of a world that may be taken over. */
+typedef struct world_plan {
+  build made;
+  bool moved, own_moved; /* since: something, and something that is in the world itself */
+} world_plan;
+
 enum { CHUNK = 8192 };
 #define WORLD SIZE_MAX
 
@@ -345,15 +351,18 @@ static void settle(const build *b, instance *in) {
  * through a world without levels in half the time.
  */
 static bool find_shared(build *b) {
-  enum { FEW = 100000 };
+  enum { FEW = 100000, FEW_OWN = 200000 };
   const scene *s = b->scene;
   b->reach = find_reach(s);
   b->shared = array(b, s->meshes, sizeof *b->shared);
-  size_t *copies = calloc(s->meshes + 1, sizeof *copies);
+  size_t *copies = calloc(s->meshes + 1, sizeof *copies), all = 0; /* those that are small */
   for (size_t i = 0; b->shared && copies && i < s->instances; i++)
     copies[s->instance[i].mesh] += invertible(s->instance[i].matrix, b->reach);
+  for (size_t i = 0; b->shared && copies && i < s->meshes; i++)
+    all += s->mesh[i].triangles < (size_t)s->apart ? copies[i] * s->mesh[i].triangles : 0;
   for (size_t i = 0; b->shared && copies && i < s->meshes; i++) {
     bool many = copies[i] > 1 && s->mesh[i].triangles > FEW / (copies[i] - 1);
+    many = many || (s->apart && (all > FEW_OWN || s->mesh[i].triangles >= (size_t)s->apart));
     b->shared[i] = many || s->mesh[i].steps ? 0 : WORLD;
   }
   for (instance *in = s->instance; s->moves && in < s->instance + s->instances; in++) {
@@ -423,6 +432,16 @@ static bool is_veiled(const scene *s) {
   return false;
 }
 
+/* Where the positions of each instance are. */
+static void find_bases(const build *b) {
+  scene *s = b->scene;
+  for (size_t i = 0; i < b->own; i++)
+    s->instance[b->share[i].object].base = b->share[i].position;
+  for (instance *in = s->instance; in < s->instance + s->instances; in++)
+    if (is_reference(b, in))
+      in->base = b->share[b->shared[in->mesh]].position;
+}
+
 static bool share_out(build *b) {
   static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   scene *s = b->scene;
@@ -443,11 +462,7 @@ static bool share_out(build *b) {
       add_share(b, i, identity, 0, 0, true);
       find_bounds(&s->mesh[i], b->share[b->shared[i]].bounds);
     }
-  for (size_t i = 0; i < b->own; i++)
-    s->instance[b->share[i].object].base = b->share[i].position;
-  for (instance *in = s->instance; in < s->instance + s->instances; in++)
-    if (is_reference(b, in))
-      in->base = b->share[b->shared[in->mesh]].position;
+  find_bases(b);
   for (size_t i = 0; i < b->shares; i++) {
     const parts *p = &b->parts[b->share[i].mesh];
     b->chunk[i] = chunks;
@@ -610,16 +625,48 @@ static bool build_objects(build *b) {
 
 static bool build_world(build *b) {
   scene *s = b->scene;
-  b->parts = parts_make(s, b->cancel, b->log);
+  b->parts = parts_make(s, NULL, b->cancel, b->log);
   if (!b->parts || !share_out(b))
     return false;
   parallel_for(s->threads, b->shares, place_positions, b);
   parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
   for (size_t i = 0; s->soft_terminator && !s->curved && i < s->triangle_count; i++)
     s->curved = s->triangle[i].curved;
-  if (cancelled(b) || !build_deforms(b) || !build_placed(b))
-    return false;
-  return !s->identified || build_objects(b);
+  return !cancelled(b) && build_deforms(b);
+}
+
+/* Those that stand in the world itself, at their new places. */
+static bool move_own(build *b) {
+  const scene *s = b->scene;
+  bool *wanted = calloc(s->meshes + 1, sizeof *wanted);
+  for (size_t i = 0; wanted && i < b->own; i++)
+    wanted[b->share[i].mesh] = true;
+  parts *made = wanted ? parts_make(s, wanted, b->cancel, b->log) : NULL, *counts = b->parts;
+  free(wanted);
+  if (!made)
+    return message_error(b->log, "out of memory");
+  b->parts = made;
+  for (size_t i = 0; i < b->own; i++)
+    normal_matrix(b->share[i].matrix, &b->share[i]);
+  parallel_for(s->threads, b->own, place_positions, b);
+  parallel_for(s->threads, b->chunk[b->own], place_chunk, b);
+  b->parts = counts;
+  parts_free(made, s);
+  return true;
+}
+
+/* Does it matter which way its tangents point? */
+static bool is_grooved(const scene *s, const mesh *m) {
+  for (size_t t = 0; t < m->triangles; t++)
+    if (s->material[m->material[t]].traits & CLOSURE_GROOVED)
+      return true;
+  return false;
+}
+
+static void warn_of_grooves(const scene *s, message_log *log) {
+  for (const mesh *m = s->mesh; m < s->mesh + s->meshes; m++)
+    if (!m->corner_uv && is_grooved(s, m))
+      message_warn(log, "%s has no UV map: its tangent is the object's X axis", m->name);
 }
 
 /* What Embree is to know of the shares from `first` on; the arrays' own for the world. */
@@ -631,7 +678,7 @@ static accel_part part_of(const build *b, size_t quad, size_t quads, size_t sing
                       .triangle_position = b->single + 3 * single};
 }
 
-static bool build_accel(build *b) {
+static bool build_accel(build *b) { /* or places it again, where there is one */
   scene *s = b->scene;
   char error[MESSAGE_SIZE];
   size_t shared = b->shares - b->own, references = s->placed_count ? s->placed_count - 1 : 0;
@@ -665,29 +712,144 @@ static bool build_accel(build *b) {
                        .quad_hidden = s->hidden,
                        .triangle_hidden = s->hidden ? s->hidden + 2 * s->quad_count : NULL,
                        .timed = s->timed};
-  s->accel = good ? accel_create(&input, s->threads, b->cancel, error, sizeof error) : NULL;
-  if (good && !s->accel && error[0])
+  error[0] = 0;
+  if (good && s->accel)
+    good = accel_place(s->accel, &input, error, sizeof error);
+  else if (good)
+    good = (s->accel = accel_create(&input, s->threads, b->cancel, error, sizeof error)) != NULL;
+  if (error[0])
     message_error(b->log, "%s", error);
   free(part);
   free(reference);
-  return s->accel != NULL;
+  return good;
+}
+
+static bool same_mesh(const mesh *a, const mesh *b, size_t layers) {
+  for (size_t k = 0; k < layers; k++)
+    if (a->layer[k] != b->layer[k])
+      return false;
+  return a->position == b->position && a->positions == b->positions &&
+         a->triangles == b->triangles && a->corner_position == b->corner_position &&
+         a->corner_normal == b->corner_normal && a->corner_uv == b->corner_uv &&
+         a->material == b->material;
+}
+
+/* Would the arrays of both be alike, but for where things are? */
+static bool same_world(const scene *a, const scene *b) {
+  bool same = a->meshes == b->meshes && a->instances == b->instances && a->layers == b->layers &&
+              a->threads == b->threads && a->apart == b->apart && !a->moves && !b->moves &&
+              !a->vectors && !b->vectors && a->soft_terminator == b->soft_terminator &&
+              is_stretched(a) == is_stretched(b) && is_veiled(a) == is_veiled(b);
+  for (size_t k = 0; same && k < a->layers; k++)
+    same = a->layer[k].width == b->layer[k].width &&
+           a->layer[k].tangents_of == b->layer[k].tangents_of;
+  for (size_t k = 0; same && k < a->meshes; k++)
+    same = same_mesh(&a->mesh[k], &b->mesh[k], a->layers);
+  for (size_t k = 0; same && k < a->instances; k++)
+    same = a->instance[k].mesh == b->instance[k].mesh &&
+           a->instance[k].hidden == b->instance[k].hidden;
+  return same;
+}
+
+void world_take(scene *to, scene *from) {
+  world_plan *plan = from->plan;
+  if (!plan || !same_world(to, from))
+    return;
+  build now = plan->made;
+  now.scene = to;
+  now.reach = find_reach(to);
+  plan->moved = plan->own_moved = false;
+  for (size_t i = 0; i < to->instances; i++) {
+    const instance *in = &to->instance[i], *before = &from->instance[i];
+    bool reference = is_reference(&now, in);
+    if (reference != is_reference(&plan->made, before))
+      return;
+    bool moved = memcmp(in->matrix, before->matrix, sizeof in->matrix) != 0;
+    plan->moved = plan->moved || moved;
+    plan->own_moved = plan->own_moved || (moved && !reference);
+  }
+  plan->made = now;
+  for (size_t i = 0; i < now.own; i++)
+    now.share[i].matrix = to->instance[now.share[i].object].matrix;
+  to->plan = plan;
+  from->plan = NULL;
+  to->triangle = from->triangle;
+  to->stretch = from->stretch;
+  to->hidden = from->hidden;
+  to->accel = from->accel;
+  from->triangle = NULL;
+  from->stretch = NULL;
+  from->hidden = NULL;
+  from->accel = NULL;
+  to->triangle_count = from->triangle_count;
+  to->quad_count = from->quad_count;
+  to->curved = from->curved;
+  for (size_t k = 0; k < to->layers; k++) {
+    to->layer[k].corner = from->layer[k].corner;
+    to->layer[k].record = from->layer[k].record;
+    from->layer[k].corner = NULL;
+  }
+  for (int k = 0; k < 3; k++) {
+    to->world[k] = from->world[k];
+    from->world[k] = NULL;
+  }
+}
+
+void world_plan_free(world_plan *plan) {
+  if (!plan)
+    return;
+  free(plan->made.parts);
+  free(plan->made.share);
+  free(plan->made.shared);
+  free(plan->made.chunk);
+  free(plan);
+}
+
+/* Keep what tells how the world was made. */
+static void keep_plan(scene *s, const build *b) {
+  s->plan = calloc(1, sizeof *s->plan);
+  if (s->plan)
+    s->plan->made = *b;
+}
+
+/* What has moved of a world that was taken over. */
+static bool build_again(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
+  build *b = &s->plan->made;
+  double start = parallel_clock();
+  b->cancel = cancel;
+  b->log = log;
+  find_bases(b);
+  bool good = (!s->plan->own_moved || move_own(b)) && build_placed(b) &&
+              (!s->identified || build_objects(b));
+  double built = parallel_clock();
+  good = good && (!s->plan->moved || build_accel(b));
+  times->mesh = built - start;
+  times->bvh = parallel_clock() - built;
+  return good;
 }
 
 bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times) {
+  warn_of_grooves(s, log);
+  if (s->plan)
+    return build_again(s, cancel, log, times);
   build b = {.scene = s, .cancel = cancel, .log = log};
   double start = parallel_clock();
-  bool good = build_world(&b);
+  bool good = build_world(&b) && build_placed(&b) && (!s->identified || build_objects(&b));
   parts_used(b.parts, s); /* room for the BVH */
   double built = parallel_clock();
-  good = good && build_accel(&b);
+  good = good && build_accel(&b) && !cancelled(&b);
   times->mesh = built - start;
   times->bvh = parallel_clock() - built;
+  s->world[0] = b.position; /* Embree reads these while it lives */
+  s->world[1] = b.quad;
+  s->world[2] = b.single;
+  if (good && s->apart)
+    keep_plan(s, &b);
+  if (s->plan)
+    return true;
   parts_free(b.parts, s);
   free(b.share);
   free(b.shared);
   free(b.chunk);
-  s->world[0] = b.position; /* Embree reads these while it lives */
-  s->world[1] = b.quad;
-  s->world[2] = b.single;
-  return good && !cancelled(&b);
+  return good;
 }

@@ -8,6 +8,11 @@
 /* False on failure, with the reason in `log`, or when *cancel became true. Times: mesh and bvh. */
 bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
 
+/* The world of a scene that is built goes over to one that is read, where its meshes are the same;
+ * else nothing happens. world_build then moves what has moved. */
+void world_take(scene *to, scene *from);
+void world_plan_free(struct world_plan *plan);
+
 /* How directions come from a space into the world, and what nodes may ask of an object there. */
 void world_place(const double matrix[12], placed *out);
 void world_object(const double matrix[12], object *out);

@@ -4,20 +4,24 @@
 Files that ask for something, and go when it is done: SCREENSHOT.please for a picture of the
 window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.portal
 for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas
-to be drawn again.
+to be drawn again, LOG.edits for edits by chance.
 
-arguments: LOG SCREENSHOT
+arguments: LOG SCREENSHOT [EDITS]; EDITS: how many edits by chance there will be, of a scene for them
 """
 
 import os
 import sys
+import time
 
 import bpy
+from mathutils import Quaternion
 
 sys.path.insert(0, os.path.dirname(__file__))
 import common
+import edits
 
-log_path, screenshot = common.arguments()
+log_path, screenshot, *count = common.arguments()
+steps = int(count[0]) if count else 0
 renders = 0
 
 
@@ -69,11 +73,11 @@ def take_screenshot():
         bpy.ops.screen.screenshot(filepath=screenshot)
 
 
-def show_viewport():
+def show_viewport(shading="RENDERED"):
     for area in bpy.context.window_manager.windows[0].screen.areas:
         if area.type == "VIEW_3D":
-            area.spaces.active.region_3d.view_perspective = "CAMERA"
-            area.spaces.active.shading.type = "RENDERED"
+            area.spaces.active.region_3d.view_perspective = "PERSP" if steps else "CAMERA"
+            area.spaces.active.shading.type = shading
 
 
 def add_portal():
@@ -88,6 +92,89 @@ def remove_meshes():
 def redraw():
     for area in bpy.context.window_manager.windows[0].screen.areas:
         area.tag_redraw()
+
+
+class Editing:
+    """Edits, undone or not, each a while after the one before or once its first picture is there. Logs
+    "blank": a picture has gone, "seconds ...": from each edit to its first picture, "edited", and "whole":
+    a viewport has its last picture then."""
+
+    def __init__(self):
+        self.left, self.taken, self.began, self.pending = steps, [], None, False
+        self.names, self.until = (), 0.0
+        self.ended, self.whole = False, []
+
+    def step(self):
+        now = time.perf_counter()
+        if self.began and now < self.until:
+            return 0.02
+        if not self.left:
+            log("seconds " + " ".join(f"{name}:{taken:.3f}" for name, taken in self.taken))
+            log("edited")
+            self.ended = True
+            redraw()
+            return None
+        self.left -= 1
+        window = bpy.context.window_manager.windows[0]
+        area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+        region = next(region for region in area.regions if region.type == "WINDOW")
+        with bpy.context.temp_override(window=window, area=area, region=region):
+            self.began, self.pending = time.perf_counter(), False
+            self.until = self.began + edits.chance.choice([0.02, 0.2, 3.0])
+            self.edit(area.spaces.active.region_3d)
+        return 0.02
+
+    def edit(self, view):
+        kind = edits.chance.randrange(6)
+        self.names = ["view"] if kind < 2 else ["undo"] if kind == 2 else edits.some_names()
+        if bpy.context.mode != "OBJECT" and kind > 1:
+            self.names = ["edit_mode"]
+        if kind < 2:
+            view.view_perspective = "PERSP"
+            view.view_rotation = view.view_rotation @ Quaternion((0, 1, 0), 0.2)
+        elif kind == 2 and bpy.ops.ed.undo.poll():
+            bpy.ops.ed.undo()
+        elif kind > 2:
+            for name in self.names:
+                edits.EDITS[name]()
+            bpy.ops.ed.undo_push(message="edit")
+
+    def make(self, wrapped):
+        def wrapper(viewport, picture, first=False):
+            self.pending = self.pending or first
+            wrapped(viewport, picture, first)
+        return wrapper
+
+    def fetch(self, wrapped):
+        def wrapper(viewport):
+            wrapped(viewport)
+            if self.pending and self.began and viewport._finished:
+                self.taken.append(("+".join(self.names), time.perf_counter() - self.began))
+                self.began = None
+        return wrapper
+
+    def draw(self, wrapped):
+        def wrapper(viewport, *arguments):
+            was = viewport._texture
+            told = wrapped(viewport, *arguments)
+            if was and not viewport._texture:
+                log(f"blank {viewport._error}")
+            if self.ended and not told[1] and viewport not in self.whole:
+                self.whole.append(viewport)
+                log("whole")
+            return told
+        return wrapper
+
+
+def metal_scene():
+    scene = common.empty_scene(320, 240, 16)
+    material, tree, node = common.metal(ex=200, ey=10)
+    node.inputs["Color"].default_value = (0.9, 0.7, 0.4, 1)
+    common.plane(material, 8)
+    common.monkey(material, location=(0, 0, 1))
+    common.camera(scene, (0, -3, 4), (0.7, 0, 0))
+    common.light(scene, rotation=(-0.6, 0.2, 0))
+    return scene
 
 
 def telling_text(draw):
@@ -116,6 +203,8 @@ def serve():
                            (log_path + ".viewport", show_viewport),
                            (log_path + ".portal", add_portal),
                            (log_path + ".empty", remove_meshes),
+                           (log_path + ".solid", lambda: show_viewport("SOLID")),
+                           (log_path + ".edits", lambda: bpy.app.timers.register(editing.step)),
                            (log_path + ".redraw", redraw)):
         if os.path.exists(please):
             action()
@@ -128,13 +217,14 @@ engine, viewport = (sys.modules[f"{common.MODULE}.{name}"] for name in ("engine"
 viewport.Viewport.draw = telling_text(viewport.Viewport.draw)
 engine._Status.text = telling_progress(engine._Status.text)
 telling_progress.seen = None
-scene = common.empty_scene(320, 240, 16)
-material, tree, node = common.metal(ex=200, ey=10)
-node.inputs["Color"].default_value = (0.9, 0.7, 0.4, 1)
-common.plane(material, 8)
-common.monkey(material, location=(0, 0, 1))
-common.camera(scene, (0, -3, 4), (0.7, 0, 0))
-common.light(scene, rotation=(-0.6, 0.2, 0))
+editing = Editing()
+for name in ("_make", "_fetch", "draw") if steps else ():
+    setattr(viewport.Viewport, name, getattr(editing, name.strip("_"))(getattr(viewport.Viewport, name)))
+if steps:
+    edits.chance.seed(1)
+    scene = edits.build()
+else:
+    scene = metal_scene()
 view = bpy.context.preferences.view
 view.show_splash, view.render_display_type = False, "AREA"
 bpy.app.handlers.render_init.append(on_init)
