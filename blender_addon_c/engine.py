@@ -8,8 +8,8 @@ import traceback
 import bpy
 import numpy as np
 
-from . import _native, export
-from .panels import ENGINE
+from . import _native, export, report
+from .names import ENGINE
 from .viewport import Viewport
 
 # The native module works on while Python sleeps; this is how late a cancel may be noticed.
@@ -18,6 +18,7 @@ _POLL_SECONDS = 0.05
 _REDRAW_SECONDS = 0.5
 _STATUS_SECONDS = 0.5
 _MEGABYTE = 1 << 20
+_PREVIEW_SAMPLES = 32  # of a material's ball
 
 
 class LibshadeEngine(bpy.types.RenderEngine):
@@ -25,7 +26,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
 
     bl_idname = ENGINE
     bl_label = "libshade"
-    bl_use_preview = False  # material previews are lit by area lights: EEVEE draws them
+    bl_use_preview = True
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
 
@@ -56,24 +57,29 @@ class LibshadeEngine(bpy.types.RenderEngine):
         try:
             self._render_scene(depsgraph, region, result, pixels, messages)
         finally:  # last, so that Blender's line of text shows them
-            for text in messages.errors:
-                self.report({"ERROR"}, f"libshade: {text}")
-            for text in messages.warnings:
-                self.report({"WARNING"}, f"libshade: {text}")
+            if not self.is_preview:
+                self._tell(depsgraph.scene, messages)
+
+    def _tell(self, scene, messages):
+        report.keep(scene, messages)
+        for text in messages.errors:
+            self.report({"ERROR"}, f"libshade: {text}")
+        for text in messages.warnings:
+            self.report({"WARNING"}, f"libshade: {text}")
 
     def _render_scene(self, depsgraph, region, result, pixels, messages):
         started = time.perf_counter()
         self.update_stats("", "Reading the scene")
         size = self.resolution_x, self.resolution_y
         passes = export.passes_of(depsgraph.scene, depsgraph.view_layer)
-        mattes, dump = export.Mattes(passes), os.environ.get("LIBSHADE_DUMP", "")
+        mattes, dump = export.Mattes(passes), "" if self.is_preview else os.environ.get("LIBSHADE_DUMP", "")
+        samples = _PREVIEW_SAMPLES if self.is_preview else depsgraph.scene.libshade.samples
 
         def camera():
             return export.camera_of(self.camera_override, depsgraph, size, messages)
 
         with export.motion_of(self, depsgraph, camera, dump, messages) as motion:
-            scene = export.read(depsgraph, camera(), size, region,
-                                depsgraph.scene.libshade.samples, messages, mattes, motion)
+            scene = export.read(depsgraph, camera(), size, region, samples, messages, mattes, motion)
         scene["dump"] = dump
         scene.update(export.planes_of(passes, depsgraph.scene.world))
         scene.update(export.denoiser(depsgraph.scene.libshade))

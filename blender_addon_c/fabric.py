@@ -9,6 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from . import _native
 from .group import new_socket
+from .report import draw_on
 
 FABRIC = "LibshadeFabricNode"
 
@@ -111,6 +112,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         inner[_SHADER].inputs["Roughness"].default_value = roughness
 
     def draw_buttons(self, _context, layout):
+        draw_on(self, layout)
         layout.prop(self, "preset", text="")
         layout.prop(self, "size")
 

@@ -6,8 +6,8 @@ import importlib
 import bpy
 
 from .export.closure import CLOSURES
+from .names import ENGINE
 
-ENGINE = "LIBSHADE"
 _FIRST = ("ShaderNodeOutputMaterial", "ShaderNodeMixShader", "ShaderNodeAddShader")
 # Where Blender decides what its menu shows, in one version or another.
 _MODULES = ("nodeitems_builtins", "bl_ui.node_add_menu_shader")

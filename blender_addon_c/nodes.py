@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from . import _native, groove
 from .group import new_socket
+from .report import draw_on
 
 METAL = "LibshadeMetalNode"
 _OURS = (METAL, "LibshadeFabricNode")  # of fabric.py
@@ -310,6 +311,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
                   shader.inputs["Tangent"])
 
     def draw_buttons(self, _context, layout):
+        draw_on(self, layout)
         layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
         layout.prop(self, "distribution", text="")
         layout.prop(self, "detail")

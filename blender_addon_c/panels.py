@@ -4,9 +4,8 @@
 import bpy
 
 from .export import blur_settings
+from .names import ENGINE
 from .nodes import LIBSHADE_OT_convert_to_group
-
-ENGINE = "LIBSHADE"
 
 # Marked for every external engine, but they set what libshade does not read.
 _NOT_OURS = {
@@ -16,6 +15,7 @@ _NOT_OURS = {
 # Marked for EEVEE only, and right for us too.
 _ALSO_OURS = {
     "EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface",
+    "MATERIAL_PT_preview",
 }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix, Vector
 
-from . import _native, export
+from . import _native, export, report
 
 # The share of a redraw that may be spent waiting for more of the picture.
 _WAIT_SECONDS = 0.02
@@ -67,6 +67,7 @@ class Viewport:
         if not self._job:
             return self._error, False
         state = _native.poll(self._job)
+        report.keep(depsgraph.scene, self._messages, state["warnings"])
         more = not self._is_last() or self._waiting or self._view != view
         progress = "" if not more else "Building the BVH" if state["stage"] == "build" else (
             f"Sample {state['sample'] if self._made.factor == 1 else 0}/{self._scene['samples']}")

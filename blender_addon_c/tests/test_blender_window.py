@@ -129,6 +129,16 @@ def test_viewport_says_what_is_wrong(window):
     window.wait(portal, times=3)
     window.take_screenshot("blender_viewport_error.png")
     assert window.log.read_text().splitlines()[-1] == portal
+    window.please("select")
+    window.wait("selected area")
+
+
+def test_previews_are_our_own(window):
+    """The ball in the material's tab; a dump is not written over by it."""
+    window.wait("ready 0")
+    window.please("material")
+    window.wait("preview True")
+    window.take_screenshot("blender_material.png")
 
 
 EDITS = 100

@@ -4,7 +4,8 @@
 Files that ask for something, and go when it is done: SCREENSHOT.please for a picture of the
 window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.portal
 for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas
-to be drawn again, LOG.edits for edits by chance.
+to be drawn again, LOG.edits for edits by chance, LOG.material for the material's tab, LOG.select for what the first
+message is about.
 
 arguments: LOG SCREENSHOT [EDITS]; EDITS: how many edits by chance there will be, of a scene for them
 """
@@ -87,6 +88,31 @@ def add_portal():
 def remove_meshes():
     for ob in [ob for ob in bpy.context.scene.objects if ob.type == "MESH"]:
         bpy.data.objects.remove(ob)
+
+
+def show_material():
+    """Whose ball Blender has rendered for the preview."""
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        if area.type == "PROPERTIES":
+            area.spaces.active.context = "MATERIAL"
+
+
+def select_cause():
+    scene = bpy.context.scene
+    text, _error = sys.modules[common.MODULE + ".report"].told(scene)[0]
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window):
+        bpy.ops.libshade.select_cause(text=text)
+    log("selected " + " ".join(ob.name for ob in scene.objects if ob.select_get()))
+
+
+def telling_previews(render):
+    """engine.render that logs how bright a preview is."""
+    def wrapper(engine, depsgraph, region, result, pixels):
+        render(engine, depsgraph, region, result, pixels)
+        if engine.is_preview:
+            log(f"preview {pixels.max() > 0.5}")
+    return wrapper
 
 
 def redraw():
@@ -205,6 +231,8 @@ def serve():
                            (log_path + ".empty", remove_meshes),
                            (log_path + ".solid", lambda: show_viewport("SOLID")),
                            (log_path + ".edits", lambda: bpy.app.timers.register(editing.step)),
+                           (log_path + ".material", show_material),
+                           (log_path + ".select", select_cause),
                            (log_path + ".redraw", redraw)):
         if os.path.exists(please):
             action()
@@ -216,6 +244,7 @@ common.enable()
 engine, viewport = (sys.modules[f"{common.MODULE}.{name}"] for name in ("engine", "viewport"))
 viewport.Viewport.draw = telling_text(viewport.Viewport.draw)
 engine._Status.text = telling_progress(engine._Status.text)
+engine.LibshadeEngine._render = telling_previews(engine.LibshadeEngine._render)
 telling_progress.seen = None
 editing = Editing()
 for name in ("_make", "_fetch", "draw") if steps else ():

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the last render or viewport could not show as Cycles does, where artists look: a panel, and a line on our nodes."""
+
+import textwrap
+
+import bpy
+
+from .names import ENGINE
+
+# What messages begin with ("material 'steel': ..."), where such things are, and their icons.
+_KINDS = {"material": ("materials", "MATERIAL"), "object": ("objects", "OBJECT_DATA"), "light": ("objects", "LIGHT"),
+          "camera": ("objects", "CAMERA_DATA"), "world": ("worlds", "WORLD"), "view layer": (None, "RENDERLAYERS")}
+_last = {}  # by name of the scene: ((text, is it an error?), ...)
+_stale = [False]  # is something else to be shown?
+_REDRAW_SECONDS = 0.3
+
+
+def keep(scene, messages, more=()):
+    """What was told of a scene. more: warnings of the native module."""
+    told = [(text, True) for text in messages.errors] + [(text, False) for text in (*messages.warnings, *more)]
+    if _last.get(scene.name) != told:
+        _last[scene.name] = told
+        _stale[0] = True  # renders have threads of their own, which must not touch windows
+
+
+def told(scene):
+    return _last.get(scene.name, ())
+
+
+def _redraw():
+    if _stale[0]:
+        _stale[0] = False
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type in {"PROPERTIES", "NODE_EDITOR"}:
+                    area.tag_redraw()
+    return _REDRAW_SECONDS
+
+
+def cause(text):
+    """(data-block or None, name of the node or "", icon, what is said of it)."""
+    for kind, (where, icon) in _KINDS.items():
+        if not text.startswith(f"{kind} '"):
+            continue
+        # the longest name, for names have quotes too
+        owners = [owner for owner in getattr(bpy.data, where) if text.startswith(f"{kind} '{owner.name}'")] if where else []
+        owner = max(owners, key=lambda owner: len(owner.name), default=None)
+        rest = text[len(f"{kind} '{owner.name}'"):].lstrip(": ") if owner else text
+        return owner, _node_in(owner, rest), icon, rest
+    return None, "", "ERROR", text
+
+
+def _node_in(owner, text):
+    """The first node that a text about its owner names."""
+    tree = getattr(owner, "node_tree", None) or getattr(getattr(owner, "data", None), "node_tree", None)
+    named = [(text.find(f"'{node.name}'"), node.name) for node in tree.nodes] if tree else []
+    return min((place for place in named if place[0] >= 0), default=(0, ""))[1]
+
+
+def of_node(node):
+    """What was said of a node of ours, or of its material as a whole."""
+    causes = [cause(text) for text in {text for texts in _last.values() for text, _error in texts}]
+    return sorted(rest for owner, name, _icon, rest in causes
+                  if isinstance(owner, bpy.types.Material) and owner.node_tree == node.id_data and name in ("", node.name))
+
+
+class LIBSHADE_OT_select_cause(bpy.types.Operator):
+    """Select what this is said of, and its node"""
+    bl_idname = "libshade.select_cause"
+    bl_label = "Select"
+    bl_options = {"REGISTER", "UNDO"}
+
+    text: bpy.props.StringProperty(options={"HIDDEN"})
+
+    def execute(self, context):
+        owner, node, _icon, _rest = cause(self.text)
+        if not owner:
+            self.report({"WARNING"}, "It is not in this file any more")
+            return {"CANCELLED"}
+        shown = [ob for ob in context.view_layer.objects if ob.visible_get()]
+        if isinstance(owner, bpy.types.Material):
+            users = [ob for ob in shown if any(slot.material == owner for slot in ob.material_slots)]
+        else:
+            users = [ob for ob in shown if ob == owner]
+        if users and context.mode == "OBJECT":
+            for ob in shown:
+                ob.select_set(ob in users)
+            context.view_layer.objects.active = users[0]
+        for ob in users:
+            for k, slot in enumerate(ob.material_slots):
+                if slot.material == owner:
+                    ob.active_material_index = k
+        tree = getattr(owner, "node_tree", None) or getattr(getattr(owner, "data", None), "node_tree", None)
+        if node and node in tree.nodes:
+            for other in tree.nodes:
+                other.select = other.name == node
+            tree.nodes.active = tree.nodes[node]
+        return {"FINISHED"}
+
+
+class RENDER_PT_libshade_differences(bpy.types.Panel):
+    bl_label = "Not Rendered as in Cycles"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE and told(context.scene)
+
+    def draw_header(self, context):
+        self.layout.label(text=str(len(told(context.scene))))
+
+    def draw(self, context):
+        width = max(20, int(context.region.width / (6.5 * context.preferences.system.ui_scale)) - 8)
+        for text, error in told(context.scene):
+            owner, _node, icon, rest = cause(text)
+            box = self.layout.box()
+            row = box.row()
+            row.alert = error
+            row.label(text=owner.name if owner else "Scene", icon=icon)
+            if owner:
+                row.operator(LIBSHADE_OT_select_cause.bl_idname, text="", icon="RESTRICT_SELECT_OFF").text = text
+            lines = box.column(align=True)
+            lines.alert = error
+            for line in textwrap.wrap(rest, width):
+                lines.label(text=line)
+
+
+def draw_on(node, layout):
+    """A red line for each thing that was said of a node."""
+    for text in of_node(node):
+        column = layout.column(align=True)
+        column.alert = True
+        for k, line in enumerate(textwrap.wrap(text, max(20, int(node.width / 7)))):
+            column.label(text=line, icon="NONE" if k else "ERROR")
+
+
+@bpy.app.handlers.persistent
+def _forget(*_arguments):
+    _last.clear()
+
+
+_CLASSES = (LIBSHADE_OT_select_cause, RENDER_PT_libshade_differences)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.app.handlers.load_post.append(_forget)
+    if not bpy.app.background:
+        bpy.app.timers.register(_redraw, persistent=True)
+
+
+def unregister():
+    if bpy.app.timers.is_registered(_redraw):
+        bpy.app.timers.unregister(_redraw)
+    bpy.app.handlers.load_post.remove(_forget)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
+    _last.clear()
