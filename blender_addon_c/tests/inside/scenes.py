@@ -1689,11 +1689,13 @@ def viewport(options):
     if perspective:
         window[2][2], window[2][3] = (start + end) / (start - end), 2 * start * end / (start - end)
         window[3][2], window[3][3] = -1, 0
+    space = next(area for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D").spaces.active
+    space.clip_start, space.clip_end = start, end
     context = SimpleNamespace(
         region=SimpleNamespace(width=side, height=side),
         region_data=SimpleNamespace(view_matrix=Matrix.Identity(4), is_perspective=perspective,
-                                    window_matrix=window),
-        space_data=SimpleNamespace(clip_start=start, clip_end=end))
+                                    window_matrix=window, view_perspective="PERSP" if perspective else "ORTHO"),
+        space_data=space)
     view, more = module.Viewport(), True
     try:
         while more:
