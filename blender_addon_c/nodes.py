@@ -21,6 +21,7 @@ _TABLE = _native.table()
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
 _OLD_SHADER = "Principled BSDF"
 _SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR = "Anisotropic BSDF", "Diffuse BSDF", "Groove", "Fresnel", "Color"
+_ACROSS, _STROKES = "Across", "Strokes"  # is it below 0; the tangent then; older files have a link in their place
 # Sockets that properties set: what these say counts until a socket is linked or says something else.
 SHAPE, MATT_COLOR = ("Roughness", "Anisotropy"), ("Diffuse Color",)
 _SETS = {"ex": SHAPE, "ey": SHAPE, "ax": SHAPE, "ay": SHAPE, "kd": MATT_COLOR}
@@ -212,6 +213,14 @@ def _new_tree():
     link(color.outputs[0], shader.inputs["Color"])
     for name in (*SHAPE, "Rotation"):
         link(inputs.outputs[name], shader.inputs[name])
+    across, strokes = new("ShaderNodeMath", 200, -350, _ACROSS), new("ShaderNodeMix", 400, -250, _STROKES)
+    across.operation, strokes.data_type = "LESS_THAN", "VECTOR"
+    across.inputs[1].default_value = 0.0
+    link(inputs.outputs["Anisotropy"], across.inputs[0])
+    sockets = _mixed(strokes)
+    link(group.outputs[groove.TANGENT], sockets["A_Vector"])
+    link(group.outputs[groove.ACROSS], sockets["B_Vector"])
+    link(sockets["Result_Vector"], shader.inputs["Tangent"])
     link(inputs.outputs["Diffuse Color"], matt.inputs["Color"])
     for node in (facing, shader, matt):
         link(group.outputs["Normal"], node.inputs["Normal"])
@@ -221,13 +230,18 @@ def _new_tree():
     return tree
 
 
+def _mixed(node):
+    """Sockets of a Mix node by identifier: their names repeat."""
+    return {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
+
+
 def _either(tree, vector, other):
     """A vector, or another one where it is 0."""
     length, there, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VectorMath", "Math", "Mix"))
     length.operation, there.operation, mix.data_type = "LENGTH", "GREATER_THAN", "VECTOR"
     there.inputs[1].default_value = 0.0
     length.location, there.location, mix.location = (-100, -300), (50, -300), (150, -150)
-    sockets = {socket.identifier: socket for socket in (*mix.inputs, *mix.outputs)}
+    sockets = _mixed(mix)
     tree.links.new(vector, length.inputs[0])
     tree.links.new(length.outputs["Value"], there.inputs[0])
     tree.links.new(there.outputs[0], sockets["Factor_Float"])
@@ -306,9 +320,21 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
             for given in (n for n in inner if n.bl_idname == "NodeGroupInput"):
                 links.new(given.outputs["Color"], color)
         matt.inputs["Color"].default_value = (*self.kd, 1.0)
+        if _STROKES in inner:
+            self._turn_strokes(inner[_ACROSS], _mixed(inner[_STROKES])["Factor_Float"])
+            return
         groove_x = self.groove == "X" or self.groove == "AUTO" and self.ax <= self.ay
         links.new(inner[_GROOVE].outputs[groove.TANGENT if groove_x else groove.ACROSS],
                   shader.inputs["Tangent"])
+
+    def _turn_strokes(self, across, factor):
+        """To the narrow axis, wherever that is, or to the one that is asked for."""
+        if self.groove == "AUTO":
+            self.node_tree.links.new(across.outputs[0], factor)
+            return
+        for link in factor.links:
+            self.node_tree.links.remove(link)
+        factor.default_value = float(self.groove == "Y")
 
     def draw_buttons(self, _context, layout):
         draw_on(self, layout)

@@ -159,6 +159,31 @@ def metals(folder):
             common.render(os.path.join(folder, f"{engine.lower()}_metal_{word}.exr"))
 
 
+def turned_metals(folder):
+    """Libshade Metal on the bumped plate, its strokes along the other axis: by properties, by the socket, and by
+    what goes from one side of the plate to the other."""
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene = new_scene(engine)
+        flat, image = common.link(scene, "flat", new_plate(1)), bumps()
+        scene.cycles.samples = scene.libshade.samples = 128
+        for word in ("properties", "socket", "crossing"):
+            wide, narrow = (0.45, 0.1) if word == "properties" else (0.1, 0.45)
+            material, tree, node = common.metal(word, fresnel="NONE", ax=wide, ay=narrow, horizon="HARD")
+            node.inputs["Color"].default_value = (1, 1, 1, 1)
+            common.normal_map(tree, node, image)
+            if word == "socket":
+                node.inputs["Anisotropy"].default_value *= -1
+            if word == "crossing":
+                uv, parts, wave = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("UVMap", "SeparateXYZ", "MapRange"))
+                wave.inputs["To Min"].default_value, wave.inputs["To Max"].default_value = -0.6, 0.6
+                for source, target in ((uv.outputs[0], parts.inputs[0]), (parts.outputs["X"], wave.inputs["Value"]),
+                                       (wave.outputs[0], node.inputs["Anisotropy"])):
+                    tree.links.new(source, target)
+            flat.data.materials.clear()
+            flat.data.materials.append(material)
+            common.render(os.path.join(folder, f"{engine.lower()}_metal_{word}.exr"))
+
+
 def sockets(folder):
     """Libshade Metal told by its sockets: by what varies over a ball, in both engines; by numbers in ours."""
     for engine in ("CYCLES", "LIBSHADE"):
@@ -250,6 +275,7 @@ operator()
 pictures(folder, "CYCLES", SHADERS)
 pictures(folder, "LIBSHADE", ("across", "principled"))
 metals(folder)
+turned_metals(folder)
 sockets(folder)
 print("all asserted", flush=True)
 common.finish()

@@ -51,13 +51,18 @@ def test_preview(node):
         r, a = (shader.inputs[n].default_value for n in ("Roughness", "Anisotropy"))
         alphas = (r * r / (1 + a), r * r * (1 + a)) if a < 0 else (r * r * (1 - a), r * r / (1 - a))
         assert near(alphas[0], ax) and near(alphas[1], ay), (alphas, ax, ay)
-        strokes = shader.inputs["Tangent"].links[0].from_socket.name
-        assert strokes == ("Tangent" if ax <= ay else "Strokes Across")
-    node.groove = "Y"
-    assert shader.inputs["Tangent"].links[0].from_socket.name == "Strokes Across"
+    # the tangent of strokes by where they lie (groove.py renders them)
+    strokes = inner["Strokes"]
+    factor, along, across = (next(s for s in strokes.inputs if s.identifier == word)
+                             for word in ("Factor_Float", "A_Vector", "B_Vector"))
+    assert shader.inputs["Tangent"].links[0].from_node == strokes
+    assert (along.links[0].from_socket.name, across.links[0].from_socket.name) == ("Tangent", "Strokes Across")
+    for groove, expected in (("Y", 1), ("X", 0), ("AUTO", None)):
+        node.groove = groove
+        assert factor.is_linked == (expected is None) and (factor.is_linked or factor.default_value == expected)
     node.groove, node.kd, node.distribution = "AUTO", (0.1, 0.2, 0.3), "GGX"
     assert [near(a, b) for a, b in zip(inner["Diffuse BSDF"].inputs["Color"].default_value, (0.1, 0.2, 0.3))]
-    assert shader.distribution == "GGX" and shader.inputs["Tangent"].links[0].from_socket.name == "Tangent"
+    assert shader.distribution == "GGX"
     node.kd, node.distribution, node.fresnel = (0, 0, 0), "ASHIKHMIN_SHIRLEY", "CONDUCTOR"
     color = inner["Color"].inputs["Color1"]
     assert not color.is_linked and near(color.default_value[0], (0.25 + 9) / (2.25 + 9))
