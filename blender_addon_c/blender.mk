@@ -14,6 +14,7 @@ blender: $(B)/libshade-blender.zip
 soak: soak-blender
 soak-blender: $(B)/libshade-blender.zip
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 500
+	@EDITS=2000 $(B)/venv/bin/python -m pytest -q -s blender_addon_c/tests/test_blender_window.py -k edited
 .PHONY: soak-blender
 
 $(BLENDER_ADDON)/%: blender_addon_c/%

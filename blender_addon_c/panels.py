@@ -129,6 +129,31 @@ class OBJECT_PT_libshade_motion_blur(_Panel, bpy.types.Panel):
             layout.prop(settings, "use_deform_motion", text="Deformation")
 
 
+class RENDER_PT_libshade_performance(_Panel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, render = self.layout, context.scene.render
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(render, "threads_mode")
+        row = layout.row()
+        row.active = render.threads_mode == "FIXED"
+        row.prop(render, "threads")
+
+
+class VIEWLAYER_PT_libshade_override(_Panel, bpy.types.Panel):
+    bl_label = "Override"
+    bl_context = "view_layer"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop(context.view_layer, "material_override", text="Material")
+
+
 class RENDER_PT_libshade_share(_Panel, bpy.types.Panel):
     bl_label = "Sharing the File"
     bl_context = "render"
@@ -286,7 +311,8 @@ class WORLD_PT_libshade_visibility(_VisibilityPanel, bpy.types.Panel):
 
 _CLASSES = (
     RENDER_PT_libshade_sampling, RENDER_PT_libshade_light_paths, RENDER_PT_libshade_film,
-    RENDER_PT_libshade_motion_blur, OBJECT_PT_libshade_motion_blur, RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes,
+    RENDER_PT_libshade_motion_blur, OBJECT_PT_libshade_motion_blur, RENDER_PT_libshade_performance,
+    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes, VIEWLAYER_PT_libshade_override,
     DATA_PT_libshade_light, DATA_PT_libshade_panorama, OBJECT_PT_libshade_visibility, WORLD_PT_libshade_visibility,
 )
 
