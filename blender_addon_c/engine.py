@@ -47,6 +47,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self._render(depsgraph, region, result, pixels)
         except export.SceneError as error:
             self.report({"ERROR"}, f"libshade: {error}")
+            if not self.is_preview:
+                report.keep_failure(depsgraph.scene, str(error))
         except Exception:  # Blender would print it and show a black picture as if all were well
             self.report({"ERROR"}, f"libshade: internal error\n{traceback.format_exc()}")
         finally:

@@ -17,9 +17,17 @@ _REDRAW_SECONDS = 0.3
 
 def keep(scene, messages, more=()):
     """What was told of a scene. more: warnings of the native module."""
-    told = [(text, True) for text in messages.errors] + [(text, False) for text in (*messages.warnings, *more)]
-    if _last.get(scene.name) != told:
-        _last[scene.name] = told
+    _keep(scene, [(text, True) for text in messages.errors] + [(text, False) for text in (*messages.warnings, *more)])
+
+
+def keep_failure(scene, text):
+    """Why there is no picture of a scene, above what else was told of it."""
+    _keep(scene, [(text, True), *(said for said in told(scene) if said[0] != text)])
+
+
+def _keep(scene, texts):
+    if _last.get(scene.name) != texts:
+        _last[scene.name] = texts
         _stale[0] = True  # renders have threads of their own, which must not touch windows
 
 

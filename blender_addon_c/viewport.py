@@ -55,6 +55,7 @@ class Viewport:
         except (export.SceneError, ValueError) as error:
             self._job, self._texture, self._error, reading = None, None, str(error), False
             self._waiting, self._view = False, view
+            report.keep_failure(depsgraph.scene, self._error)
         if self._texture:
             x0, y0, x1, y1 = self._place
             gpu.state.blend_set("ALPHA_PREMULT")

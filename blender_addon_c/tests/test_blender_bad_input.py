@@ -87,6 +87,22 @@ def test_case(cases, name):
         assert np.isfinite(rgba(folder / f"{name}.exr")).all()
 
 
+@pytest.mark.parametrize("name, rows", {
+    "fine": [],
+    "blind": ["True|camera|"],
+    "no_light": ["False||"],
+    "no_uv_textured": ["False|Plane|"] * 2,
+    "no_image": ["False|steel|Image Texture"],
+    "bump_node": ["False|steel|Wireframe"],
+    "no_strength": ["True|broken lamp|"],
+    "portal": ["False|area|"],
+    "world_shader": ["False|world|Add Shader"],
+    "nowhere": ["False|lost|"],
+}.items())
+def test_the_panel_says_whose_it_is(cases, name, rows):
+    assert re.findall(r"^ROW (.*)$", cases[0][name][1], re.M) == rows
+
+
 def metal(ex, ey, color):
     """Ashikhmin and Shirley's lobe at its peak, under a sun of strength 3."""
     return 3 * math.sqrt((ex + 1) * (ey + 1)) / (8 * math.pi) * np.array(color)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes that cannot be rendered as they are. arguments: FOLDER
 
-For each: a line "CASE name", all that Blender prints, and "END finished|error".
+For each: a line "CASE name", all that Blender prints, a line "ROW is it an error|owner|node" for each of the panel
+of what is not rendered as in Cycles, and "END finished|error".
 """
 
 import math
@@ -399,11 +400,16 @@ CASES = [
 
 for case in CASES:
     case(common.empty_scene(32, 24))
+    report = sys.modules[common.MODULE + ".report"]
     print("CASE", case.__name__, flush=True)
+    end = "finished"
     try:
         common.render(os.path.join(folder, case.__name__ + ".exr"))
-        print("END finished", flush=True)
     except RuntimeError as error:
         print(error)
-        print("END error", flush=True)
+        end = "error"
+    for text, is_error in report.told(bpy.context.scene):
+        owner, node, _icon, _rest = report.cause(text)
+        print("ROW", "|".join((str(is_error), owner.name if owner else "", node)))
+    print("END", end, flush=True)
 common.finish()
