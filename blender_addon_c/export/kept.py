@@ -39,7 +39,7 @@ class Kept:
             if update.is_updated_geometry:
                 self._meshes = {key: m for key, m in self._meshes.items() if place not in m.owners.all}
             if isinstance(update.id, bpy.types.Image):
-                self._images.pop(update.id.name_full, None)
+                self._images = {key: found for key, found in self._images.items() if key[0] != update.id.name_full}
 
     def begin(self):
         if self._undone != _undone[0]:
@@ -48,7 +48,8 @@ class Kept:
 
     def end(self):
         """All is read: what was not asked for is gone from the scene."""
-        self._meshes = {key: m for key, m in self._meshes.items() if key in self._wanted}
+        self._meshes, self._images = ({key: found for key, found in kept.items() if key in self._wanted}
+                                      for kept in (self._meshes, self._images))
         self._budget = _SLICE_SECONDS
 
     def mesh(self, shape, way, owners, table, messages):
@@ -75,12 +76,13 @@ class Kept:
 
     def image(self, image, path, fetch):
         """Pixels of an image, fetched or as they were."""
-        about = _about(image, path)
-        found = self._images.get(image.name_full)
+        key, about = (image.name_full, path), _about(image, path)
+        found = self._images.get(key)
         if not found or found[0] != about or image.is_dirty:
             found = (about, fetch())
             if not isinstance(found[1], int):
-                self._images[image.name_full] = found
+                self._images[key] = found
+        self._wanted.add(key)
         return found[1]
 
 
