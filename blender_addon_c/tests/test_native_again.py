@@ -114,6 +114,18 @@ def bend(rng, now):
     now["meshes"][at] = {**now["meshes"][at], "positions": moved}
 
 
+def unwrap(rng, now):
+    at = rng.integers(2, len(now["meshes"]))
+    moved = now["meshes"][at]["corner_uvs"] * rng.uniform(0.5, 2, 2).astype(np.float32)
+    now["meshes"][at] = {**now["meshes"][at], "corner_uvs": moved}
+
+
+def smooth(rng, now):
+    at = rng.integers(0, len(now["meshes"]))
+    leaning = now["meshes"][at]["corner_normals"] + rng.uniform(-0.2, 0.2, 3).astype(np.float32)
+    now["meshes"][at] = {**now["meshes"][at], "corner_normals": leaning}
+
+
 def repaint(rng, now):
     at, mesh = rng.integers(0, len(now["materials"])), rng.integers(0, len(now["meshes"]))
     count = len(now["meshes"][mesh]["material"])
@@ -198,7 +210,7 @@ def view(rng, now):
                camera=(ortho if rng.integers(2) else persp)(eye=eye))
 
 
-EDITS = (move, move_nothing, flatten, hide, add, remove, bend, repaint, turn_slider, swap_image, shuffle_images,
+EDITS = (move, move_nothing, flatten, hide, add, remove, bend, unwrap, smooth, repaint, turn_slider, swap_image, shuffle_images,
          paint_image, look_closer, relayer, swap_layer, light, take_lamp, give_lamp, dawn, show_sky, soften, settings, count_cores, view)
 
 
@@ -217,7 +229,7 @@ def test_after_an_edit(edit):
     for _ in range(4):
         after = edited(before, rng, [edit])
         first = native.start(before)
-        native.wait(first, -1)
+        assert native.wait(first, 600)
         job = native.start(after, first)
         native.free(first)
         expected = fresh(after)
@@ -298,7 +310,7 @@ def test_a_picture_over_another():
     now = {**start_of(), "width": 256, "height": 256, "region": (0, 0, 256, 256), "samples": 1024}
     job = native.start(now)
     native.cancel(job)
-    native.wait(job, -1)
+    assert native.wait(job, 600)
     over = np.full((256, 256, 4), 7, np.float32)
     native.image(job, over, "", True)
     plain = np.full((256, 256, 4), 7, np.float32)
