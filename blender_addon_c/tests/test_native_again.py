@@ -68,7 +68,7 @@ def start_of(apart=100):
     return scene(
         width=SIDE, height=SIDE, samples=2, threads=2, max_bounces=2, apart=apart, meshes=meshes,
         layers=[{"width": 2}, {"width": 4, "tangents_of": 0}], transparent=False,
-        instances=[{"mesh": 0, "matrix": plain}, {"mesh": 1, "matrix": matrix(rng)}, {"mesh": 2, "matrix": matrix(rng)},
+        instances=[{"mesh": 0, "matrix": plain}, {"mesh": 1, "matrix": matrix(rng)}, {"mesh": 2, "matrix": matrix(rng), "hidden": 16},
                    *({"mesh": 3, "matrix": matrix(rng)} for _ in range(3))],
         images=[image(texels(1)), image(texels(2)), image(texels(4))],
         materials=[material(), layered(0), material(normal_image=1)],
