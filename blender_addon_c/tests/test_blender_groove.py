@@ -39,6 +39,14 @@ def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
         assert error < 0.01
     for engine in ("cycles", "libshade"):
         assert off(picture("metal_socket", engine), picture("metal_properties", engine)) < 1e-4
+    # a torus, where it faces the camera: elsewhere its bumps are seen from the side, and displaced ones are elsewhere
+    truth = picture("torus_displaced")
+    y, x = (np.mgrid[:len(truth), :len(truth)] + 0.5) / len(truth) - 0.5
+    facing = np.abs(np.hypot(x, y) - 0.33) < 0.1 * 0.14
+    bumped, groove = (off(picture("torus_" + word)[facing], truth[facing]) for word in ("bumped", "groove"))
+    same = off(picture("torus_bumped", "libshade")[facing], picture("torus_groove")[facing])
+    print("torus", bumped, groove, same)
+    assert groove <= 0.5 * bumped and same < 0.01
     # its sockets
     for word in ("varied_ashikhmin_shirley", "varied_ggx", "varied_beckmann"):
         error = off(picture("sockets_" + word, "libshade"), picture("sockets_" + word))

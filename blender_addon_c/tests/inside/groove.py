@@ -184,6 +184,71 @@ def turned_metals(folder):
             common.render(os.path.join(folder, f"{engine.lower()}_metal_{word}.exr"))
 
 
+# A torus about z: radii, and waves of its height round it and round its tube, of slopes up to .5.
+RADIUS, TUBE, WAVES, HEIGHT = 0.33, 0.14, (16, 6), 0.0103
+TORUS_SIZE = 128
+
+
+def torus_slopes(u, v):
+    """Height at angles, and how it grows per length along u and v."""
+    a, b = WAVES
+    return (HEIGHT * np.sin(a * u) * np.sin(b * v),
+            HEIGHT * a * np.cos(a * u) * np.sin(b * v) / (RADIUS + TUBE * np.cos(v)),
+            HEIGHT * b * np.sin(a * u) * np.cos(b * v) / TUBE)
+
+
+def torus(displaced, across=480, around=200):
+    steps = np.stack(np.meshgrid(np.arange(across), np.arange(around), indexing="ij"), -1).reshape(-1, 2)
+    u, v = (2 * np.pi * steps / (across, around)).T
+    normal = np.stack([np.cos(v) * np.cos(u), np.cos(v) * np.sin(u), np.sin(v)], 1)
+    ring = np.stack([np.cos(u), np.sin(u), 0 * u], 1)
+    out = RADIUS * ring + (TUBE + (torus_slopes(u, v)[0] if displaced else 0 * u))[:, None] * normal
+    corners = steps[:, None] + np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    faces = corners[..., 0] % across * around + corners[..., 1] % around
+    mesh = bpy.data.meshes.new("torus")
+    mesh.from_pydata(out.tolist(), [], faces.tolist())
+    mesh.uv_layers.new(name="UVMap").data.foreach_set(
+        "uv", (corners / (across, around)).astype(np.float32).ravel())
+    common.smooth(mesh)
+    return mesh
+
+
+def torus_bumps():
+    """Its normal map."""
+    width, height = 1024, 512
+    u, v = np.meshgrid(2 * np.pi * (np.arange(width) + 0.5) / width, 2 * np.pi * (np.arange(height) + 0.5) / height)
+    _height, along, around = torus_slopes(u, v)
+    normal = np.stack([-along, -around, np.ones_like(along)], -1)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = 0.5 + 0.5 * normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    image = bpy.data.images.new("torus", width, height, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def toruses(folder):
+    """Brushed along u, 25 : 1, displaced and bumped, with the group and without; bumped by our engine."""
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene = new_scene(engine)
+        scene.render.resolution_x = scene.render.resolution_y = TORUS_SIZE
+        scene.cycles.samples = scene.libshade.samples = 256
+        image, shown = torus_bumps(), []
+        for word in ("displaced", "bumped", "groove") if engine == "CYCLES" else ("bumped",):
+            material, tree, shader = new_material("across", None if word == "displaced" else image)
+            shader.inputs["Roughness"].default_value, shader.inputs["Anisotropy"].default_value = 0.45, 0.8
+            if word == "groove":
+                group = groove_in(tree)
+                for name in ("Normal", "Tangent"):
+                    tree.links.new(shader.inputs[name].links[0].from_socket, group.inputs[name])
+                tree.links.new(group.outputs["Tangent"], shader.inputs["Tangent"])
+            for ob in shown:
+                ob.hide_render = True
+            shown.append(common.link(scene, word, torus(word == "displaced")))
+            shown[-1].data.materials.append(material)
+            common.render(os.path.join(folder, f"{engine.lower()}_torus_{word}.exr"))
+
+
 def sockets(folder):
     """Libshade Metal told by its sockets: by what varies over a ball, in both engines; by numbers in ours."""
     for engine in ("CYCLES", "LIBSHADE"):
@@ -276,6 +341,7 @@ pictures(folder, "CYCLES", SHADERS)
 pictures(folder, "LIBSHADE", ("across", "principled"))
 metals(folder)
 turned_metals(folder)
+toruses(folder)
 sockets(folder)
 print("all asserted", flush=True)
 common.finish()
