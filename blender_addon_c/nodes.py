@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material node, and the operator that turns it into a plain group.
+"""The metal node, its presets and measured metals, and the operator that turns it into a plain group.
 
 Names, ranges and help come from libshade's own table, so that a word added
-there appears here. Inside the node is an Anisotropic BSDF behind Libshade Groove: other renderers
-see a metal whose grooves follow bumps. Older files have a Principled BSDF there, and keep it.
+there appears here. What other renderers see of it is in metal_tree.py.
 """
 
-import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+from math import log10
 
-from . import _native, groove
-from .group import new_socket
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+
+from . import _native, metal_tree
+from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on
 
 METAL = "LibshadeMetalNode"
@@ -19,19 +21,12 @@ _OURS = (METAL, "LibshadeFabricNode")  # of fabric.py
 _TABLE = _native.table()
 # Table lists whose property on the node has another name.
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
-_OLD_SHADER = "Principled BSDF"
-_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR = "Anisotropic BSDF", "Diffuse BSDF", "Groove", "Fresnel", "Color"
-_ACROSS, _STROKES = "Across", "Strokes"  # is it below 0; the tangent then; older files have a link in their place
-# Sockets that properties set: what these say counts until a socket is linked or says something else.
-SHAPE, MATT_COLOR = ("Roughness", "Anisotropy"), ("Diffuse Color",)
 _SETS = {"ex": SHAPE, "ey": SHAPE, "ax": SHAPE, "ay": SHAPE, "kd": MATT_COLOR}
-_INSIDE = {_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR}
-# Of Cycles' distributions the nearest.
-_DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
-
+_OF_SOCKETS = {SHAPE: "set_shape", MATT_COLOR: "set_matt", EDGE: "set_edge"}  # what properties set them to
 
 _NAMES = {"ex": "Exponent Along U", "ey": "Exponent Across U", "ax": "Alpha Along U", "ay": "Alpha Across U",
-          "kd": "Diffuse Color"}
+          "kd": "Diffuse Color", "f82": "Edge Tint", "eta": "Index of Refraction", "k": "Extinction",
+          "brdf": "BRDF", "detail": "Detail Method", "groove": "Stroke Axis", "diffuse": "Diffuse Model"}
 
 
 def _choices():
@@ -82,14 +77,6 @@ def exponent_of(alpha):
     return max(0.0, 2.0 / (alpha * alpha) - 2.0)
 
 
-def shape_of(ax, ay):
-    """Roughness and anisotropy of alphas, as Cycles' Anisotropic BSDF has them: r² (1 - a) along the tangent and
-    r² / (1 - a) across, or for a < 0 r² / (1 + a) and r² (1 + a)."""
-    narrow, wide = sorted((ax, ay))
-    ratio = 1.0 - (narrow / wide) ** 0.5
-    return min(1.0, (ax * ay) ** 0.25), ratio if ax < ay else -ratio
-
-
 def _numbers(socket):
     value = socket.default_value
     return tuple(value) if hasattr(value, "__len__") else (value,)
@@ -99,10 +86,22 @@ def sockets_rule(node, names):
     """Do these sockets say what the properties do not: are they linked, or not as properties set them? Nodes
     of older files have none."""
     sockets = [node.inputs[name] for name in names if name in node.inputs]
-    if any(socket.is_linked for socket in sockets):
-        return True
-    kept = {"Roughness": node.set_shape[:1], "Anisotropy": node.set_shape[1:], "Diffuse Color": node.set_matt}
-    return any(_numbers(socket) != tuple(kept[socket.name]) for socket in sockets)
+    said = [part for socket in sockets for part in _numbers(socket)]
+    return any(socket.is_linked for socket in sockets) or bool(sockets) and said != list(getattr(node, _OF_SOCKETS[names]))
+
+
+def fresnel_of(node):
+    """Its Fresnel: an Edge Tint is that of 82 degrees, where no index of refraction tells more."""
+    if node.fresnel in metal_tree.TINTED and sockets_rule(node, EDGE):
+        return "F82"
+    return node.fresnel
+
+
+def lobe(node):
+    """Alphas along the tangent and across, of numbers on the sockets or of properties."""
+    if SHAPE[0] in node.inputs and sockets_rule(node, SHAPE):
+        return metal_tree.alphas_of(*(node.inputs[name].default_value for name in SHAPE))
+    return node.ax, node.ay
 
 
 # Exponents and alphas say the same thing; setting one sets the other.
@@ -128,20 +127,55 @@ def _updater(word):
                 _setting_twin = False
         if word in _SETS:
             node.set_sockets(_SETS[word])
+        if word == "f82" and node.fresnel == "F82" or word == "fresnel" and not sockets_rule(node, EDGE):
+            node.set_sockets(EDGE)
         node.update_preview()
     return update
+
+
+_AXES = "XYZ"
+_GRAINS = (
+    ("UV", "UV", "Strokes run along u of a UV map"),
+    *((f"RADIAL_{axis}", f"Radial {axis}", f"Strokes run round the object's {axis} axis, as on turned metal") for axis in _AXES),
+    *((f"AXIS_{axis}", f"Object {axis}", f"Strokes run along the object's {axis} axis") for axis in _AXES),
+)
+_RESPONSES = (("FOLLOW", "Follow", "Strokes and reflections go with the bumps of Normal"),
+              ("IGNORE", "Ignore", "The metal reflects as if nothing were linked to Normal"))
+_WIDTHS = (("ROUGHNESS", "Roughness", "Roughness and anisotropy, as on the sockets"),
+           ("ALPHA", "Alpha", "Alphas along the strokes' tangent and across it"),
+           ("EXPONENTS", "Exponents", "Exponents along the strokes' tangent and across it"))
+_LEAST_EXPONENT = 0.01
+
+
+def _slider(kind, axis):
+    """A logarithm of an alpha or an exponent of the lobe, whatever says it."""
+    word = f"{kind}{'xy'[axis]}"
+
+    def get(node):
+        alpha = lobe(node)[axis]
+        return log10(max(_LEAST_EXPONENT, exponent_of(alpha)) if kind == "e" else alpha)
+
+    def put(node, value):
+        for name, alpha in zip(("ax", "ay"), lobe(node)):
+            setattr(node, name, alpha)
+        setattr(node, word, 10.0**value)
+
+    low, high = (log10(_LEAST_EXPONENT), 6.0) if kind == "e" else (-4.0, 1.0)
+    row = next(row for row in _parameters() if row["word"] == word)
+    return FloatProperty(name=_NAMES[word], description=f"{row['help']}; the slider is its power of ten", subtype="FACTOR",
+                         min=low, max=high, get=get, set=put)
 
 
 def _properties():
     made = {}
     for name, attribute in _choices():
         made[attribute] = EnumProperty(
-            name=attribute.replace("_", " ").title(),
+            name=_NAMES.get(name, attribute.replace("_", " ").title()),
             description=_TABLE["about"][name]["help"],
             items=[(row["word"].upper(), row["label"], row["help"], row["value"])
                    for row in _TABLE["lists"][name]],
             default=_initial_choice(name).upper(),
-            update=lambda node, _context: node.update_preview(),
+            update=_updater(attribute),
         )
     for row in _parameters():
         common = {
@@ -156,9 +190,19 @@ def _properties():
             subtype = "COLOR" if row["maximum"] <= 1 else "NONE"
             made[row["word"]] = FloatVectorProperty(size=row["components"], subtype=subtype,
                                                     **common)
+    made["grain"] = EnumProperty(name="Grain", description="Where strokes run, if nothing is linked to Tangent",
+                                 items=_GRAINS, update=_updater("grain"))
+    made["uv_map"] = StringProperty(name="UV Map", description="Of the strokes; none: the active one", update=_updater("uv_map"))
+    made["bump_response"] = EnumProperty(name="Bump Response", description="What bumps do to the metal", items=_RESPONSES,
+                                         update=_updater("bump_response"))
+    made["width_as"] = EnumProperty(name="Width as", description="The same lobe in other numbers", items=_WIDTHS)
+    for kind in "ae":
+        for axis in (0, 1):
+            made[f"shown_{kind}{'xy'[axis]}"] = _slider(kind, axis)
     # What the properties last set these sockets to.
     made["set_shape"] = FloatVectorProperty(size=2, options={"HIDDEN"})
     made["set_matt"] = FloatVectorProperty(size=4, options={"HIDDEN"})
+    made["set_edge"] = FloatVectorProperty(size=4, options={"HIDDEN"})
     # The tree inside also belongs to a copy of this node, until one of them changes.
     made["shares_tree"] = BoolProperty(options={"HIDDEN"})
     return made
@@ -167,87 +211,6 @@ def _properties():
 def _initial_color():
     value = next(row["initial"] for row in _TABLE["params"] if row["word"] == "f0")
     return tuple(value) if hasattr(value, "__len__") else (value,) * 3
-
-
-def _new_tree():
-    """What other renderers see: a metal along its tangent, of the UV map where that is 0."""
-    tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
-    color = new_socket(tree, "Color", "INPUT", "NodeSocketColor")
-    color.default_value = (*_initial_color(), 1.0)
-    for name, low, high, about in (
-            ("Roughness", 0.0, 1.0, "Its square is the width of the reflection"),
-            ("Anisotropy", -0.99, 0.99, "How much narrower it is along the strokes: .9 is 100 : 1"),
-            ("Rotation", -1e4, 1e4, "Turns the tangent; 1 is all the way round")):
-        socket = new_socket(tree, name, "INPUT", "NodeSocketFloat")
-        socket.min_value, socket.max_value, socket.description = low, high, about
-    new_socket(tree, "Diffuse Color", "INPUT", "NodeSocketColor").default_value = (0.0, 0.0, 0.0, 1.0)
-    normal = new_socket(tree, "Normal", "INPUT", "NodeSocketVector")
-    normal.hide_value = True  # unlinked, it is the surface's own normal
-    new_socket(tree, "Tangent", "INPUT", "NodeSocketVector").hide_value = True
-    new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
-
-    def new(kind, x, y, name=""):
-        node = tree.nodes.new(kind)
-        node.location, node.name = (x, y), name or node.name
-        return node
-
-    inputs, tangent = new("NodeGroupInput", -500, 0), new("ShaderNodeTangent", -500, -300)
-    group = new("ShaderNodeGroup", 50, -200, _GROOVE)
-    facing, power = new("ShaderNodeLayerWeight", 50, 200), new("ShaderNodeMath", 200, 200)
-    edge, color = new("ShaderNodeMath", 350, 200, _FRESNEL), new("ShaderNodeMixRGB", 500, 100, _COLOR)
-    shader, matt = new("ShaderNodeBsdfAnisotropic", 700, 0, _SHADER), new("ShaderNodeBsdfDiffuse", 700, -250, _MATT)
-    both, outputs = new("ShaderNodeAddShader", 900, 0), new("NodeGroupOutput", 1100, 0)
-    tangent.direction_type = "UV_MAP"
-    group.node_tree, group.label = groove.groove_tree(), groove.NAME
-    facing.inputs["Blend"].default_value = 0.5  # Facing is then 1 less the cosine to the eye
-    power.operation, edge.operation = "POWER", "MULTIPLY"
-    power.inputs[1].default_value = 5.0
-    color.inputs["Color2"].default_value = (1.0, 1.0, 1.0, 1.0)
-    link = tree.links.new
-    link(inputs.outputs["Normal"], group.inputs["Normal"])
-    link(_either(tree, inputs.outputs["Tangent"], tangent.outputs["Tangent"]), group.inputs["Tangent"])
-    link(facing.outputs["Facing"], power.inputs[0])
-    link(power.outputs[0], edge.inputs[0])
-    link(edge.outputs[0], color.inputs["Fac"])
-    link(inputs.outputs["Color"], color.inputs["Color1"])
-    link(color.outputs[0], shader.inputs["Color"])
-    for name in (*SHAPE, "Rotation"):
-        link(inputs.outputs[name], shader.inputs[name])
-    across, strokes = new("ShaderNodeMath", 200, -350, _ACROSS), new("ShaderNodeMix", 400, -250, _STROKES)
-    across.operation, strokes.data_type = "LESS_THAN", "VECTOR"
-    across.inputs[1].default_value = 0.0
-    link(inputs.outputs["Anisotropy"], across.inputs[0])
-    sockets = _mixed(strokes)
-    link(group.outputs[groove.TANGENT], sockets["A_Vector"])
-    link(group.outputs[groove.ACROSS], sockets["B_Vector"])
-    link(sockets["Result_Vector"], shader.inputs["Tangent"])
-    link(inputs.outputs["Diffuse Color"], matt.inputs["Color"])
-    for node in (facing, shader, matt):
-        link(group.outputs["Normal"], node.inputs["Normal"])
-    link(shader.outputs["BSDF"], both.inputs[0])
-    link(matt.outputs["BSDF"], both.inputs[1])
-    link(both.outputs["Shader"], outputs.inputs["BSDF"])
-    return tree
-
-
-def _mixed(node):
-    """Sockets of a Mix node by identifier: their names repeat."""
-    return {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
-
-
-def _either(tree, vector, other):
-    """A vector, or another one where it is 0."""
-    length, there, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VectorMath", "Math", "Mix"))
-    length.operation, there.operation, mix.data_type = "LENGTH", "GREATER_THAN", "VECTOR"
-    there.inputs[1].default_value = 0.0
-    length.location, there.location, mix.location = (-100, -300), (50, -300), (150, -150)
-    sockets = _mixed(mix)
-    tree.links.new(vector, length.inputs[0])
-    tree.links.new(length.outputs["Value"], there.inputs[0])
-    tree.links.new(there.outputs[0], sockets["Factor_Float"])
-    tree.links.new(other, sockets["A_Vector"])
-    tree.links.new(vector, sockets["B_Vector"])
-    return sockets["Result_Vector"]
 
 
 class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
@@ -259,8 +222,9 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     __annotations__ = _properties()
 
     def init(self, _context):
-        self.node_tree = _new_tree()
-        self.set_sockets((*SHAPE, *MATT_COLOR))
+        self.node_tree = metal_tree.new_tree(_initial_color())
+        for names in _OF_SOCKETS:
+            self.set_sockets(names)
         self.update_preview()
 
     def copy(self, node):
@@ -268,79 +232,49 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         # tree's users, and a tree without users is not saved.
         self.shares_tree = node.shares_tree = True
 
-    def set_sockets(self, names):
-        """What properties say, to the sockets that say the same; a socket brings it into its range."""
+    def set_sockets(self, names, by=None):
+        """What properties (of `by`) say, to the sockets that say the same; a socket brings it into its range."""
         if any(name not in self.inputs for name in names):
             return  # of an older file
-        said = {**dict(zip(SHAPE, shape_of(self.ax, self.ay))), "Diffuse Color": (*self.kd, 1.0)}
+        by = by or self
+        said = {**dict(zip(SHAPE, metal_tree.shape_of(*_alphas(by)))), "Diffuse Color": (*by.kd, 1.0),
+                "Edge Tint": (*by.f82, 1.0) if by.fresnel == "F82" else (1.0,) * 4}
         for name in names:
             self.inputs[name].default_value = said[name]
-        if names != MATT_COLOR:
-            self.set_shape = [part for name in SHAPE for part in _numbers(self.inputs[name])]
-        if names != SHAPE:
-            self.set_matt = _numbers(self.inputs["Diffuse Color"])
+        setattr(self, _OF_SOCKETS[names], [part for name in names for part in _numbers(self.inputs[name])])
 
-    def update_preview(self):
-        """Carry the settings over to the shaders inside."""
-        inner = self.node_tree.nodes if self.node_tree else {}
-        old = inner.get(_OLD_SHADER)
-        if not old and not all(inner.get(name) for name in _INSIDE):
-            return  # someone has been inside
+    def update_preview(self, by=None):
+        """Carry the settings (of `by`) over to the shaders inside."""
+        if not metal_tree.can_update(self.node_tree):
+            return
         if self.shares_tree:
             self.node_tree, self.shares_tree = self.node_tree.copy(), False
-            inner = self.node_tree.nodes
-        if old:
-            self._update_principled(inner[_OLD_SHADER])
-        else:
-            self._update_anisotropic(inner)
+        metal_tree.update(self.node_tree, by or self, _alphas(by or self))
 
-    def _update_principled(self, shader):
-        """Cycles' convention: alphas are r²/a along the tangent and r²·a across, with
-        a² = 1 − 0.9 anisotropic; a quarter turn swaps the two.
-        """
-        narrow, wide = sorted((self.ax, self.ay))
-        shader.inputs["Roughness"].default_value = min(1.0, (narrow * wide) ** 0.25)
-        shader.inputs["Anisotropic"].default_value = min(1.0, (1.0 - narrow / wide) / 0.9)
-        shader.inputs["Anisotropic Rotation"].default_value = 0.25 if self.ax < self.ay else 0.0
+    def follow(self, animated):
+        """What keyframes and drivers make of the properties, for what is inside."""
+        for names in _OF_SOCKETS:
+            if not sockets_rule(self, names):
+                self.set_sockets(names, animated)
+        self.update_preview(animated)
 
-    def _update_anisotropic(self, inner):
-        """The sockets feed the shaders; those of older files, which have none, keep these values."""
-        shader, matt = inner[_SHADER], inner[_MATT]
-        shader.distribution = _DISTRIBUTION.get(self.distribution, "BECKMANN")
-        for name, value in zip(SHAPE, shape_of(self.ax, self.ay)):
-            shader.inputs[name].default_value = value
-        inner[_FRESNEL].inputs[1].default_value = float(self.fresnel != "NONE")
-        color, links = inner[_COLOR].inputs["Color1"], self.node_tree.links
-        if self.fresnel == "CONDUCTOR":
-            for link in color.links:
-                links.remove(link)
-            color.default_value = (*[((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k)
-                                     for n, k in zip(self.eta, self.k)], 1.0)
-        elif not color.is_linked:
-            for given in (n for n in inner if n.bl_idname == "NodeGroupInput"):
-                links.new(given.outputs["Color"], color)
-        matt.inputs["Color"].default_value = (*self.kd, 1.0)
-        if _STROKES in inner:
-            self._turn_strokes(inner[_ACROSS], _mixed(inner[_STROKES])["Factor_Float"])
-            return
-        groove_x = self.groove == "X" or self.groove == "AUTO" and self.ax <= self.ay
-        links.new(inner[_GROOVE].outputs[groove.TANGENT if groove_x else groove.ACROSS],
-                  shader.inputs["Tangent"])
-
-    def _turn_strokes(self, across, factor):
-        """To the narrow axis, wherever that is, or to the one that is asked for."""
-        if self.groove == "AUTO":
-            self.node_tree.links.new(across.outputs[0], factor)
-            return
-        for link in factor.links:
-            self.node_tree.links.remove(link)
-        factor.default_value = float(self.groove == "Y")
-
-    def draw_buttons(self, _context, layout):
+    def draw_buttons(self, context, layout):
         draw_on(self, layout)
         layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
-        layout.prop(self, "distribution", text="")
-        layout.prop(self, "detail")
+        if is_old(self):
+            layout.operator(LIBSHADE_OT_update_nodes.bl_idname, icon="FILE_REFRESH")
+            self._draw_numbers(layout)
+            return
+        layout.prop(self, "grain")
+        if self.grain == "UV":
+            meshes = [ob.data for ob in (getattr(context, "object", None),) if ob and ob.type == "MESH"]
+            if meshes:
+                layout.prop_search(self, "uv_map", meshes[0], "uv_layers")
+            else:
+                layout.prop(self, "uv_map")
+        layout.prop(self, "bump_response")
+
+    def _draw_numbers(self, layout):
         if SHAPE[0] in self.inputs:  # they say it
             return
         column = layout.column(align=True)
@@ -348,22 +282,52 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
             if row["read_by"] and row["read_by"][0] == "mdf" and _is_read(self, row):
                 column.prop(self, row["word"])
 
-    def draw_buttons_ext(self, _context, layout):
-        layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
+    def draw_buttons_ext(self, context, layout):
+        self.draw_buttons(context, layout)
+        layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
+
+    def draw_advanced(self, layout):
+        """What most artists need not touch."""
         for _name, attribute in _choices():
             layout.prop(self, attribute)
+        layout.operator_menu_enum(LIBSHADE_OT_measured_metal.bl_idname, "metal", text="Measured Metal")
         for row in _parameters():
-            twin = _TWIN.get(row["word"])  # both of a pair: what one says in the other's terms
-            if twin or _is_read(self, row):
+            if row["word"] not in _TWIN and _is_read(self, row) and not (row["word"] == "f82" and EDGE[0] in self.inputs):
                 layout.prop(self, row["word"])
-        layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
+        layout.prop(self, "width_as")
+        if any(self.inputs[name].is_linked for name in SHAPE if name in self.inputs):
+            layout.label(text="As linked to Roughness and Anisotropy", icon="LINKED")
+            return
+        column = layout.column(align=True)
+        if self.width_as == "ROUGHNESS" and SHAPE[0] in self.inputs:
+            for name in SHAPE:
+                column.prop(self.inputs[name], "default_value", text=name)
+            return
+        kind = "e" if self.width_as == "EXPONENTS" else "a"
+        for axis, alpha in zip("xy", lobe(self)):
+            value = exponent_of(alpha) if kind == "e" else alpha
+            column.prop(self, f"shown_{kind}{axis}", text=f"{_NAMES[kind + axis]}: {value:.4g}; power of ten")
 
     def draw_label(self):
         return "Libshade Metal"
 
 
+def _alphas(node):
+    """What its properties say: one distribution reads exponents, and an animated one does not set its alpha."""
+    if node.distribution != "ASHIKHMIN_SHIRLEY":
+        return node.ax, node.ay
+    return tuple(a if abs(exponent_of(a) - e) <= 1e-4 * e else alpha_of(e)
+                 for e, a in ((node.ex, node.ax), (node.ey, node.ay)))
+
+
+def is_old(node):
+    """Is it of a version with less inside, which no one has changed?"""
+    return EDGE[0] not in node.inputs and metal_tree.can_update(node.node_tree)
+
+
 _METALS = {row["word"].upper(): row for row in _TABLE["metals"]}
-_ROUND = "libshade_round"  # on a Tangent node that a preset has placed
+_MEASURED = {row["word"].upper(): row for row in _TABLE["measured"]}
+_ROUND = "libshade_round"  # on a Tangent node that a preset has placed, before nodes had a Grain
 
 
 def apply_preset(node, preset):
@@ -376,28 +340,21 @@ def apply_preset(node, preset):
     for parameter in _parameters():
         setattr(node, parameter["word"], values[parameter["word"]])
     node.inputs["Color"].default_value = (*values["f0"], 1.0)
-    tree, tangent = node.id_data, node.inputs["Tangent"]
+    for names in _OF_SOCKETS:
+        node.set_sockets(names)
+    tangent = node.inputs["Tangent"]
     source = tangent.links[0].from_node if tangent.is_linked else None
-    if row["turned"] and not source:
-        source = tree.nodes.new("ShaderNodeTangent")
-        source.direction_type, source.axis, source[_ROUND] = "RADIAL", "Z", True
-        source.parent, source.location = node.parent, (node.location[0] - 200, node.location[1] - 150)
-        tree.links.new(source.outputs[0], tangent)
-    elif not row["turned"] and source and source.get(_ROUND):
+    if source and source.get(_ROUND):
+        tree = node.id_data
         tree.links.remove(tangent.links[0])
         if not source.outputs[0].is_linked:
             tree.nodes.remove(source)
+    if row["turned"] or node.grain.startswith("RADIAL"):
+        node.grain = "RADIAL_Z" if row["turned"] else "UV"
 
 
-class LIBSHADE_OT_metal_preset(bpy.types.Operator):
-    """Give this Libshade Metal the settings of a metal; its scratches are in its roughness, as from afar"""
-
-    bl_idname = "libshade.metal_preset"
-    bl_label = "Metal"
-    bl_options = {"REGISTER", "UNDO"}
-
-    preset: EnumProperty(name="Metal", description="Which metal, worked how",
-                         items=[(word, row["label"], row["help"]) for word, row in _METALS.items()])
+class _OnMetal:
+    """An operator on a metal node that an editor shows."""
 
     @staticmethod
     def node_of(context):
@@ -409,9 +366,109 @@ class LIBSHADE_OT_metal_preset(bpy.types.Operator):
         node = cls.node_of(context)
         return node is not None and not node.id_data.library
 
+
+class LIBSHADE_OT_metal_preset(_OnMetal, bpy.types.Operator):
+    """Give this Libshade Metal the settings of a metal; its scratches are in its roughness, as from afar"""
+
+    bl_idname = "libshade.metal_preset"
+    bl_label = "Metal"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(name="Metal", description="Which metal, worked how",
+                         items=[(word, row["label"], row["help"]) for word, row in _METALS.items()])
+
     def execute(self, context):
         apply_preset(self.node_of(context), self.preset)
         return {"FINISHED"}
+
+
+class LIBSHADE_OT_measured_metal(_OnMetal, bpy.types.Operator):
+    """Give this Libshade Metal a measured metal's index of refraction, and so its colour at every angle"""
+
+    bl_idname = "libshade.measured_metal"
+    bl_label = "Measured Metal"
+    bl_options = {"REGISTER", "UNDO"}
+
+    metal: EnumProperty(name="Metal", description="Measured at 650, 550 and 450 nm",
+                        items=[(word, row["label"], "") for word, row in _MEASURED.items()])
+
+    def execute(self, context):
+        node, row = self.node_of(context), _MEASURED[self.metal]
+        node.fresnel, node.eta, node.k = "CONDUCTOR", row["eta"], row["k"]
+        head_on = [metal_tree.reflectance(n, k, 1.0) for n, k in zip(row["eta"], row["k"])]
+        node.inputs["Color"].default_value = (*head_on, 1.0)  # not read: for the eye, and other Fresnels
+        return {"FINISHED"}
+
+
+class LIBSHADE_OT_update_nodes(bpy.types.Operator):
+    """Give Libshade Metal nodes of older files the sockets and properties that newer ones have"""
+
+    bl_idname = "libshade.update_nodes"
+    bl_label = "Update Libshade Nodes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, _context):
+        trees = [material.node_tree for material in bpy.data.materials if material.node_tree]
+        trees += [tree for tree in bpy.data.node_groups if tree.bl_idname == "ShaderNodeTree"]
+        old = [(tree, node) for tree in trees if not tree.library
+               for node in tree.nodes if node.bl_idname == METAL and is_old(node)]
+        for tree, node in old:
+            _update_node(tree, node)
+        if not old:
+            self.report({"WARNING"}, "No Libshade Metal node is of an older version")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Updated {len(old)} Libshade Metal node(s)")
+        return {"FINISHED"}
+
+
+def _update_node(tree, node):
+    """A new tree inside; values and links go to the sockets of the same name."""
+    values = {socket.name: socket.default_value[:] if hasattr(socket.default_value, "__len__") else socket.default_value
+              for socket in node.inputs}
+    links = [(link.from_socket, socket.name) for socket in node.inputs for link in socket.links]
+    targets = [link.to_socket for link in node.outputs[0].links]
+    ruled = {names for names in _OF_SOCKETS if all(name in values for name in names) and sockets_rule(node, names)}
+    old, node.node_tree, node.shares_tree = node.node_tree, metal_tree.new_tree(_initial_color()), False
+    for socket in node.inputs:  # Blender keeps links by sockets' numbers
+        for link in list(socket.links):
+            tree.links.remove(link)
+    for names in _OF_SOCKETS:
+        node.set_sockets(names)
+        if names in ruled:
+            for name in names:
+                node.inputs[name].default_value = values[name]
+    for name in ("Color", "Rotation", "Normal", "Tangent"):
+        if name in values:
+            node.inputs[name].default_value = values[name]
+    for source, name in links:
+        tree.links.new(source, node.inputs[name])
+    for target in targets:
+        tree.links.new(node.outputs[0], target)
+    node.update_preview()
+    if not old.users:
+        bpy.data.node_groups.remove(old)
+
+
+_followed = {}  # by tree and node: what its properties last said
+
+
+@persistent
+def _follow_animation(_scene, depsgraph=None):
+    """Properties that keyframes or drivers set run no updates of their own."""
+    if depsgraph is None:
+        return
+    for owner in (*bpy.data.materials, *bpy.data.node_groups):
+        tree = getattr(owner, "node_tree", owner)
+        if owner.library or not tree or not tree.animation_data:
+            continue
+        for node in tree.nodes:
+            if node.bl_idname == METAL:
+                evaluated = owner.evaluated_get(depsgraph)
+                animated = getattr(evaluated, "node_tree", evaluated).nodes.get(node.name)
+                said = animated and settings(animated)
+                if animated and _followed.get((owner.name_full, node.name)) != said:
+                    _followed[owner.name_full, node.name] = said
+                    node.follow(animated)
 
 
 def _replace_by_group(tree, node):
@@ -472,18 +529,42 @@ def _draw_add_menu(self, context):
         add.type, add.use_transform = METAL, True
 
 
+class NODE_PT_libshade_advanced(bpy.types.Panel):
+    bl_label = "Advanced"
+    bl_space_type, bl_region_type, bl_category = "NODE_EDITOR", "UI", "Node"
+    bl_parent_id = "NODE_PT_active_node_properties"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        node = context.active_node
+        return node is not None and node.bl_idname == METAL
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split, layout.use_property_decorate = True, False
+        layout.context_pointer_set("node", context.active_node)
+        context.active_node.draw_advanced(layout)
+
+
+_CLASSES = (LIBSHADE_OT_metal_preset, LIBSHADE_OT_measured_metal, LIBSHADE_OT_update_nodes, LIBSHADE_OT_convert_to_group,
+            NODE_PT_libshade_advanced)
+
+
 def register():
     if not bpy.types.Node.bl_rna_get_subclass_py(METAL):  # see unregister
         bpy.utils.register_class(LibshadeMetalNode)
-    bpy.utils.register_class(LIBSHADE_OT_metal_preset)
-    bpy.utils.register_class(LIBSHADE_OT_convert_to_group)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
     bpy.types.NODE_MT_add.append(_draw_add_menu)
+    bpy.app.handlers.frame_change_post.append(_follow_animation)
 
 
 def unregister():
+    bpy.app.handlers.frame_change_post.remove(_follow_animation)
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
-    bpy.utils.unregister_class(LIBSHADE_OT_convert_to_group)
-    bpy.utils.unregister_class(LIBSHADE_OT_metal_preset)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
     # Blender 3.4 crashes when it frees the evaluated copy of a node whose class is gone: there
     # the class stays until Blender ends, and the add-on finds it when it is enabled again.
     if bpy.app.version >= (5, 0):

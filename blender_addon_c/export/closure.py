@@ -9,10 +9,10 @@ from types import SimpleNamespace
 
 import bpy
 
-from .. import fabric, nodes
+from .. import fabric, metal_tree, nodes
 from . import tree
 from .graph import is_known
-from .node_place import round_tangent, tangent_of
+from .node_place import along_axis, round_tangent, tangent_of, tangent_of_map
 from .value import color_of, normal_of, number_of
 
 _WHITE, _BLACK = (1.0,) * 3, (0.0,) * 3
@@ -272,17 +272,31 @@ def _is_smooth(alpha):
 
 def _metal(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
-    linked = "Tangent" in node.inputs and tree.trace(node.inputs["Tangent"], groups).node
-    parts, groove = {"f0": color}, _tangent(reader, node, groups) if linked else None
+    settings, parts = {**nodes.settings(node), "stock": False, "fresnel": nodes.fresnel_of(node).lower()}, {"f0": color}
     if nodes.sockets_rule(node, nodes.SHAPE):
         parts["alpha"] = _pulled(reader, node, groups, _alpha_of(reader, node, groups))
-    if nodes.sockets_rule(node, nodes.MATT_COLOR):
-        matt = color_of(reader, node.inputs["Diffuse Color"], groups)
-        parts["kd"] = tuple(_clamp(reader, part) for part in matt)
+    for part, names in (("kd", nodes.MATT_COLOR), ("f82", nodes.EDGE)):
+        if nodes.sockets_rule(node, names):
+            tint = color_of(reader, node.inputs[names[0]], groups)
+            parts[part] = tuple(_clamp(reader, by) for by in tint)
+    normal = _normal(reader, node, groups) if node.bump_response == "FOLLOW" else None
+    linked = "Tangent" in node.inputs and tree.trace(node.inputs["Tangent"], groups).node
+    groove = _tangent(reader, node, groups) if linked else _grain(reader, node)
     if "Rotation" in node.inputs:
         groove = _rotated(reader, groove, node.inputs["Rotation"], groups)
-    _add(reader, _metal_closure({**nodes.settings(node), "stock": False}, groove=groove, **parts), share,
-         _normal(reader, node, groups))
+    _add(reader, _metal_closure(settings, groove=groove, **parts), share, normal)
+
+
+def _grain(reader, node):
+    """Where strokes run if nothing is linked to Tangent, as _tangent."""
+    kind, _space, axis = node.grain.partition("_")
+    if kind == "RADIAL":
+        vector = round_tangent(reader, axis)
+    elif kind == "AXIS":
+        vector = along_axis(reader, metal_tree.axis_vector(axis))
+    else:
+        vector = tangent_of_map(reader, node.uv_map) if node.uv_map or reader.uv_map else None
+    return vector and _in_frame(reader, vector)
 
 
 def _fabric(reader, node, groups, share):
@@ -467,7 +481,11 @@ def _tangent(reader, node, groups):
         vector = tangent_of(reader, found.node)
     else:
         vector = color_of(reader, node.inputs["Tangent"], groups)
-    return vector and reader.program.emit("FRAME", vector=tuple(vector), to="SHADING")[:2]
+    return vector and _in_frame(reader, vector)
+
+
+def _in_frame(reader, vector):
+    return reader.program.emit("FRAME", vector=tuple(vector), to="SHADING")[:2]
 
 
 def _groove(reader, node, rotation, groups):

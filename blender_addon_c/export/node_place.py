@@ -176,11 +176,19 @@ def _along_surface(reader, vector):
 
 def tangent_of(reader, node):
     """What a Tangent node says; None where it is the mesh's own."""
-    if node.direction_type == "RADIAL":
-        return round_tangent(reader, node.axis)
-    if reader.is_main(node.uv_map):
+    return round_tangent(reader, node.axis) if node.direction_type == "RADIAL" else tangent_of_map(reader, node.uv_map)
+
+
+def tangent_of_map(reader, name):
+    """Along u of a UV map ("": the active one); None where it is the mesh's own."""
+    if reader.is_main(name):
         return None
-    return _along_surface(reader, layer(reader, "TANGENT", node.uv_map)[:3])
+    return _along_surface(reader, layer(reader, "TANGENT", name)[:3])
+
+
+def along_axis(reader, vector):
+    """Along the surface, as near as that is to a direction of the object's."""
+    return _along_surface(reader, of_object(reader, "VECTOR_OUT_OF", vector))
 
 
 def _tangent(reader, found):

@@ -55,3 +55,19 @@ def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
     for engine in ("libshade", "cycles"):
         assert off(picture("sockets_told_True", engine), picture("sockets_told_False", engine)) < 1e-4
     assert off(picture("sockets_varied_ggx"), picture("sockets_told_True")) > 0.05
+    # where strokes run without a tangent
+    for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X", "IGNORE"):
+        error = off(picture("grain_" + word, "libshade"), picture("grain_" + word))
+        print("grain", word, error)
+        assert error < 0.01, word
+    grains = [picture("grain_" + word) for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X")]
+    assert min(off(a, b) for a in grains for b in grains if a is not b) > 0.05
+    assert off(picture("grain_IGNORE"), picture("grain_UV")) < 1e-6
+    # at 82 degrees Schlick's value times the tint
+    color, tint = np.array([[0.9, 0.6, 0.3], [0.8, 0.5, 0.9]])
+    seen = tint * (color + (1 - color) * (6 / 7) ** 5)
+    for word in ("socket", "property"):
+        for engine in ("cycles", "libshade"):
+            middle = picture("edge_" + word, engine)[31:33].mean((0, 1))
+            print("edge", word, engine, middle / seen)
+            assert np.allclose(middle, seen, rtol=0.01), (word, engine)

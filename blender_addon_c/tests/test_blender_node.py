@@ -22,7 +22,7 @@ def test_cycles_renders_it(blender, tmp_path, converted):
     blender.scene("cycles", tmp_path, converted="anisotropic", dump="")
     anisotropic = rgba(tmp_path / "picture.exr")
     assert anisotropic[..., :3].max() > 0.5
-    assert difference(picture, anisotropic) < 1e-4
+    assert difference(picture, anisotropic) < 1e-6
 
 
 @pytest.mark.parametrize("ggx", [False, True])

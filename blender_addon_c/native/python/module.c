@@ -379,7 +379,8 @@ PyDoc_STRVAR(
     "(list, words). All as in libshade's table. lights, closures, nodes: the types of\n"
     "each that a scene may have. cloths: libshade's, with the mean exponent of their yarns\n"
     "and the share of crossings where the weft is on top. metals: libshade's; the strokes of\n"
-    "turned ones lie round the middle of the part.");
+    "turned ones lie round the middle of the part. measured: metals by eta and k at red, green\n"
+    "and blue.");
 
 /* A new reference: None where every choice reads the number. */
 static PyObject *read_by(const shade_param_info *info) {
@@ -524,6 +525,20 @@ static PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
   return !good ? PyErr_NoMemory() : Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]);
 }
 
+static PyObject *measured_rows(void) {
+  PyObject *rows = PyList_New(0);
+  bool good = rows != NULL;
+  shade_metal m;
+  for (int row = 0; good && shade_metal_row(row, &m); row++)
+    good = append(rows,
+                  Py_BuildValue("{s:s,s:s,s:(ddd),s:(ddd)}", "word", m.word, "label", m.label,
+                                "eta", m.eta[0], m.eta[1], m.eta[2], "k", m.k[0], m.k[1], m.k[2]));
+  if (good)
+    return rows;
+  Py_XDECREF(rows);
+  return NULL;
+}
+
 static PyObject *native_table(PyObject *self, PyObject *unused) {
   (void)self, (void)unused;
   PyObject *lists = PyDict_New(), *about = PyDict_New(), *params = PyList_New(0);
@@ -559,10 +574,12 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
   PyObject *closures = words_of(closure_words, CLOSURE_TYPES);
   PyObject *nodes = words_of(node_words, NODE_TYPES);
   PyObject *cloths = cloth_rows(), *metals = metal_rows();
-  if (good && lights && closures && nodes && cloths && metals)
-    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about,
+  PyObject *measured = measured_rows();
+  if (good && lights && closures && nodes && cloths && metals && measured)
+    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about,
                          "params", params, "lights", lights, "closures", closures, "nodes", nodes,
-                         "cloths", cloths, "metals", metals);
+                         "cloths", cloths, "metals", metals, "measured", measured);
+  Py_XDECREF(measured);
   Py_XDECREF(metals);
   Py_XDECREF(cloths);
   Py_XDECREF(nodes);

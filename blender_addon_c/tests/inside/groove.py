@@ -286,6 +286,57 @@ def sockets(folder):
             render(f"told_{told}", material)
 
 
+def grains(folder):
+    """A ball of Libshade Metal by each kind of grain, in both engines; the same by what Tangent is linked to."""
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene = new_scene(engine)
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
+        ball = common.added(None)
+        common.smooth(ball.data)
+        ball.rotation_euler = (0.4, 0.3, 0.2)
+        uv = np.empty(2 * len(ball.data.loops), np.float32)
+        ball.data.uv_layers[0].data.foreach_get("uv", uv)
+        swapped = ball.data.uv_layers.new(name="swapped")
+        swapped.data.foreach_set("uv", uv.reshape(-1, 2)[:, ::-1].ravel())
+        for grain, name in (("UV", ""), ("UV", "swapped"), ("RADIAL_Y", ""), ("AXIS_X", ""), ("IGNORE", "")):
+            material, tree, node = common.metal("grain", fresnel="NONE", ax=0.15, ay=0.45, horizon="HARD", uv_map=name)
+            if grain == "IGNORE":
+                node.bump_response = "IGNORE"
+                common.normal_map(tree, node, bumps())
+            else:
+                node.grain = grain
+            ball.data.materials.clear()
+            ball.data.materials.append(material)
+            common.render(os.path.join(folder, f"{engine.lower()}_grain_{grain}{name}.exr"))
+
+
+# Of the plate below: colours head-on and at 82 degrees.
+COLOR, TINT = (0.9, 0.6, 0.3), (0.8, 0.5, 0.9)
+
+
+def edges(folder):
+    """A smooth plate seen at 82 degrees under an even sky."""
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene = new_scene(engine)
+        for ob in [ob for ob in scene.objects if ob.type == "LIGHT"]:
+            bpy.data.objects.remove(ob)
+        scene.world = bpy.data.worlds.new("even")
+        common.tree_of(scene.world).nodes["Background"].inputs["Color"].default_value = (1,) * 4
+        scene.cycles.max_bounces = scene.libshade.max_bounces = 2
+        plate_ = common.link(scene, "flat", new_plate(1))
+        plate_.rotation_euler = (np.arccos(1 / 7), 0, 0)
+        for word, fresnel in (("socket", "SCHLICK"), ("property", "F82")):
+            material, _tree, node = common.metal(word, fresnel=fresnel, ax=1e-3, ay=1e-3, distribution="GGX", brdf="MICROFACET")
+            node.inputs["Color"].default_value = (*COLOR, 1)
+            if word == "socket":
+                node.inputs["Edge Tint"].default_value = (*TINT, 1)
+            else:
+                node.f82 = TINT
+            plate_.data.materials.clear()
+            plate_.data.materials.append(material)
+            common.render(os.path.join(folder, f"{engine.lower()}_edge_{word}.exr"))
+
+
 def groove_in(tree):
     group = tree.nodes.new("ShaderNodeGroup")
     group.node_tree = sys.modules[f"{common.MODULE}.groove"].groove_tree()
@@ -343,5 +394,7 @@ metals(folder)
 turned_metals(folder)
 toruses(folder)
 sockets(folder)
+grains(folder)
+edges(folder)
 print("all asserted", flush=True)
 common.finish()

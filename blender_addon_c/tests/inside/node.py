@@ -17,7 +17,7 @@ def near(a, b):
 
 def test_sockets(node):
     assert [s.name for s in node.inputs] == [
-        "Color", "Roughness", "Anisotropy", "Rotation", "Diffuse Color", "Normal", "Tangent"]
+        "Color", "Edge Tint", "Roughness", "Anisotropy", "Rotation", "Diffuse Color", "Normal", "Tangent"]
     assert [s.name for s in node.outputs] == ["BSDF"]
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
     assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"
@@ -88,6 +88,133 @@ def test_properties_set_sockets(node):
     assert near(roughness.default_value, 0.15 ** 0.5)
 
 
+def by_identifier(node):
+    return {socket.identifier: socket for socket in node.inputs}
+
+
+def test_grain(node):
+    """What feeds the groove inside where nothing is linked to Tangent; bumps reach it or not."""
+    inner = node.node_tree.nodes
+    source = by_identifier(inner["Either"])["A_Vector"]
+    assert source.links[0].from_node == inner["Tangent"]
+    for axis in "XYZ":
+        node.grain = f"RADIAL_{axis}"
+        assert (inner["Tangent"].direction_type, inner["Tangent"].axis) == ("RADIAL", axis)
+        assert source.links[0].from_node == inner["Tangent"]
+        node.grain = f"AXIS_{axis}"
+        vector = tuple(inner["Axis"].inputs[0].default_value)
+        assert source.links[0].from_node == inner["Axis"] and vector["XYZ".index(axis)] == 1 == round(sum(vector), 2)
+    node.grain, node.uv_map = "UV", "other"
+    assert source.links[0].from_node == inner["Tangent"] and inner["Tangent"].uv_map == "other"
+    for response in ("IGNORE", "FOLLOW"):
+        node.bump_response = response
+        assert inner["Groove"].inputs["Normal"].is_linked == (response == "FOLLOW")
+
+
+def test_edge_tint(node):
+    """It is f82 under that Fresnel; by the socket also Schlick's is darkened; a conductor's own is at 82 degrees what its
+    index of refraction says."""
+    nodes = sys.modules[f"{common.MODULE}.nodes"]
+    tint, dip = node.inputs["Edge Tint"], node.node_tree.nodes["Edge"].inputs[1]
+
+    def now():
+        return tuple(round(part, 4) for part in tint.default_value)[:3]
+    node.f82 = (0.2, 0.4, 0.6)
+    assert now() == (1, 1, 1) and nodes.fresnel_of(node) == "SCHLICK"
+    node.fresnel = "F82"
+    assert now() == (0.2, 0.4, 0.6) and nodes.fresnel_of(node) == "F82"
+    node.fresnel = "SCHLICK"
+    assert now() == (1, 1, 1) and nodes.fresnel_of(node) == "SCHLICK"
+    tint.default_value = (0.5, 0.5, 0.5, 1)
+    assert nodes.fresnel_of(node) == "F82"
+    node.fresnel = "F82"
+    assert now() == (0.5, 0.5, 0.5)
+    for fresnel, on in (("NONE", False), ("SCHLICK", True), ("CONDUCTOR", True)):
+        node.fresnel = fresnel
+        assert (dip.default_value > 0) == on and node.inputs["Edge Tint"].default_value[0] == 0.5
+        assert nodes.fresnel_of(node) == ("F82" if fresnel == "SCHLICK" else fresnel)
+    with bpy.context.temp_override(node=node):
+        assert bpy.ops.libshade.measured_metal(metal="COPPER") == {"FINISHED"}
+    lost = node.node_tree.nodes["Lost"].inputs["Color2"]
+    assert near(node.k[0], 3.626) and not lost.is_linked
+    # by the amplitudes of both polarisations at a cosine of 1/7, of red: sin^2 = 48/49
+    n = complex(0.2378, -3.626)
+    inside = (n * n - 48 / 49) ** 0.5
+    whole = (abs((1 / 7 - inside) / (1 / 7 + inside)) ** 2 + abs((n * n / 7 - inside) / (n * n / 7 + inside)) ** 2) / 2
+    head_on = abs((1 - n) / (1 + n)) ** 2
+    assert near(lost.default_value[0] * (head_on + (1 - head_on) * (6 / 7) ** 5), whole)
+
+
+def test_sliders(node):
+    """The lobe in alphas and in exponents, whatever says it; one set, the other stays."""
+    node.ax, node.ay = 0.1, 0.4
+    assert near(10**node.shown_ax, 0.1) and near(10**node.shown_ay, 0.4) and near(10**node.shown_ex, 198)
+    node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.5, 0.6  # .1 and .625
+    assert near(10**node.shown_ax, 0.1) and near(10**node.shown_ay, 0.625) and near(10**node.shown_ey, 3.12)
+    node.shown_ex = 3
+    assert near(node.ex, 1000) and near(node.ay, 0.625) and near(10**node.shown_ay, 0.625)
+    drawn = []
+    for width in ("ROUGHNESS", "ALPHA", "EXPONENTS"):
+        node.width_as = width
+        node.draw_advanced(Layout(drawn))
+    assert {"shown_ax", "shown_ay", "shown_ex", "shown_ey", "Measured Metal", "distribution", "detail"} <= set(drawn)
+    type(node).draw_buttons(node, SimpleNamespace(object=None), Layout(drawn))
+    assert drawn[-3:] == ["grain", "uv_map", "bump_response"]
+
+
+def test_keyframes(scene):
+    """Properties that keyframes set reach the sockets and what is inside, and leave sockets of the artist's own."""
+    material, _tree, node = common.metal("animated")
+    common.plane(material)
+    for frame, exponent in ((1, 100.0), (11, 1000.0)):
+        node.ex = exponent
+        node.keyframe_insert("ex", frame=frame)
+    shader, seen = node.node_tree.nodes["Anisotropic BSDF"], []
+    for frame in (1, 6, 11):
+        scene.frame_set(frame)
+        seen.append((node.inputs["Roughness"].default_value, shader.inputs["Roughness"].default_value))
+        assert near(*seen[-1]), (seen, node.ex, node.ax, list(node.set_shape))
+    assert seen[0] > seen[1] > seen[2] and near(seen[0][0], ((2 / 102) ** 0.5 * node.ay) ** 0.25)
+    node.inputs["Roughness"].default_value = 0.7
+    scene.frame_set(1)
+    assert near(node.inputs["Roughness"].default_value, 0.7)
+
+
+def test_update():
+    """A node of the version before, with links and values: the new one says the same."""
+    _material, tree, node = common.metal("before")
+    node.ax, node.ay, node.kd, node.distribution, node.groove = 0.2, 0.1, (0.1, 0.2, 0.3), "GGX", "Y"
+    before = node.node_tree.copy()  # as then
+    before.name = "before"
+    for name in ("Edge Tint",):
+        if hasattr(before, "interface"):
+            before.interface.remove(before.interface.items_tree[name])
+        else:
+            before.inputs.remove(before.inputs[name])
+    for name in ("Edge", "Dip", "At 82", "Lost", "Share", "Rest", "Axis"):
+        before.nodes.remove(before.nodes[name])
+    node.node_tree = before
+    assert [s.name for s in node.inputs][:2] == ["Color", "Roughness"]
+    rgb, bump = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("ShaderNodeBump")
+    tree.links.new(rgb.outputs[0], node.inputs["Color"])
+    tree.links.new(bump.outputs[0], node.inputs["Normal"])
+    node.inputs["Anisotropy"].default_value, node.inputs["Rotation"].default_value = -0.4, 0.25
+    drawn = []
+    type(node).draw_buttons(node, None, Layout(drawn))
+    assert drawn[-1] == "libshade.update_nodes"
+    assert bpy.ops.libshade.update_nodes() == {"FINISHED"}
+    node = tree.nodes[node.name]
+    inputs = node.inputs
+    assert [s.name for s in inputs][:2] == ["Color", "Edge Tint"] and "before" not in bpy.data.node_groups
+    assert inputs["Color"].links[0].from_node == rgb and inputs["Normal"].links[0].from_node == bump
+    assert sum(socket.is_linked for socket in inputs) == 2 and node.outputs[0].is_linked
+    assert near(inputs["Anisotropy"].default_value, -0.4) and near(inputs["Rotation"].default_value, 0.25)
+    assert near(inputs["Roughness"].default_value, 0.02**0.25) and near(inputs["Diffuse Color"].default_value[2], 0.3)
+    inner = node.node_tree.nodes
+    assert inner["Anisotropic BSDF"].distribution == "GGX" and by_identifier(inner["Strokes"])["Factor_Float"].default_value == 1
+    assert bpy.ops.libshade.update_nodes() == {"CANCELLED"}
+
+
 def test_old_files(node):
     """A node of a file with a Principled BSDF inside keeps it."""
     tree = node.node_tree = bpy.data.node_groups.new("old", "ShaderNodeTree")
@@ -116,9 +243,9 @@ def test_metals():
         nodes.apply_preset(node, word)
         color[word], alphas[word] = tuple(node.inputs["Color"].default_value)[:3], (node.ax, node.ay)
         assert all(0.3 < c <= 1 for c in color[word]) or "GOLD" in word or "COPPER" in word or "BRASS" in word, word
-        tangents = [n for n in tree.nodes if n.bl_idname == "ShaderNodeTangent"]
-        assert len(tangents) == node.inputs["Tangent"].is_linked == ("TURNED" in word), word
-        assert not tangents or tangents[0].direction_type == "RADIAL"
+        assert node.grain == ("RADIAL_Z" if "TURNED" in word else "UV") and not node.inputs["Tangent"].is_linked, word
+        tangent = node.node_tree.nodes["Tangent"]
+        assert (tangent.direction_type, tangent.axis) == (("RADIAL", "Z") if "TURNED" in word else ("UV_MAP", tangent.axis))
     for word, (ax, ay) in alphas.items():
         ratio = max(ax, ay) / min(ax, ay)
         assert ratio < 1.2 if "SCRATCHED" in word else ratio > 2, (word, ax, ay)
@@ -128,6 +255,12 @@ def test_metals():
     r, g, b = color["TURNED_COPPER"]
     assert r > g > b and r > 1.3 * g
     assert max(color["SCRATCHED_ALUMINIUM"]) < 1.1 * min(color["SCRATCHED_ALUMINIUM"])
+    # of a file whose node had its round tangent outside
+    node.grain, round_one = "UV", tree.nodes.new("ShaderNodeTangent")
+    round_one["libshade_round"] = True
+    tree.links.new(round_one.outputs[0], node.inputs["Tangent"])
+    nodes.apply_preset(node, "TURNED_BRASS")
+    assert node.grain == "RADIAL_Z" and not [n for n in tree.nodes if n.bl_idname == "ShaderNodeTangent"]
     # a tangent of the author's own stays
     own = tree.nodes.new("ShaderNodeTangent")
     tree.links.new(own.outputs[0], node.inputs["Tangent"])
@@ -150,9 +283,15 @@ class Layout:
         assert hasattr(owner, name), (owner, name)
         self.drawn.append(name)
 
-    def operator(self, _name, text=""):
-        self.drawn.append(text)
+    def operator(self, name, text="", icon=""):
+        self.drawn.append(text or name)
         return SimpleNamespace()
+
+    def operator_menu_enum(self, _name, _attribute, text):
+        self.drawn.append(text)
+
+    def label(self, text, icon=""):
+        self.drawn.append(text)
 
     def column(self, **_settings):
         return Layout(self.drawn)
@@ -271,6 +410,11 @@ test_sockets(node)
 test_twins(node)
 test_preview(node)
 test_properties_set_sockets(common.metal("sockets")[2])
+test_grain(common.metal("grain")[2])
+test_edge_tint(common.metal("edge")[2])
+test_sliders(common.metal("sliders")[2])
+test_keyframes(bpy.context.scene)
+test_update()
 test_old_files(common.metal("old")[2])
 test_copies(material, node)
 test_convert(test_save_and_load(blend))
