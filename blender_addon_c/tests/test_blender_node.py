@@ -38,6 +38,18 @@ def test_sockets(blender, tmp_path, fed, ggx):
     assert difference(ours, rgba(tmp_path / "picture.exr")) < 0.01
 
 
+@pytest.mark.parametrize("fed", [[], ["Edge Tint"]])
+def test_edge_tint(blender, tmp_path, fed):
+    """Of a number and of an image, by the reference through the dump."""
+    told = {}
+    for edge in (True, False):
+        blender.scene("metal_sockets", tmp_path, fed=fed, edge=edge)
+        done = subprocess.run([BUILD / "shade", "check", tmp_path / "dump.exr"], capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        told[edge] = rgba(tmp_path / "picture.exr")
+    assert difference(told[True], told[False]) > 1e-4  # the eye is far from 82 degrees
+
+
 def test_cloth(blender, tmp_path):
     """The reference agrees with the first plate; the second, whose colours vary, is not in the dump."""
     _told, text = blender.scene("cloth", tmp_path)

@@ -215,24 +215,26 @@ def metal_sockets(options):
     .7, no turn to .2, half a diffuse colour."""
     scene = common.empty_scene(48, 48, 64)
     lobe = {"distribution": "GGX", "brdf": "MICROFACET"} if options.get("ggx") else {}
-    material, tree, node = common.metal(fresnel="NONE", **lobe)
+    material, tree, node = common.metal(fresnel="SCHLICK" if options.get("edge") else "NONE", **lobe)
     node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
     apart, place = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeUVMap")
     tree.links.new(place.outputs[0], apart.inputs[0])
     fed = {"Roughness": ("X", 0.5, 0.3), "Anisotropy": ("Y", 0.5, 0.2), "Rotation": ("X", 0.2, 0.0),
            "Diffuse Color": ("Y", 0.2, 0.0)}
+    fed |= {"Edge Tint": ("X", 0.8, 0.1)} if options.get("edge") else {}
     for name, (axis, factor, least) in fed.items():
         if name not in options["fed"]:
             middle = factor / 2 + least
-            node.inputs[name].default_value = (middle,) * 3 + (1,) if name == "Diffuse Color" else middle
+            node.inputs[name].default_value = (middle,) * 3 + (1,) if "Color" in name or "Tint" in name else middle
             continue
         to = tree.nodes.new("ShaderNodeMath")
         to.operation, to.inputs[1].default_value, to.inputs[2].default_value = "MULTIPLY_ADD", factor, least
         tree.links.new(apart.outputs[axis], to.inputs[0])
         tree.links.new(to.outputs[0], node.inputs[name])
     common.plane(material)
-    common.light(scene, rotation=(0.5, 0.2, 0))
-    common.camera(scene)
+    low = options.get("edge")  # eye and light near 82 degrees
+    common.light(scene, rotation=(-1.4, 0, 0) if low else (0.5, 0.2, 0))
+    common.camera(scene, *([(0, -4, 0.7), (1.4, 0, 0)] if low else []))
     scene.render.engine = options.get("engine", "LIBSHADE")
     scene.cycles.samples, scene.cycles.use_denoising = 64, False
     common.render(options["picture"])
