@@ -11,10 +11,10 @@ bl_info = {
     "category": "Render",
 }
 
-from . import engine, fabric, groove, menus, nodes, panels, properties, report
+from . import assets, engine, fabric, groove, menus, nodes, panels, properties, report
 from .export import kept
 
-_MODULES = (properties, nodes, fabric, groove, menus, kept, engine, report, panels)
+_MODULES = (properties, nodes, fabric, groove, menus, kept, engine, report, panels, assets)
 
 
 def register():

@@ -5,8 +5,12 @@ BLENDER_ADDON := $(B)/blender/addons/libshade
 include blender_addon_c/native.mk
 
 BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
-  $(filter-out %/package.py,$(wildcard blender_addon_c/*.py blender_addon_c/export/*.py)) blender_addon_c/blender_manifest.toml) \
+  $(filter-out %/package.py %/make_assets.py,$(wildcard blender_addon_c/*.py blender_addon_c/export/*.py)) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
+
+# Made in Blender by the add-on itself: again when what they hold changes, not with each change of the renderer.
+BLENDER_CATALOGS := $(BLENDER_ADDON)/assets/blender_assets.cats.txt
+BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics grooves) $(BLENDER_CATALOGS)
 
 blender: $(B)/libshade-blender.zip
 
@@ -25,6 +29,13 @@ $(BLENDER_ADDON)/LICENSE.txt: LICENSES/GPL-3.0-or-later.txt
 	@mkdir -p $(@D)
 	$(Q)cp $< $@
 
-$(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_FILES)
+$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree fabric groove) \
+  $(L)/src/presets.c | $(BLENDER_FILES)
+	$(call say,render   ,$(@D))
+	$(Q)BLENDER_USER_SCRIPTS=$(abspath $(B)/blender) blender -b --factory-startup --addons libshade --python-exit-code 1 -P $< \
+	  -- $(abspath $(@D)) >$(B)/assets.log 2>&1 || { tail -20 $(B)/assets.log; exit 1; }
+$(filter-out $(BLENDER_CATALOGS),$(BLENDER_ASSETS)): $(BLENDER_CATALOGS)
+
+$(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_FILES) $(BLENDER_ASSETS)
 	$(call say,zip      ,$@)
-	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES)
+	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES) $(BLENDER_ASSETS)

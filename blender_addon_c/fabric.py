@@ -24,6 +24,11 @@ def settings(node):
             "open": node.open_gaps}
 
 
+def cloths():
+    """Words of the presets, and their rows in the native module's table."""
+    return dict(_CLOTHS)
+
+
 def own_colors(preset):
     """(warp, weft) of a preset as it is."""
     return _CLOTHS[preset]["warp"], _CLOTHS[preset]["weft"]

@@ -330,6 +330,11 @@ _MEASURED = {row["word"].upper(): row for row in _TABLE["measured"]}
 _ROUND = "libshade_round"  # on a Tangent node that a preset has placed, before nodes had a Grain
 
 
+def metals():
+    """Words of the presets, and their rows in the native module's table."""
+    return dict(_METALS)
+
+
 def apply_preset(node, preset):
     """Make a metal node a metal of libshade's; strokes of turned ones go round the object's z axis
     where nothing else says where."""

@@ -41,9 +41,19 @@ def test_contents():
     folder = ROOT / "blender_addon_c"
     sources = {f"libshade/{p.relative_to(folder)}"
                for pattern in ("*.py", "export/*.py") for p in folder.glob(pattern)}
-    sources -= {"libshade/package.py"}
+    sources -= {"libshade/package.py", "libshade/make_assets.py"}
     assert sources <= set(names)
+    assert {n for n in names if "/assets/" in n} == {f"libshade/assets/{n}" for n in (
+        "metals.blend", "fabrics.blend", "grooves.blend", "blender_assets.cats.txt")}
     assert {"libshade/blender_manifest.toml", "libshade/_native.abi3.so"} <= set(names)
+
+
+def test_assets(blender, tmp_path):
+    """In the preferences and out of its files."""
+    assert "all asserted" in blender.run("assets.py", tmp_path)
+    for name in ("Turned copper", "Cotton denim"):
+        r, g, b = rgba(tmp_path / f"{name}.exr")[8:-8, 8:-8, :3].mean((0, 1))
+        assert r > g > b > 0 if "copper" in name else b > 1.2 * r > 0, name
 
 
 def test_one_version():

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The asset library of the installed add-on: in the preferences, and what comes out of it; asserts. argument: a folder,
+for a picture of each of two"""
+
+import os
+import sys
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common
+
+
+def module(name):
+    return sys.modules[f"{common.MODULE}.{name}"]
+
+
+def test_preferences():
+    """Added once, repaired when its folder is gone, removed; others' libraries stay."""
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    ours, before = module("assets").FOLDER, [(item.name, item.path) for item in libraries]
+    assert os.path.isdir(ours) and module("assets").registered() is None
+    for _again in range(2):
+        assert bpy.ops.libshade.add_assets() == {"FINISHED"}
+        assert [(item.name, item.path) for item in libraries] == [*before, ("Libshade", ours)]
+    assert getattr(libraries[-1], "import_method", "APPEND").startswith("APPEND")
+    libraries[-1].path = os.path.join(os.path.dirname(ours), "gone", "assets")  # of a version before
+    bpy.ops.preferences.addon_disable(module=common.MODULE)
+    common.enable()
+    assert [(item.name, item.path) for item in libraries] == [*before, ("Libshade", ours)]
+    # a library of that name that is someone else's
+    libraries[-1].path = os.path.dirname(ours)
+    bpy.ops.preferences.addon_disable(module=common.MODULE)
+    common.enable()
+    assert libraries[-1].path == os.path.dirname(ours) and module("assets").registered() is None
+    libraries[-1].path = ours
+    assert bpy.ops.libshade.remove_assets() == {"FINISHED"} and bpy.ops.libshade.remove_assets() == {"CANCELLED"}
+    assert [(item.name, item.path) for item in libraries] == before
+
+
+def catalogs():
+    """Path by identifier."""
+    with open(os.path.join(module("assets").FOLDER, "blender_assets.cats.txt"), encoding="utf-8") as file:
+        rows = [line.strip().split(":") for line in file if ":" in line]
+    return {row[0]: row[1] for row in rows}
+
+
+def appended(name, kind):
+    with bpy.data.libraries.load(os.path.join(module("assets").FOLDER, name + ".blend"), assets_only=True) as (there, here):
+        setattr(here, kind, getattr(there, kind))
+    return getattr(here, kind)
+
+
+def picture_of(item):
+    pixels = np.array(item.preview.image_pixels_float[:]).reshape(*item.preview.image_size, 4)
+    assert len(pixels) >= 128 and 0.5 < (pixels[..., 3] > 0.99).mean() < 0.8, item.name  # a ball
+    return pixels[..., :3][pixels[..., 3] > 0.99].mean(0)
+
+
+def test_materials(folder):
+    """Each is its preset as it is now, in its catalog, with a picture of its colour; two of them rendered."""
+    common.empty_scene()
+    nodes, fabric, where = module("nodes"), module("fabric"), catalogs()
+    metals, cloths = appended("metals", "materials"), appended("fabrics", "materials")
+    assert (len(metals), len(cloths)) == (len(nodes.metals()), len(fabric.cloths()))
+    for word, row in nodes.metals().items():
+        material = next(m for m in metals if m.name.lower() == row["label"].lower())
+        node = next(n for n in material.node_tree.nodes if n.bl_idname == nodes.METAL)
+        fresh = common.metal(word)[2]
+        nodes.apply_preset(fresh, word)
+        assert nodes.settings(node) == nodes.settings(fresh) and node.grain == fresh.grain
+        assert [tuple(a.default_value) if a.type == "RGBA" else a.default_value for a in list(node.inputs)[:6]] == [
+            tuple(b.default_value) if b.type == "RGBA" else b.default_value for b in list(fresh.inputs)[:6]]
+        assert where[material.asset_data.catalog_id] == "Libshade/Metals" and material.asset_data.description
+        r, g, b = picture_of(material)
+        assert r > 1.1 * b if any(warm in word for warm in ("COPPER", "GOLD", "BRASS")) else 0.9 < r / b < 1.2, word
+    for word, row in fabric.cloths().items():
+        material = next(m for m in cloths if m.name.lower() == row["label"].lower())
+        node = next(n for n in material.node_tree.nodes if n.bl_idname == fabric.FABRIC)
+        assert node.preset == word and where[material.asset_data.catalog_id] == "Libshade/Fabrics"
+        assert "cloth" in [tag.name for tag in material.asset_data.tags]
+        picture_of(material)
+    scene = bpy.context.scene
+    for name, found in (("Turned copper", metals), ("Cotton denim", cloths)):
+        scene = common.empty_scene(32, 32, 16)
+        material = appended("metals" if found is metals else "fabrics", "materials")
+        material = next(m for m in material if m.name == name)
+        common.plane(material)
+        common.light(scene, rotation=(0.4, 0.2, 0))
+        common.camera(scene)
+        common.render(os.path.join(folder, f"{name}.exr"))
+
+
+def test_groups():
+    """Plain ones: nothing of ours inside, and the groove of a file that has it already is used."""
+    common.empty_scene()
+    groove, groups = module("groove").groove_tree(), appended("grooves", "node_groups")
+    names = {group.name.split(".")[0] for group in groups}
+    assert names == {"Libshade Groove", "Metal Whose Grooves Follow Bumps"}
+    assert all(catalogs()[group.asset_data.catalog_id] == "Libshade/Grooves" for group in groups)
+    for group in groups:
+        assert not [n for n in group.nodes if n.bl_idname.startswith("Libshade")]
+        picture_of(group)
+    assert module("groove").groove_tree() == groove
+
+
+folder, = common.arguments()
+common.empty_scene()
+test_preferences()
+test_materials(folder)
+test_groups()
+print("all asserted", flush=True)
+common.finish()
