@@ -40,7 +40,8 @@ def shape_of(ax, ay):
 
 
 def alphas_of(roughness, anisotropy):
-    """The way back."""
+    """The way back; of numbers outside of what shades, the nearest that does (as Cycles, to .99 of anisotropy)."""
+    anisotropy, roughness = max(-0.99, min(0.99, anisotropy)), max(0.01, min(1.0, roughness))
     size, alpha = 1.0 - abs(anisotropy), roughness * roughness
     small, large = alpha * size, min(1.0, alpha / size)
     return (small, large) if anisotropy > 0 else (large, small)

@@ -151,16 +151,18 @@ def _slider(kind, axis):
     """A logarithm of an alpha or an exponent of the lobe, whatever says it."""
     word = f"{kind}{'xy'[axis]}"
 
+    low, high = (log10(_LEAST_EXPONENT), 6.0) if kind == "e" else (-4.0, 1.0)
+
     def get(node):
         alpha = lobe(node)[axis]
-        return log10(max(_LEAST_EXPONENT, exponent_of(alpha)) if kind == "e" else alpha)
+        return min(high, log10(max(10.0**low, exponent_of(alpha) if kind == "e" else alpha)))
 
     def put(node, value):
         for name, alpha in zip(("ax", "ay"), lobe(node)):
             setattr(node, name, alpha)
-        setattr(node, word, 10.0**value)
+        # Blender leaves the limits of a property with a setter to the setter.
+        setattr(node, word, 10.0 ** max(low, min(high, value)))
 
-    low, high = (log10(_LEAST_EXPONENT), 6.0) if kind == "e" else (-4.0, 1.0)
     row = next(row for row in _parameters() if row["word"] == word)
     return FloatProperty(name=_NAMES[word], description=f"{row['help']}; the slider is its power of ten", subtype="FACTOR",
                          min=low, max=high, get=get, set=put)

@@ -153,6 +153,14 @@ def test_sliders(node):
     assert near(10**node.shown_ax, 0.1) and near(10**node.shown_ay, 0.625) and near(10**node.shown_ey, 3.12)
     node.shown_ex = 3
     assert near(node.ex, 1000) and near(node.ay, 0.625) and near(10**node.shown_ay, 0.625)
+    # what a script says beyond the ends, as the end; sockets beyond theirs, too
+    for kind, low, high in (("a", 1e-4, 10), ("e", 0.01, 1e6)):
+        for value, end in ((1e38, high), (-1e38, low), (float("inf"), high), (float("-inf"), low)):
+            setattr(node, f"shown_{kind}x", value)
+            assert near(10 ** getattr(node, f"shown_{kind}x"), end), (kind, value)
+    for roughness, anisotropy in ((0, 0), (0, 1), (1, -1), (1e30, -1e30), (-1, 5)):
+        node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = roughness, anisotropy
+        assert all(-4 <= getattr(node, f"shown_{word}") <= 6 for word in ("ax", "ay", "ex", "ey"))
     drawn = []
     for width in ("ROUGHNESS", "ALPHA", "EXPONENTS"):
         node.width_as = width
