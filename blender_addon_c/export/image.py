@@ -52,6 +52,11 @@ class Images:
                 self.listed.append({**pixels, "wrap": wrap, "filter": filtering})
         return self._indices[key]
 
+    def made(self, image):
+        """Index of one that is of no file, as the native module gets it."""
+        self.listed.append(image)
+        return len(self.listed) - 1
+
     def points_down(self, index):
         """Is it, as a normal map, below the surface somewhere?"""
         if index not in self._down:
@@ -98,7 +103,7 @@ class Images:
             self._messages.warning(f"{owner}: image '{image.name}': colour space "
                                    f"'{image.colorspace_settings.name}' is read as Non-Color")
         return {"width": width, "height": height, "channels": image.channels, "data": data,
-                "srgb": srgb, "paged": paged}
+                "srgb": srgb, "paged": paged, "wide": image.is_float and not (data.min() >= 0 and data.max() <= 1)}
 
     def _loaded(self, like, path, owner, packed=None):
         """Pixels of a file that Blender shows as a part of an image; None without any."""
@@ -154,7 +159,7 @@ class Images:
             part = whole[v * height:(v + 1) * height, u * width:(u + 1) * width]
             part[:] = _as_large(tile, width, height, channels) * (opaque / _opaque(tile["data"]))
         return {"width": columns * width, "height": rows * height, "channels": channels, "data": whole.ravel(),
-                "srgb": next(iter(tiles.values()))["srgb"]}
+                "srgb": next(iter(tiles.values()))["srgb"], "wide": any(tile["wide"] for tile in tiles.values())}
 
 
 def _bytes(data):

@@ -28,7 +28,7 @@ class Kept:
 
     def __init__(self):
         self.meshes_read = 0
-        self._meshes, self._images, self._wanted = {}, {}, set()
+        self._meshes, self._images, self._around, self._wanted = {}, {}, {}, set()
         self._undone = _undone[0]
         self._spent, self._budget, self._started = 0.0, _SLICE_SECONDS, 0.0
 
@@ -48,8 +48,8 @@ class Kept:
 
     def end(self):
         """All is read: what was not asked for is gone from the scene."""
-        self._meshes, self._images = ({key: found for key, found in kept.items() if key in self._wanted}
-                                      for kept in (self._meshes, self._images))
+        self._meshes, self._images, self._around = ({key: found for key, found in kept.items() if key in self._wanted}
+                                                    for kept in (self._meshes, self._images, self._around))
         self._budget = _SLICE_SECONDS
 
     def mesh(self, shape, way, owners, table, messages):
@@ -84,6 +84,14 @@ class Kept:
                 self._images[key] = found
         self._wanted.add(key)
         return found[1]
+
+    def around(self, program, images, render):
+        """What a world's or a lamp's program makes of these images, rendered or as it was."""
+        key = (program, *map(id, images))
+        if key not in self._around:
+            self._around[key] = render(), images  # which keep their ids then
+        self._wanted.add(key)
+        return self._around[key][0]
 
 
 class _Recording:

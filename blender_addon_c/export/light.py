@@ -8,6 +8,8 @@ import bpy
 import numpy as np
 
 from . import tree
+from .around import Shine
+from .graph import TooLarge
 from .visibility import BOUNCED, hidden, is_hidden
 
 # Cycles 3.4 took an area lamp's power for 4 / pi times what it is, dimmed spots by the cosine to
@@ -20,10 +22,10 @@ def kinds(join):
     return f" {join} ".join(name.lower() for name in _LIGHTS)
 
 
-def light_of(ob, matrix, links, messages):
+def light_of(ob, matrix, links, table, messages):
     """The light of an object, in a list; empty where its kind is not known."""
     light = ob.data
-    strength = _strength(light, messages)
+    strength = _strength(light, table, messages)
     name_linking(ob, "light", messages, ("blocker",))
     if light.type not in _LIGHTS:
         messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
@@ -160,15 +162,34 @@ def _normalized(light):
     return getattr(light, "normalize", True)
 
 
-def _strength(light, messages):
+def _strength(light, table, messages):
     """Energy × colour, linear RGB, in the light's own unit: W/m² (sun) or W."""
-    owner = f"light '{light.name}'"
     scale = light.energy * 2.0 ** getattr(light, "exposure", 0.0)  # exposure: from 4.5 on
     factors = [light.color]
     if getattr(light, "use_temperature", False):
         factors.append(light.temperature_color)
     if tree.of(light):
-        color, strength = tree.emission(tree.of(light), "EMISSION", owner, messages, 1.0)
-        factors.append(color)
-        scale *= strength
+        if light not in table.shines:
+            table.shines[light] = _shine(light, table, messages)
+        factors.append(table.shines[light])
     return tuple(scale * value for value in np.prod([tuple(f) for f in factors], axis=0))
+
+
+def _shine(light, table, messages):
+    """What its nodes make of it."""
+    own, owner = tree.of(light), f"light '{light.name}'"
+    shader = tree.shader_of(own)
+    if not shader or not shader.node:
+        return (0.0,) * 3
+    try:
+        shine = Shine(own, owner, table, messages)
+        if not shine.there and shader.node.type != "EMISSION":
+            messages.warning(f"{owner}: '{shader.node.name}' is not supported; its nodes are left out")
+            return (1.0,) * 3
+        if shine.turns:
+            messages.warning(f"{owner}: textures on lamps are not supported; their mean over all directions is used")
+        return shine.mean() if shine.turns else shine.color
+    except (RecursionError, TooLarge, ValueError) as error:  # or the native module has said what is wrong
+        why = error if isinstance(error, ValueError) else "its nodes are too many"
+        messages.warning(f"{owner}: {why}; they are left out")
+        return (1.0,) * 3

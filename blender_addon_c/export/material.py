@@ -31,6 +31,7 @@ class Table:
 
     def __init__(self, messages, settings, colors, camera, depsgraph, kept=None):
         self.materials, self.images, self.layers = [], Images(messages, kept), Layers()
+        self.kept, self.shines = kept, {}  # by lamp
         self.cloths = []
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.averages = settings.texture_blur > 0  # are images averaged?

@@ -4,8 +4,8 @@
 import math
 
 from .image import MISSING, MISSING_COLOR, tiles_of
-from .node_place import of_object, place, uv
-from .value import dot, each, surface_normal
+from .node_place import of_object, place, position, uv
+from .value import Value, dot, each, surface_normal, three, unit, value_of
 
 _STEP = 1 / 256  # along u and v, by which coordinates say how they move
 
@@ -25,6 +25,39 @@ def _tex_image(reader, found):
         reader.known[key] = _PROJECTIONS[node.projection](reader, node, found.groups, image)
     *color, alpha = reader.known[key]
     return (alpha,) if found.output.name == "Alpha" else color
+
+
+def _tex_environment(reader, found):
+    """Looked up by a direction, which is the place where nothing is linked."""
+    node = found.node
+    image = image_of(reader, node)
+    if image == MISSING:
+        return (1.0,) if found.output.name == "Alpha" else MISSING_COLOR
+    if image < 0:
+        return None
+    key = ("image", node, found.groups, reader.shift)
+    if key not in reader.known:
+        value = value_of(reader, node.inputs["Vector"], found.groups, own=Value("VECTOR", None))
+        to = three(reader, value) if value.parts is not None else tuple(position(reader))
+        around = _on_ball if node.projection == "MIRROR_BALL" else _on_map
+        reader.known[key] = _look(reader, node, image, lambda: around(reader, to), averaged=False)
+    *color, alpha = reader.known[key]
+    return (alpha,) if found.output.name == "Alpha" else color
+
+
+def _on_map(reader, to):
+    math_ = reader.program.math
+    up = math_("ARCSINE", math_("DIVIDE", to[2], math_("SQRT", dot(reader, to, to))))
+    return (math_("MULTIPLY_ADD", math_("ARCTAN2", to[1], to[0]), -0.5 / math.pi, 0.5),
+            math_("MULTIPLY_ADD", up, 1.0 / math.pi, 0.5))
+
+
+def _on_ball(reader, to):
+    """In a mirror ball that is seen along y."""
+    math_ = reader.program.math
+    x, y, z = unit(reader, to)
+    half = math_("SQRT", math_("MULTIPLY", math_("MAXIMUM", math_("SUBTRACT", 1.0, y), 0.0), 0.5))
+    return tuple(math_("MULTIPLY_ADD", math_("DIVIDE", part, half), 0.25, 0.5) for part in (x, z))
 
 
 # ---- by projection: red, green, blue, alpha
@@ -134,14 +167,15 @@ def image_of(reader, node):
     if not node.image:
         reader.warn(f"'{node.name}' has no image")
         return MISSING
-    if node.extension not in _WRAPS:
-        reader.warn(f"'{node.name}': extension {node.extension.lower()} is not supported; repeated")
+    extension = getattr(node, "extension", "REPEAT")  # an Environment Texture has none
+    if extension not in _WRAPS:
+        reader.warn(f"'{node.name}': extension {extension.lower()} is not supported; repeated")
     if node.interpolation not in _FILTERS:
         reader.warn(f"'{node.name}': interpolation {node.interpolation.lower()} is not supported; "
                     "linear")
     return reader.images.index(
-        node.image, node.extension if node.extension in _WRAPS else "REPEAT",
+        node.image, extension if extension in _WRAPS else "REPEAT",
         _FILTERS.get(node.interpolation, "LINEAR"), reader.owner, node.image_user)
 
 
-NODES = {"TEX_IMAGE": _tex_image}
+NODES = {"TEX_IMAGE": _tex_image, "TEX_ENVIRONMENT": _tex_environment}

@@ -38,7 +38,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         kept.begin()
     with tree.deep():
         meshes, instances, lights, catchers = _objects(depsgraph, table, mattes, motion, messages, kept, space)
-        world = world_of(scene.world if depsgraph.view_layer.use_sky else None, table.images, messages)
+        world = world_of(scene.world if depsgraph.view_layer.use_sky else None, table, messages)
     if kept:
         kept.end()
     if not lights and "sky" not in world and not any(world["background"]):
@@ -120,7 +120,7 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
         if space and not ob.visible_in_viewport_get(space):
             continue  # of a local view, or of types that it hides: lamps too, as in Cycles
         if ob.type == "LIGHT":
-            lights += light_of(ob, item.matrix_world, links, messages) if item.show_self else []
+            lights += light_of(ob, item.matrix_world, links, table, messages) if item.show_self else []
             continue
         for shape in _shapes(item, depsgraph, motion):
             catches = getattr(ob, "is_shadow_catcher", False)

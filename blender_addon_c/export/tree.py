@@ -93,34 +93,3 @@ def shader_of(tree):
     """What feeds the Surface of a tree's active output."""
     output = tree.get_output_node("ALL")
     return trace(output.inputs["Surface"]) if output else None
-
-
-def _falloff(found, owner, messages):
-    """What feeds the strength of a Light Falloff node."""
-    own = found.node.inputs
-    if found.output.name != "Quadratic" or own["Smooth"].is_linked or own["Smooth"].default_value > 0:
-        messages.warning(f"{owner}: '{found.node.name}': lamps fall off as light does, without smoothing")
-    return trace(own["Strength"], found.groups)
-
-
-def emission(tree, kind, owner, messages, otherwise):
-    """(colour, strength) of an Emission or Background shader, linked values left out.
-
-    Any other shader counts as a white one of strength `otherwise`.
-    """
-    shader = shader_of(tree)
-    if not shader or not shader.node:
-        return (0.0, 0.0, 0.0), 0.0
-    if shader.node.type != kind:
-        messages.warning(f"{owner}: '{shader.node.name}' is not supported; "
-                         "its nodes are left out")
-        return (1.0, 1.0, 1.0), otherwise
-    color, strength = (trace(shader.node.inputs[name], shader.groups)
-                       for name in ("Color", "Strength"))
-    if strength.node and strength.node.type == "LIGHT_FALLOFF":
-        strength = _falloff(strength, owner, messages)
-    for found in (color, strength):
-        if found.node:
-            messages.warning(f"{owner}: '{found.node.name}' is not supported; "
-                             "the socket's own value is used")
-    return color_in(color.socket), number_in(strength.socket)

@@ -4,7 +4,10 @@
 from mathutils import Euler, Matrix
 
 from . import tree
+from .around import Shine
+from .graph import TooLarge
 from .image import MISSING, MISSING_COLOR
+from .messages import Messages
 from .sky import sky_of
 from .visibility import ALL, hidden
 
@@ -12,7 +15,7 @@ from .visibility import ALL, hidden
 _COORDINATES = {"Generated": 1, "Object": 1, "Normal": -1}
 
 
-def world_of(world, images, messages):
+def world_of(world, table, messages):
     """The part of the scene's dictionary that says what is around everything."""
     if not world:
         return {"background": (0.0, 0.0, 0.0)}
@@ -21,10 +24,11 @@ def world_of(world, images, messages):
     if not nodes:
         return {"background": tuple(world.color), **seen}
     try:
-        reader = _Reader(world, images, messages)
+        reader = _Reader(world, table, messages)
         return {**_by_camera(reader, reader.read(nodes), nodes), **seen}
-    except RecursionError:
-        messages.warning(f"world '{world.name}': its nodes are too deep; black")
+    except (RecursionError, TooLarge, ValueError) as error:  # or the native module has said what is wrong
+        why = error if isinstance(error, ValueError) else "its nodes are too many"
+        messages.warning(f"world '{world.name}': {why}; black")
         return {"background": (0.0, 0.0, 0.0), **seen}
 
 
@@ -42,16 +46,27 @@ def _by_camera(reader, lit, nodes):
     return {**lit, "backdrop": seen["background"]}
 
 
+class _Richer(Exception):
+    """Its nodes make more of it than one colour or one image."""
+
+
 class _Reader:
     """The nodes of one world, for rays of surfaces or, where it makes a difference, of the `camera`."""
 
-    def __init__(self, world, images, messages):
-        self._owner, self._images, self._messages = f"world '{world.name}'", images, messages
+    def __init__(self, world, table, messages):
+        self._owner, self._table, self._messages = f"world '{world.name}'", table, messages
+        self._images = table.images
         self.camera, self.asked = False, False
+        self._has_sky = False  # what else there is is named then
 
     def warn(self, text):
         if not self.camera:  # else it is said already
             self._messages.warning(f"{self._owner}: {text}")
+
+    def _left_out(self, text):
+        if not self._has_sky:
+            raise _Richer
+        self.warn(text)
 
     def _factor(self, socket, groups):
         """A number that is known, or None."""
@@ -95,17 +110,35 @@ class _Reader:
         return None
 
     def read(self, nodes):
+        self._has_sky = _has_sky(nodes)
+        try:
+            return self._plain(nodes)
+        except _Richer:
+            return self._rich(nodes)
+
+    def _rich(self, nodes):
+        shine = Shine(nodes, self._owner, self._table, Messages() if self.camera else self._messages, self.camera)
+        self.asked = self.asked or shine.by_camera
+        if not shine.there:
+            self.warn(f"'{tree.shader_of(nodes).node.name}' does not shine; black")
+        if not shine.turns:
+            return {"background": shine.color}
+        sky = {} if self.camera else {"image": self._images.made(shine.picture()), "strength": (1.0,) * 3,
+                                      "matrix": _rows(Matrix.Identity(4)), "projection": "EQUIRECTANGULAR"}
+        return {"background": (0.0, 0.0, 0.0), "sky": sky}
+
+    def _plain(self, nodes):
         output = nodes.get_output_node("ALL")
         shader = self._trace(output.inputs["Surface"]) if output else None
         node = shader.node if shader else None
         if not node:
             return {"background": (0.0, 0.0, 0.0)}
         if node.type not in {"BACKGROUND", "EMISSION"}:
-            self.warn(f"'{node.name}' is not supported; black")
+            self._left_out(f"'{node.name}' is not supported; black")
             return {"background": (0.0, 0.0, 0.0)}
         strength = self._trace(node.inputs["Strength"], shader.groups)
         if strength.node and strength.node.type != "VALUE":
-            self.warn(f"'{strength.node.name}' is not supported; the socket's own value is used")
+            self._left_out(f"'{strength.node.name}' is not supported; the socket's own value is used")
         value = tree.number_in(strength.output if strength.node and strength.node.type == "VALUE"
                                else strength.socket)
         color = self._main(self._trace(node.inputs["Color"], shader.groups))
@@ -124,7 +157,7 @@ class _Reader:
         """A node that is not known passes its main input through."""
         passed = 0
         while color.node and color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY", "RGB"}:
-            self.warn(f"'{color.node.name}' is not supported; left out")
+            self._left_out(f"'{color.node.name}' is not supported; left out")
             inputs = [s for s in color.node.inputs if s.type == "RGBA"]
             linked = [s for s in inputs if s.is_linked]
             passed += 1
@@ -148,7 +181,7 @@ class _Reader:
             return index if index == MISSING else None
         matrix = self._directions(tree.trace(node.inputs["Vector"], color.groups))
         return {"image": index, "strength": (max(strength, 0.0),) * 3,
-                "matrix": [value for row in matrix[:3] for value in row],
+                "matrix": _rows(matrix),
                 "projection": node.projection}
 
     def _sky(self, color, strength):
@@ -170,11 +203,10 @@ class _Reader:
             return self._mapping(node, found.groups) @ before
         if node.type == "TEX_COORD" and found.output.name in _COORDINATES:
             if found.output.name == "Object" and node.object:
-                self.warn(f"'{node.name}': coordinates of an object are not supported; the "
-                           "world's are used")
+                self._left_out(f"'{node.name}': coordinates of an object are not supported; the world's are used")
             return Matrix.Diagonal((*(_COORDINATES[found.output.name],) * 3, 1.0))
-        self.warn(f"coordinates from '{node.name}' ({found.output.name}) are not supported; "
-                   "directions are used as they are")
+        self._left_out(f"coordinates from '{node.name}' ({found.output.name}) are not supported; "
+                       "directions are used as they are")
         return Matrix.Identity(4)
 
     def _mapping(self, node, groups):
@@ -185,8 +217,8 @@ class _Reader:
                 continue
             found = tree.trace(socket, groups)
             if found.node:
-                self.warn(f"'{node.name}': {name} from '{found.node.name}' is not supported; "
-                           "the socket's own value is used")
+                self._left_out(f"'{node.name}': {name} from '{found.node.name}' is not supported; the socket's own "
+                               "value is used")
             values[name] = tree.color_in(found.socket)
         place, turn = Matrix.Translation(values["Location"]), Euler(values["Rotation"]).to_matrix().to_4x4()
         scale = values["Scale"]
@@ -196,6 +228,16 @@ class _Reader:
             return _diagonal(_inverse(scale)) @ turn.transposed() @ Matrix.Translation(
                 [-v for v in values["Location"]])
         return turn @ _diagonal(scale if node.vector_type == "VECTOR" else _inverse(scale))
+
+
+def _has_sky(nodes, seen=()):
+    """In it or its groups, whether something asks for it or not."""
+    return any(node.type == "TEX_SKY" or (node.type == "GROUP" and node.node_tree and node.node_tree not in seen and
+                                          _has_sky(node.node_tree, (*seen, node.node_tree))) for node in nodes.nodes)
+
+
+def _rows(matrix):
+    return [value for row in matrix[:3] for value in row]
 
 
 def _diagonal(values):

@@ -47,7 +47,7 @@ EXPECTED = {
     "flat_lights": ("finished", None),
     "no_strength": ("error", "libshade: light 'broken lamp': intensity must be"),
     "portal": ("finished", "Warning: .*'area': portals are not supported; left out"),
-    "world_shader": ("finished", "Warning: .*world 'world': 'Add Shader' is not supported; black"),
+    "world_shader": ("finished", "Warning: .*world 'world': 'Diffuse BSDF' does not shine; black"),
     "world_without_image": ("finished", "Warning: .*world 'world': 'Environment Texture' has no image"),
     "world_of_nothing": ("finished", None),
     "blind": ("error", "'camera' sees nothing"),
@@ -96,7 +96,7 @@ def test_case(cases, name):
     "bump_node": ["False|steel|Wireframe"],
     "no_strength": ["True|broken lamp|"],
     "portal": ["False|area|"],
-    "world_shader": ["False|world|Add Shader"],
+    "world_shader": ["False|world|Diffuse BSDF"],
     "nowhere": ["False|lost|"],
 }.items())
 def test_the_panel_says_whose_it_is(cases, name, rows):

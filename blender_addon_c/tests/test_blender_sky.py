@@ -70,3 +70,30 @@ def test_light(blender, tmp_path, name):
     print(f"{name}: relative error {apart:.4f}, mean {ours.mean() / theirs.mean():.4f} of {theirs.mean():.3f}")
     assert abs(ours.mean() / theirs.mean() - 1) <= 0.005
     assert apart <= 0.02
+
+
+
+def test_worlds_of_nodes(blender, tmp_path):
+    """Direction by direction, whatever their nodes make of them; an image twice looked up is off by a part of a texel,
+    a mirror ball's behind it by more."""
+    for engine in ("LIBSHADE", "CYCLES"):
+        _, text = blender.scene("seen_world", tmp_path, dump="", engine=engine)
+        assert "libshade: " not in text
+        for path in tmp_path.glob("picture.exr.*.exr"):
+            path.rename(tmp_path / f"{engine} {path.name.split('.')[2]}")
+    names = sorted(path.name.split(" ", 1)[1] for path in tmp_path.glob("CYCLES *"))
+    assert len(names) == 9
+    for name in names:
+        ours, theirs = (rgba(tmp_path / f"{engine} {name}")[..., :3].astype(float) for engine in ("LIBSHADE", "CYCLES"))
+        off = np.sort(np.abs(ours - theirs).max(-1).ravel()) / theirs.mean()
+        print(f"{name}: mean {off.mean():.5f}, most {off[[-17, -1]]}; {theirs.mean():.3f}, {theirs.std():.3f}")
+        assert theirs.std() > 0.05 * theirs.mean()
+        assert off.mean() < 0.006 and off[-17] < (0.05 if "ball" in name else 0.02)
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SUN"])
+def test_lamps_of_nodes(blender, tmp_path, kind):
+    """Of a colour that nodes make."""
+    ours, theirs = both(blender, tmp_path, "under_lamp", averaged, samples=16, kind=kind)
+    np.testing.assert_allclose(ours.mean((0, 1)), theirs.mean((0, 1)), rtol=0.004)
+    assert np.ptp(theirs.mean((0, 1))) > 0.5 * theirs.mean()

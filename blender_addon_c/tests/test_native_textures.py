@@ -208,3 +208,26 @@ def test_large_images_look_the_same_wherever_they_lie(folder, monkeypatch):
     found = render(made)[0][..., :3]
     np.testing.assert_allclose(found[:1, :, 0], 1, atol=1e-5)
     np.testing.assert_allclose(found[3:, :, 1], 128 / 255, atol=1e-5)
+
+
+@pytest.mark.parametrize("filtering", ["LINEAR", "CLOSEST"])
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_a_wide_image_is_what_its_floats_say(filtering, channels):
+    """Light brighter than white, and heights below zero; one pixel a texel, the middle of each. NaN is 0."""
+    chance = np.random.default_rng(channels)
+    pixels = chance.uniform(-3, 50, (SIDE, SIDE, channels)).astype(np.float32)
+    pixels[3, 5, 0], pixels[6, 7, 0] = np.nan, 60000.0
+    look = {"type": "IMAGE", "image": 0, "out": registers(COLOR, 3), "alpha": registers(ALPHA, 1), "averaged": True}
+    above = [{"type": "MATH", "operation": "ADD", "a": [(k,)], "b": [10.0], "c": [0.0], "out": [(k,)]} for k in (15, 16, 17, 18)]
+    colors = {"nodes": [look, *above], "closures": [{"closure": "EMISSION", "weight": registers(COLOR, 3)}]}
+    alphas = {"nodes": [look, *above], "closures": [{"closure": "EMISSION", "weight": registers(ALPHA, 1) * 3}]}
+    def looked(material):
+        made = scene(width=SIDE, height=SIDE, samples=1, lights=[], images=[image(pixels, filter=filtering, wide=True)],
+                     materials=[{"name": "", **material}], filter_width=1e-4, pixel_filter_type="GAUSSIAN", texture_blur=1.0)
+        return render(made)[0][..., :3]
+
+    wanted = np.nan_to_num(pixels)[..., :3] if channels > 1 else np.repeat(np.nan_to_num(pixels), 3, -1)
+    alpha = np.nan_to_num(pixels[..., 3]) if channels == 4 else np.ones((SIDE, SIDE))
+    for found, said in ((looked(colors), wanted), (looked(alphas)[..., 0], alpha)):
+        off = np.abs(found - (said + 10)) / (1 + np.abs(said))
+        assert np.sort(off.ravel())[-16] < 0.002 and off.max() < 2  # beside 60,000 the filter's width counts

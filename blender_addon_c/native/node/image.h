@@ -14,6 +14,7 @@ typedef struct node_image {
   operand at[2], near[4];
   float per_step;
   const texture *red_green, *blue_alpha; /* of bytes the first is all */
+  const texture *one[4];                 /* of a wide image, by channel, else NULL */
   uint32_t srgb;                         /* bytes are to be decoded, for either() */
 } node_image;
 
@@ -37,9 +38,26 @@ static inline bool node_image_read(reader *r, node_image *n, graph *g) {
          (!reader_has(r, "alpha") || graph_outputs(r, g, "alpha", 1, &n->alpha));
 }
 
+/* Light of many sizes is not averaged: one bright texel would be seen from afar as a block. */
+static inline bool node_image_widely(node_image *n, const image *source, const node_place *place) {
+  n->averaged = false;
+  for (int k = 0; k < 4; k++) {
+    n->one[k] =
+        texture_request(place->textures, source, TEXTURE_RED + (unsigned)k, 1.0f, COARSE_NONE);
+    if (!n->one[k])
+      return false;
+  }
+  n->red_green = n->blue_alpha = n->one[0];
+  return true;
+}
+
 static inline bool node_image_build(node_image *n, const node_place *place) {
   const image *source = place->image + n->image;
   n->averaged = n->averaged && !n->cubic && !source->closest && place->texture_blur > 0.0f;
+  for (int k = 0; k < 4; k++)
+    n->one[k] = NULL;
+  if (source->wide)
+    return node_image_widely(n, source, place);
   texture_coarse coarse = !n->averaged    ? COARSE_NONE
                           : n->alpha >= 0 ? COARSE_WEIGHTED
                                           : COARSE_EVEN;
@@ -203,6 +221,33 @@ LEAF void node_image_cubic(image_wrap wrap, const node_image *n, lane_run g, con
   }
 }
 
+LEAF float texel_float(const uint32_t *texel, texel_place p) {
+  return four_mixed(float_of_bits((int32_t)texel[p.at]), float_of_bits((int32_t)texel[p.at + 1]),
+                    float_of_bits((int32_t)texel[p.at + p.stride]),
+                    float_of_bits((int32_t)texel[p.at + p.stride + 1]), p.s, p.t);
+}
+
+LEAF void node_image_wide(image_wrap wrap, bool cubic, const node_image *n, lane_run g,
+                          const float *u, const float *v, inputs *at) {
+  const texture own = *n->one[0]; /* the others are as large */
+  for (int k = 0; k < (n->alpha < 0 ? 3 : 4); k++) {
+    const uint32_t *texel = n->one[k]->texel;
+    float *out = at->at[k < 3 ? n->out[k] : n->alpha];
+#pragma omp simd
+    for (size_t i = g.begin; i < g.end; i++) {
+      spline x = cubic ? spline_find(u[i], (float)own.width) : (spline){u[i], u[i], 0.0f};
+      spline y = cubic ? spline_find(v[i], (float)own.height) : (spline){v[i], v[i], 0.0f};
+      float a = texel_float(texel, texel_find(wrap, &own, x.first, y.first));
+      if (cubic)
+        a = four_mixed(a, texel_float(texel, texel_find(wrap, &own, x.last, y.first)),
+                       texel_float(texel, texel_find(wrap, &own, x.first, y.last)),
+                       texel_float(texel, texel_find(wrap, &own, x.last, y.last)), x.share,
+                       y.share);
+      out[i] = a;
+    }
+  }
+}
+
 /* How much the place in the image, in texels, changes along u and v. */
 typedef struct image_slope {
   float s_u, s_v, t_u, t_v;
@@ -288,7 +333,11 @@ LEAF void node_image_averaged(bool bytes, bool placed, image_wrap wrap, const no
 LEAF void node_image_any(image_wrap wrap, const node_image *n, lane_run g, const float *u,
                          const float *v, const surfaces *point, inputs *at) {
   const bool bytes = !n->blue_alpha;
-  if (n->averaged && at->texture_blur > 0.0f && bytes && n->placed)
+  if (n->one[0] && n->cubic)
+    node_image_wide(wrap, true, n, g, u, v, at);
+  else if (n->one[0])
+    node_image_wide(wrap, false, n, g, u, v, at);
+  else if (n->averaged && at->texture_blur > 0.0f && bytes && n->placed)
     node_image_averaged(true, true, wrap, n, g, u, v, point, at);
   else if (n->averaged && at->texture_blur > 0.0f && bytes)
     node_image_averaged(true, false, wrap, n, g, u, v, point, at);

@@ -179,6 +179,10 @@ static bool read_image(reader *r, void *out, void *context) {
   m->paged = false;
   if (reader_has(r, "paged") && !reader_flag(r, "paged", &m->paged))
     return false;
+  m->wide = false;
+  if (reader_has(r, "wide") && !reader_flag(r, "wide", &m->wide))
+    return false;
+  m->wide = m->wide && m->type == IMAGE_FLOAT32 && !m->srgb;
   m->wrap = (image_wrap)wrap; /* in the order of the words */
   m->closest = filter == 1;
   return true;

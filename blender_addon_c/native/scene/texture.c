@@ -248,9 +248,28 @@ static void pack_bytes_row(const texture *t, int y) {
   pack_rim(t, 0, y);
 }
 
+/* NaN is 0. */
+static void pack_floats_row(const texture *t, int y) {
+  uint32_t *row = level_row(t, 0, y);
+  size_t width = (size_t)t->width;
+  for (size_t x = 0; x < width; x += BLOCK) {
+    size_t count = width - x < BLOCK ? width - x : BLOCK;
+    float channel[BLOCK];
+    load(t->source, (size_t)y * width + x, count, (int)t->kind - TEXTURE_RED, channel);
+    for (size_t i = 0; i < count; i++)
+      channel[i] = channel[i] == channel[i] ? clamp(channel[i], -1e30f, 1e30f) : 0.0f;
+    memcpy(row + x, channel, count * sizeof *row);
+  }
+  pack_rim(t, 0, y);
+}
+
+static bool has_floats(const texture *t) {
+  return t->kind >= TEXTURE_RED && t->kind <= TEXTURE_ALPHA;
+}
+
 static void pack_row(const texture *t, int y) {
-  if (t->kind == TEXTURE_BYTES) {
-    pack_bytes_row(t, y);
+  if (t->kind == TEXTURE_BYTES || has_floats(t)) {
+    (has_floats(t) ? pack_floats_row : pack_bytes_row)(t, y);
     return;
   }
   const image *m = t->source;

@@ -6,7 +6,8 @@
  * 16 bits are as good as float: the displaced plate's error is .0012 with either.
  *
  * A colour of bytes is one plane of four bytes a texel as they are in the file, which are mixed
- * before they are decoded, as in Cycles.
+ * before they are decoded, as in Cycles. A wide one, of which something is beyond [0, 1], is a
+ * plane of floats for each channel, without coarser levels.
  *
  * A colour may have coarser levels, each half as large as the one before down to one texel, a third
  * more memory in all: a texel there is the mean of those that it covers, in linear light.
@@ -29,6 +30,7 @@ typedef struct image {
   bool srgb;        /* to be decoded to linear */
   image_wrap wrap;
   bool closest; /* nearest texel instead of bilinear */
+  bool wide;    /* floats, some of them beyond [0, 1] */
   bool paged;   /* data is of a file's pages, all of them */
 } image;
 
@@ -39,6 +41,10 @@ typedef enum texture_kind {
   TEXTURE_NORMAL,
   TEXTURE_RED_GREEN,
   TEXTURE_BLUE_ALPHA,
+  TEXTURE_RED, /* one float, bit by bit; these four in the order of channels */
+  TEXTURE_GREEN,
+  TEXTURE_BLUE,
+  TEXTURE_ALPHA,
   TEXTURE_BYTES,  /* red in the lowest, alpha in the highest */
   TEXTURE_SQUARES /* of a normal map's x and y, means over texels of its coarser levels, from 1 on
                    */

@@ -306,9 +306,8 @@ def world_shader(scene):
     scene.render.film_transparent = False
     scene.world = bpy.data.worlds.new("world")
     tree = common.tree_of(scene.world)
-    add = tree.nodes.new("ShaderNodeAddShader")
-    tree.links.new(tree.nodes["Background"].outputs[0], add.inputs[0])
-    tree.links.new(add.outputs[0], tree.nodes["World Output"].inputs["Surface"])
+    matt = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    tree.links.new(matt.outputs[0], tree.nodes["World Output"].inputs["Surface"])
 
 
 def toon(scene):

@@ -18,7 +18,7 @@ from mathutils import Matrix
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
 from files import many_files
-from skies import seen_sky, under_sky
+from skies import seen_sky, seen_world, under_lamp, under_sky
 
 
 def view(options):

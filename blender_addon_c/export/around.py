@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What worlds and lamps shine with where nodes say it: their graphs are read as those of materials, what would be asked
+of a surface is answered for a direction, and the light of all directions is rendered as that of a wall about a camera.
+"""
+
+import numpy as np
+
+from .. import _native
+from .closure import collect
+from .graph import Program, is_known
+from .image import Images
+from .material import Reader
+from .value import number_in
+
+# Of what nodes make, in a viewport and else; those of their images where they have more, up to a number.
+_ROWS = {True: (512, 1024), False: (1024, 2048)}
+_FEW_ROWS = 16  # enough for a mean
+_MOST = 1e18  # of light
+
+_BEHIND = ("NORMAL", "TRUE_NORMAL", "INCOMING", "REFLECTION")  # point back where one looks from [Cycles 3.4, 5.0]
+
+
+class _Directions(Program):
+    """A program for a direction, which is its place as well. by_camera: does a camera look? `turns`: may it make a
+    difference where to?"""
+
+    def __init__(self, by_camera):
+        super().__init__()
+        self.turns, self._by_camera, self._behind = False, by_camera, None
+
+    def emit(self, kind, out=3, more=None, **given):
+        answer = _ANSWERS.get(kind)
+        if answer:
+            return answer(self, out + bool(more), given)
+        self.turns = self.turns or kind == "IMAGE"
+        return super().emit(kind, out, more, **given)
+
+    def _back(self):
+        self.turns = True
+        if self._behind is None:
+            self._behind = super().emit("GEOMETRY", what="INCOMING")
+        return list(self._behind)
+
+    def _forth(self):
+        return [self.math("MULTIPLY", part, -1.0) for part in self._back()]
+
+    def _geometry(self, _out, given):
+        if given["what"] == "POSITION":
+            return self._forth()
+        return self._back() if given["what"] in _BEHIND else [0.0] * 3
+
+    def _layer(self, out, given):
+        return [*self._forth(), 1.0] if given["layer"] == "GENERATED" else [0.0] * out
+
+    def _path(self, out, given):
+        return [float(self._by_camera and given["what"] == "CAMERA")] * out
+
+    def _between_spaces(self, out, given):
+        """There is one."""
+        return list(given.get("vector") or [0.0] * out)
+
+
+_ANSWERS = {"GEOMETRY": _Directions._geometry, "LAYER": _Directions._layer, "PATH": _Directions._path,
+            "OBJECT": _Directions._between_spaces, "FRAME": _Directions._between_spaces}
+
+
+class _Around(Reader):
+    """A reader of the graph of a world or a lamp."""
+
+    def __init__(self, owner, table, messages, by_camera):
+        super().__init__(table, messages, None)
+        self.owner, self.program = owner, _Directions(by_camera)
+        self.images = Images(messages, table.kept)
+        self.averages = self.filters = self.colors = False
+        self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff}, False
+
+    def layer(self, kind, _name):
+        return kind
+
+    def is_main(self, _name):
+        return True
+
+    def asks_objects(self):
+        """There are none."""
+
+    def camera(self):
+        """It is everywhere."""
+        matrix, *rest = super().camera()
+        return (matrix.to_3x3().to_4x4(), *rest)
+
+
+def _light_path(reader, found):
+    if found.output.name == "Is Camera Ray":
+        reader.by_camera = True
+    elif found.output.name.startswith("Is "):
+        reader.warn(f"'{found.node.name}' ({found.output.name}) is not supported; 0")
+    return (reader.program.emit("PATH", 1, what=_SEEN.get(found.output.name))[0],)
+
+
+_SEEN = {"Is Camera Ray": "CAMERA"}
+
+
+def _light_falloff(reader, found):
+    strength, smooth = (number_in(reader, found, name) for name in ("Strength", "Smooth"))
+    if found.output.name != "Quadratic" or not is_known(smooth) or smooth > 0:
+        reader.warn(f"'{found.node.name}': lamps fall off as light does, without smoothing")
+    return (strength,)
+
+
+class Shine:
+    """What one shines with: `color`, unless it `turns`, for then there are several. `by_camera`: may a camera see
+    another? `there`: does any node shine?"""
+
+    def __init__(self, own, owner, table, messages, by_camera=False):
+        """own: its node tree."""
+        self._reader = reader = _Around(owner, table, messages, by_camera)
+        collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
+        self._closures = [c for c in reader.closures if c["closure"] == "EMISSION" and not c.get("holds")]
+        self.turns, self.by_camera, self.there = reader.program.turns, reader.by_camera, bool(self._closures)
+        self._kept = table.kept
+        weights = [c.get("weight", (1.0,) * 3) for c in self._closures]
+        if all(is_known(*weight) for weight in weights):
+            self.turns, self.color = False, _light(np.sum([(0.0,) * 3, *weights], 0))
+        elif not self.turns:
+            self.color = tuple(map(float, self._rendered(1)[0, 0]))
+
+    def picture(self):
+        """Of all directions as the native module takes it, equirectangular."""
+        rows, most = _ROWS[self._kept is not None]
+        data = self._rendered(min(max([rows, *(image["height"] for image in self._reader.images.listed)]), most))
+        return {"width": data.shape[1], "height": data.shape[0], "channels": 3, "data": data.ravel(), "srgb": False,
+                "wrap": "REPEAT", "filter": "LINEAR"}
+
+    def mean(self):
+        """Over all directions."""
+        data = self._rendered(_FEW_ROWS).astype(float)
+        part = np.cos((np.arange(len(data)) + 0.5 - len(data) / 2) * np.pi / len(data))
+        return tuple((data.mean(1) * part[:, None]).sum(0) / part.sum())
+
+    def _rendered(self, rows):
+        scene = _scene(rows, *self._reader.program.finish(self._closures), self._reader.images.listed)
+        if not self._kept:
+            return _render(scene)
+        key = str([scene[name] for name in ("height", "materials")])
+        return self._kept.around(key, [image["data"] for image in scene["images"]], lambda: _render(scene))
+
+
+def _light(numbers):
+    return tuple(float(x) for x in np.clip(np.nan_to_num(numbers), 0.0, _MOST))
+
+
+# A camera that looks along x, z up, as the middle of a world's picture does.
+_ALONG_X = [0.0, 0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+
+
+def _scene(rows, nodes, closures, images):
+    """A box of that material about a camera that looks all around, through the middles of its pixels."""
+    size = 2 * rows, rows
+    corners = np.array([[1.0 - 2.0 * (k >> axis & 1) for axis in range(3)] for k in range(8)], np.float32)
+    faces = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+    order = np.array([(a, b, c, a, c, d) for a, b, c, d in faces], np.int32).ravel()
+    thirds = corners[order].reshape(-1, 3, 3)
+    normals = np.cross(thirds[:, 1] - thirds[:, 0], thirds[:, 2] - thirds[:, 0]) / 4
+    box = {"name": "", "positions": corners, "corner_position": order, "corner_normals": np.repeat(normals, 3, 0).astype(np.float32),
+           "corner_uvs": None, "material": np.zeros(12, np.int32)}
+    camera = {"type": "PANO", "panorama": "EQUIRECTANGULAR", "matrix": _ALONG_X, "frame": (0.0, 1.0, 0.0, 1.0),
+              "range": (-np.pi, np.pi, -np.pi / 2, np.pi / 2), "clip": (1e-3, 10.0), "fov": np.pi, "focal": 10.5,
+              "sensor": (36.0, 18.0), "polynomial": [0.0] * 5}
+    return {"width": size[0], "height": size[1], "region": (0, 0, *size), "samples": 1, "seed": 0, "threads": 0,
+            "transparent": True, "background": (0.0,) * 3, "pixel_filter_type": "GAUSSIAN", "filter_width": 1e-3, "camera": camera, "lights": [],
+            "images": images, "materials": [{"name": "", "nodes": nodes, "closures": closures}], "meshes": [box],
+            "instances": [{"mesh": 0, "matrix": [float(i == j) for i in range(4) for j in range(4)]}],
+            "dump": "", "renderer": ""}
+
+
+def _render(scene):
+    pixels = np.zeros((scene["height"], scene["width"], 4), np.float32)
+    job = _native.start(scene)
+    try:
+        while not _native.wait(job, 1.0):
+            pass
+        _native.image(job, pixels)
+    finally:
+        _native.free(job)
+    return np.clip(np.nan_to_num(pixels[..., :3]), 0.0, _MOST)
