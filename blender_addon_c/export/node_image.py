@@ -32,17 +32,13 @@ def _tex_environment(reader, found):
     node = found.node
     image = image_of(reader, node)
     if image == MISSING:
-        return (1.0,) if found.output.name == "Alpha" else MISSING_COLOR
+        return MISSING_COLOR
     if image < 0:
         return None
-    key = ("image", node, found.groups, reader.shift)
-    if key not in reader.known:
-        value = value_of(reader, node.inputs["Vector"], found.groups, own=Value("VECTOR", None))
-        to = three(reader, value) if value.parts is not None else tuple(position(reader))
-        around = _on_ball if node.projection == "MIRROR_BALL" else _on_map
-        reader.known[key] = _look(reader, node, image, lambda: around(reader, to), averaged=False)
-    *color, alpha = reader.known[key]
-    return (alpha,) if found.output.name == "Alpha" else color
+    value = value_of(reader, node.inputs["Vector"], found.groups, own=Value("VECTOR", None))
+    to = three(reader, value) if value.parts is not None else tuple(position(reader))
+    around = _on_ball if node.projection == "MIRROR_BALL" else _on_map
+    return _look(reader, node, image, lambda: around(reader, to), averaged=False)[:3]
 
 
 def _on_map(reader, to):

@@ -174,6 +174,10 @@ PLACES = [
     place("TexImage", set={"projection": "BOX", "projection_blend": 0.3}),
     *(place("TexImage", set={"projection": kind, "interpolation": mixed}, fed={"Vector": (1.3, -0.2)})
       for kind in ("SPHERE", "TUBE") for mixed in ("Linear", "Cubic")),
+    *(place("TexEnvironment", set={"projection": kind, "interpolation": mixed}, **fed)
+      for kind, mixed, fed in (
+          ("EQUIRECTANGULAR", "Linear", {"fed": {"Vector": (1.3, -0.4)}}), ("EQUIRECTANGULAR", "Cubic", {}),
+          ("EQUIRECTANGULAR", "Linear", {}), ("MIRROR_BALL", "Linear", {"fed": {"Vector": (1.3, -0.4)}}))),
     *(place("LightFalloff", output, inputs={"Strength": 0.4, "Smooth": smooth}, times=0.1)
       for output in ("Quadratic", "Linear", "Constant") for smooth in (0.0, 3.0)),
     *(place("ParticleInfo", output) for output in ("Index", "Random", "Age", "Lifetime", "Location", "Size", "Velocity",

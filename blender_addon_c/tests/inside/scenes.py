@@ -846,7 +846,7 @@ def _showing(case, engine):
             (by.get(name) or node.inputs[name]).default_value = value
     if "own" in case:
         node.outputs[0].default_value = case["own"]
-    if case["node"] == "ShaderNodeTexImage":
+    if case["node"] in ("ShaderNodeTexImage", "ShaderNodeTexEnvironment"):
         node.image = bpy.data.images.new("spots", 5, 4, float_buffer=True, is_data=True)
         node.image.pixels.foreach_set([0.5 + 0.5 * math.sin(k * k) for k in range(80)])
         node.image.update()
