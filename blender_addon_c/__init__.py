@@ -11,10 +11,10 @@ bl_info = {
     "category": "Render",
 }
 
-from . import assets, engine, fabric, groove, menus, nodes, panels, properties, report
+from . import assets, engine, fabric, groove, manual, menus, nodes, panels, properties, report
 from .export import kept
 
-_MODULES = (properties, nodes, fabric, groove, menus, kept, engine, report, panels, assets)
+_MODULES = (properties, nodes, fabric, groove, menus, kept, engine, report, panels, assets, manual)
 
 
 def register():

@@ -5,6 +5,8 @@ import os
 
 import bpy
 
+from .manual import draw_button
+
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "assets")
 NAME = "Libshade"
 
@@ -87,6 +89,7 @@ class LibshadePreferences(bpy.types.AddonPreferences):
             row.operator(LIBSHADE_OT_remove_assets.bl_idname, text="Remove")
         else:
             row.operator(LIBSHADE_OT_add_assets.bl_idname, icon="ASSET_MANAGER")
+        draw_button(row)
 
 
 _CLASSES = (LIBSHADE_OT_add_assets, LIBSHADE_OT_remove_assets, LibshadePreferences)

@@ -5,12 +5,16 @@ BLENDER_ADDON := $(B)/blender/addons/libshade
 include blender_addon_c/native.mk
 
 BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
-  $(filter-out %/package.py %/make_assets.py,$(wildcard blender_addon_c/*.py blender_addon_c/export/*.py)) blender_addon_c/blender_manifest.toml) \
+  $(filter-out %/package.py %/make_assets.py %/make_manual.py,$(wildcard blender_addon_c/*.py blender_addon_c/export/*.py)) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
 
 # Made in Blender by the add-on itself: again when what they hold changes, not with each change of the renderer.
 BLENDER_CATALOGS := $(BLENDER_ADDON)/assets/blender_assets.cats.txt
 BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics grooves) $(BLENDER_CATALOGS)
+
+# The manual, and the pictures that it shows
+BLENDER_MANUAL := $(BLENDER_ADDON)/manual/index.html
+BLENDER_PICTURES := $(shell sed -n 's/^!\[.*(\.\.\/\(examples\/.*\))$$/\1/p' docs/blender.md)
 
 blender: $(B)/libshade-blender.zip
 
@@ -36,6 +40,11 @@ $(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c
 	  -- $(abspath $(@D)) >$(B)/assets.log 2>&1 || { tail -20 $(B)/assets.log; exit 1; }
 $(filter-out $(BLENDER_CATALOGS),$(BLENDER_ASSETS)): $(BLENDER_CATALOGS)
 
-$(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_FILES) $(BLENDER_ASSETS)
+$(BLENDER_MANUAL): blender_addon_c/make_manual.py docs/blender.md $(BLENDER_PICTURES) | $(BLENDER_FILES)
+	$(call say,convert  ,$@)
+	$(Q)/usr/bin/python3 $< docs/blender.md $(@D)
+
+$(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
 	$(call say,zip      ,$@)
-	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES) $(BLENDER_ASSETS)
+	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES) $(BLENDER_ASSETS) \
+	  $(BLENDER_MANUAL) $(addprefix $(dir $(BLENDER_MANUAL)),$(notdir $(BLENDER_PICTURES)))

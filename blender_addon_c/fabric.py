@@ -9,6 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from . import _native
 from .group import new_socket
+from .manual import draw_button
 from .report import draw_on
 
 FABRIC = "LibshadeFabricNode"
@@ -126,6 +127,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         layout.prop(self, "transmission")
         layout.prop(self, "open_gaps")
         layout.operator("libshade.convert_to_group")
+        draw_button(layout, "#cloth")
 
     def draw_label(self):
         return "Libshade Fabric"

@@ -12,6 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
+from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on
 
@@ -287,6 +288,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
         layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
+        draw_button(layout, "#libshade-metal")
 
     def draw_advanced(self, layout):
         """What most artists need not touch."""

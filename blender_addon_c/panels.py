@@ -4,6 +4,7 @@
 import bpy
 
 from .export import blur_settings
+from .manual import draw_button
 from .names import ENGINE
 from .nodes import LIBSHADE_OT_convert_to_group
 
@@ -32,6 +33,10 @@ class _Panel:
 class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
     bl_label = "Sampling"
     bl_context = "render"
+
+    def draw_header_preset(self, _context):
+        self.layout.emboss = "NONE"
+        draw_button(self.layout, "#rendering", text="")
 
     def draw(self, context):
         layout = self.layout

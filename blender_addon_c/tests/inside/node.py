@@ -2,8 +2,11 @@
 """The metal and the cloth node without a render; asserts. arguments: none"""
 
 import os
+import re
 import sys
+from fnmatch import fnmatchcase
 from types import SimpleNamespace
+from urllib.parse import unquote, urlparse
 
 import bpy
 
@@ -398,6 +401,32 @@ def test_fabric():
     assert any(n.bl_idname == "ShaderNodeGroup" and n.node_tree == inner for n in tree.nodes)
 
 
+def manual_of(name):
+    """Where Blender's Online Manual of what has this name leads, as its operator finds it."""
+    return next((prefix + place for prefix, places in bpy.utils.manual_map() for pattern, place in places
+                 if fnmatchcase(name.lower(), pattern)), None)
+
+
+def test_manual():
+    """Everything of ours has its place in the page that comes with the add-on, and the page its pictures."""
+    ours = ["bpy.types." + name for name, module in (("LibshadeMetalNode", "nodes"), ("LibshadeFabricNode", "fabric"),
+            ("LibshadeSettings", "properties"), ("LibshadeViewLayerSettings", "properties"))
+            if getattr(sys.modules[f"{common.MODULE}.{module}"], name)]
+    ours += [f"bpy.ops.libshade.{name}" for name in dir(bpy.ops.libshade)]
+    assert len(ours) > 10
+    page = None
+    for name in ours:
+        path, place = manual_of(name).split("#")
+        page = page or open(unquote(urlparse(path).path), encoding="utf-8").read()
+        assert f'id="{place}"' in page, (name, place)
+    folder = os.path.dirname(unquote(urlparse(path).path))
+    pictures = re.findall('<img src="(.*?)"', page)
+    assert len(pictures) >= 4 and all(os.path.getsize(os.path.join(folder, name)) > 1000 for name in pictures)
+    inner = re.findall('href="(.*?)"', page)
+    assert all(link.startswith(("#", "https:")) for link in inner), inner
+    assert {link[1:] for link in inner if link[0] == "#"} <= set(re.findall('id="(.*?)"', page))
+
+
 def test_disable_and_enable():
     """Switching the add-on off and on with a rendered node in the file; Blender must survive."""
     material, _tree, _node = common.metal("again")
@@ -429,6 +458,8 @@ test_convert(test_save_and_load(blend))
 test_fabric()
 test_metals()
 test_panels_and_menus()
+test_manual()
 test_disable_and_enable()
+assert manual_of("bpy.types.LibshadeMetalNode.grain") is None  # disabled
 print("all asserted")
 common.finish()
