@@ -221,7 +221,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
 
     bl_idname = METAL
     bl_label = "Libshade Metal"
-    bl_width_default = 200
+    bl_width_default = 230
     __annotations__ = _properties()
 
     def init(self, _context):
@@ -296,7 +296,8 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
             layout.prop(self, attribute)
         layout.operator_menu_enum(LIBSHADE_OT_measured_metal.bl_idname, "metal", text="Measured Metal")
         for row in _parameters():
-            if row["word"] not in _TWIN and _is_read(self, row) and not (row["word"] == "f82" and EDGE[0] in self.inputs):
+            socket = {"f82": EDGE[0], "kd": "Diffuse Color"}.get(row["word"])  # says the same
+            if row["word"] not in _TWIN and _is_read(self, row) and not (socket and socket in self.inputs):
                 layout.prop(self, row["word"])
         layout.prop(self, "width_as")
         if any(self.inputs[name].is_linked for name in SHAPE if name in self.inputs):
