@@ -41,7 +41,7 @@ def test_contents():
     folder = ROOT / "blender_addon_c"
     sources = {f"libshade/{p.relative_to(folder)}"
                for pattern in ("*.py", "export/*.py") for p in folder.glob(pattern)}
-    sources -= {"libshade/package.py", "libshade/make_assets.py"}
+    sources -= {f"libshade/{name}.py" for name in ("package", "make_assets", "make_manual")}
     assert sources <= set(names)
     assert {n for n in names if "/assets/" in n} == {f"libshade/assets/{n}" for n in (
         "metals.blend", "fabrics.blend", "grooves.blend", "blender_assets.cats.txt")}
