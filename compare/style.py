@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the charts of the report look: one colour and marker for each method through the whole page.
+
+    figure, axes = style.figure(360, 280)       # points; a panel that fits a phone
+    look = style.of("rotate")                   # look.colour, look.marker, look.label
+    axes.plot(x, y, color=look.colour, marker=look.marker)
+    style.log_ticks(axes.xaxis); style.labels(axes, [(x, y, "rotate"), ...])
+    text = style.svg(figure)                    # several may be joined: panels beside each other
+
+Colours are those of Okabe and Ito, which the colour-blind tell apart, and no two looks differ by
+colour alone. In the SVG each becomes a CSS variable, so that the page can change them for
+dark screens; INK, SOFT, FAINT and PAPER are text, secondary text, lines of a grid and the ground.
+"""
+import hashlib
+import io
+import math
+import os
+import re
+import tempfile
+from dataclasses import dataclass
+
+os.environ.setdefault("MPLCONFIGDIR",
+                      os.path.join(tempfile.gettempdir(), f"libshade-plots-{os.getuid()}"))
+import matplotlib  # noqa: E402  (after its folder is set)
+
+matplotlib.use("svg")
+from matplotlib import pyplot, ticker  # noqa: E402
+
+INK, SOFT, FAINT, PAPER = "#1a1c1f", "#5b6168", "#dfe2e6", "#fdfdfe"
+BLUE, SKY, GREEN, ORANGE = "#0072b2", "#56b4e9", "#009e73", "#e69f00"
+VERMILION, PURPLE, OLIVE, GREY = "#d55e00", "#cc79a7", "#a89a00", "#8a9097"
+VARIABLES = {INK: "ink", SOFT: "soft", FAINT: "faint", PAPER: "paper", BLUE: "blue", SKY: "sky",
+             GREEN: "green", ORANGE: "orange", VERMILION: "vermilion", PURPLE: "purple",
+             OLIVE: "olive", GREY: "grey"}
+
+
+@dataclass(frozen=True)
+class Look:
+    """What stands for a method. `hollow` markers are drawn in the colour, filled with PAPER."""
+
+    colour: str
+    marker: str
+    label: str
+    hollow: bool = False
+
+    @property
+    def line(self):
+        """Keywords for axes.plot."""
+        return {"color": self.colour, **self.points}
+
+    @property
+    def bars(self):
+        """Keywords for axes.errorbar, without a line between the points."""
+        return {"linestyle": "none", "ecolor": self.colour, "elinewidth": 1.2, "capsize": 2.5,
+                **self.points}
+
+    @property
+    def points(self):
+        """Keywords of markers, for axes.plot and axes.errorbar."""
+        return {"marker": self.marker, "markersize": 6, "markeredgewidth": 1.4,
+                "markeredgecolor": self.colour,
+                "markerfacecolor": PAPER if self.hollow else self.colour}
+
+
+LOOKS = {word: Look(colour, marker, word.replace("_", " ") if not label else label, hollow)
+         for word, colour, marker, label, hollow in (
+    # detail methods: a family has a colour, its members have markers
+    ("displaced", INK, "*", "displaced (truth)", False),
+    ("none", GREY, "X", "", False),
+    ("perturb", ORANGE, "s", "", False),
+    ("gram_schmidt", GREEN, "^", "Gram-Schmidt", False),
+    ("shortest_arc", PURPLE, "v", "shortest arc", False),
+    ("rotate", BLUE, "o", "", False),
+    ("rotate_approximate", BLUE, "o", "rotate, approximate", True),
+    ("rotate_literal", BLUE, "P", "rotate, as printed", True),
+    ("auto", SKY, "h", "", False),
+    ("deform_linear", VERMILION, "D", "deform, linear", False),
+    ("deform_linear_conserving", VERMILION, "D", "deform, linear, conserving", True),
+    ("deform_smooth", OLIVE, "p", "deform, smooth", False),
+    ("deform_smooth_conserving", OLIVE, "p", "deform, smooth, conserving", True),
+    # distributions
+    ("ashikhmin_shirley", BLUE, "o", "Ashikhmin-Shirley", False),
+    ("ward", VERMILION, "D", "Ward", False),
+    ("ward_half", VERMILION, "D", "Ward, cheap", True),
+    ("beckmann", GREEN, "^", "Beckmann", False),
+    ("ggx", ORANGE, "s", "GGX", False),
+    # precisions
+    ("fast", ORANGE, "s", "", False),
+    ("float", BLUE, "o", "", False),
+    ("double", GREEN, "^", "", False),
+    ("reference", INK, "*", "", False),
+    # horizons
+    ("hard", GREY, "X", "", False),
+    ("valid_reflection", ORANGE, "s", "", False),
+    ("estevez", GREEN, "^", "Estevez", False),
+    ("chiang", VERMILION, "D", "Chiang", False),
+    ("schuessler", PURPLE, "v", "Schüßler", False),
+    ("valid_estevez", BLUE, "o", "valid, Estevez", False),
+    # diffuse models
+    ("lambert", GREY, "X", "Lambert", False),
+    ("max_normal", ORANGE, "s", "maximum normal", False),
+    ("max_normal_scaled", ORANGE, "s", "maximum normal · 2/π", True),
+    ("fibre", GREEN, "^", "", False),
+    ("fibre_view", BLUE, "o", "fibre, view", False),
+    ("poulin_fournier", INK, "*", "Poulin-Fournier", False),
+    # cloth
+    ("near", INK, "*", "", False),
+    ("far", BLUE, "o", "far, tables", False),
+    ("far_nodes", BLUE, "o", "far, all lobes", True),
+    ("single", ORANGE, "s", "one lobe", False),
+    # renderers
+    ("libshade", BLUE, "o", "", False),
+    ("cycles", VERMILION, "D", "Cycles", False),
+    ("cycles_5", VERMILION, "D", "Cycles 5", True),
+    ("povray", GREEN, "^", "POV-Ray", False),
+    ("mitsuba", PURPLE, "v", "Mitsuba 3", False),
+)}
+_SPARE = [(c, m) for m in "<>Hd8" for c in (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, OLIVE)]
+
+
+def of(word):
+    """The look of a method by its word, - and _ alike; words that are not listed get one that stays."""
+    word = word.replace("-", "_")
+    if word not in LOOKS:
+        colour, marker = _SPARE[int(hashlib.sha256(word.encode()).hexdigest(), 16) % len(_SPARE)]
+        LOOKS[word] = Look(colour, marker, word.replace("_", " "), True)
+    return LOOKS[word]
+
+
+RC = {"svg.fonttype": "none", "svg.hashsalt": "libshade", "font.size": 10, "axes.titlesize": 10.5,
+      "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.titlepad": 8,
+      "axes.edgecolor": SOFT, "axes.labelcolor": INK, "text.color": INK, "axes.titlecolor": INK,
+      "xtick.color": SOFT, "ytick.color": SOFT, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
+      "xtick.labelsize": 9, "ytick.labelsize": 9, "axes.labelsize": 9.5,
+      "axes.grid": True, "grid.color": FAINT, "grid.linewidth": 0.7, "axes.axisbelow": True,
+      "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.8,
+      "xtick.major.size": 0, "ytick.major.size": 0, "xtick.minor.size": 0, "ytick.minor.size": 0,
+      "figure.facecolor": "none", "axes.facecolor": "none", "savefig.facecolor": "none",
+      "legend.frameon": False, "lines.linewidth": 1.5, "figure.constrained_layout.use": True}
+
+
+def figure(width=360, height=280, rows=1, columns=1, **keywords):
+    """(figure, axes) of that size in points, which are the page's pixels on a phone."""
+    with matplotlib.rc_context(RC):
+        return pyplot.subplots(rows, columns, figsize=(width / 72, height / 72), **keywords)
+
+
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def power(value):
+    """A number as an axis says it: 0.05, 2, 300, 10⁻⁶."""
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:g}"
+    digits, exponent = f"{value:.0e}".split("e")
+    raised = "10" + str(int(exponent)).translate(_RAISED)
+    return raised if digits == "1" else f"{digits}·{raised}"
+
+
+def log_ticks(axis, most=7):
+    """A logarithmic axis with plain numbers: decades, and 2 and 5 between them where there are few."""
+    getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+    low, high = sorted(axis.get_view_interval())
+    decades = math.log10(high / low)
+    subs = (1, 2, 5) if decades < 2.2 else (1,)
+    axis.set_major_locator(ticker.LogLocator(subs=subs, numticks=most))
+    axis.set_major_formatter(lambda value, _place: power(value))
+    axis.set_minor_locator(ticker.NullLocator())
+
+
+_AROUND = ((7, 0, "left"), (-7, 0, "right"), (0, 9, "center"), (0, -9, "center"), (7, 8, "left"),
+           (7, -8, "left"), (-7, 8, "right"), (-7, -8, "right"), (9, 16, "left"), (9, -16, "left"),
+           (-9, 16, "right"), (-9, -16, "right"), (10, 25, "left"), (10, -25, "left"),
+           (-10, 25, "right"), (-10, -25, "right"))
+
+
+def labels(axes, points, size=9):
+    """Write each word beside its point, (x, y, word), in its colour, where least lies below it."""
+    canvas = axes.figure
+    canvas.draw_without_rendering()  # the axes' place is known from here on
+    dots = axes.transData.transform([(x, y) for x, y, _word in points])
+    frame, taken, scale = axes.get_window_extent(), [], canvas.dpi / 72
+
+    def overlap(box):
+        x0, y0, x1, y1 = box
+        out = max(frame.x0 - x0, 0) + max(x1 - frame.x1 - 4, 0)
+        out += max(frame.y0 - y0, 0) + max(y1 - frame.y1, 0)
+        shared = sum(max(min(x1, b[2]) - max(x0, b[0]), 0) * max(min(y1, b[3]) - max(y0, b[1]), 0)
+                     for b in taken)
+        covered = sum(x0 - 4 < x < x1 + 4 and y0 - 4 < y < y1 + 4 for x, y in dots)
+        return 40 * out + shared + 60 * covered
+
+    for (x, y, word), (px, py) in zip(points, dots):
+        look = of(word)
+        wide, high = 0.56 * size * len(look.label) * scale, 1.1 * size * scale
+        best = None
+        for rank, (dx, dy, side) in enumerate(_AROUND):
+            left = px + dx * scale - {"left": 0, "right": wide, "center": wide / 2}[side]
+            below = py + dy * scale - high / 2
+            box = (left, below, left + wide, below + high)
+            cost = overlap(box) + rank
+            if best is None or cost < best[0]:
+                best = cost, box, dx, dy, side
+        _cost, box, dx, dy, side = best
+        taken.append(box)
+        line = {"arrowprops": {"arrowstyle": "-", "color": SOFT, "linewidth": 0.6, "shrinkA": 0,
+                               "shrinkB": 4}} if abs(dy) > 12 else {}
+        axes.annotate(look.label, (x, y), xytext=(dx, dy), textcoords="offset points", ha=side,
+                      va="center", fontsize=size, color=look.colour, **line)
+
+
+def svg(drawing):
+    """The figure as text to stand in HTML: colours as variables, text as text, ids of its own."""
+    with matplotlib.rc_context(RC), io.StringIO() as file:
+        drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None, "Format": None,
+                                                      "Type": None})
+        text = file.getvalue()
+    pyplot.close(drawing)
+    text = text[text.index("<svg"):]
+    text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", text, flags=re.S)
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.S)
+    text = re.sub(r"font: (?:(\d+|bold) )?([\d.]+px)[^;\"]*",
+                  lambda m: f"font-weight: {m[1] or 400}; font-size: {m[2]}", text)
+    text = re.sub(r"font-family: [^;\"]*;?", "", text)
+    for colour, name in VARIABLES.items():
+        text = text.replace(colour, f"var(--{name})")
+    own = "f" + hashlib.sha256(text.encode()).hexdigest()[:8] + "-"
+    used = set(re.findall(r"(?:url\(#|href=\"#)([^)\"]+)", text))
+    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{own}{m[1]}"' if m[1] in used else "", text)
+    text = re.sub(r'(url\(#|href="#)', rf"\g<1>{own}", text)
+    wide = float(re.search(r'viewBox="0 0 ([\d.]+)', text)[1])
+    text = re.sub(r'<svg[^>]*?(viewBox="[^"]*")[^>]*>',
+                  rf'<svg \1 style="--wide:{wide:g}" aria-hidden="true">', text, count=1)
+    return re.sub(r"\s*\n\s*", " ", text).replace("> <", "><").strip()
