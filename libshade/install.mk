@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The shared library, `make install` and `make uninstall`. Both take the usual directories:
-#   PREFIX BINDIR LIBDIR LIBEXECDIR INCLUDEDIR MANDIR PKGCONFIGDIR, and DESTDIR, put before
-#   all of them.
+#   PREFIX BINDIR LIBDIR LIBEXECDIR INCLUDEDIR MANDIR PKGCONFIGDIR PYTHONDIR, and DESTDIR, put
+#   before all of them.
 # Paths must hold no spaces.
 PREFIX ?= /usr/local
 BINDIR ?= $(PREFIX)/bin
@@ -11,6 +11,11 @@ MANDIR ?= $(PREFIX)/share/man
 PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
 LIBEXECDIR ?= $(PREFIX)/libexec
 INSTALL ?= install
+# where the system's Python looks for modules below PREFIX; where it looks nowhere there, a place to
+# name in PYTHONPATH
+PYTHON_LOOKS = import site, sys; \
+  print(next((p for p in site.getsitepackages() if p.startswith(sys.argv[1] + "/lib")), ""))
+PYTHONDIR ?= $(or $(shell $(PYTHON3) -c '$(PYTHON_LOOKS)' $(PREFIX) 2>/dev/null),$(PREFIX)/lib/python3/dist-packages)
 
 SHADE_VERSION := $(shell sed -n 's/^.define SHADE_VERSION "\(.*\)"/\1/p' $(L)/include/shade/shade.h)
 SHADE_SHARED := libshade.so.$(SHADE_VERSION)
@@ -28,10 +33,15 @@ INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
 INSTALLED_MAN3 := $(wildcard $(L)/man/*.3)
 # the tool looks for it in ../libexec/shade from where it is itself
 INSTALLED_MODULE = $(OIIO_MODULE:$(B)/%=$(LIBEXECDIR)/shade/%)
+PYTHON_MODULE := $(wildcard $(L)/python/shade/*.py)
+# beside it: where the library is, seen from there, so that both can be moved together
+PYTHON_PLACE := library.txt
+INSTALLED_PYTHON = $(addprefix $(PYTHONDIR)/shade/,$(notdir $(PYTHON_MODULE)) $(PYTHON_PLACE))
 INSTALLED_FILES = $(BINDIR)/shade $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
   $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
-  $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%)
+  $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%) \
+  $(INSTALLED_PYTHON)
 
 # directories below the prefix are written in its terms, so that the file can be moved with them
 in_prefix = $(patsubst $(PREFIX)/%,$${prefix}/%,$(1))
@@ -53,7 +63,7 @@ export SHADE_PC
 .PHONY: install uninstall
 install: all
 	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(INCLUDEDIR)/shade \
-	  $(MANDIR)/man1 $(MANDIR)/man3)
+	  $(MANDIR)/man1 $(MANDIR)/man3 $(PYTHONDIR)/shade)
 	$(INSTALL) -m 755 $(B)/shade $(DESTDIR)$(BINDIR)
 	$(INSTALL) -m 644 $(B)/libshade.a $(B)/$(SHADE_SHARED) $(DESTDIR)$(LIBDIR)
 	$(if $(OIIO_MODULE),$(INSTALL) -d $(DESTDIR)$(LIBEXECDIR)/shade && \
@@ -63,11 +73,15 @@ install: all
 	$(INSTALL) -m 644 $(INSTALLED_HEADERS) $(DESTDIR)$(INCLUDEDIR)/shade
 	$(INSTALL) -m 644 $(INSTALLED_MAN1) $(DESTDIR)$(MANDIR)/man1
 	$(INSTALL) -m 644 $(INSTALLED_MAN3) $(DESTDIR)$(MANDIR)/man3
+	$(INSTALL) -m 644 $(PYTHON_MODULE) $(DESTDIR)$(PYTHONDIR)/shade
+	@realpath -m -s --relative-to=$(PYTHONDIR)/shade $(LIBDIR)/$(SHADE_SHARED) \
+	  >$(DESTDIR)$(PYTHONDIR)/shade/$(PYTHON_PLACE) && chmod 644 $(DESTDIR)$(PYTHONDIR)/shade/$(PYTHON_PLACE)
 	@echo "$$SHADE_PC" >$(DESTDIR)$(PKGCONFIGDIR)/libshade.pc && \
 	  chmod 644 $(DESTDIR)$(PKGCONFIGDIR)/libshade.pc
 
 # what `install` of this version, with these directories, put there
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INSTALLED_FILES))
-	for folder in $(DESTDIR)$(INCLUDEDIR)/shade $(DESTDIR)$(LIBEXECDIR)/shade; do \
+	rm -rf $(DESTDIR)$(PYTHONDIR)/shade/__pycache__
+	for folder in $(addprefix $(DESTDIR),$(INCLUDEDIR)/shade $(LIBEXECDIR)/shade $(PYTHONDIR)/shade); do \
 	  if [ -d $$folder ]; then rmdir --ignore-fail-on-non-empty $$folder; fi; done

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make install`: what it puts where, that the programs of docs/library.md compile against it, manual pages."""
+"""`make install`: what it puts where, that Python finds what is for it, that the programs of docs/library.md compile against it, manual pages."""
 import math
 import os
 import pathlib
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
+MODULE = sorted((ROOT / "libshade/python/shade").glob("*.py"))
 PAGES = sorted((ROOT / "libshade/man").iterdir())
 # a make of its own, not a part of the one that may have started this
 ENVIRONMENT = {key: value for key, value in os.environ.items()
@@ -37,6 +39,8 @@ def expected(lib, man="share/man"):
     return ({"bin/shade", "libexec/shade/shade_image_oiio.so", f"{lib}/pkgconfig/libshade.pc"}
             | {f"{lib}/libshade.{end}" for end in ("a", "so", f"so.{short}", f"so.{version()}")}
             | {f"include/shade/{header.name}" for header in HEADERS}
+            | {f"lib/python3/dist-packages/shade/{name}"
+               for name in ("library.txt", *(path.name for path in MODULE))}
             | {f"{man}/man{page.suffix[1:]}/{page.name}" for page in PAGES})
 
 
@@ -58,9 +62,39 @@ def test_files(prefix):
     assert run(prefix / "bin/shade", "--version").startswith(f"shade {version()} (")
 
 
+def test_python_module(prefix, tmp_path):
+    """It finds the library that was installed with it, from anywhere, and when both were moved."""
+    script = ("import shade; print(shade.library, shade.D(shade.Material(ex=200, ey=10), None, [0, 0, 1.])"
+              " * 2 * 3.141592653589793)")
+    moved = tmp_path / "moved"
+    shutil.copytree(prefix, moved, symlinks=True)
+    for place in (prefix, moved):
+        found, peak = subprocess.run(
+            [sys.executable, "-B", "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path,
+            env=ENVIRONMENT | {"PYTHONPATH": str(place / "lib/python3/dist-packages")}).stdout.split()
+        assert os.path.realpath(found) == os.path.realpath(place / f"lib/libshade.so.{version()}")
+        assert float(peak) == pytest.approx(math.sqrt(201 * 11))
+    found = list((prefix / "lib/python3/dist-packages/shade").iterdir())
+    assert {path.name for path in found} == {"library.txt", *(path.name for path in MODULE)}
+
+
+@pytest.mark.parametrize("where", ["/usr/local", "/usr"])
+def test_python_looks_there(tmp_path, where):
+    """Below the usual prefixes the system's Python finds the module without being told."""
+    run("make", "install", f"DESTDIR={tmp_path}", f"PREFIX={where}")
+    found, = tmp_path.glob("usr/**/shade/__init__.py")
+    folder = "/" + str(found.parents[1].relative_to(tmp_path))
+    assert folder in run("/usr/bin/python3", "-c", "import site; print(*site.getsitepackages())").split()
+    cache = found.parent / "__pycache__"
+    cache.mkdir()
+    (cache / "__init__.cpython-311.pyc").touch()
+    run("make", "uninstall", f"DESTDIR={tmp_path}", f"PREFIX={where}")
+    assert not files(tmp_path)
+
+
 def test_destdir_and_uninstall(tmp_path):
     where = [f"DESTDIR={tmp_path}", "PREFIX=/opt/shade", "LIBDIR=/usr/lib/some-triplet",
-             "MANDIR=/usr/man"]
+             "MANDIR=/usr/man", "PYTHONDIR=/opt/shade/lib/python3/dist-packages"]
     run("make", "install", *where)
     strange = tmp_path / "opt/shade/include/shade/mine.h"
     strange.write_text("/* not libshade's */\n")
@@ -70,6 +104,8 @@ def test_destdir_and_uninstall(tmp_path):
     pc = (tmp_path / "usr/lib/some-triplet/pkgconfig/libshade.pc").read_text()
     assert "libdir=/usr/lib/some-triplet\n" in pc and "includedir=${prefix}/include\n" in pc
     assert str(tmp_path) not in pc
+    place = (tmp_path / "opt/shade/lib/python3/dist-packages/shade/library.txt").read_text()
+    assert place == f"../../../../../../usr/lib/some-triplet/libshade.so.{version()}\n"
     run("make", "uninstall", *where)
     assert files(tmp_path) == {"opt/shade/include/shade/mine.h"}
     strange.unlink()

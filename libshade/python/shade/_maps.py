@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Normal maps and scratches seen over a footprint, and what they make of a lobe (maps.h)."""
+import collections
+import ctypes
+import weakref
+
+import numpy as np
+
+from . import _structs as structs
+from ._arrays import Call, gather
+from ._library import LIB, PARAMS_SIZE, one_of
+from ._material import UP, Material, numbers
+
+Seen = collections.namedtuple("Seen", "normal covariance")
+Split = collections.namedtuple("Split", "x y angle n weight")
+NORMALS = {"colour": (0,), "signed": (1,), "slope": (2,)}
+WRAPS = {"repeat": (0,), "clamp": (1,), "mirror": (2,)}
+LOBES = 8
+
+
+def _places(uv, footprint):
+    call = Call().add("uv", uv, "u", "v")
+    return call.add("footprint", footprint, "du1", "dv1", "du2", "dv2")
+
+
+def _one_by_one(call, look_up, status):
+    """normal (…, 3) and covariance (…, 3) in double, by a call for each place."""
+    call.dtype = np.dtype(np.float64)
+    made, slopes = call.columns(), structs.Slopes()
+    sides = np.ascontiguousarray(np.stack([made[m] for m in ("du1", "dv1", "du2", "dv2")], -1)) \
+        if "du1" in made else None
+    out = np.zeros((call.count, 6))
+    for k, (u, v) in enumerate(zip(made["u"].tolist(), made["v"].tolist())):
+        gather(status, look_up(u, v, None if sides is None else sides[k].ctypes.data, ctypes.byref(slopes)))
+        out[k] = *slopes.normal, *slopes.covariance
+    out = out.reshape(*call.shape, 6)
+    return Seen(out[..., :3], out[..., 3:])
+
+
+class SlopeMap:
+    """A normal map with its pyramid of slopes. pixels: (height, width, channels), row 0 the top; `normals`:
+    colour, signed or slope; `wrap`: repeat, clamp or mirror; `directx`: green points down; strength: [0, 100]."""
+
+    def __init__(self, pixels, *, normals="colour", wrap="repeat", directx=False, strength=1.0, status=None):
+        pixels = np.ascontiguousarray(pixels, np.float32)
+        options, bits = structs.SlopeOptions(), ctypes.c_uint()
+        LIB.shade_slope_options_init(ctypes.byref(options))
+        options.normals, options.wrap = one_of("normals", normals, NORMALS), one_of("wrap", wrap, WRAPS)
+        options.directx = bool(directx)
+        options.strength, = numbers("strength", strength, 1, 0, 100)
+        if pixels.ndim != 3 or pixels.shape[2] < 2 or not all(1 <= side <= 65536 for side in pixels.shape[:2]):
+            raise ValueError(f"pixels: an array of shape {pixels.shape} given; expected (height, width, 2 or more), "
+                             "sides of 1 to 65536")
+        self._map = LIB.shade_slope_map_create(pixels.ctypes.data, pixels.shape[1], pixels.shape[0],
+                                               pixels.shape[2], ctypes.byref(options), ctypes.byref(bits))
+        if not self._map:
+            raise MemoryError("no room for this map")
+        weakref.finalize(self, LIB.shade_slope_map_free, self._map)
+        gather(status, bits.value)
+
+    def look_up(self, uv, footprint=None, *, status=None):
+        """Mean normal (…, 3) and covariance of the slopes (…, 3: xx, xy, yy) over the footprint (…, 4: the sides
+        du1, dv1, du2, dv2 of a parallelogram in uv) about uv (…, 2). In float32 many at a time, in float64 one
+        after the other (microseconds each)."""
+        call = _places(uv, footprint).prepare()
+        if not call.ending:
+            return _one_by_one(call, lambda *rest: LIB.shade_slope_lookup(self._map, *rest), status)
+        lanes = call.lanes(structs.SlopeLanes)
+        result, made = call.results(structs.SlopeResult, normal="nx ny nz", covariance="cxx cxy cyy")
+        gather(status, LIB.shade_slope_lookup_batchf(self._map, call.count, ctypes.byref(lanes),
+                                                     ctypes.byref(result)))
+        return Seen(made["normal"], made["covariance"])
+
+
+class Scratches:
+    """A field of scratches on a tile that repeats. `layers`: dictionaries, at most 8, of pits (how many), radius,
+    stretch, depth (a number or the two ends of a range), direction, spread (radians): maps.h. `cells`: of the
+    table that answers footprints; 0: none."""
+
+    RANGES = {"radius": (1e-6, 0.5), "stretch": (1, 1e5), "depth": (0, 0.99)}
+    SINGLE = {"pits": (0, 4000000), "direction": (-1e6, 1e6), "spread": (0, np.pi / 2)}
+
+    def __init__(self, *layers, seed=None, aspect=None, cells=None):
+        params = structs.ScratchParams()
+        LIB.shade_scratch_params_init(ctypes.byref(params))
+        if len(layers) > len(params.layer):
+            raise ValueError(f"layers: {len(layers)} given; expected at most {len(params.layer)}")
+        params.layers = len(layers) or params.layers
+        params.seed = params.seed if seed is None else int(seed)
+        for name, value, low, high, kind in (("aspect", aspect, 1e-3, 1e3, float), ("cells", cells, 0, 4096, int)):
+            if value is not None:
+                setattr(params, name, kind(numbers(name, value, 1, low, high)[0]))
+        for layer, given in zip(params.layer, layers):
+            self._fill(layer, given)
+        self._field = LIB.shade_scratch_create(ctypes.byref(params), None)
+        if not self._field:
+            raise MemoryError("no room for these scratches")
+        weakref.finalize(self, LIB.shade_scratch_free, self._field)
+
+    def _fill(self, layer, given):
+        for name, value in given.items():
+            if name in self.RANGES:
+                ends = np.ravel(value).tolist()
+                if len(ends) not in (1, 2):
+                    raise ValueError(f"{name}: {value!r} given; expected a number or the two ends of a range")
+                low, high = (numbers(name, end, 1, *self.RANGES[name])[0] for end in (ends[0], ends[-1]))
+                setattr(layer, name, structs.Range(low, high))
+            elif name in self.SINGLE:
+                number, = numbers(name, value, 1, *self.SINGLE[name])
+                setattr(layer, name, int(number) if name == "pits" else number)
+            else:
+                raise TypeError(f"{name!r}: no such parameter of a layer; there are "
+                                + ", ".join([*self.SINGLE, *self.RANGES]))
+
+    def look_up(self, uv, footprint=None, *, status=None):
+        """Mean normal and covariance, as of a SlopeMap, in double; microseconds each."""
+        return _one_by_one(
+            _places(uv, footprint).prepare(),
+            lambda u, v, sides, out: LIB.shade_scratch_eval(self._field, u, v, sides, None, out), status)
+
+    def picture(self, width, height, *, samples=1):
+        """(heights (height, width), in tile widths; unit normals (height, width, 3)), float32, row 0 the top."""
+        if min(width, height, samples) < 1:
+            raise ValueError(f"picture: {width} x {height}, {samples} samples given; expected 1 or more of each")
+        depth, normal = np.zeros((height, width), np.float32), np.zeros((height, width, 3), np.float32)
+        LIB.shade_scratch_rows(self._field, width, height, 0, height, samples, depth.ctypes.data,
+                               normal.ctypes.data)
+        return depth, normal
+
+
+def split(material, n, covariance, most=1, *, status=None):
+    """The lobes that stand for a material's over slopes of that mean normal n (…, 3; None: z) and covariance (…, 3):
+    one of the given, `most` (1 to 8) of equal shape. Returns (x, y, angle, n, weight): the exponents or alphas along
+    and across (…); by how much their axes are turned from the tangent, radians (…); normals (…, most, 3), not
+    turned; weights (…, most), 0 where fewer do."""
+    most = int(numbers("most", most, 1, 1, LOBES)[0])
+    call = Call().add("n", UP if n is None else n, "nx", "ny", "nz").add("covariance", covariance, "xx", "xy", "yy")
+    call.prepare().dtype = np.dtype(np.float64)
+    made = np.stack(list(call.columns().values()), -1)
+    wide, angle, lobes = (ctypes.c_double * (PARAMS_SIZE // 8))(), ctypes.c_double(), structs.SlopeLobes()
+    shape = np.zeros((call.count, 3))
+    normals, weights = np.zeros((call.count, most, 3)), np.zeros((call.count, most))
+    normals[..., 2] = 1
+    carrier = object.__new__(Material)
+    carrier._params = wide
+    names = ("ex", "ey") if material.mdf == "ashikhmin_shirley" else ("ax", "ay")
+    for k, row in enumerate(made):
+        gather(status, LIB.shade_params_split(
+            material._params, row.ctypes.data, row[3:].ctypes.data, most, wide, ctypes.byref(angle),
+            ctypes.byref(lobes)))
+        shape[k] = *(getattr(carrier, name) for name in names), angle.value
+        count, c, s = lobes.count, np.cos(angle.value), np.sin(angle.value)
+        x, y = np.array(lobes.nx[:count]), np.array(lobes.ny[:count])
+        normals[k, :count] = np.stack([c * x - s * y, s * x + c * y, lobes.nz[:count]], -1)
+        weights[k, :count] = lobes.weight[:count]
+    x, y, turn = np.moveaxis(shape.reshape(*call.shape, 3), -1, 0)
+    return Split(x[()], y[()], turn[()], normals.reshape(*call.shape, most, 3), weights.reshape(*call.shape, most))

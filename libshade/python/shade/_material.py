@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Materials, and what one reflects: shade.h over numpy arrays."""
+import collections
+import ctypes
+import functools
+import json
+
+import numpy as np
+
+from . import _structs as structs
+from ._arrays import Call, gather
+from ._library import LIB, PARAMS_SIZE, Preset, one_of, plain, rows, text, words
+
+Parameter = collections.namedtuple(
+    "Parameter", "word unit help components minimum maximum initial list choices")
+Choice = collections.namedtuple("Choice", "value label help")
+MetalRow = collections.namedtuple("MetalRow", "label eta k")
+Shaded = collections.namedtuple("Shaded", "f cosine")
+Drawn = collections.namedtuple("Drawn", "wi f pdf cosine")
+COLOURS = ("f0", "f82", "eta", "k", "kd")
+PARTS = {"both": (0,), "specular": (1,), "diffuse": (2,)}
+
+
+@functools.lru_cache(None)
+def lists():
+    """{name of a choice list: its default}: "mdf", "brdf", "detail", …"""
+    listed, about = {}, structs.ListInfo()
+    while LIB.shade_list_about(len(listed), ctypes.byref(about)):
+        listed[text(about.word)] = text(LIB.shade_list_word(len(listed), about.initial))
+    return listed
+
+
+@functools.lru_cache(None)
+def choices(name):
+    """{word: Choice(value, label, help)} of a choice list."""
+    number = one_of("list", name, {word: (k,) for k, word in enumerate(lists())})
+    return {word: Choice(*row) for word, row in words(LIB.shade_list_row, number).items()}
+
+
+@functools.lru_cache(None)
+def parameters():
+    """{name: Parameter} of a material's numbers, in the table's order. `list` and `choices` say which choices
+    read it (None: all do)."""
+    names, listed = list(lists()), {}
+    for info in rows(LIB.shade_param_row, structs.ParamInfo):
+        of = names[info.list] if info.list < len(names) else None
+        read_by = tuple(w for w, c in choices(of).items() if info.choices >> c.value & 1) if of else None
+        listed[text(info.word)] = Parameter(text(info.word), text(info.unit), text(info.help), info.components,
+                                            info.minimum, info.maximum, info.initial, of, read_by)
+    return listed
+
+
+def metals():
+    """{word: (label, eta, k)} of the measured metals, eta and k at red, green and blue."""
+    return {text(row.word): MetalRow(text(row.label), tuple(row.eta), tuple(row.k))
+            for row in rows(LIB.shade_metal_row, structs.Metal)}
+
+
+def numbers(name, value, components, minimum, maximum):
+    """`components` doubles within the range, or an error that names all three."""
+    try:
+        given = np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        given = np.full(9, np.nan)
+    fits = given.shape == () or given.shape == (components,) != (1,)
+    if not (fits and np.all((given >= minimum) & (given <= maximum))):  # NaN is not
+        expected = "a number" if components == 1 else f"one number or {components}"
+        raise ValueError(f"{name}: {value!r} given; expected {expected} from {minimum:g} to {maximum:g}")
+    return (ctypes.c_double * components)(*np.broadcast_to(given, components))
+
+
+class Material:
+    """A metal or another surface, ready to be evaluated. Choices and numbers by the names of the table
+    (`shade.lists()`, `shade.parameters()`): `Material(mdf="ggx", ax=.1, ay=.4, f0=(.9, .7, .3))`.
+
+    An exponent sets the alpha of its axis and the other way round. `preset` (a metal of `shade.presets()`) and
+    `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
+    program states it, then the rest. `fast`: D in float may be quicker and less accurate. Values are read as
+    attributes and never change: `replace` makes another material.
+    """
+
+    def __init__(self, *, preset=None, metal=None, roughness=None, fast=None, **values):
+        self._params = (ctypes.c_double * (PARAMS_SIZE // 8))()
+        LIB.shade_params_init(self._params)
+        if preset is not None:
+            self._take_preset(preset)
+        self._set(metal, roughness, fast, values)
+
+    def _take_preset(self, name):
+        found = Preset()
+        if not LIB.shade_preset_find(str(name).encode(), ctypes.byref(found)) or found.kind != 1:
+            raise ValueError(f"preset: {name!r} given; expected a metal of shade.presets()")
+        self._params = type(self._params)(*found.metal)
+
+    def _set(self, metal, roughness, fast, values):
+        if metal is not None and not LIB.shade_params_set_metal(self._params, str(metal).encode()):
+            raise ValueError(f"metal: {metal!r} given; expected one of {', '.join(metals())}")
+        if roughness is not None:
+            try:
+                convention, rough, anisotropy = roughness
+            except (TypeError, ValueError):
+                raise ValueError(f"roughness: {roughness!r} given; expected (convention, roughness, anisotropy)") \
+                    from None
+            value = one_of("roughness", convention, words(LIB.shade_roughness_row))
+            rough, = numbers("roughness", rough, 1, 0, 1)
+            anisotropy, = numbers("anisotropy", anisotropy, 1, -1, 1)
+            LIB.shade_params_set_roughness(self._params, value, rough, anisotropy)
+        if fast is not None:
+            structs.ParamsHead.from_buffer(self._params).fast = bool(fast)
+        for name, value in values.items():
+            self._set_one(name, value)
+        self._bsdf = structs.Bsdf()
+        LIB.shade_bsdf_setup(ctypes.byref(self._bsdf), self._params)
+
+    def _set_one(self, name, value):
+        if name in lists():
+            LIB.shade_params_set_choice(self._params, list(lists()).index(name), one_of(name, value, choices(name)))
+        elif name in parameters():
+            row = parameters()[name]
+            LIB.shade_params_set(self._params, list(parameters()).index(name),
+                                 numbers(name, value, row.components, row.minimum, row.maximum))
+        else:
+            raise TypeError(f"{name!r}: no such parameter; there are preset, metal, roughness, fast, "
+                            + ", ".join([*lists(), *parameters()]))
+
+    def replace(self, *, metal=None, roughness=None, fast=None, **values):
+        """A material like this but for what is given."""
+        other = object.__new__(Material)
+        other._params = type(self._params)(*self._params)
+        other._set(metal, roughness, fast, values)
+        return other
+
+    def __getattr__(self, name):
+        if name in lists():
+            number = list(lists()).index(name)
+            return text(LIB.shade_list_word(number, LIB.shade_params_get_choice(self._params, number)))
+        if name in parameters():
+            got = (ctypes.c_double * 3)()
+            LIB.shade_params_get(self._params, list(parameters()).index(name), got)
+            return tuple(got) if parameters()[name].components == 3 else got[0]
+        raise AttributeError(f"a material has no {name!r}")
+
+    def __dir__(self):
+        return [*super().__dir__(), *lists(), *parameters()]
+
+    def json(self, number=0, name=None):
+        """As the header of a dump has it: a dictionary."""
+        name = None if name is None else str(name).encode()
+        length = LIB.shade_params_json(self._params, number, name, None, 0)
+        buffer = ctypes.create_string_buffer(length + 1)
+        LIB.shade_params_json(self._params, number, name, buffer, len(buffer))
+        return json.loads(buffer.value)
+
+    def __repr__(self):
+        said = [f"{name}={getattr(self, name)!r}" for name, first in lists().items() if getattr(self, name) != first]
+        reads = {name: row for name, row in parameters().items()
+                 if row.list is None or getattr(self, row.list) in row.choices}
+        said += [f"{name}={getattr(self, name)!r}" for name, row in reads.items()]
+        return f"shade.Material({', '.join(said)})"
+
+    def __reduce__(self):
+        return _again, (bytes(self._params),)
+
+
+def _again(params):
+    material = object.__new__(Material)
+    material._params = (ctypes.c_double * (PARAMS_SIZE // 8)).from_buffer_copy(params)
+    material._set(None, None, None, {})
+    return material
+
+
+UP = (0.0, 0.0, 1.0)
+
+
+def _varied(call, parts, varied):
+    """Parameters of each sample. Returns the number of `parts`."""
+    for name, value in varied.items():
+        if name in COLOURS:
+            call.add(name, value, *(name + c for c in "rgb"))
+        elif name in ("ax", "ay", "ex", "ey"):
+            call.add(name, value, name)
+        elif name == "groove":
+            call.add(name, value, "groove_x", "groove_y")
+        else:
+            raise TypeError(f"{name!r}: no parameter of a sample; there are ax, ay, ex, ey, groove, "
+                            + ", ".join(COLOURS))
+    return one_of("parts", parts, PARTS)
+
+
+def _directions(call, n, wo):
+    call.add("n", UP if n is None else n, "nx", "ny", "nz").add("wo", wo, "wox", "woy", "woz")
+    return call
+
+
+def _made(material):
+    if not isinstance(material, Material):
+        raise TypeError(f"{material!r} given; expected a shade.Material")
+    return ctypes.byref(material._bsdf)
+
+
+def eval(material, n, wi, wo, *, parts="both", status=None, **varied):
+    """f(wi, wo) in 1/sr, RGB, and its cosine: a picture is f · cosine · irradiance. Returns (f, cosine), of the
+    shapes (…, 3) and (…).
+
+    n (None: z), wi, wo: (…, 3), unit, broadcast against each other. `varied`: parameters of each sample instead
+    of the material's, ax, ay, ex, ey (…); f0, f82, eta, k, kd (…, 3); groove (…, 2). `parts`: both, specular or
+    diffuse. `status`: a Status that gathers what had to be mended. float32 where all numpy arrays are, else
+    float64.
+    """
+    call = _directions(Call(), n, wo).add("wi", wi, "wix", "wiy", "wiz")
+    number = _varied(call, parts, varied)
+    lanes = call.prepare().lanes(structs.Lanes, parts=number)
+    result, made = call.results(structs.Result, f="r g b", cosine="cosine")
+    function = getattr(LIB, "shade_bsdf_eval_batch" + call.ending)
+    gather(status, function(_made(material), call.count, ctypes.byref(lanes), ctypes.byref(result)))
+    return Shaded(made["f"], made["cosine"][()])
+
+
+def D(material, n, h, *, status=None):
+    """D'(h), the distribution carried by the perturbed normal, in 1/sr: an array (…)."""
+    call = Call().add("n", UP if n is None else n, "nx", "ny", "nz").add("h", h, "hx", "hy", "hz").prepare()
+    made, out = call.columns(), np.zeros(call.count, call.dtype)
+    function = getattr(LIB, "shade_mdf_eval_batch" + call.ending)
+    gather(status, function(_made(material), call.count, *(a.ctypes.data for a in made.values()), out.ctypes.data))
+    return out.reshape(call.shape)[()]
+
+
+def pdf(material, n, wi, wo, *, parts="both", status=None, **varied):
+    """The density, in 1/sr, with which `sample` draws wi for wo: an array (…)."""
+    call = _directions(Call(), n, wo).add("wi", wi, "wix", "wiy", "wiz")
+    number = _varied(call, parts, varied)
+    lanes, out = call.prepare().lanes(structs.Lanes, parts=number), np.zeros(call.count, call.dtype)
+    function = getattr(LIB, "shade_bsdf_pdf_batch" + call.ending)
+    gather(status, function(_made(material), call.count, ctypes.byref(lanes), out.ctypes.data))
+    return out.reshape(call.shape)[()]
+
+
+def sample(material, n, wo, u, *, parts="both", status=None, **varied):
+    """Draw wi for wo from u (…, 2), uniform in [0, 1). Returns (wi, f, pdf, cosine); all 0 where the draw found
+    no direction, which counts in an average: f · cosine / pdf over u is the albedo."""
+    call = _directions(Call(), n, wo).add("u", u, "u1", "u2")
+    number = _varied(call, parts, varied)
+    lanes = call.prepare().lanes(structs.SampleLanes, parts=number)
+    result, made = call.results(structs.SampleResult, wi="wix wiy wiz", f="r g b", pdf="pdf", cosine="cosine")
+    function = getattr(LIB, "shade_bsdf_sample_batch" + call.ending)
+    gather(status, function(_made(material), call.count, ctypes.byref(lanes), ctypes.byref(result)))
+    return Drawn(made["wi"], made["f"], made["pdf"][()], made["cosine"][()])
+
+
+def isa():
+    """The instruction set that what is made now runs on: "avx512", "avx2", "sse2" or "scalar"."""
+    return text(LIB.shade_isa())

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Python module: its structures and prototypes against a C compiler and the headers, what it shades against the
+reference (through the tool), arrays of all shapes, errors."""
+import doctest
+import math
+import os
+import pathlib
+import pickle
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "libshade" / "python"))
+import shade  # noqa: E402
+from shade import _library, _structs  # noqa: E402
+
+SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
+HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
+
+
+# ---- the C interface ------------------------------------------------------------------------
+
+def test_structures(tmp_path):
+    """Size of every structure, offset and size of every member, as a C compiler has them."""
+    structures = [*_structs.ALL, _library.Preset]
+    lines, ours = [], []
+    for structure in structures:
+        for name in structure.c_names:
+            if structure is not _structs.ParamsHead:
+                lines.append(f'printf("{name} %zu\\n", sizeof({name}));')
+                ours.append(f"{name} {_structs.ctypes.sizeof(structure)}")
+            for member, _ in structure._fields_:
+                field = getattr(structure, member)
+                lines.append(f'printf("{name}.{member} %zu %zu\\n", offsetof({name}, {member}), '
+                             f'sizeof((({name} *)0)->{member}));')
+                ours.append(f"{name}.{member} {field.offset} {field.size}")
+    (tmp_path / "print.c").write_text(
+        "#include <stdio.h>\n" + "".join(f'#include "shade/{header.name}"\n' for header in HEADERS)
+        + "int main(void) {\n" + "\n".join(lines) + "\n}\n")
+    subprocess.run(["cc", "-std=c11", f"-I{ROOT}/libshade/include", "print.c", "-o", "print"], cwd=tmp_path, check=True)
+    printed = subprocess.run([tmp_path / "print"], capture_output=True, text=True, check=True).stdout
+    assert printed.splitlines() == ours
+    assert len(ours) > 250
+
+
+def kind(declared):
+    """p, s, n, i, u, d or v, as _library.PROTOTYPES writes them, of a C declaration without its name."""
+    if "*" in declared or "[" in declared:
+        return "s" if re.match(r"const char \*(?!\*)", declared) else "p"
+    word = declared.split()[0]
+    return {"size_t": "n", "unsigned": "u", "double": "d", "void": "v"}.get(word, "i")
+
+
+def test_prototypes():
+    text = "".join(header.read_text() for header in HEADERS)
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    declared = {}
+    for returns, name, parameters in re.findall(r"SHADE_API\s+([^;(]*?)(\bshade_\w+)\(([^)]*)\)", text):
+        listed = [" ".join(p.split()) for p in parameters.split(",")]
+        declared[name] = kind(returns) + " " + "".join(kind(p) for p in listed if p != "void")
+    for line in filter(None, _library.PROTOTYPES.splitlines()):
+        returns, name, *parameters = line.split()
+        assert f"{returns} {''.join(parameters)}" == declared[name], name
+
+
+@pytest.mark.parametrize("name, says", [
+    ("/no/such/libshade.so", "no such file"), (str(ROOT / "README.md"), "invalid ELF")])
+def test_no_library(name, says):
+    done = subprocess.run([sys.executable, "-c", "import shade"], capture_output=True, text=True, check=False,
+                          env=os.environ | {"LIBSHADE_LIBRARY": name, "PYTHONPATH": str(ROOT / "libshade/python")})
+    assert done.returncode == 1 and says in done.stderr and name in done.stderr
+
+
+def test_page_examples():
+    """The examples of docs/python.md, in order, in one session."""
+    page = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    blocks = "\n".join(re.findall(r"^```python\n(.*?)^```$", page, flags=re.S | re.M))
+    parsed = doctest.DocTestParser().get_doctest(blocks, {}, "python.md", "docs/python.md", 0)
+    assert len(parsed.examples) > 20
+    assert doctest.DocTestRunner().run(parsed).failed == 0
+
+
+# ---- values against the reference -------------------------------------------------------------
+
+def tool(what, options, *columns):
+    """`shade eval` by the reference, a line of numbers for a row of the columns. Of colours it takes grey ones."""
+    lines = "\n".join(" ".join(map(repr, row)) for row in np.concatenate(columns, -1).tolist()) + "\n"
+    words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
+    done = subprocess.run([SHADE, "eval", "--what", what, "--precision", "reference", *words], input=lines, text=True,
+                          capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return np.array(done.stdout.split(), float).reshape(len(columns[0]), -1)
+
+
+def reference_f(options, *columns):
+    """f in three channels, each by the colours' own."""
+    return np.concatenate([tool("f", {name: value[c] if isinstance(value, tuple) else value
+                                      for name, value in options.items()}, *columns) for c in range(3)], -1)
+
+
+def directions(count, seed, lowest=0.2):
+    random = np.random.default_rng(seed)
+    z, phi = random.uniform(lowest, 1, count), random.uniform(0, 2 * np.pi, count)
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+
+
+COUNT = 40
+N, WI, WO = directions(COUNT, 1, 0.6), directions(COUNT, 2), directions(COUNT, 3)
+
+
+@pytest.mark.parametrize("detail", list(shade.choices("detail")))
+def test_d(detail):
+    for mdf in shade.choices("mdf"):
+        lobe = {"ex": 60.0, "ey": 7.0} if mdf == "ashikhmin_shirley" else {"ax": 0.2, "ay": 0.5}
+        material = shade.Material(mdf=mdf, detail=detail, **lobe)
+        h = directions(COUNT, 4, 0.3)
+        truth = tool("D", {"mdf": mdf, "detail": detail, **lobe}, N, h)[:, 0]
+        assert shade.D(material, N, h) == pytest.approx(truth, rel=1e-10, abs=1e-12)
+        ours = shade.D(material, N.astype("f4"), h.astype("f4"))
+        assert ours.dtype == np.float32 and ours == pytest.approx(truth, rel=1e-3, abs=1e-6)
+
+
+MATERIALS = [
+    {"ex": 80.0, "ey": 9.0, "fresnel": "schlick", "f0": (0.9, 0.5, 0.2), "kd": (0.1, 0.2, 0.3), "diffuse": "fibre",
+     "horizon": "valid_estevez"},
+    {"mdf": "ggx", "ax": 0.15, "ay": 0.4, "brdf": "microfacet", "detail": "gram_schmidt", "fresnel": "f82",
+     "f0": (0.9, 0.5, 0.2), "f82": (0.8, 0.7, 0.6), "horizon": "schuessler"},
+    {"mdf": "beckmann", "ax": 0.4, "ay": 0.2, "brdf": "microfacet", "groove": "y", "fresnel": "conductor",
+     "eta": (1.5, 1.0, 0.6), "k": (7.0, 6.0, 5.0), "horizon": "hard"}]
+
+
+@pytest.mark.parametrize("values", MATERIALS)
+def test_eval_and_pdf(values):
+    material = shade.Material(**values)
+    options = {key: value for key, value in values.items() if key != "fresnel"}
+    truth = reference_f(options, N, WI, WO)
+    said = shade.Status()
+    f, cosine = shade.eval(material, N, WI, WO, status=said)
+    assert f == pytest.approx(truth, rel=1e-9, abs=1e-12) and (truth > 0).any() and not said
+    assert cosine.shape == (COUNT,) and np.all((cosine > 0) | (f[:, 0] == 0))
+    grey = {name: 0.5 if isinstance(value, tuple) else value for name, value in options.items()}
+    plain = material.replace(**{name: 0.5 for name, value in options.items() if isinstance(value, tuple)})
+    density = tool("pdf", grey, N, WI, WO)[:, 0]
+    assert shade.pdf(plain, N, WI, WO) == pytest.approx(density, rel=1e-9, abs=1e-12)
+    wi, f, pdf, cosine = shade.sample(plain, N, WO, np.random.default_rng(5).random((COUNT, 2)))
+    drawn = pdf > 0
+    assert drawn.any() and np.all(wi[~drawn] == 0)
+    assert np.linalg.norm(wi[drawn], axis=-1) == pytest.approx(1, abs=1e-9)
+    assert f[drawn] == pytest.approx(reference_f(grey, N[drawn], wi[drawn], WO[drawn]), rel=1e-6)
+    assert pdf[drawn] == pytest.approx(tool("pdf", grey, N[drawn], wi[drawn], WO[drawn])[:, 0], rel=1e-6)
+
+
+def test_parameters_of_each_sample():
+    """A lane with its own parameters is the material that has them; the groove turns the frame."""
+    base = shade.Material(mdf="ggx", brdf="microfacet", kd=0.2)
+    random = np.random.default_rng(6)
+    ax, ay, f0 = random.uniform(0.1, 0.6, 5), random.uniform(0.1, 0.6, 5), random.random((5, 3))
+    f, _ = shade.eval(base, N[:5], WI[:5], WO[:5], ax=ax, ay=ay, f0=f0, kd=(0.1, 0.3, 0.5))
+    for k in range(5):
+        options = {"mdf": "ggx", "brdf": "microfacet", "ax": ax[k], "ay": ay[k], "f0": tuple(f0[k].tolist()),
+                   "kd": (0.1, 0.3, 0.5), "horizon": "valid_estevez"}
+        assert f[k] == pytest.approx(reference_f(options, N[k:k + 1], WI[k:k + 1], WO[k:k + 1])[0], rel=1e-9)
+    narrow = shade.Material(mdf="ggx", ax=0.11, ay=0.07)
+    assert shade.pdf(base, N, WI, WO, ax=0.11, ay=0.07, parts="specular") == pytest.approx(
+        shade.pdf(narrow.replace(brdf="microfacet"), N, WI, WO), rel=1e-6)
+    quarter = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    turned = shade.eval(base, N @ quarter.T, WI @ quarter.T, WO @ quarter.T).f
+    assert shade.eval(base, N, WI, WO, groove=(0, 1)).f == pytest.approx(turned, rel=1e-9)
+    both, specular, diffuse = (shade.eval(base, N, WI, WO, parts=p).f for p in ("both", "specular", "diffuse"))
+    assert both == pytest.approx(specular + diffuse, rel=1e-9) and (diffuse > 0).any() and (specular > 0).any()
+
+
+# ---- arrays --------------------------------------------------------------------------------------
+
+def test_shapes_and_types():
+    material = shade.Material(ex=50, ey=5)
+    one = shade.D(material, None, WI[3])
+    assert isinstance(one, float) and one == shade.D(material, (0, 0, 1), WI)[3]
+    grid = shade.eval(material, N[:4, None], WI[None, :6], WO[0])
+    assert grid.f.shape == (4, 6, 3) and grid.cosine.shape == (4, 6)
+    assert grid.f[2, 5].tolist() == shade.eval(material, N[2], WI[5], WO[0]).f.tolist()
+    strided = np.asfortranarray(np.repeat(WI, 2, 0))[::2]
+    assert not strided.flags.c_contiguous
+    assert shade.D(material, N, strided).tolist() == shade.D(material, N, WI).tolist()
+    assert shade.D(material, N[:0], WI[:0]).shape == (0,)
+    assert shade.D(material, N.astype("f4"), WI).dtype == np.float64
+    assert shade.D(material, N.astype("f4"), [0, 0, 1]).dtype == np.float32
+    assert shade.D(material, None, [0, 0, 1]).dtype == np.float64
+    assert shade.D(material, N.astype("f4").astype("f2"), WI.astype("f4")).dtype == np.float32
+    assert shade.D(material, [[0, 0, 1]], [[0, 0, 1], [0, 0, 1]]) == pytest.approx([math.sqrt(51 * 6) / 2 / math.pi] * 2)
+    drawn = shade.sample(material, N[:, None], WO[:, None], np.full((7, 2), 0.5))
+    assert drawn.wi.shape == (COUNT, 7, 3) and drawn.pdf.shape == (COUNT, 7)
+
+
+def test_what_was_mended_is_said():
+    said = shade.Status()
+    assert not said and str(said) == "ok"
+    assert shade.D(shade.Material(), [0, 0, -1.0], [0, 0, 1.0], status=said) >= 0
+    assert str(said) == "clamped normal" and "clamped normal" in said and "bad input" not in said
+    f = shade.eval(shade.Material(), None, [np.nan, 0, 1], [0, 0, 1], status=said).f
+    assert f.tolist() == [0, 0, 0] and "bad input" in said and said.bits == 6
+
+
+def test_materials():
+    material = shade.Material(mdf="GGX", ax=0.2, ay=0.5, f0=0.3)
+    assert (material.mdf, material.ax, material.f0) == ("ggx", 0.2, (0.3, 0.3, 0.3))
+    other = material.replace(detail="gram-schmidt", ex=98.0)
+    assert other.detail == "gram_schmidt" and other.ax == pytest.approx(math.sqrt(2 / 100)) and other.ay == 0.5
+    assert material.detail == "rotate" and material.ax == 0.2
+    assert shade.D(pickle.loads(pickle.dumps(other)), N, WI).tolist() == shade.D(other, N, WI).tolist()
+    assert eval(repr(other)).json() == other.json() and other.json(7, "it")["name"] == "it"
+    gold = shade.Material(metal="gold")
+    assert gold.fresnel == "conductor" and gold.k == shade.metals()["gold"].k
+    assert shade.Material(preset="brushed_steel").ex > 100
+    # KHR_materials_anisotropy: alpha along the tangent is mix(a, 1, strength^2), across it a = r^2
+    gltf = shade.Material(roughness=("gltf", 0.5, 0.3))
+    assert sorted([gltf.ax, gltf.ay]) == pytest.approx([0.25, 0.25 + 0.75 * 0.09])
+    fast = shade.Material(fast=True)
+    assert shade.D(fast, N.astype("f4"), WI.astype("f4")) == pytest.approx(
+        shade.D(shade.Material(), N, WI), rel=5e-4, abs=1e-6)
+    assert {row.word for row in shade.parameters().values() if row.list == "mdf"} == {"ex", "ey", "ax", "ay"}
+
+
+@pytest.mark.parametrize("values, error, says", [
+    ({"ex": 2e6}, ValueError, r"ex: 2000000.0 given; expected a number from 0 to 1e\+06"),
+    ({"ay": float("nan")}, ValueError, r"ay: nan given; expected a number from 0.0001 to 10"),
+    ({"ax": [0.1, 0.2]}, ValueError, r"ax: \[0.1, 0.2\] given"),
+    ({"f0": (1, 2, 3)}, ValueError, r"f0: \(1, 2, 3\) given; expected one number or 3 from 0 to 1"),
+    ({"f0": "red"}, ValueError, "f0: 'red' given"),
+    ({"detail": "rotat"}, ValueError, "detail: 'rotat' given; expected one of none, perturb"),
+    ({"roughness": ("maya", 1, 0)}, ValueError, "roughness: 'maya' given; expected one of blender_principled"),
+    ({"roughness": 0.5}, ValueError, "roughness: 0.5 given"),
+    ({"preset": "denim"}, ValueError, "preset: 'denim' given"),
+    ({"metal": "cheese"}, ValueError, "metal: 'cheese' given; expected one of silver"),
+    ({"shine": 1}, TypeError, "'shine': no such parameter; there are preset, metal")])
+def test_bad_parameters(values, error, says):
+    with pytest.raises(error, match=says):
+        shade.Material(**values)
+
+
+def test_bad_arrays():
+    material = shade.Material()
+    for call, says in (
+            (lambda: shade.D(material, N, WI[:, :2]), r"h: an array of shape \(40, 2\) given; its last axis must be 3"),
+            (lambda: shade.D(material, N, 1.0), r"h: an array of shape \(\)"),
+            (lambda: shade.D(material, N[:3], WI[:4]), r"do not fit each other.*n \(3,\), h \(4,\)"),
+            (lambda: shade.D(material, N, ["a", "b", "c"]), "h: .* expected numbers"),
+            (lambda: shade.eval(material, N, WI, WO, parts="shiny"), "parts: 'shiny' given")):
+        with pytest.raises(ValueError, match=says):
+            call()
+    for call, says in ((lambda: shade.eval(material, N, WI, WO, size=1), "'size': no parameter of a sample"),
+                       (lambda: shade.D({}, N, WI), "expected a shade.Material")):
+        with pytest.raises(TypeError, match=says):
+            call()
+
+
+# ---- cloth ----------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("tier, footprint", [("auto", 0.3), ("near", 0), ("far", 5), ("single", 1)])
+def test_cloth_and_tool_agree(tier, footprint):
+    uv = np.random.default_rng(7).uniform(0, 20, (30, 2))
+    cloth = shade.fabric("denim")
+    ours = cloth.eval(uv, WI[:30], WO[:30], footprint=footprint, tier=tier)
+    table = np.concatenate([uv, np.full((30, 1), float(footprint)), WI[:30], WO[:30]], -1)
+    lines = "\n".join(" ".join(map(repr, row)) for row in table.tolist())
+    said = subprocess.run([SHADE, "fabric", "denim", "--tier", tier], input=lines, text=True, check=True,
+                          capture_output=True).stdout
+    assert ours == pytest.approx(np.array(said.split(), float).reshape(30, 3), rel=1e-12) and (ours > 0).any()
+    floats = cloth.eval(uv.astype("f4"), WI[:30].astype("f4"), WO[:30].astype("f4"), footprint=footprint, tier=tier)
+    assert floats.dtype == np.float32 and np.median(np.abs(floats - ours) / ours.mean()) < 1e-3
+
+
+def test_cloth_draws():
+    """The mean of s/pdf is the integral of s; the drawn s is that of eval."""
+    cloth, wo = shade.fabric("silk_shantung"), np.array([0.3, 0.1, 0.9]) / math.sqrt(0.91)
+    u = np.random.default_rng(8).random((20000, 3))
+    wi, s, pdf = cloth.sample([0.3, 0.2], wo, u, footprint=100)
+    found = pdf > 0
+    albedo = (s[found] / pdf[found, None]).sum(0) / len(u)
+    cosines, turns = np.meshgrid((np.arange(100) + 0.5) / 100, (np.arange(200) + 0.5) / 200 * 2 * np.pi)
+    sines = np.sqrt(1 - cosines ** 2)
+    even = np.stack([sines * np.cos(turns), sines * np.sin(turns), cosines], -1)
+    whole = cloth.eval([0.3, 0.2], even, wo, footprint=100).mean((0, 1)) * 2 * np.pi
+    assert albedo == pytest.approx(whole, rel=0.02) and cloth.albedo(wo) == pytest.approx(whole, rel=0.05)
+    assert cloth.pdf([0.3, 0.2], even, wo, footprint=100).mean() * 2 * np.pi == pytest.approx(found.mean(), abs=0.01)
+    assert cloth.eval([0.3, 0.2], wi[found][:9], wo, footprint=100) == pytest.approx(s[found][:9], rel=1e-6)
+
+
+def test_what_lies_over_what(tmp_path):
+    """Patterns, matrices and files against the rule of weave.h; gaps and coverage."""
+    place = np.stack(np.meshgrid(np.arange(6) + 0.5, np.arange(6) + 0.5), -1)
+    u, v = place[..., 0] // 1, place[..., 1] // 1
+    weft_up = (u + 2 * v) % 5 < 2
+    by_pattern = shade.fabric(pattern=(2, 3, 2)).look_up(place)
+    assert (by_pattern["top"] == np.where(weft_up, 0, 1)).all() and by_pattern["yarn"].max() == 4
+    matrix = np.random.default_rng(9).integers(0, 2, (6, 6))
+    assert (shade.fabric(draft=matrix).look_up(place)["top"] == matrix).all()
+    thin = {"width": 1, "gap": 1}
+    gaps = shade.fabric(warp=thin, weft=thin)
+    assert gaps.look_up([0.99, 0.99])["top"] == 2 and gaps.coverage([0.99, 0.99], [0, 0, 1.0]) == 0
+    assert gaps.coverage([0.5, 0.5], [0, 0, 1.0]) == 1
+    twill = shade.fabric(wif=ROOT / "examples/weaves/denim.wif")
+    assert twill.look_up(place)["top"].mean() > 0.5
+    (tmp_path / "bad.wif").write_text("[WIF]\nnonsense\n")
+    with pytest.raises(ValueError, match="bad.wif.*expected"):
+        shade.fabric(wif=tmp_path / "bad.wif")
+
+
+def test_cloth_parameters():
+    bright, dark = (shade.fabric(warp={"kd": kd, "f0": 0}, weft={"kd": kd, "f0": 0}, detail="none", shadows=False,
+                                 occlusion="none") for kd in (0.8, 0.2))
+    seen = [cloth.eval([0.4, 0.4], [0, 0, 1.0], [0, 0, 1.0])[0] for cloth in (bright, dark)]
+    assert seen[0] / seen[1] == pytest.approx(4)
+    varied = bright.eval([0.4, 0.4], [0, 0, 1.0], [0, 0, 1.0], warp_kd=0.2 * np.ones(3), weft_kd=(0.2, 0.2, 0.2))
+    assert varied[0] == pytest.approx(seen[1])
+    for given, error, says in (
+            ({"warp": {"width": -1}}, ValueError, r"warp width: -1 given; expected a number from 1e-06 to 1e\+06"),
+            ({"weft": {"kd": (1, 2, 3)}}, ValueError, r"weft kd: \(1, 2, 3\) given"),
+            ({"weft": {"twist": 1}}, TypeError, "weft 'twist': no such parameter; there are diffuse, along"),
+            ({"nap": 11}, ValueError, "nap: 11 given; expected a number from 0 to 10"),
+            ({"weave": "knit"}, ValueError, "weave: 'knit' given; expected one of plain"),
+            ({"pattern": (0, 1, 1)}, ValueError, "pattern: .* given"),
+            ({"pattern": 3}, ValueError, "pattern: 3 given"),
+            ({"draft": [1, 0]}, ValueError, r"draft: shape \(2,\) given"),
+            ({"preset": "brushed_steel"}, ValueError, "preset: 'brushed_steel' given"),
+            ({"weave": "plain", "pattern": (1, 1, 1)}, TypeError, "one of weave, pattern"),
+            ({"shine": 1}, TypeError, "'shine': no such parameter")):
+        with pytest.raises(error, match=says):
+            shade.fabric(**given)
+    with pytest.raises(ValueError, match="tier: 'high' given"):
+        bright.eval([0, 0], WI, WO, tier="high")
+    assert {row.kind for row in shade.presets().values()} == {"fabric", "metal"} and "plain" in shade.weaves()
+
+
+# ---- maps -----------------------------------------------------------------------------------------
+
+def test_slopes_of_a_ramp_and_of_two():
+    """Half of the map leans one way, half the other: the mean of the slopes is 0 and their variance 0.09."""
+    pixels = np.zeros((64, 64, 3), np.float32)
+    pixels[..., 0], pixels[..., 2] = -0.3, 1
+    pixels[:, 32:, 0] = 0.3
+    pixels /= np.linalg.norm(pixels, axis=-1, keepdims=True)
+    slopes = shade.SlopeMap(pixels, normals="signed")
+    point = slopes.look_up([0.25, 0.5])
+    assert point.normal == pytest.approx(pixels[0, 0], abs=1e-4) and point.covariance == pytest.approx(0, abs=1e-6)
+    for dtype, close in ((np.float64, 4e-3), (np.float32, 4e-3)):
+        seen = slopes.look_up(np.array([[0.5, 0.5]], dtype), np.array([0.5, 0, 0, 0.5], dtype))
+        assert seen.normal.dtype == dtype and seen.normal[0] == pytest.approx([0, 0, 1], abs=close)
+        assert seen.covariance[0] == pytest.approx([0.09, 0, 0], abs=close)
+
+
+def test_split_keeps_the_moments():
+    """Of the slopes' covariance what the normals carry and what widens the lobe (1/e + S) add up to it."""
+    material = shade.Material(ex=200, ey=50)
+    for most in (1, 4, 8):
+        lobes = shade.split(material, None, [[0.01, 0, 0.02], [0, 0, 0]], most)
+        slopes = -lobes.n[..., :2] / lobes.n[..., 2:]
+        carried = (lobes.weight[..., None] * slopes ** 2).sum(1)
+        assert carried[0] + [1 / lobes.x[0] - 1 / 200, 1 / lobes.y[0] - 1 / 50] == pytest.approx([0.01, 0.02], rel=0.02)
+        assert (lobes.x[1], lobes.y[1]) == pytest.approx((200, 50)) and lobes.weight.sum(1) == pytest.approx(1)
+    with pytest.raises(ValueError, match="most: 9 given; expected a number from 1 to 8"):
+        shade.split(material, None, [0, 0, 0], 9)
+
+
+def test_scratches():
+    """Depth over the radius is what was asked for, and normals are those of the heights."""
+    field = shade.Scratches({"pits": 3, "radius": 0.1, "stretch": 1, "depth": 0.2}, cells=0, seed=3)
+    height, normal = field.picture(400, 400)
+    assert height.min() == pytest.approx(-0.02, rel=1e-3) and height.max() == 0
+    dv, du = np.gradient(height.astype(float), 1 / 400)
+    off = np.abs(-du - normal[..., 0] / normal[..., 2]) + np.abs(dv - normal[..., 1] / normal[..., 2])
+    assert np.median(off[height < 0]) < 1e-3 and np.mean(height < 0) > 0.05
+    y, x = 120, 250
+    seen = field.look_up([(x + 0.5) / 400, 1 - (y + 0.5) / 400]).normal
+    assert seen == pytest.approx(normal[y, x], abs=1e-6)
+    for layer, error, says in (({"depth": 2}, ValueError, "depth: 2.* given; expected a number from 0 to 0.99"),
+                               ({"radius": (1, 2, 3)}, ValueError, "radius"), ({"wide": 1}, TypeError, "'wide'")):
+        with pytest.raises(error, match=says):
+            shade.Scratches(layer)
