@@ -13,11 +13,8 @@ Exit status 0 if the far model is within 2 % (colour), 2 % (width) and 1.2 % (zo
 back by 1 % at most), in every channel; else 1.
 """
 import argparse
-import ctypes
-import json
 import math
 import os
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -25,10 +22,11 @@ import numpy as np
 import pictures
 import programs
 import report
+import shade
 import whole
 
 COLOUR, WIDTH, ZOOM, BACK = 0.02, 0.02, 0.012, 0.01
-AUTO, NEAR, FAR, SINGLE = range(4)
+AUTO, NEAR, FAR, SINGLE = "auto", "near", "far", "single"
 ALL = 1e6  # a footprint of all repeats
 LIGHTS = ((3, 10), (25, 75), (40, 200), (55, 320), (70, 140))
 EYES = ((0, 0), (30, 260), (50, 20), (68, 315))
@@ -53,47 +51,20 @@ def direction(theta, phi):
 
 
 class Cloth:
-    """A preset through the shared library's own interface."""
-
-    library = None
+    """A preset."""
 
     def __init__(self, name):
-        if Cloth.library is None:
-            found = sorted(programs.BUILD.glob("libshade.so.*"))
-            if not found:
-                raise report.StepFailed(f"no libshade.so in {programs.BUILD}: run make")
-            Cloth.library = ctypes.CDLL(str(found[-1]))
-            Cloth.library.shade_preset_fabric.restype = ctypes.c_void_p
-            Cloth.library.shade_fabric_eval_batch.restype = ctypes.c_uint
-        preset, weave = ctypes.create_string_buffer(1 << 16), ctypes.c_void_p()
-        if not self.library.shade_preset_find(name.encode(), preset):
-            raise report.StepFailed(f"no preset '{name}': `shade presets` lists them")
-        self.fabric = ctypes.c_void_p(self.library.shade_preset_fabric(preset, ctypes.byref(weave),
-                                                                       None))
-        if not self.fabric:
-            raise report.StepFailed(f"'{name}' is no cloth")
-        self.name, self.weave = name, weave
-
-    def close(self):
-        self.library.shade_fabric_free(self.fabric)
-        self.library.shade_weave_free(self.weave)
+        if name not in cloths():
+            raise report.StepFailed(f"{name}: no cloth among the presets: {', '.join(cloths())}")
+        self.name, self.fabric = name, shade.fabric(name)
 
     def shade(self, uv, extent, wi, wo, tier):
         """uv: (N, 2); extent: number; wi, wo: (3,) or (N, 3). Returns (N, 3)."""
-        count = len(uv)
-        columns = [uv[:, 0], uv[:, 1], np.full(count, extent), np.full(count, extent), None, None,
-                   None, *np.broadcast_to(wi, (count, 3)).T, *np.broadcast_to(wo, (count, 3)).T]
-        columns = [None if c is None else np.ascontiguousarray(c, np.float64) for c in columns]
-        rgb = np.empty((3, count))
-        # shade_fabric_lanes and _result as far as they are read: size, then pointers
-        lanes, result = (
-            (ctypes.c_void_p * (len(arrays) + 1))(
-                8 * (len(arrays) + 1), *[None if a is None else a.ctypes.data for a in arrays])
-            for arrays in (columns, list(rgb)))
-        self.library.shade_fabric_eval_batch(
-            self.fabric, ctypes.c_size_t(count), ctypes.byref(lanes), ctypes.c_int(tier),
-            ctypes.byref(result))
-        return rgb.T
+        return self.fabric.eval(uv, wi, wo, footprint=extent, tier=tier)
+
+
+def cloths():
+    return [name for name, preset in shade.presets().items() if preset.kind == "fabric"]
 
 
 def spread(count, span):
@@ -210,7 +181,6 @@ def write_strip(names, path):
             u, v = (a.ravel() for a in np.meshgrid(place, place[::-1]))
             row.append(cloth.shade(np.stack([u, v], 1), extent, direction(30, 150),
                                    direction(10, 0), AUTO).reshape(side, side, 3))
-        cloth.close()
         rows.append(np.concatenate([np.pad(tile, ((2, 2), (2, 2), (0, 0))) for tile in row], 1))
     pictures.write_png(path, 1.6 * math.pi * np.concatenate(rows))
 
@@ -219,11 +189,7 @@ def main(argv=None):
     options = arguments(argv)
     options.output = options.output.resolve()
     options.output.mkdir(parents=True, exist_ok=True)
-    names = options.cloths
-    if not names:
-        listed = subprocess.run([programs.BUILD / "shade", "presets", "--json"], check=True,
-                                capture_output=True, text=True).stdout
-        names = [p["name"] for p in json.loads(listed) if p["kind"] == "fabric"]
+    names = options.cloths or cloths()
     rows, zooms = [], {}
     for name in names:
         progress = report.Progress(f"Shading {name}")
@@ -231,7 +197,6 @@ def main(argv=None):
         far, single, doubt = colours(cloth, options.points)
         width_far, width_single = widths(cloth, options.points)
         zooms[name] = zoom(cloth, options.points)
-        cloth.close()
         rows.append({"cloth": name, "colour_far": far, "colour_single": single,
                      "standard_error": doubt, "width_far": width_far, "width_single": width_single,
                      "zoom": zooms[name][2], "zoom_back": zooms[name][3]})

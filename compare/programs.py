@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the programs under comparison are, and how they are called."""
 import os
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 HERE = Path(__file__).resolve().parent
+# for `import shade`, after this one: our own module (docs/python.md), on the library in build/
+sys.path.insert(0, str(ROOT / "libshade" / "python"))
 
 BLENDER = os.environ.get("BLENDER", "blender")
 POVRAY = os.environ.get("POVRAY", str(BUILD / "povray" / "povray"))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Slope pyramid against supersampling: is a normal map seen from afar the right roughness?
 
-Each map is cut into patches. `shade slopes` gives, for the footprint of each patch, the mean
+Each map is cut into patches. The library gives, for the footprint of each patch, the mean
 normal, the covariance of the slopes and the lobes that stand for them, one and more; the truth
 shades every one of the patch's texels, supersampled between them, with the material's own
 lobe. Both are evaluated here, from the definitions, for 20 pairs of light and view, and the
@@ -14,25 +14,24 @@ colour, whatever the distribution. The even ripples are measured, not judged: tw
 not tell their slopes, which are most frequent at their ends, from a random map's.
 """
 import argparse
-import subprocess
 from pathlib import Path
 
 import numpy as np
 
-import pictures
 import programs
 import report
+import shade
 import truth
 import whole
 
 COLOUR_LIMIT, MOMENT_LIMIT = 0.03, 0.10
 SIZE, OVER = 256, 2  # texels of a map; samples a texel and axis
 FOOTPRINTS = (2, 4, 8, 16, 32, 64)  # texels along a side
-LOBES = {  # distribution: (its options, parameters along and across)
-    "ashikhmin_shirley": (("--ex", "60", "--ey", "12"), (60.0, 12.0)),
-    "beckmann": (("--ax", "0.18", "--ay", "0.36"), (0.18, 0.36)),
-    "ward": (("--ax", "0.18", "--ay", "0.36"), (0.18, 0.36)),
-    "ggx": (("--ax", "0.18", "--ay", "0.36"), (0.18, 0.36)),
+LOBES = {  # distribution: parameters along and across
+    "ashikhmin_shirley": (60.0, 12.0),
+    "beckmann": (0.18, 0.36),
+    "ward": (0.18, 0.36),
+    "ggx": (0.18, 0.36),
 }
 LOBE_COUNTS, JUDGED_COUNT = (1, 4, 6, 8), 6
 RIPPLES = "ripples 0.15, 0.10"
@@ -75,11 +74,8 @@ def from_slopes(slopes):
     return n / np.linalg.norm(n, axis=-1, keepdims=True)
 
 
-def scratch_map(folder, *options):
-    path = folder / "scratches.exr"
-    subprocess.run([programs.SHADE, "scratch", "-o", str(path), "--size", str(SIZE), *options],
-                   check=True)
-    return 2.0 * pictures.read(path) - 1.0
+def scratch_map(**layer):
+    return shade.Scratches(layer, cells=0).picture(SIZE, SIZE)[1].astype(float)
 
 
 def supersampled(normals):
@@ -147,21 +143,20 @@ def directions():
 
 # ---- comparison --------------------------------------------------------------------------------
 
-def look_up(path, footprint, mdf, options, lobes):
-    """Values of `shade slopes` for every patch of footprint x footprint texels.
-
-    Where fewer lobes were needed the rest have weight 0.
+def look_up(slopes, footprint, mdf, parameters, lobes):
+    """For every patch of footprint x footprint texels, what a shade.SlopeMap finds and makes of the
+    lobe: normal, covariance, parameters along and across, degrees they are turned by; then weight
+    and normal of each lobe, where fewer were needed the weight is 0.
     """
     side = footprint / SIZE
     centre = (np.arange(SIZE // footprint) + 0.5) * side
-    lines = "".join(f"{u!r} {v!r} {side!r} 0 0 {side!r}\n"
-                    for v in map(float, 1 - centre) for u in map(float, centre))
-    out = subprocess.run([programs.SHADE, "slopes", str(path), "--normals", "signed",
-                          "--mdf", mdf, "--lobes", str(lobes), *options], input=lines, capture_output=True, text=True,
-                         check=True).stdout
-    rows = [line.split() for line in out.splitlines()]
-    unused = ["0", "0", "0", "1"]
-    return np.array([row + unused * (lobes - (len(row) - 9) // 4) for row in rows], float)
+    u, v = np.meshgrid(centre, 1 - centre)
+    seen = slopes.look_up(np.stack([u, v], -1).reshape(-1, 2), (side, 0, 0, side))
+    names = ("ex", "ey") if mdf == "ashikhmin_shirley" else ("ax", "ay")
+    material = shade.Material(mdf=mdf, **dict(zip(names, parameters)))
+    made = shade.split(material, seen.normal, seen.covariance, lobes)
+    each = np.concatenate([made.weight[..., None], made.n], -1).reshape(len(made.x), -1)
+    return np.column_stack([*seen, made.x, made.y, np.degrees(made.angle), each])
 
 
 def mean_colours(mdf, got, lobes):
@@ -184,18 +179,16 @@ def moments(slopes, footprint):
     return products.reshape(n, footprint * OVER, n, footprint * OVER, 3).mean((1, 3)).reshape(-1, 3)
 
 
-def compare_map(name, normals, folder):
-    path = folder / f"{name}.exr"
-    pictures.write_float(path, normals)
-    slopes = supersampled(normals)
+def compare_map(name, normals):
+    slopes, pyramid = supersampled(normals), shade.SlopeMap(normals, normals="signed")
     rows = []
-    for mdf, (options, (first, second)) in LOBES.items():
+    for mdf, (first, second) in LOBES.items():
         true = np.array([shaded(mdf, first, second, slopes, *pair).mean() for pair in directions()])
         for footprint in FOOTPRINTS:
             want = moments(slopes, footprint)
             size = want[:, [0, 2]].sum()
             for lobes in LOBE_COUNTS:
-                got = look_up(path, footprint, mdf, options, lobes)
+                got = look_up(pyramid, footprint, mdf, (first, second), lobes)
                 mean = -got[:, :2] / got[:, 2:3]
                 far = mean_colours(mdf, got, lobes)
                 second_moments = got[:, 3:6] + mean[:, [0, 0, 1]] * mean[:, [0, 1, 1]]
@@ -257,10 +250,10 @@ def main(argv=None):
         "waves 0.05, 0.10": gaussian_map(0.05, 0.10, 1),
         "waves 0.15, 0.10": gaussian_map(0.15, 0.10, 2),
         RIPPLES: ripple_map(0.15, 0.10),
-        "scratches": scratch_map(folder, "--pits", "3000", "--radius", "0.004,0.012",
-                                 "--stretch", "2,8", "--spread", "20", "--depth", "0.03,0.12"),
+        "scratches": scratch_map(pits=3000, radius=(0.004, 0.012), stretch=(2, 8),
+                                 spread=np.radians(20), depth=(0.03, 0.12)),
     }
-    rows = [row for name, normals in maps.items() for row in compare_map(name, normals, folder)]
+    rows = [row for name, normals in maps.items() for row in compare_map(name, normals)]
     whole.write_csv(folder / "slopes.csv", (
         {k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows))
     write_chart(rows, list(maps), folder / "slopes.png")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cloth from afar: the library through ctypes agrees with the tool, and the script's verdict."""
+"""Cloth from afar: the module agrees with the tool, and the script's verdict."""
 import csv
 import subprocess
 
@@ -11,12 +11,11 @@ import programs
 import report
 
 
-def test_library_and_tool_agree():
+def test_module_and_tool_agree():
     cloth = fabric.Cloth("denim")
     uv = fabric.spread(40, 50)
     wi, wo = fabric.direction(30, 40), fabric.direction(20, 200)
     ours = cloth.shade(uv, 0.3, wi, wo, fabric.AUTO)
-    cloth.close()
     lines = "".join(" ".join(repr(float(x)) for x in (u, v, 0.3, *wi, *wo)) + "\n" for u, v in uv)
     tool = subprocess.run([programs.SHADE, "fabric", "denim"], input=lines, text=True, check=True,
                           capture_output=True).stdout

@@ -2,7 +2,6 @@
 """Each judge's `main`, given good parts and then one bad part at a time: it must say so by its
 status, name the part, and leave nothing that says "agreed"."""
 import contextlib
-import ctypes
 import io
 import json
 import os
@@ -21,6 +20,7 @@ import pictures
 import plate
 import programs
 import report
+import shade
 import slopes
 import truth
 
@@ -33,18 +33,9 @@ F0 = ((0.9, 0.6, 0.3), (0.5, 0.7, 0.8))
 
 def materials():
     """Their objects in a dump's header; the library lists the keys, the values are ours."""
-    library = ctypes.CDLL(str(sorted(programs.BUILD.glob("libshade.so.*"))[-1]))
-    params = ctypes.create_string_buffer(1 << 16)
-    library.shade_params_init(params)
-    text = ctypes.create_string_buffer(1 << 16)
-    listed = []
-    for number, ((ex, ey), f0) in enumerate(zip(EXPONENTS, F0)):
-        library.shade_params_set_exponents(params, ctypes.c_double(ex), ctypes.c_double(ey))
-        library.shade_params_json(params, number, f"number {number}".encode(), text,
-                                  ctypes.c_size_t(len(text)))
-        listed.append({**json.loads(text.value), "detail": "none", "fresnel": "none",
-                       "horizon": "hard", "f0": list(f0)})
-    return listed
+    return [{**shade.Material(ex=ex, ey=ey).json(number, f"number {number}"), "detail": "none", "fresnel": "none",
+             "horizon": "hard", "f0": list(f0)}
+            for number, ((ex, ey), f0) in enumerate(zip(EXPONENTS, F0))]
 
 
 class Dump:
@@ -529,7 +520,7 @@ def slope_row(name, mdf, lobes, **changes):
 
 def judge_slopes(monkeypatch, folder, bad):
     """main() on good figures but for bad[map, distribution, lobes]."""
-    def compare_map(name, _normals, _folder):
+    def compare_map(name, _normals):
         # the bad row first, in the midst and last among its like
         return [slope_row(name, mdf, lobes, footprint=f, **(bad.get((name, mdf, lobes), {})
                                                              if f == 8 else {}))
@@ -537,7 +528,7 @@ def judge_slopes(monkeypatch, folder, bad):
 
     monkeypatch.setattr(slopes, "compare_map", compare_map)
     for name in ("gaussian_map", "ripple_map", "scratch_map", "write_chart"):
-        monkeypatch.setattr(slopes, name, lambda *_: None)
+        monkeypatch.setattr(slopes, name, lambda *_, **__: None)
     with contextlib.redirect_stdout(io.StringIO()) as said:
         status = slopes.main(["--output", str(folder)])
     return status, [line for line in said.getvalue().splitlines() if "MISSED" in line]
@@ -568,7 +559,7 @@ def test_one_bad_slope(monkeypatch, tmp_path, name, mdf, changes):
         assert missed[0].startswith(name) and mdf in missed[0]
 
 
-def test_slopes_measure_what_they_say(monkeypatch, tmp_path):
+def test_slopes_measure_what_they_say(monkeypatch):
     """Figures of a look-up that is right, and of ones that are off by so much."""
     monkeypatch.setattr(slopes, "SIZE", 64)
     normals = slopes.gaussian_map(0.1, 0.1, 1)
@@ -594,16 +585,16 @@ def test_slopes_measure_what_they_say(monkeypatch, tmp_path):
         return out
 
     monkeypatch.setattr(slopes, "look_up", look_up)
-    row, = slopes.compare_map("m", normals, tmp_path)
+    row, = slopes.compare_map("m", normals)
     good = row["colour"]
     assert good < 0.15 and row["moments"] < 1e-6 and row["patches"] < 1e-6
     change.weight = 1.5
-    row, = slopes.compare_map("m", normals, tmp_path)
+    row, = slopes.compare_map("m", normals)
     assert row["colour"] == pytest.approx(0.5, abs=2 * good)
     assert row["bias"] == pytest.approx(0.5, abs=2 * good)
     for part, moments in ((0, [1.2, 1, 1]), (2, [1, 1, 1.2])):
         change.weight, change.moments = 1.0, np.array(moments)
-        row, = slopes.compare_map("m", normals, tmp_path)
+        row, = slopes.compare_map("m", normals)
         size = (over**2).mean((0, 1))
         assert row["moments"] == pytest.approx(0.2 * size[part // 2] / size.sum(), rel=1e-6)
 
@@ -622,7 +613,7 @@ def judge_fabric(monkeypatch, folder, bad, which="second"):
         return lambda cloth, _points: tuple(value(cloth, key) for key in keys)
 
     monkeypatch.setattr(fabric, "Cloth",
-                        lambda name: SimpleNamespace(name=name, close=lambda: None))
+                        lambda name: SimpleNamespace(name=name))
     monkeypatch.setattr(fabric, "colours", pick("far", "single", "doubt"))
     monkeypatch.setattr(fabric, "widths", pick("width_far", "width_single"))
     monkeypatch.setattr(fabric, "zoom", lambda cloth, points: (
