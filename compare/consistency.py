@@ -125,11 +125,11 @@ def verdict(ok):
     return "ok" if ok else "MISSED"
 
 
-def check_rows(name, checked, every=False):
+def check_rows(name, checked, every=False, limits=None):
     """Table rows and whether all is within limits; `checked` is `shade check`'s JSON, of a run
-    with --all if `every` material and light counts."""
+    with --all if `every` material and light counts. `limits`: largest and mean, else the name's."""
     rows, good = [], checked["pass"] is True and not checked["faults"]
-    for what, limit in zip(("largest", "mean"), CHECK_LIMITS[name]):
+    for what, limit in zip(("largest", "mean"), limits or CHECK_LIMITS[name]):
         # the largest: but for what the rounding of the dump's directions may do to a value
         judged = checked.get("beyond_rounding", checked[what]) if what == "largest" else checked[what]
         ok = checked["values"] > 0 and min(judged, checked[what]) <= limit

@@ -28,6 +28,20 @@ class Dump:
         return self.material >= 0
 
 
+def _header(path, text):
+    """The attribute `libshade`: an object whose `materials` are objects with an id of their own."""
+    try:
+        header = json.loads(text)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise ValueError(f"{path}: the attribute `libshade` is no JSON: {error}") from error
+    listed = header.get("materials", []) if isinstance(header, dict) else None
+    if not isinstance(listed, list) or not all(isinstance(m, dict) and isinstance(m.get("id"), int)
+                                               for m in listed):
+        raise ValueError(f"{path}: the attribute `libshade` is not as expected: "
+                         'an object, its "materials" a list of objects with a whole "id"')
+    return header
+
+
 def read(path):
     """Read a dump; OSError or ValueError with the file's name if it is none."""
     source = oiio.ImageInput.open(str(path))
@@ -56,9 +70,12 @@ def read(path):
             {"L": channels(name + ".L", "XYZ"), "E": channels(name + ".E", "RGB"),
              "S": channels(name + ".S", "RGB")}
         )
+    material = channels("material", ["ID"])[..., 0]
+    if not np.isin(np.mod(material, 1.0), 0.0).all() or (np.abs(material) > 2**24).any():
+        raise ValueError(f"{path}: material.ID holds what is no index; expected whole numbers, -1 for a miss")
     return Dump(
-        header=json.loads(text),
-        material=channels("material", ["ID"])[..., 0].astype(int),
+        header=_header(path, text),
+        material=material.astype(int),
         P=channels("P", "XYZ"),
         uv=channels("uv", "UV"),
         lights=lights,
@@ -131,6 +148,19 @@ def coverage_difference(a, b):
     return np.count_nonzero(a.covered != b.covered) / max(either, 1)
 
 
+def _lit(a, b, light, both):
+    """Of the pixels `both`, whether a light reaches them in both dumps."""
+    return np.logical_and(*(d.lights[light]["E"][both].max(axis=-1) > 0.0 for d in (a, b)))
+
+
+def pixels_of(a, b, name):
+    """(row, column) of each pixel that deviations() compares under a name, in its order."""
+    both = a.covered & b.covered
+    pixels = np.argwhere(both)
+    light, _, part = name.partition(".")
+    return pixels[_lit(a, b, int(light[5:]), both)] if part == "L" else pixels
+
+
 def deviations(a, b):
     """Where both dumps hit: {name: error per pixel}. Parameters of the material, relative; P
     relative to the scene's size; directions in degrees; of each light E, the worst of its channels
@@ -148,7 +178,7 @@ def deviations(a, b):
         result[name] = angles(getattr(a, name)[both], getattr(b, name)[both])
     for k, (la, lb) in enumerate(zip(a.lights, b.lights)):
         ea, eb = la["E"][both], lb["E"][both]
-        lit = (ea.max(axis=-1) > 0.0) & (eb.max(axis=-1) > 0.0)
+        lit = _lit(a, b, k, both)
         off = np.abs(ea - eb) / np.maximum(np.maximum(ea, eb), 1e-30)
         result[f"light{k}.E"] = off.max(axis=-1)
         if lit.any():

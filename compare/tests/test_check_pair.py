@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""check.py on pairs of dumps, good ones and then one broken part at a time."""
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import synthetic
+import test_judges as parts
+
+import check
+import pictures
+import programs
+
+
+def pair(folder, first=None, second=None, after=None, povray=True):
+    """Two dumps of the same ball: a Blender's and, unless told otherwise, POV-Ray's. `first` and
+    `second` change them before they are shaded, `after` the second's S."""
+    files = []
+    for name, change, left in (("a", first, False), ("b", second, povray)):
+        dump = parts.Dump()
+        if change:
+            change(dump)
+        dump.shade()
+        if name == "b" and after:
+            after(dump)
+        planes = dump.planes
+        if left:
+            planes = {n[:-1] + {"Y": "Z", "Z": "Y"}.get(n[-1], n[-1]): p for n, p in planes.items()}
+        header = {"version": "0", "renderer": "POV-Ray 3.7" if left else "Blender 3.4.1",
+                  "materials": dump.materials}
+        files.append(synthetic.write(folder / f"{name}.exr", planes, header))
+    return files
+
+
+def judged(files, *options):
+    """(status, {first word of a row that is missed}, the whole verdict)."""
+    done = subprocess.run([sys.executable, programs.HERE / "check.py", "--json", *options, *files],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode in (0, 1) and done.stdout, done.stderr
+    said = json.loads(done.stdout)
+    assert said["agree"] == (done.returncode == 0) == (not said["missed"])
+    return done.returncode, {row.split()[0] for row in said["missed"]}, said
+
+
+def refused(*arguments):
+    done = subprocess.run([sys.executable, programs.HERE / "check.py", *map(str, arguments)],
+                          capture_output=True, text=True, check=False)
+    assert "Traceback" not in done.stderr and not done.stdout, done.stdout + done.stderr
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("povray", [True, False])
+def test_good_pairs_agree(tmp_path, povray):
+    status, missed, said = judged(pair(tmp_path, povray=povray), "--all")
+    assert status == 0 and not missed
+    measured = {row["what"] for row in said["rows"]}
+    assert {"light1.S, mean difference over mean", "covered by one only"} <= measured
+
+
+def test_the_order_does_not_matter(tmp_path):
+    a, b = pair(tmp_path)
+    assert judged([b, a])[0] == 0
+
+
+def test_worlds_that_the_header_does_not_tell(tmp_path):
+    files = pair(tmp_path)
+    assert judged(files, "--world", "mirrored")[0] == 0
+    status, missed, _ = judged(files, "--world", "same")
+    assert status == 1 and {"N", "V", "light0.L"} <= missed
+
+
+@pytest.mark.parametrize("change, row", [
+    (parts.turn("V", 0.2), "V"), (parts.turn_tangent, "T"), (parts.turn("Ns", 0.4), "Ns"),
+    (parts.shift("P.X", 6e-4), "P"), (parts.shift("uv.U", 1e-3), "uv"), (parts.cut, "covered"),
+    (parts.scale("light1.E.G", 1.002), "light1.E"), (parts.turn("light0.L", 0.2), "light0.L"),
+    (parts.swap_materials, "material"), (parts.setting(1, "ey", 12.1), "material"),
+])
+@pytest.mark.parametrize("which", ["first", "second"])
+def test_what_the_other_dump_has_otherwise(tmp_path, which, change, row):
+    """Each is shaded rightly for what it says, so that the reference passes both."""
+    status, missed, _ = judged(pair(tmp_path, **{which: change}))
+    assert status == 1 and row in missed and not missed & {"A", "B", "A:", "B:"}
+
+
+@pytest.mark.parametrize("factor, missed", [(1.001, {"B"}), (1.03, {"B", "light0.S,"})])
+def test_what_one_shades_otherwise(tmp_path, factor, missed):
+    assert judged(pair(tmp_path, after=parts.scale("light0.S.R", factor)))[1] == missed
+
+
+def test_what_is_no_number_is_said_with_its_place(tmp_path):
+    status, missed, said = judged(pair(tmp_path, after=parts.nan))
+    assert status == 1 and {"B:", "light0.S"} <= missed
+    middle = f"({parts.SIZE // 2}, {parts.SIZE // 2})"
+    assert {row["worst"] for row in said["rows"] if row["what"] == "light0.S not finite"} == {middle}
+
+
+def test_the_worst_pixel(tmp_path):
+    def move(dump):
+        dump.planes["P.Z"][11, 17] += 0.5
+
+    said = judged(pair(tmp_path, second=move, povray=False))[2]
+    assert [row["worst"] for row in said["rows"] if row["what"].startswith("P equal")] == ["(17, 11)"]
+
+
+def test_material_that_nothing_shows_fails_with_all(tmp_path):
+    files = pair(tmp_path, second=parts.unused_material)
+    assert judged(files)[0] == 0
+    assert judged(files, "--all")[:2] == (1, {"B:"})
+
+
+def test_the_table_and_the_picture(tmp_path):
+    files = pair(tmp_path, after=parts.scale("light1.S.B", 1.2))
+    done = subprocess.run([sys.executable, programs.HERE / "check.py", *files, "--picture",
+                           tmp_path / "strip.png"], capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "Verdict: NOT within limits: B against reference" in done.stdout
+    assert "A: Blender 3.4.1" in done.stdout and "B: POV-Ray 3.7" in done.stdout
+    strip = pictures.read(tmp_path / "strip.png")
+    assert strip.shape == (parts.SIZE, 3 * parts.SIZE, 3)
+    difference = strip[:, 2 * parts.SIZE:]
+    assert difference[..., 2].max() > 0.1 and difference[..., 0].max() == 0.0
+
+
+def smaller(dump):
+    for name in dump.planes:
+        dump.planes[name] = dump.planes[name][: parts.SIZE // 2]
+
+
+def nothing(dump):
+    dump.planes["material.ID"][:] = -1
+
+
+def elsewhere(dump):
+    nothing(dump)
+    dump.planes["material.ID"][0, 0] = 0  # a corner, which the ball leaves free
+
+
+def third_light(dump):
+    parts.dark_light(dump)
+    dump.shade()
+
+
+def half(dump):
+    dump.planes["material.ID"][3, 3] = 0.5
+
+
+@pytest.mark.parametrize("second, said", [
+    (smaller, "b.exr: 32 x 16 pixels; expected 32 x 32, as in"),
+    (third_light, "b.exr: 3 lights; expected 2, as in"),
+    (nothing, "b.exr: nothing is hit; expected a material.ID of 0 or more"),
+    (elsewhere, "b.exr: it covers no pixel that"),
+    (half, "b.exr: material.ID holds what is no index; expected whole numbers"),
+])
+def test_dumps_that_are_no_pair(tmp_path, second, said):
+    files = pair(tmp_path, povray=False)
+    dump = parts.Dump()
+    dump.shade()
+    second(dump)
+    synthetic.write(files[1], dump.planes, {"version": "0", "materials": dump.materials})
+    status, words = refused(*files)
+    assert status == 1 and said in words
+
+
+def without(channel):
+    return lambda planes, header: (
+        {name: plane for name, plane in planes.items() if name != channel}, header)
+
+
+@pytest.mark.parametrize("broken, said", [
+    (without("Ns.Y"), "b.exr: channel Ns.Y is missing"),
+    (without("light1.E.G"), "b.exr: channel light1.E.G is missing"),
+    (without("material.ID"), "b.exr: channel material.ID is missing"),
+    (lambda planes, header: (planes, None), "b.exr: not a dump (no attribute `libshade`)"),
+    (lambda planes, header: (planes, [1]), "b.exr: the attribute `libshade` is not as expected"),
+    (lambda planes, header: (planes, {"materials": [3]}), "is not as expected: an object, its"),
+    (lambda planes, header: (planes, {"materials": [{"name": "no id"}]}), "a whole \"id\""),
+    (lambda planes, header: (planes, {"materials": [{"id": 0}, {"id": 1}]}), "b.exr"),
+])
+def test_what_is_no_dump(tmp_path, broken, said):
+    files = pair(tmp_path, povray=False)
+    dump = parts.Dump()
+    dump.shade()
+    synthetic.write(files[1], *broken(dump.planes, {"materials": dump.materials}))
+    status, words = refused(*files)
+    assert status == 1 and said in words and "error:" in words
+
+
+def test_files_that_are_none(tmp_path):
+    files = pair(tmp_path)
+    (tmp_path / "text.exr").write_text("not a picture", encoding="utf-8")
+    whole = files[1].read_bytes()
+    (tmp_path / "half.exr").write_bytes(whole[: len(whole) // 2])
+    for name in ("none", "text", "half"):
+        status, words = refused(files[0], tmp_path / f"{name}.exr")
+        assert status == 1 and f"{name}.exr" in words
+    status, words = refused(tmp_path / "none.exr", files[0])
+    assert status == 1 and "none.exr" in words
+
+
+def test_usage(tmp_path):
+    for arguments in ([], ["one.exr"], ["a.exr", "b.exr", "c.exr"], ["--world", "flat", "a", "b"]):
+        assert refused(*arguments)[0] == 2
+    with pytest.raises(SystemExit) as left:
+        check.main(["--help"])
+    assert left.value.code == 0
