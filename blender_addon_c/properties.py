@@ -177,6 +177,13 @@ class LibshadeSettings(bpy.types.PropertyGroup):
     )
 
 
+def _told(_settings, _context):
+    """Blender tells a viewport of what a script sets only where a property has an update function."""
+
+
+for _setting in (*LibshadeSettings.__annotations__.values(), *LibshadeViewLayerSettings.__annotations__.values()):
+    _setting.keywords.setdefault("update", _told)
+
 _OWNERS = ((LibshadeSettings, bpy.types.Scene), (LibshadeViewLayerSettings, bpy.types.ViewLayer))
 
 

@@ -86,5 +86,18 @@ for step in range(steps):
                 print("DIFFERENT: read again:", name)
                 wrong += 1
     was = again["meshes"]
+told = []
+bpy.app.handlers.depsgraph_update_post.append(
+    lambda _scene, depsgraph: told.extend(update.id.original for update in depsgraph.updates))
+scene, layer = bpy.context.scene, bpy.context.view_layer
+for owner, name in ((scene, "samples"), (scene, "caustics_reflective"), (scene, "pixel_filter_type"), (layer, "use_pass_shadow_catcher")):
+    bpy.context.view_layer.update()
+    told.clear()
+    was = getattr(owner.libshade, name)
+    setattr(owner.libshade, name, "BOX" if isinstance(was, str) else not was if isinstance(was, bool) else was + 1)
+    bpy.context.view_layer.update()
+    if scene not in told:
+        print("DIFFERENT: a viewport is not told of", name)
+        wrong += 1
 print("WRONG" if wrong else "SAME")
 common.finish()
