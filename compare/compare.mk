@@ -43,6 +43,12 @@ compare-files: $(B)/libshade-blender.zip $(VENV_BPY)/done
 bench-povray: povray setup-test
 	@$(PY) compare/twins.py $(POVRAY) -o $(B)/twins.csv
 
+# The report: build/compare/report.html and the CSV files beside it. The quick one, two minutes on two idle
+# cores, is build/compare/quick/report.html; what is done already is not done again.
+.PHONY: compare-quick
+compare-quick: setup-demo all $(B)/horizon
+	@$(PY) compare/report_page.py --quick
+
 compare: demo $(B)/horizon
 	@$(PY) compare/truth.py
 	@$(PY) compare/truth.py --surface scratches
@@ -52,3 +58,4 @@ compare: demo $(B)/horizon
 	@$(PY) compare/fabric.py
 	@$(PY) compare/speed.py
 	@$(PY) compare/paths.py
+	@$(PY) compare/report_page.py

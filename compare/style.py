@@ -157,6 +157,15 @@ def power(value):
     return raised if digits == "1" else f"{digits}·{raised}"
 
 
+def number(value):
+    """A number as a table says it: three digits, and powers of ten where there are many zeros."""
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        digits = max(2 - math.floor(math.log10(abs(value))), 0) if value else 0
+        return f"{value:.{min(digits, 5)}f}"
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}·10" + str(int(exponent)).translate(_RAISED)
+
+
 def log_ticks(axis, most=7):
     """A logarithmic axis with plain numbers: decades, and 2 and 5 between them where there are few."""
     getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
@@ -207,6 +216,26 @@ def labels(axes, points, size=9):
                                "shrinkB": 4}} if abs(dy) > 12 else {}
         axes.annotate(look.label, (x, y), xytext=(dx, dy), textcoords="offset points", ha=side,
                       va="center", fontsize=size, color=look.colour, **line)
+
+
+def ends(axes, points, size=9):
+    """Write each word right of its line's last point, (x, y, word), one above the other."""
+    axes.figure.draw_without_rendering()
+    step = 1.25 * size * axes.figure.dpi / 72
+    heights = axes.transData.transform([(x, y) for x, y, _word in points])[:, 1]
+    order = sorted(range(len(points)), key=lambda k: heights[k])
+    placed = {}
+    for k in order:
+        placed[k] = max([heights[k]] + [placed[j] + step for j in placed])
+    for k in reversed(order):  # back down where there is room, so that groups stay about their lines
+        below = [placed[j] for j in order if placed[j] < placed[k]]
+        lifted = placed[k] - heights[k]
+        if lifted > 0:
+            placed[k] = max([placed[k] - lifted / 2] + [b + step for b in below])
+    for k, (x, y, word) in enumerate(points):
+        look = of(word)
+        axes.annotate(look.label, (x, y), xytext=(9, (placed[k] - heights[k]) * 72 / axes.figure.dpi),
+                      textcoords="offset points", va="center", fontsize=size, color=look.colour)
 
 
 def svg(drawing):

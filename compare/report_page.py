@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The report: build/compare/report.html and the CSV files beside it, from the studies of study_*.py.
+
+What a study measures is done in pieces, and the rows of each are kept as soon as it is done: after
+Ctrl-C, or when one thing has changed, a second run does only what is missing. The time that the rest
+takes is said beforehand. A page is written only if every sentence of its findings holds for the rows of
+that run; else the sentences that do not are printed, and the exit status is 1.
+
+--quick takes two minutes on two idle cores and writes build/compare/quick/report.html.
+"""
+import argparse
+import ast
+import csv
+import datetime
+import hashlib
+import importlib
+import numbers
+import os
+import platform
+import re
+import subprocess
+from pathlib import Path
+
+import page
+import programs
+import report
+import whole
+
+ORDER = ("speed", "precision", "horizons", "diffuse", "lobes", "cloth", "frames", "atlas", "truth",
+         "consistency", "peers")  # on the page; others follow
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+KEY = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def known():
+    """{name: module} of the studies that are there, in the page's order."""
+    modules = [importlib.import_module(path.stem) for path in sorted(programs.HERE.glob("study_*.py"))]
+    rank = {name: place for place, name in enumerate(ORDER)}
+    modules.sort(key=lambda m: rank.get(m.NAME, len(ORDER)))
+    return {module.NAME: module for module in modules}
+
+
+def arguments(argv=None):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help="the two minutes' report")
+    parser.add_argument("--only", action="append", metavar="STUDY",
+                        help="this study alone, or these")
+    parser.add_argument("--again", action="store_true", help="do what is done already again")
+    parser.add_argument("--plan", action="store_true",
+                        help="say what would be done and how long it takes, no more")
+    parser.add_argument("--output", type=Path,
+                        help="folder of report.html and data/ (default build/compare, or "
+                             "build/compare/quick)")
+    options = parser.parse_args(argv)
+    options.studies = known()
+    for name in options.only or ():
+        if name not in options.studies:
+            parser.error(f"--only {name}: no such study; there are {', '.join(options.studies)}")
+    if options.only:
+        options.studies = {name: module for name, module in options.studies.items()
+                           if name in options.only}
+    if options.output is None:
+        options.output = programs.BUILD / "compare" / ("quick" if options.quick else "")
+    options.output = options.output.resolve()
+    if options.output.exists() and not options.output.is_dir():
+        parser.error(f"--output {options.output}: no folder")
+    return options
+
+
+# ---- what rows depend on ----------------------------------------------------------------------
+
+
+def sources(path, found=None):
+    """A script and those beside it that it imports, but for what only draws the page."""
+    found = {} if found is None else found
+    if path in found or path.stem in ("page", "style", "study", "report", "report_page"):
+        return found
+    found[path] = path.read_bytes()
+    for node in ast.walk(ast.parse(found[path])):
+        names = ([alias.name for alias in node.names] if isinstance(node, ast.Import)
+                 else [node.module] if isinstance(node, ast.ImportFrom) and node.module else [])
+        for name in names:
+            beside = path.with_name(name.split(".")[0] + ".py")
+            if beside.is_file():
+                sources(beside, found)
+    return found
+
+
+def stamp(module, task, quick, head):
+    """A word that changes with whatever the rows of a task depend on."""
+    digest = hashlib.sha256(repr((module.NAME, task.key, quick, head["machine"])).encode())
+    for path, text in sorted(sources(Path(module.__file__)).items()):
+        digest.update(path.name.encode() + text)
+    library = sorted(programs.BUILD.glob("libshade.so.*"))
+    for path in (Path(programs.SHADE), *library, *map(Path, task.needs)):
+        digest.update(path.read_bytes() if path.is_file() else b"absent")
+    return digest.hexdigest()[:24]
+
+
+def first_line(command):
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=programs.ROOT)
+    except OSError:
+        return ""
+    return done.stdout.splitlines()[0].strip() if done.returncode == 0 and done.stdout else ""
+
+
+def surroundings(options):
+    """What the head of each CSV and of the page says: {word: text}."""
+    cpu = Path("/proc/cpuinfo")
+    model = re.search(r"model name\s*:\s*(.*)", cpu.read_text(encoding="utf-8")) if cpu.exists() else None
+    commit = first_line(["git", "rev-parse", "--short=12", "HEAD"]) or "unknown"
+    if first_line(["git", "status", "--porcelain", "--untracked-files=no"]):
+        commit += ", changed"
+    isa = re.search(r"\((.*?)\)|\b(avx512|avx2|sse2|scalar)\b", first_line([programs.SHADE, "--version"]))
+    return {
+        "machine": f"{model[1] if model else platform.processor() or platform.machine()}, "
+                   f"{os.cpu_count()} cores" + (f", {isa[0].strip('()')}" if isa else ""),
+        "compiler": first_line([os.environ.get("CC", "cc"), "--version"]) or "unknown",
+        "commit": commit,
+        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": f"make {'compare-quick' if options.quick else 'compare'}",
+    }
+
+
+# ---- rows in files ----------------------------------------------------------------------------
+
+
+def plain(value, where):
+    if isinstance(value, str):
+        return value
+    if isinstance(value, numbers.Integral):
+        return int(value)
+    if isinstance(value, numbers.Real) and abs(float(value)) < float("inf"):
+        return float(value)
+    raise ValueError(f"{where}: {value!r}: expected a text or a finite number")
+
+
+def write_rows(path, rows, head):
+    """Dictionaries as CSV, with lines `# word: text` before it; a column that a row lacks is empty."""
+    rows = [{key: plain(value, f"{path.name}, column {key}") for key, value in row.items()}
+            for row in rows]
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with whole.place(path) as part, open(part, "w", newline="", encoding="utf-8") as file:
+        file.writelines(f"# {word}: {text}\n" for word, text in head.items())
+        writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({key: repr(v) if isinstance(v, float) else v for key, v in row.items()}
+                         for row in rows)
+
+
+def number(text):
+    if not NUMBER.fullmatch(text):
+        return text
+    return int(text) if text.lstrip("+-").isdigit() else float(text)
+
+
+def read_rows(path):
+    """(rows, head) of such a file."""
+    with open(path, newline="", encoding="utf-8") as file:
+        lines = file.readlines()
+    head = dict(line[2:].rstrip("\n").split(": ", 1) for line in lines if line.startswith("# "))
+    table = csv.DictReader(line for line in lines if not line.startswith("# "))
+    return [{key: number(text) for key, text in row.items() if text not in ("", None)}
+            for row in table], head
+
+
+# ---- the run ----------------------------------------------------------------------------------
+
+
+def duration(seconds):
+    if seconds < 90:
+        return f"{max(seconds, 1):.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+def plan(options, head):
+    """[(module, task, file, stamp, done)] of all tasks."""
+    pieces = []
+    for module in options.studies.values():
+        seen = set()
+        for task in module.tasks(options.quick):
+            if not KEY.fullmatch(task.key) or task.key in seen:
+                raise ValueError(f"{module.__file__}: task '{task.key}': expected letters, digits, "
+                                 "- and _, and no key twice")
+            seen.add(task.key)
+            file = options.output / "data" / module.NAME / f"{task.key}.csv"
+            mark = stamp(module, task, options.quick, head)
+            done = not options.again and file.is_file() and read_rows(file)[1].get("stamp") == mark
+            pieces.append((module, task, file, mark, done))
+    return pieces
+
+
+def say_plan(pieces):
+    left = [task.seconds for _module, task, _file, _mark, done in pieces if not done]
+    done = f", {len(pieces) - len(left)} of them done before" if len(left) < len(pieces) else ""
+    print(f"{len(pieces)} pieces{done}; about {duration(sum(left))} on two idle cores"
+          if left else f"{len(pieces)} pieces, all of them done before", flush=True)
+
+
+def work(pieces, head):
+    """Do what is missing."""
+    todo = [piece for piece in pieces if not piece[-1]]
+    remaining = sum(piece[1].seconds for piece in todo)
+    for place, (module, task, file, mark, _done) in enumerate(todo):
+        folder = file.with_suffix("")
+        folder.mkdir(parents=True, exist_ok=True)
+        progress = report.Progress(f"[{place + 1}/{len(todo)}, {duration(remaining)} left] "
+                                   f"{module.NAME}: {task.key}")
+
+        def say(text, live=progress):
+            if live.live:
+                live.show(text)
+
+        try:
+            rows = task.run(folder, say)
+        except BaseException:
+            progress.done("failed")
+            raise
+        if not rows:
+            raise ValueError(f"study {module.NAME}, {task.key}: no rows")
+        write_rows(file, rows, {**head, "command": task.command or head["command"], "stamp": mark})
+        if not any(folder.iterdir()):
+            folder.rmdir()
+        progress.done()
+        remaining -= task.seconds
+
+
+def gather(options, pieces, head):
+    """[page.Section]; writes each study's CSV. ValueError where a finding does not hold."""
+    sections, wrong = [], []
+    for name, module in options.studies.items():
+        rows, commands = [], {}
+        for of, task, file, _mark, _done in pieces:
+            if of is module:
+                rows += read_rows(file)[0]
+                if task.command:
+                    commands.setdefault(task.command, []).append(task.key)
+        write_rows(options.output / "data" / f"{name}.csv", rows, head)
+        section = page.Section(
+            name, module.TITLE, module.INTRO, module.findings(rows), module.figures(rows),
+            module.tables(rows), commands, len(rows))
+        sections.append(section)
+        wrong += [f"study {name}: does not hold for data/{name}.csv: \"{finding.text}\""
+                  for finding in section.findings if not finding.holds]
+    if wrong:
+        raise ValueError("no page, since findings do not hold:\n  " + "\n  ".join(wrong))
+    return sections
+
+
+def main(argv=None):
+    options = arguments(argv)
+    head = surroundings(options)
+    pieces = plan(options, head)
+    say_plan(pieces)
+    if options.plan:
+        return 0
+    if not Path(programs.SHADE).is_file():
+        raise ValueError(f"{programs.SHADE}: no such file; run make")
+    options.output.mkdir(parents=True, exist_ok=True)
+    work(pieces, head)
+    sections = gather(options, pieces, head)
+    target = options.output / "report.html"
+    whole.write_text(target, page.html(sections, head, options.quick))
+    print(f"The report: {target}")
+    return 0
+
+
+if __name__ == "__main__":
+    report.run(main)
