@@ -139,10 +139,12 @@ RC = {"svg.fonttype": "none", "svg.hashsalt": "libshade", "font.size": 10, "axes
       "legend.frameon": False, "lines.linewidth": 1.5, "figure.constrained_layout.use": True}
 
 
+matplotlib.rcParams.update(RC)
+
+
 def figure(width=360, height=280, rows=1, columns=1, **keywords):
     """(figure, axes) of that size in points, which are the page's pixels on a phone."""
-    with matplotlib.rc_context(RC):
-        return pyplot.subplots(rows, columns, figsize=(width / 72, height / 72), **keywords)
+    return pyplot.subplots(rows, columns, figsize=(width / 72, height / 72), **keywords)
 
 
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -155,6 +157,11 @@ def power(value):
     digits, exponent = f"{value:.0e}".split("e")
     raised = "10" + str(int(exponent)).translate(_RAISED)
     return raised if digits == "1" else f"{digits}·{raised}"
+
+
+def rounded(value):
+    """A number to one digit: 0.003, 2·10⁻⁷."""
+    return power(float(f"{value:.0e}"))
 
 
 def number(value):
@@ -240,7 +247,7 @@ def ends(axes, points, size=9):
 
 def svg(drawing):
     """The figure as text to stand in HTML: colours as variables, text as text, ids of its own."""
-    with matplotlib.rc_context(RC), io.StringIO() as file:
+    with io.StringIO() as file:
         drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None, "Format": None,
                                                       "Type": None})
         text = file.getvalue()
