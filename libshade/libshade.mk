@@ -44,6 +44,7 @@ WHOLE_OBJ := $(O)/dump/whole.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
 TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/bench_cloth.o $(O)/tool/bench_lanes.o $(O)/tool/bench_maps.o \
+  $(O)/tool/bench_diffuse.o \
   $(O)/tool/check.o $(O)/tool/json.o \
   $(O)/tool/work.o $(O)/tool/parse.o $(O)/tool/text.o $(O)/tool/weave.o $(ISAS:%=$(O)/tool/literal_%.o)
 

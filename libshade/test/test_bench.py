@@ -119,6 +119,17 @@ def test_maps():
         assert row["precision"] == "float" and float(row["max_error"]) <= 2e-6, row
 
 
+def test_diffuse_and_lobes():
+    rows = {(row["method"], row["precision"]): row for row in read_apart(bench("--csv", "--what", "diffuse"))}
+    assert {method for method, _ in rows} == {"lambert", "max_normal", "fibre", "fibre_view", "ashikhmin_shirley"}
+    for (method, precision), row in rows.items():
+        assert 0 < float(row["max_error"]) <= (1e-6 if precision == "float" else 1e-14), row
+        assert method != "lambert" or float(row["ratio_perturb"]) == 1
+    lobes = read_apart(bench("--csv", "--what", "lobes"))
+    assert [row["what"] for row in lobes if row["distribution"] == "ggx"] == [f"lobes_{n}" for n in (1, 2, 3, 4, 6, 8)]
+    assert {row["distribution"] for row in lobes} == {"ashikhmin_shirley", "ward", "ward_half", "beckmann", "ggx"}
+
+
 def test_bad_usage():
     for options in (["--fast"], ["--ex", "-1"], ["--ex", "x"], ["--ex"], ["--isa", "neon"],
                     ["--mdf", "phong"], ["--what", "g"], ["--what", "f_hard"],

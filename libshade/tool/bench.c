@@ -273,14 +273,22 @@ static void usage(FILE *to) {
       "                   ratio is to the material's own\n"
       "  slopes, widen    with --what maps: normal maps over footprints of so many texels; the "
       "first\n"
-      "                   ratio is to a point, errors are against the single calls\n\n"
+      "                   ratio is to a point, errors are against the single calls\n"
+      "  diffuse          with --what diffuse: the diffuse part alone, each model about bumped\n"
+      "                   normals; errors of Phi against the reference; the first ratio is to "
+      "lambert\n"
+      "  lobes_1 to 8     with --what lobes: a lookup of a filtered map by so many lobes, whole, "
+      "one\n"
+      "                   call a lobe; the first ratio is to one lobe; no error is taken\n\n"
       "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
       "                   ratio_stream,max_error\n"
       "  --output FILE    these columns into a file, beside what is printed\n"
       "  --isa NAME       avx512, avx2, sse2 or scalar (default: that of shade --version)\n"
       "  --all            every instruction set of this CPU\n"
       "  --mdf NAME       one distribution only\n"
-      "  --what NAME      D, f, D_call, f_call, cloth, lanes or maps only, or f_ and a horizon\n"
+      "  --what NAME      D, f, D_call, f_call, cloth, lanes, maps, diffuse or lobes only, or f_ "
+      "and\n"
+      "                   a horizon\n"
       "  --set NAME       cache or memory only\n"
       "  --ex E --ey E    exponents (default 200, 10)\n",
       to);
@@ -386,7 +394,8 @@ static int find_word(const char *const *words, int count, const char *word) {
 }
 
 static const char *const sets[] = {"cache", "memory"};
-static const char *const apart_words[] = {"cloth", "lanes", "maps"};
+static const char *const apart_words[] = {"cloth", "lanes", "maps", "diffuse", "lobes"};
+enum { APART = sizeof apart_words / sizeof apart_words[0] };
 /* 4M queries are 200 to 400 MB: beyond any cache */
 static const size_t counts[] = {1024, (size_t)4 << 20};
 
@@ -404,14 +413,16 @@ static int read_value(options *o, const char *option, const char *text) {
     o->mdf = shade_list_find(SHADE_LIST_MDF, text);
     expected = o->mdf < 0 ? "a distribution (see shade eval --help)" : NULL;
   } else if (!strcmp(option, "--what")) {
-    o->apart = find_word(apart_words, 3, text) + 1;
+    o->apart = find_word(apart_words, APART, text) + 1;
     o->what = o->apart ? WHATS : find_word(what_words, WHAT_F_HORIZON, text);
     o->horizon = strncmp(text, "f_", 2) ? -1 : shade_list_find(SHADE_LIST_HORIZON, text + 2);
     if (o->what < 0 && o->horizon > 0)
       o->what = WHAT_F_HORIZON;
-    expected = o->what < 0
-                   ? "D, f, D_call, f_call, cloth, lanes, maps, or f_ and a horizon (not hard)"
-                   : NULL;
+    expected =
+        o->what < 0
+            ? "D, f, D_call, f_call, cloth, lanes, maps, diffuse, lobes, or f_ and a horizon "
+              "(not hard)"
+            : NULL;
   } else if (!strcmp(option, "--set")) {
     o->set = find_word(sets, 2, text);
     expected = o->set < 0 ? "cache or memory" : NULL;
@@ -502,11 +513,12 @@ typedef struct apart_rows {
 
 static void print_apart(void *context, const char *what, const char *preset, const char *mdf,
                         int single, double ns, double error) {
-  static const char *const firsts[] = {"cloth_near", "f", "pdf", "sample", "slopes_point"};
+  static const char *const firsts[] = {"cloth_near", "f",       "pdf",
+                                       "sample",     "lobes_1", "slopes_point"};
   apart_rows *c = context;
   static const char csv[] = "%s,%s,%s,%s,%s,cache,%.4g,%.4g,0,%.2e\n";
   const char *type = precision_words[single ? SINGLE : TWICE], *isa = shade_isa();
-  if (find_word(firsts, 5, what) >= 0)
+  if (find_word(firsts, 6, what) >= 0 || !strcmp(preset, "lambert"))
     c->first[single] = ns;
   const double ratio = ns / c->first[single];
   if (c->o->csv)
@@ -521,7 +533,8 @@ static void print_apart(void *context, const char *what, const char *preset, con
 
 /* By public calls, which run on what the environment named when a cloth or material was made. */
 static int bench_apart(const options *o) {
-  int (*const jobs[])(bench_row *, void *) = {bench_cloth, bench_lanes, bench_maps};
+  int (*const jobs[])(bench_row *, void *) = {bench_cloth, bench_lanes, bench_maps, bench_diffuse,
+                                              bench_lobes};
   const shade_isa_table *isa;
   for (int row = 0; o->apart && (isa = shade_isa_pick(row)); row++) {
     apart_rows rows = {o, {1, 1}};
