@@ -105,9 +105,11 @@ LOOKS = {word: Look(colour, marker, word.replace("_", " ") if not label else lab
     ("poulin_fournier", INK, "*", "Poulin-Fournier", False),
     # cloth
     ("near", INK, "*", "", False),
-    ("far", BLUE, "o", "far, tables", False),
+    ("far", BLUE, "o", "far", False),
     ("far_nodes", BLUE, "o", "far, all lobes", True),
     ("single", ORANGE, "s", "one lobe", False),
+    *((f"lobes_{n}", c, m, "one lobe" if n == 1 else f"{n} lobes", False) for n, c, m in (
+        (1, ORANGE, "s"), (2, GREY, "X"), (3, PURPLE, "v"), (4, GREEN, "^"), (6, BLUE, "o"), (8, VERMILION, "D"))),
     # renderers
     ("libshade", BLUE, "o", "", False),
     ("cycles", VERMILION, "D", "Cycles", False),

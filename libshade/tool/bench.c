@@ -585,7 +585,7 @@ int shade_cmd_bench(int argc, char **argv) {
       if ((o.set < 0 || s == o.set) && (o.what < 0 || w == o.what) &&
           !(s && in_cache_only((what)w)))
         total += isas * (o.mdf < 0 ? SHADE_MDF_COUNT : 1);
-  for (int s = 0; s < 2 && !status; s++)
+  for (int s = 0; s < 2 && !status && !o.apart; s++)
     if (o.set < 0 || s == o.set)
       status = bench_set(&o, s, &done, total);
   if (!status)
