@@ -129,7 +129,7 @@ def chart(axes, points, title, error_label, floor=0.0, time_label="ns a sample, 
         y_bars = None if p.low is None or p.error <= floor else [[max(y - p.low, 0)], [max(p.high - y, 0)]]
         axes.errorbar(p.ns, y, xerr=[[p.ns - low], [high - p.ns]], yerr=y_bars, zorder=3, **look.bars)
     xs, ys = [p.ns for p in points], list(at.values())
-    axes.set_xlim(min(xs) / 1.35, max(xs) * 1.5)
+    axes.set_xlim(min(xs) / 1.35, max(xs) * 1.8)
     axes.set_ylim(min(ys) / 2.2, max(ys) * 2)
     steps = [(axes.get_xlim()[1], at[id(best[-1])])]
     for here, after in zip(reversed(best[:-1]), reversed(best[1:])):
@@ -145,5 +145,6 @@ def chart(axes, points, title, error_label, floor=0.0, time_label="ns a sample, 
         if p.word not in written:
             written.update([p.word, *p.also])
             shown.append((p.ns, at[id(p)], p.word))
-    style.labels(axes, shown, size=8.5)
+    bars = [[(p.ns, p.low), (p.ns, p.high)] for p in points if p.low and p.error > floor]
+    style.labels(axes, shown, size=8.5, lines=[steps, *bars])
     return best

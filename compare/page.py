@@ -66,15 +66,15 @@ def cell(value):
 
 
 def table(section, part, names):
+    for row in part.rows:
+        if len(row) != len(part.columns):
+            raise ValueError(f"study {section.name}, table {part.id}: a row of {len(row)} for "
+                             f"{len(part.columns)} columns")
     numeric = [all(not isinstance(row[i], str) for row in part.rows) for i in range(len(part.columns))]
     heads = "".join(
         f'<th scope="col"{" class=number" if is_number else ""}><button type="button">{text(column)}'
         "<span aria-hidden=true></span></button></th>"
         for column, is_number in zip(part.columns, numeric))
-    for row in part.rows:
-        if len(row) != len(part.columns):
-            raise ValueError(f"study {section.name}, table {part.id}: a row of {len(row)} for "
-                             f"{len(part.columns)} columns")
     body = "\n".join("<tr>" + "".join(map(cell, row)) + "</tr>" for row in part.rows)
     name = anchor(section, part)
     return f"""<div class="table" id="{name}">

@@ -162,8 +162,9 @@ def read_rows(path):
     """(rows, head) of such a file."""
     with open(path, newline="", encoding="utf-8") as file:
         lines = file.readlines()
-    head = dict(line[2:].rstrip("\n").split(": ", 1) for line in lines if line.startswith("# "))
-    table = csv.DictReader(line for line in lines if not line.startswith("# "))
+    count = next((k for k, line in enumerate(lines) if not line.startswith("# ")), len(lines))
+    head = dict(line[2:].rstrip("\n").split(": ", 1) for line in lines[:count])
+    table = csv.DictReader(lines[count:])
     return [{key: number(text) for key, text in row.items() if text not in ("", None)}
             for row in table], head
 

@@ -51,7 +51,7 @@ class Look:
     @property
     def bars(self):
         """Keywords for axes.errorbar, without a line between the points."""
-        return {"linestyle": "none", "ecolor": self.colour, "elinewidth": 1.2, "capsize": 2.5,
+        return {"color": self.colour, "linestyle": "none", "ecolor": self.colour, "elinewidth": 1.2, "capsize": 2.5,
                 **self.points}
 
     @property
@@ -192,11 +192,20 @@ _AROUND = ((7, 0, "left"), (-7, 0, "right"), (0, 9, "center"), (0, -9, "center")
            (-10, 25, "right"), (-10, -25, "right"))
 
 
-def labels(axes, points, size=9):
-    """Write each word beside its point, (x, y, word), in its colour, where least lies below it."""
+def labels(axes, points, size=9, lines=()):
+    """Write each word beside its point, (x, y, word), in its colour, where least lies below it.
+
+    `lines`: lists of points (x, y), lines that words should not lie on.
+    """
     canvas = axes.figure
     canvas.draw_without_rendering()  # the axes' place is known from here on
     dots = axes.transData.transform([(x, y) for x, y, _word in points])
+    strokes = []
+    for line in lines:
+        corners = axes.transData.transform(line)
+        for (x0, y0), (x1, y1) in zip(corners[:-1], corners[1:]):
+            steps = max(int(max(abs(x1 - x0), abs(y1 - y0)) / 3), 1)
+            strokes += [(x0 + (x1 - x0) * k / steps, y0 + (y1 - y0) * k / steps) for k in range(steps + 1)]
     frame, taken, scale = axes.get_window_extent(), [], canvas.dpi / 72
 
     def overlap(box):
@@ -206,7 +215,8 @@ def labels(axes, points, size=9):
         shared = sum(max(min(x1, b[2]) - max(x0, b[0]), 0) * max(min(y1, b[3]) - max(y0, b[1]), 0)
                      for b in taken)
         covered = sum(x0 - 4 < x < x1 + 4 and y0 - 4 < y < y1 + 4 for x, y in dots)
-        return 40 * out + shared + 60 * covered
+        struck = sum(x0 < x < x1 and y0 < y < y1 for x, y in strokes)
+        return 40 * out + 3 * shared + 60 * covered + 4 * struck
 
     for (x, y, word), (px, py) in zip(points, dots):
         look = of(word)

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The report: the quick one is made once and driven in a browser; the runner with small studies of its own."""
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import page
+import pytest
+import report_page
+import study
+import style
+from chromium import Page
+
+COMPARE = Path(report_page.__file__).parent
+RUN = [sys.executable, str(COMPARE / "report_page.py")]
+
+
+# ---- the quick report -------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    done = subprocess.run([*RUN, "--quick", "--output", folder], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert re.match(r"\d+ pieces; about .* on two idle cores\n", done.stdout)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def browser(quick, tmp_path_factory):
+    with Page(quick / "report.html", tmp_path_factory.mktemp("profile")) as opened:
+        yield opened
+
+
+def column(browser, table, number):
+    return browser.run(f"Array.from(document.querySelectorAll('#{table} tbody tr'), (row) => "
+                       f"row.cells[{number}].dataset.value ?? row.cells[{number}].textContent)")
+
+
+def test_page_is_whole(quick):
+    text = (quick / "report.html").read_text(encoding="utf-8")
+    assert not re.search(r"(?:src|href)=\"(?:https?:|//|/)", text) and "@import" not in text
+    ids = re.findall(r'\bid="([^"]+)"', text)
+    assert len(ids) == len(set(ids))
+    assert set(re.findall(r'href="#([^"]+)"', text)) <= set(ids)
+    for name in re.findall(r'href="(data/[^"]+)"', text):
+        head = report_page.read_rows(quick / name)[1]
+        assert {"machine", "compiler", "commit", "command"} <= set(head) and all(head.values())
+    figures = re.findall(r'<figure.*?</figure>', text, re.S)
+    assert figures and all(re.search(r'role="img" aria-label="[^"]{40,}"', f) for f in figures)
+    assert text.index('id="findings"') < text.index("<figure")
+    assert not re.search(r"\bnan\b|\binf\b|#[0-9a-f]{6}; stroke", text, re.I)
+
+
+def test_a_table_is_sorted_by_mouse_and_by_key(browser):
+    table, heads = "speed-errors", "document.querySelectorAll('#speed-errors th button')"
+    before = column(browser, table, 3)
+    browser.run(f"{heads}[3].click()")
+    up = column(browser, table, 3)
+    assert up == sorted(before, key=float) and up != before
+    browser.run(f"{heads}[3].focus()")
+    browser.key("Enter", 13, "\r")
+    assert column(browser, table, 3) == sorted(before, key=float, reverse=True)
+    assert browser.run(f"{heads}[3].parentElement.getAttribute('aria-sort')") == "descending"
+    assert "20°" in browser.run("document.getElementById('said').textContent")
+    browser.key("Tab", 9)
+    browser.key(" ", 32, " ")
+    assert browser.run(f"{heads}[4].parentElement.getAttribute('aria-sort')") == "ascending"
+    browser.run(f"{heads}[1].click()")
+    names = column(browser, table, 1)
+    assert names == sorted(names, key=str.casefold)
+    assert browser.run("document.querySelectorAll('th[aria-sort]').length") == 1
+
+
+def test_links_lead_somewhere_and_nothing_complains(browser):
+    browser.run("document.querySelector('#findings li a').click()")
+    target = browser.run("location.hash")
+    browser.until(f"Math.abs(document.querySelector('{target}').getBoundingClientRect().top) < innerHeight")
+    assert browser.run("document.querySelector(':target') !== null")
+    assert browser.said == []
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_phone(quick, tmp_path, dark):
+    with Page(quick / "report.html", tmp_path, width=390, height=800, dark=dark) as phone:
+        assert phone.run("document.documentElement.scrollWidth") <= 390  # wide parts scroll by themselves
+        assert phone.run("document.querySelector('nav details').open") is False
+        ground, ink = (np.array([int(v) for v in re.findall(r"\d+", phone.run(
+            f"getComputedStyle(document.body).{what}"))[:3]]) / 255 for what in ("backgroundColor", "color"))
+        light = [((c / 12.92 * (c <= .04045) + ((c + .055) / 1.055) ** 2.4 * (c > .04045))
+                  @ [.2126, .7152, .0722]) for c in (ground, ink)]
+        assert (light[0] < light[1]) == dark and (max(light) + .05) / (min(light) + .05) > 7
+        small = phone.run("Math.min(...Array.from(document.querySelectorAll('main svg text'), "
+                          "(t) => t.getBoundingClientRect().height))")
+        assert small > 7
+        assert phone.said == []
+
+
+def test_a_second_run_does_nothing_again(quick):
+    before = {path: path.stat().st_mtime_ns for path in (quick / "data").glob("*/*.csv")}
+    done = subprocess.run([*RUN, "--quick", "--output", quick], capture_output=True, text=True)
+    assert done.returncode == 0 and "all of them done before" in done.stdout
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+# ---- findings fall with their rows ---------------------------------------------------------------
+
+
+def worse(rows, **wanted):
+    """The rows, with errors of some a hundred times as large; at most 0.9 of nothing stays small."""
+    return [{**row, **{k: 100 * row[k] + 0.9 for k in row if k.startswith("error")}}
+            if all(row.get(k) == v for k, v in wanted.items()) else row for row in rows]
+
+
+def slower(rows, times, **wanted):
+    return [{**row, "ns": times * row["ns"]}
+            if "ns" in row and all(row.get(k) == v for k, v in wanted.items()) else row for row in rows]
+
+
+ALTERED = {  # study: how rows are altered, and a word of the sentence that falls
+    "speed": [(lambda r: worse(r, method="rotate"), "exactly"),
+              (lambda r: slower(r, 3, method="rotate"), "Being exact"),
+              (lambda r: worse(r, method="gram_schmidt", tilt=10), "Gram-Schmidt, which"),
+              (lambda r: slower(r, 9, method="rotate"), "Deformation"),
+              (lambda r: worse(r, method="rotate_approximate", distribution="ashikhmin_shirley"), "saves nothing"),
+              (lambda r: worse(r, method="rotate", tilt=45), "front"),
+              (lambda r: worse(r, method="perturb", tilt=30), "ranks")],
+    "precision": [(lambda r: worse(r, precision="float"), "Use float"),
+                  (lambda r: slower(r, 0.01, precision="float"), "fast form"),
+                  (lambda r: worse(r, precision="reference"), "reference that")],
+    "horizons": [(lambda r: worse(r, method="valid_estevez"), "Over all"),
+                 (lambda r: slower(r, 0.1, method="schuessler"), "grazes")],
+    "diffuse": [(lambda r: worse(r, method="fibre_view"), "Nearest"),
+                (lambda r: worse(r, method="fibre"), "maximum normal")],
+    "lobes": [(lambda r: worse(r, lobes=6), "Six lobes"), (lambda r: worse(r, lobes=6), "GGX needs")],
+    "cloth": [(lambda r: worse(r, method="far"), "far form"), (lambda r: worse(r, method="far"), "One lobe")],
+}
+
+
+@pytest.mark.parametrize("name,number", [(name, k) for name, cases in ALTERED.items() for k in range(len(cases))])
+def test_altered_rows_falsify(quick, name, number):
+    module = report_page.known()[name]
+    rows = report_page.read_rows(quick / "data" / f"{name}.csv")[0]
+    alter, words = ALTERED[name][number]
+    told = [finding for finding in module.findings(rows) if words in finding.text]
+    after = [finding for finding in module.findings(alter(rows)) if words in finding.text]
+    assert len(told) == len(after) == 1 and told[0].holds and not after[0].holds
+
+
+def test_every_finding_has_a_row_that_falsifies_it(quick):
+    for name, cases in ALTERED.items():
+        rows = report_page.read_rows(quick / "data" / f"{name}.csv")[0]
+        texts = [finding.text for finding in report_page.known()[name].findings(rows)]
+        assert all(any(words in text for _alter, words in cases) for text in texts), name
+
+
+def test_altered_csv_stops_the_page(quick, tmp_path):
+    """A piece's rows altered by hand: no page, the sentence is named, the old page stays."""
+    subprocess.run(["cp", "-r", f"{quick}/.", tmp_path], check=True)
+    path = tmp_path / "data" / "speed" / "error-ashikhmin_shirley-30.csv"
+    rows, head = report_page.read_rows(path)
+    report_page.write_rows(path, worse(rows, method="rotate"), head)
+    old = (tmp_path / "report.html").read_bytes()
+    done = subprocess.run([*RUN, "--quick", "--only", "speed", "--output", tmp_path], capture_output=True, text=True)
+    assert done.returncode == 1 and "findings do not hold" in done.stderr
+    assert "follows the displaced surface exactly" in done.stderr and "data/speed.csv" in done.stderr
+    assert (tmp_path / "report.html").read_bytes() == old
+
+
+# ---- the runner, by a study that waits -------------------------------------------------------------
+
+WAITING = '''
+import time
+from study import Figure, Finding, Table, Task
+NAME, TITLE, INTRO = "waiting", "A study <that> waits", "It waits & counts."
+def piece(number):
+    def run(folder, say):
+        with open(folder / "started", "w") as file:
+            file.write("x")
+        time.sleep(60 if number == 2 and not (folder.parent / "go").exists() else 0)
+        return [{"number": number, "half": number / 2, "word": "a, \\"b\\""}, {"number": 10}]
+    return run
+def tasks(quick):
+    return [Task(f"piece-{n}", 1, piece(n), "sleep 60") for n in range(4)]
+def findings(rows):
+    return [Finding("All four were counted.", len(rows) == 8, "t")]
+def figures(rows):
+    return []
+def tables(rows):
+    return [Table("t", "Numbers", "", ["number", "half"], [[r["number"], r.get("half")] for r in rows])]
+'''
+
+
+@pytest.fixture
+def waiting(tmp_path):
+    """The runner's script on the study above alone."""
+    here = tmp_path / "studies"
+    here.mkdir()
+    (here / "study_waiting.py").write_text(WAITING, encoding="utf-8")
+    script = here / "run.py"
+    script.write_text(f"import sys\nsys.path[:0] = [{str(here)!r}, {str(COMPARE)!r}]\nimport programs\n"
+                      f"import report_page\nfrom pathlib import Path\nprograms.HERE = Path({str(here)!r})\n"
+                      "import report\nreport.run(report_page.main)\n", encoding="utf-8")
+    return [sys.executable, str(script), "--output", str(tmp_path / "out")], tmp_path / "out"
+
+
+def test_interrupted_and_resumed(waiting):
+    command, out = waiting
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    started = out / "data" / "waiting" / "piece-2" / "started"
+    end = time.monotonic() + 60
+    while not started.exists() and time.monotonic() < end:
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _said, wrong = process.communicate(timeout=60)
+    assert process.returncode == 130 and "interrupted" in wrong and "Traceback" not in wrong
+    kept = sorted(path.name for path in (out / "data" / "waiting").glob("*.csv"))
+    assert kept == ["piece-0.csv", "piece-1.csv"] and not (out / "report.html").exists()
+    assert not [path for path in out.rglob("*") if path.name.startswith(".")]
+    (out / "data" / "waiting" / "go").touch()
+    before = (out / "data" / "waiting" / "piece-0.csv").stat().st_mtime_ns
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "4 pieces, 2 of them done before" in done.stdout and "piece-0" not in done.stderr
+    assert (out / "data" / "waiting" / "piece-0.csv").stat().st_mtime_ns == before
+    text = (out / "report.html").read_text(encoding="utf-8")
+    assert "A study &lt;that&gt; waits" in text and "It waits &amp; counts." in text
+    with open(out / "data" / "waiting.csv", newline="", encoding="utf-8") as file:
+        lines = list(csv.reader(line for line in file if not line.startswith("#")))
+    assert lines[0] == ["number", "half", "word"] and len(lines) == 9 and lines[1] == ["0", "0.0", 'a, "b"']
+    (out / "data" / "waiting" / "piece-1.csv").write_text("# stamp: old\nnumber\n", encoding="utf-8")
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert "4 pieces, 3 of them done before" in done.stdout
+
+
+@pytest.mark.parametrize("options,word", [(["--only", "nothing"], "there are"), (["--output", __file__], "no folder"),
+                                          (["--fast"], "unrecognized")])
+def test_bad_arguments(options, word):
+    done = subprocess.run([*RUN, *options], capture_output=True, text=True)
+    assert done.returncode == 2 and word in done.stderr and "Traceback" not in done.stderr
+
+
+def test_rows_come_back(tmp_path):
+    rows = [{"a": 0.1, "b": "x,\n\"y\"", "c": 3}, {"a": np.float64(1e-300), "c": np.int64(-2), "d": "1e5x"}]
+    report_page.write_rows(tmp_path / "r.csv", rows, {"command": "make: it"})
+    back, head = report_page.read_rows(tmp_path / "r.csv")
+    assert back == [{"a": 0.1, "b": "x,\n\"y\"", "c": 3}, {"a": 1e-300, "c": -2, "d": "1e5x"}]
+    assert head == {"command": "make: it"} and os.listdir(tmp_path) == ["r.csv"]
+    for wrong in (float("nan"), float("inf"), None):
+        with pytest.raises(ValueError, match="column a"):
+            report_page.write_rows(tmp_path / "r.csv", [{"a": wrong}], {})
+
+
+def test_what_cannot_stand_on_a_page():
+    def section(**parts):
+        return page.Section(**{"name": "s", "title": "t", "intro": "", "findings": [], "figures": [], "tables": [],
+                               "commands": {}, "count": 0, **parts})
+    table = study.Table("a", "t", "c", ["x", "y"], [[1]])
+    figure = study.Figure("a", "t", "c", "<svg></svg>", "alt")
+    for bad, word in ((section(tables=[table]), "a row of 1"), (section(figures=[figure, figure]), "two parts"),
+                      (section(findings=[study.Finding("so", True, "b")]), "no figure or table")):
+        with pytest.raises(ValueError, match=word):
+            page.html([bad], {"command": "make"}, False)
+
+
+def test_numbers_as_shown():
+    assert [style.number(v) for v in (0.0, 0.12345, 12.345, 1234.5, 1.5e-7, 0.0012345)] == [
+        "0", "0.123", "12.3", "1234", "1.5·10⁻⁷", "0.00123"]
+    assert [style.power(v) for v in (1e-6, 0.05, 2e-8, 300, 0)] == ["10⁻⁶", "0.05", "2·10⁻⁸", "300", "0"]
