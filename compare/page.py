@@ -60,7 +60,7 @@ def cell(value):
     if value is None or value == "":
         return "<td></td>"
     if isinstance(value, str):
-        return f"<td>{text(value)}</td>"
+        return f"<td{' class=short' if len(value) < 28 else ''}>{text(value)}</td>"
     shown = str(value) if isinstance(value, int) else style.number(value)
     return f'<td class="number" data-value="{float(value)!r}">{shown}</td>'
 
@@ -78,8 +78,8 @@ def table(section, part, names):
     body = "\n".join("<tr>" + "".join(map(cell, row)) + "</tr>" for row in part.rows)
     name = anchor(section, part)
     return f"""<div class="table" id="{name}">
-<div class="scroll" tabindex="0" role="region" aria-label="{attribute(part.title)}"><table>
-<caption><b>{names[name]}.</b> <strong>{text(part.title)}</strong> {text(part.caption)}</caption>
+<p class="caption" id="{name}-caption"><b>{names[name]}.</b> <strong>{text(part.title)}</strong> {text(part.caption)}</p>
+<div class="scroll" tabindex="0" role="region" aria-label="{attribute(part.title)}"><table aria-labelledby="{name}-caption">
 <thead><tr>{heads}</tr></thead>
 <tbody>
 {body}

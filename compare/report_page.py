@@ -235,6 +235,8 @@ def gather(options, pieces, head):
     sections, wrong = [], []
     for name, module in options.studies.items():
         rows, commands = [], {}
+        if not any(piece[0] is module for piece in pieces):
+            continue  # a study of the full report alone
         for of, task, file, _mark, _done in pieces:
             if of is module:
                 rows += read_rows(file)[0]

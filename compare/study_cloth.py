@@ -51,7 +51,7 @@ def measure(name, points, runs):
         for number in range(runs):
             say(f"run {number + 1} of {runs}")
             best = dict.fromkeys(FORMS, 1e30)
-            for _round in range(4):
+            for _round in range(10):
                 for form in FORMS:  # by turns
                     size = np.float32(0 if form == "near" else 20)
                     begun = time.perf_counter()
@@ -103,7 +103,7 @@ def findings(rows):
 
 
 def figures(rows):
-    panel, axes = style.figure(600, 360)
+    panel, axes = style.figure(400, 300)
     axes.set_xscale("log")
     axes.set_yscale("log")
     for form in FORMS[1:]:

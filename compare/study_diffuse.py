@@ -122,7 +122,7 @@ def findings(rows):
 
 
 def figures(rows):
-    panel, axes = style.figure(560, 360)
+    panel, axes = style.figure(400, 300)
     fronts.chart(axes, points(rows), "", "mean error / mean of the truth")
     return [Figure("front", "Time against error of each diffuse model",
                    "Bars: the middle half of the runs, and of the pairs of light and eye; dashed: the Pareto front. "

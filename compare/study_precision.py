@@ -4,7 +4,6 @@
 The truth is D of a rotated lobe in decimal arithmetic of 40 digits, written here from the definitions.
 """
 import decimal
-import resource
 import subprocess
 from decimal import Decimal
 
@@ -22,8 +21,7 @@ INTRO = ("The library evaluates a distribution in single precision (fast, float)
          "in long double, which its tests trust. All four get the same directions, rounded to single precision, "
          "within 60° of the surface's normal, with detail `rotate` and exponents 200 and 10 or the matching "
          "alphas. The truth is decimal arithmetic with 40 digits, by a program that shares no code with them. The "
-         "error is the worst relative one where D is above 10⁻¹² of its peak; its bar reaches down to the median. "
-         "The reference's time is the processor's in `shade eval`, less what the same lines cost in double.")
+         "error is the worst relative one where D is above 10⁻¹² of its peak; its bar reaches down to the median.")
 MDFS = ("ashikhmin_shirley", "ward", "ward_half", "beckmann", "ggx")
 FORMS = ("fast", "float", "double", "reference")
 EX, EY = 200, 10
@@ -84,15 +82,13 @@ def truth(mdf, n, h):
 
 
 def ask(mdf, form, lines):
-    """(answers as texts, seconds of the processor) of `shade eval`."""
+    """Answers of `shade eval`, as texts."""
     command = [programs.SHADE, "eval", "--mdf", mdf, "--ex", str(EX), "--ey", str(EY), "--detail", "rotate",
                "--groove", "x", "--precision", form, "--what", "D"]
-    begun = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     done = subprocess.run(command, input=lines, capture_output=True, text=True, check=False)
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - begun
     if done.returncode:
         raise report.StepFailed(f"{' '.join(command)}: {done.stderr}")
-    return done.stdout.split(), seconds
+    return done.stdout.split()
 
 
 def text(n, h):
@@ -110,7 +106,7 @@ def errors(mdf, count):
                 want.append(truth(mdf, n[k], h[k]))
             rows = []
             for form in FORMS:
-                answers, _ = ask(mdf, form, text(n, h))
+                answers = ask(mdf, form, text(n, h))
                 off = [abs(Decimal(a) / d - 1) for a, (d, peak) in zip(answers, want)
                        if d > PEAK_SHARE * peak]
                 rows.append({"kind": "error", "distribution": mdf, "precision": form, "points": len(off),
@@ -119,27 +115,21 @@ def errors(mdf, count):
     return run
 
 
-def speed(mdf, runs, lines):
+def speed(mdf, runs):
     def run(_folder, say):
-        rows = [{"kind": "speed", **row}
-                for row in fronts.bench(["--what", "D", "--mdf", mdf, "--set", "cache"], runs, say)
+        rows = [row for row in fronts.bench(["--what", "D", "--mdf", mdf, "--set", "cache"], runs, say)
                 if row["method"] == "rotate"]
-        inputs = text(directions(lines, 7), directions(lines, 8))
-        for k in range(runs):
-            say(f"reference, run {k + 1} of {runs}")
-            double, slow = (min(ask(mdf, form, inputs)[1] for _ in range(2)) for form in ("double", "reference"))
-            ns = (slow - double) / lines * 1e9 + fronts.one(rows, precision="double", run=k)["ns"]
-            rows.append({"kind": "speed", "what": "D", "method": "rotate", "distribution": mdf,
-                         "precision": "reference", "isa": "x87", "run": k, "ns": ns})
-        return rows
+        rows += [{**row, "precision": "reference"} for row in fronts.bench(["--what", "reference"], runs, say)
+                 if row["distribution"] == mdf]
+        return [{"kind": "speed", **row} for row in rows]
     return run
 
 
 def tasks(quick):
-    count, runs, lines = (300, 5, 30000) if quick else (3000, 11, 100000)
-    bench = fronts.command(["--what", "D", "--set", "cache"])
+    count, runs = (300, 5) if quick else (3000, 15)
     mdfs = ("ashikhmin_shirley", "ggx") if quick else MDFS
-    return ([Task(f"speed-{mdf}", runs * lines * 1.3e-5, speed(mdf, runs, lines), bench) for mdf in mdfs]
+    bench = fronts.command(["--what", "D", "--set", "cache"])
+    return ([Task(f"speed-{mdf}", 0.3 * runs, speed(mdf, runs), bench) for mdf in mdfs]
             + [Task(f"error-{mdf}", count * 1.5e-3, errors(mdf, count)) for mdf in mdfs])
 
 

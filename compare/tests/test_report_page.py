@@ -129,7 +129,7 @@ ALTERED = {  # study: how rows are altered, and a word of the sentence that fall
               (lambda r: slower(r, 3, method="rotate"), "Being exact"),
               (lambda r: worse(r, method="gram_schmidt", tilt=10), "Gram-Schmidt, which"),
               (lambda r: slower(r, 9, method="rotate"), "Deformation"),
-              (lambda r: worse(r, method="rotate_approximate", distribution="ashikhmin_shirley"), "saves nothing"),
+              (lambda r: worse(r, method="rotate_approximate", distribution="ashikhmin_shirley"), "worth little"),
               (lambda r: worse(r, method="rotate", tilt=45), "front"),
               (lambda r: worse(r, method="perturb", tilt=30), "ranks")],
     "precision": [(lambda r: worse(r, precision="float"), "Use float"),

@@ -279,7 +279,8 @@ static void usage(FILE *to) {
       "lambert\n"
       "  lobes_1 to 8     with --what lobes: a lookup of a filtered map by so many lobes, whole, "
       "one\n"
-      "                   call a lobe; the first ratio is to one lobe; no error is taken\n\n"
+      "                   call a lobe; the first ratio is to one lobe; no error is taken\n"
+      "  D_reference      with --what reference: D of rotate by the reference, in long double\n\n"
       "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
       "                   ratio_stream,max_error\n"
       "  --output FILE    these columns into a file, beside what is printed\n"
@@ -394,7 +395,8 @@ static int find_word(const char *const *words, int count, const char *word) {
 }
 
 static const char *const sets[] = {"cache", "memory"};
-static const char *const apart_words[] = {"cloth", "lanes", "maps", "diffuse", "lobes"};
+static const char *const apart_words[] = {"cloth",   "lanes", "maps",
+                                          "diffuse", "lobes", "reference"};
 enum { APART = sizeof apart_words / sizeof apart_words[0] };
 /* 4M queries are 200 to 400 MB: beyond any cache */
 static const size_t counts[] = {1024, (size_t)4 << 20};
@@ -420,8 +422,8 @@ static int read_value(options *o, const char *option, const char *text) {
       o->what = WHAT_F_HORIZON;
     expected =
         o->what < 0
-            ? "D, f, D_call, f_call, cloth, lanes, maps, diffuse, lobes, or f_ and a horizon "
-              "(not hard)"
+            ? "D, f, D_call, f_call, cloth, lanes, maps, diffuse, lobes, reference, or f_ and a "
+              "horizon (not hard)"
             : NULL;
   } else if (!strcmp(option, "--set")) {
     o->set = find_word(sets, 2, text);
@@ -513,12 +515,12 @@ typedef struct apart_rows {
 
 static void print_apart(void *context, const char *what, const char *preset, const char *mdf,
                         int single, double ns, double error) {
-  static const char *const firsts[] = {"cloth_near", "f",       "pdf",
-                                       "sample",     "lobes_1", "slopes_point"};
+  static const char *const firsts[] = {"cloth_near",   "f",          "pdf", "sample", "lobes_1",
+                                       "slopes_point", "D_reference"};
   apart_rows *c = context;
   static const char csv[] = "%s,%s,%s,%s,%s,cache,%.4g,%.4g,0,%.2e\n";
   const char *type = precision_words[single ? SINGLE : TWICE], *isa = shade_isa();
-  if (find_word(firsts, 6, what) >= 0 || !strcmp(preset, "lambert"))
+  if (find_word(firsts, 7, what) >= 0 || !strcmp(preset, "lambert"))
     c->first[single] = ns;
   const double ratio = ns / c->first[single];
   if (c->o->csv)
@@ -533,8 +535,8 @@ static void print_apart(void *context, const char *what, const char *preset, con
 
 /* By public calls, which run on what the environment named when a cloth or material was made. */
 static int bench_apart(const options *o) {
-  int (*const jobs[])(bench_row *, void *) = {bench_cloth, bench_lanes, bench_maps, bench_diffuse,
-                                              bench_lobes};
+  int (*const jobs[])(bench_row *, void *) = {bench_cloth,   bench_lanes, bench_maps,
+                                              bench_diffuse, bench_lobes, bench_reference};
   const shade_isa_table *isa;
   for (int row = 0; o->apart && (isa = shade_isa_pick(row)); row++) {
     apart_rows rows = {o, {1, 1}};

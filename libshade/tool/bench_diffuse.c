@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * shade bench, diffuse: the diffuse part of a material alone, each model about a bumped normal;
- * and what a lookup of a filtered normal map costs that shades several lobes.
+ * what a lookup of a filtered normal map costs that shades several lobes; and the reference.
  */
 #define _POSIX_C_SOURCE 200809L /* clock_gettime */
 
@@ -167,5 +167,35 @@ int bench_lobes(bench_row *print, void *context) {
       print(context, words[k], "map", shade_list_word(SHADE_LIST_MDF, mdf), 0, ns[k], 0);
   }
   (void)kept;
+  return 1;
+}
+
+int bench_reference(bench_row *print, void *context) {
+  enum { SOME = COUNT / 4, TURNS = 10 };
+  arrays *a = aligned_alloc(64, (sizeof *a + 63) / 64 * 64);
+  volatile double kept;
+  if (!a)
+    return 0;
+  fill(a);
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++) {
+    shade_params p;
+    double best = INFINITY;
+    shade_params_init(&p);
+    shade_params_set_exponents(&p, 200, 10);
+    p.mdf = (shade_mdf)mdf;
+    p.detail = SHADE_DETAIL_ROTATE;
+    for (int turn = 0; turn < TURNS; turn++) {
+      const double begun = bench_seconds();
+      for (int i = 0; i < SOME; i++) {
+        const double n[3] = {a->in[0][i], a->in[1][i], a->in[2][i]};
+        const double h[3] = {a->in[3][i], a->in[4][i], a->in[5][i]};
+        kept = shade_ref_mdf(&p, n, h);
+      }
+      best = fmin(best, (bench_seconds() - begun) * 1e9 / SOME);
+    }
+    print(context, "D_reference", "rotate", shade_list_word(SHADE_LIST_MDF, mdf), 0, best, 0);
+  }
+  (void)kept;
+  free(a);
   return 1;
 }
