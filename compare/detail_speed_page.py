@@ -112,7 +112,7 @@ def findings(rows):
         Finding("Being exact costs next to nothing: `rotate` takes "
                 f"{against('rotate', 'gram_schmidt', 'Gram-Schmidt')} and "
                 f"{against('rotate', 'perturb', 'plain `perturb`')}.", ratio("rotate", "perturb") < 1.5 and e("rotate", steep) < 1e-9,
-                "fronts"),
+                "fronts", timed=True),
         Finding(f"Gram-Schmidt, which most renderers use, is off by {e('gram_schmidt', low):.3f} at {low}° and "
                 f"{e('gram_schmidt', steep):.2f} at {steep}°; `perturb`, the papers' simple normal mapping, by "
                 f"{e('perturb', low):.2f} and {e('perturb', steep):.2f}.",
@@ -123,7 +123,7 @@ def findings(rows):
                 f"{against('deform_linear', 'rotate', '`rotate`')}, the smooth one by "
                 f"{e('deform_smooth', 30):.2f} in {ratio('deform_smooth', 'rotate'):.2f} times.",
                 all(e(w, t) > 10 * max(e("rotate", t), FLOOR) for w in warps for t in ts)
-                and all(ratio(w, "rotate") > 1 for w in warps), "fronts"),
+                and all(ratio(w, "rotate") > 1 for w in warps), "fronts", timed=True),
         Finding("The papers' approximate rotation is worth little: for Ashikhmin-Shirley it is the exact one, in "
                 f"{against('rotate_approximate', 'rotate', 'that')}; for {fronts.named(others)} it saves "
                 f"{span([100 * (1 - s) for s in saved.values()], '.0f')} % of the time and is off by "
@@ -131,10 +131,10 @@ def findings(rows):
                 f"axes, rotation takes {ratio('rotate_literal', 'rotate'):.0f} times as long (the papers: 54 µs "
                 "exact, 11 µs approximate).",
                 rough["ashikhmin_shirley"] < 1e-9 and min(rough[m] for m in others) > 0.02
-                and 0.5 < min(saved.values()) and ratio("rotate_literal", "rotate") > 5, "mdfs"),
+                and 0.5 < min(saved.values()) and ratio("rotate_literal", "rotate") > 5, "mdfs", timed=True),
         Finding(f"At every tilt the front of speed against accuracy holds {named}"
                 + (f"; {' and '.join(f'`{m}`' for m in sorted(tied))} ties with `rotate`." if tied else "."),
-                "rotate" in always and not any(m.startswith("deform") for m in always), "fronts"),
+                "rotate" in always and not any(m.startswith("deform") for m in always), "fronts", timed=True),
         Finding("This quadrature ranks the methods as the table of the method's notes does at "
                 f"{', '.join(f'{t}°' for t in PRINTED_TILTS)}, and differs from it by {off:.4f} at most; the "
                 "table has three digits.", same and off < 0.0025, "errors"),

@@ -15,7 +15,8 @@ QUICK = ("This is the quick report: fewer methods, angles and runs than `make co
 
 @dataclass(frozen=True)
 class Section:
-    """What the page shows of a study. commands: {command: keys of what it makes}."""
+    """What the page shows of a study. commands: {command: keys of what it makes}; left: how many
+    findings about times it does not tell."""
 
     name: str
     title: str
@@ -25,6 +26,12 @@ class Section:
     tables: Sequence
     commands: Mapping
     count: int
+    left: int = 0
+
+
+def left_out(count):
+    sentences = "One sentence about times is" if count == 1 else f"{count} sentences about times are"
+    return f"{sentences} left out: this run was too noisy to tell."
 
 
 def text(plain):
@@ -137,6 +144,9 @@ def findings(sections, names):
             lines = "\n".join(sentence(section, finding, names) for finding in section.findings)
             groups.append(f'<div class="group"><h3><a href="#{section.name}">{text(section.title)}</a>'
                           f"</h3>\n<ul>\n{lines}\n</ul></div>")
+    left = sum(section.left for section in sections)
+    if left:
+        groups.append(f'<p class="note">{left_out(left)}</p>')
     return "\n".join(groups)
 
 

@@ -43,12 +43,14 @@ class Finding:
     """A sentence in plain words, its numbers taken from rows, and whether rows make it true.
 
     A page with one that does not hold is not written. `figure`: the id of the figure or table
-    of the same study that shows it, linked from the sentence; "" for none.
+    of the same study that shows it, linked from the sentence; "" for none. `timed`: it rests on
+    measured times; the quick report, which busy machines make, leaves it out where it does not hold.
     """
 
     text: str
     holds: bool
     figure: str = ""
+    timed: bool = False
 
 
 @dataclass(frozen=True)

@@ -112,12 +112,14 @@ def findings(rows):
     return [
         Finding(f"Nearest to fibres that shade and hide each other is `fibre_view`, {e['fibre_view']:.2f} off, at "
                 f"{cost:.2f} times Lambert's time; Lambert itself is {e['lambert']:.2f} off.",
-                min(e, key=e.get) == "fibre_view" and cost < 3, "front"),
+                min(e, key=e.get) == "fibre_view" and cost < 3, "front",
+                timed=True),
         Finding(f"The maximum normal, the papers' quick way, is {e['max_normal']:.2f} off and "
                 f"{100 * bias['max_normal']:.0f} % too bright in the mean; scaled by 2/π it is "
                 f"{e['max_normal_scaled']:.2f} off. The integral over the fibre, {e['fibre']:.2f} off, takes "
                 f"{fibre:.2f} times its time.",
-                e["fibre"] < e["max_normal"] and bias["max_normal"] > 0.1 and fibre < 2, "front"),
+                e["fibre"] < e["max_normal"] and bias["max_normal"] > 0.1 and fibre < 2, "front",
+                timed=True),
     ]
 
 

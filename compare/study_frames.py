@@ -140,7 +140,7 @@ def findings(rows):
                                for e in ("cycles", "libshade")))[0]
         told.append(Finding(f"On the plate {LIGHTS[light]} our engine is {ours.error:.3f} from the displaced truth, Cycles "
                             f"with its normal map {theirs.error:.3f}; {at} samples a pixel take Cycles {ratio:.1f} times "
-                            "as long.", ours.error < theirs.error and ratio > 1, "plate"))
+                            "as long.", ours.error < theirs.error and ratio > 1, "plate", timed=True))
     if fronts.pick(rows, engine="povray"):
         pov = best(rows, "sun", "povray")
         told.append(Finding(f"POV-Ray with libshade is {pov.error:.3f} from it, in {pov.ns / 1e9:.1f} s.",

@@ -102,7 +102,8 @@ def findings(rows):
                 f"{both(low['valid_estevez'])}. `schuessler` costs most and errs most, but is reciprocal.",
                 all(low["valid_estevez"][m] < 0.8 * low["hard"][m] for m in MDFS)
                 and all(max(CHOICES, key=lambda c: share(rows, m, c)) == "schuessler" for m in MDFS)
-                and all(max(points(rows, m), key=lambda p: p.ns).word == "schuessler" for m in MDFS), "numbers"),
+                and all(max(points(rows, m), key=lambda p: p.ns).word == "schuessler" for m in MDFS), "numbers",
+                timed=True),
     ]
 
 

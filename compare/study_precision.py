@@ -162,14 +162,14 @@ def findings(rows):
         Finding(f"Use float for pictures: its worst error is {span(error['float'], style.rounded)}, and double, "
                 f"with {span(error['double'], style.rounded)}, takes {span(ratio, lambda v: f'{v:.1f}')} times "
                 "as long.", max(error["float"]) < 1e-4 and max(error["double"]) < 1e-12 and min(ratio) > 1.2,
-                "forms"),
+                "forms", timed=True),
         Finding(f"The fast form, which Ashikhmin-Shirley has, is {max(quick):.1f} times as quick as float and "
                 f"errs by {style.rounded(max(error['fast']))}.",
-                max(error["float"]) < max(error["fast"]) < 1e-2 and max(quick) > 1, "forms"),
+                max(error["float"]) < max(error["fast"]) < 1e-2 and max(quick) > 1, "forms", timed=True),
         Finding("The reference that the tests trust is right to "
                 f"{style.rounded(max(error['reference']))}, against 40 digits, and takes "
                 f"{span(slow, lambda v: f'{v:.0f}')} times as long as double.",
-                max(error["reference"]) < 1e-14 and min(slow) > 10, "forms"),
+                max(error["reference"]) < 1e-14 and min(slow) > 10, "forms", timed=True),
     ]
 
 
