@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the stability atlas says in words, each sentence with the test that its rows make it true."""
+import atlas_measures as measures
+import atlas_regions
+import shade
+import style
+from atlas_forms import FORMS
+from study import Finding
+
+SHADED = [w for w, f in FORMS.items() if f.mdf == "ashikhmin_shirley"]
+PLAIN = [w for w in SHADED if not FORMS[w].printed]
+# where D' jumps: CONVENTIONS.md, "Continuity"
+JUMPS = {("perturb", "h = z"), ("deform_linear_conserving", "h = n"), ("deform_smooth_conserving", "h = n"),
+         ("rotate", "n → y"), ("gram_schmidt", "n → x"), ("ggx_rotate", "z̃ = 0")}
+
+
+def of(rows, which, *words, **same):
+    """Rows of a map, of these forms, with these values."""
+    return [r for r in rows if r["map"] == which and (not words or r["form"] in words)
+            and all(r.get(k) == v for k, v in same.items())]
+
+
+def most(rows, column):
+    """The largest of a column, or of what a function makes of a row."""
+    measure = column if callable(column) else lambda row: row[column]
+    return max((measure(row) for row in rows), default=float("nan"))
+
+
+def printed(word):
+    return word in FORMS and FORMS[word].printed is not None
+
+
+def excess(row):
+    return row["energy"] - row["true_energy"]
+
+
+def few(value):
+    """One digit: 0.05, 2·10⁻⁵."""
+    return style.power(float(f"{value:.1g}"))
+
+
+def exact(rows):
+    cells = of(rows, "half", "rotate", "beckmann_rotate")
+    error = most(cells, "error")
+    energy = most(of(rows, "normal", "rotate"), lambda r: abs(excess(r)))
+    return Finding(
+        f"`rotate` is the displaced surface: at {len(cells)} half vectors and tilts to 89° D′ differs by at most "
+        f"{few(error)} of the peak, its integral by {few(energy)}.", error < 1e-9 and energy < 1e-9, "half-rotation")
+
+
+def no_nan(rows):
+    cells = [r for r in rows if r["map"] in ("half", "lobe") and not printed(r["form"])]
+    theirs = [r for r in of(rows, "half") if printed(r["form"])]
+    bad = sum(r["nan"] for r in theirs)
+    return Finding(
+        f"No NaN leaves the library, at {len(cells)} cells, exponents 0 to 10⁶ and alphas 10⁻⁴ to 10 included; the "
+        f"printed formulas give NaN in {bad} of {len(theirs)}.",
+        cells and sum(r["nan"] for r in cells) == 0 < bad, "half-warp")
+
+
+def disc(rows):
+    cells = of(rows, "normal", "deform_smooth_printed")
+    off, mild = most(cells, "off_share"), most([r for r in cells if r["tilt"] == 30], "off_share")
+    ours = most(of(rows, "normal", "deform_smooth"), "nan_share")
+    return Finding(
+        f"The smooth warp leaves the disc: at a tilt of 30° for {100 * mild:.0f} % of the half vectors, at most for "
+        f"{100 * off:.0f} %. As printed that is NaN; the library gives 0 there.",
+        0.05 < mild < off < 0.5 and ours == 0, "half-warp")
+
+
+def misprints(rows):
+    two, made = most(of(rows, "half", "rotate_row_two"), "error"), most(of(rows, "normal", "rotate_row_two"), excess)
+    three = most(of(rows, "normal", "rotate_row_three"), "energy")
+    return Finding(
+        f"As printed, row 2 of the rotation is off by {two:.2f} of the peak and makes up to {made:.2f} of light from "
+        f"nothing; row 3 makes the lobe its peak everywhere, an integral of {three:.0f}.",
+        two > 0.3 and made > 0.1 and three > 40, "half-rotation")
+
+
+def energy(rows):
+    linear, smooth, perturb = (
+        [r["energy"] for r in of(rows, "normal", w)] for w in ("deform_linear", "deform_smooth", "perturb"))
+    kept = most([r for r in of(rows, "normal", "deform_linear_conserving", "deform_smooth_conserving")
+                 if r["tilt"] <= 60], lambda r: abs(r["energy"] - 1))
+    return Finding(
+        f"∫D′ leaves 1: {min(perturb):.2f} to {max(perturb):.2f} for `perturb`, up to {max(linear):.2f} for the "
+        f"linear warp and {max(smooth):.2f} for the smooth one; the conserving warps keep it within {kept:.3f} to "
+        "tilts of 60°.",
+        min(perturb) < 0.8 and max(perturb) > 1.3 and max(linear) > max(smooth) > 1.05 and kept < 0.03, "energy")
+
+
+def peaks(rows):
+    moved = {r["form"] for r in of(rows, "normal") if r["displaced"] > 1 and not printed(r["form"])}
+    return Finding("The peak stands where n is (within 1°) for all of the library's methods but `none`.",
+                   moved == {"none"}, "displaced")
+
+
+def jumps(rows):
+    nearest = min(r["distance"] for r in of(rows, "jump"))
+    stays = [r for r in of(rows, "jump", distance=nearest) if r["jump"] > 1e-5]
+    names = sorted(f"{FORMS[r['form']].label} at {r['place']} ({r['jump']:.2g})" for r in stays)
+    return Finding("D′ jumps, in parts of the peak: " + ", ".join(names) + "; elsewhere on the list it does not.",
+                   {(r["form"], r["place"]) for r in stays} == JUMPS, "jumps")
+
+
+def furnace(rows):
+    albedo = {w: most(of(rows, "grazing", w, horizon="hard"), "albedo") for w in SHADED}
+    above = [w for w in PLAIN if albedo[w] > 1.01]
+    rest = max(albedo[w] for w in PLAIN if w not in above)
+    kept = most(of(rows, "grazing", "rotate", horizon="valid_estevez"), "albedo")
+    return Finding(
+        "In a white furnace these give more than they take: "
+        + ", ".join(f"`{w}` {albedo[w]:.2f}" for w in above)
+        + f". All other methods of the library stay at {rest:.2f} or below, `rotate` with the default horizon at "
+        f"{kept:.2f}.", set(above) == {"perturb", "deform_linear", "deform_smooth"} and 0 < kept <= 1.01, "albedo")
+
+
+def weights(rows):
+    hard = {w: of(rows, "grazing", w, horizon="hard") for w in ("rotate", "perturb")}
+    flat = most([r for r in hard["rotate"] if r["tilt"] == 0], "spread")
+    steep, worst = most(hard["rotate"], "spread"), most(hard["perturb"], "spread")
+    return Finding(
+        f"Sampling weights of `rotate` spread by {flat:.2f} of their mean where n = z, and by up to {steep:.1f} where "
+        f"much of the lobe lies below the horizon; those of `perturb` by up to {worst:.1f}.",
+        flat < 1.5 < steep < worst, "spread")
+
+
+def exchange(rows):
+    swapped = {h: most(of(rows, "pairs", "rotate", horizon=h), "asymmetry") for h in shade.choices("horizon")}
+    plain = most(of(rows, "pairs", horizon="hard"), "asymmetry")
+    others = [v for h, v in swapped.items() if h not in ("hard", "schuessler")]
+    return Finding(
+        f"Every method is reciprocal with `hard` ({f'within {few(plain)}' if plain else 'to the last bit'}), `rotate` "
+        f"with `schuessler` too (within {few(swapped['schuessler'])}); with the other horizons light and eye cannot be "
+        f"exchanged: f differs by up to {100 * max(others):.0f} %.",
+        plain < 1e-9 and swapped["schuessler"] < 1e-9 and min(others) > 0.1, "pairs")
+
+
+def rounding(rows):
+    worst = {w: most(of(rows, "float", w, size=1e6), "error") for w in measures.FLOATS}
+    return Finding(
+        f"In float a textbook frame with pow of the cosine is off by {few(worst['literal'])} at an exponent of 10⁶, "
+        f"the library by {few(worst['float'])}. Over 1 − z² in place of x² + y² the same pow is off by "
+        f"{few(worst['common'])}, since the rounding of z cancels; that needs a frame that is unit, which the "
+        "approximate rotation is not.",
+        worst["literal"] > 0.02 and worst["float"] < 5e-4 and worst["common"] < 5e-3, "rounding")
+
+
+def slopes(rows):
+    cells = of(rows, "half", "ggx_short_of_l", "beckmann_short_of_l")
+    steep, mild = most(cells, "error"), most([r for r in cells if r["tilt"] <= 45], "error")
+    same = most(of(rows, "half", "rotate"), "error")
+    return Finding(
+        "Slope distributions see the L that the approximate rotation leaves out: D′ of GGX or Beckmann is off by up to "
+        f"{mild:.2f} of the peak at tilts to 45°, by {few(steep)} times it beyond; Ashikhmin-Shirley's is not.",
+        steep > 10 and mild > 0.1 and same < 1e-9, "half-slopes")
+
+
+def fibres(rows):
+    cells = of(rows, "fibre")
+    behind = most([r for r in cells if 90 < r["azimuth"] < 270], "error")
+    ahead = most([r for r in cells if not 90 <= r["azimuth"] <= 270], "error")
+    ours = most(cells, "library_error")
+    return Finding(
+        f"The printed fibre integral is off by {behind:.3f} where the light comes from behind the fibre's tangent, by "
+        f"{few(ahead)} elsewhere, and 0/0 between; the library by {few(ours)} everywhere.",
+        behind > 0.5 and ahead < 1e-6 and ours < 1e-6 and sum(r["nan"] for r in cells) > 0, "fibre")
+
+
+def explained(rows):
+    failed = atlas_regions.regions(rows)
+    nameless = [region for region in failed if region.explained is None]
+    return Finding(
+        f"{len(failed)} regions fail. Each has a name, a reason and a command, in the table"
+        + (f", but for {nameless[0].label}: {nameless[0].failure}." if nameless else "."),
+        failed and not nameless, "regions")
+
+
+ALL = (exact, no_nan, disc, misprints, energy, peaks, jumps, furnace, weights, exchange, rounding, slopes, fibres,
+       explained)
+
+
+def findings(rows):
+    found = (finding(rows) for finding in ALL)
+    return [Finding(f.text, bool(f.holds), f.figure) for f in found]
