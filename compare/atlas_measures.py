@@ -30,9 +30,9 @@ def half(word, tilts, thetas, azimuth):
     tilt, theta = (a.ravel() for a in np.meshgrid(tilts, thetas, indexing="ij"))
     n, h = direction(tilt, azimuth), direction(theta, azimuth)
     peak, value, true = form.peak(), form.value(n, h), form.truth(n, h)
-    along = direction(np.abs(theta) + np.degrees(NEAR_BY), np.where(theta < 0, azimuth + 180, azimuth))
-    across = h + NEAR_BY * direction(90, azimuth + 90)
-    beside = [form.value(n, v / np.sqrt(dot(v, v))[:, None]) for v in (along, across, 2 * h - across)]
+    along, across = direction(theta + 90, azimuth), direction(90, azimuth + 90)
+    beside = [form.value(n, v / np.sqrt(dot(v, v))[:, None])
+              for v in (h + sign * NEAR_BY * side for side in (along, across) for sign in (1, -1))]
     with np.errstate(invalid="ignore"):
         # on the carried horizon itself, z̃ = 0, rounding decides which side is taken: no error, but maybe a jump
         error = np.where(np.abs(dot(n, h)) < 1e-9, 0, np.abs(value - true) / peak)

@@ -148,15 +148,15 @@ class Region:
             said.append(f"{column} {values[0]:g}{unit}" + (f" … {values[-1]:g}{unit}" if values[1:] else ""))
         return ", ".join(said)
 
-    def command(self):
-        """What prints the sample that fails most."""
+    def place(self):
+        """What `study_atlas.py --at` takes to print the sample that fails most."""
         row, said = self.worst, [f"form={self.form}"]
         for column in ("horizon", "tilt", "azimuth", "theta", "size", "n_theta", "n_phi", "h_theta", "h_phi", "eye",
                        "eye_azimuth", "light", "light_azimuth"):
             key = f"spread_{column}" if self.failure == "weights" and f"spread_{column}" in row else column
             if key in row and row[key] != "":
                 said.append(f"{column}={row[key]:.9g}" if isinstance(row[key], float) else f"{column}={row[key]}")
-        return "build/venv/bin/python compare/study_atlas.py --at " + " ".join(said)
+        return " ".join(said)
 
 
 def key_of(row):

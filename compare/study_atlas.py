@@ -185,18 +185,19 @@ def tables(rows):
     listed = []
     for region in atlas_regions.regions(rows):
         name, why, instead = region.explained or ("unexplained", "", "")
-        listed.append([name, region.label, region.where(), atlas_regions.FAILS[region.failure][3], region.value, why,
-                       instead, region.command()])
+        listed.append([name, region.label, region.where(), atlas_regions.FAILS[region.failure][3],
+                       None if region.failure in ("nan", "off", "fibre nan") else region.value,
+                       f"{why}. The library: {instead}", region.place()])
     jumped = [[FORMS[g[0]["form"]].label, g[0]["place"],
                *(r["jump"] for r in sorted(g, key=lambda r: -r["distance"])),
                "stays" if (g[0]["form"], g[0]["place"]) in JUMPS else "vanishes"]
               for g in charts.grouped(of(rows, "jump"), "form", "place")]
     distances = sorted({r["distance"] for r in of(rows, "jump")}, reverse=True)
     return [
-        Table("regions", "All regions that fail", "Where each is, at its worst, why, and what the library does there. "
-              "The command prints the worst sample: the printed formula, the library, the reference, the truth.",
-              ["region", "form", "where", "measure", "at its worst", "the formula's reason", "the library instead",
-               "command"], listed),
+        Table("regions", "All regions that fail", "Where each is, the value at its worst, the formula's reason, and what "
+              "the library does there. `build/venv/bin/python compare/study_atlas.py --at` and the words of the last column "
+              "print the worst sample: the printed formula, the library, the reference, the truth.",
+              ["region", "form", "where", "measure", "at its worst", "why, and instead", "--at"], listed),
         Table("jumps", "Jumps", "Difference of D′ between two directions, in parts of the peak, as they come together.",
               ["form", "where", *(f"at {d:g} rad" for d in distances), "jump"], jumped)]
 

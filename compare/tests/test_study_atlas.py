@@ -235,8 +235,7 @@ def number(lines, word):
 def test_commands_print_the_sample(rows, capsys):
     """The command of each region runs; what it prints is what the map has."""
     for region in atlas_regions.regions(rows):
-        words = region.command().split("--at ")[1].split()
-        lines = atlas_at.at(atlas_at.parse(words))
+        lines = atlas_at.at(atlas_at.parse(region.place().split()))
         if region.failure == "wrong" and FORMS[region.form].printed:
             off = abs(number(lines, "D′ as printed") - number(lines, "D′ of the displaced"))
             assert off / number(lines, "peak") == pytest.approx(region.value, rel=1e-6)
