@@ -12,6 +12,8 @@ PLAIN = [w for w in SHADED if not FORMS[w].printed]
 # where D' jumps: CONVENTIONS.md, "Continuity"
 JUMPS = {("perturb", "h = z"), ("deform_linear_conserving", "h = n"), ("deform_smooth_conserving", "h = n"),
          ("rotate", "n → y"), ("gram_schmidt", "n → x"), ("ggx_rotate", "z̃ = 0")}
+EDGES = {("hard", "wi.z = 0"), ("hard", "n·wo = 0"), ("valid_reflection", "wi.z = 0"), ("estevez", "n·wo = 0"),
+         ("chiang", "n·wo = 0")}
 
 
 def of(rows, which, *words, **same):
@@ -103,6 +105,16 @@ def jumps(rows):
                    {(r["form"], r["place"]) for r in stays} == JUMPS, "jumps")
 
 
+def edges(rows):
+    nearest = min(r["distance"] for r in of(rows, "edge"))
+    stays = {(r["horizon"], r["place"]): r["jump"] for r in of(rows, "edge", distance=nearest) if r["jump"] > 1e-3}
+    told = {place: ", ".join(f"`{h}`" for h, where in stays if where == place) for place in ("wi.z = 0", "n·wo = 0")}
+    return Finding(
+        f"Across the surface's horizon f cos jumps with light for {told['wi.z = 0']}; across n's with the eye for "
+        f"{told['n·wo = 0']}; for the default `valid_estevez` and for `schuessler` at neither.", set(stays) == EDGES,
+        "jumps")
+
+
 def furnace(rows):
     albedo = {w: most(of(rows, "grazing", w, horizon="hard"), "albedo") for w in SHADED}
     above = [w for w in PLAIN if albedo[w] > 1.01]
@@ -176,8 +188,8 @@ def explained(rows):
         failed and not nameless, "regions")
 
 
-ALL = (exact, no_nan, disc, misprints, energy, peaks, jumps, furnace, weights, exchange, rounding, slopes, fibres,
-       explained)
+ALL = (exact, no_nan, disc, misprints, energy, peaks, jumps, edges, furnace, weights, exchange, rounding, slopes,
+       fibres, explained)
 
 
 def findings(rows):

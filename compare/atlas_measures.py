@@ -334,3 +334,22 @@ def jumps(distances=(1e-2, 1e-4, 1e-6)):
         add(word, "z̃ = 0", lambda d: ((direction(60, 0), direction(30 - np.degrees(d), 180)),
                                        (direction(60, 0), direction(30 + np.degrees(d), 180))))
     return rows
+
+
+def horizons(distances=(1e-2, 1e-4, 1e-6)):
+    """f cos on both sides of the surface's horizon for the light and of n's for the eye, apart by those angles, over
+    what it is 20 degrees above; a broad lobe (exponents 10 and 5), n tilted by 30 degrees."""
+    n, rows = direction(30, 45), []
+    places = {"wi.z = 0": lambda d: (direction(90 - np.degrees(d), 45), direction(30, 225)),
+              "n·wo = 0": lambda d: (direction(60, 45), direction(60 - np.degrees(d), 225))}
+    for horizon in shade.choices("horizon"):
+        material = shade.Material(ex=10, ey=5, fresnel="none", horizon=horizon)
+        for place, at in places.items():
+            for distance in distances:
+                values = []
+                for d in (np.radians(20), distance / 2, -distance / 2):
+                    f, cosine = shade.eval(material, n, *at(d))
+                    values.append(float(f[0] * cosine))
+                rows.append({"map": "edge", "form": "rotate", "horizon": horizon, "place": place, "distance": distance,
+                             "jump": abs(values[1] - values[2]) / values[0]})
+    return rows

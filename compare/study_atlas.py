@@ -23,7 +23,7 @@ import atlas_measures as measures
 import atlas_regions
 import report
 import shade
-from atlas_findings import JUMPS, PLAIN, SHADED, findings, most, of, printed  # noqa: F401  a study's
+from atlas_findings import EDGES, JUMPS, PLAIN, SHADED, findings, most, of, printed  # noqa: F401  a study's
 from atlas_forms import FORMS, ROTATION, SLOPES, USUAL, WARP
 from study import Figure, Table, Task
 
@@ -89,7 +89,7 @@ def pairs(angles, _folder, say):
 
 def points(_folder, say):
     say("jumps, fibres")
-    return measures.jumps() + measures.fibre(np.arange(0, 90, 7.5), np.arange(0, 360, 15))
+    return measures.jumps() + measures.horizons() + measures.fibre(np.arange(0, 90, 7.5), np.arange(0, 360, 15))
 
 
 def tasks(quick):
@@ -188,18 +188,25 @@ def tables(rows):
         listed.append([name, region.label, region.where(), atlas_regions.FAILS[region.failure][3],
                        None if region.failure in ("nan", "off", "fibre nan") else region.value,
                        f"{why}. The library: {instead}", region.place()])
-    jumped = [[FORMS[g[0]["form"]].label, g[0]["place"],
-               *(r["jump"] for r in sorted(g, key=lambda r: -r["distance"])),
-               "stays" if (g[0]["form"], g[0]["place"]) in JUMPS else "vanishes"]
+    def steps(group, what, stays):
+        nearer = sorted(group, key=lambda r: -r["distance"])
+        return [what, group[0]["place"], *(r["jump"] for r in nearer), "stays" if stays else "vanishes"]
+
+    jumped = [steps(g, "D′, " + FORMS[g[0]["form"]].label, (g[0]["form"], g[0]["place"]) in JUMPS)
               for g in charts.grouped(of(rows, "jump"), "form", "place")]
+    jumped += [steps(g, "f cos, " + g[0]["horizon"].replace("_", " "), (g[0]["horizon"], g[0]["place"]) in EDGES)
+               for g in charts.grouped(of(rows, "edge"), "horizon", "place")]
     distances = sorted({r["distance"] for r in of(rows, "jump")}, reverse=True)
     return [
-        Table("regions", "All regions that fail", "Where each is, the value at its worst, the formula's reason, and what "
-              "the library does there. `build/venv/bin/python compare/study_atlas.py --at` and the words of the last column "
-              "print the worst sample: the printed formula, the library, the reference, the truth.",
+        Table("regions", "All regions that fail",
+              "Where each is, the value at its worst, the formula's reason, and what the library does there. "
+              "`build/venv/bin/python compare/study_atlas.py --at` and the words of the last column print the worst "
+              "sample: the printed formula, the library, the reference, the truth.",
               ["region", "form", "where", "measure", "at its worst", "why, and instead", "--at"], listed),
-        Table("jumps", "Jumps", "Difference of D′ between two directions, in parts of the peak, as they come together.",
-              ["form", "where", *(f"at {d:g} rad" for d in distances), "jump"], jumped)]
+        Table("jumps", "Jumps",
+              "Difference between two directions as they come together: of D′ in parts of the peak; of `rotate`'s f cos, "
+              "across the surface's horizon for the light and n's for the eye, in parts of what it is 20° above.",
+              ["of", "where", *(f"at {d:g} rad" for d in distances), "jump"], jumped)]
 
 
 def main(argv=None):

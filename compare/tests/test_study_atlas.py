@@ -169,6 +169,8 @@ ALTERED = {  # a word of each sentence: rows that make it false
                                       tilt=30.0),
     "The peak stands": lambda r: changed(r, lambda _: {"displaced": 1.5}, map="normal", form="shortest_arc", tilt=40.0),
     "D′ jumps": lambda r: changed(r, lambda _: {"jump": 1e-3}, map="jump", form="rotate", place="h = z"),
+    "Across the surface's": lambda r: changed(r, lambda _: {"jump": 0.2}, map="edge", horizon="valid_estevez",
+                                              place="n·wo = 0"),
     "white furnace": lambda r: changed(r, lambda _: {"albedo": 1.02}, map="grazing", form="rotate", tilt=15.0),
     "Sampling weights": lambda r: changed(r, lambda _: {"spread": 11.0}, map="grazing", form="rotate", tilt=60.0),
     "reciprocal": lambda r: changed(r, lambda _: {"asymmetry": 1e-3}, map="pairs", form="shortest_arc", eye=60.0),
