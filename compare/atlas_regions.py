@@ -35,7 +35,8 @@ REASONS = {
     ("rotate_row_two", "jump"): ("no azimuth", "x̃ = ỹ = 0 away from h = n: the exponent has no limit there",
                                  "x̃ = ỹ = 0 at h = n alone, where D′ is the peak whatever the exponent"),
     "rotate_row_three": ("peak everywhere", "row 3 is nx² + ny² + nz² = 1 for every h", "row 3 is n·h"),
-    "rotate_axis_v": ("skew axis", "v′ = (0, −nz, ny) is not w′ × u′ where nx ≠ 0", "v′ = (−nx·ny, 1 − ny², −ny·nz)"),
+    "rotate_axis_v": ("skew axis", "v′ = (0, −nz, ny) is not w′ × u′: at no right angle to u′, nor as long",
+                      "v′ = (−nx·ny, 1 − ny², −ny·nz)"),
     "rotate_denominator": ("exponent too small", "x̃² + ỹ² is L²(1 − d²), L² = 1 − ny², and 1 − d² is divided by",
                            "divides by x̃² + ỹ², which does not see L"),
     "rotate_always_x": ("strokes turned", "strokes along y stay where x′ = dP/du leaves them, not along dP/dv",
@@ -145,8 +146,8 @@ class Region:
         for column in AXES[self.map]:
             values = sorted({row[column] for row in self.rows})
             unit = "" if column == "size" else "°"
-            said.append(f"{column} {values[0]:g}{unit}" + (f" … {values[-1]:g}{unit}" if values[1:] else ""))
-        return ", ".join(said)
+            said.append(f"{column} {values[0]:g}" + (f" … {values[-1]:g}" if values[1:] else "") + unit)
+        return ", ".join(said).replace("-", "−")
 
     def place(self):
         """What `study_atlas.py --at` takes to print the sample that fails most."""
