@@ -31,7 +31,7 @@ include compare/compare.mk
 # `--durations` says what its tests cost, setup/timed.sh what steps of make do.
 # pytest last: its closing line is the result. What goes to which worker, and when, is in conftest.py.
 # One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
-check: povray setup-test setup-demo all blender $(B)/horizon lint
+check: povray setup-test setup-demo all blender $(B)/horizon $(B)/displaced lint
 	$(MAKE) --output-sync=target check-libshade
 	$(PY) -m pytest --numprocesses $$(( $(JOBS) + 1 )) --dist loadfile --no-loadscope-reorder --durations 20
 ifneq ($(filter check,$(MAKECMDGOALS)),)

@@ -34,6 +34,11 @@ $(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $^ -lm -o $@
 
+# displaced surfaces beside the same bumps as normals, for study_truth.py: likewise
+$(B)/displaced: $(wildcard compare/displaced/*.c compare/displaced/*.h) $(B)/libshade.a $(O)/dump/whole.o
+	$(call say,compile  ,$@)
+	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $(filter-out %.h,$^) -lm -o $@
+
 # scenes of Debian's and PyPI's packages in our engine and in Cycles; FILES="--filter 'openshot' --count 5"
 compare-files: $(B)/libshade-blender.zip $(VENV_BPY)/done
 	@$(PY) compare/real_files.py $(FILES)
@@ -46,10 +51,10 @@ bench-povray: povray setup-test
 # The report: build/compare/report.html and the CSV files beside it. The quick one, two minutes on two idle
 # cores, is build/compare/quick/report.html; what is done already is not done again.
 .PHONY: compare-quick
-compare-quick: setup-demo all $(B)/horizon
+compare-quick: setup-demo all $(B)/horizon $(B)/displaced
 	@$(PY) compare/report_page.py --quick
 
-compare: demo $(B)/horizon
+compare: demo $(B)/horizon $(B)/displaced
 	@$(PY) compare/truth.py
 	@$(PY) compare/truth.py --surface scratches
 	@$(PY) compare/truth.py --light sky

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""build/displaced against formulas written down here, and study_truth.py's findings on altered rows."""
+import subprocess
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+import displacement
+import gallery
+import gallery_cloth
+import programs
+import sheet
+import slopes
+import study_truth
+
+if not displacement.PROGRAM.exists():
+    subprocess.run(["make", str(displacement.PROGRAM.relative_to(programs.ROOT))], cwd=programs.ROOT,
+                   check=True)
+SUN = np.array([0.3, 0.5, 0.8]) / np.sqrt(0.98)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def plate_slopes(slope, size):
+    k = 4 * np.pi
+    side = (np.arange(size) + 0.5) / size
+    u, v = np.meshgrid(side, side[::-1])
+    return np.stack([slope * np.cos(k * u) * np.sin(k * v), slope * np.sin(k * u) * np.cos(k * v)], -1)
+
+
+@pytest.mark.parametrize("material, mdf, pair", [
+    (displacement.GROOVED, "ashikhmin_shirley", (200, 10)),
+    (displacement.ROUND, "ashikhmin_shirley", (20, 20)),
+])
+def test_the_truth_of_the_plate_is_its_formula(tmp_path, material, mdf, pair):
+    """Seen from above nothing is hidden: each pixel is the facet above it, its grooves along dP/du."""
+    _rows, shown = displacement.pictures(tmp_path, "plate", "waves", 0.9, material, ("none",), 48, picture=True)
+    want = slopes.shaded(mdf, *pair, plate_slopes(0.9, 48), SUN, UP)
+    assert np.abs(shown["displaced"] - want).max() < 1e-6 * want.max()
+
+
+def test_what_a_facet_hides_is_dark(tmp_path):
+    """Slopes of 2 are steeper than the sun: less light than the facets alone would send on."""
+    displacement.run("pictures", tmp_path / "out.csv", "--slope", 2, "--first", 1, "--second", 1, "--size", 48,
+                     "--methods", "none", "--picture", tmp_path / "out.pfm")
+    seen = displacement.read_pfm(tmp_path / "out.pfm")[:, :48]
+    alone = slopes.shaded("ashikhmin_shirley", 1, 1, plate_slopes(2.0, 48), SUN, UP)
+    dark = (seen == 0) & (alone > 1e-3 * alone.max())
+    assert 0.005 < dark.mean() < 0.5
+    assert np.abs(np.where(dark, alone, seen) - alone).max() < 1e-6 * alone.max()
+
+
+@pytest.mark.parametrize("base", displacement.BASES)
+def test_without_bumps_all_methods_are_the_truth(tmp_path, base):
+    rows, _ = displacement.pictures(tmp_path, base, "smooth", 0, displacement.GROOVED, size=32)
+    assert max(row["error_point"] for row in rows) < 1e-12
+    assert max(row["error"] for row in rows) < 1e-3  # where the ray meets the base to 1e-12
+
+
+def test_lobes_of_no_tilt_and_of_known_ones(tmp_path):
+    flat = {r["method"]: r for r in displacement.lobes(tmp_path, 0, displacement.GROOVED, azimuths=1)}
+    assert max(r["variation"] for r in flat.values()) < 1e-12
+    # two lobes that do not overlap: all of both
+    far = {r["method"]: r for r in displacement.lobes(tmp_path, 60, displacement.GROOVED, azimuths=5)}
+    assert 0.97 < far["none"]["variation"] <= 1.0 + 1e-6
+    assert all(abs(r["mass"] - 1) < 1e-4 for r in far.values())
+
+
+@pytest.mark.parametrize("arguments", [
+    [], ["pictures"], ["none", "out.csv"], ["pictures", "out.csv", "--size"], ["pictures", "out.csv", "--size", "0"],
+    ["pictures", "out.csv", "--slope", "nan"], ["pictures", "out.csv", "--methods", "none,best"],
+    ["pictures", "out.csv", "--base", "cone"], ["lobes", "out.csv", "--tilt", "90"],
+    ["lobes", "out.csv", "--mdf", "ggx", "--first", "0"],
+])
+def test_bad_usage(tmp_path, arguments):
+    done = subprocess.run([displacement.PROGRAM, *arguments], capture_output=True, text=True, cwd=tmp_path,
+                          check=False)
+    assert done.returncode == 2 and "displaced" in done.stderr and not list(tmp_path.iterdir())
+
+
+def test_what_cannot_be_written_is_said(tmp_path):
+    done = subprocess.run([displacement.PROGRAM, "lobes", tmp_path / "no" / "out.csv", "--azimuths", "1"],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "out.csv" in done.stderr
+
+
+# ---- real fibres ------------------------------------------------------------------------------------
+
+
+def test_a_fibre_alone_is_the_integral_of_its_view():
+    """Light and eye from above: no neighbour is in the way of either, and Phi is pi/4."""
+    assert gallery_cloth.fibres(UP[None], UP[None], 4096) == pytest.approx(np.pi / 4, rel=1e-5)
+    assert gallery_cloth.phi("fibre_view", UP[None], UP[None]) == pytest.approx(np.pi / 4, rel=1e-9)
+
+
+def test_neighbours_only_take_light_away():
+    turns = np.radians(np.arange(5, 90, 10))
+    light = np.stack([0 * turns, np.sin(turns), np.cos(turns)], -1)
+    eye = np.broadcast_to(UP, light.shape)
+    real, open_air = gallery_cloth.fibres(light, eye, 2048), gallery_cloth.phi("fibre_view", light, eye)
+    assert (real <= open_air * (1 + 1e-3)).all()
+    # at 80 degrees a neighbour of the same height leaves a cap: light grazes along (0, sin, cos)
+    assert real[-1] < 0.5 * open_air[-1] and real[0] > 0.97 * open_air[0]
+
+
+# ---- findings ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    """Of the quick run, but for the gallery's pictures."""
+    folder = tmp_path_factory.mktemp("truth")
+    found = [row for task in study_truth.tasks(True) if not task.key.startswith("gallery")
+             for row in task.run(folder, lambda text: None)]
+    for surface, errors in (("waves", {"rotate": 0.0013, study_truth.CYCLES: 0.39}), ("scratches", {"rotate": 0.008})):
+        others = dict.fromkeys(("none", "perturb", "gram_schmidt", "deform_smooth"), 0.3)
+        found += [{"kind": "rendered", "surface": surface, "method": m, "error": e}
+                  for m, e in {**others, **errors}.items()]
+    return found
+
+
+def test_findings_hold(rows):
+    for finding in study_truth.findings(rows):
+        assert finding.holds, finding.text
+        assert "nan" not in finding.text
+
+
+def change(**wanted):
+    """(which rows, column, how)."""
+    column, how = wanted.pop("to")
+    return wanted, column, how
+
+
+G = displacement.GROOVED
+
+
+@pytest.mark.parametrize("number, altered", [
+    (0, change(kind="picture", material=G, method="rotate", base="sphere", to=("error_point", lambda v: 0.05))),
+    (0, change(kind="picture", material=G, method="rotate", base="plate", to=("error", lambda v: 1e-3))),
+    (1, change(kind="picture", material=G, method="perturb", to=("error", lambda v: v / 20))),
+    (1, change(kind="picture", material=G, method="gram_schmidt", slope=1.2, to=("error", lambda v: 0.9))),
+    (2, change(kind="picture", material=G, method="deform_linear", base="sphere", to=("error_point", lambda v: v / 9))),
+    (3, change(kind="picture", material=displacement.ROUND, method="perturb", to=("error_point", lambda v: 0.01))),
+    (4, change(kind="picture", material=G, method="rotate_approximate", to=("error_point", lambda v: v + 1e-6))),
+    (5, change(kind="picture", material=G, method="rotate", base="cylinder", to=("error_point", lambda v: 0.5))),
+    (6, change(kind="lobe", material=G, method="perturb", tilt=30.0, to=("variation", lambda v: v + 0.002))),
+    (6, change(kind="lobe", material=G, method="deform_smooth", to=("variation", lambda v: v + 0.3))),
+    (7, change(kind="diffuse", method="fibre_view", to=("error", lambda v: 2 * v))),
+    (7, change(kind="diffuse", method="fibre", to=("error", lambda v: 0.26))),
+    (8, change(kind="cloth", cloth="denim", to=("colour_far", lambda v: 0.2))),
+    (9, change(kind="rendered", surface="waves", method="rotate", to=("error", lambda v: 0.03))),
+    (9, change(kind="rendered", surface="scratches", method="perturb", to=("error", lambda v: 0.005))),
+])
+def test_altered_rows_are_noticed(rows, number, altered):
+    wanted, column, how = altered
+    changed = [{**row, column: how(row[column])} if all(row.get(k) == v for k, v in wanted.items()) else row
+               for row in rows]
+    assert changed != rows
+    assert [f.holds for f in study_truth.findings(changed)][number] is False
+
+
+def test_sheets_and_tables(rows, tmp_path):
+    entries = [e for e in gallery.ENTRIES if e.id in ("fabric-3", "rotation-5")]
+    shown = rows + gallery.make(entries, tmp_path, 24, lambda text: None)
+    drawn = {figure.id: figure for figure in study_truth.figures(shown)}
+    assert {"curves-waves", "seen", "fabric-3", "rotation-5"} <= set(drawn)
+    for figure in drawn.values():
+        ET.fromstring(f'<svg xmlns:xlink="http://www.w3.org/1999/xlink">{figure.svg}</svg>')
+        assert figure.alt and "nan" not in figure.caption
+    assert "100 % is weft by the formula as printed" in drawn["fabric-3"].caption
+    assert drawn["rotation-5"].svg.count("data:image/png;base64,") == 6
+    for table in study_truth.tables(shown):
+        assert table.rows and all(len(row) == len(table.columns) for row in table.rows)
+
+
+@pytest.mark.parametrize("value, said", [(0, "below 0.01 %"), (0.0123, "1.2 %"), (0.5, "50 %"), (1.0, "100 %"),
+                                         (0.0996, "10 %")])
+def test_percent(value, said):
+    assert sheet.percent(value) == said
