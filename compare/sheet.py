@@ -50,7 +50,7 @@ def address(file):
 
 def percent(value):
     if value < 1e-4:
-        return "below 0.01 %"
+        return "less than 0.01 %"
     return f"{100 * value:.0f} %" if value >= 0.0995 else f"{100 * value:.2g} %"
 
 

@@ -155,7 +155,8 @@ def finding_deform(rows):
     at = {m: span(of(rows, material=GROOVED, method=m, slope=steep)) for m in ("deform_smooth", "rotate")}
     return Finding(
         f"Of the two deformations the smooth one is always nearer, by {least:.1f} times or more, and still off by "
-        f"{percent(at['deform_smooth'][0])} to {percent(at['deform_smooth'][1])} at slope {steep:g}.", least > 1 and at["deform_smooth"][0] > 10 * at["rotate"][1], "curves-waves")
+        f"{percent(at['deform_smooth'][0])} to {percent(at['deform_smooth'][1])} at slope {steep:g}.",
+        least > 1 and at["deform_smooth"][0] > 10 * at["rotate"][1], "curves-waves")
 
 
 def finding_round(rows):

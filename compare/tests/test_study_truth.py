@@ -173,7 +173,7 @@ def test_sheets_and_tables(rows, tmp_path):
         assert table.rows and all(len(row) == len(table.columns) for row in table.rows)
 
 
-@pytest.mark.parametrize("value, said", [(0, "below 0.01 %"), (0.0123, "1.2 %"), (0.5, "50 %"), (1.0, "100 %"),
+@pytest.mark.parametrize("value, said", [(0, "less than 0.01 %"), (0.0123, "1.2 %"), (0.5, "50 %"), (1.0, "100 %"),
                                          (0.0996, "10 %")])
 def test_percent(value, said):
     assert sheet.percent(value) == said

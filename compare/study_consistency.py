@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Both renderers on every example: dump beside reference, dump beside dump, picture beside picture (study.py)."""
+import json
+import re
+from types import SimpleNamespace
+
+import numpy as np
+
+import check
+import consistency
+import dumps
+import flip
+import gallery
+import pictures
+import programs
+import report
+import sheet
+import whole
+from gallery import pick
+from sheet import percent
+from study import Figure, Finding, Table, Task
+
+NAME, TITLE = "consistency", "Two renderers, one reference"
+INTRO = (
+    "Do both renderers shade what the library's reference says, and do they see the same? Each example is rendered with "
+    "its dump, which holds point, normals, light and what was shaded of every pixel. The reference, which shares no code "
+    "with what renders, shades each dump again. Where a scene has a form for both renderers, by `export_povray.py`, the "
+    "two dumps are compared channel by channel and the two pictures pixel by pixel: by the mean difference over the "
+    "mean, and by FLIP, which says how different they look (0 the same, 1 the most). Variants of the demo's scene "
+    "change distribution, BRDF, detail, horizon and diffuse model.")
+
+FLIP_LIMIT = 0.05
+BLENDER = {name: programs.ROOT / "examples" / "blender" / name / "make_scene.py"
+           for name in ("suzanne", "table", "cloth", "groove")}
+POVRAY = sorted(path for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov") if path.stem != "suzanne")
+ALPHAS = {"ax": 0.12, "ay": 0.4}
+# A reduced set: every distribution, BRDF, detail method, horizon and diffuse model once or more.
+VARIANTS = {
+    "perturb": {"detail": "PERTURB"},
+    "gram_schmidt": {"detail": "GRAM_SCHMIDT", "horizon": "HARD"},
+    "deform_smooth": {"detail": "DEFORM_SMOOTH", "horizon": "ESTEVEZ", "diffuse": "FIBRE", "kd": (0.1, 0.08, 0.05)},
+    "deform_linear": {"detail": "DEFORM_LINEAR_CONSERVING", "horizon": "CHIANG", "diffuse": "MAX_NORMAL",
+                      "kd": (0.1, 0.08, 0.05)},
+    "shortest_arc": {"detail": "SHORTEST_ARC", "horizon": "VALID_REFLECTION", "diffuse": "FIBRE_VIEW",
+                     "kd": (0.1, 0.08, 0.05)},
+    "ggx": {"distribution": "GGX", "brdf": "MICROFACET", "detail": "ROTATE", **ALPHAS},
+    "ggx_approximate": {"distribution": "GGX", "brdf": "MICROFACET", "detail": "ROTATE_APPROXIMATE",
+                        "horizon": "SCHUESSLER", **ALPHAS},
+    "beckmann": {"distribution": "BECKMANN", "brdf": "MICROFACET", "detail": "AUTO", "diffuse": "LAMBERT",
+                 "kd": (0.1, 0.08, 0.05), **ALPHAS},
+    "ward": {"distribution": "WARD", "brdf": "WARD_1992", "detail": "ROTATE", **ALPHAS},
+    "ward_bounded": {"distribution": "WARD_HALF", "brdf": "WARD_BOUNDED", "detail": "ROTATE", "groove": "Y", **ALPHAS},
+}
+
+
+# ---- the work ------------------------------------------------------------------------------------
+
+
+def make(script, folder, variants=None):
+    """Blender files of an example; {name: path}."""
+    wanted = [script, folder]
+    if variants:
+        whole.write_text(folder / "variants.json", json.dumps(variants))
+        wanted.append(folder / "variants.json")
+    report.step("Making the scene", programs.blender(programs.HERE / "example_scene.py", *wanted), folder / "scene.log",
+                programs.ADD_ON)
+    return {name: folder / f"{name}.blend" for name in ("scene", *(variants or {}))}
+
+
+def checked_row(scene, variant, renderer, dump, folder, every=False):
+    """What `shade check` says of a dump, as a row."""
+    options = SimpleNamespace(all=every, output=folder)
+    found = consistency.check(renderer, dump, options)
+    rows, good = consistency.check_rows(renderer, found, every)
+    limit = consistency.CHECK_LIMITS[renderer]
+    return {"kind": "check", "scene": scene, "variant": variant, "renderer": renderer, "largest": found["largest"],
+            "beyond_rounding": found.get("beyond_rounding", found["largest"]), "mean": found["mean"],
+            "values": found["values"], "limit": limit[0], "mean_limit": limit[1],
+            "ok": int(good), "missed": "; ".join(row[0] for row in rows if row[3] == consistency.verdict(False))}
+
+
+def ours(path, folder, percent_of, samples=64):
+    """Our engine's picture and dump of a Blender file; the picture's (width, height)."""
+    options = SimpleNamespace(output=folder, scene=path, percent=percent_of, samples=samples, grid=4)
+    return options, consistency.render_blender(options)
+
+
+def both(scene, variant, path, folder, percent_of, say):
+    """Rows of one Blender file in both renderers."""
+    folder.mkdir(exist_ok=True)
+    (folder / "povray").mkdir(exist_ok=True)
+    say(variant)
+    options, size = ours(path, folder, percent_of)
+    consistency.render_povray(options, *size)
+    files = {"Blender": folder / "blender_dump.exr", "POV-Ray": folder / "povray_dump.exr"}
+    rows = [checked_row(scene, variant, name, file, folder) for name, file in files.items()]
+    pair = [dumps.read(files["Blender"]), dumps.swap_handedness(dumps.read(files["POV-Ray"]))]
+    shown = [pictures.read(folder / f"{name}.exr") for name in ("blender", "povray")]
+    rows.append(pair_row(scene, variant, pair))
+    rows.append(picture_row(scene, variant, shown))
+    return rows + worst_tiles(folder, f"{scene}-{variant}".replace(" ", "_"), shown, variant)
+
+
+def pair_row(scene, variant, pair):
+    rows, good = check.pair_rows(*pair)
+    shaded, same = check.shaded_rows(*pair)
+    shares = {name: float(np.mean(error <= consistency.DUMP_LIMITS[name.split(".")[-1]][0]))
+              for name, error in dumps.deviations(*pair).items()}
+    least = min(shares, key=shares.get)
+    return {"kind": "pair", "scene": scene, "variant": variant, "apart": dumps.coverage_difference(*pair),
+            "least": least, "share": shares[least], "limit": consistency.SHARE, "ok": int(good and same),
+            "missed": "; ".join(row[0] for row in rows + shaded if row[3] == consistency.verdict(False))}
+
+
+def picture_row(scene, variant, shown):
+    rows, good = consistency.picture_rows(*shown)
+    look = flip.flip(*[displayed(image) for image in shown])
+    return {"kind": "picture", "scene": scene, "variant": variant, "difference": pictures.worst_channel(shown[1], shown[0]),
+            "limit": consistency.PICTURE_LIMIT, "flip": float(look.mean()), "flip_limit": FLIP_LIMIT,
+            "ok": int(good and look.mean() <= FLIP_LIMIT)}
+
+
+def displayed(image):
+    """What a screen shows of it: 1 is white."""
+    return np.clip(image, 0.0, 1.0)
+
+
+def worst_tiles(folder, name, shown, words, side=40):
+    """The neighbourhood of the pixel that looks most different, in both, and ten times the difference."""
+    look = flip.flip(*[displayed(image) for image in shown])
+    row, column = np.unravel_index(np.argmax(look), look.shape)
+    high, wide = look.shape
+    top, left = (int(np.clip(at - side // 2, 0, max(most - side, 0))) for at, most in ((row, high), (column, wide)))
+    crops = [displayed(image)[top:top + side, left:left + side] for image in shown]
+    crops.append(np.clip(10 * np.abs(crops[0] - crops[1]), 0, 1))
+    large = [np.repeat(np.repeat(pictures.encode(crop), 3, 0), 3, 1) for crop in crops]
+    at = f"at ({column}, {row})"
+    return sheet.tiles(folder, name, [
+        (f"{words.replace('_', ' ')}|Blender, {at}", large[0]), (f"POV-Ray|{at}", large[1]),
+        ("difference, ten times|", large[2], "FLIP there {}", float(look.max()))])
+
+
+def demo(variants, percent_of):
+    def run(folder, say):
+        say("making the scene")
+        files = make(BLENDER["suzanne"], folder, variants)
+        rows = []
+        for variant, path in files.items():
+            variant = "as it is" if variant == "scene" else variant
+            rows += both("suzanne", variant, path, folder / path.stem, percent_of, say)
+        return rows
+    return run
+
+
+def blender_only(name):
+    def run(folder, say):
+        say("making the scene")
+        path = make(BLENDER[name], folder)["scene"]
+        say("rendering")
+        ours(path, folder, 40, 4)
+        return [checked_row(name, "as it is", "Blender", folder / "blender_dump.exr", folder)]
+    return run
+
+
+def povray_only(path):
+    def run(folder, say):
+        text = path.read_text(encoding="utf-8")
+        if "basket.png" in text:
+            words = re.search(r"build/shade (weave .*) -o", text).group(1).split()
+            report.step("Weaving", [programs.SHADE, *words, "--size", "256", "-o", str(folder / "basket.png")],
+                        folder / "weave.log")
+        lamp = "" if re.search(r"\blight_source\b", text) else "light_source { <-5, 8, -6>, rgb 1 }\n"
+        text = re.sub(r"(?s)radiosity\s*\{.*?\}", "", re.sub(r"\bsamples \d+", "samples 1", text))
+        whole.write_text(folder / "scene.pov", text + lamp)
+        say("rendering")
+        report.step("Dumping in POV-Ray", [programs.POVRAY, f"+I{folder / 'scene.pov'}", f"+L{folder}",
+                                           f"+L{path.parent}", f"+O{folder / 'picture.png'}", "+W192", "+H108", "-A", "-D"],
+                    folder / "povray.log", {"LIBSHADE_DUMP": str(folder / "povray_dump.exr")})
+        return [checked_row(f"povray/{path.stem}", "as it is", "POV-Ray", folder / "povray_dump.exr", folder)]
+    return run
+
+
+def tasks(quick):
+    needs = (programs.POVRAY, programs.BUILD / "blender" / "addons" / "libshade" / "_native.abi3.so")
+    command = "compare/consistency.py build/demo/suzanne.blend"
+    if quick:
+        return [Task("suzanne-quick", 14, demo({}, 20), command + " --percent 20", needs)]
+    work = [Task("suzanne", 150, demo(VARIANTS, 30), command + " --percent 30", needs)]
+    work += [Task(f"blender-{name}", 12, blender_only(name), f"examples/blender/{name}/make_scene.py", needs)
+             for name in BLENDER if name != "suzanne"]
+    return work + [Task(f"povray-{path.stem}", 6, povray_only(path), f"the command at the top of {path.name}", needs)
+                   for path in POVRAY]
+
+
+# ---- what was found --------------------------------------------------------------------------------
+
+
+def finding_reference(rows):
+    found = pick(rows, kind="check")
+    names = sorted({row["renderer"] for row in found})
+    good = [row for row in found if row["ok"] and row["beyond_rounding"] <= row["limit"] and row["mean"] <= row["mean_limit"]]
+    worst = {name: max(row["beyond_rounding"] for row in found if row["renderer"] == name) for name in names}
+    return Finding(
+        f"All {len(found)} dumps are shaded as the reference says, {sum(row['values'] for row in found)} values of them: "
+        + " and ".join(f"{name} within {worst[name]:.0e}" for name in names) + " of each value, beyond what the rounding of "
+        "a dump's directions explains.", len(good) == len(found) > 0 and names == ["Blender", "POV-Ray"], "matrix")
+
+
+def finding_pair(rows):
+    found = pick(rows, kind="pair")
+    least = min(found, key=lambda row: row["share"])
+    return Finding(
+        f"Both renderers see the same scene, {len(found)} times of {len(found)}: point, normals, tangent, light and "
+        f"material of a pixel agree in {percent(least['share'])} of all pixels or more (the least is {least['least']} of "
+        f"{least['variant'].replace('_', ' ')}).",
+        all(row["ok"] and row["share"] >= row["limit"] for row in found), "matrix")
+
+
+def finding_pictures(rows):
+    found = pick(rows, kind="picture")
+    worst, look = max(row["difference"] for row in found), max(row["flip"] for row in found)
+    return Finding(
+        f"Their pictures differ by {percent(worst)} of the mean at most, channel by channel, and look the same: FLIP "
+        f"{look:.3f} at most in the mean.",
+        all(row["ok"] and row["difference"] <= row["limit"] and row["flip"] <= row["flip_limit"] for row in found), "matrix")
+
+
+def findings(rows):
+    return [finding_reference(rows), finding_pair(rows), finding_pictures(rows)]
+
+
+def figures(rows):
+    made = []
+    for name in dict.fromkeys(row["figure"] for row in pick(rows, kind="tile")):
+        tiles = sorted(gallery.pick(rows, kind="tile", figure=name), key=lambda row: row["place"])
+        made.append((name, tiles))
+    text = "".join(sheet.svg(tiles) for _name, tiles in made)
+    return [Figure("worst", "Where they look most different", "The pixel of the highest FLIP and its neighbourhood, three "
+                   "times as large; edges, where each renderer has rays of its own. Made by `compare/report_page.py --only "
+                   "consistency`.", text, "Crops of both renderers' pictures and their difference")] if made else []
+
+
+def cell(found, column, form):
+    if not found:
+        return None
+    return f"{'ok' if found[0]['ok'] else 'MISSED'}, {form(found[0][column])}"
+
+
+def tables(rows):
+    scenes = dict.fromkeys((row["scene"], row["variant"]) for row in rows if row["kind"] in ("check", "pair", "picture"))
+    lines = []
+    for scene, variant in scenes:
+        of = {"scene": scene, "variant": variant}
+        small, share = "{:.1e}".format, "{:.3%}".format
+        lines.append([scene, variant.replace("_", " "),
+                      cell(pick(rows, kind="check", renderer="Blender", **of), "beyond_rounding", small),
+                      cell(pick(rows, kind="check", renderer="POV-Ray", **of), "beyond_rounding", small),
+                      cell(pick(rows, kind="pair", **of), "share", share),
+                      cell(pick(rows, kind="picture", **of), "difference", percent),
+                      cell(pick(rows, kind="picture", **of), "flip", "{:.3f}".format)])
+    return [Table("matrix", "Verdicts", "Largest relative error of a value beside the reference; least share of pixels that "
+                  "agree; mean difference over the mean, worst channel; mean FLIP. Empty: the scene has no form for that "
+                  "renderer.", ("scene", "variant", "Blender, reference", "POV-Ray, reference", "dump, dump",
+                                "picture, picture", "FLIP"), lines)]

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""study_consistency.py's rows of made-up dumps and pictures, and its findings on altered rows."""
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+import synthetic
+import test_judges as parts
+
+import dumps
+import programs
+import study_consistency as study
+
+
+def dump(folder, name, change=None, after=None):
+    made = parts.Dump()
+    if change:
+        change(made)
+    made.shade()
+    if after:
+        after(made)
+    return synthetic.write(folder / f"{name}.exr", made.planes, {"version": "0", "materials": made.materials})
+
+
+def one(folder, change=None, after=None, tint=1.0):
+    """Rows of one scene in both renderers; `change` and `after` are POV-Ray's."""
+    folder.mkdir(exist_ok=True)
+    files = {"Blender": dump(folder, "a"), "POV-Ray": dump(folder, "b", change, after)}
+    rows = [study.checked_row("ball", "as it is", name, file, folder) for name, file in files.items()]
+    rows.append(study.pair_row("ball", "as it is", [dumps.read(file) for file in files.values()]))
+    image = np.random.default_rng(5).random((60, 72, 3))
+    shown = [image, np.clip(image * tint, 0, None)]
+    rows.append(study.picture_row("ball", "as it is", shown))
+    return rows + study.worst_tiles(folder, "ball-as_it_is", shown, "as it is")
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    return one(tmp_path_factory.mktemp("good"))
+
+
+def holds(rows):
+    return [finding.holds for finding in study.findings(rows)]
+
+
+def test_good_parts_hold(rows):
+    assert holds(rows) == [True, True, True]
+    table, = study.tables(rows)
+    assert table.rows == [["ball", "as it is", *table.rows[0][2:]]]
+    assert all(text.startswith("ok, ") for text in table.rows[0][2:-2])
+
+
+@pytest.mark.parametrize("broken, wrong", [
+    ({"after": parts.scale("light0.S.R", 1.001)}, [0]),
+    ({"after": parts.nan}, [0, 1]),
+    ({"change": parts.turn("Ns", 0.4)}, [1]),
+    ({"change": parts.cut}, [1]),
+    ({"tint": 1.03}, [2]),
+])
+def test_one_bad_part(tmp_path, broken, wrong):
+    found = one(tmp_path / "bad", **broken)
+    assert [k for k, good in enumerate(holds(found)) if not good] == wrong
+    line = study.tables(found)[0].rows[0]
+    assert any(str(text).startswith("MISSED, ") for text in line)
+
+
+@pytest.mark.parametrize("kind, column, value, wrong", [
+    ("check", "ok", 0, 0), ("check", "beyond_rounding", 2e-4, 0), ("check", "mean", 1e-4, 0),
+    ("pair", "ok", 0, 1), ("pair", "share", 0.99, 1),
+    ("picture", "ok", 0, 2), ("picture", "difference", 0.03, 2), ("picture", "flip", 0.06, 2),
+])
+def test_altered_rows_are_noticed(rows, kind, column, value, wrong):
+    changed = [{**row, column: value} if row["kind"] == kind else row for row in rows]
+    assert [k for k, good in enumerate(holds(changed)) if not good] == [wrong]
+
+
+def test_a_renderer_that_is_missing_is_noticed(rows):
+    assert not holds([row for row in rows if row.get("renderer") != "POV-Ray"])[0]
+
+
+def test_thumbnails(tmp_path):
+    """The crop is round the pixel that differs, and says where it is."""
+    image = np.full((50, 90, 3), 0.3)
+    spot = image.copy()
+    spot[31:34, 77:80] = (0.9, 0.1, 0.1)
+    rows = study.worst_tiles(tmp_path, "spot", [image, spot], "as it is")
+    column, row = map(int, re.search(r"at \((\d+), (\d+)\)", rows[0]["label"]).groups())
+    assert abs(column - 78) <= 2 and abs(row - 32) <= 2
+    assert rows[2]["value"] > 0.3
+    figure, = study.figures(rows)
+    ET.fromstring(f"<svg>{figure.svg}</svg>")
+    assert figure.svg.count("data:image/jpeg;base64,") == 3
+
+
+def test_every_example_is_there():
+    """What is added to examples/ is rendered, too; `nodes` are pictures of the editor."""
+    blender = {path.parent.name for path in (programs.ROOT / "examples" / "blender").glob("*/make_scene.py")}
+    assert blender == set(study.BLENDER)
+    keys = {task.key for task in study.tasks(False)}
+    for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov"):
+        assert path.stem == "suzanne" or f"povray-{path.stem}" in keys
+    assert [task.key for task in study.tasks(True)] == ["suzanne-quick"]
+
+
+def test_the_reduced_set_has_every_word():
+    """Each distribution, BRDF, detail, horizon and diffuse model but the demo's own and auto's twins."""
+    import shade
+
+    used = {key: {str(values[key]).lower() for values in study.VARIANTS.values() if key in values}
+            for key in ("distribution", "brdf", "detail", "horizon", "diffuse")}
+    assert {"ward", "ward_half", "beckmann", "ggx"} <= used["distribution"]
+    assert set(shade.choices("detail")) - used["detail"] <= {"none", "deform_linear", "deform_smooth_conserving"}
+    assert set(shade.choices("horizon")) - used["horizon"] <= {"valid_estevez"}
+    assert {"fibre", "fibre_view", "max_normal", "lambert"} <= used["diffuse"]
