@@ -10,6 +10,7 @@
 #   make soak      libshade on a hundred million awkward cases, Blender on 500, its viewport on 2000 edits
 #   make bench     speed against accuracy
 #   make bench-povray  what a block costs a render of POV-Ray's
+#   make compare-peers  the bumped plate in Cycles 3.4 and 5.0 and in Mitsuba 3, beside ours
 #   make compare-files  scenes of others, from packages, in our engine and in Cycles
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang

@@ -54,6 +54,11 @@ bench-povray: povray setup-test
 compare-quick: setup-demo all $(B)/horizon $(B)/displaced
 	@$(PY) compare/report_page.py --quick
 
+# The same plate in Cycles of 3.4 and 5.0 and in Mitsuba 3, beside ours: a section of the report of its own
+.PHONY: compare-peers
+compare-peers: $(B)/libshade-blender.zip all
+	@$(PY) compare/report_page.py --only peers --output $(B)/compare/peers
+
 compare: demo $(B)/horizon $(B)/displaced
 	@$(PY) compare/truth.py
 	@$(PY) compare/truth.py --surface scratches

@@ -10,6 +10,7 @@ displaced plate, with smooth normals of its own. A job is
     "engine":   "CYCLES" or "LIBSHADE"
     "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
     "detail":   libshade's detail method (LIBSHADE only); without it the metal is Cycles' own node
+    "ggx":      if it is there, roughness and anisotropy of GGX in the place of Ashikhmin-Shirley's lobe
     "sky":      if there is one, a picture that lights the plate in the sun's place, by up to BOUNCES
     "seed":     of the noise, 0 if there is none
     "size", "samples", "quads": integers
@@ -80,11 +81,15 @@ def new_material(job, image):
         metal.detail = job["detail"].upper()
         metal.fresnel = "NONE"
         metal.horizon = "HARD"  # the plain formula, by which the detail methods are compared
+        if "ggx" in job:
+            roughness, anisotropy = job["ggx"]
+            metal.distribution, metal.brdf = "GGX", "MICROFACET"
+            metal.ax, metal.ay = roughness**2 * (1 - anisotropy), roughness**2 / (1 - anisotropy)
     else:
         metal = tree.nodes.new("ShaderNodeBsdfAnisotropic")
-        metal.distribution = "ASHIKHMIN_SHIRLEY"
-        metal.inputs["Roughness"].default_value = plate.ROUGHNESS
-        metal.inputs["Anisotropy"].default_value = plate.ANISOTROPY
+        metal.distribution = "GGX" if "ggx" in job else "ASHIKHMIN_SHIRLEY"
+        metal.inputs["Roughness"].default_value, metal.inputs["Anisotropy"].default_value = \
+            job.get("ggx", (plate.ROUGHNESS, plate.ANISOTROPY))
         tangent = tree.nodes.new("ShaderNodeTangent")
         tangent.direction_type = "UV_MAP"
         tree.links.new(tangent.outputs["Tangent"], metal.inputs["Tangent"])
@@ -108,6 +113,8 @@ def new_world(file):
     """Black, or the picture."""
     world = bpy.data.worlds.new("world")
     world.color = (0.0, 0.0, 0.0)
+    if bpy.app.version >= (5, 0):  # a world always has nodes, whose background is grey
+        next(n for n in world.node_tree.nodes if n.type == "BACKGROUND").inputs["Strength"].default_value = bool(file)
     if file:
         world.use_nodes = True
         tree = world.node_tree

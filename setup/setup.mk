@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# What must be on the system: Debian packages and, in build/, two Python environments with pinned packages.
-#   make setup-build setup-blender setup-povray setup-demo setup-test
+# What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
+#   make setup-build setup-blender setup-povray setup-demo setup-test setup-peers
 # Debian's own Python (3.11), since bpy's wheels are made for one version.
 PYTHON3 := /usr/bin/python3
 VENV := $(B)/venv
 VENV_BPY := $(B)/venv-bpy
+VENV_PEERS := $(B)/venv-peers
 PY := $(VENV)/bin/python
 PY_BPY := $(VENV_BPY)/bin/python
 S := $(B)/setup
@@ -15,6 +16,7 @@ NEEDS_blender := build blender
 NEEDS_povray := build povray
 NEEDS_compare := build blender povray demo
 NEEDS_demo := $(NEEDS_compare)
+NEEDS_compare-peers := $(NEEDS_compare) peers
 NEEDS_pictures := $(NEEDS_compare)
 NEEDS_bench := build
 NEEDS_check-libshade := build test
@@ -29,7 +31,7 @@ ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray demo test lint
+SETUPS := build blender povray demo test lint peers
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 
@@ -47,10 +49,12 @@ $(S)/demo.packages $(S)/lint.packages: | $(S)/test.packages
 endif
 $(S)/demo.stamp: $(VENV)/done
 $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
+$(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
 
 $(VENV)/done: setup/requirements.txt
 $(VENV_BPY)/done: setup/requirements-bpy.txt
-$(VENV)/done $(VENV_BPY)/done: | $(S)/demo.packages
+$(VENV_PEERS)/done: setup/requirements-peers.txt
+$(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done: | $(S)/demo.packages
 	@echo "setup: Python packages of $< into $(@D)"
 	@rm -rf $(@D)
 	@$(PYTHON3) -m venv $(@D)
