@@ -61,12 +61,45 @@ typedef struct pit_place {
   uint32_t number;
 } pit_place;
 
-/* The deepest first; on equal depth the one that was drawn first. */
-static int compare_places(const void *a, const void *b) {
-  const pit_place *p = a, *q = b;
-  if (p->depth != q->depth)
-    return p->depth > q->depth ? -1 : 1;
-  return p->number < q->number ? -1 : 1;
+/* Greater for smaller ones. */
+static unsigned byte_of(double x, int shift) {
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return ~(unsigned)(bits >> shift) & 0xff;
+}
+
+/*
+ * The deepest first; on equal depth the one that was drawn first, as they come: byte by byte of the
+ * depths, which are not negative. `room` is as long.
+ */
+static void sort_places(pit_place *place, pit_place *room, size_t count) {
+  for (int shift = 0; shift < 64; shift += 8) {
+    size_t begin[257] = {0};
+    for (size_t i = 0; i < count; i++)
+      begin[byte_of(place[i].depth, shift) + 1]++;
+    for (int k = 0; k < 256; k++)
+      begin[k + 1] += begin[k];
+    for (size_t i = 0; i < count; i++)
+      room[begin[byte_of(place[i].depth, shift)]++] = place[i];
+    memcpy(place, room, count * sizeof *place);
+  }
+}
+
+/* Bring them to their places, those of place[i] to i, with room for one. */
+static void move_pits(pit *pits, pit_place *place, size_t count) {
+  const uint32_t moved = UINT32_MAX;
+  for (size_t begin = 0; begin < count; begin++) {
+    if (place[begin].number == moved)
+      continue;
+    const pit first = pits[begin];
+    size_t to = begin;
+    for (uint32_t from; (from = place[to].number) != begin; to = from) {
+      pits[to] = pits[from];
+      place[to].number = moved;
+    }
+    pits[to] = first;
+    place[to].number = moved;
+  }
 }
 
 /* All pits of the layers, sorted. 0, or -1 when out of memory. */
@@ -75,21 +108,19 @@ static int make_pits(shade_scratch_field *f, const shade_scratch_params *p) {
   for (int i = 0; i < p->layers; i++)
     pits += p->layer[i].pits;
   f->pit = malloc((pits + 1) * sizeof *f->pit);
-  pit *drawn = malloc((pits + 1) * sizeof *drawn);
-  pit_place *place = malloc((pits + 1) * sizeof *place);
-  const int status = f->pit && drawn && place ? 0 : -1;
+  pit_place *place = malloc(2 * (pits + 1) * sizeof *place);
+  const int status = f->pit && place ? 0 : -1;
   for (int i = 0; status == 0 && i < p->layers; i++)
     for (uint32_t k = 0; k < p->layer[i].pits; k++, f->pits++) {
-      pit *made = &drawn[f->pits];
+      pit *made = &f->pit[f->pits];
       *made = make_pit(p, i, k);
       made->number = (uint32_t)f->pits;
       place[f->pits] = (pit_place){made->depth, made->number};
     }
-  if (status == 0)
-    qsort(place, f->pits, sizeof *place, compare_places);
-  for (size_t i = 0; i < f->pits; i++)
-    f->pit[i] = drawn[place[i].number];
-  free(drawn);
+  if (status == 0) {
+    sort_places(place, place + pits, f->pits);
+    move_pits(f->pit, place, f->pits);
+  }
   free(place);
   return status;
 }
@@ -276,7 +307,7 @@ unsigned shade_scratch_eval(const shade_scratch_field *f, double u, double v,
   const double blend = f->has_table ? moments_blend(extent) : 0;
   if (blend < 1) {
     const double cell = f->has_table ? 1.0 / f->table.level[0].width : 0;
-    const double spacing = f->has_table ? cell / f->samples : 1e-4;
+    const double spacing = f->has_table ? cell / f->steps : 1e-4;
     sample(f, u, v, side, steps(hypot(side[0], side[1] * f->aspect), spacing),
            steps(hypot(side[2], side[3] * f->aspect), spacing), moments);
   }

@@ -32,7 +32,9 @@ struct shade_scratch_field {
   int across, up;  /* bins */
   uint32_t *start; /* bins + 1: where a bin's list begins */
   uint32_t *list;  /* pits over each bin, the deepest first */
-  int has_table, samples;
+  int has_table;
+  int steps;         /* points along a cell's side that two lie across a mean radius */
+  int columns, rows; /* of samples of a cell of the table */
   uint64_t seed;
   moment_pyramid table;
 };
@@ -48,10 +50,17 @@ static inline uint64_t scratch_mix(uint64_t z) { /* splitmix64's */
 int scratch_fill_bins(shade_scratch_field *f);
 
 /*
- * The table that answers footprints, `cells` along the tile's longer side; n x n samples a cell, so
- * that even narrow pits are met. Sample (ki, kj) of cell (i, j) from the upper left lies at
- * ((i + (ki + a)/n)/width, 1 - (j + (kj + b)/n)/height), a and b the upper and lower 32 bits of
- * mix(mix(seed ^ 0x7461626c65) ^ ((j width + i) 64 + kj n + ki)), over 2^32.
+ * The table that answers footprints, `cells` along the tile's longer side; f->columns x f->rows
+ * samples a cell, so that even narrow pits are met. Sample (ki, kj) of cell (i, j) from the upper
+ * left lies at
+ *
+ *   u = (i + (ki + (shuffled(kj, rows) + 1/4 + a/2)/rows)/columns)/width,
+ *   v = 1 - (j + (kj + (shuffled(ki, columns) + 1/4 + b/2)/columns)/rows)/height,
+ *
+ * a and b the upper and lower 32 bits of mix(mix(seed ^ 0x7461626c65) ^ ((j width + i) 64 + kj
+ * columns + ki)), over 2^32: each has a column and a row of the cell to itself, so that scratches
+ * along u or v are met at as many different places as there are samples, and lies in the middle
+ * half of where they cross. [Chiu1994]
  */
 int scratch_make_table(shade_scratch_field *f, int cells, const shade_isa_table *isa);
 

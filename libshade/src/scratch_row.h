@@ -27,15 +27,16 @@ typedef struct scratch_stroke {
 } scratch_stroke;
 
 enum {
-  SCRATCH_BLOCK = 16, /* samples that are tested together */
+  SCRATCH_BLOCK = 16, /* samples that are tested together: side by side, or a square */
+  SCRATCH_SQUARE = 4, /* its side */
   SCRATCH_TILE = 64,  /* most blocks that are drawn together: a bit for each */
-  SCRATCH_LINES = 8   /* most lines a row of cells */
+  SCRATCH_LINES = 8   /* most lines of blocks that are made ready together */
 };
 
-/* Samples side by side: places, and what has been dug there. A multiple of 64 bytes. */
+/* A block's samples: places, and what has been dug there. A multiple of 64 bytes. */
 typedef struct scratch_block {
-  float off[SCRATCH_BLOCK];  /* from the first sample's cell, in samples */
-  float down[SCRATCH_BLOCK]; /* from the line */
+  float off[SCRATCH_BLOCK]; /* from the block's upper left corner, in samples */
+  float down[SCRATCH_BLOCK];
   float depth[SCRATCH_BLOCK], x[SCRATCH_BLOCK], y[SCRATCH_BLOCK]; /* with the slopes */
 } scratch_block;
 
@@ -46,19 +47,37 @@ typedef struct scratch_span {
 } scratch_span;
 
 typedef struct scratch_row {
-  int n;                  /* lines a row, samples a cell and line */
-  int width;              /* cells */
-  int blocks;             /* a line */
-  int line;               /* first of the row */
-  uint64_t key;           /* of the jitter; cell i, sample k of it: key of (cell * 64 + k) */
-  const uint32_t *cell64; /* 64 * cell + sample of the line, for each sample of a line */
+  int across, down; /* samples a cell */
+  int width;        /* cells */
+  int wide, tall;   /* of a block, in samples: SCRATCH_BLOCK x 1, or a square */
+  int blocks;       /* a line */
+  int row, rows;    /* first row of cells, and how many: of SCRATCH_LINES lines at most */
+  uint64_t key;     /* of the jitter; cell i, sample k of it: key of (cell * 64 + k) */
+  /* of each sample of a line of blocks, block by block: 64 * cell + sample of the cell, and how far
+     down it lies before it is jittered */
+  const uint32_t *cell64;
+  const float *shift;
   const scratch_stroke *pool;
-  const uint32_t *stroke; /* those of the pool that reach the row, the deepest first */
+  const uint32_t *stroke; /* those of the pool that reach the rows, the deepest first */
   size_t strokes;
-  scratch_span *span; /* n lists, `room` long each */
+  scratch_span *span; /* SCRATCH_LINES lists, `room` long each */
   size_t room;
   float *sum; /* room for MOMENTS lines of samples */
   float *to;  /* MOMENTS for each cell */
 } scratch_row;
+
+/* 0…n-1 in an order in which neighbours lie far apart, n up to 8. */
+static inline int scratch_shuffled(int i, int n) {
+  static const unsigned char order[9][8] = {{0},
+                                            {0},
+                                            {0, 1},
+                                            {0, 2, 1},
+                                            {0, 2, 1, 3},
+                                            {0, 3, 1, 4, 2},
+                                            {0, 3, 1, 4, 2, 5},
+                                            {0, 4, 1, 5, 2, 6, 3},
+                                            {0, 4, 2, 6, 1, 5, 3, 7}};
+  return order[n][i];
+}
 
 #endif
