@@ -42,7 +42,7 @@ def _import_by_appending(library):
 
 
 class LIBSHADE_OT_add_assets(bpy.types.Operator):
-    """Show libshade's metals, cloths and groove groups in the Asset Browser, as a library of these preferences"""
+    """Show libshade's metals, cloths, scratches and groove groups in the Asset Browser, as a library of these preferences"""
 
     bl_idname = "libshade.add_assets"
     bl_label = "Add Assets to the Asset Browser"

@@ -19,7 +19,8 @@ _AMOUNT = {"ShaderNodeBsdfAnisotropic": "Anisotropy", "ShaderNodeBsdfMetallic": 
            "ShaderNodeBsdfPrincipled": "Anisotropic"}
 
 
-def _vector(tree, operation, a, b=None):
+def vector_math(tree, operation, a, b=None):
+    """A Vector Math node of these sockets; what it says."""
     node = tree.nodes.new("ShaderNodeVectorMath")
     node.operation = operation
     for socket, source in zip(node.inputs, (a, b)):
@@ -28,20 +29,20 @@ def _vector(tree, operation, a, b=None):
     return node.outputs["Value" if operation == "LENGTH" else "Vector"]
 
 
-def _or(tree, vector, other):
+def either(tree, vector, other):
     """A vector, or another where it is 0, as where nothing is linked to a group's socket."""
     missing = tree.nodes.new("ShaderNodeMath")
     missing.operation = "LESS_THAN"
-    tree.links.new(_vector(tree, "LENGTH", vector), missing.inputs[0])
+    tree.links.new(vector_math(tree, "LENGTH", vector), missing.inputs[0])
     missing.inputs[1].default_value = 1e-6
     scaled = tree.nodes.new("ShaderNodeVectorMath")
     scaled.operation = "SCALE"
     tree.links.new(other, scaled.inputs[0])
     tree.links.new(missing.outputs[0], scaled.inputs["Scale"])
-    return _vector(tree, "ADD", vector, scaled.outputs["Vector"])
+    return vector_math(tree, "ADD", vector, scaled.outputs["Vector"])
 
 
-def _arrange(tree):
+def arrange(tree):
     """From left to right by how many nodes stand before one."""
     depth = {}
 
@@ -79,15 +80,15 @@ def groove_tree():
     given = tree.nodes.new("NodeGroupInput").outputs
     surface = tree.nodes.new("ShaderNodeNewGeometry").outputs
     answer = tree.nodes.new("NodeGroupOutput").inputs
-    normal = _or(tree, given["Normal"], surface["Normal"])
-    tangent = _or(tree, given[TANGENT], surface["Tangent"])
-    side = _vector(tree, "CROSS_PRODUCT", surface["Normal"], tangent)
-    along = _vector(tree, "CROSS_PRODUCT", side, normal)
-    across = _vector(tree, "CROSS_PRODUCT", _vector(tree, "CROSS_PRODUCT", normal, tangent), normal)
-    tree.links.new(_vector(tree, "NORMALIZE", along), answer[TANGENT])
-    tree.links.new(_vector(tree, "NORMALIZE", across), answer[ACROSS])
+    normal = either(tree, given["Normal"], surface["Normal"])
+    tangent = either(tree, given[TANGENT], surface["Tangent"])
+    side = vector_math(tree, "CROSS_PRODUCT", surface["Normal"], tangent)
+    along = vector_math(tree, "CROSS_PRODUCT", side, normal)
+    across = vector_math(tree, "CROSS_PRODUCT", vector_math(tree, "CROSS_PRODUCT", normal, tangent), normal)
+    tree.links.new(vector_math(tree, "NORMALIZE", along), answer[TANGENT])
+    tree.links.new(vector_math(tree, "NORMALIZE", across), answer[ACROSS])
     tree.links.new(normal, answer["Normal"])
-    _arrange(tree)
+    arrange(tree)
     return tree
 
 

@@ -11,6 +11,8 @@ _PAGE = Path(__file__).resolve().parent / "manual" / "index.html"
 _PLACES = (
     ("bpy.types.libshademetalnode*", "#libshade-metal"),
     ("bpy.types.libshadefabricnode*", "#cloth"),
+    ("bpy.types.libshadescratchesnode*", "#scratches"),
+    ("bpy.ops.libshade.*scratch*", "#scratches"),
     ("bpy.ops.libshade.metal_preset*", "#libshade-metal"),
     ("bpy.ops.libshade.measured_metal*", "#libshade-metal"),
     ("bpy.ops.libshade.update_nodes*", "#libshade-metal"),

@@ -17,7 +17,7 @@ from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on
 
 METAL = "LibshadeMetalNode"
-_OURS = (METAL, "LibshadeFabricNode")  # of fabric.py
+_OURS = (METAL, "LibshadeFabricNode", "LibshadeScratchesNode")  # of fabric.py and scratches.py
 
 _TABLE = _native.table()
 # Table lists whose property on the node has another name.

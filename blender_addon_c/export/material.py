@@ -32,7 +32,7 @@ class Table:
     def __init__(self, messages, settings, colors, camera, depsgraph, kept=None):
         self.materials, self.images, self.layers = [], Images(messages, kept), Layers()
         self.kept, self.shines = kept, {}  # by lamp
-        self.cloths = []
+        self.cloths, self.scratches = [], []
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.averages = settings.texture_blur > 0  # are images averaged?
         # do bumps of normal maps become roughness? A dump holds points, as they are shaded then
@@ -176,6 +176,12 @@ class Reader:
         if given not in self._table.cloths:
             self._table.cloths.append(given)
         return self._table.cloths.index(given)
+
+    def scratches(self, given):
+        """Index of a field of scratches, each once."""
+        if given not in self._table.scratches:
+            self._table.scratches.append(given)
+        return self._table.scratches.index(given)
 
     def is_main(self, name):
         """Is this UV map ("": the active one) the material's main one, the first that it asks for?"""

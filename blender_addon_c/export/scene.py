@@ -70,6 +70,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "lights": lights,
         "images": table.images.listed,
         "cloths": table.cloths,
+        "scratches": table.scratches,
         "layers": table.layers.listed,
         "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
         **mattes.wanted(),

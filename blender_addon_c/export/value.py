@@ -92,7 +92,7 @@ def own_value(socket):
 
 def _value(reader, found, socket):
     node = found.node
-    function = reader.nodes.get(node.type)
+    function = reader.nodes.get(node.type) or reader.nodes.get(node.bl_idname)  # the latter: of our own ones
     if not function:
         reader.warn(f"{socket.name}: '{node.name}' ({found.output.name}) is not supported; "
                     "what feeds it is used, or the socket's own value")

@@ -22,7 +22,7 @@ HERE = Path(__file__).parent
 KINDS = native.table()  # each has a stage of its name
 STAGES = """pixel_cone width spread camera locate gather corner surface pair lit shadow reflect film""".split()
 STAGES += "route pixel footprint settle choose escape sky sky_pdf sky_draw".split()
-STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind != "CLOTH"]  # all libshade's
+STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "SCRATCHES")]  # all libshade's
 STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("meet_", "chosen_")]
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 

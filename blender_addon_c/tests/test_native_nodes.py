@@ -41,13 +41,36 @@ UV, COLOR, OUT = registers(3, 3), registers(6, 3), registers(9, 4)
 PLACE = registers(13, 4)
 SOURCES = [{"type": "GEOMETRY", "what": "UV", "out": UV},
            {"type": "IMAGE", "image": 0, "at": UV[:2], "out": COLOR},
-           {"type": "WEAVE", "cloth": 0, "out": PLACE}]
+           {"type": "WEAVE", "cloth": 0, "out": PLACE},
+           *({"type": "MATH", "operation": "ADD", "a": [part], "b": [0.125], "c": [0.0], "out": [out]}
+             for part, out in zip(UV, registers(25, 2)))]
 ENDS, PICKS = (json.loads(subprocess.run([ROOT / "build/shade", "presets", "linen", "--json"], check=True,
                                          capture_output=True).stdout)[key] for key in ("ends_per_cm", "picks_per_cm"))
 LINEN = PICKS / ENDS
 CLOTHS = [{"preset": "linen", "size": 0.005 / ENDS, "transmit": 0.0, "open": False}]
 TABLE = np.random.default_rng(4).random((256, 4), np.float32)
 TURN = [0, -0.5, 0, 0.75, 0.25, 0, 0, 0.125, 0, 0, 1, 0.5]
+
+
+# 60 on a square metre: too large to be true, but a pixel is a sixteenth of the plate
+SCRATCHED = {"density": 0.006, "length": 300.0, "width": 60.0, "depth": 0.3, "direction": 0.4, "spread": 0.5, "seed": 7.0,
+             "tile": 2.0}
+
+
+def scratched(u, v):
+    """(height in metres, normal) of the tool's own field, of lengths in tiles of two metres."""
+    words = "--pits 240 --radius 0.01,0.0225 --stretch 2.5,7.5 --depth 0.15,0.45 --seed 7".split()
+    words += ["--direction", str(np.degrees(0.4)), "--spread", str(np.degrees(0.5))]
+    done = subprocess.run([ROOT / "build/shade", "scratch", "--eval", *words], capture_output=True, text=True, check=True,
+                          input="".join(f"{a / 2:.17g} {b / 2:.17g}\n" for a, b in zip(u.ravel(), v.ravel())))
+    said = np.array([line.split() for line in done.stdout.splitlines()], float).reshape(*u.shape, -1)
+    return 2 * said[..., 0], said[..., 1:4]
+
+
+def scratched_again(u, v):
+    """On a plate that leans .7 of the slopes more; that it is twice as wide as they are told makes them deeper."""
+    slopes = TILT[:2] / TILT[2] + 0.7 * (lambda n: n[..., :2] / n[..., 2:])(scratched(u, v)[1])
+    return unit(np.concatenate([slopes, np.ones((*u.shape, 1))], -1))
 
 
 def ramp(u, _v):
@@ -124,6 +147,8 @@ NODES = {
     # .2, .6, .4 over [.25, .75], and on as lines
     "CURVE": ({"table": np.array((0.2, 0.6, 0.4), np.float32), "low": 0.25, "high": 0.75, "at": UV[:1], "extend": True,
                "out": OUT[:1]}, stacked(lambda u, v: (np.where(u < 0.5, 1.6 * u - 0.2, 1 - 0.8 * u).clip(0, 1),) * 3)),
+    "SCRATCHES": ({"what": "NORMAL", "field": 0, "at": UV[:2], "near": [(25,), UV[1], UV[0], (26,)], "step": 0.125,
+                   "amount": [0.7], "normal": [float(t) for t in TILT], "out": OUT[:3]}, scratched_again),
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
 PLATE = square()
@@ -134,7 +159,7 @@ AWRY = {"layers": [{"width": 2}],
                             "layers": [{"layer": 0, "data": np.ascontiguousarray(
                                 np.stack([0.5 * U + 0.25 * V, 0.75 - 0.5 * V], -1), np.float32)}]}],
         "instances": [{"mesh": 0, "matrix": [2, 0, 0, -0.5, 0, 1, 0, 0, 0, 0, 1, -0.5, 0, 0, 0, 1]}]}
-NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "BEND", "FRAME")
+NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "BEND", "FRAME", "SCRATCHES")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -146,10 +171,22 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     error = 0.005 if "ALBEDO" in kind else 0.01 if kind == "FIBRES" else 4e-5  # a table; 16 bits a texel
     given = material() | {"nodes": [*SOURCES, {"type": kind, **node}],
                           ("normal" if kind in NORMALS else "f0_from"): said}
-    planes, _ = dump(scene(images=IMAGES, cloths=CLOTHS, materials=[given], **AWRY), tmp_path / "d.exr")
+    planes, _ = dump(scene(images=IMAGES, cloths=CLOTHS, scratches=[SCRATCHED], materials=[given], **AWRY), tmp_path / "d.exr")
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
+
+
+def test_heights_and_mask_of_scratches(tmp_path):
+    """.7 of the depth, here a hundred times as high and the other way up."""
+    nodes = [*SOURCES, {"type": "SCRATCHES", "what": "HEIGHT", "field": 0, "at": UV[:2], "amount": [0.7], "out": OUT[:2]},
+             {"type": "MATH", "operation": "MULTIPLY", "a": OUT[:1], "b": [-100.0], "c": [0.0], "out": OUT[:1]}]
+    planes, _ = dump(scene(images=IMAGES, cloths=CLOTHS, scratches=[SCRATCHED], **AWRY,
+                           materials=[material() | {"nodes": nodes, "f0_from": [*OUT[:2], 0.5]}]), tmp_path / "d.exr")
+    height = scratched(planes["uv.U"].astype(float), planes["uv.V"].astype(float))[0]
+    assert 0.2 < (height < 0).mean() < 0.9
+    np.testing.assert_allclose(planes["Color.R"], np.clip(-70 * height, 0, 1), atol=2e-4)
+    np.testing.assert_allclose(planes["Color.G"], 0.7 * (height < 0), atol=1e-6)
 
 
 @pytest.mark.parametrize("kind, given", [("PERTURB", {"color": [0.9, 0.5, 0.2], "strength": [1.0]}),

@@ -37,6 +37,7 @@
 #include "node/perturb.h"
 #include "node/ramp.h"
 #include "node/fibres.h"
+#include "node/scratches.h"
 #include "node/step.h"
 #include "node/transform.h"
 #include "node/voronoi.h"
@@ -70,7 +71,8 @@
   ROW(RAMP, ramp)                                                                                  \
   ROW(CURVE, curve)                                                                                \
   ROW(WEAVE, weave)                                                                                \
-  ROW(CLOTH, cloth)
+  ROW(CLOTH, cloth)                                                                                \
+  ROW(SCRATCHES, scratches)
 
 #define NODE_TYPE(TYPE, name) NODE_##TYPE,
 typedef enum node_type { NODE_TABLE(NODE_TYPE) NODE_TYPES } node_type;

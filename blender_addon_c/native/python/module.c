@@ -12,6 +12,7 @@
 #include "render/job.h"
 #include "system/memory.h"
 #include "python/reader.h"
+#include "python/scratches.h"
 
 #define CAPSULE "libshade.job"
 
@@ -611,20 +612,23 @@ static int native_exec(PyObject *module) {
 }
 
 PyMODINIT_FUNC PyInit__native(void) {
-  static PyMethodDef methods[] = {{"start", native_start, METH_VARARGS, start_doc},
-                                  {"look", native_look, METH_VARARGS, look_doc},
-                                  {"poll", native_poll, METH_O, poll_doc},
-                                  {"wait", native_wait, METH_VARARGS, wait_doc},
-                                  {"cancel", native_cancel, METH_O, cancel_doc},
-                                  {"image", native_image, METH_VARARGS, image_doc},
-                                  {"timings", native_timings, METH_O, timings_doc},
-                                  {"free", native_free, METH_O, free_doc},
-                                  {"table", native_table, METH_NOARGS, table_doc},
-                                  {"metal", native_metal, METH_O, metal_doc},
-                                  {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
-                                  {"version", native_version, METH_NOARGS, version_doc},
-                                  {"isa", native_isa, METH_NOARGS, isa_doc},
-                                  {NULL, NULL, 0, NULL}};
+  static PyMethodDef methods[] = {
+      {"start", native_start, METH_VARARGS, start_doc},
+      {"look", native_look, METH_VARARGS, look_doc},
+      {"poll", native_poll, METH_O, poll_doc},
+      {"wait", native_wait, METH_VARARGS, wait_doc},
+      {"cancel", native_cancel, METH_O, cancel_doc},
+      {"image", native_image, METH_VARARGS, image_doc},
+      {"timings", native_timings, METH_O, timings_doc},
+      {"free", native_free, METH_O, free_doc},
+      {"table", native_table, METH_NOARGS, table_doc},
+      {"metal", native_metal, METH_O, metal_doc},
+      {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
+      {"scratches", native_scratches, METH_O, native_scratches_doc},
+      {"scratch_images", native_scratch_images, METH_VARARGS, native_scratch_images_doc},
+      {"version", native_version, METH_NOARGS, version_doc},
+      {"isa", native_isa, METH_NOARGS, isa_doc},
+      {NULL, NULL, 0, NULL}};
   static PyModuleDef_Slot slots[] = {{Py_mod_exec, (void *)native_exec}, {0, NULL}};
   static PyModuleDef definition = {.m_base = PyModuleDef_HEAD_INIT,
                                    .m_name = "_native",

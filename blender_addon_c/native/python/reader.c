@@ -285,6 +285,12 @@ bool reader_look(void *description, scene *s) {
   return good;
 }
 
+bool reader_scratches(void *description, scratches *out) {
+  reader r = {.dict = description};
+  return PyDict_Check(r.dict) ? scratches_read(&r, out, NULL)
+                              : reader_fail(&r, "a dict is expected");
+}
+
 void reader_release(reader_buffers *buffers) {
   Py_buffer *view = buffers->view;
   while (buffers->count)

@@ -18,6 +18,8 @@ typedef struct reader_buffers {
 scene *reader_scene(void *description, reader_buffers *buffers);
 /* Another view of it: scene_look. */
 bool reader_look(void *description, scene *s);
+/* A field of scratches by itself. */
+bool reader_scratches(void *description, scratches *out);
 void reader_release(reader_buffers *buffers);
 
 #endif

@@ -7,11 +7,14 @@
 
 #include "scene/cloth.h"
 #include "scene/reader.h"
+#include "scene/scratches.h"
 
 typedef struct graph {
   size_t images; /* of the scene */
   const cloth *cloth;
   size_t cloths;
+  const scratches *scratches;
+  size_t scratch_fields;
   size_t layers;
   bool identified;  /* something asks which triangle or object it is */
   bool routed;      /* or by which way it is seen */

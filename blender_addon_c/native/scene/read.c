@@ -263,7 +263,12 @@ static bool read_closures(reader *r, graph *g, material *m) {
 static bool read_material(reader *r, void *out, void *context) {
   scene *s = context;
   material *m = out;
-  graph g = {.images = s->images, .cloth = s->cloth, .cloths = s->cloths, .layers = s->layers};
+  graph g = {.images = s->images,
+             .cloth = s->cloth,
+             .cloths = s->cloths,
+             .scratches = s->scratches,
+             .scratch_fields = s->scratch_fields,
+             .layers = s->layers};
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
@@ -687,6 +692,9 @@ scene *scene_read(reader *r) {
       read_sky(r, s) &&
       (!reader_has(r, "cloths") ||
        reader_each(r, "cloths", sizeof(cloth), &s->cloths, &s->cloth, cloth_read, s)) &&
+      (!reader_has(r, "scratches") ||
+       reader_each(r, "scratches", sizeof(scratches), &s->scratch_fields, &s->scratches,
+                   scratches_read, s)) &&
       (!reader_has(r, "layers") ||
        reader_each(r, "layers", sizeof(layer), &s->layers, &s->layer, read_layer, s)) &&
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,

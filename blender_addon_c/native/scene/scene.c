@@ -59,6 +59,16 @@ static bool build_cloths(scene *s, const atomic_bool *cancel, message_log *log) 
   return true;
 }
 
+static bool build_scratches(scene *s, const atomic_bool *cancel, message_log *log) {
+  for (size_t k = 0; k < s->scratch_fields; k++) {
+    if (atomic_load_explicit(cancel, memory_order_relaxed))
+      return false;
+    if (!scratches_build(&s->scratches[k]))
+      return message_error(log, "out of memory");
+  }
+  return true;
+}
+
 static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
   s->cones = s->cloths > 0;
@@ -82,7 +92,8 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
       good = build_node(&m->node[k], &place);
     for (size_t k = 0; good && k < m->nodes; k++)
       s->cones = s->cones || (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged) ||
-                 (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares);
+                 (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares) ||
+                 (m->node[k].type == NODE_SCRATCHES && m->node[k].of.scratches.coarse);
   }
   texture_take(&s->textures, &s->kept);
   free(s->kept_image);
@@ -137,6 +148,9 @@ void scene_take(scene *to, scene *from) {
   if (!from->built || !from->apart || !to->apart)
     return;
   world_take(to, from);
+  for (size_t k = 0; k < to->scratch_fields; k++)
+    for (size_t i = 0; i < from->scratch_fields; i++)
+      scratches_take(&to->scratches[k], &from->scratches[i]);
   to->kept = from->textures;
   to->kept_image = from->image;
   from->textures = (texture_set){0};
@@ -152,8 +166,8 @@ bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
     return !atomic_load(cancel);
   if (s->plan) /* there is little to do, and what was taken over shall not be lost */
     cancel = &never;
-  if (!build_cloths(s, cancel, log) || !build_materials(s, cancel, log) ||
-      !build_lights(s, cancel, log))
+  if (!build_cloths(s, cancel, log) || !build_scratches(s, cancel, log) ||
+      !build_materials(s, cancel, log) || !build_lights(s, cancel, log))
     return false;
   times->image = parallel_clock() - start;
   s->built = world_build(s, cancel, log, times);
@@ -198,6 +212,9 @@ void scene_free(scene *s) {
   for (size_t i = 0; s->cloth && i < s->cloths; i++)
     cloth_free(&s->cloth[i]);
   free(s->cloth);
+  for (size_t i = 0; s->scratches && i < s->scratch_fields; i++)
+    scratches_free(&s->scratches[i]);
+  free(s->scratches);
   free(s->light);
   free(s->image);
   free(s->material);

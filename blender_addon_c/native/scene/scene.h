@@ -184,10 +184,11 @@ typedef struct scene {
   bool holds;                      /* or leaves a hole in the picture */
   camera camera;
   mist mist;
-  size_t lights, images, cloths, materials, meshes, instances, layers;
+  size_t lights, images, cloths, scratch_fields, materials, meshes, instances, layers;
   light *light;
   image *image;
   cloth *cloth;
+  scratches *scratches;
   material *material;
   mesh *mesh;
   instance *instance;
@@ -220,7 +221,7 @@ typedef struct scene {
   stretch *stretch; /* by triangle, where a material asks for it */
   uint8_t *hidden;  /* by triangle: ray_kinds that do not see it; NULL where all see all */
   object *object;   /* by instance, where nodes ask */
-  bool cones;       /* cloth or images ask how much a ray stands for */
+  bool cones;       /* cloth, images or scratches ask how much a ray stands for */
   bool curved;      /* any of them, where the scene wants to know */
   placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;

@@ -420,6 +420,7 @@ static bool is_stretched(const scene *s) {
       if (n->type == NODE_BUMP || n->type == NODE_WEAVE ||
           (n->type == NODE_IMAGE && n->of.image.averaged) || n->type == NODE_STEP ||
           (n->type == NODE_NORMAL_MAP && n->of.normal_map.squares) ||
+          (n->type == NODE_SCRATCHES && n->of.scratches.what == SCRATCHES_NORMAL) ||
           (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
         return true;
   return false;

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A field of scratches: `field`, its index in the scene; `at`, two operands, the place on it in
+ * metres; `amount`, which its depth is multiplied by.
+ *
+ * `what` HEIGHT: writes `out`, the height there in metres and whether that is in a scratch, by the
+ * amount up to 1. NORMAL: `near`, four operands, the place `step` further along u and as far along
+ * v; `normal`, three, to whose slopes those of the field are added. Writes `out`, a normal in the
+ * shading frame; `filtered`: where the ray stands for more than two cells of the field's table,
+ * that of the mean slope, and two numbers more, twice the variance of the slopes along the frame's
+ * x and y, as node NORMAL_MAP says them.
+ */
+#ifndef LIBSHADE_NODE_SCRATCHES_H
+#define LIBSHADE_NODE_SCRATCHES_H
+
+#include "node/bump.h"
+#include "scene/scratches.h"
+
+enum { SCRATCHES_NORMAL, SCRATCHES_HEIGHT };
+
+typedef struct node_scratches {
+  const scratches *of;
+  int what, out[5];
+  bool filtered, coarse; /* coarse: by the table, where the ray stands for much */
+  float per_step;
+  operand at[2], near[4], amount, normal[3];
+} node_scratches;
+
+static inline bool node_scratches_read(reader *r, node_scratches *n, graph *g) {
+  static const char *const words[] = {"NORMAL", "HEIGHT", NULL};
+  int number;
+  float step = 1.0f;
+  n->filtered = false;
+  if (!reader_word(r, "what", words, &n->what) ||
+      !reader_integer(r, "field", 0, (long)g->scratch_fields - 1, &number) ||
+      !graph_operands(r, g, "at", 2, n->at) || !graph_operands(r, g, "amount", 1, &n->amount))
+    return false;
+  n->of = &g->scratches[number];
+  if (n->what == SCRATCHES_HEIGHT)
+    return graph_outputs(r, g, "out", 2, n->out);
+  if ((reader_has(r, "filtered") && !reader_flag(r, "filtered", &n->filtered)) ||
+      !reader_number_within(r, "step", 1e-6f, 1, &step) ||
+      !graph_operands(r, g, "near", 4, n->near) || !graph_operands(r, g, "normal", 3, n->normal))
+    return false;
+  n->per_step = 1.0f / step;
+  return graph_outputs(r, g, "out", n->filtered ? 5 : 3, n->out);
+}
+
+static inline bool node_scratches_build(node_scratches *n, const node_place *place) {
+  n->coarse = n->filtered && place->normal_blur > 0.0f;
+  return true;
+}
+
+/* Of a run of hits. */
+typedef struct scratch_lanes {
+  lane_f xt, xb, yt, yb;     /* how the place on the field changes along the frame's x and y */
+  lane_f du1, dv1, du2, dv2; /* what the ray stands for there */
+  lane_f x, y, xx, xy, yy;   /* slopes: mean, and covariance */
+} scratch_lanes;
+
+/*
+ * A step along the surface is M (du, dv) in the frame, and J (du, dv) on the field: J over M, here
+ * divided by how much larger the field is: scratches on what is scaled grow deeper as they grow
+ * wider. What a ray covers is longer along its way, up to a hundred times its width.
+ */
+LEAF void node_scratches_place(const node_scratches *n, lane_run g, float blur,
+                               const surfaces *restrict point, inputs *at,
+                               scratch_lanes *restrict to) {
+  const float *x = lane_of(at, n->at[0], 0, g), *y = lane_of(at, n->at[1], 1, g);
+  const float *ux = lane_of(at, n->near[0], 2, g), *uy = lane_of(at, n->near[1], 3, g);
+  const float *vx = lane_of(at, n->near[2], 4, g), *vy = lane_of(at, n->near[3], 5, g);
+  const float per = n->per_step;
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    vec3 du = in_frame(point, i, load(&point->du, i)), dv = in_frame(point, i, load(&point->dv, i));
+    float area = du.x * dv.y - du.y * dv.x;
+    bool flat = !(fabsf(area) > 1e-30f); /* true for NaN */
+    float by = per / (flat ? 1.0f : area);
+    float xu = (ux[i] - x[i]) * by, yu = (uy[i] - y[i]) * by;
+    float xv = (vx[i] - x[i]) * by, yv = (vy[i] - y[i]) * by;
+    float xt = xu * dv.y - xv * du.y, xb = xv * du.x - xu * dv.x;
+    float yt = yu * dv.y - yv * du.y, yb = yv * du.x - yu * dv.x;
+    bool good = !flat & (xt * xt + xb * xb + yt * yt + yb * yb < 1e12f);
+    xt = good ? xt : 0.0f;
+    xb = good ? xb : 0.0f;
+    yt = good ? yt : 0.0f;
+    yb = good ? yb : 0.0f;
+    vec3 eye = load(&point->wo, i);
+    float level2 = eye.x * eye.x + eye.y * eye.y;
+    bool leans = level2 > 1e-12f;
+    float one = 1.0f / sqrtf(leans ? level2 : 1.0f);
+    float cx = leans ? eye.x * one : 1.0f, cy = leans ? eye.y * one : 0.0f;
+    float z = fabsf(eye.z), width = blur * point->width[i];
+    float along = width / (z > 0.01f ? z : 0.01f);
+    float size = fabsf(xt * yb - xb * yt), even = 1.0f / sqrtf(size > 1e-12f ? size : 1.0f);
+    even = size > 1e-12f ? even : 0.0f;
+    to->xt[i] = even * xt;
+    to->xb[i] = even * xb;
+    to->yt[i] = even * yt;
+    to->yb[i] = even * yb;
+    to->du1[i] = along * (xt * cx + xb * cy);
+    to->dv1[i] = along * (yt * cx + yb * cy);
+    to->du2[i] = width * (xb * cx - xt * cy);
+    to->dv2[i] = width * (yb * cx - yt * cy);
+  }
+}
+
+/* Does a footprint, in tiles, reach from where the library begins to leave its samples for the
+ * table to twice as far, or, by lot, further? Else points of it, one for each ray, say the same. */
+static inline bool scratches_far(const scratches *s, const double side[4], float u, float v) {
+  const double xx = side[0] * side[0] + side[2] * side[2];
+  const double yy = side[1] * side[1] + side[3] * side[3];
+  const double xy = side[0] * side[1] + side[2] * side[3], half = 0.5 * (xx - yy);
+  const double cells2 = (double)s->params.cells * s->params.cells;
+  const double extent2 = cells2 * (0.5 * (xx + yy) + sqrt(half * half + xy * xy));
+  const double least2 = 12.1; /* (2 sqrt 3)^2: there the library takes no samples any more */
+  const float lot =
+      unit_float(mix((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v)));
+  return extent2 > least2 * (1.0 + 3.0 * (double)lot);
+}
+
+/* The calls to the library are all there is to it. */
+static inline void node_scratches_look(const node_scratches *n, lane_run g, bool coarse, inputs *at,
+                                       scratch_lanes *to) {
+  const float *x = lane_of(at, n->at[0], 0, g), *y = lane_of(at, n->at[1], 1, g);
+  const double per = 1.0 / n->of->tile;
+  for (size_t i = g.begin; i < g.end; i++) {
+    const double side[4] = {per * (double)to->du1[i], per * (double)to->dv1[i],
+                            per * (double)to->du2[i], per * (double)to->dv2[i]};
+    shade_slopes s;
+    shade_scratch_eval(n->of->field, per * (double)x[i], per * (double)y[i],
+                       coarse && scratches_far(n->of, side, x[i], y[i]) ? side : NULL, NULL, &s);
+    to->x[i] = (float)s.mean[0];
+    to->y[i] = (float)s.mean[1];
+    to->xx[i] = (float)s.covariance[0];
+    to->xy[i] = (float)s.covariance[1];
+    to->yy[i] = (float)s.covariance[2];
+  }
+}
+
+/* Slopes are added: those of a normal n are n.x/n.z and n.y/n.z. On the back the whole is turned
+ * round. */
+LEAF void node_scratches_add(const node_scratches *n, lane_run g, bool spread,
+                             const surfaces *restrict point, inputs *at,
+                             const scratch_lanes *restrict from) {
+  const float *force = lane_of(at, n->amount, 6, g), *x = lane_of(at, n->normal[0], 7, g);
+  const float *y = lane_of(at, n->normal[1], 8, g), *z = lane_of(at, n->normal[2], 9, g);
+  float *nx = at->at[n->out[0]], *ny = at->at[n->out[1]], *nz = at->at[n->out[2]];
+  float *sx = spread ? at->at[n->out[3]] : at->constant[10];
+  float *sy = spread ? at->at[n->out[4]] : at->constant[11];
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    float amount = clampf(force[i], 0.0f, 100.0f), turned = amount * point->side[i];
+    float up = z[i] > 1e-3f ? z[i] : 1e-3f;
+    float xt = from->xt[i], xb = from->xb[i], yt = from->yt[i], yb = from->yb[i];
+    float gt = xt * from->x[i] + yt * from->y[i], gb = xb * from->x[i] + yb * from->y[i];
+    vec3 to = upright((vec3){x[i] - turned * up * gt, y[i] - turned * up * gb, up});
+    float xx = from->xx[i], xy = from->xy[i], yy = from->yy[i], twice = 2.0f * amount * amount;
+    sx[i] = twice * (xt * xt * xx + 2.0f * xt * yt * xy + yt * yt * yy);
+    sy[i] = twice * (xb * xb * xx + 2.0f * xb * yb * xy + yb * yb * yy);
+    nx[i] = to.x;
+    ny[i] = to.y;
+    nz[i] = to.z;
+  }
+}
+
+static inline void node_scratches_heights(const node_scratches *n, lane_run g, inputs *at) {
+  const float *x = lane_of(at, n->at[0], 0, g), *y = lane_of(at, n->at[1], 1, g);
+  const float *force = lane_of(at, n->amount, 6, g);
+  float *height = at->at[n->out[0]], *mask = at->at[n->out[1]];
+  const double per = 1.0 / n->of->tile;
+  for (size_t i = g.begin; i < g.end; i++) {
+    shade_slopes s;
+    double h;
+    shade_scratch_eval(n->of->field, per * (double)x[i], per * (double)y[i], NULL, &h, &s);
+    float amount = clampf(force[i], 0.0f, 100.0f);
+    height[i] = (float)(h * n->of->tile) * amount;
+    mask[i] = h < 0.0 ? (amount < 1.0f ? amount : 1.0f) : 0.0f;
+  }
+}
+
+static inline void node_scratches_run(const node_scratches *n, lane_run g, const corners *corner,
+                                      const surfaces *point, inputs *at) {
+  static _Thread_local scratch_lanes lanes;
+  (void)corner;
+  if (n->what == SCRATCHES_HEIGHT) {
+    node_scratches_heights(n, g, at);
+    return;
+  }
+  const bool coarse = n->coarse && at->normal_blur > 0.0f;
+  node_scratches_place(n, g, coarse ? at->normal_blur : 0.0f, point, at, &lanes);
+  node_scratches_look(n, g, coarse, at, &lanes);
+  if (n->filtered)
+    node_scratches_add(n, g, true, point, at, &lanes);
+  else
+    node_scratches_add(n, g, false, point, at, &lanes);
+}
+
+#endif

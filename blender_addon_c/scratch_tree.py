@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What other renderers see of the scratches node: nothing, until images of one tile are baked; then these."""
+
+import bpy
+
+from .group import new_socket
+from .groove import arrange, either, vector_math
+
+NAME = "Libshade Scratches"
+_MARK = "libshade_scratches"  # on the tree that nodes without images share
+VECTOR, AMOUNT, NORMAL = "Vector", "Amount", "Normal"
+DENSITY, LENGTH, WIDTH, DEPTH, DIRECTION, SPREAD = (
+    "Density per cm²", "Length mm", "Width mm", "Depth", "Direction", "Spread")
+HEIGHT, MASK = "Height", "Mask"
+_TURN = 6.2831853
+# Sockets with a number for all of the surface: key of the native module, least, most, at first, what it is.
+NUMBERS = {
+    DENSITY: ("density", 0.0, 1e6, 20.0, "How many there are on a square centimetre"),
+    LENGTH: ("length", 1e-3, 1e4, 8.0, "In the mean; from half of it to one and a half"),
+    WIDTH: ("width", 1e-3, 1e3, 0.03, "In the mean; from two thirds of it to one and a half"),
+    DEPTH: ("depth", 0.0, 0.99, 0.15, "Of the middle, in halves of the width; from half of it to one and a half"),
+    DIRECTION: ("direction", -100 * _TURN, 100 * _TURN, 0.0, "Of the scratches, from x of Vector towards y"),
+    SPREAD: ("spread", 0.0, _TURN / 4, _TURN / 4, "As far to either side of the direction; 90 degrees: any way"),
+}
+
+
+def _add_sockets(tree):
+    def add(name, kind, about, subtype="NONE", limits=None, value=None):
+        if subtype != "NONE" and not hasattr(tree, "interface"):
+            kind += subtype.title()
+        socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}")
+        if subtype != "NONE" and hasattr(socket, "subtype"):  # 4.0 and later
+            socket.subtype = subtype
+        if limits:
+            socket.min_value, socket.max_value = limits
+        if value is not None:
+            socket.default_value = value
+        socket.description = about
+        return socket
+
+    add(VECTOR, "Vector", "Where they lie: x and y; unlinked: a UV map, or the object's own coordinates").hide_value = True
+    add(AMOUNT, "Float", "What their depth is multiplied by; may differ from place to place", "FACTOR", (0.0, 1.0), 1.0)
+    for name, (_key, least, most, value, about) in NUMBERS.items():
+        add(name, "Float", about, "ANGLE" if name in (DIRECTION, SPREAD) else "NONE", (least, most), value)
+    add(NORMAL, "Vector", "What they are scratched into; unlinked: the surface's own").hide_value = True
+    for name, kind, about in ((NORMAL, "Vector", "Scratched"), (HEIGHT, "Float", "In metres: 0, and below 0 in scratches"),
+                              (MASK, "Float", "1 in scratches, 0 beside them")):
+        new_socket(tree, name, "OUTPUT", f"NodeSocket{kind}").description = about
+
+
+def plain():
+    """The one without images: its normal is the one that comes in."""
+    for tree in bpy.data.node_groups:
+        if tree.get(_MARK) and not tree.library:
+            return tree
+    tree = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+    tree[_MARK] = True
+    _add_sockets(tree)
+    given, answer = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    own = tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"]
+    tree.links.new(either(tree, given.outputs[NORMAL], own), answer.inputs[NORMAL])
+    arrange(tree)
+    return tree
+
+
+def is_plain(tree):
+    return tree is None or bool(tree.get(_MARK))
+
+
+class _Builder:
+    """Nodes of a tree, and their links."""
+
+    def __init__(self, tree):
+        self.tree = tree
+
+    def new(self, kind, **inputs):
+        node = self.tree.nodes.new(f"ShaderNode{kind}")
+        for name, value in inputs.items():
+            self.feed(node.inputs[name], value)
+        return node
+
+    def feed(self, socket, value):
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        else:
+            socket.default_value = value
+
+    def math(self, operation, *values):
+        node = self.new("Math")
+        node.operation = operation
+        for socket, value in zip(node.inputs, values):
+            self.feed(socket, value)
+        return node.outputs[0]
+
+    def vector(self, operation, a, b=None):
+        node = self.new("VectorMath")
+        node.operation = operation
+        self.feed(node.inputs[0], a)
+        if operation == "SCALE":
+            self.feed(node.inputs["Scale"], b)
+        elif b is not None:
+            self.feed(node.inputs[1], b)
+        return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
+
+    def parts(self, vector):
+        return self.new("SeparateXYZ", Vector=vector).outputs
+
+    def together(self, x, y, z=0.0):
+        return self.new("CombineXYZ", X=x, Y=y, Z=z).outputs[0]
+
+    def image(self, image, place, cubic=False):
+        node = self.new("TexImage", Vector=place)
+        node.image, node.interpolation = image, "Cubic" if cubic else "Linear"
+        return node.outputs["Color"]
+
+    def by_side(self):
+        """The object's coordinates along its faces: of x, y and z those two that a face looks at least."""
+        place = self.parts(self.new("TexCoord").outputs["Object"])
+        turned = self.new("VectorTransform", Vector=self.new("NewGeometry").outputs["True Normal"])
+        turned.vector_type, turned.convert_from, turned.convert_to = "NORMAL", "WORLD", "OBJECT"
+        x, y, z = self.parts(self.vector("ABSOLUTE", turned.outputs[0]))
+        to_x = self.math("MULTIPLY", self.math("GREATER_THAN", x, y), self.math("GREATER_THAN", x, z))
+        to_z = self.math("SUBTRACT", 1.0, self.math("GREATER_THAN", self.math("MAXIMUM", x, y), z))
+        across = self.mixed(place["X"], place["Y"], to_x)
+        return self.together(across, self.mixed(place["Z"], place["Y"], to_z))
+
+    def mixed(self, a, b, share):
+        return self.math("MULTIPLY_ADD", self.math("SUBTRACT", b, a), share, a)
+
+
+def baked(images, place, scale, uv_map):
+    """A tree that shows images (normal, height, mask) of a tile.
+
+    place: VECTOR, what comes in; UV, that of a UV map's; OBJECT, of the object's own. scale: tiles in a unit of it.
+    uv_map: whose tangents the normals are of; None: what Vector says has others, and heights bump it.
+    """
+    tree = plain().copy()
+    del tree[_MARK]
+    tree.name = f"{NAME} (images)"
+    tree.nodes.clear()
+    build = _Builder(tree)
+    given, answer = tree.nodes.new("NodeGroupInput").outputs, tree.nodes.new("NodeGroupOutput").inputs
+    surface = build.new("NewGeometry").outputs["Normal"]
+    if place == "VECTOR":
+        at = given[VECTOR]
+    elif place == "OBJECT":
+        at = build.by_side()
+    else:
+        where = build.new("UVMap")
+        where.uv_map, at = uv_map or "", where.outputs[0]
+    at = build.vector("SCALE", at, scale)
+    normal_image, height_image, mask_image = images
+    height = build.math("MULTIPLY", build.image(height_image, at, cubic=uv_map is None), 1.0)
+    if uv_map is None:
+        bump = build.new("Bump", Strength=1.0, Distance=1.0, Height=height)
+        if "Filter Width" in bump.inputs:
+            bump.inputs["Filter Width"].default_value = 0.1
+        own = bump.outputs[0]
+    else:
+        read = build.new("NormalMap", Color=build.image(normal_image, at))
+        read.uv_map, own = uv_map, read.outputs[0]
+    amount = build.math("MAXIMUM", given[AMOUNT], 0.0)
+
+    def leaning(normal):
+        """Its length along the surface's normal is 1: what is left of it are slopes."""
+        up = build.math("MAXIMUM", build.vector("DOT_PRODUCT", normal, surface), 1e-3)
+        return build.vector("SCALE", normal, build.math("DIVIDE", 1.0, up))
+
+    slopes = build.vector("SCALE", build.vector("SUBTRACT", leaning(own), surface), amount)
+    base = leaning(either(tree, given[NORMAL], surface))
+    tree.links.new(build.vector("NORMALIZE", build.vector("ADD", base, slopes)), answer[NORMAL])
+    tree.links.new(build.math("MULTIPLY", height, amount), answer[HEIGHT])
+    mask = build.math("MULTIPLY", build.image(mask_image, at), build.math("MINIMUM", amount, 1.0))
+    tree.links.new(mask, answer[MASK])
+    arrange(tree)
+    return tree

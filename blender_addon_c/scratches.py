@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scratches node: a field of libshade's over the surface, as a normal, a height and a mask. Our engine evaluates
+it; what other renderers see of it is in scratch_tree.py."""
+
+import json
+from math import isfinite
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from . import _native, scratch_tree
+from .manual import draw_button
+from .report import draw_on
+from .scratch_tree import DENSITY, DEPTH, DIRECTION, LENGTH, NUMBERS, SPREAD, VECTOR, WIDTH
+
+SCRATCHES = "LibshadeScratchesNode"
+_MANUAL = "#scratches"
+
+# By word: what it is called, is, and what the sockets say. By eye, after what is said of such surfaces.
+PRESETS = {
+    "FINE_POLISH": ("Fine Polish", "Hairlines any way, as a cloth and paste leave them",
+                    {DENSITY: 1200.0, LENGTH: 4.0, WIDTH: 0.012, DEPTH: 0.06, DIRECTION: 0.0, SPREAD: 1.5707963}),
+    "BRUSHED": ("Brushed", "Long strokes along x of Vector, as a belt of grit 180 leaves them",
+                {DENSITY: 500.0, LENGTH: 25.0, WIDTH: 0.03, DEPTH: 0.12, DIRECTION: 0.0, SPREAD: 0.035}),
+    "USED": ("Used", "Sparse scratches any way, as on what lies in a drawer",
+             {DENSITY: 20.0, LENGTH: 8.0, WIDTH: 0.03, DEPTH: 0.15, DIRECTION: 0.0, SPREAD: 1.5707963}),
+    "DEEP": ("Deep", "Few and wide ones, as of keys and gravel",
+             {DENSITY: 1.5, LENGTH: 25.0, WIDTH: 0.15, DEPTH: 0.35, DIRECTION: 0.3, SPREAD: 0.9}),
+}
+
+
+def apply_preset(node, preset):
+    for name, value in PRESETS[preset][2].items():
+        node.inputs[name].default_value = value
+
+
+def description(node, numbers=None):
+    """What the native module is to know of a node's field. numbers: of its sockets, by name, else their own."""
+    said = {}
+    for name, (key, least, most, initial, _about) in NUMBERS.items():
+        value = numbers[name] if numbers else node.inputs[name].default_value
+        said[key] = min(max(value, least), most) if isfinite(value) else initial
+    return {**said, "seed": float(node.seed), "tile": node.tile if isfinite(node.tile) else 0.0}
+
+
+def metres(node):
+    """In a unit of Vector."""
+    return node.size if node.unit == "UV" and isfinite(node.size) else 1.0
+
+
+class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
+    """Scratches from near to far: a normal that becomes roughness, a height and a mask"""
+
+    bl_idname = SCRATCHES
+    bl_label = scratch_tree.NAME
+    bl_width_default = 200
+
+    __annotations__ = {
+        "unit": EnumProperty(
+            name="Vector In", default="UV", description="What Vector counts",
+            items=[("UV", "UV", "Units of a UV map, each as long as Size; unlinked: of that map"),
+                   ("METRES", "Metres", "As object coordinates do; unlinked: those, along the object's sides")]),
+        "size": FloatProperty(
+            name="Size", subtype="DISTANCE", unit="LENGTH", min=1e-4, max=1e4, soft_max=10, default=0.1,
+            description="Length that one unit of the UV map spans"),
+        "uv_map": StringProperty(name="UV Map", description="Where nothing is linked to Vector; none: the active one"),
+        "seed": IntProperty(name="Seed", description="Another one, other scratches of the same kind", default=1),
+        "tile": FloatProperty(
+            name="Tile", subtype="DISTANCE", unit="LENGTH", min=0, max=1e3, soft_max=10, default=0,
+            description="Side of the square that repeats; 0: as large as 200,000 scratches fill"),
+        # What the images inside were made of; "" where there are none.
+        "baked": StringProperty(options={"HIDDEN"}),
+    }
+
+    def init(self, _context):
+        self.node_tree = scratch_tree.plain()
+
+    def draw_buttons(self, _context, layout):
+        draw_on(self, layout)
+        layout.operator_menu_enum(LIBSHADE_OT_scratches_preset.bl_idname, "preset", text="Preset")
+        layout.prop(self, "unit")
+        if self.unit == "UV":
+            layout.prop(self, "size")
+        layout.prop(self, "seed")
+        if scratch_tree.is_plain(self.node_tree):
+            layout.label(text="In Cycles and EEVEE: no scratches", icon="INFO")
+            layout.operator(LIBSHADE_OT_bake_scratches.bl_idname, icon="IMAGE_DATA")
+            return
+        if is_stale(self):
+            layout.label(text="Images are of other numbers", icon="ERROR")
+        row = layout.row(align=True)
+        row.operator(LIBSHADE_OT_bake_scratches.bl_idname, text="Bake Again", icon="IMAGE_DATA")
+        row.operator(LIBSHADE_OT_drop_scratch_images.bl_idname, text="", icon="X")
+
+    def draw_buttons_ext(self, context, layout):
+        self.draw_buttons(context, layout)
+        if self.unit == "UV":
+            layout.prop(self, "uv_map")
+        layout.prop(self, "tile")
+        plan = _native.scratches(description(self))
+        layout.label(text=f"Repeats each {100 * plan['tile']:.3g} cm")
+        if plan["fewer"]:
+            layout.label(text=f"Of these no more than {plan['density']:.3g} per cm²", icon="ERROR")
+        layout.operator("libshade.convert_to_group")
+        draw_button(layout, _MANUAL)
+
+    def draw_label(self):
+        return self.bl_label
+
+
+# ---- images
+
+
+def _source(node):
+    """What feeds Vector, past reroutes: (kind of place for scratch_tree, UV map whose tangents fit or None)."""
+    socket = node.inputs[VECTOR]
+    while socket.is_linked:
+        link = socket.links[0]
+        source = link.from_node
+        if source.bl_idname == "NodeReroute":
+            socket = source.inputs[0]
+        elif source.bl_idname == "ShaderNodeUVMap":
+            return "VECTOR", source.uv_map
+        else:
+            return "VECTOR", "" if link.from_socket.name == "UV" and source.bl_idname == "ShaderNodeTexCoord" else None
+    return ("UV", node.uv_map) if node.unit == "UV" else ("OBJECT", None)
+
+
+def _stamp(node, tile=0.0):
+    """What images depend on. tile: of the images."""
+    return json.dumps([description(node), metres(node), *_source(node), tile])
+
+
+def is_stale(node):
+    try:
+        tile = json.loads(node.baked)[-1]
+    except (ValueError, IndexError):
+        return True
+    return node.baked != _stamp(node, tile)
+
+
+def tile_of_images(said, texels):
+    """Metres: a node's own; where it is chosen, so small that a third of a scratch's width is a texel, but two lengths."""
+    if said["tile"] > 0:
+        return said["tile"]
+    wanted = max(texels * said["width"] / 3, 2 * said["length"]) * 1e-3
+    return min(wanted, _native.scratches(said)["tile"])
+
+
+def _image(name, texels, data, floats):
+    image = bpy.data.images.new(name, texels, texels, alpha=False, float_buffer=floats, is_data=True)
+    image.pixels.foreach_set(memoryview(data).cast("f"))
+    image.update()
+    image.pack()
+    return image
+
+
+def bake(node, owner, texels=2048, samples=3, tile=0.0):
+    """Images of one tile, in the node's group; (metres that it is wide, what was left out). owner: whose name they get."""
+    said = description(node)
+    said["tile"] = tile or tile_of_images(said, texels)
+    plan = _native.scratches(said)
+    data = list(_native.scratch_images(said, texels, samples))
+    images = []
+    for what in ("Normal", scratch_tree.HEIGHT, scratch_tree.MASK):
+        images.append(_image(f"{owner} {node.name} {what}", texels, data.pop(0), what != scratch_tree.MASK))
+    drop(node)
+    place, uv_map = _source(node)
+    node.node_tree = scratch_tree.baked(images, place, metres(node) / plan["tile"], uv_map)
+    node.baked = _stamp(node, plan["tile"])
+    return plan
+
+
+def drop(node):
+    """Other renderers see none again."""
+    tree, node.node_tree, node.baked = node.node_tree, scratch_tree.plain(), ""
+    if scratch_tree.is_plain(tree) or tree.users:
+        return
+    images = {inner.image for inner in tree.nodes if inner.bl_idname == "ShaderNodeTexImage" and inner.image}
+    bpy.data.node_groups.remove(tree)
+    for image in images:
+        if not image.users:
+            bpy.data.images.remove(image)
+
+
+# ---- operators
+
+
+class _OnScratches:
+    """An operator on a scratches node that an editor shows."""
+
+    @staticmethod
+    def node_of(context):
+        node = getattr(context, "node", None) or getattr(context, "active_node", None)
+        return node if node and node.bl_idname == SCRATCHES else None
+
+    @classmethod
+    def poll(cls, context):
+        node = cls.node_of(context)
+        return node is not None and not node.id_data.library
+
+
+class LIBSHADE_OT_scratches_preset(_OnScratches, bpy.types.Operator):
+    """Give this Libshade Scratches the numbers of a worked or worn surface"""
+
+    bl_idname = "libshade.scratches_preset"
+    bl_label = "Scratches"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(name="Scratches", description="What made them",
+                         items=[(word, label, about) for word, (label, about, _values) in PRESETS.items()])
+
+    def execute(self, context):
+        apply_preset(self.node_of(context), self.preset)
+        return {"FINISHED"}
+
+
+class LIBSHADE_OT_bake_scratches(_OnScratches, bpy.types.Operator):
+    """Make images of one tile of these scratches and put them inside the node, so that Cycles and EEVEE show them. \
+They are packed into the file"""
+
+    bl_idname = "libshade.bake_scratches"
+    bl_label = "Bake to Images"
+    bl_options = {"REGISTER", "UNDO"}
+
+    size: EnumProperty(name="Size", description="Texels along a side; each image takes 16 bytes of memory a texel", default="2048",
+                       items=[(str(n), f"{n} × {n}", "") for n in (512, 1024, 2048, 4096, 8192)])
+    samples: IntProperty(name="Samples", description="Points along a texel that it is the mean of", min=1, max=8, default=3)
+    tile: FloatProperty(name="Tile", subtype="DISTANCE", unit="LENGTH", min=0, max=1e3, default=0,
+                        description="Side of the square that the images show; 0: the node's own, else one whose scratches "
+                                    "are three texels wide, if that is two lengths")
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context):
+        node, texels = self.node_of(context), int(self.size)
+        owner = next((m.name for m in bpy.data.materials if m.node_tree == node.id_data), node.id_data.name)
+        plan = bake(node, owner, texels, self.samples, self.tile)
+        texel = 1e3 * plan["tile"] / texels
+        self.report({"INFO"}, f"{texels} × {texels} texels of {texel:.3g} mm, which repeat each {100 * plan['tile']:.3g} cm, "
+                              "are packed into the file")
+        width = description(node)["width"]
+        if texel > width:
+            self.report({"WARNING"}, f"A texel is {texel / width:.2g} times as wide as a scratch: choose a smaller tile or more texels")
+        if plan["fewer"]:
+            self.report({"WARNING"}, f"There are no more than {plan['density']:.3g} scratches per cm²")
+        return {"FINISHED"}
+
+
+class LIBSHADE_OT_drop_scratch_images(_OnScratches, bpy.types.Operator):
+    """Take the images out of this node again"""
+
+    bl_idname = "libshade.drop_scratch_images"
+    bl_label = "Remove Images"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        drop(self.node_of(context))
+        return {"FINISHED"}
+
+
+def _draw_add_menu(self, context):
+    if context.space_data.tree_type == "ShaderNodeTree":
+        add = self.layout.operator("node.add_node", text=LibshadeScratchesNode.bl_label)
+        add.type, add.use_transform = SCRATCHES, True
+
+
+_CLASSES = (LIBSHADE_OT_scratches_preset, LIBSHADE_OT_bake_scratches, LIBSHADE_OT_drop_scratch_images)
+
+
+def register():
+    if not bpy.types.Node.bl_rna_get_subclass_py(SCRATCHES):  # see nodes.unregister
+        bpy.utils.register_class(LibshadeScratchesNode)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.NODE_MT_add.append(_draw_add_menu)
+
+
+def unregister():
+    bpy.types.NODE_MT_add.remove(_draw_add_menu)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
+    if bpy.app.version >= (5, 0):
+        bpy.utils.unregister_class(LibshadeScratchesNode)

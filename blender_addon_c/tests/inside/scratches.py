@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Libshade Scratches: pictures of what it says, by Cycles and by our engine; asserts what its operators and properties
+do to a file. argument: a folder, for ENGINE_NAME.exr of each picture"""
+
+import importlib
+import math
+import os
+import sys
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common
+
+SIZE, WIDE = 128, 0.04  # pixels; metres of the plate
+NUMBERS = {"Density per cm²": 4.0, "Length mm": 14.0, "Width mm": 1.5, "Depth": 0.3, "Direction": 0.4, "Spread": 0.7}
+OUTPUTS = ("Normal", "Height", "Mask")
+
+
+def module(name):
+    return importlib.import_module(f"{common.MODULE}.{name}")
+
+
+def new_scene(engine):
+    scene = common.empty_scene(SIZE, SIZE, 1)
+    scene.render.engine = engine
+    cycles = scene.cycles
+    cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = 1, False, False
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01
+    common.camera(scene, (0, 0, 1), type="ORTHO", ortho_scale=WIDE)
+    common.light(scene)
+    return scene
+
+
+def scratched(tree, **numbers):
+    node = tree.nodes.new("LibshadeScratchesNode")
+    node.seed, node.size, node.tile = 3, WIDE, WIDE
+    for name, value in (NUMBERS | numbers).items():
+        node.inputs[name].default_value = value
+    return node
+
+
+def leaning(tree):
+    """A normal map that is the same everywhere."""
+    image = bpy.data.images.new("leaning", 4, 4, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(np.float32([0.6, 0.45, 0.95, 1] * 16))
+    image.update()
+    node = tree.nodes.new("ShaderNodeNormalMap")
+    node.inputs["Strength"].default_value = 1.0
+    tree.links.new(common.image_node(tree, image).outputs["Color"], node.inputs["Color"])
+    return node.outputs[0]
+
+
+def showing(engine, output):
+    """A material whose colour is to say an output of a node: (material, tree, socket of the node to link)."""
+    material, tree, metal = common.metal(output, fresnel="NONE")
+    scaled = tree.nodes.new("ShaderNodeVectorMath")
+    scaled.operation = "MULTIPLY_ADD"
+    by, more = {"Normal": (0.5, 0.5), "Height": (-1000.0, 0.0), "Mask": (1.0, 0.0)}[output]
+    scaled.inputs[1].default_value, scaled.inputs[2].default_value = (by,) * 3, (more,) * 3
+    if engine == "CYCLES":
+        shader = tree.nodes.new("ShaderNodeEmission")
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        tree.links.new(scaled.outputs[0], shader.inputs["Color"])
+    else:
+        tree.links.new(scaled.outputs[0], metal.inputs["Color"])
+    return material, tree, scaled.inputs[0]
+
+
+def of_uv(tree, node):
+    tree.links.new(leaning(tree), node.inputs["Normal"])
+
+
+def of_map(tree, node):
+    """Turned, and half as large: heights bump it in Cycles."""
+    where, turned = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeMapping")
+    turned.inputs["Rotation"].default_value[2] = 0.5
+    tree.links.new(where.outputs[0], turned.inputs["Vector"])
+    tree.links.new(turned.outputs[0], node.inputs["Vector"])
+
+
+def of_object(_tree, node):
+    node.unit = "METRES"
+
+
+def of_amount(tree, node):
+    where, ramp = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeTexGradient")
+    tree.links.new(where.outputs[0], ramp.inputs[0])
+    tree.links.new(ramp.outputs["Fac"], node.inputs["Amount"])
+
+
+CASES = {"uv": of_uv, "map": of_map, "object": of_object, "amount": of_amount}
+
+
+def pictures(folder):
+    """What it says, baked; of one as it is without images."""
+    for engine in ("LIBSHADE", "CYCLES"):
+        for name, links in (*CASES.items(), ("bare", of_uv), ("alone", None)):
+            for output in OUTPUTS if name in ("uv", "bare", "amount") else OUTPUTS[:1]:
+                new_scene(engine)
+                material, tree, socket = showing(engine, output)
+                node = scratched(tree)
+                if links:
+                    links(tree, node)
+                if engine == "CYCLES" and name in CASES:
+                    module("scratches").bake(node, "plate", 1024, 2)
+                tree.links.new(node.outputs[output], socket)
+                common.plane(material, WIDE)
+                dump = os.path.join(folder, f"libshade_{name}_{output}.exr")
+                os.environ["LIBSHADE_DUMP"] = dump if engine == "LIBSHADE" else ""
+                common.render(os.path.join(folder, f"{engine.lower()}_{name}_{output}.exr" if engine == "CYCLES" else "picture.exr"))
+
+
+def plate_in_sun(folder):
+    """Scratched metal in the sun: the dump, for the reference."""
+    scene = common.empty_scene(48, 48, 1)
+    material, tree, metal = common.metal("plate", distribution="BECKMANN", brdf="MICROFACET", ax=0.2, ay=0.1)
+    tree.links.new(scratched(tree).outputs["Normal"], metal.inputs["Normal"])
+    common.plane(material, WIDE)
+    common.camera(scene, (0, -0.05, 0.06), (0.7, 0, 0), clip_start=0.01)
+    common.light(scene, rotation=(-0.5, 0.2, 0))
+    os.environ["LIBSHADE_DUMP"] = os.path.join(folder, "sun.exr")
+    common.render(os.path.join(folder, "picture.exr"))
+
+
+def test_file(folder):
+    """Presets, images that are packed, stale and taken away, copies, a saved file."""
+    common.empty_scene()
+    scratches, tree_of = module("scratches"), module("scratch_tree")
+    material, tree, metal = common.metal("plate")
+    node = scratched(tree)
+    tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])
+    other = tree.nodes.new("LibshadeScratchesNode")
+    assert node.node_tree == other.node_tree and tree_of.is_plain(node.node_tree)
+    with bpy.context.temp_override(node=node):
+        for word, (_label, _about, values) in scratches.PRESETS.items():
+            assert bpy.ops.libshade.scratches_preset(preset=word) == {"FINISHED"}
+            assert all(abs(node.inputs[name].default_value - value) < 1e-6 * value + 1e-9 for name, value in values.items())
+        assert bpy.ops.libshade.bake_scratches(size="512", samples=1) == {"FINISHED"}
+        images = [n.image for n in node.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage"]
+        assert {image.name for image in images} == {f"plate {node.name} {what}" for what in OUTPUTS}
+        assert all(image.packed_file and image.colorspace_settings.is_data for image in images)
+        assert tree_of.is_plain(other.node_tree) and not scratches.is_stale(node)
+        assert len(tree.links) == 2 and node.outputs["Normal"].is_linked
+        node.seed += 1
+        assert scratches.is_stale(node)
+        assert bpy.ops.libshade.bake_scratches(size="512", samples=1, tile=0.05) == {"FINISHED"}
+        assert len(bpy.data.images) == 3 and not scratches.is_stale(node)
+    common.plane(material, WIDE)
+    path = os.path.join(folder, "file.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    tree = bpy.data.materials["plate"].node_tree
+    node = next(n for n in tree.nodes if n.bl_idname == scratches.SCRATCHES and n.baked)
+    assert not scratches.is_stale(node) and node.outputs["Normal"].is_linked
+    image = next(n.image for n in node.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage" and "Normal" in n.image.name)
+    pixels = np.empty(512 * 512 * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    normals = 2 * pixels.reshape(-1, 4)[:, :3] - 1
+    assert np.allclose((normals**2).sum(1), 1, atol=1e-5) and normals[:, 2].min() < 0.99
+    with bpy.context.temp_override(node=node):
+        assert bpy.ops.libshade.drop_scratch_images() == {"FINISHED"}
+    assert tree_of.is_plain(node.node_tree) and not bpy.data.images and node.outputs["Normal"].is_linked
+
+
+def hostile(folder):
+    """Numbers that cannot be, and links where only one number is read: told or brought into range, and rendered."""
+    for name, value in (("Density per cm²", 1e9), ("Width mm", 0.0), ("Depth", math.nan), ("Length mm", math.inf),
+                        ("Spread", math.nan), ("Amount", math.nan)):
+        scene = common.empty_scene(16, 16, 1)
+        material, tree, metal = common.metal("plate")
+        node = scratched(tree)
+        number = tree.nodes.new("ShaderNodeValue")
+        number.outputs[0].default_value = value
+        tree.links.new(number.outputs[0], node.inputs[name])
+        tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])
+        common.plane(material, WIDE)
+        common.camera(scene, (0, 0, 1), type="ORTHO", ortho_scale=WIDE)
+        common.light(scene)
+        os.environ["LIBSHADE_DUMP"] = os.path.join(folder, "hostile.exr")
+        common.render(os.path.join(folder, f"hostile {name.split()[0]}.exr"))
+    scene = common.empty_scene(16, 16, 1)
+    material, tree, metal = common.metal("plate")
+    node = scratched(tree)
+    of_amount(tree, node)
+    tree.links.new(node.inputs["Amount"].links[0].from_socket, node.inputs["Width mm"])
+    tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])
+    common.plane(material, WIDE)
+    common.camera(scene, (0, 0, 1), type="ORTHO", ortho_scale=WIDE)
+    common.light(scene)
+    common.render(os.path.join(folder, "hostile link.exr"))
+
+
+folder, = common.arguments()
+common.empty_scene()
+pictures(folder)
+plate_in_sun(folder)
+hostile(folder)
+test_file(folder)
+print("all asserted", flush=True)
+common.finish()

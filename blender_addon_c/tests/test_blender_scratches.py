@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Libshade Scratches: in Cycles nothing, or by its images what our engine says; a dump against the reference; what
+becomes of impossible numbers."""
+
+import subprocess
+
+import numpy as np
+
+from blender_runs import BUILD, Dump, rgba
+
+LEANS = np.array([0.2, -0.1, 0.9])  # the normal map's color
+
+
+def test_scratches(blender, tmp_path):
+    said = blender.run("scratches.py", tmp_path)
+    assert "all asserted" in said
+
+    def pair(name, output):
+        """(ours, Cycles')."""
+        return Dump(tmp_path / f"libshade_{name}_{output}.exr")["Color"], rgba(tmp_path / f"cycles_{name}_{output}.exr")[..., :3]
+
+    # without images: the normal that comes in, or the surface's own, and nothing else
+    for name, normal in (("bare", LEANS / np.linalg.norm(LEANS)), ("alone", (0, 0, 1))):
+        cycles = pair(name, "Normal")[1]
+        np.testing.assert_allclose(cycles, np.broadcast_to(0.5 + 0.5 * np.array(normal), cycles.shape), atol=1e-5)
+    for output in ("Height", "Mask"):
+        assert (pair("bare", output)[1] == 0).all()
+    # with images: as our engine shows them, but for rims. Heights bump by whole pixels in 3.4, by a tenth of them later
+    bumped = 0.022 if blender.version < "5" else 0.004
+    for name, output, limit in (("uv", "Normal", 0.002), ("map", "Normal", bumped), ("object", "Normal", bumped),
+                                ("amount", "Normal", 0.002), ("uv", "Height", 0.001), ("uv", "Mask", 0.012),
+                                ("amount", "Height", 0.001), ("amount", "Mask", 0.012)):
+        ours, cycles = pair(name, output)
+        error = np.abs(ours - cycles).mean()
+        print(name, output, error)
+        assert ours.std((0, 1)).max() > 0.05 and error < limit, (name, output)
+    # the tool's reference, of a dump whose normals are the scratches'
+    normals = Dump(tmp_path / "sun.exr")["Ns"][16:32, 16:32]
+    assert normals[..., 0].std() > 0.02
+    done = subprocess.run([BUILD / "shade", "check", tmp_path / "sun.exr"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    # impossible numbers
+    for name in "Density Width Depth Length Spread Amount link".split():
+        picture = rgba(tmp_path / f"hostile {name}.exr")
+        assert np.isfinite(picture).all() and picture[..., 3].min() == 1, name
+    assert "'Libshade Scratches': 1e+06 scratches per cm² are too many; there are" in said
+    assert "'Libshade Scratches': what feeds Width mm differs from place to place, which only Amount may" in said
