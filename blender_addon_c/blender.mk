@@ -10,7 +10,7 @@ BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
 
 # Made in Blender by the add-on itself: again when what they hold changes, not with each change of the renderer.
 BLENDER_CATALOGS := $(BLENDER_ADDON)/assets/blender_assets.cats.txt
-BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics grooves) $(BLENDER_CATALOGS)
+BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics grooves scratches) $(BLENDER_CATALOGS)
 
 # The manual, and the pictures that it shows
 BLENDER_MANUAL := $(BLENDER_ADDON)/manual/index.html
@@ -33,7 +33,7 @@ $(BLENDER_ADDON)/LICENSE.txt: LICENSES/GPL-3.0-or-later.txt
 	@mkdir -p $(@D)
 	$(Q)cp $< $@
 
-$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree fabric groove) \
+$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree fabric groove scratches scratch_tree) \
   $(L)/src/presets.c | $(BLENDER_FILES)
 	$(call say,render   ,$(@D))
 	$(Q)BLENDER_USER_SCRIPTS=$(abspath $(B)/blender) blender -b --factory-startup --addons libshade --python-exit-code 1 -P $< \

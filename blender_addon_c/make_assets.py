@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's asset library: metals and cloths as materials, Libshade Groove and a metal for any renderer as plain
+"""The add-on's asset library: metals, cloths and scratched metals as materials, Libshade Groove and a metal for any renderer as plain
 node groups; each with a picture that libshade renders.
 
     BLENDER_USER_SCRIPTS=build/blender blender -b --factory-startup --addons libshade \
@@ -19,7 +19,7 @@ import numpy as np
 from mathutils import Vector
 
 SAMPLES, SIZE, COLUMNS = 32, 192, 10
-CATALOGS = ("Libshade", "Libshade/Metals", "Libshade/Fabrics", "Libshade/Grooves")
+CATALOGS = ("Libshade", "Libshade/Metals", "Libshade/Fabrics", "Libshade/Grooves", "Libshade/Scratches")
 # A unit of UV on the picture's ball, in metres of cloth: small enough for coarse yarns to show.
 BALL_OF_CLOTH = 0.05
 
@@ -174,6 +174,25 @@ def cloths(fabric):
         yield material, row["help"], ["cloth", "fabric", *row["label"].lower().split()]
 
 
+# By preset of the scratches: what the metal is called.
+_SCRATCHED = {"FINE_POLISH": "Fine-polished steel", "BRUSHED": "Steel with brush strokes", "USED": "Used steel",
+              "DEEP": "Deeply scratched steel"}
+
+
+def scratched(nodes, scratches):
+    """Polished steel and what scratched it, at 10 cm to a unit of the UV map."""
+    for word, (label, help_, _values) in scratches.PRESETS.items():
+        material, tree, node = new_material(_SCRATCHED[word], nodes.METAL)
+        nodes.apply_preset(node, "BRUSHED_STEEL")
+        node.distribution, node.brdf = "BECKMANN", "MICROFACET"
+        node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.22, 0.0
+        texture = tree.nodes.new(scratches.SCRATCHES)
+        texture.location = (-280, 0)
+        scratches.apply_preset(texture, word)
+        tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
+        yield material, help_, ["metal", "steel", "scratches", *label.lower().split()]
+
+
 def bumpy(node, tree):
     """Waves about a ball that grooves are to follow."""
     place, wave, bump = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("UVMap", "TexWave", "Bump"))
@@ -209,9 +228,9 @@ def main(folder, sheet=None):
     pictures = []
     with tempfile.TemporaryDirectory() as scratch:
         path = os.path.join(scratch, "picture.png")
-        for name, kind in (("metals", "Metals"), ("fabrics", "Fabrics"), ("grooves", "Grooves")):
+        for name, kind in (("metals", "Metals"), ("fabrics", "Fabrics"), ("grooves", "Grooves"), ("scratches", "Scratches")):
             ball = room(kind != "Fabrics")
-            from libshade import fabric, groove, nodes  # what the add-on is now: room() enables it anew
+            from libshade import fabric, groove, nodes, scratches  # what the add-on is now: room() enables it anew
 
             made = []
             if kind == "Grooves":
@@ -221,7 +240,9 @@ def main(folder, sheet=None):
                     show(group, pictures[-1])
                     made.append(group)
             else:
-                for material, help_, tags in metals(nodes) if kind == "Metals" else cloths(fabric):
+                items = {"Metals": lambda: metals(nodes), "Fabrics": lambda: cloths(fabric),
+                         "Scratches": lambda: scratched(nodes, scratches)}[kind]()
+                for material, help_, tags in items:
                     mark(material, f"Libshade/{kind}", help_, tags)
                     # circles are seen from above their middle
                     ball.rotation_euler = (1.1, 0.2, 0.0) if "turned" in tags else (0.35, 0.0, 0.5)

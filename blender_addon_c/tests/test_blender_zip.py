@@ -44,7 +44,7 @@ def test_contents():
     sources -= {f"libshade/{name}.py" for name in ("package", "make_assets", "make_manual")}
     assert sources <= set(names)
     assert {n for n in names if "/assets/" in n} == {f"libshade/assets/{n}" for n in (
-        "metals.blend", "fabrics.blend", "grooves.blend", "blender_assets.cats.txt")}
+        "metals.blend", "fabrics.blend", "grooves.blend", "scratches.blend", "blender_assets.cats.txt")}
     assert {"libshade/blender_manifest.toml", "libshade/_native.abi3.so"} <= set(names)
 
 

@@ -81,6 +81,15 @@ def test_materials(folder):
         assert node.preset == word and where[material.asset_data.catalog_id] == "Libshade/Fabrics"
         assert "cloth" in [tag.name for tag in material.asset_data.tags]
         picture_of(material)
+    scratches = module("scratches")
+    scratched = appended("scratches", "materials")
+    assert len(scratched) == len(scratches.PRESETS)
+    for material in scratched:
+        node = next(n for n in material.node_tree.nodes if n.bl_idname == scratches.SCRATCHES)
+        assert where[material.asset_data.catalog_id] == "Libshade/Scratches" and material.asset_data.description
+        assert [values for _label, _about, values in scratches.PRESETS.values()
+                if all(abs(node.inputs[name].default_value - value) < 1e-6 * value + 1e-9 for name, value in values.items())]
+        assert node.outputs["Normal"].is_linked and picture_of(material).mean() > 0.05
     scene = bpy.context.scene
     for name, found in (("Turned copper", metals), ("Cotton denim", cloths)):
         scene = common.empty_scene(32, 32, 16)
