@@ -5,7 +5,8 @@
 #   make check     all tests
 #   make blender   the add-on: build/libshade-blender.zip
 #   make povray    POV-Ray with libshade: build/povray/povray
-#   make compare   the demo, a normal map against the displaced truth, speed beside Cycles
+#   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
+#   make compare-quick  the report in two minutes, without renderers
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make soak      libshade on a hundred million awkward cases, Blender on 500, its viewport on 2000 edits
 #   make bench     speed against accuracy

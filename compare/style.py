@@ -259,10 +259,10 @@ def ends(axes, points, size=9):
 
 def svg(drawing):
     """The figure as text to stand in HTML: colours as variables, text as text, ids of its own."""
-    with io.StringIO() as file:
-        drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None, "Format": None,
+    with io.StringIO() as part:
+        drawing.savefig(part, format="svg", metadata={"Date": None, "Creator": None, "Format": None,
                                                       "Type": None})
-        text = file.getvalue()
+        text = part.getvalue()
     pyplot.close(drawing)
     text = text[text.index("<svg"):]
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", text, flags=re.S)

@@ -17,6 +17,7 @@ NEEDS_povray := build povray
 NEEDS_compare := build blender povray demo
 NEEDS_demo := $(NEEDS_compare)
 NEEDS_compare-peers := $(NEEDS_compare) peers
+NEEDS_compare-quick := build demo
 NEEDS_pictures := $(NEEDS_compare)
 NEEDS_bench := build
 NEEDS_check-libshade := build test

@@ -41,7 +41,8 @@ class Page:
         self.call("Emulation.setDeviceMetricsOverride", width=self.width, height=self.height,
                   deviceScaleFactor=1, mobile=self.width < 600)
         self.call("Emulation.setEmulatedMedia", features=[
-            {"name": "prefers-color-scheme", "value": "dark" if self.dark else "light"}])
+            {"name": "prefers-color-scheme", "value": "dark" if self.dark else "light"},
+            {"name": "prefers-reduced-motion", "value": "reduce"}])  # links jump at once
         self.call("Page.navigate", url=self.path.as_uri())
         self.until("document.readyState === 'complete'")
         return self
