@@ -147,8 +147,10 @@ def test_eval_and_pdf(values):
     plain = material.replace(**{name: 0.5 for name, value in options.items() if isinstance(value, tuple)})
     density = tool("pdf", grey, N, WI, WO)[:, 0]
     assert shade.pdf(plain, N, WI, WO) == pytest.approx(density, rel=1e-9, abs=1e-12)
-    wi, f, pdf, cosine = shade.sample(plain, N, WO, np.random.default_rng(5).random((COUNT, 2)))
+    u = np.random.default_rng(5).random((COUNT, 2))
+    wi, f, pdf, cosine = shade.sample(plain, N, WO, u)
     drawn = pdf > 0
+    assert wi == pytest.approx(tool("sample", grey, N, WO, u)[:, :3], abs=1e-12)
     assert drawn.any() and np.all(wi[~drawn] == 0)
     assert np.linalg.norm(wi[drawn], axis=-1) == pytest.approx(1, abs=1e-9)
     assert f[drawn] == pytest.approx(reference_f(grey, N[drawn], wi[drawn], WO[drawn]), rel=1e-6)
@@ -221,9 +223,8 @@ def test_materials():
     # KHR_materials_anisotropy: alpha along the tangent is mix(a, 1, strength^2), across it a = r^2
     gltf = shade.Material(roughness=("gltf", 0.5, 0.3))
     assert sorted([gltf.ax, gltf.ay]) == pytest.approx([0.25, 0.25 + 0.75 * 0.09])
-    fast = shade.Material(fast=True)
-    assert shade.D(fast, N.astype("f4"), WI.astype("f4")) == pytest.approx(
-        shade.D(shade.Material(), N, WI), rel=5e-4, abs=1e-6)
+    fast, careful = (shade.D(shade.Material(fast=f), N.astype("f4"), WI.astype("f4")) for f in (True, False))
+    assert fast == pytest.approx(careful, rel=5e-4, abs=1e-6) and (fast != careful).any()
     assert {row.word for row in shade.parameters().values() if row.list == "mdf"} == {"ex", "ey", "ax", "ay"}
 
 
@@ -276,6 +277,17 @@ def test_cloth_and_tool_agree(tier, footprint):
     assert floats.dtype == np.float32 and np.median(np.abs(floats - ours) / ours.mean()) < 1e-3
 
 
+def test_footprints_of_cloth():
+    """Along u alone, or v alone: the mean of the near model at 16 points of it."""
+    cloth, uv = shade.fabric("wool_flannel"), np.array([3.3, 7.6])
+    shifts = (np.arange(16) - 7.5) * 0.4 / 16
+    for axis in (0, 1):
+        side = np.zeros(2)
+        side[axis] = 0.4
+        near = cloth.eval(uv + shifts[:, None] * (side > 0), WI[0], WO[0], tier="near").mean(0)
+        assert cloth.eval(uv, WI[0], WO[0], footprint=side) == pytest.approx(near, rel=1e-9)
+
+
 def test_cloth_draws():
     """The mean of s/pdf is the integral of s; the drawn s is that of eval."""
     cloth, wo = shade.fabric("silk_shantung"), np.array([0.3, 0.1, 0.9]) / math.sqrt(0.91)
@@ -299,8 +311,8 @@ def test_what_lies_over_what(tmp_path):
     weft_up = (u + 2 * v) % 5 < 2
     by_pattern = shade.fabric(pattern=(2, 3, 2)).look_up(place)
     assert (by_pattern["top"] == np.where(weft_up, 0, 1)).all() and by_pattern["yarn"].max() == 4
-    matrix = np.random.default_rng(9).integers(0, 2, (6, 6))
-    assert (shade.fabric(draft=matrix).look_up(place)["top"] == matrix).all()
+    matrix = np.random.default_rng(9).integers(0, 2, (3, 6))
+    assert (shade.fabric(draft=matrix).look_up(place)["top"] == np.concatenate([matrix, matrix])).all()
     thin = {"width": 1, "gap": 1}
     gaps = shade.fabric(warp=thin, weft=thin)
     assert gaps.look_up([0.99, 0.99])["top"] == 2 and gaps.coverage([0.99, 0.99], [0, 0, 1.0]) == 0
@@ -364,6 +376,11 @@ def test_split_keeps_the_moments():
         carried = (lobes.weight[..., None] * slopes ** 2).sum(1)
         assert carried[0] + [1 / lobes.x[0] - 1 / 200, 1 / lobes.y[0] - 1 / 50] == pytest.approx([0.01, 0.02], rel=0.02)
         assert (lobes.x[1], lobes.y[1]) == pytest.approx((200, 50)) and lobes.weight.sum(1) == pytest.approx(1)
+    lobes = shade.split(material, None, [0.01, 0.006, 0.02], 4)
+    slopes = -lobes.n[..., :2] / lobes.n[..., 2:]
+    turn = np.array([[np.cos(lobes.angle), -np.sin(lobes.angle)], [np.sin(lobes.angle), np.cos(lobes.angle)]])
+    whole = (slopes.T * lobes.weight) @ slopes + turn @ np.diag([1 / lobes.x, 1 / lobes.y]) @ turn.T
+    assert whole - np.diag([1 / 200, 1 / 50]) == pytest.approx(np.array([[0.01, 0.006], [0.006, 0.02]]), abs=1e-3)
     with pytest.raises(ValueError, match="most: 9 given; expected a number from 1 to 8"):
         shade.split(material, None, [0, 0, 0], 9)
 
