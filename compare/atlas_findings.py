@@ -86,7 +86,7 @@ def energy(rows):
                  if r["tilt"] <= 60], lambda r: abs(r["energy"] - 1))
     return Finding(
         f"∫D′ leaves 1: {min(perturb):.2f} to {max(perturb):.2f} for `perturb`, up to {max(linear):.2f} for the "
-        f"linear warp and {max(smooth):.2f} for the smooth one; the conserving warps keep it within {kept:.3f} to "
+        f"linear warp and {max(smooth):.2f} for the smooth one; the conserving warps keep it within {few(kept)} to "
         "tilts of 60°.",
         min(perturb) < 0.8 and max(perturb) > 1.3 and max(linear) > max(smooth) > 1.05 and kept < 0.03, "energy")
 
