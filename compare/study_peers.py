@@ -149,7 +149,7 @@ def finding_speed(rows):
         text.append(f"under a {light} " + ", ".join(f"{row['samples_per_second'] / 1e6:.2g} ({style.of(engine).label})"
                                                      for engine, row in found.items()))
         best &= found["libshade"]["samples_per_second"] > max(found[e]["samples_per_second"] for e in ("cycles", "cycles_5"))
-    return Finding("Million samples a second of the whole picture: " + "; ".join(text) + ".", best, "peers")
+    return Finding("Million samples a second of the whole picture: " + "; ".join(text) + ".", best, "peers", timed=True)
 
 
 def findings(rows):
