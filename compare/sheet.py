@@ -75,7 +75,7 @@ def svg(rows, across=ACROSS):
             words = [*words[:2], row["what"].format(percent(row["value"]))]
         parts += [f'<text x="{x}" y="{y + SIDE + 12 + 12 * k}" font-size="10" '
                   f'style="fill: var(--{"soft" if k and k == len(words) - 1 else "ink"})">{html.escape(word)}</text>'
-                  for k, word in enumerate(words)]
+                  for k, word in enumerate(words) if word]
     return (f'<svg viewBox="0 0 {wide} {down * high}" style="--wide:{wide}" aria-hidden="true">'
             + "".join(parts) + "</svg>")
 

@@ -66,13 +66,23 @@ def test_one_bad_part(tmp_path, broken, wrong):
 
 
 @pytest.mark.parametrize("kind, column, value, wrong", [
-    ("check", "ok", 0, 0), ("check", "error", 2e-4, 0), ("check", "mean", 1e-4, 0),
+    ("check", "ok", 0, 0), ("check", "error", 2e-4, 0), ("check", "mean", 1e-4, 0), ("check", "mean", 2e-5, 0), ("check", "values", 0, 0),
     ("pair", "ok", 0, 1), ("pair", "share", 0.99, 1),
     ("picture", "ok", 0, 2), ("picture", "difference", 0.03, 2), ("picture", "flip", 0.06, 2),
 ])
 def test_altered_rows_are_noticed(rows, kind, column, value, wrong):
     changed = [{**row, column: value} if row["kind"] == kind else row for row in rows]
     assert [k for k, good in enumerate(holds(changed)) if not good] == [wrong]
+
+
+def test_a_mean_over_its_limit_is_said_by_name(rows):
+    """One in many, by less than three times, for nothing else: no other scene is to be hidden by it."""
+    good = [row for row in rows if row["kind"] == "check"] * 5
+    narrow = {**good[0], "scene": "narrow", "ok": 0, "mean": 2e-5, "missed": "Blender against reference, mean error of S"}
+    finding = study.finding_reference([*good, narrow])
+    assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (2.0e-05)" in finding.text
+    for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}):
+        assert not study.finding_reference([*good, {**narrow, **worse}]).holds
 
 
 def test_a_renderer_that_is_missing_is_noticed(rows):

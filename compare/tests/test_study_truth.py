@@ -169,6 +169,7 @@ def test_sheets_and_tables(rows, tmp_path):
         assert figure.alt and "nan" not in figure.caption
     assert "100 % is weft by the formula as printed" in drawn["fabric-3"].caption
     assert drawn["rotation-5"].svg.count("data:image/png;base64,") == 6
+    assert not any("></text>" in figure.svg for figure in drawn.values())  # an empty line has no height on a phone
     for table in study_truth.tables(shown):
         assert table.rows and all(len(row) == len(table.columns) for row in table.rows)
 
