@@ -53,7 +53,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
 
     bl_idname = SCRATCHES
     bl_label = scratch_tree.NAME
-    bl_width_default = 200
+    bl_width_default = 240
 
     __annotations__ = {
         "unit": EnumProperty(
@@ -83,7 +83,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
             layout.prop(self, "size")
         layout.prop(self, "seed")
         if scratch_tree.is_plain(self.node_tree):
-            layout.label(text="In Cycles and EEVEE: no scratches", icon="INFO")
+            layout.label(text="Not in Cycles, EEVEE until baked", icon="INFO")
             layout.operator(LIBSHADE_OT_bake_scratches.bl_idname, icon="IMAGE_DATA")
             return
         if is_stale(self):

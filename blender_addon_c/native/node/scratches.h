@@ -105,17 +105,21 @@ LEAF void node_scratches_place(const node_scratches *n, lane_run g, float blur,
   }
 }
 
-/* Does a footprint, in tiles, reach from where the library begins to leave its samples for the
- * table to twice as far, or, by lot, further? Else points of it, one for each ray, say the same. */
-static inline bool scratches_far(const scratches *s, const double side[4], float u, float v) {
+/* A number in [0, 1) for a point, of several. */
+LEAF float scratches_lot(float u, float v, uint32_t number) {
+  return unit_float(
+      mix(((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v)) + number));
+}
+
+/* Does a footprint, in tiles, reach from where the library leaves its samples for the table to
+ * twice as far, or, by lot, further? Else points of it, one for each ray, say the same. */
+static inline bool scratches_far(const scratches *s, const double side[4], float lot) {
   const double xx = side[0] * side[0] + side[2] * side[2];
   const double yy = side[1] * side[1] + side[3] * side[3];
   const double xy = side[0] * side[1] + side[2] * side[3], half = 0.5 * (xx - yy);
   const double cells2 = (double)s->params.cells * s->params.cells;
   const double extent2 = cells2 * (0.5 * (xx + yy) + sqrt(half * half + xy * xy));
-  const double least2 = 12.1; /* (2 sqrt 3)^2: there the library takes no samples any more */
-  const float lot =
-      unit_float(mix((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v)));
+  const double least2 = 12.1; /* (2 sqrt 3)^2 */
   return extent2 > least2 * (1.0 + 3.0 * (double)lot);
 }
 
@@ -127,14 +131,20 @@ static inline void node_scratches_look(const node_scratches *n, lane_run g, bool
   for (size_t i = g.begin; i < g.end; i++) {
     const double side[4] = {per * (double)to->du1[i], per * (double)to->dv1[i],
                             per * (double)to->du2[i], per * (double)to->dv2[i]};
+    const bool far = coarse && scratches_far(n->of, side, scratches_lot(x[i], y[i], 0));
     shade_slopes s;
-    shade_scratch_eval(n->of->field, per * (double)x[i], per * (double)y[i],
-                       coarse && scratches_far(n->of, side, x[i], y[i]) ? side : NULL, NULL, &s);
+    shade_scratch_eval(n->of->field, per * (double)x[i], per * (double)y[i], far ? side : NULL,
+                       NULL, &s);
+    /* one Gaussian of all slopes would be too dark at the peak and too bright in the tail, for
+     * those of the plate are 0: a ray is of either part, and the covariance in the mean as it was
+     */
+    const bool in = far && scratches_lot(x[i], y[i], 0x51ed270bu) < n->of->share;
+    const float by = in ? 1.0f / n->of->share : 0.0f;
     to->x[i] = (float)s.mean[0];
     to->y[i] = (float)s.mean[1];
-    to->xx[i] = (float)s.covariance[0];
-    to->xy[i] = (float)s.covariance[1];
-    to->yy[i] = (float)s.covariance[2];
+    to->xx[i] = by * (float)s.covariance[0];
+    to->xy[i] = by * (float)s.covariance[1];
+    to->yy[i] = by * (float)s.covariance[2];
   }
 }
 

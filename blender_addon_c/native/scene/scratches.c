@@ -38,6 +38,9 @@ static uint32_t plan(scratches *s, double density, double length, double width, 
   s->params.cells = (int)within(cells / fmax(pits, 1), CELLS_LEAST, CELLS);
   s->fewer = pits < 0.99 * wanted - 1;
   s->density = pits / (area * 1e4);
+  /* of random ones; the mean square of a half width is more than that of its mean */
+  const double covered = 0.25 * PI * length * width * (2.25 - 1 / 2.25) / (4 * log(1.5));
+  s->share = (float)(1 - exp(-covered * pits / area));
   return (uint32_t)pits;
 }
 

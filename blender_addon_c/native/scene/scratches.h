@@ -11,6 +11,7 @@ typedef struct scratches {
   double tile;    /* side of the square that repeats, metres */
   double density; /* 1/cm^2, of those that there are: fewer than asked for if `fewer` */
   bool fewer;
+  float share; /* of the plate that is scratched */
   shade_scratch_params params;
   shade_scratch_field *field; /* made by scratches_build */
 } scratches;

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of libshade's nodes in the shader editor, which needs a window: metal.png, fabric.png, groove.png.
+"""Pictures of libshade's nodes in the shader editor, which needs a window: metal.png, fabric.png, groove.png,
+scratches.png.
 
     BLENDER_USER_SCRIPTS=build/blender LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1600x1100x24" \
         blender --factory-startup --window-geometry 0 0 1600 1100 --addons libshade \
@@ -56,11 +57,17 @@ def groove(tree):
             other.location = -500, 60
 
 
+def scratches(tree):
+    made = node(tree, "LibshadeScratchesNode", -280, 0)
+    shader = node(tree, "LibshadeMetalNode", 0, 0, [("Normal", made, "Normal")])
+    node(tree, "ShaderNodeOutputMaterial", 280, 0, [("Surface", shader, 0)])
+
+
 class Pictures:
     """One after another: each graph is drawn before it is taken."""
 
     def __init__(self):
-        self.left, self.step = [metal, fabric, groove], 0
+        self.left, self.step = [metal, fabric, groove, scratches], 0
 
     def window(self):
         window = bpy.context.window_manager.windows[0]

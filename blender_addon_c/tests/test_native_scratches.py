@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scratches from afar, which are roughness, against the points that they are; and how large fields are."""
+
+import numpy as np
+import pytest
+
+from native_scenes import material, native, registers, render, scene, sun
+
+FINE = {"density": 5.0, "length": 20.0, "width": 1.0, "depth": 0.2, "direction": 0.3, "spread": 0.6, "seed": 5.0, "tile": 0.5}
+UV, NEAR, NORMAL, SPREAD, ALPHA = registers(3, 3), registers(6, 2), registers(9, 3), registers(12, 2), registers(14, 2)
+
+
+def plate(light, amount=1.0, **changes):
+    """Two metres of scratched metal, of which a pixel is an eighth: the mean of each quarter's quarter."""
+    nodes = [{"type": "GEOMETRY", "what": "UV", "out": UV},
+             *({"type": "MATH", "operation": "ADD", "a": [a], "b": [0.125], "c": [0.0], "out": [b]} for a, b in zip(UV, NEAR)),
+             {"type": "SCRATCHES", "what": "NORMAL", "field": 0, "at": UV[:2], "near": [NEAR[0], UV[1], UV[0], NEAR[1]],
+              "step": 0.125, "amount": [amount], "normal": [0.0, 0.0, 1.0], "filtered": True, "out": [*NORMAL, *SPREAD]}]
+    for a, b in zip(SPREAD, ALPHA):
+        nodes += [{"type": "MATH", "operation": "ADD", "a": [a], "b": [0.04], "c": [0.0], "out": [b]},
+                  {"type": "MATH", "operation": "SQRT", "a": [b], "b": [0.0], "c": [0.0], "out": [b]}]
+    metal = material(mdf="BECKMANN", brdf="MICROFACET", fresnel="NONE") | {
+        "nodes": nodes, "normal": NORMAL, "ax_from": ALPHA[:1], "ay_from": ALPHA[1:]}
+    picture = render(scene(scratches=[FINE], materials=[metal], lights=[sun(light)], **changes))[0][..., 0]
+    return picture.reshape(4, 4, 4, 4).mean((1, 3))
+
+
+@pytest.mark.parametrize("light", [(0.25, 0.1, 1), (-0.1, 0.55, 1)])
+def test_far_scratches_are_the_roughness_of_near_ones(light):
+    """Beside the light's mirror image, and far from it, at footprints from where the table begins to a pixel's."""
+    truth = plate(light, samples=1024)
+    assert abs(plate(light, 0.0, samples=16).mean() / truth.mean() - 1) > 0.1
+    for blur in (0.02, 0.04, 0.2, 1.0):
+        far = plate(light, samples=256, normal_blur=blur)
+        print(light, blur, np.abs(far / truth - 1).max(), far.mean() / truth.mean() - 1)
+        assert abs(far.mean() / truth.mean() - 1) < 0.02 and np.abs(far / truth - 1).max() < 0.05
+
+
+@pytest.mark.parametrize("changes, tile, density", [
+    ({"density": 20.0, "tile": 0.0}, 1.0, 20.0),  # 200,000 fill a square metre
+    ({"density": 2000.0, "length": 100.0, "width": 0.01, "direction": 0.0, "spread": 0.0, "tile": 0.0}, 0.4, 375.0),  # 600,000
+    ({"density": 50.0, "length": 10.0, "width": 10.0, "tile": 0.0}, 0.6325, 20.4),  # 16 over each point
+    ({"density": 0.0, "tile": 0.0}, 1.0, 0.0),
+])
+def test_how_large_a_tile_is(changes, tile, density):
+    plan = native.scratches(FINE | changes)
+    assert plan["tile"] == pytest.approx(tile, rel=2e-3) and plan["density"] == pytest.approx(density, rel=2e-2)
+    assert plan["fewer"] == (density < 0.98 * changes["density"])
+
+
+def test_pictures_are_refused_where_they_cannot_be():
+    for size, samples in ((0, 1), (20000, 1), (16, 0)):
+        with pytest.raises(ValueError, match="a size of 1 to 16384 and 1 to 16 samples"):
+            native.scratch_images(FINE, size, samples)
+    with pytest.raises(ValueError, match="depth is missing"):
+        native.scratch_images({name: value for name, value in FINE.items() if name != "depth"}, 4, 1)
