@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cloth node: a cloth by name, in two colours. Inside is a Principled BSDF of their mean, as other
-renderers see it."""
+"""The cloth node: a cloth by name, in two colours. What other renderers see of it is in fabric_tree.py."""
 
 from functools import lru_cache
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
-from . import _native
-from .group import new_socket
+from . import _native, fabric_tree, nodes
 from .manual import draw_button
 from .report import draw_on
 
@@ -16,13 +14,48 @@ FABRIC = "LibshadeFabricNode"
 
 _CLOTHS = {row["word"].upper(): row for row in _native.table()["cloths"]}
 _FIRST = next(iter(_CLOTHS))
-_SHADER, _MIX, _DARKEN = "Principled BSDF", "Mix", "Darken"
+TRANSLUCENCY = "Translucency"
 
 
 def settings(node):
-    """What the native module is to know of a node's cloth."""
-    return {"preset": node.preset.lower(), "size": node.size, "transmit": node.transmission,
-            "open": node.open_gaps}
+    """What the native module is to know of a node's cloth, but for what its sockets say."""
+    return {"preset": node.preset.lower(), "size": node.size, "open": node.open_gaps}
+
+
+def socket_rules(node):
+    """Does Translucency's socket say what the property does not?"""
+    socket = node.inputs.get(TRANSLUCENCY)
+    return bool(socket) and (socket.is_linked or socket.default_value != node.set_transmission)
+
+
+def is_old(node):
+    """Is it of a version with fewer sockets, which no one has changed?"""
+    return fabric_tree.NEW[0] not in node.inputs and fabric_tree.can_update(node.node_tree)
+
+
+def update_node(tree, node):
+    """A new tree inside, with all sockets; what the old ones said goes on to hold."""
+    old, links = node.node_tree, [(link.from_socket, socket.name) for socket in node.inputs for link in socket.links]
+    values = {socket.name: tuple(socket.default_value) for socket in node.inputs}
+    targets = [link.to_socket for link in node.outputs[0].links]
+    node.node_tree, node.shares_tree = fabric_tree.new_tree(), False
+    for socket in node.inputs:  # Blender keeps links by sockets' numbers
+        for link in list(socket.links):
+            tree.links.remove(link)
+    for name, _kind, _about, value, _limits in fabric_tree.SOCKETS:
+        if value is not None:  # one in the place of an older socket has lost it
+            node.inputs[name].default_value = value
+    node.fill_sockets()
+    for name, value in values.items():
+        node.inputs[name].default_value = value
+    for source, name in links:
+        tree.links.new(source, node.inputs[name])
+    for target in targets:
+        tree.links.new(node.outputs[0], target)
+    node.transmission = node.transmission  # to its socket
+    node.update_preview()
+    if not old.users:
+        bpy.data.node_groups.remove(old)
 
 
 def cloths():
@@ -43,30 +76,6 @@ def _brightness(preset):
     return min(1.0, sum(_native.cloth_albedo(row["word"])) / yarns)
 
 
-def _new_tree():
-    """What other renderers see: the colours by what shows of each, as rough as the yarns are."""
-    tree = bpy.data.node_groups.new("Libshade Fabric", "ShaderNodeTree")
-    for name, color in zip(("Warp Color", "Weft Color"), own_colors(_FIRST)):
-        new_socket(tree, name, "INPUT", "NodeSocketColor").default_value = (*color, 1.0)
-    new_socket(tree, "Normal", "INPUT", "NodeSocketVector").hide_value = True
-    new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
-
-    inputs, outputs = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    mix, shader = tree.nodes.new("ShaderNodeMixRGB"), tree.nodes.new("ShaderNodeBsdfPrincipled")
-    darken = tree.nodes.new("ShaderNodeMixRGB")
-    inputs.location, mix.location, darken.location = (-700, 0), (-450, 0), (-200, 0)
-    outputs.location = (300, 0)
-    mix.name, darken.name, shader.name = _MIX, _DARKEN, _SHADER
-    darken.blend_type, darken.inputs[0].default_value = "MULTIPLY", 1.0
-    tree.links.new(inputs.outputs["Warp Color"], mix.inputs[1])
-    tree.links.new(inputs.outputs["Weft Color"], mix.inputs[2])
-    tree.links.new(mix.outputs[0], darken.inputs[1])
-    tree.links.new(darken.outputs[0], shader.inputs["Base Color"])
-    tree.links.new(inputs.outputs["Normal"], shader.inputs["Normal"])
-    tree.links.new(shader.outputs["BSDF"], outputs.inputs["BSDF"])
-    return tree
-
-
 class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     """Woven cloth, yarn by yarn from near, as a whole from afar"""
 
@@ -74,10 +83,23 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     bl_label = "Libshade Fabric"
     bl_width_default = 200
 
+    def fill_sockets(self):
+        """What the preset says of them."""
+        row = _CLOTHS[self.preset]
+        said = {"Warp Color": (*row["warp"], 1.0), "Weft Color": (*row["weft"], 1.0), "Fuzz": row["nap"]}
+        for name in fabric_tree.OF_PRESET:
+            if name in self.inputs:  # not all on older nodes
+                self.inputs[name].default_value = said[name]
+
     def _chosen(self, _context):
-        for name, color in zip(("Warp Color", "Weft Color"), own_colors(self.preset)):
-            self.inputs[name].default_value = (*color, 1.0)
+        self.fill_sockets()
         self.update_preview()
+
+    def _transmits(self, _context):
+        socket = self.inputs.get(TRANSLUCENCY)
+        if socket:
+            socket.default_value = self.transmission
+            self.set_transmission = socket.default_value
 
     __annotations__ = {
         "preset": EnumProperty(
@@ -89,42 +111,41 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             default=0.2, description="Length of cloth that one unit of the UV map spans"),
         "transmission": FloatProperty(
             name="Translucency", min=0, max=1, subtype="FACTOR", default=0,
-            description="Share of the matt light that leaves the yarns on the other side"),
+            description="Sets the socket Translucency, which older nodes do not have", update=_transmits),
         "open_gaps": BoolProperty(
             name="Open Gaps", default=False,
             description="What is behind shows through between the yarns, in place of a lining"),
+        "set_transmission": FloatProperty(options={"HIDDEN"}),  # what it last set the socket to
         # The tree inside also belongs to a copy of this node, until one of them changes.
         "shares_tree": BoolProperty(options={"HIDDEN"}),
     }
 
     def init(self, _context):
-        self.node_tree = _new_tree()
-        self.update_preview()
+        self.node_tree = fabric_tree.new_tree()
+        self._chosen(None)
 
     def copy(self, node):
         self.shares_tree = node.shares_tree = True  # as LibshadeMetalNode.copy
 
     def update_preview(self):
-        names = (_SHADER, _MIX, _DARKEN)
-        if not (self.node_tree and all(self.node_tree.nodes.get(name) for name in names)):
-            return  # someone has been inside
+        if not fabric_tree.can_update(self.node_tree):
+            return
         if self.shares_tree:
             self.node_tree, self.shares_tree = self.node_tree.copy(), False
         row = _CLOTHS[self.preset]
-        inner = self.node_tree.nodes
-        inner[_MIX].inputs[0].default_value = row["weft_share"]
-        inner[_DARKEN].inputs[2].default_value = (*[_brightness(self.preset)] * 3, 1.0)
-        roughness = (2.0 / (row["exponent"] + 2.0)) ** 0.25  # its square is alpha
-        inner[_SHADER].inputs["Roughness"].default_value = roughness
+        fabric_tree.update(self.node_tree, row["weft_share"], _brightness(self.preset), row["exponent"])
 
     def draw_buttons(self, _context, layout):
         draw_on(self, layout)
         layout.prop(self, "preset", text="")
+        if is_old(self):
+            layout.operator("libshade.update_nodes", icon="FILE_REFRESH")
         layout.prop(self, "size")
 
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
-        layout.prop(self, "transmission")
+        if TRANSLUCENCY not in self.inputs:
+            layout.prop(self, "transmission")
         layout.prop(self, "open_gaps")
         layout.operator("libshade.convert_to_group")
         draw_button(layout, "#cloth")
@@ -140,6 +161,7 @@ def _draw_add_menu(self, context):
 
 
 def register():
+    nodes.UPDATES[FABRIC] = is_old, update_node
     if not bpy.types.Node.bl_rna_get_subclass_py(FABRIC):  # see nodes.unregister
         bpy.utils.register_class(LibshadeFabricNode)
     bpy.types.NODE_MT_add.append(_draw_add_menu)

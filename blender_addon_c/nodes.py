@@ -411,7 +411,7 @@ class LIBSHADE_OT_measured_metal(_OnMetal, bpy.types.Operator):
 
 
 class LIBSHADE_OT_update_nodes(bpy.types.Operator):
-    """Give Libshade Metal nodes of older files the sockets and properties that newer ones have"""
+    """Give Libshade nodes of older files the sockets and properties that newer ones have"""
 
     bl_idname = "libshade.update_nodes"
     bl_label = "Update Libshade Nodes"
@@ -421,13 +421,13 @@ class LIBSHADE_OT_update_nodes(bpy.types.Operator):
         trees = [material.node_tree for material in bpy.data.materials if material.node_tree]
         trees += [tree for tree in bpy.data.node_groups if tree.bl_idname == "ShaderNodeTree"]
         old = [(tree, node) for tree in trees if not tree.library
-               for node in tree.nodes if node.bl_idname == METAL and is_old(node)]
+               for node in tree.nodes if node.bl_idname in UPDATES and UPDATES[node.bl_idname][0](node)]
         for tree, node in old:
-            _update_node(tree, node)
+            UPDATES[node.bl_idname][1](tree, node)
         if not old:
-            self.report({"WARNING"}, "No Libshade Metal node is of an older version")
+            self.report({"WARNING"}, "No Libshade node is of an older version")
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Updated {len(old)} Libshade Metal node(s)")
+        self.report({"INFO"}, f"Updated {len(old)} Libshade node(s)")
         return {"FINISHED"}
 
 
@@ -458,6 +458,9 @@ def _update_node(tree, node):
     if not old.users:
         bpy.data.node_groups.remove(old)
 
+
+# By bl_idname: is a node old, and what makes it new.
+UPDATES = {METAL: (is_old, _update_node)}
 
 _followed = {}  # by tree and node: what its properties last said
 

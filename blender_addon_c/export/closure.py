@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import bpy
 
 from .. import fabric, metal_tree, nodes
-from . import tree
+from . import cloth, tree
 from .graph import is_known
 from .node_place import along_axis, round_tangent, tangent_of, tangent_of_map
 from .value import color_of, normal_of, number_of
@@ -300,25 +300,26 @@ def _grain(reader, node):
 
 
 def _fabric(reader, node, groups, share):
-    """Where the nodes say the same everywhere, the cloth has these colours; else the preset's own, and
-    each point another."""
-    emit, math = reader.program.emit, reader.program.math
-    cloth, fed = fabric.settings(node), {}
-    for yarn in ("warp", "weft"):
-        color = color_of(reader, node.inputs[f"{yarn.title()} Color"], groups)
-        if is_known(*color):
-            cloth[yarn] = tuple(min(part, 1.0) if part > 0 else 0.0 for part in color)  # NaN too
-        else:  # the rest goes through
-            fed[f"{yarn}_from"] = _times(reader, color, 1.0 - cloth["transmit"])
-    reader.is_main("")
+    """Through some of its yarns, as a number or a texture says, light passes: of two cloths, of which one lets
+    all of it through, as much of either."""
+    math, alpha = reader.program.math, _socket_number(reader, node, groups, "Alpha", 1.0)
+    through = _clamp(reader, _socket_number(reader, node, groups, fabric.TRANSLUCENCY, 0.0)
+                     if fabric.socket_rules(node) else node.transmission)
+    alpha = _clamp(reader, alpha)
+    parts = [(through, 1.0)] if is_known(through) else [(0.0, math("SUBTRACT", 1.0, through)), (1.0, through)]
+    fed = cloth.of(reader, node, groups)
     normal = _normal(reader, node, groups)
-    fed |= {"cloth": reader.cloth(cloth), **({"normal": normal} if normal else {})}
-    fed["place"] = emit("WEAVE", 4, cloth=fed["cloth"])
-    coverage = emit("CLOTH", 1, **fed)
-    _add(reader, {"closure": "FABRIC", "coverage": coverage, **fed}, share)
-    if node.open_gaps:
-        _add(reader, {"closure": "TRANSPARENT"},
-             math("MULTIPLY", share, math("SUBTRACT", 1.0, coverage[0])))
+    fed |= {"normal": normal} if normal else {}
+    for transmit, part in parts:
+        made = cloth.made(reader, node, groups, transmit, fed)
+        _add(reader, {"closure": "FABRIC", **made}, math("MULTIPLY", math("MULTIPLY", share, alpha), part))
+    covered = math("MULTIPLY", alpha, made["coverage"][0]) if node.open_gaps else alpha
+    _add(reader, {"closure": "TRANSPARENT"}, math("MULTIPLY", share, math("SUBTRACT", 1.0, covered)))
+
+
+def _socket_number(reader, node, groups, name, missing):
+    """Of nodes of older files, what they were as."""
+    return number_of(reader, node.inputs[name], groups) if name in node.inputs else missing
 
 
 # Where bumps turn matt facets to a low light, 3.4 fades it [Chiang2019], 5.0 shades it [Estevez2019].

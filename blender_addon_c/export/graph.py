@@ -22,11 +22,14 @@ class Program:
 
     def emit(self, kind, out=3, more=None, **given):
         """A node; returns the registers of its `out`, and of `more`, a second output of one."""
-        outputs = {"out": [Register() for _ in range(out)]}
-        if more:
-            outputs[more] = [Register()]
-        self._nodes.append(({"type": kind, **given}, outputs))
-        return [register for part in outputs.values() for register in part]
+        return [register for part in self.emit_each(kind, {"out": out, **({more: 1} if more else {})}, **given)
+                for register in part]
+
+    def emit_each(self, kind, outputs, **given):
+        """A node; returns the registers of each of its outputs, by name how many."""
+        made = {name: [Register() for _ in range(count)] for name, count in outputs.items()}
+        self._nodes.append(({"type": kind, **given}, made))
+        return list(made.values())
 
     def math(self, operation, a, b=0.0, c=0.0):
         """One operation of the native module's MATH; what is known is worked out here."""

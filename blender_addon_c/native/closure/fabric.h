@@ -39,11 +39,11 @@ LEAF unsigned closure_fabric_eval(const closure_fabric *c, lane_run run, const s
                                   inputs *given, const lane_v *wi, bool density, reflections *out) {
   const size_t i = run.begin, count = run.end - run.begin;
   const shade_fabric *fabric = c->use.cloth->fabric;
+  const shade_fabric_tier tier = c->use.cloth->tier;
   const void *hits = cloth_hits(given->cloth, run, c->use.place[0].at);
-  shade_fabric_lanesf in = cloth_lanes(&c->use, run, at, given);
-  in.wix = wi->x + i;
-  in.wiy = wi->y + i;
-  in.wiz = wi->z + i;
+  shade_fabric_lanesf in = cloth_lanes(&c->use, run, at, given, hits != NULL);
+  static _Thread_local cloth_light own;
+  cloth_light_in(&c->use, run, given, wi, &own, &in);
   shade_fabric_resultf result = {.size = sizeof result,
                                  .r = out->f.r + i,
                                  .g = out->f.g + i,
@@ -52,7 +52,7 @@ LEAF unsigned closure_fabric_eval(const closure_fabric *c, lane_run run, const s
   for (size_t k = run.begin; k < run.end; k++)
     out->cosine[k] = 1.0f; /* it is in f */
   unsigned status = hits ? shade_fabric_hits_evalf(fabric, count, hits, &in, &result)
-                         : shade_fabric_eval_batchf(fabric, count, &in, SHADE_TIER_AUTO, &result);
+                         : shade_fabric_eval_batchf(fabric, count, &in, tier, &result);
   return status & ~(unsigned)SHADE_BAD_INPUT; /* light from straight behind has no half vector */
 }
 
@@ -60,8 +60,10 @@ LEAF unsigned closure_fabric_draw(const closure_fabric *c, lane_run run, const s
                                   inputs *given, draws *out) {
   const size_t i = run.begin, count = run.end - run.begin;
   const shade_fabric *fabric = c->use.cloth->fabric;
+  const shade_fabric_tier tier = c->use.cloth->tier;
   const void *hits = cloth_hits(given->cloth, run, c->use.place[0].at);
-  shade_fabric_lanesf in = cloth_lanes(&c->use, run, at, given);
+  shade_fabric_lanesf in = cloth_lanes(&c->use, run, at, given, hits != NULL);
+  static _Thread_local cloth_light own;
   in.u1 = out->x + i;
   in.u2 = out->y + i;
   in.u3 = out->choice + i;
@@ -76,7 +78,8 @@ LEAF unsigned closure_fabric_draw(const closure_fabric *c, lane_run run, const s
   for (size_t k = run.begin; k < run.end; k++)
     out->cosine[k] = 1.0f;
   unsigned status = hits ? shade_fabric_hits_samplef(fabric, count, hits, &in, &result)
-                         : shade_fabric_sample_batchf(fabric, count, &in, SHADE_TIER_AUTO, &result);
+                         : shade_fabric_sample_batchf(fabric, count, &in, tier, &result);
+  cloth_light_out(&c->use, run, given, &own, &out->wi);
   return status & ~(unsigned)SHADE_NO_SAMPLE;
 }
 

@@ -421,10 +421,11 @@ static PyObject *cloth_rows(void) {
     const shade_yarn *warp = &p.fabric.warp, *weft = &p.fabric.weft;
     double exponent = (warp->along + warp->across + weft->along + weft->across) / 4;
     good =
-        append(rows, Py_BuildValue("{s:s,s:s,s:s,s:(ddd),s:(ddd),s:d,s:d}", "word", p.word, "label",
-                                   p.label, "help", p.help, "warp", warp->kd[0], warp->kd[1],
-                                   warp->kd[2], "weft", weft->kd[0], weft->kd[1], weft->kd[2],
-                                   "exponent", exponent, "weft_share", weft_share(p.weave)));
+        append(rows, Py_BuildValue("{s:s,s:s,s:s,s:(ddd),s:(ddd),s:d,s:d,s:d}", "word", p.word,
+                                   "label", p.label, "help", p.help, "warp", warp->kd[0],
+                                   warp->kd[1], warp->kd[2], "weft", weft->kd[0], weft->kd[1],
+                                   weft->kd[2], "nap", p.fabric.nap, "exponent", exponent,
+                                   "weft_share", weft_share(p.weave)));
   }
   if (good)
     return rows;

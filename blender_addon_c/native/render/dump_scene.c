@@ -52,7 +52,7 @@ static bool is_cloth(const material *m) {
   if (m->closure[0].type != CLOSURE_FABRIC || !is_whole(&m->closure[0]))
     return false;
   for (int k = 0; k < 3; k++)
-    if (c->use.warp[k].at >= 0 || c->use.weft[k].at >= 0)
+    if (c->use.warp[k].at >= 0 || c->use.weft[k].at >= 0 || c->use.glossed || c->use.napped)
       return false;
   for (size_t k = 1; k < m->closures; k++)
     if (m->closure[k].type != CLOSURE_TRANSPARENT)
@@ -62,11 +62,14 @@ static bool is_cloth(const material *m) {
 
 /* NULL when out of memory; the caller frees. */
 static char *cloth_json(const material *m, size_t id) {
-  const shade_preset *p = &m->closure[0].of.fabric.use.cloth->preset;
-  int length = shade_fabric_json((int)id, m->name, NULL, p->weave, &p->yarns, &p->fabric, NULL, 0);
+  const cloth *c = m->closure[0].of.fabric.use.cloth;
+  const shade_preset *p = &c->preset;
+  const char *weave = c->draft ? NULL : p->weave;
+  int length =
+      shade_fabric_json((int)id, m->name, c->draft, weave, &p->yarns, &p->fabric, NULL, 0);
   char *text = length < 0 ? NULL : malloc((size_t)length + 1);
   if (text)
-    shade_fabric_json((int)id, m->name, NULL, p->weave, &p->yarns, &p->fabric, text,
+    shade_fabric_json((int)id, m->name, c->draft, weave, &p->yarns, &p->fabric, text,
                       (size_t)length + 1);
   return text;
 }
@@ -160,7 +163,8 @@ shade_dump *dump_scene_create(const scene *s, message_log *log) {
   }
   for (size_t m = 0; d && m < s->materials; m++)
     if (is_cloth(&s->material[m]) &&
-        !(shade_dump_add(d, SHADE_DUMP_FOOT) && shade_dump_add(d, SHADE_DUMP_COVERAGE))) {
+        !(shade_dump_add(d, SHADE_DUMP_FOOT) && shade_dump_add(d, SHADE_DUMP_COVERAGE) &&
+          shade_dump_add(d, SHADE_DUMP_TIER))) {
       shade_dump_free(d);
       d = NULL;
     }
@@ -216,8 +220,9 @@ static void put_metal(shade_dump *d, size_t at, const closure *of, const inputs 
     shade_dump_plane(d, SHADE_DUMP_GROOVE)[at] = angle_of(c, in, i);
 }
 
-/* Its place is that in the weave. */
-static void put_cloth(shade_dump *d, size_t at, const closure *of, const inputs *in, size_t i) {
+/* Its place is that in the weave, and its tangent the cloth's x axis. */
+static void put_cloth(shade_dump *d, size_t at, const closure *of, const surfaces *s,
+                      const inputs *in, size_t i) {
   const closure_fabric *c = &of->of.fabric;
   static const int planes[] = {SHADE_DUMP_UV, SHADE_DUMP_UV + 1, SHADE_DUMP_FOOT,
                                SHADE_DUMP_FOOT + 1};
@@ -225,6 +230,15 @@ static void put_cloth(shade_dump *d, size_t at, const closure *of, const inputs 
     shade_dump_plane(d, planes[k])[at] = in->at[c->use.place[k].at][i];
   shade_dump_plane(d, SHADE_DUMP_COVERAGE)[at] =
       c->coverage.at < 0 ? c->coverage.number : in->at[c->coverage.at][i];
+  shade_dump_plane(d, SHADE_DUMP_TIER)[at] = (float)c->use.cloth->tier;
+  if (!c->use.framed)
+    return;
+  /* its x axis stands for the tangent */
+  float *t[3], x = in->at[c->use.frame[0]][i], y = in->at[c->use.frame[1]][i];
+  for (int k = 0; k < 3; k++)
+    t[k] = shade_dump_plane(d, SHADE_DUMP_T + k);
+  put(t, at, x * s->t.x[i] + y * s->b.x[i], x * s->t.y[i] + y * s->b.y[i],
+      x * s->t.z[i] + y * s->b.z[i]);
 }
 
 static void put_hits(void *context, const batch *b, const camera_view *view) {
@@ -255,7 +269,7 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
       plane[SHADE_DUMP_UV + 1][at] = s->v[i];
       plane[SHADE_DUMP_MATERIAL][at] = (float)m->number;
       if (c->type == CLOSURE_FABRIC)
-        put_cloth(d, at, c, in, i);
+        put_cloth(d, at, c, s, in, i);
       else
         put_metal(d, at, c, in, i);
     }

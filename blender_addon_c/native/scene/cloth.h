@@ -9,19 +9,34 @@
 #include "shade/presets.h"
 
 typedef struct cloth {
-  shade_preset preset; /* as the scene changed it */
-  float per_u, per_v;  /* crossings in one unit of the UV map */
-  float bright;        /* of all that it reflects, roughly */
-  bool through;        /* light from behind reaches the eye */
-  shade_weave *weave;  /* made by cloth_build */
+  shade_preset preset;    /* as the scene changed it */
+  shade_draft *draft;     /* in place of its weave, or NULL */
+  shade_fabric_tier tier; /* how it is looked at */
+  float per_u, per_v;     /* crossings in one unit of the UV map */
+  float bright;           /* of all that it reflects, roughly */
+  bool through;           /* light from behind reaches the eye */
+  shade_weave *weave;     /* made by cloth_build */
   shade_fabric *fabric;
 } cloth;
 
 /*
  * `preset`, a word; `size`, metres of cloth in one unit of the UV map; `transmit`, the share of
- * what is matt that leaves on the other side; `open`: nothing is behind the gaps. `warp`, `weft`:
- * colours in place of the preset's, and what goes with them (backing, coloured highlights) changes
- * alike.
+ * what is matt that leaves on the other side; `open`: nothing is behind the gaps. If they are there:
+ *
+ *   warp, weft            colours in place of the preset's, and what goes with them (backing,
+ *                         coloured highlights) changes alike
+ *   gloss, nap            what the yarns' exponents are multiplied by; the nap's optical depth
+ *   tier                  auto, near or far, whatever the footprint
+ *   weave                 a word, or
+ *   draft, draft_name     the text of a WIF and what messages call it; draft_colors: its yarns'
+ *                         colours are multiplied by theirs in the draft
+ *   counts                ends and picks per cm
+ *   repeats               of the draft in one unit of the UV map, along u and v, in place of `size`
+ *   warp_yarn, weft_yarn  dictionaries: numbers of shade_yarn_param_row and, of the yarn's material,
+ *                         `along` and `across`; `twist`, radians to the yarn's axis, S above 0,
+ *                         Z below, with `plied`, fibres along the axis
+ *
+ * Of what is out of range the message says what is expected.
  */
 bool cloth_read(reader *r, void *out, void *context);
 /* False when out of memory. */

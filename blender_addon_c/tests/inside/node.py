@@ -387,7 +387,8 @@ def test_fabric():
     """A preset's colours are the sockets'; the mean inside follows what shows; a copy is its own."""
     tree = common.tree_of(bpy.data.materials.new("cloth"))
     node = tree.nodes.new("LibshadeFabricNode")
-    assert [s.name for s in node.inputs] == ["Warp Color", "Weft Color", "Normal"]
+    assert [s.name for s in node.inputs] == ["Warp Color", "Weft Color", "Gloss", "Fuzz", "Translucency", "Alpha", "Scale", "Rotation",
+                                             "Vector", "Normal"]
     before = [tuple(s.default_value) for s in list(node.inputs)[:2]]
     node.preset = "DENIM"
     warp, weft = (tuple(s.default_value)[:3] for s in list(node.inputs)[:2])

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cloth: where it lies on a surface, and what varies on it."""
+
+import math
+
+from .. import fabric
+from .graph import is_known
+from .node_place import place
+from .value import color_of, each, number_of
+
+_STEP = 2.0**-7  # along u and v, over which a linked Vector's change is seen
+
+
+def of(reader, node, groups):
+    """What node CLOTH and closure FABRIC take of what nodes say, but for what made() finds."""
+    fed = {}
+    for key, name, most in (("gloss", "Gloss", 1.0), ("nap", "Fuzz", 10.0)):
+        number = _number(reader, node, groups, name, None)
+        if number is not None and not is_known(number):
+            fed[f"{key}_from"] = [reader.program.math("CLAMP", number, 0.0, most)]
+    return fed
+
+
+def made(reader, node, groups, transmit, fed):
+    """Cloth with this share of what is matt going through. Where the nodes say the same everywhere, the cloth has
+    these colours; else the preset's own, and each point another."""
+    cloth, fed = {**fabric.settings(node), "transmit": transmit}, {**fed}
+    for yarn in ("warp", "weft"):
+        color = color_of(reader, node.inputs[f"{yarn.title()} Color"], groups)
+        if is_known(*color):
+            cloth[yarn] = tuple(min(part, 1.0) if part > 0 else 0.0 for part in color)  # NaN too
+        else:  # the rest goes through
+            fed[f"{yarn}_from"] = each(reader, "MULTIPLY", color, (1.0 - transmit,) * 3)
+    for key, name, most in (("gloss", "Gloss", 1.0), ("nap", "Fuzz", 10.0)):
+        number = _number(reader, node, groups, name, None)
+        if number is not None and is_known(number):
+            cloth[key] = min(number, most) if number > 0 else 0.0
+    fed["cloth"] = reader.cloth(cloth)
+    fed |= _lie(reader, node, groups, fed["cloth"])
+    return fed | {"coverage": reader.program.emit("CLOTH", 1, **fed)}
+
+
+def _number(reader, node, groups, name, missing):
+    """Of a socket; nodes of older files do not have all."""
+    return number_of(reader, node.inputs[name], groups) if name in node.inputs else missing
+
+
+def _lie(reader, node, groups, cloth):
+    """Its place on the surface, and its x axis in the shading frame where that is not the tangent."""
+    given = {"cloth": cloth}
+    vector = _vector(reader, node, groups)
+    if vector:
+        given |= {"vector": vector, "step": _STEP}
+    scale = _number(reader, node, groups, "Scale", 1.0)
+    if not is_known(scale) or scale != 1:
+        given["scale"] = [scale]
+    turns = _number(reader, node, groups, "Rotation", 0.0)
+    if not is_known(turns) or turns != 0:
+        angle = reader.program.math("MULTIPLY", turns, 2 * math.pi)
+        given["turn"] = [reader.program.math(what, angle) for what in ("COSINE", "SINE")]
+    if not ("turn" in given or "vector" in given):
+        return {"place": reader.program.emit("WEAVE", 4, **given)}
+    return dict(zip(("place", "frame"), reader.program.emit_each("WEAVE", {"out": 4, "frame": 2}, **given)))
+
+
+def _vector(reader, node, groups):
+    """x and y of what feeds Vector, there and a step on along u and along v; None where it lies by the UV map that
+    is the mesh's own."""
+    socket = node.inputs.get("Vector")
+    if not socket:
+        reader.is_main("")
+        return None
+    here = place(reader, socket, groups)
+    if here is None:
+        return None
+    seen = list(here[:2])
+    for shift in ((_STEP, 0.0), (0.0, _STEP)):
+        reader.shift = shift
+        seen += place(reader, socket, groups)[:2]
+    reader.shift = None
+    return seen
