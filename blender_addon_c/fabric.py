@@ -6,7 +6,8 @@ from functools import lru_cache
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
-from . import _native, fabric_tree, nodes
+from . import _native, fabric_draft, fabric_tree, fabric_yarns, nodes
+from .fabric_yarns import CUSTOM, DRAFT
 from .manual import draw_button
 from .report import draw_on
 
@@ -18,8 +19,9 @@ TRANSLUCENCY = "Translucency"
 
 
 def settings(node):
-    """What the native module is to know of a node's cloth, but for what its sockets say."""
-    return {"preset": node.preset.lower(), "size": node.size, "open": node.open_gaps}
+    """(what the native module is to know of a node's cloth, but for what its sockets say; what is wrong or "")."""
+    made, trouble = fabric_yarns.settings(node)
+    return {**made, "open": node.open_gaps}, trouble
 
 
 def socket_rules(node):
@@ -53,6 +55,8 @@ def update_node(tree, node):
     for target in targets:
         tree.links.new(node.outputs[0], target)
     node.transmission = node.transmission  # to its socket
+    if not node.based_on:
+        fabric_yarns.fill(node)
     node.update_preview()
     if not old.users:
         bpy.data.node_groups.remove(old)
@@ -85,15 +89,20 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
 
     def fill_sockets(self):
         """What the preset says of them."""
-        row = _CLOTHS[self.preset]
+        row = _CLOTHS[fabric_yarns.base(self)]
         said = {"Warp Color": (*row["warp"], 1.0), "Weft Color": (*row["weft"], 1.0), "Fuzz": row["nap"]}
         for name in fabric_tree.OF_PRESET:
             if name in self.inputs:  # not all on older nodes
                 self.inputs[name].default_value = said[name]
 
     def _chosen(self, _context):
-        self.fill_sockets()
+        if self.preset != CUSTOM:
+            fabric_yarns.fill(self)
+            self.fill_sockets()
         self.update_preview()
+
+    def _has_length(self, _context):
+        self.size_mode = "LENGTH"
 
     def _transmits(self, _context):
         socket = self.inputs.get(TRANSLUCENCY)
@@ -104,11 +113,10 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     __annotations__ = {
         "preset": EnumProperty(
             name="Cloth", description="What is woven how, of which yarns",
-            items=[(word, row["label"], row["help"]) for word, row in _CLOTHS.items()],
+            items=[(word, row["label"], row["help"], k) for k, (word, row) in enumerate(_CLOTHS.items())]
+            + [(CUSTOM, "Custom", "Its own weave and yarns", 1000)],
             default=_FIRST, update=_chosen),
-        "size": FloatProperty(
-            name="Size", subtype="DISTANCE", unit="LENGTH", min=1e-4, max=1e4, soft_max=10,
-            default=0.2, description="Length of cloth that one unit of the UV map spans"),
+        **fabric_yarns.properties(_has_length),
         "transmission": FloatProperty(
             name="Translucency", min=0, max=1, subtype="FACTOR", default=0,
             description="Sets the socket Translucency, which older nodes do not have", update=_transmits),
@@ -122,6 +130,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
 
     def init(self, _context):
         self.node_tree = fabric_tree.new_tree()
+        self.size_mode = "REAL"
         self._chosen(None)
 
     def copy(self, node):
@@ -132,21 +141,34 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             return
         if self.shares_tree:
             self.node_tree, self.shares_tree = self.node_tree.copy(), False
-        row = _CLOTHS[self.preset]
-        fabric_tree.update(self.node_tree, row["weft_share"], _brightness(self.preset), row["exponent"])
+        base = fabric_yarns.base(self)
+        fabric_tree.update(self.node_tree, fabric_yarns.weft_share(self), _brightness(base), _CLOTHS[base]["exponent"])
 
     def draw_buttons(self, _context, layout):
         draw_on(self, layout)
         layout.prop(self, "preset", text="")
         if is_old(self):
             layout.operator("libshade.update_nodes", icon="FILE_REFRESH")
-        layout.prop(self, "size")
+            layout.prop(self, "size")
+            return
+        layout.prop(self, "size_mode")
+        if self.size_mode != "REAL":
+            layout.prop(self, "size" if self.size_mode == "LENGTH" else "repeats")
 
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
         if TRANSLUCENCY not in self.inputs:
             layout.prop(self, "transmission")
         layout.prop(self, "open_gaps")
+        layout.prop(self, "distance")
+        if self.based_on:
+            layout.prop(self, "weave")
+            if self.weave == DRAFT:
+                layout.template_ID(self, "draft", new="text.new", open="text.open")
+                layout.prop(self, "draft_colors")
+            layout.operator("libshade.import_wif", icon="IMPORT")
+            layout.prop(self, "ends_per_cm")
+            layout.prop(self, "picks_per_cm")
         layout.operator("libshade.convert_to_group")
         draw_button(layout, "#cloth")
 
@@ -160,14 +182,50 @@ def _draw_add_menu(self, context):
         add.type, add.use_transform = FABRIC, True
 
 
+class _Yarns:
+    """Panels, closed at first, beside the shader editor."""
+
+    bl_space_type, bl_region_type, bl_category = "NODE_EDITOR", "UI", "Node"
+    bl_parent_id = "NODE_PT_active_node_properties"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        node = context.active_node
+        return node is not None and node.bl_idname == FABRIC and bool(node.based_on)
+
+    def draw(self, context):
+        layout, node = self.layout, context.active_node
+        layout.use_property_split, layout.use_property_decorate = True, False
+        for word in fabric_yarns.numbers():
+            layout.prop(node, f"{self.yarn}_{word}")
+
+
+class NODE_PT_libshade_warp(_Yarns, bpy.types.Panel):
+    bl_label, yarn = "Warp", "warp"
+
+
+class NODE_PT_libshade_weft(_Yarns, bpy.types.Panel):
+    bl_label, yarn = "Weft", "weft"
+
+
+_PANELS = (NODE_PT_libshade_warp, NODE_PT_libshade_weft)
+
+
 def register():
     nodes.UPDATES[FABRIC] = is_old, update_node
     if not bpy.types.Node.bl_rna_get_subclass_py(FABRIC):  # see nodes.unregister
         bpy.utils.register_class(LibshadeFabricNode)
+    for panel in _PANELS:
+        bpy.utils.register_class(panel)
+    fabric_draft.register()
     bpy.types.NODE_MT_add.append(_draw_add_menu)
 
 
 def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
+    fabric_draft.unregister()
+    for panel in reversed(_PANELS):
+        bpy.utils.unregister_class(panel)
     if bpy.app.version >= (5, 0):
         bpy.utils.unregister_class(LibshadeFabricNode)

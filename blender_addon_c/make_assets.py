@@ -172,6 +172,7 @@ def cloths(fabric):
         material, _tree, node = new_material(row["label"].capitalize(), fabric.FABRIC)
         node.preset, node.size = word, BALL_OF_CLOTH
         yield material, row["help"], ["cloth", "fabric", *row["label"].lower().split()]
+        node.size_mode = "REAL"  # its picture is there
 
 
 # By preset of the scratches: what the metal is called.

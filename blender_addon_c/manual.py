@@ -13,6 +13,7 @@ _PLACES = (
     ("bpy.types.libshadefabricnode*", "#cloth"),
     ("bpy.types.libshadescratchesnode*", "#scratches"),
     ("bpy.ops.libshade.*scratch*", "#scratches"),
+    ("bpy.ops.libshade.import_wif*", "#cloth"),
     ("bpy.ops.libshade.metal_preset*", "#libshade-metal"),
     ("bpy.ops.libshade.measured_metal*", "#libshade-metal"),
     ("bpy.ops.libshade.update_nodes*", "#libshade-metal"),

@@ -4,8 +4,9 @@
 import math
 
 from .. import fabric
+from . import tree
 from .graph import is_known
-from .node_place import place
+from .node_place import of_object, place
 from .value import color_of, each, number_of
 
 _STEP = 2.0**-7  # along u and v, over which a linked Vector's change is seen
@@ -24,7 +25,10 @@ def of(reader, node, groups):
 def made(reader, node, groups, transmit, fed):
     """Cloth with this share of what is matt going through. Where the nodes say the same everywhere, the cloth has
     these colours; else the preset's own, and each point another."""
-    cloth, fed = {**fabric.settings(node), "transmit": transmit}, {**fed}
+    cloth, trouble = fabric.settings(node)
+    cloth, fed = {**cloth, "transmit": transmit}, {**fed}
+    if trouble:
+        reader.warn(f"'{node.name}': {trouble}")
     for yarn in ("warp", "weft"):
         color = color_of(reader, node.inputs[f"{yarn.title()} Color"], groups)
         if is_known(*color):
@@ -52,6 +56,8 @@ def _lie(reader, node, groups, cloth):
     if vector:
         given |= {"vector": vector, "step": _STEP}
     scale = _number(reader, node, groups, "Scale", 1.0)
+    if node.size_mode == "REAL":
+        scale = reader.program.math("MULTIPLY", scale, _metres(reader, node, groups))
     if not is_known(scale) or scale != 1:
         given["scale"] = [scale]
     turns = _number(reader, node, groups, "Rotation", 0.0)
@@ -79,3 +85,27 @@ def _vector(reader, node, groups):
         seen += place(reader, socket, groups)[:2]
     reader.shift = None
     return seen
+
+
+def _metres(reader, node, groups):
+    """In a unit of the coordinates: of the map that the mesh was measured by, of the object's space, or of the scene."""
+    space = _space(node.inputs["Vector"], groups, set()) if "Vector" in node.inputs else "MAP"
+    if space == "WORLD":
+        return reader.unit_of_length()
+    reader.measures()
+    return of_object(reader, "METRES")[0 if space == "MAP" else 1]
+
+
+def _space(socket, groups, seen):
+    """What coordinates feed a vector, as far as nodes tell by themselves."""
+    found = tree.trace(socket, groups)
+    node = found.node
+    if node is None or (node, found.groups) in seen:
+        return "MAP"
+    seen.add((node, found.groups))
+    if node.type == "NEW_GEOMETRY" and found.output.name == "Position":
+        return "WORLD"
+    if node.type == "TEX_COORD":
+        return "OBJECT" if found.output.name == "Object" else "MAP"
+    spaces = {_space(other, found.groups, seen) for other in node.inputs if other.is_linked}
+    return next((space for space in ("OBJECT", "WORLD") if space in spaces), "MAP")

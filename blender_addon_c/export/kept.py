@@ -111,7 +111,7 @@ class _Recording:
 
 def _told(asked, table):
     indices = [number for _slot, _way, number in asked]
-    return table.uv_maps(indices), table.layers_of(indices), table.textured(indices)
+    return table.uv_maps(indices), table.layers_of(indices), table.textured(indices), table.measured(indices)
 
 
 def _fits(found, shape, table):

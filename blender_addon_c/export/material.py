@@ -41,6 +41,7 @@ class Table:
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
+        self.unit = depsgraph.scene.unit_settings.scale_length
         self.camera, self._depsgraph = camera, depsgraph
         self._active_maps = None  # by material: names of the active UV maps of its objects
         self._messages = messages
@@ -48,6 +49,7 @@ class Table:
         self._uv_maps = []  # by index: the main one; "" is the mesh's active one
         self._layers = []  # by index: (number, kind, name)
         self._textured = []  # by index: does it look anything up there?
+        self._measured = []  # and does it ask how large that is?
 
     def index(self, material, drawn=True, held=False):
         """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. Held: a hole in
@@ -62,6 +64,7 @@ class Table:
             self._uv_maps.append(reader.uv_map or "")
             self._layers.append(reader.layers)
             self._textured.append(reader.uv_map is not None)
+            self._measured.append(reader.measured)
         return self._indices[key]
 
     def _undrawn(self, material, held):
@@ -73,6 +76,7 @@ class Table:
             self._uv_maps.append(self._uv_maps[like])
             self._layers.append(self._layers[like])
             self._textured.append(self._textured[like])
+            self._measured.append(self._measured[like])
         return self._indices[key]
 
     def uv_maps(self, indices):
@@ -97,6 +101,10 @@ class Table:
         """Has any of the materials a texture?"""
         return any(self._textured[i] for i in indices)
 
+    def measured(self, indices):
+        """By which map the mesh is measured, if any of the materials asks for that."""
+        return next((self._uv_maps[i] for i in indices if self._measured[i]), None)
+
 
 class Reader:
     """One material, and what its nodes found out: `uv_map`, its main one, None if nothing asks for any,
@@ -110,7 +118,7 @@ class Reader:
         self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"
         self.pass_index = material.pass_index if material else 0
-        self.uv_map, self.layers = None, set()
+        self.uv_map, self.layers, self.measured = None, set(), False
         self.nodes, self.program, self.known = NODES, Program(), {}
         self.shift = None  # two numbers or registers: coordinates are read so far along u and v
         self.in_height = False
@@ -200,6 +208,14 @@ class Reader:
 
     def asks_objects(self):
         self._table.by_object = True
+
+    def measures(self):
+        """Its meshes say what a unit of their UV map spans."""
+        self.measured = True
+
+    def unit_of_length(self):
+        """Metres in a unit of the scene."""
+        return self._table.unit
 
     def camera(self):
         """(to its space, z away from it; frame; is it perspective?)"""

@@ -4,6 +4,7 @@
 import numpy as np
 
 from .layers import data_of, read, uv_layer, uvs_of
+from .size import unit_size
 
 
 def mesh_of(ob, mesh, slots, way, table, motion, messages):
@@ -31,8 +32,18 @@ def mesh_of(ob, mesh, slots, way, table, motion, messages):
         "corner_uvs": uvs,
         "material": triangle_materials,
         **motion.shape(ob, mesh, corners, messages),
+        **_measured(ob, mesh, table.measured(used)),
         "layers": _layers(mesh, corners, corner_positions, table.layers_of(used), ob.name, messages),
     }
+
+
+def _measured(ob, mesh, name):
+    """What a unit of its UV map of this name spans, before modifiers; nothing where the name is None."""
+    if name is None:
+        return {}
+    before = ob.original.data
+    same = isinstance(before, type(mesh)) and len(before.polygons) and not mesh.is_editmode
+    return {"per_unit": unit_size(before if same and before.uv_layers else mesh, name)}
 
 
 def _layers(mesh, corners, positions, wanted, owner, messages):

@@ -15,6 +15,7 @@ from .material import Table
 from .matte import Mattes
 from .mesh import mesh_of
 from .motion import Still
+from .size import metres
 from .twins import name_twins
 from .visibility import ALL, BOUNCED, CAMERA, hidden, is_hidden
 from .world import world_of
@@ -153,7 +154,8 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
                     break
                 made = {"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
                         "hidden": bits, "motion": moved, **mattes.of_object(ob),
-                        **links.of_object(ob, item.parent), **(_own(item) if table.by_object else {})}
+                        **links.of_object(ob, item.parent), **(_own(item) if table.by_object else {}),
+                        **_metres(meshes[known[key]], matrix, table.unit)}
                 made = _at_points(made, *shape.points) if shape.points else [made]
                 instances += made if holds == held else []
                 if catches and not held:
@@ -239,6 +241,11 @@ def _own(item):
     """What nodes may ask of an object."""
     number = item.random_id if item.is_instance else _hash(item.object.name)
     return {"color": tuple(item.object.color), "random": (number & 0xffffffff) / 0xffffffff}
+
+
+def _metres(mesh, matrix, unit):
+    """Where a material of the mesh asks for that."""
+    return {"metres": metres(matrix, mesh["per_unit"], unit)} if "per_unit" in mesh else {}
 
 
 def _hash(name):

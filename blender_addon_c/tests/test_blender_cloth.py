@@ -3,7 +3,10 @@
 
 import subprocess
 
-from blender_runs import BUILD
+import numpy as np
+import pytest
+
+from blender_runs import BUILD, Dump
 
 
 def test_cloth_in_blender(blender, tmp_path):
@@ -14,3 +17,9 @@ def test_cloth_in_blender(blender, tmp_path):
     for dump in dumps:
         done = subprocess.run([BUILD / "shade", "check", dump], capture_output=True, text=True)
         assert done.returncode == 0 and "no metal" not in done.stdout, done.stdout + done.stderr
+    # ends and picks of denim, 26 and 17 a centimetre, as large as the object and before it is stretched
+    for name, times in (("real", 1.0), ("stretched", 0.5)):
+        planes = Dump(tmp_path / f"{name}.exr")
+        place, point = planes["uv"][planes.hit], planes["P"][planes.hit]
+        for axis, per_metre in ((0, 2600 * times), (1, 1700)):
+            assert np.ptp(place[:, axis]) / np.ptp(point[:, axis]) == pytest.approx(per_metre, rel=2e-3), (name, axis)

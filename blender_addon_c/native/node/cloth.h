@@ -122,9 +122,7 @@ static inline void cloth_light_out(const cloth_use *c, lane_run run, const input
  * no more. */
 static inline shade_fabric_lanesf cloth_lanes(const cloth_use *c, lane_run run, const surfaces *at,
                                               inputs *given, bool prepared) {
-  static _Thread_local struct {
-    lane_f nx, ny, wox, woy;
-  } own;
+  static _Thread_local struct { lane_f nx, ny, wox, woy; } own;
   const size_t i = run.begin;
   const float *warp[3], *weft[3], *nx = given->at[c->normal[0]], *ny = given->at[c->normal[1]];
   const float *wox = at->wo.x, *woy = at->wo.y;

@@ -32,7 +32,8 @@ LEAF vec3 by_transpose(const float *m, size_t o, vec3 v) {
   ROW(NORMAL_OUT_OF, by_transpose(m, o + 12, v))                                                   \
   ROW(LOCATION, ((vec3){m[o + 3], m[o + 7], m[o + 11]}))                                           \
   ROW(COLOR, ((vec3){m[o + 24], m[o + 25], m[o + 26]}))                                            \
-  ROW(NUMBERS, ((vec3){m[o + 27], m[o + 28], m[o + 29]})) /* alpha, index, random */
+  ROW(NUMBERS, ((vec3){m[o + 27], m[o + 28], m[o + 29]})) /* alpha, index, random */               \
+  ROW(METRES, ((vec3){m[o + 30], m[o + 31], 0.0f}))
 
 #define OBJECT_NUMBER(WORD, formula) OBJECT_##WORD,
 #define OBJECT_WORD(WORD, formula) #WORD,

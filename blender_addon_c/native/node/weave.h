@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where on `cloth`, its index, a hit is, and over what extent. Writes `out`, four numbers: the place
- * along weft and warp and the extent along either, in crossings.
+ * Where on `cloth`, its index, a hit is, and over what extent. Writes `out`, four numbers: the
+ * place along weft and warp and the extent along either, in crossings.
  *
  * It lies by the UV map, or by `vector`, six operands: x and y of a point, and what they are `step`
  * on along u, and along v, of the map. `turn`, two operands: cosine and sine of the angle that it
@@ -39,8 +39,8 @@ static inline bool weave_read_moves(reader *r, node_weave *n, graph *g) {
 
 static inline bool node_weave_read(reader *r, node_weave *n, graph *g) {
   int number;
-  if (!reader_integer(r, "cloth", 0, (long)g->cloths - 1, &number) ||
-      !weave_read_moves(r, n, g) || !graph_outputs(r, g, "out", 4, n->out))
+  if (!reader_integer(r, "cloth", 0, (long)g->cloths - 1, &number) || !weave_read_moves(r, n, g) ||
+      !graph_outputs(r, g, "out", 4, n->out))
     return false;
   n->cloth = &g->cloth[number];
   return true;
@@ -68,8 +68,8 @@ LEAF void weave_extent(vec3 du, vec3 dv, vec3 eye, float width, float *along_u, 
   *along_v = scale * lv;
 }
 
-/* The frame's y axis is cross(N, T): where the UV map is mirrored, or seen from behind, v counts the
- * other way. */
+/* The frame's y axis is cross(N, T): where the UV map is mirrored, or seen from behind, v counts
+ * the other way. */
 LEAF void weave_by_map(const node_weave *n, lane_run g, const corners *restrict corner,
                        const surfaces *restrict point, inputs *restrict at) {
   float *u = at->at[n->out[0]], *v = at->at[n->out[1]];

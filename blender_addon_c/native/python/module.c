@@ -11,6 +11,7 @@
 #include "stage/stage.h"
 #include "render/job.h"
 #include "system/memory.h"
+#include "python/cloths.h"
 #include "python/reader.h"
 #include "python/scratches.h"
 
@@ -379,7 +380,8 @@ PyDoc_STRVAR(
     "params: the numbers of a material, and by which choices they are read: None, or\n"
     "(list, words). All as in libshade's table. lights, closures, nodes: the types of\n"
     "each that a scene may have. cloths: libshade's, with the mean exponent of their yarns\n"
-    "and the share of crossings where the weft is on top. metals: libshade's; the strokes of\n"
+    "and the share of crossings where the weft is on top; weaves: by name, with that share;\n"
+    "yarns: the numbers of a yarn. metals: libshade's; the strokes of\n"
     "turned ones lie round the middle of the part. measured: metals by eta and k at red, green\n"
     "and blue.");
 
@@ -396,41 +398,6 @@ static PyObject *read_by(const shade_param_info *info) {
     return Py_BuildValue("(sN)", shade_list_name(info->list), words);
   Py_XDECREF(words);
   return info->list == SHADE_LIST_COUNT ? Py_NewRef(Py_None) : NULL;
-}
-
-/* Where the weft is on top, as a share of all crossings; half where that is not known. */
-static double weft_share(const char *weave) {
-  shade_draft *d = shade_draft_named(weave);
-  if (!d)
-    return 0.5;
-  size_t cells = (size_t)d->ends * (size_t)d->picks, warp = 0;
-  for (size_t k = 0; k < cells; k++)
-    warp += d->warp_up[k] != 0;
-  shade_draft_free(d);
-  return 1.0 - (double)warp / (double)cells;
-}
-
-/* A new reference. */
-static PyObject *cloth_rows(void) {
-  PyObject *rows = PyList_New(0);
-  bool good = rows != NULL;
-  shade_preset p;
-  for (int row = 0; good && shade_preset_row(row, &p); row++) {
-    if (p.kind != SHADE_PRESET_FABRIC)
-      continue;
-    const shade_yarn *warp = &p.fabric.warp, *weft = &p.fabric.weft;
-    double exponent = (warp->along + warp->across + weft->along + weft->across) / 4;
-    good =
-        append(rows, Py_BuildValue("{s:s,s:s,s:s,s:(ddd),s:(ddd),s:d,s:d,s:d}", "word", p.word,
-                                   "label", p.label, "help", p.help, "warp", warp->kd[0],
-                                   warp->kd[1], warp->kd[2], "weft", weft->kd[0], weft->kd[1],
-                                   weft->kd[2], "nap", p.fabric.nap, "exponent", exponent,
-                                   "weft_share", weft_share(p.weave)));
-  }
-  if (good)
-    return rows;
-  Py_XDECREF(rows);
-  return NULL;
 }
 
 /* A new reference. */
@@ -505,28 +472,6 @@ static PyObject *native_metal(PyObject *self, PyObject *argument) {
   return NULL;
 }
 
-PyDoc_STRVAR(cloth_albedo_doc,
-             "cloth_albedo(word) -> (r, g, b)\n\n"
-             "How much of even light a cloth of libshade's reflects towards an eye above it, seen\n"
-             "from afar.");
-static PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
-  (void)self;
-  const char *word = PyUnicode_AsUTF8AndSize(argument, NULL);
-  shade_preset p;
-  const double above[3] = {0, 0, 1};
-  double rgb[3];
-  if (!word)
-    return NULL;
-  if (!shade_preset_find(word, &p) || p.kind != SHADE_PRESET_FABRIC)
-    return PyErr_Format(PyExc_ValueError, "no cloth '%s'", word);
-  shade_weave *weave = NULL;
-  shade_fabric *fabric = shade_preset_fabric(&p, &weave, NULL);
-  const bool good = fabric && shade_fabric_albedo_towards(fabric, above, rgb) == SHADE_OK;
-  shade_fabric_free(fabric);
-  shade_weave_free(weave);
-  return !good ? PyErr_NoMemory() : Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]);
-}
-
 static PyObject *measured_rows(void) {
   PyObject *rows = PyList_New(0);
   bool good = rows != NULL;
@@ -575,12 +520,15 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
   PyObject *lights = words_of(light_words, LIGHT_TYPES);
   PyObject *closures = words_of(closure_words, CLOSURE_TYPES);
   PyObject *nodes = words_of(node_words, NODE_TYPES);
-  PyObject *cloths = cloth_rows(), *metals = metal_rows();
-  PyObject *measured = measured_rows();
-  if (good && lights && closures && nodes && cloths && metals && measured)
-    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about", about,
-                         "params", params, "lights", lights, "closures", closures, "nodes", nodes,
-                         "cloths", cloths, "metals", metals, "measured", measured);
+  PyObject *cloths = cloths_rows(), *weaves = cloths_weaves(), *yarns = cloths_yarns();
+  PyObject *metals = metal_rows(), *measured = measured_rows();
+  if (good && lights && closures && nodes && cloths && weaves && yarns && metals && measured)
+    return Py_BuildValue("{s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N,s:N}", "lists", lists, "about",
+                         about, "params", params, "lights", lights, "closures", closures, "nodes",
+                         nodes, "cloths", cloths, "weaves", weaves, "yarns", yarns, "metals",
+                         metals, "measured", measured);
+  Py_XDECREF(weaves);
+  Py_XDECREF(yarns);
   Py_XDECREF(measured);
   Py_XDECREF(metals);
   Py_XDECREF(cloths);
@@ -624,7 +572,9 @@ PyMODINIT_FUNC PyInit__native(void) {
       {"free", native_free, METH_O, free_doc},
       {"table", native_table, METH_NOARGS, table_doc},
       {"metal", native_metal, METH_O, metal_doc},
+      {"cloth", native_cloth, METH_O, cloth_doc},
       {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
+      {"wif", native_wif, METH_VARARGS, wif_doc},
       {"scratches", native_scratches, METH_O, native_scratches_doc},
       {"scratch_images", native_scratch_images, METH_VARARGS, native_scratch_images_doc},
       {"version", native_version, METH_NOARGS, version_doc},

@@ -65,8 +65,7 @@ static char *cloth_json(const material *m, size_t id) {
   const cloth *c = m->closure[0].of.fabric.use.cloth;
   const shade_preset *p = &c->preset;
   const char *weave = c->draft ? NULL : p->weave;
-  int length =
-      shade_fabric_json((int)id, m->name, c->draft, weave, &p->yarns, &p->fabric, NULL, 0);
+  int length = shade_fabric_json((int)id, m->name, c->draft, weave, &p->yarns, &p->fabric, NULL, 0);
   char *text = length < 0 ? NULL : malloc((size_t)length + 1);
   if (text)
     shade_fabric_json((int)id, m->name, c->draft, weave, &p->yarns, &p->fabric, text,

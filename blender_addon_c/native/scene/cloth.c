@@ -146,8 +146,11 @@ static bool read_twist(reader *r, void *unused, void *context) {
   if (!read_within(r, "twist", -1.5707964, 1.5707964, &twist) ||
       (reader_has(r, "plied") && !reader_flag(r, "plied", &plied)))
     return false;
-  shade_weave_params_set_twist(p, y->yarns, twist > 0 ? 'S' : twist < 0 ? 'Z' : 0, fabs(twist),
-                               yarn->segments > 0 ? yarn->segments : 1, plied);
+  shade_weave_params_set_twist(p, y->yarns,
+                               twist > 0   ? 'S'
+                               : twist < 0 ? 'Z'
+                                           : 0,
+                               fabs(twist), yarn->segments > 0 ? yarn->segments : 1, plied);
   return true;
 }
 
@@ -160,8 +163,7 @@ static bool read_yarn(reader *r, void *unused, void *context) {
   double *number;
   (void)unused;
   for (int row = 0; shade_yarn_param_row(row, &info); row++)
-    if (!read_within(r, info.word, info.minimum, info.maximum,
-                     shade_yarn_param(shape, info.word)))
+    if (!read_within(r, info.word, info.minimum, info.maximum, shade_yarn_param(shape, info.word)))
       return false;
   for (int row = 0; (number = shade_fabric_yarn_number(made, row, &info)); row++)
     if (info.components == 1 && !read_within(r, info.word, info.minimum, info.maximum, number))

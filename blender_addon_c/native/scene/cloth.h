@@ -21,7 +21,8 @@ typedef struct cloth {
 
 /*
  * `preset`, a word; `size`, metres of cloth in one unit of the UV map; `transmit`, the share of
- * what is matt that leaves on the other side; `open`: nothing is behind the gaps. If they are there:
+ * what is matt that leaves on the other side; `open`: nothing is behind the gaps. If they are
+ * there:
  *
  *   warp, weft            colours in place of the preset's, and what goes with them (backing,
  *                         coloured highlights) changes alike
@@ -32,9 +33,9 @@ typedef struct cloth {
  *                         colours are multiplied by theirs in the draft
  *   counts                ends and picks per cm
  *   repeats               of the draft in one unit of the UV map, along u and v, in place of `size`
- *   warp_yarn, weft_yarn  dictionaries: numbers of shade_yarn_param_row and, of the yarn's material,
- *                         `along` and `across`; `twist`, radians to the yarn's axis, S above 0,
- *                         Z below, with `plied`, fibres along the axis
+ *   warp_yarn, weft_yarn  dictionaries: numbers of shade_yarn_param_row and, of the yarn's
+ * material, `along` and `across`; `twist`, radians to the yarn's axis, S above 0, Z below, with
+ * `plied`, fibres along the axis
  *
  * Of what is out of range the message says what is expected.
  */

@@ -11,7 +11,7 @@ typedef struct object {
   float inverse[12]; /* from there; 0 where there is none */
   float color[4];
   float pass_index, random;
-  float unused[2];
+  float metres[2]; /* in one unit of its UV map, and of its own space */
 } object;
 _Static_assert(sizeof(object) == 32 * sizeof(float), "nodes count in floats");
 

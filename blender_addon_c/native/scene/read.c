@@ -462,6 +462,9 @@ static bool read_instance(reader *r, void *out, void *context) {
   s->moves |= in->unmoved || in->motion.steps || s->mesh[in->mesh].steps;
   for (int k = 0; k < 4; k++)
     in->color[k] = 1.0f;
+  in->metres[0] = in->metres[1] = 1.0f;
+  if (reader_has(r, "metres") && !reader_floats(r, "metres", 2, in->metres))
+    return false;
   return (!reader_has(r, "color") || reader_floats(r, "color", 4, in->color)) &&
          (!reader_has(r, "random") || reader_number_within(r, "random", 0, 1, &in->random));
 }

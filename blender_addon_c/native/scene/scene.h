@@ -109,7 +109,7 @@ typedef struct instance {
   float matte[2];    /* what stands for the object's name, and its asset's */
   int hidden;        /* ray_kinds that do not see it */
   int unlit;         /* bits of lights that do not light it */
-  float color[4], random;
+  float color[4], random, metres[2];
   motion motion;
   size_t base;  /* of its mesh's positions among those that Embree reads */
   bool unmoved; /* it would move, but not by places that can be inverted */

@@ -617,7 +617,9 @@ static bool build_objects(build *b) {
   for (size_t i = 0; s->object && i < s->instances; i++) {
     const instance *in = &s->instance[i];
     object *out = &s->object[i];
-    *out = (object){.pass_index = (float)in->pass_index, .random = in->random};
+    *out = (object){.pass_index = (float)in->pass_index,
+                    .random = in->random,
+                    .metres = {in->metres[0], in->metres[1]}};
     memcpy(out->color, in->color, sizeof out->color);
     world_object(in->matrix, out);
   }

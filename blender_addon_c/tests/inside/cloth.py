@@ -142,7 +142,9 @@ def old(node):
     for socket in node.inputs:
         if socket.type == "VALUE":
             socket.default_value = 0.0
+    target = node.outputs[0].links[0].to_socket
     node.node_tree = tree
+    node.id_data.links.new(node.outputs[0], target)
     assert [s.name for s in node.inputs] == ["Warp Color", "Weft Color", "Normal"]
 
 
@@ -170,6 +172,186 @@ def test_old_nodes():
     assert abs(inputs["Translucency"].default_value - 0.1) < 1e-6
     inputs["Translucency"].default_value = 0.4  # and is not asked any more
     assert difference(picture(), before) < 1e-6
+
+
+def test_real_size():
+    """A metre of denim is 2600 ends wide: by the mesh before modifiers, the object's scale and the scene's unit."""
+    tree, node, ob = cloth("DENIM")
+    assert node.size_mode == "REAL"
+    ob.scale, ob.location = (0.001, 0.001, 0.001), (0, 0, 0)
+    camera = bpy.context.scene.camera
+    camera.data.ortho_scale, camera.data.clip_start = 0.0019, 0.001
+    plain = picture("real")
+    node.size = 0.002  # what a unit of the map spans now
+    assert node.size_mode == "LENGTH" and difference(picture(), plain) < 2e-3
+    node.size_mode = "REAL"
+    for loop in ob.data.uv_layers[0].data:  # whatever the map's unit is
+        loop.uv *= 3
+    assert difference(picture(), plain) < 2e-3
+    bpy.context.scene.unit_settings.scale_length = 0.5  # as large as half of that
+    ob.modifiers.clear()
+    node.inputs["Scale"].default_value = 2.0
+    assert difference(picture(), plain) < 2e-3
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    shift = tree.nodes.new("ShaderNodeVectorMath")
+    shift.inputs[1].default_value = (1, 1, 0)
+    tree.links.new(coordinates.outputs["Object"], shift.inputs[0])
+    tree.links.new(shift.outputs[0], node.inputs["Vector"])
+    assert difference(picture(), plain) < 2e-3
+
+
+def test_modifiers_stretch_cloth():
+    """It is measured before they do: for the dump's reader."""
+    _tree, _node, ob = cloth("DENIM")
+    ob.scale = (0.001,) * 3
+    bpy.context.scene.camera.data.ortho_scale, bpy.context.scene.camera.data.clip_start = 0.0019, 0.001
+    key = ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="wide")
+    for point in key.data:
+        point.co.x *= 2
+    key.value = 1.0
+    picture("stretched")
+
+
+def test_presets_and_numbers():
+    """A preset fills every number in; an edit makes it custom and changes the picture, a preset again takes it back."""
+    _tree, node, _plate = cloth("GABARDINE", size=0.0006)
+    own = picture()
+    yarns = sys.modules[f"{common.MODULE}.fabric_yarns"]
+    native = sys.modules[f"{common.MODULE}._native"]
+    row = native.cloth("gabardine")
+    for yarn in ("warp", "weft"):
+        for word in yarns.numbers():
+            assert abs(getattr(node, f"{yarn}_{word}") - row[yarn][word]) <= 1e-6 * max(1, abs(row[yarn][word])), word
+    assert (node.weave, node.based_on) == (row["weave"].upper(), "GABARDINE")
+    for name, value in (("warp_width", 0.1), ("weft_gap", 0.8), ("warp_twist", 0.6), ("weft_crimp", 0.7), ("warp_slub", 0.9),
+                        ("weft_vary_brightness", 0.8), ("warp_along_tilt", 0.5), ("ends_per_cm", 20.0), ("picks_per_cm", 60.0),
+                        ("weave", "BASKET"), ("warp_along", 2.0)):
+        node.preset = "GABARDINE"
+        assert difference(picture(), own) < 1e-6, name
+        setattr(node, name, value)
+        assert node.preset == "CUSTOM" and node.based_on == "GABARDINE", name
+        assert difference(picture("own_" + name), own) > 1e-3, name
+    node.preset = "GABARDINE"
+    node.warp_width = 0.4
+    node.preset = "CUSTOM"
+    assert abs(node.warp_width - 0.4) < 1e-6
+    node.weave, node.distance = "PLAIN", "FAR"
+    far = picture()
+    assert np.std(far[4:-4, 4:-4, :3].mean(-1)) < 0.02 * far.mean()
+
+
+WIF = """[WIF]
+Version=1.1
+[WEAVING]
+Shafts=3
+Treadles=3
+[WARP]
+Threads=4
+Color=2
+Thickness=.04
+Spacing=.05
+Units=centimeters
+[WEFT]
+Threads=3
+Color=1
+Thickness=.08
+Spacing=.1
+Units=centimeters
+[COLOR PALETTE]
+Range=0,255
+Entries=2
+[COLOR TABLE]
+1=255,255,255
+2=200,40,60
+[THREADING]
+1=1
+2=2
+3=3
+4=1
+[TIEUP]
+1=1,2
+2=2
+3=1,3
+[TREADLING]
+1=1
+2=2
+3=3
+"""
+
+
+def import_wif(node, name, text, encoding="utf-8"):
+    path = os.path.join(folder, name)
+    with open(path, "wb") as file:
+        file.write(text.encode(encoding))
+    material = next(m for m in bpy.data.materials if m.node_tree == node.id_data)
+    try:
+        return bpy.ops.libshade.import_wif(filepath=path, material=material.name, node=node.name)
+    finally:
+        os.remove(path)
+
+
+def test_drafts():
+    """Import, in several encodings; what it says of yarns; a bad file by name and line, and nothing changes; an edited
+    Text is another picture."""
+    tree, node, _plate = cloth("LINEN", size=0.002)
+    own = picture()
+    assert import_wif(node, "three.wif", WIF.replace("\n", "\r\n")) == {"FINISHED"}
+    assert node.preset == "CUSTOM" and node.weave == "DRAFT" and node.draft.as_string().startswith("[WIF]\nVersion")
+    assert abs(node.ends_per_cm - 20) < 1e-4 and abs(node.picks_per_cm - 10) < 1e-4
+    assert abs(node.warp_width - 0.8) < 1e-6 and abs(node.weft_gap - 0.2) < 1e-6
+    assert abs(node.node_tree.nodes["Mix"].inputs[0].default_value - 5 / 12) < 1e-6
+    drawn = picture("draft")
+    assert difference(drawn, own) > 0.05
+    assert import_wif(node, "wide.wif", WIF, "utf-16") == {"FINISHED"} and difference(picture(), drawn) < 1e-6
+    text, bad = node.draft, WIF.replace("3=3\n4=", "3=two\n4=")
+    line = bad[:bad.index("3=two")].count("\n") + 1
+    try:
+        import_wif(node, "bad.wif", bad)
+        raise AssertionError("a bad file was taken")
+    except RuntimeError as error:
+        assert f"bad.wif, line {line}: " in str(error), error
+    assert node.draft == text and len(bpy.data.texts) == 2
+    draft = sys.modules[f"{common.MODULE}.fabric_draft"]
+    draft.follow()
+    text.from_string(WIF.replace("1=1,2\n2=2", "1=1,2,3\n2=2,3"))
+    assert draft.follow() > 0 and difference(picture(), drawn) > 0.02
+    assert abs(node.node_tree.nodes["Mix"].inputs[0].default_value - 3 / 12) < 1e-6
+    text.from_string(bad)
+    report = sys.modules[f"{common.MODULE}.report"]
+    assert picture().mean() > 0.01
+    assert any(f"'{node.name}': {text.name}, line {line}: " in said for said, _error in report.told(bpy.context.scene))
+    node.draft = None
+    picture()
+    assert any("no draft is chosen" in said for said, _error in report.told(bpy.context.scene))
+
+
+def test_a_draft_goes_with_its_material():
+    """Into a file, by appending and by linking; undo takes an import back."""
+    _tree, node, _plate = cloth("LINEN")
+    assert import_wif(node, "three.wif", WIF) == {"FINISHED"}
+    path = os.path.join(folder, "cloth.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    for link in (False, True):
+        common.empty_scene()
+        with bpy.data.libraries.load(path, link=link) as (there, taken):
+            taken.materials = there.materials
+        node = next(n for n in taken.materials[0].node_tree.nodes if n.bl_idname == "LibshadeFabricNode")
+        assert node.draft and node.draft.as_string().startswith("[WIF]") and node.weave == "DRAFT", link
+        assert bool(node.draft.library) == link
+    _tree, node, _plate = cloth("LINEN")
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="before")
+    name, material = node.name, next(m.name for m in bpy.data.materials if m.node_tree == node.id_data)
+    assert import_wif(node, "three.wif", WIF) == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="imported")
+    bpy.ops.ed.undo()
+    node = bpy.data.materials[material].node_tree.nodes[name]
+    assert node.preset == "LINEN" and not node.draft
+    bpy.ops.ed.redo()
+    node = bpy.data.materials[material].node_tree.nodes[name]
+    assert node.preset == "CUSTOM" and node.draft and node.draft.as_string().startswith("[WIF]")
+    os.remove(path)
 
 
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
