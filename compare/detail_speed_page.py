@@ -111,7 +111,8 @@ def findings(rows):
                 "Use it wherever a lobe is longer than wide.", worst < 1e-9, "tilts"),
         Finding("Being exact costs next to nothing: `rotate` takes "
                 f"{against('rotate', 'gram_schmidt', 'Gram-Schmidt')} and "
-                f"{against('rotate', 'perturb', 'plain `perturb`')}.", ratio("rotate", "perturb") < 1.5 and e("rotate", steep) < 1e-9,
+                f"{against('rotate', 'perturb', 'plain `perturb`')}.",
+                ratio("rotate", "perturb") < 1.5 and e("rotate", steep) < 1e-9,
                 "fronts", timed=True),
         Finding(f"Gram-Schmidt, which most renderers use, is off by {e('gram_schmidt', low):.3f} at {low}° and "
                 f"{e('gram_schmidt', steep):.2f} at {steep}°; `perturb`, the papers' simple normal mapping, by "
@@ -175,7 +176,8 @@ def figures(rows):
     return [
         Figure("tilts", "Only rotation keeps to the displaced surface",
                "Total variation between a method's distribution and the displaced surface's, "
-               f"Ashikhmin-Shirley (200, 10), mean over azimuths; `rotate` stands on the bottom. Above 1 a warp makes light. {COMMAND}",
+               f"Ashikhmin-Shirley (200, 10), mean over azimuths; `rotate` stands on the bottom. "
+               f"Above 1 a warp makes light. {COMMAND}",
                style.svg(lines), "Lines of error against tilt, logarithmic. All rise with the tilt but rotate, "
                "which stays at the bottom; none and perturb are worst."),
         Figure("fronts", "Time against error, at each tilt", f"Ashikhmin-Shirley (200, 10). {told}",

@@ -221,7 +221,9 @@ def waiting(tmp_path):
 
 def test_interrupted_and_resumed(waiting):
     command, out = waiting
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(  # a run in the background ignores Ctrl-C, and would hand that on
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     started = out / "data" / "waiting" / "piece-2" / "started"
     end = time.monotonic() + 60
     while not started.exists() and time.monotonic() < end:

@@ -25,8 +25,8 @@ typedef void bench_row(void *context, const char *what, const char *method,
                        const char *distribution, int single, double ns, double error);
 
 /*
- * Time cloth, parameters of each sample, normal maps, diffuse models, lobes of filtered maps, the reference
- * on the instruction set in use, a row at a time. 0 when out of memory.
+ * Time cloth, parameters of each sample, normal maps, diffuse models, lobes of filtered maps, the
+ * reference on the instruction set in use, a row at a time. 0 when out of memory.
  */
 int bench_cloth(bench_row *print, void *context);
 int bench_lanes(bench_row *print, void *context);
