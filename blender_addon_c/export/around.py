@@ -73,6 +73,7 @@ class _Around(Reader):
         self.images = Images(messages, table.kept)
         self.averages = self.filters = self.colors = False
         self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff}, False
+        del self.nodes["LibshadeScratchesNode"]  # there is no surface
 
     def layer(self, kind, _name):
         return kind

@@ -45,3 +45,4 @@ def test_scratches(blender, tmp_path):
         assert np.isfinite(picture).all() and picture[..., 3].min() == 1, name
     assert "'Libshade Scratches': 1e+06 scratches per cm² are too many; there are" in said
     assert "'Libshade Scratches': what feeds Width mm differs from place to place, which only Amount may" in said
+    assert "world 'scratched': Color: 'Libshade Scratches' (Mask) is not supported" in said
