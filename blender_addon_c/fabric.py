@@ -195,10 +195,9 @@ class _Yarns:
         return node is not None and node.bl_idname == FABRIC and bool(node.based_on)
 
     def draw(self, context):
-        layout, node = self.layout, context.active_node
-        layout.use_property_split, layout.use_property_decorate = True, False
+        column, node = self.layout.column(align=True), context.active_node  # names in the sliders have room
         for word in fabric_yarns.numbers():
-            layout.prop(node, f"{self.yarn}_{word}")
+            column.prop(node, f"{self.yarn}_{word}")
 
 
 class NODE_PT_libshade_warp(_Yarns, bpy.types.Panel):

@@ -133,7 +133,7 @@ class Pictures:
         return 0.7
 
 
-bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.show_splash = bpy.context.preferences.view.show_tooltips = False
 bpy.context.preferences.view.smooth_view = 0
 bpy.context.scene.render.engine = "LIBSHADE"
 os.makedirs(FOLDER, exist_ok=True)
