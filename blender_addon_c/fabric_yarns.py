@@ -18,10 +18,10 @@ WEAVES = {row["word"].upper(): row for row in _TABLE["weaves"]}
 # By the table's word: name, and where it is drawn; slant and fibre are Twist's
 _NAMES = {
     "width": "Width", "gap": "Gap", "twist": "Twist", "segments": "Strands", "crimp": "Crimp", "slub": "Slub",
-    "vary_brightness": "Brightness Variation", "vary_tilt": "Tilt Variation",
+    "vary_brightness": "Varied Brightness", "vary_tilt": "Varied Tilt",
     "curve": "Roundness", "ridge": "Strand Relief", "crimp_length": "Crimp Length",
-    "along_brightness": "Brightness along Yarn", "along_tilt": "Tilt along Yarn", "along_length": "Variation Length",
-    "fuzz": "Fibres in Gaps", "along": "Exponent along Fibres", "across": "Exponent across Fibres",
+    "along_brightness": "Brightness Along", "along_tilt": "Tilt Along", "along_length": "Variation Length",
+    "fuzz": "Fibres in Gaps", "along": "Exponent Along", "across": "Exponent Across",
 }
 _SOFT = {"width": 1.0, "gap": 1.0, "segments": 8.0, "along_length": 32.0, "along": 1000.0, "across": 100.0}
 _TWIST = {"help": "Angle of the strands to the yarn's axis: above 0 S twist, below 0 Z twist", "unit": "rad",
