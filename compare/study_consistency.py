@@ -78,9 +78,12 @@ def checked_row(scene, variant, renderer, dump, folder, every=False):
     limit = consistency.CHECK_LIMITS[renderer]
     # beyond the limit only what the rounding of the dump's directions does not explain
     error = max(min(found["largest"], limit[0]), found.get("beyond_rounding", found["largest"]))
+    far = [cell["far"] for cell in found.get("cells", []) if "far" in cell]
     return {"kind": "check", "scene": scene, "variant": variant, "renderer": renderer, "largest": found["largest"],
             "error": error, "mean": found["mean"],
-            "values": found["values"], "limit": limit[0], "mean_limit": limit[1],
+            "values": found["values"],
+            "far_values": sum(cell["values"] for cell in far), "far_over": sum(cell["over"] for cell in far),
+            "far_sum": max((cell["sum"] for cell in far), default=0.0), "limit": limit[0], "mean_limit": limit[1],
             "ok": int(good), "missed": "; ".join(row[0] for row in rows if row[3] == consistency.verdict(False))}
 
 
@@ -203,6 +206,14 @@ def tasks(quick):
 
 
 MEAN_FACTOR = 3  # lobes this narrow were seen to be over the limit of the mean by less
+FAR_SHARE, FAR_SUM = 0.005, 0.02  # of cloth from afar: values over their limit, and how far sums may be off
+
+
+def nearly(row):
+    """Whether a dump that misses its limits does so by what is named, and no more."""
+    if row["missed"]:
+        return "mean error" in row["missed"] and ";" not in row["missed"]
+    return 0 < row["far_over"] <= FAR_SHARE * row["far_values"] and row["far_sum"] <= FAR_SUM
 
 
 def finding_reference(rows):
@@ -217,13 +228,13 @@ def finding_reference(rows):
             + " and ".join(f"{name} within {worst[name]:.0e}" for name in names) + " of each value, but for what the "
             "rounding of a dump's directions explains.")
     if over:
-        text += " Over the limit of a material's mean error, 1e-05, are " + ", ".join(
-            f"{row['scene']} ({row['mean']:.1e})" for row in over) + "."
+        text += " Not within all limits: " + ", ".join(
+            f"{row['scene']} (mean error of a material {row['mean']:.1e})" if row["mean"] > row["mean_limit"] else
+            f"{row['scene']} ({row['far_over']} of {row['far_values']} values of cloth from afar)" for row in over) + "."
     return Finding(
         text, names == ["Blender", "POV-Ray"] and all(
             row["values"] > 0 and row["error"] <= row["limit"] and row["mean"] <= MEAN_FACTOR * row["mean_limit"]
-            and (row["ok"] or "mean error" in row["missed"] and ";" not in row["missed"]) for row in found)
-        and len(over) < 0.2 * len(found), "matrix")
+            and (row["ok"] or nearly(row)) for row in found) and len(over) < 0.2 * len(found), "matrix")
 
 
 def finding_pair(rows):

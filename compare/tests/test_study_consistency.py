@@ -80,7 +80,11 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     good = [row for row in rows if row["kind"] == "check"] * 5
     narrow = {**good[0], "scene": "narrow", "ok": 0, "mean": 2e-5, "missed": "Blender against reference, mean error of S"}
     finding = study.finding_reference([*good, narrow])
-    assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (2.0e-05)" in finding.text
+    assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (mean error of a material 2.0e-05)" in finding.text
+    cloth = {**good[0], "scene": "cloth", "ok": 0, "missed": "", "far_values": 1000, "far_over": 3, "far_sum": 0.01}
+    assert study.finding_reference([*good, cloth]).holds
+    assert not study.finding_reference([*good, {**cloth, "far_over": 6}]).holds
+    assert not study.finding_reference([*good, {**cloth, "far_sum": 0.03}]).holds
     for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}):
         assert not study.finding_reference([*good, {**narrow, **worse}]).holds
 
