@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Make README's pictures from what `make compare` left in build/, and the swatches from the tool."""
+"""Make README's pictures from what `make compare` left in build/, the swatches from the tool, the rest by rendering."""
+import os
 import subprocess
 from pathlib import Path
 
@@ -55,8 +56,38 @@ def povray_sheet():
     sheet.save(ROOT / "examples" / "povray.jpg", quality=86, optimize=True)
 
 
+# Of each scene in examples/blender its arguments, and what of its picture (in 480ths of a sheet's width) goes where.
+_BLENDER = (("pan", (), (0, 0, 240, 135)), ("dial", (), (240, 0, 240, 135)), ("drape", (), (0, 135, 146, 135)),
+            ("bolts", (), (146, 135, 167, 135)), ("bolts", ("near",), (313, 135, 167, 135)))
+
+
+def fitted(picture, width, height):
+    """Scaled until it fills a rectangle; what is beyond it at the sides, or on top, is cut off."""
+    scale = max(width / picture.width, height / picture.height)
+    picture = picture.resize((round(picture.width * scale), round(picture.height * scale)), Image.LANCZOS)
+    left, top = (picture.width - width) // 2, picture.height - height
+    return picture.crop((left, top, left + width, top + height))
+
+
+def blender_sheet():
+    """examples/blender.jpg: scenes of examples/blender by our engine (half an hour of a processor)."""
+    build, unit = ROOT / "build", 3
+    sheet = Image.new("RGB", (480 * unit, 270 * unit))
+    for name, words, place in _BLENDER:
+        made = build / "-".join(["blender", name, *words])
+        made = made.with_name(made.name + ".png")
+        if not made.is_file():
+            subprocess.run(["blender", "-b", "--factory-startup", "--addons", "libshade", "--python-exit-code", "1", "-P",
+                            ROOT / "examples/blender" / name / "make_scene.py", "--", made, *words], check=True,
+                           stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(build / "blender")})
+        x, y, width, height = (unit * k for k in place)
+        sheet.paste(fitted(Image.open(made).convert("RGB"), width, height), (x, y))
+    sheet.save(ROOT / "examples" / "blender.jpg", quality=82, optimize=True)
+
+
 def main():
     swatches()
+    blender_sheet()
     povray_cloth()
     povray_sheet()
     both = side_by_side([Image.open(DEMO / f"{name}.png") for name in ("blender", "povray")])
