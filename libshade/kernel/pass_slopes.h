@@ -193,6 +193,7 @@ enum { SLOPE_X = 0 };
 typedef struct slope_group {
   int base_x[SLOPE_GROUP], base_y[SLOPE_GROUP], n1[SLOPE_GROUP], n2[SLOPE_GROUP];
   float fx[SLOPE_GROUP], fy[SLOPE_GROUP], over1[SLOPE_GROUP], over2[SLOPE_GROUP];
+  float apart1[SLOPE_GROUP], apart2[SLOPE_GROUP]; /* as slopes.c has it */
   float ax[SLOPE_GROUP], ay[SLOPE_GROUP], bx[SLOPE_GROUP], by[SLOPE_GROUP];
   float cx[SLOPE_GROUP], cy[SLOPE_GROUP];
   float sx[SLOPE_GROUP], sy[SLOPE_GROUP], sxx[SLOPE_GROUP], sxy[SLOPE_GROUP], syy[SLOPE_GROUP];
@@ -202,15 +203,15 @@ typedef struct slope_group {
 LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g, int a, int b,
                               int wrap) {
   const int width = m->width, height = m->height;
-  const float begins = a == 0 && b == 0 ? 1 : 0, shift = 0.07735026918962576F;
-  const float at_a = (float)a + 0.5F, shift_a = a % 2 ? shift : -shift;
-  const float at_b = (float)b + 0.5F, shift_b = b % 2 ? shift : -shift;
+  const float begins = a == 0 && b == 0 ? 1 : 0;
+  const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
+  const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
   const slope_pair *restrict pairs = SLOPE_PAIRS(m->slopes);
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int inside = a < g->n1[k] && b < g->n2[k];
-    const float move_a = g->n1[k] == 1 ? 0 : shift_a, move_b = g->n2[k] == 1 ? 0 : shift_b;
-    float s = (at_a + move_a) * g->over1[k] - 0.5F, t = (at_b + move_b) * g->over2[k] - 0.5F;
+    float s = (at_a + sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
+    float t = (at_b + sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
     s = inside ? s : 0;
     t = inside ? t : 0;
     const float x = g->fx[k] + (s * g->ax[k] + t * g->bx[k]);
@@ -250,9 +251,8 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
 static SLOPE_APART void slope_point_within(const shade_slope_map *m, slope_group *restrict g, int a,
                                            int b) {
   const int width = m->width;
-  const float shift = 0.07735026918962576F;
-  const float at_a = (float)a + 0.5F, shift_a = a % 2 ? shift : -shift;
-  const float at_b = (float)b + 0.5F, shift_b = b % 2 ? shift : -shift;
+  const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
+  const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
   const float begins = a == 0 && b == 0 ? 1 : 0;
   int at[SLOPE_GROUP];
   float along[SLOPE_GROUP], down[SLOPE_GROUP], in[SLOPE_GROUP];
@@ -260,8 +260,8 @@ static SLOPE_APART void slope_point_within(const shade_slope_map *m, slope_group
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int inside = a < g->n1[k] && b < g->n2[k];
-    const float move_a = g->n1[k] == 1 ? 0 : shift_a, move_b = g->n2[k] == 1 ? 0 : shift_b;
-    float s = (at_a + move_a) * g->over1[k] - 0.5F, t = (at_b + move_b) * g->over2[k] - 0.5F;
+    float s = (at_a + sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
+    float t = (at_b + sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
     s = inside ? s : 0;
     t = inside ? t : 0;
     const float x = g->fx[k] + (s * g->ax[k] + t * g->bx[k]);
@@ -333,6 +333,12 @@ static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size
     g.n2[k] = m2[k];
     g.over1[k] = 1 / (float)m1[k];
     g.over2[k] = 1 / (float)m2[k];
+    const float near1 = 3 - 2 * sqrtf(ax[k] * ax[k] + ay[k] * ay[k]);
+    const float near2 = 3 - 2 * sqrtf(bx[k] * bx[k] + by[k] * by[k]);
+    const float part1 = near1 < -1 ? -1 : near1 > 1 ? 1 : near1;
+    const float part2 = near2 < -1 ? -1 : near2 > 1 ? 1 : near2;
+    g.apart1[k] = m1[k] == 1 ? 0 : (float)SLOPE_GAUSS_SHIFT * part1;
+    g.apart2[k] = m2[k] == 1 ? 0 : (float)SLOPE_GAUSS_SHIFT * part2;
     g.ax[k] = ax[k];
     g.ay[k] = ay[k];
     g.bx[k] = bx[k];

@@ -37,6 +37,9 @@ typedef struct widen_block {
  * single and double precision must come to the same one.
  */
 #define SLOPE_COUNT_SLACK 1e-4
+/* How far Gauss's two points are from the middles of an interval's halves, in halves: 1/sqrt 3 -
+ * 1/2. */
+#define SLOPE_GAUSS_SHIFT 0.07735026918962576
 
 /* shade_slope_lookup_batchf and shade_params_widen_batchf on an instruction set. */
 unsigned slope_lookup_on(const shade_isa_table *isa, const shade_slope_map *m, size_t count,

@@ -186,11 +186,20 @@ static int steps(double texels) {
   return texels > 0 ? 2 * (int)fmin(fmax(ceil(texels - SLOPE_COUNT_SLACK), least), most) : 1;
 }
 
-/* Point k of n along a side, -1/2 to 1/2. Two by two they are Gauss's for the square of a
- * linear piece: exact where the footprint's sides lie on the texels' edges. */
-static double along(int k, int n) {
-  const double shift = n == 1 ? 0 : 0.07735026918962576; /* 1/sqrt 3 - 1/2 */
-  return (k + 0.5 + (k % 2 ? shift : -shift)) / n - 0.5;
+/*
+ * By how much the points of a side so long leave the middles of their places, two by two: apart
+ * (> 0) or towards each other. Two that share one of a texel's two straight pieces stand apart, as
+ * Gauss has them for it: a footprint on a texel is exact. Two that share a texel stand closer: of
+ * two pieces in a row the ones of the first and the ones of the second then are Gauss's for what
+ * lies between the texels' middles, so that footprints side by side are exact together.
+ */
+static double apart(double texels) {
+  return SLOPE_GAUSS_SHIFT * fmin(fmax(3 - 2 * texels, -1), 1);
+}
+
+/* Point k of n along a side, -1/2 to 1/2. */
+static double along(int k, int n, double shift) {
+  return (k + 0.5 + (n == 1 ? 0 : k % 2 ? shift : -shift)) / n - 0.5;
 }
 
 /* Where a texture coordinate lies in the first copies of the picture. */
@@ -215,10 +224,11 @@ unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v, const 
   v = place(v, m->wrap);
   const double blend = moments_blend(moments_extent(&m->pyramid, side));
   if (blend < 1) {
-    const int n1 = steps(hypot(side[0] * m->width, side[1] * m->height));
-    const int n2 = steps(hypot(side[2] * m->width, side[3] * m->height));
+    const double texels1 = hypot(side[0] * m->width, side[1] * m->height);
+    const double texels2 = hypot(side[2] * m->width, side[3] * m->height);
+    const int n1 = steps(texels1), n2 = steps(texels2);
     for (int k = 0; k < n1 * n2; k++) {
-      const double s = along(k / n2, n1), t = along(k % n2, n2);
+      const double s = along(k / n2, n1, apart(texels1)), t = along(k % n2, n2, apart(texels2));
       add_point(m, u + s * side[0] + t * side[2], v + s * side[1] + t * side[3], 1.0 / (n1 * n2),
                 moments);
     }

@@ -373,11 +373,45 @@ static void one_texel_is_exact(void **state) {
   free(pixels);
 }
 
+/* Footprints of two and more texels side by side, over the whole of a row: together their means and
+ * mean squares are those of the straight pieces between the texels' middles, (a^2 + ab + b^2)/3. */
+static void texels_side_by_side_are_exact(void **state) {
+  (void)state;
+  enum { WIDTH = 60 };
+  float *pixels = random_slopes(WIDTH, 1, 9);
+  shade_slope_map *m =
+      create(pixels, WIDTH, 1, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
+  double mean = 0, square = 0;
+  for (int i = 0; i < WIDTH; i++) {
+    const double a = (double)pixels[2 * i], b = (double)pixels[2 * ((i + 1) % WIDTH)];
+    mean += a / WIDTH;
+    square += (a * a + a * b + b * b) / 3 / WIDTH;
+  }
+  for (int texels = 1; texels <= 3; texels++) {
+    const double footprint[4] = {(double)texels / WIDTH, 0, 0, 0};
+    double means = 0, squares = 0;
+    for (int i = 0; i < WIDTH; i += texels) {
+      shade_slopes got;
+      shade_slope_lookup(m, (i + texels / 2.0) / WIDTH, 0.5, footprint, &got);
+      means += got.mean[0] * texels / WIDTH;
+      squares += (got.covariance[0] + got.mean[0] * got.mean[0]) * texels / WIDTH;
+    }
+    assert_near(means, mean, 1e-6);
+    assert_near(squares, square, 1e-6 * square);
+  }
+  shade_slope_map_free(m);
+  free(pixels);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_texel_is_exact),      cmocka_unit_test(normals_become_slopes),
-      cmocka_unit_test(points_are_interpolated), cmocka_unit_test(every_level_keeps_the_moments),
-      cmocka_unit_test(footprints_are_averages), cmocka_unit_test(filters_spread_as_footprints),
-      cmocka_unit_test(a_tilted_plane_stays),    cmocka_unit_test(bad_pictures_are_mended)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(one_texel_is_exact),
+                                     cmocka_unit_test(texels_side_by_side_are_exact),
+                                     cmocka_unit_test(normals_become_slopes),
+                                     cmocka_unit_test(points_are_interpolated),
+                                     cmocka_unit_test(every_level_keeps_the_moments),
+                                     cmocka_unit_test(footprints_are_averages),
+                                     cmocka_unit_test(filters_spread_as_footprints),
+                                     cmocka_unit_test(a_tilted_plane_stays),
+                                     cmocka_unit_test(bad_pictures_are_mended)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
