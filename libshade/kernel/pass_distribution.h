@@ -10,12 +10,10 @@ typedef struct FN(shape) {
   int varies; /* 1: arrays */
   const real *kx, *ky, *peak, *gx, *gy;
   const real *ax, *ay; /* arrays of alphas, where the distribution reads them */
-  int alone;           /* 1: what stands above them was not made */
 } FN(shape);
 
 LEAF FN(shape) FN(own_shape)(const bsdf *b) {
-  return (FN(shape)){0,    &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy),
-                     NULL, NULL,       0};
+  return (FN(shape)){0, &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy), NULL, NULL};
 }
 
 /*
@@ -31,7 +29,7 @@ typedef struct FN(block) {
 
 /* Along y what was along x. */
 LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
-  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax, s.alone};
+  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax};
 }
 
 #undef SHAPE

@@ -228,7 +228,7 @@ static unsigned FN(read_exponents)(const bsdf *b, size_t count, const real *cons
     FN(pass_exchange)(count, m->mirror, m->kx, m->ky, m->kx, m->ky);
     FN(pass_exchange)(count, m->mirror, m->gx, m->gy, m->gx, m->gy);
   }
-  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL, 0};
+  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL};
   return status;
 }
 
@@ -254,7 +254,7 @@ static unsigned FN(read_alphas)(const bsdf *b, size_t count, const real *const g
   }
   if (!alone)
     FN(pass_shape_of_alphas)(count, x, y, m->kx, m->ky, m->gx, m->gy, m->peak);
-  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y, alone};
+  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y};
   return status;
 }
 

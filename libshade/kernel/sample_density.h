@@ -24,16 +24,6 @@ static void FN(pass_proposal)(const bsdf *b, FN(shape) s, size_t count, real *re
     }
     return;
   }
-  if (s.alone) {
-    const real *restrict ax = s.ax, *restrict ay = s.ay;
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) {
-      real inverse = 1 / (ax[i] * ay[i]), over_x = ay[i] * inverse, over_y = ax[i] * inverse;
-      kx[i] = scale * (over_x * over_x);
-      ky[i] = scale * (over_y * over_y);
-    }
-    return;
-  }
   const real *restrict x = s.kx, *restrict y = s.ky;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
