@@ -20,6 +20,7 @@ import mitsuba as mi
 import numpy as np
 
 import plate
+import whole
 
 mi.set_variant("llvm_ad_rgb")
 
@@ -92,9 +93,9 @@ def main(path):
         picture, _first = render(scene, job, 0)  # compiles its kernels, and is not timed
         seconds.append([render(scene, job, turn + 1)[1] for turn in range(job["repeat"])])
         if job["output"]:
-            np.save(job["output"], picture[..., :3])
-    with open(order["result"], "w", encoding="utf-8") as file:
-        json.dump({"seconds": seconds, "version": mi.__version__}, file)
+            with whole.place(job["output"]) as part:
+                np.save(part, picture[..., :3])
+    whole.write_text(order["result"], json.dumps({"seconds": seconds, "version": mi.__version__}))
 
 
 main(sys.argv[1])

@@ -97,7 +97,7 @@ def test_stable_abi_only():
     used = {name for name in undefined if name.startswith(("Py", "_Py"))}
     assert "PyObject_GetBuffer" in used
     # the underscored ones that its macros stand for
-    stable = {"_Py_NoneStruct", "_Py_Dealloc", "_PyArg_ParseTuple_SizeT", "_Py_BuildValue_SizeT"}
+    stable = {"_Py_NoneStruct", "_Py_TrueStruct", "_Py_FalseStruct", "_Py_Dealloc", "_PyArg_ParseTuple_SizeT", "_Py_BuildValue_SizeT"}
     assert {name for name in used if name.startswith("_Py")} <= stable
     needed = subprocess.run(
         ["readelf", "-d", str(MODULE)], capture_output=True, text=True, check=True
