@@ -83,8 +83,14 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (mean error of a material 2.0e-05)" in finding.text
     cloth = {**good[0], "scene": "cloth", "ok": 0, "missed": "", "far_values": 1000, "far_over": 3, "far_sum": 0.01}
     assert study.finding_reference([*good, cloth]).holds
-    assert not study.finding_reference([*good, {**cloth, "far_over": 6}]).holds
-    assert not study.finding_reference([*good, {**cloth, "far_sum": 0.03}]).holds
+    read = {key: value for key, value in cloth.items() if value != ""}  # as a CSV gives it back
+    assert study.finding_reference([*good, read]) == study.finding_reference([*good, cloth])
+    assert "MISSED" not in study.finding_reference([*good, cloth]).text
+    for worse in ({"far_over": 6}, {"far_sum": 0.03}):  # a miss is said as one
+        finding = study.finding_reference([*good, {**cloth, **worse}])
+        assert finding.holds and "values of cloth from afar, MISSED: " in finding.text
+    assert not study.finding_reference([*good, {**cloth, "far_sum": 0.06}]).holds
+    assert not study.finding_reference([*good, {**cloth, "far_over": 0}]).holds
     for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}):
         assert not study.finding_reference([*good, {**narrow, **worse}]).holds
 
