@@ -207,7 +207,7 @@ def tasks(quick):
 
 MEAN_FACTOR = 3  # lobes this narrow were seen to be over the limit of the mean by less
 FAR_SHARE, FAR_SUM = 0.005, 0.02  # of cloth from afar: values over their limit, and how far sums may be off
-FAR_WORST = 0.05  # sums that are off by more are no miss to be named, but a fault
+KNOWN_MISS = {"povray/lampshade": 0.03}  # light through cloth from afar: beyond FAR_SUM, by up to this, and said as MISSED
 
 
 def nearly(row):
@@ -218,16 +218,17 @@ def nearly(row):
     return 0 < row["far_over"] <= FAR_SHARE * row["far_values"] and row["far_sum"] <= FAR_SUM
 
 
-def is_missed(row):
-    """Whether cloth from afar, and nothing else of it, is beyond what is known of cloth from afar."""
-    return not row["ok"] and not nearly(row) and not row.get("missed") and row["far_over"] > 0
+def is_known_miss(row):
+    """Whether it is a dump that is known to miss the limit of cloth from afar, and does so by that alone."""
+    return not row.get("missed") and 0 < row["far_over"] <= FAR_SHARE * row["far_values"] \
+        and FAR_SUM < row["far_sum"] <= KNOWN_MISS.get(row["scene"], 0)
 
 
 def over_text(row):
     if row["mean"] > row["mean_limit"]:
         return f"{row['scene']} (mean error of a material {row['mean']:.1e})"
     far = f"{row['far_over']} of {row['far_values']} values of cloth from afar"
-    if is_missed(row):
+    if is_known_miss(row):
         far += f", MISSED: {percent(row['far_sum'])} of its light, limit {percent(FAR_SUM)}"
     return f"{row['scene']} ({far})"
 
@@ -248,7 +249,7 @@ def finding_reference(rows):
     return Finding(
         text, names == ["Blender", "POV-Ray"] and all(
             row["values"] > 0 and row["error"] <= row["limit"] and row["mean"] <= MEAN_FACTOR * row["mean_limit"]
-            and (row["ok"] or nearly(row) or is_missed(row) and row["far_sum"] <= FAR_WORST) for row in found)
+            and (row["ok"] or nearly(row) or is_known_miss(row)) for row in found)
         and len(over) < 0.2 * len(found), "matrix")
 
 
