@@ -6,7 +6,7 @@
 #   make blender   the add-on: build/libshade-blender.zip
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
-#   make compare-quick  the report in two minutes, without renderers
+#   make compare-quick  a smaller report, in two minutes once all is built
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make soak      libshade on a hundred million awkward cases, Blender on 500, its viewport on 2000 edits
 #   make bench     speed against accuracy

@@ -51,7 +51,7 @@ bench-povray: povray setup-test
 # The report: build/compare/report.html and the CSV files beside it. The quick one, two minutes on two idle
 # cores, is build/compare/quick/report.html; what is done already is not done again.
 .PHONY: compare-quick
-compare-quick: setup-demo all $(B)/horizon $(B)/displaced
+compare-quick: $(RENDERERS) all $(B)/horizon $(B)/displaced
 	@$(PY) compare/report_page.py --quick
 
 # The same plate in Cycles of 3.4 and 5.0 and in Mitsuba 3, beside ours: a section of the report of its own
