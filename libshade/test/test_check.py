@@ -586,6 +586,20 @@ def test_one_bad_value(dump, tmp_path, channel, value, words):
     assert (fault["x"], fault["y"]) == (x, y)
 
 
+def test_threads_change_nothing(dump, tmp_path):
+    hits = np.argwhere(dump["material.ID"] >= 0)
+    for y, x in hits[3::97]:
+        dump["light1.S.G"][y, x] = np.nan
+    for y, x in hits[5::61]:
+        dump["light0.S.R"][y, x] *= np.float32(1.01)
+    path = dump.write(tmp_path / "x.exr")
+    one, two, many = (check(path, "--json", "--threads", n).stdout for n in ("1", "2", "23"))
+    assert one == two == many
+    fault, = json.loads(one)["faults"]
+    assert fault["count"] == len(hits[3::97]) and (fault["y"], fault["x"]) == tuple(hits[3])
+    assert not json.loads(one)["pass"]
+
+
 def test_a_light_without_red_is_no_shadow(dump, tmp_path):
     for name in ("light0.E.R", "light0.S.R"):
         dump[name][:] = 0
@@ -803,7 +817,8 @@ def test_missing_channel(dump, tmp_path):
 
 
 def test_usage(good, tmp_path):
-    for options in ([], ["--tolerance"], [good, good], [good, "--frobnicate"],
+    for options in ([], ["--tolerance"], [good, good], [good, "--frobnicate"], [good, "--threads"],
+                    *([good, "--threads", bad] for bad in ("0", "-1", "x", "1.5", "")),
                     *([good, "--tolerance", bad] for bad in ("nan", "inf", "-1", "x", "1x", ""))):
         result = subprocess.run([SHADE, "check", *options], capture_output=True, text=True)
         assert result.returncode == 2 and result.stderr and not result.stdout

@@ -18,7 +18,7 @@
 typedef struct check_options {
   const char *path;
   double tolerance, mean_tolerance;
-  int all, json;
+  int all, json, threads;
 } check_options;
 
 /* What can be wrong with a dump besides a differing S. */
@@ -82,6 +82,7 @@ typedef struct check {
   int *index;        /* per pixel: its material's index, or -1: nothing to compare */
   double *reference; /* per pixel and channel, of the light at hand */
   double *doubt;     /* the same: standard error of what the reference averaged */
+  double *rounding;  /* the same: what the rounding of directions may do, where that is asked */
   int far_points;    /* over so many points, so that the whole takes no minutes */
   size_t horizon;    /* values left out there */
   size_t faults[FAULT_COUNT], first_fault[FAULT_COUNT];
@@ -138,6 +139,8 @@ double check_sum_limit(check_tier tier);
 /* Is `coverage` what the cloth has there? */
 int check_coverage(const check_hit *h, double coverage);
 check_tier check_tier_of(const check_hit *h);
+/* To be called before hits of a cloth that may be of CHECK_SINGLE are shaded, by one thread. */
+void check_prepare_single(check_cloth *cloth);
 /* s of a hit on a cloth, and the standard error of it where it is the mean over `points`. */
 void check_cloth_s(const check_hit *h, int points, const double uv[2], const double n[3],
                    const double wi[3], const double wo[3], double s[3], double doubt[3]);
@@ -145,8 +148,8 @@ void check_cloth_s(const check_hit *h, int points, const double uv[2], const dou
 /* ---- the comparison: check_compare.c ---- */
 
 check_cell *check_cell_at(const check *c, int material_index, int light);
-/* Compares all values of a light and fills its cells. */
-void check_compare_light(check *c, int light);
+/* Compares all values of a light and fills its cells. -1: out of memory. */
+int check_compare_light(check *c, int light);
 
 /* ---- the verdict: check_report.c ---- */
 

@@ -3,6 +3,7 @@
 #include "tool/check.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "reference/reference.h"
@@ -160,16 +161,25 @@ static check_tier tier_at(check *c, size_t pixel) {
                                                                              : CHECK_NEAR;
 }
 
+/* Whether a value is compared, and the error of it. */
+static int has_error(const check_cell *in, double s, double reference, double *error) {
+  const double larger = fmax(fabs(s), fabs(reference));
+  if (isnan(reference) || !(larger > SIGNIFICANT * in->maximum))
+    return 0;
+  *error = fabs(s - reference) / larger;
+  return 1;
+}
+
 static void compare_value(check *c, int light, double s, double reference, size_t pixel,
                           int channel) {
   check_cell *in = check_cell_at(c, c->index[pixel], light);
-  const double larger = fmax(fabs(s), fabs(reference));
-  if (isnan(reference) || !(larger > SIGNIFICANT * in->maximum))
+  double error;
+  if (!has_error(in, s, reference, &error))
     return;
-  const double error = fabs(s - reference) / larger;
   in->checked++;
   in->sum += error;
-  const double rounding = error > c->options->tolerance ? rounding_at(c, light, pixel, channel) : 0;
+  const double rounding =
+      error > c->options->tolerance ? c->rounding[3 * pixel + (size_t)channel] : 0;
   if (rounding > 0 && error - rounding <= c->options->tolerance)
     in->excused++;
   if (error > c->options->tolerance)
@@ -184,21 +194,92 @@ static void compare_value(check *c, int light, double s, double reference, size_
   in->worst_reference = reference;
 }
 
-void check_compare_light(check *c, int light) {
+/* ---- by several threads ----------------------------------------------------------------- */
+
+enum { PIXELS_A_STEP = 256 };
+
+/* What the threads share, and what each finds wrong. */
+typedef struct compare_work {
+  check *whole;
+  check *of; /* one a thread: the whole's arrays, faults of its own */
+  int light;
+} compare_work;
+
+/* The reference's values of some pixels. */
+static void refer_step(void *context, int thread, size_t step) {
+  const compare_work *w = context;
+  check *c = &w->of[thread];
+  const size_t first = step * PIXELS_A_STEP;
+  for (size_t pixel = first; pixel < first + PIXELS_A_STEP && pixel < c->pixels; pixel++)
+    if (c->index[pixel] >= 0)
+      refer(c, w->light, pixel, c->reference + 3 * pixel);
+}
+
+/* What rounding may do to those that are over the limit; the cells know their maxima. */
+static void rounding_step(void *context, int thread, size_t step) {
+  const compare_work *w = context;
+  check *c = &w->of[thread];
+  const float *s = shade_dump_light_plane(c->dump, w->light, SHADE_DUMP_S);
+  const size_t first = step * PIXELS_A_STEP;
+  for (size_t pixel = first; pixel < first + PIXELS_A_STEP && pixel < c->pixels; pixel++) {
+    if (c->index[pixel] < 0 || tier_at(c, pixel) != CHECK_NEAR)
+      continue;
+    const check_cell *in = check_cell_at(c, c->index[pixel], w->light);
+    for (size_t i = 0; i < 3; i++) {
+      double error;
+      if (has_error(in, (double)s[i * c->pixels + pixel], c->reference[3 * pixel + i], &error) &&
+          error > c->options->tolerance)
+        c->rounding[3 * pixel + i] = rounding_at(c, w->light, pixel, (int)i);
+    }
+  }
+}
+
+/* Let the threads do their steps; what they find wrong is the whole's then, in any order found. */
+static void share(compare_work *w, tool_step *step, double begin, double end) {
+  check *c = w->whole;
+  const int threads = c->options->threads;
+  for (int t = 0; t < threads; t++) {
+    w->of[t] = *c;
+    memset(w->of[t].faults, 0, sizeof c->faults);
+    w->of[t].horizon = 0;
+  }
+  tool_share(threads, (c->pixels + PIXELS_A_STEP - 1) / PIXELS_A_STEP, step, w, &c->progress,
+             w->light + begin, w->light + end);
+  for (int t = 0; t < threads; t++) {
+    const check *mine = &w->of[t];
+    c->horizon += mine->horizon;
+    for (int i = 0; i < FAULT_COUNT; i++) {
+      if (mine->faults[i] && (!c->faults[i] || mine->first_fault[i] < c->first_fault[i]))
+        c->first_fault[i] = mine->first_fault[i];
+      c->faults[i] += mine->faults[i];
+    }
+  }
+}
+
+static void find_maxima(check *c, int light) {
   const float *s = shade_dump_light_plane(c->dump, light, SHADE_DUMP_S);
   for (size_t pixel = 0; pixel < c->pixels; pixel++) {
-    if (pixel % 4096 == 0)
-      tool_progress_at(&c->progress, (double)light + (double)pixel / (double)c->pixels);
     if (c->index[pixel] < 0)
       continue;
-    double *reference = c->reference + 3 * pixel;
+    const double *reference = c->reference + 3 * pixel;
     check_cell *in = check_cell_at(c, c->index[pixel], light);
-    refer(c, light, pixel, reference);
     for (size_t i = 0; i < 3; i++)
       if (!isnan(reference[i]))
         in->maximum =
             fmax(in->maximum, fmax(fabs((double)s[i * c->pixels + pixel]), fabs(reference[i])));
   }
+}
+
+int check_compare_light(check *c, int light) {
+  check *of = malloc((size_t)c->options->threads * sizeof *of);
+  if (!of)
+    return -1;
+  compare_work w = {.whole = c, .of = of, .light = light};
+  share(&w, refer_step, 0, 0.7);
+  find_maxima(c, light);
+  share(&w, rounding_step, 0.7, 1);
+  free(of);
+  const float *s = shade_dump_light_plane(c->dump, light, SHADE_DUMP_S);
   const float *id = shade_dump_plane(c->dump, SHADE_DUMP_MATERIAL);
   for (size_t pixel = 0; pixel < c->pixels; pixel++) {
     const check_tier tier = c->index[pixel] >= 0 ? tier_at(c, pixel) : CHECK_NEAR;
@@ -213,4 +294,5 @@ void check_compare_light(check *c, int light) {
         check_note_fault(c, FAULT_MISS, pixel);
     }
   }
+  return 0;
 }

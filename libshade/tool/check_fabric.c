@@ -254,15 +254,18 @@ int check_coverage(const check_hit *h, double coverage) {
   return coverage >= low - 1e-5 && coverage <= high + 1e-5;
 }
 
+void check_prepare_single(check_cloth *cloth) {
+  if (!cloth->has_seen)
+    cloth->seen = shade_ref_cloth_seen(&cloth->reference, LOOKS);
+  cloth->has_seen = 1;
+}
+
 void check_cloth_s(const check_hit *h, int points, const double uv[2], const double n[3],
                    const double wi[3], const double wo[3], double s[3], double doubt[3]) {
-  check_cloth *c = h->cloth;
+  const check_cloth *c = h->cloth;
   double near[3];
   switch (check_tier_of(h)) {
   case CHECK_SINGLE:
-    if (!c->has_seen)
-      c->seen = shade_ref_cloth_seen(&c->reference, LOOKS);
-    c->has_seen = 1;
     shade_ref_cloth_single(&c->reference, &c->seen, n, wi, wo, s);
     break;
   case CHECK_FAR: {

@@ -177,6 +177,8 @@ void check_find_hits(check *c) {
     }
     m->tilt = fmax(m->tilt, atan2(hypot(h.n[0], h.n[1]), h.n[2]));
     far += h.cloth && check_tier_of(&h) == CHECK_FAR;
+    if (h.cloth && check_tier_of(&h) == CHECK_SINGLE)
+      check_prepare_single(h.cloth);
     if (h.cloth && shade_dump_has(c->dump, SHADE_DUMP_COVERAGE) &&
         !check_coverage(&h, (double)shade_dump_plane(c->dump, SHADE_DUMP_COVERAGE)[pixel]))
       check_note_fault(c, FAULT_COVERAGE, pixel);

@@ -35,7 +35,7 @@ int tool_interrupted(void) {
 
 int tool_threads(void) {
   const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
-  return cpus < 1 ? 1 : cpus > 256 ? 256 : (int)cpus;
+  return cpus < 1 ? 1 : cpus > TOOL_MAX_THREADS ? TOOL_MAX_THREADS : (int)cpus;
 }
 
 /* ---- progress ----------------------------------------------------------------- */
@@ -77,9 +77,59 @@ void tool_progress_end(tool_progress *p) {
     fputs("\r\033[K", stderr);
 }
 
+/* ---- steps by several threads ----------------------------------------------------- */
+
+typedef struct share {
+  pthread_mutex_t lock;
+  size_t next, steps;
+  tool_step *step;
+  void *context;
+  tool_progress *bar;
+  double begin, end;
+} share;
+
+typedef struct sharer {
+  share *of;
+  int thread;
+} sharer;
+
+static void *take(void *argument) {
+  const sharer *me = argument;
+  share *s = me->of;
+  for (;;) {
+    pthread_mutex_lock(&s->lock);
+    const size_t step = s->next < s->steps ? s->next++ : s->steps;
+    pthread_mutex_unlock(&s->lock);
+    if (step == s->steps)
+      return NULL;
+    s->step(s->context, me->thread, step);
+    if (me->thread == 0 && s->bar)
+      tool_progress_at(s->bar, s->begin + (s->end - s->begin) * (double)step / (double)s->steps);
+  }
+}
+
+void tool_share(int threads, size_t steps, tool_step *step, void *context, tool_progress *bar,
+                double begin, double end) {
+  share s = {.steps = steps, .step = step, .context = context, .bar = bar, .begin = begin};
+  pthread_t handles[TOOL_MAX_THREADS];
+  sharer sharers[TOOL_MAX_THREADS];
+  s.end = end;
+  pthread_mutex_init(&s.lock, NULL);
+  threads = threads < 1 ? 1 : threads > TOOL_MAX_THREADS ? TOOL_MAX_THREADS : threads;
+  int started = 1; /* this one; where no other starts it does all */
+  for (int i = 0; i < threads; i++)
+    sharers[i] = (sharer){&s, i};
+  while (started < threads && pthread_create(&handles[started], NULL, take, &sharers[started]) == 0)
+    started++;
+  take(&sharers[0]);
+  for (int i = 1; i < started; i++)
+    pthread_join(handles[i], NULL);
+  pthread_mutex_destroy(&s.lock);
+}
+
 /* ---- pictures by several threads ------------------------------------------------ */
 
-enum { BAND = 16, MAX_THREADS = 256 }; /* rows a band: a chunk of a ZIP-packed EXR */
+enum { BAND = 16 }; /* rows a band: a chunk of a ZIP-packed EXR */
 
 /* A ring of bands: filled by the workers in any order, written by the caller in order. */
 typedef struct ring {
@@ -164,7 +214,7 @@ static int write_bands(ring *r, shade_image_writer **writers, const char *title,
 
 static int run(ring *r, shade_image_writer **writers, const char *title, int threads, char *error,
                size_t size) {
-  pthread_t handles[MAX_THREADS];
+  pthread_t handles[TOOL_MAX_THREADS];
   int started = 0;
   while (started < threads && pthread_create(&handles[started], NULL, work, r) == 0)
     started++;
@@ -213,7 +263,7 @@ int tool_write_pictures(const char *title, const tool_picture *pictures, int cou
       status = TOOL_BAD_INPUT;
   }
   if (status == TOOL_DONE) {
-    threads = threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
+    threads = threads < 1 ? 1 : threads > TOOL_MAX_THREADS ? TOOL_MAX_THREADS : threads;
     ring r = {.bands = (pictures[0].spec.height + BAND - 1) / BAND,
               .slots = 2 * threads,
               .pictures = pictures,

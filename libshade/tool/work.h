@@ -27,6 +27,16 @@ void tool_progress_begin(tool_progress *p, const char *title, double total);
 void tool_progress_at(tool_progress *p, double done);
 void tool_progress_end(tool_progress *p); /* wipes the bar */
 
+/*
+ * Do steps [0, steps) by up to `threads` threads, this one among them, in any order; returns when
+ * all are done. `thread` counts from 0 and is below `threads` and TOOL_MAX_THREADS: what a thread
+ * adds up may stand in a place of its own. The bar moves from `begin` to `end`; NULL: none.
+ */
+enum { TOOL_MAX_THREADS = 256 };
+typedef void tool_step(void *context, int thread, size_t step);
+void tool_share(int threads, size_t steps, tool_step *step, void *context, tool_progress *bar,
+                double begin, double end);
+
 /* Up to this many pictures are made by one pass. */
 enum { TOOL_PICTURES = 4 };
 
