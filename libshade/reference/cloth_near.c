@@ -70,7 +70,7 @@ shade_params ref_yarn_lobe(const shade_fabric_params *p, const shade_yarn *yarn)
 
 /* Schlick's white share at a cosine. */
 static real white(real cosine) {
-  return powl(1 - cosine, 5);
+  return fifth(1 - cosine);
 }
 
 void ref_yarn(const shade_params *lobe, vec n, vec wi, vec wo, real glossy[3], real matt[3]) {

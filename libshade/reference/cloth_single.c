@@ -10,22 +10,29 @@
 
 /* ---- second moments of Ashikhmin and Shirley's distribution ------------------------------- */
 
+enum { TURNS = 1024 };
+
+/* cos^2 phi in the middle of each step of a quadrant; all quadrants are alike. */
+static void turns_of(real cos2[TURNS]) {
+  for (int i = 0; i < TURNS; i++)
+    cos2[i] = square(cosl(pi / 2 * (i + 0.5L) / TURNS));
+}
+
 /* E[hx^2] and E[hy^2]: the integral over z is 1/(e + 1) - 1/(e + 3), that over phi a sum. */
-static void moments_of(real ex, real ey, real m[2]) {
-  enum { STEPS = 1024 };
+static void moments_of(const real cos2[TURNS], real ex, real ey, real m[2]) {
   m[0] = m[1] = 0;
-  for (int i = 0; i < STEPS; i++) {
-    real c2 = square(cosl(pi / 2 * (i + 0.5L) / STEPS)), s2 = 1 - c2; /* all quadrants are alike */
+  for (int i = 0; i < TURNS; i++) {
+    real c2 = cos2[i], s2 = 1 - c2;
     real e = ex * c2 + ey * s2, along_z = 1 / (e + 1) - 1 / (e + 3);
-    m[0] += c2 * along_z / STEPS;
-    m[1] += s2 * along_z / STEPS;
+    m[0] += c2 * along_z / TURNS;
+    m[1] += s2 * along_z / TURNS;
   }
   m[0] *= sqrtl((ex + 1) * (ey + 1));
   m[1] *= sqrtl((ex + 1) * (ey + 1));
 }
 
 /* The exponents that have given moments, by bisection of either in turn. */
-static void exponents_of(const real wanted[2], double e[2]) {
+static void exponents_of(const real cos2[TURNS], const real wanted[2], double e[2]) {
   real log_e[2] = {2, 2}, moved = 1;
   for (int turn = 0; turn < 40 && moved > 1e-9L; turn++) {
     moved = 0;
@@ -34,7 +41,7 @@ static void exponents_of(const real wanted[2], double e[2]) {
       while (high - low > 1e-11L) {
         real m[2];
         log_e[k] = (low + high) / 2;
-        moments_of(expl(log_e[0]), expl(log_e[1]), m);
+        moments_of(cos2, expl(log_e[0]), expl(log_e[1]), m);
         *(m[k] > wanted[k] ? &low : &high) = log_e[k]; /* wide lobes have small exponents */
       }
       moved += fabsl(log_e[k] - before);
@@ -76,9 +83,10 @@ static void axes_of(vec m, vec axes[3]) {
  */
 static void widen(const shade_ref_cloth *c, int kind, int looks, shade_ref_side *side) {
   const shade_yarn *yarn = kind == SHADE_TOP_WARP ? &c->fabric.warp : &c->fabric.weft;
-  real own[3], wanted[2] = {0, 0}, weight = 0;
+  real own[3], wanted[2] = {0, 0}, weight = 0, cos2[TURNS];
   vec about[3];
-  moments_of(yarn->along, yarn->across, own);
+  turns_of(cos2);
+  moments_of(cos2, yarn->along, yarn->across, own);
   own[2] = 1 - own[0] - own[1];
   axes_of((vec){side->mean[0], side->mean[1], side->mean[2]}, about);
   for (int k = 0; k < looks; k++) {
@@ -96,7 +104,7 @@ static void widen(const shade_ref_cloth *c, int kind, int looks, shade_ref_side 
   }
   wanted[0] /= weight;
   wanted[1] /= weight;
-  exponents_of(wanted, side->exponents);
+  exponents_of(cos2, wanted, side->exponents);
 }
 
 shade_ref_seen shade_ref_cloth_seen(const shade_ref_cloth *c, int looks) {

@@ -83,7 +83,7 @@ real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso
   case SHADE_BRDF_WARD_DUR:
     return d / at_least(4 * cosi * coso);
   case SHADE_BRDF_WARD_BOUNDED:
-    return d * dot(sum, sum) / at_least(powl(cosi + coso, 4));
+    return d * dot(sum, sum) / at_least(square(square(cosi + coso)));
   case SHADE_BRDF_MICROFACET: {
     real shadowing = 1 / (1 + lambda(p, n, wi) + lambda(p, n, wo));
     return d * shadowing / at_least(4 * cosi * coso);
@@ -104,14 +104,14 @@ double shade_ref_mdf(const shade_params *p, const double n[3], const double h[3]
 
 /* Channel c of Fresnel's reflectance; the conductor's from its complex amplitudes. */
 real ref_fresnel(const shade_params *p, int c, real cosine) {
-  real f0 = within(p->f0[c], 0, 1), f = f0 + (1 - f0) * powl(1 - cosine, 5);
+  real f0 = within(p->f0[c], 0, 1), f = f0 + (1 - f0) * fifth(1 - cosine);
   switch (p->fresnel) {
   case SHADE_FRESNEL_SCHLICK:
     return f;
   case SHADE_FRESNEL_F82: {
-    real at = 1 / 7.0L, here = f0 + (1 - f0) * powl(1 - at, 5);
-    real b = here * (1 - within(p->f82[c], 0, 1)) / (at * powl(1 - at, 6));
-    f -= b * cosine * powl(1 - cosine, 6);
+    real at = 1 / 7.0L, here = f0 + (1 - f0) * fifth(1 - at);
+    real b = here * (1 - within(p->f82[c], 0, 1)) / (at * (fifth(1 - at) * (1 - at)));
+    f -= b * cosine * fifth(1 - cosine) * (1 - cosine);
     return f > 0 ? f : 0;
   }
   case SHADE_FRESNEL_CONDUCTOR: {

@@ -71,6 +71,11 @@ static inline real square(real x) {
   return x * x;
 }
 
+/* x to the fifth power: powl takes twenty times as long. */
+static inline real fifth(real x) {
+  return square(square(x)) * x;
+}
+
 /* What a division is kept from. */
 static inline real at_least(real x) {
   return x > 1e-20L ? x : 1e-20L;
