@@ -148,6 +148,7 @@ const Material *Scene::add(const Material &material) {
   split(*kept);
   widen(*kept);
   materials.push_back(kept);
+  by_width = by_width || kept->cloth || kept->scratches || (kept->bump && kept->filtered);
   return kept.get();
 }
 

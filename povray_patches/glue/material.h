@@ -125,6 +125,8 @@ public:
   bool has_cloth() const;
   bool has_painted() const;
   bool has_bumps() const; // from an image, or scratches
+  // Whether any block looks different by how wide a ray is.
+  bool looks_at_widths() const { return by_width; }
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
 
@@ -140,6 +142,7 @@ public:
 
 private:
   std::vector<std::shared_ptr<Material>> materials;
+  bool by_width = false;
   // equal blocks share one: scenes copy them in loops
   std::vector<std::pair<shade_params, std::shared_ptr<const shade_bsdf_albedo>>> albedos;
   Loom loom;

@@ -269,14 +269,18 @@ bool mesh_directions(const mdf::MeshTangents &tangents, const Intersection &isec
 
 // ---- other objects ----
 
+// Small against the object, large against the rounding of its UV coordinates and normals.
+double difference_step(const ObjectBase *object) {
+  const BBOX_VECT &size = object->BBox.Lengths;
+  const double largest = max(max(size[X], size[Y]), size[Z]),
+               smallest = min(min(size[X], size[Y]), size[Z]);
+  return 1e-5 * min(max(max(smallest, 1e-4 * largest), 1e-6), 1e6);
+}
+
 // The same from differences of UVCoord() along the surface.
 bool difference_directions(const Intersection &isect, const Vector3d &raw_normal,
                            TraceThreadData *thread, Vector3d &du, Vector3d &dv) {
-  const BBOX_VECT &size = isect.Object->BBox.Lengths;
-  const double largest = max(max(size[X], size[Y]), size[Z]),
-               smallest = min(min(size[X], size[Y]), size[Z]);
-  // Small against the object, large against the rounding of its UV coordinates.
-  const double step = 1e-5 * min(max(max(smallest, 1e-4 * largest), 1e-6), 1e6);
+  const double step = difference_step(isect.Object);
   Vector3d side[2] = {axis_vector(fabs(raw_normal[X]) < 0.7 ? X : Y), Vector3d()};
   double slope[2][2]; // [side][u or v]
 
@@ -1062,6 +1066,30 @@ void MdfHit::Clamp(RGBColour &colour) const {
 
   if (most > 0.0 && brightest > most)
     colour *= most / brightest;
+}
+
+double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
+                TraceThreadData *thread) {
+  if (!thread->GetSceneData()->mdfScene->looks_at_widths())
+    return 0.0;
+  // The mean curvature is half of how much normals around the point lean away from it. Objects
+  // tell a normal beside a surface as well as on it.
+  const double step = difference_step(isect.Object);
+  Vector3d side[2] = {any_tangent(raw_normal), Vector3d()};
+  double lean = 0.0, facing = 0.0;
+
+  side[1] = cross(raw_normal, side[0]);
+  for (int i = 0; i < 4; i++) {
+    const Vector3d way = i % 2 ? -side[i / 2] : side[i / 2];
+    Intersection probe(isect);
+    Vector3d beside;
+    Assign_Vector(probe.IPoint, *(Vector3d(isect.IPoint) + step * way));
+    isect.Object->Normal(*beside, &probe, thread);
+    lean += dot(beside, way);
+    facing += dot(beside, raw_normal);
+  }
+  const double bend = 2.0 * size * lean / (4.0 * step); // a mirror turns twice as far as its normal
+  return !std::isfinite(bend) ? 0.0 : facing < 0.0 ? -bend : bend;
 }
 
 void Mark_Mdf_Lamp(ObjectBase *object) {

@@ -20,6 +20,11 @@ mdf::Shape::Kind mdf_kind(const ObjectBase *object);
 // Returns how many of its corners have no UV direction. Throws std::bad_alloc.
 long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene);
 
+// How much wider a ray of the width `size` gets, for each unit on, where it is reflected by a
+// curved surface: 2 · size · mean curvature; less than 0 where it is hollow. 0 where no block asks.
+double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
+                TraceThreadData *thread);
+
 // Remembers what a lamp looks like: reflections leave it out, whose light is a highlight already.
 void Mark_Mdf_Lamp(ObjectBase *object);
 

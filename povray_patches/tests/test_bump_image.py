@@ -404,6 +404,58 @@ def test_bumps_below_a_pixel_are_roughness_in_a_mirror(render, fine, lobe):
     assert mirrored == pytest.approx(direct, rel=.1)
 
 
+# three waves on a quad, two to three pixels of 32 long
+WAVES = """#version 3.7; global_settings { assumed_gamma 1 max_trace_level 3 }
+light_source { <30, 50, -100>, rgb 1 parallel point_at 0 }
+#declare Waves = mesh2 { vertex_vectors { 4, <-.5, -.5, 0>, <.5, -.5, 0>, <.5, .5, 0>, <-.5, .5, 0> }
+  uv_vectors { 4, <0, 0>, <1, 0>, <1, 1>, <0, 1> } face_indices { 2, <0, 1, 2>, <0, 2, 3> }
+  texture { pigment { rgb 0 } finish { ambient 0 diffuse 0 mdf { beckmann .2, .2 tangent uv bump_image { png "waves.png" WORDS } } } } }
+"""
+
+
+def waves(path, words):
+    """The scene, and its map."""
+    a = np.arange(64) * 2 * np.pi / 64
+    x, y = np.meshgrid(a, a)
+    n = [.3 * np.cos(9 * x + 3 * y + 1) + .2 * np.cos(4 * x - 8 * y), .3 * np.cos(7 * y - 2 * x) + .2 * np.cos(10 * x + 5 * y + 2), 1 + 0 * x]
+    write_png(path / "waves.png", np.round((normalise(np.stack(n, -1)) + 1) / 2 * 65535), "uint16")
+    return WAVES.replace("WORDS", words)
+
+
+FRONT = "camera { orthographic location <0, 0, -2> right x up y direction z }\nobject { Waves }\n"
+
+
+@pytest.mark.parametrize("words, limit", [("+AM1 +R3", .5), ("+AM1 +R6", .25), ("+AM2 +R4", .25)])
+def test_samples_of_a_pixel_share_its_width(render, tmp_path, words, limit):
+    """Against the mean of points: more samples are nearer to it. (As wide as pixels each, they blurred the picture.)"""
+    points = render(waves(tmp_path, "filter off") + FRONT, size=(768, 768), dump=False).image
+    truth = points.reshape(32, 24, 32, 24, 3).mean((1, 3))
+    one, many = (render(waves(tmp_path, "") + FRONT, size=(32, 32), dump=False, options=more).image
+                 for more in ([], ["+A0.0", "-J", *words.split()]))
+    error = [np.abs(image - truth)[1:-1, 1:-1].mean() for image in (one, many)]
+    assert .02 * truth.mean() < error[0] and error[1] < limit * error[0]
+
+
+BEHIND = """camera { orthographic location <0, 0, -3> right .6*x up .6*y direction z }
+light_source { <60, 50, 100>, rgb 1 parallel point_at 0 }
+object { Waves scale 5 rotate 180*y translate -4*z }
+"""
+
+
+@pytest.mark.parametrize("mirror, limit", [("sphere { 0, 1", .4), ("sphere { 0, 1 scale <1.4, 1.4, 2> translate z", .4),
+                                           ("cylinder { -3*y, 3*y, 1", .8), ("difference { box { -1, 1 } sphere { -2*z, 1.1 }", .6)])
+def test_curved_mirrors_spread_rays(render, tmp_path, mirror, limit):
+    """Seven times as wide in a ball: what a pixel holds is the mean of points, and one point is not."""
+    def mean(words, size, blocks):
+        image = render(waves(tmp_path, words) + BEHIND + mirror + " pigment { rgb 0 } finish { ambient 0 diffuse 0 reflection 1 } no_shadow }\n",
+                       size=(size, size), dump=False).image
+        return image.reshape(24, blocks, 24, blocks, 3).mean((1, 3))
+
+    truth = mean("filter off", 24 * 16, 16)
+    error = [np.abs(mean(words, 24, 1) - truth)[1:-1, 1:-1].mean() for words in ("filter off", "")]
+    assert error[0] > .1 * truth.mean() and error[1] < limit * error[0]
+
+
 def test_scale_and_translate_move_the_map(render, fine):
     moved = render(PLATE + plate("beckmann .1, .2", 'png "fine.png" scale <.5, 2> translate <.25, .125>', 2), size=(64, 64)).dump
     text = plate("beckmann .1, .2", tiles=2).replace("<0, 0>, <2, 0>, <2, 2>, <0, 2>", "<-.5, -.0625>, <3.5, -.0625>, <3.5, .9375>, <-.5, .9375>")
