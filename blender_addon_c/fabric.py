@@ -6,7 +6,7 @@ from functools import lru_cache
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
-from . import _native, fabric_draft, fabric_tree, fabric_yarns, nodes
+from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
 from .fabric_yarns import CUSTOM, DRAFT
 from .manual import draw_button
 from .report import draw_on
@@ -31,8 +31,8 @@ def socket_rules(node):
 
 
 def is_old(node):
-    """Is it of a version with fewer sockets, which no one has changed?"""
-    return fabric_tree.NEW[0] not in node.inputs and fabric_tree.can_update(node.node_tree)
+    """Is it of a version with fewer sockets or no yarns inside, which no one has changed?"""
+    return fabric_tree.is_stand_in(node.node_tree)
 
 
 def update_node(tree, node):
@@ -102,7 +102,10 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         self.update_preview()
 
     def _has_length(self, _context):
-        self.size_mode = "LENGTH"
+        self.size_mode = "LENGTH"  # which is told to what is inside
+
+    def _changed(self, _context):
+        self.update_preview()
 
     def _transmits(self, _context):
         socket = self.inputs.get(TRANSLUCENCY)
@@ -116,12 +119,13 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             items=[(word, row["label"], row["help"], k) for k, (word, row) in enumerate(_CLOTHS.items())]
             + [(CUSTOM, "Custom", "Its own weave and yarns", 1000)],
             default=_FIRST, update=_chosen),
-        **fabric_yarns.properties(_has_length),
+        **fabric_yarns.properties(_has_length, _changed),
         "transmission": FloatProperty(
             name="Translucency", min=0, max=1, subtype="FACTOR", default=0,
             description="Sets the socket Translucency, which older nodes do not have", update=_transmits),
         "open_gaps": BoolProperty(
             name="Open Gaps", default=False,
+            update=_changed,
             description="What is behind shows through between the yarns, in place of a lining"),
         "set_transmission": FloatProperty(options={"HIDDEN"}),  # what it last set the socket to
         # The tree inside also belongs to a copy of this node, until one of them changes.
@@ -142,18 +146,37 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         if self.shares_tree:
             self.node_tree, self.shares_tree = self.node_tree.copy(), False
         base = fabric_yarns.base(self)
-        fabric_tree.update(self.node_tree, fabric_yarns.weft_share(self), _brightness(base), _CLOTHS[base]["exponent"])
+        if fabric_tree.is_stand_in(self.node_tree):
+            fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(self), _brightness(base),
+                                        _CLOTHS[base]["exponent"])
+            return
+        made, _trouble = settings(self)
+        fabric_tree.update(self.node_tree, fabric_maps.of(made), f"Libshade {self._woven()}", fabric_size.space_of(self),
+                           self.open_gaps)
+
+    def _woven(self):
+        """What its images are called."""
+        if self.preset != CUSTOM:
+            return _CLOTHS[self.preset]["label"]
+        if self.weave == DRAFT:
+            return self.draft.name if self.draft else "Draft"
+        return fabric_yarns.WEAVES[self.weave]["label"]
 
     def draw_buttons(self, _context, layout):
         draw_on(self, layout)
         layout.prop(self, "preset", text="")
         if is_old(self):
             layout.operator("libshade.update_nodes", icon="FILE_REFRESH")
+        if fabric_tree.NEW[0] not in self.inputs:
             layout.prop(self, "size")
             return
         layout.prop(self, "size_mode")
         if self.size_mode != "REAL":
             layout.prop(self, "size" if self.size_mode == "LENGTH" else "repeats")
+        if not is_old(self):
+            layout.label(text="Approximate in Cycles, EEVEE", icon="INFO")
+            if self.size_mode == "REAL":
+                layout.operator("libshade.measure_cloth", icon="ARROW_LEFTRIGHT")
 
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
@@ -218,11 +241,13 @@ def register():
     for panel in _PANELS:
         bpy.utils.register_class(panel)
     fabric_draft.register()
+    fabric_size.register()
     bpy.types.NODE_MT_add.append(_draw_add_menu)
 
 
 def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
+    fabric_size.unregister()
     fabric_draft.unregister()
     for panel in reversed(_PANELS):
         bpy.utils.unregister_class(panel)

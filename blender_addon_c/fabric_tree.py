@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What other renderers see of the cloth node: a matt cloth of the mean of its colours. Files made before have less
-inside, and keep it."""
+"""What other renderers see of the cloth node: its yarns, by pictures of one repeat and groups of plain nodes
+(fabric_place.py, fabric_shade.py). Files made before have a matt cloth of the mean of its colours inside, and keep it."""
 
 import bpy
 
+from . import fabric_maps, fabric_place, fabric_shade
 from .group import new_socket
 
-_SHADER, _MIX, _DARKEN, _GLOSS = "Principled BSDF", "Mix", "Darken", "Gloss"
-_INSIDE = (_SHADER, _MIX, _DARKEN)
+_PLACE, _SHADE, _METRES, _KNOWN = "Place", "Cloth", "Metres", "Known"
+_INSIDE = (_PLACE, _SHADE, _METRES)
+_STAND_IN = ("Principled BSDF", "Mix", "Darken")  # of older files
+_GLOSS = "Gloss"
+# On objects, for Cycles: metres in a unit of the UV map, and in one of the object's space
+MEASURES = {"MAP": "libshade_metres", "OBJECT": "libshade_metres_of_unit"}
 
 # Sockets by name: kind, about, its own value, limits
 SOCKETS = (
@@ -44,55 +49,132 @@ def new_tree():
 
 
 def _fill(tree):
-    link = tree.links.new
-
-    def new(kind, x, y, name="", **settings):
-        node = tree.nodes.new(f"ShaderNode{kind}")
+    def new(kind, x, y, name=""):
+        node = tree.nodes.new(kind)
         node.location, node.name = (x, y), name or node.name
-        for key, value in settings.items():
-            setattr(node, key, value)
         return node
 
-    given, out = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    given.location, out.location = (-900, 0), (700, 0)
-    mix, darken = new("MixRGB", -650, 0, _MIX), new("MixRGB", -450, 0, _DARKEN, blend_type="MULTIPLY")
-    darken.inputs[0].default_value = 1.0
-    shader, behind, clear = new("BsdfPrincipled", -200, 0, _SHADER), new("BsdfTranslucent", -200, 150), \
-        new("BsdfTransparent", 200, 150)
-    through, whole = new("MixShader", 200, 0), new("MixShader", 450, 0)
-    link(given.outputs["Warp Color"], mix.inputs[1])
-    link(given.outputs["Weft Color"], mix.inputs[2])
-    link(mix.outputs[0], darken.inputs[1])
-    for node, socket in ((shader, "Base Color"), (behind, "Color")):
-        link(darken.outputs[0], node.inputs[socket])
-        link(given.outputs["Normal"], node.inputs["Normal"])
-    # alpha squared over gloss, whose fourth root the roughness is
-    least, root, wide = (new("Math", x, -250, name, operation=kind) for x, name, kind in (
-        (-850, "", "MAXIMUM"), (-650, "", "POWER"), (-450, _GLOSS, "MULTIPLY")))
-    least.inputs[1].default_value, root.inputs[1].default_value, wide.use_clamp = 1e-6, -0.25, True
-    link(given.outputs["Gloss"], least.inputs[0])
-    link(least.outputs[0], root.inputs[0])
-    link(root.outputs[0], wide.inputs[0])
-    link(wide.outputs[0], shader.inputs["Roughness"])
-    link(given.outputs["Translucency"], through.inputs[0])
-    link(shader.outputs[0], through.inputs[1])
-    link(behind.outputs[0], through.inputs[2])
-    link(given.outputs["Alpha"], whole.inputs[0])
-    link(clear.outputs[0], whole.inputs[1])
-    link(through.outputs[0], whole.inputs[2])
-    link(whole.outputs[0], out.inputs["BSDF"])
+    link = tree.links.new
+    given, out = new("NodeGroupInput", -1100, 0), new("NodeGroupOutput", 500, 0)
+    place, shade = new("ShaderNodeGroup", -500, -200, _PLACE), new("ShaderNodeGroup", 200, 0, _SHADE)
+    place.node_tree, shade.node_tree = fabric_place.place_tree(), fabric_shade.cloth_tree()
+    place.label, shade.label = place.node_tree.name, f"{shade.node_tree.name} (approximate)"
+    # an object that was never measured says 0: a unit of its map counts as a metre
+    metres, missing, known = (new(f"ShaderNode{kind}", x, -500, name) for kind, x, name in (
+        ("Attribute", -1100, _METRES), ("Math", -900, ""), ("Math", -700, _KNOWN)))
+    metres.attribute_type = "OBJECT"
+    missing.operation, missing.inputs[1].default_value, known.operation = "LESS_THAN", 1e-12, "ADD"
+    link(metres.outputs["Fac"], missing.inputs[0])
+    link(metres.outputs["Fac"], known.inputs[0])
+    link(missing.outputs[0], known.inputs[1])
+    for name in ("Vector", "Scale", "Rotation"):
+        link(given.outputs[name], place.inputs[name])
+    for number, word in enumerate(fabric_maps.WORDS):
+        picture = new("ShaderNodeTexImage", -200, -300 * number, word)
+        picture.label = word.title()
+        link(place.outputs["Place"], picture.inputs["Vector"])
+        if word != "tint":
+            link(picture.outputs["Color"], shade.inputs[word.title()])
+    for name in ("Crossing", "Tangent"):
+        link(place.outputs[name], shade.inputs[name])
+    for name in (*(f"{yarn} Color" for yarn in fabric_shade.YARNS), *fabric_shade.SOCKETS, "Normal"):
+        link(given.outputs[name], shade.inputs[name])
+    link(shade.outputs["BSDF"], out.inputs["BSDF"])
+
+
+def _has(tree, names):
+    return bool(tree) and all(tree.nodes.get(name) for name in names)
+
+
+def is_stand_in(tree):
+    """Is it a matt cloth, as older files have?"""
+    return _has(tree, _STAND_IN)
 
 
 def can_update(tree):
     """Is it as it was made, one time or another? Else someone has been inside."""
-    return bool(tree) and all(tree.nodes.get(name) for name in _INSIDE)
+    return _has(tree, _INSIDE) or is_stand_in(tree)
 
 
-def update(tree, weft_share, brightness, exponent):
+def update_stand_in(tree, weft_share, brightness, exponent):
     """weft_share: what shows of it; brightness: of the whole cloth beside that of its yarns."""
     inner, roughness = tree.nodes, (2.0 / (exponent + 2.0)) ** 0.25  # its square is alpha
-    inner[_MIX].inputs[0].default_value = weft_share
-    inner[_DARKEN].inputs[2].default_value = (*[brightness] * 3, 1.0)
-    inner[_SHADER].inputs["Roughness"].default_value = roughness
+    inner["Mix"].inputs[0].default_value = weft_share
+    inner["Darken"].inputs[2].default_value = (*[brightness] * 3, 1.0)
+    inner["Principled BSDF"].inputs["Roughness"].default_value = roughness
     if _GLOSS in inner:
         inner[_GLOSS].inputs[1].default_value = roughness
+
+
+# ---- what properties change in it
+
+
+def _dyed(yarn):
+    """Reflectance head-on that goes with the colour, that does not, and its mean; as native/scene/cloth.c dyes."""
+    f0, kd = yarn["f0"], yarn["kd"]
+    goes = [max(f0) != min(f0) and part > 1e-3 for part in kd]
+    dyed = [f / part if goes_ else 0.0 for f, part, goes_ in zip(f0, kd, goes)]
+    return dyed, [0.0 if goes_ else f for f, goes_ in zip(f0, goes)], sum(f0) / 3
+
+
+def _of_yarn(yarn):
+    dyed, plain, mean = _dyed(yarn)
+    return {"Exponents": (yarn["along"], yarn["across"], yarn["fibre"]), "Dyed Shine": dyed, "Plain Shine": plain,
+            "Shine": mean, "Vary": (yarn["vary_brightness"], yarn["vary_tilt"], 1 / yarn["along_length"]),
+            "Along": (yarn["along_brightness"], yarn["along_tilt"], 0.0)}
+
+
+def update(tree, made, name, real, open_gaps):
+    """Carry a cloth over. made: of fabric_maps; name: for its images; real: a key of MEASURES where an object says how
+    large it is, else None."""
+    inner = tree.nodes
+    place, shade = inner[_PLACE].inputs, inner[_SHADE].inputs
+    place["Per Unit"].default_value = (*made["per_unit"], 0.0)
+    place["Per Crossing"].default_value = (*(1 / side for side in made["repeat"]), 0.0)
+    for word, slub in zip(fabric_shade.YARNS, fabric_place.SLUBS):
+        yarn = made[word.lower()]
+        place[slub].default_value = (yarn["slub"], 1 / yarn["along_length"], 1 / yarn["share"])
+        for key, value in _of_yarn(yarn).items():
+            shade[f"{word} {key}"].default_value = value
+    both = [a + b for a, b in zip(made["warp"]["kd"], made["weft"]["kd"])]
+    shade["Dyed Backing"].default_value = [0.0 if open_gaps else part / max(whole, 1e-3)
+                                           for part, whole in zip(made["backing"], both)]
+    shade["Fuzz in Gaps"].default_value = 1 - (1 - made["warp"]["fuzz"]) * (1 - made["weft"]["fuzz"])
+    shade["Open"].default_value, shade["Nap Color"].default_value = float(open_gaps), made["nap_color"]
+    _measure(tree, real)
+    _show(tree, made, name)
+
+
+def _measure(tree, real):
+    inner = tree.nodes
+    socket = inner[_PLACE].inputs["Metres"]
+    if real:
+        inner[_METRES].attribute_name = MEASURES[real]
+        if not socket.is_linked:
+            tree.links.new(inner[_KNOWN].outputs[0], socket)
+        return
+    for link in list(socket.links):
+        tree.links.remove(link)
+    socket.default_value = 1.0
+
+
+def _show(tree, made, name):
+    inner, old = tree.nodes, []
+    for word in fabric_maps.WORDS:
+        node, target = inner[word], inner[_SHADE].inputs[word.title()]
+        new = fabric_maps.image(made, word, name) if made[word] is not None else None
+        if node.image and node.image != new:
+            old.append(node.image)
+        if node.image != new:
+            node.image = new
+        if word == "tint" and bool(new) != target.is_linked:
+            if new:
+                tree.links.new(node.outputs["Color"], target)
+            else:
+                tree.links.remove(target.links[0])
+    fabric_maps.drop(old)
+
+
+def images(tree):
+    """Of one repeat, that it shows."""
+    return [node.image for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage" and node.image] if tree else []

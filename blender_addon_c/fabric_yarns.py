@@ -92,8 +92,8 @@ _DISTANCES = (("AUTO", "Automatic", "Yarns where pixels are smaller than these, 
               ("NEAR", "Near", "Yarns, however far it is", 1), ("FAR", "Far", "The cloth as a whole, however near it is", 2))
 
 
-def properties(set_length):
-    """set_length: what follows where Size is set."""
+def properties(set_length, changed):
+    """What follows: set_length, where Size is set; changed, where it is measured in another way."""
     made = {
         "based_on": StringProperty(options={"HIDDEN"}),  # a preset; "" where the numbers were never filled in
         "weave": EnumProperty(
@@ -106,11 +106,12 @@ def properties(set_length):
             "Yarns have their colours in the draft, times Warp and Weft Color")),
         "ends_per_cm": _count("Ends per cm", "Warp yarns side by side in a centimetre", "ends_per_cm"),
         "picks_per_cm": _count("Picks per cm", "Weft yarns side by side in a centimetre", "picks_per_cm"),
-        "size_mode": EnumProperty(name="Size", description="How large the cloth is", items=_SIZES, default="LENGTH"),
+        "size_mode": EnumProperty(name="Size", description="How large the cloth is", items=_SIZES, default="LENGTH",
+                                  update=changed),
         "size": FloatProperty(
             name="Length per Unit", subtype="DISTANCE", unit="LENGTH", min=1e-4, max=1e4, soft_max=10,
             default=0.2, description="Length of cloth that one unit of the UV map spans", update=set_length),
-        "repeats": FloatVectorProperty(name="Repeats", size=2, min=-1e6, max=1e6, default=(50, 50), description=(
+        "repeats": FloatVectorProperty(name="Repeats", size=2, min=-1e6, max=1e6, default=(50, 50), update=changed, description=(
             "Repeats of the weave in one unit of the UV map, along u and v")),
         "distance": EnumProperty(name="Distance", description="How the cloth is looked at", items=_DISTANCES),
     }

@@ -16,7 +16,8 @@ PyObject *cloths_yarns(void);
 
 PyObject *native_cloth(PyObject *self, PyObject *word);
 PyObject *native_cloth_albedo(PyObject *self, PyObject *word);
+PyObject *native_cloth_images(PyObject *self, PyObject *description);
 PyObject *native_wif(PyObject *self, PyObject *arguments);
-extern const char cloth_doc[], cloth_albedo_doc[], wif_doc[];
+extern const char cloth_doc[], cloth_albedo_doc[], cloth_images_doc[], wif_doc[];
 
 #endif

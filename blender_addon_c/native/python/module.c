@@ -574,6 +574,7 @@ PyMODINIT_FUNC PyInit__native(void) {
       {"metal", native_metal, METH_O, metal_doc},
       {"cloth", native_cloth, METH_O, cloth_doc},
       {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
+      {"cloth_images", native_cloth_images, METH_O, cloth_images_doc},
       {"wif", native_wif, METH_VARARGS, wif_doc},
       {"scratches", native_scratches, METH_O, native_scratches_doc},
       {"scratch_images", native_scratch_images, METH_VARARGS, native_scratch_images_doc},

@@ -291,6 +291,11 @@ bool reader_scratches(void *description, scratches *out) {
                               : reader_fail(&r, "a dict is expected");
 }
 
+bool reader_cloth(void *description, cloth *out) {
+  reader r = {.dict = description};
+  return PyDict_Check(r.dict) ? cloth_read(&r, out, NULL) : reader_fail(&r, "a dict is expected");
+}
+
 void reader_release(reader_buffers *buffers) {
   Py_buffer *view = buffers->view;
   while (buffers->count)

@@ -20,6 +20,8 @@ scene *reader_scene(void *description, reader_buffers *buffers);
 bool reader_look(void *description, scene *s);
 /* A field of scratches by itself. */
 bool reader_scratches(void *description, scratches *out);
+/* A cloth by itself, as one of a scene's; not built. Free it even after a failure. */
+bool reader_cloth(void *description, cloth *out);
 void reader_release(reader_buffers *buffers);
 
 #endif

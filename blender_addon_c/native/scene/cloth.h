@@ -42,6 +42,22 @@ typedef struct cloth {
 bool cloth_read(reader *r, void *out, void *context);
 /* False when out of memory. */
 bool cloth_build(cloth *c);
+
+/*
+ * Pictures of one repeat, for renderers that know no yarns: width x height texels of four floats
+ * (the last is 1), rows from the bottom, each the mean of some points, without what varies from
+ * yarn to yarn and along them. What is -1 to 1 is kept as 0 to 1.
+ *
+ *   tilt   along u and along v, 0 in gaps; occlusion
+ *   yarns  shares of the warp and of the weft on top; 0
+ *   tint   the yarn's colour in the draft, as a display shows it (sRGB); or NULL
+ *
+ * cloth_texels: how large they should be; texels a crossing divide 32, all at most 2048 a side.
+ * False when out of memory.
+ */
+enum { CLOTH_TEXELS = 32, CLOTH_MOST_TEXELS = 2048 };
+bool cloth_texels(const cloth *c, int *width, int *height, bool *tinted);
+bool cloth_picture(const cloth *c, int width, int height, float *tilt, float *yarns, float *tint);
 void cloth_free(cloth *c);
 
 /* Room for the hits of a batch that are prepared for several lights and a draw. */

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How large cloth of real size is in Cycles and EEVEE: an operator measures objects, an Attribute node inside the cloth node
+reads what it leaves on them. Our own engine measures by itself."""
+
+import bpy
+
+from .export import size
+from .fabric_tree import MEASURES
+
+FABRIC = "LibshadeFabricNode"
+_FEEDS_SPACE = {("NEW_GEOMETRY", "Position"): "OBJECT", ("TEX_COORD", "Object"): "OBJECT"}
+
+
+def space_of(node):
+    """In units of what its coordinates are, a key of MEASURES; None where the node itself says how large it is."""
+    if node.size_mode != "REAL":
+        return None
+    seen, left = set(), [node.inputs["Vector"]] if "Vector" in node.inputs else []
+    while left:
+        for link in left.pop().links:
+            if (link.from_node.type, link.from_socket.name) in _FEEDS_SPACE:
+                return "OBJECT"
+            if link.from_node not in seen:
+                seen.add(link.from_node)
+                left += link.from_node.inputs
+    return "MAP"
+
+
+def _cloths(tree, seen):
+    """Cloth nodes of a tree and of the groups in it."""
+    if not tree or tree in seen:
+        return
+    seen.add(tree)
+    for node in tree.nodes:
+        if node.bl_idname == FABRIC:
+            yield node
+        elif node.bl_idname == "ShaderNodeGroup":
+            yield from _cloths(node.node_tree, seen)
+
+
+def is_measured(material):
+    """Has it cloth as large as the object?"""
+    return any(node.size_mode == "REAL" for node in _cloths(material.node_tree, set()))
+
+
+def measure(scene):
+    """(objects with such cloth that now say how large they are, those that may not be changed)."""
+    found, left = 0, 0
+    measured = {material for material in bpy.data.materials if is_measured(material)}
+    for ob in scene.objects:
+        if ob.type != "MESH" or not any(slot.material in measured for slot in ob.material_slots):
+            continue
+        if ob.library:
+            left += 1
+            continue
+        by = size.metres([part for row in ob.matrix_world for part in row], size.unit_size(ob.data, ""),
+                         scene.unit_settings.scale_length)
+        for name, value in zip(MEASURES.values(), by):
+            if ob.get(name) != value:
+                ob[name] = value
+        ob.update_tag()
+        found += 1
+    return found, left
+
+
+class LIBSHADE_OT_measure_cloth(bpy.types.Operator):
+    """Measure the objects of this scene that wear cloth of real size, so that Cycles and EEVEE show it as large; again \
+when meshes, UV maps or scales change. Libshade measures by itself"""
+
+    bl_idname = "libshade.measure_cloth"
+    bl_label = "Measure for Cycles"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        if context.mode.startswith("EDIT"):
+            for ob in context.objects_in_mode:
+                ob.update_from_editmode()
+        for material in bpy.data.materials:  # what feeds Vector may be another since
+            for node in _cloths(material.node_tree, set()):
+                if not node.id_data.library:
+                    node.update_preview()
+        found, left = measure(context.scene)
+        if left:
+            self.report({"WARNING"}, f"{left} linked object(s) cannot be changed")
+        if not found:
+            self.report({"WARNING"}, "No object of this scene wears Libshade Fabric of real size")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Measured {found} object(s)")
+        return {"FINISHED"}
+
+
+def register():
+    bpy.utils.register_class(LIBSHADE_OT_measure_cloth)
+
+
+def unregister():
+    bpy.utils.unregister_class(LIBSHADE_OT_measure_cloth)

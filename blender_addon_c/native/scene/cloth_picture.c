@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/cloth.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The draft that a cloth is woven by; a new one in *own where it is that of a name. */
+static const shade_draft *draft_of(const cloth *c, shade_draft **own) {
+  *own = c->draft ? NULL : shade_draft_named(c->preset.weave);
+  return c->draft ? c->draft : *own;
+}
+
+static int texels_of(int crossings) {
+  int each = CLOTH_TEXELS;
+  while (each > 1 && each * crossings > CLOTH_MOST_TEXELS)
+    each /= 2;
+  return each * crossings < CLOTH_MOST_TEXELS ? each * crossings : CLOTH_MOST_TEXELS;
+}
+
+static bool is_tinted(const shade_draft *d) {
+  for (int k = 0; k < d->ends + d->picks; k++) {
+    const double *color = k < d->ends ? d->warp[k].color : d->weft[k - d->ends].color;
+    if (color[0] < 1 || color[1] < 1 || color[2] < 1)
+      return true;
+  }
+  return false;
+}
+
+bool cloth_texels(const cloth *c, int *width, int *height, bool *tinted) {
+  shade_draft *own;
+  const shade_draft *d = draft_of(c, &own);
+  if (d) {
+    *width = texels_of(d->ends);
+    *height = texels_of(d->picks);
+    *tinted = c->preset.fabric.draft_colors && is_tinted(d);
+  }
+  shade_draft_free(own);
+  return d != NULL;
+}
+
+/* What differs from one repeat to the next. */
+static void still(shade_yarn_params *y) {
+  y->vary_brightness = y->vary_tilt = y->along_brightness = y->along_tilt = y->slub = 0;
+}
+
+static float shown(double linear) { /* as sRGB */
+  return (float)(linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055);
+}
+
+/* Sums over the points of one texel. */
+typedef struct texel {
+  double dx, dy, occlusion, warp, weft, color[3];
+} texel;
+
+static void add_point(texel *t, const shade_crossing *at) {
+  t->occlusion += at->occlusion;
+  t->dx += at->dx;
+  t->dy += at->dy;
+  t->warp += at->top == SHADE_TOP_WARP;
+  t->weft += at->top == SHADE_TOP_WEFT;
+  for (int k = 0; k < 3; k++)
+    t->color[k] += at->color[k];
+}
+
+static void write_texel(const texel *t, int points, float *tilt, float *yarns, float *tint) {
+  const double by = 1.0 / points, yarn = t->warp + t->weft;
+  const double on_yarn = yarn > 0 ? 1 / yarn : 0;
+  tilt[0] = (float)(0.5 + 0.5 * t->dx * on_yarn);
+  tilt[1] = (float)(0.5 + 0.5 * t->dy * on_yarn);
+  tilt[2] = (float)(t->occlusion * by);
+  yarns[0] = (float)(t->warp * by);
+  yarns[1] = (float)(t->weft * by);
+  yarns[2] = 0.0f;
+  tilt[3] = yarns[3] = 1.0f;
+  for (int k = 0; tint && k < 3; k++)
+    tint[k] = yarn > 0 ? shown(t->color[k] * on_yarn) : 1.0f;
+  if (tint)
+    tint[3] = 1.0f;
+}
+
+bool cloth_picture(const cloth *c, int width, int height, float *tilt, float *yarns, float *tint) {
+  const int side = (long)width * height <= 1L << 18 ? 3 : (long)width * height <= 1L << 20 ? 2 : 1;
+  shade_draft *own;
+  const shade_draft *d = draft_of(c, &own);
+  shade_weave_params p = c->preset.yarns;
+  still(&p.warp);
+  still(&p.weft);
+  shade_weave *w = d ? shade_weave_create(d, &p, NULL) : NULL;
+  for (int j = 0; w && j < height; j++)
+    for (int i = 0; i < width; i++) {
+      texel t = {0};
+      for (int k = 0; k < side * side; k++) {
+        shade_crossing at;
+        shade_weave_lookup(w, (i + (k % side + 0.5) / side) * d->ends / width,
+                           (j + (k / side + 0.5) / side) * d->picks / height, &at);
+        add_point(&t, &at);
+      }
+      const size_t texel = 4 * ((size_t)j * (size_t)width + (size_t)i);
+      write_texel(&t, side * side, tilt + texel, yarns + texel, tint ? tint + texel : NULL);
+    }
+  const bool good = w != NULL;
+  shade_weave_free(w);
+  shade_draft_free(own);
+  return good;
+}
