@@ -8,18 +8,19 @@ from .export import size
 from .fabric_tree import MEASURES
 
 FABRIC = "LibshadeFabricNode"
-_FEEDS_SPACE = {("NEW_GEOMETRY", "Position"): "OBJECT", ("TEX_COORD", "Object"): "OBJECT"}
+_FEEDS_SPACE = {("NEW_GEOMETRY", "Position"): "WORLD", ("TEX_COORD", "Object"): "OBJECT"}
 
 
 def space_of(node):
-    """In units of what its coordinates are, a key of MEASURES; None where the node itself says how large it is."""
+    """What its coordinates count: units of the UV MAP, of the OBJECT's space (keys of MEASURES) or of the WORLD; None where
+    the node itself says how large it is."""
     if node.size_mode != "REAL":
         return None
     seen, left = set(), [node.inputs["Vector"]] if "Vector" in node.inputs else []
     while left:
         for link in left.pop().links:
             if (link.from_node.type, link.from_socket.name) in _FEEDS_SPACE:
-                return "OBJECT"
+                return _FEEDS_SPACE[link.from_node.type, link.from_socket.name]
             if link.from_node not in seen:
                 seen.add(link.from_node)
                 left += link.from_node.inputs

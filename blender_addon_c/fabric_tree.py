@@ -125,8 +125,7 @@ def _of_yarn(yarn):
 
 
 def update(tree, made, name, real, open_gaps):
-    """Carry a cloth over. made: of fabric_maps; name: for its images; real: a key of MEASURES where an object says how
-    large it is, else None."""
+    """Carry a cloth over. made: of fabric_maps; name: for its images; real: fabric_size.space_of."""
     inner = tree.nodes
     place, shade = inner[_PLACE].inputs, inner[_SHADE].inputs
     place["Per Unit"].default_value = (*made["per_unit"], 0.0)
@@ -140,6 +139,7 @@ def update(tree, made, name, real, open_gaps):
     shade["Dyed Backing"].default_value = [0.0 if open_gaps else part / max(whole, 1e-3)
                                            for part, whole in zip(made["backing"], both)]
     shade["Fuzz in Gaps"].default_value = 1 - (1 - made["warp"]["fuzz"]) * (1 - made["weft"]["fuzz"])
+    shade["Lit"].default_value = made["lit"]
     shade["Open"].default_value, shade["Nap Color"].default_value = float(open_gaps), made["nap_color"]
     _measure(tree, real)
     _show(tree, made, name)
@@ -148,14 +148,15 @@ def update(tree, made, name, real, open_gaps):
 def _measure(tree, real):
     inner = tree.nodes
     socket = inner[_PLACE].inputs["Metres"]
-    if real:
+    if real in MEASURES:
         inner[_METRES].attribute_name = MEASURES[real]
         if not socket.is_linked:
             tree.links.new(inner[_KNOWN].outputs[0], socket)
         return
     for link in list(socket.links):
         tree.links.remove(link)
-    socket.default_value = 1.0
+    scene = getattr(bpy.context, "scene", None)
+    socket.default_value = scene.unit_settings.scale_length if real and scene else 1.0
 
 
 def _show(tree, made, name):

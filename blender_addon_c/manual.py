@@ -14,6 +14,7 @@ _PLACES = (
     ("bpy.types.libshadescratchesnode*", "#scratches"),
     ("bpy.ops.libshade.*scratch*", "#scratches"),
     ("bpy.ops.libshade.import_wif*", "#cloth"),
+    ("bpy.ops.libshade.measure_cloth*", "#cloth"),
     ("bpy.ops.libshade.metal_preset*", "#libshade-metal"),
     ("bpy.ops.libshade.measured_metal*", "#libshade-metal"),
     ("bpy.ops.libshade.update_nodes*", "#libshade-metal"),

@@ -25,10 +25,10 @@ static PyObject *told(const cloth *c, int width, int height, PyObject *const ima
   PyObject *warp = yarn_numbers(&c->preset.yarns.warp, &p->warp);
   PyObject *weft = yarn_numbers(&c->preset.yarns.weft, &p->weft), *made = NULL;
   if (d && warp && weft)
-    made = Py_BuildValue("{s:(ii),s:(ii),s:(dd),s:O,s:O,s:(ddd),s:(ddd),s:O,s:O,s:O}", "repeat",
-                         d->ends, d->picks, "size", width, height, "per_unit", (double)c->per_u,
-                         (double)c->per_v, "warp", warp, "weft", weft, "backing", p->backing[0],
-                         p->backing[1], p->backing[2], "nap_color", p->nap_color[0],
+    made = Py_BuildValue("{s:(ii),s:(ii),s:d,s:(dd),s:O,s:O,s:(ddd),s:(ddd),s:O,s:O,s:O}", "repeat",
+                         d->ends, d->picks, "size", width, height, "lit", cloth_lit(c), "per_unit",
+                         (double)c->per_u, (double)c->per_v, "warp", warp, "weft", weft, "backing",
+                         p->backing[0], p->backing[1], p->backing[2], "nap_color", p->nap_color[0],
                          p->nap_color[1], p->nap_color[2], "tilt", image[0], "yarns", image[1],
                          "tint", image[2]);
   else if (!PyErr_Occurred())
@@ -44,7 +44,8 @@ const char cloth_images_doc[] =
     "Of a cloth as a scene has it, for renderers that know no yarns: pictures of one repeat\n"
     "(tilt, yarns, tint or None: bytearrays of four floats a texel, rows from the bottom, as\n"
     "cloth_picture in scene/cloth.h says), their size (width, height), the repeat (ends, picks),\n"
-    "crossings per_unit of the UV map (u, v), backing, nap_color, and of warp and weft the\n"
+    "crossings per_unit of the UV map (u, v), lit, what yarns leave one another of even light,\n"
+    "backing, nap_color, and of warp and weft the\n"
     "numbers of their material and of what varies.";
 PyObject *native_cloth_images(PyObject *self, PyObject *description) {
   (void)self;

@@ -104,3 +104,72 @@ bool cloth_picture(const cloth *c, int width, int height, float *tilt, float *ya
   shade_draft_free(own);
   return good;
 }
+
+/* How the yarns of one direction lean: mean normal and covariance (xx, xy, yy) over their points.
+ */
+typedef struct lean {
+  double share, mean[3], spread[3];
+} lean;
+
+static void find_leans(const shade_weave *w, const shade_draft *d, lean to[2]) {
+  enum { POINTS = 2048 };
+  for (int k = 0; k < POINTS; k++) {
+    shade_crossing at;
+    shade_weave_lookup(w, d->ends * fmod(0.5 + k * 0.7548776662466927, 1),
+                       d->picks * fmod(0.5 + k * 0.5698402909980532, 1), &at);
+    if (at.top == SHADE_TOP_GAP)
+      continue;
+    lean *l = &to[at.top == SHADE_TOP_WARP];
+    const double m[3] = {at.dx, at.dy, sqrt(1 - at.dx * at.dx - at.dy * at.dy)};
+    l->share += 1.0 / POINTS;
+    for (int i = 0; i < 3; i++) {
+      l->mean[i] += m[i] / POINTS;
+      l->spread[i] += m[i > 1] * m[i > 0] / POINTS;
+    }
+  }
+  for (int kind = 0; kind < 2; kind++) {
+    lean *l = &to[kind];
+    for (int i = 0; i < 3 && l->share > 0; i++)
+      l->mean[i] /= l->share;
+    for (int i = 0; i < 3 && l->share > 0; i++)
+      l->spread[i] = l->spread[i] / l->share - l->mean[i > 1] * l->mean[i > 0];
+  }
+}
+
+/* What they would take of light from w, each for itself: the mean of what is above 0 of numbers
+ * spread evenly about the mean of m . w [CONVENTIONS.md, "Shadows of yarns"]. */
+static double taken(const lean *l, const double w[3]) {
+  const double variance =
+      l->spread[0] * w[0] * w[0] + 2 * l->spread[1] * w[0] * w[1] + l->spread[2] * w[1] * w[1];
+  const double middle = l->mean[0] * w[0] + l->mean[1] * w[1] + l->mean[2] * w[2];
+  const double reach = sqrt(fmax(3 * variance, 0)), high = middle + reach;
+  const double low = fmax(middle - reach, 0);
+  if (reach < 1e-9)
+    return l->share * fmax(middle, 0);
+  return high > low ? l->share * (high * high - low * low) / (4 * reach) : 0;
+}
+
+double cloth_lit(const cloth *c) {
+  enum { RINGS = 16, TURNS = 16 };
+  shade_draft *own;
+  const shade_draft *d = draft_of(c, &own);
+  shade_weave_params p = c->preset.yarns;
+  still(&p.warp);
+  still(&p.weft);
+  shade_weave *weave = d ? shade_weave_create(d, &p, NULL) : NULL;
+  lean leans[2] = {{0}};
+  double left = 0;
+  if (weave)
+    find_leans(weave, d, leans);
+  for (int k = 0; weave && k < RINGS * TURNS; k++) { /* by the cosine */
+    const double z = sqrt(((double)(k / TURNS) + 0.5) / RINGS), s = sqrt(1 - z * z);
+    const double turn = 6.283185307179586 * (k % TURNS + 0.5) / TURNS;
+    const double w[3] = {s * cos(turn), s * sin(turn), z};
+    const double all =
+        (1 - leans[0].share - leans[1].share) * z + taken(&leans[0], w) + taken(&leans[1], w);
+    left += all > z ? z / all : 1;
+  }
+  shade_weave_free(weave);
+  shade_draft_free(own);
+  return weave ? left / (RINGS * TURNS) : -1;
+}

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Libshade Fabric in Cycles and in our own engine's near model, for test_blender_cloth.py: cloth_cycles.py FOLDER; and what
+becomes of its images."""
+
+import math
+import os
+import sys
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common  # noqa: E402
+
+folder, = common.arguments()
+VARIED = ("vary_brightness", "vary_tilt", "along_brightness", "along_tilt", "slub")
+MARK = "libshade_cloth"
+
+
+def new_cloth(preset, even=True, **settings):
+    material = bpy.data.materials.new("cloth")
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    node, output = tree.nodes.new("LibshadeFabricNode"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+    node.preset, node.distance = preset, "NEAR"
+    for word in VARIED if even else ():  # which differs by chance
+        setattr(node, f"warp_{word}", 0.0)
+        setattr(node, f"weft_{word}", 0.0)
+    for name, value in settings.items():
+        setattr(node, name, value)
+    return material, tree, node
+
+
+def plate(preset, sun=(0.6, 0.3, 0), sky=0.3, **settings):
+    """A new scene of a plate that is seen aslant, of some twenty crossings; (its tree, its node, the plate)."""
+    scene = common.empty_scene(48, 48, samples=32)
+    scene.cycles.samples, scene.cycles.max_bounces = 32, 1
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.pixel_filter_type, scene.libshade.max_bounces = "BOX", 1
+    world = scene.world = bpy.data.worlds.new("sky")
+    if bpy.app.version < (5, 0):
+        world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (sky, sky, sky, 1)
+    material, tree, node = new_cloth(preset, **settings)
+    common.light(scene, rotation=sun, size=0.2)
+    common.camera(scene, type="ORTHO", ortho_scale=1.1)
+    ob = common.plane(material)
+    ob.rotation_euler = (0.4, 0.2, 0.1)
+    return tree, node, ob
+
+
+def both(name):
+    """By either engine."""
+    for engine in ("LIBSHADE", "CYCLES"):
+        bpy.context.scene.render.engine = engine
+        common.render(os.path.join(folder, f"{name}_{engine.lower()}.exr"))
+
+
+def mapped(tree, node):
+    """Object coordinates, turned and larger, to Vector."""
+    place, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
+    mapping.inputs["Rotation"].default_value, mapping.inputs["Scale"].default_value = (0, 0, 0.5), (1.3, 1.3, 1.3)
+    tree.links.new(place.outputs["Object"], mapping.inputs[0])
+    tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+
+
+def test_pictures():
+    """Two presets, and each socket."""
+    plate("LINEN", size=0.013)
+    both("linen")
+    tree, node, _ob = plate("SILK_CHARMEUSE", size=0.003)
+    both("charmeuse")
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    tree.links.new(geometry.outputs["Normal"], node.inputs["Normal"])
+    common.render(os.path.join(folder, "charmeuse_told_cycles.exr"))
+    for link in list(node.inputs["Normal"].links):
+        tree.links.remove(link)
+    for name, value in (("Gloss", 0.2), ("Fuzz", 0.8), ("Scale", 0.7), ("Rotation", 0.17), ("Alpha", 0.6)):
+        node.inputs[name].default_value = value
+    both("sockets")
+    tree, node, _ob = plate("POLYESTER_LINING", size=0.006)
+    mapped(tree, node)
+    both("vector")
+    tree, node, _ob = plate("DENIM", sun=(math.pi - 0.6, 0.3, 0), sky=0.0, size=0.01)
+    node.inputs["Translucency"].default_value = 0.5
+    both("through")
+    tree, node, _ob = plate("LINEN", size=0.013, open_gaps=True)
+    both("open")
+    tree, node, _ob = plate("LINEN", size=0.013)
+    tilted = tree.nodes.new("ShaderNodeVectorMath")
+    tilted.operation, tilted.inputs[1].default_value = "ADD", (0.35, 0.2, 0.0)
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    tree.links.new(geometry.outputs["Normal"], tilted.inputs[0])
+    unit = tree.nodes.new("ShaderNodeVectorMath")
+    unit.operation = "NORMALIZE"
+    tree.links.new(tilted.outputs[0], unit.inputs[0])
+    tree.links.new(unit.outputs[0], node.inputs["Normal"])
+    both("folded")
+
+
+def test_real_size():
+    """As large as our own engine has it, once it is measured; again where the scale changes."""
+    _tree, node, ob = plate("DENIM")
+    bpy.context.scene.unit_settings.scale_length = 0.5
+    node.size_mode = "REAL"
+    ob.scale = (0.01, 0.01, 0.01)
+    camera = bpy.context.scene.camera
+    camera.data.ortho_scale, camera.data.clip_start = 0.011, 0.001
+    assert bpy.ops.libshade.measure_cloth() == {"FINISHED"}
+    assert abs(ob["libshade_metres"] - 0.01) < 1e-6 and abs(ob["libshade_metres_of_unit"] - 0.005) < 1e-6
+    both("real")
+
+
+def ours():
+    return sorted(image.name for image in bpy.data.images if image.get(MARK))
+
+
+def test_images():
+    """One set for all that are woven alike; replaced where a number changes, gone with the last; saved with the file."""
+    common.empty_scene()
+    made = [new_cloth("DENIM", even=False) for _ in range(3)]
+    assert len(ours()) == 2 and all(image.packed_file and image.size[0] == 128 for image in bpy.data.images), ours()
+    held = [made[0][2].node_tree.nodes[word].image for word in ("tilt", "yarns")]
+    for k in range(20):
+        made[0][2].warp_curve = 0.2 + 0.01 * k
+    assert len(ours()) == 3, ours()  # only the tilt differs
+    assert made[1][2].node_tree.nodes["tilt"].image == held[0] != made[0][2].node_tree.nodes["tilt"].image
+    made[0][2].inputs["Gloss"].default_value, made[0][2].size, made[0][2].ends_per_cm = 0.3, 0.7, 30.0
+    assert len(ours()) == 3
+    made[0][2].preset = "DENIM"
+    assert len(ours()) == 2
+    copy = made[0][0].copy()
+    copy.node_tree.nodes[made[0][2].name].warp_ridge = 0.0
+    assert made[0][2].node_tree.nodes["tilt"].image == held[0] and len(ours()) == 3
+    colors = {name: tuple(np.round(np.reshape(bpy.data.images[name].pixels[:], (-1, 4)).mean(0), 3)) for name in ours()}
+    path = os.path.join(folder, "cloth.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert colors == {name: tuple(np.round(np.reshape(bpy.data.images[name].pixels[:], (-1, 4)).mean(0), 3)) for name in ours()}
+    assert {image.colorspace_settings.name for image in bpy.data.images if image.get(MARK)} == {"Non-Color"}
+    os.remove(path)
+
+
+for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
+    test()
+    print(test.__name__, "done", flush=True)
+print("all asserted")
+common.finish()

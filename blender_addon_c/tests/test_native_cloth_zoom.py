@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cloth from one metre to a hundred, by pixels as narrow as those of a picture 1920 wide: yarns become cloth without a jump.
+
+FRAMES=100 is the whole way (a minute); `-s` shows differences from frame to frame and what a frame costs.
+"""
+
+import os
+import time
+
+import numpy as np
+import pytest
+
+from native_scenes import persp, render, scene, square, sun, unit
+from test_native_cloth import cloth, fabric
+
+FRAMES, SIDE, SAMPLES = int(os.environ.get("FRAMES", "25")), 32, 16
+HALF = 0.364 * SIDE / 1920  # of the picture, at one metre: 40 degrees over 1920 pixels
+FLOOR = 1e-3  # of the mean: what no eye sees
+
+
+def frame(preset, far, tier):
+    """(32 x 32 pixels of the middle of a plate of 8 m, seconds of all cores)."""
+    eye = far * unit(np.array((0.45, -0.3, 1.0)))
+    made = scene(cloths=[cloth(preset, 8.0, tier=tier)], materials=[fabric()], meshes=[square(4.0)], camera=persp(HALF, tuple(eye), clip=(0.01, 1000)),
+                 lights=[sun((0.4, 0.5, 0.8), (2, 2, 2), angle=0.05)], background=(0.3, 0.3, 0.3), width=SIDE, height=SIDE,
+                 samples=SAMPLES, transparent=False, max_bounces=1)
+    begin = time.process_time()
+    return render(made)[0][..., :3].astype(float), time.process_time() - begin
+
+
+def pops(frames):
+    """Numbers of those after which more changes than three times what changes before and after, in the median of three; (they,
+    differences over the mean)."""
+    mean = np.mean([f.mean() for f in frames])
+    seen = np.array([np.abs(a - b).mean() for a, b in zip(frames, frames[1:])]) / mean
+    found = []
+    for k, step in enumerate(seen):
+        sides = [np.median(side) for side in (seen[max(0, k - 3):k], seen[k + 1:k + 4]) if len(side)]
+        if step > 3 * max(sides) + FLOOR:
+            found.append(k)
+    return found, seen
+
+
+@pytest.mark.parametrize("preset", ["denim", "linen", "polyester_lining"])
+def test_no_popping(preset):
+    far = np.geomspace(1, 100, FRAMES)
+    frames, cost = zip(*(frame(preset, z, "auto") for z in far))
+    found, seen = pops(frames)
+    means = np.array([f.mean() for f in frames])
+    fifths = np.array_split(np.arange(FRAMES), 5)
+    print(f"{preset}: differences by fifth of the way {[round(float(np.median(seen[part[part < FRAMES - 1]])), 5) for part in fifths]}, "
+          f"largest {seen.max():.4f} at {far[seen.argmax()]:.2f} m, median {np.median(seen):.5f}; means within "
+          f"{np.abs(means / means[-1] - 1).max():.4f} of the last; ms a frame {[round(1e3 * float(np.median(np.array(cost)[part])), 1) for part in fifths]}")
+    assert not found, [(round(far[k], 2), seen[k]) for k in found]
+    assert np.abs(means / means[-1] - 1)[far > 10].max() < 0.01  # nearer there are some twenty yarns, which vary
+    # what a jump between two models would be
+    at = 3 * FRAMES // 4
+    assert pops([f * (1.05 if k >= at else 1.0) for k, f in enumerate(frames)])[0] == [at - 1]
