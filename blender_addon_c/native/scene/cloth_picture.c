@@ -150,7 +150,7 @@ static double taken(const lean *l, const double w[3]) {
 }
 
 double cloth_lit(const cloth *c) {
-  enum { RINGS = 16, TURNS = 16 };
+  enum { RINGS = 64, TURNS = 16 };
   shade_draft *own;
   const shade_draft *d = draft_of(c, &own);
   shade_weave_params p = c->preset.yarns;
