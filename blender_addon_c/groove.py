@@ -99,13 +99,14 @@ def _new_group(tree):
 
 
 def _trees():
-    """All that the file may change, but what is inside our own nodes."""
+    """All that the file may change, but what is inside our own nodes and groups that these share."""
     inside = {node.node_tree for owner in (*bpy.data.materials, *bpy.data.node_groups)
               for node in getattr(getattr(owner, "node_tree", owner), "nodes", ())
               if node.bl_idname.startswith("Libshade")}
     trees = [owner.node_tree for owner in bpy.data.materials if owner.node_tree and not owner.library]
     trees += [tree for tree in bpy.data.node_groups
-              if tree.bl_idname == "ShaderNodeTree" and not tree.library and not tree.get(_MARK)]
+              if tree.bl_idname == "ShaderNodeTree" and not tree.library
+              and not any(key.startswith("libshade_") for key in tree.keys())]
     return [tree for tree in trees if tree not in inside]
 
 

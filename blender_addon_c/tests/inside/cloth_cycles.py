@@ -133,6 +133,10 @@ def test_images():
     copy = made[0][0].copy()
     copy.node_tree.nodes[made[0][2].name].warp_ridge = 0.0
     assert made[0][2].node_tree.nodes["tilt"].image == held[0] and len(ours()) == 3
+    shared = next(tree for tree in bpy.data.node_groups if tree.get(MARK))
+    inside = len(shared.nodes)
+    bpy.ops.libshade.follow_bumps()  # is not for what is inside
+    assert len(shared.nodes) == inside and sum(bool(tree.get(MARK)) for tree in bpy.data.node_groups) == 1
     colors = {name: tuple(np.round(np.reshape(bpy.data.images[name].pixels[:], (-1, 4)).mean(0), 3)) for name in ours()}
     path = os.path.join(folder, "cloth.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
