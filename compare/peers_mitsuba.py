@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run by build/venv-peers: the plate of plate.py in Mitsuba 3, once per job.
+"""Run by build/venv-peers: the plate of plate.py, or a sphere, in Mitsuba 3, once per job.
 
     build/venv-peers/bin/python peers_mitsuba.py JOBS.json
 
 JOBS.json is {"result": file, "normals": .npy of a normal map (rows from the top), "jobs": [job, ...]}; a job is
+    "shape":    "plate", as where there is none, or "sphere" (sphere.py); the normal map is of that
     "surface":  "bumped" (normal map) or "displaced" (mesh)
     "sky":      if there is one, an .npy of linear RGB that lights the plate in the sun's place
     "alphas":   of the anisotropic GGX, along u and along v
@@ -20,20 +21,25 @@ import mitsuba as mi
 import numpy as np
 
 import plate
+import sphere
 import whole
 
 mi.set_variant("llvm_ad_rgb")
 
 
-def flat():
-    """The unit square with UVs, as two triangles."""
-    return mesh(plate.mesh(1), height=0.0)
+def parts_of(job):
+    """(positions, normals, faces, uv) of a job's surface."""
+    displaced = job["surface"] == "displaced"
+    if job.get("shape") == "sphere":
+        return sphere.mesh(job["quads"] if displaced else sphere.FLAT, displaced)
+    positions, normals, faces, uv = plate.mesh(job["quads"] if displaced else 1)
+    if not displaced:
+        positions, normals = positions * (1.0, 1.0, 0.0), np.broadcast_to([0.0, 0.0, 1.0], normals.shape)
+    return positions, normals, faces, uv
 
 
-def mesh(parts, height=1.0):
+def mesh(parts):
     positions, normals, faces, uv = parts
-    positions = positions * (1.0, 1.0, height)
-    normals = normals if height else np.broadcast_to([0.0, 0.0, 1.0], normals.shape)
     triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
     made = mi.Mesh("plate", len(positions), len(triangles), has_vertex_normals=True, has_vertex_texcoords=True)
     values = mi.traverse(made)
@@ -53,13 +59,11 @@ def written(shape, folder, name):
 def scene_of(job, normals, folder):
     metal = {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha_u": job["alphas"][0],
              "alpha_v": job["alphas"][1]}
+    shape = written(mesh(parts_of(job)), folder, job["surface"])
     if job["surface"] == "bumped":
-        shape = written(flat(), folder, "flat")
         bitmap = mi.Bitmap(np.ascontiguousarray(normals[::-1], np.float32))  # its v grows downwards
         metal = {"type": "normalmap", "bsdf": metal,
                  "normalmap": {"type": "bitmap", "bitmap": bitmap, "raw": True}}
-    else:
-        shape = written(mesh(plate.mesh(job["quads"])), folder, "displaced")
     if job.get("sky"):
         light = {"type": "envmap", "bitmap": mi.Bitmap(np.load(job["sky"]).astype(np.float32)),
                  # Mitsuba's sky has y up, Blender's z

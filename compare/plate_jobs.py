@@ -9,11 +9,12 @@ import report
 import whole
 
 
-def run(folder, jobs, python=None):
-    """({name: picture}, {name: seconds of each repeat}, Blender's version) of {name: job}."""
+def run(folder, jobs, python=None, normals=None):
+    """({name: picture}, {name: seconds of each repeat}, Blender's version) of {name: job}. `normals`: the normal
+    map, the plate's if there is none."""
     order = {"normal_map": str(folder / "normals.exr"), "result": str(folder / "seconds.json"),
              "jobs": list(jobs.values())}
-    pictures.write_float(order["normal_map"], plate.normal_map(2048))
+    pictures.write_float(order["normal_map"], plate.normal_map(2048) if normals is None else normals)
     whole.write_text(folder / "jobs.json", json.dumps(order))
     script = programs.HERE / "plate_render.py"
     command = [str(python), str(script), "--", str(folder / "jobs.json")] if python else \

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run inside Blender: render the plate of plate.py, once per job.
+"""Run inside Blender: render the plate of plate.py, or the sphere of sphere.py, once per job.
 
     blender -b --factory-startup [--addons libshade] --python-exit-code 2 \
         -P plate_render.py -- JOBS.json
@@ -8,6 +8,7 @@ JOBS.json is {"normal_map": file, "mesh": file or "", "result": file, "jobs": [j
 mesh, if there is one, is an .npz of positions, faces and uv that takes the place of the
 displaced plate, with smooth normals of its own. A job is
     "engine":   "CYCLES" or "LIBSHADE"
+    "shape":    "plate", as where there is none, or "sphere"; the normal map is of that
     "surface":  "flat", "bumped" (normal map) or "displaced" (mesh)
     "detail":   libshade's detail method (LIBSHADE only); without it the metal is Cycles' own node
     "ggx":      if it is there, roughness and anisotropy of GGX in the place of Ashikhmin-Shirley's lobe
@@ -28,18 +29,26 @@ from mathutils import Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plate  # noqa: E402
+import sphere  # noqa: E402
 import whole  # noqa: E402
 
 BOUNCES = 4  # under a sky
 
 
-def new_mesh(quads, file=""):
-    """A plate of quads x quads quads with UVs, flat if it is one quad; or the file's mesh."""
-    if file:
+def parts_of(job, file):
+    """(positions, normals or None where they are the mesh's own, faces, uv); a file's are of a displaced plate."""
+    displaced = job["surface"] == "displaced"
+    if displaced and file:
         stored = np.load(file)
-        positions, faces, uv = (stored[name] for name in ("positions", "faces", "uv"))
-    else:
-        positions, normals, faces, uv = plate.mesh(quads)
+        return stored["positions"], None, stored["faces"], stored["uv"]
+    if job.get("shape") == "sphere":
+        return sphere.mesh(job["quads"] if displaced else sphere.FLAT, displaced)
+    positions, normals, faces, uv = plate.mesh(job["quads"] if displaced else 1)
+    return positions, normals if displaced else None, faces, uv
+
+
+def new_mesh(positions, normals, faces, uv):
+    """Quads with UVs, and smooth normals of their own or given ones."""
     mesh = bpy.data.meshes.new("plate")
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())
@@ -52,7 +61,7 @@ def new_mesh(quads, file=""):
     layer = mesh.uv_layers.new(name="UVMap")
     layer.data.foreach_set("uv", uv[faces.ravel()].astype(np.float32).ravel())
     mesh.update(calc_edges=True)
-    if quads > 1 and not file:
+    if normals is not None:
         if hasattr(mesh, "use_auto_smooth"):  # removed in Blender 4.1
             mesh.use_auto_smooth = True
             mesh.auto_smooth_angle = np.pi
@@ -128,8 +137,7 @@ def new_world(file):
 def new_scene(job, image, file="", sky=""):
     """Plate, sun or sky, and a camera straight above, filling the picture."""
     scene = bpy.data.scenes.new("plate")
-    displaced = job["surface"] == "displaced"
-    mesh = new_mesh(job["quads"] if displaced else 1, file if displaced else "")
+    mesh = new_mesh(*parts_of(job, file))
     mesh.materials.append(new_material(job, image))
     scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
 

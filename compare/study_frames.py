@@ -1,192 +1,312 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whole pictures: seconds a frame against error, on the bumped plate, in our engine, Cycles and POV-Ray.
+"""Whole pictures: seconds a frame against error, on the bumped plate and a scratched sphere, in five renderers.
 
-The truth is the plate of plate.py really displaced, rendered by Cycles with many samples. Only the full
-report has this study: it renders for minutes.
+The truth is each surface really displaced, rendered by Cycles with many samples; it is kept, since it does not
+depend on the library. Only the full report has this study: it renders for minutes (study.py).
 """
+import functools
+import hashlib
 import json
+import subprocess
 import time
 
 import numpy as np
 
+import frames_povray
 import fronts
+import gallery
 import paths
 import pictures
 import plate
+import plate_jobs
 import programs
-import report
+import sheet
+import sphere
+import study_peers as peers
 import style
 import whole
+from sheet import percent
 from study import Figure, Finding, Table, Task
 
 NAME = "frames"
 TITLE = "Whole pictures: seconds a frame against error"
-INTRO = ("The plate of sinusoidal bumps, slope 0.6, 512 × 512 pixels, with its bumps as a normal map. The truth is the "
-         "same plate as a displaced mesh of 1.28 million triangles, rendered by Cycles with 256 samples a pixel, or "
-         "1024 under the sky. Under a sun the error is the mean absolute difference over the mean of the truth; under a drawn studio's sky, with "
-         "up to 4 bounces, that of means over 4 × 4 pixels. Seconds are those of the whole render, from the scene in "
-         "memory to the picture (POV-Ray: from its file), the median of turns.")
-SIZE, REPEAT, QUADS = 512, 3, 800
-TRUTH = {"sun": 256, "sky": 1024}  # samples a pixel
+INTRO = (
+    "GGX with alphas 0.05 and 0.3 on a plate of sinusoidal bumps, slope 0.6, and on a sphere with 60 scratches, each with "
+    "its relief as a normal map. The truth is the same surface as a displaced mesh of more than a million triangles, "
+    "rendered by Cycles 3.4. Pictures are 512 × 512 under a sun and 256 × 256 under a drawn studio's sky, with up to 4 "
+    "bounces. The error is the mean absolute difference over the mean of the truth: of the plate under the sun pixel by "
+    "pixel, else of means over blocks, 4 × 4 under the sky and 8 × 8 of the sphere under the sun, within 95 % of its "
+    "radius: a displaced scratch is seen beside where its normal map has it, and that no map can follow. Seconds are those of the whole render, from the "
+    "scene in memory to the picture (POV-Ray: from its file), the median of turns. POV-Ray has no light of a sky for these "
+    "lobes.")
 LIGHTS = {"sun": "under a sun", "sky": "under a studio's sky"}
-ENGINES = {"cycles": "Cycles' normal map", "libshade": "libshade, rotate", "gram_schmidt": "libshade, Gram-Schmidt",
-           "perturb": "libshade, perturb", "povray": "POV-Ray, rotate"}
-SAMPLES = {"sun": (4, 16, 64), "sky": (16, 64, 256)}
+SHAPES = {"plate": "the plate", "sphere": "the sphere"}
+SCENES = [(shape, light) for shape in SHAPES for light in LIGHTS]
+SIZE = {"sun": 512, "sky": 256}  # pixels along a side
+QUADS = {"plate": 800, "sphere": 1000}
+BLOCK = {("plate", "sun"): 1, ("plate", "sky"): 4, ("sphere", "sun"): 8, ("sphere", "sky"): 4}  # pixels along a side
+SAMPLES = {"sun": (4, 16, 64), "sky": (16, 64, 256)}  # a pixel
+TRUTH = {"sun": 128, "sky": 512}  # of each of two pictures, whose mean is the truth
+REPEAT = 3
+ENGINES = {"libshade": "libshade, rotate", "gram_schmidt": "libshade, Gram-Schmidt", "perturb": "libshade, perturb",
+           "cycles": "Cycles 3.4's normal map", "cycles_5": "Cycles 5.0's normal map",
+           "mitsuba": "Mitsuba 3's normal map", "povray": "POV-Ray, rotate"}
+NORMAL_MAPS = ("cycles", "cycles_5", "mitsuba")  # of other renderers
 
 
-def error(picture, truth, light):
-    if light == "sky":
-        picture, truth = paths.blocks(picture), paths.blocks(truth)
-    return pictures.relative_difference(picture, truth)
+# ---- the work ------------------------------------------------------------------------------------
 
 
-def blender(light):
+def judged(picture, shape, light):
+    """The values that are compared, shape (number, 3)."""
+    side = BLOCK[shape, light]
+    mask = sphere.judged(len(picture)) if shape == "sphere" else np.ones(picture.shape[:2], bool)
+    within = paths.blocks(np.repeat(mask[..., None], 3, -1).astype(float), side)[..., 0] == 1
+    return paths.blocks(picture, side)[within]
+
+
+def error(picture, truth, shape, light):
+    return pictures.relative_difference(judged(picture, shape, light), judged(truth, shape, light))
+
+
+@functools.lru_cache(1)
+def normals_of(shape):
+    return plate.normal_map(2048) if shape == "plate" else sphere.normal_map(1536)
+
+
+def job_of(engine, shape, light, sky, samples, **more):
+    job = {"engine": "CYCLES" if engine.startswith("cycles") else "LIBSHADE", "shape": shape, "surface": "bumped",
+           "ggx": (peers.ROUGHNESS, peers.ANISOTROPY), "size": SIZE[light], "quads": QUADS[shape], "samples": samples,
+           "repeat": REPEAT, "seed": 1, **({"sky": sky} if light == "sky" else {}), **more}
+    if job["engine"] == "LIBSHADE":
+        job["detail"] = "rotate" if engine == "libshade" else engine
+    return job
+
+
+def truth(shape, light, sky, folder, say):
+    """(picture, its own noise): the mean of two renders, and half their difference; kept until what makes it changes."""
+    jobs = {f"truth-{seed}": job_of("cycles", shape, light, sky and "sky", TRUTH[light], surface="displaced", repeat=0,
+                                    seed=seed) for seed in (7, 8)}
+    digest = hashlib.sha256(json.dumps(jobs).encode())
+    for name in ("plate.py", "sphere.py", "plate_render.py", "paths.py"):
+        digest.update((programs.HERE / name).read_bytes())
+    said = subprocess.run([programs.BLENDER, "--version"], capture_output=True, check=False).stdout
+    digest.update(said.splitlines()[0] if said else b"")
+    mark = folder / "truth.txt"
+    if not (mark.is_file() and mark.read_text(encoding="utf-8") == digest.hexdigest()):
+        say("the truth")
+        for name, job in jobs.items():
+            job.update(output=str(folder / f"{name}.exr"), **({"sky": sky} if sky else {}))
+        plate_jobs.run(folder, jobs, normals=normals_of(shape))
+        whole.write_text(mark, digest.hexdigest())
+    halves = [pictures.read(folder / f"{name}.exr") for name in jobs]
+    return sum(halves) / 2, error(*halves, shape, light) / 2
+
+
+def in_blender(engines, shape, light, sky, folder, python=None):
+    """{(engine, samples): (picture, seconds of each turn, version)}; methods but for the first at the most samples."""
+    jobs = {(engine, samples): job_of(engine, shape, light, sky, samples, output=str(folder / f"{engine}-{samples}.exr"))
+            for engine in engines for samples in (SAMPLES[light][-1:] if engine in ("gram_schmidt", "perturb")
+                                                  else SAMPLES[light])}
+    made, seconds, version = plate_jobs.run(folder, jobs, python=python, normals=normals_of(shape))
+    return {key: (made[key], seconds[key], version) for key in jobs}
+
+
+def in_mitsuba(shape, light, sky, folder):
+    jobs = {("mitsuba", samples): job_of("mitsuba", shape, light, sky, samples) for samples in SAMPLES[light]}
+    made, seconds, version = peers.run_mitsuba(folder, jobs, normals_of(shape))
+    return {key: (made[key], seconds[key], version) for key in jobs}
+
+
+def there():
+    """{engine that is not always there: whether it is}."""
+    return {"cycles_5": peers.BPY.is_file(), "mitsuba": peers.ready()}
+
+
+def frames(shape, light):
     def run(folder, say):
-        say("Blender")
-        pictures.write_float(folder / "normals.exr", plate.normal_map(2048))
-        common = {"size": SIZE, "quads": QUADS}
+        sky = None
         if light == "sky":
-            pictures.write_float(folder / "sky.exr", paths.studio())
-            common["sky"] = str(folder / "sky.exr")
-        jobs = {("displaced", 0): {"engine": "CYCLES", "surface": "displaced", "samples": TRUTH[light],
-                                   "repeat": 0, "seed": 7}}
-        for samples in SAMPLES[light]:
-            jobs["cycles", samples] = {"engine": "CYCLES", "surface": "bumped"}
-            for detail in ("rotate", "gram_schmidt", "perturb"):
-                name = "libshade" if detail == "rotate" else detail
-                jobs[name, samples] = {"engine": "LIBSHADE", "surface": "bumped", "detail": detail}
-        for number, ((_name, samples), job) in enumerate(jobs.items()):
-            job.update({"samples": samples, "repeat": REPEAT, **common, **job, "output": str(folder / f"{number}.exr")})
-        whole.write_text(folder / "jobs.json", json.dumps(
-            {"normal_map": str(folder / "normals.exr"), "mesh": "", "result": str(folder / "seconds.json"),
-             "jobs": list(jobs.values())}))
-        report.step("in Blender", programs.blender(programs.HERE / "plate_render.py", folder / "jobs.json"),
-                    folder / "blender.log", programs.ADD_ON)
-        said = json.loads((folder / "seconds.json").read_text(encoding="utf-8"))
-        seen = {name: pictures.read(job["output"]) for name, job in jobs.items()}
-        truth, rows = seen["displaced", 0], []
-        for (name, samples), seconds in zip(jobs, said["seconds"]):
-            if name != "displaced":
-                rows += [{"light": light, "engine": name, "samples": samples, "run": k, "seconds": s,
-                          "error": error(seen[name, samples], truth, light), "blender": said["blender"]}
-                         for k, s in enumerate(seconds)]
+            sky = str(folder / "sky.exr")
+            pictures.write_float(sky, paths.studio())
+            np.save(folder / "sky.npy", paths.studio())
+        true, noise = truth(shape, light, sky, folder, say)
+        say("Blender 3.4")
+        made = in_blender(("libshade", "cycles", "gram_schmidt", "perturb"), shape, light, sky, folder)
+        rows = [{"kind": "missing", "shape": shape, "light": light, "engine": engine}
+                for engine, is_there in there().items() if not is_there]
+        if there()["cycles_5"]:
+            say("Blender 5.0")
+            made.update(in_blender(("cycles_5",), shape, light, sky, folder, peers.BPY))
+        if there()["mitsuba"]:
+            say("Mitsuba")
+            made.update(in_mitsuba(shape, light, sky and str(folder / "sky.npy"), folder))
         if light == "sun":
-            rows += povray(folder, truth, say)
-        return rows
+            say("POV-Ray")
+            made.update({("povray", side * side): result for side, result in frames_povray.run(
+                folder, shape, SIZE[light], peers.ALPHAS, (1, 2, 4), REPEAT).items()})
+        for (engine, samples), (picture, seconds, version) in made.items():
+            off = error(picture, true, shape, light)
+            rows += [{"kind": "frame", "shape": shape, "light": light, "engine": engine, "samples": samples, "run": k,
+                      "seconds": s, "error": off, "noise": noise, "version": version} for k, s in enumerate(seconds)]
+        return rows + tiles(folder, shape, light, true, made)
     return run
 
 
-SCENE = """#version 3.7;
-global_settings {{ assumed_gamma 1 max_trace_level 2 }}
-camera {{ orthographic location <0, 0, -2> right x up y direction z }}
-light_source {{ <{0:.9f}, {1:.9f}, {2:.9f}> * 100 rgb 1 parallel point_at 0 }}
-mesh2 {{
-  vertex_vectors {{ 4, <-.5, -.5, 0>, <.5, -.5, 0>, <.5, .5, 0>, <-.5, .5, 0> }}
-  uv_vectors {{ 4, <0, 0>, <1, 0>, <1, 1>, <0, 1> }}
-  face_indices {{ 2, <0, 1, 2>, <0, 2, 3> }}
-  uv_mapping
-  texture {{ pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{
-    ashikhmin_shirley {3:.9g}, {4:.9g} specular rgb 1 detail rotate fresnel none horizon hard tangent uv
-    bump_image {{ exr "normals.exr" }} }} }} }}
-}}
-"""
-
-
-def povray(folder, truth, say):
-    """Rows of POV-Ray's picture, which is made as bright as the truth: its lamp has no units. Samples
-    are a larger picture's, averaged: its own anti-aliasing is not the box that the others filter by."""
-    say("POV-Ray")
-    sun = plate.SUN
-    whole.write_text(folder / "plate.pov", SCENE.format(sun[0], sun[1], -sun[2], plate.EX, plate.EY))
-    rows = []
-    for side in (1, 2, 4):
-        seconds = []
-        for _turn in range(REPEAT):
-            begun = time.perf_counter()
-            report.step("in POV-Ray", [programs.POVRAY, "plate.pov", "+Opovray.exr", "+FE", f"+W{SIZE * side}",
-                                       f"+H{SIZE * side}", "-D", "-A"], folder / "povray.log", folder=folder)
-            seconds.append(time.perf_counter() - begun)
-        picture = paths.blocks(pictures.read(folder / "povray.exr"), side)
-        off = error(picture * (truth.mean() / picture.mean()), truth, "sun")
-        rows += [{"light": "sun", "engine": "povray", "samples": side * side, "run": k, "seconds": s, "error": off}
-                 for k, s in enumerate(seconds)]
+def tiles(folder, shape, light, true, made):
+    """The pictures of the most samples beside the truth; what made them is removed, but for the truth's own."""
+    white = float(np.percentile(true, 98)) if light == "sun" else 2.5 * float(true[true > 0].mean())
+    kept = {engine: picture for (engine, _samples), (picture, _seconds, _version) in made.items()}
+    side = SIZE[light] // 256
+    shown = [("displaced: the truth", sheet.grey(paths.blocks(true, side), white))]
+    shown += [(style.of(engine).label, sheet.grey(paths.blocks(kept[engine], side), white), "error {}",
+               error(kept[engine], true, shape, light)) for engine in ENGINES if engine in kept]
+    rows = sheet.tiles(folder, f"{shape}-{light}", shown)
+    for path in folder.iterdir():
+        if path.suffix in (".exr", ".npy", ".ply", ".inc") and not path.name.startswith("truth-"):
+            path.unlink()
     return rows
 
 
 def tasks(quick):
     if quick:
         return []
-    needs = (programs.POVRAY, programs.BUILD / "libshade-blender.zip")
-    return [Task(f"plate-{light}", {"sun": 240, "sky": 420}[light], blender(light), "", needs) for light in LIGHTS]
+    needs = (programs.POVRAY, programs.BUILD / "libshade-blender.zip", peers.PEERS.parents[1] / "done",
+             peers.BPY.parents[1] / "done")
+    return [Task(f"{shape}-{light}", {"sun": 120, "sky": 150}[light], frames(shape, light),
+                 "build/venv/bin/python compare/report_page.py --only frames", needs) for shape, light in SCENES]
 
 
-def points(rows, light):
+# ---- what was found --------------------------------------------------------------------------------
+
+
+def points(rows, shape, light):
+    """[(samples, point)] of each engine, in the order of ENGINES."""
     found = []
+    frame = fronts.pick(rows, kind="frame", shape=shape, light=light)
     for engine in ENGINES:
-        for samples in sorted({r["samples"] for r in rows if r["light"] == light and r["engine"] == engine}):
-            mine = sorted(fronts.pick(rows, light=light, engine=engine, samples=samples), key=lambda r: r["run"])
-            found.append((samples, fronts.Point(engine, [1e9 * r["seconds"] for r in mine], mine[0]["error"])))
+        for samples in sorted({r["samples"] for r in frame if r["engine"] == engine}):
+            mine = sorted(fronts.pick(frame, engine=engine, samples=samples), key=lambda r: r["run"])
+            found.append((samples, fronts.Point(engine, [time_of(r) for r in mine], mine[0]["error"])))
     return found
 
 
-def best(rows, light, engine):
-    return min((p for _s, p in points(rows, light) if p.word == engine), key=lambda p: p.error)
+def time_of(row):
+    """In ns, as fronts has times."""
+    return 1e9 * row["seconds"]
+
+
+def best(rows, shape, light, engine):
+    return min((p.error for _s, p in points(rows, shape, light) if p.word == engine), default=float("inf"))
+
+
+def scenes(rows):
+    return [scene for scene in SCENES if fronts.pick(rows, kind="frame", shape=scene[0], light=scene[1])]
+
+
+def finding_error(rows, shape, light):
+    ours = best(rows, shape, light, "libshade")
+    others = {e: best(rows, shape, light, e) for e in NORMAL_MAPS}
+    others = {e: value for e, value in others.items() if value < float("inf")}
+    text = (f"On {SHAPES[shape]} {LIGHTS[light]} our picture is {percent(ours)} from the displaced truth, by their normal "
+            "maps " + ", ".join(f"{style.of(e).label} {percent(value)}" for e, value in others.items()))
+    good = bool(others) and ours < min(others.values())
+    if light == "sun":
+        pov = best(rows, shape, light, "povray")
+        text += f"; POV-Ray with libshade {percent(pov)}"
+        good &= pov < min(others.values(), default=0)
+    return Finding(text + ".", good, f"frames-{shape}")
+
+
+def ratio(rows, shape, light, engine):
+    """Seconds of an engine over ours at the most samples, turn by turn."""
+    at = fronts.pick(rows, kind="frame", shape=shape, light=light, samples=max(SAMPLES[light]))
+    return fronts.ratio(*([r["seconds"] for r in sorted(fronts.pick(at, engine=e), key=lambda r: r["run"])]
+                          for e in (engine, "libshade")))[0]
+
+
+def finding_time(rows):
+    """The other engines that have Blender's scene; Mitsuba's time is in the table."""
+    engines = [e for e in ("cycles", "cycles_5") if fronts.pick(rows, kind="frame", engine=e)]
+    found = {e: [ratio(rows, *scene, e) for scene in scenes(rows)] for e in engines}
+    return Finding(
+        "With as many samples " + ", ".join(
+            f"{style.of(e).label} takes {min(v):.1f} to {max(v):.1f} times as long as our engine" for e, v in found.items())
+        + ".", bool(found) and min(map(min, found.values())) > 1, "numbers", timed=True)
+
+
+def finding_noise(rows):
+    frame = fronts.pick(rows, kind="frame")
+    worst = max(frame, key=lambda r: r["noise"] / best(rows, r["shape"], r["light"], "libshade"))
+    most = worst["noise"] / best(rows, worst["shape"], worst["light"], "libshade")
+    return Finding(
+        f"The truth's own noise is {percent(min(r['noise'] for r in frame))} to {percent(max(r['noise'] for r in frame))}, at "
+        f"most {most:.2f} of our smallest error there ({SHAPES[worst['shape']]} {LIGHTS[worst['light']]}).", most < 0.5,
+        "numbers")
 
 
 def findings(rows):
-    told = []
-    for light in dict.fromkeys(r["light"] for r in rows):
-        ours, theirs = best(rows, light, "libshade"), best(rows, light, "cycles")
-        at = max(SAMPLES[light])
-        ratio = fronts.ratio(*([r["seconds"] for r in fronts.pick(rows, light=light, engine=e, samples=at)]
-                               for e in ("cycles", "libshade")))[0]
-        told.append(Finding(f"On the plate {LIGHTS[light]} our engine is {ours.error:.3f} from the displaced truth, Cycles "
-                            f"with its normal map {theirs.error:.3f}; {at} samples a pixel take Cycles {ratio:.1f} times "
-                            "as long.", ours.error < theirs.error and ratio > 1, "plate", timed=True))
-    if fronts.pick(rows, engine="povray"):
-        pov = best(rows, "sun", "povray")
-        told.append(Finding(f"POV-Ray with libshade is {pov.error:.3f} from it, in {pov.ns / 1e9:.1f} s.",
-                            pov.error < best(rows, "sun", "cycles").error, "plate"))
-    return told
+    if not fronts.pick(rows, kind="frame"):
+        return []
+    return [*(finding_error(rows, *scene) for scene in scenes(rows)), finding_time(rows), finding_noise(rows)]
+
+
+def chart(rows, shape, light):
+    panel, axes = style.figure(400, 300)
+    found, ends = points(rows, shape, light), []
+    axes.set_title(LIGHTS[light])
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for engine in ENGINES:
+        mine = [p for _s, p in found if p.word == engine]
+        if not mine:
+            continue
+        look = style.of(engine)
+        xs, ys = [p.ns / 1e9 for p in mine], [p.error for p in mine]
+        bars = np.abs(np.array([[p.bar[0] / 1e9, p.bar[1] / 1e9] for p in mine]).T - xs)
+        axes.errorbar(xs, ys, xerr=bars, **{**look.bars, "linestyle": "-" if len(mine) > 1 else "none"})
+        ends.append((xs[-1], ys[-1], engine))
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, high * (high / low) ** 0.35)
+    style.log_ticks(axes.xaxis)
+    style.log_ticks(axes.yaxis)
+    axes.set_xlabel("seconds a frame, two cores")
+    axes.set_ylabel("error against the displaced surface")
+    style.labels(axes, ends)
+    return style.svg(panel)
 
 
 def figures(rows):
-    panels = []
-    for light in dict.fromkeys(r["light"] for r in rows):
-        panel, axes = style.figure(400, 300)
-        found, ends = points(rows, light), []
-        axes.set_title(LIGHTS[light])
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        for engine in ENGINES:
-            mine = [p for _s, p in found if p.word == engine]
-            if not mine:
-                continue
-            look = style.of(engine)
-            xs, ys = [p.ns / 1e9 for p in mine], [p.error for p in mine]
-            bars = np.abs(np.array([[p.bar[0] / 1e9, p.bar[1] / 1e9] for p in mine]).T - xs)
-            axes.errorbar(xs, ys, xerr=bars, **{**look.bars, "linestyle": "-"})
-            ends.append((xs[-1], ys[-1], engine))
-        low, high = axes.get_xlim()
-        axes.set_xlim(low, high * (high / low) ** 0.35)
-        style.log_ticks(axes.xaxis)
-        style.log_ticks(axes.yaxis)
-        axes.set_xlabel("seconds a frame, two cores")
-        axes.set_ylabel("error against the displaced plate")
-        style.labels(axes, ends)
-        panels.append(style.svg(panel))
-    if not panels:
-        return []
-    return [Figure("plate", "Seconds against error, by samples a pixel",
-                   "Each line joins a renderer's counts of samples a pixel, fewest on the left; bars: the middle half of "
-                   "its turns. `build/venv/bin/python compare/report_page.py --only frames`", "\n".join(panels),
-                   "Seconds against error of each renderer. Lines of libshade with rotate end lowest and to the left; "
-                   "Cycles' normal map stays high however many samples it takes.")]
+    made = []
+    for shape, words in SHAPES.items():
+        lights = [light for of, light in scenes(rows) if of == shape]
+        if not lights:
+            continue
+        made.append(Figure(
+            f"frames-{shape}", f"Seconds against error, {words}",
+            "Each line joins a renderer's counts of samples a pixel, fewest on the left; bars: the middle half of its turns. "
+            "`build/venv/bin/python compare/report_page.py --only frames`",
+            "\n".join(chart(rows, shape, light) for light in lights),
+            "Seconds against error of each renderer. Lines of libshade with rotate end lowest; normal maps of the other "
+            "renderers stay high however many samples they take."))
+        for light in lights:
+            tiled = gallery.pick(rows, kind="tile", figure=f"{shape}-{light}")
+            made.append(Figure(
+                f"pictures-{shape}-{light}", f"{words[0].upper()}{words[1:]} {LIGHTS[light]}",
+                "The most samples of each renderer. Made by `build/venv/bin/python compare/report_page.py --only frames`.",
+                sheet.panels(tiled, 2), "Pictures of the displaced surface and of each renderer's normal map"))
+    return made
 
 
 def tables(rows):
-    lines = [[LIGHTS[light], ENGINES[p.word], samples, p.ns / 1e9,
-              f"{p.bar[0] / 1e9:.2f} to {p.bar[1] / 1e9:.2f}", p.error]
-             for light in dict.fromkeys(r["light"] for r in rows) for samples, p in points(rows, light)]
-    return [Table("numbers", "Whole pictures", "Two cores; errors over the mean of the truth.",
-                  ["light", "renderer", "samples", "seconds", "middle half", "error"], lines)] if lines else []
+    lines = [[SHAPES[shape], LIGHTS[light], ENGINES[p.word], samples, p.ns / 1e9,
+              f"{p.bar[0] / 1e9:.2f} to {p.bar[1] / 1e9:.2f}", 100 * p.error]
+             for shape, light in scenes(rows) for samples, p in points(rows, shape, light)]
+    if not lines:
+        return []
+    absent = [ENGINES[e].split("'")[0] for e in dict.fromkeys(r["engine"] for r in fronts.pick(rows, kind="missing"))]
+    said = f" Not measured, since not installed: {', '.join(absent)}. `make compare-peers` fetches them." if absent else ""
+    versions = dict.fromkeys(str(r["version"]) for r in fronts.pick(rows, kind="frame"))
+    return [Table("numbers", "Whole pictures", f"Two cores; errors over the mean of the truth. Versions: "
+                  f"{', '.join(versions)}.{said}",
+                  ["surface", "light", "renderer", "samples", "seconds", "middle half", "error, %"], lines)]

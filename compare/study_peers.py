@@ -63,10 +63,11 @@ def run_blender(engine, folder, jobs):
     return plate_jobs.run(folder, jobs, python=BPY if engine == "cycles_5" else None)
 
 
-def run_mitsuba(folder, jobs):
-    np.save(folder / "normals.npy", plate.normal_map(2048))
-    for part, job in jobs.items():
-        job.update(alphas=ALPHAS, output=str(folder / f"{part}.npy"))
+def run_mitsuba(folder, jobs, normals=None):
+    """As plate_jobs.run() does."""
+    np.save(folder / "normals.npy", plate.normal_map(2048) if normals is None else normals)
+    for number, job in enumerate(jobs.values()):
+        job.update(alphas=ALPHAS, output=str(folder / f"{number}.npy"))
     order = {"normals": str(folder / "normals.npy"), "folder": str(folder), "result": str(folder / "seconds.json"),
              "jobs": list(jobs.values())}
     whole.write_text(folder / "jobs.json", json.dumps(order))
