@@ -4,6 +4,7 @@ import subprocess
 
 import numpy as np
 
+import atlas_facing as facing
 import atlas_forms as forms
 import atlas_measures as measures
 import programs
@@ -51,8 +52,8 @@ def reference(what, form, shape, n, *directions, horizon="hard"):
     names = ("--ex", "--ey") if form.mdf == "ashikhmin_shirley" else ("--ax", "--ay")
     numbers = " ".join(repr(float(x)) for v in (n, *directions) for x in v)
     done = subprocess.run(
-        [programs.SHADE, "eval", "--what", what, "--precision", "reference", "--mdf", form.mdf, "--detail",
-         form.detail, "--groove", form.groove, "--horizon", horizon, names[0], repr(float(shape[0])), names[1],
+        [programs.SHADE, "eval", "--what", what, "--precision", "reference", "--mdf", form.mdf,
+         *(("--brdf", "microfacet") if form.mdf in ("beckmann", "ggx") and what == "f" else ()), "--detail", form.detail, "--groove", form.groove, "--horizon", horizon, names[0], repr(float(shape[0])), names[1],
          repr(float(shape[1]))], input=numbers + "\n", text=True, capture_output=True, check=False)
     if done.returncode:
         raise ValueError(done.stderr.strip())
@@ -79,7 +80,9 @@ def at(given):
     if "eye" in given and "light" in given:
         return head + pair(given, form, shape, n)
     if "eye" in given:
-        return head + furnace(given, form, n)
+        return head + furnace(given, form, shape, n)
+    if "light" in given:
+        return head + beam(given, form, n)
     if "theta" in given or "h_theta" in given:
         return head + half(given, word, form, shape, n)
     return head + normal(given, form, shape, n)
@@ -138,17 +141,36 @@ def normal(given, form, shape, n):
                     ("there of the displaced surface", f"{true[k]:.9g}")]
 
 
-def furnace(given, form, n):
+def beam(given, form, n):
+    """Light at an angle: what is given back of a beam."""
+    horizon = given.get("horizon", "hard")
+    wi = direction(given["light"], given.get("light_azimuth", 0.0))
+    material = facing.material_of(form, horizon)
+    return [("wi", vector(wi)), ("horizon", horizon), ("n·wi", f"{dot(n, wi):.9g}"),
+            ("share of a beam given back", f"{facing.returned(material, n, wi, 200, 0.07):.6g}"),
+            ("f cos towards the mirror image of wi about n",
+             f"{facing.shaded(material, n, wi, 2 * dot(n, wi) * n - wi):.9g}")]
+
+
+def furnace(given, form, shape, n):
     horizon = given.get("horizon", "hard")
     wo = direction(given["eye"], given.get("eye_azimuth", 0.0))
-    wi, solid = measures.hemisphere(300, 600)
-    plain, cosine = shade.eval(form.material(horizon=horizon), n, wi, wo)
-    value = measures.reflected(form, n, wi, wo) if form.printed else plain[:, 0] * cosine
+    material = facing.material_of(form, horizon, shape)
+    if "size" in given:  # half vectors about n, where the lobe may be narrow
+        h, solid = measures.about(n, facing.width_of(form, given["size"]), 300, 300)
+        along = dot(h, wo)
+        wi = 2 * along[:, None] * h - wo
+        kept = (along > 0) & (wi[:, 2] > 0)
+        wi, solid = wi[kept], 4 * along[kept] * solid[kept]
+    else:
+        wi, solid = measures.hemisphere(300, 600)
+    plain, cosine = shade.eval(material, n, wi, wo)
+    value = measures.reflected(facing.FormOf(form, shape), n, wi, wo) if form.printed else plain[:, 0] * cosine
     value = np.where(np.isfinite(value), value, 0)
     k = int(np.argmax(value))
     lines = [("wo", vector(wo)), ("horizon", horizon), ("albedo, by quadrature", f"{(value * solid).sum():.6g}")]
     if not form.printed:
-        drawn = shade.sample(form.material(horizon=horizon), n, wo, measures.numbers(65536))
+        drawn = shade.sample(material, n, wo, measures.numbers(65536))
         there = drawn.pdf > 0
         weight = np.where(there, drawn.f[:, 0] * drawn.cosine / np.where(there, drawn.pdf, 1), 0)
         lines += [("mean of f cos/pdf, 65536 draws", f"{weight.mean():.6g}"),
@@ -157,7 +179,7 @@ def furnace(given, form, n):
                   ("draws that find no direction", f"{1 - there.mean():.6g}")]
     else:
         lines.append(("of the library, " + form.detail, f"{(plain[:, 0] * cosine * solid).sum():.6g}"))
-    there = float(reference("f", form, form.shape, n, wi[k], wo, horizon=horizon)) * cosine[k]
+    there = float(reference("f", form, shape, n, wi[k], wo, horizon=horizon)) * cosine[k]
     return lines + [("f cos is largest at wi", vector(wi[k])), ("f cos there", f"{value[k]:.9g}"),
                     ("that of the reference, " + form.detail, f"{there:.9g}")]
 
@@ -166,8 +188,16 @@ def pair(given, form, shape, n):
     horizon = given.get("horizon", "hard")
     wo = direction(given["eye"], given.get("eye_azimuth", 0.0))
     wi = direction(given["light"], given.get("light_azimuth", 0.0))
-    material = form.material(horizon=horizon)
-    return [("wi", vector(wi)), ("wo", vector(wo)), ("horizon", horizon),
+    material = facing.material_of(form, horizon, shape)
+    wi_theta, wo_theta = given["light"], given["eye"]
+    steps = []
+    for who, theta, at_step in (
+            ("light", wi_theta, lambda t: (direction(t, given.get("light_azimuth", 0.0)), wo)),
+            ("eye", wo_theta, lambda t: (wi, direction(t, given.get("eye_azimuth", 0.0))))):
+        values = [float(facing.shaded(material, n, *at_step(theta + np.degrees(d))))
+                  for d in (-facing.NEAR_BY, facing.NEAR_BY)]
+        steps.append((f"f cos with the {who} 10⁻⁷ rad nearer to z, and farther", "{:.9g}, {:.9g}".format(*values)))
+    return [("wi", vector(wi)), ("wo", vector(wo)), ("horizon", horizon), *steps,
             ("f(wi, wo)", f"{shade.eval(material, n, wi, wo).f[0]:.17g}"),
             ("f(wo, wi)", f"{shade.eval(material, n, wo, wi).f[0]:.17g}"),
             ("f(wi, wo) of the reference", reference("f", form, shape, n, wi, wo, horizon=horizon)),

@@ -53,11 +53,13 @@ def exact(rows):
 def no_nan(rows):
     cells = [r for r in rows if r["map"] in ("half", "lobe") and not printed(r["form"])]
     theirs = [r for r in of(rows, "half") if printed(r["form"])]
+    shaded = [r for r in of(rows, "wide") if not printed(r["form"])] + of(rows, "eye") + of(rows, "light") + \
+        [r for r in of(rows, "narrow") if not printed(r["form"])]
     bad = sum(r["nan"] for r in theirs)
     return Finding(
-        f"No NaN leaves the library, at {len(cells)} cells, exponents 0 to 10⁶ and alphas 10⁻⁴ to 10 included; the "
-        f"printed formulas give NaN in {bad} of {len(theirs)}.",
-        cells and sum(r["nan"] for r in cells) == 0 < bad, "half-warp")
+        f"No NaN leaves the library, at {len(cells)} cells of D′ and {len(shaded)} of jumps, f and draws, exponents 0 to "
+        f"10⁶, alphas 10⁻⁴ to 10, grazing light and eye included; the printed formulas give NaN in {bad} of {len(theirs)}.",
+        cells and shaded and sum(r["nan"] for r in cells + shaded) == 0 < bad, "half-warp")
 
 
 def disc(rows):
@@ -95,6 +97,18 @@ def peaks(rows):
     moved = {r["form"] for r in of(rows, "normal") if r["displaced"] > 1 and not printed(r["form"])}
     return Finding("The peak stands where n is (within 1°) for all of the library's methods but `none`.",
                    moved == {"none"}, "displaced")
+
+
+def any_width(rows):
+    cells = [r for r in of(rows, "lobe") if not printed(r["form"])]
+    moved = {r["form"] for r in cells if r["displaced"] > 1}
+    wide = [r["size"] for r in cells if r["form"] == "deform_smooth_conserving" and r["displaced"] > 1]
+    tail = [r["size"] for r in of(rows, "wide", "rotate") if r["jump"] > 1e-3]
+    return Finding(
+        "At every exponent from 0 to 10⁶ and every alpha from 10⁻⁴ to 10 that holds too, but for the conserving smooth warp "
+        f"at exponents to {max(wide, default=0):g}; D′ of `rotate` jumps for exponents below 1 alone (to "
+        f"{max(tail, default=0):g}), which have not come to 0 at the carried horizon.",
+        moved == {"none", "deform_smooth_conserving"} and 1 <= max(wide) <= 100 and 0 <= max(tail, default=-1) < 1, "peak")
 
 
 def jumps(rows):
@@ -137,12 +151,48 @@ def weights(rows):
         flat < 1.5 < steep < worst, "spread")
 
 
+def beams(rows):
+    best = most(of(rows, "light", "rotate", horizon="valid_estevez"), "albedo")
+    hard = most(of(rows, "light", "rotate", horizon="hard"), "albedo")
+    bent = most(of(rows, "light", "rotate", horizon="valid_reflection"), "albedo")
+    above = sorted({r["form"] for r in of(rows, "light", horizon="hard") if r["albedo"] > 1.01})
+    return Finding(
+        f"Of a beam of light on a facet at any angle `rotate` gives back at most {best:.2f} with the default horizon and "
+        f"{hard:.2f} with `hard`, but up to {bent:.1f} with `valid_reflection` alone, which bends n to light that grazes; "
+        f"with `hard` these give back more than they get: {', '.join(f'`{w}`' for w in above)}.",
+        max(best, hard) <= 1.01 < bent and above == ["deform_linear", "deform_smooth", "perturb"], "beam")
+
+
+def widths(rows):
+    cells = [r for r in of(rows, "narrow") if not printed(r["form"])]
+    made = {r["form"] for r in cells if r["albedo"] > 1.01}
+    rest = most([r for r in cells if r["form"] not in made], "albedo")
+    wide = most(cells, "spread")
+    return Finding(
+        f"For an eye 85° from z, at any exponent or alpha, the albedo stays at {rest:.2f} or below but for "
+        f"{' and '.join(f'`{w}`' for w in sorted(made))}; weights spread by up to {wide:.1f} of their mean.",
+        made == {"deform_linear", "deform_smooth"} and 0.9 < rest <= 1.01 and 1 < wide < 10, "narrow-albedo")
+
+
+def horizon_steps(rows):
+    stays = {h: [most(of(rows, w, "rotate", horizon=h), "jump") > 1e-3 for w in ("light", "eye")]
+             for h in shade.choices("horizon")}
+    smooth = [h for h, both in stays.items() if not any(both)]
+    return Finding(
+        f"At every tilt and angle of light and eye f cos of `rotate` has no jump with {' and '.join(f'`{h}`' for h in smooth)}"
+        "; with the others it jumps where light or eye crosses a horizon.", smooth == ["schuessler", "valid_estevez"],
+        "steps-light")
+
+
 def exchange(rows):
     swapped = {h: most(of(rows, "pairs", "rotate", horizon=h), "asymmetry") for h in shade.choices("horizon")}
-    plain = most(of(rows, "pairs", horizon="hard"), "asymmetry")
+    tilted = [r for which in ("eye", "light", "narrow") for r in of(rows, which) if not printed(r["form"])]
+    plain = max(most([r for r in tilted if r["horizon"] == "hard"], "asymmetry"),
+                most(of(rows, "pairs", horizon="hard"), "asymmetry"))
+    swapped["schuessler"] = max(swapped["schuessler"], most([r for r in tilted if r["horizon"] == "schuessler"], "asymmetry"))
     others = [v for h, v in swapped.items() if h not in ("hard", "schuessler")]
     return Finding(
-        f"Every method is reciprocal with `hard` ({f'within {few(plain)}' if plain else 'to the last bit'}), `rotate` "
+        f"At every tilt, angle and width every method is reciprocal with `hard` ({f'within {few(plain)}' if plain else 'to the last bit'}), `rotate` "
         f"with `schuessler` too (within {few(swapped['schuessler'])}); with the other horizons light and eye cannot be "
         f"exchanged: f differs by up to {100 * max(others):.0f} %.",
         plain < 1e-9 and swapped["schuessler"] < 1e-9 and min(others) > 0.1, "pairs")
@@ -188,8 +238,8 @@ def explained(rows):
         failed and not nameless, "regions")
 
 
-ALL = (exact, no_nan, disc, misprints, energy, peaks, jumps, edges, furnace, weights, exchange, rounding, slopes,
-       fibres, explained)
+ALL = (exact, no_nan, disc, misprints, energy, peaks, any_width, jumps, edges, horizon_steps, furnace, beams, widths,
+       weights, exchange, rounding, slopes, fibres, explained)
 
 
 def findings(rows):

@@ -129,28 +129,44 @@ def sizes_of(form):
             else (1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0))
 
 
+def off_peak(form, function, n, h, value, shape, width):
+    """Angle from n to where function(n, h, shape) is largest, by its values on a grid; 0 where nothing is larger than
+    at n or beside it."""
+    value = np.where(np.isfinite(value), value, 0)
+    near = n + 1e-6 * width * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0.0]])
+    there = np.nanmax(function(n, near / np.sqrt(dot(near, near))[:, None], shape))
+    k = int(np.argmax(value))
+    if there >= value[k] * (1 - 1e-9) or np.ptp(value) < 1e-9 * form.peak(shape):
+        return 0.0
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(h[k], n)), dot(h[k], n))))
+
+
 def lobe(word, tilts, azimuths, rings=160, turns=96):
-    """∫D' over exponents and alphas, worst of some azimuths of n."""
+    """∫D' and the displacement of its peak over exponents and alphas, each the worst of some azimuths of n."""
     form, rows = FORMS[word], []
     for size in sizes_of(form):
         shape = shape_of(form, size)
         width = 1 / np.sqrt(max(size, 1)) if form.mdf == "ashikhmin_shirley" else min(size, 1.0)
         for tilt in tilts:
-            worst = None
+            worst, moved = None, (-1.0, 0.0)
             for azimuth in azimuths:
                 n = direction(tilt, azimuth)
-                energy = []
+                energy, away = [], []
                 stands = n if form.detail != "none" else np.array([0.0, 0, 1])
                 for value, middle in ((form.value, stands), (form.truth, n)):
                     h, solid = about(middle, width, rings, turns)
                     d = value(n, h, shape)
                     energy.append(float((np.where(np.isfinite(d), d, 0) * weight(form, n, h) * solid).sum()))
-                    nan = int((~np.isfinite(d)).sum()) if value == form.value else nan
+                    if value == form.value:
+                        nan = int((~np.isfinite(d)).sum())
+                    away.append(off_peak(form, value, n, h, d, shape, width))
+                # of the widest lobes the displaced surface's own is largest elsewhere
+                moved = max(moved, (away[0] if away[1] == 0 else 0.0, float(azimuth)))
                 row = {"map": "lobe", "form": word, "size": size, "tilt": float(tilt), "azimuth": float(azimuth),
                        "energy": energy[0], "true_energy": energy[1], "nan": nan}
                 if worst is None or abs(energy[0] - energy[1]) > abs(worst["energy"] - worst["true_energy"]):
                     worst = row
-            rows.append(worst)
+            rows.append({**worst, "displaced": moved[0], "displaced_azimuth": moved[1]})
     return rows
 
 

@@ -17,12 +17,31 @@ FAILS = {
     "furnace": ("grazing", lambda r: r["albedo"], 1.01, "albedo"),
     "weights": ("grazing", lambda r: r["spread"], 1.0, "deviation over mean"),
     "asymmetry": ("pairs", lambda r: r["asymmetry"], 1e-6, "|f − f′|/f"),
+    "wide jump": ("wide", lambda r: r["jump"], 1e-3, "jump, of the peak"),
+    "wide nan": ("wide", lambda r: r["nan"] * 1.0, 0.5, "NaN"),
+    "peak": ("lobe", lambda r: r["displaced"], 1.0, "peak displaced, degrees"),
+    "narrow furnace": ("narrow", lambda r: r["albedo"], 1.01, "albedo"),
+    "narrow weights": ("narrow", lambda r: r["spread"], 1.0, "deviation over mean"),
+    "narrow asymmetry": ("narrow", lambda r: r["asymmetry"], 1e-6, "|f − f′|/f"),
+    "light furnace": ("light", lambda r: r.get("albedo", 0.0), 1.01, "of a beam given back"),
+    "light asymmetry": ("light", lambda r: r["asymmetry"], 1e-6, "|f − f′|/f"),
+    "light jump": ("light", lambda r: r["jump"], 1e-3, "jump of f cos"),
+    "eye asymmetry": ("eye", lambda r: r["asymmetry"], 1e-6, "|f − f′|/f"),
+    "eye jump": ("eye", lambda r: r["jump"], 1e-3, "jump of f cos"),
     "fibre": ("fibre", lambda r: r["error"], 1e-3, "Φ off by"),
     "fibre nan": ("fibre", lambda r: r["nan"] * 1.0, 0.5, "NaN"),
 }
+NANS = ("nan", "off", "fibre nan", "wide nan")  # failures whose rows have no number
+# columns of a row that say where it fails most begin so, where it has several worst places
+PREFIX = {"weights": "spread_", "narrow weights": "spread_", "peak": "displaced_", "wide nan": "nan_",
+          **{f"{which} {what}": f"{what}_" for which in ("light", "eye", "narrow") for what in ("asymmetry", "jump")}}
+# failures that have another's reason, where they have none of their own
+ALIAS = {"wide nan": "nan", "peak": "displaced", "narrow furnace": "furnace", "narrow weights": "weights",
+         "light furnace": "furnace"}
 AXES = {  # of each map: columns across and upwards, in degrees where there is no unit
     "half": ("theta", "tilt"), "normal": ("azimuth", "tilt"), "lobe": ("size", "tilt"), "float": ("size", "tilt"),
-    "grazing": ("eye", "tilt"), "pairs": ("eye", "light"), "fibre": ("azimuth", "theta")}
+    "grazing": ("eye", "tilt"), "pairs": ("eye", "light"), "wide": ("size", "tilt"),
+    "narrow": ("size", "tilt"), "light": ("light", "tilt"), "eye": ("eye", "tilt"), "fibre": ("azimuth", "theta")}
 
 WARP = "the warp moves the lobe over the disc and does not turn it: it is squeezed towards the rim"
 BELOW = "much of the lobe lies below the surface's horizon; such draws count as 0"
@@ -94,13 +113,37 @@ REASONS = {
                 "by choice: `hard` and `schuessler` are reciprocal"),
     "chiang": ("light faded", "light is faded towards the horizon, the eye is not",
                "by choice: `hard` and `schuessler` are reciprocal"),
+    ("", "wide jump"): ("cut where z̃ = 0", "a lobe this wide has not come to 0 at the carried horizon, z̃ = 0",
+                        "the same: what lies below is the surface's other side"),
+    ("ward_no_squares", "wide jump"): ("cut where z̃ = 0", "it is largest where z̃ = 0 cuts it", "the square falls to 0"),
+    ("ward_no_squares", "wide nan"): ("overflows", "exp(…) grows where hx or hy < 0, beyond any number where α is small",
+                                      "the square falls to 0"),
+    ("", "eye jump"): ("cut at n's horizon", "f cos is black below n·wo = 0 and has not come to 0 there",
+                       "by choice: `valid_estevez`, the default, and `schuessler` do not jump"),
+    ("", "light jump"): ("cut at the horizon", "f cos is black below wi.z = 0 and has not come to 0 there",
+                         "by choice: `valid_estevez`, the default, fades it"),
+    ("valid_reflection", "light jump"): ("cut at the horizon", "f cos is black below wi.z = 0 and has not come to 0 there",
+                                         "by choice: `valid_estevez`, the default, fades it"),
+    ("valid_reflection", "light furnace"): ("n bent to the light", "n bent for the eye takes more light than the facet "
+                                            "meets", "by choice: `valid_estevez`, the default, keeps below 1"),
+    ("estevez", "eye jump"): ("cut at n's horizon", "f cos is black below n·wo = 0 and has not come to 0 there",
+                       "by choice: `valid_estevez`, the default, and `schuessler` do not jump"),
+    ("chiang", "eye jump"): ("cut at n's horizon", "f cos is black below n·wo = 0 and has not come to 0 there",
+                       "by choice: `valid_estevez`, the default, and `schuessler` do not jump"),
+    ("none", "weights"): ("draws lost", BELOW, KEPT),
     ("fibre_printed", "fibre"): ("n_min turned round", "n_min along l × n_max changes sign with l·t",
                                  "Φ = (√(1 − (l·t)²) + n·l)/π"),
     ("fibre_printed", "fibre nan"): ("0/0", "l × n_max has no direction at l·t = 0", "Φ = (√(1 − (l·t)²) + n·l)/π"),
 }
 for _word in ("rotate", "deform_linear", "deform_smooth", "deform_linear_conserving", "deform_smooth_conserving",
-              "gram_schmidt", "shortest_arc"):
+              "gram_schmidt", "shortest_arc", "beckmann_rotate", "ggx_rotate", "valid_estevez"):
     REASONS[_word, "weights"] = ("draws lost", BELOW, KEPT)
+for _word in ("deform_linear_conserving", "deform_smooth_conserving"):
+    for _failure in ("wide jump", "eye jump", "light jump"):
+        REASONS[_word, _failure] = REASONS[_word, "jump"]
+for _failure in ("eye jump", "light jump"):
+    REASONS["perturb", _failure] = ("horizon; no azimuth", "black below a horizon; and at h = z the azimuth of h has no "
+                                    "limit", "`valid_estevez` and `rotate`")
 for _word in ("ward_of_h", "beckmann_short_of_l", "ggx_short_of_l", "beckmann_unnormalised", "ggx_unnormalised"):
     REASONS.setdefault((_word, "jump"), ("cut at the horizon", "D′ has not come to 0 where n·h does",
                                          "`rotate`: the distribution's own tail"))
@@ -108,7 +151,10 @@ for _word in ("ward_of_h", "beckmann_short_of_l", "ggx_short_of_l", "beckmann_un
 
 def reason(word, failure):
     """(name, reason, instead) of a region, or None: nobody has explained it."""
-    return REASONS.get((word, failure), REASONS.get(word))
+    for key in ((word, failure), (word, ALIAS.get(failure)), ("", failure), word):
+        if key in REASONS:
+            return REASONS[key]
+    return None
 
 
 @dataclass(frozen=True)
@@ -151,18 +197,23 @@ class Region:
 
     def place(self):
         """What `study_atlas.py --at` takes to print the sample that fails most."""
-        row, said = self.worst, [f"form={self.form}"]
+        row = self.worst
+        said = [f"form={self.form if self.map == 'pairs' else row['form']}"]
         for column in ("horizon", "tilt", "azimuth", "theta", "size", "n_theta", "n_phi", "h_theta", "h_phi", "eye",
                        "eye_azimuth", "light", "light_azimuth"):
-            key = f"spread_{column}" if self.failure == "weights" and f"spread_{column}" in row else column
+            key = f"{PREFIX.get(self.failure, '')}{column}"
+            key = key if key in row else column
             if key in row and row[key] != "":
                 said.append(f"{column}={row[key]:.9g}" if isinstance(row[key], float) else f"{column}={row[key]}")
         return " ".join(said)
 
 
 def key_of(row):
-    """What a region is of: the form; in the map of pairs the horizon."""
-    return row["horizon"] if row["map"] == "pairs" else row["form"]
+    """What a region is of: the form; where `rotate` has several horizons, the horizon but for `hard`."""
+    if row["map"] == "pairs":
+        return row["horizon"]
+    several = row["map"] in ("light", "eye", "narrow") and row["form"] == "rotate" and row["horizon"] != "hard"
+    return row["horizon"] if several else row["form"]
 
 
 def regions(rows):

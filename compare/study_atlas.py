@@ -6,6 +6,7 @@ As a part of the report it draws maps (study.py). By itself it prints the sample
     build/venv/bin/python compare/study_atlas.py --at form=deform_smooth_printed tilt=45 azimuth=45 theta=-60
     build/venv/bin/python compare/study_atlas.py --at form=perturb tilt=60 azimuth=45 eye=85 eye_azimuth=90
     build/venv/bin/python compare/study_atlas.py --at form=valid_estevez tilt=30 azimuth=0 eye=60 light=80
+    build/venv/bin/python compare/study_atlas.py --at form=rotate horizon=valid_reflection tilt=60 azimuth=0 light=85
 
 Angles in degrees: tilt and azimuth of n; theta of the half vector in n's plane (below 0: away from n; phi: another
 plane), or of the eye and the light. size: an exponent of the narrow axis, or an alpha. Printed are the value of the
@@ -19,6 +20,7 @@ import numpy as np
 
 import atlas_at
 import atlas_charts as charts
+import atlas_facing
 import atlas_measures as measures
 import atlas_regions
 import report
@@ -30,8 +32,9 @@ from study import Figure, Table, Task
 NAME, TITLE = "atlas", "Stability: where methods fail"
 INTRO = """Each detail method, as its paper prints it and as the library has it, is held against the surface that is
 really displaced: D′ at half vectors in the plane of the bumped normal, the integral of D′ and the place of its peak,
-lobes of any width, rounding, white furnaces and draws at grazing angles, exchange of light and eye, jumps. A map's
-cells fail where they pass a limit; what fails is outlined and named there, and the table at the end gives the formula's
+rounding, white furnaces, draws, exchange of light and eye, jumps: over tilt, over exponents and alphas, and where the
+eye or the light grazes. Whether h leaves the disc does not depend on exponents. Printed forms are of D′ alone: as a
+BRDF they are black below either horizon, reciprocal, and nothing is drawn by them. A map's cells fail where they pass a limit; what fails is outlined and named there, and the table at the end gives the formula's
 reason, what the library does instead, and a command that prints the sample. Truth: the frame of the displaced height
 field, long-hand in Python; for rounding in 80-bit numbers."""
 
@@ -87,6 +90,33 @@ def pairs(angles, _folder, say):
     return rows + [row for word in PLAIN if word != "rotate" for row in measures.pairs(word, "hard", 30, angles)]
 
 
+LIT = [*(("rotate", h) for h in shade.choices("horizon")), *((w, "hard") for w in PLAIN if w != "rotate")]
+ANY_WIDTH = [*((w, "hard") for w in LOBED if w in SHADED or w in ("beckmann_rotate", "ggx_rotate")),
+             ("rotate", "valid_estevez")]
+
+
+def wide(tilts, _folder, say):
+    say("jumps of lobes of any width")
+    return [row for word in FORMS for row in atlas_facing.widths(word, tilts)]
+
+
+def faced(tilts, angles, azimuths, rings, _folder, say):
+    rows = []
+    for word, horizon in LIT:
+        say(f"eye and light at an angle: {FORMS[word].label}, {horizon}")
+        rows += atlas_facing.facing(word, horizon, "eye", tilts, angles, azimuths)
+        rows += atlas_facing.facing(word, horizon, "light", tilts, (*angles, 90), azimuths, rings)
+    return rows
+
+
+def narrow(tilts, draws, turns, rings, _folder, say):
+    rows = []
+    for word, horizon in ANY_WIDTH:
+        say(f"grazing eye, lobes of any width: {FORMS[word].label}")
+        rows += atlas_facing.narrow(word, horizon, tilts, 85, draws, (0, 45), turns, rings)
+    return rows
+
+
 def points(_folder, say):
     say("jumps, fibres")
     return measures.jumps() + measures.horizons() + measures.fibre(np.arange(0, 90, 7.5), np.arange(0, 360, 15))
@@ -97,12 +127,18 @@ def tasks(quick):
     made = ((("half", 2, part(half, 5)), ("normal", 6, part(normal, 10, 72)),
              ("lobe", 6, part(lobe, (0, 15, 30, 45, 60, 75), 64, 160)), ("rounding", 1, part(rounding, steep)),
              ("grazing", 4, part(grazing, (0, 15, 30, 45, 60, 75), 512, 4)),
-             ("pairs", 1, part(pairs, (0, 15, 30, 45, 60, 75, 85, 89))), ("points", 1, points)) if quick else
+             ("pairs", 1, part(pairs, (0, 15, 30, 45, 60, 75, 85, 89))), ("points", 1, points),
+             ("wide", 1, part(wide, (0, 15, 30, 45, 60, 75))),
+             ("faced", 3, part(faced, (0, 15, 30, 60, 75), (0, 30, 60, 75, 85, 89), (0, 90), 32)),
+             ("narrow", 2, part(narrow, (0, 20, 40, 60, 75), 128, 2, 40))) if quick else
             (("half", 4, part(half, 3)), ("normal", 60, part(normal, 5, 160)),
              ("lobe", 40, part(lobe, (0, 10, 20, 30, 40, 50, 60, 70, 80), 160, 320)),
              ("rounding", 1, part(rounding, range(0, 90, 5))),
              ("grazing", 25, part(grazing, range(0, 81, 10), 4096, 4)),
-             ("pairs", 2, part(pairs, (*range(0, 90, 10), 85, 89))), ("points", 1, points)))
+             ("pairs", 2, part(pairs, (*range(0, 90, 10), 85, 89))), ("points", 1, points),
+             ("wide", 2, part(wide, range(0, 90, 5))),
+             ("faced", 60, part(faced, range(0, 81, 10), (*range(0, 90, 10), 85, 89), (0, 45, 90), 64)),
+             ("narrow", 40, part(narrow, range(0, 81, 10), 1024, 4, 80))))
     return [Task(f"{key}_quick" if quick else key, seconds, run, COMMAND + (" --quick" if quick else ""))
             for key, seconds, run in made]
 
@@ -134,6 +170,16 @@ FURNACE = ("Albedo of a white metal (F = 1, exponents 200 and 10) under even lig
            "said. Outlined: above 1.01.")
 SPREAD = ("Deviation of f cos/pdf over its mean, draws that find no direction counted as 0; where the albedo is above "
           "0.05. Outlined: above 1.")
+WIDE = ("The largest step of D′ between half vectors 10⁻⁷ rad apart (less for narrow lobes), in the plane of z and n, by "
+        "the parameter of the narrow axis. Outlined: more than 10⁻³ of the peak; NaN.")
+PEAK = ("Angle from n to where D′ is largest, by the parameter of the narrow axis; 0 where the displaced surface's own is "
+        "largest elsewhere, as of alphas above 1. Outlined: more than 1°.")
+GRAZED = "The eye 85° from z; by the parameter of the narrow axis. "
+BEAM = ("What of a beam of light on the facet is reflected to any eye above: ∫ f cos (n·wo) dwo over n·wi; exponents 200 "
+        "and 10, F = 1, black below either horizon unless said. Outlined: above 1.01.")
+SWAP = " `rotate` with each horizon, worst of all directions of the other. Outlined: not reciprocal."
+STEP = ("The largest step of f cos as the {} moves by 10⁻⁷ rad along its polar angle, worst of all directions of the other. "
+        "Outlined: more than 10⁻³ of the largest f cos there.")
 FIBRE = ("Φ of light on fibres along azimuth 0 (Hast, Wesslén and Seipel, Eq. 10) against the mean over the fibre. "
          "Outlined: off by more than 10⁻³, NaN.")
 
@@ -174,6 +220,7 @@ def figures(rows):
     draw("pairs", "Exchange of light and eye", "`rotate`, tilt 30°, for each horizon. Outlined: not reciprocal.",
          charts.grouped(of(rows, "pairs", "rotate"), "horizon"), "pairs", ("asymmetry",), ("eye", "light"),
          lambda r: r[0]["horizon"].replace("_", " "), alt="Asymmetry of f over the angles of eye and light")
+    more_figures(rows, draw)
     draw("fibre", "The fibre integral as printed", FIBRE, [of(rows, "fibre")], "fibre", ("fibre", "fibre nan"),
          ("azimuth", "theta"), lambda _r: "Eq. 10",
          alt="Error of the printed fibre integral over the light's direction",
@@ -181,12 +228,47 @@ def figures(rows):
     return made
 
 
+def more_figures(rows, draw):
+    """Over widths of the lobe, and where light or eye grazes."""
+    draw("wide", "Jumps of lobes of any width", WIDE, charts.grouped(of(rows, "wide"), "form"), "wide",
+         ("wide jump", "wide nan"), ("size", "tilt"), label, alt="Jump of D′ over the width of the lobe and the tilt of n")
+    words = [w for w in LOBED if w == "rotate" or most(of(rows, "lobe", w), "displaced") > 1]
+    draw("peak", "Displacement of the peak of lobes of any width", PEAK, charts.grouped(of(rows, "lobe", *words), "form"),
+         "peak", ("peak",), ("size", "tilt"), label, alt="Displacement of the peak over width and tilt, for the forms that "
+         "have one and for rotate")
+    groups = charts.grouped(of(rows, "narrow"), "form", "horizon")
+    library = [g for g in groups if not printed(g[0]["form"])]
+    draw("narrow-albedo", "White furnace, lobes of any width", GRAZED + "Albedo of a white metal. Outlined: above 1.01.",
+         groups, "albedo", ("narrow furnace",), ("size", "tilt"), hard, alt="Albedo over the width of the lobe and the tilt")
+    draw("narrow-spread", "Sampling weights, lobes of any width", GRAZED + SPREAD, library, "spread", ("narrow weights",),
+         ("size", "tilt"), hard, alt="Spread of weights over the width of the lobe and the tilt of n")
+    draw("narrow-pairs", "Exchange of light and eye, lobes of any width", GRAZED + "All methods with `hard` are 0 at all "
+         "widths; here `rotate`. Outlined: not reciprocal.", [g for g in library if g[0]["form"] == "rotate"], "asymmetry",
+         ("narrow asymmetry",), ("size", "tilt"), hard, alt="Asymmetry of f over the width of the lobe and the tilt of n")
+    lit = charts.grouped(of(rows, "light"), "form", "horizon")
+    seen = charts.grouped(of(rows, "eye"), "form", "horizon")
+    draw("beam", "Light that grazes: what a beam gives back", BEAM, lit, "returned", ("light furnace",), ("light", "tilt"),
+         horizon_too, alt="Share of a beam given back over the light's angle and the tilt of n, a map for each method")
+    for which, groups in (("eye", seen), ("light", lit)):
+        turned = [g for g in groups if g[0]["form"] == "rotate"]
+        draw(f"pairs-{which}", f"Exchange of light and eye, by the {which}'s angle", f"By the {which}'s angle from z." + SWAP,
+             turned, "asymmetry", (f"{which} asymmetry",), (which, "tilt"), horizon_too,
+             alt=f"Asymmetry of f over the {which}'s angle and the tilt of n, a map for each horizon")
+        draw(f"steps-{which}", f"Jumps of f cos, by the {which}'s angle", STEP.format(which), groups, "step",
+             (f"{which} jump",), (which, "tilt"), horizon_too,
+             alt=f"Jumps of f cos over the {which}'s angle and the tilt of n, a map for each method and horizon")
+
+
+def horizon_too(rows):
+    return rows[0]["horizon"].replace("_", " ") if rows[0]["form"] == "rotate" else label(rows)
+
+
 def tables(rows):
     listed = []
     for region in atlas_regions.regions(rows):
         name, why, instead = region.explained or ("unexplained", "", "")
         listed.append([name, region.label, region.where(), atlas_regions.FAILS[region.failure][3],
-                       None if region.failure in ("nan", "off", "fibre nan") else region.value,
+                       None if region.failure in atlas_regions.NANS else region.value,
                        f"{why}. The library: {instead}", region.place()])
     def steps(group, what, stays):
         nearer = sorted(group, key=lambda r: -r["distance"])

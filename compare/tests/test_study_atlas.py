@@ -8,9 +8,11 @@ import pytest
 
 import atlas_at
 import atlas_charts
+import atlas_facing
 import atlas_forms
 import atlas_measures
 import atlas_regions
+import shade
 import study_atlas
 from atlas_forms import FORMS, dot
 from atlas_measures import direction
@@ -145,6 +147,40 @@ def test_albedo_of_what_is_drawn_and_of_a_quadrature():
     assert 0 < ours["spread"] < 2 and theirs["spread"] == 0
 
 
+def test_a_beam_and_an_eye_get_the_same_of_what_is_reciprocal():
+    """∫ f cos over eyes for a beam is that over lights for an eye; the latter by draws, and by a grid of directions."""
+    n, material = direction(25, 45), FORMS["rotate"].material(horizon="hard")
+    for theta, phi in ((0, 0), (50, 45), (70, 225)):
+        v = direction(theta, phi)
+        drawn = shade.sample(material, n, v, atlas_measures.numbers(16384))
+        weights = np.where(drawn.pdf > 0, drawn.f[:, 0] * drawn.cosine / np.where(drawn.pdf > 0, drawn.pdf, 1), 0)
+        given = atlas_facing.returned(material, n, v, 120, 0.07)
+        assert given == pytest.approx(weights.mean(), rel=0.02)
+        f, cosine = shade.eval(material, n, H, v)
+        assert given == pytest.approx((f[:, 0] * cosine * SOLID).sum(), rel=0.01)
+
+
+def test_a_printed_form_of_any_width_has_the_librarys_albedo():
+    FORMS["x"] = atlas_forms.Form("x", "x", "x", "rotate", printed=lambda n, h, s: atlas_forms.truth(n, h, s))
+    try:
+        theirs = atlas_facing.narrow("x", "hard", [30], 85, 64, turns=1, azimuths=(180,), rings=120)
+        ours = atlas_facing.narrow("rotate", "hard", [30], 85, 16384, turns=1, azimuths=(180,))
+    finally:
+        del FORMS["x"]
+    for one, other in zip(ours, theirs):
+        assert one["size"] == other["size"] and other["albedo"] == pytest.approx(one["albedo"], rel=0.03, abs=3e-3)
+
+
+def test_steps_are_jumps_and_slopes_are_none():
+    """Across n's horizon `hard` cuts the lobe, the default does not; far from it neither steps."""
+    n, light = direction(30, 45), direction(60, 45)[None]
+    for eye, horizon, jumps in ((60, "hard", True), (60, "valid_estevez", False), (40, "hard", False)):
+        material = shade.Material(ex=10, ey=5, fresnel="none", horizon=horizon)
+        assert (atlas_facing.stepped(material, n, direction(eye, 225), light, "eye")[0] > 1e-3) == jumps
+        swap = atlas_facing.swapped(material, n, direction(eye, 225), light, "eye")[0]
+        assert (swap[0] > 1e-6) == (horizon == "valid_estevez")
+
+
 # ---- findings -----------------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")
@@ -168,12 +204,19 @@ ALTERED = {  # a word of each sentence: rows that make it false
     "∫D′ leaves 1": lambda r: changed(r, lambda _: {"energy": 1.2}, map="normal", form="deform_smooth_conserving",
                                       tilt=30.0),
     "The peak stands": lambda r: changed(r, lambda _: {"displaced": 1.5}, map="normal", form="shortest_arc", tilt=40.0),
-    "D′ jumps": lambda r: changed(r, lambda _: {"jump": 1e-3}, map="jump", form="rotate", place="h = z"),
+    "At every exponent from 0": lambda r: changed(r, lambda _: {"displaced": 3.0}, map="lobe", form="gram_schmidt",
+                                                  size=1e4),
+    "At every tilt and angle of light": lambda r: changed(r, lambda _: {"jump": 0.1}, map="light", form="rotate",
+                                                          horizon="valid_estevez", light=90.0),
+    "Of a beam of light": lambda r: changed(r, lambda _: {"albedo": 1.1}, map="light", form="rotate",
+                                            horizon="valid_estevez", light=85.0),
+    "For an eye 85°": lambda r: changed(r, lambda _: {"albedo": 1.1}, map="narrow", form="rotate", size=1e6),
+    "D′ jumps, in": lambda r: changed(r, lambda _: {"jump": 1e-3}, map="jump", form="rotate", place="h = z"),
     "Across the surface's": lambda r: changed(r, lambda _: {"jump": 0.2}, map="edge", horizon="valid_estevez",
                                               place="n·wo = 0"),
     "white furnace": lambda r: changed(r, lambda _: {"albedo": 1.02}, map="grazing", form="rotate", tilt=15.0),
     "Sampling weights": lambda r: changed(r, lambda _: {"spread": 11.0}, map="grazing", form="rotate", tilt=60.0),
-    "reciprocal": lambda r: changed(r, lambda _: {"asymmetry": 1e-3}, map="pairs", form="shortest_arc", eye=60.0),
+    "is reciprocal with": lambda r: changed(r, lambda _: {"asymmetry": 1e-3}, map="narrow", form="shortest_arc", size=1e4),
     "textbook frame": lambda r: changed(r, lambda _: {"error": 1e-3}, map="float", form="float", size=1e6),
     "Slope distributions": lambda r: changed(changed(r, lambda _: {"error": 0.0}, map="half", form="ggx_short_of_l"),
                                              lambda _: {"error": 0.0}, map="half", form="beckmann_short_of_l"),
