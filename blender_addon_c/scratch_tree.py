@@ -44,7 +44,7 @@ def _add_sockets(tree):
     for name, (_key, least, most, value, about) in NUMBERS.items():
         add(name, "Float", about, "ANGLE" if name in (DIRECTION, SPREAD) else "NONE", (least, most), value)
     add(NORMAL, "Vector", "What they are scratched into; unlinked: the surface's own").hide_value = True
-    for name, kind, about in ((NORMAL, "Vector", "Scratched"), (HEIGHT, "Float", "In metres: 0, and below 0 in scratches"),
+    for name, kind, about in ((NORMAL, "Vector", "Scratched"), (HEIGHT, "Float", "In the scene's units: 0, and below 0 in scratches"),
                               (MASK, "Float", "1 in scratches, 0 beside them")):
         new_socket(tree, name, "OUTPUT", f"NodeSocket{kind}").description = about
 
@@ -91,8 +91,8 @@ class _Builder(Builder):
         return self.math("MULTIPLY_ADD", self.math("SUBTRACT", b, a), share, a)
 
 
-def baked(images, place, scale, uv_map):
-    """A tree that shows images (normal, height, mask) of a tile.
+def baked(images, place, scale, uv_map, unit):
+    """A tree that shows images (normal, height, mask) of a tile. unit: metres in one of the scene's.
 
     place: VECTOR, what comes in; UV, that of a UV map's; OBJECT, of the object's own. scale: tiles in a unit of it.
     uv_map: whose tangents the normals are of; None: what Vector says has others, and heights bump it.
@@ -113,7 +113,7 @@ def baked(images, place, scale, uv_map):
         where.uv_map, at = uv_map or "", where.outputs[0]
     at = build.vector("SCALE", at, scale)
     normal_image, height_image, mask_image = images
-    height = build.math("MULTIPLY", build.image(height_image, at, cubic=uv_map is None), 1.0)
+    height = build.math("MULTIPLY", build.image(height_image, at, cubic=uv_map is None), 1.0 / unit)
     if uv_map is None:
         bump = build.new("Bump", Strength=1.0, Distance=1.0, Height=height)
         if "Filter Width" in bump.inputs:

@@ -34,18 +34,36 @@ def apply_preset(node, preset):
         node.inputs[name].default_value = value
 
 
-def description(node, numbers=None):
-    """What the native module is to know of a node's field. numbers: of its sockets, by name, else their own."""
+def unit_of(scene):
+    """Metres in a unit of its lengths."""
+    unit = scene.unit_settings.scale_length
+    return unit if isfinite(unit) and unit > 0 else 1.0
+
+
+def tile_of(node, unit):
+    """Metres of the square that repeats: the node's own, else that of its images, so that all renderers show the same
+    scratches; 0: as many scratches fill."""
+    if isfinite(node.tile) and node.tile > 0:
+        return node.tile * unit
+    try:
+        return float(json.loads(node.baked)[-1])
+    except (ValueError, IndexError, TypeError):
+        return 0.0
+
+
+def description(node, unit, numbers=None):
+    """What the native module is to know of a node's field. unit: metres in one of the scene's. numbers: of its sockets,
+    by name, else their own."""
     said = {}
     for name, (key, least, most, initial, _about) in NUMBERS.items():
         value = numbers[name] if numbers else node.inputs[name].default_value
         said[key] = min(max(value, least), most) if isfinite(value) else initial
-    return {**said, "seed": float(node.seed), "tile": node.tile if isfinite(node.tile) else 0.0}
+    return {**said, "seed": float(node.seed), "tile": tile_of(node, unit)}
 
 
-def metres(node):
+def metres(node, unit):
     """In a unit of Vector."""
-    return node.size if node.unit == "UV" and isfinite(node.size) else 1.0
+    return unit * (node.size if node.unit == "UV" and isfinite(node.size) else 1.0)
 
 
 class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
@@ -59,7 +77,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         "unit": EnumProperty(
             name="Vector In", default="UV", description="What Vector counts",
             items=[("UV", "UV", "Units of a UV map, each as long as Size; unlinked: of that map"),
-                   ("METRES", "Metres", "As object coordinates do; unlinked: those, along the object's sides")]),
+                   ("METRES", "Lengths", "As object coordinates do, in the scene's units; unlinked: those, along the object's sides")]),
         "size": FloatProperty(
             name="Size", subtype="DISTANCE", unit="LENGTH", min=1e-4, max=1e4, soft_max=10, default=0.1,
             description="Length that one unit of the UV map spans"),
@@ -67,7 +85,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         "seed": IntProperty(name="Seed", description="Another one, other scratches of the same kind", default=1),
         "tile": FloatProperty(
             name="Tile", subtype="DISTANCE", unit="LENGTH", min=0, max=1e3, soft_max=10, default=0,
-            description="Side of the square that repeats; 0: as large as 200,000 scratches fill"),
+            description="Side of the square that repeats; 0: as that of the images, else as large as 200,000 scratches fill"),
         # What the images inside were made of; "" where there are none.
         "baked": StringProperty(options={"HIDDEN"}),
     }
@@ -75,7 +93,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
     def init(self, _context):
         self.node_tree = scratch_tree.plain()
 
-    def draw_buttons(self, _context, layout):
+    def draw_buttons(self, context, layout):
         draw_on(self, layout)
         layout.operator_menu_enum(LIBSHADE_OT_scratches_preset.bl_idname, "preset", text="Preset")
         layout.prop(self, "unit")
@@ -86,7 +104,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
             layout.label(text="Not in Cycles, EEVEE until baked", icon="INFO")
             layout.operator(LIBSHADE_OT_bake_scratches.bl_idname, icon="IMAGE_DATA")
             return
-        if is_stale(self):
+        if is_stale(self, context.scene):
             layout.label(text="Images are of other numbers", icon="ERROR")
         row = layout.row(align=True)
         row.operator(LIBSHADE_OT_bake_scratches.bl_idname, text="Bake Again", icon="IMAGE_DATA")
@@ -97,7 +115,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         if self.unit == "UV":
             layout.prop(self, "uv_map")
         layout.prop(self, "tile")
-        plan = _native.scratches(description(self))
+        plan = _native.scratches(description(self, unit_of(context.scene)))
         layout.label(text=f"Repeats each {100 * plan['tile']:.3g} cm")
         if plan["fewer"]:
             layout.label(text=f"Of these no more than {plan['density']:.3g} per cm²", icon="ERROR")
@@ -126,17 +144,20 @@ def _source(node):
     return ("UV", node.uv_map) if node.unit == "UV" else ("OBJECT", None)
 
 
-def _stamp(node, tile=0.0):
-    """What images depend on. tile: of the images."""
-    return json.dumps([description(node), metres(node), *_source(node), tile])
+def _stamp(node, unit, tile):
+    """What images depend on. tile: of the images, metres."""
+    said = description(node, unit)
+    if not said["tile"] == node.tile * unit:  # it is that of the images themselves
+        said["tile"] = 0.0
+    return json.dumps([said, metres(node, unit), *_source(node), tile])
 
 
-def is_stale(node):
+def is_stale(node, scene):
     try:
         tile = json.loads(node.baked)[-1]
     except (ValueError, IndexError):
         return True
-    return node.baked != _stamp(node, tile)
+    return node.baked != _stamp(node, unit_of(scene), tile)
 
 
 def tile_of_images(said, texels):
@@ -155,19 +176,23 @@ def _image(name, texels, data, floats):
     return image
 
 
-def bake(node, owner, texels=2048, samples=3, tile=0.0):
-    """Images of one tile, in the node's group; (metres that it is wide, what was left out). owner: whose name they get."""
-    said = description(node)
-    said["tile"] = tile or tile_of_images(said, texels)
+def bake(node, owner, scene, texels=2048, samples=3, tile=0.0):
+    """Images of one tile, in the node's group, which our engine repeats then, too; (metres that it is wide, what was
+    left out). owner: whose name they get. tile: in the scene's units, becomes the node's own; 0: as the node has it."""
+    unit = unit_of(scene)
+    drop(node)
+    if tile:
+        node.tile = tile
+    said = description(node, unit)
+    said["tile"] = tile_of_images(said, texels)
     plan = _native.scratches(said)
     data = list(_native.scratch_images(said, texels, samples))
     images = []
     for what in ("Normal", scratch_tree.HEIGHT, scratch_tree.MASK):
         images.append(_image(f"{owner} {node.name} {what}", texels, data.pop(0), what != scratch_tree.MASK))
-    drop(node)
     place, uv_map = _source(node)
-    node.node_tree = scratch_tree.baked(images, place, metres(node) / plan["tile"], uv_map)
-    node.baked = _stamp(node, plan["tile"])
+    node.node_tree = scratch_tree.baked(images, place, metres(node, unit) / plan["tile"], uv_map, unit)
+    node.baked = _stamp(node, unit, plan["tile"])
     return plan
 
 
@@ -217,7 +242,7 @@ class LIBSHADE_OT_scratches_preset(_OnScratches, bpy.types.Operator):
 
 class LIBSHADE_OT_bake_scratches(_OnScratches, bpy.types.Operator):
     """Make images of one tile of these scratches and put them inside the node, so that Cycles and EEVEE show them. \
-They are packed into the file"""
+They are packed into the file. Our engine then repeats the same square"""
 
     bl_idname = "libshade.bake_scratches"
     bl_label = "Bake to Images"
@@ -236,11 +261,11 @@ They are packed into the file"""
     def execute(self, context):
         node, texels = self.node_of(context), int(self.size)
         owner = next((m.name for m in bpy.data.materials if m.node_tree == node.id_data), node.id_data.name)
-        plan = bake(node, owner, texels, self.samples, self.tile)
+        plan = bake(node, owner, context.scene, texels, self.samples, self.tile)
         texel = 1e3 * plan["tile"] / texels
         self.report({"INFO"}, f"{texels} × {texels} texels of {texel:.3g} mm, which repeat each {100 * plan['tile']:.3g} cm, "
                               "are packed into the file")
-        width = description(node)["width"]
+        width = description(node, 1.0)["width"]
         if texel > width:
             self.report({"WARNING"}, f"A texel is {texel / width:.2g} times as wide as a scratch: choose a smaller tile or more texels")
         if plan["fewer"]:

@@ -19,7 +19,10 @@ def _scratches(reader, found):
     if key not in reader.known:
         reader.known[key] = reader.program.emit("SCRATCHES", 2, what="HEIGHT", field=_field(reader, found),
                                                 at=_where(reader, found), amount=[amount])
-    return reader.known[key][:1] if found.output.name == scratches.scratch_tree.HEIGHT else reader.known[key][1:]
+    height, mask = reader.known[key]
+    if found.output.name != scratches.scratch_tree.HEIGHT:
+        return [mask]
+    return [reader.program.math("MULTIPLY", height, 1.0 / reader.unit_of_length())]
 
 
 def _normal(reader, found, amount):
@@ -34,7 +37,8 @@ def _normal(reader, found, amount):
     for reader.shift in ((_STEP, 0.0), (0.0, _STEP)):
         given["near"] += _where(reader, found)
     reader.shift = None
-    normal = reader.program.emit("SCRATCHES", normal=own or _UP, **given)
+    drawn = {"drawn": True} if reader.filters else {}
+    normal = reader.program.emit("SCRATCHES", normal=own or _UP, **given, **drawn)
     if reader.filters:
         mean, spread = reader.filtered.get(own[0], (own, (0.0, 0.0))) if own else (None, (0.0, 0.0))
         *mean, x, y = reader.program.emit("SCRATCHES", 5, filtered=True, normal=mean or _UP, **given)
@@ -54,7 +58,7 @@ def _field(reader, found):
             numbers[name] = node.inputs[name].default_value
             reader.warn(f"'{node.name}': what feeds {name} differs from place to place, which only Amount may; "
                         f"{numbers[name]:.4g} is used")
-    said = scratches.description(node, numbers)
+    said = scratches.description(node, reader.unit_of_length(), numbers)
     plan = _native.scratches(said)
     if plan["fewer"]:
         reader.warn(f"'{node.name}': {said['density']:.4g} scratches per cm² are too many; there are {plan['density']:.3g}")
@@ -74,7 +78,7 @@ def _where(reader, found):
         at = uv(reader, node.uv_map)
     else:
         at = _by_side(reader)
-    by = scratches.metres(node)
+    by = scratches.metres(node, reader.unit_of_length())
     return list(each(reader, "MULTIPLY", at[:2], (by, by)))
 
 

@@ -34,6 +34,15 @@ def test_scratches(blender, tmp_path):
         error = np.abs(ours - cycles).mean()
         print(name, output, error)
         assert ours.std((0, 1)).max() > 0.05 and error < limit, (name, output)
+    # by a tile that the images chose a scratch is three texels wide: blurred, but the same scratches in the same places
+    ours, cycles = (picture[..., 1] - picture[..., 1].mean() for picture in pair("own tile", "Normal"))
+    alike = [(ours * np.roll(cycles, by, 1)).mean() / (ours.std() * cycles.std()) for by in (0, 9, 40)]
+    print("own tile", alike)
+    assert alike[0] > 0.75 and max(alike[1:]) < 0.3
+    # the scene's unit: as large as it is, with the same slopes; heights in that unit
+    for output, by in (("Normal", 1.0), ("Height", 2.0)):
+        whole, half = (Dump(tmp_path / f"unit_{unit}_{output}.exr")["Color"] for unit in (1.0, 0.5))
+        assert whole.std() > 0.01 and (np.abs(half - by * whole) > 1e-3).mean() < 0.002, output
     # the tool's reference, of a dump whose normals are the scratches'
     normals = Dump(tmp_path / "sun.exr")["Ns"][16:32, 16:32]
     assert normals[..., 0].std() > 0.02

@@ -36,6 +36,27 @@ def test_far_scratches_are_the_roughness_of_near_ones(light):
         assert abs(far.mean() / truth.mean() - 1) < 0.02 and np.abs(far / truth - 1).max() < 0.05
 
 
+def drawn_plate(light, mdf="GGX", **changes):
+    """As plate, of what is not widened: each ray sees a slope by chance."""
+    nodes = [{"type": "GEOMETRY", "what": "UV", "out": UV},
+             *({"type": "MATH", "operation": "ADD", "a": [a], "b": [0.125], "c": [0.0], "out": [b]} for a, b in zip(UV, NEAR)),
+             {"type": "SCRATCHES", "what": "NORMAL", "field": 0, "at": UV[:2], "near": [NEAR[0], UV[1], UV[0], NEAR[1]],
+              "step": 0.125, "amount": [1.0], "normal": [0.0, 0.0, 1.0], "drawn": True, "out": NORMAL}]
+    metal = material(mdf=mdf, brdf="MICROFACET", fresnel="NONE", ax=0.2, ay=0.2) | {"nodes": nodes, "normal": NORMAL}
+    picture = render(scene(scratches=[FINE], materials=[metal], lights=[sun(light)], **changes))[0][..., 0]
+    return picture.reshape(4, 4, 4, 4).mean((1, 3))
+
+
+@pytest.mark.parametrize("light", [(0.25, 0.1, 1), (-0.1, 0.55, 1)])
+def test_far_scratches_spread_what_is_not_widened(light):
+    """GGX, whose tails would grow: slopes by chance have the mean of the points, and are not the plate's own."""
+    truth = drawn_plate(light, samples=1024)
+    for blur in (0.04, 0.2, 1.0):
+        far = drawn_plate(light, samples=1024, normal_blur=blur)
+        print(light, blur, np.abs(far / truth - 1).max(), far.mean() / truth.mean() - 1)
+        assert abs(far.mean() / truth.mean() - 1) < 0.02 and np.abs(far / truth - 1).max() < 0.05
+
+
 @pytest.mark.parametrize("changes, tile, density", [
     ({"density": 20.0, "tile": 0.0}, 1.0, 20.0),  # 200,000 fill a square metre
     ({"density": 2000.0, "length": 100.0, "width": 0.01, "direction": 0.0, "spread": 0.0, "tile": 0.0}, 0.4, 375.0),  # 600,000

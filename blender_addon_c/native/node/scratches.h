@@ -8,7 +8,8 @@
  * v; `normal`, three, to whose slopes those of the field are added. Writes `out`, a normal in the
  * shading frame; `filtered`: where the ray stands for more than two cells of the field's table,
  * that of the mean slope, and two numbers more, twice the variance of the slopes along the frame's
- * x and y, as node NORMAL_MAP says them.
+ * x and y, as node NORMAL_MAP says them. `drawn`: a slope by chance of those there, each ray its
+ * own: for what cannot be widened, at the same cost.
  */
 #ifndef LIBSHADE_NODE_SCRATCHES_H
 #define LIBSHADE_NODE_SCRATCHES_H
@@ -21,7 +22,8 @@ enum { SCRATCHES_NORMAL, SCRATCHES_HEIGHT };
 typedef struct node_scratches {
   const scratches *of;
   int what, out[5];
-  bool filtered, coarse; /* coarse: by the table, where the ray stands for much */
+  bool filtered, drawn;
+  bool coarse; /* by the table, where the ray stands for much */
   float per_step;
   operand at[2], near[4], amount, normal[3];
 } node_scratches;
@@ -30,7 +32,7 @@ static inline bool node_scratches_read(reader *r, node_scratches *n, graph *g) {
   static const char *const words[] = {"NORMAL", "HEIGHT", NULL};
   int number;
   float step = 1.0f;
-  n->filtered = false;
+  n->filtered = n->drawn = false;
   if (!reader_word(r, "what", words, &n->what) ||
       !reader_integer(r, "field", 0, (long)g->scratch_fields - 1, &number) ||
       !graph_operands(r, g, "at", 2, n->at) || !graph_operands(r, g, "amount", 1, &n->amount))
@@ -39,6 +41,7 @@ static inline bool node_scratches_read(reader *r, node_scratches *n, graph *g) {
   if (n->what == SCRATCHES_HEIGHT)
     return graph_outputs(r, g, "out", 2, n->out);
   if ((reader_has(r, "filtered") && !reader_flag(r, "filtered", &n->filtered)) ||
+      (reader_has(r, "drawn") && !reader_flag(r, "drawn", &n->drawn)) ||
       !reader_number_within(r, "step", 1e-6f, 1, &step) ||
       !graph_operands(r, g, "near", 4, n->near) || !graph_operands(r, g, "normal", 3, n->normal))
     return false;
@@ -47,7 +50,7 @@ static inline bool node_scratches_read(reader *r, node_scratches *n, graph *g) {
 }
 
 static inline bool node_scratches_build(node_scratches *n, const node_place *place) {
-  n->coarse = n->filtered && place->normal_blur > 0.0f;
+  n->coarse = (n->filtered || n->drawn) && place->normal_blur > 0.0f;
   return true;
 }
 
@@ -123,7 +126,51 @@ static inline bool scratches_far(const scratches *s, const double side[4], float
   return extent2 > least2 * (1.0 + 3.0 * (double)lot);
 }
 
-/* The calls to the library are all there is to it. */
+/*
+ * Of what a footprint stands for, one square chosen by chance, about as wide as the footprint is or
+ * a sixteenth of its length: the mean over rays is the mean over it. False where squares are too
+ * wide.
+ */
+static inline bool scratches_square(const scratches *s, double u, double v, const double side[4],
+                                    const float lot[2], shade_slopes *to) {
+  const double one = hypot(side[0], side[1]), other = hypot(side[2], side[3]);
+  const double longer = one > other ? one : other, shorter = one > other ? other : one;
+  const double wanted = shorter > longer / 16 ? shorter : longer / 16;
+  int level = -ilogb(wanted); /* 2^-level <= wanted, but for what is above a tile */
+  if (!(longer > 0) || level > s->squares.levels)
+    return false;
+  level = level < 0 ? 0 : level;
+  const double width = ldexp(1, -level), square = width * width;
+  const double a = one > width ? sqrt(1 - square / (one * one)) * ((double)lot[0] - 0.5) : 0;
+  const double b = other > width ? sqrt(1 - square / (other * other)) * ((double)lot[1] - 0.5) : 0;
+  u += a * side[0] + b * side[2];
+  v += a * side[1] + b * side[3];
+  if (!isfinite(u) || !isfinite(v))
+    return false;
+  const int wide = 1 << level;
+  const int i = (int)((u - floor(u)) * wide) & (wide - 1),
+            j = (int)((v - floor(v)) * wide) & (wide - 1);
+  const scratch_slopes *q = s->squares.level[level] + (size_t)j * (size_t)wide + i;
+  to->mean[0] = (double)q->x;
+  to->mean[1] = (double)q->y;
+  to->covariance[0] = (double)(q->xx - q->x * q->x);
+  to->covariance[1] = (double)(q->xy - q->x * q->y);
+  to->covariance[2] = (double)(q->yy - q->y * q->y);
+  return true;
+}
+
+/* A slope of a Gaussian of these, in place of its mean; nothing is left of its spread. */
+static inline void scratches_draw(scratch_lanes *to, size_t i, float u, float v) {
+  const float xx = to->xx[i] > 1e-12f ? to->xx[i] : 0.0f, one = sqrtf(xx);
+  const float lean = xx > 0.0f ? to->xy[i] / xx : 0.0f, rest = to->yy[i] - lean * to->xy[i];
+  const float radius = sqrtf(-2.0f * logf(1.0f - u)), turn = 6.2831853f * v;
+  const float x = one * radius * cosf(turn);
+  to->x[i] += x;
+  to->y[i] += lean * x + sqrtf(rest > 0.0f ? rest : 0.0f) * radius * sinf(turn);
+  to->xx[i] = to->xy[i] = to->yy[i] = 0.0f;
+}
+
+/* The look-ups are all there is to it. */
 static inline void node_scratches_look(const node_scratches *n, lane_run g, bool coarse, inputs *at,
                                        scratch_lanes *to) {
   const float *x = lane_of(at, n->at[0], 0, g), *y = lane_of(at, n->at[1], 1, g);
@@ -132,9 +179,12 @@ static inline void node_scratches_look(const node_scratches *n, lane_run g, bool
     const double side[4] = {per * (double)to->du1[i], per * (double)to->dv1[i],
                             per * (double)to->du2[i], per * (double)to->dv2[i]};
     const bool far = coarse && scratches_far(n->of, side, scratches_lot(x[i], y[i], 0));
+    const float lot[2] = {scratches_lot(x[i], y[i], 0x3c6ef372u),
+                          scratches_lot(x[i], y[i], 0x1b873593u)};
+    const double u = per * (double)x[i], v = per * (double)y[i];
     shade_slopes s;
-    shade_scratch_eval(n->of->field, per * (double)x[i], per * (double)y[i], far ? side : NULL,
-                       NULL, &s);
+    if (!far || !scratches_square(n->of, u, v, side, lot, &s))
+      shade_scratch_eval(n->of->field, u, v, far ? side : NULL, NULL, &s);
     /* one Gaussian of all slopes would be too dark at the peak and too bright in the tail, for
      * those of the plate are 0: a ray is of either part, and the covariance in the mean as it was
      */
@@ -145,6 +195,9 @@ static inline void node_scratches_look(const node_scratches *n, lane_run g, bool
     to->xx[i] = by * (float)s.covariance[0];
     to->xy[i] = by * (float)s.covariance[1];
     to->yy[i] = by * (float)s.covariance[2];
+    if (in && !n->filtered)
+      scratches_draw(to, i, scratches_lot(x[i], y[i], 0x2545f491u),
+                     scratches_lot(x[i], y[i], 0x9e3779b9u));
   }
 }
 

@@ -2,6 +2,7 @@
 #include "scene/scratches.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "system/parallel.h"
@@ -72,10 +73,65 @@ bool scratches_read(reader *r, void *out, void *context) {
   return true;
 }
 
+/* Squares are four cells of the field's table wide, which alone answers for them then, or more. */
+static int levels_for(int cells) {
+  int levels = 0;
+  while (levels + 1 < SCRATCHES_LEVELS && 8 << levels <= cells)
+    levels++;
+  return levels;
+}
+
+static void square_row(void *context, size_t row) {
+  const scratches *s = context;
+  const int levels = s->squares.levels, wide = 1 << levels;
+  const double side = ldexp(1, -levels), footprint[4] = {side, 0, 0, side};
+  for (int i = 0; i < wide; i++) {
+    shade_slopes of;
+    shade_scratch_eval(s->field, (i + 0.5) * side, ((double)row + 0.5) * side, footprint, NULL,
+                       &of);
+    const double x = of.mean[0], y = of.mean[1];
+    s->squares.level[levels][row * (size_t)wide + (size_t)i] =
+        (scratch_slopes){(float)x, (float)y, (float)(of.covariance[0] + x * x),
+                         (float)(of.covariance[1] + x * y), (float)(of.covariance[2] + y * y)};
+  }
+}
+
+static scratch_slopes mean_of(const scratch_slopes *below, const scratch_slopes *above) {
+  const scratch_slopes *of[4] = {below, below + 1, above, above + 1};
+  scratch_slopes mean = {0};
+  for (int k = 0; k < 4; k++) {
+    mean.x += 0.25f * of[k]->x;
+    mean.y += 0.25f * of[k]->y;
+    mean.xx += 0.25f * of[k]->xx;
+    mean.xy += 0.25f * of[k]->xy;
+    mean.yy += 0.25f * of[k]->yy;
+  }
+  return mean;
+}
+
+static bool squares_build(scratches *s) {
+  scratch_squares *q = &s->squares;
+  q->levels = levels_for(s->params.cells);
+  for (int k = 0; k <= q->levels; k++)
+    if (!(q->level[k] = malloc(sizeof(scratch_slopes) << 2 * k)))
+      return false;
+  parallel_for(parallel_cores(), (size_t)1 << q->levels, square_row, s);
+  for (int k = q->levels - 1; k >= 0; k--) {
+    const size_t wide = (size_t)1 << k;
+    for (size_t j = 0; j < wide; j++)
+      for (size_t i = 0; i < wide; i++) {
+        const scratch_slopes *from = q->level[k + 1] + 4 * j * wide + 2 * i;
+        q->level[k][j * wide + i] = mean_of(from, from + 2 * wide);
+      }
+  }
+  return true;
+}
+
 bool scratches_build(scratches *s) {
-  if (!s->field)
-    s->field = shade_scratch_create(&s->params, NULL);
-  return s->field != NULL;
+  if (s->field)
+    return true;
+  s->field = shade_scratch_create(&s->params, NULL);
+  return s->field && squares_build(s);
 }
 
 void scratches_take(scratches *to, scratches *from) {
@@ -83,12 +139,18 @@ void scratches_take(scratches *to, scratches *from) {
       memcmp(&to->params, &from->params, sizeof to->params) != 0)
     return;
   to->field = from->field;
+  to->squares = from->squares;
   from->field = NULL;
+  from->squares = (scratch_squares){0};
 }
 
 void scratches_free(scratches *s) {
   shade_scratch_free(s->field);
   s->field = NULL;
+  for (int k = 0; k < SCRATCHES_LEVELS; k++) {
+    free(s->squares.level[k]);
+    s->squares.level[k] = NULL;
+  }
 }
 
 typedef struct drawing {

@@ -7,6 +7,19 @@
 #include "scene/reader.h"
 #include "shade/maps.h"
 
+/* Slopes of a square of the tile: their means, and means of their products. */
+typedef struct scratch_slopes {
+  float x, y, xx, xy, yy;
+} scratch_slopes;
+
+enum { SCRATCHES_LEVELS = 9 };
+
+/* Of all squares of 1 x 1 to 2^levels x 2^levels of the tile, rows from below; coarsest first. */
+typedef struct scratch_squares {
+  int levels;
+  scratch_slopes *level[SCRATCHES_LEVELS];
+} scratch_squares;
+
 typedef struct scratches {
   double tile;    /* side of the square that repeats, metres */
   double density; /* 1/cm^2, of those that there are: fewer than asked for if `fewer` */
@@ -14,6 +27,7 @@ typedef struct scratches {
   float share; /* of the plate that is scratched */
   shade_scratch_params params;
   shade_scratch_field *field; /* made by scratches_build */
+  scratch_squares squares;    /* likewise: of what rays from far away see one */
 } scratches;
 
 /*

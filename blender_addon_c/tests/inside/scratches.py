@@ -90,7 +90,11 @@ def of_amount(tree, node):
     tree.links.new(ramp.outputs["Fac"], node.inputs["Amount"])
 
 
-CASES = {"uv": of_uv, "map": of_map, "object": of_object, "amount": of_amount}
+def of_own_tile(_tree, node):
+    node.tile = 0.0
+
+
+CASES = {"own tile": of_own_tile, "uv": of_uv, "map": of_map, "object": of_object, "amount": of_amount}
 
 
 def pictures(folder):
@@ -98,18 +102,34 @@ def pictures(folder):
     for engine in ("LIBSHADE", "CYCLES"):
         for name, links in (*CASES.items(), ("bare", of_uv), ("alone", None)):
             for output in OUTPUTS if name in ("uv", "bare", "amount") else OUTPUTS[:1]:
-                new_scene(engine)
+                scene = new_scene(engine)
                 material, tree, socket = showing(engine, output)
                 node = scratched(tree)
                 if links:
                     links(tree, node)
-                if engine == "CYCLES" and name in CASES:
-                    module("scratches").bake(node, "plate", 1024, 2)
+                if engine == "CYCLES" and name in CASES or name == "own tile":  # that of the images
+                    module("scratches").bake(node, "plate", scene, 1024, 2)
                 tree.links.new(node.outputs[output], socket)
                 common.plane(material, WIDE)
                 dump = os.path.join(folder, f"libshade_{name}_{output}.exr")
                 os.environ["LIBSHADE_DUMP"] = dump if engine == "LIBSHADE" else ""
                 common.render(os.path.join(folder, f"{engine.lower()}_{name}_{output}.exr" if engine == "CYCLES" else "picture.exr"))
+
+
+def other_units(folder):
+    """The same plate in half metres, by the object's lengths: dumps of Normal and Height."""
+    for unit in (1.0, 0.5):
+        for output in OUTPUTS[:2]:
+            scene = new_scene("LIBSHADE")
+            scene.unit_settings.scale_length = unit
+            scene.camera.data.ortho_scale = WIDE / unit
+            material, tree, socket = showing("LIBSHADE", output)
+            node = scratched(tree)
+            node.unit, node.tile = "METRES", WIDE / unit
+            tree.links.new(node.outputs[output], socket)
+            common.plane(material, WIDE / unit)
+            os.environ["LIBSHADE_DUMP"] = os.path.join(folder, f"unit_{unit}_{output}.exr")
+            common.render(os.path.join(folder, "picture.exr"))
 
 
 def plate_in_sun(folder):
@@ -141,19 +161,20 @@ def test_file(folder):
         images = [n.image for n in node.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage"]
         assert {image.name for image in images} == {f"plate {node.name} {what}" for what in OUTPUTS}
         assert all(image.packed_file and image.colorspace_settings.is_data for image in images)
-        assert tree_of.is_plain(other.node_tree) and not scratches.is_stale(node)
+        assert tree_of.is_plain(other.node_tree) and not scratches.is_stale(node, bpy.context.scene)
         assert len(tree.links) == 2 and node.outputs["Normal"].is_linked
         node.seed += 1
-        assert scratches.is_stale(node)
+        assert scratches.is_stale(node, bpy.context.scene)
         assert bpy.ops.libshade.bake_scratches(size="512", samples=1, tile=0.05) == {"FINISHED"}
-        assert len(bpy.data.images) == 3 and not scratches.is_stale(node)
+        assert len(bpy.data.images) == 3 and not scratches.is_stale(node, bpy.context.scene)
+        assert abs(node.tile - 0.05) < 1e-6  # both engines'
     common.plane(material, WIDE)
     path = os.path.join(folder, "file.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     tree = bpy.data.materials["plate"].node_tree
     node = next(n for n in tree.nodes if n.bl_idname == scratches.SCRATCHES and n.baked)
-    assert not scratches.is_stale(node) and node.outputs["Normal"].is_linked
+    assert not scratches.is_stale(node, bpy.context.scene) and node.outputs["Normal"].is_linked
     image = next(n.image for n in node.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage" and "Normal" in n.image.name)
     pixels = np.empty(512 * 512 * 4, np.float32)
     image.pixels.foreach_get(pixels)
@@ -199,6 +220,7 @@ def hostile(folder):
 folder, = common.arguments()
 common.empty_scene()
 pictures(folder)
+other_units(folder)
 plate_in_sun(folder)
 hostile(folder)
 test_file(folder)

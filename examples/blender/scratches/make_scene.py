@@ -32,7 +32,7 @@ def scratched(name, roughness, *presets):
         if before:
             tree.links.new(before.outputs["Normal"], node.inputs["Normal"])
         if CYCLES:
-            scratches.bake(node, name)
+            scratches.bake(node, name, bpy.context.scene)
         before = node
     tree.links.new(before.outputs["Normal"], shader.inputs["Normal"])
     return made
