@@ -183,9 +183,11 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         if TRANSLUCENCY not in self.inputs:
             layout.prop(self, "transmission")
         layout.prop(self, "open_gaps")
-        layout.prop(self, "distance")
+        column = layout.column()
+        column.use_property_split, column.use_property_decorate = True, False  # its name has room
+        column.prop(self, "distance")
         if self.based_on:
-            layout.prop(self, "weave")
+            column.prop(self, "weave")
             if self.weave == DRAFT:
                 layout.template_ID(self, "draft", new="text.new", open="text.open")
                 layout.prop(self, "draft_colors")

@@ -275,7 +275,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
                 layout.prop_search(self, "uv_map", meshes[0], "uv_layers")
             else:
                 layout.prop(self, "uv_map")
-        layout.prop(self, "bump_response")
+        layout.prop(self, "bump_response", text="Bumps")  # the whole name is wider than the node
 
     def _draw_numbers(self, layout):
         if SHAPE[0] in self.inputs:  # they say it

@@ -141,6 +141,36 @@ def test_previews_are_our_own(window):
     window.take_screenshot("blender_material.png")
 
 
+def red(path):
+    """Number of pixels in the viewport that are red and nothing else."""
+    red, green, blue = np.moveaxis(rgba(path)[80:800, :500, :3], -1, 0)
+    return ((red > 0.1) & (red > 4 * green) & (red > 4 * blue)).sum()
+
+
+def test_an_artist_opens_everything(window):
+    """All panels of our nodes, the assets and the preferences are drawn, and Blender says nothing; a draft's Text that is
+    edited under a live viewport is rendered anew, by itself."""
+    window.wait("ready 0")
+    window.please("weave")
+    window.please("fabric")
+    window.please("viewport")
+    window.wait("viewport: ")
+    before = red(window.take_screenshot("blender_fabric.png"))
+    window.please("dye")
+    deadline = time.monotonic() + 30
+    while red(window.take_screenshot("blender_dyed.png")) < before + 5_000:
+        assert time.monotonic() < deadline, "the viewport shows the draft as it was"
+        time.sleep(0.5)
+    for words in (("scratches",), ("metal",), ("assets", "library"), ("preferences",)):
+        for word in words:
+            window.please(word)
+            window.please("redraw")
+            time.sleep(0.5)
+        window.take_screenshot(f"blender_{words[0]}.png")
+    said = (window.log.parent / "output").read_text(errors="replace")
+    assert not [line for line in said.splitlines() if "Error" in line or "Traceback" in line], said[-3000:]
+
+
 EDITS = int(os.environ.get("EDITS", 100))  # thousands in `make soak`
 
 

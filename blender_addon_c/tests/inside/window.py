@@ -5,7 +5,7 @@ Files that ask for something, and go when it is done: SCREENSHOT.please for a pi
 window, LOG.viewport for the Rendered mode of the viewport, through the camera, LOG.portal
 for a light that is not supported, LOG.empty for a scene without meshes, LOG.redraw for all areas
 to be drawn again, LOG.edits for edits by chance, LOG.material for the material's tab, LOG.select for what the first
-message is about.
+message is about, LOG.WORD for what inside/artist.py does.
 
 arguments: LOG SCREENSHOT [EDITS]; EDITS: how many edits by chance there will be, of a scene for them
 """
@@ -18,6 +18,7 @@ import bpy
 from mathutils import Quaternion
 
 sys.path.insert(0, os.path.dirname(__file__))
+import artist
 import common
 import edits
 
@@ -233,6 +234,12 @@ def serve():
                            (log_path + ".edits", lambda: bpy.app.timers.register(editing.step)),
                            (log_path + ".material", show_material),
                            (log_path + ".select", select_cause),
+                           (log_path + ".weave", artist.weave), (log_path + ".dye", artist.dye),
+                           (log_path + ".fabric", lambda: artist.show_node("LibshadeFabricNode")),
+                           (log_path + ".scratches", lambda: artist.show_node("LibshadeScratchesNode")),
+                           (log_path + ".metal", lambda: artist.show_node("LibshadeMetalNode")),
+                           (log_path + ".assets", artist.show_assets), (log_path + ".library", artist.choose_assets),
+                           (log_path + ".preferences", artist.show_preferences),
                            (log_path + ".redraw", redraw)):
         if os.path.exists(please):
             action()
