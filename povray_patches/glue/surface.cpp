@@ -1073,8 +1073,10 @@ double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double si
   if (!thread->GetSceneData()->mdfScene->looks_at_widths())
     return 0.0;
   // The mean curvature is half of how much normals around the point lean away from it. Objects
-  // tell a normal beside a surface as well as on it.
-  const double step = difference_step(isect.Object);
+  // tell a normal beside a surface as well as on it; those without bounds have no size to go by.
+  const double across =
+      std::abs(isect.IPoint[X]) + std::abs(isect.IPoint[Y]) + std::abs(isect.IPoint[Z]);
+  const double step = min(max(size, 1e-7 * across + 1e-9), 1e3 * difference_step(isect.Object));
   Vector3d side[2] = {any_tangent(raw_normal), Vector3d()};
   double lean = 0.0, facing = 0.0;
 
@@ -1084,6 +1086,7 @@ double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double si
     Intersection probe(isect);
     Vector3d beside;
     Assign_Vector(probe.IPoint, *(Vector3d(isect.IPoint) + step * way));
+    probe.haveLocalIPoint = false;
     isect.Object->Normal(*beside, &probe, thread);
     lean += dot(beside, way);
     facing += dot(beside, raw_normal);

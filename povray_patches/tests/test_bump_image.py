@@ -443,7 +443,8 @@ object { Waves scale 5 rotate 180*y translate -4*z }
 
 
 @pytest.mark.parametrize("mirror, limit", [("sphere { 0, 1", .4), ("sphere { 0, 1 scale <1.4, 1.4, 2> translate z", .4),
-                                           ("cylinder { -3*y, 3*y, 1", .8), ("difference { box { -1, 1 } sphere { -2*z, 1.1 }", .6)])
+                                           ("cylinder { -3*y, 3*y, 1", .8), ("blob { threshold .5 sphere { 0, 1.9, 1 }", .4),
+                                           ("quadric { <1, 1, 1>, 0, 0, -1", .4), ("difference { box { -1, 1 } sphere { -2*z, 1.1 }", .6)])
 def test_curved_mirrors_spread_rays(render, tmp_path, mirror, limit):
     """Seven times as wide in a ball: what a pixel holds is the mean of points, and one point is not."""
     def mean(words, size, blocks):
