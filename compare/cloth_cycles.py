@@ -73,9 +73,14 @@ def table(version, folder, presets):
 def sheet(folder, presets, path):
     """Plane and ball of each, ours at the left."""
     import OpenImageIO as oiio
-    side = SCENES["plane"]["side"]
-    rows = [np.concatenate([rgba(picture_of(folder, scene, preset, engine))[:side, :side, :3]
-                            for scene in SCENES for engine in ENGINES], 1) for preset in presets]
+    side = SCENES["ball"]["side"]
+
+    def shown_of(*given):
+        picture = rgba(picture_of(folder, *given))[..., :3]
+        return np.pad(picture, [(0, side - picture.shape[0]), (0, side - picture.shape[1]), (0, 0)])
+
+    rows = [np.concatenate([shown_of(scene, preset, engine) for scene in SCENES for engine in ENGINES], 1)
+            for preset in presets]
     shown = np.clip(np.concatenate(rows), 0, 1)
     shown = np.where(shown < 0.0031308, 12.92 * shown, 1.055 * np.maximum(shown, 1e-9) ** (1 / 2.4) - 0.055)
     image = oiio.ImageBuf(oiio.ImageSpec(shown.shape[1], shown.shape[0], 3, oiio.UINT8))

@@ -82,6 +82,10 @@ def test_pictures():
     tree, node, _ob = plate("POLYESTER_LINING", size=0.006)
     mapped(tree, node)
     both("vector")
+    _tree, _node, ob = plate("GABARDINE", size=0.006)  # its diagonal still rises as it is woven
+    for loop in ob.data.uv_layers[0].data:
+        loop.uv.x *= -1
+    both("mirrored")
     tree, node, _ob = plate("DENIM", sun=(math.pi - 0.6, 0.3, 0), sky=0.0, size=0.01)
     node.inputs["Translucency"].default_value = 0.5
     both("through")
