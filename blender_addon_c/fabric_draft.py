@@ -7,7 +7,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from . import _native
+from . import _native, fabric_maps
 from .fabric_yarns import DRAFT
 
 _MOST_BYTES = 64 << 20
@@ -89,7 +89,8 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
 
 
 def follow():
-    """Retags materials whose drafts were edited: Blender does not know that they are read."""
+    """Retags materials whose drafts were edited: Blender does not know that they are read. And tidies up."""
+    fabric_maps.sweep()
     changed = set()
     for text in bpy.data.texts:
         if text.users > text.use_fake_user:

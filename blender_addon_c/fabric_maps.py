@@ -4,6 +4,7 @@ woven alike, replaced where a node's weave changes, packed, so that they are sav
 
 import hashlib
 import json
+import time
 from functools import lru_cache
 
 import bpy
@@ -12,6 +13,7 @@ from . import _native
 
 WORDS = ("tilt", "yarns", "tint")
 _MARK = "libshade_cloth"  # on images: what they hold
+_REST_SECONDS = 5.0
 
 
 @lru_cache(maxsize=16)
@@ -43,8 +45,25 @@ def image(made, word, name):
     return new
 
 
-def drop(images):
-    """Those that nothing uses any more."""
-    for old in images:
-        if old.get(_MARK) and not old.users and not old.library:
+def _unused():
+    return [image for image in bpy.data.images if image.get(_MARK) and not image.users and not image.library]
+
+
+def drop():
+    """Those that nothing uses any more go; with a window, where a renderer's own thread may still be reading one, by sweep()."""
+    if bpy.app.background:
+        for old in _unused():
             bpy.data.images.remove(old)
+
+
+_since = {}  # by name of what nothing uses: when that was seen
+
+
+def sweep():
+    """From a timer: what nothing has used for some seconds, while nothing is rendered for good."""
+    unused, now = {image.name: image for image in _unused()}, time.monotonic()
+    for name in [name for name in _since if name not in unused]:
+        del _since[name]
+    for name, image in unused.items():
+        if now - _since.setdefault(name, now) > _REST_SECONDS and not bpy.app.is_job_running("RENDER"):
+            bpy.data.images.remove(image)

@@ -160,12 +160,10 @@ def _measure(tree, real):
 
 
 def _show(tree, made, name):
-    inner, old = tree.nodes, []
+    inner = tree.nodes
     for word in fabric_maps.WORDS:
         node, target = inner[word], inner[_SHADE].inputs[word.title()]
         new = fabric_maps.image(made, word, name) if made[word] is not None else None
-        if node.image and node.image != new:
-            old.append(node.image)
         if node.image != new:
             node.image = new
         if word == "tint" and bool(new) != target.is_linked:
@@ -173,9 +171,4 @@ def _show(tree, made, name):
                 tree.links.new(node.outputs["Color"], target)
             else:
                 tree.links.remove(target.links[0])
-    fabric_maps.drop(old)
-
-
-def images(tree):
-    """Of one repeat, that it shows."""
-    return [node.image for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage" and node.image] if tree else []
+    fabric_maps.drop()

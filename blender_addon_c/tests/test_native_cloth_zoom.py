@@ -21,9 +21,9 @@ FLOOR = 1e-3  # of the mean: what no eye sees
 def frame(preset, far, tier):
     """(32 x 32 pixels of the middle of a plate of 8 m, seconds of all cores)."""
     eye = far * unit(np.array((0.45, -0.3, 1.0)))
-    made = scene(cloths=[cloth(preset, 8.0, tier=tier)], materials=[fabric()], meshes=[square(4.0)], camera=persp(HALF, tuple(eye), clip=(0.01, 1000)),
-                 lights=[sun((0.4, 0.5, 0.8), (2, 2, 2), angle=0.05)], background=(0.3, 0.3, 0.3), width=SIDE, height=SIDE,
-                 samples=SAMPLES, transparent=False, max_bounces=1)
+    made = scene(cloths=[cloth(preset, 8.0, tier=tier)], materials=[fabric()], meshes=[square(4.0)],
+                 camera=persp(HALF, tuple(eye), clip=(0.01, 1000)), lights=[sun((0.4, 0.5, 0.8), (2, 2, 2), angle=0.05)],
+                 background=(0.3, 0.3, 0.3), width=SIDE, height=SIDE, samples=SAMPLES, transparent=False, max_bounces=1)
     begin = time.process_time()
     return render(made)[0][..., :3].astype(float), time.process_time() - begin
 
@@ -48,9 +48,10 @@ def test_no_popping(preset):
     found, seen = pops(frames)
     means = np.array([f.mean() for f in frames])
     fifths = np.array_split(np.arange(FRAMES), 5)
-    print(f"{preset}: differences by fifth of the way {[round(float(np.median(seen[part[part < FRAMES - 1]])), 5) for part in fifths]}, "
-          f"largest {seen.max():.4f} at {far[seen.argmax()]:.2f} m, median {np.median(seen):.5f}; means within "
-          f"{np.abs(means / means[-1] - 1).max():.4f} of the last; ms a frame {[round(1e3 * float(np.median(np.array(cost)[part])), 1) for part in fifths]}")
+    by_fifth = [round(float(np.median(seen[part[part < FRAMES - 1]])), 5) for part in fifths]
+    ms = [round(1e3 * float(np.median(np.array(cost)[part])), 1) for part in fifths]
+    print(f"{preset}: differences by fifth of the way {by_fifth}, largest {seen.max():.4f} at {far[seen.argmax()]:.2f} m, median "
+          f"{np.median(seen):.5f}; means within {np.abs(means / means[-1] - 1).max():.4f} of the last; ms a frame {ms}")
     assert not found, [(round(far[k], 2), seen[k]) for k in found]
     assert np.abs(means / means[-1] - 1)[far > 10].max() < 0.01  # nearer there are some twenty yarns, which vary
     # what a jump between two models would be

@@ -137,6 +137,14 @@ def test_images():
     copy = made[0][0].copy()
     copy.node_tree.nodes[made[0][2].name].warp_ridge = 0.0
     assert made[0][2].node_tree.nodes["tilt"].image == held[0] and len(ours()) == 3
+    maps = sys.modules[f"{common.MODULE}.fabric_maps"]
+    lonely = bpy.data.images.new("lonely", 4, 4)  # as with a window: gone when nothing has used it for a while
+    lonely[MARK] = "0"
+    maps.sweep()
+    assert "lonely" in bpy.data.images and len(ours()) == 4
+    maps._since["lonely"] -= 60
+    maps.sweep()
+    assert "lonely" not in bpy.data.images and len(ours()) == 3
     shared = next(tree for tree in bpy.data.node_groups if tree.get(MARK))
     inside = len(shared.nodes)
     bpy.ops.libshade.follow_bumps()  # is not for what is inside
