@@ -84,10 +84,14 @@ def read(path):
 
 
 def swap_handedness(dump):
-    """A dump from POV-Ray's left-handed world (y up) in Blender's (z up), or the reverse."""
+    """A dump from POV-Ray's left-handed world (y up) in Blender's (z up), or the reverse. Where it shows cloth,
+    whose yarns' twist has a hand, POV-Ray's dump has x turned round, so that it is right-handed there."""
+    cloth = np.isin(dump.material, [m["id"] for m in dump.header.get("materials", []) if "fabric" in m])
 
     def swap(v):
-        return v[..., [0, 2, 1]]
+        turned = v[..., [0, 2, 1]].copy()
+        turned[cloth, 0] *= -1
+        return turned
 
     return Dump(
         header=dump.header,

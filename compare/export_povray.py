@@ -12,7 +12,8 @@ own can include the same files. Render with
     cd FOLDER && povray scene.ini
 
 What is written: the visible meshes as they are after modifiers, with smooth
-normals and UVs; their Libshade Metal materials with normal map; sun and point
+normals and UVs; their Libshade Metal materials with normal map, and Libshade Fabric
+by preset and length, in the cloth's own colours; sun and point
 lights; the camera; the world's plain colour. Anything else is an error that
 names it, for the picture would not be the same.
 
@@ -35,13 +36,13 @@ import sys
 
 import bpy
 import numpy as np
-from libshade import _native, nodes
+from libshade import _native, fabric, nodes
 from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import whole  # noqa: E402
 
-METAL = "LibshadeMetalNode"
+METAL, FABRIC = "LibshadeMetalNode", "LibshadeFabricNode"
 SWAP = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 FADE = 1e-4  # fade distance of point lights, in units of the scene's size: error 1e-8 there
 
@@ -151,8 +152,49 @@ def choices_text(node):
     return "\n      ".join(lines)
 
 
+def fabric_of(material):
+    """Its Libshade Fabric node, or None."""
+    tree = material.node_tree if material.use_nodes else None
+    output = tree.get_output_node("ALL") if tree else None
+    links = output.inputs["Surface"].links if output else ()
+    return links[0].from_node if links and links[0].from_node.bl_idname == FABRIC else None
+
+
+def fabric_text(material, node):
+    """`texture { … }` of cloth: a preset, so long for a unit of the UV map. All else as the preset has it."""
+    what = f"material '{material.name}'"
+    if node.preset not in fabric.cloths() or node.size_mode != "LENGTH" or node.open_gaps:
+        raise ExportError(f"{what}: only cloth of a preset, its size a length, without open gaps can be written")
+    plain = bpy.data.materials.new("plain")
+    try:
+        plain.use_nodes = True
+        fresh = plain.node_tree.nodes.new(FABRIC)
+        fresh.preset = node.preset
+        for socket in node.inputs:
+            if socket.is_linked or _value(socket) != _value(fresh.inputs[socket.name]):
+                raise ExportError(f"{what}, {socket.name}: only what the preset has can be written")
+    finally:
+        bpy.data.materials.remove(plain)
+    return f"""texture {{
+  pigment {{ rgb 1 }}
+  finish {{
+    ambient 0 diffuse 0
+    mdf {{ fabric {{ preset "{fabric.cloths()[node.preset]["word"]}" mm_per_unit {number(1000 * node.size)} }} }}
+  }}
+}}"""
+
+
+def _value(socket):
+    """Of an unlinked socket, as numbers that can be compared."""
+    value = getattr(socket, "default_value", None)
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
 def texture_text(material, folder):
     """`texture { … }` for one material."""
+    cloth = fabric_of(material)
+    if cloth:
+        return fabric_text(material, cloth)
     node = metal_of(material)
     if node.inputs["Color"].is_linked:
         raise ExportError(f"material '{material.name}': a textured Color cannot be written")
@@ -186,6 +228,8 @@ def active_uv_map(mesh):
 
 def check_uv_map(mesh, material, owner):
     """Only the active UV map is written: an error if a material's normal map is on another one."""
+    if fabric_of(material):
+        return
     socket = metal_of(material).inputs["Normal"]
     name = socket.links[0].from_node.uv_map if socket.is_linked else ""
     layer = active_uv_map(mesh)
