@@ -35,7 +35,7 @@ BLENDER = {path.parent.name: path
 POVRAY = sorted(path for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov") if path.stem != "suzanne")
 # Of a picture's size. Where cloth is far, the reference takes the mean of many points for each pixel and light.
 PERCENT, CLOTH_PERCENT = 30, 7
-CLOTHS = ("bolts", "cloth", "drape")
+CLOTHS = ("bolts", "cloth", "drape", "jacket")
 ALPHAS = {"ax": 0.12, "ay": 0.4}
 # A reduced set: every distribution, BRDF, detail method, horizon and diffuse model once or more.
 VARIANTS = {

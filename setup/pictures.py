@@ -58,7 +58,7 @@ def povray_sheet():
 
 # Of each scene in examples/blender its arguments, and what of its picture (in 480ths of a sheet's width) goes where.
 _BLENDER = (("pan", (), (0, 0, 240, 135)), ("dial", (), (240, 0, 240, 135)), ("drape", (), (0, 135, 146, 135)),
-            ("bolts", (), (146, 135, 167, 135)), ("bolts", ("near",), (313, 135, 167, 135)))
+            ("jacket", (), (146, 135, 167, 135)), ("jacket", ("near",), (313, 135, 167, 135)))
 
 
 def fitted(picture, width, height):
@@ -82,7 +82,7 @@ def blender_sheet():
                            stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(build / "blender")})
         x, y, width, height = (unit * k for k in place)
         sheet.paste(fitted(Image.open(made).convert("RGB"), width, height), (x, y))
-    sheet.save(ROOT / "examples" / "blender.jpg", quality=82, optimize=True)
+    sheet.save(ROOT / "examples" / "blender.jpg", quality=78, optimize=True)
 
 
 def main():
