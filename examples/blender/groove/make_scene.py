@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Three brushed plates in Cycles: bumped, bumped with Libshade Groove before the shader, displaced.
+"""Three brushed plates in Cycles: bumped, bumped with Libshade Groove before the shader, displaced; with `across`
+Libshade Groove's *Tangent*, its *Strokes Across*, displaced.
 
     BLENDER_USER_SCRIPTS=build/blender blender -b --factory-startup --addons libshade \
-        -P examples/blender/groove/make_scene.py -- groove.png
+        -P examples/blender/groove/make_scene.py -- groove.png [across]
 """
 import math
 import sys
@@ -78,7 +79,18 @@ def sun(energy, towards, angle):
     bpy.context.scene.collection.objects.link(ob)
 
 
-def main(picture):
+def keeps_lines(name, image):
+    """Strokes stay on the lines of the surface."""
+    made = brushed(name, image)
+    bpy.data.objects[name].data.materials.append(made)
+    bpy.ops.libshade.follow_bumps()
+    tree = made.node_tree
+    group = next(node for node in tree.nodes if node.type == "GROUP")
+    shader = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfAnisotropic")
+    tree.links.new(group.outputs["Strokes Across"], shader.inputs["Tangent"])
+
+
+def main(picture, across):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.preferences.addon_enable(module="libshade")
     scene = bpy.context.scene
@@ -86,11 +98,14 @@ def main(picture):
     follows = plate("follows", 1)
     follows.data.materials.append(brushed("follows", image))
     bpy.ops.libshade.follow_bumps()
-    alone = plate("alone", 1)  # made after, so that the operator has not met it
-    alone.data.materials.append(brushed("alone", image))
+    other = plate("other", 1)
+    if across:
+        keeps_lines("other", image)
+    else:  # after the operator, which so has not met it
+        other.data.materials.append(brushed("alone", image))
     displaced = plate("displaced", QUADS)
     displaced.data.materials.append(brushed("displaced"))
-    alone.location.x, displaced.location.x = -1.06, 1.06
+    (follows if across else other).location.x, displaced.location.x = -1.06, 1.06
 
     sun(1.2, (0.3, 0.5, 0.8), 0.2)
     sun(0.6, (-0.6, -0.2, 0.8), 0.4)
@@ -108,4 +123,5 @@ def main(picture):
     bpy.ops.render.render(write_still=True)
 
 
-main(sys.argv[sys.argv.index("--") + 1])
+words = sys.argv[sys.argv.index("--") + 1:]
+main(words[0], "across" in words[1:])
