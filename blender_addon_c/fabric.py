@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
 from .fabric_yarns import CUSTOM, DRAFT
+from .group import register_node
 from .manual import draw_button
 from .report import draw_on
 
@@ -238,8 +239,7 @@ _PANELS = (NODE_PT_libshade_warp, NODE_PT_libshade_weft)
 
 def register():
     nodes.UPDATES[FABRIC] = is_old, update_node
-    if not bpy.types.Node.bl_rna_get_subclass_py(FABRIC):  # see nodes.unregister
-        bpy.utils.register_class(LibshadeFabricNode)
+    register_node(LibshadeFabricNode)
     for panel in _PANELS:
         bpy.utils.register_class(panel)
     fabric_draft.register()

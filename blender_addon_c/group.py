@@ -1,9 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups, in the versions of Blender."""
 
+import bpy
+
 
 def new_socket(tree, name, in_out, kind):
     """A socket of a group."""
     if hasattr(tree, "interface"):  # 4.0 and later
         return tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
     return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
+
+
+def register_node(cls):
+    """3.4 crashes when it frees the evaluated copy of a node whose class is gone: there it stays registered, and is found
+    when the add-on is enabled again. 5.0 has forgotten what it is derived from once others have asked for that anew."""
+    if bpy.types.Node.bl_rna_get_subclass_py(cls.bl_idname):
+        return
+    base = bpy.types.ShaderNodeCustomGroup
+    if cls.__bases__[0] is not base:
+        cls.__bases__ = base,
+    bpy.utils.register_class(cls)

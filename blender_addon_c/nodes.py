@@ -12,6 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
+from .group import register_node
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on
@@ -565,8 +566,7 @@ _CLASSES = (LIBSHADE_OT_metal_preset, LIBSHADE_OT_measured_metal, LIBSHADE_OT_up
 
 
 def register():
-    if not bpy.types.Node.bl_rna_get_subclass_py(METAL):  # see unregister
-        bpy.utils.register_class(LibshadeMetalNode)
+    register_node(LibshadeMetalNode)
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.NODE_MT_add.append(_draw_add_menu)

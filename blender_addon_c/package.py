@@ -18,6 +18,8 @@ def package(target, folder, files):
     part = f"{target}.{os.getpid()}.part"
     try:
         with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
+            # by it Blender 3.4 knows which folder to remove before it installs a newer one
+            archive.writestr(zipfile.ZipInfo(os.path.basename(os.path.normpath(folder)) + "/", _DATE), b"")
             for path in sorted(files):
                 entry = zipfile.ZipInfo(os.path.relpath(path, parent), _DATE)
                 entry.compress_type = zipfile.ZIP_DEFLATED

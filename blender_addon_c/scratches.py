@@ -9,6 +9,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import _native, scratch_tree
+from .group import register_node
 from .manual import draw_button
 from .report import draw_on
 from .scratch_tree import DENSITY, DEPTH, DIRECTION, LENGTH, NUMBERS, SPREAD, VECTOR, WIDTH
@@ -295,8 +296,7 @@ _CLASSES = (LIBSHADE_OT_scratches_preset, LIBSHADE_OT_bake_scratches, LIBSHADE_O
 
 
 def register():
-    if not bpy.types.Node.bl_rna_get_subclass_py(SCRATCHES):  # see nodes.unregister
-        bpy.utils.register_class(LibshadeScratchesNode)
+    register_node(LibshadeScratchesNode)
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.NODE_MT_add.append(_draw_add_menu)

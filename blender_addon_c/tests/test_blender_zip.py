@@ -139,3 +139,8 @@ def test_command_line(blender34, blend, tmp_path, blind):
     else:
         assert done.returncode == 0, done.stderr
         assert difference(rgba(picture), blend[1]) < 1e-3
+
+
+def test_nothing_is_left_behind(blender):
+    """Enabled and disabled twice, then installed again over itself."""
+    assert "all asserted" in blender.run("left.py", ZIP)
