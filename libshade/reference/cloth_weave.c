@@ -101,8 +101,9 @@ static real per_yarn(const shade_ref_cloth *c, const place *p, enum noise use) {
 /* Values at knots, joined by cubics that are level there. */
 static real along_yarn(const shade_ref_cloth *c, const place *p, enum noise use) {
   real at = (p->crossing + p->s) / yarn_of(c, p->kind)->along_length;
-  int64_t knot = (int64_t)floorl(at);
-  real t = at - floorl(at);
+  int64_t knot = (int64_t)at;
+  knot -= at < (real)knot; /* floorl takes as long as all the rest */
+  real t = at - (real)knot;
   real a = random_of(c->yarns.seed, channel_of(p->kind, use), p->number, knot);
   real b = random_of(c->yarns.seed, channel_of(p->kind, use), p->number, knot + 1);
   return a * (1 - t) * (1 - t) * (1 + 2 * t) + b * t * t * (3 - 2 * t);
@@ -187,7 +188,7 @@ static void tilt_of(const shade_ref_cloth *c, const place *p, int side, real *al
     a += y->along_tilt * along_yarn(c, p, ALONG_TILT_ALONG);
     b += y->along_tilt * along_yarn(c, p, ALONG_TILT_ACROSS);
   }
-  real size = hypotl(a, b), most = 0.98L;
+  real size = length2(a, b), most = 0.98L;
   *along = size > most ? a / size * most : a;
   *across = size > most ? b / size * most : b;
 }
@@ -212,7 +213,7 @@ static real brightness_of(const shade_ref_cloth *c, const place *p) {
 static real sky_on_yarn(real curve, real share, real sigma) {
   real lean = asinl(curve * fabsl(sigma));
   real across = 2 * curve / share - sinl(lean), down = cosl(lean); /* to the neighbour's centre */
-  real distance = hypotl(across, down);
+  real distance = length2(across, down);
   real above = asinl(distance > 1 ? 1 / distance : 1) - atan2l(down, across);
   return (1 + cosl(lean + above)) / 2;
 }
@@ -270,7 +271,7 @@ ref_point ref_look(const shade_ref_cloth *c, double u, double v) {
   at.tx = cosl(axis + angle);
   at.ty = sinl(axis + angle);
   if (c->yarns.occlusion == SHADE_OCCLUSION_TILT)
-    at.occlusion = 1 - hypotl(along, across);
+    at.occlusion = 1 - length2(along, across);
   if (c->yarns.occlusion == SHADE_OCCLUSION_SKY) {
     at.occlusion = at.gap ? sky_in_gap(lower->share, lower->sigma)
                           : sky_on_yarn(y->curve, seen->share, seen->sigma);
