@@ -232,34 +232,50 @@ def _filtered(reader, closure, normal, weight):
     normal, spread = reader.filtered[normal[0]]
     if "groove_from" in closure:
         spread = (math("MULTIPLY", math("ADD", *spread), 0.5),) * 2
+    if closure["mdf"].lower() == "ashikhmin_shirley":
+        return normal, _filtered_cosines(reader, closure, spread, weight)
     before, after = 0.0, 0.0  # sums of squares
+    for axis, more in zip("xy", spread):
+        square, wide = _widened(reader, closure, axis, more)
+        before, after = math("ADD", before, square), math("ADD", after, wide)
+    if (closure["mdf"].lower(), closure["brdf"].lower()) != ("beckmann", "microfacet"):
+        return normal, weight
+    return normal, _kept_by(reader, normal, "BECKMANN", before, after, weight)
+
+
+def _widened(reader, closure, axis, more):
+    """The square of an alpha, and with that of bumps."""
+    alpha = closure.get(f"a{axis}_from", [closure[f"a{axis}"]])[0]
+    square = reader.program.math("MULTIPLY", alpha, alpha)
+    wide = reader.program.math("ADD", square, more)
+    closure[f"a{axis}_from"] = [reader.program.math("SQRT", wide)]
+    return square, wide
+
+
+def _kept_by(reader, normal, lobe, before, after, weight):
+    """A weight by which a wide lobe reflects as much as the one before."""
+    math = reader.program.math
+    kept = math("DIVIDE", *(reader.program.emit("ALBEDO", lobe=lobe, normal=normal,
+                                                alpha=[math("SQRT", math("MULTIPLY", sum_, 0.5))])[0]
+                            for sum_ in (before, after)))
+    parts = weight if isinstance(weight, (tuple, list)) else (weight,) * 3
+    return tuple(math("MULTIPLY", part, kept) for part in parts)
+
+
+def _filtered_cosines(reader, closure, spread, weight):
+    """About its middle a power e of the cosine, scaled to 1, is a Gaussian of slopes of the variance 1 / (e + 1);
+    alpha squared is 2 / (e + 2). Which cosines count, and so what is lost, the bumps' share says."""
+    math, shares = reader.program.math, []
     for axis, more in zip("xy", spread):
         alpha = closure.get(f"a{axis}_from", [closure[f"a{axis}"]])[0]
         square = math("MULTIPLY", alpha, alpha)
-        if closure["mdf"].lower() == "ashikhmin_shirley":
-            wide = _cosines(reader, square, more)
-        else:
-            wide = math("ADD", square, more)
-        closure[f"a{axis}_from"] = [math("SQRT", wide)]
-        before, after = math("ADD", before, square), math("ADD", after, wide)
-    lobe = closure["mdf"].upper()
-    if closure["brdf"].lower() != {"ASHIKHMIN_SHIRLEY": "ashikhmin_shirley", "BECKMANN": "microfacet"}.get(lobe):
-        return normal, weight
-    albedos = [reader.program.emit("ALBEDO", lobe=lobe, normal=normal,
-                                   alpha=[math("SQRT", math("MULTIPLY", sum_, 0.5))])[0] for sum_ in (before, after)]
-    kept = math("DIVIDE", *albedos)
-    parts = weight if isinstance(weight, (tuple, list)) else (weight,) * 3
-    return normal, tuple(math("MULTIPLY", part, kept) for part in parts)
-
-
-def _cosines(reader, square, more):
-    """Of a power e of the cosine slopes vary by 1 / (e - 1) along an axis, and alpha squared is
-    2 / (e + 2); to that alpha, where they vary by half of `more` more."""
-    math = reader.program.math
-    square = math("MINIMUM", square, 0.6)
-    varies = math("DIVIDE", square, math("MULTIPLY_ADD", square, -3.0, 2.0))
-    varies = math("MULTIPLY_ADD", more, 0.5, varies)
-    return math("DIVIDE", math("MULTIPLY", varies, 2.0), math("MULTIPLY_ADD", varies, 3.0, 1.0))
+        own = math("DIVIDE", square, math("SUBTRACT", 2.0, math("MINIMUM", square, 1.0)))
+        wide = math("MULTIPLY_ADD", more, 0.5, own)
+        closure[f"a{axis}_from"] = [math("SQRT", math("DIVIDE", math("MULTIPLY", wide, 2.0), math("ADD", wide, 1.0)))]
+        shares.append(math("SUBTRACT", 1.0, math("DIVIDE", own, wide)))
+    if closure["brdf"].lower() == "ashikhmin_shirley":
+        closure["bumps_from"] = shares
+    return weight
 
 
 def _is_smooth(alpha):

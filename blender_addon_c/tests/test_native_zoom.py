@@ -39,12 +39,12 @@ def metal(filtered):
     return given | {"nodes": nodes, "normal": registers(3, 3), **alphas}
 
 
-def seen(kind, far, samples, blur=0.0, seed=1):
+def seen(kind, far, samples, blur=0.0, seed=1, metal=metal, light=(0.3, 0.1, 0.9)):
     """32 x 32 pixels, straight from above; a tile of the map is one wide, a sun is aside."""
     plate = square(TILES)
     plate["corner_uvs"] = np.float32(plate["corner_uvs"] * TILES)
     made = scene(meshes=[plate], images=[image(bumps(*SLOPE[kind]))], materials=[metal(blur > 0)], normal_blur=blur,
-                 lights=[sun((0.3, 0.1, 0.9), angle=0.02)], camera=persp(0.25, (0, 0.013, far), (0, 0.013, 0)),
+                 lights=[sun(light, angle=0.02)], camera=persp(0.25, (0, 0.013, far), (0, 0.013, 0)),
                  width=32, height=32, samples=samples, seed=seed, transparent=False, max_bounces=0)
     return render(made)[0][..., 1].astype(float)
 
@@ -59,6 +59,36 @@ def test_from_afar_bumps_are_roughness(kind):
         print(f"{kind} {far} m: mean {filtered.mean() / truth.mean():.4f}, error {left / noise:.3f} of that of points")
         assert filtered.mean() == pytest.approx(truth.mean(), rel=0.03)
         assert left < (1.0001 if far < 1 else 0.3 if far > 15 else 0.85) * noise
+
+
+def cosines(filtered):
+    """Ashikhmin and Shirley's lobe, twice as narrow along v as along u, as the export widens it."""
+    alphas = (0.1, 0.05)
+    given = material(fresnel="NONE", f0=(1, 1, 1), ex=2 / alphas[0]**2 - 2, ey=2 / alphas[1]**2 - 2)
+    nodes = [{"type": "NORMAL_MAP", "image": 0, "strength": 1.0, "filtered": filtered,
+              "out": registers(3, 5 if filtered else 3)}]
+    shares, wide = [], []
+    for k, alpha in enumerate(alphas if filtered else ()):
+        own, (sum_, top, below, square, root, part, share) = alpha**2 / (2 - alpha**2), registers(10 + 8 * k, 7)
+        for operation, a, b, c, out in (
+                ("MULTIPLY_ADD", (6 + k,), 0.5, own, sum_), ("MULTIPLY", sum_, 2.0, 0.0, top), ("ADD", sum_, 1.0, 0.0, below),
+                ("DIVIDE", top, below, 0.0, square), ("SQRT", square, 0.0, 0.0, root), ("DIVIDE", own, sum_, 0.0, part),
+                ("SUBTRACT", 1.0, part, 0.0, share)):
+            nodes.append({"type": "MATH", "operation": operation, "a": [a], "b": [b], "c": [c], "out": [out]})
+        wide.append([root])
+        shares.append(share)
+    fed = {"ax_from": wide[0], "ay_from": wide[1], "bumps_from": shares} if filtered else {}
+    return given | {"nodes": nodes, "normal": registers(3, 3), **fed}
+
+
+@pytest.mark.parametrize("light", [(0, 0, 1), (0.1, 0.3, 0.9), (0.1, 0.6, 0.8)])
+def test_beside_the_highlight_of_a_power_of_the_cosine(light):
+    """Eight samples from 12 to 100 m, where slopes are 0, 1 and 2.2 root mean squares: within 3 % of points."""
+    for far in (12, 30, 100):
+        truth = seen("brushed", far, 512, 0.0, 2, cosines, light).mean()
+        filtered = np.mean([seen("brushed", far, 8, 8**-0.5, seed, cosines, light).mean() for seed in range(6)])
+        print(f"{light} {far} m: {filtered / truth:.4f}")
+        assert filtered == pytest.approx(truth, rel=0.03)
 
 
 def test_many_samples_see_points():

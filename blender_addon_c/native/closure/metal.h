@@ -2,8 +2,10 @@
 /* libshade's metal, with the words of its own table. What nodes say of it instead, point by point:
  * `f0_from`, `kd_from`, `f82_from`, `eta_from`, `k_from`, three operands each, of which those that
  * are no registers leave the parameter as it is; `ax_from` and `ay_from`, one each; `groove_from`,
- * two, the tangent about the normal; `normal`, three registers. `apart`: Smith's shadowing of each
- * direction by itself, as Cycles' GGX and Beckmann had it until 3.6, not of both together. */
+ * two, the tangent about the normal; `normal`, three registers; `bumps_from`, two, along the
+ * tangent and across: which share of the lobe's squared slopes is that of bumps, for Ashikhmin and
+ * Shirley's BRDF. `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and
+ * Beckmann had it until 3.6, not of both together. */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
 
@@ -23,8 +25,8 @@
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
-  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2];
-  bool grooved, apart;
+  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], bumps[2];
+  bool grooved, apart, bumpy;
   bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
 } closure_metal;
@@ -89,6 +91,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
   shade_params_init(&c->params);
   c->grooved = reader_has(r, "groove_from");
   c->apart = false;
+  c->bumpy = reader_has(r, "bumps_from");
   if ((reader_has(r, "apart") && !reader_flag(r, "apart", &c->apart)) ||
       !closure_metal_from(r, g, "f0_from", 3, c->f0) ||
       !closure_metal_from(r, g, "kd_from", 3, c->kd) ||
@@ -96,6 +99,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
       !closure_metal_from(r, g, "eta_from", 3, c->eta) ||
       !closure_metal_from(r, g, "k_from", 3, c->k) ||
       !closure_metal_from(r, g, "groove_from", 2, c->groove) ||
+      !closure_metal_from(r, g, "bumps_from", 2, c->bumps) ||
       !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
       !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
@@ -103,6 +107,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
     return false;
   c->apart = c->apart && c->params.brdf == SHADE_BRDF_MICROFACET &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
+  c->bumpy = c->bumpy && c->params.brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY;
   *status |= shade_bsdf_setup(&c->bsdf, &c->params);
   c->matt = c->params.fresnel == SHADE_FRESNEL_NONE && c->params.diffuse == SHADE_DIFFUSE_LAMBERT;
   for (int k = 0; k < 3; k++)
@@ -221,6 +226,36 @@ LEAF void metal_apart(const closure_metal *c, lane_run run, const surfaces *rest
     metal_shadow_apart(false, c, run, at, given, wi, f);
 }
 
+/*
+ * Bumps that are a part of the lobe: of them those shine whose normals are near h, and it is these
+ * whose cosines count, not those of the mean normal (a fifth less where the eye looks straight and
+ * the light stands at 37 degrees). Of two Gaussians of slopes the normal is where h is, by the
+ * bumps' share of the way from the mean.
+ */
+LEAF void metal_bumps(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                      inputs *given, const lane_v *restrict wi, lane_c *restrict f) {
+  const closure_metal own = *c;
+  const metal_shape from = metal_shape_of(c, run, given);
+  const float *along = lane_of(given, c->bumps[0], 4, run);
+  const float *across = lane_of(given, c->bumps[1], 5, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    vec3 n = normal_at(given, own.normal, i), o = load(&at->wo, i), l = load(wi, i);
+    float up = o.z + l.z, by_h = 1.0f / (up > 1e-3f ? up : 1e-3f);
+    float by_n = 1.0f / (n.z > 1e-3f ? n.z : 1e-3f), x = n.x * by_n, y = n.y * by_n;
+    float dx = (o.x + l.x) * by_h - x, dy = (o.y + l.y) * by_h - y, tx = from.x[i], ty = from.y[i];
+    float a = along[i] * (dx * tx + dy * ty), b = across[i] * (dy * tx - dx * ty);
+    vec3 m = {x + a * tx - b * ty, y + a * ty + b * tx, 1.0f};
+    float mi = dot(m, l), mo = dot(m, o), ni = dot(n, l), no = dot(n, o);
+    float more = mi > mo ? mi : mo, most = ni > no ? ni : no;
+    float by = mi * most / (more * ni);
+    by = (ni > 0.0f) & (mi > 0.0f) & (by < 4.0f) ? by : 1.0f;
+    f->r[i] *= by;
+    f->g[i] *= by;
+    f->b[i] *= by;
+  }
+}
+
 /* Members that all lanes of the library have in common. */
 #define METAL_GIVEN                                                                                \
   .nx = given->at[c->normal[0]] + i, .ny = given->at[c->normal[1]] + i,                            \
@@ -328,6 +363,8 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
   if (density)
     status |= shade_bsdf_pdf_batchf(&c->bsdf, run.end - run.begin, &in, out->pdf + i);
   metal_apart(c, run, at, given, wi, &out->f);
+  if (c->bumpy)
+    metal_bumps(c, run, at, given, wi, &out->f);
   return status;
 }
 
@@ -356,6 +393,8 @@ LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const sur
                                  .cosine = out->cosine + i};
   unsigned status = shade_bsdf_sample_batchf(&c->bsdf, run.end - run.begin, &in, &result);
   metal_apart(c, run, at, given, &out->wi, &out->f);
+  if (c->bumpy)
+    metal_bumps(c, run, at, given, &out->wi, &out->f);
   return status & ~(unsigned)SHADE_NO_SAMPLE;
 }
 

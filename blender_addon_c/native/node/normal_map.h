@@ -70,30 +70,37 @@ LEAF void node_normal_map_wrapped(image_wrap wrap, const node_normal_map *n, lan
   }
 }
 
-/* Between two levels a point takes either, as images do. */
+/*
+ * Between two levels a point takes either, as images do. The spread about the mean is a part of
+ * that about the mean of a wider level (texture.h says why), and points by themselves have none.
+ */
 LEAF void node_normal_map_filtered(image_wrap wrap, const node_normal_map *n, lane_run g,
                                    const corners *restrict corner, const surfaces *restrict point,
                                    inputs *at) {
   const texture_levels of = n->normal->level, squares_of = n->squares->level;
   const uint32_t *texel = n->normal->texel, *square = n->squares->texel;
+  const float *part_x = n->normal->part[0], *part_y = n->normal->part[1];
   const float *u = point->u, *v = point->v;
   float *nx = at->at[n->out[0]], *ny = at->at[n->out[1]], *nz = at->at[n->out[2]];
   float *sx = at->at[n->out[3]], *sy = at->at[n->out[4]];
   const float blur = at->normal_blur;
+  const int last = of.count - 1;
   const image_slope by_uv = {.s_u = of.width, .t_v = of.height};
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
     float covered = image_footprint(point, i, by_uv, blur * point->width[i]);
     int level = image_level(covered, of.count, u[i], v[i]);
-    float x, y, xx, yy;
+    int wider = level + TEXTURE_WIDER < last ? level + TEXTURE_WIDER : last;
+    int wide_squares = wider > 0 ? wider - 1 : 0;
+    float x, y, wide_x, wide_y, xx, yy;
     texel_pair(texel, image_find(wrap, &of, level, u[i], v[i]), &x, &y);
-    texel_pair(square, image_find(wrap, &squares_of, level > 0 ? level - 1 : 0, u[i], v[i]), &xx,
-               &yy);
-    float slope = 1.0f - xx - yy; /* the mean of z squared */
-    float by = level > 0 ? 2.0f / (slope > 0.1f ? slope : 0.1f) : 0.0f;
-    float left_x = xx - x * x, left_y = yy - y * y;
-    sx[i] = left_x > 0.0f ? by * left_x : 0.0f;
-    sy[i] = left_y > 0.0f ? by * left_y : 0.0f;
+    texel_pair(texel, image_find(wrap, &of, wider, u[i], v[i]), &wide_x, &wide_y);
+    texel_pair(square, image_find(wrap, &squares_of, wide_squares, u[i], v[i]), &xx, &yy);
+    /* from the spread of a unit normal's x and y to that of x/z and y/z: squares of their slopes */
+    float zz = clampf(1.0f - xx - yy, 0.3f, 1.0f), by = level > 0 ? 2.0f / (zz * zz * zz) : 0.0f;
+    float left_x = xx - wide_x * wide_x, left_y = yy - wide_y * wide_y;
+    sx[i] = left_x > 0.0f ? by * (1.0f - yy) * (1.0f - yy) * left_x * part_x[level] : 0.0f;
+    sy[i] = left_y > 0.0f ? by * (1.0f - xx) * (1.0f - xx) * left_y * part_y[level] : 0.0f;
     vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
     nx[i] = normal.x;
     ny[i] = normal.y;

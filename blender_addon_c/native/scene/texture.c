@@ -98,6 +98,7 @@ void texture_take(texture_set *set, texture_set *before) {
       to->texel = from->texel;
       to->paged = from->paged;
       to->level = from->level;
+      memcpy(to->part, from->part, sizeof to->part);
       to->filled = true;
       from->texel = NULL;
       from->paged = 0;
@@ -545,6 +546,65 @@ static void pack_level(const texture *t, const texture *alpha, int level, int th
     pages_leave(t->texel, t->paged);
 }
 
+/* Sums of products of a level's texels: with themselves, and with those beside, above and across,
+ * as a mean over all places between texels needs them. Integers: the same by any threads. */
+typedef struct square_task {
+  const texture *texture;
+  int level, height, step;
+  atomic_llong sum[2][3];
+} square_task;
+
+static void sum_squares(void *context, size_t task) {
+  square_task *p = context;
+  const texture *t = p->texture;
+  int y = (int)task * ROWS_PER_TASK, end = y + ROWS_PER_TASK,
+      width = level_size(t->width, p->level);
+  long long sum[2][3] = {{0}};
+  for (; y < end && y < p->height; y++) {
+    if (y % p->step)
+      continue;
+    const uint32_t *low = level_row(t, p->level, y), *high = level_row(t, p->level, y + 1);
+    for (int shift = 0; shift < 32; shift += 16)
+      for (int x = 0; x < width; x++) {
+        int a = (int16_t)(low[x] >> shift), b = (int16_t)(low[x + 1] >> shift);
+        int c = (int16_t)(high[x] >> shift), d = (int16_t)(high[x + 1] >> shift);
+        sum[shift / 16][0] += a * a;
+        sum[shift / 16][1] += (long long)a * b + (long long)a * c;
+        sum[shift / 16][2] += (long long)a * d + (long long)b * c;
+      }
+  }
+  for (int k = 0; k < 6; k++)
+    atomic_fetch_add_explicit(&p->sum[k / 3][k % 3], sum[k / 3][k % 3], memory_order_relaxed);
+}
+
+/* Means of the squares of a level: of its texels, and of what look-ups between them give. */
+static void mean_squares(const texture *t, int level, int threads, double texels[2],
+                         double between[2]) {
+  int height = level_size(t->height, level), step = height / 1024 > 1 ? height / 1024 : 1;
+  square_task task = {.texture = t, .level = level, .height = height, .step = step};
+  parallel_for(threads, ((size_t)height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, sum_squares, &task);
+  double count =
+      (double)level_size(t->width, level) * ((height + step - 1) / step) * 32767.0 * 32767.0;
+  for (int k = 0; k < 2; k++) {
+    double own = (double)task.sum[k][0], beside = (double)task.sum[k][1];
+    texels[k] = own / count;
+    between[k] = (own * 4 / 9 + beside * 2 / 9 + (double)task.sum[k][2] / 18) / count;
+  }
+}
+
+static void find_parts(texture *t, int threads) {
+  double own[2], between[TEXTURE_LEVELS][2], texels[2];
+  int last = t->level.count - 1;
+  for (int level = 0; level <= last; level++)
+    mean_squares(t, level, threads, level ? texels : own, between[level]);
+  for (int level = 0; level <= last; level++)
+    for (int k = 0; k < 2; k++) {
+      int wider = level + TEXTURE_WIDER < last ? level + TEXTURE_WIDER : last;
+      double left = between[0][k] - between[level][k], all = own[k] - between[wider][k];
+      t->part[k][level] = all > 1e-9 && left > 0 ? (float)fmin(left / all, 1.0) : 0.0f;
+    }
+}
+
 /* The texture that has the alpha of a weighted one. */
 static const texture *alpha_of(const texture_set *set, const texture *t) {
   for (size_t i = 0; t->coarse == COARSE_WEIGHTED && i < set->count; i++)
@@ -585,6 +645,10 @@ bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
       if (!t->filled && level < t->level.count)
         pack_level(t, alpha_of(set, t), level, threads, cancel);
     }
+  for (size_t i = 0; i < set->count && !atomic_load_explicit(cancel, memory_order_relaxed); i++)
+    if (!set->item[i]->filled && set->item[i]->kind == TEXTURE_NORMAL &&
+        set->item[i]->level.count > 1)
+      find_parts(set->item[i], threads);
   return true;
 }
 

@@ -53,6 +53,13 @@ typedef enum texture_kind {
 /* WEIGHTED: means of colours go by their alpha, as what is behind them sees them. */
 typedef enum texture_coarse { COARSE_NONE, COARSE_EVEN, COARSE_WEIGHTED } texture_coarse;
 
+/*
+ * How many levels above that of the means the spread about them is taken. Of few bumps it goes up
+ * and down by itself, and lobes of many widths about means that spread, too, are in sum brighter in
+ * the middle and darker beside it than the bumps: by 8 and 7 % where a texel covers about one.
+ */
+enum { TEXTURE_WIDER = 3 };
+
 /* Level 0 is the image, of this width and height; each other is half as large, rounded down, but a
  * texel at least. Where the texels of each begin. */
 typedef struct texture_levels {
@@ -78,6 +85,9 @@ typedef struct texture {
   texture_coarse coarse;
   texture_levels level;
   const struct texture *normal; /* of squares */
+  /* Of a normal map with coarser levels, by level and for x and y: what the level's means do not
+   * say of the squares, over what those of the level TEXTURE_WIDER above do not. */
+  float part[2][TEXTURE_LEVELS];
 } texture;
 
 typedef struct texture_set {
