@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that look numbers up: curves, and colours of temperatures and wavelengths."""
 
+import math
 from array import array
 
 from .graph import is_known
@@ -15,6 +16,7 @@ def _curve(reader, table, low, high, at, extend):
         return reader.program.emit("CURVE", 1, table=array("f", table), low=low, high=high, at=[at], extend=extend)[0]
     last = len(table) - 1
     place = (at - low) / (high - low) * last if high > low else 0.0
+    place = place if math.isfinite(place) else 0.0
     place = place if extend else min(max(place, 0.0), last)
     k = int(min(max(place, 0.0), last - 1))
     return table[k] + (place - k) * (table[k + 1] - table[k])

@@ -95,7 +95,9 @@ def _adaptive(settings, samples):
     if not settings.use_adaptive_sampling:
         return {}
     threshold = settings.adaptive_threshold or max(0.001, 1.0 / samples)
-    least = settings.adaptive_min_samples or math.ceil(16.0 / threshold**0.3)
+    # what is no threshold the renderer names
+    asked = math.ceil(min(16.0 / threshold**0.3, 65536)) if threshold > 0 else 4
+    least = settings.adaptive_min_samples or asked
     return {"adaptive_threshold": threshold, "adaptive_min_samples": max(4, least)}
 
 

@@ -46,6 +46,8 @@ EXPECTED = {
     "many_shaders": ("finished", "Warning: .*its 10 shaders are more than 8"),
     "flat_lights": ("finished", None),
     "no_strength": ("error", "libshade: light 'broken lamp': intensity must be"),
+    "no_threshold": ("error", "adaptive_threshold must be"),
+    "curve_of_no_number": ("error", "'steel': f0 must be a sequence of 3 finite numbers"),
     "portal": ("finished", "Warning: .*'area': portals are not supported; left out"),
     "world_shader": ("finished", "Warning: .*world 'world': 'Diffuse BSDF' does not shine; black"),
     "world_without_image": ("finished", "Warning: .*world 'world': 'Environment Texture' has no image"),

@@ -270,6 +270,19 @@ def no_strength(scene):
     light.name, light.data.energy = "broken lamp", math.nan
 
 
+def curve_of_no_number(scene):
+    _ob, tree, node = plate(scene)
+    curve = tree.nodes.new("ShaderNodeRGBCurve")
+    curve.inputs["Color"].default_value = (math.nan, math.inf, 0.5, 1)
+    tree.links.new(curve.outputs[0], node.inputs["Color"])
+
+
+def no_threshold(scene):
+    """Of adaptive sampling."""
+    plate(scene)
+    scene.libshade.use_adaptive_sampling, scene.libshade.adaptive_threshold = True, math.nan
+
+
 def portal(scene):
     plate(scene)
     common.light(scene, "AREA").data.cycles.is_portal = True
@@ -391,7 +404,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, portal, world_shader,
+    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, world_shader,
     world_without_image, world_of_nothing, blind,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
