@@ -67,6 +67,8 @@ _ANSWERS = {"GEOMETRY": _Directions._geometry, "LAYER": _Directions._layer, "PAT
 class _Around(Reader):
     """A reader of the graph of a world or a lamp."""
 
+    has_surface = False
+
     def __init__(self, owner, table, messages, by_camera):
         super().__init__(table, messages, None)
         self.owner, self.program = owner, _Directions(by_camera)
@@ -83,6 +85,10 @@ class _Around(Reader):
 
     def asks_objects(self):
         """There are none."""
+
+    def reach(self):
+        """Nothing stands about it."""
+        return 0.0
 
     def camera(self):
         """It is everywhere."""

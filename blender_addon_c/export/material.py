@@ -43,6 +43,8 @@ class Table:
         self.by_object = False  # or for each object?
         self.unit = depsgraph.scene.unit_settings.scale_length
         self.camera, self._depsgraph = camera, depsgraph
+        world = depsgraph.scene.world
+        self.reach = world.light_settings.distance if world else 0.0
         self._active_maps = None  # by material: names of the active UV maps of its objects
         self._messages = messages
         self._indices = {}  # by material
@@ -109,6 +111,8 @@ class Table:
 class Reader:
     """One material, and what its nodes found out: `uv_map`, its main one, None if nothing asks for any,
     and other `layers`; the `program`, what outputs say that are `known`, and `closures`."""
+
+    has_surface = True
 
     def __init__(self, table, messages, material, held=False):
         self._held = held
@@ -212,6 +216,10 @@ class Reader:
     def measures(self):
         """Its meshes say what a unit of their UV map spans."""
         self.measured = True
+
+    def reach(self):
+        """As far as occlusion goes where a node does not say it, as the world's ambient occlusion does."""
+        return self._table.reach
 
     def unit_of_length(self):
         """Metres in a unit of the scene."""

@@ -11,7 +11,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from native_scenes import (ROOT, dump, image, material, mesh, native, persp, registers, scene, square, sun,
+from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene, square, sun,
                            unit, vectors)
 
 KINDS = native.table()["nodes"]
@@ -149,6 +149,8 @@ NODES = {
                "out": OUT[:1]}, stacked(lambda u, v: (np.where(u < 0.5, 1.6 * u - 0.2, 1 - 0.8 * u).clip(0, 1),) * 3)),
     "SCRATCHES": ({"what": "NORMAL", "field": 0, "at": UV[:2], "near": [(25,), UV[1], UV[0], (26,)], "step": 0.125,
                    "amount": [0.7], "normal": [float(t) for t in TILT], "out": OUT[:3]}, scratched_again),
+    "OCCLUSION": ({"samples": 3, "distance": [9.0], "out": OUT[:1]}, lambda u, v: np.ones((*u.shape, 3))),  # it is alone
+    "BEVEL": ({"samples": 3, "radius": [0.1], "out": OUT[:3]}, stacked(lambda u, v: (0, 0, 1))),  # it is flat
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
 PLATE = square()
@@ -187,6 +189,50 @@ def test_heights_and_mask_of_scratches(tmp_path):
     assert 0.2 < (height < 0).mean() < 0.9
     np.testing.assert_allclose(planes["Color.R"], np.clip(-70 * height, 0, 1), atol=2e-4)
     np.testing.assert_allclose(planes["Color.G"], 0.7 * (height < 0), atol=1e-6)
+
+
+@pytest.mark.parametrize("given, open_", [
+    ({}, 0.36), ({"distance": [0.6]}, (0.5 / 0.6)**2), ({"distance": [0.4]}, 1), ({"distance": [0.0]}, 1),
+    ({"normal": [(9,), (10,), (11,)]}, 0.5 - 0.5 * 0.28), ({"inside": True}, 0.2**2 / 0.25**2), ({"local": True}, 1),
+    ({"local": True, "own": True}, 0.36)])
+def test_what_stands_about_a_point(given, open_):
+    """Of a sheet half a unit above, or one below, as of form factors: within the distance r a sheet at h stops all
+    within the cosine h/r."""
+    given = {"distance": [0.5 / 0.6], "samples": 16} | given
+    own = given.pop("own", False)
+    if "normal" in given:  # 73.7 degrees aside: the sheet stops (1 + cos) / 2
+        given |= {"distance": [1e4]}
+    if "inside" in given:
+        given |= {"distance": [0.25]}
+    tilt = [0.96, 0.0, 0.28]
+    nodes = [{"type": "MATH", "operation": "ADD", "a": [part], "b": [0.0], "c": [0.0], "out": [out]}
+             for part, out in zip(tilt, registers(9, 3))]
+    nodes.append({"type": "OCCLUSION", "out": registers(12, 1), **given})
+    shines = {"name": "open", "closure": "EMISSION", "weight": registers(12, 1) * 3, "nodes": nodes}
+    parts = [square(0.2), square(2e3, 0.5), *([square(20.0, -0.2)] if "inside" in given else [])]
+    if own:  # the first two are one object
+        parts = [mesh(np.concatenate([part["positions"] for part in parts[:2]]),
+                      np.concatenate([parts[0]["corner_position"], parts[1]["corner_position"] + 4]))]
+    made = scene(meshes=parts, materials=[shines], camera=ortho(0.1, (0, 0, 0.4)), lights=[], samples=64, width=8, height=8)
+    assert render(made)[0][..., :3].mean() == pytest.approx(open_, abs=0.006)
+
+
+@pytest.mark.parametrize("away", [0.0, 0.1, 0.25, 0.6])
+def test_edges_are_round(away):
+    """So far from a square edge: the mean of the normals within half a unit, weighted by (1 - r/R)^3, by quadrature."""
+    y, z = np.meshgrid(np.linspace(-0.5, 0.5, 401), np.linspace(-0.5, 0.5, 401))
+    weight = lambda r: np.clip(1 - r / 0.5, 0, 1) ** 3
+    own = (weight(np.hypot(y, z)) * (z < away)).sum()
+    other = (weight(np.sqrt(y**2 + z**2 + away**2)) * (z < 0)).sum()
+    expected = unit(np.array([other, 0, own]))
+    edge = mesh([(-2, -2, 0), (0, -2, 0), (0, 2, 0), (-2, 2, 0), (0, -2, -2), (0, 2, -2)],
+                [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
+    bent = {"type": "BEVEL", "samples": 128, "radius": [0.5], "out": registers(3, 3)}
+    shines = {"name": "round", "closure": "EMISSION", "weight": registers(3, 3), "nodes": [bent]}
+    x = -away - 1e-3
+    found = render(scene(meshes=[edge], materials=[shines], camera=ortho(1e-4, (x, 0, 3), (x, 0, 0)), lights=[],
+                         samples=32, width=8, height=8))[0][..., :3].mean((0, 1))
+    np.testing.assert_allclose(unit(found.astype(float)), expected, atol=0.02)
 
 
 @pytest.mark.parametrize("kind, given", [("PERTURB", {"color": [0.9, 0.5, 0.2], "strength": [1.0]}),

@@ -159,6 +159,9 @@ typedef struct inputs {
   lane_f term; /* a random number, which term of its footprint a hit is, if `single`; */
   bool single; /* else it is all of them */
   struct cloth_room *cloth; /* hits that are prepared, or NULL */
+  /* where the scene is `occluded`, of each point, else NULL: */
+  const float *stopped; /* how many of its rays met something, */
+  const lane_v *around; /* and a sum of normals about it */
 } inputs;
 
 /* A register, or a number. */

@@ -45,7 +45,8 @@ typedef struct batch {
   lane_v toward; /* its direction, or one that a light sample of the sky goes to */
   lane_c sky;    /* what is there */
   lane_f sky_pdf;
-  lane_c met; /* by ray: light of lights it meets */
+  lane_c met;                  /* by ray: light of lights it meets */
+  struct occlusion *occlusion; /* where the scene is `occluded`, or NULL */
 } batch;
 
 #endif

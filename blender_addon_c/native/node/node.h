@@ -17,6 +17,7 @@
 
 #include "node/albedo.h"
 #include "node/bend.h"
+#include "node/bevel.h"
 #include "node/box.h"
 #include "node/brick.h"
 #include "node/bump.h"
@@ -33,6 +34,7 @@
 #include "node/noise.h"
 #include "node/normal_map.h"
 #include "node/object.h"
+#include "node/occlusion.h"
 #include "node/path.h"
 #include "node/perturb.h"
 #include "node/ramp.h"
@@ -57,6 +59,8 @@
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(LAYER, layer)                                                                                \
   ROW(OBJECT, object)                                                                              \
+  ROW(OCCLUSION, occlusion)                                                                        \
+  ROW(BEVEL, bevel)                                                                                \
   ROW(PATH, path)                                                                                  \
   ROW(FRAME, frame)                                                                                \
   ROW(TRANSFORM, transform)                                                                        \

@@ -5,6 +5,7 @@
 #include "render/hits.h"
 #include "render/light_passes.h"
 #include "render/motion.h"
+#include "render/occlusion.h"
 #include "render/panorama.h"
 #include "render/through.h"
 
@@ -43,6 +44,8 @@ bool batch_init(worker *w) {
   memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
   memset(w->batch->surface.width, 0, sizeof(lane_f));
   memset(w->batch->surface.pixel, 0, sizeof(lane_f));
+  if (!occlusion_init(w->batch, w->scene))
+    return false;
   return motion_init(w->batch, w->scene) && queue_init(&w->batch->queue, w->scene);
 }
 
@@ -50,6 +53,7 @@ void batch_free(worker *w) {
   if (w->batch) {
     queue_free(&w->batch->queue);
     motion_end(w->batch);
+    occlusion_free(w->batch);
   }
   free(w->batch);
 }

@@ -2,6 +2,7 @@
 #include "render/hits.h"
 
 #include "render/motion.h"
+#include "render/occlusion.h"
 
 void hits_trace(worker *w, ray_kind kind, size_t count) {
   const scene *s = w->scene;
@@ -71,6 +72,10 @@ void hits_nodes(worker *w) {
   clock_tick(&w->clocks, CLOCK_SURFACE);
   for (const segment *g = b->queue.segment; g < end; g++)
     for (const node *n = g->material->node; n < g->material->node + g->material->nodes; n++) {
+      if (n->type == NODE_OCCLUSION)
+        occlusion_trace(w->scene, b, g->run, &n->of.occlusion);
+      if (n->type == NODE_BEVEL)
+        bevel_trace(w->scene, b, g->run, &n->of.bevel);
       w->scene->stages->node[n->type](g, n, &b->corner, &b->surface, &b->input);
       clock_tick(&w->clocks, CLOCK_NODE + n->type);
     }

@@ -17,6 +17,7 @@ typedef struct graph {
   size_t scratch_fields;
   size_t layers;
   bool identified;  /* something asks which triangle or object it is */
+  bool occluded;    /* or what is about it */
   bool routed;      /* or by which way it is seen */
   bool stepped;     /* or how wide a pixel is there */
   uint64_t written; /* registers, a bit each */

@@ -283,6 +283,7 @@ static bool read_material(reader *r, void *out, void *context) {
     return false;
   g.named = false;
   s->identified |= g.identified;
+  s->occluded |= g.occluded;
   s->routed |= g.routed;
   s->stepped |= g.stepped;
   for (int k = 0; k < 3; k++)

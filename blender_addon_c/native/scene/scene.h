@@ -194,6 +194,7 @@ typedef struct scene {
   instance *instance;
   layer *layer;
   bool identified; /* some node asks for layers or for objects */
+  bool occluded;   /* or casts rays */
   bool routed;     /* or by which way it is seen */
   bool stepped;    /* or how wide a pixel is there */
   bool moves;      /* something moves while the shutter is open: */

@@ -1507,6 +1507,52 @@ def linked(options):
     return {}
 
 
+def occluded(options):
+    """A floor and a wall with a ball and a cube; all shine with what an Ambient Occlusion or a Bevel node says."""
+    scene = common.empty_scene(64, 48, samples=options["samples"])
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.light_settings.distance = 0.8
+    material = bpy.data.materials.new("open")
+    tree = common.tree_of(material)
+    kind = "Bevel" if "radius" in options else "AmbientOcclusion"
+    node, shines = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeEmission")
+    node.samples, said = options["rays"], node.outputs[0]
+    if kind == "Bevel":
+        node.inputs["Radius"].default_value = options["radius"]
+        moved = tree.nodes.new("ShaderNodeVectorMath")
+        moved.operation, moved.inputs[1].default_value, moved.inputs[2].default_value = "MULTIPLY_ADD", [0.5] * 3, [0.5] * 3
+        tree.links.new(said, moved.inputs[0])
+        said = moved.outputs[0]
+    else:
+        node.inside, node.only_local = (options.get(name, False) for name in ("inside", "only_local"))
+        node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
+        node.inputs["Distance"].default_value = options.get("distance", 1.0)
+    if "normal" in options:
+        given = tree.nodes.new("ShaderNodeCombineXYZ")
+        for socket, part in zip(given.inputs, options["normal"]):
+            socket.default_value = part
+        tree.links.new(given.outputs[0], node.inputs["Normal"])
+    tree.links.new(said, shines.inputs["Color"])
+    tree.links.new(shines.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    common.plane(material, 3)
+    wall = common.plane(material, 3)
+    wall.location, wall.rotation_euler = (0, 1, 0), (1.57, 0, 0)
+    bpy.ops.mesh.primitive_uv_sphere_add(location=(-0.7, 0, 0.65), radius=0.6, segments=64, ring_count=32)
+    common.smooth(common.added(material).data)
+    if kind == "Bevel":
+        bpy.ops.mesh.primitive_cube_add(size=0.9, location=(0.8, 0, 0.7), rotation=(0.5, 0.4, 0.6))
+    else:
+        bpy.ops.mesh.primitive_torus_add(location=(0.8, 0, 0.5), rotation=(0.9, 0.3, 0), major_radius=0.45, minor_radius=0.2)
+    common.added(material).scale = (1, 1.3, 1)
+    common.camera(scene, (0, -6, 2.4), (1.2, 0, 0), lens=60)
+    if options["engine"] == "CYCLES":
+        _in_cycles(scene, options["samples"])
+    for settings in scene.cycles, scene.libshade:
+        settings.max_bounces = 0
+    common.render(options["picture"])
+    return {}
+
+
 def caught(options):
     """A ball and a cube on a floor that catches their shadows, beside a wall that does, too."""
     scene = common.empty_scene(64, 48, samples=options["samples"])
