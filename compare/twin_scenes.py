@@ -86,14 +86,14 @@ def scratched_sphere(folder):
     steel = material("steel", "LibshadeMetalNode", image, STEEL, distribution="GGX", brdf="MICROFACET", ax=0.1, ay=0.4,
                      detail="ROTATE", fresnel="SCHLICK")
     positions, _normals, faces, uv = sphere.mesh(96, False)
-    mesh("ball", steel, positions * 1.6, faces, uv, location=(0, 0, 0.72), rotation_euler=(1.1, 0, 0.3))
+    mesh("ball", steel, positions * 1.6, faces, uv, location=(0, 0, 0.72), rotation_euler=(0.83, 0, 0))
     floor = material("floor", "LibshadeMetalNode", None, STEEL, ex=20, ey=400, detail="ROTATE", fresnel="SCHLICK")
     mesh("floor", floor, *grid(4))
 
 
 def swatches(_folder):
     """Denim and a shot taffeta as sheets that hang in folds, near enough that yarns are seen."""
-    for k, (preset, size) in enumerate((("DENIM", 0.004), ("SHOT_TAFFETA", 0.002))):
+    for k, (preset, size) in enumerate((("DENIM", 0.002), ("SHOT_TAFFETA", 0.001))):
         cloth = material(preset.lower(), "LibshadeFabricNode", preset=preset, size_mode="LENGTH", size=size)
         mesh(preset.lower(), cloth, *grid(48, lambda x, y: 0.08 * np.sin(4 * x + y)), scale=(0.55, 0.8, 1.0),
              location=(1.2 * k - 0.6, 0, 0.1), rotation_euler=(0.25, 0.0, 0.15 - 0.3 * k))

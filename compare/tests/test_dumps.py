@@ -165,3 +165,19 @@ def test_dumps_that_do_not_match_are_refused(tmp_path, channels):
     channels["material.ID"] = np.full_like(channels["material.ID"], -1.0)
     with pytest.raises(ValueError, match="no covered pixel"):
         dumps.deviations(a, load(tmp_path / "c.exr", channels))
+
+
+def test_cloth_of_pov_ray_is_turned_back(tmp_path, channels):
+    """POV-Ray records cloth with x the other way, metal as it is: in Blender's world both are where they were."""
+    header = {"version": "0", "materials": [{"id": 0, "name": "m"}, {"id": 1, "name": "c", "fabric": {}}]}
+    channels["material.ID"] = np.where(np.indices((64, 64))[1] < 32, 0.0, 1.0)
+    written = {name: plane.copy() for name, plane in channels.items()}
+    for name in [n[:-2] for n in channels if n.endswith(".X")]:
+        x = channels[name + ".X"]
+        written[name + ".X"] = np.where(channels["material.ID"] == 1, -x, x)
+        written[name + ".Y"], written[name + ".Z"] = channels[name + ".Z"], channels[name + ".Y"]
+    blender, povray = (dumps.read(synthetic.write(tmp_path / f"{k}.exr", planes, header))
+                       for k, planes in enumerate((channels, written)))
+    back = dumps.swap_handedness(povray)
+    for name in ("P", *dumps.DIRECTIONS):
+        assert np.array_equal(getattr(back, name), getattr(blender, name), equal_nan=True)
