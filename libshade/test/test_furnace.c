@@ -7,10 +7,11 @@
 #include "support.h"
 
 /* Points of the quadrature: half vectors laid over the slopes, where every lobe has its size. */
-enum { RINGS = 400, SPOKES = 200 / FEWER, POINTS = RINGS * SPOKES };
+enum { RINGS = 400, SPOKES = 200 / FEWER };
 
+/* One ring at a time: it stays in the first cache. */
 typedef struct grid {
-  double w[9][POINTS], weight[POINTS], f[4][POINTS];
+  double w[9][SPOKES], weight[SPOKES], f[4][SPOKES];
 } grid;
 static grid g;
 
@@ -25,31 +26,35 @@ static double albedo(const shade_bsdf *b, double ax, double ay, const double n[3
     spoke[k][0] = cos(2 * PI * (k + 0.5) / SPOKES);
     spoke[k][1] = sin(2 * PI * (k + 0.5) / SPOKES);
   }
-  for (int i = 0; i < POINTS; i++) {
-    /* slope = alpha r; r = s/(1 - s) covers all of it */
-    double s = (i / SPOKES + 0.5) / RINGS;
-    double r = s / (1 - s), dr = 1 / ((1 - s) * (1 - s)) / RINGS;
-    double sx = ax * r * spoke[i % SPOKES][0], sy = ay * r * spoke[i % SPOKES][1];
-    double z = 1 / sqrt(1 + sx * sx + sy * sy);
-    double dh = z * z * z * ax * ay * r * dr * 2 * PI / SPOKES;
-    double hx = sx * z, hy = sy * z, hz = z;
-    /* the smallest turn from z to the pole: any frame covers the hemisphere about it */
-    double k = hx * pole[0] + hy * pole[1], turn = hz - k / (1 + pole[2]);
-    double h[3] = {hx + pole[0] * turn, hy + pole[1] * turn, hz * pole[2] - k};
-    double d = h[0] * wo[0] + h[1] * wo[1] + h[2] * wo[2];
-    g.weight[i] = d > 0 ? 4 * d * dh : 0;
+  for (int i = 0; i < SPOKES; i++)
     for (int c = 0; c < 3; c++) {
       g.w[c][i] = n[c];
-      g.w[3 + c][i] = d > 0 ? 2 * d * h[c] - wo[c] : (c == 2 ? -1 : 0);
       g.w[6 + c][i] = wo[c];
     }
-  }
   shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(g.w)};
   shade_result out = {sizeof out, g.f[0], g.f[1], g.f[2], g.f[3]};
-  shade_bsdf_eval_batch(b, POINTS, &in, &out);
   double sum = 0;
-  for (int i = 0; i < POINTS; i++)
-    sum += g.f[0][i] * g.f[3][i] * g.weight[i];
+  for (int ring = 0; ring < RINGS; ring++) {
+    /* slope = alpha r; r = s/(1 - s) covers all of it */
+    double s = (ring + 0.5) / RINGS;
+    double r = s / (1 - s), dr = 1 / ((1 - s) * (1 - s)) / RINGS;
+    for (int i = 0; i < SPOKES; i++) {
+      double sx = ax * r * spoke[i][0], sy = ay * r * spoke[i][1];
+      double z = 1 / sqrt(1 + sx * sx + sy * sy);
+      double dh = z * z * z * ax * ay * r * dr * 2 * PI / SPOKES;
+      double hx = sx * z, hy = sy * z, hz = z;
+      /* the smallest turn from z to the pole: any frame covers the hemisphere about it */
+      double k = hx * pole[0] + hy * pole[1], turn = hz - k / (1 + pole[2]);
+      double h[3] = {hx + pole[0] * turn, hy + pole[1] * turn, hz * pole[2] - k};
+      double d = h[0] * wo[0] + h[1] * wo[1] + h[2] * wo[2];
+      g.weight[i] = d > 0 ? 4 * d * dh : 0;
+      for (int c = 0; c < 3; c++)
+        g.w[3 + c][i] = d > 0 ? 2 * d * h[c] - wo[c] : (c == 2 ? -1 : 0);
+    }
+    shade_bsdf_eval_batch(b, SPOKES, &in, &out);
+    for (int i = 0; i < SPOKES; i++)
+      sum += g.f[0][i] * g.f[3][i] * g.weight[i];
+  }
   return sum;
 }
 
