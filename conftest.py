@@ -10,10 +10,12 @@ import pytest
 
 ALONE = ("test_all_tests_under_sanitizers", "test_all_tests_compiled_by_clang")
 # Files by the seconds of a processor that they took, where more than some; in no order beyond that.
-LONGEST = """test_report_page test_check test_blender_lights test_blender_nodes test_end_to_end test_cloth test_source
-test_blender_closures test_blender_sky test_examples test_blender_paths test_blender_window test_blender_groove
-test_blender_holes_and_hair test_blender_passes test_bench test_study_atlas test_blender_hostile test_parse test_tangents
-test_bump_image test_dump test_blender_bad_input test_slopes test_blender_leaks test_swatch""".split()
+LONGEST = """test_report_page test_check test_study_truth test_blender_scratches test_blender_lights
+test_blender_nodes test_end_to_end test_cloth test_source test_blender_closures test_blender_sky test_examples
+test_blender_paths test_blender_window test_blender_groove test_blender_holes_and_hair test_blender_passes test_bench
+test_study_atlas test_blender_hostile test_parse test_tangents test_bump_image test_check_pair test_horizon
+test_native_cloth_moved test_native_stages test_reflection test_blender_node test_dump test_blender_bad_input
+test_slopes test_blender_leaks test_swatch""".split()
 
 
 def rank(item):
