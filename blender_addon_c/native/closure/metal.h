@@ -249,7 +249,8 @@ LEAF void metal_bumps(const closure_metal *c, lane_run run, const surfaces *rest
     float mi = dot(m, l), mo = dot(m, o), ni = dot(n, l), no = dot(n, o);
     float more = mi > mo ? mi : mo, most = ni > no ? ni : no;
     float by = mi * most / (more * ni);
-    by = (ni > 0.0f) & (mi > 0.0f) & (by < 4.0f) ? by : 1.0f;
+    bool counts = (ni > 0.0f) & (mi > 0.0f) & (by < 4.0f); /* false for NaN */
+    by = counts ? by : 1.0f;
     f->r[i] *= by;
     f->g[i] *= by;
     f->b[i] *= by;

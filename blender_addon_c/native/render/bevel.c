@@ -36,7 +36,7 @@ static float draw_distance(float u) {
     else
       high = x;
     float next = x - share / (slope > 1e-6f ? slope : 1e-6f);
-    x = (next > low) & (next < high) ? next : 0.5f * (low + high);
+    x = next > low && next < high ? next : 0.5f * (low + high);
   }
   return x;
 }
