@@ -98,14 +98,14 @@ def _bump(reader, found):
     if node.invert:
         distance = reader.program.math("MULTIPLY", distance, -1.0)
     return _bumped(reader, width, _fineness(height, groups, set()), lambda: number_of(reader, height, groups),
-                   strength=[number_in(reader, found, "Strength")], distance=[distance], normal=own or _UP)
+                   strength=[number_in(reader, found, "Strength")], distance=[distance], own=own)
 
 
 _UP = (0.0, 0.0, 1.0)
 
 
-def _bumped(reader, width, fineness, height, **given):
-    """height: reads it, wherever coordinates are shifted to."""
+def _bumped(reader, width, fineness, height, own=None, **given):
+    """height: reads it, wherever coordinates are shifted to. own: the normal that is bent, None for the surface's."""
     step = 0.25 / max(1.0, fineness or 250.0)
     key = ("steps", width, step)
     if key not in reader.known:
@@ -116,7 +116,11 @@ def _bumped(reader, width, fineness, height, **given):
         reader.shift = shift
         heights.append(height())
     reader.shift, reader.in_height = None, False
-    return Value("NORMAL", reader.program.emit("BUMP", height=heights, along=sum(reader.known[key], ()), **given))
+    given.update(height=heights, along=sum(reader.known[key], ()))
+    normal = reader.program.emit("BUMP", normal=own or _UP, **given)
+    if own and own[0] in reader.below:
+        reader.below[normal[0]] = reader.program.emit("BUMP", normal=reader.below[own[0]], below=True, **given)
+    return Value("NORMAL", normal)
 
 
 def displaced(reader, socket):
@@ -130,8 +134,7 @@ def displaced(reader, socket):
         return dot(reader, parts, reader.program.emit("GEOMETRY", what="NORMAL"))
 
     width = 0.1 if bpy.app.version >= (4, 2) else 1.0  # of a Bump node; those between were not measured
-    return _bumped(reader, width, _fineness(socket, (), set()), height, strength=[1.0], distance=[1.0],
-                   normal=_UP).parts
+    return _bumped(reader, width, _fineness(socket, (), set()), height, strength=[1.0], distance=[1.0]).parts
 
 
 def _displacement(reader, found):

@@ -236,7 +236,9 @@ def test_edges_are_round(away):
 
 
 @pytest.mark.parametrize("kind, given", [("PERTURB", {"color": [0.9, 0.5, 0.2], "strength": [1.0]}),
-                                         ("FRAME", {"vector": [0.8, 0.0, -0.6], "to": "SHADING"})])
+                                         ("FRAME", {"vector": [0.8, 0.0, -0.6], "to": "SHADING"}),
+                                         ("BUMP", {"height": [0.0, 0.0, 0.0], "along": [0.25, 0, 0, 0.25], "strength": [1.0],
+                                                   "distance": [1.0], "normal": [0.8, 0.0, -0.6]})])
 def test_normals_below_the_surface_are_bent_up(kind, given, tmp_path):
     """Where it is asked for they stay there, else they end at the horizon: both bend to the same."""
     for below in (True, False):

@@ -2,7 +2,7 @@
 /* A normal by heights, as Cycles' Bump node has it [Mikkelsen2008]: `height`, three operands, at
  * the point and two steps from there; `along`, four, these steps along u and v; `strength` and
  * `distance`; `normal`, which it bends, three operands in the shading frame. Writes `out`, a normal
- * there. */
+ * there (`below`: or below). */
 #ifndef LIBSHADE_NODE_BUMP_H
 #define LIBSHADE_NODE_BUMP_H
 
@@ -11,10 +11,13 @@
 typedef struct node_bump {
   operand height[3], along[4], strength, distance, normal[3];
   int out[3];
+  bool below;
 } node_bump;
 
 static inline bool node_bump_read(reader *r, node_bump *n, graph *g) {
-  return graph_operands(r, g, "height", 3, n->height) &&
+  n->below = false;
+  return (!reader_has(r, "below") || reader_flag(r, "below", &n->below)) &&
+         graph_operands(r, g, "height", 3, n->height) &&
          graph_operands(r, g, "along", 4, n->along) &&
          graph_operands(r, g, "strength", 1, &n->strength) &&
          graph_operands(r, g, "distance", 1, &n->distance) &&
@@ -45,6 +48,7 @@ LEAF void node_bump_run(const node_bump *n, lane_run g, const corners *corner,
   const float *pu = lane_of(at, n->along[0], 8, g), *pv = lane_of(at, n->along[1], 9, g);
   const float *qu = lane_of(at, n->along[2], 10, g), *qv = lane_of(at, n->along[3], 11, g);
   float *nx = at->at[n->out[0]], *ny = at->at[n->out[1]], *nz = at->at[n->out[2]];
+  const float lowest = n->below ? -1e18f : 1e-4f;
   (void)corner;
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
@@ -64,8 +68,9 @@ LEAF void node_bump_run(const node_bump *n, lane_run g, const corners *corner,
     bool good = !flat & (square > 1e-36f) & (square < 1e30f); /* false for NaN */
     vec3 to = select3(good, scaled(bent, 1.0f / sqrtf(good ? square : 1.0f)), own);
     vec3 mixed =
-        upright((vec3){own.x + strength * (to.x - own.x), own.y + strength * (to.y - own.y),
-                       own.z + strength * (to.z - own.z)});
+        unit_over((vec3){own.x + strength * (to.x - own.x), own.y + strength * (to.y - own.y),
+                         own.z + strength * (to.z - own.z)},
+                  lowest);
     nx[i] = mixed.x;
     ny[i] = mixed.y;
     nz[i] = mixed.z;

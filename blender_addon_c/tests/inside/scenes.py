@@ -1098,11 +1098,18 @@ def grooves(options):
 
 
 def bump_of(tree, bump):
-    """A colour as a normal map, or ("vector", x, y, z)."""
-    if bump[0] == "vector":
+    """A colour as a normal map, or ("vector", x, y, z), or ("bumped", x, y, z): by a slope, too."""
+    if bump[0] in ("vector", "bumped"):
         node = tree.nodes.new("ShaderNodeCombineXYZ")
         for socket, number in zip(node.inputs, bump[1:]):
             socket.default_value = number
+        if bump[0] == "bumped":
+            vector, place, part = node, tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
+            node = tree.nodes.new("ShaderNodeBump")
+            node.inputs["Strength"].default_value, node.inputs["Distance"].default_value = 0.8, 0.4
+            tree.links.new(place.outputs["Object"], part.inputs[0])
+            tree.links.new(part.outputs["X"], node.inputs["Height"])
+            tree.links.new(vector.outputs[0], node.inputs["Normal"])
     else:
         node = tree.nodes.new("ShaderNodeNormalMap")
         node.inputs["Color"].default_value = (*bump, 1)
