@@ -256,7 +256,7 @@ def findings(rows):
 
 def chart(rows, shape, light):
     panel, axes = style.figure(400, 300)
-    found, ends = points(rows, shape, light), []
+    found, ends, lines = points(rows, shape, light), [], []
     axes.set_title(LIGHTS[light])
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -269,13 +269,14 @@ def chart(rows, shape, light):
         bars = np.abs(np.array([[p.bar[0] / 1e9, p.bar[1] / 1e9] for p in mine]).T - xs)
         axes.errorbar(xs, ys, xerr=bars, **{**look.bars, "linestyle": "-" if len(mine) > 1 else "none"})
         ends.append((xs[-1], ys[-1], engine))
+        lines.append(list(zip(xs, ys)))
     low, high = axes.get_xlim()
     axes.set_xlim(low, high * (high / low) ** 0.35)
     style.log_ticks(axes.xaxis)
     style.log_ticks(axes.yaxis)
     axes.set_xlabel("seconds a frame, two cores")
     axes.set_ylabel("error against the displaced surface")
-    style.labels(axes, ends)
+    style.labels(axes, ends, lines=lines)
     return style.svg(panel)
 
 
