@@ -80,7 +80,8 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     good = [row for row in rows if row["kind"] == "check"] * 5
     narrow = {**good[0], "scene": "narrow", "ok": 0, "mean": 2e-5, "missed": "Blender against reference, mean error of S"}
     finding = study.finding_reference([*good, narrow])
-    assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (mean error of a material 2.0e-05)" in finding.text
+    assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (mean error of a material 2.0e-05; " in finding.text
+    assert not study.finding_reference([*good, {**narrow, "unexplained": int(0.01 * narrow["values"])}]).holds
     cloth = {**good[0], "scene": "cloth", "ok": 0, "missed": "", "far_values": 1000, "far_over": 3, "far_sum": 0.01}
     assert study.finding_reference([*good, cloth]).holds
     read = {key: value for key, value in cloth.items() if value != ""}  # as a CSV gives it back
@@ -96,6 +97,17 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     assert not study.finding_reference([*good, {**cloth, "far_over": 0}]).holds
     for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}):
         assert not study.finding_reference([*good, {**narrow, **worse}]).holds
+
+
+def test_what_rounding_does_not_explain_is_counted(tmp_path, rows):
+    """Of a dump as it should be next to nothing, of one that is .003 % too bright all that is so."""
+    assert all(row["unexplained"] == 0 for row in rows if row["kind"] == "check")
+    counts = []
+    for name, after in (("right", None), ("bright", parts.scale("light0.S.R", 1.00003))):
+        file = dump(tmp_path, name, after=after)
+        counts.append(study.left_of("Blender", file, tmp_path))
+    values = next(row["values"] for row in rows if row["kind"] == "check")
+    assert counts[0] <= study.UNEXPLAINED * values < counts[1], counts
 
 
 def test_a_renderer_that_is_missing_is_noticed(rows):
