@@ -3,6 +3,20 @@
 
 import bpy
 
+from .groove import arrange
+
+
+def shared(name, mark, fill):
+    """The file's group of that mark, made where there is none."""
+    for tree in bpy.data.node_groups:
+        if tree.get(mark) and not tree.library:
+            return tree
+    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tree[mark] = True
+    fill(tree)
+    arrange(tree)
+    return tree
+
 
 class Builder:
     """Nodes of a tree, and their links."""

@@ -4,29 +4,15 @@ has it, but for the change of Vector along the surface, which Bump nodes tell he
 
 import math
 
-import bpy
-
-from .builder import Builder
+from .builder import Builder, shared
 from .group import new_socket
-from .groove import arrange, either
+from .groove import either
 
 NAME = "Libshade Cloth Place"
 _MARK = "libshade_cloth_place"
 _EDGE = 1 / 64  # of a crossing: half a texel, within which neighbours are mixed in
 SLUBS = ("Warp Slub", "Weft Slub")  # relative variation of width, 1 / length of it, largest width
 _LEAST_WIDTH = 0.05
-
-
-def shared(name, mark, fill):
-    """The file's group of that mark, made where there is none."""
-    for tree in bpy.data.node_groups:
-        if tree.get(mark) and not tree.library:
-            return tree
-    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
-    tree[mark] = True
-    fill(tree)
-    arrange(tree)
-    return tree
 
 
 def add_sockets(tree, inputs, outputs):

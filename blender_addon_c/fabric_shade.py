@@ -5,7 +5,8 @@ where light comes from. How far it is off is in docs/blender.md."""
 
 import math
 
-from .fabric_place import Formulas, add_sockets, shared
+from .builder import shared
+from .fabric_place import Formulas, add_sockets
 from .groove import either
 
 NAME = "Libshade Cloth"

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .builder import Builder
+from .builder import Builder, shared
 from .group import new_socket
 from .groove import arrange, either, vector_math
 
@@ -49,19 +49,16 @@ def _add_sockets(tree):
         new_socket(tree, name, "OUTPUT", f"NodeSocket{kind}").description = about
 
 
-def plain():
-    """The one without images: its normal is the one that comes in."""
-    for tree in bpy.data.node_groups:
-        if tree.get(_MARK) and not tree.library:
-            return tree
-    tree = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
-    tree[_MARK] = True
+def _fill(tree):
     _add_sockets(tree)
     given, answer = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
     own = tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"]
     tree.links.new(either(tree, given.outputs[NORMAL], own), answer.inputs[NORMAL])
-    arrange(tree)
-    return tree
+
+
+def plain():
+    """The one without images: its normal is the one that comes in."""
+    return shared(NAME, _MARK, _fill)
 
 
 def is_plain(tree):
