@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "scene/cloth.h"
 #include "shade/presets.h"
 
 /* Append a new reference, which is taken over; false on any failure. */
@@ -166,15 +167,6 @@ PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
   return !good ? PyErr_NoMemory() : Py_BuildValue("(ddd)", rgb[0], rgb[1], rgb[2]);
 }
 
-static bool is_colored(const shade_draft *d) {
-  for (int k = 0; k < d->ends + d->picks; k++) {
-    const double *c = k < d->ends ? d->warp[k].color : d->weft[k - d->ends].color;
-    if (c[0] < 1 || c[1] < 1 || c[2] < 1)
-      return true;
-  }
-  return false;
-}
-
 const char wif_doc[] =
     "wif(bytes, name) -> dict\n\n"
     "What a Weaving Information File says: ends, picks (of a repeat), weft_share, colored,\n"
@@ -210,8 +202,8 @@ PyObject *native_wif(PyObject *self, PyObject *arguments) {
   PyObject *made = counts && widths
                        ? Py_BuildValue("{s:i,s:i,s:d,s:O,s:O,s:O,s:O}", "ends", d->ends, "picks",
                                        d->picks, "weft_share", weft_share(d), "colored",
-                                       is_colored(d) ? Py_True : Py_False, "mended", told, "counts",
-                                       counts, "widths", widths)
+                                       cloth_draft_tinted(d) ? Py_True : Py_False, "mended", told,
+                                       "counts", counts, "widths", widths)
                        : NULL;
   Py_XDECREF(counts);
   Py_XDECREF(widths);

@@ -1,23 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/occlusion.h"
 
+#include "batch/leaf.h"
 #include "stage/stage.h"
 
 #include <math.h>
 
 enum { SURFACES = 64 }; /* that a ray goes through */
-
-static vec3 of_lane(const lane_v *v, size_t i) {
-  return (vec3){v->x[i], v->y[i], v->z[i]};
-}
-static void to_lane(lane_v *v, size_t i, vec3 a) {
-  v->x[i] = a.x;
-  v->y[i] = a.y;
-  v->z[i] = a.z;
-}
-static float product(vec3 a, vec3 b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 
 /* What a point at a distance weighs, as a part of the radius, up to a factor. */
 static float falloff(float x) {
@@ -58,8 +47,8 @@ static size_t aim_rays(const batch *b, lane_run run, const node_bevel *n, int k,
   size_t count = 0;
   for (size_t i = run.begin; i < run.end; i++) {
     float reach = wide ? wide[i] : n->radius.number;
-    vec3 p = of_lane(&at->p, i), g = of_lane(&at->g, i), s, t;
-    float length = sqrtf(product(g, g));
+    vec3 p = load(&at->p, i), g = load(&at->g, i), s, t;
+    float length = sqrtf(dot(g, g));
     if (!(reach > 0.0f && reach < 1e18f) || !(length > 0.0f) || !isfinite(p.x + p.y + p.z + length))
       continue;
     float u = o->turn[i] + (float)(first - floor(first)),
@@ -88,11 +77,11 @@ static size_t aim_rays(const batch *b, lane_run run, const node_bevel *n, int k,
     float d = reach * off * sinf(turn), up = reach * sqrtf(1.0f - off * off);
     vec3 from = {p.x + c * s.x + d * t.x + up * drawn.x, p.y + c * s.y + d * t.y + up * drawn.y,
                  p.z + c * s.z + d * t.z + up * drawn.z};
-    to_lane(&o->ray.o, count, from);
-    to_lane(&o->ray.d, count, (vec3){-drawn.x, -drawn.y, -drawn.z});
-    to_lane(&o->axis, count, drawn);
-    to_lane(&o->aside, count, s);
-    to_lane(&o->other, count, t);
+    store(&o->ray.o, count, from);
+    store(&o->ray.d, count, (vec3){-drawn.x, -drawn.y, -drawn.z});
+    store(&o->axis, count, drawn);
+    store(&o->aside, count, s);
+    store(&o->other, count, t);
     o->chance[0][count] = own;
     o->chance[1][count] = beside;
     o->chance[2][count] = last;
@@ -111,8 +100,8 @@ static size_t aim_rays(const batch *b, lane_run run, const node_bevel *n, int k,
 static void add_normal(const batch *b, occlusion *o, size_t i, float radius) {
   uint32_t lane = o->lane[i];
   const float *row = o->corner.row + 8 * i;
-  vec3 g = of_lane(&o->hit.g, i), n = {row[0], row[1], row[2]}, p = of_lane(&b->surface.p, lane);
-  float long_ = sqrtf(product(g, g)), length = sqrtf(product(n, n)), t = o->ray.tfar[i];
+  vec3 g = load(&o->hit.g, i), n = {row[0], row[1], row[2]}, p = load(&b->surface.p, lane);
+  float long_ = sqrtf(dot(g, g)), length = sqrtf(dot(n, n)), t = o->ray.tfar[i];
   if (!(long_ > 0.0f) || !(length > 0.0f) || !(o->off[i] > 0.0f))
     return;
   vec3 at = {o->ray.o.x[i] + t * o->ray.d.x[i] - p.x, o->ray.o.y[i] + t * o->ray.d.y[i] - p.y,
@@ -120,10 +109,10 @@ static void add_normal(const batch *b, occlusion *o, size_t i, float radius) {
   const lane_v *axis[3] = {&o->axis, &o->aside, &o->other};
   float density[3], sum = 0.0f;
   for (int k = 0; k < 3; k++) {
-    density[k] = o->chance[k][i] * fabsf(product(of_lane(axis[k], i), g)) / long_;
+    density[k] = o->chance[k][i] * fabsf(dot(load(axis[k], i), g)) / long_;
     sum += density[k] * density[k];
   }
-  float far = sqrtf(product(at, at)) / radius;
+  float far = sqrtf(dot(at, at)) / radius;
   float by = sum > 0.0f ? density[0] / sum * falloff(far) / (o->off[i] * length) : 0.0f;
   by *= b->surface.side[lane];
   o->around.x[lane] += by * n.x;
@@ -148,10 +137,10 @@ static void add_all(const scene *s, const batch *b, occlusion *o, size_t count, 
       o->hit.instance[met] = s->placed ? o->hit.instance[i] : 0;
       o->hit.u[met] = o->hit.u[i];
       o->hit.v[met] = o->hit.v[i];
-      to_lane(&o->hit.g, met, of_lane(&o->hit.g, i));
-      to_lane(&o->axis, met, of_lane(&o->axis, i));
-      to_lane(&o->aside, met, of_lane(&o->aside, i));
-      to_lane(&o->other, met, of_lane(&o->other, i));
+      store(&o->hit.g, met, load(&o->hit.g, i));
+      store(&o->axis, met, load(&o->axis, i));
+      store(&o->aside, met, load(&o->aside, i));
+      store(&o->other, met, load(&o->other, i));
       for (int k = 0; k < 3; k++)
         o->chance[k][met] = o->chance[k][i];
       float near = o->ray.tnear[i], at = o->ray.tfar[i];
@@ -177,7 +166,7 @@ void bevel_trace(const scene *s, batch *b, lane_run run, const node_bevel *n) {
     return;
   occlusion_draw(o, &b->surface, run);
   for (size_t i = run.begin; i < run.end; i++)
-    to_lane(&o->around, i, (vec3){0.0f, 0.0f, 0.0f});
+    store(&o->around, i, (vec3){0.0f, 0.0f, 0.0f});
   for (int k = 0; k < n->samples; k++)
     add_all(s, b, o, aim_rays(b, run, n, k, radius), radius);
 }

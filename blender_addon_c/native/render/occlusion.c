@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "batch/leaf.h"
 #include "scene/accel.h"
 #include "stage/stage.h"
 
@@ -55,13 +56,9 @@ void occlusion_draw(occlusion *o, const surfaces *at, lane_run run) {
   }
 }
 
-static vec3 of_lane(const lane_v *v, size_t i) {
-  return (vec3){v->x[i], v->y[i], v->z[i]};
-}
-
 /* To the world, of a vector in the shading frame. */
 static vec3 in_world(const surfaces *at, size_t i, vec3 v) {
-  vec3 t = of_lane(&at->t, i), b = of_lane(&at->b, i), n = of_lane(&at->n, i);
+  vec3 t = load(&at->t, i), b = load(&at->b, i), n = load(&at->n, i);
   return (vec3){v.x * t.x + v.y * b.x + v.z * n.x, v.x * t.y + v.y * b.y + v.z * n.y,
                 v.x * t.z + v.y * b.z + v.z * n.z};
 }
@@ -95,7 +92,7 @@ static size_t aim_rays(const batch *b, lane_run run, const node_occlusion *n, in
     float by = (n->inside ? -1.0f : 1.0f) / (length > 1e-20f ? length : 1.0f), radius = sqrtf(u);
     up = in_world(at, i, (vec3){up.x * by, up.y * by, up.z * by});
     vec3 d = about(up, radius * cosf(turn), radius * sinf(turn), sqrtf(1.0f - u));
-    vec3 g = of_lane(&at->g, i), p = of_lane(&at->p, i);
+    vec3 g = load(&at->g, i), p = load(&at->p, i);
     float side = d.x * g.x + d.y * g.y + d.z * g.z < 0.0f ? -1.0f : 1.0f;
     if (!isfinite(d.x + d.y + d.z + p.x + p.y + p.z + g.x + g.y + g.z))
       continue;

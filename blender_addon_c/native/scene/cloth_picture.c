@@ -18,7 +18,7 @@ static int texels_of(int crossings) {
   return each * crossings < CLOTH_MOST_TEXELS ? each * crossings : CLOTH_MOST_TEXELS;
 }
 
-static bool is_tinted(const shade_draft *d) {
+bool cloth_draft_tinted(const shade_draft *d) {
   for (int k = 0; k < d->ends + d->picks; k++) {
     const double *color = k < d->ends ? d->warp[k].color : d->weft[k - d->ends].color;
     if (color[0] < 1 || color[1] < 1 || color[2] < 1)
@@ -33,7 +33,7 @@ bool cloth_texels(const cloth *c, int *width, int *height, bool *tinted) {
   if (d) {
     *width = texels_of(d->ends);
     *height = texels_of(d->picks);
-    *tinted = c->preset.fabric.draft_colors && is_tinted(d);
+    *tinted = c->preset.fabric.draft_colors && cloth_draft_tinted(d);
   }
   shade_draft_free(own);
   return d != NULL;
@@ -42,6 +42,16 @@ bool cloth_texels(const cloth *c, int *width, int *height, bool *tinted) {
 /* What differs from one repeat to the next. */
 static void still(shade_yarn_params *y) {
   y->vary_brightness = y->vary_tilt = y->along_brightness = y->along_tilt = y->slub = 0;
+}
+
+/* The cloth's yarns, every repeat the same, and its draft, a new one in *own where it is that of a
+ * name; NULL without memory. */
+static shade_weave *even_weave(const cloth *c, const shade_draft **d, shade_draft **own) {
+  shade_weave_params p = c->preset.yarns;
+  *d = draft_of(c, own);
+  still(&p.warp);
+  still(&p.weft);
+  return *d ? shade_weave_create(*d, &p, NULL) : NULL;
 }
 
 static float shown(double linear) { /* as sRGB */
@@ -82,11 +92,8 @@ static void write_texel(const texel *t, int points, float *tilt, float *yarns, f
 bool cloth_picture(const cloth *c, int width, int height, float *tilt, float *yarns, float *tint) {
   const int side = (long)width * height <= 1L << 18 ? 3 : (long)width * height <= 1L << 20 ? 2 : 1;
   shade_draft *own;
-  const shade_draft *d = draft_of(c, &own);
-  shade_weave_params p = c->preset.yarns;
-  still(&p.warp);
-  still(&p.weft);
-  shade_weave *w = d ? shade_weave_create(d, &p, NULL) : NULL;
+  const shade_draft *d;
+  shade_weave *w = even_weave(c, &d, &own);
   for (int j = 0; w && j < height; j++)
     for (int i = 0; i < width; i++) {
       texel t = {0};
@@ -152,11 +159,9 @@ static double taken(const lean *l, const double w[3]) {
 double cloth_lit(const cloth *c) {
   enum { RINGS = 64, TURNS = 16 };
   shade_draft *own;
-  const shade_draft *d = draft_of(c, &own);
-  shade_weave_params p = c->preset.yarns;
-  still(&p.warp);
-  still(&p.weft);
-  shade_weave *weave = d ? shade_weave_create(d, &p, NULL) : NULL;
+  const shade_draft *d;
+  shade_weave *weave = even_weave(c, &d, &own);
+  const bool good = weave != NULL;
   lean leans[2] = {{0}};
   double left = 0;
   if (weave)
@@ -171,5 +176,5 @@ double cloth_lit(const cloth *c) {
   }
   shade_weave_free(weave);
   shade_draft_free(own);
-  return weave ? left / (RINGS * TURNS) : -1;
+  return good ? left / (RINGS * TURNS) : -1;
 }
