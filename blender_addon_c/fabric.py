@@ -19,9 +19,10 @@ _FIRST = next(iter(_CLOTHS))
 TRANSLUCENCY = "Translucency"
 
 
-def settings(node):
-    """(what the native module is to know of a node's cloth, but for what its sockets say; what is wrong or "")."""
-    made, trouble = fabric_yarns.settings(node)
+def settings(node, unit):
+    """(what the native module is to know of a node's cloth, but for what its sockets say; what is wrong or ""). unit: metres
+    in one of the scene."""
+    made, trouble = fabric_yarns.settings(node, unit)
     return {**made, "open": node.open_gaps}, trouble
 
 
@@ -151,7 +152,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(self), _brightness(base),
                                         _CLOTHS[base]["exponent"])
             return
-        made, _trouble = settings(self)
+        made, _trouble = settings(self, fabric_tree.scene_unit())
         fabric_tree.update(self.node_tree, fabric_maps.of(made), f"Libshade {self._woven()}", fabric_size.space_of(self),
                            self.open_gaps)
 

@@ -145,6 +145,12 @@ def update(tree, made, name, real, open_gaps):
     _show(tree, made, name)
 
 
+def scene_unit():
+    """Metres in a unit of the scene that is open."""
+    scene = getattr(bpy.context, "scene", None)
+    return scene.unit_settings.scale_length if scene else 1.0
+
+
 def _measure(tree, real):
     inner = tree.nodes
     socket = inner[_PLACE].inputs["Metres"]
@@ -155,8 +161,7 @@ def _measure(tree, real):
         return
     for link in list(socket.links):
         tree.links.remove(link)
-    scene = getattr(bpy.context, "scene", None)
-    socket.default_value = scene.unit_settings.scale_length if real and scene else 1.0
+    socket.default_value = scene_unit() if real else 1.0
 
 
 def _show(tree, made, name):

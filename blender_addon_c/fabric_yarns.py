@@ -121,8 +121,9 @@ def properties(set_length, changed):
     return made
 
 
-def settings(node):
-    """What the native module is to know of it; (settings, what is wrong with them or "")."""
+def settings(node, unit):
+    """What the native module is to know of it; (settings, what is wrong with them or ""). unit: metres in one of the scene,
+    which lengths in the interface count."""
     made, trouble = {"preset": base(node).lower()}, ""
     if node.preset == CUSTOM and node.based_on:
         own = _native.cloth(made["preset"])
@@ -144,7 +145,7 @@ def settings(node):
     if node.size_mode == "REPEATS":
         made["repeats"] = tuple(node.repeats)
     else:
-        made["size"] = 1.0 if node.size_mode == "REAL" else node.size
+        made["size"] = 1.0 if node.size_mode == "REAL" else min(max(node.size * unit, 1e-6), 1e6)
     if node.distance != "AUTO":
         made["tier"] = node.distance.lower()
     return made, trouble

@@ -25,7 +25,7 @@ def of(reader, node, groups):
 def made(reader, node, groups, transmit, fed):
     """Cloth with this share of what is matt going through. Where the nodes say the same everywhere, the cloth has
     these colours; else the preset's own, and each point another."""
-    cloth, trouble = fabric.settings(node)
+    cloth, trouble = fabric.settings(node, reader.unit_of_length())
     cloth, fed = {**cloth, "transmit": transmit}, {**fed}
     if trouble:
         reader.warn(f"'{node.name}': {trouble}")

@@ -192,6 +192,9 @@ def test_real_size():
     ob.modifiers.clear()
     node.inputs["Scale"].default_value = 2.0
     assert difference(picture(), plain) < 2e-3
+    node.size = 0.002 / 3  # as long as the interface says, in the scene's unit
+    assert node.size_mode == "LENGTH" and difference(picture(), plain) < 2e-3
+    node.size_mode = "REAL"
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     shift = tree.nodes.new("ShaderNodeVectorMath")
     shift.inputs[1].default_value = (1, 1, 0)

@@ -114,6 +114,8 @@ def test_real_size():
     assert bpy.ops.libshade.measure_cloth() == {"FINISHED"}
     assert abs(ob["libshade_metres"] - 0.01) < 1e-6 and abs(ob["libshade_metres_of_unit"] - 0.005) < 1e-6
     both("real")
+    node.size = 0.02  # of the scene's units
+    both("length")
 
 
 def ours():
