@@ -4,6 +4,7 @@
 Skipped where NATIVE_MODULE names another build.
 """
 
+import functools
 import os
 import re
 import subprocess
@@ -36,6 +37,7 @@ COPIES = {"memcpy", "memmove", "memset"}
 MOVING = {"settle": re.compile("gather|^v?insert|^v?unpck"), "gather": re.compile("gather|^v?insert|^v?unpck")}
 
 
+@functools.cache  # asked for each stage
 def disassembly(isa):
     """{function: [(mnemonic, operands)]} of the stages' translation unit."""
     listing = subprocess.run(
