@@ -10,6 +10,7 @@ import synthetic
 import test_judges as parts
 
 import check
+import dumps
 import pictures
 import programs
 
@@ -87,6 +88,23 @@ def test_what_the_other_dump_has_otherwise(tmp_path, which, change, row):
 @pytest.mark.parametrize("factor, missed", [(1.001, {"B"}), (1.03, {"B", "light0.S,"})])
 def test_what_one_shades_otherwise(tmp_path, factor, missed):
     assert judged(pair(tmp_path, after=parts.scale("light0.S.R", factor)))[1] == missed
+
+
+@pytest.mark.parametrize("light", [0, 1])
+def test_each_light_is_compared(tmp_path, light):
+    """Whatever the lights after it are."""
+    first, second = map(dumps.read, pair(tmp_path, after=parts.scale(f"light{light}.S.R", 1.03), povray=False))
+    assert check.shaded_rows(first, first)[1]
+    assert not check.shaded_rows(first, second)[1]
+
+
+def test_what_has_no_row_of_its_own_is_said(tmp_path, monkeypatch, capsys):
+    """As of cloth from afar: `shade check` judges its values apart from all others."""
+    reference = check.against_reference
+    monkeypatch.setattr(check, "against_reference", lambda path, *about: {
+        **reference(path, *about), **({"pass": False} if path.name == "b.exr" else {})})
+    assert check.main(["--json", *map(str, pair(tmp_path))]) == 1
+    assert json.loads(capsys.readouterr().out)["missed"] == ["B: `shade check` does not pass it"]
 
 
 def test_what_is_no_number_is_said_with_its_place(tmp_path):
