@@ -75,6 +75,18 @@ def test_altered_rows_are_noticed(rows, kind, column, value, wrong):
     assert [k for k, good in enumerate(holds(changed)) if not good] == [wrong]
 
 
+def test_a_picture_is_to_be_right_in_the_mean_and_to_the_eye():
+    image = np.full((60, 72, 3), 0.3)
+    brighter = study.picture_row("ball", "as it is", [image, 1.025 * image])
+    assert brighter["difference"] > brighter["limit"] and brighter["flip"] <= brighter["flip_limit"] and not brighter["ok"]
+    lamp = np.zeros((60, 72, 3))
+    lamp[:, :36] = 50.0  # beside which .2 in the dark is nothing in the mean
+    glow = np.where(lamp > 0, lamp, 0.2)
+    seen = study.picture_row("ball", "as it is", [lamp, glow])
+    assert seen["difference"] <= seen["limit"] and seen["flip"] > seen["flip_limit"] and not seen["ok"]
+    assert study.picture_row("ball", "as it is", [image, image])["ok"]
+
+
 def test_a_mean_over_its_limit_is_said_by_name(rows):
     """One in many, by less than three times, for nothing else: no other scene is to be hidden by it."""
     good = [row for row in rows if row["kind"] == "check"] * 5

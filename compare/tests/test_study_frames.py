@@ -70,3 +70,15 @@ def test_altered_rows_falsify(rows, wrong, same, change):
     altered = [{**row, **change} if all(row[k] == v for k, v in same.items()) else row for row in rows]
     held = [finding.holds for finding in study.findings(altered)]
     assert not held[wrong]
+
+
+def test_noise_counts_beside_the_error_that_it_hides(rows):
+    """Where that is largest, not where there is most noise."""
+    noise = {("plate", "sun"): (0.009, 0.03), ("sphere", "sun"): (0.006, 0.01)}
+
+    def changed(row):
+        most, error = noise.get((row["shape"], row["light"]), (row["noise"], row["error"]))
+        return {**row, "noise": most, **({"error": error} if row["engine"] == "libshade" else {})}
+
+    held = [finding.holds for finding in study.findings([changed(row) for row in rows])]
+    assert held == [True] * 5 + [False]
