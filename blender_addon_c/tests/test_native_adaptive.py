@@ -57,7 +57,8 @@ def test_the_error_is_what_was_asked_for(truth, threshold):
     seen, some = spent(half_noisy(samples=4096, adaptive_threshold=threshold, adaptive_min_samples=4))
     error = np.abs(seen - truth)[..., :3].sum(-1) / np.sqrt(truth[..., :3].sum(-1))
     assert some < 3000
-    assert np.sqrt((error[:, SIDE // 2:] ** 2).mean()) < 1.1 * threshold
+    found = np.sqrt((error[:, SIDE // 2:] ** 2).mean()) / threshold
+    assert {0.05: 0.4, 0.01: 0.7}[threshold] < found < 1.1  # of few samples to spend as many again halves it
 
 
 def studio(**changes):

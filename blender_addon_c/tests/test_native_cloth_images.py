@@ -46,9 +46,26 @@ def test_round_yarns_by_hand():
             np.testing.assert_allclose(across[inside, 1], 0.5, atol=1e-6)
             np.testing.assert_allclose(across[inside, 2], 1 - lean[inside], atol=1e-5)
             assert (mask[inside, 0] == 1).all() and (mask[:2, 1] == 1).all() and (mask[:2, 0] == 0).all()
+            # of the texel that the yarn ends in, beside a gap, what is yarn counts: two of three columns of points
+            np.testing.assert_allclose(cell[1][0, 3, :2], (2 / 3, 0), atol=1e-6)
+            np.testing.assert_allclose(2 * cell[0][0, 3, 0] - 1, 0.5 * sigma[10:12].mean(), atol=1e-5)
             corner = cell[1][0, 0], cell[0][0, 0]
             assert (corner[0][:2] == 0).all() and corner[1][0] == corner[1][1] == 0.5 and corner[1][2] == 1
     assert seen[0, 0] == seen[1, 1] != seen[0, 1] == seen[1, 0]
+
+
+def test_each_yarn_has_its_own_numbers():
+    """The satin's glossy warp, and the other yarns that cross it."""
+    made, _planes = images(preset="silk_charmeuse", warp=(0.1, 0.2, 0.3), weft=(0.6, 0.5, 0.4))
+    row = native.cloth("silk_charmeuse")
+    for yarn in ("warp", "weft"):
+        for word in ("along", "across", "fibre"):
+            assert made[yarn][word] == pytest.approx(row[yarn][word])
+        width, gap = row[yarn]["width"], row[yarn]["gap"]
+        assert made[yarn]["share"] == pytest.approx(width / (width + gap))
+    assert made["warp"]["along"] != made["weft"]["along"]
+    for yarn, color in (("warp", (0.1, 0.2, 0.3)), ("weft", (0.6, 0.5, 0.4))):
+        assert made[yarn]["kd"] == pytest.approx(color)
 
 
 def test_a_draft_has_its_colours():

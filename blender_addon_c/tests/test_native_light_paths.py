@@ -74,6 +74,19 @@ def test_soft_light_on_metal(kind, surface):
     np.testing.assert_allclose(of_plate(SURFACES[surface], [LIGHTS[kind]]), truth, rtol=0.01)
 
 
+@pytest.mark.parametrize("surface", SURFACES)
+def test_two_lamps_are_the_sum_of_each(surface):
+    """The first hit takes both, later ones choose: what a path chose is no chance of the next path's lamps."""
+    wall = square(1.0, 0.0, 1)
+    wall["positions"] = np.ascontiguousarray(wall["positions"][:, [2, 0, 1]] * (0, 3, 3) - (4, 0, 0), np.float32)  # faces +x
+    wall["corner_normals"] = np.ascontiguousarray(wall["corner_normals"][:, [2, 0, 1]])
+    given = {"meshes": [square(), wall], "materials": [SURFACES[surface], matt()], "samples": 4096}
+    lamps = [LIGHTS["area"], LIGHTS["ball"] | {"position": (1.0, 0.5, 1.2)}]
+    each = [of_plate(SURFACES[surface], [lamp], **given, max_bounces=2) for lamp in lamps]
+    both = of_plate(SURFACES[surface], lamps, **given, max_bounces=2)
+    np.testing.assert_allclose(both, sum(each), rtol=0.002)
+
+
 def test_a_lamp_before_what_gathers_light():
     """Draws of the plate are aimed at a mirror far behind the lamp, which covers a part of it: samples of the lamp
     and they share its light still. It shines downwards, so that the mirror is dark."""

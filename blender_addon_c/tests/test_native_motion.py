@@ -62,6 +62,21 @@ def test_a_turn_goes_round():
     assert alpha[inside].mean() == pytest.approx(expected, rel=0.03)
 
 
+def test_a_turn_takes_the_shorter_way():
+    """What lies face down, which is half a turn about an axis of the plane, turns on by two degrees: not by 358."""
+    thin = mesh([[0.6, -0.02, 0], [0.7, -0.02, 0], [0.7, 0.02, 0], [0.6, 0.02, 0]], [[0, 1, 2], [0, 2, 3]])
+
+    def down(axis):
+        c, s = np.cos(2 * np.radians(axis)), np.sin(2 * np.radians(axis))
+        return np.array([[c, s, 0, 0], [s, -c, 0, 0], [0, 0, -1, 0]], np.float32)
+
+    still = seen(meshes=[thin], instance={"matrix": np.vstack([down(-45), (0, 0, 0, 1)]).ravel().tolist()})
+    for steps in ((-44.5, -45.5), (-45.5, -44.5), (-44.5, -45, -45.5)):
+        alpha = seen(meshes=[thin], instance={"motion": np.stack([down(axis) for axis in steps])})
+        assert alpha.sum() == pytest.approx(still.sum(), rel=0.01)
+        assert np.abs(alpha - still).sum() < 0.4 * still.sum()
+
+
 def test_a_shape_changes():
     """A square whose right edge goes from .25 to .75; normals turn to the side meanwhile."""
     wide = square(0.25)

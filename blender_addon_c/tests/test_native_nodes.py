@@ -217,20 +217,39 @@ def test_what_stands_about_a_point(given, open_):
     assert render(made)[0][..., :3].mean() == pytest.approx(open_, abs=0.006)
 
 
+def test_each_point_looks_as_far_as_it_says():
+    """Past another object's sheet, which some rays miss: half of the points do not look as far as their own one."""
+    half = {"type": "MATH", "operation": "GREATER_THAN", "a": UV[:1], "b": [0.5], "c": [0.0], "out": OUT[:1]}
+    reach = {"type": "MATH", "operation": "MULTIPLY_ADD", "a": OUT[:1], "b": [0.2], "c": [0.4], "out": OUT[1:2]}
+    look = {"type": "OCCLUSION", "out": registers(12, 1), "distance": OUT[1:2], "local": True, "samples": 16}
+    shines = {"name": "open", "closure": "EMISSION", "weight": registers(12, 1) * 3, "nodes": [SOURCES[0], half, reach, look]}
+    low, high = square(0.2), square(2e3, 0.5)
+    own = mesh(np.concatenate([low["positions"], high["positions"]]),
+               np.concatenate([low["corner_position"], high["corner_position"] + 4]),
+               uvs=[(0, 0), (1, 0), (1, 1), (0, 1)] * 2)
+    made = scene(meshes=[own, square(2e3, 0.3)], materials=[shines], camera=ortho(0.1, (0, 0, 0.2)), lights=[], samples=64,
+                 width=16, height=16)
+    seen = render(made)[0][..., 0]
+    assert seen[:, :8].mean() == 1 and seen[:, 8:].mean() == pytest.approx((0.5 / 0.6) ** 2, abs=0.006)
+
+
+@pytest.mark.parametrize("turned", [0.0, 90.0, 35.0])
 @pytest.mark.parametrize("away", [0.0, 0.1, 0.25, 0.6])
-def test_edges_are_round(away):
+def test_edges_are_round(away, turned):
     """So far from a square edge: the mean of the normals within half a unit, weighted by (1 - r/R)^3, by quadrature."""
+    c, s = np.cos(np.radians(turned)), np.sin(np.radians(turned))
+    about = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     y, z = np.meshgrid(np.linspace(-0.5, 0.5, 401), np.linspace(-0.5, 0.5, 401))
     weight = lambda r: np.clip(1 - r / 0.5, 0, 1) ** 3
     own = (weight(np.hypot(y, z)) * (z < away)).sum()
     other = (weight(np.sqrt(y**2 + z**2 + away**2)) * (z < 0)).sum()
-    expected = unit(np.array([other, 0, own]))
-    edge = mesh([(-2, -2, 0), (0, -2, 0), (0, 2, 0), (-2, 2, 0), (0, -2, -2), (0, 2, -2)],
+    expected = about @ unit(np.array([other, 0, own]))
+    edge = mesh(np.array([(-2, -2, 0), (0, -2, 0), (0, 2, 0), (-2, 2, 0), (0, -2, -2), (0, 2, -2)]) @ about.T,
                 [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
     bent = {"type": "BEVEL", "samples": 128, "radius": [0.5], "out": registers(3, 3)}
     shines = {"name": "round", "closure": "EMISSION", "weight": registers(3, 3), "nodes": [bent]}
-    x = -away - 1e-3
-    found = render(scene(meshes=[edge], materials=[shines], camera=ortho(1e-4, (x, 0, 3), (x, 0, 0)), lights=[],
+    x, y, _ = about @ (-away - 1e-3, 0, 0)
+    found = render(scene(meshes=[edge], materials=[shines], camera=ortho(1e-4, (x, y, 3), (x, y, 0)), lights=[],
                          samples=32, width=8, height=8))[0][..., :3].mean((0, 1))
     np.testing.assert_allclose(unit(found.astype(float)), expected, atol=0.02)
 

@@ -9,6 +9,7 @@ import pickle
 import re
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -348,6 +349,29 @@ def test_cloth_parameters():
     with pytest.raises(ValueError, match="tier: 'high' given"):
         bright.eval([0, 0], WI, WO, tier="high")
     assert {row.kind for row in shade.presets().values()} == {"fabric", "metal"} and "plain" in shade.weaves()
+
+
+def test_what_was_mended_in_a_draft_is_warned_of(tmp_path):
+    file = tmp_path / "short.wif"
+    text = ("[WIF]\nVersion=1.1\n[WEAVING]\nShafts=2\nTreadles=2\nRising Shed=true\n[WARP]\nThreads=2\n[WEFT]\nThreads=2\n"
+            "[THREADING]\n1=1\n2=2\n[TIEUP]\n1=1\n2=2\n[TREADLING]\n1=1\n2=2\n")
+    file.write_text(text)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        plain = shade.fabric(wif=file)
+    file.write_text(text.replace("[TREADLING]", "[TREADLING]\n1=1\n[TREADLING]"))
+    with pytest.warns(UserWarning, match=r"short.wif.*\[TREADLING\] once more"):
+        twice = shade.fabric(wif=file)
+    where = [(0.5, 0.5), (1.5, 0.5), (0.5, 1.5), (1.5, 1.5)]
+    assert plain.look_up(where)["top"].tolist() == twice.look_up(where)["top"].tolist() == [1, 0, 0, 1]
+
+
+def test_every_bit_of_a_seed_counts():
+    """But for those beyond 32."""
+    where = np.random.default_rng(1).uniform(0, 99, (64, 2))
+    seen = [shade.fabric(seed=seed, warp={"vary_brightness": 0.5}, weft={"vary_brightness": 0.5}).look_up(where)["brightness"]
+            for seed in (5, 5 + (1 << 32), *(5 + (1 << bit) for bit in (3, 15, 16, 31)))]
+    assert (seen[0] == seen[1]).all() and not any((seen[0] == other).all() for other in seen[2:])
 
 
 # ---- maps -----------------------------------------------------------------------------------------
