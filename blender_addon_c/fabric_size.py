@@ -55,7 +55,7 @@ def measure(scene):
             left += 1
             continue
         by = size.metres([part for row in ob.matrix_world for part in row], size.unit_size(ob.data, ""),
-                         scene.unit_settings.scale_length)
+                         size.unit_of(scene))
         for name, value in zip(MEASURES.values(), by):
             if ob.get(name) != value:
                 ob[name] = value

@@ -5,6 +5,7 @@
 import bpy
 
 from . import fabric_maps, fabric_place, fabric_shade
+from .export import size
 from .group import new_socket
 
 _PLACE, _SHADE, _METRES, _KNOWN = "Place", "Cloth", "Metres", "Known"
@@ -147,8 +148,7 @@ def update(tree, made, name, real, open_gaps):
 
 def scene_unit():
     """Metres in a unit of the scene that is open."""
-    scene = getattr(bpy.context, "scene", None)
-    return scene.unit_settings.scale_length if scene else 1.0
+    return size.unit_of(getattr(bpy.context, "scene", None))
 
 
 def _measure(tree, real):

@@ -9,6 +9,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import _native, scratch_tree
+from .export import size
 from .group import register_node
 from .manual import draw_button
 from .report import draw_on
@@ -33,12 +34,6 @@ PRESETS = {
 def apply_preset(node, preset):
     for name, value in PRESETS[preset][2].items():
         node.inputs[name].default_value = value
-
-
-def unit_of(scene):
-    """Metres in a unit of its lengths."""
-    unit = scene.unit_settings.scale_length
-    return unit if isfinite(unit) and unit > 0 else 1.0
 
 
 def tile_of(node, unit):
@@ -116,7 +111,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         if self.unit == "UV":
             layout.prop(self, "uv_map")
         layout.prop(self, "tile")
-        plan = _native.scratches(description(self, unit_of(context.scene)))
+        plan = _native.scratches(description(self, size.unit_of(context.scene)))
         layout.label(text=f"Repeats each {100 * plan['tile']:.3g} cm")
         if plan["fewer"]:
             layout.label(text=f"Of these no more than {plan['density']:.3g} per cm²", icon="ERROR")
@@ -158,7 +153,7 @@ def is_stale(node, scene):
         tile = json.loads(node.baked)[-1]
     except (ValueError, IndexError):
         return True
-    return node.baked != _stamp(node, unit_of(scene), tile)
+    return node.baked != _stamp(node, size.unit_of(scene), tile)
 
 
 def tile_of_images(said, texels):
@@ -180,7 +175,7 @@ def _image(name, texels, data, floats):
 def bake(node, owner, scene, texels=2048, samples=3, tile=0.0):
     """Images of one tile, in the node's group, which our engine repeats then, too; (metres that it is wide, what was
     left out). owner: whose name they get. tile: in the scene's units, becomes the node's own; 0: as the node has it."""
-    unit = unit_of(scene)
+    unit = size.unit_of(scene)
     drop(node)
     if tile:
         node.tile = tile

@@ -13,6 +13,7 @@ from .image import Images
 from .layers import Layers
 from .node import NODES
 from .node_normal import displaced
+from .size import unit_of
 
 
 _MOST = 8  # closures of a material
@@ -41,7 +42,7 @@ class Table:
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
-        self.unit = depsgraph.scene.unit_settings.scale_length
+        self.unit = unit_of(depsgraph.scene)
         self.camera, self._depsgraph = camera, depsgraph
         world = depsgraph.scene.world
         self.reach = world.light_settings.distance if world else 0.0

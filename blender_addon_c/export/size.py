@@ -6,6 +6,12 @@ import numpy as np
 from .layers import read, uvs_of
 
 
+def unit_of(scene):
+    """Metres in a unit of its lengths; 1 without a scene."""
+    unit = scene.unit_settings.scale_length if scene else 1.0
+    return unit if np.isfinite(unit) and unit > 0 else 1.0
+
+
 def unit_size(mesh, name):
     """What a unit of a UV map ("": the active one) spans on a mesh, in its own units: the root of area by area. 1
     without such a map."""
