@@ -50,9 +50,9 @@ def drawn_plate(light, mdf="GGX", **changes):
 @pytest.mark.parametrize("light", [(0.25, 0.1, 1), (-0.1, 0.55, 1)])
 def test_far_scratches_spread_what_is_not_widened(light):
     """GGX, whose tails would grow: slopes by chance have the mean of the points, and are not the plate's own."""
-    truth = drawn_plate(light, samples=1024)
+    truth = drawn_plate(light, samples=16384)  # of 1024, noise is a fifth of what means may differ by
     for blur in (0.04, 0.2, 1.0):
-        far = drawn_plate(light, samples=1024, normal_blur=blur)
+        far = drawn_plate(light, samples=16384, normal_blur=blur)
         print(light, blur, np.abs(far / truth - 1).max(), far.mean() / truth.mean() - 1)
         assert abs(far.mean() / truth.mean() - 1) < 0.02 and np.abs(far / truth - 1).max() < 0.05
 
