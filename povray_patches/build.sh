@@ -146,7 +146,7 @@ if [ ! -e "$headers.gch" -o "$headers.gch" -ot "$out/configured" -o "$headers.gc
 fi
 total=$(make -n 2>/dev/null | grep -c -- ' -c -o ' || true)
 # make -n always lists the two files of unix/: it takes config.h for remade
-if [ "$total" -gt 2 ]; then say "compiling $total files (about $((total * 3 / $(nproc) + 5)) s)"; fi
+if [ "$total" -gt 2 ]; then say "compiling $total files (about $((total * 3 / 2 / $(nproc) + 5)) s)"; fi
 progress() {
   awk -v total="$total" -v tty="$1" '{ print > file } / -c -o / { if (tty && total) printf "\rpovray: compiled %d of %d ", ++n, total; fflush() }
     END { if (tty && n) print "" }' file="$out/build.log"
