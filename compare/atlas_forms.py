@@ -18,7 +18,9 @@ PI = np.pi
 
 
 def dot(a, b):
-    return (a * b).sum(-1)
+    """Spelt out: numpy takes five times as long for a sum over three."""
+    p = a * b
+    return p[..., 0] + p[..., 1] + p[..., 2]
 
 
 # ---- distributions of a vector (x, y, z), which need not be unit: that is part of what is shown ----

@@ -99,18 +99,24 @@ def normal(word, tilts, azimuths, size):
     return rows
 
 
-def about(middle, width, rings, turns):
-    """Directions about one, rings ever wider, close again at 90° from it, and their solid angles."""
+@functools.lru_cache(64)
+def rings_about(width, rings, turns):
+    """Of directions about z: cos and sin of the angle from it, of the azimuth, and solid angles."""
     near, far = np.geomspace(3e-3 * width, 0.4, 3 * rings // 5), rings // 20
     t = np.concatenate([near, np.linspace(0.4, 1.35, 3 * far)[1:], np.linspace(1.35, np.pi / 2, 5 * far)[1:],
                         np.linspace(np.pi / 2, np.pi, 2 * far)[1:]])
     radius, phi = (t[1:] + t[:-1]) / 2, (np.arange(turns) + 0.5) * 2 * np.pi / turns
+    r, phi = (a.ravel()[:, None] for a in np.meshgrid(radius, phi, indexing="ij"))
+    solid = np.repeat((np.cos(t[:-1]) - np.cos(t[1:])) * 2 * np.pi / turns, turns)
+    return np.cos(r), np.sin(r), np.cos(phi), np.sin(phi), solid
+
+
+def about(middle, width, rings, turns):
+    """Directions about one, rings ever wider, close again at 90° from it, and their solid angles."""
+    cos_r, sin_r, cos_phi, sin_phi, solid = rings_about(width, rings, turns)
     x = np.cross(middle, [1.0, 0, 0] if abs(middle[0]) < 0.7 else [0, 1.0, 0])
     x /= np.linalg.norm(x)
-    r, phi = (a.ravel() for a in np.meshgrid(radius, phi, indexing="ij"))
-    h = (np.cos(r)[:, None] * middle + np.sin(r)[:, None]
-         * (np.cos(phi)[:, None] * x + np.sin(phi)[:, None] * np.cross(middle, x)))
-    solid = np.repeat((np.cos(t[:-1]) - np.cos(t[1:])) * 2 * np.pi / turns, turns)
+    h = cos_r * middle + sin_r * (cos_phi * x + sin_phi * np.cross(middle, x))
     up = h[:, 2] > 0
     return h[up], solid[up]
 
