@@ -336,6 +336,12 @@ def test_each_part_of_the_header_matters(near_cloth, tmp_path, material, path, v
     assert_only_cloth_fails(dump.write(tmp_path / "x.exr"), material)
 
 
+def test_cloth_of_a_dump_older_than_shadows_has_none(near_cloth, tmp_path):
+    dump = Dump(near_cloth)
+    del dump.header["materials"][0]["fabric"]["cloth"]["shadows"]
+    assert_only_cloth_fails(dump.write(tmp_path / "x.exr"), 0)
+
+
 def assert_only_cloth_fails(path, material):
     report = check_json(path)
     assert not report["pass"]

@@ -268,6 +268,33 @@ static void near_is_the_reference(void **state) {
   assert_true(lit > points / 3);
 }
 
+/* A footprint below a crossing is sixteen points, more of them along its longer side: of the same
+ * places but for one in some hundred, which an edge goes through. */
+static void footprints_are_points_of_near(void **state) {
+  (void)state;
+  int same = 0, footprints = 0;
+  for (int row = 0; row < 60; row += FEWER) {
+    cloth c = {0};
+    if (!preset_cloth(row, &c))
+      c = random_cloth();
+    for (int k = 0; k < 60; k++) {
+      double uv[2], n[3], wi[3], wo[3], s[3], want[3], off = 0;
+      const double long_side = between(0.1, 0.75), short_side = long_side * between(0.02, 1);
+      const double foot[2] = {k % 2 ? long_side : short_side, k % 2 ? short_side : long_side};
+      random_place(uv, n, wi, wo);
+      shade_fabric_eval(c.fabric, uv, foot, n, wi, wo, SHADE_TIER_AUTO, s);
+      shade_ref_cloth_points(&c.reference, uv, foot, n, wi, wo, want);
+      for (int i = 0; i < 3; i++)
+        off = largest(off, fabs(s[i] - want[i]) / fmax(fabs(want[i]), 1e-3));
+      footprints++;
+      same += off <= 1e-9;
+    }
+    close_cloth(&c);
+  }
+  print_message("footprints against the reference: %d of %d\n", same, footprints);
+  assert_true(same >= 0.99 * footprints);
+}
+
 /*
  * The tier of one lobe each. What both measure of the weave, they measure by points of their own,
  * and noise per yarn differs from sample to sample: linen's shares by 1.3 %.
@@ -309,6 +336,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(look_up),
       cmocka_unit_test(near_is_the_reference),
+      cmocka_unit_test(footprints_are_points_of_near),
       cmocka_unit_test(single_is_the_reference),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

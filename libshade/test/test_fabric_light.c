@@ -364,6 +364,23 @@ static void albedo_is_the_integral(void **state) {
       for (int a = 0; a < 3; a++)
         apart = fmax(apart, fabs(got[a] / want[a] - 1));
     }
+    /* round the pole it ends where it begins, and turns between its last node and its first as
+     * between all others */
+    double turned[3][3], step[2] = {0, 0};
+    for (int k = -1; k < 2; k++) {
+      const double low[3] = {cos(k * PI / 16), sin(k * PI / 16), 0.1};
+      shade_fabric_albedo_eval(table, low, turned[k + 1]);
+    }
+    for (int a = 0; a < 3; a++) {
+      const double half[3] = {cos(PI / 32), -sin(PI / 32), 0.1};
+      double between[3];
+      shade_fabric_albedo_eval(table, half, between);
+      step[0] = fmax(step[0], fabs(turned[1][a] - turned[0][a]));
+      step[1] = fmax(step[1], fabs(between[a] - (turned[0][a] + turned[1][a]) / 2));
+    }
+    print_message("%s: %.1e from the last node to the first, %.1e off between\n", names[name],
+                  step[0], step[1]);
+    assert_true(step[1] <= 1e-6 + 0.02 * step[0]);
     double rgb[3];
     const double down[3] = {0.6, 0, -0.8}, bad[3] = {NAN, 0, 1};
     assert_int_equal(shade_fabric_albedo_eval(table, down, rgb), SHADE_OK);

@@ -404,6 +404,9 @@ static void short_fabric(void **state) {
     }                                                                                              \
     shade_fabric_free(f);                                                                          \
     shade_fabric_free(f_want);                                                                     \
+    char text[4096]; /* as a dump's header says it */                                              \
+    assert_in_range(shade_fabric_params_json(&p, text, sizeof text), 1, sizeof text - 1);          \
+    assert_non_null(strstr(text, "\"shadows\": false"));                                           \
   } while (0)
   SHORT_FABRIC(mdf);
   SHORT_FABRIC(brdf);

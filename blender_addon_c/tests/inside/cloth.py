@@ -258,7 +258,7 @@ Units=centimeters
 [WEFT]
 Threads=3
 Color=1
-Thickness=.08
+Thickness=.07
 Spacing=.1
 Units=centimeters
 [COLOR PALETTE]
@@ -310,7 +310,8 @@ def test_drafts():
     assert import_wif(node, "three.wif", WIF.replace("\n", "\r\n")) == {"FINISHED"}
     assert node.preset == "CUSTOM" and node.weave == "DRAFT" and node.draft.as_string().startswith("[WIF]\nVersion")
     assert abs(node.ends_per_cm - 20) < 1e-4 and abs(node.picks_per_cm - 10) < 1e-4
-    assert abs(node.warp_width - 0.8) < 1e-6 and abs(node.weft_gap - 0.2) < 1e-6
+    assert abs(node.warp_width - 0.8) < 1e-6 and abs(node.warp_gap - 0.2) < 1e-6
+    assert abs(node.weft_width - 0.7) < 1e-6 and abs(node.weft_gap - 0.3) < 1e-6
     assert abs(weft_share(node) - 5 / 12) < 1e-6
     drawn = picture("draft")
     assert difference(drawn, own) > 0.05

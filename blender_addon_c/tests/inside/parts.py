@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small parts of the add-on against what is known of them: parts.py FOLDER."""
+
+import importlib
+import os
+import sys
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common  # noqa: E402
+
+folder, = common.arguments()
+
+
+def module(name):
+    return importlib.import_module(f"{common.MODULE}.{name}")
+
+
+def test_strands_between_points():
+    """Catmull and Rom's curve through points of a parabola is that parabola, but at the ends, which count twice."""
+    t = np.arange(6.0)
+    points, radii, counts = module("export.strands")._finer(
+        np.stack([t, t * t, 0 * t], 1), 1 + t, np.array([6]))
+    assert counts.tolist() == [11] and np.allclose(radii, 1 + np.arange(11) / 2)
+    assert np.allclose(points[2:-2, 1], points[2:-2, 0] ** 2) and np.allclose(points[::2], np.stack([t, t * t, 0 * t], 1))
+
+
+def test_layers_of_cryptomatte():
+    """Two names a layer: of five, three."""
+    for depth, layers in ((1, 1), (4, 2), (5, 3), (6, 3), (16, 8), (99, 8)):
+        kinds = {f"use_pass_cryptomatte_{kind}": True for kind in ("object", "material", "asset")}
+        found = module("export.passes")._mattes(SimpleNamespace(pass_cryptomatte_depth=depth, **kinds))
+        assert len(found) == 3 * layers and found[layers - 1].name == f"CryptoObject{layers - 1:02}", depth
+
+
+def test_tile_of_images():
+    """Three texels across a scratch, but two lengths; the node's own before both."""
+    scratches = module("scratches")
+    said = {"density": 4.0, "length": 14.0, "width": 1.5, "depth": 0.3, "direction": 0.4, "spread": 0.7, "seed": 3.0, "tile": 0.0}
+    assert abs(scratches.tile_of_images(said, 256) - 0.128) < 1e-9
+    assert abs(scratches.tile_of_images(said, 16) - 0.028) < 1e-9
+    assert scratches.tile_of_images({**said, "tile": 0.07}, 256) == 0.07
+
+
+def cloth(preset, **settings):
+    common.empty_scene(8, 8)
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    node = tree.nodes.new("LibshadeFabricNode")
+    node.preset = preset
+    for name, value in settings.items():
+        setattr(node, name, value)
+    return node
+
+
+def test_twist_of_strands_and_of_fibres():
+    """A yarn of strands is plied, and its fibres run along it; of a single one they turn."""
+    settings = module("fabric_yarns").settings
+    for preset, plied in (("GABARDINE", True), ("SHOT_TAFFETA", False)):
+        made, _trouble = settings(cloth(preset, warp_twist=0.6), 1.0)
+        assert made["warp_yarn"]["plied"] is plied and not made["weft_yarn"], preset
+
+
+def test_images_are_read_as_they_are_written():
+    """Tilts and shares are numbers; the tint is a colour, of a draft."""
+    node = cloth("LINEN")
+    native, maps = module("_native"), module("fabric_maps")
+    made = native.cloth_images({"preset": "linen", "size": 0.1, "transmit": 0.0, "open": False})
+    made = {**made, "tint": made["tilt"]}
+    made = {**made, **{word: (word, bytes(made[word])) for word in maps.WORDS}}
+    spaces = {word: maps.image(made, word, "cloth").colorspace_settings for word in maps.WORDS}
+    assert spaces["tilt"].is_data and spaces["yarns"].is_data and spaces["tint"].name == "sRGB"
+    assert node.node_tree.nodes["tilt"].image.colorspace_settings.is_data
+
+
+def test_slubs_in_cycles():
+    """A yarn of half its width has its picture over half of its crossing; place and crossing of a plain map."""
+    scene = common.empty_scene(64, 4, samples=1)
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = 1, False, False
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 0.01
+    common.camera(scene, (0, 0, 1), type="ORTHO", ortho_scale=2)
+    material = bpy.data.materials.new("place")
+    tree = common.tree_of(material)
+    tree.nodes.clear()
+    group, shine, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
+    group.node_tree = module("fabric_place").place_tree()
+    for name, value in (("Per Unit", (4, 4, 0)), ("Per Crossing", (0.25, 0.25, 0)), ("Warp Slub", (0, 1, 0.5)), ("Weft Slub", (0, 1, 1))):
+        group.inputs[name].default_value = value
+    tree.links.new(group.outputs["Place"], shine.inputs["Color"])
+    tree.links.new(shine.outputs[0], output.inputs["Surface"])
+    common.plane(material, 2)
+    path = os.path.join(folder, "place.exr")
+    common.render(path)
+    image = bpy.data.images.load(path)
+    seen = np.array(image.pixels[:], np.float32).reshape(4, 64, -1)[0, :, 0]
+    u = 4 * (np.arange(64) + 0.5) / 64
+    across = np.clip((u % 1 - 0.5) / 0.5 + 0.5, 1 / 64, 63 / 64)
+    assert np.abs(seen - 0.25 * (np.floor(u) + across)).max() < 2e-3, (seen, u)
+
+
+for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
+    test()
+    print(test.__name__, "done", flush=True)
+print("all asserted")
+common.finish()

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small parts of the add-on, in Blender 3.4 and 5.0, against what is known of them."""
+
+
+def test_parts(blender, tmp_path):
+    assert "all asserted" in blender.run("parts.py", tmp_path)
