@@ -43,6 +43,8 @@ def test_scratches(blender, tmp_path):
     for output, by in (("Normal", 1.0), ("Height", 2.0)):
         whole, half = (Dump(tmp_path / f"unit_{unit}_{output}.exr")["Color"] for unit in (1.0, 0.5))
         assert whole.std() > 0.01 and (np.abs(half - by * whole) > 1e-3).mean() < 0.002, output
+    whole, half = (rgba(tmp_path / f"baked_{unit}.exr")[..., :3] for unit in (1.0, 0.5))
+    assert whole.std((0, 1)).max() > 0.01 and (np.abs(half - whole) > 1e-3).mean() < 0.002
     # the tool's reference, of a dump whose normals are the scratches'
     normals = Dump(tmp_path / "sun.exr")["Ns"][16:32, 16:32]
     assert normals[..., 0].std() > 0.02

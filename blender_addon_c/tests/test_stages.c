@@ -1482,7 +1482,7 @@ static void closures_are_reciprocal(void **state) {
   closure c;
   const lane_run run = {.begin = 0, .end = 500};
   for (int number = 0; closure_by(number, &c); number++) {
-    if (number == 4 || number > 10)
+    if (number == 4 || (number > 10 && number < 18))
       continue;
     make_meeting((vec3){0, 0, 1}, (vec3){0, 0, 1}, 1.0f);
     for (size_t i = 0; i < run.end; i++) {

@@ -463,6 +463,8 @@ def test_scale_and_translate_move_the_map(render, fine):
     by_uv = render(PLATE + text, size=(64, 64)).dump
     assert moved.Ns == pytest.approx(by_uv.Ns, abs=1e-5)
     assert moved.S == pytest.approx(by_uv.S, rel=1e-3, abs=1e-6)
+    before = 'png "fine.png" translate <.5, .0625> scale <.5, 2>'  # which scales what it moved by
+    assert render(PLATE + plate("beckmann .1, .2", before, 2), size=(64, 64)).dump.Ns == pytest.approx(moved.Ns, abs=1e-6)
 
 
 def test_without_a_filter_a_pixel_is_a_point(render, fine):

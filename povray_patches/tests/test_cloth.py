@@ -226,6 +226,14 @@ def test_a_draft_brings_its_yarns(render, shade_check, tmp_path):
     assert S[0] > 3 * S[1] and S[2] > 3 * S[1]  # red and blue
 
 
+def test_the_colours_of_a_draft_are_all_that_dyes_its_yarns(render, tmp_path):
+    (tmp_path / "two.wif").write_text(WIF)
+    seen = [render(scene(sheet() + cloth(f'draft "two.wif" mm_per_unit 20 {words}') + "}", header=FRONT), size=(32, 32)).dump.S
+            for words in ("", "yarns { diffuse rgb 1 }", "weft { diffuse rgb .5 }", "warp { diffuse rgb .5 }")]
+    assert seen[0] == pytest.approx(seen[1], rel=1e-6)
+    assert seen[2].sum() < .95 * seen[0].sum() and seen[3].sum() < .95 * seen[0].sum()
+
+
 @pytest.mark.parametrize("colour", ["<.7, .3, .1>", "<.1, .5, .8>"])
 def test_yarns_take_the_pigments_colour(render, colour):
     pictures = [render(scene(sheet() + cloth(f'preset "gabardine" crossings 20 warp {{ diffuse {d} }}', p) + "}", header=FRONT),
@@ -354,6 +362,14 @@ def test_scratches_run_where_they_are_told(render):
     assert spread(SCRATCHES) == pytest.approx(120, abs=4)
     assert spread(SCRATCHES, "rotate 25*z") == pytest.approx(145, abs=4)
     assert spread(SCRATCHES.replace("direction 30", "direction -20")) == pytest.approx(70, abs=4)
+
+
+def test_ends_of_a_range_may_change_places(render):
+    def normals(words):
+        return render(scene(sheet() + f"texture {{ finish {{ mdf {{ {words} }} }} }} }}", SUN, FRONT), size=(60, 60)).dump.Ns
+    given = normals(SCRATCHES)
+    for one, other in ((".01, .03", ".03, .01"), ("100, 400", "400, 100"), (".2, .4", ".4, .2")):
+        np.testing.assert_allclose(normals(SCRATCHES.replace(one, other)), given, atol=1e-6)
 
 
 def test_a_metal_preset_brings_its_scratches(render):

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common  # noqa: E402
@@ -73,6 +74,31 @@ def test_images_are_read_as_they_are_written():
     spaces = {word: maps.image(made, word, "cloth").colorspace_settings for word in maps.WORDS}
     assert spaces["tilt"].is_data and spaces["yarns"].is_data and spaces["tint"].name == "sRGB"
     assert node.node_tree.nodes["tilt"].image.colorspace_settings.is_data
+
+
+def test_whose_a_message_is():
+    """Names have quotes too: the longest that fits, and its node."""
+    common.empty_scene()
+    short, long = (bpy.data.materials.new(name) for name in ("plate", "plate' two"))
+    for material in (short, long):
+        common.tree_of(material).nodes.new("ShaderNodeBump").name = "Bump"
+    cause = module("report").cause
+    assert cause("material 'plate' two': 'Bump': left out")[:2] == (long, "Bump")
+    assert cause("material 'plate': 'Bump': left out")[:2] == (short, "Bump")
+    assert cause("nothing 'plate': left out")[0] is None
+
+
+def test_the_viewport_has_samples_of_its_own():
+    viewport, scene = module("viewport"), common.empty_scene(8, 8)
+    scene.libshade.samples, scene.libshade.preview_samples = 9, 7
+    seen, read = [], viewport.export.read
+    viewport.export.read = lambda _depsgraph, _camera, size, region, samples, *_others, **_more: seen.append((size, region, samples))
+    try:
+        view = viewport._View((8, 6), Matrix.Identity(4), Matrix.Identity(4), (0.1, 100), (0, 0, 8, 6))
+        viewport.Viewport()._read(view, bpy.context.evaluated_depsgraph_get(), None)
+    finally:
+        viewport.export.read = read
+    assert seen == [((8, 6), (0, 0, 8, 6), 7)]
 
 
 def test_slubs_in_cycles():

@@ -130,6 +130,16 @@ def other_units(folder):
             common.plane(material, WIDE / unit)
             os.environ["LIBSHADE_DUMP"] = os.path.join(folder, f"unit_{unit}_{output}.exr")
             common.render(os.path.join(folder, "picture.exr"))
+        scene = new_scene("CYCLES")  # and by images, in units of the map
+        scene.unit_settings.scale_length = unit
+        scene.camera.data.ortho_scale = WIDE / unit
+        material, tree, socket = showing("CYCLES", "Normal")
+        node = scratched(tree)
+        node.size = node.tile = WIDE / unit
+        module("scratches").bake(node, "plate", scene, 1024, 2)
+        tree.links.new(node.outputs["Normal"], socket)
+        common.plane(material, WIDE / unit)
+        common.render(os.path.join(folder, f"baked_{unit}.exr"))
 
 
 def plate_in_sun(folder):
