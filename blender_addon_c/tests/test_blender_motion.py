@@ -103,3 +103,16 @@ def test_depth_of_field(blender50, tmp_path):
     apart = np.abs(ours - theirs).mean() / theirs.mean()
     print(f"relative error {apart:.4f}, means {ours.mean():.4f} {theirs.mean():.4f}")
     assert theirs.mean() > 0.05 and apart < 0.01
+
+
+def test_a_lens_of_another_width_than_height(blender50, tmp_path):
+    """Ratio 4: all that is out of focus is blurred up and down, as in Cycles, and hardly to the sides."""
+    pictures = []
+    for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
+        blender50.scene("moving", tmp_path, dump="", engine=engine, samples=samples, what=["moving_object"], blur=False,
+                        lens={"aperture_fstop": 0.05, "aperture_ratio": 4.0, "focus_distance": 2.0})
+        pictures.append(averaged(tmp_path / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"relative error {apart:.4f}")
+    assert apart < 0.02
