@@ -82,6 +82,8 @@ def test_pictures():
     tree, node, _ob = plate("POLYESTER_LINING", size=0.006)
     mapped(tree, node)
     both("vector")
+    plate("SHOT_TAFFETA", sun=(0.9, 0.6, 0), sky=0.0, size=0.006, warp_twist=0.8, weft_twist=-0.5)  # fibres that turn round their yarns
+    both("twisted")
     _tree, _node, ob = plate("GABARDINE", size=0.006)  # its diagonal still rises as it is woven
     for loop in ob.data.uv_layers[0].data:
         loop.uv.x *= -1

@@ -101,6 +101,23 @@ def test_the_viewport_has_samples_of_its_own():
     assert seen == [((8, 6), (0, 0, 8, 6), 7)]
 
 
+def test_pixels_that_no_file_has_are_read_each_time():
+    """Painted ones are: Blender need not tell that they changed."""
+    common.empty_scene()
+    image = bpy.data.images.new("painted", 4, 4)
+    image.pack()
+    kept, fetched = module("export.kept").Kept(), []
+    for dirty, times in ((False, 1), (True, 2)):
+        if dirty:
+            image.pixels[0] = 0.5
+        assert image.is_dirty == dirty
+        fetched.clear()
+        kept.begin()
+        for _ in range(2):
+            kept.image(image, None, lambda: fetched.append(1) or {})
+        assert len(fetched) == times, dirty
+
+
 def test_slubs_in_cycles():
     """A yarn of half its width has its picture over half of its crossing; place and crossing of a plain map."""
     scene = common.empty_scene(64, 4, samples=1)
