@@ -98,6 +98,16 @@ def test_each_light_is_compared(tmp_path, light):
     assert not check.shaded_rows(first, second)[1]
 
 
+def test_a_light_without_blue_is_compared(tmp_path):
+    """What is dark in one channel is not dark."""
+    first, second = map(dumps.read, pair(tmp_path, after=parts.scale("light1.S.R", 1.03), povray=False))
+    for dump in (first, second):
+        for light in dump.lights:
+            light["S"][..., 2] = 0.0
+    rows, good = check.shaded_rows(first, second)
+    assert [row[3] for row in rows] == ["ok", "MISSED"] and not good
+
+
 def test_what_has_no_row_of_its_own_is_said(tmp_path, monkeypatch, capsys):
     """As of cloth from afar: `shade check` judges its values apart from all others."""
     reference = check.against_reference
