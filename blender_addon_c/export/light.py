@@ -26,7 +26,6 @@ def light_of(ob, matrix, links, table, messages):
     """The light of an object, in a list; empty where its kind is not known."""
     light = ob.data
     strength = _strength(light, table, messages)
-    name_linking(ob, "light", messages, ("blocker",))
     if light.type not in _LIGHTS:
         messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
                          f"only {kinds('and')}")
@@ -45,41 +44,58 @@ def light_of(ob, matrix, links, table, messages):
 
 
 class Links:
-    """From 4.0 on a light may be for some objects alone. `lights`, then what each object does not get."""
+    """From 4.0 on a light may be for some objects alone, and be shaded by some alone. `of_light`, for all, then what
+    each object does not get."""
+
+    def __init__(self, messages):
+        self._lit = _Sets("link", "receiver", "it lights all", messages)
+        self._shaded = _Sets("shade", "blocker", "all shade it", messages)
+
+    def of_light(self, ob):
+        """Its bits, where it is not for all."""
+        return {**self._lit.of_light(ob), **self._shaded.of_light(ob)}
+
+    def of_object(self, ob, parent):
+        """What does not light it and what it does not shade, nor, if that has no say, its instancer."""
+        unlit, shadeless = self._lit.of_object(ob, parent), self._shaded.of_object(ob, parent)
+        return {**({"unlit": unlit} if unlit else {}), **({"shadeless": shadeless} if shadeless else {})}
+
+
+class _Sets:
+    """Collections of objects that lights name, as bits."""
 
     _MOST = 30  # as in the native module
 
-    def __init__(self, messages):
-        self._messages, self._bits, self._some, self._without = messages, {}, [], []
+    def __init__(self, word, kind, otherwise, messages):
+        self._word, self._kind, self._otherwise, self._messages = word, f"{kind}_collection", otherwise, messages
+        self._bits, self._some, self._without = {}, [], []
 
     def of_light(self, ob):
-        """Its bit, where it is not for all."""
         linking = getattr(ob.original, "light_linking", None)
-        collection = linking and linking.receiver_collection
+        collection = linking and getattr(linking, self._kind)
         if not collection:
             return {}
         if collection not in self._bits:
             if len(self._some) == self._MOST:
                 self._messages.warning(f"light '{ob.name}': the light linking of {self._MOST} sets of lights is "
-                                       "supported; it lights all")
+                                       f"supported; {self._otherwise}")
                 return {}
             included, excluded = _receivers(collection)
             self._bits[collection] = len(self._some)
             self._some.append(included)
             self._without.append(excluded)
-        return {"link": self._bits[collection]}
+        return {self._word: self._bits[collection]}
 
     def of_object(self, ob, parent):
-        """What does not light it, nor, if that has no say, its instancer."""
         bits = 0
         for k, (some, without) in enumerate(zip(self._some, self._without)):
             mine = {ob.original, *([parent.original] if parent else ())}
             bits |= ((bool(some) and not mine & some) or bool(mine & without)) << k
-        return {"unlit": bits} if bits else {}
+        return bits
 
 
 def _receivers(collection):
-    """(objects that are to be lit, none: all others; those that are not)."""
+    """(objects that it is for, none: all others; those that it is not for)."""
     sets = {"INCLUDE": set(), "EXCLUDE": set()}
     for ob, how in zip(collection.objects, collection.collection_objects):
         sets[how.light_linking.link_state].add(ob)
@@ -88,12 +104,12 @@ def _receivers(collection):
     return sets["INCLUDE"], sets["EXCLUDE"]
 
 
-def name_linking(ob, word, messages, names=("receiver", "blocker")):
-    """What of it is not supported."""
+def name_linking(ob, messages):
+    """That of what shines, which is not supported."""
     linking = getattr(ob, "light_linking", None)
-    for name in names:
+    for name in "receiver", "blocker":
         if linking and getattr(linking, f"{name}_collection"):
-            messages.warning(f"{word} '{ob.name}': its {name}s' collection (light linking) is not supported; "
+            messages.warning(f"object '{ob.name}': its {name}s' collection (light linking) is not supported; "
                              f"all objects are {name}s")
 
 

@@ -129,7 +129,7 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
         for shape in _shapes(item, depsgraph, motion):
             catches = getattr(ob, "is_shadow_catcher", False)
             held = ob.is_holdout or ("holdout" in marks and _marked(item, "holdout", depsgraph))
-            name_linking(ob, "object", messages)
+            name_linking(ob, messages)
             bits = hidden(ob, ALL)
             if "indirect_only" in marks and _marked(item, "indirect_only", depsgraph):
                 bits |= CAMERA

@@ -126,11 +126,13 @@ def test_a_world_alone(blender, tmp_path):
 
 
 @pytest.mark.parametrize("more, radius", [(0, 0.0), (4, 0.5)])
-def test_lights_for_some_objects(blender50, tmp_path, more, radius):
-    """All lamps at the first surface, and one of many, soft ones."""
+@pytest.mark.parametrize("shades", [False, True])
+def test_lights_for_some_objects(blender50, tmp_path, more, radius, shades):
+    """All lamps at the first surface, and one of many, soft ones; or which objects shade them."""
     pictures = []
     for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
-        _, text = blender50.scene("linked", tmp_path, dump="", engine=engine, samples=samples, more=more, radius=radius)
+        _, text = blender50.scene("linked", tmp_path, dump="", engine=engine, samples=samples, more=more, radius=radius,
+                                  shades=shades)
         assert "light linking" not in text
         pictures.append(averaged(tmp_path / "picture.exr"))
     ours, theirs = pictures

@@ -230,6 +230,29 @@ def test_a_light_for_some():
         assert picture[8, 4, 0] == pytest.approx(lights / np.pi, rel=1e-3) and picture[8, 12, 0] == 0
 
 
+@pytest.mark.parametrize("bounces", [0, 4])
+@pytest.mark.parametrize("lights", [1, 6])
+def test_a_light_that_some_do_not_shade(lights, bounces):
+    """Of three roofs one shades all; one does not shade the first lamp, however few transparent surfaces light may
+    pass; the third is halfway transparent. All of the lamps, or one a sample."""
+    left, right, middle = (np.float32([[0.2, 0, 0, x], [0, 0.2, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]]).ravel().tolist()
+                           for x in (-0.6, 0.6, 0.0))
+    matt = {"name": "matt", "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0],
+                                          "color": (1, 1, 1)}], "nodes": []}
+    half = {"name": "half", "closures": [{"closure": "TRANSPARENT", "weight": [0.5] * 3}], "nodes": []}
+    lamps = [sun() | {"shade": 5}] + [sun() for _ in range(lights - 1)]
+    picture, _ = render(scene(width=20, height=20, materials=[matt, half], lights=lamps, samples=64 * lights, max_bounces=0,
+                              transparent_max_bounces=bounces, camera=ortho(eye=(0, 0, 0.2)),
+                              meshes=[square(1.0), square(1.0, material_index=0), square(1.0, material_index=1)],
+                              instances=[{"mesh": 0, "matrix": np.eye(4).ravel().tolist()},
+                                         {"mesh": 1, "matrix": left}, {"mesh": 1, "matrix": right, "shadeless": 1 << 5},
+                                         {"mesh": 2, "matrix": middle}]))
+    below = [picture[9:11, at, 0].mean() * np.pi for at in (4, 16, 10)]
+    assert picture[2, 2, 0] * np.pi == pytest.approx(lights, rel=0.02)
+    assert below[0] == 0 and below[1] == pytest.approx(1, rel=0.15 if lights > 1 else 1e-3)
+    assert below[2] == pytest.approx(0.5 * lights if bounces else 0, rel=0.02)
+
+
 @pytest.mark.parametrize("kind", ["EQUIRECTANGULAR", "EQUIANGULAR_CUBEMAP_FACE", "MIRRORBALL", "FISHEYE_EQUIDISTANT",
                                   "FISHEYE_EQUISOLID", "FISHEYE_LENS_POLYNOMIAL", "CENTRAL_CYLINDRICAL"])
 @pytest.mark.parametrize("number", [0.0, 1e30, -1e30])

@@ -185,6 +185,7 @@ typedef struct light_samples {
   lane_v wi;     /* to the light, in the shading frame */
   lane_c color;  /* its light's, where each lane chooses a light of its own */
   lane_u hidden; /* from surfaces that draw rays of these kinds, where some light is */
+  lane_u shade;  /* where the scene has such: the bit of instances that do not shade it */
 } light_samples;
 
 /* Light samples' rays that something stops, on their way through transparent surfaces. */
@@ -193,6 +194,7 @@ typedef struct passages {
   lane_c tint; /* what is left of its light */
   lane_u hit;  /* by ray under way: its light sample, */
   lane_u left; /* how many surfaces it may still go through, */
+  lane_u free; /* whether it met an instance that does not shade its light, */
   lane_f rest; /* and how far it still has to go; */
   lane_f gone; /* how far it went before, where nodes ask */
   lane_u next_hit, next_left;

@@ -15,6 +15,7 @@ typedef struct light_common {
   bool shadow;
   uint32_t hidden; /* ray_kinds that do not see it; the camera never does */
   uint32_t link;   /* 0, or the bit of instances that it does not light */
+  uint32_t shade;  /* 0, or the bit of those that do not shade it */
   bool met;        /* rays that surfaces draw meet it: these and its samples share its light */
 } light_common;
 

@@ -67,7 +67,8 @@ bool worker_init(worker *w) {
       return false;
     w->batch->input.cloth = &w->cloth;
   }
-  if (!w->scene->passes || w->observer) /* a dump's shadows are those of opaque surfaces */
+  if ((!w->scene->passes && !w->scene->shades) ||
+      w->observer) /* a dump's shadows are those of opaque surfaces */
     return true;
   return (w->through = through_create(w)) != NULL;
 }
@@ -177,6 +178,8 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
     draw_points(w, number, bounce, phase);
   for (size_t i = 0; w->scene->hides && i < w->batch->queue.hits; i++)
     w->batch->light.hidden[i] = c->hidden;
+  for (size_t i = 0; w->scene->shades && i < w->batch->queue.hits; i++)
+    w->batch->light.shade[i] = c->shade;
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
   unlink(w, w->observer ? 0 : c->link, w->batch->light.e);
@@ -275,6 +278,16 @@ static void find_hidden(worker *w) {
   }
 }
 
+/* Which instances do not shade them. */
+static void find_shades(worker *w) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  for (size_t i = 0; i < b->queue.hits; i++) {
+    uint32_t k = b->choice.number[i];
+    b->light.shade[i] = k < s->lights ? s->light[k].common.shade : 0;
+  }
+}
+
 /* One light, or the sky, on each hit. */
 static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
   const scene *s = w->scene;
@@ -300,6 +313,8 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
   s->stages->settle(b->queue.hits, &b->choice, &b->drawn, &b->light);
   if (s->hides)
     find_hidden(w);
+  if (s->shades)
+    find_shades(w);
   clock_tick(&w->clocks, CLOCK_CHOICE);
   reflect(w, 0, bounce, phase, true, s->meets, NULL, CLOCK_SHADOW);
 }

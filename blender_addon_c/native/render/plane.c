@@ -99,11 +99,14 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
   return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};
 }
 
-const instance *plane_object(const scene *s, const batch *b, size_t i) {
-  const hits *hit = b->hit;
+const instance *plane_object_of(const scene *s, const batch *b, const hits *hit, size_t i) {
   bool shared = b->placed && hit->instance[i];
   return &s->instance[shared ? b->placed[hit->instance[i]].object
                              : s->triangle[hit->record[i]].object];
+}
+
+const instance *plane_object(const scene *s, const batch *b, size_t i) {
+  return plane_object_of(s, b, b->hit, i);
 }
 
 /* What a plane has to say of one hit. */

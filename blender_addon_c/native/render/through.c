@@ -6,6 +6,7 @@
 
 #include "render/hits.h"
 #include "render/motion.h"
+#include "render/plane.h"
 
 struct through {
   worker inner; /* at surfaces on the way, whose rays are the shadow rays that are stopped */
@@ -42,6 +43,21 @@ static void add_shares(worker *w) {
         w->scene->stages->emit(&g->material->closure[k], g->run, &b->input, &b->sum);
 }
 
+/* Which of the rays met instances that do not shade their light: as if they were not there. */
+static void find_free(const worker *w, const light_samples *light, passages *way, size_t rays) {
+  const scene *s = w->scene;
+  const batch *b = w->batch;
+  const hits *hit = &b->sample_hit;
+  for (size_t k = 0; k < rays; k++) {
+    uint32_t bit = hit->record[k] == RECORD_MISS ? 0 : light->shade[way->hit[k]];
+    way->free[k] = bit && (uint32_t)plane_object_of(s, b, hit, k)->shadeless & bit;
+  }
+}
+
+/* Of surfaces that do not shade a light, which nobody counts, no scene has so many in a row; beside
+ * numbers without end a ray may never get off one. */
+enum { UNCOUNTED_MOST = 1024 };
+
 bool through_shadows(worker *w, const float *color) {
   const scene *s = w->scene;
   const stage_table *stage = s->stages;
@@ -52,15 +68,17 @@ bool through_shadows(worker *w, const float *color) {
   size_t hits = b->queue.hits;
   memcpy(way->tfar, b->light.ray.tfar, hits * sizeof(float));
   accel_occluded(s->accel, hits, &b->light.ray);
-  size_t rays = stage->stopped(hits, s->limits.shadows, b->queue.lane, b->walk, &b->light, way,
-                               &at->sample_ray);
+  size_t rays = stage->stopped(hits, s->limits.shadows, s->shades, b->queue.lane, b->walk,
+                               &b->light, way, &at->sample_ray);
   bool any = false;
-  while (rays) {
+  for (int round = 0; rays && round < (int)s->limits.shadows + UNCOUNTED_MOST; round++) {
     if (s->timed)
       motion_passages(b, way, at, rays);
     hits_trace(inner, RAY_SHADOW, rays);
-    at->queue.hits =
-        stage->sift(rays, s->triangle, s->material, way, at->sample_hit.record, &b->light);
+    if (s->shades)
+      find_free(inner, &b->light, way, rays);
+    at->queue.hits = stage->sift(rays, s->triangle, s->material, s->shades, way,
+                                 at->sample_hit.record, &b->light);
     if (!at->queue.hits)
       break;
     any = true;
@@ -71,8 +89,8 @@ bool through_shadows(worker *w, const float *color) {
                           b->walk, at->ray, &at->surface);
     hits_nodes(inner);
     add_shares(inner);
-    rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum, way,
-                       &at->light.ray, &b->light);
+    rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum, s->shades,
+                       way, &at->light.ray, &b->light);
     memcpy(&at->sample_ray, &at->light.ray, sizeof at->sample_ray);
   }
   if (any)

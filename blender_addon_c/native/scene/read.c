@@ -150,7 +150,12 @@ static bool read_light(reader *r, void *out, void *context) {
   c->link = link < 0 ? 0 : 1u << link;
   s->links |= link >= 0;
   s->hides |= hidden != 0;
-  c->met = met && c->soft && c->shadow && !c->link;
+  int shade = -1;
+  if (reader_has(r, "shade") && !reader_integer(r, "shade", 0, LINKS_MOST - 1, &shade))
+    return false;
+  c->shade = shade < 0 ? 0 : 1u << shade;
+  s->shades |= shade >= 0;
+  c->met = met && c->soft && c->shadow && !c->link && !c->shade;
   for (int k = 0; k < 3; k++) /* a highlight of what is brighter would be no number */
     c->color[k] = fminf(fmaxf(c->color[k], -1e30f), 1e30f);
   c->power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
@@ -452,6 +457,9 @@ static bool read_instance(reader *r, void *out, void *context) {
   if (reader_has(r, "matte") && !reader_floats(r, "matte", 2, in->matte))
     return false;
   if (reader_has(r, "unlit") && !reader_integer(r, "unlit", 0, (1 << LINKS_MOST) - 1, &in->unlit))
+    return false;
+  if (reader_has(r, "shadeless") &&
+      !reader_integer(r, "shadeless", 0, (1 << LINKS_MOST) - 1, &in->shadeless))
     return false;
   if (reader_has(r, "hidden") &&
       !reader_integer(r, "hidden", 0, RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW, &in->hidden))

@@ -108,7 +108,8 @@ typedef struct instance {
   int pass_index;    /* of its object */
   float matte[2];    /* what stands for the object's name, and its asset's */
   int hidden;        /* ray_kinds that do not see it */
-  int unlit;         /* bits of lights that do not light it */
+  int unlit;         /* bits of lights that do not light it, */
+  int shadeless;     /* and of those that it does not shade */
   float color[4], random, metres[2];
   motion motion;
   size_t base;  /* of its mesh's positions among those that Embree reads */
@@ -216,6 +217,7 @@ typedef struct scene {
   aims aims;
   bool meets;                        /* drawn rays may meet light */
   bool links;                        /* some light is for some instances alone */
+  bool shades;                       /* some light is shaded by some instances alone */
   bool hides;                        /* some light is hidden from some kinds of ray */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;

@@ -169,12 +169,12 @@ typedef struct stage_table {
   /* lifted: `lift` has said where shadow rays start. */
   void (*lit)(lane_run run, bool through, bool lifted, const surfaces *at, light_samples *light);
   /* Shadow rays through transparent surfaces (through.h). */
-  size_t (*stopped)(size_t count, uint32_t left, const uint32_t *lane, const walks *walk,
+  size_t (*stopped)(size_t count, uint32_t left, bool all, const uint32_t *lane, const walks *walk,
                     const light_samples *light, passages *way, rays *ray);
-  size_t (*sift)(size_t count, const triangle *triangles, const material *materials,
+  size_t (*sift)(size_t count, const triangle *triangles, const material *materials, bool shades,
                  const passages *way, uint32_t *record, light_samples *light);
   size_t (*pass)(size_t count, const uint32_t *lane, const surfaces *at, const rays *came,
-                 const lane_c *share, passages *way, rays *ray, light_samples *light);
+                 const lane_c *share, bool shades, passages *way, rays *ray, light_samples *light);
   void (*tint)(size_t count, const float color[3], const passages *way, light_samples *light);
   /* Returns how many hits get light. */
   size_t (*shadow)(size_t count, light_samples *light);

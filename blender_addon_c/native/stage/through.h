@@ -5,16 +5,17 @@
 #include "stage/stage.h"
 
 /* The shadow rays that something stops, from where they set out, as long as they may go through
- * surfaces; left: how many those of a path that went through none may. Returns their number. */
-static size_t stage_stopped(size_t count, uint32_t left, const uint32_t *restrict lane,
+ * surfaces; left: how many those of a path that went through none may; all: also those that may go
+ * through none. Returns their number. */
+static size_t stage_stopped(size_t count, uint32_t left, bool all, const uint32_t *restrict lane,
                             const walks *restrict walk, const light_samples *restrict light,
                             passages *restrict way, rays *restrict ray) {
   size_t found = 0;
   for (size_t i = 0; i < count; i++) {
     uint32_t passed = walk->bounces[BOUNCE_TRANSPARENT][lane[i]];
     way->hit[found] = (uint32_t)i;
-    way->left[found] = left - passed;
-    found += (light->ray.tfar[i] < -1e30f) & (passed < left);
+    way->left[found] = passed < left ? left - passed : 0;
+    found += (light->ray.tfar[i] < -1e30f) & (all | (passed < left));
     way->tint.r[i] = way->tint.g[i] = way->tint.b[i] = 1.0f;
   }
 #pragma omp simd
@@ -34,16 +35,19 @@ static size_t stage_stopped(size_t count, uint32_t left, const uint32_t *restric
 }
 
 /* Rays that meet nothing more reach their light; those at a surface that lets nothing pass, or at
- * one more than they may go through, count as misses. Returns the number of the others. */
+ * one more than they may go through, count as misses, where these are not `free`, as some are if
+ * the scene `shades`. Returns the number of the others. */
 static size_t stage_sift(size_t count, const triangle *restrict triangles,
-                         const material *restrict materials, const passages *restrict way,
-                         uint32_t *restrict record, light_samples *restrict light) {
+                         const material *restrict materials, bool shades,
+                         const passages *restrict way, uint32_t *restrict record,
+                         light_samples *restrict light) {
   size_t found = 0;
   for (size_t k = 0; k < count; k++) {
     uint32_t i = way->hit[k], r = record[k];
     if (r == RECORD_MISS)
       light->ray.tfar[i] = way->tfar[i];
-    else if (!way->left[k] || !(materials[triangles[r].material].traits & CLOSURE_PASSES))
+    else if (!(shades && way->free[k]) &&
+             (!way->left[k] || !(materials[triangles[r].material].traits & CLOSURE_PASSES)))
       record[k] = RECORD_MISS;
     found += record[k] != RECORD_MISS;
   }
@@ -54,15 +58,16 @@ static size_t stage_sift(size_t count, const triangle *restrict triangles,
  * set out as far off it as any ray, to the same end: beside that there may be a surface that
  * shines. Returns their number. */
 static size_t stage_pass(size_t count, const uint32_t *restrict lane, const surfaces *restrict at,
-                         const rays *restrict came, const lane_c *restrict share,
+                         const rays *restrict came, const lane_c *restrict share, bool shades,
                          passages *restrict way, rays *restrict ray,
                          light_samples *restrict light) {
   size_t goes = 0;
   for (size_t i = 0; i < count; i++) {
     uint32_t k = lane[i], hit = way->hit[k];
-    float r = clampf(way->tint.r[hit] * share->r[i], 0.0f, 1e30f);
-    float g = clampf(way->tint.g[hit] * share->g[i], 0.0f, 1e30f);
-    float b = clampf(way->tint.b[hit] * share->b[i], 0.0f, 1e30f);
+    bool open = shades && way->free[k];
+    float r = clampf(way->tint.r[hit] * (open ? 1.0f : share->r[i]), 0.0f, 1e30f);
+    float g = clampf(way->tint.g[hit] * (open ? 1.0f : share->g[i]), 0.0f, 1e30f);
+    float b = clampf(way->tint.b[hit] * (open ? 1.0f : share->b[i]), 0.0f, 1e30f);
     vec3 off = load(&at->g, i), p = load(&at->p, i), d = load(&came->d, i);
     vec3 start = {p.x - off.x, p.y - off.y, p.z - off.z};
     float rest = way->rest[k] - came->tfar[i];
@@ -88,7 +93,7 @@ static size_t stage_pass(size_t count, const uint32_t *restrict lane, const surf
     ray->tfar[goes] = rest;
     way->next_hit[goes] = hit;
     way->next_gone[goes] = way->gone[k] + came->tfar[i];
-    way->next_left[goes++] = way->left[k] - 1;
+    way->next_left[goes++] = way->left[k] - (open ? 0 : 1);
   }
   for (size_t k = 0; k < goes; k++) {
     way->hit[k] = way->next_hit[k];

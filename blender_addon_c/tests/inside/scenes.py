@@ -1485,7 +1485,8 @@ def _points(scene):
 
 
 def linked(options):
-    """Three balls and a floor; a lamp for the first ball, one for all but the second, and one for all."""
+    """Three balls and a floor; a lamp for the first ball, one for all but the second, and one for all. Or, if
+    `shades`, that are shaded by these."""
     scene = common.empty_scene(64, 24, samples=options["samples"])
     scene.render.film_transparent = False
     common.plane(_matt("floor", 0.5, 0.5, 0.5), 12)
@@ -1499,10 +1500,11 @@ def linked(options):
         lamp = common.light(scene, "POINT", 200, options["radius"], location=place)
         lamp.data.color = color
         if ball:
-            collection = bpy.data.collections.new("receivers")
+            collection = bpy.data.collections.new("some")
             collection.objects.link(ball)
             collection.collection_objects[0].light_linking.link_state = state
-            lamp.light_linking.receiver_collection = collection
+            setattr(lamp.light_linking, "blocker_collection" if options.get("shades") else "receiver_collection",
+                    collection)
     for k in range(options["more"]):  # so many that each sample takes one of them
         common.light(scene, "POINT", 5, location=(k, 2, 2))
     common.camera(scene, (0, -6, 2), (1.25, 0, 0), lens=40)
