@@ -110,6 +110,12 @@ class RENDER_PT_libshade_motion_blur(_Panel, bpy.types.Panel):
         if blur_settings(context.scene):
             layout.prop(blur_settings(context.scene), "motion_blur_position", text="Position")
         layout.prop(render, "motion_blur_shutter")
+        cycles = getattr(context.scene, "cycles", None)
+        if hasattr(cycles, "rolling_shutter_type"):
+            layout.prop(cycles, "rolling_shutter_type")
+            row = layout.row()
+            row.active = cycles.rolling_shutter_type != "NONE"
+            row.prop(cycles, "rolling_shutter_duration")
         layout.template_curve_mapping(render, "motion_blur_shutter_curve")
 
 

@@ -167,9 +167,19 @@ class Motion(Still):
         return {"motion": matrices, **wide}
 
     def scene(self):
-        """When the shutter is open: times by an even number, where it does not open all at once."""
+        """When the shutter is open: times by an even number, where it does not open all at once; how long for each
+        line, where they see one after another."""
         if not self.blurs:
             return {"vectors": True}
+        return {**self._curve(), **self._lines()}
+
+    def _lines(self):
+        cycles = getattr(self._depsgraph.scene, "cycles", None)
+        if getattr(cycles, "rolling_shutter_type", "NONE") == "NONE":
+            return {}
+        return {"line_time": cycles.rolling_shutter_duration}
+
+    def _curve(self):
         curve = self._depsgraph.scene.render.motion_blur_shutter_curve
         curve.initialize()
         x = np.linspace(0.0, 1.0, _SHUTTER_STEPS + 1)
@@ -199,8 +209,6 @@ def motion_of(engine, depsgraph, camera, dump, messages):
     if dump:
         messages.warning("a dump has no motion blur: all is as it is at the frame")
         return Still()
-    if getattr(getattr(depsgraph.scene, "cycles", None), "rolling_shutter_type", "NONE") != "NONE":
-        messages.warning("a rolling shutter is not supported; all lines see at the same time")
     return Motion(engine, depsgraph, camera, True, messages)
 
 

@@ -11,6 +11,8 @@ CASES = {
     "shape": {"what": ["moving_shape"]},
     "all": {"what": ["moving_camera", "zooming_camera", "moving_object", "moving_shape"], "position": "END", "frame": 3,
             "shutter": 0.7, "curve": [(0, 0), (1, 1)], "object": {"motion_steps": 3}},
+    "lines": {"what": ["moving_camera", "moving_object"], "rolling": 0.3, "curve": [(0, 0), (1, 1)],
+              "border": (0.1, 0.25, 0.9, 0.8)},
 }
 
 

@@ -49,6 +49,19 @@ def test_the_shutter_opens_slowly():
     assert np.abs(alpha[26:38].mean(0) - covered(time - 0.75, time - 0.25)).max() < 6e-3
 
 
+@pytest.mark.parametrize("line_time", [0.0, 0.25, 1.0])
+def test_lines_see_one_after_another(line_time):
+    """From the top, each for so long a part of the time; a shutter that opens slowly is one of each line."""
+    shutter = np.sqrt(np.linspace(0, 1, 257)).astype(np.float32)
+    alpha = seen(meshes=[square(4.0)], line_time=line_time, shutter=shutter,  # its right edge passes
+                 instance={"motion": np.stack([matrix(-4.5), matrix(-3.5)])})
+    part = np.sqrt((np.arange(4096) + 0.5) / 4096)
+    for line in 0, 20, SIDE - 1:
+        time = (1 - line_time) * (1 - line / SIDE) + line_time * part
+        off = alpha[line] - covered(time * 0 - 2, time - 0.5)
+        assert abs(off.sum()) < 0.08 and np.abs(off).max() < 0.025, line  # a line is .5 pixels, noise .03 and .01
+
+
 def test_a_turn_goes_round():
     """A quarter of a turn from two places is an arc: all its points are as far from the middle."""
     thin = mesh([[0.6, -0.02, 0], [0.7, -0.02, 0], [0.7, 0.02, 0], [0.6, 0.02, 0]], [[0, 1, 2], [0, 2, 3]])

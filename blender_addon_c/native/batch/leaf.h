@@ -48,6 +48,14 @@ LEAF float either(uint32_t mask, float yes, float no) {
   return yes;
 }
 
+/* Every second bit of a Z-order number. */
+LEAF uint32_t unzip(uint32_t z) {
+  z &= 0x155u;
+  z = (z | z >> 1) & 0x133u;
+  z = (z | z >> 2) & 0x10fu;
+  return (z | z >> 4) & 0x1fu;
+}
+
 /* Unit length; false where it has no direction. */
 LEAF bool make_unit(vec3 *v) {
   float length = sqrtf(dot(*v, *v));

@@ -573,7 +573,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     s->camera(count, view, &b->path, &b->sample_ray);
   if (scene->moves) {
     shuffle points = points_of(w, phase, 0, PURPOSE_TIME);
-    motion_times(w, w->observer ? NULL : &points, count);
+    motion_times(w, view, w->observer ? NULL : &points, count);
     if (!w->observer)
       motion_zoom(w, count);
   }

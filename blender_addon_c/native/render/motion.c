@@ -35,7 +35,20 @@ void motion_end(batch *b) {
 
 /* ---- rays */
 
-void motion_times(worker *w, const shuffle *points, size_t count) {
+/* Lines from the top one after another: each begins while those before it are still open. */
+static void motion_lines(worker *w, const camera_view *view, size_t count) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  for (size_t i = 0; i < count; i++) {
+    uint32_t j = view->first + (uint32_t)i;
+    int line = view->y + (int)unzip(j / view->samples >> 1);
+    float begins = 1.0f - (float)line / (float)s->height;
+    float x = begins * (1.0f - s->line_time) + b->path.time[i] * s->line_time;
+    b->path.time[i] = b->sample_ray.time[i] = x;
+  }
+}
+
+void motion_times(worker *w, const camera_view *view, const shuffle *points, size_t count) {
   batch *b = w->batch;
   const float *shutter = w->scene->shutter;
   for (size_t i = 0; i < count; i++) {
@@ -50,6 +63,8 @@ void motion_times(worker *w, const shuffle *points, size_t count) {
     }
     b->path.time[i] = b->sample_ray.time[i] = x;
   }
+  if (points && w->scene->rolls)
+    motion_lines(w, view, count);
 }
 
 /* A direction by the camera's axes, and out of them. */

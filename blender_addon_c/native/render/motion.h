@@ -17,7 +17,7 @@ bool motion_init(batch *b, const scene *s);
 void motion_end(batch *b);
 
 /* The samples' times; points NULL: all are the middle one. */
-void motion_times(worker *w, const shuffle *points, size_t count);
+void motion_times(worker *w, const camera_view *view, const shuffle *points, size_t count);
 /* Rays of the camera from where it stands at their times; before they pass its lens, how wide it
  * sees then. */
 void motion_zoom(worker *w, size_t count);

@@ -534,9 +534,12 @@ static bool read_mist(reader *r, void *out, void *context) {
   return true;
 }
 
-/* When the shutter is open: times by an even number. */
+/* When the shutter is open: times by an even number, and whether line after line. */
 static bool read_shutter(reader *r, scene *s) {
   reader_buffer items;
+  s->rolls = reader_has(r, "line_time");
+  if (s->rolls && !reader_number_within(r, "line_time", 0, 1, &s->line_time))
+    return false;
   if (!reader_has(r, "shutter"))
     return true;
   if (!reader_items(r, "shutter", SHUTTER_STEPS + 1, "f", 4, &items))

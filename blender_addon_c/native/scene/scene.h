@@ -202,6 +202,8 @@ typedef struct scene {
   bool timed;      /* not the camera alone */
   bool vectors;    /* nothing does, but a plane says where it was and will be */
   float *shutter;  /* SHUTTER_STEPS + 1 times by an even number from 0 to 1, or NULL: the same */
+  bool rolls;      /* lines see one after another, from the top, each for */
+  float line_time; /* this part of the time */
   /* meshes of so many triangles, and all where they are many, are kept by themselves, and another
    * scene may take the world over; 0: only where that is less work for rays */
   int apart;

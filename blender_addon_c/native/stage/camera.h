@@ -5,14 +5,6 @@
 #include "stage/aperture.h"
 #include "stage/stage.h"
 
-/* Every second bit of a Z-order number. */
-LEAF uint32_t unzip(uint32_t z) {
-  z &= 0x155u;
-  z = (z | z >> 1) & 0x133u;
-  z = (z | z >> 2) & 0x10fu;
-  return (z | z >> 4) & 0x1fu;
-}
-
 /* Position in a pixel: uniform over it, or spread by the filter's inverse integral. */
 LEAF float place(uint32_t point, const float *restrict warp) {
   float x = unit_float(point);

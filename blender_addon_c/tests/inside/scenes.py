@@ -434,6 +434,11 @@ def moving(options):
     for ob in scene.objects:
         for name, value in options.get("object", {}).items():
             setattr(ob.cycles, name, value)
+    if "rolling" in options:
+        scene.cycles.rolling_shutter_type, scene.cycles.rolling_shutter_duration = "TOP", options["rolling"]
+    if "border" in options:
+        render.use_border = True
+        render.border_min_x, render.border_min_y, render.border_max_x, render.border_max_y = options["border"]
     if "curve" in options:
         points = render.motion_blur_shutter_curve.curves[0].points
         for point, place in zip(points, options["curve"]):
