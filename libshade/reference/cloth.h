@@ -42,8 +42,10 @@ double shade_ref_cloth_coverage(const shade_ref_cloth *cloth, const double uv[2]
 
 /*
  * Over a footprint: the far model's share of it; the mean of the near model's 16 points; its mean
- * over so many points of any repeat, which the far model is to give, and the standard error of as
- * many random ones (these are spread evenly, and off by less).
+ * over so many points of that footprint, which the far model is to give, and the standard error of
+ * as many random ones (these lie in a cell of a grid each, and are off by no more). A pixel shows
+ * what its footprint sends on, and of noise what those yarns have: that is one sum for each place,
+ * not what the same part of the draft sends anywhere.
  */
 double shade_ref_far_share(const double footprint[2]);
 unsigned shade_ref_cloth_points(const shade_ref_cloth *cloth, const double uv[2],

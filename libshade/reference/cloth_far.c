@@ -2,6 +2,9 @@
 /* The cloth over a footprint: the mean of the near model over points of it. */
 #include "cloth_model.h"
 
+#include <stdint.h>
+#include <string.h>
+
 double shade_ref_far_share(const double footprint[2]) {
   real longer = footprint[0] > footprint[1] ? footprint[0] : footprint[1];
   if (longer <= 0.75L)
@@ -39,20 +42,36 @@ unsigned shade_ref_cloth_points(const shade_ref_cloth *c, const double uv[2],
   return status;
 }
 
+/* [0, 1), from a counter that goes on by an odd constant, mixed (splitmix64). */
+static double next_random(uint64_t *counter) {
+  uint64_t x = *counter += UINT64_C(0x9e3779b97f4a7c15);
+  x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+  x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
+  return (double)((x ^ x >> 31) >> 11) / 9007199254740992.0;
+}
+
+/*
+ * One point in each cell of a square grid, wherever in it, and those that are left anywhere. Any
+ * sequence that is spread more evenly has steps that some footprint makes whole crossings.
+ */
 unsigned shade_ref_cloth_mean(const shade_ref_cloth *c, const double uv[2],
                               const double footprint[2], int points, const double n[3],
                               const double wi[3], const double wo[3], double s[3],
                               double error[3]) {
+  const int side = (int)sqrt(points);
   unsigned status = SHADE_OK;
   real sum[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
+  uint64_t place[2];
+  memcpy(place, uv, sizeof place);
+  uint64_t counter = place[0] ^ place[1] * 3;
   for (int k = 0; k < points; k++) {
-    /* the same part of the draft in any of its repeats: noise goes on */
-    const double across = c->draft->ends * (double)(k * 7919L % 65537 - 32768);
-    const double up = c->draft->picks * (double)(k * 6007L % 65537 - 32768);
-    const double at[2] = {
-        uv[0] + across + fmin(footprint[0], 65536) * (fmod(0.5 + k * 0.7548776662466927, 1) - 0.5),
-        uv[1] + up + fmin(footprint[1], 65536) * (fmod(0.5 + k * 0.5698402909980532, 1) - 0.5)};
-    double one[3];
+    const int in_cell = k < side * side;
+    double at[2], one[3];
+    for (int a = 0; a < 2; a++) {
+      const double r = next_random(&counter);
+      const double part = in_cell ? ((a ? k / side : k % side) + r) / side : r;
+      at[a] = uv[a] + fmin(footprint[a], 65536) * (part - 0.5);
+    }
     status |= shade_ref_cloth_near(c, at, n, wi, wo, one);
     for (int i = 0; i < 3; i++) {
       sum[i] += one[i] / (real)points;

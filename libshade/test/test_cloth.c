@@ -332,11 +332,92 @@ static void single_is_the_reference(void **state) {
   }
 }
 
+/*
+ * What the reference takes for far cloth: the mean of its near points over the footprint itself,
+ * not over what the same part of the draft shows anywhere. Where yarns differ in brightness alone,
+ * and none is hidden, that is the sum over the yarns, each by the part of the footprint that it
+ * fills.
+ */
+static void mean_is_the_sum_over_yarns(void **state) {
+  (void)state;
+  enum { POINTS = 4096 / FEWER, PLACES = 16 };
+  const double foot[2] = {3, 2.5}, wi[3] = {0.36, 0.48, 0.8}, wo[3] = {-0.48, 0, 0.877268};
+  for (int warp = 0; warp < 2; warp++) {
+    const unsigned char warp_up = (unsigned char)warp;
+    shade_weave_params w;
+    shade_fabric_params f;
+    shade_weave_params_init(&w);
+    shade_fabric_params_init(&f);
+    shade_yarn_params *y = warp ? &w.warp : &w.weft;
+    *y = (shade_yarn_params){
+        .width = 1, .crimp_length = 1, .vary_brightness = 0.8, .along_length = 1};
+    cloth c = make_cloth(shade_draft_from_matrix(1, 1, &warp_up), &w, &f);
+    for (int k = 0; k < PLACES; k++) {
+      const double uv[2] = {between(-500, 500), between(-500, 500)};
+      const double across = uv[!warp] - foot[!warp] / 2, end = across + foot[!warp];
+      double s[3], error[3], sum[3] = {0, 0, 0};
+      for (double yarn = floor(across); yarn < end; yarn++) {
+        const double part = (fmin(yarn + 1, end) - fmax(yarn, across)) / foot[!warp];
+        const double at[2] = {warp ? yarn + 0.5 : uv[0], warp ? uv[1] : yarn + 0.5};
+        double one[3];
+        shade_ref_cloth_near(&c.reference, at, NULL, wi, wo, one);
+        for (int i = 0; i < 3; i++)
+          sum[i] += part * one[i];
+      }
+      shade_ref_cloth_mean(&c.reference, uv, foot, POINTS, NULL, wi, wo, s, error);
+      for (int i = 0; i < 3; i++)
+        assert_near(s[i], sum[i], error[i]); /* as the header has it */
+    }
+    close_cloth(&c);
+  }
+}
+
+/*
+ * The same of cloths with gaps, slubs and narrow highlights, by points drawn at random: of few
+ * crossings, and of so many that evenly spread points fell on the same places of the weave.
+ */
+static void mean_is_of_the_footprint(void **state) {
+  (void)state;
+  enum { POINTS = 1024, DRAWN = 16384 / FEWER, PLACES = 8 };
+  static const double feet[2][2] = {{3, 2}, {78.9266, 66.2834}};
+  static const double wi[3] = {0.46146, 0.35178, 0.81441}, wo[3] = {-0.72752, -0.01368, 0.68595};
+  for (int wide = 0; wide < 2; wide++) {
+    cloth c;
+    assert_true(preset_cloth(wide ? 7 : 4, &c)); /* shot taffeta; linen */
+    double worst = 0;
+    for (int k = 0; k < PLACES; k++) {
+      const double uv[2] = {between(-500, 500), between(-500, 500)};
+      double s[3], error[3], sum[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
+      for (int i = 0; i < DRAWN; i++) {
+        const double at[2] = {uv[0] + feet[wide][0] * between(-0.5, 0.5),
+                              uv[1] + feet[wide][1] * between(-0.5, 0.5)};
+        double one[3];
+        shade_ref_cloth_near(&c.reference, at, NULL, wi, wo, one);
+        for (int j = 0; j < 3; j++) {
+          sum[j] += one[j] / DRAWN;
+          squares[j] += one[j] * one[j] / DRAWN;
+        }
+      }
+      shade_ref_cloth_mean(&c.reference, uv, feet[wide], POINTS, NULL, wi, wo, s, error);
+      for (int j = 0; j < 3; j++) {
+        const double doubt = hypot(error[j], sqrt((squares[j] - sum[j] * sum[j]) / DRAWN));
+        worst = largest(worst, fabs(s[j] - sum[j]) / doubt);
+      }
+    }
+    print_message("mean over %.0f x %.0f: at most %.1f standard errors off\n", feet[wide][0],
+                  feet[wide][1], worst);
+    assert_true(worst <= 4);
+    close_cloth(&c);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(look_up),
       cmocka_unit_test(near_is_the_reference),
       cmocka_unit_test(footprints_are_points_of_near),
+      cmocka_unit_test(mean_is_the_sum_over_yarns),
+      cmocka_unit_test(mean_is_of_the_footprint),
       cmocka_unit_test(single_is_the_reference),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
