@@ -7,6 +7,9 @@
 static unsigned kernel_weave_batch(const shade_weave *w, size_t total, const double *u,
                                    const double *v, const shade_crossings *out);
 
+#define STREAKS_FADE 12.0 /* yarns: from here on less, */
+#define STREAKS_END 16.0  /* none beyond */
+
 /*
  * The integral along one side of the table for each of some lanes, from end to end of its
  * footprint, as a sum of five entries: those on both sides of either end, and the last, for whole
@@ -74,49 +77,16 @@ static int column_is_mean(const shade_fabric *f, double du, double dv) {
   return du > 64 * f->width && dv > 64 * f->height;
 }
 
-/*
- * Yarns that are brighter or darker than others show as streaks long after the weave is too
- * fine to see: their mean over the footprint, from 16 points of it. From 8 to 16 crossings it
- * fades out; what is left of the streaks there is small.
- */
+/* Whether single yarns are told apart in a footprint: column_yarns.h. */
 static int column_has_streaks(const shade_fabric *f, double du, double dv) {
-  const double longer = du > dv ? du : dv;
-  return f->uneven && longer > 0 && longer < 16;
+  const double longer = du > dv ? du : dv, shorter = du > dv ? dv : du;
+  return f->uneven && longer > 0 && shorter < STREAKS_END;
 }
 
-enum { STREAKS = BLOCK / FABRIC_POINTS }; /* lanes whose points are looked up at a time */
-
-/* factor: of each side's brightness, for `count` <= STREAKS of the lanes. */
-static void column_streaks(const shade_fabric *f, size_t count, const int *lane,
-                           const double *centre_u, const double *centre_v, const double *du,
-                           const double *dv, double (*factor)[2]) {
-  double u[BLOCK], v[BLOCK], brightness[BLOCK];
-  int top[BLOCK];
-  if (count == 0)
-    return;
-  for (size_t j = 0; j < count; j++) {
-    const double x = centre_u[lane[j]], y = centre_v[lane[j]];
-    const double wide = du[lane[j]], high = dv[lane[j]];
-    for (int k = 0; k < FABRIC_POINTS; k++) {
-      u[j * FABRIC_POINTS + (size_t)k] = x + wide * ((k % 4 + 0.5) / 4 - 0.5);
-      v[j * FABRIC_POINTS + (size_t)k] = y + high * ((k / 4 + 0.5) / 4 - 0.5);
-    }
-  }
-  const shade_crossings out = {.size = sizeof out, .top = top, .brightness = brightness};
-  kernel_weave_batch(f->weave, count * FABRIC_POINTS, u, v, &out);
-  for (size_t j = 0; j < count; j++) {
-    const double longer = du[lane[j]] > dv[lane[j]] ? du[lane[j]] : dv[lane[j]];
-    const double x = longer > 8 ? log2(longer / 8) : 0, share = 1 - x * x * (3 - 2 * x);
-    for (int side = 0; side < 2; side++) {
-      double sum = 0, seen = 0;
-      for (size_t k = j * FABRIC_POINTS; k < (j + 1) * FABRIC_POINTS; k++) {
-        sum += top[k] == side ? brightness[k] : 0;
-        seen += top[k] == side;
-      }
-      factor[j][side] = seen > 0 ? 1 + share * (sum / seen - 1) : 1;
-    }
-  }
-}
+/* The columns of lane `lane` over a footprint about (u, v), with the streaks of uneven yarns. */
+static void column_streaks(const shade_fabric *f, double u, double v, double du, double dv,
+                           const column_axis *x, const column_axis *y, size_t lane,
+                           double column[COLUMNS]);
 
 /* How many are read of a fabric. */
 static int column_count(const shade_fabric *f) {

@@ -57,3 +57,7 @@
 
 #include "leaf_weave.h"
 #include "pass_weave.h"
+
+#if !SHADE_FLOAT
+#include "column_yarns.h"
+#endif

@@ -261,32 +261,6 @@ static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(prepar
   FN(cloth_near_rows)(f, c, p);
 }
 
-/* Streaks of uneven yarns, into the columns of far lanes, `wide` apart. */
-static void FN(cloth_streaks)(const shade_fabric *f, const FN(preparing) * p, real *columns,
-                              int wide) {
-  int lane[BLOCK], at[BLOCK];
-  size_t count = 0;
-  for (size_t j = 0; j < p->far_count; j++) {
-    lane[count] = p->far[j];
-    at[count] = (int)j;
-    count += column_has_streaks(f, p->du[p->far[j]], p->dv[p->far[j]]) != 0;
-  }
-  for (size_t start = 0; start < count; start += STREAKS) {
-    const size_t size = count - start < STREAKS ? count - start : STREAKS;
-    double factor[STREAKS][2];
-    column_streaks(f, size, lane + start, p->u, p->v, p->du, p->dv, factor);
-    for (size_t j = 0; j < size; j++)
-      for (int side = 0; side < 2; side++) {
-        real *of = columns + at[start + j];
-        const real share = (real)factor[j][side];
-        for (int a = 0; a < (f->alike ? 1 : 3); a++)
-          of[(COLUMN_MATT + side + COLUMN_CHANNEL * a) * wide] *= share;
-        for (int a = 0; a < 3 && f->transmits; a++)
-          of[(COLUMN_PASS + 3 * side + a) * wide] *= share;
-      }
-  }
-}
-
 static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
                                const FN(preparing) * p) {
   const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
@@ -308,10 +282,11 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
     for (size_t j = 0; j < p->far_count; j++) {
       const int i = p->far[j];
       column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
+      if (column_has_streaks(f, p->du[i], p->dv[i]))
+        column_streaks(f, p->u[i], p->v[i], p->du[i], p->dv[i], &x, &y, j, column);
       for (int k = 0; k < count; k++)
         columns[k * WIDE + (int)j] = (real)column[k];
     }
-    FN(cloth_streaks)(f, p, columns, WIDE);
   }
   const int whole = p->far_count == c->count;
   if (mean && whole)

@@ -8,15 +8,6 @@
 #define WEAVE_BLOCKS
 enum { WEAVE_BLOCK = 128 }; /* look-ups a pass: its scratch stays in the first-level cache */
 
-/* Bytes of the widest vector that the loops use. */
-#if defined(__AVX512F__)
-#define WEAVE_VECTOR 64
-#elif defined(__AVX2__)
-#define WEAVE_VECTOR 32
-#else
-#define WEAVE_VECTOR 16
-#endif
-
 /* Numbers of crossings up to here are whole in float and in int. */
 #define WEAVE_NEAR 4194304
 #endif
@@ -367,7 +358,7 @@ static unsigned FN(kernel_weave_batch)(const shade_weave *w, size_t total, const
   unsigned status = SHADE_OK;
   for (size_t start = 0; start < total; start += WEAVE_BLOCK) {
     const size_t size = total - start < WEAVE_BLOCK ? total - start : WEAVE_BLOCK;
-    const size_t lanes = WEAVE_VECTOR / sizeof(real), count = (size + lanes - 1) / lanes * lanes;
+    const size_t lanes = VECTOR_BYTES / sizeof(real), count = (size + lanes - 1) / lanes * lanes;
     const real *at[2] = {u + start, v + start};
     for (int k = 0; k < 2 && count > size; k++) {
       memcpy(held[k], at[k], size * sizeof(real));
@@ -382,8 +373,8 @@ static unsigned FN(kernel_weave_batch)(const shade_weave *w, size_t total, const
 
 static unsigned FN(kernel_weave)(const shade_weave *w, real u, real v, FN(shade_crossing) * out) {
   FN(weave_room) room;
-  const real at[2][WEAVE_VECTOR / sizeof(real)] = {{u}, {v}};
-  unsigned status = FN(weave_block)(w, WEAVE_VECTOR / sizeof(real), at[0], at[1], &room);
+  const real at[2][VECTOR_BYTES / sizeof(real)] = {{u}, {v}};
+  unsigned status = FN(weave_block)(w, VECTOR_BYTES / sizeof(real), at[0], at[1], &room);
   const int k = room.seen[0], hit = room.hit[0], yarn = room.index[!k][0];
   const FN(weave_yarn) *y = &w->FN(yarn)[k];
   const real cosine = hit ? y->fibre_cos : 1, sine = hit ? y->fibre_sin : 0;

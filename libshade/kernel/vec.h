@@ -6,6 +6,16 @@
 #undef ROOM
 #define ROOM _Alignas(64) real
 
+#ifndef VECTOR_BYTES /* of the widest vector that loops use */
+#if defined(__AVX512F__)
+#define VECTOR_BYTES 64
+#elif defined(__AVX2__)
+#define VECTOR_BYTES 32
+#else
+#define VECTOR_BYTES 16
+#endif
+#endif
+
 typedef struct FN(vec) {
   const real *x, *y, *z;
 } FN(vec);

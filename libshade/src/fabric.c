@@ -198,6 +198,23 @@ static void look_at_repeat(shade_fabric *f, int looks, cloud clouds[2]) {
         f->mean[k + COLUMN_CHANNEL] == f->mean[k] && f->mean[k + 2 * COLUMN_CHANNEL] == f->mean[k];
 }
 
+/*
+ * The mean share of the crossings that yarns of slubs s fill: within a yarn's own limits, over even
+ * values at two knots and all places between them.
+ */
+static double mean_fill(double share, double slub) {
+  enum { STEPS = 32 };
+  double sum = 0;
+  for (int i = 0; i < STEPS * STEPS * STEPS; i++) {
+    const double a = 2 * (i % STEPS + 0.5) / STEPS - 1;
+    const double b = 2 * (i / STEPS % STEPS + 0.5) / STEPS - 1;
+    const double t = (i / (STEPS * STEPS) + 0.5) / STEPS;
+    const double size = share * (1 + slub * (a + (b - a) * t * t * (3 - 2 * t)));
+    sum += fmin(fmax(size, 0.05 * share), 1);
+  }
+  return sum / (STEPS * STEPS * STEPS);
+}
+
 void shade_fabric_free(shade_fabric *f) {
   if (!f)
     return;
@@ -224,8 +241,12 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
   f->draft_colors = p.draft_colors;
   const shade_weave_params *shape = shade_weave_get_params(weave);
   f->uneven = shape->warp.vary_brightness + shape->warp.along_brightness +
-                  shape->weft.vary_brightness + shape->weft.along_brightness >
+                  shape->weft.vary_brightness + shape->weft.along_brightness + shape->warp.slub +
+                  shape->weft.slub >
               0;
+  for (int k = 0; k < 2; k++)
+    if (weave->uniform[k])
+      f->fills[k] = mean_fill(weave->thread[k]->share, weave->yarn[k].slub);
   f->width = draft->ends;
   f->height = draft->picks;
   f->columns = draft->ends < MAX_BLOCKS ? draft->ends : MAX_BLOCKS;

@@ -80,7 +80,8 @@ struct shade_fabric {
   const shade_weave *weave;
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];
-  int draft_colors, uneven; /* uneven: the brightness of the yarns varies */
+  int draft_colors, uneven; /* uneven: the brightness or width of the yarns varies */
+  double fills[2];          /* the share of their crossings, by shade_top; 0: not alike */
   int alike;                /* the columns of all channels are the same */
   int backed, transmits;    /* the gaps show something; some yarn lets light through */
   double nap, nap_color[3];

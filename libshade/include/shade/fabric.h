@@ -107,7 +107,8 @@ SHADE_API void shade_fabric_free(shade_fabric *fabric); /* NULL is fine */
  *   AUTO    by the footprint: the near model in it while it is below .75 crossings, the far
  *           model above 2, both between
  *   NEAR    the one point (u, v): what AUTO does for no footprint
- *   FAR     the mixture, with what share of the footprint each yarn has by the draft. Quick, by
+ *   FAR     the mixture, with what share of the footprint each yarn has by the draft and, while
+ *           there are fewer than 16 across it, by its own noise of width and brightness. Quick, by
  *           tables, where the yarns' BRDF is Ashikhmin and Shirley's with a detail method other
  *           than none or perturb, both exponents below 1100, a diffuse model that does not see
  *           light and eye at once, and the lane's gloss is 1; else, and where light and eye are
