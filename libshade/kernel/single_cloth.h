@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One prepared lane of cloth, from the leaves of pass_cloth.h: a light in one call. There every
- * loop over a block is begun for a single lane and ended again, which takes twice the time.
+ * One light of one prepared hit, from the leaves of pass_cloth.h. There every loop over a block is
+ * begun for a single lane and ended again, which takes twice the time. The terms of a hit have all
+ * but the yarns in common: what depends on light and eye alone is computed once for all of them.
  */
 
 /* What is asked of the lobes of side k, in the frame of its fibres: spec and matt of the yarns, or
@@ -40,24 +41,123 @@ static void FN(cloth_lobe_one)(FN(asked) what, const FN(cloth) * c, const fabric
   }
 }
 
-/* w of the cloth in the frame of the fibres of side k, as lane 0. */
-LEAF void FN(cloth_carry_one)(const shade_fabric *f, const FN(cloth) * c, int k,
-                              const real *const w[3], real (*to)[BLOCK]) {
-  const int near = c->kind[0] <= CLOTH_WARP;
-  const FN(carried) from = FN(cloth_carried)(f, c, k, w);
+/* w of the cloth in the frame of the fibres of side k that term `lane` shows. */
+LEAF void FN(cloth_carry_one)(const shade_fabric *f, const FN(cloth) * c, int k, size_t lane,
+                              const real *const w[3], real to[3]) {
+  const int near = c->kind[lane] <= CLOTH_WARP;
+  FN(carried) from = FN(cloth_carried)(f, c, k, w);
+  from.tx += lane;
+  from.ty += lane;
   const FN(triple) v = FN(cloth_carry_lane)(from, 0, near, c->flat);
-  to[0][0] = v.x;
-  to[1][0] = v.y;
-  to[2][0] = v.z;
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
 }
 
-/* As cloth_block of one lane; any horizon but schuessler. */
-static unsigned FN(cloth_one)(const shade_fabric *f, const FN(cloth) * c,
-                              const real *const given[3], real *const rgb[3]) {
-  const real *row = c->rows;
-  const size_t step = c->stride;
+/*
+ * Add what the yarns of side k send that near terms show: of all of them the fibres run one way.
+ * white: Schlick's, if they are lit from in front.
+ */
+static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int k, int lit,
+                                 real white, const real *const wi[3], const real *const wo[3],
+                                 real sum[3]) {
+  enum { VECTOR = VECTOR_BYTES / sizeof(real) };
+  const fabric_side *s = &f->side[k];
+  const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k), *part = FN(cloth_row)(c, CLOTH_PART);
+  const real *tilt[3] = {FN(cloth_row)(c, CLOTH_TILT), FN(cloth_row)(c, CLOTH_TILT + 1),
+                         FN(cloth_row)(c, CLOTH_TILT + 2)};
+  FN(gathered) g;
+  real spec[BLOCK], matt[BLOCK], shine = 0;
+  size_t used = 0;
+  for (size_t i = 0; i < c->count; i++)
+    if (c->kind[i] == k && weight[i] > 0) {
+      for (int a = 0; a < 3; a++)
+        g.n[a][used] = tilt[a][i];
+      g.lane[used++] = (int)i;
+    }
+  if (!used)
+    return;
+  real i[3], o[3];
+  FN(cloth_carry_one)(f, c, k, (size_t)g.lane[0], wi, i);
+  FN(cloth_carry_one)(f, c, k, (size_t)g.lane[0], wo, o);
+  g.whole = 0;
+  g.count = (used + VECTOR - 1) / VECTOR * VECTOR; /* no lane of its own after the last vector */
+  for (size_t j = 0; j < g.count; j++) {
+    for (int a = 0; a < 3 && j >= used; a++)
+      g.n[a][j] = g.n[a][0];
+    g.wi[0][j] = i[0];
+    g.wi[1][j] = i[1];
+    g.wi[2][j] = i[2];
+    g.wo[0][j] = o[0];
+    g.wo[1][j] = o[1];
+    g.wo[2][j] = o[2];
+  }
+  if (!lit) {
+    FN(cloth_through)(&g, spec);
+    for (int a = 0; a < 3; a++) {
+      const real *kt = FN(cloth_row)(c, CLOTH_KT + 3 * k + a);
+      for (size_t j = 0; j < used; j++)
+        sum[a] += part[g.lane[j]] * kt[g.lane[j]] * spec[j];
+    }
+    return;
+  }
+  const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
+  shade_bsdf room;
+  FN(cloth_ask)
+  (FN(ASK_YARN),
+   bsdf_of(gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
+                     : &s->lobe[FABRIC_NEAR]),
+   &g, spec, matt);
+  for (size_t j = 0; j < used; j++) {
+    const size_t lane = (size_t)g.lane[j];
+    shine += part[lane] * weight[lane] * spec[j];
+    matt[j] *= part[lane];
+  }
+  for (int a = 0; a < 3; a++) {
+    const real *kd = FN(cloth_row)(c, CLOTH_KD + 3 * k + a), f0 = (real)s->f0[a];
+    sum[a] += shine * (f0 + (1 - f0) * white);
+    for (size_t j = 0; j < used; j++)
+      sum[a] += kd[g.lane[j]] * matt[j];
+  }
+}
+
+/* Add `part` of what one term sends of side k. */
+static void FN(cloth_add_one)(const shade_fabric *f, const FN(cloth) * c, int k, real part, int lit,
+                              real white, const real *const wi[3], const real *const wo[3],
+                              real sum[3]) {
+  const fabric_side *s = &f->side[k];
+  const real *row = c->rows, weight = row[(size_t)(CLOTH_WEIGHT + k) * c->stride];
   const int kind = c->kind[0];
-  real w[3] = {given[0][0], given[1][0], given[2][0]}, sum[3];
+  FN(gathered) g;
+  real i[3], o[3], spec = 0, matt = 0;
+  if (kind == CLOTH_GAP || (kind <= CLOTH_WARP && kind != k) || !(weight > 0))
+    return;
+  FN(cloth_carry_one)(f, c, k, 0, wi, i);
+  FN(cloth_carry_one)(f, c, k, 0, wo, o);
+  g.count = 1;
+  g.whole = 1;
+  g.lane[0] = 0;
+  for (int a = 0; a < 3; a++) {
+    g.wi[a][0] = i[a];
+    g.wo[a][0] = o[a];
+  }
+  FN(cloth_lobe_one)(lit ? FN(ASK_YARN) : FN(ASK_THROUGH), c, s, k, &g, &spec, &matt);
+  for (int a = 0; a < 3; a++) {
+    const real kd = row[(size_t)(CLOTH_KD + 3 * k + a) * c->stride], f0 = (real)s->f0[a];
+    if (lit)
+      sum[a] += part * (weight * spec * (f0 + (1 - f0) * white) + kd * matt);
+    else
+      sum[a] += part * (row[(size_t)(CLOTH_KT + 3 * k + a) * c->stride] * spec);
+  }
+}
+
+/* The mean over the terms of one hit, as cloth_block has it; any horizon but schuessler. */
+static unsigned FN(cloth_mean)(const shade_fabric *f, const FN(cloth) * c, const real given[3],
+                               real sum[3]) {
+  const real *row = c->rows, whole = 1;
+  const real *part = c->count == 1 ? &whole : FN(cloth_row)(c, CLOTH_PART);
+  const size_t step = c->stride;
+  real w[3] = {given[0], given[1], given[2]};
   const real *const wi[3] = {w, w + 1, w + 2};
   const real *const wo[3] = {row + CLOTH_WO * step, row + (CLOTH_WO + 1) * step,
                              row + (CLOTH_WO + 2) * step};
@@ -69,41 +169,36 @@ static unsigned FN(cloth_one)(const shade_fabric *f, const FN(cloth) * c,
   const real ci = FN(dot)(nx, ny, nz, w[0], w[1], w[2]);
   const real co = FN(dot)(nx, ny, nz, *wo[0], *wo[1], *wo[2]);
   const real side = FN(side_of)(ci, co, w[2], *wo[2]);
-  rgb[0][0] = rgb[1][0] = rgb[2][0] = 0;
-  if (mended & SHADE_BAD_INPUT || kind == CLOTH_VOID || side == 0)
+  const int lit = side > 0;
+  sum[0] = sum[1] = sum[2] = 0;
+  if (mended & SHADE_BAD_INPUT || c->kind[0] == CLOTH_VOID || side == 0)
     return status;
-  for (int a = 0; a < 3; a++)
-    sum[a] = side > 0 ? row[(size_t)(CLOTH_FLAT + a) * step] * ci * INVERSE_PI : 0;
+  for (int a = 0; lit && a < 3; a++) {
+    const real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
+    for (size_t i = 0; i < c->count; i++)
+      sum[a] += part[i] * flat[i];
+    sum[a] *= ci * INVERSE_PI;
+  }
 
-  const int ask = side > 0 || f->transmits;
   const real white =
       FN(schlick_weight)(FN(half_cosine)(w[0] + *wo[0], w[1] + *wo[1], w[2] + *wo[2]));
-  for (int k = 0; ask && k < 2; k++) {
-    const fabric_side *s = &f->side[k];
-    const real weight = row[(size_t)(CLOTH_WEIGHT + k) * step];
-    FN(gathered) g;
-    real spec = 0, matt = 0;
-    if (kind == CLOTH_GAP || (kind <= CLOTH_WARP && kind != k) || !(weight > 0))
+  for (int k = 0; (lit || f->transmits) && k < 2; k++) {
+    if (c->count == 1) {
+      FN(cloth_add_one)(f, c, k, 1, lit, white, wi, wo, sum);
       continue;
-    g.count = 1;
-    g.whole = 1;
-    g.lane[0] = 0;
-    FN(cloth_carry_one)(f, c, k, wi, g.wi);
-    FN(cloth_carry_one)(f, c, k, wo, g.wo);
-    FN(cloth_lobe_one)(side > 0 ? FN(ASK_YARN) : FN(ASK_THROUGH), c, s, k, &g, &spec, &matt);
-    for (int a = 0; a < 3; a++) {
-      const real kd = row[(size_t)(CLOTH_KD + 3 * k + a) * step], f0 = (real)s->f0[a];
-      if (side > 0)
-        sum[a] += weight * spec * (f0 + (1 - f0) * white) + kd * matt;
-      else
-        sum[a] += row[(size_t)(CLOTH_KT + 3 * k + a) * step] * spec;
     }
+    FN(cloth_near_terms)(f, c, k, lit, white, wi, wo, sum);
+    for (size_t i = 0; i < c->count; i++)
+      if (c->kind[i] == CLOTH_FAR) {
+        const FN(cloth) one = {1, step, c->flat, c->kind + i, c->rows + i};
+        FN(cloth_add_one)(f, &one, k, part[i], lit, white, wi, wo, sum);
+      }
   }
 
   if (f->shadows && FN(absolute)(ci) < (real)f->shadows_below) {
-    const real lit = FN(shadowing_lane)(FN(shadowing_of)(f, c), 0, c->flat, w[0], w[1], w[2]);
+    const real shadow = FN(shadowing_lane)(FN(shadowing_of)(f, c), 0, c->flat, w[0], w[1], w[2]);
     for (int a = 0; a < 3; a++)
-      sum[a] *= lit;
+      sum[a] *= shadow;
   }
   const real nap = row[CLOTH_NAP * step];
   if (nap > 0) {
@@ -121,13 +216,40 @@ static unsigned FN(cloth_one)(const shade_fabric *f, const FN(cloth) * c,
       factor = FN(shadow_estevez)(n[0], n[step], n[2 * step], w[0], w[1], w[2]);
   }
   for (int a = 0; a < 3; a++)
-    rgb[a][0] = factor * sum[a];
+    sum[a] *= factor;
   return status;
 }
 
 /* s of every lane; rgb does not overlap wi. Returns status bits. */
 static unsigned FN(kernel_cloth)(const shade_fabric *f, const FN(cloth) * c,
                                  const real *const wi[3], real *const rgb[3]) {
-  const int one = c->count == 1 && f->horizon != SHADE_HORIZON_SCHUESSLER;
-  return one ? FN(cloth_one)(f, c, wi, rgb) : FN(cloth_block)(f, c, wi, rgb);
+  if (c->count != 1 || f->horizon == SHADE_HORIZON_SCHUESSLER)
+    return FN(cloth_block)(f, c, wi, rgb);
+  const real w[3] = {wi[0][0], wi[1][0], wi[2][0]};
+  real s[3];
+  const unsigned status = FN(cloth_mean)(f, c, w, s);
+  for (int a = 0; a < 3; a++)
+    rgb[a][0] = s[a];
+  return status;
+}
+
+/* The mean of s over the terms of one hit, for one light. Returns status bits. */
+static unsigned FN(kernel_cloth_hit)(const shade_fabric *f, const FN(cloth) * c, const real wi[3],
+                                     real s[3]) {
+  if (f->horizon != SHADE_HORIZON_SCHUESSLER)
+    return FN(cloth_mean)(f, c, wi, s);
+  const real *part = FN(cloth_row)(c, CLOTH_PART);
+  real w[3][BLOCK], rgb[3][BLOCK];
+  for (int a = 0; a < 3; a++)
+    for (size_t i = 0; i < c->count; i++)
+      w[a][i] = wi[a];
+  const real *const from[3] = {w[0], w[1], w[2]};
+  real *const to[3] = {rgb[0], rgb[1], rgb[2]};
+  const unsigned status = FN(cloth_block)(f, c, from, to);
+  for (int a = 0; a < 3; a++) {
+    s[a] = 0;
+    for (size_t i = 0; i < c->count; i++)
+      s[a] += part[i] * rgb[a][i];
+  }
+  return status;
 }

@@ -155,17 +155,7 @@ static void FN(spread)(const real w[3], size_t count, real room[3][TERMS], const
 unsigned FN(shade_fabric_hit_eval)(const shade_fabric *f, const FN(shade_fabric_hit) * hit,
                                    const real wi[3], real s[3]) {
   const FN(cloth) c = FN(terms_of)(hit);
-  const real *part = FN(cloth_row)(&c, CLOTH_PART), *w[3];
-  real room[3][TERMS], rgb[3][TERMS];
-  FN(spread)(wi, c.count, room, w);
-  real *const to[3] = {rgb[0], rgb[1], rgb[2]};
-  const unsigned status = shade_isa_tables[f->isa]->FN(cloth)(f, &c, w, to);
-  for (int a = 0; a < 3; a++) {
-    s[a] = 0;
-    for (size_t i = 0; i < c.count; i++)
-      s[a] += part[i] * rgb[a][i];
-  }
-  return status;
+  return shade_isa_tables[f->isa]->FN(cloth_hit)(f, &c, wi, s);
 }
 
 real FN(shade_fabric_hit_pdf)(const shade_fabric *f, const FN(shade_fabric_hit) * hit,

@@ -69,6 +69,8 @@ typedef struct shade_isa_table {
                     double *const[3]);
   unsigned (*clothf)(const shade_fabric *, const struct clothf *, const float *const[3],
                      float *const[3]);
+  unsigned (*cloth_hit)(const shade_fabric *, const struct cloth *, const double[3], double[3]);
+  unsigned (*cloth_hitf)(const shade_fabric *, const struct clothf *, const float[3], float[3]);
   unsigned (*cloth_pdf)(const shade_fabric *, const struct cloth *, const double *const[3],
                         double *);
   unsigned (*cloth_pdff)(const shade_fabric *, const struct clothf *, const float *const[3],

@@ -287,48 +287,55 @@ static void one_call_is_a_lane(void **state) {
 
 /* ---- the random number -------------------------------------------------------- */
 
+/* All terms in one call, of any horizon, with and without light through the cloth. */
 static void random_numbers_mean_all_terms(void **state) {
   (void)state;
   const double footprints[][2] = {{0.3, 0.3}, {1.2, 0.4}, {0.2, 1.5}, {1.9, 1.9}};
   uint64_t seed = 9;
-  cloth c = open_cloth("linen", transmits);
-  for (int k = 0; k < 60; k++) {
-    shade_fabric_point p;
-    shade_fabric_point_init(c.fabric, &p);
-    double wi[3], wo[3], all[3], sum[3] = {0, 0, 0}, s[3], covered, coverage, sum_covered = 0;
-    any_direction(&seed, k % 4 ? 0.1 : -0.9, wi);
-    any_direction(&seed, 0.1, wo);
-    memcpy(p.footprint, footprints[k % 4], sizeof p.footprint);
-    p.uv[0] = 9 * uniform(&seed);
-    p.uv[1] = 9 * uniform(&seed);
-    memcpy(p.n, FOLD, sizeof p.n);
-    shade_fabric_hit hit;
-    shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &covered);
-    shade_fabric_hit_eval(c.fabric, &hit, wi, all);
-    const double density = shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
-    /* far's share by bisection: random numbers below it give the far tier */
-    const double longer = fmax(p.footprint[0], p.footprint[1]);
-    const double x = fmin(fmax(log2(longer / 0.75) / log2(2 / 0.75), 0), 1);
-    const double share = x * x * (3 - 2 * x);
-    double sum_density = 0;
-    for (int j = 0; j < 17; j++) {
-      p.random = j ? share + (1 - share) * (j - 0.5) / 16 : 0.5 * share;
-      const double part = j ? (1 - share) / 16 : share;
-      if (!(part > 0))
-        continue;
-      shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &coverage);
-      shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+  for (int row = 0; row < 2 * SHADE_HORIZON_COUNT; row++) {
+    next_horizon = (shade_horizon)(row / 2);
+    next_transmits = row % 2;
+    cloth c = open_cloth(row % 3 ? "linen" : "denim", with_all_parts);
+    for (int k = 0; k < 60; k++) {
+      shade_fabric_point p;
+      shade_fabric_point_init(c.fabric, &p);
+      double wi[3], wo[3], all[3], sum[3] = {0, 0, 0}, s[3], covered, coverage, sum_covered = 0;
+      any_direction(&seed, k % 4 ? 0.1 : -0.9, wi);
+      any_direction(&seed, 0.1, wo);
+      memcpy(p.footprint, footprints[k % 4], sizeof p.footprint);
+      p.uv[0] = 9 * uniform(&seed);
+      p.uv[1] = 9 * uniform(&seed);
+      if (k % 3)
+        memcpy(p.n, FOLD, sizeof p.n);
+      p.warp_gloss = k % 5 ? 1 : 0.3;
+      shade_fabric_hit hit;
+      shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &covered);
+      shade_fabric_hit_eval(c.fabric, &hit, wi, all);
+      const double density = shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+      /* far's share by bisection: random numbers below it give the far tier */
+      const double longer = fmax(p.footprint[0], p.footprint[1]);
+      const double x = fmin(fmax(log2(longer / 0.75) / log2(2 / 0.75), 0), 1);
+      const double share = x * x * (3 - 2 * x);
+      double sum_density = 0;
+      for (int j = 0; j < 17; j++) {
+        p.random = j ? share + (1 - share) * (j - 0.5) / 16 : 0.5 * share;
+        const double part = j ? (1 - share) / 16 : share;
+        if (!(part > 0))
+          continue;
+        shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &coverage);
+        shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+        for (int a = 0; a < 3; a++)
+          sum[a] += part * s[a];
+        sum_covered += part * coverage;
+        sum_density += part * shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+      }
       for (int a = 0; a < 3; a++)
-        sum[a] += part * s[a];
-      sum_covered += part * coverage;
-      sum_density += part * shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+        assert_near(sum[a], all[a], 1e-12 * (1 + all[a]));
+      assert_near(sum_covered, covered, 1e-12);
+      assert_near(sum_density, density, 1e-12 * (1 + density));
     }
-    for (int a = 0; a < 3; a++)
-      assert_near(sum[a], all[a], 1e-12 * (1 + all[a]));
-    assert_near(sum_covered, covered, 1e-12);
-    assert_near(sum_density, density, 1e-12 * (1 + density));
+    close_cloth(&c);
   }
-  close_cloth(&c);
 }
 
 /* ---- textures ------------------------------------------------------------------ */
