@@ -98,14 +98,8 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     assert study.finding_reference([*good, cloth]).holds
     read = {key: value for key, value in cloth.items() if value != ""}  # as a CSV gives it back
     assert study.finding_reference([*good, read]) == study.finding_reference([*good, cloth])
-    assert "MISSED" not in study.finding_reference([*good, cloth]).text
     assert not study.finding_reference([*good, {**cloth, "far_over": 6}]).holds
-    assert not study.finding_reference([*good, {**cloth, "far_sum": 0.03}]).holds
-    known = {**cloth, "scene": "povray/lampshade", "far_sum": 0.029}  # one that is known, and said as a miss
-    finding = study.finding_reference([*good, known])
-    assert finding.holds and "MISSED: 2.9 % of its light, limit 2 %" in finding.text
-    for worse in ({"far_sum": 0.031}, {"far_over": 6}, {"missed": "mean error of S; largest"}):
-        assert not study.finding_reference([*good, {**known, **worse}]).holds
+    assert not study.finding_reference([*good, {**cloth, "far_sum": 0.021}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_over": 0}]).holds
     for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}):
         assert not study.finding_reference([*good, {**narrow, **worse}]).holds
