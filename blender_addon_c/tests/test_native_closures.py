@@ -105,6 +105,37 @@ def test_nothing_makes_light(name):
     assert (mean < 1 + 3 * error).all() and (mean > 0.5).all()
 
 
+@pytest.mark.parametrize("angle", [0, 35, 65])
+@pytest.mark.parametrize("ax, ay, share", [(0.05, 0.05, 1.0), (0.3, 0.3, 1.0), (0.3, 0.1, 0.5), (0.2, 0.2, 0.0)])
+def test_bumps_that_are_a_part_of_a_lobe_make_no_light(ax, ay, share, angle):
+    """White facets of Ashikhmin and Shirley in an even world, by quadrature over their normals h: each that sends the
+    eye light from above sends mi / max(mi, mo) of it, m that much of the way from the mean normal to h. Where all the
+    lobe is bumps, facets hide nothing of one another: what they would take from below is lost, and of low light what is
+    more than four times as much as without bumps."""
+    sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
+    made = material(mdf="ASHIKHMIN_SHIRLEY", brdf="ASHIKHMIN_SHIRLEY", fresnel="NONE", f0=WHITE, ax=ax, ay=ay,
+                    ex=2 / ax**2 - 2, ey=2 / ay**2 - 2, detail="NONE") | {"bumps_from": [share, share]}
+    picture, _ = render(scene(width=8, height=8, materials=[made], lights=[], background=WHITE, samples=1024, max_bounces=2,
+                              camera=ortho(0.1, eye=(-3 * sine, 0, 3 * cosine))))
+    z, turn = np.meshgrid((np.arange(4000) + 0.5) / 4000, np.pi * (np.arange(360) + 0.5) / 180, indexing="ij")
+    flat = np.sqrt(1 - z**2)
+    x, y = flat * np.cos(turn), flat * np.sin(turn)
+    ex, ey = 2 / ax**2 - 2, 2 / ay**2 - 2
+    lobe = np.sqrt((ex + 1) * (ey + 1)) * z ** (ex * np.cos(turn) ** 2 + ey * np.sin(turn) ** 2)
+    ho = cosine * z - sine * x
+    light = np.stack([2 * ho * x + sine, 2 * ho * y, 2 * ho * z - cosine])
+    slopes = share * x / z, share * y / z
+    mi = slopes[0] * light[0] + slopes[1] * light[1] + light[2]
+    mo = cosine - slopes[0] * sine
+    lit = (ho > 0) & (light[2] > 0)
+    plain = light[2] / np.maximum(light[2], cosine)
+    seen = np.where(mi > 0, np.minimum(mi / np.maximum(np.maximum(mi, mo), 1e-9), 4 * plain), plain)
+    expected = np.mean(lobe * np.where(lit, seen, 0))
+    found = picture[..., :3].astype(float).mean()
+    assert found == pytest.approx(expected, abs=0.01) and found < 1.003
+    assert (share, ax, angle) != (1.0, 0.05, 0) or found > 0.99
+
+
 def test_burley_is_as_bright_as_its_own_formula_says():
     """Disney's diffuse makes a little: its albedo, by quadrature, over the ball's visible half."""
     rough, steps = 0.5, 64
