@@ -497,6 +497,51 @@ def test_zero_s_everywhere(dump, tmp_path):
     assert not report["pass"] and report["values"] > 0 and report["largest"] == 1
 
 
+TINY = float(np.finfo(np.float32).tiny)
+
+
+def dim(dump, factor):
+    """Every light as much weaker; what float32 has no full digits for is 0, as where it is flushed."""
+    for light in range(LIGHTS):
+        for plane in dump.planes(f"light{light}.S") + dump.planes(f"light{light}.E"):
+            plane *= np.float32(factor)
+            plane[np.abs(plane) < TINY] = 0
+
+
+def test_what_float32_has_no_digits_for(dump, tmp_path):
+    """Where a material's largest is 1e-36 or so, a part of its values is no float32: 0 is no error there."""
+    whole = check_json(dump.write(tmp_path / "whole.exr"))
+    dim(dump, 1e-36)
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert report["pass"] and not report["faults"]
+    assert 0.1 * whole["values"] < report["values"] < whole["values"]
+
+
+@pytest.mark.parametrize("low, high, wrong", [(1.5, 3, 0), (1.5, 3, 0.5), (0, 0.5, 2)])
+def test_what_is_wrong_beside_it_is_seen(dump, tmp_path, low, high, wrong):
+    """One value on the wrong side of float32's smallest: `wrong` of it, where between low and high belong."""
+    right = dump["light0.S.R"].astype(float) * 1e-36 / TINY
+    lit = dump["light0.E.R"] > 0.1
+    dim(dump, 1e-36)
+    y, x = np.argwhere((dump["material.ID"] == 4) & (right > low) & (right < high) & lit)[0]
+    dump["light0.S.R"][y, x] = wrong * TINY
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert not report["pass"] and report["largest"] > 0.6
+    (cell,) = [cell for cell in report["cells"] if cell["largest"] > 1e-3]
+    assert cell["material"] == 4 and (cell["worst"]["x"], cell["worst"]["y"]) == (x, y)
+
+
+def test_all_below_float32_is_nothing_to_compare(dump, tmp_path):
+    dim(dump, 1e-36)
+    for light in range(LIGHTS):
+        for plane in dump.planes(f"light{light}.E"):
+            plane *= np.float32(1e-4)
+        for plane in dump.planes(f"light{light}.S"):
+            plane[:] = 0
+    report = check_json(dump.write(tmp_path / "x.exr"))
+    assert not report["pass"] and report["values"] == 0
+
+
 def test_nothing_to_compare(dump, tmp_path):
     for light in range(LIGHTS):
         for plane in dump.planes(f"light{light}.S") + dump.planes(f"light{light}.E"):

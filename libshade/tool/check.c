@@ -17,7 +17,8 @@
 static void usage(FILE *to) {
   fputs("usage: shade check DUMP.exr [options]\n\n"
         "Recomputes what a renderer wrote with LIBSHADE_DUMP=DUMP.exr and compares every\n"
-        "value S above 1e-4 of the largest of its material and light, in either.\n"
+        "value S above 1e-4 of the largest of its material and light, in either, unless both\n"
+        "are below 1.2e-38, where float32 runs out of digits.\n"
         "An error is |S - reference| over the larger of the two. A dump holds float32\n"
         "directions. What their rounding alone may do to a value, at large exponents or at\n"
         "grazing angles, is computed from the reference and taken off errors over the limit.\n"

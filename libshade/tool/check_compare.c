@@ -2,6 +2,7 @@
 /* shade check: the values of a dump beside those of the reference. */
 #include "tool/check.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -161,10 +162,13 @@ static check_tier tier_at(check *c, size_t pixel) {
                                                                              : CHECK_NEAR;
 }
 
-/* Whether a value is compared, and the error of it. */
+/*
+ * Whether a value is compared, and the error of it. Below FLT_MIN float32 steps by 2^-149, or by
+ * FLT_MIN where it is flushed, as in our engine: 0 is as good an answer there as any.
+ */
 static int has_error(const check_cell *in, double s, double reference, double *error) {
   const double larger = fmax(fabs(s), fabs(reference));
-  if (isnan(reference) || !(larger > SIGNIFICANT * in->maximum))
+  if (isnan(reference) || larger < FLT_MIN || !(larger > SIGNIFICANT * in->maximum))
     return 0;
   *error = fabs(s - reference) / larger;
   return 1;
