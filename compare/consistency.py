@@ -43,6 +43,8 @@ DUMP_LIMITS = {
 }
 SHARE = 0.995
 PICTURE_LIMIT = 0.02
+# What a run leaves in its folder: an earlier run's is not judged as this one's.
+JUDGED = ("blender.exr", "blender_dump.exr", "povray.exr", "povray_dump.exr", "povray_centres.exr", "verdict.txt")
 
 
 def arguments(argv=None):
@@ -180,8 +182,8 @@ def main(argv=None):
     if not options.scene.is_file():
         raise report.StepFailed(f"{options.scene}: no such file")
     (folder / "povray").mkdir(parents=True, exist_ok=True)
-    for old in (*folder.glob("*.exr"), folder / "verdict.txt"):
-        old.unlink(missing_ok=True)
+    for old in JUDGED:
+        (folder / old).unlink(missing_ok=True)
     render_povray(options, *render_blender(options))
 
     parts = []

@@ -215,6 +215,15 @@ def test_good_parts_agree(monkeypatch, tmp_path):
     assert judge(monkeypatch, tmp_path, options=["--all"]) == (0, [])
 
 
+def test_files_of_others_stay_and_those_of_an_earlier_run_go(monkeypatch, tmp_path):
+    (tmp_path / "out").mkdir()
+    for name in ("mine.exr", "povray_centres.exr", "povray_dump.exr"):
+        (tmp_path / "out" / name).write_bytes(b"before")
+    assert judge(monkeypatch, tmp_path) == (0, [])
+    assert (tmp_path / "out" / "mine.exr").read_bytes() == b"before"
+    assert not (tmp_path / "out" / "povray_centres.exr").exists()
+
+
 def test_renderers_may_number_materials_otherwise(monkeypatch, tmp_path):
     assert judge(monkeypatch, tmp_path, povray=renumber, options=["--all"]) == (0, [])
 
