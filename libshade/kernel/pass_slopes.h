@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Look-ups of slopes over a block of lanes: the points, probes and weights of shade_slope_lookup,
+ * Look-ups of slopes over a block of lanes: the points, texels and weights of shade_slope_lookup,
  * in single precision. Points near the lane's own place are gathered for 16 lanes at a time; of the
- * pyramid each lane reads whole texels. Single precision only.
+ * pyramid each lane reads whole texels, rows of them. Single precision only.
  */
 #include "../src/slope_map.h"
 
@@ -23,6 +23,10 @@ LEAF int floor_to_int(float x) { /* |x| < 2^31 */
   return i - (x < (float)i);
 }
 
+LEAF float power_of_half(int n) { /* -127 < n < 127 */
+  return from_bitsf((uint32_t)(127 - n) << 23);
+}
+
 LEAF double floor_of(double x) { /* |x| < 2^51 */
   const double magic = 6755399441055744.0, r = (x + magic) - magic;
   return r > x ? r - 1 : r;
@@ -31,10 +35,10 @@ LEAF double floor_of(double x) { /* |x| < 2^51 */
 /* Beside the choices of moment_wrap: no lane reaches an edge. */
 enum { WRAP_NOT = WRAP_MIRROR + 1 };
 
-/* Whether all points within half of a and b about f lie between the middles of the n texels from
- * `base` on, along one axis; of a group. */
+/* Whether all points within half of a and b about f, in texels after `base`, lie between the
+ * middles of n texels, along one axis; of a group. */
 LEAF int is_within(const int *restrict base, const float *restrict f, const float *restrict a,
-                   const float *restrict b, const int *restrict n) {
+                   const float *restrict b, int n) {
   int beyond = 0;
 #pragma omp simd reduction(| : beyond)
   for (int k = 0; k < SLOPE_GROUP; k++) {
@@ -42,7 +46,7 @@ LEAF int is_within(const int *restrict base, const float *restrict f, const floa
     const float reach = 0.505F * (fabsf(a[k]) + fabsf(b[k])) + 0.01F;
     const int low = base[k] + floor_to_int(f[k] - reach);
     const int high = base[k] + floor_to_int(f[k] + reach) + 1;
-    beyond |= (low < 0) | (high >= n[k]);
+    beyond |= (low < 0) | (high >= n);
   }
   return !beyond;
 }
@@ -68,21 +72,12 @@ LEAF int wrap_near(int i, int n, int wrap) {
 typedef struct slope_lanes {
   double u[SLOPE_BLOCK], v[SLOPE_BLOCK]; /* within the first copies */
   float ax[SLOPE_BLOCK], ay[SLOPE_BLOCK], bx[SLOPE_BLOCK], by[SLOPE_BLOCK];
-  float longer[SLOPE_BLOCK], shorter[SLOPE_BLOCK], cs[SLOPE_BLOCK], sn[SLOPE_BLOCK]; /* level 0 */
-  float blend[SLOPE_BLOCK];
-  int n1[SLOPE_BLOCK], n2[SLOPE_BLOCK];
+  /* of the footprint, times twelve, in texels of level 0: covariance, larger eigenvalue, root of
+   * the determinant */
+  float mxx[SLOPE_BLOCK], mxy[SLOPE_BLOCK], myy[SLOPE_BLOCK], longer2[SLOPE_BLOCK];
+  float area[SLOPE_BLOCK], blend[SLOPE_BLOCK];
   float x[SLOPE_BLOCK], y[SLOPE_BLOCK], xx[SLOPE_BLOCK], xy[SLOPE_BLOCK], yy[SLOPE_BLOCK];
 } slope_lanes;
-
-LEAF int footprint_steps(float texels) {
-  const float most = 8;
-  float n = texels - (float)SLOPE_COUNT_SLACK;
-  n = n < most ? n : most;
-  int k = -floor_to_int(-n);
-  k = k < 2 ? 2 : k;
-  k *= 2;
-  return texels > 0 ? k : 1;
-}
 
 /* Places and footprints. What is not finite, or reaches far round the picture, is left out. */
 static void slope_places(const shade_slope_map *m, size_t count, const slope_block *b,
@@ -113,7 +108,6 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
   if (!b->side[0]) {
     for (size_t i = 0; i < count; i++) {
       o->ax[i] = o->ay[i] = o->bx[i] = o->by[i] = o->blend[i] = 0;
-      o->n1[i] = o->n2[i] = 1;
     }
     return;
   }
@@ -140,32 +134,19 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
     single[i] = (unsigned char)(single[i] | far[i]);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const float ax = o->ax[i], ay = o->ay[i], bx = o->bx[i], by = o->by[i];
-    o->n1[i] = footprint_steps(sqrtf(ax * ax + ay * ay));
-    o->n2[i] = footprint_steps(sqrtf(bx * bx + by * by));
-  }
-  /* the ellipse's axes, in texels of level 0 */
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    const float ax = o->ax[i], ay = o->ay[i], bx = o->bx[i], by = o->by[i];
-    const float cx = ax * half_x, cy = ay * half_y, dx = bx * half_x, dy = by * half_y;
+    const float cx = o->ax[i] * half_x, cy = o->ay[i] * half_y;
+    const float dx = o->bx[i] * half_x, dy = o->by[i] * half_y;
     const float xx = cx * cx + dx * dx, xy = cx * cy + dx * dy, yy = cy * cy + dy * dy;
-    const float gap = 0.5F * (xx - yy), root = sqrtf(gap * gap + xy * xy);
-    const float longer = sqrtf(0.5F * (xx + yy) + root), area = fabsf(cx * dy - cy * dx);
-    /* half the angle of (gap, xy), without cancellation */
-    const float part = sqrtf(0.5F * (root + fabsf(gap)) / (root + 1e-30F));
-    const float other = 0.5F * fabsf(xy) / ((root + 1e-30F) * (part + 1e-30F));
-    const float cs = gap > 0 ? part : other, sn = gap > 0 ? other : part;
-    /* no axis to speak of: the first side's direction, as moments.c has it */
-    const int round = root <= 0.5F * (float)MOMENT_ROUND * (xx + yy);
-    const float side = 1 / (sqrtf(cx * cx + cy * cy) + 1e-30F);
-    const float along = (cx + 1e-30F) * side, across = cy * side;
-    const float turned = xy < 0 ? -sn : sn;
-    o->cs[i] = round ? along : cs;
-    o->sn[i] = round ? across : turned;
-    o->longer[i] = longer;
-    o->shorter[i] = area / (longer + 1e-30F);
-    float blend = longer * 0.57735026918962576F - 1;
+    const float gap = 0.5F * (xx - yy), longer2 = 0.5F * (xx + yy) + sqrtf(gap * gap + xy * xy);
+    o->mxx[i] = xx;
+    o->mxy[i] = xy;
+    o->myy[i] = yy;
+    o->longer2[i] = longer2;
+    const float whole = fabsf(cx * dy - cy * dx);
+    o->area[i] = whole;
+    const float thin = sqrtf(longer2) * 0.57735026918962576F - 1;
+    const float round = (sqrtf(whole) - (float)SLOPE_NEAR) * (float)(1 / (SLOPE_FAR - SLOPE_NEAR));
+    float blend = thin > round ? thin : round;
     blend = blend < 0 ? 0 : blend;
     o->blend[i] = blend > 1 ? 1 : blend;
   }
@@ -194,6 +175,7 @@ typedef struct slope_group {
   int base_x[SLOPE_GROUP], base_y[SLOPE_GROUP], n1[SLOPE_GROUP], n2[SLOPE_GROUP];
   float fx[SLOPE_GROUP], fy[SLOPE_GROUP], over1[SLOPE_GROUP], over2[SLOPE_GROUP];
   float apart1[SLOPE_GROUP], apart2[SLOPE_GROUP]; /* as slopes.c has it */
+  float end1[SLOPE_GROUP], end2[SLOPE_GROUP], middle1[SLOPE_GROUP], middle2[SLOPE_GROUP];
   float ax[SLOPE_GROUP], ay[SLOPE_GROUP], bx[SLOPE_GROUP], by[SLOPE_GROUP];
   float cx[SLOPE_GROUP], cy[SLOPE_GROUP];
   float sx[SLOPE_GROUP], sy[SLOPE_GROUP], sxx[SLOPE_GROUP], sxy[SLOPE_GROUP], syy[SLOPE_GROUP];
@@ -206,6 +188,8 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
   const float begins = a == 0 && b == 0 ? 1 : 0;
   const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
   const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
+  const float *restrict part1 = a == 1 ? g->middle1 : g->end1;
+  const float *restrict part2 = b == 1 ? g->middle2 : g->end2;
   const slope_pair *restrict pairs = SLOPE_PAIRS(m->slopes);
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
@@ -231,16 +215,15 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
     const float gx = hx + ty * (lx - hx), gy = hy + ty * (ly - hy);
     /* about the first point: what is subtracted last is small */
     const float cx = g->cx[k] + begins * gx, cy = g->cy[k] + begins * gy;
-    float dx = gx - cx, dy = gy - cy;
-    dx = inside ? dx : 0;
-    dy = inside ? dy : 0;
+    const float dx = gx - cx, dy = gy - cy, weight = part1[k] * part2[k];
+    const float wx = inside ? weight * dx : 0, wy = inside ? weight * dy : 0;
     g->cx[k] = cx;
     g->cy[k] = cy;
-    g->sx[k] += dx;
-    g->sy[k] += dy;
-    g->sxx[k] += dx * dx;
-    g->sxy[k] += dx * dy;
-    g->syy[k] += dy * dy;
+    g->sx[k] += wx;
+    g->sy[k] += wy;
+    g->sxx[k] += wx * dx;
+    g->sxy[k] += wx * dy;
+    g->syy[k] += wy * dy;
   }
 }
 
@@ -254,6 +237,8 @@ static SLOPE_APART void slope_point_within(const shade_slope_map *m, slope_group
   const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
   const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
   const float begins = a == 0 && b == 0 ? 1 : 0;
+  const float *restrict part1 = a == 1 ? g->middle1 : g->end1;
+  const float *restrict part2 = b == 1 ? g->middle2 : g->end2;
   int at[SLOPE_GROUP];
   float along[SLOPE_GROUP], down[SLOPE_GROUP], in[SLOPE_GROUP];
   _Alignas(64) float cell[SLOPE_GROUP][4];
@@ -270,7 +255,8 @@ static SLOPE_APART void slope_point_within(const shade_slope_map *m, slope_group
     at[k] = (g->base_y[k] + iy) * width + g->base_x[k] + ix;
     along[k] = x - (float)ix;
     down[k] = y - (float)iy;
-    in[k] = inside ? 1 : 0;
+    const float weight = part1[k] * part2[k];
+    in[k] = inside ? weight : 0;
   }
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const float *top = m->slopes + 2 * (ptrdiff_t)at[k], *bottom = top + 2 * (ptrdiff_t)width;
@@ -284,14 +270,14 @@ static SLOPE_APART void slope_point_within(const shade_slope_map *m, slope_group
     const float gx = cell[k][0] + along[k] * (cell[k][2] - cell[k][0]);
     const float gy = cell[k][1] + along[k] * (cell[k][3] - cell[k][1]);
     const float cx = g->cx[k] + begins * gx, cy = g->cy[k] + begins * gy;
-    const float dx = in[k] * (gx - cx), dy = in[k] * (gy - cy);
+    const float dx = gx - cx, dy = gy - cy, wx = in[k] * dx, wy = in[k] * dy;
     g->cx[k] = cx;
     g->cy[k] = cy;
-    g->sx[k] += dx;
-    g->sy[k] += dy;
-    g->sxx[k] += dx * dx;
-    g->sxy[k] += dx * dy;
-    g->syy[k] += dy * dy;
+    g->sx[k] += wx;
+    g->sy[k] += wy;
+    g->sxx[k] += wx * dx;
+    g->sxy[k] += wx * dy;
+    g->syy[k] += wy * dy;
   }
 }
 
@@ -307,148 +293,185 @@ static SLOPE_APART void slope_point(const shade_slope_map *m, slope_group *restr
     slope_point_wrapped(m, g, a, b, WRAP_MIRROR);
 }
 
-/* Means and covariances over the points of lanes [first, first + SLOPE_GROUP). */
-static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size_t first) {
+/* Points along a side so many texels long, as slopes.c has them. As masks, or gcc makes branches.
+ */
+LEAF int slope_count(float texels) {
+  const float most = 8, least = 2, counted = texels - (float)SLOPE_COUNT_SLACK;
+  float whole = counted < most ? counted : most;
+  whole = whole > least ? whole : least;
+  const int few = -(counted <= 1), none = -(texels <= 0);
+  const int steps = (-2 * floor_to_int(-whole) & ~few) | (3 & few);
+  return (steps & ~none) | (1 & none);
+}
+
+LEAF float slope_apart(float texels) {
+  float part = 3 - 2 * texels;
+  part = part < -1 ? -1 : part;
+  return (float)SLOPE_GAUSS_SHIFT * (part > 1 ? 1 : part);
+}
+
+/* Where lanes look in the picture. */
+static SLOPE_APART void slope_begin(const shade_slope_map *m, const double *restrict u,
+                                    const double *restrict v, slope_group *restrict g) {
   const int width = m->width, height = m->height;
-  slope_group g;
-  int n1 = 0, n2 = 0;
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    const int needed = o->blend[first + (size_t)k] < 1;
-    n1 = needed && o->n1[first + (size_t)k] > n1 ? o->n1[first + (size_t)k] : n1;
-    n2 = needed && o->n2[first + (size_t)k] > n2 ? o->n2[first + (size_t)k] : n2;
-  }
-  const double *restrict u = o->u + first, *restrict v = o->v + first;
-  const float *restrict ax = o->ax + first, *restrict ay = o->ay + first,
-                        *restrict bx = o->bx + first, *restrict by = o->by + first;
-  const int *restrict m1 = o->n1 + first, *restrict m2 = o->n2 + first;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const double x = u[k] * width - 0.5, y = (1 - v[k]) * height - 0.5;
-    const double whole_x = floor_of(x), whole_y = floor_of(y);
-    g.base_x[k] = (int)whole_x;
-    g.base_y[k] = (int)whole_y;
-    g.fx[k] = (float)(x - whole_x);
-    g.fy[k] = (float)(y - whole_y);
-    g.n1[k] = m1[k];
-    g.n2[k] = m2[k];
-    g.over1[k] = 1 / (float)m1[k];
-    g.over2[k] = 1 / (float)m2[k];
-    const float near1 = 3 - 2 * sqrtf(ax[k] * ax[k] + ay[k] * ay[k]);
-    const float near2 = 3 - 2 * sqrtf(bx[k] * bx[k] + by[k] * by[k]);
-    const float part1 = near1 < -1 ? -1 : near1 > 1 ? 1 : near1;
-    const float part2 = near2 < -1 ? -1 : near2 > 1 ? 1 : near2;
-    g.apart1[k] = m1[k] == 1 ? 0 : (float)SLOPE_GAUSS_SHIFT * part1;
-    g.apart2[k] = m2[k] == 1 ? 0 : (float)SLOPE_GAUSS_SHIFT * part2;
-    g.ax[k] = ax[k];
-    g.ay[k] = ay[k];
-    g.bx[k] = bx[k];
-    g.by[k] = by[k];
-    g.cx[k] = g.cy[k] = g.sx[k] = g.sy[k] = g.sxx[k] = g.sxy[k] = g.syy[k] = 0;
+    const double x = u[k] * width - 0.5, whole = floor_of(x);
+    g->base_x[k] = (int)whole;
+    g->fx[k] = (float)(x - whole);
   }
-  int widths[SLOPE_GROUP], heights[SLOPE_GROUP];
-  for (int k = 0; k < SLOPE_GROUP; k++)
-    widths[k] = width, heights[k] = height;
-  const int within = is_within(g.base_x, g.fx, g.ax, g.bx, widths) &&
-                     is_within(g.base_y, g.fy, g.ay, g.by, heights);
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const double y = (1 - v[k]) * height - 0.5, whole = floor_of(y);
+    g->base_y[k] = (int)whole;
+    g->fy[k] = (float)(y - whole);
+  }
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    g->n1[k] = g->n2[k] = 1;
+    g->over1[k] = g->over2[k] = g->end1[k] = g->end2[k] = g->middle1[k] = g->middle2[k] = 1;
+    g->apart1[k] = g->apart2[k] = g->ax[k] = g->ay[k] = g->bx[k] = g->by[k] = 0;
+    g->cx[k] = g->cy[k] = g->sx[k] = g->sy[k] = g->sxx[k] = g->sxy[k] = g->syy[k] = 0;
+  }
+}
+
+/* The points along one side of each lane, of which `blend` says whether it needs any. The most of
+ * them. */
+static SLOPE_APART int slope_side(const float *restrict x, const float *restrict y,
+                                  const float *restrict blend, int *restrict n,
+                                  float *restrict over, float *restrict apart, float *restrict end,
+                                  float *restrict middle) {
+  int most = 0;
+#pragma omp simd reduction(max : most)
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const float texels = sqrtf(x[k] * x[k] + y[k] * y[k]);
+    const int steps = slope_count(texels), needed = steps & -(blend[k] < 1);
+    const float each = 1 / (float)steps, shift = slope_apart(texels);
+    most = needed > most ? needed : most;
+    n[k] = needed;
+    over[k] = each;
+    apart[k] = steps > 3 ? shift : 0;
+    end[k] = steps == 3 ? 0.375F : each;
+    middle[k] = steps == 3 ? 0.25F : each;
+  }
+  return most;
+}
+
+/* Means and covariances over the points of lanes [first, first + SLOPE_GROUP). */
+static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size_t first,
+                         int sides) {
+  slope_group g;
+  int most[2] = {1, 1};
+  slope_begin(m, o->u + first, o->v + first, &g);
+  if (sides) {
+    const size_t size = sizeof g.ax;
+    memcpy(g.ax, o->ax + first, size);
+    memcpy(g.ay, o->ay + first, size);
+    memcpy(g.bx, o->bx + first, size);
+    memcpy(g.by, o->by + first, size);
+    most[0] = slope_side(g.ax, g.ay, o->blend + first, g.n1, g.over1, g.apart1, g.end1, g.middle1);
+    most[1] = slope_side(g.bx, g.by, o->blend + first, g.n2, g.over2, g.apart2, g.end2, g.middle2);
+  }
+  const int within = is_within(g.base_x, g.fx, g.ax, g.bx, m->width) &&
+                     is_within(g.base_y, g.fy, g.ay, g.by, m->height);
   const int wrap = within ? (int)WRAP_NOT : (int)m->wrap;
-  for (int a = 0; a < n1; a++)
-    for (int b = 0; b < n2; b++)
+  for (int a = 0; a < most[0]; a++)
+    for (int b = 0; b < most[1]; b++)
       slope_point(m, &g, wrap, a, b);
   float *restrict ox = o->x + first, *restrict oy = o->y + first, *restrict oxx = o->xx + first,
                   *restrict oxy = o->xy + first, *restrict oyy = o->yy + first;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float part = g.over1[k] * g.over2[k], dx = g.sx[k] * part, dy = g.sy[k] * part;
+    const float dx = g.sx[k], dy = g.sy[k];
     ox[k] = g.cx[k] + dx;
     oy[k] = g.cy[k] + dy;
-    oxx[k] = g.sxx[k] * part - dx * dx;
-    oxy[k] = g.sxy[k] * part - dx * dy;
-    oyy[k] = g.syy[k] * part - dy * dy;
+    oxx[k] = g.sxx[k] - dx * dx;
+    oxy[k] = g.sxy[k] - dx * dy;
+    oyy[k] = g.syy[k] - dy * dy;
   }
 }
 
-/* Probes along one axis and the part of its length that they take, as moments.c has it. */
-LEAF int slope_probes_along(float length, float texel, float *part) {
-  float ratio = length / texel - (float)SLOPE_COUNT_SLACK;
-  ratio = ratio < 16 ? ratio : 16;
-  int n = -floor_to_int(-ratio);
-  n = n < 1 ? 1 : n;
-  const float rest = 1 - 3 * texel * texel / (length * length + 1e-30F);
-  const float spread = sqrtf((rest > 0 ? rest : 0) / (1 - 1 / ((float)(n * n) + 1e-6F)));
-  *part = n > 1 ? spread : 0;
-  return n;
+/* As moments.c has them. */
+LEAF float slope_covered(float depth) {
+  float s = depth - 1;
+  s = s < -1 ? -1 : s;
+  s = s > 1 ? 1 : s;
+  return 1 + s - 0.5F * fabsf(s) * (1 + s);
 }
 
-/* Probes of a group of lanes on a level each, in its texels. */
-typedef struct slope_level {
-  int n1[SLOPE_GROUP], n2[SLOPE_GROUP];
-  int width[SLOPE_GROUP], height[SLOPE_GROUP];
-  int base_x[SLOPE_GROUP], base_y[SLOPE_GROUP];
-  float over1[SLOPE_GROUP], over2[SLOPE_GROUP];
-  float fx[SLOPE_GROUP], fy[SLOPE_GROUP];
-  float sx[SLOPE_GROUP], sy[SLOPE_GROUP], tx[SLOPE_GROUP], ty[SLOPE_GROUP]; /* whole axes */
-  float weight[SLOPE_GROUP];                                                /* of a probe */
+LEAF float slope_cover(float half, float distance) {
+  return slope_covered(half - distance) + slope_covered(half + distance) - 1;
+}
+
+LEAF float slope_filter_width(float side2) {
+  const float square = side2 > (float)MOMENT_LEAST ? side2 : (float)MOMENT_LEAST;
+  const float side = sqrtf(square), over = 1 / (square * side);
+  return side * (0.54403F + 0.45597F * sqrtf(1 - 5.1961524F * over)) + 0.18635F * side * over;
+}
+
+/* Filters of a group of lanes on a level each, in its texels. */
+typedef struct slope_filter {
   const float *texels[SLOPE_GROUP];
+  int width[SLOPE_GROUP], height[SLOPE_GROUP];
+  int base_x[SLOPE_GROUP], base_y[SLOPE_GROUP]; /* what `fx` and all below are from */
+  float fx[SLOPE_GROUP], fy[SLOPE_GROUP];
+  float half_x[SLOPE_GROUP], half_y[SLOPE_GROUP], shear[SLOPE_GROUP], weight[SLOPE_GROUP];
+  int top[SLOPE_GROUP], rows[SLOPE_GROUP], cols[SLOPE_GROUP]; /* 0: an idle lane */
+  int most_rows, most_cols, least_cols, narrow; /* of those in use; narrow: some less than 3 wide */
   float sum[SLOPE_GROUP][8];
-} slope_level;
+} slope_filter;
 
-/* Texels of a row of probes, as places of floats, and their weights. */
-enum { SLOPE_ROW = 16 };
-typedef struct slope_row {
-  int at[SLOPE_ROW][4][SLOPE_GROUP];
-  float part[SLOPE_ROW][4][SLOPE_GROUP];
-} slope_row;
+/* Texels of some rows of the filters: where each row begins, and weights. No row is longer: 16
+ * times 1.85 texels (MOMENT_LONGEST, MOMENT_ACROSS), twice that of the finer of two levels, and 2.
+ */
+enum { SLOPE_TAPS = 64 };
+typedef struct slope_taps {
+  int left[SLOPE_TAPS][SLOPE_GROUP];
+  float part[SLOPE_TAPS][SLOPE_GROUP];
+} slope_taps;
 
-/* Texels and weights of probe (a, b). */
-LEAF void slope_probe_wrapped(const slope_level *restrict l, slope_row *restrict r, int a, int b,
-                              int wrap) {
-  int(*restrict at)[SLOPE_GROUP] = r->at[b];
-  float(*restrict part)[SLOPE_GROUP] = r->part[b];
+static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps *restrict t,
+                                      int first, int count) {
+  const int cols = f->most_cols;
+  for (int r = 0; r < count; r++) {
+    int(*restrict left) = t->left[r];
+    float(*restrict part)[SLOPE_GROUP] = t->part + r * cols;
+    float begin[SLOPE_GROUP], weight[SLOPE_GROUP];
 #pragma omp simd
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    const int inside = a < l->n1[k] && b < l->n2[k];
-    float s = ((float)a + 0.5F) * l->over1[k] - 0.5F, t = ((float)b + 0.5F) * l->over2[k] - 0.5F;
-    s = inside ? s : 0;
-    t = inside ? t : 0;
-    const float x = l->fx[k] + (s * l->sx[k] + t * l->tx[k]);
-    const float y = l->fy[k] + (s * l->sy[k] + t * l->ty[k]);
-    const int ix = floor_to_int(x), iy = floor_to_int(y);
-    const float tx = x - (float)ix, ty = y - (float)iy;
-    const int width = l->width[k], height = l->height[k];
-    const int left = wrap_near(l->base_x[k] + ix, width, wrap);
-    const int right = wrap_near(l->base_x[k] + ix + 1, width, wrap);
-    const int top = wrap_near(l->base_y[k] + iy, height, wrap) * width;
-    const int bottom = wrap_near(l->base_y[k] + iy + 1, height, wrap) * width;
-    const float weight = l->weight[k], w = inside ? weight : 0;
-    at[0][k] = (top + left) * MOMENTS;
-    at[1][k] = (top + right) * MOMENTS;
-    at[2][k] = (bottom + left) * MOMENTS;
-    at[3][k] = (bottom + right) * MOMENTS;
-    part[0][k] = w * (1 - tx) * (1 - ty);
-    part[1][k] = w * tx * (1 - ty);
-    part[2][k] = w * (1 - tx) * ty;
-    part[3][k] = w * tx * ty;
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const float down = (float)(f->top[k] + first + r) - f->fy[k];
+      const float at = f->fx[k] + f->shear[k] * down;
+      left[k] = -floor_to_int(f->half_x[k] - at);
+      begin[k] = (float)left[k] - at;
+      weight[k] = f->weight[k] * slope_cover(f->half_y[k], down);
+    }
+    /* three texels wide and more, no texel is near both edges */
+    for (int c = 0; c < cols; c++) {
+      const int near_left = f->narrow || c < 2;
+      const int near_right = f->narrow || c >= f->least_cols - 3;
+      if (near_left && near_right) {
+#pragma omp simd
+        for (int k = 0; k < SLOPE_GROUP; k++)
+          part[c][k] = weight[k] * slope_cover(f->half_x[k], begin[k] + (float)c);
+      } else if (near_left || near_right) {
+        const float sign = near_left ? 1 : -1;
+#pragma omp simd
+        for (int k = 0; k < SLOPE_GROUP; k++)
+          part[c][k] = weight[k] * slope_covered(f->half_x[k] + sign * (begin[k] + (float)c));
+      } else {
+        memcpy(part[c], weight, sizeof weight);
+      }
+    }
   }
-}
-
-static SLOPE_APART void slope_probe(const slope_level *restrict l, slope_row *restrict r, int wrap,
-                                    int a, int b) {
-  if (wrap == WRAP_NOT)
-    slope_probe_wrapped(l, r, a, b, WRAP_NOT);
-  else if (wrap == WRAP_REPEAT)
-    slope_probe_wrapped(l, r, a, b, WRAP_REPEAT);
-  else if (wrap == WRAP_CLAMP)
-    slope_probe_wrapped(l, r, a, b, WRAP_CLAMP);
-  else
-    slope_probe_wrapped(l, r, a, b, WRAP_MIRROR);
 }
 
 /* Eight floats at any address, of which the last two are the next texel's: as one value, since gcc
- * unrolls a loop over probes into gathers of them. */
+ * unrolls a loop over texels into gathers of them. */
 #if defined(__GNUC__)
 typedef float __attribute__((vector_size(32), aligned(4), may_alias)) slope_eight;
 #define SLOPE_EIGHT(from) (*(const slope_eight *)(const void *)(from))
 #define SLOPE_ADD(sum, w, from) (sum) += (w)*SLOPE_EIGHT(from)
+#define SLOPE_PUT(to, a, b) (*(slope_eight *)(void *)(to) = (a) + (b))
 #else
 typedef struct slope_eight {
   float c[8];
@@ -457,116 +480,256 @@ typedef struct slope_eight {
 #define SLOPE_ADD(sum, w, from)                                                                    \
   for (int c = 0; c < 8; c++)                                                                      \
   (sum).c[c] += (w) * (from)[c]
+#define SLOPE_PUT(to, a, b)                                                                        \
+  for (int c = 0; c < 8; c++)                                                                      \
+  (to)[c] = (a).c[c] + (b).c[c]
 #endif
 
-/* Add what a row of probes holds. A lane's sums stay in registers; two, or each texel would wait
- * for the one before. */
-static SLOPE_APART void slope_texels(slope_level *restrict l, const slope_row *restrict r,
-                                     int probes) {
+/* Add rows of a lane's texels that lie side by side. Two sums, or each texel would wait for the one
+ * before. */
+LEAF void slope_read(slope_filter *restrict f, const slope_taps *restrict t, int k, int first,
+                     int rows, int cols, int stride) {
   static const float none[8];
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float *texels = l->texels[k];
-    float below[8];
-    slope_eight sum = SLOPE_EIGHT(l->sum[k]), other = SLOPE_EIGHT(none);
-    for (int b = 0; b < probes; b++) {
-      SLOPE_ADD(sum, r->part[b][0][k], texels + r->at[b][0][k]);
-      SLOPE_ADD(other, r->part[b][2][k], texels + r->at[b][2][k]);
-      SLOPE_ADD(sum, r->part[b][1][k], texels + r->at[b][1][k]);
-      SLOPE_ADD(other, r->part[b][3][k], texels + r->at[b][3][k]);
+  const ptrdiff_t width = f->width[k];
+  const float *row =
+      f->texels[k] + ((f->base_y[k] + f->top[k] + first) * width + f->base_x[k]) * MOMENTS;
+  const float *part = &t->part[0][k];
+  slope_eight sum = SLOPE_EIGHT(f->sum[k]), other = SLOPE_EIGHT(none);
+  for (int r = 0; r < rows; r++) {
+    const float *texel = row + t->left[r][k] * MOMENTS;
+    for (int c = 0; c < cols; c++) {
+      if (c % 2)
+        SLOPE_ADD(other, part[c * SLOPE_GROUP], texel + c * MOMENTS);
+      else
+        SLOPE_ADD(sum, part[c * SLOPE_GROUP], texel + c * MOMENTS);
     }
-    memcpy(below, &other, sizeof below);
-    SLOPE_ADD(sum, 1.0F, below);
-    memcpy(l->sum[k], &sum, sizeof l->sum[k]);
+    row += width * MOMENTS;
+    part += stride * SLOPE_GROUP;
+  }
+  SLOPE_PUT(f->sum[k], sum, other);
+}
+
+/* The same where they reach an edge. */
+static SLOPE_APART void slope_read_wrapped(slope_filter *restrict f, const slope_taps *restrict t,
+                                           int k, int first, int rows, int cols, moment_wrap wrap) {
+  for (int r = 0; r < rows; r++) {
+    const int y = wrap_index(f->base_y[k] + f->top[k] + first + r, f->height[k], wrap);
+    const float *row = f->texels[k] + (ptrdiff_t)y * f->width[k] * MOMENTS;
+    for (int c = 0; c < cols; c++) {
+      const int x = wrap_index(f->base_x[k] + t->left[r][k] + c, f->width[k], wrap);
+      const float part = t->part[r * f->most_cols + c][k];
+      for (int i = 0; i < MOMENTS; i++)
+        f->sum[k][i] += part * row[x * MOMENTS + i];
+    }
   }
 }
 
-/* What lanes [first, first + SLOPE_GROUP) find in the pyramid, blended with the points. */
-static void slope_probes(const shade_slope_map *m, slope_lanes *restrict o, size_t first) {
-  const moment_pyramid *p = &m->pyramid;
-  const float *restrict longer = o->longer + first, *restrict shorter = o->shorter + first;
-  const float *restrict blend = o->blend + first, *restrict cs = o->cs + first,
-                        *restrict sn = o->sn + first;
-  const double *restrict u = o->u + first, *restrict v = o->v + first;
-  int level[SLOPE_GROUP], most1 = 0, most2 = 0;
-  float part1[SLOPE_GROUP], part2[SLOPE_GROUP], next[SLOPE_GROUP];
-  slope_level l;
-  slope_row row;
-  const int last = p->levels - 1;
+/* Whether a group's filters lie within their levels. */
+static SLOPE_APART void slope_inside(const slope_filter *restrict f, int *restrict inside) {
+  const int rows = f->most_rows, cols = f->most_cols;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    float texel = shorter[k] * (1 / 3.0F), part = longer[k] * 0.0625F;
-    texel = texel > part ? texel : part;
-    texel = texel > 1 ? texel : 1;
-    int which = (int)(to_bitsf(texel) >> 23) - 127;
-    const int beyond = which >= last;
-    which = beyond ? last : which;
-    const float side = from_bitsf((uint32_t)(which + 127) << 23);
-    texel = beyond ? side : texel;
-    next[k] = beyond ? 0 : (texel * texel / (side * side) - 1) * (1 / 3.0F);
-    level[k] = which;
-    const int n1 = slope_probes_along(longer[k], texel, &part1[k]);
-    l.n1[k] = blend[k] > 0 ? n1 : 0;
-    l.n2[k] = slope_probes_along(shorter[k], texel, &part2[k]);
-    l.over1[k] = 1 / (float)n1;
-    l.over2[k] = 1 / (float)l.n2[k];
+    const int top = f->base_y[k] + f->top[k];
+    const float begin = f->shear[k] * ((float)f->top[k] - f->fy[k]);
+    const float end = begin + f->shear[k] * (float)(rows - 1);
+    const float low = (begin < end ? begin : end) - f->half_x[k] + f->fx[k] - 0.01F;
+    const float high = (begin < end ? end : begin) - f->half_x[k] + f->fx[k] + 0.01F;
+    const int left = f->base_x[k] + floor_to_int(low);
+    const int right = f->width[k] - (f->base_x[k] + floor_to_int(high) + 1 + cols);
+    inside[k] = (top | (f->height[k] - top - rows) | left | right) >= 0;
   }
+}
+
+/* Rows [first, first + rows) of all. Lanes that are alike read as many texels, with weights of 0: a
+ * branch would be mistaken as often as not. */
+static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps *restrict t,
+                                     const int *restrict inside, int first, int rows,
+                                     moment_wrap wrap) {
+  const int stride = f->most_cols, alike = stride - f->least_cols < 2;
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    most1 = l.n1[k] > most1 ? l.n1[k] : most1;
-    most2 = l.n1[k] && l.n2[k] > most2 ? l.n2[k] : most2;
-  }
-  memset(l.sum, 0, sizeof l.sum);
-  const float w0 = 1 / (float)p->level[0].width, h0 = 1 / (float)p->level[0].height;
-  for (int coarse = 0; coarse < 2; coarse++) {
-    int used = 0;
-    for (int k = 0; k < SLOPE_GROUP; k++) {
-      const moment_level *from = &p->level[level[k] + (level[k] < last ? coarse : 0)];
-      l.texels[k] = from->texels;
-      l.width[k] = from->width;
-      l.height[k] = from->height;
-      used |= l.n1[k] && (!coarse || next[k] > 0);
-    }
-    if (!used)
+    if (f->rows[k] <= first)
       continue;
-#pragma omp simd
-    for (int k = 0; k < SLOPE_GROUP; k++) {
-      const double x = u[k] * l.width[k] - 0.5, y = (1 - v[k]) * l.height[k] - 0.5;
-      const double whole_x = floor_of(x), whole_y = floor_of(y);
-      l.base_x[k] = (int)whole_x;
-      l.base_y[k] = (int)whole_y;
-      l.fx[k] = (float)(x - whole_x);
-      l.fy[k] = (float)(y - whole_y);
-      const float gx = (float)l.width[k] * w0, gy = (float)l.height[k] * h0;
-      const float s = part1[k] * longer[k], t = part2[k] * shorter[k];
-      l.sx[k] = s * cs[k] * gx;
-      l.sy[k] = s * sn[k] * gy;
-      l.tx[k] = -t * sn[k] * gx;
-      l.ty[k] = t * cs[k] * gy;
-      l.weight[k] = (coarse ? next[k] : 1 - next[k]) * l.over1[k] * l.over2[k];
-    }
-    const int within = is_within(l.base_x, l.fx, l.sx, l.tx, l.width) &&
-                       is_within(l.base_y, l.fy, l.sy, l.ty, l.height);
-    const int wrap = within ? (int)WRAP_NOT : (int)p->wrap;
-    for (int a = 0; a < most1; a++) {
-      for (int b = 0; b < most2; b++)
-        slope_probe(&l, &row, wrap, a, b);
-      slope_texels(&l, &row, most2);
-    }
+    const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
+    const int cols = alike ? stride : f->cols[k];
+    if (!inside[k])
+      slope_read_wrapped(f, t, k, first, own, f->cols[k], wrap);
+    else if (!alike || rows - own > 1)
+      slope_read(f, t, k, first, own, cols, stride);
+    else if (cols == 3)
+      slope_read(f, t, k, first, rows, 3, 3);
+    else if (cols == 4)
+      slope_read(f, t, k, first, rows, 4, 4);
+    else if (cols == 5)
+      slope_read(f, t, k, first, rows, 5, 5);
+    else if (cols == 6)
+      slope_read(f, t, k, first, rows, 6, 6);
+    else
+      slope_read(f, t, k, first, rows, cols, stride);
   }
+}
+
+/* Levels that a group of lanes reads, and how footprints grow to what the finest can tell. */
+typedef struct slope_choice {
+  int level[SLOPE_GROUP], coarse[SLOPE_GROUP]; /* coarse: 1 where the next level is mixed in */
+  float next[SLOPE_GROUP];                     /* how much of it */
+  float mxx[SLOPE_GROUP], mxy[SLOPE_GROUP], myy[SLOPE_GROUP], area2[SLOPE_GROUP];
+} slope_choice;
+
+static SLOPE_APART void slope_choose(const slope_lanes *restrict o, size_t first, int last,
+                                     slope_choice *restrict c) {
+  const float *restrict longer2 = o->longer2 + first, *restrict area = o->area + first;
+  const float *restrict mxx = o->mxx + first, *restrict mxy = o->mxy + first,
+                        *restrict myy = o->myy + first;
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const float longer = longer2[k] + 1e-30F, own = area[k] * area[k] / longer;
+    const float part = longer * (float)MOMENT_LONGEST, thin = own > part ? own : part;
+    const float across = thin * (float)MOMENT_ACROSS;
+    const float along = sqrtf(longer * thin) * (float)MOMENT_SQUARE;
+    const float small = across < along ? across : along, side2 = small > 1 ? small : 1;
+    const int own_level = ((int)(to_bitsf(side2) >> 23) - 127) >> 1;
+    const float beyond = (sqrtf(side2) * power_of_half(own_level) - (float)MOMENT_NEXT) *
+                         (float)(1 / (2 - MOMENT_NEXT));
+    const float above = own_level < last ? beyond : 0;
+    const float least = (float)MOMENT_LEAST, shorter = thin > least ? thin : least;
+    const float gap = longer - own, full = (shorter - own) / (gap > 1e-30F ? gap : 1e-30F);
+    const float grow = full < 1 ? full : 1;
+    c->level[k] = own_level < last ? own_level : last;
+    c->coarse[k] = above > 0 ? 1 : 0;
+    c->next[k] = above > 0 ? above : 0;
+    c->mxx[k] = mxx[k] + grow * (longer - mxx[k]);
+    c->myy[k] = myy[k] + grow * (longer - myy[k]);
+    c->mxy[k] = mxy[k] - grow * mxy[k];
+    c->area2[k] = longer * shorter;
+  }
+}
+
+/* Where lanes look on their levels. */
+static SLOPE_APART void slope_locate(const double *restrict u, const double *restrict v,
+                                     slope_filter *restrict f) {
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const double x = u[k] * f->width[k] - 0.5, whole = floor_of(x);
+    f->base_x[k] = (int)whole;
+    f->fx[k] = (float)(x - whole);
+  }
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const double y = (1 - v[k]) * f->height[k] - 0.5, whole = floor_of(y);
+    f->base_y[k] = (int)whole;
+    f->fy[k] = (float)(y - whole);
+  }
+}
+
+/* Filters on levels of which level 0 is w0, h0 times as large. `used`: -1 for lanes that are. */
+static SLOPE_APART void slope_shape(const slope_choice *restrict c, int coarse,
+                                    const int *restrict used, float w0, float h0,
+                                    slope_filter *restrict f) {
+  const float fine = coarse ? 0 : 1, sign = coarse ? 1 : -1;
+  int most_rows = 0, most_cols = 0, least_cols = 99, narrow = 0;
+#pragma omp simd reduction(max                                                                     \
+                           : most_rows, most_cols) reduction(min                                   \
+                                                             : least_cols) reduction(|             \
+                                                                                     : narrow)
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const float halved = power_of_half(c->level[k] + (coarse & c->coarse[k]));
+    const float of_x = (float)f->width[k] * w0, of_y = (float)f->height[k] * h0;
+    const float gx = of_x < halved ? of_x : halved, gy = of_y < halved ? of_y : halved;
+    const float xx = gx * gx * c->mxx[k], xy = gx * gy * c->mxy[k], yy = gy * gy * c->myy[k];
+    const float least = (float)MOMENT_LEAST, spread = (yy > least ? yy : least) - 1;
+    const float area2 = gx * gx * gy * gy * c->area2[k], inverse = 1 / spread;
+    const float high = slope_filter_width(spread + 1);
+    const float wide = slope_filter_width((area2 - xx) * inverse);
+    const float half_x = 0.5F * (wide + 1), half_y = 0.5F * (high + 1);
+    f->shear[k] = xy * inverse;
+    f->half_x[k] = half_x;
+    f->half_y[k] = half_y;
+    f->weight[k] = (fine + sign * c->next[k]) / (wide * high);
+    const int top = -floor_to_int(half_y - f->fy[k]);
+    const int rows = (floor_to_int(f->fy[k] + half_y) + 1 - top) & used[k];
+    const int cols = (int)(wide + 2) & used[k];
+    f->top[k] = top;
+    f->rows[k] = rows;
+    f->cols[k] = cols;
+    const int seen = cols | (99 & ~used[k]);
+    least_cols = seen < least_cols ? seen : least_cols;
+    narrow |= (wide < 3) & used[k];
+    most_rows = rows > most_rows ? rows : most_rows;
+    most_cols = cols > most_cols ? cols : most_cols;
+  }
+  f->most_rows = most_rows;
+  f->most_cols = most_cols;
+  f->least_cols = least_cols;
+  f->narrow = narrow;
+}
+
+/* Blend what the points of lanes found with what their filters did. */
+static SLOPE_APART void slope_blend(slope_lanes *restrict o, size_t first,
+                                    const slope_filter *restrict f) {
+  const float *restrict blend = o->blend + first;
   float *restrict x = o->x + first, *restrict y = o->y + first, *restrict xx = o->xx + first,
                   *restrict xy = o->xy + first, *restrict yy = o->yy + first;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float mx = l.sum[k][MOMENT_X], my = l.sum[k][MOMENT_Y];
+    const float mx = f->sum[k][MOMENT_X], my = f->sum[k][MOMENT_Y];
     const float b = blend[k], dx = mx - x[k], dy = my - y[k], mixed = b * (1 - b);
     const int far = b >= 1;
-    const float cxx = l.sum[k][MOMENT_XX] - mx * mx, cxy = l.sum[k][MOMENT_XY] - mx * my,
-                cyy = l.sum[k][MOMENT_YY] - my * my;
+    const float cxx = f->sum[k][MOMENT_XX] - mx * mx, cxy = f->sum[k][MOMENT_XY] - mx * my,
+                cyy = f->sum[k][MOMENT_YY] - my * my;
     xx[k] = far ? cxx : xx[k] + b * (cxx - xx[k]) + mixed * dx * dx;
     xy[k] = far ? cxy : xy[k] + b * (cxy - xy[k]) + mixed * dx * dy;
     yy[k] = far ? cyy : yy[k] + b * (cyy - yy[k]) + mixed * dy * dy;
     x[k] = far ? mx : x[k] + b * dx;
     y[k] = far ? my : y[k] + b * dy;
   }
+}
+
+/* What lanes [first, first + SLOPE_GROUP) find in the pyramid, blended with the points. */
+static void slope_levels(const shade_slope_map *m, slope_lanes *restrict o, size_t first) {
+  const moment_pyramid *p = &m->pyramid;
+  const float w0 = 1 / (float)p->level[0].width, h0 = 1 / (float)p->level[0].height;
+  const float *restrict blend = o->blend + first;
+  int level[SLOPE_GROUP], used[SLOPE_GROUP], inside[SLOPE_GROUP], mixed = 0;
+  slope_choice c;
+  slope_filter f;
+  slope_taps taps;
+  static const float none[8];
+  const slope_eight nothing = SLOPE_EIGHT(none);
+  slope_choose(o, first, p->levels - 1, &c);
+  for (int k = 0; k < SLOPE_GROUP; k++)
+    SLOPE_PUT(f.sum[k], nothing, nothing);
+  for (int k = 0; k < SLOPE_GROUP; k++)
+    mixed |= c.coarse[k];
+  for (int coarse = 0; coarse <= mixed; coarse++) {
+    int unlike = 0;
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      level[k] = c.level[k] + (coarse & c.coarse[k]);
+      used[k] = -((blend[k] > 0) & (c.coarse[k] | (1 - coarse)));
+    }
+    for (int k = 0; k < SLOPE_GROUP; k++)
+      unlike |= level[k] ^ level[0];
+    const moment_level common = p->level[level[0]];
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      f.texels[k] = common.texels;
+      f.width[k] = common.width;
+      f.height[k] = common.height;
+    }
+    for (int k = 0; k < SLOPE_GROUP && unlike; k++) {
+      f.texels[k] = p->level[level[k]].texels;
+      f.width[k] = p->level[level[k]].width;
+      f.height[k] = p->level[level[k]].height;
+    }
+    slope_locate(o->u + first, o->v + first, &f);
+    slope_shape(&c, coarse, used, w0, h0, &f);
+    slope_inside(&f, inside);
+    const int chunk = f.most_cols < SLOPE_TAPS ? SLOPE_TAPS / (f.most_cols + !f.most_cols) : 1;
+    for (int row = 0; row < f.most_rows; row += chunk) {
+      const int rows = f.most_rows - row < chunk ? f.most_rows - row : chunk;
+      slope_weights(&f, &taps, row, rows);
+      slope_texels(&f, &taps, inside, row, rows, p->wrap);
+    }
+  }
+  slope_blend(o, first, &f);
 }
 
 /* `count`: SLOPE_BLOCK at most. */
@@ -577,9 +740,8 @@ static void kernel_slopes(const shade_slope_map *m, size_t count, const slope_bl
   for (size_t i = count; i < whole; i++) { /* idle lanes look where the last one does */
     o.u[i] = o.u[count - 1];
     o.v[i] = o.v[count - 1];
-    o.ax[i] = o.ay[i] = o.bx[i] = o.by[i] = o.blend[i] = o.longer[i] = o.shorter[i] = 0;
-    o.cs[i] = o.sn[i] = 0;
-    o.n1[i] = o.n2[i] = 1;
+    o.ax[i] = o.ay[i] = o.bx[i] = o.by[i] = o.blend[i] = o.area[i] = 0;
+    o.mxx[i] = o.mxy[i] = o.myy[i] = o.longer2[i] = 0;
   }
   for (size_t first = 0; first < whole; first += SLOPE_GROUP) {
     int near = 0, far = 0;
@@ -588,9 +750,9 @@ static void kernel_slopes(const shade_slope_map *m, size_t count, const slope_bl
       far |= o.blend[i] > 0;
     }
     if (near)
-      slope_points(m, &o, first);
+      slope_points(m, &o, first, b->side[0] != NULL);
     if (far)
-      slope_probes(m, &o, first);
+      slope_levels(m, &o, first);
   }
   float *restrict nx = b->nx, *restrict ny = b->ny, *restrict nz = b->nz;
 #pragma omp simd

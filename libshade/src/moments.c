@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "src/moments.h"
-#include "src/slope_map.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,15 +113,11 @@ void moments_free(moment_pyramid *p) {
 
 /* ---- looking up -------------------------------------------------------------------- */
 
-/* Eigenvalues (larger first) of {xx, xy, yy}, and the unit vector of the larger. */
-static void principal(const double m[3], double value[2], double axis[2]) {
-  const double mean = (m[0] + m[2]) / 2, half_gap = (m[0] - m[2]) / 2;
-  const double root = hypot(half_gap, m[1]);
+/* Eigenvalues, larger first, of {xx, xy, yy}. */
+static void principal(const double m[3], double value[2]) {
+  const double mean = (m[0] + m[2]) / 2, root = hypot((m[0] - m[2]) / 2, m[1]);
   value[0] = mean + root;
   value[1] = fmax(mean - root, 0);
-  const double angle = root > 0 ? 0.5 * atan2(m[1], half_gap) : 0;
-  axis[0] = cos(angle);
-  axis[1] = sin(angle);
 }
 
 /* a a' + b b' of the sides, in texels of level 0: 12 times the parallelogram's covariance. */
@@ -136,9 +131,9 @@ static void spread(const moment_pyramid *p, const double footprint[4], double m[
 }
 
 double moments_extent(const moment_pyramid *p, const double footprint[4]) {
-  double m[3], value[2], axis[2];
+  double m[3], value[2];
   spread(p, footprint, m);
-  principal(m, value, axis);
+  principal(m, value);
   return sqrt(value[0]);
 }
 
@@ -148,67 +143,84 @@ double moments_blend(double extent) {
   return fmin(fmax(extent / from - 1, 0), 1);
 }
 
-static void bilinear(const moment_level *l, moment_wrap wrap, double u, double v, double weight,
-                     double out[MOMENTS]) {
-  const double x = u * l->width - 0.5, y = (1 - v) * l->height - 0.5;
-  const double fx = floor(x), fy = floor(y), tx = x - fx, ty = y - fy;
-  const int i[2] = {wrap_index((int)fx, l->width, wrap), wrap_index((int)fx + 1, l->width, wrap)};
-  const int j[2] = {wrap_index((int)fy, l->height, wrap), wrap_index((int)fy + 1, l->height, wrap)};
-  const double wx[2] = {1 - tx, tx}, wy[2] = {1 - ty, ty};
-  for (int k = 0; k < 4; k++) {
-    const float *texel =
-        l->texels + ((size_t)j[k / 2] * (size_t)l->width + (size_t)i[k % 2]) * MOMENTS;
-    const double w = weight * wx[k % 2] * wy[k / 2];
-    for (int c = 0; c < MOMENTS; c++)
-      out[c] += w * (double)texel[c];
-  }
+/* Sums of weights from a filter's edge inwards, `depth` texels in: of a texel that lies astride the
+ * edge some goes to the next one, so that what is linear stays so. */
+static double covered(double depth) {
+  const double s = fmin(fmax(depth - 1, -1), 1);
+  return 1 + s - 0.5 * fabs(s) * (1 + s);
 }
 
-/* Probes along one axis and the part of its length that they take, so that probes, texels
- * and interpolation together have the footprint's second moment. */
-static int probes(double length, double texel, double *part) {
-  const double most = 16;
-  const int n = (int)fmin(fmax(ceil(length / texel - SLOPE_COUNT_SLACK), 1), most);
-  const double rest = 1 - 3 * texel * texel / fmax(length * length, 1e-30);
-  *part = n > 1 ? sqrt(fmax(rest, 0) / (1 - 1.0 / (n * n))) : 0;
-  return n;
+/* What a filter of `width` texels takes of one whose middle is `distance` from its own. */
+static double cover(double width, double distance) {
+  const double half = (width + 1) / 2;
+  return covered(half - distance) + covered(half + distance) - 1;
+}
+
+/*
+ * Width of the filter that spreads, with the texels' boxes, as a footprint whose side is the root
+ * of side2: width^2 + 2/width is side2. Within 5e-4 of it from MOMENT_LEAST on, where this is cut.
+ */
+static double filter_width(double side2) {
+  const double square = fmax(side2, MOMENT_LEAST), side = sqrt(square);
+  return side * (0.54403 + 0.45597 * sqrt(1 - 5.1961524 / (square * side))) + 0.18635 / square;
+}
+
+/*
+ * Add what a footprint finds on a level. `m`: twelve times its covariance in the level's texels, y
+ * downwards, and `area` the root of that matrix's determinant. The filter is a parallelogram with
+ * two sides along the rows, so that each texel is read once. A texel's own box, of which twelve
+ * times the variance is 1, is not sheared.
+ */
+static void add_level(const moment_level *l, moment_wrap wrap, double u, double v,
+                      const double m[3], double area, double weight, double out[MOMENTS]) {
+  const double x = u * l->width - 0.5, y = (1 - v) * l->height - 0.5;
+  const double rows = fmax(m[2], MOMENT_LEAST) - 1, shear = m[1] / rows;
+  const double high = filter_width(rows + 1), reach_y = (high + 1) / 2;
+  const double wide = filter_width((area * area - m[0]) / rows), reach_x = (wide + 1) / 2;
+  const int bottom = (int)floor(y + reach_y);
+  for (int j = (int)ceil(y - reach_y); j <= bottom; j++) {
+    const double w = weight * cover(high, j - y) / (wide * high), at = x + shear * (j - y);
+    const size_t row = (size_t)wrap_index(j, l->height, wrap) * (size_t)l->width;
+    const int right = (int)floor(at + reach_x);
+    for (int i = (int)ceil(at - reach_x); i <= right; i++) {
+      const float *texel = l->texels + (row + (size_t)wrap_index(i, l->width, wrap)) * MOMENTS;
+      const double part = w * cover(wide, i - at);
+      for (int c = 0; c < MOMENTS; c++)
+        out[c] += part * (double)texel[c];
+    }
+  }
 }
 
 void moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
                     double out[MOMENTS]) {
   const double w = p->level[0].width, h = p->level[0].height;
-  double m[3], value[2], axis[2];
+  double m[3], value[2];
   spread(p, footprint, m);
-  principal(m, value, axis);
-  const double ax = footprint[0] * w, ay = footprint[1] * h, side = hypot(ax, ay);
-  if (side > 0 && value[0] - value[1] <= MOMENT_ROUND * (value[0] + value[1])) {
-    axis[0] = ax / side;
-    axis[1] = ay / side;
-  }
-  const double longer = sqrt(value[0]), shorter = sqrt(value[1]);
-  /* texels of a third of the shorter side, and no more than 16 of them along the longer */
-  double texel = fmax(fmax(shorter / 3, longer / 16), 1);
-  int level = (int)floor(log2(texel));
-  double next = 0; /* weight of the next level: mixes squares of texel sides to texel^2 */
-  if (level >= p->levels - 1) {
-    level = p->levels - 1;
-    texel = ldexp(1, level);
-  } else {
-    next = (texel * texel / ldexp(1, 2 * level) - 1) / 3;
-  }
-  double part1, part2;
-  const int n1 = probes(longer, texel, &part1), n2 = probes(shorter, texel, &part2);
+  principal(m, value);
+  /* squared: the shorter axis, and texels' sides that are small enough for it */
+  const double thin = fmax(value[1], value[0] * MOMENT_LONGEST);
+  const double side2 = fmax(fmin(thin * MOMENT_ACROSS, sqrt(value[0] * thin) * MOMENT_SQUARE), 1);
+  const int level = (int)floor(0.5 * log2(side2));
   memset(out, 0, MOMENTS * sizeof *out);
-  for (int a = 0; a < n1; a++)
-    for (int b = 0; b < n2; b++) {
-      const double s = part1 * longer * ((a + 0.5) / n1 - 0.5);
-      const double t = part2 * shorter * ((b + 0.5) / n2 - 0.5);
-      const double pu = u + (s * axis[0] - t * axis[1]) / w;
-      const double pv = v + (s * axis[1] + t * axis[0]) / h;
-      bilinear(&p->level[level], p->wrap, pu, pv, (1 - next) / (n1 * n2), out);
-      if (next > 0)
-        bilinear(&p->level[level + 1], p->wrap, pu, pv, next / (n1 * n2), out);
-    }
+  if (level >= p->levels - 1) {
+    for (int c = 0; c < MOMENTS; c++)
+      out[c] = (double)p->level[p->levels - 1].texels[c];
+    return;
+  }
+  const double next = fmax((sqrt(side2) / ldexp(1, level) - MOMENT_NEXT) / (2 - MOMENT_NEXT), 0);
+  /* the shorter axis grown to what texels of level 0 can tell: to where the longer is, at most */
+  const double shorter = fmax(thin, MOMENT_LEAST);
+  const double grow = fmin((shorter - value[1]) / fmax(value[0] - value[1], 1e-30), 1);
+  for (int k = level; k < level + 1 + (next > 0); k++) {
+    /* a side of one texel is halved no more, but is the same all along: as if it were */
+    const double gx = fmin(p->level[k].width / w, ldexp(1, -k));
+    const double gy = fmin(p->level[k].height / h, ldexp(1, -k));
+    const double scaled[3] = {gx * gx * (m[0] + grow * (value[0] - m[0])),
+                              -gx * gy * (1 - grow) * m[1],
+                              gy * gy * (m[2] + grow * (value[0] - m[2]))};
+    add_level(&p->level[k], p->wrap, u, v, scaled, gx * gy * sqrt(value[0] * shorter),
+              k > level ? next : 1 - next, out);
+  }
 }
 
 /* ---- moments to slopes --------------------------------------------------------------- */

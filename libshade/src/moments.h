@@ -16,10 +16,16 @@
 
 enum { MOMENTS = 6, MOMENT_LEVELS = 17 };
 /*
- * A footprint whose axes differ by less than this (of its squared sides) has none to speak of:
- * roundings would choose them. Its first side stands for the longer axis.
+ * How large the texels are that a lookup reads. Squares of their side: over that of the footprint's
+ * shorter axis (1.85 texels across it at least), over the product of both axes (2.5 texels along
+ * either of a round one); over that of the longer axis, the least that counts as the shorter one.
+ * From MOMENT_NEXT of what the next level would be read with to all of it, that level is mixed in.
  */
-#define MOMENT_ROUND 1e-4
+#define MOMENT_ACROSS (1 / (1.85 * 1.85))
+#define MOMENT_SQUARE (1 / (2.5 * 2.5))
+#define MOMENT_LONGEST (1 / (16.0 * 16.0))
+#define MOMENT_NEXT 1.875
+#define MOMENT_LEAST 3.1 /* square of the narrowest filter, in texels of a level */
 enum { MOMENT_H, MOMENT_X, MOMENT_Y, MOMENT_XX, MOMENT_XY, MOMENT_YY };
 
 /* Index of texel i of n where i may lie outside. */

@@ -33,10 +33,14 @@ typedef struct widen_block {
 } widen_block;
 
 /*
- * Counts of probes and points are rounded up, and where a footprint is a whole number of them
+ * Counts of points are rounded up, and where a footprint is a whole number of them
  * single and double precision must come to the same one.
  */
 #define SLOPE_COUNT_SLACK 1e-4
+/* Root of a footprint's area in texels of level 0, of which each is two of the picture's: up to the
+ * one it is sampled, from the other on the pyramid answers. */
+#define SLOPE_NEAR 1.51
+#define SLOPE_FAR 1.99
 /* How far Gauss's two points are from the middles of an interval's halves, in halves: 1/sqrt 3 -
  * 1/2. */
 #define SLOPE_GAUSS_SHIFT 0.07735026918962576

@@ -180,57 +180,80 @@ static void add_point(const shade_slope_map *m, double u, double v, double weigh
   moments_add(moments, weight, 0, s[0], s[1]);
 }
 
-/* Two points a texel, but few enough and at least four, so that there is a covariance. */
+/* Two points a texel, but few enough and at least four, so that there is a covariance; three up to
+ * a whole texel. */
 static int steps(double texels) {
-  const double least = 2, most = 8;
-  return texels > 0 ? 2 * (int)fmin(fmax(ceil(texels - SLOPE_COUNT_SLACK), least), most) : 1;
+  const double least = 2, most = 8, counted = texels - SLOPE_COUNT_SLACK;
+  if (!(texels > 0))
+    return 1;
+  return counted > 1 ? 2 * (int)fmin(fmax(ceil(counted), least), most) : 3;
 }
 
 /*
  * By how much the points of a side so long leave the middles of their places, two by two: apart
  * (> 0) or towards each other. Two that share one of a texel's two straight pieces stand apart, as
- * Gauss has them for it: a footprint on a texel is exact. Two that share a texel stand closer: of
- * two pieces in a row the ones of the first and the ones of the second then are Gauss's for what
- * lies between the texels' middles, so that footprints side by side are exact together.
+ * Gauss has them for it. Two that share a texel stand closer: of two pieces in a row the ones of
+ * the first and the ones of the second then are Gauss's for what lies between the texels' middles,
+ * so that footprints side by side are exact together.
  */
-static double apart(double texels) {
+static double apart(double texels, int n) {
+  if (n <= 3)
+    return 0;
   return SLOPE_GAUSS_SHIFT * fmin(fmax(3 - 2 * texels, -1), 1);
 }
 
 /* Point k of n along a side, -1/2 to 1/2. */
 static double along(int k, int n, double shift) {
-  return (k + 0.5 + (n == 1 ? 0 : k % 2 ? shift : -shift)) / n - 0.5;
+  return (k + 0.5 + (k % 2 ? shift : -shift)) / n - 0.5;
 }
 
-/* Where a texture coordinate lies in the first copies of the picture. */
-static double place(double u, moment_wrap wrap) {
+/* Its weight: of three, what makes them exact for two straight pieces that meet in the middle. */
+static double weight_of(int k, int n) {
+  return n != 3 ? 1.0 / n : k == 1 ? 0.25 : 0.375;
+}
+
+/* How far a look-up leaves points for the pyramid: thin footprints as others that use it, and all
+ * once they are as large as its filter is good for. */
+static double blend_of(const moment_pyramid *p, const double side[4]) {
+  const double texels = (double)p->level[0].width * p->level[0].height;
+  const double root = sqrt(fabs(side[0] * side[3] - side[1] * side[2]) * texels);
+  const double round = (root - SLOPE_NEAR) / (SLOPE_FAR - SLOPE_NEAR);
+  return fmin(fmax(round, moments_blend(moments_extent(p, side))), 1);
+}
+
+/* Where a texture coordinate lies in the first copies of the picture. Clamped, one tile away is as
+ * good as any for footprints that do not reach as far. */
+static double place(double u, moment_wrap wrap, double longest) {
+  const double away = longest < 0.5 ? 1 : 1e3;
   if (wrap == WRAP_REPEAT)
     return u - floor(u);
-  return wrap == WRAP_MIRROR ? u - 2 * floor(u / 2) : fmin(fmax(u, -1e3), 1e3);
+  return wrap == WRAP_MIRROR ? u - 2 * floor(u / 2) : fmin(fmax(u, -away), 1 + away);
 }
 
 unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v, const double footprint[4],
                             shade_slopes *slopes) {
-  double side[4] = {0}, moments[MOMENTS] = {0}, far[MOMENTS] = {0};
+  double side[4] = {0}, moments[MOMENTS] = {0}, far[MOMENTS] = {0}, longest = 0;
   int finite = isfinite(u) && isfinite(v);
   for (int i = 0; i < 4 && footprint; i++) {
     finite = finite && isfinite(footprint[i]);
     side[i] = fmin(fmax(footprint[i], -1e3), 1e3);
+    longest = fmax(longest, fabs(side[i]));
   }
   moments_flat(slopes);
   if (!finite)
     return SHADE_BAD_INPUT;
-  u = place(u, m->wrap);
-  v = place(v, m->wrap);
-  const double blend = moments_blend(moments_extent(&m->pyramid, side));
+  u = place(u, m->wrap, longest);
+  v = place(v, m->wrap, longest);
+  const double blend = blend_of(&m->pyramid, side);
   if (blend < 1) {
     const double texels1 = hypot(side[0] * m->width, side[1] * m->height);
     const double texels2 = hypot(side[2] * m->width, side[3] * m->height);
     const int n1 = steps(texels1), n2 = steps(texels2);
     for (int k = 0; k < n1 * n2; k++) {
-      const double s = along(k / n2, n1, apart(texels1)), t = along(k % n2, n2, apart(texels2));
-      add_point(m, u + s * side[0] + t * side[2], v + s * side[1] + t * side[3], 1.0 / (n1 * n2),
-                moments);
+      const double s = along(k / n2, n1, apart(texels1, n1));
+      const double t = along(k % n2, n2, apart(texels2, n2));
+      add_point(m, u + s * side[0] + t * side[2], v + s * side[1] + t * side[3],
+                weight_of(k / n2, n1) * weight_of(k % n2, n2), moments);
     }
   }
   if (blend > 0) {

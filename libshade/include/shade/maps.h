@@ -161,8 +161,9 @@ SHADE_API void shade_slope_map_free(shade_slope_map *m); /* NULL is fine */
 /*
  * Slopes over a footprint about (u, v). Without one: the slopes interpolated bilinearly, no
  * covariance. With one: the mean and covariance over it of that same interpolated field.
- * Up to about 3.5 texels it is sampled; beyond 7 the pyramid answers, with up to 16 x 3
- * probes along the ellipse whose second moments are the footprint's; a blend lies between.
+ * Up to 3 texels a side it is sampled; from 4 on (root of its area), or 7 along a thin one, the
+ * pyramid answers, with a parallelogram of texels whose second moments are the footprint's, as long
+ * as it is no more than 16 times longer than wide; a blend lies between.
  * Returns SHADE_BAD_INPUT, and flat, where an argument is not finite. [OlanoBaker2010]
  */
 SHADE_API unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v,
@@ -185,7 +186,7 @@ typedef struct shade_slope_resultf {
 /*
  * shade_slope_lookup over arrays of any length and alignment, in vectors. Normals are within
  * 2e-6, covariances within 2e-6 (1 + slope^2) of the single call's on the same numbers, slopes up
- * to 1; where a count of probes is rounded up to another number, as the single call's would be for
+ * to 1; where a count of points is rounded up to another number, as the single call's would be for
  * a footprint longer by a ten thousandth, likewise of that one's. Lanes whose footprint reaches as
  * far as the whole tile take the single call's time. Returns the or of all status bits;
  * SHADE_BAD_INPUT, and writes nothing, where a required array is missing.
