@@ -10,6 +10,7 @@
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make soak      libshade on a hundred million awkward cases, Blender on 500, its viewport on 2000 edits
 #   make bench     speed against accuracy
+#   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's
 #   make bench-povray  what a block costs a render of POV-Ray's
 #   make compare-peers  the bumped plate in Cycles 3.4 and 5.0 and in Mitsuba 3, beside ours
 #   make compare-files  scenes of others, from packages, in our engine and in Cycles

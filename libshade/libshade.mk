@@ -166,6 +166,11 @@ $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 # speed beside accuracy, of the library alone; `make compare` times the renderers
 bench: $(B)/shade
 	@$(B)/shade bench --output $(B)/bench.csv
+# make bench-pairs BEFORE=COMMIT PAIRS="--pairs 5 --what f"
+.PHONY: bench-pairs
+bench-pairs: $(B)/shade
+	@$(if $(BEFORE),,echo "make bench-pairs: BEFORE=COMMIT is missing: what to compare with" >&2; exit 2;) \
+	setup/bench_pairs.py $(BEFORE) $(B)/shade --output $(B)/bench_pairs.csv $(PAIRS)
 
 .PHONY: test-libshade check-libshade check-headers soak $(TESTS:%=%.run)
 LONG := fabric_light fabric_draw sample fabric pdf accuracy soak lobes furnace horizon fabric_energy continuity
