@@ -59,10 +59,35 @@ LEAF real FN(density_visible)(real d, real cosine, real l) {
   return d / FN(maximum)(2 * cosine * (1 + l), R(1e-25));
 }
 
+/* A lobe as D and Smith's Lambda read it. */
+typedef struct FN(lobe_numbers) {
+  real kx, ky, peak, gx, gy;
+} FN(lobe_numbers);
+
+/* By one division. */
+LEAF FN(lobe_numbers) FN(numbers_of_alphas)(real ax, real ay) {
+  real inverse = 1 / (ax * ay), over_x = ay * inverse, over_y = ax * inverse;
+  return (FN(lobe_numbers)){over_x * over_x, over_y * over_y, R(0.31830988618379067154) * inverse,
+                            ax * ax, ay * ay};
+}
+
 #ifdef BLOCK /* tests of leaves take no passes */
-/* q += weight * density of wi, from half vectors as the eye sees them; oxx and oyy are the eye's
-   slopes, squared. */
+/*
+ * Density of wi, from half vectors as the eye sees them; oxx and oyy are the eye's slopes, squared.
+ * pass_density_visible: q += weight times that of a mixture's lobe of 1/alpha^2 kx and ky.
+ * pass_density_alone: q is that of the only lobe, by the material's own numbers, or by each
+ * sample's alphas where these are not NULL: a division and a root less, or a root.
+ */
 #undef VISIBLE_DENSITY
+#undef ALONE_LOOP
+#define ALONE_LOOP(word, numbers)                                                                  \
+  _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                         \
+    const FN(lobe_point) p = {t[i], xx[i], yy[i]};                                                 \
+    const FN(lobe_numbers) k = numbers;                                                            \
+    real d = FN(word)(p, k.kx, k.ky, k.peak);                                                      \
+    real l = FN(smith_##word)(k.gx * oxx[i] + k.gy * oyy[i]);                                      \
+    q[i] = FN(density_visible)(d, cosine[i], l);                                                   \
+  }
 #define VISIBLE_DENSITY(word)                                                                      \
   static void FN(pass_density_visible_##word)(                                                     \
       size_t count, const real *restrict kx, const real *restrict ky, const real *restrict weight, \
@@ -76,6 +101,17 @@ LEAF real FN(density_visible)(real d, real cosine, real l) {
       real l = FN(smith_##word)((oxx[i] * ky[i] + oyy[i] * kx[i]) / kk);                           \
       q[i] += weight[i] * FN(density_visible)(d, cosine[i], l);                                    \
     }                                                                                              \
+  }                                                                                                \
+  static void FN(pass_density_alone_##word)(                                                       \
+      size_t count, FN(lobe_numbers) own, const real *restrict ax, const real *restrict ay,        \
+      const real *restrict cosine, const real *restrict oxx, const real *restrict oyy,             \
+      const real *restrict t, const real *restrict xx, const real *restrict yy,                    \
+      real *restrict q) {                                                                          \
+    if (ax) {                                                                                      \
+      ALONE_LOOP(word, FN(numbers_of_alphas)(ax[i], ay[i]))                                        \
+    } else {                                                                                       \
+      ALONE_LOOP(word, own)                                                                        \
+    }                                                                                              \
   }
 
 /* setup.c never asks for them. */
@@ -85,6 +121,12 @@ LEAF real FN(density_visible)(real d, real cosine, real l) {
       size_t count, const real *kx, const real *ky, const real *weight, const real *cosine,        \
       const real *oxx, const real *oyy, const real *t, const real *xx, const real *yy, real *q) {  \
     (void)count, (void)kx, (void)ky, (void)weight, (void)cosine, (void)oxx, (void)oyy, (void)t;    \
+    (void)xx, (void)yy, (void)q;                                                                   \
+  }                                                                                                \
+  static void FN(pass_density_alone_##word)(                                                       \
+      size_t count, FN(lobe_numbers) own, const real *ax, const real *ay, const real *cosine,      \
+      const real *oxx, const real *oyy, const real *t, const real *xx, const real *yy, real *q) {  \
+    (void)count, (void)own, (void)ax, (void)ay, (void)cosine, (void)oxx, (void)oyy, (void)t;       \
     (void)xx, (void)yy, (void)q;                                                                   \
   }                                                                                                \
   static void FN(pass_draw_visible_##word)(size_t count, const real *u1, const real *u2,           \

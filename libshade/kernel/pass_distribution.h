@@ -10,10 +10,12 @@ typedef struct FN(shape) {
   int varies; /* 1: arrays */
   const real *kx, *ky, *peak, *gx, *gy;
   const real *ax, *ay; /* arrays of alphas, where the distribution reads them */
+  int alone;           /* 1: what stands above them was not made */
 } FN(shape);
 
 LEAF FN(shape) FN(own_shape)(const bsdf *b) {
-  return (FN(shape)){0, &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy), NULL, NULL};
+  return (FN(shape)){0,    &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy),
+                     NULL, NULL,       0};
 }
 
 /*
@@ -29,7 +31,7 @@ typedef struct FN(block) {
 
 /* Along y what was along x. */
 LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
-  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax};
+  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax, s.alone};
 }
 
 #undef SHAPE

@@ -100,32 +100,31 @@ static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
     peak[i] = FN(root)((kx[i] + 1) * (ky[i] + 1)) * R(0.15915494309189533577);
   }
 }
-/* Whether all alphas are within their range: as bits, where either difference of all others, NaN
- * and negative ones too, has the highest one set. */
+/*
+ * Whether no alpha has to be mended, as far as one look tells: those from 2^-13 to 8 are 16 powers
+ * of 2, whose bits less those of the first lie below 2^27 (2^56). All others, NaN and negative ones
+ * too, have a higher one set.
+ */
 static int FN(are_alphas)(size_t count, const real *restrict ax, const real *restrict ay) {
-  const real_bits low = FN(to_bits)(R(1e-4)), high = FN(to_bits)(10);
+  const real_bits low = FN(to_bits)(R(0x1p-13)), range = FN(to_bits)(8) - low;
   real_bits off = 0;
 #pragma omp simd reduction(| : off)
-  for (size_t i = 0; i < count; i++) {
-    real_bits x = FN(to_bits)(ax[i]), y = FN(to_bits)(ay[i]);
-    off |= (x - low) | (high - x) | (y - low) | (high - y);
-  }
-  return !(off & SIGN_BIT);
+  for (size_t i = 0; i < count; i++)
+    off |= (FN(to_bits)(ax[i]) - low) | (FN(to_bits)(ay[i]) - low);
+  return off < range;
 }
 
-/* The lobe's shape by one division. */
 static void FN(pass_shape_of_alphas)(size_t count, const real *restrict ax, const real *restrict ay,
                                      real *restrict kx, real *restrict ky, real *restrict gx,
                                      real *restrict gy, real *restrict peak) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real x = ax[i], y = ay[i];
-    real inverse = 1 / (x * y), over_x = y * inverse, over_y = x * inverse;
-    peak[i] = R(0.31830988618379067154) * inverse;
-    gx[i] = x * x;
-    gy[i] = y * y;
-    kx[i] = over_x * over_x;
-    ky[i] = over_y * over_y;
+    const FN(lobe_numbers) lobe = FN(numbers_of_alphas)(ax[i], ay[i]);
+    peak[i] = lobe.peak;
+    gx[i] = lobe.gx;
+    gy[i] = lobe.gy;
+    kx[i] = lobe.kx;
+    ky[i] = lobe.ky;
   }
 }
 
@@ -228,7 +227,7 @@ static unsigned FN(read_exponents)(const bsdf *b, size_t count, const real *cons
     FN(pass_exchange)(count, m->mirror, m->kx, m->ky, m->kx, m->ky);
     FN(pass_exchange)(count, m->mirror, m->gx, m->gy, m->gx, m->gy);
   }
-  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL};
+  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL, 0};
   return status;
 }
 
@@ -254,7 +253,32 @@ static unsigned FN(read_alphas)(const bsdf *b, size_t count, const real *const g
   }
   if (!alone)
     FN(pass_shape_of_alphas)(count, x, y, m->kx, m->ky, m->gx, m->gy, m->peak);
-  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y};
+  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y, alone};
+  return status;
+}
+
+/* Whether any colour is given: most lanes that hold alphas hold nothing else. */
+LEAF int FN(has_colours)(const FN(varied) * in) {
+  uintptr_t any = 0;
+  for (int c = 0; c < 3; c++)
+    any |= (uintptr_t)in->f0[c] | (uintptr_t)in->f82[c] | (uintptr_t)in->eta[c] |
+           (uintptr_t)in->k[c] | (uintptr_t)in->kd[c];
+  return any != 0;
+}
+
+static unsigned FN(read_colours)(const bsdf *b, const FN(varied) * in, size_t start,
+                                 FN(block) * block, FN(varied_room) * m) {
+  const size_t count = block->count;
+  unsigned status = SHADE_OK;
+  status |= FN(read_colour)(count, start, in->f0, b->FN(f0), 0, 1, m->f0, block->f0);
+  status |= FN(read_colour)(count, start, in->kd, b->FN(kd), 0, 1, m->kd, block->kd);
+  if (b->fresnel == SHADE_FRESNEL_F82)
+    status |= FN(read_colour)(count, start, in->f82, b->FN(tint), 0, 1, m->tint, block->tint);
+  if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
+    status |=
+        FN(read_colour)(count, start, in->eta, b->FN(tint), R(1e-3), 100, m->tint, block->tint);
+    status |= FN(read_colour)(count, start, in->k, b->FN(k), 0, 100, m->k, block->k);
+  }
   return status;
 }
 
@@ -268,15 +292,8 @@ static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t sta
   const size_t count = block->count;
   unsigned status = SHADE_OK;
   m->turned = 0;
-  status |= FN(read_colour)(count, start, in->f0, b->FN(f0), 0, 1, m->f0, block->f0);
-  status |= FN(read_colour)(count, start, in->kd, b->FN(kd), 0, 1, m->kd, block->kd);
-  if (b->fresnel == SHADE_FRESNEL_F82)
-    status |= FN(read_colour)(count, start, in->f82, b->FN(tint), 0, 1, m->tint, block->tint);
-  if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
-    status |=
-        FN(read_colour)(count, start, in->eta, b->FN(tint), R(1e-3), 100, m->tint, block->tint);
-    status |= FN(read_colour)(count, start, in->k, b->FN(k), 0, 100, m->k, block->k);
-  }
+  if (FN(has_colours)(in))
+    status |= FN(read_colours)(b, in, start, block, m);
   int mirrored = 0;
   const real *given[4] = {in->ax, in->ay, in->ex, in->ey};
   if (given[0] || given[1] || given[2] || given[3]) {

@@ -25,7 +25,7 @@ static unsigned FN(pdf_batch)(const bsdf *given, size_t count, const FN(shade_la
     const unsigned mended = FN(mend_block)(s.count, 3, v, &room);
     status |= mended;
     if (varied)
-      status |= FN(read_varied)(b, varied, start, 0, &s, &each);
+      status |= FN(read_varied)(b, varied, start, 1, &s, &each);
     FN(prepare_shares)(b, &s, &draw);
     if (shade_horizon_is(b->horizon).bends) {
       FN(pass_bend)(s.count, s.n, s.wo, &bent);
@@ -103,7 +103,7 @@ static unsigned FN(sample_batch)(const bsdf *given, size_t count, const FN(shade
         FN(pass_uniform)(size, in->u1 + start, u1) | FN(pass_uniform)(size, in->u2 + start, u2);
     status |= mended;
     if (varied)
-      status |= FN(read_varied)(b, varied, start, 0, &s, &each);
+      status |= FN(read_varied)(b, varied, start, FN(is_fused)(b), &s, &each);
     FN(prepare_shares)(b, &s, &draw);
     FN(block) about = s;
     if (horizon.bends) {

@@ -16,11 +16,22 @@
 /* kx and ky of the proposal: of the material, or of each sample. */
 static void FN(pass_proposal)(const bsdf *b, FN(shape) s, size_t count, real *restrict kx,
                               real *restrict ky) {
-  const real scale = b->FN(proposal), own_kx = *s.kx * scale, own_ky = *s.ky * scale;
+  const real scale = b->FN(proposal);
   if (!s.varies) {
+    const real own_kx = *s.kx * scale, own_ky = *s.ky * scale; /* here: arrays may hold nothing */
     for (size_t i = 0; i < count; i++) {
       kx[i] = own_kx;
       ky[i] = own_ky;
+    }
+    return;
+  }
+  if (s.alone) {
+    const real *restrict ax = s.ax, *restrict ay = s.ay;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+      const FN(lobe_numbers) lobe = FN(numbers_of_alphas)(ax[i], ay[i]);
+      kx[i] = lobe.kx * scale;
+      ky[i] = lobe.ky * scale;
     }
     return;
   }
@@ -136,6 +147,29 @@ static void FN(block_share)(const bsdf *b, size_t size, const FN(draw_room) * m,
   (b, size, m->shares_vary ? m->lobe : NULL, m->shares_vary ? m->diffuse : NULL, m->coso, share);
 }
 
+/* Whether the proposal is the lobe that an eye sees, as it stands. */
+static int FN(is_alone)(const bsdf *b, const FN(shape) * s) {
+  return b->visible && b->carry.parts == 1 && !b->carry.short_by_l && (!s->varies || s->alone);
+}
+
+static void FN(density_alone)(const bsdf *b, const FN(shape) * s, size_t size, FN(draw_room) * m,
+                              real *restrict pdf) {
+  FN(lobe_numbers) own = {0, 0, 0, 0, 0};
+  if (!s->varies)
+    own = (FN(lobe_numbers)){*s->kx, *s->ky, *s->peak, *s->gx, *s->gy};
+  switch (b->mdf) {
+#define MDF_CASE(NAME, word, value, label, help)                                                   \
+  case SHADE_MDF_##NAME:                                                                           \
+    FN(pass_density_alone_##word)                                                                  \
+    (size, own, s->ax, s->ay, m->coso, m->oxx, m->oyy, m->t, m->xx, m->yy, pdf);                   \
+    break;
+    SHADE_TABLE_MDF(MDF_CASE)
+#undef MDF_CASE
+  case SHADE_MDF_COUNT:
+    break;
+  }
+}
+
 /* The density of wi for the n that the lobe is about. Returns status bits. */
 static unsigned FN(density_block)(const bsdf *b, const FN(block) * s, FN(draw_room) * m,
                                   real *restrict pdf) {
@@ -148,11 +182,15 @@ static unsigned FN(density_block)(const bsdf *b, const FN(block) * s, FN(draw_ro
   if (b->warp != SHADE_RIGID)
     FN(pass_unit)(size, m->h[0], m->h[1], m->h[2]);
   FN(pass_detail)(b->carry.frame, size, s->n, h, m->t, m->xx, m->yy);
-  for (size_t i = 0; i < size; i++)
-    pdf[i] = 0;
   if (b->visible) /* weight is scratch here */
     FN(pass_detail)(b->carry.frame, size, s->n, s->wo, m->weight, m->oxx, m->oyy);
-  for (int part = 0; part < b->carry.parts; part++) {
+  const int alone = FN(is_alone)(b, &s->shape);
+  if (alone)
+    FN(density_alone)(b, &s->shape, size, m, pdf);
+  else
+    for (size_t i = 0; i < size; i++)
+      pdf[i] = 0;
+  for (int part = 0; part < b->carry.parts && !alone; part++) {
     FN(pass_part)(b, s->shape, part, size, s->n, m->kx, m->ky, m->weight);
     switch (b->mdf) {
 #define MDF_CASE(NAME, word, value, label, help)                                                   \

@@ -154,6 +154,61 @@ static void out_of_range(void **state) {
   }
 }
 
+/*
+ * Both alphas given, which are read where they are unless one has to be mended: by the fused loop
+ * and the density of visible normals, and by neither. Also at the ends of what one look at their
+ * bits tells.
+ */
+static void odd_alphas(void **state) {
+  (void)state;
+  static odd_lanes o;
+  fill_odd(&o);
+  static const double alphas[ODD] = {
+      1e-4, 9.9e-5, 0x1.fffffep-14, 0x1p-13,   1.3e-4, 0.3,  7.99999, 8,  8.00001, 9.9, 10, 10.1, 0,
+      -0.3, NAN,    INFINITY,       -INFINITY, 1e-40,  1e30, 0.5,     -8, 1e-300};
+  static const double others[] = {0.2, 1.1e-4, 9, NAN, -1};
+  static const shade_mdf mdfs[] = {SHADE_MDF_GGX, SHADE_MDF_BECKMANN, SHADE_MDF_WARD};
+  static const shade_detail details[] = {SHADE_DETAIL_NONE, SHADE_DETAIL_ROTATE,
+                                         SHADE_DETAIL_PERTURB};
+  const shade_isa_table *isa;
+  for (size_t m = 0; m < 3; m++)
+    for (size_t d = 0; d < 3; d++)
+      for (size_t k = 0; k < sizeof others / sizeof others[0]; k++) {
+        shade_params p;
+        shade_bsdf b;
+        shade_params_init(&p);
+        p.mdf = mdfs[m];
+        p.brdf = m == 2 ? SHADE_BRDF_WARD_BOUNDED : SHADE_BRDF_MICROFACET;
+        p.detail = details[d];
+        shade_params_set_alphas(&p, 0.3, 0.2);
+        p.groove = SHADE_GROOVE_X;
+        assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+        for (int single = 0; single < 2; single++) {
+          double want[ODD][4];
+          unsigned status[ODD];
+          for (int i = 0; i < ODD; i++) {
+            shade_params q = p;
+            double *const members[2] = {&q.ax, &q.ay};
+            const double given[2] = {alphas[i], others[k]};
+            status[i] = SHADE_OK;
+            for (int c = 0; c < 2; c++) {
+              o.givenf[c][i] = as_float(given[c]);
+              o.given[c][i] = single ? (double)o.givenf[c][i] : given[c];
+              const double x = o.given[c][i], low = single ? (double)1e-4f : 1e-4;
+              *members[c] = isnan(x) ? *members[c] : fmin(fmax(x, low), 10);
+              if (!(x >= low && x <= 10))
+                status[i] = SHADE_CLAMPED_PARAMETER;
+            }
+            material_result(&q, want[i]);
+          }
+          for (int row = 0; (isa = shade_isa_pick(row)); row++)
+            odd_lanes_are(
+                isa, &b, single, single ? offsetof(shade_lanesf, ax) : offsetof(shade_lanes, ax),
+                single ? offsetof(shade_lanesf, ay) : offsetof(shade_lanes, ay), &o, want, status);
+        }
+      }
+}
+
 /* A groove of any length but 0 counts; what is not a direction is the material's own. */
 static void odd_grooves(void **state) {
   (void)state;
@@ -198,6 +253,7 @@ static void odd_grooves(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(out_of_range), cmocka_unit_test(odd_grooves)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(out_of_range), cmocka_unit_test(odd_alphas),
+                                     cmocka_unit_test(odd_grooves)};
   return cmocka_run_group_tests_name("varied_range", tests, NULL, NULL);
 }
