@@ -47,7 +47,8 @@ static unsigned FN(bsdf_batch)(const bsdf *given, size_t count, const FN(shade_l
   unsigned status = SHADE_OK;
   const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
   const size_t step = FN(block_of)(count, 13);
-  FN(block) s = {.shape = FN(own_shape)(b)};
+  FN(block) s;
+  FN(start_block)(b, &s);
   for (size_t start = 0; start < count; start += step) {
     s.count = count - start < step ? count - start : step;
     s.n = FN(vec_from)(in->nx, in->ny, in->nz, start);
@@ -59,7 +60,7 @@ static unsigned FN(bsdf_batch)(const bsdf *given, size_t count, const FN(shade_l
     if (varied)
       status |= FN(read_varied)(b, varied, start, FN(is_fused)(b), &s, &each);
     const FN(results) to = {{out->r + start, out->g + start, out->b + start}, out->cosine + start};
-    status |= FN(shade_block)(b, &s, to);
+    status |= FN(shade_block)(b, &s, &to);
     for (size_t i = 0; mended & SHADE_BAD_INPUT && i < s.count; i++)
       if (room.void_lane[i])
         to.rgb[0][i] = to.rgb[1][i] = to.rgb[2][i] = to.cosine[i] = 0;

@@ -148,8 +148,9 @@ LEAF real FN(warp_fraction)(real nx, real ny, real nz, real x, real y) {
   real b = FN(dot2)(nx, ny, x, y);
   real c = nz * nz;
   real s = FN(root)(FN(dot2)(b, a, b, c));
-  real top = b >= 0 ? b + s : a;
-  real bottom = b >= 0 ? c : s - b;
+  real sum = FN(absolute)(b) + s;
+  real top = b >= 0 ? sum : a;
+  real bottom = b >= 0 ? c : sum;
   /* u > 1 is outside anyway; this floor keeps it from overflowing as nz -> 0 */
   return top / FN(maximum)(bottom, R(0.5) * top + TINY);
 }
@@ -190,14 +191,14 @@ LEAF real FN(warp_stretch)(real nx, real ny, real nz, real hx, real hy, real hz,
   real s = FN(root)(FN(dot2)(b, FN(dot2)(x, y, x, y), b, nz * nz));
   real fade = FN(root)(FN(absolute)(1 - u)); /* u > 1 is outside, as zz < 0: D' is 0 there */
   real along = FN(multiply_add)(u, FN(dot2)(nx, ny, nx, ny), b); /* delta . p_linear */
-  real stretch = along / ((smooth ? 2 * s * fade : s) + TINY);
-  /* 1 where s, and with it `along`, is 0 */
-  real jacobian = FN(maximum)(FN(minimum)(1 + stretch, R(1e9)), 0);
+  /* 1 where s, and with it `along`, is 0; twice TINY, for rim times it is divided by */
+  real under = (smooth ? 2 * s * fade : s) + 2 * TINY;
+  real grown = FN(maximum)(FN(minimum)(under + along, R(1e9) * under), 0); /* J under */
   real shift = smooth ? u / (1 + fade) : u;
   x = FN(multiply_add)(shift, nx, x);
   y = FN(multiply_add)(shift, ny, y);
   real zz = smooth ? 1 - FN(dot2)(x, y, x, y) : (1 - u) * (1 + u);
   real z = projected ? FN(dot)(nx, ny, nz, hx, hy, hz) : FN(root)(FN(absolute)(zz));
   real lit = (smooth || projected) && !(z > 0) ? 0 : FN(maximum)(hz, 0);
-  return jacobian * lit / FN(maximum)(z, rim);
+  return grown * lit / (under * FN(maximum)(z, rim));
 }

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* n and h to D in one loop, for `fast`; shade_bsdf_setup sets it only for the maps below. */
+/*
+ * n and h to D in one loop, for `fast`; shade_bsdf_setup sets it only for the maps below. Not
+ * inlined: among the loops that check directions gcc would keep its constants in memory.
+ */
 #define FAST_PASS(leaf)                                                                            \
-  static void pass_fast_##leaf(size_t count, float kx, float ky, float peak, VEC(n), VEC(h),       \
-                               float *restrict d) {                                                \
+  static __attribute__((noinline)) void pass_fast_##leaf(                                          \
+      size_t count, float kx, float ky, float peak, VEC(n), VEC(h), float *restrict d) {           \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] =                                  \
         fast_##leaf(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], kx, ky, peak);                       \
   }

@@ -68,7 +68,7 @@ static void FN(pass_add_product)(size_t count, const real *restrict weight, cons
 }
 
 /* One block of facets with normal n and of upright mirrors. */
-static unsigned FN(facets_block)(const bsdf *b, const FN(block) * s, FN(results) out) {
+static unsigned FN(facets_block)(const bsdf *b, const FN(block) * s, const FN(results) * out) {
   const size_t size = s->count;
   ROOM x[BLOCK], y[BLOCK], rgb[3][BLOCK], unused[BLOCK], weight[BLOCK];
   ROOM see[2][2][BLOCK]; /* [light, eye][bumped, upright] */
@@ -81,21 +81,21 @@ static unsigned FN(facets_block)(const bsdf *b, const FN(block) * s, FN(results)
   unsigned status = FN(hard_block)(b, s, out);
   FN(pass_weight)(size, s->n.z, see[0][0], see[1][0], weight);
   for (int c = 0; c < 3; c++)
-    FN(pass_multiply)(size, weight, out.rgb[c]);
+    FN(pass_multiply)(size, weight, out->rgb[c]);
   for (int k = 0; k < 2; k++) {
     FN(block) mirrored = *s;
     FN(pass_mirror)(size, s->n, w[k], x, y);
     *(k == 0 ? &mirrored.wi : &mirrored.wo) = (FN(vec)){x, y, w[k].z};
-    FN(hard_block)(b, &mirrored, extra);
+    FN(hard_block)(b, &mirrored, &extra);
     FN(pass_weight)(size, s->n.z, see[0][k == 0], see[1][k == 1], weight);
     for (int c = 0; c < 3; c++)
-      FN(pass_add_product)(size, weight, rgb[c], out.rgb[c]);
+      FN(pass_add_product)(size, weight, rgb[c], out->rgb[c]);
   }
   for (size_t i = 0; status & SHADE_BAD_INPUT && i < size; i++)
     if (FN(opposite)(w[0].x[i], w[0].y[i], w[0].z[i], w[1].x[i], w[1].y[i], w[1].z[i]))
-      out.rgb[0][i] = out.rgb[1][i] = out.rgb[2][i] = 0;
+      out->rgb[0][i] = out->rgb[1][i] = out->rgb[2][i] = 0;
   for (size_t i = 0; i < size; i++)
-    out.cosine[i] = w[0].z[i] > 0 ? w[0].z[i] : 0;
+    out->cosine[i] = w[0].z[i] > 0 ? w[0].z[i] : 0;
   return status;
 }
 
@@ -114,7 +114,7 @@ static int FN(is_flat)(const bsdf *b, size_t count, const real *nx, const real *
 }
 
 /* f and the cosine by the material's horizon. Directions are mended. */
-static unsigned FN(shade_block)(const bsdf *b, const FN(block) * s, FN(results) out) {
+static unsigned FN(shade_block)(const bsdf *b, const FN(block) * s, const FN(results) * out) {
   const shade_horizon_traits is = shade_horizon_is(b->horizon);
   const size_t size = s->count;
   if (b->horizon == SHADE_HORIZON_HARD || FN(is_flat)(b, size, s->n.x, s->n.y))
@@ -133,7 +133,7 @@ static unsigned FN(shade_block)(const bsdf *b, const FN(block) * s, FN(results) 
     (is.fade == SHADE_FADE_CHIANG ? FN(pass_shadow_chiang)
                                   : FN(pass_shadow_estevez))(size, s->n, s->wi, factor);
     for (int c = 0; c < 3; c++)
-      FN(pass_multiply)(size, factor, out.rgb[c]);
+      FN(pass_multiply)(size, factor, out->rgb[c]);
   }
   return status;
 }

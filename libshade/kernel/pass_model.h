@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The model over a block: the specular part, the diffuse one, and both by the rule of `hard`. */
 
-/* Where a block's results go. */
+/* Where a block's results go; by its address, as a block. */
 typedef struct FN(results) {
   real *rgb[3], *cosine;
 } FN(results);
@@ -37,10 +37,10 @@ LEAF int FN(specular_block)(const bsdf *b, const FN(block) * s, FN(specular_room
 }
 
 /* f and the cosine, 0 beyond the horizons of n and z. Directions are mended. */
-static unsigned FN(hard_block)(const bsdf *b, const FN(block) * s, FN(results) out) {
+static unsigned FN(hard_block)(const bsdf *b, const FN(block) * s, const FN(results) * out) {
   FN(specular_room) room;
   ROOM d[BLOCK], coso[BLOCK], hwo[BLOCK], q[BLOCK];
-  real *cosi = out.cosine;
+  real *cosi = out->cosine;
   const size_t size = s->count;
   const shade_fresnel_traits fresnel = shade_fresnel_is(b->fresnel);
   const int plain = !s->f0[0] && !s->f0[1] && !s->f0[2] && fresnel.f0 && !fresnel.tint;
@@ -56,13 +56,13 @@ static unsigned FN(hard_block)(const bsdf *b, const FN(block) * s, FN(results) o
   if (plain)
     FN(pass_colour)
   (size, fresnel.grazing ? R(1.0) : R(0.0), b->FN(f0)[0], b->FN(f0)[1], b->FN(f0)[2], d, hwo,
-   out.rgb[0], out.rgb[1], out.rgb[2]);
+   out->rgb[0], out->rgb[1], out->rgb[2]);
   else for (int c = 0; c < 3; c++)
-      FN(pass_channel)(b, c, size, s->f0[c], s->tint[c], s->k[c], d, hwo, out.rgb[c]);
+      FN(pass_channel)(b, c, size, s->f0[c], s->tint[c], s->k[c], d, hwo, out->rgb[c]);
   if (b->has_diffuse) {
     FN(diffuse_block)(b, size, s->n, s->wi, s->wo, cosi, coso, room.xx, room.yy, q);
     for (int c = 0; c < 3; c++)
-      FN(add_diffuse)(b, c, size, s->kd[c], s->f0[c], q, out.rgb[c]);
+      FN(add_diffuse)(b, c, size, s->kd[c], s->f0[c], q, out->rgb[c]);
   }
   return status;
 }

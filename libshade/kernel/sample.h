@@ -125,7 +125,7 @@ static unsigned FN(sample_batch)(const bsdf *given, size_t count, const FN(shade
     real *pdf = out->pdf + start;
     FN(density_of_paths)(b, &about, &draw, pdf);
     const FN(results) to = {{out->r + start, out->g + start, out->b + start}, out->cosine + start};
-    FN(shade_block)(b, &s, to);
+    FN(shade_block)(b, &s, &to);
     if (varied && each.turned)
       FN(pass_turn_back)(size, each.c, each.s, each.mirror, wi[0], wi[1]);
     for (size_t i = 0; i < size; i++) {
