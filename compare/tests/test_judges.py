@@ -568,6 +568,13 @@ def test_one_bad_slope(monkeypatch, tmp_path, name, mdf, changes):
         assert missed[0].startswith(name) and mdf in missed[0]
 
 
+def test_maps_are_as_steep_as_they_are_told():
+    """Along y what is common to both adds to it: by 1 + .4^2."""
+    for made, times in ((slopes.gaussian_map(0.1, 0.02, 1), np.sqrt(1.16)), (slopes.ripple_map(0.1, 0.02), 1.0)):
+        sigma = (made[..., :2] / made[..., 2:]).std((0, 1))
+        assert sigma == pytest.approx([0.1, 0.02 * times], rel=0.05)
+
+
 def test_slopes_measure_what_they_say(monkeypatch):
     """Figures of a look-up that is right, and of ones that are off by so much."""
     monkeypatch.setattr(slopes, "SIZE", 64)

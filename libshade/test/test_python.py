@@ -391,6 +391,19 @@ def test_slopes_of_a_ramp_and_of_two():
         assert seen.covariance[0] == pytest.approx([0.09, 0, 0], abs=close)
 
 
+def test_each_place_has_a_footprint_of_its_own():
+    """In one call as by one call each; of a map and of scratches."""
+    places = np.array([[0.47, 0.5], [0.5, 0.3], [0.53, 0.7]])
+    sides = np.array([[0.01, 0, 0, 0.01], [0.5, 0, 0, 0.5], [0.02, 0.1, -0.1, 0.02]])
+    leaning = np.random.default_rng(3).normal(0, 0.2, (64, 64, 3)).astype(np.float32) + (0, 0, 1)
+    for of in (shade.SlopeMap(leaning, normals="slope"), shade.Scratches({"pits": 40, "radius": 0.02}, seed=7)):
+        together = of.look_up(places, sides)
+        for k, (place, side) in enumerate(zip(places, sides)):
+            alone = of.look_up(place, side)
+            assert np.array_equal(together.normal[k], alone.normal) and np.array_equal(together.covariance[k], alone.covariance)
+        assert not np.allclose(together.covariance, together.covariance[0])
+
+
 def test_split_keeps_the_moments():
     """Of the slopes' covariance what the normals carry and what widens the lobe (1/e + S) add up to it."""
     material = shade.Material(ex=200, ey=50)
@@ -417,6 +430,9 @@ def test_scratches():
     dv, du = np.gradient(height.astype(float), 1 / 400)
     off = np.abs(-du - normal[..., 0] / normal[..., 2]) + np.abs(dv - normal[..., 1] / normal[..., 2])
     assert np.median(off[height < 0]) < 1e-3 and np.mean(height < 0) > 0.05
+    for seed, same in ((3, True), (4, False)):
+        again = shade.Scratches({"pits": 3, "radius": 0.1, "stretch": 1, "depth": 0.2}, cells=0, seed=seed).picture(400, 400)[0]
+        assert np.array_equal(again, height) == same
     y, x = 120, 250
     seen = field.look_up([(x + 0.5) / 400, 1 - (y + 0.5) / 400]).normal
     assert seen == pytest.approx(normal[y, x], abs=1e-6)
