@@ -157,6 +157,15 @@ def test_light_from_behind_comes_through_thin_yarns(render, shade_check):
     assert render(scene(sheet() + cloth('preset "linen" crossings 20') + "}", lights, FRONT), size=(16, 16)).dump.S.max() == 0
 
 
+@pytest.mark.parametrize("yarns", ["warp", "weft"])
+def test_one_yarn_alone_may_be_thin(render, shade_check, yarns):
+    lights = "light_source { <2, 3, 9>, rgb 1 parallel point_at 0 }\n"
+    thin = f'preset "linen" crossings 21.3 {yarns} {{ transmit rgb .4 }}'
+    dump = render(scene(sheet() + cloth(thin) + "}", lights, FRONT), size=(32, 32)).dump
+    assert dump.S.mean() > .005
+    shade_check(dump, 2e-5)
+
+
 def test_folds_carry_the_cloth(render, shade_check):
     bent = cloth('preset "silk_charmeuse" crossings 20').replace("finish", "normal { bumps .6 scale .4 } finish")
     dump = render(scene(sheet() + bent + "}", header=FRONT), size=(64, 64)).dump

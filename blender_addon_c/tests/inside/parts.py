@@ -118,6 +118,28 @@ def test_pixels_that_no_file_has_are_read_each_time():
         assert len(fetched) == times, dirty
 
 
+def test_the_focus_is_on_a_bone():
+    """Which stands in its object, moved and stretched; without a bone of that name it is on the object."""
+    scene = common.empty_scene()
+    camera = common.camera(scene, (0, 0, 10))
+    bones = bpy.data.armatures.new("bones")
+    ob = bpy.data.objects.new("bones", bones)
+    scene.collection.objects.link(ob)
+    bpy.context.view_layer.objects.active = ob
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = bones.edit_bones.new("tip")
+    bone.head, bone.tail = (0, 0, 2), (0, 0, 3)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ob.location, ob.scale = (0, 0, 1), (1, 1, 1.5)
+    dof = camera.data.dof
+    dof.use_dof, dof.focus_object = True, ob
+    for name, distance in (("tip", 6), ("none", 9)):
+        dof.focus_subtarget = name
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        found = module("export.camera")._focus_distance(camera.evaluated_get(depsgraph), dof, depsgraph)
+        assert abs(found - distance) < 1e-5, (name, found)
+
+
 def test_slubs_in_cycles():
     """A yarn of half its width has its picture over half of its crossing; place and crossing of a plain map."""
     scene = common.empty_scene(64, 4, samples=1)
