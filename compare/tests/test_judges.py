@@ -709,6 +709,13 @@ def test_cloth_is_measured_at_every_pair():
     assert np.isnan(fabric.colours(Stuff(far=broken), 64)[0])
 
 
+def test_moments_weigh_by_what_shines():
+    """Light from h over h_z: 3 of it here for 1 there is a mean of 3/4 and 1/4, whatever the brightness."""
+    h = np.array([[0.6, 0, 0.8], [0, 0.6, 0.8]])
+    colour = np.array([[3.0, 1.0, 0.0], [1.0, 1.0, 2.0]])
+    assert fabric.moments(h, 7 * colour) == pytest.approx(0.36 * np.array([[0.75, 0.5, 0], [0.25, 0.5, 1]]))
+
+
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("channel", range(3))
 def test_cloth_s_width_is_measured_along_and_across(axis, channel):

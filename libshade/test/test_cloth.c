@@ -124,10 +124,10 @@ static cloth random_cloth(void) {
   }
   f.nap = maybe(0, 1);
   f.horizon = (shade_horizon)below(SHADE_HORIZON_COUNT);
-  const int transmits = below(2);
-  for (int k = 0; k < 3 && transmits; k++) {
-    f.warp_transmit[k] = random_number();
-    f.weft_transmit[k] = random_number();
+  const int transmits = below(4); /* one bit a yarn */
+  for (int k = 0; k < 3; k++) {
+    f.warp_transmit[k] = transmits & 1 ? random_number() : 0;
+    f.weft_transmit[k] = transmits & 2 ? random_number() : 0;
   }
   return make_cloth(random_draft(), &w, &f);
 }
@@ -295,6 +295,39 @@ static void footprints_are_points_of_near(void **state) {
   assert_true(same >= 0.99 * footprints);
 }
 
+/* From 3/4 of a crossing on the far model takes over, smoothly in the logarithm of the longer side:
+ * half of it at sqrt 1.5, all of it at 2. */
+static void near_passes_into_far(void **state) {
+  (void)state;
+  const double sides[] = {0.75, 0.9, 1.2247448713915890, 1.6, 2, 3}, half = sides[2];
+  const double x = log(0.9 / 0.75) / log(2 / 0.75);
+  assert_true(shade_ref_far_share((double[]){0.75, 0.1}) == 0);
+  assert_true(fabs(shade_ref_far_share((double[]){half, half}) - 0.5) <= 1e-12);
+  assert_true(fabs(shade_ref_far_share((double[]){0.9, 0.2}) - x * x * (3 - 2 * x)) <= 1e-12);
+  assert_true(shade_ref_far_share((double[]){0.2, 2}) == 1);
+  cloth c = {0};
+  assert_true(preset_cloth(0, &c));
+  int same = 0, footprints = 0;
+  for (size_t k = 0; k < 6 * 20; k++) {
+    double uv[2], n[3], wi[3], wo[3], s[3], points[3], far[3], off = 0;
+    const double foot[2] = {sides[k % 6], sides[k % 6]};
+    const double share = shade_ref_far_share(foot);
+    random_place(uv, n, wi, wo);
+    shade_fabric_eval(c.fabric, uv, foot, n, wi, wo, SHADE_TIER_AUTO, s);
+    shade_fabric_eval(c.fabric, uv, foot, n, wi, wo, SHADE_TIER_FAR, far);
+    shade_ref_cloth_points(&c.reference, uv, foot, n, wi, wo, points);
+    for (int i = 0; i < 3; i++) {
+      const double want = (1 - share) * points[i] + share * far[i];
+      off = largest(off, fabs(s[i] - want) / fmax(fabs(want), 1e-3));
+    }
+    footprints++;
+    same += off <= 1e-9;
+  }
+  close_cloth(&c);
+  print_message("between near and far: %d of %d\n", same, footprints);
+  assert_true(same >= 0.99 * footprints);
+}
+
 /*
  * The tier of one lobe each. What both measure of the weave, they measure by points of their own,
  * and noise per yarn differs from sample to sample: linen's shares by 1.3 %.
@@ -411,14 +444,41 @@ static void mean_is_of_the_footprint(void **state) {
   }
 }
 
+/* Without tilts it is as narrow as its yarns say, along and across. */
+static void single_of_no_detail_is_the_yarn_s(void **state) {
+  (void)state;
+  shade_weave_params w;
+  shade_fabric_params f;
+  shade_weave_params_init(&w);
+  shade_fabric_params_init(&f);
+  f.detail = SHADE_DETAIL_NONE;
+  const double yarns[2][2] = {{20, 70}, {50, 9}};
+  f.weft.along = yarns[0][0];
+  f.weft.across = yarns[0][1];
+  f.warp.along = yarns[1][0];
+  f.warp.across = yarns[1][1];
+  cloth c = make_cloth(shade_draft_named("plain"), &w, &f);
+  const shade_ref_seen seen = shade_ref_cloth_seen(&c.reference, 1 << 10);
+  shade_fabric_info info;
+  shade_fabric_get_info(c.fabric, &info);
+  for (int k = 0; k < 2; k++)
+    for (int i = 0; i < 2; i++) {
+      assert_true(fabs(seen.side[k].exponents[i] / yarns[k][i] - 1) <= 1e-12);
+      assert_true(fabs((k ? info.warp_single : info.weft_single)[i] / yarns[k][i] - 1) <= 1e-9);
+    }
+  close_cloth(&c);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(look_up),
       cmocka_unit_test(near_is_the_reference),
       cmocka_unit_test(footprints_are_points_of_near),
+      cmocka_unit_test(near_passes_into_far),
       cmocka_unit_test(mean_is_the_sum_over_yarns),
       cmocka_unit_test(mean_is_of_the_footprint),
       cmocka_unit_test(single_is_the_reference),
+      cmocka_unit_test(single_of_no_detail_is_the_yarn_s),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -206,10 +206,33 @@ static void a_picture_given_up_leaves_the_old_file(void **state) {
   unlink(path);
 }
 
+/* What stands where it would put its unfinished file is someone else's. */
+static void a_picture_takes_a_free_name_meanwhile(void **state) {
+  (void)state;
+  const float pixels[4] = {0, 0.25F, 0.5F, 1};
+  const shade_image_spec spec = {2, 2, 1, NULL, SHADE_IMAGE_U16, 0, NULL};
+  char error[256], taken[2][320];
+  const char *path = in_folder("a.png");
+  for (int k = 0; k < 2; k++) {
+    snprintf(taken[k], sizeof taken[k], "%s.%ld-%d.tmp", path, (long)getpid(), k);
+    fclose(fopen(taken[k], "w"));
+  }
+  assert_int_equal(shade_image_write(path, &spec, pixels, error, sizeof error), 0);
+  assert_int_equal(files_in_folder(), 3);
+  for (int k = 0; k < 2; k++) {
+    struct stat there;
+    assert_int_equal(stat(taken[k], &there), 0);
+    assert_int_equal(there.st_size, 0);
+    unlink(taken[k]);
+  }
+  unlink(path);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(png_holds_what_was_written),
                                      cmocka_unit_test(exr_holds_what_was_written),
                                      cmocka_unit_test(bad_requests_are_refused),
-                                     cmocka_unit_test(a_picture_given_up_leaves_the_old_file)};
+                                     cmocka_unit_test(a_picture_given_up_leaves_the_old_file),
+                                     cmocka_unit_test(a_picture_takes_a_free_name_meanwhile)};
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -519,6 +519,13 @@ def test_exr_map_holds_the_look_ups(tmp_path):
     assert numpy.abs(channel["occlusion"] - (1 - tilt)).max() < 1e-6
 
 
+@pytest.mark.parametrize("cells, size", [("8", [512, 512]), ("8x2", [512, 128]), ("1x4", [128, 512]), ("900x1", [512, 1])])
+def test_the_longer_side_of_a_map_is_512(tmp_path, cells, size):
+    assert run("--name", "satin-8", "-o", tmp_path / "map.png", "--map", "id", "--cells", cells).returncode == 0
+    spec = OpenImageIO.ImageBuf(str(tmp_path / "map.png")).spec()
+    assert [spec.width, spec.height] == size
+
+
 def test_png_maps(tmp_path):
     exr = tmp_path / "map.exr"
     options = ["--draft", WEAVES / "houndstooth.wif", "--occlusion", "sky", "--cells", "8"]
@@ -537,8 +544,10 @@ def test_png_maps(tmp_path):
         assert result.returncode == 0, result.stderr
         got = OpenImageIO.ImageBuf(str(png)).get_pixels(OpenImageIO.FLOAT)
         assert numpy.abs(got - want).max() < 1e-5, word
+        assert b"sRGB" not in png.read_bytes(), word
     png = tmp_path / "color.png"
     assert run(*options, "-o", png, "--size", "64", "--map", "color").returncode == 0
+    assert b"sRGB" in png.read_bytes()  # how a viewer is to read it
     got = OpenImageIO.ImageBuf(str(png)).get_pixels(OpenImageIO.FLOAT)
     linear = numpy.where(got <= 0.04045, got / 12.92, ((got + 0.055) / 1.055) ** 2.4)
     want = numpy.stack([channel["color." + c] * channel["occlusion"] for c in "RGB"], axis=2)
