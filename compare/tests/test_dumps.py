@@ -181,3 +181,13 @@ def test_cloth_of_pov_ray_is_turned_back(tmp_path, channels):
     back = dumps.swap_handedness(povray)
     for name in ("P", *dumps.DIRECTIONS):
         assert np.array_equal(getattr(back, name), getattr(blender, name), equal_nan=True)
+
+
+def test_a_light_without_blue_reaches_what_it_reaches(tmp_path, channels):
+    """Its direction is compared there."""
+    number = next(int(name[5:].split(".")[0]) for name in channels if name.endswith("L.X"))
+    channels[f"light{number}.E.B"] *= 0.0
+    _, good = compare(tmp_path, channels, lambda c: None)
+    assert good
+    rows, good = compare(tmp_path, channels, lambda c: turn(c, f"light{number}.L", 2.0))
+    assert not good and rows[f"light{number}.L"][3] == "MISSED"

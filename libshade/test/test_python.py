@@ -376,11 +376,14 @@ def test_every_bit_of_a_seed_counts():
 
 # ---- maps -----------------------------------------------------------------------------------------
 
-def test_slopes_of_a_ramp_and_of_two():
-    """Half of the map leans one way, half the other: the mean of the slopes is 0 and their variance 0.09."""
+@pytest.mark.parametrize("other", [0, 0.2, -0.2])
+def test_slopes_of_a_ramp_and_of_two(other):
+    """Half of the map leans one way, half the other: the mean of the slopes is 0 and their variance 0.09;
+    what leans both ways at once varies together, or against each other."""
     pixels = np.zeros((64, 64, 3), np.float32)
     pixels[..., 0], pixels[..., 2] = -0.3, 1
     pixels[:, 32:, 0] = 0.3
+    pixels[..., 1] = pixels[..., 0] * other / 0.3
     pixels /= np.linalg.norm(pixels, axis=-1, keepdims=True)
     slopes = shade.SlopeMap(pixels, normals="signed")
     point = slopes.look_up([0.25, 0.5])
@@ -388,7 +391,7 @@ def test_slopes_of_a_ramp_and_of_two():
     for dtype, close in ((np.float64, 4e-3), (np.float32, 4e-3)):
         seen = slopes.look_up(np.array([[0.5, 0.5]], dtype), np.array([0.5, 0, 0, 0.5], dtype))
         assert seen.normal.dtype == dtype and seen.normal[0] == pytest.approx([0, 0, 1], abs=close)
-        assert seen.covariance[0] == pytest.approx([0.09, 0, 0], abs=close)
+        assert seen.covariance[0] == pytest.approx([0.09, 0.3 * other, other**2], abs=close)
 
 
 def test_each_place_has_a_footprint_of_its_own():
