@@ -223,8 +223,12 @@ SHADE_API unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t co
  * for deviations of 0.05 and 0.1, 3.6 (Beckmann), 4.3 (Ashikhmin-Shirley), 6.1 (Ward) and
  * 9.1 % (GGX) for 0.15 and 0.1.
  *
+ * At its peak the one lobe is lower than the mean of the lobes that the slopes tilt, also where
+ * they are Gaussian: a tilted lobe's density there is that of its own slopes over the fourth power
+ * of a smaller cosine. Beckmann of alpha 0.3, slopes of deviations 0.25 and 0.03, seen from above:
+ * 5.6 % at the peak, 5.1 % at 7 degrees from it, 1.1 % at 22.
  * Slopes that are not Gaussian (few deep scratches on a polished plate) are wider in the tail
- * and narrower at the peak than the one lobe that has their covariance.
+ * and narrower at the peak than the one lobe that has their covariance: 0.6 % in the same place.
  * A covariance that is indefinite, or not finite, counts as the nearest that is not
  * (SHADE_BAD_INPUT). Results out of the parameters' ranges are clamped
  * (SHADE_CLAMPED_PARAMETER).
