@@ -12,10 +12,14 @@ own can include the same files. Render with
     cd FOLDER && povray scene.ini
 
 What is written: the visible meshes as they are after modifiers, with smooth
-normals and UVs; their Libshade Metal materials with normal map, and Libshade Fabric
-by preset and length, in the cloth's own colours; sun and point
-lights; the camera; the world's plain colour. Anything else is an error that
+normals and UVs; their Libshade Metal materials with normal map and grain, by what sockets
+and properties say, and Libshade Fabric by preset and length, in the cloth's own colours;
+sun and point lights; the camera; the world's plain colour. Anything else is an error that
 names it, for the picture would not be the same.
+
+Strokes. Round an axis they run the other way in POV-Ray's formula, whose world is mirrored:
+the axis is written turned round. In Blender it stands in the middle of the mesh, in POV-Ray
+where `at` says.
 
 Frames. Blender is right-handed with z up, POV-Ray left-handed with y up: every
 vector (x, y, z) becomes (x, z, y), which keeps the picture as it is.
@@ -36,7 +40,7 @@ import sys
 
 import bpy
 import numpy as np
-from libshade import _native, fabric, nodes
+from libshade import _native, fabric, metal_tree, nodes
 from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -131,10 +135,47 @@ def bump_image(socket, material, folder):
     return f'\n      bump_image {{ {kind} "{relative}" strength {number(strength)} filter off }}'
 
 
-def choices_text(node):
+def settings_of(node, what):
+    """A metal node's settings under the table's names, where its sockets say otherwise by those."""
+    said = {**nodes.settings(node), "fresnel": nodes.fresnel_of(node).lower()}
+    for names in (nodes.SHAPE, nodes.MATT_COLOR, nodes.EDGE):
+        for name in names:
+            if name in node.inputs and node.inputs[name].is_linked:
+                raise ExportError(f"{what}, {name}: what is linked cannot be written")
+    if nodes.sockets_rule(node, nodes.SHAPE):
+        said["ax"], said["ay"] = nodes.lobe(node)
+        said["ex"], said["ey"] = (nodes.exponent_of(said[name]) for name in ("ax", "ay"))
+    for word, (name,) in (("kd", nodes.MATT_COLOR), ("f82", nodes.EDGE)):
+        if nodes.sockets_rule(node, (name,)):
+            said[word] = tuple(node.inputs[name].default_value[:3])
+    return said
+
+
+def tangent_text(node, middle, what):
+    """What lays the strokes: `tangent …`, and a transformation of the texture or no text. middle: of the mesh."""
+    if "Tangent" in node.inputs and node.inputs["Tangent"].is_linked:
+        raise ExportError(f"{what}, Tangent: what is linked cannot be written")
+    turns = 0.0
+    if "Rotation" in node.inputs:
+        turns = node.inputs["Rotation"].default_value % 1.0
+        if node.inputs["Rotation"].is_linked or turns not in (0.0, 0.5):
+            raise ExportError(f"{what}, Rotation: only whole and half turns can be written")
+    kind, _space, axis = node.grain.partition("_")
+    back = -1.0 if turns else 1.0
+    if kind == "RADIAL":
+        around = tuple(-back * (name == axis) for name in "XYZ")
+        return f"tangent radial {vector(swapped(around))} at {vector(swapped(middle))}", ""
+    if kind == "AXIS":
+        return f"tangent {vector(swapped([back * part for part in metal_tree.axis_vector(axis)]))}", ""
+    if node.uv_map:
+        raise ExportError(f"{what}, UV Map: only strokes along the active one can be written")
+    return "tangent uv", "rotate 180*z" if turns else ""
+
+
+def choices_text(set_to):
     """A line for each of the table's lists: its word and the numbers that this choice reads; then
     the numbers that every material has, but for the colour, which is a socket."""
-    table, set_to = _native.table(), nodes.settings(node)
+    table = _native.table()
 
     def text(row):
         value = set_to[row["word"]]
@@ -190,27 +231,39 @@ def _value(socket):
     return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 
-def texture_text(material, folder):
-    """`texture { … }` for one material."""
+def texture_text(material, folder, middle):
+    """`texture { … }` for one material, on meshes with this middle."""
     cloth = fabric_of(material)
     if cloth:
         return fabric_text(material, cloth)
-    node = metal_of(material)
+    node, what = metal_of(material), f"material '{material.name}'"
     if node.inputs["Color"].is_linked:
-        raise ExportError(f"material '{material.name}': a textured Color cannot be written")
+        raise ExportError(f"{what}: a textured Color cannot be written")
     colour = node.inputs["Color"].default_value[:3]
-    bump = bump_image(node.inputs["Normal"], material, folder)
+    bump = bump_image(node.inputs["Normal"], material, folder) if node.bump_response == "FOLLOW" else ""
+    tangent, turn = tangent_text(node, middle, what)
     return f"""texture {{
   pigment {{ rgb 1 }}
   finish {{
     ambient 0 diffuse 0
     mdf {{
-      {choices_text(node)}
+      {choices_text(settings_of(node, what))}
       specular rgb {vector(colour)}
-      tangent uv{bump}
+      {tangent}{bump}
     }}
-  }}
+  }}{turn and chr(10) + "  " + turn}
 }}"""
+
+
+def middle_of(mesh, material):
+    """Where strokes of the material that run round an axis have it: in the middle of the mesh's texture space."""
+    if fabric_of(material) or not metal_of(material).grain.startswith("RADIAL"):
+        return (0.0, 0.0, 0.0)
+    across = [size for size, name in zip(mesh.texspace_size, "XYZ") if name != metal_of(material).grain[-1]]
+    if max(across) > 1.001 * min(across):
+        raise ExportError(f"material '{material.name}' on mesh '{mesh.name}': strokes round an axis are ellipses there, "
+                          "as the mesh is not as wide as deep; only circles can be written")
+    return tuple(mesh.texspace_location)
 
 
 # ---- meshes ----------------------------------------------------------------------------------
@@ -343,13 +396,15 @@ def light_text(light, matrix, size):
     energy = [data.energy * c for c in data.color]
     if data.use_nodes:
         raise ExportError(f"light '{light.name}': nodes cannot be written")
-    shadow = "" if data.use_shadow else "\n  shadowless"
+    # until 4.1 Cycles' own property, which is what our engine reads; what scripts set of it is no change to Blender
+    if not getattr(getattr(light.original.data, "cycles", None), "cast_shadow", data.use_shadow):
+        raise ExportError(f"light '{light.name}': it casts no shadow, and such a lamp of POV-Ray's gives no highlight")
     if data.type == "SUN" and data.angle == 0.0:
         towards = (matrix.to_3x3() @ Vector((0.0, 0.0, 1.0))).normalized()
         return f"""light_source {{
   {vector(swapped(towards * 100.0 * size))}
   rgb {vector(e / math.pi for e in energy)}
-  parallel point_at 0{shadow}
+  parallel point_at 0
 }}
 """
     if data.type == "POINT" and data.shadow_soft_size == 0.0:
@@ -359,7 +414,7 @@ def light_text(light, matrix, size):
         return f"""light_source {{
   {vector(swapped(matrix.translation))}
   rgb {vector(colour)}
-  fade_distance {number(fade)} fade_power 2{shadow}
+  fade_distance {number(fade)} fade_power 2
 }}
 """
     raise ExportError(f"light '{light.name}': only sharp sun and point lights can be written")
@@ -411,16 +466,17 @@ def export(folder):
         slots = tuple(slot.material for slot in ob.material_slots)
         if not slots or None in slots:
             raise ExportError(f"object '{ob.name}': an empty material slot")
-        for material in slots:
-            if material not in textures:
-                textures[material] = identifier("Metal", material.name, taken)
-                text = texture_text(material, folder)
-                materials_text.append(f"#declare {textures[material]} = {text}\n")
+        worn = [(material, middle_of(ob.data, material)) for material in slots]
+        for material, middle in worn:
+            if (material, middle) not in textures:
+                textures[material, middle] = identifier("Metal", material.name, taken)
+                text = texture_text(material, folder, middle)
+                materials_text.append(f"#declare {textures[material, middle]} = {text}\n")
             check_uv_map(ob.data, material, ob.name)
         key = (ob.data, slots)
         if key not in meshes:
             meshes[key] = identifier("Mesh", ob.name, taken)
-            text = mesh_text(mesh_arrays(ob.data, ob.name), [textures[m] for m in slots])
+            text = mesh_text(mesh_arrays(ob.data, ob.name), [textures[name] for name in worn])
             meshes_text.append(f"#declare {meshes[key]} = {text}\n")
         objects.append(f"object {{ {meshes[key]} {matrix_text(matrix)} }}\n")
 

@@ -89,6 +89,7 @@ NODES = "bpy.data.materials['Fine, bumped'].node_tree.nodes"
 @pytest.mark.parametrize("change, said", [
     ("bpy.data.lights['Sun'].type = 'AREA'", "light 'Sun': only sharp sun and point lights"),
     ("bpy.data.lights['Lamp'].shadow_soft_size = 1", "light 'Lamp': only sharp sun and point"),
+    ("bpy.data.lights['Sun'].cycles.cast_shadow = False", "light 'Sun': it casts no shadow"),
     ("bpy.context.scene.camera = None", "the scene has no camera"),
     ("bpy.data.meshes['Cube'].uv_layers.remove(bpy.data.meshes['Cube'].uv_layers[0])",
      "object 'Cube': the mesh has no UV map"),
@@ -100,6 +101,13 @@ NODES = "bpy.data.materials['Fine, bumped'].node_tree.nodes"
     ("bpy.data.meshes['Sphere'].uv_layers.new(name='Second'); "
      f"{NODES}['Normal Map'].uv_map = 'Second'",
      "object 'Sphere', material 'Fine, bumped', Normal: UV map 'Second' is not the active one"),
+    (f"{NODES}['Libshade Metal'].inputs['Rotation'].default_value = 0.1",
+     "material 'Fine, bumped', Rotation: only whole and half turns can be written"),
+    (f"{NODES}['Libshade Metal'].grain = 'RADIAL_Y'; bpy.data.meshes['Sphere'].vertices[0].co.z = 9",
+     "material 'Fine, bumped' on mesh 'Sphere': strokes round an axis are ellipses there"),
+    (f"bpy.data.materials['Fine, bumped'].node_tree.links.new({NODES}['Image Texture'].outputs['Alpha'], "
+     f"{NODES}['Libshade Metal'].inputs['Roughness'])",
+     "material 'Fine, bumped', Roughness: what is linked cannot be written"),
     ("bpy.data.materials['Across'].node_tree.nodes.clear()",
      "material 'Across': it has no Libshade Metal node"),
 ])
@@ -111,6 +119,27 @@ def test_what_cannot_be_written_is_named(awkward, tmp_path, change, said):
         report.step("Exporting", command, tmp_path / "log", programs.ADD_ON)
     assert said in str(failure.value)
     assert not (tmp_path / "out").exists(), "no half-written scene"
+
+
+@pytest.mark.parametrize("change, written", [
+    ("n.inputs['Roughness'].default_value = 0.5; n.inputs['Anisotropy'].default_value = 0.5",
+     ["ashikhmin_shirley 126.0, 6.0"]),  # alphas .25 * .5 and .25 / .5
+    ("n.inputs['Diffuse Color'].default_value = (0.25, 0.5, 0.75, 1); n.diffuse = 'LAMBERT'",
+     ["diffuse lambert rgb <0.25, 0.5, 0.75>"]),
+    ("n.inputs['Edge Tint'].default_value = (0.5, 0.25, 1, 1)", ["fresnel f82 rgb <0.5, 0.25, 1.0>"]),
+    ("n.grain = 'RADIAL_Z'", ["tangent radial <-0.0, -1.0, -0.0> at <"]),
+    ("n.grain = 'AXIS_Y'; n.inputs['Rotation'].default_value = 0.5", ["tangent <-1e-06, -0.001, -1.0>"]),
+    ("n.inputs['Rotation'].default_value = 1.5", ["tangent uv", "rotate 180*z"]),
+])
+def test_what_sockets_say_is_written(awkward, tmp_path, change, written):
+    command = programs.blender(COMPARE / "export_povray.py", tmp_path / "out", scene=awkward)
+    where = command.index("-P")
+    command[where:where] = ["--python-expr", f"import bpy; n = {NODES}['Libshade Metal']; {change}"]
+    report.step("Exporting", command, tmp_path / "log", programs.ADD_ON)
+    text = (tmp_path / "out" / "materials.inc").read_text(encoding="utf-8")
+    fine = text[text.index("Metal_Fine__bumped"):]
+    fine = fine[:fine.index("\n}")]
+    assert all(words in fine for words in written), fine
 
 
 def test_scripts_explain_themselves_and_refuse_bad_usage(tmp_path):
