@@ -84,26 +84,37 @@ def render_blender(options):
     return int(size.group(1)), int(size.group(2))
 
 
-def render_povray(options, width, height):
-    """The scene's POV-Ray form, its picture and dump."""
-    folder = options.output
+def export_povray(options):
+    """The scene's POV-Ray form, in povray/."""
     report.step(
         "Writing the scene for POV-Ray",
-        programs.blender(programs.HERE / "export_povray.py", folder / "povray",
+        programs.blender(programs.HERE / "export_povray.py", options.output / "povray",
                          scene=options.scene),
-        folder / "export.log", programs.ADD_ON,
+        options.output / "export.log", programs.ADD_ON,
     )
-    command = [programs.POVRAY, "scene.ini", f"+W{width}", f"+H{height}", "+FE", "-D"]
+
+
+def dump_povray(options, width, height):
+    """The dump of povray/scene.ini."""
+    folder = options.output
     report.step(
         "Dumping in POV-Ray",
-        [*command, f"+O{folder / 'povray_centres.exr'}", "-A"],
+        [programs.POVRAY, "scene.ini", f"+W{width}", f"+H{height}", "+FE", "-D", "-A",
+         f"+O{folder / 'povray_centres.exr'}"],
         folder / "povray_dump.log", {"LIBSHADE_DUMP": str(folder / "povray_dump.exr")},
         folder=folder / "povray",
     )
+
+
+def render_povray(options, width, height, over=1):
+    """The picture of povray/scene.ini. over: so many pixels in place of one along either side, each with one ray."""
+    folder = options.output
     # Every pixel whose neighbours are not the same is averaged over a grid of rays.
+    rays = ["-A"] if over > 1 else ["+AM1", "+A0.001", f"+R{options.grid}", "-J"]
     report.step(
         "Rendering in POV-Ray",
-        [*command, f"+O{folder / 'povray.exr'}", "+AM1", "+A0.001", f"+R{options.grid}", "-J"],
+        [programs.POVRAY, "scene.ini", f"+W{over * width}", f"+H{over * height}", "+FE", "-D", *rays,
+         f"+O{folder / 'povray.exr'}"],
         folder / "povray.log", folder=folder / "povray",
     )
 
@@ -184,7 +195,10 @@ def main(argv=None):
     (folder / "povray").mkdir(parents=True, exist_ok=True)
     for old in JUDGED:
         (folder / old).unlink(missing_ok=True)
-    render_povray(options, *render_blender(options))
+    size = render_blender(options)
+    export_povray(options)
+    dump_povray(options, *size)
+    render_povray(options, *size)
 
     parts = []
     for name, file in (("Blender", "blender_dump.exr"), ("POV-Ray", "povray_dump.exr")):

@@ -17,7 +17,7 @@ class Dump:
     material: np.ndarray  # -1 where nothing was hit
     P: np.ndarray
     N: np.ndarray
-    T: np.ndarray
+    T: np.ndarray  # along the grooves: the frame's x axis, turned by the dump's own angle where it has one
     Ns: np.ndarray
     V: np.ndarray
     uv: np.ndarray
@@ -73,13 +73,18 @@ def read(path):
     material = channels("material", ["ID"])[..., 0]
     if not np.isin(np.mod(material, 1.0), 0.0).all() or (np.abs(material) > 2**24).any():
         raise ValueError(f"{path}: material.ID holds what is no index; expected whole numbers, -1 for a miss")
+    directions = {name: channels(name, "XYZ") for name in DIRECTIONS}
+    if "groove.A" in planes:
+        # one renderer turns the frame to the grooves, another keeps it and says how far they are off
+        angle, along = planes["groove.A"][..., None], directions["T"]
+        directions["T"] = np.cos(angle) * along + np.sin(angle) * np.cross(directions["N"], along)
     return Dump(
         header=_header(path, text),
         material=material.astype(int),
         P=channels("P", "XYZ"),
         uv=channels("uv", "UV"),
         lights=lights,
-        **{name: channels(name, "XYZ") for name in DIRECTIONS},
+        **directions,
     )
 
 

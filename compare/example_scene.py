@@ -12,16 +12,32 @@ import inspect
 import json
 import os
 import sys
+import types
 
 import bpy
 
 
+class NoPictures:
+    """bpy.ops for an example that renders as soon as it is read: its picture is not wanted."""
+
+    def __init__(self, ops):
+        self._ops = ops
+        self.render = types.SimpleNamespace(render=lambda *_args, **_values: {"FINISHED"})
+
+    def __getattr__(self, name):
+        return getattr(self._ops, name)
+
+
 def build(script, folder):
-    """The example's scene, open. Examples that make a picture get one in the folder."""
+    """The example's scene, open."""
     sys.argv[sys.argv.index("--") + 1:] = [os.path.join(folder, "example.blend")]
     spec = importlib.util.spec_from_file_location("example", script)
     example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
+    kept, bpy.ops = bpy.ops, NoPictures(bpy.ops)
+    try:
+        spec.loader.exec_module(example)
+    finally:
+        bpy.ops = kept
     if hasattr(example, "build"):
         values = {"folder": folder, "near": False}
         example.build(*[values[name] for name in inspect.signature(example.build).parameters])
@@ -34,6 +50,9 @@ def metals():
 
 
 def save(path):
+    for image in bpy.data.images:
+        if image.source == "GENERATED" and image.is_dirty:  # else its pixels are not in the file
+            image.pack()
     bpy.context.preferences.filepaths.save_version = 0
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True, relative_remap=True)
 
@@ -53,4 +72,5 @@ def main(script, folder, variants=""):
             save(os.path.join(folder, f"{name}.blend"))
 
 
-main(*sys.argv[sys.argv.index("--") + 1:])
+if __name__ == "__main__":
+    main(*sys.argv[sys.argv.index("--") + 1:])

@@ -28,13 +28,21 @@ def map_file(folder, name):
     return image
 
 
-def material(name, kind, image=None, color=None, **values):
-    """One node of ours, `values` its properties, over a normal map if there is one."""
+def shader(name, kind):
+    """A material of one node of ours, and the node."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     tree = made.node_tree
     tree.nodes.clear()
     output, node = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new(kind)
+    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+    return made, node
+
+
+def material(name, kind, image=None, color=None, **values):
+    """One node of ours, `values` its properties, over a normal map if there is one."""
+    made, node = shader(name, kind)
+    tree = made.node_tree
     for word, value in values.items():
         setattr(node, word, value)
     if color:
@@ -44,7 +52,6 @@ def material(name, kind, image=None, color=None, **values):
         texture.image = image
         tree.links.new(texture.outputs["Color"], bump.inputs["Color"])
         tree.links.new(bump.outputs["Normal"], node.inputs["Normal"])
-    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
     return made
 
 
@@ -103,7 +110,7 @@ SCENES = {"brushed_plate": brushed_plate, "scratched_sphere": scratched_sphere, 
 
 
 def light(kind, energy, at, color=(1, 1, 1)):
-    """A sharp lamp: a sun from there to the origin, or a point."""
+    """A sharp lamp: a sun from there to the origin, or a point. energy: irradiance of a sun, watts of a point."""
     data = bpy.data.lights.new(kind, kind)
     data.energy, data.color = energy, color
     if kind == "SUN":
@@ -138,4 +145,5 @@ def main(name, folder):
     bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
 
 
-main(*sys.argv[sys.argv.index("--") + 1:])
+if __name__ == "__main__":
+    main(*sys.argv[sys.argv.index("--") + 1:])

@@ -192,12 +192,17 @@ def judge(monkeypatch, folder, blender=None, povray=None, after=None, picture=No
         pictures.write_float(chosen.output / "blender.exr", image)
         return 12, 8
 
-    def render_povray(chosen, width, height):
+    def dump_povray(chosen, width, height):
         assert (width, height) == (12, 8)
         pair["povray"].write(chosen.output / "povray_dump.exr", True)
+
+    def render_povray(chosen, width, height):
+        assert (width, height) == (12, 8)
         pictures.write_float(chosen.output / "povray.exr", other)
 
     monkeypatch.setattr(consistency, "render_blender", render_blender)
+    monkeypatch.setattr(consistency, "export_povray", lambda _chosen: None)
+    monkeypatch.setattr(consistency, "dump_povray", dump_povray)
     monkeypatch.setattr(consistency, "render_povray", render_povray)
     scene = folder / "scene.blend"
     scene.touch()

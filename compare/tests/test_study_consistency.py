@@ -2,6 +2,7 @@
 """study_consistency.py's rows of made-up dumps and pictures, and its findings on altered rows."""
 import re
 import xml.etree.ElementTree as ET
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,10 +91,19 @@ def test_a_picture_is_to_be_right_in_the_mean_and_to_the_eye():
 def test_a_mean_over_its_limit_is_said_by_name(rows):
     """One in many, by less than three times, for nothing else: no other scene is to be hidden by it."""
     good = [row for row in rows if row["kind"] == "check"] * 5
+    good += [{**row, "variant": "in both"} for row in good]
     narrow = {**good[0], "scene": "narrow", "ok": 0, "mean": 2e-5, "missed": "Blender against reference, mean error of S"}
     finding = study.finding_reference([*good, narrow])
-    assert finding.holds and "10 of 11 dumps" in finding.text and "narrow (mean error of a material 2.0e-05; " in finding.text
+    assert finding.holds and "20 of 21 dumps" in finding.text and "narrow (mean error of a material 2.0e-05; " in finding.text
+    assert study.finding_reference([*good, narrow, narrow]).holds and not study.finding_reference([*good, *[narrow] * 3]).holds
+    in_both = {**narrow, "variant": "in both"}  # of those more may be so named
+    assert study.finding_reference([*good, *[in_both] * 9]).holds and not study.finding_reference([*good, *[in_both] * 10]).holds
     assert not study.finding_reference([*good, {**narrow, "unexplained": int(0.01 * narrow["values"])}]).holds
+    sharp = {**narrow, "scene": "dial", "variant": "in both", "unexplained": int(0.09 * narrow["values"])}
+    finding = study.finding_reference([*good, sharp])  # known by name, in both, and said as a miss
+    assert finding.holds and "dial in both, Blender (mean error of a material 2.0e-05, MISSED, limit 1e-05;" in finding.text
+    for worse in ({"scene": "table"}, {"variant": "as it is"}, {"unexplained": int(0.11 * narrow["values"])}, {"mean": 4e-5}):
+        assert not study.finding_reference([*good, {**sharp, **worse}]).holds
     cloth = {**good[0], "scene": "cloth", "ok": 0, "missed": "", "far_values": 1000, "far_over": 3, "far_sum": 0.01}
     assert study.finding_reference([*good, cloth]).holds
     read = {key: value for key, value in cloth.items() if value != ""}  # as a CSV gives it back
@@ -101,8 +111,45 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     assert not study.finding_reference([*good, {**cloth, "far_over": 6}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_sum": 0.021}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_over": 0}]).holds
-    for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}):
+    far = {"far_values": 1000, "far_over": 3, "far_sum": 0.01}
+    assert study.finding_reference([*good, {**narrow, **far}]).holds  # both, and no more of either
+    for worse in ({"mean": 4e-5}, {"missed": "largest; mean error of S"}, {"missed": ""}, {**far, "far_sum": 0.03},
+                  {**far, "far_over": 6}):
         assert not study.finding_reference([*good, {**narrow, **worse}]).holds
+
+
+def test_a_pair_that_is_known_to_miss_is_said(rows):
+    """By what is named alone, and no further."""
+    pair = next(row for row in rows if row["kind"] == "pair")
+    known = {**pair, "scene": "povray/embossed", "ok": 0, "least": "Ns", "share": 0.99, "missed": "Ns equal within 0.2 degrees"}
+    finding = study.finding_pair([*rows, known])
+    assert finding.holds and "1 times of 2" in finding.text and "MISSED: povray/embossed (Ns in 99.00% of its pixels" in finding.text
+    for worse in ({"share": 0.98}, {"missed": "Ns equal; T equal"}, {"least": "T", "missed": "T equal"}, {"scene": "ball"}):
+        assert not study.finding_pair([*rows, {**known, **worse}]).holds
+
+
+def test_uv_coordinates_of_examples():
+    """Parts of the map that is seen where that is more than a unit; none where a shape has none."""
+    for shapes, last in ((True, 0.0), (False, 0.7)):  # meshes have coordinates everywhere
+        made = [SimpleNamespace(material=np.array([[0, 0, 1, 1]]), covered=np.ones((1, 4), bool), uv=uv, header={"materials": [
+            {"id": 0}, {"id": 1}]}) for uv in (np.array([[[3.0, 1], [43, 2], [0.2, 0.3], [0.7, 0.1]]]),
+                                               np.array([[[3.0, 1], [43, 2.004], [0.2, 0.3], [0, 0]]]))]
+        study.own_uv(*made, shapes)
+        off = np.abs(made[0].uv - made[1].uv).max(-1)[0]
+        assert off == pytest.approx([0, 1e-4, 0, last], abs=1e-12) and made[0].uv[0, 2] == pytest.approx([0.2, 0.3])
+
+
+def test_what_was_left_out_is_a_table(rows):
+    left = study.left_rows("ball", ["soft lamps", "bumps"])
+    table = study.tables([*rows, *left])[1]
+    assert table.rows == [["ball", "soft lamps; bumps"]]
+
+
+def test_what_rounding_explains_is_asked_of_values_of_points(monkeypatch, tmp_path):
+    """Of those of cloth from afar, which have limits of their own, nothing is."""
+    said = '{"values": 100, "excused": 8, "cells": [{"values": 10, "far": {"values": 50}}, {"values": 0, "single": {"values": 40}}]}'
+    monkeypatch.setattr(study.report, "step", lambda *_args, **_options: said)
+    assert study.left_of("Blender", tmp_path / "dump.exr", tmp_path) == 2
 
 
 def test_what_rounding_does_not_explain_is_counted(tmp_path, rows):

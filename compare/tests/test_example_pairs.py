@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Examples as both renderers show them: what povray_common.py leaves of a text, and small pairs in the renderers."""
+import re
+
+import pytest
+
+import dumps
+import povray_common
+import study_consistency as study
+
+EXAMPLES = {path.stem: path for path in study.POVRAY}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_what_both_show_of_a_text(name):
+    """Lamps are sharp and each example has one; nothing lights but them; all that was there is said."""
+    said = EXAMPLES[name].read_text(encoding="utf-8")
+    text, left = povray_common.common(name, said)
+    assert text.count("{") == text.count("}")
+    lamps = re.findall(r"light_source {([^{}]*)}", text)
+    assert lamps and all("parallel" in lamp or "fade_distance" in lamp for lamp in lamps)
+    for word, what in (("area_light", "lamps with a size"), ("sky_sphere", "the sky"), (r"normal\s*{", "patterns of normals"),
+                       ("radiosity", "radiosity")):
+        assert not re.search(rf"\b{word}", text)
+        assert bool(re.search(rf"\b{word}", re.sub("//.*", "", said))) == any(what in words for words in left)
+    assert not re.search(r"(?<!normal_vectors)\bemission [\d.]+ }\s*}\s*}", text) and len(set(left)) == len(left)
+
+
+def test_a_changed_example_is_an_error():
+    said = EXAMPLES["metals"].read_text(encoding="utf-8")
+    with pytest.raises(povray_common.Changed, match="metals.pov has no"):
+        povray_common.common("metals", said.replace("pigment { rgb 0.18 }", "pigment { rgb 0.2 }"))
+
+
+def test_blocks_go_whole():
+    text = "a { b { c } } sky { p { q { r } } } skyline { } sky{ x }"
+    assert povray_common.without(text, r"\bsky") == ("a { b { c } }  skyline { } ", 2)
+    assert povray_common.without(text, r"\bsky", lambda block: "x" in block) == ("a { b { c } }  skyline { } sky{ x }", 1)
+    with pytest.raises(povray_common.Changed):
+        povray_common.without("sky { ", r"\bsky")
+
+
+@pytest.fixture
+def small(monkeypatch):
+    monkeypatch.setattr(study, "METAL", {"Blender": study.Look(10, 16, 1, 2), "POV-Ray": study.Look(10, 16, 1, 2)})
+    monkeypatch.setattr(study, "OWN", {})
+    monkeypatch.setattr(study, "PERCENT", 5)
+
+
+def test_a_pair_of_a_blender_example(tmp_path, small):
+    rows = study.blender_example("dial")(tmp_path, lambda _text: None)
+    assert all(row["ok"] for row in rows if row["kind"] == "pair"), rows
+    assert all(row["values"] > 0 and row["error"] <= row["limit"] for row in rows if row["kind"] == "check"), rows
+    left = [row["what"] for row in rows if row["kind"] == "left"]
+    assert any(what.startswith("sharp points") for what in left) and "a sun in place of the sky" in left
+    # strokes round an axis, by each renderer's own words: a dump's T is along them
+    dump = dumps.read(tmp_path / "both" / "povray_dump.exr")
+    assert len({material["id"] for material in dump.header["materials"]}) > 4
+
+
+def test_a_pair_of_a_povray_example(tmp_path, small):
+    rows = study.povray_example(EXAMPLES["turned"])(tmp_path, lambda _text: None)
+    assert all(row["ok"] for row in rows if row["kind"] in ("check", "pair")), rows
