@@ -77,7 +77,7 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
   material.scratches = scratches;
 }
 
-// `a, b`, within limits: the ends of a range.
+// `a, b`, within limits: the ends of a range, which the library puts in order.
 void Parser::Parse_Mdf_Range(const std::string &what, double least, double most, double unit,
                              shade_range &range) {
   double *const ends[2] = {&range.low, &range.high};
@@ -91,8 +91,6 @@ void Parser::Parse_Mdf_Range(const std::string &what, double least, double most,
     if (*ends[i] != number / unit)
       Warn_Mdf_Number(what, number, *ends[i] * unit);
   }
-  if (range.low > range.high)
-    std::swap(range.low, range.high);
 }
 
 void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
