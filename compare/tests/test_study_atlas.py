@@ -314,3 +314,9 @@ def test_commands_print_the_sample(rows, capsys):
 def test_bad_places(words, says):
     with pytest.raises(ValueError, match=says):
         atlas_at.parse(words)
+
+
+def test_a_ramp_begins_and_ends_with_its_stops():
+    colours = atlas_charts.ramp("#102030", "#204060", "#ff0000")
+    wanted = [(16, 32, 48), (16, 32, 48), (24, 48, 72), (32, 64, 96), (255, 0, 0), (255, 0, 0)]
+    assert np.array_equal(colours(np.array([-1, 0, 0.25, 0.5, 1, 2])), wanted)

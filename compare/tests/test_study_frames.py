@@ -82,3 +82,14 @@ def test_noise_counts_beside_the_error_that_it_hides(rows):
 
     held = [finding.holds for finding in study.findings([changed(row) for row in rows])]
     assert held == [True] * 5 + [False]
+
+
+def test_what_made_the_tiles_is_removed_but_for_the_truth(tmp_path):
+    """The truth takes minutes, and the next run needs it."""
+    for name in ("truth-plate.npy", "truth-plate.exr", "libshade-8.exr", "normals.npy", "plate.inc", "ball.ply", "log.txt"):
+        (tmp_path / name).write_text("")
+    side = study.SIZE["sun"]
+    true = np.linspace(0, 1, side * side * 3).reshape(side, side, 3)
+    rows = study.tiles(tmp_path, "plate", "sun", true, {("libshade", 8): (true, [1.0], "0")})
+    left = {path.name for path in tmp_path.iterdir() if path.suffix != ".jpg"}
+    assert rows and left == {"truth-plate.npy", "truth-plate.exr", "log.txt"}

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common  # noqa: E402
@@ -116,6 +116,19 @@ def test_pixels_that_no_file_has_are_read_each_time():
         for _ in range(2):
             kept.image(image, None, lambda: fetched.append(1) or {})
         assert len(fetched) == times, dirty
+
+
+def test_balls_at_points():
+    """Each where its object carries it, and as large as the object is in the mean; when it moves, too."""
+    turn = Matrix.Translation((1, 2, 3)) @ Matrix.Rotation(0.7, 4, (1, 2, 3)) @ Matrix.Diagonal((1, 2, 4, 1))
+    places, sizes = np.array([[1.0, 0, 0], [0.2, -0.5, 3.0]]), np.array([0.5, 0.1])
+    made = {"matrix": np.array(turn).ravel().tolist(), "motion": np.array([turn, Matrix.Identity(4)])}
+    balls = module("export.scene")._at_points(made, places, sizes)
+    for ball, place, size in zip(balls, places, sizes):
+        wanted = Matrix.Translation(turn @ Vector(place)) @ Matrix.Scale(2 * size, 4)
+        assert np.allclose(np.reshape(ball["matrix"], (4, 4)), wanted, atol=1e-6)
+        assert np.allclose(ball["motion"][0], wanted, atol=1e-5)
+        assert np.allclose(ball["motion"][1], Matrix.Translation(place) @ Matrix.Scale(size, 4), atol=1e-6)
 
 
 def test_the_focus_is_on_a_bone():
