@@ -1,13 +1,15 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """Do the tests notice small mistakes? Puts mistakes into a copy of the tree, one at a time, builds,
 runs the tests that ought to notice, and says which mistakes they caught and which survived.
 
-Run by hand from anywhere, after `make check` or as much of it as the tests named in the list need:
+Run by hand from anywhere, by the system's Python (another one's folder in PATH is where Blender would look for
+its modules), after `make check` or as much of it as the tests named in the list need:
 
     setup/mutants.py                      all of setup/mutants.txt, in build/mutants
     setup/mutants.py --only weave         those whose file or text holds the word
     setup/mutants.py --list setup/mutants-once-missed.txt   what tests had not noticed before
+    setup/mutants.py --stale                                only whether a list finds its lines
 
 A list is made of blocks, parted by empty lines; # begins a comment:
 
@@ -19,14 +21,18 @@ A list is made of blocks, parted by empty lines; # begins a comment:
     $ c NAME …       programs of libshade/test
     $ py ARGUMENTS   pytest on libshade and compare; words may be quoted, as in a shell
     $ blender ARGUMENTS, $ povray ARGUMENTS   the same, where the renderer must be built first
+    $ zip ARGUMENTS  the same, where the add-on's archive must be made again, with assets and manual
 
-The last word on a mistake is one line: `caught` (a test failed), `compiler` (it did not build), `slow`
-(no end within five minutes: caught too), `SURVIVED`, or `stale` (the text is not there, or not once).
+The last word on a mistake is one line: `caught` (a test failed, whose name follows), `compiler` (it did not
+build), `slow` (no end within five minutes: caught too), `SURVIVED`, or `stale` (the text is not there, or not
+once). Instruction sets that no test runs stay as the tree has built them: what compares one with another, as the
+program isa does, would notice a mistake in a kernel by that alone, so no list names it for one.
 Before the mistakes every kind of test that the list names is run on the tree as it is: it must pass.
 Exit status: 0 if 90 % of those that are not stale are noticed, else 1; 2 for a list that cannot be read.
 """
 import argparse
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -37,6 +43,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SECONDS = 300
 ENOUGH = 0.9
+# what Blender renders of the add-on, and its manual: old ones will do, which takes ten seconds less
+MADE_BEFORE = [word for name in ("assets/blender_assets.cats.txt", "manual/index.html")
+               for word in ("-o", f"build/blender/addons/libshade/{name}")]
 # what may stay where it is: only read
 SHARED = ("venv", "venv-bpy")
 # what no test named in a list needs
@@ -85,29 +94,74 @@ def read_list(path):
     return mutants
 
 
+def is_stale(mutant, folder=ROOT):
+    path = folder / mutant.file
+    return not path.is_file() or path.read_text(encoding="utf-8").count(mutant.old) != 1
+
+
 def command(test):
     """(goals of make, then a command) for a line of tests."""
     kind, *words = test.split()
     if kind == "c":
         programs = [f"build/test/{word}" for word in words]
         return programs, [["sh", "-ec", "\n".join(programs)]]
-    goals = {"py": ["all", "build/horizon"], "blender": ["all", "blender"], "povray": ["all", "povray"]}
+    goals = {"py": ["all", "build/horizon"], "blender": ["all", *MADE_BEFORE, "native", "blender"], "zip": ["all", "blender"],
+             "povray": ["all", "povray"]}
     if kind not in goals:
-        raise ValueError(f"'{test}': tests are c, py, blender or povray")
+        raise ValueError(f"'{test}': tests are c, py, blender, zip or povray")
     line = test.split(None, 1)[1]
     return goals[kind], [["sh", "-c", f"build/venv/bin/python -m pytest -q -x -p no:cacheprovider {line}"]]
+
+
+def kept_as_built():
+    """Variables of make by which the instruction sets that no test runs are taken from the tree's build/."""
+    build = ROOT / "build"
+    try:
+        said = subprocess.run([build / "shade", "--version"], check=True, capture_output=True, text=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return []
+    widest = re.search(r"\((\w+)\)", said)
+    if not widest:
+        return []
+    given = []
+    for objects, of, names, run in ((build / "obj" / "src", build, ("PLAIN_B", "PLAIN_ISAS"), {"scalar"}),
+                                    (build / "blender" / "native" / "obj" / "isa", build / "blender" / "native",
+                                     ("PLAIN_NATIVE", "PLAIN_STAGES"), set())):
+        sets = {re.sub("^isa_", "", path.stem) for path in objects.glob("*.o")} & {"scalar", "sse2", "avx2", "avx512"}
+        left = sorted(sets - run - {widest[1]})
+        if left:
+            given += [f"{names[0]}={of}", f"{names[1]}={' '.join(left)}"]
+    return given
+
+
+def moved(build, was, now):
+    """POV-Ray's build says where it is: in another folder it would be configured and compiled anew."""
+    for pattern in ("configured", "src/Makefile", "src/config.status", "src/**/Makefile", "src/**/.deps/*.Po",
+                    "src/.pc-libshade/.quilt_*"):
+        for path in (build / "povray").glob(pattern):
+            text, times = path.read_bytes(), path.stat()
+            if os.fsencode(was) + b"/" in text:
+                path.write_bytes(text.replace(os.fsencode(was) + b"/", os.fsencode(now) + b"/"))
+                os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+def failed(log):
+    """The first test that a log says failed."""
+    found = re.search(r"^(?:FAILED|ERROR) \S+::(\S+)|^\[  FAILED  \] \S+: (\w+)$|^\[  FAILED  \] (\w+)$", log, re.M)
+    return next((name for name in found.groups() if name), "") if found else ""
 
 
 class Copy:
     """The tree and its build/, where mistakes may be made."""
 
     def __init__(self, folder):
-        self.folder = folder
+        self.folder, self.kept = folder, kept_as_built()
         build = folder / "build"
         build.mkdir(parents=True, exist_ok=True)
         listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True)
         self._unpack(ROOT, folder, ["--null", "-T", "-"], listed.stdout)
         self._unpack(ROOT / "build", build, [*(f"--exclude=./{n}" for n in (*SHARED, *LEFT_OUT)), "."])
+        moved(build, ROOT, folder)
         for name in SHARED:
             if (ROOT / "build" / name).exists() and not (build / name).exists():
                 (build / name).symlink_to(ROOT / "build" / name)
@@ -137,7 +191,7 @@ class Copy:
         for test in tests:
             goals, commands = command(test)
             # optimised less: quicker to build; the setup goals are not wanted, all of it is there
-            made = self.run(["make", f"-j{os.cpu_count()}", "CFLAGS=-O1", "NEEDS=", *goals])
+            made = self.run(["make", f"-j{os.cpu_count()}", "CFLAGS=-O1", "NEEDS=", *self.kept, *goals])
             if made != 0:
                 return "slow" if made is None else "compiler"
             for words in commands:
@@ -148,11 +202,15 @@ class Copy:
                     return "slow" if status is None else "caught"
         return "SURVIVED"
 
+    def by(self):
+        """The test that failed last."""
+        return failed((self.folder / "build" / "mutant.log").read_text(encoding="utf-8", errors="replace"))
+
     def with_mistake(self, mutant):
         path = self.folder / mutant.file
-        text = path.read_text(encoding="utf-8") if path.is_file() else ""
-        if text.count(mutant.old) != 1:
+        if is_stale(mutant, self.folder):
             return "stale"
+        text = path.read_text(encoding="utf-8")
         path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
         try:
             return self.judge(mutant.tests)
@@ -167,6 +225,7 @@ def main():
     parser.add_argument("--only", default="", help="a word of the file's name or of the text")
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "mutants",
                         help="folder for the copy (default build/mutants)")
+    parser.add_argument("--stale", action="store_true", help="name those that no longer find their lines, and end")
     parser.add_argument("--no-baseline", action="store_true", help="do not run the tests unchanged first")
     options = parser.parse_args()
     try:
@@ -177,6 +236,11 @@ def main():
     except (OSError, ValueError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    if options.stale:
+        gone = [m for m in mutants if is_stale(m)]
+        for mutant in gone:
+            print(f"{options.list}:{mutant.line}: stale: {mutant.title()}")
+        return 1 if gone else 0
     copy = Copy(options.work.resolve())
     if not options.no_baseline:
         for test in sorted({t for m in mutants for t in m.tests}):
@@ -192,7 +256,8 @@ def main():
         except ValueError as error:
             print(f"error: {options.list}:{mutant.line}: {error}", file=sys.stderr)
             return 2
-        print(f"{results[-1]:9} {time.monotonic() - begun:4.0f} s  {mutant.title()}", flush=True)
+        by = f"  [{copy.by()}]" if results[-1] == "caught" else ""
+        print(f"{results[-1]:9} {time.monotonic() - begun:4.0f} s  {mutant.title()}{by}", flush=True)
     valid = [r for r in results if r != "stale"]
     noticed = sum(r != "SURVIVED" for r in valid)
     print(f"\n{noticed} of {len(valid)} noticed ({results.count('stale')} stale), "
