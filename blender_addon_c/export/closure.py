@@ -427,16 +427,44 @@ def _metallic(reader, node, groups, share):
         head_on = tuple(_conductor(reader, n, x, 1.0) for n, x in zip(eta, k))
         lost = tuple(math("SUBTRACT", math("MULTIPLY_ADD", part, 1 - _SCHLICK_82, _SCHLICK_82),
                           _conductor(reader, n, x, 1 / 7)) for part, n, x in zip(head_on, eta, k))
-    film = inputs.get("Thin Film Thickness")
-    if film and (film.is_linked or film.default_value > 0):
-        reader.warn(f"'{node.name}': Thin Film Thickness is not supported; left out")
+    film = _film(reader, node, groups)
+    if film:
+        eta, k = (parts["eta"], parts["k"]) if "k" in parts else _index_of(reader, base, edge)
+        film, settings, parts = film | {"film_eta": eta, "film_k": k}, {"fresnel": "NONE"}, {"f0": _WHITE}
     lobe = _Lobe(reader, alpha, normal)
     if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
         # the mean over the directions of Schlick's and of the dip at 82 degrees
         means = tuple(math("MULTIPLY_ADD", less, -_DIP, _mean(reader, part)) for part, less in zip(head_on, lost))
         share = _times(reader, lobe.kept(means), share)
-    _add(reader, _metal_closure({**_LOBES[node.distribution], **settings}, alpha=alphas, groove=groove, **parts),
-         share, normal, tuple(map(lobe.albedo, head_on)))
+    made = _metal_closure({**_LOBES[node.distribution], **settings}, alpha=alphas, groove=groove, **parts)
+    _add(reader, made | film, share, normal, tuple(map(lobe.albedo, head_on)))
+
+
+def _film(reader, node, groups):
+    """What a METAL says of a thin film on it, or nothing."""
+    socket = node.inputs.get("Thin Film Thickness")
+    thickness = number_of(reader, socket, groups) if socket else 0.0
+    if is_known(thickness) and thickness <= 0:
+        return {}
+    return {"film_thickness": [thickness], "film_ior": [number_of(reader, node.inputs["Thin Film IOR"], groups)]}
+
+
+def _index_of(reader, base, edge):
+    """A metal's index and extinction that reflect this colour head-on; how much the first is, that at 82 degrees
+    says [Gulbrandsen2014], as in Cycles. edge: its tint there."""
+    math, etas, ks = reader.program.math, [], []
+    for part, tint in zip(base, edge):
+        part = math("CLAMP", part, 0.0, 0.99)
+        tint = math("MULTIPLY", tint, math("MULTIPLY_ADD", part, 1 - _SCHLICK_82, _SCHLICK_82))
+        root = math("SQRT", part)
+        least = math("DIVIDE", math("SUBTRACT", 1.0, part), math("ADD", 1.0, part))
+        most = math("DIVIDE", math("ADD", 1.0, root), math("SUBTRACT", 1.0, root))
+        eta = math("MIX", most, least, tint)
+        above, below = math("ADD", eta, 1.0), math("SUBTRACT", eta, 1.0)
+        square = math("SUBTRACT", math("MULTIPLY", part, math("MULTIPLY", above, above)), math("MULTIPLY", below, below))
+        etas.append(eta)
+        ks.append(math("SQRT", math("MAXIMUM", math("DIVIDE", square, math("SUBTRACT", 1.0, part)), 0.0)))
+    return tuple(etas), tuple(ks)
 
 
 def _mean(reader, head_on):
@@ -542,6 +570,9 @@ def _glass(reader, node, groups, share, reflects=True):
 def _add_glass(reader, node, groups, alpha, share, normal, color=_WHITE, **given):
     """Where the node says so, light that met the facets several times leaves as the rest does, each
     time in this colour."""
+    film = node.inputs.get("Thin Film Thickness")
+    if film and (film.is_linked or film.default_value > 0):
+        reader.warn(f"'{node.name}': Thin Film Thickness is not supported where light is transmitted; left out there")
     seen = None
     if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
         about = {"normal": normal} if normal else {}
@@ -627,7 +658,7 @@ def _principled(reader, node, groups, share):
 
 
 # Sockets without a closure yet, in one version or another, and what they are where they say nothing.
-_LEFT_OUT = {"Thin Film Thickness": 0, "Transmission Roughness": 0}
+_LEFT_OUT = {"Transmission Roughness": 0}
 # What goes below the surface, in 3.4 and from 4.0 on, is matt.
 _BELOW = ("Subsurface", "Subsurface Weight")
 
@@ -678,7 +709,7 @@ class _Principled:
             return _times(self.reader, share, part)
         return self.math("MULTIPLY", share, part)
 
-    def _lobe(self, share, settings, head_on, **parts):
+    def _lobe(self, share, settings, head_on, film=None, **parts):
         lobe = _Lobe(self.reader, self.alpha, self.normal)
         kept = lobe.kept(tuple(_mean(self.reader, part) for part in head_on)) if self.several else _WHITE
         share = _times(self.reader, kept, share)
@@ -686,8 +717,8 @@ class _Principled:
         seen = (tuple(map(lobe.albedo, head_on)) if _JOINT else
                 tuple(self.math("DIVIDE", 1.0, part) for part in kept))
         shadow = {} if self.several else _apart("GGX")
-        _add(self.reader, _metal_closure({**_GGX, **shadow, **settings}, alpha=self.alphas,
-                                         groove=self.groove, **parts), share, self.normal, seen)
+        made = _metal_closure({**_GGX, **shadow, **settings}, alpha=self.alphas, groove=self.groove, **parts)
+        _add(self.reader, made | (film or {}), share, self.normal, seen)
 
     def _clear(self, share, head_on, thin=0.0):
         """thin: 1 where light is faster inside than outside."""
@@ -785,8 +816,14 @@ class _Principled:
         tint = color_of(reader, self.node.inputs["Specular Tint"], self.groups)
         white = is_known(*tint) and all(part >= 1 for part in tint)
         metal = {"fresnel": "SCHLICK"} if white else {"fresnel": "F82"}
-        self._lobe(self._part(share, self.metallic), metal, self.base, f0=self.base,
-                   **({} if white else {"f82": tuple(_clamp(reader, part) for part in tint)}))
+        edge, film = tuple(_clamp(reader, part) for part in tint), _film(reader, self.node, self.groups)
+        if film and bpy.app.version >= (5, 0):  # before, none lies on metal
+            eta, k = _index_of(reader, self.base, edge)
+            self._lobe(self._part(share, self.metallic), {"fresnel": "NONE"}, self.base,
+                       film | {"film_eta": eta, "film_k": k}, f0=_WHITE)
+        else:
+            self._lobe(self._part(share, self.metallic), metal, self.base, f0=self.base,
+                       **({} if white else {"f82": edge}))
         share = self._rest(share, self.metallic)
         through = _clamp(reader, self._number("Transmission Weight"))
         glass = self._part(share, through)
@@ -804,17 +841,31 @@ class _Principled:
         if not (is_known(level) and level == 0.5):
             head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
         lobe = _Lobe(reader, self.alpha, self.normal)
-        if is_known(*tint) and tuple(tint) == _WHITE:
+        if film:
+            hidden = self._filmed(share, film, head_on, tint)
+        elif is_known(*tint) and tuple(tint) == _WHITE:
             self._clear(share, head_on, math("LESS_THAN", ior, 1.0))
         else:
             f0 = tuple(_clamp(reader, math("MULTIPLY", head_on, part)) for part in tint)
             self._lobe(share, {"fresnel": "SCHLICK"}, f0, f0=f0)
             head_on = _largest(reader, f0)
-        hidden = lobe.albedo(head_on)
+        if not film:
+            hidden = lobe.albedo(head_on)
+        elif self.several:  # of a film it is that of a mirror
+            hidden = math("MULTIPLY", hidden, lobe.one)
         if self.several:
             hidden = math("MULTIPLY", hidden, lobe.kept((_mean(reader, head_on),))[0])
         roughness = self._number("Diffuse Roughness") if "Diffuse Roughness" in self.node.inputs else 0.0
         _matt(reader, self.base, roughness, self._rest(share, _clamp(reader, hidden)), self.normal)
+
+    def _filmed(self, share, film, head_on, tint):
+        """A clear body under a thin film; what that hides of what is below, by its largest colour at the eye's
+        angle."""
+        film |= {"film_eta": (self._eta(head_on),) * 3, "film_k": _BLACK}
+        share = share if is_known(*tint) and tuple(tint) == _WHITE else _times(self.reader, tint, share)
+        self._lobe(share, {"fresnel": "NONE"}, (head_on,) * 3, film, f0=_WHITE)
+        seen = self.reader.program.emit("THIN_FILM", cosine=[self._seen(self.normal)], **film)
+        return _largest(self.reader, _times(self.reader, seen, tint))
 
     def _coated(self, share, weight):
         reader = self.reader

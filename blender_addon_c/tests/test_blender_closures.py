@@ -23,8 +23,8 @@ def of_version(thing, version):
     return thing
 
 
-def cases_of(version):
-    made = of_version(CASES, version)
+def cases_of(version, cases=None):
+    made = of_version(cases or CASES, version)
     for case in made:
         for item in case.get("shaders", ()):
             item["node"] = "ShaderNode" + item["node"]
@@ -50,6 +50,11 @@ def principled(name, **inputs):
     given = {key.replace("_", " "): value for key, value in inputs.items()}
     given |= {old[key]: value for key, value in given.items() if key in old}
     return one(name, "BsdfPrincipled", {"Base Color": RED, **given})
+
+
+def film(thickness, ior):
+    """Sockets of 4.2 on, in nm."""
+    return {"Thin Film Thickness": {"5.0": thickness}, "Thin Film IOR": {"5.0": ior}}
 
 
 def grooved(case, by="UV"):
@@ -92,11 +97,23 @@ CASES = [
         fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
     one("beckmann conductor", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
         "Color": RED, "Roughness": 0.4}, distribution="BECKMANN", fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
+    one("filmed conductor", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+        "Color": RED, "IOR": (2.87, 2.93, 2.59), "Extinction": (3.11, 2.93, 2.77), "Roughness": 0.3, **film(400.0, 1.4)},
+        distribution="GGX", fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
+    one("filmed conductor, several", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+        "Color": RED, "IOR": (0.18, 0.42, 1.37), "Extinction": (3.4, 2.35, 1.77), "Roughness": 0.6, **film(250.0, 1.8)},
+        distribution="MULTI_GGX", fresnel_type={"5.0": "PHYSICAL_CONDUCTOR"}),
+    one("filmed tints", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
+        "Color": RED, "Base Color": RED, "Edge Tint": (0.9, 0.9, 0.9, 1), "Roughness": 0.3, **film(400.0, 1.33)},
+        distribution="GGX", fresnel_type={"5.0": "F82"}),
     one("below", "SubsurfaceScattering", {"Color": RED, "Scale": 0.0}),
     principled("principled"),
     principled("principled below", Roughness=0.3, **{
         "Subsurface": 0.7, "Subsurface Weight": 0.7, "Subsurface Color": (0.2, 0.5, 0.9, 1),
         "Subsurface Radius": (0.0, 0.0, 0.0), "Subsurface Scale": 0.0}),
+    principled("filmed", Roughness=0.2, **film(500.0, 1.33)),
+    principled("filmed, rough", Roughness=0.7, **film(300.0, 1.8)),
+    principled("filmed metal", Metallic=1.0, Roughness=0.3, **film(400.0, 1.33)),
     principled("metallic", Metallic=1.0, Roughness=0.4),
     principled("half metallic", Metallic=0.5, Roughness=0.4),
     principled("rough", Roughness=1.0),
@@ -142,8 +159,10 @@ CASES += [{"name": kind, "bare": kind} for kind in
 # the facets of rough glass, where ours has the share that does leave as the rest; and it draws its clear coat by another density than it says, so that
 # what is below is 2 % too dark under a sky (under the sun alone ours is within .5 %); its bumped GGX is 1 to 2 % brighter. What
 # several bounces keep of total reflection is not in the table of "thin". Where "a bumped vector" lies in the surface, heights bend
-# it without end. APART: of 4 x 4 pixels.
+# it without end. Where a film lies on a metal of two tints, 5.0 has their reflectance in the place of what its index, by
+# these, gives. APART: of 4 x 4 pixels.
 OFF = {**{(f"BsdfGlossy, {bump}", "3.4"): 0.02 for bump in BUMPS}, ("several in glass", "3.4"): 0.05, ("coated", "3.4"): 0.03, ("thin", "5.0"): 0.02, ("tinted coat", "3.4"): 0.03,
+       ("filmed tints", "5.0"): 0.03, ("filmed metal", "5.0"): 0.03,
        **{(f"{kind}, a bumped vector", version): 0.025 for kind in ("BsdfDiffuse", "BsdfGlossy", "BsdfPrincipled")
           for version in ("3.4", "5.0")}}
 APART = {("several in glass", "3.4"): 0.025}
@@ -168,6 +187,13 @@ def test_shaders_are_those_of_cycles(blender, tmp_path):
                 (case["name"], blender.version), 0.02):
             far.append((case["name"], off, apart))
     assert not far, far
+
+
+def test_films_on_what_is_clear_are_named(blender50, tmp_path):
+    cases = [one("glass", "BsdfGlass", film(300.0, 1.4)), principled("clear", Transmission_Weight=1.0, **film(300.0, 1.4)),
+             one("no film", "BsdfGlass", film(0.0, 1.4))]
+    _, text = blender50.scene("balls", tmp_path, cases=cases_of("5.0", cases), engine="LIBSHADE", samples=1, dump="")
+    assert text.count("Thin Film Thickness is not supported where light is transmitted") == 2, text
 
 
 def test_smooth_cubes(blender, tmp_path):

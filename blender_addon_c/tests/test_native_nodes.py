@@ -87,6 +87,14 @@ def rough_albedo(u, _v):
     return np.full((*u.shape, 3), (1 / (1 + shadow)).sum() / len(x))
 
 
+def bare(u, _v):
+    """What a metal of this index reflects of light that is not polarised, by its complex amplitudes."""
+    n, sine2 = 0.4 + 2.5j, 1 - u**2
+    inside = np.sqrt(n**2 - sine2)
+    s, p = (u - inside) / (u + inside), (n**2 * u - inside) / (n**2 * u + inside)
+    return np.repeat(0.5 * (abs(s) ** 2 + abs(p) ** 2)[..., None], 3, -1)
+
+
 # By kind: a node that may read SOURCES and writes OUT, and what it says at (u, v): a colour of three
 # (or one, which the others repeat), or NORMAL.
 NODES = {
@@ -103,6 +111,9 @@ NODES = {
                      stacked(lambda u, v: (1.0, 1.0, 1.0))),
     # from above, of roughness 1, as Cycles 5.0 was seen to reflect: .342 of even light, a .876, b about 0
     "FIBRES": ({"roughness": [1.0], "out": [OUT[1], OUT[2], OUT[0]]}, stacked(lambda u, v: (0.342, 0.876, 0.0))),
+    # of no thickness; films: test_native_thin_film.py
+    "THIN_FILM": ({"cosine": UV[:1], "film_thickness": [0.0], "film_ior": [1.33], "film_eta": [0.4] * 3,
+                   "film_k": [2.5] * 3, "out": OUT[:3]}, bare),
     "GEOMETRY": ({"what": "UV", "out": OUT[:3]}, stacked(lambda u, v: (u, v, 0))),
     "LAYER": ({"layer": 0, "shift": [0.125, 0.0], "out": OUT[:3]},
               stacked(lambda u, v: (0.5 * (u + 0.125) + 0.25 * v, 0.75 - 0.5 * v, 0))),

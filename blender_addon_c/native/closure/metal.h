@@ -5,13 +5,16 @@
  * two, the tangent about the normal; `normal`, three registers; `bumps_from`, two, along the
  * tangent and across: which share of the lobe's squared slopes is that of bumps, for Ashikhmin and
  * Shirley's BRDF. `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and
- * Beckmann had it until 3.6, not of both together. */
+ * Beckmann had it until 3.6, not of both together. `film_thickness` and, with it, what else
+ * closure/thin_film.h reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.
+ */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
 
 #include "batch/lanes.h"
 #include "closure/common.h"
 #include "closure/glass.h"
+#include "closure/thin_film.h"
 #include "node/common.h"
 #include "shade/shade.h"
 
@@ -27,6 +30,7 @@ typedef struct closure_metal {
   shade_bsdf bsdf;
   operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], bumps[2];
   bool grooved, apart, bumpy;
+  thin_film film;
   bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
 } closure_metal;
@@ -92,6 +96,9 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
   c->grooved = reader_has(r, "groove_from");
   c->apart = false;
   c->bumpy = reader_has(r, "bumps_from");
+  c->film.there = false;
+  if (reader_has(r, "film_thickness") && !thin_film_read(r, &c->film, g))
+    return false;
   if ((reader_has(r, "apart") && !reader_flag(r, "apart", &c->apart)) ||
       !closure_metal_from(r, g, "f0_from", 3, c->f0) ||
       !closure_metal_from(r, g, "kd_from", 3, c->kd) ||
@@ -258,6 +265,30 @@ LEAF void metal_bumps(const closure_metal *c, lane_run run, const surfaces *rest
   }
 }
 
+/* What its film reflects, at the facets between both directions. */
+static __attribute__((noinline)) void metal_film(const closure_metal *c, lane_run run,
+                                                 const surfaces *restrict at, inputs *given,
+                                                 const lane_v *restrict wi, lane_c *restrict f) {
+  const thin_film_lanes from = thin_film_lanes_of(&c->film, given, run);
+  float *const to[3] = {f->r, f->g, f->b};
+  float cosine[FILM_ROOM], part[FILM_ROOM];
+  for (size_t begin = run.begin; begin < run.end; begin += FILM_ROOM) {
+    size_t left = run.end - begin, count = left < FILM_ROOM ? left : FILM_ROOM;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) { /* of a unit angle's half */
+      float both = dot(load(&at->wo, begin + i), load(wi, begin + i));
+      cosine[i] = sqrtf(clampf(0.5f + 0.5f * both, 0.0f, 1.0f));
+    }
+    for (int k = 0; k < 3; k++) {
+      thin_film_reflects(&from, k, begin, count, cosine, part);
+      float *restrict color = to[k] + begin;
+#pragma omp simd
+      for (size_t i = 0; i < count; i++)
+        color[i] *= part[i];
+    }
+  }
+}
+
 /* Members that all lanes of the library have in common. */
 #define METAL_GIVEN                                                                                \
   .nx = given->at[c->normal[0]] + i, .ny = given->at[c->normal[1]] + i,                            \
@@ -367,6 +398,8 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
   metal_apart(c, run, at, given, wi, &out->f);
   if (c->bumpy)
     metal_bumps(c, run, at, given, wi, &out->f);
+  if (c->film.there)
+    metal_film(c, run, at, given, wi, &out->f);
   return status;
 }
 
@@ -397,6 +430,8 @@ LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const sur
   metal_apart(c, run, at, given, &out->wi, &out->f);
   if (c->bumpy)
     metal_bumps(c, run, at, given, &out->wi, &out->f);
+  if (c->film.there)
+    metal_film(c, run, at, given, &out->wi, &out->f);
   return status & ~(unsigned)SHADE_NO_SAMPLE;
 }
 

@@ -41,6 +41,7 @@
 #include "node/fibres.h"
 #include "node/scratches.h"
 #include "node/step.h"
+#include "node/thin_film.h"
 #include "node/transform.h"
 #include "node/voronoi.h"
 #include "node/weave.h"
@@ -55,6 +56,7 @@
   ROW(BEND, bend)                                                                                  \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
+  ROW(THIN_FILM, thin_film)                                                                        \
   ROW(FIBRES, fibres)                                                                              \
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(LAYER, layer)                                                                                \
