@@ -8,7 +8,7 @@ import ast
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, dump, material, native, ortho, registers, render, scene, square, sun
+from native_scenes import ROOT, dump, finish, material, native, ortho, read_dump, registers, render, scene, square, sun
 
 RGB = np.array([(3.2404542, -1.5371385, -0.4985314), (-0.9692660, 1.8760108, 0.0415560),
                 (0.0556434, -0.2040259, 1.0572252)])
@@ -89,6 +89,29 @@ def test_a_metal_reflects_as_its_film_does(angle):
         # about this angle where the whole lobe counts
         about = 0.006 if light["lights"] else 0.03
         np.testing.assert_allclose(pictures[0] / pictures[1], truth(cosine, thickness, film, IRON), atol=about)
+
+
+def test_a_dump_has_no_words_for_a_film(tmp_path):
+    """It leaves such a material out, with a warning: its header would say a white mirror."""
+    plain = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1))
+    filmed = plain | said_of(1.4, IRON) | {"film_thickness": [420.0]}
+    for made, there in ((plain, True), (filmed, False)):
+        path = tmp_path / f"{there}.exr"
+        _picture, state = render(scene(width=4, height=4, materials=[made], samples=1, dump=str(path)))
+        assert bool((read_dump(path)[0]["light0.S.R"] > 0).any()) == there
+        assert any("thin film" in text for text in state["warnings"]) == (not there)
+
+
+def test_the_denoiser_s_albedo_is_that_below_a_film():
+    """As without it: a film is thin, and its colour is not that of a white mirror."""
+    filmed = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1)) | said_of(1.4, GOLD) | {"film_thickness": [420.0]}
+    job = native.start(scene(width=4, height=4, materials=[filmed], meshes=[square(4.0)], planes=[{"type": "ALBEDO"}]))
+    assert finish(job)["state"] == "done"
+    albedo = np.zeros((4, 4, 3), np.float32)
+    native.image(job, albedo, "ALBEDO")
+    native.free(job)
+    n = np.array(GOLD)
+    np.testing.assert_allclose(albedo[2, 2], abs((n - 1) / (n + 1)) ** 2, atol=2e-3)
 
 
 def test_no_film_makes_light_or_numbers_that_are_none():

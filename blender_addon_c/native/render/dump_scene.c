@@ -40,9 +40,10 @@ static bool is_whole(const closure *c) {
   return whole;
 }
 
-/* One metal and nothing else: what a dump has words for, */
+/* One metal and nothing else, under no film: what a dump has words for, */
 static bool is_metal(const material *m) {
-  return m->closures == 1 && m->closure[0].type == CLOSURE_METAL && is_whole(&m->closure[0]);
+  return m->closures == 1 && m->closure[0].type == CLOSURE_METAL && is_whole(&m->closure[0]) &&
+         !m->closure[0].of.metal.film.there;
 }
 
 /* or one cloth of colours that are the same everywhere, through whose gaps what is behind is seen.
@@ -141,8 +142,10 @@ static bool is_turned(const scene *s) {
 shade_dump *dump_scene_create(const scene *s, message_log *log) {
   for (size_t m = 0; m < s->materials; m++)
     if (!is_metal(&s->material[m]) && !is_cloth(&s->material[m]))
-      message_warn(log, "material %s: more than one metal or cloth, so the dump leaves it out",
-                   s->material[m].name);
+      message_warn(
+          log,
+          "material %s: more than one metal or cloth, or a thin film, so the dump leaves it out",
+          s->material[m].name);
 
   char *json = header(s);
   shade_dump *d = json ? shade_dump_create(s->width, s->height, (int)s->lights) : NULL;

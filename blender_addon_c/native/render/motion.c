@@ -35,7 +35,7 @@ void motion_end(batch *b) {
 
 /* ---- rays */
 
-/* Lines from the top one after another: each begins while those before it are still open. */
+/* Lines from the top one after another: each may begin while those before it are still open. */
 static void motion_lines(worker *w, const camera_view *view, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;

@@ -78,6 +78,13 @@ float plane_closure_color(const inputs *in, const closure *c, int k, size_t i) {
   }
   if (c->type != CLOSURE_METAL)
     return 1.0f;
+  if (metal->film.there) { /* as without it: its f0 is what the film's colours multiply */
+    operand eta = metal->film.eta[k], loss = metal->film.k[k];
+    float index = eta.at < 0 ? eta.number : in->at[eta.at][i];
+    float absorbed = loss.at < 0 ? loss.number : in->at[loss.at][i];
+    float less = (index - 1.0f) * (index - 1.0f) + absorbed * absorbed;
+    return clampf(less / (less + 4.0f * index), 0.0f, 1.0f);
+  }
   double n = metal->params.eta[k], x = metal->params.k[k];
   double head_on = ((n - 1) * (n - 1) + x * x) / ((n + 1) * (n + 1) + x * x);
   operand number = {.at = OPERAND_NUMBER};
