@@ -23,7 +23,9 @@ def test_what_both_show_of_a_text(name):
                        ("radiosity", "radiosity")):
         assert not re.search(rf"\b{word}", text)
         assert bool(re.search(rf"\b{word}", re.sub("//.*", "", said))) == any(what in words for words in left)
-    assert not re.search(r"(?<!normal_vectors)\bemission [\d.]+ }\s*}\s*}", text) and len(set(left)) == len(left)
+    names = [re.match(r"#declare (\w+) = finish", line) for line in text.splitlines() if re.search(r"\bemission\b", line)]
+    assert all(names) and not any(re.search(rf"finish {{ {found[1]}\b", text) for found in names)  # told of, and used by none
+    assert len(set(left)) == len(left)
 
 
 def test_a_changed_example_is_an_error():
