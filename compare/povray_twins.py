@@ -15,9 +15,9 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import povray_common  # noqa: E402
 import povray_shapes as shapes  # noqa: E402
+import twin_scenes  # noqa: E402
 from libshade import nodes  # noqa: E402
 from povray_shapes import box, lathe, place, plane, round_, sphere, superellipsoid, torus  # noqa: E402
-from twin_scenes import shader  # noqa: E402
 
 BLACK = (0.0, 0.0, 0.0)
 # Exponents of presets without their scratches, which Blender's node has in its lobe (`shade presets NAME`)
@@ -29,7 +29,7 @@ LOBES = {"brushed": (798, 76), "turned": (1248, 245), "scratched": (1600, 1600)}
 
 def metal(color, grain="UV", turn=0.0, preset=None, **settings):
     """`mdf { … }`; what is not said is as a block has it."""
-    made, node = shader(preset or "metal", "LibshadeMetalNode")
+    made, node = twin_scenes.shader(preset or "metal", "LibshadeMetalNode")
     if preset:
         nodes.apply_preset(node, preset.upper())
         node.groove, (node.ex, node.ey) = "AUTO", LOBES[preset.split("_")[0]]
@@ -57,7 +57,7 @@ def matt(color):
 
 
 def cloth(preset, mm_per_unit=200):
-    made, node = shader(preset, "LibshadeFabricNode")
+    made, node = twin_scenes.shader(preset, "LibshadeFabricNode")
     node.preset, node.size_mode, node.size = preset.upper(), "LENGTH", mm_per_unit / 1000
     return made
 
@@ -315,16 +315,9 @@ SCENES = {"metals": metals, "turned": turned, "embossed": embossed, "scratches":
 
 
 def main(name, folder):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="libshade")
+    twin_scenes.begin()
     SCENES[name](folder)
-    scene = bpy.context.scene
-    scene.world = bpy.data.worlds.new("world")
-    scene.world.color = (povray_common.BACKGROUND,) * 3
-    scene.render.engine = "LIBSHADE"
-    scene.libshade.max_bounces = 0
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
+    twin_scenes.save(folder, povray_common.BACKGROUND)
 
 
 if __name__ == "__main__":

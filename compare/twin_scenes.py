@@ -123,9 +123,24 @@ def light(kind, energy, at, color=(1, 1, 1)):
     bpy.context.scene.collection.objects.link(item)
 
 
-def main(name, folder):
+def begin():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.preferences.addon_enable(module="libshade")
+
+
+def save(folder, background):
+    """FOLDER/scene.blend before an even, grey world, without light that is reflected."""
+    scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.color = (background,) * 3
+    scene.render.engine = "LIBSHADE"
+    scene.libshade.max_bounces = 0
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
+
+
+def main(name, folder):
+    begin()
     scene = bpy.context.scene
     SCENES[name](folder)
     light("SUN", 2.0, (1.5, -1.0, 2.5), (1.0, 0.95, 0.88))
@@ -136,13 +151,8 @@ def main(name, folder):
     camera.data.lens = 45
     scene.collection.objects.link(camera)
     scene.camera = camera
-    scene.world = bpy.data.worlds.new("world")
-    scene.world.color = (0, 0, 0)
     scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
-    scene.render.engine = "LIBSHADE"
-    scene.libshade.max_bounces = 0
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
+    save(folder, 0.0)
 
 
 if __name__ == "__main__":
