@@ -12,7 +12,8 @@ made once, then all again, so that the pairs of a row lie minutes apart. Beside 
 that of the least times, which a busy machine bends less. Rows over the limit are taken again, as many pairs, and are slower only if
 their second median is over it too. One program against itself shows what this machine can tell apart.
 
-Ctrl-C ends it with what was measured so far. Exit status: 0 if no row is slower, 1 if some are, 2 if it cannot be told.
+Ctrl-C, or a tool that fails, ends it with what was measured so far. Exit status: 0 if no row is slower, 1 if some are, 2 if it
+cannot be told, 130 after Ctrl-C.
 """
 import argparse
 import contextlib
@@ -155,7 +156,7 @@ class Progress:
 
 
 def take(tools, turns, pairs):
-    """{row: ([ns before], [ns after])}, {row of one tool alone: which}, and whether Ctrl-C broke it off."""
+    """{row: ([ns before], [ns after])}, {row of one tool alone: which}, and what broke it off, or nothing."""
     found, alone, progress = {}, {}, Progress(pairs * len(turns))
     try:
         for pair in range(pairs):
@@ -167,10 +168,14 @@ def take(tools, turns, pairs):
                         found.setdefault(key, ([], []))[side].append(times[side][key])
                 progress.step(" ".join(turn.options()), turn is turns[-1])
     except KeyboardInterrupt:
-        return found, alone, True
+        return found, alone, "broken off"
+    except Failed as failure:
+        if not found:
+            raise
+        return found, alone, str(failure)
     finally:
         progress.clear()
-    return found, alone, False
+    return found, alone, ""
 
 
 def summary(key, before, after):
@@ -277,13 +282,14 @@ def main():
         second, _, broken = take(tools, [turn for turn in turns if any(map(turn.has, over))], arguments.pairs)
         if not broken:
             keys = [tuple(row[name] for name in NAMES) for row in over]
-            over = [row for row in (summary(key, *second[key]) for key in keys) if row["ratio"] > arguments.limit]
+            over = [row for row in (summary(key, *second[key]) for key in keys if key in second) if row["ratio"] > arguments.limit]
     tell(rows, over, alone, tools, arguments.limit)
     if arguments.output and rows:
         write(arguments.output, rows)
     if broken:
-        print("broken off: " + (f"what stands above is of {rows[0]['pairs']} pairs at most" if rows else "nothing was measured"), file=sys.stderr)
-        return 130
+        print(f"bench_pairs.py: {broken}: " + (f"what stands above is of {rows[0]['pairs']} pairs at most" if rows else "nothing was measured"),
+              file=sys.stderr)
+        return 130 if broken == "broken off" else 2
     return 1 if over else 0
 
 

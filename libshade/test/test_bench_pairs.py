@@ -134,6 +134,15 @@ def test_broken_off_it_says_what_it_has(tool, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["after", "before", "calls", "out.csv"]
 
 
+def test_a_tool_that_fails_late_loses_nothing(tool, tmp_path):
+    before = tool("before", ROW % "2")
+    after = tool("after", f"[ $calls = 3 ] && exit 7\n{ROW % '3'}")
+    out = tmp_path / "out.csv"
+    said = pairs(before, after, "--pairs", 5, "--what", "D", "--mdf", "ggx", "-o", out)
+    assert said.returncode == 2 and "status 7" in said.stderr and " 1.500 (" in said.stdout
+    assert [(row["ratio"], row["pairs"]) for row in csv.DictReader(out.open())] == [("1.5", "2")]
+
+
 def test_a_commit_is_built_once_and_whole(tool, tmp_path, monkeypatch):
     """In a repository of its own, whose shade is a script."""
     home = tmp_path / "home"
