@@ -48,8 +48,8 @@ class Links:
     each object does not get."""
 
     def __init__(self, messages):
-        self._lit = _Sets("link", "receiver", "it lights all", messages)
-        self._shaded = _Sets("shade", "blocker", "all shade it", messages)
+        self._lit = _Sets("link", "receiver", "light linking", "it lights all", messages)
+        self._shaded = _Sets("shade", "blocker", "shadow linking", "all shade it", messages)
 
     def of_light(self, ob):
         """Its bits, where it is not for all."""
@@ -66,8 +66,8 @@ class _Sets:
 
     _MOST = 30  # as in the native module
 
-    def __init__(self, word, kind, otherwise, messages):
-        self._word, self._kind, self._otherwise, self._messages = word, f"{kind}_collection", otherwise, messages
+    def __init__(self, word, kind, name, otherwise, messages):
+        self._word, self._kind, self._name, self._otherwise, self._messages = word, f"{kind}_collection", name, otherwise, messages
         self._bits, self._some, self._without = {}, [], []
 
     def of_light(self, ob):
@@ -77,7 +77,7 @@ class _Sets:
             return {}
         if collection not in self._bits:
             if len(self._some) == self._MOST:
-                self._messages.warning(f"light '{ob.name}': the light linking of {self._MOST} sets of lights is "
+                self._messages.warning(f"light '{ob.name}': the {self._name} of {self._MOST} sets of lights is "
                                        f"supported; {self._otherwise}")
                 return {}
             included, excluded = _receivers(collection)
