@@ -122,6 +122,6 @@ def test_no_film_makes_light_or_numbers_that_are_none():
                 "film_thickness": [thickness], "film_ior": [ior], "film_eta": [0.0, 1e9, -4.0], "film_k": [0.0, 1e9, -1.0]}
             picture, _ = render(scene(materials=[made], lights=[], background=(1, 1, 1), samples=16, max_bounces=2,
                                       meshes=[square()]))
-            assert (picture[..., :3] <= 1.2).all()
+            assert (picture[..., :3] >= 0).all() and (picture[..., :3] <= 1.001).all()
     with pytest.raises(ValueError, match="film_ior"):
         native.start(scene(materials=[material() | {"film_thickness": [100.0]}]))

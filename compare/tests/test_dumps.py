@@ -183,6 +183,17 @@ def test_cloth_of_pov_ray_is_turned_back(tmp_path, channels):
         assert np.array_equal(getattr(back, name), getattr(blender, name), equal_nan=True)
 
 
+def test_t_is_along_the_grooves(tmp_path, channels):
+    """Turned with the frame, or said as an angle from T about N, counterclockwise: the same."""
+    said = {**channels, "groove.A": np.full((64, 64), np.radians(30.0))}
+    angle, n, t = np.radians(30.0), *(np.stack([channels[f"{name}.{axis}"] for axis in "XYZ"], -1) for name in "NT")
+    about = np.cos(angle) * t + np.sin(angle) * np.cross(n, t)
+    turned = {**channels, **{f"T.{axis}": about[..., k] for k, axis in enumerate("XYZ")}}
+    a, b, plain = (load(tmp_path / f"{k}.exr", made) for k, made in enumerate((said, turned, channels)))
+    seen = plain.covered
+    assert a.T[seen] == pytest.approx(b.T[seen], abs=1e-6) and np.abs(a.T - plain.T)[seen].max() > 0.3
+
+
 def test_a_light_without_blue_reaches_what_it_reaches(tmp_path, channels):
     """Its direction is compared there."""
     number = next(int(name[5:].split(".")[0]) for name in channels if name.endswith("L.X"))

@@ -112,10 +112,10 @@ def test_a_mean_over_its_limit_is_said_by_name(rows):
     assert not study.finding_reference([*good, {**cloth, "far_over": 6}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_sum": 0.021}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_over": 0}]).holds
-    known = {**cloth, "scene": "drape", "variant": "in both", "renderer": "POV-Ray", "far_sum": 0.031}  # known, and said as a miss
+    known = {**cloth, "scene": "drape", "variant": "in both", "renderer": "POV-Ray", "far_sum": 0.029}  # known, and said as a miss
     finding = study.finding_reference([*good, known])
-    assert finding.holds and "MISSED: 3.1 % of its light, limit 2 %" in finding.text
-    for worse in ({"far_sum": 0.033}, {"far_over": 6}, {"renderer": "Blender"}, {"variant": "as it is"}, {"scene": "jacket"},
+    assert finding.holds and "MISSED: 2.9 % of its light, limit 2 %" in finding.text
+    for worse in ({"far_sum": 0.031}, {"far_over": 6}, {"renderer": "Blender"}, {"variant": "as it is"}, {"scene": "jacket"},
                   {"missed": "mean error of S; largest"}):
         assert not study.finding_reference([*good, {**known, **worse}]).holds
     far = {"far_values": 1000, "far_over": 3, "far_sum": 0.01}
