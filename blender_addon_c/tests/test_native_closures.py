@@ -117,7 +117,8 @@ def test_bumps_that_are_a_part_of_a_lobe_make_no_light(ax, ay, share, angle):
                     ex=2 / ax**2 - 2, ey=2 / ay**2 - 2, detail="NONE") | {"bumps_from": [share, share]}
     picture, _ = render(scene(width=8, height=8, materials=[made], lights=[], background=WHITE, samples=1024, max_bounces=2,
                               camera=ortho(0.1, eye=(-3 * sine, 0, 3 * cosine))))
-    z, turn = np.meshgrid((np.arange(4000) + 0.5) / 4000, np.pi * (np.arange(360) + 0.5) / 180, indexing="ij")
+    # all but periodic in the turn: with 60 steps 5e-6 from 360
+    z, turn = np.meshgrid((np.arange(4000) + 0.5) / 4000, np.pi * (np.arange(60) + 0.5) / 30, indexing="ij")
     flat = np.sqrt(1 - z**2)
     x, y = flat * np.cos(turn), flat * np.sin(turn)
     ex, ey = 2 / ax**2 - 2, 2 / ay**2 - 2

@@ -2,6 +2,8 @@
 """Light that samples of lights and drawn rays share: against quadratures, for surfaces that leave it
 to the one or to the other."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -20,18 +22,29 @@ def picture(**changes):
     return render(scene(**changes))[0][..., :3].astype(float)
 
 
-def reflected(surface, radiance, cells=512):
-    """Light from all of the half sphere, z up, that leaves towards EYE: the midpoint rule."""
-    z, phi = np.meshgrid((np.arange(cells) + 0.5) / cells,
-                         (np.arange(2 * cells) + 0.5) * np.pi / cells, indexing="ij")
+CELLS = 512
+
+
+@functools.cache
+def half_sphere():
+    z, phi = np.meshgrid((np.arange(CELLS) + 0.5) / CELLS,
+                         (np.arange(2 * CELLS) + 0.5) * np.pi / CELLS, indexing="ij")
     r = np.sqrt(1 - z**2)
-    wi = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
-    if surface["kd"][0]:
-        f_cos = np.broadcast_to(surface["kd"], wi.shape) / np.pi * z[..., None]
-    else:
-        f_cos = ashikhmin_shirley(np.broadcast_to((0, 0, 1), wi.shape), wi, np.broadcast_to(EYE, wi.shape),
-                                  surface["ex"], surface["ey"], surface["f0"])
-    return (f_cos * radiance(wi)).mean((0, 1)) * 2 * np.pi
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+
+
+@functools.cache  # of three surfaces, for forty lights
+def towards_eye(kd, ex, ey, f0):
+    wi = half_sphere()
+    if kd[0]:
+        return np.broadcast_to(kd, wi.shape) / np.pi * wi[..., 2:]
+    return ashikhmin_shirley(np.broadcast_to((0, 0, 1), wi.shape), wi, np.broadcast_to(EYE, wi.shape), ex, ey, f0)
+
+
+def reflected(surface, radiance):
+    """Light from all of the half sphere, z up, that leaves towards EYE: the midpoint rule."""
+    f_cos = towards_eye(*(surface[name] for name in ("kd", "ex", "ey", "f0")))
+    return (f_cos * radiance(half_sphere())).mean((0, 1)) * 2 * np.pi
 
 
 # metal that all but mirrors, metal that spreads, a matt body
