@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from native_scenes import material, native, registers, render, scene, sun
+from native_scenes import SANITIZED, material, native, registers, render, scene, sun
 
 FINE = {"density": 5.0, "length": 20.0, "width": 1.0, "depth": 0.2, "direction": 0.3, "spread": 0.6, "seed": 5.0, "tile": 0.5}
 UV, NEAR, NORMAL, SPREAD, ALPHA = registers(3, 3), registers(6, 2), registers(9, 3), registers(12, 2), registers(14, 2)
@@ -50,11 +50,12 @@ def drawn_plate(light, mdf="GGX", **changes):
 @pytest.mark.parametrize("light", [(0.25, 0.1, 1), (-0.1, 0.55, 1)])
 def test_far_scratches_spread_what_is_not_widened(light):
     """GGX, whose tails would grow: slopes by chance have the mean of the points, and are not the plate's own."""
-    truth = drawn_plate(light, samples=16384)  # of 1024, noise is a fifth of what means may differ by
+    samples, limit = (1024, 0.03) if SANITIZED else (16384, 0.02)  # noise of a mean: .004, .001
+    truth = drawn_plate(light, samples=samples)
     for blur in (0.04, 0.2, 1.0):
-        far = drawn_plate(light, samples=16384, normal_blur=blur)
+        far = drawn_plate(light, samples=samples, normal_blur=blur)
         print(light, blur, np.abs(far / truth - 1).max(), far.mean() / truth.mean() - 1)
-        assert abs(far.mean() / truth.mean() - 1) < 0.02 and np.abs(far / truth - 1).max() < 0.05
+        assert abs(far.mean() / truth.mean() - 1) < limit and np.abs(far / truth - 1).max() < 0.05
 
 
 @pytest.mark.parametrize("changes, tile, density", [
