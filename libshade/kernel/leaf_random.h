@@ -22,6 +22,11 @@ typedef struct FN(triple) {
   real x, y, z;
 } FN(triple);
 
+/* With x and y in each other's place, or as it is. */
+LEAF FN(triple) FN(exchanged)(FN(triple) v, int swap) {
+  return (FN(triple)){swap ? v.y : v.x, swap ? v.x : v.y, v.z};
+}
+
 /* (cos, sin) of 2 pi u, u in [0, 1]: Taylor's series within an eighth of a turn of an axis. */
 LEAF FN(pair) FN(circle)(real u) {
 #if SHADE_FLOAT

@@ -88,3 +88,21 @@ static inline unsigned FN(mend_if_needed)(real v[3], int is_normal) {
     return off || !(v[2] > 0) ? FN(mend_normal)(v) : SHADE_OK;
   return off && !FN(make_unit)(v) ? SHADE_BAD_INPUT : SHADE_OK;
 }
+
+/* The same of a single call, by value: what is not mended, nearly all, never leaves registers. */
+typedef struct FN(direction) {
+  FN(triple) v;
+  unsigned status;
+} FN(direction);
+static __attribute__((noinline, cold)) FN(direction)
+    FN(mend_direction)(FN(triple) w, int is_normal) {
+  real v[3] = {w.x, w.y, w.z};
+  const unsigned status = FN(mend_if_needed)(v, is_normal);
+  return (FN(direction)){{v[0], v[1], v[2]}, status};
+}
+LEAF FN(direction) FN(direction_of)(const real v[3], int is_normal) {
+  const FN(direction) d = {{v[0], v[1], v[2]}, SHADE_OK};
+  const real_bits off =
+      FN(off_unit)(FN(far_bits)(d.v.x, d.v.y, d.v.z), FN(uneven_bits)(d.v.x, d.v.y, d.v.z));
+  return off || (is_normal && !(d.v.z > 0)) ? FN(mend_direction)(d.v, is_normal) : d;
+}

@@ -68,17 +68,18 @@ static void FN(pass_channel)(const bsdf *b, int c, size_t count, const real *f0,
   }
 }
 
-/* The same decision for one sample. */
-LEAF real FN(fresnel)(const bsdf *b, int c, real hwo) {
-  const real f0 = b->FN(f0)[c], tint = b->FN(tint)[c], k = b->FN(k)[c];
+/* The same decision for one sample: all three channels. */
+LEAF FN(triple) FN(fresnel)(const bsdf *b, real hwo) {
   switch (b->fresnel) {
+#define FRESNEL_OF(word, c) FN(fresnel_##word)(b->FN(f0)[c], b->FN(tint)[c], b->FN(k)[c], hwo)
 #define FRESNEL_CASE(NAME, word, value, label, help)                                               \
   case SHADE_FRESNEL_##NAME:                                                                       \
-    return FN(fresnel_##word)(f0, tint, k, hwo);
+    return (FN(triple)){FRESNEL_OF(word, 0), FRESNEL_OF(word, 1), FRESNEL_OF(word, 2)};
     SHADE_TABLE_FRESNEL(FRESNEL_CASE)
 #undef FRESNEL_CASE
+#undef FRESNEL_OF
   case SHADE_FRESNEL_COUNT:
     break;
   }
-  return 0;
+  return (FN(triple)){0, 0, 0};
 }

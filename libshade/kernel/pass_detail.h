@@ -40,16 +40,16 @@ LEAF FN(lobe_ratio) FN(swapped)(FN(lobe_ratio) r) {
 }
 
 /* The same decision for one sample. */
-LEAF FN(lobe_ratio) FN(detail)(shade_map map, const real n[3], real hx, real hy, real hz) {
+LEAF FN(lobe_ratio) FN(detail)(shade_map map, FN(triple) n, FN(triple) h) {
   switch (map) {
 #define MAP_CASE(NAME, leaf, along_y, kind, frame, with)                                           \
   case SHADE_MAP_##NAME:                                                                           \
-    return along_y ? FN(swapped)(FN(detail_##leaf)(n[1], n[0], n[2], hy, hx, hz))                  \
-                   : FN(detail_##leaf)(n[0], n[1], n[2], hx, hy, hz);
+    return along_y ? FN(swapped)(FN(detail_##leaf)(n.y, n.x, n.z, h.y, h.x, h.z))                  \
+                   : FN(detail_##leaf)(n.x, n.y, n.z, h.x, h.y, h.z);
     SHADE_MAP_ROWS(MAP_CASE, )
 #undef MAP_CASE
   case SHADE_MAP_COUNT:
     break;
   }
-  return FN(detail_none)(n[0], n[1], n[2], hx, hy, hz);
+  return FN(detail_none)(n.x, n.y, n.z, h.x, h.y, h.z);
 }

@@ -147,9 +147,9 @@ LEAF void FN(pass_lobe)(const bsdf *b, const FN(shape) * s, size_t count, FN(vec
 #undef LOBE_SLOPES
 
 /* The same for one sample. */
-static inline real FN(lobe)(const bsdf *b, const real n[3], real hx, real hy, real hz) {
+LEAF real FN(lobe)(const bsdf *b, FN(triple) n, FN(triple) h) {
   const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
-  const FN(lobe_ratio) r = FN(detail)(b->carry.map, n, hx, hy, hz);
+  const FN(lobe_ratio) r = FN(detail)(b->carry.map, n, h);
   real d = 0;
   switch (b->mdf) {
 #define READ_RATIO(r) (r)
@@ -166,7 +166,7 @@ static inline real FN(lobe)(const bsdf *b, const real n[3], real hx, real hy, re
     break;
   }
   if (b->conserve)
-    d *= FN(warp_stretch)(n[0], n[1], n[2], hx, hy, hz, b->warp == SHADE_WARP_SMOOTH, b->projected);
+    d *= FN(warp_stretch)(n.x, n.y, n.z, h.x, h.y, h.z, b->warp == SHADE_WARP_SMOOTH, b->projected);
   return d;
 }
 
@@ -203,8 +203,8 @@ static void FN(pass_smith)(const bsdf *b, const FN(shape) * s, size_t count, con
 }
 
 /* The same for one direction. */
-LEAF real FN(smith)(const bsdf *b, const real n[3], const real w[3]) {
-  FN(lobe_point) p = FN(lobe_at)(FN(detail)(b->carry.shadow, n, w[0], w[1], w[2]));
+LEAF real FN(smith)(const bsdf *b, FN(triple) n, FN(triple) w) {
+  FN(lobe_point) p = FN(lobe_at)(FN(detail)(b->carry.shadow, n, w));
   real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
   switch (b->mdf) {
 #define MDF_CASE(NAME, word, value, label, help)                                                   \

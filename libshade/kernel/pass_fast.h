@@ -27,12 +27,12 @@ LEAF void pass_fast(const bsdf *b, size_t count, vecf n, vecf h, float *d) {
 }
 
 /* The same decision for one sample. */
-static inline float fast(const bsdf *b, const float n[3], float hx, float hy, float hz) {
+static inline float fast(const bsdf *b, triplef n, triplef h) {
   if (b->carry.map == SHADE_MAP_NONE)
-    return fast_none(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
+    return fast_none(XYZ(n), XYZ(h), b->kxf, b->kyf, b->peakf);
   if (b->carry.map == SHADE_MAP_PERTURB_RATIO)
-    return fast_perturb_ratio(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
+    return fast_perturb_ratio(XYZ(n), XYZ(h), b->kxf, b->kyf, b->peakf);
   if (b->carry.map == SHADE_MAP_ROTATE_RATIO_X)
-    return fast_rotate_ratio(n[0], n[1], n[2], hx, hy, hz, b->kxf, b->kyf, b->peakf);
-  return fast_rotate_ratio(n[1], n[0], n[2], hy, hx, hz, b->kyf, b->kxf, b->peakf);
+    return fast_rotate_ratio(XYZ(n), XYZ(h), b->kxf, b->kyf, b->peakf);
+  return fast_rotate_ratio(n.y, n.x, n.z, h.y, h.x, h.z, b->kyf, b->kxf, b->peakf);
 }

@@ -164,14 +164,14 @@ LEAF int FN(pass_fused)(const bsdf *b, const FN(block) * s, real *hwo, real *cos
 }
 
 /* The same for one sample. */
-static inline FN(ggx_sample)
-    FN(fused)(const bsdf *b, const real n[3], const real wi[3], const real wo[3]) {
-  const int x = b->carry.map == SHADE_MAP_ROTATE_Y, y = !x;
-  const real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
+LEAF FN(ggx_sample) FN(fused)(const bsdf *b, FN(triple) n, FN(triple) wi, FN(triple) wo) {
+  const int swap = b->carry.map == SHADE_MAP_ROTATE_Y;
+  const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;
   const real hh = hx * hx + hy * hy + hz * hz;
   const FN(shape) s = FN(own_shape)(b);
-  const FN(ggx_lobe) lobe = FN(ggx_own)(&s, x);
+  const FN(ggx_lobe) lobe = FN(ggx_own)(&s, swap);
   if (b->carry.map == SHADE_MAP_NONE)
-    return FN(ggx_flat)(n[0], n[1], n[2], wi[0], wi[1], wi[2], wo[0], wo[1], wo[2], hh, lobe);
-  return FN(ggx_rotated)(n[x], n[y], n[2], wi[x], wi[y], wi[2], wo[x], wo[y], wo[2], hh, lobe);
+    return FN(ggx_flat)(XYZ(n), XYZ(wi), XYZ(wo), hh, lobe);
+  n = FN(exchanged)(n, swap), wi = FN(exchanged)(wi, swap), wo = FN(exchanged)(wo, swap);
+  return FN(ggx_rotated)(XYZ(n), XYZ(wi), XYZ(wo), hh, lobe);
 }

@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One sample, from the same leaves. All return status bits. */
+/*
+ * One sample, from the same leaves. All return status bits. Directions are handed on by value: an
+ * array that is indexed by a variable, or copied, lies in memory, and compilers read in one what
+ * was just written in parts, which waits: a fifth of a call of GGX.
+ */
 
 static unsigned FN(mdf_one)(const bsdf *b, const real n_in[3], const real h_in[3], real *d) {
-  real n[3] = {n_in[0], n_in[1], n_in[2]};
-  real h[3] = {h_in[0], h_in[1], h_in[2]};
-  unsigned status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(h, 0);
+  const FN(direction) n = FN(direction_of)(n_in, 1), h = FN(direction_of)(h_in, 0);
+  const unsigned status = n.status | h.status;
   *d = 0;
   if (status & SHADE_BAD_INPUT)
     return status;
 #if SHADE_FLOAT
   if (b->fast) {
-    *d = fast(b, n, h[0], h[1], h[2]);
+    *d = fast(b, n.v, h.v);
     return status;
   }
 #endif
-  *d = FN(lobe)(b, n, h[0], h[1], h[2]);
+  *d = FN(lobe)(b, n.v, h.v);
   return status;
 }
 
@@ -23,10 +26,11 @@ static unsigned FN(mdf_one)(const bsdf *b, const real n_in[3], const real h_in[3
  * all lights. The normal is z where the method ignores it, and bent where the horizon bends it.
  */
 typedef struct MAY_ALIAS FN(bsdf_hit) {
-  real n[3], wo[3], coso;
+  FN(triple) n, wo;
+  real coso;
   real lo;          /* of FN(angles) */
   real fibre_l, vy; /* L and wo across the fibre, where the diffuse model has fibres */
-  real given[3];    /* the normal that fades light by shadow_chiang */
+  FN(triple) given; /* the normal that fades light by shadow_chiang */
   real alpha2;      /* of shadow_estevez */
   unsigned status;
   int fused, swapped, fibres, facets;
@@ -38,130 +42,157 @@ _Static_assert(sizeof(FN(bsdf_hit)) <= sizeof(FN(shade_bsdf_hit)),
 _Static_assert(_Alignof(FN(bsdf_hit)) <= _Alignof(FN(shade_bsdf_hit)),
                "a hit is less aligned than that");
 
+LEAF real FN(dot_of)(FN(triple) n, FN(triple) w) {
+  return FN(dot)(XYZ(n), XYZ(w));
+}
+
+/* L of the fibre, and w across it. */
+LEAF real FN(fibre_length_of)(const bsdf *b, FN(triple) n) {
+  return FN(fibre_length)(b->fibres_along_y ? n.y : n.x, n.z);
+}
+LEAF real FN(over_fibre_of)(const bsdf *b, FN(triple) n, FN(triple) w) {
+  n = FN(exchanged)(n, b->fibres_along_y), w = FN(exchanged)(w, b->fibres_along_y);
+  return FN(over_fibre)(XYZ(n), XYZ(w));
+}
+
 /* Without a horizon's doing. Directions are mended. */
-LEAF void FN(prepare_hard)(const bsdf *b, const real n_in[3], const real wo[3], FN(bsdf_hit) * h) {
-  const int flat = b->carry.map == SHADE_MAP_NONE;
-  for (int c = 0; c < 3; c++) {
-    h->n[c] = flat ? (real)(c == 2) : n_in[c];
-    h->wo[c] = wo[c];
-  }
-  const real *n = h->n;
-  h->fused = FN(is_fused)(b);
+LEAF void FN(prepare_hard)(const bsdf *b, FN(triple) n, FN(triple) wo, FN(bsdf_hit) * h) {
+  if (b->carry.map == SHADE_MAP_NONE)
+    n = (FN(triple)){0, 0, 1};
+  const int fused = FN(is_fused)(b);
   /* as the loops take them, which go along y by exchanging x and y */
-  h->swapped = h->fused && b->carry.map == SHADE_MAP_ROTATE_Y;
-  const int x = h->swapped, y = !x;
-  h->coso = FN(dot)(n[x], n[y], n[2], wo[x], wo[y], wo[2]);
+  const int swapped = fused && b->carry.map == SHADE_MAP_ROTATE_Y;
+  h->n = n;
+  h->wo = wo;
+  h->fused = fused;
+  h->swapped = swapped;
+  h->coso = FN(dot_of)(FN(exchanged)(n, swapped), FN(exchanged)(wo, swapped));
   h->lo = 0;
-  if (b->brdf == SHADE_BRDF_MICROFACET && !h->fused)
+  if (b->brdf == SHADE_BRDF_MICROFACET && !fused)
     h->lo = FN(smith)(b, n, wo);
   h->fibres = shade_diffuse_is(b->diffuse).fibres;
   if (h->fibres) {
-    const int k = b->fibres_along_y, l = !k;
-    h->fibre_l = FN(fibre_length)(n[k], n[2]);
-    h->vy = FN(over_fibre)(n[k], n[l], n[2], wo[k], wo[l], wo[2]) / h->fibre_l;
+    h->fibre_l = FN(fibre_length_of)(b, n);
+    h->vy = FN(over_fibre_of)(b, n, wo) / h->fibre_l;
   }
 }
 
-/* f without Fresnel of a lit light, whose sum with the eye is x, y, z. */
-LEAF real FN(specular_one)(const bsdf *b, const FN(bsdf_hit) * h, const real wi[3], real x, real y,
-                           real z, real hwo, real cosi) {
+/* f without Fresnel of a lit light, whose sum with the eye is s. */
+LEAF real FN(specular_one)(const bsdf *b, const FN(bsdf_hit) * h, FN(triple) wi, FN(triple) s,
+                           real hwo, real cosi) {
   if (h->fused)
     return FN(fused)(b, h->n, wi, h->wo).f;
-  real scale = b->warp != SHADE_RIGID ? FN(scale_to_unit)(x, y, z) : 1;
+  real scale = b->warp != SHADE_RIGID ? FN(scale_to_unit)(XYZ(s)) : 1;
   FN(angles) a = {hwo, cosi, h->coso, 0, h->lo};
   if (b->brdf == SHADE_BRDF_MICROFACET)
     a.li = FN(smith)(b, h->n, wi);
   /* rounded, as a batch does that keeps them */
-  x = FN(multiply_add)(x, scale, 0);
-  y = FN(multiply_add)(y, scale, 0);
-  z = FN(multiply_add)(z, scale, 0);
-  return FN(brdf)(b, FN(lobe)(b, h->n, x, y, z), a);
+  s.x = FN(multiply_add)(s.x, scale, 0);
+  s.y = FN(multiply_add)(s.y, scale, 0);
+  s.z = FN(multiply_add)(s.z, scale, 0);
+  return FN(brdf)(b, FN(lobe)(b, h->n, s), a);
 }
 
 /* Phi of a lit light. */
-LEAF real FN(phi_one)(const bsdf *b, const FN(bsdf_hit) * h, const real wi[3], real cosi) {
-  const int k = b->fibres_along_y, l = !k;
+LEAF real FN(phi_one)(const bsdf *b, const FN(bsdf_hit) * h, FN(triple) wi, real cosi) {
   real ly = 0, vy = 0;
   if (h->fibres) {
-    ly = FN(over_fibre)(h->n[k], h->n[l], h->n[2], wi[k], wi[l], wi[2]) / h->fibre_l;
+    ly = FN(over_fibre_of)(b, h->n, wi) / h->fibre_l;
     vy = h->vy;
   }
   return FN(diffuse_phi)(b->diffuse, ly, cosi, vy, h->coso);
 }
 
-/* f and the cosine, 0 beyond the horizons of n and z; wi is mended. */
-static unsigned FN(hard_one)(const bsdf *b, const FN(bsdf_hit) * h, const real wi[3], real f[3],
-                             real *cosine) {
-  const int x = h->swapped, y = !x;
-  const real *n = h->n, *wo = h->wo;
-  real cosi = FN(dot)(n[x], n[y], n[2], wi[x], wi[y], wi[2]);
-  real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
-  f[0] = f[1] = f[2] = 0;
-  *cosine = cosi > 0 ? cosi : 0;
-  if (FN(no_direction)(hx, hy, hz))
-    return SHADE_BAD_INPUT;
-  if (!(cosi > 0 && h->coso > 0 && wi[2] > 0 && wo[2] > 0))
-    return SHADE_OK;
-  real hwo = FN(half_cosine)(hx, hy, hz);
-  real value = FN(specular_one)(b, h, wi, hx, hy, hz, hwo, cosi);
-  for (int c = 0; c < 3; c++)
-    f[c] = value * FN(fresnel)(b, c, hwo);
+/* f and the cosine, by value as directions are. */
+typedef struct FN(lit) {
+  FN(triple) f;
+  real cosine;
+  unsigned status;
+} FN(lit);
+LEAF FN(triple) FN(scaled)(FN(triple) v, real factor) {
+  return (FN(triple)){v.x * factor, v.y * factor, v.z * factor};
+}
+
+/* 0 beyond the horizons of n and z; wi is mended. */
+LEAF FN(lit) FN(hard_one)(const bsdf *b, const FN(bsdf_hit) * h, FN(triple) wi) {
+  const FN(triple) wo = h->wo;
+  const real cosi = FN(dot_of)(FN(exchanged)(h->n, h->swapped), FN(exchanged)(wi, h->swapped));
+  const FN(triple) sum = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  FN(lit) out = {{0, 0, 0}, cosi > 0 ? cosi : 0, SHADE_OK};
+  if (FN(no_direction)(XYZ(sum)))
+    out.status = SHADE_BAD_INPUT;
+  if (out.status || !(cosi > 0 && h->coso > 0 && wi.z > 0 && wo.z > 0))
+    return out;
+  real hwo = FN(half_cosine)(XYZ(sum));
+  out.f = FN(scaled)(FN(fresnel)(b, hwo), FN(specular_one)(b, h, wi, sum, hwo, cosi));
   if (b->has_diffuse) {
     real phi = FN(phi_one)(b, h, wi, cosi);
     real q = phi * R(0.31830988618379067154) / FN(maximum)(cosi, R(1e-20));
-    for (int c = 0; c < 3; c++)
-      f[c] += FN(diffuse_scale)(b, c) * q;
+    out.f.x += FN(diffuse_scale)(b, 0) * q;
+    out.f.y += FN(diffuse_scale)(b, 1) * q;
+    out.f.z += FN(diffuse_scale)(b, 2) * q;
   }
-  return SHADE_OK;
+  return out;
 }
 
 /* As yarn_batch. */
-static void FN(yarn_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3],
-                         real *spec, real *matt) {
+static void FN(yarn_one)(const bsdf *b, FN(triple) n, FN(triple) wi, FN(triple) wo, real *spec,
+                         real *matt) {
   FN(bsdf_hit) h;
   FN(prepare_hard)(b, n, wo, &h);
-  const real cosi = FN(dot)(h.n[0], h.n[1], h.n[2], wi[0], wi[1], wi[2]);
-  const real hx = wi[0] + wo[0], hy = wi[1] + wo[1], hz = wi[2] + wo[2];
+  const real cosi = FN(dot_of)(h.n, wi);
+  const FN(triple) sum = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
   *spec = *matt = 0;
-  if (!(FN(lit_cosine)(cosi, h.coso, wi[2], wo[2]) > 0))
+  if (!(FN(lit_cosine)(cosi, h.coso, wi.z, wo.z) > 0))
     return;
-  const real hwo = FN(half_cosine)(hx, hy, hz);
+  const real hwo = FN(half_cosine)(XYZ(sum));
   const real enter = 1 - FN(schlick_weight)(FN(minimum)(cosi, 1));
   const real leave = 1 - FN(schlick_weight)(FN(minimum)(h.coso, 1));
-  *spec = FN(specular_one)(b, &h, wi, hx, hy, hz, hwo, cosi) * cosi;
+  *spec = FN(specular_one)(b, &h, wi, sum, hwo, cosi) * cosi;
   *matt = FN(phi_one)(b, &h, wi, cosi) * R(0.31830988618379067154) * enter * leave;
 }
 
-static unsigned FN(facets_one)(const bsdf *b, const FN(bsdf_hit) * h, const real wi[3], real f[3],
-                               real *cosine) {
-  real more[3], unused;
-  real see[2][2];
-  const real *w[2] = {wi, h->wo}, *n = h->n;
+/* The light as it is, then light or eye by way of the upright facet. */
+static __attribute__((noinline)) FN(lit)
+    FN(facets_one)(const bsdf *b, const FN(bsdf_hit) * h, const FN(triple) * wi) {
+  const FN(triple) w[2] = {*wi, h->wo}, n = h->n;
+  FN(lit) out = {{0, 0, 0}, FN(maximum)(wi->z, 0), SHADE_OK};
+  real weight[3], see[2][2];
   for (int k = 0; k < 2; k++) {
-    see[k][0] = FN(share_bumped)(n[0], n[1], n[2], w[k][0], w[k][1], w[k][2]);
-    see[k][1] = FN(share_upright)(n[0], n[1], n[2], w[k][0], w[k][1], w[k][2]);
+    see[k][0] = FN(share_bumped)(XYZ(n), XYZ(w[k]));
+    see[k][1] = FN(share_upright)(XYZ(n), XYZ(w[k]));
   }
-  unsigned status = FN(hard_one)(b, h, wi, f, cosine);
-  *cosine = FN(maximum)(wi[2], 0);
-  if (status & SHADE_BAD_INPUT)
-    return status;
-  for (int c = 0; c < 3; c++)
-    f[c] *= n[2] * (see[0][0] * see[1][0]);
-  for (int k = 0; k < 2; k++) {
-    real weight = n[2] * (see[0][k == 0] * see[1][k == 1]);
-    if (!(weight > 0))
-      continue;
-    real step = FN(mirror_step)(n[0], n[1], w[k][0], w[k][1]);
-    const real m[3] = {FN(multiply_add)(-step, n[0], w[k][0]),
-                       FN(multiply_add)(-step, n[1], w[k][1]), w[k][2]};
-    FN(bsdf_hit) mirrored = *h;
-    if (k == 1)
-      FN(prepare_hard)(b, n, m, &mirrored);
-    FN(hard_one)(b, &mirrored, k == 0 ? m : wi, more, &unused);
-    for (int c = 0; c < 3; c++)
-      f[c] += weight * more[c];
+  weight[0] = n.z * (see[0][0] * see[1][0]);
+  weight[1] = n.z * (see[0][1] * see[1][0]);
+  weight[2] = n.z * (see[0][0] * see[1][1]);
+  for (int k = 0; k < 3; k++) {
+    FN(bsdf_hit) mirrored;
+    const FN(bsdf_hit) *seen = h;
+    FN(triple) light = *wi;
+    if (k) {
+      if (!(weight[k] > 0))
+        continue;
+      const FN(triple) from = w[k - 1];
+      real step = FN(mirror_step)(n.x, n.y, from.x, from.y);
+      const FN(triple)
+          m = {FN(multiply_add)(-step, n.x, from.x), FN(multiply_add)(-step, n.y, from.y), from.z};
+      if (k == 1) {
+        light = m;
+      } else {
+        FN(prepare_hard)(b, n, m, &mirrored);
+        seen = &mirrored;
+      }
+    }
+    const FN(lit) one = FN(hard_one)(b, seen, light);
+    if (!k && one.status) {
+      out.status = one.status;
+      return out;
+    }
+    out.f.x += weight[k] * one.f.x;
+    out.f.y += weight[k] * one.f.y;
+    out.f.z += weight[k] * one.f.z;
   }
-  return status;
+  return out;
 }
 
 /*
@@ -171,46 +202,48 @@ static unsigned FN(facets_one)(const bsdf *b, const FN(bsdf_hit) * h, const real
 static __attribute__((noinline)) void FN(prepare_one)(const bsdf *b, const real n_in[3],
                                                       const real wo_in[3], FN(bsdf_hit) * h) {
   shade_horizon_traits is = shade_horizon_is(b->horizon);
-  real n[3] = {n_in[0], n_in[1], n_in[2]};
-  real wo[3] = {wo_in[0], wo_in[1], wo_in[2]};
-  h->status = FN(mend_if_needed)(n, 1) | FN(mend_if_needed)(wo, 0);
+  const FN(direction) given = FN(direction_of)(n_in, 1), eye = FN(direction_of)(wo_in, 0);
+  FN(triple) n = given.v;
+  h->status = given.status | eye.status;
   if (h->status & SHADE_BAD_INPUT)
     return;
-  if (FN(is_flat)(b, 1, n, n + 1))
+  if (n.x == 0 && n.y == 0 && !is.facets)
     is = shade_horizon_is(SHADE_HORIZON_HARD);
   h->facets = is.facets;
   h->fade = is.fade;
-  memcpy(h->given, n, sizeof n);
+  h->given = n;
   if (is.fade == SHADE_FADE_ESTEVEZ)
-    h->alpha2 = FN(estevez_alpha2)(n[0], n[1], n[2]);
+    h->alpha2 = FN(estevez_alpha2)(XYZ(n));
   if (is.bends) {
-    FN(normal) bent = FN(bend)(n[0], n[1], n[2], wo[0], wo[1], wo[2]);
-    n[0] = bent.x;
-    n[1] = bent.y;
-    n[2] = bent.z;
+    const FN(normal) bent = FN(bend)(XYZ(n), XYZ(eye.v));
+    n = (FN(triple)){XYZ(bent)};
   }
-  FN(prepare_hard)(b, n, wo, h);
+  FN(prepare_hard)(b, n, eye.v, h);
 }
 
 static __attribute__((noinline)) unsigned
 FN(hit_one)(const bsdf *b, const FN(bsdf_hit) * h, const real wi_in[3], real f[3], real *cosine) {
-  real wi[3] = {wi_in[0], wi_in[1], wi_in[2]};
-  const unsigned status = h->status | FN(mend_if_needed)(wi, 0);
-  f[0] = f[1] = f[2] = 0;
-  *cosine = 0;
-  if (status & SHADE_BAD_INPUT)
-    return status;
-  if (h->facets)
-    return status | FN(facets_one)(b, h, wi, f, cosine);
-  real factor = 1;
-  if (h->fade == SHADE_FADE_ESTEVEZ)
-    factor = FN(shadow_of_alpha2)(h->alpha2, wi[0], wi[1], wi[2]);
-  else if (h->fade == SHADE_FADE_CHIANG)
-    factor = FN(shadow_chiang)(h->given[0], h->given[1], h->given[2], wi[0], wi[1], wi[2]);
-  const unsigned found = FN(hard_one)(b, h, wi, f, cosine);
-  for (int c = 0; c < 3; c++)
-    f[c] *= factor;
-  return status | found;
+  const FN(direction) wi = FN(direction_of)(wi_in, 0);
+  unsigned status = h->status | wi.status;
+  FN(lit) out = {{0, 0, 0}, 0, SHADE_OK};
+  if (!(status & SHADE_BAD_INPUT)) {
+    if (h->facets) {
+      const FN(triple) light = wi.v;
+      out = FN(facets_one)(b, h, &light);
+    } else {
+      out = FN(hard_one)(b, h, wi.v);
+      if (h->fade == SHADE_FADE_ESTEVEZ)
+        out.f = FN(scaled)(out.f, FN(shadow_of_alpha2)(h->alpha2, XYZ(wi.v)));
+      else if (h->fade == SHADE_FADE_CHIANG)
+        out.f = FN(scaled)(out.f, FN(shadow_chiang)(XYZ(h->given), XYZ(wi.v)));
+    }
+    status |= out.status;
+  }
+  f[0] = out.f.x;
+  f[1] = out.f.y;
+  f[2] = out.f.z;
+  *cosine = out.cosine;
+  return status;
 }
 
 static unsigned FN(bsdf_one)(const bsdf *b, const real n[3], const real wi[3], const real wo[3],

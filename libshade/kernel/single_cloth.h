@@ -29,13 +29,13 @@ static void FN(cloth_lobe_one)(FN(asked) what, const FN(cloth) * c, const fabric
     FN(cloth_through)(g, spec);
     return;
   }
-  const real n[3] = {g->n[0][0], g->n[1][0], g->n[2][0]};
-  const real wi[3] = {g->wi[0][0], g->wi[1][0], g->wi[2][0]};
-  const real wo[3] = {g->wo[0][0], g->wo[1][0], g->wo[2][0]};
+  const FN(triple) n = {g->n[0][0], g->n[1][0], g->n[2][0]};
+  const FN(triple) wi = {g->wi[0][0], g->wi[1][0], g->wi[2][0]};
+  const FN(triple) wo = {g->wo[0][0], g->wo[1][0], g->wo[2][0]};
   FN(yarn_one)(b, n, wi, wo, spec, matt);
   if (kind == CLOTH_SINGLE) {
     const FN(faced) f = FN(faced_of)(s);
-    const real seen = FN(facing)(f, wi[0], wi[1], wi[2]) * FN(facing)(f, wo[0], wo[1], wo[2]);
+    const real seen = FN(facing)(f, XYZ(wi)) * FN(facing)(f, XYZ(wo));
     *spec *= seen;
     *matt *= seen;
   }
