@@ -399,30 +399,45 @@ static void bad_pictures_are_mended(void **state) {
   shade_slope_map_free(NULL);
 }
 
+/* A row of texels along u, or a column along v, and a footprint of so many of them along it by its
+ * first side or its second: what holds of one holds of all four. */
+enum { WAYS = 4 };
+static shade_slope_map *row_of(const float *pixels, int count, int way) {
+  return create(pixels, way & 1 ? 1 : count, way & 1 ? count : 1, 2,
+                options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
+}
+static void look_along(const shade_slope_map *m, int way, double at, double length,
+                       shade_slopes *got) {
+  double footprint[4] = {0};
+  footprint[2 * (way >> 1) + (way & 1)] = length;
+  /* v counts upwards, rows downwards */
+  shade_slope_lookup(m, way & 1 ? 0.5 : at, way & 1 ? 1 - at : 0.5, footprint, got);
+}
+
 /* A footprint of one texel about its centre: the interpolated slope is two straight pieces, whose
  * mean and mean square are known. */
 static void one_texel_is_exact(void **state) {
   (void)state;
   enum { WIDTH = 9 };
   float *pixels = random_slopes(WIDTH, 1, 8);
-  shade_slope_map *m =
-      create(pixels, WIDTH, 1, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
-  for (int i = 0; i < WIDTH; i++) {
-    double s[3], mean = 0, square = 0;
-    for (int k = -1; k < 2; k++)
-      s[k + 1] = (double)pixels[2 * ((i + k + WIDTH) % WIDTH)];
-    for (int side = 0; side < 3; side += 2) { /* s1 + t (s - s1), t from 0 to 1/2 */
-      const double rise = s[side] - s[1];
-      mean += s[1] / 2 + rise / 8;
-      square += s[1] * s[1] / 2 + s[1] * rise / 4 + rise * rise / 24;
+  for (int way = 0; way < WAYS; way++) {
+    shade_slope_map *m = row_of(pixels, WIDTH, way);
+    for (int i = 0; i < WIDTH; i++) {
+      double s[3], mean = 0, square = 0;
+      for (int k = -1; k < 2; k++)
+        s[k + 1] = (double)pixels[2 * ((i + k + WIDTH) % WIDTH)];
+      for (int side = 0; side < 3; side += 2) { /* s1 + t (s - s1), t from 0 to 1/2 */
+        const double rise = s[side] - s[1];
+        mean += s[1] / 2 + rise / 8;
+        square += s[1] * s[1] / 2 + s[1] * rise / 4 + rise * rise / 24;
+      }
+      shade_slopes got;
+      look_along(m, way, (i + 0.5) / WIDTH, 1.0 / WIDTH, &got);
+      assert_near(got.mean[0], mean, 1e-6);
+      assert_near(got.covariance[0], square - mean * mean, 1e-7);
     }
-    const double footprint[4] = {1.0 / WIDTH, 0, 0, 0};
-    shade_slopes got;
-    shade_slope_lookup(m, (i + 0.5) / WIDTH, 0.5, footprint, &got);
-    assert_near(got.mean[0], mean, 1e-6);
-    assert_near(got.covariance[0], square - mean * mean, 1e-7);
+    shade_slope_map_free(m);
   }
-  shade_slope_map_free(m);
   free(pixels);
 }
 
@@ -432,27 +447,27 @@ static void texels_side_by_side_are_exact(void **state) {
   (void)state;
   enum { WIDTH = 60 };
   float *pixels = random_slopes(WIDTH, 1, 9);
-  shade_slope_map *m =
-      create(pixels, WIDTH, 1, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
   double mean = 0, square = 0;
   for (int i = 0; i < WIDTH; i++) {
     const double a = (double)pixels[2 * i], b = (double)pixels[2 * ((i + 1) % WIDTH)];
     mean += a / WIDTH;
     square += (a * a + a * b + b * b) / 3 / WIDTH;
   }
-  for (int texels = 1; texels <= 3; texels++) {
-    const double footprint[4] = {(double)texels / WIDTH, 0, 0, 0};
-    double means = 0, squares = 0;
-    for (int i = 0; i < WIDTH; i += texels) {
-      shade_slopes got;
-      shade_slope_lookup(m, (i + texels / 2.0) / WIDTH, 0.5, footprint, &got);
-      means += got.mean[0] * texels / WIDTH;
-      squares += (got.covariance[0] + got.mean[0] * got.mean[0]) * texels / WIDTH;
+  for (int way = 0; way < WAYS; way++) {
+    shade_slope_map *m = row_of(pixels, WIDTH, way);
+    for (int texels = 1; texels <= 3; texels++) {
+      double means = 0, squares = 0;
+      for (int i = 0; i < WIDTH; i += texels) {
+        shade_slopes got;
+        look_along(m, way, (i + texels / 2.0) / WIDTH, (double)texels / WIDTH, &got);
+        means += got.mean[0] * texels / WIDTH;
+        squares += (got.covariance[0] + got.mean[0] * got.mean[0]) * texels / WIDTH;
+      }
+      assert_near(means, mean, 1e-6);
+      assert_near(squares, square, 1e-6 * square);
     }
-    assert_near(means, mean, 1e-6);
-    assert_near(squares, square, 1e-6 * square);
+    shade_slope_map_free(m);
   }
-  shade_slope_map_free(m);
   free(pixels);
 }
 
