@@ -3,7 +3,21 @@
  * cloth, and a pixel is the sum over its lights written out here. */
 #include "support.h"
 
+/* What the swatch asks its scratches, without strokes. */
+#define shade_scratch_eval asked_of_scratches
 #include "../tool/swatch.c"
+#undef shade_scratch_eval
+
+static struct { double u, v, footprint[4]; } asked;
+unsigned asked_of_scratches(const shade_scratch_field *f, double u, double v,
+                            const double footprint[4], double *height, shade_slopes *slopes) {
+  (void)f, (void)height;
+  asked.u = u;
+  asked.v = v;
+  memcpy(asked.footprint, footprint, sizeof asked.footprint);
+  *slopes = (shade_slopes){.normal = {0, 0, 1}};
+  return SHADE_OK;
+}
 
 /* pi over the sky's irradiance on a sheet that faces the eye, by quadrature over height and turn.
  */
@@ -167,12 +181,62 @@ static void a_pixel_of_cloth(void **state) {
   }
 }
 
+/* One step from a to b in the tile of strokes, the shorter way round. */
+static double way(double a, double b) {
+  return b - a - floor(b - a + .5);
+}
+
+/* The footprint of a pixel of metal is what the place in its strokes moves by from pixel to pixel;
+ * of a turned one round the middle and away from it. */
+static void a_pixel_of_metal(void **state) {
+  (void)state;
+  static const char *const words[] = {"brushed_steel", "turned_steel", "scratched_steel"};
+  uint64_t seed = 23;
+  light lights[MOST_LIGHTS];
+  place_key(.2, METAL_KEY, KEY_POINTS, lights);
+  for (int k = 0; k < 3; k++) {
+    material m = {.shared = 0};
+    assert_true(shade_preset_find(words[k], &m.preset));
+    for (int i = 0; i < 200; i++) {
+      tile t = {.cylinder = i % 2, .far = i / 2 % 2};
+      const int turned = m.preset.turned && !t.cylinder;
+      const double x = 1.7 * uniform(&seed) - .85, y = 1.7 * uniform(&seed) - .85;
+      const double size = i % 3 ? 200 : 48, h = 1e-6, pixel = 2 / size, r = hypot(x, y);
+      if (t.cylinder ? fabs(x) > .8 * CYLINDER : r < .2)
+        continue;
+      const sheet sh = {.size = (int)size, .sky = sky_scale(), .materials = &m, .tiles = &t};
+      /* the directions of the footprint's sides, then a little along each of them */
+      const double along[2][2] = {{turned ? -y / r : 1, turned ? x / r : 0},
+                                  {turned ? x / r : 0, turned ? y / r : 1}};
+      double moved[2][2], footprint[4];
+      float rgb[3];
+      for (int side = 0; side < 2; side++) {
+        draw_pixel(&sh, &t, lights, x, y, rgb);
+        memcpy(footprint, asked.footprint, sizeof footprint);
+        const double from[2] = {asked.u, asked.v};
+        draw_pixel(&sh, &t, lights, x + h * along[side][0], y + h * along[side][1], rgb);
+        moved[side][0] = way(from[0], asked.u) / h * pixel;
+        moved[side][1] = way(from[1], asked.v) / h * pixel;
+      }
+      for (int side = 0; side < 2; side++)
+        for (int c = 0; c < 2; c++) {
+          const double want = side == 0 && c == 0 ? fmin(fabs(moved[0][0]), turned ? 1 : 1e9)
+                                                  : fabs(moved[side][c]);
+          assert_near(fabs(footprint[2 * side + c]), want, 1e-4 * fabs(moved[0][0]) + 1e-6);
+        }
+      /* a tile shows so many centimetres */
+      assert_near(fabs(moved[1][1]) * size * m.preset.scratch_cm, t.far ? 16.0 : 2.0, 1e-3);
+      for (int c = 0; c < 3; c++)
+        assert_true(rgb[c] > 0 && rgb[c] < 1e3f);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_sky_adds_up),
-      cmocka_unit_test(the_key_is_a_disc),
-      cmocka_unit_test(places_follow_the_cloth),
-      cmocka_unit_test(a_pixel_of_cloth),
+      cmocka_unit_test(the_sky_adds_up),         cmocka_unit_test(the_key_is_a_disc),
+      cmocka_unit_test(places_follow_the_cloth), cmocka_unit_test(a_pixel_of_cloth),
+      cmocka_unit_test(a_pixel_of_metal),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
