@@ -152,6 +152,48 @@ def test_burley_is_as_bright_as_its_own_formula_says():
     assert mean == pytest.approx(np.full(3, expected), abs=0.003)
 
 
+def coat(alpha):
+    """Burley's GTR of exponent 1, shadowed as GGX of .25, a dielectric of 1.5: f, of n.l, n.v, n.h and l.h."""
+    def dark(cosine):
+        return 2 * cosine / (cosine + math.sqrt(0.0625 + (1 - 0.0625) * cosine**2))
+
+    def f(nl, nv, nh, lh):
+        d = (alpha**2 - 1) / (math.pi * math.log(alpha**2) * (1 + (alpha**2 - 1) * nh**2))
+        inside = math.sqrt(1 - (1 - lh**2) / 1.5**2)
+        s, p = (lh - 1.5 * inside) / (lh + 1.5 * inside), (1.5 * lh - inside) / (1.5 * lh + inside)
+        return d * dark(nl) * dark(nv) * (s * s + p * p) / 2 / (4 * nl * nv)
+
+    return {"closure": "COAT", "alpha": [alpha]}, f
+
+
+def velvet(sigma):
+    """Ashikhmin and Premoze's inverse Gaussian, shadowed as V grooves."""
+    def f(nl, nv, nh, lh):
+        cot2 = nh**2 / (1 - nh**2)
+        d = math.exp(-cot2 / sigma**2) / (math.pi * sigma**2 * (1 - nh**2) ** 2)
+        return d * min(1, 2 * nh * nl / lh, 2 * nh * nv / lh) / (4 * nl * nv)
+
+    return {"closure": "SHEEN", "model": "VELVET", "sigma": [sigma]}, f
+
+
+RIM = {"closure": "SHEEN", "model": "SCHLICK"}, lambda nl, nv, nh, lh: (1 - lh) ** 5
+
+
+@pytest.mark.parametrize("lobe", [coat(0.05), coat(0.6), velvet(0.3), velvet(1.5), RIM], ids=str)
+@pytest.mark.parametrize("tilt", [0.0, 0.4, 1.1])
+def test_coats_and_sheens_of_a_plate_in_the_sun(lobe, tilt):
+    """Beside a matt white plate's 1 / pi, from above and from the side."""
+    closure, f = lobe
+    light, eye = np.array((math.sin(1.0), 0, math.cos(1.0))), np.array((-math.sin(tilt), 0.2 * math.sin(tilt), math.cos(tilt)))
+    eye /= np.linalg.norm(eye)
+    given = {"lights": [sun(tuple(light), WHITE)], "width": 4, "height": 4, "samples": 1, "meshes": [square()],
+             "camera": ortho(0.02, tuple(3 * eye), (0, 0, 0))}
+    seen, white = (render(scene(materials=[of(one)], **given))[0][..., 0].astype(float).mean() for one in (closure, diffuse()))
+    half = (light + eye) / np.linalg.norm(light + eye)
+    assert white > 0
+    assert seen / white == pytest.approx(math.pi * f(light[2], eye[2], half[2], light @ half), rel=1e-4)
+
+
 def test_a_register_weighs_and_emits():
     """Emission by the UV map: what shines is not lit, and no bounce is needed."""
     uv = registers(3, 3)

@@ -61,6 +61,8 @@ def change(path, value):
         (("region",), (0, 0, 17, 16), "region must be"),
         (("region",), (5, 5, 5, 9), "region is empty"),
         (("region",), (0, 0, 1), "region must be a sequence of 4"),
+        (("background",), (1.0,) * 4, "background must be a sequence of 3 finite numbers"),
+        (("camera", "clip"), (1, 2, 3), "camera: clip must be a sequence of 2"),
         (("background",), (0, float("nan"), 0), "background must be"),
         (("filter_width",), -1.0, "filter_width must be from 0"),
         (("camera",), None, "camera must be a dict"),

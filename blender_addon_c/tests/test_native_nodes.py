@@ -307,6 +307,17 @@ def test_bumps_of_a_slope_are_the_same_by_any_uv_map(uvs, tmp_path):
     np.testing.assert_allclose(vectors(planes, "Ns", "XYZ")[seen], expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("strength", [-1.0, 0.0, 0.25, 1.0, 2.5])
+def test_bumps_may_be_stronger_than_they_are(strength, tmp_path):
+    """As in Cycles: beyond 1 the normal leans on, below 0 it stays."""
+    node = {"type": "BUMP", "height": [0.0, 0.6 * 0.25, -0.4 * 0.25], "along": [0.25, 0, 0, 0.25], "strength": [strength],
+            "distance": [2.0], "normal": [0.0, 0.0, 1.0], "out": OUT[:3]}
+    planes, _ = dump(scene(materials=[material() | {"nodes": [node], "normal": OUT[:3]}], **AWRY), tmp_path / "d.exr")
+    bent, up = unit(np.array((-0.6, 0.4, 1))), np.array((0.0, 0.0, 1.0))
+    expected = unit(up + max(strength, 0.0) * (bent - up))
+    np.testing.assert_allclose(vectors(planes, "Ns", "XYZ").mean((0, 1)), expected, atol=1e-5)
+
+
 def varied(**changes):
     """A metal whose colours and roughness are textures."""
     nodes = [*SOURCES, {"type": "MATH", "operation": "MULTIPLY_ADD", "a": UV[:1], "b": [0.4],
@@ -334,6 +345,8 @@ def test_the_reference_agrees_where_everything_varies(tmp_path):
     ({"f0_from": registers(40, 3)}, r"f0_from: no node before has written register 40"),
     ({"f0_from": registers(62, 3)}, r"f0_from must be 3 operands: finite numbers, or registers"),
     ({"f0_from": [0.5, 0.5]}, r"f0_from must be 3 operands"),
+    ({"f0_from": [0.5] * 4}, r"f0_from must be 3 operands"),
+    ({"normal": registers(3, 4)}, r"normal must be 3 operands"),
     ({"normal": [(3,), (4,), 1.0]}, r"normal must be three registers"),
     ({"nodes": [{"type": "GEOMETRY", "what": "UV", "out": registers(2, 3)}]},
      r"nodes\[0\]: out must be registers from 3 on"),

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""At which times a scene is evaluated while the shutter is open, and which it is left at. Without Blender."""
+
+import importlib.util
+import sys
+from types import ModuleType
+from types import SimpleNamespace as Made
+
+import pytest
+
+from native_scenes import ROOT
+
+
+@pytest.fixture(scope="module")
+def motion():
+    package = ModuleType("exported")
+    package.__path__ = [str(ROOT / "blender_addon_c/export")]
+    sys.modules["exported"] = package
+    try:
+        spec = importlib.util.spec_from_file_location("exported.motion", ROOT / "blender_addon_c/export/motion.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        yield module
+    finally:
+        for name in [name for name in sys.modules if name.split(".")[0] == "exported"]:
+            del sys.modules[name]
+
+
+class Engine:
+    """Takes down what frames it is set to."""
+
+    def __init__(self, left_early=False):
+        self.frames, self.left_early, self.camera_override = [], left_early, Made(parent=None)
+
+    def test_break(self):
+        return self.left_early
+
+    def frame_set(self, frame, subframe):
+        assert isinstance(frame, int) and 0 <= subframe < 1
+        self.frames.append(frame + subframe)
+
+
+def scene_at(frame, subframe, position, shutter=0.5):
+    render = Made(motion_blur_shutter=shutter, motion_blur_position=position)
+    return Made(scene=Made(frame_current=frame, frame_subframe=subframe, render=render), object_instances=[])
+
+
+@pytest.mark.parametrize("subframe", [0.0, 0.375])
+@pytest.mark.parametrize("position, middle", [("START", 0.25), ("CENTER", 0.0), ("END", -0.25)])
+def test_the_shutter_opens_about_the_frame_with_its_part(motion, position, middle, subframe):
+    """Three times half a frame: from where it opens to where it closes; then the middle is rendered, the end is as
+    before."""
+    engine = Engine()
+    now = -3 + subframe
+    with motion.Motion(engine, scene_at(-3, subframe, position), dict, True, None):
+        rendered = [now, *engine.frames][-1]
+        seen = set(engine.frames)
+    assert rendered == pytest.approx(now + middle)
+    assert {now + middle - 0.25, now + middle + 0.25} <= seen
+    assert min(seen) == now + middle - 0.25 and max(seen) == now + middle + 0.25
+    assert engine.frames[-1] == now
+
+
+@pytest.mark.parametrize("subframe", [0.0, 0.5])
+def test_vectors_go_from_a_frame_before_to_one_after(motion, subframe):
+    engine = Engine()
+    with motion.Motion(engine, scene_at(7, subframe, "END"), dict, False, None):
+        assert sorted({*engine.frames}) == [6 + subframe, 7 + subframe, 8 + subframe]
+    assert engine.frames[-1] == 7 + subframe
+
+
+def test_what_is_broken_off_is_left_as_it_was(motion):
+    engine = Engine(left_early=True)
+    with motion.Motion(engine, scene_at(7, 0.25, "START"), dict, True, None):
+        assert engine.frames == [7.5]
+    assert engine.frames == [7.5, 7.25]
