@@ -66,3 +66,31 @@ def test_a_full_graph_looks_at_points():
         sum_ = program.math("ADD", sum_, part)
     nodes, _ = program.finish([{"closure": "DIFFUSE", "color": color, "weight": [sum_] * 3}])
     assert not any("averaged" in node for node in nodes)
+
+
+NUMBERS = [("ADD", (2, 3, 9), 5), ("SUBTRACT", (2, 3, 9), -1), ("MULTIPLY", (2, 3, 9), 6), ("DIVIDE", (3, 2, 9), 1.5),
+           ("DIVIDE", (3, 0, 9), 0), ("MULTIPLY_ADD", (2, 3, 9), 15), ("MINIMUM", (2, 3, 0), 2), ("MAXIMUM", (2, 3, 9), 3),
+           ("MIX", (2, 4, 0.25), 2.5), ("MIX", (2, 4, 1.5), 5), ("CLAMP", (5, 2, 3), 3), ("CLAMP", (1, 2, 3), 2),
+           ("CLAMP", (2.5, 2, 3), 2.5), ("SQRT", (9, 0, 0), 3), ("SQRT", (-9, 0, 0), 0), ("ABSOLUTE", (-2, 0, 0), 2),
+           ("COSINE", (0.5, 0, 0), 0.8775825618903728), ("SINE", (0.5, 0, 0), 0.479425538604203)]
+
+
+@pytest.mark.parametrize("operation, operands, result", NUMBERS)
+def test_numbers_need_no_node(operation, operands, result):
+    """By 0 is 0, as the Math node has it, and the root of less than nothing."""
+    program = graph.Program()
+    assert program.math(operation, *map(float, operands)) == pytest.approx(result, abs=1e-15)
+    assert not program.finish([])[0]
+
+
+def test_what_changes_nothing_needs_no_node():
+    program = graph.Program()
+    r, s = program.emit("OBJECT", 3, what="LOCATION")[:2]
+    for operation, operands, result in [
+            ("MULTIPLY", (r, 1.0), r), ("MULTIPLY", (1.0, r), r), ("MULTIPLY", (r, 0.0), 0.0), ("MULTIPLY", (0.0, r), 0.0),
+            ("ADD", (r, 0.0), r), ("ADD", (0.0, r), r), ("SUBTRACT", (r, 0.0), r), ("MIX", (r, s, 0.0), r),
+            ("MIX", (r, s, 1.0), s)]:
+        assert program.math(operation, *operands) is result or program.math(operation, *operands) == result
+    for operation, operands in [("SUBTRACT", (0.0, r)), ("MULTIPLY", (r, 2.0)), ("ADD", (r, 1.0)), ("DIVIDE", (1.0, r)),
+                                ("MIX", (r, s, 0.5))]:
+        assert program.math(operation, *operands) not in (r, s, 0.0), operation

@@ -74,3 +74,15 @@ def test_what_is_broken_off_is_left_as_it_was(motion):
     with motion.Motion(engine, scene_at(7, 0.25, "START"), dict, True, None):
         assert engine.frames == [7.5]
     assert engine.frames == [7.5, 7.25]
+
+
+@pytest.mark.parametrize("own, parents, times", [(None, None, 3), (1, None, 3), (3, None, 9), (2, 4, 17), (99, None, 129)])
+def test_times_double_with_each_step_as_in_cycles(motion, own, parents, times):
+    """2 << (steps - 1), and one more; of an instance and what instances it the more. None where one is not blurred."""
+    def thing(steps, blurred=True):
+        return Made(cycles=Made(use_motion_blur=blurred, motion_steps=steps)) if steps else Made()
+
+    instancer = thing(parents) if parents else None
+    assert motion._steps(thing(own), instancer) == times
+    assert motion._times(times) == pytest.approx([2 * k / (times - 1) - 1 for k in range(times)])
+    assert motion._steps(thing(own), thing(1, blurred=False)) == 0

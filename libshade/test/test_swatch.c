@@ -88,6 +88,7 @@ static void places_follow_the_cloth(void **state) {
   (void)state;
   uint64_t seed = 3;
   int beside = 0, on = 0;
+  double leans[2] = {0, 0};
   for (int i = 0; i < 20000; i++) {
     const tile t = {.cylinder = i % 2};
     const double x = 2 * uniform(&seed) - 1, y = 2 * uniform(&seed) - 1, h = 1e-6;
@@ -107,11 +108,16 @@ static void places_follow_the_cloth(void **state) {
     assert_near(s.z[0], t.cylinder ? x / CYLINDER : 0, 1e-12);
     if (!find_spot(&t, x - h, y, 1, &before) || !find_spot(&t, x + h, y, 1, &after))
       continue;
+    if (t.cylinder && i % 3 && y >= .6) /* folds begin below, and open downwards */
+      assert_near(s.n[0], 0, 1e-12);
+    if (t.cylinder && i % 3)
+      leans[y < -.2] = fmax(leans[y < -.2], fabs(s.n[0]));
     if (s.z[2] > .05)
       assert_near((after.at[0] - before.at[0]) / (2 * h) / s.stretch, 1, 1e-5);
     assert_near(s.stretch, 1 / fmax(s.z[2], .02), 1e-9);
   }
   assert_true(on > 15000 && beside > 500);
+  assert_true(leans[0] > .1 && leans[1] > 1.5 * leans[0]);
 }
 
 /* The pixel as the text above find_spot and the constants say it: every light by itself, the
