@@ -231,6 +231,28 @@ static void test_angle_weights(void **state) {
   check_angle_weights(PI / 3);
 }
 
+/* Where u runs along the normal there is no tangent: what rounding leaves of dP/du is none. */
+static void test_u_along_the_normal(void **state) {
+  (void)state;
+  const float along[4][3] = {{1, 2, 3}, {3, -1, 2}, {-7, 4, 1}, {2, 2, 5}};
+  const float aside[4][3] = {{0, 3, -2}, {1, 3, 0}, {0, 1, -4}, {1, -1, 0}};
+  for (int i = 0; i < 4; i++) {
+    mesh m = new_mesh(1);
+    point a = {.uv = {0, 0}}, b = {.uv = {1, 0}}, c = {.uv = {0, 1}};
+    const double size = length(along[i]);
+    for (int k = 0; k < 3; k++) {
+      b.position[k] = along[i][k];
+      c.position[k] = aside[i][k];
+      a.normal[k] = b.normal[k] = c.normal[k] = (float)((double)along[i][k] / size);
+    }
+    add_triangle(&m, a, b, c);
+    assert_int_equal(solve(&m), 3);
+    for (int k = 0; k < 3; k++)
+      assert_true(fabs(length(m.tangent + 4 * k) - 1) < 1e-6);
+    free_mesh(&m);
+  }
+}
+
 /* Two fans that only touch in a point, with the same values there, stay apart. */
 static void test_fans_stay_apart(void **state) {
   (void)state;
@@ -563,6 +585,7 @@ int main(void) {
       cmocka_unit_test(test_mirrored_seam),
       cmocka_unit_test(test_curved),
       cmocka_unit_test(test_angle_weights),
+      cmocka_unit_test(test_u_along_the_normal),
       cmocka_unit_test(test_fans_stay_apart),
       cmocka_unit_test(test_crowded_edge),
       cmocka_unit_test(test_flat_joins),
