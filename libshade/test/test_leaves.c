@@ -185,7 +185,32 @@ static void units(void **state) {
   assert_true(half <= 3e-16 && halff <= 2e-7);
 }
 
+/* Normals that all but lie in the surface, to either side of it: what one has at h the other has at
+ * h mirrored, down to the smallest n.z. */
+static void steepest(void **state) {
+  (void)state;
+  uint64_t seed = 31;
+  for (int i = 0; i < 400; i++) {
+    const double nz = pow(10, -(i % 2 ? 300 : 35) * uniform(&seed)),
+                 nx = sqrt(1 - fmin(nz * nz, 1));
+    double h[3];
+    spherical(1.5 * uniform(&seed), 3 * uniform(&seed) - 1.5, h);
+    const lobe_point p = lobe_at(detail_rotate(nx, 0, nz, h[0], h[1], h[2]));
+    const lobe_point q = lobe_at(detail_rotate(-nx, 0, nz, -h[0], h[1], h[2]));
+    assert_true(isfinite(p.t) && isfinite(p.xx) && isfinite(p.yy));
+    assert_true(p.t == q.t && p.xx == q.xx && p.yy == q.yy);
+    if (i % 2)
+      continue;
+    const float x = (float)nx, z = (float)nz, hx = (float)h[0], hy = (float)h[1], hz = (float)h[2];
+    const lobe_pointf pf = lobe_atf(detail_rotatef(x, 0, z, hx, hy, hz));
+    const lobe_pointf qf = lobe_atf(detail_rotatef(-x, 0, z, -hx, hy, hz));
+    assert_true(isfinite(pf.t) && isfinite(pf.xx) && isfinite(pf.yy));
+    assert_true(pf.t == qf.t && pf.xx == qf.xx && pf.yy == qf.yy);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(slopes), cmocka_unit_test(units)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(slopes), cmocka_unit_test(units),
+                                     cmocka_unit_test(steepest)};
   return cmocka_run_group_tests_name("leaves", tests, NULL, NULL);
 }
