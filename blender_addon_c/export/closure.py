@@ -244,11 +244,16 @@ def _filtered(reader, closure, normal, weight):
 
 
 def _widened(reader, closure, axis, more):
-    """The square of an alpha, and with that of bumps."""
+    """The square of an alpha, and with that of bumps; how Beckmann's narrows these, shade/maps.h says."""
+    math = reader.program.math
     alpha = closure.get(f"a{axis}_from", [closure[f"a{axis}"]])[0]
-    square = reader.program.math("MULTIPLY", alpha, alpha)
-    wide = reader.program.math("ADD", square, more)
-    closure[f"a{axis}_from"] = [reader.program.math("SQRT", wide)]
+    square = math("MULTIPLY", alpha, alpha)
+    if closure["mdf"].lower() == "beckmann":
+        part = 1.0 if closure["brdf"].lower() == "microfacet" else 0.5
+        narrow = math("DIVIDE", 1.0, math("MULTIPLY_ADD", square, part, 1.0))
+        more = math("MULTIPLY", more, math("MULTIPLY", narrow, narrow))
+    wide = math("ADD", square, more)
+    closure[f"a{axis}_from"] = [math("SQRT", wide)]
     return square, wide
 
 

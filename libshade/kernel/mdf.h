@@ -17,12 +17,13 @@
 #include "shade/shade.h"
 
 typedef struct shade_mdf_traits {
-  int ratio;        /* sees neither a common scale of the slopes along x and y, nor L */
-  int projected;    /* the integral of D hz is 1, not that of D */
-  int visible;      /* the normals that an eye sees can be drawn */
-  int tails;        /* D falls slowly: no exponent says where it ends */
-  double proposal;  /* times kx and ky: the lobe that half vectors are drawn from */
-  double per_slope; /* of a mixture for `perturb`: how narrow 1/alpha^2 or exponents are */
+  int ratio;                /* sees neither a common scale of the slopes along x and y, nor L */
+  int projected;            /* the integral of D hz is 1, not that of D */
+  int visible;              /* the normals that an eye sees can be drawn */
+  int tails;                /* D falls slowly: no exponent says where it ends */
+  double proposal;          /* times kx and ky: the lobe that half vectors are drawn from */
+  double per_slope;         /* of a mixture for `perturb`: how narrow 1/alpha^2 or exponents are */
+  double narrowed, blunted; /* of lobes that slopes widen: src/slopes.c */
   /*
    * Relative errors of D, any detail method but the warps, against the reference on the same
    * inputs: D > 1e-12 of the peak, z >= 0.05, tilts to 89.9 degrees, exponents (e = 2/alpha^2 - 2)

@@ -16,6 +16,7 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
   float *restrict to_x = b->width[0], *restrict to_y = b->width[1];
   float *restrict groove_x = b->groove[0], *restrict groove_y = b->groove[1];
   const float exponents = b->exponents ? 1 : 0, alphas = 1 - exponents;
+  const float narrowed = b->narrowed, blunted = b->blunted;
   int bad = 0, clamped = 0;
 #pragma omp simd reduction(| : bad, clamped)
   for (size_t i = 0; i < count; i++) {
@@ -61,29 +62,43 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
     by = by > least ? by : least;
     bx = bx < most ? bx : most;
     by = by < most ? by : most;
-    const float ex = 1 / bx, ey = 1 / by, ax = bx * bx, ay = by * by;
+    const float product = 1 / (bx * by), ex = by * product, ey = bx * product, ax = bx * bx,
+                ay = by * by;
     /* blends, not choices, by what all lanes share: those keep gcc from vectors */
     const float wx = exponents * ex + alphas * ax, wy = exponents * ey + alphas * ay;
     const int by_width = wy < wx;
     const float across = by_width ? automatic : choice_y;
 
     /* the covariance in the tangent plane of n, by rows along the carried axes */
-    const float m = sqrtf(y * y + z * z), l = sqrtf(x * x + z * z), zm = z / m, zl = z / l;
-    const float ya = m * z, yb = -x * y * zm, yd = z * zm; /* (ya, yb), (0, yd): grooves along y */
-    const float xa = z * zl, xc = -x * y * zl, xd = l * z; /* (xa, 0), (xc, xd): along x */
     const int along_y = across > 0;
-    const float ja = along_y ? ya : xa, jb = along_y ? yb : 0, jc = along_y ? 0 : xc,
-                jd = along_y ? yd : xd;
+    const float aside = along_y ? y : x, m = sqrtf(aside * aside + z * z), zm = z / m;
+    const float far = m * z, near = z * zm, askew = -x * y * zm;
+    /* (far, askew), (0, near) with grooves along y; (near, 0), (askew, far) along x */
+    /* as the lobe's own width narrows them: shade_params_widen says why */
+    const float tall_x = 1 + narrowed * wx, tall_y = 1 + narrowed * wy,
+                squash = 1 / (tall_x * tall_y), nx = tall_y * squash, ny = tall_x * squash;
+    const float ja = nx * (along_y ? far : near), jb = nx * (along_y ? askew : 0),
+                jc = ny * (along_y ? 0 : askew), jd = ny * (along_y ? near : far);
     const float sxx = ja * ja * xx + 2 * ja * jb * xy + jb * jb * yy;
     const float sxy = ja * jc * xx + (ja * jd + jb * jc) * xy + jb * jd * yy;
     const float syy = jc * jc * xx + 2 * jc * jd * xy + jd * jd * yy;
 
+    /* by the determinant, whose terms are all positive, but for what double precision subtracts */
+    const double exact = (double)xx * (double)yy - (double)xy * (double)xy;
+    const float spread = exact > 0 ? (float)exact : 0, stretch = unit * (ja * jd - jb * jc);
+    const float slopes = stretch * (stretch * spread), own = wx * wy;
+    /* all times the determinant of both together, until the end: no division is waited for */
+    const float whole = own + slopes + unit * (wx * syy + wy * sxx), per_whole = 1 / whole;
+    const float of_own = whole + blunted * slopes, of_slopes = whole + blunted * own;
+    const float own_x = of_own * wx, own_y = of_own * wy, added = of_slopes * unit;
+
     /* the principal axis nearest to x becomes x */
-    const float vxx = wx + unit * sxx, vxy = unit * sxy, vyy = wy + unit * syy;
+    const float vxx = own_x + added * sxx, vxy = added * sxy, vyy = own_y + added * syy;
     const float half = 0.5F * (vxx - vyy),
                 wide = fabsf(half) > fabsf(vxy) ? fabsf(half) : fabsf(vxy);
     const float scale = wide + 1e-37F; /* squares of what is left do not vanish */
-    const float gap2 = half / scale, turn2 = vxy / scale, r2 = sqrtf(gap2 * gap2 + turn2 * turn2);
+    const float per_scale = 1 / scale, gap2 = half * per_scale, turn2 = vxy * per_scale;
+    const float r2 = sqrtf(gap2 * gap2 + turn2 * turn2);
     const float long_half = r2 * scale, r = r2 + 1e-37F;
     const int none = !(r2 > 0.5F);
     float cs = sqrtf(0.5F * (1 + fabsf(gap2) / r));
@@ -92,15 +107,14 @@ static unsigned kernel_widen(const widen_block *b, size_t count) {
     sn = half < 0 ? -sn : sn;
     sn = none ? 0 : sn;
     const float middle = 0.5F * (vxx + vyy);
-    /* by the determinant, whose terms are all positive, but for what double precision subtracts */
-    const double exact = (double)xx * (double)yy - (double)xy * (double)xy;
-    const float spread = exact > 0 ? (float)exact : 0, stretch = unit * (ja * jd - jb * jc);
-    const float larger = middle + long_half;
-    const float smaller = wx * (wy / larger) + unit * (wx * (syy / larger) + wy * (sxx / larger)) +
-                          stretch * (stretch * (spread / larger));
-    const float widest = half < 0 ? smaller : larger, other = half < 0 ? larger : smaller;
-    const float rx = sqrtf(widest), ry = sqrtf(other), qx = 1 / (widest + 1e-37F),
-                qy = 1 / (other + 1e-37F);
+    const float larger = middle + long_half, per_larger = 1 / larger, turned = of_slopes * stretch;
+    const float smaller = own_x * (own_y * per_larger) +
+                          added * (own_x * (syy * per_larger) + own_y * (sxx * per_larger)) +
+                          turned * (turned * (spread * per_larger));
+    const float widest = per_whole * (half < 0 ? smaller : larger),
+                other = per_whole * (half < 0 ? larger : smaller);
+    const float rx = sqrtf(widest), ry = sqrtf(other), both = 1 / (widest * other + 1e-37F),
+                qx = other * both, qy = widest * both;
     float px = exponents * qx + alphas * rx, py = exponents * qy + alphas * ry;
     const float floor = alphas * 1e-4F;
     const int fits = (px >= floor) & (px <= most) & (py >= floor) & (py <= most);

@@ -29,6 +29,7 @@ typedef struct widen_block {
   const float *n[3], *covariance[3], *base[2]; /* base: exponents or alphas */
   float *width[2], *groove[2];                 /* those of the wider lobe; its x axis */
   int exponents;
+  float narrowed, blunted;     /* of the distribution's traits */
   float groove_y, groove_auto; /* 1 where grooves run along y; where y is the narrow axis */
 } widen_block;
 

@@ -190,6 +190,9 @@ static void colours_are_those_of_many_normals(void **state) {
     for (int k = 1; k < 4; k++)
       assert_true(error[k] <= 0.03 * size);
     assert_true(error[2] < error[0] && error[3] < error[0]);
+    assert_true(error[0] <=
+                (mdf == SHADE_MDF_GGX ? 0.09 : 0.0305) * size);         /* 12.7 if not blunted */
+    assert_true(mdf != SHADE_MDF_BECKMANN || error[0] <= 0.025 * size); /* 3.5 if not narrowed */
   }
 }
 

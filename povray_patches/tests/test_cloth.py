@@ -354,9 +354,9 @@ def test_scratches_are_the_reference_and_keep_their_mean(render, shade_check, sh
     shade_check(near.dump)
     for size in (60, 12, 4):
         far = picture(size)
-        # one widened lobe is 5.8 % lower at its peak than points: 5.1 since it is no mean of tilted lobes, .6 since slopes
-        # of scratches are not Gaussian (maps.h); near ones, over pixels as wide as a scratch, are 1.8 % brighter than points
-        assert far.image.mean((0, 1)) == pytest.approx(near.image.mean((0, 1)), rel=.08), size
+        # far ones are 2.8 % darker than points, near ones, over pixels as wide as a scratch, whose slopes are no Gaussian, 3.4 %
+        # brighter (7.2 % lay between them while a lobe of Beckmann widened without being narrowed: maps.h)
+        assert far.image.mean((0, 1)) == pytest.approx(near.image.mean((0, 1)), rel=.065), size
     shade_check(far.dump)
     assert (far.dump.channels["alpha.X"] > .18).all()
 

@@ -206,30 +206,37 @@ SHADE_API unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t co
  * whose tangent is cos(angle) x + sin(angle) y, with n, wi and wo in that frame. A groove
  * that was auto stays where it was, unless the lobe was round. *out may be *p.
  *
- * With the covariance S carried to n's own tangent plane: alpha^2 + 2 S (Beckmann, Ward,
- * GGX), 1/e + S (Ashikhmin-Shirley). Half the integral of |difference| of the distributions
- * over that of the true one, for Gaussian slopes of deviation s each way, exponents 200 and
- * 10 or the matching alphas, detail rotate, as a test measures it:
+ * With the covariance S carried to n's own tangent plane: 1/e + S (Ashikhmin-Shirley),
+ * alpha^2 + 2 S (Ward), as lobes add that are shifted in the plane of slopes. Tilted lobes are
+ * higher in the middle and further out than that (a density of slopes over the fourth power of the
+ * cosine from a nearer axis); for Beckmann each slope of S counts 1/(1 + alpha^2) of itself, by the
+ * alpha along its own axis, which makes the peak right with microfacet (others: 1/(1 + alpha^2/2),
+ * half of it, nearest over all lights). GGX has no variance to add to: half of that narrowing, and
+ * 0.4 times (alpha^2 2 S)/(alpha^2 + 2 S) on top, a compromise between the peak (too high by 24 %
+ * at most without it, by 14 % with it) and the whole lobe.
+ *
+ * Half the integral of |difference| of the distributions over that of the true one, for Gaussian
+ * slopes of deviation s each way, exponents 200 and 10 or the matching alphas, detail rotate, as a
+ * test measures it:
  *
  *   s                  0.05   0.1    0.2
  *   ashikhmin_shirley  0.003  0.009  0.019
  *   ward               0.004  0.014  0.044
  *   ward_half          0.006  0.014  0.033
- *   beckmann           0.005  0.014  0.040
- *   ggx                0.044  0.094  0.152  (its own variance is infinite: a rule of thumb)
+ *   beckmann           0.005  0.014  0.039  (0.042 with microfacet)
+ *   ggx                0.050  0.099  0.154
  *
  * The mean colour of a map of smooth random slopes, of lobes of alpha 0.18 and 0.36 or
- * exponents 60 and 12, over 20 pairs of light and view (compare/slopes.py): 1.3 to 2.9 % off
- * for deviations of 0.05 and 0.1, 3.6 (Beckmann), 4.3 (Ashikhmin-Shirley), 6.1 (Ward) and
- * 9.1 % (GGX) for 0.15 and 0.1.
+ * exponents 60 and 12, over 20 pairs of light and view (compare/slopes.py): 1.3 to 3.0 % off
+ * for deviations of 0.05 and 0.1, 4.3 (Ashikhmin-Shirley), 4.4 (Beckmann), 6.1 (Ward) and
+ * 8.3 % (GGX) for 0.15 and 0.1.
  *
- * At its peak the one lobe is lower than the mean of the lobes that the slopes tilt, also where
- * they are Gaussian: a tilted lobe's density there is that of its own slopes over the fourth power
- * of a smaller cosine. Beckmann of alpha 0.3, slopes of deviations 0.25 and 0.03, seen from above:
- * 5.6 % at the peak, 5.1 % at 7 degrees from it, 1.1 % at 22.
- * Slopes that are not Gaussian (few deep scratches on a polished plate) are wider in the tail
- * and narrower at the peak than the one lobe that has their covariance: 0.6 % in the same place.
- * A covariance that is indefinite, or not finite, counts as the nearest that is not
+ * At its peak D is within 1 % (Beckmann with microfacet; 7 with others), 2 (Ward) and 7 % (its
+ * cheap form) of the mean of the lobes for alphas to 0.36 and deviations to 0.35, of GGX and
+ * Ashikhmin-Shirley 14 and 12 % too high; with alphas of 0.5 within 5 (13), 0, 8, 4 and 5 %. Slopes
+ * that are not Gaussian (few deep scratches on a polished plate) are wider in the tail and narrower
+ * at the peak than the one lobe that has their covariance: 0.6 % in the test of far scratches in
+ * POV-Ray. A covariance that is indefinite, or not finite, counts as the nearest that is not
  * (SHADE_BAD_INPUT). Results out of the parameters' ranges are clamped
  * (SHADE_CLAMPED_PARAMETER).
  */
@@ -280,7 +287,8 @@ typedef struct shade_slope_lobes {
  * it is clamped (SHADE_CLAMPED_PARAMETER), 5 and 7 are taken as 4 and 6. The normals carry part of
  * the covariance, the lobe widens by the rest, so that the second moments stay what they were: 2, 3
  * or 4 normals along the axis on which the slopes spread most beside the lobe, two across it from 4
- * lobes on; none where the spread is below a tenth of the lobe's width. All normals are in the
+ * lobes on; none where the spread is below a tenth of the lobe's width. (What GGX's one lobe has on
+ * top, several have not.) All normals are in the
  * frame turned by *angle, ready for a batch:
  *
  *   shade_slope_lookup(map, u, v, footprint, &s);
@@ -300,17 +308,17 @@ typedef struct shade_slope_lobes {
  *   ashikhmin_shirley  3.0   2.0  1.5  1.0
  *   ward               2.9   2.6  1.9  1.3
  *   ward_half          2.7   2.9  2.0  1.4
- *   beckmann           3.5   2.1  1.5  0.9
- *   ggx               12.7   2.1  1.2  1.5
+ *   beckmann           2.4   1.7  1.2  0.7
+ *   ggx                8.6   1.9  1.2  1.4
  *   this call          228   379  459  527
  *   batch of its lobes 123   198  264  301
  *
  * On the maps of compare/slopes.py six lobes are within 0.4 % (deviations 0.05 and 0.1), 2.3 %
- * (0.15 and 0.1, where one is 9.1 % off with GGX) and 0.2 % (scratches), at every footprint.
+ * (0.15 and 0.1, where one is 8.3 % off with GGX) and 0.2 % (scratches), at every footprint.
  *
  * Two moments are all that is known of the slopes. Even ripples, whose slopes are most frequent
- * at their ends, stay 10 to 12 % off (one lobe: 10 to 19), and so does GGX where the slopes spread
- * much more than the lobe does: with alphas of 0.07 and 0.14 about 11 % instead of 19.
+ * at their ends, stay 10 to 12 % off (one lobe: 12 to 19), and so does GGX where the slopes spread
+ * much more than the lobe does: with alphas of 0.07 and 0.14 about 11 % instead of 20.
  *
  * With most = 1 *out and *angle are those of shade_params_widen, as are the status bits and what
  * bad input becomes. Slopes beyond 50 are cut to it. *out may be *p. Reentrant.
