@@ -7,6 +7,7 @@ import base64
 import html
 import math
 import struct
+import textwrap
 import zlib
 
 import numpy as np
@@ -19,7 +20,8 @@ from atlas_regions import FAILS
 DARK, LIGHT, GREY = "#101114", "#ffffff", "#9aa0a6"  # on the map itself: the same on dark and light screens
 HEADS = {"tilt": "tilt of n, °", "theta": "half vector from z, °", "azimuth": "azimuth of n, °", "size": "exponent",
          "eye": "eye from z, °", "light": "light from z, °"}
-SIZE, WIDE, HIGH, LEFT, TOP, GAP = 9, 142, 118, 40, 20, 22  # points
+SIZE, WIDE, HIGH, LEFT, TOP, GAP = 11, 142, 118, 42, 20, 26  # points
+LETTERS, LINE = 23, 13  # of a map's title: in a line, and from line to line
 
 
 # ---- colours --------------------------------------------------------------------------------------------
@@ -107,8 +109,8 @@ def image(x, y, wide, high, rgb):
             f'style="image-rendering: pixelated" href="{picture(rgb)}"/>')
 
 
-def whole(wide, high, parts):
-    return (f'<svg viewBox="0 0 {wide} {high}" style="--wide:{wide}" aria-hidden="true" '
+def whole(wide, high, parts, above=0):
+    return (f'<svg viewBox="0 {-above} {wide} {high + above}" style="--wide:{wide}" aria-hidden="true" '
             f'xmlns="http://www.w3.org/2000/svg">{"".join(parts)}</svg>')
 
 
@@ -123,7 +125,7 @@ def outline(mask, xs, ys):
                 said.append(f"M{xs[a]:.1f} {ys[i]:.1f}H{xs[b]:.1f}" if across else
                             f"M{xs[i]:.1f} {ys[a]:.1f}V{ys[b]:.1f}")
     path = "".join(said)
-    return "".join(f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="square"/>'
+    return "".join(f'<path class="on-map" d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="square"/>'
                    for colour, width in ((LIGHT, 2.6), (DARK, 1.1)))
 
 
@@ -157,7 +159,7 @@ def edges(values):
 # ---- a map ---------------------------------------------------------------------------------------------------
 
 def panel(x0, rows, which, failures, columns, title, heads, first):
-    """One map with its left edge at x0: rows of one form on a grid of two columns."""
+    """One map with its left edge at x0: rows of one form on a grid of two columns. title: its lines."""
     measure, scale = SCALES[which]
     across, upwards = (sorted({row[c] for row in rows}) for c in columns)
     decades = columns[0] == "size"
@@ -174,8 +176,8 @@ def panel(x0, rows, which, failures, columns, title, heads, first):
     py = [TOP + HIGH - (v - bounds[1][0]) / np.ptp(bounds[1]) * HIGH for v in bounds[1]]
     column = np.searchsorted(px, x0 + np.arange(WIDE) + 0.5) - 1
     row = len(upwards) - np.searchsorted(sorted(py), TOP + np.arange(HIGH) + 0.5)
-    parts = [image(x0, TOP, WIDE, HIGH, scale.rgb(grid)[row][:, column]), text(x0, TOP - 7, title, "start", 9.5,
-                                                                                more=" font-weight: 600")]
+    parts = [image(x0, TOP, WIDE, HIGH, scale.rgb(grid)[row][:, column])]
+    parts += [text(x0, TOP - 7 - LINE * k, line, "start", more=" font-weight: 600") for k, line in enumerate(reversed(title))]
     if decades:
         marks = [(k, style.power(across[k])) for k in range(0, len(across), 2)]
     else:
@@ -184,14 +186,14 @@ def panel(x0, rows, which, failures, columns, title, heads, first):
         marks = [(v, f"{v}".replace("-", "−")) for v in range(-360, 361, step)
                  if across[0] <= v <= bounds[0][-1]]
     for value, words in marks:
-        parts.append(text(x0 + (value - bounds[0][0]) / np.ptp(bounds[0]) * WIDE, TOP + HIGH + 12, words,
+        parts.append(text(x0 + (value - bounds[0][0]) / np.ptp(bounds[0]) * WIDE, TOP + HIGH + 13, words,
                           fill="var(--soft)"))
-    parts.append(text(x0 + WIDE / 2, TOP + HIGH + 25, heads[columns[0]]))
+    parts.append(text(x0 + WIDE / 2, TOP + HIGH + 27, heads[columns[0]]))
     if first:
         for value in (0, 30, 60, 90):
             if upwards[0] <= value <= bounds[1][-1]:
                 y = TOP + HIGH - (value - bounds[1][0]) / np.ptp(bounds[1]) * HIGH
-                parts.append(text(x0 - 5, min(y + 3, TOP + HIGH), f"{value}", "end", fill="var(--soft)"))
+                parts.append(text(x0 - 5, min(y + 4, TOP + HIGH), f"{value}", "end", fill="var(--soft)"))
         middle = TOP + HIGH / 2
         parts.append(f'<g transform="rotate(-90 10 {middle})">{text(10, middle + 3, heads[columns[1]])}</g>')
     return "".join([*parts, *names(masks, atlas_regions.key_of(rows[0]), px, py)])
@@ -207,10 +209,10 @@ def names(masks, form, px, py):
             said[name] = said.get(name, np.zeros(mask.shape, bool)) | mask
     for name, mask in sorted(said.items(), key=lambda item: item[1].sum()):
         wide = 0.53 * SIZE * len(name)
-        x, y = place_of(mask, taken, px, py, wide, 11)
+        x, y = place_of(mask, taken, px, py, wide, 13)
         taken.append((x, y, wide))
         lines.append(outline(mask, px, py))
-        words.append(text(x, y + 3, name, fill=DARK,
+        words.append(text(x, y + 4, name, fill=DARK,
                           more=f" paint-order: stroke; stroke: {LIGHT}; stroke-width: 3px; stroke-linejoin: round"))
     return lines[::-1] + words
 
@@ -231,13 +233,14 @@ def maps(groups, which, failures, columns, title, heads=None):
     """Panels of two maps each. groups: lists of rows, a map each; title(rows): of a map."""
     made = [key(SCALES[which][1])]
     for first in range(0, len(groups), 2):
-        parts = []
-        for place, rows in enumerate(groups[first:first + 2]):
+        parts, beside = [], groups[first:first + 2]
+        titles = [textwrap.wrap(title(rows), LETTERS) for rows in beside]
+        for place, rows in enumerate(beside):
             form = FORMS.get(rows[0]["form"])
             alpha = {"size": "α"} if form and form.mdf != "ashikhmin_shirley" else {}
-            parts.append(panel(LEFT + place * (WIDE + GAP), rows, which, failures, columns, title(rows),
+            parts.append(panel(LEFT + place * (WIDE + GAP), rows, which, failures, columns, titles[place],
                                {**HEADS, **alpha, **(heads or {})}, place == 0))
-        made.append(whole(360, TOP + HIGH + 32, parts))
+        made.append(whole(360, TOP + HIGH + 34, parts, LINE * (max(map(len, titles)) - 1)))
     return "".join(made)
 
 

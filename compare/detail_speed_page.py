@@ -148,7 +148,7 @@ COMMAND = "`build/venv/bin/python compare/report_page.py --only speed`"
 
 def figures(rows):
     ts, mdfs = tilts_of(rows), mdfs_of(rows)
-    lines, axes = style.figure(400, 300)
+    lines, axes = style.figure(360, 290)
     shown = [m for m in methods_of(rows) if not m.endswith("conserving") and m != "rotate_approximate"]
     for m in shown:
         axes.plot(ts, [max(error(rows, m, t)["error"], FLOOR) for t in ts], **style.of(m).line)

@@ -149,5 +149,5 @@ def chart(axes, points, title, error_label, floor=0.0, time_label="ns a sample, 
             written.update([p.word, *p.also])
             shown.append((p.ns, at[id(p)], p.word))
     bars = [[(p.ns, p.low), (p.ns, p.high)] for p in points if p.low and p.error > floor]
-    style.labels(axes, shown, size=8.5, lines=[steps, *bars])
+    style.labels(axes, shown, lines=[steps, *bars])
     return best

@@ -73,10 +73,13 @@ def arguments(argv=None):
 # ---- what rows depend on ----------------------------------------------------------------------
 
 
+DRAW = ("page", "style", "study", "report", "report_page", "atlas_charts", "detail_speed_page")  # no rows
+
+
 def sources(path, found=None):
     """A script and those beside it that it imports, but for what only draws the page."""
     found = {} if found is None else found
-    if path in found or path.stem in ("page", "style", "study", "report", "report_page"):
+    if path in found or path.stem in DRAW:
         return found
     found[path] = path.read_bytes()
     for node in ast.walk(ast.parse(found[path])):

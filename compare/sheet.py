@@ -3,7 +3,7 @@
 
 A tile is a row of a study: {"kind": "tile", "figure": id, "label": text, "file": path from build/} and, if
 there is something to say below it, "value" (a share) with "what" (a format such as "error {}"). A label
-may hold one | where its second line begins.
+may hold | where its next lines begin.
 """
 import base64
 import html
@@ -15,7 +15,8 @@ from PIL import Image
 import programs
 import whole
 
-SIDE, GAP, ACROSS = 112, 10, 3  # of a tile, in the page's pixels; tiles in a row, which fit a phone
+SIDE, GAP, ACROSS = 112, 12, 3  # of a tile, in the page's pixels; tiles in a row, which fit a phone
+WORDS, LINE = 11, 13  # the size of words, and from line to line
 
 
 def save(folder, name, pixels):
@@ -62,28 +63,38 @@ def panels(rows, across=ACROSS):
 def svg(rows, across=ACROSS):
     """The tiles in rows of `across`, each with its label below and its number."""
     lines = 3 if any("value" in row for row in rows) else 2
-    step, high = SIDE + GAP, SIDE + 13 * lines + 6
+    sizes = [fitted(row["file"]) for row in rows]
+    tall = max(size[1] for size in sizes)
+    step, high = SIDE + GAP, tall + LINE * lines + 8
     down = -(-len(rows) // across)
-    wide = max(step * across, 360)
+    wide = max(step * across - GAP, 360)
     parts = []
-    for place, row in enumerate(rows):
+    for place, (row, size) in enumerate(zip(rows, sizes)):
         x, y = place % across * step, place // across * high
-        parts.append(f'<image x="{x}" y="{y}" width="{SIDE}" height="{SIDE}" '
-                     f'preserveAspectRatio="xMidYMid" href="{address(row["file"])}"/>')
+        box = f'x="{x}" y="{y + tall - size[1]:g}" width="{size[0]:g}" height="{size[1]:g}"'
+        parts.append(f'<image {box} preserveAspectRatio="none" href="{address(row["file"])}"/>'
+                     f'<rect {box} style="fill: none; stroke: var(--faint)"/>')  # dark ones on a dark page
         words = wrapped(row["label"])
         if "value" in row:
             words = [*words[:2], row["what"].format(percent(row["value"]))]
-        parts += [f'<text x="{x}" y="{y + SIDE + 12 + 12 * k}" font-size="10" '
+        parts += [f'<text x="{x}" y="{y + tall + LINE + LINE * k}" font-size="{WORDS}" '
                   f'style="fill: var(--{"soft" if k and k == len(words) - 1 else "ink"})">{html.escape(word)}</text>'
                   for k, word in enumerate(words) if word]
     return (f'<svg viewBox="0 0 {wide} {down * high}" style="--wide:{wide}" aria-hidden="true">'
             + "".join(parts) + "</svg>")
 
 
-def wrapped(text, width=21):
-    """Two lines at most."""
+def fitted(file):
+    """(width, height) of a picture of build/, its longer side that of a tile."""
+    with Image.open(programs.BUILD / file) as picture:
+        part = SIDE / max(picture.size)
+        return tuple(part * side for side in picture.size)
+
+
+def wrapped(text, width=20):
+    """Two lines at most, or those between the |."""
     if "|" in text:
-        return text.split("|", 1)
+        return text.split("|")
     words, lines = text.split(), [""]
     for word in words:
         if lines[-1] and len(lines[-1]) + 1 + len(word) > width:

@@ -104,7 +104,7 @@ def findings(rows):
 
 
 def figures(rows):
-    panel, axes = style.figure(400, 300)
+    panel, axes = style.figure(360, 290)
     axes.set_xscale("log")
     axes.set_yscale("log")
     for form in FORMS[1:]:
@@ -118,7 +118,7 @@ def figures(rows):
     style.log_ticks(axes.xaxis)
     style.log_ticks(axes.yaxis)
     axes.annotate("a sample of near", (near, axes.get_ylim()[0]), xytext=(4, 6), textcoords="offset points",
-                  fontsize=8.5, color=style.SOFT)
+                  fontsize=11, color=style.SOFT)
     axes.set_xlabel("ns a sample, one core")
     axes.set_ylabel("mean error of the colour")
     style.labels(axes, [(np.median([point(rows, n, f).ns for n in names_of(rows)]),

@@ -172,7 +172,7 @@ def both(scene, variant, path, folder, look, say, write=consistency.export_povra
     shown = [paths.blocks(image, look.block) for image in shown]
     rows.append(pair_row(scene, variant, pair))
     rows.append(picture_row(scene, variant, shown))
-    return rows + worst_tiles(folder, f"{scene}-{variant}".replace(" ", "_").replace("/", "-"), shown, variant)
+    return rows + worst_tiles(folder, scene, variant, shown)
 
 
 def own_uv(a, b, shapes):
@@ -215,7 +215,7 @@ def displayed(image):
     return np.clip(image, 0.0, 1.0)
 
 
-def worst_tiles(folder, name, shown, words, side=40):
+def worst_tiles(folder, scene, variant, shown, side=40):
     """The neighbourhood of the pixel that looks most different, in both, and ten times the difference."""
     look = flip.flip(*[displayed(image) for image in shown])
     row, column = np.unravel_index(np.argmax(look), look.shape)
@@ -225,8 +225,9 @@ def worst_tiles(folder, name, shown, words, side=40):
     crops.append(np.clip(10 * np.abs(crops[0] - crops[1]), 0, 1))
     large = [np.repeat(np.repeat(pictures.encode(crop), 3, 0), 3, 1) for crop in crops]
     at = f"at ({column}, {row})"
+    name = f"{scene}-{variant}".replace(" ", "_").replace("/", "-")
     return sheet.tiles(folder, name, [
-        (f"{words.replace('_', ' ')}|Blender, {at}", large[0]), (f"POV-Ray|{at}", large[1]),
+        (f"{scene}|{variant}|Blender".replace("_", " "), large[0]), (f"POV-Ray|{at}", large[1]),
         ("difference,|ten times", large[2], "FLIP there {}", float(look.max()))])
 
 

@@ -124,7 +124,7 @@ def findings(rows):
 
 
 def figures(rows):
-    panel, axes = style.figure(400, 300)
+    panel, axes = style.figure(360, 290)
     fronts.chart(axes, points(rows), "", "mean error / mean of the truth")
     return [Figure("front", "Time against error of each diffuse model",
                    "Bars: the middle half of the runs, and of the pairs of light and eye; dashed: the Pareto front. "

@@ -255,7 +255,7 @@ def findings(rows):
 
 
 def chart(rows, shape, light):
-    panel, axes = style.figure(400, 300)
+    panel, axes = style.figure(360, 290)
     found, ends, lines = points(rows, shape, light), [], []
     axes.set_title(LIGHTS[light])
     axes.set_xscale("log")
@@ -298,7 +298,7 @@ def figures(rows):
             made.append(Figure(
                 f"pictures-{shape}-{light}", f"{words[0].upper()}{words[1:]} {LIGHTS[light]}",
                 "The most samples of each renderer. Made by `build/venv/bin/python compare/report_page.py --only frames`.",
-                sheet.panels(tiled, 2), "Pictures of the displaced surface and of each renderer's normal map"))
+                sheet.panels(tiled), "Pictures of the displaced surface and of each renderer's normal map"))
     return made
 
 

@@ -267,7 +267,7 @@ def curves(rows, bumps, key, methods, floor):
         axes.set_ylabel("mean error, % of the mean")
         axes.set_title(f"{base}, {bumps}", loc="left")
         if base == "plate":
-            axes.legend(fontsize=7.5, ncols=2, loc="lower right")
+            axes.legend(fontsize=11, ncols=2, loc="lower right")
         text += style.svg(drawing)
     return text
 

@@ -9,7 +9,8 @@
 
 Colours are those of Okabe and Ito, which the colour-blind tell apart, and no two looks differ by
 colour alone. In the SVG each becomes a CSS variable, so that the page can change them for
-dark screens; INK, SOFT, FAINT and PAPER are text, secondary text, lines of a grid and the ground.
+dark screens, and --blue-word and so on where it is that of words, which want more contrast; INK, SOFT, FAINT and
+PAPER are text, secondary text, lines of a grid and the ground.
 """
 import hashlib
 import io
@@ -32,6 +33,7 @@ VERMILION, PURPLE, OLIVE, GREY = "#d55e00", "#cc79a7", "#a89a00", "#8a9097"
 VARIABLES = {INK: "ink", SOFT: "soft", FAINT: "faint", PAPER: "paper", BLUE: "blue", SKY: "sky",
              GREEN: "green", ORANGE: "orange", VERMILION: "vermilion", PURPLE: "purple",
              OLIVE: "olive", GREY: "grey"}
+HUES = tuple(name for name in VARIABLES.values() if name not in ("ink", "soft", "faint", "paper"))
 
 
 @dataclass(frozen=True)
@@ -129,11 +131,11 @@ def of(word):
     return LOOKS[word]
 
 
-RC = {"svg.fonttype": "none", "svg.hashsalt": "libshade", "font.size": 10, "axes.titlesize": 10.5,
+RC = {"svg.fonttype": "none", "svg.hashsalt": "libshade", "font.size": 11, "axes.titlesize": 11.5,
       "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.titlepad": 8,
       "axes.edgecolor": SOFT, "axes.labelcolor": INK, "text.color": INK, "axes.titlecolor": INK,
       "xtick.color": SOFT, "ytick.color": SOFT, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
-      "xtick.labelsize": 9, "ytick.labelsize": 9, "axes.labelsize": 9.5,
+      "xtick.labelsize": 11, "ytick.labelsize": 11, "axes.labelsize": 11,
       "axes.grid": True, "grid.color": FAINT, "grid.linewidth": 0.7, "axes.axisbelow": True,
       "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.8,
       "xtick.major.size": 0, "ytick.major.size": 0, "xtick.minor.size": 0, "ytick.minor.size": 0,
@@ -189,10 +191,11 @@ def log_ticks(axis, most=7):
 _AROUND = ((7, 0, "left"), (-7, 0, "right"), (0, 9, "center"), (0, -9, "center"), (7, 8, "left"),
            (7, -8, "left"), (-7, 8, "right"), (-7, -8, "right"), (9, 16, "left"), (9, -16, "left"),
            (-9, 16, "right"), (-9, -16, "right"), (10, 25, "left"), (10, -25, "left"),
-           (-10, 25, "right"), (-10, -25, "right"))
+           (-10, 25, "right"), (-10, -25, "right"), *((side * x, y, {1: "left", -1: "right"}[side])
+                                                      for x, y in ((11, 38), (11, -38), (12, 52), (12, -52), (13, -66), (14, -80)) for side in (1, -1)))
 
 
-def labels(axes, points, size=9, lines=()):
+def labels(axes, points, size=11, lines=()):
     """Write each word beside its point, (x, y, word), in its colour, where least lies below it.
 
     `lines`: lists of points (x, y), lines that words should not lie on.
@@ -216,7 +219,7 @@ def labels(axes, points, size=9, lines=()):
                      for b in taken)
         covered = sum(x0 - 4 < x < x1 + 4 and y0 - 4 < y < y1 + 4 for x, y in dots)
         struck = sum(x0 < x < x1 and y0 < y < y1 for x, y in strokes)
-        return 40 * out + 3 * shared + 60 * covered + 4 * struck
+        return 200 * out + 20 * shared + 60 * covered + 4 * struck
 
     for (x, y, word), (px, py) in zip(points, dots):
         look = of(word)
@@ -237,7 +240,7 @@ def labels(axes, points, size=9, lines=()):
                       va="center", fontsize=size, color=look.colour, **line)
 
 
-def ends(axes, points, size=9):
+def ends(axes, points, size=11):
     """Write each word right of its line's last point, (x, y, word), one above the other."""
     axes.figure.draw_without_rendering()
     step = 1.25 * size * axes.figure.dpi / 72
@@ -272,6 +275,8 @@ def svg(drawing):
     text = re.sub(r"font-family: [^;\"]*;?", "", text)
     for colour, name in VARIABLES.items():
         text = text.replace(colour, f"var(--{name})")
+    # words in a method's colour are darker than its lines where the ground is light
+    text = re.sub(r"<text[^>]*>", lambda m: re.sub(rf"var\(--({'|'.join(HUES)})\)", r"var(--\1-word)", m[0]), text)
     own = "f" + hashlib.sha256(text.encode()).hexdigest()[:8] + "-"
     used = set(re.findall(r"(?:url\(#|href=\"#)([^)\"]+)", text))
     text = re.sub(r' id="([^"]+)"', lambda m: f' id="{own}{m[1]}"' if m[1] in used else "", text)

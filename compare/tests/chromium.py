@@ -38,8 +38,7 @@ class Page:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=self.width, height=self.height,
-                  deviceScaleFactor=1, mobile=self.width < 600)
+        self.size(self.width, self.height)
         self.call("Emulation.setEmulatedMedia", features=[
             {"name": "prefers-color-scheme", "value": "dark" if self.dark else "light"},
             {"name": "prefers-reduced-motion", "value": "reduce"}])  # links jump at once
@@ -85,6 +84,10 @@ class Page:
                 self.said.append(str(answer["params"]["args"]))
             if kind == "Log.entryAdded" and answer["params"]["entry"]["level"] in ("error", "warning"):
                 self.said.append(answer["params"]["entry"]["text"])
+
+    def size(self, width, height):
+        """Of the window, in pixels; narrow ones are a phone's."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
 
     def run(self, script):
         """The value of an expression in the page."""

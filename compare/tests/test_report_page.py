@@ -13,8 +13,12 @@ import numpy as np
 import page
 import pytest
 import report_page
+import sheet
 import study
+import study_consistency
+import study_frames
 import style
+import whole
 from chromium import Page
 
 COMPARE = Path(report_page.__file__).parent
@@ -89,20 +93,108 @@ def test_links_lead_somewhere_and_nothing_complains(browser):
     assert browser.said == []
 
 
+# What cannot be read in figures: words below 11 px (less a hair), words cut off by their drawing's rim or lying on each
+# other, and words or lines too near their ground's brightness: [[figure, what, which]]. Words and outlines on a map have a rim of their own.
+HARD_TO_READ = """(() => {
+  const wrong = [], channel = (v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+  const light = (c) => { const v = c.match(/[\\d.]+/g).map(Number).slice(0, 3).map((x) => channel(x / 255));
+                         return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; };
+  const contrast = (a, b) => { const [x, y] = [light(a), light(b)]; return (Math.max(x, y) + 0.05) / (Math.min(x, y) + 0.05); };
+  const ground = getComputedStyle(document.body).backgroundColor, probe = document.createElement("i");
+  probe.style.color = "var(--faint)";
+  document.body.append(probe);
+  const faint = getComputedStyle(probe).color;
+  probe.remove();
+  for (const svg of document.querySelectorAll("main figure svg")) {
+    const name = svg.closest("figure").id, box = svg.getBoundingClientRect(), scale = box.width / svg.viewBox.baseVal.width;
+    const boxes = [];
+    for (const text of svg.querySelectorAll("text")) {
+      const style = getComputedStyle(text), at = text.getBoundingClientRect(), words = text.textContent;
+      const rimmed = style.paintOrder.startsWith("stroke"), size = scale * parseFloat(style.fontSize);
+      if (size < 10.9) wrong.push([name, "small", size + " " + words]);
+      if (at.left < box.left - 2 || at.right > box.right + 2 || at.top < box.top - 2 || at.bottom > box.bottom + 2)
+        wrong.push([name, "cut off", words]);
+      if (contrast(style.fill, rimmed ? style.stroke : ground) < 4.5) wrong.push([name, "pale", style.fill + " " + words]);
+      if (!rimmed)
+        for (const [other, said] of boxes) {
+          const wide = Math.min(at.right, other.right) - Math.max(at.left, other.left);
+          const high = Math.min(at.bottom, other.bottom) - Math.max(at.top, other.top);
+          if (wide > 2 && high > 0.45 * Math.min(at.height, other.height)) wrong.push([name, "one on another", words + " / " + said]);
+        }
+      if (!rimmed) boxes.push([at, words]);
+    }
+    for (const line of svg.querySelectorAll("path, line, use")) {
+      const style = getComputedStyle(line), stroke = style.stroke;
+      if (!stroke.startsWith("rgb") || stroke === faint || line.closest("clipPath, defs, .on-map")) continue;
+      if (contrast(stroke, ground) < 3) wrong.push([name, "pale line", stroke]);
+    }
+  }
+  return wrong;
+})()"""
+
+
+def wide_parts(phone):
+    """Where the page itself, or a table or figure beyond its own box, is wider than the screen."""
+    return phone.run("""[document.documentElement.scrollWidth > innerWidth ? ["page", document.documentElement.scrollWidth] : null,
+      ...Array.from(document.querySelectorAll(".panels, .scroll"), (box) => box.getBoundingClientRect().right > innerWidth + 1
+        || box.scrollWidth > box.clientWidth && getComputedStyle(box).overflowX !== "auto" ? [box.parentElement.id, box.scrollWidth]
+        : null)].filter((wrong) => wrong)""")
+
+
+@pytest.fixture(scope="module")
+def newer(tmp_path_factory):
+    """A page of figures that the quick report does not have, from rows that are made up: frames, thumbnails of all lengths."""
+    folder = tmp_path_factory.mktemp("newer")
+    black = np.zeros((120, 120, 3), np.uint8)
+    frames, known = [], report_page.known()
+    for shape, light in study_frames.SCENES:
+        tiles = [("displaced: the truth", black)]
+        for number, (engine, error) in enumerate({"libshade": 0.01, "gram_schmidt": 0.03, "perturb": 0.05, "cycles": 0.1,
+                                                  "cycles_5": 0.098, "mitsuba": 0.102, "povray": 0.0101}.items()):
+            if engine == "povray" and light == "sky":
+                continue
+            frames += [{"kind": "frame", "shape": shape, "light": light, "engine": engine, "samples": samples, "run": run,
+                        "seconds": 0.1 * (number + 1) * samples * (1 + run / 20), "error": error * (1 + 2 / samples),
+                        "noise": 0.001, "version": "1"} for samples in study_frames.SAMPLES[light] for run in range(3)]
+            tiles.append((style.of(engine).label, black, "error {}", error))
+        frames += sheet.tiles(folder, f"{shape}-{light}", tiles)
+    noisy = np.random.default_rng(3).random((50, 90, 3))
+    worst = [row for scene, variant in (("povray/lampshade", "in both"), ("scratched_sphere", "as it is"), ("suzanne", "ggx_approximate"))
+             for row in study_consistency.worst_tiles(folder, scene, variant, [noisy, noisy[::-1]])]
+    sections = [page.Section(name, known[name].TITLE, known[name].INTRO, [], known[name].figures(rows), known[name].tables(rows),
+                             {}, len(rows)) for name, rows in (("frames", frames), ("consistency", worst))]
+    whole.write_text(folder / "report.html", page.html(sections, {"command": "make compare"}, False))
+    return folder
+
+
+@pytest.mark.parametrize("which", ["quick", "newer"])
+@pytest.mark.parametrize("dark", [False, True])
+def test_figures_can_be_read(request, tmp_path, which, dark):
+    with Page(request.getfixturevalue(which) / "report.html", tmp_path, width=390, height=800, dark=dark) as phone:
+        assert wide_parts(phone) == []
+        assert phone.run("document.querySelectorAll('main figure svg').length") > 6
+        assert phone.run(HARD_TO_READ) == []
+        phone.size(1280, 900)
+        assert wide_parts(phone) == [] and phone.run(HARD_TO_READ) == []
+
+
 @pytest.mark.parametrize("dark", [False, True])
 def test_phone(quick, tmp_path, dark):
     with Page(quick / "report.html", tmp_path, width=390, height=800, dark=dark) as phone:
-        assert phone.run("document.documentElement.scrollWidth") <= 390  # wide parts scroll by themselves
         assert phone.run("document.querySelector('nav details').open") is False
         ground, ink = (np.array([int(v) for v in re.findall(r"\d+", phone.run(
             f"getComputedStyle(document.body).{what}"))[:3]]) / 255 for what in ("backgroundColor", "color"))
         light = [((c / 12.92 * (c <= .04045) + ((c + .055) / 1.055) ** 2.4 * (c > .04045))
                   @ [.2126, .7152, .0722]) for c in (ground, ink)]
         assert (light[0] < light[1]) == dark and (max(light) + .05) / (min(light) + .05) > 7
-        small = phone.run("Math.min(...Array.from(document.querySelectorAll('main svg text'), "
-                          "(t) => t.getBoundingClientRect().height))")
-        assert small > 7
         assert phone.said == []
+
+
+def test_what_only_draws_makes_no_rows_old():
+    """What a study measures with is part of its rows' stamp, what it draws them with is not."""
+    for name, measures, draws in (("atlas", "atlas_measures", "atlas_charts"), ("speed", "fronts", "detail_speed_page")):
+        names = {path.stem for path in report_page.sources(COMPARE / f"study_{name}.py")}
+        assert f"study_{name}" in names and measures in names and not names & {draws, "style", "page"}
 
 
 def test_a_second_run_does_nothing_again(quick):

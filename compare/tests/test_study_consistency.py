@@ -33,7 +33,7 @@ def one(folder, change=None, after=None, tint=1.0):
     image = np.random.default_rng(5).random((60, 72, 3))
     shown = [image, np.clip(image * tint, 0, None)]
     rows.append(study.picture_row("ball", "as it is", shown))
-    return rows + study.worst_tiles(folder, "ball-as_it_is", shown, "as it is")
+    return rows + study.worst_tiles(folder, "ball", "as it is", shown)
 
 
 @pytest.fixture(scope="module")
@@ -180,8 +180,9 @@ def test_thumbnails(tmp_path):
     image = np.full((50, 90, 3), 0.3)
     spot = image.copy()
     spot[31:34, 77:80] = (0.9, 0.1, 0.1)
-    rows = study.worst_tiles(tmp_path, "spot", [image, spot], "as it is")
-    column, row = map(int, re.search(r"at \((\d+), (\d+)\)", rows[0]["label"]).groups())
+    rows = study.worst_tiles(tmp_path, "white_spot", "in both", [image, spot])
+    assert rows[0]["label"] == "white spot|in both|Blender"
+    column, row = map(int, re.search(r"at \((\d+), (\d+)\)", rows[1]["label"]).groups())
     assert abs(column - 78) <= 2 and abs(row - 32) <= 2
     assert rows[2]["value"] > 0.3
     figure, = study.figures(rows)
