@@ -12,7 +12,8 @@ import numpy as np
 import twin_scenes
 from mathutils import Matrix, Vector
 
-FINE = 256  # faces round a shape
+# Half as many faces round a shape. Quads that narrow, as towards a pole, bend UV coordinates along them.
+FINE = 256
 POLE = 1e-4  # of v: how near a pole a mesh goes
 STEP = 1e-6
 
@@ -78,21 +79,21 @@ def stack(x, y, z):
 # ---- shapes, each round the origin as POV-Ray's UV coordinates have it
 
 
-def sphere(radius=1.0, fine=2 * FINE):
+def sphere(radius=1.0, fine=FINE):
     def point(u, v):
         high, round_ = np.pi * (v - 0.5), 2 * np.pi * u
         return radius * stack(np.cos(high) * np.cos(round_), np.sin(high), np.cos(high) * np.sin(round_))
 
-    return surface(point, np.linspace(0, 1, fine + 1), np.linspace(POLE, 1 - POLE, fine // 2 + 1), -1.0)
+    return surface(point, np.linspace(0, 1, 2 * fine + 1), np.linspace(POLE, 1 - POLE, fine + 1), -1.0)
 
 
-def torus(major, minor):
+def torus(major, minor, fine=FINE):
     def point(u, v):
         round_, ring = np.pi - 2 * np.pi * u, 2 * np.pi * v - np.pi
         out = major + minor * np.cos(ring)
         return stack(out * np.cos(round_), minor * np.sin(ring), out * np.sin(round_))
 
-    return surface(point, np.linspace(0, 1, 2 * FINE + 1), np.linspace(0, 1, FINE + 1))
+    return surface(point, np.linspace(0, 1, 2 * fine + 1), np.linspace(0, 1, fine + 1))
 
 
 def box(low, high):
@@ -144,7 +145,7 @@ def plane(low, high, height=0.0):
     return surface(lambda u, v: stack(u, height + 0 * u, v), np.array([low[0], high[0]]), np.array([low[1], high[1]]), -1.0)
 
 
-def lathe(points, steps=48):
+def lathe(points, steps=48, fine=FINE):
     """Of a `cubic_spline`: its first and last points bend the ends only."""
     points = np.asarray(points, float)
     count = len(points) - 3
@@ -159,7 +160,7 @@ def lathe(points, steps=48):
         radius, height = (((a * t + b) * t + c) * t + d).T
         return stack(radius * np.cos(2 * np.pi * u), height, radius * np.sin(2 * np.pi * u))
 
-    return surface(point, np.linspace(0, 1, 2 * FINE + 1), np.linspace(0, 1, steps * count + 1), -1.0)
+    return surface(point, np.linspace(0, 1, 2 * fine + 1), np.linspace(0, 1, steps * count + 1), -1.0)
 
 
 def superellipsoid(east, north, fine=224):
