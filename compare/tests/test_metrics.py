@@ -71,14 +71,25 @@ def test_pictures_that_differ_too_much_are_missed():
     ("Blender", 0.9e-4, 0.9e-5, True),
     ("Blender", 1.1e-4, 0.9e-5, False),
     ("Blender", 0.9e-4, 1.1e-5, False),
-    ("POV-Ray", 4e-5, 0.9e-5, True),
-    ("POV-Ray", 4e-5, 1.1e-5, False),
-    ("POV-Ray", 6e-5, 1e-6, False),
+    ("POV-Ray", 0.9e-5, 0.9e-6, True),
+    ("POV-Ray", 0.9e-5, 1.1e-6, False),
+    ("POV-Ray", 1.1e-5, 0.9e-6, False),
     ("Blender", float("nan"), 0.0, False),
 ])
 def test_limits_against_the_reference(name, largest, mean, good):
     said = {"pass": True, "values": 10, "largest": largest, "mean": mean, "faults": []}
     assert consistency.check_rows(name, said)[1] is good
+
+
+def test_what_rounding_of_directions_may_do_is_taken_off():
+    """Off the largest and off the mean, each of which is then noted; what is left is judged."""
+    said = {"pass": True, "values": 10, "largest": 3e-4, "beyond_rounding": 9e-5, "mean": 4e-5, "mean_beyond_rounding": 9e-6,
+            "faults": []}
+    rows, good = consistency.check_rows("Blender", said)
+    assert good and [row[1:] for row in rows] == [["3.0e-04", "1e-04", "ok"], ["9.0e-05", "1e-04", "noted"],
+                                                  ["4.0e-05", "1e-05", "ok"], ["9.0e-06", "1e-05", "noted"]]
+    for worse in ({"beyond_rounding": 1.1e-4}, {"mean_beyond_rounding": 1.1e-5}):
+        assert not consistency.check_rows("Blender", {**said, **worse})[1]
 
 
 def test_faults_of_a_dump_are_shown_and_fail():

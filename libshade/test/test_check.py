@@ -716,6 +716,24 @@ def test_rounding_of_directions_is_no_error(makedump, tmp_path, seed, tolerance)
     assert "excused" in check(path, *limits).stdout
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_rounding_of_directions_is_no_error_of_means(makedump, tmp_path, seed):
+    """What is left of a material's mean beyond rounding is next to nothing; a real error of all values is left."""
+    path = run_makedump(makedump, tmp_path / "sharp.exr", "sharp", seed=seed)
+    limits = ["--tolerance", "1e-3", "--mean-tolerance", "1e-6"]
+    report = check_json(path, *limits)
+    assert report["pass"] and report["mean"] > 2e-6 and report["mean_beyond_rounding"] <= 1e-6
+    cell = max(report["cells"], key=lambda cell: cell.get("mean", 0))
+    assert cell["mean_beyond"] < 2e-7, "float32's own S is within 6e-8"
+    assert "means over the limit: beyond" in check(path, *limits).stdout
+    dump = Dump(path)
+    for light in range(LIGHTS):
+        for plane in dump.planes(f"light{light}.S"):
+            plane *= np.float32(1 + 2e-4)
+    report = check_json(dump.write(tmp_path / "bright.exr"), *limits)
+    assert not report["pass"] and report["mean_beyond_rounding"] > 1e-4
+
+
 @pytest.mark.parametrize("options", [[], ["sharp"]])
 def test_real_error_is_never_excused(makedump, tmp_path, options):
     dump = Dump(run_makedump(makedump, tmp_path / "x.exr", *options))

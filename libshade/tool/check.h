@@ -64,7 +64,9 @@ typedef struct check_cell {
   double maximum;                 /* of S and of the reference */
   size_t checked;
   double largest, sum; /* relative errors */
+  double asked;        /* above this error, what rounding may do there is computed */
   double beyond;       /* the largest that is over the limit, less what rounding may do there */
+  double beyond_sum;   /* the same of all: where the mean is over its limit, less that everywhere */
   size_t excused;      /* values over the limit, but not by more than rounding may do */
   size_t worst_pixel;
   int worst_channel;
@@ -83,7 +85,7 @@ typedef struct check {
   double *reference; /* per pixel and channel, of the light at hand */
   double *doubt;     /* the same: standard error of what the reference averaged */
   double *rounding;  /* the same: what the rounding of directions may do, where that is asked */
-  int far_points;    /* over so many points, so that the whole takes no minutes */
+  int far_points;    /* over so many points, so that the whole takes no minutes; see far_again() */
   size_t horizon;    /* values left out there */
   size_t faults[FAULT_COUNT], first_fault[FAULT_COUNT];
   tool_progress progress;

@@ -17,8 +17,11 @@
 /* Choices that fade light out towards wi.z = 0 make S proportional to wi.z there, which that
  * rounding changes by more than 5e-5 of itself below this cosine. */
 #define FADED 2e-3
-/* Half of float32's step at 1: what the rounding of directions may turn them by, in radians. */
+/* Half of float32's step at 1. A direction's components, none above 1, are off by half of that at
+ * most, the direction by sqrt(3) as much: it is turned by less than this, in radians. */
 #define ROUNDING 0x1p-24
+/* Points of the footprint for what is over the limit of cloth from afar. */
+#define FAR_AGAIN 4096
 
 static int on_horizon(const check_hit *h, const double wi[3]) {
   double n[3]; /* of the lobe */
@@ -32,12 +35,12 @@ static int faded(const check_hit *h, const double wi[3]) {
 }
 
 /* What a hit sends on of the light from wi: f cos. */
-static void shaded(const check *c, const check_hit *h, const double uv[2], const double n[3],
+static void shaded(const check_hit *h, int far_points, const double uv[2], const double n[3],
                    const double wi[3], const double wo[3], double s[3], double doubt[3]) {
   double cosine;
   doubt[0] = doubt[1] = doubt[2] = 0;
   if (h->cloth) {
-    check_cloth_s(h, c->far_points, uv, n, wi, wo, s, doubt);
+    check_cloth_s(h, far_points, uv, n, wi, wo, s, doubt);
     return;
   }
   shade_ref_f(&h->params, n, wi, wo, s, &cosine);
@@ -50,7 +53,7 @@ static void shaded(const check *c, const check_hit *h, const double uv[2], const
  * a fault, or the horizon, where rounding may have taken S, or the reference, to 0 or, where
  * light fades out, to too few digits.
  */
-static void refer(check *c, int light, size_t pixel, double reference[3]) {
+static void refer(check *c, int light, size_t pixel, int far_points, double reference[3]) {
   double s[3], e[3], l[3], wi[3], f[3], *doubt = c->doubt + 3 * pixel;
   check_hit h;
   reference[0] = reference[1] = reference[2] = NAN;
@@ -74,7 +77,7 @@ static void refer(check *c, int light, size_t pixel, double reference[3]) {
   }
   check_read_hit(c, pixel, &h);
   check_to_local(&h.frame, l, wi);
-  shaded(c, &h, h.uv, h.n, wi, h.wo, f, doubt);
+  shaded(&h, far_points, h.uv, h.n, wi, h.wo, f, doubt);
   const int horizon = on_horizon(&h, wi);
   for (int i = 0; i < 3; i++) {
     const double value = f[i] * e[i];
@@ -123,7 +126,7 @@ static double rounding_at(check *c, int light, size_t pixel, int channel) {
       }
     if (k >= TURNS) /* where a yarn or a ridge ends is as sharp as uv */
       uv[k % 2] += (k % 4 < 2 ? 1 : -1) * ROUNDING * fmax(1, fabs(uv[k % 2]));
-    shaded(c, &h, uv, v[0], v[1], v[2], f, doubt);
+    shaded(&h, c->far_points, uv, v[0], v[1], v[2], f, doubt);
     const double value = f[channel] * e[channel];
     if (k < 0)
       base = value;
@@ -137,15 +140,26 @@ check_cell *check_cell_at(const check *c, int material_index, int light) {
   return &c->cells[material_index * c->dump->lights + light];
 }
 
+/* The error of what is no value of one point, and what it is relative to; 0: none. */
+static double apart_error(const check_cell *in, double s, double reference, double *larger) {
+  *larger = fmax(fmax(fabs(s), fabs(reference)), 0.1 * in->maximum);
+  return isnan(reference) || !(*larger > 0) ? 0 : fabs(s - reference) / *larger;
+}
+
+/* What the mean that is a value's reference may be off by: 4 standard errors. */
+static double doubt_of(const check *c, size_t at) {
+  return 4 * c->doubt[at];
+}
+
 /* What is no value of one point: beside a limit of its own. */
 static void compare_apart(check *c, check_tier tier, check_cell *in, double s, double reference,
                           size_t pixel, int channel) {
   check_apart *a = &in->apart[tier];
-  const double larger = fmax(fmax(fabs(s), fabs(reference)), 0.1 * in->maximum);
+  double larger;
+  const double error = apart_error(in, s, reference, &larger);
   if (isnan(reference) || !(larger > 0))
     return;
-  const double error = fabs(s - reference) / larger;
-  const double doubt = 4 * c->doubt[3 * pixel + (size_t)channel] / larger;
+  const double doubt = doubt_of(c, 3 * pixel + (size_t)channel) / larger;
   a->s += s;
   a->reference += reference;
   a->over += error - doubt > check_limit(tier);
@@ -182,12 +196,13 @@ static void compare_value(check *c, int light, double s, double reference, size_
     return;
   in->checked++;
   in->sum += error;
-  const double rounding =
-      error > c->options->tolerance ? c->rounding[3 * pixel + (size_t)channel] : 0;
-  if (rounding > 0 && error - rounding <= c->options->tolerance)
-    in->excused++;
-  if (error > c->options->tolerance)
+  const double rounding = error > in->asked ? c->rounding[3 * pixel + (size_t)channel] : 0;
+  in->beyond_sum += fmax(0, error - rounding);
+  if (error > c->options->tolerance) {
+    if (rounding > 0 && error - rounding <= c->options->tolerance)
+      in->excused++;
     in->beyond = fmax(in->beyond, error - rounding);
+  }
   if (in->checked > 1 && error <= in->largest)
     return;
   in->worst_rounding = rounding;
@@ -216,7 +231,35 @@ static void refer_step(void *context, int thread, size_t step) {
   const size_t first = step * PIXELS_A_STEP;
   for (size_t pixel = first; pixel < first + PIXELS_A_STEP && pixel < c->pixels; pixel++)
     if (c->index[pixel] >= 0)
-      refer(c, w->light, pixel, c->reference + 3 * pixel);
+      refer(c, w->light, pixel, c->far_points, c->reference + 3 * pixel);
+}
+
+/*
+ * Cloth from afar that is off by more than its limit and the doubt of the mean is compared with the
+ * mean of more points: of few, in a large dump, the doubt itself is uncertain.
+ */
+static void far_again(void *context, int thread, size_t step) {
+  const compare_work *w = context;
+  check *c = &w->of[thread];
+  const float *s = shade_dump_light_plane(c->dump, w->light, SHADE_DUMP_S);
+  const size_t first = step * PIXELS_A_STEP;
+  for (size_t pixel = first; pixel < first + PIXELS_A_STEP && pixel < c->pixels; pixel++) {
+    if (c->index[pixel] < 0 || tier_at(c, pixel) != CHECK_FAR)
+      continue;
+    const check_cell *in = check_cell_at(c, c->index[pixel], w->light);
+    double worst = 0, larger;
+    for (size_t i = 0; i < 3; i++) {
+      const size_t at = 3 * pixel + i;
+      const double error =
+          apart_error(in, (double)s[i * c->pixels + pixel], c->reference[at], &larger);
+      worst = fmax(worst, error - (error > 0 ? doubt_of(c, at) / larger : 0));
+    }
+    if (worst > check_limit(CHECK_FAR)) {
+      const size_t left_out = c->horizon; /* counted the first time */
+      refer(c, w->light, pixel, FAR_AGAIN, c->reference + 3 * pixel);
+      c->horizon = left_out;
+    }
+  }
 }
 
 /* What rounding may do to those that are over the limit; the cells know their maxima. */
@@ -232,7 +275,7 @@ static void rounding_step(void *context, int thread, size_t step) {
     for (size_t i = 0; i < 3; i++) {
       double error;
       if (has_error(in, (double)s[i * c->pixels + pixel], c->reference[3 * pixel + i], &error) &&
-          error > c->options->tolerance)
+          error > in->asked)
         c->rounding[3 * pixel + i] = rounding_at(c, w->light, pixel, (int)i);
     }
   }
@@ -274,6 +317,25 @@ static void find_maxima(check *c, int light) {
   }
 }
 
+/* Rounding is asked about values over their limit, and about all where the mean is over its own. */
+static void find_asked(check *c, int light) {
+  const float *s = shade_dump_light_plane(c->dump, light, SHADE_DUMP_S);
+  for (int m = 0; m < c->material_count; m++) {
+    check_cell *in = check_cell_at(c, m, light);
+    double sum = 0, error;
+    size_t count = 0;
+    for (size_t pixel = 0; pixel < c->pixels; pixel++)
+      if (c->index[pixel] == m && tier_at(c, pixel) == CHECK_NEAR)
+        for (size_t i = 0; i < 3; i++)
+          if (has_error(in, (double)s[i * c->pixels + pixel], c->reference[3 * pixel + i],
+                        &error)) {
+            sum += error;
+            count++;
+          }
+    in->asked = sum > c->options->mean_tolerance * (double)count ? 0 : c->options->tolerance;
+  }
+}
+
 int check_compare_light(check *c, int light) {
   check *of = malloc((size_t)c->options->threads * sizeof *of);
   if (!of)
@@ -281,7 +343,10 @@ int check_compare_light(check *c, int light) {
   compare_work w = {.whole = c, .of = of, .light = light};
   share(&w, refer_step, 0, 0.7);
   find_maxima(c, light);
-  share(&w, rounding_step, 0.7, 1);
+  if (c->far_points < FAR_AGAIN)
+    share(&w, far_again, 0.7, 0.8);
+  find_asked(c, light);
+  share(&w, rounding_step, 0.8, 1);
   free(of);
   const float *s = shade_dump_light_plane(c->dump, light, SHADE_DUMP_S);
   const float *id = shade_dump_plane(c->dump, SHADE_DUMP_MATERIAL);

@@ -22,7 +22,7 @@ static const char *const tier_words[CHECK_TIERS] = {[CHECK_FAR] = "far", [CHECK_
 
 typedef struct verdict {
   size_t checked, faults, apart_over;
-  double largest, beyond, mean; /* the worst of all cells */
+  double largest, beyond, mean, mean_beyond; /* the worst of all cells */
   size_t excused;
   int idle_materials, idle_lights; /* with nothing to compare */
   int pass;
@@ -30,6 +30,11 @@ typedef struct verdict {
 
 static double mean_of(const check_cell *in) {
   return in->checked ? in->sum / (double)in->checked : 0;
+}
+
+/* The same less what the rounding of directions may do, where that was asked. */
+static double mean_beyond(const check_cell *in) {
+  return in->checked ? in->beyond_sum / (double)in->checked : 0;
 }
 
 /* How far the sums of what is judged apart are from each other. */
@@ -61,6 +66,7 @@ static verdict judge(const check *c) {
       v.beyond = fmax(v.beyond, in->beyond);
       v.excused += in->excused;
       v.mean = fmax(v.mean, mean_of(in));
+      v.mean_beyond = fmax(v.mean_beyond, mean_beyond(in));
     }
     v.checked += checked;
     v.idle_materials += checked == 0;
@@ -77,7 +83,7 @@ static verdict judge(const check *c) {
   for (int i = 0; i < FAULT_COUNT; i++)
     v.faults += c->faults[i];
   v.pass = v.checked > 0 && v.faults == 0 && v.apart_over == 0 &&
-           v.beyond <= c->options->tolerance && v.mean <= c->options->mean_tolerance &&
+           v.beyond <= c->options->tolerance && v.mean_beyond <= c->options->mean_tolerance &&
            !(c->options->all && (v.idle_materials || v.idle_lights));
   return v;
 }
@@ -141,6 +147,9 @@ static void print_text(const check *c, const verdict *v) {
         "excused: %zu values over the limit by no more than the rounding of the dump's directions "
         "may do; the others, and what is left of these, are off by at most %.3e\n",
         v->excused, v->beyond);
+  if (v->mean > c->options->mean_tolerance)
+    printf("means over the limit: beyond what that rounding may do, they are %.3e at most\n",
+           v->mean_beyond);
   printf("%s: ", v->pass ? "PASS" : "FAIL");
   if (v->checked == 0)
     printf("nothing to compare\n");
@@ -159,10 +168,12 @@ static void print_json_cell(const check *c, const check_material *m, const check
          shade_list_word(SHADE_LIST_DETAIL, (int)m->params.detail), m->pixels, m->tilt * DEGREES,
          light, in->checked);
   if (in->checked)
-    printf(", \"largest\": %.17g, \"mean\": %.17g, \"worst\": {\"x\": %d, \"y\": %d, "
+    printf(", \"largest\": %.17g, \"mean\": %.17g, \"mean_beyond\": %.17g, \"worst\": {\"x\": %d, "
+           "\"y\": %d, "
            "\"channel\": \"%c\", \"s\": %.9g, \"reference\": %.17g, \"rounding\": %.6g}",
-           in->largest, mean_of(in), pixel_x(c, in->worst_pixel), pixel_y(c, in->worst_pixel),
-           "RGB"[in->worst_channel], in -> worst_s, in -> worst_reference, in -> worst_rounding);
+           in->largest, mean_of(in), mean_beyond(in), pixel_x(c, in->worst_pixel),
+           pixel_y(c, in->worst_pixel), "RGB"[in->worst_channel], in -> worst_s,
+           in -> worst_reference, in -> worst_rounding);
   for (int tier = CHECK_FAR; tier < CHECK_TIERS; tier++) {
     const check_apart *a = &in->apart[tier];
     if (a->checked)
@@ -183,12 +194,13 @@ static void print_json(const check *c, const verdict *v) {
   json_print_string(stdout, c->renderer);
   printf(",\n \"pass\": %s, \"width\": %d, \"height\": %d, \"lights\": %d,\n"
          " \"tolerance\": %.17g, \"mean_tolerance\": %.17g, \"values\": %zu, \"largest\": %.17g, "
-         "\"beyond_rounding\": %.17g, \"excused\": %zu, \"mean\": %.17g,\n \"horizon\": %zu, "
+         "\"beyond_rounding\": %.17g, \"excused\": %zu, \"mean\": %.17g, \"mean_beyond_rounding\": "
+         "%.17g,\n \"horizon\": %zu, "
          "\"idle_materials\": %d, \"idle_lights\": %d,\n"
          " \"faults\": [",
          v->pass ? "true" : "false", d->width, d->height, d->lights, c->options->tolerance,
          c->options->mean_tolerance, v->checked, v->largest, v->beyond, v->excused, v->mean,
-         c->horizon, v->idle_materials, v->idle_lights);
+         v->mean_beyond, c->horizon, v->idle_materials, v->idle_lights);
   const char *comma = "";
   for (int i = 0; i < FAULT_COUNT; i++)
     if (c->faults[i]) {
