@@ -60,11 +60,18 @@ compare-peers: $(B)/libshade-blender.zip all
 	@$(PY) compare/report_page.py --only peers --output $(B)/compare/peers
 
 # Each judge is heard, and the report written, whether or not one before found something beyond its limits;
-# that is then said last.
-JUDGES := truth.py "truth.py --surface scratches" "truth.py --light sky" slopes.py horizon.py fabric.py speed.py paths.py \
-  report_page.py
+# that is then said last. One that found nothing is not asked again until a program or a script changes.
+JUDGES := truth.py "truth.py --surface scratches" "truth.py --light sky" slopes.py horizon.py fabric.py speed.py paths.py
+JUDGED := $(B)/compare/judged
 compare: demo $(B)/horizon $(B)/displaced
-	@missed=; for judge in $(JUDGES); do \
-	  $(PY) compare/$$judge || { [ $$? -eq 130 ] && exit 130; missed="$$missed compare/$$judge;"; }; \
+	@echo "Judges first, each with its own progress; then the report:"; $(PY) compare/report_page.py --plan
+	@missed=; mkdir -p $(JUDGED); for judge in $(JUDGES) report_page.py; do \
+	  mark="$(JUDGED)/$$(echo "$$judge" | tr ' ' _)"; \
+	  if [ -f "$$mark" ] && [ -z "$$(find $(RENDERERS) $(COMPARE) $(B)/horizon $(B)/displaced -newer "$$mark")" ]; then \
+	    echo "compare/$$judge: within limits, as found before"; continue; \
+	  fi; \
+	  rm -f "$$mark"; touch "$$mark.begun"; \
+	  $(PY) compare/$$judge || { [ $$? -eq 130 ] && exit 130; missed="$$missed compare/$$judge;"; continue; }; \
+	  [ "$$judge" = report_page.py ] || mv "$$mark.begun" "$$mark"; \
 	done; \
 	[ -z "$$missed" ] || { echo "make compare: not within limits, or failed:$$missed see above" >&2; exit 1; }
