@@ -125,7 +125,7 @@ def outline(mask, xs, ys):
                 said.append(f"M{xs[a]:.1f} {ys[i]:.1f}H{xs[b]:.1f}" if across else
                             f"M{xs[i]:.1f} {ys[a]:.1f}V{ys[b]:.1f}")
     path = "".join(said)
-    return "".join(f'<path class="on-map" d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="square"/>'
+    return "".join(f'<path d="{path}" class="on-map" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="square"/>'
                    for colour, width in ((LIGHT, 2.6), (DARK, 1.1)))
 
 
