@@ -178,6 +178,19 @@ def test_figures_can_be_read(request, tmp_path, which, dark):
         assert wide_parts(phone) == [] and phone.run(HARD_TO_READ) == []
 
 
+@pytest.mark.parametrize("which", ["quick", "newer"])
+def test_paper(request, tmp_path, which):
+    """A4 less its margins: nothing beyond its edge, or all is printed smaller; words of drawings of 9 px or more."""
+    with Page(request.getfixturevalue(which) / "report.html", tmp_path, width=718, height=1000) as sheets:
+        sheets.call("Emulation.setEmulatedMedia", media="print", features=[])
+        wide = sheets.run("Array.from(document.querySelectorAll('main svg, table'), (part) => "
+                          "[part.parentElement.parentElement.id, part.getBoundingClientRect().right]).filter((at) => at[1] > 718)")
+        assert wide == [] and sheets.run("document.documentElement.scrollWidth") <= 718
+        assert sheets.run("""Math.min(...Array.from(document.querySelectorAll("main svg text"), (text) =>
+          parseFloat(getComputedStyle(text).fontSize) * text.ownerSVGElement.getBoundingClientRect().width
+          / text.ownerSVGElement.viewBox.baseVal.width))""") > 9
+
+
 @pytest.mark.parametrize("dark", [False, True])
 def test_phone(quick, tmp_path, dark):
     with Page(quick / "report.html", tmp_path, width=390, height=800, dark=dark) as phone:
