@@ -360,7 +360,8 @@ def finding_reference(rows):
             "rounding of a dump's directions explains.")
     if sharp:
         text += (f" That alone takes a material's mean over its limit in {len(sharp)}, whose lobes are narrow: the largest is "
-                 f"{max(row['mean'] for row in sharp):.1e}, of which {max(row['beyond'] for row in sharp):.1e} at most are left.")
+                 f"{max(row['mean'] for row in sharp):.1e}; beyond that rounding no mean of them is above "
+                 f"{max(row['beyond'] for row in sharp):.1e}.")
     if over:
         text += " Not within all limits: " + ", ".join(map(over_text, over)) + "."
     return Finding(
