@@ -72,7 +72,7 @@ class _Around(Reader):
     def __init__(self, owner, table, messages, by_camera):
         super().__init__(table, messages, None)
         self.owner, self.program = owner, _Directions(by_camera)
-        self.images = Images(messages, table.kept)
+        self.images = Images(messages, table.images.frame, table.kept)
         self.averages = self.filters = self.colors = False
         self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff}, False
         del self.nodes["LibshadeScratchesNode"]  # there is no surface

@@ -30,18 +30,18 @@ def _place(number):
 
 
 class Images:
-    """`listed`: what the native module gets."""
+    """`listed`: what the native module gets; `frame`: the scene's."""
 
-    def __init__(self, messages, kept=None):
-        self.listed = []
+    def __init__(self, messages, frame, kept=None):
+        self.listed, self.frame = [], frame
         self._messages, self._kept = messages, kept
         self._down = {}  # by index
         self._indices = {}  # by image and file, wrap and filter
         self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
 
     def index(self, image, wrap, filtering, owner, user=None):
-        """Index of an image, MISSING, or -1 when it cannot be used. user: says which of a sequence."""
-        path = _frame(image, user) if image.source == "SEQUENCE" and user else None
+        """Index of an image, MISSING, or -1 when it cannot be used. user: says which of a sequence or a movie."""
+        path = _shown(image, user, self.frame) if user else None
         key = (image, path, wrap, filtering)
         if key not in self._indices:
             if (image, path) not in self._pixels:
@@ -76,19 +76,35 @@ class Images:
         if image.source == "SEQUENCE" and path:
             found = self._loaded(image, path, owner)
             return MISSING if found is None else found
-        if image.source not in {"FILE", "GENERATED"}:
+        if image.source not in {"FILE", "GENERATED", "MOVIE"}:
             self._messages.warning(f"{owner}: image '{image.name}' is a "
                                    f"{image.source.lower()}: only images are supported")
             return -1
-        path = _absolute(image, image.filepath)
-        on_disk = image.source == "FILE" and not image.packed_file and not image.is_dirty
+        frame, path = path, _absolute(image, image.filepath)
+        on_disk = image.source in {"FILE", "MOVIE"} and not image.packed_file and not image.is_dirty
         if on_disk and not os.path.isfile(path):
             self._messages.warning(f"{owner}: image file not found: {path}")
             return MISSING
         if not all(image.size):
             self._messages.warning(f"{owner}: image '{image.name}' cannot be read: {path}")
             return MISSING
-        return self._read(image, owner)
+        if image.source != "MOVIE":
+            return self._read(image, owner)
+        try:
+            return on_main_thread(lambda: self._movie(image, frame, owner))
+        except (RuntimeError, TimeoutError) as error:
+            self._messages.warning(f"{owner}: image '{image.name}': {str(error).strip()}")
+            return MISSING
+
+    def _movie(self, image, frame, owner):
+        """One frame. `pixels` are of the one that was asked for last, by whatever has an image user: a texture."""
+        asks = bpy.data.textures.new("libshade", "IMAGE")
+        try:
+            asks.image, asks.image_user.frame_current = image, frame
+            asks.evaluate((0.0, 0.0, 0.0))
+            return self._read(image, owner)
+        finally:
+            bpy.data.textures.remove(asks)
 
     def _read(self, image, owner):
         width, height = image.size
@@ -204,6 +220,19 @@ def _absolute(image, path):
     return os.path.normpath(bpy.path.abspath(path, library=image.library))
 
 
-def _frame(image, user):
-    """The file of a sequence that a node shows at its scene's frame."""
-    return _absolute(image, image.filepath_from_user(image_user=user))
+def _shown(image, user, frame):
+    """What a node shows at a scene's frame: of a sequence the file, of a movie the number; None of others."""
+    if image.source == "SEQUENCE":
+        user.frame_current = _number(user, frame)  # it is the scene's with Auto Refresh alone
+        return _absolute(image, image.filepath_from_user(image_user=user))
+    return _number(user, frame) if image.source == "MOVIE" else None
+
+
+def _number(user, frame):
+    """Of a frame of the scene that of the images, as Blender has it."""
+    count, at = user.frame_duration, frame - user.frame_start + 1
+    if not count:
+        return 0
+    if user.use_cyclic:
+        return ((at - 1) % count + user.frame_offset) % count + 1
+    return min(max(at, 0), count) + user.frame_offset

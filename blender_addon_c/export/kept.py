@@ -140,7 +140,7 @@ def owners_of(item, depsgraph):
 
 def _about(image, path):
     """What tells that a file is another one."""
-    file = path or os.path.normpath(bpy.path.abspath(image.filepath, library=image.library))
+    file = path if isinstance(path, str) else os.path.normpath(bpy.path.abspath(image.filepath, library=image.library))
     try:
         written = os.stat(file).st_mtime_ns
     except OSError:

@@ -31,7 +31,7 @@ class Table:
     """Materials, images and layers of one render, each once."""
 
     def __init__(self, messages, settings, colors, camera, depsgraph, kept=None):
-        self.materials, self.images, self.layers = [], Images(messages, kept), Layers()
+        self.materials, self.images, self.layers = [], Images(messages, depsgraph.scene.frame_current, kept), Layers()
         self.kept, self.shines = kept, {}  # by lamp
         self.cloths, self.scratches = [], []
         self.transport = settings.groove_transport  # do grooves go with bumps?

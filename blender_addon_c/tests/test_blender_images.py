@@ -6,8 +6,11 @@ import pytest
 
 from blender_runs import Dump, rgba
 
-CASES = {"tiles": {}, "packed tiles": {"packed": True}, "before": {"frame": 1}, "first": {"frame": 2}, "later": {"frame": 3},
-         "last": {"frame": 9}, "around": {"frame": 5, "cyclic": True}, "moved": {"frame": 2, "offset": 1}}
+FRAMES = {"before": {"frame": 1}, "first": {"frame": 2}, "later": {"frame": 3}, "last": {"frame": 9},
+          "around": {"frame": 5, "cyclic": True}, "moved": {"frame": 2, "offset": 1},
+          "as it is": {"frame": 3, "refresh": False}}
+CASES = {"tiles": {}, "packed tiles": {"packed": True},
+         **{f"{kind} {name}": {"source": kind.upper(), **frame} for kind in ("sequence", "movie") for name, frame in FRAMES.items()}}
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images of many files: tiles and sequences."""
+"""Images of many files or pictures: tiles, sequences and movies."""
 
 import os
 
@@ -38,17 +38,45 @@ def _sequence(folder):
     return image
 
 
+def _movie(folder):
+    """The pictures of the sequence in one file, without losses, by Blender's sequencer."""
+    _sequence(folder)
+    scene = bpy.data.scenes.new("movie")
+    render, editor = scene.render, scene.sequence_editor_create()
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    for number in (1, 2, 3):
+        strips.new_image(name=str(number), filepath=os.path.join(folder, f"part.{number:03}.png"), channel=1,
+                         frame_start=number)
+    render.resolution_x = render.resolution_y = 16
+    render.resolution_percentage, scene.frame_start, scene.frame_end = 100, 1, 3
+    scene.view_settings.view_transform = "Standard"
+    if hasattr(render.image_settings, "media_type"):  # from 5.0 on
+        render.image_settings.media_type = "VIDEO"
+    render.image_settings.file_format = "FFMPEG"
+    render.ffmpeg.format, render.ffmpeg.codec = "AVI", "FFV1"
+    render.filepath, render.use_file_extension = os.path.join(folder, "movie.avi"), False
+    bpy.ops.render.render(animation=True, scene=scene.name)
+    bpy.data.scenes.remove(scene)
+    return bpy.data.images.load(os.path.join(folder, "movie.avi"))
+
+
+def _shown(options):
+    if "frame" not in options:
+        return _tiled(options["where"])
+    return (_movie if options["source"] == "MOVIE" else _sequence)(options["where"])
+
+
 def many_files(options):
-    """A plate of UVs from 0 to 2 that shows them. "frame": of a sequence."""
+    """A plate of UVs from 0 to 2 that shows them. "frame": of a sequence or a movie."""
     scene = common.empty_scene(32, 32, samples=1)
     scene.frame_set(options.get("frame", 1))
     material, tree, metal = common.metal(fresnel="NONE", detail="NONE")
     node = tree.nodes.new("ShaderNodeTexImage")
-    node.image = _sequence(options["where"]) if "frame" in options else _tiled(options["where"])
+    node.image = _shown(options)
     node.interpolation = "Closest"
     user = node.image_user
     user.frame_start, user.frame_duration, user.frame_offset = 2, 2, options.get("offset", 0)
-    user.use_cyclic, user.use_auto_refresh = options.get("cyclic", False), True
+    user.use_cyclic, user.use_auto_refresh = options.get("cyclic", False), options.get("refresh", True)
     if options.get("packed"):
         node.image.pack()
         for name in os.listdir(options["where"]):
