@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Awkward scenes by chance, in Blender 3.4 and 5.0: inside/hostile.py, and what became of each seed.
 
-    build/venv/bin/python blender_addon_c/tests/soak.py [--seeds 500] [--first 0] [--version 3.4]
+    build/venv/bin/python blender_addon_c/tests/soak.py [--seeds 500] [--first 0] [--version 3.4] [--each 40]
 """
 
 import argparse
@@ -14,11 +14,14 @@ import tempfile
 from blender_runs import Blender
 
 
-def seeds(blender, folder, first, count, seconds=300):
-    """Runs seeds and yields (seed, how it ended, all that was printed). After a crash comes the next."""
+def seeds(blender, folder, first, count, seconds=300, each=()):
+    """Runs seeds and yields (seed, how it ended, all that was printed). After a crash comes the next.
+
+    each: [seconds that one may take], else hostile.py's.
+    """
     end = first + count
     while first < end:
-        text = blender.run("hostile.py", folder, first, end - first, status=None, seconds=seconds)
+        text = blender.run("hostile.py", folder, first, end - first, *each, status=None, seconds=seconds)
         ran = re.split(r"^SEED (\d+)\n", text, flags=re.M)
         if len(ran) < 3:
             raise RuntimeError(text[-4000:])
@@ -40,13 +43,14 @@ def main():
     words.add_argument("--seeds", type=int, default=500)
     words.add_argument("--first", type=int, default=0)
     words.add_argument("--version", choices=["3.4", "5.0"])
+    words.add_argument("--each", type=float, nargs=1, default=(), help="seconds for each, more beside other work")
     given = words.parse_args()
     failed = 0
     for version in [given.version] if given.version else ["3.4", "5.0"]:
         ends = collections.Counter()
         with tempfile.TemporaryDirectory() as home:
             blender = Blender(version, pathlib.Path(home) / "home")
-            for seed, how, said in seeds(blender, home, given.first, given.seeds, seconds=None):
+            for seed, how, said in seeds(blender, home, given.first, given.seeds, None, given.each):
                 ends[how if good(how) else "broken"] += 1
                 if not good(how):
                     failed += 1

@@ -26,8 +26,7 @@ void *scene_array(message_log *log, size_t count, size_t size) {
   return NULL;
 }
 
-/* Embree leaves primitives out that reach farther than 1.8e18. */
-static bool usable_position(const float *p) {
+bool parts_usable(const float *p) {
   return fabsf(p[0]) < 1e18f && fabsf(p[1]) < 1e18f && fabsf(p[2]) < 1e18f;
 }
 
@@ -49,7 +48,7 @@ static void split(const mesh *m, parts *p) {
     pair found = {.first = (uint32_t)t};
     bool whole = t + 1 < m->triangles && shared_edge(corner, corner + 3, found.turn);
     for (unsigned k = 0; whole && k < 6; k++) /* a bad corner must not take the good half along */
-      whole = usable_position(m->position + 3 * (size_t)corner[k]);
+      whole = parts_usable(m->position + 3 * (size_t)corner[k]);
     if (whole) {
       p->pair[p->pairs++] = found;
       t++;

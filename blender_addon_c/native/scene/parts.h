@@ -28,6 +28,9 @@ parts *parts_make(const scene *s, const bool *wanted, const atomic_bool *cancel,
 void parts_used(parts *p, const scene *s);
 void parts_free(parts *p, const scene *s);
 
+/* Is a position near enough? Embree leaves primitives out that reach farther than 1.8e18. */
+bool parts_usable(const float *position);
+
 /* Memory that Embree may read, not cleared; NULL with a message where there is none. */
 void *scene_array(message_log *log, size_t count, size_t size);
 

@@ -380,14 +380,20 @@ static bool is_reference(const build *b, const instance *in) {
   return b->shared[in->mesh] != WORLD && invertible(in->matrix, b->reach);
 }
 
+/* Of what is seen of it: by these rays set out from it. */
 static void find_bounds(const mesh *m, float bounds[2][3]) {
   const float *position = m->steps ? m->moved_position : m->position;
-  for (size_t i = 0; i < m->positions * (m->steps ? (size_t)m->steps : 1); i++)
+  bool first = true;
+  for (size_t i = 0; i < m->positions * (m->steps ? (size_t)m->steps : 1); i++) {
+    if (!parts_usable(position + 3 * i))
+      continue;
     for (size_t k = 0; k < 3; k++) {
       float x = position[3 * i + k];
-      bounds[0][k] = i == 0 || x < bounds[0][k] ? x : bounds[0][k];
-      bounds[1][k] = i == 0 || x > bounds[1][k] ? x : bounds[1][k];
+      bounds[0][k] = first || x < bounds[0][k] ? x : bounds[0][k];
+      bounds[1][k] = first || x > bounds[1][k] ? x : bounds[1][k];
     }
+    first = false;
+  }
 }
 
 /* Room in the arrays for another copy of a mesh. */

@@ -463,13 +463,13 @@ def outcome(folder):
     return "broken " + "; ".join(_wrong) if _wrong else ended
 
 
-def main(folder, first, count):
+def main(folder, first, count, seconds=SECONDS):
     faulthandler.enable()
     common.enable()
     watch(importlib.import_module(common.MODULE + ".engine"))
     for seed in range(int(first), int(first) + int(count)):
         print("SEED", seed, flush=True)
-        faulthandler.dump_traceback_later(SECONDS, exit=True)
+        faulthandler.dump_traceback_later(float(seconds), exit=True)
         build(seed, folder)
         print("END", outcome(folder), flush=True)
         faulthandler.cancel_dump_traceback_later()
