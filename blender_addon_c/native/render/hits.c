@@ -70,13 +70,17 @@ void hits_nodes(worker *w) {
     if (g->material->bare)
       w->scene->stages->flat(g, &b->input);
   clock_tick(&w->clocks, CLOCK_SURFACE);
-  for (const segment *g = b->queue.segment; g < end; g++)
-    for (const node *n = g->material->node; n < g->material->node + g->material->nodes; n++) {
+  for (const segment *g = b->queue.segment; g < end; g++) {
+    const node *past = g->material->node + g->material->nodes;
+    for (const node *n = g->material->node; n < past; n++) {
       if (n->type == NODE_OCCLUSION)
         occlusion_trace(w->scene, b, g->run, &n->of.occlusion);
       if (n->type == NODE_BEVEL)
         bevel_trace(w->scene, b, g->run, &n->of.bevel);
       w->scene->stages->node[n->type](g, n, &b->corner, &b->surface, &b->input);
-      clock_tick(&w->clocks, CLOCK_NODE + n->type);
+      if (n + 1 == past ||
+          n[1].type != n->type) /* of those alike in a row once: it takes a while */
+        clock_tick(&w->clocks, CLOCK_NODE + n->type);
     }
+  }
 }
