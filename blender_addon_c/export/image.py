@@ -108,18 +108,21 @@ class Images:
 
     def _read(self, image, owner):
         width, height = image.size
-        data = np.empty(width * height * image.channels, np.float32)
+        count = width * height * image.channels
+        data, pages = _room(count, np.float32) if image.is_float else (np.empty(count, np.float32), None)
         image.pixels.foreach_get(data)
-        paged = False
         if not image.is_float:
-            data, paged = _bytes(data)
+            data, pages = _bytes(data)
+        wide = image.is_float and not (data.min() >= 0 and data.max() <= 1)
+        if image.is_float:
+            _leave(pages, 0, data.nbytes)
         # Blender hands float images over in linear light, bytes as they are in the file.
         srgb = not image.is_float and image.colorspace_settings.name == "sRGB"
         if not (srgb or image.is_float or image.colorspace_settings.is_data):
             self._messages.warning(f"{owner}: image '{image.name}': colour space "
                                    f"'{image.colorspace_settings.name}' is read as Non-Color")
         return {"width": width, "height": height, "channels": image.channels, "data": data,
-                "srgb": srgb, "paged": paged, "wide": image.is_float and not (data.min() >= 0 and data.max() <= 1)}
+                "srgb": srgb, "paged": pages is not None, "wide": wide}
 
     def _loaded(self, like, path, owner, packed=None):
         """Pixels of a file that Blender shows as a part of an image; None without any."""
@@ -180,27 +183,33 @@ class Images:
 
 def _bytes(data):
     """Of 0 to 1; by parts, so that it takes no more than the result."""
-    made, pages = _room(len(data))
+    made, pages = _room(len(data), np.uint8)
     for start in range(0, len(data), 1 << 22):
         part = data[start:start + (1 << 22)]
         np.rint(part * 255, out=part)
         made[start:start + (1 << 22)] = part
-        if pages and hasattr(mmap, "MADV_DONTNEED"):  # to the file, until the native module reads it
-            pages.madvise(mmap.MADV_DONTNEED, start, len(part))
-    return made, pages is not None
+        _leave(pages, start, len(part))
+    return made, pages
 
 
-def _room(size):
-    """So many bytes; many of them lie in a file without a name, not in memory."""
+def _leave(pages, start, size):
+    """To the file, until the native module reads it."""
+    if pages and hasattr(mmap, "MADV_DONTNEED"):
+        pages.madvise(mmap.MADV_DONTNEED, start, size)
+
+
+def _room(count, kind):
+    """So many numbers; many of them lie in a file without a name, not in memory."""
+    size = count * np.dtype(kind).itemsize
     if size >= _LARGE and hasattr(os, "posix_fallocate"):
         try:
             with tempfile.TemporaryFile() as file:
                 os.posix_fallocate(file.fileno(), 0, size)
                 pages = mmap.mmap(file.fileno(), size)
-            return np.frombuffer(pages, np.uint8), pages
+            return np.frombuffer(pages, kind), pages
         except OSError:  # no room there
             pass
-    return np.empty(size, np.uint8), None
+    return np.empty(count, kind), None
 
 
 def _opaque(data):

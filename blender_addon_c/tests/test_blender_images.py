@@ -29,3 +29,14 @@ def test_files_are_those_of_cycles(blender, tmp_path, name):
     ours, theirs = pictures
     assert theirs.std() > 0.1
     np.testing.assert_allclose(ours, theirs, atol=2e-3)
+
+
+@pytest.mark.parametrize("floats", [False, True])
+def test_large_images_look_the_same_from_files(blender, tmp_path, floats):
+    pictures = []
+    for in_file in False, True:
+        told, _ = blender.scene("held_image", tmp_path, dump="", floats=floats, in_file=in_file)
+        assert told["files"] == in_file
+        pictures.append(rgba(tmp_path / "picture.exr"))
+    assert pictures[0][..., :3].std() > 0.1
+    np.testing.assert_array_equal(*pictures)

@@ -14,6 +14,7 @@
 #include "batch/state.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
+#include "system/pages.h"
 
 enum { COUNT = 1003, SET = 0x7b };
 
@@ -1735,6 +1736,39 @@ static void walks_go_on(void **state) {
   }
 }
 
+/* Of a large texture what is in memory, and that it is the same after it was not. */
+static void large_textures_leave_memory(void **state) {
+  enum { SIDE = 4200, MEGABYTE = 1 << 20 };
+  uint8_t *bytes = malloc((size_t)SIDE * SIDE);
+  const atomic_bool cancel = false;
+  texture_set set = {0};
+  (void)state;
+  assert_non_null(bytes);
+  for (size_t i = 0; i < (size_t)SIDE * SIDE; i++)
+    bytes[i] = (uint8_t)(i % 251);
+  image grey = {.width = SIDE, .height = SIDE, .channels = 1, .type = IMAGE_UINT8, .data = bytes};
+  const texture *t = texture_request(&set, &grey, TEXTURE_BYTES, 1.0f, COARSE_NONE);
+  assert_non_null(t);
+  assert_true(texture_pack(&set, 2, &cancel));
+  if (!t->paged) { /* there is no disk for it */
+    texture_free(&set);
+    free(bytes);
+    skip();
+  }
+  assert_int_equal(set.paged, t->paged);
+  for (int round = 0; round < 2; round++) {
+    for (size_t y = 0; y < SIDE; y++)
+      for (size_t x = 0; x < SIDE; x += 7)
+        assert_int_equal(t->texel[(y + 1) * (size_t)t->stride + x + 1] & 255u, bytes[y * SIDE + x]);
+    texture_relieve(&set, t->paged); /* all of it may stay */
+    assert_in_range(pages_resident(), set.other + 60 * MEGABYTE, set.other + 80 * MEGABYTE);
+    texture_relieve(&set, 32 * MEGABYTE);
+    assert_in_range(pages_resident(), 0, set.other + 8 * MEGABYTE);
+  }
+  texture_free(&set);
+  free(bytes);
+}
+
 int main(void) {
   static const stage_table *const tables[] = {&stages_scalar, &stages_sse2, &stages_avx2,
                                               &stages_avx512};
@@ -1770,5 +1804,7 @@ int main(void) {
     if (tables[k] == widest)
       break;
   }
+  const struct CMUnitTest apart[] = {cmocka_unit_test(large_textures_leave_memory)};
+  failed += cmocka_run_group_tests_name("textures", apart, NULL, NULL);
   return failed != 0;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "render/bounce.h"
+#include "scene/texture.h"
 #include "system/parallel.h"
 
 enum { SIDE = 16 }; /* pixels: with 4 samples each a tile is one batch */
@@ -191,6 +192,7 @@ static void work(void *context, size_t number) {
         break;
       w.sampling = &r->plan->pass[pass];
       w.first_pass = pass == 0;
+      texture_relieve(&r->scene->textures, TEXTURE_RESIDENT);
       render_tile(r, &w, tile);
     }
   } else {

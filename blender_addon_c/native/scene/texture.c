@@ -622,6 +622,20 @@ static void leave_source(const image *m) {
   pages_leave(data, (size_t)m->width * (size_t)m->height * (size_t)m->channels * size);
 }
 
+static void leave_all(const texture_set *set) {
+  for (size_t i = 0; i < set->count; i++)
+    if (set->item[i]->paged)
+      pages_leave(set->item[i]->texel, set->item[i]->paged);
+}
+
+void texture_relieve(const texture_set *set, size_t most) {
+  if (set->paged <= most)
+    return;
+  size_t now = pages_resident();
+  if (now > set->other && now - set->other > most)
+    leave_all(set);
+}
+
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
   pthread_once(&srgb_once, byte_tables_fill);
   for (size_t i = 0; i < set->count; i++) {
@@ -649,6 +663,11 @@ bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel) {
     if (!set->item[i]->filled && set->item[i]->kind == TEXTURE_NORMAL &&
         set->item[i]->level.count > 1)
       find_parts(set->item[i], threads);
+  set->paged = 0;
+  for (size_t i = 0; i < set->count; i++)
+    set->paged += set->item[i]->paged;
+  leave_all(set);
+  set->other = pages_resident();
   return true;
 }
 

@@ -93,7 +93,12 @@ typedef struct texture {
 typedef struct texture_set {
   size_t count;
   texture **item;
+  size_t paged; /* bytes of all */
+  size_t other; /* pages of files that were in memory without them */
 } texture_set;
+
+/* What of paged textures may stay in memory while a picture is made, about. */
+enum { TEXTURE_RESIDENT = 1 << 30 };
 
 /* The texture for an image, the same one for the same request. NULL when out of memory. Coarser
  * levels of normals are means of their x and y: what these do not say, their squares do. */
@@ -105,6 +110,10 @@ const texture *texture_squares(texture_set *set, const texture *normal);
 
 /* Fill all requested textures. False when out of memory; stops early when *cancel is true. */
 bool texture_pack(texture_set *set, int threads, const atomic_bool *cancel);
+
+/* Sends paged textures to their files when more bytes of them than that are in memory. Any thread,
+ * while others look them up: what these need comes back. */
+void texture_relieve(const texture_set *set, size_t most);
 
 /*
  * True when the image has no more than 8 bits a channel, whatever its type: too

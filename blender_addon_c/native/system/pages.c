@@ -44,6 +44,17 @@ void pages_leave(void *block, size_t bytes) {
   madvise(block, bytes, MADV_DONTNEED);
 }
 
+size_t pages_resident(void) {
+  char text[128];
+  int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  ssize_t length = file < 0 ? 0 : read(file, text, sizeof text - 1);
+  unsigned long pages = 0;
+  if (file >= 0)
+    close(file);
+  text[length > 0 ? length : 0] = '\0';
+  return sscanf(text, "%*u %*u %lu", &pages) == 1 ? pages * (size_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
 void pages_free(void *block, size_t bytes) {
   munmap(block, bytes);
 }

@@ -13,6 +13,9 @@ void *pages_new(size_t bytes);
 /* What is in it goes to the file, and comes back where it is asked for. */
 void pages_leave(void *block, size_t bytes);
 
+/* Bytes of this process's memory that are pages of files; 0 where nothing tells. Any thread. */
+size_t pages_resident(void);
+
 void pages_free(void *block, size_t bytes);
 
 #endif

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images of many files or pictures: tiles, sequences and movies."""
 
+import importlib
 import os
 
 import bpy
@@ -97,3 +98,30 @@ def many_files(options):
     common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=2)
     common.render(options["picture"])
     return {"path": bpy.path.abspath(node.image.filepath_from_user(image_user=user))}
+
+
+def held_image(options):
+    """A plate that shines with an image of bytes or floats, which the add-on holds in memory or, as a large one, in a file."""
+    scene = common.empty_scene(32, 32, samples=1)
+    held = importlib.import_module(common.MODULE + ".export.image")
+    image = bpy.data.images.new("held", 16, 16, float_buffer=options["floats"])
+    image.pixels.foreach_set([(k * 37 % 101) / 101 for k in range(4 * 16 * 16)])
+    material = bpy.data.materials.new("plate")
+    tree = common.tree_of(material)
+    shader = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(common.image_node(tree, image).outputs["Color"], shader.inputs["Color"])
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    common.plane(material)
+    common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=2)
+    large, rooms, own_room = held._LARGE, [], held._room
+
+    def room(*given):
+        rooms.append(own_room(*given))
+        return rooms[-1]
+
+    held._LARGE, held._room = 1 if options["in_file"] else large, room
+    try:
+        common.render(options["picture"])
+    finally:
+        held._LARGE, held._room = large, own_room
+    return {"files": sum(pages is not None for _data, pages in rooms)}
