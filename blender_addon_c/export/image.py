@@ -14,6 +14,7 @@ from .main_thread import on_main_thread
 MISSING = -2  # instead of an index: no file, or none that can be read
 MISSING_COLOR = (1.0, 0.0, 1.0)  # as Cycles and the viewport show it
 _LARGE = 1 << 26  # bytes
+_LOOKED_AT = 1 << 14  # of the texels of an image, where a part tells
 _MOST_TEXELS = 1 << 28  # of all tiles together
 
 
@@ -35,7 +36,7 @@ class Images:
     def __init__(self, messages, frame, kept=None):
         self.listed, self.frame = [], frame
         self._messages, self._kept = messages, kept
-        self._down = {}  # by index
+        self._down, self._slopes = {}, {}  # by index
         self._indices = {}  # by image and file, wrap and filter
         self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
 
@@ -64,6 +65,19 @@ class Images:
             blue = found["data"][2::found["channels"]] if found["channels"] >= 3 else np.empty(0, np.float32)
             self._down[index] = bool(len(blue) and np.nanmin(blue) < 0.49 * _opaque(blue))
         return self._down[index]
+
+    def turned(self, index, slope, strength):
+        """Which part of it, as a normal map of that strength, is steeper than a slope; of some of its texels."""
+        if index not in self._slopes:
+            found = self.listed[index]
+            texels = found["data"].reshape(-1, found["channels"])
+            texels = texels[::max(1, len(texels) // _LOOKED_AT)].astype(np.float32) / _opaque(texels)
+            if found["srgb"]:
+                texels = np.where(texels <= 0.04045, texels / 12.92, ((texels + 0.055) / 1.055) ** 2.4)
+            x, y, z = (2 * texels[:, k if found["channels"] >= 3 else 0] - 1 for k in range(3))
+            self._slopes[index] = np.hypot(x, y), z
+        along, up = self._slopes[index]
+        return float(np.mean(strength * along > slope * (1 + min(strength, 1.0) * (up - 1))))
 
     def _find(self, image, owner, path):
         if self._kept:

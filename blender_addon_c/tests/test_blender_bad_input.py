@@ -25,6 +25,8 @@ EXPECTED = {
     "broken_image": ("finished", "Warning: .*'steel': image 'broken.png' cannot be read: .*broken.png"),
     "no_image": ("finished", "Warning: .*'steel': 'Image Texture' has no image"),
     "eight_bit_normal_map": ("finished", "'bytes' has colour space 'sRGB': set it to Non-Color"),
+    "steep_normal_map": ("finished", "Warning: .*'steel': normal map 'steep' turns normals by more than 50 degrees in 10 % of it"),
+    "less_steep_normal_map": ("finished", None),
     "bump_node": ("finished", "Warning: .*'steel': Height: 'Wireframe'.* not supported"),
     "sky_color": ("finished", "Warning: .*'steel': Color: 'Sky Texture'.* not supported"),
     "pointiness": ("finished", "Warning: .*'Geometry' .Pointiness. is not supported"),
@@ -91,6 +93,7 @@ def test_case(cases, name):
 
 @pytest.mark.parametrize("name, rows", {
     "fine": [],
+    "less_steep_normal_map": [],
     "blind": ["True|camera|"],
     "no_light": ["False||"],
     "no_uv_textured": ["False|Plane|"] * 2,

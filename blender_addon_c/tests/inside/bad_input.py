@@ -117,6 +117,22 @@ def eight_bit_normal_map(scene):
     common.normal_map(tree, node, bpy.data.images.new("bytes", 4, 4))
 
 
+def steep_normal_map(scene):
+    """A tenth of its texels 60 degrees aside, the rest 45."""
+    _ob, tree, node = plate(scene)
+    image = bpy.data.images.new("steep", 10, 10, float_buffer=True, is_data=True)
+    angles = [math.radians(60.0 if k % 10 == 0 else 45.0) for k in range(100)]
+    image.pixels.foreach_set([part for a in angles for part in (0.5 + 0.5 * math.sin(a), 0.5, 0.5 + 0.5 * math.cos(a), 1.0)])
+    common.normal_map(tree, node, image)
+
+
+def less_steep_normal_map(scene):
+    """The same, half as strong."""
+    steep_normal_map(scene)
+    tree = bpy.data.materials["steel"].node_tree
+    tree.nodes["Normal Map"].inputs["Strength"].default_value = 0.5
+
+
 def bump_node(scene):
     _ob, tree, node = plate(scene)
     bump = tree.nodes.new("ShaderNodeBump")
@@ -402,7 +418,7 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_matt, no_uv_textured, no_faces, missing_image,
     missing_normal_map,
-    broken_image, no_image, eight_bit_normal_map, bump_node, sky_color, pointiness, cycle,
+    broken_image, no_image, eight_bit_normal_map, steep_normal_map, less_steep_normal_map, bump_node, sky_color, pointiness, cycle,
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, world_shader,
     world_without_image, world_of_nothing, blind,
