@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A camera that goes from one metre to a hundred off a plate: how its brightness moves, and what a frame costs.
+
+    build/venv/bin/python blender_addon_c/tests/zoom.py [--frames 100] [--side 256] [--samples 8] [name ...]
+
+Of each surface, a line: the largest change of the mean from frame to frame over the median change (limit 3), the
+largest distance of a frame's mean from that of 1,024 samples of points (limit 3 %; of fewer pixels, which points do not
+know), and processor time of a frame in
+each fifth of the way over that of the first (limit 1.1). Changes below .1 % of the mean, which no eye sees, count as
+so much: where nothing moves the median is noise. Exit status 0 if all are within their limits.
+"""
+
+import argparse
+import sys
+import time
+
+import numpy as np
+
+from native_scenes import image, material, persp, registers, render, scene, square, sun
+from test_native_scratches import FINE
+from test_native_zoom import SLOPE, bumps, cosines, metal
+
+TILES, FLOOR, TRUTH = 400, 1e-3, 1024
+LIMITS = {"step": 3.0, "apart": 0.03, "cost": 1.1}
+UV, NEAR, NORMAL, SPREAD, ALPHA = registers(3, 3), registers(6, 2), registers(9, 3), registers(12, 2), registers(14, 2)
+
+
+def checker(_filtered):
+    """Squares of 1/8 m, an image that is averaged."""
+    look = {"type": "IMAGE", "image": 0, "out": registers(3, 3), "averaged": True}
+    return {"name": "checker", "nodes": [look], "closures": [
+        {"closure": "DIFFUSE", "model": "LAMBERT", "color": registers(3, 3), "roughness": [0.0]}]}
+
+
+def scratched(filtered):
+    """Scratches of test_native_scratches.py, two fields in a metre."""
+    moved = [{"type": "MATH", "operation": "ADD", "a": [a], "b": [0.125], "c": [0.0], "out": [b]} for a, b in zip(UV, NEAR)]
+    field = {"type": "SCRATCHES", "what": "NORMAL", "field": 0, "at": UV[:2], "near": [NEAR[0], UV[1], UV[0], NEAR[1]],
+             "step": 0.125, "amount": [1.0], "normal": [0.0, 0.0, 1.0], "filtered": True, "out": [*NORMAL, *SPREAD]}
+    nodes = [{"type": "GEOMETRY", "what": "UV", "out": UV}, *moved, field]
+    for a, b in zip(SPREAD, ALPHA):
+        nodes += [{"type": "MATH", "operation": "ADD", "a": [a], "b": [0.04], "c": [0.0], "out": [b]},
+                  {"type": "MATH", "operation": "SQRT", "a": [b], "b": [0.0], "c": [0.0], "out": [b]}]
+    return material(mdf="BECKMANN", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1)) | {
+        "nodes": nodes, "normal": NORMAL, "ax_from": ALPHA[:1], "ay_from": ALPHA[1:]}
+
+
+def squares():
+    pixels = (np.indices((64, 64)) // 8).sum(0) % 2
+    return np.float32(0.1 + 0.7 * pixels)[..., None].repeat(3, -1)
+
+
+SURFACES = {"brushed, Beckmann": (metal, lambda: [image(bumps(*SLOPE["brushed"]))], []),
+            "brushed, Ashikhmin-Shirley": (cosines, lambda: [image(bumps(*SLOPE["brushed"]))], []),
+            "checker": (checker, lambda: [image(squares())], []),
+            "scratched": (scratched, list, [FINE])}
+
+
+def frame(name, far, side, samples, filtered):
+    """(mean of the picture, seconds of all cores)."""
+    make, images, fields = SURFACES[name]
+    plate = square(TILES)
+    plate["corner_uvs"] = np.float32(plate["corner_uvs"] * 2 * TILES)
+    blur = {"normal_blur": samples**-0.5, "texture_blur": 0.25} if filtered else {}
+    made = scene(meshes=[plate], images=images(), scratches=fields, materials=[make(filtered)], lights=[sun((0.3, 0.1, 0.9), angle=0.02)],
+                 camera=persp(0.25, (0, 0.013, far), (0, 0.013, 0), clip=(0.01, 1000)), width=side, height=side,
+                 samples=samples, seed=1 if filtered else 2, transparent=False, max_bounces=0, **blur)
+    begin = time.process_time()
+    return float(render(made)[0][..., 1].mean(dtype=float)), time.process_time() - begin
+
+
+def measure(name, frames, side, samples):
+    """By limit: what was found, where, and by fifth of the way what a frame costs."""
+    way = np.geomspace(1, 100, frames)
+    means, cost = np.array([frame(name, far, side, samples, True) for far in way]).T
+    truth = np.array([frame(name, far, max(side // 16, 4), TRUTH, False)[0] for far in way])
+    steps = np.abs(np.diff(means)) / means.mean()
+    apart = np.abs(means / truth - 1)
+    fifths = np.array([np.min(part) for part in np.array_split(cost, 5)])
+    return {"step": steps.max() / max(np.median(steps), FLOOR), "apart": apart.max(), "cost": (fifths / fifths[0]).max()}, \
+        (f"largest change {100 * steps.max():.3f} % at {way[steps.argmax()]:.1f} m, median {100 * np.median(steps):.3f} %; "
+         f"{100 * apart.max():.2f} % from {TRUTH} samples at {way[apart.argmax()]:.1f} m, {100 * abs(np.mean(means / truth) - 1):.2f} % in "
+         f"the mean; cost by fifth {', '.join(f'{part:.2f}' for part in fifths / fifths[0])}")
+
+
+def main():
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("names", nargs="*", metavar="name", default=list(SURFACES))
+    for word, number in ("frames", 100), ("side", 256), ("samples", 8):
+        words.add_argument("--" + word, type=int, default=number)
+    given = words.parse_args()
+    missed = 0
+    for name in given.names:
+        found, text = measure(name, given.frames, given.side, given.samples)
+        over = [f"{limit} {found[limit]:.3g} (limit {most:g})" for limit, most in LIMITS.items() if not found[limit] <= most]
+        missed += len(over)
+        print(f"{name}: {text}; {'MISSED: ' + ', '.join(over) if over else 'within all limits'}", flush=True)
+    sys.exit(1 if missed else 0)
+
+
+if __name__ == "__main__":
+    main()
