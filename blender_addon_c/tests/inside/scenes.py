@@ -9,7 +9,6 @@ import json
 import math
 import os
 import sys
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -17,6 +16,7 @@ from mathutils import Matrix
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
+import windowless
 from files import held_image, many_files
 from skies import seen_sky, seen_world, under_lamp, under_sky
 
@@ -1737,34 +1737,15 @@ def viewport(options):
         half = abs(distance) if perspective else 1  # of the view, there
         common.plane(common.metal()[0], 0.1 * half).location = (x * half, 0, -distance)
     common.light(scene)
-    module = sys.modules[f"{common.MODULE}.viewport"]
-    drawn, held = [], (module.gpu, module.draw_texture_2d)
-    module.gpu = SimpleNamespace(
-        types=SimpleNamespace(Buffer=lambda _kind, _size, pixels: pixels,
-                              GPUTexture=lambda _size, format, data: drawn.append(data) or "it"),
-        state=SimpleNamespace(blend_set=lambda _mode: None))
-    module.draw_texture_2d = lambda *_: None
-    engine = SimpleNamespace(bind_display_space_shader=lambda _scene: None,
-                             unbind_display_space_shader=lambda: None)
+    view = windowless.View(side, side)
     start, end = options["clip"]
     window = Matrix.Diagonal((1, 1, -1 / end, 1))
     if perspective:
         window[2][2], window[2][3] = (start + end) / (start - end), 2 * start * end / (start - end)
         window[3][2], window[3][3] = -1, 0
-    space = next(area for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D").spaces.active
-    space.clip_start, space.clip_end = start, end
-    context = SimpleNamespace(
-        region=SimpleNamespace(width=side, height=side),
-        region_data=SimpleNamespace(view_matrix=Matrix.Identity(4), is_perspective=perspective,
-                                    window_matrix=window, view_perspective="PERSP" if perspective else "ORTHO"),
-        space_data=space)
-    view, more = module.Viewport(), True
-    try:
-        while more:
-            said, more = view.draw(engine, context, bpy.context.evaluated_depsgraph_get())
-    finally:
-        module.gpu, module.draw_texture_2d = held
-    alpha = drawn[-1].reshape(side, side, 4)[side // 2, :, 3]
+    view.space.clip_start, view.space.clip_end = start, end
+    pixels, said = view.picture(Matrix.Identity(4), window, perspective, bpy.context.evaluated_depsgraph_get())
+    alpha = pixels[side // 2, :, 3]
     return {"said": said, "alpha": [float(alpha[int((x + 1) / 2 * side)])
                                     for x, _ in options["planes"]]}
 
