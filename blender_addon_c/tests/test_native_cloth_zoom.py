@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cloth from one metre to a hundred, by pixels as narrow as those of a picture 1920 wide: yarns become cloth without a jump.
+"""Cloth from one metre to a hundred, by pixels as narrow as those of a picture 1920 wide: yarns become cloth without a jump,
+in pixels beside the frames before and after, in brightness beside the yarns themselves (by more points of the same view).
 
 FRAMES=100 is the whole way (a minute); `-s` shows differences from frame to frame and what a frame costs.
 """
@@ -18,12 +19,12 @@ HALF = 0.364 * SIDE / 1920  # of the picture, at one metre: 40 degrees over 1920
 FLOOR = 1e-3  # of the mean: what no eye sees
 
 
-def frame(preset, far, tier):
+def frame(preset, far, tier, samples=SAMPLES):
     """(32 x 32 pixels of the middle of a plate of 8 m, seconds of all cores)."""
     eye = far * unit(np.array((0.45, -0.3, 1.0)))
     made = scene(cloths=[cloth(preset, 8.0, tier=tier)], materials=[fabric()], meshes=[square(4.0)],
                  camera=persp(HALF, tuple(eye), clip=(0.01, 1000)), lights=[sun((0.4, 0.5, 0.8), (2, 2, 2), angle=0.05)],
-                 background=(0.3, 0.3, 0.3), width=SIDE, height=SIDE, samples=SAMPLES, transparent=False, max_bounces=1)
+                 background=(0.3, 0.3, 0.3), width=SIDE, height=SIDE, samples=samples, transparent=False, max_bounces=1)
     begin = time.process_time()
     return render(made)[0][..., :3].astype(float), time.process_time() - begin
 
@@ -41,6 +42,12 @@ def pops(frames):
     return found, seen
 
 
+def jumps(frames, truths):
+    """Numbers of those after which brightness changes by 2.5 % more or less than what the yarns themselves do."""
+    ratio = np.array([a.mean() / b.mean() for a, b in zip(frames, truths)])
+    return [k for k, step in enumerate(ratio[1:] / ratio[:-1]) if abs(step - 1) > 0.025], ratio
+
+
 @pytest.mark.parametrize("preset", ["denim", "linen", "polyester_lining"])
 def test_no_popping(preset):
     far = np.geomspace(1, 100, FRAMES)
@@ -54,6 +61,10 @@ def test_no_popping(preset):
           f"{np.median(seen):.5f}; means within {np.abs(means / means[-1] - 1).max():.4f} of the last; ms a frame {ms}")
     assert not found, [(round(far[k], 2), seen[k]) for k in found]
     assert np.abs(means / means[-1] - 1)[far > 10].max() < 0.01  # nearer there are some twenty yarns, which vary
-    # what a jump between two models would be, where single yarns no longer show: linen's make .02 up to 16 of them a pixel
-    at = 7 * FRAMES // 8
-    assert pops([f * (1.05 if k >= at else 1.0) for k, f in enumerate(frames)])[0] == [at - 1]
+    truths = [frame(preset, z, "near", 4 * SAMPLES)[0] for z in far]
+    found, ratio = jumps(frames, truths)
+    print(f"{preset}: brightness beside that of yarns {ratio.min():.4f} to {ratio.max():.4f}, from frame to frame within "
+          f"{np.abs(ratio[1:] / ratio[:-1] - 1).max():.4f}")
+    assert not found and np.abs(ratio - 1).max() < 0.02, [(round(far[k], 2), ratio[k:k + 2]) for k in found]
+    for at in range(1, FRAMES):  # one between two models would be seen wherever it is
+        assert jumps([f * (1.05 if k >= at else 1.0) for k, f in enumerate(frames)], truths)[0] == [at - 1]
