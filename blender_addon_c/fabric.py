@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
 from .fabric_yarns import CUSTOM, DRAFT
-from .group import register_node
+from .group import own_tree, register_node
 from .manual import draw_button
 from .report import draw_on
 
@@ -145,8 +145,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     def update_preview(self):
         if not fabric_tree.can_update(self.node_tree):
             return
-        if self.shares_tree:
-            self.node_tree, self.shares_tree = self.node_tree.copy(), False
+        own_tree(self)
         base = fabric_yarns.base(self)
         if fabric_tree.is_stand_in(self.node_tree):
             fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(self), _brightness(base),

@@ -11,6 +11,21 @@ def new_socket(tree, name, in_out, kind):
     return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
 
 
+def own_tree(node):
+    """What is inside a node of ours becomes its alone, where a copy of the node has it too (shares_tree), or another file."""
+    tree = node.node_tree
+    if (node.shares_tree and _holders(tree) > 1) or (tree.library and not node.id_data.library):
+        node.node_tree = tree.copy()
+    node.shares_tree = False
+    return node.node_tree
+
+
+def _holders(tree):
+    """How many nodes have a tree inside: what Blender counts as its users may be one more."""
+    owners = [getattr(user, "node_tree", user) for user in bpy.data.user_map(subset={tree})[tree]]
+    return sum(getattr(node, "node_tree", None) == tree for owner in owners for node in getattr(owner, "nodes", ()))
+
+
 def register_node(cls):
     """3.4 crashes when it frees the evaluated copy of a node whose class is gone: there it stays registered, and is found
     when the add-on is enabled again. 5.0 has forgotten what it is derived from once others have asked for that anew."""

@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import register_node
+from .group import own_tree, register_node
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on
@@ -251,9 +251,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         """Carry the settings (of `by`) over to the shaders inside."""
         if not metal_tree.can_update(self.node_tree):
             return
-        if self.shares_tree:
-            self.node_tree, self.shares_tree = self.node_tree.copy(), False
-        metal_tree.update(self.node_tree, by or self, _alphas(by or self))
+        metal_tree.update(own_tree(self), by or self, _alphas(by or self))
 
     def follow(self, animated):
         """What keyframes and drivers make of the properties, for what is inside."""

@@ -162,6 +162,174 @@ def test_images():
     os.remove(path)
 
 
+def cloth_of(material):
+    return next(node for node in material.node_tree.nodes if node.bl_idname == "LibshadeFabricNode")
+
+
+def assert_seen(node, library=None):
+    """Its images are those of its settings, and of the file that it is of."""
+    fabric, maps = (sys.modules[f"{common.MODULE}.{name}"] for name in ("fabric", "fabric_maps"))
+    made = maps.of(fabric.settings(node, 1.0)[0])
+    for word in maps.WORDS:
+        image = node.node_tree.nodes[word].image
+        assert (image is None) == (made[word] is None), word
+        if image:
+            key, data = made[word]
+            wanted = np.frombuffer(data, np.float32).reshape(*made["size"][::-1], -1)
+            seen = np.reshape(image.pixels[:], wanted.shape)
+            assert image[MARK] == key and image.packed_file and image.library == library, word
+            assert np.abs(seen - wanted)[..., :3].max() < 1 / 254, word
+
+
+def push(name):
+    bpy.ops.ed.undo_push(message=name)
+
+
+def test_undone():
+    """Images go back and forth with what they show, and none stays."""
+    common.empty_scene()
+    bpy.context.preferences.edit.use_global_undo = True
+    material, _tree, node = new_cloth("DENIM", even=False)
+    new_cloth("LINEN", even=False)
+    name, before = material.name, len(ours())
+    push("made")
+    for curve in (0.2, 0.3, 0.4):  # made once for all of these tests
+        node.warp_curve = curve
+        assert_seen(node)
+        push("curve")
+    node.preset = "SHOT_TAFFETA"
+    push("preset")
+    for steps in (bpy.ops.ed.undo,) * 4, (bpy.ops.ed.redo,) * 4, (bpy.ops.ed.undo,) * 2, (bpy.ops.ed.redo,):
+        for step in steps:
+            step()
+            assert_seen(cloth_of(bpy.data.materials[name]))
+    cloth_of(bpy.data.materials[name]).preset = "DENIM"
+    assert len(ours()) == before, ours()
+    material = bpy.data.materials[name]
+    push("again")
+    bpy.data.materials.remove(material)
+    sys.modules[f"{common.MODULE}.fabric_maps"].drop()
+    push("removed")
+    bpy.ops.ed.undo()
+    assert_seen(cloth_of(bpy.data.materials[name]))
+
+
+def saved():
+    """The path of a file with one cloth, which varies."""
+    common.empty_scene()
+    material, _tree, node = new_cloth("DENIM", even=False)
+    material.use_fake_user, node.warp_curve = True, 0.4
+    path = os.path.join(folder, "cloth.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    return path
+
+
+def taken(path, link):
+    with bpy.data.libraries.load(path, link=link) as (there, here):
+        here.materials = there.materials
+    return here.materials[0]
+
+
+def test_opened():
+    """Twice, and edited: what is in the file shows its cloth."""
+    path = saved()
+    for curve in (0.4, 0.3):
+        bpy.ops.wm.open_mainfile(filepath=path)
+        node = cloth_of(bpy.data.materials["cloth"])
+        assert abs(node.warp_curve - curve) < 1e-6 and len(ours()) == 2, ours()
+        assert_seen(node)
+        node.warp_curve = 0.3
+        assert_seen(node)
+        assert len(ours()) == 2, ours()
+        bpy.ops.wm.save_mainfile()
+    os.remove(path)
+
+
+def test_appended():
+    """Beside cloth that is here already, and edited: its images are of this file, and no more of them."""
+    path = saved()
+    common.empty_scene()
+    own = new_cloth("DENIM", even=False)[2]
+    nodes = [cloth_of(taken(path, link=False)) for _ in range(2)]
+    for node in (own, *nodes):
+        assert_seen(node)
+    for node in nodes:
+        for curve in (0.2, 0.4):
+            node.warp_curve = curve
+            assert_seen(node)
+    assert len(ours()) == 3, ours()  # one tilt for both
+    for node in (own, *nodes):
+        node.preset, node.warp_ridge = "DENIM", 0.5
+        assert_seen(node)
+    assert len(ours()) == 2, ours()
+    os.remove(path)
+
+
+def test_linked():
+    """It shows its cloth with the other file's images; a cloth of this file has its own; one that is made local changes alone,
+    and is saved as it is then."""
+    path, other = saved(), os.path.join(folder, "links.blend")
+    common.empty_scene()
+    material = taken(path, link=True)
+    material_name, library = material.name, material.library
+    assert_seen(cloth_of(material), library)
+    own = new_cloth("DENIM", even=False)[2]
+    own.warp_curve = 0.4
+    assert_seen(own)
+    sys.modules[f"{common.MODULE}.fabric_maps"].drop()
+    bpy.ops.libshade.measure_cloth()  # and what else looks after all cloth
+    assert_seen(cloth_of(material), library)
+    copy = material.copy()
+    copy.name, copy.use_fake_user = "mine", True
+    node = cloth_of(copy)
+    node.warp_curve = 0.3
+    assert_seen(node)
+    assert node.node_tree.library is None and len(ours()) == 5, ours()
+    assert_seen(cloth_of(material), library)
+    bpy.ops.wm.save_as_mainfile(filepath=other)
+    bpy.ops.wm.open_mainfile(filepath=other)
+    node = cloth_of(bpy.data.materials["mine"])
+    assert abs(node.warp_curve - 0.3) < 1e-6
+    assert_seen(node)
+    common.empty_scene()
+    material = taken(path, link=True)
+    material.make_local()
+    node = cloth_of(bpy.data.materials["cloth"])
+    tree = node.node_tree
+    node.warp_curve = 0.3
+    assert_seen(node)
+    assert tree.library and not node.node_tree.library
+    os.remove(other)
+    os.remove(path)
+
+
+def test_copied():
+    """A duplicate is edited, and its original not; both go, and so do their images."""
+    common.empty_scene()
+    material, tree, node = new_cloth("DENIM", even=False)
+    copy = material.copy()
+    push("copied")
+    for curve in (0.2, 0.3):
+        cloth_of(copy).warp_curve = curve
+        node.warp_curve = curve + 0.1
+        assert_seen(cloth_of(copy))
+        assert_seen(node)
+    assert len(ours()) == 3, ours()
+    again, unlike = copy.copy(), material.copy()  # the first of these keeps what it has
+    cloth_of(copy).preset, node.preset = "LINEN", "DENIM"
+    for one in (copy, again, material, unlike):
+        assert_seen(cloth_of(one))
+    assert cloth_of(again).warp_curve != cloth_of(unlike).warp_curve and len(ours()) == 6, ours()
+    for one in (copy, again, unlike):
+        bpy.data.materials.remove(one)
+    tree.nodes.remove(node)
+    for group, users in bpy.data.user_map(subset=set(bpy.data.node_groups)).items():
+        if not users:
+            bpy.data.node_groups.remove(group)
+    sys.modules[f"{common.MODULE}.fabric_maps"].drop()
+    assert not ours(), ours()
+
+
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
     test()
     print(test.__name__, "done", flush=True)
