@@ -185,6 +185,10 @@ def test_viewport_while_it_is_edited(window):
     taken = [word.split(":") for line in told if line.startswith("seconds ") for word in line.split()[1:]]
     print(f"{len(taken)} first pictures: median {np.median([float(seconds) for _, seconds in taken]):.3f} s,",
           "longest", *max(taken, key=lambda word: float(word[1])))
+    memory = np.array([line.split()[1:] for line in told if line.startswith("memory ")], float)
+    print("edits, MiB held, objects:", *(f"{done:.0f} {mib:.0f} {objects:.0f};" for done, mib, objects in memory))
+    if len(memory) > 6:  # the first fill undo's steps
+        print(f"{100 * np.polyfit(*memory[4:, :2].T, 1)[0]:.2f} MiB more every hundred edits from the fifth on")
     assert len(taken) > EDITS / 4 and not [line for line in told if line.startswith("blank")]
     window.wait("whole")
     in_the_end = rgba(window.take_screenshot("blender_edited.png"))[80:800, :1000]

@@ -21,6 +21,12 @@ def enable():
         bpy.ops.preferences.addon_enable(module=MODULE)
 
 
+def resident():
+    """MiB of memory that this process holds."""
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE") / 2**20
+
+
 def finish():
     """Leave without Blender's own exit, which hangs in some versions of bpy."""
     sys.stdout.flush()

@@ -13,12 +13,6 @@ import common
 RENDERS = 100
 
 
-def resident():
-    """MiB."""
-    with open("/proc/self/statm", encoding="ascii") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE") / 2**20
-
-
 def image(name, side=256):
     """A picture of noise."""
     made = bpy.data.images.new(name, side, side, float_buffer=True, is_data=True)
@@ -76,5 +70,5 @@ for k in range(RENDERS):
         how = "finished"
     except RuntimeError:
         how = "error"
-    print("RENDERED", how, resident(), flush=True)
+    print("RENDERED", how, common.resident(), flush=True)
 common.finish()

@@ -123,8 +123,8 @@ def redraw():
 
 class Editing:
     """Edits, undone or not, each a while after the one before or once its first picture is there. Logs
-    "blank": a picture has gone, "seconds ...": from each edit to its first picture, "edited", and "whole":
-    a viewport has its last picture then."""
+    "blank": a picture has gone, "memory EDITS MIB OBJECTS" every hundred, "seconds ...": from each edit to its
+    first picture, "edited", and "whole": a viewport has its last picture then."""
 
     def __init__(self):
         self.left, self.taken, self.began, self.pending = steps, [], None, False
@@ -135,6 +135,8 @@ class Editing:
         now = time.perf_counter()
         if self.began and now < self.until:
             return 0.02
+        if (steps - self.left) % 100 == 0:
+            log(f"memory {steps - self.left} {common.resident():.1f} {len(bpy.data.objects)}")
         if not self.left:
             log("seconds " + " ".join(f"{name}:{taken:.3f}" for name, taken in self.taken))
             log("edited")
