@@ -142,7 +142,8 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     def copy(self, node):
         self.shares_tree = node.shares_tree = True  # as LibshadeMetalNode.copy
 
-    def update_preview(self):
+    def update_preview(self, unit=None):
+        """Carry the settings over to what is inside. unit: metres in one of the scene, if it is not the one that is open."""
         if not fabric_tree.can_update(self.node_tree):
             return
         own_tree(self)
@@ -151,8 +152,11 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(self), _brightness(base),
                                         _CLOTHS[base]["exponent"])
             return
-        made, _trouble = settings(self, fabric_tree.scene_unit())
-        fabric_tree.update(self.node_tree, fabric_maps.of(made), f"Libshade {self._woven()}", fabric_size.space_of(self),
+        if unit is None:
+            unit = fabric_tree.scene_unit()
+            fabric_size.note_unit(getattr(bpy.context, "scene", None))
+        made, _trouble = settings(self, unit)
+        fabric_tree.update(self.node_tree, fabric_maps.of(made), f"Libshade {self._woven()}", fabric_size.space_of(self), unit,
                            self.open_gaps)
 
     def _woven(self):

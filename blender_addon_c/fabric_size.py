@@ -3,6 +3,7 @@
 reads what it leaves on them. Our own engine measures by itself."""
 
 import bpy
+from bpy.app.handlers import persistent
 
 from .export import size
 from .fabric_tree import MEASURES
@@ -90,9 +91,50 @@ when meshes, UV maps or scales change. Libshade measures by itself"""
         return {"FINISHED"}
 
 
+_units = {}  # of scenes, by name, when cloth was last told of them
+
+
+def note_unit(scene):
+    """What follow_unit takes for known from here on."""
+    if scene:
+        _units[scene.name_full] = size.unit_of(scene)
+
+
+@persistent
+def follow_unit(scene=None, *_more):
+    """Where a scene's unit is another than it was: cloth of so many units goes with it, as in our own engine."""
+    unit = size.unit_of(scene)
+    if not scene or _units.setdefault(scene.name_full, unit) == unit:
+        return
+    note_unit(scene)
+    seen = set()
+    for owner in (*bpy.data.materials, *bpy.data.node_groups):
+        for node in _cloths(getattr(owner, "node_tree", owner), seen):
+            if not node.id_data.library and (node.size_mode == "LENGTH" or space_of(node) == "WORLD"):
+                node.update_preview(unit)
+
+
+@persistent
+def _note_all(*_arguments):
+    _units.clear()
+    for scene in bpy.data.scenes:
+        note_unit(scene)
+
+
+# undo_post and redo_post: what is undone may have been kept before cloth was told. render_init: in the background nothing else may
+# have come since
+_FOLLOW = ("depsgraph_update_post", "undo_post", "redo_post", "render_init")
+
+
 def register():
     bpy.utils.register_class(LIBSHADE_OT_measure_cloth)
+    for name in _FOLLOW:
+        getattr(bpy.app.handlers, name).append(follow_unit)
+    bpy.app.handlers.load_post.append(_note_all)
 
 
 def unregister():
+    bpy.app.handlers.load_post.remove(_note_all)
+    for name in _FOLLOW:
+        getattr(bpy.app.handlers, name).remove(follow_unit)
     bpy.utils.unregister_class(LIBSHADE_OT_measure_cloth)

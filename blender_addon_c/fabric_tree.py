@@ -125,8 +125,9 @@ def _of_yarn(yarn):
             "Along": (yarn["along_brightness"], yarn["along_tilt"], 0.0)}
 
 
-def update(tree, made, name, real, open_gaps):
-    """Carry a cloth over. made: of fabric_maps; name: for its images; real: fabric_size.space_of."""
+def update(tree, made, name, real, unit, open_gaps):
+    """Carry a cloth over. made: of fabric_maps; name: for its images; real: fabric_size.space_of; unit: metres in one of the
+    scene."""
     inner = tree.nodes
     place, shade = inner[_PLACE].inputs, inner[_SHADE].inputs
     place["Per Unit"].default_value = (*made["per_unit"], 0.0)
@@ -142,7 +143,7 @@ def update(tree, made, name, real, open_gaps):
     shade["Fuzz in Gaps"].default_value = 1 - (1 - made["warp"]["fuzz"]) * (1 - made["weft"]["fuzz"])
     shade["Lit"].default_value = made["lit"]
     shade["Open"].default_value, shade["Nap Color"].default_value = float(open_gaps), made["nap_color"]
-    _measure(tree, real)
+    _measure(tree, real, unit)
     _show(tree, made, name)
 
 
@@ -151,7 +152,7 @@ def scene_unit():
     return size.unit_of(getattr(bpy.context, "scene", None))
 
 
-def _measure(tree, real):
+def _measure(tree, real, unit):
     inner = tree.nodes
     socket = inner[_PLACE].inputs["Metres"]
     if real in MEASURES:
@@ -161,7 +162,7 @@ def _measure(tree, real):
         return
     for link in list(socket.links):
         tree.links.remove(link)
-    socket.default_value = scene_unit() if real else 1.0
+    socket.default_value = unit if real else 1.0
 
 
 def _show(tree, made, name):

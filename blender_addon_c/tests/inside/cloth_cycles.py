@@ -116,7 +116,13 @@ def test_real_size():
     assert bpy.ops.libshade.measure_cloth() == {"FINISHED"}
     assert abs(ob["libshade_metres"] - 0.01) < 1e-6 and abs(ob["libshade_metres_of_unit"] - 0.005) < 1e-6
     both("real")
-    node.size = 0.02  # of the scene's units
+    node.size = 0.01  # of the scene's units
+    place, unit = node.node_tree.nodes["Place"], bpy.context.scene.unit_settings
+    before = place.inputs["Per Unit"].default_value[0]
+    unit.scale_length = 0.25
+    bpy.context.view_layer.update()
+    assert abs(place.inputs["Per Unit"].default_value[0] / before - 0.5) < 1e-6
+    unit.scale_length = 1.0  # and nothing that tells of it before the render does
     both("length")
 
 
