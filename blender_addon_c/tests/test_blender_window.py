@@ -14,9 +14,10 @@ from blender_runs import BUILD, INSIDE, rgba
 
 
 class Window:
-    """Blender in a window of a screen of its own, and the log of inside/window.py."""
+    """Blender in a window of a screen of its own, and the log of inside/window.py, or of another script."""
 
-    def __init__(self, blender, folder, screenshot, *more):
+    def __init__(self, blender, folder, screenshot, *more, script="window.py"):
+        more = more if script != "window.py" else (screenshot, *more)
         self.log, self._screenshot = folder / "log", screenshot
         self._read, number = os.pipe()
         self._screen = subprocess.Popen(
@@ -29,7 +30,7 @@ class Window:
         self._output = open(folder / "output", "w")
         self.blender = subprocess.Popen(
             [shutil.which("blender"), "--factory-startup", "--window-geometry", "0", "0", "1280",
-             "900", "-P", INSIDE / "window.py", "--", self.log, screenshot, *more],
+             "900", "-P", INSIDE / script, "--", self.log, *more],
             env=self._env, stdout=self._output, stderr=subprocess.STDOUT)
 
     def wait(self, line, seconds=60, times=1):
