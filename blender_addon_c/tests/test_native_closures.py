@@ -179,7 +179,8 @@ def velvet(sigma):
 RIM = {"closure": "SHEEN", "model": "SCHLICK"}, lambda nl, nv, nh, lh: (1 - lh) ** 5
 
 
-@pytest.mark.parametrize("lobe", [coat(0.05), coat(0.6), velvet(0.3), velvet(1.5), RIM], ids=str)
+@pytest.mark.parametrize("lobe", [coat(0.05), coat(0.6), velvet(0.3), velvet(1.5), RIM],
+                         ids=["sharp coat", "coat", "narrow velvet", "velvet", "rim"])
 @pytest.mark.parametrize("tilt", [0.0, 0.4, 1.1])
 def test_coats_and_sheens_of_a_plate_in_the_sun(lobe, tilt):
     """Beside a matt white plate's 1 / pi, from above and from the side."""
