@@ -134,7 +134,8 @@ def register():
 
 
 def unregister():
-    bpy.app.handlers.load_post.remove(_note_all)
-    for name in _FOLLOW:
-        getattr(bpy.app.handlers, name).remove(follow_unit)
+    for name, handler in (("load_post", _note_all), *((name, follow_unit) for name in _FOLLOW)):
+        listed = getattr(bpy.app.handlers, name)
+        if handler in listed:  # scripts of others may have cleared the list
+            listed.remove(handler)
     bpy.utils.unregister_class(LIBSHADE_OT_measure_cloth)

@@ -91,7 +91,7 @@ def _check_steepness(reader, image, index, strength):
     part = reader.images.turned(index, _STEEP, max(strength, 0.0))
     if part > 0.02:
         reader.warn(f"normal map '{image.name}' turns normals by more than 50 degrees in {max(1, round(100 * part))} % of it: "
-                    "what is lit from below them is not as in Cycles")
+                    "there lights may look otherwise than in Cycles")
 
 
 _STEEP = math.tan(math.radians(50.0))
