@@ -320,19 +320,21 @@ static void find_maxima(check *c, int light) {
 /* Rounding is asked about values over their limit, and about all where the mean is over its own. */
 static void find_asked(check *c, int light) {
   const float *s = shade_dump_light_plane(c->dump, light, SHADE_DUMP_S);
+  for (int m = 0; m < c->material_count; m++)
+    check_cell_at(c, m, light)->asked = 0;
+  /* what all are over the limit of the mean together */
+  for (size_t pixel = 0; pixel < c->pixels; pixel++) {
+    if (c->index[pixel] < 0 || tier_at(c, pixel) != CHECK_NEAR)
+      continue;
+    check_cell *in = check_cell_at(c, c->index[pixel], light);
+    double error;
+    for (size_t i = 0; i < 3; i++)
+      if (has_error(in, (double)s[i * c->pixels + pixel], c->reference[3 * pixel + i], &error))
+        in->asked += error - c->options->mean_tolerance;
+  }
   for (int m = 0; m < c->material_count; m++) {
     check_cell *in = check_cell_at(c, m, light);
-    double sum = 0, error;
-    size_t count = 0;
-    for (size_t pixel = 0; pixel < c->pixels; pixel++)
-      if (c->index[pixel] == m && tier_at(c, pixel) == CHECK_NEAR)
-        for (size_t i = 0; i < 3; i++)
-          if (has_error(in, (double)s[i * c->pixels + pixel], c->reference[3 * pixel + i],
-                        &error)) {
-            sum += error;
-            count++;
-          }
-    in->asked = sum > c->options->mean_tolerance * (double)count ? 0 : c->options->tolerance;
+    in->asked = in->asked > 0 ? 0 : c->options->tolerance;
   }
 }
 
