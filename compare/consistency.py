@@ -152,11 +152,12 @@ def check_rows(name, checked, every=False, limits=None):
     for what, limit in zip(("largest", "mean"), limits or CHECK_LIMITS[name]):
         ok = checked["values"] > 0 and beyond(checked, what) <= limit
         good &= ok
+        rounded = ok and checked[what] > limit
         rows.append([f"{name} against reference, {what} error of S", f"{checked[what]:.1e}",
-                     f"{limit:.0e}", verdict(ok)])
-        if ok and checked[what] > limit:
+                     *(("", "noted") if rounded else (f"{limit:.0e}", verdict(ok)))])
+        if rounded:
             rows.append([f"{name}: {what} error beyond what rounding of the dump's directions may do",
-                         f"{beyond(checked, what):.1e}", f"{limit:.0e}", "noted"])
+                         f"{beyond(checked, what):.1e}", f"{limit:.0e}", verdict(ok)])
     for fault in checked["faults"]:
         rows.append([f"{name}: {fault['what']}, first at ({fault['x']}, {fault['y']})",
                      f"{fault['count']} times", "0", verdict(False)])
