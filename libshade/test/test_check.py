@@ -277,6 +277,22 @@ def test_one_wrong_value_on_cloth(request, tmp_path, tier, channel, factor):
         assert sum(cell[tier]["over"] for cell in report["cells"] if tier in cell) == 1
 
 
+@pytest.mark.parametrize("light", range(LIGHTS))
+@pytest.mark.parametrize("filled", [0, 64, 191])
+def test_cloth_from_afar_in_shadow(far_cloth, tmp_path, monkeypatch, light, filled):
+    """There the reference has no mean, and no doubt of it: neither memory nor the light before lends one."""
+    monkeypatch.setenv("MALLOC_PERTURB_", str(filled))  # 64: numbers below 0; 191: above
+    dump = Dump(far_cloth)
+    y, x = lit_cloth(dump, "far")
+    for channel in "RGB":
+        dump[f"light{light}.E.{channel}"][y, x] = dump[f"light{light}.S.{channel}"][y, x] = 0
+    report = check_json(dump.write(tmp_path / "dark.exr"))
+    assert report["pass"] and all(0 <= cell["far"]["beyond_doubt"] < 0.15 for cell in report["cells"] if "far" in cell)
+    dump[f"light{light}.S.G"][y, x] = dump[f"light{light}.S.G"].max()
+    report = check_json(dump.write(tmp_path / "shines.exr"))
+    assert not report["pass"] and sum(cell["far"]["over"] for cell in report["cells"] if "far" in cell) == 1
+
+
 @pytest.mark.parametrize("channel, factor, change", [
     ("uv.U", 1, 0.3), ("uv.V", 1, 0.3), ("foot.U", 0.3, 0), ("foot.V", 0.3, 0), ("tier", 1, 2)])
 def test_one_wrong_place_on_cloth(near_cloth, tmp_path, channel, factor, change):

@@ -57,6 +57,7 @@ static void refer(check *c, int light, size_t pixel, int far_points, double refe
   double s[3], e[3], l[3], wi[3], f[3], *doubt = c->doubt + 3 * pixel;
   check_hit h;
   reference[0] = reference[1] = reference[2] = NAN;
+  doubt[0] = doubt[1] = doubt[2] = 0;
   check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_S), pixel, s);
   check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_E), pixel, e);
   if (!check_finite_three(s)) {
