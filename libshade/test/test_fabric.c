@@ -648,6 +648,54 @@ static void parameters_are_clamped(void **state) {
   shade_draft_free(draft);
 }
 
+/* Each number is cut where its header says, no sooner and no later: what lies beyond shades as the
+ * limit does, and what lies a little within does not. */
+static void parameters_are_clamped_at_their_limits(void **state) {
+  (void)state;
+  static const struct {
+    size_t at;
+    double limit, beyond, within;
+  } numbers[] = {
+      {offsetof(shade_fabric_params, warp.along), 1e6, 1.1e6, 0.9e6},
+      {offsetof(shade_fabric_params, weft.across), 1e6, 1.1e6, 0.9e6},
+      {offsetof(shade_fabric_params, warp.f0), 1, 1.1, 0.9},
+      {offsetof(shade_fabric_params, weft.kd), 1, 1.1, 0.9},
+      {offsetof(shade_fabric_params, nap), 10, 10.5, 9.5},
+      {offsetof(shade_fabric_params, warp.across), 0, -0.1, 0.1},
+      {offsetof(shade_fabric_params, nap), 0, -0.1, 0.1},
+  };
+  shade_draft *draft = shade_draft_named("plain");
+  shade_weave *weave = shade_weave_create(draft, NULL, NULL);
+  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+    const double given[3] = {numbers[k].limit, numbers[k].beyond, numbers[k].within};
+    double sum[3] = {0};
+    for (int g = 0; g < 3; g++) {
+      shade_fabric_params p;
+      shade_fabric_params_init(&p);
+      *(double *)(void *)((char *)&p + numbers[k].at) = given[g];
+      unsigned status = 0;
+      shade_fabric *f = shade_fabric_create(weave, &p, &status);
+      assert_non_null(f);
+      assert_int_equal(status, g == 1 ? SHADE_CLAMPED_PARAMETER : SHADE_OK);
+      for (int j = 0; j < PAIRS; j++) {
+        double uv[2], s[3], wi[3], wo[3];
+        point(j, 8, uv);
+        pair(j, wi, wo);
+        for (int far = 0; far < 2; far++) { /* narrow lobes that no point sees, the mean does */
+          shade_fabric_eval(f, uv, far ? WIDE : NULL, NULL, wi, far ? wi : wo,
+                            far ? SHADE_TIER_FAR : SHADE_TIER_NEAR, s);
+          sum[g] += s[0] + s[1] + s[2];
+        }
+      }
+      shade_fabric_free(f);
+    }
+    assert_true(sum[0] == sum[1]);
+    assert_true(sum[0] != sum[2]);
+  }
+  shade_weave_free(weave);
+  shade_draft_free(draft);
+}
+
 static void batch_is_one_by_one(void **state) {
   (void)state;
   enum { N = 300 };
@@ -708,6 +756,7 @@ int main(void) {
       cmocka_unit_test(single_has_the_moments),
       cmocka_unit_test(no_input_breaks_it),
       cmocka_unit_test(parameters_are_clamped),
+      cmocka_unit_test(parameters_are_clamped_at_their_limits),
       cmocka_unit_test(batch_is_one_by_one),
   };
   return cmocka_run_group_tests_name("fabric", tests, NULL, NULL);

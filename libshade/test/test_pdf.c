@@ -177,6 +177,27 @@ static void against_reference(void **state) {
   assert_true(worst_facetsf <= 4e-5);
 }
 
+/* Light, eye and normal in one: the half vector has no azimuth, of which the density of a ward_half
+ * that is not round depends at its pole too. It is that of the mean of both axes. */
+static void on_the_pole(void **state) {
+  (void)state;
+  shade_params p;
+  shade_params_init(&p);
+  p.mdf = SHADE_MDF_WARD_HALF;
+  p.detail = SHADE_DETAIL_NONE;
+  for (int k = 0; k < 3; k++) {
+    const double up[3] = {0, 0, 1};
+    p.ax = (const double[]){0.5, 1, 3}[k];
+    p.ay = (const double[]){2, 0.7, 3}[k];
+    shade_bsdf b;
+    shade_bsdf_setup(&b, &p);
+    const double mean = (1 / (p.ax * p.ax) + 1 / (p.ay * p.ay)) / 2;
+    const double wanted = 1 / (PI * p.ax * p.ay * (1 - exp(-2 * mean))) / 4;
+    assert_true(fabs(shade_bsdf_pdf(&b, up, up, up, NULL) / wanted - 1) < 1e-12);
+    assert_true(fabs(shade_ref_pdf(&p, up, up, up) / wanted - 1) < 1e-12);
+  }
+}
+
 /* f cos / pdf of many draws; m holds n and wo. */
 typedef struct average {
   double mean, deviation, largest;
@@ -742,6 +763,7 @@ static void any_input(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(against_reference),
+      cmocka_unit_test(on_the_pole),
       cmocka_unit_test(albedo),
       cmocka_unit_test(facets),
       cmocka_unit_test(narrow_lobes),
