@@ -88,23 +88,28 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
   const int clamp = m->wrap == WRAP_CLAMP, mirror = m->wrap == WRAP_MIRROR;
   const float *restrict u = b->u, *restrict v = b->v;
   unsigned char *restrict single = b->single;
+  int far[SLOPE_BLOCK]; /* bytes in these loops, and gcc 12 does not vectorise them */
+  const double period = mirror ? 2 : 1, inverse = mirror ? 0.5 : 1;
+  const double low = clamp ? -1 : -2e9, high = clamp ? 2 : 2e9, tile = clamp ? 0 : period;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     /* beyond 2^25 single precision knows even numbers only, and 1e9 is as good as any */
     const float big = 1e9F, u1 = u[i] < -big ? -big : u[i], v1 = v[i] < -big ? -big : v[i];
     const float u2 = u1 > big ? big : u1, v2 = v1 > big ? big : v1;
     const int known = (fabsf(u[i]) <= 3.4e38F) & (fabsf(v[i]) <= 3.4e38F);
-    const double p = known ? (double)u2 : 0, q = known ? (double)v2 : 0;
-    const double period = mirror ? 2 : 1, inverse = mirror ? 0.5 : 1;
-    const double p1 = p - period * floor_of(p * inverse), q1 = q - period * floor_of(q * inverse);
+    const uint32_t keep = 0u - (uint32_t)known; /* as bits, or gcc makes a branch of it */
+    const double p = (double)from_bitsf(to_bitsf(u2) & keep);
+    const double q = (double)from_bitsf(to_bitsf(v2) & keep);
     /* clamped, one tile away is as good as any */
-    double p2 = p < -1 ? -1 : p, q2 = q < -1 ? -1 : q;
-    p2 = p2 > 2 ? 2 : p2;
-    q2 = q2 > 2 ? 2 : q2;
-    o->u[i] = clamp ? p2 : p1;
-    o->v[i] = clamp ? q2 : q1;
-    single[i] = (unsigned char)!known;
+    double p1 = p < low ? low : p, q1 = q < low ? low : q;
+    p1 = p1 > high ? high : p1;
+    q1 = q1 > high ? high : q1;
+    o->u[i] = p1 - tile * floor_of(p1 * inverse);
+    o->v[i] = q1 - tile * floor_of(q1 * inverse);
+    far[i] = !known;
   }
+  for (size_t i = 0; i < count; i++)
+    single[i] = (unsigned char)far[i];
   if (!b->side[0]) {
     for (size_t i = 0; i < count; i++) {
       o->ax[i] = o->ay[i] = o->bx[i] = o->by[i] = o->blend[i] = 0;
@@ -113,14 +118,12 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
   }
   const float *restrict du1 = b->side[0], *restrict dv1 = b->side[1], *restrict du2 = b->side[2],
                         *restrict dv2 = b->side[3];
-  int far[SLOPE_BLOCK]; /* bytes in this loop, and gcc 12 does not vectorise it */
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const float d1 = du1[i], e1 = dv1[i], d2 = du2[i], e2 = dv2[i];
     /* half a tile to either side, at most */
     const int near =
         (fabsf(d1) < 0.5F) & (fabsf(e1) < 0.5F) & (fabsf(d2) < 0.5F) & (fabsf(e2) < 0.5F);
-    /* as bits, or gcc makes a branch of it */
     const uint32_t keep = 0u - (uint32_t)near;
     const float side1 = from_bitsf(to_bitsf(d1) & keep), up1 = from_bitsf(to_bitsf(e1) & keep);
     const float side2 = from_bitsf(to_bitsf(d2) & keep), up2 = from_bitsf(to_bitsf(e2) & keep);
