@@ -17,6 +17,17 @@ MODULE = Path(os.environ.get("NATIVE_MODULE", ROOT / "build/blender/native/_nati
 # Sanitizers look at memory and are slow: there the same places are rendered by fewer samples. What those say
 # of a mean is asked of the release build and of clang's.
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
+FEWER = 16 if SANITIZED else 1
+
+
+def few(samples):
+    """So many samples, under sanitizers a sixteenth."""
+    return max(1, samples // FEWER)
+
+
+def chance(limit):
+    """A limit for noise of few(samples), given that of all: noise falls by up to the 3/4 power of their number."""
+    return limit * FEWER**0.75
 
 
 def load(path=MODULE):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from native_scenes import (
-    area, ashikhmin_shirley, box, image, material, mesh, native, ortho, persp, point, render, scene, sky, sphere,
+    area, ashikhmin_shirley, box, chance, few, image, material, mesh, native, ortho, persp, point, render, scene, sky, sphere,
     spot, square, sun)
 
 EYE = (0.6, 0, 0.8)  # seen from there, the plate's middle looks at the light
@@ -74,7 +74,7 @@ LIGHTS = {
 
 
 def of_plate(surface, lights, **changes):
-    return picture(**{"materials": [surface], "lights": lights, "width": 8, "height": 8, "samples": 1024,
+    return picture(**{"materials": [surface], "lights": lights, "width": 8, "height": 8, "samples": few(1024),
                       "camera": ortho(half=1e-3, eye=EYE)} | changes).mean((0, 1))
 
 
@@ -84,7 +84,7 @@ def test_soft_light_on_metal(kind, surface):
     """Seen as a mirror image by the sharp metal, which samples of the light would hardly find."""
     truth = reflected(SURFACES[surface], lambda d: ray_meets(kind, d))
     assert truth.min() > 0.01
-    np.testing.assert_allclose(of_plate(SURFACES[surface], [LIGHTS[kind]]), truth, rtol=0.01)
+    np.testing.assert_allclose(of_plate(SURFACES[surface], [LIGHTS[kind]]), truth, rtol=chance(0.01))
 
 
 @pytest.mark.parametrize("surface", SURFACES)
@@ -93,11 +93,11 @@ def test_two_lamps_are_the_sum_of_each(surface):
     wall = square(1.0, 0.0, 1)
     wall["positions"] = np.ascontiguousarray(wall["positions"][:, [2, 0, 1]] * (0, 3, 3) - (4, 0, 0), np.float32)  # faces +x
     wall["corner_normals"] = np.ascontiguousarray(wall["corner_normals"][:, [2, 0, 1]])
-    given = {"meshes": [square(), wall], "materials": [SURFACES[surface], matt()], "samples": 4096}
+    given = {"meshes": [square(), wall], "materials": [SURFACES[surface], matt()], "samples": few(4096)}
     lamps = [LIGHTS["area"], LIGHTS["ball"] | {"position": (1.0, 0.5, 1.2)}]
     each = [of_plate(SURFACES[surface], [lamp], **given, max_bounces=2) for lamp in lamps]
     both = of_plate(SURFACES[surface], lamps, **given, max_bounces=2)
-    np.testing.assert_allclose(both, sum(each), rtol=0.002)
+    np.testing.assert_allclose(both, sum(each), rtol=chance(0.002))
 
 
 def test_a_lamp_before_what_gathers_light():
@@ -119,8 +119,8 @@ def test_a_choice_of_lights_and_a_sky(surface):
     truth = reflected(SURFACES[surface], lambda d: sum(ray_meets(kind, d) for kind in LIGHTS)
                       + sky_of(pixels, d))
     seen = of_plate(SURFACES[surface], list(LIGHTS.values()), images=[image(pixels, filter="CLOSEST")],
-                    sky=sky(), samples=2048)
-    np.testing.assert_allclose(seen, truth, rtol=0.01)
+                    sky=sky(), samples=few(2048))
+    np.testing.assert_allclose(seen, truth, rtol=chance(0.01))
 
 
 def sky_of(pixels, d):
@@ -141,8 +141,8 @@ def test_sky_on_a_plate(surface, bounces):
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]])
     truth = reflected(SURFACES[surface], lambda d: sky_of(pixels, d @ turn.T) * (1, 2, 0.5))
     seen = of_plate(SURFACES[surface], [], images=[image(pixels, filter="CLOSEST")], max_bounces=bounces,
-                    sky=sky((1, 2, 0.5), np.c_[turn, np.zeros(3)]), samples=2048)
-    np.testing.assert_allclose(seen, truth, rtol=0.015)
+                    sky=sky((1, 2, 0.5), np.c_[turn, np.zeros(3)]), samples=few(2048))
+    np.testing.assert_allclose(seen, truth, rtol=chance(0.015))
 
 
 @pytest.mark.parametrize("hidden", [False, True])
@@ -232,18 +232,18 @@ def test_faces_that_shine(surface, pieces, bounces):
     truth = reflected(SURFACES[surface], lambda d: ray_meets("area", d))
     seen = of_plate(SURFACES[surface], [], **panel(pieces), materials=[SURFACES[surface], shining(2 / 1.5)],
                     max_bounces=bounces)
-    np.testing.assert_allclose(seen, truth, rtol=0.01)
+    np.testing.assert_allclose(seen, truth, rtol=chance(0.01))
 
 
 def test_faces_that_shine_beside_a_sun_and_a_sky():
     truth = reflected(SURFACES["wide"], lambda d: sum(ray_meets(kind, d) for kind in ("area", "sun")) + 0.2)
-    seen = of_plate(SURFACES["wide"], [LIGHTS["sun"]], **panel(), samples=2048,
+    seen = of_plate(SURFACES["wide"], [LIGHTS["sun"]], **panel(), samples=few(2048),
                     materials=[SURFACES["wide"], shining(2 / 1.5)],
                     images=[image(np.full((8, 16, 3), 0.2, np.float32))], sky=sky())
     # the panel hides the sky behind it
     hidden = reflected(SURFACES["wide"], lambda d: 0.2 * (ray_meets("area", d) > 0))
     both = reflected(SURFACES["wide"], lambda d: ray_meets("sun", d) * (ray_meets("area", d) > 0))
-    np.testing.assert_allclose(seen, truth - hidden - both, rtol=0.01)
+    np.testing.assert_allclose(seen, truth - hidden - both, rtol=chance(0.01))
 
 
 def test_a_ball_that_shines_within_a_ball():
@@ -252,5 +252,5 @@ def test_a_ball_that_shines_within_a_ball():
     walls, lamp = sphere(64, 2.0), sphere(32, 0.25)
     lamp["material"][:] = 1
     seen = picture(lights=[], meshes=[walls, lamp], materials=[matt(0.5), shining(3)], max_bounces=0,
-                   camera=persp(0.5, (0, 0, 1.0), (0.2, 0.1, 3)), samples=256)
-    np.testing.assert_allclose(seen.mean(), 0.5 * 3 * (0.25 / 2) ** 2, rtol=4e-3)
+                   camera=persp(0.5, (0, 0, 1.0), (0.2, 0.1, 3)), samples=few(256))
+    np.testing.assert_allclose(seen.mean(), 0.5 * 3 * (0.25 / 2) ** 2, rtol=chance(4e-3))

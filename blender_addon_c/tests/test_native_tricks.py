@@ -5,7 +5,7 @@ samples that bring little."""
 import numpy as np
 import pytest
 
-from native_scenes import native, ortho, point, render, scene, square, sun
+from native_scenes import chance, few, native, ortho, point, render, scene, square, sun
 from test_native_closures import TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 from test_native_light_paths import LIGHTS, SURFACES, of_plate, ray_meets, reflected, shining
 
@@ -89,7 +89,7 @@ def test_lobes_behind_a_matt_surface_are_blurred(lid, dull):
 
 def test_blur_goes_by_the_density_of_the_way():
     """Behind a metal of alpha .5, blur 1: 1 / density is what is left of alpha's square, between both."""
-    light = {"lights": [sun((0.3, 0.1, -1), (1, 1, 1))], "background": (0, 0, 0), "samples": 4096}
+    light = {"lights": [sun((0.3, 0.1, -1), (1, 1, 1))], "background": (0, 0, 0), "samples": few(4096)}
     floor = of(glossy(0.5))
     values = [below(of(glossy(1e-3)), floor, blur_glossy=blur, **light) for blur in (0.05, 1.0, 1e9)]
     assert values[0] < 0.5 * values[1] < values[2]
@@ -116,14 +116,14 @@ def test_dim_samples_are_left_to_chance(light):
 @pytest.mark.parametrize("kind", LIGHTS)
 def test_shared_samples_are_left_to_chance(surface, kind):
     truth = reflected(SURFACES[surface], lambda d: ray_meets(kind, d))
-    seen = of_plate(SURFACES[surface], [LIGHTS[kind]], light_sampling_threshold=0.3, samples=4096)
-    np.testing.assert_allclose(seen, truth, rtol=0.02)
+    seen = of_plate(SURFACES[surface], [LIGHTS[kind]], light_sampling_threshold=0.3, samples=few(4096))
+    np.testing.assert_allclose(seen, truth, rtol=chance(0.02))
 
 
 def test_choices_are_left_to_chance():
     lights = [*LIGHTS.values(), *SHARP.values()]
-    clear, left = (of_plate(SURFACES["wide"], lights, light_sampling_threshold=most, samples=4096) for most in (0, 0.5))
-    np.testing.assert_allclose(left, clear, rtol=0.02)
+    clear, left = (of_plate(SURFACES["wide"], lights, light_sampling_threshold=most, samples=few(4096)) for most in (0, 0.5))
+    np.testing.assert_allclose(left, clear, rtol=chance(0.02))
 
 
 def test_threads_change_no_bit():
