@@ -86,6 +86,17 @@ def test_the_reference_agrees_from_afar(tmp_path):
     assert planes["foot.U"].max() > 100 and checked(tmp_path / "d.exr").count("cloth far") == 2
 
 
+def test_the_denoiser_s_albedo_is_both_yarns():
+    """The mean of their colours."""
+    warp, weft = (0.8, 0.2, 0.1), (0.1, 0.4, 0.6)
+    job = native.start(scene(cloths=[cloth("silk_shantung", warp=warp, weft=weft)], materials=[fabric()], width=4, height=4, planes=[{"type": "ALBEDO"}]))
+    assert native.wait(job, 60)
+    albedo = np.zeros((4, 4, 3), np.float32)
+    native.image(job, albedo, "ALBEDO")
+    native.free(job)
+    np.testing.assert_allclose(albedo, np.broadcast_to(np.add(warp, weft) / 2, albedo.shape), rtol=1e-5)
+
+
 def test_an_even_sky_gives_the_albedo():
     """From afar, by quadrature over what `shade fabric` says, through draws and lights alike."""
     wo = unit(np.array((0.5, 0.2, 0.7)))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import dump, image, look_at, material, render, scene, sphere, square, sun
+from native_scenes import dump, image, look_at, material, registers, render, scene, sphere, square, sun
 
 COPIES, RINGS = 60, 24  # 130,000 triangles in all: more than are copied
 
@@ -125,6 +125,15 @@ def test_what_nodes_ask_of_instances_is_that_of_copies(kind, tmp_path):
         limit = 0.02 if kind == "stretched" else 5e-4
         assert np.quantile(np.abs(planes[0][name] - planes[1][name])[same], 0.998) < limit, name
     assert planes[1]["Ns.X"][same].std() > 0.1 and planes[1]["Color.R"][same].std() > 0.1
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_other_instances_are_other_objects(shared):
+    """A ball stops no ray about itself, and one of the same mesh is another one."""
+    nodes = [{"type": "OCCLUSION", "out": registers(12, 1), "distance": [9.0], "local": True, "samples": 4}]
+    shines = {"name": "open", "closure": "EMISSION", "weight": registers(12, 1) * 3, "nodes": nodes}
+    given = place(matrices(COPIES, "turned"), sphere(RINGS, smooth=False), shared) | {"materials": [shines], "transparent": False}
+    assert render(given)[0][..., 0].min() > 0.99
 
 
 def test_paths_and_shadows_meet_instances():

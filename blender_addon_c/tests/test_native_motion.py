@@ -75,6 +75,29 @@ def test_a_turn_goes_round():
     assert alpha[inside].mean() == pytest.approx(expected, rel=chance(0.03))
 
 
+@pytest.mark.parametrize("what", ["object", "camera"])
+def test_a_turn_goes_at_an_even_pace(what):
+    """Between two places nearly half a turn apart, as fast at the ends as in the middle; a camera turns the other way."""
+    thin, whole = mesh([[0.6, -0.02, 0], [0.7, -0.02, 0], [0.7, 0.02, 0], [0.6, 0.02, 0]], [[0, 1, 2], [0, 2, 3]]), np.radians(170)
+    turns = np.stack([matrix(angle=0), matrix(angle=whole if what == "object" else -whole)])
+    if what == "camera":
+        turns[:, 2, 3] = 3
+    alpha = seen(meshes=[thin], **({"instance": {"motion": turns}} if what == "object" else {"camera": {**ortho(), "motion": turns}}))
+    x, y = np.meshgrid(CENTERS, CENTERS)
+    ring, at = np.abs(np.hypot(x, y) - 0.65) < 0.03, np.degrees(np.arctan2(y, x))
+    for low in (5, 60, 115):
+        assert alpha[ring & (at > low) & (at < low + 50)].mean() == pytest.approx(0.04 / 0.65 / whole, rel=chance(0.06)), low
+
+
+def test_what_is_mirrored_moves():
+    """To the right, as a plate that stays near the camera: what is farther than its origin is cut away."""
+    motion = np.stack([matrix(-0.5), matrix(0.5)])
+    motion[:, :, 0] *= -1
+    alpha = seen(meshes=[square(0.25, z=0.5)], camera=ortho(clip=(0.1, 3)), instance={"motion": motion})
+    time = (np.arange(4096) + 0.5) / 4096
+    assert np.abs(alpha[26:38].mean(0) - covered(time - 0.75, time - 0.25)).max() < chance(4e-3)
+
+
 def test_a_turn_takes_the_shorter_way():
     """What lies face down, which is half a turn about an axis of the plane, turns on by two degrees: not by 358. So does a
     camera that looks up."""
@@ -129,6 +152,21 @@ def test_normals_turn_along():
     except ValueError as error:
         pytest.fail(str(error))
     expected = np.sin(np.pi / 3) / (np.pi / 3) / np.pi
+    assert picture[..., 0].mean() == pytest.approx(expected, rel=chance(5e-3))
+
+
+def test_normals_follow_a_shear():
+    """A plate tilted about y, of normal (nx, 0, nz), whose points come to move along x by up to twice their y: normals are
+    (nx, -shear nx, nz) of some length."""
+    nx, nz = 0.6, 0.8
+    plate = mesh(np.array([[-2, -2], [2, -2], [2, 2], [-2, 2]]) @ [[nz, 0, -nx], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    matt = {"name": "matt", "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0],
+                                          "color": (1, 1, 1)}], "nodes": []}
+    motion = np.stack([np.float32([[1, shear, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]) for shear in (0, 2)])
+    picture, _ = render(scene(samples=few(256), materials=[matt], meshes=[plate], camera=ortho(0.05), instances=[
+        {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": motion}]))
+    shear = (np.arange(4096) + 0.5) / 2048
+    expected = np.mean(nz / np.sqrt(1 + (shear * nx) ** 2)) / np.pi
     assert picture[..., 0].mean() == pytest.approx(expected, rel=chance(5e-3))
 
 
@@ -261,7 +299,7 @@ def test_a_light_for_some():
 @pytest.mark.parametrize("bounces", [0, 4])
 @pytest.mark.parametrize("lights", [1, 6])
 def test_a_light_that_some_do_not_shade(lights, bounces):
-    """Of three roofs one shades all; one does not shade the first lamp, however few transparent surfaces light may
+    """Of three roofs one shades all, whatever it does not shade is no lamp of these; one does not shade the first lamp, however few transparent surfaces light may
     pass; the third is halfway transparent. All of the lamps, or one a sample."""
     left, right, middle = (np.float32([[0.2, 0, 0, x], [0, 0.2, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]]).ravel().tolist()
                            for x in (-0.6, 0.6, 0.0))
@@ -273,7 +311,8 @@ def test_a_light_that_some_do_not_shade(lights, bounces):
                               transparent_max_bounces=bounces, camera=ortho(eye=(0, 0, 0.2)),
                               meshes=[square(1.0), square(1.0, material_index=0), square(1.0, material_index=1)],
                               instances=[{"mesh": 0, "matrix": np.eye(4).ravel().tolist()},
-                                         {"mesh": 1, "matrix": left}, {"mesh": 1, "matrix": right, "shadeless": 1 << 5},
+                                         {"mesh": 1, "matrix": left, "shadeless": 1 << 6},
+                                         {"mesh": 1, "matrix": right, "shadeless": 1 << 5},
                                          {"mesh": 2, "matrix": middle}]))
     below = [picture[9:11, at, 0].mean() * np.pi for at in (4, 16, 10)]
     assert picture[2, 2, 0] * np.pi == pytest.approx(lights, rel=0.02)

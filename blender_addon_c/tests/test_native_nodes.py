@@ -228,6 +228,18 @@ def test_what_stands_about_a_point(given, open_):
     assert render(made)[0][..., :3].mean() == pytest.approx(open_, abs=0.006)
 
 
+def test_a_ray_about_a_point_goes_anywhere():
+    """One of each point: height and turn have nothing to do with one another. Of a small sheet, a corner of it above the
+    point, as of form factors."""
+    nodes = [{"type": "OCCLUSION", "out": registers(12, 1), "distance": [9.0], "samples": 1}]
+    shines = {"name": "open", "closure": "EMISSION", "weight": registers(12, 1) * 3, "nodes": nodes}
+    sheet = mesh([[0, 0, 0.5], [0.25, 0, 0.5], [0.25, 0.25, 0.5], [0, 0.25, 0.5]], [[0, 1, 2], [0, 2, 3]])
+    made = scene(meshes=[square(0.2), sheet], materials=[shines], camera=ortho(1e-3, (0, 0, 0.4)), lights=[], samples=256,
+                 width=8, height=8)
+    side = 0.5 / np.sqrt(1 + 0.5**2)
+    assert render(made)[0][..., :3].mean() == pytest.approx(1 - side * np.arctan(side) / np.pi, abs=0.01)
+
+
 def test_each_point_looks_as_far_as_it_says():
     """Past another object's sheet, which some rays miss: half of the points do not look as far as their own one."""
     half = {"type": "MATH", "operation": "GREATER_THAN", "a": UV[:1], "b": [0.5], "c": [0.0], "out": OUT[:1]}
