@@ -259,6 +259,16 @@ def test_mirrored_and_stretched_instances(tmp_path):
     np.testing.assert_allclose(vectors(planes, "T")[4, 4], unit(np.array([1.0, 0, 3])), atol=2e-7)
 
 
+@pytest.mark.parametrize("normal, tangent", [((1, 0, 0), (0, 1, 0)), ((0.6, 0, 0.8), (0.8, 0, -0.6)), ((0, 0.6, 0.8), (1, 0, 0))])
+def test_tangents_without_a_uv_map(tmp_path, normal, tangent):
+    """The object's X axis along the surface, or its Y axis where the surface faces X."""
+    along = np.cross(normal, tangent)
+    plate = mesh(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ [tangent, along], [[0, 1, 2], [0, 2, 3]])
+    planes, _ = dump(scene(meshes=[plate], camera=ortho(0.5, tuple(3 * np.array(normal)))), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(planes, "N")[4, 4], normal, atol=2e-7)
+    np.testing.assert_allclose(vectors(planes, "T")[4, 4], tangent, atol=2e-7)
+
+
 def test_smooth_normals_and_tangents_of_a_sphere(tmp_path):
     planes, _ = dump(
         scene(width=64, height=64, camera=ortho(1.1, (3, 0.5, 1)), meshes=[sphere(64)]),
