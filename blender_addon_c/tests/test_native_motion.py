@@ -78,11 +78,13 @@ def test_a_turn_goes_round():
 @pytest.mark.parametrize("what", ["object", "camera"])
 def test_a_turn_goes_at_an_even_pace(what):
     """Between two places nearly half a turn apart, as fast at the ends as in the middle; a camera turns the other way."""
-    thin, whole = mesh([[0.6, -0.02, 0], [0.7, -0.02, 0], [0.7, 0.02, 0], [0.6, 0.02, 0]], [[0, 1, 2], [0, 2, 3]]), np.radians(170)
+    thin = mesh([[0.6, -0.02, 0], [0.7, -0.02, 0], [0.7, 0.02, 0], [0.6, 0.02, 0]], [[0, 1, 2], [0, 2, 3]])
+    whole = np.radians(170)
     turns = np.stack([matrix(angle=0), matrix(angle=whole if what == "object" else -whole)])
     if what == "camera":
         turns[:, 2, 3] = 3
-    alpha = seen(meshes=[thin], **({"instance": {"motion": turns}} if what == "object" else {"camera": {**ortho(), "motion": turns}}))
+    moves = {"instance": {"motion": turns}} if what == "object" else {"camera": {**ortho(), "motion": turns}}
+    alpha = seen(meshes=[thin], **moves)
     x, y = np.meshgrid(CENTERS, CENTERS)
     ring, at = np.abs(np.hypot(x, y) - 0.65) < 0.03, np.degrees(np.arctan2(y, x))
     for low in (5, 60, 115):
@@ -299,8 +301,8 @@ def test_a_light_for_some():
 @pytest.mark.parametrize("bounces", [0, 4])
 @pytest.mark.parametrize("lights", [1, 6])
 def test_a_light_that_some_do_not_shade(lights, bounces):
-    """Of three roofs one shades all, whatever it does not shade is no lamp of these; one does not shade the first lamp, however few transparent surfaces light may
-    pass; the third is halfway transparent. All of the lamps, or one a sample."""
+    """Of three roofs one shades all, and what it does not shade is no lamp of these; one does not shade the first lamp,
+    however few transparent surfaces light may pass; the third is halfway transparent. All of the lamps, or one a sample."""
     left, right, middle = (np.float32([[0.2, 0, 0, x], [0, 0.2, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]]).ravel().tolist()
                            for x in (-0.6, 0.6, 0.0))
     matt = {"name": "matt", "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0],
