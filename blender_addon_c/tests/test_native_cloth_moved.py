@@ -92,16 +92,22 @@ def test_turned_by_hand(tmp_path):
 
 
 def test_what_is_no_number_leaves_no_hole():
-    """Coordinates, angles and scales without sense: the picture is finite."""
+    """Coordinates, angles and scales without sense, side by side on one cloth: the picture is finite."""
     nodes = [{"type": "GEOMETRY", "what": "UV", "out": UV}, math("DIVIDE", UV[0], 0.0, (20,)),
              math("POWER", -2.0, 0.5, (21,)), math("MULTIPLY", UV[0], 3e38, (22,)), math("MULTIPLY", (22,), 10.0, (23,))]
+    made = []
     for bad in ([(20,)], [(21,)], [(22,)], [(23,)], [0.0]):
         for fed in ({"turn": bad * 2}, {"scale": bad}, {"vector": [UV[0], UV[1], *bad * 4], "step": 0.1},
                     {"vector": bad * 6, "step": 0.1}):
             for given in ({}, {"gloss_from": bad, "nap_from": bad}):
-                picture = render(scene(cloths=[cloth()], materials=[moved(nodes, given=given, framed="scale" not in fed, **fed)],
-                                       meshes=[plate(np.eye(2))], lights=LIGHTS, background=(1, 1, 1), max_bounces=1))[0]
-                assert np.isfinite(picture).all()
+                made.append(moved(nodes, given=given, framed="scale" not in fed, **fed))
+    edges = np.linspace(-1, 1, len(made) + 1)
+    strips = [mesh([(-1, a, 0), (1, a, 0), (1, b, 0), (-1, b, 0)], [[0, 1, 2], [0, 2, 3]],
+                   uvs=np.array([(-1, a), (1, a), (1, b), (-1, b)]), materials=k)
+              for k, (a, b) in enumerate(zip(edges, edges[1:]))]
+    picture = render(scene(cloths=[cloth()], materials=made, meshes=strips, lights=LIGHTS, background=(1, 1, 1), max_bounces=1,
+                           height=4 * len(made)))[0]
+    assert np.isfinite(picture).all() and (picture[..., 3] == 1).all()
 
 
 def test_gloss_and_nap_as_numbers_and_as_textures(tmp_path):
