@@ -434,8 +434,9 @@ def _metallic(reader, node, groups, share):
                           _conductor(reader, n, x, 1 / 7)) for part, n, x in zip(head_on, eta, k))
     film = _film(reader, node, groups)
     if film:
-        eta, k = (parts["eta"], parts["k"]) if "k" in parts else _index_of(reader, base, edge)
-        film, settings, parts = film | {"film_eta": eta, "film_k": k}, {"fresnel": "NONE"}, {"f0": _WHITE}
+        film |= ({"film_eta": parts["eta"], "film_k": parts["k"]} if "k" in parts else
+                 _tinted(reader, base, edge))
+        settings, parts = {"fresnel": "NONE"}, {"f0": _WHITE}
     lobe = _Lobe(reader, alpha, normal)
     if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
         # the mean over the directions of Schlick's and of the dip at 82 degrees
@@ -452,6 +453,12 @@ def _film(reader, node, groups):
     if is_known(thickness) and thickness <= 0:
         return {}
     return {"film_thickness": [thickness], "film_ior": [number_of(reader, node.inputs["Thin Film IOR"], groups)]}
+
+
+def _tinted(reader, base, edge):
+    """What a METAL says of a metal of this colour and tint below a film."""
+    eta, k = _index_of(reader, base, edge)
+    return {"film_eta": eta, "film_k": k, "film_tint": edge}
 
 
 def _index_of(reader, base, edge):
@@ -823,9 +830,8 @@ class _Principled:
         metal = {"fresnel": "SCHLICK"} if white else {"fresnel": "F82"}
         edge, film = tuple(_clamp(reader, part) for part in tint), _film(reader, self.node, self.groups)
         if film and bpy.app.version >= (5, 0):  # before, none lies on metal
-            eta, k = _index_of(reader, self.base, edge)
             self._lobe(self._part(share, self.metallic), {"fresnel": "NONE"}, self.base,
-                       film | {"film_eta": eta, "film_k": k}, f0=_WHITE)
+                       film | _tinted(reader, self.base, edge), f0=_WHITE)
         else:
             self._lobe(self._part(share, self.metallic), metal, self.base, f0=self.base,
                        **({} if white else {"f82": edge}))

@@ -91,6 +91,31 @@ def test_a_metal_reflects_as_its_film_does(angle):
         np.testing.assert_allclose(pictures[0] / pictures[1], truth(cosine, thickness, film, IRON), atol=about)
 
 
+@pytest.mark.parametrize("angle", [0, 50, 80])
+@pytest.mark.parametrize("tint", [0.0, 0.5, 1.0])
+def test_tinted_metals_under_a_film(tint, angle):
+    """The inner side reflects by Schlick's with a dip at 82 degrees, in the phase that the index says, both swings as
+    much: 18 pictures of Cycles 5.0 (3 colours, 3 tints, 2 angles, films of 1.05 to 2.5 to 1 µm) are within .001 of this in the mean."""
+    thickness, film, n = 330.0, 1.4, 1.6 + 2.2j
+    cosine = np.cos(np.radians(angle))
+    inner = np.sqrt(1 - (1 - cosine**2) / film**2)
+    head_on = abs((film - n) / (film + n)) ** 2
+    own = head_on + (1 - head_on) * (1 - inner) ** 5 - (inner * (1 - inner) ** 6 * 7 * (7 / 6) ** 6 * (1 - tint)
+                                                        * (head_on + (1 - head_on) * (6 / 7) ** 5))
+    below, wanted = np.sqrt(1 - (1 - cosine**2) / n**2), np.zeros(3)
+    turn = np.exp(2j * np.pi * 2 * film * thickness * inner / WAVE)
+    for outer, phase in (((cosine - film * inner) / (cosine + film * inner), (film * inner - n * below) / (film * inner + n * below)),
+                         ((film * cosine - inner) / (film * cosine + inner), (n * inner - film * below) / (n * inner + film * below))):
+        way = np.sqrt(np.clip(own, 0, 1)) * phase / abs(phase) * turn
+        wanted += 0.5 * SHARES @ abs((outer + way) / (1 + outer * way)) ** 2
+    plain = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=0.05, ay=0.05, ex=798.0, ey=798.0)
+    filmed = plain | said_of(film, (n,) * 3) | {"film_thickness": [thickness], "film_tint": (tint,) * 3}
+    sine = np.sqrt(1 - cosine**2)
+    pictures = [render(scene(width=8, height=8, camera=ortho(0.1, eye=(-3 * sine, 0, 3 * cosine)), materials=[made],
+                             lights=[sun((sine, 0, cosine))]))[0][..., :3].astype(float).mean((0, 1)) for made in (filmed, plain)]
+    np.testing.assert_allclose(pictures[0] / pictures[1], wanted, atol=0.006)
+
+
 def test_a_dump_has_no_words_for_a_film(tmp_path):
     """It leaves such a material out, with a warning: its header would say a white mirror."""
     plain = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1))

@@ -280,7 +280,10 @@ static __attribute__((noinline)) void metal_film(const closure_metal *c, lane_ru
       cosine[i] = sqrtf(clampf(0.5f + 0.5f * both, 0.0f, 1.0f));
     }
     for (int k = 0; k < 3; k++) {
-      thin_film_reflects(&from, k, begin, count, cosine, part);
+      if (c->film.tinted)
+        thin_film_reflects(true, &from, k, begin, count, cosine, part);
+      else
+        thin_film_reflects(false, &from, k, begin, count, cosine, part);
       float *restrict color = to[k] + begin;
 #pragma omp simd
       for (size_t i = 0; i < count; i++)

@@ -29,13 +29,13 @@ static inline bool node_thin_film_build(node_thin_film *n, const node_place *pla
 LEAF void node_thin_film_run(const node_thin_film *n, lane_run g, const corners *corner,
                              const surfaces *restrict point, inputs *at) {
   const thin_film_lanes from = thin_film_lanes_of(&n->film, at, g);
-  const float *cosine = lane_of(at, n->cosine, 8, g);
+  const float *cosine = lane_of(at, n->cosine, 11, g);
   (void)corner, (void)point;
   for (size_t begin = g.begin; begin < g.end; begin += FILM_ROOM) {
     size_t left = g.end - begin, count = left < FILM_ROOM ? left : FILM_ROOM;
     float color[3][FILM_ROOM]; /* what is asked may lie where the answer goes */
     for (int k = 0; k < 3; k++)
-      thin_film_reflects(&from, k, begin, count, cosine + begin, color[k]);
+      thin_film_reflects(false, &from, k, begin, count, cosine + begin, color[k]);
     for (int k = 0; k < 3; k++)
       memcpy(at->at[n->out[k]] + begin, color[k], count * sizeof(float));
   }
