@@ -447,7 +447,7 @@ def _metallic(reader, node, groups, share):
 
 
 def _film(reader, node, groups):
-    """What a METAL says of a thin film on it, or nothing."""
+    """What a METAL or GLASS says of a thin film on it, or nothing."""
     socket = node.inputs.get("Thin Film Thickness")
     thickness = number_of(reader, socket, groups) if socket else 0.0
     if is_known(thickness) and thickness <= 0:
@@ -582,9 +582,6 @@ def _glass(reader, node, groups, share, reflects=True):
 def _add_glass(reader, node, groups, alpha, share, normal, color=_WHITE, **given):
     """Where the node says so, light that met the facets several times leaves as the rest does, each
     time in this colour."""
-    film = node.inputs.get("Thin Film Thickness")
-    if film and (film.is_linked or film.default_value > 0):
-        reader.warn(f"'{node.name}': Thin Film Thickness is not supported where light is transmitted; left out there")
     seen = None
     if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
         about = {"normal": normal} if normal else {}
@@ -594,7 +591,7 @@ def _add_glass(reader, node, groups, alpha, share, normal, color=_WHITE, **given
         kept = _kept(reader, given.get("tint", color), one, mean)
         share = _times(reader, kept, share)
         seen = tuple(reader.program.math("DIVIDE", 1.0, part) for part in kept)
-    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], **given),
+    _add(reader, _glass_closure(reader, node, groups, alpha=[alpha], **given, **_film(reader, node, groups)),
          _times(reader, color, share), normal, seen)
 
 
@@ -840,7 +837,8 @@ class _Principled:
         glass = self._part(share, through)
         if not (is_known(glass) and glass == 0):
             beyond = tuple(math("SQRT", _clamp(reader, part)) for part in self.base)
-            _add_glass(reader, self.node, self.groups, self.alpha, glass, self.normal, tint=beyond)
+            _add_glass(reader, self.node, self.groups, self.alpha, glass, self.normal, tint=beyond,
+                       **({} if white else {"mirror_tint": edge}))
         share = self._rest(share, through)
         if is_known(share) and share == 0:
             return

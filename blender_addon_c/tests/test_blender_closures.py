@@ -113,6 +113,16 @@ CASES = [
         "Subsurface Radius": (0.0, 0.0, 0.0), "Subsurface Scale": 0.0}),
     principled("filmed", Roughness=0.2, **film(500.0, 1.33)),
     principled("filmed, rough", Roughness=0.7, **film(300.0, 1.8)),
+    one("filmed glass", "BsdfGlass", {"Color": RED, "Roughness": 0.1, **film(300.0, 1.4)}, distribution="GGX"),
+    one("filmed glass, sharp", "BsdfGlass", {"Roughness": 0.0, **film(500.0, 2.0)}, distribution="GGX"),
+    one("filmed glass, several", "BsdfGlass", {"Color": RED, "Roughness": 0.6, **film(250.0, 1.8)},
+        distribution={"3.4": "GGX", "5.0": "MULTI_GGX"}),
+    one("filmed glass, beckmann", "BsdfGlass", {"Color": RED, "Roughness": 0.5, **film(400.0, 1.33)}, distribution="BECKMANN"),
+    principled("filmed and clear", Transmission_Weight=1.0, Roughness=0.2, **film(500.0, 1.33)),
+    principled("filmed, half clear", Transmission_Weight=0.5, Roughness=0.3, **film(350.0, 1.8)),
+    principled("filmed, clear and tinted", Transmission_Weight=1.0, Roughness=0.3, **film(350.0, 1.8),
+               **{"Specular Tint": {"5.0": (0.3, 0.6, 1, 1)}}),
+    principled("clear and tinted", Transmission_Weight=1.0, Roughness=0.3, **{"Specular Tint": {"5.0": (0.3, 0.6, 1, 1)}}),
     one("filmed dark tints", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
         "Color": RED, "Base Color": (0.9, 0.6, 0.3, 1), "Edge Tint": (0.2, 0.5, 0, 1), "Roughness": 0.3, **film(250.0, 1.8)},
         distribution="GGX", fresnel_type={"5.0": "F82"}),
@@ -188,13 +198,6 @@ def test_shaders_are_those_of_cycles(blender, tmp_path):
                 (case["name"], blender.version), 0.02):
             far.append((case["name"], off, apart))
     assert not far, far
-
-
-def test_films_on_what_is_clear_are_named(blender50, tmp_path):
-    cases = [one("glass", "BsdfGlass", film(300.0, 1.4)), principled("clear", Transmission_Weight=1.0, **film(300.0, 1.4)),
-             one("no film", "BsdfGlass", film(0.0, 1.4))]
-    _, text = blender50.scene("balls", tmp_path, cases=cases_of("5.0", cases), engine="LIBSHADE", samples=1, dump="")
-    assert text.count("Thin Film Thickness is not supported where light is transmitted") == 2, text
 
 
 def test_smooth_cubes(blender, tmp_path):

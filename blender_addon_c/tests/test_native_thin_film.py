@@ -8,7 +8,7 @@ import ast
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, dump, finish, material, native, ortho, read_dump, registers, render, scene, square, sun
+from native_scenes import ROOT, dump, finish, material, native, ortho, read_dump, registers, render, scene, sphere, square, sun
 
 RGB = np.array([(3.2404542, -1.5371385, -0.4985314), (-0.9692660, 1.8760108, 0.0415560),
                 (0.0556434, -0.2040259, 1.0572252)])
@@ -29,10 +29,13 @@ WAVE, SHARES = observer()
 
 
 def truth(cosine, thickness, film, body):
-    """Red, green and blue of light at this angle; body: its complex index in each."""
-    out = []
+    """Red, green and blue of light at this angle; body: its complex index in each. What enters no film is
+    reflected."""
+    out, sine2 = [], 1 - cosine**2
+    if sine2 >= film**2:
+        return np.ones(3)
     for shares, n in zip(SHARES, body):
-        sine2, reflected = 1 - cosine**2, 0
+        reflected = 0
         cosines = cosine, np.sqrt(1 - sine2 / film**2), np.sqrt(1 - sine2 / (n + 0j) ** 2)
         phase = 2 * np.pi * film * thickness * cosines[1] / WAVE
         for admits in ([i * c for i, c in zip((1, film, n), cosines)], [i / c for i, c in zip((1, film, n), cosines)]):
@@ -89,6 +92,67 @@ def test_a_metal_reflects_as_its_film_does(angle):
         # about this angle where the whole lobe counts
         about = 0.006 if light["lights"] else 0.03
         np.testing.assert_allclose(pictures[0] / pictures[1], truth(cosine, thickness, film, IRON), atol=about)
+
+
+def split(samples, **given):
+    """(what a plate of smooth glass reflects, what it lets through) of an even white world, in red, green and blue:
+    a black plate takes the rest."""
+    angle, below = given.pop("angle"), given.pop("below", False)
+    up = -1 if below else 1
+    sine, cosine = np.sin(np.radians(angle)), up * np.cos(np.radians(angle))
+    clear = {"closure": "GLASS", "alpha": [1e-4], "tint": (1.0,) * 3, "reflects": True, "refracts": True, "joint": True}
+    plate = {"name": "plate", "nodes": [], "closures": [clear | given]}
+    black = material(fresnel="NONE", f0=(0, 0, 0), kd=(0, 0, 0))
+    seen = []
+    for side in (-up, up):  # the eye's rays start between the two
+        picture, _ = render(scene(width=8, height=8, materials=[plate, black], meshes=[square(4.0), square(80.0, side, 1)],
+                                  lights=[], background=(1, 1, 1), samples=samples, max_bounces=4,
+                                  camera=ortho(0.1, eye=(-0.5 * sine, 0, 0.5 * cosine))))
+        seen.append(picture[..., :3].astype(float).mean((0, 1)))
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("below", [False, True], ids=["outside", "inside"])
+@pytest.mark.parametrize("angle", [0, 35, 60])
+@pytest.mark.parametrize("thickness, film, ior", [(300.0, 1.33, 1.5), (450.0, 2.2, 1.5), (150.0, 1.8, 2.4)])
+def test_clear_bodies_split_light_as_their_films_do(thickness, film, ior, angle, below):
+    """By colour, T = 1 - R. From inside indices count over the body's, as in Cycles 5.0."""
+    reflected, rest = split(4096, ior=[ior], film_thickness=[thickness], film_ior=[film], angle=angle, below=below)
+    by, n = (film / ior, 1 / ior) if below else (film, ior)
+    wanted = truth(np.cos(np.radians(angle)), thickness, by, (n,) * 3)
+    np.testing.assert_allclose(reflected, wanted, atol=0.006)
+    np.testing.assert_allclose(rest, 1 - wanted, atol=0.006)
+    assert reflected.max() - reflected.min() > 0.003 or below
+
+
+@pytest.mark.parametrize("angle", [0, 35, 60, 75])
+@pytest.mark.parametrize("below", [False, True], ids=["outside", "inside"])
+def test_tints_colour_what_is_reflected_head_on(angle, below):
+    """Of the rest of Fresnel's, 1 is 1; what is not reflected is refracted."""
+    tint, ior = np.array((0.25, 0.6, 1.0)), 1.8
+    reflected, rest = split(4096, ior=[ior], mirror_tint=tuple(tint), angle=angle, below=below)
+    eta, cosine, head_on = 1 / ior if below else ior, np.cos(np.radians(angle)), ((ior - 1) / (ior + 1)) ** 2
+    bent = np.sqrt(max(1 - (1 - cosine**2) / eta**2, 0))
+    bare = 0.5 * (((cosine - eta * bent) / (cosine + eta * bent))**2 + ((eta * cosine - bent) / (eta * cosine + bent))**2)
+    wanted = head_on * tint + (1 - head_on * tint) * (bare - head_on) / (1 - head_on)
+    np.testing.assert_allclose(reflected, wanted, atol=0.006)
+    np.testing.assert_allclose(rest, 1 - wanted, atol=0.006)
+
+
+@pytest.mark.parametrize("alpha", [1e-4, 0.1, 0.5])
+@pytest.mark.parametrize("changes", [{}, {"beckmann": True}, {"mirror_tint": (0.2, 0.5, 1.0)}], ids=["ggx", "beckmann", "tinted"])
+def test_a_filmed_body_makes_no_light(alpha, changes):
+    """A ball in an even world, all its bounces; a smooth one keeps all."""
+    made = {"closure": "GLASS", "ior": [1.5], "alpha": [alpha], "tint": (1.0,) * 3, "reflects": True, "refracts": True,
+            "joint": True, "film_thickness": [350.0], "film_ior": [1.9], **changes}
+    picture, _ = render(scene(width=24, height=24, samples=256, background=(1, 1, 1), lights=[], transparent=False,
+                              max_bounces=64, transparent_max_bounces=64, meshes=[sphere(smooth=False)], camera=ortho(1.0),
+                              materials=[{"name": "ball", "nodes": [], "closures": [made]}]))
+    y, x = (np.mgrid[:24, :24] + 0.5) / 12 - 1
+    ball = picture[np.hypot(x, y) < 0.9][:, :3].astype(float)
+    mean, error = ball.mean(0), ball.std(0) / np.sqrt(len(ball))
+    assert (mean <= 1.001 + 3 * error).all()
+    assert alpha > 1e-4 or (mean > 0.997).all()
 
 
 @pytest.mark.parametrize("angle", [0, 50, 80])

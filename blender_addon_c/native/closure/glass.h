@@ -4,7 +4,12 @@
  * `ior` and `alpha`, an operand each; `tint`, three, of what is refracted; `normal`; `reflects` and
  * `refracts`, whether it does; only refracting, it has no Fresnel. `joint`: Smith's shadowing of
  * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014]. `flat`:
- * Fresnel is that of the surface, as Cycles had it until then, not of its facets.
+ * Fresnel is that of the surface, as Cycles had it until then, not of its facets. With
+ * `film_thickness`, in nm, and `film_ior`, one each, what is reflected is a thin film's
+ * (closure/thin_film.h), by colour, and the rest refracted. From inside a body its index counts
+ * over the body's, and its thickness as it is, as in Cycles: its colours are those of a film so
+ * much thinner. `mirror_tint`, three: head-on what is reflected has this colour, the rest is
+ * refracted.
  *
  * As in Cycles, refraction does not scale radiance by the squared indices: what a ray carries is
  * never more than before, and light that enters a body and leaves it is the same either way.
@@ -13,16 +18,27 @@
 #define LIBSHADE_CLOSURE_GLASS_H
 
 #include "closure/common.h"
+#include "closure/thin_film.h"
 #include "node/common.h"
 
 typedef struct closure_glass {
   operand ior, alpha, tint[3];
   bool reflects, refracts, joint, flat, beckmann;
+  thin_film film; /* its thickness and index; the body's is `ior` */
+  bool hued;
+  operand hue[3];
   int normal[3];
 } closure_glass;
 
 static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g, unsigned *status) {
   (void)status;
+  c->film = (thin_film){.there = reader_has(r, "film_thickness"), .table = thin_film_table()};
+  if (c->film.there && !(graph_operands(r, g, "film_thickness", 1, &c->film.thickness) &&
+                         graph_operands(r, g, "film_ior", 1, &c->film.ior)))
+    return false;
+  c->hued = reader_has(r, "mirror_tint");
+  if (c->hued && !graph_operands(r, g, "mirror_tint", 3, c->hue))
+    return false;
   return graph_operands(r, g, "ior", 1, &c->ior) && graph_operands(r, g, "alpha", 1, &c->alpha) &&
          graph_operands(r, g, "tint", 3, c->tint) && reader_flag(r, "reflects", &c->reflects) &&
          reader_flag(r, "refracts", &c->refracts) && reader_flag(r, "joint", &c->joint) &&
@@ -82,17 +98,24 @@ LEAF float glass_facets(bool beckmann, float alpha, float nh, float off2) {
   return a2 / (3.14159265f * spread * spread);
 }
 
+/* Does it split light by colour? */
+LEAF bool glass_is_colored(const closure_glass *c) {
+  return (c->film.there || c->hued) && c->reflects && c->refracts;
+}
+
 /* What it does, as factors: loops without branches. */
 typedef struct glass_kind {
   float both, mirror, clear; /* which of three: Fresnel decides, all is reflected, or refracted */
   float joint, flat;
+  float film; /* shares are left to glass_film */
 } glass_kind;
 static inline glass_kind glass_kind_of(const closure_glass *c) {
   return (glass_kind){.both = c->reflects && c->refracts,
                       .mirror = c->reflects && !c->refracts,
                       .clear = !c->reflects,
                       .joint = c->joint,
-                      .flat = c->flat};
+                      .flat = c->flat,
+                      .film = glass_is_colored(c)};
 }
 
 typedef struct glass_terms {
@@ -124,6 +147,7 @@ LEAF glass_terms glass_of(bool beckmann, const glass_kind *c, float alpha, float
   float jacobian = through ? beyond : 0.25f;
   float per_facet = d * jacobian / no;
   float share = through ? 1.0f - fresnel : (1.0f - c->clear) * fresnel;
+  share += c->film * (1.0f - share);
   bool there = (nh > 0.0f) & (ho > 0.0f) & (no > 0.0f) & ((hi < 0.0f) == through);
   per_facet = there ? per_facet * share : 0.0f;
   return (glass_terms){.reflected = through ? 0.0f : per_facet * both,
@@ -179,6 +203,101 @@ LEAF void glass_eval(bool beckmann, const closure_glass *glass, lane_run run,
   }
 }
 
+/* FILM_ROOM rays' facets at most: cosines of their angles, and what they reflect there. */
+typedef struct glass_film {
+  float cosine[FILM_ROOM], color[3][FILM_ROOM], mean[FILM_ROOM];
+} glass_film;
+
+/* A tint's part in the colours, from head-on to where all is reflected; beside a film it tints what
+ * that reflects, as in Cycles 5.0. */
+LEAF void glass_film_hue(const closure_glass *c, lane_run run, inputs *given,
+                         const float *restrict body, glass_film *restrict f) {
+  const bool filmed = c->film.there;
+  const size_t count = run.end - run.begin;
+  for (int k = 0; k < 3; k++) {
+    const float *hue = lane_of(given, c->hue[k], 7 + k, run) + run.begin;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+      float root = (body[i] - 1.0f) / (body[i] + 1.0f), head_on = root * root;
+      float tint = clampf(hue[i], 0.0f, 1.0f), all = f->color[k][i];
+      float rest = clampf((all - head_on) / (1.0f - head_on), 0.0f, 1.0f);
+      f->color[k][i] = filmed ? all * lerp(tint, 1.0f, rest) : lerp(head_on * tint, 1.0f, rest);
+    }
+  }
+}
+
+/* Fills in what is reflected. */
+LEAF void glass_film_reflects(const closure_glass *c, lane_run run, const surfaces *restrict at,
+                              inputs *given, glass_film *restrict f) {
+  const size_t count = run.end - run.begin;
+  const float *ior = lane_of(given, c->ior, 3, run) + run.begin;
+  const float *index = NULL, *thick = NULL;
+  if (c->film.there) {
+    index = lane_of(given, c->film.ior, 5, run) + run.begin;
+    thick = lane_of(given, c->film.thickness, 6, run) + run.begin;
+  }
+  const float *side = at->side + run.begin;
+  float body[FILM_ROOM], film[FILM_ROOM], clear[FILM_ROOM];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    float t;
+    body[i] = glass_eta(ior[i], side[i]);
+    clear[i] = 0.0f;
+    f->color[0][i] = f->color[1][i] = f->color[2][i] = glass_fresnel(f->cosine[i], body[i], &t);
+  }
+  if (c->film.there) {
+#pragma omp simd
+    for (size_t i = 0; i < count; i++)
+      film[i] = side[i] < 0.0f ? index[i] * body[i] : index[i];
+    const thin_film_lanes from = {.thickness = thick,
+                                  .ior = film,
+                                  .eta = {body, body, body},
+                                  .k = {clear, clear, clear},
+                                  .table = c->film.table};
+    for (int k = 0; k < 3; k++)
+      thin_film_reflects(false, &from, k, 0, count, f->cosine, f->color[k]);
+  }
+  if (c->hued)
+    glass_film_hue(c, run, given, body, f);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    f->mean[i] = (f->color[0][i] + f->color[1][i] + f->color[2][i]) * (1.0f / 3.0f);
+}
+
+/* f and density of each way by what goes it. */
+LEAF void glass_film_parts(const closure_glass *c, lane_run run, const inputs *given,
+                           const glass_film *restrict film, const lane_v *restrict wi,
+                           lane_c *restrict f, float *restrict pdf) {
+  const closure_glass own = *c;
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    size_t at = i - run.begin;
+    bool through = dot(normal_at(given, own.normal, i), load(wi, i)) < 0.0f;
+    float base = through ? 1.0f : 0.0f, by = through ? -1.0f : 1.0f;
+    f->r[i] *= base + by * film->color[0][at];
+    f->g[i] *= base + by * film->color[1][at];
+    f->b[i] *= base + by * film->color[2][at];
+    pdf[i] *= base + by * film->mean[at];
+  }
+}
+
+/* The facets' angles to the eye that directions say. */
+LEAF void glass_film_half(const closure_glass *c, lane_run run, const surfaces *restrict at,
+                          inputs *given, const lane_v *restrict wi, glass_film *restrict f) {
+  const closure_glass own = *c;
+  const float *ior = lane_of(given, c->ior, 3, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    vec3 l = load(wi, i);
+    float both = dot(l, load(&at->wo, i));
+    float eta = glass_eta(ior[i], at->side[i]);
+    float by = dot(normal_at(given, own.normal, i), l) < 0.0f ? eta : 1.0f;
+    float square = 1.0f + by * (by + 2.0f * both);
+    f->cosine[i - run.begin] =
+        clampf(fabsf(1.0f + by * both) / sqrtf(square > 1e-20f ? square : 1e-20f), 0.0f, 1.0f);
+  }
+}
+
 LEAF unsigned closure_glass_eval(const closure_glass *c, lane_run run, const surfaces *restrict at,
                                  inputs *given, const lane_v *restrict wi, bool density,
                                  reflections *restrict out) {
@@ -187,6 +306,14 @@ LEAF unsigned closure_glass_eval(const closure_glass *c, lane_run run, const sur
     glass_eval(true, c, run, at, given, wi, out);
   else
     glass_eval(false, c, run, at, given, wi, out);
+  for (size_t begin = run.begin; glass_is_colored(c) && begin < run.end; begin += FILM_ROOM) {
+    size_t end = run.end - begin < FILM_ROOM ? run.end : begin + FILM_ROOM;
+    lane_run part = {begin, end};
+    glass_film film;
+    glass_film_half(c, part, at, given, wi, &film);
+    glass_film_reflects(c, part, at, given, &film);
+    glass_film_parts(c, part, given, &film, wi, &out->f, out->pdf);
+  }
   return 0;
 }
 
@@ -210,27 +337,33 @@ LEAF vec3 glass_beckmann_facet(float alpha, float x, float y) {
   return (vec3){sine * c, sine * s, z};
 }
 
-/* A microfacet, then which way light goes at it. */
+/* A microfacet. */
+LEAF vec3 glass_facet(bool beckmann, float alpha, vec3 n, vec3 v, float x, float y) {
+  vec3 a, b;
+  across(n, &a, &b);
+  vec3 seen = {dot(v, a), dot(v, b), dot(n, v)};
+  vec3 m = beckmann ? glass_beckmann_facet(alpha, x, y) : glass_visible(alpha, seen, x, y);
+  return (vec3){m.x * a.x + m.y * b.x + m.z * n.x, m.x * a.y + m.y * b.y + m.z * n.y,
+                m.x * a.z + m.y * b.z + m.z * n.z};
+}
+
+/* A microfacet, then which way light goes at it; film: NULL, or what that reflects. */
 LEAF void glass_draw(bool beckmann, const closure_glass *glass, lane_run run,
-                     const surfaces *restrict at, inputs *given, draws *restrict out) {
+                     const surfaces *restrict at, inputs *given, const glass_film *restrict film,
+                     draws *restrict out) {
   const closure_glass own = *glass;
   const glass_kind what = glass_kind_of(glass);
   const glass_lanes from = glass_lanes_of(glass, given, run);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    vec3 n = normal_at(given, own.normal, i), v = load(&at->wo, i), a, b;
+    vec3 n = normal_at(given, own.normal, i), v = load(&at->wo, i);
     float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
     float eta = glass_eta(from.ior[i], at->side[i]);
-    across(n, &a, &b);
-    float no = dot(n, v);
-    vec3 seen = {dot(v, a), dot(v, b), no};
-    vec3 m = beckmann ? glass_beckmann_facet(alpha, out->x[i], out->y[i])
-                      : glass_visible(alpha, seen, out->x[i], out->y[i]);
-    vec3 h = {m.x * a.x + m.y * b.x + m.z * n.x, m.x * a.y + m.y * b.y + m.z * n.y,
-              m.x * a.z + m.y * b.z + m.z * n.z};
-    float ho = dot(h, v), t;
+    vec3 h = glass_facet(beckmann, alpha, n, v, out->x[i], out->y[i]);
+    float no = dot(n, v), ho = dot(h, v), t;
     float fresnel = glass_fresnel(ho, eta, &t);
-    float share = what.both * glass_mirrored(&what, fresnel, no, eta) + what.mirror;
+    float share = film ? film->mean[i - run.begin]
+                       : what.both * glass_mirrored(&what, fresnel, no, eta) + what.mirror;
     bool bends = fresnel < 1.0f, turned = (out->choice[i] < share) | !(bends | (what.flat > 0.0f));
     float inverse = 1.0f / eta, bent = ho * inverse - t;
     float along = turned ? 2.0f * ho : bent, back = turned ? 1.0f : inverse;
@@ -247,12 +380,44 @@ LEAF void glass_draw(bool beckmann, const closure_glass *glass, lane_run run,
   }
 }
 
+/* The angles of the facets that will be drawn. */
+LEAF void glass_film_meet(bool beckmann, const closure_glass *glass, lane_run run,
+                          const surfaces *restrict at, inputs *given, const draws *restrict out,
+                          glass_film *restrict f) {
+  const closure_glass own = *glass;
+  const glass_lanes from = glass_lanes_of(glass, given, run);
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    vec3 n = normal_at(given, own.normal, i), v = load(&at->wo, i);
+    float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
+    vec3 h = glass_facet(beckmann, alpha, n, v, out->x[i], out->y[i]);
+    f->cosine[i - run.begin] = clampf(dot(h, v), 0.0f, 1.0f);
+  }
+}
+
+LEAF void glass_film_draw(bool beckmann, const closure_glass *c, lane_run run,
+                          const surfaces *restrict at, inputs *given, draws *restrict out) {
+  for (size_t begin = run.begin; begin < run.end; begin += FILM_ROOM) {
+    size_t end = run.end - begin < FILM_ROOM ? run.end : begin + FILM_ROOM;
+    lane_run part = {begin, end};
+    glass_film film;
+    glass_film_meet(beckmann, c, part, at, given, out, &film);
+    glass_film_reflects(c, part, at, given, &film);
+    glass_draw(beckmann, c, part, at, given, &film, out);
+    glass_film_parts(c, part, given, &film, &out->wi, &out->f, out->pdf);
+  }
+}
+
 LEAF unsigned closure_glass_draw(const closure_glass *c, lane_run run, const surfaces *restrict at,
                                  inputs *given, draws *restrict out) {
-  if (c->beckmann)
-    glass_draw(true, c, run, at, given, out);
+  if (glass_is_colored(c) && c->beckmann)
+    glass_film_draw(true, c, run, at, given, out);
+  else if (glass_is_colored(c))
+    glass_film_draw(false, c, run, at, given, out);
+  else if (c->beckmann)
+    glass_draw(true, c, run, at, given, NULL, out);
   else
-    glass_draw(false, c, run, at, given, out);
+    glass_draw(false, c, run, at, given, NULL, out);
   return 0;
 }
 
