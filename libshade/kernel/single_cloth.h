@@ -55,6 +55,72 @@ LEAF void FN(cloth_carry_one)(const shade_fabric *f, const FN(cloth) * c, int k,
 }
 
 /*
+ * What the near terms of side k send, in the usual lobe of yarns: Ashikhmin and Shirley's, carried
+ * by `rotate`. Light and eye, in the frame of the fibres, are the same for all terms, so that one
+ * loop does, in which nothing is gathered: what a term does not have of the side weighs 0.
+ */
+typedef struct FN(near_sent) {
+  real shine, matt[3];
+} FN(near_sent);
+static int FN(is_usual)(const bsdf *b) {
+  return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
+         b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
+}
+
+#define NEAR_SUM(NAME, word, value, label, help)                                                   \
+  static FN(near_sent) FN(near_sum_##word)(const bsdf *b, const FN(cloth) * c, size_t count,       \
+                                           int k, FN(triple) wi, FN(triple) wo) {                  \
+    const real *restrict nx = FN(cloth_row)(c, CLOTH_TILT), *restrict ny = nx + c->stride;         \
+    const real *restrict nz = ny + c->stride, *restrict part = FN(cloth_row)(c, CLOTH_PART);       \
+    const real *restrict weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);                              \
+    const real *restrict red = FN(cloth_row)(c, CLOTH_KD + 3 * k);                                 \
+    const real *restrict green = red + c->stride, *restrict blue = green + c->stride;              \
+    const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);                                 \
+    const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;                               \
+    const real hwo = FN(half_cosine)(hx, hy, hz), lowest = FN(minimum)(wi.z, wo.z);                \
+    real s = 0, r = 0, g = 0, bl = 0;                                                              \
+    _Pragma("omp simd reduction(+ : s, r, g, bl)") for (size_t j = 0; j < count; j++) {            \
+      const real x = nx[j], y = ny[j], z = nz[j], w = weight[j];                                   \
+      const real ci = FN(dot)(x, y, z, XYZ(wi)), co = FN(dot)(x, y, z, XYZ(wo));                   \
+      const real cosi = FN(maximum)(ci, 0), coso = FN(maximum)(co, 0);                             \
+      const real d =                                                                               \
+          FN(ashikhmin_shirley)(FN(detail_rotate_ratio)(x, y, z, hx, hy, hz), kx, ky, peak);       \
+      const FN(angles) a = {hwo, cosi, coso, 0, 0};                                                \
+      const real length = FN(fibre_length)(x, z);                                                  \
+      const real ly = FN(over_fibre)(x, y, z, XYZ(wi)) / length;                                   \
+      const real vy = FN(over_fibre)(x, y, z, XYZ(wo)) / length;                                   \
+      const real phi = FN(diffuse_##word)(ly, cosi, vy, coso) * INVERSE_PI;                        \
+      const real enter = 1 - FN(schlick_weight)(FN(minimum)(cosi, 1));                             \
+      const real leave = 1 - FN(schlick_weight)(FN(minimum)(coso, 1));                             \
+      const real spec = w * (FN(brdf_ashikhmin_shirley)(d, a) * cosi), matt = phi * enter * leave; \
+      const int shown = FN(minimum)(FN(minimum)(ci, co), FN(minimum)(lowest, w)) > 0;              \
+      const real share = part[j];                                                                  \
+      s += shown ? share * spec : 0;                                                               \
+      const real sent = shown ? share * matt : 0;                                                  \
+      r += red[j] * sent;                                                                          \
+      g += green[j] * sent;                                                                        \
+      bl += blue[j] * sent;                                                                        \
+    }                                                                                              \
+    return (FN(near_sent)){s, {r, g, bl}};                                                         \
+  }
+SHADE_TABLE_DIFFUSE(NEAR_SUM)
+#undef NEAR_SUM
+
+static FN(near_sent) FN(near_sum)(const bsdf *b, const FN(cloth) * c, size_t count, int k,
+                                  FN(triple) wi, FN(triple) wo) {
+  switch (b->diffuse) {
+#define NEAR_CASE(NAME, word, value, label, help)                                                  \
+  case SHADE_DIFFUSE_##NAME:                                                                       \
+    return FN(near_sum_##word)(b, c, count, k, wi, wo);
+    SHADE_TABLE_DIFFUSE(NEAR_CASE)
+#undef NEAR_CASE
+  case SHADE_DIFFUSE_COUNT:
+    break;
+  }
+  return FN(near_sum_lambert)(b, c, count, k, wi, wo);
+}
+
+/*
  * Add what the yarns of side k send that near terms show: of all of them the fibres run one way.
  * white: Schlick's, if they are lit from in front.
  */
@@ -67,19 +133,36 @@ static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int
   const real *tilt[3] = {FN(cloth_row)(c, CLOTH_TILT), FN(cloth_row)(c, CLOTH_TILT + 1),
                          FN(cloth_row)(c, CLOTH_TILT + 2)};
   FN(gathered) g;
-  real spec[BLOCK], matt[BLOCK], shine = 0;
-  size_t used = 0;
-  for (size_t i = 0; i < c->count; i++)
-    if (c->kind[i] == k && weight[i] > 0) {
-      for (int a = 0; a < 3; a++)
-        g.n[a][used] = tilt[a][i];
-      g.lane[used++] = (int)i;
-    }
-  if (!used)
+  real spec[BLOCK], matt[BLOCK], i[3], o[3], shine = 0;
+  size_t first = 0, used = 0;
+  while (first < c->count && !(c->kind[first] == k && weight[first] > 0))
+    first++;
+  if (first == c->count)
     return;
-  real i[3], o[3];
-  FN(cloth_carry_one)(f, c, k, (size_t)g.lane[0], wi, i);
-  FN(cloth_carry_one)(f, c, k, (size_t)g.lane[0], wo, o);
+  FN(cloth_carry_one)(f, c, k, first, wi, i);
+  FN(cloth_carry_one)(f, c, k, first, wo, o);
+  const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
+  shade_bsdf room;
+  const bsdf *b =
+      bsdf_of(lit && gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
+                               : &s->lobe[FABRIC_NEAR]);
+  if (lit && FN(is_usual)(b)) {
+    /* the far term, which has no tilt, is the last */
+    const size_t near = c->count - (c->kind[c->count - 1] == CLOTH_FAR);
+    const FN(near_sent) all =
+        FN(near_sum)(b, c, near, k, (FN(triple)){i[0], i[1], i[2]}, (FN(triple)){o[0], o[1], o[2]});
+    for (int a = 0; a < 3; a++) {
+      const real f0 = (real)s->f0[a];
+      sum[a] += all.shine * (f0 + (1 - f0) * white) + all.matt[a];
+    }
+    return;
+  }
+  for (size_t j = first; j < c->count; j++)
+    if (c->kind[j] == k && weight[j] > 0) {
+      for (int a = 0; a < 3; a++)
+        g.n[a][used] = tilt[a][j];
+      g.lane[used++] = (int)j;
+    }
   g.whole = 0;
   g.count = (used + VECTOR - 1) / VECTOR * VECTOR; /* no lane of its own after the last vector */
   for (size_t j = 0; j < g.count; j++) {
@@ -101,13 +184,7 @@ static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int
     }
     return;
   }
-  const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
-  shade_bsdf room;
-  FN(cloth_ask)
-  (FN(ASK_YARN),
-   bsdf_of(gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
-                     : &s->lobe[FABRIC_NEAR]),
-   &g, spec, matt);
+  FN(cloth_ask)(FN(ASK_YARN), b, &g, spec, matt);
   for (size_t j = 0; j < used; j++) {
     const size_t lane = (size_t)g.lane[j];
     shine += part[lane] * weight[lane] * spec[j];
