@@ -170,8 +170,13 @@ void shade_bsdf_albedo_free(shade_bsdf_albedo *a) {
 /* ---- looking it up ----------------------------------------------------------------------------
  */
 
-/* Unit, and its length's status. */
+/* Unit, and its length's status. What is unit already, nearly all, stays as it is. */
 static unsigned make_unit(const double in[3], double out[3]) {
+  const double square = in[0] * in[0] + in[1] * in[1] + in[2] * in[2];
+  if (fabs(square - 1) < 1e-14) {
+    memcpy(out, in, 3 * sizeof *out);
+    return SHADE_OK;
+  }
   const double most = fmax(fabs(in[0]), fmax(fabs(in[1]), fabs(in[2])));
   if (!isfinite(in[0]) || !isfinite(in[1]) || !isfinite(in[2]) || !(most > 0))
     return SHADE_BAD_INPUT;
@@ -186,7 +191,7 @@ static unsigned make_unit(const double in[3], double out[3]) {
 /* wo in the frame of the displaced surface whose normal is n. */
 static void carry(const double n[3], int groove_y, double wo[3]) {
   const int x = groove_y, y = !groove_y; /* the axis of the grooves, and the other */
-  const double l = hypot(n[x], n[2]);
+  const double l = sqrt(n[x] * n[x] + n[2] * n[2]);
   double along = wo[x];
   if (l > 0)
     along = (n[2] * wo[x] - n[x] * wo[2]) / l;
@@ -215,7 +220,8 @@ unsigned shade_bsdf_albedo_eval(const shade_bsdf_albedo *a, const double n_in[3]
   if (n_in) {
     if (!(n[2] > 0)) {
       n[2] = 1e-4;
-      make_unit(n, n);
+      const double raised[3] = {n[0], n[1], n[2]};
+      make_unit(raised, n);
       status = SHADE_CLAMPED_NORMAL;
     }
     carry(n, a->groove_y, wo);
