@@ -15,7 +15,8 @@ Material::Material()
     : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_once(false),
       bump_scale(), bump_move(), reflects(false), notes(false), samples(0), clamp(0.0),
       specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
-      has_diffuse(false), matt(false), black(), widened(), widened_black(), width(0.0), rays(1) {
+      has_diffuse(false), matt(false), rejects(false), bends(false), black(), widened(),
+      widened_black(), width(0.0), rays(1) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -104,6 +105,9 @@ void split(Material &m) {
   }
   m.matt = m.params.fresnel == SHADE_FRESNEL_NONE && !m.specular_pigment && m.params.f0[0] == 0.0 &&
            m.params.f0[1] == 0.0 && m.params.f0[2] == 0.0;
+  m.rejects = m.params.detail != SHADE_DETAIL_NONE && m.params.horizon != SHADE_HORIZON_SCHUESSLER;
+  m.bends = m.params.horizon == SHADE_HORIZON_VALID_REFLECTION ||
+            m.params.horizon == SHADE_HORIZON_VALID_ESTEVEZ;
   shade_bsdf_setup(&m.bsdf, m.matt ? &diffuse : &m.params);
   shade_bsdf_setup(&m.specular, &specular);
   shade_bsdf_setup(&m.diffuse, &diffuse);
@@ -351,11 +355,6 @@ void ShadedPoint::specular(bool in_black, int level, const double wi[3], double 
   else
     lobe_light(in_black ? OF_WIDENED_BLACK : OF_WIDENED,
                in_black ? &m.widened_black[level] : &m.widened[level], wi, f, cosine);
-}
-
-void ShadedPoint::to_local(const double world[3], double local[3]) const {
-  for (int row = 0; row < 3; row++)
-    local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
 }
 
 void ShadedPoint::to_world(const double local[3], double world[3]) const {

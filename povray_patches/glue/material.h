@@ -59,7 +59,9 @@ struct Material {
   // Of params, made by Scene::add: all of it, and each part alone. They add up.
   shade_bsdf bsdf, specular, diffuse;
   bool has_diffuse;
-  bool matt; // nothing is specular
+  bool matt;    // nothing is specular
+  bool rejects; // light from below the perturbed normal gives nothing,
+  bool bends;   // unless that normal has been bent for the eye
   // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
   std::shared_ptr<const shade_bsdf_albedo> albedo;
   // Of the specular part, once an object shows it (Scene::use); else NULL.
@@ -184,9 +186,17 @@ public:
   bool above(const double L[3]) const {
     return frame[2][0] * L[0] + frame[2][1] * L[1] + frame[2][2] * L[2] > 0.0;
   }
-  // Light from elsewhere gives nothing.
+  // Light from elsewhere gives nothing: it needs no shadow test.
   bool faces(const double L[3]) const {
-    return above(L) || (material->cloth && material->cloth->transmits());
+    if (material->cloth)
+      return above(L) || material->cloth->transmits();
+    if (!above(L))
+      return false;
+    if (!material->rejects || !(normal[2] > 0.0) || (material->bends && is_bent()))
+      return true; // a normal below the surface is raised, too
+    double wi[3];
+    to_local(L, wi);
+    return normal[0] * wi[0] + normal[1] * wi[1] + normal[2] * wi[2] > 0.0;
   }
 
   // S = f cos E for light from the unit direction L with the irradiance E
@@ -217,7 +227,16 @@ private:
   };
   std::unique_ptr<Rough> rough;
 
-  void to_local(const double world[3], double local[3]) const;
+  // Whether a horizon that bends normals may have bent this one: where the eye's mirror image is
+  // all but below the surface (shade.h, horizon).
+  bool is_bent() const {
+    const double cosine = normal[0] * eye[0] + normal[1] * eye[1] + normal[2] * eye[2];
+    return !(2.0 * cosine * normal[2] - eye[2] > 0.0101);
+  }
+  void to_local(const double world[3], double local[3]) const {
+    for (int row = 0; row < 3; row++)
+      local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
+  }
   void to_world(const double local[3], double world[3]) const;
   // Each lobe that light may be asked of, prepared for the eye by the first light: most points
   // need one of them.

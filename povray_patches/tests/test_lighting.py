@@ -60,6 +60,23 @@ def test_light_from_behind_casts_no_shadow_rays(render):
     assert rays(stock, "normal { bumps 2 scale .1 }") <= rays(block, "normal { bumps 2 scale .1 }") < 1.35 * rays(stock)
 
 
+@pytest.mark.parametrize("horizon", ["hard", "estevez", "chiang", "valid_reflection", "valid_estevez", "schuessler"])
+def test_light_below_bumps_casts_shadow_rays_only_where_it_may_count(render, horizon):
+    """double_illuminate asks every light: nothing may come of those that are left out without it. Horizons that leave
+    the normal alone ask as many as the word `diffuse`."""
+    def picture(finish, more=""):
+        floor = f"plane {{ y, 0 texture {{ pigment {{ rgb .5 }} normal {{ bumps 1.5 scale .3 }} {finish} }} no_shadow {more} }}\n"
+        result = render(scene(floor, "light_source { <-30, 6, 4>, rgb 1 } light_source { <9, 3, 20>, rgb .7 }"), options=["+WT1"])
+        return result.image, int(re.search(r"Shadow Ray Tests:\s+(\d+)", result.log).group(1))
+    block = f"finish {{ ambient 0 diffuse 0 mdf {{ ashikhmin_shirley 40, 5 specular .6 diffuse lambert .3 horizon {horizon} }} }}"
+    seen, rays = picture(block)
+    np.testing.assert_allclose(seen, picture(block, "double_illuminate")[0], rtol=2e-3, atol=1e-6)
+    stock, all_of_them = picture("finish { ambient 0 diffuse .5 }")[1], 2 * seen.shape[0] * seen.shape[1]
+    assert .2 * all_of_them < stock < .8 * all_of_them and seen.max() > .1
+    if horizon in ("hard", "estevez", "chiang"):
+        assert abs(rays - stock) < .01 * stock
+
+
 def test_seen_in_a_mirror(render):
     mirror = "plane { -z, -2 pigment { rgb 1 } finish { ambient 0 diffuse 0 reflection 1 } }\n"
     hidden = sphere(more="no_image translate <.5, .5, 0>")
