@@ -44,8 +44,8 @@ def light_of(ob, matrix, links, table, messages):
 
 
 class Links:
-    """From 4.0 on a light may be for some objects alone, and be shaded by some alone. `of_light`, for all, then what
-    each object does not get."""
+    """From 4.0 on a lamp, or an object that shines, may be for some objects alone, and be shaded by some alone.
+    `of_light`, for all, then what each object does not get."""
 
     def __init__(self, messages):
         self._lit = _Sets("link", "receiver", "light linking", "it lights all", messages)
@@ -77,7 +77,8 @@ class _Sets:
             return {}
         if collection not in self._bits:
             if len(self._some) == self._MOST:
-                self._messages.warning(f"light '{ob.name}': the {self._name} of {self._MOST} sets of lights is "
+                what = "light" if ob.type == "LIGHT" else "object"
+                self._messages.warning(f"{what} '{ob.name}': the {self._name} of {self._MOST} sets of lights is "
                                        f"supported; {self._otherwise}")
                 return {}
             included, excluded = _receivers(collection)
@@ -104,13 +105,13 @@ def _receivers(collection):
     return sets["INCLUDE"], sets["EXCLUDE"]
 
 
-def name_linking(ob, messages):
-    """That of what shines, which is not supported."""
-    linking = getattr(ob, "light_linking", None)
-    for name in "receiver", "blocker":
-        if linking and getattr(linking, f"{name}_collection"):
-            messages.warning(f"object '{ob.name}': its {name}s' collection (light linking) is not supported; "
-                             f"all objects are {name}s")
+def name_shading(ob, mesh, table, messages):
+    """What shines is shaded by some alone where light samples find it: even light of what keeps still. mesh: None where
+    none do."""
+    linking = getattr(ob.original, "light_linking", None)
+    if linking and linking.blocker_collection and not (mesh and table.shines_evenly(mesh)):
+        messages.warning(f"object '{ob.name}': shadow linking of what shines unevenly, moves or is hidden from some "
+                         "rays is not supported; all objects shade its light")
 
 
 def _sun(light, matrix, strength):

@@ -4,6 +4,7 @@
 import os
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from . import tree
@@ -99,6 +100,16 @@ class Table:
                 for slot in ob.material_slots if active else ():
                     self._active_maps.setdefault(slot.material, set()).add(active)
         return self._active_maps.get(material, set())
+
+    def shines_evenly(self, mesh):
+        """Is what it shines with, if it does, the same everywhere?"""
+        for index in np.unique(mesh["material"]):
+            made = self.materials[index]
+            for closure in made.get("closures", [made]):
+                if closure.get("closure") == "EMISSION" and not closure.get("holds"):
+                    if any(isinstance(weight, tuple) for weight in closure.get("weight", ())):
+                        return False
+        return True
 
     def textured(self, indices):
         """Has any of the materials a texture?"""

@@ -10,7 +10,7 @@ import numpy as np
 from . import passes, strands, tree
 from .camera import rows
 from .kept import owners_of
-from .light import Links, kinds, light_of, name_linking
+from .light import Links, kinds, light_of, name_shading
 from .material import Table
 from .matte import Mattes
 from .mesh import mesh_of
@@ -117,8 +117,7 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
     links = Links(messages)
     # first, so that objects know which are for some alone; instances of lamps are linked as the lamps are
     for ob in depsgraph.objects if "light_linking" in bpy.types.Object.bl_rna.properties else ():
-        if ob.type == "LIGHT":
-            links.of_light(ob)
+        links.of_light(ob)
     for item in depsgraph.object_instances:
         ob = item.object
         if space and not ob.visible_in_viewport_get(space):
@@ -129,7 +128,6 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
         for shape in _shapes(item, depsgraph, motion):
             catches = getattr(ob, "is_shadow_catcher", False)
             held = ob.is_holdout or ("holdout" in marks and _marked(item, "holdout", depsgraph))
-            name_linking(ob, messages)
             bits = hidden(ob, ALL)
             if "indirect_only" in marks and _marked(item, "indirect_only", depsgraph):
                 bits |= CAMERA
@@ -154,9 +152,10 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
                     meshes += [mesh] if mesh else []
                 if known[key] is None:
                     break
+                name_shading(ob, meshes[known[key]] if drawn else None, table, messages)
                 made = {"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
                         "hidden": bits, "motion": moved, **mattes.of_object(ob),
-                        **links.of_object(ob, item.parent), **(_own(item) if table.by_object else {}),
+                        **links.of_light(ob), **links.of_object(ob, item.parent), **(_own(item) if table.by_object else {}),
                         **_metres(meshes[known[key]], matrix, table.unit)}
                 made = _at_points(made, *shape.points) if shape.points else [made]
                 instances += made if holds == held else []

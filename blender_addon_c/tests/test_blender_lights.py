@@ -139,3 +139,24 @@ def test_lights_for_some_objects(blender50, tmp_path, more, radius, shades):
     apart = np.abs(ours - theirs).mean() / theirs.mean()
     print(f"relative error {apart:.4f}, means {ours.mean((0, 1))} {theirs.mean((0, 1))}")
     assert apart < 0.012
+
+
+@pytest.mark.parametrize("shades, shines", [(False, "evenly"), (True, "evenly"), (False, "unevenly")])
+def test_plates_that_shine_for_some_objects(blender50, tmp_path, shades, shines):
+    """Or that some shade; beside a lamp for all, seen in a polished ball, too."""
+    pictures = []
+    for engine, samples in ("LIBSHADE", 512), ("CYCLES", 512):
+        _, text = blender50.scene("linked", tmp_path, dump="", engine=engine, samples=samples, more=0, radius=0.5,
+                                  shades=shades, shines=shines)
+        assert "linking" not in text
+        pictures.append(averaged(tmp_path / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"relative error {apart:.4f}, means {ours.mean((0, 1))} {theirs.mean((0, 1))}")
+    assert apart < 0.02
+
+
+def test_uneven_light_that_some_shade_is_named(blender50, tmp_path):
+    _, text = blender50.scene("linked", tmp_path, dump="", engine="LIBSHADE", samples=1, more=0, radius=0.5, shades=True,
+                              shines="unevenly")
+    assert text.count("shadow linking of what shines unevenly") == 2

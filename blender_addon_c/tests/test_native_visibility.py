@@ -141,6 +141,57 @@ def test_faces_that_shine_and_are_hidden():
     assert seen(DIFFUSE, False) == 0
 
 
+def moved(index, x, z=0.0, size=1.0, **more):
+    return {"mesh": index, "matrix": [size, 0, 0, x, 0, size, 0, 0, 0, 0, 1, z, 0, 0, 0, 1], **more}
+
+
+def halves(floor, plate, beside=(), z=2.0, drawn=True):
+    """Means of the left and of the right of two plates on the floor, under a sheet and one that shines."""
+    seen = picture(materials=[of(floor), shining(3.0) | {"drawn": drawn}, of(weighed(TRANSPARENT, 0.5))],
+                   lights=list(beside), samples=1024, max_bounces=2, transparent_max_bounces=4,
+                   meshes=[square(0.5), square(2.0, material_index=1), square(9.0, material_index=2)],
+                   camera=ortho(eye=(0, 0, 1)), instances=[moved(0, -0.5), moved(0, 0.5, unlit=1 << 3),
+                                                           moved(1, 0, z, **plate), moved(2, 0, 1.8)])
+    return seen[4:12, 2:6].mean(), seen[4:12, 10:14].mean()
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+@pytest.mark.parametrize("floor", [diffuse(), glossy(0.3), glossy(0.0)])
+def test_a_plate_that_shines_for_some(floor, drawn):
+    """By light samples and rays, by rays alone; beside lamps, from which samples choose."""
+    everywhere = halves(floor, {}, drawn=drawn)
+    lit, unlit = halves(floor, {"link": 3}, drawn=drawn)
+    assert everywhere[0] > 0.5 and lit == pytest.approx(everywhere[0], rel=1e-5) and unlit == 0
+    lamps = [point((0, 0, 1.5), (2, 2, 2), 0.1)] * 2
+    alone, both = halves(floor, {}, lamps, z=-9.0, drawn=drawn), halves(floor, {"link": 3}, lamps, drawn=drawn)
+    assert both[0] == pytest.approx(everywhere[0] + alone[0], rel=0.02) and both[1] == pytest.approx(alone[1], rel=0.02)
+
+
+@pytest.mark.parametrize("given", [{"link": 3}, {"shade": 5}])
+def test_a_plate_that_shines_is_seen_by_the_camera(given):
+    seen = picture(materials=[shining(3.0)], lights=[], instances=[moved(0, 0, **given, unlit=1 << 3, shadeless=1 << 5)])
+    assert (seen == 3).all()
+
+
+@pytest.mark.parametrize("sheet", [False, True])
+@pytest.mark.parametrize("shade", [{}, {"shade": 5}])
+def test_a_plate_whose_light_some_do_not_shade(shade, sheet):
+    """Under two roofs, of which one stops none of it; and, or not, under a sheet that halves it."""
+    clear = of(weighed(TRANSPARENT, 0.5))
+    roofs = [moved(0, -0.5, 0.6, 0.9), moved(0, 0.5, 0.6, 0.9, shadeless=1 << 5)]
+    def seen(*roofs):
+        shown = picture(materials=[of(diffuse()), shining(3.0), clear], lights=[], samples=1024, max_bounces=1,
+                        transparent_max_bounces=4, camera=ortho(eye=(0, 0, 0.2)),
+                        meshes=[square(0.5), square(0.3, material_index=1), square(3.0, material_index=2)],
+                        instances=[moved(0, -0.5), moved(0, 0.5), moved(1, -0.5, 2.0, **shade), moved(1, 0.5, 2.0, **shade),
+                                   *[moved(2, 0, 1.0)] * sheet, *roofs])
+        return shown[7:9, 3:5].mean(), shown[7:9, 11:13].mean()
+
+    free, below = seen(), seen(*roofs)
+    assert free[0] > 0.05 and below[0] < 0.9 * free[0]
+    assert below[1] < 0.9 * free[1] if not shade else below[1] == pytest.approx(free[1], rel=0.03)
+
+
 def test_a_dump_knows_of_no_hidden_lamps(tmp_path):
     seen, hidden = (dump(scene(lights=[sun() | {"hidden": bits}]), tmp_path / "d.exr")[0]["light0.S.R"]
                     for bits in (0, GLOSSY))

@@ -809,7 +809,7 @@ static void triangles_that_shine(void **state) {
     }
   }
   stages->met_emitters(COUNT, &s.emitters, triangles, NULL, &b->sample_hit, &b->sample_ray, b->walk,
-                       weight, &b->met);
+                       weight, NULL, &b->met);
   for (size_t i = 0; i < COUNT; i++) {
     double part = i % 7 < 2 ? 0 : 0.3 / (0.3 + (double)b->drawn.pdf[i]);
     near((double)b->met.g[i], 1 + part * (double)b->drawn.color.g[i], 2e-3 * (1 + part));

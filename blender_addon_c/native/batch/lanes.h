@@ -82,7 +82,9 @@ typedef struct walks {
                     gave a sample */
   lane_u bounces[BOUNCE_KINDS]; /* of each kind so far */
   lane_u ray;                   /* ray_kind of its direction: passing straight on is no kind */
-  lane_u ends; /* not 0: no surface counts any more, only lights, behind transparent ones too */
+  lane_u ends;  /* not 0: no surface counts any more, only lights, behind transparent ones too */
+  lane_u unlit; /* where instances that shine are for some alone: bits of those that are not for the
+                   surface at which its direction was drawn */
 } walks;
 
 typedef struct rays {
@@ -218,6 +220,7 @@ typedef struct light_draws {
   lane_v d;
   lane_f tnear, tfar, e, pdf;
   lane_c color;
+  lane_u triangle; /* of those that shine (scene/emitters.h) */
 } light_draws;
 
 /* The lights as points see them, for the choice among them (light/light.h). The first ones are

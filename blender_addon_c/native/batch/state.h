@@ -41,7 +41,7 @@ typedef struct batch {
   walks walks[2];
   lane_u chosen; /* by ray: the hit it starts from */
   lane_c sum;    /* reflected light of all lights */
-  lane_u missed; /* by number: a ray that meets nothing */
+  lane_u missed; /* by number: a ray that meets nothing; then by ray: what it meets is dark */
   lane_v toward; /* its direction, or one that a light sample of the sky goes to */
   lane_c sky;    /* what is there */
   lane_f sky_pdf;

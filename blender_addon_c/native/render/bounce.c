@@ -169,6 +169,47 @@ static void unlink(const worker *w, uint32_t link, float *restrict gives) {
     gives[i] = (uint32_t)plane_object(s, b, i)->unlit & link ? 0.0f : gives[i];
 }
 
+/* The same of the instances that shine, for the light samples from place begin to end. What some
+ * alone shade is found by these alone, as lamps are: drawn rays would ask for no shadow. */
+static void unlink_emitters(worker *w, size_t begin, size_t end) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  for (size_t k = begin; k < end; k++) {
+    const instance *of = &s->instance[s->emitters.instance[b->drawn.triangle[k]]];
+    if ((uint32_t)plane_object(s, b, b->choice.lane[k])->unlit & of->link)
+      b->drawn.e[k] = 0.0f;
+    if (of->shade)
+      b->drawn.pdf[k] = 0.0f;
+  }
+}
+
+/* Does an instance not shine for what has cast this ray? lit: light samples find its light, too. */
+static bool is_dark(const instance *of, const walks *walk, size_t ray, bool lit) {
+  bool seen = (walk->ray[ray] & RAY_CAMERA) != 0;
+  return (of->link & walk->unlit[ray]) || (of->shade && lit && !seen);
+}
+
+/* What hits shine with, where it is not for the surface before. */
+static void hide_emission(worker *w) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  for (size_t i = 0; i < b->queue.hits; i++)
+    if (is_dark(plane_object(s, b, i), b->walk, b->queue.lane[i], false))
+      b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = 0.0f;
+}
+
+/* What lights the surfaces from which paths go on. */
+static void carry_unlit(worker *w, size_t rays) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  for (size_t k = 0; k < rays; k++) {
+    uint32_t i = b->chosen[k];
+    bool straight = (b->draw.kind[i] & BOUNCE_MASK) == BOUNCE_TRANSPARENT;
+    b->next->unlit[k] =
+        straight ? b->walk->unlit[b->queue.lane[i]] : (uint32_t)plane_object(s, b, i)->unlit;
+  }
+}
+
 /* One light on all hits. */
 static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   const light *l = &w->scene->light[number];
@@ -284,7 +325,11 @@ static void find_shades(worker *w) {
   batch *b = w->batch;
   for (size_t i = 0; i < b->queue.hits; i++) {
     uint32_t k = b->choice.number[i];
-    b->light.shade[i] = k < s->lights ? s->light[k].common.shade : 0;
+    bool shines = k != LIGHT_NONE && k >= s->lights && !is_sky(s, k);
+    b->light.shade[i] =
+        k < s->lights ? s->light[k].common.shade
+        : shines ? s->instance[s->emitters.instance[b->drawn.triangle[b->choice.place[i]]]].shade
+                 : 0;
   }
 }
 
@@ -307,6 +352,8 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
     } else if (w->end[k] > begin) {
       s->stages->lit_by_emitters(begin, w->end[k], &b->choice, hits_lifted(w), &s->emitters,
                                  &b->surface, &b->light, &b->drawn);
+      if (s->chosen_emitters)
+        unlink_emitters(w, begin, w->end[k]);
       clock_tick(&w->clocks, CLOCK_EMITTERS);
     }
   }
@@ -353,6 +400,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   if (b->input.blurs)
     s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
   closures_weigh(w, bounce == 0);
+  if (s->chosen_emitters && w->later)
+    hide_emission(w);
   if (s->holds && !w->observer)
     closures_hold(w, view);
   w->aims = w->observer || bounce >= s->max_bounces ? 0 : s->aims.count;
@@ -398,6 +447,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
     s->carry(rays, b->chosen, q->lane, &b->surface, b->walk, b->next);
   if (w->scene->routed)
     s->trail(rays, b->chosen, &b->surface, &b->draw, b->next);
+  if (w->scene->chosen_emitters)
+    carry_unlit(w, rays);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
 }
@@ -433,8 +484,12 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   if (s->emitters.count) {
     if (weight)
       s->stages->weigh_emitters(rays, &s->emitters, &b->walk->from, weight);
+    for (size_t k = 0; s->chosen_emitters && k < rays; k++)
+      b->missed[k] = b->sample_hit.record[k] != RECORD_MISS &&
+                     is_dark(plane_object_of(s, b, &b->sample_hit, k), b->walk, k, true);
     s->stages->met_emitters(rays, &s->emitters, s->triangle, b->placed, &b->sample_hit,
-                            &b->sample_ray, b->walk, weight, &b->met);
+                            &b->sample_ray, b->walk, weight, s->chosen_emitters ? b->missed : NULL,
+                            &b->met);
   }
   s->stages->gain(rays, most, 1, b->queue.identity, b->walk, &b->met, &b->sample_color);
   if (w->light)
@@ -501,6 +556,7 @@ static void begin_walks(worker *w, size_t count) {
     b->walk->least[i] = INFINITY;
   }
   memset(b->walk->ends, 0, count * sizeof(uint32_t));
+  memset(b->walk->unlit, 0, count * sizeof(uint32_t));
   for (int kind = 0; kind < BOUNCE_KINDS; kind++)
     memset(b->walk->bounces[kind], 0, count * sizeof(uint32_t));
 }

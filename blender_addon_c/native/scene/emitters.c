@@ -35,7 +35,7 @@ static double fill(const mesh *m, size_t t, const double matrix[12], const float
 }
 
 /* The triangles, one after the other: counted, or filled in where there is room. */
-static size_t gather(const scene *s, float *row, double *bright) {
+static size_t gather(const scene *s, float *row, double *bright, uint32_t *instance_of) {
   size_t count = 0;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++) {
     const mesh *m = &s->mesh[in->mesh];
@@ -43,8 +43,10 @@ static size_t gather(const scene *s, float *row, double *bright) {
       const material *of = &s->material[m->material[t]];
       if (!of->shines)
         continue;
-      if (row)
+      if (row) {
         bright[count] = fill(m, t, in->matrix, of->radiance, row + EMITTER_ROW * count);
+        instance_of[count] = (uint32_t)(in - s->instance);
+      }
       count++;
     }
   }
@@ -78,16 +80,17 @@ static void find_ball(emitters *e, const double *bright, double all) {
 
 bool emitters_build(scene *s) {
   emitters *e = &s->emitters;
-  size_t count = gather(s, NULL, NULL);
+  size_t count = gather(s, NULL, NULL, NULL);
   if (!count || count > INT32_MAX / EMITTER_ROW)
     return true; /* so many are met by drawn rays alone */
   double *bright = malloc(count * sizeof *bright), all = 0, below = 0;
   e->row = calloc(count, EMITTER_ROW * sizeof *e->row);
+  e->instance = malloc(count * sizeof *e->instance);
   e->sum = malloc((count + 1) * sizeof *e->sum);
   e->material = calloc(s->materials, 4 * sizeof *e->material);
-  bool good = bright && e->row && e->sum && e->material;
+  bool good = bright && e->row && e->instance && e->sum && e->material;
   if (good) {
-    gather(s, e->row, bright);
+    gather(s, e->row, bright, e->instance);
     for (size_t i = 0; i < count; i++)
       all += bright[i];
     for (size_t i = 0; i <= count; i++) {
@@ -111,6 +114,7 @@ bool emitters_build(scene *s) {
 
 void emitters_free(emitters *e) {
   free(e->row);
+  free(e->instance);
   free(e->sum);
   free(e->material);
 }

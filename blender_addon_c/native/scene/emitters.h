@@ -8,22 +8,17 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
-/* One triangle: corner, the edges from it, radiance, and the sum of shares before it. Nine and
- * three numbers in rows of 16. */
-enum {
-  EMITTER_CORNER = 0,
-  EMITTER_EDGE = 3,
-  EMITTER_COLOR = 9,
-  EMITTER_SHARE = 12,
-  EMITTER_ROW = 16
-};
+/* One triangle: corner, the edges from it, radiance. Nine and three numbers in rows of 16. */
+enum { EMITTER_CORNER = 0, EMITTER_EDGE = 3, EMITTER_COLOR = 9, EMITTER_ROW = 16 };
 
 typedef struct emitters {
   size_t count;
-  float *row;      /* EMITTER_ROW numbers each */
-  float *sum;      /* part of the light of those before; count + 1 */
-  float *material; /* by number: radiance, density per area of its points; or 0 */
+  float *row;         /* EMITTER_ROW numbers each */
+  uint32_t *instance; /* by triangle: its number */
+  float *sum;         /* part of the light of those before; count + 1 */
+  float *material;    /* by number: radiance, density per area of its points; or 0 */
   float bright; /* brightness times area of all; a point of brightness b has b / bright as density,
                    1/m² */
   float power;  /* intensity, as of a light that is far */

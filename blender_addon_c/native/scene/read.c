@@ -131,6 +131,19 @@ static bool read_kind_of_light(reader *r, light *l) {
   return false;
 }
 
+/* The bits of a light that is for some instances alone, and of one that some alone shade; or 0. */
+static bool read_links(reader *r, scene *s, uint32_t *link, uint32_t *shade) {
+  int bit[2] = {-1, -1};
+  if ((reader_has(r, "link") && !reader_integer(r, "link", 0, LINKS_MOST - 1, &bit[0])) ||
+      (reader_has(r, "shade") && !reader_integer(r, "shade", 0, LINKS_MOST - 1, &bit[1])))
+    return false;
+  *link = bit[0] < 0 ? 0 : 1u << bit[0];
+  *shade = bit[1] < 0 ? 0 : 1u << bit[1];
+  s->links |= *link != 0;
+  s->shades |= *shade != 0;
+  return true;
+}
+
 /* met: missing means yes. Light that throws no shadows would be met only where nothing is before
  * it: it is sampled alone. */
 static bool read_light(reader *r, void *out, void *context) {
@@ -144,17 +157,9 @@ static bool read_light(reader *r, void *out, void *context) {
       (reader_has(r, "hidden") && !reader_integer(r, "hidden", 0, RAY_BOUNCED, &hidden)))
     return false;
   c->hidden = (uint32_t)hidden;
-  int link = -1;
-  if (reader_has(r, "link") && !reader_integer(r, "link", 0, LINKS_MOST - 1, &link))
-    return false;
-  c->link = link < 0 ? 0 : 1u << link;
-  s->links |= link >= 0;
   s->hides |= hidden != 0;
-  int shade = -1;
-  if (reader_has(r, "shade") && !reader_integer(r, "shade", 0, LINKS_MOST - 1, &shade))
+  if (!read_links(r, s, &c->link, &c->shade))
     return false;
-  c->shade = shade < 0 ? 0 : 1u << shade;
-  s->shades |= shade >= 0;
   c->met = met && c->soft && c->shadow && !c->link && !c->shade;
   for (int k = 0; k < 3; k++) /* a highlight of what is brighter would be no number */
     c->color[k] = fminf(fmaxf(c->color[k], -1e30f), 1e30f);
@@ -467,6 +472,9 @@ static bool read_instance(reader *r, void *out, void *context) {
   memcpy(in->matrix, matrix, sizeof in->matrix);
   if (!read_motion(r, &in->motion))
     return false;
+  if (!read_links(r, s, &in->link, &in->shade))
+    return false;
+  s->chosen_emitters |= in->link || in->shade;
   in->unmoved = reader_has(r, "motion") && !in->motion.steps;
   s->moves |= in->unmoved || in->motion.steps || s->mesh[in->mesh].steps;
   for (int k = 0; k < 4; k++)

@@ -110,6 +110,8 @@ typedef struct instance {
   int hidden;        /* ray_kinds that do not see it */
   int unlit;         /* bits of lights that do not light it, */
   int shadeless;     /* and of those that it does not shade */
+  uint32_t link;     /* its own bit where what it shines lights some alone, or 0 */
+  uint32_t shade;    /* and where some alone shade that */
   float color[4], random, metres[2];
   motion motion;
   size_t base;  /* of its mesh's positions among those that Embree reads */
@@ -220,6 +222,7 @@ typedef struct scene {
   bool meets;                        /* drawn rays may meet light */
   bool links;                        /* some light is for some instances alone */
   bool shades;                       /* some light is shaded by some instances alone */
+  bool chosen_emitters;              /* either is said of an instance that may shine */
   bool hides;                        /* some light is hidden from some kinds of ray */
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;

@@ -78,6 +78,7 @@ LEAF void lit_by_emitters(bool lifted, size_t begin, size_t end, const light_cho
     out->tfar[k] = distance - 2.0f * SURFACE_OFFSET * (reach + distance);
     out->e[k] = shines ? 1.0f / (shines ? pdf : 1.0f) : 0.0f;
     out->pdf[k] = shines ? pdf : 0.0f;
+    out->triangle[k] = (uint32_t)t;
     out->color.r[k] = color.x;
     out->color.g[k] = color.y;
     out->color.b[k] = color.z;
@@ -94,13 +95,15 @@ static void stage_lit_by_emitters(size_t begin, size_t end, const light_choices 
 }
 
 /* What rays meet of them, into met, each with the share that is left to drawn rays. One by one: few
- * rays meet any. weight: as of stage_table.meet. */
+ * rays meet any. weight: as of stage_table.meet. dark: by ray, not 0 where what it meets does not
+ * shine for it; or NULL. */
 static void stage_met_emitters(size_t count, const emitters *e, const triangle *restrict triangles,
                                const placed *restrict table, const hits *restrict hit,
                                const rays *restrict ray, const walks *restrict walk,
-                               const float *restrict weight, lane_c *restrict met) {
+                               const float *restrict weight, const uint32_t *restrict dark,
+                               lane_c *restrict met) {
   for (size_t k = 0; k < count; k++) {
-    if (hit->record[k] == RECORD_MISS)
+    if (hit->record[k] == RECORD_MISS || (dark && dark[k]))
       continue;
     const float *of = e->material + 4 * (size_t)triangles[hit->record[k]].material;
     if (!(of[3] > 0.0f))

@@ -152,7 +152,7 @@ typedef struct stage_table {
                           light_draws *out);
   void (*met_emitters)(size_t count, const emitters *e, const triangle *triangles,
                        const placed *placed, const hits *hit, const rays *ray, const walks *walk,
-                       const float *weight, lane_c *met);
+                       const float *weight, const uint32_t *dark, lane_c *met);
 
   /* The image around everything (sky.h). */
   void (*sky)(size_t count, const sky *sky, const lane_v *d, lane_c *out);

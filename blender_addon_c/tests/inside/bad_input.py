@@ -212,7 +212,7 @@ def principled(scene):
 
 
 def light_linking(scene):
-    """Only from 4.0 on. Two objects' light is for some others."""
+    """Only from 4.0 on. Two objects' light is for some others; one of them does not shine."""
     ob, _tree, _node = plate(scene)
     lamp = next(ob for ob in scene.objects if ob.type == "LIGHT")
     if bpy.app.version >= (4, 0):

@@ -337,14 +337,20 @@ def _in_cycles(scene, samples):
     settings.pixel_filter_type = "BOX"
 
 
-def _matt(name, *color):
+def _plain(name, kind, color, **sockets):
+    """One shader node, of type ShaderNode<kind>."""
     material = bpy.data.materials.new(name)
     tree = common.tree_of(material)
     tree.nodes.clear()
-    shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    shader.inputs["Color"].default_value = (*color, 1)
+    shader = tree.nodes.new("ShaderNode" + kind)
+    for socket, value in {"Color": (*color, 1), **sockets}.items():
+        shader.inputs[socket].default_value = value
     tree.links.new(shader.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return material
+
+
+def _matt(name, *color):
+    return _plain(name, "BsdfDiffuse", color)
 
 
 def _key(owner, path, *values):
@@ -1491,7 +1497,8 @@ def _points(scene):
 
 def linked(options):
     """Three balls and a floor; a lamp for the first ball, one for all but the second, and one for all. Or, if
-    `shades`, that are shaded by these."""
+    `shades`, that are shaded by these. `shines`: plates that shine instead of the first two, and the third ball
+    is polished."""
     scene = common.empty_scene(64, 24, samples=options["samples"])
     scene.render.film_transparent = False
     common.plane(_matt("floor", 0.5, 0.5, 0.5), 12)
@@ -1500,10 +1507,20 @@ def linked(options):
         bpy.ops.mesh.primitive_uv_sphere_add(location=(x, 0, 0.7), radius=0.7)
         balls.append(common.added(_matt("ball", 0.6, 0.6, 0.6)))
         common.smooth(balls[-1].data)
+    if options.get("shines"):
+        balls[-1].data.materials[0] = _plain("polished", "BsdfAnisotropic", (0.8, 0.8, 0.8), Roughness=0.3)
     for color, place, ball, state in (((1, 0.1, 0.1), (-3, -2, 3), balls[0], "INCLUDE"),
                                       ((0.1, 1, 0.1), (3, -2, 3), balls[1], "EXCLUDE"), ((0.1, 0.1, 1), (0, -3, 3), None, "")):
-        lamp = common.light(scene, "POINT", 200, options["radius"], location=place)
-        lamp.data.color = color
+        if ball and options.get("shines"):
+            lamp = common.plane(_plain("plate", "Emission", color, Strength=20.0))
+            lamp.location, lamp.rotation_euler = place, (0, 0.6 if place[0] < 0 else -0.6, 0)
+            if options["shines"] == "unevenly":
+                tree = common.tree_of(lamp.data.materials[0])
+                shader = next(n for n in tree.nodes if n.type == "EMISSION")
+                tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs["Fac"], shader.inputs["Strength"])
+        else:
+            lamp = common.light(scene, "POINT", 200, options["radius"], location=place)
+            lamp.data.color = color
         if ball:
             collection = bpy.data.collections.new("some")
             collection.objects.link(ball)
