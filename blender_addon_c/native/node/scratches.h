@@ -159,6 +159,29 @@ static inline bool scratches_square(const scratches *s, double u, double v, cons
   return true;
 }
 
+/*
+ * One Gaussian of all slopes would be too dark at the peak and too bright in the tail, for those of
+ * the plate are 0: a ray is, by lot, of the plate or of its scratches, and mean and covariance over
+ * both as they were. How much of the footprint is scratched its slopes tell, which squared are in
+ * scratches as they are in the mean over the whole field. Is it of the scratches?
+ */
+static inline bool scratches_part(const scratches *s, float lot, shade_slopes *to) {
+  const scratch_slopes *all = s->squares.level[0];
+  const double x = to->mean[0], y = to->mean[1], mean2 = x * x + y * y;
+  const double square = to->covariance[0] + to->covariance[2] + mean2; /* in the mean */
+  const double deep = (double)(all->xx + all->yy) / fmax((double)s->share, 1e-3);
+  const double least = square > 0 ? mean2 / square : 1; /* fewer could not have that mean */
+  const double share = fmin(fmax(square / fmax(deep, 1e-30), least), 1), more = 1 / share - 1;
+  const bool in = (double)lot < share;
+  const double by = in ? 1 / share : 0;
+  to->mean[0] = by * x;
+  to->mean[1] = by * y;
+  to->covariance[0] = by * (to->covariance[0] - more * x * x);
+  to->covariance[1] = by * (to->covariance[1] - more * x * y);
+  to->covariance[2] = by * (to->covariance[2] - more * y * y);
+  return in;
+}
+
 /* A slope of a Gaussian of these, in place of its mean; nothing is left of its spread. */
 static inline void scratches_draw(scratch_lanes *to, size_t i, float u, float v) {
   const float xx = to->xx[i] > 1e-12f ? to->xx[i] : 0.0f, one = sqrtf(xx);
@@ -185,16 +208,14 @@ static inline void node_scratches_look(const node_scratches *n, lane_run g, bool
     shade_slopes s;
     if (!far || !scratches_square(n->of, u, v, side, lot, &s))
       shade_scratch_eval(n->of->field, u, v, far ? side : NULL, NULL, &s);
-    /* one Gaussian of all slopes would be too dark at the peak and too bright in the tail, for
-     * those of the plate are 0: a ray is of either part, and the covariance in the mean as it was
-     */
-    const bool in = far && scratches_lot(x[i], y[i], 0x51ed270bu) < n->of->share;
-    const float by = in ? 1.0f / n->of->share : 0.0f;
+    bool in = false;
+    if (far)
+      in = scratches_part(n->of, scratches_lot(x[i], y[i], 0x51ed270bu), &s);
     to->x[i] = (float)s.mean[0];
     to->y[i] = (float)s.mean[1];
-    to->xx[i] = by * (float)s.covariance[0];
-    to->xy[i] = by * (float)s.covariance[1];
-    to->yy[i] = by * (float)s.covariance[2];
+    to->xx[i] = in ? (float)s.covariance[0] : 0.0f;
+    to->xy[i] = in ? (float)s.covariance[1] : 0.0f;
+    to->yy[i] = in ? (float)s.covariance[2] : 0.0f;
     if (in && !n->filtered)
       scratches_draw(to, i, scratches_lot(x[i], y[i], 0x2545f491u),
                      scratches_lot(x[i], y[i], 0x9e3779b9u));
