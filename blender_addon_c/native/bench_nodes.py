@@ -8,7 +8,10 @@ A plate from above, matt, its colour by what the table's first column says; one 
 of a plate of one colour, in ns a vertex (least of the repetitions, by turns). --other: another build, by turns too.
     bytes, float     a look at a 2048 x 2048 sRGB image: points
     averaged ...     the same, by its pyramid (texture_blur .25), a pixel 8 texels wide
-    30 nodes         4 images of bytes, mapped, mixed, multiplied, a ramp, numbers: as materials are
+    30 nodes         4 images of bytes, mapped, mixed, multiplied, a ramp, numbers: as materials are; a pixel is
+                     24 texels wide, so that looks wait for memory
+    near             the same, a pixel 3 texels wide
+    near, averaged   as they are looked up with the default texture_blur
 """
 
 import argparse
@@ -34,15 +37,20 @@ def look(image=0, out=None, **more):
     return {"type": "IMAGE", "image": image, "out": out or COLOR, **more}
 
 
-def thirty():
-    """30 nodes, of kinds and in numbers as in material libraries."""
-    turned = {"type": "TRANSFORM", "vector": UV, "matrix": [3, 0, 0, .1, 0, 3, 0, .2, 0, 0, 1, 0], "unit": False,
-              "out": registers(24, 3)}
+def thirty(scale=3.0, averaged=False):
+    """30 nodes, of kinds and in numbers as in material libraries; 4 more tell what a pixel covers if images are
+    averaged."""
+    matrix, more = [scale, 0, 0, .1, 0, scale, 0, .2, 0, 0, 1, 0], {}
+    turned = {"type": "TRANSFORM", "vector": UV, "matrix": matrix, "unit": False, "out": registers(24, 3)}
     at = registers(24, 2)
     ramp = np.linspace(0, 1, 256, dtype=np.float32)[:, None].repeat(4, 1)
     made = [_UV, turned]
+    for k in range(2 if averaged else 0):
+        further = [*UV[:k], (60,), *UV[k + 1:]]
+        made += [math("ADD", UV[k], 0.125, (60,)), {**turned, "vector": further, "out": registers(54 + 3 * k, 3)}]
+        more = {"averaged": True, "near": [(54,), (55,), (57,), (58,)], "step": 0.125}
     for k in range(4):
-        made.append(look(k, registers(27 + 3 * k, 3), at=at))
+        made.append(look(k, registers(27 + 3 * k, 3), at=at, **more))
     for k in range(3):  # each channel of the second mixed into the first, then brightened
         made.append({"type": "MIX", "mode": "OVERLAY", "factor": [0.4], "a": [(27 + k,)], "b": [(30 + k,)], "out": [(39 + k,)]})
     made += [{"type": "RAMP", "table": ramp, "at": [(33,)], "smooth": True, "out": registers(42, 4)}]
@@ -67,6 +75,7 @@ def cases():
         "averaged bytes": ([look(**one)], COLOR, np.uint8, 0.25),
         "averaged float": ([look(**one)], COLOR, np.float32, 0.25),
         f"{len(nodes)} nodes": (nodes, color, np.uint8, 0.0),
+        "near": (*thirty(0.375), np.uint8, 0.0), "near, averaged": (*thirty(0.375, True), np.uint8, 0.25),
     }
 
 
