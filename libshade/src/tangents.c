@@ -23,6 +23,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kernel/coefficients.h"
+
 #define NOTHING UINT32_MAX
 
 /* What a triangle is, as bits. */
@@ -33,12 +35,14 @@ enum {
   FACET_DEGENERATE = 8, /* two corners at one place: no part in any group */
 };
 
-enum { PLACES = 2048, TRIANGLES = 8192 }; /* that one piece of work takes */
+enum { PLACES = 2048, TRIANGLES = 8192, POSITIONS = 8192 }; /* that one piece of work takes */
+enum { SHARES = 16, SHARE = 1 << 15 }; /* of all hashes at most; positions that are worth another */
 
 struct mesh {
   const float *position, *normal, *uv;
   const uint32_t *corner_position;
-  uint32_t corners, places;
+  uint32_t corners, positions, places;
+  uint32_t *hash;     /* per position, of its values; where `vertex` will be */
   uint32_t *place;    /* per position: where it is; those with equal values are at one place */
   uint32_t *start;    /* per place: its first in `corner`; one more at the end */
   uint32_t *corner;   /* corners, those of each place one after the other */
@@ -139,19 +143,47 @@ static uint64_t hash_pairs(const float *values, int pairs) {
   return h;
 }
 
-/* A position whose values are new gets the next place. `table` holds such positions, by their
- * values. */
-static uint32_t find_place(struct mesh *m, uint32_t position, uint32_t *table, uint32_t length) {
-  float mine[4], other[4];
-  place_values(m, position, mine);
-  uint32_t slot = first_slot(hash_pairs(mine, 2), length);
-  for (; table[slot] != NOTHING; slot = next_slot(slot, length)) {
-    place_values(m, table[slot], other);
-    if (memcmp(mine, other, sizeof mine) == 0)
-      return m->place[table[slot]];
+static void hash_position(const struct mesh *m, uint32_t position) {
+  float values[4];
+  place_values(m, position, values);
+  m->hash[position] = (uint32_t)(hash_pairs(values, 2) >> 32);
+}
+
+/* ---- of positions whose hashes are in one share: whose table stays in a near cache */
+
+static uint32_t shares_of(const struct mesh *m) {
+  const uint32_t shares = m->positions / SHARE + 1;
+  return shares < SHARES ? shares : SHARES;
+}
+
+/* Every position of the share takes the first with its values for a place. */
+static void find_firsts(const struct mesh *m, uint32_t share) {
+  const uint32_t shares = shares_of(m), *hash = m->hash;
+  const uint32_t from = (uint32_t)(((uint64_t)share << 32) / shares);
+  const uint32_t most = (uint32_t)(((uint64_t)(share + 1) << 32) / shares - 1) - from;
+  uint32_t before = 0, own = 0; /* how many positions are in lower shares, and in this */
+  for (uint32_t p = 0; p < m->positions; ++p) {
+    before += hash[p] < from;
+    own += hash[p] - from <= most;
   }
-  table[slot] = position;
-  return m->places++;
+  const uint32_t length = own + own / 2 + 1; /* of all shares at most 1.5 a position, and 1 each */
+  uint32_t *table = m->spare + before + before / 2 + share;
+  memset(table, 0xff, length * sizeof *table); /* NOTHING */
+  for (uint32_t p = 0; p < m->positions; ++p) {
+    float mine[4], other[4];
+    if (hash[p] - from > most)
+      continue;
+    place_values(m, p, mine);
+    uint32_t slot = first_slot((uint64_t)(hash[p] - from) * shares << 32, length);
+    for (; table[slot] != NOTHING; slot = next_slot(slot, length)) {
+      place_values(m, table[slot], other);
+      if (hash[table[slot]] == hash[p] && memcmp(mine, other, sizeof mine) == 0)
+        break;
+    }
+    if (table[slot] == NOTHING)
+      table[slot] = p;
+    m->place[p] = table[slot];
+  }
 }
 
 static uint32_t place_of(const struct mesh *m, uint32_t c) {
@@ -159,18 +191,19 @@ static uint32_t place_of(const struct mesh *m, uint32_t c) {
 }
 
 /* Places in the order in which corners come to them, and the corners of each: by counting. */
-static void gather(struct mesh *m, uint32_t positions) {
-  const uint32_t most = positions < m->corners ? positions : m->corners;
-  const uint32_t length = most + most / 2 + 1; /* less than 2 per corner, but for the last */
-  memset(m->place, 0xff, positions * sizeof *m->place); /* NOTHING */
-  memset(m->spare, 0xff, length * sizeof *m->spare);    /* NOTHING */
+static void gather(struct mesh *m) {
+  const uint32_t most = m->positions < m->corners ? m->positions : m->corners;
+  uint32_t *number = m->spare;                         /* of the place of a first position */
+  memset(number, 0xff, m->positions * sizeof *number); /* NOTHING */
   memset(m->start, 0, ((size_t)most + 1) * sizeof *m->start);
   for (uint32_t c = 0; c < m->corners; ++c) {
-    const uint32_t position = m->corner_position[c];
-    if (m->place[position] == NOTHING)
-      m->place[position] = find_place(m, position, m->spare, length);
-    ++m->start[m->place[position]];
+    uint32_t *place = &number[place_of(m, c)];
+    if (*place == NOTHING)
+      *place = m->places++;
+    ++m->start[*place];
   }
+  for (uint32_t p = 0; p < m->positions; ++p)
+    m->place[p] = number[m->place[p]];
   uint32_t end = 0;
   for (uint32_t p = 0; p <= m->places; ++p) /* ends, which counting down makes the starts */
     m->start[p] = end += p < m->places ? m->start[p] : 0;
@@ -191,10 +224,21 @@ static void values_of(const struct mesh *m, uint32_t c, float out[6]) {
 
 static void weld(const struct mesh *m, uint32_t place) {
   const uint32_t first = m->start[place], end = m->start[place + 1], length = 2 * (end - first);
-  uint32_t *table = m->spare + 2 * (size_t)first;
+  uint32_t *table = m->spare + 2 * (size_t)first, k = first;
+  float mine[6], other[6];
+  if (first == end)
+    return;
+  values_of(m, m->corner[first], other);
+  for (; k < end; ++k) { /* most often all are alike */
+    values_of(m, m->corner[k], mine);
+    if (memcmp(mine, other, sizeof mine) != 0)
+      break;
+    m->vertex[m->corner[k]] = m->corner[first];
+  }
+  if (k == end)
+    return;
   memset(table, 0xff, length * sizeof *table); /* NOTHING */
-  for (uint32_t k = first; k < end; ++k) {
-    float mine[6], other[6];
+  for (k = first; k < end; ++k) {
     values_of(m, m->corner[k], mine);
     uint32_t slot = first_slot(hash_pairs(mine, 3), length);
     for (; table[slot] != NOTHING; slot = next_slot(slot, length)) {
@@ -299,6 +343,19 @@ static uint32_t across_entering(const struct mesh *m, uint32_t c) {
   return m->opposite[previous_corner(c)];
 }
 
+/* The angle of (x, y) from the x axis, y >= 0: atan2 in a third of its time. */
+static double angle_of(double y, double x) {
+  const double pi = 3.14159265358979323846, ax = fabs(x);
+  const double low = y < ax ? y : ax, high = y < ax ? ax : y;
+  const int steep = low > 0.41421356237309504880 * high; /* tan(pi/8) */
+  const double top = steep ? low - high : low, bottom = steep ? low + high : high;
+  const double s = bottom > 0 ? top / bottom : 0;
+  double a = s + s * (s * s) * SHADE_ATAN_D(s * s);
+  a = steep ? a + pi / 4 : a;
+  a = y > ax ? pi / 2 - a : a;
+  return x < 0 ? pi - a : a;
+}
+
 /* Angle of the triangle at corner c, seen along the normal, in radians. */
 static double corner_angle(const struct mesh *m, uint32_t c, const double n[3]) {
   double p[3], a[3], b[3];
@@ -313,7 +370,7 @@ static double corner_angle(const struct mesh *m, uint32_t c, const double n[3]) 
     return 0;
   double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
                      a[0] * b[1] - a[1] * b[0]};
-  return atan2(sqrt(dot(cross, cross)), dot(a, b));
+  return angle_of(sqrt(dot(cross, cross)), dot(a, b));
 }
 
 /*
@@ -439,6 +496,16 @@ static void classify_piece(void *context, size_t piece) {
     classify(m, t);
 }
 
+static void hash_piece(void *context, size_t piece) {
+  const struct mesh *m = context;
+  for (uint32_t p = (uint32_t)piece * POSITIONS, end = most(p, POSITIONS, m->positions); p < end;
+       ++p)
+    hash_position(m, p);
+}
+static void firsts_piece(void *context, size_t piece) {
+  find_firsts(context, (uint32_t)piece);
+}
+
 #define OVER_PLACES(name, what)                                                                    \
   static void name##_piece(void *context, size_t piece) {                                          \
     const struct mesh *m = context;                                                                \
@@ -461,8 +528,10 @@ static uint32_t pieces(uint32_t count, uint32_t step) {
   return count / step + (count % step != 0);
 }
 
-static long solve(struct mesh *m, uint32_t positions, shade_each *each, void *pool) {
-  gather(m, positions);
+static long solve(struct mesh *m, shade_each *each, void *pool) {
+  each(pool, pieces(m->positions, POSITIONS), hash_piece, m);
+  each(pool, shares_of(m), firsts_piece, m);
+  gather(m);
   const uint32_t parts = pieces(m->places, PLACES);
   each(pool, parts, weld_piece, m);
   each(pool, pieces(m->corners / 3, TRIANGLES), classify_piece, m);
@@ -496,8 +565,11 @@ long shade_mesh_tangents_by(size_t triangles, const float *position,
   if (positions > UINT32_MAX - 1)
     return -1;
   const size_t places = positions < corners ? positions : corners;
+  /* room for hashes and their tables where many positions are at no corner */
+  const size_t vertices = positions < corners ? corners : positions, spare = 2 * vertices + SHARES;
   uint32_t *memory =
-      malloc((6 * corners + positions + places + 2) * sizeof *memory + triangles + places);
+      malloc((vertices + spare + 3 * corners + positions + places + 2) * sizeof *memory +
+             triangles + places);
   if (!memory)
     return -1;
   struct mesh m = {
@@ -506,18 +578,20 @@ long shade_mesh_tangents_by(size_t triangles, const float *position,
       .uv = corner_uv,
       .corner_position = corner_position,
       .corners = (uint32_t)corners,
+      .positions = (uint32_t)positions,
+      .hash = memory,
       .vertex = memory,
-      .opposite = memory + corners,
-      .group = memory + 2 * corners,
-      .corner = memory + 3 * corners,
-      .spare = memory + 4 * corners,
-      .place = memory + 6 * corners,
-      .start = memory + 6 * corners + positions,
-      .facet = (uint8_t *)(memory + 6 * corners + positions + places + 2),
+      .spare = memory + vertices,
+      .opposite = memory + vertices + spare,
+      .group = memory + vertices + spare + corners,
+      .corner = memory + vertices + spare + 2 * corners,
+      .place = memory + vertices + spare + 3 * corners,
+      .start = memory + vertices + spare + 3 * corners + positions,
+      .facet = (uint8_t *)(memory + vertices + spare + 3 * corners + positions + places + 2),
       .tangent = corner_tangent,
   };
   m.held = m.facet + triangles;
-  const long without = solve(&m, (uint32_t)positions, each ? each : one_by_one, pool);
+  const long without = solve(&m, each ? each : one_by_one, pool);
   free(memory);
   return without;
 }
