@@ -6,6 +6,8 @@ native module makes; GENERATED, places in the object's texture space; COLOR, a c
 active one); ATTRIBUTE, any other.
 """
 
+import ctypes
+
 import numpy as np
 
 _WIDTHS = {"UV": 2}  # the others have four
@@ -33,6 +35,24 @@ def read(collection, attribute, width, dtype=np.float32):
     values = np.empty(len(collection) * width, dtype)
     collection.foreach_get(attribute, values)
     return values
+
+
+def integers(items, attribute, width):
+    """The same of the integers that each item begins with, where items lie in one array: Blender asks for each by itself,
+    which takes most of the time that a mesh does."""
+    count = len(items)
+    if count < 64:
+        return read(items, attribute, width, np.int32)
+    first, second, last = (items[at].as_pointer() for at in (0, 1, count - 1))
+    step = second - first
+    if step % 4 or not 4 * width <= step <= 16 or last != first + (count - 1) * step:
+        return read(items, attribute, width, np.int32)
+    there = np.ctypeslib.as_array((ctypes.c_int32 * (count * step // 4)).from_address(first)).reshape(count, step // 4)
+    values = there[:, :width].copy()
+    for at in (0, count // 2, count - 1):
+        if not np.array_equal(values[at], np.ravel(getattr(items[at], attribute))):
+            return read(items, attribute, width, np.int32)
+    return values.ravel()
 
 
 def uv_layer(mesh, name, owner, messages):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .layers import data_of, read, uv_layer, uvs_of
+from .layers import data_of, integers, read, uv_layer, uvs_of
 from .size import unit_size
 
 
@@ -15,7 +15,7 @@ def mesh_of(ob, mesh, slots, way, table, motion, messages):
     triangles = mesh.loop_triangles
     if not triangles:
         return None
-    corners = read(triangles, "loops", 3, np.int32)
+    corners = integers(triangles, "loops", 3)
     triangle_materials, used = _triangle_materials(mesh, slots or [None], way, table)
     positions = read(mesh.vertices, "co", 3, np.float32)
     if not np.isfinite(positions).all():
@@ -60,7 +60,7 @@ def _corner_positions(mesh, corners):
     shared = mesh.attributes.get(".corner_vert")  # from 3.6 on, and many times faster
     if shared:
         return read(shared.data, "value", 1, np.int32)[corners]
-    return read(mesh.loop_triangles, "vertices", 3, np.int32)
+    return integers(mesh.loops, "vertex_index", 1)[corners]
 
 
 def _corner_normals(mesh, corners):

@@ -22,10 +22,12 @@
   F(rtcNewScene)                                                                                   \
   F(rtcReleaseScene)                                                                               \
   F(rtcCommitScene)                                                                                \
+  F(rtcSetSceneBuildQuality)                                                                       \
   F(rtcSetSceneFlags)                                                                              \
   F(rtcSetSceneProgressMonitorFunction)                                                            \
   F(rtcNewGeometry)                                                                                \
   F(rtcReleaseGeometry)                                                                            \
+  F(rtcSetGeometryBuildQuality)                                                                    \
   F(rtcCommitGeometry)                                                                             \
   F(rtcAttachGeometryByID)                                                                         \
   F(rtcSetSharedGeometryBuffer)                                                                    \
@@ -144,6 +146,8 @@ static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned nu
     embree.rtcSetGeometryIntersectFilterFunction(geometry, look_away);
     embree.rtcSetGeometryOccludedFilterFunction(geometry, look_away);
   }
+  if (input->hasty && to != a->scene)
+    embree.rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
   embree.rtcCommitGeometry(geometry);
   embree.rtcAttachGeometryByID(to, geometry, number);
   embree.rtcReleaseGeometry(geometry);
@@ -206,6 +210,8 @@ static enum RTCError fill(accel *a, const accel_input *input, const atomic_bool 
     RTCScene part = a->part[a->parts] = new_scene(a, cancel);
     if (!part)
       break;
+    if (input->hasty) /* both say so: else the builder is another, but no quicker one */
+      embree.rtcSetSceneBuildQuality(part, RTC_BUILD_QUALITY_LOW);
     attach_part(a, part, input, &input->part[a->parts]);
     embree.rtcCommitScene(part);
     status = embree.rtcGetDeviceError(a->device);

@@ -241,6 +241,7 @@ typedef struct scene {
   void *world[3];          /* positions and indices, for Embree */
   struct world_plan *plan; /* how all these lie there, where another scene may take them over */
   bool built;
+  bool hasty; /* a mesh of the scene before was edited, and soon may be again: see accel_input */
   accel *accel;
 } scene;
 

@@ -720,7 +720,8 @@ static bool build_accel(build *b) { /* or places it again, where there is one */
                        .instance = reference,
                        .quad_hidden = s->hidden,
                        .triangle_hidden = s->hidden ? s->hidden + 2 * s->quad_count : NULL,
-                       .timed = s->timed};
+                       .timed = s->timed,
+                       .hasty = s->hasty};
   error[0] = 0;
   if (good && s->accel)
     good = accel_place(s->accel, &input, error, sizeof error);
@@ -762,6 +763,7 @@ static bool same_world(const scene *a, const scene *b) {
 
 void world_take(scene *to, scene *from) {
   world_plan *plan = from->plan;
+  to->hasty = plan || from->hasty; /* until its world turns out to be the same */
   if (!plan || !same_world(to, from))
     return;
   build now = plan->made;
@@ -778,6 +780,7 @@ void world_take(scene *to, scene *from) {
     plan->own_moved = plan->own_moved || (moved && !reference);
   }
   plan->made = now;
+  to->hasty = from->hasty;
   for (size_t i = 0; i < now.own; i++)
     now.share[i].matrix = to->instance[now.share[i].object].matrix;
   to->plan = plan;

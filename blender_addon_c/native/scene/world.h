@@ -9,7 +9,7 @@
 bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_times *times);
 
 /* The world of a scene that is built goes over to one that is read, where its meshes are the same;
- * else nothing happens. world_build then moves what has moved. */
+ * world_build then moves what has moved. Else that makes haste. */
 void world_take(scene *to, scene *from);
 void world_plan_free(struct world_plan *plan);
 

@@ -2,7 +2,8 @@
 """A window with a mesh of many triangles in Rendered mode, edited: seconds to its first new picture, and of what.
 
 heavy.py LOG SIDE TIMES. The mesh is a grid of SIDE x SIDE quads. Logs "ready TRIANGLES", per edit "EDIT name seconds
-reading SECONDS bvh SECONDS", the first of which has a new picture over the whole region, and "done".
+reading SECONDS bvh SECONDS cpu SECONDS" (cpu: of all cores, Blender's drawing too), the first of which has a new picture over the
+whole region, and "done".
 """
 
 import os
@@ -73,7 +74,7 @@ class Measuring:
 
     def __init__(self):
         self.left = [edit for edit in EDITS for _ in range(times)]
-        self.began, self.name, self.first, self.reading = None, "", True, 0.0
+        self.began, self.spent, self.name, self.first, self.reading = None, 0.0, "", True, 0.0
         self.idle = False
 
     def step(self):
@@ -84,7 +85,7 @@ class Measuring:
             return None
         edit = self.left.pop(0)
         self.idle, self.first, self.reading, self.name = False, True, 0.0, edit.__name__
-        self.began = time.perf_counter()
+        self.began, self.spent = time.perf_counter(), time.process_time()
         edit()
         return TICK
 
@@ -103,7 +104,8 @@ class Measuring:
             if self.began and self.first and viewport._finished and not viewport._waiting and not viewport._changed:
                 took, spent = time.perf_counter() - self.began, native.timings(viewport._job)
                 self.first = False
-                log(f"EDIT {self.name} {took:.3f} reading {self.reading:.3f} bvh {spent['mesh'] + spent['bvh']:.3f}")
+                log(f"EDIT {self.name} {took:.3f} reading {self.reading:.3f} bvh {spent['mesh'] + spent['bvh']:.3f} "
+                    f"cpu {time.process_time() - self.spent:.3f}")
             if not told[1]:
                 self.idle = True
             return told
