@@ -83,10 +83,28 @@ static int column_has_streaks(const shade_fabric *f, double du, double dv) {
   return f->uneven && longer > 0 && shorter < STREAKS_END;
 }
 
-/* The columns of lane `lane` over a footprint about (u, v), with the streaks of uneven yarns. */
-static void column_streaks(const shade_fabric *f, double u, double v, double du, double dv,
-                           const column_axis *x, const column_axis *y, size_t lane,
-                           double column[COLUMNS]);
+/* What is seen of the yarns of one direction in a footprint: column_yarns.h. */
+typedef struct column_yarns {
+  double brightness, fill;
+} column_yarns;
+
+/* Lanes whose yarns are looked at side by side: those of a small footprint fill no vector. */
+enum { STREAK_LANES = 32 };
+typedef struct column_group {
+  size_t count;
+  size_t lane[STREAK_LANES];                               /* of the axes */
+  double centre[2][STREAK_LANES], extent[2][STREAK_LANES]; /* across the weft's yarns, the warp's */
+  column_yarns yarns[2][STREAK_LANES];
+} column_group;
+
+/* Another lane of a group, with a footprint about (u, v); all their yarns; the columns of one of
+ * them with its streaks. */
+static void column_group_add(column_group *g, size_t lane, double u, double v, double du,
+                             double dv);
+static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
+                              column_group *g);
+static void column_streaked(const shade_fabric *f, const column_yarns yarns[2],
+                            double column[COLUMNS]);
 
 /* How many are read of a fabric. */
 static int column_count(const shade_fabric *f) {

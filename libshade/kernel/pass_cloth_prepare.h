@@ -279,13 +279,28 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
     const int count = column_count(f);
     column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
     column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
-    for (size_t j = 0; j < p->far_count; j++) {
-      const int i = p->far[j];
-      column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
-      if (column_has_streaks(f, p->du[i], p->dv[i]))
-        column_streaks(f, p->u[i], p->v[i], p->du[i], p->dv[i], &x, &y, j, column);
-      for (int k = 0; k < count; k++)
-        columns[k * WIDE + (int)j] = (real)column[k];
+    column_group group;
+    for (size_t begin = 0; begin < p->far_count; begin += STREAK_LANES) {
+      const size_t left = p->far_count - begin,
+                   end = begin + (left < STREAK_LANES ? left : STREAK_LANES);
+      group.count = 0;
+      for (size_t j = begin; j < end; j++) {
+        const int i = p->far[j];
+        if (column_has_streaks(f, p->du[i], p->dv[i]))
+          column_group_add(&group, j, p->u[i], p->v[i], p->du[i], p->dv[i]);
+      }
+      column_look_group(f, &x, &y, &group);
+      for (size_t j = begin, next = 0; j < end; j++) {
+        const int i = p->far[j];
+        column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
+        if (next < group.count && group.lane[next] == j) {
+          const column_yarns yarns[2] = {group.yarns[0][next], group.yarns[1][next]};
+          column_streaked(f, yarns, column);
+          next++;
+        }
+        for (int k = 0; k < count; k++)
+          columns[k * WIDE + (int)j] = (real)column[k];
+      }
     }
   }
   const int whole = p->far_count == c->count;
