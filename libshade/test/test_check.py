@@ -293,6 +293,36 @@ def test_cloth_from_afar_in_shadow(far_cloth, tmp_path, monkeypatch, light, fill
     assert not report["pass"] and sum(cell["far"]["over"] for cell in report["cells"] if "far" in cell) == 1
 
 
+def far_field(far_cloth, path, seed):
+    """A large dump of hits of two cloths, seen from afar under one light: eight of the first at its highlight, 4,088 of the
+    last. Each is elsewhere on the cloth: a far value is the same, the points of its mean are not."""
+    dump = Dump(far_cloth)
+    hits = []
+    for material in 0, 3:
+        s = np.where((dump["tier"] == 2) & (dump["material.ID"] == material), dump["light0.S.G"], 0)
+        hits.append(dump.pixels[np.unravel_index(s.argmax(), s.shape)].copy())
+    dump.spec.width, dump.spec.height = 128, 32
+    dump.pixels = np.repeat(hits, [8, 128 * 32 - 8], axis=0).reshape(32, 128, -1)
+    random = np.random.default_rng(seed)
+    for channel in "uv.U", "uv.V":
+        dump[channel][:] = 50 * random.random((32, 128))
+    for plane in dump.planes("light1"):
+        plane[:] = 0
+    return dump.write(path), dump
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_sum_of_few_hits_from_afar(far_cloth, tmp_path, seed):
+    """Means of as few points as a large dump can have are 5 % off, and so are sums of few hits: those are asked again."""
+    path, dump = far_field(far_cloth, tmp_path / "field.exr", seed)
+    report = check_json(path)
+    far = {cell["material"]: cell["far"] for cell in report["cells"] if cell.get("far", {"values": 0})["values"]}
+    assert report["pass"] and far[0]["values"] == 24 and far[0]["sum"] < 0.02
+    for channel in "RGB":
+        dump[f"light0.S.{channel}"][0, :8] *= 1.08
+    assert not check_json(dump.write(tmp_path / "brighter.exr"))["pass"]
+
+
 @pytest.mark.parametrize("channel, factor, change", [
     ("uv.U", 1, 0.3), ("uv.V", 1, 0.3), ("foot.U", 0.3, 0), ("foot.V", 0.3, 0), ("tier", 1, 2)])
 def test_one_wrong_place_on_cloth(near_cloth, tmp_path, channel, factor, change):

@@ -65,6 +65,7 @@ typedef struct check_cell {
   size_t checked;
   double largest, sum; /* relative errors */
   double asked;        /* above this error, what rounding may do there is computed */
+  double doubted;      /* far hits whose doubt is above it are averaged over more points */
   double beyond;       /* the largest that is over the limit, less what rounding may do there */
   double beyond_sum;   /* the same of all: where the mean is over its limit, less that everywhere */
   size_t excused;      /* values over the limit, but not by more than rounding may do */
