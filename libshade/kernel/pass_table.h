@@ -182,29 +182,24 @@ static void FN(table_block)(const fabric_table *table, size_t count, FN(vec) wi,
   FN(pass_table_matt)(table, count, a, b, wi.z, wo.z, matt);
 }
 
-/* One lane: vectors of fields. */
-static void FN(table_lane)(const fabric_table *table, size_t i, FN(vec) wi, FN(vec) wo, real *spec,
+/* What is asked of a table in single lanes. */
+typedef struct FN(table_query) {
+  const fabric_table *table;
+  real wi[3], wo[3];
+} FN(table_query);
+
+/* The answer, from the places of h, wi and wo: vectors of fields. */
+LEAF void FN(table_answer)(const FN(table_query) * q, const FN(table_spot) at[3], real *spec,
                            real *matt) {
-  ARRAYS(wi);
-  ARRAYS(wo);
-  const real ix = wix[i], iy = wiy[i], iz = wiz[i], ox = wox[i], oy = woy[i], oz = woz[i];
-  const real x = ix + ox, y = iy + oy, z = iz + oz;
-  const real size = FN(root)(x * x + y * y + z * z), side = FABRIC_MATT_SIDE - 1;
+  const fabric_table *table = q->table;
+  const real *i = q->wi, *o = q->wo;
   ROOM f[FABRIC_FIELDS], a[FABRIC_RANK], b[FABRIC_RANK];
-  FN(table_fetch_spec)
-  (table->spec, table->columns,
-   FN(table_find)(x, y, z, size, (real)(table->columns - 1), (real)(table->rows - 1),
-                  table->columns),
-   f);
-  FN(table_fetch_matt)
-  (table->matt[0], FABRIC_MATT_SIDE, FN(table_find)(ix, iy, iz, 1, side, side, FABRIC_MATT_SIDE),
-   a);
-  FN(table_fetch_matt)
-  (table->matt[1], FABRIC_MATT_SIDE, FN(table_find)(ox, oy, oz, 1, side, side, FABRIC_MATT_SIDE),
-   b);
-  const FN(table_turned) v =
-      FN(table_turn)(ix, iy, iz, ox, oy, oz, (real)table->unit[FABRIC_ALONG] * f[FABRIC_ALONG] - 1,
-                     (real)table->unit[FABRIC_VARIANCE] * f[FABRIC_VARIANCE]);
+  FN(table_fetch_spec)(table->spec, table->columns, at[0], f);
+  FN(table_fetch_matt)(table->matt[0], FABRIC_MATT_SIDE, at[1], a);
+  FN(table_fetch_matt)(table->matt[1], FABRIC_MATT_SIDE, at[2], b);
+  const FN(table_turned) v = FN(table_turn)(
+      i[0], i[1], i[2], o[0], o[1], o[2], (real)table->unit[FABRIC_ALONG] * f[FABRIC_ALONG] - 1,
+      (real)table->unit[FABRIC_VARIANCE] * f[FABRIC_VARIANCE]);
   real sum = 0, more = 0;
 #pragma omp simd reduction(+ : sum)
   for (int k = 0; k < FABRIC_FIELDS; k++)
@@ -212,9 +207,58 @@ static void FN(table_lane)(const fabric_table *table, size_t i, FN(vec) wi, FN(v
            FN(table_strip)(v, (real)table->tilt[k], (real)table->spread[k]);
   for (int k = 0; k < FABRIC_RANK; k++)
     more += (real)table->matt_unit[k] * a[k] * b[k];
-  const int lit = FN(minimum)(iz, oz) > 0;
+  const int lit = FN(minimum)(i[2], o[2]) > 0;
   *spec = lit ? sum / v.cosine : 0;
   *matt = lit ? FN(maximum)(more, 0) : 0;
+}
+
+static void FN(table_lane)(const fabric_table *table, size_t i, FN(vec) wi, FN(vec) wo, real *spec,
+                           real *matt) {
+  ARRAYS(wi);
+  ARRAYS(wo);
+  const FN(table_query) q = {table, {wix[i], wiy[i], wiz[i]}, {wox[i], woy[i], woz[i]}};
+  const real x = wix[i] + wox[i], y = wiy[i] + woy[i], z = wiz[i] + woz[i];
+  const real size = FN(root)(x * x + y * y + z * z), side = FABRIC_MATT_SIDE - 1;
+  const FN(table_spot) at[3] = {
+      FN(table_find)(x, y, z, size, (real)(table->columns - 1), (real)(table->rows - 1),
+                     table->columns),
+      FN(table_find)(wix[i], wiy[i], wiz[i], 1, side, side, FABRIC_MATT_SIDE),
+      FN(table_find)(wox[i], woy[i], woz[i], 1, side, side, FABRIC_MATT_SIDE),
+  };
+  FN(table_answer)(&q, at, spec, matt);
+}
+
+/* Both sides of a cloth: all that is looked up is found in one vector. */
+static void FN(table_sides)(const FN(table_query) q[2], real spec[2], real matt[2]) {
+  enum { LOOKS = 8 }; /* of h, wi and wo of either side; two are none */
+  ROOM x[LOOKS], y[LOOKS], z[LOOKS], whole[LOOKS], right[LOOKS], top[LOOKS], px[LOOKS], py[LOOKS];
+  _Alignas(64) int32_t at[LOOKS], columns[LOOKS];
+  FN(table_spot) spot[LOOKS];
+  for (size_t k = 0; k < 2; k++) {
+    const real *i = q[k].wi, *o = q[k].wo;
+    const size_t j = 4 * k;
+#define LOOK(J, X, Y, Z, WHOLE, COLUMNS, ROWS)                                                     \
+  x[J] = X, y[J] = Y, z[J] = Z, whole[J] = WHOLE, columns[J] = COLUMNS,                            \
+  right[J] = (real)(COLUMNS - 1), top[J] = (real)(ROWS - 1)
+    LOOK(j, i[0] + o[0], i[1] + o[1], i[2] + o[2], 0, q[k].table->columns, q[k].table->rows);
+    LOOK(j + 1, i[0], i[1], i[2], 1, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE);
+    LOOK(j + 2, o[0], o[1], o[2], 1, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE);
+    LOOK(j + 3, 0, 0, 1, 1, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE);
+#undef LOOK
+  }
+#pragma omp simd
+  for (size_t j = 0; j < LOOKS; j++) {
+    const real size = FN(root)(x[j] * x[j] + y[j] * y[j] + z[j] * z[j]);
+    const FN(table_spot) to =
+        FN(table_find)(x[j], y[j], z[j], whole[j] > 0 ? 1 : size, right[j], top[j], columns[j]);
+    at[j] = to.at;
+    px[j] = to.x;
+    py[j] = to.y;
+  }
+  for (size_t j = 0; j < LOOKS; j++)
+    spot[j] = (FN(table_spot)){at[j], px[j], py[j]};
+  for (size_t k = 0; k < 2; k++)
+    FN(table_answer)(q + k, spot + 4 * k, spec + k, matt + k);
 }
 
 /* spec and matt of kernel_yarn, the mean over the lobes of the table. */

@@ -55,12 +55,16 @@ LEAF void FN(cloth_carry_one)(const shade_fabric *f, const FN(cloth) * c, int k,
 }
 
 /*
- * What the near terms of side k send, in the usual lobe of yarns: Ashikhmin and Shirley's, carried
- * by `rotate`. Light and eye, in the frame of the fibres, are the same for all terms, so that one
- * loop does, in which nothing is gathered: what a term does not have of the side weighs 0.
+ * What the near terms send, in the usual lobe of yarns: Ashikhmin and Shirley's, carried by
+ * `rotate`. Light and eye, in the frame of the fibres, are the same for all terms of a side, so
+ * that one loop does, in which nothing is gathered: a term takes those of the side whose weight it
+ * has, and what it does not have of the other is 0.
  */
+typedef struct FN(near_side) {
+  real wi[3], wo[3], kx, ky, peak;
+} FN(near_side);
 typedef struct FN(near_sent) {
-  real shine, matt[3];
+  real shine[2], matt[3];
 } FN(near_sent);
 static int FN(is_usual)(const bsdf *b) {
   return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
@@ -68,19 +72,25 @@ static int FN(is_usual)(const bsdf *b) {
 }
 
 #define NEAR_SUM(NAME, word, value, label, help)                                                   \
-  static FN(near_sent) FN(near_sum_##word)(const bsdf *b, const FN(cloth) * c, size_t count,       \
-                                           int k, FN(triple) wi, FN(triple) wo) {                  \
+  static void FN(near_sum_##word)(const FN(cloth) * c, size_t count, const FN(near_side) given[2], \
+                                  FN(near_sent) * sent) {                                          \
     const real *restrict nx = FN(cloth_row)(c, CLOTH_TILT), *restrict ny = nx + c->stride;         \
     const real *restrict nz = ny + c->stride, *restrict part = FN(cloth_row)(c, CLOTH_PART);       \
-    const real *restrict weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);                              \
-    const real *restrict red = FN(cloth_row)(c, CLOTH_KD + 3 * k);                                 \
-    const real *restrict green = red + c->stride, *restrict blue = green + c->stride;              \
-    const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);                                 \
-    const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;                               \
-    const real hwo = FN(half_cosine)(hx, hy, hz), lowest = FN(minimum)(wi.z, wo.z);                \
-    real s = 0, r = 0, g = 0, bl = 0;                                                              \
-    _Pragma("omp simd reduction(+ : s, r, g, bl)") for (size_t j = 0; j < count; j++) {            \
-      const real x = nx[j], y = ny[j], z = nz[j], w = weight[j];                                   \
+    const real *restrict weft = FN(cloth_row)(c, CLOTH_WEIGHT), *restrict warp = weft + c->stride; \
+    const real *restrict kd = FN(cloth_row)(c, CLOTH_KD);                                          \
+    const size_t step = c->stride;                                                                 \
+    const FN(near_side) f = given[0], p = given[1];                                                \
+    real sf = 0, sp = 0, r = 0, g = 0, bl = 0;                                                     \
+    _Pragma("omp simd reduction(+ : sf, sp, r, g, bl)") for (size_t j = 0; j < count; j++) {       \
+      const real x = nx[j], y = ny[j], z = nz[j], w = weft[j] + warp[j];                           \
+      const int is = warp[j] > 0;                                                                  \
+      const FN(triple)                                                                             \
+          wi = {is ? p.wi[0] : f.wi[0], is ? p.wi[1] : f.wi[1], is ? p.wi[2] : f.wi[2]};           \
+      const FN(triple)                                                                             \
+          wo = {is ? p.wo[0] : f.wo[0], is ? p.wo[1] : f.wo[1], is ? p.wo[2] : f.wo[2]};           \
+      const real kx = is ? p.kx : f.kx, ky = is ? p.ky : f.ky, peak = is ? p.peak : f.peak;        \
+      const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;                             \
+      const real hwo = FN(half_cosine)(hx, hy, hz), lowest = FN(minimum)(wi.z, wo.z);              \
       const real ci = FN(dot)(x, y, z, XYZ(wi)), co = FN(dot)(x, y, z, XYZ(wo));                   \
       const real cosi = FN(maximum)(ci, 0), coso = FN(maximum)(co, 0);                             \
       const real d =                                                                               \
@@ -94,30 +104,83 @@ static int FN(is_usual)(const bsdf *b) {
       const real leave = 1 - FN(schlick_weight)(FN(minimum)(coso, 1));                             \
       const real spec = w * (FN(brdf_ashikhmin_shirley)(d, a) * cosi), matt = phi * enter * leave; \
       const int shown = FN(minimum)(FN(minimum)(ci, co), FN(minimum)(lowest, w)) > 0;              \
-      const real share = part[j];                                                                  \
-      s += shown ? share * spec : 0;                                                               \
-      const real sent = shown ? share * matt : 0;                                                  \
-      r += red[j] * sent;                                                                          \
-      g += green[j] * sent;                                                                        \
-      bl += blue[j] * sent;                                                                        \
+      const real shine = shown ? part[j] * spec : 0, diffuse = shown ? part[j] * matt : 0;         \
+      sf += is ? 0 : shine;                                                                        \
+      sp += is ? shine : 0;                                                                        \
+      r += (kd[j] + kd[j + 3 * step]) * diffuse;                                                   \
+      g += (kd[j + step] + kd[j + 4 * step]) * diffuse;                                            \
+      bl += (kd[j + 2 * step] + kd[j + 5 * step]) * diffuse;                                       \
     }                                                                                              \
-    return (FN(near_sent)){s, {r, g, bl}};                                                         \
+    *sent = (FN(near_sent)){{sf, sp}, {r, g, bl}};                                                 \
   }
 SHADE_TABLE_DIFFUSE(NEAR_SUM)
 #undef NEAR_SUM
 
-static FN(near_sent) FN(near_sum)(const bsdf *b, const FN(cloth) * c, size_t count, int k,
-                                  FN(triple) wi, FN(triple) wo) {
-  switch (b->diffuse) {
+static void FN(near_sum)(shade_diffuse model, const FN(cloth) * c, size_t count,
+                         const FN(near_side) given[2], FN(near_sent) * sent) {
+  switch (model) {
 #define NEAR_CASE(NAME, word, value, label, help)                                                  \
   case SHADE_DIFFUSE_##NAME:                                                                       \
-    return FN(near_sum_##word)(b, c, count, k, wi, wo);
+    FN(near_sum_##word)(c, count, given, sent);                                                    \
+    return;
     SHADE_TABLE_DIFFUSE(NEAR_CASE)
 #undef NEAR_CASE
   case SHADE_DIFFUSE_COUNT:
     break;
   }
-  return FN(near_sum_lambert)(b, c, count, k, wi, wo);
+  FN(near_sum_lambert)(c, count, given, sent);
+}
+
+/* The first near term of side k, or count. */
+static size_t FN(near_first)(const FN(cloth) * c, int k) {
+  const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+  size_t first = 0;
+  while (first < c->count && !(c->kind[first] == k && weight[first] > 0))
+    first++;
+  return first;
+}
+
+/*
+ * Add what the near terms send of both sides, lit from in front. Returns 0, and adds nothing,
+ * where one's lobe is another than usual.
+ */
+static int FN(cloth_near_sides)(const shade_fabric *f, const FN(cloth) * c, real white,
+                                const real *const wi[3], const real *const wo[3], real sum[3]) {
+  FN(near_side) given[2];
+  FN(near_sent) all;
+  const bsdf *any = NULL;
+  size_t near = c->count;
+  for (int k = 0; k < 2; k++) {
+    const fabric_side *s = &f->side[k];
+    const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
+    const size_t first = FN(near_first)(c, k);
+    shade_bsdf room;
+    if (first == c->count) {
+      given[k] = (FN(near_side)){.wi = {0}};
+      continue;
+    }
+    const bsdf *b = bsdf_of(gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
+                                      : &s->lobe[FABRIC_NEAR]);
+    if (!FN(is_usual)(b) || (any && any->diffuse != b->diffuse))
+      return 0;
+    FN(cloth_carry_one)(f, c, k, first, wi, given[k].wi);
+    FN(cloth_carry_one)(f, c, k, first, wo, given[k].wo);
+    given[k].kx = b->FN(kx);
+    given[k].ky = b->FN(ky);
+    given[k].peak = b->FN(peak);
+    any = bsdf_of(&s->lobe[FABRIC_NEAR]);
+  }
+  if (!any)
+    return 1;
+  if (c->kind[near - 1] == CLOTH_FAR)
+    near--; /* it has no tilt, and is the last */
+  FN(near_sum)(any->diffuse, c, near, given, &all);
+  for (int a = 0; a < 3; a++) {
+    const real f0 = (real)f->side[0].f0[a], f1 = (real)f->side[1].f0[a];
+    sum[a] += all.shine[0] * (f0 + (1 - f0) * white) + all.shine[1] * (f1 + (1 - f1) * white) +
+              all.matt[a];
+  }
+  return 1;
 }
 
 /*
@@ -134,9 +197,8 @@ static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int
                          FN(cloth_row)(c, CLOTH_TILT + 2)};
   FN(gathered) g;
   real spec[BLOCK], matt[BLOCK], i[3], o[3], shine = 0;
-  size_t first = 0, used = 0;
-  while (first < c->count && !(c->kind[first] == k && weight[first] > 0))
-    first++;
+  const size_t first = FN(near_first)(c, k);
+  size_t used = 0;
   if (first == c->count)
     return;
   FN(cloth_carry_one)(f, c, k, first, wi, i);
@@ -146,17 +208,6 @@ static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int
   const bsdf *b =
       bsdf_of(lit && gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
                                : &s->lobe[FABRIC_NEAR]);
-  if (lit && FN(is_usual)(b)) {
-    /* the far term, which has no tilt, is the last */
-    const size_t near = c->count - (c->kind[c->count - 1] == CLOTH_FAR);
-    const FN(near_sent) all =
-        FN(near_sum)(b, c, near, k, (FN(triple)){i[0], i[1], i[2]}, (FN(triple)){o[0], o[1], o[2]});
-    for (int a = 0; a < 3; a++) {
-      const real f0 = (real)s->f0[a];
-      sum[a] += all.shine * (f0 + (1 - f0) * white) + all.matt[a];
-    }
-    return;
-  }
   for (size_t j = first; j < c->count; j++)
     if (c->kind[j] == k && weight[j] > 0) {
       for (int a = 0; a < 3; a++)
@@ -228,6 +279,36 @@ static void FN(cloth_add_one)(const shade_fabric *f, const FN(cloth) * c, int k,
   }
 }
 
+/*
+ * Add `part` of what a far term sends: both sides at once, as is usual. Returns 0, and adds
+ * nothing, where a side is not there or not looked up in its table alone.
+ */
+static int FN(cloth_far_sides)(const shade_fabric *f, const FN(cloth) * c, real part, real white,
+                               const real *const wi[3], const real *const wo[3], real sum[3]) {
+  const real near = (real)FABRIC_NEARBY;
+  FN(table_query) q[2];
+  real spec[2], matt[2];
+  for (int k = 0; k < 2; k++) {
+    if (!(f->side[k].table && FN(cloth_row)(c, CLOTH_WEIGHT + k)[0] > 0 &&
+          FN(cloth_row)(c, CLOTH_GLOSS + k)[0] >= 1))
+      return 0;
+    q[k].table = f->side[k].table;
+    FN(cloth_carry_one)(f, c, k, 0, wi, q[k].wi);
+    FN(cloth_carry_one)(f, c, k, 0, wo, q[k].wo);
+    const real *i = q[k].wi, *o = q[k].wo;
+    if (!(FN(dot)(i[0], i[1], i[2], o[0], o[1], o[2]) >= near))
+      return 0;
+  }
+  FN(table_sides)(q, spec, matt);
+  for (int k = 0; k < 2; k++)
+    for (int a = 0; a < 3; a++) {
+      const real kd = FN(cloth_row)(c, CLOTH_KD + 3 * k + a)[0], f0 = (real)f->side[k].f0[a];
+      const real weight = FN(cloth_row)(c, CLOTH_WEIGHT + k)[0];
+      sum[a] += part * (weight * spec[k] * (f0 + (1 - f0) * white) + kd * matt[k]);
+    }
+  return 1;
+}
+
 /* The mean over the terms of one hit, as cloth_block has it; any horizon but schuessler. */
 static unsigned FN(cloth_mean)(const shade_fabric *f, const FN(cloth) * c, const real given[3],
                                real sum[3]) {
@@ -252,24 +333,27 @@ static unsigned FN(cloth_mean)(const shade_fabric *f, const FN(cloth) * c, const
     return status;
   for (int a = 0; lit && a < 3; a++) {
     const real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
+    real shown = 0;
+#pragma omp simd reduction(+ : shown)
     for (size_t i = 0; i < c->count; i++)
-      sum[a] += part[i] * flat[i];
-    sum[a] *= ci * INVERSE_PI;
+      shown += part[i] * flat[i];
+    sum[a] = shown * ci * INVERSE_PI;
   }
 
   const real white =
       FN(schlick_weight)(FN(half_cosine)(w[0] + *wo[0], w[1] + *wo[1], w[2] + *wo[2]));
+  /* the far term, if there is one, is the last: it has no tilt */
+  const size_t last = c->count - 1;
+  const FN(cloth) one = {1, step, c->flat, c->kind + last, c->rows + last};
+  const int alone = c->count == 1 || one.kind[0] == CLOTH_FAR;
+  const int far = lit && one.kind[0] == CLOTH_FAR &&
+                  FN(cloth_far_sides)(f, &one, part[last], white, wi, wo, sum);
+  const int near = c->count == 1 || (lit && FN(cloth_near_sides)(f, c, white, wi, wo, sum));
   for (int k = 0; (lit || f->transmits) && k < 2; k++) {
-    if (c->count == 1) {
-      FN(cloth_add_one)(f, c, k, 1, lit, white, wi, wo, sum);
-      continue;
-    }
-    FN(cloth_near_terms)(f, c, k, lit, white, wi, wo, sum);
-    for (size_t i = 0; i < c->count; i++)
-      if (c->kind[i] == CLOTH_FAR) {
-        const FN(cloth) one = {1, step, c->flat, c->kind + i, c->rows + i};
-        FN(cloth_add_one)(f, &one, k, part[i], lit, white, wi, wo, sum);
-      }
+    if (!near)
+      FN(cloth_near_terms)(f, c, k, lit, white, wi, wo, sum);
+    if (alone && !far)
+      FN(cloth_add_one)(f, &one, k, part[last], lit, white, wi, wo, sum);
   }
 
   if (f->shadows && FN(absolute)(ci) < (real)f->shadows_below) {
