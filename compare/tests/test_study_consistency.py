@@ -112,18 +112,10 @@ def test_far_cloth_over_its_limit_is_said_by_name(rows):
     assert study.finding_reference([*good, *[in_both] * 3]).holds and not study.finding_reference([*good, *[in_both] * 4]).holds
     read = {key: value for key, value in cloth.items() if value != ""}  # as a CSV gives it back
     assert study.finding_reference([*good, read]) == study.finding_reference([*good, cloth])
-    assert "MISSED" not in study.finding_reference([*good, cloth]).text
     assert not study.finding_reference([*good, {**cloth, "far_over": 6}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_sum": 0.021}]).holds
     assert not study.finding_reference([*good, {**cloth, "far_over": 0}]).holds
     assert not study.finding_reference([*good, {**cloth, "missed": "mean error of S"}]).holds
-    known = {**cloth, "scene": "drape", "variant": "in both", "renderer": "POV-Ray", "far_sum": 0.029}  # known, and said as a miss
-    finding = study.finding_reference([*good, known])
-    assert finding.holds and "MISSED: 2.9 % of its light, limit 2 %" in finding.text
-    assert study.finding_reference([*good, {**known, "far_over": 0}]).holds  # by the sum alone, each value within its limit
-    for worse in ({"far_sum": 0.031}, {"far_over": 6}, {"renderer": "Blender"}, {"variant": "as it is"}, {"scene": "jacket"},
-                  {"missed": "mean error of S; largest"}):
-        assert not study.finding_reference([*good, {**known, **worse}]).holds
 
 
 def test_a_pair_that_misses_is_said(rows):
