@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The order of the tests: what takes longest begins first, or one worker is left with it at the end.
 
-A file stays with one worker, which starts its Blender once; but tests that run all others anew go apart.
+A file stays with one worker, which starts its Blender once; but tests that run all others anew go apart, and
+those of the quick report's rows go to the worker that has made it.
 """
 
 from pathlib import PurePath
@@ -9,6 +10,7 @@ from pathlib import PurePath
 import pytest
 
 ALONE = ("test_all_tests_under_sanitizers", "test_all_tests_compiled_by_clang")
+OF_THE_REPORT = ("test_report_page", "test_study_truth", "test_study_atlas")
 # Files by the seconds of a processor that they took, where more than some; in no order beyond that.
 LONGEST = """test_report_page test_check test_study_truth test_blender_scratches test_blender_lights
 test_blender_nodes test_end_to_end test_cloth test_source test_blender_closures test_blender_sky test_examples
@@ -38,6 +40,9 @@ def pytest_xdist_make_scheduler(config, log):
 
     class FilesButForSome(LoadFileScheduling):
         def _split_scope(self, nodeid):
-            return nodeid if any(name in nodeid for name in ALONE) else super()._split_scope(nodeid)
+            if any(name in nodeid for name in ALONE):
+                return nodeid
+            file = super()._split_scope(nodeid)
+            return "report" if PurePath(file).stem in OF_THE_REPORT else file
 
     return FilesButForSome(config, log)

@@ -29,8 +29,8 @@ RUN = [sys.executable, str(COMPARE / "report_page.py")]
 
 
 @pytest.fixture(scope="module")
-def quick(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("report")
+def quick(report_folder):
+    folder = report_folder
     done = subprocess.run([*RUN, "--quick", "--output", folder], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert re.match(r"\d+ pieces; about .* on two idle cores\n", done.stdout)

@@ -184,8 +184,8 @@ def test_steps_are_jumps_and_slopes_are_none():
 # ---- findings -----------------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")
-def rows():
-    made = [row for task in study_atlas.tasks(True) for row in task.run(None, lambda _text: None)]
+def rows(quick_rows):
+    made = quick_rows(study_atlas, study_atlas.tasks(True), None)
     return [{key: value for key, value in row.items() if value != ""} for row in made]
 
 
