@@ -14,6 +14,7 @@ from .main_thread import on_main_thread
 MISSING = -2  # instead of an index: no file, or none that can be read
 MISSING_COLOR = (1.0, 0.0, 1.0)  # as Cycles and the viewport show it
 _LARGE = 1 << 26  # bytes
+_SLICE = 1 << 22  # numbers
 _LOOKED_AT = 1 << 14  # of the texels of an image, where a part tells
 _MOST_TEXELS = 1 << 28  # of all tiles together
 
@@ -40,14 +41,15 @@ class Images:
         self._indices = {}  # by image and file, wrap and filter
         self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
 
-    def index(self, image, wrap, filtering, owner, user=None):
-        """Index of an image, MISSING, or -1 when it cannot be used. user: says which of a sequence or a movie."""
+    def index(self, image, wrap, filtering, owner, user=None, apart=False):
+        """Index of an image, MISSING, or -1 when it cannot be used. user: says which of a sequence or a movie. apart:
+        are colours wanted beside alpha, not as much of them as it leaves?"""
         path = _shown(image, user, self.frame) if user else None
-        key = (image, path, wrap, filtering)
+        key = (image, path, wrap, filtering, apart)
         if key not in self._indices:
-            if (image, path) not in self._pixels:
-                self._pixels[image, path] = self._find(image, owner, path)
-            pixels = self._pixels[image, path]
+            if (image, path, apart) not in self._pixels:
+                self._pixels[image, path, apart] = self._by_alpha(image, owner, path, apart)
+            pixels = self._pixels[image, path, apart]
             self._indices[key] = pixels if isinstance(pixels, int) else len(self.listed)
             if not isinstance(pixels, int):
                 self.listed.append({**pixels, "wrap": wrap, "filter": filtering})
@@ -78,6 +80,22 @@ class Images:
             self._slopes[index] = np.hypot(x, y), z
         along, up = self._slopes[index]
         return float(np.mean(strength * along > slope * (1 + min(strength, 1.0) * (up - 1))))
+
+    def _by_alpha(self, image, owner, path, apart):
+        """As Cycles does it: colours are multiplied by alpha, in bytes as they are in the file, and divided again where
+        a node's alpha is linked. Not those of data and of channels that are packed."""
+        if (image, path) not in self._pixels:
+            self._pixels[image, path] = self._find(image, owner, path)
+        pixels = self._pixels[image, path]
+        if isinstance(pixels, int) or image.alpha_mode not in ("STRAIGHT", "PREMUL") or image.colorspace_settings.is_data:
+            return pixels
+        if pixels["channels"] not in (2, 4) or pixels["straight"] == apart:
+            return pixels
+        if not (pixels["data"][pixels["channels"] - 1::pixels["channels"]] < _opaque(pixels["data"])).any():
+            return pixels
+        if self._kept:
+            return self._kept.image(image, (path, apart), lambda: _times_alpha(pixels))
+        return _times_alpha(pixels)
 
     def _find(self, image, owner, path):
         if self._kept:
@@ -132,11 +150,37 @@ class Images:
             _leave(pages, 0, data.nbytes)
         # Blender hands float images over in linear light, bytes as they are in the file.
         srgb = not image.is_float and image.colorspace_settings.name == "sRGB"
-        if not (srgb or image.is_float or image.colorspace_settings.is_data):
-            self._messages.warning(f"{owner}: image '{image.name}': colour space "
-                                   f"'{image.colorspace_settings.name}' is read as Non-Color")
+        straight = not image.is_float
+        if straight and not srgb and not image.colorspace_settings.is_data:
+            data, pages, wide = self._in_scene_light(image, data, pages, owner)
         return {"width": width, "height": height, "channels": image.channels, "data": data,
-                "srgb": srgb, "paged": pages is not None, "wide": wide}
+                "srgb": srgb, "paged": pages is not None, "wide": wide, "straight": straight}
+
+    def _in_scene_light(self, image, data, pages, owner):
+        """Bytes of a colour space that the native module does not know, as floats, with what holds them and whether any is
+        beyond 0 to 1. Blender converts what it reads from a file of floats: one of all colours that there are."""
+        count, space = image.channels, image.colorspace_settings.name
+        texels = data.reshape(-1, count)
+        whole = [texels[:, k if count >= 3 else 0].astype(np.int32) for k in range(3)]
+        whole = whole[0] << 16 | whole[1] << 8 | whole[2]
+        seen = np.zeros(1 << 24, bool)
+        seen[whole] = True
+        colors = np.flatnonzero(seen)
+        try:
+            made = on_main_thread(lambda: _converted(colors, space))
+        except (RuntimeError, TimeoutError, OSError) as error:
+            self._messages.warning(f"{owner}: image '{image.name}': colour space '{space}' is read as Non-Color "
+                                   f"({str(error).strip()})")
+            return data, pages, False
+        place = np.zeros(1 << 24, np.int32)
+        place[colors] = np.arange(len(colors))
+        floats, room = _room(data.size, np.float32)
+        lit = floats.reshape(-1, count)
+        lit[:, :min(count, 3)] = made[place[whole]][:, :3 if count >= 3 else 1]
+        if count in (2, 4):
+            lit[:, -1] = texels[:, -1] / np.float32(255)
+        _leave(room, 0, floats.nbytes)
+        return floats, room, bool(made.min() < 0 or made.max() > 1)
 
     def _loaded(self, like, path, owner, packed=None):
         """Pixels of a file that Blender shows as a part of an image; None without any."""
@@ -192,7 +236,8 @@ class Images:
             part = whole[v * height:(v + 1) * height, u * width:(u + 1) * width]
             part[:] = _as_large(tile, width, height, channels) * (opaque / _opaque(tile["data"]))
         return {"width": columns * width, "height": rows * height, "channels": channels, "data": whole.ravel(),
-                "srgb": next(iter(tiles.values()))["srgb"], "wide": any(tile["wide"] for tile in tiles.values())}
+                "srgb": next(iter(tiles.values()))["srgb"], "wide": any(tile["wide"] for tile in tiles.values()),
+                "straight": any(tile["straight"] for tile in tiles.values())}
 
 
 def _bytes(data):
@@ -230,6 +275,45 @@ def _opaque(data):
     return 255 if data.dtype == np.uint8 else 1
 
 
+def _converted(colors, space):
+    """Three numbers each, in linear light of the scene, of colours of three bytes in a colour space."""
+    side = int(np.ceil(len(colors) ** 0.5))
+    pixels = np.ones((side * side, 4), np.float32)
+    for k in range(3):
+        pixels[:len(colors), k] = (colors >> 8 * (2 - k) & 255) / np.float32(255)
+    images = []
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            images.append(bpy.data.images.new("libshade", side, side, float_buffer=True, is_data=True))
+            images[0].pixels.foreach_set(pixels.ravel())
+            images[0].filepath_raw, images[0].file_format = os.path.join(folder, "colors.exr"), "OPEN_EXR"
+            images[0].save()
+            images.append(bpy.data.images.load(images[0].filepath_raw))
+            images[1].colorspace_settings.name = space
+            images[1].pixels.foreach_get(pixels.ravel())
+        finally:
+            for image in images:
+                bpy.data.images.remove(image)
+    return pixels[:len(colors), :3]
+
+
+def _times_alpha(pixels):
+    """An image with its colours times alpha, or, where they are that already, as floats are, divided by it."""
+    given, count = pixels["data"], pixels["channels"]
+    data, pages = _room(len(given), given.dtype)
+    for start in range(0, len(given), _SLICE):  # of whole texels: what is in use at once is small
+        part = given[start:start + _SLICE].reshape(-1, count)
+        alpha, made = part[:, -1:], data[start:start + _SLICE].reshape(-1, count)
+        if given.dtype == np.uint8:
+            made[:, :-1] = (part[:, :-1].astype(np.uint16) * alpha + 127) // 255
+        else:
+            made[:, :-1] = part[:, :-1] * alpha if pixels["straight"] else part[:, :-1] / np.where(alpha == 0, 1, alpha)
+        made[:, -1:] = alpha
+    _leave(pages, 0, data.nbytes)
+    wide = pixels["wide"] or given.dtype != np.uint8 and not (data.min() >= 0 and data.max() <= 1)
+    return {**pixels, "data": data, "paged": pages is not None, "wide": bool(wide)}
+
+
 def _as_large(tile, width, height, channels):
     """By the nearest texel; grey becomes a colour, what has no alpha is opaque."""
     own = tile["data"].reshape(tile["height"], tile["width"], tile["channels"])
@@ -240,6 +324,8 @@ def _as_large(tile, width, height, channels):
 
 
 def _absolute(image, path):
+    if os.sep == "/":  # paths that Windows wrote: Blender finds these files, too
+        path = path.replace("\\", "/")
     return os.path.normpath(bpy.path.abspath(path, library=image.library))
 
 

@@ -171,7 +171,8 @@ def image_of(reader, node):
                     "linear")
     return reader.images.index(
         node.image, extension if extension in _WRAPS else "REPEAT",
-        _FILTERS.get(node.interpolation, "LINEAR"), reader.owner, node.image_user)
+        _FILTERS.get(node.interpolation, "LINEAR"), reader.owner, node.image_user,
+        "Alpha" in node.outputs and node.outputs["Alpha"].is_linked)
 
 
 NODES = {"TEX_IMAGE": _tex_image, "TEX_ENVIRONMENT": _tex_environment}

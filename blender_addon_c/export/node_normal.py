@@ -39,12 +39,12 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
     if color.node and color.node.type == "TEX_IMAGE" and color.output.name == "Color":
         _check_normal_image(reader, color.node.image)
         image = image_of(reader, color.node)
-        if image < 0:
+        if image == -1:
             return None
-        if is_known(strength) and is_known(mixed):
+        if image >= 0 and is_known(strength) and is_known(mixed):
             _check_steepness(reader, color.node.image, image, strength * mixed)
         at = place(reader, color.node.inputs["Vector"], color.groups)
-        if (own and at is None and is_known(strength) and not is_cubic(color.node) and is_plain(color.node)
+        if (own and at is None and image >= 0 and is_known(strength) and not is_cubic(color.node) and is_plain(color.node)
                 and not reader.images.points_down(image)):
             normal = reader.program.emit("NORMAL_MAP", image=image, strength=strength)
             if reader.filters:

@@ -6,7 +6,7 @@ from mathutils import Matrix
 
 from . import tree
 from .graph import is_known
-from .value import Value, dot, each, number_in, surface_normal, three, unit, value_of, vector_in
+from .value import Value, dot, each, number_in, of_group, surface_normal, three, unit, value_of, vector_in
 
 
 # ---- the UV map and other layers of the mesh
@@ -37,7 +37,7 @@ def place(reader, socket, groups):
     name = ""
     if found.node and found.node.type == "UVMAP":
         name = found.node.uv_map
-    elif found.node and not (found.node.type == "TEX_COORD" and found.output.name == "UV"):
+    elif of_group(found) or found.node and not (found.node.type == "TEX_COORD" and found.output.name == "UV"):
         value = value_of(reader, socket, groups, own=Value("VECTOR", None))
         if value.parts is not None:
             return three(reader, value)
@@ -54,8 +54,9 @@ def _attribute(reader, found):
     """Of a colour, Fac is its mean."""
     node = found.node
     if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
-        reader.warn(f"'{node.name}': attributes of the {node.attribute_type.lower()} are not supported; left out")
-        return None
+        kind = node.attribute_type.lower().replace("_", " ")
+        reader.warn(f"'{node.name}': attributes of the {kind} are not supported; 0 is used")  # as in Cycles without them
+        return (0.0,) * (3 if found.output.type in ("RGBA", "VECTOR") else 1)
     if node.type == "VERTEX_COLOR":
         *color, alpha = layer(reader, "COLOR", node.layer_name)
     else:

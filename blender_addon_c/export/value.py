@@ -52,6 +52,12 @@ def framed(reader, vector):
     return normal
 
 
+def of_group(found):
+    """Does a value of a group's feed a socket that nothing else does? From 5.0 on it counts where a texture is looked
+    up, too [measured in 3.4, 5.0]."""
+    return bpy.app.version >= (5, 0) and found.node is None and found.socket.node.type == "GROUP"
+
+
 def group_vector(found):
     """What a group's socket says that feeds a normal and that nothing feeds: a vector, from 5.0 on and where
     its value is shown [measured in 3.4, 5.0]; else None."""
@@ -70,6 +76,8 @@ def surface_normal(reader):
 def value_of(reader, socket, groups, own=None):
     """What feeds a socket. `own`: what it is where nothing does, else the socket's own value."""
     found = tree.trace(socket, groups)
+    if own and found.node is None and own.kind == "VECTOR" and of_group(found):
+        own = None
     own = own or own_value(found.socket)
     if found.node is None:
         return own

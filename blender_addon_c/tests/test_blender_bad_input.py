@@ -116,7 +116,7 @@ def metal(ex, ey, color):
 STEEL = metal(6, 2, (0.9, 0.6, 0.3))
 # what stands in for what cannot be rendered, at the picture's centre
 FALLBACK = {
-    "fine": STEEL, "no_uv": STEEL, "no_image": STEEL, "bump_node": STEEL, "sky_color": STEEL,
+    "fine": STEEL, "no_uv": STEEL, "bump_node": STEEL, "sky_color": STEEL,
     "other_uv_map": STEEL, "deep_nodes": STEEL, "nowhere": STEEL, "slot_out_of_range": STEEL,
     "no_light": np.zeros(3),
     "no_uv_textured": metal(6, 2, (0.2, 0.4, 0.6)),
@@ -124,7 +124,6 @@ FALLBACK = {
     "too_many_nodes": np.full(3, 3 * 0.8 / math.pi),
     "no_material": np.full(3, 3 * 0.8 / math.pi),
     "missing_image": metal(6, 2, (1, 0, 1)), "broken_image": metal(6, 2, (1, 0, 1)),
-    "missing_normal_map": STEEL,
     "subsurface": np.full(3, 3 * 0.8 / math.pi), "light_linking": STEEL, "displaced": STEEL,
     "volume": STEEL,
     "mixed": STEEL / 2, "toon": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,

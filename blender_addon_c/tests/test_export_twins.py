@@ -28,7 +28,7 @@ TWICE = np.tile(mesh("b")["corner_position"], 2)
 @pytest.mark.parametrize("meshes, places, said", [
     ([mesh("a")], [HERE], None), ([mesh("a")], [HERE, HERE], "a: "), ([mesh("a")], [HERE, ASIDE], None),
     ([mesh("a"), mesh("b", ((0, 7, 6), (1, 7, 0)))], [HERE, HERE], "(and 1 more)"),
-    ([mesh("a"), mesh("b", ((0, 1, 6), (1, 7, 6)))], [HERE, HERE], None),  # other diagonals: their middles differ
+    ([mesh("a"), mesh("b", ((0, 1, 6), (1, 7, 6)))], [HERE, HERE], "(and 1 more): they fill one box"),  # other diagonals
     ([mesh("b") | {"corner_position": TWICE}], [HERE], "b: "),
     ([mesh("a", positions=GRID * np.float32("nan"))], [HERE, HERE], None), ([mesh("a")], [], None),
     ([mesh("a", positions=0 * GRID)], [HERE, HERE], None)])

@@ -105,7 +105,7 @@ def held_image(options):
     scene = common.empty_scene(32, 32, samples=1)
     held = importlib.import_module(common.MODULE + ".export.image")
     image = bpy.data.images.new("held", 16, 16, float_buffer=options["floats"])
-    image.pixels.foreach_set([(k * 37 % 101) / 101 for k in range(4 * 16 * 16)])
+    image.pixels.foreach_set([1.0 if k % 4 == 3 else (k * 37 % 101) / 101 for k in range(4 * 16 * 16)])
     material = bpy.data.materials.new("plate")
     tree = common.tree_of(material)
     shader = tree.nodes.new("ShaderNodeEmission")

@@ -17,6 +17,7 @@ from mathutils import Matrix
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
 import windowless
+from brought import brought
 from files import held_image, many_files
 from skies import seen_sky, seen_world, under_lamp, under_sky
 

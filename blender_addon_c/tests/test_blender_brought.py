@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What files of others are full of, against the Cycles of the same Blender."""
+
+import numpy as np
+import pytest
+
+from blender_runs import rgba
+
+CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats": {"what": "alpha", "floats": True},
+         **{what: {"what": what} for what in ("spaces", "groups", "windows", "lost")}}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_brought_looks_as_in_cycles(blender, tmp_path, name):
+    pictures = []
+    for engine in ("LIBSHADE", "CYCLES"):
+        blender.scene("brought", tmp_path, dump="", engine=engine, where=str(tmp_path), **CASES[name])
+        pictures.append(rgba(tmp_path / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs)[..., :3].mean() / theirs[..., :3].mean()
+    print(f"{name}: relative error {apart:.4f}")
+    assert theirs[..., :3].mean() > 0.01 and apart < 0.02
+    assert np.abs(ours - theirs)[..., 3].mean() < 0.01
