@@ -83,11 +83,11 @@ class LibshadeEngine(bpy.types.RenderEngine):
         with export.motion_of(self, depsgraph, camera, dump, messages) as motion:
             scene = export.read(depsgraph, camera(), size, region, samples, messages, mattes, motion)
         scene["dump"] = dump
-        scene.update(export.planes_of(passes, depsgraph.scene.world))
+        scene.update(export.planes_of(passes, export.world_of_layer(depsgraph.scene, depsgraph.view_layer)))
         scene.update(export.denoiser(depsgraph.scene.libshade))
         export.passes_left_out(depsgraph.view_layer, messages)
         synced = time.perf_counter()
-        pictures = {}
+        pictures, exposure = {}, export.exposure_of(depsgraph.scene)
         apart = any(p.plane == export.CATCHER for p in passes)
         views = None if dump else export.catcher.views(scene, apart)
         if not views and scene["catchers"]["seen"]:
@@ -95,14 +95,14 @@ class LibshadeEngine(bpy.types.RenderEngine):
         finished, scene = self._pictures(views, pictures, len(pixels), messages) if views else (False, scene)
         job = _start(scene)
         try:
-            state = self._wait(job, result, pixels)
+            state = self._wait(job, result, pixels, exposure)
             _native.image(job, pixels)
             if finished:
                 pictures["others"] = pixels.reshape(-1, 4).copy()
                 pixels[:] = pixels if apart else export.catcher.composed(pictures).ravel()
-            _set_pixels(result, pixels)
+            _set_pixels(result, pixels, exposure)
             left = export.catcher.seen_shadow(pictures).ravel() if finished else np.ones(len(pixels) // 4 * 3, np.float32)
-            _set_passes(result, job, passes, left)
+            _set_passes(result, job, passes, left, exposure)
             for field, text in mattes.fields(depsgraph.view_layer.name):
                 self.get_result().stamp_data_add_field(field, text)
             for text in state["warnings"]:
@@ -138,7 +138,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
             _native.free(job)
         return pixels.reshape(-1, 4) if state["state"] == "done" else None
 
-    def _wait(self, job, result, pixels):
+    def _wait(self, job, result, pixels, exposure=1.0):
         """Wait for the job, passing Esc on to it; returns its last state. result: None where nothing is to be shown."""
         status, drawn = _Status(), time.perf_counter()
         while not _native.wait(job, _POLL_SECONDS):
@@ -153,7 +153,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 self.update_stats("", text)
             if result and not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
                 _native.image(job, pixels)
-                _set_pixels(result, pixels)
+                _set_pixels(result, pixels, exposure)
                 self.update_result(result)
                 drawn = time.perf_counter()
         return _native.poll(job)
@@ -227,7 +227,11 @@ def _start(scene):
         raise export.SceneError(export.named(str(error), scene)) from error
 
 
-def _set_pixels(result, pixels, name="Combined", channels=4):
+def _set_pixels(result, pixels, exposure=1.0, name="Combined", channels=4):
+    """exposure: what colours are multiplied by, but not alpha."""
+    if exposure != 1.0:
+        pixels = pixels.reshape(-1, channels) * np.array((exposure,) * 3 + (1.0,) * (channels - 3), np.float32)
+        pixels = pixels.ravel()
     rect = result.layers[0].passes[name].rect
     try:
         rect.foreach_set(pixels)
@@ -235,7 +239,7 @@ def _set_pixels(result, pixels, name="Combined", channels=4):
         rect.foreach_set(pixels.reshape(-1, channels))
 
 
-def _set_passes(result, job, passes, left):
+def _set_passes(result, job, passes, left, exposure):
     """left: what shadows leave of catchers."""
     count = len(left) // 3
     for p in passes:
@@ -244,7 +248,7 @@ def _set_passes(result, job, passes, left):
             numbers = left
         else:
             _native.image(job, numbers, p.plane)
-        _set_pixels(result, numbers, p.name, len(p.channels))
+        _set_pixels(result, numbers, exposure if export.is_light(p) else 1.0, p.name, len(p.channels))
 
 
 def register():

@@ -86,6 +86,8 @@ class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(context.scene.render, "film_transparent")
+        if hasattr(context.scene, "cycles"):
+            layout.prop(context.scene.cycles, "film_exposure")
         settings = context.scene.libshade
         layout.prop(settings, "pixel_filter_type")
         row = layout.row()

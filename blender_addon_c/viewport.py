@@ -39,6 +39,7 @@ class Viewport:
         self._job, self._made, self._finished, self._failed = None, None, False, False
         self._began, self._fetched = 0.0, 0.0
         self._factor = 8  # of the first picture after an edit
+        self._exposure = 1.0
         self._whole = None  # the last picture without holes: rows of pixels
         self._texture, self._place = None, None  # what is shown, and where
         self._error, self._messages = "", export.Messages()  # why there is no job; what export said
@@ -102,6 +103,7 @@ class Viewport:
     def _read(self, view, depsgraph, space):
         messages = export.Messages()
         self._changed = False  # an error is told once
+        self._exposure = export.exposure_of(depsgraph.scene)
         try:
             camera = export.camera_by(view.projection, view.to_world, view.clip)
             samples = depsgraph.scene.libshade.preview_samples
@@ -183,7 +185,7 @@ class Viewport:
         _native.image(self._job, pixels, "", not self._finished)
         if self._finished:
             self._whole = pixels
-        flat = pixels.ravel()
+        flat = (pixels * (*(self._exposure,) * 3, 1.0)).astype(np.float32).ravel() if self._exposure != 1.0 else pixels.ravel()
         buffer = gpu.types.Buffer("FLOAT", len(flat), flat)
         self._texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)
         across, up = (self._made.view.size[k] / self._made.size[k] for k in (0, 1))

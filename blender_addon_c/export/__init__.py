@@ -8,8 +8,9 @@ from .kept import Kept, Later
 from .matte import Mattes
 from .messages import Messages, SceneError, named
 from .motion import blur_settings, motion_of
-from .passes import CATCHER, passes_left_out, passes_of, planes_of
+from .passes import CATCHER, exposure_of, is_light, passes_left_out, passes_of, planes_of, world_of_layer
 from .scene import read
 
 __all__ = ["CATCHER", "Kept", "Later", "Mattes", "Messages", "SceneError", "blur_settings", "camera_by", "camera_of",
-           "catcher", "denoiser", "motion_of", "named", "passes_left_out", "passes_of", "planes_of", "read", "region_of"]
+           "catcher", "denoiser", "exposure_of", "is_light", "motion_of", "named", "passes_left_out", "passes_of",
+           "planes_of", "read", "region_of", "world_of_layer"]

@@ -25,11 +25,11 @@ def kinds(join):
 def light_of(ob, matrix, links, table, messages):
     """The light of an object, in a list; empty where its kind is not known."""
     light = ob.data
-    strength = _strength(light, table, messages)
-    if light.type not in _LIGHTS:
-        messages.warning(f"light '{ob.name}': {light.type.lower()} lights are not supported, "
+    if light.type not in _LIGHTS:  # hemispheres of old files and of importers have no name any more, nor a strength
+        messages.warning(f"light '{ob.name}': {light.type.lower() or 'hemi'} lights are not supported, "
                          f"only {kinds('and')}")
         return []
+    strength = _strength(light, table, messages)
     bits = hidden(ob, BOUNCED)  # the camera never sees lamps, whatever the object says
     if is_hidden(bits, *BOUNCED):
         return []

@@ -74,6 +74,11 @@ def _mattes(view_layer):
             for kind in ("object", "material", "asset") for layer in range(layers)]
 
 
+def world_of_layer(scene, view_layer):
+    """The world that it is rendered in: from 5.0 on a layer may have one of its own."""
+    return getattr(view_layer, "world_override", None) or scene.world
+
+
 def planes_of(passes, world):
     """What the native module reads for them."""
     planes = {"planes": [{"type": p.plane} for p in passes
@@ -86,6 +91,16 @@ def planes_of(passes, world):
     return planes
 
 
+def exposure_of(scene):
+    """What Cycles multiplies light by before the picture is shown or saved; 1 without that add-on."""
+    return getattr(getattr(scene, "cycles", None), "film_exposure", 1.0)
+
+
+def is_light(found):
+    """Does a pass show light, which exposure is for? The others say what there is."""
+    return found.plane in ("EMISSION", "ENVIRONMENT", NOISY) or found.plane.endswith(("_DIRECT", "_INDIRECT"))
+
+
 def have_colors(scene, view_layer):
     """Do any need the colours of surfaces? Light of each kind is divided by these."""
     return any(p.plane.endswith(("_DIRECT", "_INDIRECT", "_COLOR"))
@@ -95,6 +110,11 @@ def have_colors(scene, view_layer):
 def passes_left_out(view_layer, messages):
     """A warning that names those it asks for in vain."""
     left_out = [name for key, name in _UNKNOWN.items() if getattr(view_layer, key, False)]
+    for kind, wanted in (("light group", "lightgroups"), ("AOV", "aovs")):
+        left_out += [f"{kind} '{one.name}'" for one in getattr(view_layer, wanted, ())]
+    cycles = getattr(view_layer, "cycles", None)
+    left_out += [f"Volume {part.capitalize()}" for part in ("direct", "indirect")
+                 if getattr(cycles, f"use_pass_volume_{part}", False)]
     if left_out:
         messages.warning(f"view layer '{view_layer.name}': passes that are not rendered: "
                          f"{', '.join(left_out)}")

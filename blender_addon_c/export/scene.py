@@ -39,7 +39,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         kept.begin()
     with tree.deep():
         meshes, instances, lights, catchers = _objects(depsgraph, table, mattes, motion, messages, kept, space)
-        world = world_of(scene.world if depsgraph.view_layer.use_sky else None, table, messages)
+        world = world_of(passes.world_of_layer(scene, depsgraph.view_layer_eval) if depsgraph.view_layer.use_sky else None, table, messages)
     if kept:
         kept.end()
     if not lights and "sky" not in world and not any(world["background"]):
@@ -241,7 +241,8 @@ def _mesh(ob, depsgraph, slots, way, table, motion, messages):
 def _own(item):
     """What nodes may ask of an object."""
     number = item.random_id if item.is_instance else _hash(item.object.name)
-    return {"color": tuple(item.object.color), "random": (number & 0xffffffff) / 0xffffffff}
+    shows = item.parent if item.is_instance and item.parent else item.object  # an instance has its instancer's colour
+    return {"color": tuple(shows.color), "random": (number & 0xffffffff) / 0xffffffff}
 
 
 def _metres(mesh, matrix, unit):
