@@ -3,7 +3,7 @@
 
 A layer is a kind and a name: UV, a map that is not the mesh's main one; TANGENT, its direction, which the
 native module makes; GENERATED, places in the object's texture space; COLOR, a colour attribute ("": the
-active one); ATTRIBUTE, any other.
+active one); ATTRIBUTE, any other; STRAND, what hair is where (strands.py), which no mesh has.
 """
 
 import ctypes
@@ -78,6 +78,8 @@ def data_of(mesh, kind, name, where, owner, messages):
         return uvs_of(layer)[where["CORNER"]].view(np.float32) if layer else None
     if kind == "GENERATED":
         return _generated(mesh)[where["POINT"]].ravel()
+    if kind == "STRAND":
+        return None
     attribute = _attribute(mesh, kind, name)
     layer = None if attribute else mesh.uv_layers.get(name) if name else None
     if layer:

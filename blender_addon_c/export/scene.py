@@ -184,8 +184,8 @@ def _shapes(item, depsgraph, motion):
         yield _Shape((ob.data, ob.original if bent else None), owner, slots,
                      lambda way, table, messages: _mesh(ob, depsgraph, slots, way, table, motion, messages), bent=bent)
     elif isinstance(ob.data, strands.CURVES):
-        yield _Shape((ob.data, shown_at), owner, slots, lambda way, table, _messages: strands.tubes(
-            strands.of_curves(ob.data), item.matrix_world, owner, table.index((slots or [None])[0], *way)))
+        yield _Shape((ob.data, shown_at), owner, slots, lambda way, table, _messages: _tubes(
+            strands.of_curves(ob.data), item.matrix_world, owner, (slots or [None])[0], way, table))
     elif isinstance(ob.data, strands.POINTS):
         points = strands.of_points(ob.data)
         if len(points[0]):
@@ -197,7 +197,12 @@ def _shapes(item, depsgraph, motion):
             used = [(slots or [None])[min(max(system.settings.material - 1, 0), max(len(slots) - 1, 0))]]
             yield _Shape((ob.original, system.name, shown_at), owner, used,
                          lambda way, table, _messages, modifier=modifier, system=system, used=used:
-                         strands.tubes(strands.of_hair(ob, modifier, system), matrix, owner, table.index(used[0], *way)))
+                         _tubes(strands.of_hair(ob, modifier, system), matrix, owner, used[0], way, table))
+
+
+def _tubes(hair, matrix, owner, material, way, table):
+    number = table.index(material, *way)
+    return strands.tubes(hair, matrix, owner, number, table.layers_of([number]))
 
 
 def _at_points(made, places, sizes):

@@ -76,8 +76,9 @@ def even_size(matrix):
     return float(abs(np.linalg.det(np.array(matrix, float)[:3, :3])) ** (1 / 3))
 
 
-def tubes(strands, matrix, owner, material):
-    """Their surface as a mesh of the native module, round where its object stands; None without any."""
+def tubes(strands, matrix, owner, material, wanted=()):
+    """Their surface as a mesh of the native module, round where its object stands; None without any. wanted: layers
+    that its material asks for, (number, kind, name)."""
     points, radii, ends = _good(strands)
     to_world = np.array(matrix, float)[:3, :3]
     if not np.isfinite(to_world).all() or not even_size(matrix) > 1e-12:
@@ -94,6 +95,8 @@ def tubes(strands, matrix, owner, material):
     for least in (sides > 3, 8 * sides * len(points) < _MANY // 4):
         points, radii, counts = _finer(points, radii, counts) if least else (points, radii, counts)
     ends = np.cumsum(counts)
+    layers = [{"layer": number, "data": _told(points @ np.linalg.inv(to_world).T, radii / even_size(to_world), ends, long, name)}
+              for number, kind, name in wanted if kind == "STRAND"]
     # directions: from each point's neighbour before to the one after
     number = np.arange(len(points))
     first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
@@ -120,7 +123,40 @@ def tubes(strands, matrix, owner, material):
     return {"name": owner, "positions": np.ascontiguousarray(rings.reshape(-1, 3), np.float32),
             "corner_position": corners.astype(np.int32),
             "corner_normals": np.ascontiguousarray(normals.reshape(-1, 3)[corners], np.float32),
-            "corner_uvs": uvs, "material": np.full(len(corners) // 3, material, np.int32), "layers": []}
+            "corner_uvs": uvs, "material": np.full(len(corners) // 3, material, np.int32),
+            "layers": [{**one, "data": np.ascontiguousarray(np.repeat(one["data"], sides, 0)[corners], np.float32).ravel()}
+                       for one in layers]}
+
+
+def _told(points, radii, ends, numbers, name):
+    """What nodes may ask of each point: which part of its strand's length lies before it, this length, a number by chance
+    for each strand and 1; or how thick it is there. numbers: of the strands."""
+    told = np.zeros((len(points), 4))
+    if name == "thickness":
+        told[:, 0] = 2 * radii
+        return told
+    counts = np.diff(ends, prepend=0)
+    first = np.repeat(ends - counts, counts)
+    steps = np.linalg.norm(np.diff(points, axis=0, prepend=points[:1]), axis=1)
+    steps[ends - counts] = 0
+    along = np.cumsum(steps)
+    along -= along[first]
+    lengths = np.repeat(along[ends - 1], counts)
+    told[:, 0], told[:, 1] = along / np.where(lengths > 0, lengths, 1), lengths
+    told[:, 2], told[:, 3] = np.repeat(_chance(numbers), counts), 1
+    return told
+
+
+def _chance(numbers):
+    """From 0 to 1, the same for a number as in Cycles: it and 0 mixed by lookup3 [Jenkins2006]."""
+    whole = np.uint64(0xffffffff)
+    a = b = c = np.full(len(numbers), 0xdeadbeef + 8 + 13, np.uint64)
+    parts = [a + numbers.astype(np.uint64) & whole, b, c]
+    for k, shift in enumerate((14, 11, 25, 16, 4, 14, 24)):
+        to, by = ((2, 1), (0, 2), (1, 0))[k % 3]
+        turned = parts[by] << np.uint64(shift) | parts[by] >> np.uint64(32 - shift)
+        parts[to] = (parts[to] ^ parts[by]) - (turned & whole) & whole
+    return parts[2] / 0xffffffff
 
 
 def _good(strands):

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from blender_runs import rgba
+from blender_runs import averaged, rgba
 
 CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats": {"what": "alpha", "floats": True},
          **{what: {"what": what} for what in ("spaces", "groups", "colors", "exposure", "world", "windows", "lost")}}
@@ -21,3 +21,15 @@ def test_what_is_brought_looks_as_in_cycles(blender, tmp_path, name):
     print(f"{name}: relative error {apart:.4f}")
     assert theirs[..., :3].mean() > 0.01 and apart < 0.02
     assert np.abs(ours - theirs)[..., 3].mean() < 0.01
+
+
+@pytest.mark.parametrize("output", ["Intercept", "Random", "Length", "Thickness"])
+def test_hair_tells_of_itself(blender, tmp_path, output):
+    pictures = []
+    for engine, samples in ("LIBSHADE", 64), ("CYCLES", 128):
+        blender.scene("hairy", tmp_path, dump="", engine=engine, samples=samples, what="hair", told=output)
+        pictures.append(averaged(tmp_path / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"{output}: relative error {apart:.4f}, mean {ours.mean() / theirs.mean():.4f}")
+    assert apart < 0.02

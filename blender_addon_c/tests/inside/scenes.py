@@ -1435,6 +1435,12 @@ def hairy(options):
     common.light(scene, rotation=(0.7, 0.3, 0), energy=2.0, size=0.2)
     scene.cycles_curves.shape = "THICK"  # ribbons show nothing to who looks along them
     globals()[f"_{options['what']}"](scene)
+    if options.get("told"):
+        tree = common.tree_of(bpy.data.materials["hair"])
+        shader, info = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "HairInfo"))
+        shader.inputs["Strength"].default_value = 20.0 if options["told"] == "Thickness" else 2.0
+        tree.links.new(info.outputs[options["told"]], shader.inputs["Color"])
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
     if options["what"] == "curves" and options.get("broken"):
         data = scene.objects["curves"].data
         data.points.foreach_set("position", np.tile(np.float32([np.nan, 1e30, 0, 0, 0, 1]), 90))
