@@ -9,27 +9,27 @@ _FACES = 0.05  # of an object's, from which on it is worth a word
 
 def name_twins(meshes, instances, messages):
     """Names objects of which many faces lie where others, or others of their own, do."""
-    whole = sum(len(meshes[i["mesh"]]["corner_position"]) for i in instances) <= 3 * _MOST
-    if not whole and len(instances) > _MOST:
+    if not instances:
         return
-    middles, boxes, known = [], [], {}
-    for instance in instances:
-        mesh, matrix = meshes[instance["mesh"]], np.array(instance["matrix"], float).reshape(-1, 4)[:3]
-        places = mesh["positions"].reshape(-1, 3)
-        if not whole:
-            places = _box(mesh, places, known)
-        placed = places @ matrix[:, :3].T + matrix[:, 3]
-        middles.append(placed[mesh["corner_position"].reshape(-1, 3)].mean(1) if whole else placed)
-        boxes.append(np.array([placed.min(0), placed.max(0)]) if len(placed) else np.zeros((2, 3)))
-    size = max((np.ptp(part, axis=0).max() for part in middles if len(part)), default=0.0)
-    if not (np.isfinite(size) and size > 0) or not all(np.isfinite(part).all() for part in middles):
+    boxes = _boxes(meshes, instances)
+    size = np.ptp(boxes, axis=1).max()
+    if not (np.isfinite(boxes).all() and size > 0):
         return
     step = size * 2.0**-18
-    parts = _shared(middles, step) if whole else np.zeros(len(middles))
-    _say(parts, "faces lie where others do; which of them are seen is chance, in Cycles too", meshes, instances, messages)
-    if not (parts > _FACES).any():
-        _say(_boxed(np.array(boxes), step), "they fill one box; where their faces lie in one place, chance says which are seen, "
-             "in Cycles too", meshes, instances, messages)
+    if sum(len(meshes[i["mesh"]]["corner_position"]) for i in instances) <= 3 * _MOST:
+        parts = _shared(list(map(_middles, [meshes[i["mesh"]] for i in instances], instances)), step)
+        if (parts > _FACES).any():
+            _say(parts, "faces lie where others do; which of them are seen is chance, in Cycles too", meshes, instances, messages)
+            return
+    _say(_boxed(boxes, step), "they fill one box; where their faces lie in one place, chance says which are seen, in Cycles too",
+         meshes, instances, messages)
+
+
+def _middles(mesh, instance):
+    """Of an instance's faces."""
+    matrix = np.array(instance["matrix"], float).reshape(-1, 4)[:3]
+    placed = mesh["positions"].reshape(-1, 3) @ matrix[:, :3].T + matrix[:, 3]
+    return placed[mesh["corner_position"].reshape(-1, 3)].mean(1)
 
 
 def _say(parts, what, meshes, instances, messages):
@@ -39,12 +39,15 @@ def _say(parts, what, meshes, instances, messages):
         messages.warning(f"{max(names, key=names.get)}{rest}: {what}")
 
 
-def _box(mesh, places, known):
-    """Corners of the box round a mesh, each once."""
-    if id(mesh) not in known:
-        low, high = (places.min(0), places.max(0)) if len(places) else (np.zeros(3), np.zeros(3))
-        known[id(mesh)] = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
-    return known[id(mesh)]
+def _boxes(meshes, instances):
+    """Low and high corner of the boxes round those of the meshes where the instances stand."""
+    own = [(np.min(p, 0), np.max(p, 0)) if len(p) else (np.zeros(3), np.zeros(3))
+           for p in (mesh["positions"].reshape(-1, 3) for mesh in meshes)]
+    low, high = np.array(own, float)[[i["mesh"] for i in instances]].transpose(1, 0, 2)
+    matrices = np.array([i["matrix"] for i in instances], float).reshape(len(instances), -1, 4)[:, :3]
+    middle = np.einsum("nij,nj->ni", matrices[:, :, :3], (low + high) / 2) + matrices[:, :, 3]
+    half = np.einsum("nij,nj->ni", abs(matrices[:, :, :3]), (high - low) / 2)
+    return np.stack([middle - half, middle + half], 1)
 
 
 def _boxed(boxes, step):
