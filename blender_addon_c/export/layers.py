@@ -88,7 +88,7 @@ def data_of(mesh, kind, name, where, owner, messages):
     if not attribute or attribute.domain not in where or attribute.data_type not in _READ:
         what = "has no attribute" if not attribute else "cannot read its attribute"
         messages.warning(f"object '{owner}' {what} '{name}'; 0 is used")
-        return None
+        return np.tile(np.float32([0, 0, 0, 1]), len(where["CORNER"].ravel()))  # its alpha is 1, as in Cycles
     member, width = _READ[attribute.data_type]
     numbers = _four(_numbers(attribute, member, width))
     return numbers[where[attribute.domain]].ravel()

@@ -7,7 +7,7 @@ import pytest
 from blender_runs import averaged, rgba
 
 CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats": {"what": "alpha", "floats": True},
-         **{what: {"what": what} for what in ("spaces", "groups", "colors", "exposure", "world", "windows", "lost")}}
+         **{what: {"what": what} for what in ("spaces", "groups", "colors", "nothing", "exposure", "world", "windows", "lost")}}
 
 
 @pytest.mark.parametrize("name", CASES)

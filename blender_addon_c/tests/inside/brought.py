@@ -130,6 +130,16 @@ def _colors(scene, _options):
     _plate(material, 12).color = (0.6, 0.5, 0.4, 1)
 
 
+def _nothing(_scene, _options):
+    """Attributes that are not there, and their alpha."""
+    for number, (kind, output) in enumerate((k, o) for k in ("GEOMETRY", "OBJECT", "INSTANCER") for o in ("Color", "Alpha")):
+        material, tree, color = _shining(f"{kind} {output}")
+        node = tree.nodes.new("ShaderNodeAttribute")
+        node.attribute_type, node.attribute_name = kind, "nothing"
+        tree.links.new(node.outputs[output], color)
+        _plate(material, number)
+
+
 def _exposure(scene, _options):
     material, _tree, color = _shining("plate")
     color.default_value = (0.5, 0.4, 0.1, 1)
@@ -184,4 +194,4 @@ def _lost(_scene, options):
 
 
 _CASES = {name[1:]: made for name, made in list(globals().items())
-          if name in ("_alpha", "_spaces", "_groups", "_colors", "_exposure", "_world", "_windows", "_lost")}
+          if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_exposure", "_world", "_windows", "_lost")}
