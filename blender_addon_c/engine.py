@@ -207,8 +207,8 @@ def _clock(seconds):
 
 
 def _summary(timings, sync_seconds):
-    stages = [f"{name} {seconds:.3f}" for name, seconds in timings.items()
-              if name not in ("wall", "samples")]
+    longest = sorted(((seconds, name) for name, seconds in timings.items() if name not in ("wall", "samples")), reverse=True)
+    stages = [f"{name} {seconds:.3f}" for seconds, name in longest if seconds >= 5e-4]  # Blender cuts reports
     return (f"libshade: sync {sync_seconds:.3f} s, render {timings['wall']:.3f} s, "
             f"{timings['samples']:.0f} samples; seconds summed over threads: {', '.join(stages)}")
 
