@@ -157,7 +157,7 @@ static const fabric_row fabrics[] = {
         .label = "Gabardine",
         .help = "Dense worsted twill with a steep, fine diagonal",
         .source = "[MortonHearle2008] wool; exponents between linen and silk by eye",
-        .weave = "twill_2_1",
+        .weave = "twill_3_1",
         .ends = 44,
         .picks = 22,
         .warp = {.shape = {.width = 0.97,

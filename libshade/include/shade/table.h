@@ -207,9 +207,9 @@
  */
 #define SHADE_TABLE_WEAVES(ROW)                                                                    \
   ROW(plain, "Plain", "One over, one under: taffeta, linen, shantung")                             \
-  ROW(twill_2_1, "Twill 2/1", "Warp over two and under one: light denim, gabardine")               \
+  ROW(twill_2_1, "Twill 2/1", "Warp over two and under one: light denim, drill")                   \
   ROW(twill_1_2, "Twill 1/2", "Its back, which shows the weft")                                    \
-  ROW(twill_3_1, "Twill 3/1", "Warp over three and under one: denim")                              \
+  ROW(twill_3_1, "Twill 3/1", "Warp over three and under one: denim, gabardine")                   \
   ROW(twill_1_3, "Twill 1/3", "Its back, which shows the weft")                                    \
   ROW(twill_2_2, "Twill 2/2", "Two over, two under: serge, flannel")                               \
   ROW(herringbone, "Herringbone", "Twill 2/2 that turns, with a break, every eight ends")          \
