@@ -11,7 +11,8 @@ def name_twins(meshes, instances, messages):
     """Names objects of which many faces lie where others, or others of their own, do."""
     if not instances:
         return
-    boxes = _boxes(meshes, instances)
+    with np.errstate(invalid="ignore", over="ignore"):  # of places that are no numbers, which are said elsewhere
+        boxes = _boxes(meshes, instances)
     size = np.ptp(boxes, axis=1).max()
     if not (np.isfinite(boxes).all() and size > 0):
         return

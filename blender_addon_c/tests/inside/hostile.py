@@ -441,10 +441,10 @@ def watch(engine):
     """Look at all numbers on their way into Blender's picture."""
     hand_over = engine._set_pixels
 
-    def look(result, pixels, name="Combined", channels=4):
+    def look(result, pixels, exposure=1.0, name="Combined", channels=4):
         if not np.isfinite(pixels).all():
             _wrong.append(f"{name} is not finite")
-        hand_over(result, pixels, name, channels)
+        hand_over(result, pixels, exposure, name, channels)
     engine._set_pixels = look
 
 
