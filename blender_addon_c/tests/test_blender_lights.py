@@ -125,35 +125,30 @@ def test_a_world_alone(blender, tmp_path):
     np.testing.assert_allclose(pictures[0], pictures[1], rtol=0.05, atol=0.02)
 
 
+def linked_apart(blender50, folder, samples, **scene):
+    """By how much our picture of linked lights is apart from Cycles', over its mean."""
+    pictures = []
+    for engine in "LIBSHADE", "CYCLES":
+        _, text = blender50.scene("linked", folder, dump="", engine=engine, samples=samples, **scene)
+        assert "linking" not in text
+        pictures.append(averaged(folder / "picture.exr"))
+    ours, theirs = pictures
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"relative error {apart:.4f}, means {ours.mean((0, 1))} {theirs.mean((0, 1))}")
+    return apart
+
+
 @pytest.mark.parametrize("more, radius", [(0, 0.0), (4, 0.5)])
 @pytest.mark.parametrize("shades", [False, True])
 def test_lights_for_some_objects(blender50, tmp_path, more, radius, shades):
     """All lamps at the first surface, and one of many, soft ones; or which objects shade them."""
-    pictures = []
-    for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
-        _, text = blender50.scene("linked", tmp_path, dump="", engine=engine, samples=samples, more=more, radius=radius,
-                                  shades=shades)
-        assert "light linking" not in text
-        pictures.append(averaged(tmp_path / "picture.exr"))
-    ours, theirs = pictures
-    apart = np.abs(ours - theirs).mean() / theirs.mean()
-    print(f"relative error {apart:.4f}, means {ours.mean((0, 1))} {theirs.mean((0, 1))}")
-    assert apart < 0.012
+    assert linked_apart(blender50, tmp_path, 256, more=more, radius=radius, shades=shades) < 0.012
 
 
 @pytest.mark.parametrize("shades, shines", [(False, "evenly"), (True, "evenly"), (False, "unevenly")])
 def test_plates_that_shine_for_some_objects(blender50, tmp_path, shades, shines):
     """Or that some shade; beside a lamp for all, seen in a polished ball, too."""
-    pictures = []
-    for engine, samples in ("LIBSHADE", 512), ("CYCLES", 512):
-        _, text = blender50.scene("linked", tmp_path, dump="", engine=engine, samples=samples, more=0, radius=0.5,
-                                  shades=shades, shines=shines)
-        assert "linking" not in text
-        pictures.append(averaged(tmp_path / "picture.exr"))
-    ours, theirs = pictures
-    apart = np.abs(ours - theirs).mean() / theirs.mean()
-    print(f"relative error {apart:.4f}, means {ours.mean((0, 1))} {theirs.mean((0, 1))}")
-    assert apart < 0.02
+    assert linked_apart(blender50, tmp_path, 512, more=0, radius=0.5, shades=shades, shines=shines) < 0.02
 
 
 def test_uneven_light_that_some_shade_is_named(blender50, tmp_path):
