@@ -25,8 +25,8 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
   real t = FN(minimum)(R(0.9) * woz, R(0.01));
   real image = FN(multiply_add)(2 * FN(multiply_add)(nz, woz, along), nz, -woz);
   int low = (image < t) & (woz > 0) & (side2 > TINY);
-  real side = FN(root)(low ? side2 : 1);
-  real a = along / side;
+  real inverse = 1 / FN(root)(low ? side2 : 1); /* once: divisions are most of the time */
+  real a = along * inverse;
   real over = FN(maximum)((woz - t) * (woz + t), 0); /* s^2 - a^2 */
   real s = FN(root)(FN(multiply_add)(a, a, over));
   /* s + a without cancellation; both are 0 only where wo is normal to that plane */
@@ -35,11 +35,11 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
   real z = woz + t;
   /* by the larger first: z may be so small that it has no square. No choice by `low`: compilers
      would divide in both cases, 0/0 too */
-  real largest = FN(maximum)(x, FN(absolute)(z)) + LEAST_NORMAL;
-  x /= largest;
-  z /= largest;
+  real larger = 1 / (FN(maximum)(x, FN(absolute)(z)) + LEAST_NORMAL);
+  x *= larger;
+  z *= larger;
   real scale = 1 / FN(root)(FN(maximum)(FN(dot2)(x, z, x, z), TINY));
-  x *= scale / side;
+  x *= scale * inverse;
   FN(normal) n = {nx, ny, nz};
   n.x = low ? nx * x : n.x;
   n.y = low ? ny * x : n.y;
@@ -60,8 +60,14 @@ LEAF real FN(shadow_of_alpha2)(real alpha2, real wix, real wiy, real wiz) {
   real sum = z + FN(maximum)(FN(root)(z * z + alpha2 * (wix * wix + wiy * wiy)), z);
   return 2 * z / FN(maximum)(sum, LEAST_NORMAL);
 }
+/* The same with both fractions times n.z, for one division in place of two. Where n.z is below
+ * .001, alpha^2 is 1 whatever it is. */
 LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
-  return FN(shadow_of_alpha2)(FN(estevez_alpha2)(nx, ny, nz), wix, wiy, wiz);
+  real up = FN(maximum)(nz, R(1e-3)), up2 = up * up;
+  real alpha2 = FN(minimum)(R(0.125) * (nx * nx + ny * ny), up2); /* times n.z^2 */
+  real z = FN(maximum)(wiz, 0), own = z * up;
+  real sum = own + FN(maximum)(FN(root)(z * z * up2 + alpha2 * (wix * wix + wiy * wiy)), own);
+  return 2 * own / FN(maximum)(sum, LEAST_NORMAL);
 }
 
 /* The cubic in g = wi.z/(n.z n.wi) that meets 1 without a kink at g = 1. [Chiang2019] */
