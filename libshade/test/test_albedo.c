@@ -204,6 +204,12 @@ static void normals(void **state) {
       shade_bsdf_albedo_eval(a, NULL, carried, want, NULL);
       for (int c = 0; c < 3; c++)
         assert_near(got[c], want[c], 1e-9);
+      /* nearly unit is made unit, too */
+      const double longer[3] = {1.003 * wo[0], 1.003 * wo[1], 1.003 * wo[2]};
+      shade_bsdf_albedo_eval(a, NULL, longer, got, NULL);
+      shade_bsdf_albedo_eval(a, NULL, wo, want, NULL);
+      for (int c = 0; c < 3; c++)
+        assert_near(got[c], want[c], 1e-12);
     }
     shade_bsdf_albedo_free(a);
   }

@@ -256,6 +256,7 @@ def test_malformed_line_is_named(line, word):
     (("--horizon", "event"), "schuessler"),
     (("--precision", "half"), "float"),
     (("--colour", "1"), "unknown option"),
+    (("--fresnel", "schlick"), "unknown option"),  # it follows from the numbers
     (("--ex",), "lacks its value"),
     (("what",), "unexpected argument"),
 ])

@@ -176,6 +176,40 @@ static void one_is_many_is_prepared(void **state) {
   close_cloth(&c);
 }
 
+/* Footprints of few yarns that go along them for many: their noise is between up to five numbers,
+ * which lanes side by side choose from, and a single call looks up one after another. */
+static void streaks_of_many_are_those_of_one(void **state) {
+  (void)state;
+  static arrays m;
+  uint64_t seed = 11;
+  for (int k = 0; k < 2; k++) {
+    cloth c = open_cloth(k ? "linen" : "silk_shantung", NULL);
+    fill(&m, &seed);
+    for (int i = 0; i < N; i++) {
+      m.in[2 + i % 2][i] = 12 * uniform(&seed);
+      m.in[3 - i % 2][i] = 60 * uniform(&seed);
+    }
+    shade_fabric_lanes in = LANES_OF(m.in);
+    in.size = sizeof in;
+    const shade_fabric_result out = {
+        .size = sizeof out, .r = m.rgb[0], .g = m.rgb[1], .b = m.rgb[2]};
+    shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_FAR, &out);
+    double worst = 0;
+    for (int i = 0; i < N; i++) {
+      const shade_fabric_point p = point_of(&c, &m, i);
+      const double wi[3] = {in.wix[i], in.wiy[i], in.wiz[i]},
+                   wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
+      double s[3];
+      s_of(&c, &p, wi, wo, SHADE_TIER_FAR, s);
+      for (int a = 0; a < 3; a++)
+        worst = fmax(worst, fabs(m.rgb[a][i] - s[a]) / fmax(s[a], 1e-3));
+    }
+    print_message("streaks side by side and one by one: %.1e apart\n", worst);
+    assert_true(worst < 1e-9);
+    close_cloth(&c);
+  }
+}
+
 /* ---- one light in one call ---------------------------------------------------- */
 
 /* What the next cloth is made of. */
@@ -571,13 +605,10 @@ static void short_structures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_is_many_is_prepared),
-      cmocka_unit_test(one_call_is_a_lane),
-      cmocka_unit_test(random_numbers_mean_all_terms),
-      cmocka_unit_test(textures_are_parameters),
-      cmocka_unit_test(gloss_scales_exponents),
-      cmocka_unit_test(no_input_breaks_it),
-      cmocka_unit_test(short_structures),
+      cmocka_unit_test(one_is_many_is_prepared), cmocka_unit_test(streaks_of_many_are_those_of_one),
+      cmocka_unit_test(one_call_is_a_lane),      cmocka_unit_test(random_numbers_mean_all_terms),
+      cmocka_unit_test(textures_are_parameters), cmocka_unit_test(gloss_scales_exponents),
+      cmocka_unit_test(no_input_breaks_it),      cmocka_unit_test(short_structures),
   };
   return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);
 }

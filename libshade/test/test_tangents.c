@@ -206,19 +206,22 @@ static point flat_point(double x, double y, double u, double v) {
   return make_point(x, y, 0, 0, 0, 1, u, v);
 }
 
-/* Corner angles are those seen along the normal, here turned about x by `tilt`. */
-static void check_angle_weights(double tilt) {
+/* Corner angles are those seen along the normal, here turned about x by `tilt`; one of them is less
+ * than a right angle, or more where the last point is below. */
+static void check_angle_weights(double tilt, int below) {
   mesh m = new_mesh(3);
   const double c = cos(tilt), s = sin(tilt);
   const point corner = make_point(0, 0, 0, 0, -s, c, 0, 0);
   const point up = make_point(0, 1, 0, 0, -s, c, 0, 1);
   /* collapsed, though not in UV: it must not come between the others */
   add_triangle(&m, corner, make_point(0, 0, 0, 0, -s, c, 5, 5), up);
-  /* dP/du = (1, 0), a right angle at `corner`; dP/du = (1, 1), edges (0, 1) and (-1, 1) */
+  const double last = below ? -1 : 1;
+  /* dP/du = (1, 0), a right angle at `corner`; dP/du = (1, 1), edges (0, 1) and (-1, last) */
   add_triangle(&m, corner, make_point(1, 0, 0, 0, -s, c, 1, 0), up);
-  add_triangle(&m, corner, up, make_point(-1, 1, 0, 0, -s, c, -1, 2));
+  add_triangle(&m, corner, up, make_point(-1, last, 0, 0, -s, c, -1, last + 1));
   assert_int_equal(solve(&m), 1);
-  const double angle = atan2(1, c), x = PI / 2 + angle / hypot(1, c), y = angle * c / hypot(1, c);
+  const double angle = atan2(1, last * c), x = PI / 2 + angle / hypot(1, c),
+               y = angle * c / hypot(1, c);
   const double expected[3] = {x, c * y, s * y};
   for (size_t k = 0; k < 9; k += 3)
     assert_true(angle_degrees(m.tangent + 4 * k, expected) < 3e-2);
@@ -227,8 +230,10 @@ static void check_angle_weights(double tilt) {
 
 static void test_angle_weights(void **state) {
   (void)state;
-  check_angle_weights(0);
-  check_angle_weights(PI / 3);
+  for (int below = 0; below < 2; below++) {
+    check_angle_weights(0, below);
+    check_angle_weights(PI / 3, below);
+  }
 }
 
 /* Where u runs along the normal there is no tangent: what rounding leaves of dP/du is none. */
