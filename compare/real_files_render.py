@@ -247,4 +247,5 @@ def main(path):
     os._exit(0)  # bpy's own exit hangs in some versions
 
 
-main(sys.argv[sys.argv.index("--") + 1])
+if __name__ == "__main__":
+    main(sys.argv[sys.argv.index("--") + 1])

@@ -1,7 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The list of real files, and what is judged; nothing is fetched or rendered here."""
+import importlib
+import sys
+from types import ModuleType, SimpleNamespace
+from unittest.mock import MagicMock
+
+import numpy as np
 import pytest
 
+import pictures
 import real_files
 import real_files_fetch
 
@@ -54,3 +61,70 @@ def test_path_is_in_its_package(tmp_path):
     assert real_files_fetch.path_of(tmp_path, "a b.blend") == str(tmp_path / "a b.blend")
     with pytest.raises(OSError, match="not in its package"):
         real_files_fetch.path_of(tmp_path, "gone.blend")
+
+
+def result_of(tmp_path, monkeypatch, ours, theirs, noise=(0.001, 0.001)):
+    """What is said of two pictures each, of two seeds; noise: ours, Cycles'."""
+    archive = tmp_path / "libshade.zip"
+    archive.write_bytes(b"add-on")
+    monkeypatch.setattr(real_files, "ZIP", archive)
+
+    def rendered(_row, engine, stem, _added, _file, _options):
+        for seed, value in enumerate(ours if engine == "LIBSHADE" else theirs, 1):
+            pictures.write_float(f"{stem}_{seed}.exr", np.full((16, 16, 3), value, np.float32))
+        return {"noise": noise[engine == "CYCLES"], "samples": 16, "seconds": 1.0, "added": [], "words": []}
+
+    monkeypatch.setattr(real_files, "rendered", rendered)
+    return real_files.both(real_files.listed()[0], real_files.arguments(["--output", str(tmp_path)]), "a.blend")
+
+
+def test_pictures_of_both_seeds_count(tmp_path, monkeypatch):
+    found = result_of(tmp_path, monkeypatch, (0.5, 0.7), (0.4, 0.6))
+    assert (found["state"], found["difference"], found["brightness"]) == ("rendered", 0.2, 1.2)
+
+
+def test_only_noise_of_cycles_excuses(tmp_path, monkeypatch):
+    """More than half of the limit; ours is our fault."""
+    states = {noise: result_of(tmp_path, monkeypatch, (1, 1), (1, 1), noise)["state"]
+              for noise in ((0.2, 0.001), (0.001, 0.2), (0.001, 0.024), (0.001, 0.026))}
+    assert list(states.values()) == ["rendered", "noise of Cycles", "rendered", "noise of Cycles"]
+
+
+@pytest.mark.parametrize("there, path, called", [
+    (["wm.obj_import"], "a.OBJ", "wm.obj_import"), (["import_mesh.stl"], "a.stl", "import_mesh.stl"),
+    (["wm.stl_import", "import_mesh.stl"], "a.stl", "wm.stl_import"), (["import_scene.x3d"], "a.wrl", "import_scene.x3d"),
+    (["wm.usd_import"], "a.usdz", "wm.usd_import"), ([], "a.fbx", None), (["wm.obj_import"], "a.max", None)])
+def test_the_first_operator_that_is_there_imports(monkeypatch, there, path, called):
+    """Of an add-on only once that is enabled, which it is where nothing else reads the kind."""
+    asked = []
+
+    class Operators:
+        def __init__(self, module):
+            self.names = [word.split(".")[1] for word in there if word.startswith(module + ".")
+                          and (module == "wm" or enabled)]
+            self.module = module
+
+        def __dir__(self):
+            return self.names
+
+        def __getattr__(self, name):
+            return lambda filepath: asked.append(f"{self.module}.{name}")
+
+    class All:
+        def __getattr__(self, module):
+            return Operators(module)
+
+    enabled = []
+    bpy = ModuleType("bpy")
+    bpy.ops, bpy.app = All(), SimpleNamespace(version_string="3.4.1")
+    for name, module in (("bpy", bpy), ("mathutils", MagicMock()), ("addon_utils", SimpleNamespace(enable=enabled.append))):
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.delitem(sys.modules, "real_files_render", raising=False)
+    render = importlib.import_module("real_files_render")
+    monkeypatch.delitem(sys.modules, "real_files_render")
+    if called:
+        render.imported(path)
+        assert asked == [called] and bool(enabled) == (not called.startswith("wm."))
+    else:
+        with pytest.raises(SystemExit, match=f"{path}: Blender 3.4.1 imports no"):
+            render.imported(path)

@@ -76,6 +76,17 @@ def test_altered_rows_are_noticed(rows, kind, column, value, wrong):
     assert [k for k, good in enumerate(holds(changed)) if not good] == [wrong]
 
 
+def test_far_cloth_of_all_materials_and_lights_counts(monkeypatch):
+    """Values of each cell, and the worst of their sums; cells of what is near have none."""
+    cells = [{"far": {"values": 300, "over": 2, "sum": 0.01}}, {}, {"far": {"values": 500, "over": 3, "sum": 0.015}}]
+    found = {"pass": False, "faults": [], "materials": [], "lights": [], "values": 800, "largest": 1e-6, "mean": 1e-7, "cells": cells}
+    monkeypatch.setattr(study.consistency, "check", lambda *_: found)
+    monkeypatch.setattr(study.consistency, "check_rows", lambda *_: ([], False))
+    monkeypatch.setattr(study.consistency, "beyond", lambda checked, what: checked[what])
+    row = study.checked_row("drape", "as it is", "Blender", None, None)
+    assert (row["far_values"], row["far_over"], row["far_sum"], row["ok"]) == (800, 5, 0.015, 0)
+
+
 def test_a_picture_is_to_be_right_in_the_mean_and_to_the_eye():
     image = np.full((60, 72, 3), 0.3)
     brighter = study.picture_row("ball", "as it is", [image, 1.025 * image])

@@ -71,6 +71,15 @@ def test_the_median_counts_and_turns_alternate(tool, tmp_path):
     assert calls == [before, after, after, before, before, after]
 
 
+@pytest.mark.parametrize("count, low, median, high", [(1, 1, 1, 1), (3, 1, 2, 3), (5, 2, 3, 4), (8, 3, 4.5, 6)])
+def test_quarters_of_the_ratios(tool, tmp_path, count, low, median, high):
+    """Of pairs that are once, twice, … as slow."""
+    before, after, out = tool("before", ROW % "2"), tool("after", ROW % "$((2 * calls))"), tmp_path / "out.csv"
+    pairs(before, after, "--pairs", count, "--what", "D", "--mdf", "ggx", "--once", "-o", out)
+    row, = csv.DictReader(out.open())
+    assert [float(row[name]) for name in ("low", "ratio", "high")] == [low, median, high]
+
+
 def test_what_is_slow_once_is_taken_again(tool):
     before = tool("before", ROW % "2")
     after = tool("after", f"if [ $calls -le 3 ]; then {ROW % '3'}; else {ROW % '2'}; fi")
