@@ -139,6 +139,29 @@ def test_tints_colour_what_is_reflected_head_on(angle, below):
     np.testing.assert_allclose(rest, 1 - wanted, atol=0.006)
 
 
+@pytest.mark.parametrize("up", [True, False], ids=["reflected", "refracted"])
+@pytest.mark.parametrize("beckmann", [False, True], ids=["ggx", "beckmann"])
+def test_rough_films_under_a_lamp(up, beckmann):
+    """Far from where a smooth one sends light: at the facets that send it from the lamp to the eye the film, not the
+    body, says how much; all else is as without it."""
+    thickness, film, ior = 430.0, 1.7, 2.4
+    eye, light = (v / np.linalg.norm(v) for v in np.array([(-2.0, 0.0, 1.0), (0.3, 0.2, 1.0 if up else -1.0)]))
+    half = eye + (light if up else ior * light)
+    cosine = abs(half @ eye) / np.linalg.norm(half)
+    rough = {"closure": "GLASS", "ior": [ior], "alpha": [0.6], "tint": (1.0,) * 3, "reflects": True, "refracts": True,
+             "joint": True, "beckmann": beckmann}
+    seen = []
+    for more in ({"film_thickness": [thickness], "film_ior": [film]}, {}):
+        plate = {"name": "plate", "nodes": [], "closures": [rough | more]}
+        picture, _ = render(scene(width=8, height=8, camera=ortho(0.1, eye=3 * eye), materials=[plate], meshes=[square(4.0)],
+                                  lights=[sun(light)]))
+        seen.append(picture[..., :3].astype(float).mean((0, 1)))
+    filmed, bare = truth(cosine, thickness, film, (ior,) * 3), truth(cosine, 0.0, film, (ior,) * 3)
+    assert seen[1].min() > 0.01 and abs(filmed - bare).max() > 0.05
+    wanted = filmed / bare if up else (1 - filmed) / (1 - bare)
+    np.testing.assert_allclose(seen[0] / seen[1], wanted, atol=0.006 / bare.min() if up else 0.006)
+
+
 @pytest.mark.parametrize("alpha", [1e-4, 0.1, 0.5])
 @pytest.mark.parametrize("changes", [{}, {"beckmann": True}, {"mirror_tint": (0.2, 0.5, 1.0)}], ids=["ggx", "beckmann", "tinted"])
 def test_a_filmed_body_makes_no_light(alpha, changes):

@@ -167,10 +167,37 @@ def test_a_plate_that_shines_for_some(floor, drawn):
     assert both[0] == pytest.approx(everywhere[0] + alone[0], rel=0.02) and both[1] == pytest.approx(alone[1], rel=0.02)
 
 
+@pytest.mark.parametrize("pane", [False, True])
 @pytest.mark.parametrize("given", [{"link": 3}, {"shade": 5}])
-def test_a_plate_that_shines_is_seen_by_the_camera(given):
-    seen = picture(materials=[shining(3.0)], lights=[], instances=[moved(0, 0, **given, unlit=1 << 3, shadeless=1 << 5)])
-    assert (seen == 3).all()
+def test_a_plate_that_shines_is_seen_by_the_camera(given, pane):
+    """Through a pane, too, whose rays go straight on."""
+    seen = picture(materials=[shining(3.0), of(weighed(TRANSPARENT, 0.5))], lights=[], transparent_max_bounces=4,
+                   meshes=[square(4.0), square(4.0, material_index=1)],
+                   instances=[moved(0, 0, **given, unlit=1 << 3, shadeless=1 << 5), *[moved(1, 0, 0.5)] * pane])
+    np.testing.assert_allclose(seen, 1.5 if pane else 3.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("floor, limit", [(diffuse(), 0.01), (glossy(0.3), 0.03)], ids=["matt", "rough"])
+def test_light_samples_alone_find_what_some_do_not_shade(floor, limit):
+    """Nothing is in the way: what rays would have found is not missing, though on what is rough that is most of it."""
+    assert halves(floor, {"shade": 5}) == pytest.approx(halves(floor, {}), rel=limit)
+
+
+def test_one_of_two_plates_is_not_shaded():
+    """Beside lamps: their light is the sum of that of each alone, below a roof that stops none of one's."""
+    roof = moved(0, 0, 0.6, 0.9, shadeless=1 << 5)
+
+    def seen(plates, lamps=()):
+        shown = picture(materials=[of(diffuse()), shining(3.0)], lights=list(lamps), samples=few(4096), max_bounces=1,
+                        camera=ortho(eye=(0, 0, 0.2)), meshes=[square(0.5), square(0.3, material_index=1)],
+                        instances=[moved(0, 0), roof, *plates])
+        return shown[4:12, 6:10].mean()
+
+    plates = [moved(1, -0.5, 2.0, shade=5), moved(1, 0.9, 1.4)]
+    lamps = [point((-1.2, 0.2, 1.0), (1, 1, 1)), point((1.2, 0.1, 0.9), (0.5, 0.5, 0.5))]
+    parts = [seen(plates[:1]), seen(plates[1:]), seen([], lamps)]
+    assert min(parts) > 0.001 and seen(plates[:1]) > 1.5 * seen([moved(1, -0.5, 2.0)])
+    assert seen(plates, lamps) == pytest.approx(sum(parts), rel=chance(0.02))
 
 
 @pytest.mark.parametrize("sheet", [False, True])

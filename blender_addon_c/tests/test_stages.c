@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "batch/state.h"
+#include "node/scratches.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
 #include "system/pages.h"
@@ -1769,6 +1770,41 @@ static void large_textures_leave_memory(void **state) {
   free(bytes);
 }
 
+/* Of a footprint: rays of its plate and of its scratches have together the mean of its slopes, and
+ * their squares, and slopes of either part spread as something can. */
+static void scratches_and_plate(void **state) {
+  (void)state;
+  enum { LOTS = 4096 };
+  scratch_slopes all = {.xx = 0.02f, .yy = 0.03f};
+  const scratches field = {.share = 0.25f, .squares.level[0] = &all};
+  const double mean[][2] = {{0, 0}, {0.05, -0.04}, {0.3, 0.2}};
+  const double spread[][3] = {{0.02, 0.005, 0.03}, {0.002, -0.001, 0.001}, {0.3, 0, 0.2}};
+  for (int m = 0; m < 3; m++)
+    for (int c = 0; c < 3; c++) {
+      double sum[5] = {0, 0, 0, 0, 0};
+      int scratched = 0;
+      for (int k = 0; k < LOTS; k++) {
+        shade_slopes s = {.mean = {mean[m][0], mean[m][1]},
+                          .covariance = {spread[c][0], spread[c][1], spread[c][2]}};
+        scratched += scratches_part(&field, ((float)k + 0.5f) / LOTS, &s);
+        assert_true(s.covariance[0] + s.covariance[2] >= -1e-12);
+        sum[0] += s.mean[0] / LOTS;
+        sum[1] += s.mean[1] / LOTS;
+        for (int a = 0; a < 3; a++)
+          sum[2 + a] += (s.covariance[a] + s.mean[a > 1] * s.mean[a > 0]) / LOTS;
+      }
+      /* a whole number of lots is scratched */
+      const double near = 2.0 / scratched;
+      for (int a = 0; a < 2; a++)
+        assert_true(fabs(sum[a] - mean[m][a]) <= near * fabs(mean[m][a]));
+      for (int a = 0; a < 3; a++) {
+        const double square = spread[c][a] + mean[m][a > 1] * mean[m][a > 0];
+        assert_true(fabs(sum[2 + a] - square) <= near * (fabs(square) + 1e-3));
+      }
+      assert_true(m + c > 0 || abs(scratched - LOTS / 4) <= 1);
+    }
+}
+
 int main(void) {
   static const stage_table *const tables[] = {&stages_scalar, &stages_sse2, &stages_avx2,
                                               &stages_avx512};
@@ -1804,7 +1840,8 @@ int main(void) {
     if (tables[k] == widest)
       break;
   }
-  const struct CMUnitTest apart[] = {cmocka_unit_test(large_textures_leave_memory)};
-  failed += cmocka_run_group_tests_name("textures", apart, NULL, NULL);
+  const struct CMUnitTest apart[] = {cmocka_unit_test(large_textures_leave_memory),
+                                     cmocka_unit_test(scratches_and_plate)};
+  failed += cmocka_run_group_tests_name("apart", apart, NULL, NULL);
   return failed != 0;
 }
