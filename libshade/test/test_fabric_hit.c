@@ -218,6 +218,8 @@ static int next_transmits;
 static void with_all_parts(shade_fabric_params *p) {
   p->horizon = next_horizon;
   p->nap = 0.3;
+  if (next_horizon % 2) /* yarns of two kinds are not lit in one loop */
+    p->weft.diffuse = SHADE_DIFFUSE_LAMBERT;
   if (next_transmits)
     transmits(p);
   for (int a = 0; a < 3; a++)

@@ -202,6 +202,25 @@ def test_bent_lathe_follows_its_spline(render):
     check(dump, np.cross(dump.N, ring), 1e-5)
 
 
+def test_a_turned_texture_on_a_bent_lathe(render):
+    """Half-way between dP/du and dP/dv, by their lengths: r and y are cubics of v in each of the spline's parts, which the
+    dump's points tell."""
+    geometry = "lathe { cubic_spline 6, <0, -1.2>, <.6, -.9>, <.9, -.2>, <.5, .5>, <.4, 1>, <.1, 1.2> "
+    dump = render(scene(geometry + texture("tangent uv", "rotate 45*z") + " }")).dump
+    ring = normalise(np.stack([dump.P[..., 0], 0 * dump.P[..., 0], dump.P[..., 2]], -1))
+    v, profile = dump.uv[..., 1], np.stack([dot(dump.P, ring), dump.P[..., 1]])
+    slope, parts = np.zeros_like(profile), np.floor(3 * v)
+    for part in range(3):
+        here = dump.hit & (parts == part)
+        assert here.sum() > 50
+        for what in (0, 1):
+            fit = np.polynomial.Polynomial.fit(v[here], profile[what][here], 3)
+            assert abs(fit(v[here]) - profile[what][here]).max() < 1e-5
+            slope[what][here] = fit.deriv()(v[here])
+    du = 2 * np.pi * np.stack([-dump.P[..., 2], 0 * dump.P[..., 0], dump.P[..., 0]], -1)
+    check(dump, du + slope[0][..., None] * ring + slope[1][..., None] * [0, 1, 0], 1e-3)
+
+
 PATCH = """bicubic_patch { type 1 flatness 0 u_steps 3 v_steps 3 UV
 """ + ", ".join("<" + ", ".join(f"{c:.9g}" for c in (2 * i / 3 - 1, .1 * j, 2 * j / 3 - 1 + .2 * i)) + ">" for j in range(4) for i in range(4)) + "\n"
 
