@@ -19,12 +19,17 @@ typedef struct FN(normal) {
   real x, y, z;
 } FN(normal);
 
+LEAF int FN(needs_bend)(real nx, real ny, real nz, real wox, real woy, real woz) {
+  real along = FN(dot2)(nx, ny, wox, woy);
+  real t = FN(minimum)(R(0.9) * woz, R(0.01));
+  real image = FN(multiply_add)(2 * FN(multiply_add)(nz, woz, along), nz, -woz);
+  return (image < t) & (woz > 0) & (FN(dot2)(nx, ny, nx, ny) > TINY);
+}
 LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz) {
   real side2 = FN(dot2)(nx, ny, nx, ny);
   real along = FN(dot2)(nx, ny, wox, woy);
   real t = FN(minimum)(R(0.9) * woz, R(0.01));
-  real image = FN(multiply_add)(2 * FN(multiply_add)(nz, woz, along), nz, -woz);
-  int low = (image < t) & (woz > 0) & (side2 > TINY);
+  int low = FN(needs_bend)(nx, ny, nz, wox, woy, woz);
   real inverse = 1 / FN(root)(low ? side2 : 1); /* once: divisions are most of the time */
   real a = along * inverse;
   real over = FN(maximum)((woz - t) * (woz + t), 0); /* s^2 - a^2 */

@@ -214,7 +214,7 @@ static __attribute__((noinline)) void FN(prepare_one)(const bsdf *b, const real 
   h->given = n;
   if (is.fade == SHADE_FADE_ESTEVEZ)
     h->alpha2 = FN(estevez_alpha2)(XYZ(n));
-  if (is.bends) {
+  if (is.bends && FN(needs_bend)(XYZ(n), XYZ(eye.v))) { /* seldom, and then dear */
     const FN(normal) bent = FN(bend)(XYZ(n), XYZ(eye.v));
     n = (FN(triple)){XYZ(bent)};
   }

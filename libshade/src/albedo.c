@@ -38,7 +38,8 @@ static void direction(int spoke, int ring, float wo[3]) {
 /* ---- making it ------------------------------------------------------------------------------- */
 
 /* Half vectors a side; directions a side, twice as many round. */
-enum { HALVES = 56, GRID = 16, ROOM = HALVES * HALVES };
+enum { HALVES = 56, GRID = 16, ROOM = HALVES * HALVES, LANES = 8 };
+_Static_assert(ROOM % LANES == 0, "lobe_of sums so many at a time");
 
 typedef struct work {
   float in[9][ROOM], out[4][ROOM];
@@ -58,14 +59,15 @@ static void lay_halves(work *w, double ax, double ay) {
   }
 }
 
-/* f and the cosine of the first `count` wi, for n = z. */
+static void fill(float *array, size_t count, float value) {
+  for (size_t i = 0; i < count; i++)
+    array[i] = value;
+}
+
+/* f and the cosine of the first `count` wi; n are laid already. */
 static void evaluate(work *w, const shade_bsdf *b, size_t count, const float wo[3]) {
-  for (size_t i = 0; i < count; i++) {
-    w->in[0][i] = w->in[1][i] = 0;
-    w->in[2][i] = 1;
-    for (int c = 0; c < 3; c++)
-      w->in[6 + c][i] = wo[c];
-  }
+  for (int c = 0; c < 3; c++)
+    fill(w->in[6 + c], count, wo[c]);
   shade_lanesf in;
   memset(&in, 0, sizeof in);
   in.size = sizeof in;
@@ -79,19 +81,29 @@ static void evaluate(work *w, const shade_bsdf *b, size_t count, const float wo[
 
 /* The integral of f cos over half vectors: dwi = 4 (h.wo) dh. */
 static void lobe_of(work *w, const shade_bsdf *b, const float wo[3], float rgb[3]) {
-  float weight[ROOM];
-  for (int i = 0; i < ROOM; i++) {
-    const float d = w->h[0][i] * wo[0] + w->h[1][i] * wo[1] + w->h[2][i] * wo[2];
-    weight[i] = d > 0 ? d * w->h[3][i] : 0;
-    for (int c = 0; c < 3; c++)
-      w->in[3 + c][i] = 2 * d * w->h[c][i] - wo[c];
+  const float *const x = w->h[0], *const y = w->h[1], *const z = w->h[2];
+  const float vx = wo[0], vy = wo[1], vz = wo[2];
+  float d[ROOM], weight[ROOM];
+  for (int i = 0; i < ROOM; i++)
+    d[i] = x[i] * vx + y[i] * vy + z[i] * vz;
+  for (int i = 0; i < ROOM; i++)
+    weight[i] = (d[i] > 0 ? d[i] : 0) * w->h[3][i];
+  for (int c = 0; c < 3; c++) {
+    const float v = wo[c];
+    for (int i = 0; i < ROOM; i++)
+      w->in[3 + c][i] = 2 * d[i] * w->h[c][i] - v;
   }
   evaluate(w, b, ROOM, wo);
+  for (int i = 0; i < ROOM; i++)
+    weight[i] *= w->out[3][i];
   for (int c = 0; c < 3; c++) {
-    double sum = 0;
-    for (int i = 0; i < ROOM; i++)
-      sum += (double)(weight[i] * w->out[c][i] * w->out[3][i]);
-    rgb[c] = (float)sum;
+    double sum[LANES] = {0}; /* side by side: one after the other each would wait for the last */
+    for (int i = 0; i < ROOM; i += LANES)
+      for (int k = 0; k < LANES; k++)
+        sum[k] += (double)(weight[i + k] * w->out[c][i + k]);
+    for (int k = 1; k < LANES; k++)
+      sum[0] += sum[k];
+    rgb[c] = (float)sum[0];
   }
 }
 
@@ -147,6 +159,8 @@ shade_bsdf_albedo *shade_bsdf_albedo_create(const shade_params *given, unsigned 
   shade_bsdf_setup(&specular, &lobe);
   shade_bsdf_setup(&diffuse, &matt);
   lay_halves(w, p.ax, p.ay);
+  for (int c = 0; c < 3; c++)
+    fill(w->in[c], ROOM, c == 2);
   const int has_diffuse = kd[0] > 0 || kd[1] > 0 || kd[2] > 0;
   double same = plain ? 1 : -1; /* where it does not depend on wo */
   for (int s = 0; s < a->spokes; s++)
@@ -171,7 +185,7 @@ void shade_bsdf_albedo_free(shade_bsdf_albedo *a) {
  */
 
 /* Unit, and its length's status. What is unit already, nearly all, stays as it is. */
-static unsigned make_unit(const double in[3], double out[3]) {
+static inline unsigned make_unit(const double in[3], double out[3]) {
   const double square = in[0] * in[0] + in[1] * in[1] + in[2] * in[2];
   if (fabs(square - 1) < 1e-14) {
     memcpy(out, in, 3 * sizeof *out);
@@ -189,20 +203,19 @@ static unsigned make_unit(const double in[3], double out[3]) {
 }
 
 /* wo in the frame of the displaced surface whose normal is n. */
-static void carry(const double n[3], int groove_y, double wo[3]) {
-  const int x = groove_y, y = !groove_y; /* the axis of the grooves, and the other */
-  const double l = sqrt(n[x] * n[x] + n[2] * n[2]);
-  double along = wo[x];
-  if (l > 0)
-    along = (n[2] * wo[x] - n[x] * wo[2]) / l;
-  const double up = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2];
-  /* n cross the carried axis, up to a sign, which the table does not see */
-  double across = wo[y];
-  if (l > 0)
-    across = (wo[y] * l * l - n[y] * (n[x] * wo[x] + n[2] * wo[2])) / l;
-  wo[x] = along;
-  wo[y] = across;
-  wo[2] = up;
+static inline void carry(const double n[3], int groove_y, double wo[3]) {
+  /* along the axis of the grooves, and along the other */
+  const double nx = groove_y ? n[1] : n[0], ny = groove_y ? n[0] : n[1], nz = n[2];
+  double x = groove_y ? wo[1] : wo[0], y = groove_y ? wo[0] : wo[1];
+  const double square = nx * nx + nz * nz, slanted = nx * x + nz * wo[2];
+  if (square > 0) {
+    const double inverse = 1 / sqrt(square);
+    x = (nz * x - nx * wo[2]) * inverse;
+    /* n cross the carried axis, up to a sign, which the table does not see */
+    wo[groove_y ? 0 : 1] = (y * square - ny * slanted) * inverse;
+    wo[groove_y ? 1 : 0] = x;
+  }
+  wo[2] = slanted + ny * y;
 }
 
 unsigned shade_bsdf_albedo_eval(const shade_bsdf_albedo *a, const double n_in[3],
@@ -211,7 +224,7 @@ unsigned shade_bsdf_albedo_eval(const shade_bsdf_albedo *a, const double n_in[3]
   double wo[3], n[3];
   for (int k = 0; k < PARTS; k++)
     if (out[k])
-      memset(out[k], 0, 3 * sizeof *out[k]);
+      out[k][0] = out[k][1] = out[k][2] = 0;
   unsigned status = make_unit(wo_in, wo);
   if (n_in)
     status |= make_unit(n_in, n);
@@ -228,21 +241,27 @@ unsigned shade_bsdf_albedo_eval(const shade_bsdf_albedo *a, const double n_in[3]
     if (!(wo[2] > 0))
       return status;
   }
-  const double t = fmin(sqrt(fmin(wo[2], 1)), 1) * (RINGS - 1);
+  const double t = (wo[2] < 1 ? sqrt(wo[2]) : 1) * (RINGS - 1);
   const double x = fabs(wo[0]), y = fabs(wo[1]);
-  const double s = x + y > 0 ? y / (x + y) * (a->spokes - 1) : 0;
+  const double s = a->spokes > 1 && x + y > 0 ? y / (x + y) * (SPOKES - 1) : 0;
   const int ring = t < RINGS - 2 ? (int)t : RINGS - 2;
-  const int spoke = s < a->spokes - 2 ? (int)s : a->spokes > 1 ? a->spokes - 2 : 0;
+  const int spoke = s < SPOKES - 2 ? (int)s : SPOKES - 2;
   const int next = a->spokes > 1 ? spoke + 1 : 0;
-  const double low = ring == 0 ? LEAST * (RINGS - 1) : ring; /* where the first ring is */
-  const double up = fmax((t - low) / (ring + 1 - low), 0), turn = s - spoke;
-  for (int k = 0; k < PARTS; k++)
-    for (int c = 0; c < 3 && out[k]; c++) {
-      const double p = (double)a->rgb[spoke][ring][k][c], q = (double)a->rgb[spoke][ring + 1][k][c];
-      const double v = (double)a->rgb[next][ring][k][c], w = (double)a->rgb[next][ring + 1][k][c];
-      const double here = p + up * (q - p), there = v + up * (w - v);
+  const double first = LEAST * (RINGS - 1); /* where the first ring is */
+  const double up = ring > 0 ? t - ring : t > first ? (t - first) / (1 - first) : 0;
+  const double turn = s - spoke;
+  for (int k = 0; k < PARTS; k++) {
+    if (!out[k])
+      continue;
+    const float *const p = a->rgb[spoke][ring][k], *const q = a->rgb[spoke][ring + 1][k];
+    const float *const v = a->rgb[next][ring][k], *const w = a->rgb[next][ring + 1][k];
+    for (int c = 0; c < 3; c++) {
+      const double low = (double)p[c], high = (double)v[c];
+      const double here = low + up * ((double)q[c] - low);
+      const double there = high + up * ((double)w[c] - high);
       out[k][c] = here + turn * (there - here);
     }
+  }
   return status;
 }
 
