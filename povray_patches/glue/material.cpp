@@ -113,15 +113,24 @@ void split(Material &m) {
   shade_bsdf_setup(&m.diffuse, &diffuse);
 
   m.albedo.reset();
-  if (m.has_diffuse && m.params.diffuse != SHADE_DIFFUSE_LAMBERT) {
-    shade_bsdf_albedo *const table = shade_bsdf_albedo_create(&diffuse, NULL);
-    if (table == NULL)
-      throw std::bad_alloc();
-    m.albedo.reset(table, shade_bsdf_albedo_free);
-  }
+  if (m.has_diffuse && m.params.diffuse != SHADE_DIFFUSE_LAMBERT)
+    m.albedo.reset(new LateAlbedo(diffuse));
 }
 
 } // namespace
+
+const shade_bsdf_albedo *LateAlbedo::make() const {
+  const std::lock_guard<std::mutex> one(making);
+  shade_bsdf_albedo *made = table.load(std::memory_order_relaxed);
+
+  if (made == NULL) {
+    made = shade_bsdf_albedo_create(&params, NULL);
+    if (made == NULL)
+      throw std::bad_alloc();
+    table.store(made, std::memory_order_release);
+  }
+  return made;
+}
 
 bool *Material::pigment_for(int row) {
   shade_param_info info;
@@ -151,21 +160,25 @@ const Material *Scene::add(const Material &material) {
   kept->field.reset();
   split(*kept);
   widen(*kept);
+  if (!kept->cloth && !kept->matt) {
+    shade_params p = specular_of(kept->params);
+    kept->specular_albedo = albedo_of(p);
+    for (int c = 0; c < 3; c++)
+      p.f0[c] = 0.0;
+    if (kept->specular_pigment)
+      kept->black_albedo = albedo_of(p);
+  }
   materials.push_back(kept);
   by_width = by_width || kept->cloth || kept->scratches || (kept->bump && kept->filtered);
   return kept.get();
 }
 
-std::shared_ptr<const shade_bsdf_albedo> Scene::albedo_of(const shade_params &specular) {
+std::shared_ptr<const LateAlbedo> Scene::albedo_of(const shade_params &params) {
   for (size_t i = albedos.size(); i-- > 0;)
-    if (std::memcmp(&albedos[i].first, &specular, sizeof specular) == 0)
-      return albedos[i].second;
-  shade_bsdf_albedo *const table = shade_bsdf_albedo_create(&specular, NULL);
-  if (table == NULL)
-    throw std::bad_alloc();
-  const std::shared_ptr<const shade_bsdf_albedo> kept(table, shade_bsdf_albedo_free);
-  albedos.push_back(std::make_pair(specular, kept));
-  return kept;
+    if (std::memcmp(&albedos[i]->params, &params, sizeof params) == 0)
+      return albedos[i];
+  albedos.push_back(std::make_shared<const LateAlbedo>(params));
+  return albedos.back();
 }
 
 void Scene::use(const Material *material) {
@@ -175,19 +188,8 @@ void Scene::use(const Material *material) {
     m.slopes = m.bump->slopes(m.strength);
   if (m.scratches && !m.field)
     m.field = scratcher.field(m.scratches->params);
-  if (m.cloth) {
-    if (!m.woven)
-      m.woven = loom.woven(*m.cloth);
-    return;
-  }
-  if (m.specular_albedo)
-    return;
-  shade_params p = specular_of(m.params);
-  m.specular_albedo = albedo_of(p);
-  for (int c = 0; c < 3; c++)
-    p.f0[c] = 0.0;
-  if (m.specular_pigment)
-    m.black_albedo = albedo_of(p);
+  if (m.cloth && !m.woven)
+    m.woven = loom.woven(*m.cloth);
 }
 
 bool Scene::has_cloth() const {
@@ -411,7 +413,7 @@ void ShadedPoint::diffuse_albedo(double albedo[3]) const {
   if (material->cloth)
     return;
   if (material->albedo)
-    shade_bsdf_albedo_eval(material->albedo.get(), NULL, eye, NULL, albedo);
+    shade_bsdf_albedo_eval(material->albedo->get(), NULL, eye, NULL, albedo);
   paint_diffuse(albedo);
 }
 
@@ -422,14 +424,14 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
     m.woven->albedo(eye, pigment, albedo);
     return;
   }
-  for (int c = 0; c < 3; c++) // what nobody announced: the colour alone
-    albedo[c] = m.params.f0[c];
-  if (m.specular_albedo && !m.matt)
-    shade_bsdf_albedo_eval(m.specular_albedo.get(), normal, eye, albedo, NULL);
+  for (int c = 0; c < 3; c++)
+    albedo[c] = 0.0;
+  if (m.specular_albedo)
+    shade_bsdf_albedo_eval(m.specular_albedo->get(), normal, eye, albedo, NULL);
   if (m.specular_pigment) {
     double black[3] = {0.0, 0.0, 0.0};
     if (m.black_albedo)
-      shade_bsdf_albedo_eval(m.black_albedo.get(), normal, eye, black, NULL);
+      shade_bsdf_albedo_eval(m.black_albedo->get(), normal, eye, black, NULL);
     tint(black, albedo);
   }
 }

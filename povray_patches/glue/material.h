@@ -3,8 +3,10 @@
 #ifndef POVRAY_BACKEND_MDF_MATERIAL_H
 #define POVRAY_BACKEND_MDF_MATERIAL_H
 
+#include <atomic>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,6 +19,25 @@
 #include "shade/shade.h"
 
 namespace mdf {
+
+// A table of albedos, made when a ray asks for it first: without `ambient`, radiosity and
+// conserve_energy none does. Any thread may.
+class LateAlbedo {
+public:
+  explicit LateAlbedo(const shade_params &p) : params(p), table(NULL) {}
+  ~LateAlbedo() { shade_bsdf_albedo_free(table.load()); }
+  // Throws std::bad_alloc.
+  const shade_bsdf_albedo *get() const {
+    const shade_bsdf_albedo *const made = table.load(std::memory_order_acquire);
+    return made != NULL ? made : make();
+  }
+  const shade_params params;
+
+private:
+  mutable std::atomic<shade_bsdf_albedo *> table;
+  mutable std::mutex making;
+  const shade_bsdf_albedo *make() const;
+};
 
 struct Material {
   Material();
@@ -63,10 +84,9 @@ struct Material {
   bool rejects; // light from below the perturbed normal gives nothing,
   bool bends;   // unless that normal has been bent for the eye
   // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
-  std::shared_ptr<const shade_bsdf_albedo> albedo;
-  // Of the specular part, once an object shows it (Scene::use); else NULL.
-  std::shared_ptr<const shade_bsdf_albedo> specular_albedo;
-  // The cloth, likewise.
+  std::shared_ptr<const LateAlbedo> albedo;
+  std::shared_ptr<const LateAlbedo> specular_albedo;
+  // The cloth, once an object shows it (Scene::use); else NULL.
   std::shared_ptr<const Woven> woven;
   // The bump image from afar, likewise.
   std::shared_ptr<const shade_slope_map> slopes;
@@ -74,7 +94,7 @@ struct Material {
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
   // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
   shade_bsdf black;
-  std::shared_ptr<const shade_bsdf_albedo> black_albedo;
+  std::shared_ptr<const LateAlbedo> black_albedo;
 
   // The specular part, no alpha below that of the level. A path that has left a rough surface
   // sees sharp lobes so: it seldom finds a light in them, and then a dazzling one.
@@ -146,11 +166,11 @@ private:
   std::vector<std::shared_ptr<Material>> materials;
   bool by_width = false;
   // equal blocks share one: scenes copy them in loops
-  std::vector<std::pair<shade_params, std::shared_ptr<const shade_bsdf_albedo>>> albedos;
+  std::vector<std::shared_ptr<const LateAlbedo>> albedos;
   Loom loom;
   Scratcher scratcher;
 
-  std::shared_ptr<const shade_bsdf_albedo> albedo_of(const shade_params &specular);
+  std::shared_ptr<const LateAlbedo> albedo_of(const shade_params &params);
   std::set<std::string> warned;
 };
 
@@ -203,6 +223,19 @@ public:
   // at normal incidence, RGB; f is the material's, or one part of it; all of a cloth's. level: of
   // Material::widened, or -1.
   void light(Part part, int level, const double L[3], const double E[3], double S[3]) const;
+  // Both parts of what is no cloth and not roughened, which most is.
+  void light_smooth(const double L[3], const double E[3], double S[3]) const {
+    double wi[3], f[3], cosine;
+
+    to_local(L, wi);
+    if (!(prepared >> OF_ALL & 1)) {
+      shade_bsdf_prepare(&material->bsdf, normal, eye, &prepared_hit[OF_ALL]);
+      prepared |= 1u << OF_ALL;
+    }
+    shade_bsdf_hit_eval(&material->bsdf, &prepared_hit[OF_ALL], wi, f, &cosine);
+    for (int c = 0; c < 3; c++)
+      S[c] = f[c] * cosine * E[c];
+  }
 
   // What share of even light each part reflects, RGB. All that a cloth does counts as specular.
   void diffuse_albedo(double albedo[3]) const;

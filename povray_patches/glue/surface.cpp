@@ -42,10 +42,11 @@ Vector3d axis_vector(int axis) {
   return Vector3d(axis == X, axis == Y, axis == Z);
 }
 
-// A vector of unit length, which what POV-Ray hands over mostly has already.
+// A vector of unit length, which what POV-Ray hands over mostly has already. Further off than a few
+// roundings libshade would mend what is seen of it, for each light anew.
 Vector3d unit(const Vector3d &v) {
   const double square = v.lengthSqr();
-  return fabs(square - 1.0) < 1e-12 ? v : v / std::sqrt(square);
+  return fabs(square - 1.0) < 4e-15 ? v : v * (1.0 / std::sqrt(square));
 }
 
 // v without its part along the unit vector n, normalised. False if nothing is
@@ -934,7 +935,7 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
   double S[3];
 
   if (simple && highlight && (diffuse || !material.has_diffuse)) {
-    shaded.light(mdf::ShadedPoint::ALL, -1, direction, E, S);
+    shaded.light_smooth(direction, E, S);
     colour += RGBColour((COLC)S[0], (COLC)S[1], (COLC)S[2]);
     if (recorded)
       Record(light, direction, E, S);
