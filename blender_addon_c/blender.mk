@@ -34,7 +34,7 @@ $(BLENDER_ADDON)/LICENSE.txt: LICENSES/GPL-3.0-or-later.txt
 	$(Q)cp $< $@
 
 $(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree builder fabric fabric_maps fabric_place fabric_shade fabric_tree fabric_yarns groove scratches scratch_tree) \
-  $(N)/scene/cloth_picture.c $(L)/src/presets.c | $(BLENDER_FILES)
+  $(N)/scene/cloth_picture.c $(L)/src/presets.c $(L)/include/shade/table.h | $(BLENDER_FILES)
 	$(call say,render   ,$(@D))
 	$(Q)BLENDER_USER_SCRIPTS=$(abspath $(B)/blender) blender -b --factory-startup --addons libshade --python-exit-code 1 -P $< \
 	  -- $(abspath $(@D)) >$(B)/assets.log 2>&1 || { tail -20 $(B)/assets.log; exit 1; }

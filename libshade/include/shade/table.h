@@ -138,23 +138,26 @@
       "Diffuse reflectance, linear RGB")
 
 /*
- * Measured metals: ROW(ENUM_NAME, word, label, eta r, g, b, k r, g, b), complex index of
- * refraction at 650, 550 and 450 nm, interpolated linearly in the published tables.
+ * Measured metals: ROW(ENUM_NAME, word, label, eta r, g, b, k r, g, b), complex indices of
+ * refraction whose reflectances, at every angle, are the colours that the published spectra have
+ * under D65 in linear Rec. 709, not their values at three wavelengths, which are paler (gold) or
+ * greener (brass). Fitted by libshade/test/metal_spectra.py; what is redder than the primary red
+ * (gold's red, 1.04) reflects all.
  * [JohnsonChristy1972] silver, gold, copper; [JohnsonChristy1974] iron, chromium, titanium;
  * [Rakic1995] aluminium; [Karlsson1982] ferritic stainless steel with 13.5 % chromium;
  * [Querry1985] brass of 70 % copper.
  */
 #define SHADE_TABLE_METALS(ROW)                                                                    \
-  ROW(SILVER, silver, "Silver", 0.05222, 0.05958, 0.04, 4.409, 3.597, 2.648)                       \
-  ROW(GOLD, gold, "Gold", 0.1556, 0.4241, 1.383, 3.602, 2.472, 1.915)                              \
-  ROW(COPPER, copper, "Copper", 0.2378, 1.007, 1.24, 3.626, 2.582, 2.393)                          \
-  ROW(ALUMINIUM, aluminium, "Aluminium", 1.558, 1.015, 0.6332, 7.712, 6.627, 5.454)                \
-  ROW(IRON, iron, "Iron", 2.911, 2.95, 2.584, 3.089, 2.932, 2.767)                                 \
-  ROW(CHROMIUM, chromium, "Chromium", 3.107, 3.181, 2.323, 3.331, 3.329, 3.135)                    \
-  ROW(TITANIUM, titanium, "Titanium", 2.741, 2.542, 2.267, 3.814, 3.435, 3.038)                    \
-  ROW(STAINLESS_STEEL, stainless_steel, "Stainless steel", 2.194, 1.904, 1.494, 3.481, 3.170,      \
-      2.771)                                                                                       \
-  ROW(BRASS, brass, "Brass", 0.444, 0.527, 1.094, 3.695, 2.765, 1.829)
+  ROW(SILVER, silver, "Silver", 0.05693, 0.05512, 0.0432, 4.504, 3.552, 2.592)                     \
+  ROW(GOLD, gold, "Gold", 0.01702, 0.4955, 1.477, 13.77, 2.252, 1.778)                             \
+  ROW(COPPER, copper, "Copper", 0.2347, 1.045, 1.297, 3.483, 2.626, 2.363)                         \
+  ROW(ALUMINIUM, aluminium, "Aluminium", 1.502, 0.9853, 0.606, 7.654, 6.549, 5.35)                 \
+  ROW(IRON, iron, "Iron", 2.923, 2.92, 2.547, 3.077, 2.937, 2.75)                                  \
+  ROW(CHROMIUM, chromium, "Chromium", 3.246, 3.116, 2.286, 3.286, 3.336, 3.117)                    \
+  ROW(TITANIUM, titanium, "Titanium", 2.753, 2.508, 2.241, 3.845, 3.397, 3.015)                    \
+  ROW(STAINLESS_STEEL, stainless_steel, "Stainless steel", 2.191, 1.889, 1.469, 3.461, 3.152,      \
+      2.739)                                                                                       \
+  ROW(BRASS, brass, "Brass", 0.4777, 0.5235, 1.128, 4.342, 2.67, 1.812)
 
 /*
  * The yarns of a woven cloth, warp and weft alike: ROW(word, unit, minimum, maximum, default,
