@@ -4,7 +4,7 @@
 from functools import lru_cache
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
 from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
 from .fabric_yarns import CUSTOM, DRAFT
@@ -129,6 +129,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             name="Open Gaps", default=False,
             update=_changed,
             description="What is behind shows through between the yarns, in place of a lining"),
+        "repeat_mm": FloatVectorProperty(size=2, options={"HIDDEN"}),  # of the weave, where Scale is 1
         "set_transmission": FloatProperty(options={"HIDDEN"}),  # what it last set the socket to
         # The tree inside also belongs to a copy of this node, until one of them changes.
         "shares_tree": BoolProperty(options={"HIDDEN"}),
@@ -156,7 +157,10 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             unit = fabric_tree.scene_unit()
             fabric_size.note_unit(getattr(bpy.context, "scene", None))
         made, _trouble = settings(self, unit)
-        fabric_tree.update(self.node_tree, fabric_maps.of(made), f"Libshade {self._woven()}", fabric_size.space_of(self), unit,
+        maps = fabric_maps.of(made)
+        if self.size_mode == "REAL":  # counts are of a metre
+            self.repeat_mm = [1000 * count / per for count, per in zip(maps["repeat"], maps["per_unit"])]
+        fabric_tree.update(self.node_tree, maps, f"Libshade {self._woven()}", fabric_size.space_of(self), unit,
                            self.open_gaps)
 
     def _woven(self):
@@ -178,6 +182,10 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         layout.prop(self, "size_mode")
         if self.size_mode != "REAL":
             layout.prop(self, "size" if self.size_mode == "LENGTH" else "repeats")
+        scale = self.inputs["Scale"]
+        if self.size_mode == "REAL" and self.repeat_mm[0] and scale.default_value and not scale.is_linked:
+            sides = (abs(side / scale.default_value) for side in self.repeat_mm)
+            layout.label(text="Repeat: {:.3g} × {:.3g} mm".format(*sides))  # too small to be seen?
         if not is_old(self):
             layout.label(text="Approximate in Cycles, EEVEE", icon="INFO")
             if self.size_mode == "REAL":
