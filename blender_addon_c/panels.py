@@ -330,16 +330,31 @@ _CLASSES = (
 )
 
 
+def _simplify():
+    """Blender's own panels, but below ours: they would be first in the tab, for they were there before."""
+    name = "RENDER_PT_simplify"
+    for panel in (getattr(bpy.types, name + part, None) for part in ("", "_viewport", "_render")):
+        if panel:
+            own = {word: part for word, part in vars(panel).items() if word in ("bl_label", "draw", "draw_header")}
+            inside = {"bl_parent_id": "RENDER_PT_libshade_simplify"} if panel.__name__ != name else {"bl_options": {"DEFAULT_CLOSED"}}
+            yield type(panel.__name__.replace("_PT_", "_PT_libshade_"), (_Panel, bpy.types.Panel),
+                       {"bl_context": "render", **own, **inside})
+
+
 def _shared_panels():
     for panel in bpy.types.Panel.__subclasses__():
         engines, name = getattr(panel, "COMPAT_ENGINES", ()), panel.__name__
-        external = "BLENDER_RENDER" in engines and name not in _NOT_OURS
+        external = "BLENDER_RENDER" in engines and name not in _NOT_OURS and not name.startswith("RENDER_PT_simplify")
         if name in _ALSO_OURS or (external and "freestyle" not in name):
             yield panel
 
 
+_registered = []
+
+
 def register():
-    for cls in _CLASSES:
+    _registered.extend((*_CLASSES, *_simplify()))
+    for cls in _registered:
         bpy.utils.register_class(cls)
     for panel in _shared_panels():
         panel.COMPAT_ENGINES.add(ENGINE)
@@ -348,5 +363,5 @@ def register():
 def unregister():
     for panel in _shared_panels():
         panel.COMPAT_ENGINES.discard(ENGINE)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+    while _registered:
+        bpy.utils.unregister_class(_registered.pop())
