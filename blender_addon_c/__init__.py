@@ -3,11 +3,11 @@
 
 bl_info = {
     "name": "libshade",
-    "description": "Render engine for anisotropic metals whose microfacets follow the bumped normal",
+    "description": "Anisotropic metal, cloth and scratches: engine and nodes",
     "author": "libshade",
     "version": (0, 2, 0),
     "blender": (3, 4, 0),
-    "location": "Render Properties > Render Engine > libshade; Shader Editor > Add > Libshade Metal",
+    "location": "Render Properties > Render Engine; Shader Editor > Add",
     "category": "Render",
 }
 

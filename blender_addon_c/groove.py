@@ -186,8 +186,10 @@ that its grooves go with the bumps in Cycles; or take it away again"""
         done = "taken from" if self.take_away else "put before"
         if count:
             self.report({"INFO"}, f"{NAME} {done} {count} shader{'s' * (count > 1)}")
+        elif self.take_away:
+            self.report({"WARNING"}, f"Nothing to take away: no {NAME} is in the file")
         else:
-            self.report({"WARNING"}, f"No shader that {NAME} can be {done}: none is anisotropic with a linked Normal")
+            self.report({"WARNING"}, f"Nothing to do: no anisotropic shader has a linked Normal (Libshade Metal needs no {NAME})")
         return {"FINISHED"} if count else {"CANCELLED"}
 
 

@@ -56,6 +56,13 @@ def test_assets(blender, tmp_path):
         assert r > g > b > 0 if "copper" in name else b > 1.2 * r > 0, name
 
 
+def test_the_preferences_show_all_that_is_said():
+    """What it is and where stands on one line each."""
+    addon = (ROOT / "blender_addon_c/__init__.py").read_text()
+    said = re.findall(r'"(?:description|location)": "(.*)"', addon)
+    assert len(said) == 2 and all(len(line) < 60 for line in said), said
+
+
 def test_one_version():
     addon = (ROOT / "blender_addon_c/__init__.py").read_text()
     manifest = (ROOT / "blender_addon_c/blender_manifest.toml").read_text()
