@@ -20,6 +20,12 @@ from mathutils import Vector
 
 SAMPLES, SIZE, COLUMNS = 32, 192, 10
 CATALOGS = ("Libshade", "Libshade/Metals", "Libshade/Fabrics", "Libshade/Grooves", "Libshade/Scratches")
+# Strokes in a unit of UV, along and across; turned rings in a metre; shares of roughness, and turns, by which strokes differ.
+BRUSH, RINGS = (3.0, 400.0, 0.0), 60.0
+UNEVEN, TURN = {"brushed": 0.3, "turned": 0.4}, {"brushed": 0.02, "turned": 0.03}
+# Scratches that show on what is a metre large, in metres to a unit of UV, and what is between them.
+SCRATCHED_UNIT, SCRATCHES = 0.1, {"Density per cm²": 20.0, "Length mm": 10.0, "Width mm": 0.1, "Depth": 0.25}
+POLISH = 0.25
 # A unit of UV on the picture's ball, in metres of cloth: small enough for coarse yarns to show.
 BALL_OF_CLOTH = 0.05
 
@@ -59,9 +65,9 @@ def dome(scene):
         "NewGeometry", "SeparateXYZ", "MapRange", "ValToRGB", "Emission", "OutputMaterial"))
     height.inputs["From Min"].default_value, height.inputs["From Max"].default_value = -20.0, 20.0
     elements = ramp.color_ramp.elements
-    for at, (position, value) in enumerate(((0.0, 0.30), (0.42, 0.10), (0.50, 0.02), (0.58, 0.22), (0.75, 0.65), (1.0, 1.2))):
+    for at, (position, value) in enumerate(((0.0, 0.30), (0.42, 0.10), (0.50, 0.02), (0.58, 0.22), (0.75, 0.6), (1.0, 0.9))):
         element = elements[at] if at == 0 else elements[-1] if position == 1.0 else elements.new(position)
-        element.position, element.color = position, (value, value, value * 1.05, 1)
+        element.position, element.color = position, (value, value, value, 1)
     for source, target in ((place.outputs["Position"], parts.inputs[0]), (parts.outputs["Z"], height.inputs["Value"]),
                            (height.outputs[0], ramp.inputs[0]), (ramp.outputs[0], shine.inputs["Color"]),
                            (shine.outputs[0], output.inputs["Surface"])):
@@ -158,12 +164,62 @@ def new_material(name, kind):
     return material, tree, node
 
 
-def metals(nodes):
+def mapped(tree, values, socket, least, most):
+    """Noise (mostly .3 to .7) as numbers of a socket, about its own."""
+    node = tree.nodes.new("ShaderNodeMapRange")
+    node.location = (-220, 120 if socket.name == "Roughness" else -160)
+    for name, value in (("From Min", 0.3), ("From Max", 0.7), ("To Min", least), ("To Max", most)):
+        node.inputs[name].default_value = value
+    tree.links.new(values, node.inputs["Value"])
+    tree.links.new(node.outputs[0], socket)
+
+
+def strokes(tree, node, finish, scratches):
+    """What the tool left, large enough to be seen on an object of a metre or two; plain nodes, but for scratches. The
+    lobe's mean is the preset's, but for what scratches did to it, which are seen."""
+    def add(kind, x, y=0, **properties):
+        made = tree.nodes.new(kind)
+        made.location = (x, y)
+        for name, value in properties.items():
+            setattr(made, name, value)
+        return made
+
+    if finish == "scratched":
+        texture = add(scratches.SCRATCHES, -280, size=SCRATCHED_UNIT)
+        scratches.apply_preset(texture, "USED")
+        for name, value in SCRATCHES.items():
+            texture.inputs[name].default_value = value
+        tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
+        node.inputs["Roughness"].default_value = POLISH
+        return
+    if finish == "brushed":  # long along u
+        place, lengths = add("ShaderNodeUVMap", -860), add("ShaderNodeVectorMath", -660, operation="MULTIPLY")
+        lengths.inputs[1].default_value = BRUSH
+        tree.links.new(place.outputs[0], lengths.inputs[0])
+        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="2D"), lengths.outputs[0]
+    else:  # rings about z
+        place, flat = add("ShaderNodeTexCoord", -1060), add("ShaderNodeVectorMath", -860, operation="MULTIPLY")
+        flat.inputs[1].default_value = (1, 1, 0)
+        radius = add("ShaderNodeVectorMath", -660, operation="LENGTH")
+        tree.links.new(place.outputs["Object"], flat.inputs[0])
+        tree.links.new(flat.outputs[0], radius.inputs[0])
+        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="1D"), radius.outputs["Value"]
+    noise.inputs["Scale"].default_value = 1.0 if finish == "brushed" else RINGS
+    noise.inputs["Detail"].default_value, noise.inputs["Roughness"].default_value = 4.0, 0.75
+    tree.links.new(where, noise.inputs["Vector" if finish == "brushed" else "W"])
+    roughness = node.inputs["Roughness"].default_value
+    mapped(tree, noise.outputs[0], node.inputs["Roughness"],
+           roughness * (1 - UNEVEN[finish]), roughness * (1 + UNEVEN[finish]))
+    mapped(tree, noise.outputs[0], node.inputs["Rotation"], -TURN[finish], TURN[finish])
+
+
+def metals(nodes, scratches):
     """(material, help, tags) of each metal."""
     for word, row in nodes.metals().items():
         name = row["label"].capitalize()
-        material, _tree, node = new_material(name, nodes.METAL)
+        material, tree, node = new_material(name, nodes.METAL)
         nodes.apply_preset(node, word)
+        strokes(tree, node, word.split("_")[0].lower(), scratches)
         yield material, row["help"], ["metal", *row["label"].lower().split()]
 
 
@@ -241,7 +297,7 @@ def main(folder, sheet=None):
                     show(group, pictures[-1])
                     made.append(group)
             else:
-                items = {"Metals": lambda: metals(nodes), "Fabrics": lambda: cloths(fabric),
+                items = {"Metals": lambda: metals(nodes, scratches), "Fabrics": lambda: cloths(fabric),
                          "Scratches": lambda: scratched(nodes, scratches)}[kind]()
                 for material, help_, tags in items:
                     mark(material, f"Libshade/{kind}", help_, tags)
