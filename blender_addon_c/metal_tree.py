@@ -240,16 +240,17 @@ def _feed(tree, socket, name, fed=True, value=None):
 
 def _update_fresnel(tree, by):
     inner, conductor = tree.nodes, by.fresnel == "CONDUCTOR"
+    hidden = conductor and not getattr(by, "set_color", (0,) * 4)[3]  # else the sockets show it
     inner[_FRESNEL].inputs[1].default_value = float(by.fresnel != "NONE")
     head_on = (*[reflectance(n, k, 1.0) for n, k in zip(by.eta, by.k)], 1.0) if conductor else None
-    _feed(tree, inner[_COLOR].inputs["Color1"], "Color", not conductor, head_on)
+    _feed(tree, inner[_COLOR].inputs["Color1"], "Color", not hidden, head_on)
     if _EDGE not in inner:
         return
     scale = 7 * (7 / 6) ** 6 if conductor or by.fresnel in TINTED else 0.0
     inner[_EDGE].inputs[1].default_value = scale
     tint = (*[edge_tint(n, k) for n, k in zip(by.eta, by.k)], 1.0) if conductor else None
-    _feed(tree, inner["At 82"].inputs["Color1"], "Color", not conductor, head_on)
-    _feed(tree, inner["Lost"].inputs["Color2"], "Edge Tint", not conductor, tint)
+    _feed(tree, inner["At 82"].inputs["Color1"], "Color", not hidden, head_on)
+    _feed(tree, inner["Lost"].inputs["Color2"], "Edge Tint", not hidden, tint)
 
 
 def _turn_strokes(tree, by):

@@ -92,8 +92,21 @@ def sockets_rule(node, names):
     return any(socket.is_linked for socket in sockets) or bool(sockets) and said != list(getattr(node, _OF_SOCKETS[names]))
 
 
+def shows_index(node):
+    """Do Color and Edge Tint show what its index of refraction reflects? Not on nodes of older files, which kept Color beside it."""
+    return node.fresnel == "CONDUCTOR" and EDGE[0] in node.inputs and getattr(node, "set_color", (0.0,) * 4)[3] > 0
+
+
+def colors_rule(node):
+    """Are the colours that show an index of refraction linked, or changed since? They count then, not the index."""
+    color = node.inputs["Color"]
+    return shows_index(node) and (color.is_linked or _numbers(color) != tuple(node.set_color) or sockets_rule(node, EDGE))
+
+
 def fresnel_of(node):
     """Its Fresnel: an Edge Tint is that of 82 degrees, where no index of refraction tells more."""
+    if colors_rule(node):
+        return "F82"
     if node.fresnel in metal_tree.TINTED and sockets_rule(node, EDGE):
         return "F82"
     return node.fresnel
@@ -131,6 +144,8 @@ def _updater(word):
             node.set_sockets(_SETS[word])
         if word == "f82" and node.fresnel == "F82" or word == "fresnel" and not sockets_rule(node, EDGE):
             node.set_sockets(EDGE)
+        if word in ("eta", "k") and shows_index(node) and not colors_rule(node):
+            node.show_index()
         node.update_preview()
     return update
 
@@ -207,6 +222,7 @@ def _properties():
     made["set_shape"] = FloatVectorProperty(size=2, options={"HIDDEN"})
     made["set_matt"] = FloatVectorProperty(size=4, options={"HIDDEN"})
     made["set_edge"] = FloatVectorProperty(size=4, options={"HIDDEN"})
+    made["set_color"] = FloatVectorProperty(size=4, options={"HIDDEN"})  # 0: it never told of an index
     # The tree inside also belongs to a copy of this node, until one of them changes.
     made["shares_tree"] = BoolProperty(options={"HIDDEN"})
     return made
@@ -243,9 +259,19 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         by = by or self
         said = {**dict(zip(SHAPE, metal_tree.shape_of(*_alphas(by)))), "Diffuse Color": (*by.kd, 1.0),
                 "Edge Tint": (*by.f82, 1.0) if by.fresnel == "F82" else (1.0,) * 4}
+        if names == EDGE and shows_index(self):
+            said["Edge Tint"] = (*(metal_tree.edge_tint(n, k) for n, k in zip(by.eta, by.k)), 1.0)
         for name in names:
             self.inputs[name].default_value = said[name]
         setattr(self, _OF_SOCKETS[names], [part for name in names for part in _numbers(self.inputs[name])])
+
+    def show_index(self, by=None):
+        """Color and Edge Tint become what the index of refraction (of `by`) reflects, until they are changed."""
+        by, color = by or self, self.inputs["Color"]
+        color.default_value = (*(metal_tree.reflectance(n, k, 1.0) for n, k in zip(by.eta, by.k)), 1.0)
+        if EDGE[0] in self.inputs:
+            self.set_color = _numbers(color)
+            self.set_sockets(EDGE, by)
 
     def update_preview(self, by=None):
         """Carry the settings (of `by`) over to the shaders inside."""
@@ -255,6 +281,8 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
 
     def follow(self, animated):
         """What keyframes and drivers make of the properties, for what is inside."""
+        if shows_index(self) and not colors_rule(self) and animated.fresnel == "CONDUCTOR":
+            self.show_index(animated)
         for names in _OF_SOCKETS:
             if not sockets_rule(self, names):
                 self.set_sockets(names, animated)
@@ -348,9 +376,10 @@ def apply_preset(node, preset):
         setattr(node, attribute, values[name].upper())
     for parameter in _parameters():
         setattr(node, parameter["word"], values[parameter["word"]])
-    node.inputs["Color"].default_value = (*values["f0"], 1.0)
     for names in _OF_SOCKETS:
         node.set_sockets(names)
+    node.show_index()
+    node.update_preview()
     tangent = node.inputs["Tangent"]
     source = tangent.links[0].from_node if tangent.is_linked else None
     if source and source.get(_ROUND):
@@ -398,14 +427,14 @@ class LIBSHADE_OT_measured_metal(_OnMetal, bpy.types.Operator):
     bl_label = "Measured Metal"
     bl_options = {"REGISTER", "UNDO"}
 
-    metal: EnumProperty(name="Metal", description="Measured at 650, 550 and 450 nm",
+    metal: EnumProperty(name="Metal", description="By its measured spectrum, under daylight",
                         items=[(word, row["label"], "") for word, row in _MEASURED.items()])
 
     def execute(self, context):
         node, row = self.node_of(context), _MEASURED[self.metal]
         node.fresnel, node.eta, node.k = "CONDUCTOR", row["eta"], row["k"]
-        head_on = [metal_tree.reflectance(n, k, 1.0) for n, k in zip(row["eta"], row["k"])]
-        node.inputs["Color"].default_value = (*head_on, 1.0)  # not read: for the eye, and other Fresnels
+        node.show_index()
+        node.update_preview()
         return {"FINISHED"}
 
 

@@ -297,7 +297,7 @@ def _metal(reader, node, groups, share):
     if nodes.sockets_rule(node, nodes.SHAPE):
         parts["alpha"] = _pulled(reader, node, groups, _alpha_of(reader, node, groups))
     for part, names in (("kd", nodes.MATT_COLOR), ("f82", nodes.EDGE)):
-        if nodes.sockets_rule(node, names):
+        if nodes.sockets_rule(node, names) or part == "f82" and nodes.colors_rule(node):
             tint = color_of(reader, node.inputs[names[0]], groups)
             parts[part] = tuple(_clamp(reader, by) for by in tint)
     normal = _normal(reader, node, groups) if node.bump_response == "FOLLOW" else None

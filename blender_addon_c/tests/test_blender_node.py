@@ -50,6 +50,18 @@ def test_edge_tint(blender, tmp_path, fed):
     assert difference(told[True], told[False]) > 1e-4  # the eye is far from 82 degrees
 
 
+@pytest.mark.parametrize("engine", ["LIBSHADE", "CYCLES"])
+def test_color_of_a_preset(blender, tmp_path, engine):
+    """What an artist gives a measured metal's Color is seen, as an F82 of that colour; else it is the measured one, by its index
+    in our engine and as before in Cycles."""
+    def picture(**options):
+        blender.scene("metal_preset", tmp_path, engine=engine, dump="", **options)
+        return rgba(tmp_path / "picture.exr")
+    measured, blue = picture(by=""), picture(by="socket")
+    assert difference(measured, picture(by="", kept=True)) < 1e-6
+    assert difference(blue, picture(by="f82")) < 1e-6 and difference(blue, measured) > 0.3
+
+
 def test_cloth(blender, tmp_path):
     """The reference agrees with the first plate; the second, whose colours vary, is not in the dump."""
     _told, text = blender.scene("cloth", tmp_path)

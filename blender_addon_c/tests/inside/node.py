@@ -140,13 +140,16 @@ def test_edge_tint(node):
     with bpy.context.temp_override(node=node):
         assert bpy.ops.libshade.measured_metal(metal="COPPER") == {"FINISHED"}
     lost = node.node_tree.nodes["Lost"].inputs["Color2"]
-    assert near(node.k[0], 3.626) and not lost.is_linked
+    assert near(node.k[0], 3.483) and lost.is_linked and nodes.fresnel_of(node) == "CONDUCTOR"
     # by the amplitudes of both polarisations at a cosine of 1/7, of red: sin^2 = 48/49
-    n = complex(0.2378, -3.626)
+    n = complex(0.2347, -3.483)
     inside = (n * n - 48 / 49) ** 0.5
     whole = (abs((1 / 7 - inside) / (1 / 7 + inside)) ** 2 + abs((n * n / 7 - inside) / (n * n / 7 + inside)) ** 2) / 2
     head_on = abs((1 - n) / (1 + n)) ** 2
-    assert near(lost.default_value[0] * (head_on + (1 - head_on) * (6 / 7) ** 5), whole)
+    assert near(tint.default_value[0] * (head_on + (1 - head_on) * (6 / 7) ** 5), whole)
+    node.set_color = (0, 0, 0, 0)  # as on nodes of older files, whose sockets say nothing of the index
+    node.eta = node.eta
+    assert not lost.is_linked and near(lost.default_value[0] * (head_on + (1 - head_on) * (6 / 7) ** 5), whole)
 
 
 def test_sliders(node):
@@ -267,6 +270,25 @@ def test_metals():
     r, g, b = color["TURNED_COPPER"]
     assert r > g > b and r > 1.3 * g
     assert max(color["SCRATCHED_ALUMINIUM"]) < 1.1 * min(color["SCRATCHED_ALUMINIUM"])
+    # sockets show the index of refraction, and count once they are changed or linked; a preset takes it back
+    nodes.apply_preset(node, "BRUSHED_COPPER")
+    red, edge = node.inputs["Color"], node.inputs["Edge Tint"]
+    assert nodes.fresnel_of(node) == "CONDUCTOR" and edge.default_value[1] < 1
+    node.eta, node.k = (0.5, 0.5, 0.5), (3, 3, 3)
+    assert nodes.fresnel_of(node) == "CONDUCTOR" and near(red.default_value[1], (0.25 + 9) / (2.25 + 9))
+    for socket in (red, edge):
+        socket.default_value = (0.1, 0.2, 0.3, 1)
+        assert nodes.fresnel_of(node) == "F82"
+        nodes.apply_preset(node, "BRUSHED_COPPER")
+        assert nodes.fresnel_of(node) == "CONDUCTOR" and near(red.default_value[0], color["BRUSHED_COPPER"][0])
+    tree.links.new(tree.nodes.new("ShaderNodeRGB").outputs[0], red)
+    assert nodes.fresnel_of(node) == "F82"
+    tree.links.remove(red.links[0])
+    with bpy.context.temp_override(node=node):
+        assert bpy.ops.libshade.measured_metal(metal="GOLD") == {"FINISHED"}
+    assert nodes.fresnel_of(node) == "CONDUCTOR" and red.default_value[0] > 0.99
+    node.fresnel = "SCHLICK"
+    assert tuple(edge.default_value) == (1, 1, 1, 1)
     # of a file whose node had its round tangent outside
     node.grain, round_one = "UV", tree.nodes.new("ShaderNodeTangent")
     round_one["libshade_round"] = True
@@ -336,6 +358,11 @@ def test_panels_and_menus():
         "visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow",
         "is_holdout", "is_shadow_catcher"]
     assert drawn_by(panels.WORLD_PT_libshade_visibility, world=world)[:4] == ["camera", "diffuse", "glossy", "transmission"]
+    # Blender's own Simplify would be above Sampling
+    types, ours = bpy.types, [panel.__name__ for panel in panels._registered if panel.bl_context == "render"]
+    assert "LIBSHADE" not in types.RENDER_PT_simplify.COMPAT_ENGINES
+    assert ours[0] == "RENDER_PT_libshade_sampling" and ours[-3:] == [
+        f"RENDER_PT_libshade_simplify{part}" for part in ("", "_viewport", "_render")] and all(hasattr(types, name) for name in ours)
     labels = drawn_by(menus.NODE_MT_libshade_shaders)
     assert labels[:3] == ["Material Output", "Mix Shader", "Add Shader"] and len(labels) > 12
     assert {"Principled BSDF", "Diffuse BSDF", "Emission", "Glass BSDF"} < set(labels)
@@ -397,6 +424,13 @@ def test_fabric():
     image = node.node_tree.nodes["yarns"].image
     middles = np.array(image.pixels[:], np.float32).reshape(*image.size, 4)[16::32, 16::32]
     assert near((middles[..., 1] > middles[..., 0]).mean(), 0.25)  # twill 3/1
+    # four ends of 26 a cm, four picks of 17; at half of Scale twice as much
+    assert all(near(*pair) for pair in zip(node.repeat_mm, (40 / 26, 40 / 17)))
+    node.inputs["Scale"].default_value = 0.5
+    said = []
+    type(node).draw_buttons(node, None, SimpleNamespace(prop=lambda *_, **_named: None, operator=lambda *_, **_named: None,
+                                                        label=lambda text, **_named: said.append(text)))
+    assert said[0] == "Repeat: 3.08 × 4.71 mm", said
     tree.links.new(node.outputs["BSDF"], tree.get_output_node("ALL").inputs["Surface"]
                    if tree.get_output_node("ALL") else
                    tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])

@@ -242,6 +242,34 @@ def metal_sockets(options):
     return {}
 
 
+def metal_preset(options):
+    """A monkey of a preset; `by`: a colour of its own, if any, on its socket ("socket") or by F82 ("f82"); `kept`: what it is without
+    the colours on its sockets, as on nodes of older files."""
+    scene = common.empty_scene(48, 48, 64)
+    material, _tree, node = common.metal()
+    nodes = sys.modules[f"{common.MODULE}.nodes"]
+    nodes.apply_preset(node, "BRUSHED_BRASS")
+    if options.get("kept"):
+        node.set_color = (0, 0, 0, 0)
+        node.inputs["Color"].default_value = (0.1, 0.2, 0.3, 1)
+        node.eta = node.eta  # what is inside follows
+    if options["by"]:
+        node.inputs["Color"].default_value = (0.1, 0.2, 0.9, 1)
+    if options["by"] == "f82":
+        edge = tuple(node.inputs["Edge Tint"].default_value)
+        node.set_color, node.fresnel = (0, 0, 0, 0), "F82"
+        node.inputs["Edge Tint"].default_value = edge
+    common.monkey(material)
+    scene.world = bpy.data.worlds.new("sky")
+    common.tree_of(scene.world)
+    common.light(scene, rotation=(0.9, 0.2, 0))
+    common.camera(scene)
+    scene.render.engine = options.get("engine", "LIBSHADE")
+    scene.cycles.samples, scene.cycles.use_denoising = 256, False
+    common.render(options["picture"])
+    return {}
+
+
 def cycles(options):
     """A ball of metal in Cycles: by our node, by its plain group, or by an Anisotropic BSDF."""
     scene = common.empty_scene(48, 48)
