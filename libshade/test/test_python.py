@@ -316,6 +316,7 @@ def test_what_lies_over_what(tmp_path):
     assert (shade.fabric(draft=matrix).look_up(place)["top"] == np.concatenate([matrix, matrix])).all()
     thin = {"width": 1, "gap": 1}
     gaps = shade.fabric(warp=thin, weft=thin)
+    assert all(np.isscalar(value) for value in gaps.look_up([0.99, 0.99]).values())  # as what eval returns of one place
     assert gaps.look_up([0.99, 0.99])["top"] == 2 and gaps.coverage([0.99, 0.99], [0, 0, 1.0]) == 0
     assert gaps.coverage([0.5, 0.5], [0, 0, 1.0]) == 1
     twill = shade.fabric(wif=ROOT / "examples/weaves/denim.wif")

@@ -1213,6 +1213,7 @@ def balls(options):
     """Balls in a row under an even sky and a sun; options["cases"]: their materials."""
     cases = options["cases"]
     scene = common.empty_scene(24 * len(cases), 24, samples=options["samples"])
+    scene.cycles.film_exposure = options.get("exposure", 1.0)
     scene.render.film_transparent = False
     for column, case in enumerate(cases):
         material = bare(case["bare"]) if "bare" in case else shaded(case)
