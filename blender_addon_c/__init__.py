@@ -11,10 +11,10 @@ bl_info = {
     "category": "Render",
 }
 
-from . import assets, engine, fabric, groove, manual, menus, nodes, panels, properties, report, scratches
+from . import assets, cycles_settings, engine, fabric, groove, manual, menus, nodes, panels, properties, report, scratches
 from .export import kept
 
-_MODULES = (properties, nodes, fabric, groove, scratches, menus, kept, engine, report, panels, assets, manual)
+_MODULES = (properties, cycles_settings, nodes, fabric, groove, scratches, menus, kept, engine, report, panels, assets, manual)
 
 
 def register():

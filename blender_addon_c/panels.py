@@ -3,6 +3,7 @@
 
 import bpy
 
+from .cycles_settings import LIBSHADE_OT_copy_cycles_settings
 from .export import blur_settings
 from .manual import draw_button
 from .names import ENGINE
@@ -55,6 +56,7 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.prop(settings, "use_denoising")
         layout.prop(settings, "seed")
         layout.prop(settings, "use_animated_seed")
+        layout.operator(LIBSHADE_OT_copy_cycles_settings.bl_idname)
 
 
 class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):

@@ -46,6 +46,32 @@ def test_tile_of_images():
     assert scratches.tile_of_images({**said, "tile": 0.07}, 256) == 0.07
 
 
+def test_settings_of_cycles():
+    """All of ours but four are Cycles'; a file's are taken over, and given back by undo."""
+    scene = common.empty_scene(8, 8)
+    ours, module_ = scene.libshade, module("cycles_settings")
+    own = {"texture_blur", "filter_normals", "groove_transport", "soft_terminator"}
+    assert set(ours.__annotations__) - set(module_.shared(ours, scene.cycles)) == own
+    layer = scene.view_layers[0]
+    assert set(module_.shared(layer.libshade, layer.cycles)) == set(layer.libshade.__annotations__)
+    given = {"samples": 77, "max_bounces": 3, "sample_clamp_indirect": 4.5, "light_sampling_threshold": 0.25, "seed": 9,
+             "use_adaptive_sampling": True, "pixel_filter_type": "GAUSSIAN", "filter_width": 2.5, "caustics_refractive": False}
+    for name, value in given.items():
+        setattr(scene.cycles, name, value)
+    layer.cycles.use_pass_shadow_catcher = True
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.libshade.copy_cycles_settings() == {"FINISHED"}
+    for name, value in given.items():
+        assert getattr(ours, name) == value, name
+    assert layer.libshade.use_pass_shadow_catcher and not module_.copy(ours, scene.cycles)
+    bpy.ops.ed.undo_push(message="copied")
+    bpy.ops.ed.undo()
+    ours = bpy.context.scene.libshade
+    assert ours.samples == 4 and ours.max_bounces == 0 and ours.pixel_filter_type == "BOX"
+    assert not bpy.context.view_layer.libshade.use_pass_shadow_catcher and bpy.context.scene.cycles.samples == 77
+
+
 def cloth(preset, **settings):
     common.empty_scene(8, 8)
     tree = common.tree_of(bpy.data.materials.new("cloth"))
