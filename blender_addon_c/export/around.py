@@ -61,7 +61,7 @@ class _Directions(Program):
 
 
 _ANSWERS = {"GEOMETRY": _Directions._geometry, "LAYER": _Directions._layer, "PATH": _Directions._path,
-            "OBJECT": _Directions._between_spaces, "FRAME": _Directions._between_spaces}
+            "ATTRIBUTE": lambda _program, out, _given: [0.0] * out, "OBJECT": _Directions._between_spaces, "FRAME": _Directions._between_spaces}
 
 
 class _Around(Reader):

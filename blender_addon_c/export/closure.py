@@ -104,13 +104,37 @@ def _add(reader, closure, weight, normal=None, color=None):
     if normal and not reader.dumps:
         normal = _valid(reader, closure, normal, stock)
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
-    if is_known(*weight) and not any(part > 0 for part in weight):
+    if closure["closure"] == "DIFFUSE" or (stock and closure["fresnel"] == "NONE" and closure["f0"] == _BLACK):
+        weight = _colored(reader, closure, weight)
+    shines = closure["closure"] == "EMISSION"  # below 0, too, as in Cycles
+    if is_known(*weight) and not any(part > 0 or (shines and part < 0) for part in weight):
         return
     if not is_known(*weight) or weight != _WHITE:
         closure = {**closure, "weight": weight}
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
+
+
+def _colored(reader, closure, weight):
+    """The weight of a matt closure, with its colour where that may be above 1, as in Cycles: closures clamp theirs,
+    weights not."""
+    metal = closure["closure"] == "METAL"
+    color = closure.get("kd_from", closure["kd"]) if metal else closure["color"]
+    if not _is_bright(reader, color):
+        return weight
+    if closure.get("model") == "EON":  # of several bounces: what is above 1 alone
+        more = tuple(reader.program.math("MAXIMUM", part, 1.0) for part in color)
+        closure["color"] = tuple(reader.program.math("MINIMUM", part, 1.0) for part in color)
+        return _times(reader, more, weight)
+    closure.pop("kd_from", None)
+    closure["kd" if metal else "color"] = _WHITE
+    return _times(reader, color, weight)
+
+
+def _is_bright(reader, color):
+    """May it be above 1? A dump holds what a closure says."""
+    return not reader.dumps and any(reader.most(part) > 1 for part in color)
 
 
 # What bumps hide from a matt surface: versions between were not measured.
@@ -399,13 +423,17 @@ def _glossy(reader, node, groups, share):
     if distribution == "BECKMANN" and alphas[0] != alphas[1] and not _JOINT:
         reader.warn(f"'{node.name}': Cycles of this version shades a stretched Beckmann a few percent brighter")
     seen = None
+    if _is_bright(reader, color):
+        share, own = _times(reader, color, share), _WHITE
+    else:
+        own = color
     if distribution == "MULTI_GGX" and not _is_smooth(alpha):
         lobe = _Lobe(reader, alpha, normal)
         kept = lobe.kept(color)
-        share = tuple(reader.program.math("MULTIPLY", share, part) for part in kept)
-        seen = (_times(reader, color, lobe.one) if _JOINT else
-                tuple(reader.program.math("DIVIDE", part, by) for part, by in zip(color, kept)))
-    _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution], **_apart(distribution)}, f0=color,
+        share = _times(reader, kept, share)
+        seen = (_times(reader, own, lobe.one) if _JOINT else
+                tuple(reader.program.math("DIVIDE", part, by) for part, by in zip(own, kept)))
+    _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution], **_apart(distribution)}, f0=own,
                                 alpha=alphas, groove=groove), share, normal, seen)
 
 
@@ -826,11 +854,14 @@ class _Principled:
         white = is_known(*tint) and all(part >= 1 for part in tint)
         metal = {"fresnel": "SCHLICK"} if white else {"fresnel": "F82"}
         edge, film = tuple(_clamp(reader, part) for part in tint), _film(reader, self.node, self.groups)
+        base = self.base
+        if _is_bright(reader, base):  # Cycles clamps it but for what is matt
+            base = tuple(math("MINIMUM", part, 1.0) for part in base)
         if film and bpy.app.version >= (5, 0):  # before, none lies on metal
-            self._lobe(self._part(share, self.metallic), {"fresnel": "NONE"}, self.base,
-                       film | _tinted(reader, self.base, edge), f0=_WHITE)
+            self._lobe(self._part(share, self.metallic), {"fresnel": "NONE"}, base,
+                       film | _tinted(reader, base, edge), f0=_WHITE)
         else:
-            self._lobe(self._part(share, self.metallic), metal, self.base, f0=self.base,
+            self._lobe(self._part(share, self.metallic), metal, base, f0=base,
                        **({} if white else {"f82": edge}))
         share = self._rest(share, self.metallic)
         through = _clamp(reader, self._number("Transmission Weight"))

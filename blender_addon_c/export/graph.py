@@ -3,7 +3,7 @@
 
 import math
 
-_REGISTERS = range(3, 64)  # those that a node of the native module may write
+_REGISTERS = range(3, 256)  # those that a node of the native module may write
 
 
 class Register:
@@ -18,7 +18,7 @@ class Program:
     """`emit` takes nodes; `finish` lists them, and what reads them, with indices."""
 
     def __init__(self):
-        self._nodes = []
+        self._nodes, self._makers = [], {}
 
     def emit(self, kind, out=3, more=None, **given):
         """A node; returns the registers of its `out`, and of `more`, a second output of one."""
@@ -29,6 +29,7 @@ class Program:
         """A node; returns the registers of each of its outputs, by name how many."""
         made = {name: [Register() for _ in range(count)] for name, count in outputs.items()}
         self._nodes.append(({"type": kind, **given}, made))
+        self._makers.update((register, self._nodes[-1][0]) for part in made.values() for register in part)
         return list(made.values())
 
     def math(self, operation, a, b=0.0, c=0.0):
@@ -37,6 +38,22 @@ class Program:
         if known is not None:
             return known
         return self.emit("MATH", 1, operation=operation, a=[a], b=[b], c=[c])[0]
+
+    def range_of(self, part, range_of_image):
+        """(least, most) of a number or register, as far as that is known, else infinite. range_of_image: of an image by its
+        index."""
+        ranges = {}
+
+        def of(part, steps):
+            if is_known(part):
+                return part, part
+            if part not in ranges:
+                ranges[part] = _EVERYTHING  # deep graphs: who knows
+                if steps:
+                    ranges[part] = _range_of(self._makers[part], lambda other: of(other, steps - 1), range_of_image)
+            return ranges[part]
+
+        return of(part, 100)
 
     def finish(self, closures):
         """(nodes, closures) as the native module reads them."""
@@ -98,6 +115,37 @@ class Program:
             done += [] if len(written) == 1 else read
             free = sorted(free + [place[register] for register in done])
         return nodes, _placed(closures, place)
+
+
+_EVERYTHING = (-math.inf, math.inf)
+_RANGES = {
+    "ADD": lambda a, b, c: [x + y for x in a for y in b],
+    "SUBTRACT": lambda a, b, c: [x - y for x in a for y in b],
+    "MULTIPLY": lambda a, b, c: [x * y for x in a for y in b],
+    "MULTIPLY_ADD": lambda a, b, c: [x * y + z for x in a for y in b for z in c],
+    "MINIMUM": lambda a, b, c: [min(x, y) for x in a for y in b],
+    "MAXIMUM": lambda a, b, c: [max(x, y) for x in a for y in b],
+    "CLAMP": lambda a, b, c: [min(max(x, y), z) for x in a for y in b for z in c],
+    "MIX": lambda a, b, c: [x + z * (y - x) for x in a for y in b for z in c],
+}
+
+
+# Of colours from 0 to 1 these make none above 1.
+_WITHIN = {"DARKEN", "MULTIPLY", "BURN", "LIGHTEN", "SCREEN", "DODGE", "OVERLAY", "SOFT_LIGHT", "DIFFERENCE", "SUBTRACT"}
+
+
+def _range_of(node, of, range_of_image):
+    if node["type"] == "IMAGE":
+        return range_of_image(node["image"])
+    if node["type"] == "RAMP":
+        return min(node["table"]), max(node["table"])
+    if node["type"] == "MIX" and node["mode"] in _WITHIN:
+        parts = [of(node[key][0]) for key in ("factor", "a", "b")]
+        return (-1.0, 1.0) if all(low >= 0 and high <= 1 for low, high in parts) else _EVERYTHING
+    if node["type"] != "MATH" or node["operation"] not in _RANGES:
+        return _EVERYTHING
+    made = _RANGES[node["operation"]](*(of(node[key][0]) for key in "abc"))
+    return _EVERYTHING if any(math.isnan(x) for x in made) else (min(made), max(made))
 
 
 def is_known(*operands):

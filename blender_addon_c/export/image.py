@@ -37,7 +37,7 @@ class Images:
     def __init__(self, messages, frame, kept=None):
         self.listed, self.frame = [], frame
         self._messages, self._kept = messages, kept
-        self._down, self._slopes = {}, {}  # by index
+        self._down, self._slopes, self._ranges = {}, {}, {}  # by index
         self._indices = {}  # by image and file, wrap and filter
         self._pixels = {}  # by image and file; what has no pixels: the index that stands for it
 
@@ -45,6 +45,8 @@ class Images:
         """Index of an image, MISSING, or -1 when it cannot be used. user: says which of a sequence or a movie. apart:
         are colours wanted beside alpha, not as much of them as it leaves?"""
         path = _shown(image, user, self.frame) if user else None
+        if image.source == "TILED":  # its tiles are made as large as the largest by it
+            path = filtering
         key = (image, path, wrap, filtering, apart)
         if key not in self._indices:
             if (image, path, apart) not in self._pixels:
@@ -67,6 +69,14 @@ class Images:
             blue = found["data"][2::found["channels"]] if found["channels"] >= 3 else np.empty(0, np.float32)
             self._down[index] = bool(len(blue) and np.nanmin(blue) < 0.49 * _opaque(blue))
         return self._down[index]
+
+    def range_of(self, index):
+        """(least, most) of its numbers."""
+        if index not in self._ranges:
+            data = self.listed[index]["data"]
+            least, most = (0.0, 1.0) if data.dtype == np.uint8 else (float(data.min()), float(data.max()))
+            self._ranges[index] = (least, most) if np.isfinite(least + most) else (-np.inf, np.inf)
+        return self._ranges[index]
 
     def turned(self, index, slope, strength):
         """Which part of it, as a normal map of that strength, is steeper than a slope; of some of its texels."""
@@ -104,7 +114,7 @@ class Images:
 
     def _fetch(self, image, owner, path):
         if image.source == "TILED":
-            return self._tiled(image, owner)
+            return self._tiled(image, owner, path == "CLOSEST")
         if image.source == "SEQUENCE" and path:
             found = self._loaded(image, path, owner)
             return MISSING if found is None else found
@@ -210,8 +220,8 @@ class Images:
             self._messages.warning(f"{owner}: image cannot be read: {path}")
         return found
 
-    def _tiled(self, image, owner):
-        """All tiles as one image, as large as their largest each."""
+    def _tiled(self, image, owner, closest):
+        """All tiles as one image, as large as their largest each; closest: texels are not mixed."""
         packed = {f.tile_number: f.packed_file.data for f in getattr(image, "packed_files", ()) if hasattr(f, "tile_number")}
         tiles = {}
         for tile in image.tiles:
@@ -234,7 +244,7 @@ class Images:
         whole[:] = [opaque * part for part in (*MISSING_COLOR, 1)[:channels]]
         for (u, v), tile in tiles.items():
             part = whole[v * height:(v + 1) * height, u * width:(u + 1) * width]
-            part[:] = _as_large(tile, width, height, channels) * (opaque / _opaque(tile["data"]))
+            part[:] = _as_large(tile, width, height, channels, closest) * (opaque / _opaque(tile["data"]))
         return {"width": columns * width, "height": rows * height, "channels": channels, "data": whole.ravel(),
                 "srgb": next(iter(tiles.values()))["srgb"], "wide": any(tile["wide"] for tile in tiles.values()),
                 "straight": any(tile["straight"] for tile in tiles.values())}
@@ -314,13 +324,28 @@ def _times_alpha(pixels):
     return {**pixels, "data": data, "paged": pages is not None, "wide": bool(wide)}
 
 
-def _as_large(tile, width, height, channels):
-    """By the nearest texel; grey becomes a colour, what has no alpha is opaque."""
+def _as_large(tile, width, height, channels, closest):
+    """By the nearest texel, or mixed as far as texels are; grey becomes a colour, what has no alpha is opaque."""
     own = tile["data"].reshape(tile["height"], tile["width"], tile["channels"])
-    own = own[np.arange(height) * tile["height"] // height][:, np.arange(width) * tile["width"] // width]
+    for axis, count in enumerate((height, width)):
+        own = _resized(own, axis, count, closest)
     color = own[..., :3] if tile["channels"] >= 3 else np.repeat(own[..., :1], 3, -1)
     alpha = own[..., -1:] if tile["channels"] % 2 == 0 else np.full_like(own[..., :1], _opaque(own))
     return np.concatenate((color, alpha), -1)[..., :channels]
+
+
+def _resized(texels, axis, count, closest):
+    """So many along an axis; beyond an end comes the other one."""
+    before = texels.shape[axis]
+    if count == before:
+        return texels
+    if closest:
+        return texels.take(np.arange(count) * before // count, axis)
+    at = (np.arange(count) + 0.5) * before / count - 0.5
+    first = np.floor(at).astype(int)
+    part = (at - first).astype(np.float32).reshape((-1,) + (1,) * (2 - axis))
+    mixed = texels.take(first % before, axis) * (1 - part) + texels.take((first + 1) % before, axis) * part
+    return np.rint(mixed).astype(np.uint8) if texels.dtype == np.uint8 else mixed.astype(texels.dtype)
 
 
 def _absolute(image, path):

@@ -3,14 +3,17 @@
 
 A layer is a kind and a name: UV, a map that is not the mesh's main one; TANGENT, its direction, which the
 native module makes; GENERATED, places in the object's texture space; COLOR, a colour attribute ("": the
-active one); ATTRIBUTE, any other; STRAND, what hair is where (strands.py), which no mesh has.
+active one); ATTRIBUTE, any other; POINTINESS and ISLAND, what the Geometry node says (islands.py); PARAMETRIC,
+the first two weights of a triangle's corners; STRAND, what hair is where (strands.py), which no mesh has.
 """
 
 import ctypes
 
 import numpy as np
 
-_WIDTHS = {"UV": 2}  # the others have four
+from . import islands
+
+_WIDTHS = dict.fromkeys(("UV", "POINTINESS", "ISLAND", "PARAMETRIC"), 2)  # the others have four
 
 
 class Layers:
@@ -80,6 +83,11 @@ def data_of(mesh, kind, name, where, owner, messages):
         return _generated(mesh)[where["POINT"]].ravel()
     if kind == "STRAND":
         return None
+    if kind == "PARAMETRIC":
+        return np.tile(np.float32([1, 0, 0, 1, 0, 0]), len(where["CORNER"].ravel()) // 3)
+    if kind in ("POINTINESS", "ISLAND"):
+        told = _of_islands(mesh, kind)
+        return np.stack([told, 0 * told], 1)[where["POINT"]].ravel()
     attribute = _attribute(mesh, kind, name)
     layer = None if attribute else mesh.uv_layers.get(name) if name else None
     if layer:
@@ -92,6 +100,13 @@ def data_of(mesh, kind, name, where, owner, messages):
     member, width = _READ[attribute.data_type]
     numbers = _four(_numbers(attribute, member, width))
     return numbers[where[attribute.domain]].ravel()
+
+
+def _of_islands(mesh, kind):
+    edges = integers(mesh.edges, "vertices", 2).reshape(-1, 2)
+    if kind == "ISLAND":
+        return islands.random_of_islands(edges, len(mesh.vertices))
+    return islands.pointiness(*(read(mesh.vertices, what, 3).reshape(-1, 3) for what in ("co", "normal")), edges)
 
 
 # What an attribute's items are called, and how many numbers they are, by its type.

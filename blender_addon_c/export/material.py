@@ -8,6 +8,7 @@ import numpy as np
 from mathutils import Matrix
 
 from . import tree
+from .attributes import Attributes, of_view_layer
 from .closure import collect, held_out, plain, principled
 from .graph import Program, TooLarge
 from .image import Images
@@ -43,6 +44,7 @@ class Table:
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
+        self.attributes = Attributes(messages)
         self.unit = unit_of(depsgraph.scene)
         self.camera, self._depsgraph = camera, depsgraph
         world = depsgraph.scene.world
@@ -82,6 +84,9 @@ class Table:
             self._textured.append(self._textured[like])
             self._measured.append(self._measured[like])
         return self._indices[key]
+
+    def of_view_layer(self, name):
+        return of_view_layer(self._depsgraph, name)
 
     def uv_maps(self, indices):
         """By material: name of its main UV map, "" for the mesh's active one."""
@@ -224,6 +229,21 @@ class Reader:
 
     def asks_objects(self):
         self._table.by_object = True
+
+    def attribute(self, kind, name):
+        """Four parts of what an object, its instancer or the view layer says by this name."""
+        if kind == "VIEW_LAYER":
+            return self._table.of_view_layer(name)
+        self.asks_objects()
+        key = ("attribute", kind, name)
+        if key not in self.known:
+            number = self._table.attributes.number(kind, name)
+            self.known[key] = self.program.emit("ATTRIBUTE", 3, "more", attribute=number)
+        return self.known[key]
+
+    def most(self, part):
+        """What a number or register is at most, as far as that is known, else infinite."""
+        return self.program.range_of(part, self.images.range_of)[1]
 
     def measures(self):
         """Its meshes say what a unit of their UV map spans."""

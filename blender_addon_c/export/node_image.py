@@ -60,15 +60,21 @@ def _on_ball(reader, to):
 
 
 def _flat(reader, node, groups, image):
+    if node.image.source != "TILED":
+        return _look(reader, node, image, lambda: place(reader, node.inputs["Vector"], groups))
     scale = [1.0 / count for count in tiles_of(node.image)]
 
-    def where():
-        at = place(reader, node.inputs["Vector"], groups)
-        if at is None and scale != [1.0, 1.0]:
-            at = uv(reader)
-        return at and [reader.program.math("MULTIPLY", part, by) for part, by in zip(at, scale)]
+    math_ = reader.program.math
 
-    return _look(reader, node, image, where)
+    def where():  # from -1 to 0 Cycles shows the first tile again
+        at = _vector(reader, node, groups)[:2]
+        return [math_("MULTIPLY", math_("ADD", part, math_("LESS_THAN", part, 0.0)), by) for part, by in zip(at, scale)]
+
+    seen, there = _look(reader, node, image, where), 1.0
+    for part in where():  # beyond all tiles, too, it is missing
+        for operation, edge in (("LESS_THAN", 1.0), ("GREATER_THAN", -1e-12)):
+            there = math_("MULTIPLY", there, math_(operation, part, edge))
+    return each(reader, "MIX", (*MISSING_COLOR, 1.0), seen, (there,) * 4)
 
 
 def _box(reader, node, groups, image):

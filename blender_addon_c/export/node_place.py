@@ -54,10 +54,8 @@ def _attribute(reader, found):
     """Of a colour, Fac is its mean."""
     node = found.node
     if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
-        kind = node.attribute_type.lower().replace("_", " ")
-        reader.warn(f"'{node.name}': attributes of the {kind} are not supported; 0 is used")  # as in Cycles without them
-        return (0.0,) * (3 if found.output.type in ("RGBA", "VECTOR") else 1)
-    if node.type == "VERTEX_COLOR":
+        *color, alpha = reader.attribute(node.attribute_type, node.attribute_name)
+    elif node.type == "VERTEX_COLOR":
         *color, alpha = layer(reader, "COLOR", node.layer_name)
     else:
         *color, alpha = layer(reader, "ATTRIBUTE", node.attribute_name)
@@ -134,16 +132,17 @@ _COORDINATES = {
 
 _GEOMETRY = {"Position": "POSITION", "Normal": "NORMAL", "True Normal": "TRUE_NORMAL",
              "Incoming": "INCOMING", "Backfacing": "BACKFACING"}
+_OF_MESH = {"Pointiness": "POINTINESS", "Random Per Island": "ISLAND", "Parametric": "PARAMETRIC"}
 
 
 def _geometry(reader, found):
     name = found.output.name
     if name == "Tangent":
         return round_tangent(reader, "Z")
-    what = _GEOMETRY.get(name)
-    if not what:
-        reader.warn(f"'{found.node.name}' ({name}) is not supported; the socket's own value is used")
-        return None
+    if name in _OF_MESH:
+        told = layer(reader, _OF_MESH[name])
+        return (*told[:2], 0.0) if name == "Parametric" else told[:1]
+    what = _GEOMETRY[name]
     if what in ("POSITION", "NORMAL"):
         return position(reader) if what == "POSITION" else surface_normal(reader)
     parts = reader.program.emit("GEOMETRY", what=what)

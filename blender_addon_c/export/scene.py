@@ -73,6 +73,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "cloths": table.cloths,
         "scratches": table.scratches,
         "layers": table.layers.listed,
+        "attributes": len(table.attributes.listed),
         "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
         **mattes.wanted(),
         "by_camera": table.by_camera,
@@ -155,12 +156,15 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
                 name_shading(ob, meshes[known[key]] if drawn else None, table, messages)
                 made = {"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
                         "hidden": bits, "motion": moved, **mattes.of_object(ob),
-                        **links.of_light(ob), **links.of_object(ob, item.parent), **(_own(item) if table.by_object else {}),
+                        **links.of_light(ob), **links.of_object(ob, item.parent), **(_own(item, table) if table.by_object else {}),
                         **_metres(meshes[known[key]], matrix, table.unit)}
                 made = _at_points(made, *shape.points) if shape.points else [made]
                 instances += made if holds == held else []
                 if catches and not held:
                     catchers["held" if holds else "seen"] += made
+    for one in (*instances, *catchers["seen"], *catchers["held"]):
+        if "attributes" in one:  # as many as materials ask for by now
+            one["attributes"] = table.attributes.array(one["attributes"])
     return meshes, instances, lights, catchers
 
 
@@ -243,11 +247,12 @@ def _mesh(ob, depsgraph, slots, way, table, motion, messages):
         ob.to_mesh_clear()
 
 
-def _own(item):
+def _own(item, table):
     """What nodes may ask of an object."""
     number = item.random_id if item.is_instance else _hash(item.object.name)
     shows = item.parent if item.is_instance and item.parent else item.object  # an instance has its instancer's colour
-    return {"color": tuple(shows.color), "random": (number & 0xffffffff) / 0xffffffff}
+    told = {"attributes": table.attributes.of_item(item)} if table.attributes.listed else {}
+    return {"color": tuple(shows.color), "random": (number & 0xffffffff) / 0xffffffff, **told}
 
 
 def _metres(mesh, matrix, unit):

@@ -7,14 +7,23 @@ import pytest
 from blender_runs import averaged, rgba
 
 CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats": {"what": "alpha", "floats": True},
-         **{what: {"what": what} for what in ("spaces", "groups", "colors", "nothing", "exposure", "world", "windows", "lost")}}
+         **{what: {"what": what} for what in ("spaces", "groups", "colors", "nothing", "objects", "instancers", "islands", "bright", "tiles", "exposure",
+                                           "world", "windows", "lost")}}
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_brought_looks_as_in_cycles(blender, tmp_path, name):
+    compare(blender, tmp_path, name)
+
+
+def test_attributes_of_instances_that_nodes_made(blender50, tmp_path):
+    compare(blender50, tmp_path, "nodes_tell")
+
+
+def compare(blender, tmp_path, name):
     pictures = []
     for engine in ("LIBSHADE", "CYCLES"):
-        blender.scene("brought", tmp_path, dump="", engine=engine, where=str(tmp_path), **CASES[name])
+        blender.scene("brought", tmp_path, dump="", engine=engine, where=str(tmp_path), **CASES.get(name, {"what": name}))
         pictures.append(rgba(tmp_path / "picture.exr"))
     ours, theirs = pictures
     apart = np.abs(ours - theirs)[..., :3].mean() / theirs[..., :3].mean()

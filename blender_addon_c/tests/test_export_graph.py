@@ -2,6 +2,8 @@
 """Which images a graph averages: those that light is proportional to. Without Blender."""
 
 import importlib.util
+import math
+from array import array
 
 import pytest
 
@@ -58,7 +60,7 @@ def test_not_averaged(name):
 def test_a_full_graph_looks_at_points():
     """What averages need would be too many registers at once."""
     program = graph.Program()
-    places = [program.emit("OBJECT", 3, what="LOCATION") for _ in range(19)]  # 57 registers of 61
+    places = [program.emit("OBJECT", 3, what="LOCATION") for _ in range(83)]  # 249 registers of 253
     color = program.emit("IMAGE", 3, image=0, at=places[0][:2], averaged=True, step=0.1,
                          near=program.emit("OBJECT", 3, what="COLOR") + program.emit("OBJECT", 1, what="NUMBERS"))
     sum_ = 0.0
@@ -66,6 +68,30 @@ def test_a_full_graph_looks_at_points():
         sum_ = program.math("ADD", sum_, part)
     nodes, _ = program.finish([{"closure": "DIFFUSE", "color": color, "weight": [sum_] * 3}])
     assert not any("averaged" in node for node in nodes)
+
+
+def test_what_numbers_are_at_most():
+    """By intervals; what is not known is infinite."""
+    program = graph.Program()
+    u, v = program.emit("IMAGE", 2, image=0, at=[0.0, 0.0])
+    at = program.emit("OBJECT", 3, what="LOCATION")[0]
+    ramp = program.emit("RAMP", 4, table=array("f", [0.2, 0.1, 3.0, 1.0]), at=[u])[0]
+    ranges = [(0.3, (0.3, 0.3)), (u, (0, 1)), (at, (-math.inf, math.inf)), (ramp, (0.1, 3))]
+    for part, expected in [*ranges, (program.math("MULTIPLY", u, 2.0), (0, 2)), (program.math("MULTIPLY", u, -2.0), (-2, 0)),
+                           (program.math("SUBTRACT", u, v), (-1, 1)), (program.math("MULTIPLY_ADD", u, v, 0.5), (0.5, 1.5)),
+                           (program.math("CLAMP", at, 0.0, 1.0), (0, 1)), (program.math("MINIMUM", at, 1.0), (-math.inf, 1)),
+                           (program.math("MIX", u, 4.0, v), (0, 4)), (program.math("POWER", u, 2.0), (-math.inf, math.inf)),
+                           (program.emit("MIX", 1, mode="SCREEN", factor=[v], a=[u], b=[0.3])[0], (-1, 1)),
+                           (program.emit("MIX", 1, mode="SCREEN", factor=[v], a=[u], b=[1.3])[0], (-math.inf, math.inf))]:
+        assert program.range_of(part, lambda _image: (0.0, 1.0)) == pytest.approx(expected), part
+
+
+def test_deep_graphs_have_no_known_range():
+    program = graph.Program()
+    part = program.emit("IMAGE", 1, image=0, at=[0.0, 0.0])[0]
+    for _ in range(3000):
+        part = program.math("MULTIPLY", part, 0.5)
+    assert program.range_of(part, lambda _image: (0.0, 1.0)) == (-math.inf, math.inf)
 
 
 NUMBERS = [("ADD", (2, 3, 9), 5), ("SUBTRACT", (2, 3, 9), -1), ("MULTIPLY", (2, 3, 9), 6), ("DIVIDE", (3, 2, 9), 1.5),

@@ -148,7 +148,7 @@ typedef struct surfaces {
  * What the nodes of a material's graph write and its closures read: registers. The first three are
  * never written by a node: the unperturbed normal, in the shading frame.
  */
-enum { REGISTERS = 64, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 12, BLURRED = 2 };
+enum { REGISTERS = 256, REGISTER_NORMAL = 0, REGISTER_FIRST = 3, CONSTANTS = 12, BLURRED = 2 };
 typedef struct inputs {
   lane_f at[REGISTERS];
   bool blurs;                 /* lobes are no sharper than: */

@@ -75,6 +75,10 @@ LEAF float clampf(float x, float low, float high) {
   x = x > low ? x : low;
   return x < high ? x : high;
 }
+/* Light may be below 0, as in Cycles, but no more than finite, and never NaN. */
+LEAF float finite_light(float x) {
+  return x == x ? clampf(x, -1e30f, 1e30f) : 0.0f;
+}
 
 /* floor for |x| < 2^22, near to x for larger ones; SSE2 has no instruction for it. */
 LEAF float floor_small(float x) {

@@ -16,6 +16,7 @@
 #define LIBSHADE_NODE_H
 
 #include "node/albedo.h"
+#include "node/attribute.h"
 #include "node/bend.h"
 #include "node/bevel.h"
 #include "node/box.h"
@@ -61,6 +62,7 @@
   ROW(GEOMETRY, geometry)                                                                          \
   ROW(LAYER, layer)                                                                                \
   ROW(OBJECT, object)                                                                              \
+  ROW(ATTRIBUTE, attribute)                                                                        \
   ROW(OCCLUSION, occlusion)                                                                        \
   ROW(BEVEL, bevel)                                                                                \
   ROW(PATH, path)                                                                                  \

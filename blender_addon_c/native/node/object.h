@@ -62,7 +62,7 @@ static inline bool node_object_build(node_object *n, const node_place *place) {
 #define OBJECT_CASE(WORD, formula)                                                                 \
   case OBJECT_##WORD:                                                                              \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \
-      size_t o = 32 * (size_t)point->object[i];                                                    \
+      size_t o = OBJECT_FLOATS * (size_t)point->object[i];                                         \
       vec3 v = {vx[i], vy[i], vz[i]};                                                              \
       (void)v;                                                                                     \
       v = formula;                                                                                 \

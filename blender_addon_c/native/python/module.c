@@ -12,6 +12,7 @@
 #include "render/job.h"
 #include "system/memory.h"
 #include "python/cloths.h"
+#include "python/islands.h"
 #include "python/reader.h"
 #include "python/scratches.h"
 
@@ -576,6 +577,7 @@ PyMODINIT_FUNC PyInit__native(void) {
       {"cloth_albedo", native_cloth_albedo, METH_O, cloth_albedo_doc},
       {"cloth_images", native_cloth_images, METH_O, cloth_images_doc},
       {"wif", native_wif, METH_VARARGS, wif_doc},
+      {"roots", native_roots, METH_VARARGS, native_roots_doc},
       {"scratches", native_scratches, METH_O, native_scratches_doc},
       {"scratch_images", native_scratch_images, METH_VARARGS, native_scratch_images_doc},
       {"version", native_version, METH_NOARGS, version_doc},

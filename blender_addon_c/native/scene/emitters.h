@@ -26,9 +26,12 @@ typedef struct emitters {
   float radius2; /* of what holds them, squared */
 } emitters;
 
-/* Brightness of a radiance; what draws go by. */
+/* Brightness of a radiance, which may be below 0; what draws go by. */
 static inline float emitter_brightness(const float radiance[3]) {
-  return (radiance[0] + radiance[1] + radiance[2]) * (1.0f / 3.0f);
+  float sum = 0.0f;
+  for (int k = 0; k < 3; k++)
+    sum += radiance[k] > 0.0f ? radiance[k] : -radiance[k];
+  return sum * (1.0f / 3.0f);
 }
 
 struct scene;

@@ -15,24 +15,28 @@ typedef struct graph {
   size_t cloths;
   const scratches *scratches;
   size_t scratch_fields;
-  size_t layers;
-  bool identified;  /* something asks which triangle or object it is */
-  bool occluded;    /* or what is about it */
-  bool routed;      /* or by which way it is seen */
-  bool stepped;     /* or how wide a pixel is there */
-  uint64_t written; /* registers, a bit each */
-  bool bare;        /* something takes the unperturbed normal */
-  int normal[3];    /* the first that something takes since `named` was false */
+  size_t layers, attributes;
+  bool identified;                  /* something asks which triangle or object it is */
+  bool occluded;                    /* or what is about it */
+  bool routed;                      /* or by which way it is seen */
+  bool stepped;                     /* or how wide a pixel is there */
+  uint64_t written[REGISTERS / 64]; /* registers, a bit each */
+  bool bare;                        /* something takes the unperturbed normal */
+  int normal[3];                    /* the first that something takes since `named` was false */
   bool named;
 } graph;
-_Static_assert(REGISTERS <= 64, "graph.written has a bit for each register");
+_Static_assert(REGISTERS % 64 == 0, "graph.written has a bit for each register");
+
+static inline bool graph_has(const graph *g, int at) {
+  return g->written[at / 64] >> at % 64 & 1;
+}
 
 static inline bool graph_operands(reader *r, const graph *g, const char *key, int count,
                                   operand *out) {
   if (!reader_operands(r, key, count, out))
     return false;
   for (int k = 0; k < count; k++)
-    if (out[k].at >= 0 && !(g->written >> out[k].at & 1))
+    if (out[k].at >= 0 && !graph_has(g, out[k].at))
       return reader_fail(r, "%s: no node before has written register %d", key, out[k].at);
   return true;
 }
@@ -45,7 +49,7 @@ static inline bool graph_outputs(reader *r, graph *g, const char *key, int count
   for (int k = 0; k < count; k++) {
     if (o[k].at < REGISTER_FIRST)
       return reader_fail(r, "%s must be registers from %d on", key, REGISTER_FIRST);
-    g->written |= (uint64_t)1 << o[k].at;
+    g->written[o[k].at / 64] |= (uint64_t)1 << o[k].at % 64;
     out[k] = o[k].at;
   }
   return true;

@@ -11,9 +11,11 @@ typedef struct object {
   float inverse[12]; /* from there; 0 where there is none */
   float color[4];
   float pass_index, random;
-  float metres[2]; /* in one unit of its UV map, and of its own space */
+  float metres[2];   /* in one unit of its UV map, and of its own space */
+  const float *told; /* four numbers for each of the scene's attributes, or NULL */
 } object;
-_Static_assert(sizeof(object) == 32 * sizeof(float), "nodes count in floats");
+enum { OBJECT_FLOATS = sizeof(object) / sizeof(float) }; /* nodes count in floats */
+_Static_assert(sizeof(object) % sizeof(float) == 0, "an object is a row of them");
 
 /*
  * An instance of a mesh that is kept once, as it is: hits of it are turned into the world.

@@ -18,6 +18,7 @@ enum {
   MAX_THREADS = 256,
   MAX_BOUNCES = 1024,
   MAX_INDEX = 32767,
+  MAX_ATTRIBUTES = 1 << 20,
   LINKS_MOST = 30 /* lights that are for some instances alone */
 };
 
@@ -278,7 +279,8 @@ static bool read_material(reader *r, void *out, void *context) {
              .cloths = s->cloths,
              .scratches = s->scratches,
              .scratch_fields = s->scratch_fields,
-             .layers = s->layers};
+             .layers = s->layers,
+             .attributes = (size_t)s->attributes};
   m->number = (int)(m - s->material);
   if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
     return false;
@@ -447,6 +449,17 @@ static bool read_mesh(reader *r, void *out, void *context) {
   return true;
 }
 
+/* What it says by each of the scene's names of attributes; nothing without that. */
+static bool read_told(reader *r, const scene *s, instance *in) {
+  reader_buffer items;
+  if (!s->attributes || !reader_has(r, "attributes"))
+    return true;
+  if (!reader_items(r, "attributes", 4 * (size_t)s->attributes, "f", 4, &items))
+    return false;
+  in->told = items.data;
+  return true;
+}
+
 static bool read_instance(reader *r, void *out, void *context) {
   scene *s = context;
   instance *in = out;
@@ -481,6 +494,8 @@ static bool read_instance(reader *r, void *out, void *context) {
     in->color[k] = 1.0f;
   in->metres[0] = in->metres[1] = 1.0f;
   if (reader_has(r, "metres") && !reader_floats(r, "metres", 2, in->metres))
+    return false;
+  if (!read_told(r, s, in))
     return false;
   return (!reader_has(r, "color") || reader_floats(r, "color", 4, in->color)) &&
          (!reader_has(r, "random") || reader_number_within(r, "random", 0, 1, &in->random));
@@ -720,6 +735,8 @@ scene *scene_read(reader *r) {
                    scratches_read, s)) &&
       (!reader_has(r, "layers") ||
        reader_each(r, "layers", sizeof(layer), &s->layers, &s->layer, read_layer, s)) &&
+      (!reader_has(r, "attributes") ||
+       reader_integer(r, "attributes", 0, MAX_ATTRIBUTES, &s->attributes)) &&
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
                   s) &&
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&

@@ -118,7 +118,7 @@ static void find_radiance(material *m) {
         return;
       }
       m->radiance[k] += c->weight[k].number;
-      m->shines = m->shines || c->weight[k].number > 0.0f;
+      m->shines = m->shines || c->weight[k].number != 0.0f;
     }
   }
 }

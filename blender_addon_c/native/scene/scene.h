@@ -113,6 +113,7 @@ typedef struct instance {
   uint32_t link;     /* its own bit where what it shines lights some alone, or 0 */
   uint32_t shade;    /* and where some alone shade that */
   float color[4], random, metres[2];
+  const float *told; /* four numbers for each of the scene's attributes, or NULL */
   motion motion;
   size_t base;  /* of its mesh's positions among those that Embree reads */
   bool unmoved; /* it would move, but not by places that can be inverted */
@@ -196,6 +197,7 @@ typedef struct scene {
   mesh *mesh;
   instance *instance;
   layer *layer;
+  int attributes;  /* how many numbers nodes ask of objects by name, four each */
   bool identified; /* some node asks for layers or for objects */
   bool occluded;   /* or casts rays */
   bool routed;     /* or by which way it is seen */

@@ -625,6 +625,7 @@ static bool build_objects(build *b) {
     object *out = &s->object[i];
     *out = (object){.pass_index = (float)in->pass_index,
                     .random = in->random,
+                    .told = in->told,
                     .metres = {in->metres[0], in->metres[1]}};
     memcpy(out->color, in->color, sizeof out->color);
     world_object(in->matrix, out);

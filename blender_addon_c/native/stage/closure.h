@@ -155,9 +155,9 @@ static void stage_spare(size_t count, float threshold, const float color[3], boo
   const float blue = own ? 0.0f : color[2], inverse = 1.0f / threshold;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    float r = f->r[i] * (own ? light->color.r[i] : red);
-    float g = f->g[i] * (own ? light->color.g[i] : green);
-    float b = f->b[i] * (own ? light->color.b[i] : blue);
+    float r = fabsf(f->r[i] * (own ? light->color.r[i] : red));
+    float g = fabsf(f->g[i] * (own ? light->color.g[i] : green));
+    float b = fabsf(f->b[i] * (own ? light->color.b[i] : blue));
     float most = r > g ? r : g, pdf = light->pdf[i];
     most = most > b ? most : b;
     float part = (shared & (pdf > 0.0f)) ? balance(pdf, reflection->pdf[i]) : 1.0f;
@@ -183,9 +183,9 @@ static void stage_emit(const closure *c, lane_run run, inputs *given, lane_c *re
   const weight_lanes w = weight_of(c, given, run);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    sum->r[i] += weight_at(w.r, i);
-    sum->g[i] += weight_at(w.g, i);
-    sum->b[i] += weight_at(w.b, i);
+    sum->r[i] += finite_light(w.r[i]);
+    sum->g[i] += finite_light(w.g[i]);
+    sum->b[i] += finite_light(w.b[i]);
   }
 }
 

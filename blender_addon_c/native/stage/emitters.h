@@ -68,7 +68,7 @@ LEAF void lit_by_emitters(bool lifted, size_t begin, size_t end, const light_cho
     d = scaled(d, 1.0f / distance);
     float cosine = fabsf(dot(d, n)) / sqrtf(apart ? n2 : 1.0f);
     vec3 color = {row[r + 9], row[r + 10], row[r + 11]};
-    float per_area = (color.x + color.y + color.z) * (1.0f / 3.0f) / bright;
+    float per_area = (fabsf(color.x) + fabsf(color.y) + fabsf(color.z)) * (1.0f / 3.0f) / bright;
     float pdf = emitter_pdf(per_area, d2, cosine) * chances[i];
     bool shines = apart & (cosine > 1e-6f) & (pdf > 0.0f);
     /* the ray ends before the triangle, as far as rays start off their surfaces */

@@ -134,10 +134,10 @@ static size_t stage_walk(size_t count, bool lots, const walk_limits *limits, boo
 
 /* Infinite light is very bright here: dimmed as it is, it would be no number. */
 LEAF void add_dimmed(lane_c *color, uint32_t sample, float most, float r, float g, float b) {
-  r = clampf(r, 0.0f, 1e30f);
-  g = clampf(g, 0.0f, 1e30f);
-  b = clampf(b, 0.0f, 1e30f);
-  float mean = (r + g + b) * (1.0f / 3.0f);
+  r = finite_light(r);
+  g = finite_light(g);
+  b = finite_light(b);
+  float mean = (fabsf(r) + fabsf(g) + fabsf(b)) * (1.0f / 3.0f);
   float dim = mean > most ? most / mean : 1.0f;
   color->r[sample] += dim * r;
   color->g[sample] += dim * g;

@@ -147,11 +147,11 @@ def sky_color(scene):
     tree.links.new(sky.outputs["Color"], node.inputs["Color"])
 
 
-def pointiness(scene):
+def ies(scene):
     _ob, tree, node = plate(scene)
     texture = common.image_node(tree, flat_image(0.2, 0.4, 0.6))
-    source = tree.nodes.new("ShaderNodeNewGeometry")
-    tree.links.new(source.outputs["Pointiness"], texture.inputs["Vector"])
+    source = tree.nodes.new("ShaderNodeTexIES")
+    tree.links.new(source.outputs[0], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], node.inputs["Color"])
 
 
@@ -177,14 +177,14 @@ def deep_nodes(scene):
 
 
 def too_many_nodes(scene):
-    """Forty images that are all needed at the end."""
+    """Images that are all needed at the end, each of three numbers."""
     _ob, tree, node = plate(scene)
     image = flat_image(0.2, 0.4, 0.6)
     looks = []
-    for k in range(40):
+    for k in range(130):
         looks.append(common.image_node(tree, image))
         coordinates = tree.nodes.new("ShaderNodeCombineXYZ")
-        coordinates.inputs["X"].default_value = k / 40
+        coordinates.inputs["X"].default_value = k / 130
         tree.links.new(coordinates.outputs["Vector"], looks[-1].inputs["Vector"])
     socket = node.inputs["Color"]
     for look in looks:  # each is mixed with what all the others give
@@ -418,7 +418,7 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_matt, no_uv_textured, no_faces, missing_image,
     missing_normal_map,
-    broken_image, no_image, eight_bit_normal_map, steep_normal_map, less_steep_normal_map, bump_node, sky_color, pointiness, cycle,
+    broken_image, no_image, eight_bit_normal_map, steep_normal_map, less_steep_normal_map, bump_node, sky_color, ies, cycle,
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, world_shader,
     world_without_image, world_of_nothing, blind,

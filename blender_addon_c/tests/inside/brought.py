@@ -3,8 +3,10 @@
 
 import os
 
+import bmesh
 import bpy
 import numpy as np
+from mathutils import Vector
 
 import common
 
@@ -140,6 +142,153 @@ def _nothing(_scene, _options):
         _plate(material, number)
 
 
+def _told(number, kind, name, output):
+    """A plate that shines with what an Attribute node says."""
+    material, tree, color = _shining(f"{kind} {name} {output}")
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_type, node.attribute_name = kind, name
+    tree.links.new(node.outputs[output], color)
+    return material if number is None else _plate(material, number)
+
+
+def _objects(scene, _options):
+    """Numbers that objects, their meshes, the view layer, the scene and its world say, of all types."""
+    made = []
+    for number, name in enumerate(("whole", "part", "three", "two", "five", "location", "pass_index", "color", "text", "of_mesh",
+                                   "flag")):
+        made.append(_told(number, "OBJECT", name, "Alpha" if number % 4 == 3 else "Color" if number % 2 else "Vector"))
+    for plate in made:
+        plate["whole"], plate["part"], plate["three"], plate["two"] = 2, 0.3, (0.2, 0.5, 0.7), (0.9, 0.4)
+        plate["five"], plate["text"], plate["flag"], plate.pass_index = (0.5,) * 5, "it", True, 3
+        plate.data["of_mesh"], plate.data["part"], plate.color = 0.6, 0.9, (0.7, 0.2, 0.4, 0.8)
+    scene.view_layers[0]["of_layer"], scene["of_scene"], scene["of_layer"] = 0.35, (0.1, 0.6, 0.2), 0.9
+    scene.world = bpy.data.worlds.new("world")
+    scene.world["of_world"] = 4
+    for number, name in enumerate(("of_layer", "of_scene", "of_world", "frame_current", "nowhere")):
+        _told(11 + number, "VIEW_LAYER", name, "Color")
+
+
+def _instancers(scene, _options):
+    """Empties that show a collection, faces that show a plate, each with its own number, and what has none."""
+    kit = bpy.data.collections.new("kit")
+    for number, (kind, output) in enumerate((("INSTANCER", "Color"), ("OBJECT", "Color"), ("INSTANCER", "Fac"))):
+        part = common.plane(_told(None, kind, "tint", output), 0.25)
+        part.location, part["tint"] = (0.3 * number, 0, 0), (0.9, 0.8, 0.1 * number)
+        scene.collection.objects.unlink(part)
+        kit.objects.link(part)
+    for number in range(3):
+        empty = common.link(scene, f"empty {number}", None, (-1.5 + number, 1.25, 0))
+        empty.instance_type, empty.instance_collection = "COLLECTION", kit
+        if number:
+            empty["tint"] = (0.2, 0.3 * number, 0.5)
+    grid = common.plane(None, 1.0)
+    grid.location, grid.instance_type, grid.show_instancer_for_render, grid["tint"] = (0, -1, 0), "FACES", False, 0.4
+    common.plane(_told(None, "INSTANCER", "tint", "Color"), 0.5).parent = grid
+    _told(12, "INSTANCER", "tint", "Color")["tint"] = 0.7
+
+
+def _nodes_tell(_scene, options):
+    """Numbers that geometry nodes store on instances, of instances too; from 5.0 on Python knows them."""
+    for number, nested in enumerate((False, True)):
+        group = bpy.data.node_groups.new("made", "GeometryNodeTree")
+        group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        made, link = group.nodes.new, group.links.new
+        last = made("GeometryNodeMeshGrid")
+        last.inputs["Size X"].default_value = last.inputs["Size Y"].default_value = 0.25
+        material = made("GeometryNodeSetMaterial")
+        material.inputs["Material"].default_value = _told(None, "INSTANCER", "tint", "Color")
+        link(last.outputs[0], material.inputs[0])
+        last = material
+        for level in range(1 + nested):
+            points, shown, stored, random = (made(f"{kind}") for kind in (
+                "GeometryNodeMeshLine", "GeometryNodeInstanceOnPoints", "GeometryNodeStoreNamedAttribute", "FunctionNodeRandomValue"))
+            points.inputs["Count"].default_value = 4
+            points.inputs["Offset"].default_value = (0.25, 0, 0) if level == 0 else (0, 0.25, 0)
+            random.data_type, random.inputs["Seed"].default_value = "FLOAT_VECTOR", 3 + level
+            stored.domain, stored.data_type = "INSTANCE", "FLOAT_VECTOR"
+            stored.inputs["Name"].default_value = "tint" if level == nested else "other"
+            link(points.outputs[0], shown.inputs["Points"])
+            link(last.outputs[0], shown.inputs["Instance"])
+            link(shown.outputs[0], stored.inputs["Geometry"])
+            link(next(s for s in random.outputs if s.enabled), next(s for s in stored.inputs if s.name == "Value" and s.enabled))
+            last = stored
+        out = made("NodeGroupOutput")
+        link(last.outputs[0], out.inputs[0])
+        host = common.plane(None, 1.0)
+        host.location = (-1.375 + 1.5 * number, -0.625, 0)
+        host.modifiers.new("made", "NODES").node_group = group
+
+
+def _islands(scene, _options):
+    """Meshes of several islands, with vertices twice in one place, and what Geometry nodes say of them."""
+    for number, output in enumerate(("Random Per Island", "Pointiness", "Parametric")):
+        material, tree, color = _shining(output)
+        node = tree.nodes.new("ShaderNodeNewGeometry")
+        tree.links.new(node.outputs[output], color)
+        form, chance = bmesh.new(), np.random.default_rng(number)
+        for k in range(4):
+            before = len(form.verts)
+            bmesh.ops.create_grid(form, x_segments=3, y_segments=2 + k, size=0.25)
+            for v in list(form.verts)[before:]:
+                v.co += Vector((0.5 * (k % 2), 0.5 * (k // 2), 0.1 * chance.random()))
+        bmesh.ops.split_edges(form, edges=list(form.edges)[::5])
+        mesh = bpy.data.meshes.new(output)
+        form.to_mesh(mesh)
+        form.free()
+        mesh.materials.append(material)
+        common.link(scene, output, mesh, (-1.75 + 1.5 * (number % 2), 0.75 - 1.5 * (number // 2), 0))
+
+
+def _bright(scene, _options):
+    """Colours above 1, and below 0: of matt and shining surfaces, of light, fed and not."""
+    common.light(scene, rotation=(0.5, 0.6, 0))
+    cases = (("BsdfDiffuse", "Color", {}), ("BsdfDiffuse", "Color", {"Roughness": 0.6}), ("BsdfPrincipled", "Base Color", {}),
+             ("BsdfGlossy", "Color", {"Roughness": 0.7}), ("BsdfTranslucent", "Color", {}), ("Emission", "Color", {}),
+             ("Emission", "Color", {"Strength": -0.1}), ("BsdfPrincipled", "Base Color", {"Metallic": 1.0, "Roughness": 0.7}))
+    for number in range(16):
+        kind, socket, more = cases[number % 8]
+        material = bpy.data.materials.new("plate")
+        tree = common.tree_of(material)
+        shader, given, math = (tree.nodes.new(f"ShaderNode{name}") for name in (kind, "CombineXYZ", "VectorMath"))
+        for name, value in more.items():
+            shader.inputs[name].default_value = value
+        for part, value in zip(given.inputs, (1.7, -0.2, 0.4) if number % 3 else (3.0, 0.5, 1.2)):
+            part.default_value = value
+        if number > 7:  # not known before the picture
+            place = tree.nodes.new("ShaderNodeNewGeometry")
+            tree.links.new(place.outputs["Backfacing"], math.inputs[1])
+        tree.links.new(given.outputs[0], math.inputs[0])
+        tree.links.new(math.outputs[0], shader.inputs[socket])
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        _plate(material, number)
+
+
+def _tiles(_scene, options):
+    """Tiles of several sizes, and what is beyond them all: three more on the one side, on the other the first again."""
+    chance = np.random.default_rng(2)
+    for number, size in ((1001, 8), (1002, 4), (1011, 2)):
+        tile = bpy.data.images.new("tile", size, size)
+        pixels = chance.random((size, size, 4)).astype(np.float32)
+        pixels[..., 3] = 1
+        tile.pixels.foreach_set(pixels.ravel())
+        tile.filepath_raw, tile.file_format = os.path.join(options["where"], f"part.{number}.png"), "PNG"
+        tile.save()
+    for number, interpolation in enumerate(("Linear", "Closest")):
+        image = bpy.data.images.load(os.path.join(options["where"], "part.1001.png"))
+        image.source, image.filepath = "TILED", os.path.join(options["where"], "part.<UDIM>.png")
+        for tile in (1002, 1011):
+            image.tiles.new(tile_number=tile)
+        image.reload()
+        material, tree, color = _shining(interpolation)
+        node, place, wide = common.image_node(tree, image), tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeMapping")
+        node.interpolation = interpolation
+        wide.inputs["Scale"].default_value, wide.inputs["Location"].default_value = (4, 4, 1), (-1.5, -1.5, 0)
+        tree.links.new(place.outputs[0], wide.inputs["Vector"])
+        tree.links.new(wide.outputs[0], node.inputs["Vector"])
+        tree.links.new(node.outputs["Color"], color)
+        _plate(material, 5 * number, 2.0).location = (-1 + 2 * number, 0, 0)
+
+
 def _exposure(scene, _options):
     material, _tree, color = _shining("plate")
     color.default_value = (0.5, 0.4, 0.1, 1)
@@ -194,4 +343,5 @@ def _lost(_scene, options):
 
 
 _CASES = {name[1:]: made for name, made in list(globals().items())
-          if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_exposure", "_world", "_windows", "_lost")}
+          if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_objects", "_instancers", "_nodes_tell", "_islands",
+                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost")}

@@ -98,6 +98,8 @@ def node(chance, tree, images):
         made.image = chance.choice(images)
     if hasattr(made, "uv_map"):
         made.uv_map = chance.choice(["", "UVMap", "elsewhere"])
+    if hasattr(made, "attribute_name"):
+        made.attribute_name = chance.choice(["", "odd", "UVMap", "color", "location", "data", "[0]", "nowhere", "frame_current"])
     if hasattr(made, "object") and bpy.data.objects:
         made.object = chance.choice(list(bpy.data.objects))
     if hasattr(made, "mapping"):
@@ -271,6 +273,8 @@ def objects(chance, scene, images):
             made.materials.append(chance.choice([None, *materials]))
     for _ in range(chance.choice([0, 1, 3, 30])):
         ob = common.link(scene, "object", chance.choice(meshes))
+        if chance.one_in(3):
+            ob["odd"] = chance.choice([7, "12", 1e300, chance.numbers(1)[0], chance.numbers(3), chance.numbers(9), {"a": 1}, True])
         place(chance, ob)
         if chance.one_in(3) and ob.material_slots:
             slot = chance.choice(list(ob.material_slots))

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What objects say by name, islands, light below 0 and graphs of many registers, in the native module alone."""
+
+import numpy as np
+import pytest
+
+from native_scenes import few, native, ortho, registers, render, scene, square
+
+SAID = np.float32([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8], [0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1]])
+
+
+def told(attribute, **changes):
+    """Two squares beside each other, each of which shines with what it says; and one beside that says nothing."""
+    nodes = [{"type": "ATTRIBUTE", "attribute": attribute, "out": registers(200, 3), "more": registers(203, 1)}]
+    shines = {"name": "tells", "closure": "EMISSION", "weight": registers(200, 2) + registers(203, 1), "nodes": nodes}
+    instances = [{"mesh": 0, "matrix": place(0.5 * k - 0.5), "attributes": row} for k, row in enumerate(SAID)]
+    instances.append({"mesh": 0, "matrix": place(0.5)})
+    return scene(meshes=[square(0.25)], materials=[shines], instances=instances, attributes=2, camera=ortho(0.75), lights=[],
+                 transparent=False, width=6, height=6, **changes)
+
+
+def place(x):
+    matrix = np.eye(4)
+    matrix[0, 3] = x
+    return matrix.ravel().tolist()
+
+
+@pytest.mark.parametrize("attribute", [0, 1])
+@pytest.mark.parametrize("moves", [False, True])
+def test_objects_say_four_numbers_each(attribute, moves):
+    made = told(attribute, samples=few(16))
+    if moves:  # towards the camera
+        for one in made["instances"]:
+            step = np.array(one["matrix"], np.float32)[:12]
+            one["motion"] = np.stack([step, step + np.float32([0] * 11 + [0.1])])
+    picture = render(made)[0]
+    for k, row in enumerate([*SAID, np.zeros(8)]):
+        expected = row[4 * attribute:4 * attribute + 4][[0, 1, 3]]
+        assert np.allclose(picture[2:4, 2 * k:2 * k + 2, :3], expected, atol=1e-5), (k, moves)
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"attributes": -1}, "attributes must be"), ({"attributes": 0}, "attribute must be"), ({"attributes": 3}, "attributes has 8 items")])
+def test_what_is_said_is_checked(change, words):
+    with pytest.raises(ValueError, match=words):
+        native.start({**told(0), **change})
+
+
+def by_hand(pairs, count):
+    """Sets by their smallest member."""
+    of = list(range(count))
+    for a, b in pairs:
+        a, b = of[a], of[b]
+        of = [min(a, b) if x in (a, b) else x for x in of]
+    return of
+
+
+def test_roots_stand_for_what_pairs_join():
+    chance = np.random.default_rng(4)
+    for count, many in ((1, 0), (7, 3), (50, 30), (50, 200)):
+        pairs = chance.integers(0, count, (many, 2)).astype(np.int32)
+        found = np.frombuffer(native.roots(pairs, count), np.uint32)
+        assert (found[found] == found).all()
+        same = np.array(by_hand(pairs.tolist(), count))
+        assert ((found[:, None] == found) == (same[:, None] == same)).all()
+
+
+def test_which_stands_for_all_is_by_rank():
+    """The first of a pair of equals, the root of the larger tree else: as in Cycles' sets, which hash it."""
+    for pairs, roots in (([(1, 0)], [1, 1]), ([(0, 1), (2, 1)], [0, 0, 0]), ([(0, 1), (2, 3), (3, 1)], [2, 2, 2, 2])):
+        assert list(np.frombuffer(native.roots(np.int32(pairs), len(roots)), np.uint32)) == roots
+
+
+@pytest.mark.parametrize("pairs, count", [([(0, 2)], 2), ([(-1, 0)], 2), ([(0, 0)], 0), ([0], 1), ([(0, 0)], -1)])
+def test_roots_of_what_is_not_there(pairs, count):
+    with pytest.raises(ValueError, match="below count"):
+        native.roots(np.int32(pairs), count)
+
+
+def emitter(weight, **more):
+    return {"name": "light", "closure": "EMISSION", "weight": weight, "nodes": [], **more}
+
+
+@pytest.mark.parametrize("fed", [False, True])
+@pytest.mark.parametrize("clamp", [0.0, 10.0])
+def test_light_below_0_is_seen(fed, clamp):
+    weight = (-0.5, 0.25, -2.0)
+    nodes = [{"type": "MATH", "operation": "ADD", "a": [x], "b": [0.0], "c": [0.0], "out": [(150 + k,)]}
+             for k, x in enumerate(weight)]
+    shines = emitter(registers(150, 3), nodes=nodes) if fed else emitter(weight)
+    made = scene(meshes=[square(2.0)], materials=[shines], lights=[], camera=ortho(0.5), width=4, height=4,
+                 transparent=False, sample_clamp_direct=clamp)
+    assert np.allclose(render(made)[0][..., :3], weight, atol=1e-6)
+
+
+def test_light_below_0_takes_from_others():
+    """A plate under two lamps of opposite light gets none, in the mean."""
+    floor = {"name": "floor", "closure": "DIFFUSE", "model": "LAMBERT", "color": (0.8,) * 3, "roughness": [0.0], "nodes": []}
+    meshes = [square(0.5, 0.0, 0), square(0.5, 1.0, 1), square(0.5, 1.001, 2)]
+    pictures = []
+    for first in (1.0, -1.0):
+        materials = [floor, emitter((first, 2 * first, 0.0)), emitter((0.0,) * 3)]
+        made = scene(meshes=meshes, materials=materials, lights=[], camera=ortho(0.4, eye=(0, 0, 0.5)), width=4, height=4,
+                     samples=few(1024), max_bounces=0, transparent=False, light_sampling_threshold=0.01)
+        pictures.append(render(made)[0][..., :2].mean((0, 1)))
+    assert pictures[0][0] > 0.1 and np.allclose(pictures[0], -pictures[1], rtol=0.02)
+
+
+def test_a_graph_may_use_all_registers():
+    """A sum of 250 numbers that all wait for the last."""
+    nodes = [{"type": "GEOMETRY", "what": "POSITION", "out": registers(3, 3)}]
+    nodes += [{"type": "MATH", "operation": "MULTIPLY_ADD", "a": [(3,)], "b": [0.0], "c": [k / 1e4], "out": [(k,)]}
+              for k in range(6, 256)]
+    sum_ = 0.0
+    for k in range(6, 256):
+        nodes.append({"type": "MATH", "operation": "ADD", "a": [(k,)], "b": [sum_ if k == 6 else (4,)], "c": [0.0], "out": [(4,)]})
+    made = scene(meshes=[square(2.0)], materials=[emitter([(4,)] * 3, nodes=nodes)], lights=[], camera=ortho(0.5), width=4, height=4,
+                 transparent=False)
+    assert np.allclose(render(made)[0][..., :3], sum(range(6, 256)) / 1e4, rtol=1e-5)
