@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import OpenImageIO as oiio
+import pytest
 
 from blender_runs import read_picture
 from test_blender_closures import cases_of
@@ -166,3 +167,37 @@ def test_cryptomatte_node(blender50, tmp_path):
     blender50.scene("picked", tmp_path, dump="", who="right")
     matte = read_picture(tmp_path / "picture.exr")[1][..., 0]
     assert (matte[4:12, :8] == 0).all() and (matte[4:12, 8:] == 1).all() and (matte[:4] == 0).all()
+
+
+@pytest.mark.parametrize("kind", ["Object", "Material", "Asset"])
+def test_mattes_are_those_of_cycles(mattes, kind):
+    """The same numbers stand for the same names, and each covers the same of every pixel, but for noise."""
+    theirs, ours = (covers(picture, kind) for picture in mattes)
+    assert set(theirs) == set(ours) and len(ours) == (3 if kind == "Asset" else 4)
+    for number, there in theirs.items():
+        assert np.abs(there - ours[number]).mean() < 0.03 * there.mean()
+        assert abs(there.sum() - ours[number].sum()) < 0.01 * there.sum()
+
+
+@pytest.fixture(scope="module")
+def mattes(blender, tmp_path_factory):
+    folder, pictures = tmp_path_factory.mktemp("mattes"), []
+    for engine in ("CYCLES", "LIBSHADE"):
+        blender.run("mattes.py", folder / f"{engine}.exr", engine)
+        pictures.append(read_picture(folder / f"{engine}.exr"))
+    return pictures
+
+
+def covers(picture, kind):
+    """By the number of a name, how much of each pixel is its."""
+    names, pixels = picture
+    found = {}
+    for layer in range(3):
+        r, g, b, a = (next(i for i, name in enumerate(names) if f"Crypto{kind}{layer:02}." in name and name[-1].lower() == part)
+                      for part in "rgba")
+        for slot, share in ((r, g), (b, a)):
+            numbers = np.ascontiguousarray(pixels[..., slot]).view(np.uint32)
+            for number in np.unique(numbers):
+                mine = np.where(numbers == number, pixels[..., share], 0)
+                found[int(number)] = found.get(int(number), 0) + mine
+    return {number: cover for number, cover in found.items() if cover.sum() > 1e-3}
