@@ -779,11 +779,13 @@ class _Principled:
                                          eta=(eta,) * 3, alpha=alpha),
              self._part(share, weight), normal, (color,) * 3)
 
-    def _emission(self, share):
-        inputs = self.node.inputs
+    def _emission(self, share, least=None):
+        """least: of its strength."""
+        inputs, strength = self.node.inputs, self._number("Emission Strength")
+        strength = strength if least is None else self.math("MAXIMUM", strength, least)
         color = color_of(self.reader, inputs.get("Emission Color") or inputs["Emission"],
                          self.groups)
-        _shine(self.reader, color, self._part(share, self._number("Emission Strength")))
+        _shine(self.reader, color, self._part(share, strength))
 
     def _hue(self, name, bright):
         """White, or as far as this socket says the base colour as bright as white."""
@@ -849,7 +851,7 @@ class _Principled:
         coat = _clamp(reader, self._number("Coat Weight"))
         if not (is_known(coat) and coat == 0):
             share = self._coated(share, coat)
-        self._emission(share)
+        self._emission(share, 0.0)
         tint = color_of(reader, self.node.inputs["Specular Tint"], self.groups)
         white = is_known(*tint) and all(part >= 1 for part in tint)
         metal = {"fresnel": "SCHLICK"} if white else {"fresnel": "F82"}

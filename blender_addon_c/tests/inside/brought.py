@@ -242,8 +242,9 @@ def _islands(scene, _options):
 def _bright(scene, _options):
     """Colours above 1, and below 0: of matt and shining surfaces, of light, fed and not."""
     common.light(scene, rotation=(0.5, 0.6, 0))
+    lit = "Emission Color" if bpy.app.version >= (4, 0) else "Emission"
     cases = (("BsdfDiffuse", "Color", {}), ("BsdfDiffuse", "Color", {"Roughness": 0.6}), ("BsdfPrincipled", "Base Color", {}),
-             ("BsdfGlossy", "Color", {"Roughness": 0.7}), ("BsdfTranslucent", "Color", {}), ("Emission", "Color", {}),
+             ("BsdfGlossy", "Color", {"Roughness": 0.7}), ("BsdfPrincipled", lit, {"Emission Strength": -0.5}), ("Emission", "Color", {}),
              ("Emission", "Color", {"Strength": -0.1}), ("BsdfPrincipled", "Base Color", {"Metallic": 1.0, "Roughness": 0.7}))
     for number in range(16):
         kind, socket, more = cases[number % 8]
