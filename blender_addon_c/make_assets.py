@@ -167,6 +167,7 @@ def new_material(name, kind):
 def mapped(tree, values, socket, least, most):
     """Noise (mostly .3 to .7) as numbers of a socket, about its own."""
     node = tree.nodes.new("ShaderNodeMapRange")
+    node.label = f"Strokes: {socket.name}"
     node.location = (-220, 120 if socket.name == "Roughness" else -160)
     for name, value in (("From Min", 0.3), ("From Max", 0.7), ("To Min", least), ("To Max", most)):
         node.inputs[name].default_value = value
@@ -193,17 +194,18 @@ def strokes(tree, node, finish, scratches):
         node.inputs["Roughness"].default_value = POLISH
         return
     if finish == "brushed":  # long along u
-        place, lengths = add("ShaderNodeUVMap", -860), add("ShaderNodeVectorMath", -660, operation="MULTIPLY")
+        place = add("ShaderNodeUVMap", -860)
+        lengths = add("ShaderNodeVectorMath", -660, operation="MULTIPLY", label="Strokes, along and across")
         lengths.inputs[1].default_value = BRUSH
         tree.links.new(place.outputs[0], lengths.inputs[0])
-        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="2D"), lengths.outputs[0]
+        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="2D", label="Strokes"), lengths.outputs[0]
     else:  # rings about z
         place, flat = add("ShaderNodeTexCoord", -1060), add("ShaderNodeVectorMath", -860, operation="MULTIPLY")
         flat.inputs[1].default_value = (1, 1, 0)
-        radius = add("ShaderNodeVectorMath", -660, operation="LENGTH")
+        radius = add("ShaderNodeVectorMath", -660, operation="LENGTH", label="From the Axis")
         tree.links.new(place.outputs["Object"], flat.inputs[0])
         tree.links.new(flat.outputs[0], radius.inputs[0])
-        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="1D"), radius.outputs["Value"]
+        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="1D", label="Rings"), radius.outputs["Value"]
     noise.inputs["Scale"].default_value = 1.0 if finish == "brushed" else RINGS
     noise.inputs["Detail"].default_value, noise.inputs["Roughness"].default_value = 4.0, 0.75
     tree.links.new(where, noise.inputs["Vector" if finish == "brushed" else "W"])

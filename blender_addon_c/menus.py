@@ -33,7 +33,7 @@ def shaders():
 
 
 class NODE_MT_libshade_shaders(bpy.types.Menu):
-    bl_label = "Shaders"
+    bl_label = "Shaders of Cycles"
 
     def draw(self, _context):
         for name, label in shaders():
