@@ -58,6 +58,7 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
     filename_ext = ".wif"
     filter_glob: StringProperty(default="*.wif", options={"HIDDEN"})
     material: StringProperty(options={"HIDDEN"})
+    group: StringProperty(options={"HIDDEN"})  # or the node group that holds it
     node: StringProperty(options={"HIDDEN"})
 
     @classmethod
@@ -70,17 +71,22 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
         if node:  # the file browser's context has none
             owner = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
             self.material, self.node = owner.name if owner else "", node.name
+            self.group = "" if owner else node.id_data.name
         return super().invoke(context, event)
 
     def execute(self, context):
         material = bpy.data.materials.get(self.material)
-        node = material.node_tree.nodes.get(self.node) if material else self._found(context)
+        tree = material.node_tree if material else bpy.data.node_groups.get(self.group)
+        node = tree.nodes.get(self.node) if tree else self._found(context)
         if not node or node.bl_idname != "LibshadeFabricNode":
             self.report({"ERROR"}, "No Libshade Fabric node is chosen")
             return {"CANCELLED"}
         try:
             mended = import_wif(node, self.filepath)
-        except (OSError, ValueError) as error:
+        except OSError as error:
+            self.report({"ERROR"}, f"{self.filepath}: {error.strerror or error}")
+            return {"CANCELLED"}
+        except ValueError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if mended:

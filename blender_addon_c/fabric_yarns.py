@@ -153,7 +153,7 @@ def settings(node, unit):
 
 def _draft(node):
     if not node.draft:
-        return "", "no draft is chosen; woven as its preset"
+        return "", "no draft is chosen (a Text, or Import WIF, in the sidebar); woven as its preset"
     text = node.draft.as_string()
     try:
         _native.wif(text.encode(), node.draft.name)

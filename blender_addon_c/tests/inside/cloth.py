@@ -295,9 +295,10 @@ def import_wif(node, name, text, encoding="utf-8"):
     path = os.path.join(folder, name)
     with open(path, "wb") as file:
         file.write(text.encode(encoding))
-    material = next(m for m in bpy.data.materials if m.node_tree == node.id_data)
+    material = next((m.name for m in bpy.data.materials if m.node_tree == node.id_data), "")
+    group = "" if material else node.id_data.name
     try:
-        return bpy.ops.libshade.import_wif(filepath=path, material=material.name, node=node.name)
+        return bpy.ops.libshade.import_wif(filepath=path, material=material, group=group, node=node.name)
     finally:
         os.remove(path)
 
@@ -324,6 +325,13 @@ def test_drafts():
     except RuntimeError as error:
         assert f"bad.wif, line {line}: " in str(error), error
     assert node.draft == text and len(bpy.data.texts) == 2
+    inside = bpy.data.node_groups.new("cloth inside", "ShaderNodeTree").nodes.new("LibshadeFabricNode")
+    assert import_wif(inside, "three.wif", WIF) == {"FINISHED"} and inside.weave == "DRAFT"
+    try:
+        bpy.ops.libshade.import_wif(filepath=os.path.join(folder, "gone.wif"), group="cloth inside", node=inside.name)
+        raise AssertionError("a file that is not there was taken")
+    except RuntimeError as error:
+        assert "gone.wif: No such file or directory" in str(error), error
     draft = sys.modules[f"{common.MODULE}.fabric_draft"]
     draft.follow()
     text.from_string(WIF.replace("1=1,2\n2=2", "1=1,2,3\n2=2,3"))
