@@ -67,6 +67,21 @@ def linear_of(item):
     return np.where(pixels < 0.04045, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4).mean(0)
 
 
+def uneven(pixels):
+    """(along y, along x): mean second difference."""
+    return [np.abs(np.diff(pixels, 2, axis=axis)).mean() for axis in (0, 1)]
+
+
+def strokes_seen(item, finish):
+    """On the ball's picture; without them all three are at most .0082 uneven and, low down, as much one way as the other (.98 to 1.02)."""
+    pixels = np.array(item.preview.image_pixels_float[:]).reshape(*item.preview.image_size, 4)[..., :3].mean(-1)
+    side = len(pixels)
+    across, along = uneven(pixels[side // 8:3 * side // 8, side // 3:2 * side // 3])  # there strokes run along x
+    if finish == "Scratched":
+        return min(uneven(pixels[side // 6:5 * side // 6, side // 5:4 * side // 5])) > 0.02
+    return across > (1.2 if finish == "Brushed" else 1.4) * along
+
+
 def test_materials(folder):
     """Each is its preset as it is now, in its catalog, with a picture of its colour; two of them rendered."""
     common.empty_scene()
@@ -90,6 +105,7 @@ def test_materials(folder):
             assert np.allclose(middle, [fresh.inputs["Roughness"].default_value, 0], atol=1e-6)
         assert where[material.asset_data.catalog_id] == "Libshade/Metals" and material.asset_data.description
         colour, metal = linear_of(material), np.array(tuple(node.inputs["Color"].default_value)[:3])
+        assert strokes_seen(material, row["label"].split()[0]), word
         assert np.allclose(colour / colour[0], metal / metal[0], atol=0.06), (word, colour, metal)
     for word, row in fabric.cloths().items():
         material = next(m for m in cloths if m.name.lower() == row["label"].lower())
