@@ -203,6 +203,15 @@ def test_tinted_metals_under_a_film(tint, angle):
     np.testing.assert_allclose(pictures[0] / pictures[1], wanted, atol=0.006)
 
 
+@pytest.mark.parametrize("tint, counts_as", [(1.7, 1.0), (-0.5, 0.0)])
+def test_a_tint_beyond_its_range_is_its_limit(tint, counts_as):
+    sine, cosine = np.sin(np.radians(80)), np.cos(np.radians(80))
+    seen = [render(scene(width=4, height=4, camera=ortho(0.1, eye=(-3 * sine, 0, 3 * cosine)), lights=[sun((sine, 0, cosine))], materials=[
+        material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=0.05, ay=0.05, ex=798.0, ey=798.0)
+        | said_of(1.05, GOLD) | {"film_thickness": [330.0], "film_tint": (part,) * 3}]))[0] for part in (tint, counts_as, 0.5)]
+    assert (seen[0] == seen[1]).all() and abs(seen[2] - seen[1])[..., :3].max() > 0.01 * seen[1].max()
+
+
 def test_a_dump_has_no_words_for_a_film(tmp_path):
     """It leaves such a material out, with a warning: its header would say a white mirror."""
     plain = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1))
