@@ -27,7 +27,7 @@ bool Parser::Parse_Mdf_Off() {
   if (Token.Function_Id == OFF_TOKEN)
     return true;
   if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expectation_Error("{ or off");
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' or 'off'");
   Unget_Token();
   return false;
 }
@@ -37,6 +37,10 @@ std::string Parser::Parse_Mdf_String(const std::string &what) {
   Get_Mdf_Operand();
   if (Token.Token_Id == MDF_WORD_TOKEN || Token.Token_Id == IDENTIFIER_TOKEN)
     Error("mdf: %s needs a text in quotes, '%s' found instead.", what.c_str(), Token.Token_String);
+  if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == LEFT_CURLY_TOKEN ||
+      Token.Token_Id == COMMA_TOKEN || Token.Function_Id == FLOAT_TOKEN)
+    Error("mdf: %s needs a text in quotes, %s found instead.", what.c_str(),
+          mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
   Unget_Token();
   char *text = Parse_C_String(false);
   const std::string name(text);
@@ -67,6 +71,12 @@ void Parser::Parse_Mdf_Preset_Named(bool cloths, bool metals, shade_preset &pres
       (preset.kind == SHADE_PRESET_FABRIC ? cloths : metals))
     return;
   std::string there;
+  std::vector<std::string> names;
+  shade_preset of;
+  for (int row = 0; shade_preset_row(row, &of); row++)
+    if (of.kind == SHADE_PRESET_FABRIC ? cloths : metals)
+      names.push_back(of.word);
+  there += mdf::nearest_name(names, name);
   if (cloths)
     there += " Cloths: " + presets_of(SHADE_PRESET_FABRIC) + ".";
   if (metals)
@@ -134,6 +144,10 @@ void Parser::Parse_Mdf_Yarns(mdf::Cloth &cloth, bool of_warp, bool of_weft) {
   double *place, number[3];
   int word, row;
 
+  Get_Token();
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after '" + of.substr(0, of.size() - 2) + "'");
+  Unget_Token();
   Parse_Begin();
   // clang-format off
   EXPECT
@@ -220,10 +234,14 @@ void Parser::Parse_Mdf_Weave(mdf::Cloth &cloth) {
     const std::shared_ptr<shade_draft> found(shade_draft_named(name.c_str()), shade_draft_free);
     if (!found) {
       std::string all;
+      std::vector<std::string> names;
       const char *word;
-      for (int row = 0; shade_weave_row(row, &word, NULL, NULL); row++)
+      for (int row = 0; shade_weave_row(row, &word, NULL, NULL); row++) {
         all += (row > 0 ? ", " : "") + std::string(word);
-      Error("mdf: there is no weave \"%s\"; there are: %s.", name.c_str(), all.c_str());
+        names.push_back(word);
+      }
+      Error("mdf: there is no weave \"%s\"; there are: %s.%s", name.c_str(), all.c_str(),
+            mdf::nearest_name(names, name).c_str());
     }
     cloth.weave = name;
     cloth.draft.reset();
@@ -238,7 +256,10 @@ void Parser::Parse_Mdf_Weave(mdf::Cloth &cloth) {
     double number;
     if (i > 0)
       Parse_Comma();
-    Parse_Mdf_Numbers("weave", 1, &number);
+    Parse_Mdf_Numbers(i == 0   ? "weave: ends under"
+                      : i == 1 ? "weave: ends over"
+                               : "weave: shift",
+                      1, &number);
     if (number != std::floor(number) || std::fabs(number) > 1e9)
       Error("mdf: weave needs three whole numbers: ends under, ends over, shift; %g is none.",
             number);

@@ -97,7 +97,8 @@ void Parser::Warn_Mdf_Number(const std::string &what, double written, double tak
   Warn_Mdf_Numbers(what, 1, &written, &taken);
 }
 
-// The error for a token that is none of these words (`last` as in expected_words).
+// The error for a token that is none of these words (`last` as in expected_words); of no words, for
+// one that is not `last`.
 void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
   const std::string expected = mdf::expected_words(words, last);
   std::string found;
@@ -106,15 +107,25 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
     found = Token.Token_String;
   else if (Token.Token_Id != RIGHT_CURLY_TOKEN)
     found = Get_Token_String(Token.Function_Id);
+  if (words == mdf::WORDS_NONE)
+    Error("mdf: expected %s, but found %s.", last.c_str(),
+          Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == MDF_WORD_TOKEN
+              ? ("'" + std::string(Token.Token_String) + "'").c_str()
+              : mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
   const std::string hint = mdf::hint_for(words, found);
   const std::string nearest = mdf::nearest_word(words, found);
   if (!hint.empty() && (nearest.empty() || words < mdf::WORDS_LIST))
     Error("Expected '%s', %s found instead; %s.", expected.c_str(),
-          Token.Token_Id == IDENTIFIER_TOKEN ? ("undeclared identifier '" + found + "'").c_str()
-                                             : Get_Token_String(Token.Function_Id),
+          Token.Token_Id == IDENTIFIER_TOKEN
+              ? ("undeclared identifier '" + found + "'").c_str()
+              : mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str(),
           hint.c_str());
+  if (nearest.empty() && Token.Token_Id == IDENTIFIER_TOKEN)
+    Error("Expected '%s', undeclared identifier '%s' found instead.", expected.c_str(),
+          found.c_str());
   if (nearest.empty())
-    Expectation_Error(expected.c_str());
+    Error("Expected '%s', %s found instead.", expected.c_str(),
+          mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
   Error("Expected '%s', '%s' found instead; did you mean '%s'?", expected.c_str(), found.c_str(),
         nearest.c_str());
 }
@@ -155,7 +166,7 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
   case COMMA_TOKEN:
   case END_OF_FILE_TOKEN:
     Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind,
-          Get_Token_String(Token.Token_Id));
+          mdf::plain_token(Get_Token_String(Token.Token_Id)).c_str());
     break;
   default:
     Unget_Token();
@@ -186,7 +197,7 @@ bool Parser::Parse_Mdf_Pigment() {
 bool Parser::Parse_Mdf_Switch() {
   Get_Token();
   if (Token.Function_Id != ON_TOKEN && Token.Function_Id != OFF_TOKEN)
-    Expectation_Error("on or off");
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'on' or 'off'");
   return Token.Function_Id == ON_TOKEN;
 }
 
@@ -271,6 +282,10 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   std::string name;
   int type = mdf::IMAGE_PNG;
 
+  Get_Token();
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after 'bump_image'");
+  Unget_Token();
   Parse_Begin();
   material.bump_once = false;
   material.strength = 1.0;
@@ -295,8 +310,9 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
         Parse_UV_Vect(both);
         for (int axis = 0; axis < 2; axis++) {
           if (!std::isfinite(both[axis]) || (is_scale && both[axis] == 0.0))
-            Error("mdf: bump_image %s <%g, %g> is not to be had.", is_scale ? "scale" : "translate",
-                  both[U], both[V]);
+            Error("mdf: bump_image %s is <%g, %g>; it needs finite numbers%s.",
+                  is_scale ? "scale" : "translate", both[U], both[V],
+                  is_scale ? " that are not 0" : "");
           // in the order they are written, as elsewhere
           if (is_scale) {
             material.bump_scale[axis] *= both[axis];
@@ -306,6 +322,11 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
         }
       } else {
         type = Token.Function_Id;
+        Get_Mdf_Operand();
+        if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
+            Token.Token_Id == IDENTIFIER_TOKEN)
+          Expect_Mdf_Word(mdf::WORDS_NONE, "the name of a file, in quotes");
+        Unget_Token();
         char *text = Parse_C_String(true);
         name = text;
         POV_FREE(text);
@@ -324,7 +345,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   // clang-format on
 
   if (name.empty())
-    Expectation_Error("png \"file\" or exr \"file\"");
+    Error("mdf: bump_image needs a file: png \"file\" or exr \"file\".");
   if (material.strength < 0.0) {
     Warn_Mdf_Number("bump_image strength", material.strength, 0.0);
     material.strength = 0.0;
@@ -365,7 +386,7 @@ void Parser::Parse_Mdf_Reflection(mdf::Material &material) {
     return;
   }
   if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expectation_Error("{, on or off");
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{', 'on' or 'off' after 'reflection'");
   Unget_Token();
 
   const mdf::WordScope words(Mdf_Words, mdf::WORDS_REFLECTION);
@@ -449,6 +470,13 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
   {
     // an expression reads one token ahead, which may be `at`
     const mdf::WordScope words(Mdf_Words, radial ? mdf::WORDS_RADIAL : mdf::WORDS_BLOCK);
+    if (radial) {
+      Get_Mdf_Operand();
+      if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
+          Token.Token_Id == IDENTIFIER_TOKEN)
+        Expect_Mdf_Word(mdf::WORDS_NONE, "an axis after 'tangent radial', as in tangent radial y");
+      Unget_Token();
+    }
     Parse_Vector(material.axis);
     if (radial) {
       Get_Token();
@@ -463,8 +491,14 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
   material.tangent = radial ? mdf::Material::TANGENT_RADIAL : mdf::Material::TANGENT_AXIS;
 
   Assign_Vector(material.centre, *Vector3d(0.0));
-  if (at)
+  if (at) {
+    Get_Mdf_Operand();
+    if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
+        Token.Token_Id == IDENTIFIER_TOKEN)
+      Expect_Mdf_Word(mdf::WORDS_NONE, "a point after 'at'");
+    Unget_Token();
     Parse_Vector(material.centre);
+  }
   for (int c = 0; c < 3; c++)
     if (!std::isfinite(material.centre[c]))
       Error("mdf: tangent radial's point is not finite.");
@@ -493,6 +527,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
     finish->Mdf = NULL;
     return;
   }
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' or 'off' after 'mdf'");
   Unget_Token();
 
   if (finish->Mdf != NULL) // of the finish that this one began with

@@ -86,7 +86,7 @@ void Parser::Parse_Mdf_Range(const std::string &what, double least, double most,
     double number;
     if (i > 0)
       Parse_Comma();
-    Parse_Mdf_Numbers(what, 1, &number);
+    Parse_Mdf_Numbers(i == 0 ? what : "the other end of " + what, 1, &number);
     *ends[i] = std::min(std::max(number / unit, least), most);
     if (*ends[i] != number / unit)
       Warn_Mdf_Number(what, number, *ends[i] * unit);
@@ -102,6 +102,10 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
 
   plain.set_tile(scratches.tile_mm);
   layer = plain.params.layer[0];
+  Get_Token();
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after 'layer'");
+  Unget_Token();
   Parse_Begin();
   // clang-format off
   EXPECT

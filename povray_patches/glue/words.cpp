@@ -6,6 +6,8 @@
 #include <cstring>
 #include <vector>
 
+#include "shade/presets.h"
+
 namespace mdf {
 
 namespace {
@@ -215,15 +217,18 @@ size_t distance(const std::string &a, const std::string &b) {
 } // namespace
 
 std::string nearest_word(WordSet set, const std::string &text) {
-  const Words &words = words_of(set);
+  return nearest_of(words_in(set), text);
+}
+
+std::string nearest_of(const std::vector<std::string> &words, const std::string &text) {
   // two slips in a word of six letters; the beginning of a word counts as one slip
   size_t least = std::min((text.size() + 1) / 3, (size_t)3) + 1;
   std::string nearest;
 
   if (text.size() > 40)
     return nearest;
-  for (Words::const_iterator i = words.begin(); i != words.end(); ++i) {
-    const std::string word(i->text);
+  for (size_t i = 0; i < words.size(); i++) {
+    const std::string &word = words[i];
     size_t slips = distance(word, text);
     if (text.size() > 2 && word.compare(0, text.size(), text) == 0)
       slips = 1;
@@ -233,6 +238,20 @@ std::string nearest_word(WordSet set, const std::string &text) {
     }
   }
   return nearest;
+}
+
+std::string nearest_name(const std::vector<std::string> &names, const std::string &text) {
+  const std::string nearest = nearest_of(names, text);
+
+  return nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?";
+}
+
+std::string plain_token(const std::string &name) {
+  return name == ", " || name == "," ? "a comma"
+         : name == "string literal"  ? "a text in quotes"
+         : name == "float constant"  ? "a number"
+         : name == "End of File"     ? "the end of the file"
+                                     : name;
 }
 
 namespace {
@@ -304,6 +323,18 @@ std::string hint_for(WordSet set, const std::string &text) {
     return "as in fresnel schlick";
   if (set >= WORDS_LIST || text.empty())
     return "";
+  shade_preset preset;
+  if ((set == WORDS_BLOCK || set == WORDS_FABRIC || set == WORDS_SCRATCHES) &&
+      shade_preset_find(text.c_str(), &preset))
+    return "a preset's name stands in quotes after preset: preset \"" + text + "\"";
+  if (text == "string literal")
+    return set == WORDS_IMAGE ? "a file's name follows png or exr"
+           : set == WORDS_BLOCK || set == WORDS_FABRIC || set == WORDS_SCRATCHES
+               ? "a preset's name follows preset"
+               : "";
+  if (set == WORDS_IMAGE &&
+      std::strstr(" jpeg tiff gif tga iff ppm pgm sys hdr ", (" " + text + " ").c_str()) != NULL)
+    return "a picture of another format is to be converted first";
   const char *const reserved = place_of_reserved(text);
   if (reserved != NULL && !(set == WORDS_BLOCK && text == "warp"))
     return "'" + text + "' " + reserved;

@@ -122,8 +122,14 @@ int find_word(WordSet set, const char *text);
 // "detail, fresnel or }": what a parse error says was expected. `last` may be empty.
 std::string expected_words(WordSet set, const std::string &last);
 
-// The word of `set` that `text` was probably meant to be, or "".
+// The word of `set`, or of these, that `text` was probably meant to be, or "".
 std::string nearest_word(WordSet set, const std::string &text);
+std::string nearest_of(const std::vector<std::string> &words, const std::string &text);
+// " Did you mean \"word\"?" of a name in quotes, or "".
+std::string nearest_name(const std::vector<std::string> &names, const std::string &text);
+
+// POV-Ray's own name of a token, as an author has it: a comma, a number, a text in quotes.
+std::string plain_token(const std::string &name);
 
 // What to do about something found in place of a word of `set`: where it belongs, if it is a word
 // of another place or of POV-Ray's, or how a list is said. "" where there is nothing to tell.

@@ -422,25 +422,25 @@ def test_the_tile_leaves_a_layers_lengths(render):
 
 
 @pytest.mark.parametrize("block, message", [
-    ("scratches 3", "{ or off"), ('scratches { preset "denim" }', 'mdf: there is no metal "denim". Metals: brushed_steel,'),
-    ("scratches { layer { pits } }", "mdf: pits needs a number"), ("scratches { layer { radius .1 } }", "mdf: radius needs a number"),
+    ("scratches 3", "mdf: expected '{' or 'off', but found a number."), ('scratches { preset "denim" }', 'mdf: there is no metal "denim". Metals: brushed_steel,'),
+    ("scratches { layer { pits } }", "mdf: pits needs a number"), ("scratches { layer { radius .1 } }", "mdf: the other end of radius needs a number, } found instead."),
     ("scratches {" + "layer { pits 1 } " * 9 + "}", "mdf: scratches have 8 layers at most."), ("scratches { layers 3 }", "did you mean 'layer'?"),
-    ('fabric { preset "denin" }', 'mdf: there is no cloth "denin". Cloths: silk_charmeuse,'),
+    ('fabric { preset "denin" }', 'mdf: there is no cloth "denin". Did you mean "denim"? Cloths: silk_charmeuse,'),
     ('fabric { preset "brushed_steel" }', 'mdf: there is no cloth "brushed_steel"'),
     ('preset "goldd"', 'mdf: there is no preset "goldd". Cloths: silk_charmeuse,'),
     ("preset denim", "mdf: preset needs a text in quotes, 'denim' found instead."),
-    ("fabric 3", "{ or off"), ("fabric { crosings 3 }", "did you mean 'crossings'?"),
+    ("fabric 3", "expected '{' or 'off'"), ("fabric { crosings 3 }", "did you mean 'crossings'?"),
     ("fabric { warp { widht 3 } }", "did you mean 'width'?"),
     ("fabric { crossings }", "mdf: crossings needs how many there are"),
     ("fabric { crossings 1e300 * 1e300 }", "mdf: crossings is not a finite number."),
-    ("fabric { weave 1, 2 }", "mdf: weave needs a number, } found instead."), ("fabric { weave 0, 0, 0 }", "mdf: there is no weave 0, 0, 0"),
+    ("fabric { weave 1, 2 }", "mdf: weave: shift needs a number, } found instead."), ("fabric { weave 0, 0, 0 }", "mdf: there is no weave 0, 0, 0"),
     ("fabric { weave 1.5, 1, 1 }", "mdf: weave needs three whole numbers"),
     ('fabric { weave "twil" }', 'mdf: there is no weave "twil"; there are: plain,'),
     ('fabric { draft "none.wif" }', "mdf: cannot open the draft 'none.wif'."),
     ('fabric { draft "scene.pov" }', "expected the sections of a Weaving Information File"),
     ("fabric { occlusion skyy }", "did you mean 'sky'?"), ("fabric { detail rotat }", "did you mean 'rotate'?"),
     ("fabric { warp { diffuse wool rgb 1 } }", "mdf: warp: diffuse needs a colour, 'wool' found instead."),
-    ("fabric { draft_colors 1 }", "on or off"), ("fabric { shadows }", "on or off"), ("fabric { mm_per_unit }", "mdf: mm_per_unit needs a number"),
+    ("fabric { draft_colors 1 }", "expected 'on' or 'off'"), ("fabric { shadows }", "expected 'on' or 'off'"), ("fabric { mm_per_unit }", "mdf: mm_per_unit needs a number"),
     ("fabric { backing }", "mdf: backing needs a colour"), ("fabric {", "found instead")])
 def test_errors_name_what_was_expected(render, block, message):
     result = render(scene(f"sphere {{ 0, 1 texture {{ finish {{ mdf {{ {block} }} }} }} }}"), fails=True)
