@@ -136,7 +136,7 @@ def test_conserve_energy_takes_it_from_what_lies_below(render):
 
 
 @pytest.mark.parametrize("words, message", [
-    ("reflection", "'{, on or off'"),
+    ("reflection", "mdf: expected '{', 'on' or 'off' after 'reflection', but found }."),
     ("reflection { sample 3 }", "did you mean 'samples'"),
     ("reflection { samples }", "reflection samples needs a number"),
     ("reflection { clamp 1e999 }", "reflection clamp is not a finite number"),
