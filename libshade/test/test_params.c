@@ -422,7 +422,7 @@ static void metal_table(void **state) {
     assert_int_equal(p.fresnel, SHADE_FRESNEL_CONDUCTOR);
     for (int c = 0; c < 3; c++) {
       assert_true(p.eta[c] == m.eta[c] && p.k[c] == m.k[c]);
-      assert_true(p.f0[c] > .4 && p.f0[c] < 1);
+      assert_true(p.f0[c] > .35 && p.f0[c] < 1); /* least: gold's blue, .364 */
     }
   }
   assert_int_equal(shade_params_set_metal(&p, "Gold"), 1);

@@ -167,10 +167,15 @@ static inline bool scratches_square(const scratches *s, double u, double v, cons
  */
 static inline bool scratches_part(const scratches *s, float lot, shade_slopes *to) {
   const scratch_slopes *all = s->squares.level[0];
-  const double x = to->mean[0], y = to->mean[1], mean2 = x * x + y * y;
-  const double square = to->covariance[0] + to->covariance[2] + mean2; /* in the mean */
+  const double x = to->mean[0], y = to->mean[1];
+  const double xx = to->covariance[0] + x * x, yy = to->covariance[2] + y * y;
+  const double xy = to->covariance[1] + x * y, square = xx + yy; /* in the mean */
   const double deep = (double)(all->xx + all->yy) / fmax((double)s->share, 1e-3);
-  const double least = square > 0 ? mean2 / square : 1; /* fewer could not have that mean */
+  /* Fewer could not have that mean and spread along it: m' S^-1 m, of the mean m and squares S.
+     Padded: strokes may all lie one way. */
+  const double pad = 1e-9 * square, area = (xx + pad) * (yy + pad) - xy * xy;
+  const double of_mean = (yy + pad) * x * x - 2 * xy * x * y + (xx + pad) * y * y;
+  const double least = area > 0 ? of_mean / area : 1;
   const double share = fmin(fmax(square / fmax(deep, 1e-30), least), 1), more = 1 / share - 1;
   const bool in = (double)lot < share;
   const double by = in ? 1 / share : 0;
