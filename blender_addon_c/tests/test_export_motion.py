@@ -13,11 +13,11 @@ from native_scenes import ROOT
 
 @pytest.fixture(scope="module")
 def motion():
-    package = ModuleType("exported")
-    package.__path__ = [str(ROOT / "blender_addon_c/export")]
-    sys.modules["exported"] = package
+    add_on, package = ModuleType("exported"), ModuleType("exported.export")
+    add_on._native, package.__path__ = None, [str(ROOT / "blender_addon_c/export")]
+    sys.modules.update({"exported": add_on, "exported.export": package})
     try:
-        spec = importlib.util.spec_from_file_location("exported.motion", ROOT / "blender_addon_c/export/motion.py")
+        spec = importlib.util.spec_from_file_location("exported.export.motion", ROOT / "blender_addon_c/export/motion.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         yield module

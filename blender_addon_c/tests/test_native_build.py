@@ -19,11 +19,12 @@ from native_scenes import MODULE, ROOT, native, render, scene
 pytestmark = pytest.mark.skipif("NATIVE_MODULE" in os.environ, reason="tests the release build")
 
 HERE = Path(__file__).parent
-# all but flat, which only sets numbers, and scatter, which moves them, and one by one in AVX2
+# all but flat, which only sets numbers, scatter, which moves them, and one by one in AVX2, and attribute, which fetches
+# those of each lane's object through a pointer
 KINDS = native.table()  # each has a stage of its name
 STAGES = """pixel_cone width spread camera locate gather corner surface pair lit shadow reflect film""".split()
 STAGES += "route pixel footprint settle choose escape sky sky_pdf sky_draw".split()
-STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "SCRATCHES")]  # all libshade's
+STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "SCRATCHES", "ATTRIBUTE")]  # two all libshade's
 STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("meet_", "chosen_")]
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 

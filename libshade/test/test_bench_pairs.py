@@ -130,7 +130,8 @@ def test_broken_off_it_says_what_it_has(tool, tmp_path):
     after = tool("after", f"[ $calls = 2 ] && exec sleep 30\n{ROW % '3'}")
     out = tmp_path / "out.csv"
     run = subprocess.Popen([sys.executable, str(SCRIPT), before, after, "--what", "D", "--mdf", "ggx", "-o", str(out)],
-                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                           preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # it may be ignored, as of jobs behind &
     end = time.monotonic() + 30
     while (tmp_path / "calls").read_text().count(after) < 2 if (tmp_path / "calls").exists() else True:
         assert time.monotonic() < end
