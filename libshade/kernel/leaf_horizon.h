@@ -53,26 +53,25 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
 }
 
 /*
- * Smith's shadow of wi from z, for GGX of alpha^2 = tan^2/8 (1 at most), tan that of n from z.
- * [Estevez2019]
+ * Smith's shadow of wi from z, for GGX of alpha^2 = tan^2/8 (1 at most), tan that of n from z. Both
+ * of its fractions times n.z, for one division in place of two. Where n.z is below .001, alpha^2 is
+ * 1 whatever it is. [Estevez2019]
  */
-LEAF real FN(estevez_alpha2)(real nx, real ny, real nz) {
-  return FN(minimum)(R(0.125) * (nx * nx + ny * ny) / FN(maximum)(nz * nz, TINY), 1);
+typedef struct FN(estevez) {
+  real up, alpha2; /* n.z; times its square */
+} FN(estevez);
+LEAF FN(estevez) FN(estevez_of)(real nx, real ny, real nz) {
+  real up = FN(maximum)(nz, R(1e-3));
+  return (FN(estevez)){up, FN(minimum)(R(0.125) * (nx * nx + ny * ny), up * up)};
 }
-LEAF real FN(shadow_of_alpha2)(real alpha2, real wix, real wiy, real wiz) {
-  real z = FN(maximum)(wiz, 0);
-  /* z again, where it has no square */
-  real sum = z + FN(maximum)(FN(root)(z * z + alpha2 * (wix * wix + wiy * wiy)), z);
-  return 2 * z / FN(maximum)(sum, LEAST_NORMAL);
-}
-/* The same with both fractions times n.z, for one division in place of two. Where n.z is below
- * .001, alpha^2 is 1 whatever it is. */
-LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
-  real up = FN(maximum)(nz, R(1e-3)), up2 = up * up;
-  real alpha2 = FN(minimum)(R(0.125) * (nx * nx + ny * ny), up2); /* times n.z^2 */
-  real z = FN(maximum)(wiz, 0), own = z * up;
-  real sum = own + FN(maximum)(FN(root)(z * z * up2 + alpha2 * (wix * wix + wiy * wiy)), own);
+LEAF real FN(shadow_of)(FN(estevez) e, real wix, real wiy, real wiz) {
+  real z = FN(maximum)(wiz, 0), own = z * e.up;
+  /* own again, where it has no square */
+  real sum = own + FN(maximum)(FN(root)(own * own + e.alpha2 * (wix * wix + wiy * wiy)), own);
   return 2 * own / FN(maximum)(sum, LEAST_NORMAL);
+}
+LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
+  return FN(shadow_of)(FN(estevez_of)(nx, ny, nz), wix, wiy, wiz);
 }
 
 /* The cubic in g = wi.z/(n.z n.wi) that meets 1 without a kink at g = 1. [Chiang2019] */

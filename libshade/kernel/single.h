@@ -28,10 +28,10 @@ static unsigned FN(mdf_one)(const bsdf *b, const real n_in[3], const real h_in[3
 typedef struct MAY_ALIAS FN(bsdf_hit) {
   FN(triple) n, wo;
   real coso;
-  real lo;          /* of FN(angles) */
-  real fibre_l, vy; /* L and wo across the fibre, where the diffuse model has fibres */
-  FN(triple) given; /* the normal that fades light by shadow_chiang */
-  real alpha2;      /* of shadow_estevez */
+  real lo;           /* of FN(angles) */
+  real fibre_l, vy;  /* L and wo across the fibre, where the diffuse model has fibres */
+  FN(triple) given;  /* the normal that fades light by shadow_chiang */
+  FN(estevez) steep; /* of shadow_estevez */
   unsigned status;
   int fused, swapped, fibres, facets;
   shade_fade fade;
@@ -213,7 +213,7 @@ static __attribute__((noinline)) void FN(prepare_one)(const bsdf *b, const real 
   h->fade = is.fade;
   h->given = n;
   if (is.fade == SHADE_FADE_ESTEVEZ)
-    h->alpha2 = FN(estevez_alpha2)(XYZ(n));
+    h->steep = FN(estevez_of)(XYZ(n));
   if (is.bends && FN(needs_bend)(XYZ(n), XYZ(eye.v))) { /* seldom, and then dear */
     const FN(normal) bent = FN(bend)(XYZ(n), XYZ(eye.v));
     n = (FN(triple)){XYZ(bent)};
@@ -233,7 +233,7 @@ FN(hit_one)(const bsdf *b, const FN(bsdf_hit) * h, const real wi_in[3], real f[3
     } else {
       out = FN(hard_one)(b, h, wi.v);
       if (h->fade == SHADE_FADE_ESTEVEZ)
-        out.f = FN(scaled)(out.f, FN(shadow_of_alpha2)(h->alpha2, XYZ(wi.v)));
+        out.f = FN(scaled)(out.f, FN(shadow_of)(h->steep, XYZ(wi.v)));
       else if (h->fade == SHADE_FADE_CHIANG)
         out.f = FN(scaled)(out.f, FN(shadow_chiang)(XYZ(h->given), XYZ(wi.v)));
     }

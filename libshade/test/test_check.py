@@ -453,7 +453,7 @@ FLIPS = {
     "Schlick": ("leaf_fresnel.h", "real m = @;", "1 - c", "1 + c"),
     "cosine to the light": ("pass_brdf.h", "real ci = FN(dot)(nx[i], @, nz[i], wix", "ny[i]", "-ny[i]"),
     "bent normal": ("leaf_horizon.h", ": @;", "s + a", "s - a"),
-    "shadow of the slope": ("leaf_horizon.h", "real alpha2 = FN(minimum)(@ *", "R(0.125)", "R(1.0)"),
+    "shadow of the slope": ("leaf_horizon.h", "@", "R(0.125)", "R(1.0)"),
     "cubic shadow": ("leaf_horizon.h", "return @;", "g + g * g * (1 - g)", "g"),
     "share of the mirror": ("leaf_horizon.h", "return @ /", "q", "p"),
     "textured Fresnel": ("leaf_fresnel.h", "return f0 + @ *", "(1 - f0)", "-(1 - f0)"),
