@@ -144,11 +144,7 @@ void Parser::Parse_Mdf_Yarns(mdf::Cloth &cloth, bool of_warp, bool of_weft) {
   double *place, number[3];
   int word, row;
 
-  Get_Token();
-  if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after '" + of.substr(0, of.size() - 2) + "'");
-  Unget_Token();
-  Parse_Begin();
+  Begin_Mdf(of.substr(0, of.size() - 2));
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)

@@ -149,6 +149,24 @@ void Parser::Get_Mdf_Operand() {
     Get_Token();
 }
 
+// That what comes next may be an operand: no brace, word or name. `what` says what was expected.
+void Parser::Need_Mdf_Operand(const std::string &what) {
+  Get_Mdf_Operand();
+  if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
+      Token.Token_Id == IDENTIFIER_TOKEN)
+    Expect_Mdf_Word(mdf::WORDS_NONE, what);
+  Unget_Token();
+}
+
+// The brace after the word that a part of a block begins with.
+void Parser::Begin_Mdf(const std::string &word) {
+  Get_Token();
+  if (Token.Token_Id != LEFT_CURLY_TOKEN)
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after '" + word + "'");
+  Unget_Token();
+  Parse_Begin();
+}
+
 // Numbers (three: of a colour) that have to be there, and to be numbers. `what` is their name in
 // messages.
 void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
@@ -282,11 +300,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   std::string name;
   int type = mdf::IMAGE_PNG;
 
-  Get_Token();
-  if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after 'bump_image'");
-  Unget_Token();
-  Parse_Begin();
+  Begin_Mdf("bump_image");
   material.bump_once = false;
   material.strength = 1.0;
   material.filtered = true;
@@ -322,11 +336,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
         }
       } else {
         type = Token.Function_Id;
-        Get_Mdf_Operand();
-        if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
-            Token.Token_Id == IDENTIFIER_TOKEN)
-          Expect_Mdf_Word(mdf::WORDS_NONE, "the name of a file, in quotes");
-        Unget_Token();
+        Need_Mdf_Operand("the name of a file, in quotes");
         char *text = Parse_C_String(true);
         name = text;
         POV_FREE(text);
@@ -470,13 +480,8 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
   {
     // an expression reads one token ahead, which may be `at`
     const mdf::WordScope words(Mdf_Words, radial ? mdf::WORDS_RADIAL : mdf::WORDS_BLOCK);
-    if (radial) {
-      Get_Mdf_Operand();
-      if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
-          Token.Token_Id == IDENTIFIER_TOKEN)
-        Expect_Mdf_Word(mdf::WORDS_NONE, "an axis after 'tangent radial', as in tangent radial y");
-      Unget_Token();
-    }
+    if (radial)
+      Need_Mdf_Operand("an axis after 'tangent radial', as in tangent radial y");
     Parse_Vector(material.axis);
     if (radial) {
       Get_Token();
@@ -492,11 +497,7 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
 
   Assign_Vector(material.centre, *Vector3d(0.0));
   if (at) {
-    Get_Mdf_Operand();
-    if (Token.Token_Id == RIGHT_CURLY_TOKEN || Token.Token_Id == MDF_WORD_TOKEN ||
-        Token.Token_Id == IDENTIFIER_TOKEN)
-      Expect_Mdf_Word(mdf::WORDS_NONE, "a point after 'at'");
-    Unget_Token();
+    Need_Mdf_Operand("a point after 'at'");
     Parse_Vector(material.centre);
   }
   for (int c = 0; c < 3; c++)

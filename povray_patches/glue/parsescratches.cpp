@@ -102,11 +102,7 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
 
   plain.set_tile(scratches.tile_mm);
   layer = plain.params.layer[0];
-  Get_Token();
-  if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' after 'layer'");
-  Unget_Token();
-  Parse_Begin();
+  Begin_Mdf("layer");
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)
