@@ -30,7 +30,7 @@ def swatches():
     sheet = ROOT / "build" / "swatches.png"
     subprocess.run([ROOT / "build" / "shade", "swatch", "--all", "--size", "136", "-o", sheet],
                    check=True)
-    Image.open(sheet).save(ROOT / "examples" / "swatches.jpg", quality=86, optimize=True)
+    Image.open(sheet).save(ROOT / "examples" / "swatches.jpg", quality=86, optimize=True, progressive=True)
 
 
 def povray_cloth():
@@ -38,7 +38,7 @@ def povray_cloth():
     made = ROOT / "build" / "povray-cloth.png"
     subprocess.run([ROOT / "build" / "povray" / "povray", f"+I{ROOT}/examples/povray/cloth/cloth.pov", f"+O{made}",
                     "+W960", "+H540", "+A0.1", "-D", "-V"], check=True, stderr=subprocess.DEVNULL)
-    Image.open(made).convert("RGB").save(ROOT / "examples" / "povray-cloth.jpg", quality=86, optimize=True)
+    Image.open(made).convert("RGB").save(ROOT / "examples" / "povray-cloth.jpg", quality=86, optimize=True, progressive=True)
 
 
 def povray_sheet():
@@ -53,7 +53,7 @@ def povray_sheet():
         subprocess.run([build / "povray" / "povray", f"+I{ROOT}/examples/povray/{name}/{name}.pov", f"+L{build}", f"+O{made}",
                         "+W960", "+H540", "+A0.2", "-D", "-V"], check=True, stderr=subprocess.DEVNULL)
         sheet.paste(Image.open(made).convert("RGB").resize((480, 270), Image.LANCZOS), (480 * (i % 3), 270 * (i // 3)))
-    sheet.save(ROOT / "examples" / "povray.jpg", quality=86, optimize=True)
+    sheet.save(ROOT / "examples" / "povray.jpg", quality=86, optimize=True, progressive=True)
 
 
 # Of each scene in examples/blender its arguments, and what of its picture (in 480ths of a sheet's width) goes where.
@@ -82,7 +82,7 @@ def blender_sheet():
                            stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(build / "blender")})
         x, y, width, height = (unit * k for k in place)
         sheet.paste(fitted(Image.open(made).convert("RGB"), width, height), (x, y))
-    sheet.save(ROOT / "examples" / "blender.jpg", quality=78, optimize=True)
+    sheet.save(ROOT / "examples" / "blender.jpg", quality=78, optimize=True, progressive=True)
 
 
 def main():
