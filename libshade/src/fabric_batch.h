@@ -88,12 +88,12 @@ static unsigned FN(run_block)(const shade_fabric *f, const FN(cloth) * c, FN(job
   return status;
 }
 
-/* One lane at a time, all terms of its footprint. */
-static unsigned FN(run_terms)(const shade_fabric *f, size_t count, FN(job) job,
+/* Lanes [start, end) one at a time, those without a random number as all terms of the footprint. */
+static unsigned FN(run_terms)(const shade_fabric *f, size_t start, size_t end, FN(job) job,
                               const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
                               const FN(shade_fabric_result) * out) {
   unsigned status = SHADE_OK;
-  for (size_t i = 0; i < count; i++) {
+  for (size_t i = start; i < end; i++) {
     FN(shade_fabric_hit) hit;
     FN(any_lanes) lane = {.lanes = *in};
     real wi[3], s[3], pdf;
@@ -131,6 +131,17 @@ static int FN(needs_terms)(const FN(shade_fabric_lanes) * in, shade_fabric_tier 
   return tier == SHADE_TIER_AUTO && in->du && in->dv && !in->random;
 }
 
+/* Whether a lane of [start, end) asks for all terms where others may have a random number. */
+static int FN(some_need_terms)(const FN(shade_fabric_lanes) * in, shade_fabric_tier tier,
+                               size_t start, size_t end) {
+  if (tier != SHADE_TIER_AUTO || !in->du || !in->dv || !in->random)
+    return 0;
+  int some = 0;
+  for (size_t i = start; i < end; i++)
+    some |= in->random[i] < 0;
+  return some;
+}
+
 static void FN(copy_coverage)(const FN(cloth) * c, size_t start,
                               const FN(shade_fabric_result) * out) {
   if (out->coverage)
@@ -148,11 +159,16 @@ static unsigned FN(run_batch)(const shade_fabric *f, size_t count, FN(job) job,
     return SHADE_BAD_INPUT;
   unsigned status = FN(valid_tier)(&tier);
   if (FN(needs_terms)(&in, tier))
-    return status | FN(run_terms)(f, count, job, &in, tier, &out);
+    return status | FN(run_terms)(f, 0, count, job, &in, tier, &out);
   FN(prepared) block;
   block.flat = 0;
   for (size_t start = 0; start < count; start += LANES) {
-    FN(cloth) c = FN(block_of)(&block, count - start < LANES ? count - start : LANES);
+    const size_t size = count - start < LANES ? count - start : LANES;
+    if (FN(some_need_terms)(&in, tier, start, start + size)) {
+      status |= FN(run_terms)(f, start, start + size, job, &in, tier, &out);
+      continue;
+    }
+    FN(cloth) c = FN(block_of)(&block, size);
     status |= shade_isa_tables[f->isa]->FN(cloth_prepare)(f, &in, start, tier, &c);
     FN(copy_coverage)(&c, start, &out);
     status |= FN(run_block)(f, &c, job, start, &in, &out);
@@ -214,6 +230,8 @@ unsigned FN(shade_fabric_prepare_batch)(const shade_fabric *f, size_t count,
   unsigned status = FN(valid_tier)(&tier);
   if (!in.u || !in.v || !in.wox || !in.woy || !in.woz || FN(needs_terms)(&in, tier))
     return status | SHADE_BAD_INPUT;
+  if (FN(some_need_terms)(&in, tier, 0, count))
+    status |= SHADE_BAD_INPUT;
   for (size_t start = 0; start < count; start += LANES) {
     FN(cloth)
     c = FN(block_of)(blocks + start / LANES, count - start < LANES ? count - start : LANES);

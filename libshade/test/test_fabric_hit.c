@@ -374,6 +374,62 @@ static void random_numbers_mean_all_terms(void **state) {
   }
 }
 
+/* A lane whose number is below 0 has all terms, beside others that have one: what one call has. */
+static void lanes_below_0_have_all_terms(void **state) {
+  (void)state;
+  static arrays m;
+  uint64_t seed = 12;
+  cloth c = open_cloth("denim", transmits);
+  fill(&m, &seed);
+  for (int i = 0; i < N; i += i < 40 ? 2 : 7) { /* some blocks of lanes have few of them */
+    m.in[13][i] = -0.3;
+    m.inf[13][i] = -0.3F;
+  }
+  shade_fabric_lanes in = LANES_OF(m.in);
+  in.size = sizeof in;
+  shade_fabric_lanesf inf = LANES_OF(m.inf);
+  inf.size = sizeof inf;
+  const shade_fabric_result out = {sizeof out, m.rgb[0], m.rgb[1], m.rgb[2], m.pdf,
+                                   m.coverage, m.wi[0],  m.wi[1],  m.wi[2]};
+  const shade_fabric_resultf outf = {
+      .size = sizeof outf, .r = m.rgbf[0], .g = m.rgbf[1], .b = m.rgbf[2], .pdf = m.pdff};
+  void *hits = malloc(shade_fabric_hits_size(N));
+  assert_int_equal(shade_fabric_prepare_batch(c.fabric, N, &in, SHADE_TIER_AUTO, hits, NULL),
+                   SHADE_BAD_INPUT);
+  free(hits);
+  shade_fabric_eval_batchf(c.fabric, N, &inf, SHADE_TIER_AUTO, &outf);
+  for (int job = 0; job < 2; job++) {
+    if (job)
+      shade_fabric_sample_batch(c.fabric, N, &in, SHADE_TIER_AUTO, &out);
+    else
+      assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_AUTO, &out), 0);
+    for (int i = 0; i < N; i++) {
+      const shade_fabric_point p = point_of(&c, &m, i);
+      const double wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
+      const double u[3] = {in.u1[i], in.u2[i], in.u3[i]};
+      double wi[3] = {in.wix[i], in.wiy[i], in.wiz[i]}, s[3], pdf, coverage;
+      shade_fabric_hit hit;
+      shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &coverage);
+      if (job) {
+        shade_fabric_hit_sample(c.fabric, &hit, u, wi, s, &pdf);
+      } else {
+        shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+        pdf = shade_fabric_hit_pdf(c.fabric, &hit, wi, NULL);
+      }
+      assert_near(m.coverage[i], coverage, 1e-12);
+      assert_near(m.pdf[i], pdf, 1e-9 * (1 + pdf));
+      for (int a = 0; a < 3; a++) {
+        assert_near(m.rgb[a][i], s[a], 1e-9 * (1 + s[a]));
+        if (job)
+          assert_near(m.wi[a][i], wi[a], 1e-9);
+        else
+          assert_near(m.rgbf[a][i], s[a], 1e-3 * (1 + s[a]));
+      }
+    }
+  }
+  close_cloth(&c);
+}
+
 /* ---- textures ------------------------------------------------------------------ */
 
 static void other_yarns(shade_fabric_params *p) {
@@ -607,10 +663,15 @@ static void short_structures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_is_many_is_prepared), cmocka_unit_test(streaks_of_many_are_those_of_one),
-      cmocka_unit_test(one_call_is_a_lane),      cmocka_unit_test(random_numbers_mean_all_terms),
-      cmocka_unit_test(textures_are_parameters), cmocka_unit_test(gloss_scales_exponents),
-      cmocka_unit_test(no_input_breaks_it),      cmocka_unit_test(short_structures),
+      cmocka_unit_test(one_is_many_is_prepared),
+      cmocka_unit_test(streaks_of_many_are_those_of_one),
+      cmocka_unit_test(one_call_is_a_lane),
+      cmocka_unit_test(random_numbers_mean_all_terms),
+      cmocka_unit_test(textures_are_parameters),
+      cmocka_unit_test(gloss_scales_exponents),
+      cmocka_unit_test(no_input_breaks_it),
+      cmocka_unit_test(short_structures),
+      cmocka_unit_test(lanes_below_0_have_all_terms),
   };
   return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);
 }

@@ -272,7 +272,7 @@ typedef struct shade_fabric_lanes {
   size_t size; /* sizeof(shade_fabric_lanes) */
   const double *u, *v, *du, *dv;
   const double *nx, *ny, *nz, *wix, *wiy, *wiz, *wox, *woy, *woz;
-  const double *random; /* as shade_fabric_point's; NULL: all terms */
+  const double *random; /* as shade_fabric_point's, below 0: all terms; NULL: so in every lane */
   const double *warp_r, *warp_g, *warp_b, *weft_r, *weft_g, *weft_b; /* kd */
   const double *warp_gloss, *weft_gloss, *nap;
   const double *u1, *u2, *u3; /* uniform in [0, 1), for draws */
@@ -330,9 +330,10 @@ SHADE_API unsigned shade_fabric_sample_batchf(const shade_fabric *fabric, size_t
 /*
  * Many hits prepared for many lights. The caller lends storage, shade_fabric_hits_size(count)
  * bytes (…f: for float), aligned as malloc does; one lane is one term of its footprint, so
- * `random` is required with AUTO and footprints (SHADE_BAD_INPUT, nothing prepared). Of out
- * only coverage is written; out may be NULL. Afterwards the calls below read of `in` wi, or u1
- * to u3, alone, for the same count, as the batches above do.
+ * `random` is required with AUTO and footprints (SHADE_BAD_INPUT, nothing prepared; a lane's that
+ * is below 0 counts as 0, SHADE_BAD_INPUT). Of out only coverage is written; out may be NULL.
+ * Afterwards the calls below read of `in` wi, or u1 to u3, alone, for the same count, as the
+ * batches above do.
  */
 SHADE_API size_t shade_fabric_hits_size(size_t count);
 SHADE_API size_t shade_fabric_hits_sizef(size_t count);
