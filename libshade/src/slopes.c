@@ -46,7 +46,7 @@ static int slope_of_normal(double x, double y, double z, double strength, double
   const double length = sqrt(x * x + y * y + z * z);
   if (!(length > 1e-6))
     return 0;
-  if (z <= 0) {
+  if (!(z > 1e-4 * length)) { /* flatter than the steepest slope, too: nothing is divided by 0 */
     *status |= SHADE_CLAMPED_NORMAL;
     z = 1e-4 * length;
   }
@@ -373,6 +373,20 @@ static unsigned mend(double c[3]) {
 }
 
 /*
+ * The material with what is read here within its range. Bringing all into range takes as long as
+ * widening does, so that only a material that needs it pays.
+ */
+static shade_params readable_params(const shade_params *given, unsigned *status) {
+  const shade_params p = shade_whole_params(given);
+  const double least = fmin(p.ax, p.ay), most = fmax(p.ax, p.ay);
+  const int known = (unsigned)p.mdf < SHADE_MDF_COUNT;
+  if (known && p.ex >= 0 && p.ex <= 1e6 && p.ey >= 0 && p.ey <= 1e6 && least >= 1e-4 &&
+      most <= 10 && p.ax == p.ax && p.ay == p.ay)
+    return p;
+  return shade_params_within_ranges(given, status);
+}
+
+/*
  * Squared widths along x and y, in the unit in which `unit` times a covariance of slopes adds,
  * and the axis of the grooves.
  */
@@ -463,10 +477,11 @@ static void give_params(const shade_params *p, const shade_params *given, shade_
 
 unsigned shade_params_widen(const shade_params *given, const double n[3],
                             const double covariance[3], shade_params *out, double *angle) {
-  shade_params p = shade_whole_params(given);
+  unsigned status = SHADE_OK;
+  shade_params p = readable_params(given, &status);
   const lobe_widths w = widths_of(&p);
   double c[3] = {covariance[0], covariance[1], covariance[2]}, s[3], normal[3];
-  unsigned status = mend(c) | unit_normal(n, normal);
+  status |= mend(c) | unit_normal(n, normal);
   carry(normal, w.groove_y, c, s);
   status |= widen(&p, &w, s, angle);
   give_params(&p, given, out);
@@ -491,7 +506,8 @@ unsigned slope_widen_on(const shade_isa_table *isa, const shade_params *given, s
   shade_widen_resultf out = {0};
   memcpy(&in, lanes, lanes->size < sizeof in ? lanes->size : sizeof in);
   memcpy(&out, to, to->size < sizeof out ? to->size : sizeof out);
-  const shade_params p = shade_whole_params(given);
+  unsigned status = SHADE_OK;
+  const shade_params p = readable_params(given, &status);
   const int exponents = shade_mdf_reads_exponents(p.mdf);
   const shade_mdf_traits mdf = shade_mdf_is(p.mdf);
   const float *const base[2] = {exponents ? in.ex : in.ax, exponents ? in.ey : in.ay};
@@ -507,7 +523,6 @@ unsigned slope_widen_on(const shade_isa_table *isa, const shade_params *given, s
     flat[i] = 0;
     up[i] = 1;
   }
-  unsigned status = SHADE_OK;
   for (size_t start = 0; start < count; start += SLOPE_BLOCK) {
     const size_t size = count - start < SLOPE_BLOCK ? count - start : SLOPE_BLOCK;
     widen_block b = {.n = {flat, flat, up},
@@ -607,10 +622,11 @@ static void normal_of(double x, double y, double n[3]) {
 unsigned shade_params_split(const shade_params *given, const double n[3],
                             const double covariance[3], int most, shade_params *out, double *angle,
                             shade_slope_lobes *lobes) {
-  shade_params p = shade_whole_params(given);
+  unsigned status = SHADE_OK;
+  shade_params p = readable_params(given, &status);
   lobe_widths w = widths_of(&p);
   double c[3] = {covariance[0], covariance[1], covariance[2]}, normal[3];
-  unsigned status = mend(c) | unit_normal(n, normal);
+  status |= mend(c) | unit_normal(n, normal);
   if (most < 1 || most > SHADE_SLOPE_LOBES)
     status |= SHADE_CLAMPED_PARAMETER;
   most = most < 1 ? 1 : most > SHADE_SLOPE_LOBES ? SHADE_SLOPE_LOBES : most;

@@ -373,10 +373,12 @@ static void bad_pictures_are_mended(void **state) {
   assert_null(shade_slope_map_create(good, 1 << 20, 1, 3, &o, NULL));
   assert_null(shade_slope_map_create(good, 1, 1, 1, &o, NULL));
   const float cases[][3] = {{NAN, 0.5F, 1},     {0.5F, INFINITY, 1}, {0.5F, 0.5F, 0.5F},
-                            {0.5F, 0.9F, 0.2F}, {1, 0.5F, 0.5F},     {1e30F, -1e30F, 1e30F}};
+                            {0.5F, 0.9F, 0.2F}, {1, 0.5F, 0.5F},     {1e30F, -1e30F, 1e30F},
+                            {1e30F, 1, 0.6F}};
   const unsigned expected[] = {SHADE_BAD_INPUT,      SHADE_BAD_INPUT,      SHADE_BAD_INPUT,
-                               SHADE_CLAMPED_NORMAL, SHADE_CLAMPED_NORMAL, SHADE_OK};
-  for (int k = 0; k < 6; k++) {
+                               SHADE_CLAMPED_NORMAL, SHADE_CLAMPED_NORMAL, SHADE_OK,
+                               SHADE_CLAMPED_NORMAL};
+  for (int k = 0; k < 7; k++) {
     shade_slope_map *m = shade_slope_map_create(cases[k], 1, 1, 3, &o, &status);
     assert_non_null(m);
     assert_int_equal(status, expected[k]);

@@ -334,6 +334,58 @@ static void bad_covariances_are_mended(void **state) {
                    SHADE_BAD_INPUT);
 }
 
+/* What the material itself has out of range is brought into it first, as for shade_bsdf_setup. */
+static void bad_materials_are_mended(void **state) {
+  (void)state;
+  const double bad[] = {1e300, -1e300, INFINITY, NAN, 0, 1e-310};
+  const double covariance[3] = {0.1, 0.02, 0.05};
+  const float cxx = 0.1F, cxy = 0.02F, cyy = 0.05F;
+  for (int mdf = -1; mdf < SHADE_MDF_COUNT + 2; mdf++)
+    for (int k = 0; k < 6; k++) {
+      shade_params p, good, wide, right;
+      shade_params_init(&p);
+      p.mdf = (shade_mdf)mdf;
+      p.ax = p.ey = bad[k];
+      shade_params_init(&good);
+      shade_param_info ax; /* the table has eight digits of its default */
+      shade_param_row(shade_param_find("ax"), &ax);
+      good.mdf = (unsigned)mdf < SHADE_MDF_COUNT ? (shade_mdf)mdf : SHADE_MDF_ASHIKHMIN_SHIRLEY;
+      good.ax = k == 3 ? ax.initial : k == 0 || k == 2 ? 10 : 1e-4;
+      good.ey = k == 3 ? good.ey : k == 0 || k == 2 ? 1e6 : k == 5 ? 1e-310 : 0;
+      const unsigned known = good.mdf == p.mdf ? 0 : SHADE_BAD_CHOICE;
+      double angle = NAN, turn;
+      const unsigned status = shade_params_widen(&p, NULL, covariance, &wide, &angle);
+      assert_int_equal(status & (SHADE_BAD_CHOICE | SHADE_BAD_INPUT), known);
+      assert_true(status & SHADE_CLAMPED_PARAMETER);
+      shade_params_widen(&good, NULL, covariance, &right, &turn);
+      assert_true(wide.ax == right.ax && wide.ay == right.ay && wide.mdf == right.mdf);
+      assert_true(angle == turn && isfinite(angle) && wide.ax >= 1e-4 && wide.ax <= 10);
+
+      shade_slope_lobes lobes, of_good;
+      assert_int_equal(shade_params_split(&p, NULL, covariance, 4, &wide, &angle, &lobes) &
+                           (SHADE_BAD_CHOICE | SHADE_BAD_INPUT),
+                       known);
+      shade_params_split(&good, NULL, covariance, 4, &right, &turn, &of_good);
+      assert_true(wide.ax == right.ax && wide.ay == right.ay && angle == turn);
+      assert_int_equal(lobes.count, of_good.count);
+
+      float alpha[2][2], groove[2][2];
+      for (int own = 0; own < 2; own++) {
+        const shade_widen_lanesf in = {.size = sizeof in, .cxx = &cxx, .cxy = &cxy, .cyy = &cyy};
+        const shade_widen_resultf out = {.size = sizeof out,
+                                         .ax = &alpha[own][0],
+                                         .ay = &alpha[own][1],
+                                         .groove_x = &groove[own][0],
+                                         .groove_y = &groove[own][1]};
+        assert_int_equal(shade_params_widen_batchf(own ? &good : &p, 1, &in, &out) &
+                             (SHADE_BAD_CHOICE | SHADE_BAD_INPUT),
+                         own ? 0 : known);
+      }
+      assert_memory_equal(alpha[0], alpha[1], sizeof alpha[0]);
+      assert_memory_equal(groove[0], groove[1], sizeof groove[0]);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(gaussian_slopes_add_exactly),
                                      cmocka_unit_test(peaks_are_those_of_tilted_lobes),
@@ -342,6 +394,7 @@ int main(void) {
                                      cmocka_unit_test(grooves_stay),
                                      cmocka_unit_test(a_tilted_normal_narrows_the_covariance),
                                      cmocka_unit_test(the_error_is_as_stated),
-                                     cmocka_unit_test(bad_covariances_are_mended)};
+                                     cmocka_unit_test(bad_covariances_are_mended),
+                                     cmocka_unit_test(bad_materials_are_mended)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

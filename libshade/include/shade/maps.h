@@ -237,8 +237,8 @@ SHADE_API unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t co
  * that are not Gaussian (few deep scratches on a polished plate) are wider in the tail and narrower
  * at the peak than the one lobe that has their covariance: 0.6 % in the test of far scratches in
  * POV-Ray. A covariance that is indefinite, or not finite, counts as the nearest that is not
- * (SHADE_BAD_INPUT). Results out of the parameters' ranges are clamped
- * (SHADE_CLAMPED_PARAMETER).
+ * (SHADE_BAD_INPUT). What the material has out of its range is mended as by shade_bsdf_setup,
+ * results out of the parameters' ranges are clamped (SHADE_CLAMPED_PARAMETER).
  */
 SHADE_API unsigned shade_params_widen(const shade_params *p, const double n[3],
                                       const double covariance[3], shade_params *out, double *angle);
