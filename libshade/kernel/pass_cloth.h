@@ -485,7 +485,7 @@ typedef struct FN(napped) {
 LEAF FN(napped) FN(napped_of)(real nap, real ci, real co, real side) {
   int lit = side > 0;
   real in = lit ? ci : 1, out = side != 0 ? co : 1;
-  real way = (lit ? 1 / in : 0) + 1 / out;
+  real way = (lit ? 1 / (in + TINY) : 0) + 1 / (out + TINY);
   real through = FN(exp_negative)(R(0.5) * nap * way);
   real back = in / (in + out) * (1 - through * through) * (R(0.25) * INVERSE_PI);
   return (FN(napped)){through, lit ? back : 0};

@@ -3,6 +3,8 @@
  * Prepared hits of cloth, and what a lane may bring: the random number, colours, gloss, nap; bad
  * input, structures that are too short.
  */
+#include <fenv.h>
+
 #include "cloth.h"
 
 /* ---- one, many, prepared ----------------------------------------------------- */
@@ -661,6 +663,71 @@ static void short_structures(void **state) {
   close_cloth(&c);
 }
 
+/* Light or eye in the horizon, down to the least number there is: a lane without nap is worth what
+ * it is where no lane has one, a thick nap hides all, and nothing is divided by 0. */
+static void nap_in_the_horizon(void **state) {
+  (void)state;
+  cloth c = open_cloth("denim", transmits);
+  for (int low = 0; low < 2; low++)
+    for (int tier = SHADE_TIER_NEAR; tier <= SHADE_TIER_FAR; tier++)
+      for (int e = 20; e < 46; e += 5) {
+        float part[16], one[16], zero[16], up[16], nap[2][16], rgb[2][3][16];
+        double wide[6][16], rgbd[3][16];
+        for (int i = 0; i < 16; i++) {
+          part[i] = 0.6F;
+          up[i] = 0.8F;
+          one[i] = 1;
+          zero[i] = nap[0][i] = 0;
+          nap[1][i] = i % 2 ? 9.0F : 0;
+          wide[0][i] = 0.6;
+          wide[1][i] = 0.8;
+          wide[2][i] = 1;
+          wide[3][i] = 0;
+          wide[4][i] = pow(10, -e * 7);
+          wide[5][i] = i % 2 ? 9 : 0;
+        }
+        float flat[16];
+        for (int i = 0; i < 16; i++)
+          flat[i] = powf(10, (float)-e);
+        for (int k = 0; k < 2; k++) {
+          const shade_fabric_lanesf in = {.size = sizeof in,
+                                          .u = part,
+                                          .v = part,
+                                          .wix = low ? part : one,
+                                          .wiy = zero,
+                                          .wiz = low ? up : flat,
+                                          .wox = low ? one : part,
+                                          .woy = zero,
+                                          .woz = low ? flat : up,
+                                          .nap = nap[k]};
+          const shade_fabric_resultf out = {
+              .size = sizeof out, .r = rgb[k][0], .g = rgb[k][1], .b = rgb[k][2]};
+          feclearexcept(FE_ALL_EXCEPT);
+          shade_fabric_eval_batchf(c.fabric, 16, &in, (shade_fabric_tier)tier, &out);
+          assert_int_equal(fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW), 0);
+        }
+        for (int i = 0; i < 16; i++) /* of the nap what is left is its own share */
+          assert_true(rgb[1][0][i] >= 0 &&
+                      (i % 2 ? rgb[1][0][i] <= 0.08F : rgb[1][0][i] == rgb[0][0][i]));
+        const shade_fabric_lanes in = {.size = sizeof in,
+                                       .u = wide[0],
+                                       .v = wide[0],
+                                       .wix = wide[low ? 0 : 2],
+                                       .wiy = wide[3],
+                                       .wiz = wide[low ? 1 : 4],
+                                       .wox = wide[low ? 2 : 0],
+                                       .woy = wide[3],
+                                       .woz = wide[low ? 4 : 1],
+                                       .nap = wide[5]};
+        const shade_fabric_result out = {
+            .size = sizeof out, .r = rgbd[0], .g = rgbd[1], .b = rgbd[2]};
+        feclearexcept(FE_ALL_EXCEPT);
+        shade_fabric_eval_batch(c.fabric, 16, &in, (shade_fabric_tier)tier, &out);
+        assert_int_equal(fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW), 0);
+      }
+  close_cloth(&c);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(one_is_many_is_prepared),
@@ -672,6 +739,7 @@ int main(void) {
       cmocka_unit_test(no_input_breaks_it),
       cmocka_unit_test(short_structures),
       cmocka_unit_test(lanes_below_0_have_all_terms),
+      cmocka_unit_test(nap_in_the_horizon),
   };
   return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);
 }
