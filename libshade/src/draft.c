@@ -40,7 +40,7 @@ void shade_draft_free(shade_draft *draft) {
 }
 
 shade_draft *shade_draft_from_matrix(int ends, int picks, const unsigned char *warp_up) {
-  shade_draft *d = shade_draft_create(ends, picks);
+  shade_draft *d = warp_up ? shade_draft_create(ends, picks) : NULL;
   for (size_t i = 0; d && i < (size_t)ends * (size_t)picks; i++)
     d->warp_up[i] = warp_up[i] != 0;
   return d;

@@ -74,7 +74,9 @@ static shade_fabric_params within_ranges(const shade_fabric_params *given, unsig
   shade_fabric_params p, initial;
   shade_fabric_params_init(&initial);
   p = initial;
-  if (given) {
+  if (given && given->size < sizeof given->size)
+    *status |= SHADE_BAD_INPUT;
+  else if (given) {
     p.horizon = SHADE_HORIZON_HARD; /* callers that do not know of it, nor of shadows */
     p.shadows = 0;
     memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);

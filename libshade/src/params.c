@@ -118,7 +118,8 @@ int shade_param_find(const char *word) {
 int shade_param_row(int row, shade_param_info *info) {
   if (row < 0 || row >= PARAM_COUNT)
     return 0;
-  *info = params[row];
+  if (info)
+    *info = params[row];
   return 1;
 }
 
@@ -233,13 +234,18 @@ shade_params shade_whole_params(const shade_params *given) {
   shade_params_init(&p);
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
     *choice_at(&p, (shade_list)list) = lists[list].about.older;
-  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  if (given && given->size >= sizeof given->size)
+    memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  else
+    shade_params_init(&p);
   p.size = sizeof p;
   return p;
 }
 
 shade_params shade_params_within_ranges(const shade_params *given, unsigned *status) {
   shade_params p = shade_whole_params(given);
+  if (given && given->size < sizeof given->size)
+    *status |= SHADE_BAD_INPUT;
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
     *status |= shade_params_set_choice(&p, (shade_list)list, *choice_at(&p, (shade_list)list));
   /* exponents and alphas each by themselves: a caller may have set the pair that is read, only */

@@ -8,11 +8,12 @@
 
 /*
  * *given, with the defaults for members beyond given->size; but `hard` for the horizon, which
- * was the rule before there was a choice.
+ * was the rule before there was a choice. All defaults where given is NULL or nobody set its size.
  */
 shade_params shade_whole_params(const shade_params *given);
 
-/* The same with every choice and number within its list and range; or-s into *status. */
+/* The same with every choice and number within its list and range; or-s into *status, a size that
+ * nobody set too. */
 shade_params shade_params_within_ranges(const shade_params *given, unsigned *status);
 
 /* One row of a list of words, and the same as a row macro of table.h. */

@@ -556,7 +556,8 @@ int shade_preset_find(const char *word, shade_preset *preset) {
   shade_preset p;
   for (int row = 0; word && shade_preset_row(row, &p); row++)
     if (same_word(word, p.word)) {
-      *preset = p;
+      if (preset)
+        *preset = p;
       return 1;
     }
   return 0;
@@ -565,7 +566,7 @@ int shade_preset_find(const char *word, shade_preset *preset) {
 shade_fabric *shade_preset_fabric(const shade_preset *preset, shade_weave **weave,
                                   unsigned *status) {
   *weave = NULL;
-  if (preset->kind != SHADE_PRESET_FABRIC)
+  if (!preset || preset->kind != SHADE_PRESET_FABRIC)
     return NULL;
   shade_draft *draft = shade_draft_named(preset->weave);
   *weave = draft ? shade_weave_create(draft, &preset->yarns, status) : NULL;

@@ -116,7 +116,8 @@ static const shade_metal metals[] = {SHADE_TABLE_METALS(METAL_ROW)};
 int shade_metal_row(int row, shade_metal *metal) {
   if (row < 0 || row >= (int)(sizeof metals / sizeof metals[0]))
     return 0;
-  *metal = metals[row];
+  if (metal)
+    *metal = metals[row];
   return 1;
 }
 

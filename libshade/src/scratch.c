@@ -168,7 +168,10 @@ static shade_range clamp_range(shade_range r, double low, double high, shade_ran
 static shade_scratch_params within_ranges(const shade_scratch_params *given, unsigned *status) {
   shade_scratch_params p;
   shade_scratch_params_init(&p);
-  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  if (given && given->size >= sizeof given->size)
+    memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  else if (given)
+    *status |= SHADE_BAD_INPUT;
   p.aspect = clamp(p.aspect, 1e-3, 1e3, 1, status);
   p.cells = (int)clamp(p.cells, 0, 4096, 0, status);
   p.layers = (int)clamp(p.layers, 0, SHADE_SCRATCH_LAYERS, 0, status);

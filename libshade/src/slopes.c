@@ -25,8 +25,10 @@ void shade_slope_options_init(shade_slope_options *o) {
 static shade_slope_options within_ranges(const shade_slope_options *given, unsigned *status) {
   shade_slope_options o;
   shade_slope_options_init(&o);
-  if (given)
+  if (given && given->size >= sizeof given->size)
     memcpy(&o, given, given->size < sizeof o ? given->size : sizeof o);
+  else if (given)
+    *status |= SHADE_BAD_INPUT;
   if ((unsigned)o.normals > SHADE_NORMALS_SLOPE || (unsigned)o.wrap > SHADE_WRAP_MIRROR)
     *status |= SHADE_BAD_CHOICE;
   if ((unsigned)o.normals > SHADE_NORMALS_SLOPE)
@@ -133,8 +135,8 @@ shade_slope_map *shade_slope_map_create(const float *pixels, int width, int heig
   unsigned found = SHADE_OK, ignored;
   status = status ? status : &ignored;
   *status = SHADE_BAD_INPUT;
-  if (width < 1 || height < 1 || width > SHADE_SLOPE_MAX_SIDE || height > SHADE_SLOPE_MAX_SIDE ||
-      channels < 2)
+  if (!pixels || width < 1 || height < 1 || width > SHADE_SLOPE_MAX_SIDE ||
+      height > SHADE_SLOPE_MAX_SIDE || channels < 2)
     return NULL;
   const shade_slope_options o = within_ranges(options, &found);
   const size_t count = (size_t)width * (size_t)height;
@@ -380,8 +382,8 @@ static shade_params readable_params(const shade_params *given, unsigned *status)
   const shade_params p = shade_whole_params(given);
   const double least = fmin(p.ax, p.ay), most = fmax(p.ax, p.ay);
   const int known = (unsigned)p.mdf < SHADE_MDF_COUNT;
-  if (known && p.ex >= 0 && p.ex <= 1e6 && p.ey >= 0 && p.ey <= 1e6 && least >= 1e-4 &&
-      most <= 10 && p.ax == p.ax && p.ay == p.ay)
+  if (given && given->size >= sizeof given->size && known && p.ex >= 0 && p.ex <= 1e6 &&
+      p.ey >= 0 && p.ey <= 1e6 && least >= 1e-4 && most <= 10 && p.ax == p.ax && p.ay == p.ay)
     return p;
   return shade_params_within_ranges(given, status);
 }

@@ -243,7 +243,9 @@ shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_para
     return NULL;
   w->isa = shade_isa_chosen();
   shade_weave_params_init(&w->params);
-  if (p)
+  if (p && p->size < sizeof p->size)
+    bits |= SHADE_BAD_INPUT;
+  else if (p)
     memcpy(&w->params, p, p->size < sizeof *p ? p->size : sizeof *p);
   w->params.size = sizeof w->params;
   bits |= clamp_yarn(&w->params.warp) | clamp_yarn(&w->params.weft);

@@ -7,7 +7,10 @@
 #include <string.h>
 
 #include "support.h"
+#include "shade/albedo.h"
 #include "shade/fabric.h"
+#include "shade/maps.h"
+#include "shade/presets.h"
 #include "shade/weave.h"
 
 enum { COUNT = 1200, ARRAYS = 20 };
@@ -358,6 +361,96 @@ static void random_numbers_beyond_their_range(void **state) {
   assert_true(drawn > 300);
 }
 
+/* Two structures of parameters make the same of themselves. */
+static double made_of(const shade_params *p, unsigned *status) {
+  const double n[3] = {0.28, 0, 0.96}, wi[3] = {0.6, 0, 0.8}, wo[3] = {0, 0.6, 0.8};
+  shade_bsdf b;
+  double f[3];
+  *status = shade_bsdf_setup(&b, p);
+  shade_bsdf_eval(&b, n, wi, wo, f, NULL);
+  return f[0];
+}
+
+/* Parameters that nobody initialised, as in `= {0}`, are told, not silently another material; NULL
+ * is the defaults. */
+static void parameters_without_a_size(void **state) {
+  (void)state;
+  unsigned status, want = SHADE_BAD_INPUT;
+  shade_params initial, empty;
+  shade_params_init(&initial);
+  memset(&empty, 0, sizeof empty);
+  empty.ax = empty.ay = 0.3;
+  const double usual = made_of(&initial, &status);
+  assert_int_equal(status, SHADE_OK);
+  assert_true(made_of(NULL, &status) == usual && status == SHADE_OK && usual > 0);
+  for (empty.size = 0; empty.size < sizeof(size_t); empty.size++) {
+    assert_true(made_of(&empty, &status) == usual);
+    assert_int_equal(status, want);
+  }
+  empty.size = 0;
+  const double covariance[3] = {0.01, 0, 0.02};
+  double angle;
+  shade_params wide, right;
+  assert_int_equal(shade_params_widen(&empty, NULL, covariance, &wide, &angle), want);
+  assert_int_equal(shade_params_widen(NULL, NULL, covariance, &right, &angle), SHADE_OK);
+  assert_memory_equal(&wide, &right, sizeof wide);
+
+  shade_bsdf_albedo *albedo = shade_bsdf_albedo_create(&empty, &status);
+  assert_true(albedo && status == want);
+  shade_bsdf_albedo_free(albedo);
+  albedo = shade_bsdf_albedo_create(NULL, &status);
+  assert_true(albedo && status == SHADE_OK);
+  shade_bsdf_albedo_free(albedo);
+
+  shade_draft *draft = shade_draft_named("plain");
+  static const shade_weave_params yarns; /* zeros */
+  static const shade_fabric_params cloth;
+  status = 0;
+  shade_weave *weave = shade_weave_create(draft, &yarns, &status);
+  assert_true(weave && status == want);
+  status = 0;
+  shade_fabric *fabric = shade_fabric_create(weave, &cloth, &status);
+  assert_true(fabric && status == want);
+  shade_fabric_free(fabric);
+  shade_weave_free(weave);
+  shade_draft_free(draft);
+
+  static const shade_scratch_params scratches;
+  for (int given = 0; given < 2; given++) {
+    shade_scratch_field *field = shade_scratch_create(given ? &scratches : NULL, &status);
+    assert_non_null(field);
+    assert_int_equal(status, given ? want : SHADE_OK);
+    shade_scratch_free(field);
+  }
+  static const shade_slope_options options;
+  const float pixels[3] = {0.8F, 0.5F, 0.9F};
+  for (int given = 0; given < 2; given++) {
+    shade_slope_map *map =
+        shade_slope_map_create(pixels, 1, 1, 3, given ? &options : NULL, &status);
+    shade_slopes s;
+    assert_non_null(map);
+    assert_int_equal(status, given ? want : SHADE_OK);
+    shade_slope_lookup(map, 0, 0, NULL, &s);
+    assert_near(s.mean[0], -0.75, 1e-6); /* (0.6, 0, 0.8): at its full strength */
+    shade_slope_map_free(map);
+  }
+}
+
+/* NULL where there is nothing to make something of, and where only the answer counts. */
+static void nothing_given(void **state) {
+  (void)state;
+  unsigned status = 0;
+  shade_weave *weave;
+  assert_null(shade_slope_map_create(NULL, 1, 1, 3, NULL, &status));
+  assert_int_equal(status, SHADE_BAD_INPUT);
+  assert_null(shade_draft_from_matrix(2, 2, NULL));
+  assert_null(shade_preset_fabric(NULL, &weave, NULL));
+  assert_null(weave);
+  assert_true(shade_preset_find("denim", NULL) && !shade_preset_find("denimm", NULL));
+  assert_true(shade_param_row(0, NULL) && !shade_param_row(-1, NULL));
+  assert_true(shade_metal_row(0, NULL) && !shade_metal_row(1000, NULL));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_bad_lane_is_told),
@@ -365,6 +458,8 @@ int main(void) {
       cmocka_unit_test(bad_points_of_cloth_are_told),
       cmocka_unit_test(inward_normals_get_that_z),
       cmocka_unit_test(random_numbers_beyond_their_range),
+      cmocka_unit_test(parameters_without_a_size),
+      cmocka_unit_test(nothing_given),
   };
   return cmocka_run_group_tests_name("status", tests, NULL, NULL);
 }

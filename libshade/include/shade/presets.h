@@ -40,7 +40,7 @@ typedef struct shade_preset {
 /*
  * Row 0, 1, … of the table; returns 1 and fills *preset, 0 past the end. Words
  * stay; rows may come between. shade_preset_find takes the word (- and _ alike, without regard to
- * case) and returns 0, changing nothing, for one that is not in the table.
+ * case) and returns 0, changing nothing, for one that is not in the table; its preset may be NULL.
  */
 SHADE_API int shade_preset_row(int row, shade_preset *preset);
 SHADE_API int shade_preset_find(const char *word, shade_preset *preset);
@@ -49,7 +49,7 @@ SHADE_API int shade_preset_find(const char *word, shade_preset *preset);
  * The fabric of a preset (kind SHADE_PRESET_FABRIC), ready for shade_fabric_eval, and its
  * weave in *weave: free the fabric with shade_fabric_free, then the weave with
  * shade_weave_free. Status bits are or-ed into *status unless it is NULL. NULL, and *weave
- * NULL, for a metal, an unknown weave or out of memory.
+ * NULL, for a metal, no preset, an unknown weave or out of memory.
  */
 SHADE_API shade_fabric *shade_preset_fabric(const shade_preset *preset, shade_weave **weave,
                                             unsigned *status);

@@ -158,7 +158,8 @@ SHADE_API unsigned shade_params_get_roughness(const shade_params *p, shade_rough
 SHADE_API int shade_roughness_row(int row, int *value, const char **word, const char **label,
                                   const char **help);
 
-/* A measured metal of the table; returns 0 past the end. eta and k at red, green, blue. */
+/* A measured metal of the table, into *metal unless that is NULL; returns 0 past the end. eta and k
+ * at red, green, blue. */
 typedef struct shade_metal {
   const char *word, *label;
   double eta[3], k[3];
@@ -178,7 +179,9 @@ SHADE_API int shade_params_set_metal(shade_params *p, const char *word);
  * the first of their list (SHADE_BAD_CHOICE). *b is always usable afterwards.
  * Ashikhmin-Shirley reads ex and ey, every other distribution ax and ay. Members beyond
  * p->size keep their defaults, so that callers built against an older header work; for those
- * without `horizon` it is `hard`, as it was then.
+ * without `horizon` it is `hard`, as it was then. Where nobody set the size (it is below
+ * sizeof(size_t), as in `= {0}` without shade_params_init) nothing of *p is taken: all defaults,
+ * SHADE_BAD_INPUT; so with every structure of parameters. p NULL: all defaults.
  */
 SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
 
@@ -314,9 +317,11 @@ typedef enum shade_part { SHADE_PART_SPECULAR = 1, SHADE_PART_DIFFUSE = 2 } shad
  *   groove              the tangent about z: a vector (x, y) in the local frame, of any length
  *                       but 0 (which counts as NaN, as do subnormal and infinite ones), so that
  *                       textures of it may be filtered. Both arrays, or neither. Where a lane has
- * its own groove or narrow axis, the same u may draw another wi, of the same density parts
- * SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE: f is that part alone, draws and density are of the
- * specular lobe alone, or of the diffuse part alone. Other bits: SHADE_BAD_CHOICE, and both
+ *                       its own groove or narrow axis, the same u may draw another wi than such a
+ *                       material would, of the same density
+ *   parts               SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE: f is that part alone, draws and
+ *                       density are of the specular lobe alone, or of the diffuse part alone; 0
+ *                       is both. Other bits: SHADE_BAD_CHOICE, and both
  */
 typedef struct shade_lanes {
   size_t size;                       /* sizeof(shade_lanes) */
@@ -376,8 +381,8 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  * Sampling. shade_bsdf_sample draws a direction to the light, wi, for the eye's direction wo
  * from two independent numbers u that are uniform in [0, 1) (clamped to it); shade_bsdf_pdf
  * is the density of wi it draws with, per sr. f cos / pdf, averaged over u, is the albedo:
- * the integral of f cos. n, wi, wo as for shade_bsdf_eval; f, pdf and cosine of a draw are
- * what the eval and pdf calls give for its wi.
+ * the integral of f cos. n, wi, wo as for shade_bsdf_eval; pdf and cosine of a draw are
+ * what the pdf and eval calls give for its wi, f to rounding.
  *
  * A draw may find no direction: its half vector turns away from wo, or wi comes to lie below
  * a horizon, where f is 0 (n.wi <= 0 or wi.z <= 0). Then wi, f, pdf and cosine are all 0, the
@@ -509,7 +514,8 @@ typedef struct shade_list_info {
 } shade_list_info;
 SHADE_API int shade_list_about(shade_list list, shade_list_info *info);
 
-/* One numeric parameter of the table; returns 0 past the end. components is 1 or 3. */
+/* One numeric parameter of the table, into *info unless that is NULL; returns 0 past the end.
+ * components is 1 or 3. */
 typedef struct shade_param_info {
   const char *word, *unit, *help;
   int components;

@@ -57,7 +57,8 @@ enum {
 SHADE_API shade_draft *shade_draft_create(int ends, int picks);
 SHADE_API void shade_draft_free(shade_draft *draft); /* NULL is fine */
 
-/* The same with over and under copied from a matrix of that size, pick by pick: not 0 is up. */
+/* The same with over and under copied from a matrix of that size, pick by pick: not 0 is up. NULL
+ * without a matrix, too. */
 SHADE_API shade_draft *shade_draft_from_matrix(int ends, int picks, const unsigned char *warp_up);
 
 /*
