@@ -123,8 +123,10 @@ LEAF FN(lit) FN(hard_one)(const bsdf *b, const FN(bsdf_hit) * h, FN(triple) wi) 
     out.status = SHADE_BAD_INPUT;
   if (out.status || !(cosi > 0 && h->coso > 0 && wi.z > 0 && wo.z > 0))
     return out;
-  real hwo = FN(half_cosine)(XYZ(sum));
-  out.f = FN(scaled)(FN(fresnel)(b, hwo), FN(specular_one)(b, h, wi, sum, hwo, cosi));
+  if (!b->black) {
+    real hwo = FN(half_cosine)(XYZ(sum));
+    out.f = FN(scaled)(FN(fresnel)(b, hwo), FN(specular_one)(b, h, wi, sum, hwo, cosi));
+  }
   if (b->has_diffuse) {
     real phi = FN(phi_one)(b, h, wi, cosi);
     real q = phi * R(0.31830988618379067154) / FN(maximum)(cosi, R(1e-20));

@@ -33,6 +33,7 @@ typedef struct MAY_ALIAS bsdf {
   shade_carry carry, uneven; /* of this lobe; of lobes that need not be round, where these are */
   shade_map_kind warp;
   int conserve, fast, has_specular, has_diffuse;
+  int black; /* its own f0 is, and stays so at grazing: the lobe gives nothing */
   int fibres_along_y, groove_auto, detail_auto;
   int exponents, projected; /* of the distribution's traits */
   int visible, draw_even;   /* draws: normals as the eye sees them; half the diffuse part evenly */

@@ -115,6 +115,9 @@ unsigned shade_bsdf_setup_on(shade_bsdf *out, const shade_params *given, int isa
     b->tintf[c] = (float)b->tint[c];
     b->kf[c] = (float)b->k[c];
   }
+  const shade_fresnel_traits fresnel = shade_fresnel_is(b->fresnel);
+  b->black =
+      fresnel.f0 && !fresnel.tint && !fresnel.grazing && !(b->f0[0] + b->f0[1] + b->f0[2] > 0);
   setup_draws(b);
   return status;
 }

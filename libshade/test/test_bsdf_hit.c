@@ -117,8 +117,55 @@ static void cosine_is_optional(void **state) {
   assert_true(f[0] > 0 && ff[0] > 0);
 }
 
+/* A lobe whose f0 is black in one, two or all channels, beside batches, which work it out: what is
+ * black by every Fresnel term that has an f0 is so nowhere but where that term is constant. */
+static void black_lobes(void **state) {
+  (void)state;
+  const double n[3] = {0.05, -0.1, 0.9}, wo[3] = {0.96, 0.1, 0.26};
+  const double wi[2][3] = {{-0.95, -0.1, 0.3}, {0.2, -0.3, 0.93}};
+  for (int fresnel = 0; fresnel < SHADE_FRESNEL_CONDUCTOR; fresnel++)
+    for (int black = 1; black <= 3; black++)
+      for (int light = 0; light < 2; light++) {
+        shade_params p;
+        shade_bsdf b;
+        shade_params_init(&p);
+        shade_params_set_exponents(&p, 9, 4);
+        p.fresnel = (shade_fresnel)fresnel;
+        p.horizon = SHADE_HORIZON_HARD;
+        for (int c = 0; c < 3; c++) {
+          p.f0[c] = c < black ? 0 : 0.5;
+          p.kd[c] = 0.25;
+        }
+        shade_bsdf_setup(&b, &p);
+        const double *const w = wi[light];
+        const shade_lanes in = {.size = sizeof in,
+                                .nx = &n[0],
+                                .ny = &n[1],
+                                .nz = &n[2],
+                                .wix = &w[0],
+                                .wiy = &w[1],
+                                .wiz = &w[2],
+                                .wox = &wo[0],
+                                .woy = &wo[1],
+                                .woz = &wo[2]};
+        double one[3], many[3], cosine, cosines;
+        const shade_result out = {sizeof out, &many[0], &many[1], &many[2], &cosines};
+        assert_int_equal(shade_bsdf_eval(&b, n, w, wo, one, &cosine), SHADE_OK);
+        assert_int_equal(shade_bsdf_eval_batch(&b, 1, &in, &out), SHADE_OK);
+        const double matt = 0.25 / 3.14159265358979323846;
+        for (int c = 0; c < 3; c++) {
+          assert_true(fabs(one[c] - many[c]) <= 1e-13 * many[c]);
+          if (c < black && fresnel == SHADE_FRESNEL_NONE)
+            assert_true(fabs(one[c] - matt) <= 1e-15);
+          else
+            assert_true(one[c] > matt * (1 + 1e-9));
+        }
+      }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(every_choice),
-                                     cmocka_unit_test(cosine_is_optional)};
+                                     cmocka_unit_test(cosine_is_optional),
+                                     cmocka_unit_test(black_lobes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
