@@ -6,10 +6,12 @@ Cycles looks for them, and as four numbers, as it has them.
 import numpy as np
 
 NOTHING = (0.0,) * 4
+ABSENT = (0.0, 0.0, 0.0, 1.0)  # of a surface that has none
 
 
 class Attributes:
-    """Those of a render, each once: `listed`, (kind, name), kind OBJECT or INSTANCER."""
+    """Those of a render, each once: `listed`, (kind, name), kind OBJECT, INSTANCER, INSTANCE (coordinates on the instancer)
+    or POINT (of a cloud)."""
 
     def __init__(self, messages):
         self.listed, self._messages = [], messages
@@ -33,6 +35,10 @@ class Attributes:
 
     def _found(self, item, kind, name):
         ob, owners = item.object, []
+        if kind == "POINT":
+            return NOTHING  # until it is known which
+        if kind == "INSTANCE":
+            return _place_on_instancer(item, name)
         if kind == "INSTANCER" and item.is_instance:
             system = item.particle_system
             owners = [lambda: _property(system and system.settings, name), lambda: self._of_nodes(item, name),
@@ -86,6 +92,13 @@ class _Made:
             return within
         item = attribute.data[index]
         return next((getattr(item, member) for member in ("color", "vector", "value") if hasattr(item, member)), None)
+
+
+def _place_on_instancer(item, name):
+    """Where an instance is: of a particle or a face that shows it. Generated is scaled as in Cycles."""
+    if not item.is_instance:
+        return NOTHING
+    return (*item.uv, 0.0, 1.0) if name == "UV" else (*(0.5 * part - 0.5 for part in item.orco), 1.0)
 
 
 def four(value):

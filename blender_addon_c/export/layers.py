@@ -93,13 +93,20 @@ def data_of(mesh, kind, name, where, owner, messages):
     if layer:
         numbers = _four(uvs_of(layer).view(np.float32).reshape(-1, 2))
         return numbers[where["CORNER"]].ravel()
-    if not attribute or attribute.domain not in where or attribute.data_type not in _READ:
+    numbers = four_of(attribute) if attribute and attribute.domain in where else None
+    if numbers is None:
         what = "has no attribute" if not attribute else "cannot read its attribute"
         messages.warning(f"object '{owner}' {what} '{name}'; 0 is used")
         return np.tile(np.float32([0, 0, 0, 1]), len(where["CORNER"].ravel()))  # its alpha is 1, as in Cycles
-    member, width = _READ[attribute.data_type]
-    numbers = _four(_numbers(attribute, member, width))
     return numbers[where[attribute.domain]].ravel()
+
+
+def four_of(attribute):
+    """Four numbers of each of its items; None where it is none that nodes can read."""
+    if not attribute or attribute.data_type not in _READ:
+        return None
+    member, width = _READ[attribute.data_type]
+    return _four(_numbers(attribute, member, width))
 
 
 def _of_islands(mesh, kind):

@@ -57,14 +57,14 @@ class Table:
         self._textured = []  # by index: does it look anything up there?
         self._measured = []  # and does it ask how large that is?
 
-    def index(self, material, drawn=True, held=False):
+    def index(self, material, drawn=True, held=False, of_points=False):
         """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. Held: a hole in
-        the picture."""
+        the picture. Of points: of a cloud."""
         if not drawn:
-            return self._undrawn(material, held)
-        key = (material, held)
+            return self._undrawn(material, held, of_points)
+        key = (material, held, of_points)
         if key not in self._indices:
-            reader = Reader(self, self._messages, material, held)
+            reader = Reader(self, self._messages, material, held, of_points)
             self._indices[key] = len(self.materials)
             self.materials.append(reader.read())
             self._uv_maps.append(reader.uv_map or "")
@@ -73,10 +73,10 @@ class Table:
             self._measured.append(reader.measured)
         return self._indices[key]
 
-    def _undrawn(self, material, held):
-        key = (material, held, "undrawn")
+    def _undrawn(self, material, held, of_points):
+        key = (material, held, of_points, "undrawn")
         if key not in self._indices:
-            like = self.index(material, held=held)
+            like = self.index(material, held=held, of_points=of_points)
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
             self._uv_maps.append(self._uv_maps[like])
@@ -131,8 +131,8 @@ class Reader:
 
     has_surface = True
 
-    def __init__(self, table, messages, material, held=False):
-        self._held = held
+    def __init__(self, table, messages, material, held=False, of_points=False):
+        self._held, self.of_points = held, of_points
         self.transport, self.colors, self.averages = table.transport, table.colors, table.averages
         self.filters, self.images, self._table = table.filters, table.images, table
         self.dumps = table.dumps

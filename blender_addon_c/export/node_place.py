@@ -5,6 +5,7 @@ import bpy
 from mathutils import Matrix
 
 from . import tree
+from .attributes import ABSENT, NOTHING
 from .graph import is_known
 from .value import Value, dot, each, number_in, of_group, surface_normal, three, unit, value_of, vector_in
 
@@ -35,9 +36,10 @@ def place(reader, socket, groups):
     """Where an image is looked up; None: at the place of the UV map that is the mesh's own."""
     found = tree.trace(socket, groups)
     name = ""
-    if found.node and found.node.type == "UVMAP":
+    own = not getattr(found.node, "from_instancer", False)
+    if own and found.node and found.node.type == "UVMAP":
         name = found.node.uv_map
-    elif of_group(found) or found.node and not (found.node.type == "TEX_COORD" and found.output.name == "UV"):
+    elif of_group(found) or found.node and not (own and found.node.type == "TEX_COORD" and found.output.name == "UV"):
         value = value_of(reader, socket, groups, own=Value("VECTOR", None))
         if value.parts is not None:
             return three(reader, value)
@@ -46,8 +48,24 @@ def place(reader, socket, groups):
 
 def _uv_map(reader, found):
     if found.node.from_instancer:
-        reader.warn(f"'{found.node.name}': the instancer's UV map is not supported; the mesh's is used")
+        return reader.attribute("INSTANCE", "UV")[:3]
     return uv(reader, found.node.uv_map)
+
+
+# Names that are Cycles' own, whatever a mesh has by them: most are of volumes and strands [measured: 3.4 and 5.0].
+_TAKEN = {
+    **dict.fromkeys(("color", "density", "flame", "heat", "temperature", "velocity", "undeformed", "undisplaced", "particle",
+                     "ptex_uv", "point_random", "shadow_transparency")),
+    "uv": lambda reader: uv(reader),
+    "generated": lambda reader: layer(reader, "GENERATED")[:3],
+    "pointiness": lambda reader: layer(reader, "POINTINESS")[:1] * 3,
+    "random_per_island": lambda reader: layer(reader, "ISLAND")[:1] * 3,
+}
+
+
+def _of_surface(reader, kind, name):
+    """Of points of a cloud each instance, which is a ball, has its own."""
+    return reader.attribute("POINT", name) if reader.of_points else layer(reader, kind, name)
 
 
 def _attribute(reader, found):
@@ -56,9 +74,12 @@ def _attribute(reader, found):
     if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
         *color, alpha = reader.attribute(node.attribute_type, node.attribute_name)
     elif node.type == "VERTEX_COLOR":
-        *color, alpha = layer(reader, "COLOR", node.layer_name)
+        *color, alpha = NOTHING if node.layer_name in _TAKEN else _of_surface(reader, "COLOR", node.layer_name)
+    elif node.attribute_name in _TAKEN:
+        told = _TAKEN[node.attribute_name]
+        *color, alpha = (*told(reader), 1.0) if told else ABSENT
     else:
-        *color, alpha = layer(reader, "ATTRIBUTE", node.attribute_name)
+        *color, alpha = _of_surface(reader, "ATTRIBUTE", node.attribute_name)
     if found.output.name == "Alpha":
         return (alpha,)
     return (dot(reader, color, (1 / 3,) * 3),) if found.output.identifier == "Fac" else color
@@ -87,7 +108,7 @@ def of_object(reader, what, vector=None):
 def _tex_coord(reader, found):
     name, node = found.output.name, found.node
     if node.from_instancer and name in ("Generated", "UV"):
-        reader.warn(f"'{node.name}': the instancer's coordinates are not supported; the mesh's are used")
+        return reader.attribute("INSTANCE", name)[:3]
     if name == "Object":
         if not node.object:
             return of_object(reader, "POINT_INTO", position(reader))

@@ -126,7 +126,7 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
         if ob.type == "LIGHT":
             lights += light_of(ob, item.matrix_world, links, table, messages) if item.show_self else []
             continue
-        for shape in _shapes(item, depsgraph, motion):
+        for shape in _shapes(item, depsgraph, motion, messages):
             catches = getattr(ob, "is_shadow_catcher", False)
             held = ob.is_holdout or ("holdout" in marks and _marked(item, "holdout", depsgraph))
             bits = hidden(ob, ALL)
@@ -158,7 +158,7 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
                         "hidden": bits, "motion": moved, **mattes.of_object(ob),
                         **links.of_light(ob), **links.of_object(ob, item.parent), **(_own(item, table) if table.by_object else {}),
                         **_metres(meshes[known[key]], matrix, table.unit)}
-                made = _at_points(made, *shape.points) if shape.points else [made]
+                made = _at_points(made, shape.points, table) if shape.points else [made]
                 instances += made if holds == held else []
                 if catches and not held:
                     catchers["held" if holds else "seen"] += made
@@ -168,14 +168,17 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
     return meshes, instances, lights, catchers
 
 
-# What is drawn of an object. of: what it is the same for; owner: its name; points: places and sizes of copies, or
+# What is drawn of an object. of: what it is the same for; owner: its name; points: of a cloud, where copies are, or
 # None; bent: does it change meanwhile?
 _Shape = namedtuple("_Shape", "of owner slots make points bent", defaults=(None, False))
 
 
-def _shapes(item, depsgraph, motion):
+def _shapes(item, depsgraph, motion, messages):
     """The object itself, and the hair on it."""
     ob, override = item.object, depsgraph.view_layer_eval.material_override
+    if item.show_self and _is_volume(ob):
+        messages.warning(f"object '{ob.name}': volumes are not supported; left out")
+        return
     if not isinstance(ob.data, (bpy.types.Mesh, strands.CURVES, strands.POINTS)):
         return  # text and so on come as meshes
     slots = [override] if override else _slots(ob, depsgraph)
@@ -192,9 +195,9 @@ def _shapes(item, depsgraph, motion):
             strands.of_curves(ob.data), item.matrix_world, owner, (slots or [None])[0], way, table))
     elif isinstance(ob.data, strands.POINTS):
         points = strands.of_points(ob.data)
-        if len(points[0]):
-            yield _Shape((ob.data, len(points[0])), owner, slots, lambda way, table, _messages: strands.ball(
-                len(points[0]), owner, table.index((slots or [None])[0], *way)), points)
+        if len(points.places):
+            yield _Shape((ob.data, len(points.places)), owner, slots, lambda way, table, _messages: strands.ball(
+                len(points.places), owner, table.index((slots or [None])[0], *way, True)), points)
     if item.show_particles and ob.type == "MESH":
         matrix = item.matrix_world
         for modifier, system in strands.hairs(ob):
@@ -204,13 +207,22 @@ def _shapes(item, depsgraph, motion):
                          _tubes(strands.of_hair(ob, modifier, system), matrix, owner, used[0], way, table))
 
 
+def _is_volume(ob):
+    """A box of smoke is one in Cycles, whether or not there is smoke."""
+    return ob.type == "VOLUME" or any(
+        modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN" and modifier.domain_settings.domain_type == "GAS"
+        for modifier in ob.modifiers)
+
+
 def _tubes(hair, matrix, owner, material, way, table):
     number = table.index(material, *way)
     return strands.tubes(hair, matrix, owner, number, table.layers_of([number]))
 
 
-def _at_points(made, places, sizes):
+def _at_points(made, points, table):
     """Copies of an instance, within its space; round whatever that is, as in Cycles."""
+    places, sizes = points.places, points.radii
+
     def at(matrix):
         moved = np.repeat(matrix[None], len(places), 0)
         moved[:, :3, :3] = (strands.even_size(matrix) * sizes)[:, None, None] * np.eye(3)
@@ -218,10 +230,15 @@ def _at_points(made, places, sizes):
         return moved
 
     matrices = at(np.array(made["matrix"]).reshape(4, 4)).reshape(-1, 16).tolist()
-    if made["motion"] is None:
-        return [{**made, "matrix": matrix} for matrix in matrices]
-    moved = np.stack([at(matrix) for matrix in made["motion"]], 1).astype(np.float32)
-    return [{**made, "matrix": matrix, "motion": motion} for matrix, motion in zip(matrices, moved)]
+    copies = [{**made, "matrix": matrix} for matrix in matrices]
+    if made["motion"] is not None:
+        moved = np.stack([at(matrix) for matrix in made["motion"]], 1).astype(np.float32)
+        copies = [{**copy, "motion": motion} for copy, motion in zip(copies, moved)]
+    for number, (kind, name) in enumerate(table.attributes.listed if "attributes" in made else ()):
+        told = points.told(name) if kind == "POINT" else None
+        for copy, numbers in zip(copies, told if told is not None else ()):
+            copy["attributes"] = [*copy["attributes"][:number], numbers, *copy["attributes"][number + 1:]]
+    return copies
 
 
 def _marks(collection):

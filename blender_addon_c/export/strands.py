@@ -7,10 +7,12 @@ from collections import namedtuple
 import bpy
 import numpy as np
 
-from .layers import read
+from .layers import four_of, read
 
-# points: one after the other; radii of these; ends: behind the last point of each; root: a UV of each, or None
-Strands = namedtuple("Strands", "points radii ends roots")
+# points: one after the other; radii of these; ends: behind the last point of each; root: a UV of each, or None; told: what
+# they say of an attribute by its name, four numbers a point, None where that is nothing
+Strands = namedtuple("Strands", "points radii ends roots told", defaults=(lambda _name: None,))
+Points = namedtuple("Points", "places radii told")
 
 _MANY = 1_000_000  # triangles from which on tubes have fewer sides, three at last and no more rings than points
 _TRIANGLES = np.int32([[0, 1, 2], [0, 2, 3]])
@@ -26,7 +28,15 @@ def of_curves(data):
     else:
         radii = np.full(count, 0.005, np.float32)  # as Cycles
     lengths = read(data.curves, "points_length", 1, np.int32)
-    return Strands(points, radii, np.cumsum(lengths), None)
+
+    def told(name):
+        found = data.attributes.get(name) if name else None
+        numbers = four_of(found)
+        if numbers is None or found.domain not in ("POINT", "CURVE"):
+            return None
+        return numbers if found.domain == "POINT" else np.repeat(numbers, lengths, 0)
+
+    return Strands(points, radii, np.cumsum(lengths), None, told)
 
 
 def hairs(ob):
@@ -90,13 +100,18 @@ def tubes(strands, matrix, owner, material, wanted=()):
     long = np.flatnonzero(counts > 1)
     if not len(long):
         return None
+    told = [(number, strands.told(name)) for number, kind, name in wanted if kind in ("ATTRIBUTE", "COLOR")]
+    told = [(number, np.nan_to_num(numbers[keep])) for number, numbers in told if numbers is not None]
     points, radii, counts = points[keep], radii[keep], counts[counts > 1]
     sides = next((n for n in (8, 6, 4) if 4 * n * len(points) < _MANY), 3)
     for least in (sides > 3, 8 * sides * len(points) < _MANY // 4):
-        points, radii, counts = _finer(points, radii, counts) if least else (points, radii, counts)
+        if least:
+            told = [(number, _between(numbers, counts)) for number, numbers in told]
+            points, radii, counts = _finer(points, radii, counts)
     ends = np.cumsum(counts)
     layers = [{"layer": number, "data": _told(points @ np.linalg.inv(to_world).T, radii / even_size(to_world), ends, long, name)}
               for number, kind, name in wanted if kind == "STRAND"]
+    layers += [{"layer": number, "data": numbers} for number, numbers in told]
     # directions: from each point's neighbour before to the one after
     number = np.arange(len(points))
     first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
@@ -183,12 +198,23 @@ def _finer(points, radii, counts):
     p0, p1 = points[np.maximum(number - 1, first)], points
     p2, p3 = points[np.minimum(number + 1, last)], points[np.minimum(number + 2, last)]
     middle = (9 * (p1 + p2) - p0 - p3) / 16
-    between = 0.5 * (radii + radii[np.minimum(number + 1, last)])
+    keep = _but_last(counts)
     made = np.stack([points, middle], 1).reshape(-1, 3)
-    thick = np.stack([radii, between], 1).reshape(-1)
-    keep = np.ones(len(made), bool)
-    keep[2 * (ends - 1) + 1] = False
-    return made[keep], thick[keep], 2 * counts - 1
+    return made[keep], _between(radii, counts), 2 * counts - 1
+
+
+def _between(numbers, counts):
+    """Those of points, and of each two of a strand the mean."""
+    last = np.repeat(np.cumsum(counts) - 1, counts)
+    after = numbers[np.minimum(np.arange(len(numbers)) + 1, last)]
+    return np.stack([numbers, 0.5 * (numbers + after)], 1).reshape(-1, *numbers.shape[1:])[_but_last(counts)]
+
+
+def _but_last(counts):
+    """Of pairs, one for each point, all but what comes behind the last point of a strand."""
+    keep = np.ones(2 * counts.sum(), bool)
+    keep[2 * np.cumsum(counts) - 1] = False
+    return keep
 
 
 def _unit(vectors):
@@ -237,15 +263,20 @@ def _split(points, faces):
 
 
 def of_points(data):
-    """Places and radii of a point cloud."""
+    """A point cloud's."""
     attributes = data.attributes
     places, radius = attributes.get("position"), attributes.get("radius")
     if not places:
-        return np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
+        return Points(np.zeros((0, 3), np.float32), np.zeros(0, np.float32), lambda _name: None)
     points = read(places.data, "vector", 3).reshape(-1, 3)
     radii = read(radius.data, "value", 1) if radius else np.full(len(points), 0.01, np.float32)  # as Cycles
     good = np.isfinite(points).all(1) & np.isfinite(radii) & (radii > 0)
-    return points[good], radii[good]
+
+    def told(name):
+        numbers = four_of(attributes.get(name) if name else None)
+        return None if numbers is None else numbers[good]
+
+    return Points(points[good], radii[good], told)
 
 
 CURVES = getattr(bpy.types, "Curves", ())

@@ -343,6 +343,113 @@ def _lost(_scene, options):
     common.light(bpy.context.scene, rotation=(0.5, 0.6, 0))
 
 
+def _taken(_scene, _options):
+    """Attributes by names that Cycles has for something else."""
+    names = ("mine", "color", "density", "heat", "flame", "temperature", "velocity", "uv", "generated", "pointiness",
+             "random_per_island", "undeformed", "shadow_transparency")
+    for number, (kind, name) in enumerate([*(("Attribute", name) for name in names), *(("VertexColor", name) for name in names[:3])]):
+        material, tree, color = _shining(f"{kind} {name}")
+        node = tree.nodes.new(f"ShaderNode{kind}")
+        setattr(node, "layer_name" if kind == "VertexColor" else "attribute_name", name)
+        tree.links.new(node.outputs["Color"], color)
+        plate = _plate(material, number)
+        told = plate.data.color_attributes.new(name, "FLOAT_COLOR", "POINT")
+        told.data.foreach_set("color", np.random.default_rng(number).random(16).astype(np.float32))
+
+
+def _of_nodes(name, *kinds):
+    """A tree of geometry nodes and nodes of these kinds, one after the other, from what comes in to what goes out."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        if hasattr(tree, "interface"):
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+        else:
+            (tree.inputs if way == "INPUT" else tree.outputs).new("NodeSocketGeometry", "Geometry")
+    made = [tree.nodes.new(kind) for kind in ("NodeGroupInput", *(f"GeometryNode{kind}" for kind in kinds), "NodeGroupOutput")]
+    for before, after in zip(made, made[1:]):
+        tree.links.new(before.outputs[0], next(s for s in after.inputs if s.type == "GEOMETRY"))
+    return tree, made[1:-1]
+
+
+def _store(tree, node, name, domain):
+    """Colours by chance."""
+    node.data_type, node.domain, node.inputs["Name"].default_value = "FLOAT_VECTOR", domain, name
+    chance = tree.nodes.new("FunctionNodeRandomValue")
+    chance.data_type = "FLOAT_VECTOR"
+    tree.links.new(next(s for s in chance.outputs if s.enabled), next(s for s in node.inputs if s.name == "Value" and s.enabled))
+
+
+def _cloud(_scene, _options):
+    """Points that say something each, by an Attribute and by a Color Attribute node, and what they do not say."""
+    for number, (kind, name) in enumerate((("Attribute", "tint"), ("VertexColor", "tint"), ("Attribute", "other"))):
+        material, tree, color = _shining(f"{kind} {name}")
+        node = tree.nodes.new(f"ShaderNode{kind}")
+        setattr(node, "layer_name" if kind == "VertexColor" else "attribute_name", name)
+        tree.links.new(node.outputs["Color"], color)
+        made, (points, stored, shade) = _of_nodes("cloud", "MeshToPoints", "StoreNamedAttribute", "SetMaterial")
+        points.inputs["Radius"].default_value, shade.inputs["Material"].default_value = 0.3, material
+        _store(made, stored, "tint", "POINT")
+        if kind == "VertexColor":
+            stored.data_type = "FLOAT_COLOR"
+            chance = next(n for n in made.nodes if n.type == "RANDOM_VALUE")
+            made.links.new(next(s for s in chance.outputs if s.enabled), next(s for s in stored.inputs if s.name == "Value" and s.enabled))
+        _plate(None, 5 * number, 0.6).modifiers.new("cloud", "NODES").node_group = made
+    _plate(_shining("even")[0], 3)
+
+
+def _strands(scene, _options):
+    """Curves and their points say something; from 4.0 on Python can make some. Their rims, of which
+    ours have eight sides, are not seen."""
+    if not hasattr(bpy.data, "hair_curves") or bpy.app.version < (4, 0):
+        _plate(_shining("even")[0], 3)
+        return
+    for number, (domain, count) in enumerate((("POINT", 6), ("CURVE", 1))):
+        material, tree, color = _shining(domain)
+        node = tree.nodes.new("ShaderNodeAttribute")
+        node.attribute_name = "tint"
+        tree.links.new(node.outputs["Color"], color)
+        data = bpy.data.hair_curves.new(domain)
+        data.add_curves([6])
+        places = np.zeros((6, 3), np.float32)
+        places[:, 1] = np.linspace(-2.5, 2.5, 6)
+        data.points.foreach_set("position", places.ravel())
+        radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+        radius.data.foreach_set("value", np.full(6, 1.2, np.float32))
+        told = data.attributes.new("tint", "FLOAT_COLOR", domain)
+        told.data.foreach_set("color", np.random.default_rng(4).random(4 * count).astype(np.float32))
+        data.materials.append(material)
+        common.link(scene, domain, data, (-1 + 2 * number, 0, 0))
+
+
+def _on_instancers(_scene, _options):
+    """Where instances are on what shows them: on faces, and on nothing."""
+    for number, (kind, output) in enumerate((("TexCoord", "Generated"), ("TexCoord", "UV"), ("UVMap", "UV"))):
+        grid = common.plane(None, 1.0)
+        work = bmesh.new()
+        work.from_mesh(grid.data)
+        bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=1, use_grid_fill=True)
+        work.to_mesh(grid.data)
+        work.free()
+        grid.location, grid.instance_type, grid.show_instancer_for_render = (-1.3 + 1.3 * number, 0.6, 0), "FACES", False
+        for parent, place in ((grid, (0, 0, 0)), (None, (-1.3 + 1.3 * number, -0.8, 0))):
+            material, tree, color = _shining(f"{kind} {output}")
+            node, more = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeVectorMath")
+            node.from_instancer, more.inputs[1].default_value = True, (0.6, 0.7, 0.8)
+            tree.links.new(node.outputs[output], more.inputs[0])
+            tree.links.new(more.outputs[0], color)
+            shown = common.plane(material, 0.3)
+            shown.parent, shown.location = parent, place
+
+
+def _smoke(_scene, _options):
+    """A box for smoke that was never made hides nothing."""
+    material, _tree, color = _shining("plate")
+    color.default_value = (0.5, 0.4, 0.1, 1)
+    _plate(material, 5)
+    box = common.plane(_shining("box")[0], 3.0)
+    box.location = (0, 0, 1)
+    box.modifiers.new("smoke", "FLUID").fluid_type = "DOMAIN"
+
 _CASES = {name[1:]: made for name, made in list(globals().items())
           if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_objects", "_instancers", "_nodes_tell", "_islands",
-                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost")}
+                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost", "_taken", "_cloud", "_strands", "_on_instancers", "_smoke")}
