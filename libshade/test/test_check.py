@@ -350,11 +350,11 @@ def test_one_bad_value_on_cloth(near_cloth, tmp_path, channel, value, words):
 
 
 @pytest.mark.parametrize("path, value, message", [
-    (["weave"], "no_such", "bad value of 'weave'"), (["yarns", "seed"], -1, "bad value of 'seed'"),
-    (["yarns", "warp", "width"], 0, "bad value of 'width'"),
-    (["yarns", "occlusion"], "dusk", "bad value of 'occlusion'"),
-    (["cloth", "nap"], "much", "bad value of 'nap'"), (["cloth", "mdf"], "x", "bad value of 'mdf'"),
-    (["cloth", "warp", "kd"], [1, 2], "bad value of 'kd'"),
+    (["weave"], "no_such", "bad value of 'weave': expected a name"), (["yarns", "seed"], -1, "bad value of 'seed': expected a whole number"),
+    (["yarns", "warp", "width"], 0, "bad value of 'width': expected a number from "),
+    (["yarns", "occlusion"], "dusk", "bad value of 'occlusion': expected \"none\" or "),
+    (["cloth", "nap"], "much", "bad value of 'nap'"), (["cloth", "mdf"], "x", "bad value of 'mdf': expected \""),
+    (["cloth", "warp", "kd"], [1, 2], "bad value of 'kd': expected [r, g, b]"),
     (["cloth", "horizon"], None, "lacks 'horizon'"), (["yarns", "weft"], None, "lacks 'weft'"),
     (["cloth", "sheen"], 1, "unknown or repeated key in 'cloth'")])
 def test_header_of_cloth_is_read_strictly(near_cloth, tmp_path, path, value, message):

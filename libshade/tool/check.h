@@ -26,7 +26,11 @@ typedef enum check_fault {
   FAULT_ID,
   FAULT_MISS,
   FAULT_NOT_FINITE,
-  FAULT_NOT_UNIT,
+  FAULT_UNIT_N,
+  FAULT_UNIT_T,
+  FAULT_UNIT_NS,
+  FAULT_UNIT_V,
+  FAULT_UNIT_L,
   FAULT_TANGENT,
   FAULT_E,
   FAULT_S,
@@ -93,6 +97,11 @@ typedef struct check {
 } check;
 
 /* ---- the materials of the header: check_header.c ---- */
+
+/* What a row of the library's table wants, in words: a number of it, one of a list's choices. */
+enum { CHECK_EXPECTED = 512 };
+void check_expected_number(const shade_param_info *info, char *text, size_t size);
+void check_expected_choice(shade_list list, char *text, size_t size);
 
 /* The materials, sorted by id. NULL after printing why. */
 check_material *check_read_materials(const char *path, const json *header, int *count);

@@ -75,7 +75,7 @@ static void refer(check *c, int light, size_t pixel, int far_points, double refe
     return;
   }
   if (!check_read_unit(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_L), pixel, l)) {
-    check_note_fault(c, FAULT_NOT_UNIT, pixel);
+    check_note_fault(c, FAULT_UNIT_L, pixel);
     return;
   }
   check_read_hit(c, pixel, &h);

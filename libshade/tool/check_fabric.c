@@ -33,6 +33,25 @@ static int wrong(const reading *r, const char *what, const char *key) {
   return 0;
 }
 
+/* The same with what was expected in its place. */
+static int bad_value(const reading *r, const char *key, const char *expected) {
+  if (!*r->wrong)
+    snprintf(r->wrong, r->size, "bad value of '%s': expected %s", key, expected);
+  return 0;
+}
+
+static int bad_number(const reading *r, const shade_param_info *info) {
+  char wanted[CHECK_EXPECTED];
+  check_expected_number(info, wanted, sizeof wanted);
+  return bad_value(r, info->word, wanted);
+}
+
+static int bad_choice(const reading *r, shade_list list) {
+  char wanted[CHECK_EXPECTED];
+  check_expected_choice(list, wanted, sizeof wanted);
+  return bad_value(r, shade_list_name(list), wanted);
+}
+
 static int read_numbers(const json *value, const shade_param_info *info, double *place) {
   const json *item = value;
   if (info->components > 1)
@@ -66,18 +85,18 @@ static const json *take(const reading *r, const json *object, const char *key, i
 static int take_numbers(const reading *r, const json *object, const shade_param_info *info,
                         double *place, int *left) {
   const json *value = take(r, object, info->word, left);
-  return value && (read_numbers(value, info, place) || wrong(r, "bad value of", info->word));
+  return value && (read_numbers(value, info, place) || bad_number(r, info));
 }
 
 static int take_choice(const reading *r, const json *object, shade_list list, int *value,
                        int *left) {
   const json *word = take(r, object, shade_list_name(list), left);
   *value = word ? shade_list_find(list, word->string) : 0;
-  return word && (*value >= 0 || wrong(r, "bad value of", word->key));
+  return word && (*value >= 0 || bad_choice(r, list));
 }
 
 static int is_object(const reading *r, const json *value, const char *key) {
-  return value && (value->type == JSON_OBJECT || wrong(r, "bad value of", key));
+  return value && (value->type == JSON_OBJECT || bad_value(r, key, "{ }"));
 }
 
 static int none_left(const reading *r, int left, const char *key) {
@@ -106,13 +125,13 @@ static int read_yarns(const reading *r, const json *object, shade_weave_params *
     return 0;
   if (seed->type != JSON_NUMBER || !(seed->number >= 0) || !(seed->number <= UINT32_MAX) ||
       seed->number != floor(seed->number))
-    return wrong(r, "bad value of", "seed");
+    return bad_value(r, "seed", "a whole number from 0 to 4294967295");
   p->seed = (uint32_t)seed->number;
   for (int row = 0, value; shade_occlusion_row(row, &value, &name, NULL, NULL); row++)
     if (word->type == JSON_STRING && strcmp(name, word->string) == 0)
       found = value;
   if (found < 0)
-    return wrong(r, "bad value of", "occlusion");
+    return bad_value(r, "occlusion", "\"none\" or \"tilt\" or \"sky\"");
   p->occlusion = (shade_occlusion)found;
   return read_shape(r, warp, "warp", &p->warp) && read_shape(r, weft, "weft", &p->weft);
 }
@@ -136,7 +155,7 @@ static int take_switch(const reading *r, const json *object, const char *key, in
   if (!given)
     return 0;
   *value = given->type == JSON_TRUE;
-  return *value || given->type == JSON_FALSE || wrong(r, "bad value of", key);
+  return *value || given->type == JSON_FALSE || bad_value(r, key, "true or false");
 }
 
 static int read_cloth(const reading *r, const json *object, shade_fabric_params *p) {
@@ -176,7 +195,9 @@ static shade_draft *read_draft(const reading *r, const json *object, int *left) 
       : named                   ? shade_draft_named(text->string)
               : shade_wif_parse(text->string, strlen(text->string), "draft", error, sizeof error);
   if (!draft)
-    wrong(r, "bad value of", text->key);
+    bad_value(r, text->key,
+              named ? "a name that 'shade weave --help' lists"
+                    : "the text of a Weaving Information File");
   return draft;
 }
 

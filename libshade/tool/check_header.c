@@ -14,6 +14,39 @@ static int bad_material(const char *path, int index, const char *message, const 
   return 0;
 }
 
+void check_expected_number(const shade_param_info *info, char *text, size_t size) {
+  snprintf(text, size, "%s from %g to %g", info->components > 1 ? "[r, g, b], each" : "a number",
+           info->minimum, info->maximum);
+}
+
+void check_expected_choice(shade_list list, char *text, size_t size) {
+  const char *word;
+  size_t length = 0;
+  text[0] = 0;
+  for (int row = 0; length < size && shade_list_row(list, row, NULL, &word, NULL, NULL); row++)
+    length += (size_t)snprintf(text + length, size - length, "%s\"%s\"", row ? " or " : "", word);
+}
+
+/* As bad_material, with what the key of the table wants. Always 0. */
+static int bad_value(const char *path, int index, const char *key) {
+  char wanted[CHECK_EXPECTED] = "";
+  shade_param_info info;
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    if (strcmp(key, shade_list_name((shade_list)list)) == 0)
+      check_expected_choice((shade_list)list, wanted, sizeof wanted);
+  for (int row = 0; shade_param_row(row, &info); row++)
+    if (strcmp(key, info.word) == 0)
+      check_expected_number(&info, wanted, sizeof wanted);
+  if (strcmp(key, "id") == 0)
+    snprintf(wanted, sizeof wanted, "a whole number from 0 to %d", 1 << 24);
+  if (strcmp(key, "name") == 0)
+    snprintf(wanted, sizeof wanted, "a string");
+  fprintf(stderr,
+          "shade check: %s: material number %d of the header: bad value of '%s': expected %s\n",
+          path, index, key, wanted);
+  return 0;
+}
+
 /* One number, or an array of as many as the parameter has, into its place in *p, as the file has
  * them: an exponent and an alpha that do not belong together are the dump's to answer for. */
 static int read_param(shade_params *p, const shade_param_info *info, const json *value) {
@@ -92,7 +125,7 @@ static int read_cloth(check_material *m, const char *path, int index, const json
     if ((*seen)++)
       return bad_material(path, index, "two values of", member->key);
     if ((seen == &id && !is_id(member)) || (seen == &name && member->type != JSON_STRING))
-      return bad_material(path, index, "bad value of", member->key);
+      return bad_value(path, index, member->key);
     if (seen == &id)
       m->id = (int)member->number;
     if (seen == &name)
@@ -132,7 +165,7 @@ static int read_material(check_material *m, const char *path, int index, const j
     if (key < 0)
       return bad_material(path, index, "unknown key", member->key);
     if (!good)
-      return bad_material(path, index, "bad value of", member->key);
+      return bad_value(path, index, member->key);
     if (seen[key]++)
       return bad_material(path, index, "two values of", member->key);
   }
@@ -153,7 +186,10 @@ check_material *check_read_materials(const char *path, const json *header, int *
   const json *list = json_member(header, "materials");
   *count = 0;
   if (!list || list->type != JSON_ARRAY || !list->child) {
-    fprintf(stderr, "shade check: %s: the header lists no \"materials\"\n", path);
+    fprintf(
+        stderr,
+        "shade check: %s: the header lists no \"materials\": expected an array of at least one\n",
+        path);
     return NULL;
   }
   for (const json *item = list->child; item; item = item->next)

@@ -113,13 +113,19 @@ int check_read_hit(check *c, size_t pixel, check_hit *h) {
   const shade_dump *d = c->dump;
   double tangent[3], ns[3], v[3], color[3], place[3];
   double *x = h->frame.axis[0], *y = h->frame.axis[1], *z = h->frame.axis[2];
-  if (!check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_N), pixel, z) ||
-      !check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_T), pixel, tangent) ||
-      !check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_NS), pixel, ns) ||
-      !check_read_unit(c, shade_dump_plane(d, SHADE_DUMP_V), pixel, v)) {
-    check_note_fault(c, FAULT_NOT_UNIT, pixel);
-    return 0;
-  }
+  const struct {
+    const float *plane;
+    double *to;
+    check_fault fault;
+  } directions[] = {{shade_dump_plane(d, SHADE_DUMP_N), z, FAULT_UNIT_N},
+                    {shade_dump_plane(d, SHADE_DUMP_T), tangent, FAULT_UNIT_T},
+                    {shade_dump_plane(d, SHADE_DUMP_NS), ns, FAULT_UNIT_NS},
+                    {shade_dump_plane(d, SHADE_DUMP_V), v, FAULT_UNIT_V}};
+  for (int i = 0; i < 4; i++)
+    if (!check_read_unit(c, directions[i].plane, pixel, directions[i].to)) {
+      check_note_fault(c, directions[i].fault, pixel);
+      return 0;
+    }
   const double along = check_dot(tangent, z);
   if (fabs(along) > UNIT_TOLERANCE) {
     check_note_fault(c, FAULT_TANGENT, pixel);
