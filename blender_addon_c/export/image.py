@@ -3,6 +3,7 @@
 
 import mmap
 import os
+import struct
 import tempfile
 
 import bpy
@@ -159,8 +160,10 @@ class Images:
         if image.is_float:
             _leave(pages, 0, data.nbytes)
         # Blender hands float images over in linear light, bytes as they are in the file.
-        srgb = not image.is_float and image.colorspace_settings.name == "sRGB"
-        straight = not image.is_float
+        srgb = image.colorspace_settings.name == "sRGB" and (not image.is_float or not wide and _is_of_integers(image))
+        straight = not image.is_float or srgb
+        if image.is_float and srgb:
+            _encode(data, image.channels)
         if straight and not srgb and not image.colorspace_settings.is_data:
             data, pages, wide = self._in_scene_light(image, data, pages, owner)
         return {"width": width, "height": height, "channels": image.channels, "data": data,
@@ -248,6 +251,51 @@ class Images:
         return {"width": columns * width, "height": rows * height, "channels": channels, "data": whole.ravel(),
                 "srgb": next(iter(tiles.values()))["srgb"], "wide": any(tile["wide"] for tile in tiles.values()),
                 "straight": any(tile["straight"] for tile in tiles.values())}
+
+
+def _is_of_integers(image):
+    """Does it lie in a file of 16-bit integers? Cycles mixes these as they are there; packed it takes Blender's light."""
+    if image.packed_file or image.is_dirty or image.source == "GENERATED":
+        return False
+    try:
+        with open(_absolute(image, image.filepath), "rb") as file:
+            start = file.read(26)
+            if start[:8] == b"\x89PNG\r\n\x1a\n":
+                return len(start) == 26 and start[24] == 16
+            return start[:4] in (b"II*\0", b"MM\0*") and _tiff_is_of_integers(file, "<" if start[:1] == b"I" else ">", start)
+    except (OSError, struct.error, UnicodeError):
+        return False
+
+
+def _tiff_is_of_integers(file, order, start):
+    """Are its samples, as the first directory says, 16 bits each, and no floats?"""
+    file.seek(struct.unpack(order + "I", start[4:8])[0])
+    bits, kind = 1, 1
+    for _ in range(struct.unpack(order + "H", file.read(2))[0]):
+        entry = file.read(12)
+        tag, _type, count = struct.unpack(order + "HHI", entry[:8])
+        if tag not in (258, 339):
+            continue
+        value = struct.unpack(order + "H", entry[8:10])[0]
+        if count > 2:  # they lie elsewhere
+            next_ = file.tell()
+            file.seek(struct.unpack(order + "I", entry[8:])[0])
+            value = struct.unpack(order + "H", file.read(2))[0]
+            file.seek(next_)
+        bits, kind = (value, kind) if tag == 258 else (bits, value)
+    return bits == 16 and kind == 1
+
+
+def _encode(data, count):
+    """Light of 0 to 1, times alpha, becomes what an sRGB file has, of the same numbers."""
+    for start in range(0, len(data), _SLICE // count * count):
+        part = data[start:start + _SLICE // count * count].reshape(-1, count)
+        color = part[:, :-1] if count in (2, 4) else part
+        if count in (2, 4):
+            alpha = part[:, -1:]
+            color /= np.where(alpha == 0, 1, alpha)
+        np.clip(color, 0, 1, out=color)
+        color[:] = np.where(color <= 0.0031308, 12.92 * color, 1.055 * color ** (1 / 2.4) - 0.055)
 
 
 def _bytes(data):

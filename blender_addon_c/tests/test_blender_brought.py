@@ -8,7 +8,7 @@ from blender_runs import averaged, rgba
 
 CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats": {"what": "alpha", "floats": True},
          **{what: {"what": what} for what in ("spaces", "groups", "colors", "nothing", "objects", "instancers", "islands", "bright", "tiles", "exposure",
-                                           "world", "windows", "lost", "taken", "cloud", "strands", "on_instancers", "smoke")}}
+                                           "world", "windows", "lost", "taken", "cloud", "strands", "on_instancers", "smoke", "deep")}}
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -39,6 +39,10 @@ def seen(pixels, blur, material=None, camera=None, side=SIDE, samples=64, **give
     return render(made)[0][..., :3]
 
 
+def light_of(code):
+    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+
+
 def wave(periods, across=WIDE, down=8, vertical=False):
     """A cosine along u, or v, about a half."""
     x = (np.arange(across) + 0.5) / across
@@ -123,28 +127,33 @@ def test_a_point_is_near_the_mean_of_its_footprint():
     assert errors[1] < 0.15 * errors[0]
 
 
-def test_light_is_averaged_not_its_code():
-    board = np.indices((64, 64)).sum(0) % 2 * 255
+@pytest.mark.parametrize("floats", [False, True])
+@pytest.mark.parametrize("low, high", [(0, 255), (60, 200)])
+def test_light_is_averaged_not_its_code(floats, low, high):
+    board = np.where(np.indices((64, 64)).sum(0) % 2, high, low)
     pixels = np.repeat(board[..., None], 3, -1).astype(np.uint8)
-    found = seen(pixels, 2.0, srgb=True)
-    assert found.mean() == pytest.approx(0.5, abs=1e-3)
-    assert found == pytest.approx(0.5, abs=4e-3)  # coarser levels are bytes, too
+    found = seen(np.float32(pixels) / 255 if floats else pixels, 2.0, srgb=True)
+    truth = np.mean([light_of(code / 255) for code in (low, high)])
+    assert found.mean() == pytest.approx(truth, abs=1e-3)
+    assert found == pytest.approx(truth, abs=1e-4 if floats else 4e-3)  # coarser levels of bytes are bytes, too
 
 
+@pytest.mark.parametrize("floats", [False, True])
 @pytest.mark.parametrize("srgb", [False, True])
-def test_bytes_are_mixed_as_they_are(srgb):
+def test_codes_are_mixed_as_they_are(srgb, floats):
     """Between two texels it is the light of the code between, as in Cycles."""
     pixels = np.zeros((1, 2, 3), np.uint8)
     pixels[0] = (10, 60, 200), (30, 250, 90)
     half = np.zeros((3, 4))
     half[:2] = (0.5, 0, 0, 0.25), (0, 0, 0, 0.5)  # from the middle of one to that of the other
     for cubic in (False, True):
-        found = seen(pixels, 0.0, shining(at=half, cubic=cubic), srgb=srgb, wrap="EXTEND", samples=256)
+        given = np.float32(pixels) / 255 if floats else pixels
+        found = seen(given, 0.0, shining(at=half, cubic=cubic), srgb=srgb, wrap="EXTEND", samples=256)
         x = (np.arange(SIDE) + 0.5)[:, None] / SIDE
         if cubic:  # a B-spline over two texels that go on
             x = (1 + 3 * x + 3 * x**2 - 2 * x**3) / 6
         code = (pixels[0, 0] * (1 - x) + pixels[0, 1] * x) / 255
-        light = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4) if srgb else code
+        light = light_of(code) if srgb else code
         np.testing.assert_allclose(found.mean(0), light, atol=2e-3)
 
 

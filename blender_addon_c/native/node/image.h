@@ -15,7 +15,7 @@ typedef struct node_image {
   float per_step;
   const texture *red_green, *blue_alpha; /* of bytes the first is all */
   const texture *one[4];                 /* of a wide image, by channel, else NULL */
-  uint32_t srgb;                         /* bytes are to be decoded, for either() */
+  uint32_t srgb;                         /* what is mixed is to be decoded, for either() */
 } node_image;
 
 static inline bool node_image_read(reader *r, node_image *n, graph *g) {
@@ -105,16 +105,16 @@ LEAF image_color texel_color(const uint32_t *texel, texel_place p) {
       byte_mixed(c00, c10, c01, c11, 16, p.s, p.t), byte_mixed(c00, c10, c01, c11, 24, p.s, p.t)};
 }
 
+LEAF image_color decoded(uint32_t srgb, image_color c) {
+  return (image_color){either(srgb, light_of(c.r), c.r), either(srgb, light_of(c.g), c.g),
+                       either(srgb, light_of(c.b), c.b), c.a};
+}
+
 LEAF image_color pair_color(const uint32_t *red_green, const uint32_t *blue_alpha, texel_place p) {
   float r, g, b, a;
   texel_pair(red_green, p, &r, &g);
   texel_pair(blue_alpha, p, &b, &a);
   return (image_color){tint(r), tint(g), tint(b), tint(a)};
-}
-
-LEAF image_color decoded(uint32_t srgb, image_color c) {
-  return (image_color){either(srgb, light_of(c.r), c.r), either(srgb, light_of(c.g), c.g),
-                       either(srgb, light_of(c.b), c.b), c.a};
 }
 
 LEAF void node_image_bytes(image_wrap wrap, const node_image *n, lane_run g, const float *u,
@@ -133,8 +133,8 @@ LEAF void node_image_bytes(image_wrap wrap, const node_image *n, lane_run g, con
   }
 }
 
-LEAF void node_image_wrapped(image_wrap wrap, const node_image *n, lane_run g, const float *u,
-                             const float *v, inputs *at) {
+LEAF void node_image_wrapped(image_wrap wrap, bool srgb, const node_image *n, lane_run g,
+                             const float *u, const float *v, inputs *at) {
   const texture own = *n->red_green; /* the other is as large */
   const uint32_t *red_green = own.texel, *blue_alpha = n->blue_alpha->texel;
   float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
@@ -142,13 +142,12 @@ LEAF void node_image_wrapped(image_wrap wrap, const node_image *n, lane_run g, c
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
     texel_place p = texel_find(wrap, &own, u[i], v[i]);
-    float a, b, c, d;
-    texel_pair(red_green, p, &a, &b);
-    texel_pair(blue_alpha, p, &c, &d);
-    red[i] = tint(a);
-    green[i] = tint(b);
-    blue[i] = tint(c);
-    alpha[i] = tint(d);
+    image_color c = pair_color(red_green, blue_alpha, p);
+    c = srgb ? decoded(UINT32_MAX, c) : c;
+    red[i] = c.r;
+    green[i] = c.g;
+    blue[i] = c.b;
+    alpha[i] = c.a;
   }
 }
 
@@ -215,8 +214,10 @@ LEAF void node_image_cubic(image_wrap wrap, const node_image *n, lane_run g, con
       texel_pair(from, texel_find(wrap, &own, x.last, y.first), &a[1], &b[1]);
       texel_pair(from, texel_find(wrap, &own, x.first, y.last), &a[2], &b[2]);
       texel_pair(from, texel_find(wrap, &own, x.last, y.last), &a[3], &b[3]);
-      one[i] = tint(four_mixed(a[0], a[1], a[2], a[3], x.share, y.share));
-      two[i] = tint(four_mixed(b[0], b[1], b[2], b[3], x.share, y.share));
+      float c = tint(four_mixed(a[0], a[1], a[2], a[3], x.share, y.share));
+      float d = tint(four_mixed(b[0], b[1], b[2], b[3], x.share, y.share));
+      one[i] = either(n->srgb, light_of(c), c);
+      two[i] = either(k ? 0u : n->srgb, light_of(d), d);
     }
   }
 }
@@ -321,8 +322,8 @@ LEAF void node_image_averaged(bool bytes, bool placed, image_wrap wrap, const no
     float texels2 = image_footprint(point, i, by, blur * point->width[i]);
     int level = image_level(texels2, of.count, u[i], v[i]);
     texel_place p = image_find(wrap, &of, level, u[i], v[i]);
-    image_color c =
-        bytes ? decoded(srgb, texel_color(red_green, p)) : pair_color(red_green, blue_alpha, p);
+    image_color c = bytes ? texel_color(red_green, p) : pair_color(red_green, blue_alpha, p);
+    c = decoded(srgb, c);
     red[i] = c.r;
     green[i] = c.g;
     blue[i] = c.b;
@@ -351,8 +352,10 @@ LEAF void node_image_any(image_wrap wrap, const node_image *n, lane_run g, const
     node_image_cubic(wrap, n, g, u, v, at);
   else if (bytes)
     node_image_bytes(wrap, n, g, u, v, at);
+  else if (n->srgb)
+    node_image_wrapped(wrap, true, n, g, u, v, at);
   else
-    node_image_wrapped(wrap, n, g, u, v, at);
+    node_image_wrapped(wrap, false, n, g, u, v, at);
 }
 
 LEAF void node_image_run(const node_image *n, lane_run g, const corners *corner,

@@ -283,7 +283,7 @@ static void pack_row(const texture *t, int y) {
     size_t count = width - x < BLOCK ? width - x : BLOCK;
     for (int c = first; c <= last; c++) {
       load(m, (size_t)y * width + x, count, c, channel[c]);
-      if (m->srgb && c < 3)
+      if (m->srgb && t->kind == TEXTURE_NORMAL)
         srgb_decode(count, channel[c]);
     }
     if (t->kind == TEXTURE_NORMAL)
@@ -430,6 +430,31 @@ static void pack_coarse_bytes_row(const texture *t, int level, int y) {
   pack_rim(t, level, y);
 }
 
+/* sRGB of a light, to the last of 16 bits. */
+static float srgb_of(float light) {
+  return light <= 0.0031308f ? 12.92f * light : 1.055f * powf(light, 1.0f / 2.4f) - 0.055f;
+}
+
+/* Which of a pair's two numbers are sRGB. */
+static void encoded_of(const texture *t, bool out[2]) {
+  out[0] = (t->kind == TEXTURE_RED_GREEN || t->kind == TEXTURE_BLUE_ALPHA) && t->source->srgb;
+  out[1] = out[0] && t->kind == TEXTURE_RED_GREEN;
+}
+
+/* What is averaged of a number of a pair: light. */
+static float light_in(bool encoded, float x) {
+  if (!encoded)
+    return x;
+  float c = 0.5f + 0.5f * x;
+  srgb_decode(1, &c);
+  return 2.0f * c - 1.0f;
+}
+
+static float light_out(bool encoded, float x) {
+  x = clamp(x, -1.0f, 1.0f);
+  return encoded ? 2.0f * srgb_of(0.5f + 0.5f * x) - 1.0f : x;
+}
+
 /* A row of a coarser level; alpha: the texture whose second number says how much each texel counts,
  * or NULL. Where nothing counts they count alike. */
 static void pack_coarse_row(const texture *t, const texture *alpha, int level, int y) {
@@ -440,7 +465,9 @@ static void pack_coarse_row(const texture *t, const texture *alpha, int level, i
   int finer_width = level_size(t->width, level - 1),
       finer_height = level_size(t->height, level - 1);
   int width = level_size(t->width, level), height = level_size(t->height, level);
-  if (!alpha && finer_width == 2 * width && finer_height == 2 * height) {
+  bool encoded[2];
+  encoded_of(t, encoded);
+  if (!alpha && !encoded[0] && finer_width == 2 * width && finer_height == 2 * height) {
     pack_halved_row(t, level, y);
     return;
   }
@@ -455,18 +482,20 @@ static void pack_coarse_row(const texture *t, const texture *alpha, int level, i
       for (int i = along.first; i <= along.last; i++) {
         float share = cover_weight(&down, j) * cover_weight(&along, i);
         float weight = by ? share * (0.5f + 0.5f * second_of(by[i])) : share;
-        a += share * first_of(from[i]);
-        b += share * second_of(from[i]);
-        wa += weight * first_of(from[i]);
-        wb += weight * second_of(from[i]);
+        float one = light_in(encoded[0], first_of(from[i]));
+        float two = light_in(encoded[1], second_of(from[i]));
+        a += share * one;
+        b += share * two;
+        wa += weight * one;
+        wb += weight * two;
         sum += share;
         weights += weight;
       }
     }
     bool counts = weights > 1e-6f, own = alpha == t; /* alpha itself is a plain mean */
     float scale = 1.0f / (counts ? weights : sum);
-    row[x] = pack_pair(clamp((counts ? wa : a) * scale, -1.0f, 1.0f),
-                       clamp(own ? b / sum : (counts ? wb : b) * scale, -1.0f, 1.0f));
+    row[x] = pack_pair(light_out(encoded[0], (counts ? wa : a) * scale),
+                       light_out(encoded[1], own ? b / sum : (counts ? wb : b) * scale));
   }
   pack_rim(t, level, y);
 }

@@ -450,6 +450,35 @@ def _smoke(_scene, _options):
     box.location = (0, 0, 1)
     box.modifiers.new("smoke", "FLUID").fluid_type = "DOMAIN"
 
+def _deep(scene, options):
+    """Texels of 16 bits are seen: of files, one with alpha, one packed, one of data, one by cubic splines."""
+    image = bpy.data.images.new("deep", 8, 8, alpha=True, float_buffer=True)
+    pixels = np.random.default_rng(6).random((64, 4)).astype(np.float32)
+    image.pixels.foreach_set(pixels.ravel())
+    settings = scene.render.image_settings
+    names = "file_format", "color_mode", "color_depth"
+    before = [getattr(settings, name) for name in names]
+    if hasattr(settings, "media_type"):  # from 5.0 on
+        settings.media_type = "IMAGE"
+    kinds = (("PNG", "RGB"), ("TIFF", "RGB"), ("PNG", "RGBA"), ("PNG", "BW"), ("TIFF", "RGBA"), ("PNG", "packed"), ("PNG", "Non-Color"), ("PNG", "Cubic"))
+    for number, (kind, what) in enumerate(kinds):
+        settings.file_format, settings.color_mode, settings.color_depth = kind, what if what in ("BW", "RGBA") else "RGB", "16"
+        path = os.path.join(options["where"], f"deep {number}.{kind.lower()}")
+        image.save_render(path, scene=scene)
+        found = bpy.data.images.load(path)
+        if what == "packed":
+            found.pack()
+        elif what == "Non-Color":
+            found.colorspace_settings.name = what
+        material, tree, color = _shining(f"{kind} {what}")
+        node = common.image_node(tree, found)
+        node.interpolation = "Cubic" if what == "Cubic" else "Linear"
+        tree.links.new(node.outputs["Color"], color)
+        _plate(material, number)
+    for name, value in zip(names, before):
+        setattr(settings, name, value)
+
+
 _CASES = {name[1:]: made for name, made in list(globals().items())
           if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_objects", "_instancers", "_nodes_tell", "_islands",
-                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost", "_taken", "_cloud", "_strands", "_on_instancers", "_smoke")}
+                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost", "_taken", "_cloud", "_strands", "_on_instancers", "_smoke", "_deep")}
