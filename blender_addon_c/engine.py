@@ -17,6 +17,8 @@ _POLL_SECONDS = 0.05
 # A redraw copies the whole picture, so a window gets one only this often.
 _REDRAW_SECONDS = 0.5
 _STATUS_SECONDS = 0.5
+# How often a viewport asks whether there is something new to draw.
+_LOOK_SECONDS = 0.01
 _MEGABYTE = 1 << 20
 _PREVIEW_SAMPLES = 32  # of a material's ball
 
@@ -168,8 +170,43 @@ class LibshadeEngine(bpy.types.RenderEngine):
         self._viewport = self._viewport or Viewport()
         text, more_to_come = self._viewport.draw(self, context, depsgraph)
         self.update_stats("libshade", text)
-        if more_to_come:
+        if more_to_come and self._viewport.has_news():
             self.tag_redraw()
+        elif more_to_come:
+            _watch(self)
+
+    def look(self):
+        """Draw the viewport again if there is something new; is that so?"""
+        news = self._viewport.has_news()
+        if news:
+            self.tag_redraw()
+        return news
+
+
+# Whose viewports wait for their jobs.
+_watched = []
+
+
+def _watch(engine):
+    """Draw it when there is something new. To draw the whole view each time only to see whether there is took as much
+    time as building what it waits for, without a graphics card."""
+    if engine not in _watched:
+        _watched.append(engine)
+    if not bpy.app.timers.is_registered(_look):  # another file ends timers
+        bpy.app.timers.register(_look, first_interval=_LOOK_SECONDS)
+
+
+def _look():
+    _watched[:] = [engine for engine in _watched if not _has_shown(engine)]
+    return _LOOK_SECONDS if _watched else None
+
+
+def _has_shown(engine):
+    """Or is no longer there."""
+    try:
+        return engine.look()
+    except ReferenceError:
+        return True
 
 
 class _Status:
@@ -256,4 +293,7 @@ def register():
 
 
 def unregister():
+    _watched.clear()
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
     bpy.utils.unregister_class(LibshadeEngine)

@@ -37,6 +37,7 @@ class Viewport:
         self._scene, self._waiting = None, False  # what the native module gets; does it have it yet?
         self._view = None
         self._job, self._made, self._finished, self._failed = None, None, False, False
+        self._behind = False  # was something else wanted than what the job makes, when it was drawn?
         self._began, self._fetched = 0.0, 0.0
         self._factor = 8  # of the first picture after an edit
         self._exposure = 1.0
@@ -70,10 +71,20 @@ class Viewport:
             return self._error, False
         state = _native.poll(self._job)
         report.keep(depsgraph.scene, self._messages, state["warnings"])
-        more = not self._is_last() or self._waiting or self._view != view
+        self._behind = self._waiting or self._view != view
+        more = not self._is_last() or self._behind
         progress = "" if not more else "Building the BVH" if state["stage"] == "build" else (
             f"Sample {state['sample'] if self._made.factor == 1 else 0}/{self._scene['samples']}")
         return " | ".join(filter(None, (progress, self._complaint(state)))), more
+
+    def has_news(self):
+        """Would drawing it again show more, or get something done? Asked often, as drawing takes much longer."""
+        if self._changed or not self._job:
+            return True
+        state = _native.poll(self._job)
+        if state["state"] != "running":
+            return True
+        return state["stage"] != "build" if self._behind else self._is_due(state)
 
     def _complaint(self, state):
         """What went wrong, in one line: the worst of it, and how much more there is."""
@@ -153,14 +164,16 @@ class Viewport:
         self._failed = self._finished and state["state"] != "done"
         if self._failed:
             return
-        now, coarse = time.perf_counter(), self._made.factor > 1
-        if self._finished and coarse:
+        if self._finished and self._made.factor > 1:
             self._adapt()
-        # of a coarse picture parts are no use; of the best one they stand before the last coarse one
-        if self._finished or (not coarse and state["stage"] == "render" and self._whole is not None
-                              and now - self._fetched > _FETCH_SECONDS):
+        if self._finished or self._is_due(state):
             self._fetch()
             self._fetched = time.perf_counter()
+
+    def _is_due(self, state):
+        """Of a coarse picture parts are no use; of the best one they stand before the last coarse one."""
+        return (self._made.factor == 1 and state["stage"] == "render" and self._whole is not None
+                and time.perf_counter() - self._fetched > _FETCH_SECONDS)
 
     def _adapt(self):
         """The first picture shall neither take long nor be coarser than it must."""

@@ -2,6 +2,7 @@
 """Rendered mode without a window: what the engine's viewport hands over to be drawn."""
 
 import sys
+import time
 from types import SimpleNamespace
 
 import bpy
@@ -42,7 +43,15 @@ class View:
         try:
             while more:
                 said, more = self._viewport.draw(engine, context, depsgraph)
+                self._until_news(more)
         finally:
             module.gpu, module.draw_texture_2d = held
         drawn, self._drawn = self._drawn[-1], []
         return np.array(drawn, np.float32).reshape(height, width, 4), said
+
+    def _until_news(self, more):
+        """The engine draws no earlier."""
+        deadline = time.monotonic() + 60
+        while more and not self._viewport.has_news():
+            assert time.monotonic() < deadline, "no news of the viewport"
+            time.sleep(0.001)
