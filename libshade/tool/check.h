@@ -98,11 +98,6 @@ typedef struct check {
 
 /* ---- the materials of the header: check_header.c ---- */
 
-/* What a row of the library's table wants, in words: a number of it, one of a list's choices. */
-enum { CHECK_EXPECTED = 512 };
-void check_expected_number(const shade_param_info *info, char *text, size_t size);
-void check_expected_choice(shade_list list, char *text, size_t size);
-
 /* The materials, sorted by id. NULL after printing why. */
 check_material *check_read_materials(const char *path, const json *header, int *count);
 void check_free_materials(check_material *materials, int count);
@@ -138,6 +133,13 @@ void check_to_local(const check_frame *f, const double v[3], double local[3]);
 int check_read_hit(check *c, size_t pixel, check_hit *h);
 /* Find each pixel's material; what is no hit or unfit gets -1. */
 void check_find_hits(check *c);
+
+/* ---- the header: check_header.c ---- */
+
+enum { CHECK_EXPECTED = 320 };
+/* What a number of the table, or a choice of a list, must be: for messages. */
+void check_expected_number(const shade_param_info *info, char *text, size_t size);
+void check_expected_choice(shade_list list, char *text, size_t size);
 
 /* ---- cloths: check_fabric.c ---- */
 

@@ -185,7 +185,7 @@ static int read_cloth(const reading *r, const json *object, shade_fabric_params 
 }
 
 static shade_draft *read_draft(const reading *r, const json *object, int *left) {
-  char error[256];
+  char error[256] = "";
   const int named = json_member(object, "weave") != NULL;
   const json *text = take(r, object, named ? "weave" : "draft", left);
   if (!text)
@@ -195,9 +195,7 @@ static shade_draft *read_draft(const reading *r, const json *object, int *left) 
       : named                   ? shade_draft_named(text->string)
               : shade_wif_parse(text->string, strlen(text->string), "draft", error, sizeof error);
   if (!draft)
-    bad_value(r, text->key,
-              named ? "a name that 'shade weave --help' lists"
-                    : "the text of a Weaving Information File");
+    bad_value(r, text->key, named ? "a name of shade weave --help" : *error ? error : "a string");
   return draft;
 }
 

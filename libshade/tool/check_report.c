@@ -134,7 +134,10 @@ static void print_text(const check *c, const verdict *v) {
                pixel_x(c, in->worst_pixel), pixel_y(c, in->worst_pixel), "RGB"[in->worst_channel],
                in -> worst_s, in -> worst_reference);
       else
-        printf("%10s %10s  %s\n", "-", "-", mat->pixels ? "unlit" : "not in the picture");
+        printf("%10s %10s  %s\n", "-", "-",
+               !mat->pixels ? "not in the picture"
+               : v->faults  ? "unlit, or at fault (below)"
+                            : "unlit");
     }
   print_apart(c);
   for (int i = 0; i < FAULT_COUNT; i++)
