@@ -3,14 +3,13 @@
 #include "system/pages.h"
 
 #include <fcntl.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
-enum { LARGE = 64 << 20, HUGE_PAGE = 2 << 20, MEMORY_DISK = 0x01021994 }; /* tmpfs */
+enum { LARGE = 64 << 20, MEMORY_DISK = 0x01021994 }; /* tmpfs */
 
 static int nameless_file(void) {
   const char *folder = getenv("TMPDIR");
@@ -54,18 +53,6 @@ size_t pages_resident(void) {
     close(file);
   text[length > 0 ? length : 0] = '\0';
   return sscanf(text, "%*u %*u %lu", &pages) == 1 ? pages * (size_t)sysconf(_SC_PAGESIZE) : 0;
-}
-
-void *pages_memory(size_t bytes) {
-  const bool huge = bytes >= 2 * HUGE_PAGE;
-  void *block = NULL;
-  if (posix_memalign(&block, huge ? HUGE_PAGE : 128, bytes ? bytes : 1) != 0)
-    return NULL;
-#ifdef MADV_HUGEPAGE
-  if (huge) /* but for the end, whose page is shared with others */
-    madvise(block, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
-#endif
-  return block;
 }
 
 void pages_free(void *block, size_t bytes) {

@@ -10,10 +10,6 @@
  * full, or is memory itself. */
 void *pages_new(size_t bytes);
 
-/* Memory for free(), 128-byte aligned; a large block in pages of 2 MiB where the system has them:
- * to be given 128 MiB in small ones takes a tenth of a second. NULL where there is none. */
-void *pages_memory(size_t bytes);
-
 /* What is in it goes to the file, and comes back where it is asked for. */
 void pages_leave(void *block, size_t bytes);
 
