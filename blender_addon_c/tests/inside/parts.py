@@ -145,12 +145,19 @@ def test_pixels_that_no_file_has_are_read_each_time():
 
 
 def test_balls_at_points():
-    """Each where its object carries it, and as large as the object is in the mean; when it moves, too."""
+    """Each where its object carries it, and as large as the object is in the mean; when it moves, too. What the points say
+    is each ball's own, the rest their object's."""
     turn = Matrix.Translation((1, 2, 3)) @ Matrix.Rotation(0.7, 4, (1, 2, 3)) @ Matrix.Diagonal((1, 2, 4, 1))
     places, sizes = np.array([[1.0, 0, 0], [0.2, -0.5, 3.0]]), np.array([0.5, 0.1])
-    made = {"matrix": np.array(turn).ravel().tolist(), "motion": np.array([turn, Matrix.Identity(4)])}
-    balls = module("export.scene")._at_points(made, places, sizes)
-    for ball, place, size in zip(balls, places, sizes):
+    tones = np.array([[1.0, 2, 3, 4], [5, 6, 7, 8]])
+    made = {"matrix": np.array(turn).ravel().tolist(), "motion": np.array([turn, Matrix.Identity(4)]),
+            "attributes": [(9,) * 4, (0,) * 4, (0,) * 4]}
+    points = module("export.strands").Points(places, sizes, {"tone": tones}.get)
+    table = SimpleNamespace(attributes=SimpleNamespace(listed=[("OBJECT", "tone"), ("POINT", "tone"), ("POINT", "none")]))
+    balls = module("export.scene")._at_points(made, points, table)
+    assert len(balls) == 2
+    for ball, place, size, tone in zip(balls, places, sizes, tones):
+        assert np.array_equal(ball["attributes"], [(9,) * 4, tone, (0,) * 4])
         wanted = Matrix.Translation(turn @ Vector(place)) @ Matrix.Scale(2 * size, 4)
         assert np.allclose(np.reshape(ball["matrix"], (4, 4)), wanted, atol=1e-6)
         assert np.allclose(ball["motion"][0], wanted, atol=1e-5)
