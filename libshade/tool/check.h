@@ -140,6 +140,8 @@ enum { CHECK_EXPECTED = 320 };
 /* What a number of the table, or a choice of a list, must be: for messages. */
 void check_expected_number(const shade_param_info *info, char *text, size_t size);
 void check_expected_choice(shade_list list, char *text, size_t size);
+/* One more of several words; *length counts what is there, from 0. */
+void check_add_choice(const char *word, char *text, size_t size, size_t *length);
 
 /* ---- cloths: check_fabric.c ---- */
 

@@ -127,11 +127,15 @@ static int read_yarns(const reading *r, const json *object, shade_weave_params *
       seed->number != floor(seed->number))
     return bad_value(r, "seed", "a whole number from 0 to 4294967295");
   p->seed = (uint32_t)seed->number;
-  for (int row = 0, value; shade_occlusion_row(row, &value, &name, NULL, NULL); row++)
+  char wanted[CHECK_EXPECTED] = "";
+  size_t length = 0;
+  for (int row = 0, value; shade_occlusion_row(row, &value, &name, NULL, NULL); row++) {
+    check_add_choice(name, wanted, sizeof wanted, &length);
     if (word->type == JSON_STRING && strcmp(name, word->string) == 0)
       found = value;
+  }
   if (found < 0)
-    return bad_value(r, "occlusion", "\"none\" or \"tilt\" or \"sky\"");
+    return bad_value(r, "occlusion", wanted);
   p->occlusion = (shade_occlusion)found;
   return read_shape(r, warp, "warp", &p->warp) && read_shape(r, weft, "weft", &p->weft);
 }

@@ -19,12 +19,18 @@ void check_expected_number(const shade_param_info *info, char *text, size_t size
            info->minimum, info->maximum);
 }
 
+void check_add_choice(const char *word, char *text, size_t size, size_t *length) {
+  if (*length < size)
+    *length +=
+        (size_t)snprintf(text + *length, size - *length, "%s\"%s\"", *length ? " or " : "", word);
+}
+
 void check_expected_choice(shade_list list, char *text, size_t size) {
   const char *word;
   size_t length = 0;
   text[0] = 0;
-  for (int row = 0; length < size && shade_list_row(list, row, NULL, &word, NULL, NULL); row++)
-    length += (size_t)snprintf(text + length, size - length, "%s\"%s\"", row ? " or " : "", word);
+  for (int row = 0; shade_list_row(list, row, NULL, &word, NULL, NULL); row++)
+    check_add_choice(word, text, size, &length);
 }
 
 /* As bad_material, with what the key of the table wants. Always 0. */

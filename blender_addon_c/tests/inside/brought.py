@@ -450,6 +450,7 @@ def _smoke(_scene, _options):
     box.location = (0, 0, 1)
     box.modifiers.new("smoke", "FLUID").fluid_type = "DOMAIN"
 
+
 def _deep(scene, options):
     """Texels of 16 bits are seen: of files, one with alpha, one packed, one of data, one by cubic splines."""
     image = bpy.data.images.new("deep", 8, 8, alpha=True, float_buffer=True)
