@@ -198,3 +198,23 @@ def test_viewport_while_it_is_edited(window):
     window.wait("whole", times=2)
     fresh = rgba(window.take_screenshot("blender_edited_fresh.png"))[80:800, :1000]
     assert np.ptp(fresh[..., :3]) > 0.2 and (np.abs(in_the_end - fresh) > 0.02).any(-1).mean() < 0.002
+
+
+@pytest.fixture
+def counted(blender34, tmp_path):
+    window = Window(blender34, tmp_path, None, script="drawn.py")
+    yield window
+    window.close()
+
+
+def test_viewport_is_drawn_only_for_news(counted):
+    """Of a picture that takes hours as often as it is copied, of one that is finished not at all, and while BVHs are built not
+    just to see whether they are there. Counts, not seconds."""
+    counted.wait("done", seconds=120)
+    told = {phase: dict(zip(words[::2], map(int, words[1::2])))
+            for phase, *words in map(str.split, counted.log.read_text().splitlines()) if words}
+    print(told)
+    assert told["refining"]["copies"] == 3 and told["building"]["pictures"] >= 6
+    # once for Blender's own reasons
+    assert max(told[phase]["idle"] for phase in ("refining", "building")) <= 1, told
+    assert told["whole"] == dict.fromkeys(told["whole"], 0)
