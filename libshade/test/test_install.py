@@ -131,9 +131,24 @@ def test_exports(prefix):
     assert all(name.startswith(("libm.", "libc.")) for name in needed), needed
 
 
-def programs():
-    section = (ROOT / "docs/library.md").read_text().split("\n## ")[0]
-    return re.findall(r"^```c\n(.*?)^```$", section, flags=re.S | re.M)
+def programs(section):
+    text = (ROOT / "docs/library.md").read_text().split("\n## ")[section]
+    return re.findall(r"^```c\n(.*?)^```$", text, flags=re.S | re.M)
+
+
+def run_program(source, prefix, folder, linking):
+    """Compiles a program of docs/library.md against what is installed, without a warning; what it prints."""
+    (folder / "program.c").write_text(source)
+    pc = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
+    options = ["--static"] if linking == "static" else []
+    flags = run("pkg-config", *options, "--cflags", "--libs", "libshade", **pc).split()
+    assert run("pkg-config", "--modversion", "libshade", **pc).strip() == version()
+    warnings = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    # C++17, so without C's designated initialisers and enumerations as integers
+    compiler = ["g++", "-std=c++17", "-x", "c++"] if linking == "c++" else ["cc", "-std=c11"]
+    run(*compiler, *warnings, folder / "program.c", "-x", "none", "-o", folder / "program",
+        *(["-static"] if linking == "static" else []), *flags, "-lm")
+    return run(folder / "program", LD_LIBRARY_PATH=str(prefix / "lib")).split()
 
 
 def brdf_at(half):
@@ -149,26 +164,59 @@ def brdf_at(half):
 @pytest.mark.parametrize("linking", ["shared", "static", "c++"])
 @pytest.mark.parametrize("which", [0, 1])
 def test_library_page_programs(prefix, tmp_path, which, linking):
-    assert len(programs()) == 2
-    source = programs()[which]
+    assert len(programs(0)) == 2
+    source = programs(0)[which]
     body = source.split("int main(void) {\n")[1].split("\n}")[0].splitlines()
     assert len(body) <= 15, "the page promises a few lines"
-    (tmp_path / "program.c").write_text(source)
-    pc = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
-    options = ["--static"] if linking == "static" else []
-    flags = run("pkg-config", *options, "--cflags", "--libs", "libshade", **pc).split()
-    assert run("pkg-config", "--modversion", "libshade", **pc).strip() == version()
-    warnings = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
-    # C++17, so without C's designated initialisers and enumerations as integers
-    compiler = ["g++", "-std=c++17", "-x", "c++"] if linking == "c++" else ["cc", "-std=c11"]
-    run(*compiler, *warnings, tmp_path / "program.c", "-x", "none", "-o", tmp_path / "program",
-        *(["-static"] if linking == "static" else []), *flags)
-    out = run(tmp_path / "program", LD_LIBRARY_PATH=str(prefix / "lib")).split()
+    out = run_program(source, prefix, tmp_path, linking)
     # wi is n itself, wo lies 20.6 degrees from it in the plane of x and z, h in the middle
     half = (math.asin(.6) - math.asin(.28)) / 2
     close = 1e-8 if which == 0 else 2e-5
     assert float(out[0]) == pytest.approx(brdf_at(half), rel=close)
     assert float(out[1]) == pytest.approx(1, abs=1e-6) and out[2] == "0"
+
+
+def answers(command, queries):
+    """Of the tool, a row of numbers for each query."""
+    text = "".join(" ".join(f"{x!r}" for x in query) + "\n" for query in queries)
+    words = [str(ROOT / "build/shade"), *command]
+    out = subprocess.run(words, input=text, capture_output=True, text=True, check=True, timeout=600)
+    return [[float(x) for x in line.split()] for line in out.stdout.splitlines()]
+
+
+@pytest.mark.parametrize("linking", ["shared", "c++"])
+def test_library_page_path_tracer(prefix, tmp_path, linking):
+    """Light of its lamp, by the reference over a lattice in it."""
+    source, = programs(1)
+    out = run_program(source, prefix, tmp_path, linking)
+    rings, spokes, queries = 60, 90, []
+    for i in range(rings * spokes):
+        z = 1 - (i // spokes + .5) / rings * .02
+        r, phi = math.sqrt(1 - z * z), (i % spokes + .5) * 2 * math.pi / spokes
+        wi = (.8 * r * math.cos(phi) + .6 * z, r * math.sin(phi), -.6 * r * math.cos(phi) + .8 * z)
+        queries.append((.28, 0., .96, *wi, 0., 0., 1.))
+    found = answers(["eval", "--what", "f", "--precision", "reference", "--ax", "0.05", "--ay", "0.4"], queries)
+    cosines = [.28 * q[3] + .96 * q[5] for q in queries]
+    truth = sum(f * c for (f,), c in zip(found, cosines)) / len(queries) * 2 * math.pi * .02
+    assert float(out[0]) == pytest.approx(truth, rel=.01)
+
+
+def test_library_page_cloth(prefix, tmp_path):
+    """As one call for each light says, and as much of a white sky as a lattice over it."""
+    source, = programs(2)
+    out = [float(x) for x in run_program(source, prefix, tmp_path, "shared")]
+    ends, picks = (float(re.search(rf"([\d.]+) {what}", run(ROOT / "build/shade", "presets", "denim"))[1])
+                   for what in ("ends", "picks"))
+    at = (1.25 * ends, 2.5 * picks, 5.)
+    assert out[:6] == pytest.approx(sum(answers(["fabric", "denim"], [
+        (*at, .6, 0., .8, 0., 0., 1.), (*at, 0., -.6, .8, 0., 0., 1.)]), []), rel=1e-8)
+    rings, spokes, queries = 60, 60, []
+    for i in range(rings * spokes):
+        z, phi = (i // spokes + .5) / rings, (i % spokes + .5) * 2 * math.pi / spokes
+        r = math.sqrt(1 - z * z)
+        queries.append((*at, r * math.cos(phi), r * math.sin(phi), z, 0., 0., 1.))
+    white = sum(s[2] for s in answers(["fabric", "denim"], queries)) / len(queries) * 2 * math.pi
+    assert out[6] == pytest.approx(white, rel=.02)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

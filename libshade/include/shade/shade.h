@@ -81,7 +81,8 @@ enum {
   SHADE_OK = 0,
   SHADE_CLAMPED_PARAMETER = 1, /* a parameter was outside its range and was clamped */
   SHADE_CLAMPED_NORMAL = 2,    /* n.z <= 0: n.z set to 1e-4 and n renormalised */
-  SHADE_BAD_INPUT = 4,         /* non-finite input or wi = -wo: the result is 0 */
+  SHADE_BAD_INPUT = 4,         /* non-finite input or wi = -wo: the result is 0; a structure
+                                  without its size: each function says what it does then */
   SHADE_BAD_CHOICE = 8,        /* an enum value outside its list: the first row is used */
   SHADE_NO_SAMPLE = 16         /* a draw found no direction: wi, f and pdf are 0 */
 };
