@@ -549,6 +549,11 @@ shade_dump *shade_dump_read(const struct shade_exr_api *api, const char *path, c
   const struct report r = {api, path, error, error_size};
   const exr_context_initializer_t options = context_options();
   exr_context_t context = NULL;
+  struct stat there;
+  if (stat(path, &there) == 0 && S_ISDIR(there.st_mode)) {
+    fail(&r, "is a folder, not a dump");
+    return NULL;
+  }
   const exr_result_t code = api->exr_start_read(&context, path, &options);
   if (code != EXR_ERR_SUCCESS) {
     fail_library(&r, code, "cannot read");

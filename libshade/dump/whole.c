@@ -4,11 +4,42 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* Where the links of that name end, whether a file is there or not. NULL: errno says why. */
+static char *end_of_links(const char *path) {
+  enum { MOST = 40 }; /* as Linux */
+  char *name = malloc(strlen(path) + 1);
+  if (name)
+    strcpy(name, path);
+  for (int links = 0; name; links++) {
+    char to[PATH_MAX];
+    const ssize_t length = readlink(name, to, sizeof to);
+    if (length < 0) /* no link */
+      return name;
+    if (links == MOST || length == (ssize_t)sizeof to) {
+      free(name);
+      errno = links == MOST ? ELOOP : ENAMETOOLONG;
+      return NULL;
+    }
+    const char *slash = to[0] == '/' ? NULL : strrchr(name, '/');
+    const size_t folder = slash ? (size_t)(slash + 1 - name) : 0;
+    char *next = malloc(folder + (size_t)length + 1);
+    if (next) {
+      memcpy(next, name, folder);
+      memcpy(next + folder, to, (size_t)length);
+      next[folder + (size_t)length] = 0;
+    }
+    free(name);
+    name = next;
+  }
+  return NULL;
+}
 
 int shade_whole_begin(shade_whole *w, const char *path, char *error, size_t size) {
   struct stat there;
@@ -18,15 +49,12 @@ int shade_whole_begin(shade_whole *w, const char *path, char *error, size_t size
              S_ISDIR(there.st_mode) ? "folder" : "device or pipe, not a file");
     return -1;
   }
-  const size_t length = strlen(path) + 64;
-  w->path = malloc(length);
-  w->temporary = malloc(length);
-  if (!w->path || !w->temporary)
-    errno = ENOMEM;
+  w->path = end_of_links(path);
+  const size_t length = w->path ? strlen(w->path) + 64 : 0;
+  w->temporary = w->path ? malloc(length) : NULL;
   int file = -1;
   for (int attempt = 0; w->path && w->temporary && file < 0 && attempt < 100; attempt++) {
-    strcpy(w->path, path);
-    snprintf(w->temporary, length, "%s.%ld-%d.tmp", path, (long)getpid(), attempt);
+    snprintf(w->temporary, length, "%s.%ld-%d.tmp", w->path, (long)getpid(), attempt);
     file = open(w->temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (file < 0 && errno != EEXIST)
       break;

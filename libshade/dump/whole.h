@@ -17,9 +17,9 @@ typedef struct shade_whole {
 } shade_whole;
 
 /*
- * Create an empty file under a temporary name of its own. What is there but no plain file is
- * refused: renaming would take its place. 0, or -1 and in error[size] what is wrong, without the
- * path; then there is nothing to end.
+ * Create an empty file under a temporary name of its own, beside where the links of the path end:
+ * a link stays one. What is there but no plain file is refused: renaming would take its place. 0,
+ * or -1 and in error[size] what is wrong, without the path; then there is nothing to end.
  */
 int shade_whole_begin(shade_whole *w, const char *path, char *error, size_t size);
 

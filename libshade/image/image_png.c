@@ -21,9 +21,16 @@ typedef struct png_state {
   uint8_t *row;
 } png_state;
 
-/* libpng does not return from an error: to the setjmp of the call in progress. */
+/*
+ * libpng does not return from an error: to the setjmp of the call in progress. Where a write of the
+ * stream failed it says no more than that: errno says why.
+ */
 static void on_error(png_structp png, png_const_charp message) {
-  shade_image_fail(png_get_error_ptr(png), "cannot write: %s", message);
+  const int why = errno;
+  shade_image_writer *w = png_get_error_ptr(png);
+  const png_state *p = w->format;
+  shade_image_fail(w, "cannot write: %s",
+                   p->file && ferror(p->file) && why ? strerror(why) : message);
   longjmp(png_jmpbuf(png), 1);
 }
 static void on_warning(png_structp png, png_const_charp message) {

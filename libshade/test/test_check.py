@@ -949,6 +949,10 @@ def test_usage(good, tmp_path):
                     *([good, "--tolerance", bad] for bad in ("nan", "inf", "-1", "x", "1x", ""))):
         result = subprocess.run([SHADE, "check", *options], capture_output=True, text=True)
         assert result.returncode == 2 and result.stderr and not result.stdout
+    result = subprocess.run([SHADE, "check", good, "--tolerance", "1x"], capture_output=True, text=True)
+    assert "'1x': expected a number of at least 0" in result.stderr
+    result = subprocess.run([SHADE, "check", tmp_path], capture_output=True, text=True)
+    assert result.returncode == 1 and "is a folder" in result.stderr
     for option in ("--help", "-h"):
         result = subprocess.run([SHADE, "check", option], capture_output=True, text=True)
         assert result.returncode == 0 and "--tolerance" in result.stdout

@@ -216,7 +216,7 @@ def test_alphas_are_exponents():
 
 
 def test_digits_blank_lines_and_comments():
-    result = run("# a comment\n\n0 0 1 0 0 1\n", "--precision", "float", "--ex", "1", "--ey", "2")
+    result = run("\ufeff# a comment\n\n0 0 1 0 0 1\n", "--precision", "float", "--ex", "1", "--ey", "2")
     assert result.stdout.strip() == "%.9g" % float(result.stdout)
     result = run("0 0 1 0 0 1\n", "--ex", "1", "--ey", "2")
     assert result.stdout.strip() == "%.17g" % float(result.stdout)
@@ -257,7 +257,8 @@ def test_malformed_line_is_named(line, word):
     (("--precision", "half"), "float"),
     (("--colour", "1"), "unknown option"),
     (("--fresnel", "schlick"), "unknown option"),  # it follows from the numbers
-    (("--ex",), "lacks its value"),
+    (("--ex",), "'--ex' lacks its value"),
+    (("--colour",), "unknown option '--colour'"),
     (("what",), "unexpected argument"),
 ])
 def test_bad_usage(options, expected):

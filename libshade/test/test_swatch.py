@@ -262,7 +262,7 @@ def test_info():
 @pytest.mark.parametrize("words, text, code, message", [
     (["fabric"], "", 2, "usage"),
     (["fabric", "cheesecloth"], "", 2, "no cloth 'cheesecloth'"),
-    (["fabric", "brushed_steel"], "", 2, "no cloth"),
+    (["fabric", "brushed_steel"], "", 2, "'brushed_steel' is a metal, no cloth"),
     (["fabric", "denim", "linen"], "", 2, "one preset"),
     (["fabric", "denim", "--tier", "middle"], "", 2, "auto, near, far or single"),
     (["fabric", "denim", "--wrong"], "", 2, "--wrong"),

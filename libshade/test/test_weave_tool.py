@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """`shade weave`: look-ups against the formulas written out here, drafts against threading x tie-up
 x treadling worked out here, maps, and what is refused."""
+import errno
 import math
 import os
 import pathlib
 import random
+import resource
 import signal
 import subprocess
 import time
@@ -600,7 +602,9 @@ def test_interrupted_map_leaves_nothing(tmp_path):
     (["--name", "plain", "--twist", "S,30,1,plied,5"], "expected S, Z or none"),
     (["--name", "plain", "--occlusion", "some"], "expected none, tilt or sky"),
     (["--name", "plain", "--colour", "red"], "unknown option '--colour'"),
-    (["--name", "plain", "--width"], "unknown or lacks its value"),
+    (["--name", "plain", "--width"], "'--width' lacks its value"),
+    (["--name", "plain", "--weft-twist"], "'--weft-twist' lacks its value"),
+    (["--name", "plain", "--weft-colour"], "unknown option '--weft-colour'"),
     (["--name", "plain", "stray"], "unexpected argument 'stray'"),
     (["--name", "plain", "-o", "map.jpg"], "a name that ends in .exr or .png"),
     (["--name", "plain", "-o", "m.exr", "--size", "0"], "1 to 65536 pixels"),
@@ -655,6 +659,37 @@ def test_unwritable(tmp_path):
         result = run("--name", "plain", option, tmp_path / "missing" / name)
         assert result.returncode == 1
         assert "cannot write" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_link_stays_one(tmp_path, there):
+    """What it points at is written, also through a second link, in another folder."""
+    target, link, second = tmp_path / "target.wif", tmp_path / "in" / "link.wif", tmp_path / "second.wif"
+    link.parent.mkdir()
+    link.symlink_to("../target.wif")
+    second.symlink_to(link)
+    if there:
+        target.write_text("before")
+    assert run("--name", "plain", "--wif", second).returncode == 0
+    assert second.is_symlink() and link.is_symlink() and not target.is_symlink()
+    assert "[WIF]" in target.read_text()
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["in", "link.wif", "second.wif", "target.wif"]
+    target.unlink()
+    target.symlink_to(second)  # in a circle
+    result = run("--name", "plain", "--wif", second)
+    assert result.returncode == 1 and "symbolic links" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["map.png", "map.exr"])
+def test_no_room_for_a_map(tmp_path, name):
+    def little_room():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+    words = [SHADE, "weave", "--name", "plain", "--size", "512", "--warp-twist", "S", "-o", str(tmp_path / name)]
+    result = subprocess.run(words, capture_output=True, text=True, timeout=60, preexec_fn=little_room, check=False)
+    assert result.returncode == 1 and os.strerror(errno.EFBIG) in result.stderr
     assert not list(tmp_path.iterdir())
 
 

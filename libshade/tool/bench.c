@@ -410,7 +410,7 @@ static int read_value(options *o, const char *option, const char *text) {
     while ((isa = shade_isa_pick(row)) && strcmp(isa->name, text))
       row++;
     o->isa = text;
-    expected = isa ? NULL : "an instruction set that this CPU has";
+    expected = isa ? NULL : "an instruction set of shade bench --help that this CPU has";
   } else if (!strcmp(option, "--mdf")) {
     o->mdf = shade_list_find(SHADE_LIST_MDF, text);
     expected = o->mdf < 0 ? "a distribution (see shade eval --help)" : NULL;

@@ -124,6 +124,15 @@ static int read_tolerance(const char *text, double *tolerance) {
   return text && end != text && *end == 0 && isfinite(*tolerance) && *tolerance >= 0;
 }
 
+/* text is NULL where there is none. */
+static int refuse_value(const char *option, const char *text, const char *wanted) {
+  if (text)
+    fprintf(stderr, "shade check: %s '%s': expected %s\n", option, text, wanted);
+  else
+    fprintf(stderr, "shade check: option '%s' lacks its value: %s\n", option, wanted);
+  return TOOL_BAD_USAGE;
+}
+
 int shade_cmd_check(int argc, char **argv) {
   check_options o = {.tolerance = 1e-4, .mean_tolerance = 1e-5, .threads = tool_threads()};
   for (int i = 1; i < argc; i++) {
@@ -136,15 +145,11 @@ int shade_cmd_check(int argc, char **argv) {
       return TOOL_DONE;
     }
     if (number) {
-      if (!read_tolerance(argv[++i], number)) {
-        fprintf(stderr, "shade check: %s wants a number of at least 0\n", word);
-        return TOOL_BAD_USAGE;
-      }
+      if (!read_tolerance(argv[++i], number))
+        return refuse_value(word, argv[i], "a number of at least 0");
     } else if (strcmp(word, "--threads") == 0) {
-      if (!read_threads(argv[++i], &o.threads)) {
-        fputs("shade check: --threads wants a whole number of at least 1\n", stderr);
-        return TOOL_BAD_USAGE;
-      }
+      if (!read_threads(argv[++i], &o.threads))
+        return refuse_value(word, argv[i], "a whole number of at least 1");
     } else if (strcmp(word, "--json") == 0) {
       o.json = 1;
     } else if (strcmp(word, "--all") == 0) {

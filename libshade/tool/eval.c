@@ -185,7 +185,13 @@ static shade_list find_list(const char *name) {
   return (shade_list)list;
 }
 
-/* Sets what an option says. Numbers that were given are noted in *given, a bit each row. */
+static int takes_value(const char *option) {
+  return find_list(option + 2) != SHADE_LIST_COUNT || shade_param_find(option + 2) >= 0 ||
+         !strcmp(option, "--precision") || !strcmp(option, "--what");
+}
+
+/* Sets what an option of takes_value says. Numbers that were given are noted in *given, a bit each
+ * row. */
 static int read_option(query *q, const char *option, const char *value, unsigned *given) {
   const shade_list list = find_list(option + 2);
   const int row = shade_param_find(option + 2);
@@ -203,15 +209,11 @@ static int read_option(query *q, const char *option, const char *value, unsigned
     q->params.fast = k == PRECISION_FAST;
     return TOOL_DONE;
   }
-  if (!strcmp(option, "--what")) {
-    const int k = find_word(what_words, value);
-    if (k < 0)
-      return bad_usage(option, value, "D, f, diffuse, pdf or sample");
-    q->what = (what)k;
-    return TOOL_DONE;
-  }
-  fprintf(stderr, "shade eval: unknown option '%s' (see shade eval --help)\n", option);
-  return TOOL_BAD_USAGE;
+  const int k = find_word(what_words, value);
+  if (k < 0)
+    return bad_usage(option, value, "D, f, diffuse, pdf or sample");
+  q->what = (what)k;
+  return TOOL_DONE;
 }
 
 /* Returns TOOL_DONE, or the exit status after printing why; *help asks for the usage text. */
@@ -228,8 +230,12 @@ static int read_options(query *q, int argc, char **argv, int *help) {
       fprintf(stderr, "shade eval: unexpected argument '%s' (see shade eval --help)\n", option);
       return TOOL_BAD_USAGE;
     }
+    if (!takes_value(option)) {
+      fprintf(stderr, "shade eval: unknown option '%s' (see shade eval --help)\n", option);
+      return TOOL_BAD_USAGE;
+    }
     if (i + 1 == argc) {
-      fprintf(stderr, "shade eval: option '%s' is unknown or lacks its value\n", option);
+      fprintf(stderr, "shade eval: option '%s' lacks its value\n", option);
       return TOOL_BAD_USAGE;
     }
     status = read_option(q, option, argv[i + 1], &given);

@@ -73,8 +73,14 @@ static int read_options(request *r, int argc, char **argv) {
       return refuse("unknown option", a);
     } else if (r->named) {
       return refuse("one preset at a time, not also", a);
-    } else if (!shade_preset_find(a, &r->preset) || r->preset.kind != SHADE_PRESET_FABRIC) {
+    } else if (!shade_preset_find(a, &r->preset)) {
       fprintf(stderr, "shade fabric: no cloth '%s'; shade presets lists them\n", a);
+      return TOOL_BAD_USAGE;
+    } else if (r->preset.kind != SHADE_PRESET_FABRIC) {
+      fprintf(stderr,
+              "shade fabric: '%s' is a metal, no cloth: shade presets %s says its numbers, and "
+              "shade eval evaluates it\n",
+              a, a);
       return TOOL_BAD_USAGE;
     } else {
       r->named = 1;

@@ -25,6 +25,11 @@ int tool_next_line(tool_lines *in, int count, int other, double *numbers) {
   while (!in->status && (length = getline(&in->line, &in->capacity, stdin)) >= 0) {
     in->number++;
     const char *text = in->line;
+    if (in->number == 1 &&
+        !strncmp(text, "\xef\xbb\xbf", 3)) { /* some editors begin files with it */
+      length -= 3;
+      memmove(in->line, in->line + 3, (size_t)length + 1);
+    }
     while (isspace((unsigned char)*text))
       text++;
     if ((!*text && strlen(in->line) == (size_t)length) || *text == '#')

@@ -151,14 +151,36 @@ static int set_twist(twist *t, const char *option, const char *value) {
   return TOOL_DONE;
 }
 
-/* --width, --warp-width, --weft-twist, …: TOOL_DONE, TOOL_BAD_USAGE, or -1 if it is none. */
+/* What an option of yarns says behind -- or --warp-, or --weft-; *system is which of them, or -1:
+ * both. */
+static const char *yarn_word(const char *option, int *system) {
+  const char *word = strncmp(option, "--", 2) ? "" : option + 2;
+  *system = !strncmp(word, "weft-", 5)   ? SHADE_TOP_WEFT
+            : !strncmp(word, "warp-", 5) ? SHADE_TOP_WARP
+                                         : -1;
+  return *system < 0 ? word : word + 5;
+}
+
+/* Whether an option is one that has a value: those of set_option. */
+static int takes_value(const char *option) {
+  static const char *const valued[] = {
+      "--pattern", "--draft", "--name",    "-o",          "--wif",  "--size",     "--cells",
+      "--map",     "--bits",  "--threads", "--precision", "--seed", "--occlusion"};
+  for (size_t k = 0; k < sizeof valued / sizeof valued[0]; k++)
+    if (!strcmp(option, valued[k]))
+      return 1;
+  int system;
+  shade_yarn_params any;
+  const char *word = yarn_word(option, &system);
+  return !strcmp(word, "twist") || shade_yarn_param(&any, word);
+}
+
+/* --width, --warp-width, --weft-twist, …: TOOL_DONE or TOOL_BAD_USAGE. */
 static int set_yarn(request *r, const char *option, const char *value) {
-  const char *word = option + 2;
-  int first = SHADE_TOP_WEFT, last = SHADE_TOP_WARP;
-  if (!strncmp(word, "weft-", 5) || !strncmp(word, "warp-", 5)) {
-    first = last = word[1] == 'e' ? SHADE_TOP_WEFT : SHADE_TOP_WARP;
-    word += 5;
-  }
+  int system;
+  const char *word = yarn_word(option, &system);
+  const int first = system < 0 ? SHADE_TOP_WEFT : system,
+            last = system < 0 ? SHADE_TOP_WARP : system;
   for (int k = first; k <= last; k++) {
     shade_yarn_params *yarn = k == SHADE_TOP_WARP ? &r->params.warp : &r->params.weft;
     if (!strcmp(word, "twist")) {
@@ -168,8 +190,6 @@ static int set_yarn(request *r, const char *option, const char *value) {
       continue;
     }
     double *number = shade_yarn_param(yarn, word);
-    if (!number)
-      return -1;
     shade_param_info info;
     for (int row = 0; shade_yarn_param_row(row, &info); row++)
       if (shade_yarn_param(yarn, info.word) == number)
@@ -202,7 +222,7 @@ static int set_output(request *r, const char *option, const char *value) {
   return TOOL_DONE;
 }
 
-/* An option with a value; -1 if there is none of that name. */
+/* An option of takes_value. */
 static int set_option(request *r, const char *option, const char *value) {
   long number;
   if (!strcmp(option, "--pattern") || !strcmp(option, "--draft") || !strcmp(option, "--name"))
@@ -257,7 +277,7 @@ static int set_option(request *r, const char *option, const char *value) {
   }
   if (!strcmp(option, "--occlusion"))
     return set_occlusion(r, option, value);
-  return strncmp(option, "--", 2) ? -1 : set_yarn(r, option, value);
+  return set_yarn(r, option, value);
 }
 
 static int read_options(request *r, int argc, char **argv) {
@@ -280,15 +300,15 @@ static int read_options(request *r, int argc, char **argv) {
       fprintf(stderr, "shade weave: unexpected argument '%s' (see shade weave --help)\n", option);
       return TOOL_BAD_USAGE;
     }
-    if (i + 1 == argc) {
-      fprintf(stderr, "shade weave: option '%s' is unknown or lacks its value\n", option);
-      return TOOL_BAD_USAGE;
-    }
-    int status = set_option(r, option, argv[++i]);
-    if (status < 0) {
+    if (!takes_value(option)) {
       fprintf(stderr, "shade weave: unknown option '%s' (see shade weave --help)\n", option);
       return TOOL_BAD_USAGE;
     }
+    if (i + 1 == argc) {
+      fprintf(stderr, "shade weave: option '%s' lacks its value\n", option);
+      return TOOL_BAD_USAGE;
+    }
+    const int status = set_option(r, option, argv[++i]);
     if (status)
       return status;
   }
