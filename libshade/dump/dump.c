@@ -74,16 +74,28 @@ float *shade_dump_light_plane(const shade_dump *d, int light, int channel) {
 
 /* The names of optional planes, and how many follow as one channel. */
 static const struct {
-  char name[12];
+  char name[16];
   int planes;
-} optional_names[OPTIONAL_PLANES] = {
-    {"alpha.X", 2}, {"alpha.Y", 0}, {"groove.A", 1},   {"f82.R", 3}, {"f82.G", 0},
-    {"f82.B", 0},   {"eta.R", 3},   {"eta.G", 0},      {"eta.B", 0}, {"k.R", 3},
-    {"k.G", 0},     {"k.B", 0},     {"kd.R", 3},       {"kd.G", 0},  {"kd.B", 0},
-    {"foot.U", 2},  {"foot.V", 0},  {"coverage.A", 1}, {"tier", 1}};
+} optional_names[OPTIONAL_PLANES] = {{"alpha.X", 2},       {"alpha.Y", 0},
+                                     {"groove.A", 1},      {"f82.R", 3},
+                                     {"f82.G", 0},         {"f82.B", 0},
+                                     {"eta.R", 3},         {"eta.G", 0},
+                                     {"eta.B", 0},         {"k.R", 3},
+                                     {"k.G", 0},           {"k.B", 0},
+                                     {"kd.R", 3},          {"kd.G", 0},
+                                     {"kd.B", 0},          {"foot.U", 2},
+                                     {"foot.V", 0},        {"coverage.A", 1},
+                                     {"tier", 1},          {"lobe2.share", 7},
+                                     {"lobe2.Ns.X", 0},    {"lobe2.Ns.Y", 0},
+                                     {"lobe2.Ns.Z", 0},    {"lobe2.alpha.X", 0},
+                                     {"lobe2.alpha.Y", 0}, {"lobe2.groove.A", 0},
+                                     {"lobe3.share", 7},   {"lobe3.Ns.X", 0},
+                                     {"lobe3.Ns.Y", 0},    {"lobe3.Ns.Z", 0},
+                                     {"lobe3.alpha.X", 0}, {"lobe3.alpha.Y", 0},
+                                     {"lobe3.groove.A", 0}};
 
-static unsigned bit_of(int plane) {
-  return 1u << (plane - SHADE_DUMP_OPTIONAL);
+static uint64_t bit_of(int plane) {
+  return (uint64_t)1 << (plane - SHADE_DUMP_OPTIONAL);
 }
 
 float *shade_dump_add(shade_dump *d, enum shade_dump_optional channel) {
@@ -383,14 +395,14 @@ static int check_layout(const struct report *r, exr_context_t context) {
 /* What a file's list of channels says. */
 struct contents {
   int lights, has_color, planes; /* planes: in the file, of those that are known */
-  unsigned optional;
+  uint64_t optional;
 };
 
-static int optional_planes_are_whole(const struct report *r, unsigned optional) {
+static int optional_planes_are_whole(const struct report *r, uint64_t optional) {
   for (int first = 0; first < OPTIONAL_PLANES; first += optional_names[first].planes) {
-    const unsigned all = ((1u << optional_names[first].planes) - 1) << first;
+    const uint64_t all = (((uint64_t)1 << optional_names[first].planes) - 1) << first;
     for (int i = first; (optional & all) && i < first + optional_names[first].planes; ++i)
-      if (!(optional & 1u << i))
+      if (!(optional & (uint64_t)1 << i))
         return fail(r, "not a dump: channel %s is missing", optional_names[i].name);
   }
   return 0;

@@ -10,6 +10,7 @@
 #define SHADE_DUMP_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "shade/shade.h"
 
@@ -53,7 +54,21 @@ enum shade_dump_optional {
   SHADE_DUMP_FOOT = SHADE_DUMP_OPTIONAL + 15,     /* 2 planes: footprint in crossings, cloth only */
   SHADE_DUMP_COVERAGE = SHADE_DUMP_OPTIONAL + 17, /* share of the ray that meets the cloth */
   SHADE_DUMP_TIER = SHADE_DUMP_OPTIONAL + 18,     /* a shade_fabric_tier */
-  SHADE_DUMP_OPTIONAL_END = SHADE_DUMP_OPTIONAL + 19
+  SHADE_DUMP_LOBE2 = SHADE_DUMP_OPTIONAL + 19,    /* SHADE_DUMP_PER_LOBE planes: a second lobe */
+  SHADE_DUMP_LOBE3 = SHADE_DUMP_OPTIONAL + 26,    /* and a third */
+  SHADE_DUMP_OPTIONAL_END = SHADE_DUMP_OPTIONAL + 33
+};
+
+/*
+ * Where one lobe is not what slopes too small to be seen make of a hit, more are. Ns, alpha and
+ * groove are the first's, whose share of the hit is what the others leave. A share of 0: none.
+ */
+enum shade_dump_lobe {
+  SHADE_DUMP_LOBE_SHARE,     /* of the hit, [0, 1] */
+  SHADE_DUMP_LOBE_NS,        /* 3 planes, and so on as above */
+  SHADE_DUMP_LOBE_ALPHA = 4, /* 2 planes */
+  SHADE_DUMP_LOBE_GROOVE = 6,
+  SHADE_DUMP_PER_LOBE = 7
 };
 
 enum { SHADE_DUMP_MAX_SIDE = 65536, SHADE_DUMP_MAX_LIGHTS = 10000 };
@@ -61,7 +76,7 @@ enum { SHADE_DUMP_MAX_SIDE = 65536, SHADE_DUMP_MAX_LIGHTS = 10000 };
 typedef struct shade_dump {
   int width, height, lights;
   int has_color;     /* 1 from shade_dump_create; 0: no Color.*, each material's own f0 holds */
-  unsigned optional; /* a bit for each plane from SHADE_DUMP_OPTIONAL that is in the file */
+  uint64_t optional; /* a bit for each plane from SHADE_DUMP_OPTIONAL that is in the file */
   char *json;        /* header attribute `libshade`; owned */
   /* SHADE_DUMP_BASE planes, 9 of each light, then the optional ones; each of width*height, row by
    * row from the top */

@@ -193,6 +193,25 @@ static void vary_pixel(shade_dump *d, size_t pixel, const shade_params *p) {
   }
 }
 
+/* Two more lobes, about normals of their own; at a third of the hits there is no third lobe. */
+static void add_lobes(const shade_dump *d, size_t pixel, const shade_params *p) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  const double degree = 3.14159265358979323846 / 180;
+  const float *n = shade_dump_plane(d, SHADE_DUMP_N) + pixel;
+  const vec up = {(double)n[0], (double)n[pixels], (double)n[2 * pixels]};
+  for (int lobe = SHADE_DUMP_LOBE2; lobe <= SHADE_DUMP_LOBE3; lobe += SHADE_DUMP_PER_LOBE) {
+    const double share = 0.5 * uniform();
+    const int none = lobe == SHADE_DUMP_LOBE3 && uniform() < 0.33;
+    shade_dump_plane(d, lobe)[pixel] = none ? 0 : (float)share;
+    put(shade_dump_plane(d, lobe + SHADE_DUMP_LOBE_NS), pixels, pixel, around(up, 30 * degree));
+    shade_dump_plane(d, lobe + SHADE_DUMP_LOBE_ALPHA)[pixel] = (float)(p->ax * (0.6 + uniform()));
+    shade_dump_plane(d, lobe + SHADE_DUMP_LOBE_ALPHA + 1)[pixel] =
+        (float)(p->ay * (0.6 + uniform()));
+    shade_dump_plane(d, lobe + SHADE_DUMP_LOBE_GROOVE)[pixel] =
+        (float)(180 * degree * (2 * uniform() - 1));
+  }
+}
+
 /* The material of one hit. */
 static shade_params params_of(const shade_dump *d, size_t pixel, const shade_params *p) {
   shade_params q = *p;
@@ -268,35 +287,53 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
   }
 }
 
+/* One lobe of a hit, for its share: q's, about the normal and in the frame that the planes say. */
+static void add_lobe(const shade_dump *d, size_t pixel, const shade_params *q, int normal,
+                     int groove, float share, int light, const float *bitangent) {
+  const size_t pixels = (size_t)d->width * (size_t)d->height;
+  const float *axes[3] = {shade_dump_plane(d, SHADE_DUMP_T), bitangent,
+                          shade_dump_plane(d, SHADE_DUMP_N)};
+  const float *vectors[3] = {shade_dump_plane(d, normal),
+                             shade_dump_light_plane(d, light, SHADE_DUMP_L),
+                             shade_dump_plane(d, SHADE_DUMP_V)};
+  const float angle = number(d, groove, pixel), c = cosf(angle), s = sinf(angle);
+  float v[3][3], f[3], cosine;
+  for (int k = 0; k < 3; k++) {
+    const float x = along(axes[0], vectors[k], pixels, pixel);
+    const float y = along(axes[1], vectors[k], pixels, pixel);
+    v[k][0] = c * x + s * y;
+    v[k][1] = c * y - s * x;
+    v[k][2] = along(axes[2], vectors[k], pixels, pixel);
+  }
+  shade_bsdf bsdf;
+  shade_bsdf_setup(&bsdf, q);
+  shade_bsdf_evalf(&bsdf, v[0], v[1], v[2], f, &cosine);
+  const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
+  float *out = shade_dump_light_plane(d, light, SHADE_DUMP_S);
+  for (size_t i = 0; i < 3; i++)
+    out[i * pixels + pixel] += share * f[i] * cosine * e[i * pixels + pixel];
+}
+
 /* Shade the hits of one material one by one, each with numbers and a frame of its own. */
 static void shade_varied(const shade_dump *d, const shade_params *p, int material, int light,
                          const float *bitangent) {
   const size_t pixels = (size_t)d->width * (size_t)d->height;
-  const float *axes[3] = {shade_dump_plane(d, SHADE_DUMP_T), bitangent,
-                          shade_dump_plane(d, SHADE_DUMP_N)};
-  const float *vectors[3] = {shade_dump_plane(d, SHADE_DUMP_NS),
-                             shade_dump_light_plane(d, light, SHADE_DUMP_L),
-                             shade_dump_plane(d, SHADE_DUMP_V)};
   for (size_t pixel = 0; pixel < pixels; pixel++) {
     if (!(number(d, SHADE_DUMP_MATERIAL, pixel) == (float)material))
       continue;
-    const shade_params q = params_of(d, pixel, p);
-    const float angle = number(d, SHADE_DUMP_GROOVE, pixel), c = cosf(angle), s = sinf(angle);
-    float v[3][3], f[3], cosine;
-    for (int k = 0; k < 3; k++) {
-      const float x = along(axes[0], vectors[k], pixels, pixel);
-      const float y = along(axes[1], vectors[k], pixels, pixel);
-      v[k][0] = c * x + s * y;
-      v[k][1] = c * y - s * x;
-      v[k][2] = along(axes[2], vectors[k], pixels, pixel);
+    shade_params q = params_of(d, pixel, p);
+    const float others = number(d, SHADE_DUMP_LOBE2, pixel) + number(d, SHADE_DUMP_LOBE3, pixel);
+    add_lobe(d, pixel, &q, SHADE_DUMP_NS, SHADE_DUMP_GROOVE, 1 - others, light, bitangent);
+    for (int lobe = SHADE_DUMP_LOBE2; lobe <= SHADE_DUMP_LOBE3; lobe += SHADE_DUMP_PER_LOBE) {
+      const float share = number(d, lobe, pixel);
+      const int alpha = lobe + SHADE_DUMP_LOBE_ALPHA;
+      if (share == 0)
+        continue;
+      shade_params_set_alphas(&q, (double)number(d, alpha, pixel),
+                              (double)number(d, alpha + 1, pixel));
+      add_lobe(d, pixel, &q, lobe + SHADE_DUMP_LOBE_NS, lobe + SHADE_DUMP_LOBE_GROOVE, share, light,
+               bitangent);
     }
-    shade_bsdf bsdf;
-    shade_bsdf_setup(&bsdf, &q);
-    shade_bsdf_evalf(&bsdf, v[0], v[1], v[2], f, &cosine);
-    const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
-    float *out = shade_dump_light_plane(d, light, SHADE_DUMP_S);
-    for (size_t i = 0; i < 3; i++)
-      out[i * pixels + pixel] = f[i] * cosine * e[i * pixels + pixel];
   }
 }
 
@@ -482,6 +519,8 @@ int main(int argc, char **argv) {
   d->has_color = argc == 5 || sharp || varied;
   for (int channel = SHADE_DUMP_ALPHA; varied && channel < SHADE_DUMP_FOOT; channel++)
     shade_dump_add(d, (enum shade_dump_optional)channel);
+  for (int lobe = SHADE_DUMP_LOBE2; varied && lobe <= SHADE_DUMP_LOBE3; lobe += SHADE_DUMP_PER_LOBE)
+    shade_dump_add(d, (enum shade_dump_optional)lobe);
   if (argc == 6 && strcmp(argv[5], "cloth") == 0) {
     d->has_color = 0;
     if (!fill_with_cloth(d))
@@ -499,6 +538,11 @@ int main(int argc, char **argv) {
       fill_pixel(d, pixel, material, &materials[material]);
     if (material >= 0 && varied)
       vary_pixel(d, pixel, &materials[material]);
+  }
+  for (size_t pixel = 0; varied && pixel < pixels; pixel++) {
+    const float id = number(d, SHADE_DUMP_MATERIAL, pixel);
+    if (id >= 0)
+      add_lobes(d, pixel, &materials[(int)id]);
   }
   float *bitangent = malloc(3 * pixels * sizeof *bitangent), *lanes[LANES];
   float *scratch = malloc(LANES * pixels * sizeof *scratch);

@@ -139,7 +139,8 @@ def test_material_color_is_used_without_channels(makedump, tmp_path):
 # ---- what varies from hit to hit ---------------------------------------------------------
 
 VARIED = ["alpha.X", "alpha.Y", "groove.A", *(f"{group}.{c}" for group in ("f82", "eta", "k", "kd")
-                                              for c in "RGB")]
+                                              for c in "RGB"),
+          *(f"lobe{k}.{c}" for k in (2, 3) for c in ("share", "alpha.X", "alpha.Y", "groove.A"))]
 
 
 @pytest.fixture(scope="module")
@@ -174,7 +175,7 @@ def test_each_varied_channel_matters(few_varied, tmp_path, channel):
     assert_differs(dump.write(tmp_path / "x.exr"))
 
 
-@pytest.mark.parametrize("channel", ["alpha.Y", "groove.A", "f82.R", "eta.G", "k.B", "kd.R"])
+@pytest.mark.parametrize("channel", ["alpha.Y", "groove.A", "f82.R", "eta.G", "k.B", "kd.R", "lobe2.share", "lobe3.Ns.Z"])
 def test_varied_channels_are_there_and_finite(few_varied, tmp_path, channel):
     dump = Dump(few_varied)
     group = channel.split(".")[0] + "."
@@ -184,6 +185,26 @@ def test_varied_channels_are_there_and_finite(few_varied, tmp_path, channel):
     dump[channel][y, x] = np.nan
     fault = assert_fault(dump.write(tmp_path / "x.exr"), "not finite")
     assert (fault["x"], fault["y"]) == (x, y)
+
+
+@pytest.mark.parametrize("channel, value", [("share", -.1), ("share", 1.1), ("Ns.Y", 2)])
+def test_lobes_are_unit_parts_of_a_hit(few_varied, tmp_path, channel, value):
+    dump = Dump(few_varied)
+    y, x = first_hit(dump)
+    dump[f"lobe2.{channel}"][y, x] = value
+    fault = assert_fault(dump.write(tmp_path / "x.exr"), "a lobe's Ns is not a unit vector, or shares are no parts of 1")
+    assert (fault["x"], fault["y"]) == (x, y)
+
+
+@pytest.mark.parametrize("lobe", [2, 3])
+def test_each_lobes_normal_matters(few_varied, tmp_path, lobe):
+    dump = Dump(few_varied)
+    there = dump[f"lobe{lobe}.share"] > 0
+    both = there & np.roll(there, 7, axis=0)
+    for c in "XYZ":
+        plane = dump[f"lobe{lobe}.Ns.{c}"]
+        plane[:] = np.where(both, np.roll(plane, 7, axis=0), plane)
+    assert_differs(dump.write(tmp_path / "x.exr"))
 
 
 def test_half_a_channel_is_refused(few_varied, tmp_path):

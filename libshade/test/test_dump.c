@@ -33,10 +33,10 @@ static int planes(const shade_dump *d) {
 }
 
 /* First planes of the optional channels, and the end. */
-static const int optional[] = {SHADE_DUMP_ALPHA,       SHADE_DUMP_GROOVE,   SHADE_DUMP_F82,
-                               SHADE_DUMP_ETA,         SHADE_DUMP_K,        SHADE_DUMP_KD,
-                               SHADE_DUMP_FOOT,        SHADE_DUMP_COVERAGE, SHADE_DUMP_TIER,
-                               SHADE_DUMP_OPTIONAL_END};
+static const int optional[] = {SHADE_DUMP_ALPHA, SHADE_DUMP_GROOVE,   SHADE_DUMP_F82,
+                               SHADE_DUMP_ETA,   SHADE_DUMP_K,        SHADE_DUMP_KD,
+                               SHADE_DUMP_FOOT,  SHADE_DUMP_COVERAGE, SHADE_DUMP_TIER,
+                               SHADE_DUMP_LOBE2, SHADE_DUMP_LOBE3,    SHADE_DUMP_OPTIONAL_END};
 enum { OPTIONAL = sizeof optional / sizeof *optional - 1 };
 
 /* A value of its own for every plane and pixel, exact in float. */
@@ -198,7 +198,7 @@ static void test_half_a_channel(void **state) {
     for (int plane = optional[k]; plane < optional[k + 1]; ++plane) {
       shade_dump *d = sample(1);
       shade_dump_add(d, (enum shade_dump_optional)optional[k]);
-      d->optional &= ~(1u << (plane - SHADE_DUMP_OPTIONAL));
+      d->optional &= ~((uint64_t)1 << (plane - SHADE_DUMP_OPTIONAL));
       assert_int_equal(shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error), 0);
       shade_dump_free(d);
       d = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);

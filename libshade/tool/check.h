@@ -37,6 +37,7 @@ typedef enum check_fault {
   FAULT_REFERENCE,
   FAULT_CLOTH,
   FAULT_COVERAGE,
+  FAULT_LOBE,
   FAULT_COUNT
 } check_fault;
 
@@ -111,6 +112,13 @@ typedef struct check_frame {
   double axis[3][3];
 } check_frame;
 
+/* A lobe beside the first, in its own frame: turned from that of the first by an angle. */
+typedef struct check_lobe {
+  double share, n[3], alpha[2], angle;
+} check_lobe;
+
+enum { CHECK_LOBES = 2 };
+
 /* The frame of a hit, its Ns and V in it, and the material's parameters there. */
 typedef struct check_hit {
   check_frame frame;
@@ -119,6 +127,8 @@ typedef struct check_hit {
   struct check_cloth *cloth; /* of its material */
   double uv[2], foot[2];     /* in crossings */
   shade_fabric_tier tier;
+  int lobes; /* besides the first */
+  check_lobe lobe[CHECK_LOBES];
 } check_hit;
 
 void check_note_fault(check *c, check_fault what, size_t pixel);
@@ -129,6 +139,7 @@ double check_dot(const double a[3], const double b[3]);
 /* Reads a direction and makes it unit in double; 0 if it was not nearly so. */
 int check_read_unit(const check *c, const float *first, size_t pixel, double v[3]);
 void check_to_local(const check_frame *f, const double v[3], double local[3]);
+void check_set_alphas(shade_params *p, const double alpha[2]);
 /* 0 with a fault noted if the hit's planes are unfit. */
 int check_read_hit(check *c, size_t pixel, check_hit *h);
 /* Find each pixel's material; what is no hit or unfit gets -1. */

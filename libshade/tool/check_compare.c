@@ -25,11 +25,23 @@
 /* And for those that make the sum of few hits doubtful. */
 #define FAR_SURE 16384
 
-static int on_horizon(const check_hit *h, const double wi[3]) {
+static int on_horizon_of(const shade_params *p, const double of[3], const double wi[3],
+                         const double wo[3]) {
   double n[3]; /* of the lobe */
-  shade_ref_normal(&h->params, h->n, h->wo, n);
-  return fabs(wi[2]) < HORIZON || fabs(h->wo[2]) < HORIZON || fabs(h->n[2]) < HORIZON ||
-         fabs(check_dot(n, wi)) < HORIZON || fabs(check_dot(n, h->wo)) < HORIZON;
+  shade_ref_normal(p, of, wo, n);
+  return fabs(wi[2]) < HORIZON || fabs(wo[2]) < HORIZON || fabs(of[2]) < HORIZON ||
+         fabs(check_dot(n, wi)) < HORIZON || fabs(check_dot(n, wo)) < HORIZON;
+}
+
+static int on_horizon(const check_hit *h, const double wi[3]) {
+  int on = on_horizon_of(&h->params, h->n, wi, h->wo);
+  for (int k = 0; k < h->lobes; k++) {
+    double i[3], o[3];
+    shade_ref_turned(h->lobe[k].angle, wi, i);
+    shade_ref_turned(h->lobe[k].angle, h->wo, o);
+    on |= on_horizon_of(&h->params, h->lobe[k].n, i, o);
+  }
+  return on;
 }
 
 static int faded(const check_hit *h, const double wi[3]) {
@@ -45,9 +57,23 @@ static void shaded(const check_hit *h, int far_points, const double uv[2], const
     check_cloth_s(h, far_points, uv, n, wi, wo, s, doubt);
     return;
   }
+  double rest = 1;
+  for (int k = 0; k < h->lobes; k++)
+    rest -= h->lobe[k].share;
   shade_ref_f(&h->params, n, wi, wo, s, &cosine);
   for (int i = 0; i < 3; i++)
-    s[i] *= cosine;
+    s[i] *= fmax(rest, 0) * cosine;
+  for (int k = 0; k < h->lobes; k++) {
+    const check_lobe *l = &h->lobe[k];
+    shade_params p = h->params;
+    double f[3], in[3], out[3];
+    check_set_alphas(&p, l->alpha);
+    shade_ref_turned(l->angle, wi, in);
+    shade_ref_turned(l->angle, wo, out);
+    shade_ref_f(&p, l->n, in, out, f, &cosine);
+    for (int i = 0; i < 3; i++)
+      s[i] += l->share * f[i] * cosine;
+  }
 }
 
 /*
@@ -117,6 +143,7 @@ static double rounding_at(check *c, int light, size_t pixel, int channel) {
   check_read_three(c, shade_dump_light_plane(c->dump, light, SHADE_DUMP_E), pixel, e);
   check_read_hit(c, pixel, &h);
   check_to_local(&h.frame, l, wi);
+  const check_hit as_read = h;
   for (int k = -1; k < TURNS + (h.cloth ? SHIFTS : 0); k++) {
     double v[3][3], uv[2] = {h.uv[0], h.uv[1]};
     memcpy(v[0], h.n, sizeof v[0]);
@@ -126,11 +153,14 @@ static double rounding_at(check *c, int light, size_t pixel, int channel) {
       if (k < TURNS && (k / 3 == which || k / 3 == 3)) {
         const double axis[3] = {k % 3 == 0, k % 3 == 1, k % 3 == 2};
         turned(axis, ROUNDING, v[which]);
+        for (int lobe = 0; lobe < h.lobes && which == 0; lobe++)
+          turned(axis, ROUNDING, h.lobe[lobe].n);
       }
     if (k >= TURNS) /* where a yarn or a ridge ends is as sharp as uv */
       uv[k % 2] += (k % 4 < 2 ? 1 : -1) * ROUNDING * fmax(1, fabs(uv[k % 2]));
     shaded(&h, c->far_points, uv, v[0], v[1], v[2], f, doubt);
     const double value = f[channel] * e[channel];
+    h = as_read;
     if (k < 0)
       base = value;
     else

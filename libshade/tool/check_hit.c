@@ -63,6 +63,13 @@ static int replace(const check *c, enum shade_dump_optional channel, size_t pixe
   return 1;
 }
 
+void check_set_alphas(shade_params *p, const double alpha[2]) {
+  p->ax = alpha[0];
+  p->ay = alpha[1];
+  p->ex = fmax(0, 2 / (alpha[0] * alpha[0]) - 2);
+  p->ey = fmax(0, 2 / (alpha[1] * alpha[1]) - 2);
+}
+
 /* What a hit has of its own. The grooves' angle turns the frame, and with it n and wo. */
 static int read_varied(const check *c, size_t pixel, check_hit *h) {
   shade_params *p = &h->params;
@@ -73,12 +80,8 @@ static int read_varied(const check *c, size_t pixel, check_hit *h) {
       !replace(c, SHADE_DUMP_ALPHA, pixel, 2, alpha) ||
       !replace(c, SHADE_DUMP_GROOVE, pixel, 1, &angle))
     return 0;
-  if (shade_dump_has(c->dump, SHADE_DUMP_ALPHA)) {
-    p->ax = alpha[0];
-    p->ay = alpha[1];
-    p->ex = fmax(0, 2 / (alpha[0] * alpha[0]) - 2);
-    p->ey = fmax(0, 2 / (alpha[1] * alpha[1]) - 2);
-  }
+  if (shade_dump_has(c->dump, SHADE_DUMP_ALPHA))
+    check_set_alphas(p, alpha);
   if (shade_dump_has(c->dump, SHADE_DUMP_GROOVE)) {
     double *x = h->frame.axis[0], *y = h->frame.axis[1];
     for (int i = 0; i < 3; i++) {
@@ -88,6 +91,39 @@ static int read_varied(const check *c, size_t pixel, check_hit *h) {
     }
     shade_ref_turned(angle, h->n, h->n);
     shade_ref_turned(angle, h->wo, h->wo);
+  }
+  return 1;
+}
+
+/* The lobes besides the first, to be asked before read_varied turns the frame. 0: with a fault
+ * noted, they are not what may be. */
+static int read_lobes(check *c, size_t pixel, check_hit *h) {
+  double rest = 1, angle = 0;
+  h->lobes = 0;
+  if (!replace(c, SHADE_DUMP_GROOVE, pixel, 1, &angle))
+    return 1; /* is found there */
+  for (int k = 0; k < CHECK_LOBES; k++) {
+    const int channel = SHADE_DUMP_LOBE2 + k * SHADE_DUMP_PER_LOBE;
+    double numbers[SHADE_DUMP_PER_LOBE] = {0}, ns[3];
+    if (!replace(c, (enum shade_dump_optional)channel, pixel, SHADE_DUMP_PER_LOBE, numbers)) {
+      check_note_fault(c, FAULT_NOT_FINITE, pixel);
+      return 0;
+    }
+    check_lobe *l = &h->lobe[h->lobes];
+    l->share = numbers[SHADE_DUMP_LOBE_SHARE];
+    if (l->share == 0)
+      continue;
+    rest -= l->share;
+    if (!(l->share > 0 && rest > -1e-6) ||
+        !check_read_unit(c, shade_dump_plane(c->dump, channel + SHADE_DUMP_LOBE_NS), pixel, ns)) {
+      check_note_fault(c, FAULT_LOBE, pixel);
+      return 0;
+    }
+    memcpy(l->alpha, numbers + SHADE_DUMP_LOBE_ALPHA, sizeof l->alpha);
+    l->angle = numbers[SHADE_DUMP_LOBE_GROOVE] - angle;
+    check_to_local(&h->frame, ns, l->n);
+    shade_ref_turned(numbers[SHADE_DUMP_LOBE_GROOVE], l->n, l->n);
+    h->lobes++;
   }
   return 1;
 }
@@ -152,6 +188,8 @@ int check_read_hit(check *c, size_t pixel, check_hit *h) {
   h->cloth = c->materials[c->index[pixel]].cloth;
   if (d->has_color)
     memcpy(h->params.f0, color, sizeof color);
+  if (!read_lobes(c, pixel, h))
+    return 0;
   if (!read_varied(c, pixel, h)) {
     check_note_fault(c, FAULT_NOT_FINITE, pixel);
     return 0;

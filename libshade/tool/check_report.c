@@ -20,6 +20,7 @@ static const char *const fault_words[FAULT_COUNT] = {
     [FAULT_REFERENCE] = "the reference gives no finite value",
     [FAULT_CLOTH] = "foot or uv on cloth is out of range, or tier is none",
     [FAULT_COVERAGE] = "coverage is not what the cloth has there",
+    [FAULT_LOBE] = "a lobe's Ns is not a unit vector, or shares are no parts of 1",
 };
 
 static const char *const tier_words[CHECK_TIERS] = {[CHECK_FAR] = "far", [CHECK_SINGLE] = "single"};

@@ -19,7 +19,7 @@ std::string Dump::wanted() {
 }
 
 Dump::Dump(const std::string &file, int width, int height, int lights, bool cloth, bool painted,
-           bool bumps)
+           bool bumps, bool scratches)
     : path(file), data(shade_dump_create(width, height, lights)) {
   if (data == NULL)
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
@@ -27,7 +27,9 @@ Dump::Dump(const std::string &file, int width, int height, int lights, bool clot
                  shade_dump_add(data, SHADE_DUMP_COVERAGE) == NULL)) ||
       (painted && shade_dump_add(data, SHADE_DUMP_KD) == NULL) ||
       (bumps && (shade_dump_add(data, SHADE_DUMP_ALPHA) == NULL ||
-                 shade_dump_add(data, SHADE_DUMP_GROOVE) == NULL))) {
+                 shade_dump_add(data, SHADE_DUMP_GROOVE) == NULL)) ||
+      (scratches && (shade_dump_add(data, SHADE_DUMP_LOBE2) == NULL ||
+                     shade_dump_add(data, SHADE_DUMP_LOBE3) == NULL))) {
     shade_dump_free(data);
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
   }
@@ -73,9 +75,8 @@ void Dump::put_vector(float *plane, int pixel, const double v[3], bool mirrored)
 }
 
 bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2],
-               const double N[3], const double T[3], const double Ns[3], const double V[3],
-               const double pigment[3], const ClothPlace *cloth, double gaps, const double alpha[2],
-               double angle) {
+               const double N[3], const double T[3], const double V[3], const double pigment[3],
+               const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count) {
   float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
   const shade_params &params = material->params;
   const bool mirrored = cloth != NULL;
@@ -86,7 +87,7 @@ bool Dump::hit(int pixel, const Material *material, const double P[3], const dou
   put_vector(shade_dump_plane(data, SHADE_DUMP_P), pixel, P, mirrored);
   put_vector(shade_dump_plane(data, SHADE_DUMP_N), pixel, N, mirrored);
   put_vector(shade_dump_plane(data, SHADE_DUMP_T), pixel, T, mirrored);
-  put_vector(shade_dump_plane(data, SHADE_DUMP_NS), pixel, Ns, mirrored);
+  put_vector(shade_dump_plane(data, SHADE_DUMP_NS), pixel, lobes[0].normal, mirrored);
   put_vector(shade_dump_plane(data, SHADE_DUMP_V), pixel, V, mirrored);
   put(shade_dump_plane(data, SHADE_DUMP_UV), pixel, cloth ? cloth->uv : uv, 2);
   put(shade_dump_plane(data, SHADE_DUMP_COLOR), pixel,
@@ -95,8 +96,17 @@ bool Dump::hit(int pixel, const Material *material, const double P[3], const dou
     put(shade_dump_plane(data, SHADE_DUMP_KD), pixel, material->kd_pigment ? pigment : params.kd,
         3);
   if (shade_dump_has(data, SHADE_DUMP_ALPHA)) {
-    put(shade_dump_plane(data, SHADE_DUMP_ALPHA), pixel, alpha, 2);
-    put(shade_dump_plane(data, SHADE_DUMP_GROOVE), pixel, &angle, 1);
+    put(shade_dump_plane(data, SHADE_DUMP_ALPHA), pixel, lobes[0].alpha, 2);
+    put(shade_dump_plane(data, SHADE_DUMP_GROOVE), pixel, &lobes[0].angle, 1);
+  }
+  for (int i = 1; i < ShadedPoint::MOST_LOBES && shade_dump_has(data, SHADE_DUMP_LOBE2); i++) {
+    static const LobeSeen none = {0.0, {0.0, 0.0, 0.0}, {0.0, 0.0}, 0.0};
+    const LobeSeen &lobe = i < count ? lobes[i] : none;
+    const int plane = SHADE_DUMP_LOBE2 + (i - 1) * SHADE_DUMP_PER_LOBE;
+    put(shade_dump_plane(data, plane + SHADE_DUMP_LOBE_SHARE), pixel, &lobe.share, 1);
+    put_vector(shade_dump_plane(data, plane + SHADE_DUMP_LOBE_NS), pixel, lobe.normal, mirrored);
+    put(shade_dump_plane(data, plane + SHADE_DUMP_LOBE_ALPHA), pixel, lobe.alpha, 2);
+    put(shade_dump_plane(data, plane + SHADE_DUMP_LOBE_GROOVE), pixel, &lobe.angle, 1);
   }
   if (shade_dump_has(data, SHADE_DUMP_FOOT)) {
     static const double none[2] = {0.0, 0.0};

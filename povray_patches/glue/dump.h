@@ -20,10 +20,10 @@ public:
   static std::string wanted();
 
   // Throws std::runtime_error when memory is short or the folder cannot be written to.
-  // cloth, painted, bumps: whether the scene has any, diffuse parts in a pigment's colours, and
-  // bumps that turn into roughness from afar.
+  // cloth, painted, bumps, scratches: whether the scene has any, diffuse parts in a pigment's
+  // colours, bumps that turn into roughness from afar, and such as do so in parts.
   Dump(const std::string &path, int width, int height, int lights, bool cloth, bool painted,
-       bool bumps);
+       bool bumps, bool scratches);
   ~Dump();
 
   // A ray through the position (x, y) begins; whole numbers are the pixels'
@@ -34,12 +34,11 @@ public:
   // What the eye sees at `pixel`. False if the pixel already holds a
   // hit: the first (top) layer with an mdf { } block counts.
   // pigment: the layer's colour. cloth: where on it, else NULL; gaps: what it leaves of the ray.
-  // alpha, angle: of the lobe and its grooves. Cloth is recorded in a mirror, x the other way: it
+  // lobes: its normals and widths. Cloth is recorded in a mirror, x the other way: it
   // has a hand, and POV-Ray's space the left.
   bool hit(int pixel, const Material *material, const double P[3], const double uv[2],
-           const double N[3], const double T[3], const double Ns[3], const double V[3],
-           const double pigment[3], const ClothPlace *cloth, double gaps, const double alpha[2],
-           double angle);
+           const double N[3], const double T[3], const double V[3], const double pigment[3],
+           const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count);
 
   // One light on that hit; cloth: whether it is one.
   void light(int pixel, int number, const double L[3], const double E[3], const double S[3],

@@ -206,6 +206,13 @@ bool Scene::has_painted() const {
   return false;
 }
 
+bool Scene::has_scratches() const {
+  for (size_t i = 0; i < materials.size(); i++)
+    if (materials[i]->scratches)
+      return true;
+  return false;
+}
+
 bool Scene::has_bumps() const {
   for (size_t i = 0; i < materials.size(); i++)
     if ((materials[i]->bump && materials[i]->filtered) || materials[i]->scratches)
@@ -286,77 +293,127 @@ double ShadedPoint::lay(const ClothPlace &place) {
   return coverage;
 }
 
-void ShadedPoint::Rough::turn(const double v[3], double turned[3]) const {
+void ShadedPoint::Wider::turn(const double v[3], double turned[3]) const {
   turned[0] = c * v[0] + s * v[1];
   turned[1] = c * v[1] - s * v[0];
   turned[2] = v[2];
 }
 
-void ShadedPoint::Rough::back(const double turned[3], double v[3]) const {
+void ShadedPoint::Wider::back(const double turned[3], double v[3]) const {
   v[0] = c * turned[0] - s * turned[1];
   v[1] = c * turned[1] + s * turned[0];
   v[2] = turned[2];
 }
 
-void ShadedPoint::roughen(const double covariance[3], int level) {
-  if (!(covariance[0] + covariance[2] > 1e-9)) // less than any lobe's own
+void ShadedPoint::roughen(double share, const double mean[3], const double covariance[3], int most,
+                          int level) {
+  const bool wider = covariance[0] + covariance[2] > 1e-9; // else less than any lobe's own
+
+  if (!wider && share == 1.0) {
+    to_local(mean, normal);
     return;
-  rough.reset(new Rough);
+  }
+  if (rough == NULL)
+    rough.reset(new Rough);
   prepared = 0;
-  shade_params p = widened(material->params, level);
-  shade_params_widen(&p, normal, covariance, &rough->params, &rough->angle);
-  rough->c = std::cos(rough->angle);
-  rough->s = std::sin(rough->angle);
-  shade_bsdf_setup(&rough->specular, &rough->params);
-  if (material->specular_pigment) {
-    shade_params black = rough->params;
+  Wider &part = rough->part[rough->parts++];
+  double local[3];
+  shade_slope_lobes lobes = {1, {0.0}, {0.0}, {1.0}, {1.0}};
+  to_local(mean, local);
+  part.params = widened(material->params, level);
+  part.angle = 0.0;
+  if (wider)
+    shade_params_split(&part.params, local, covariance, most, &part.params, &part.angle, &lobes);
+  part.c = std::cos(part.angle);
+  part.s = std::sin(part.angle);
+  for (int black = 0; black < (material->specular_pigment ? 2 : 1); black++) {
+    shade_params p = part.params;
     for (int c = 0; c < 3; c++)
-      black.f0[c] = 0.0;
-    shade_bsdf_setup(&rough->black, &black);
+      p.f0[c] = black ? 0.0 : p.f0[c];
+    part.bsdf[black] = wider        ? &part.own[black]
+                       : level >= 0 ? &(black ? material->widened_black : material->widened)[level]
+                                    : &(black ? material->black : material->specular);
+    if (wider)
+      shade_bsdf_setup(&part.own[black], &p);
+  }
+  for (int i = 0; i < lobes.count && rough->count < MOST_LOBES; i++) {
+    RoughLobe &lobe = rough->lobe[rough->count++];
+    const double turned[3] = {lobes.nx[i], lobes.ny[i], lobes.nz[i]};
+    lobe.of = &part;
+    lobe.share = share * lobes.weight[i];
+    lobe.prepared = 0;
+    if (wider)
+      part.back(turned, lobe.flat);
+    else
+      std::copy(local, local + 3, lobe.flat);
+    part.turn(lobe.flat, lobe.normal);
+    part.turn(eye, lobe.eye);
   }
 }
 
-void ShadedPoint::lobe(double alpha[2], double *angle) const {
-  const shade_params &p = rough ? rough->params : material->params;
+int ShadedPoint::lobes(LobeSeen seen[MOST_LOBES]) const {
+  const int count = rough ? rough->count : 1;
 
-  alpha[0] = alpha_of(p, p.ax, p.ex);
-  alpha[1] = alpha_of(p, p.ay, p.ey);
-  *angle = rough ? rough->angle : 0.0;
+  for (int i = 0; i < count; i++) {
+    const RoughLobe *const lobe = rough ? &rough->lobe[count - 1 - i] : NULL;
+    const shade_params &p = lobe ? lobe->of->params : material->params;
+    seen[i].share = lobe ? lobe->share : 1.0;
+    to_world(lobe ? lobe->flat : normal, seen[i].normal);
+    seen[i].alpha[0] = alpha_of(p, p.ax, p.ex);
+    seen[i].alpha[1] = alpha_of(p, p.ay, p.ey);
+    seen[i].angle = lobe ? lobe->of->angle : 0.0;
+  }
+  return count;
 }
 
-// f and the cosine of one of the lobes; of a rough one in its own frame.
-void ShadedPoint::lobe_light(Lobe of, const shade_bsdf *b, const double wi[3], double f[3],
-                             double *cosine) const {
+// f cos of one of the material's lobes.
+void ShadedPoint::lobe_light(Lobe of, const shade_bsdf *b, const double wi[3], double f[3]) const {
   shade_bsdf_hit *const at = &prepared_hit[of];
-  const bool turned = rough && of >= OF_SPECULAR;
-  double n[3], o[3], i[3];
+  double cosine;
 
   if (!(prepared >> of & 1)) {
-    if (turned) {
-      rough->turn(normal, n);
-      rough->turn(eye, o);
-    }
-    shade_bsdf_prepare(b, turned ? n : normal, turned ? o : eye, at);
+    shade_bsdf_prepare(b, normal, eye, at);
     prepared |= 1u << of;
   }
-  if (turned)
-    rough->turn(wi, i);
-  shade_bsdf_hit_eval(b, at, turned ? i : wi, f, cosine);
+  shade_bsdf_hit_eval(b, at, wi, f, &cosine);
+  for (int c = 0; c < 3; c++)
+    f[c] *= cosine;
 }
 
-// The specular lobe, or the same in black, with what its bumps make of it.
-void ShadedPoint::specular(bool in_black, int level, const double wi[3], double f[3],
-                           double *cosine) const {
+// The same of all that slopes make of it: the specular ones each in a frame of its own.
+void ShadedPoint::rough_light(Lobe of, const double wi[3], double f[3]) const {
+  const bool turned = of != OF_DIFFUSE;
+  double i[3], one[3], cosine;
+
+  for (int c = 0; c < 3; c++)
+    f[c] = 0.0;
+  for (int k = 0; k < rough->count; k++) {
+    const RoughLobe &lobe = rough->lobe[k];
+    const shade_bsdf *const b = turned ? lobe.of->bsdf[of == OF_BLACK] : &material->diffuse;
+    if (!(lobe.prepared >> of & 1)) {
+      shade_bsdf_prepare(b, turned ? lobe.normal : lobe.flat, turned ? lobe.eye : eye,
+                         &lobe.prepared_hit[of]);
+      lobe.prepared |= 1u << of;
+    }
+    if (turned)
+      lobe.of->turn(wi, i);
+    shade_bsdf_hit_eval(b, &lobe.prepared_hit[of], turned ? i : wi, one, &cosine);
+    for (int c = 0; c < 3; c++)
+      f[c] += lobe.share * one[c] * cosine;
+  }
+}
+
+// f cos of the specular lobe, or the same in black, with what its bumps make of it.
+void ShadedPoint::specular(bool in_black, int level, const double wi[3], double f[3]) const {
   const Material &m = *material;
 
   if (rough)
-    lobe_light(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &rough->black : &rough->specular, wi,
-               f, cosine);
+    rough_light(in_black ? OF_BLACK : OF_SPECULAR, wi, f);
   else if (level < 0)
-    lobe_light(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &m.black : &m.specular, wi, f, cosine);
+    lobe_light(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &m.black : &m.specular, wi, f);
   else
     lobe_light(in_black ? OF_WIDENED_BLACK : OF_WIDENED,
-               in_black ? &m.widened_black[level] : &m.widened[level], wi, f, cosine);
+               in_black ? &m.widened_black[level] : &m.widened[level], wi, f);
 }
 
 void ShadedPoint::to_world(const double local[3], double world[3]) const {
@@ -373,27 +430,30 @@ void ShadedPoint::tint(const double black[3], double white[3]) const {
 void ShadedPoint::light(Part part, int level, const double L[3], const double E[3],
                         double S[3]) const {
   const Material &m = *material;
-  double wi[3], f[3], cosine = 1.0;
+  double wi[3], f[3];
 
   to_local(L, wi);
   if (m.cloth)
     shade_fabric_hit_eval(m.woven->fabric(), hit.get(), wi, f);
   else if (part == DIFFUSE) {
-    lobe_light(OF_DIFFUSE, &m.diffuse, wi, f, &cosine);
+    if (rough)
+      rough_light(OF_DIFFUSE, wi, f);
+    else
+      lobe_light(OF_DIFFUSE, &m.diffuse, wi, f);
     paint_diffuse(f);
   } else if (part == ALL)
-    lobe_light(OF_ALL, &m.bsdf, wi, f, &cosine);
+    lobe_light(OF_ALL, &m.bsdf, wi, f);
   else {
-    specular(false, level, wi, f, &cosine);
+    specular(false, level, wi, f);
     if (m.specular_pigment) {
       double black[3] = {0.0, 0.0, 0.0};
       if (m.params.fresnel != SHADE_FRESNEL_NONE)
-        specular(true, level, wi, black, NULL);
+        specular(true, level, wi, black);
       tint(black, f);
     }
   }
   for (int c = 0; c < 3; c++)
-    S[c] = f[c] * cosine * E[c];
+    S[c] = f[c] * E[c];
 }
 
 // What a pigment makes of the diffuse part, which is in white for it.
@@ -436,6 +496,34 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
   }
 }
 
+// f cos of all the lobes, by a draw of one of them; pdf: of any of them.
+bool ShadedPoint::draw_rough(const double u[3], double wi[3], double f[3], double *pdf) const {
+  double rest = u[2], drawn[3], cosine;
+  int k = 0;
+
+  for (; k + 1 < rough->count && rest >= rough->lobe[k].share; k++)
+    rest -= rough->lobe[k].share;
+  const RoughLobe &lobe = rough->lobe[k];
+  shade_bsdf_sample(lobe.of->bsdf[0], lobe.normal, lobe.eye, u, drawn, f, pdf, &cosine);
+  if (!(*pdf > 0.0))
+    return false;
+  lobe.of->back(drawn, wi);
+  for (int c = 0; c < 3; c++)
+    f[c] *= cosine;
+  if (rough->count == 1)
+    return true;
+  *pdf *= lobe.share;
+  for (int i = 0; i < rough->count; i++) {
+    const RoughLobe &other = rough->lobe[i];
+    if (i == k)
+      continue;
+    other.of->turn(wi, drawn);
+    *pdf += other.share * shade_bsdf_pdf(other.of->bsdf[0], other.normal, drawn, other.eye, NULL);
+  }
+  rough_light(OF_SPECULAR, wi, f);
+  return true;
+}
+
 bool ShadedPoint::draw(int level, const double u[3], double L[3], double reflectance[3]) const {
   const Material &m = *material;
   double wi[3], f[3], pdf, cosine = 1.0;
@@ -443,11 +531,8 @@ bool ShadedPoint::draw(int level, const double u[3], double L[3], double reflect
   if (m.cloth)
     shade_fabric_hit_sample(m.woven->fabric(), hit.get(), u, wi, f, &pdf);
   else if (rough) {
-    double n[3], o[3], drawn[3];
-    rough->turn(normal, n);
-    rough->turn(eye, o);
-    shade_bsdf_sample(&rough->specular, n, o, u, drawn, f, &pdf, &cosine);
-    rough->back(drawn, wi);
+    if (!draw_rough(u, wi, f, &pdf))
+      return false;
   } else
     shade_bsdf_sample(level < 0 ? &m.specular : &m.widened[level], normal, eye, u, wi, f, &pdf,
                       &cosine);

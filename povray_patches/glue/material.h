@@ -90,7 +90,7 @@ struct Material {
   std::shared_ptr<const Woven> woven;
   // The bump image from afar, likewise.
   std::shared_ptr<const shade_slope_map> slopes;
-  std::shared_ptr<const shade_scratch_field> field; // of scratches
+  std::shared_ptr<const ScratchField> field; // of scratches
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
   // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
   shade_bsdf black;
@@ -147,6 +147,7 @@ public:
   bool has_cloth() const;
   bool has_painted() const;
   bool has_bumps() const; // from an image, or scratches
+  bool has_scratches() const;
   // Whether any block looks different by how wide a ray is.
   bool looks_at_widths() const { return by_width; }
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
@@ -174,6 +175,11 @@ private:
   std::set<std::string> warned;
 };
 
+// One of the specular lobes of a point, about the normal of what it is of; world space.
+struct LobeSeen {
+  double share, normal[3], alpha[2], angle; // how far its grooves are turned from T
+};
+
 // A point of a surface with an mdf { } block, seen from one direction.
 // All vectors are unit, in world space; N faces the eye, T is orthogonal to N.
 // POV-Ray's space is left-handed, but a mirror does not change a BRDF: the
@@ -192,12 +198,14 @@ public:
   // Where on its cloth this is: to be told before light comes. Returns the share of the eye's ray
   // that meets something.
   double lay(const ClothPlace &place);
-  // Bumps too small to be seen, as roughness: the covariance of their slopes, local. level: of
-  // Material::widened, or -1.
-  void roughen(const double covariance[3], int level);
+  // Bumps too small to be seen, as roughness, on a share of the point: their mean normal, world
+  // space, and the covariance of their slopes, local. level: of Material::widened, or -1. most: so
+  // many lobes stand for them at most. All shares are to be told, 1 together, in MOST_LOBES lobes.
+  void roughen(double share, const double mean[3], const double covariance[3], int most, int level);
   bool is_rough() const { return rough != NULL; }
-  // The lobe's alphas and how far its grooves are turned from T.
-  void lobe(double alpha[2], double *angle) const;
+  enum { MOST_LOBES = 3 };
+  // What was told, the last first. Returns how many there are.
+  int lobes(LobeSeen seen[MOST_LOBES]) const;
 
   bool has_material() const { return material != NULL; }
   const Material &of() const { return *material; }
@@ -212,11 +220,16 @@ public:
       return above(L) || material->cloth->transmits();
     if (!above(L))
       return false;
-    if (!material->rejects || !(normal[2] > 0.0) || (material->bends && is_bent()))
-      return true; // a normal below the surface is raised, too
+    if (!material->rejects)
+      return true;
     double wi[3];
     to_local(L, wi);
-    return normal[0] * wi[0] + normal[1] * wi[1] + normal[2] * wi[2] > 0.0;
+    if (rough == NULL)
+      return faces(normal, wi);
+    for (int i = 0; i < rough->count; i++)
+      if (faces(rough->lobe[i].flat, wi))
+        return true;
+    return false;
   }
 
   // S = f cos E for light from the unit direction L with the irradiance E
@@ -251,35 +264,56 @@ private:
   double eye[3], normal[3], pigment[3];
   std::unique_ptr<shade_fabric_hit> hit; // of a cloth
 
-  struct Rough {
-    shade_bsdf specular, black;
+  // Each lobe that light may be asked of, prepared for the eye by the first light: most points
+  // need one of them.
+  enum Lobe { OF_ALL, OF_DIFFUSE, OF_SPECULAR, OF_BLACK, OF_WIDENED, OF_WIDENED_BLACK, LOBES };
+
+  // The material where slopes widen it, in a frame along its own axes.
+  struct Wider {
     shade_params params;
-    double angle, c, s; // its cosine and sine
+    shade_bsdf own[2];         // specular, and the same in black
+    const shade_bsdf *bsdf[2]; // these, or the material's
+    double angle, c, s;        // its cosine and sine
     void turn(const double v[3], double turned[3]) const;
     void back(const double turned[3], double v[3]) const;
+  };
+  struct RoughLobe {
+    const Wider *of;
+    double share, flat[3], normal[3], eye[3]; // the normal, local and as `of` has it
+    mutable shade_bsdf_hit prepared_hit[OF_BLACK + 1];
+    mutable unsigned int prepared;
+  };
+  struct Rough {
+    Rough() : parts(0), count(0) {}
+    Wider part[2]; // told by roughen()
+    RoughLobe lobe[MOST_LOBES];
+    int parts, count;
   };
   std::unique_ptr<Rough> rough;
 
   // Whether a horizon that bends normals may have bent this one: where the eye's mirror image is
   // all but below the surface (shade.h, horizon).
-  bool is_bent() const {
-    const double cosine = normal[0] * eye[0] + normal[1] * eye[1] + normal[2] * eye[2];
-    return !(2.0 * cosine * normal[2] - eye[2] > 0.0101);
+  bool is_bent(const double n[3]) const {
+    const double cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
+    return !(2.0 * cosine * n[2] - eye[2] > 0.0101);
+  }
+  // The same as above of one normal; one below the surface is raised.
+  bool faces(const double n[3], const double wi[3]) const {
+    return !(n[2] > 0.0) || (material->bends && is_bent(n)) ||
+           n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2] > 0.0;
   }
   void to_local(const double world[3], double local[3]) const {
     for (int row = 0; row < 3; row++)
       local[row] = frame[row][0] * world[0] + frame[row][1] * world[1] + frame[row][2] * world[2];
   }
   void to_world(const double local[3], double world[3]) const;
-  // Each lobe that light may be asked of, prepared for the eye by the first light: most points
-  // need one of them.
-  enum Lobe { OF_ALL, OF_DIFFUSE, OF_SPECULAR, OF_BLACK, OF_WIDENED, OF_WIDENED_BLACK, LOBES };
   mutable shade_bsdf_hit prepared_hit[LOBES];
   mutable unsigned int prepared; // bit 1 << lobe
 
-  void lobe_light(Lobe lobe, const shade_bsdf *b, const double wi[3], double f[3],
-                  double *cosine) const;
-  void specular(bool in_black, int level, const double wi[3], double f[3], double *cosine) const;
+  void lobe_light(Lobe lobe, const shade_bsdf *b, const double wi[3], double f[3]) const;
+  void rough_light(Lobe lobe, const double wi[3], double f[3]) const;
+  void specular(bool in_black, int level, const double wi[3], double f[3]) const;
+  bool draw_rough(const double u[3], double wi[3], double f[3], double *pdf) const;
   void tint(const double black[3], double white[3]) const;
   void paint_diffuse(double f[3]) const;
 };

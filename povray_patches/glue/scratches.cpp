@@ -56,18 +56,60 @@ void Scratches::end_layer() {
   made_mm = tile_mm;
 }
 
-std::shared_ptr<const shade_scratch_field> Scratcher::field(const shade_scratch_params &params) {
+ScratchField::ScratchField(const shade_scratch_params &params)
+    : field(shade_scratch_create(&params, NULL), shade_scratch_free), deep(0.0) {
+  if (!field)
+    throw std::bad_alloc();
+  // looks until enough are in scratches, at points that lie evenly (of Roberts's sequence R2)
+  const double STEP_U = 0.7548776662466927, STEP_V = 0.5698402909980532;
+  double in = 0.0, square = 0.0;
+  for (int i = 0; i < 65536 && in < 2048.0; i++) {
+    shade_slopes found;
+    double height, u = i * STEP_U, v = i * STEP_V;
+    shade_scratch_eval(field.get(), u - std::floor(u), v - std::floor(v), NULL, &height, &found);
+    if (height < 0.0) {
+      in += 1.0;
+      square += found.mean[0] * found.mean[0] + found.mean[1] * found.mean[1];
+    }
+  }
+  deep = in > 0.0 ? square / in : 0.0;
+}
+
+// Slopes squared are in the scratches of a footprint what they are in those of the whole field: how
+// much of it is scratched follows from their mean.
+double ScratchField::scratched(shade_slopes *of) const {
+  double *const m = of->mean, *const k = of->covariance;
+  const double xx = k[0] + m[0] * m[0], xy = k[1] + m[0] * m[1], yy = k[2] + m[1] * m[1];
+  const double square = xx + yy;
+
+  if (!(square > 0.0))
+    return 0.0;
+  if (!(k[0] + k[2] > 1e-9)) // a point
+    return 1.0;
+  // Fewer could not have that mean and spread along it: m' S^-1 m, of the mean m and squares S.
+  // Padded: strokes may all lie one way.
+  const double pad = 1e-9 * square, area = (xx + pad) * (yy + pad) - xy * xy;
+  const double of_mean =
+      (yy + pad) * m[0] * m[0] - 2.0 * xy * m[0] * m[1] + (xx + pad) * m[1] * m[1];
+  const double least = area > 0.0 ? of_mean / area : 1.0;
+  const double share = deep > 0.0 ? std::min(std::max(square / deep, least), 1.0) : 1.0;
+  if (share > 0.999)
+    return 1.0;
+  const double more = 1.0 / share - 1.0;
+  k[0] = std::max(k[0] - more * m[0] * m[0], 0.0) / share;
+  k[1] = (k[1] - more * m[0] * m[1]) / share;
+  k[2] = std::max(k[2] - more * m[1] * m[1], 0.0) / share;
+  m[0] /= share;
+  m[1] /= share;
+  return share;
+}
+
+std::shared_ptr<const ScratchField> Scratcher::field(const shade_scratch_params &params) {
   for (size_t i = 0; i < made.size(); i++)
     if (std::memcmp(&made[i].first, &params, sizeof params) == 0)
       return made[i].second;
-  shade_scratch_field *const f = shade_scratch_create(&params, NULL);
-  if (f == NULL)
-    throw std::bad_alloc();
-  const std::shared_ptr<const shade_scratch_field> kept(f, [](const shade_scratch_field *field) {
-    shade_scratch_free(const_cast<shade_scratch_field *>(field));
-  });
-  made.push_back(std::make_pair(params, kept));
-  return kept;
+  made.push_back(std::make_pair(params, std::make_shared<const ScratchField>(params)));
+  return made.back().second;
 }
 
 } // namespace mdf

@@ -34,14 +34,32 @@ private:
   double made_mm;
 };
 
+// A field, and what tells how much of a footprint is scratched.
+class ScratchField {
+public:
+  // Throws std::bad_alloc.
+  explicit ScratchField(const shade_scratch_params &params);
+
+  unsigned slopes(double u, double v, const double footprint[4], shade_slopes *found) const {
+    return shade_scratch_eval(field.get(), u, v, footprint, NULL, found);
+  }
+  // Of a footprint's slopes those in scratches, in place of all: the rest is the plate, whose
+  // slopes are 0. Returns the share of the footprint that they are of.
+  double scratched(shade_slopes *of) const;
+
+private:
+  std::unique_ptr<shade_scratch_field, void (*)(shade_scratch_field *)> field;
+  double deep; // mean square of the slopes in scratches
+};
+
 // Fields are made once for equal numbers: scenes copy blocks in loops.
 class Scratcher {
 public:
   // Throws std::bad_alloc.
-  std::shared_ptr<const shade_scratch_field> field(const shade_scratch_params &params);
+  std::shared_ptr<const ScratchField> field(const shade_scratch_params &params);
 
 private:
-  std::vector<std::pair<shade_scratch_params, std::shared_ptr<const shade_scratch_field>>> made;
+  std::vector<std::pair<shade_scratch_params, std::shared_ptr<const ScratchField>>> made;
 };
 
 } // namespace mdf

@@ -688,10 +688,15 @@ Vector3d image_normal(const mdf::Material &material, const UV_VECT uv, const dou
   return n[X] * map_x + n[Y] * map_y + n[Z] * up;
 }
 
-// The same of scratches, which the texture's own transformations turn and scale in that plane.
-Vector3d scratch_normal(const mdf::Material &material, const FINISH *finish, const UV_VECT uv,
-                        const double foot[4], const Vector3d &map_x, const Vector3d &map_y,
-                        const Vector3d &up, double covariance[3]) {
+// Slopes in the (u, v) plane: of a share of what is seen.
+struct Slopes {
+  double share, mean[2], covariance[3];
+};
+
+// The slopes of scratches, which the texture's own transformations turn and scale in that plane, on
+// the part of a footprint that they cover. share 0: none.
+Slopes scratch_slopes(const mdf::Material &material, const FINISH *finish, const UV_VECT uv,
+                      const double foot[4]) {
   const MATRIX &m = finish->Mdf_Space;
   const double det = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X];
   const double per_unit = material.scratches->per_unit();
@@ -699,26 +704,29 @@ Vector3d scratch_normal(const mdf::Material &material, const FINISH *finish, con
   const double back[2][2] = {{per_unit * m[Y][Y] / det, -per_unit * m[Y][X] / det},
                              {-per_unit * m[X][Y] / det, per_unit * m[X][X] / det}};
   const double u = uv[U] - m[3][X], v = uv[V] - m[3][Y];
+  Slopes result = {0.0, {0.0, 0.0}, {0.0, 0.0, 0.0}};
   double over[4];
   shade_slopes found;
 
   for (int side = 0; side < 2; side++)
     for (int axis = 0; axis < 2; axis++)
       over[2 * side + axis] = back[axis][0] * foot[2 * side] + back[axis][1] * foot[2 * side + 1];
-  if (shade_scratch_eval(material.field.get(), back[0][0] * u + back[0][1] * v,
-                         back[1][0] * u + back[1][1] * v, over, NULL, &found) &
+  if (material.field->slopes(back[0][0] * u + back[0][1] * v, back[1][0] * u + back[1][1] * v, over,
+                             &found) &
       SHADE_BAD_INPUT)
-    return up;
+    return result;
+  result.share = material.field->scratched(&found);
   // slopes back on the surface: along its own u and v, where the texture turned them
   const double length = std::sqrt(fabs(det));
   const double a = m[X][X] / length, b = m[X][Y] / length, c = m[Y][X] / length,
                d = m[Y][Y] / length;
   const double *const s = found.mean, *const k = found.covariance;
-  const double sx = a * s[0] + c * s[1], sy = b * s[0] + d * s[1];
-  covariance[0] += a * a * k[0] + 2.0 * a * c * k[1] + c * c * k[2];
-  covariance[1] += a * b * k[0] + (a * d + b * c) * k[1] + c * d * k[2];
-  covariance[2] += b * b * k[0] + 2.0 * b * d * k[1] + d * d * k[2];
-  return (up - sx * map_x - sy * map_y).normalized();
+  result.mean[0] = a * s[0] + c * s[1];
+  result.mean[1] = b * s[0] + d * s[1];
+  result.covariance[0] = a * a * k[0] + 2.0 * a * c * k[1] + c * c * k[2];
+  result.covariance[1] = a * b * k[0] + (a * d + b * c) * k[1] + c * d * k[2];
+  result.covariance[2] = b * b * k[0] + 2.0 * b * d * k[1] + d * d * k[2];
+  return result;
 }
 
 // Two bumps on one surface: their slopes -n.xy/n.z add, as heights would.
@@ -846,6 +854,8 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
 
   Vector3d map_x, map_y;
   double covariance[3] = {0.0, 0.0, 0.0};
+  Slopes scratches = {0.0, {0.0, 0.0}, {0.0, 0.0, 0.0}};
+  Vector3d smooth = Ns, in_scratches = Ns; // beside scratches, and in them
   if ((bumped || scratched) && has_directions) {
     const bool front =
         !bumped || (dot(outside, N) > 0.0) != (Test_Flag(object, INVERTED_FLAG) != 0);
@@ -854,9 +864,14 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     if (map_frame(N, front, du, dv, map_x, map_y)) {
       if (bumped)
         Ns = add_slopes(Ns, image_normal(material, uv, foot, map_x, map_y, N, covariance), N);
+      smooth = in_scratches = Ns;
       if (scratched)
-        Ns = add_slopes(Ns, scratch_normal(material, finish, uv, foot, map_x, map_y, N, covariance),
-                        N);
+        scratches = scratch_slopes(material, finish, uv, foot);
+      if (scratches.share > 0.0) {
+        const Vector3d down = scratches.mean[0] * map_x + scratches.mean[1] * map_y;
+        in_scratches = add_slopes(smooth, (N - down).normalized(), N);
+        Ns = add_slopes(smooth, (N - scratches.share * down).normalized(), N);
+      }
     }
   }
 
@@ -877,14 +892,22 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   if (material.has_pigment())
     shaded.set_pigment(rgb);
   mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
-  if (!cloth && covariance[0] + covariance[2] > 0.0) {
+  if (!cloth && has_directions && (bumped || scratched)) {
     const Vector3d B = cross(N, T); // the frame's y axis, as ShadedPoint has it
     const double a = dot(T, map_x), b = dot(T, map_y), c = dot(B, map_x), d = dot(B, map_y);
-    const double local[3] = {
-        a * a * covariance[0] + 2.0 * a * b * covariance[1] + b * b * covariance[2],
-        a * c * covariance[0] + (a * d + b * c) * covariance[1] + b * d * covariance[2],
-        c * c * covariance[0] + 2.0 * c * d * covariance[1] + d * d * covariance[2]};
-    shaded.roughen(local, level);
+    // Slopes of a plate with scratches are 0, or theirs: one lobe for all of them would be wrong.
+    for (int scratch = 0; scratch < 2; scratch++) {
+      const double share = scratch ? scratches.share : 1.0 - scratches.share;
+      if (!(share > 0.0))
+        continue;
+      for (int i = 0; i < 3; i++)
+        covariance[i] += scratch ? scratches.covariance[i] : 0.0;
+      const double local[3] = {
+          a * a * covariance[0] + 2.0 * a * b * covariance[1] + b * b * covariance[2],
+          a * c * covariance[0] + (a * d + b * c) * covariance[1] + b * d * covariance[2],
+          c * c * covariance[0] + 2.0 * c * d * covariance[1] + d * d * covariance[2]};
+      shaded.roughen(share, scratch ? *in_scratches : *smooth, local, scratch ? 2 : 1, level);
+    }
   }
   if (cloth) {
     place = cloth_place(finish, uv, du, dv, N, T, V, has_directions, size);
@@ -896,13 +919,16 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
            (!material.has_diffuse || (opacity == 1.0 && !both_sides));
   if (!dumped)
     return;
-  double alpha[2], angle;
-  shaded.lobe(alpha, &angle);
+  mdf::LobeSeen lobes[mdf::ShadedPoint::MOST_LOBES];
+  const int count = shaded.lobes(lobes);
+  bool turned = false;
+  for (int i = 0; i < count; i++)
+    turned = turned || lobes[i].angle != 0.0;
   // a dump has no room for the colours of yarns, nor for fibres that run elsewhere than the grooves
   if (!(cloth && material.has_pigment()) &&
-      !(angle != 0.0 && material.has_diffuse && material.params.diffuse != SHADE_DIFFUSE_LAMBERT) &&
-      d->hit(p, &material, isect.IPoint, uv, *N, *T, *Ns, *V, rgb, cloth ? &place : NULL, gaps,
-             alpha, angle)) {
+      !(turned && material.has_diffuse && material.params.diffuse != SHADE_DIFFUSE_LAMBERT) &&
+      d->hit(p, &material, isect.IPoint, uv, *N, *T, *V, rgb, cloth ? &place : NULL, gaps, lobes,
+             count)) {
     dump = d;
     pixel = p;
     global_lights = (int)thread->GetSceneData()->lightSources.size();

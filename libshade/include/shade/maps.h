@@ -237,8 +237,8 @@ SHADE_API unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t co
  * cheap form) of the mean of the lobes for alphas to 0.36 and deviations to 0.35, of GGX and
  * Ashikhmin-Shirley 14 and 12 % too high; with alphas of 0.5 within 5 (13), 0, 8, 4 and 5 %. Slopes
  * that are not Gaussian (few deep scratches on a polished plate) are wider in the tail and narrower
- * at the peak than the one lobe that has their covariance: 0.6 % in the test of far scratches in
- * POV-Ray. A covariance that is indefinite, or not finite, counts as the nearest that is not
+ * at the peak than the one lobe that has their covariance: back ends give the plate a lobe of its
+ * own. A covariance that is indefinite, or not finite, counts as the nearest that is not
  * (SHADE_BAD_INPUT). What the material has out of its range is mended as by shade_bsdf_setup,
  * results out of the parameters' ranges are clamped (SHADE_CLAMPED_PARAMETER).
  */
