@@ -43,7 +43,7 @@ class Builder:
             self.feed(socket, value)
         return node.outputs[0]
 
-    def vector(self, operation, a, b=None):
+    def vector(self, operation, a, b=None, c=None):
         node = self.new("VectorMath")
         node.operation = operation
         self.feed(node.inputs[0], a)
@@ -51,6 +51,8 @@ class Builder:
             self.feed(node.inputs["Scale"], b)
         elif b is not None:
             self.feed(node.inputs[1], b)
+        if c is not None:
+            self.feed(node.inputs[2], c)
         return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
 
     def parts(self, vector):

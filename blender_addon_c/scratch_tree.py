@@ -14,6 +14,7 @@ DENSITY, LENGTH, WIDTH, DEPTH, DIRECTION, SPREAD = (
     "Density per cm²", "Length mm", "Width mm", "Depth", "Direction", "Spread")
 HEIGHT, MASK = "Height", "Mask"
 _TURN = 6.2831853
+_SMALL = 0.01  # slope by which places tell how they change
 # Sockets with a number for all of the surface: key of the native module, least, most, at first, what it is.
 NUMBERS = {
     DENSITY: ("density", 0.0, 1e6, 20.0, "How many there are on a square centimetre"),
@@ -68,9 +69,9 @@ def is_plain(tree):
 class _Builder(Builder):
     """With what images of scratches need."""
 
-    def image(self, image, place, cubic=False):
+    def image(self, image, place):
         node = self.new("TexImage", Vector=place)
-        node.image, node.interpolation = image, "Cubic" if cubic else "Linear"
+        node.image = image
         return node.outputs["Color"]
 
     def by_side(self):
@@ -84,15 +85,46 @@ class _Builder(Builder):
         across = self.mixed(place["X"], place["Y"], to_x)
         return self.together(across, self.mixed(place["Z"], place["Y"], to_z))
 
+    def gradient(self, height, surface, distance):
+        """Of a height that changes evenly, along the surface, times the distance, which is to make it small. By heights and
+        depths: what Cycles does to normals that turn far from the eye is the same for both, and goes."""
+        up, down = (leaning(self, self.bump(height, distance, invert), surface) for invert in (False, True))
+        return self.vector("SCALE", self.vector("SUBTRACT", down, up), 0.5)
+
+    def bump(self, height, distance, invert):
+        node = self.new("Bump", Strength=1.0, Distance=distance, Height=height)
+        node.invert = invert
+        return node.outputs[0]
+
     def mixed(self, a, b, share):
         return self.math("MULTIPLY_ADD", self.math("SUBTRACT", b, a), share, a)
 
 
-def baked(images, place, scale, uv_map, unit):
-    """A tree that shows images (normal, height, mask) of a tile. unit: metres in one of the scene's.
+def leaning(build, normal, surface):
+    """Its length along the surface's normal is 1: what is left of it are slopes."""
+    up = build.math("MAXIMUM", build.vector("DOT_PRODUCT", normal, surface), 1e-3)
+    return build.vector("SCALE", normal, build.math("DIVIDE", 1.0, up))
+
+
+def _slopes(build, normal, at, surface, distance):
+    """What a picture's normals add to the surface's, by how the place on the picture changes along it; but for how much larger
+    that is all in all: scratches on what is scaled grow deeper as they grow wider."""
+    x, y, z = build.parts(build.vector("MULTIPLY_ADD", normal, (2.0,) * 3, (-1.0,) * 3))
+    where = build.parts(at)
+    along, up = (build.gradient(where[axis], surface, distance) for axis in "XY")
+    area = build.vector("LENGTH", build.vector("CROSS_PRODUCT", along, up))
+    by = build.math("DIVIDE", 1.0, build.math("MULTIPLY", build.math("SQRT", build.math("MAXIMUM", area, 1e-12)), z))
+    seen = build.math("MULTIPLY_ADD", build.new("NewGeometry").outputs["Backfacing"], -2.0, 1.0)
+    by = build.math("MULTIPLY", by, seen)
+    return build.vector("ADD", *(build.vector("SCALE", axis, build.math("MULTIPLY", slope, by))
+                                 for axis, slope in ((along, x), (up, y))))
+
+
+def baked(images, place, scale, uv_map, tile, unit):
+    """A tree that shows images (normal, height, mask) of a tile. tile, unit: metres of it, and in one of the scene's.
 
     place: VECTOR, what comes in; UV, that of a UV map's; OBJECT, of the object's own. scale: tiles in a unit of it.
-    uv_map: whose tangents the normals are of; None: what Vector says has others, and heights bump it.
+    uv_map: whose tangents the normals are of; None: what Vector says has others.
     """
     tree = plain().copy()
     del tree[_MARK]
@@ -110,24 +142,17 @@ def baked(images, place, scale, uv_map, unit):
         where.uv_map, at = uv_map or "", where.outputs[0]
     at = build.vector("SCALE", at, scale)
     normal_image, height_image, mask_image = images
-    height = build.math("MULTIPLY", build.image(height_image, at, cubic=uv_map is None), 1.0 / unit)
-    if uv_map is None:
-        bump = build.new("Bump", Strength=1.0, Distance=1.0, Height=height)
-        if "Filter Width" in bump.inputs:
-            bump.inputs["Filter Width"].default_value = 0.1
-        own = bump.outputs[0]
-    else:
-        read = build.new("NormalMap", Color=build.image(normal_image, at))
-        read.uv_map, own = uv_map, read.outputs[0]
+    height = build.math("MULTIPLY", build.image(height_image, at), 1.0 / unit)
     amount = build.math("MAXIMUM", given[AMOUNT], 0.0)
-
-    def leaning(normal):
-        """Its length along the surface's normal is 1: what is left of it are slopes."""
-        up = build.math("MAXIMUM", build.vector("DOT_PRODUCT", normal, surface), 1e-3)
-        return build.vector("SCALE", normal, build.math("DIVIDE", 1.0, up))
-
-    slopes = build.vector("SCALE", build.vector("SUBTRACT", leaning(own), surface), amount)
-    base = leaning(either(tree, given[NORMAL], surface))
+    normal = build.image(normal_image, at)
+    if uv_map is None:
+        slopes = _slopes(build, normal, at, surface, _SMALL * tile / unit)
+    else:
+        read = build.new("NormalMap", Color=normal)
+        read.uv_map = uv_map
+        slopes = build.vector("SUBTRACT", leaning(build, read.outputs[0], surface), surface)
+    slopes = build.vector("SCALE", slopes, amount)
+    base = leaning(build, either(tree, given[NORMAL], surface), surface)
     tree.links.new(build.vector("NORMALIZE", build.vector("ADD", base, slopes)), answer[NORMAL])
     tree.links.new(build.math("MULTIPLY", height, amount), answer[HEIGHT])
     mask = build.math("MULTIPLY", build.image(mask_image, at), build.math("MINIMUM", amount, 1.0))

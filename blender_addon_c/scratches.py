@@ -187,7 +187,7 @@ def bake(node, owner, scene, texels=2048, samples=3, tile=0.0):
     for what in ("Normal", scratch_tree.HEIGHT, scratch_tree.MASK):
         images.append(_image(f"{owner} {node.name} {what}", texels, data.pop(0), what != scratch_tree.MASK))
     place, uv_map = _source(node)
-    node.node_tree = scratch_tree.baked(images, place, metres(node, unit) / plan["tile"], uv_map, unit)
+    node.node_tree = scratch_tree.baked(images, place, metres(node, unit) / plan["tile"], uv_map, plan["tile"], unit)
     node.baked = _stamp(node, unit, plan["tile"])
     return plan
 

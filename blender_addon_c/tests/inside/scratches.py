@@ -73,7 +73,7 @@ def of_uv(tree, node):
 
 
 def of_map(tree, node):
-    """Turned, and half as large: heights bump it in Cycles."""
+    """Turned, and half as large."""
     where, turned = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeMapping")
     turned.inputs["Rotation"].default_value[2] = 0.5
     tree.links.new(where.outputs[0], turned.inputs["Vector"])
