@@ -656,6 +656,13 @@ def _fibres(reader, color, roughness, share, normal):
     return seen
 
 
+def _toon(reader, node, groups, share):
+    color = color_of(reader, node.inputs["Color"], groups)
+    size, smooth = (number_of(reader, node.inputs[name], groups) for name in ("Size", "Smooth"))
+    _add(reader, {"closure": "TOON", "mirrors": node.component == "GLOSSY", "size": [size], "smooth": [smooth]},
+         _times(reader, color, share), _normal(reader, node, groups), color)
+
+
 def _translucent(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
     _add(reader, {"closure": "TRANSLUCENT"}, _times(reader, color, share),
@@ -962,6 +969,7 @@ CLOSURES = {
     "ShaderNodeBsdfRefraction": _refraction,
     "ShaderNodeBsdfSheen": _sheen,
     "ShaderNodeBsdfVelvet": _velvet,
+    "ShaderNodeBsdfToon": _toon,
     "ShaderNodeBsdfTranslucent": _translucent,
     "ShaderNodeSubsurfaceScattering": _subsurface,
     "ShaderNodeBsdfTransparent": _transparent,

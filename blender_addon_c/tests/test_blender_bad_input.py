@@ -43,7 +43,7 @@ EXPECTED = {
     "mixed": ("finished", None),
     "volume": ("finished", "Warning: .*'steel': volumes are not supported; left out"),
     "volume_alone": ("finished", "Warning: .*'steel': volumes are not supported; left out"),
-    "toon": ("finished", "Warning: .*'Toon BSDF' is not supported; shaded as a Diffuse BSDF"),
+    "hair": ("finished", "Warning: .*'Hair BSDF' is not supported; shaded as a Diffuse BSDF"),
     "no_shader": ("finished", "Warning: .*no shader .its surface has none"),
     "many_shaders": ("finished", "Warning: .*its 10 shaders are more than 8"),
     "flat_lights": ("finished", None),
@@ -126,7 +126,7 @@ FALLBACK = {
     "missing_image": metal(6, 2, (1, 0, 1)), "broken_image": metal(6, 2, (1, 0, 1)),
     "subsurface": np.full(3, 3 * 0.8 / math.pi), "light_linking": STEEL, "displaced": STEEL,
     "volume": STEEL,
-    "mixed": STEEL / 2, "toon": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,
+    "mixed": STEEL / 2, "hair": np.full(3, 3 * 0.8 / math.pi), "many_shaders": STEEL,
     "no_shader": np.zeros(3),
 }
 

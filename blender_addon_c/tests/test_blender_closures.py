@@ -57,6 +57,12 @@ def film(thickness, ior):
     return {"Thin Film Thickness": {"5.0": thickness}, "Thin Film IOR": {"5.0": ior}}
 
 
+def toon(component, size, smooth):
+    """3.4 draws soft rims brighter than it evaluates them."""
+    return one(f"{component.lower()} toon {size} {smooth}", "BsdfToon", {
+        "Color": RED, "Size": size, "Smooth": {"3.4": 0.0, "5.0": smooth}}, component=component)
+
+
 def grooved(case, by="UV"):
     """Its grooves along the UV map, or round an axis."""
     case["shaders"][0]["grooved"] = by
@@ -147,6 +153,7 @@ CASES = [
         distribution={"5.0": "MICROFIBER"}),
     one("fine fibres", {"3.4": "BsdfVelvet", "5.0": "BsdfSheen"}, {"Color": RED, "Sigma": 0.25, "Roughness": 0.25},
         distribution={"5.0": "MICROFIBER"}),
+    toon("DIFFUSE", 0.5, 0.3), toon("DIFFUSE", 0.7, 0.0), toon("DIFFUSE", 0.9, 0.8), toon("GLOSSY", 0.3, 0.2), toon("GLOSSY", 0.8, 0.5),
     grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
                                                  "Rotation": 0.1}, distribution="GGX")),
     grooved(one("stretched far", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.6, "Anisotropy": 0.9}, distribution="GGX")),

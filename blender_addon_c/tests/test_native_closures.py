@@ -26,6 +26,10 @@ def glossy(alpha):
     return {key: value for key, value in made.items() if key not in ("name", "nodes")}
 
 
+def toon(size, smooth, mirrors=False):
+    return {"closure": "TOON", "mirrors": mirrors, "size": [size], "smooth": [smooth]}
+
+
 def weighed(closure, *weight):
     return closure | {"weight": weight * (3 // len(weight))}
 
@@ -55,7 +59,7 @@ KEEP_ALL = {
     "transparent": of(TRANSPARENT), "glass": of(glass(1e-4)), "refraction": of(
         glass(1e-4, reflects=False)), "mirror": of(glossy(1e-3)),
     "fibres": of({"closure": "SHEEN", "model": "FIBRES", "a": [0.4], "b": [-0.1]}),
-    "half there": of(weighed(diffuse(), 0.5), weighed(TRANSPARENT, 0.5)),
+    "toon": of(toon(0.5, 0.0)), "half there": of(weighed(diffuse(), 0.5), weighed(TRANSPARENT, 0.5)),
     "three": of(weighed(diffuse(), 0.2), weighed(TRANSLUCENT, 0.5), weighed(glass(1e-4), 0.3)),
 }
 
@@ -95,6 +99,7 @@ LOSE = {
     "velvet": of(weighed(diffuse(), 0.7), weighed({"closure": "SHEEN", "model": "VELVET", "sigma": [0.3]}, 0.2)),
     "coat": of(weighed(diffuse(), 0.8), weighed({"closure": "COAT", "alpha": [0.2]}, 0.25)),
     "rim": of(weighed(diffuse(), 0.7), weighed({"closure": "SHEEN", "model": "SCHLICK"}, 0.3)),
+    "soft toon": of(toon(0.5, 0.3)), "toon in a mirror": of(toon(0.3, 0.1, True)),
     "mixed": of(weighed(glossy(0.4), 0.5), weighed(diffuse(), 0.25), weighed(glass(0.2), 0.25)),
 }
 

@@ -1266,6 +1266,12 @@ static bool closure_by(int number, closure *c) {
       c->of.metal.kd[k] = half;
     return true;
   }
+  if (number == 23 || number == 24) { /* about the normal; about the mirror image */
+    c->type = CLOSURE_TOON;
+    c->of.toon =
+        (closure_toon){.mirrors = number == 24, .normal = {3, 4, 5}, .size = half, .smooth = half};
+    return true;
+  }
   if (number == 14) {
     c->type = CLOSURE_COAT;
     c->of.coat = (closure_coat){.normal = {3, 4, 5}, .alpha = half};
@@ -1484,7 +1490,7 @@ static void closures_are_reciprocal(void **state) {
   closure c;
   const lane_run run = {.begin = 0, .end = 500};
   for (int number = 0; closure_by(number, &c); number++) {
-    if (number == 4 || (number > 10 && number < 18))
+    if (number == 4 || (number > 10 && number < 18) || c.type == CLOSURE_TOON)
       continue;
     make_meeting((vec3){0, 0, 1}, (vec3){0, 0, 1}, 1.0f);
     for (size_t i = 0; i < run.end; i++) {

@@ -24,6 +24,7 @@
 #include "closure/glass.h"
 #include "closure/metal.h"
 #include "closure/sheen.h"
+#include "closure/toon.h"
 #include "closure/translucent.h"
 #include "closure/transparent.h"
 
@@ -35,6 +36,7 @@
   ROW(GLASS, glass)                                                                                \
   ROW(COAT, coat)                                                                                  \
   ROW(SHEEN, sheen)                                                                                \
+  ROW(TOON, toon)                                                                                  \
   ROW(TRANSPARENT, transparent)                                                                    \
   ROW(EMISSION, emission)
 

@@ -339,9 +339,9 @@ def world_shader(scene):
     tree.links.new(matt.outputs[0], tree.nodes["World Output"].inputs["Surface"])
 
 
-def toon(scene):
+def hair(scene):
     _ob, tree, _node = plate(scene)
-    shader = tree.nodes.new("ShaderNodeBsdfToon")
+    shader = tree.nodes.new("ShaderNodeBsdfHair")
     tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
 
 
@@ -420,7 +420,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, steep_normal_map, less_steep_normal_map, bump_node, sky_color, ies, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, toon, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, world_shader,
+    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, hair, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, world_shader,
     world_without_image, world_of_nothing, blind,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,
