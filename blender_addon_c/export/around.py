@@ -3,14 +3,20 @@
 of a surface is answered for a direction, and the light of all directions is rendered as that of a wall about a camera.
 """
 
+import math
+
 import numpy as np
+from mathutils import Matrix
 
 from .. import _native
 from .closure import collect
 from .graph import Program, is_known
 from .image import Images
 from .material import Reader
-from .value import number_in
+from .node_image import on_map
+from .node_place import position
+from .sky import sky_of
+from .value import Value, number_in, three, value_of
 
 # Of what nodes make, in a viewport and else; those of their images where they have more, up to a number.
 _ROWS = {True: (512, 1024), False: (1024, 2048)}
@@ -72,9 +78,9 @@ class _Around(Reader):
     def __init__(self, owner, table, messages, by_camera):
         super().__init__(table, messages, None)
         self.owner, self.program = owner, _Directions(by_camera)
-        self.images = Images(messages, table.images.frame, table.kept)
+        self.images, self.kept = Images(messages, table.images.frame, table.kept), table.kept
         self.averages = self.filters = self.colors = False
-        self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff}, False
+        self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff, "TEX_SKY": _tex_sky}, False
         del self.nodes["LibshadeScratchesNode"]  # there is no surface
 
     def layer(self, kind, _name):
@@ -94,6 +100,37 @@ class _Around(Reader):
         """It is everywhere."""
         matrix, *rest = super().camera()
         return (matrix.to_3x3().to_4x4(), *rest)
+
+
+def _tex_sky(reader, found):
+    """Looked up in a picture of it, its sun as bright as it is."""
+    node, vector = found.node, found.node.inputs.get("Vector")
+    given = value_of(reader, vector, found.groups, own=Value("VECTOR", None)) if vector and vector.enabled else Value("VECTOR", None)
+    to = three(reader, given) if given.parts is not None else tuple(position(reader))
+    rows = _ROWS[reader.kept is not None][1]
+    sky = sky_of(reader, node, 1.0, Matrix.Identity(4))
+    data = reader.kept.around(str((rows, sky)), (), lambda: _of_sky(sky, rows)) if reader.kept else _of_sky(sky, rows)
+    image = reader.images.made({"width": data.shape[1], "height": data.shape[0], "channels": 3, "data": data.ravel(), "srgb": False,
+                                "wide": True, "wrap": "REPEAT", "filter": "LINEAR"})
+    return reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=False, at=on_map(reader, to))[:3]
+
+
+def _of_sky(sky, rows):
+    """Equirectangular; with many samples about its sun, which is a few pixels wide."""
+    scene = {**_scene(rows, [], [], []), "meshes": [], "instances": [], "materials": [], "sky": sky, "transparent": False}
+    data = _render(scene)
+    if sky.get("sun_size"):
+        columns, half = scene["width"], 0.5 * sky["sun_size"]
+        across = half / max(math.cos(min(abs(sky["elevation"]) + half, math.pi / 2)), 1e-3)
+        x = (0.5 - math.atan2(sky["matrix"][1], sky["matrix"][0]) / (2 * math.pi)) % 1.0 * columns
+        y = (0.5 + sky["elevation"] / math.pi) * rows
+        wide, high = across / (2 * math.pi) * columns + 2, half / math.pi * rows + 2
+        y0, y1 = max(int(y - high), 0), min(int(y + high) + 1, rows)
+        for turn in (-columns, 0, columns):  # its picture has a seam
+            x0, x1 = max(int(x - wide) + turn, 0), min(int(x + wide) + 1 + turn, columns)
+            if x0 < x1 and y0 < y1:
+                data[y0:y1, x0:x1] = _render({**scene, "region": (x0, y0, x1, y1), "samples": 64, "filter_width": 0.0})
+    return data
 
 
 def _light_path(reader, found):
@@ -181,7 +218,8 @@ def _scene(rows, nodes, closures, images):
 
 
 def _render(scene):
-    pixels = np.zeros((scene["height"], scene["width"], 4), np.float32)
+    x0, y0, x1, y1 = scene["region"]
+    pixels = np.zeros((y1 - y0, x1 - x0, 4), np.float32)
     job = _native.start(scene)
     try:
         while not _native.wait(job, 1.0):

@@ -37,11 +37,12 @@ def _tex_environment(reader, found):
         return None
     value = value_of(reader, node.inputs["Vector"], found.groups, own=Value("VECTOR", None))
     to = three(reader, value) if value.parts is not None else tuple(position(reader))
-    around = _on_ball if node.projection == "MIRROR_BALL" else _on_map
+    around = _on_ball if node.projection == "MIRROR_BALL" else on_map
     return _look(reader, node, image, lambda: around(reader, to), averaged=False)[:3]
 
 
-def _on_map(reader, to):
+def on_map(reader, to):
+    """The place in an equirectangular picture that a direction points to."""
     math_ = reader.program.math
     up = math_("ARCSINE", math_("DIVIDE", to[2], math_("SQRT", dot(reader, to, to))))
     return (math_("MULTIPLY_ADD", math_("ARCTAN2", to[1], to[0]), -0.5 / math.pi, 0.5),

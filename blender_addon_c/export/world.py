@@ -57,16 +57,10 @@ class _Reader:
         self._owner, self._table, self._messages = f"world '{world.name}'", table, messages
         self._images = table.images
         self.camera, self.asked = False, False
-        self._has_sky = False  # what else there is is named then
 
     def warn(self, text):
         if not self.camera:  # else it is said already
             self._messages.warning(f"{self._owner}: {text}")
-
-    def _left_out(self, text):
-        if not self._has_sky:
-            raise _Richer
-        self.warn(text)
 
     def _factor(self, socket, groups):
         """A number that is known, or None."""
@@ -110,7 +104,6 @@ class _Reader:
         return None
 
     def read(self, nodes):
-        self._has_sky = _has_sky(nodes)
         try:
             return self._plain(nodes)
         except _Richer:
@@ -134,14 +127,15 @@ class _Reader:
         if not node:
             return {"background": (0.0, 0.0, 0.0)}
         if node.type not in {"BACKGROUND", "EMISSION"}:
-            self._left_out(f"'{node.name}' is not supported; black")
-            return {"background": (0.0, 0.0, 0.0)}
+            raise _Richer
         strength = self._trace(node.inputs["Strength"], shader.groups)
         if strength.node and strength.node.type != "VALUE":
-            self._left_out(f"'{strength.node.name}' is not supported; the socket's own value is used")
+            raise _Richer
         value = tree.number_in(strength.output if strength.node and strength.node.type == "VALUE"
                                else strength.socket)
-        color = self._main(self._trace(node.inputs["Color"], shader.groups))
+        color = self._trace(node.inputs["Color"], shader.groups)
+        if color.node and color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY", "RGB"}:
+            raise _Richer
         if color.node and color.node.type == "TEX_ENVIRONMENT":
             sky = self._image(color, value)
             if sky == MISSING:
@@ -152,19 +146,6 @@ class _Reader:
             return {"background": (0.0, 0.0, 0.0), "sky": self._sky(color, value)}
         plain = color.output if color.node and color.node.type == "RGB" else color.socket
         return {"background": tuple(max(c * value, 0.0) for c in tree.color_in(plain))}
-
-    def _main(self, color):
-        """A node that is not known passes its main input through."""
-        passed = 0
-        while color.node and color.node.type not in {"TEX_ENVIRONMENT", "TEX_SKY", "RGB"}:
-            self._left_out(f"'{color.node.name}' is not supported; left out")
-            inputs = [s for s in color.node.inputs if s.type == "RGBA"]
-            linked = [s for s in inputs if s.is_linked]
-            passed += 1
-            if not inputs or passed > 100:
-                return tree.Source(color.socket, None, None, color.groups)
-            color = tree.trace((linked or inputs)[0], color.groups)
-        return color
 
     def _image(self, color, strength):
         node = color.node
@@ -203,11 +184,9 @@ class _Reader:
             return self._mapping(node, found.groups) @ before
         if node.type == "TEX_COORD" and found.output.name in _COORDINATES:
             if found.output.name == "Object" and node.object:
-                self._left_out(f"'{node.name}': coordinates of an object are not supported; the world's are used")
+                raise _Richer
             return Matrix.Diagonal((*(_COORDINATES[found.output.name],) * 3, 1.0))
-        self._left_out(f"coordinates from '{node.name}' ({found.output.name}) are not supported; "
-                       "directions are used as they are")
-        return Matrix.Identity(4)
+        raise _Richer
 
     def _mapping(self, node, groups):
         values = {"Location": (0.0, 0.0, 0.0)}  # not there in 5.0 where it says nothing
@@ -217,8 +196,7 @@ class _Reader:
                 continue
             found = tree.trace(socket, groups)
             if found.node:
-                self._left_out(f"'{node.name}': {name} from '{found.node.name}' is not supported; the socket's own "
-                               "value is used")
+                raise _Richer
             values[name] = tree.color_in(found.socket)
         place, turn = Matrix.Translation(values["Location"]), Euler(values["Rotation"]).to_matrix().to_4x4()
         scale = values["Scale"]
@@ -228,12 +206,6 @@ class _Reader:
             return _diagonal(_inverse(scale)) @ turn.transposed() @ Matrix.Translation(
                 [-v for v in values["Location"]])
         return turn @ _diagonal(scale if node.vector_type == "VECTOR" else _inverse(scale))
-
-
-def _has_sky(nodes, seen=()):
-    """In it or its groups, whether something asks for it or not."""
-    return any(node.type == "TEX_SKY" or (node.type == "GROUP" and node.node_tree and node.node_tree not in seen and
-                                          _has_sky(node.node_tree, (*seen, node.node_tree))) for node in nodes.nodes)
 
 
 def _rows(matrix):

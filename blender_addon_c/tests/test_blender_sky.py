@@ -72,6 +72,19 @@ def test_light(blender, tmp_path, name):
     assert apart <= 0.02
 
 
+HUE = {"Hue": 0.6, "Saturation": 0.5, "Value": 0.8}
+
+
+@pytest.mark.parametrize("name", ["day, single", "past the zenith, single", "clear"])
+def test_light_through_nodes(blender, tmp_path, name):
+    """Of the sky and of a sun as small as the sun, by a picture of both."""
+    sky = CASES[name] | ({} if name in FITTED else {"sun_size": 0.0095, "sun_rotation": -1.57})  # the sun's disc lies on the seam
+    ours, theirs = both(blender, tmp_path, "under_sky", averaged, samples=256, sky=known_to(blender, sky), hue=HUE)
+    apart = np.abs(ours - theirs).mean() / theirs.mean()
+    print(f"{name}: relative error {apart:.4f}, mean {ours.mean() / theirs.mean():.4f} of {theirs.mean():.3f}")
+    assert abs(ours.mean() / theirs.mean() - 1) <= 0.01
+    assert apart <= 0.02
+
 
 def test_worlds_of_nodes(blender, tmp_path):
     """Direction by direction, whatever their nodes make of them; an image twice looked up is off by a part of a texel,

@@ -9,7 +9,7 @@ import common
 _NAMES = {"dust_density": "aerosol_density"}  # as 5.0 has it
 
 
-def _sky(scene, settings, turn):
+def _sky(scene, settings, turn, hue=None):
     scene.world = bpy.data.worlds.new("world")
     tree = common.tree_of(scene.world)
     node = tree.nodes.new("ShaderNodeTexSky")
@@ -19,7 +19,10 @@ def _sky(scene, settings, turn):
         setattr(node, name if hasattr(node, name) else _NAMES[name], value)
     background = tree.nodes["Background"].inputs
     background["Strength"].default_value = 0.5
-    tree.links.new(node.outputs["Color"], background["Color"])
+    color = node.outputs["Color"]
+    if hue:
+        color = _node(tree, "HueSaturation", {"Color": color, **hue}).outputs["Color"]
+    tree.links.new(color, background["Color"])
     if turn:  # there is no socket beside a sun's disc
         mapping, coordinates = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
         mapping.inputs["Rotation"].default_value = turn
@@ -152,7 +155,7 @@ def seen_sky(options):
     settings = _settings(scene, options["engine"], 1)
     settings.pixel_filter_type = "BLACKMAN_HARRIS"
     settings.filter_width = 0.01 if options["engine"] == "CYCLES" else 0.0  # pixels' middles
-    _sky(scene, options["sky"], options.get("turn"))
+    _sky(scene, options["sky"], options.get("turn"), options.get("hue"))
     common.camera(scene, (0, 0, 0), options.get("look", (1.8, 0, -0.3)), angle=2.4)
     common.render(options["picture"])
     return {}
@@ -162,7 +165,7 @@ def under_sky(options):
     """A floor, a matt ball, a metal one."""
     scene = common.empty_scene(48, 32)
     _settings(scene, options["engine"], options["samples"]).pixel_filter_type = "BOX"
-    _sky(scene, options["sky"], options.get("turn"))
+    _sky(scene, options["sky"], options.get("turn"), options.get("hue"))
     for kind, size, place in (("Diffuse", 0, None), ("Diffuse", 0.5, (1, -0.3, 0.5)), ("Glossy", 0.6, (-0.6, 0.2, 0.6))):
         material = bpy.data.materials.new(kind)
         tree = common.tree_of(material)
