@@ -68,6 +68,49 @@ def test_what_reaches_a_plate(kind, tmp_path):
     np.testing.assert_allclose(vectors(planes, "light0.L"), unit(direction), atol=1e-6)
 
 
+def patterned(light, part, axes=np.eye(3), rows=256):
+    """A lamp whose light goes by part(direction in its own axes), three numbers."""
+    v, h = ((np.arange(n) + 0.5) / n for n in (rows, 2 * rows))
+    down, around = (v[:, None] - 0.5) * np.pi, (0.5 - h) * 2 * np.pi
+    way = np.stack([np.cos(down) * np.cos(around), np.cos(down) * np.sin(around), np.sin(down) + 0 * around], -1)
+    return light | {"pattern": {"width": 2 * rows, "height": rows, "axes": np.ravel(axes).tolist(),
+                                "data": part(way).astype(np.float32).ravel()}}
+
+
+def tilted(way):
+    return np.stack([1 + 0.8 * way[..., 0], 1.5 + way[..., 1] * way[..., 2], np.exp(way[..., 2])], -1)
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA"])
+def test_what_reaches_a_plate_by_direction(kind, tmp_path):
+    light, truth = LIGHTS[kind]
+    axes = np.array([(0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1)]) @ np.array([(1, 0, 0), (0, 0.8, 0.6), (0, -0.6, 0.8)])
+    planes, _ = dump(scene(lights=[patterned(light, tilted, axes)]), tmp_path / "d.exr")
+    irradiance, direction = truth(vectors(planes, "P"))
+    expected = irradiance * tilted(-unit(direction) @ axes.T)
+    assert np.ptp(expected / np.maximum(irradiance, 1e-9)) > 0.1
+    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), expected, rtol=2e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.6])
+@pytest.mark.parametrize("more", [0, 8])
+def test_patterns_by_choice(radius, more):
+    """However lights are found: as many lamps, each of which shines a part of all directions, as one that shines all."""
+    def half(sign):
+        return lambda way: np.repeat(0.5 + sign * 0.5 * way[..., :1], 3, -1)
+    one = [point((0.1 * k, 0.2, 1), (0.4, 0.8, 0.2), radius) for k in range(1 + more)]
+    two = [patterned(light, half(sign)) for light in one for sign in (1, -1)]
+    plain = {"samples": 256, "max_bounces": 2, "background": (0, 0, 0), "filter_width": 0.01}
+    whole, parts = (render(scene(lights=lights, **plain))[0][..., :3] for lights in (one, two))
+    assert whole.max() > 0.1
+    np.testing.assert_allclose(parts.mean((0, 1)), whole.mean((0, 1)), rtol=0.01)
+
+
+def test_a_sun_has_no_pattern():
+    with pytest.raises(ValueError, match="a sun shines one way"):
+        render(scene(lights=[patterned(sun(), tilted)]))
+
+
 @pytest.mark.parametrize("radius", [1e-38, 1e-20, 1e-13])
 def test_a_tiny_lamp_is_a_sharp_one(radius):
     """Its square is no number to divide by."""

@@ -8,6 +8,8 @@
 
 #define LIGHT_PI 3.14159265358979f
 
+typedef struct light_pattern light_pattern;
+
 typedef struct light_common {
   float color[3]; /* of a sample's e: sun: irradiance; others: intensity */
   float power;    /* brightness of the colour, for the choice among lights */
@@ -17,6 +19,7 @@ typedef struct light_common {
   uint32_t link;   /* 0, or the bit of instances that it does not light */
   uint32_t shade;  /* 0, or the bit of those that do not shade it */
   bool met;        /* rays that surfaces draw meet it: these and its samples share its light */
+  light_pattern *pattern; /* by the direction in which it shines, or NULL: evenly; its own */
 } light_common;
 
 /* What one point of a light gives to one point of a surface. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/bounce.h"
 
+#include "light/pattern.h"
 #include "render/closures.h"
 #include "render/hits.h"
 #include "render/light_passes.h"
@@ -210,6 +211,43 @@ static void carry_unlit(worker *w, size_t rays) {
   }
 }
 
+/* The colours of a lamp that shines by direction, as each hit sees it. */
+static void paint(const light *l, size_t hits, const surfaces *at, light_samples *light) {
+  for (size_t i = 0; i < hits; i++) {
+    float part[3];
+    light_pattern_seen(l->common.pattern, load(&at->p, i), load(&light->ray.d, i), part);
+    light->color.r[i] = part[0] * l->common.color[0];
+    light->color.g[i] = part[1] * l->common.color[1];
+    light->color.b[i] = part[2] * l->common.color[2];
+  }
+}
+
+/* Those of light samples, from place begin to end. */
+static void paint_chosen(const light *l, size_t begin, size_t end, const light_choices *choice,
+                         const surfaces *at, light_draws *drawn) {
+  for (size_t k = begin; k < end; k++) {
+    float part[3];
+    light_pattern_seen(l->common.pattern, load(&at->p, choice->lane[k]), load(&drawn->d, k), part);
+    drawn->color.r[k] *= part[0];
+    drawn->color.g[k] *= part[1];
+    drawn->color.b[k] *= part[2];
+  }
+}
+
+/* What rays meet of it. */
+static void paint_met(const light *l, size_t rays, const walks *walk, const lane_v *way,
+                      const lane_c *restrict own, lane_c *restrict met) {
+  for (size_t k = 0; k < rays; k++) {
+    float part[3];
+    if (own->r[k] == 0.0f && own->g[k] == 0.0f && own->b[k] == 0.0f)
+      continue;
+    light_pattern_seen(l->common.pattern, load(&walk->from, k), load(way, k), part);
+    met->r[k] += part[0] * own->r[k];
+    met->g[k] += part[1] * own->g[k];
+    met->b[k] += part[2] * own->b[k];
+  }
+}
+
 /* One light on all hits. */
 static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   const light *l = &w->scene->light[number];
@@ -224,7 +262,9 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
   unlink(w, w->observer ? 0 : c->link, w->batch->light.e);
-  reflect(w, number, bounce, phase, c->shadow, spread && c->met, c->color,
+  if (c->pattern)
+    paint(l, w->batch->queue.hits, &w->batch->surface, &w->batch->light);
+  reflect(w, number, bounce, phase, c->shadow, spread && c->met, c->pattern ? NULL : c->color,
           CLOCK_LIGHT + (clock_number)l->type);
 }
 
@@ -236,9 +276,14 @@ static bool is_sky(const scene *s, size_t number) {
 /* What one light may give to these points. */
 static void weigh(worker *w, size_t number, size_t count, const lane_v *p, float *one) {
   const scene *s = w->scene;
+  const light_pattern *pattern = number < s->lights ? s->light[number].common.pattern : NULL;
   if (number < s->lights)
     s->stages->weigh[s->light[number].type](count, &s->light[number], p, one);
-  else if (is_sky(s, number))
+  for (size_t i = 0; pattern && i < count; i++)
+    one[i] = clampf(one[i] * light_pattern_weight(pattern, load(p, i)), 0.0f, 1e30f);
+  if (number < s->lights)
+    return;
+  if (is_sky(s, number))
     for (size_t i = 0; i < count; i++)
       one[i] = s->sky.power;
   else
@@ -345,6 +390,8 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
     if (w->end[k] > begin && k < s->lights) {
       s->stages->chosen[s->light[k].type](begin, w->end[k], &b->choice, &s->light[k], &b->surface,
                                           &b->light, &b->drawn);
+      if (s->light[k].common.pattern)
+        paint_chosen(&s->light[k], begin, w->end[k], &b->choice, &b->surface, &b->drawn);
       clock_tick(&w->clocks, CLOCK_LIGHT + (clock_number)s->light[k].type);
     } else if (w->end[k] > begin && is_sky(s, k)) {
       illuminate_by_sky(w, begin, w->end[k]);
@@ -476,8 +523,12 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
     if (s->light[k].common.met) {
       if (weight)
         weigh(w, k, rays, &b->walk->from, weight);
-      s->stages->meet[s->light[k].type](rays, &s->light[k], b->walk, &b->sample_ray, weight,
-                                        &b->met);
+      lane_c *met = &b->met;
+      if (s->light[k].common.pattern)
+        zero(met = &b->sky, rays);
+      s->stages->meet[s->light[k].type](rays, &s->light[k], b->walk, &b->sample_ray, weight, met);
+      if (s->light[k].common.pattern)
+        paint_met(&s->light[k], rays, b->walk, &b->sample_ray.d, met, &b->met);
     }
   if (s->sky.power > 0.0f)
     meet_sky(w, rays);

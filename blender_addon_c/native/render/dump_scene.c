@@ -291,8 +291,12 @@ static void put_light(void *context, const batch *b, const camera_view *view, si
     if (shade_dump_plane(d, SHADE_DUMP_MATERIAL)[at] < 0.0f) /* left out */
       continue;
     put_lane(plane + SHADE_DUMP_L, at, &b->light.ray.d, i);
-    put(plane + SHADE_DUMP_E, at, e[i] * light->common.color[0], e[i] * light->common.color[1],
-        e[i] * light->common.color[2]);
+    if (light->common.pattern)
+      put(plane + SHADE_DUMP_E, at, e[i] * b->light.color.r[i], e[i] * b->light.color.g[i],
+          e[i] * b->light.color.b[i]);
+    else
+      put(plane + SHADE_DUMP_E, at, e[i] * light->common.color[0], e[i] * light->common.color[1],
+          e[i] * light->common.color[2]);
     put(plane + SHADE_DUMP_S, at, shaded->r[i], shaded->g[i], shaded->b[i]);
   }
 }

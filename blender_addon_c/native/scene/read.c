@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/pattern.h"
 #include "render/matte.h"
 #include "render/plane.h"
 #include "scene/reader.h"
@@ -145,6 +146,44 @@ static bool read_links(reader *r, scene *s, uint32_t *link, uint32_t *shade) {
   return true;
 }
 
+static bool read_pattern(reader *r, void *out, void *context) {
+  light_pattern **made = out, *p = NULL;
+  const light *l = context;
+  int size[2];
+  float axes[9];
+  reader_buffer data;
+  bool upright = false;
+  if (!reader_integer(r, "width", 1, MAX_SIZE, &size[0]) ||
+      !reader_integer(r, "height", 1, MAX_SIZE, &size[1]) || !reader_floats(r, "axes", 9, axes) ||
+      (reader_has(r, "upright") && !reader_flag(r, "upright", &upright)))
+    return false;
+  size_t count = 3 * (size_t)size[0] * (size_t)size[1];
+  if (!reader_items(r, "data", count, "f", 4, &data))
+    return false;
+  p = *made = calloc(1, sizeof *p);
+  if (!p || !(p->texel = malloc(count * sizeof(float))))
+    return reader_out_of_memory(r);
+  for (size_t k = 0; k < count; k++) {
+    float x = ((const float *)data.data)[k];
+    p->texel[k] = x > 0.0f ? fminf(x, 1e18f) : 0.0f; /* not a number: none */
+  }
+  p->width = size[0];
+  p->height = size[1];
+  for (int k = 0; k < 3; k++) {
+    p->axis[k] = (vec3){axes[3 * k], axes[3 * k + 1], axes[3 * k + 2]};
+    if (!make_unit(&p->axis[k]))
+      return reader_expected(r, "axes", "three directions");
+  }
+  const light_bulb *bulb = l->type == LIGHT_SPOT ? &l->of.spot.bulb : &l->of.point.bulb;
+  if (l->type == LIGHT_AREA) {
+    p->middle = l->of.area.center;
+  } else {
+    p->middle = (vec3){bulb->position[0], bulb->position[1], bulb->position[2]};
+    p->radius = bulb->ball && upright ? bulb->radius : 0.0f;
+  }
+  return true;
+}
+
 /* met: missing means yes. Light that throws no shadows would be met only where nothing is before
  * it: it is sampled alone. */
 static bool read_light(reader *r, void *out, void *context) {
@@ -159,6 +198,12 @@ static bool read_light(reader *r, void *out, void *context) {
     return false;
   c->hidden = (uint32_t)hidden;
   s->hides |= hidden != 0;
+  if (reader_has(r, "pattern")) {
+    if (l->type == LIGHT_SUN)
+      return reader_fail(r, "a sun shines one way and has no pattern");
+    if (!reader_dict(r, "pattern", read_pattern, &c->pattern, l))
+      return false;
+  }
   if (!read_links(r, s, &c->link, &c->shade))
     return false;
   c->met = met && c->soft && c->shadow && !c->link && !c->shade;

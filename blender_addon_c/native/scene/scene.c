@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/pattern.h"
 #include "scene/world.h"
 #include "system/parallel.h"
 
@@ -215,6 +216,9 @@ void scene_free(scene *s) {
   for (size_t i = 0; s->scratches && i < s->scratch_fields; i++)
     scratches_free(&s->scratches[i]);
   free(s->scratches);
+  for (size_t k = 0; s->light && k < s->lights; k++)
+    if (s->light[k].common.pattern)
+      free(s->light[k].common.pattern->texel), free(s->light[k].common.pattern);
   free(s->light);
   free(s->image);
   free(s->material);
