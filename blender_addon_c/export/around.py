@@ -5,8 +5,9 @@ of a surface is answered for a direction, and the light of all directions is ren
 
 import math
 
+import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from .. import _native
 from .closure import collect
@@ -20,19 +21,120 @@ from .value import Value, number_in, three, value_of
 
 # Of what nodes make, in a viewport and else; those of their images where they have more, up to a number.
 _ROWS = {True: (512, 1024), False: (1024, 2048)}
-_FEW_ROWS = 16  # enough for a mean
+_LAMP_ROWS = {True: (128, 256), False: (256, 512)}
 _MOST = 1e18  # of light
+_LAMPS_STAND_STILL = bpy.app.version < (4, 0)  # points of a lamp's own are those of the world
 
 _BEHIND = ("NORMAL", "TRUE_NORMAL", "INCOMING", "REFLECTION")  # point back where one looks from [Cycles 3.4, 5.0]
 
 
-class _Directions(Program):
-    """A program for a direction, which is its place as well. by_camera: does a camera look? `turns`: may it make a
-    difference where to?"""
+def turn_of(matrix):
+    """Axes of an object that has neither scale nor shear, in columns: its z is kept, and x as far as it can be."""
+    x, _y, z = matrix.to_3x3().col
+    z = z.normalized() if z.length > 1e-20 else Vector((0.0, 0.0, 1.0))
+    x = x.normalized()
+    x = x - z * x.dot(z)
+    x = x.normalized() if x.length > 1e-6 else z.orthogonal().normalized()
+    return Matrix((x, z.cross(x), z)).transposed()
 
-    def __init__(self, by_camera):
+
+def stretch_of(matrix):
+    """What an object's scale makes of it, in rows."""
+    return tuple(tuple(round(part, 4) for part in row) for row in matrix.to_3x3().transposed() @ turn_of(matrix))
+
+
+class _World:
+    """What a direction is asked of: one looks along it, and it is its place as well."""
+
+    def normal(self, program):
+        return program.back()
+
+    incoming = normal
+
+    def position(self, program):
+        return program.forth()
+
+    def between_spaces(self, program, what, vector):
+        """There is one."""
+        return vector
+
+
+class _Lamp:
+    """One that shines along the direction, in its own axes, which is the normal of bulbs; others have one of their own
+    [measured in Cycles 3.4 and 5.0]."""
+
+    def __init__(self, kind, matrix):
+        self._round = kind in ("POINT", "SPOT")
+        self._sun = kind == "SUN"
+        self._turn = turn_of(matrix)
+        self._own = matrix.to_3x3()  # world space of its space
+        self._place = tuple(matrix.translation)
+
+    def _way(self, program, turns):
+        return program.forth() if turns else [0.0, 0.0, -1.0]
+
+    def _in_world(self, program, vector):
+        made = self._turned(program, self._turn, vector)
+        program.placed += 1
+        program.own[tuple(map(id, made))] = (made, vector)
+        return made
+
+    def normal(self, program):
+        program.upright = True
+        return self._in_world(program, self._way(program, self._round))
+
+    def incoming(self, program):
+        return self._in_world(program, self._way(program, not self._sun))
+
+    def position(self, program):
+        program.placed += 1
+        return list(self._turn @ Vector((0.0, 0.0, -1.0))) if self._sun else list(self._place)
+
+    def between_spaces(self, program, what, vector):
+        """Points of its own are those of the world in 3.4."""
+        known = program.own.get(tuple(map(id, vector)))
+        inverse = self._own.inverted_safe()
+        if what.startswith("POINT"):
+            program.placed += 1
+            if _LAMPS_STAND_STILL:
+                return vector
+            if what.endswith("_INTO"):
+                return self._turned(program, inverse, [program.math("SUBTRACT", a, b) for a, b in zip(vector, self._place)])
+            return [program.math("ADD", a, b) for a, b in zip(self._turned(program, self._own, vector), self._place)]
+        if not what.endswith("_INTO"):
+            program.placed += 1
+            return self._turned(program, inverse.transposed() if what.startswith("NORMAL") else self._own, vector)
+        by = self._own.transposed() if what.startswith("NORMAL") else inverse
+        if known:  # all that counts is its scale
+            program.placed -= 1
+            by, vector = by @ self._turn, known[1]
+            if np.abs(np.array(by) - np.identity(3)).max() < 1e-5:
+                return vector
+        else:
+            program.placed += 1
+        made = self._turned(program, by, vector)
+        return program.unit(made) if what.startswith("NORMAL") else made
+
+    @staticmethod
+    def _turned(program, turn, vector):
+        made = []
+        for row in turn:
+            total = 0.0
+            for by, part in zip(row, vector):
+                total = program.math("ADD", total, program.math("MULTIPLY", part, float(by)))
+            made.append(total)
+        return made
+
+
+class _Directions(Program):
+    """A program for a direction. by_camera: does a camera look? of: what is asked. `turns`: may it make a difference
+    where to? `own`: vectors of the world, by who they are, and what they are in axes of a lamp's own; `placed`: how
+    often else these axes were asked for; `upright`: was a normal?"""
+
+    def __init__(self, by_camera, of):
         super().__init__()
         self.turns, self._by_camera, self._behind = False, by_camera, None
+        self._of, self.own, self.placed, self.upright = of, {}, 0, False
 
     def emit(self, kind, out=3, more=None, **given):
         answer = _ANSWERS.get(kind)
@@ -41,29 +143,37 @@ class _Directions(Program):
         self.turns = self.turns or kind == "IMAGE"
         return super().emit(kind, out, more, **given)
 
-    def _back(self):
+    def back(self):
         self.turns = True
         if self._behind is None:
             self._behind = super().emit("GEOMETRY", what="INCOMING")
         return list(self._behind)
 
-    def _forth(self):
-        return [self.math("MULTIPLY", part, -1.0) for part in self._back()]
+    def unit(self, vector):
+        total = 0.0
+        for part in vector:
+            total = self.math("ADD", total, self.math("MULTIPLY", part, part))
+        length = self.math("SQRT", total)
+        return [self.math("DIVIDE", part, length) for part in vector]
+
+    def forth(self):
+        return [self.math("MULTIPLY", part, -1.0) for part in self.back()]
 
     def _geometry(self, _out, given):
         if given["what"] == "POSITION":
-            return self._forth()
-        return self._back() if given["what"] in _BEHIND else [0.0] * 3
+            return self._of.position(self)
+        if given["what"] not in _BEHIND:
+            return [0.0] * 3
+        return self._of.incoming(self) if given["what"] in ("INCOMING", "REFLECTION") else self._of.normal(self)
 
     def _layer(self, out, given):
-        return [*self._forth(), 1.0] if given["layer"] == "GENERATED" else [0.0] * out
+        return [*self._of.position(self), 1.0] if given["layer"] == "GENERATED" else [0.0] * out
 
     def _path(self, out, given):
         return [float(self._by_camera and given["what"] == "CAMERA")] * out
 
     def _between_spaces(self, out, given):
-        """There is one."""
-        return list(given.get("vector") or [0.0] * out)
+        return list(self._of.between_spaces(self, given.get("what", "VECTOR"), given.get("vector") or [0.0] * out))
 
 
 _ANSWERS = {"GEOMETRY": _Directions._geometry, "LAYER": _Directions._layer, "PATH": _Directions._path,
@@ -75,9 +185,9 @@ class _Around(Reader):
 
     has_surface = False
 
-    def __init__(self, owner, table, messages, by_camera):
+    def __init__(self, owner, table, messages, by_camera, of):
         super().__init__(table, messages, None)
-        self.owner, self.program = owner, _Directions(by_camera)
+        self.owner, self.program = owner, _Directions(by_camera, of)
         self.images, self.kept = Images(messages, table.images.frame, table.kept), table.kept
         self.averages = self.filters = self.colors = False
         self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff, "TEX_SKY": _tex_sky}, False
@@ -155,10 +265,12 @@ class Shine:
     """What one shines with: `color`, unless it `turns`, for then there are several. `by_camera`: may a camera see
     another? `there`: does any node shine?"""
 
-    def __init__(self, own, owner, table, messages, by_camera=False):
-        """own: its node tree."""
-        self._reader = reader = _Around(owner, table, messages, by_camera)
+    def __init__(self, own, owner, table, messages, by_camera=False, lamp=None):
+        """own: its node tree. lamp: kind and matrix of one."""
+        of = _Lamp(*lamp) if lamp else _World()
+        self._reader = reader = _Around(owner, table, messages, by_camera, of)
         collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
+        self.placed = reader.program.placed > 0
         self._closures = [c for c in reader.closures if c["closure"] == "EMISSION" and not c.get("holds")]
         self.turns, self.by_camera, self.there = reader.program.turns, reader.by_camera, bool(self._closures)
         self._kept = table.kept
@@ -175,11 +287,18 @@ class Shine:
         return {"width": data.shape[1], "height": data.shape[0], "channels": 3, "data": data.ravel(), "srgb": False,
                 "wrap": "REPEAT", "filter": "LINEAR"}
 
-    def mean(self):
-        """Over all directions."""
-        data = self._rendered(_FEW_ROWS).astype(float)
+    def pattern(self):
+        """(the mean over all directions, what of it is along each as the native module takes it, or None: all of it)"""
+        few, most = _LAMP_ROWS[self._kept is not None]
+        rows = max([few, *(image["height"] for image in self._reader.images.listed)])
+        data = self._rendered(min(rows, most))
         part = np.cos((np.arange(len(data)) + 0.5 - len(data) / 2) * np.pi / len(data))
-        return tuple((data.mean(1) * part[:, None]).sum(0) / part.sum())
+        mean = (data.mean(1, dtype=float) * part[:, None]).sum(0) / part.sum()
+        if np.ptp(data, (0, 1)).max() <= 1e-4 * data.max():
+            return tuple(mean), None
+        made = data / np.maximum(mean, 1e-30)
+        return tuple(mean), {"width": data.shape[1], "height": data.shape[0], "data": made.astype(np.float32).ravel(),
+                              "upright": self._reader.program.upright}
 
     def _rendered(self, rows):
         scene = _scene(rows, *self._reader.program.finish(self._closures), self._reader.images.listed)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from . import tree
-from .around import Shine
+from .around import Shine, stretch_of, turn_of
 from .graph import TooLarge
 from .visibility import BOUNCED, hidden, is_hidden
 
@@ -29,7 +29,7 @@ def light_of(ob, matrix, links, table, messages):
         messages.warning(f"light '{ob.name}': {light.type.lower() or 'hemi'} lights are not supported, "
                          f"only {kinds('and')}")
         return []
-    strength = _strength(light, table, messages)
+    strength, pattern = _strength(light, matrix, table, messages)
     bits = hidden(ob, BOUNCED)  # the camera never sees lamps, whatever the object says
     if is_hidden(bits, *BOUNCED):
         return []
@@ -40,7 +40,7 @@ def light_of(ob, matrix, links, table, messages):
     shadow = getattr(cycles, "cast_shadow", light.use_shadow)  # until 4.1 Cycles' own
     met = getattr(cycles, "use_multiple_importance_sampling", True)
     return [{"name": ob.name, "type": light.type, "shadow": shadow, "met": met, "hidden": bits,
-             **links.of_light(ob), **_LIGHTS[light.type](light, matrix, strength)}]
+             **links.of_light(ob), **pattern, **_LIGHTS[light.type](light, matrix, strength)}]
 
 
 class Links:
@@ -179,34 +179,39 @@ def _normalized(light):
     return getattr(light, "normalize", True)
 
 
-def _strength(light, table, messages):
-    """Energy × colour, linear RGB, in the light's own unit: W/m² (sun) or W."""
+def _strength(light, matrix, table, messages):
+    """(energy × colour, linear RGB, in the light's own unit: W/m² (sun) or W; its pattern, where it shines unevenly)"""
     scale = light.energy * 2.0 ** getattr(light, "exposure", 0.0)  # exposure: from 4.5 on
-    factors = [light.color]
+    factors, pattern = [light.color], None
     if getattr(light, "use_temperature", False):
         factors.append(light.temperature_color)
     if tree.of(light):
-        if light not in table.shines:
-            table.shines[light] = _shine(light, table, messages)
-        factors.append(table.shines[light])
-    return tuple(scale * value for value in np.prod([tuple(f) for f in factors], axis=0))
+        shared, own = (light, stretch_of(matrix)), (light, tuple(map(tuple, matrix)))
+        key = own if own in table.shines else shared
+        if key not in table.shines:
+            shine, placed = _shine(light, matrix, table, messages)
+            key = own if placed else shared
+            table.shines[key] = shine
+        color, pattern = table.shines[key]
+        factors.append(color)
+    if pattern:
+        pattern = {"pattern": {**pattern, "axes": [part for axis in turn_of(matrix).col for part in axis]}}
+    return tuple(scale * value for value in np.prod([tuple(f) for f in factors], axis=0)), pattern or {}
 
 
-def _shine(light, table, messages):
-    """What its nodes make of it."""
+def _shine(light, matrix, table, messages):
+    """(what its nodes make of it: a colour, and a pattern or None; does it ask where the object is?)"""
     own, owner = tree.of(light), f"light '{light.name}'"
     shader = tree.shader_of(own)
     if not shader or not shader.node:
-        return (0.0,) * 3
+        return ((0.0,) * 3, None), False
     try:
-        shine = Shine(own, owner, table, messages)
+        shine = Shine(own, owner, table, messages, lamp=(light.type, matrix))
         if not shine.there and shader.node.type != "EMISSION":
             messages.warning(f"{owner}: '{shader.node.name}' is not supported; its nodes are left out")
-            return (1.0,) * 3
-        if shine.turns:
-            messages.warning(f"{owner}: textures on lamps are not supported; their mean over all directions is used")
-        return shine.mean() if shine.turns else shine.color
+            return ((1.0,) * 3, None), False
+        return (shine.pattern() if shine.turns else (shine.color, None)), shine.placed
     except (RecursionError, TooLarge, ValueError) as error:  # or the native module has said what is wrong
         why = error if isinstance(error, ValueError) else "its nodes are too many"
         messages.warning(f"{owner}: {why}; they are left out")
-        return (1.0,) * 3
+        return ((1.0,) * 3, None), False

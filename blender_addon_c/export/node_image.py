@@ -2,10 +2,12 @@
 """Images as nodes show them."""
 
 import math
+import os
 
+from . import ies
 from .image import MISSING, MISSING_COLOR, tiles_of
 from .node_place import of_object, place, position, uv
-from .value import Value, dot, each, surface_normal, three, unit, value_of
+from .value import Value, dot, each, number_in, surface_normal, three, unit, value_of
 
 _STEP = 1 / 256  # along u and v, by which coordinates say how they move
 
@@ -55,6 +57,43 @@ def _on_ball(reader, to):
     x, y, z = unit(reader, to)
     half = math_("SQRT", math_("MULTIPLY", math_("MAXIMUM", math_("SUBTRACT", 1.0, y), 0.0), 0.5))
     return tuple(math_("MULTIPLY_ADD", math_("DIVIDE", part, half), 0.25, 0.5) for part in (x, z))
+
+
+def _tex_ies(reader, found):
+    """Looked up by a direction in the object's space: where nothing is linked, the normal or, later, where one looks from."""
+    node, math_ = found.node, reader.program.math
+    image = _profile_of(reader, node)
+    strength = number_in(reader, found, "Strength")
+    if image < 0:
+        return (math_("MULTIPLY", strength, ies.MISSING),)
+    value = value_of(reader, node.inputs["Vector"], found.groups, own=Value("VECTOR", None))
+    if value.parts is not None:
+        to = three(reader, value)
+    elif ies.BY_NORMAL:
+        to = of_object(reader, "NORMAL_INTO", surface_normal(reader))
+    else:
+        to = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="INCOMING"))  # as if it were one
+    x, y, z = unit(reader, to)
+    columns = ies.COLUMNS + 2  # one more on either side
+    at = (math_("MULTIPLY_ADD", math_("ARCTAN2", x, y), 0.5 / math.pi * ies.COLUMNS / columns, 0.5),
+          math_("MULTIPLY", math_("ARCCOSINE", math_("MULTIPLY", z, -1.0)), 1 / math.pi))
+    seen = reader.program.emit("IMAGE", 3, "alpha", image=image, cubic=False, at=at)
+    return (math_("MULTIPLY", seen[0], strength),)
+
+
+def _profile_of(reader, node):
+    """Index of the picture of a photometric file, MISSING where there is none (with a message)."""
+    try:
+        text = ies.text_of(node)
+        key = ("profile", text)
+        if key not in reader.known:
+            reader.known[key] = reader.images.made(ies.picture(text))
+        return reader.known[key]
+    except (OSError, ValueError) as error:
+        name = node.ies.name if node.mode == "INTERNAL" and node.ies else os.path.basename(node.filepath)
+        reader.warn(f"'{node.name}': " + (f"'{name}': " if name and isinstance(error, ValueError) else "") +
+                    f"{error}; {ies.MISSING:g} for all directions")
+        return MISSING
 
 
 # ---- by projection: red, green, blue, alpha
@@ -182,4 +221,4 @@ def image_of(reader, node):
         "Alpha" in node.outputs and node.outputs["Alpha"].is_linked)
 
 
-NODES = {"TEX_IMAGE": _tex_image, "TEX_ENVIRONMENT": _tex_environment}
+NODES = {"TEX_IMAGE": _tex_image, "TEX_ENVIRONMENT": _tex_environment, "TEX_IES": _tex_ies}

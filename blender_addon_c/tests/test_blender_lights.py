@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Each light alone, and worlds, against the Cycles of the same Blender."""
 
+import re
+
 import numpy as np
 import pytest
 
+from blender_runs import rgba
 from test_blender_paths import averaged
 
 LIGHTS = {
@@ -30,7 +33,41 @@ LIGHTS = {
     "left out": ("SUN", {"energy": 3, "angle": 0.4}, {"no sky": True}),
     "mirror ball": (None, {}, {"image": "MIRROR_BALL", "mapping": {"type": "VECTOR", "Rotation": (0, 0, 0.5)}}),
 }
-LATER = {"ball": "4", "for its area": "4.5"}  # the version that brought it
+
+
+def profile(vertical, horizontal, candela, head="TILT=NONE\n1 -1 1", kind=1, tail="2 0 0 0\n1 1 60"):
+    """A photometric file (LM-63)."""
+    def numbers(row):
+        return " ".join(f"{x:g}" for x in row)
+    return "\n".join(["IESNA:LM-63-2002", "[TEST] of ours", f"{head} {len(vertical)} {len(horizontal)} {kind} {tail}",
+                      numbers(vertical), numbers(horizontal), *map(numbers, candela), ""])
+
+
+def some_candela(down, about):
+    """Of a lamp that shines aslant."""
+    return np.array([[60 + 500 * (1 - d / 90) ** 2 + (0 if d == 0 else 2 * d * np.cos(np.radians(h) / 2) ** 2) for d in down]
+                     for h in about])
+
+
+DOWN, ABOUT = (0, 15, 30, 45, 60, 75, 90), (0, 45, 90, 135, 180)
+LAMP = profile(DOWN, ABOUT, some_candela(DOWN, ABOUT))
+LIGHTS |= {
+    "lamp's profile": ("POINT", {"energy": 10, "shadow_soft_size": 0}, {"pattern": {"profile": LAMP}}),
+    "soft profile": ("POINT", {"energy": 10, "shadow_soft_size": 0.3}, {"pattern": {"profile": LAMP}}),
+    "ball's profile": ("POINT", {"energy": 10, "shadow_soft_size": 0.3, "use_soft_falloff": False}, {"pattern": {"profile": LAMP}}),
+    "spot's profile": ("SPOT", {"energy": 10, "spot_size": 2.5, "shadow_soft_size": 0.1}, {"pattern": {"profile": LAMP}}),
+    "area's profile": ("AREA", {"energy": 10, "size": 0.5}, {"pattern": {"profile": LAMP}}),
+    **{f"{kind} by {by}": (kind.upper(), {"energy": 800, "shadow_soft_size": 0.2} if kind != "area" else
+                                                  {"energy": 200, "size": 0.5}, {"pattern": {"by": by}})
+       for kind, by in (("point", "TexCoord.Normal"), ("point", "NewGeometry.Normal"), ("spot", "NewGeometry.Incoming"),
+                        ("area", "NewGeometry.Incoming"), ("point", "TexCoord.Object"))},
+    "scaled profile": ("POINT", {"energy": 10, "shadow_soft_size": 0.1}, {"pattern": {"profile": LAMP}, "scale": (2, 1, 0.5)}),
+    "scaled by normal": ("SPOT", {"energy": 800, "spot_size": 2.5}, {"pattern": {"by": "TexCoord.Normal"}, "scale": (-1, 3, 2)}),
+    "scaled area's profile": ("AREA", {"energy": 10, "size": 0.5}, {"pattern": {"profile": LAMP}, "scale": (2, 1, 0.5)}),
+    "ball by normal": ("POINT", {"energy": 200, "shadow_soft_size": 0.4, "use_soft_falloff": False},
+                       {"pattern": {"by": "TexCoord.Normal"}}),
+}
+LATER = {"ball's profile": "4", "ball by normal": "4", "ball": "4", "for its area": "4.5"}  # the version that brought it
 
 
 @pytest.mark.parametrize("name", LIGHTS)
@@ -155,3 +192,61 @@ def test_uneven_light_that_some_shade_is_named(blender50, tmp_path):
     _, text = blender50.scene("linked", tmp_path, dump="", engine="LIBSHADE", samples=1, more=0, radius=0.5, shades=True,
                               shines="unevenly")
     assert text.count("shadow linking of what shines unevenly") == 2
+
+
+TILTED = "TILT=INCLUDE\n1\n3\n0 45 90\n1 .5 .25\n1 1000 .5"
+ALL_DOWN = tuple(range(0, 181, 20))
+PROFILES = {
+    "even": profile((0, 30, 60, 90), (0,), [[100, 80, 50, 10]]),
+    "quarter": profile(ALL_DOWN, (0, 30, 90), some_candela(ALL_DOWN, (0, 60, 200))),
+    "half": LAMP,
+    "from 90": profile(DOWN, (90, 180, 270), some_candela(DOWN, ABOUT[:3])),
+    "whole": profile(ALL_DOWN, (0, 60, 170, 360), some_candela(ALL_DOWN, (0, 100, 220, 0))),
+    "open": profile(ALL_DOWN, (0, 120, 240), some_candela(ALL_DOWN, (0, 120, 280))),
+    "tilt": profile(DOWN, (0,), [[5, 4, 3, 4, 5, 2, 1]], TILTED),
+    "factors": profile(DOWN, (0,), [[5, 4, 3, 4, 5, 2, 1]], "TILT=NONE\n3 1000 2", tail="1 .1 .2 .3\n.9 .8 60"),
+    "commas": profile(DOWN, (0,), [[5, 4, 3, 4, 5, 2, 1]]).replace(" ", ","),
+    "below 0": profile((0, 90, 180), (0,), [[100, -200, 300]]),
+    "type B": profile((-90, 0, 90), (-90, 0, 90), [[100, 200, 300], [10, 20, 30], [1, 2, 3]], kind=2),
+    "one angle": profile((0,), (0,), [[100]]),
+    "a type that is none": profile((0, 90), (0,), [[100, 50]], kind=9),
+    "cut": LAMP[:-40], "no file": "hello", "empty": "",
+}
+UNREADABLE = {  # text: what is told
+    LAMP.replace("1 -1 1 7 5", "1 -1 1 1e300 5"): "the number of vertical angles is 1000000.*; expected 1 or more",
+    LAMP.replace("1 -1 1 7 5", "1 -1 1 1000000 1000000"): "1000000 times 1000000 angles; 1048576 are supported",
+    LAMP.replace("1 -1 1 7 5", "1 -1 1 0 5"): "the number of vertical angles is 0; expected 1 or more",
+    LAMP.replace("1 -1 1 7 5", "1 -1 1 7 -5"): "the number of horizontal angles is -5; expected 1 or more",
+    LAMP.replace("1 -1 1 7 5", "1 -1 nan 7 5"): "line 4: the multiplier was expected, not 'nan'",
+    LAMP.replace("0 15 30", "0 15 15"): "the vertical angles do not rise",
+    LAMP.replace("TILT=NONE", "TILT=INCLUDE\n1\n999999"): "it ends where a tilt angle or factor was expected",
+    "TILT=": "it ends where the number of lamps or lumens was expected",
+}
+PROFILES_LATER = {"up": profile((90, 135, 180), (0,), [[100, 50, 20]]), "between": profile((30, 90, 150), (0,), [[100, 50, 20]]),
+                  "type A": profile((-90, 0, 90), (-90, 0, 45, 90), [[100, 200, 300], [10, 20, 30], [1, 2, 3], [50, 60, 70]], kind=3)}
+
+
+def test_photometric_files(blender, tmp_path):
+    """What the IES Texture says of directions, beside the angles where a file ends: in 3.4, too, of what it does not show."""
+    given = {**PROFILES, **PROFILES_LATER}
+    shown = {}
+    for engine in "LIBSHADE", "CYCLES":
+        _, text = blender.scene("profiles", tmp_path, dump="", engine=engine, lattice=(36, 18), profiles=list(given.values()))
+        shown[engine] = rgba(tmp_path / "picture.exr")[..., 0].reshape(-1, 18, 36)
+        if engine == "LIBSHADE":
+            assert "ends where a candela value was expected" in text and "no line that begins with TILT=" in text
+    for name, ours, theirs in zip(given, shown["LIBSHADE"][::-1], shown["CYCLES"][::-1]):
+        off = np.abs(ours - theirs).max() / max(theirs.max(), 1)
+        print(f"{name}: {off:.5f} of {theirs.max():.3f}")
+        assert off < 0.004, name
+
+
+def test_photometric_files_that_cannot_be_read(blender, tmp_path):
+    """They are named, and say 100 wherever one looks; numbers that are too large end somewhere."""
+    large = profile((0, 90), (0,), [[1e308, -1e308]], "TILT=NONE\n1 -1 1e308")
+    _, text = blender.scene("profiles", tmp_path, dump="", engine="LIBSHADE", lattice=(4, 4), profiles=[*UNREADABLE, large])
+    for told in UNREADABLE.values():
+        assert re.search(f"Warning: .*'profile.*{told}; 100 for all directions", text), told
+    shown = rgba(tmp_path / "picture.exr")[..., 0].reshape(-1, 4, 4)[::-1]
+    np.testing.assert_allclose(shown[:-1], 100, rtol=1e-6)
+    assert np.isfinite(shown).all()

@@ -1360,6 +1360,8 @@ def lit(options):
         light.scale = options.get("scale", (1, 1, 1))
         for name, value in options["settings"].items():
             setattr(light.data, name, value)
+        if "pattern" in options:
+            pattern(light.data, **options["pattern"])
     else:
         sky(scene, options["image"], options.get("mapping"))
         if "by camera" in options:
@@ -1382,6 +1384,62 @@ def lit(options):
     if options.get("empty"):
         for ob in [ob for ob in scene.objects if ob.type == "MESH"]:
             bpy.data.objects.remove(ob)
+    common.render(options["picture"])
+    return {}
+
+
+def pattern(light, profile=None, by=None):
+    """A lamp shines by a photometric file's text, or by a vector that nodes know."""
+    light.use_nodes = True
+    tree = light.node_tree
+    shader = tree.nodes.get("Emission")
+    if profile:
+        source = tree.nodes.new("ShaderNodeTexIES")
+        source.ies = bpy.data.texts.new("profile")
+        source.ies.write(profile)
+        tree.links.new(source.outputs[0], shader.inputs["Strength"])
+        return
+    node, output = by.split(".")
+    source, turned = tree.nodes.new("ShaderNode" + node), tree.nodes.new("ShaderNodeVectorMath")
+    turned.operation = "MULTIPLY_ADD"
+    turned.inputs[1].default_value, turned.inputs[2].default_value = (0.4,) * 3, (0.5,) * 3
+    tree.links.new(source.outputs[output], turned.inputs[0])
+    tree.links.new(turned.outputs[0], shader.inputs["Color"])
+
+
+def profiles(options):
+    """Photometric files side by side, each in a square of pixels of one direction each: its angle about z goes across, that
+    from straight down goes up."""
+    across, up, count = *options["lattice"], len(options["profiles"])
+    scene = common.empty_scene(across, up * count, samples=1)
+    scene.render.engine = options["engine"]
+    settings = scene.cycles if options["engine"] == "CYCLES" else scene.libshade
+    settings.samples, settings.filter_width = 1, 0.01
+    if options["engine"] == "CYCLES":
+        settings.use_denoising = settings.use_adaptive_sampling = False
+    down = (np.arange(up) + 0.37) / up * np.pi
+    about = (np.arange(across) + 0.43) / across * 2 * np.pi
+    ways = np.ones((up, across, 4), np.float32)
+    ways[..., 0], ways[..., 1] = np.outer(np.sin(down), np.sin(about)), np.outer(np.sin(down), np.cos(about))
+    ways[..., 2] = -np.cos(down)[:, None]
+    image = bpy.data.images.new("ways", across, up, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(ways.ravel())
+    image.pack()
+    for k, text in enumerate(options["profiles"]):
+        material = bpy.data.materials.new("profile")
+        tree = common.tree_of(material)
+        tree.nodes.clear()
+        output, shader, source = (tree.nodes.new("ShaderNode" + kind) for kind in ("OutputMaterial", "Emission", "TexIES"))
+        place = common.image_node(tree, image)
+        place.interpolation = "Closest"
+        source.ies = bpy.data.texts.new("profile")
+        source.ies.write(text)
+        tree.links.new(place.outputs["Color"], source.inputs["Vector"])
+        tree.links.new(source.outputs[0], shader.inputs["Color"])
+        tree.links.new(shader.outputs[0], output.inputs["Surface"])
+        ob = common.plane(material, 1.0)
+        ob.location, ob.scale = (0, k - (count - 1) / 2, 0), (across / up, 1, 1)
+    common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=max(count, across / up))
     common.render(options["picture"])
     return {}
 
