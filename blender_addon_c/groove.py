@@ -125,7 +125,9 @@ def _source(socket):
 
 
 def _has_bumped_grooves(node):
-    amount = node.inputs.get(_AMOUNT.get(node.bl_idname, ""))
+    if node.bl_idname not in _AMOUNT:  # asked for "", a group's output has a socket of that name
+        return False
+    amount = node.inputs.get(_AMOUNT[node.bl_idname])
     if not amount or not (amount.is_linked or amount.default_value != 0) or not _source(node.inputs["Normal"]):
         return False
     tangent = _source(node.inputs["Tangent"])

@@ -360,6 +360,8 @@ def operator():
     principled, bump = (inner.nodes.new(kind) for kind in ("ShaderNodeBsdfPrincipled", "ShaderNodeBump"))
     principled.inputs["Anisotropic"].default_value = 0.5
     inner.links.new(bump.outputs[0], principled.inputs["Normal"])
+    for kind in ("NodeGroupInput", "NodeGroupOutput"):  # as in every group that an artist makes
+        inner.nodes.new(kind)
     material, ours, node = common.metal()
     ours.links.new(ours.nodes.new("ShaderNodeBump").outputs[0], node.inputs["Normal"])
 
