@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Paths of several bounces, against what is known of plates under an even sky and of closed bodies."""
 
+import math
+
 import numpy as np
 import pytest
 
 from native_scenes import (
-    ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, render, scene, sky,
+    ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, registers, render, scene, sky,
     sphere, square, sun, vectors)
 
 SKY = (0.5, 1.0, 2.0)
@@ -75,6 +77,21 @@ def test_clamps_of_direct_and_indirect_light():
     direct, most = picture(**ball, max_bounces=0).mean(), 0.01
     seen = picture(**ball, max_bounces=1, sample_clamp_indirect=most).mean()
     np.testing.assert_allclose(seen, direct + most, rtol=1e-3)
+
+
+def test_what_a_surface_shines_with_is_direct_light_of_the_one_before():
+    """A matt ball that shines, seen from inside, by a node: no lamp finds it. What drawn rays meet is clamped as direct
+    light, what they meet one bounce later as indirect."""
+    kd, light, register = 0.5, 3.0, registers(3, 1)
+    nodes = [{"type": "MATH", "operation": "ADD", "a": [light], "b": [0.0], "c": [0.0], "out": register}]
+    matt_part = {"closure": "DIFFUSE", "model": "LAMBERT", "color": (kd,) * 3, "roughness": [0.0]}
+    ball = {"lights": [], "meshes": [sphere(32, 2.0)], "samples": 16, "camera": persp(eye=(0, 0, 0), target=(1, 0.2, 0.1)),
+            "materials": [{"name": "", "nodes": nodes, "closures": [{"closure": "EMISSION", "weight": register * 3}, matt_part]}]}
+    for bounces, direct, indirect in ((1, 0, 0.01), (1, 0.7, 0), (2, 0, 0.1), (2, 0.6, 0.1), (0, 0.6, 0.1)):
+        parts = [light * kd**k for k in range(bounces + 1)]
+        most = [direct or math.inf] * 2 + [indirect or math.inf]
+        seen = picture(**ball, max_bounces=bounces, sample_clamp_direct=direct, sample_clamp_indirect=indirect)
+        np.testing.assert_allclose(seen.mean(), sum(map(min, parts, most)), rtol=1e-3)
 
 
 def test_a_texture_may_be_of_the_body(tmp_path):

@@ -426,6 +426,26 @@ static bool takes_all_lamps(const scene *s, int bounce) {
   return s->choices == s->lights && s->lights <= (bounce == 0 ? FEW : 1);
 }
 
+/* How bright direct light of a sample may be, and indirect. */
+typedef struct clamps {
+  float most[2];
+} clamps;
+static clamps clamps_of(const scene *s) {
+  return (clamps){{s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY,
+                   s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY}};
+}
+
+/* What hits shine with is light of the surface before, and is clamped as such. */
+static void gain_shone(worker *w) {
+  batch *b = w->batch;
+  const stage_table *s = w->scene->stages;
+  const clamps bright = clamps_of(w->scene);
+  if (w->scene->passes)
+    s->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
+  s->gain(b->queue.hits, bright.most, 1, b->queue.lane, b->walk, &b->sum, &b->sample_color);
+  zero(&b->sum, b->queue.hits);
+}
+
 /* Surfaces, nodes and lights of the hits of one bounce. */
 static void shade(worker *w, const camera_view *view, int bounce, size_t phase) {
   const scene *s = w->scene;
@@ -446,7 +466,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   b->input.blurs = w->later && s->blur_glossy > 0.0f;
   if (b->input.blurs)
     s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
-  closures_weigh(w, bounce == 0);
+  const bool shone = closures_weigh(w, bounce == 0);
   if (s->chosen_emitters && w->later)
     hide_emission(w);
   if (s->holds && !w->observer)
@@ -455,6 +475,9 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   closures_aim(w);
   if (w->light)
     light_passes_shone(w);
+  w->apart = shone && w->later && (s->clamp_direct > 0.0f || s->clamp_indirect > 0.0f);
+  if (w->apart)
+    gain_shone(w);
   if (w->observer)
     w->observer->hits(w->observer->context, b, view);
   if (w->observer) {
@@ -552,8 +575,8 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
 static void follow(worker *w, const camera_view *view, size_t phase) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  const float most[2] = {s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY,
-                         s->clamp_indirect > 0.0f ? s->clamp_indirect : INFINITY};
+  const clamps bright = clamps_of(s);
+  const float *most = bright.most;
   int passing = s->passes ? (int)s->limits.kind[BOUNCE_TRANSPARENT] + 1 : 0;
   int bounces = s->max_bounces + passing + (s->meets ? 1 : 0);
   for (int bounce = 0; bounce < bounces && b->queue.hits; bounce++) {

@@ -37,6 +37,7 @@ typedef struct worker {
   cloth_room cloth;
   size_t *end;     /* by light that hits choose: past the last of them in batch->lit */
   bool later;      /* the hits at hand are not those of the camera */
+  bool apart;      /* what they shine with is clamped by itself, and no more in batch->sum */
   size_t aims;     /* balls that matt ones among them aim at */
   unsigned status; /* bits of libshade */
   clocks clocks;

@@ -51,8 +51,9 @@ static void weigh(worker *w, const segment *g) {
     s->share(g->run, choice->sum, choice->chance[k]);
 }
 
-void closures_weigh(worker *w, bool first) {
+bool closures_weigh(worker *w, bool first) {
   batch *b = w->batch;
+  bool shone = false;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const material *m = g->material;
     if (!is_plain(m))
@@ -60,9 +61,12 @@ void closures_weigh(worker *w, bool first) {
     if (!first && m->shines && w->scene->emitters.count)
       continue; /* its ray has met this light already, and shared it */
     for (size_t k = 0; k < m->closures; k++)
-      if (m->closure[k].traits & CLOSURE_EMITS)
+      if (m->closure[k].traits & CLOSURE_EMITS) {
         w->scene->stages->emit(&m->closure[k], g->run, &b->input, &b->sum);
+        shone = true;
+      }
   }
+  return shone;
 }
 
 void closures_hold(worker *w, const camera_view *view) {

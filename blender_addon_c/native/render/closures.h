@@ -6,8 +6,9 @@
 
 #include "render/bounce.h"
 
-/* Once the nodes have run: what shines goes to the sum, and how likely each closure is to draw. */
-void closures_weigh(worker *w, bool first);
+/* Once the nodes have run: what shines goes to the sum, and how likely each closure is to draw.
+ * Says whether anything may shine. */
+bool closures_weigh(worker *w, bool first);
 /* At what matt surfaces aim some of their draws, where w->aims says that they do. */
 void closures_aim(worker *w);
 /* f and cosine for the light's direction; with `density` how likely a draw goes there. */

@@ -334,11 +334,11 @@ static void add_mattes(worker *w, const material *m, size_t i, size_t sample, fl
 }
 
 /* What the camera sees of surfaces, itself or through others. */
-static void gain_seen(worker *w, const material *m, size_t i, float dim) {
+static void gain_seen(worker *w, const material *m, size_t i, float shone, float dim) {
   batch *b = w->batch;
   light_passes *p = w->light;
   size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
-  color3 c = weighed(b->walk, ray, &p->shone, i, dim);
+  color3 c = weighed(b->walk, ray, &p->shone, i, shone);
   float color[LIGHT_KINDS][3];
   add(emission_of(p), sample, c.r, c.g, c.b);
   float opacity = opacity_of(b, m, i);
@@ -365,12 +365,13 @@ void light_passes_gain(worker *w, const float most[2]) {
       if (b->walk->ends[ray]) /* it passes on, and shows nothing */
         continue;
       float dim = dimming(b->walk, ray, &b->sum, i, most[bounces > 0]);
+      float shone = w->apart ? dimming(b->walk, ray, &p->shone, i, most[bounces > 1]) : dim;
       if (!bounces) {
-        gain_seen(w, g->material, i, dim);
+        gain_seen(w, g->material, i, shone, dim);
         continue;
       }
       add_shared(p, bounces == 1 ? LIGHT_DIRECT : LIGHT_INDIRECT, sample,
-                 weighed(b->walk, ray, &p->shone, i, dim));
+                 weighed(b->walk, ray, &p->shone, i, shone));
       for (int kind = p->seen ? 0 : BOUNCE_GLOSSY;
            kind < (p->seen ? LIGHT_KINDS : BOUNCE_GLOSSY + 1); kind++)
         add_shared(p, LIGHT_INDIRECT, sample, weighed(b->walk, ray, &p->reflected[kind], i, dim));

@@ -174,9 +174,10 @@ typedef struct scene {
   unsigned planes;          /* what is rendered beside the picture: a bit for each plane_type */
   float adaptive_threshold; /* see render/adaptive.h */
   int adaptive_least;
-  float time_limit;   /* seconds for the picture; 0: as many as it takes */
-  int max_bounces;    /* of a path before the surface that it sees last */
-  float clamp_direct; /* largest brightness that lights may add to a sample at its first surface */
+  float time_limit;     /* seconds for the picture; 0: as many as it takes */
+  int max_bounces;      /* of a path before the surface that it sees last */
+  float clamp_direct;   /* largest brightness that lights, lamps or surfaces, may add to a sample at
+                           its first surface */
   float clamp_indirect; /* and all light at a later bounce; 0: any */
   walk_limits limits;
   float light_threshold; /* light samples that bring less are worth a shadow ray now and then; 0 */
