@@ -54,7 +54,8 @@ LEAF vec3 toon_axis(bool mirrors, vec3 n, vec3 v) {
 LEAF float toon_of(toon_cone cone, vec3 axis, vec3 n, vec3 v, vec3 l, float *pdf) {
   vec3 off = cross(axis, l);
   float angle = arc_tangent2(sqrtf(dot(off, off)), dot(axis, l));
-  bool lit = (dot(n, l) > 0.0f) & (dot(n, v) > 0.0f) & (l.z > 0.0f) & (angle <= cone.edge);
+  float nl = dot(n, l), nv = dot(n, v);
+  bool lit = (nl > 0.0f) & (nv > 0.0f) & (l.z > 0.0f) & (angle <= cone.edge);
   float part = clampf(1.0f - (angle - cone.size) / (cone.smooth + 1e-9f), 0.0f, 1.0f);
   *pdf = lit ? 0.159154943f / cone.cap : 0.0f;
   return *pdf * (angle < cone.size ? 1.0f : part);
