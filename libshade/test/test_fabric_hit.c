@@ -663,6 +663,14 @@ static void short_structures(void **state) {
   close_cloth(&c);
 }
 
+/* Compilers may compare lanes past the last (-fno-trapping-math), which hold what earlier calls
+ * left there: numbers then, so that only what is computed raises exceptions. */
+static void leave_numbers(void) {
+  volatile float room[65536];
+  for (size_t i = 0; i < sizeof room / sizeof room[0]; i++)
+    room[i] = 1;
+}
+
 /* Light or eye in the horizon, down to the least number there is: a lane without nap is worth what
  * it is where no lane has one, a thick nap hides all, and nothing is divided by 0. */
 static void nap_in_the_horizon(void **state) {
@@ -702,6 +710,7 @@ static void nap_in_the_horizon(void **state) {
                                           .nap = nap[k]};
           const shade_fabric_resultf out = {
               .size = sizeof out, .r = rgb[k][0], .g = rgb[k][1], .b = rgb[k][2]};
+          leave_numbers();
           feclearexcept(FE_ALL_EXCEPT);
           shade_fabric_eval_batchf(c.fabric, 16, &in, (shade_fabric_tier)tier, &out);
           assert_int_equal(fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW), 0);
@@ -721,6 +730,7 @@ static void nap_in_the_horizon(void **state) {
                                        .nap = wide[5]};
         const shade_fabric_result out = {
             .size = sizeof out, .r = rgbd[0], .g = rgbd[1], .b = rgbd[2]};
+        leave_numbers();
         feclearexcept(FE_ALL_EXCEPT);
         shade_fabric_eval_batch(c.fabric, 16, &in, (shade_fabric_tier)tier, &out);
         assert_int_equal(fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW), 0);
