@@ -394,8 +394,8 @@ def test_every_node_has_a_case():
              "COMBXYZ": "CombineXYZ", "SEPHSV": "SeparateHSV", "COMBHSV": "CombineHSV", "HUE_SAT": "HueSaturation", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
              "RGB": "RGB", "CURVE_RGB": "RGBCurve", "CURVE_VEC": "VectorCurve", "CURVE_FLOAT": "FloatCurve",
              "CAMERA": "CameraData", "VECT_TRANSFORM": "VectorTransform"}
-    # test_blender_semantics.py, test_blender_scratches.py, and here
-    elsewhere = {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "LibshadeScratchesNode"}
+    # test_blender_semantics.py, test_blender_scratches.py, test_blender_lights.py, and here
+    elsewhere = {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "LibshadeScratchesNode", "TEX_IES"}
     covered = {case["node"].removeprefix("ShaderNode") for case in CASES + PLACES + PATTERNS}
     for key in keys:
         word = types.get(key.value, key.value.title().replace("_", ""))
