@@ -21,9 +21,8 @@ CASES = {"near": (0.04, "uv", 0.04), "near default": (0.04, "uv", 0.0), "medium"
          "near object": (0.04, "object", 0.04), "medium object": (0.16, "object", 0.16)}
 
 
-def scene_of(engine, wide):
+def scene_of(wide):
     scene = common.empty_scene(SIZE, SIZE, SAMPLES)
-    scene.render.engine = engine
     cycles = scene.cycles
     cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising, cycles.max_bounces = SAMPLES, False, False, 0
     cycles.pixel_filter_type, cycles.filter_width, scene.libshade.pixel_filter_type = "BLACKMAN_HARRIS", 1.5, "BLACKMAN_HARRIS"
@@ -37,9 +36,9 @@ def scene_of(engine, wide):
     return scene
 
 
-def picture(case, engine, path):
+def pictures(case, folder):
     wide, vector, tile = CASES[case]
-    scene = scene_of(engine, wide)
+    scene = scene_of(wide)
     material, tree, metal = common.metal("plate", fresnel="NONE")
     metal.inputs["Roughness"].default_value, metal.inputs["Anisotropy"].default_value = 0.4, 0.0
     node = tree.nodes.new("LibshadeScratchesNode")
@@ -52,13 +51,14 @@ def picture(case, engine, path):
     print("TILE", case, plan["tile"], flush=True)
     tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])
     common.plane(material, 2 * wide)
-    common.render(path)
+    for engine in ("LIBSHADE", "CYCLES"):
+        scene.render.engine = engine
+        common.render(os.path.join(folder, f"{case}_{engine.lower()}.exr"))
 
 
 if __name__ == "__main__":
     folder, *cases = common.arguments()
     for case in cases or CASES:
-        for engine in ("LIBSHADE", "CYCLES"):
-            picture(case, engine, os.path.join(folder, f"{case}_{engine.lower()}.exr"))
+        pictures(case, folder)
     print("all rendered", flush=True)
     common.finish()
