@@ -40,10 +40,7 @@ def _by_camera(reader, lit, nodes):
     seen = reader.read(nodes)
     if seen == lit:
         return lit
-    if "sky" in seen:
-        reader.warn("an image or sky that only the camera sees is not supported; it sees what lights the scene")
-        return lit
-    return {**lit, "backdrop": seen["background"]}
+    return {**lit, **({"backdrop_sky": seen["sky"]} if "sky" in seen else {"backdrop": seen["background"]})}
 
 
 class _Richer(Exception):
@@ -116,8 +113,8 @@ class _Reader:
             self.warn(f"'{tree.shader_of(nodes).node.name}' does not shine; black")
         if not shine.turns:
             return {"background": shine.color}
-        sky = {} if self.camera else {"image": self._images.made(shine.picture()), "strength": (1.0,) * 3,
-                                      "matrix": _rows(Matrix.Identity(4)), "projection": "EQUIRECTANGULAR"}
+        sky = {"image": self._images.made(shine.picture()), "strength": (1.0,) * 3, "matrix": _rows(Matrix.Identity(4)),
+               "projection": "EQUIRECTANGULAR"}
         return {"background": (0.0, 0.0, 0.0), "sky": sky}
 
     def _plain(self, nodes):

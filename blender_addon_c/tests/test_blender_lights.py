@@ -78,7 +78,7 @@ def test_light(blender, tmp_path, name):
     compare(blender, tmp_path, name, samples, (*LIGHTS[name], {})[:3])
 
 
-BY_CAMERA = {"shaders": "turned image", "colors": "turned image", "colors of a colour": "world", "strengths": "world"}
+BY_CAMERA = {"shaders": "turned image", "colors": "turned image", "colors of a colour": "world", "strengths": "world", "dimmed": "turned image"}
 
 
 @pytest.mark.parametrize("name", BY_CAMERA)

@@ -72,6 +72,19 @@ def test_a_sky_hidden_from_the_camera_is_so_behind_a_pane():
             assert seen.mean() == 0 if hidden else seen.mean() > 0.05
 
 
+def test_the_camera_sees_an_image_of_its_own():
+    """Of half the light, beside what lights the scene: behind all, and by the half of a pane that lets it through."""
+    seen = AROUND | {"backdrop_sky": sky(strength=(0.5, 0.25, 1.0))}
+    around = picture(meshes=[], instances=[], lights=[], transparent=False, **seen)
+    plain = picture(meshes=[], instances=[], lights=[], transparent=False, **AROUND)
+    np.testing.assert_allclose(around, plain * (0.5, 0.25, 1.0), rtol=1e-5)
+    matt = picture(lights=[], transparent=True, samples=64, **seen)
+    np.testing.assert_array_equal(matt, picture(lights=[], transparent=True, samples=64, **AROUND))
+    pane = {"lights": [], "materials": [of(weighed(TRANSPARENT, 0.5))], "transparent": False}
+    np.testing.assert_allclose(picture(**pane, **seen), picture(**pane, **AROUND) * (0.5, 0.25, 1.0), rtol=1e-5)
+    assert picture(**pane, **seen, sky_hidden=CAMERA).max() == 0
+
+
 def instance(mesh, hidden=0, z=0.0, scale=1.0):
     matrix = np.diag([scale, scale, scale, 1.0])
     matrix[2, 3] = z

@@ -535,6 +535,23 @@ static void meet_sky(worker *w, size_t rays) {
                      s->sky_hidden, &b->met);
 }
 
+/* That of the camera alone, where its rays meet nothing behind what they pass. */
+static void meet_seen_sky(worker *w, size_t rays) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  size_t missed =
+      s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  s->stages->sky(missed, &s->behind, &b->toward, &b->sky);
+  for (size_t k = 0; k < missed; k++) {
+    size_t ray = b->missed[k];
+    if (!(b->walk->ray[ray] & RAY_CAMERA))
+      continue;
+    b->met.r[ray] += b->sky.r[k];
+    b->met.g[ray] += b->sky.g[k];
+    b->met.b[ray] += b->sky.b[k];
+  }
+}
+
 /* What drawn rays meet of lights, each with the share that is left to them. */
 static void meet_lights(worker *w, size_t rays, const float most[2]) {
   const scene *s = w->scene;
@@ -555,6 +572,8 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
     }
   if (s->sky.power > 0.0f)
     meet_sky(w, rays);
+  if (s->behind.there && s->passes && !s->transparent)
+    meet_seen_sky(w, rays);
   if (s->emitters.count) {
     if (weight)
       s->stages->weigh_emitters(rays, &s->emitters, &b->walk->from, weight);
@@ -641,7 +660,7 @@ static void show_sky(worker *w, size_t count) {
   batch *b = w->batch;
   size_t missed =
       s->stages->missed(count, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
-  s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
+  s->stages->sky(missed, scene_seen_sky(s), &b->toward, &b->sky);
   if (s->clamp_direct > 0.0f)
     s->stages->gain(missed, (const float[2]){s->clamp_direct, INFINITY}, 0, b->missed, b->walk,
                     &b->sky, &b->sample_color);
@@ -716,8 +735,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   s->cover(count, &b->sample_hit, &b->path);
   if (view->camera->panorama)
     panorama_cover(w, count);
-  bool sky = scene->sky.there && !(scene->sky_hidden & RAY_CAMERA) && !scene->transparent &&
-             !w->observer && b->queue.hits < count;
+  bool sky = scene_seen_sky(scene) && !scene->transparent && !w->observer && b->queue.hits < count;
   if (b->queue.hits)
     hits_sort(w, count);
   clock_tick(&w->clocks, CLOCK_HIT);

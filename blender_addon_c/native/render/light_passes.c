@@ -398,11 +398,11 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   lane_c *out = environment_of(w->light);
-  const bool image = s->sky.there && !(s->sky_hidden & RAY_CAMERA);
+  const sky *image = scene_seen_sky(s);
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
   if (image)
-    s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
+    s->stages->sky(missed, image, &b->toward, &b->sky);
   for (size_t k = 0; !image && k < missed; k++) {
     b->sky.r[k] = s->backdrop[0];
     b->sky.g[k] = s->backdrop[1];

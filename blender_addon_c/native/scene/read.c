@@ -354,19 +354,24 @@ static bool read_material(reader *r, void *out, void *context) {
   return true;
 }
 
-/* `backdrop`: a colour that rays of the camera see instead, whatever lights the scene. */
+/* `backdrop`: a colour, `backdrop_sky`: an image or sky that rays of the camera see instead,
+ * whatever lights the scene. */
 static bool read_sky(reader *r, scene *s) {
   int images = (int)(s->images < INT_MAX ? s->images : INT_MAX);
   if (reader_has(r, "sky")) {
     memset(s->background, 0, sizeof s->background);
-    if (!sky_read(r, &s->sky, images))
+    if (!sky_read(r, "sky", &s->sky, images))
       return false;
   }
   bool apart = reader_has(r, "backdrop"), hidden = (s->sky_hidden & RAY_CAMERA) != 0;
   memcpy(s->backdrop, s->background, sizeof s->backdrop);
   if (apart && !reader_floats(r, "backdrop", 3, s->backdrop))
     return false;
-  if (hidden)
+  if (reader_has(r, "backdrop_sky") && !sky_read(r, "backdrop_sky", &s->behind, images))
+    return false;
+  apart = apart || s->behind.there;
+  s->behind.there = s->behind.there && !hidden;
+  if (hidden || s->behind.there)
     memset(s->backdrop, 0, sizeof s->backdrop);
   if (apart)
     s->sky_hidden |= RAY_CAMERA;

@@ -137,7 +137,10 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
     s->meets = s->meets || (s->passes && s->backdrop[k] > 0.0f);
   for (material *m = s->material; m < s->material + s->materials; m++)
     find_radiance(m);
-  if ((s->sky.there && !sky_build(&s->sky, s->image, s->threads, cancel)) || !emitters_build(s))
+  s->meets = s->meets || (s->passes && s->behind.there);
+  if ((s->sky.there && !sky_build(&s->sky, s->image, s->threads, cancel)) ||
+      (s->behind.there && !sky_build(&s->behind, s->image, s->threads, cancel)) ||
+      !emitters_build(s))
     return message_error(log, "out of memory");
   s->sky.power = sky_dark ? 0.0f : s->sky.power;
   s->choices += (size_t)(s->sky.power > 0.0f) + (size_t)(s->emitters.count > 0);
@@ -201,6 +204,7 @@ void scene_free(scene *s) {
   texture_free(&s->kept);
   free(s->kept_image);
   sky_free(&s->sky);
+  sky_free(&s->behind);
   emitters_free(&s->emitters);
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);

@@ -167,6 +167,7 @@ typedef struct scene {
   sky sky;
   uint32_t sky_hidden; /* ray_kinds to which background and sky are black */
   float backdrop[3];   /* what rays of the camera see, where they see no sky */
+  sky behind;          /* what they see instead of all that, if there */
   filter_type filter;
   float filter_width;       /* pixels; 0: the pixel's square */
   unsigned mattes;          /* which are wanted: a bit for each matte_kind, */
@@ -251,6 +252,13 @@ typedef struct scene {
 /* Another view of a scene that is built: its camera, size, region and samples. What was there stays
  * where the description is wrong. */
 bool scene_look(reader *r, scene *s);
+
+/* The image or sky that rays of the camera see, or NULL. */
+static inline const sky *scene_seen_sky(const scene *s) {
+  if (s->behind.there)
+    return &s->behind;
+  return s->sky.there && !(s->sky_hidden & RAY_CAMERA) ? &s->sky : NULL;
+}
 
 /* A scene that scene_free frees; NULL where its description is wrong. Its buffers stay Python's. */
 scene *scene_read(reader *r);

@@ -52,8 +52,8 @@ typedef struct sky {
   sky_sun sun;
 } sky;
 
-/* `sky` of a scene, which has so many images. */
-bool sky_read(reader *r, sky *s, int images);
+/* `sky` of a scene, or another of that kind, which has so many images. */
+bool sky_read(reader *r, const char *key, sky *s, int images);
 
 /* False when out of memory; stops early when *cancel is true. */
 bool sky_build(sky *s, const image *images, int threads, const atomic_bool *cancel);

@@ -42,6 +42,6 @@ static bool read_one(reader *r, void *out, void *context) {
   return true;
 }
 
-bool sky_read(reader *r, sky *s, int images) {
-  return reader_dict(r, "sky", read_one, s, &images);
+bool sky_read(reader *r, const char *key, sky *s, int images) {
+  return reader_dict(r, key, read_one, s, &images);
 }

@@ -1734,10 +1734,16 @@ def panes(kinds):
 
 
 def by_camera(scene, way):
-    """Rays of the camera see another colour: two shaders, two colours, or two strengths."""
+    """Rays of the camera see another colour: two shaders, two colours, or two strengths; or the same image darker."""
     tree = common.tree_of(scene.world)
     path, lit = tree.nodes.new("ShaderNodeLightPath"), tree.nodes["Background"]
     camera = path.outputs["Is Camera Ray"]
+    if way == "dimmed":
+        dim = tree.nodes.new("ShaderNodeMath")
+        dim.operation, dim.inputs[1].default_value, dim.inputs[2].default_value = "MULTIPLY_ADD", -1.2, 1.5
+        tree.links.new(camera, dim.inputs[0])
+        tree.links.new(dim.outputs[0], lit.inputs["Strength"])
+        return
     if way == "shaders":
         mixed, other = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBackground")
         other.inputs["Color"].default_value = (0.1, 0.4, 0.2, 1)
