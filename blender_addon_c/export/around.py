@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from .. import _native
+from . import tree
 from .closure import collect
 from .graph import Program, is_known
 from .image import Images
@@ -23,7 +24,8 @@ from .value import Value, number_in, three, value_of
 _ROWS = {True: (512, 1024), False: (1024, 2048)}
 _LAMP_ROWS = {True: (128, 256), False: (256, 512)}
 _MOST = 1e18  # of light
-_LAMPS_STAND_STILL = bpy.app.version < (4, 0)  # points of a lamp's own are those of the world
+_LAMPS_STAND_STILL = bpy.app.version < (4, 0)  # points of a lamp's own are those of the world, and it has no UV map
+_FALLS = {"Quadratic": 0, "Linear": 1, "Constant": 2}  # by which power of the distance less than light does
 
 _BEHIND = ("NORMAL", "TRUE_NORMAL", "INCOMING", "REFLECTION")  # point back where one looks from [Cycles 3.4, 5.0]
 
@@ -54,6 +56,13 @@ class _World:
     def position(self, program):
         return program.forth()
 
+    generated = position
+
+    def place_on(self, _program):
+        """It has no face."""
+
+    uv = place_on
+
     def between_spaces(self, program, what, vector):
         """There is one."""
         return vector
@@ -63,7 +72,9 @@ class _Lamp:
     """One that shines along the direction, in its own axes, which is the normal of bulbs; others have one of their own
     [measured in Cycles 3.4 and 5.0]."""
 
-    def __init__(self, kind, matrix):
+    def __init__(self, kind, matrix, size=None):
+        """size: of the face, where it may shine unevenly over that."""
+        self._size, self._sides = size, matrix.to_3x3()
         self._round = kind in ("POINT", "SPOT")
         self._sun = kind == "SUN"
         self._turn = turn_of(matrix)
@@ -88,7 +99,21 @@ class _Lamp:
 
     def position(self, program):
         program.placed += 1
+        if self._size:
+            at = self._turned(program, self._sides, [program.math("MULTIPLY", program.math("SUBTRACT", part, 0.5), length)
+                                                     for part, length in zip(program.on_face(), self._size)] + [0.0])
+            return [program.math("ADD", a, b) for a, b in zip(at, self._place)]
         return list(self._turn @ Vector((0.0, 0.0, -1.0))) if self._sun else list(self._place)
+
+    def generated(self, program):
+        return self.between_spaces(program, "POINT_INTO", self.position(program)) if self._size else self.position(program)
+
+    def place_on(self, program):
+        """Of its face, 0 to 1 along both sides; None of others."""
+        return program.on_face() if self._size else None
+
+    def uv(self, program):
+        return None if _LAMPS_STAND_STILL else self.place_on(program)
 
     def between_spaces(self, program, what, vector):
         """Points of its own are those of the world in 3.4."""
@@ -128,23 +153,33 @@ class _Lamp:
 
 class _Directions(Program):
     """A program for a direction. by_camera: does a camera look? of: what is asked. `turns`: may it make a difference
-    where to? `own`: vectors of the world, by who they are, and what they are in axes of a lamp's own; `placed`: how
+    where to, or from where on its face? `by_way`, `faced`: was a direction asked for, such a place? `own`: vectors of the world, by who they are, and what they are in axes of a lamp's own; `placed`: how
     often else these axes were asked for; `upright`: was a normal?"""
 
     def __init__(self, by_camera, of):
         super().__init__()
         self.turns, self._by_camera, self._behind = False, by_camera, None
+        self.by_way, self.faced = False, None
         self._of, self.own, self.placed, self.upright = of, {}, 0, False
 
     def emit(self, kind, out=3, more=None, **given):
         answer = _ANSWERS.get(kind)
         if answer:
             return answer(self, out + bool(more), given)
+        if kind == "IMAGE" and not given.get("at"):
+            on = self._of.uv(self)
+            given |= {"at": on} if on else {}
         self.turns = self.turns or kind == "IMAGE"
         return super().emit(kind, out, more, **given)
 
-    def back(self):
+    def on_face(self):
         self.turns = True
+        if self.faced is None:
+            self.faced = super().emit("GEOMETRY", what="UV")[:2]
+        return list(self.faced)
+
+    def back(self):
+        self.turns = self.by_way = True
         if self._behind is None:
             self._behind = super().emit("GEOMETRY", what="INCOMING")
         return list(self._behind)
@@ -162,12 +197,17 @@ class _Directions(Program):
     def _geometry(self, _out, given):
         if given["what"] == "POSITION":
             return self._of.position(self)
+        if given["what"] == "UV":
+            return [*(self._of.uv(self) or (0.0, 0.0)), 0.0]
         if given["what"] not in _BEHIND:
             return [0.0] * 3
         return self._of.incoming(self) if given["what"] in ("INCOMING", "REFLECTION") else self._of.normal(self)
 
     def _layer(self, out, given):
-        return [*self._of.position(self), 1.0] if given["layer"] == "GENERATED" else [0.0] * out
+        if given["layer"] == "GENERATED":
+            return [*self._of.generated(self), 1.0]
+        on = {"PARAMETRIC": self._of.place_on, "UV": self._of.uv}.get(given["layer"])
+        return [*((on(self) if on else None) or (0.0, 0.0)), 0.0, 0.0][:out]
 
     def _path(self, out, given):
         return [float(self._by_camera and given["what"] == "CAMERA")] * out
@@ -185,11 +225,13 @@ class _Around(Reader):
 
     has_surface = False
 
-    def __init__(self, owner, table, messages, by_camera, of):
+    def __init__(self, owner, table, messages, by_camera, of, falls):
+        """falls: the node by which its light may fall off, or None. `gain`: how that does."""
         super().__init__(table, messages, None)
         self.owner, self.program = owner, _Directions(by_camera, of)
         self.images, self.kept = Images(messages, table.images.frame, table.kept), table.kept
         self.averages = self.filters = self.colors = False
+        self.falls, self.gain = falls, {}
         self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff, "TEX_SKY": _tex_sky}, False
         del self.nodes["LibshadeScratchesNode"]  # there is no surface
 
@@ -256,24 +298,45 @@ _SEEN = {"Is Camera Ray": "CAMERA"}
 
 def _light_falloff(reader, found):
     strength, smooth = (number_in(reader, found, name) for name in ("Strength", "Smooth"))
-    if found.output.name != "Quadratic" or not is_known(smooth) or smooth > 0:
+    if found.node == reader.falls and is_known(smooth):
+        reader.gain = {"gain": _FALLS[found.output.name], "smooth": min(max(float(smooth), 0.0), _MOST)}
+    elif found.output.name != "Quadratic" or not is_known(smooth) or smooth > 0:
         reader.warn(f"'{found.node.name}': lamps fall off as light does, without smoothing")
     return (strength,)
 
 
+def _falls_by(own):
+    """The Light Falloff that all of a lamp's strength is a multiple of, or None."""
+    found = tree.shader_of(own)
+    if not found or not found.node or found.node.type != "EMISSION":
+        return None
+    found = tree.trace(found.node.inputs["Strength"], found.groups)
+    for _ in range(100):
+        if not found.node or found.node.type != "MATH" or found.node.operation != "MULTIPLY" or found.node.use_clamp:
+            break
+        linked = [socket for socket in found.node.inputs[:2] if socket.is_linked]
+        if len(linked) != 1:
+            break
+        found = tree.trace(linked[0], found.groups)
+    return found.node if found.node and found.node.type == "LIGHT_FALLOFF" else None
+
+
 class Shine:
-    """What one shines with: `color`, unless it `turns`, for then there are several. `by_camera`: may a camera see
+    """What one shines with: `color`, unless it `turns`, for then there are several. `mixed`: by directions and by places
+    on a face at once, which it cannot. `gain`: how its light falls off, {} as light does. `by_camera`: may a camera see
     another? `there`: does any node shine?"""
 
     def __init__(self, own, owner, table, messages, by_camera=False, lamp=None):
-        """own: its node tree. lamp: kind and matrix of one."""
+        """own: its node tree. lamp: kind, matrix and perhaps size of one."""
         of = _Lamp(*lamp) if lamp else _World()
-        self._reader = reader = _Around(owner, table, messages, by_camera, of)
+        falls = _falls_by(own) if lamp and lamp[0] != "SUN" else None
+        self._reader = reader = _Around(owner, table, messages, by_camera, of, falls)
         collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
         self.placed = reader.program.placed > 0
         self._closures = [c for c in reader.closures if c["closure"] == "EMISSION" and not c.get("holds")]
         self.turns, self.by_camera, self.there = reader.program.turns, reader.by_camera, bool(self._closures)
-        self._kept = table.kept
+        self._kept, self.gain = table.kept, {k: v for k, v in reader.gain.items() if v}
+        self.mixed = reader.program.faced is not None and reader.program.by_way
         weights = [c.get("weight", (1.0,) * 3) for c in self._closures]
         if all(is_known(*weight) for weight in weights):
             self.turns, self.color = False, _light(np.sum([(0.0,) * 3, *weights], 0))
@@ -291,20 +354,26 @@ class Shine:
         """(the mean over all directions, what of it is along each as the native module takes it, or None: all of it)"""
         few, most = _LAMP_ROWS[self._kept is not None]
         rows = max([few, *(image["height"] for image in self._reader.images.listed)])
-        data = self._rendered(min(rows, most))
-        part = np.cos((np.arange(len(data)) + 0.5 - len(data) / 2) * np.pi / len(data))
+        data, face = self._rendered(min(rows, most)), self._reader.program.faced is not None
+        part = np.ones(len(data)) if face else np.cos((np.arange(len(data)) + 0.5 - len(data) / 2) * np.pi / len(data))
         mean = (data.mean(1, dtype=float) * part[:, None]).sum(0) / part.sum()
         if np.ptp(data, (0, 1)).max() <= 1e-4 * data.max():
-            return tuple(mean), None
+            return tuple(mean), self.even()
         made = data / np.maximum(mean, 1e-30)
         return tuple(mean), {"width": data.shape[1], "height": data.shape[0], "data": made.astype(np.float32).ravel(),
-                              "upright": self._reader.program.upright}
+                              "upright": self._reader.program.upright, "face": face, **self.gain}
+
+    def even(self):
+        """The pattern of what shines evenly, if that falls off otherwise."""
+        return {"width": 1, "height": 1, "data": np.ones(3, np.float32), **self.gain} if self.gain else None
 
     def _rendered(self, rows):
         scene = _scene(rows, *self._reader.program.finish(self._closures), self._reader.images.listed)
+        if self._reader.program.faced is not None:
+            scene |= _before_face(rows)
         if not self._kept:
             return _render(scene)
-        key = str([scene[name] for name in ("height", "materials")])
+        key = str([scene[name] for name in ("width", "height", "materials")])
         return self._kept.around(key, [image["data"] for image in scene["images"]], lambda: _render(scene))
 
 
@@ -334,6 +403,18 @@ def _scene(rows, nodes, closures, images):
             "images": images, "materials": [{"name": "", "nodes": nodes, "closures": closures}], "meshes": [box],
             "instances": [{"mesh": 0, "matrix": [float(i == j) for i in range(4) for j in range(4)]}],
             "dump": "", "renderer": ""}
+
+
+def _before_face(rows):
+    """A square instead, seen from before through the middles of its pixels."""
+    corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
+    order = np.array((0, 1, 2, 0, 2, 3), np.int32)
+    square = {"name": "", "positions": corners, "corner_position": order, "corner_normals": np.tile(np.float32((0, 0, 1)), (6, 1)),
+              "corner_uvs": (corners[order, :2] * 0.5 + 0.5).astype(np.float32).ravel(), "material": np.zeros(2, np.int32)}
+    matrix = [float(i == j) for i in range(4) for j in range(4)]
+    matrix[11] = 1.0
+    camera = {"type": "ORTHO", "matrix": matrix, "frame": (-1.0, 1.0, -1.0, 1.0), "clip": (1e-3, 10.0)}
+    return {"width": rows, "region": (0, 0, rows, rows), "camera": camera, "meshes": [square]}
 
 
 def _render(scene):

@@ -147,6 +147,14 @@ def _cone(matrix):
     return {"direction": _unit(-z), **across}
 
 
+def _face_of(light):
+    """(width, height) of an area lamp before it is scaled; None of others, and of one that is a point."""
+    if light.type != "AREA":
+        return None
+    size = light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    return size if min(size) > 0 else None
+
+
 def _area(light, matrix, strength):
     """Power, in W, spreads by the cosine over a half sphere; or power a square metre."""
     x, y, z = matrix.to_3x3().col
@@ -206,11 +214,15 @@ def _shine(light, matrix, table, messages):
     if not shader or not shader.node:
         return ((0.0,) * 3, None), False
     try:
-        shine = Shine(own, owner, table, messages, lamp=(light.type, matrix))
+        shine = Shine(own, owner, table, messages, lamp=(light.type, matrix, _face_of(light)))
+        if shine.mixed:
+            messages.warning(f"{owner}: nodes that make it uneven by direction and over its face at once are not supported; "
+                             "all of its face is as its middle")
+            shine = Shine(own, owner, table, messages, lamp=(light.type, matrix))
         if not shine.there and shader.node.type != "EMISSION":
             messages.warning(f"{owner}: '{shader.node.name}' is not supported; its nodes are left out")
             return ((1.0,) * 3, None), False
-        return (shine.pattern() if shine.turns else (shine.color, None)), shine.placed
+        return (shine.pattern() if shine.turns else (shine.color, shine.even())), shine.placed
     except (RecursionError, TooLarge, ValueError) as error:  # or the native module has said what is wrong
         why = error if isinstance(error, ValueError) else "its nodes are too many"
         messages.warning(f"{owner}: {why}; they are left out")

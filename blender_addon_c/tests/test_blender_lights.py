@@ -64,10 +64,18 @@ LIGHTS |= {
     "scaled profile": ("POINT", {"energy": 10, "shadow_soft_size": 0.1}, {"pattern": {"profile": LAMP}, "scale": (2, 1, 0.5)}),
     "scaled by normal": ("SPOT", {"energy": 800, "spot_size": 2.5}, {"pattern": {"by": "TexCoord.Normal"}, "scale": (-1, 3, 2)}),
     "scaled area's profile": ("AREA", {"energy": 10, "size": 0.5}, {"pattern": {"profile": LAMP}, "scale": (2, 1, 0.5)}),
+    **{f"face by {by}": ("AREA", {"energy": 200, "shape": "ELLIPSE", "size": 1.5, "size_y": 1}, {"pattern": {"by": by}, "scale": (1, 1.3, 2)})
+       for by in ("NewGeometry.Parametric", "NewGeometry.Position", "TexCoord.Object", "TexCoord.Generated", "TexCoord.UV")},
+    **{f"{kind}, {how[0]} {how[1]}": (kind.split()[-1].upper(), {"energy": 80, **size}, {"pattern": {"falls": how}})
+       for kind, size, how in (
+           ("point", {"shadow_soft_size": 0}, ("Constant", 0)), ("soft point", {"shadow_soft_size": 0.6}, ("Linear", 0.7)),
+           ("spot", {"shadow_soft_size": 0.3, "spot_size": 2}, ("Linear", 0)), ("area", {"size": 1}, ("Constant", 2)),
+           ("wide area", {"size": 1}, ("Quadratic", 1.5)))},
+    "ball falls": ("POINT", {"energy": 80, "shadow_soft_size": 0.6, "use_soft_falloff": False}, {"pattern": {"falls": ("Linear", 0.7)}}),
     "ball by normal": ("POINT", {"energy": 200, "shadow_soft_size": 0.4, "use_soft_falloff": False},
                        {"pattern": {"by": "TexCoord.Normal"}}),
 }
-LATER = {"ball's profile": "4", "ball by normal": "4", "ball": "4", "for its area": "4.5"}  # the version that brought it
+LATER = {"ball's profile": "4", "ball falls": "4", "ball by normal": "4", "ball": "4", "for its area": "4.5"}  # the version that brought it
 
 
 @pytest.mark.parametrize("name", LIGHTS)

@@ -92,6 +92,43 @@ def test_what_reaches_a_plate_by_direction(kind, tmp_path):
     np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), expected, rtol=2e-3, atol=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA"])
+@pytest.mark.parametrize("gain", [0, 1, 2])
+def test_how_it_falls_off(kind, gain, tmp_path):
+    light, truth = LIGHTS[kind]
+    even = {"width": 1, "height": 1, "axes": np.eye(3).ravel().tolist(), "data": np.ones(3, np.float32)}
+    planes, _ = dump(scene(lights=[light | {"pattern": even | {"gain": gain, "smooth": 0.7}}]), tmp_path / "d.exr")
+    irradiance, direction = truth(vectors(planes, "P"))
+    far = np.sqrt((direction**2).sum(-1, keepdims=True))
+    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), irradiance * far**gain * far**2 / (0.7 + far**2), rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize("more", [0, 8])
+def test_a_face_that_shines_in_parts(more):
+    """However lights are found: a lamp of which one half shines is a lamp of half the size."""
+    places = (np.arange(128) + 0.5) / 128
+    data = np.zeros((128, 128, 3), np.float32)
+    data[:, places < 0.5] = (2, 1, 0.5)
+    even = np.eye(3).ravel().tolist()
+    halves = [area((0.1, 0.2, 1), (1.2, 0.8), (1, 1, 1)) | {"pattern": {
+        "width": 128, "height": 128, "axes": even, "data": data.ravel(), "face": True}}]
+    whole = [area((-0.2, 0.2, 1), (0.6, 0.8), (1, 0.5, 0.25))]
+    rest = [point((0.1 * k, 0.2, 3), (0.01,) * 3) for k in range(more)]
+    plain = {"samples": 1024, "max_bounces": 2, "background": (0, 0, 0), "filter_width": 0.01}
+    parts, wanted = (render(scene(lights=lights + rest, **plain))[0][..., :3] for lights in (halves, whole))
+    assert wanted.max() > 0.1
+    np.testing.assert_allclose(parts.mean((0, 1)), wanted.mean((0, 1)), rtol=0.01)
+    near = [p.reshape(4, p.shape[0] // 4, 4, p.shape[1] // 4, 3).mean((1, 3)) for p in (parts, wanted)]
+    np.testing.assert_allclose(*near, rtol=0.06, atol=2e-3)
+
+
+@pytest.mark.parametrize("wrong", [{"face": True}, {"gain": 3}, {"smooth": -1.0}, {"smooth": float("nan")}])
+def test_patterns_of_lamps_that_have_none(wrong):
+    even = {"width": 1, "height": 1, "axes": np.eye(3).ravel().tolist(), "data": np.ones(3, np.float32)}
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        render(scene(lights=[point((0, 0, 1)) | {"pattern": even | wrong}]))
+
+
 @pytest.mark.parametrize("radius", [0.0, 0.6])
 @pytest.mark.parametrize("more", [0, 8])
 def test_patterns_by_choice(radius, more):

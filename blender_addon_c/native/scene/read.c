@@ -152,11 +152,18 @@ static bool read_pattern(reader *r, void *out, void *context) {
   int size[2];
   float axes[9];
   reader_buffer data;
-  bool upright = false;
-  if (!reader_integer(r, "width", 1, MAX_SIZE, &size[0]) ||
+  bool upright = false, face = false;
+  int gain = 0;
+  float smooth = 0.0f;
+  if ((reader_has(r, "face") && !reader_flag(r, "face", &face)) ||
+      (reader_has(r, "gain") && !reader_integer(r, "gain", 0, 2, &gain)) ||
+      (reader_has(r, "smooth") && !reader_number_within(r, "smooth", 0, 1e18, &smooth)) ||
+      !reader_integer(r, "width", 1, MAX_SIZE, &size[0]) ||
       !reader_integer(r, "height", 1, MAX_SIZE, &size[1]) || !reader_floats(r, "axes", 9, axes) ||
       (reader_has(r, "upright") && !reader_flag(r, "upright", &upright)))
     return false;
+  if (face && l->type != LIGHT_AREA)
+    return reader_expected(r, "face", "an area light");
   size_t count = 3 * (size_t)size[0] * (size_t)size[1];
   if (!reader_items(r, "data", count, "f", 4, &data))
     return false;
@@ -175,9 +182,18 @@ static bool read_pattern(reader *r, void *out, void *context) {
       return reader_expected(r, "axes", "three directions");
   }
   const light_bulb *bulb = l->type == LIGHT_SPOT ? &l->of.spot.bulb : &l->of.point.bulb;
+  p->face = face;
+  p->gain = gain;
+  p->smooth = smooth;
   if (l->type == LIGHT_AREA) {
     p->middle = l->of.area.center;
+    p->flat = l->common.soft; /* without an extent all of it is the middle */
+    p->normal = l->of.area.normal;
+    for (int k = 0; k < 2; k++)
+      p->across[k] = p->flat ? l->of.area.across[k] : (vec3){0, 0, 0};
   } else {
+    p->ball = bulb->ball != 0;
+    p->bulb = bulb->radius;
     p->middle = (vec3){bulb->position[0], bulb->position[1], bulb->position[2]};
     p->radius = bulb->ball && upright ? bulb->radius : 0.0f;
   }

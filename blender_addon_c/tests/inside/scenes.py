@@ -1388,8 +1388,9 @@ def lit(options):
     return {}
 
 
-def pattern(light, profile=None, by=None):
-    """A lamp shines by a photometric file's text, or by a vector that nodes know."""
+def pattern(light, profile=None, by=None, falls=None):
+    """A lamp shines by a photometric file's text, or by a vector that nodes know; or falls off by an output of Light
+    Falloff, smoothed."""
     light.use_nodes = True
     tree = light.node_tree
     shader = tree.nodes.get("Emission")
@@ -1399,10 +1400,18 @@ def pattern(light, profile=None, by=None):
         source.ies.write(profile)
         tree.links.new(source.outputs[0], shader.inputs["Strength"])
         return
+    if falls:
+        source, twice = tree.nodes.new("ShaderNodeLightFalloff"), tree.nodes.new("ShaderNodeMath")
+        source.inputs["Strength"].default_value, source.inputs["Smooth"].default_value = 0.3, falls[1]
+        twice.operation, twice.inputs[1].default_value = "MULTIPLY", 2.0
+        tree.links.new(source.outputs[falls[0]], twice.inputs[0])
+        tree.links.new(twice.outputs[0], shader.inputs["Strength"])
+        return
     node, output = by.split(".")
     source, turned = tree.nodes.new("ShaderNode" + node), tree.nodes.new("ShaderNodeVectorMath")
     turned.operation = "MULTIPLY_ADD"
-    turned.inputs[1].default_value, turned.inputs[2].default_value = (0.4,) * 3, (0.5,) * 3
+    turned.inputs[1].default_value = (0.4 if output in ("Normal", "Incoming", "Parametric", "UV") else 0.1,) * 3  # light above 0
+    turned.inputs[2].default_value = (0.5,) * 3
     tree.links.new(source.outputs[output], turned.inputs[0])
     tree.links.new(turned.outputs[0], shader.inputs["Color"])
 
