@@ -26,6 +26,8 @@ UNEVEN, TURN = {"brushed": 0.3, "turned": 0.4}, {"brushed": 0.02, "turned": 0.03
 # Scratches that show on what is a metre large, in metres to a unit of UV, and what is between them.
 SCRATCHED_UNIT, SCRATCHES = 0.1, {"Density per cm²": 20.0, "Length mm": 10.0, "Width mm": 0.1, "Depth": 0.25}
 POLISH = 0.25
+# Metres of the images that Cycles shows of them, and of each preset's: a scratch is one to three texels wide.
+TILE, TILES, TEXELS = 0.05, {"FINE_POLISH": 0.008, "BRUSHED": 0.025, "USED": 0.03, "DEEP": 0.05}, 1024
 # A unit of UV on the picture's ball, in metres of cloth: small enough for coarse yarns to show.
 BALL_OF_CLOTH = 0.05
 
@@ -190,6 +192,7 @@ def strokes(tree, node, finish, scratches):
         scratches.apply_preset(texture, "USED")
         for name, value in SCRATCHES.items():
             texture.inputs[name].default_value = value
+        bake_shared(texture, scratches)
         tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
         node.inputs["Roughness"].default_value = POLISH
         return
@@ -213,6 +216,20 @@ def strokes(tree, node, finish, scratches):
     mapped(tree, noise.outputs[0], node.inputs["Roughness"],
            roughness * (1 - UNEVEN[finish]), roughness * (1 + UNEVEN[finish]))
     mapped(tree, noise.outputs[0], node.inputs["Rotation"], -TURN[finish], TURN[finish])
+
+
+def bake_shared(texture, scratches):
+    """Images for other renderers, the same for all metals."""
+    made = next((n for m in bpy.data.materials for n in (m.node_tree.nodes if m.node_tree else ())
+                 if n.bl_idname == texture.bl_idname and n.baked), None)
+    if made:
+        texture.node_tree, texture.baked, texture.tile = made.node_tree, made.baked, made.tile
+    else:
+        bake(texture, "Metal", TILE, scratches)
+
+
+def bake(texture, owner, tile, scratches):
+    scratches.bake(texture, owner, bpy.context.scene, TEXELS, tile=tile, points=True)
 
 
 def metals(nodes, scratches):
@@ -239,7 +256,7 @@ _SCRATCHED = {"FINE_POLISH": "Fine-polished steel", "BRUSHED": "Steel with brush
 
 
 def scratched(nodes, scratches):
-    """Polished steel and what scratched it, at 10 cm to a unit of the UV map."""
+    """Polished steel and what scratched it, at 10 cm to a unit of the UV map; and each time the scratches alone."""
     for word, (label, help_, _values) in scratches.PRESETS.items():
         material, tree, node = new_material(_SCRATCHED[word], nodes.METAL)
         nodes.apply_preset(node, "BRUSHED_STEEL")
@@ -248,8 +265,34 @@ def scratched(nodes, scratches):
         texture = tree.nodes.new(scratches.SCRATCHES)
         texture.location = (-280, 0)
         scratches.apply_preset(texture, word)
+        bake(texture, label, TILES[word], scratches)
         tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
-        yield material, help_, ["metal", "steel", "scratches", *label.lower().split()]
+        tags = ["scratches", *label.lower().split()]
+        yield material, help_, ["metal", "steel", *tags]
+        yield scratch_group(texture.node_tree, f"{label} Scratches"), f"{help_}: normal, height, mask", tags
+
+
+def scratch_group(baked, name):
+    """The images of a node as a plain group, which needs no add-on, at 10 cm to a unit of the UV map times Scale."""
+    tree = baked.copy()
+    tree.name = name
+    given = next(n for n in tree.nodes if n.bl_idname == "NodeGroupInput")
+    inputs, remove = (([s for s in tree.interface.items_tree if s.in_out == "INPUT"], tree.interface.remove)
+                      if hasattr(tree, "interface") else (list(tree.inputs), tree.inputs.remove))
+    for socket in inputs:
+        if socket.name not in ("Amount", "Normal"):
+            remove(socket)
+    place = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeUVMap").outputs[0].links[0].to_node
+    from libshade.group import new_socket
+
+    socket = new_socket(tree, "Scale", "INPUT", "NodeSocketFloat")
+    socket.default_value, socket.description = 1.0, "1: 10 cm to a unit of the UV map; 2: scratches half as large"
+    times = tree.nodes.new("ShaderNodeMath")
+    times.operation, times.location = "MULTIPLY", (place.location[0] - 180, place.location[1] - 140)
+    times.inputs[1].default_value = place.inputs["Scale"].default_value
+    tree.links.new(given.outputs["Scale"], times.inputs[0])
+    tree.links.new(times.outputs[0], place.inputs["Scale"])
+    return tree
 
 
 def bumpy(node, tree):
@@ -305,7 +348,8 @@ def main(folder, sheet=None):
                     mark(material, f"Libshade/{kind}", help_, tags)
                     # circles are seen from above their middle
                     ball.rotation_euler = (1.1, 0.2, 0.0) if "turned" in tags else (0.35, 0.0, 0.5)
-                    pictures.append(picture_of(ball, material, path))
+                    if isinstance(material, bpy.types.Material):  # else the group in the one before
+                        pictures.append(picture_of(ball, material, path))
                     show(material, pictures[-1])
                     made.append(material)
             save(folder, f"{name}.blend", made)

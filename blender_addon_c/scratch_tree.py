@@ -74,6 +74,18 @@ class _Builder(Builder):
         node.image = image
         return node.outputs["Color"]
 
+    def points(self, image, place):
+        """Normal (0 to 1), height (0 to -1), mask of an image that has x and y of normals, and heights."""
+        node = self.new("TexImage", Vector=place)
+        node.image, node.interpolation = image, "Closest"  # between points they would be flatter than they are
+        x, y, height = self.parts(node.outputs["Color"])
+        x, y = (self.math("MULTIPLY_ADD", part, 255 / 254, -1 / 254) for part in (x, y))
+        lean = [self.math("SUBTRACT", part, 0.5) for part in (x, y)]
+        flat = self.math("SUBTRACT", 0.25, self.math("ADD", *(self.math("MULTIPLY", part, part) for part in lean)))
+        z = self.math("ADD", self.math("SQRT", self.math("MAXIMUM", flat, 1e-4)), 0.5)
+        return (self.together(x, y, z), self.math("SUBTRACT", height, 1.0),
+                self.math("LESS_THAN", height, 254.5 / 255))
+
     def by_side(self):
         """The object's coordinates along its faces: of x, y and z those two that a face looks at least."""
         place = self.parts(self.new("TexCoord").outputs["Object"])
@@ -120,8 +132,9 @@ def _slopes(build, normal, at, surface, distance):
                                  for axis, slope in ((along, x), (up, y))))
 
 
-def baked(images, place, scale, uv_map, tile, unit):
+def baked(images, place, scale, uv_map, tile, unit, deepest=None):
     """A tree that shows images (normal, height, mask) of a tile. tile, unit: metres of it, and in one of the scene's.
+    deepest: of one image of points, as scratches.py makes it, metres that its level 0 is below the surface; else None.
 
     place: VECTOR, what comes in; UV, that of a UV map's; OBJECT, of the object's own. scale: tiles in a unit of it.
     uv_map: whose tangents the normals are of; None: what Vector says has others.
@@ -141,10 +154,13 @@ def baked(images, place, scale, uv_map, tile, unit):
         where = build.new("UVMap")
         where.uv_map, at = uv_map or "", where.outputs[0]
     at = build.vector("SCALE", at, scale)
-    normal_image, height_image, mask_image = images
-    height = build.math("MULTIPLY", build.image(height_image, at), 1.0 / unit)
+    if deepest:
+        normal, height, mask = build.points(images[0], at)
+        height = build.math("MULTIPLY", height, deepest / unit)
+    else:
+        normal, height, mask = (build.image(image, at) for image in images)
+        height = build.math("MULTIPLY", height, 1.0 / unit)
     amount = build.math("MAXIMUM", given[AMOUNT], 0.0)
-    normal = build.image(normal_image, at)
     if uv_map is None:
         slopes = _slopes(build, normal, at, surface, _SMALL * tile / unit)
     else:
@@ -155,7 +171,7 @@ def baked(images, place, scale, uv_map, tile, unit):
     base = leaning(build, either(tree, given[NORMAL], surface), surface)
     tree.links.new(build.vector("NORMALIZE", build.vector("ADD", base, slopes)), answer[NORMAL])
     tree.links.new(build.math("MULTIPLY", height, amount), answer[HEIGHT])
-    mask = build.math("MULTIPLY", build.image(mask_image, at), build.math("MINIMUM", amount, 1.0))
+    mask = build.math("MULTIPLY", mask, build.math("MINIMUM", amount, 1.0))
     tree.links.new(mask, answer[MASK])
     arrange(tree)
     return tree

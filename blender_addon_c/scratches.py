@@ -3,10 +3,11 @@
 it; what other renderers see of it is in scratch_tree.py."""
 
 import json
-from math import isfinite
+from math import isfinite, pi, remainder
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import _native, scratch_tree
 from .export import size
@@ -57,6 +58,12 @@ def description(node, unit, numbers=None):
     return {**said, "seed": float(node.seed), "tile": tile_of(node, unit)}
 
 
+def in_digits(number):
+    """As people write numbers, without powers of ten."""
+    digits = f"{number:.3g}"
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.6f}".rstrip("0").rstrip(".") if "e" in digits else digits
+
+
 def metres(node, unit):
     """In a unit of Vector."""
     return unit * (node.size if node.unit == "UV" and isfinite(node.size) else 1.0)
@@ -102,6 +109,8 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
             return
         if is_stale(self, context.scene):
             layout.label(text="Images are of other numbers", icon="ERROR")
+        else:
+            layout.label(text=f"In Cycles, EEVEE each {100 * json.loads(self.baked)[-1]:.3g} cm", icon="INFO")
         row = layout.row(align=True)
         row.operator(LIBSHADE_OT_bake_scratches.bl_idname, text="Bake Again", icon="IMAGE_DATA")
         row.operator(LIBSHADE_OT_drop_scratch_images.bl_idname, text="", icon="X")
@@ -114,7 +123,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         plan = _native.scratches(description(self, size.unit_of(context.scene)))
         layout.label(text=f"Repeats each {100 * plan['tile']:.3g} cm")
         if plan["fewer"]:
-            layout.label(text=f"Of these no more than {plan['density']:.3g} per cm²", icon="ERROR")
+            layout.label(text=f"Of these no more than {in_digits(plan['density'])} per cm²", icon="ERROR")
         layout.operator("libshade.convert_to_group")
         draw_button(layout, _MANUAL)
 
@@ -124,6 +133,8 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
 
 # ---- images
 
+_MADE = "libshade_scratch_images"  # on the tree: texels, samples, are they points?
+_ALONG_X = 0.1  # radians
 
 def _source(node):
     """What feeds Vector, past reroutes: (kind of place for scratch_tree, UV map whose tangents fit or None)."""
@@ -164,17 +175,34 @@ def tile_of_images(said, texels):
     return min(wanted, _native.scratches(said)["tile"])
 
 
-def _image(name, texels, data, floats):
-    image = bpy.data.images.new(name, texels, texels, alpha=False, float_buffer=floats, is_data=True)
-    image.pixels.foreach_set(memoryview(data).cast("f"))
+def _image(name, values, floats):
+    height, width, _channels = values.shape
+    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=floats, is_data=True)
+    image.pixels.foreach_set(values.ravel())
     image.update()
     image.pack()
     return image
 
 
-def bake(node, owner, scene, texels=2048, samples=3, tile=0.0):
+def _points_of(said, texels):
+    """A picture of 256 levels of points of a field, and metres that level 0 of its height is deep. It has x and y of normals,
+    of which level 128 is exactly 0, and the height, of which 255 is 0; no scratch has that, so that it says the mask, too.
+    Where all strokes go along x, half as many points along them, and twice as many across."""
+    along = abs(remainder(said["direction"], pi)) + said["spread"] < _ALONG_X and texels <= 2048  # of memory
+    fine = 2 * texels if along else texels
+    normal, height = (np.frombuffer(picture, np.float32).reshape(fine, fine, 4)[:, ::4 if along else 1]
+                      for picture in _native.scratch_images(said, fine, 1)[:2])
+    heights, levels = height[..., 0], np.rint(254 * normal - 127) + 128
+    deepest = max(-float(heights.min()), 1e-12)
+    levels[..., 2] = np.where(heights < 0, np.minimum(np.rint(255 + 255 * heights / deepest), 254), 255)
+    levels[..., 3] = 255
+    return levels / np.float32(255), deepest
+
+
+def bake(node, owner, scene, texels=2048, samples=3, tile=0.0, points=False):
     """Images of one tile, in the node's group, which our engine repeats then, too; (metres that it is wide, what was
-    left out). owner: whose name they get. tile: in the scene's units, becomes the node's own; 0: as the node has it."""
+    left out). owner: whose name they get. tile: in the scene's units, becomes the node's own; 0: as the node has it.
+    points: of points, by one image of 8 bits; else of means of samples^2 points, by three of floats."""
     unit = size.unit_of(scene)
     drop(node)
     if tile:
@@ -182,12 +210,17 @@ def bake(node, owner, scene, texels=2048, samples=3, tile=0.0):
     said = description(node, unit)
     said["tile"] = tile_of_images(said, texels)
     plan = _native.scratches(said)
-    data = list(_native.scratch_images(said, texels, samples))
-    images = []
-    for what in ("Normal", scratch_tree.HEIGHT, scratch_tree.MASK):
-        images.append(_image(f"{owner} {node.name} {what}", texels, data.pop(0), what != scratch_tree.MASK))
+    name, deepest = f"{owner} {node.name}", None
+    if points:
+        levels, deepest = _points_of(said, texels)
+        images = [_image(name, levels, False)]
+    else:
+        data = _native.scratch_images(said, texels, samples)
+        images = [_image(f"{name} {what}", np.frombuffer(picture, np.float32).reshape(texels, texels, 4), what != scratch_tree.MASK)
+                  for what, picture in zip(("Normal", scratch_tree.HEIGHT, scratch_tree.MASK), data)]
     place, uv_map = _source(node)
-    node.node_tree = scratch_tree.baked(images, place, metres(node, unit) / plan["tile"], uv_map, plan["tile"], unit)
+    node.node_tree = scratch_tree.baked(images, place, metres(node, unit) / plan["tile"], uv_map, plan["tile"], unit, deepest)
+    node.node_tree[_MADE] = [texels, samples, int(points)]
     node.baked = _stamp(node, unit, plan["tile"])
     return plan
 
@@ -251,21 +284,29 @@ They are packed into the file. Our engine then repeats the same square"""
                         description="Side of the square that the images show; 0: the node's own, else one whose scratches "
                                     "are three texels wide, if that is two lengths")
 
+    points: BoolProperty(
+        name="For Afar", default=False,
+        description="Points, in one image of 8 bits, not means, in three of floats. From afar, where a pixel shows many, they are as "
+                    "bright and as rough as the scratches, however fine these are; closely they look like coarse grains")
+
     def invoke(self, context, _event):
+        made = self.node_of(context).node_tree.get(_MADE)  # images like those that there are
+        if made and str(made[0]) in {"512", "1024", "2048", "4096", "8192"}:
+            self.size, self.samples, self.points = str(made[0]), made[1], bool(made[2])
         return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context):
         node, texels = self.node_of(context), int(self.size)
         owner = next((m.name for m in bpy.data.materials if m.node_tree == node.id_data), node.id_data.name)
-        plan = bake(node, owner, context.scene, texels, self.samples, self.tile)
+        plan = bake(node, owner, context.scene, texels, self.samples, self.tile, self.points)
         texel = 1e3 * plan["tile"] / texels
         self.report({"INFO"}, f"{texels} × {texels} texels of {texel:.3g} mm, which repeat each {100 * plan['tile']:.3g} cm, "
                               "are packed into the file")
         width = description(node, 1.0)["width"]
-        if texel > width:
+        if texel > width and not self.points:
             self.report({"WARNING"}, f"A texel is {texel / width:.2g} times as wide as a scratch: choose a smaller tile or more texels")
         if plan["fewer"]:
-            self.report({"WARNING"}, f"There are no more than {plan['density']:.3g} scratches per cm²")
+            self.report({"WARNING"}, f"There are no more than {in_digits(plan['density'])} scratches per cm²")
         return {"FINISHED"}
 
 

@@ -57,11 +57,11 @@ def _field(reader, found):
         if not is_known(numbers[name]):
             numbers[name] = node.inputs[name].default_value
             reader.warn(f"'{node.name}': what feeds {name} differs from place to place, which only Amount may; "
-                        f"{numbers[name]:.4g} is used")
+                        f"{scratches.in_digits(numbers[name])} is used")
     said = scratches.description(node, reader.unit_of_length(), numbers)
     plan = _native.scratches(said)
     if plan["fewer"]:
-        reader.warn(f"'{node.name}': {said['density']:.4g} scratches per cm² are too many; there are {plan['density']:.3g}")
+        reader.warn(f"'{node.name}': {scratches.in_digits(said['density'])} scratches per cm² are too many; there are {scratches.in_digits(plan['density'])}")
     reader.known[key] = reader.scratches(said)
     return reader.known[key]
 

@@ -114,6 +114,11 @@ def test_materials(folder):
         assert "cloth" in [tag.name for tag in material.asset_data.tags]
         picture_of(material)
     scratches = module("scratches")
+    groups = appended("scratches", "node_groups")
+    assert {group.name for group in groups} == {f"{label} Scratches" for label, _about, _values in scratches.PRESETS.values()}
+    for group in groups:
+        assert where[group.asset_data.catalog_id] == "Libshade/Scratches" and picture_of(group).mean() > 0.05
+        assert not [n for n in group.nodes if n.bl_idname.startswith("Libshade")]
     scratched = appended("scratches", "materials")
     assert len(scratched) == len(scratches.PRESETS)
     for material in scratched:

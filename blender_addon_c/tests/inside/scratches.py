@@ -94,21 +94,28 @@ def of_own_tile(_tree, node):
     node.tile = 0.0
 
 
-CASES = {"own tile": of_own_tile, "uv": of_uv, "map": of_map, "object": of_object, "amount": of_amount}
+def of_points_along(tree, node):
+    """Strokes that all go along x, of what the map turns."""
+    node.inputs["Direction"].default_value, node.inputs["Spread"].default_value = math.pi + 0.03, 0.05
+    of_map(tree, node)
+
+
+POINTS = {"points": of_uv, "points along": of_points_along}  # one image of 8 bits
+CASES = {**POINTS, "own tile": of_own_tile, "uv": of_uv, "map": of_map, "object": of_object, "amount": of_amount}
 
 
 def pictures(folder):
     """What it says, baked; of one as it is without images."""
     for engine in ("LIBSHADE", "CYCLES"):
         for name, links in (*CASES.items(), ("bare", of_uv), ("alone", None)):
-            for output in OUTPUTS if name in ("uv", "bare", "amount") else OUTPUTS[:1]:
+            for output in OUTPUTS if name in ("uv", "bare", "amount", "points") else OUTPUTS[:1]:
                 scene = new_scene(engine)
                 material, tree, socket = showing(engine, output)
                 node = scratched(tree)
                 if links:
                     links(tree, node)
                 if engine == "CYCLES" and name in CASES or name == "own tile":  # that of the images
-                    module("scratches").bake(node, "plate", scene, 1024, 2)
+                    module("scratches").bake(node, "plate", scene, 1024, 2, points=name in POINTS)
                 tree.links.new(node.outputs[output], socket)
                 common.plane(material, WIDE)
                 dump = os.path.join(folder, f"libshade_{name}_{output}.exr")
