@@ -59,11 +59,13 @@ def integers(items, attribute, width):
 
 
 def uv_layer(mesh, name, owner, messages):
-    """The UV map of that name, or the active render map; None without any."""
-    layer = mesh.uv_layers.get(name) if name else None
-    if name and not layer:
-        messages.warning(f"object '{owner}': no UV map '{name}'; using the active one")
-    return layer or next((l for l in mesh.uv_layers if l.active_render), None)
+    """The UV map of that name, or the active render map; None without it."""
+    if not name:
+        return next((l for l in mesh.uv_layers if l.active_render), None)
+    layer = mesh.uv_layers.get(name)
+    if not layer:
+        messages.warning(f"object '{owner}': no UV map '{name}'; 0 is used, as in Cycles")
+    return layer
 
 
 def uvs_of(layer):

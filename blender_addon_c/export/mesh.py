@@ -93,7 +93,7 @@ def _corner_uvs(mesh, corners, materials, names, owner, messages):
     layers = {name: uv_layer(mesh, name, owner, messages) for name in set(names.values())}
     if not any(layers.values()):
         return None
-    uvs = {name: uvs_of(layer)[corners] for name, layer in layers.items()}
+    uvs = {name: uvs_of(layer)[corners] if layer else np.zeros(len(corners), np.int64) for name, layer in layers.items()}
     if len(uvs) == 1:
         return next(iter(uvs.values())).view(np.float32)
     made = np.empty(len(corners), np.int64)

@@ -138,10 +138,10 @@ PLACES = [
                                                "Reflection")),
     place("TexCoord", "Generated", modifiers=["SUBSURF", "CAST"]),
     place("TexCoord", "Normal", **TURNED),
-    *(place("UVMap", set={"uv_map": name}) for name in ("UVMap", "second", "")),
-    *(place("UVMap", set={"uv_map": name}, beside=True) for name in ("UVMap", "second", "")),
+    *(place("UVMap", set={"uv_map": name}) for name in ("UVMap", "second", "", "missing")),
+    *(place("UVMap", set={"uv_map": name}, beside=True) for name in ("UVMap", "second", "", "missing")),
     place("UVMap", set={"uv_map": "UVMap"}, other={"set": {"uv_map": "second"}}),
-    *(place("TexImage", uv_map=name, beside=True) for name in ("UVMap", "second")),
+    *(place("TexImage", uv_map=name, beside=True) for name in ("UVMap", "second", "missing")),
     place("Tangent", set={"direction_type": "UV_MAP", "uv_map": "UVMap"}, beside=True, **EVEN),
     *(place("Tangent", set={"direction_type": "RADIAL", "axis": axis}) for axis in "XYZ"),
     *(place("Tangent", set={"direction_type": "UV_MAP", "uv_map": name}, **EVEN)
