@@ -131,6 +131,9 @@ class Images:
         if not all(image.size):
             self._messages.warning(f"{owner}: image '{image.name}' cannot be read: {path}")
             return MISSING
+        if on_disk and image.source == "FILE" and _is_divided(image):
+            found = self._loaded(image, path, owner)
+            return MISSING if found is None else found
         if image.source != "MOVIE":
             return self._read(image, owner)
         try:
@@ -163,7 +166,7 @@ class Images:
         srgb = image.colorspace_settings.name == "sRGB" and (not image.is_float or not wide and _is_of_integers(image))
         straight = not image.is_float or srgb
         if image.is_float and srgb:
-            _encode(data, image.channels)
+            _encode(data, image.channels, image.alpha_mode != "CHANNEL_PACKED")
         if straight and not srgb and not image.colorspace_settings.is_data:
             data, pages, wide = self._in_scene_light(image, data, pages, owner)
         return {"width": width, "height": height, "channels": image.channels, "data": data,
@@ -207,6 +210,8 @@ class Images:
             try:
                 one.colorspace_settings.name = like.colorspace_settings.name
                 one.alpha_mode = like.alpha_mode
+                if not packed and _is_divided(one):
+                    one.alpha_mode = "STRAIGHT"
                 return self._read(one, owner) if all(one.size) else None
             finally:
                 bpy.data.images.remove(one)
@@ -253,6 +258,11 @@ class Images:
                 "straight": any(tile["straight"] for tile in tiles.values())}
 
 
+def _is_divided(image):
+    """Does Blender divide by alpha what it says of a file of integers? Cycles takes what is in the file, in this mode, too."""
+    return image.alpha_mode == "PREMUL" and image.channels == 4 and (not image.is_float or _is_of_integers(image))
+
+
 def _is_of_integers(image):
     """Does it lie in a file of 16-bit integers? Cycles mixes these as they are there; packed it takes Blender's light."""
     if image.packed_file or image.is_dirty or image.source == "GENERATED":
@@ -286,12 +296,12 @@ def _tiff_is_of_integers(file, order, start):
     return bits == 16 and kind == 1
 
 
-def _encode(data, count):
-    """Light of 0 to 1, times alpha, becomes what an sRGB file has, of the same numbers."""
+def _encode(data, count, by_alpha):
+    """Light of 0 to 1, times alpha if that is so, becomes what an sRGB file has, of the same numbers."""
     for start in range(0, len(data), _SLICE // count * count):
         part = data[start:start + _SLICE // count * count].reshape(-1, count)
         color = part[:, :-1] if count in (2, 4) else part
-        if count in (2, 4):
+        if by_alpha and count in (2, 4):
             alpha = part[:, -1:]
             color /= np.where(alpha == 0, 1, alpha)
         np.clip(color, 0, 1, out=color)

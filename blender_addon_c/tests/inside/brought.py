@@ -40,7 +40,7 @@ def _plate(material, number, size=1.0):
     return plate
 
 
-def _alpha(_scene, options):
+def _alpha(scene, options):
     """Images of each alpha mode, their alpha linked in the second row."""
     for number in range(8):
         image = bpy.data.images.new(f"image {number}", 8, 8, alpha=True, float_buffer=options["floats"])
@@ -49,7 +49,10 @@ def _alpha(_scene, options):
         if options["floats"]:
             pixels[:, :3] *= pixels[:, 3:]
         image.pixels.foreach_set(pixels.ravel())
-        image.pack()
+        if "bits" in options:  # on disk, where Blender and Cycles each read it
+            image = bpy.data.images.load(_written(image, scene, options["bits"], os.path.join(options["where"], f"{number}.png")))
+        else:
+            image.pack()
         image.alpha_mode = ("STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE")[number % 4]
         material, tree, color = _shining(f"image {number}")
         node = common.image_node(tree, image)
@@ -58,6 +61,16 @@ def _alpha(_scene, options):
         if number > 3:  # as something that changes nothing
             tree.links.new(node.outputs["Alpha"], color.node.inputs["Strength"])
         _plate(material, number)
+
+
+def _written(image, scene, bits, path):
+    """As a PNG file of that depth; returns its path."""
+    settings = scene.render.image_settings
+    before = settings.file_format, settings.color_mode, settings.color_depth
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGBA", str(bits)
+    image.save_render(path, scene=scene)
+    settings.file_format, settings.color_mode, settings.color_depth = before
+    return path
 
 
 def _spaces(_scene, _options):
