@@ -46,6 +46,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages)
+    _name_settings(scene, messages)
     if render.use_multiview:
         messages.warning("stereoscopy is not supported: every view shows the same picture")
     return {
@@ -100,6 +101,20 @@ def _adaptive(settings, samples):
     asked = math.ceil(min(16.0 / threshold**0.3, 65536)) if threshold > 0 else 4
     least = settings.adaptive_min_samples or asked
     return {"adaptive_threshold": threshold, "adaptive_min_samples": max(4, least)}
+
+
+def _name_settings(scene, messages):
+    """What a file asks of Cycles that makes another picture."""
+    cycles, render = getattr(scene, "cycles", None), scene.render
+    named = {
+        "Fast GI Approximation": getattr(cycles, "use_fast_gi", False),
+        "Transparent Glass (Film)": render.film_transparent and getattr(cycles, "film_transparent_glass", False),
+        "Camera Culling (Simplify)": render.use_simplify and getattr(cycles, "use_camera_cull", False),
+        "Distance Culling (Simplify)": render.use_simplify and getattr(cycles, "use_distance_cull", False),
+        "Texture Limit (Simplify)": render.use_simplify and getattr(cycles, "texture_limit_render", "OFF") != "OFF",
+    }
+    for name in (name for name, on in named.items() if on):
+        messages.warning(f"Cycles' {name} is not supported; left out")
 
 
 def _pixel_filter(settings):
