@@ -187,7 +187,9 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             sides = (abs(side / scale.default_value) for side in self.repeat_mm)
             layout.label(text="Repeat: {:.3g} × {:.3g} mm".format(*sides))  # too small to be seen?
         if not is_old(self):
-            layout.label(text="Approximate in Cycles, EEVEE", icon="INFO")
+            lines = layout.column(align=True)  # as wide as the sidebar at first
+            lines.label(text="In Cycles, EEVEE", icon="INFO")
+            lines.label(text="approximate", icon="BLANK1")
             if self.size_mode == "REAL":
                 layout.operator("libshade.measure_cloth", icon="ARROW_LEFTRIGHT")
 

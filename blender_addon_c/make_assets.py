@@ -26,8 +26,9 @@ UNEVEN, TURN = {"brushed": 0.3, "turned": 0.4}, {"brushed": 0.02, "turned": 0.03
 # Scratches that show on what is a metre large, in metres to a unit of UV, and what is between them.
 SCRATCHED_UNIT, SCRATCHES = 0.1, {"Density per cm²": 20.0, "Length mm": 10.0, "Width mm": 0.1, "Depth": 0.25}
 POLISH = 0.25
-# Metres of the images that Cycles shows of them, and of each preset's: a scratch is one to three texels wide.
-TILE, TILES, TEXELS = 0.05, {"FINE_POLISH": 0.008, "BRUSHED": 0.025, "USED": 0.03, "DEEP": 0.05}, 1024
+# Images that Cycles shows of them, and of each preset's: metres, of a whole unit of UV where repeats would show, and texels.
+IMAGE = 0.1, 1536
+IMAGES = {"FINE_POLISH": (0.008, 1024), "BRUSHED": (0.025, 1024), "USED": (0.05, 1024), "DEEP": (0.1, 2048)}
 # A unit of UV on the picture's ball, in metres of cloth: small enough for coarse yarns to show.
 BALL_OF_CLOTH = 0.05
 
@@ -225,11 +226,12 @@ def bake_shared(texture, scratches):
     if made:
         texture.node_tree, texture.baked, texture.tile = made.node_tree, made.baked, made.tile
     else:
-        bake(texture, "Metal", TILE, scratches)
+        bake(texture, "Metal", IMAGE, scratches)
 
 
-def bake(texture, owner, tile, scratches):
-    scratches.bake(texture, owner, bpy.context.scene, TEXELS, tile=tile, points=True)
+def bake(texture, owner, image, scratches):
+    tile, texels = image
+    scratches.bake(texture, owner, bpy.context.scene, texels, tile=tile, points=True)
 
 
 def metals(nodes, scratches):
@@ -265,7 +267,7 @@ def scratched(nodes, scratches):
         texture = tree.nodes.new(scratches.SCRATCHES)
         texture.location = (-280, 0)
         scratches.apply_preset(texture, word)
-        bake(texture, label, TILES[word], scratches)
+        bake(texture, label, IMAGES[word], scratches)
         tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
         tags = ["scratches", *label.lower().split()]
         yield material, help_, ["metal", "steel", *tags]

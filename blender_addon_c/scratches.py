@@ -3,6 +3,8 @@
 it; what other renderers see of it is in scratch_tree.py."""
 
 import json
+import struct
+import zlib
 from math import isfinite, pi, remainder
 
 import bpy
@@ -104,13 +106,15 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
             layout.prop(self, "size")
         layout.prop(self, "seed")
         if scratch_tree.is_plain(self.node_tree):
-            layout.label(text="Not in Cycles, EEVEE until baked", icon="INFO")
+            lines = layout.column(align=True)  # as wide as the sidebar at first
+            lines.label(text="Not in Cycles, EEVEE", icon="INFO")
+            lines.label(text="until baked", icon="BLANK1")
             layout.operator(LIBSHADE_OT_bake_scratches.bl_idname, icon="IMAGE_DATA")
             return
         if is_stale(self, context.scene):
-            layout.label(text="Images are of other numbers", icon="ERROR")
+            layout.label(text="Images are outdated", icon="ERROR")
         else:
-            layout.label(text=f"In Cycles, EEVEE each {100 * json.loads(self.baked)[-1]:.3g} cm", icon="INFO")
+            layout.label(text=f"Baked: each {100 * json.loads(self.baked)[-1]:.3g} cm", icon="INFO")
         row = layout.row(align=True)
         row.operator(LIBSHADE_OT_bake_scratches.bl_idname, text="Bake Again", icon="IMAGE_DATA")
         row.operator(LIBSHADE_OT_drop_scratch_images.bl_idname, text="", icon="X")
@@ -123,7 +127,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         plan = _native.scratches(description(self, size.unit_of(context.scene)))
         layout.label(text=f"Repeats each {100 * plan['tile']:.3g} cm")
         if plan["fewer"]:
-            layout.label(text=f"Of these no more than {in_digits(plan['density'])} per cm²", icon="ERROR")
+            layout.label(text=f"Only {in_digits(plan['density'])} per cm²", icon="ERROR")
         layout.operator("libshade.convert_to_group")
         draw_button(layout, _MANUAL)
 
@@ -135,6 +139,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
 
 _MADE = "libshade_scratch_images"  # on the tree: texels, samples, are they points?
 _ALONG_X = 0.1  # radians
+_SIZES = 512, 1024, 1536, 2048, 4096, 8192
 
 def _source(node):
     """What feeds Vector, past reroutes: (kind of place for scratch_tree, UV map whose tangents fit or None)."""
@@ -184,19 +189,40 @@ def _image(name, values, floats):
     return image
 
 
+def _png(levels):
+    """The file of a picture of bytes, height x width x 3 from the bottom: Blender's own packs half as tightly."""
+    rows = levels[::-1].astype(np.uint8)
+    height, width, _channels = rows.shape
+    beside = rows.copy()
+    beside[:, 1:] -= rows[:, :-1]
+    kinds = [np.concatenate([np.full((height, 1), kind, np.uint8), values.reshape(height, -1)], 1) for kind, values in ((0, rows), (1, beside))]
+    packed = min((zlib.compress(filtered.tobytes(), 9) for filtered in kinds), key=len)
+    chunks = (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)), (b"IDAT", packed), (b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+                                          for kind, data in chunks)
+
+
+def _image_of_bytes(name, levels):
+    file = _png(levels)
+    image = bpy.data.images.new(name, levels.shape[1], levels.shape[0], alpha=False, is_data=True)
+    image.pack(data=file, data_len=len(file))
+    image.source = "FILE"
+    image.colorspace_settings.is_data = True
+    return image
+
+
 def _points_of(said, texels):
-    """A picture of 256 levels of points of a field, and metres that level 0 of its height is deep. It has x and y of normals,
+    """Levels (256) of points of a field, and metres that level 0 of its height is deep. It has x and y of normals,
     of which level 128 is exactly 0, and the height, of which 255 is 0; no scratch has that, so that it says the mask, too.
     Where all strokes go along x, half as many points along them, and twice as many across."""
     along = abs(remainder(said["direction"], pi)) + said["spread"] < _ALONG_X and texels <= 2048  # of memory
     fine = 2 * texels if along else texels
     normal, height = (np.frombuffer(picture, np.float32).reshape(fine, fine, 4)[:, ::4 if along else 1]
                       for picture in _native.scratch_images(said, fine, 1)[:2])
-    heights, levels = height[..., 0], np.rint(254 * normal - 127) + 128
+    heights, levels = height[..., 0], np.rint(254 * normal[..., :3] - 127) + 128
     deepest = max(-float(heights.min()), 1e-12)
     levels[..., 2] = np.where(heights < 0, np.minimum(np.rint(255 + 255 * heights / deepest), 254), 255)
-    levels[..., 3] = 255
-    return levels / np.float32(255), deepest
+    return levels, deepest
 
 
 def bake(node, owner, scene, texels=2048, samples=3, tile=0.0, points=False):
@@ -213,7 +239,7 @@ def bake(node, owner, scene, texels=2048, samples=3, tile=0.0, points=False):
     name, deepest = f"{owner} {node.name}", None
     if points:
         levels, deepest = _points_of(said, texels)
-        images = [_image(name, levels, False)]
+        images = [_image_of_bytes(name, levels)]
     else:
         data = _native.scratch_images(said, texels, samples)
         images = [_image(f"{name} {what}", np.frombuffer(picture, np.float32).reshape(texels, texels, 4), what != scratch_tree.MASK)
@@ -278,7 +304,7 @@ They are packed into the file. Our engine then repeats the same square"""
     bl_options = {"REGISTER", "UNDO"}
 
     size: EnumProperty(name="Size", description="Texels along a side; each image takes 16 bytes of memory a texel", default="2048",
-                       items=[(str(n), f"{n} × {n}", "") for n in (512, 1024, 2048, 4096, 8192)])
+                       items=[(str(n), f"{n} × {n}", "") for n in _SIZES])
     samples: IntProperty(name="Samples", description="Points along a texel that it is the mean of", min=1, max=8, default=3)
     tile: FloatProperty(name="Tile", subtype="DISTANCE", unit="LENGTH", min=0, max=1e3, default=0,
                         description="Side of the square that the images show; 0: the node's own, else one whose scratches "
@@ -291,7 +317,7 @@ They are packed into the file. Our engine then repeats the same square"""
 
     def invoke(self, context, _event):
         made = self.node_of(context).node_tree.get(_MADE)  # images like those that there are
-        if made and str(made[0]) in {"512", "1024", "2048", "4096", "8192"}:
+        if made and str(made[0]) in {str(n) for n in _SIZES}:
             self.size, self.samples, self.points = str(made[0]), made[1], bool(made[2])
         return context.window_manager.invoke_props_dialog(self)
 
