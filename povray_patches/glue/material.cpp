@@ -13,8 +13,8 @@ namespace mdf {
 
 Material::Material()
     : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_once(false),
-      bump_scale(), bump_move(), reflects(false), notes(false), samples(0), clamp(0.0),
-      specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
+      bump_scale(), bump_move(), reflects(false), notes(false), preset(false), samples(0),
+      clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
       has_diffuse(false), matt(false), rejects(false), bends(false), black(), widened(),
       widened_black(), width(0.0), rays(1) {
   bump_scale[0] = bump_scale[1] = 1.0;

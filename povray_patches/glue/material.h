@@ -64,6 +64,7 @@ struct Material {
   std::shared_ptr<const Scratches> scratches; // or NULL
   bool reflects;                              // `reflection { }`
   bool notes;                                 // told in words to the debug stream
+  bool preset;                                // of the library's colours
   int samples;                                // rays at a hit, at most; 0: by the width of the lobe
   double clamp;                               // the brightest that a ray may bring; 0: anything
   std::shared_ptr<const Cloth> cloth;         // or NULL; then params are not its own

@@ -92,6 +92,7 @@ void Parser::Parse_Mdf_Preset(mdf::Material &material) {
   shade_preset preset;
 
   Parse_Mdf_Preset_Named(true, true, preset);
+  material.preset = true;
   if (preset.kind == SHADE_PRESET_FABRIC) {
     const std::shared_ptr<mdf::Cloth> cloth(new mdf::Cloth);
     cloth->take(preset);
@@ -341,6 +342,7 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
       case mdf::FABRIC_PRESET:
         Parse_Mdf_Preset_Named(true, false, preset);
         cloth->take(preset);
+        material.preset = true;
         break;
       case mdf::FABRIC_WEAVE:
         Parse_Mdf_Weave(*cloth);

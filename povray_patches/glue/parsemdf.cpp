@@ -61,6 +61,13 @@ void collect_blocks(const TEXTURE *texture, std::set<const FINISH *> &blocks) {
   }
 }
 
+// Do numbers of colours add up as light does? As far as the scene has said yet.
+bool is_light_linear(const SceneData &scene) {
+  if (scene.gammaMode == kPOVList_GammaMode_None)
+    return scene.EffectiveLanguageVersion() >= 370;
+  return GammaCurve::IsNeutral(scene.workingGamma);
+}
+
 } // namespace
 
 // Scenes ask `#ifdef (mdf_Version)` whether this is a POV-Ray that knows the block. It counts up
@@ -628,6 +635,10 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     return;
   for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
     scene.use((*i)->Mdf);
+    if ((*i)->Mdf->preset && !is_light_linear(*sceneData))
+      Warn_Mdf(
+          "colours of presets are made for assumed_gamma 1.0; by this scene's gamma they come out "
+          "darker.");
     if (!(*i)->Mdf->notes)
       continue;
     const std::string notes = Mdf_Notes(*i);

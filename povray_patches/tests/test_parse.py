@@ -249,6 +249,18 @@ def test_a_message_comes_once(render):
     assert render(text).message.count("it is taken as") == 1
 
 
+@pytest.mark.parametrize("version, settings, darker", [
+    ("3.7", "assumed_gamma 1", False), ("3.7", "", False), ("3.7", "assumed_gamma 2.2", True), ("3.7", "assumed_gamma srgb", True),
+    ("3.6", "assumed_gamma 1", False), ("3.6", "assumed_gamma 2.2", True), ("3.6", "", True)])
+@pytest.mark.parametrize("block", ['preset "brushed_brass"', 'fabric { preset "denim" }', "specular rgb .5"])
+def test_presets_tell_of_a_gamma_that_darkens_them(render, version, settings, darker, block):
+    head = HEADER.replace("#version 3.7;", f"#version {version};").replace("global_settings { assumed_gamma 1 }", f"global_settings {{ {settings} }}")
+    assert head != HEADER or (version, settings) == ("3.7", "assumed_gamma 1")
+    ball = f"sphere {{ 0, 1 texture {{ pigment {{ rgb .5 }} finish {{ mdf {{ {block} }} }} }} }}\n"
+    result = render(head + SUN + ball + ball, (8, 6), dump=False)
+    assert result.message.count("made for assumed_gamma 1.0") == (darker and "preset" in block)
+
+
 def test_scenes_can_ask_for_the_block(render, unpatched, tmp_path):
     text = scene("#ifdef (mdf_Version) #if (mdf_Version < 2) #error \"old\" #end sphere { 0, 1 finish { mdf { } } }\n#else sphere { 0, 1 } #warning \"stock\" #end\n")
     assert render(text).dump.hit.any()
