@@ -259,8 +259,10 @@ class Images:
 
 
 def _is_divided(image):
-    """Does Blender divide by alpha what it says of a file of integers? Cycles takes what is in the file, in this mode, too."""
-    return image.alpha_mode == "PREMUL" and image.channels == 4 and (not image.is_float or _is_of_integers(image))
+    """Does Blender divide by alpha what it says of a file of integers? Cycles takes what is in the file, in this mode, too.
+    (Of TIFF both say light times alpha.)"""
+    return (image.alpha_mode == "PREMUL" and image.channels == 4 and image.file_format != "TIFF"
+            and (not image.is_float or _is_of_integers(image)))
 
 
 def _is_of_integers(image):

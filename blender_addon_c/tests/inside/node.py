@@ -428,9 +428,8 @@ def test_fabric():
     assert all(near(*pair) for pair in zip(node.repeat_mm, (40 / 26, 40 / 17)))
     node.inputs["Scale"].default_value = 0.5
     said = []
-    type(node).draw_buttons(node, None, SimpleNamespace(prop=lambda *_, **_named: None, operator=lambda *_, **_named: None,
-                                                        label=lambda text, **_named: said.append(text)))
-    assert said[0] == "Repeat: 3.08 × 4.71 mm", said
+    type(node).draw_buttons(node, None, Layout(said))
+    assert "Repeat: 3.08 × 4.71 mm" in said, said
     tree.links.new(node.outputs["BSDF"], tree.get_output_node("ALL").inputs["Surface"]
                    if tree.get_output_node("ALL") else
                    tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
