@@ -141,6 +141,7 @@ _MADE = "libshade_scratch_images"  # on the tree: texels, samples, are they poin
 _ALONG_X = 0.1  # radians
 _SIZES = 512, 1024, 1536, 2048, 4096, 8192
 
+
 def _source(node):
     """What feeds Vector, past reroutes: (kind of place for scratch_tree, UV map whose tangents fit or None)."""
     socket = node.inputs[VECTOR]

@@ -123,7 +123,7 @@ def test_a_face_that_shines_in_parts(more):
 
 
 @pytest.mark.parametrize("wrong", [{"face": True}, {"gain": 3}, {"smooth": -1.0}, {"smooth": float("nan")}])
-def test_patterns_of_lamps_that_have_none(wrong):
+def test_patterns_that_a_lamp_cannot_have(wrong):
     even = {"width": 1, "height": 1, "axes": np.eye(3).ravel().tolist(), "data": np.ones(3, np.float32)}
     with pytest.raises(ValueError, match=next(iter(wrong))):
         render(scene(lights=[point((0, 0, 1)) | {"pattern": even | wrong}]))
