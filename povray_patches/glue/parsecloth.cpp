@@ -21,13 +21,14 @@
 
 namespace pov {
 
-// `off` in place of what is in braces.
-bool Parser::Parse_Mdf_Off() {
+// `off` in place of what is in braces after `word`. of_preset: what may stand there, for messages.
+bool Parser::Parse_Mdf_Off(const std::string &word, const std::string &of_preset) {
   Get_Token();
   if (Token.Function_Id == OFF_TOKEN)
     return true;
   if (Token.Token_Id != LEFT_CURLY_TOKEN)
-    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' or 'off'");
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'{' or 'off' after '" + word + "', as in " + word +
+                                         " { preset \"" + of_preset + "\" }");
   Unget_Token();
   return false;
 }
@@ -81,6 +82,9 @@ void Parser::Parse_Mdf_Preset_Named(bool cloths, bool metals, shade_preset &pres
     there += " Cloths: " + presets_of(SHADE_PRESET_FABRIC) + ".";
   if (metals)
     there += " Metals: " + presets_of(SHADE_PRESET_METAL) + ".";
+  if (shade_preset_find(name.c_str(), &preset))
+    there += " \"" + name + "\" is a " + (preset.kind == SHADE_PRESET_FABRIC ? "cloth" : "metal") +
+             ": mdf { preset \"" + name + "\" }.";
   Error("mdf: there is no %s \"%s\".%s",
         cloths && metals ? "preset"
         : cloths         ? "cloth"
@@ -142,6 +146,7 @@ void Parser::Parse_Mdf_Yarns(mdf::Cloth &cloth, bool of_warp, bool of_weft) {
   const int first = of_warp ? 0 : 1;
   const std::string of = of_warp ? (of_weft ? "yarns: " : "warp: ") : "weft: ";
   shade_param_info info;
+  std::string last;
   double *place, number[3];
   int word, row;
 
@@ -150,6 +155,7 @@ void Parser::Parse_Mdf_Yarns(mdf::Cloth &cloth, bool of_warp, bool of_weft) {
   EXPECT
     CASE (MDF_WORD_TOKEN)
       word = Token.Function_Id;
+      last = Token.Token_String;
       if (word == mdf::YARN_TRANSMIT) {
         shade_fabric_params other;
         for (row = 0; shade_fabric_number(&other, row, &info) != other.warp_transmit; row++)
@@ -184,7 +190,7 @@ void Parser::Parse_Mdf_Yarns(mdf::Cloth &cloth, bool of_warp, bool of_weft) {
     END_CASE
 
     OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_YARN, "}");
+      Expect_Mdf_Word(mdf::WORDS_YARN, "}", last);
     END_CASE
   END_EXPECT
   // clang-format on
@@ -303,11 +309,7 @@ void Parser::Parse_Mdf_Draft(mdf::Cloth &cloth) {
 void Parser::Parse_Mdf_Crossings(mdf::Cloth &cloth) {
   UV_VECT both;
 
-  Get_Mdf_Operand();
-  if (Token.Token_Id == MDF_WORD_TOKEN || Token.Token_Id == RIGHT_CURLY_TOKEN)
-    Error("mdf: crossings needs how many there are in one unit of u, or <in u, in v>.");
-  Unget_Token();
-  Parse_UV_Vect(both);
+  Parse_Mdf_UV("crossings", both);
   for (int axis = 0; axis < 2; axis++) {
     if (!std::isfinite(both[axis]))
       Error("mdf: crossings is not a finite number.");
@@ -319,7 +321,7 @@ void Parser::Parse_Mdf_Crossings(mdf::Cloth &cloth) {
 
 // `fabric { … }`; `fabric off` where a finish that this one began with is cloth.
 void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
-  if (Parse_Mdf_Off()) {
+  if (Parse_Mdf_Off("fabric", "denim")) {
     material.cloth.reset();
     return;
   }
@@ -330,6 +332,7 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
   shade_fabric_params &p = cloth->material;
   shade_param_info info;
   shade_preset preset;
+  std::string last;
   double number;
   int word;
 
@@ -338,6 +341,7 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
   EXPECT
     CASE (MDF_WORD_TOKEN)
       word = Token.Function_Id;
+      last = Token.Token_String;
       switch (word) {
       case mdf::FABRIC_PRESET:
         Parse_Mdf_Preset_Named(true, false, preset);
@@ -385,10 +389,10 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
         cloth->yarns.seed = (uint32_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
         break;
       case mdf::FABRIC_DRAFT_COLORS:
-        p.draft_colors = Parse_Mdf_Switch();
+        p.draft_colors = Parse_Mdf_Switch("draft_colors");
         break;
       case mdf::FABRIC_SHADOWS:
-        p.shadows = Parse_Mdf_Switch();
+        p.shadows = Parse_Mdf_Switch("shadows");
         break;
       default:
         if (word >= mdf::BLOCK_ROW) {
@@ -407,7 +411,7 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
     END_CASE
 
     OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_FABRIC, "}");
+      Expect_Mdf_Word(mdf::WORDS_FABRIC, "}", last);
     END_CASE
   END_EXPECT
   // clang-format on

@@ -105,8 +105,9 @@ void Parser::Warn_Mdf_Number(const std::string &what, double written, double tak
 }
 
 // The error for a token that is none of these words (`last` as in expected_words); of no words, for
-// one that is not `last`.
-void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
+// one that is not `last`. after: the word of the set before it, with all that it takes.
+void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last,
+                             const std::string &after) {
   const std::string expected = mdf::expected_words(words, last);
   std::string found;
 
@@ -119,7 +120,7 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
           Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == MDF_WORD_TOKEN
               ? ("'" + std::string(Token.Token_String) + "'").c_str()
               : mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
-  const std::string hint = mdf::hint_for(words, found);
+  const std::string hint = mdf::hint_for(words, found, after);
   const std::string nearest = mdf::nearest_word(words, found);
   if (!hint.empty() && (nearest.empty() || words < mdf::WORDS_LIST))
     Error("Expected '%s', %s found instead; %s.", expected.c_str(),
@@ -135,6 +136,16 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last) {
           mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
   Error("Expected '%s', '%s' found instead; did you mean '%s'?", expected.c_str(), found.c_str(),
         nearest.c_str());
+}
+
+// The error for a word of a block, or one misspelt, where something else was to end.
+void Parser::Misplace_Mdf_Word(const char *within) {
+  if (Token.Token_Id != IDENTIFIER_TOKEN && Token.Token_Id != MDF_TOKEN)
+    return;
+  const std::string found = Token.Token_Id == MDF_TOKEN ? "mdf" : Token.Token_String;
+  const std::string hint = mdf::hint_outside(found);
+  if (!hint.empty())
+    Error("No matching } in '%s', '%s' found instead; %s", within, found.c_str(), hint.c_str());
 }
 
 // Whether the scene has given the symbol just read a meaning of its own.
@@ -189,9 +200,17 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
   case LEFT_CURLY_TOKEN:
   case STRING_LITERAL_TOKEN:
   case COMMA_TOKEN:
+  case EQUALS_TOKEN:
   case END_OF_FILE_TOKEN:
     Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind,
           mdf::plain_token(Get_Token_String(Token.Token_Id)).c_str());
+    break;
+  case COLOUR_TOKEN:
+  case COLOUR_KEY_TOKEN:
+    if (count == 1)
+      Error("mdf: %s needs a number, %s found instead.", what.c_str(),
+            Get_Token_String(Token.Function_Id));
+    Unget_Token();
     break;
   default:
     Unget_Token();
@@ -203,8 +222,12 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
     v[0] = colour.red();
     v[1] = colour.green();
     v[2] = colour.blue();
-  } else
-    v[0] = Parse_Float();
+  } else {
+    EXPRESS value;
+    if (Parse_Unknown_Vector(value) > 1)
+      Error("mdf: %s needs a number, a vector or colour found instead.", what.c_str());
+    v[0] = value[0];
+  }
   for (int c = 0; c < count; c++)
     if (!std::isfinite(v[c]))
       Error("mdf: %s is not a finite number.", what.c_str());
@@ -219,11 +242,42 @@ bool Parser::Parse_Mdf_Pigment() {
   return false;
 }
 
-bool Parser::Parse_Mdf_Switch() {
+// What stands after `word`.
+bool Parser::Parse_Mdf_Switch(const std::string &word) {
   Get_Token();
   if (Token.Function_Id != ON_TOKEN && Token.Function_Id != OFF_TOKEN)
-    Expect_Mdf_Word(mdf::WORDS_NONE, "'on' or 'off'");
+    Expect_Mdf_Word(mdf::WORDS_NONE, "'on' or 'off' after '" + word + "'");
   return Token.Function_Id == ON_TOKEN;
+}
+
+// One number for both, or <of u, of v>.
+void Parser::Parse_Mdf_UV(const std::string &what, UV_VECT both) {
+  const std::string needed = what + " needs a number or <of u, of v>";
+
+  Get_Mdf_Operand();
+  switch (Token.Token_Id) {
+  case MDF_WORD_TOKEN:
+  case IDENTIFIER_TOKEN:
+    Error("mdf: %s, '%s' found instead.", needed.c_str(), Token.Token_String);
+    break;
+  case RIGHT_CURLY_TOKEN:
+  case LEFT_CURLY_TOKEN:
+  case STRING_LITERAL_TOKEN:
+  case COMMA_TOKEN:
+  case EQUALS_TOKEN:
+  case END_OF_FILE_TOKEN:
+    Error("mdf: %s, %s found instead.", needed.c_str(),
+          mdf::plain_token(Get_Token_String(Token.Token_Id)).c_str());
+    break;
+  default:
+    Unget_Token();
+  }
+  EXPRESS value;
+  const int terms = Parse_Unknown_Vector(value);
+  if (terms > 2)
+    Error("mdf: %s, a vector of %d numbers found instead.", needed.c_str(), terms);
+  both[U] = value[0];
+  both[V] = value[terms - 1];
 }
 
 // Numbers of one row of the table; `word` is what the block calls it. A number out of range is
@@ -282,8 +336,8 @@ void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
     bool another = (i == 0);
     if (i > 0) {
       Get_Token();
-      another = Token.Token_Id == COMMA_TOKEN;
-      if (!another)
+      another = Token.Token_Id == COMMA_TOKEN || Token.Token_Id == FLOAT_FUNCT_TOKEN;
+      if (Token.Token_Id != COMMA_TOKEN) // which may be left out, as between other numbers
         Unget_Token();
     }
     if (another) {
@@ -304,7 +358,7 @@ void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
 
 void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   const mdf::WordScope words(Mdf_Words, mdf::WORDS_IMAGE);
-  std::string name;
+  std::string name, last;
   int type = mdf::IMAGE_PNG;
 
   Begin_Mdf("bump_image");
@@ -319,16 +373,17 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)
+      last = Token.Token_String;
       if (Token.Function_Id == mdf::IMAGE_STRENGTH)
         Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
       else if (Token.Function_Id == mdf::IMAGE_FILTER)
-        material.filtered = Parse_Mdf_Switch();
+        material.filtered = Parse_Mdf_Switch("filter");
       else if (Token.Function_Id == mdf::IMAGE_ONCE)
         material.bump_once = true;
       else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
         const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
         UV_VECT both;
-        Parse_UV_Vect(both);
+        Parse_Mdf_UV(is_scale ? "bump_image scale" : "bump_image translate", both);
         for (int axis = 0; axis < 2; axis++) {
           if (!std::isfinite(both[axis]) || (is_scale && both[axis] == 0.0))
             Error("mdf: bump_image %s is <%g, %g>; it needs finite numbers%s.",
@@ -343,7 +398,8 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
         }
       } else {
         type = Token.Function_Id;
-        Need_Mdf_Operand("the name of a file, in quotes");
+        Need_Mdf_Operand("the name of a file, in quotes, after '" +
+                         std::string(Token.Token_String) + "'");
         char *text = Parse_C_String(true);
         name = text;
         POV_FREE(text);
@@ -356,7 +412,7 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
     END_CASE
 
     OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_IMAGE, "}");
+      Expect_Mdf_Word(mdf::WORDS_IMAGE, "}", last);
     END_CASE
   END_EXPECT
   // clang-format on
@@ -407,6 +463,7 @@ void Parser::Parse_Mdf_Reflection(mdf::Material &material) {
   Unget_Token();
 
   const mdf::WordScope words(Mdf_Words, mdf::WORDS_REFLECTION);
+  std::string last;
   double number;
 
   Parse_Begin();
@@ -416,6 +473,7 @@ void Parser::Parse_Mdf_Reflection(mdf::Material &material) {
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)
+      last = Token.Token_String;
       if (Token.Function_Id == mdf::REFLECTION_SAMPLES) {
         Parse_Mdf_Numbers("reflection samples", 1, &number);
         const double taken = floor(std::min(std::max(number, 1.0), 4096.0));
@@ -437,7 +495,7 @@ void Parser::Parse_Mdf_Reflection(mdf::Material &material) {
     END_CASE
 
     OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_REFLECTION, "}");
+      Expect_Mdf_Word(mdf::WORDS_REFLECTION, "}", last);
     END_CASE
   END_EXPECT
   // clang-format on
@@ -478,7 +536,8 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
     return;
   }
   if (!radial) {
-    if (Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == RIGHT_CURLY_TOKEN)
+    if (Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == RIGHT_CURLY_TOKEN ||
+        Token.Token_Id == STRING_LITERAL_TOKEN)
       Expect_Mdf_Word(mdf::WORDS_TANGENT, "a vector");
     Unget_Token();
   }
@@ -547,12 +606,14 @@ void Parser::Parse_Mdf(FINISH *finish) {
   Parse_Begin();
   {
     const mdf::WordScope words(Mdf_Words, mdf::WORDS_BLOCK);
+    std::string last;
     int word;
 
     // clang-format off
     EXPECT
       CASE (MDF_WORD_TOKEN)
         word = Token.Function_Id;
+        last = Token.Token_String;
         if (of_metal.empty() && mdf::is_of_metal(word))
           of_metal = Token.Token_String;
         if (word == mdf::BLOCK_TANGENT) {
@@ -571,7 +632,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
         else if (word == mdf::BLOCK_SCRATCHES)
           Parse_Mdf_Scratches(material);
         else if (word == mdf::BLOCK_NOTES)
-          material.notes = Parse_Mdf_Switch();
+          material.notes = Parse_Mdf_Switch("notes");
         else if (word >= mdf::BLOCK_ROW)
           Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
         else if (word >= mdf::BLOCK_LIST)
@@ -588,7 +649,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
       END_CASE
 
       OTHERWISE
-        Expect_Mdf_Word(mdf::WORDS_BLOCK, "}");
+        Expect_Mdf_Word(mdf::WORDS_BLOCK, "}", last);
       END_CASE
     END_EXPECT
     // clang-format on

@@ -19,7 +19,7 @@ namespace pov {
 
 // `scratches { … }`, `scratches off`.
 void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
-  if (Parse_Mdf_Off()) {
+  if (Parse_Mdf_Off("scratches", "brushed_steel")) {
     material.scratches.reset();
     return;
   }
@@ -28,6 +28,7 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
       material.scratches ? new mdf::Scratches(*material.scratches) : new mdf::Scratches);
   const mdf::WordScope words(Mdf_Words, mdf::WORDS_SCRATCHES);
   shade_preset preset;
+  std::string last;
   bool first = true;
   double number;
 
@@ -35,6 +36,7 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)
+      last = Token.Token_String;
       switch (Token.Function_Id) {
       case mdf::SCRATCH_PRESET:
         Parse_Mdf_Preset_Named(false, true, preset);
@@ -69,7 +71,7 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
     END_CASE
 
     OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_SCRATCHES, "}");
+      Expect_Mdf_Word(mdf::WORDS_SCRATCHES, "}", last);
     END_CASE
   END_EXPECT
   // clang-format on
@@ -98,6 +100,7 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
   mdf::Scratches plain;
   shade_scratch_layer &layer = scratches.params.layer[scratches.params.layers];
   const double degree = M_PI / 180.0;
+  std::string last;
   double number;
 
   plain.set_tile(scratches.tile_mm);
@@ -106,6 +109,7 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
   // clang-format off
   EXPECT
     CASE (MDF_WORD_TOKEN)
+      last = Token.Token_String;
       switch (Token.Function_Id) {
       case mdf::LAYER_PITS: {
         Parse_Mdf_Numbers("pits", 1, &number);
@@ -142,7 +146,7 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
     END_CASE
 
     OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_LAYER, "}");
+      Expect_Mdf_Word(mdf::WORDS_LAYER, "}", last);
     END_CASE
   END_EXPECT
   // clang-format on

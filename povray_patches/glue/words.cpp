@@ -275,6 +275,8 @@ std::string place_of(WordSet set) {
     return "stands in reflection { }";
   case WORDS_RADIAL:
     return "follows tangent radial <axis>";
+  case WORDS_TANGENT:
+    return "follows tangent";
   default:
     return set >= WORDS_LIST
                ? std::string("follows ") + shade_list_name((shade_list)(set - (int)WORDS_LIST))
@@ -294,6 +296,11 @@ const char *place_of_reserved(const std::string &text) {
        "stands in finish { }, beside mdf { }"},
       {" rgb rgbf rgbt rgbft srgb color colour red green blue ",
        "begins a colour, which follows the word that it is of: specular rgb <.9, .7, .4>"},
+      {" exponent exponents nu nv ", "is none of the block's words: two exponents follow "
+                                     "ashikhmin_shirley, as in ashikhmin_shirley 200, 10"},
+      {" alpha alphas type distribution anisotropy anisotropic mdf ",
+       "is none of the block's words: a distribution's name with its numbers stands for itself, as "
+       "in ggx .1, .3"},
       {" ior interior ", "stands in the object's interior { }; a metal's index follows fresnel "
                          "conductor"},
   };
@@ -306,13 +313,14 @@ const char *place_of_reserved(const std::string &text) {
 
 } // namespace
 
-std::string hint_for(WordSet set, const std::string &text) {
+std::string hint_for(WordSet set, const std::string &text, const std::string &after) {
   static const WordSet near[][2] = {{WORDS_FABRIC, WORDS_YARN},
                                     {WORDS_YARN, WORDS_FABRIC},
                                     {WORDS_SCRATCHES, WORDS_LAYER},
                                     {WORDS_LAYER, WORDS_SCRATCHES}};
-  static const WordSet far[] = {WORDS_BLOCK, WORDS_FABRIC,     WORDS_YARN,  WORDS_SCRATCHES,
-                                WORDS_LAYER, WORDS_REFLECTION, WORDS_IMAGE, WORDS_RADIAL};
+  static const WordSet far[] = {WORDS_BLOCK,     WORDS_FABRIC, WORDS_YARN,
+                                WORDS_SCRATCHES, WORDS_LAYER,  WORDS_REFLECTION,
+                                WORDS_IMAGE,     WORDS_RADIAL, WORDS_TANGENT};
   std::vector<WordSet> others;
 
   if (set == words_of_list(SHADE_LIST_DIFFUSE))
@@ -321,6 +329,8 @@ std::string hint_for(WordSet set, const std::string &text) {
            "own diffuse stands in finish { }, beside mdf { }";
   if (set == words_of_list(SHADE_LIST_FRESNEL))
     return "as in fresnel schlick";
+  if (set >= WORDS_LIST && find_word(WORDS_BLOCK, text.c_str()) >= 0)
+    return "'" + text + "' " + place_of(WORDS_BLOCK);
   if (set >= WORDS_LIST || text.empty())
     return "";
   shade_preset preset;
@@ -335,6 +345,12 @@ std::string hint_for(WordSet set, const std::string &text) {
   if (set == WORDS_IMAGE &&
       std::strstr(" jpeg tiff gif tga iff ppm pgm sys hdr ", (" " + text + " ").c_str()) != NULL)
     return "a picture of another format is to be converted first";
+  // numbers, vectors, colours, commas and braces
+  static const char *const more[] = {"float ", "vector ", "color identifier", "<", "{", ","};
+  for (size_t i = 0; !after.empty() && i < sizeof more / sizeof *more; i++)
+    if (text.compare(0, std::strlen(more[i]), more[i]) == 0)
+      return "'" + after + "' takes " +
+             (text == "{" ? "no braces" : "no more than what stands before that");
   const char *const reserved = place_of_reserved(text);
   if (reserved != NULL && !(set == WORDS_BLOCK && text == "warp"))
     return "'" + text + "' " + reserved;
@@ -347,6 +363,17 @@ std::string hint_for(WordSet set, const std::string &text) {
   for (size_t i = 0; i < others.size(); i++)
     if (others[i] != set && find_word(others[i], text.c_str()) >= 0)
       return "'" + text + "' " + place_of(others[i]);
+  return "";
+}
+
+std::string hint_outside(const std::string &text) {
+  if (text == "mdf")
+    return "'mdf' stands in finish { }.";
+  if (!nearest_of(std::vector<std::string>(1, "mdf"), text).empty())
+    return "did you mean 'mdf'?";
+  for (int set = WORDS_BLOCK; set < WORDS_LIST; set++)
+    if (set != WORDS_RADIAL && find_word((WordSet)set, text.c_str()) >= 0)
+      return "a word of that name stands in mdf { } of a finish.";
   return "";
 }
 

@@ -132,8 +132,11 @@ std::string nearest_name(const std::vector<std::string> &names, const std::strin
 std::string plain_token(const std::string &name);
 
 // What to do about something found in place of a word of `set`: where it belongs, if it is a word
-// of another place or of POV-Ray's, or how a list is said. "" where there is nothing to tell.
-std::string hint_for(WordSet set, const std::string &text);
+// of another place or of POV-Ray's, or how a list is said. after: the word of the set before it, or
+// "". "" where there is nothing to tell.
+std::string hint_for(WordSet set, const std::string &text, const std::string &after);
+// The same for something found outside of a block.
+std::string hint_outside(const std::string &text);
 
 // A number as messages have it.
 std::string text_of(double number);

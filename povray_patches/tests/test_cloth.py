@@ -456,7 +456,7 @@ def test_the_tile_leaves_a_layers_lengths(render):
 
 
 @pytest.mark.parametrize("block, message", [
-    ("scratches 3", "mdf: expected '{' or 'off', but found a number."), ('scratches { preset "denim" }', 'mdf: there is no metal "denim". Metals: brushed_steel,'),
+    ("scratches 3", "mdf: expected '{' or 'off' after 'scratches', as in scratches { preset \"brushed_steel\" }, but found a number."), ('scratches { preset "denim" }', 'mdf: there is no metal "denim". Metals: brushed_steel,'),
     ("scratches { layer { pits } }", "mdf: pits needs a number"), ("scratches { layer { radius .1 } }", "mdf: the other end of radius needs a number, } found instead."),
     ("scratches {" + "layer { pits 1 } " * 9 + "}", "mdf: scratches have 8 layers at most."), ("scratches { layers 3 }", "did you mean 'layer'?"),
     ('fabric { preset "denin" }', 'mdf: there is no cloth "denin". Did you mean "denim"? Cloths: silk_charmeuse,'),
@@ -465,7 +465,7 @@ def test_the_tile_leaves_a_layers_lengths(render):
     ("preset denim", "mdf: preset needs a text in quotes, 'denim' found instead."),
     ("fabric 3", "expected '{' or 'off'"), ("fabric { crosings 3 }", "did you mean 'crossings'?"),
     ("fabric { warp { widht 3 } }", "did you mean 'width'?"),
-    ("fabric { crossings }", "mdf: crossings needs how many there are"),
+    ("fabric { crossings }", "mdf: crossings needs a number or <of u, of v>, } found instead."),
     ("fabric { crossings 1e300 * 1e300 }", "mdf: crossings is not a finite number."),
     ("fabric { weave 1, 2 }", "mdf: weave: shift needs a number, } found instead."), ("fabric { weave 0, 0, 0 }", "mdf: there is no weave 0, 0, 0"),
     ("fabric { weave 1.5, 1, 1 }", "mdf: weave needs three whole numbers"),

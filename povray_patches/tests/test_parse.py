@@ -156,10 +156,10 @@ sphere { y, .5 pigment { rgb 1 } }
     ("tangent <0, 0, 0>", "mdf: tangent <0, 0, 0> has no direction."),
     ("tangent <1e300 * 1e300, 0, 0>", "mdf: tangent <inf, 0, 0> has no direction."),
     ("tangent radial", "mdf: expected an axis after 'tangent radial', as in tangent radial y, but found }."),
-    ("tangent radial y at", "mdf: expected a point after 'at', but found }."), ("ggx .1, .2, .3", ", a comma found instead."),
+    ("tangent radial y at", "mdf: expected a point after 'at', but found }."), ("ggx .1, .2, .3", ", a comma found instead; 'ggx' takes no more than what stands before that."),
     ("groove z", "z found instead."), ("fabric { denim }", "a preset's name stands in quotes after preset: preset \"denim\""),
     ("\"gold\"", "a text in quotes found instead; a preset's name follows preset."), ("bump_image \"a.png\"", "mdf: expected '{' after 'bump_image', but found a text in quotes."),
-    ("bump_image { png }", "mdf: expected the name of a file, in quotes, but found }."),
+    ("bump_image { png }", "mdf: expected the name of a file, in quotes, after 'png', but found }."),
     ("fabric { warp diffuse rgb 1 }", "mdf: expected '{' after 'warp', but found 'diffuse'."), ("scratches { layer pits 3 }", "mdf: expected '{' after 'layer', but found 'pits'."), ("tangent radial 0 * y", "mdf: tangent <0, 0, 0> has no direction."),
     ("tangent radial y at <0, 1e300 * 1e300, 0>", "mdf: tangent radial's point is not finite."),
     ("at <0, 1, 0>", f"Expected '{WORDS}', undeclared identifier 'at' found instead"),
@@ -195,6 +195,51 @@ def test_errors_name_line_and_expectation(render, tmp_path, block, message):
 def test_an_error_tells_where_a_word_belongs(render, block, hint):
     result = render(scene(sphere(block)), (8, 8), fails=True)
     assert result.status == 1 and hint in result.message, result.message
+
+
+@pytest.mark.parametrize("block, said", [
+    ("scratches on", "mdf: expected '{' or 'off' after 'scratches', as in scratches { preset \"brushed_steel\" }, but found on."),
+    ("fabric \"denim\"", "mdf: expected '{' or 'off' after 'fabric', as in fabric { preset \"denim\" }, but found a text in quotes."),
+    ("fabric preset \"denim\"", "after 'fabric', as in fabric { preset \"denim\" }, but found 'preset'."),
+    ("fabric { preset \"brushed_steel\" }", "\"brushed_steel\" is a metal: mdf { preset \"brushed_steel\" }."),
+    ("scratches { preset \"denim\" }", "\"denim\" is a cloth: mdf { preset \"denim\" }."),
+    ("preset \"denim\" { crossings 3 }", "{ found instead; 'preset' takes no braces."),
+    ("roughness .1, .2, .3", "a comma found instead; 'roughness' takes no more than what stands before that."),
+    ("roughness <.1, .2>", "mdf: roughness needs a number, a vector or colour found instead."),
+    ("ggx rgb .1, .2", "mdf: alpha ax needs a number, rgb found instead."),
+    ("ggx = .1, .2", "mdf: alpha ax needs a number, = found instead."),
+    ("fresnel schlick .04", "a number found instead; 'fresnel' takes no more"), ("specular .5 .5", "a number found instead; 'specular' takes no more"),
+    ("reflection { samples 4, 5 }", "a comma found instead; 'samples' takes no more"),
+    ("fabric { seed 3 <1, 2> }", "< found instead; 'seed' takes no more"), ("fabric { warp { width .5 .5 } }", "a number found instead; 'width' takes no more"),
+    ("scratches { mm_per_unit 10 20 }", "'mm_per_unit' takes no more"), ("scratches { layer { pits 3, 4 } }", "'pits' takes no more"),
+    ("bump_image { strength 1 1 }", "'strength' takes no more"),
+    ("fabric { crossings \"many\" }", "mdf: crossings needs a number or <of u, of v>, a text in quotes found instead."),
+    ("fabric { crossings many }", "mdf: crossings needs a number or <of u, of v>, 'many' found instead."),
+    ("fabric { crossings <1, 2, 3> }", "mdf: crossings needs a number or <of u, of v>, a vector of 3 numbers found instead."),
+    ("bump_image { png \"a.png\" scale }", "mdf: bump_image scale needs a number or <of u, of v>, } found instead."),
+    ("bump_image { png a.png }", "mdf: expected the name of a file, in quotes, after 'png', but found 'a'."),
+    ("fabric { shadows yes }", "mdf: expected 'on' or 'off' after 'shadows', but found yes."), ("notes \"on\"", "'on' or 'off' after 'notes', but found a text in quotes."),
+    ("bump_image { filter 2 }", "after 'filter', but found a number."), ("tangent \"x\"", "Expected 'uv, radial or a vector', a text in quotes found instead"),
+    ("tangent uv uv", "undeclared identifier 'uv' found instead; 'uv' follows tangent."), ("brdf ggx", "undeclared identifier 'ggx' found instead; 'ggx' stands in mdf { } itself."),
+    ("exponent 10", "exponent found instead; 'exponent' is none of the block's words: two exponents follow ashikhmin_shirley"),
+    ("alpha .1", "as in ggx .1, .3."), ("anisotropic .5", "as in ggx .1, .3."), ("mdf { }", "mdf found instead; 'mdf' is none of the block's words")])
+def test_mistakes_are_named(render, block, said):
+    text = scene(sphere(f"\n{block}\n"))
+    result = render(text, (8, 8), fails=True)
+    line = text[:text.index(f"\n{block}")].count("\n") + 2
+    assert result.status == 1 and said in result.message, result.message
+    assert f"'scene.pov' line {line}" in result.message or f"'scene.pov' line {line + 1}" in result.message, result.message
+
+
+@pytest.mark.parametrize("finish, said", [
+    ("finish { mfd { } }", "No matching } in 'finish', 'mfd' found instead; did you mean 'mdf'?"), ("finish { MDF { } }", "did you mean 'mdf'?"),
+    ("finish { ambient 0 } mdf { }", "No matching } in 'texture', 'mdf' found instead; 'mdf' stands in finish { }."),
+    ("finish { preset \"denim\" }", "No matching } in 'finish', 'preset' found instead; a word of that name stands in mdf { } of a finish."),
+    ("finish { scratches { } }", "'scratches' found instead; a word of that name stands in mdf { } of a finish."),
+    ("finish { shiny 1 }", "No matching } in 'finish', undeclared identifier 'shiny' found instead")])
+def test_a_block_in_the_wrong_place_is_named(render, finish, said):
+    result = render(scene(f"sphere {{ 0, 1 texture {{ pigment {{ rgb .5 }} {finish} }} }}"), (8, 8), fails=True)
+    assert result.status == 1 and said in result.message and "'scene.pov' line 6" in result.message, result.message
 
 
 def test_a_scenes_own_variables_may_be_named_like_words(render, material):
@@ -269,7 +314,7 @@ def test_scenes_can_ask_for_the_block(render, unpatched, tmp_path):
     assert done.returncode == 0 and "stock" in done.stdout, done.stdout
 
 
-@pytest.mark.parametrize("words, ex, ey", [("roughness .05", 20, 20), ("roughness 1/300, .1", 300, 10), ("ggx .3, .3 roughness .02 detail none", 50, 50)])
+@pytest.mark.parametrize("words, ex, ey", [("roughness .05", 20, 20), ("roughness 1/300, .1", 300, 10), ("roughness .02 .1", 50, 10), ("ggx .3, .3 roughness .02 detail none", 50, 50)])
 def test_roughness_sets_exponents(material, words, ex, ey):
     m = material(words)
     assert (m["ex"], m["ey"]) == pytest.approx((ex, ey), rel=1e-12)
