@@ -16,7 +16,7 @@ Material::Material()
       bump_scale(), bump_move(), reflects(false), notes(false), preset(false), samples(0),
       clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
       has_diffuse(false), matt(false), rejects(false), bends(false), black(), widened(),
-      widened_black(), width(0.0), rays(1) {
+      widened_black(), width(0.0), rays(1), lattice(Lattice::of(1)) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -53,11 +53,30 @@ shade_params widened(const shade_params &params, int level) {
   return p;
 }
 
+double squared(const double v[2]) {
+  return v[0] * v[0] + v[1] * v[1];
+}
+
+// The two shortest sides of the cells that two of them span, the shorter one first: as Gauss does
+// with quadratic forms.
+void reduce(double side[2][2]) {
+  for (int turn = 0; turn < 64; turn++) {
+    if (squared(side[1]) < squared(side[0]))
+      std::swap_ranges(side[0], side[0] + 2, side[1]);
+    const double along = (side[0][0] * side[1][0] + side[0][1] * side[1][1]) / squared(side[0]);
+    if (std::abs(along) <= 0.5)
+      return;
+    for (int i = 0; i < 2; i++)
+      side[1][i] -= std::round(along) * side[0][i];
+  }
+}
+
 // What reflections need of a block.
 void widen(Material &m) {
   if (m.cloth) { // what is matt comes from all sides
     m.width = 0.5;
     m.rays = m.samples > 0 ? m.samples : 32;
+    m.lattice = Lattice::of((unsigned int)m.rays);
     return;
   }
   const double ax = alpha_of(m.params, m.params.ax, m.params.ex);
@@ -67,6 +86,7 @@ void widen(Material &m) {
   // the noise of n draws goes with the root of what they are spread over
   const double spread = 64.0 * std::sqrt(std::max(ax, ay));
   m.rays = m.samples > 0 ? m.samples : (int)std::min(std::max(std::ceil(spread), 4.0), 64.0);
+  m.lattice = Lattice::of((unsigned int)m.rays);
   for (int level = 0; level < Material::LEVELS; level++) {
     shade_params p = widened(m.params, level);
     shade_bsdf_setup(&m.widened[level], &p);
@@ -118,6 +138,51 @@ void split(Material &m) {
 }
 
 } // namespace
+
+namespace {
+
+// How far waves that all points of a lattice meet at the same height are from the slowest ones:
+// the least product of their numbers along both axes [Zaremba1966], or none above `least`.
+unsigned int merit(unsigned int count, unsigned int g, unsigned int least) {
+  unsigned int most = count;
+
+  for (unsigned int across = 1; 2 * across <= count && most > least; across++) {
+    const unsigned int along = (unsigned int)((uint64_t)g * across % count);
+    most = std::min(most, across * std::max(std::min(along, count - along), 1u));
+  }
+  return most;
+}
+
+} // namespace
+
+// Of those whose points have all coordinates apart: the lights and edges that a lobe meets often
+// run along one of them.
+Lattice Lattice::of(unsigned int count) {
+  Lattice best = {count, {1, 0}, {{1.0, 0.0}, {0.0, 1.0}}};
+  unsigned int most = 0;
+  double widest = 0.0;
+
+  for (unsigned int g = 1; g < count; g++) {
+    unsigned int a = count, b = g;
+    while (b != 0) {
+      const unsigned int rest = a % b;
+      a = b;
+      b = rest;
+    }
+    if (a != 1)
+      continue;
+    const unsigned int found = merit(count, g, most > 0 ? most - 1 : 0);
+    double side[2][2] = {{1.0 / count, (double)g / count}, {0.0, 1.0}};
+    reduce(side);
+    if (found > most || (found == most && squared(side[0]) > widest)) {
+      most = found;
+      widest = squared(side[0]);
+      best.step[1] = g;
+      std::copy(side[0], side[0] + 4, best.side[0]);
+    }
+  }
+  return best;
+}
 
 const shade_bsdf_albedo *LateAlbedo::make() const {
   const std::lock_guard<std::mutex> one(making);
@@ -498,13 +563,16 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
 
 // f cos of all the lobes, by a draw of one of them; pdf: of any of them.
 bool ShadedPoint::draw_rough(const double u[3], double wi[3], double f[3], double *pdf) const {
-  double rest = u[2], drawn[3], cosine;
+  const bool by_second = u[2] < 0.0;
+  double rest = u[by_second ? 1 : 2], drawn[3], cosine, at[2] = {u[0], u[1]};
   int k = 0;
 
   for (; k + 1 < rough->count && rest >= rough->lobe[k].share; k++)
     rest -= rough->lobe[k].share;
   const RoughLobe &lobe = rough->lobe[k];
-  shade_bsdf_sample(lobe.of->bsdf[0], lobe.normal, lobe.eye, u, drawn, f, pdf, &cosine);
+  if (by_second) // each lobe has a strip of the square, and all of the square's points in it
+    at[1] = std::min(rest / lobe.share, 1.0 - 0x1p-53);
+  shade_bsdf_sample(lobe.of->bsdf[0], lobe.normal, lobe.eye, at, drawn, f, pdf, &cosine);
   if (!(*pdf > 0.0))
     return false;
   lobe.of->back(drawn, wi);

@@ -39,6 +39,15 @@ private:
   const shade_bsdf_albedo *make() const;
 };
 
+// Points step * i / count, modulo 1, of the unit square, that lie most evenly. side: of one of the
+// cells that they are corners of.
+struct Lattice {
+  unsigned int count, step[2];
+  double side[2][2];
+
+  static Lattice of(unsigned int count);
+};
+
 struct Material {
   Material();
 
@@ -104,6 +113,7 @@ struct Material {
   shade_bsdf widened_black[LEVELS]; // as `black`
   double width;                     // what it asks of the lobes behind: half its mean alpha
   int rays;                         // `samples`, or the choice for them
+  Lattice lattice;                  // of that many points
   // The widest level up to an alpha, or -1.
   static int level_of(double alpha);
 };
@@ -256,7 +266,8 @@ public:
   void specular_albedo(double albedo[3]) const;
 
   // A direction L that light comes from, drawn for the specular part (all of a cloth) by numbers
-  // in [0, 1), and what share of its light is reflected: f cos / pdf. False if there is none.
+  // in [0, 1), the third of which chooses among lobes (-1: the second does that, too; not on a
+  // cloth), and what share of its light is reflected: f cos / pdf. False if there is none.
   bool draw(int level, const double u[3], double L[3], double reflectance[3]) const;
 
 private:

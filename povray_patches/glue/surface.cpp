@@ -29,6 +29,7 @@
 #include "backend/shape/spheres.h"
 #include "backend/shape/torus.h"
 #include "backend/vm/fnpovfpu.h"
+#include "backend/mdf/dither.h"
 #include "shade/mesh.h"
 
 // this must be the last file included
@@ -1038,20 +1039,94 @@ uint64_t mix(uint64_t z) { // splitmix64's
   return z ^ (z >> 31);
 }
 
-// Point `index` of Sobol's first two dimensions: any run of 2^k from a multiple of 2^k on meets
-// each cell of every grid of 2^k equal cells once.
-void low_discrepancy(uint32_t index, uint32_t point[2]) {
-  uint32_t direction[2] = {0x80000000u, 0x80000000u};
+// Points of Sobol's first three dimensions, nested-uniformly scrambled [Owen1995]. Any run of 2^k
+// from a multiple of 2^k on meets each cell of every grid of 2^k equal cells of the first two once,
+// and so does each of the wholes that four such runs make. Bits are kept in reverse: what a bit is
+// flipped by must come from those below it then, as sums and products have it [LaineKarras2011].
+uint32_t scrambled(uint32_t reversed, uint32_t seed) {
+  reversed += seed;
+  reversed ^= reversed * 0xb63c2d6cu; // an even factor: no bit moves by itself
+  reversed *= (seed >> 15) | 1u;
+  reversed ^= reversed * 0x2f0a9f52u;
+  reversed += seed ^ 0x9e3779b9u;
+  reversed *= 0x5c61ddb5u;
+  reversed ^= reversed * 0xd1b54a32u;
+  return reversed;
+}
 
-  point[0] = point[1] = 0;
-  for (; index != 0; index >>= 1) {
-    if (index & 1) {
-      point[0] ^= direction[0];
-      point[1] ^= direction[1];
+uint32_t reversed_bits(uint32_t x) {
+  x = __builtin_bswap32(x);
+  x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
+  x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+  return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
+}
+
+// Spreads 16 bits to every other one, and back.
+uint32_t apart(uint32_t x) {
+  x &= 0xffffu;
+  x = (x | x << 8) & 0x00ff00ffu;
+  x = (x | x << 4) & 0x0f0f0f0fu;
+  x = (x | x << 2) & 0x33333333u;
+  return (x | x << 1) & 0x55555555u;
+}
+
+uint32_t together(uint32_t x) {
+  x &= 0x55555555u;
+  x = (x | x >> 1) & 0x33333333u;
+  x = (x | x >> 2) & 0x0f0f0f0fu;
+  x = (x | x >> 4) & 0x00ff00ffu;
+  return (x | x >> 8) & 0xffffu;
+}
+
+// The numbers that pixels around have are far from those of this one [GeorgievFajardo2016].
+const uint8_t *dither(uint32_t x, uint32_t y) {
+  return DITHER[y % DITHER_SIDE * DITHER_SIDE + x % DITHER_SIDE];
+}
+
+double fraction(double x) {
+  return x - std::floor(x);
+}
+
+// Sobol's second and third dimensions: what each byte of an index turns about in a point, bits in
+// reverse. (The first dimension is the index itself.)
+struct SobolBytes {
+  uint32_t turned[2][4][256];
+
+  SobolBytes() {
+    // of the polynomials x + 1 and x^2 + x + 1, the latter of which goes back by two
+    uint32_t direction[2] = {0x80000000u, 0x80000000u}, next = 0xc0000000u;
+
+    for (int bit = 0; bit < 32; bit++) {
+      for (int dimension = 0; dimension < 2; dimension++) {
+        uint32_t *const byte = turned[dimension][bit / 8];
+        const int from = 1 << bit % 8;
+        byte[0] = 0;
+        for (int i = 0; i < from; i++)
+          byte[from + i] = byte[i] ^ reversed_bits(direction[dimension]);
+      }
+      const uint32_t after = next ^ direction[1] ^ direction[1] >> 2;
+      direction[0] ^= direction[0] >> 1;
+      direction[1] = next;
+      next = after;
     }
-    direction[0] >>= 1;
-    direction[1] ^= direction[1] >> 1;
   }
+
+  uint32_t of(int dimension, uint32_t index) const {
+    const uint32_t(*const byte)[256] = turned[dimension];
+
+    return byte[0][index & 0xff] ^ byte[1][index >> 8 & 0xff] ^ byte[2][index >> 16 & 0xff] ^
+           byte[3][index >> 24];
+  }
+};
+
+const SobolBytes SOBOL;
+
+void low_discrepancy(uint32_t index, const uint32_t seed[2], uint32_t point[3]) {
+  // the order is another one for each seed: numbers of two seeds have nothing in common
+  index = reversed_bits(scrambled(reversed_bits(index), seed[0] ^ seed[1]));
+  point[0] = reversed_bits(scrambled(index, seed[0]));
+  point[1] = reversed_bits(scrambled(SOBOL.of(0, index), seed[1]));
+  point[2] = reversed_bits(scrambled(SOBOL.of(1, index), seed[0] + seed[1]));
 }
 
 } // namespace
@@ -1069,17 +1144,67 @@ void MdfHit::Seed(const VECTOR point, const VECTOR direction, int layer, unsigne
   seed[1] = (uint32_t)(hash >> 32);
 }
 
+unsigned int MdfHit::PixelSeed(double x, double y, unsigned int seed[2]) {
+  const double left = std::floor(x), top = std::floor(y);
+  const double within[3] = {x - left, y - top, 0.0};
+
+  Seed(within, within, 0, seed);
+  seed[0] |= 1u; // never none
+  return apart((uint32_t)(int)left) | apart((uint32_t)(int)top) << 1;
+}
+
+void MdfHit::PathSeed(const unsigned int pixel[2], unsigned int level, const Ray &ray, int layer,
+                      unsigned int seed[2]) {
+  const uint64_t kind = (ray.IsReflectionRay() ? 1u : 0u) | (ray.IsRefractionRay() ? 2u : 0u);
+  const uint64_t hash = mix(((uint64_t)pixel[1] << 32 | pixel[0]) ^
+                            mix((uint64_t)level << 32 | (uint64_t)(uint32_t)layer << 2 | kind));
+
+  seed[0] = (uint32_t)hash;
+  seed[1] = (uint32_t)(hash >> 32);
+}
+
 bool MdfHit::Draw(unsigned int index, const unsigned int seed[2], Vector3d &direction,
                   RGBColour &reflectance) const {
   uint32_t point[3];
-  double u[3], L[3], share[3];
+  double u[3];
 
-  low_discrepancy(index, point);
-  point[2] = (uint32_t)((seed[0] ^ seed[1]) + index * 2654435769u); // multiples of the golden ratio
-  for (int i = 0; i < 2; i++)
-    point[i] ^= seed[i];
+  low_discrepancy(index, seed, point);
   for (int i = 0; i < 3; i++)
     u[i] = point[i] * 0x1p-32;
+  return DrawBy(u, direction, reflectance);
+}
+
+bool MdfHit::DrawAlone(const unsigned int seed[2], Vector3d &direction,
+                       RGBColour &reflectance) const {
+  const double u[3] = {seed[0] * 0x1p-32, seed[1] * 0x1p-32, (seed[0] ^ seed[1]) * 0x1p-32};
+
+  return DrawBy(u, direction, reflectance);
+}
+
+bool MdfHit::DrawOfAll(unsigned int index, unsigned int pixel, const unsigned int seed[2],
+                       Vector3d &direction, RGBColour &reflectance) const {
+  const mdf::Lattice &lattice = shaded.of().lattice;
+  const uint32_t x = together(pixel) + seed[0] % DITHER_SIDE;
+  const uint32_t y = together(pixel >> 1) + seed[1] % DITHER_SIDE;
+  const uint8_t *const moved = dither(x, y);
+  double part[2], u[3];
+
+  for (int i = 0; i < 2; i++)
+    part[i] = fraction((moved[i] + 0.5) / 256.0 + (seed[i] >> 16) / 65536.0);
+  for (int i = 0; i < 2; i++)
+    u[i] = fraction((double)(index * lattice.step[i] % lattice.count) / lattice.count +
+                    lattice.side[0][i] * part[0] + lattice.side[1][i] * part[1]);
+  // which yarn of a cloth, by multiples of the golden ratio. Which lobe is for the second number to
+  // tell: by a third one the points of a lobe would lie unevenly
+  u[2] = !shaded.of().cloth ? -1.0
+                            : fraction(index * 0.61803398874989485 +
+                                       (dither(x + DITHER_SIDE / 2, y)[0] + 0.5) / 256.0);
+  return DrawBy(u, direction, reflectance);
+}
+
+bool MdfHit::DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const {
+  double L[3], share[3];
+
   if (!shaded.draw(level, u, L, share))
     return false;
   direction = Vector3d(L);

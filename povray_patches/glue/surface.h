@@ -93,6 +93,18 @@ public:
   bool Draw(unsigned int index, const unsigned int seed[2], Vector3d &direction,
             RGBColour &reflectance) const;
   static void Seed(const VECTOR point, const VECTOR direction, int layer, unsigned int seed[2]);
+  // The same for the only one of a hit.
+  bool DrawAlone(const unsigned int seed[2], Vector3d &direction, RGBColour &reflectance) const;
+  // The same for all Rays() of a hit that no reflection came before, which know of each other, and
+  // of those of the pixels beside theirs: of PixelSeed().
+  bool DrawOfAll(unsigned int index, unsigned int pixel, const unsigned int seed[2],
+                 Vector3d &direction, RGBColour &reflectance) const;
+  // For what a pixel of the picture meets: the number of the pixel, its bits by turns of x and y.
+  // Samples of anti-aliasing at one place within their pixels make a picture of their own.
+  static unsigned int PixelSeed(double x, double y, unsigned int seed[2]);
+  // What a hit on a path from there draws by. level: how deep it is.
+  static void PathSeed(const unsigned int pixel[2], unsigned int level, const Ray &ray, int layer,
+                       unsigned int seed[2]);
   // What came along a ray, no brighter than the block allows.
   void Clamp(RGBColour &colour) const;
 
@@ -107,6 +119,7 @@ private:
   double gaps;
   int level; // of the widened lobes, or -1
 
+  bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;
   void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,

@@ -177,3 +177,40 @@ def test_focal_blur_shares_the_rays_out(render):
     assert blurred == pytest.approx(sharp, rel=.02)
     assert shared == pytest.approx(rays, rel=.1)
     assert look(4, "aperture .01 focal_point 0 blur_samples 16, 16")[1] == pytest.approx(16 * 144, rel=.1)
+
+
+FLOOR = "plane { y, -9 pigment { checker rgb 0 rgb 1 scale 30 } finish { ambient 0 diffuse 0 emission 1 } }\nsky_sphere { pigment { gradient x color_map { [.5 rgb 0] [.5 rgb 1] } scale 2 translate -x } }\n"
+
+
+def noise(image):
+    """Variance of the first component about the mean, and of the means of squares of three pixels."""
+    from numpy.lib.stride_tricks import sliding_window_view
+    grey = image[..., 0] - image[..., 0].mean()
+    return np.mean(grey ** 2), np.mean(sliding_window_view(grey, (3, 3)).mean((-1, -2)) ** 2)
+
+
+@pytest.mark.parametrize("samples", [4, 8, 11])
+def test_rays_of_pixels_beside_each_other_are_elsewhere(render, samples):
+    """Were pixels independent, nine of them would have a ninth of the variance."""
+    one, nine = noise(render(scene(f"reflection {{ samples {samples} }}", FLOOR), (96, 72), dump=False).image)
+    assert one > 1e-4 and nine < 0.8 / 9 * one
+
+
+def test_rays_of_a_focal_blur_are_laid_out_together(render):
+    """16 samples with a ray each, of a plate that looks the same to all of them: as 16 rays of one sample, not as 16 on their own."""
+    sharp = scene("reflection { samples 16 }", FLOOR)
+    blurred = sharp.replace("angle 2", "angle 2 aperture 1e-6 focal_point 0 blur_samples 16, 16")
+    blurred = blurred.replace("orthographic", "").replace(" look_at", " * 1000 look_at").replace("angle 2", "angle .02")
+    of_one = noise(render(sharp.replace("samples 16", "samples 1", 1), (64, 48), dump=False).image)[0]
+    of_many = noise(render(blurred, (64, 48), dump=False).image)[0]
+    assert of_one > .01 and of_many < 0.6 / 16 * of_one
+
+
+@pytest.mark.parametrize("preset", ["brushed_steel", "turned_steel", "scratched_steel"])
+def test_rays_of_several_lobes_are_laid_out_together(render, preset):
+    """Each lobe has its own rays in even places: 24 have less variance than as many on their own."""
+    def of(samples):
+        text = scene(f"preset \"{preset}\" scratches {{ mm_per_unit 2000 }} tangent x reflection {{ samples {samples} }}", "sky_sphere { pigment { checker rgb 0 rgb 1 scale .11 } }")
+        return noise(render(text, (96, 72), dump=False).image)[0]
+    one = of(1)
+    assert one > .01 and of(24) < 0.85 / 24 * one
