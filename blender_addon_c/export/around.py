@@ -152,13 +152,13 @@ class _Lamp:
 
 
 class _Directions(Program):
-    """A program for a direction. by_camera: does a camera look? of: what is asked. `turns`: may it make a difference
+    """A program for a direction. way: what Light Path says of rays that look, as words of its node. of: what is asked. `turns`: may it make a difference
     where to, or from where on its face? `by_way`, `faced`: was a direction asked for, such a place? `own`: vectors of the world, by who they are, and what they are in axes of a lamp's own; `placed`: how
     often else these axes were asked for; `upright`: was a normal?"""
 
-    def __init__(self, by_camera, of):
+    def __init__(self, way, of):
         super().__init__()
-        self.turns, self._by_camera, self._behind = False, by_camera, None
+        self.turns, self._way, self._behind = False, way, None
         self.by_way, self.faced = False, None
         self._of, self.own, self.placed, self.upright = of, {}, 0, False
 
@@ -210,7 +210,7 @@ class _Directions(Program):
         return [*((on(self) if on else None) or (0.0, 0.0)), 0.0, 0.0][:out]
 
     def _path(self, out, given):
-        return [float(self._by_camera and given["what"] == "CAMERA")] * out
+        return [float(given["what"] in self._way)] * out
 
     def _between_spaces(self, out, given):
         return list(self._of.between_spaces(self, given.get("what", "VECTOR"), given.get("vector") or [0.0] * out))
@@ -225,14 +225,14 @@ class _Around(Reader):
 
     has_surface = False
 
-    def __init__(self, owner, table, messages, by_camera, of, falls):
-        """falls: the node by which its light may fall off, or None. `gain`: how that does."""
+    def __init__(self, owner, table, messages, way, of, falls):
+        """falls: the node by which its light may fall off, or None. `gain`: how that does. `asked`: of ways. `lamp`: is it one?"""
         super().__init__(table, messages, None)
-        self.owner, self.program = owner, _Directions(by_camera, of)
+        self.owner, self.program = owner, _Directions(way, of)
         self.images, self.kept = Images(messages, table.images.frame, table.kept), table.kept
         self.averages = self.filters = self.colors = False
-        self.falls, self.gain = falls, {}
-        self.nodes, self.by_camera = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff, "TEX_SKY": _tex_sky}, False
+        self.falls, self.gain, self.lamp = falls, {}, isinstance(of, _Lamp)
+        self.nodes, self.asked = {**self.nodes, "LIGHT_PATH": _light_path, "LIGHT_FALLOFF": _light_falloff, "TEX_SKY": _tex_sky}, frozenset()
         del self.nodes["LibshadeScratchesNode"]  # there is no surface
 
     def layer(self, kind, _name):
@@ -286,14 +286,19 @@ def _of_sky(sky, rows):
 
 
 def _light_path(reader, found):
-    if found.output.name == "Is Camera Ray":
-        reader.by_camera = True
-    elif found.output.name.startswith("Is "):
-        reader.warn(f"'{found.node.name}' ({found.output.name}) is not supported; 0")
-    return (reader.program.emit("PATH", 1, what=_SEEN.get(found.output.name))[0],)
+    name = found.output.name
+    known = SEEN.keys() if not reader.lamp else {"Is Camera Ray"}
+    if name in known:
+        reader.asked |= {SEEN[name]}
+    elif name not in _NEVER or reader.lamp:
+        reader.warn(f"'{found.node.name}' ({name}) is not supported; 0")
+    return (reader.program.emit("PATH", 1, what=SEEN[name] if name in known else None)[0],)
 
 
-_SEEN = {"Is Camera Ray": "CAMERA"}
+# What rays may be that see a world, as words of the Light Path node.
+SEEN = {"Is Camera Ray": "CAMERA", "Is Diffuse Ray": "DIFFUSE", "Is Glossy Ray": "GLOSSY", "Is Singular Ray": "SINGULAR",
+        "Is Reflection Ray": "REFLECTION", "Is Transmission Ray": "TRANSMISSION"}
+_NEVER = ("Is Shadow Ray", "Is Volume Scatter Ray")  # are those that do
 
 
 def _light_falloff(reader, found):
@@ -323,18 +328,18 @@ def _falls_by(own):
 
 class Shine:
     """What one shines with: `color`, unless it `turns`, for then there are several. `mixed`: by directions and by places
-    on a face at once, which it cannot. `gain`: how its light falls off, {} as light does. `by_camera`: may a camera see
-    another? `there`: does any node shine?"""
+    on a face at once, which it cannot. `gain`: how its light falls off, {} as light does. `asked`: for which ways
+    of rays may it be another? `there`: does any node shine?"""
 
-    def __init__(self, own, owner, table, messages, by_camera=False, lamp=None):
-        """own: its node tree. lamp: kind, matrix and perhaps size of one."""
+    def __init__(self, own, owner, table, messages, way=frozenset(), lamp=None):
+        """own: its node tree. way: of rays that see it, as words of SEEN. lamp: kind, matrix and perhaps size of one."""
         of = _Lamp(*lamp) if lamp else _World()
         falls = _falls_by(own) if lamp and lamp[0] != "SUN" else None
-        self._reader = reader = _Around(owner, table, messages, by_camera, of, falls)
+        self._reader = reader = _Around(owner, table, messages, way, of, falls)
         collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
         self.placed = reader.program.placed > 0
         self._closures = [c for c in reader.closures if c["closure"] == "EMISSION" and not c.get("holds")]
-        self.turns, self.by_camera, self.there = reader.program.turns, reader.by_camera, bool(self._closures)
+        self.turns, self.asked, self.there = reader.program.turns, reader.asked, bool(self._closures)
         self._kept, self.gain = table.kept, {k: v for k, v in reader.gain.items() if v}
         self.mixed = reader.program.faced is not None and reader.program.by_way
         weights = [c.get("weight", (1.0,) * 3) for c in self._closures]

@@ -85,6 +85,35 @@ def test_the_camera_sees_an_image_of_its_own():
     assert picture(**pane, **seen, sky_hidden=CAMERA).max() == 0
 
 
+def look(*rays, **sees):
+    return {"rays": np.array(rays, np.uint32), **sees}
+
+
+@pytest.mark.parametrize("surface, own", [("wide", GLOSSY), ("matt", DIFFUSE)])
+def test_rays_see_another_world_by_their_way(surface, own):
+    """No light is drawn from an even one: what they see is all there is, of one colour or an image."""
+    there = {"background": (0.5, 1, 2), "samples": 256}
+    clear = of_plate(SURFACES[surface], [], **there)
+    for sees in ({"background": (2, 0.25, 1)}, {"sky": sky(strength=(0.1, 0.5, 3.0))}):
+        images = {"images": [image(np.full((4, 8, 3), (2, 0.25, 1), np.float32))]}
+        seen = of_plate(SURFACES[surface], [], **there, **images, looks=[look(own, **sees)])
+        wanted = np.array((2, 0.25, 1)) * sees.get("sky", {}).get("strength", 1) / (0.5, 1, 2)
+        np.testing.assert_allclose(seen, clear * wanted, rtol=1e-3)
+        other = look(own ^ DIFFUSE ^ GLOSSY, TRANSMISSION, **sees)
+        np.testing.assert_array_equal(of_plate(SURFACES[surface], [], **there, **images, looks=[other]), clear)
+        hidden = of_plate(SURFACES[surface], [], **there, **images, looks=[look(own, **sees)], sky_hidden=own)
+        assert hidden.max() == 0
+
+
+def test_an_image_shares_with_what_rays_see():
+    """Matt, below one even image that directions are drawn from: shares of drawn rays are their squared
+    densities' [VeachGuibas1995]. The mean of mu^2 / (mu^2 + a) over 2 mu is 1 - a log((1 + a) / a), a = 1 / 16."""
+    drawn = 1 - np.log(17) / 16
+    even = {"images": [image(np.full((4, 8, 3), 1.0, np.float32))], "sky": sky(), "background": (0, 0, 0)}
+    seen = of_plate(SURFACES["matt"], [], **even, looks=[look(DIFFUSE, background=(2, 0, 1))])
+    np.testing.assert_allclose(seen, 0.5 * (1 + drawn * np.array((1, -1, 0))), rtol=chance(0.005))
+
+
 def instance(mesh, hidden=0, z=0.0, scale=1.0):
     matrix = np.diag([scale, scale, scale, 1.0])
     matrix[2, 3] = z

@@ -535,6 +535,40 @@ static void meet_sky(worker *w, size_t rays) {
                      s->sky_hidden, &b->met);
 }
 
+/* The same where rays that come by some ways see something else than what light is drawn from. What
+ * that brings depends on the shares of both, so these are Cycles' [VeachGuibas1995]: squares count.
+ * Samples of light have had the shares that they have elsewhere; the rest is here. */
+static void meet_looks(worker *w, size_t rays) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  const bool drawn = s->sky.power > 0.0f, chosen = s->choices > 1;
+  size_t missed =
+      s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  if (drawn)
+    s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
+  for (size_t group = 0; group <= s->looks; group++) {
+    const ray_look *look = group ? &s->look[group - 1] : NULL;
+    const sky *image = look ? (look->sky.there ? &look->sky : NULL) : drawn ? &s->sky : NULL;
+    const float *even = look ? look->even : s->background;
+    if (image)
+      s->stages->sky(missed, image, &b->toward, &b->sky);
+    const uint32_t hidden = s->sky_hidden | (image == &s->sky ? 0 : (uint32_t)RAY_CAMERA);
+    for (size_t k = 0; k < missed; k++) {
+      size_t i = b->missed[k];
+      size_t own = s->look_of[ray_way(b->walk->ray[i])];
+      if ((own != group && group) || (b->walk->ray[i] & hidden))
+        continue;
+      float chance = chosen ? s->sky.power / b->walk->lights[i] : 1.0f;
+      float other = drawn ? b->sky_pdf[k] * chance / fmaxf(b->walk->pdf[i], 1e-30f) : 0.0f;
+      float part = 1.0f / (1.0f + other), square = 1.0f / (1.0f + other * other);
+      float share = group ? square : own ? part - square : part;
+      b->met.r[i] += share * (image ? b->sky.r[k] : even[0]);
+      b->met.g[i] += share * (image ? b->sky.g[k] : even[1]);
+      b->met.b[i] += share * (image ? b->sky.b[k] : even[2]);
+    }
+  }
+}
+
 /* That of the camera alone, where its rays meet nothing behind what they pass. */
 static void meet_seen_sky(worker *w, size_t rays) {
   const scene *s = w->scene;
@@ -557,8 +591,9 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
-  s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden, s->background, s->backdrop,
-                    &b->met);
+  static const float none[3];
+  s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden,
+                    s->looks ? none : s->background, s->backdrop, &b->met);
   for (size_t k = 0; k < s->lights; k++)
     if (s->light[k].common.met) {
       if (weight)
@@ -570,7 +605,9 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
       if (s->light[k].common.pattern)
         paint_met(&s->light[k], rays, b->walk, &b->sample_ray.d, met, &b->met);
     }
-  if (s->sky.power > 0.0f)
+  if (s->looks)
+    meet_looks(w, rays);
+  else if (s->sky.power > 0.0f)
     meet_sky(w, rays);
   if (s->behind.there && s->passes && !s->transparent)
     meet_seen_sky(w, rays);

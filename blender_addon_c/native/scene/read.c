@@ -370,6 +370,34 @@ static bool read_material(reader *r, void *out, void *context) {
   return true;
 }
 
+typedef struct look_reader {
+  scene *of;
+  int images;
+  uint8_t number; /* of the one that is read, from 1 on */
+} look_reader;
+
+/* `rays`: by which ways they come, each a sum of ray_kinds. */
+static bool read_look(reader *r, void *out, void *context) {
+  look_reader *looks = context;
+  scene *s = looks->of;
+  ray_look *look = out;
+  reader_buffer rays;
+  if (looks->number++ == MAX_LOOKS)
+    return reader_fail(r, "there are more looks than ways");
+  if (!reader_items(r, "rays", SIZE_MAX, "I", sizeof(uint32_t), &rays))
+    return false;
+  const uint32_t *ray = rays.data;
+  for (size_t k = 0; k < rays.size / sizeof *ray; k++) {
+    unsigned way = ray_way(ray[k]);
+    if (!way || (ray[k] & ~(uint32_t)(RAY_BOUNCED | RAY_SINGULAR)))
+      return reader_expected(r, "rays", "kinds of rays that surfaces draw");
+    s->look_of[way] = looks->number;
+  }
+  if (reader_has(r, "sky"))
+    return sky_read(r, "sky", &look->sky, looks->images);
+  return reader_floats(r, "background", 3, look->even);
+}
+
 /* `backdrop`: a colour, `backdrop_sky`: an image or sky that rays of the camera see instead,
  * whatever lights the scene. */
 static bool read_sky(reader *r, scene *s) {
@@ -391,7 +419,10 @@ static bool read_sky(reader *r, scene *s) {
     memset(s->backdrop, 0, sizeof s->backdrop);
   if (apart)
     s->sky_hidden |= RAY_CAMERA;
-  return true;
+  look_reader looks = {.of = s, .images = images};
+  if (!reader_has(r, "looks"))
+    return true;
+  return reader_each(r, "looks", sizeof(ray_look), &s->looks, &s->look, read_look, &looks);
 }
 
 static bool all_below(size_t count, const uint32_t *index, size_t limit) {

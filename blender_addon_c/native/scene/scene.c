@@ -142,6 +142,11 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
       (s->behind.there && !sky_build(&s->behind, s->image, s->threads, cancel)) ||
       !emitters_build(s))
     return message_error(log, "out of memory");
+  for (ray_look *look = s->look; !sky_dark && look < s->look + s->looks; look++) {
+    if (look->sky.there && !sky_build(&look->sky, s->image, s->threads, cancel))
+      return message_error(log, "out of memory");
+    s->meets = true;
+  }
   s->sky.power = sky_dark ? 0.0f : s->sky.power;
   s->choices += (size_t)(s->sky.power > 0.0f) + (size_t)(s->emitters.count > 0);
   s->meets = s->meets || s->sky.power > 0.0f || s->emitters.count > 0;
@@ -205,6 +210,9 @@ void scene_free(scene *s) {
   free(s->kept_image);
   sky_free(&s->sky);
   sky_free(&s->behind);
+  for (size_t i = 0; s->look && i < s->looks; i++)
+    sky_free(&s->look[i].sky);
+  free(s->look);
   emitters_free(&s->emitters);
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);

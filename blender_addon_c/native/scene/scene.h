@@ -154,6 +154,19 @@ enum { SHUTTER_STEPS = 256 };
 /* Records are numbered in 32 bits; the last number is a miss. */
 #define RECORD_MISS UINT32_MAX
 
+/* What rays that surfaces drew see where they meet nothing, if they came by some ways. */
+typedef struct ray_look {
+  float even[3]; /* where there is no sky */
+  sky sky;
+} ray_look;
+
+enum { RAY_WAYS = 16, MAX_LOOKS = RAY_WAYS - 1 };
+
+/* By which way a ray came, as a number; 0 for those of the camera. */
+static inline unsigned ray_way(uint32_t ray) {
+  return (ray & RAY_BOUNCED) / RAY_DIFFUSE + (ray & RAY_SINGULAR) / (RAY_SINGULAR / 8);
+}
+
 typedef struct scene {
   int width, height;
   int region[4]; /* x0 y0 x1 y1, y up */
@@ -168,6 +181,9 @@ typedef struct scene {
   uint32_t sky_hidden; /* ray_kinds to which background and sky are black */
   float backdrop[3];   /* what rays of the camera see, where they see no sky */
   sky behind;          /* what they see instead of all that, if there */
+  size_t looks;
+  ray_look *look;
+  uint8_t look_of[RAY_WAYS]; /* 1 + which, by ray_way; 0: background and sky as they light */
   filter_type filter;
   float filter_width;       /* pixels; 0: the pixel's square */
   unsigned mattes;          /* which are wanted: a bit for each matte_kind, */

@@ -1366,6 +1366,8 @@ def lit(options):
         sky(scene, options["image"], options.get("mapping"))
         if "by camera" in options:
             by_camera(scene, options["by camera"])
+        if "by way" in options:
+            by_way(scene, options["by way"])
     if "no sky" in options:
         sky(scene, None, None)
         bpy.context.view_layer.use_sky = False
@@ -1773,6 +1775,17 @@ def by_camera(scene, way):
         one.default_value, other.default_value = (0.4, 0.3, 0.2, 1) if way == "colors" else 1.5, other.default_value
     tree.links.new(camera, mixed.inputs[0])
     tree.links.new(mixed.outputs[0], socket)
+
+
+def by_way(scene, way):
+    """Rays that came that way see another colour."""
+    tree = common.tree_of(scene.world)
+    path, lit = tree.nodes.new("ShaderNodeLightPath"), tree.nodes["Background"]
+    mixed, other = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBackground")
+    other.inputs["Color"].default_value = (0.9, 0.3, 0.1, 1)
+    for output, socket in ((path.outputs[way], mixed.inputs[0]), (lit.outputs[0], mixed.inputs[1]), (other.outputs[0], mixed.inputs[2]),
+                           (mixed.outputs[0], tree.get_output_node("ALL").inputs["Surface"])):
+        tree.links.new(output, socket)
 
 
 def sky(scene, image, mapping):
