@@ -132,5 +132,5 @@ static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
 
 static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
                             real *spec, real *matt) {
-  FN(yarn_batch)(bsdf_of(b), count, in, spec, matt);
+  FN(yarn_batch)(bsdf_of(b), count, in, NULL, spec, matt);
 }

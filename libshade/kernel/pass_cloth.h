@@ -13,8 +13,9 @@
 typedef struct FN(gathered) {
   size_t count;
   int whole; /* lane[j] is j: nothing has to be gathered */
+  int dull;  /* ex, ey are there: exponents or alphas, as the distribution reads them */
   int lane[BLOCK];
-  real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK];
+  real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK], ex[BLOCK], ey[BLOCK];
 } FN(gathered);
 
 /* 1 where lit from in front, -1 from behind, else 0; by the cosines about n and z. */
@@ -209,6 +210,15 @@ static void FN(cloth_through)(const FN(gathered) * g, real *restrict through) {
                                  FN(dot)(nx[j], ny[j], nz[j], ox[j], oy[j], oz[j]));
 }
 
+/* The lobes of g's lanes in *room; NULL where all have b's. */
+LEAF const FN(varied) * FN(cloth_varied)(const bsdf *b, const FN(gathered) * g, FN(varied) * room) {
+  if (!g->dull)
+    return NULL;
+  *room = b->exponents ? (FN(varied)){.ex = g->ex, .ey = g->ey}
+                       : (FN(varied)){.ax = g->ex, .ay = g->ey};
+  return room;
+}
+
 /*
  * What is asked of one lobe under each pair of light and eye: two numbers (spec and matt of
  * kernel_yarn), or one (the density; what comes through).
@@ -218,10 +228,12 @@ typedef enum FN(asked) { FN(ASK_YARN), FN(ASK_DENSITY), FN(ASK_THROUGH) } FN(ask
 static void FN(cloth_ask)(FN(asked) what, const bsdf *b, const FN(gathered) * g, real *first,
                           real *second) {
   const FN(shade_lanes) in = FN(lanes_of)(g);
+  FN(varied) lobes;
+  const FN(varied) *varied = FN(cloth_varied)(b, g, &lobes);
   if (what == FN(ASK_YARN))
-    FN(yarn_batch)(b, g->count, &in, first, second);
+    FN(yarn_batch)(b, g->count, &in, varied, first, second);
   else if (what == FN(ASK_DENSITY))
-    FN(pdf_batch)(b, g->count, &in, NULL, first);
+    FN(pdf_batch)(b, g->count, &in, varied, first);
   else
     FN(cloth_through)(g, first);
 }
@@ -235,7 +247,12 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
   for (size_t start = 0; start < g->count; start += most) {
     const size_t size = g->count - start < most ? g->count - start : most;
     all.count = size * m;
+    all.dull = g->dull;
     for (size_t j = 0; j < size; j++) {
+      for (size_t i = j * m; all.dull && i < (j + 1) * m; i++) {
+        all.ex[i] = g->ex[start + j];
+        all.ey[i] = g->ey[start + j];
+      }
       memcpy(all.n[0] + j * m, nodes->FN(x), m * sizeof(real));
       memcpy(all.n[1] + j * m, nodes->FN(y), m * sizeof(real));
       memcpy(all.n[2] + j * m, nodes->FN(z), m * sizeof(real));
@@ -282,6 +299,7 @@ static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered
   if (!any)
     return;
   far.count = 0;
+  far.dull = 0;
   for (size_t j = 0; j < g->count; j++) {
     if (!(share[j] < 1))
       continue;
@@ -303,7 +321,7 @@ static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered
 /* Lanes of a kind under one lobe of their side. */
 static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int kind,
                           const bsdf *b, FN(gathered) * g, real *first, real *second) {
-  if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table && b == bsdf_of(&s->lobe[FABRIC_FAR])) {
+  if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table && !g->dull) {
     FN(cloth_far)(b, s, g, first, second);
   } else if (kind == CLOTH_FAR) {
     FN(cloth_mixture)(what, b, what == FN(ASK_YARN) ? &s->nodes : &s->coarse, g, first, second);
@@ -320,28 +338,85 @@ static fabric_lobe FN(cloth_lobe)(FN(asked) what, int kind) {
                                 : FABRIC_DRAW;
 }
 
-/* The same, where some lanes have less gloss: those one by one, each with a lobe of its own. */
+/*
+ * Less gloss is more variance, by what the yarn's own lobe gains: the exponent e of one becomes
+ * gloss e, that of a wider lobe w follows by 1/w' = 1/w + (1/gloss - 1)/e; squares of alphas add.
+ */
+typedef struct FN(dulling) {
+  int exponents;
+  real x, y, per_x, per_y; /* w and w/e; or both alphas squared */
+} FN(dulling);
+
+LEAF FN(dulling) FN(dulling_of)(const fabric_side *s, fabric_lobe which) {
+  const shade_params *yarn = &s->made_of[FABRIC_NEAR], *lobe = &s->made_of[which];
+  if (shade_mdf_reads_exponents(lobe->mdf))
+    return (FN(dulling)){1, (real)lobe->ex, (real)lobe->ey,
+                         (real)(yarn->ex > 0 ? lobe->ex / yarn->ex : 0),
+                         (real)(yarn->ey > 0 ? lobe->ey / yarn->ey : 0)};
+  return (FN(dulling)){0, (real)(lobe->ax * lobe->ax), (real)(lobe->ay * lobe->ay),
+                       (real)(yarn->ax * yarn->ax), (real)(yarn->ay * yarn->ay)};
+}
+
+/* Exponents or alphas for a gloss of [0, 1]. */
+LEAF FN(pair) FN(dulled)(FN(dulling) d, real gloss) {
+  const real more = 1 / FN(maximum)(gloss, R(1e-6)) - 1;
+  return d.exponents ? (FN(pair)){d.x / (1 + more * d.per_x), d.y / (1 + more * d.per_y)}
+                     : (FN(pair)){FN(root)(d.x + more * d.per_x), FN(root)(d.y + more * d.per_y)};
+}
+
+/* Lanes of less gloss: which of g's, in `at`, their eyes and lobes. Returns how many. */
+static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_lobe which, int k,
+                             const FN(gathered) * g, FN(gathered) * to, int *at) {
+  const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
+  int any = 0;
+  for (size_t j = 0; j < g->count; j++)
+    any |= gloss[g->lane[j]] < 1;
+  to->count = 0;
+  if (!any)
+    return 0;
+  const FN(dulling) lobe = FN(dulling_of)(s, which);
+  for (size_t j = 0; j < g->count; j++) {
+    if (!(gloss[g->lane[j]] < 1))
+      continue;
+    const size_t i = to->count++;
+    at[i] = (int)j;
+    to->lane[i] = g->lane[j];
+    for (int a = 0; a < 3; a++)
+      to->wo[a][i] = g->wo[a][j];
+    to->ex[i] = gloss[g->lane[j]];
+  }
+  to->whole = 0;
+  to->dull = 1;
+#pragma omp simd
+  for (size_t i = 0; i < to->count; i++) {
+    const FN(pair) e = FN(dulled)(lobe, to->ex[i]);
+    to->ex[i] = e.x;
+    to->ey[i] = e.y;
+  }
+  return to->count;
+}
+
+/* The same, where some lanes have less gloss. */
 static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int k,
                             int kind, FN(gathered) * g, real *first, real *second) {
   const fabric_lobe which = FN(cloth_lobe)(what, kind);
-  const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
-  int dull = 0;
-  for (size_t j = 0; j < g->count; j++)
-    dull |= gloss[g->lane[j]] < 1;
-  FN(cloth_run)(what, c, s, kind, bsdf_of(&s->lobe[which]), g, first, second);
-  for (size_t j = 0; dull && j < g->count; j++) {
-    FN(gathered) one;
-    shade_bsdf room;
-    if (!(gloss[g->lane[j]] < 1))
-      continue;
-    one.count = 1;
-    one.lane[0] = g->lane[j];
-    for (int a = 0; a < 3; a++) {
-      one.wi[a][0] = g->wi[a][j];
-      one.wo[a][0] = g->wo[a][j];
-    }
-    const shade_bsdf *b = shade_fabric_dull_lobe(s, which, (double)gloss[g->lane[j]], &room);
-    FN(cloth_run)(what, c, s, kind, bsdf_of(b), &one, first + j, second ? second + j : NULL);
+  const bsdf *b = bsdf_of(&s->lobe[which]);
+  FN(gathered) dull;
+  real one[BLOCK], two[BLOCK];
+  int at[BLOCK];
+  const size_t count = FN(cloth_dull)(c, s, which, k, g, &dull, at);
+  if (count < g->count)
+    FN(cloth_run)(what, c, s, kind, b, g, first, second);
+  if (!count)
+    return;
+  for (int a = 0; a < 3; a++)
+    for (size_t i = 0; i < count; i++)
+      dull.wi[a][i] = g->wi[a][at[i]];
+  FN(cloth_run)(what, c, s, kind, b, &dull, one, two);
+  for (size_t i = 0; i < count; i++) {
+    first[at[i]] = one[i];
+    if (second)
+      second[at[i]] = two[i];
   }
 }
 
@@ -412,7 +487,7 @@ static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, const
                                const real *const wo[3], FN(gathered) * g) {
   const size_t count = l->count[behind][kind];
   g->count = 0;
-  g->whole = 0;
+  g->whole = g->dull = 0;
   if (!count || (kind <= CLOTH_WARP && kind != k) || kind == CLOTH_GAP || kind == CLOTH_VOID)
     return 0;
   const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);

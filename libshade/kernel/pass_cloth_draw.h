@@ -134,12 +134,38 @@ static unsigned FN(kernel_cloth_pdf)(const shade_fabric *f, const FN(cloth) * c,
 
 /* ---- draws ------------------------------------------------------------------ */
 
+/* Draws of one lobe for every eye of g, into its wi. */
+static void FN(cloth_sample)(const bsdf *b, FN(gathered) * g, const real *u1, const real *u2) {
+  real rgb[3][BLOCK], pdf[BLOCK], cosine[BLOCK];
+  FN(varied) lobes;
+  const FN(shade_sample_lanes) in = {.size = sizeof in,
+                                     .nx = g->n[0],
+                                     .ny = g->n[1],
+                                     .nz = g->n[2],
+                                     .wox = g->wo[0],
+                                     .woy = g->wo[1],
+                                     .woz = g->wo[2],
+                                     .u1 = u1,
+                                     .u2 = u2};
+  const FN(shade_sample_result) out = {.size = sizeof out,
+                                       .wix = g->wi[0],
+                                       .wiy = g->wi[1],
+                                       .wiz = g->wi[2],
+                                       .r = rgb[0],
+                                       .g = rgb[1],
+                                       .b = rgb[2],
+                                       .pdf = pdf,
+                                       .cosine = cosine};
+  FN(sample_batch)(b, g->count, &in, FN(cloth_varied)(b, g, &lobes), &out);
+}
+
 /* Lobes of the lanes that are listed, into wi. u3 chooses among nodes, and is used up. */
 static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, const FN(lists) * l,
                                  int kind, int k, const real *const wo[3], real *u3, const real *u1,
                                  const real *u2, real *const wi[3]) {
-  FN(gathered) g;
-  real v[2][BLOCK], rgb[3][BLOCK], pdf[BLOCK], cosine[BLOCK];
+  FN(gathered) g, dull;
+  real v[2][BLOCK];
+  int at[BLOCK];
   const fabric_side *s = &f->side[k];
   if (!FN(cloth_gather)(f, c, l, 0, kind, k, NULL, wo, &g))
     return;
@@ -158,53 +184,23 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
     g.n[1][j] = s->coarse.FN(y)[node];
     g.n[2][j] = s->coarse.FN(z)[node];
   }
-  const FN(shade_sample_lanes) in = {.size = sizeof in,
-                                     .nx = g.n[0],
-                                     .ny = g.n[1],
-                                     .nz = g.n[2],
-                                     .wox = g.wo[0],
-                                     .woy = g.wo[1],
-                                     .woz = g.wo[2],
-                                     .u1 = v[0],
-                                     .u2 = v[1]};
-  const FN(shade_sample_result) out = {.size = sizeof out,
-                                       .wix = g.wi[0],
-                                       .wiy = g.wi[1],
-                                       .wiz = g.wi[2],
-                                       .r = rgb[0],
-                                       .g = rgb[1],
-                                       .b = rgb[2],
-                                       .pdf = pdf,
-                                       .cosine = cosine};
   const fabric_lobe which = FN(cloth_lobe)(FN(ASK_DENSITY), kind);
-  const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
-  FN(sample_batch)(bsdf_of(&s->lobe[which]), g.count, &in, NULL, &out);
-  for (size_t j = 0; j < g.count; j++) { /* those of less gloss again, one by one */
-    shade_bsdf room;
-    if (!(gloss[g.lane[j]] < 1))
-      continue;
-    const FN(shade_sample_lanes) one = {.size = sizeof one,
-                                        .nx = in.nx + j,
-                                        .ny = in.ny + j,
-                                        .nz = in.nz + j,
-                                        .wox = in.wox + j,
-                                        .woy = in.woy + j,
-                                        .woz = in.woz + j,
-                                        .u1 = in.u1 + j,
-                                        .u2 = in.u2 + j};
-    const FN(shade_sample_result) to = {.size = sizeof to,
-                                        .wix = out.wix + j,
-                                        .wiy = out.wiy + j,
-                                        .wiz = out.wiz + j,
-                                        .r = out.r,
-                                        .g = out.g,
-                                        .b = out.b,
-                                        .pdf = out.pdf,
-                                        .cosine = out.cosine};
-    FN(sample_batch)
-    (bsdf_of(shade_fabric_dull_lobe(s, which, (double)gloss[g.lane[j]], &room)), 1, &one, NULL,
-     &to);
+  const bsdf *b = bsdf_of(&s->lobe[which]);
+  const size_t less = FN(cloth_dull)(c, s, which, k, &g, &dull, at);
+  if (less < g.count)
+    FN(cloth_sample)(b, &g, v[0], v[1]);
+  for (size_t i = 0; i < less; i++) {
+    const int j = at[i]; /* never before i */
+    for (int a = 0; a < 3; a++)
+      dull.n[a][i] = g.n[a][j];
+    v[0][i] = v[0][j];
+    v[1][i] = v[1][j];
   }
+  if (less)
+    FN(cloth_sample)(b, &dull, v[0], v[1]);
+  for (size_t i = 0; i < less; i++)
+    for (int a = 0; a < 3; a++)
+      g.wi[a][at[i]] = dull.wi[a][i];
   FN(cloth_carry_back)(f, c, kind, k, &g, wi);
 }
 

@@ -90,6 +90,10 @@ static void FN(pass_exponent_of)(size_t count, real *restrict v) {
     v[i] = FN(minimum)(FN(maximum)(2 / (v[i] * v[i]) - 2, 0), R(1e6));
 }
 
+LEAF real FN(peak_of_exponents)(real kx, real ky) {
+  return FN(root)((kx + 1) * (ky + 1)) * R(0.15915494309189533577);
+}
+
 static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
                                         const real *restrict ky, real *restrict gx,
                                         real *restrict gy, real *restrict peak) {
@@ -97,7 +101,7 @@ static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
   for (size_t i = 0; i < count; i++) {
     gx[i] = 2 / (kx[i] + 2);
     gy[i] = 2 / (ky[i] + 2);
-    peak[i] = FN(root)((kx[i] + 1) * (ky[i] + 1)) * R(0.15915494309189533577);
+    peak[i] = FN(peak_of_exponents)(kx[i], ky[i]);
   }
 }
 /*

@@ -71,18 +71,23 @@ static unsigned FN(hard_block)(const bsdf *b, const FN(block) * s, const FN(resu
  * What one yarn does with the light, for the mixtures of fabric.h, per sample: spec is the
  * BRDF without Fresnel, times the cosine; matt is Phi/pi times the light that enters and leaves by
  * Schlick's white share, (1 - w(n.wi))(1 - w(n.wo)). Both 0 beyond a horizon. No mending:
- * n, wi and wo are unit, n.z > 0.
+ * n, wi and wo are unit, n.z > 0. Of `varied`, NULL for none, only the shape of the lobe is used.
  */
-static void FN(yarn_batch)(const bsdf *b, size_t count, const FN(shade_lanes) * in, real *spec,
-                           real *matt) {
+static void FN(yarn_batch)(const bsdf *given, size_t count, const FN(shade_lanes) * in,
+                           const FN(varied) * varied, real *spec, real *matt) {
   FN(specular_room) room;
   ROOM hwo[BLOCK], cosi[BLOCK], coso[BLOCK];
+  FN(varied_room) each;
+  bsdf copy;
+  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
   FN(block) s = {.shape = FN(own_shape)(b)};
   for (size_t start = 0; start < count; start += BLOCK) {
     s.count = count - start < BLOCK ? count - start : BLOCK;
     s.n = FN(vec_from)(in->nx, in->ny, in->nz, start);
     s.wi = FN(vec_from)(in->wix, in->wiy, in->wiz, start);
     s.wo = FN(vec_from)(in->wox, in->woy, in->woz, start);
+    if (varied)
+      FN(read_varied)(b, varied, start, FN(is_fused)(b), &s, &each);
     real *d = spec + start, *q = matt + start;
     FN(specular_block)(b, &s, &room, hwo, cosi, coso, d);
     FN(diffuse_block)(b, s.count, s.n, s.wi, s.wo, cosi, coso, room.xx, room.yy, q);

@@ -5,21 +5,34 @@
  * but the yarns in common: what depends on light and eye alone is computed once for all of them.
  */
 
+/* The lobe of all g's lanes where the hit has less gloss. */
+static void FN(cloth_dull_one)(const FN(cloth) * c, const fabric_side *s, fabric_lobe which, int k,
+                               FN(gathered) * g) {
+  const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
+  g->dull = gloss < 1;
+  if (!g->dull)
+    return;
+  const FN(pair) e = FN(dulled)(FN(dulling_of)(s, which), gloss);
+  for (size_t j = 0; j < g->count; j++) {
+    g->ex[j] = e.x;
+    g->ey[j] = e.y;
+  }
+}
+
 /* What is asked of the lobes of side k, in the frame of its fibres: spec and matt of the yarns, or
  * in spec what comes through. */
 static void FN(cloth_lobe_one)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int k,
                                FN(gathered) * g, real *spec, real *matt) {
   const int kind = c->kind[0];
-  const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
   const fabric_lobe which = FN(cloth_lobe)(FN(ASK_YARN), kind);
-  shade_bsdf room;
+  const bsdf *b = bsdf_of(&s->lobe[which]);
+  g->dull = 0;
   if (what == FN(ASK_THROUGH) && kind > CLOTH_WARP) {
-    FN(cloth_mixture)(what, NULL, &s->nodes, g, spec, matt);
+    FN(cloth_mixture)(what, b, &s->nodes, g, spec, matt);
     return;
   }
-  const bsdf *b = bsdf_of(what == FN(ASK_YARN) && gloss < 1
-                              ? shade_fabric_dull_lobe(s, which, (double)gloss, &room)
-                              : &s->lobe[which]);
+  if (what == FN(ASK_YARN))
+    FN(cloth_dull_one)(c, s, which, k, g);
   if (kind == CLOTH_FAR) {
     FN(cloth_run)(what, c, s, kind, b, g, spec, matt);
     return;
@@ -32,7 +45,10 @@ static void FN(cloth_lobe_one)(FN(asked) what, const FN(cloth) * c, const fabric
   const FN(triple) n = {g->n[0][0], g->n[1][0], g->n[2][0]};
   const FN(triple) wi = {g->wi[0][0], g->wi[1][0], g->wi[2][0]};
   const FN(triple) wo = {g->wo[0][0], g->wo[1][0], g->wo[2][0]};
-  FN(yarn_one)(b, n, wi, wo, spec, matt);
+  if (g->dull)
+    FN(cloth_ask)(what, b, g, spec, matt);
+  else
+    FN(yarn_one)(b, n, wi, wo, spec, matt);
   if (kind == CLOTH_SINGLE) {
     const FN(faced) f = FN(faced_of)(s);
     const real seen = FN(facing)(f, XYZ(wi)) * FN(facing)(f, XYZ(wo));
@@ -154,13 +170,11 @@ static int FN(cloth_near_sides)(const shade_fabric *f, const FN(cloth) * c, real
     const fabric_side *s = &f->side[k];
     const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
     const size_t first = FN(near_first)(c, k);
-    shade_bsdf room;
     if (first == c->count) {
       given[k] = (FN(near_side)){.wi = {0}};
       continue;
     }
-    const bsdf *b = bsdf_of(gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
-                                      : &s->lobe[FABRIC_NEAR]);
+    const bsdf *b = bsdf_of(&s->lobe[FABRIC_NEAR]);
     if (!FN(is_usual)(b) || (any && any->diffuse != b->diffuse))
       return 0;
     FN(cloth_carry_one)(f, c, k, first, wi, given[k].wi);
@@ -168,7 +182,13 @@ static int FN(cloth_near_sides)(const shade_fabric *f, const FN(cloth) * c, real
     given[k].kx = b->FN(kx);
     given[k].ky = b->FN(ky);
     given[k].peak = b->FN(peak);
-    any = bsdf_of(&s->lobe[FABRIC_NEAR]);
+    if (gloss < 1) {
+      const FN(pair) e = FN(dulled)(FN(dulling_of)(s, FABRIC_NEAR), gloss);
+      given[k].kx = e.x;
+      given[k].ky = e.y;
+      given[k].peak = FN(peak_of_exponents)(e.x, e.y);
+    }
+    any = b;
   }
   if (!any)
     return 1;
@@ -203,11 +223,6 @@ static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int
     return;
   FN(cloth_carry_one)(f, c, k, first, wi, i);
   FN(cloth_carry_one)(f, c, k, first, wo, o);
-  const real gloss = FN(cloth_row)(c, CLOTH_GLOSS + k)[0];
-  shade_bsdf room;
-  const bsdf *b =
-      bsdf_of(lit && gloss < 1 ? shade_fabric_dull_lobe(s, FABRIC_NEAR, (double)gloss, &room)
-                               : &s->lobe[FABRIC_NEAR]);
   for (size_t j = first; j < c->count; j++)
     if (c->kind[j] == k && weight[j] > 0) {
       for (int a = 0; a < 3; a++)
@@ -235,7 +250,8 @@ static void FN(cloth_near_terms)(const shade_fabric *f, const FN(cloth) * c, int
     }
     return;
   }
-  FN(cloth_ask)(FN(ASK_YARN), b, &g, spec, matt);
+  FN(cloth_dull_one)(c, s, FABRIC_NEAR, k, &g);
+  FN(cloth_ask)(FN(ASK_YARN), bsdf_of(&s->lobe[FABRIC_NEAR]), &g, spec, matt);
   for (size_t j = 0; j < used; j++) {
     const size_t lane = (size_t)g.lane[j];
     shine += part[lane] * weight[lane] * spec[j];

@@ -59,7 +59,4 @@ static inline bsdf *bsdf_in(shade_bsdf *b) {
   return (bsdf *)b;
 }
 
-/* shade_bsdf_setup for an instruction set that was chosen before. */
-unsigned shade_bsdf_setup_on(shade_bsdf *b, const shade_params *p, int isa);
-
 #endif

@@ -108,10 +108,6 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
 /* What the shadows of yarns depend on. fabric_shadow.c */
 void fabric_set_shadows(shade_fabric *f);
 
-/* The lobe for yarns of less gloss, [0, 1], in *room. */
-const shade_bsdf *shade_fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,
-                                         shade_bsdf *room);
-
 /* The far model's share: none below .75 crossings, all from 2. */
 static inline double fabric_far_share(double extent) {
   if (!(extent > 0.75))

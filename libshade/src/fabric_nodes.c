@@ -50,25 +50,6 @@ static void make_lobe(fabric_side *side, fabric_lobe which, const shade_fabric_p
   *status |= shade_bsdf_setup(&side->lobe[which], &q);
 }
 
-/*
- * Less gloss is more variance, by what the yarn's own lobe gains: the exponent e of one becomes
- * gloss e, that of a wider lobe w follows by 1/w' = 1/w + (1/gloss - 1)/e; squares of alphas add.
- */
-const shade_bsdf *shade_fabric_dull_lobe(const fabric_side *side, fabric_lobe which, double gloss,
-                                         shade_bsdf *room) {
-  const shade_params *own = &side->made_of[FABRIC_NEAR];
-  shade_params q = side->made_of[which];
-  const double more = 1 / fmax(gloss, 1e-6) - 1;
-  if (shade_mdf_reads_exponents(q.mdf))
-    shade_params_set_exponents(&q, own->ex > 0 ? q.ex / (1 + q.ex * more / own->ex) : 0,
-                               own->ey > 0 ? q.ey / (1 + q.ey * more / own->ey) : 0);
-  else
-    shade_params_set_alphas(&q, sqrt(q.ax * q.ax + more * own->ax * own->ax),
-                            sqrt(q.ay * q.ay + more * own->ay * own->ay));
-  shade_bsdf_setup_on(room, &q, bsdf_of(&side->lobe[which])->isa);
-  return room;
-}
-
 static void measure(const fabric_look *looks, cut *c) {
   double w = 0, x = 0, y = 0, xx = 0, yy = 0;
   for (size_t i = c->start; i < c->start + c->count; i++) {

@@ -50,12 +50,12 @@ static void setup_draws(bsdf *b) {
   b->share_diffusef = (float)b->share_diffuse;
 }
 
-unsigned shade_bsdf_setup_on(shade_bsdf *out, const shade_params *given, int isa) {
+unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   unsigned status = SHADE_OK;
   const shade_params p = shade_params_within_ranges(given, &status);
   bsdf *b = bsdf_in(out);
   memset(out, 0, sizeof *out);
-  b->isa = isa;
+  b->isa = shade_isa_chosen();
   b->mdf = p.mdf;
   b->brdf = p.brdf;
   b->detail = p.detail;
@@ -120,8 +120,4 @@ unsigned shade_bsdf_setup_on(shade_bsdf *out, const shade_params *given, int isa
       fresnel.f0 && !fresnel.tint && !fresnel.grazing && !(b->f0[0] + b->f0[1] + b->f0[2] > 0);
   setup_draws(b);
   return status;
-}
-
-unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
-  return shade_bsdf_setup_on(out, given, shade_isa_chosen());
 }

@@ -69,10 +69,6 @@ static uint64_t runs_on(const shade_isa_table *isa) {
   assert_ptr_equal(shade_isa_tables[weave->isa], isa);
   assert_ptr_equal(shade_isa_tables[fabric->isa], isa);
   assert_ptr_equal(shade_isa_tables[bsdf_of(&fabric->side[0].lobe[FABRIC_NEAR])->isa], isa);
-  /* a lobe made anew within an evaluation asks nobody */
-  setenv(SHADE_ISA_VARIABLE, "", 1);
-  shade_fabric_dull_lobe(&fabric->side[0], FABRIC_NEAR, 0.5, &b);
-  assert_ptr_equal(shade_isa_tables[bsdf_of(&b)->isa], isa);
   shade_fabric_free(fabric);
   shade_weave_free(weave);
   shade_draft_free(draft);

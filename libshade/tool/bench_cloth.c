@@ -12,19 +12,21 @@
 #include "src/fabric.h"
 #include "tool/bench_parts.h"
 
-enum { COUNT = 1024, RUNS = 40, ARRAYS = 12, OUT = 8, CHECKED = 64, POINTS = 1 << 14 };
+enum { COUNT = 1024, RUNS = 40, ARRAYS = 13, OUT = 8, CHECKED = 64, POINTS = 1 << 14 };
 
-/* What stands for a cloth: far by its tables, or by all lobes in turn. */
+/* What stands for a cloth: far by its tables, or by all lobes in turn; gloss: of each lane. */
 typedef struct form {
   const char *word;
   shade_fabric_tier tier;
   int nodes;
   double footprint;
+  int gloss;
 } form;
-static const form forms[] = {{"near", SHADE_TIER_NEAR, 0, 0},
-                             {"far", SHADE_TIER_FAR, 0, 20},
-                             {"far_nodes", SHADE_TIER_FAR, 1, 20},
-                             {"single", SHADE_TIER_SINGLE, 0, 0}};
+static const form forms[] = {
+    {"near", SHADE_TIER_NEAR, 0, 0, 0},          {"far", SHADE_TIER_FAR, 0, 20, 0},
+    {"far_nodes", SHADE_TIER_FAR, 1, 20, 0},     {"single", SHADE_TIER_SINGLE, 0, 0, 0},
+    {"near_gloss", SHADE_TIER_NEAR, 0, 0, 1},    {"far_gloss", SHADE_TIER_FAR, 0, 20, 1},
+    {"single_gloss", SHADE_TIER_SINGLE, 0, 0, 1}};
 enum { FORMS = sizeof forms / sizeof forms[0] };
 
 /* What is timed of a cloth. */
@@ -50,7 +52,8 @@ static void release(arrays *a) {
   free(a->hitsf);
 }
 
-/* u, v over 64 crossings, footprint, wi, wo within 60 degrees of z, u1 to u3. 0: out of memory. */
+/* u, v over 64 crossings, footprint, wi, wo within 60 degrees of z, u1 to u3, gloss. 0: out of
+ * memory. */
 static int fill(arrays *a, double footprint) {
   uint64_t seed = 1;
   int ok = 1;
@@ -83,19 +86,20 @@ static int fill(arrays *a, double footprint) {
   return ok;
 }
 
-#define LANES(in)                                                                                  \
+#define LANES(in, gloss)                                                                           \
   {                                                                                                \
     .u = in[0], .v = in[1], .du = in[2], .dv = in[2], .wix = in[3], .wiy = in[4], .wiz = in[5],    \
-    .wox = in[6], .woy = in[7], .woz = in[8], .u1 = in[9], .u2 = in[10], .u3 = in[11]              \
+    .wox = in[6], .woy = in[7], .woz = in[8], .u1 = in[9], .u2 = in[10], .u3 = in[11],             \
+    .warp_gloss = gloss ? in[12] : NULL, .weft_gloss = gloss ? in[12] : NULL                       \
   }
 #define RESULT(out)                                                                                \
   { .r = out[0], .g = out[1], .b = out[2], .wix = out[4], .wiy = out[5], .wiz = out[6] }
 
-static void run(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, job what,
-                int single) {
-  shade_fabric_lanes in = LANES(a->in);
+static void run(const shade_fabric *f, const arrays *a, const form *form, job what, int single) {
+  const shade_fabric_tier tier = form->tier;
+  shade_fabric_lanes in = LANES(a->in, form->gloss);
   shade_fabric_result out = RESULT(a->out);
-  shade_fabric_lanesf inf = LANES(a->inf);
+  shade_fabric_lanesf inf = LANES(a->inf, form->gloss);
   shade_fabric_resultf outf = RESULT(a->outf);
   in.size = sizeof in;
   out.size = sizeof out;
@@ -128,20 +132,24 @@ static void run(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, 
 }
 
 /* One call a light, of one hit. */
-static void call(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, int single) {
+static void call(const shade_fabric *f, const arrays *a, const form *form, int single) {
   shade_fabric_point p;
   shade_fabric_pointf pf;
   shade_fabric_hit hit;
   shade_fabric_hitf hitf;
   shade_fabric_point_init(f, &p);
   shade_fabric_point_initf(f, &pf);
+  if (form->gloss) {
+    p.warp_gloss = p.weft_gloss = a->in[12][0];
+    pf.warp_gloss = pf.weft_gloss = a->inf[12][0];
+  }
   p.uv[0] = pf.uv[0] = a->inf[0][0];
   p.uv[1] = pf.uv[1] = a->inf[1][0];
   p.footprint[0] = p.footprint[1] = pf.footprint[0] = pf.footprint[1] = a->inf[2][0];
   const double wo[3] = {a->in[6][0], a->in[7][0], a->in[8][0]};
   const float wof[3] = {a->inf[6][0], a->inf[7][0], a->inf[8][0]};
-  shade_fabric_prepare(f, &p, wo, tier, &hit, NULL);
-  shade_fabric_preparef(f, &pf, wof, tier, &hitf, NULL);
+  shade_fabric_prepare(f, &p, wo, form->tier, &hit, NULL);
+  shade_fabric_preparef(f, &pf, wof, form->tier, &hitf, NULL);
   for (int i = 0; i < COUNT; i++) {
     const double wi[3] = {a->in[3][i], a->in[4][i], a->in[5][i]};
     const float wif[3] = {a->inf[3][i], a->inf[4][i], a->inf[5][i]};
@@ -155,15 +163,15 @@ static void call(const shade_fabric *f, const arrays *a, shade_fabric_tier tier,
   }
 }
 
-static double best_of(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, job what,
+static double best_of(const shade_fabric *f, const arrays *a, const form *form, job what,
                       int single) {
   double best = INFINITY;
   for (int k = 0; k < RUNS; k++) {
     const double begun = bench_seconds();
     if (what == CALL)
-      call(f, a, tier, single);
+      call(f, a, form, single);
     else
-      run(f, a, tier, what, single);
+      run(f, a, form, what, single);
     best = fmin(best, bench_seconds() - begun);
   }
   return best / COUNT * 1e9;
@@ -171,18 +179,18 @@ static double best_of(const shade_fabric *f, const arrays *a, shade_fabric_tier 
 
 /*
  * Largest relative error of s: near, float against double (over s + 1e-3); far and single, of some
- * pairs against the mean of the near model over many points.
+ * pairs against the mean of the near model over many points; with gloss none is taken.
  */
-static double error_of(const shade_fabric *f, const arrays *a, shade_fabric_tier tier, int single) {
+static double error_of(const shade_fabric *f, const arrays *a, const form *form, int single) {
   double worst = 0;
-  run(f, a, tier, WHOLE, 1);
-  run(f, a, tier, WHOLE, 0);
-  if (tier == SHADE_TIER_NEAR) {
+  run(f, a, form, WHOLE, 1);
+  run(f, a, form, WHOLE, 0);
+  if (form->tier == SHADE_TIER_NEAR) {
     for (int i = 0; i < COUNT; i++)
       worst = fmax(worst, fabs((double)a->outf[1][i] - a->out[1][i]) / (a->out[1][i] + 1e-3));
     return single ? worst : 0;
   }
-  for (int i = 0; i < COUNT; i += COUNT / CHECKED) {
+  for (int i = 0; !form->gloss && i < COUNT; i += COUNT / CHECKED) {
     double mean = 0;
     const double wi[3] = {a->in[3][i], a->in[4][i], a->in[5][i]};
     const double wo[3] = {a->in[6][i], a->in[7][i], a->in[8][i]};
@@ -205,20 +213,20 @@ static int bench_form(const shade_fabric *f, const shade_preset *p, const form *
   arrays a;
   const int ok = fill(&a, form->footprint);
   for (int single = 1; ok && single >= 0; single--) {
-    shade_fabric_lanes in = LANES(a.in);
-    shade_fabric_lanesf inf = LANES(a.inf);
+    shade_fabric_lanes in = LANES(a.in, form->gloss);
+    shade_fabric_lanesf inf = LANES(a.inf, form->gloss);
     in.size = sizeof in;
     inf.size = sizeof inf;
     shade_fabric_prepare_batch(f, COUNT, &in, form->tier, a.hits, NULL);
     shade_fabric_prepare_batchf(f, COUNT, &inf, form->tier, a.hitsf, NULL);
-    const double error = error_of(f, &a, form->tier, single);
+    const double error = error_of(f, &a, form, single);
     for (int what = 0; what < JOBS; what++) {
       const int of_draws = what == DENSITY || what == DRAW;
       char word[32];
       snprintf(word, sizeof word, "cloth_%s%s", form->word, job_words[what]);
       if (!(form->nodes && of_draws)) /* those are the same */
         print(context, word, p->word, shade_list_word(SHADE_LIST_MDF, (int)p->fabric.mdf), single,
-              best_of(f, &a, form->tier, (job)what, single), of_draws ? 0 : error);
+              best_of(f, &a, form, (job)what, single), of_draws ? 0 : error);
     }
   }
   release(&a);
