@@ -117,6 +117,20 @@ def metal(name="metal", **settings):
     return material, tree, node
 
 
+def shown(engine, name="shown"):
+    """(material, tree, socket) of a material that shows a colour: by our metal or, in Cycles, as emission. Cycles gets no
+    node of ours: where there are hundreds, to make them takes most of the time."""
+    if engine != "CYCLES":
+        material, tree, node = metal(name, fresnel="NONE", detail="NONE")
+        return material, tree, node.inputs["Color"]
+    material = bpy.data.materials.new(name)
+    tree = tree_of(material)
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(shader.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return material, tree, shader.inputs["Color"]
+
+
 def image_node(tree, image):
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = image

@@ -754,7 +754,7 @@ def graph(options):
         image.pixels.foreach_set([*color, 1] * 4)
         image.update()
     for column, case in enumerate(cases):
-        material, tree, metal = common.metal(fresnel="NONE", detail="NONE")
+        material, tree, showing = common.shown(options["engine"])
         node = tree.nodes.new(case["node"])
         for key, value in case.get("set", {}).items():
             setattr(node, key, value)
@@ -773,12 +773,7 @@ def graph(options):
             node.outputs[0].default_value = case["own"]
         outputs = {socket.identifier: socket for socket in node.outputs}
         output = outputs.get(case.get("output")) or node.outputs[case.get("output", 0)]
-        if options["engine"] == "CYCLES":
-            shader = tree.nodes.new("ShaderNodeEmission")
-            tree.links.new(output, shader.inputs["Color"])
-            tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
-        else:
-            tree.links.new(output, metal.inputs["Color"])
+        tree.links.new(output, showing)
         ob = common.plane(material, 1)
         ob.location = (column + 0.5 - 0.5 * len(cases), 0, 0)
         for loop in ob.data.uv_layers[0].data:
@@ -874,7 +869,7 @@ def _through_group(tree, name, vector, hidden):
 
 def _showing(case, engine):
     """A material of what a node says. "beside": an image has asked for the active UV map before."""
-    material, tree, metal = common.metal(case["node"], fresnel="NONE", detail="NONE")
+    material, tree, showing = common.shown(engine, case["node"])
     node = tree.nodes.new(case["node"])
     for key, value in case.get("set", {}).items():
         setattr(node, key, value)
@@ -915,12 +910,7 @@ def _showing(case, engine):
     if case.get("beside"):
         tree.links.new(common.image_node(tree, _plain_image(*[0.25] * 3)).outputs["Color"], scaled.inputs[0])
     tree.links.new(node.outputs[case.get("output", 0)], scaled.inputs[1])
-    if engine == "CYCLES":
-        shader = tree.nodes.new("ShaderNodeEmission")
-        tree.links.new(scaled.outputs[0], shader.inputs["Color"])
-        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
-    else:
-        tree.links.new(scaled.outputs[0], metal.inputs["Color"])
+    tree.links.new(scaled.outputs[0], showing)
     return material
 
 
