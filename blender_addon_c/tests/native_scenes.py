@@ -25,6 +25,12 @@ def few(samples):
     return max(1, samples // FEWER)
 
 
+def some(cases, every=3):
+    """All cases in the release build; in others, which are asked about memory and about what a compiler makes of
+    the same code, one of so many: of cases that differ in numbers, not in what runs."""
+    return list(cases)[::every if "NATIVE_MODULE" in os.environ else 1]
+
+
 def chance(limit):
     """A limit for noise of few(samples), given that of all: noise falls by up to the 3/4 power of their number."""
     return limit * FEWER**0.75
