@@ -4,6 +4,7 @@
 import os
 import time
 import traceback
+from collections import namedtuple
 
 import bpy
 import numpy as np
@@ -43,10 +44,18 @@ class LibshadeEngine(bpy.types.RenderEngine):
         pixels = np.zeros((y1 - y0) * (x1 - x0) * 4, np.float32)
         for p in export.passes_of(depsgraph.scene, depsgraph.view_layer):
             self.add_pass(p.name, len(p.channels), p.channels, layer=depsgraph.view_layer.name)
-        # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
-        result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name)
+        messages, told = export.Messages(), set()
+        for view in [view.name for view in self.get_result().views] or [""]:
+            # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
+            result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name, view=view)
+            self._view(depsgraph, region, _Result(result, view), pixels, messages, told)
+
+    def _view(self, depsgraph, region, result, pixels, messages, told):
+        """One eye's, or the only one. told: what was said of another."""
+        if result.view:
+            self.active_view_set(result.view)
         try:
-            self._render(depsgraph, region, result, pixels)
+            self._render(depsgraph, region, result, pixels, messages, told)
         except export.SceneError as error:
             self.report({"ERROR"}, f"libshade: {error}")
             if not self.is_preview:
@@ -54,22 +63,21 @@ class LibshadeEngine(bpy.types.RenderEngine):
         except Exception:  # Blender would print it and show a black picture as if all were well
             self.report({"ERROR"}, f"libshade: internal error\n{traceback.format_exc()}")
         finally:
-            self.end_result(result)
+            self.end_result(result.whole)
 
-    def _render(self, depsgraph, region, result, pixels):
-        messages = export.Messages()
+    def _render(self, depsgraph, region, result, pixels, messages, told):
         try:
             self._render_scene(depsgraph, region, result, pixels, messages)
         finally:  # last, so that Blender's line of text shows them
             if not self.is_preview:
-                self._tell(depsgraph.scene, messages)
+                self._tell(depsgraph.scene, messages, told)
 
-    def _tell(self, scene, messages):
+    def _tell(self, scene, messages, told):
         report.keep(scene, messages)
-        for text in messages.errors:
-            self.report({"ERROR"}, f"libshade: {text}")
-        for text in messages.warnings:
-            self.report({"WARNING"}, f"libshade: {text}")
+        for kind, texts in (("ERROR", messages.errors), ("WARNING", messages.warnings)):
+            for text in (text for text in texts if text not in told):
+                self.report({kind}, f"libshade: {text}")
+        told.update(messages.errors, messages.warnings)
 
     def _render_scene(self, depsgraph, region, result, pixels, messages):
         started = time.perf_counter()
@@ -80,7 +88,9 @@ class LibshadeEngine(bpy.types.RenderEngine):
         samples = _PREVIEW_SAMPLES if self.is_preview else depsgraph.scene.libshade.samples
 
         def camera():
-            return export.camera_of(self.camera_override, depsgraph, size, messages)
+            ob = self.camera_override
+            eye = (self.camera_model_matrix(ob), self.camera_shift_x(ob)) if result.view and ob and ob.type == "CAMERA" else None
+            return export.camera_of(ob, depsgraph, size, messages, eye)
 
         with export.motion_of(self, depsgraph, camera, dump, messages) as motion:
             scene = export.read(depsgraph, camera(), size, region, samples, messages, mattes, motion)
@@ -156,7 +166,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
             if result and not bpy.app.background and time.perf_counter() - drawn > _REDRAW_SECONDS:
                 _native.image(job, pixels)
                 _set_pixels(result, pixels, exposure)
-                self.update_result(result)
+                self.update_result(result.whole)
                 drawn = time.perf_counter()
         return _native.poll(job)
 
@@ -207,6 +217,10 @@ def _has_shown(engine):
         return engine.look()
     except ReferenceError:
         return True
+
+
+# Blender's, and of which view; "" where there is one.
+_Result = namedtuple("_Result", "whole view")
 
 
 class _Status:
@@ -269,7 +283,7 @@ def _set_pixels(result, pixels, exposure=1.0, name="Combined", channels=4):
     if exposure != 1.0:
         pixels = pixels.reshape(-1, channels) * np.array((exposure,) * 3 + (1.0,) * (channels - 3), np.float32)
         pixels = pixels.ravel()
-    rect = result.layers[0].passes[name].rect
+    rect = result.whole.layers[0].passes.find_by_name(name, result.view).rect
     try:
         rect.foreach_set(pixels)
     except TypeError:  # until 4.0 rows of as many as there are channels

@@ -15,21 +15,29 @@ def region_of(scene, width, height):
             int(render.border_max_x * width), int(render.border_max_y * height))
 
 
-def camera_of(ob, depsgraph, size, messages):
-    """A camera object, as a render of that size sees through it."""
+def camera_of(ob, depsgraph, size, messages, eye=None):
+    """A camera object, as a render of that size sees through it. eye: where it stands and what shifts it sideways, where
+    it is one of several."""
     if ob is None or ob.type != "CAMERA":
         raise SceneError("the scene has no camera")
     ob = ob.evaluated_get(depsgraph)
     data, render = ob.data, depsgraph.scene_eval.render
+    matrix, shift = eye or (ob.matrix_world, data.shift_x)
     if data.type == "PANO":
-        view = _panorama(ob, data, render, size, messages)
+        view = _panorama(ob, data, render, size, (matrix, shift), messages)
         return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
     # The projection holds lens, sensor fit, shift and aspect.
     projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
                                        scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
     if not all(math.isfinite(projection[i][i]) and projection[i][i] for i in (0, 1)):
         raise SceneError(f"camera '{ob.name}' sees nothing: its view is of no size")
-    view = camera_by(projection, ob.matrix_world, (data.clip_start, data.clip_end))
+    view = camera_by(projection, matrix, (data.clip_start, data.clip_end))
+    if shift != data.shift_x:  # by which part of the picture
+        left, right, *rest = view["frame"]
+        width, height = size[0] * render.pixel_aspect_x, size[1] * render.pixel_aspect_y
+        longest = height / width if _fit(data, width, height) == "VERTICAL" else 1.0
+        aside = (right - left) * longest * (shift - data.shift_x)
+        view["frame"] = left + aside, right + aside, *rest
     return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
 
 
@@ -37,8 +45,16 @@ _PANORAMAS = ("EQUIRECTANGULAR", "EQUIANGULAR_CUBEMAP_FACE", "MIRRORBALL", "FISH
               "FISHEYE_EQUISOLID", "FISHEYE_LENS_POLYNOMIAL", "CENTRAL_CYLINDRICAL")  # as in the native module
 
 
-def _panorama(ob, data, render, size, messages):
+def _fit(data, width, height):
+    """Which side the size of the sensor is that of."""
+    return data.sensor_fit if data.sensor_fit != "AUTO" else "HORIZONTAL" if width >= height else "VERTICAL"
+
+
+def _panorama(ob, data, render, size, eye, messages):
     """A camera that sees around it. Its settings are Cycles' until 4.5, then its own."""
+    matrix, shift = eye
+    if render.use_multiview and render.views_format == "STEREO_3D" and data.stereo.use_spherical_stereo:
+        messages.warning(f"camera '{ob.name}': Spherical Stereo is not supported; its eyes stand still")
     settings = data if hasattr(data, "panorama_type") else getattr(data, "cycles", None)
     kind = getattr(settings, "panorama_type", "EQUIRECTANGULAR")
     if kind not in _PANORAMAS:
@@ -56,11 +72,11 @@ def _panorama(ob, data, render, size, messages):
         sides = [value(f"{name}_{end}", sign * most) for name, most in
                  (("longitude", math.pi), ("latitude", math.pi / 2)) for end, sign in (("min", -1), ("max", 1))]
     width, height = size[0] * render.pixel_aspect_x, size[1] * render.pixel_aspect_y
-    fit = data.sensor_fit if data.sensor_fit != "AUTO" else "HORIZONTAL" if width >= height else "VERTICAL"
+    fit = _fit(data, width, height)
     measure = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
     unit = measure / (width if fit == "HORIZONTAL" else height)
-    frame = data.shift_x, 1.0 + data.shift_x, data.shift_y, 1.0 + data.shift_y  # of the picture, whatever its shape
-    view = _placed(ob.matrix_world)
+    frame = shift, 1.0 + shift, data.shift_y, 1.0 + data.shift_y  # of the picture, whatever its shape
+    view = _placed(matrix)
     return {**view, "type": "PANO", "panorama": kind, "frame": frame, "range": sides,
             "clip": (data.clip_start, data.clip_end), "fov": value("fisheye_fov", math.pi),
             "focal": max(value("fisheye_lens", 10.5), 1e-6), "sensor": (width * unit, height * unit),

@@ -47,8 +47,6 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages)
     _name_settings(scene, messages)
-    if render.use_multiview:
-        messages.warning("stereoscopy is not supported: every view shows the same picture")
     return {
         "width": size[0],
         "height": size[1],

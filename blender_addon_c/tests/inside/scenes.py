@@ -18,6 +18,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
 import windowless
 from brought import brought
+from eyes import eyes
 from files import held_image, many_files
 from skies import seen_sky, seen_world, under_lamp, under_sky
 
