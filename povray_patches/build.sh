@@ -12,6 +12,8 @@ CXX, CXXFLAGS and JOBS (processors) are honoured. UNPATCHED=1 builds the source
 as Debian has it, for check.sh; LIBSHADE and ARCHIVE are then left out."
 
 set -euo pipefail
+# variables of the make above (SHELL=setup/timed.sh) are not for POV-Ray's
+unset MAKEFLAGS MAKEOVERRIDES
 here=$(dirname "$(readlink -f "$0")")
 unpatched=${UNPATCHED:-}
 case ${1-} in -h|--help) echo "$usage"; exit 0;; esac

@@ -13,9 +13,10 @@ from .image import MISSING, MISSING_COLOR
 from .sky import sky_of
 from .visibility import ALL, hidden
 
-# What its directions may come from, and their sign.
+# Of Math nodes between numbers that are known.
 _SIMPLE = {"ADD": operator.add, "SUBTRACT": operator.sub, "MULTIPLY": operator.mul, "MAXIMUM": max, "MINIMUM": min}
 
+# What its directions may come from, and their sign.
 _COORDINATES = {"Generated": 1, "Object": 1, "Normal": -1}
 
 
