@@ -9,7 +9,8 @@ LIBSHADE  the folder libshade/ with include/ and dump/
 ARCHIVE   libshade's static libraries, in the order of linking
 
 CXX, CXXFLAGS and JOBS (processors) are honoured. UNPATCHED=1 builds the source
-as Debian has it, for check.sh; LIBSHADE and ARCHIVE are then left out."
+as Debian has it, for check.sh; LIBSHADE and ARCHIVE are then left out. PREPARE=1
+ends when the source is configured, for which no ARCHIVE has to be there yet."
 
 set -euo pipefail
 # variables of the make above (SHELL=setup/timed.sh) are not for POV-Ray's
@@ -17,7 +18,8 @@ unset MAKEFLAGS MAKEOVERRIDES
 here=$(dirname "$(readlink -f "$0")")
 unpatched=${UNPATCHED:-}
 case ${1-} in -h|--help) echo "$usage"; exit 0;; esac
-[ $# -ge 3 ] || [ $# = 1 -a -n "$unpatched" ] || { echo "$usage" >&2; exit 2; }
+prepare=${PREPARE:-}
+[ $# -ge 3 ] || [ $# = 1 -a -n "$unpatched" ] || [ $# = 2 -a -n "$prepare" ] || { echo "$usage" >&2; exit 2; }
 
 mkdir -p "$1"
 out=$(readlink -f "$1")
@@ -26,7 +28,8 @@ shift
 if [ -z "$unpatched" ]; then
   libshade=$(readlink -f "$1")
   shift
-  archives=$(readlink -f "$@")
+  archives=
+  [ -n "$prepare" ] || archives=$(readlink -f "$@")
 fi
 
 say() { echo "povray: $*"; }
@@ -110,7 +113,7 @@ fi
 
 configure=(./configure COMPILED_BY="libshade" --without-x --without-libsdl --disable-optimiz --disable-strip
   --with-boost-thread=boost_thread "CXX=${CXX:-g++}" "CXXFLAGS=${CXXFLAGS:--O3}")
-[ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=${archives//$'\n'/ } -lOpenEXRCore-3_1")
+[ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=-lOpenEXRCore-3_1")
 
 # prebuild lists the source files, so a new one means a new configuration
 settings=$(printf '%s\n' "${configure[@]}" && ls "$src/source/backend/mdf" 2>/dev/null || true)
@@ -122,6 +125,7 @@ if [ "$(cat "$out/configured" 2>/dev/null)" != "$settings" ]; then
   run "configure" "${configure[@]}"
   echo "$settings" >"$out/configured"
 fi
+[ -z "$prepare" ] || exit 0
 
 # ---- compile
 
@@ -155,7 +159,10 @@ progress() {
   awk -v total="$total" -v tty="$1" '{ print > file } / -c -o / { if (tty && total) printf "\rpovray: compiled %d of %d ", ++n, total; fflush() }
     END { if (tty && n) print "" }' file="$out/build.log"
 }
-nice make -j"${JOBS:-$(nproc)}" CXXFLAGS="$flags -include $headers" 2>&1 | progress "$([ -t 1 ] && echo 1 || true)" ||
+# what configure found links after our archives, which need some of it
+libs=()
+[ -n "$unpatched" ] || libs=("LIBS=${archives//$'\n'/ } $(sed -n 's/^LIBS = //p' Makefile)")
+nice make -j"${JOBS:-$(nproc)}" CXXFLAGS="$flags -include $headers" "${libs[@]}" 2>&1 | progress "$([ -t 1 ] && echo 1 || true)" ||
   { grep -aE 'error|Error' "$out/build.log" | head -n 20 >&2; die "compiling failed; all of it is in $out/build.log"; }
 
 # ---- a program that runs from here; its time stamp changes only when something did

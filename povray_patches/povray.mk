@@ -4,8 +4,13 @@ P := povray_patches
 POVRAY := $(B)/povray/povray
 
 # povray is phony: build.sh knows best what is up to date, and says it in a second
-povray: setup-povray $(B)/libshade_dump.a $(B)/libshade.a
+povray: povray-source $(B)/libshade_dump.a $(B)/libshade.a
 	@$(P)/build.sh $(B)/povray libshade $(B)/libshade_dump.a $(B)/libshade.a
+
+# fetching, unpacking and configuring take half a minute of one processor: beside libshade's compilers
+.PHONY: povray-source
+povray-source: setup-povray
+	@PREPARE=1 $(P)/build.sh $(B)/povray libshade
 
 # The words of a block, for editors.
 WORDS := $(B)/povray/editor/words.txt $(B)/povray/editor/pov.vim
