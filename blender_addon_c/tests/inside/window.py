@@ -109,8 +109,8 @@ def select_cause():
 
 def telling_previews(render):
     """engine.render that logs how bright a preview is."""
-    def wrapper(engine, depsgraph, region, result, pixels):
-        render(engine, depsgraph, region, result, pixels)
+    def wrapper(engine, depsgraph, region, result, pixels, *more):
+        render(engine, depsgraph, region, result, pixels, *more)
         if engine.is_preview:
             log(f"preview {pixels.max() > 0.5}")
     return wrapper
