@@ -114,17 +114,27 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 pixels[:] = pixels if apart else export.catcher.composed(pictures).ravel()
             _set_pixels(result, pixels, exposure)
             left = export.catcher.seen_shadow(pictures).ravel() if finished else np.ones(len(pixels) // 4 * 3, np.float32)
-            _set_passes(result, job, passes, left, exposure)
+            _set_passes(result, job, [p for p in passes if p.plane != export.AOV], left, exposure)
             for field, text in mattes.fields(depsgraph.view_layer.name):
                 self.get_result().stamp_data_add_field(field, text)
             for text in state["warnings"]:
                 messages.warning(text)
             if state["state"] == "failed":
                 raise export.SceneError(state["message"])
+            if state["state"] == "done":
+                self._aovs(scene, result, len(pixels), messages)
             if state["state"] == "done" and os.environ.get("LIBSHADE_TIMINGS"):
                 self.report({"INFO"}, _summary(_native.timings(job), synced - started))
         finally:
             _native.free(job)
+
+    def _aovs(self, scene, result, count, messages):
+        """Passes of these, each rendered by itself; Esc leaves the rest black."""
+        for (name, is_color), materials in scene["aovs"].items():
+            picture = self._picture(export.aov.view(scene, materials), count, messages)
+            if picture is None:
+                return
+            _set_pixels(result, (picture if is_color else picture[:, 0]).ravel(), name=name, channels=4 if is_color else 1)
 
     def _pictures(self, views, pictures, count, messages):
         """Those that the last one needs, which share its time limit: whether all are there, and the last one's scene."""

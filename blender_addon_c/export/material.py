@@ -8,6 +8,7 @@ import numpy as np
 from mathutils import Matrix
 
 from . import tree
+from .aov import read_into
 from .attributes import Attributes, of_view_layer
 from .closure import collect, held_out, plain, principled
 from .graph import Program, TooLarge
@@ -32,7 +33,10 @@ def displacement_method(material):
 class Table:
     """Materials, images and layers of one render, each once."""
 
-    def __init__(self, messages, settings, colors, camera, depsgraph, kept=None):
+    def __init__(self, messages, settings, colors, camera, depsgraph, kept=None, aovs=()):
+        """aovs: of passes (aov.names_of)."""
+        self.aovs = {one: [] for one in aovs}  # materials of each
+        self.threshold = depsgraph.view_layer.pass_alpha_threshold
         self.materials, self.images, self.layers = [], Images(messages, depsgraph.scene.frame_current, kept), Layers()
         self.kept, self.shines = kept, {}  # by lamp
         self.cloths, self.scratches = [], []
@@ -67,6 +71,8 @@ class Table:
             reader = Reader(self, self._messages, material, held, of_points)
             self._indices[key] = len(self.materials)
             self.materials.append(reader.read())
+            for (name, is_color), made in self.aovs.items():
+                made.append(reader.read_aov(name, is_color))
             self._uv_maps.append(reader.uv_map or "")
             self._layers.append(reader.layers)
             self._textured.append(reader.uv_map is not None)
@@ -79,6 +85,8 @@ class Table:
             like = self.index(material, held=held, of_points=of_points)
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
+            for made in self.aovs.values():
+                made.append(made[like])
             self._uv_maps.append(self._uv_maps[like])
             self._layers.append(self._layers[like])
             self._textured.append(self._textured[like])
@@ -171,6 +179,17 @@ class Reader:
         color = tuple(material.diffuse_color[:3]) if material else _BARE
         self.program, self.closures = Program(), [plain(color)]
         return {**about, **self._finished()}
+
+    def read_aov(self, name, is_color):
+        """What it says by that name, after it was read."""
+        other = Reader(self._table, self._messages, self._material)
+        other.uv_map, other.layers, other.measured = self.uv_map, self.layers, self.measured
+        other.colors = other.filters = False
+        own = tree.of(self._material) if self._material else None
+        passes = own and any(closure["closure"] == "TRANSPARENT" for closure in self.closures)
+        made = read_into(other, own, name, is_color, self._table.threshold if passes else None)
+        self.uv_map, self.measured = other.uv_map, other.measured
+        return {"name": self._material.name if self._material else "", **made}
 
     def _of_nodes(self, own):
         shader = tree.shader_of(own)

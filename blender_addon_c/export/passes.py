@@ -5,6 +5,8 @@ from collections import namedtuple
 
 import bpy
 
+from .aov import names_of
+
 # The view layer's property (or that of its `libshade`, or the scene's), Blender's name, what its channels are called, how Blender shows it,
 # and the native module's plane.
 Pass = namedtuple("Pass", "wanted_by name channels kind plane")
@@ -39,6 +41,7 @@ PASSES = (
     _pass("environment", "Env", "Environment", "RGB", "COLOR", "ENVIRONMENT"),
 )
 CATCHER = "SHADOW_CATCHER"  # of several pictures
+AOV = "AOV"  # one of its own
 _CATCHER = Pass("use_pass_shadow_catcher", "Shadow Catcher", "RGB", "COLOR", CATCHER)
 _COUNT = Pass("pass_debug_sample_count", "Debug Sample Count", "X", "VALUE", "SAMPLES")
 # After those of names, whose number is the view layer's.
@@ -62,8 +65,10 @@ def passes_of(scene, view_layer):
     """Those that the view layer asks for and the engine has."""
     owners = {"use_denoising": scene.libshade, **dict.fromkeys(
         ("denoising_store_passes", "pass_debug_sample_count", "use_pass_shadow_catcher"), view_layer.libshade)}
-    return [p for p in (*PASSES, _CATCHER, _COUNT, *_mattes(view_layer), *_LAST)
-            if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
+    known = [p for p in (*PASSES, _CATCHER, _COUNT, *_mattes(view_layer), *_LAST)
+             if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
+    return known + [Pass("aovs", name, *(("RGBA", "COLOR") if is_color else ("X", "VALUE")), AOV)
+                    for name, is_color in names_of(view_layer)]
 
 
 def _mattes(view_layer):
@@ -82,7 +87,7 @@ def world_of_layer(scene, view_layer):
 def planes_of(passes, world):
     """What the native module reads for them."""
     planes = {"planes": [{"type": p.plane} for p in passes
-                         if p.plane not in (NOISY, CATCHER) and "_MATTE" not in p.plane]}
+                         if p.plane not in (NOISY, CATCHER, AOV) and "_MATTE" not in p.plane]}
     if any(p.plane == "MIST" for p in passes):
         settings = world.mist_settings if world else None
         planes["mist"] = {"start": settings.start if settings else 0.0,
@@ -110,8 +115,8 @@ def have_colors(scene, view_layer):
 def passes_left_out(view_layer, messages):
     """A warning that names those it asks for in vain."""
     left_out = [name for key, name in _UNKNOWN.items() if getattr(view_layer, key, False)]
-    for kind, wanted in (("light group", "lightgroups"), ("AOV", "aovs")):
-        left_out += [f"{kind} '{one.name}'" for one in getattr(view_layer, wanted, ())]
+    left_out += [f"light group '{one.name}'" for one in getattr(view_layer, "lightgroups", ())]
+    left_out += [f"AOV '{one.name}', whose name another has" for one in getattr(view_layer, "aovs", ()) if not one.is_valid]
     cycles = getattr(view_layer, "cycles", None)
     left_out += [f"Volume {part.capitalize()}" for part in ("direct", "indirect")
                  if getattr(cycles, f"use_pass_volume_{part}", False)]

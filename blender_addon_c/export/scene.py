@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from . import passes, strands, tree
+from .aov import names_of
 from .camera import rows
 from .kept import owners_of
 from .light import Links, kinds, light_of, name_shading
@@ -34,7 +35,8 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     colors = depsgraph.mode == "RENDER" and passes.have_colors(scene, depsgraph.view_layer)
-    table = Table(messages, scene.libshade, colors, camera, depsgraph, kept)
+    aovs = names_of(depsgraph.view_layer) if depsgraph.mode == "RENDER" else ()
+    table = Table(messages, scene.libshade, colors, camera, depsgraph, kept, aovs)
     if kept:
         kept.begin()
     with tree.deep():
@@ -74,6 +76,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "layers": table.layers.listed,
         "attributes": len(table.attributes.listed),
         "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
+        "aovs": table.aovs,
         **mattes.wanted(),
         "by_camera": table.by_camera,
         "meshes": meshes,

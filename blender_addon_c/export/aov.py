@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Passes of what AOV Output nodes say. Each is a picture of its own, in which the first surfaces that the camera sees shine with
+that, and those without such a node are holes."""
+
+import bpy
+
+from . import tree
+from .closure import collect
+from .graph import Program, TooLarge, is_known
+from .value import color_of, number_of
+
+_MUTED_SPEAK = bpy.app.version >= (5, 0)  # measured: not 3.4
+_MOST_GROUPS = 32  # one in another
+# What of a scene is of the picture alone, and what lights it.
+_BESIDE = ("planes", "mattes", "matte_slots", "mist", "adaptive_threshold", "adaptive_min_samples", "sky", "looks", "backdrop",
+           "backdrop_sky", "time_limit")
+_DARK = {"background": (0.0,) * 3, "lights": [], "max_bounces": 0, "transparent": True, "dump": "", "sample_clamp_direct": 0.0,
+         "sample_clamp_indirect": 0.0}
+
+
+def names_of(view_layer):
+    """(name, is it a colour?) of those that a view layer asks for."""
+    return [(one.name, one.type == "COLOR") for one in getattr(view_layer, "aovs", ()) if one.is_valid]
+
+
+def view(scene, materials):
+    """The scene to be rendered for one of them. materials: as many as the scene has."""
+    kept = {key: value for key, value in scene.items() if key not in _BESIDE}
+    return {**kept, **_DARK, "materials": materials}
+
+
+def read_into(reader, own, name, is_color, threshold):
+    """What a material of that node tree, or None, says by that name, as the native module takes a material. threshold: of its
+    alpha, below which the next surfaces say it as well; None where light does not pass through it."""
+    try:
+        return _finished(reader, own, name, is_color, threshold)
+    except (TooLarge, RecursionError):
+        reader.warn(f"its nodes are too many for AOV '{name}'; left out")
+        reader.program = Program()
+        return _material(reader, [{"closure": "EMISSION", "holds": True}])
+
+
+def _finished(reader, own, name, is_color, threshold):
+    found = _find(own, name, ()) if own else None
+    clear = 0.0 if threshold is None else _clear(reader, own, 1.0 - threshold)
+    if found:
+        node, groups = found
+        socket = node.inputs["Color" if is_color else "Value"]
+        value = color_of(reader, socket, groups) if is_color else (number_of(reader, socket, groups),) * 3
+        made = [{"closure": "EMISSION", "weight": tuple(value)}]
+    else:
+        made = [{"closure": "EMISSION", "holds": True, "weight": (reader.program.math("SUBTRACT", 1.0, clear),) * 3}]
+    if not is_known(clear) or clear:
+        made.append({"closure": "TRANSPARENT", "weight": (clear,) * 3})
+    return _material(reader, made)
+
+
+def _material(reader, closures):
+    nodes, closures = reader.program.finish(closures)
+    return {"nodes": nodes, "closures": closures, "drawn": False}
+
+
+def _find(own, name, groups):
+    """(node, groups around it) of the one that says it, or None."""
+    for node in own.nodes:
+        if node.mute and not (_MUTED_SPEAK and node.type == "OUTPUT_AOV"):
+            continue
+        if node.type == "OUTPUT_AOV" and getattr(node, "aov_name", node.name) == name:  # until 4.0 it was the node's own
+            return node, groups
+        if node.type == "GROUP" and node.node_tree and len(groups) < _MOST_GROUPS:
+            found = _find(node.node_tree, name, (*groups, node))
+            if found:
+                return found
+    return None
+
+
+def _clear(reader, own, least):
+    """The part of light that it lets through, if that is more than the least: what is behind it counts as much. In Cycles
+    as much as paths go on, which is more where the rest of the surface is dark [measured in 3.4 and 5.0]."""
+    collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
+    math, through = reader.program.math, 0.0
+    if not reader.closures:  # there is only a volume
+        return 1.0
+    for closure in reader.closures:
+        if closure["closure"] == "TRANSPARENT":
+            for part in closure.get("weight", (1.0,) * 3):
+                through = math("ADD", through, math("MULTIPLY", part, 1 / 3))
+    return math("MULTIPLY", through, math("GREATER_THAN", through, least))

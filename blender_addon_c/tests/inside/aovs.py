@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What AOV Output nodes say."""
+
+import bpy
+
+import common
+
+
+def _material(name, shader, **settings):
+    material = bpy.data.materials.new(name)
+    tree = common.tree_of(material)
+    node = tree.nodes.new(shader)
+    for key, value in settings.items():
+        node.inputs[key].default_value = value
+    tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    return material, tree, node
+
+
+def _output(tree, name):
+    node = tree.nodes.new("ShaderNodeOutputAOV")
+    if hasattr(node, "aov_name"):
+        node.aov_name = name
+    else:
+        node.name = name
+    return node
+
+
+def aovs(options):
+    """Two plates side by side, of which one shines and says what it is, and the other does not; nearer, below, a pane of which
+    .7 is clear, and which says nothing."""
+    scene = common.empty_scene(32, 32, samples=64)
+    engine = scene.render.engine = options["engine"]
+    if engine == "CYCLES":
+        scene.cycles.samples, scene.cycles.pixel_filter_type = 64, "BOX"
+        scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    common.write_multilayer(scene)
+    common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=4)
+    said, tree, _ = _material("said", "ShaderNodeEmission", Strength=3)
+    color, place = _output(tree, "color"), tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(place.outputs["UV"], color.inputs["Color"])
+    inner = bpy.data.node_groups.new("inner", "ShaderNodeTree")
+    value = _output(inner, "value")
+    value.inputs["Value"].default_value = -0.25 if options.get("below") else 0.25
+    tree.nodes.new("ShaderNodeGroup").node_tree = inner
+    mute = _output(tree, "muted")
+    mute.inputs["Color"].default_value, mute.mute = (1, 1, 1, 1), True
+    silent, _, _ = _material("silent", "ShaderNodeBsdfDiffuse")
+    for x, material in ((-1, said), (1, silent)):
+        common.plane(material, 2).location = (x, 0, 0)
+    pane, tree, clear = _material("pane", "ShaderNodeBsdfTransparent")
+    mixed, matt = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfDiffuse")
+    mixed.inputs[0].default_value = 0.3
+    matt.inputs["Color"].default_value = (1, 1, 1, 1)  # what is darker has less than its share of Cycles' paths
+    tree.links.new(clear.outputs[0], mixed.inputs[1])
+    tree.links.new(matt.outputs[0], mixed.inputs[2])
+    tree.links.new(mixed.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    common.plane(pane, 4).location = (0, -2, 1)
+    common.light(scene)
+    layer = scene.view_layers[0]
+    for name, kind in (("color", "COLOR"), ("value", "VALUE"), ("muted", "COLOR"), ("missing", "VALUE")):
+        one = layer.aovs.add()
+        one.name, one.type = name, kind
+    common.render(options["picture"])
+    return {}

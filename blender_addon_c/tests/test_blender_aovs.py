@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Passes of AOV Output nodes, against what they say and the Cycles of the same Blender."""
+
+import numpy as np
+
+from blender_runs import read_picture
+
+
+def of(path, name):
+    """Channels of a pass, in the order R G B A or X."""
+    names, pixels = read_picture(path)
+    return np.stack([pixels[..., names.index(f"ViewLayer.{name}.{channel}")] for channel in ("RGBA" if name in ("color", "muted") else "X")], -1)
+
+
+def test_nodes_say_their_passes(blender, tmp_path):
+    """Of the first surface; through a pane as much as it lets through."""
+    passes = {}
+    for engine in "CYCLES", "LIBSHADE":
+        _, told = blender.scene("aovs", tmp_path, dump="", engine=engine)
+        passes[engine] = {name: of(tmp_path / "picture.exr", name) for name in ("color", "value", "muted", "missing")}
+    assert "are not rendered" not in told
+    middle = (np.arange(32) + 0.5) / 8 - 2  # rows from above
+    x, y = np.meshgrid(middle, -middle)
+    there = (x < 0) & (abs(y) < 1)
+    share = there * np.where(y < 0, 0.7, 1.0)
+    true = {"color": np.stack([(x + 2) / 2 * share, (y + 1) / 2 * share, 0 * x, share], -1), "value": 0.25 * share[..., None],
+            "muted": share[..., None] * np.full(4, float(blender.version >= "5")), "missing": 0}
+    for name, wanted in true.items():
+        np.testing.assert_allclose(passes["CYCLES"][name], wanted, atol=0.1)
+        np.testing.assert_allclose(passes["LIBSHADE"][name], wanted, atol=0.1)  # 64 samples choose whether they go on
+        means = [passes[engine][name].mean((0, 1)) for engine in passes]
+        np.testing.assert_allclose(*means, atol=2e-3)
+
+
+def test_what_is_below_zero_is_kept(blender, tmp_path):
+    lowest = []
+    for engine in "CYCLES", "LIBSHADE":
+        blender.scene("aovs", tmp_path, dump="", engine=engine, below=True)
+        lowest.append(of(tmp_path / "picture.exr", "value").min())
+    assert lowest == [-0.25, -0.25]
