@@ -208,6 +208,16 @@ class VIEWLAYER_PT_libshade_passes(_Panel, bpy.types.Panel):
         for kind in ("object", "material", "asset"):
             column.prop(view_layer, f"use_pass_cryptomatte_{kind}", text=kind.title())
         layout.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
+        layout.prop(view_layer, "pass_alpha_threshold")
+
+
+class VIEWLAYER_PT_libshade_passes_aov(_Panel, bpy.types.Panel):
+    bl_label = "Shader AOV"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_libshade_passes"
+
+    def draw(self, context):
+        bpy.types.VIEWLAYER_PT_layer_passes_aov.draw(self, context)
 
 
 class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
@@ -327,7 +337,7 @@ class WORLD_PT_libshade_visibility(_VisibilityPanel, bpy.types.Panel):
 _CLASSES = (
     RENDER_PT_libshade_sampling, RENDER_PT_libshade_light_paths, RENDER_PT_libshade_film,
     RENDER_PT_libshade_motion_blur, OBJECT_PT_libshade_motion_blur, RENDER_PT_libshade_performance,
-    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes, VIEWLAYER_PT_libshade_override,
+    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes, VIEWLAYER_PT_libshade_passes_aov, VIEWLAYER_PT_libshade_override,
     DATA_PT_libshade_light, DATA_PT_libshade_panorama, OBJECT_PT_libshade_visibility, WORLD_PT_libshade_visibility,
 )
 

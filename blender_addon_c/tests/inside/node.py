@@ -327,8 +327,13 @@ class Layout:
     def label(self, text, icon=""):
         self.drawn.append(text)
 
+    def template_list(self, _list, _name, owner, name, *_active, **_settings):
+        self.prop(owner, name)
+
     def column(self, **_settings):
         return Layout(self.drawn)
+
+    row = column
 
 
 def drawn_by(panel, **context):
@@ -358,6 +363,12 @@ def test_panels_and_menus():
         "visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow",
         "is_holdout", "is_shadow_catcher"]
     assert drawn_by(panels.WORLD_PT_libshade_visibility, world=world)[:4] == ["camera", "diffuse", "glossy", "transmission"]
+    # what engine and manual call the layer's is nowhere else under our engine
+    layer = bpy.context.view_layer
+    assert drawn_by(panels.VIEWLAYER_PT_libshade_passes, view_layer=layer)[-2:] == ["pass_cryptomatte_depth", "pass_alpha_threshold"]
+    aov = panels.VIEWLAYER_PT_libshade_passes_aov
+    assert drawn_by(aov, view_layer=layer) == ["aovs", "scene.view_layer_add_aov", "scene.view_layer_remove_aov"]
+    assert aov.bl_parent_id == panels.VIEWLAYER_PT_libshade_passes.__name__ and hasattr(bpy.types, aov.__name__)
     # Blender's own Simplify would be above Sampling
     types, ours = bpy.types, [panel.__name__ for panel in panels._registered if panel.bl_context == "render"]
     assert "LIBSHADE" not in types.RENDER_PT_simplify.COMPAT_ENGINES
