@@ -86,7 +86,7 @@ class LibshadePreferences(bpy.types.AddonPreferences):
         row = self.layout.row()
         if registered():
             row.label(text=f"Asset library: {NAME}", icon="ASSET_MANAGER")
-            row.operator(LIBSHADE_OT_remove_assets.bl_idname, text="Remove")
+            row.operator(LIBSHADE_OT_remove_assets.bl_idname, text="Remove Library")
         else:
             row.operator(LIBSHADE_OT_add_assets.bl_idname, icon="ASSET_MANAGER")
         draw_button(row)
