@@ -3,15 +3,16 @@
 
 import bpy
 
+from .group import new_inside
 from .groove import arrange
 
 
 def shared(name, mark, fill):
-    """The file's group of that mark, made where there is none."""
+    """The file's group of that mark for nodes of ours, made where there is none."""
     for tree in bpy.data.node_groups:
         if tree.get(mark) and not tree.library:
             return tree
-    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tree = new_inside(name)
     tree[mark] = True
     fill(tree)
     arrange(tree)

@@ -6,7 +6,7 @@ import bpy
 
 from . import fabric_maps, fabric_place, fabric_shade
 from .export import size
-from .group import new_socket
+from .group import new_inside, new_socket
 
 _PLACE, _SHADE, _METRES, _KNOWN = "Place", "Cloth", "Metres", "Known"
 _INSIDE = (_PLACE, _SHADE, _METRES)
@@ -34,7 +34,7 @@ NEW = [name for name, *_ in SOCKETS if name not in ("Warp Color", "Weft Color", 
 
 def new_tree():
     """Such a tree; what a preset sets is left as it is."""
-    tree = bpy.data.node_groups.new("Libshade Fabric", "ShaderNodeTree")
+    tree = new_inside("Libshade Fabric")
     for name, kind, about, value, limits in SOCKETS:
         socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}")
         socket.description = about

@@ -11,6 +11,18 @@ def new_socket(tree, name, in_out, kind):
     return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
 
 
+def new_inside(name):
+    """A tree for the inside of a node of ours, which the menus that add groups and their search hide: there it would be called
+    as the node is, and show none of its settings."""
+    return bpy.data.node_groups.new("." + name, "ShaderNodeTree")
+
+
+def unhide(tree):
+    """In these menus again, where a plain group has it."""
+    if not tree.library:
+        tree.name = tree.name.lstrip(".")
+
+
 def own_tree(node):
     """What is inside a node of ours becomes its alone, where a copy of the node has it too (shares_tree), or another file."""
     tree = node.node_tree

@@ -2,10 +2,8 @@
 """What other renderers see of the metal node: an Anisotropic BSDF behind Libshade Groove, whose grooves follow
 bumps. Older files have less inside, or a Principled BSDF, and keep it."""
 
-import bpy
-
 from . import groove
-from .group import new_socket
+from .group import new_inside, new_socket
 
 # Sockets that properties set: what these say counts until a socket is linked or says something else.
 SHAPE, MATT_COLOR, EDGE = ("Roughness", "Anisotropy"), ("Diffuse Color",), ("Edge Tint",)
@@ -63,7 +61,7 @@ def edge_tint(n, k):
 
 def new_tree(color):
     """Such a tree; color: of the metal head-on."""
-    tree = bpy.data.node_groups.new("Libshade Metal", "ShaderNodeTree")
+    tree = new_inside("Libshade Metal")
     _add_sockets(tree, color)
 
     def new(kind, x, y, name=""):

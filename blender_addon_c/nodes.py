@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import own_tree, register_node
+from .group import own_tree, register_node, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on
@@ -328,7 +328,9 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
                 layout.prop(self, row["word"])
         layout.prop(self, "width_as")
         if any(self.inputs[name].is_linked for name in SHAPE if name in self.inputs):
-            layout.label(text="As linked to Roughness and Anisotropy", icon="LINKED")
+            lines = layout.column(align=True)  # as wide as the sidebar at first
+            lines.label(text="By what is linked to", icon="LINKED")
+            lines.label(text="Roughness, Anisotropy", icon="BLANK1")
             return
         column = layout.column(align=True)
         if self.width_as == "ROUGHNESS" and SHAPE[0] in self.inputs:
@@ -516,6 +518,7 @@ def _replace_by_group(tree, node):
     """Put a Group node with the same tree, values and links in a Libshade node's place."""
     group = tree.nodes.new("ShaderNodeGroup")
     group.node_tree = node.node_tree
+    unhide(group.node_tree)
     group.label, group.parent = node.label or node.bl_label, node.parent
     group.location, group.width, group.hide = node.location, node.width, node.hide
     for old, new in zip(node.inputs, group.inputs):

@@ -141,7 +141,7 @@ def baked(images, place, scale, uv_map, tile, unit, deepest=None):
     """
     tree = plain().copy()
     del tree[_MARK]
-    tree.name = f"{NAME} (images)"
+    tree.name = f".{NAME} (images)"
     tree.nodes.clear()
     build = _Builder(tree)
     given, answer = tree.nodes.new("NodeGroupInput").outputs, tree.nodes.new("NodeGroupOutput").inputs

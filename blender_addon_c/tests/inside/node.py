@@ -413,9 +413,12 @@ def test_convert(node):
     image = common.image_node(tree, bpy.data.images.new("image", 4, 4))
     tree.links.new(image.outputs["Color"], node.inputs["Color"])
     inner = node.node_tree
+    # groups that the Add menu lists: the utility alone, for the insides have no settings there
+    shown = [g for g in bpy.data.node_groups if g.name.startswith("Libshade")]
+    assert all(g.get("libshade_groove") for g in shown) and inner.name.startswith(".Libshade Metal"), shown
     assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"}
     group = tree.nodes["Libshade Metal"]
-    assert group.bl_idname == "ShaderNodeGroup" and group.node_tree == inner
+    assert group.bl_idname == "ShaderNodeGroup" and group.node_tree == inner and inner.name.startswith("Libshade Metal")
     assert group.inputs["Color"].links[0].from_node == image
     assert group.outputs["BSDF"].links[0].to_node.type == "OUTPUT_MATERIAL"
     assert not any(n.bl_idname == "LibshadeMetalNode" for m in bpy.data.materials
