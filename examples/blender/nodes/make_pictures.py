@@ -92,6 +92,7 @@ class Pictures:
 
     def focus(self):
         window, area, region = self.window()
+        window.cursor_warp(window.width - 4, 4)  # nothing is under it
         with bpy.context.temp_override(window=window, area=area, region=region):
             bpy.ops.node.view_all()
 
