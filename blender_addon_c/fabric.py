@@ -10,7 +10,7 @@ from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabr
 from .fabric_yarns import CUSTOM, DRAFT
 from .group import own_tree, register_node
 from .manual import draw_button
-from .report import draw_on
+from .report import draw_on, is_enabled
 
 FABRIC = "LibshadeFabricNode"
 
@@ -172,7 +172,8 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         return fabric_yarns.WEAVES[self.weave]["label"]
 
     def draw_buttons(self, _context, layout):
-        draw_on(self, layout)
+        if not draw_on(self, layout):
+            return
         layout.prop(self, "preset", text="")
         if is_old(self):
             layout.operator("libshade.update_nodes", icon="FILE_REFRESH")
@@ -195,6 +196,8 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
 
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
+        if not is_enabled():
+            return
         if TRANSLUCENCY not in self.inputs:
             layout.prop(self, "transmission")
         layout.prop(self, "open_gaps")

@@ -15,7 +15,7 @@ from . import _native, metal_tree
 from .group import own_tree, register_node, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
-from .report import draw_on
+from .report import draw_on, is_enabled
 
 METAL = "LibshadeMetalNode"
 _OURS = (METAL, "LibshadeFabricNode", "LibshadeScratchesNode")  # of fabric.py and scratches.py
@@ -289,7 +289,8 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         self.update_preview(animated)
 
     def draw_buttons(self, context, layout):
-        draw_on(self, layout)
+        if not draw_on(self, layout):
+            return
         layout.operator_menu_enum(LIBSHADE_OT_metal_preset.bl_idname, "preset", text="Preset")
         if is_old(self):
             layout.operator(LIBSHADE_OT_update_nodes.bl_idname, icon="FILE_REFRESH")
@@ -314,6 +315,8 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
 
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
+        if not is_enabled():
+            return
         layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
         draw_button(layout, "#libshade-metal")
 

@@ -137,13 +137,22 @@ class RENDER_PT_libshade_differences(bpy.types.Panel):
                 lines.label(text=line)
 
 
+def is_enabled():
+    """Whether the add-on is: 3.4 keeps its nodes, and draws them, when their operators are gone."""
+    return hasattr(bpy.types, LIBSHADE_OT_select_cause.__name__)
+
+
 def draw_on(node, layout):
-    """A red line for each thing that was said of a node."""
+    """A red line for each thing that was said of a node. False where the add-on is switched off, with a line that says so."""
+    if not is_enabled():
+        layout.label(text="libshade is disabled", icon="ERROR")
+        return False
     for text in of_node(node):
         column = layout.column(align=True)
         column.alert = True
         for k, line in enumerate(textwrap.wrap(text, max(20, int(node.width / 7)))):
             column.label(text=line, icon="NONE" if k else "ERROR")
+    return True
 
 
 @bpy.app.handlers.persistent

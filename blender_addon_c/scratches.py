@@ -15,7 +15,7 @@ from . import _native, scratch_tree
 from .export import size
 from .group import register_node
 from .manual import draw_button
-from .report import draw_on
+from .report import draw_on, is_enabled
 from .scratch_tree import DENSITY, DEPTH, DIRECTION, LENGTH, NUMBERS, SPREAD, VECTOR, WIDTH
 
 SCRATCHES = "LibshadeScratchesNode"
@@ -99,7 +99,8 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         self.node_tree = scratch_tree.plain()
 
     def draw_buttons(self, context, layout):
-        draw_on(self, layout)
+        if not draw_on(self, layout):
+            return
         layout.operator_menu_enum(LIBSHADE_OT_scratches_preset.bl_idname, "preset", text="Preset")
         layout.prop(self, "unit")
         if self.unit == "UV":
@@ -121,6 +122,8 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
 
     def draw_buttons_ext(self, context, layout):
         self.draw_buttons(context, layout)
+        if not is_enabled():
+            return
         if self.unit == "UV":
             layout.prop(self, "uv_map")
         layout.prop(self, "tile")

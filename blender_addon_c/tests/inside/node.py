@@ -484,6 +484,10 @@ def test_disable_and_enable():
     common.plane(material)
     bpy.context.view_layer.update()
     bpy.ops.preferences.addon_disable(module=common.MODULE)
+    for name in ("Metal", "Fabric", "Scratches") if bpy.app.version < (4, 0) else ():
+        cls, drawn = bpy.types.Node.bl_rna_get_subclass_py(f"Libshade{name}Node"), []
+        cls.draw_buttons_ext(SimpleNamespace(draw_buttons=lambda *said, c=cls: c.draw_buttons(None, *said)), None, Layout(drawn))
+        assert drawn == ["libshade is disabled"], drawn  # not buttons whose operators are gone, named in the terminal
     common.enable()
     assert common.metal("third")[2].ex == 200
     bpy.ops.preferences.addon_disable(module=common.MODULE)
