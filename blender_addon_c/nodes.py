@@ -539,7 +539,7 @@ def _replace_by_group(tree, node):
 
 class LIBSHADE_OT_convert_to_group(bpy.types.Operator):
     """Replace Libshade nodes by plain groups of Cycles' own shaders, for files that must \
-render without this add-on. Settings that those shaders lack are lost"""
+render without this add-on, where Cycles would show black. Settings that those shaders lack are lost"""
 
     bl_idname = "libshade.convert_to_group"
     bl_label = "Convert to Plain Group"

@@ -25,6 +25,21 @@ def test_cycles_renders_it(blender, tmp_path, converted):
     assert difference(picture, anisotropic) < 1e-6
 
 
+@pytest.mark.parametrize("what", ["make", "convert"])
+def test_without_the_add_on(blender, tmp_path, what):
+    """A converted file shows in Cycles what it showed with the add-on; else 3.4 shows black, as the manual says."""
+    path, with_it, without = tmp_path / "shared.blend", tmp_path / "with.exr", tmp_path / "without.exr"
+    blender.run("shared.py", path, with_it, what)
+    blender.run("shared.py", path, without, "open")
+    with_it, without = rgba(with_it)[..., :3], rgba(without)[..., :3]
+    halves = np.split(with_it, 2, axis=1)
+    assert all(half.mean() > 0.05 for half in halves) and abs(halves[0].mean((0, 1)) - halves[1].mean((0, 1))).max() > 0.05
+    if what == "convert":
+        assert abs(with_it - without).max() < 1e-5
+    elif blender.version == "3.4":
+        assert without.max() == 0
+
+
 @pytest.mark.parametrize("ggx", [False, True])
 @pytest.mark.parametrize("fed", [[], ["Roughness", "Anisotropy", "Rotation", "Diffuse Color"]])
 def test_sockets(blender, tmp_path, fed, ggx):
