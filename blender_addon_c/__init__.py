@@ -11,10 +11,17 @@ bl_info = {
     "category": "Render",
 }
 
-from . import assets, cycles_settings, engine, fabric, groove, manual, menus, nodes, panels, properties, report, scratches
-from .export import kept
+import os
 
-_MODULES = (properties, cycles_settings, nodes, fabric, groove, scratches, menus, kept, engine, report, panels, assets, manual)
+# An update in a running Blender 3.4 runs this file again, over what it left, but none of the others, whose nodes are in use:
+# then all that ran goes on.
+updated = "_MODULES" in globals() and globals().get("__time__") != os.path.getmtime(__file__) or globals().get("updated", False)
+
+if not updated:
+    from . import assets, cycles_settings, engine, fabric, groove, manual, menus, nodes, panels, properties, report, scratches
+    from .export import kept
+
+    _MODULES = (properties, cycles_settings, nodes, fabric, groove, scratches, menus, kept, engine, report, panels, assets, manual)
 
 
 def register():

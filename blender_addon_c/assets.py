@@ -2,6 +2,7 @@
 """The add-on's asset library, which users may have among theirs: a button in the add-on's preferences."""
 
 import os
+import sys
 
 import bpy
 
@@ -83,6 +84,8 @@ class LibshadePreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     def draw(self, _context):
+        if getattr(sys.modules[__package__], "updated", False):
+            self.layout.label(text="Updated: until Blender is started again the version before runs", icon="ERROR")
         row = self.layout.row()
         if registered():
             row.label(text=f"Asset library: {NAME}", icon="ASSET_MANAGER")

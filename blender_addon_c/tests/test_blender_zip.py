@@ -148,6 +148,10 @@ def test_command_line(blender34, blend, tmp_path, blind):
         assert difference(rgba(picture), blend[1]) < 1e-3
 
 
+def test_update(blender34):
+    blender34.run("updated.py", ZIP)
+
+
 def test_nothing_is_left_behind(blender):
     """Enabled and disabled twice, then installed again over itself."""
     assert "all asserted" in blender.run("left.py", ZIP)
