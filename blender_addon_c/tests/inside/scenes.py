@@ -746,8 +746,8 @@ def minified(options):
 
 
 def graph(options):
-    """Planes side by side, each showing what one node says: as the metal's colour, or in Cycles as
-    emission. A case: the node, its settings, its inputs (numbers, or A, B: images of one colour)."""
+    """Planes side by side, each shining with what one node says. A case: the node, its settings, its inputs (numbers, or
+    A, B: images of one colour)."""
     cases = options["cases"]
     scene = common.empty_scene(4 * len(cases), 4, samples=1)
     images = {}
@@ -756,7 +756,7 @@ def graph(options):
         image.pixels.foreach_set([*color, 1] * 4)
         image.update()
     for column, case in enumerate(cases):
-        material, tree, showing = common.shown(options["engine"])
+        material, tree, showing = common.shown(by_metal=False)
         node = tree.nodes.new(case["node"])
         for key, value in case.get("set", {}).items():
             setattr(node, key, value)
@@ -871,7 +871,7 @@ def _through_group(tree, name, vector, hidden):
 
 def _showing(case, engine):
     """A material of what a node says. "beside": an image has asked for the active UV map before."""
-    material, tree, showing = common.shown(engine, case["node"])
+    material, tree, showing = common.shown(engine != "CYCLES", case["node"])
     node = tree.nodes.new(case["node"])
     for key, value in case.get("set", {}).items():
         setattr(node, key, value)
