@@ -315,7 +315,7 @@ They are packed into the file. Our engine then repeats the same square"""
                                     "are three texels wide, if that is two lengths")
 
     points: BoolProperty(
-        name="For Afar", default=False,
+        name="Seen from Afar", default=False,
         description="Points, in one image of 8 bits, not means, in three of floats. From afar, where a pixel shows many, they are as "
                     "bright and as rough as the scratches, however fine these are; closely they look like coarse grains")
 
