@@ -47,6 +47,25 @@ mdf::BumpImage *read_png(IStream *file) {
   return bump.release();
 }
 
+// What messages call a token that no number, vector or colour begins with; "" for others. text: as
+// it is written, name: as POV-Ray calls it.
+std::string no_number(TOKEN id, const char *text, const char *name) {
+  switch (id) {
+  case MDF_WORD_TOKEN:
+  case IDENTIFIER_TOKEN:
+    return std::string("'") + text + "'";
+  case RIGHT_CURLY_TOKEN:
+  case LEFT_CURLY_TOKEN:
+  case STRING_LITERAL_TOKEN:
+  case COMMA_TOKEN:
+  case EQUALS_TOKEN:
+  case END_OF_FILE_TOKEN:
+    return mdf::plain_token(name);
+  default:
+    return "";
+  }
+}
+
 // All finishes of a texture that have an mdf block.
 void collect_blocks(const TEXTURE *texture, std::set<const FINISH *> &blocks) {
   for (; texture != NULL; texture = reinterpret_cast<const TEXTURE *>(texture->Next)) {
@@ -191,30 +210,13 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
   const char *const kind = (count == 3) ? "a colour" : "a number";
 
   Get_Mdf_Operand();
-  switch (Token.Token_Id) {
-  case MDF_WORD_TOKEN:
-  case IDENTIFIER_TOKEN:
-    Error("mdf: %s needs %s, '%s' found instead.", what.c_str(), kind, Token.Token_String);
-    break;
-  case RIGHT_CURLY_TOKEN:
-  case LEFT_CURLY_TOKEN:
-  case STRING_LITERAL_TOKEN:
-  case COMMA_TOKEN:
-  case EQUALS_TOKEN:
-  case END_OF_FILE_TOKEN:
-    Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind,
-          mdf::plain_token(Get_Token_String(Token.Token_Id)).c_str());
-    break;
-  case COLOUR_TOKEN:
-  case COLOUR_KEY_TOKEN:
-    if (count == 1)
-      Error("mdf: %s needs a number, %s found instead.", what.c_str(),
-            Get_Token_String(Token.Function_Id));
-    Unget_Token();
-    break;
-  default:
-    Unget_Token();
-  }
+  std::string found =
+      no_number(Token.Token_Id, Token.Token_String, Get_Token_String(Token.Token_Id));
+  if (count == 1 && (Token.Token_Id == COLOUR_TOKEN || Token.Token_Id == COLOUR_KEY_TOKEN))
+    found = Get_Token_String(Token.Function_Id);
+  if (!found.empty())
+    Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind, found.c_str());
+  Unget_Token();
 
   if (count == 3) {
     RGBColour colour;
@@ -255,23 +257,11 @@ void Parser::Parse_Mdf_UV(const std::string &what, UV_VECT both) {
   const std::string needed = what + " needs a number or <of u, of v>";
 
   Get_Mdf_Operand();
-  switch (Token.Token_Id) {
-  case MDF_WORD_TOKEN:
-  case IDENTIFIER_TOKEN:
-    Error("mdf: %s, '%s' found instead.", needed.c_str(), Token.Token_String);
-    break;
-  case RIGHT_CURLY_TOKEN:
-  case LEFT_CURLY_TOKEN:
-  case STRING_LITERAL_TOKEN:
-  case COMMA_TOKEN:
-  case EQUALS_TOKEN:
-  case END_OF_FILE_TOKEN:
-    Error("mdf: %s, %s found instead.", needed.c_str(),
-          mdf::plain_token(Get_Token_String(Token.Token_Id)).c_str());
-    break;
-  default:
-    Unget_Token();
-  }
+  const std::string found =
+      no_number(Token.Token_Id, Token.Token_String, Get_Token_String(Token.Token_Id));
+  if (!found.empty())
+    Error("mdf: %s, %s found instead.", needed.c_str(), found.c_str());
+  Unget_Token();
   EXPRESS value;
   const int terms = Parse_Unknown_Vector(value);
   if (terms > 2)
