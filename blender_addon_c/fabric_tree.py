@@ -6,7 +6,7 @@ import bpy
 
 from . import fabric_maps, fabric_place, fabric_shade
 from .export import size
-from .group import new_inside, new_socket
+from .group import like_pattern, new_socket, say
 
 _PLACE, _SHADE, _METRES, _KNOWN = "Place", "Cloth", "Metres", "Known"
 _INSIDE = (_PLACE, _SHADE, _METRES)
@@ -34,7 +34,10 @@ NEW = [name for name, *_ in SOCKETS if name not in ("Warp Color", "Weft Color", 
 
 def new_tree():
     """Such a tree; what a preset sets is left as it is."""
-    tree = new_inside("Libshade Fabric")
+    return like_pattern("Libshade Fabric", _fill)
+
+
+def _fill(tree):
     for name, kind, about, value, limits in SOCKETS:
         socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}")
         socket.description = about
@@ -45,11 +48,7 @@ def new_tree():
         if kind == "Vector":
             socket.hide_value = True
     new_socket(tree, "BSDF", "OUTPUT", "NodeSocketShader")
-    _fill(tree)
-    return tree
 
-
-def _fill(tree):
     def new(kind, x, y, name=""):
         node = tree.nodes.new(kind)
         node.location, node.name = (x, y), name or node.name
@@ -110,6 +109,10 @@ def update_stand_in(tree, weft_share, brightness, exponent):
 # ---- what properties change in it
 
 
+def _say(socket, value):
+    say(socket, "default_value", value)
+
+
 def _dyed(yarn):
     """Reflectance head-on that goes with the colour, that does not, and its mean; as native/scene/cloth.c dyes."""
     f0, kd = yarn["f0"], yarn["kd"]
@@ -130,19 +133,19 @@ def update(tree, made, name, real, unit, open_gaps):
     scene."""
     inner = tree.nodes
     place, shade = inner[_PLACE].inputs, inner[_SHADE].inputs
-    place["Per Unit"].default_value = (*made["per_unit"], 0.0)
-    place["Per Crossing"].default_value = (*(1 / side for side in made["repeat"]), 0.0)
+    _say(place["Per Unit"], (*made["per_unit"], 0.0))
+    _say(place["Per Crossing"], (*(1 / side for side in made["repeat"]), 0.0))
     for word, slub in zip(fabric_shade.YARNS, fabric_place.SLUBS):
         yarn = made[word.lower()]
-        place[slub].default_value = (yarn["slub"], 1 / yarn["along_length"], 1 / yarn["share"])
+        _say(place[slub], (yarn["slub"], 1 / yarn["along_length"], 1 / yarn["share"]))
         for key, value in _of_yarn(yarn).items():
-            shade[f"{word} {key}"].default_value = value
+            _say(shade[f"{word} {key}"], value)
     both = [a + b for a, b in zip(made["warp"]["kd"], made["weft"]["kd"])]
-    shade["Dyed Backing"].default_value = [0.0 if open_gaps else part / max(whole, 1e-3)
-                                           for part, whole in zip(made["backing"], both)]
-    shade["Fuzz in Gaps"].default_value = 1 - (1 - made["warp"]["fuzz"]) * (1 - made["weft"]["fuzz"])
-    shade["Lit"].default_value = made["lit"]
-    shade["Open"].default_value, shade["Nap Color"].default_value = float(open_gaps), made["nap_color"]
+    _say(shade["Dyed Backing"], [0.0 if open_gaps else part / max(whole, 1e-3) for part, whole in zip(made["backing"], both)])
+    _say(shade["Fuzz in Gaps"], 1 - (1 - made["warp"]["fuzz"]) * (1 - made["weft"]["fuzz"]))
+    _say(shade["Lit"], made["lit"])
+    _say(shade["Open"], float(open_gaps))
+    _say(shade["Nap Color"], made["nap_color"])
     _measure(tree, real, unit)
     _show(tree, made, name)
 
@@ -156,13 +159,13 @@ def _measure(tree, real, unit):
     inner = tree.nodes
     socket = inner[_PLACE].inputs["Metres"]
     if real in MEASURES:
-        inner[_METRES].attribute_name = MEASURES[real]
+        say(inner[_METRES], "attribute_name", MEASURES[real])
         if not socket.is_linked:
             tree.links.new(inner[_KNOWN].outputs[0], socket)
         return
     for link in list(socket.links):
         tree.links.remove(link)
-    socket.default_value = unit if real else 1.0
+    _say(socket, unit if real else 1.0)
 
 
 def _show(tree, made, name):

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups, in the versions of Blender."""
 
+from array import array
+
 import bpy
+
+_PATTERN = "libshade_pattern"  # on trees that others are copied from
 
 
 def new_socket(tree, name, in_out, kind):
@@ -15,6 +19,44 @@ def new_inside(name):
     """A tree for the inside of a node of ours, which the menus that add groups and their search hide: there it would be called
     as the node is, and show none of its settings."""
     return bpy.data.node_groups.new("." + name, "ShaderNodeTree")
+
+
+def like_pattern(name, fill):
+    """A tree for the inside of a node of ours, as `fill` makes it. Blender goes over all trees of the file for each node and
+    link that is made, but once for a copy: the file keeps one to copy, without users, which is not saved."""
+    pattern = next((tree for tree in bpy.data.node_groups
+                    if tree.get(_PATTERN) == name and not tree.users and not tree.library and _is_whole(tree)), None)
+    if pattern is None:
+        pattern = new_inside(f"{name} Pattern")
+        fill(pattern)
+        pattern[_PATTERN] = name
+    tree = pattern.copy()
+    del tree[_PATTERN]
+    tree.name = f".{name}"
+    return tree
+
+
+def _is_whole(tree):
+    """Are the groups inside still there?"""
+    return all(node.node_tree for node in tree.nodes if node.bl_idname == "ShaderNodeGroup")
+
+
+def drop_patterns():
+    """What the add-on leaves in no file that is open."""
+    for tree in [tree for tree in bpy.data.node_groups if tree.get(_PATTERN) and not tree.users]:
+        bpy.data.node_groups.remove(tree)
+
+
+def say(owner, name, value):
+    """Set what is not so yet: Blender goes over all trees of the file for each value that is set inside of one."""
+    said = getattr(owner, name)
+    if isinstance(value, str):
+        same = said == value
+    else:
+        was, new = ((part,) if isinstance(part, (float, int)) else part for part in (said, value))
+        same = array("f", was) == array("f", new)
+    if not same:
+        setattr(owner, name, value)
 
 
 def unhide(tree):

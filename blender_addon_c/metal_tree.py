@@ -3,7 +3,7 @@
 bumps. Older files have less inside, or a Principled BSDF, and keep it."""
 
 from . import groove
-from .group import new_inside, new_socket
+from .group import like_pattern, new_socket, say
 
 # Sockets that properties set: what these say counts until a socket is linked or says something else.
 SHAPE, MATT_COLOR, EDGE = ("Roughness", "Anisotropy"), ("Diffuse Color",), ("Edge Tint",)
@@ -61,7 +61,10 @@ def edge_tint(n, k):
 
 def new_tree(color):
     """Such a tree; color: of the metal head-on."""
-    tree = new_inside("Libshade Metal")
+    return like_pattern("Libshade Metal", lambda tree: _fill(tree, color))
+
+
+def _fill(tree, color):
     _add_sockets(tree, color)
 
     def new(kind, x, y, name=""):
@@ -93,7 +96,6 @@ def new_tree(color):
     link(shader.outputs["BSDF"], both.inputs[0])
     link(matt.outputs["BSDF"], both.inputs[1])
     link(both.outputs["Shader"], outputs.inputs["BSDF"])
-    return tree
 
 
 def _add_sockets(tree, color):
@@ -199,10 +201,10 @@ def update(tree, by, alphas):
         _update_principled(inner[_OLD_SHADER], *alphas)
         return
     shader, matt = inner[_SHADER], inner[_MATT]
-    shader.distribution = _DISTRIBUTION.get(by.distribution, "BECKMANN")
+    say(shader, "distribution", _DISTRIBUTION.get(by.distribution, "BECKMANN"))
     for name, value in zip(SHAPE, shape_of(*alphas)):  # where no sockets feed them
-        shader.inputs[name].default_value = value
-    matt.inputs["Color"].default_value = (*by.kd, 1.0)
+        say(shader.inputs[name], "default_value", value)
+    say(matt.inputs["Color"], "default_value", (*by.kd, 1.0))
     _update_fresnel(tree, by)
     if _STROKES in inner:
         _turn_strokes(tree, by)
@@ -233,19 +235,19 @@ def _feed(tree, socket, name, fed=True, value=None):
         for link in socket.links:
             links.remove(link)
     if value is not None:
-        socket.default_value = value
+        say(socket, "default_value", value)
 
 
 def _update_fresnel(tree, by):
     inner, conductor = tree.nodes, by.fresnel == "CONDUCTOR"
     hidden = conductor and not getattr(by, "set_color", (0,) * 4)[3]  # else the sockets show it
-    inner[_FRESNEL].inputs[1].default_value = float(by.fresnel != "NONE")
+    say(inner[_FRESNEL].inputs[1], "default_value", float(by.fresnel != "NONE"))
     head_on = (*[reflectance(n, k, 1.0) for n, k in zip(by.eta, by.k)], 1.0) if conductor else None
     _feed(tree, inner[_COLOR].inputs["Color1"], "Color", not hidden, head_on)
     if _EDGE not in inner:
         return
     scale = 7 * (7 / 6) ** 6 if conductor or by.fresnel in TINTED else 0.0
-    inner[_EDGE].inputs[1].default_value = scale
+    say(inner[_EDGE].inputs[1], "default_value", scale)
     tint = (*[edge_tint(n, k) for n, k in zip(by.eta, by.k)], 1.0) if conductor else None
     _feed(tree, inner["At 82"].inputs["Color1"], "Color", not hidden, head_on)
     _feed(tree, inner["Lost"].inputs["Color2"], "Edge Tint", not hidden, tint)
@@ -255,11 +257,12 @@ def _turn_strokes(tree, by):
     """To the narrow axis, wherever that is, or to the one that is asked for."""
     across, factor = tree.nodes[_ACROSS], mixed(tree.nodes[_STROKES])["Factor_Float"]
     if by.groove == "AUTO":
-        tree.links.new(across.outputs[0], factor)
+        if not factor.is_linked:
+            tree.links.new(across.outputs[0], factor)
         return
     for link in factor.links:
         tree.links.remove(link)
-    factor.default_value = float(by.groove == "Y")
+    say(factor, "default_value", float(by.groove == "Y"))
 
 
 def _update_grain(inner, by):
@@ -270,8 +273,10 @@ def _update_grain(inner, by):
     if target.links[0].from_node != source:
         inner.id_data.links.new(source.outputs[0], target)
     if kind == "AXIS":
-        along.inputs[0].default_value = axis_vector(axis)
+        say(along.inputs[0], "default_value", axis_vector(axis))
     elif kind == "RADIAL":
-        round_.direction_type, round_.axis = "RADIAL", axis
+        say(round_, "direction_type", "RADIAL")
+        say(round_, "axis", axis)
     else:
-        round_.direction_type, round_.uv_map = "UV_MAP", by.uv_map
+        say(round_, "direction_type", "UV_MAP")
+        say(round_, "uv_map", by.uv_map)

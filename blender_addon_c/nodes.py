@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import own_tree, register_node, unhide
+from .group import drop_patterns, own_tree, register_node, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on, is_enabled
@@ -126,6 +126,8 @@ _TWIN = {
 }
 # While a twin is being set, its own update must not answer.
 _setting_twin = False
+# While a preset sets them all, sockets and the tree inside follow once, at its end.
+_setting_all = False
 
 
 def _updater(word):
@@ -140,6 +142,8 @@ def _updater(word):
                 setattr(node, twin, convert(getattr(node, word)))
             finally:
                 _setting_twin = False
+        if _setting_all:
+            return
         if word in _SETS:
             node.set_sockets(_SETS[word])
         if word == "f82" and node.fresnel == "F82" or word == "fresnel" and not sockets_rule(node, EDGE):
@@ -375,12 +379,17 @@ def metals():
 def apply_preset(node, preset):
     """Make a metal node a metal of libshade's; strokes of turned ones go round the object's z axis
     where nothing else says where."""
+    global _setting_all
     row = _METALS[preset]
     values = _native.metal(row["word"])
-    for name, attribute in _choices():
-        setattr(node, attribute, values[name].upper())
-    for parameter in _parameters():
-        setattr(node, parameter["word"], values[parameter["word"]])
+    _setting_all = True
+    try:
+        for name, attribute in _choices():
+            setattr(node, attribute, values[name].upper())
+        for parameter in _parameters():
+            setattr(node, parameter["word"], values[parameter["word"]])
+    finally:
+        _setting_all = False
     for names in _OF_SOCKETS:
         node.set_sockets(names)
     node.show_index()
@@ -611,6 +620,7 @@ def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
+    drop_patterns()
     # Blender 3.4 crashes when it frees the evaluated copy of a node whose class is gone: there
     # the class stays until Blender ends, and the add-on finds it when it is enabled again.
     if bpy.app.version >= (5, 0):

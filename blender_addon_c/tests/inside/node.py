@@ -398,10 +398,38 @@ def test_copies(material, node):
     assert node.node_tree.users > 0
 
 
+def patterns():
+    return [tree for tree in bpy.data.node_groups if "Pattern" in tree.name]
+
+
+def test_patterns():
+    """What is inside a new node is copied from an unused tree, of which there is one, unless someone has put it to use or
+    removed a group from it: nodes then are whole all the same."""
+    def whole(node):
+        assert node.node_tree not in patterns() and all(g.node_tree for g in node.node_tree.nodes if g.type == "GROUP")
+        assert node.node_tree.name.startswith(".Libshade Metal") and "Pattern" not in node.node_tree.name
+        assert not [key for key in node.node_tree.keys() if key.startswith("libshade")]
+        return node
+
+    whole(common.metal("one")[2])
+    pattern, = patterns()
+    assert whole(common.metal("two")[2]).node_tree != pattern and patterns() == [pattern] and not pattern.users
+    pattern.nodes["Groove"].node_tree = None
+    whole(common.metal("three")[2])
+    pattern, = (p for p in patterns() if p != pattern)
+    pattern.use_fake_user = True
+    pattern.nodes.clear()
+    whole(common.metal("four")[2])
+    pattern.use_fake_user = False  # it has no group that is gone, but none at all
+    bpy.data.node_groups.remove(pattern)
+
+
 def test_save_and_load(path):
+    assert patterns()
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     common.enable()
+    assert not patterns()  # what has no users is not saved
     node = bpy.data.materials["metal"].node_tree.nodes["Libshade Metal"]
     assert near(node.ay, 0.15) and node.node_tree
     return node
@@ -483,7 +511,9 @@ def test_disable_and_enable():
     material, _tree, _node = common.metal("again")
     common.plane(material)
     bpy.context.view_layer.update()
+    assert patterns()
     bpy.ops.preferences.addon_disable(module=common.MODULE)
+    assert not patterns()
     for name in ("Metal", "Fabric", "Scratches") if bpy.app.version < (4, 0) else ():
         cls, drawn = bpy.types.Node.bl_rna_get_subclass_py(f"Libshade{name}Node"), []
         cls.draw_buttons_ext(SimpleNamespace(draw_buttons=lambda *said, c=cls: c.draw_buttons(None, *said)), None, Layout(drawn))
@@ -509,6 +539,7 @@ test_keyframes(bpy.context.scene)
 test_update()
 test_old_files(common.metal("old")[2])
 test_copies(material, node)
+test_patterns()
 test_convert(test_save_and_load(blend))
 test_fabric()
 test_metals()
