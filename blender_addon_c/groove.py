@@ -9,7 +9,7 @@ in the plane of N and T. The group needs no add-on: files that hold it render th
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from .group import new_socket
+from .group import drop_patterns, new_socket
 
 NAME = "Libshade Groove"
 _MARK = "libshade_groove"  # on the tree, and on nodes that the operator placed
@@ -180,6 +180,7 @@ that its grooves go with the bumps in Cycles; or take it away again"""
     def execute(self, _context):
         if self.take_away:
             count = sum(take_away(tree) for tree in _trees())
+            drop_patterns()  # which have it inside
             tree = next((tree for tree in bpy.data.node_groups if tree.get(_MARK)), None)
             if tree and not tree.users and not tree.library:
                 bpy.data.node_groups.remove(tree)
