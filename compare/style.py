@@ -12,6 +12,7 @@ colour alone. In the SVG each becomes a CSS variable, so that the page can chang
 dark screens, and --blue-word and so on where it is that of words, which want more contrast; INK, SOFT, FAINT and
 PAPER are text, secondary text, lines of a grid and the ground.
 """
+import functools
 import hashlib
 import io
 import math
@@ -20,12 +21,15 @@ import re
 import tempfile
 from dataclasses import dataclass
 
+import numpy as np
+
 os.environ.setdefault("MPLCONFIGDIR",
                       os.path.join(tempfile.gettempdir(), f"libshade-plots-{os.getuid()}"))
 import matplotlib  # noqa: E402  (after its folder is set)
 
 matplotlib.use("svg")
 from matplotlib import pyplot, ticker  # noqa: E402
+from matplotlib.textpath import TextPath  # noqa: E402
 
 INK, SOFT, FAINT, PAPER = "#1a1c1f", "#5b6168", "#dfe2e6", "#fdfdfe"
 BLUE, SKY, GREEN, ORANGE = "#0072b2", "#56b4e9", "#009e73", "#e69f00"
@@ -188,11 +192,14 @@ def log_ticks(axis, most=7):
     axis.set_minor_locator(ticker.NullLocator())
 
 
-_AROUND = ((7, 0, "left"), (-7, 0, "right"), (0, 9, "center"), (0, -9, "center"), (7, 8, "left"),
-           (7, -8, "left"), (-7, 8, "right"), (-7, -8, "right"), (9, 16, "left"), (9, -16, "left"),
-           (-9, 16, "right"), (-9, -16, "right"), (10, 25, "left"), (10, -25, "left"),
-           (-10, 25, "right"), (-10, -25, "right"), *((side * x, y, {1: "left", -1: "right"}[side])
-                                                      for x, y in ((11, 38), (11, -38), (12, 52), (12, -52), (13, -66), (14, -80)) for side in (1, -1)))
+# Where a word may stand beside its point, in points: the farther, the later
+_AROUND = sorted(((side * (6 + abs(y) / 12 if y else 7), y, {1: "left", -1: "right", 0: "center"}[side])
+                  for y in (0, 9, -9, 16, -16, 25, -25, 38, -38, 52, -52, 66, -66, 80, -80, 96, -96) for side in (1, -1, 0) if y or side),
+                 key=lambda at: (abs(at[1]), not at[2] == "left"))
+
+
+def _within(points, boxes, more=0.0):
+    return ((boxes[..., :2] - more < points) & (points < boxes[..., 2:] + more)).all(-1)
 
 
 def labels(axes, points, size=11, lines=()):
@@ -202,42 +209,70 @@ def labels(axes, points, size=11, lines=()):
     """
     canvas = axes.figure
     canvas.draw_without_rendering()  # the axes' place is known from here on
+    if not points:
+        return
     dots = axes.transData.transform([(x, y) for x, y, _word in points])
-    strokes = []
+    strokes = [np.empty((0, 2))]
     for line in lines:
         corners = axes.transData.transform(line)
-        for (x0, y0), (x1, y1) in zip(corners[:-1], corners[1:]):
-            steps = max(int(max(abs(x1 - x0), abs(y1 - y0)) / 3), 1)
-            strokes += [(x0 + (x1 - x0) * k / steps, y0 + (y1 - y0) * k / steps) for k in range(steps + 1)]
-    frame, taken, scale = axes.get_window_extent(), [], canvas.dpi / 72
+        for a, b in zip(corners[:-1], corners[1:]):
+            strokes.append(a + (b - a) * np.linspace(0, 1, max(int(np.abs(b - a).max() / 3), 1) + 1)[:, None])
+    strokes, frame, scale = np.concatenate(strokes), axes.get_window_extent(), canvas.dpi / 72
+    offsets = np.array([at[:2] for at in _AROUND]) * scale
+    shares = np.array([{"left": 0.0, "right": 1.0, "center": 0.5}[side] for *_xy, side in _AROUND])
+    far = np.abs(offsets[:, 1]) > 12 * scale  # these have a line to their point
+    boxes, alone, leads = [], [], []
+    for (_x, _y, word), dot in zip(points, dots):
+        wide, high = _width(of(word).label, size) * scale, 1.1 * size * scale
+        low = dot + offsets - np.stack([shares * wide, np.full(len(shares), high / 2)], 1)
+        box = np.concatenate([low, low + (wide, high)], 1)
+        lead = np.stack([np.broadcast_to(dot, low.shape), dot + offsets], 1)
+        out = np.maximum(frame.x0 - box[:, 0], 0) + np.maximum(box[:, 2] - frame.x1 - 4 * scale, 0)
+        out += np.maximum(frame.y0 - box[:, 1], 0) + np.maximum(box[:, 3] - frame.y1, 0)
+        others = dots[(dots != dot).any(1)]
+        covered = _within(dots, box[:, None], 4 * scale).sum(1)
+        struck = _within(strokes, box[:, None]).sum(1)
+        along = lead[:, None, 0] + (lead[:, None, 1] - lead[:, None, 0]) * np.linspace(0, 1, 9)[None, :, None]
+        over = (np.abs(along[:, :, None] - others).max(-1) < 5 * scale).any(1).sum(1)
+        boxes.append(box)
+        leads.append(along)
+        alone.append(200 * out + 60 * covered + 4 * struck + np.arange(len(box)) + far * (10 + 40 * over))
 
-    def overlap(box):
-        x0, y0, x1, y1 = box
-        out = max(frame.x0 - x0, 0) + max(x1 - frame.x1 - 4, 0)
-        out += max(frame.y0 - y0, 0) + max(y1 - frame.y1, 0)
-        shared = sum(max(min(x1, b[2]) - max(x0, b[0]), 0) * max(min(y1, b[3]) - max(y0, b[1]), 0)
-                     for b in taken)
-        covered = sum(x0 - 4 < x < x1 + 4 and y0 - 4 < y < y1 + 4 for x, y in dots)
-        struck = sum(x0 < x < x1 and y0 < y < y1 for x, y in strokes)
-        return 200 * out + 20 * shared + 60 * covered + 4 * struck
+    def beside(k, chosen):
+        """What each place of a word costs, the others being where they are."""
+        cost = alone[k].copy()
+        for other, place in enumerate(chosen):
+            if other == k or place is None:
+                continue
+            theirs = boxes[other][place]
+            shared = np.clip(np.minimum(boxes[k][:, 2:], theirs[2:] + 2) - np.maximum(boxes[k][:, :2], theirs[:2] - 2), 0, None)
+            cost += 20 * shared.prod(1) + far * 6 * _within(leads[k], theirs).sum(1)
+            if far[place]:
+                cost += 6 * _within(leads[other][place], boxes[k][:, None]).sum(1)
+        return cost
 
-    for (x, y, word), (px, py) in zip(points, dots):
-        look = of(word)
-        wide, high = 0.56 * size * len(look.label) * scale, 1.1 * size * scale
-        best = None
-        for rank, (dx, dy, side) in enumerate(_AROUND):
-            left = px + dx * scale - {"left": 0, "right": wide, "center": wide / 2}[side]
-            below = py + dy * scale - high / 2
-            box = (left, below, left + wide, below + high)
-            cost = overlap(box) + rank
-            if best is None or cost < best[0]:
-                best = cost, box, dx, dy, side
-        _cost, box, dx, dy, side = best
-        taken.append(box)
+    def arranged(order):
+        chosen = [None] * len(points)
+        for turn in range(4):
+            for k in order:
+                chosen[k] = int(beside(k, chosen).argmin())
+        return sum(beside(k, chosen)[place] for k, place in enumerate(chosen)), chosen
+
+    count = len(points)
+    orders = [[*range(start, count), *range(start)] for start in range(count)]
+    _cost, chosen = min((arranged(order) for order in [*orders, *(order[::-1] for order in orders)]), key=lambda found: found[0])
+    for (x, y, word), place in zip(points, chosen):
+        dx, dy, side = _AROUND[place]
         line = {"arrowprops": {"arrowstyle": "-", "color": SOFT, "linewidth": 0.6, "shrinkA": 0,
-                               "shrinkB": 4}} if abs(dy) > 12 else {}
-        axes.annotate(look.label, (x, y), xytext=(dx, dy), textcoords="offset points", ha=side,
-                      va="center", fontsize=size, color=look.colour, **line)
+                               "shrinkB": 4}} if far[place] else {}
+        axes.annotate(of(word).label, (x, y), xytext=(dx, dy), textcoords="offset points", ha=side,
+                      va="center", fontsize=size, color=of(word).colour, **line)
+
+
+@functools.cache
+def _width(text, size):
+    """In points, of a wide font: what a browser has may be narrower."""
+    return TextPath((0, 0), text, size=size).get_extents().width + 0.1 * size
 
 
 def ends(axes, points, size=11):
