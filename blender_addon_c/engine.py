@@ -130,11 +130,12 @@ class LibshadeEngine(bpy.types.RenderEngine):
 
     def _aovs(self, scene, result, count, messages):
         """Passes of these, each rendered by itself; Esc leaves the rest black."""
-        for (name, is_color), materials in scene["aovs"].items():
+        for (name, kind), materials in scene["aovs"].items():
             picture = self._picture(export.aov.view(scene, materials), count, messages)
             if picture is None:
                 return
-            _set_pixels(result, (picture if is_color else picture[:, 0]).ravel(), name=name, channels=4 if is_color else 1)
+            channels = export.aov.CHANNELS[kind]
+            _set_pixels(result, picture[:, :channels].ravel(), name=name, channels=channels)
 
     def _pictures(self, views, pictures, count, messages):
         """Those that the last one needs, which share its time limit: whether all are there, and the last one's scene."""

@@ -204,6 +204,7 @@ class VIEWLAYER_PT_libshade_passes(_Panel, bpy.types.Panel):
         column = layout.column(heading="Other", align=True)
         column.prop(view_layer, "use_pass_emit", text="Emission")
         column.prop(view_layer, "use_pass_environment")
+        column.prop(view_layer, "use_pass_ambient_occlusion", text="Ambient Occlusion")
         column = layout.column(heading="Cryptomatte", align=True)
         for kind in ("object", "material", "asset"):
             column.prop(view_layer, f"use_pass_cryptomatte_{kind}", text=kind.title())

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Passes of what AOV Output nodes say. Each is a picture of its own, in which the first surfaces that the camera sees shine with
-that, and those without such a node are holes."""
+"""Passes of what AOV Output nodes say, and of ambient occlusion. Each is a picture of its own, in which the first surfaces that
+the camera sees shine with that, and those without such a node are holes."""
 
 import bpy
 
@@ -11,6 +11,12 @@ from .value import color_of, number_of
 
 _MUTED_SPEAK = bpy.app.version >= (5, 0)  # measured: not 3.4
 _MOST_GROUPS = 32  # one in another
+OCCLUSION = "OCCLUSION"
+CHANNELS = {"COLOR": 4, "VALUE": 1, OCCLUSION: 3}
+OCCLUSION_NAME = "Ambient Occlusion" if bpy.app.version >= (5, 0) else "AO"
+_BLACK = {"closure": "EMISSION", "weight": (0.0,) * 3}
+_RAYS = 4  # of a sample
+_FAR = 1e18  # where there is no world to say how far occlusion goes
 # What of a scene is of the picture alone, and what lights it.
 _BESIDE = ("planes", "mattes", "matte_slots", "mist", "adaptive_threshold", "adaptive_min_samples", "sky", "looks", "backdrop",
            "backdrop_sky", "time_limit")
@@ -18,9 +24,14 @@ _DARK = {"background": (0.0,) * 3, "lights": [], "max_bounces": 0, "transparent"
          "sample_clamp_indirect": 0.0}
 
 
-def names_of(view_layer):
-    """(name, is it a colour?) of those that a view layer asks for."""
-    return [(one.name, one.type == "COLOR") for one in getattr(view_layer, "aovs", ()) if one.is_valid]
+def of_nodes(view_layer):
+    """(name, "COLOR" or "VALUE") of those of AOV Output nodes that a view layer asks for."""
+    return [(one.name, one.type) for one in getattr(view_layer, "aovs", ()) if one.is_valid]
+
+
+def wanted_of(view_layer):
+    """(name, one of CHANNELS) of all that it asks for."""
+    return ([(OCCLUSION_NAME, OCCLUSION)] if view_layer.use_pass_ambient_occlusion else []) + of_nodes(view_layer)
 
 
 def view(scene, materials):
@@ -29,13 +40,16 @@ def view(scene, materials):
     return {**kept, **_DARK, "materials": materials}
 
 
-def read_into(reader, own, name, is_color, threshold):
-    """What a material of that node tree, or None, says by that name, as the native module takes a material. threshold: of its
-    alpha, below which the next surfaces say it as well; None where light does not pass through it."""
+def read_into(reader, own, name, kind, threshold, held):
+    """What a material of that node tree, or None, says by that name, as the native module takes a material. kind: one of CHANNELS.
+    threshold: of its alpha, below which the next surfaces say it as well; None where light does not pass through it. held: is it a
+    hole in the picture?"""
     try:
-        return _finished(reader, own, name, is_color, threshold)
+        if kind == OCCLUSION:
+            return _material(reader, [_BLACK]) if held else _occluded(reader, own, threshold is not None)
+        return _finished(reader, own, name, kind == "COLOR", threshold)
     except (TooLarge, RecursionError):
-        reader.warn(f"its nodes are too many for AOV '{name}'; left out")
+        reader.warn(f"its nodes are too many for the pass '{name}'; left out")
         reader.program = Program()
         return _material(reader, [{"closure": "EMISSION", "holds": True}])
 
@@ -53,6 +67,24 @@ def _finished(reader, own, name, is_color, threshold):
     if not is_known(clear) or clear:
         made.append({"closure": "TRANSPARENT", "weight": (clear,) * 3})
     return _material(reader, made)
+
+
+def _occluded(reader, own, passes):
+    """How much of the hemisphere about what is matt in it, or about the surface's own normal, is free of others, as far as the
+    world's ambient occlusion goes; of what is clear, the surface behind says it. passes: is any of it clear?"""
+    math, made, parts = reader.program.math, [], (1.0,) * 3
+    if own:
+        collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
+    if passes:
+        made = [closure for closure in reader.closures if closure["closure"] == "TRANSPARENT"]
+        for closure in made:
+            parts = tuple(math("MAXIMUM", math("SUBTRACT", part, clear), 0.0)
+                          for part, clear in zip(parts, closure.get("weight", (1.0,) * 3)))
+    normal = next((closure.get("normal") for closure in reader.closures if closure["closure"] == "DIFFUSE"), None)
+    normal = normal and reader.below.get(normal[0], normal)
+    free = reader.program.emit("OCCLUSION", 1, samples=_RAYS, distance=[reader.reach() or _FAR],
+                               **({"normal": normal} if normal else {}))[0]
+    return _material(reader, [{"closure": "EMISSION", "weight": tuple(math("MULTIPLY", part, free) for part in parts)}, *made])
 
 
 def _material(reader, closures):

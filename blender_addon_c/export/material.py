@@ -34,7 +34,7 @@ class Table:
     """Materials, images and layers of one render, each once."""
 
     def __init__(self, messages, settings, colors, camera, depsgraph, kept=None, aovs=()):
-        """aovs: of passes (aov.names_of)."""
+        """aovs: of passes (aov.wanted_of)."""
         self.aovs = {one: [] for one in aovs}  # materials of each
         self.threshold = depsgraph.view_layer.pass_alpha_threshold
         self.materials, self.images, self.layers = [], Images(messages, depsgraph.scene.frame_current, kept), Layers()
@@ -71,8 +71,8 @@ class Table:
             reader = Reader(self, self._messages, material, held, of_points)
             self._indices[key] = len(self.materials)
             self.materials.append(reader.read())
-            for (name, is_color), made in self.aovs.items():
-                made.append(reader.read_aov(name, is_color))
+            for (name, kind), made in self.aovs.items():
+                made.append(reader.read_aov(name, kind))
             self._uv_maps.append(reader.uv_map or "")
             self._layers.append(reader.layers)
             self._textured.append(reader.uv_map is not None)
@@ -180,14 +180,14 @@ class Reader:
         self.program, self.closures = Program(), [plain(color)]
         return {**about, **self._finished()}
 
-    def read_aov(self, name, is_color):
+    def read_aov(self, name, kind):
         """What it says by that name, after it was read."""
         other = Reader(self._table, self._messages, self._material)
         other.uv_map, other.layers, other.measured = self.uv_map, self.layers, self.measured
         other.colors = other.filters = False
         own = tree.of(self._material) if self._material else None
         passes = own and any(closure["closure"] == "TRANSPARENT" for closure in self.closures)
-        made = read_into(other, own, name, is_color, self._table.threshold if passes else None)
+        made = read_into(other, own, name, kind, self._table.threshold if passes else None, self._held)
         self.uv_map, self.measured = other.uv_map, other.measured
         return {"name": self._material.name if self._material else "", **made}
 

@@ -5,13 +5,14 @@ from collections import namedtuple
 
 import bpy
 
-from .aov import names_of
+from .aov import OCCLUSION_NAME, of_nodes
 
 # The view layer's property (or that of its `libshade`, or the scene's), Blender's name, what its channels are called, how Blender shows it,
 # and the native module's plane.
 Pass = namedtuple("Pass", "wanted_by name channels kind plane")
 
 NOISY = "NOISY"  # the picture that was denoised, which is no plane
+AOV = "AOV"  # a picture of its own
 _LONG = bpy.app.version >= (5, 0)  # names of passes are whole words
 
 
@@ -39,9 +40,9 @@ PASSES = (
     *_light_passes(),
     _pass("emit", "Emit", "Emission", "RGB", "COLOR", "EMISSION"),
     _pass("environment", "Env", "Environment", "RGB", "COLOR", "ENVIRONMENT"),
+    Pass("use_pass_ambient_occlusion", OCCLUSION_NAME, "RGB", "COLOR", AOV),
 )
 CATCHER = "SHADOW_CATCHER"  # of several pictures
-AOV = "AOV"  # one of its own
 _CATCHER = Pass("use_pass_shadow_catcher", "Shadow Catcher", "RGB", "COLOR", CATCHER)
 _COUNT = Pass("pass_debug_sample_count", "Debug Sample Count", "X", "VALUE", "SAMPLES")
 # After those of names, whose number is the view layer's.
@@ -55,7 +56,6 @@ _LAST = (
 # Properties of what no plane stands for yet, where the Blender that runs has them.
 _UNKNOWN = {
     "use_pass_shadow": "Shadow",
-    "use_pass_ambient_occlusion": "Ambient Occlusion",
     **{f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}"
        for part in ("direct", "indirect", "color")},
 }
@@ -67,8 +67,7 @@ def passes_of(scene, view_layer):
         ("denoising_store_passes", "pass_debug_sample_count", "use_pass_shadow_catcher"), view_layer.libshade)}
     known = [p for p in (*PASSES, _CATCHER, _COUNT, *_mattes(view_layer), *_LAST)
              if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
-    return known + [Pass("aovs", name, *(("RGBA", "COLOR") if is_color else ("X", "VALUE")), AOV)
-                    for name, is_color in names_of(view_layer)]
+    return known + [Pass("aovs", name, "RGBA" if kind == "COLOR" else "X", kind, AOV) for name, kind in of_nodes(view_layer)]
 
 
 def _mattes(view_layer):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from . import passes, strands, tree
-from .aov import names_of
+from .aov import OCCLUSION, wanted_of
 from .camera import rows
 from .kept import owners_of
 from .light import Links, kinds, light_of, name_shading
@@ -35,7 +35,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     colors = depsgraph.mode == "RENDER" and passes.have_colors(scene, depsgraph.view_layer)
-    aovs = names_of(depsgraph.view_layer) if depsgraph.mode == "RENDER" else ()
+    aovs = wanted_of(depsgraph.view_layer) if depsgraph.mode == "RENDER" else ()
     table = Table(messages, scene.libshade, colors, camera, depsgraph, kept, aovs)
     if kept:
         kept.begin()
@@ -48,6 +48,9 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages)
+    if any(kind == OCCLUSION for _name, kind in aovs) and any(
+            closure["closure"] == "TRANSPARENT" for made in table.materials for closure in made.get("closures", ())):
+        messages.warning("pass Ambient Occlusion: surfaces that let light through stop its rays")
     _name_settings(scene, messages)
     return {
         "width": size[0],

@@ -2,6 +2,7 @@
 """Passes of AOV Output nodes, against what they say and the Cycles of the same Blender."""
 
 import numpy as np
+import pytest
 
 from blender_runs import read_picture
 
@@ -38,3 +39,19 @@ def test_what_is_below_zero_is_kept(blender, tmp_path):
         blender.scene("aovs", tmp_path, dump="", engine=engine, below=True)
         lowest.append(of(tmp_path / "picture.exr", "value").min())
     assert lowest == [-0.25, -0.25]
+
+
+@pytest.mark.parametrize("distance", [10, 0.3])
+def test_ambient_occlusion(blender, tmp_path, distance):
+    """By the normals of matt shaders, whatever else the surface is; an object that is held out says nothing."""
+    pictures = []
+    for engine in "CYCLES", "LIBSHADE":
+        _, told = blender.scene("occlusion", tmp_path, dump="", engine=engine, distance=distance)
+        names, pixels = read_picture(tmp_path / "picture.exr")
+        name = "Ambient Occlusion" if blender.version >= "5" else "AO"
+        pictures.append(np.stack([pixels[..., names.index(f"ViewLayer.{name}.{channel}")] for channel in "RGB"], -1))
+    assert "are not rendered" not in told and (pictures[1] <= 1).all()
+    theirs, ours = (picture.reshape(12, 4, 16, 4, 3).mean((1, 3)) for picture in pictures)
+    print(f"apart {np.abs(ours - theirs).mean() / theirs.mean():.4f}, mean {ours.mean() / theirs.mean():.4f}")
+    assert theirs.mean() < 0.95 and theirs.min() < 0.1  # the hole
+    assert np.abs(ours - theirs).mean() < 0.006 * theirs.mean() and np.abs(ours - theirs).max() < 0.04

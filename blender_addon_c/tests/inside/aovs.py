@@ -62,3 +62,33 @@ def aovs(options):
         one.name, one.type = name, kind
     common.render(options["picture"])
     return {}
+
+
+def occlusion(options):
+    """A matt floor, and over it four balls: one that shines, one of glass, one matt with a bent normal, one that is a hole."""
+    scene = common.empty_scene(64, 48, samples=128)
+    engine = scene.render.engine = options["engine"]
+    if engine == "CYCLES":
+        scene.cycles.samples, scene.cycles.pixel_filter_type = 128, "BOX"
+        scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.film_exposure = 3  # which is not for it
+    common.write_multilayer(scene)
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.light_settings.distance = options["distance"]
+    common.camera(scene, (0, -3, 3), (0.7853982, 0, 0), type="ORTHO", ortho_scale=4)
+    matt, tree, shader = _material("bent", "ShaderNodeBsdfDiffuse")
+    normal = tree.nodes.new("ShaderNodeNormalMap")
+    normal.inputs["Color"].default_value = (0.8, 0.5, 0.9, 1)
+    tree.links.new(normal.outputs["Normal"], shader.inputs["Normal"])
+    common.plane(_material("floor", "ShaderNodeBsdfDiffuse")[0], 5)
+    for x, material in ((-1.2, _material("shines", "ShaderNodeEmission")[0]), (-0.4, _material("clear", "ShaderNodeBsdfGlass")[0]),
+                        (0.4, matt), (1.2, matt)):
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.35, location=(x, 0, 0.4))
+        ball = bpy.context.object
+        ball.data.materials.append(material)
+        ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
+    ball.is_holdout = True
+    common.light(scene)
+    scene.view_layers[0].use_pass_ambient_occlusion = True
+    common.render(options["picture"])
+    return {}
