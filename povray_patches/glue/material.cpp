@@ -15,8 +15,8 @@ Material::Material()
     : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_once(false),
       bump_scale(), bump_move(), reflects(false), notes(false), preset(false), samples(0),
       clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
-      has_diffuse(false), matt(false), rejects(false), bends(false), black(), widened(),
-      widened_black(), width(0.0), rays(1), lattice(Lattice::of(1)) {
+      has_diffuse(false), matt(false), lambert(false), rejects(false), bends(false), black(),
+      widened(), widened_black(), width(0.0), rays(1), lattice(Lattice::of(1)) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -125,6 +125,8 @@ void split(Material &m) {
   }
   m.matt = m.params.fresnel == SHADE_FRESNEL_NONE && !m.specular_pigment && m.params.f0[0] == 0.0 &&
            m.params.f0[1] == 0.0 && m.params.f0[2] == 0.0;
+  m.lambert = m.matt && m.params.diffuse == SHADE_DIFFUSE_LAMBERT && !m.cloth && !m.bump &&
+              !m.scratches && !m.reflects;
   m.rejects = m.params.detail != SHADE_DETAIL_NONE && m.params.horizon != SHADE_HORIZON_SCHUESSLER;
   m.bends = m.params.horizon == SHADE_HORIZON_VALID_REFLECTION ||
             m.params.horizon == SHADE_HORIZON_VALID_ESTEVEZ;
@@ -234,6 +236,7 @@ const Material *Scene::add(const Material &material) {
       kept->black_albedo = albedo_of(p);
   }
   materials.push_back(kept);
+  reflecting = reflecting || kept->reflects;
   by_width = by_width || kept->cloth || kept->scratches || (kept->bump && kept->filtered);
   return kept.get();
 }
@@ -497,6 +500,12 @@ void ShadedPoint::light(Part part, int level, const double L[3], const double E[
   const Material &m = *material;
   double wi[3], f[3];
 
+  if (lambert) {
+    const double share = part == SPECULAR ? 0.0 : std::max(over(L), 0.0) / M_PI;
+    for (int c = 0; c < 3; c++)
+      S[c] = m.params.kd[c] * (m.kd_pigment ? pigment[c] : 1.0) * share * E[c];
+    return;
+  }
   to_local(L, wi);
   if (m.cloth)
     shade_fabric_hit_eval(m.woven->fabric(), hit.get(), wi, f);

@@ -3,7 +3,9 @@
 #ifndef POVRAY_BACKEND_MDF_MATERIAL_H
 #define POVRAY_BACKEND_MDF_MATERIAL_H
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -91,6 +93,7 @@ struct Material {
   shade_bsdf bsdf, specular, diffuse;
   bool has_diffuse;
   bool matt;    // nothing is specular
+  bool lambert; // all of it is Lambert's law, but for what moves normals
   bool rejects; // light from below the perturbed normal gives nothing,
   bool bends;   // unless that normal has been bent for the eye
   // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
@@ -161,6 +164,8 @@ public:
   bool has_scratches() const;
   // Whether any block looks different by how wide a ray is.
   bool looks_at_widths() const { return by_width; }
+  // Whether any block has `reflection { }`.
+  bool reflects() const { return reflecting; }
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
 
@@ -176,7 +181,7 @@ public:
 
 private:
   std::vector<std::shared_ptr<Material>> materials;
-  bool by_width = false;
+  bool by_width = false, reflecting = false;
   // equal blocks share one: scenes copy them in loops
   std::vector<std::shared_ptr<const LateAlbedo>> albedos;
   Loom loom;
@@ -200,9 +205,19 @@ class ShadedPoint {
 public:
   enum Part { ALL, SPECULAR, DIFFUSE }; // ALL: where no colour is the pigment's
 
-  ShadedPoint() : material(NULL), prepared(0) {}
+  ShadedPoint() : material(NULL), lambert(false), prepared(0) {}
   void set(const Material *m, const double N[3], const double T[3], const double Ns[3],
            const double V[3]);
+  // Of a material that follows Lambert's law alone where nothing moves its normal: no other vector
+  // has a part in it.
+  void set_lambert(const Material *m, const double N[3]) {
+    material = m;
+    lambert = true;
+    for (int c = 0; c < 3; c++) {
+      frame[2][c] = N[c];
+      pigment[c] = 1.0;
+    }
+  }
 
   // The colour of the layer's pigment; white, if it is not told.
   void set_pigment(const double rgb[3]);
@@ -222,16 +237,14 @@ public:
   const Material &of() const { return *material; }
 
   // Is this direction above the surface?
-  bool above(const double L[3]) const {
-    return frame[2][0] * L[0] + frame[2][1] * L[1] + frame[2][2] * L[2] > 0.0;
-  }
+  bool above(const double L[3]) const { return over(L) > 0.0; }
   // Light from elsewhere gives nothing: it needs no shadow test.
   bool faces(const double L[3]) const {
     if (material->cloth)
       return above(L) || material->cloth->transmits();
     if (!above(L))
       return false;
-    if (!material->rejects)
+    if (lambert || !material->rejects)
       return true;
     double wi[3];
     to_local(L, wi);
@@ -251,6 +264,12 @@ public:
   void light_smooth(const double L[3], const double E[3], double S[3]) const {
     double wi[3], f[3], cosine;
 
+    if (lambert) {
+      const double share = std::max(over(L), 0.0) / M_PI;
+      for (int c = 0; c < 3; c++)
+        S[c] = material->params.kd[c] * share * E[c];
+      return;
+    }
     to_local(L, wi);
     if (!(prepared >> OF_ALL & 1)) {
       shade_bsdf_prepare(&material->bsdf, normal, eye, &prepared_hit[OF_ALL]);
@@ -272,6 +291,7 @@ public:
 
 private:
   const Material *material;
+  bool lambert;       // of set_lambert()
   double frame[3][3]; // T, N x T, N
   double eye[3], normal[3], pigment[3];
   std::unique_ptr<shade_fabric_hit> hit; // of a cloth
@@ -313,6 +333,10 @@ private:
   bool faces(const double n[3], const double wi[3]) const {
     return !(n[2] > 0.0) || (material->bends && is_bent(n)) ||
            n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2] > 0.0;
+  }
+  // How far this direction is above the surface.
+  double over(const double L[3]) const {
+    return frame[2][0] * L[0] + frame[2][1] * L[1] + frame[2][2] * L[2];
   }
   void to_local(const double world[3], double local[3]) const {
     for (int row = 0; row < 3; row++)

@@ -50,6 +50,10 @@ Vector3d unit(const Vector3d &v) {
   return fabs(square - 1.0) < 4e-15 ? v : v * (1.0 / std::sqrt(square));
 }
 
+bool same(const Vector3d &a, const Vector3d &b) {
+  return a[X] == b[X] && a[Y] == b[Y] && a[Z] == b[Z];
+}
+
 // v without its part along the unit vector n, normalised. False if nothing is
 // left.
 bool orthogonalise(Vector3d &v, const Vector3d &n) {
@@ -822,8 +826,21 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   if (cloth && !material.woven) // no object that shows it was announced
     return;
 
-  static const mdf::Shape unknown(mdf::Shape::OTHER);
   const ObjectBase *object = isect.Object;
+  const double rgb[3] = {pigment.red(), pigment.green(), pigment.blue()};
+  both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
+  // nothing tells one part from the other
+  const bool whole =
+      !material.has_pigment() && (!material.has_diffuse || (opacity == 1.0 && !both_sides));
+  if (material.lambert && p < 0 && same(raw_normal, layer_normal)) {
+    shaded.set_lambert(&material, *unit(raw_normal));
+    if (material.has_pigment())
+      shaded.set_pigment(rgb);
+    simple = whole;
+    return;
+  }
+
+  static const mdf::Shape unknown(mdf::Shape::OTHER);
   const mdf::Shape &shape = (object->Mdf_Shape != NULL) ? *object->Mdf_Shape : unknown;
   const Vector3d N = unit(raw_normal), V = -unit(Vector3d(ray.Direction));
   const bool dumped = p >= 0, by_axis = !cloth && material.by_axis();
@@ -889,7 +906,6 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   }
 
   shaded.set(&material, *N, *T, *Ns, *V);
-  const double rgb[3] = {pigment.red(), pigment.green(), pigment.blue()};
   if (material.has_pigment())
     shaded.set_pigment(rgb);
   mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
@@ -915,9 +931,7 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     place.far = level >= 0 || ray.IsRadiosityRay();
     gaps = 1.0 - shaded.lay(place);
   }
-  both_sides = Test_Flag(object, DOUBLE_ILLUMINATE_FLAG) != 0;
-  simple = !cloth && level < 0 && !material.has_pigment() && !shaded.is_rough() &&
-           (!material.has_diffuse || (opacity == 1.0 && !both_sides));
+  simple = whole && !cloth && level < 0 && !shaded.is_rough();
   if (!dumped)
     return;
   mdf::LobeSeen lobes[mdf::ShadedPoint::MOST_LOBES];
@@ -950,11 +964,8 @@ double MdfHit::ShadowGaps(const FINISH *finish, const Intersection &isect, const
   return hit.Gaps();
 }
 
-void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight,
-                      bool diffuse, const LightSource *light, RGBColour &colour) const {
-  if (!HasBlock())
-    return;
-
+void MdfHit::Shine(const VECTOR direction, const RGBColour &light_colour, bool highlight,
+                   bool diffuse, const LightSource *light, RGBColour &colour) const {
   const mdf::Material &material = shaded.of();
   const double E[3] = {M_PI * light_colour.red(), M_PI * light_colour.green(),
                        M_PI * light_colour.blue()};

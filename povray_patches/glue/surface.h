@@ -76,7 +76,10 @@ public:
   // albedo · cos · colour, without 1/pi: its colour stands for an irradiance of
   // pi · colour. Light of no single source (photons, parts of an area light) is NULL: not dumped.
   void AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight, bool diffuse,
-                const LightSource *light, RGBColour &colour) const;
+                const LightSource *light, RGBColour &colour) const {
+    if (HasBlock())
+      Shine(direction, light_colour, highlight, diffuse, light, colour);
+  }
 
   // What share of even light the diffuse part reflects, and the rest: of a cloth, all of it.
   RGBColour DiffuseAlbedo() const;
@@ -119,6 +122,8 @@ private:
   double gaps;
   int level; // of the widened lobes, or -1
 
+  void Shine(const VECTOR direction, const RGBColour &light_colour, bool highlight, bool diffuse,
+             const LightSource *light, RGBColour &colour) const;
   bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;
