@@ -43,6 +43,7 @@ std::string Parser::Parse_Mdf_String(const std::string &what) {
     Error("mdf: %s needs a text in quotes, %s found instead.", what.c_str(),
           mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
   Unget_Token();
+  const mdf::NoteScope due(Mdf_Due, what + " needs a text in quotes");
   char *text = Parse_C_String(false);
   const std::string name(text);
   POV_FREE(text);

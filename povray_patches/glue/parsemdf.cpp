@@ -167,6 +167,12 @@ void Parser::Misplace_Mdf_Word(const char *within) {
     Error("No matching } in '%s', '%s' found instead; %s", within, found.c_str(), hint.c_str());
 }
 
+// The error that says all there is to say.
+void Parser::Refuse_Mdf(const std::string &text) {
+  Mdf_Due.clear();
+  Error("mdf: %s", text.c_str());
+}
+
 // Whether the scene has given the symbol just read a meaning of its own.
 bool Parser::Is_Mdf_Word_Declared() {
   for (int table = Table_Index; table > 0; table--)
@@ -205,11 +211,14 @@ void Parser::Begin_Mdf(const std::string &word) {
 }
 
 // Numbers (three: of a colour) that have to be there, and to be numbers. `what` is their name in
-// messages.
-void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
+// messages; of: the word that they follow, where that is another one.
+void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v,
+                               const std::string &of) {
   const char *const kind = (count == 3) ? "a colour" : "a number";
 
   Get_Mdf_Operand();
+  if (count == 3 && Token.Token_Id == COLOUR_TOKEN) // alone POV-Ray takes it for black
+    Get_Mdf_Operand();
   std::string found =
       no_number(Token.Token_Id, Token.Token_String, Get_Token_String(Token.Token_Id));
   if (count == 1 && (Token.Token_Id == COLOUR_TOKEN || Token.Token_Id == COLOUR_KEY_TOKEN))
@@ -218,6 +227,7 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
     Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind, found.c_str());
   Unget_Token();
 
+  const mdf::NoteScope due(Mdf_Due, (of.empty() ? "" : of + ": ") + what + " needs " + kind);
   if (count == 3) {
     RGBColour colour;
     Parse_Colour(colour);
@@ -227,12 +237,12 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v) {
   } else {
     EXPRESS value;
     if (Parse_Unknown_Vector(value) > 1)
-      Error("mdf: %s needs a number, a vector or colour found instead.", what.c_str());
+      Refuse_Mdf(what + " needs a number, a vector or colour found instead.");
     v[0] = value[0];
   }
   for (int c = 0; c < count; c++)
     if (!std::isfinite(v[c]))
-      Error("mdf: %s is not a finite number.", what.c_str());
+      Refuse_Mdf(what + " is not a finite number.");
 }
 
 // `pigment` in place of a colour: that of the texture's layer.
@@ -262,17 +272,19 @@ void Parser::Parse_Mdf_UV(const std::string &what, UV_VECT both) {
   if (!found.empty())
     Error("mdf: %s, %s found instead.", needed.c_str(), found.c_str());
   Unget_Token();
+  const mdf::NoteScope due(Mdf_Due, needed);
   EXPRESS value;
   const int terms = Parse_Unknown_Vector(value);
   if (terms > 2)
-    Error("mdf: %s, a vector of %d numbers found instead.", needed.c_str(), terms);
+    Refuse_Mdf(needed + ", a vector of " + std::to_string(terms) + " numbers found instead.");
   both[U] = value[0];
   both[V] = value[terms - 1];
 }
 
 // Numbers of one row of the table; `word` is what the block calls it. A number out of range is
 // taken as the nearest within, and the author is told.
-void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word) {
+void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &word,
+                           const std::string &of) {
   shade_param_info info;
   double v[3], set[3];
 
@@ -282,7 +294,7 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
     if (pigment != NULL && (*pigment = Parse_Mdf_Pigment()))
       return;
   }
-  Parse_Mdf_Numbers(word, info.components, v);
+  Parse_Mdf_Numbers(word, info.components, v, of);
   shade_params_set(&material.params, row, v);
   shade_params_get(&material.params, row, set);
   Warn_Mdf_Numbers(word, info.components, v, set);
@@ -307,11 +319,12 @@ void Parser::Warn_Mdf_Width(const mdf::Material &material, int row, int mdf,
 // The numbers that a choice reads, in the order of the table.
 void Parser::Parse_Mdf_Rows(mdf::Material &material, shade_list list, int value) {
   const std::vector<int> rows = mdf::rows_of_choice(list, value);
+  const std::string of = list == SHADE_LIST_MDF ? Token.Token_String : ""; // others are in names
 
   for (size_t i = 0; i < rows.size(); i++) {
     if (i > 0)
       Parse_Comma();
-    Parse_Mdf_Row(material, rows[i], mdf::name_of_row(rows[i], list, value));
+    Parse_Mdf_Row(material, rows[i], mdf::name_of_row(rows[i], list, value), of);
     if (list == SHADE_LIST_MDF)
       Warn_Mdf_Width(material, rows[i], value, mdf::name_of_row(rows[i], list, value));
   }
@@ -388,8 +401,9 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
         }
       } else {
         type = Token.Function_Id;
-        Need_Mdf_Operand("the name of a file, in quotes, after '" +
-                         std::string(Token.Token_String) + "'");
+        const std::string file = Token.Token_String;
+        Need_Mdf_Operand("the name of a file, in quotes, after '" + file + "'");
+        const mdf::NoteScope due(Mdf_Due, file + " needs the name of a file, in quotes");
         char *text = Parse_C_String(true);
         name = text;
         POV_FREE(text);
@@ -538,6 +552,8 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
     const mdf::WordScope words(Mdf_Words, radial ? mdf::WORDS_RADIAL : mdf::WORDS_BLOCK);
     if (radial)
       Need_Mdf_Operand("an axis after 'tangent radial', as in tangent radial y");
+    const mdf::NoteScope due(Mdf_Due, radial ? "tangent radial needs a vector, as y or <0, 1, 0>"
+                                             : "tangent needs uv, radial or a vector, as x");
     Parse_Vector(material.axis);
     if (radial) {
       Get_Token();
@@ -554,6 +570,7 @@ void Parser::Parse_Mdf_Tangent(mdf::Material &material) {
   Assign_Vector(material.centre, *Vector3d(0.0));
   if (at) {
     Need_Mdf_Operand("a point after 'at'");
+    const mdf::NoteScope due(Mdf_Due, "at needs a point, as <0, 1, 0>");
     Parse_Vector(material.centre);
   }
   for (int c = 0; c < 3; c++)

@@ -156,6 +156,22 @@ private:
   WordScope &operator=(const WordScope &);
 };
 
+// Says what a word of the block is due while POV-Ray's own parser reads it, for that one's errors.
+class NoteScope {
+public:
+  NoteScope(std::string &current, const std::string &inside) : outside(current), note(current) {
+    note = inside;
+  }
+  ~NoteScope() { note = outside; }
+
+private:
+  const std::string outside;
+  std::string &note;
+
+  NoteScope(const NoteScope &);
+  NoteScope &operator=(const NoteScope &);
+};
+
 } // namespace mdf
 
 #endif

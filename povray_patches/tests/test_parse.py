@@ -222,6 +222,10 @@ def test_an_error_tells_where_a_word_belongs(render, block, hint):
     ("bump_image { filter 2 }", "after 'filter', but found a number."), ("tangent \"x\"", "Expected 'uv, radial or a vector', a text in quotes found instead"),
     ("tangent uv uv", "undeclared identifier 'uv' found instead; 'uv' follows tangent."), ("brdf ggx", "undeclared identifier 'ggx' found instead; 'ggx' stands in mdf { } itself."),
     ("exponent 10", "exponent found instead; 'exponent' is none of the block's words: two exponents follow ashikhmin_shirley"),
+    ("ggx (.1, .2)", "; mdf: ggx: alpha ax needs a number."), ("roughness (0.3", "; mdf: roughness needs a number."),
+    ("specular rgb", "; mdf: specular needs a colour."), ("specular color", "mdf: specular needs a colour, } found instead."), ("tangent <1, 0", "; mdf: tangent needs uv, radial or a vector, as x."),
+    ("fabric { crossings <400, }", "; mdf: crossings needs a number or <of u, of v>."),
+    ("bump_image { png concat(\"a\", ) }", "; mdf: png needs the name of a file, in quotes."),
     ("alpha .1", "as in ggx .1, .3."), ("anisotropic .5", "as in ggx .1, .3."), ("mdf { }", "mdf found instead; 'mdf' is none of the block's words")])
 def test_mistakes_are_named(render, block, said):
     text = scene(sphere(f"\n{block}\n"))
