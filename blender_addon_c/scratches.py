@@ -320,7 +320,9 @@ They are packed into the file. Our engine then repeats the same square"""
                     "bright and as rough as the scratches, however fine these are; closely they look like coarse grains")
 
     def invoke(self, context, _event):
-        made = self.node_of(context).node_tree.get(_MADE)  # images like those that there are
+        node = self.node_of(context)
+        node.id_data.nodes.active = node  # the one whose button it is: the dialog's OK knows no other
+        made = node.node_tree.get(_MADE)  # images like those that there are
         if made and str(made[0]) in {str(n) for n in _SIZES}:
             self.size, self.samples, self.points = str(made[0]), made[1], bool(made[2])
         return context.window_manager.invoke_props_dialog(self)

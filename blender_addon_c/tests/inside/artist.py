@@ -89,6 +89,24 @@ def dye():
     text.from_string("\n".join(lines))
 
 
+def _scratches():
+    tree = bpy.context.view_layer.objects.active.active_material.node_tree
+    return next(node for node in tree.nodes if node.bl_idname == "LibshadeScratchesNode")
+
+
+def press_bake():
+    """The button on a node that is not the active one: its dialog waits for a key."""
+    area = _area("NODE_EDITOR")
+    with bpy.context.temp_override(window=_window(), screen=_window().screen, area=area, node=_scratches(),
+                                   region=next(r for r in area.regions if r.type == "WINDOW")):
+        bpy.ops.libshade.bake_scratches("INVOKE_DEFAULT", size="512", samples=1)
+
+
+def look_at_bake():
+    if not _scratches().baked:
+        print("Error: the dialog's OK has baked nothing", flush=True)
+
+
 def show_assets():
     bpy.ops.libshade.add_assets()
     area = _area("NODE_EDITOR")

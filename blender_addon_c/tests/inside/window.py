@@ -240,6 +240,7 @@ def serve():
                            (log_path + ".fabric", lambda: artist.show_node("LibshadeFabricNode")),
                            (log_path + ".scratches", lambda: artist.show_node("LibshadeScratchesNode")),
                            (log_path + ".metal", lambda: artist.show_node("LibshadeMetalNode")),
+                           (log_path + ".bake", artist.press_bake), (log_path + ".baked", artist.look_at_bake),
                            (log_path + ".assets", artist.show_assets), (log_path + ".library", artist.choose_assets),
                            (log_path + ".preferences", artist.show_preferences),
                            (log_path + ".redraw", redraw)):
