@@ -147,6 +147,7 @@ def draw_on(node, layout):
     if not is_enabled():
         layout.label(text="libshade is disabled", icon="ERROR")
         return False
+    layout.context_pointer_set("node", node)  # a node editor does that for its operators, a material's tab does not
     for text in of_node(node):
         column = layout.column(align=True)
         column.alert = True

@@ -173,8 +173,10 @@ def test_sliders(node):
         node.width_as = width
         node.draw_advanced(Layout(drawn))
     assert {"shown_ax", "shown_ay", "shown_ex", "shown_ey", "Measured Metal", "distribution", "detail"} <= set(drawn)
-    type(node).draw_buttons(node, SimpleNamespace(object=None), Layout(drawn))
+    layout = Layout(drawn)
+    type(node).draw_buttons(node, SimpleNamespace(object=None), layout)
     assert drawn[-3:] == ["grain", "uv_map", "bump_response"]
+    assert layout.pointers == {"node": node}  # in a material's tab nothing else tells its operators
 
 
 def test_keyframes(scene):
@@ -311,7 +313,10 @@ class Layout:
     """Takes what a panel draws; a property that is not there is an error."""
 
     def __init__(self, drawn):
-        self.drawn = drawn
+        self.drawn, self.pointers = drawn, {}
+
+    def context_pointer_set(self, name, owner):
+        self.pointers[name] = owner
 
     def prop(self, owner, name, **_text):
         assert hasattr(owner, name), (owner, name)
