@@ -818,8 +818,15 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
 void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
                      const Vector3d &raw_normal, const Vector3d &layer_normal,
                      const std::vector<const TEXTURE *> &warps, const Vector3d &ipoint,
-                     TraceThreadData *thread, mdf::Dump *d, int p, double size,
-                     const RGBColour &pigment) {
+                     double opaque, TraceThreadData *thread, mdf::Dump *d, int p, double width,
+                     double size, const RGBColour &pigment) {
+  dump = NULL;
+  pixel = -1;
+  global_lights = 0;
+  opacity = opaque;
+  both_sides = simple = false;
+  level = mdf::Material::level_of(width);
+
   const mdf::Material &material = *finish->Mdf;
   const bool cloth = material.cloth != NULL;
 
@@ -959,8 +966,9 @@ double MdfHit::ShadowGaps(const FINISH *finish, const Intersection &isect, const
   if (!Mdf_Is_Open(finish))
     return 0.0;
   const Vector3d facing = dot(raw_normal, Vector3d(ray.Direction)) > 0.0 ? -raw_normal : raw_normal;
-  const MdfHit hit(finish, isect, ray, facing, facing, std::vector<const TEXTURE *>(),
-                   Vector3d(isect.IPoint), 1.0, thread, NULL, -1, 0.0, size);
+  MdfHit hit;
+  hit.Prepare(finish, isect, ray, facing, facing, std::vector<const TEXTURE *>(),
+              Vector3d(isect.IPoint), 1.0, thread, NULL, -1, 0.0, size);
   return hit.Gaps();
 }
 

@@ -39,22 +39,19 @@ void Transform_Mdf(FINISH *finish, const TRANSFORM *transform, bool with_object)
 // has no mdf block, or one that gives nothing to such a ray.
 class MdfHit {
 public:
-  // raw_normal and layer_normal: before and after `normal { }`, facing the
-  // eye. warps: the patterns around the layer's texture, the outermost first; point:
+  // Of a finish without a block: all that finishes of POV-Ray's own pay for.
+  MdfHit() : gaps(0.0) {}
+
+  // For one that has a block. raw_normal and layer_normal: before and after `normal { }`, facing
+  // the eye. warps: the patterns around the layer's texture, the outermost first; point:
   // isect.IPoint in the layer's space. opacity: of the layer's pigment, for the
   // diffuse part. pixel: of the dump, or -1. width: the alpha that rough surfaces before this one
   // spread the ray by; size: how wide the ray is here. pigment: the layer's colour.
-  MdfHit(const FINISH *finish, const Intersection &isect, const Ray &ray,
-         const Vector3d &raw_normal, const Vector3d &layer_normal,
-         const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
-         TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0,
-         double size = 0.0, const RGBColour &pigment = RGBColour(1.0))
-      : dump(NULL), pixel(-1), global_lights(0), opacity(opacity), both_sides(false), simple(false),
-        gaps(0.0), level(mdf::Material::level_of(width)) {
-    if (finish->Mdf != NULL)
-      Prepare(finish, isect, ray, raw_normal, layer_normal, warps, point, thread, dump, pixel, size,
-              pigment);
-  }
+  void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
+               const Vector3d &raw_normal, const Vector3d &layer_normal,
+               const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
+               TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0,
+               double size = 0.0, const RGBColour &pigment = RGBColour(1.0));
 
   // What share of a ray passes between the yarns of a cloth without a backing. Of the layer's own
   // transparency what it leaves is added.
@@ -113,25 +110,21 @@ public:
 
 private:
   mdf::ShadedPoint shaded;
+  double gaps;
+  // where there is a block
   mdf::Dump *dump;
   int pixel;
   int global_lights;
   double opacity;
   bool both_sides; // double_illuminate
   bool simple;     // both parts may be lit by one call
-  double gaps;
-  int level; // of the widened lobes, or -1
+  int level;       // of the widened lobes, or -1
 
   void Shine(const VECTOR direction, const RGBColour &light_colour, bool highlight, bool diffuse,
              const LightSource *light, RGBColour &colour) const;
   bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;
-  void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
-               const Vector3d &raw_normal, const Vector3d &layer_normal,
-               const std::vector<const TEXTURE *> &warps, const Vector3d &point,
-               TraceThreadData *thread, mdf::Dump *dump, int pixel, double size,
-               const RGBColour &pigment);
 };
 
 } // namespace pov
