@@ -75,10 +75,12 @@ def test_stage_computes_in_whole_registers(isa, register, stage):
 
 @pytest.mark.parametrize("isa, register", [("avx512", "%zmm"), ("avx2", "%ymm")])
 def test_no_variant_of_a_stage_is_left_scalar(isa, register):
-    """Four texels in each of three wrappings and, for a colour, two textures; a ramp's places; two
-    sample numbers in each of four cameras; three roots for the point of a light that has an extent
-    and one for its middle; of the formulas six that have roots."""
-    for stage, word, count in (("normal_map", "gather", 12), ("image", "gather", 24), ("image", "sqrtps", 6),
+    """In each of three wrappings, of normal maps two roots and a third for what a point covers; of images three
+    channels' of sRGB, from bytes and floats, bilinear and cubic (there in two loops), and for what a point covers
+    four: from both, placed or not. Cubic and wide images' texels; a ramp's places; two sample numbers in each of four
+    cameras; three roots for the point of a light that has an extent and one for its middle; of the formulas six that
+    have roots."""
+    for stage, word, count in (("normal_map", "sqrtps", 3 * 5), ("image", "gather", 24), ("image", "sqrtps", 3 * 27),
                                ("ramp", "cvttps2dq", 1), ("math", "sqrtps", 6), ("camera", "cvtdq2ps", 8),
                                ("point", "sqrtps", 4)):
         body = disassembly(isa)["stage_" + stage]

@@ -90,19 +90,19 @@ typedef struct image_color {
 } image_color;
 
 /* One of the bytes of four texels, mixed. */
-LEAF float byte_mixed(uint32_t c00, uint32_t c10, uint32_t c01, uint32_t c11, int by, float x,
-                      float y) {
-  float a = (float)(int32_t)(c00 >> by & 255u), b = (float)(int32_t)(c10 >> by & 255u);
-  float c = (float)(int32_t)(c01 >> by & 255u), d = (float)(int32_t)(c11 >> by & 255u);
+LEAF float byte_mixed(texel_cell of, int by, float x, float y) {
+  float a = (float)(int32_t)(of.c00 >> by & 255u), b = (float)(int32_t)(of.c10 >> by & 255u);
+  float c = (float)(int32_t)(of.c01 >> by & 255u), d = (float)(int32_t)(of.c11 >> by & 255u);
   return (1.0f / 255.0f) * lerp(lerp(a, b, x), lerp(c, d, x), y);
 }
 
+LEAF image_color cell_color(texel_cell c, float s, float t) {
+  return (image_color){byte_mixed(c, 0, s, t), byte_mixed(c, 8, s, t), byte_mixed(c, 16, s, t),
+                       byte_mixed(c, 24, s, t)};
+}
+
 LEAF image_color texel_color(const uint32_t *texel, texel_place p) {
-  uint32_t c00 = texel[p.at], c10 = texel[p.at + 1];
-  uint32_t c01 = texel[p.at + p.stride], c11 = texel[p.at + p.stride + 1];
-  return (image_color){
-      byte_mixed(c00, c10, c01, c11, 0, p.s, p.t), byte_mixed(c00, c10, c01, c11, 8, p.s, p.t),
-      byte_mixed(c00, c10, c01, c11, 16, p.s, p.t), byte_mixed(c00, c10, c01, c11, 24, p.s, p.t)};
+  return cell_color(texel_cell_at(texel, p), p.s, p.t);
 }
 
 LEAF image_color decoded(uint32_t srgb, image_color c) {
@@ -110,10 +110,10 @@ LEAF image_color decoded(uint32_t srgb, image_color c) {
                        either(srgb, light_of(c.b), c.b), c.a};
 }
 
-LEAF image_color pair_color(const uint32_t *red_green, const uint32_t *blue_alpha, texel_place p) {
+LEAF image_color pair_color(texel_cell red_green, texel_cell blue_alpha, float s, float t) {
   float r, g, b, a;
-  texel_pair(red_green, p, &r, &g);
-  texel_pair(blue_alpha, p, &b, &a);
+  cell_pair(red_green, s, t, &r, &g);
+  cell_pair(blue_alpha, s, t, &b, &a);
   return (image_color){tint(r), tint(g), tint(b), tint(a)};
 }
 
@@ -123,13 +123,22 @@ LEAF void node_image_bytes(image_wrap wrap, const node_image *n, lane_run g, con
   const uint32_t *texel = own.texel, srgb = n->srgb;
   float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
   float *alpha = n->alpha < 0 ? at->constant[2] : at->at[n->alpha];
+  texel_places p;
+  texel_cells cells;
+  for (size_t first = g.begin; first < g.end; first += PLACE_LANES) {
+    const size_t count = place_count(first, g.end);
 #pragma omp simd
-  for (size_t i = g.begin; i < g.end; i++) {
-    image_color c = decoded(srgb, texel_color(texel, texel_find(wrap, &own, u[i], v[i])));
-    red[i] = c.r;
-    green[i] = c.g;
-    blue[i] = c.b;
-    alpha[i] = c.a;
+    for (size_t k = 0; k < count; k++)
+      places_put(&p, k, texel_find(wrap, &own, u[first + k], v[first + k]));
+    cells_fetch(texel, NULL, &p, count, &cells);
+#pragma omp simd
+    for (size_t k = 0; k < count; k++) {
+      image_color c = decoded(srgb, cell_color(fetched(&cells, k), p.s[k], p.t[k]));
+      red[first + k] = c.r;
+      green[first + k] = c.g;
+      blue[first + k] = c.b;
+      alpha[first + k] = c.a;
+    }
   }
 }
 
@@ -139,15 +148,24 @@ LEAF void node_image_wrapped(image_wrap wrap, bool srgb, const node_image *n, la
   const uint32_t *red_green = own.texel, *blue_alpha = n->blue_alpha->texel;
   float *red = at->at[n->out[0]], *green = at->at[n->out[1]], *blue = at->at[n->out[2]];
   float *alpha = n->alpha < 0 ? at->constant[2] : at->at[n->alpha];
+  texel_places p;
+  texel_cells one, other;
+  for (size_t first = g.begin; first < g.end; first += PLACE_LANES) {
+    const size_t count = place_count(first, g.end);
 #pragma omp simd
-  for (size_t i = g.begin; i < g.end; i++) {
-    texel_place p = texel_find(wrap, &own, u[i], v[i]);
-    image_color c = pair_color(red_green, blue_alpha, p);
-    c = srgb ? decoded(UINT32_MAX, c) : c;
-    red[i] = c.r;
-    green[i] = c.g;
-    blue[i] = c.b;
-    alpha[i] = c.a;
+    for (size_t k = 0; k < count; k++)
+      places_put(&p, k, texel_find(wrap, &own, u[first + k], v[first + k]));
+    cells_fetch(red_green, NULL, &p, count, &one);
+    cells_fetch(blue_alpha, NULL, &p, count, &other);
+#pragma omp simd
+    for (size_t k = 0; k < count; k++) {
+      image_color c = pair_color(fetched(&one, k), fetched(&other, k), p.s[k], p.t[k]);
+      c = srgb ? decoded(UINT32_MAX, c) : c;
+      red[first + k] = c.r;
+      green[first + k] = c.g;
+      blue[first + k] = c.b;
+      alpha[first + k] = c.a;
+    }
   }
 }
 
@@ -285,18 +303,17 @@ LEAF int image_level(float texels2, int count, float u, float v) {
   return level < count - 1 ? level : count - 1;
 }
 
-LEAF texel_place image_find(image_wrap wrap, const texture_levels *restrict of, int level, float u,
-                            float v) {
+/* In the level itself: from where its texels begin. */
+LEAF texel_place image_find_in(image_wrap wrap, const texture_levels *restrict of, int level,
+                               float u, float v) {
   float half = float_of_bits((127 - level) << 23); /* halved so often */
   float width = floor_small(of->width * half), height = floor_small(of->height * half);
   width = width > 1.0f ? width : 1.0f;
   height = height > 1.0f ? height : 1.0f;
   float x = texel_position(wrap, u, width, 1.0f), y = texel_position(wrap, v, height, 1.0f);
   int column = (int)x, line = (int)y, stride = (int)width + TEXTURE_RIM;
-  return (texel_place){.at = of->at[level] + line * stride + column,
-                       .stride = stride,
-                       .s = x - (float)column,
-                       .t = y - (float)line};
+  return (texel_place){
+      .at = line * stride + column, .stride = stride, .s = x - (float)column, .t = y - (float)line};
 }
 
 LEAF void node_image_averaged(bool bytes, bool placed, image_wrap wrap, const node_image *n,
@@ -313,21 +330,35 @@ LEAF void node_image_averaged(bool bytes, bool placed, image_wrap wrap, const no
   const float *su = near[0], *tu = near[1], *sv = near[2], *tv = near[3];
   const float width = of.width, height = of.height, blur = at->texture_blur;
   const float by_s = width * n->per_step, by_t = height * n->per_step;
+  texel_places p;
+  texel_cells one, other;
+  for (size_t first = g.begin; first < g.end; first += PLACE_LANES) {
+    const size_t count = place_count(first, g.end);
 #pragma omp simd
-  for (size_t i = g.begin; i < g.end; i++) {
-    image_slope by = {.s_u = placed ? (su[i] - u[i]) * by_s : width,
-                      .s_v = placed ? (sv[i] - u[i]) * by_s : 0.0f,
-                      .t_u = placed ? (tu[i] - v[i]) * by_t : 0.0f,
-                      .t_v = placed ? (tv[i] - v[i]) * by_t : height};
-    float texels2 = image_footprint(point, i, by, blur * point->width[i]);
-    int level = image_level(texels2, of.count, u[i], v[i]);
-    texel_place p = image_find(wrap, &of, level, u[i], v[i]);
-    image_color c = bytes ? texel_color(red_green, p) : pair_color(red_green, blue_alpha, p);
-    c = decoded(srgb, c);
-    red[i] = c.r;
-    green[i] = c.g;
-    blue[i] = c.b;
-    alpha[i] = c.a;
+    for (size_t k = 0; k < count; k++) {
+      const size_t i = first + k;
+      image_slope by = {.s_u = placed ? (su[i] - u[i]) * by_s : width,
+                        .s_v = placed ? (sv[i] - u[i]) * by_s : 0.0f,
+                        .t_u = placed ? (tu[i] - v[i]) * by_t : 0.0f,
+                        .t_v = placed ? (tv[i] - v[i]) * by_t : height};
+      float texels2 = image_footprint(point, i, by, blur * point->width[i]);
+      int level = image_level(texels2, of.count, u[i], v[i]);
+      p.level[k] = level;
+      places_put(&p, k, image_find_in(wrap, &of, level, u[i], v[i]));
+    }
+    cells_fetch(red_green, of.at, &p, count, &one);
+    if (!bytes)
+      cells_fetch(blue_alpha, of.at, &p, count, &other);
+#pragma omp simd
+    for (size_t k = 0; k < count; k++) {
+      image_color c = bytes ? cell_color(fetched(&one, k), p.s[k], p.t[k])
+                            : pair_color(fetched(&one, k), fetched(&other, k), p.s[k], p.t[k]);
+      c = decoded(srgb, c);
+      red[first + k] = c.r;
+      green[first + k] = c.g;
+      blue[first + k] = c.b;
+      alpha[first + k] = c.a;
+    }
   }
 }
 

@@ -59,14 +59,24 @@ LEAF void node_normal_map_wrapped(image_wrap wrap, const node_normal_map *n, lan
   const texture own = *n->normal;
   const uint32_t *texel = own.texel;
   float *nx = at->at[n->out[0]], *ny = at->at[n->out[1]], *nz = at->at[n->out[2]];
+  texel_places p;
+  texel_cells cells;
+  for (size_t first = g.begin; first < g.end; first += PLACE_LANES) {
+    const size_t count = place_count(first, g.end);
 #pragma omp simd
-  for (size_t i = g.begin; i < g.end; i++) {
-    float x, y;
-    texel_pair(texel, texel_find(wrap, &own, point->u[i], point->v[i]), &x, &y);
-    vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
-    nx[i] = normal.x;
-    ny[i] = normal.y;
-    nz[i] = normal.z;
+    for (size_t k = 0; k < count; k++)
+      places_put(&p, k, texel_find(wrap, &own, point->u[first + k], point->v[first + k]));
+    cells_fetch(texel, NULL, &p, count, &cells);
+#pragma omp simd
+    for (size_t k = 0; k < count; k++) {
+      const size_t i = first + k;
+      float x, y;
+      cell_pair(fetched(&cells, k), p.s[k], p.t[k], &x, &y);
+      vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
+      nx[i] = normal.x;
+      ny[i] = normal.y;
+      nz[i] = normal.z;
+    }
   }
 }
 
@@ -86,25 +96,46 @@ LEAF void node_normal_map_filtered(image_wrap wrap, const node_normal_map *n, la
   const float blur = at->normal_blur;
   const int last = of.count - 1;
   const image_slope by_uv = {.s_u = of.width, .t_v = of.height};
+  texel_places own, wide, spread;
+  texel_cells own_cells, wide_cells, spread_cells;
+  for (size_t first = g.begin; first < g.end; first += PLACE_LANES) {
+    const size_t count = place_count(first, g.end);
 #pragma omp simd
-  for (size_t i = g.begin; i < g.end; i++) {
-    float covered = image_footprint(point, i, by_uv, blur * point->width[i]);
-    int level = image_level(covered, of.count, u[i], v[i]);
-    int wider = level + TEXTURE_WIDER < last ? level + TEXTURE_WIDER : last;
-    int wide_squares = wider > 0 ? wider - 1 : 0;
-    float x, y, wide_x, wide_y, xx, yy;
-    texel_pair(texel, image_find(wrap, &of, level, u[i], v[i]), &x, &y);
-    texel_pair(texel, image_find(wrap, &of, wider, u[i], v[i]), &wide_x, &wide_y);
-    texel_pair(square, image_find(wrap, &squares_of, wide_squares, u[i], v[i]), &xx, &yy);
-    /* from the spread of a unit normal's x and y to that of x/z and y/z: squares of their slopes */
-    float zz = clampf(1.0f - xx - yy, 0.3f, 1.0f), by = level > 0 ? 2.0f / (zz * zz * zz) : 0.0f;
-    float left_x = xx - wide_x * wide_x, left_y = yy - wide_y * wide_y;
-    sx[i] = left_x > 0.0f ? by * (1.0f - yy) * (1.0f - yy) * left_x * part_x[level] : 0.0f;
-    sy[i] = left_y > 0.0f ? by * (1.0f - xx) * (1.0f - xx) * left_y * part_y[level] : 0.0f;
-    vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
-    nx[i] = normal.x;
-    ny[i] = normal.y;
-    nz[i] = normal.z;
+    for (size_t k = 0; k < count; k++) {
+      const size_t i = first + k;
+      float covered = image_footprint(point, i, by_uv, blur * point->width[i]);
+      int level = image_level(covered, of.count, u[i], v[i]);
+      int wider = level + TEXTURE_WIDER < last ? level + TEXTURE_WIDER : last;
+      int squared = wider > 0 ? wider - 1 : 0;
+      own.level[k] = level;
+      wide.level[k] = wider;
+      spread.level[k] = squared;
+      places_put(&own, k, image_find_in(wrap, &of, level, u[i], v[i]));
+      places_put(&wide, k, image_find_in(wrap, &of, wider, u[i], v[i]));
+      places_put(&spread, k, image_find_in(wrap, &squares_of, squared, u[i], v[i]));
+    }
+    cells_fetch(texel, of.at, &own, count, &own_cells);
+    cells_fetch(texel, of.at, &wide, count, &wide_cells);
+    cells_fetch(square, squares_of.at, &spread, count, &spread_cells);
+#pragma omp simd
+    for (size_t k = 0; k < count; k++) {
+      const size_t i = first + k;
+      const int level = own.level[k];
+      float x, y, wide_x, wide_y, xx, yy;
+      cell_pair(fetched(&own_cells, k), own.s[k], own.t[k], &x, &y);
+      cell_pair(fetched(&wide_cells, k), wide.s[k], wide.t[k], &wide_x, &wide_y);
+      cell_pair(fetched(&spread_cells, k), spread.s[k], spread.t[k], &xx, &yy);
+      /* from the spread of a unit normal's x and y to that of x/z and y/z: squares of their slopes
+       */
+      float zz = clampf(1.0f - xx - yy, 0.3f, 1.0f), by = level > 0 ? 2.0f / (zz * zz * zz) : 0.0f;
+      float left_x = xx - wide_x * wide_x, left_y = yy - wide_y * wide_y;
+      sx[i] = left_x > 0.0f ? by * (1.0f - yy) * (1.0f - yy) * left_x * part_x[level] : 0.0f;
+      sy[i] = left_y > 0.0f ? by * (1.0f - xx) * (1.0f - xx) * left_y * part_y[level] : 0.0f;
+      vec3 normal = node_normal_map_unit(x, y, point->side[i], corner->handed[i]);
+      nx[i] = normal.x;
+      ny[i] = normal.y;
+      nz[i] = normal.z;
+    }
   }
 }
 
