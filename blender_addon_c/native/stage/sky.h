@@ -146,7 +146,8 @@ _Static_assert(SKY_ROWS == 512 && SKY_COLUMNS == 1024 && SKY_STRIDE == 32,
 /*
  * Directions by their cell's share of the light: inverted sums, each step of a search for all
  * lanes; within a cell evenly. Rather than by an alias table, which would break the even spread of
- * the points. Each column's search begins in a table that stays in the cache.
+ * the points. Each column's search begins in a table that stays in the cache; what it goes on with
+ * is asked for before, for all lanes of a block.
  */
 static void stage_sky_draw(size_t count, const sky *s, const uint32_t *restrict lane,
                            const light_samples *restrict from, lane_v *restrict d,
@@ -154,29 +155,53 @@ static void stage_sky_draw(size_t count, const sky *s, const uint32_t *restrict 
   const float *restrict row = s->row, *restrict column = s->column;
   const float *restrict coarse = s->coarse, *restrict density = s->density;
   const float share = s->sun.share, others = 1.0f / (1.0f - share);
+  enum { BLOCK = 64 };
+  for (size_t begin = 0; begin < count; begin += BLOCK) {
+    float across[BLOCK], up[BLOCK];
+    int lines[BLOCK], cells[BLOCK];
+    size_t lanes = count - begin < BLOCK ? count - begin : BLOCK;
 #pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    float x = from->x[lane[i]], y = from->y[lane[i]];
-    x = clampf((x - share) * others, 0.0f, 1.0f);
-    int line = row[256] <= y ? 256 : 0;
-    SKY_STEP(line, row, 0, y, 128)
-    SKY_STEP(line, row, 0, y, 64)
-    SKY_STEP(line, row, 0, y, 32)
-    SKY_STEPS(line, row, 0, y)
-    int part = 0;
-    SKY_STEPS(part, coarse, line * (SKY_COLUMNS / SKY_STRIDE), x)
-    const int first = line * (SKY_COLUMNS + 1);
-    int cell = SKY_STRIDE * part;
-    SKY_STEPS(cell, column, first, x)
-    float below = row[line], left = column[first + cell];
-    float high = row[line + 1] - below, wide = column[first + cell + 1] - left;
-    float fy = clampf((y - below) / (high > 0.0f ? high : 1.0f), 0.0f, 1.0f);
-    float fx = clampf((x - left) / (wide > 0.0f ? wide : 1.0f), 0.0f, 0.99999f);
-    float z = 1.0f - ((float)line + fy) * (2.0f / SKY_ROWS);
-    float sine, cosine, flat = sqrtf(clampf(1.0f - z * z, 0.0f, 1.0f));
-    turn(((float)cell + fx) * (1.0f / SKY_COLUMNS), &sine, &cosine);
-    store(d, i, (vec3){flat * cosine, flat * sine, z});
-    pdf[i] = density[line * SKY_COLUMNS + cell];
+    for (size_t k = 0; k < lanes; k++) {
+      const uint32_t at = lane[begin + k];
+      float x = clampf((from->x[at] - share) * others, 0.0f, 1.0f), y = from->y[at];
+      int line = row[256] <= y ? 256 : 0;
+      SKY_STEP(line, row, 0, y, 128)
+      SKY_STEP(line, row, 0, y, 64)
+      SKY_STEP(line, row, 0, y, 32)
+      SKY_STEPS(line, row, 0, y)
+      int part = 0;
+      SKY_STEPS(part, coarse, line * (SKY_COLUMNS / SKY_STRIDE), x)
+      across[k] = x;
+      up[k] = y;
+      lines[k] = line;
+      cells[k] = SKY_STRIDE * part;
+    }
+#if defined(__GNUC__)
+    for (size_t k = 0; k < lanes; k++) { /* 33 sums lie in three lines of the cache at most */
+      const float *sums = column + lines[k] * (SKY_COLUMNS + 1) + cells[k];
+      __builtin_prefetch(sums);
+      __builtin_prefetch(sums + 16);
+      __builtin_prefetch(sums + 32);
+    }
+#endif
+#pragma omp simd
+    for (size_t k = 0; k < lanes; k++) {
+      const float x = across[k], y = up[k];
+      const int line = lines[k], first = line * (SKY_COLUMNS + 1);
+      int cell = cells[k];
+      SKY_STEPS(cell, column, first, x)
+      float below = row[line], left = column[first + cell];
+      float high = row[line + 1] - below, wide = column[first + cell + 1] - left;
+      float fy = clampf((y - below) / (high > 0.0f ? high : 1.0f), 0.0f, 1.0f);
+      float fx = clampf((x - left) / (wide > 0.0f ? wide : 1.0f), 0.0f, 0.99999f);
+      float z = 1.0f - ((float)line + fy) * (2.0f / SKY_ROWS);
+      float sine, cosine, flat = sqrtf(clampf(1.0f - z * z, 0.0f, 1.0f));
+      turn(((float)cell + fx) * (1.0f / SKY_COLUMNS), &sine, &cosine);
+      store(d, begin + k, (vec3){flat * cosine, flat * sine, z});
+      cells[k] = cell;
+    }
+    for (size_t k = 0; k < lanes; k++)
+      pdf[begin + k] = density[lines[k] * SKY_COLUMNS + cells[k]];
   }
   if (share > 0.0f) {
     draw_sun(count, &s->sun, lane, from, d);
