@@ -80,6 +80,15 @@ static void stage_sky(size_t count, const sky *s, const lane_v *restrict d, lane
       x[k] = good ? either(own.closest, 0.0f, u) : 0.0f;
       y[k] = good ? either(own.closest, 0.0f, v) : 0.0f;
     }
+#if defined(__GNUC__)
+    for (size_t k = 0; k < lanes; k++) { /* two texels of a row may lie in two lines of the cache */
+      const float *corner = own.texel + 4 * ((size_t)at_y[k] * stride + (size_t)at_x[k]);
+      __builtin_prefetch(corner);
+      __builtin_prefetch(corner + 4);
+      __builtin_prefetch(corner + 4 * stride);
+      __builtin_prefetch(corner + 4 * stride + 4);
+    }
+#endif
     for (size_t k = 0; k < lanes; k++) {
       const float *corner = own.texel + 4 * ((size_t)at_y[k] * stride + (size_t)at_x[k]);
       const texel4 *low = (const texel4 *)corner, *high = (const texel4 *)(corner + 4 * stride);
