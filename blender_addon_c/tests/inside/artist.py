@@ -103,8 +103,8 @@ def press_bake():
 
 
 def look_at_bake():
-    if not _scratches().baked:
-        print("Error: the dialog's OK has baked nothing", flush=True)
+    if _scratches().baked:
+        print("baked by its dialog", flush=True)
 
 
 def show_assets():
