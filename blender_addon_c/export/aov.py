@@ -73,8 +73,9 @@ def _occluded(reader, own, passes):
     """How much of the hemisphere about what is matt in it, or about the surface's own normal, is free of others, as far as the
     world's ambient occlusion goes; of what is clear, the surface behind says it. passes: is any of it clear?"""
     math, made, parts = reader.program.math, [], (1.0,) * 3
-    if own:
-        collect(reader, own.get_output_node("ALL").inputs["Surface"], ())
+    output = own.get_output_node("ALL") if own else None
+    if output:
+        collect(reader, output.inputs["Surface"], ())
     if passes:
         made = [closure for closure in reader.closures if closure["closure"] == "TRANSPARENT"]
         for closure in made:
