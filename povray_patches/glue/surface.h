@@ -57,7 +57,7 @@ public:
   // transparency what it leaves is added.
   double Gaps() const { return gaps; }
   static RGBColour Through(const RGBColour &transparency, double gaps) {
-    return transparency + (RGBColour(1.0) - transparency) * gaps;
+    return gaps == 0.0 ? transparency : transparency + (RGBColour(1.0) - transparency) * gaps;
   }
   // The same for a shadow ray.
   static double ShadowGaps(const FINISH *finish, const Intersection &isect, const Ray &ray,
