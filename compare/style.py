@@ -195,7 +195,7 @@ def log_ticks(axis, most=7):
 # Where a word may stand beside its point, in points: the farther, the later
 _AROUND = sorted(((side * (6 + abs(y) / 12 if y else 7), y, {1: "left", -1: "right", 0: "center"}[side])
                   for y in (0, 9, -9, 16, -16, 25, -25, 38, -38, 52, -52, 66, -66, 80, -80, 96, -96) for side in (1, -1, 0) if y or side),
-                 key=lambda at: (abs(at[1]), not at[2] == "left"))
+                 key=lambda at: (abs(at[1]), at[2] != "left"))
 
 
 def _within(points, boxes, more=0.0):

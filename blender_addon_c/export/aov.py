@@ -14,9 +14,8 @@ _MOST_GROUPS = 32  # one in another
 OCCLUSION = "OCCLUSION"
 CHANNELS = {"COLOR": 4, "VALUE": 1, OCCLUSION: 3}
 OCCLUSION_NAME = "Ambient Occlusion" if bpy.app.version >= (5, 0) else "AO"
-_BLACK = {"closure": "EMISSION", "weight": (0.0,) * 3}
+BLACK = {"closure": "EMISSION", "weight": (0.0,) * 3}
 _RAYS = 4  # of a sample
-_FAR = 1e18  # where there is no world to say how far occlusion goes
 # What of a scene is of the picture alone, and what lights it.
 _BESIDE = ("planes", "mattes", "matte_slots", "mist", "adaptive_threshold", "adaptive_min_samples", "sky", "looks", "backdrop",
            "backdrop_sky", "time_limit")
@@ -46,7 +45,7 @@ def read_into(reader, own, name, kind, threshold, held):
     hole in the picture?"""
     try:
         if kind == OCCLUSION:
-            return _material(reader, [_BLACK]) if held else _occluded(reader, own, threshold is not None)
+            return _material(reader, [BLACK]) if held else _occluded(reader, own, threshold is not None)
         return _finished(reader, own, name, kind == "COLOR", threshold)
     except (TooLarge, RecursionError):
         reader.warn(f"its nodes are too many for the pass '{name}'; left out")
@@ -72,20 +71,20 @@ def _finished(reader, own, name, is_color, threshold):
 def _occluded(reader, own, passes):
     """How much of the hemisphere about what is matt in it, or about the surface's own normal, is free of others, as far as the
     world's ambient occlusion goes; of what is clear, the surface behind says it. passes: is any of it clear?"""
-    math, made, parts = reader.program.math, [], (1.0,) * 3
+    math, through = reader.program.math, (0.0,) * 3
     output = own.get_output_node("ALL") if own else None
     if output:
         collect(reader, output.inputs["Surface"], ())
-    if passes:
-        made = [closure for closure in reader.closures if closure["closure"] == "TRANSPARENT"]
-        for closure in made:
-            parts = tuple(math("MAXIMUM", math("SUBTRACT", part, clear), 0.0)
-                          for part, clear in zip(parts, closure.get("weight", (1.0,) * 3)))
+    for closure in reader.closures if passes else ():
+        if closure["closure"] == "TRANSPARENT":
+            through = tuple(math("ADD", sum_, part) for sum_, part in zip(through, closure.get("weight", (1.0,) * 3)))
     normal = next((closure.get("normal") for closure in reader.closures if closure["closure"] == "DIFFUSE"), None)
     normal = normal and reader.below.get(normal[0], normal)
-    free = reader.program.emit("OCCLUSION", 1, samples=_RAYS, distance=[reader.reach() or _FAR],
+    free = reader.program.emit("OCCLUSION", 1, samples=_RAYS, distance=[reader.reach()],
                                **({"normal": normal} if normal else {}))[0]
-    return _material(reader, [{"closure": "EMISSION", "weight": tuple(math("MULTIPLY", part, free) for part in parts)}, *made])
+    there = [math("MAXIMUM", math("SUBTRACT", 1.0, part), 0.0) for part in through]
+    made = [{"closure": "EMISSION", "weight": tuple(math("MULTIPLY", part, free) for part in there)}]
+    return _material(reader, made + ([{"closure": "TRANSPARENT", "weight": through}] if passes else []))
 
 
 def _material(reader, closures):

@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Matrix
 
 from . import tree
-from .aov import read_into
+from .aov import BLACK, read_into
 from .attributes import Attributes, of_view_layer
 from .closure import collect, held_out, plain, principled
 from .graph import Program, TooLarge
@@ -21,7 +21,7 @@ from .size import unit_of
 
 _MOST = 8  # closures of a material
 _BARE = (0.8, 0.8, 0.8)  # of what has no material in 3.4; in 5.0 it is a new Principled BSDF [measured]
-_NOTHING = {"closure": "EMISSION", "weight": (0.0,) * 3}  # black
+_FAR = 1e18  # farther than anything is
 
 
 def displacement_method(material):
@@ -52,7 +52,7 @@ class Table:
         self.unit = unit_of(depsgraph.scene)
         self.camera, self._depsgraph = camera, depsgraph
         world = depsgraph.scene.world
-        self.reach = world.light_settings.distance if world else 0.0
+        self.reach = world.light_settings.distance if world else _FAR  # measured: 3.4 and 5.0
         self._active_maps = None  # by material: names of the active UV maps of its objects
         self._messages = messages
         self._indices = {}  # by material
@@ -213,7 +213,7 @@ class Reader:
     def _finished(self):
         if self._held:
             held_out(self)
-        closures = self.closures[:_MOST] or [_NOTHING]
+        closures = self.closures[:_MOST] or [BLACK]
         nodes_, closures = self.program.finish(closures)
         if len(closures) == 1:
             return {"nodes": nodes_, **closures[0]}

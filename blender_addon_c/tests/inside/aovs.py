@@ -73,8 +73,10 @@ def occlusion(options):
         scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     scene.cycles.film_exposure = 3  # which is not for it
     common.write_multilayer(scene)
-    scene.world = bpy.data.worlds.new("world")
-    scene.world.light_settings.distance = options["distance"]
+    scene.world = None
+    if options["distance"] is not None:
+        scene.world = bpy.data.worlds.new("world")
+        scene.world.light_settings.distance = options["distance"]
     common.camera(scene, (0, -3, 3), (0.7853982, 0, 0), type="ORTHO", ortho_scale=4)
     matt, tree, shader = _material("bent", "ShaderNodeBsdfDiffuse")
     normal = tree.nodes.new("ShaderNodeNormalMap")
