@@ -501,9 +501,10 @@ void ShadedPoint::light(Part part, int level, const double L[3], const double E[
   double wi[3], f[3];
 
   if (lambert) {
-    const double share = part == SPECULAR ? 0.0 : std::max(over(L), 0.0) / M_PI;
-    for (int c = 0; c < 3; c++)
-      S[c] = m.params.kd[c] * (m.kd_pigment ? pigment[c] : 1.0) * share * E[c];
+    light_lambert(L, E, S);
+    paint_diffuse(S);
+    for (int c = 0; c < 3 && part == SPECULAR; c++)
+      S[c] = 0.0;
     return;
   }
   to_local(L, wi);

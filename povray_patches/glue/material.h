@@ -264,12 +264,8 @@ public:
   void light_smooth(const double L[3], const double E[3], double S[3]) const {
     double wi[3], f[3], cosine;
 
-    if (lambert) {
-      const double share = std::max(over(L), 0.0) / M_PI;
-      for (int c = 0; c < 3; c++)
-        S[c] = material->params.kd[c] * share * E[c];
-      return;
-    }
+    if (lambert)
+      return light_lambert(L, E, S);
     to_local(L, wi);
     if (!(prepared >> OF_ALL & 1)) {
       shade_bsdf_prepare(&material->bsdf, normal, eye, &prepared_hit[OF_ALL]);
@@ -333,6 +329,12 @@ private:
   bool faces(const double n[3], const double wi[3]) const {
     return !(n[2] > 0.0) || (material->bends && is_bent(n)) ||
            n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2] > 0.0;
+  }
+  // Of set_lambert(), where no colour is the pigment's.
+  void light_lambert(const double L[3], const double E[3], double S[3]) const {
+    const double share = std::max(over(L), 0.0) / M_PI;
+    for (int c = 0; c < 3; c++)
+      S[c] = material->params.kd[c] * share * E[c];
   }
   // How far this direction is above the surface.
   double over(const double L[3]) const {
