@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 
+#define MDF_SELDOM // nothing of this file is rare where it is called
 // frame.h must always be the first POV file included (pulls in platform config)
 #include "backend/mdf/surface.h"
 #include "backend/frame.h"
@@ -972,8 +973,8 @@ double MdfHit::ShadowGaps(const FINISH *finish, const Intersection &isect, const
   return hit.Gaps();
 }
 
-void MdfHit::Shine(const VECTOR direction, const RGBColour &light_colour, bool highlight,
-                   bool diffuse, const LightSource *light, RGBColour &colour) const {
+void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight,
+                      bool diffuse, const LightSource *light, RGBColour &colour) const {
   const mdf::Material &material = shaded.of();
   const double E[3] = {M_PI * light_colour.red(), M_PI * light_colour.green(),
                        M_PI * light_colour.blue()};
@@ -1027,6 +1028,14 @@ void MdfHit::Record(const LightSource *light, const VECTOR direction, const doub
                     const double S[3]) const {
   dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0), direction, E,
               S, shaded.of().cloth != NULL);
+}
+
+bool MdfHit::Meets(const VECTOR direction) const {
+  return shaded.faces(direction);
+}
+
+RGBColour MdfHit::Between(const RGBColour &transparency, double gaps) {
+  return transparency + (RGBColour(1.0) - transparency) * gaps;
 }
 
 RGBColour MdfHit::DiffuseAlbedo() const {
@@ -1241,8 +1250,6 @@ void MdfHit::Clamp(RGBColour &colour) const {
 
 double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
                 TraceThreadData *thread) {
-  if (!thread->GetSceneData()->mdfScene->looks_at_widths())
-    return 0.0;
   // The mean curvature is half of how much normals around the point lean away from it. Objects
   // tell a normal beside a surface as well as on it; those without bounds have no size to go by.
   const double across =
