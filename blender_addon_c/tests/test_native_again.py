@@ -338,3 +338,16 @@ def test_a_picture_over_another():
     native.image(job, plain)
     assert (over == 7).all(-1).any() and ((over == plain) | ((over == 7) & (plain == 0))).all()
     native.free(job)
+
+
+def test_a_look_says_what_building_said():
+    """Strokes on a mesh without a UV map: with each picture of a viewport, not its first alone."""
+    now = scene(meshes=[{**square(1.0), "corner_uvs": None}], materials=[material(ex=100.0, ey=10.0)], width=4, height=4)
+    job = native.start(now)
+    said = finish(job)["warnings"]
+    assert len(said) == 1 and "no UV map" in said[0], said
+    for _ in range(2):
+        job, before = native.look(job, {key: now[key] for key in ("width", "height", "region", "samples", "camera")}), job
+        native.free(before)
+        assert finish(job)["warnings"] == said
+    native.free(job)

@@ -171,8 +171,11 @@ bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
   static const atomic_bool never;
   double start = parallel_clock();
   *times = (scene_times){0};
-  if (s->built)
+  if (s->built) {
+    message_repeat(log, &s->said);
     return !atomic_load(cancel);
+  }
+  size_t before = message_warnings(log);
   if (s->plan) /* there is little to do, and what was taken over shall not be lost */
     cancel = &never;
   if (!build_cloths(s, cancel, log) || !build_scratches(s, cancel, log) ||
@@ -180,12 +183,14 @@ bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
     return false;
   times->image = parallel_clock() - start;
   s->built = world_build(s, cancel, log, times);
+  message_keep(log, before, &s->said);
   return s->built;
 }
 
 void scene_free(scene *s) {
   if (!s)
     return;
+  message_forget(&s->said);
   accel_free(s->accel);
   for (int i = 0; i < 3; i++)
     free(s->world[i]);

@@ -261,6 +261,7 @@ typedef struct scene {
   void *world[3];          /* positions and indices, for Embree */
   struct world_plan *plan; /* how all these lie there, where another scene may take them over */
   bool built;
+  message_list said; /* while it was built */
   bool hasty; /* a mesh of the scene before was edited, and soon may be again: see accel_input */
   accel *accel;
 } scene;

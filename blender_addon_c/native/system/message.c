@@ -40,3 +40,29 @@ void message_warn(message_log *log, const char *format, ...) {
   log->warnings++;
   pthread_mutex_unlock(&log->lock);
 }
+
+size_t message_warnings(message_log *log) {
+  pthread_mutex_lock(&log->lock);
+  size_t count = log->warnings < MESSAGE_WARNINGS ? log->warnings : MESSAGE_WARNINGS;
+  pthread_mutex_unlock(&log->lock);
+  return count;
+}
+
+void message_keep(message_log *log, size_t first, message_list *kept) {
+  size_t count = message_warnings(log);
+  pthread_mutex_lock(&log->lock);
+  for (size_t i = first; i < count && kept->count < MESSAGE_WARNINGS; i++)
+    if (log->warning[i] && (kept->text[kept->count] = strdup(log->warning[i])))
+      kept->count++;
+  pthread_mutex_unlock(&log->lock);
+}
+
+void message_repeat(message_log *log, const message_list *kept) {
+  for (size_t i = 0; i < kept->count; i++)
+    message_warn(log, "%s", kept->text[i]);
+}
+
+void message_forget(message_list *kept) {
+  while (kept->count)
+    free(kept->text[--kept->count]);
+}

@@ -16,6 +16,12 @@ typedef struct message_log {
   char *warning[MESSAGE_WARNINGS];
 } message_log;
 
+/* Warnings that are said again by each job of a scene which is built once. */
+typedef struct message_list {
+  size_t count;
+  char *text[MESSAGE_WARNINGS];
+} message_list;
+
 void message_init(message_log *log);
 void message_free(message_log *log);
 
@@ -28,5 +34,11 @@ void message_free(message_log *log);
 /* Keep the first error; always returns false, so that a caller can return it. */
 MESSAGE_FORMAT bool message_error(message_log *log, const char *format, ...);
 MESSAGE_FORMAT void message_warn(message_log *log, const char *format, ...);
+
+/* How many there are; those from `first` on, kept; these, once more. */
+size_t message_warnings(message_log *log);
+void message_keep(message_log *log, size_t first, message_list *kept);
+void message_repeat(message_log *log, const message_list *kept);
+void message_forget(message_list *kept);
 
 #endif
