@@ -11,8 +11,9 @@ from .fabric_yarns import CUSTOM, DRAFT
 from .group import own_tree, register_node
 from .manual import draw_button
 from .report import draw_on, is_enabled
+from .scratches import in_digits
 
-FABRIC = "LibshadeFabricNode"
+FABRIC, _NAME = "LibshadeFabricNode", "Libshade Fabric"
 
 _CLOTHS = {row["word"].upper(): row for row in _native.table()["cloths"]}
 _FIRST = next(iter(_CLOTHS))
@@ -86,7 +87,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     """Woven cloth, yarn by yarn from near, as a whole from afar"""
 
     bl_idname = FABRIC
-    bl_label = "Libshade Fabric"
+    bl_label = f"{_NAME} (woven cloth)"  # as LibshadeMetalNode
     bl_width_default = 200
 
     def fill_sockets(self):
@@ -136,6 +137,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     }
 
     def init(self, _context):
+        self.name = _NAME
         self.node_tree = fabric_tree.new_tree()
         self.size_mode = "REAL"
         self._chosen(None)
@@ -186,7 +188,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         scale = self.inputs["Scale"]
         if self.size_mode == "REAL" and self.repeat_mm[0] and scale.default_value and not scale.is_linked:
             sides = (abs(side / scale.default_value) for side in self.repeat_mm)
-            layout.label(text="Repeat: {:.3g} × {:.3g} mm".format(*sides))  # too small to be seen?
+            layout.label(text="Repeat: {} × {} mm".format(*map(in_digits, sides)))  # too small to be seen?
         if not is_old(self):
             lines = layout.column(align=True)  # as wide as the sidebar at first
             lines.label(text="In Cycles, EEVEE", icon="INFO")
@@ -216,7 +218,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         draw_button(layout, "#cloth")
 
     def draw_label(self):
-        return "Libshade Fabric"
+        return _NAME
 
 
 def _draw_add_menu(self, context):

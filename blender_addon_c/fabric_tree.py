@@ -39,7 +39,7 @@ def new_tree():
 
 def _fill(tree):
     for name, kind, about, value, limits in SOCKETS:
-        socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}")
+        socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}", "FACTOR" if limits == (0.0, 1.0) else "NONE")
         socket.description = about
         if limits:
             socket.min_value, socket.max_value = limits

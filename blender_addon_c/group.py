@@ -8,10 +8,14 @@ import bpy
 _PATTERN = "libshade_pattern"  # on trees that others are copied from
 
 
-def new_socket(tree, name, in_out, kind):
-    """A socket of a group."""
+def new_socket(tree, name, in_out, kind, subtype="NONE"):
+    """A socket of a group. subtype: FACTOR is drawn as a slider, ANGLE in degrees."""
     if hasattr(tree, "interface"):  # 4.0 and later
-        return tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
+        socket = tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
+        if subtype != "NONE":
+            socket.subtype = subtype
+        return socket
+    kind += "" if subtype == "NONE" else subtype.title()
     return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
 
 

@@ -17,7 +17,7 @@ from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import draw_on, is_enabled
 
-METAL = "LibshadeMetalNode"
+METAL, _NAME = "LibshadeMetalNode", "Libshade Metal"
 _OURS = (METAL, "LibshadeFabricNode", "LibshadeScratchesNode")  # of fabric.py and scratches.py
 
 _TABLE = _native.table()
@@ -241,11 +241,12 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     """Anisotropic metal whose microfacets follow the bumped normal"""
 
     bl_idname = METAL
-    bl_label = "Libshade Metal"
+    bl_label = f"{_NAME} (brushed, anisotropic)"  # 3.4's search of nodes to add knows no other words
     bl_width_default = 230
     __annotations__ = _properties()
 
     def init(self, _context):
+        self.name = _NAME
         self.node_tree = metal_tree.new_tree(_initial_color())
         for names in _OF_SOCKETS:
             self.set_sockets(names)
@@ -347,10 +348,13 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         kind = "e" if self.width_as == "EXPONENTS" else "a"
         for axis, alpha in zip("xy", lobe(self)):
             value = exponent_of(alpha) if kind == "e" else alpha
-            column.prop(self, f"shown_{kind}{axis}", text=f"{_NAMES[kind + axis]}: {value:.4g}; power of ten")
+            column.label(text=f"{_NAMES[kind + axis]}: {value:.4g}")
+            row = column.row()
+            row.use_property_split = False  # its name has room
+            row.prop(self, f"shown_{kind}{axis}", text="Power of Ten")
 
     def draw_label(self):
-        return "Libshade Metal"
+        return _NAME
 
 
 def _alphas(node):
@@ -531,7 +535,7 @@ def _replace_by_group(tree, node):
     group = tree.nodes.new("ShaderNodeGroup")
     group.node_tree = node.node_tree
     unhide(group.node_tree)
-    group.label, group.parent = node.label or node.bl_label, node.parent
+    group.label, group.parent = node.label or node.draw_label(), node.parent
     group.location, group.width, group.hide = node.location, node.width, node.hide
     for old, new in zip(node.inputs, group.inputs):
         if hasattr(old, "default_value"):

@@ -28,11 +28,7 @@ NUMBERS = {
 
 def _add_sockets(tree):
     def add(name, kind, about, subtype="NONE", limits=None, value=None):
-        if subtype != "NONE" and not hasattr(tree, "interface"):
-            kind += subtype.title()
-        socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}")
-        if subtype != "NONE" and hasattr(socket, "subtype"):  # 4.0 and later
-            socket.subtype = subtype
+        socket = new_socket(tree, name, "INPUT", f"NodeSocket{kind}", subtype)
         if limits:
             socket.min_value, socket.max_value = limits
         if value is not None:

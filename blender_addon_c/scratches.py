@@ -115,7 +115,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         if is_stale(self, context.scene):
             layout.label(text="Images are outdated", icon="ERROR")
         else:
-            layout.label(text=f"Baked: {100 * json.loads(self.baked)[-1]:.3g} cm tile", icon="INFO")
+            layout.label(text=f"Baked: {in_digits(100 * json.loads(self.baked)[-1])} cm tile", icon="INFO")
         row = layout.row(align=True)
         row.operator(LIBSHADE_OT_bake_scratches.bl_idname, text="Bake Again", icon="IMAGE_DATA")
         row.operator(LIBSHADE_OT_drop_scratch_images.bl_idname, text="", icon="X")
@@ -128,7 +128,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
             layout.prop(self, "uv_map")
         layout.prop(self, "tile")
         plan = _native.scratches(description(self, size.unit_of(context.scene)))
-        layout.label(text=f"Repeats every {100 * plan['tile']:.3g} cm")
+        layout.label(text=f"Repeats every {in_digits(100 * plan['tile'])} cm")
         if plan["fewer"]:
             layout.label(text=f"Only {in_digits(plan['density'])} per cm²", icon="ERROR")
         layout.operator("libshade.convert_to_group")
@@ -332,7 +332,7 @@ They are packed into the file. Our engine then repeats the same square"""
         owner = next((m.name for m in bpy.data.materials if m.node_tree == node.id_data), node.id_data.name)
         plan = bake(node, owner, context.scene, texels, self.samples, self.tile, self.points)
         texel = 1e3 * plan["tile"] / texels
-        self.report({"INFO"}, f"{texels} × {texels} texels of {texel:.3g} mm, which repeat every {100 * plan['tile']:.3g} cm, "
+        self.report({"INFO"}, f"{texels} × {texels} texels of {texel:.3g} mm, which repeat every {in_digits(100 * plan['tile'])} cm, "
                               "are packed into the file")
         width = description(node, 1.0)["width"]
         if texel > width and not self.points:
