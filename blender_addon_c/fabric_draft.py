@@ -36,6 +36,7 @@ def import_wif(node, path):
     found = _native.wif(data, name)
     text = bpy.data.texts.new(name)
     text.from_string(decoded(data).replace("\r\n", "\n").replace("\r", "\n"))
+    text.cursor_set(0)  # else editors show what is below its last line: nothing
     node.draft, node.weave = text, DRAFT
     if found["counts"]:
         node.ends_per_cm, node.picks_per_cm = found["counts"]
@@ -91,6 +92,8 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
             return {"CANCELLED"}
         if mended:
             self.report({"WARNING"}, mended)
+        else:  # in place of an error that was told before
+            self.report({"INFO"}, f"'{node.draft.name}' is the draft of this cloth")
         return {"FINISHED"}
 
 
