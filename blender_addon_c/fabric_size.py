@@ -7,6 +7,7 @@ from bpy.app.handlers import persistent
 
 from .export import size
 from .fabric_tree import MEASURES
+from .report import TellsOfNothing
 
 FABRIC = "LibshadeFabricNode"
 _FEEDS_SPACE = {("NEW_GEOMETRY", "Position"): "WORLD", ("TEX_COORD", "Object"): "OBJECT"}
@@ -65,7 +66,7 @@ def measure(scene):
     return found, left
 
 
-class LIBSHADE_OT_measure_cloth(bpy.types.Operator):
+class LIBSHADE_OT_measure_cloth(TellsOfNothing, bpy.types.Operator):
     """Measure the objects of this scene that wear cloth of real size, so that Cycles and EEVEE show it as large; again \
 when meshes, UV maps or scales change. Libshade measures by itself"""
 
@@ -85,8 +86,7 @@ when meshes, UV maps or scales change. Libshade measures by itself"""
         if left:
             self.report({"WARNING"}, f"{left} linked object(s) cannot be changed")
         if not found:
-            self.report({"WARNING"}, "No object of this scene wears Libshade Fabric of real size")
-            return {"CANCELLED"}
+            return self.nothing("No object of this scene wears Libshade Fabric of real size")
         self.report({"INFO"}, f"Measured {found} object(s)")
         return {"FINISHED"}
 

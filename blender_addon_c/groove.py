@@ -10,6 +10,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from .group import drop_patterns, new_socket
+from .report import TellsOfNothing
 
 NAME = "Libshade Groove"
 _MARK = "libshade_groove"  # on the tree, and on nodes that the operator placed
@@ -124,14 +125,36 @@ def _source(socket):
     return None
 
 
+def _comes_of_groove(socket):
+    """Does the group stand anywhere before an input? Within a Libshade Metal nodes lie between."""
+    sockets, seen = [socket], set()
+    while sockets:
+        for link in sockets.pop().links:
+            node = link.from_node
+            if _is_groove(node):
+                return True
+            if node.name not in seen:
+                seen.add(node.name)
+                sockets.extend(node.inputs)
+    return False
+
+
 def _has_bumped_grooves(node):
     if node.bl_idname not in _AMOUNT:  # asked for "", a group's output has a socket of that name
         return False
     amount = node.inputs.get(_AMOUNT[node.bl_idname])
     if not amount or not (amount.is_linked or amount.default_value != 0) or not _source(node.inputs["Normal"]):
         return False
-    tangent = _source(node.inputs["Tangent"])
-    return not (tangent and _is_groove(tangent.node))
+    return not _comes_of_groove(node.inputs["Tangent"])
+
+
+def _free_place(tree, node):
+    """Left of a shader and below what stands there."""
+    x, y = node.location[0] - 200, node.location[1] - 250
+    beside = [other.location[1] for other in tree.nodes if other.parent == node.parent and x - other.width < other.location[0] < x + 140]
+    while any(y - 170 < top < y + 170 for top in beside):
+        y -= 30
+    return x, y
 
 
 def place(tree, strokes):
@@ -140,7 +163,7 @@ def place(tree, strokes):
     for node in nodes:
         group = _new_group(tree)
         group[_MARK] = True
-        group.parent, group.location = node.parent, (node.location[0] - 200, node.location[1] - 250)
+        group.parent, group.location = node.parent, _free_place(tree, node)
         tree.links.new(_source(node.inputs["Normal"]), group.inputs["Normal"])
         tangent = _source(node.inputs["Tangent"])
         if tangent:
@@ -162,7 +185,7 @@ def take_away(tree):
     return len(groups)
 
 
-class LIBSHADE_OT_follow_bumps(bpy.types.Operator):
+class LIBSHADE_OT_follow_bumps(TellsOfNothing, bpy.types.Operator):
     """Put Libshade Groove before every anisotropic shader of the file that has a bumped normal, so \
 that its grooves go with the bumps in Cycles; or take it away again"""
 
@@ -189,11 +212,10 @@ that its grooves go with the bumps in Cycles; or take it away again"""
         done = "taken from" if self.take_away else "put before"
         if count:
             self.report({"INFO"}, f"{NAME} {done} {count} shader{'s' * (count > 1)}")
-        elif self.take_away:
-            self.report({"WARNING"}, f"Nothing to take away: no {NAME} is in the file")
-        else:
-            self.report({"WARNING"}, f"Nothing to do: no anisotropic shader has a linked Normal (Libshade Metal needs no {NAME})")
-        return {"FINISHED"} if count else {"CANCELLED"}
+            return {"FINISHED"}
+        if self.take_away:
+            return self.nothing(f"Nothing to take away: no {NAME} is in the file")
+        return self.nothing(f"Nothing to do: no anisotropic shader has a linked Normal (Libshade Metal needs no {NAME})")
 
 
 class LIBSHADE_OT_add_groove(bpy.types.Operator):

@@ -15,7 +15,7 @@ from . import _native, metal_tree
 from .group import drop_patterns, own_tree, register_node, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
-from .report import draw_on, is_enabled
+from .report import TellsOfNothing, draw_on, is_enabled
 
 METAL, _NAME = "LibshadeMetalNode", "Libshade Metal"
 _OURS = (METAL, "LibshadeFabricNode", "LibshadeScratchesNode")  # of fabric.py and scratches.py
@@ -456,7 +456,7 @@ class LIBSHADE_OT_measured_metal(_OnMetal, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class LIBSHADE_OT_update_nodes(bpy.types.Operator):
+class LIBSHADE_OT_update_nodes(TellsOfNothing, bpy.types.Operator):
     """Give Libshade nodes of older files the sockets and properties that newer ones have"""
 
     bl_idname = "libshade.update_nodes"
@@ -471,8 +471,7 @@ class LIBSHADE_OT_update_nodes(bpy.types.Operator):
         for tree, node in old:
             UPDATES[node.bl_idname][1](tree, node)
         if not old:
-            self.report({"WARNING"}, "No Libshade node is of an older version")
-            return {"CANCELLED"}
+            return self.nothing("No Libshade node is of an older version")
         self.report({"INFO"}, f"Updated {len(old)} Libshade node(s)")
         return {"FINISHED"}
 
@@ -550,7 +549,7 @@ def _replace_by_group(tree, node):
     group.name = name
 
 
-class LIBSHADE_OT_convert_to_group(bpy.types.Operator):
+class LIBSHADE_OT_convert_to_group(TellsOfNothing, bpy.types.Operator):
     """Replace Libshade nodes by plain groups of Cycles' own shaders, for files that must \
 render without this add-on, where Cycles would show black. Settings that those shaders lack are lost"""
 
@@ -574,8 +573,7 @@ render without this add-on, where Cycles would show black. Settings that those s
             trees = [material.node_tree] if material and material.node_tree else []
         nodes = [(t, n) for t in trees if not t.library for n in t.nodes if n.bl_idname in _OURS]
         if not nodes:
-            self.report({"WARNING"}, "No Libshade node here to convert")
-            return {"CANCELLED"}
+            return self.nothing("No Libshade node here to convert")
         for tree, node in nodes:
             _replace_by_group(tree, node)
         self.report({"INFO"}, f"Converted {len(nodes)} Libshade node(s)")

@@ -72,7 +72,22 @@ def of_node(node):
                   if isinstance(owner, bpy.types.Material) and owner.node_tree == node.id_data and name in ("", node.name))
 
 
-class LIBSHADE_OT_select_cause(bpy.types.Operator):
+class TellsOfNothing:
+    """An operator that may find nothing to do. 3.4's window shows an error of one that is cancelled, but no warning; in a script an
+    error is an exception."""
+
+    _in_window = False
+
+    def invoke(self, context, _event):
+        self._in_window = True
+        return self.execute(context)
+
+    def nothing(self, text):
+        self.report({"ERROR" if self._in_window else "WARNING"}, text)
+        return {"CANCELLED"}
+
+
+class LIBSHADE_OT_select_cause(TellsOfNothing, bpy.types.Operator):
     """Select what this is said of, and its node"""
     bl_idname = "libshade.select_cause"
     bl_label = "Select"
@@ -83,8 +98,7 @@ class LIBSHADE_OT_select_cause(bpy.types.Operator):
     def execute(self, context):
         owner, node, _icon, _rest = cause(self.text)
         if not owner:
-            self.report({"WARNING"}, "It is not in this file any more")
-            return {"CANCELLED"}
+            return self.nothing("It is not in this file any more")
         shown = [ob for ob in context.view_layer.objects if ob.visible_get()]
         if isinstance(owner, bpy.types.Material):
             users = [ob for ob in shown if any(slot.material == owner for slot in ob.material_slots)]

@@ -372,13 +372,19 @@ def operator():
     link = shader.inputs["Tangent"].links[0]
     assert link.from_socket.name == "Strokes Across" and not link.from_node.inputs["Tangent"].is_linked
     assert link.from_node.inputs["Normal"].links[0].from_node.bl_idname == "ShaderNodeNormalMap"
+    assert abs(link.from_node.location[1] - tree.nodes["Normal Map"].location[1]) > 150  # not upon it
     inside = node.node_tree
-    assert [n.name for n in inside.nodes if n.bl_idname == "ShaderNodeGroup"] == ["Groove"]
+
+    def groups_inside():
+        return [n.name for n in inside.nodes if n.bl_idname == "ShaderNodeGroup"]
+    assert groups_inside() == ["Groove"]
     by_hand = groove_in(tree)
     assert bpy.ops.libshade.follow_bumps(take_away=True) == {"FINISHED"}
     assert not followed() and by_hand.name in tree.nodes and "Libshade Groove" in bpy.data.node_groups
     assert "Groove" in inside.nodes
     bpy.data.materials.remove(material)
+    assert bpy.ops.libshade.follow_bumps() == {"FINISHED"}
+    assert groups_inside() == ["Groove"]  # of a node that is gone, as of a plain group that it has become
     bpy.data.node_groups.remove(inside)
     tree.nodes.remove(by_hand)
     bpy.ops.libshade.follow_bumps()
