@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
 from .fabric_yarns import CUSTOM, DRAFT
-from .group import own_tree, register_node
+from .group import add_button, own_tree, register_node
 from .manual import draw_button
 from .report import draw_on, is_enabled
 from .scratches import in_digits
@@ -223,8 +223,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
 
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
-        add = self.layout.operator("node.add_node", text=LibshadeFabricNode.bl_label)
-        add.type, add.use_transform = FABRIC, True
+        add_button(self.layout, FABRIC, LibshadeFabricNode.bl_label)
 
 
 class _Yarns:

@@ -242,12 +242,14 @@ class LIBSHADE_OT_add_groove(bpy.types.Operator):
 
     def invoke(self, context, event):
         context.space_data.cursor_location_from_region(event.mouse_region_x, event.mouse_region_y)
-        self.execute(context)
-        return bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
+        result = self.execute(context)
+        bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
+        return result
 
 
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
+        self.layout.operator_context = "INVOKE_DEFAULT"  # as group.add_button
         self.layout.operator(LIBSHADE_OT_add_groove.bl_idname)
 
 

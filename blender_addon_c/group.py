@@ -84,6 +84,13 @@ def _holders(tree):
     return sum(getattr(node, "node_tree", None) == tree for owner in owners for node in getattr(owner, "nodes", ()))
 
 
+def add_button(layout, kind, label):
+    """In an Add menu. The context of what Shift+A opens is to execute, which leaves the node where it is, not at the mouse."""
+    layout.operator_context = "INVOKE_DEFAULT"
+    add = layout.operator("node.add_node", text=label)
+    add.type, add.use_transform = kind, True
+
+
 def register_node(cls):
     """3.4 crashes when it frees the evaluated copy of a node whose class is gone: there it stays registered, and is found
     when the add-on is enabled again. 5.0 has forgotten what it is derived from once others have asked for that anew."""

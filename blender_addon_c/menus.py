@@ -6,6 +6,7 @@ import importlib
 import bpy
 
 from .export.closure import CLOSURES
+from .group import add_button
 from .names import ENGINE
 
 _FIRST = ("ShaderNodeOutputMaterial", "ShaderNodeMixShader", "ShaderNodeAddShader")
@@ -37,8 +38,7 @@ class NODE_MT_libshade_shaders(bpy.types.Menu):
 
     def draw(self, _context):
         for name, label in shaders():
-            add = self.layout.operator("node.add_node", text=label)
-            add.type, add.use_transform = name, True
+            add_button(self.layout, name, label)
 
 
 def _draw_add_menu(self, context):

@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import drop_patterns, own_tree, register_node, unhide
+from .group import add_button, drop_patterns, own_tree, register_node, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import TellsOfNothing, draw_on, is_enabled
@@ -583,8 +583,7 @@ render without this add-on, where Cycles would show black. Settings that those s
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
         self.layout.separator()
-        add = self.layout.operator("node.add_node", text=LibshadeMetalNode.bl_label)
-        add.type, add.use_transform = METAL, True
+        add_button(self.layout, METAL, LibshadeMetalNode.bl_label)
 
 
 class NODE_PT_libshade_advanced(bpy.types.Panel):

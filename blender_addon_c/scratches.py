@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import _native, scratch_tree
 from .export import size
-from .group import register_node
+from .group import add_button, register_node
 from .manual import draw_button
 from .report import draw_on, is_enabled
 from .scratch_tree import DENSITY, DEPTH, DIRECTION, LENGTH, NUMBERS, SPREAD, VECTOR, WIDTH
@@ -356,8 +356,7 @@ class LIBSHADE_OT_drop_scratch_images(_OnScratches, bpy.types.Operator):
 
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
-        add = self.layout.operator("node.add_node", text=LibshadeScratchesNode.bl_label)
-        add.type, add.use_transform = SCRATCHES, True
+        add_button(self.layout, SCRATCHES, LibshadeScratchesNode.bl_label)
 
 
 _CLASSES = (LIBSHADE_OT_scratches_preset, LIBSHADE_OT_bake_scratches, LIBSHADE_OT_drop_scratch_images)

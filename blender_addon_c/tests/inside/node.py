@@ -326,6 +326,9 @@ class Layout:
         self.drawn.append(text or name)
         return SimpleNamespace()
 
+    def separator(self):
+        self.drawn.append("")
+
     def operator_menu_enum(self, _name, _attribute, text):
         self.drawn.append(text)
 
@@ -382,6 +385,11 @@ def test_panels_and_menus():
     labels = drawn_by(menus.NODE_MT_libshade_shaders)
     assert labels[:3] == ["Material Output", "Mix Shader", "Add Shader"] and len(labels) > 12
     assert {"Principled BSDF", "Diffuse BSDF", "Emission", "Glass BSDF"} < set(labels)
+    # what Shift+A opens executes, if nothing else is said: a new node would not stay at the mouse
+    for name in ("nodes", "fabric", "groove", "scratches"):
+        menu = SimpleNamespace(layout=Layout([]))
+        sys.modules[f"{common.MODULE}.{name}"]._draw_add_menu(menu, SimpleNamespace(space_data=SimpleNamespace(tree_type="ShaderNodeTree")))
+        assert menu.layout.operator_context == "INVOKE_DEFAULT" and menu.layout.drawn, name
     # 3.4 hides its own under our engine, 5.0 does not
     assert menus._hides_shaders() == (bpy.app.version < (4, 0))
 
