@@ -95,12 +95,35 @@ def data_of(mesh, kind, name, where, owner, messages):
     if layer:
         numbers = _four(uvs_of(layer).view(np.float32).reshape(-1, 2))
         return numbers[where["CORNER"]].ravel()
-    numbers = four_of(attribute) if attribute and attribute.domain in where else None
+    domain = attribute.domain if attribute else ""
+    later = hasattr(mesh, "corner_normals")  # 4.2 and 5.0 are as from 4.1 on, 3.4 is not [measured in Cycles]
+    unread = domain == "EDGE" and attribute.data_type == "QUATERNION" or not later and domain and attribute.data_type == "INT8"
+    numbers = four_of(attribute) if not unread and (domain in where or domain == "EDGE") else None
+    if numbers is not None and domain == "EDGE":
+        numbers, domain = _of_edges(mesh, attribute, numbers, later), "POINT"
     if numbers is None:
         what = "has no attribute" if not attribute else "cannot read its attribute"
         messages.warning(f"object '{owner}' {what} '{name}'; 0 is used")
         return np.tile(np.float32([0, 0, 0, 1]), len(where["CORNER"].ravel()))  # its alpha is 1, as in Cycles
-    return numbers[where[attribute.domain]].ravel()
+    return numbers[where[domain]].ravel()
+
+
+def _of_edges(mesh, attribute, numbers, later):
+    """By vertex, four numbers from those of its edges: their mean, in later Blenders as Blender itself makes it."""
+    at, count = integers(mesh.edges, "vertices", 2), len(mesh.vertices)
+    edges = np.bincount(at, minlength=count)
+    kind = attribute.data_type if later else ""
+    if kind == "BYTE_COLOR":
+        numbers = read(attribute.data, "color_srgb", 4).reshape(-1, 4)
+    means = np.stack([np.bincount(at, np.repeat(part, 2), count) for part in numbers.T], 1) / np.maximum(edges, 1)[:, None]
+    if kind == "BOOLEAN":
+        means[:, :3] = means[:, :3] > 0
+    elif kind in ("INT", "INT8"):
+        means = np.floor(means + 0.5)
+    elif kind == "BYTE_COLOR":
+        means = np.floor(means * 255 + 1e-3) / 255
+        means[:, :3] = np.where(means[:, :3] <= 0.04045, means[:, :3] / 12.92, ((means[:, :3] + 0.055) / 1.055) ** 2.4)
+    return means.astype(np.float32)
 
 
 def four_of(attribute):
@@ -119,12 +142,12 @@ def _of_islands(mesh, kind):
 
 
 # What an attribute's items are called, and how many numbers they are, by its type.
-_READ = {"FLOAT": ("value", 1), "INT": ("value", 1), "BOOLEAN": ("value", 1), "FLOAT2": ("vector", 2),
-         "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
+_READ = {"FLOAT": ("value", 1), "INT": ("value", 1), "INT8": ("value", 1), "BOOLEAN": ("value", 1), "FLOAT2": ("vector", 2),
+         "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4), "QUATERNION": ("value", 4)}
 
 
 def _numbers(attribute, member, width):
-    kind = {"INT": np.int32, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
+    kind = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
     return read(attribute.data, member, width, kind).astype(np.float32).reshape(-1, width)
 
 
