@@ -5,16 +5,20 @@ Cycles looks for them, and as four numbers, as it has them.
 
 import numpy as np
 
+from .strands import by_chance
+
 NOTHING = (0.0,) * 4
+_OF_PARTICLES = {"Lifetime": "lifetime", "Location": "location", "Size": "size", "Velocity": "velocity",
+                 "Angular Velocity": "angular_velocity"}
 ABSENT = (0.0, 0.0, 0.0, 1.0)  # of a surface that has none
 
 
 class Attributes:
-    """Those of a render, each once: `listed`, (kind, name), kind OBJECT, INSTANCER, INSTANCE (coordinates on the instancer)
-    or POINT (of a cloud)."""
+    """Those of a render, each once: `listed`, (kind, name), kind OBJECT, INSTANCER, INSTANCE (coordinates on the instancer),
+    PARTICLE or POINT (of a cloud)."""
 
-    def __init__(self, messages):
-        self.listed, self._messages = [], messages
+    def __init__(self, messages, frame):
+        self.listed, self._messages, self._frame = [], messages, frame
         self._made = {}  # by object
 
     def number(self, kind, name):
@@ -39,12 +43,29 @@ class Attributes:
             return NOTHING  # until it is known which
         if kind == "INSTANCE":
             return _place_on_instancer(item, name)
+        if kind == "PARTICLE":
+            return self._of_particle(item, name)
         if kind == "INSTANCER" and item.is_instance:
             system = item.particle_system
             owners = [lambda: _property(system and system.settings, name), lambda: self._of_nodes(item, name),
                       lambda: _property(item.parent, name)]
         owners += [lambda: _property(ob, name), lambda: _property(ob.data, name)]
         return next((told for told in (look() for look in owners) if told), NOTHING)
+
+    def _of_particle(self, item, name):
+        """Of the one that shows an instance, as Cycles numbers them; of none it is what a first one at nought says."""
+        system = item.particle_system if item.is_instance else None
+        number = item.persistent_id[0] if system and system.settings.type == "EMITTER" else 0
+        if name == "Index":
+            return four(number)
+        if name == "Random":
+            return four(float(by_chance(number)))
+        if not system or system.settings.type != "EMITTER" or not 0 <= number < len(system.particles):
+            return NOTHING
+        particle = system.particles[number]
+        if name == "Age":
+            return four(self._frame - particle.birth_time)
+        return four(getattr(particle, _OF_PARTICLES[name]))
 
     def _of_nodes(self, item, name):
         """Of an instance that geometry nodes made."""

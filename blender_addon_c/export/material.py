@@ -48,7 +48,7 @@ class Table:
         self.colors = colors  # are there passes of colour?
         self.by_camera = False  # does a material look different from elsewhere?
         self.by_object = False  # or for each object?
-        self.attributes = Attributes(messages)
+        self.attributes = Attributes(messages, depsgraph.scene_eval.frame_current_final)
         self.unit = unit_of(depsgraph.scene)
         self.camera, self._depsgraph = camera, depsgraph
         world = depsgraph.scene.world

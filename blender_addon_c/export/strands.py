@@ -158,14 +158,15 @@ def _told(points, radii, ends, numbers, name):
     along -= along[first]
     lengths = np.repeat(along[ends - 1], counts)
     told[:, 0], told[:, 1] = along / np.where(lengths > 0, lengths, 1), lengths
-    told[:, 2], told[:, 3] = np.repeat(_chance(numbers), counts), 1
+    told[:, 2], told[:, 3] = np.repeat(by_chance(numbers), counts), 1
     return told
 
 
-def _chance(numbers):
+def by_chance(numbers):
     """From 0 to 1, the same for a number as in Cycles: it and 0 mixed by lookup3 [Jenkins2006]."""
+    numbers = np.asarray(numbers)
     whole = np.uint64(0xffffffff)
-    a = b = c = np.full(len(numbers), 0xdeadbeef + 8 + 13, np.uint64)
+    a = b = c = np.full(numbers.shape, 0xdeadbeef + 8 + 13, np.uint64)
     parts = [a + numbers.astype(np.uint64) & whole, b, c]
     for k, shift in enumerate((14, 11, 25, 16, 4, 14, 24)):
         to, by = ((2, 1), (0, 2), (1, 0))[k % 3]
