@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from . import normals
 from .layers import data_of, integers, read, uv_layer, uvs_of
 from .size import unit_size
 
@@ -31,10 +32,10 @@ def mesh_of(ob, mesh, slots, way, table, motion, messages):
         "name": f"object '{ob.name}'",  # for messages of the native module
         "positions": positions,
         "corner_position": corner_positions,
-        "corner_normals": _corner_normals(mesh, corners),
+        "corner_normals": _corner_normals(mesh, corners, positions, corner_positions),
         "corner_uvs": uvs,
         "material": triangle_materials,
-        **motion.shape(ob, mesh, corners, messages),
+        **motion.shape(ob, mesh, corners, corner_positions),
         **_measured(ob, mesh, table.measured(used)),
         "layers": _layers(mesh, corners, corner_positions, table.layers_of(used), ob.name, messages),
     }
@@ -47,7 +48,7 @@ def _crossed(mesh):
     """Which part of its edges has more than two faces, where its normals are those of corners (sharp edges, or its own); there
     Cycles is off [not in 3.4; in 5.0; between not measured]."""
     edges = mesh.attributes.get(".corner_edge")
-    if not edges or getattr(mesh, "normals_domain", "") != "CORNER":  # both from some 4.x on
+    if not edges or not hasattr(mesh, "corner_normals") or not normals.by_corners(mesh):  # all from some 4.x on
         return 0.0
     faces = np.bincount(read(edges.data, "value", 1, np.int32), minlength=1)
     return float(np.mean(faces > 2))
@@ -79,13 +80,14 @@ def _corner_positions(mesh, corners):
     return integers(mesh.loops, "vertex_index", 1)[corners]
 
 
-def _corner_normals(mesh, corners):
+def _corner_normals(mesh, corners, positions, corner_positions):
     if hasattr(mesh, "corner_normals"):  # from 4.1 on
-        normals = read(mesh.corner_normals, "vector", 3, np.float32)
-        return normals.reshape(-1, 3).take(corners, axis=0).ravel()
-    normals = read(mesh.loop_triangles, "split_normals", 9, np.float32)
-    mesh.free_normals_split()
-    return normals
+        made = normals.of_loops(mesh).take(corners, axis=0).ravel()
+    else:
+        made = read(mesh.loop_triangles, "split_normals", 9, np.float32)
+        mesh.free_normals_split()
+    normals.flatten(made, normals.flat(mesh), positions, corner_positions)
+    return made
 
 
 def _corner_uvs(mesh, corners, materials, names, owner, messages):

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 
+from . import normals
 from .layers import read
 
 _SHUTTER_STEPS = 256  # as in the native module
@@ -25,7 +26,7 @@ class Still:
     def place(self, _item):
         return None
 
-    def shape(self, _ob, _mesh, _corners, _messages):
+    def shape(self, _ob, _mesh, _corners, _corner_positions):
         return {}
 
     def bends(self, _ob):
@@ -95,6 +96,8 @@ class Motion(Still):
                 continue
             self._wanted[_key(item)] = steps
             ob = item.object.original
+            if not self._is_own(item.object):
+                continue
             if ob not in bends:
                 bends[ob] = item.object.type == "MESH" and ob.is_deform_modified(scene, "RENDER")
             if bends[ob] and (not self.blurs or (_may_bend(item.object) and _may_bend(item.parent))):
@@ -113,7 +116,7 @@ class Motion(Still):
             key, ob = _key(item), item.object.original
             if time in _times(self._wanted.get(key, 0)):
                 self._places.setdefault(key, {})[time] = np.array(item.matrix_world, np.float32)[:3]
-            if ob not in shapes and time in _times(self._wanted.get(("shape", ob), 0)):
+            if ob not in shapes and self._is_own(item.object) and time in _times(self._wanted.get(("shape", ob), 0)):
                 shapes.add(ob)
                 self._shapes.setdefault(ob, {})[time] = _shape(item.object.data)
 
@@ -128,8 +131,14 @@ class Motion(Still):
             return None
         return None if (matrices == matrices[0]).all() else np.ascontiguousarray(matrices)
 
+    def _is_own(self, ob):
+        """Is its mesh its own, and not one of those that its geometry nodes show?"""
+        return ob.original.evaluated_get(self._depsgraph).data == ob.data
+
     def bends(self, ob):
         """Does its mesh change its shape, and can that be told?"""
+        if not self._is_own(ob):
+            return False
         shapes = self._shapes.get(ob.original, ())
         if len(shapes) < max(2, self._wanted.get(("shape", ob.original), 0)):  # it is not there at all times
             return False
@@ -143,15 +152,17 @@ class Motion(Still):
             return False
         return True
 
-    def shape(self, ob, _mesh, corners, _messages):
+    def shape(self, ob, mesh, corners, corner_positions):
         """Positions and normals at the corners of triangles, by time."""
         if not self.bends(ob):
             return {}
         shapes = [self._shapes[ob.original][time] for time in _times(self._wanted["shape", ob.original])]
         if corners.max() >= len(shapes[0][1]):
             return {}
-        return {"moved_positions": np.stack([positions for positions, _ in shapes]),
-                "moved_normals": np.stack([normals[corners] for _, normals in shapes])}
+        moved, flat = [made[corners] for _, made in shapes], normals.flat(mesh)
+        for (positions, _), made in zip(shapes, moved):
+            normals.flatten(made, flat, positions, corner_positions)
+        return {"moved_positions": np.stack([positions for positions, _ in shapes]), "moved_normals": np.stack(moved)}
 
     def camera(self):
         """Where it stands and how wide it sees, by time."""
@@ -239,9 +250,8 @@ def _shape(mesh):
     """Positions, and normals by loop."""
     positions = read(mesh.vertices, "co", 3).reshape(-1, 3)
     if hasattr(mesh, "corner_normals"):  # from 4.1 on
-        normals = read(mesh.corner_normals, "vector", 3).reshape(-1, 3)
-    else:
-        mesh.calc_normals_split()
-        normals = read(mesh.loops, "normal", 3).reshape(-1, 3)
-        mesh.free_normals_split()
-    return positions, normals
+        return positions, normals.of_loops(mesh)
+    mesh.calc_normals_split()
+    made = normals.of_loops(mesh)
+    mesh.free_normals_split()
+    return positions, made

@@ -40,6 +40,14 @@ def _plate(material, number, size=1.0):
     return plate
 
 
+def _divide(mesh, cuts):
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=cuts, use_grid_fill=True)
+    work.to_mesh(mesh)
+    work.free()
+
+
 def _alpha(scene, options):
     """Images of each alpha mode, their alpha linked in the second row."""
     for number in range(8):
@@ -252,6 +260,93 @@ def _islands(scene, _options):
         common.link(scene, output, mesh, (-1.75 + 1.5 * (number % 2), 0.75 - 1.5 * (number // 2), 0))
 
 
+def _normals(scene, _options):
+    """Bent quadrilaterals: flat, some flat (both of these move), an edge sharp, some flat with it, all edges, normals of their own."""
+    for number, (smooth, sharp, own) in enumerate(((0, (), False), (2, (), False), (4, (7,), False), (2, (7,), False), (2, range(13), False),
+                                                   (2, (), True))):
+        mesh, chance = bpy.data.meshes.new("strip"), np.random.default_rng(3)
+        mesh.from_pydata([(0.3 * (k // 2), 0.8 * (k % 2), 0.4 * chance.random()) for k in range(10)], [],
+                         [(2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1) for k in range(4)])
+        for k, face in enumerate(mesh.polygons):
+            face.use_smooth = k < smooth
+        for k in sharp:
+            mesh.edges[k].use_edge_sharp = True
+        if hasattr(mesh, "use_auto_smooth"):  # until 4.0
+            mesh.use_auto_smooth, mesh.auto_smooth_angle = bool(sharp or own), 3.14
+        if own:
+            mesh.normals_split_custom_set([(0.2 * (k % 3), 0.3, 1) for k in range(16)])
+        material, tree, color = _shining("strip")
+        node, more = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
+        more.inputs[1].default_value = (1, 1, 0)
+        tree.links.new(node.outputs["Normal"], more.inputs[0])
+        tree.links.new(more.outputs[0], color)
+        mesh.materials.append(material)
+        strip = common.link(scene, "strip", mesh, (-1.8 + 1.8 * (number % 2), 0.8 - 1.2 * (number // 2), 0))
+        if number < 2:
+            strip.shape_key_add(name="before")
+            key = strip.shape_key_add(name="after")
+            for k, point in enumerate(key.data):
+                point.co.z += 0.1 * (k % 3)
+            for frame in (0, 2):
+                key.value = 0.5 * frame
+                key.keyframe_insert("value", frame=frame)
+        if number == 1:  # shows other meshes, which are not its own
+            tree, (joined,) = _of_nodes("more", "JoinGeometry")
+            points, grid = tree.nodes.new("GeometryNodeInstanceOnPoints"), tree.nodes.new("GeometryNodeMeshGrid")
+            grid.inputs["Size X"].default_value = grid.inputs["Size Y"].default_value = 0.1
+            tree.links.new(joined.inputs[0].links[0].from_socket, points.inputs["Points"])
+            tree.links.new(grid.outputs[0], points.inputs["Instance"])
+            tree.links.new(points.outputs[0], joined.inputs[0])
+            strip.modifiers.new("more", "NODES").node_group = tree
+    scene.render.use_motion_blur = True
+
+
+def _edges(_scene, _options):
+    """Numbers that edges say, of all types, and bytes and pairs of points."""
+    there = bpy.types.Attribute.bl_rna.properties["data_type"].enum_items.keys()
+    kinds = ("FLOAT", "INT", "INT8", "BOOLEAN", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR", "FLOAT2")
+    cases = [(kind, "EDGE", "Color") for kind in kinds] + [("INT8", "POINT", "Color"), ("QUATERNION", "POINT", "Color"),
+                                                           ("QUATERNION", "POINT", "Alpha"), ("FLOAT_COLOR", "EDGE", "Alpha")]
+    for number, (kind, domain, output) in enumerate(cases):
+        plate, chance = _told(number, "GEOMETRY", "tint", output), np.random.default_rng(number)
+        plate.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"].default_value = 0.5
+        if kind not in there:
+            continue
+        _divide(plate.data, 2)
+        told = plate.data.attributes.new("tint", kind, domain)
+        for item in told.data:
+            value = chance.random(4)
+            if hasattr(item, "color"):
+                item.color = value
+            elif hasattr(item, "vector"):
+                item.vector = value[:len(item.vector)]
+            else:
+                item.value = {"FLOAT": value[0], "INT": int(5 * value[0]), "INT8": int(5 * value[0]), "BOOLEAN": value[0] > 0.7}.get(kind, value)
+
+
+def _particles(scene, _options):
+    """What particles say, of each output."""
+    for number, (output, part) in enumerate((("Index", 0.1), ("Random", 0.9), ("Age", 0.1), ("Lifetime", 0.02), ("Location", 0.3), ("Size", 3),
+                                             ("Velocity", 1), ("Angular Velocity", 0.5))):
+        material, tree, color = _shining(output)
+        node, more = tree.nodes.new("ShaderNodeParticleInfo"), tree.nodes.new("ShaderNodeVectorMath")
+        more.operation, more.inputs[1].default_value, more.inputs[2].default_value = "MULTIPLY_ADD", (part,) * 3, (0.2,) * 3
+        tree.links.new(node.outputs[output], more.inputs[0])
+        tree.links.new(more.outputs[0], color)
+        bpy.ops.mesh.primitive_cube_add(size=0.8, location=(-1.5 + number % 4, -0.5 - number // 4, 0))  # itself, of no particle
+        shown = common.added(material)
+        host = _plate(None, number)
+        host.show_instancer_for_render = False
+        host.modifiers.new("made", "PARTICLE_SYSTEM")
+        made = host.particle_systems[0].settings
+        made.count, made.frame_start, made.frame_end, made.lifetime, made.lifetime_random = 12, 1, 3, 100, 0.5
+        made.render_type, made.instance_object, made.particle_size, made.size_random = "OBJECT", shown, 0.3, 0.5
+        made.normal_factor, made.angular_velocity_factor, made.angular_velocity_mode = 0.2, 2, "GLOBAL_Z"
+        made.effector_weights.gravity, made.use_rotations, made.use_dynamic_rotation = 0, True, False
+    for frame in range(1, 6):
+        scene.frame_set(frame)
+
+
 def _bright(scene, _options):
     """Colours above 1, and below 0: of matt and shining surfaces, of light, fed and not."""
     common.light(scene, rotation=(0.5, 0.6, 0))
@@ -438,11 +533,7 @@ def _on_instancers(_scene, _options):
     """Where instances are on what shows them: on faces, and on nothing."""
     for number, (kind, output) in enumerate((("TexCoord", "Generated"), ("TexCoord", "UV"), ("UVMap", "UV"))):
         grid = common.plane(None, 1.0)
-        work = bmesh.new()
-        work.from_mesh(grid.data)
-        bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=1, use_grid_fill=True)
-        work.to_mesh(grid.data)
-        work.free()
+        _divide(grid.data, 1)
         grid.location, grid.instance_type, grid.show_instancer_for_render = (-1.3 + 1.3 * number, 0.6, 0), "FACES", False
         for parent, place in ((grid, (0, 0, 0)), (None, (-1.3 + 1.3 * number, -0.8, 0))):
             material, tree, color = _shining(f"{kind} {output}")
@@ -495,4 +586,5 @@ def _deep(scene, options):
 
 _CASES = {name[1:]: made for name, made in list(globals().items())
           if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_objects", "_instancers", "_nodes_tell", "_islands",
-                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost", "_taken", "_cloud", "_strands", "_on_instancers", "_smoke", "_deep")}
+                      "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost", "_taken", "_cloud", "_strands", "_on_instancers", "_smoke", "_deep",
+                      "_normals", "_edges", "_particles")}
