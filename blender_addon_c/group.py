@@ -84,6 +84,16 @@ def _holders(tree):
     return sum(getattr(node, "node_tree", None) == tree for owner in owners for node in getattr(owner, "nodes", ()))
 
 
+def preset_of_scripts(words, apply):
+    """`node.preset = word`: without it Python would keep such an attribute, and nothing would follow. Set, it is not kept."""
+    def choose(node, word):
+        known = str(word).upper().replace(" ", "_")
+        if known not in words:
+            raise TypeError(f"preset: '{word}' is none of {', '.join(words)}")
+        apply(node, known)
+    return property(None, choose)
+
+
 def add_button(layout, kind, label):
     """In an Add menu. The context of what Shift+A opens is to execute, which leaves the node where it is, not at the mouse."""
     layout.operator_context = "INVOKE_DEFAULT"

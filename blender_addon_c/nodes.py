@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import add_button, drop_patterns, own_tree, register_node, unhide
+from .group import add_button, drop_patterns, own_tree, preset_of_scripts, register_node, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import TellsOfNothing, draw_on, is_enabled
@@ -237,6 +237,9 @@ def _initial_color():
     return tuple(value) if hasattr(value, "__len__") else (value,) * 3
 
 
+_METALS = {row["word"].upper(): row for row in _TABLE["metals"]}
+
+
 class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     """Anisotropic metal whose microfacets follow the bumped normal"""
 
@@ -244,6 +247,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     bl_label = f"{_NAME} (brushed, anisotropic)"  # 3.4's search of nodes to add knows no other words
     bl_width_default = 230
     __annotations__ = _properties()
+    preset = preset_of_scripts(_METALS, lambda node, word: apply_preset(node, word))
 
     def init(self, _context):
         self.name = _NAME
@@ -370,7 +374,6 @@ def is_old(node):
     return EDGE[0] not in node.inputs and metal_tree.can_update(node.node_tree)
 
 
-_METALS = {row["word"].upper(): row for row in _TABLE["metals"]}
 _MEASURED = {row["word"].upper(): row for row in _TABLE["measured"]}
 _ROUND = "libshade_round"  # on a Tangent node that a preset has placed, before nodes had a Grain
 

@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import _native, scratch_tree
 from .export import size
-from .group import add_button, register_node
+from .group import add_button, preset_of_scripts, register_node
 from .manual import draw_button
 from .report import draw_on, is_enabled
 from .scratch_tree import DENSITY, DEPTH, DIRECTION, LENGTH, NUMBERS, SPREAD, VECTOR, WIDTH
@@ -94,6 +94,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
         # What the images inside were made of; "" where there are none.
         "baked": StringProperty(options={"HIDDEN"}),
     }
+    preset = preset_of_scripts(PRESETS, apply_preset)
 
     def init(self, _context):
         self.node_tree = scratch_tree.plain()

@@ -307,6 +307,14 @@ def test_metals():
         assert bpy.ops.libshade.metal_preset(preset="BRUSHED_TITANIUM") == {"FINISHED"}
     assert near(node.ax, alphas["BRUSHED_TITANIUM"][0])
     assert not bpy.ops.libshade.metal_preset.poll()
+    node.preset = "Brushed Copper"  # a script's
+    assert near(node.ax, alphas["BRUSHED_COPPER"][0]) and near(red.default_value[0], color["BRUSHED_COPPER"][0])
+    try:
+        node.preset = "brushed_lead"
+    except TypeError as error:
+        assert "brushed_lead" in str(error) and "BRUSHED_STEEL" in str(error)
+    else:
+        raise AssertionError("a metal that there is not")
 
 
 class Layout:

@@ -174,6 +174,8 @@ def test_file(folder):
         for word, (_label, _about, values) in scratches.PRESETS.items():
             assert bpy.ops.libshade.scratches_preset(preset=word) == {"FINISHED"}
             assert all(abs(node.inputs[name].default_value - value) < 1e-6 * value + 1e-9 for name, value in values.items())
+            other.preset = word.lower()  # as in a script
+            assert all(other.inputs[name].default_value == node.inputs[name].default_value for name in values)
         assert bpy.ops.libshade.bake_scratches(size="512", samples=1) == {"FINISHED"}
         images = [n.image for n in node.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage"]
         assert {image.name for image in images} == {f"plate {node.name} {what}" for what in OUTPUTS}
