@@ -7,6 +7,8 @@ import numpy as np
 
 from .layers import read
 
+_AT_ONCE = 1 << 14  # triangles that a processor's cache holds: a third of the time of all at once
+
 
 def of_loops(mesh):
     """By corner of the mesh's faces, as if all faces were smooth. Until 4.0 the mesh has calculated them."""
@@ -45,11 +47,16 @@ def flat(mesh):
 
 def flatten(normals, triangles, positions, corner_positions):
     """Gives these triangles their own normals, in place. normals: three a triangle; positions: three numbers a vertex."""
-    corners = positions.reshape(-1, 3)[corner_positions.reshape(-1, 3)[triangles]].astype(float)
-    with np.errstate(all="ignore"):
-        own = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        length = np.linalg.norm(own, axis=1, keepdims=True)
-        own /= length
-    good = (length[:, 0] > 0) & np.isfinite(own).all(1)
-    shown = normals.reshape(-1, 3, 3)
-    shown[triangles] = np.where(good[:, None, None], own[:, None], shown[triangles])
+    points, corners, shown = positions.reshape(-1, 3), corner_positions.reshape(-1, 3), normals.reshape(-1, 3, 3)
+    count = len(shown) if isinstance(triangles, slice) else len(triangles)
+    for first in range(0, count, _AT_ONCE):
+        some = slice(first, min(first + _AT_ONCE, count))
+        some = some if isinstance(triangles, slice) else triangles[some]
+        a, b, c = (points[corners[some, k]].T.astype(float) for k in range(3))
+        (x, y, z), (u, v, w) = b - a, c - a
+        with np.errstate(all="ignore"):
+            own = np.stack([y * w - z * v, z * u - x * w, x * v - y * u])
+            length = np.sqrt((own * own).sum(0))
+            own /= length
+        good = (length > 0) & np.isfinite(own).all(0)
+        shown[some] = own.T[:, None] if good.all() else np.where(good[:, None, None], own.T[:, None], shown[some])
