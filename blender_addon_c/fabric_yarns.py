@@ -74,9 +74,11 @@ def _edited(name):
 def _number(yarn, word):
     row, name = _ROWS.get(word, _TWIST), f"{yarn}_{word}"
     limits = {"soft_max": _SOFT[word]} if word in _SOFT else {}
+    kind = {"subtype": "ANGLE", "unit": "ROTATION"} if word == "twist" else (
+        {"subtype": "FACTOR"} if min(row["maximum"], _SOFT.get(word, math.inf)) <= 1 else {})
     return FloatProperty(name=_NAMES[word], description=row["help"] + _UNITS.get(word, ""), min=row["minimum"],
                          max=row["maximum"], default=row["initial"], precision=3, update=_edited(name),
-                         **{"subtype": "ANGLE", "unit": "ROTATION"} if word == "twist" else {}, **limits)
+                         **kind, **limits)
 
 
 def _count(name, about, which):
