@@ -66,6 +66,11 @@ std::string no_number(TOKEN id, const char *text, const char *name) {
   }
 }
 
+// What the name of a token is that of: where a file ends, its function is that of the one before.
+TOKEN named_by(TOKEN id, TOKEN function) {
+  return id == END_OF_FILE_TOKEN ? id : function;
+}
+
 // All finishes of a texture that have an mdf block.
 void collect_blocks(const TEXTURE *texture, std::set<const FINISH *> &blocks) {
   for (; texture != NULL; texture = reinterpret_cast<const TEXTURE *>(texture->Next)) {
@@ -133,26 +138,28 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last,
   if (Token.Token_Id == IDENTIFIER_TOKEN)
     found = Token.Token_String;
   else if (Token.Token_Id != RIGHT_CURLY_TOKEN)
-    found = Get_Token_String(Token.Function_Id);
+    found = Get_Token_String(named_by(Token.Token_Id, Token.Function_Id));
   if (words == mdf::WORDS_NONE)
     Error("mdf: expected %s, but found %s.", last.c_str(),
           Token.Token_Id == IDENTIFIER_TOKEN || Token.Token_Id == MDF_WORD_TOKEN
               ? ("'" + std::string(Token.Token_String) + "'").c_str()
-              : mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
+              : mdf::plain_token(Get_Token_String(named_by(Token.Token_Id, Token.Function_Id)))
+                    .c_str());
   const std::string hint = mdf::hint_for(words, found, after);
   const std::string nearest = mdf::nearest_word(words, found);
   if (!hint.empty() && (nearest.empty() || words < mdf::WORDS_LIST))
     Error("Expected '%s', %s found instead; %s.", expected.c_str(),
           Token.Token_Id == IDENTIFIER_TOKEN
               ? ("undeclared identifier '" + found + "'").c_str()
-              : mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str(),
+              : mdf::plain_token(Get_Token_String(named_by(Token.Token_Id, Token.Function_Id)))
+                    .c_str(),
           hint.c_str());
   if (nearest.empty() && Token.Token_Id == IDENTIFIER_TOKEN)
     Error("Expected '%s', undeclared identifier '%s' found instead.", expected.c_str(),
           found.c_str());
   if (nearest.empty())
     Error("Expected '%s', %s found instead.", expected.c_str(),
-          mdf::plain_token(Get_Token_String(Token.Function_Id)).c_str());
+          mdf::plain_token(Get_Token_String(named_by(Token.Token_Id, Token.Function_Id))).c_str());
   Error("Expected '%s', '%s' found instead; did you mean '%s'?", expected.c_str(), found.c_str(),
         nearest.c_str());
 }
@@ -222,7 +229,7 @@ void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v,
   std::string found =
       no_number(Token.Token_Id, Token.Token_String, Get_Token_String(Token.Token_Id));
   if (count == 1 && (Token.Token_Id == COLOUR_TOKEN || Token.Token_Id == COLOUR_KEY_TOKEN))
-    found = Get_Token_String(Token.Function_Id);
+    found = Get_Token_String(named_by(Token.Token_Id, Token.Function_Id));
   if (!found.empty())
     Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind, found.c_str());
   Unget_Token();

@@ -342,6 +342,8 @@ std::string hint_for(WordSet set, const std::string &text, const std::string &af
            : set == WORDS_BLOCK || set == WORDS_FABRIC || set == WORDS_SCRATCHES
                ? "a preset's name follows preset"
                : "";
+  if (text == "finish identifier" || text == "texture identifier")
+    return "what a finish begins with stands before its block: finish { NAME mdf { } }";
   if (set == WORDS_IMAGE &&
       std::strstr(" jpeg tiff gif tga iff ppm pgm sys hdr ", (" " + text + " ").c_str()) != NULL)
     return "a picture of another format is to be converted first";

@@ -226,6 +226,7 @@ def test_an_error_tells_where_a_word_belongs(render, block, hint):
     ("specular rgb", "; mdf: specular needs a colour."), ("specular color", "mdf: specular needs a colour, } found instead."), ("tangent <1, 0", "; mdf: tangent needs uv, radial or a vector, as x."),
     ("fabric { crossings <400, }", "; mdf: crossings needs a number or <of u, of v>."),
     ("bump_image { png concat(\"a\", ) }", "; mdf: png needs the name of a file, in quotes."),
+    ("#declare F = finish { } F", "finish identifier found instead; what a finish begins with stands before its block: finish { NAME mdf { } }"),
     ("alpha .1", "as in ggx .1, .3."), ("anisotropic .5", "as in ggx .1, .3."), ("mdf { }", "mdf found instead; 'mdf' is none of the block's words")])
 def test_mistakes_are_named(render, block, said):
     text = scene(sphere(f"\n{block}\n"))
@@ -239,6 +240,8 @@ def test_mistakes_are_named(render, block, said):
     ("finish { mfd { } }", "No matching } in 'finish', 'mfd' found instead; did you mean 'mdf'?"), ("finish { MDF { } }", "did you mean 'mdf'?"),
     ("finish { ambient 0 } mdf { }", "No matching } in 'texture', 'mdf' found instead; 'mdf' stands in finish { }."),
     ("finish { preset \"denim\" }", "No matching } in 'finish', 'preset' found instead; a word of that name stands in mdf { } of a finish."),
+    ("finish { mdf { ggx .1, .2 //", f"Expected '{WORDS}', the end of the file found instead."), ("finish { mdf { ggx //", "mdf: alpha ax needs a number, the end of the file found instead."),
+    ("finish { mdf { notes on fabric //", "mdf: expected '{' or 'off' after 'fabric', as in fabric { preset \"denim\" }, but found the end of the file."),
     ("finish { scratches { } }", "'scratches' found instead; a word of that name stands in mdf { } of a finish."),
     ("finish { shiny 1 }", "No matching } in 'finish', undeclared identifier 'shiny' found instead")])
 def test_a_block_in_the_wrong_place_is_named(render, finish, said):
