@@ -633,6 +633,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
         if (word == mdf::BLOCK_TANGENT) {
           Parse_Mdf_Tangent(material);
           MIdentity(finish->Mdf_Space); // it counts from here
+          MIdentity(finish->Mdf_Plane);
         } else if (word == mdf::BLOCK_ROUGHNESS)
           Parse_Mdf_Roughness(material);
         else if (word == mdf::BLOCK_BUMP_IMAGE)

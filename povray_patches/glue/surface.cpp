@@ -571,6 +571,27 @@ bool planar_place(mdf::Shape::Kind kind, const Intersection &isect, const Vector
   return std::isfinite(dot(du, du)) && std::isfinite(dot(dv, dv));
 }
 
+// What a texture's own transformations do to the (u, v) plane: the images of u and v. Where they
+// turn it out of the plane (for the axis of a lathe, say) it stays there: by their lengths, and
+// where its u goes.
+void texture_plane(const MATRIX m, double plane[2][2]) {
+  const double along = Vector3d(m[X]).length(), up = Vector3d(m[Y]).length();
+
+  for (int i = X; i <= Y; i++)
+    for (int j = X; j <= Y; j++)
+      plane[i][j] = m[i][j];
+  if (fabs(m[X][Z]) <= 1e-9 * along && fabs(m[Y][Z]) <= 1e-9 * up)
+    return;
+  const double flat = std::sqrt(m[X][X] * m[X][X] + m[X][Y] * m[X][Y]);
+  const bool upright = !(flat > 1e-9 * along);
+  const double c = upright ? 1.0 : m[X][X] / flat, s = upright ? 0.0 : m[X][Y] / flat;
+  const double hand = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X] < -1e-9 * along * up ? -up : up;
+  plane[X][X] = along * c;
+  plane[X][Y] = along * s;
+  plane[Y][X] = -hand * s;
+  plane[Y][Y] = hand * c;
+}
+
 // Where on the cloth a ray of the width `size` meets it. The texture's own transformations move
 // it in the (u, v) plane, as they do what is laid out by `uv_mapping`. v counts so that the cloth
 // shows its face, whichever way the object's v runs: T, N x T the other way (ShadedPoint) and N
@@ -579,9 +600,10 @@ mdf::ClothPlace cloth_place(const FINISH *finish, const UV_VECT uv, const Vector
                             const Vector3d &dv, const Vector3d &N, const Vector3d &T,
                             const Vector3d &eye, bool has_directions, double size) {
   const mdf::Cloth &cloth = *finish->Mdf->cloth;
-  const MATRIX &m = finish->Mdf_Space;
+  double m[2][2];
+  texture_plane(finish->Mdf_Plane, m);
   const double det = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X];
-  const double u = uv[U] - m[3][X], v = uv[V] - m[3][Y];
+  const double u = uv[U] - finish->Mdf_Plane[3][X], v = uv[V] - finish->Mdf_Plane[3][Y];
   mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
 
   if (!has_directions || det == 0.0 || !std::isfinite(det))
@@ -703,13 +725,14 @@ struct Slopes {
 // the part of a footprint that they cover. share 0: none.
 Slopes scratch_slopes(const mdf::Material &material, const FINISH *finish, const UV_VECT uv,
                       const double foot[4]) {
-  const MATRIX &m = finish->Mdf_Space;
+  double m[2][2];
+  texture_plane(finish->Mdf_Plane, m);
   const double det = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X];
   const double per_unit = material.scratches->per_unit();
   // from the plane to the texture's: the inverse of m there
   const double back[2][2] = {{per_unit * m[Y][Y] / det, -per_unit * m[Y][X] / det},
                              {-per_unit * m[X][Y] / det, per_unit * m[X][X] / det}};
-  const double u = uv[U] - m[3][X], v = uv[V] - m[3][Y];
+  const double u = uv[U] - finish->Mdf_Plane[3][X], v = uv[V] - finish->Mdf_Plane[3][Y];
   Slopes result = {0.0, {0.0, 0.0}, {0.0, 0.0, 0.0}};
   double over[4];
   shade_slopes found;
@@ -768,10 +791,9 @@ mdf::Shape::Kind mdf_kind(const ObjectBase *object) {
 void Transform_Mdf(FINISH *finish, const TRANSFORM *transform, bool with_object) {
   if (finish == NULL || finish->Mdf == NULL)
     return;
-  if (with_object && finish->Mdf->tangent != mdf::Material::TANGENT_AXIS &&
-      finish->Mdf->tangent != mdf::Material::TANGENT_RADIAL)
-    return;
   MTimesA(finish->Mdf_Space, transform->matrix);
+  if (!with_object)
+    MTimesA(finish->Mdf_Plane, transform->matrix);
 }
 
 long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
@@ -864,7 +886,7 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     object->UVCoord(uv, &isect, thread);
   if ((!by_axis && !any) || bumped || scratched) {
     // a texture that is not turned by itself needs no dP/dv
-    const bool turned = finish->Mdf_Space[X][Y] != 0.0 || !(finish->Mdf_Space[X][X] > 0.0);
+    const bool turned = finish->Mdf_Plane[X][Y] != 0.0 || !(finish->Mdf_Plane[X][X] > 0.0);
     const bool both = bumped || turned || cloth || scratched;
     if (bumped || (both && shape.kind == mdf::Shape::MESH)) {
       Intersection copy(isect); // Normal() wants to write to it
@@ -906,7 +928,7 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   else if (by_axis)
     T = texture_direction(material, finish, isect, warps, ipoint);
   else if (has_directions)
-    T = upright ? du : finish->Mdf_Space[X][X] * du + finish->Mdf_Space[X][Y] * dv;
+    T = upright ? du : finish->Mdf_Plane[X][X] * du + finish->Mdf_Plane[X][Y] * dv;
   if (!(upright && has_directions) && !orthogonalise(T, N)) {
     T = du; // the texture's x axis stands upright on the UV plane
     if (by_axis || !has_directions || !orthogonalise(T, N))

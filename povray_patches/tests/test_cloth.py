@@ -397,15 +397,19 @@ def test_far_scratches_reflect_by_all_their_lobes(render, rest):
 
 def test_scratches_run_where_they_are_told(render):
     """Slopes of scratches along a direction lie across it, and the texture's turns turn them."""
-    def spread(words, place=""):
+    def spread(words, place="", of_object=""):
         words = words.replace("direction 30 spread 10", "direction 30 spread 1")
-        dump = render(scene(sheet() + f"texture {{ pigment {{ rgb 0 }} finish {{ mdf {{ {words} }} }} {place} }} }}", SUN, FRONT), size=(200, 200)).dump
-        x, y = (-dump.Ns[..., k] / -dump.Ns[..., 2] for k in (0, 1))
+        dump = render(scene(sheet() + f"texture {{ pigment {{ rgb 0 }} finish {{ mdf {{ {words} }} }} {place} }} {of_object} }}", SUN, FRONT), size=(200, 200)).dump
+        x, y = (dump.Ns[dump.hit][:, k] / dump.Ns[dump.hit][:, 2] for k in (0, 1))
         xx, xy, yy = (x * x).mean(), (x * y).mean(), (y * y).mean()
         return np.degrees(.5 * np.arctan2(2 * xy, xx - yy)) % 180  # the axis that slopes spread along
     assert spread(SCRATCHES) == pytest.approx(120, abs=4)
     assert spread(SCRATCHES, "rotate 25*z") == pytest.approx(145, abs=4)
     assert spread(SCRATCHES.replace("direction 30", "direction -20")) == pytest.approx(70, abs=4)
+    # what turns out of the plane, as the axis of a lathe may be, leaves them in it; an object takes them along, once
+    assert spread(SCRATCHES + " tangent radial y", "rotate 90*x") == pytest.approx(120, abs=4)
+    assert spread(SCRATCHES + " tangent radial y", "rotate 90*y") == pytest.approx(120, abs=4)
+    assert spread(SCRATCHES + " tangent radial z", of_object="rotate 25*z") == pytest.approx(145, abs=4)
 
 
 def test_ends_of_a_range_may_change_places(render):
