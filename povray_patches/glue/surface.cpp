@@ -136,12 +136,13 @@ bool mapped_by_uv(const ObjectBase *object, const std::vector<const TEXTURE *> &
   return Test_Flag(object, UV_FLAG) != 0;
 }
 
-// The direction of TANGENT_AXIS or TANGENT_RADIAL, world space, of any length.
-Vector3d texture_direction(const mdf::Material &material, const FINISH *finish,
-                           const Intersection &isect, const std::vector<const TEXTURE *> &warps,
-                           const Vector3d &point) {
+// The direction of TANGENT_AXIS or TANGENT_RADIAL, world space, of any length. axis: the
+// material's, or what takes its place.
+Vector3d texture_direction(const mdf::Material &material, const Vector3d &axis,
+                           const FINISH *finish, const Intersection &isect,
+                           const std::vector<const TEXTURE *> &warps, const Vector3d &point) {
   const bool by_uv = mapped_by_uv(isect.Object, warps);
-  Vector3d direction(material.axis);
+  Vector3d direction(axis);
 
   if (material.tangent == mdf::Material::TANGENT_RADIAL) {
     Vector3d p(point);
@@ -926,12 +927,16 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   if (any)
     T = fabs(N[X]) < 0.7 ? axis_vector(X) : axis_vector(Z);
   else if (by_axis)
-    T = texture_direction(material, finish, isect, warps, ipoint);
+    T = texture_direction(material, Vector3d(material.axis), finish, isect, warps, ipoint);
   else if (has_directions)
     T = upright ? du : finish->Mdf_Plane[X][X] * du + finish->Mdf_Plane[X][Y] * dv;
   if (!(upright && has_directions) && !orthogonalise(T, N)) {
-    T = du; // the texture's x axis stands upright on the UV plane
-    if (by_axis || !has_directions || !orthogonalise(T, N))
+    if (material.tangent == mdf::Material::TANGENT_AXIS && by_axis) { // it stands upright here
+      const Vector3d other = any_tangent(Vector3d(material.axis).normalized());
+      T = texture_direction(material, other, finish, isect, warps, ipoint);
+    } else
+      T = du; // the texture's x axis stands upright on the UV plane
+    if ((!by_axis && !has_directions) || !orthogonalise(T, N))
       T = any_tangent(N);
   }
 

@@ -66,6 +66,14 @@ def test_axis_moves_with_the_texture(render, name, objects, matrix):
     check(render(scene(objects)).dump, matrix @ AXIS)
 
 
+@pytest.mark.parametrize("axis, other", [("x", [0, 0, 1]), ("y", [0, 0, 1]), ("z", [0, 1, 0])])
+def test_where_an_axis_stands_upright_another_goes_with_the_object(render, axis, other):
+    """On a side of a box that faces along the axis strokes run along z, or y, of the texture's space, however the box is turned."""
+    dump = render(scene(f"box {{ -.7, .7 {texture(f'tangent {axis}')} {R} }}")).dump
+    facing = np.abs(dot(dump.N, M[:, "xyz".index(axis)])) > .99
+    check(dump, M @ np.array(other, float), known=facing, least=50)
+
+
 def test_stretched_and_sheared(render):
     objects = f"sphere {{ 0, 1 {texture(AXIS_WORDS, 'scale <2, .5, 1> matrix <1, 0, 0, .4, 1, 0, 0, .2, 1, 3, 2, 1>')} scale <1, 1.2, .8> }}"
     shear = np.array([[1, 0, 0], [.4, 1, 0], [0, .2, 1]]).T
