@@ -752,7 +752,9 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     const mdf::Material *block = (*i)->Mdf;
     if (block->tangent == mdf::Material::TANGENT_FROM_UV)
       Warn_Mdf("'tangent uv' (" + block->name + ")" + kind + "strokes run " + direction + ".");
-    if ((block->cloth || block->scratches) && object->Mdf_Shape->kind == mdf::Shape::OTHER)
+    const bool turned = !block->cloth && block->tangent == mdf::Material::TANGENT_RADIAL;
+    if ((block->cloth || block->scratches) && !turned &&
+        object->Mdf_Shape->kind == mdf::Shape::OTHER)
       Warn_Mdf((block->cloth ? "'fabric' (" : "'scratches' (") + block->name + ")" + laid);
     if (block->bump)
       Warn_Mdf("'bump_image' (" + block->name + ")" + kind + "it has no effect there.");

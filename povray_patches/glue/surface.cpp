@@ -632,6 +632,47 @@ mdf::ClothPlace cloth_place(const FINISH *finish, const UV_VECT uv, const Vector
   return place;
 }
 
+// The same round the axis of `tangent radial`, for scratches that turning left: u along circles, v
+// outward, or along the axis where the surface faces away from it. Lengths are those of the
+// texture's space. Circles are taken by rings: in each a whole number of tiles goes round.
+bool radial_place(const mdf::Material &material, const FINISH *finish, const Intersection &isect,
+                  const std::vector<const TEXTURE *> &warps, const Vector3d &point,
+                  const Vector3d &normal, UV_VECT uv, Vector3d &du, Vector3d &dv) {
+  const double RINGS = 4.0; // as wide as a quarter of a tile: by then their scale is off
+  const bool by_uv = mapped_by_uv(isect.Object, warps);
+  const Vector3d axis = Vector3d(material.axis).normalized(), first = any_tangent(axis);
+  const double tile = 1.0 / material.scratches->per_unit();
+  Vector3d p(point);
+
+  if (by_uv) {
+    p = Vector3d(isect.IPoint);
+    if (isect.Object->UV_Trans != NULL)
+      MInvTransPoint(*p, isect.IPoint, isect.Object->UV_Trans);
+  }
+  p = moved_back(p, finish->Mdf_Space) - Vector3d(material.centre);
+  const double height = dot(p, axis);
+  const Vector3d arm = p - height * axis;
+  const double radius = arm.length();
+  if (!(radius > 0.0) || !std::isfinite(radius))
+    return false;
+
+  const double ring = (std::floor(RINGS * radius / tile) + 0.5) * tile / RINGS;
+  const double round = max(std::floor(2.0 * M_PI * ring / tile + 0.5), 1.0) * tile / (2.0 * M_PI);
+  Vector3d turned[3] = {cross(axis, arm) / round, arm / radius, axis};
+  for (int i = 0; i < 3; i++) {
+    turned[i] = moved(turned[i], finish->Mdf_Space);
+    turned[i] = by_uv ? moved(turned[i], isect.Object->UV_Trans) : out_of(warps, turned[i]);
+  }
+  const bool face = fabs(dot(turned[2], normal)) * turned[1].length() >
+                    fabs(dot(turned[1], normal)) * turned[2].length();
+  const Vector3d outward = turned[face ? 1 : 2], upright = turned[face ? 2 : 1];
+  uv[U] = round * atan2(dot(arm, cross(axis, first)), dot(arm, first));
+  uv[V] = face ? radius : height;
+  du = turned[0] - upright * (dot(turned[0], normal) / dot(upright, normal));
+  dv = outward - upright * (dot(outward, normal) / dot(upright, normal));
+  return std::isfinite(dot(du, du)) && std::isfinite(dot(dv, dv));
+}
+
 // dP/du and, if wanted, dP/dv, world space. Where both are, their lengths are right.
 bool uv_directions(const mdf::Shape &shape, const Intersection &isect, const Vector3d &raw_normal,
                    const Vector3d &outside, TraceThreadData *thread, bool with_dv, Vector3d &du,
@@ -717,6 +758,9 @@ Vector3d image_normal(const mdf::Material &material, const UV_VECT uv, const dou
   return n[X] * map_x + n[Y] * map_y + n[Z] * up;
 }
 
+// Of what lies in the texture's space: no plane to move.
+const MATRIX UNMOVED = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+
 // Slopes in the (u, v) plane: of a share of what is seen.
 struct Slopes {
   double share, mean[2], covariance[3];
@@ -724,16 +768,16 @@ struct Slopes {
 
 // The slopes of scratches, which the texture's own transformations turn and scale in that plane, on
 // the part of a footprint that they cover. share 0: none.
-Slopes scratch_slopes(const mdf::Material &material, const FINISH *finish, const UV_VECT uv,
+Slopes scratch_slopes(const mdf::Material &material, const MATRIX plane, const UV_VECT uv,
                       const double foot[4]) {
   double m[2][2];
-  texture_plane(finish->Mdf_Plane, m);
+  texture_plane(plane, m);
   const double det = m[X][X] * m[Y][Y] - m[X][Y] * m[Y][X];
   const double per_unit = material.scratches->per_unit();
   // from the plane to the texture's: the inverse of m there
   const double back[2][2] = {{per_unit * m[Y][Y] / det, -per_unit * m[Y][X] / det},
                              {-per_unit * m[X][Y] / det, per_unit * m[X][X] / det}};
-  const double u = uv[U] - finish->Mdf_Plane[3][X], v = uv[V] - finish->Mdf_Plane[3][Y];
+  const double u = uv[U] - plane[3][X], v = uv[V] - plane[3][Y];
   Slopes result = {0.0, {0.0, 0.0}, {0.0, 0.0, 0.0}};
   double over[4];
   shade_slopes found;
@@ -881,7 +925,7 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
                    material.params.diffuse == SHADE_DIFFUSE_LAMBERT && !bumped && !scratched;
   Vector3d outside, du, dv, T, Ns = unit(layer_normal);
   UV_VECT uv = {0.0, 0.0};
-  bool has_directions = false, upright = false;
+  bool has_directions = false, upright = false, turning = false;
 
   if (shape.has_uv() && (bumped || dumped || cloth || scratched))
     object->UVCoord(uv, &isect, thread);
@@ -896,9 +940,11 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
     upright = !both && !shape.has_uv();
     // a box's UV coordinates unfold it, each side to its own scale: cloth keeps that of the scene
     const bool by_side = shape.kind == mdf::Shape::BOX && !bumped;
-    has_directions = ((cloth || scratched) && (!shape.has_uv() || by_side))
-                         ? planar_place(shape.kind, isect, N, uv, du, dv)
-                         : uv_directions(shape, isect, N, outside, thread, both, du, dv);
+    const bool laid = (cloth || scratched) && (!shape.has_uv() || by_side);
+    turning = laid && !cloth && material.tangent == mdf::Material::TANGENT_RADIAL;
+    has_directions = turning ? radial_place(material, finish, isect, warps, ipoint, N, uv, du, dv)
+                     : laid  ? planar_place(shape.kind, isect, N, uv, du, dv)
+                             : uv_directions(shape, isect, N, outside, thread, both, du, dv);
   }
 
   Vector3d map_x, map_y;
@@ -915,7 +961,7 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
         Ns = add_slopes(Ns, image_normal(material, uv, foot, map_x, map_y, N, covariance), N);
       smooth = in_scratches = Ns;
       if (scratched)
-        scratches = scratch_slopes(material, finish, uv, foot);
+        scratches = scratch_slopes(material, turning ? UNMOVED : finish->Mdf_Plane, uv, foot);
       if (scratches.share > 0.0) {
         const Vector3d down = scratches.mean[0] * map_x + scratches.mean[1] * map_y;
         in_scratches = add_slopes(smooth, (N - down).normalized(), N);

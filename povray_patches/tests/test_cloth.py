@@ -343,11 +343,13 @@ def test_shadows_of_yarns_may_be_left_out(render, shade_check):
 SCRATCHES = "scratches { tile_mm 20 mm_per_unit 40 layer { pits 4000 radius .01, .03 stretch 100, 400 depth .2, .4 direction 30 spread 10 } }"
 
 
-@pytest.mark.parametrize("shape, place", [(sheet(), ""), (sheet(), "rotate 40*z scale .7"), ("plane { z, 0", ""), ("cylinder { -y, y, .6", "")])
+@pytest.mark.parametrize("shape, place", [(sheet(), ""), (sheet(), "rotate 40*z scale .7"), ("plane { z, 0", ""), ("cylinder { -y, y, .6", ""),
+                                          ("plane { z, 0", "tangent radial z at <.2, .1, 0>")])
 def test_scratches_are_the_reference_and_keep_their_mean(render, shade_check, shape, place):
     """Near, normals; from afar, a wider lobe: the same light in all."""
     def picture(size, camera=FRONT):
-        words = f"texture {{ pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{ beckmann .18, .36 {SCRATCHES} }} }} {place} }}"
+        more = (place, "") if place.startswith("tangent") else ("", place)
+        words = f"texture {{ pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{ beckmann .18, .36 {SCRATCHES} {more[0]} }} }} {more[1]} }}"
         return render(scene(f"{shape} {words} }}", "light_source { <10, 6, -50>, rgb 1 parallel point_at 0 }\n", camera.replace("2*x", ".6*x").replace("2*y", ".6*y")), size=(size, size))
     near = picture(600)
     assert np.abs(near.dump.N - near.dump.Ns).max() > .05
@@ -410,6 +412,30 @@ def test_scratches_run_where_they_are_told(render):
     assert spread(SCRATCHES + " tangent radial y", "rotate 90*x") == pytest.approx(120, abs=4)
     assert spread(SCRATCHES + " tangent radial y", "rotate 90*y") == pytest.approx(120, abs=4)
     assert spread(SCRATCHES + " tangent radial z", of_object="rotate 25*z") == pytest.approx(145, abs=4)
+
+
+@pytest.mark.parametrize("shape, place", [("disc { 0, z, .9", "rotate <0, 40, 0> translate <.2, .1, .1>"), ("box { <-.9, -.9, -.1>, <.9, .9, .1>", "")])
+def test_turning_leaves_circles(render, shape, place):
+    """Round the axis of `tangent radial`, of one width and density wherever they are: slopes lie outward."""
+    words = SCRATCHES.replace("direction 30 spread 10", "direction 0 spread 0")
+    def slopes(shape, words, place=""):
+        dump = render(scene(f"{shape} texture {{ pigment {{ rgb 0 }} finish {{ mdf {{ {words} }} }} }} {place} }}", SUN, FRONT), size=(300, 300)).dump
+        there = dump.hit & (np.abs(dump.N[..., 2]) > .5)
+        with np.errstate(invalid="ignore"):
+            return dump, there, dump.Ns / np.sum(dump.N * dump.Ns, -1, keepdims=True) - dump.N
+    dump, there, slope = slopes(shape, words + " tangent radial z", place)
+    cos, sin = (np.cos(np.radians(40)), np.sin(np.radians(40))) if place else (1, 0)
+    axis = np.array([sin, 0, cos])
+    arm = dump.P - ([.2, .1, .1] if place else [0, 0, 0])
+    arm -= (arm @ axis)[..., None] * axis
+    radius = np.linalg.norm(arm, axis=-1)
+    round_it, outward = np.sum(np.cross(axis, arm) * slope, -1) / radius, np.sum(arm * slope, -1) / radius
+    _, flat, plain = slopes("plane { z, 0", words)
+    share = lambda where, slope: (np.linalg.norm(slope[where], axis=-1) > .05).mean()
+    for near, far in ((.1, .5), (.5, .85)):
+        where = there & (radius > near) & (radius < far)
+        assert where.sum() > 5000 and (outward[where] ** 2).mean() > 100 * (round_it[where] ** 2).mean() > 0
+        assert share(where, slope) == pytest.approx(share(flat, plain), rel=.15)
 
 
 def test_ends_of_a_range_may_change_places(render):
