@@ -3,7 +3,7 @@
 
 A layer is a kind and a name: UV, a map that is not the mesh's main one; TANGENT, its direction, which the
 native module makes; GENERATED, places in the object's texture space; COLOR, a colour attribute ("": the
-active one); ATTRIBUTE, any other; POINTINESS and ISLAND, what the Geometry node says (islands.py); PARAMETRIC,
+active one); ATTRIBUTE, any other, FACTOR, it as one number; POINTINESS and ISLAND, what the Geometry node says (islands.py); PARAMETRIC,
 the first two weights of a triangle's corners; STRAND, what hair is where (strands.py), which no mesh has.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from . import islands
 
-_WIDTHS = dict.fromkeys(("UV", "POINTINESS", "ISLAND", "PARAMETRIC"), 2)  # the others have four
+_WIDTHS = dict.fromkeys(("UV", "FACTOR", "POINTINESS", "ISLAND", "PARAMETRIC"), 2)  # the others have four
 
 
 class Layers:
@@ -91,6 +91,10 @@ def data_of(mesh, kind, name, where, owner, messages):
         told = _of_islands(mesh, kind)
         return np.stack([told, 0 * told], 1)[where["POINT"]].ravel()
     attribute = _attribute(mesh, kind, name)
+    if kind == "FACTOR":
+        numbers = data_of(mesh, "ATTRIBUTE", name, where, owner, messages).reshape(-1, 4)
+        pairs = attribute.data_type == "FLOAT2" if attribute else name in mesh.uv_layers
+        return as_factor(numbers, pairs).ravel()
     layer = None if attribute else mesh.uv_layers.get(name) if name else None
     if layer:
         numbers = _four(uvs_of(layer).view(np.float32).reshape(-1, 2))
@@ -124,6 +128,11 @@ def _of_edges(mesh, attribute, numbers, later):
         means = np.floor(means * 255 + 1e-3) / 255
         means[:, :3] = np.where(means[:, :3] <= 0.04045, means[:, :3] / 12.92, ((means[:, :3] + 0.055) / 1.055) ** 2.4)
     return means.astype(np.float32)
+
+
+def as_factor(numbers, pairs=False):
+    """One number of four: of pairs the first, of others the mean."""
+    return np.stack([numbers[:, 0] if pairs else numbers[:, :3].mean(1), 0 * numbers[:, 0]], 1)
 
 
 def four_of(attribute):

@@ -10,11 +10,12 @@ import numpy as np
 from . import tree
 from .around import Shine, stretch_of, turn_of
 from .graph import TooLarge
-from .visibility import BOUNCED, hidden, is_hidden
+from .visibility import BOUNCED, is_hidden, of_both
 
 # Cycles 3.4 took an area lamp's power for 4 / pi times what it is, dimmed spots by the cosine to
 # their axis and lit by a sun as by a flat disc. That 3.5 to 4.5 do as 5.0 was not measured.
 _OLD = bpy.app.version < (3, 5)
+_ALONE = bpy.app.version < (4, 4)  # what instances a lamp hid it from nothing [4.2; 5.0 does; between not measured]
 
 
 def kinds(join):
@@ -22,15 +23,15 @@ def kinds(join):
     return f" {join} ".join(name.lower() for name in _LIGHTS)
 
 
-def light_of(ob, matrix, links, table, messages):
-    """The light of an object, in a list; empty where its kind is not known."""
+def light_of(ob, maker, matrix, links, table, messages):
+    """The light of an object, in a list; empty where its kind is not known. maker: what instances it, or None."""
     light = ob.data
     if light.type not in _LIGHTS:  # hemispheres of old files and of importers have no name any more, nor a strength
         messages.warning(f"light '{ob.name}': {light.type.lower() or 'hemi'} lights are not supported, "
                          f"only {kinds('and')}")
         return []
     strength, pattern = _strength(light, matrix, table, messages)
-    bits = hidden(ob, BOUNCED)  # the camera never sees lamps, whatever the object says
+    bits = of_both(ob, None if _ALONE else maker, BOUNCED)  # the camera never sees lamps, whatever the object says
     if is_hidden(bits, *BOUNCED):
         return []
     cycles = getattr(light, "cycles", None)

@@ -66,7 +66,7 @@ def _measured(ob, mesh, name):
 def _layers(mesh, corners, positions, wanted, owner, messages):
     """Those that its materials ask for: (number, kind, name)."""
     where = {"CORNER": corners, "POINT": positions}
-    if any(kind == "ATTRIBUTE" for _number, kind, _name in wanted):
+    if any(kind in ("ATTRIBUTE", "FACTOR") for _number, kind, _name in wanted):
         where["FACE"] = np.repeat(read(mesh.loop_triangles, "polygon_index", 1, np.int32), 3)
     given = [(number, data_of(mesh, kind, name, where, owner, messages))
              for number, kind, name in wanted if kind != "TANGENT"]

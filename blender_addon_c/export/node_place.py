@@ -69,12 +69,14 @@ def _of_surface(reader, kind, name):
 
 
 def _attribute(reader, found):
-    """Of a colour, Fac is its mean."""
+    """Of a colour, Fac is its mean, of a pair its first number."""
     node = found.node
     if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
         *color, alpha = reader.attribute(node.attribute_type, node.attribute_name)
     elif node.type == "VERTEX_COLOR":
         *color, alpha = NOTHING if node.layer_name in _TAKEN else _of_surface(reader, "COLOR", node.layer_name)
+    elif found.output.identifier == "Fac" and node.attribute_name not in _TAKEN and not reader.of_points:
+        return layer(reader, "FACTOR", node.attribute_name)[:1]
     elif node.attribute_name in _TAKEN:
         told = _TAKEN[node.attribute_name]
         *color, alpha = (*told(reader), 1.0) if told else ABSENT

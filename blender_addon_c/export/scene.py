@@ -18,7 +18,7 @@ from .mesh import mesh_of
 from .motion import Still
 from .size import metres
 from .twins import name_twins
-from .visibility import ALL, BOUNCED, CAMERA, hidden, is_hidden
+from .visibility import ALL, BOUNCED, CAMERA, is_hidden, of_both
 from .world import world_of
 
 _BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces",
@@ -139,16 +139,16 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
     for ob in depsgraph.objects if "light_linking" in bpy.types.Object.bl_rna.properties else ():
         links.of_light(ob)
     for item in depsgraph.object_instances:
-        ob = item.object
+        ob, maker = item.object, item.parent if item.is_instance else None
         if space and not ob.visible_in_viewport_get(space):
             continue  # of a local view, or of types that it hides: lamps too, as in Cycles
         if ob.type == "LIGHT":
-            lights += light_of(ob, item.matrix_world, links, table, messages) if item.show_self else []
+            lights += light_of(ob, maker, item.matrix_world, links, table, messages) if item.show_self else []
             continue
         for shape in _shapes(item, depsgraph, motion, messages):
-            catches = getattr(ob, "is_shadow_catcher", False)
-            held = ob.is_holdout or ("holdout" in marks and _marked(item, "holdout", depsgraph))
-            bits = hidden(ob, ALL)
+            catches = _says(ob, maker, "is_shadow_catcher")
+            held = _says(ob, maker, "is_holdout") or ("holdout" in marks and _marked(item, "holdout", depsgraph))
+            bits = of_both(ob, maker, ALL)
             if "indirect_only" in marks and _marked(item, "indirect_only", depsgraph):
                 bits |= CAMERA
             if is_hidden(bits, *ALL):
@@ -258,6 +258,11 @@ def _at_points(made, points, table):
         for copy, numbers in zip(copies, told if told is not None else ()):
             copy["attributes"] = [*copy["attributes"][:number], numbers, *copy["attributes"][number + 1:]]
     return copies
+
+
+def _says(ob, maker, name):
+    """What instances an object has a say, as in Cycles."""
+    return any(getattr(owner, name, False) for owner in (ob, maker) if owner)
 
 
 def _marks(collection):

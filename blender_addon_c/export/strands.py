@@ -7,7 +7,7 @@ from collections import namedtuple
 import bpy
 import numpy as np
 
-from .layers import four_of, read
+from .layers import as_factor, four_of, read
 
 # points: one after the other; radii of these; ends: behind the last point of each; root: a UV of each, or None; told: what
 # they say of an attribute by its name, four numbers a point, None where that is nothing
@@ -100,8 +100,9 @@ def tubes(strands, matrix, owner, material, wanted=()):
     long = np.flatnonzero(counts > 1)
     if not len(long):
         return None
-    told = [(number, strands.told(name)) for number, kind, name in wanted if kind in ("ATTRIBUTE", "COLOR")]
-    told = [(number, np.nan_to_num(numbers[keep])) for number, numbers in told if numbers is not None]
+    told = [(number, kind, strands.told(name)) for number, kind, name in wanted if kind in ("ATTRIBUTE", "FACTOR", "COLOR")]
+    told = [(number, np.nan_to_num((as_factor(numbers) if kind == "FACTOR" else numbers)[keep]))
+            for number, kind, numbers in told if numbers is not None]
     points, radii, counts = points[keep], radii[keep], counts[counts > 1]
     sides = next((n for n in (8, 6, 4) if 4 * n * len(points) < _MANY), 3)
     for least in (sides > 3, 8 * sides * len(points) < _MANY // 4):

@@ -29,9 +29,10 @@ def deep():
 
 
 def trace(socket, groups=()):
-    """Follow a socket through reroutes, muted nodes and groups; `groups` are the nodes around."""
+    """Follow a socket through reroutes, muted nodes and groups; `groups` are the nodes around. Sockets that a node has for
+    another kind keep links that count for nothing."""
     for _ in range(_MOST_STEPS):
-        link = next((l for l in socket.links if l.is_valid and not l.is_muted), None)
+        link = next((l for l in socket.links if l.is_valid and not l.is_muted and l.from_socket.enabled and l.to_socket.enabled), None)
         if not link:
             return Source(socket, None, None, groups)
         node, output = link.from_node, link.from_socket

@@ -12,6 +12,11 @@ def hidden(owner, kinds, prefix="visible_"):
     return sum(_BITS[kind] for kind in kinds if not getattr(owner, prefix + kind, True))
 
 
+def of_both(owner, maker, kinds):
+    """What instances it hides it, too."""
+    return hidden(owner, kinds) | (hidden(maker, kinds) if maker else 0)
+
+
 def is_hidden(bits, *kinds):
     """From all of these?"""
     wanted = sum(_BITS[kind] for kind in kinds)

@@ -10,7 +10,7 @@ CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats"
          **{f"alpha of files of {bits} bits": {"what": "alpha", "floats": bits == 16, "bits": bits} for bits in (8, 16)},
          **{what: {"what": what} for what in ("spaces", "groups", "colors", "nothing", "objects", "instancers", "islands", "bright", "tiles", "exposure",
                                            "world", "windows", "lost", "taken", "cloud", "strands", "on_instancers", "smoke", "deep",
-                                           "normals", "edges", "particles")}}
+                                           "normals", "edges", "particles", "hidden")}}
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -202,6 +202,10 @@ def _instancers(scene, _options):
         empty.instance_type, empty.instance_collection = "COLLECTION", kit
         if number:
             empty["tint"] = (0.2, 0.3 * number, 0.5)
+    for number, name in enumerate(("visible_camera", "is_holdout")):  # what shows others hides them
+        empty = common.link(scene, name, None, (-1.5 + number, 0.5, 0))
+        empty.instance_type, empty.instance_collection = "COLLECTION", kit
+        setattr(empty, name, name == "is_holdout")
     grid = common.plane(None, 1.0)
     grid.location, grid.instance_type, grid.show_instancer_for_render, grid["tint"] = (0, -1, 0), "FACES", False, 0.4
     common.plane(_told(None, "INSTANCER", "tint", "Color"), 0.5).parent = grid
@@ -302,11 +306,12 @@ def _normals(scene, _options):
 
 
 def _edges(_scene, _options):
-    """Numbers that edges say, of all types, and bytes and pairs of points."""
+    """Numbers that edges say, of all types, bytes and pairs of points, and what is one number of several."""
     there = bpy.types.Attribute.bl_rna.properties["data_type"].enum_items.keys()
     kinds = ("FLOAT", "INT", "INT8", "BOOLEAN", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR", "FLOAT2")
     cases = [(kind, "EDGE", "Color") for kind in kinds] + [("INT8", "POINT", "Color"), ("QUATERNION", "POINT", "Color"),
-                                                           ("QUATERNION", "POINT", "Alpha"), ("FLOAT_COLOR", "EDGE", "Alpha")]
+                                                           ("QUATERNION", "POINT", "Alpha"), ("FLOAT_COLOR", "EDGE", "Alpha"), ("FLOAT2", "POINT", "Fac"),
+                                                           ("FLOAT_COLOR", "CORNER", "Fac")]
     for number, (kind, domain, output) in enumerate(cases):
         plate, chance = _told(number, "GEOMETRY", "tint", output), np.random.default_rng(number)
         plate.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"].default_value = 0.5
@@ -322,6 +327,22 @@ def _edges(_scene, _options):
                 item.vector = value[:len(item.vector)]
             else:
                 item.value = {"FLOAT": value[0], "INT": int(5 * value[0]), "INT8": int(5 * value[0]), "BOOLEAN": value[0] > 0.7}.get(kind, value)
+
+
+def _hidden(_scene, _options):
+    """Links that are left at sockets which a node has for another kind: they lead nowhere, in the middle of a graph too."""
+    for number in range(4):
+        material, tree, color = _shining("plate")
+        color.default_value = (0.2, 0.4, 0.1, 1)
+        given, mix = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("ShaderNodeMix")
+        given.outputs[0].default_value = (0.9, 0.1, 0.6, 1)
+        kinds = {kind: [s for s in mix.outputs if s.identifier.startswith(f"Result_{kind}")][0] for kind in ("Float", "Color")}
+        inputs = {s.identifier: s for s in mix.inputs}
+        mix.data_type = "RGBA" if number < 2 else "FLOAT"
+        inputs["A_Color"].default_value, inputs["A_Float"].default_value = (0.3, 0.8, 0.2, 1), 0.7
+        tree.links.new(given.outputs[0], inputs["A_Color" if number % 2 else "A_Float"])
+        tree.links.new(kinds["Float" if number in (0, 3) else "Color"], color)
+        _plate(material, 4 * number + number)
 
 
 def _particles(scene, _options):
@@ -587,4 +608,4 @@ def _deep(scene, options):
 _CASES = {name[1:]: made for name, made in list(globals().items())
           if name in ("_alpha", "_spaces", "_groups", "_colors", "_nothing", "_objects", "_instancers", "_nodes_tell", "_islands",
                       "_bright", "_tiles", "_exposure", "_world", "_windows", "_lost", "_taken", "_cloud", "_strands", "_on_instancers", "_smoke", "_deep",
-                      "_normals", "_edges", "_particles")}
+                      "_normals", "_edges", "_particles", "_hidden")}
