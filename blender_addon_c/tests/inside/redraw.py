@@ -225,8 +225,11 @@ def shown(pictures):
     return pictures.of_view(), pictures.of_render()
 
 
-def difference(a, b):
-    return np.abs(a - b).mean() / np.abs(b).mean()
+def difference(a, b, but=0):
+    """but: for so many pixels, those furthest off. Blender 5.0's smooth normals differ in their last bits from one evaluation to the
+    next, which may send a path of one pixel elsewhere."""
+    off = np.sort(np.abs(a - b).reshape(-1, a.shape[-1]).mean(-1))
+    return off[:len(off) - but].sum() / off.size / np.abs(b).mean()
 
 
 shown_scene = build()
@@ -240,6 +243,6 @@ for k, edit in enumerate(EDITS):
     for made in EDITS[:k + 1]:
         made(scene)
     for name, before, after, fresh in zip(("view", "render"), seen[k], seen[k + 1], shown(Pictures(scene))):
-        print("EDIT", edit.__name__, name, f"{difference(after, before):.5f} {difference(after, fresh):.7f}", flush=True)
+        print("EDIT", edit.__name__, name, f"{difference(after, before):.5f} {difference(after, fresh, 1):.7f}", flush=True)
 print("DONE")
 common.finish()
