@@ -90,6 +90,10 @@ class RENDER_PT_libshade_film(_Panel, bpy.types.Panel):
         layout.prop(context.scene.render, "film_transparent")
         if hasattr(context.scene, "cycles"):
             layout.prop(context.scene.cycles, "film_exposure")
+            column = layout.column()
+            column.active = context.scene.render.film_transparent
+            column.prop(context.scene.cycles, "film_transparent_glass")
+            column.prop(context.scene.cycles, "film_transparent_roughness")
         settings = context.scene.libshade
         layout.prop(settings, "pixel_filter_type")
         row = layout.row()

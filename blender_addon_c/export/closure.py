@@ -982,7 +982,7 @@ CLOSURES = {
 def held_out(reader):
     """The camera sees a hole in the place of all but what is transparent; nothing else does."""
     math = reader.program.math
-    camera = reader.program.emit("PATH", 1, what="CAMERA")[0]
+    camera = reader.program.emit("PATH", 1, what="FILM")[0]
     held, kept, others = (camera,) * 3, [], math("SUBTRACT", 1.0, camera)
     for closure in reader.closures:
         weight = tuple(closure.get("weight", _WHITE))

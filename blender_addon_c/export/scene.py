@@ -60,6 +60,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "seed": _seed(scene),
         "threads": min(render.threads, _MOST_THREADS) if render.threads_mode == "FIXED" else 0,
         "transparent": render.film_transparent,
+        **_clear_glass(scene),
         **world,
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
         "matt_leans": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
@@ -91,6 +92,13 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     }
 
 
+def _clear_glass(scene):
+    """How rough the glass may be, as alpha, through which a transparent film is seen."""
+    cycles = getattr(scene, "cycles", None)
+    on = scene.render.film_transparent and getattr(cycles, "film_transparent_glass", False)
+    return {"clear_glass": min(max(cycles.film_transparent_roughness, 0.0), 1.0) ** 2} if on else {}
+
+
 def _seed(scene):
     settings = scene.libshade
     return settings.seed + (scene.frame_current if settings.use_animated_seed else 0)
@@ -112,7 +120,6 @@ def _name_settings(scene, messages):
     cycles, render = getattr(scene, "cycles", None), scene.render
     named = {
         "Fast GI Approximation": getattr(cycles, "use_fast_gi", False),
-        "Transparent Glass (Film)": render.film_transparent and getattr(cycles, "film_transparent_glass", False),
         "Camera Culling (Simplify)": render.use_simplify and getattr(cycles, "use_camera_cull", False),
         "Distance Culling (Simplify)": render.use_simplify and getattr(cycles, "use_distance_cull", False),
         "Texture Limit (Simplify)": render.use_simplify and getattr(cycles, "texture_limit_render", "OFF") != "OFF",

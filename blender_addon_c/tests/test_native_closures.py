@@ -70,6 +70,18 @@ def test_what_keeps_all_light_is_not_seen(name):
     assert mean == pytest.approx(WHITE, abs=0.01)
 
 
+@pytest.mark.parametrize("alpha, clear, seen", [(1e-4, None, False), (1e-4, 0.0, False), (1e-4, 0.01, True), (0.2, 0.1, False),
+                                               (0.05, 0.1, True)])
+def test_a_transparent_film_is_seen_through_clear_glass(alpha, clear, seen):
+    """Through both faces of a slab, and what that leaves is the white world's mirror image."""
+    left = {} if clear is None else {"clear_glass": clear}
+    picture, _ = render(scene(width=8, height=8, samples=1024, transparent=True, background=WHITE, lights=[], max_bounces=16,
+                              materials=[of(glass(alpha))], meshes=[square(40.0), square(40.0, -0.5)], camera=ortho(0.1), **left))
+    mean = picture.mean((0, 1))
+    assert mean[3] == pytest.approx(1 - 0.96**2 if seen else 1.0, abs=0.004)
+    assert mean[:3] == pytest.approx(mean[3], abs=0.02)
+
+
 @pytest.mark.parametrize("alpha, ior, joint", [(0.1, 1.5, True), (0.25, 1.5, False), (0.5, 1.5, True),
                                               (1.0, 1.5, True), (1.0, 1.5, False), (0.3, 1.8, True), (0.7, 1.1, True)])
 def test_glass_with_all_its_bounces_is_not_seen(alpha, ior, joint):

@@ -37,7 +37,8 @@ typedef struct paths {
 } paths;
 
 /* What a path does at a surface. Passing straight on is no bounce, but counted. Beside it bits:
- * BOUNCE_MATT: through a matt surface; BOUNCE_SHARP: as by a mirror. */
+ * BOUNCE_MATT: through a matt surface; BOUNCE_SHARP: as by a mirror; BOUNCE_CLEAR: through glass
+ * that hides nothing from a transparent film. */
 typedef enum bounce_kind {
   BOUNCE_DIFFUSE,
   BOUNCE_GLOSSY,
@@ -45,7 +46,7 @@ typedef enum bounce_kind {
   BOUNCE_TRANSPARENT,
   BOUNCE_KINDS
 } bounce_kind;
-enum { BOUNCE_MASK = 3, BOUNCE_SHARP = 4, BOUNCE_MATT = 8 };
+enum { BOUNCE_MASK = 3, BOUNCE_SHARP = 4, BOUNCE_MATT = 8, BOUNCE_CLEAR = 32 };
 
 /* Rays by what they come from: bits, 2 << the bounce_kind. Lights and objects may be hidden from
  * some. */
@@ -56,6 +57,7 @@ typedef enum ray_kind {
   RAY_TRANSMISSION = 8,
   RAY_SHADOW = 16,
   RAY_SINGULAR = 32, /* beside one of the others: by a mirror, or clear glass */
+  RAY_FILM = 64,     /* of a hit: the film may be seen through all before it */
   RAY_BOUNCED = RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION
 } ray_kind;
 
@@ -85,6 +87,7 @@ typedef struct walks {
   lane_u ends;  /* not 0: no surface counts any more, only lights, behind transparent ones too */
   lane_u unlit; /* where instances that shine are for some alone: bits of those that are not for the
                    surface at which its direction was drawn */
+  lane_u clear; /* where the scene `clears`: not 0 while the film may be seen through all before */
 } walks;
 
 typedef struct rays {

@@ -12,9 +12,10 @@ LEAF float path_is(uint32_t ray, uint32_t some, uint32_t none) {
 }
 
 /* As Cycles has them: what is refracted counts as glossy too, and no ray comes from a surface and
- * is a shadow's. */
+ * is a shadow's. FILM: what is a hole there is one in the picture. */
 #define PATH_TABLE(ROW)                                                                            \
   ROW(CAMERA, path_is(ray, RAY_CAMERA, 0))                                                         \
+  ROW(FILM, path_is(ray, RAY_CAMERA | RAY_FILM, 0))                                                \
   ROW(SHADOW, path_is(ray, RAY_SHADOW, 0))                                                         \
   ROW(DIFFUSE, path_is(ray, RAY_DIFFUSE, 0))                                                       \
   ROW(GLOSSY, path_is(ray, RAY_GLOSSY | RAY_TRANSMISSION, RAY_DIFFUSE))                            \

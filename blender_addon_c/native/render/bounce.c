@@ -211,6 +211,16 @@ static void carry_unlit(worker *w, size_t rays) {
   }
 }
 
+/* Whether the film may be seen through all that is before rays. */
+static void carry_clear(worker *w, size_t rays) {
+  batch *b = w->batch;
+  for (size_t k = 0; k < rays; k++) {
+    uint32_t i = b->chosen[k], kind = b->draw.kind[i];
+    bool on = (kind & BOUNCE_MASK) == BOUNCE_TRANSPARENT || kind & BOUNCE_CLEAR;
+    b->next->clear[k] = on ? b->walk->clear[b->queue.lane[i]] : 0;
+  }
+}
+
 /* The colours of a lamp that shines by direction, as each hit sees it. */
 static void paint(const light *l, size_t hits, const surfaces *at, light_samples *light) {
   for (size_t i = 0; i < hits; i++) {
@@ -457,6 +467,8 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
     s->stages->footprint(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   if (s->routed)
     s->stages->route(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+  for (size_t i = 0; s->routed && s->clears && i < b->queue.hits; i++)
+    b->surface.ray[i] |= b->walk->clear[b->queue.lane[i]] ? RAY_FILM : 0;
   if (s->timed)
     motion_shadows(w);
   draw_terms(w, bounce, phase);
@@ -506,6 +518,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   points = points_of(w, phase, bounce, PURPOSE_LOT);
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.choice);
   closures_draw(w);
+  if (w->scene->clears)
+    closures_clear(w);
   if (w->light)
     light_passes_drawn(w);
   size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->meets,
@@ -519,16 +533,35 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
     s->trail(rays, b->chosen, &b->surface, &b->draw, b->next);
   if (w->scene->chosen_emitters)
     carry_unlit(w, rays);
+  if (w->scene->clears)
+    carry_clear(w, rays);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
+}
+
+/* Rays that meet nothing, in b->missed, and where they go; not those through which the film is
+ * seen. Returns their number. */
+static size_t find_missed(worker *w, size_t rays) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  size_t missed =
+      s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  if (!s->clears)
+    return missed;
+  size_t left = 0;
+  for (size_t k = 0; k < missed; k++) {
+    b->missed[left] = b->missed[k];
+    store(&b->toward, left, load(&b->toward, k));
+    left += !b->walk->clear[b->missed[k]];
+  }
+  return left;
 }
 
 /* The sky where rays meet nothing. */
 static void meet_sky(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  size_t missed =
-      s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  size_t missed = find_missed(w, rays);
   s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
   s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
   s->stages->met_sky(missed, b->missed, b->sky_pdf, &b->sky, b->walk, s->choices > 1, s->sky.power,
@@ -542,8 +575,7 @@ static void meet_looks(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   const bool drawn = s->sky.power > 0.0f, chosen = s->choices > 1;
-  size_t missed =
-      s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
+  size_t missed = find_missed(w, rays);
   if (drawn)
     s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
   for (size_t group = 0; group <= s->looks; group++) {
@@ -594,6 +626,9 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   static const float none[3];
   s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden,
                     s->looks ? none : s->background, s->backdrop, &b->met);
+  for (size_t k = 0; s->clears && k < rays; k++)
+    if (b->walk->clear[k])
+      b->met.r[k] = b->met.g[k] = b->met.b[k] = 0.0f;
   for (size_t k = 0; k < s->lights; k++)
     if (s->light[k].common.met) {
       if (weight)
@@ -626,6 +661,17 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
     light_passes_met(w, rays, most);
 }
 
+/* Where rays meet nothing behind glass that is clear to the film, that is seen; not their sky, but
+ * lamps that they meet are. */
+static void clear_film(worker *w, size_t rays) {
+  batch *b = w->batch;
+  const walks *walk = b->walk;
+  for (size_t k = 0; k < rays; k++)
+    if (b->sample_hit.record[k] == RECORD_MISS && walk->clear[k] && walk->ray[k] != RAY_CAMERA)
+      b->path.alpha[walk->sample[k]] -=
+          (walk->weight.r[k] + walk->weight.g[k] + walk->weight.b[k]) * (1.0f / 3.0f);
+}
+
 /* The bounces after the first: sample_color grows by what they bring. Of a path's last only what
  * its ray meets of lights, which is light of the surface before. */
 static void follow(worker *w, const camera_view *view, size_t phase) {
@@ -647,10 +693,12 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     if (s->timed)
       motion_walks(w, rays);
     hits_trace(w, (ray_kind)0, rays);
-    if (w->light && s->passes && s->transparent)
+    if (w->light && s->transparent && (s->passes || s->clears))
       light_passes_environment(w, b->walk, rays);
     if (s->passes && s->transparent)
       s->stages->uncover(rays, b->sample_hit.record, b->walk, &b->path);
+    if (s->clears)
+      clear_film(w, rays);
     if (s->meets)
       meet_lights(w, rays, most);
     b->queue.hits = s->stages->end(rays, b->walk, s->triangle, s->passes ? s->material : NULL,
@@ -681,6 +729,8 @@ static void begin_walks(worker *w, size_t count) {
       b->walk->pdf[i] = CLOSURE_CERTAIN;
       b->walk->lights[i] = 1e30f;
     }
+  for (size_t i = 0; w->scene->clears && i < count; i++)
+    b->walk->clear[i] = 1;
   for (size_t i = 0; i < count; i++) {
     b->walk->ray[i] = RAY_CAMERA;
     b->walk->least[i] = INFINITY;

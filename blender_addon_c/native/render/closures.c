@@ -88,7 +88,7 @@ void closures_hold(worker *w, const camera_view *view) {
                    (1.0f / 3.0f);
       float *alpha = &b->path.alpha[sample];
       held = held > 0.0f ? held : 0.0f; /* NaN holds nothing */
-      if (walk->ray[ray] != RAY_CAMERA)
+      if (w->scene->clears ? !walk->clear[ray] : walk->ray[ray] != RAY_CAMERA)
         continue;
       if (transparent)
         *alpha = *alpha > held ? *alpha - held : 0.0f;
@@ -231,4 +231,24 @@ void closures_draw(worker *w) {
     memcpy(b->draw.own + g->run.begin, b->draw.pdf + g->run.begin,
            (g->run.end - g->run.begin) * sizeof(float));
   }
+}
+
+/* The closure that has drawn a hit's direction, or NULL. */
+static const closure *drawn_by(const batch *b, const material *m, size_t i) {
+  uint32_t number = is_plain(m) ? 0 : b->closures.drawn[i];
+  return number < m->closures ? &m->closure[number] : NULL;
+}
+
+void closures_clear(worker *w) {
+  batch *b = w->batch;
+  for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
+    for (size_t i = g->run.begin; i < g->run.end; i++) {
+      const closure *c = drawn_by(b, g->material, i);
+      if (!c || c->type != CLOSURE_GLASS || !(b->draw.wi.z[i] < 0.0f))
+        continue;
+      operand alpha = c->of.glass.alpha;
+      float own = alpha.at < 0 ? alpha.number : b->input.at[alpha.at][i];
+      own = b->input.blurs && own < b->input.blur[i] ? b->input.blur[i] : own;
+      b->draw.kind[i] |= own <= w->scene->clear_alpha ? BOUNCE_CLEAR : 0;
+    }
 }

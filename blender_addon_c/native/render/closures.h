@@ -19,6 +19,9 @@ void closures_exclude(const worker *w, const closure *c, lane_run run, reflectio
 /* Where the paths go on. */
 void closures_draw(worker *w);
 
+/* Which of them go through glass that is clear to the film. */
+void closures_clear(worker *w);
+
 /* What holds rays of the camera leaves a hole in the picture. */
 void closures_hold(worker *w, const camera_view *view);
 

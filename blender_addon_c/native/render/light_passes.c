@@ -333,25 +333,33 @@ static void add_mattes(worker *w, const material *m, size_t i, size_t sample, fl
                 coverage);
 }
 
-/* What the camera sees of surfaces, itself or through others. */
-static void gain_seen(worker *w, const material *m, size_t i, float shone, float dim) {
+/* What is told of surfaces that the camera sees, itself or through others. */
+static void gain_told(worker *w, const material *m, size_t i) {
   batch *b = w->batch;
   light_passes *p = w->light;
   size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
-  color3 c = weighed(b->walk, ray, &p->shone, i, shone);
   float color[LIGHT_KINDS][3];
-  add(emission_of(p), sample, c.r, c.g, c.b);
   float opacity = opacity_of(b, m, i);
   p->sum[PLANE_MIST - PLANE_LIGHT].r[sample] += opacity * clear_of(w->scene, b, i);
   if (w->mattes)
     add_mattes(w, m, i, sample, opacity);
   colors_of(b, m, i, color);
-  for (int kind = 0; kind < LIGHT_KINDS; kind++) {
-    c = weighed(b->walk, ray, &p->reflected[kind], i, dim);
-    add(plane_of(p, (bounce_kind)kind, LIGHT_DIRECT), sample, c.r, c.g, c.b);
+  for (int kind = 0; kind < LIGHT_KINDS; kind++)
     add(plane_of(p, (bounce_kind)kind, LIGHT_COLOR), sample,
         b->walk->weight.r[ray] * color[kind][0], b->walk->weight.g[ray] * color[kind][1],
         b->walk->weight.b[ray] * color[kind][2]);
+}
+
+/* Their light. */
+static void gain_seen(worker *w, size_t i, float shone, float dim) {
+  batch *b = w->batch;
+  light_passes *p = w->light;
+  size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
+  color3 c = weighed(b->walk, ray, &p->shone, i, shone);
+  add(emission_of(p), sample, c.r, c.g, c.b);
+  for (int kind = 0; kind < LIGHT_KINDS; kind++) {
+    c = weighed(b->walk, ray, &p->reflected[kind], i, dim);
+    add(plane_of(p, (bounce_kind)kind, LIGHT_DIRECT), sample, c.r, c.g, c.b);
   }
 }
 
@@ -366,8 +374,10 @@ void light_passes_gain(worker *w, const float most[2]) {
         continue;
       float dim = dimming(b->walk, ray, &b->sum, i, most[bounces > 0]);
       float shone = w->apart ? dimming(b->walk, ray, &p->shone, i, most[bounces > 1]) : dim;
+      if (!bounces || (w->scene->clears && b->walk->clear[ray]))
+        gain_told(w, g->material, i);
       if (!bounces) {
-        gain_seen(w, g->material, i, shone, dim);
+        gain_seen(w, i, shone, dim);
         continue;
       }
       add_shared(p, bounces == 1 ? LIGHT_DIRECT : LIGHT_INDIRECT, sample,
@@ -411,7 +421,7 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   const float most = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
   for (size_t k = 0; k < missed; k++) {
     size_t ray = b->missed[k];
-    if (bounces_of(walk, ray))
+    if (bounces_of(walk, ray) && !(s->clears && walk->clear[ray]))
       continue;
     color3 c = weighed(walk, ray, &b->sky, k, dimming(walk, ray, &b->sky, k, most));
     add(out, walk->sample[ray], c.r, c.g, c.b);

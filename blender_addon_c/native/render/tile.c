@@ -253,7 +253,7 @@ static void copy_row(const scene *s, size_t count, float scale, const float *res
     float alpha = sum[3] * scale;
     for (unsigned c = 0; c < 3; c++)
       out[c] = sum[c] * scale + (1.0f - alpha) * behind[c];
-    out[3] = s->transparent ? alpha : 1.0f;
+    out[3] = s->transparent ? clampf(alpha, 0.0f, 1.0f) : 1.0f;
   }
 }
 

@@ -174,6 +174,8 @@ typedef struct scene {
   uint32_t seed;
   int threads;
   bool transparent;
+  bool clears; /* it is, and glass no rougher than this alpha hides nothing from it */
+  float clear_alpha;
   bool matt_leans;      /* LEANS_AWAY, not LEANS_FADING */
   bool soft_terminator; /* smooth surfaces cast no shadows of their facets on themselves */
   float background[3];  /* 0 where there is a sky */

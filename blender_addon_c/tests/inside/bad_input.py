@@ -306,7 +306,7 @@ def portal(scene):
 
 def cycles_alone(scene):
     plate(scene)
-    scene.cycles.use_fast_gi = scene.cycles.film_transparent_glass = scene.render.film_transparent = True
+    scene.cycles.use_fast_gi = True
     scene.cycles.use_camera_cull = True  # without Simplify
 
 

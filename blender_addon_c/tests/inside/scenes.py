@@ -1495,6 +1495,10 @@ def holes(options):
             scene.collection.objects.unlink(ob)
             collection.objects.link(ob)
     bpy.context.view_layer.layer_collection.children["held"].holdout = True
+    if options.get("clear"):  # a pane of glass before the upper half
+        scene.cycles.film_transparent_glass, scene.cycles.film_transparent_roughness = True, 0.3
+        glass = common.plane(_rough_glass("pane", 0.2), 8)
+        glass.location, glass.rotation_euler = (0, 4, 1), (0.1, 0, 0)
     mirror = common.plane(_glossy("floor"), 8)  # sees them all as they are
     mirror.location, mirror.rotation_euler = (0, -0.5, 0), (-1.2, 0, 0)
     common.camera(scene, type="ORTHO", ortho_scale=6)
@@ -1511,6 +1515,15 @@ def _glossy(name):
     tree = material.node_tree
     shader = tree.nodes.new("ShaderNodeBsdfGlossy")
     shader.inputs["Color"].default_value, shader.inputs["Roughness"].default_value = (0.8, 0.8, 0.8, 1), 0.2
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    return material
+
+
+def _rough_glass(name, roughness):
+    material = _matt(name, 0, 0, 0)
+    tree = material.node_tree
+    shader = tree.nodes.new("ShaderNodeBsdfGlass")
+    shader.inputs["Color"].default_value, shader.inputs["Roughness"].default_value = (0.9, 0.8, 1, 1), roughness
     tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
     return material
 
