@@ -60,7 +60,7 @@ def _is_read(node, row):
 def settings(node):
     """A metal node's settings under the table's own names."""
     words = {name: getattr(node, attribute).lower() for name, attribute in _choices()}
-    values = {row["word"]: getattr(node, row["word"]) for row in _parameters()}
+    values = {**{row["word"]: getattr(node, row["word"]) for row in _parameters()}, **_widths(node)}
     return {**words, **{word: value if isinstance(value, float) else tuple(value)
                         for word, value in values.items()}}
 
@@ -69,6 +69,29 @@ def initial_settings():
     """The same for a node as it is when new."""
     words = {name: _initial_choice(name) for name, _attribute in _choices()}
     return {**words, **{row["word"]: _initial(row) for row in _parameters()}}
+
+
+def _widths(node):
+    """Its exponents and alphas. Keyframes and drivers set one of a pair and run no update: the other is what that one says. Where
+    it is not known which, as on nodes of older files, the one counts that the distribution reads."""
+    told, found = getattr(node, "set_width", (0.0,) * 4), {}
+    for at, axis in enumerate(_UV_AXES):
+        pair = e, a = f"e{axis}", f"a{axis}"
+        found[e], found[a] = getattr(node, e), getattr(node, a)
+        if _agree(found[e], found[a]):
+            continue
+        known = [(word, was) for word, was in zip(pair, (told[at], told[at + 2])) if told[at + 2]]
+        moved = [word for word, was in known if found[word] != was]
+        if known and not moved:  # at the end of a range
+            continue
+        rules = moved[0] if len(moved) == 1 else pair[node.distribution != "ASHIKHMIN_SHIRLEY"]
+        twin, convert = _TWIN[rules]
+        found[twin] = convert(found[rules])
+    return found
+
+
+def _agree(exponent, alpha):
+    return abs(exponent_of(alpha) - exponent) <= 1e-4 * exponent
 
 
 def alpha_of(exponent):
@@ -116,10 +139,12 @@ def lobe(node):
     """Alphas along the tangent and across, of numbers on the sockets or of properties."""
     if SHAPE[0] in node.inputs and sockets_rule(node, SHAPE):
         return metal_tree.alphas_of(*(node.inputs[name].default_value for name in SHAPE))
-    return node.ax, node.ay
+    found = _widths(node)
+    return found["ax"], found["ay"]
 
 
 # Exponents and alphas say the same thing; setting one sets the other.
+_UV_AXES = "xy"
 _TWIN = {
     "ex": ("ax", alpha_of), "ey": ("ay", alpha_of),
     "ax": ("ex", exponent_of), "ay": ("ey", exponent_of),
@@ -142,6 +167,7 @@ def _updater(word):
                 setattr(node, twin, convert(getattr(node, word)))
             finally:
                 _setting_twin = False
+            node.note_width(word[1])
         if _setting_all:
             return
         if word in _SETS:
@@ -226,6 +252,7 @@ def _properties():
     made["set_shape"] = FloatVectorProperty(size=2, options={"HIDDEN"})
     made["set_matt"] = FloatVectorProperty(size=4, options={"HIDDEN"})
     made["set_edge"] = FloatVectorProperty(size=4, options={"HIDDEN"})
+    made["set_width"] = FloatVectorProperty(size=4, options={"HIDDEN"})  # ex, ey, ax, ay as they last set each other
     made["set_color"] = FloatVectorProperty(size=4, options={"HIDDEN"})  # 0: it never told of an index
     # The tree inside also belongs to a copy of this node, until one of them changes.
     made["shares_tree"] = BoolProperty(options={"HIDDEN"})
@@ -252,9 +279,16 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     def init(self, _context):
         self.name = _NAME
         self.node_tree = metal_tree.new_tree(_initial_color())
+        for axis in _UV_AXES:
+            self.note_width(axis)
         for names in _OF_SOCKETS:
             self.set_sockets(names)
         self.update_preview()
+
+    def note_width(self, axis):
+        """Exponent and alpha along an axis say the same now."""
+        at = _UV_AXES.index(axis)
+        self.set_width[at], self.set_width[at + 2] = getattr(self, f"e{axis}"), getattr(self, f"a{axis}")
 
     def copy(self, node):
         # Giving the copy a tree of its own right here would upset Blender 3.4's count of the
@@ -362,11 +396,11 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
 
 
 def _alphas(node):
-    """What its properties say: one distribution reads exponents, and an animated one does not set its alpha."""
+    """What its properties say; one distribution reads exponents, which end where alphas go on."""
+    found = _widths(node)
     if node.distribution != "ASHIKHMIN_SHIRLEY":
-        return node.ax, node.ay
-    return tuple(a if abs(exponent_of(a) - e) <= 1e-4 * e else alpha_of(e)
-                 for e, a in ((node.ex, node.ax), (node.ey, node.ay)))
+        return found["ax"], found["ay"]
+    return tuple(a if _agree(e, a) else alpha_of(e) for e, a in ((found["ex"], found["ax"]), (found["ey"], found["ay"])))
 
 
 def is_old(node):
@@ -513,6 +547,10 @@ UPDATES = {METAL: (is_old, _update_node)}
 _followed = {}  # by tree and node: what its properties last said
 
 
+def _said(node):
+    return settings(node), node.grain, node.uv_map, node.bump_response
+
+
 @persistent
 def _follow_animation(_scene, depsgraph=None):
     """Properties that keyframes or drivers set run no updates of their own."""
@@ -526,10 +564,27 @@ def _follow_animation(_scene, depsgraph=None):
             if node.bl_idname == METAL:
                 evaluated = owner.evaluated_get(depsgraph)
                 animated = getattr(evaluated, "node_tree", evaluated).nodes.get(node.name)
-                said = animated and settings(animated)
+                said = animated and _said(animated)
                 if animated and _followed.get((owner.name_full, node.name)) != said:
                     _followed[owner.name_full, node.name] = said
                     node.follow(animated)
+
+
+@persistent
+def _follow_drivers(scene, depsgraph=None):
+    """What they read may change without the frame."""
+    if depsgraph and (depsgraph.id_type_updated("NODETREE") or depsgraph.id_type_updated("MATERIAL")):
+        _follow_animation(scene, depsgraph)
+
+
+@persistent
+def _forget_followed(*_arguments):
+    """Another file, or what was undone, may have older insides."""
+    _followed.clear()
+
+
+_HANDLERS = (("frame_change_post", _follow_animation), ("depsgraph_update_post", _follow_drivers),
+             *((name, _forget_followed) for name in ("load_pre", "undo_pre", "redo_pre")))
 
 
 def _replace_by_group(tree, node):
@@ -616,11 +671,16 @@ def register():
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.NODE_MT_add.append(_draw_add_menu)
-    bpy.app.handlers.frame_change_post.append(_follow_animation)
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister():
-    bpy.app.handlers.frame_change_post.remove(_follow_animation)
+    for name, handler in _HANDLERS:
+        listed = getattr(bpy.app.handlers, name)
+        if handler in listed:  # scripts of others may have cleared the list
+            listed.remove(handler)
+    _followed.clear()
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -195,6 +195,33 @@ def test_keyframes(scene):
     node.inputs["Roughness"].default_value = 0.7
     scene.frame_set(1)
     assert near(node.inputs["Roughness"].default_value, 0.7)
+    # alphas, of which one distribution reads nothing, exponents, which the others do not; what are no numbers
+    inside = {"width": lambda node: node.inputs["Roughness"].default_value, "grain": lambda node: node.node_tree.nodes["Tangent"].axis,
+              "bumps": lambda node: node.node_tree.nodes["Groove"].inputs["Normal"].is_linked}
+    for distribution, name, values, what in (
+            ("ASHIKHMIN_SHIRLEY", "ay", (0.1, 0.3), "width"), ("GGX", "ex", (100.0, 1000.0), "width"),
+            ("GGX", "grain", ("RADIAL_X", "RADIAL_Y"), "grain"), ("GGX", "bump_response", ("FOLLOW", "IGNORE"), "bumps")):
+        material, _tree, node = common.metal("animated", distribution=distribution)
+        common.plane(material)
+        seen = []
+        for frame, value in zip((1, 11), values):
+            setattr(node, name, value)
+            seen.append(inside[what](node))
+            node.keyframe_insert(name, frame=frame)
+        for frame, expected in zip((1, 11, 1), (*seen, seen[0])):
+            scene.frame_set(frame)
+            assert inside[what](node) == expected or what == "width" and near(inside[what](node), expected), (name, frame)
+        assert seen[0] != seen[1]
+    # drivers, whose variables change without the frame
+    material, _tree, node = common.metal("driven")
+    ob, driver = common.plane(material), node.driver_add("ex").driver
+    variable = driver.variables.new()
+    variable.name, variable.targets[0].id, variable.targets[0].data_path = "x", ob, "location.x"
+    driver.expression = "100 * x"
+    for place in (1.0, 2.0, 3.0):
+        ob.location.x = place
+        bpy.context.view_layer.update()
+        assert near(node.inputs["Roughness"].default_value, (2 / (100 * place + 2)) ** 0.125 * node.ay ** 0.25), place
 
 
 def test_update():
