@@ -24,7 +24,7 @@ SOCKETS = (
     ("Translucency", "Float", "Share of the matt light that leaves the yarns on the other side", 0.0, (0.0, 1.0)),
     ("Alpha", "Float", "Share of the cloth that is there", 1.0, (0.0, 1.0)),
     ("Scale", "Float", "What coordinates are multiplied by: 2 makes yarns half as large", 1.0, (-1e6, 1e6)),
-    ("Rotation", "Float", "Turns the cloth on the surface; 1 is all the way round", 0.0, (-1e4, 1e4)),
+    ("Rotation", "Float", "Turns the cloth on the surface; 1 is all the way round", 0.0, (0.0, 1.0)),
     ("Vector", "Vector", "Where on the cloth: x along the weft, y along the warp; unlinked, the UV map", None, None),
     ("Normal", "Vector", "Of folds; unlinked, the surface's own", None, None),
 )

@@ -112,7 +112,7 @@ def _add_sockets(tree, color):
     add("Color", "Edge Tint", "What is left of the reflection at 82 degrees, beside a white edge's", (1.0,) * 4)
     add("Float", "Roughness", "Its square is the width of the reflection", limits=(0.0, 1.0), subtype="FACTOR")
     add("Float", "Anisotropy", "How much narrower it is along the strokes: .9 is 100 : 1", limits=(-0.99, 0.99), subtype="FACTOR")
-    add("Float", "Rotation", "Turns the tangent; 1 is all the way round", limits=(-1e4, 1e4))
+    add("Float", "Rotation", "Turns the tangent; 1 is all the way round", limits=(0.0, 1.0), subtype="FACTOR")
     add("Color", "Diffuse Color", "Of what is reflected to all sides", (0.0, 0.0, 0.0, 1.0))
     add("Vector", "Normal", "Bumped; unlinked, the surface's own").hide_value = True
     add("Vector", "Tangent", "Where the strokes run; unlinked, as Grain says").hide_value = True

@@ -26,6 +26,12 @@ def test_sockets(node):
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
     assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"
     assert near(node.ex, 200) and near(node.ey, 10)
+    # a slider from 0 to 1 turn, as Cycles' own; numbers beyond are turns all the same
+    turns, theirs = (n.inputs["Rotation"] for n in (node, node.node_tree.nodes["Anisotropic BSDF"]))
+    assert [socket.bl_rna.properties["default_value"].subtype for socket in (turns, theirs)] == ["FACTOR"] * 2
+    turns.default_value = -1.25
+    assert turns.default_value == -1.25
+    turns.default_value = 0
 
 
 def test_twins(node):
