@@ -166,6 +166,8 @@ def _told(points, radii, ends, numbers, name):
 def by_chance(numbers):
     """From 0 to 1, the same for a number as in Cycles: it and 0 mixed by lookup3 [Jenkins2006]."""
     numbers = np.asarray(numbers)
+    if not numbers.ndim:  # numpy warns where a single number wraps round
+        return by_chance(numbers[None])[0]
     whole = np.uint64(0xffffffff)
     a = b = c = np.full(numbers.shape, 0xdeadbeef + 8 + 13, np.uint64)
     parts = [a + numbers.astype(np.uint64) & whole, b, c]
