@@ -11,9 +11,9 @@ _OLD_SHADER = "Principled BSDF"
 _SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR = "Anisotropic BSDF", "Diffuse BSDF", "Groove", "Fresnel", "Color"
 _INSIDE = {_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR}
 # Not in files of before: is the anisotropy below 0; the tangent then; the tangent where none is linked, of a map or
-# round an axis, or along one; what 82 degrees lack of Schlick's
+# round an axis, or along one; that of the map or, where a mesh has none, the object's x axis; what 82 degrees lack of Schlick's
 _ACROSS, _STROKES = "Across", "Strokes"
-_EITHER, _ROUND, _AXIS = "Either", "Tangent", "Axis"
+_EITHER, _ROUND, _AXIS, _MAP, _MAPLESS = "Either", "Tangent", "Axis", "UV Map", "Mapless"
 _EDGE, _DIP = "Edge", "Dip"
 # Of Cycles' distributions the nearest.
 _DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
@@ -163,21 +163,27 @@ def _color(tree, new, given, normal):
 
 def _tangent(tree, new, given):
     """What is linked, or what Grain says."""
-    length, there = new("ShaderNodeVectorMath", -300, -400), new("ShaderNodeMath", -150, -400)
-    either, round_, axis = (new(f"ShaderNode{kind}", x, y, name) for kind, x, y, name in (
-        ("Mix", -100, -200, _EITHER), ("Tangent", -500, -300, _ROUND), ("VectorTransform", -500, -500, _AXIS)))
-    length.operation, there.operation, either.data_type = "LENGTH", "GREATER_THAN", "VECTOR"
-    there.inputs[1].default_value = 0.0
+    link = tree.links.new
+
+    def where(vector, then, other, x, name):
+        """One socket or another, by whether a vector is there."""
+        length, there = new("ShaderNodeVectorMath", x - 300, -400), new("ShaderNodeMath", x - 150, -400)
+        mix = new("ShaderNodeMix", x, -200, name)
+        length.operation, there.operation, mix.data_type = "LENGTH", "GREATER_THAN", "VECTOR"
+        there.inputs[1].default_value = 0.0
+        sockets = mixed(mix)
+        for source, target in ((vector, length.inputs[0]), (length.outputs["Value"], there.inputs[0]),
+                               (there.outputs[0], sockets["Factor_Float"]), (then, sockets["B_Vector"]), (other, sockets["A_Vector"])):
+            link(source, target)
+        return sockets["Result_Vector"]
+
+    round_, axis, uv = (new(f"ShaderNode{kind}", -900, y, name) for kind, y, name in (
+        ("Tangent", -300, _ROUND), ("VectorTransform", -500, _AXIS), ("UVMap", -700, _MAP)))
     round_.direction_type = "UV_MAP"
     axis.vector_type, axis.convert_from, axis.convert_to = "VECTOR", "OBJECT", "WORLD"
     axis.inputs[0].default_value = axis_vector("X")
-    sockets = mixed(either)
-    tree.links.new(given, length.inputs[0])
-    tree.links.new(length.outputs["Value"], there.inputs[0])
-    tree.links.new(there.outputs[0], sockets["Factor_Float"])
-    tree.links.new(round_.outputs[0], sockets["A_Vector"])
-    tree.links.new(given, sockets["B_Vector"])
-    return sockets["Result_Vector"]
+    # without a map Cycles' own tangents run round the object, ours along its x axis
+    return where(given, given, where(uv.outputs[0], round_.outputs[0], axis.outputs[0], -400, _MAPLESS), -100, _EITHER)
 
 
 def mixed(node):
@@ -268,15 +274,16 @@ def _turn_strokes(tree, by):
 def _update_grain(inner, by):
     kind, _space, axis = by.grain.partition("_")
     round_, along = inner[_ROUND], inner[_AXIS]
-    source = along if kind == "AXIS" else round_
+    source = {"AXIS": along, "UV": inner.get(_MAPLESS, round_)}.get(kind, round_)
     target = mixed(inner[_EITHER])["A_Vector"]
     if target.links[0].from_node != source:
-        inner.id_data.links.new(source.outputs[0], target)
-    if kind == "AXIS":
-        say(along.inputs[0], "default_value", axis_vector(axis))
-    elif kind == "RADIAL":
+        inner.id_data.links.new(mixed(source)["Result_Vector"] if source.name == _MAPLESS else source.outputs[0], target)
+    say(along.inputs[0], "default_value", axis_vector(axis if kind == "AXIS" else "X"))
+    if kind == "RADIAL":
         say(round_, "direction_type", "RADIAL")
         say(round_, "axis", axis)
-    else:
+    elif kind == "UV":
         say(round_, "direction_type", "UV_MAP")
-        say(round_, "uv_map", by.uv_map)
+        for node in (round_, inner.get(_MAP)):
+            if node:
+                say(node, "uv_map", by.uv_map)

@@ -56,7 +56,7 @@ def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
         assert off(picture("sockets_told_True", engine), picture("sockets_told_False", engine)) < 1e-4
     assert off(picture("sockets_varied_ggx"), picture("sockets_told_True")) > 0.05
     # where strokes run without a tangent
-    for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X", "IGNORE"):
+    for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X", "IGNORE", "MAPLESS"):
         error = off(picture("grain_" + word, "libshade"), picture("grain_" + word))
         print("grain", word, error)
         assert error < 0.01, word

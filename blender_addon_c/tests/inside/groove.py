@@ -287,7 +287,7 @@ def sockets(folder):
 
 
 def grains(folder):
-    """A ball of Libshade Metal by each kind of grain, in both engines; the same by what Tangent is linked to."""
+    """A ball of Libshade Metal by each kind of grain, in both engines; at last without a UV map."""
     for engine in ("CYCLES", "LIBSHADE"):
         scene = new_scene(engine)
         bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
@@ -298,12 +298,14 @@ def grains(folder):
         ball.data.uv_layers[0].data.foreach_get("uv", uv)
         swapped = ball.data.uv_layers.new(name="swapped")
         swapped.data.foreach_set("uv", uv.reshape(-1, 2)[:, ::-1].ravel())
-        for grain, name in (("UV", ""), ("UV", "swapped"), ("RADIAL_Y", ""), ("AXIS_X", ""), ("IGNORE", "")):
+        for grain, name in (("UV", ""), ("UV", "swapped"), ("RADIAL_Y", ""), ("AXIS_X", ""), ("IGNORE", ""), ("MAPLESS", "")):
+            while grain == "MAPLESS" and ball.data.uv_layers:
+                ball.data.uv_layers.remove(ball.data.uv_layers[0])
             material, tree, node = common.metal("grain", fresnel="NONE", ax=0.15, ay=0.45, horizon="HARD", uv_map=name)
             if grain == "IGNORE":
                 node.bump_response = "IGNORE"
                 common.normal_map(tree, node, bumps())
-            else:
+            elif grain != "MAPLESS":
                 node.grain = grain
             ball.data.materials.clear()
             ball.data.materials.append(material)

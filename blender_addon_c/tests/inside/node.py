@@ -105,8 +105,8 @@ def by_identifier(node):
 def test_grain(node):
     """What feeds the groove inside where nothing is linked to Tangent; bumps reach it or not."""
     inner = node.node_tree.nodes
-    source = by_identifier(inner["Either"])["A_Vector"]
-    assert source.links[0].from_node == inner["Tangent"]
+    source, of_map = (by_identifier(inner[name])[socket] for name, socket in (("Either", "A_Vector"), ("Mapless", "B_Vector")))
+    assert source.links[0].from_node == inner["Mapless"] and of_map.links[0].from_node == inner["Tangent"]
     for axis in "XYZ":
         node.grain = f"RADIAL_{axis}"
         assert (inner["Tangent"].direction_type, inner["Tangent"].axis) == ("RADIAL", axis)
@@ -115,7 +115,8 @@ def test_grain(node):
         vector = tuple(inner["Axis"].inputs[0].default_value)
         assert source.links[0].from_node == inner["Axis"] and vector["XYZ".index(axis)] == 1 == round(sum(vector), 2)
     node.grain, node.uv_map = "UV", "other"
-    assert source.links[0].from_node == inner["Tangent"] and inner["Tangent"].uv_map == "other"
+    assert source.links[0].from_node == inner["Mapless"] and inner["Tangent"].uv_map == inner["UV Map"].uv_map == "other"
+    assert tuple(inner["Axis"].inputs[0].default_value)[0] == 1  # of a mesh without it
     for response in ("IGNORE", "FOLLOW"):
         node.bump_response = response
         assert inner["Groove"].inputs["Normal"].is_linked == (response == "FOLLOW")
@@ -241,7 +242,7 @@ def test_update():
             before.interface.remove(before.interface.items_tree[name])
         else:
             before.inputs.remove(before.inputs[name])
-    for name in ("Edge", "Dip", "At 82", "Lost", "Share", "Rest", "Axis"):
+    for name in ("Edge", "Dip", "At 82", "Lost", "Share", "Rest", "Axis", "UV Map", "Mapless"):
         before.nodes.remove(before.nodes[name])
     node.node_tree = before
     assert [s.name for s in node.inputs][:2] == ["Color", "Roughness"]
