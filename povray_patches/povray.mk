@@ -24,9 +24,10 @@ $(B)/povray/editor/words: $(P)/editor/words.cpp $(wildcard $(P)/glue/words.*) $(
 	@ln -sfn $(abspath $(P)/glue) $(@D)/include/backend/mdf
 	@$(CXX) -O1 -Wall -Wextra -Wconversion -Werror -I$(@D)/include -Ilibshade/include $< $(P)/glue/words.cpp $(B)/libshade.a -lm -lpthread -o $@
 
-# "no existing scene changes", and 200 broken blocks, on their own (about 3 min); also in the tests,
-# where the broken blocks are 25
+# "no existing scene changes", 200 broken blocks, and patches that compile one by one, on their own (about 4 min);
+# also in the tests, where the broken blocks are 25 and of the patches' files only the busiest are compiled
 .PHONY: check-povray-scenes
 check-povray-scenes: povray setup-test
 	$(P)/check.sh $(POVRAY) povray $(B)/povray/src/distribution
 	MUTATED=200 $(PY) -m pytest -q $(P)/tests/test_mutated.py
+	SERIES=whole $(PY) -m pytest -q $(P)/tests/test_source.py -k each_patch

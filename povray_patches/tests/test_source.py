@@ -2,6 +2,7 @@
 """The patches as a series, the glue as C++, and the scenes that must not change."""
 import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -48,6 +49,34 @@ def test_series_is_complete_and_applied_without_fuzz():
     # build.sh applied them with --fuzz=0; taking them off a copy must give the original files back
     check = subprocess.run(["quilt", "--quiltrc=-", "diff", "-z", "--no-timestamps"], cwd=SOURCE, env=quilt, text=True, stdout=subprocess.PIPE)
     assert check.stdout == "", "the tree has changes that are in no patch"
+
+
+def test_each_patch_compiles_without_those_after_it(tmp_path):
+    """With the glue as it is. The files that call most of it, and the one that calls most of POV-Ray; SERIES=whole: all that patches touch."""
+    whole = os.environ.get("SERIES") == "whole"
+    calls = lambda path: whole or path.name in ("trace.cpp", "photons.cpp")
+    shutil.copytree(SOURCE / "source", tmp_path / "source")
+
+    def patch(name, *options):
+        done = subprocess.run(["patch", "-p1", "--fuzz=0", "--no-backup-if-mismatch", *options, "-i", PATCHES / name], cwd=tmp_path, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        assert done.returncode == 0 and "offset" not in done.stdout, f"{name}:\n{done.stdout}"
+        return [tmp_path / path for path in re.findall(r"^patching file (\S+\.cpp)$", done.stdout, re.M)]
+    for name in reversed(SERIES):
+        patch(name, "-R", "-s")
+
+    headers = ["-include", SOURCE.parent / "headers.h"] if (SOURCE.parent / "headers.h.gch").exists() else []
+    flags = re.search(r"^CXXFLAGS = (.*)", (SOURCE / "Makefile").read_text(), re.M).group(1).split()
+    folders = [tmp_path / d for d in ("source", "source/backend", "source/base", "source/frontend")] + [SOURCE / d for d in ("unix", "vfe", "vfe/unix")]
+    folders += [ROOT / "libshade/include", ROOT / "libshade", "/usr/include/OpenEXR", "/usr/include/Imath"]
+    for name in SERIES:
+        files = [path for path in patch(name) if calls(path)]
+        if name == SERIES[0]:
+            files += (tmp_path / "source/backend/mdf").glob("*.cpp" if whole else "parsemdf.cpp")
+        for path in files:
+            done = subprocess.run(["g++", "-pthread", *flags, "-DHAVE_CONFIG_H", *headers, "-fsyntax-only", "-w", *[f"-I{d}" for d in folders], path],
+                                  cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            assert done.returncode == 0, f"{name}:\n{done.stdout}"
 
 
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
