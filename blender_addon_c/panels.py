@@ -360,7 +360,7 @@ def _simplify():
 
 def _shared_panels():
     for panel in bpy.types.Panel.__subclasses__():
-        engines, name = getattr(panel, "COMPAT_ENGINES", ()), panel.__name__
+        engines, name = getattr(panel, "COMPAT_ENGINES", ()), panel.__name__.removeprefix("NODE_")  # which shares that set with another
         external = "BLENDER_RENDER" in engines and name not in _NOT_OURS and not name.startswith("RENDER_PT_simplify")
         if name in _ALSO_OURS or (external and "freestyle" not in name):
             yield panel

@@ -424,6 +424,12 @@ def test_panels_and_menus():
     assert "LIBSHADE" not in types.RENDER_PT_simplify.COMPAT_ENGINES
     assert ours[0] == "RENDER_PT_libshade_sampling" and ours[-3:] == [
         f"RENDER_PT_libshade_simplify{part}" for part in ("", "_viewport", "_render")] and all(hasattr(types, name) for name in ours)
+    # none of ours is there a second time
+    shown = [(panel.bl_space_type, getattr(panel, "bl_context", ""), getattr(panel, "bl_parent_id", ""), panel.bl_label)
+             for panel in types.Panel.__subclasses__() if panel.is_registered and "LIBSHADE" in getattr(panel, "COMPAT_ENGINES", ())]
+    assert {"Light", "Sampling", "Passes", "Override", "Performance"} <= {label for *_place, label in shown}
+    own = [(panel.bl_space_type, panel.bl_context, getattr(panel, "bl_parent_id", ""), panel.bl_label) for panel in panels._registered]
+    assert not [place for place in own if shown.count(place) != 1], [place for place in own if shown.count(place) != 1]
     labels = drawn_by(menus.NODE_MT_libshade_shaders)
     assert labels[:3] == ["Material Output", "Mix Shader", "Add Shader"] and len(labels) > 12
     assert {"Principled BSDF", "Diffuse BSDF", "Emission", "Glass BSDF"} < set(labels)
