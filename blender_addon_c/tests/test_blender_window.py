@@ -65,7 +65,7 @@ class Window:
     def close(self):
         for process in (self.blender, self._screen):
             process.terminate()
-            process.wait(10)
+            process.wait(60)  # memory of a gigabyte is given back slowly beside other work
         self._output.close()
 
 
