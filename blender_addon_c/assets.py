@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's asset library, which users may have among theirs: a button in the add-on's preferences."""
+"""The add-on's preferences: its asset library, which users may have among theirs, and whether renders tell their timings."""
 
 import os
 import sys
@@ -80,8 +80,17 @@ class LIBSHADE_OT_remove_assets(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def tells_timings():
+    """Shall a render's report say where its time went?"""
+    addon = bpy.context.preferences.addons.get(__package__)
+    return bool(os.environ.get("LIBSHADE_TIMINGS")) or getattr(addon and addon.preferences, "timings", False)
+
+
 class LibshadePreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
+
+    timings: bpy.props.BoolProperty(name="Tell Timings", default=False, description=(
+        "A render's report says where its time went, for those who look for what is slow"))
 
     def draw(self, _context):
         if getattr(sys.modules[__package__], "updated", False):
@@ -93,6 +102,7 @@ class LibshadePreferences(bpy.types.AddonPreferences):
         else:
             row.operator(LIBSHADE_OT_add_assets.bl_idname, icon="ASSET_MANAGER")
         draw_button(row)
+        self.layout.prop(self, "timings")
 
 
 _CLASSES = (LIBSHADE_OT_add_assets, LIBSHADE_OT_remove_assets, LibshadePreferences)

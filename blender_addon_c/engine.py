@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from . import _native, export, report
+from .assets import tells_timings
 from .names import ENGINE
 from .viewport import Viewport
 
@@ -123,7 +124,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 raise export.SceneError(state["message"])
             if state["state"] == "done":
                 self._aovs(scene, result, len(pixels), messages)
-            if state["state"] == "done" and os.environ.get("LIBSHADE_TIMINGS"):
+            if state["state"] == "done" and tells_timings():
                 self.report({"INFO"}, _summary(_native.timings(job), synced - started))
         finally:
             _native.free(job)

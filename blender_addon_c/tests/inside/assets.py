@@ -37,6 +37,11 @@ def test_preferences():
     libraries[-1].path = ours
     assert bpy.ops.libshade.remove_assets() == {"FINISHED"} and bpy.ops.libshade.remove_assets() == {"CANCELLED"}
     assert [(item.name, item.path) for item in libraries] == before
+    owner = bpy.context.preferences.addons[common.MODULE].preferences
+    assert not module("assets").tells_timings() and not owner.timings
+    owner.timings = True
+    assert module("assets").tells_timings()
+    owner.timings = False
 
 
 def catalogs():

@@ -16,7 +16,7 @@ def drawn():
     said = []
     row = SimpleNamespace(label=lambda text, icon="": said.append(text),
                           operator=lambda name, text="", icon="": SimpleNamespace())
-    here = SimpleNamespace(layout=SimpleNamespace(label=row.label, row=lambda: row))
+    here = SimpleNamespace(layout=SimpleNamespace(label=row.label, row=lambda: row, prop=lambda *_told: None))
     sys.modules[common.MODULE + ".assets"].LibshadePreferences.draw(here, bpy.context)
     return said
 
