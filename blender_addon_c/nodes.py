@@ -558,9 +558,9 @@ def _follow_animation(_scene, depsgraph=None):
         return
     for owner in (*bpy.data.materials, *bpy.data.node_groups):
         tree = getattr(owner, "node_tree", owner)
-        if owner.library or not tree or not tree.animation_data:
+        if not tree or not tree.animation_data:
             continue
-        for node in tree.nodes:
+        for node in tree.nodes:  # of linked materials too: what is inside them is as it is while this file is open
             if node.bl_idname == METAL:
                 evaluated = owner.evaluated_get(depsgraph)
                 animated = getattr(evaluated, "node_tree", evaluated).nodes.get(node.name)

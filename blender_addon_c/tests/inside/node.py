@@ -487,6 +487,11 @@ def test_patterns():
 
 def test_save_and_load(path):
     assert patterns()
+    linked, _tree, node = common.metal("to be linked")
+    linked.use_fake_user = True
+    for frame, exponent in ((1, 100.0), (11, 1000.0)):
+        node.ex = exponent
+        node.keyframe_insert("ex", frame=frame)
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     common.enable()
@@ -539,6 +544,19 @@ def test_fabric():
     inner = node.node_tree
     assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"}
     assert any(n.bl_idname == "ShaderNodeGroup" and n.node_tree == inner for n in tree.nodes)
+
+
+def test_linked(path):
+    """Keyframes of a material of another file reach what is inside."""
+    scene = common.empty_scene()
+    with bpy.data.libraries.load(path, link=True) as (_there, here):
+        here.materials = ["to be linked"]
+    common.plane(here.materials[0])
+    node = here.materials[0].node_tree.nodes["Libshade Metal"]
+    for frame, exponent in ((1, 100.0), (11, 1000.0), (1, 100.0)):
+        scene.frame_set(frame)
+        inside = node.node_tree.nodes["Anisotropic BSDF"].inputs["Roughness"]
+        assert near(inside.default_value, (2 / (exponent + 2)) ** 0.125 * node.ay ** 0.25), frame
 
 
 def manual_of(name):
@@ -605,6 +623,7 @@ test_convert(test_save_and_load(blend))
 test_fabric()
 test_metals()
 test_panels_and_menus()
+test_linked(blend)
 test_manual()
 test_disable_and_enable()
 assert manual_of("bpy.types.LibshadeMetalNode.grain") is None  # disabled
