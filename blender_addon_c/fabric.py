@@ -83,6 +83,21 @@ def _brightness(preset):
     return min(1.0, sum(_native.cloth_albedo(row["word"])) / yarns)
 
 
+def _woven(node):
+    """What its images are called."""
+    if node.preset != CUSTOM:
+        return _CLOTHS[node.preset]["label"]
+    if node.weave == DRAFT:
+        return node.draft.name if node.draft else "Draft"
+    return fabric_yarns.WEAVES[node.weave]["label"]
+
+
+def _said(node):
+    """All that keyframes may change."""
+    return [tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+            for value in (getattr(node, name) for name in _SAID)]
+
+
 class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     """Woven cloth, yarn by yarn from near, as a whole from afar"""
 
@@ -145,33 +160,36 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     def copy(self, node):
         self.shares_tree = node.shares_tree = True  # as LibshadeMetalNode.copy
 
-    def update_preview(self, unit=None):
-        """Carry the settings over to what is inside. unit: metres in one of the scene, if it is not the one that is open."""
+    def follow(self, animated):
+        """What keyframes and drivers make of the properties, for what is inside."""
+        socket = self.inputs.get(TRANSLUCENCY)
+        if socket and not socket_rules(self):
+            socket.default_value = animated.transmission
+            self.set_transmission = socket.default_value
+        self.update_preview(by=animated)
+
+    def update_preview(self, unit=None, by=None):
+        """Carry the settings (of `by`) over to what is inside. unit: metres in one of the scene, if it is not the one that is open."""
+        by = by or self
         if not fabric_tree.can_update(self.node_tree):
             return
         own_tree(self)
-        base = fabric_yarns.base(self)
+        base = fabric_yarns.base(by)
         if fabric_tree.is_stand_in(self.node_tree):
-            fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(self), _brightness(base),
+            fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(by), _brightness(base),
                                         _CLOTHS[base]["exponent"])
             return
         if unit is None:
             unit = fabric_tree.scene_unit()
             fabric_size.note_unit(getattr(bpy.context, "scene", None))
-        made, _trouble = settings(self, unit)
+        made, _trouble = settings(by, unit)
         maps = fabric_maps.of(made)
-        if self.size_mode == "REAL":  # counts are of a metre
+        if by != self and not fabric_maps.may_show(maps):
+            return
+        if by.size_mode == "REAL":  # counts are of a metre
             self.repeat_mm = [1000 * count / per for count, per in zip(maps["repeat"], maps["per_unit"])]
-        fabric_tree.update(self.node_tree, maps, f"Libshade {self._woven()}", fabric_size.space_of(self), unit,
-                           self.open_gaps)
-
-    def _woven(self):
-        """What its images are called."""
-        if self.preset != CUSTOM:
-            return _CLOTHS[self.preset]["label"]
-        if self.weave == DRAFT:
-            return self.draft.name if self.draft else "Draft"
-        return fabric_yarns.WEAVES[self.weave]["label"]
+        fabric_tree.update(self.node_tree, maps, f"Libshade {_woven(by)}", fabric_size.space_of(self, by.size_mode), unit,
+                           by.open_gaps)
 
     def draw_buttons(self, _context, layout):
         if not draw_on(self, layout):
@@ -221,6 +239,10 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         return _NAME
 
 
+_SAID = [name for name in LibshadeFabricNode.__annotations__
+         if name not in ("based_on", "draft", "distance", "repeat_mm", "set_transmission", "shares_tree")]
+
+
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
         add_button(self.layout, FABRIC, LibshadeFabricNode.bl_label)
@@ -256,7 +278,7 @@ _PANELS = (NODE_PT_libshade_warp, NODE_PT_libshade_weft)
 
 
 def register():
-    nodes.UPDATES[FABRIC] = is_old, update_node
+    nodes.UPDATES[FABRIC], nodes.FOLLOWED[FABRIC] = (is_old, update_node), _said
     register_node(LibshadeFabricNode)
     for panel in _PANELS:
         bpy.utils.register_class(panel)

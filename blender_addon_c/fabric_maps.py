@@ -31,12 +31,22 @@ def of(settings):
     return _made(json.dumps({**settings, "transmit": 0.0}, sort_keys=True))
 
 
+def _there(key):
+    return next((image for image in bpy.data.images if image.get(_MARK) == key and not image.library), None)
+
+
+def may_show(made):
+    """Are its pictures there, or may they be made now? A window's renderer reads the file's images with threads of its own."""
+    return bpy.app.background or not bpy.app.is_job_running("RENDER") or all(
+        made[word] is None or _there(made[word][0]) for word in WORDS)
+
+
 def image(made, word, name):
     """The file's image of such a picture, or a new one."""
     key, data = made[word]
-    for other in bpy.data.images:
-        if other.get(_MARK) == key and not other.library:
-            return other
+    known = _there(key)
+    if known:
+        return known
     new = bpy.data.images.new(f"{name} {word.title()}", *made["size"], alpha=False, is_data=word != "tint")
     new[_MARK] = key
     new.pixels.foreach_set(memoryview(data).cast("f"))

@@ -13,10 +13,10 @@ FABRIC = "LibshadeFabricNode"
 _FEEDS_SPACE = {("NEW_GEOMETRY", "Position"): "WORLD", ("TEX_COORD", "Object"): "OBJECT"}
 
 
-def space_of(node):
+def space_of(node, mode=None):
     """What its coordinates count: units of the UV MAP, of the OBJECT's space (keys of MEASURES) or of the WORLD; None where
-    the node itself says how large it is."""
-    if node.size_mode != "REAL":
+    the node itself says how large it is. mode: its own, or an animated one."""
+    if (mode or node.size_mode) != "REAL":
         return None
     seen, left = set(), [node.inputs["Vector"]] if "Vector" in node.inputs else []
     while left:

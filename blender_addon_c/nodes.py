@@ -544,11 +544,9 @@ def _update_node(tree, node):
 # By bl_idname: is a node old, and what makes it new.
 UPDATES = {METAL: (is_old, _update_node)}
 
+# By bl_idname: all that keyframes may change of a node whose `follow` carries it over.
+FOLLOWED = {METAL: lambda node: (settings(node), node.grain, node.uv_map, node.bump_response)}
 _followed = {}  # by tree and node: what its properties last said
-
-
-def _said(node):
-    return settings(node), node.grain, node.uv_map, node.bump_response
 
 
 @persistent
@@ -561,10 +559,10 @@ def _follow_animation(_scene, depsgraph=None):
         if not tree or not tree.animation_data:
             continue
         for node in tree.nodes:  # of linked materials too: what is inside them is as it is while this file is open
-            if node.bl_idname == METAL:
+            if node.bl_idname in FOLLOWED:
                 evaluated = owner.evaluated_get(depsgraph)
                 animated = getattr(evaluated, "node_tree", evaluated).nodes.get(node.name)
-                said = animated and _said(animated)
+                said = animated and FOLLOWED[node.bl_idname](animated)
                 if animated and _followed.get((owner.name_full, node.name)) != said:
                     _followed[owner.name_full, node.name] = said
                     node.follow(animated)

@@ -244,6 +244,27 @@ def test_presets_and_numbers():
     assert np.std(far[4:-4, 4:-4, :3].mean(-1)) < 0.02 * far.mean()
 
 
+def test_keyframes():
+    """Properties that keyframes set reach what is inside: a number, a picture, a socket, which then may say something else."""
+    seen = {"size": lambda node: node.node_tree.nodes["Place"].inputs["Per Unit"].default_value[0],
+            "warp_width": lambda node: node.node_tree.nodes["yarns"].image["libshade_cloth"],
+            "transmission": lambda node: node.inputs["Translucency"].default_value}
+    _tree, node, _plate = cloth("LINEN")
+    told = []
+    for frame, values in ((1, (0.01, 0.3, 0.1)), (11, (0.05, 0.8, 0.6))):
+        for name, value in zip(seen, values):
+            setattr(node, name, value)
+            node.keyframe_insert(name, frame=frame)
+        told.append([look(node) for look in seen.values()])
+    assert not set(told[0]) & set(told[1])
+    for frame, expected in ((1, told[0]), (11, told[1]), (1, told[0])):
+        bpy.context.scene.frame_set(frame)
+        assert [look(node) for look in seen.values()] == expected, frame
+    node.inputs["Translucency"].default_value = 0.3
+    bpy.context.scene.frame_set(11)
+    assert abs(node.inputs["Translucency"].default_value - 0.3) < 1e-6
+
+
 WIF = """[WIF]
 Version=1.1
 [WEAVING]
