@@ -83,9 +83,17 @@ void widen(Material &m) {
   const double ay = alpha_of(m.params, m.params.ay, m.params.ey);
 
   m.width = 0.5 * std::sqrt(ax * ay);
-  // the noise of n draws goes with the root of what they are spread over
-  const double spread = 64.0 * std::sqrt(std::max(ax, ay));
-  m.rays = m.samples > 0 ? m.samples : (int)std::min(std::max(std::ceil(spread), 4.0), 64.0);
+  // the noise of n draws goes with the root of what they are spread over: by the plate, and where
+  // there are scratches by their slopes as well
+  double spread = std::sqrt(std::max(ax, ay));
+  if (m.scratches) {
+    double share, square;
+    m.scratches->estimate(&share, &square);
+    const double wider = std::sqrt(std::sqrt(std::max(ax, ay) * std::max(ax, ay) + square));
+    spread += share * (wider - spread);
+  }
+  const double rays = std::ceil(64.0 * spread);
+  m.rays = m.samples > 0 ? m.samples : (int)std::min(std::max(rays, 4.0), 64.0);
   m.lattice = Lattice::of((unsigned int)m.rays);
   for (int level = 0; level < Material::LEVELS; level++) {
     shade_params p = widened(m.params, level);

@@ -56,6 +56,25 @@ void Scratches::end_layer() {
   made_mm = tile_mm;
 }
 
+void Scratches::estimate(double *share, double *square) const {
+  double covered = 0.0, slopes = 0.0;
+
+  for (int i = 0; i < params.layers; i++) {
+    const shade_scratch_layer &layer = params.layer[i];
+    const double a = layer.radius.low, b = layer.radius.high;
+    const double area = layer.pits * M_PI * (a * a + a * b + b * b) / 3.0 *
+                        (layer.stretch.low + layer.stretch.high) / 2.0;
+    const double depth = (layer.depth.low + layer.depth.high) / 2.0;
+    const double radius = (1.0 + depth * depth) / (2.0 * depth); // of the sphere, for pits of 1
+    covered += area;
+    // the mean of r^2 / (R^2 - r^2) over the cap; lengthwise there is next to nothing of it
+    if (depth > 0.0)
+      slopes += area * 0.5 * (radius * radius * std::log1p(1.0 / (radius * radius - 1.0)) - 1.0);
+  }
+  *share = 1.0 - std::exp(-covered);
+  *square = covered > 0.0 ? slopes / covered : 0.0;
+}
+
 ScratchField::ScratchField(const shade_scratch_params &params)
     : field(shade_scratch_create(&params, NULL), shade_scratch_free), deep(0.0) {
   if (!field)

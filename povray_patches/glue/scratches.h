@@ -27,6 +27,9 @@ struct Scratches {
   void begin_layers();
   void end_layer();
   double per_unit() const { return mm_per_unit / tile_mm; }
+  // About what share of the surface they cover, and the mean square of their slopes: without a
+  // field, which takes a while to make.
+  void estimate(double *share, double *square) const;
 
 private:
   bool own_layers;
