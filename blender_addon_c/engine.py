@@ -132,7 +132,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
     def _aovs(self, scene, result, count, messages):
         """Passes of these, each rendered by itself; Esc leaves the rest black."""
         for (name, kind), materials in scene["aovs"].items():
-            picture = self._picture(export.aov.view(scene, materials), count, messages)
+            picture = self._picture(export.aov.view(scene, kind, materials), count, messages)
             if picture is None:
                 return
             channels = export.aov.CHANNELS[kind]

@@ -5,9 +5,10 @@ the camera sees shine with that, and those without such a node are holes."""
 import bpy
 
 from . import tree
-from .closure import collect
+from .closure import collect, shading
 from .graph import Program, TooLarge, is_known
 from .value import color_of, number_of
+from .visibility import DIFFUSE, SHADOW
 
 _MUTED_SPEAK = bpy.app.version >= (5, 0)  # measured: not 3.4
 _MOST_GROUPS = 32  # one in another
@@ -15,9 +16,9 @@ OCCLUSION = "OCCLUSION"
 CHANNELS = {"COLOR": 4, "VALUE": 1, OCCLUSION: 3}
 OCCLUSION_NAME = "Ambient Occlusion" if bpy.app.version >= (5, 0) else "AO"
 BLACK = {"closure": "EMISSION", "weight": (0.0,) * 3}
-_RAYS = 4  # of a sample
+_RAYS, _MOST_SAMPLES = 2, 1 << 16  # of occlusion, of a sample
 # What of a scene is of the picture alone, and what lights it.
-_BESIDE = ("planes", "mattes", "matte_slots", "mist", "adaptive_threshold", "adaptive_min_samples", "sky", "looks", "backdrop",
+_BESIDE = ("sky_hidden", "planes", "mattes", "matte_slots", "mist", "adaptive_threshold", "adaptive_min_samples", "sky", "looks", "backdrop",
            "backdrop_sky", "time_limit")
 _DARK = {"background": (0.0,) * 3, "lights": [], "max_bounces": 0, "transparent": True, "dump": "", "sample_clamp_direct": 0.0,
          "sample_clamp_indirect": 0.0}
@@ -33,19 +34,28 @@ def wanted_of(view_layer):
     return ([(OCCLUSION_NAME, OCCLUSION)] if view_layer.use_pass_ambient_occlusion else []) + of_nodes(view_layer)
 
 
-def view(scene, materials):
-    """The scene to be rendered for one of them. materials: as many as the scene has."""
+def view(scene, kind, materials):
+    """The scene to be rendered for one of them, of that kind. materials: as many as the scene has."""
     kept = {key: value for key, value in scene.items() if key not in _BESIDE}
-    return {**kept, **_DARK, "materials": materials}
+    lit = {}
+    if kind == OCCLUSION:  # what its rays meet is what shadow rays do
+        lit = {"background": (1.0,) * 3, "reach": max(scene["aov_reach"], 1e-30), "samples": min(scene["samples"] * _RAYS, _MOST_SAMPLES),
+               "instances": [_as_to_shadows(one) for one in scene["instances"]]}
+    return {**kept, **_DARK, **lit, "materials": materials}
 
 
-def read_into(reader, own, name, kind, threshold, held):
+def _as_to_shadows(instance):
+    hidden = instance["hidden"]
+    return instance if (hidden & SHADOW != 0) == (hidden & DIFFUSE != 0) else {**instance, "hidden": hidden ^ DIFFUSE}
+
+
+def read_into(reader, own, name, kind, threshold, held, shades):
     """What a material of that node tree, or None, says by that name, as the native module takes a material. kind: one of CHANNELS.
     threshold: of its alpha, below which the next surfaces say it as well; None where light does not pass through it. held: is it a
-    hole in the picture?"""
+    hole in the picture? shades: does it stop shadow rays, however clear?"""
     try:
         if kind == OCCLUSION:
-            return _material(reader, [BLACK]) if held else _occluded(reader, own, threshold is not None)
+            return _material(reader, [BLACK]) if held else _occluded(reader, own, threshold is not None, shades)
         return _finished(reader, own, name, kind == "COLOR", threshold)
     except (TooLarge, RecursionError):
         reader.warn(f"its nodes are too many for the pass '{name}'; left out")
@@ -68,22 +78,23 @@ def _finished(reader, own, name, is_color, threshold):
     return _material(reader, made)
 
 
-def _occluded(reader, own, passes):
+def _occluded(reader, own, passes, shades):
     """How much of the hemisphere about what is matt in it, or about the surface's own normal, is free of others, as far as the
     world's ambient occlusion goes; of what is clear, the surface behind says it. passes: is any of it clear?"""
     math, through = reader.program.math, (0.0,) * 3
     output = own.get_output_node("ALL") if own else None
     if output:
         collect(reader, output.inputs["Surface"], ())
+    if shades:
+        shading(reader, "CAMERA", True)
     for closure in reader.closures if passes else ():
         if closure["closure"] == "TRANSPARENT":
             through = tuple(math("ADD", sum_, part) for sum_, part in zip(through, closure.get("weight", (1.0,) * 3)))
     normal = next((closure.get("normal") for closure in reader.closures if closure["closure"] == "DIFFUSE"), None)
     normal = normal and reader.below.get(normal[0], normal)
-    free = reader.program.emit("OCCLUSION", 1, samples=_RAYS, distance=[reader.reach()],
-                               **({"normal": normal} if normal else {}))[0]
-    there = [math("MAXIMUM", math("SUBTRACT", 1.0, part), 0.0) for part in through]
-    made = [{"closure": "EMISSION", "weight": tuple(math("MULTIPLY", part, free) for part in there)}]
+    there = tuple(math("MAXIMUM", math("SUBTRACT", 1.0, part), 0.0) for part in through)
+    made = [{"closure": "DIFFUSE", "model": "LAMBERT", "color": (1.0,) * 3, "roughness": [0.0], "bumps": "OPEN", "weight": there,
+             **({"normal": normal} if normal else {})}]
     return _material(reader, made + ([{"closure": "TRANSPARENT", "weight": through}] if passes else []))
 
 

@@ -979,6 +979,16 @@ CLOSURES = {
 }
 
 
+def shading(reader, way, seen):
+    """What is transparent is so for rays that are of this way (a word of the native node PATH), or for all others."""
+    math = reader.program.math
+    for number, closure in enumerate(reader.closures):
+        if closure["closure"] == "TRANSPARENT":
+            share = reader.program.emit("PATH", 1, what=way)[0]
+            share = share if seen else math("SUBTRACT", 1.0, share)
+            reader.closures[number] = {**closure, "weight": _times(reader, tuple(closure.get("weight", _WHITE)), share)}
+
+
 def held_out(reader):
     """The camera sees a hole in the place of all but what is transparent; nothing else does."""
     math = reader.program.math

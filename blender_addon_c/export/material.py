@@ -10,7 +10,7 @@ from mathutils import Matrix
 from . import tree
 from .aov import BLACK, read_into
 from .attributes import Attributes, of_view_layer
-from .closure import collect, held_out, plain, principled
+from .closure import collect, held_out, plain, principled, shading
 from .graph import Program, TooLarge
 from .image import Images
 from .layers import Layers
@@ -180,6 +180,11 @@ class Reader:
         self.program, self.closures = Program(), [plain(color)]
         return {**about, **self._finished()}
 
+    def _shades(self):
+        """Does it stop shadow rays, however transparent it is?"""
+        own = self._material
+        return own and not getattr(own, "use_transparent_shadow", getattr(getattr(own, "cycles", None), "use_transparent_shadow", True))
+
     def read_aov(self, name, kind):
         """What it says by that name, after it was read."""
         other = Reader(self._table, self._messages, self._material)
@@ -187,7 +192,7 @@ class Reader:
         other.colors = other.filters = False
         own = tree.of(self._material) if self._material else None
         passes = own and any(closure["closure"] == "TRANSPARENT" for closure in self.closures)
-        made = read_into(other, own, name, kind, self._table.threshold if passes else None, self._held)
+        made = read_into(other, own, name, kind, self._table.threshold if passes else None, self._held, self._shades())
         self.uv_map, self.measured = other.uv_map, other.measured
         return {"name": self._material.name if self._material else "", **made}
 
@@ -206,6 +211,11 @@ class Reader:
             self.closures.append({"closure": "TRANSPARENT"})
         else:
             self.warn("no shader (its surface has none); black, as in Cycles")
+        if self._shades() and any(closure["closure"] == "TRANSPARENT" for closure in self.closures):
+            if bpy.app.version >= (4, 0):  # measured: 4.2 and 5.0; 3.4's paths make up for most of it
+                shading(self, "SHADOW", False)
+            else:
+                self.warn("Transparent Shadows (off) are not supported; its shadows are transparent")
         if len(self.closures) > _MOST:
             self.warn(f"its {len(self.closures)} shaders are more than {_MOST}; the last are left out")
         return self._finished()

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from . import passes, strands, tree
-from .aov import OCCLUSION, wanted_of
+from .aov import wanted_of
 from .camera import rows
 from .kept import owners_of
 from .light import Links, kinds, light_of, name_shading
@@ -48,9 +48,6 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages)
-    if any(kind == OCCLUSION for _name, kind in aovs) and any(
-            closure["closure"] == "TRANSPARENT" for made in table.materials for closure in made.get("closures", ())):
-        messages.warning("pass Ambient Occlusion: surfaces that let light through stop its rays")
     _name_settings(scene, messages)
     return {
         "width": size[0],
@@ -81,6 +78,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "attributes": len(table.attributes.listed),
         "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
         "aovs": table.aovs,
+        "aov_reach": table.reach,
         **mattes.wanted(),
         "by_camera": table.by_camera,
         "meshes": meshes,

@@ -4,7 +4,7 @@
 _BITS = {"camera": 1, "diffuse": 2, "glossy": 4, "transmission": 8, "shadow": 16}  # batch/lanes.h
 BOUNCED = ("diffuse", "glossy", "transmission")
 ALL = tuple(_BITS)
-CAMERA = _BITS["camera"]
+CAMERA, DIFFUSE, SHADOW = (_BITS[kind] for kind in ("camera", "diffuse", "shadow"))
 
 
 def hidden(owner, kinds, prefix="visible_"):

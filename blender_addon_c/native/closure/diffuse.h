@@ -11,6 +11,7 @@
  *   HARD         what eye and light see of it
  *   SHADED       what light sees of it, less by Smith's shadow of such bumps [Estevez2019]
  *   FADED        what both see, less where it is turned to the light [Chiang2019]
+ *   OPEN         all of the hemisphere about the normal, below the surface, too
  */
 #ifndef LIBSHADE_CLOSURE_DIFFUSE_H
 #define LIBSHADE_CLOSURE_DIFFUSE_H
@@ -19,7 +20,7 @@
 #include "node/common.h"
 
 enum { DIFFUSE_LAMBERT, DIFFUSE_OREN_NAYAR, DIFFUSE_EON, DIFFUSE_BURLEY };
-enum { DIFFUSE_HARD, DIFFUSE_SHADED, DIFFUSE_FADED };
+enum { DIFFUSE_HARD, DIFFUSE_SHADED, DIFFUSE_FADED, DIFFUSE_OPEN };
 
 typedef struct closure_diffuse {
   int model, bumps, normal[3];
@@ -28,7 +29,7 @@ typedef struct closure_diffuse {
 
 static inline bool closure_diffuse_read(reader *r, closure_diffuse *c, graph *g, unsigned *status) {
   static const char *const models[] = {"LAMBERT", "OREN_NAYAR", "EON", "BURLEY", NULL};
-  static const char *const bumps[] = {"HARD", "SHADED", "FADED", NULL};
+  static const char *const bumps[] = {"HARD", "SHADED", "FADED", "OPEN", NULL};
   (void)status;
   c->bumps = DIFFUSE_HARD;
   if (reader_has(r, "bumps") && !reader_word(r, "bumps", bumps, &c->bumps))
@@ -110,18 +111,21 @@ LEAF void diffuse_f(int model, const diffuse_lanes *from, size_t i, float nl, fl
   f->b[i] = scale * diffuse_term(model, b, rough, nl, nv, lv);
 }
 
-/* The normal, and that which it is bent from; what of the eye's cosine is enough. */
+/* The normal, and that which it is bent from; what of the eye's cosine is enough, and of a
+ * direction's height. */
 typedef struct diffuse_bent {
   const float *n[3], *own[3];
-  float least, fades, shades;
+  float least, lowest, fades, shades;
 } diffuse_bent;
 
 static inline diffuse_bent diffuse_bent_of(const closure_diffuse *c, const surfaces *at,
                                            const inputs *given) {
   const float *const lean[] = {at->lean.x, at->lean.y, at->lean.z};
   bool plain = c->normal[0] == REGISTER_NORMAL, away = plain && at->leans == LEANS_AWAY;
-  bool fades = c->bumps == DIFFUSE_FADED || (plain && at->leans == LEANS_FADING);
-  diffuse_bent made = {.least = away || c->bumps == DIFFUSE_SHADED ? -2.0f : 0.0f,
+  const bool open = c->bumps == DIFFUSE_OPEN;
+  bool fades = c->bumps == DIFFUSE_FADED || (!open && plain && at->leans == LEANS_FADING);
+  diffuse_bent made = {.least = away || open || c->bumps == DIFFUSE_SHADED ? -2.0f : 0.0f,
+                       .lowest = open ? -2.0f : 0.0f,
                        .fades = fades ? 1.0f : 0.0f,
                        .shades = c->bumps == DIFFUSE_SHADED ? 1.0f : 0.0f};
   for (int k = 0; k < 3; k++) {
@@ -146,7 +150,7 @@ LEAF void diffuse_eval(int model, const closure_diffuse *c, lane_run run,
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = {bent.n[0][i], bent.n[1][i], bent.n[2][i]}, l = load(wi, i), v = load(&at->wo, i);
     float nl = dot(n, l), nv = dot(n, v);
-    bool lit = (nl > 0.0f) & (l.z > 0.0f) & (nv > bent.least);
+    bool lit = (nl > 0.0f) & (l.z > bent.lowest) & (nv > bent.least);
     diffuse_f(model, &lanes, i, clampf(nl, 0.0f, 1.0f), clampf(nv, 0.0f, 1.0f), dot(l, v),
               lit ? diffuse_fade(&bent, i, n, l) : 0.0f, &out->f);
     out->cosine[i] = lit ? nl : 0.0f;
@@ -163,7 +167,7 @@ LEAF void diffuse_draw(int model, const closure_diffuse *c, lane_run run,
     vec3 n = {bent.n[0][i], bent.n[1][i], bent.n[2][i]}, v = load(&at->wo, i);
     float nl, nv = dot(n, v);
     vec3 l = cosine_about(n, out->x[i], out->y[i], &nl);
-    bool lit = (nl > 0.0f) & (l.z > 0.0f) & (nv > bent.least);
+    bool lit = (nl > 0.0f) & (l.z > bent.lowest) & (nv > bent.least);
     store(&out->wi, i, l);
     diffuse_f(model, &lanes, i, nl, clampf(nv, 0.0f, 1.0f), dot(l, v),
               lit ? diffuse_fade(&bent, i, n, l) : 0.0f, &out->f);

@@ -221,6 +221,18 @@ static void carry_clear(worker *w, size_t rays) {
   }
 }
 
+/* Rays that surfaces have drawn end at some distance, however often they go straight on. */
+static void shorten(worker *w, size_t count) {
+  batch *b = w->batch;
+  rays *ray = &b->sample_ray;
+  for (size_t k = 0; k < count; k++) {
+    vec3 o = load(&ray->o, k), from = load(&b->next->from, k);
+    vec3 way = {o.x - from.x, o.y - from.y, o.z - from.z};
+    if (b->next->ray[k] != RAY_CAMERA)
+      ray->tfar[k] = w->scene->reach - sqrtf(dot(way, way));
+  }
+}
+
 /* The colours of a lamp that shines by direction, as each hit sees it. */
 static void paint(const light *l, size_t hits, const surfaces *at, light_samples *light) {
   for (size_t i = 0; i < hits; i++) {
@@ -535,6 +547,8 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
     carry_unlit(w, rays);
   if (w->scene->clears)
     carry_clear(w, rays);
+  if (w->scene->reach > 0.0f)
+    shorten(w, rays);
   clock_tick(&w->clocks, CLOCK_DRAW);
   return rays;
 }

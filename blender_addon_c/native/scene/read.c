@@ -703,6 +703,8 @@ static bool read_picture(reader *r, scene *s) {
        !reader_integer(r, "sky_hidden", 0, RAY_CAMERA | RAY_BOUNCED, &sky_hidden)) ||
       !reader_text(r, "dump", "", &dump))
     return false;
+  if (reader_has(r, "reach") && !reader_number_within(r, "reach", 0, 1e30, &s->reach))
+    return false;
   s->clears = s->transparent && reader_has(r, "clear_glass");
   if (s->clears && !reader_number_within(r, "clear_glass", 0, 1, &s->clear_alpha))
     return false;

@@ -176,6 +176,7 @@ typedef struct scene {
   bool transparent;
   bool clears; /* it is, and glass no rougher than this alpha hides nothing from it */
   float clear_alpha;
+  float reach;          /* how far rays that surfaces draw may meet something; 0: anywhere */
   bool matt_leans;      /* LEANS_AWAY, not LEANS_FADING */
   bool soft_terminator; /* smooth surfaces cast no shadows of their facets on themselves */
   float background[3];  /* 0 where there is a sky */

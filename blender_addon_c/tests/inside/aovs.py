@@ -65,7 +65,7 @@ def aovs(options):
 
 
 def occlusion(options):
-    """A matt floor, and over it four balls: one that shines, one of glass, one matt with a bent normal, one that is a hole."""
+    """A matt floor, and over it four balls: one that shines, one of glass, one matt with a bent normal, one that is a hole; panes."""
     scene = common.empty_scene(64, 48, samples=128)
     engine = scene.render.engine = options["engine"]
     if engine == "CYCLES":
@@ -90,6 +90,12 @@ def occlusion(options):
         ball.data.materials.append(material)
         ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
     ball.is_holdout = True
+    for x, full in ((-0.9, False), (0.9, True)):  # panes before the row, one that casts a full shadow
+        pane, _, shader = _material("pane", "ShaderNodeBsdfTransparent")
+        shader.inputs["Color"].default_value = (1, 1, 1, 1)
+        if full:
+            setattr(pane if hasattr(pane, "use_transparent_shadow") else pane.cycles, "use_transparent_shadow", False)
+        common.plane(pane, 1).location = (x, -1.2, 0.4)
     common.light(scene)
     scene.view_layers[0].use_pass_ambient_occlusion = True
     common.render(options["picture"])

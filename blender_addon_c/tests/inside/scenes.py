@@ -1372,7 +1372,7 @@ def lit(options):
         scene.objects["Sphere.001"].data.materials[0].node_tree.nodes["Glossy BSDF"].inputs[
             "Roughness"].default_value = options["roughness"]
     if "panes" in options:
-        panes(options["panes"])
+        panes(options["panes"], options.get("full"))
         settings.transparent_max_bounces = options.get("passes", 8)
         settings.sample_clamp_indirect = 0
     if options.get("empty"):
@@ -1721,8 +1721,9 @@ def caught(options):
     return {}
 
 
-def panes(kinds):
-    """Sheets between the floor and the light, one above the other, some before the eye as well."""
+def panes(kinds, full=False):
+    """Sheets between the floor and the light, one above the other, some before the eye as well. full: the first, which is
+    clear, stops shadow rays."""
     for number, kind in enumerate(kinds):
         material = bpy.data.materials.new(kind)
         tree = common.tree_of(material)
@@ -1731,6 +1732,7 @@ def panes(kinds):
             shader = tree.nodes.new("ShaderNodeBsdfTransparent")
             shader.inputs["Color"].default_value = (0.9, 0.6, 0.2, 1)
             tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+            setattr(material if hasattr(material, "use_transparent_shadow") else material.cycles, "use_transparent_shadow", not full)
         else:
             shader = tree.nodes["Principled BSDF"]
             shader.inputs["Base Color"].default_value = (0.2, 0.5, 0.7, 1)
