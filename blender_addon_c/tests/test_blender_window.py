@@ -99,21 +99,38 @@ def test_f12_and_esc(window):
     assert window.blender.poll() is None
 
 
-def golden(path):
+def golden(path, columns=slice(1000)):
     """Number of pixels in the 3D view that are of our golden metal's colour, and bright."""
-    red, _green, blue = np.moveaxis(rgba(path)[80:800, :1000, :3], -1, 0)
+    red, _green, blue = np.moveaxis(rgba(path)[80:800, columns, :3], -1, 0)
     return ((red > 0.4) & (red > 1.2 * blue) & (red < 2.5 * blue)).sum()
 
 
+def white(path):
+    """The same of what is white in the right half of the camera's frame."""
+    return (rgba(path)[240:630, 530:790, :3].min(-1) > 0.6).sum()
+
+
 def test_viewport(window):
-    """Rendered mode shows the metal, soon after it has been asked for."""
+    """Rendered mode shows the metal, soon after it has been asked for; then a part of it, what is in local view, and both in two views."""
     window.wait("ready 0")
     assert golden(window.take_screenshot("blender_solid.png")) < 5_000  # outline, axis
+
+    def until(name, is_so):
+        deadline = time.monotonic() + 30
+        while not is_so(path := window.take_screenshot(f"blender_{name}.png")):
+            assert time.monotonic() < deadline, f"{name}: {golden(path)} golden pixels in the viewport"
+            time.sleep(0.5)
+        return golden(path)
+
     window.please("viewport")
-    deadline = time.monotonic() + 30
-    while golden(window.take_screenshot("blender_viewport.png")) < 20_000:
-        assert time.monotonic() < deadline, "nothing golden in the viewport"
-        time.sleep(0.5)
+    whole = until("viewport", lambda path: golden(path) >= 20_000)
+    window.please("border")
+    until("border", lambda path: 0.02 * whole < golden(path) < 0.5 * whole)
+    plate = white(window.take_screenshot("blender_border.png"))
+    window.please("local")  # of the monkey, without the plate
+    until("local", lambda path: white(path) < 0.2 * plate and golden(path) > 0.02 * whole)
+    window.please("split")  # and the other shows all
+    until("split", lambda path: golden(path, slice(500)) > 0.1 * whole and golden(path, slice(540, 1000)) > 0.02 * whole)
 
 
 def test_viewport_says_what_is_wrong(window):

@@ -82,6 +82,35 @@ def show_viewport(shading="RENDERED"):
             area.spaces.active.shading.type = shading
 
 
+def border():
+    """The right half of the camera's frame alone."""
+    render = bpy.context.scene.render
+    render.use_border, render.border_min_x = True, 0.5
+
+
+def local_view():
+    """Of the monkey and the lamp, without that border."""
+    bpy.context.scene.render.use_border = False
+    for ob in bpy.context.scene.objects:
+        ob.select_set(ob.name in ("Suzanne", "sun"))
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.view3d.localview(frame_selected=False)
+
+
+def split():
+    """The view becomes two."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    with bpy.context.temp_override(window=window, area=area):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    for area in window.screen.areas:
+        if area.type == "VIEW_3D":
+            area.spaces.active.shading.type = "RENDERED"
+
+
 def add_portal():
     common.light(bpy.context.scene, "AREA").data.cycles.is_portal = True
 
@@ -230,6 +259,7 @@ def telling_progress(text):
 def serve():
     for please, action in ((screenshot + ".please", take_screenshot),
                            (log_path + ".viewport", show_viewport),
+                           (log_path + ".border", border), (log_path + ".local", local_view), (log_path + ".split", split),
                            (log_path + ".portal", add_portal),
                            (log_path + ".empty", remove_meshes),
                            (log_path + ".solid", lambda: show_viewport("SOLID")),
