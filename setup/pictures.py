@@ -69,25 +69,49 @@ def fitted(picture, width, height):
     return picture.crop((left, top, left + width, top + height))
 
 
+def rendered(name, *words):
+    """A scene of examples/blender."""
+    build = ROOT / "build"
+    made = build / ("-".join(["blender", name, *words]) + ".png")
+    if not made.is_file():
+        subprocess.run(["blender", "-b", "--factory-startup", "--addons", "libshade", "--python-exit-code", "1", "-P",
+                        ROOT / "examples/blender" / name / "make_scene.py", "--", made, *words], check=True,
+                       stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(build / "blender")})
+    return Image.open(made).convert("RGB")
+
+
 def blender_sheet():
     """examples/blender.jpg: scenes of examples/blender by our engine (half an hour of a processor)."""
-    build, unit = ROOT / "build", 3
+    unit = 3
     sheet = Image.new("RGB", (480 * unit, 270 * unit))
     for name, words, place in _BLENDER:
-        made = build / "-".join(["blender", name, *words])
-        made = made.with_name(made.name + ".png")
-        if not made.is_file():
-            subprocess.run(["blender", "-b", "--factory-startup", "--addons", "libshade", "--python-exit-code", "1", "-P",
-                            ROOT / "examples/blender" / name / "make_scene.py", "--", made, *words], check=True,
-                           stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(build / "blender")})
         x, y, width, height = (unit * k for k in place)
-        sheet.paste(fitted(Image.open(made).convert("RGB"), width, height), (x, y))
+        sheet.paste(fitted(rendered(name, *words), width, height), (x, y))
     sheet.save(ROOT / "examples" / "blender.jpg", quality=78, optimize=True, progressive=True)
+
+
+# By rows: how high, and of each scene its arguments and how wide.
+_TWINS = ((202, (("pan", (), 360), ("dial", (), 360))), (263, (("scratches", (), 394), ("jacket", ("near",), 326))),
+          (310, (("drape", (), 336), ("jacket", (), 384))))
+
+
+def twins(picture_of=rendered):
+    """examples/twins.jpg: the same by our engine and, on the right, by Cycles (an hour of a processor)."""
+    sheet, y = Image.new("RGB", (1440, sum(height for height, _scenes in _TWINS))), 0
+    for height, scenes in _TWINS:
+        x = 0
+        for name, words, width in scenes:
+            for engine in ((), ("cycles",)):
+                sheet.paste(fitted(picture_of(name, *words, *engine), width, height), (x, y))
+                x += width
+        y += height
+    sheet.save(ROOT / "examples" / "twins.jpg", quality=78, optimize=True, progressive=True)
 
 
 def main():
     swatches()
     blender_sheet()
+    twins()
     povray_cloth()
     povray_sheet()
     both = side_by_side([Image.open(DEMO / f"{name}.png") for name in ("blender", "povray")])

@@ -32,7 +32,7 @@ def scratched(name, roughness, *presets):
         if before:
             tree.links.new(before.outputs["Normal"], node.inputs["Normal"])
         if CYCLES:
-            scratches.bake(node, name, bpy.context.scene)
+            scratches.bake(node, name, bpy.context.scene, points=not NEAR)
         before = node
     tree.links.new(before.outputs["Normal"], shader.inputs["Normal"])
     return made
