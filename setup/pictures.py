@@ -30,7 +30,7 @@ def swatches():
     sheet = ROOT / "build" / "swatches.png"
     subprocess.run([ROOT / "build" / "shade", "swatch", "--all", "--size", "136", "-o", sheet],
                    check=True)
-    Image.open(sheet).save(ROOT / "examples" / "swatches.jpg", quality=86, optimize=True, progressive=True)
+    Image.open(sheet).save(ROOT / "examples" / "swatches.jpg", quality=80, optimize=True, progressive=True)
 
 
 def povray_cloth():
@@ -38,7 +38,7 @@ def povray_cloth():
     made = ROOT / "build" / "povray-cloth.png"
     subprocess.run([ROOT / "build" / "povray" / "povray", f"+I{ROOT}/examples/povray/cloth/cloth.pov", f"+O{made}",
                     "+W960", "+H540", "+A0.1", "-D", "-V"], check=True, stderr=subprocess.DEVNULL)
-    Image.open(made).convert("RGB").save(ROOT / "examples" / "povray-cloth.jpg", quality=86, optimize=True, progressive=True)
+    Image.open(made).convert("RGB").save(ROOT / "examples" / "povray-cloth.jpg", quality=80, optimize=True, progressive=True)
 
 
 def povray_sheet():
@@ -53,7 +53,7 @@ def povray_sheet():
         subprocess.run([build / "povray" / "povray", f"+I{ROOT}/examples/povray/{name}/{name}.pov", f"+L{build}", f"+O{made}",
                         "+W960", "+H540", "+A0.2", "-D", "-V"], check=True, stderr=subprocess.DEVNULL)
         sheet.paste(Image.open(made).convert("RGB").resize((480, 270), Image.LANCZOS), (480 * (i % 3), 270 * (i // 3)))
-    sheet.save(ROOT / "examples" / "povray.jpg", quality=86, optimize=True, progressive=True)
+    sheet.save(ROOT / "examples" / "povray.jpg", quality=80, optimize=True, progressive=True)
 
 
 # Of each scene in examples/blender its arguments, and what of its picture (in 480ths of a sheet's width) goes where.
@@ -91,13 +91,13 @@ def blender_sheet():
 
 
 # By rows: how high, and of each scene its arguments and how wide.
-_TWINS = ((202, (("pan", (), 360), ("dial", (), 360))), (263, (("scratches", (), 394), ("jacket", ("near",), 326))),
-          (310, (("drape", (), 336), ("jacket", (), 384))))
+_TWINS = ((162, (("pan", (), 288), ("dial", (), 288))), (210, (("scratches", (), 315), ("jacket", ("near",), 261))),
+          (248, (("drape", (), 269), ("jacket", (), 307))))
 
 
 def twins(picture_of=rendered):
     """examples/twins.jpg: the same by our engine and, on the right, by Cycles (an hour of a processor)."""
-    sheet, y = Image.new("RGB", (1440, sum(height for height, _scenes in _TWINS))), 0
+    sheet, y = Image.new("RGB", (1152, sum(height for height, _scenes in _TWINS))), 0
     for height, scenes in _TWINS:
         x = 0
         for name, words, width in scenes:
@@ -105,7 +105,7 @@ def twins(picture_of=rendered):
                 sheet.paste(fitted(picture_of(name, *words, *engine), width, height), (x, y))
                 x += width
         y += height
-    sheet.save(ROOT / "examples" / "twins.jpg", quality=78, optimize=True, progressive=True)
+    sheet.save(ROOT / "examples" / "twins.jpg", quality=74, optimize=True, progressive=True)
 
 
 def main():
@@ -115,8 +115,8 @@ def main():
     povray_cloth()
     povray_sheet()
     both = side_by_side([Image.open(DEMO / f"{name}.png") for name in ("blender", "povray")])
-    scaled(both).save(ROOT / "examples" / "suzanne.jpg", quality=88, optimize=True)
-    scaled(Image.open(STRIP).convert("RGB")).save(ROOT / "examples" / "plate.jpg", quality=88, optimize=True)
+    scaled(both).save(ROOT / "examples" / "suzanne.jpg", quality=82, optimize=True)
+    scaled(Image.open(STRIP).convert("RGB")).save(ROOT / "examples" / "plate.jpg", quality=82, optimize=True)
 
 
 if __name__ == "__main__":
