@@ -56,8 +56,9 @@ def measure(scene):
         if ob.library:
             left += 1
             continue
-        by = size.metres([part for row in ob.matrix_world for part in row], size.unit_size(ob.data, ""),
-                         size.unit_of(scene))
+        with size.before_modifiers(ob) as mesh:
+            per_unit = size.unit_size(mesh, "")
+        by = size.metres([part for row in ob.matrix_world for part in row], per_unit, size.unit_of(scene))
         for name, value in zip(MEASURES.values(), by):
             if ob.get(name) != value:
                 ob[name] = value

@@ -5,7 +5,7 @@ import numpy as np
 
 from . import normals
 from .layers import data_of, integers, read, uv_layer, uvs_of
-from .size import unit_size
+from .size import before_modifiers, unit_size
 
 
 def mesh_of(ob, mesh, slots, way, table, motion, messages):
@@ -58,9 +58,11 @@ def _measured(ob, mesh, name):
     """What a unit of its UV map of this name spans, before modifiers; nothing where the name is None."""
     if name is None:
         return {}
-    before = ob.original.data
-    same = isinstance(before, type(mesh)) and len(before.polygons) and not mesh.is_editmode
-    return {"per_unit": unit_size(before if same and before.uv_layers else mesh, name)}
+    own = ob.original
+    if not isinstance(own.data, type(mesh)) or own.data.is_editmode and not own.modifiers:
+        return {"per_unit": unit_size(mesh, name)}
+    with before_modifiers(own) as before:
+        return {"per_unit": unit_size(before if len(before.polygons) and before.uv_layers else mesh, name)}
 
 
 def _layers(mesh, corners, positions, wanted, owner, messages):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How large objects are, for cloth."""
 
+from contextlib import contextmanager
+
 import numpy as np
 
 from .layers import read, uvs_of
@@ -32,6 +34,18 @@ def unit_size(mesh, name):
         area = read(mesh.polygons, "area", 1).astype(float).sum()
         size = np.sqrt(area / flat) if flat > 0 else 1.0
     return float(size) if 0 < size < 1e18 else 1.0
+
+
+@contextmanager
+def before_modifiers(ob):
+    """An object's own mesh; in edit mode, where no coordinates can be read of it, a copy as it was last left or told."""
+    if not ob.data.is_editmode:
+        yield ob.data
+        return
+    try:
+        yield ob.to_mesh()
+    finally:
+        ob.to_mesh_clear()
 
 
 def metres(matrix, per_unit, unit):

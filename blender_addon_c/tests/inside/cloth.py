@@ -182,6 +182,14 @@ def test_real_size():
     camera = bpy.context.scene.camera
     camera.data.ortho_scale, camera.data.clip_start = 0.0019, 0.001
     plain = picture("real")
+    for modifiers in (0, 1):  # in edit mode, where the mesh itself has no coordinates
+        if modifiers:
+            ob.modifiers.new("edges", "EDGE_SPLIT")
+        bpy.ops.object.mode_set(mode="EDIT")
+        assert difference(picture(), plain) < 2e-3
+        assert bpy.ops.libshade.measure_cloth() == {"FINISHED"} and abs(ob["libshade_metres"] - 0.002) < 1e-6
+        bpy.ops.object.mode_set(mode="OBJECT")
+    ob.modifiers.clear()
     node.size = 0.002  # what a unit of the map spans now
     assert node.size_mode == "LENGTH" and difference(picture(), plain) < 2e-3
     node.size_mode = "REAL"
