@@ -37,6 +37,9 @@ def build():
     plain = bpy.data.materials.new("plain")
     common.tree_of(plain)
     materials.append(plain)
+    cloth = bpy.data.materials.new("cloth")
+    tree = common.tree_of(cloth)
+    tree.links.new(tree.nodes.new("LibshadeFabricNode").outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=5, y_subdivisions=5)
     grid = common.added(materials[0])
     grid.data.materials.append(materials[1])
@@ -110,6 +113,28 @@ def edit_slider():
 def edit_property():
     node = bpy.data.materials[f"metal{chance.randrange(3)}"].node_tree.nodes["Libshade Metal"]
     node.detail = chance.choice(["ROTATE", "DEFORM_LINEAR", "NONE"])
+
+
+def edit_keys():
+    """Of what is carried over into our nodes, where keyframes change it."""
+    kind, owner = chance.choice([("Metal", f"metal{k}") for k in range(3)] + [("Fabric", "cloth")])
+    node = bpy.data.materials[owner].node_tree.nodes["Libshade " + kind]
+    name, value = chance.choice({
+        "Metal": [("ex", chance.uniform(5, 500)), ("grain", chance.choice(["UV", "RADIAL_Z", "AXIS_Y"])),
+                  ("bump_response", chance.choice(["FOLLOW", "IGNORE"]))],
+        "Fabric": [("size", chance.uniform(0.1, 1)), ("warp_width", chance.uniform(0.2, 0.9))]}[kind])
+    setattr(node, name, value)
+    node.keyframe_insert(name, frame=bpy.context.scene.frame_current + chance.randrange(3))
+
+
+def edit_driver():
+    node = bpy.data.materials[f"metal{chance.randrange(3)}"].node_tree.nodes["Libshade Metal"]
+    if node.driver_remove("ay"):
+        return
+    driver = node.driver_add("ay").driver
+    variable = driver.variables.new()
+    variable.name, variable.targets[0].id, variable.targets[0].data_path = "x", some("LIGHT"), "location.x"
+    driver.expression = "0.1 + abs(x) / 4"
 
 
 def edit_uv_map_node():
