@@ -161,7 +161,9 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         self.shares_tree = node.shares_tree = True  # as LibshadeMetalNode.copy
 
     def follow(self, animated):
-        """What keyframes and drivers make of the properties, for what is inside."""
+        """What keyframes and drivers make of the properties, for what is inside; that of a linked cloth would show this file's images."""
+        if self.id_data.library:
+            return
         socket = self.inputs.get(TRANSLUCENCY)
         if socket and not socket_rules(self):
             socket.default_value = animated.transmission
