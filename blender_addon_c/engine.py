@@ -124,6 +124,7 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 raise export.SceneError(state["message"])
             if state["state"] == "done":
                 self._aovs(scene, result, len(pixels), messages)
+                self._groups(scene, export.groups.names_of(depsgraph.view_layer), result, len(pixels), exposure, messages)
             if state["state"] == "done" and tells_timings():
                 self.report({"INFO"}, _summary(_native.timings(job), synced - started))
         finally:
@@ -137,6 +138,14 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 return
             channels = export.aov.CHANNELS[kind]
             _set_pixels(result, picture[:, :channels].ravel(), name=name, channels=channels)
+
+    def _groups(self, scene, names, result, count, exposure, messages):
+        """The same of light groups."""
+        for name in names:
+            picture = self._picture(export.groups.view(scene, name), count, messages)
+            if picture is None:
+                return
+            _set_pixels(result, picture[:, :3].ravel(), exposure, export.groups.pass_of(name), 3)
 
     def _pictures(self, views, pictures, count, messages):
         """Those that the last one needs, which share its time limit: whether all are there, and the last one's scene."""

@@ -225,6 +225,44 @@ class VIEWLAYER_PT_libshade_passes_aov(_Panel, bpy.types.Panel):
         bpy.types.VIEWLAYER_PT_layer_passes_aov.draw(self, context)
 
 
+class VIEWLAYER_PT_libshade_passes_light_groups(_Panel, bpy.types.Panel):
+    bl_label = "Light Groups"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_libshade_passes"
+
+    def draw(self, context):
+        bpy.types.VIEWLAYER_PT_layer_passes_lightgroups.draw(self, context)
+
+
+class _LightGroupPanel(_Panel):
+    bl_label = "Light Group"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and cls.of(context)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop_search(self.of(context), "lightgroup", context.view_layer, "lightgroups", results_are_suggestions=True)
+
+
+class OBJECT_PT_libshade_light_group(_LightGroupPanel, bpy.types.Panel):
+    bl_context = "object"
+
+    @staticmethod
+    def of(context):
+        return context.object
+
+
+class WORLD_PT_libshade_light_group(_LightGroupPanel, bpy.types.Panel):
+    bl_context = "world"
+
+    @staticmethod
+    def of(context):
+        return context.world
+
+
 class DATA_PT_libshade_light(_Panel, bpy.types.Panel):
     bl_label = "Light"
     bl_context = "data"
@@ -342,7 +380,8 @@ class WORLD_PT_libshade_visibility(_VisibilityPanel, bpy.types.Panel):
 _CLASSES = (
     RENDER_PT_libshade_sampling, RENDER_PT_libshade_light_paths, RENDER_PT_libshade_film,
     RENDER_PT_libshade_motion_blur, OBJECT_PT_libshade_motion_blur, RENDER_PT_libshade_performance,
-    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes, VIEWLAYER_PT_libshade_passes_aov, VIEWLAYER_PT_libshade_override,
+    RENDER_PT_libshade_share, VIEWLAYER_PT_libshade_passes, VIEWLAYER_PT_libshade_passes_aov,
+    VIEWLAYER_PT_libshade_passes_light_groups, OBJECT_PT_libshade_light_group, WORLD_PT_libshade_light_group, VIEWLAYER_PT_libshade_override,
     DATA_PT_libshade_light, DATA_PT_libshade_panorama, OBJECT_PT_libshade_visibility, WORLD_PT_libshade_visibility,
 )
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's evaluated scene to the dictionary that the native module renders."""
 
-from . import aov, catcher
+from . import aov, catcher, groups
 from .camera import camera_by, camera_of, region_of
 from .denoise import denoiser
 from .kept import Kept, Later
@@ -12,5 +12,5 @@ from .passes import AOV, CATCHER, exposure_of, is_light, passes_left_out, passes
 from .scene import read
 
 __all__ = ["AOV", "CATCHER", "Kept", "Later", "Mattes", "Messages", "SceneError", "aov", "blur_settings", "camera_by",
-           "camera_of", "catcher", "denoiser", "exposure_of", "is_light", "motion_of", "named", "passes_left_out", "passes_of",
+           "camera_of", "catcher", "denoiser", "exposure_of", "groups", "is_light", "motion_of", "named", "passes_left_out", "passes_of",
            "planes_of", "read", "region_of", "world_of_layer"]

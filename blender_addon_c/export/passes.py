@@ -5,6 +5,7 @@ from collections import namedtuple
 
 import bpy
 
+from . import groups
 from .aov import OCCLUSION_NAME, of_nodes
 
 # The view layer's property (or that of its `libshade`, or the scene's), Blender's name, what its channels are called, how Blender shows it,
@@ -67,6 +68,7 @@ def passes_of(scene, view_layer):
         ("denoising_store_passes", "pass_debug_sample_count", "use_pass_shadow_catcher"), view_layer.libshade)}
     known = [p for p in (*PASSES, _CATCHER, _COUNT, *_mattes(view_layer), *_LAST)
              if getattr(owners.get(p.wanted_by, view_layer), p.wanted_by)]
+    known += [Pass("lightgroups", groups.pass_of(name), "RGB", "COLOR", AOV) for name in groups.names_of(view_layer)]
     return known + [Pass("aovs", name, "RGBA" if kind == "COLOR" else "X", kind, AOV) for name, kind in of_nodes(view_layer)]
 
 
@@ -114,7 +116,6 @@ def have_colors(scene, view_layer):
 def passes_left_out(view_layer, messages):
     """A warning that names those it asks for in vain."""
     left_out = [name for key, name in _UNKNOWN.items() if getattr(view_layer, key, False)]
-    left_out += [f"light group '{one.name}'" for one in getattr(view_layer, "lightgroups", ())]
     left_out += [f"AOV '{one.name}', whose name another has" for one in getattr(view_layer, "aovs", ()) if not one.is_valid]
     cycles = getattr(view_layer, "cycles", None)
     left_out += [f"Volume {part.capitalize()}" for part in ("direct", "indirect")

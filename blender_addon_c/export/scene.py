@@ -41,7 +41,8 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         kept.begin()
     with tree.deep():
         meshes, instances, lights, catchers = _objects(depsgraph, table, mattes, motion, messages, kept, space)
-        world = world_of(passes.world_of_layer(scene, depsgraph.view_layer_eval) if depsgraph.view_layer.use_sky else None, table, messages)
+        own_world = passes.world_of_layer(scene, depsgraph.view_layer_eval) if depsgraph.view_layer.use_sky else None
+        world = world_of(own_world, table, messages)
     if kept:
         kept.end()
     if not lights and "sky" not in world and not any(world["background"]):
@@ -79,6 +80,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
         "aovs": table.aovs,
         "aov_reach": table.reach,
+        "group": getattr(own_world, "lightgroup", ""),
         **mattes.wanted(),
         "by_camera": table.by_camera,
         "meshes": meshes,
@@ -148,7 +150,8 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
         if space and not ob.visible_in_viewport_get(space):
             continue  # of a local view, or of types that it hides: lamps too, as in Cycles
         if ob.type == "LIGHT":
-            lights += light_of(ob, maker, item.matrix_world, links, table, messages) if item.show_self else []
+            made = light_of(ob, maker, item.matrix_world, links, table, messages) if item.show_self else []
+            lights += [{**one, "group": getattr(ob, "lightgroup", "")} for one in made]
             continue
         for shape in _shapes(item, depsgraph, motion, messages):
             catches = _says(ob, maker, "is_shadow_catcher")
@@ -179,7 +182,7 @@ def _objects(depsgraph, table, mattes, motion, messages, kept, space):
                     break
                 name_shading(ob, meshes[known[key]] if drawn else None, table, messages)
                 made = {"mesh": known[key], "matrix": matrix, "pass_index": ob.pass_index,
-                        "hidden": bits, "motion": moved, **mattes.of_object(ob),
+                        "hidden": bits, "motion": moved, "group": getattr(ob, "lightgroup", ""), **mattes.of_object(ob),
                         **links.of_light(ob), **links.of_object(ob, item.parent), **(_own(item, table) if table.by_object else {}),
                         **_metres(meshes[known[key]], matrix, table.unit)}
                 made = _at_points(made, shape.points, table) if shape.points else [made]

@@ -29,6 +29,9 @@ def world_of(world, table, messages):
     if not nodes:
         return {"background": tuple(world.color), **seen}
     try:
+        output = nodes.get_output_node("ALL")
+        if output and tree.trace(output.inputs["Volume"]).node:
+            messages.warning(f"world '{world.name}': volumes are not supported; left out")
         reader = _Reader(world, table, messages)
         return {**_by_way(reader, reader.read(nodes), nodes), **seen}
     except (RecursionError, TooLarge, ValueError) as error:  # or the native module has said what is wrong

@@ -56,3 +56,19 @@ def test_ambient_occlusion(blender, tmp_path, distance):
     print(f"apart {np.abs(ours - theirs).mean() / theirs.mean():.4f}, mean {ours.mean() / theirs.mean():.4f}")
     assert theirs.min() < 0.1 and (distance == 0 or theirs.mean() < 0.95)  # the hole; near the balls
     assert np.abs(ours - theirs).mean() < 0.006 * theirs.mean() and np.abs(ours - theirs).max() < 0.04
+
+
+def test_light_groups(blender, tmp_path):
+    """What is of a group lights its pass alone: a lamp, a world, one of two objects of a material."""
+    means = {}
+    for engine in "CYCLES", "LIBSHADE":
+        _, told = blender.scene("groups", tmp_path, dump="", engine=engine)
+        names, pixels = read_picture(tmp_path / "picture.exr")
+        for name in "near", "far":
+            picture = np.stack([pixels[..., names.index(f"ViewLayer.Combined_{name}.{channel}")] for channel in "RGB"], -1)
+            means[engine, name] = picture.reshape(8, 4, 12, 4, 3).mean((1, 3))
+    assert "are not rendered" not in told
+    for name in "near", "far":
+        theirs, ours = means["CYCLES", name], means["LIBSHADE", name]
+        print(f"{name}: apart {np.abs(ours - theirs).mean() / theirs.mean():.4f} of {theirs.mean():.3f}")
+        assert theirs.mean() > 0.2 and np.abs(ours - theirs).mean() < 0.01 * theirs.mean()

@@ -52,6 +52,7 @@ EXPECTED = {
     "curve_of_no_number": ("error", "'steel': f0 must be a sequence of 3 finite numbers"),
     "portal": ("finished", "Warning: .*'area': portals are not supported; left out"),
     "cycles_alone": ("finished", r"Fast GI Approximation is not supported; left out"),
+    "world_volume": ("finished", "Warning: .*world 'world': volumes are not supported; left out"),
     "world_shader": ("finished", "Warning: .*world 'world': 'Diffuse BSDF' does not shine; black"),
     "world_without_image": ("finished", "Warning: .*world 'world': 'Environment Texture' has no image"),
     "world_of_nothing": ("finished", None),

@@ -100,3 +100,29 @@ def occlusion(options):
     scene.view_layers[0].use_pass_ambient_occlusion = True
     common.render(options["picture"])
     return {}
+
+
+def groups(options):
+    """A floor with what shines of two groups and of none: a sun, a world, and a ball that shares its material with another."""
+    scene = common.empty_scene(48, 32, samples=256)
+    engine = scene.render.engine = options["engine"]
+    if engine == "CYCLES":
+        scene.cycles.samples, scene.cycles.pixel_filter_type = 256, "BOX"
+        scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.film_exposure, scene.render.film_transparent = 2, False
+    common.write_multilayer(scene)
+    common.camera(scene, (0, -3, 3), (0.7853982, 0, 0), type="ORTHO", ortho_scale=4)
+    common.plane(_material("floor", "ShaderNodeBsdfDiffuse")[0], 5)
+    shines = _material("shines", "ShaderNodeEmission", Color=(1, 0.5, 0.2, 1), Strength=4)[0]
+    for x, group in ((-1, "far"), (1, "")):
+        bpy.ops.mesh.primitive_ico_sphere_add(radius=0.3, location=(x, 0, 0.4))
+        bpy.context.object.data.materials.append(shines)
+        bpy.context.object.lightgroup = group
+    common.light(scene, rotation=(0.5, 0.3, 0), energy=2, size=0.2).lightgroup = "near"
+    scene.world = bpy.data.worlds.new("world")
+    common.tree_of(scene.world).nodes["Background"].inputs["Color"].default_value = (0.1, 0.2, 0.4, 1)
+    scene.world.lightgroup = "far"
+    for name in "near", "far":
+        scene.view_layers[0].lightgroups.add(name=name)
+    common.render(options["picture"])
+    return {}

@@ -310,6 +310,14 @@ def cycles_alone(scene):
     scene.cycles.use_camera_cull = True  # without Simplify
 
 
+def world_volume(scene):
+    plate(scene)
+    scene.world = bpy.data.worlds.new("world")
+    tree = common.tree_of(scene.world)
+    volume = tree.nodes.new("ShaderNodeVolumeScatter")
+    tree.links.new(volume.outputs[0], tree.get_output_node("ALL").inputs["Volume"])
+
+
 def sky(scene, image):
     plate(scene)
     scene.world = bpy.data.worlds.new("world")
@@ -426,7 +434,7 @@ CASES = [
     missing_normal_map,
     broken_image, no_image, eight_bit_normal_map, steep_normal_map, less_steep_normal_map, bump_node, sky_color, ies, cycle,
     deep_nodes, too_many_nodes,
-    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, hair, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, cycles_alone, world_shader,
+    other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, hair, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, cycles_alone, world_volume, world_shader,
     world_without_image, world_of_nothing, blind,
     flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
     text_and_curve,

@@ -17,7 +17,7 @@ from mathutils import Matrix
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
 import windowless
-from aovs import aovs, occlusion
+from aovs import aovs, groups, occlusion
 from brought import brought
 from eyes import eyes
 from files import held_image, many_files
