@@ -659,7 +659,9 @@ def _fibres(reader, color, roughness, share, normal):
 def _toon(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
     size, smooth = (number_of(reader, node.inputs[name], groups) for name in ("Size", "Smooth"))
-    _add(reader, {"closure": "TOON", "mirrors": node.component == "GLOSSY", "size": [size], "smooth": [smooth]},
+    mirrors = node.component == "GLOSSY"
+    _add(reader, {"closure": "TOON", "mirrors": mirrors, "overcounts": mirrors and bpy.app.version < (4, 0),  # measured: 3.4, not 5.0
+                  "size": [size], "smooth": [smooth]},
          _times(reader, color, share), _normal(reader, node, groups), color)
 
 

@@ -153,6 +153,8 @@ CASES = [
         distribution={"5.0": "MICROFIBER"}),
     one("fine fibres", {"3.4": "BsdfVelvet", "5.0": "BsdfSheen"}, {"Color": RED, "Sigma": 0.25, "Roughness": 0.25},
         distribution={"5.0": "MICROFIBER"}),
+    two("matt, below toon", "AddShader", shader("BsdfDiffuse", {"Color": RED}),
+        shader("BsdfToon", {"Color": (0.5, 0.5, 0.5, 1), "Size": 0.2, "Smooth": 0.0}, component="GLOSSY")),
     toon("DIFFUSE", 0.5, 0.3), toon("DIFFUSE", 0.7, 0.0), toon("DIFFUSE", 0.9, 0.8), toon("GLOSSY", 0.3, 0.2), toon("GLOSSY", 0.8, 0.5),
     grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
                                                  "Rotation": 0.1}, distribution="GGX")),
