@@ -103,6 +103,25 @@ camera { location 0 right x up y direction 2*z }
     assert width(slanted, "V") == pytest.approx(width(near, "V"), rel=1e-3)
 
 
+@pytest.mark.parametrize("camera", ["perspective angle 110", "perspective angle 60 right <2, .3, 0>", "orthographic right <8, 1, 2>", "fisheye right x up y angle 150",
+                                    "spherical right 1.3*x angle 150 90", "cylinder 1 angle 120 right 1.3*x"])
+def test_a_footprint_is_as_wide_as_its_pixel_anywhere_in_a_picture(render, camera):
+    """On the wall a pixel's width follows from what the pixels beside it see."""
+    wall = "plane { z, 3 " + cloth('preset "linen" crossings 20') + " }"
+    dump = render(scene(wall, SUN, f"#version 3.7;\nglobal_settings {{ assumed_gamma 1 }}\ncamera {{ {camera} }}\n"), size=(36, 36)).dump
+    uv = np.where(dump.hit[..., None], dump.uv, np.nan)
+    across, down = (uv[1:-1, 2:] - uv[1:-1, :-2]) / 2, (uv[2:, 1:-1] - uv[:-2, 1:-1]) / 2
+    x, y, z = np.moveaxis(dump.V[1:-1, 1:-1], -1, 0)
+    width = np.sqrt(np.abs(across[..., 0] * down[..., 1] - across[..., 1] * down[..., 0]) * np.abs(z))  # what the ray slants
+    found = [np.where(dump.hit, dump.channels[f"foot.{axis}"], np.nan)[1:-1, 1:-1] for axis in "UV"]
+    expected = width * np.hypot(x, z) / np.abs(z), width * np.hypot(y, z) / np.abs(z)  # the longest step of a slanted circle along each axis
+    clear = (expected[0] < 500) & (np.minimum(*expected) > .25) & np.isfinite(width)
+    assert clear.sum() > 300
+    for k in (0, 1):
+        ratio = found[k][clear] / expected[k][clear]
+        assert abs(np.median(ratio) - 1) < .01 and (np.abs(ratio - 1) < .05).mean() > .95, (ratio.min(), ratio.max())
+
+
 @pytest.mark.parametrize("transform", ["", "rotate 180*y", "scale <-1, 1, 1>"])  # also from behind, and mirrored
 def test_a_twill_rises_to_the_right(render, transform):
     """Weft is on top iff ((floor u + n_s floor v) mod (n_w + n_p)) < n_w, as whoever looks at the cloth counts it."""
