@@ -17,7 +17,7 @@ from .matte import Mattes
 from .mesh import mesh_of
 from .motion import Still
 from .size import metres
-from .twins import name_twins
+from .twins import name_standing, name_twins
 from .visibility import ALL, BOUNCED, CAMERA, is_hidden, of_both
 from .world import world_of
 
@@ -49,6 +49,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages)
+        name_standing(meshes, instances, table.materials, messages)
     _name_settings(scene, messages)
     return {
         "width": size[0],

@@ -4,6 +4,7 @@
 import numpy as np
 
 _MOST = 100_000  # triangles; in larger scenes boxes alone are looked at: it takes .1 s for these
+_MOST_STANDING = 50  # objects of glass
 _FACES = 0.05  # of an object's, from which on it is worth a word
 
 
@@ -26,11 +27,45 @@ def name_twins(meshes, instances, messages):
          meshes, instances, messages)
 
 
+def name_standing(meshes, instances, materials, messages):
+    """Names objects of glass whose flat bottom lies in a face of another: which of them is met within is chance."""
+    clear = [any(closure["closure"] == "GLASS" and closure["refracts"] for closure in made.get("closures", (made,))) for made in materials]
+    if not any(clear) or sum(len(meshes[i["mesh"]]["corner_position"]) for i in instances) > 3 * _MOST:
+        return
+    is_clear = [np.array(clear)[meshes[one["mesh"]]["material"]] for one in instances]
+    standing = [number for number, part in enumerate(is_clear) if part.any()][:_MOST_STANDING]
+    places = list(map(_corners, [meshes[one["mesh"]] for one in instances], instances)) if standing else []
+    for number in standing:
+        own = places[number][is_clear[number]]
+        if not np.isfinite(own).all():
+            continue
+        step = np.ptp(own, axis=(0, 1)).max() * 2.0**-18
+        height = own[..., 2].min()
+        bottom = own[_lie_at(own, height, step)][..., :2]
+        low, high = (bottom.min((0, 1)), bottom.max((0, 1))) if len(bottom) else (np.inf, -np.inf)
+        for other, place in enumerate(places):
+            flat = place[_lie_at(place, height, step)][..., :2] if other != number else place[:0, :, :2]
+            if ((flat.max(1) > low + step) & (flat.min(1) < high - step)).all(1).any():
+                messages.warning(f"{meshes[instances[number]['mesh']]['name']}: its bottom lies in faces of another object; what is seen "
+                                 "there through glass is chance")
+                return
+
+
+def _lie_at(places, height, step):
+    return (np.abs(places[..., 2] - height) < step).all(1)
+
+
+def _corners(mesh, instance):
+    """Of an instance's triangles."""
+    matrix = np.array(instance["matrix"], float).reshape(-1, 4)[:3]
+    with np.errstate(invalid="ignore", over="ignore"):
+        placed = mesh["positions"].reshape(-1, 3) @ matrix[:, :3].T + matrix[:, 3]
+    return placed[mesh["corner_position"].reshape(-1, 3)]
+
+
 def _middles(mesh, instance):
     """Of an instance's faces."""
-    matrix = np.array(instance["matrix"], float).reshape(-1, 4)[:3]
-    placed = mesh["positions"].reshape(-1, 3) @ matrix[:, :3].T + matrix[:, 3]
-    return placed[mesh["corner_position"].reshape(-1, 3)].mean(1)
+    return _corners(mesh, instance).mean(1)
 
 
 def _say(parts, what, meshes, instances, messages):

@@ -38,3 +38,26 @@ def test_twins(meshes, places, said):
     twins.name_twins(meshes, [{"mesh": min(k, len(meshes) - 1), "matrix": m} for k, m in enumerate(places)], log)
     assert len(found) == (said is not None)
     assert said is None or said in found[0]
+
+
+GLASS, MATT = {"closure": "GLASS", "refracts": True}, {"closure": "DIFFUSE"}
+
+
+def slab(name, material, low, size):
+    """The lower and the upper face of a box."""
+    made = mesh(name, positions=np.concatenate([GRID * size, GRID * size + (0, 0, 1)]) + (0, 0, low))
+    corners = made["corner_position"]
+    return made | {"corner_position": np.concatenate([corners, corners + len(GRID)]), "material": np.full(100, material)}
+
+
+@pytest.mark.parametrize("low, other, place, said", [(0, 1, HERE, True), (0.01, 1, HERE, False), (0, 1, ASIDE, False), (-1, 1, HERE, False),
+                                                     (0, 0, HERE, True), (np.nan, 1, HERE, False)])
+def test_glass_that_stands_on_something(low, other, place, said):
+    found = []
+    log = type("Log", (), {"warning": lambda _self, text: found.append(text)})()
+    floor = mesh("floor") | {"material": np.full(50, other)}
+    twins.name_standing([slab("glass", 0, low, 0.3), floor], [{"mesh": 0, "matrix": place}, {"mesh": 1, "matrix": HERE}],
+                        [{"closures": [MATT, GLASS]}, MATT], log)
+    assert len(found) == said and (not said or found[0].startswith(("glass:", "floor:")))
+    twins.name_standing([slab("matt", 0, low, 0.3), floor], [{"mesh": 0, "matrix": place}, {"mesh": 1, "matrix": HERE}], [MATT, MATT], log)
+    assert len(found) == said
