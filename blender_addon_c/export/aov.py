@@ -40,8 +40,16 @@ def view(scene, kind, materials):
     lit = {}
     if kind == OCCLUSION:  # what its rays meet is what shadow rays do
         lit = {"background": (1.0,) * 3, "reach": max(scene["aov_reach"], 1e-30), "samples": min(scene["samples"] * _RAYS, _MOST_SAMPLES),
-               "instances": [_as_to_shadows(one) for one in scene["instances"]]}
+               "instances": [_as_to_shadows(one) for one in _with_catchers(scene)]}
     return {**kept, **_DARK, **lit, "materials": materials}
+
+
+def _with_catchers(scene):
+    """Its instances; shadow catchers in place of the holes that they leave."""
+    held = {id(one) for one in scene["catchers"]["held"]}
+    there = {id(one) for one in scene["instances"]}
+    return [*(one for one in scene["instances"] if id(one) not in held),
+            *(one for one in scene["catchers"]["seen"] if id(one) not in there)]
 
 
 def _as_to_shadows(instance):

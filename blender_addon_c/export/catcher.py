@@ -37,11 +37,11 @@ def seen_shadow(pictures):
 
 
 def composed(pictures):
-    """The picture: where nothing is before them, catchers are as opaque as their shadow is dark."""
+    """The picture: where nothing is before them, catchers are as opaque as their shadow is dark; none is brighter than what is behind."""
     others, left = pictures["others"], shadow(pictures)
     alpha = others[:, 3:]
     if "behind" in pictures:
-        color = others[:, :3] + (1 - alpha) * pictures["behind"][:, :3] * left
+        color = others[:, :3] + (1 - alpha) * pictures["behind"][:, :3] * np.minimum(left, 1)
         return np.concatenate([color, np.ones_like(alpha)], 1).astype(np.float32)
     dark = 1 - left.mean(1, keepdims=True)
     return np.concatenate([others[:, :3], np.clip(alpha + (1 - alpha) * dark, 0, 1)], 1).astype(np.float32)

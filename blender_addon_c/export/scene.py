@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from . import passes, strands, tree
-from .aov import wanted_of
+from .aov import OCCLUSION, wanted_of
 from .camera import rows
 from .kept import owners_of
 from .light import Links, kinds, light_of, name_shading
@@ -50,6 +50,11 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages)
         name_standing(meshes, instances, table.materials, messages)
+    if catchers["seen"] and bpy.app.version < (4, 0):  # measured: 3.4, not 4.2
+        if any(kind == OCCLUSION for _name, kind in aovs):
+            messages.warning("pass Ambient Occlusion: shadow catchers count once, not twice as in this Cycles")
+        if getattr(depsgraph.view_layer, "lightgroups", ()):
+            messages.warning("light groups are without shadow catchers, which are in those of this Cycles")
     _name_settings(scene, messages)
     return {
         "width": size[0],

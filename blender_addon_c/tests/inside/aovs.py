@@ -90,6 +90,7 @@ def occlusion(options):
         ball.data.materials.append(material)
         ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
     ball.is_holdout = True
+    bpy.data.objects["Plane"].is_shadow_catcher = bool(options.get("caught"))
     for x, full in ((-0.9, False), (0.9, True)):  # panes before the row, one that casts a full shadow
         pane, _, shader = _material("pane", "ShaderNodeBsdfTransparent")
         shader.inputs["Color"].default_value = (1, 1, 1, 1)

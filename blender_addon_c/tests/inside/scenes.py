@@ -1708,6 +1708,12 @@ def caught(options):
     common.smooth(common.added(_matt("ball", 0.8, 0.3, 0.1)).data)
     bpy.ops.mesh.primitive_cube_add(size=0.7, location=(0.8, -0.2, 0.35))
     common.added(_matt("cube", 0.2, 0.6, 0.2))
+    bpy.ops.mesh.primitive_ico_sphere_add(radius=0.2, location=(0.2, -0.9, 0.25))
+    glow = bpy.data.materials.new("glow")  # whose light makes no catcher brighter than what is behind it
+    shader = common.tree_of(glow).nodes.new("ShaderNodeEmission")
+    shader.inputs["Color"].default_value, shader.inputs["Strength"].default_value = (1, 0.6, 0.3, 1), 3
+    glow.node_tree.links.new(shader.outputs[0], glow.node_tree.get_output_node("ALL").inputs["Surface"])
+    common.added(glow)
     common.light(scene, rotation=(0.7, 0.4, 0), energy=2.0, size=0.2)
     common.camera(scene, (0, -6, 2.4), (1.2, 0, 0))
     if options["engine"] == "CYCLES":
