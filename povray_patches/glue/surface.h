@@ -19,6 +19,14 @@
 #endif
 #endif
 
+// For what is compiled once more for textures without a block: inlined, each call's rays would lie
+// in the frame of a function that calls itself, and that no longer stays in the processor's cache.
+#ifdef __GNUC__
+#define MDF_APART __attribute__((noinline))
+#else
+#define MDF_APART
+#endif
+
 namespace pov {
 
 class Mesh;
@@ -135,6 +143,21 @@ private:
   bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;
+};
+
+// The hit of code that is compiled for textures with a block and for those without one, where it
+// takes no room on the stack: nobody asks it.
+template <bool BLOCK> struct MdfHitOf {
+  MdfHit &of() { return hit; }
+
+private:
+  MdfHit hit;
+};
+template <> struct MdfHitOf<false> {
+  MdfHit &of() { return none; }
+
+private:
+  static MdfHit none;
 };
 
 } // namespace pov
