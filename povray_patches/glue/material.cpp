@@ -93,7 +93,7 @@ void widen(Material &m) {
     spread += share * (wider - spread);
   }
   const double rays = std::ceil(64.0 * spread);
-  m.rays = m.samples > 0 ? m.samples : (int)std::min(std::max(rays, 4.0), 64.0);
+  m.rays = m.samples > 0 ? m.samples : rays < 64.0 ? (int)std::max(rays, 4.0) : 64;
   m.lattice = Lattice::of((unsigned int)m.rays);
   for (int level = 0; level < Material::LEVELS; level++) {
     shade_params p = widened(m.params, level);

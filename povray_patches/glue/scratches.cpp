@@ -65,14 +65,16 @@ void Scratches::estimate(double *share, double *square) const {
     const double area = layer.pits * M_PI * (a * a + a * b + b * b) / 3.0 *
                         (layer.stretch.low + layer.stretch.high) / 2.0;
     const double depth = (layer.depth.low + layer.depth.high) / 2.0;
-    const double radius = (1.0 + depth * depth) / (2.0 * depth); // of the sphere, for pits of 1
+    const double curved = 2.0 * depth / (1.0 + depth * depth); // of the sphere, for pits of 1
+    const double square_curved = curved * curved;
     covered += area;
-    // the mean of r^2 / (R^2 - r^2) over the cap; lengthwise there is next to nothing of it
-    if (depth > 0.0)
-      slopes += area * 0.5 * (radius * radius * std::log1p(1.0 / (radius * radius - 1.0)) - 1.0);
+    // the mean of r^2 / (R^2 - r^2) over the cap, of which shallow ones leave the first term;
+    // lengthwise there is next to nothing of it
+    slopes += area * (depth > 1e-3 ? -0.5 * (std::log1p(-square_curved) / square_curved + 1.0)
+                                   : 0.25 * square_curved);
   }
   *share = 1.0 - std::exp(-covered);
-  *square = covered > 0.0 ? slopes / covered : 0.0;
+  *square = slopes < covered * 1e6 && covered < HUGE_VAL ? slopes / covered : 0.0;
 }
 
 ScratchField::ScratchField(const shade_scratch_params &params)

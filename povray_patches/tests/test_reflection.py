@@ -223,3 +223,12 @@ def test_as_many_rays_as_scratches_ask_for(render):
         image = render(text, (96, 72), dump=False).image
         return noise(image)[0] / image[..., 0].mean() ** 2
     assert grain("scratched_steel") < 1.5 * grain("brushed_steel")  # by the plate between scratches alone: 2.4
+
+
+def test_scratches_without_depth_ask_for_no_more_rays(render):
+    """What is that shallow has no slope; its square is 0."""
+    def of(scratches):
+        return render(scene(f"ggx .2, .05 specular rgb .8 tangent y {scratches} reflection {{ }}", "sky_sphere { pigment { checker rgb 0 rgb 1 scale .11 } }"),
+                      (24, 18), dump=False).image
+    shallow = "scratches { layer { pits 1000 radius .05, .05 stretch 4, 8 depth 1e-200, 1e-200 } mm_per_unit 20 }"
+    assert noise(of(shallow))[0] == pytest.approx(noise(of(""))[0], rel=.3)
