@@ -72,8 +72,8 @@ LEAF int wrap_near(int i, int n, int wrap) {
 typedef struct slope_lanes {
   double u[SLOPE_BLOCK], v[SLOPE_BLOCK]; /* within the first copies */
   float ax[SLOPE_BLOCK], ay[SLOPE_BLOCK], bx[SLOPE_BLOCK], by[SLOPE_BLOCK];
-  /* of the footprint, times twelve, in texels of level 0: covariance, larger eigenvalue, root of
-   * the determinant */
+  /* of the footprint, times twelve, in texels: covariance, larger eigenvalue, root of the
+   * determinant */
   float mxx[SLOPE_BLOCK], mxy[SLOPE_BLOCK], myy[SLOPE_BLOCK], longer2[SLOPE_BLOCK];
   float area[SLOPE_BLOCK], blend[SLOPE_BLOCK];
   float x[SLOPE_BLOCK], y[SLOPE_BLOCK], xx[SLOPE_BLOCK], xy[SLOPE_BLOCK], yy[SLOPE_BLOCK];
@@ -83,8 +83,6 @@ typedef struct slope_lanes {
 static void slope_places(const shade_slope_map *m, size_t count, const slope_block *b,
                          slope_lanes *restrict o) {
   const float w = (float)m->width, h = (float)m->height;
-  const float half_x = (float)m->pyramid.level[0].width / w,
-              half_y = (float)m->pyramid.level[0].height / h;
   const int clamp = m->wrap == WRAP_CLAMP, mirror = m->wrap == WRAP_MIRROR;
   const float *restrict u = b->u, *restrict v = b->v;
   unsigned char *restrict single = b->single;
@@ -137,8 +135,7 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
     single[i] = (unsigned char)(single[i] | far[i]);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const float cx = o->ax[i] * half_x, cy = o->ay[i] * half_y;
-    const float dx = o->bx[i] * half_x, dy = o->by[i] * half_y;
+    const float cx = o->ax[i], cy = o->ay[i], dx = o->bx[i], dy = o->by[i];
     const float xx = cx * cx + dx * dx, xy = cx * cy + dx * dy, yy = cy * cy + dy * dy;
     const float gap = 0.5F * (xx - yy), longer2 = 0.5F * (xx + yy) + sqrtf(gap * gap + xy * xy);
     o->mxx[i] = xx;
@@ -147,7 +144,8 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
     o->longer2[i] = longer2;
     const float whole = fabsf(cx * dy - cy * dx);
     o->area[i] = whole;
-    const float thin = sqrtf(longer2) * 0.57735026918962576F - 1;
+    const float thin =
+        (sqrtf(longer2) - (float)SLOPE_LONG_NEAR) * (float)(1 / (SLOPE_LONG_FAR - SLOPE_LONG_NEAR));
     const float round = (sqrtf(whole) - (float)SLOPE_NEAR) * (float)(1 / (SLOPE_FAR - SLOPE_NEAR));
     float blend = thin > round ? thin : round;
     blend = blend < 0 ? 0 : blend;
@@ -299,10 +297,9 @@ static SLOPE_APART void slope_point(const shade_slope_map *m, slope_group *restr
 /* Points along a side so many texels long, as slopes.c has them. As masks, or gcc makes branches.
  */
 LEAF int slope_count(float texels) {
-  const float most = 8, least = 2, counted = texels - (float)SLOPE_COUNT_SLACK;
-  float whole = counted < most ? counted : most;
-  whole = whole > least ? whole : least;
-  const int few = -(counted <= 1), none = -(texels <= 0);
+  const float most = 8, counted = texels - (float)SLOPE_COUNT_SLACK;
+  const float whole = counted < most ? counted : most;
+  const int few = -(counted <= (float)SLOPE_FEW), none = -(texels <= 0);
   const int steps = (-2 * floor_to_int(-whole) & ~few) | (3 & few);
   return (steps & ~none) | (1 & none);
 }
@@ -396,10 +393,9 @@ static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size
 
 /* As moments.c has them. */
 LEAF float slope_covered(float depth) {
-  float s = depth - 1;
-  s = s < -1 ? -1 : s;
-  s = s > 1 ? 1 : s;
-  return 1 + s - 0.5F * fabsf(s) * (1 + s);
+  /* twice what is cut at -1 and 1, without a comparison: of those gcc makes five and more */
+  const float cut2 = fabsf(depth) - fabsf(depth - 2);
+  return (1 + 0.5F * cut2) * (1 - 0.25F * fabsf(cut2));
 }
 
 LEAF float slope_cover(float half, float distance) {
@@ -414,13 +410,15 @@ LEAF float slope_filter_width(float side2) {
 
 /* Filters of a group of lanes on a level each, in its texels. */
 typedef struct slope_filter {
-  const float *texels[SLOPE_GROUP];
+  const float *texels[SLOPE_GROUP]; /* NULL: cells between the picture's texels */
   int width[SLOPE_GROUP], height[SLOPE_GROUP];
+  float middle[SLOPE_GROUP];                    /* of the first of them, from the picture's edge */
   int base_x[SLOPE_GROUP], base_y[SLOPE_GROUP]; /* what `fx` and all below are from */
   float fx[SLOPE_GROUP], fy[SLOPE_GROUP];
   float half_x[SLOPE_GROUP], half_y[SLOPE_GROUP], shear[SLOPE_GROUP], weight[SLOPE_GROUP];
   int top[SLOPE_GROUP], rows[SLOPE_GROUP], cols[SLOPE_GROUP]; /* 0: an idle lane */
-  int most_rows, most_cols, least_cols, narrow; /* of those in use; narrow: some less than 3 wide */
+  int most_rows, least_rows, most_cols, least_cols;           /* of those in use */
+  int narrow;                                                 /* some less than 3 wide */
   float sum[SLOPE_GROUP][8];
 } slope_filter;
 
@@ -430,16 +428,16 @@ typedef struct slope_filter {
 enum { SLOPE_TAPS = 64 };
 typedef struct slope_taps {
   int left[SLOPE_TAPS][SLOPE_GROUP];
-  float part[SLOPE_TAPS][SLOPE_GROUP];
+  float begin[SLOPE_TAPS][SLOPE_GROUP], weight[SLOPE_TAPS][SLOPE_GROUP]; /* of rows */
+  float part[SLOPE_TAPS][SLOPE_GROUP];                                   /* of texels */
 } slope_taps;
 
-static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps *restrict t,
-                                      int first, int count) {
-  const int cols = f->most_cols;
+/* Where rows begin, from the filter's middle too, and what they weigh. */
+static SLOPE_APART void slope_rows(const slope_filter *restrict f, slope_taps *restrict t,
+                                   int first, int count) {
   for (int r = 0; r < count; r++) {
     int(*restrict left) = t->left[r];
-    float(*restrict part)[SLOPE_GROUP] = t->part + r * cols;
-    float begin[SLOPE_GROUP], weight[SLOPE_GROUP];
+    float(*restrict begin) = t->begin[r], (*restrict weight) = t->weight[r];
 #pragma omp simd
     for (int k = 0; k < SLOPE_GROUP; k++) {
       const float down = (float)(f->top[k] + first + r) - f->fy[k];
@@ -448,6 +446,15 @@ static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps
       begin[k] = (float)left[k] - at;
       weight[k] = f->weight[k] * slope_cover(f->half_y[k], down);
     }
+  }
+}
+
+static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps *restrict t,
+                                      int count) {
+  const int cols = f->most_cols;
+  for (int r = 0; r < count; r++) {
+    float(*restrict part)[SLOPE_GROUP] = t->part + r * cols;
+    const float(*restrict begin) = t->begin[r], (*restrict weight) = t->weight[r];
     /* three texels wide and more, no texel is near both edges */
     for (int c = 0; c < cols; c++) {
       const int near_left = f->narrow || c < 2;
@@ -462,7 +469,7 @@ static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps
         for (int k = 0; k < SLOPE_GROUP; k++)
           part[c][k] = weight[k] * slope_covered(f->half_x[k] + sign * (begin[k] + (float)c));
       } else {
-        memcpy(part[c], weight, sizeof weight);
+        memcpy(part[c], weight, sizeof t->weight[r]);
       }
     }
   }
@@ -529,7 +536,7 @@ static SLOPE_APART void slope_read_wrapped(slope_filter *restrict f, const slope
 
 /* Whether a group's filters lie within their levels. */
 static SLOPE_APART void slope_inside(const slope_filter *restrict f, int *restrict inside) {
-  const int rows = f->most_rows, cols = f->most_cols;
+  const int rows = f->most_rows + 1, cols = f->most_cols + 1; /* a cell's texels, too */
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int top = f->base_y[k] + f->top[k];
@@ -550,7 +557,7 @@ static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps 
                                      moment_wrap wrap) {
   const int stride = f->most_cols, alike = stride - f->least_cols < 2;
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    if (f->rows[k] <= first)
+    if (f->rows[k] <= first || !f->texels[k])
       continue;
     const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
     const int cols = alike ? stride : f->cols[k];
@@ -571,18 +578,181 @@ static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps 
   }
 }
 
-/* Levels that a group of lanes reads, and how footprints grow to what the finest can tell. */
+/* Both slopes of eight texels. */
+#if defined(__GNUC__)
+typedef float __attribute__((vector_size(64), aligned(4), may_alias)) slope_eights;
+typedef uint64_t __attribute__((vector_size(64), aligned(4), may_alias)) slope_eight_pairs;
+#define SLOPE_EIGHTS(from) (*(const slope_eights *)(const void *)(from))
+/* (x, y) for (y, x) */
+#define SLOPE_SWAPPED(v)                                                                           \
+  ((slope_eights)((slope_eight_pairs)(v) >> 32 | (slope_eight_pairs)(v) << 32))
+
+/* Eight floats from here, eight from there. */
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define SLOPE_TWO(a, b)                                                                            \
+  __builtin_shufflevector(SLOPE_EIGHT(a), SLOPE_EIGHT(b), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,    \
+                          12, 13, 14, 15)
+#endif
+#endif
+
+/* Sums over a lane's cells, in pairs. */
+typedef struct slope_pairs {
+  slope_eights mean, square, cross;
+} slope_pairs;
+
+/*
+ * Add cells by their weights. Of a bilinear patch between two rows of texels, u and l the sums of
+ * either's two and p and q their differences, four times the mean is u + l, and twelve times the
+ * mean square u^2 + ul + l^2 + (p^2 + pq + q^2)/3.
+ */
+#define SLOPE_ADD_CELLS(to, weights, a, b, c, d)                                                   \
+  do {                                                                                             \
+    const slope_eights w = (weights), u = (a) + (b), l = (c) + (d), p = (b) - (a), q = (d) - (c);  \
+    const slope_eights sum = u + l, rise = p + q;                                                  \
+    (to).mean += w * sum;                                                                          \
+    (to).square += w * (u * sum + l * l + third * (p * rise + q * q));                             \
+    (to).cross += w * (u * SLOPE_SWAPPED(sum) + l * SLOPE_SWAPPED(l) +                             \
+                       third * (p * SLOPE_SWAPPED(rise) + q * SLOPE_SWAPPED(q)));                  \
+  } while (0)
+
+static const float slope_third = 0.33333333333333333F;
+
+/* Add cells of a lane, none of which reaches an edge. */
+static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
+                                         const slope_taps *restrict t, int k, int first, int rows,
+                                         int cols) {
+  static const float column[16] = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7}, zero[16];
+#ifdef SLOPE_TWO
+  static const float column4[16] = {0, 0, 1, 1, 2, 2, 3, 3, 0, 0, 1, 1, 2, 2, 3, 3};
+  static const float second[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+#endif
+  const float third = slope_third, half = f->half_x[k];
+  const int narrow = half < 2; /* some cells are near both edges */
+  const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
+  const float *row =
+      m->slopes + (f->base_y[k] + f->top[k] + first) * stride + 2 * (ptrdiff_t)f->base_x[k];
+  slope_pairs to = {SLOPE_EIGHTS(zero), SLOPE_EIGHTS(zero), SLOPE_EIGHTS(zero)};
+  _Alignas(64) float part[16];
+  int r = 0;
+#ifdef SLOPE_TWO
+  /* two rows at once; beyond the last, a row of weight 0 */
+  for (; cols <= 4 && r < rows; r += 2, row += 2 * stride) {
+    const int more = r + 1 < rows, next = r + more;
+    const float weight = t->weight[r][k], more_weight = (more ? t->weight[next][k] : 0) - weight;
+    const float begin = t->begin[r][k], more_begin = t->begin[next][k] - begin;
+    const float *at = row + 2 * t->left[r][k];
+    const float *at2 = row + (more ? stride : 0) + 2 * t->left[next][k];
+#pragma omp simd
+    for (int i = 0; i < 16; i++)
+      part[i] = (weight + second[i] * more_weight) *
+                slope_cover(half, begin + second[i] * more_begin + column4[i]);
+    SLOPE_ADD_CELLS(to, SLOPE_EIGHTS(part), SLOPE_TWO(at, at2), SLOPE_TWO(at + 2, at2 + 2),
+                    SLOPE_TWO(at + stride, at2 + stride),
+                    SLOPE_TWO(at + stride + 2, at2 + stride + 2));
+  }
+#endif
+  for (; r < rows; r++, row += stride) {
+    const float weight = t->weight[r][k];
+    for (int c = 0; c < cols; c += 8) {
+      const float begin = t->begin[r][k] + (float)c;
+      const float *at = row + 2 * (t->left[r][k] + c);
+      if (narrow)
+#pragma omp simd
+        for (int i = 0; i < 16; i++)
+          part[i] = weight * slope_cover(half, begin + column[i]);
+      else
+#pragma omp simd
+        for (int i = 0; i < 16; i++)
+          part[i] = weight * slope_covered(half - fabsf(begin + column[i]));
+      SLOPE_ADD_CELLS(to, SLOPE_EIGHTS(part), SLOPE_EIGHTS(at), SLOPE_EIGHTS(at + 2),
+                      SLOPE_EIGHTS(at + stride), SLOPE_EIGHTS(at + stride + 2));
+    }
+  }
+  const slope_eights found[3] = {to.mean, to.square, to.cross};
+  float ends[3][4];
+  for (int i = 0; i < 3; i++) {
+    const float *of = (const float *)&found[i];
+    float eight[8];
+    for (int c = 0; c < 8; c++)
+      eight[c] = of[c] + of[c + 8];
+    for (int c = 0; c < 4; c++)
+      ends[i][c] = eight[c] + eight[c + 4];
+  }
+  const float quarter = 0.25F, twelfth = 0.083333333333333333F;
+  f->sum[k][MOMENT_X] += quarter * (ends[0][0] + ends[0][2]);
+  f->sum[k][MOMENT_Y] += quarter * (ends[0][1] + ends[0][3]);
+  f->sum[k][MOMENT_XX] += twelfth * (ends[1][0] + ends[1][2]);
+  f->sum[k][MOMENT_YY] += twelfth * (ends[1][1] + ends[1][3]);
+  /* x of one row by y of the other, and the other way round: half of either */
+  f->sum[k][MOMENT_XY] += 0.5F * twelfth * (ends[2][0] + ends[2][1] + ends[2][2] + ends[2][3]);
+}
+#endif
+
+/* The same wherever they lie. */
+static SLOPE_APART void slope_read_cells_wrapped(const shade_slope_map *m, slope_filter *restrict f,
+                                                 const slope_taps *restrict t, int k, int first,
+                                                 int rows, int cols) {
+  for (int r = 0; r < rows; r++) {
+    const int y = f->base_y[k] + f->top[k] + first + r;
+    const float *upper = m->slopes + 2 * (ptrdiff_t)wrap_index(y, m->height, m->wrap) * m->width;
+    const float *lower =
+        m->slopes + 2 * (ptrdiff_t)wrap_index(y + 1, m->height, m->wrap) * m->width;
+    for (int c = 0; c < cols; c++) {
+      const int x = f->base_x[k] + t->left[r][k] + c;
+      const int left = 2 * wrap_index(x, m->width, m->wrap);
+      const int right = 2 * wrap_index(x + 1, m->width, m->wrap);
+      const float w = t->weight[r][k] * slope_cover(f->half_x[k], t->begin[r][k] + (float)c);
+      float sum[2], across[2], down[2], twist[2];
+      for (int i = 0; i < 2; i++) {
+        const float rise = upper[right + i] - upper[left + i];
+        const float rise2 = lower[right + i] - lower[left + i];
+        const float both = upper[right + i] + upper[left + i];
+        const float both2 = lower[right + i] + lower[left + i];
+        sum[i] = both + both2;
+        across[i] = rise + rise2;
+        down[i] = both2 - both;
+        twist[i] = rise2 - rise;
+        f->sum[k][MOMENT_X + i] += 0.25F * w * sum[i];
+      }
+      for (int i = 0; i < 3; i++) {
+        const int a = i == 2, b = i != 0;
+        f->sum[k][MOMENT_XX + i] +=
+            0.0625F * w *
+            (sum[a] * sum[b] + (across[a] * across[b] + down[a] * down[b]) / 3 +
+             twist[a] * twist[b] / 9);
+      }
+    }
+  }
+}
+
+/* Rows [first, first + rows) of lanes that read cells. */
+static void slope_cells(const shade_slope_map *m, slope_filter *restrict f,
+                        const slope_taps *restrict t, const int *restrict inside, int first,
+                        int rows) {
+  const int alike = f->most_rows - f->least_rows < 2;
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    if (f->rows[k] <= first || f->texels[k])
+      continue;
+    const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
+#if defined(__GNUC__)
+    if (inside[k])
+      slope_read_cells(m, f, t, k, first, alike ? rows : own, f->cols[k]);
+    else
+#endif
+      slope_read_cells_wrapped(m, f, t, k, first, own, f->cols[k]);
+  }
+}
+
+/* Levels that a group of lanes reads. */
 typedef struct slope_choice {
   int level[SLOPE_GROUP], coarse[SLOPE_GROUP]; /* coarse: 1 where the next level is mixed in */
   float next[SLOPE_GROUP];                     /* how much of it */
-  float mxx[SLOPE_GROUP], mxy[SLOPE_GROUP], myy[SLOPE_GROUP], area2[SLOPE_GROUP];
 } slope_choice;
 
 static SLOPE_APART void slope_choose(const slope_lanes *restrict o, size_t first, int last,
                                      slope_choice *restrict c) {
   const float *restrict longer2 = o->longer2 + first, *restrict area = o->area + first;
-  const float *restrict mxx = o->mxx + first, *restrict mxy = o->mxy + first,
-                        *restrict myy = o->myy + first;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const float longer = longer2[k] + 1e-30F, own = area[k] * area[k] / longer;
@@ -590,20 +760,18 @@ static SLOPE_APART void slope_choose(const slope_lanes *restrict o, size_t first
     const float across = thin * (float)MOMENT_ACROSS;
     const float along = sqrtf(longer * thin) * (float)MOMENT_SQUARE;
     const float small = across < along ? across : along, side2 = small > 1 ? small : 1;
-    const int own_level = ((int)(to_bitsf(side2) >> 23) - 127) >> 1;
-    const float beyond = (sqrtf(side2) * power_of_half(own_level) - (float)MOMENT_NEXT) *
+    const int finest = ((int)(to_bitsf(side2) >> 23) - 127) >> 1;
+    const float from = (float)MOMENT_CELLS_NEAR, to = (float)MOMENT_CELLS_FAR;
+    const float cells = (sqrtf(area[k]) - from) * (1 / (to - from));
+    const float beyond = (sqrtf(side2) * power_of_half(finest) - (float)MOMENT_NEXT) *
                          (float)(1 / (2 - MOMENT_NEXT));
-    const float above = own_level < last ? beyond : 0;
-    const float least = (float)MOMENT_LEAST, shorter = thin > least ? thin : least;
-    const float gap = longer - own, full = (shorter - own) / (gap > 1e-30F ? gap : 1e-30F);
-    const float grow = full < 1 ? full : 1;
+    const int leave = (finest == 0) & (cells >= 1);
+    const int own_level = finest + leave;
+    float above = finest == 0 ? cells : beyond;
+    above = own_level < last && !leave ? above : 0;
     c->level[k] = own_level < last ? own_level : last;
     c->coarse[k] = above > 0 ? 1 : 0;
     c->next[k] = above > 0 ? above : 0;
-    c->mxx[k] = mxx[k] + grow * (longer - mxx[k]);
-    c->myy[k] = myy[k] + grow * (longer - myy[k]);
-    c->mxy[k] = mxy[k] - grow * mxy[k];
-    c->area2[k] = longer * shorter;
   }
 }
 
@@ -612,35 +780,49 @@ static SLOPE_APART void slope_locate(const double *restrict u, const double *res
                                      slope_filter *restrict f) {
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const double x = u[k] * f->width[k] - 0.5, whole = floor_of(x);
+    const double x = u[k] * f->width[k] - (double)f->middle[k], whole = floor_of(x);
     f->base_x[k] = (int)whole;
     f->fx[k] = (float)(x - whole);
   }
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const double y = (1 - v[k]) * f->height[k] - 0.5, whole = floor_of(y);
+    const double y = (1 - v[k]) * f->height[k] - (double)f->middle[k], whole = floor_of(y);
     f->base_y[k] = (int)whole;
     f->fy[k] = (float)(y - whole);
   }
 }
 
 /* Filters on levels of which level 0 is w0, h0 times as large. `used`: -1 for lanes that are. */
-static SLOPE_APART void slope_shape(const slope_choice *restrict c, int coarse,
+static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
+                                    const slope_choice *restrict c, int coarse,
                                     const int *restrict used, float w0, float h0,
                                     slope_filter *restrict f) {
   const float fine = coarse ? 0 : 1, sign = coarse ? 1 : -1;
-  int most_rows = 0, most_cols = 0, least_cols = 99, narrow = 0;
+  const float *restrict longer2 = o->longer2 + at, *restrict area = o->area + at;
+  const float *restrict mxx = o->mxx + at, *restrict mxy = o->mxy + at, *restrict myy = o->myy + at;
+  int most_rows = 0, least_rows = 99, most_cols = 0, least_cols = 99, narrow = 0;
 #pragma omp simd reduction(max                                                                     \
                            : most_rows, most_cols) reduction(min                                   \
-                                                             : least_cols) reduction(|             \
-                                                                                     : narrow)
+                                                             : least_rows, least_cols)             \
+    reduction(|                                                                                    \
+              : narrow)
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float halved = power_of_half(c->level[k] + (coarse & c->coarse[k]));
+    const int level = c->level[k] + (coarse & c->coarse[k]);
+    const float halved = power_of_half(level);
+    /* the shorter axis grown to what the level's kind can tell, to where the longer is at most */
+    const float longer = longer2[k] + 1e-30F, own = area[k] * area[k] / longer;
+    const float part = longer * (float)MOMENT_LONGEST, thin = own > part ? own : part;
+    const float told = (float)MOMENT_LEAST * (level ? 4.0F : 1.0F);
+    const float shorter = thin > told ? thin : told, gap = longer - own;
+    const float full = (shorter - own) / (gap > 1e-30F ? gap : 1e-30F);
+    const float grow = full < 1 ? full : 1;
     const float of_x = (float)f->width[k] * w0, of_y = (float)f->height[k] * h0;
     const float gx = of_x < halved ? of_x : halved, gy = of_y < halved ? of_y : halved;
-    const float xx = gx * gx * c->mxx[k], xy = gx * gy * c->mxy[k], yy = gy * gy * c->myy[k];
+    const float xx = gx * gx * (mxx[k] + grow * (longer - mxx[k]));
+    const float xy = gx * gy * (mxy[k] - grow * mxy[k]);
+    const float yy = gy * gy * (myy[k] + grow * (longer - myy[k]));
     const float least = (float)MOMENT_LEAST, spread = (yy > least ? yy : least) - 1;
-    const float area2 = gx * gx * gy * gy * c->area2[k], inverse = 1 / spread;
+    const float area2 = gx * gx * gy * gy * longer * shorter, inverse = 1 / spread;
     const float high = slope_filter_width(spread + 1);
     const float wide = slope_filter_width((area2 - xx) * inverse);
     const float half_x = 0.5F * (wide + 1), half_y = 0.5F * (high + 1);
@@ -654,13 +836,15 @@ static SLOPE_APART void slope_shape(const slope_choice *restrict c, int coarse,
     f->top[k] = top;
     f->rows[k] = rows;
     f->cols[k] = cols;
-    const int seen = cols | (99 & ~used[k]);
+    const int seen = cols | (99 & ~used[k]), seen_rows = rows | (99 & ~used[k]);
     least_cols = seen < least_cols ? seen : least_cols;
+    least_rows = seen_rows < least_rows ? seen_rows : least_rows;
     narrow |= (wide < 3) & used[k];
     most_rows = rows > most_rows ? rows : most_rows;
     most_cols = cols > most_cols ? cols : most_cols;
   }
   f->most_rows = most_rows;
+  f->least_rows = least_rows;
   f->most_cols = most_cols;
   f->least_cols = least_cols;
   f->narrow = narrow;
@@ -688,7 +872,8 @@ static SLOPE_APART void slope_blend(slope_lanes *restrict o, size_t first,
 }
 
 /* What lanes [first, first + SLOPE_GROUP) find in the pyramid, blended with the points. */
-static void slope_levels(const shade_slope_map *m, slope_lanes *restrict o, size_t first) {
+static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *restrict o,
+                                     size_t first) {
   const moment_pyramid *p = &m->pyramid;
   const float w0 = 1 / (float)p->level[0].width, h0 = 1 / (float)p->level[0].height;
   const float *restrict blend = o->blend + first;
@@ -704,32 +889,43 @@ static void slope_levels(const shade_slope_map *m, slope_lanes *restrict o, size
   for (int k = 0; k < SLOPE_GROUP; k++)
     mixed |= c.coarse[k];
   for (int coarse = 0; coarse <= mixed; coarse++) {
-    int unlike = 0;
+    int unlike = 0, texels = 0, cells = 0;
     for (int k = 0; k < SLOPE_GROUP; k++) {
       level[k] = c.level[k] + (coarse & c.coarse[k]);
       used[k] = -((blend[k] > 0) & (c.coarse[k] | (1 - coarse)));
     }
-    for (int k = 0; k < SLOPE_GROUP; k++)
+    for (int k = 0; k < SLOPE_GROUP; k++) {
       unlike |= level[k] ^ level[0];
+      texels |= used[k] & -(level[k] != 0);
+      cells |= used[k] & -(level[k] == 0);
+    }
     const moment_level common = p->level[level[0]];
+    const float middle = level[0] ? 0.5F : 1; /* cells begin in the middles of texels */
     for (int k = 0; k < SLOPE_GROUP; k++) {
       f.texels[k] = common.texels;
       f.width[k] = common.width;
       f.height[k] = common.height;
+      f.middle[k] = middle;
     }
     for (int k = 0; k < SLOPE_GROUP && unlike; k++) {
       f.texels[k] = p->level[level[k]].texels;
       f.width[k] = p->level[level[k]].width;
       f.height[k] = p->level[level[k]].height;
+      f.middle[k] = level[k] ? 0.5F : 1;
     }
     slope_locate(o->u + first, o->v + first, &f);
-    slope_shape(&c, coarse, used, w0, h0, &f);
+    slope_shape(o, first, &c, coarse, used, w0, h0, &f);
     slope_inside(&f, inside);
     const int chunk = f.most_cols < SLOPE_TAPS ? SLOPE_TAPS / (f.most_cols + !f.most_cols) : 1;
     for (int row = 0; row < f.most_rows; row += chunk) {
       const int rows = f.most_rows - row < chunk ? f.most_rows - row : chunk;
-      slope_weights(&f, &taps, row, rows);
-      slope_texels(&f, &taps, inside, row, rows, p->wrap);
+      slope_rows(&f, &taps, row, rows);
+      if (texels) {
+        slope_weights(&f, &taps, rows);
+        slope_texels(&f, &taps, inside, row, rows, p->wrap);
+      }
+      if (cells)
+        slope_cells(m, &f, &taps, inside, row, rows);
     }
   }
   slope_blend(o, first, &f);
@@ -747,13 +943,14 @@ static void kernel_slopes(const shade_slope_map *m, size_t count, const slope_bl
     o.mxx[i] = o.mxy[i] = o.myy[i] = o.longer2[i] = 0;
   }
   for (size_t first = 0; first < whole; first += SLOPE_GROUP) {
-    int near = 0, far = 0;
-    for (size_t i = first; i < first + SLOPE_GROUP && i < count; i++) {
+    const int sides = b->side[0] != NULL;
+    int near = !sides, far = 0;
+    for (size_t i = first; sides && i < first + SLOPE_GROUP && i < count; i++) {
       near |= o.blend[i] < 1;
       far |= o.blend[i] > 0;
     }
     if (near)
-      slope_points(m, &o, first, b->side[0] != NULL);
+      slope_points(m, &o, first, sides);
     if (far)
       slope_levels(m, &o, first);
   }

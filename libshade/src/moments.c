@@ -7,8 +7,8 @@
 
 /* ---- building --------------------------------------------------------------------- */
 
-static int half(int n, int shrink) {
-  return n / shrink > 1 ? n / shrink : 1;
+static int half(int n) {
+  return n > 3 ? n / 2 : 1;
 }
 
 /* Add `weight` times the source row to the narrower row `to`. */
@@ -81,22 +81,29 @@ static void level_row(const void *context, int j, float *to) {
   memcpy(to, l->texels + (size_t)j * size, size * sizeof *to);
 }
 
-int moments_create(moment_pyramid *p, int width, int height, int shrink, moment_wrap wrap,
-                   moment_row *row, const void *context) {
+int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, moment_row *row,
+                   moment_cell *cell, const void *context) {
   memset(p, 0, sizeof *p);
   p->wrap = wrap;
+  p->cell = cell;
+  p->context = context;
+  p->level[0].width = width;
+  p->level[0].height = height;
   p->levels = 1;
-  p->level[0].width = half(width, shrink);
-  p->level[0].height = half(height, shrink);
-  if (reduce(&p->level[0], width, height, row, context) != 0)
+  if (cell) {
+    p->level[1].width = half(width);
+    p->level[1].height = half(height);
+    p->levels = 2;
+  }
+  if (reduce(&p->level[p->levels - 1], width, height, row, context) != 0)
     return -1;
   while (p->levels < MOMENT_LEVELS) {
     const moment_level *from = &p->level[p->levels - 1];
     moment_level *to = &p->level[p->levels];
     if (from->width == 1 && from->height == 1)
       break;
-    to->width = half(from->width, 2);
-    to->height = half(from->height, 2);
+    to->width = half(from->width);
+    to->height = half(from->height);
     p->levels++;
     const int halved = from->width == 2 * to->width && from->height == 2 * to->height;
     if ((halved ? halve(to, from) : reduce(to, from->width, from->height, level_row, from)) != 0)
@@ -166,29 +173,43 @@ static double filter_width(double side2) {
 }
 
 /*
- * Add what a footprint finds on a level. `m`: twelve times its covariance in the level's texels, y
+ * Add what a footprint finds on level k. `m`: twelve times its covariance in the level's texels, y
  * downwards, and `area` the root of that matrix's determinant. The filter is a parallelogram with
  * two sides along the rows, so that each texel is read once. A texel's own box, of which twelve
  * times the variance is 1, is not sheared.
  */
-static void add_level(const moment_level *l, moment_wrap wrap, double u, double v,
-                      const double m[3], double area, double weight, double out[MOMENTS]) {
-  const double x = u * l->width - 0.5, y = (1 - v) * l->height - 0.5;
+static void add_level(const moment_pyramid *p, int k, double u, double v, const double m[3],
+                      double area, double weight, double out[MOMENTS]) {
+  const moment_level *l = &p->level[k];
+  const double middle = l->texels ? 0.5 : 1; /* cells begin in the middles of texels */
+  const double x = u * l->width - middle, y = (1 - v) * l->height - middle;
   const double rows = fmax(m[2], MOMENT_LEAST) - 1, shear = m[1] / rows;
   const double high = filter_width(rows + 1), reach_y = (high + 1) / 2;
   const double wide = filter_width((area * area - m[0]) / rows), reach_x = (wide + 1) / 2;
   const int bottom = (int)floor(y + reach_y);
   for (int j = (int)ceil(y - reach_y); j <= bottom; j++) {
     const double w = weight * cover(high, j - y) / (wide * high), at = x + shear * (j - y);
-    const size_t row = (size_t)wrap_index(j, l->height, wrap) * (size_t)l->width;
+    const size_t row = (size_t)wrap_index(j, l->height, p->wrap) * (size_t)l->width;
     const int right = (int)floor(at + reach_x);
     for (int i = (int)ceil(at - reach_x); i <= right; i++) {
-      const float *texel = l->texels + (row + (size_t)wrap_index(i, l->width, wrap)) * MOMENTS;
       const double part = w * cover(wide, i - at);
+      double made[MOMENTS];
+      const float *texel = NULL;
+      if (l->texels)
+        texel = l->texels + (row + (size_t)wrap_index(i, l->width, p->wrap)) * MOMENTS;
+      else
+        p->cell(p->context, i, j, made);
       for (int c = 0; c < MOMENTS; c++)
-        out[c] += part * (double)texel[c];
+        out[c] += part * (texel ? (double)texel[c] : made[c]);
     }
   }
+}
+
+/* How much of level 1 there is beside cells: all for footprints as large as its filter is good for.
+ */
+static double beyond_cells(double area2) {
+  const double from = MOMENT_CELLS_NEAR, to = MOMENT_CELLS_FAR;
+  return fmin(fmax((sqrt(sqrt(area2)) - from) / (to - from), 0), 1);
 }
 
 void moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
@@ -200,26 +221,32 @@ void moments_lookup(const moment_pyramid *p, double u, double v, const double fo
   /* squared: the shorter axis, and texels' sides that are small enough for it */
   const double thin = fmax(value[1], value[0] * MOMENT_LONGEST);
   const double side2 = fmax(fmin(thin * MOMENT_ACROSS, sqrt(value[0] * thin) * MOMENT_SQUARE), 1);
-  const int level = (int)floor(0.5 * log2(side2));
+  int level = (int)floor(0.5 * log2(side2));
   memset(out, 0, MOMENTS * sizeof *out);
+  double next = fmax((sqrt(side2) / ldexp(1, level) - MOMENT_NEXT) / (2 - MOMENT_NEXT), 0);
+  if (p->cell && level == 0) {
+    next = beyond_cells(value[0] * value[1]);
+    level = next >= 1;
+    next = level ? 0 : next;
+  }
   if (level >= p->levels - 1) {
     for (int c = 0; c < MOMENTS; c++)
       out[c] = (double)p->level[p->levels - 1].texels[c];
     return;
   }
-  const double next = fmax((sqrt(side2) / ldexp(1, level) - MOMENT_NEXT) / (2 - MOMENT_NEXT), 0);
-  /* the shorter axis grown to what texels of level 0 can tell: to where the longer is, at most */
-  const double shorter = fmax(thin, MOMENT_LEAST);
-  const double grow = fmin((shorter - value[1]) / fmax(value[0] - value[1], 1e-30), 1);
   for (int k = level; k < level + 1 + (next > 0); k++) {
+    /* the shorter axis grown to what the finest stored texels can tell, or cells: to where the
+     * longer is, at most */
+    const double shorter = fmax(thin, p->cell && k > 0 ? 4 * MOMENT_LEAST : MOMENT_LEAST);
+    const double grow = fmin((shorter - value[1]) / fmax(value[0] - value[1], 1e-30), 1);
     /* a side of one texel is halved no more, but is the same all along: as if it were */
     const double gx = fmin(p->level[k].width / w, ldexp(1, -k));
     const double gy = fmin(p->level[k].height / h, ldexp(1, -k));
     const double scaled[3] = {gx * gx * (m[0] + grow * (value[0] - m[0])),
                               -gx * gy * (1 - grow) * m[1],
                               gy * gy * (m[2] + grow * (value[0] - m[2]))};
-    add_level(&p->level[k], p->wrap, u, v, scaled, gx * gy * sqrt(value[0] * shorter),
-              k > level ? next : 1 - next, out);
+    add_level(p, k, u, v, scaled, gx * gy * sqrt(value[0] * shorter), k > level ? next : 1 - next,
+              out);
   }
 }
 

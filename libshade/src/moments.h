@@ -6,6 +6,7 @@
  * part of the texture. Means of means are means: every level keeps them exactly, since
  * reductions weight each texel by what the larger one covers of it, at odd sizes too. What a
  * lookup interpolates is moments; the covariance is taken last. [OlanoBaker2010]
+ * The finest level may be one that is not stored: a lookup makes its moments as it reads them.
  */
 #ifndef SHADE_SRC_MOMENTS_H
 #define SHADE_SRC_MOMENTS_H
@@ -26,6 +27,9 @@ enum { MOMENTS = 6, MOMENT_LEVELS = 17 };
 #define MOMENT_LONGEST (1 / (16.0 * 16.0))
 #define MOMENT_NEXT 1.875
 #define MOMENT_LEAST 3.1 /* square of the narrowest filter, in texels of a level */
+/* Root of a footprint's area in texels: from the one on cells leave to level 1, to the other. */
+#define MOMENT_CELLS_NEAR 3.02
+#define MOMENT_CELLS_FAR 3.98
 enum { MOMENT_H, MOMENT_X, MOMENT_Y, MOMENT_XX, MOMENT_XY, MOMENT_YY };
 
 /* Index of texel i of n where i may lie outside. */
@@ -44,24 +48,29 @@ static inline int wrap_index(int i, int n, moment_wrap wrap) {
 
 typedef struct moment_level {
   int width, height;
-  float *texels; /* row 0 is the top */
+  float *texels; /* row 0 is the top; NULL for cells */
 } moment_level;
+
+/* Moments of row j of a picture of width x height texels, into `to`. */
+typedef void moment_row(const void *context, int j, float *to);
+/* Moments between the middles of texels (i, j) and (i + 1, j + 1), wherever these lie. */
+typedef void moment_cell(const void *context, int i, int j, double to[MOMENTS]);
 
 typedef struct moment_pyramid {
   int levels;
   moment_wrap wrap;
   moment_level level[MOMENT_LEVELS];
+  moment_cell *cell; /* of level 0, or NULL where that is stored */
+  const void *context;
 } moment_pyramid;
 
-/* Moments of row j of a picture of width x height texels, into `to`. */
-typedef void moment_row(const void *context, int j, float *to);
-
 /*
- * Build all levels down to 1 x 1; level 0 has (width/shrink) x (height/shrink) texels, at
- * least 1, reduced from the rows that `row` makes. 0, or -1 when out of memory.
+ * Build all levels down to 1 x 1, reduced from the rows that `row` makes. With `cell`, level 0 is
+ * left to that, level 1 is the first that is stored, and `context` has to last as long as `p`. 0,
+ * or -1 when out of memory.
  */
-int moments_create(moment_pyramid *p, int width, int height, int shrink, moment_wrap wrap,
-                   moment_row *row, const void *context);
+int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, moment_row *row,
+                   moment_cell *cell, const void *context);
 void moments_free(moment_pyramid *p);
 
 /* Longer side of the footprint's ellipse, in texels of level 0. */

@@ -208,7 +208,7 @@ static int draw_table(drawing *d, moment_pyramid *table) {
     shift[i] = ((float)scratch_shuffled(k, across) + 0.25F) / (float)across;
   }
   if (status == 0)
-    status = moments_create(table, d->width, d->height, 1, WRAP_REPEAT, table_row, &d);
+    status = moments_create(table, d->width, d->height, WRAP_REPEAT, table_row, NULL, &d);
   free(cell64);
   free(shift);
   free(d->row.sum);

@@ -38,10 +38,14 @@ typedef struct widen_block {
  * single and double precision must come to the same one.
  */
 #define SLOPE_COUNT_SLACK 1e-4
-/* Root of a footprint's area in texels of level 0, of which each is two of the picture's: up to the
- * one it is sampled, from the other on the pyramid answers. */
-#define SLOPE_NEAR 1.51
+/* Sides in texels up to which three points are enough; with two a texel, two are exact again. */
+#define SLOPE_FEW 1.9
+/* Root of a footprint's area, or its longer side, in texels: up to the one it is sampled, from the
+ * other on the pyramid answers. */
+#define SLOPE_NEAR 1.85
 #define SLOPE_FAR 1.99
+#define SLOPE_LONG_NEAR 4.0
+#define SLOPE_LONG_FAR 4.3
 /* How far Gauss's two points are from the middles of an interval's halves, in halves: 1/sqrt 3 -
  * 1/2. */
 #define SLOPE_GAUSS_SHIFT 0.07735026918962576

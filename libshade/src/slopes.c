@@ -128,6 +128,29 @@ static void texel_moments(const void *context, int j, float *to) {
   }
 }
 
+/* Means over the bilinear patch between the middles of four texels. */
+static void cell_moments(const void *context, int i, int j, double to[MOMENTS]) {
+  const shade_slope_map *m = context;
+  const float *a = texel(m, i, j), *b = texel(m, i + 1, j), *c = texel(m, i, j + 1),
+              *d = texel(m, i + 1, j + 1);
+  double mean[2], across[2], down[2], twist[2];
+  for (int k = 0; k < 2; k++) {
+    const double p = (double)a[k], q = (double)b[k], r = (double)c[k], s = (double)d[k];
+    mean[k] = (p + q + r + s) / 4;
+    across[k] = (q - p + s - r) / 2;
+    down[k] = (r - p + s - q) / 2;
+    twist[k] = p - q - r + s;
+  }
+  memset(to, 0, MOMENTS * sizeof *to);
+  moments_add(to, 1, 0, mean[0], mean[1]);
+  /* what is linear in one direction, and in both, has no mean, but a mean square */
+  for (int k = 0; k < 3; k++) {
+    const int x = k == 2, y = k != 0;
+    to[MOMENT_XX + k] +=
+        (across[x] * across[y] + down[x] * down[y]) / 12 + twist[x] * twist[y] / 144;
+  }
+}
+
 /* ---- public --------------------------------------------------------------------------------- */
 
 shade_slope_map *shade_slope_map_create(const float *pixels, int width, int height, int channels,
@@ -148,11 +171,15 @@ shade_slope_map *shade_slope_map_create(const float *pixels, int width, int heig
   m->width = width;
   m->height = height;
   m->wrap = (moment_wrap)o.wrap;
-  m->slopes = malloc(2 * count * sizeof *m->slopes);
+  /* the kernel reads nine texels from where a row of cells begins */
+  m->slopes = malloc(2 * (count + 8) * sizeof *m->slopes);
+  for (size_t i = 0; m->slopes && i < 16; i++)
+    m->slopes[2 * count + i] = 0;
   for (size_t i = 0; m->slopes && i < count; i++)
     found |= read_texel(pixels + i * (size_t)channels, channels, &o, m->slopes + 2 * i);
   *status = found;
-  if (!m->slopes || moments_create(&m->pyramid, width, height, 2, m->wrap, texel_moments, m) != 0) {
+  if (!m->slopes ||
+      moments_create(&m->pyramid, width, height, m->wrap, texel_moments, cell_moments, m) != 0) {
     shade_slope_map_free(m);
     return NULL;
   }
@@ -182,13 +209,12 @@ static void add_point(const shade_slope_map *m, double u, double v, double weigh
   moments_add(moments, weight, 0, s[0], s[1]);
 }
 
-/* Two points a texel, but few enough and at least four, so that there is a covariance; three up to
- * a whole texel. */
+/* Two points a texel, but few enough; three where that is enough, so that there is a covariance. */
 static int steps(double texels) {
-  const double least = 2, most = 8, counted = texels - SLOPE_COUNT_SLACK;
+  const double most = 8, counted = texels - SLOPE_COUNT_SLACK;
   if (!(texels > 0))
     return 1;
-  return counted > 1 ? 2 * (int)fmin(fmax(ceil(counted), least), most) : 3;
+  return counted > SLOPE_FEW ? 2 * (int)fmin(ceil(counted), most) : 3;
 }
 
 /*
@@ -214,13 +240,15 @@ static double weight_of(int k, int n) {
   return n != 3 ? 1.0 / n : k == 1 ? 0.25 : 0.375;
 }
 
-/* How far a look-up leaves points for the pyramid: thin footprints as others that use it, and all
- * once they are as large as its filter is good for. */
+/* How far a look-up leaves points for the pyramid: once footprints are as large as its filter is
+ * good for, and thin ones as others that use it. */
 static double blend_of(const moment_pyramid *p, const double side[4]) {
   const double texels = (double)p->level[0].width * p->level[0].height;
   const double root = sqrt(fabs(side[0] * side[3] - side[1] * side[2]) * texels);
   const double round = (root - SLOPE_NEAR) / (SLOPE_FAR - SLOPE_NEAR);
-  return fmin(fmax(round, moments_blend(moments_extent(p, side))), 1);
+  const double thin =
+      (moments_extent(p, side) - SLOPE_LONG_NEAR) / (SLOPE_LONG_FAR - SLOPE_LONG_NEAR);
+  return fmin(fmax(fmax(round, thin), 0), 1);
 }
 
 /* Where a texture coordinate lies in the first copies of the picture. Clamped, one tile away is as

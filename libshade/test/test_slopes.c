@@ -473,9 +473,62 @@ static void texels_side_by_side_are_exact(void **state) {
   free(pixels);
 }
 
+/* Footprints of any shape, one about each texel: together they have the mean, and the mean square,
+ * of the bilinear field itself, sums of products of corners: those of a side 4, 2 and 1 ninths. */
+static void all_places_together_are_exact(void **state) {
+  (void)state;
+  enum { WIDTH = 14, HEIGHT = 10 };
+  static const double sides[][3] = {{2.1, 2.2, 0.4}, {3, 2.4, 1.1}, {1.95, 1.9, 2},
+                                    {3.5, 3.4, 0.3}, {6, 0.7, 2.5}, {7, 5, 0.8}};
+  float *pixels = random_slopes(WIDTH, HEIGHT, 10);
+  double mean[2] = {0}, square[3] = {0};
+  for (int j = 0; j < HEIGHT; j++)
+    for (int i = 0; i < WIDTH; i++) {
+      const float *corner[2][2];
+      for (int k = 0; k < 4; k++)
+        corner[k / 2][k % 2] = pixels + 2 * ((j + k / 2) % HEIGHT * WIDTH + (i + k % 2) % WIDTH);
+      for (int k = 0; k < 16; k++) {
+        const float *a = corner[k / 8][k / 4 % 2], *b = corner[k / 2 % 2][k % 2];
+        const double part = (k / 8 == k / 2 % 2 ? 2 : 1) * (k / 4 % 2 == k % 2 ? 2 : 1) / 36.0;
+        square[0] += part * (double)a[0] * (double)b[0] / (WIDTH * HEIGHT);
+        square[1] += part * (double)a[0] * (double)b[1] / (WIDTH * HEIGHT);
+        square[2] += part * (double)a[1] * (double)b[1] / (WIDTH * HEIGHT);
+      }
+      mean[0] += (double)corner[0][0][0] / (WIDTH * HEIGHT);
+      mean[1] += (double)corner[0][0][1] / (WIDTH * HEIGHT);
+    }
+  shade_slope_map *m =
+      create(pixels, WIDTH, HEIGHT, 2, options_of(SHADE_NORMALS_SLOPE, SHADE_WRAP_REPEAT));
+  for (size_t n = 0; n < sizeof sides / sizeof sides[0]; n++) {
+    const double c = cos(sides[n][2]), s = sin(sides[n][2]);
+    const double footprint[4] = {sides[n][0] * c / WIDTH, sides[n][0] * s / HEIGHT,
+                                 -sides[n][1] * s / WIDTH, sides[n][1] * c / HEIGHT};
+    double means[2] = {0}, squares[3] = {0};
+    for (int k = 0; k < WIDTH * HEIGHT; k++) {
+      shade_slopes got;
+      const double u = (k % WIDTH + 0.3) / WIDTH, v = (k / WIDTH + 0.8) / HEIGHT;
+      assert_int_equal(shade_slope_lookup(m, u, v, footprint, &got), SHADE_OK);
+      for (int a = 0; a < 3; a++) {
+        const double product = got.mean[a == 2] * got.mean[a != 0];
+        squares[a] += (got.covariance[a] + product) / (WIDTH * HEIGHT);
+      }
+      means[0] += got.mean[0] / (WIDTH * HEIGHT);
+      means[1] += got.mean[1] / (WIDTH * HEIGHT);
+    }
+    for (int a = 0; a < 2; a++)
+      assert_near(means[a], mean[a], 1e-7);
+    /* points beside cells are not exact: up to FEW texels three a side */
+    for (int a = 0; a < 3; a++)
+      assert_near(squares[a], square[a], (n == 2 ? 2e-3 : 1e-7) * (square[0] + square[2]));
+  }
+  shade_slope_map_free(m);
+  free(pixels);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(one_texel_is_exact),
                                      cmocka_unit_test(texels_side_by_side_are_exact),
+                                     cmocka_unit_test(all_places_together_are_exact),
                                      cmocka_unit_test(normals_become_slopes),
                                      cmocka_unit_test(points_are_interpolated),
                                      cmocka_unit_test(every_level_keeps_the_moments),

@@ -96,9 +96,9 @@ int bench_maps(bench_row *print, void *context) {
   static const struct {
     const char *what;
     double longer, shorter; /* in texels */
-  } rows[] = {{"slopes_point", 0, 0},   {"slopes_1", 1, 1},    {"slopes_4", 4, 4},
-              {"slopes_16", 16, 16},    {"slopes_64", 64, 64}, {"slopes_16_by_4", 16, 4},
-              {"slopes_64_by_8", 64, 8}};
+  } rows[] = {{"slopes_point", 0, 0}, {"slopes_1", 1, 1},        {"slopes_2", 2, 2},
+              {"slopes_3", 3, 3},     {"slopes_4", 4, 4},        {"slopes_16", 16, 16},
+              {"slopes_64", 64, 64},  {"slopes_16_by_4", 16, 4}, {"slopes_64_by_8", 64, 8}};
   shade_slope_map *m = make_map();
   arrays *a = calloc(1, sizeof *a);
   shade_params p;

@@ -163,10 +163,11 @@ SHADE_API void shade_slope_map_free(shade_slope_map *m); /* NULL is fine */
 /*
  * Slopes over a footprint about (u, v). Without one: the slopes interpolated bilinearly, no
  * covariance. With one: the mean and covariance over it of that same interpolated field.
- * Up to 3 texels a side it is sampled; from 4 on (root of its area), or 7 along a thin one, the
- * pyramid answers, with a parallelogram of texels whose second moments are the footprint's, as long
- * as it is no more than 16 times longer than wide; a blend lies between.
- * Returns SHADE_BAD_INPUT, and flat, where an argument is not finite. [OlanoBaker2010]
+ * Up to 1.85 texels (root of its area), or 4 along a thin one, it is sampled. From 2 on, or 4.3, a
+ * parallelogram of texels answers whose second moments are the footprint's, as long as it is no
+ * more than 16 times longer than wide: of the patches between texels first, from 4 on (root of its
+ * area) of the pyramid. Blends lie between. Returns SHADE_BAD_INPUT, and flat, where an argument is
+ * not finite. [OlanoBaker2010]
  */
 SHADE_API unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v,
                                       const double footprint[4], shade_slopes *slopes);
