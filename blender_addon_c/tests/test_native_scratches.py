@@ -48,6 +48,15 @@ def drawn_plate(light, mdf="GGX", **changes):
 
 
 @pytest.mark.parametrize("light", some([(0.25, 0.1, 1), (-0.1, 0.55, 1)]))
+def test_far_scratches_come_bit_by_bit(light):
+    """The mean, which is the same in truth, at footprints an eighth of an octave apart, over four octaves."""
+    means = np.array([plate(light, samples=256, normal_blur=0.014 * 2**(k / 8)).mean() for k in range(33)])
+    steps = np.abs(np.diff(means)) / means.mean()
+    print(light, steps.max(), means.max() / means.min() - 1)
+    assert steps.max() < 0.0045
+
+
+@pytest.mark.parametrize("light", some([(0.25, 0.1, 1), (-0.1, 0.55, 1)]))
 def test_far_scratches_spread_what_is_not_widened(light):
     """GGX, whose tails would grow: slopes by chance have the mean of the points, and are not the plate's own."""
     samples, limit = (1024, 0.03) if SANITIZED else (16384, 0.02)  # noise of a mean: .004, .001

@@ -114,8 +114,10 @@ LEAF float scratches_lot(float u, float v, uint32_t number) {
       mix(((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v)) + number));
 }
 
-/* Does a footprint, in tiles, reach from where the library leaves its samples for the table to
- * twice as far, or, by lot, further? Else points of it, one for each ray, say the same. */
+/* Does a footprint, in tiles, reach from where the library leaves its samples for the table to four
+ * times as far, or, by lot, further? Else points of it, one for each ray, say the same but for what
+ * the far model is off: of a camera that goes by constant ratios each frame has as much more of it.
+ */
 static inline bool scratches_far(const scratches *s, const double side[4], float lot) {
   const double xx = side[0] * side[0] + side[2] * side[2];
   const double yy = side[1] * side[1] + side[3] * side[3];
@@ -123,22 +125,25 @@ static inline bool scratches_far(const scratches *s, const double side[4], float
   const double cells2 = (double)s->params.cells * s->params.cells;
   const double extent2 = cells2 * (0.5 * (xx + yy) + sqrt(half * half + xy * xy));
   const double least2 = 12.1; /* (2 sqrt 3)^2 */
-  return extent2 > least2 * (1.0 + 3.0 * (double)lot);
+  return extent2 > least2 && extent2 > least2 * (double)exp2f(4.0f * lot);
 }
 
 /*
  * Of what a footprint stands for, one square chosen by chance, about as wide as the footprint is or
- * a sixteenth of its length: the mean over rays is the mean over it. False where squares are too
- * wide.
+ * a sixteenth of its length, or, the more likely the less wider these are, half as wide: the mean
+ * over rays is the mean over it, and moves as slowly as the footprint does. False where squares are
+ * too wide.
  */
 static inline bool scratches_square(const scratches *s, double u, double v, const double side[4],
-                                    const float lot[2], shade_slopes *to) {
+                                    const float lot[3], shade_slopes *to) {
   const double one = hypot(side[0], side[1]), other = hypot(side[2], side[3]);
   const double longer = one > other ? one : other, shorter = one > other ? other : one;
   const double wanted = shorter > longer / 16 ? shorter : longer / 16;
   int level = -ilogb(wanted); /* 2^-level <= wanted, but for what is above a tile */
   if (!(longer > 0) || level > s->squares.levels)
     return false;
+  if (level >= 0 && level < s->squares.levels)
+    level += ldexp(wanted, level) < 1 + (double)lot[2];
   level = level < 0 ? 0 : level;
   const double width = ldexp(1, -level), square = width * width;
   const double a = one > width ? sqrt(1 - square / (one * one)) * ((double)lot[0] - 0.5) : 0;
@@ -207,8 +212,9 @@ static inline void node_scratches_look(const node_scratches *n, lane_run g, bool
     const double side[4] = {per * (double)to->du1[i], per * (double)to->dv1[i],
                             per * (double)to->du2[i], per * (double)to->dv2[i]};
     const bool far = coarse && scratches_far(n->of, side, scratches_lot(x[i], y[i], 0));
-    const float lot[2] = {scratches_lot(x[i], y[i], 0x3c6ef372u),
-                          scratches_lot(x[i], y[i], 0x1b873593u)};
+    const float lot[3] = {scratches_lot(x[i], y[i], 0x3c6ef372u),
+                          scratches_lot(x[i], y[i], 0x1b873593u),
+                          scratches_lot(x[i], y[i], 0x85ebca77u)};
     const double u = per * (double)x[i], v = per * (double)y[i];
     shade_slopes s;
     if (!far || !scratches_square(n->of, u, v, side, lot, &s))
