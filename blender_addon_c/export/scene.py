@@ -48,7 +48,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     if not lights and "sky" not in world and not any(world["background"]):
         messages.warning(f"no {kinds('or')} light in the scene: surfaces will be black")
     if depsgraph.mode == "RENDER":
-        name_twins(meshes, instances, messages)
+        name_twins(meshes, instances, messages, scene.libshade.soft_terminator)
         name_standing(meshes, instances, table.materials, messages)
     if catchers["seen"] and bpy.app.version < (4, 0):  # measured: 3.4, not 4.2
         if any(kind == OCCLUSION for _name, kind in aovs):

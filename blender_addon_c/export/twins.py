@@ -6,10 +6,11 @@ import numpy as np
 _MOST = 100_000  # triangles; in larger scenes boxes alone are looked at: it takes .1 s for these
 _MOST_STANDING = 50  # objects of glass
 _FACES = 0.05  # of an object's, from which on it is worth a word
+_MOST_SHELLS, _APART = 1000, 0.02  # objects that are compared; of their sizes: facets of a ball of 16 segments are as far below it
 
 
-def name_twins(meshes, instances, messages):
-    """Names objects of which many faces lie where others, or others of their own, do."""
+def name_twins(meshes, instances, messages, lifted=False):
+    """Names objects of which many faces lie where others, or others of their own, do; where shadows are lifted, shells too."""
     if not instances:
         return
     with np.errstate(invalid="ignore", over="ignore"):  # of places that are no numbers, which are said elsewhere
@@ -18,13 +19,19 @@ def name_twins(meshes, instances, messages):
     if not (np.isfinite(boxes).all() and size > 0):
         return
     step = size * 2.0**-18
+    places = None
     if sum(len(meshes[i["mesh"]]["corner_position"]) for i in instances) <= 3 * _MOST:
-        parts = _shared(list(map(_middles, [meshes[i["mesh"]] for i in instances], instances)), step)
+        places = list(map(_corners, [meshes[i["mesh"]] for i in instances], instances))
+        parts = _shared([corners.mean(1) for corners in places], step)
         if (parts > _FACES).any():
             _say(parts, "faces lie where others do; which of them are seen is chance, in Cycles too", meshes, instances, messages)
             return
-    _say(_boxed(boxes, step), "they fill one box; where their faces lie in one place, chance says which are seen, in Cycles too",
+    boxed = _boxed(boxes, step)
+    _say(boxed, "they fill one box; where their faces lie in one place, chance says which are seen, in Cycles too",
          meshes, instances, messages)
+    if lifted and places and not boxed.any():
+        _say(_shells(places, meshes, instances), "they fill nearly one box; where smooth faces of one lie closer to the other than Soft "
+             "Terminator lifts the start of shadows, light goes through (switch it off under Light Paths)", meshes, instances, messages)
 
 
 def name_standing(meshes, instances, materials, messages):
@@ -63,11 +70,6 @@ def _corners(mesh, instance):
     return placed[mesh["corner_position"].reshape(-1, 3)]
 
 
-def _middles(mesh, instance):
-    """Of an instance's faces."""
-    return _corners(mesh, instance).mean(1)
-
-
 def _say(parts, what, meshes, instances, messages):
     names = {meshes[instance["mesh"]]["name"]: part for instance, part in zip(instances, parts) if part > _FACES}
     if names:
@@ -91,6 +93,28 @@ def _boxed(boxes, step):
     whole = np.rint(boxes.reshape(-1, 6) / step).astype(np.int64)
     _unique, which, counts = np.unique(whole, axis=0, return_inverse=True, return_counts=True)
     return (counts[which.ravel()] > 1) & (boxes[:, 1] > boxes[:, 0]).any(1)
+
+
+def _shells(places, meshes, instances):
+    """By owner: is another nearly as large and in nearly the same place, both of smooth faces?"""
+    found = np.zeros(len(places), bool)
+    at = [number for number, corners in enumerate(places) if len(corners)]
+    if not 1 < len(at) <= _MOST_SHELLS:
+        return found
+    low, high = (np.array([limit(places[number], axis=(0, 1)) for number in at]) for limit in (np.min, np.max))
+    apart = np.maximum(abs(low[:, None] - low), abs(high[:, None] - high)).max(-1)
+    near = apart < _APART * (high - low).min(-1)
+    np.fill_diagonal(near, False)
+    own = [instances[number]["mesh"] for number in at]
+    smooth = {mesh: _is_smooth(meshes[mesh]) for mesh in {own[k] for k in np.flatnonzero(near.any(1))}}
+    is_smooth = np.array([smooth.get(mesh, False) for mesh in own])
+    found[at] = (near & is_smooth).any(1) & is_smooth
+    return found
+
+
+def _is_smooth(mesh):
+    normals = mesh["corner_normals"].reshape(-1, 3, 3)
+    return bool((normals[:, :1] != normals[:, 1:]).any())
 
 
 def _shared(places, step):

@@ -40,6 +40,24 @@ def test_twins(meshes, places, said):
     assert said is None or said in found[0]
 
 
+def bowl(name, size, smooth=True):
+    x, y = GRID[:, 0] / 5 - 0.5, GRID[:, 1] / 5 - 0.5
+    made = mesh(name, positions=size * np.stack([x, y, x * x + y * y], -1).astype(np.float32))
+    normals = np.stack([-2 * x, -2 * y, np.ones_like(x)], -1)[made["corner_position"]]
+    return made | {"corner_normals": np.float32(normals if smooth else 0 * normals + (0, 0, 1))}
+
+
+@pytest.mark.parametrize("others, lifted, said", [
+    ([bowl("b", 1.005)], True, True), ([bowl("b", 1.005)], False, False), ([bowl("b", 1.1)], True, False), ([], True, False),
+    ([bowl("b", 1.005, False)], True, False)])
+def test_shells_that_light_goes_through(others, lifted, said):
+    found = []
+    log = type("Log", (), {"warning": lambda _self, text: found.append(text)})()
+    meshes = [bowl("a", 1), *others]
+    twins.name_twins(meshes, [{"mesh": k, "matrix": HERE} for k in range(len(meshes))], log, lifted)
+    assert len(found) == said and (not said or "(and 1 more): they fill nearly one box" in found[0])
+
+
 GLASS, MATT = {"closure": "GLASS", "refracts": True}, {"closure": "DIFFUSE"}
 
 
