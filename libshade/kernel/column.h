@@ -102,7 +102,7 @@ typedef struct column_group {
 static void column_group_add(column_group *g, size_t lane, double u, double v, double du,
                              double dv);
 static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
-                              column_group *g);
+                              int narrow, column_group *g);
 static void column_streaked(const shade_fabric *f, const column_yarns yarns[2],
                             double column[COLUMNS]);
 

@@ -10,18 +10,23 @@
 #define WEAVE_NOISE_H
 /*
  * 32 well mixed bits of a yarn's index, a knot along it and a channel. Multiplications by odd
- * constants and shifts only, so that other languages give the same bits.
+ * constants and shifts only, so that other languages give the same bits. In two steps, of which the
+ * first holds for all knots.
  */
+LEAF uint32_t weave_mix(uint32_t h, uint32_t word) {
+  h = (h ^ word) * 0x85ebca6bu;
+  h ^= h >> 15;
+  h *= 0xc2b2ae35u;
+  return h ^ h >> 13;
+}
+LEAF uint32_t weave_hash_of_yarn(uint32_t seed, uint32_t channel, uint32_t yarn) {
+  return weave_mix(seed * 0x9e3779b1u + channel, yarn);
+}
+LEAF uint32_t weave_hash_at(uint32_t yarn_hash, uint32_t knot) {
+  return weave_mix(weave_mix(yarn_hash, knot), 0x27d4eb2fu);
+}
 LEAF uint32_t weave_hash(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
-  uint32_t h = seed * 0x9e3779b1u + channel;
-  const uint32_t words[3] = {yarn, knot, 0x27d4eb2fu};
-  for (int i = 0; i < 3; i++) {
-    h = (h ^ words[i]) * 0x85ebca6bu;
-    h ^= h >> 15;
-    h *= 0xc2b2ae35u;
-    h ^= h >> 13;
-  }
-  return h;
+  return weave_hash_at(weave_hash_of_yarn(seed, channel, yarn), knot);
 }
 
 /* One noise per use, for weft; those of warp follow. */
@@ -38,8 +43,11 @@ enum {
 #endif
 
 /* -1 <= r < 1, uniform. The top 24 bits: exact in float. */
+LEAF real FN(weave_random_of)(uint32_t hash) {
+  return (real)(int32_t)(hash >> 8) * R(0x1p-23) - 1;
+}
 LEAF real FN(weave_random)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
-  return (real)(int32_t)(weave_hash(seed, channel, yarn, knot) >> 8) * R(0x1p-23) - 1;
+  return FN(weave_random_of)(weave_hash(seed, channel, yarn, knot));
 }
 
 LEAF real FN(weave_floor)(real x) {

@@ -238,6 +238,29 @@ static void FN(cloth_ask)(FN(asked) what, const bsdf *b, const FN(gathered) * g,
     FN(cloth_through)(g, first);
 }
 
+/* The mean over nodes, one after the other: of lanes enough to fill vectors. */
+static void FN(cloth_nodes)(FN(asked) what, const bsdf *b, const fabric_nodes *nodes,
+                            FN(gathered) * g, real *restrict first) {
+  real one[BLOCK];
+  for (size_t j = 0; j < g->count; j++)
+    first[j] = 0;
+  for (int node = 0; node < nodes->count; node++) {
+    const real x = nodes->FN(x)[node], y = nodes->FN(y)[node], z = nodes->FN(z)[node];
+    const real weight = nodes->FN(weight)[node];
+    real *nx = g->n[0], *ny = g->n[1], *nz = g->n[2];
+#pragma omp simd
+    for (size_t j = 0; j < g->count; j++) {
+      nx[j] = x;
+      ny[j] = y;
+      nz[j] = z;
+    }
+    FN(cloth_ask)(what, b, g, one, NULL);
+#pragma omp simd
+    for (size_t j = 0; j < g->count; j++)
+      first[j] += weight * one[j];
+  }
+}
+
 /* The mean over nodes: as many lanes at a time as, times the nodes, fill a block. */
 static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes *nodes,
                               const FN(gathered) * g, real *first, real *second) {
@@ -323,6 +346,11 @@ static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side
                           const bsdf *b, FN(gathered) * g, real *first, real *second) {
   if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table && !g->dull) {
     FN(cloth_far)(b, s, g, first, second);
+  } else if (kind == CLOTH_FAR && what == FN(ASK_DENSITY) && s->draws_one) {
+    FN(cloth_tilts)(c, kind, &s->one, g);
+    FN(cloth_ask)(what, b, g, first, second);
+  } else if (kind == CLOTH_FAR && what == FN(ASK_DENSITY) && g->count >= FABRIC_FEW) {
+    FN(cloth_nodes)(what, b, &s->coarse, g, first);
   } else if (kind == CLOTH_FAR) {
     FN(cloth_mixture)(what, b, what == FN(ASK_YARN) ? &s->nodes : &s->coarse, g, first, second);
   } else {
@@ -331,10 +359,11 @@ static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side
   }
 }
 
-static fabric_lobe FN(cloth_lobe)(FN(asked) what, int kind) {
+static fabric_lobe FN(cloth_lobe)(FN(asked) what, const fabric_side *s, int kind) {
   return kind == CLOTH_SINGLE   ? FABRIC_SINGLE
          : kind != CLOTH_FAR    ? FABRIC_NEAR
          : what == FN(ASK_YARN) ? FABRIC_FAR
+         : s->draws_one         ? FABRIC_SINGLE
                                 : FABRIC_DRAW;
 }
 
@@ -399,7 +428,7 @@ static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_l
 /* The same, where some lanes have less gloss. */
 static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int k,
                             int kind, FN(gathered) * g, real *first, real *second) {
-  const fabric_lobe which = FN(cloth_lobe)(what, kind);
+  const fabric_lobe which = FN(cloth_lobe)(what, s, kind);
   const bsdf *b = bsdf_of(&s->lobe[which]);
   FN(gathered) dull;
   real one[BLOCK], two[BLOCK];

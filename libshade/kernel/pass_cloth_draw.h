@@ -174,7 +174,7 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
     const int i = g.lane[j];
     v[0][j] = u1[i];
     v[1][j] = u2[i];
-    if (kind != CLOTH_FAR)
+    if (kind != CLOTH_FAR || s->draws_one)
       continue;
     int node = 0;
     real left = u3[i];
@@ -184,7 +184,7 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
     g.n[1][j] = s->coarse.FN(y)[node];
     g.n[2][j] = s->coarse.FN(z)[node];
   }
-  const fabric_lobe which = FN(cloth_lobe)(FN(ASK_DENSITY), kind);
+  const fabric_lobe which = FN(cloth_lobe)(FN(ASK_DENSITY), s, kind);
   const bsdf *b = bsdf_of(&s->lobe[which]);
   const size_t less = FN(cloth_dull)(c, s, which, k, &g, &dull, at);
   if (less < g.count)

@@ -289,7 +289,7 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
         if (column_has_streaks(f, p->du[i], p->dv[i]))
           column_group_add(&group, j, p->u[i], p->v[i], p->du[i], p->dv[i]);
       }
-      column_look_group(f, &x, &y, &group);
+      column_look_group(f, &x, &y, SHADE_FLOAT, &group);
       for (size_t j = begin, next = 0; j < end; j++) {
         const int i = p->far[j];
         column_of(f, p->du[i], p->dv[i], &x, &y, j, column);

@@ -24,7 +24,7 @@ static void FN(cloth_dull_one)(const FN(cloth) * c, const fabric_side *s, fabric
 static void FN(cloth_lobe_one)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int k,
                                FN(gathered) * g, real *spec, real *matt) {
   const int kind = c->kind[0];
-  const fabric_lobe which = FN(cloth_lobe)(FN(ASK_YARN), kind);
+  const fabric_lobe which = FN(cloth_lobe)(FN(ASK_YARN), s, kind);
   const bsdf *b = bsdf_of(&s->lobe[which]);
   g->dull = 0;
   if (what == FN(ASK_THROUGH) && kind > CLOTH_WARP) {

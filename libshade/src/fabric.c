@@ -200,6 +200,28 @@ static void look_at_repeat(shade_fabric *f, int looks, cloud clouds[2]) {
         f->mean[k + COLUMN_CHANNEL] == f->mean[k] && f->mean[k + 2 * COLUMN_CHANNEL] == f->mean[k];
 }
 
+/* After the table. 0 when out of memory. */
+static int make_strips(shade_fabric *f) {
+  if (!f->uneven || f->columns != (int)f->width || f->rows != (int)f->height)
+    return 1;
+  const size_t line = (size_t)(f->columns + 1) * COLUMNS_STEP;
+  for (int k = 0; k < 2; k++) {
+    const int weft = k == SHADE_TOP_WEFT, yarns = weft ? f->rows : f->columns;
+    const size_t along = weft ? COLUMNS_STEP : line, next = weft ? line : COLUMNS_STEP;
+    const size_t blocks = (size_t)(weft ? f->columns : f->rows);
+    double *to = f->strip[k] =
+        malloc((blocks + 1) * (size_t)(yarns + FABRIC_RUN) * sizeof *f->strip[k]);
+    if (!to)
+      return 0;
+    for (size_t i = 0; i <= blocks; i++)
+      for (int j = 0; j < yarns + FABRIC_RUN; j++) {
+        const double *t = f->table + i * along + (size_t)(j % yarns) * next + COLUMN_SEEN + k;
+        *to++ = t[next] - t[0];
+      }
+  }
+  return 1;
+}
+
 /*
  * The mean share of the crossings that yarns of slubs s fill: within a yarn's own limits, over even
  * values at two knots and all places between them.
@@ -223,6 +245,8 @@ void shade_fabric_free(shade_fabric *f) {
   fabric_table_free(f->side[0].table);
   fabric_table_free(f->side[1].table);
   free(f->table);
+  free(f->strip[0]);
+  free(f->strip[1]);
   free(f);
 }
 
@@ -272,6 +296,7 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
   }
   if (ok) {
     look_at_repeat(f, looks, clouds);
+    ok = make_strips(f);
     for (int k = 0; k < 2; k++) {
       fabric_side *side = &f->side[k];
       double length = hypot(clouds[k].tx, clouds[k].ty);

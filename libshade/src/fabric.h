@@ -13,7 +13,8 @@
 enum {
   FABRIC_NODES = 128, /* lobes of a mixture, at most */
   FABRIC_COARSE = 16, /* lobes that stand for it where directions are drawn, at most */
-  FABRIC_POINTS = 16  /* of the near model in a footprint */
+  FABRIC_POINTS = 16, /* of the near model in a footprint */
+  FABRIC_RUN = 24     /* yarns that are looked at together, at most, in whole vectors */
 };
 
 /*
@@ -62,6 +63,7 @@ typedef struct fabric_side {
   shade_bsdf lobe[FABRIC_LOBES];
   shade_params made_of[FABRIC_LOBES];
   fabric_nodes nodes, one, coarse;
+  int draws_one;       /* directions are drawn from the single lobe, not from the coarse nodes */
   double spread[2];    /* variance of the tilt, along and across */
   double tx, ty;       /* the mean direction of the fibres */
   fabric_table *table; /* of more nodes than those; NULL: those, one by one */
@@ -90,6 +92,9 @@ struct shade_fabric {
   double width, height; /* of the repeat, in crossings */
   double *table;        /* (rows + 1) x (columns + 1) x COLUMNS_STEP */
   double mean[COLUMNS];
+  /* What the draft shows of each yarn up to each block along it, by shade_top: FABRIC_RUN yarns
+   * more than the repeat has, side by side. NULL: all yarns are alike, or several share a block. */
+  double *strip[2];
   int shadows; /* of yarns on one another, from the next two */
   fabric_lean lean[2];
   double level;         /* share of the cloth that is gap: as level as the cloth */

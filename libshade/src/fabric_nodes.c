@@ -19,6 +19,9 @@
 #define SPREAD_LEFT_GAUSSIAN 0.06 /* lobes that are steeper in their flanks */
 #define SPREAD_LEFT_COARSE 0.5    /* what directions are drawn from */
 #define SPREAD_LEFT_FINE 0.05     /* what tables are made of */
+/* Up to which spread of all tilts one lobe draws as well as the coarse ones: with no more noise
+ * (under an even sky presets have 1 to 6 % less variance), at a fraction of the time. */
+#define SPREAD_OF_ONE 2.5
 #define BROAD 20.0
 
 /* A cut of the cloud. */
@@ -282,6 +285,7 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
   set_one_node(&side->nodes);
   set_one_node(&side->one);
   set_one_node(&side->coarse);
+  side->draws_one = 0;
   for (int c = 0; c < 3; c++) {
     side->f0[c] = yarn->f0[c];
     side->kd[c] = yarn->kd[c];
@@ -305,6 +309,7 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
     return;
   make_lobe(side, FABRIC_FAR, p, yarn, rest[0], rest[1], status);
   make_single(side, p, yarn, &whole, rest, status);
+  side->draws_one = fmax(whole.vx * ex, whole.vy * ey) <= SPREAD_OF_ONE;
   if (!fabric_table_models(&side->lobe[FABRIC_FAR]))
     return;
   made = cut_cloud(looks, &whole, ex, ey, SPREAD_LEFT_FINE, FABRIC_FINE, made, cuts);

@@ -95,7 +95,7 @@ typedef struct shade_fabric shade_fabric;
  * become the first of their list (SHADE_BAD_CHOICE): or-ed into *status unless it is NULL. p may
  * be NULL: the defaults. Looks at some 10^5 points of the weave and tables the far model: 10 to
  * 90 ms for the presets, up to half a second for the largest drafts. A fabric takes .2 to .6 MiB,
- * and 192 bytes for each crossing of the repeat (to 512 a side). NULL if weave is NULL or memory
+ * and 208 bytes for each crossing of the repeat (to 512 a side). NULL if weave is NULL or memory
  * ran out.
  */
 SHADE_API shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_params *p,
