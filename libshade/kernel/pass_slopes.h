@@ -609,14 +609,13 @@ typedef struct slope_pairs {
 #define SLOPE_ADD_CELLS(to, weights, a, b, c, d)                                                   \
   do {                                                                                             \
     const slope_eights w = (weights), u = (a) + (b), l = (c) + (d), p = (b) - (a), q = (d) - (c);  \
+    const float third = 0.33333333333333333F;                                                      \
     const slope_eights sum = u + l, rise = p + q;                                                  \
     (to).mean += w * sum;                                                                          \
     (to).square += w * (u * sum + l * l + third * (p * rise + q * q));                             \
     (to).cross += w * (u * SLOPE_SWAPPED(sum) + l * SLOPE_SWAPPED(l) +                             \
                        third * (p * SLOPE_SWAPPED(rise) + q * SLOPE_SWAPPED(q)));                  \
   } while (0)
-
-static const float slope_third = 0.33333333333333333F;
 
 /* Add cells of a lane, none of which reaches an edge. */
 static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
@@ -627,7 +626,7 @@ static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter 
   static const float column4[16] = {0, 0, 1, 1, 2, 2, 3, 3, 0, 0, 1, 1, 2, 2, 3, 3};
   static const float second[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
 #endif
-  const float third = slope_third, half = f->half_x[k];
+  const float half = f->half_x[k];
   const int narrow = half < 2; /* some cells are near both edges */
   const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
   const float *row =
