@@ -522,16 +522,18 @@ LEAF void slope_read(slope_filter *restrict f, const slope_taps *restrict t, int
 /* The same where they reach an edge. */
 static SLOPE_APART void slope_read_wrapped(slope_filter *restrict f, const slope_taps *restrict t,
                                            int k, int first, int rows, int cols, moment_wrap wrap) {
+  static const float none[8];
+  slope_eight sum = SLOPE_EIGHT(f->sum[k]);
   for (int r = 0; r < rows; r++) {
     const int y = wrap_index(f->base_y[k] + f->top[k] + first + r, f->height[k], wrap);
     const float *row = f->texels[k] + (ptrdiff_t)y * f->width[k] * MOMENTS;
+    const float *part = &t->part[r * f->most_cols][k];
     for (int c = 0; c < cols; c++) {
       const int x = wrap_index(f->base_x[k] + t->left[r][k] + c, f->width[k], wrap);
-      const float part = t->part[r * f->most_cols + c][k];
-      for (int i = 0; i < MOMENTS; i++)
-        f->sum[k][i] += part * row[x * MOMENTS + i];
+      SLOPE_ADD(sum, part[c * SLOPE_GROUP], row + x * MOMENTS);
     }
   }
+  SLOPE_PUT(f->sum[k], sum, SLOPE_EIGHT(none));
 }
 
 /* Whether a group's filters lie within their levels. */
