@@ -217,7 +217,20 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
   return status;
 }
 
-/* What cloth_term does where all is far, without random numbers. */
+/* Whether all footprints are beyond the near model, and no random number is wrong. */
+static int FN(cloth_no_near)(const FN(shade_fabric_lanes) * in, size_t start, size_t size) {
+  int near = 0;
+  if (!in->du || !in->dv)
+    return 0;
+  const real *du = in->du + start, *dv = in->dv + start;
+  const real *r = in->random ? in->random + start : du;
+#pragma omp simd reduction(| : near)
+  for (size_t i = 0; i < size; i++)
+    near |= !((du[i] > 2) | (dv[i] > 2)) | !(r[i] == r[i]);
+  return !near;
+}
+
+/* What cloth_term does where all is far, whatever the random numbers. */
 static unsigned FN(cloth_all_far)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
                                   FN(preparing) * p) {
   const real *u = in->u + start, *v = in->v + start;
@@ -371,6 +384,8 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
     for (size_t i = 0; i < size; i++)
       p.far[p.far_count++] = (int)i;
   else if (tier == SHADE_TIER_FAR && !in->random)
+    status |= FN(cloth_all_far)(in, start, size, &p);
+  else if (tier == SHADE_TIER_AUTO && FN(cloth_no_near)(in, start, size))
     status |= FN(cloth_all_far)(in, start, size, &p);
   else
     for (size_t i = 0; i < size; i++)
