@@ -224,9 +224,10 @@ static int FN(cloth_no_near)(const FN(shade_fabric_lanes) * in, size_t start, si
     return 0;
   const real *du = in->du + start, *dv = in->dv + start;
   const real *r = in->random ? in->random + start : du;
+  const real from = (real)FABRIC_FAR_FROM;
 #pragma omp simd reduction(| : near)
   for (size_t i = 0; i < size; i++)
-    near |= !((du[i] > 2) | (dv[i] > 2)) | !(r[i] == r[i]);
+    near |= !((du[i] > from) | (dv[i] > from)) | !(r[i] == r[i]);
   return !near;
 }
 

@@ -601,6 +601,39 @@ static void no_input_breaks_it(void **state) {
   close_cloth(&c);
 }
 
+/* A block that is far in every lane is told at once, and what is wrong in one of them still said.
+ */
+static void far_blocks_name_bad_input(void **state) {
+  (void)state;
+  static arrays m;
+  uint64_t seed = 21;
+  cloth c = open_cloth("denim", NULL);
+  fill(&m, &seed);
+  for (int i = 0; i < N; i++)
+    m.in[2][i] = m.in[3][i] = 3;
+  shade_fabric_lanes in = LANES_OF(m.in);
+  in.size = sizeof in;
+  void *hits = malloc(shade_fabric_hits_size(N));
+  const struct {
+    int array;
+    double value;
+    unsigned status;
+  } wrong[] = {{13, NAN, SHADE_BAD_INPUT}, {2, NAN, SHADE_BAD_INPUT}, {3, NAN, SHADE_BAD_INPUT},
+               {2, -1, SHADE_BAD_INPUT},   {3, INFINITY, SHADE_OK},   {13, 7, SHADE_OK}};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    double *value = &m.in[wrong[k].array][N / 2];
+    const double kept = *value;
+    *value = wrong[k].value;
+    assert_int_equal(shade_fabric_prepare_batch(c.fabric, N, &in, SHADE_TIER_AUTO, hits, NULL),
+                     wrong[k].status);
+    *value = kept;
+    assert_int_equal(shade_fabric_prepare_batch(c.fabric, N, &in, SHADE_TIER_AUTO, hits, NULL),
+                     SHADE_OK);
+  }
+  free(hits);
+  close_cloth(&c);
+}
+
 /* Structures that are too short, and arrays that are required. */
 static void short_structures(void **state) {
   (void)state;
@@ -740,15 +773,11 @@ static void nap_in_the_horizon(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_is_many_is_prepared),
-      cmocka_unit_test(streaks_of_many_are_those_of_one),
-      cmocka_unit_test(one_call_is_a_lane),
-      cmocka_unit_test(random_numbers_mean_all_terms),
-      cmocka_unit_test(textures_are_parameters),
-      cmocka_unit_test(gloss_scales_exponents),
-      cmocka_unit_test(no_input_breaks_it),
-      cmocka_unit_test(short_structures),
-      cmocka_unit_test(lanes_below_0_have_all_terms),
+      cmocka_unit_test(one_is_many_is_prepared), cmocka_unit_test(streaks_of_many_are_those_of_one),
+      cmocka_unit_test(one_call_is_a_lane),      cmocka_unit_test(random_numbers_mean_all_terms),
+      cmocka_unit_test(textures_are_parameters), cmocka_unit_test(gloss_scales_exponents),
+      cmocka_unit_test(no_input_breaks_it),      cmocka_unit_test(far_blocks_name_bad_input),
+      cmocka_unit_test(short_structures),        cmocka_unit_test(lanes_below_0_have_all_terms),
       cmocka_unit_test(nap_in_the_horizon),
   };
   return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);
