@@ -25,7 +25,7 @@ case ${1-} in
   *) false;;
 esac || { echo "$usage" >&2; exit 2; }
 
-# Lines "ARCHIVE:OBJECT ADDRESS" of the first code of each object, and those of functions that are known to mind.
+# Lines "ARCHIVE:OBJECT PHASE" of the first code of each object, and those of functions that are known to mind.
 # (mawk reads no hexadecimal numbers, and only the last two digits count.)
 begins='
   function phase(hex) { hex = substr(hex, length(hex) - 1)
@@ -53,7 +53,8 @@ case $1 in
   script)
     table=$2
     shift 2
-    # A whole script, the linker's own with one line more than it had: no smaller thing can align single objects.
+    # A whole script, the linker's own with a line for each object: no smaller thing can align single ones. What an
+    # unpatched build links first comes first: the compiler's start of programs and POV-Ray's displays.
     # (Nothing can be linked from nothing, but the script is told before that.)
     { "$@" -Wl,--verbose -x c++ /dev/null -o /dev/null 2>/dev/null || true; } | awk '
       FNR == NR { if (/^lib/) rows = rows sprintf("    . = ALIGN(64) + %d; *%s(.text .stub .text.* .gnu.linkonce.t.*)\n", $2, $1); next }
