@@ -188,3 +188,25 @@ def test_however_many_runs_the_picture_is_one():
 def test_what_cannot_be_cloth_is_refused(change, message):
     with pytest.raises(ValueError, match=message):
         native.start(scene(cloths=[cloth()], materials=[fabric()]) | change)
+
+
+def test_hits_between_the_models_stay_where_they_are():
+    """Those are shaded in another order: of other surfaces, and of the sky, nothing changes, and cloth is what it is near by."""
+    looks = {}
+    for tier in ("auto", "near"):
+        cloths = [cloth("gabardine", 0.003, warp=(shade,) * 3, weft=(shade,) * 3, tier=tier) for shade in (0.7, 0.1)]
+        corners = np.array([(0, -1, 0), (0.4, -1, 0), (0.4, 1, 0), (0, 1, 0)])
+        uvs = np.float32([(0, 0), (1, 0), (1, 1), (0, 1)])
+        meshes = [mesh(corners + (x, 0, 0), [[0, 1, 2], [0, 2, 3]], uvs=uvs, materials=k) for k, x in enumerate((-1, -0.5, 0, 0.5))]
+        looks[tier], _ = render(scene(
+            cloths=cloths, materials=[fabric(0), material(), fabric(1), material()], meshes=meshes, lights=[sun((0.3, 0.2, 0.9))],
+            background=(0.2, 0.3, 0.4), camera=ortho(), width=40, height=40, samples=256, transparent=False, max_bounces=1))
+    auto, near = looks["auto"], looks["near"]
+    bright, dark = slice(0, 8), slice(20, 28)
+    rest = [k for k in range(40) if k not in (*range(0, 9), *range(20, 29))]
+    np.testing.assert_array_equal(auto[:, rest], near[:, rest])
+    for part in (bright, dark):
+        a, b = auto[:, part, 1].mean(), near[:, part, 1].mean()
+        assert abs(a / b - 1) < 0.03, (a, b)
+        assert (auto[:, part] != near[:, part]).any()
+    assert auto[:, bright, 1].mean() > 3 * auto[:, dark, 1].mean()

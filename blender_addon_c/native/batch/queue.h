@@ -28,8 +28,10 @@ void queue_free(queue *q);
 
 /*
  * The q->hits hits among `count` records. True where all samples hit one material and so can stay
- * where they are; else hit i is that of sample q->lane[i].
+ * where they are; else hit i is that of sample q->lane[i]. `key`: NULL, or a number in [0, 1) for
+ * each sample, by which those of a material are put in order, in QUEUE_STEPS steps.
  */
-bool queue_sort(queue *q, const scene *s, size_t count, const uint32_t *record);
+enum { QUEUE_STEPS = 64 };
+bool queue_sort(queue *q, const scene *s, size_t count, const uint32_t *record, const float *key);
 
 #endif

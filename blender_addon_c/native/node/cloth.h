@@ -175,6 +175,17 @@ static inline void *cloth_take_room(cloth_room *room, lane_run run, int place) {
   return hits;
 }
 
+/* Whether some footprint is between the near model and the far one, as shade/fabric.h has it. */
+LEAF bool cloth_between(lane_run run, const float *du, const float *dv) {
+  int any = 0;
+#pragma omp simd reduction(| : any)
+  for (size_t i = run.begin; i < run.end; i++) {
+    const float longer = du[i] > dv[i] ? du[i] : dv[i];
+    any |= (longer > 0.75f) & (longer < 2.0f);
+  }
+  return any;
+}
+
 /* The calls to the library are all there is to it. */
 static inline void node_cloth_run(const node_cloth *n, lane_run g, const corners *corner,
                                   const surfaces *point, inputs *at) {
@@ -184,6 +195,8 @@ static inline void node_cloth_run(const node_cloth *n, lane_run g, const corners
   shade_fabric_lanesf in = cloth_lanes(c, g, point, at, false);
   shade_fabric_resultf out = {.size = sizeof out, .coverage = at->at[n->out[0]] + g.begin};
   (void)corner;
+  if (at->single && at->cloth && c->cloth->tier == SHADE_TIER_AUTO)
+    at->cloth->between |= cloth_between(g, at->at[c->place[2].at], at->at[c->place[3].at]);
   void *hits = at->single ? cloth_take_room(at->cloth, g, c->place[0].at) : NULL;
   if (hits) {
     shade_fabric_prepare_batchf(fabric, count, &in, c->cloth->tier, hits, &out);

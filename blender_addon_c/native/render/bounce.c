@@ -103,6 +103,23 @@ static void draw_terms(worker *w, int bounce, size_t phase) {
               b->closures.albedo);
 }
 
+/*
+ * Each sample's term, if cloth of the batch before lay between the near model and the far one: a
+ * term chooses which, and hits in its order are of one model, or nearly, block by block. NULL: any
+ * order will do.
+ */
+static const float *terms_of_samples(worker *w, size_t count, size_t phase) {
+  batch *b = w->batch;
+  cloth_room *cloth = b->input.cloth;
+  if (!cloth || !cloth->mixed)
+    return NULL;
+  memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
+  shuffle points = points_of(w, phase, 0, PURPOSE_CLOTH);
+  w->scene->stages->shuffled(count, &points, b->queue.identity, b->walk, &b->path, b->input.term,
+                             b->closures.albedo);
+  return b->input.term;
+}
+
 /* Where on their lights the hits' samples lie; those of another light, by its number, elsewhere. */
 static void draw_points(worker *w, size_t number, int bounce, size_t phase) {
   const sampling *p = w->sampling;
@@ -718,7 +735,7 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     b->queue.hits = s->stages->end(rays, b->walk, s->triangle, s->passes ? s->material : NULL,
                                    b->sample_hit.record);
     if (b->queue.hits)
-      hits_sort(w, rays);
+      hits_sort(w, rays, NULL);
     clock_tick(&w->clocks, CLOCK_TRACE);
     if (!b->queue.hits)
       return;
@@ -777,7 +794,11 @@ static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths,
   batch *b = w->batch;
   const queue *q = &b->queue;
   if (q->hits) {
+    if (b->input.cloth)
+      b->input.cloth->between = false;
     shade(w, view, 0, phase);
+    if (b->input.cloth) /* what the next bounces meet is in no order */
+      b->input.cloth->mixed = b->input.cloth->between;
     if (w->numbers) {
       plane_add(w->planes, w->scene, b, view, w->first_pass, w->numbers);
       clock_tick(&w->clocks, CLOCK_FILM);
@@ -838,7 +859,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     panorama_cover(w, count);
   bool sky = scene_seen_sky(scene) && !scene->transparent && !w->observer && b->queue.hits < count;
   if (b->queue.hits)
-    hits_sort(w, count);
+    hits_sort(w, count, terms_of_samples(w, count, phase));
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!b->queue.hits && !sky && !w->light && !view->camera->panorama)
     return;

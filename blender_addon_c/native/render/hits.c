@@ -12,12 +12,12 @@ void hits_trace(worker *w, ray_kind kind, size_t count) {
       s->stages->locate(count, (uint32_t)(2 * s->quad_count), s->placed, &b->sample_hit);
 }
 
-void hits_sort(worker *w, size_t count) {
+void hits_sort(worker *w, size_t count, const float *key) {
   batch *b = w->batch;
   const queue *q = &b->queue;
   const rays *ray = b->ray = &b->sample_ray;
   const hits *hit = b->hit = &b->sample_hit;
-  if (queue_sort(&b->queue, w->scene, count, hit->record))
+  if (queue_sort(&b->queue, w->scene, count, hit->record, key))
     return;
   rays *to_ray = b->ray = &b->moved_ray;
   hits *to_hit = b->hit = &b->moved_hit;

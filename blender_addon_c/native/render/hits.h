@@ -8,7 +8,7 @@
 /* What rays meet. kind: of all; 0: of each its walk's. */
 void hits_trace(worker *w, ray_kind kind, size_t count);
 /* Samples to hits: sorted by material, unless nothing need move. */
-void hits_sort(worker *w, size_t count);
+void hits_sort(worker *w, size_t count, const float *key);
 /* Do shadow rays start above facets? A dump is compared with others, that do not know of it. */
 bool hits_lifted(const worker *w);
 void hits_surface(worker *w);

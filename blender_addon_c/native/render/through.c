@@ -82,7 +82,7 @@ bool through_shadows(worker *w, const float *color) {
     if (!at->queue.hits)
       break;
     any = true;
-    hits_sort(inner, rays);
+    hits_sort(inner, rays, NULL);
     hits_surface(inner);
     if (s->routed)
       stage->route_shadow(at->queue.hits, s->limits.shadows, at->queue.lane, way, b->queue.lane,

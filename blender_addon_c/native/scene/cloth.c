@@ -256,6 +256,7 @@ void cloth_free(cloth *c) {
 bool cloth_room_init(cloth_room *room) {
   /* each run is rounded up to the library's blocks */
   room->size = shade_fabric_hits_sizef(BATCH) + (CLOTH_RUNS - 1) * shade_fabric_hits_sizef(1);
+  room->between = room->mixed = false;
   room->bytes = malloc(room->size);
   return room->bytes != NULL;
 }

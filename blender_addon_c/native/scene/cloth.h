@@ -71,6 +71,8 @@ typedef struct cloth_room {
   unsigned char *bytes;
   size_t size, used;
   size_t runs;
+  bool between, mixed; /* some hits, some of the last batch that the camera sees, are between the
+                          near model and the far one */
   struct {
     size_t begin, end; /* which lanes, */
     int place;         /* and by which register they are known */
