@@ -303,6 +303,56 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
   }
 }
 
+/*
+ * spec of kernel_yarn, the mean over nodes, of lobes of Ashikhmin and Shirley's BRDF: lane by lane,
+ * for all nodes of one share light, eye and h.
+ */
+static void FN(cloth_shine)(const bsdf *given, const fabric_nodes *nodes, const FN(gathered) * g,
+                            real *spec) {
+  const size_t m = FABRIC_WHOLE((size_t)nodes->count);
+  ROOM hx[FABRIC_NODES], hy[FABRIC_NODES], hz[FABRIC_NODES], t[FABRIC_NODES], xx[FABRIC_NODES],
+      yy[FABRIC_NODES], d[FABRIC_NODES];
+  const FN(vec) n = {nodes->FN(x), nodes->FN(y), nodes->FN(z)}, h = {hx, hy, hz};
+  const real *restrict nx = n.x, *restrict ny = n.y, *restrict nz = n.z;
+  const real *restrict weight = nodes->FN(weight);
+  FN(varied) lobes;
+  FN(varied_room) each;
+  bsdf copy;
+  const FN(varied) *varied = FN(cloth_varied)(given, g, &lobes);
+  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
+  FN(block) s = {.shape = FN(own_shape)(b), .count = g->count};
+  if (varied)
+    FN(read_varied)(b, varied, 0, 0, &s, &each);
+  for (size_t j = 0; j < g->count; j++) {
+    const real ix = g->wi[0][j], iy = g->wi[1][j], iz = g->wi[2][j];
+    const real ox = g->wo[0][j], oy = g->wo[1][j], oz = g->wo[2][j];
+    const real hwo = FN(half_cosine)(ix + ox, iy + oy, iz + oz);
+    const real unit = FN(scale_to_unit)(ix + ox, iy + oy, iz + oz); /* for the warps */
+    const size_t own = s.shape.varies ? j : 0;
+    const FN(shape) shape = {.kx = s.shape.kx + own,
+                             .ky = s.shape.ky + own,
+                             .peak = s.shape.peak + own,
+                             .gx = s.shape.gx + own,
+                             .gy = s.shape.gy + own};
+    real sum = 0;
+    for (size_t i = 0; i < m; i++) {
+      hx[i] = (ix + ox) * unit;
+      hy[i] = (iy + oy) * unit;
+      hz[i] = (iz + oz) * unit;
+    }
+    FN(pass_lobe)(b, &shape, m, n, h, t, xx, yy, d);
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < m; i++) {
+      const real ci = FN(dot)(nx[i], ny[i], nz[i], ix, iy, iz);
+      const real co = FN(lit_cosine)(ci, FN(dot)(nx[i], ny[i], nz[i], ox, oy, oz), iz, oz);
+      const FN(angles) a = {hwo, ci, co, 1, 1};
+      const real one = weight[i] * FN(brdf_ashikhmin_shirley)(d[i], a) * ci;
+      sum += co > 0 ? one : 0;
+    }
+    spec[j] = sum;
+  }
+}
+
 /* The mixture by its tables; lobe by lobe where light and eye are far apart, across a fade. */
 static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered) * g, real *spec,
                           real *matt) {
@@ -311,9 +361,13 @@ static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered
   const real apart = (real)FABRIC_APART, fade = 1 / ((real)FABRIC_NEARBY - (real)FABRIC_APART);
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
   FN(gathered) far;
-  real share[BLOCK], one[BLOCK], two[BLOCK];
+  real share[BLOCK], one[BLOCK];
   int any = 0;
   FN(kernel_table)(s->table, g->count, wi, wo, spec, matt);
+  if (g->dull) { /* the diffuse part has no gloss */
+    FN(cloth_shine)(b, &s->nodes, g, spec);
+    return;
+  }
 #pragma omp simd reduction(| : any)
   for (size_t j = 0; j < g->count; j++) {
     share[j] = (ix[j] * ox[j] + iy[j] * oy[j] + iz[j] * oz[j] - apart) * fade;
@@ -332,19 +386,18 @@ static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered
     }
     far.lane[far.count++] = (int)j;
   }
-  FN(cloth_mixture)(FN(ASK_YARN), b, &s->nodes, &far, one, two);
+  FN(cloth_shine)(b, &s->nodes, &far, one);
   for (size_t i = 0; i < far.count; i++) {
     const int j = far.lane[i];
     const real part = FN(maximum)(share[j], 0);
     spec[j] = one[i] + part * (spec[j] - one[i]);
-    matt[j] = two[i] + part * (matt[j] - two[i]);
   }
 }
 
 /* Lanes of a kind under one lobe of their side. */
 static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int kind,
                           const bsdf *b, FN(gathered) * g, real *first, real *second) {
-  if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table && !g->dull) {
+  if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table) {
     FN(cloth_far)(b, s, g, first, second);
   } else if (kind == CLOTH_FAR && what == FN(ASK_DENSITY) && s->draws_one) {
     FN(cloth_tilts)(c, kind, &s->one, g);

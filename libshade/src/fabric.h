@@ -38,7 +38,9 @@ enum {
   COLUMNS_STEP = 24 /* from one block of the table to the next: whole cache lines */
 };
 
-/* Lobes in the frame of the fibres: x along them, z out of the cloth. Weights add up to 1. */
+/* Lobes in the frame of the fibres: x along them, z out of the cloth. Weights add up to 1. Some
+ * more of weight 0 fill vectors: FABRIC_WHOLE(count) in all. */
+#define FABRIC_WHOLE(count) (((count) + 15) / 16 * 16)
 typedef struct fabric_nodes {
   int count;
   double x[FABRIC_NODES], y[FABRIC_NODES], z[FABRIC_NODES], weight[FABRIC_NODES];

@@ -144,6 +144,12 @@ static void set_node(fabric_nodes *nodes, int i, double x, double y, double weig
   nodes->weightf[i] = (float)weight;
 }
 
+/* Of no weight, to whole vectors. */
+static void fill_nodes(fabric_nodes *nodes) {
+  for (int i = nodes->count; i < FABRIC_WHOLE(nodes->count); i++)
+    set_node(nodes, i, nodes->x[0], nodes->y[0], 0);
+}
+
 /* Second moments E[hx^2], E[hy^2] of Ashikhmin and Shirley's D. */
 static void moments_of(double ex, double ey, double m[2]) {
   const double e[2] = {ex, ey}, size = sqrt((ex + 1) * (ey + 1));
@@ -249,6 +255,7 @@ static void set_nodes(fabric_nodes *nodes, const cut *cuts, int count, double wh
     rest[0] += weight * cuts[i].vx;
     rest[1] += weight * cuts[i].vy;
   }
+  fill_nodes(nodes);
 }
 
 /* The tables: of the cuts, and for the diffuse part of the nodes. */
@@ -272,6 +279,7 @@ static void set_table(fabric_side *side, const shade_fabric_params *p, const sha
 static void set_one_node(fabric_nodes *nodes) {
   nodes->count = 1;
   set_node(nodes, 0, 0, 0, 1);
+  fill_nodes(nodes);
 }
 
 void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
