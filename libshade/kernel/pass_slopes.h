@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Look-ups of slopes over a block of lanes: the points, texels and weights of shade_slope_lookup,
- * in single precision. Points near the lane's own place are gathered for 16 lanes at a time; of the
- * pyramid each lane reads whole texels, rows of them. Single precision only.
+ * in single precision. Points near a lane's own place are found and added up in vectors over lanes;
+ * of the pyramid each lane reads whole texels, rows of them. Single precision only.
  */
 #include "../src/slope_map.h"
 
-enum { SLOPE_GROUP = 16 };
+/* Two vectors of AVX-512, of which one can go on while the other waits; of four no more does. */
+enum { SLOPE_GROUP = 32 };
 
 /* A call of its own: inlined, gcc sees no vectors in some loops. gcc 12 also takes a callee that
  * fills a local structure for one without effect, unless it looks into none. */
@@ -32,9 +33,6 @@ LEAF double floor_of(double x) { /* |x| < 2^51 */
   return r > x ? r - 1 : r;
 }
 
-/* Beside the choices of moment_wrap: no lane reaches an edge. */
-enum { WRAP_NOT = WRAP_MIRROR + 1 };
-
 /* Whether all points within half of a and b about f, in texels after `base`, lie between the
  * middles of n texels, along one axis; of a group. */
 LEAF int is_within(const int *restrict base, const float *restrict f, const float *restrict a,
@@ -53,8 +51,6 @@ LEAF int is_within(const int *restrict base, const float *restrict f, const floa
 
 /* The texel that lies at i, for -2n <= i < 3n. What lies further gives some texel. */
 LEAF int wrap_near(int i, int n, int wrap) {
-  if (wrap == WRAP_NOT)
-    return i;
   const int last = n - 1;
   int repeated = i < 0 ? i + n : i;
   repeated = repeated < 0 ? repeated + n : repeated;
@@ -230,65 +226,107 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
 
 /*
  * The same where no lane reaches an edge: a cell's texels lie side by side, and a lane takes two at
- * once. Of the gathers that would be needed this is a third of the time.
+ * once. Of the gathers that would be needed this is a third of the time. Several points at a time,
+ * for a vector that reads what was just written in parts waits for it.
  */
-static SLOPE_APART void slope_point_within(const shade_slope_map *m, slope_group *restrict g, int a,
-                                           int b) {
-  const int width = m->width;
-  const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
-  const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
-  const float begins = a == 0 && b == 0 ? 1 : 0;
-  const float *restrict part1 = a == 1 ? g->middle1 : g->end1;
-  const float *restrict part2 = b == 1 ? g->middle2 : g->end2;
-  int at[SLOPE_GROUP];
-  float along[SLOPE_GROUP], down[SLOPE_GROUP], in[SLOPE_GROUP];
-  _Alignas(64) float cell[SLOPE_GROUP][4];
+enum { SLOPE_POINTS = 9 };
+typedef struct slope_few {
+  int a[SLOPE_POINTS], b[SLOPE_POINTS];
+  int at[SLOPE_POINTS][SLOPE_GROUP];
+  float along[SLOPE_POINTS][SLOPE_GROUP], down[SLOPE_POINTS][SLOPE_GROUP];
+  float in[SLOPE_POINTS][SLOPE_GROUP];
+  _Alignas(64) float cell[SLOPE_POINTS][SLOPE_GROUP][4];
+} slope_few;
+
+static SLOPE_APART void slope_places_within(const slope_group *restrict g, int width, int count,
+                                            slope_few *restrict p) {
+  for (int n = 0; n < count; n++) {
+    const int a = p->a[n], b = p->b[n];
+    const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
+    const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
+    const float *restrict part1 = a == 1 ? g->middle1 : g->end1;
+    const float *restrict part2 = b == 1 ? g->middle2 : g->end2;
+    int *restrict at = p->at[n];
+    float *restrict along = p->along[n], *restrict down = p->down[n], *restrict in = p->in[n];
 #pragma omp simd
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    const int inside = a < g->n1[k] && b < g->n2[k];
-    float s = (at_a + sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
-    float t = (at_b + sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
-    s = inside ? s : 0;
-    t = inside ? t : 0;
-    const float x = g->fx[k] + (s * g->ax[k] + t * g->bx[k]);
-    const float y = g->fy[k] + (s * g->ay[k] + t * g->by[k]);
-    const int ix = floor_to_int(x), iy = floor_to_int(y);
-    at[k] = (g->base_y[k] + iy) * width + g->base_x[k] + ix;
-    along[k] = x - (float)ix;
-    down[k] = y - (float)iy;
-    const float weight = part1[k] * part2[k];
-    in[k] = inside ? weight : 0;
-  }
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float *top = m->slopes + 2 * (ptrdiff_t)at[k], *bottom = top + 2 * (ptrdiff_t)width;
-    const float part = down[k];
-#pragma omp simd
-    for (int c = 0; c < 4; c++)
-      cell[k][c] = top[c] + part * (bottom[c] - top[c]);
-  }
-#pragma omp simd
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float gx = cell[k][0] + along[k] * (cell[k][2] - cell[k][0]);
-    const float gy = cell[k][1] + along[k] * (cell[k][3] - cell[k][1]);
-    const float cx = g->cx[k] + begins * gx, cy = g->cy[k] + begins * gy;
-    const float dx = gx - cx, dy = gy - cy, wx = in[k] * dx, wy = in[k] * dy;
-    g->cx[k] = cx;
-    g->cy[k] = cy;
-    g->sx[k] += wx;
-    g->sy[k] += wy;
-    g->sxx[k] += wx * dx;
-    g->sxy[k] += wx * dy;
-    g->syy[k] += wy * dy;
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const int inside = a < g->n1[k] && b < g->n2[k];
+      float s = (at_a + sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
+      float t = (at_b + sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
+      s = inside ? s : 0;
+      t = inside ? t : 0;
+      const float x = g->fx[k] + (s * g->ax[k] + t * g->bx[k]);
+      const float y = g->fy[k] + (s * g->ay[k] + t * g->by[k]);
+      const int ix = floor_to_int(x), iy = floor_to_int(y);
+      at[k] = (g->base_y[k] + iy) * width + g->base_x[k] + ix;
+      along[k] = x - (float)ix;
+      down[k] = y - (float)iy;
+      const float weight = part1[k] * part2[k];
+      in[k] = inside ? weight : 0;
+    }
   }
 }
 
-static SLOPE_APART void slope_point(const shade_slope_map *m, slope_group *restrict g, int wrap,
-                                    int a, int b) {
-  if (wrap == WRAP_NOT)
-    slope_point_within(m, g, a, b);
-  else if (wrap == WRAP_REPEAT)
+static SLOPE_APART void slope_cells_within(const shade_slope_map *m, int count,
+                                           slope_few *restrict p) {
+  const float *slopes = m->slopes;
+  const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
+  for (int n = 0; n < count; n++)
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const float *top = slopes + 2 * (ptrdiff_t)p->at[n][k], *bottom = top + stride;
+      const float part = p->down[n][k];
+#pragma omp simd
+      for (int c = 0; c < 4; c++)
+        p->cell[n][k][c] = top[c] + part * (bottom[c] - top[c]);
+    }
+}
+
+static SLOPE_APART void slope_sums_within(slope_group *restrict g, int count, int first,
+                                          const slope_few *restrict p) {
+  for (int n = 0; n < count; n++) {
+    const float begins = first && n == 0 ? 1 : 0;
+    const float(*restrict cell)[4] = p->cell[n];
+    const float *restrict along = p->along[n], *restrict in = p->in[n];
+#pragma omp simd
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const float gx = cell[k][0] + along[k] * (cell[k][2] - cell[k][0]);
+      const float gy = cell[k][1] + along[k] * (cell[k][3] - cell[k][1]);
+      const float cx = g->cx[k] + begins * gx, cy = g->cy[k] + begins * gy;
+      const float dx = gx - cx, dy = gy - cy, wx = in[k] * dx, wy = in[k] * dy;
+      g->cx[k] = cx;
+      g->cy[k] = cy;
+      g->sx[k] += wx;
+      g->sy[k] += wy;
+      g->sxx[k] += wx * dx;
+      g->sxy[k] += wx * dy;
+      g->syy[k] += wy * dy;
+    }
+  }
+}
+
+/* All points of a group. */
+static void slope_all_within(const shade_slope_map *m, slope_group *restrict g, int most1,
+                             int most2) {
+  slope_few p;
+  int count = 0, first = 1;
+  for (int a = 0; a < most1; a++)
+    for (int b = 0; b < most2; b++) {
+      p.a[count] = a;
+      p.b[count++] = b;
+      if (count < SLOPE_POINTS && !(a == most1 - 1 && b == most2 - 1))
+        continue;
+      slope_places_within(g, m->width, count, &p);
+      slope_cells_within(m, count, &p);
+      slope_sums_within(g, count, first, &p);
+      count = first = 0;
+    }
+}
+
+static SLOPE_APART void slope_point(const shade_slope_map *m, slope_group *restrict g, int a,
+                                    int b) {
+  if (m->wrap == WRAP_REPEAT)
     slope_point_wrapped(m, g, a, b, WRAP_REPEAT);
-  else if (wrap == WRAP_CLAMP)
+  else if (m->wrap == WRAP_CLAMP)
     slope_point_wrapped(m, g, a, b, WRAP_CLAMP);
   else
     slope_point_wrapped(m, g, a, b, WRAP_MIRROR);
@@ -374,10 +412,12 @@ static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size
   }
   const int within = is_within(g.base_x, g.fx, g.ax, g.bx, m->width) &&
                      is_within(g.base_y, g.fy, g.ay, g.by, m->height);
-  const int wrap = within ? (int)WRAP_NOT : (int)m->wrap;
-  for (int a = 0; a < most[0]; a++)
-    for (int b = 0; b < most[1]; b++)
-      slope_point(m, &g, wrap, a, b);
+  if (within)
+    slope_all_within(m, &g, most[0], most[1]);
+  else
+    for (int a = 0; a < most[0]; a++)
+      for (int b = 0; b < most[1]; b++)
+        slope_point(m, &g, a, b);
   float *restrict ox = o->x + first, *restrict oy = o->y + first, *restrict oxx = o->xx + first,
                   *restrict oxy = o->xy + first, *restrict oyy = o->yy + first;
 #pragma omp simd
@@ -388,6 +428,72 @@ static void slope_points(const shade_slope_map *m, slope_lanes *restrict o, size
     oxx[k] = g.sxx[k] - dx * dx;
     oxy[k] = g.sxy[k] - dx * dy;
     oyy[k] = g.syy[k] - dy * dy;
+  }
+}
+
+/* Lanes without footprint, in the same way. */
+enum { SLOPE_PLAIN = 64 };
+typedef struct slope_plain {
+  int at[SLOPE_PLAIN];
+  float along[SLOPE_PLAIN], down[SLOPE_PLAIN];
+  _Alignas(64) float cell[SLOPE_PLAIN][4];
+} slope_plain;
+
+/* Where `count` lanes look; 1 if none reaches an edge. */
+static SLOPE_APART int slope_plain_places(const shade_slope_map *m, const double *restrict u,
+                                          const double *restrict v, size_t count,
+                                          slope_plain *restrict p) {
+  const int width = m->width, height = m->height;
+  int beyond = 0;
+#pragma omp simd reduction(| : beyond)
+  for (size_t i = 0; i < count; i++) {
+    const double x = u[i] * width - 0.5, y = (1 - v[i]) * height - 0.5;
+    const double left = floor_of(x), top = floor_of(y);
+    const int column = (int)left, row = (int)top;
+    p->along[i] = (float)(x - left);
+    p->down[i] = (float)(y - top);
+    p->at[i] = (int)((unsigned)row * (unsigned)width + (unsigned)column); /* any, if beyond */
+    beyond |= (column < 0) | (column + 1 >= width) | (row < 0) | (row + 1 >= height);
+  }
+  return !beyond;
+}
+
+static SLOPE_APART void slope_plain_cells(const shade_slope_map *m, size_t count,
+                                          slope_plain *restrict p) {
+  const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
+  for (size_t i = 0; i < count; i++) {
+    const float *top = m->slopes + 2 * (ptrdiff_t)p->at[i], *bottom = top + stride;
+    const float part = p->down[i];
+#pragma omp simd
+    for (int c = 0; c < 4; c++)
+      p->cell[i][c] = top[c] + part * (bottom[c] - top[c]);
+  }
+}
+
+static SLOPE_APART void slope_plain_slopes(const slope_plain *restrict p, size_t count,
+                                           float *restrict x, float *restrict y) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    x[i] = p->cell[i][0] + p->along[i] * (p->cell[i][2] - p->cell[i][0]);
+    y[i] = p->cell[i][1] + p->along[i] * (p->cell[i][3] - p->cell[i][1]);
+  }
+}
+
+/* Slopes at the points of the first lanes of a block. */
+static void slope_plain_lanes(const shade_slope_map *m, slope_lanes *restrict o, size_t end) {
+  slope_plain p;
+  for (size_t first = 0; first < end; first += SLOPE_PLAIN) {
+    const size_t count = end - first < SLOPE_PLAIN ? end - first : SLOPE_PLAIN;
+    if (slope_plain_places(m, o->u + first, o->v + first, count, &p)) {
+      slope_plain_cells(m, count, &p);
+      slope_plain_slopes(&p, count, o->x + first, o->y + first);
+      memset(o->xx + first, 0, count * sizeof *o->xx);
+      memset(o->xy + first, 0, count * sizeof *o->xy);
+      memset(o->yy + first, 0, count * sizeof *o->yy);
+    } else {
+      for (size_t i = first; i < first + count; i += SLOPE_GROUP)
+        slope_points(m, o, i, 0);
+    }
   }
 }
 
@@ -580,17 +686,18 @@ static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps 
   }
 }
 
-/* Both slopes of eight texels. */
+/* Both slopes of as many texels as fill a vector. */
 #if defined(__GNUC__)
-typedef float __attribute__((vector_size(64), aligned(4), may_alias)) slope_eights;
-typedef uint64_t __attribute__((vector_size(64), aligned(4), may_alias)) slope_eight_pairs;
-#define SLOPE_EIGHTS(from) (*(const slope_eights *)(const void *)(from))
+enum { SLOPE_WIDE = VECTOR_BYTES / sizeof(float), SLOPE_CELLS = SLOPE_WIDE / 2 };
+typedef float __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide;
+typedef uint64_t __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide_pairs;
+#define SLOPE_WIDE_AT(from) (*(const slope_wide *)(const void *)(from))
+typedef float __attribute__((vector_size(16), aligned(4), may_alias)) slope_four;
 /* (x, y) for (y, x) */
-#define SLOPE_SWAPPED(v)                                                                           \
-  ((slope_eights)((slope_eight_pairs)(v) >> 32 | (slope_eight_pairs)(v) << 32))
+#define SLOPE_SWAPPED(v) ((slope_wide)((slope_wide_pairs)(v) >> 32 | (slope_wide_pairs)(v) << 32))
 
 /* Eight floats from here, eight from there. */
-#if defined(__has_builtin)
+#if VECTOR_BYTES == 64 && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define SLOPE_TWO(a, b)                                                                            \
   __builtin_shufflevector(SLOPE_EIGHT(a), SLOPE_EIGHT(b), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,    \
@@ -600,7 +707,7 @@ typedef uint64_t __attribute__((vector_size(64), aligned(4), may_alias)) slope_e
 
 /* Sums over a lane's cells, in pairs. */
 typedef struct slope_pairs {
-  slope_eights mean, square, cross;
+  slope_wide mean, square, cross;
 } slope_pairs;
 
 /*
@@ -610,14 +717,58 @@ typedef struct slope_pairs {
  */
 #define SLOPE_ADD_CELLS(to, weights, a, b, c, d)                                                   \
   do {                                                                                             \
-    const slope_eights w = (weights), u = (a) + (b), l = (c) + (d), p = (b) - (a), q = (d) - (c);  \
+    const slope_wide w = (weights), u = (a) + (b), l = (c) + (d), p = (b) - (a), q = (d) - (c);    \
     const float third = 0.33333333333333333F;                                                      \
-    const slope_eights sum = u + l, rise = p + q;                                                  \
+    const slope_wide sum = u + l, rise = p + q;                                                    \
     (to).mean += w * sum;                                                                          \
     (to).square += w * (u * sum + l * l + third * (p * rise + q * q));                             \
     (to).cross += w * (u * SLOPE_SWAPPED(sum) + l * SLOPE_SWAPPED(l) +                             \
                        third * (p * SLOPE_SWAPPED(rise) + q * SLOPE_SWAPPED(q)));                  \
   } while (0)
+
+/*
+ * Add them up, with what SLOPE_ADD_CELLS leaves out, to the moments of a lane. x of one row by y of
+ * the other, and the other way round, are half of xy each.
+ */
+#ifdef SLOPE_TWO
+#define SLOPE_HALF(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
+LEAF slope_four slope_quarter(slope_wide v) {
+  const slope_eight eight =
+      SLOPE_HALF(v, 0, 1, 2, 3, 4, 5, 6, 7) + SLOPE_HALF(v, 8, 9, 10, 11, 12, 13, 14, 15);
+  const slope_four four = SLOPE_HALF(eight, 0, 1, 2, 3) + SLOPE_HALF(eight, 4, 5, 6, 7);
+  return four + SLOPE_HALF(four, 2, 3, 0, 1);
+}
+
+static inline void slope_end_cells(const slope_pairs *to, float *sum) {
+  const slope_four mean = 0.25F * slope_quarter(to->mean);
+  const slope_four square = 0.083333333333333333F * slope_quarter(to->square);
+  const slope_four half = 0.041666666666666667F * slope_quarter(to->cross);
+  const slope_four cross = half + SLOPE_HALF(half, 1, 0, 3, 2);
+  slope_four *four = (slope_four *)(void *)sum; /* no height: any number does */
+  four[0] += __builtin_shufflevector(mean, square, 0, 0, 1, 4);
+  four[1] += __builtin_shufflevector(cross, square, 0, 5, 0, 0);
+}
+_Static_assert(MOMENT_X == 1 && MOMENT_Y == 2 && MOMENT_XX == 3 && MOMENT_XY == 4 && MOMENT_YY == 5,
+               "as they are put together above");
+#else
+static inline void slope_end_cells(const slope_pairs *to, float *sum) {
+  const slope_wide found[3] = {to->mean, to->square, to->cross};
+  const float quarter = 0.25F, twelfth = 0.083333333333333333F;
+  float ends[3][4];
+  for (int i = 0; i < 3; i++) {
+    const float *of = (const float *)&found[i];
+    for (int c = 0; c < 4; c++)
+      ends[i][c] = of[c];
+    for (int c = 4; c < SLOPE_WIDE; c++)
+      ends[i][c % 4] += of[c];
+  }
+  sum[MOMENT_X] += quarter * (ends[0][0] + ends[0][2]);
+  sum[MOMENT_Y] += quarter * (ends[0][1] + ends[0][3]);
+  sum[MOMENT_XX] += twelfth * (ends[1][0] + ends[1][2]);
+  sum[MOMENT_YY] += twelfth * (ends[1][1] + ends[1][3]);
+  sum[MOMENT_XY] += 0.5F * twelfth * (ends[2][0] + ends[2][1] + ends[2][2] + ends[2][3]);
+}
+#endif
 
 /* Add cells of a lane, none of which reaches an edge. */
 static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
@@ -633,8 +784,8 @@ static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter 
   const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
   const float *row =
       m->slopes + (f->base_y[k] + f->top[k] + first) * stride + 2 * (ptrdiff_t)f->base_x[k];
-  slope_pairs to = {SLOPE_EIGHTS(zero), SLOPE_EIGHTS(zero), SLOPE_EIGHTS(zero)};
-  _Alignas(64) float part[16];
+  slope_pairs to = {SLOPE_WIDE_AT(zero), SLOPE_WIDE_AT(zero), SLOPE_WIDE_AT(zero)};
+  _Alignas(64) float part[SLOPE_WIDE];
   int r = 0;
 #ifdef SLOPE_TWO
   /* two rows at once; beyond the last, a row of weight 0 */
@@ -648,45 +799,29 @@ static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter 
     for (int i = 0; i < 16; i++)
       part[i] = (weight + second[i] * more_weight) *
                 slope_cover(half, begin + second[i] * more_begin + column4[i]);
-    SLOPE_ADD_CELLS(to, SLOPE_EIGHTS(part), SLOPE_TWO(at, at2), SLOPE_TWO(at + 2, at2 + 2),
+    SLOPE_ADD_CELLS(to, SLOPE_WIDE_AT(part), SLOPE_TWO(at, at2), SLOPE_TWO(at + 2, at2 + 2),
                     SLOPE_TWO(at + stride, at2 + stride),
                     SLOPE_TWO(at + stride + 2, at2 + stride + 2));
   }
 #endif
   for (; r < rows; r++, row += stride) {
     const float weight = t->weight[r][k];
-    for (int c = 0; c < cols; c += 8) {
+    for (int c = 0; c < cols; c += SLOPE_CELLS) {
       const float begin = t->begin[r][k] + (float)c;
       const float *at = row + 2 * (t->left[r][k] + c);
       if (narrow)
 #pragma omp simd
-        for (int i = 0; i < 16; i++)
+        for (int i = 0; i < SLOPE_WIDE; i++)
           part[i] = weight * slope_cover(half, begin + column[i]);
       else
 #pragma omp simd
-        for (int i = 0; i < 16; i++)
+        for (int i = 0; i < SLOPE_WIDE; i++)
           part[i] = weight * slope_covered(half - fabsf(begin + column[i]));
-      SLOPE_ADD_CELLS(to, SLOPE_EIGHTS(part), SLOPE_EIGHTS(at), SLOPE_EIGHTS(at + 2),
-                      SLOPE_EIGHTS(at + stride), SLOPE_EIGHTS(at + stride + 2));
+      SLOPE_ADD_CELLS(to, SLOPE_WIDE_AT(part), SLOPE_WIDE_AT(at), SLOPE_WIDE_AT(at + 2),
+                      SLOPE_WIDE_AT(at + stride), SLOPE_WIDE_AT(at + stride + 2));
     }
   }
-  const slope_eights found[3] = {to.mean, to.square, to.cross};
-  float ends[3][4];
-  for (int i = 0; i < 3; i++) {
-    const float *of = (const float *)&found[i];
-    float eight[8];
-    for (int c = 0; c < 8; c++)
-      eight[c] = of[c] + of[c + 8];
-    for (int c = 0; c < 4; c++)
-      ends[i][c] = eight[c] + eight[c + 4];
-  }
-  const float quarter = 0.25F, twelfth = 0.083333333333333333F;
-  f->sum[k][MOMENT_X] += quarter * (ends[0][0] + ends[0][2]);
-  f->sum[k][MOMENT_Y] += quarter * (ends[0][1] + ends[0][3]);
-  f->sum[k][MOMENT_XX] += twelfth * (ends[1][0] + ends[1][2]);
-  f->sum[k][MOMENT_YY] += twelfth * (ends[1][1] + ends[1][3]);
-  /* x of one row by y of the other, and the other way round: half of either */
-  f->sum[k][MOMENT_XY] += 0.5F * twelfth * (ends[2][0] + ends[2][1] + ends[2][2] + ends[2][3]);
+  slope_end_cells(&to, f->sum[k]);
 }
 #endif
 
@@ -902,8 +1037,11 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
     }
     const moment_level common = p->level[level[0]];
     const float middle = level[0] ? 0.5F : 1; /* cells begin in the middles of texels */
-    for (int k = 0; k < SLOPE_GROUP; k++) {
+    /* pointers apart, or the rest is written in parts too, for which the next pass waits */
+    for (int k = 0; k < SLOPE_GROUP; k++)
       f.texels[k] = common.texels;
+#pragma omp simd
+    for (int k = 0; k < SLOPE_GROUP; k++) {
       f.width[k] = common.width;
       f.height[k] = common.height;
       f.middle[k] = middle;
@@ -943,15 +1081,17 @@ static void kernel_slopes(const shade_slope_map *m, size_t count, const slope_bl
     o.ax[i] = o.ay[i] = o.bx[i] = o.by[i] = o.blend[i] = o.area[i] = 0;
     o.mxx[i] = o.mxy[i] = o.myy[i] = o.longer2[i] = 0;
   }
-  for (size_t first = 0; first < whole; first += SLOPE_GROUP) {
-    const int sides = b->side[0] != NULL;
-    int near = !sides, far = 0;
-    for (size_t i = first; sides && i < first + SLOPE_GROUP && i < count; i++) {
+  const int sides = b->side[0] != NULL;
+  if (!sides)
+    slope_plain_lanes(m, &o, whole);
+  for (size_t first = 0; sides && first < whole; first += SLOPE_GROUP) {
+    int near = 0, far = 0;
+    for (size_t i = first; i < first + SLOPE_GROUP && i < count; i++) {
       near |= o.blend[i] < 1;
       far |= o.blend[i] > 0;
     }
     if (near)
-      slope_points(m, &o, first, sides);
+      slope_points(m, &o, first, 1);
     if (far)
       slope_levels(m, &o, first);
   }
