@@ -304,8 +304,8 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
 }
 
 /*
- * spec of kernel_yarn, the mean over nodes, of lobes of Ashikhmin and Shirley's BRDF: lane by lane,
- * for all nodes of one share light, eye and h.
+ * spec of kernel_yarn, the mean over nodes, of lobes of Ashikhmin and Shirley's BRDF. Lane by lane:
+ * light, eye and h are the same for all nodes, and h is made once.
  */
 static void FN(cloth_shine)(const bsdf *given, const fabric_nodes *nodes, const FN(gathered) * g,
                             real *spec) {

@@ -178,25 +178,46 @@ typedef struct slope_group {
   float sx[SLOPE_GROUP], sy[SLOPE_GROUP], sxx[SLOPE_GROUP], sxy[SLOPE_GROUP], syy[SLOPE_GROUP];
 } slope_group;
 
-/* Point (a, b) of each lane. Choices that all lanes share are no choices in vectors. */
+/* Point (a, b): where it is along the sides, and where that is in lane k; in the middle if the lane
+ * has no such point. */
+typedef struct slope_chosen {
+  int a, b;
+  float at_a, sign_a, at_b, sign_b;
+} slope_chosen;
+
+LEAF slope_chosen slope_chosen_of(int a, int b) {
+  return (slope_chosen){a, b, (float)a + 0.5F, a % 2 ? 1 : -1, (float)b + 0.5F, b % 2 ? 1 : -1};
+}
+
+typedef struct slope_place {
+  int inside;
+  float x, y;
+} slope_place;
+
+LEAF slope_place slope_place_of(const slope_group *g, int k, slope_chosen c) {
+  const int inside = c.a < g->n1[k] && c.b < g->n2[k];
+  float s = (c.at_a + c.sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
+  float t = (c.at_b + c.sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
+  s = inside ? s : 0;
+  t = inside ? t : 0;
+  return (slope_place){inside, g->fx[k] + (s * g->ax[k] + t * g->bx[k]),
+                       g->fy[k] + (s * g->ay[k] + t * g->by[k])};
+}
+
+/* Each lane's. Choices that all lanes share are no choices in vectors. */
 LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g, int a, int b,
                               int wrap) {
   const int width = m->width, height = m->height;
   const float begins = a == 0 && b == 0 ? 1 : 0;
-  const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
-  const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
+  const slope_chosen c = slope_chosen_of(a, b);
   const float *restrict part1 = a == 1 ? g->middle1 : g->end1;
   const float *restrict part2 = b == 1 ? g->middle2 : g->end2;
   const slope_pair *restrict pairs = SLOPE_PAIRS(m->slopes);
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const int inside = a < g->n1[k] && b < g->n2[k];
-    float s = (at_a + sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
-    float t = (at_b + sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
-    s = inside ? s : 0;
-    t = inside ? t : 0;
-    const float x = g->fx[k] + (s * g->ax[k] + t * g->bx[k]);
-    const float y = g->fy[k] + (s * g->ay[k] + t * g->by[k]);
+    const slope_place at = slope_place_of(g, k, c);
+    const int inside = at.inside;
+    const float x = at.x, y = at.y;
     const int ix = floor_to_int(x), iy = floor_to_int(y);
     const float tx = x - (float)ix, ty = y - (float)iy;
     const int left = wrap_near(g->base_x[k] + ix, width, wrap);
@@ -229,64 +250,61 @@ LEAF void slope_point_wrapped(const shade_slope_map *m, slope_group *restrict g,
  * once. Of the gathers that would be needed this is a third of the time. Several points at a time,
  * for a vector that reads what was just written in parts waits for it.
  */
-enum { SLOPE_POINTS = 9 };
+enum { SLOPE_POINTS = 9, SLOPE_LOOKS = SLOPE_POINTS * SLOPE_GROUP };
 typedef struct slope_few {
   int a[SLOPE_POINTS], b[SLOPE_POINTS];
-  int at[SLOPE_POINTS][SLOPE_GROUP];
-  float along[SLOPE_POINTS][SLOPE_GROUP], down[SLOPE_POINTS][SLOPE_GROUP];
-  float in[SLOPE_POINTS][SLOPE_GROUP];
-  _Alignas(64) float cell[SLOPE_POINTS][SLOPE_GROUP][4];
+  int at[SLOPE_LOOKS]; /* of a point all lanes, then the next */
+  float along[SLOPE_LOOKS], down[SLOPE_LOOKS], in[SLOPE_LOOKS];
+  _Alignas(64) float cell[SLOPE_LOOKS][4];
 } slope_few;
 
 static SLOPE_APART void slope_places_within(const slope_group *restrict g, int width, int count,
                                             slope_few *restrict p) {
   for (int n = 0; n < count; n++) {
     const int a = p->a[n], b = p->b[n];
-    const float at_a = (float)a + 0.5F, sign_a = a % 2 ? 1 : -1;
-    const float at_b = (float)b + 0.5F, sign_b = b % 2 ? 1 : -1;
+    const slope_chosen c = slope_chosen_of(a, b);
     const float *restrict part1 = a == 1 ? g->middle1 : g->end1;
     const float *restrict part2 = b == 1 ? g->middle2 : g->end2;
-    int *restrict at = p->at[n];
-    float *restrict along = p->along[n], *restrict down = p->down[n], *restrict in = p->in[n];
+    const size_t begin = (size_t)n * SLOPE_GROUP;
+    int *restrict at = p->at + begin;
+    float *restrict along = p->along + begin, *restrict down = p->down + begin;
+    float *restrict in = p->in + begin;
 #pragma omp simd
     for (int k = 0; k < SLOPE_GROUP; k++) {
-      const int inside = a < g->n1[k] && b < g->n2[k];
-      float s = (at_a + sign_a * g->apart1[k]) * g->over1[k] - 0.5F;
-      float t = (at_b + sign_b * g->apart2[k]) * g->over2[k] - 0.5F;
-      s = inside ? s : 0;
-      t = inside ? t : 0;
-      const float x = g->fx[k] + (s * g->ax[k] + t * g->bx[k]);
-      const float y = g->fy[k] + (s * g->ay[k] + t * g->by[k]);
+      const slope_place to = slope_place_of(g, k, c);
+      const float x = to.x, y = to.y;
       const int ix = floor_to_int(x), iy = floor_to_int(y);
       at[k] = (g->base_y[k] + iy) * width + g->base_x[k] + ix;
       along[k] = x - (float)ix;
       down[k] = y - (float)iy;
       const float weight = part1[k] * part2[k];
-      in[k] = inside ? weight : 0;
+      in[k] = to.inside ? weight : 0;
     }
   }
 }
 
-static SLOPE_APART void slope_cells_within(const shade_slope_map *m, int count,
-                                           slope_few *restrict p) {
+/* Both slopes at the left and the right texel of a cell, as far down as the point is. */
+static SLOPE_APART void slope_sides_of_cells(const shade_slope_map *m, size_t count,
+                                             const int *restrict at, const float *restrict down,
+                                             float (*restrict cell)[4]) {
   const float *slopes = m->slopes;
   const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
-  for (int n = 0; n < count; n++)
-    for (int k = 0; k < SLOPE_GROUP; k++) {
-      const float *top = slopes + 2 * (ptrdiff_t)p->at[n][k], *bottom = top + stride;
-      const float part = p->down[n][k];
+  for (size_t i = 0; i < count; i++) {
+    const float *top = slopes + 2 * (ptrdiff_t)at[i], *bottom = top + stride;
+    const float part = down[i];
 #pragma omp simd
-      for (int c = 0; c < 4; c++)
-        p->cell[n][k][c] = top[c] + part * (bottom[c] - top[c]);
-    }
+    for (int c = 0; c < 4; c++)
+      cell[i][c] = top[c] + part * (bottom[c] - top[c]);
+  }
 }
 
 static SLOPE_APART void slope_sums_within(slope_group *restrict g, int count, int first,
                                           const slope_few *restrict p) {
   for (int n = 0; n < count; n++) {
     const float begins = first && n == 0 ? 1 : 0;
-    const float(*restrict cell)[4] = p->cell[n];
-    const float *restrict along = p->along[n], *restrict in = p->in[n];
+    const size_t begin = (size_t)n * SLOPE_GROUP;
+    const float(*restrict cell)[4] = p->cell + begin;
+    const float *restrict along = p->along + begin, *restrict in = p->in + begin;
 #pragma omp simd
     for (int k = 0; k < SLOPE_GROUP; k++) {
       const float gx = cell[k][0] + along[k] * (cell[k][2] - cell[k][0]);
@@ -316,7 +334,7 @@ static void slope_all_within(const shade_slope_map *m, slope_group *restrict g, 
       if (count < SLOPE_POINTS && !(a == most1 - 1 && b == most2 - 1))
         continue;
       slope_places_within(g, m->width, count, &p);
-      slope_cells_within(m, count, &p);
+      slope_sides_of_cells(m, (size_t)count * SLOPE_GROUP, p.at, p.down, p.cell);
       slope_sums_within(g, count, first, &p);
       count = first = 0;
     }
@@ -458,18 +476,6 @@ static SLOPE_APART int slope_plain_places(const shade_slope_map *m, const double
   return !beyond;
 }
 
-static SLOPE_APART void slope_plain_cells(const shade_slope_map *m, size_t count,
-                                          slope_plain *restrict p) {
-  const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
-  for (size_t i = 0; i < count; i++) {
-    const float *top = m->slopes + 2 * (ptrdiff_t)p->at[i], *bottom = top + stride;
-    const float part = p->down[i];
-#pragma omp simd
-    for (int c = 0; c < 4; c++)
-      p->cell[i][c] = top[c] + part * (bottom[c] - top[c]);
-  }
-}
-
 static SLOPE_APART void slope_plain_slopes(const slope_plain *restrict p, size_t count,
                                            float *restrict x, float *restrict y) {
 #pragma omp simd
@@ -485,7 +491,7 @@ static void slope_plain_lanes(const shade_slope_map *m, slope_lanes *restrict o,
   for (size_t first = 0; first < end; first += SLOPE_PLAIN) {
     const size_t count = end - first < SLOPE_PLAIN ? end - first : SLOPE_PLAIN;
     if (slope_plain_places(m, o->u + first, o->v + first, count, &p)) {
-      slope_plain_cells(m, count, &p);
+      slope_sides_of_cells(m, count, p.at, p.down, p.cell);
       slope_plain_slopes(&p, count, o->x + first, o->y + first);
       memset(o->xx + first, 0, count * sizeof *o->xx);
       memset(o->xy + first, 0, count * sizeof *o->xy);

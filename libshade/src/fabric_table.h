@@ -15,7 +15,7 @@
  * the factor has a closed form.
  *
  * Where wi and wo are far apart that factor asks how the lobes are spread rather than how far: the
- * mixture itself is used below FABRIC_APART, across a fade.
+ * specular part of the mixture itself is used below FABRIC_APART, across a fade.
  *
  * The diffuse part is a sum over lobes of products of a function of wi and one of wo: its best
  * approximation by FABRIC_RANK such products, each factor tabled.

@@ -7,7 +7,8 @@
 
 /* What rays meet. kind: of all; 0: of each its walk's. */
 void hits_trace(worker *w, ray_kind kind, size_t count);
-/* Samples to hits: sorted by material, unless nothing need move. */
+/* Samples to hits: sorted by material, unless nothing need move, and by `key`, as queue_sort has
+ * it. */
 void hits_sort(worker *w, size_t count, const float *key);
 /* Do shadow rays start above facets? A dump is compared with others, that do not know of it. */
 bool hits_lifted(const worker *w);
