@@ -13,6 +13,9 @@ S := $(B)/setup
 # Each goal's needs. The stamps are included as (empty) makefiles: make remakes those first and then
 # starts over, so that tests such as "is OpenEXR here?" see the finished system.
 NEEDS_blender := build blender
+NEEDS_native := build blender test
+NEEDS_native-sanitized := $(NEEDS_native)
+NEEDS_native-clang := $(NEEDS_native)
 NEEDS_povray := build povray
 NEEDS_compare := build blender povray demo
 NEEDS_demo := $(NEEDS_compare)
