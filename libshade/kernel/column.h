@@ -88,23 +88,23 @@ typedef struct column_yarns {
   double brightness, fill;
 } column_yarns;
 
-/* Lanes whose yarns are looked at side by side: those of a small footprint fill no vector. */
+/* Lanes that are looked at together. */
 enum { STREAK_LANES = 32 };
 typedef struct column_group {
-  size_t count;
-  size_t lane[STREAK_LANES];                               /* of the axes */
+  size_t begin, count;                                     /* lanes of the axes */
+  int any;                                                 /* has streaks */
   double centre[2][STREAK_LANES], extent[2][STREAK_LANES]; /* across the weft's yarns, the warp's */
-  column_yarns yarns[2][STREAK_LANES];
+  double brightness[2][STREAK_LANES], fill[2][STREAK_LANES]; /* found */
 } column_group;
 
-/* Another lane of a group, with a footprint about (u, v); all their yarns; the columns of one of
- * them with its streaks. */
-static void column_group_add(column_group *g, size_t lane, double u, double v, double du,
+/* Another lane of a group, with a footprint about (u, v); all their yarns; what these make more or
+ * less of weft, warp and gaps. */
+static void column_group_add(const shade_fabric *f, column_group *g, double u, double v, double du,
                              double dv);
 static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
                               int narrow, column_group *g);
-static void column_streaked(const shade_fabric *f, const column_yarns yarns[2],
-                            double column[COLUMNS]);
+static void column_filled(const shade_fabric *f, const column_group *g,
+                          const double (*seen)[STREAK_LANES], double (*factor)[STREAK_LANES]);
 
 /* How many are read of a fabric. */
 static int column_count(const shade_fabric *f) {

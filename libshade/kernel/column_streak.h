@@ -1,206 +1,358 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The yarns of many footprints side by side, in numbers of a kind: column_yarns.h includes it
- * twice, for in float twice as many fill a vector.
+ * The yarns of many footprints, in numbers of a kind: column_yarns.h includes it twice, for in
+ * float twice as many fill a vector.
  */
+
+/*
+ * How much of each of `count` yarns from `yarn` on is seen between the ends of the footprint along
+ * them, `beside`, by the draft and in a unit of its own: where that is narrow some are hidden.
+ * count: whole vectors of doubles.
+ */
+static void OF(column_shown)(const shade_fabric *f, int side, size_t yarn, int count,
+                             const column_axis *beside, size_t lane, NUMBER *restrict shown) {
+  enum { V = VECTOR_BYTES / sizeof(double) };
+  const int weft = side == SHADE_TOP_WEFT;
+  const double *strip = f->strip[side];
+  if (!strip) { /* several share a block */
+    for (int j = 0; j < count; j++)
+      shown[j] = 1;
+    return;
+  }
+  const size_t line = (size_t)(weft ? f->height : f->width) + STREAK_YARNS;
+  const double *low = strip + (size_t)beside->low[lane] * line + yarn;
+  const double *high = strip + (size_t)beside->high[lane] * line + yarn;
+  const double *end = strip + (size_t)(weft ? f->columns : f->rows) * line + yarn;
+  const double w0 = beside->before_low[lane], w1 = beside->after_low[lane];
+  const double w2 = beside->before_high[lane], w3 = beside->after_high[lane];
+  const double w4 = beside->repeats[lane];
+  for (int c = 0; c < count; c += V) {
+#pragma omp simd
+    for (int j = c; j < c + V; j++) {
+      const double all = (w0 * low[j] + w1 * low[line + (size_t)j]) + w4 * end[j] +
+                         (w2 * high[j] + w3 * high[line + (size_t)j]);
+      shown[j] = (NUMBER)(all > 0 ? all : 0);
+    }
+  }
+}
 
 /*
  * What column_look finds, of all lanes of a group. Float holds all noise exactly; places count from
  * the yarn where the footprint begins, however far that is from 0.
  */
 typedef struct OF(column_streak) {
+  int yarn[STREAK_LANES];                       /* the first one, in the repeat */
   NUMBER low[STREAK_LANES], high[STREAK_LANES]; /* from the first yarn */
   NUMBER vary[STREAK_LANES], varies[STREAK_LANES], fade_along[STREAK_LANES];
-  uint32_t number[STREAK_LANES], knot[STREAK_LANES];
+  uint32_t number[STREAK_LANES], knot[STREAK_LANES]; /* of the first yarn; the first place's */
+  int count[STREAK_LANES];                           /* yarns; 0 where streaks have faded out */
+  int along[STREAK_LANES];                           /* whether there is noise along them */
   NUMBER ease[STREAK_PLACES][STREAK_LANES];
   int step[STREAK_PLACES][STREAK_LANES]; /* from the first place's knot */
-  NUMBER shown[STREAK_YARNS][STREAK_LANES];
-  NUMBER parts[STREAK_LANES], light[STREAK_LANES], filled[STREAK_LANES];
-  int yarns, steps; /* at most; steps: knots from the first one to a place's */
-  int along;        /* whether some lane has noise along its yarns */
 } OF(column_streak);
 
 static void OF(column_streak_set)(const shade_fabric *f, int side, const column_group *g,
-                                  const column_axis *beside, OF(column_streak) * s) {
+                                  OF(column_streak) * s) {
   const weave_yarn *y = &f->weave->yarn[side];
+  const double size = side == SHADE_TOP_WEFT ? f->height : f->width, per_size = 1 / size;
   const double frequency = y->along_frequency, vary = y->vary_brightness;
   const double vary_along = y->along_brightness;
   const double *across = g->extent[side], *along = g->extent[1 - side];
   const double *centre = g->centre[side], *place = g->centre[1 - side];
-  double first[STREAK_LANES], spread[STREAK_LANES];
-  int count[STREAK_LANES], yarns = 0, steps = 0, any = 0;
-#pragma omp simd reduction(max : yarns) reduction(| : any)
+  double spread[STREAK_LANES];
+#pragma omp simd
   for (size_t i = 0; i < g->count; i++) {
     const double wide = across[i] > 0.01 ? across[i] : 0.01;
     const double fade = column_fade(across[i], STREAKS_FADE, STREAKS_END);
     const double fade_along = fade * column_fade(along[i] * frequency, 2, 4);
     const double low = centre[i] - 0.5 * wide, high = low + wide, from = weave_floor(low);
-    const int number = fade > 0 ? (int)(weave_floor(high) - from) + 1 : 0;
+    /* too far off to be told, any will do */
+    const double yarn = from - weave_floor((from + 0.5) * per_size) * size;
+    s->yarn[i] = (int)(yarn < 0 ? 0 : yarn < size - 1 ? yarn : size - 1);
     s->fade_along[i] = (NUMBER)fade_along;
     s->vary[i] = (NUMBER)(vary * fade);
     s->varies[i] = (NUMBER)(vary_along * fade_along);
     s->low[i] = (NUMBER)(low - from);
     s->high[i] = (NUMBER)(high - from);
     s->number[i] = weave_low_bits(from);
-    s->parts[i] = s->light[i] = s->filled[i] = 0;
-    first[i] = from;
-    count[i] = number;
-    yarns = number > yarns ? number : yarns;
+    s->count[i] = fade > 0 ? (int)(weave_floor(high) - from) + 1 : 0;
     /* where noise along the yarns has faded out any knot will do */
     spread[i] = fade_along > 0 ? along[i] : 0;
-    any |= fade_along > 0;
+    s->along[i] = fade_along > 0;
   }
   for (int k = 0; k < STREAK_PLACES; k++) {
     const double part = (k + 0.5) / STREAK_PLACES - 0.5;
-#pragma omp simd reduction(max : steps)
+#pragma omp simd
     for (size_t i = 0; i < g->count; i++) {
       uint32_t knot;
       double ease;
       weave_knot((place[i] + spread[i] * part) * frequency, &knot, &ease);
       const uint32_t before = k ? s->knot[i] : knot;
-      const int step = (int)(knot - before);
       s->ease[k][i] = (NUMBER)ease;
       s->knot[i] = before;
-      s->step[k][i] = step;
-      steps = step > steps ? step : steps;
+      s->step[k][i] = (int)(knot - before);
     }
   }
-  s->yarns = yarns;
-  s->steps = steps;
-  s->along = any;
-  for (size_t i = 0; i < g->count; i++) {
-    double shown[STREAK_YARNS];
-    column_shown(f, side, first[i], count[i], beside, g->lane[i], shown);
-    for (int j = 0; j < yarns; j++)
-      s->shown[j][i] = j < count[i] ? (NUMBER)shown[j] : 0;
-  }
 }
 
-/* Of yarn j of each lane, the noise of a channel at so many knots from the first on. */
-LEAF void OF(column_noise)(uint32_t seed, uint32_t channel, uint32_t yarn, size_t count, int knots,
-                           const OF(column_streak) * s, NUMBER (*restrict to)[STREAK_LANES]) {
-  uint32_t hash[STREAK_LANES];
-#pragma omp simd
-  for (size_t i = 0; i < count; i++)
-    hash[i] = weave_hash_of_yarn(seed, channel, s->number[i] + yarn);
-  for (int m = 0; m < knots; m++) {
-#pragma omp simd
-    for (size_t i = 0; i < count; i++)
-      to[m][i] = OF(weave_random_of)(weave_hash_at(hash[i], s->knot[i] + (uint32_t)m));
-  }
-}
+/*
+ * Noise of yarns and knots in a row, which lanes side by side have in common: those of a pixel,
+ * most of them. Along the yarns, at knots and from there to the next; of slubs, the width that they
+ * give.
+ */
+enum { OF(LATTICE_VECTOR) = VECTOR_BYTES / sizeof(NUMBER) };
+typedef struct OF(column_lattice) {
+  int yarn, yarns, knot, knots; /* the first of them, from those of the run's first lane */
+#define ROW [LATTICE_YARNS + OF(LATTICE_VECTOR)]
+  NUMBER own ROW;
+  NUMBER bright[LATTICE_KNOTS] ROW, rise[LATTICE_KNOTS] ROW;
+  NUMBER size[LATTICE_KNOTS] ROW, grow[LATTICE_KNOTS] ROW;
+#undef ROW
+} OF(column_lattice);
 
-/* Noise of lane i between the knots about a place, of which so many come before it, at most `most`.
- * Chosen row by row: to gather takes longer. */
-LEAF NUMBER OF(column_between)(const NUMBER (*noise)[STREAK_LANES], size_t i, int most, int step,
-                               NUMBER ease) {
-  NUMBER low = noise[0][i],
-         high = noise[1][i]; /* no loop: clang would leave that around it scalar */
-  if (most >= 1) {
-    low = step < 1 ? low : noise[1][i];
-    high = step < 1 ? high : noise[2][i];
-  }
-  if (most >= 2) {
-    low = step < 2 ? low : noise[2][i];
-    high = step < 2 ? high : noise[3][i];
-  }
-  if (most >= 3) {
-    low = step < 3 ? low : noise[3][i];
-    high = step < 3 ? high : noise[4][i];
-  }
-  return low + (high - low) * ease;
-}
-
-/* Adds a yarn of each lane at place k. slub: 0 where no yarn has any; steps: those of the lanes at
- * most. */
-LEAF void OF(column_streak_add)(size_t count, int k, int steps, NUMBER share, NUMBER slub,
-                                NUMBER per_usual, const NUMBER (*brighter)[STREAK_LANES],
-                                const NUMBER (*thicker)[STREAK_LANES], const NUMBER *part,
-                                const NUMBER *own, OF(column_streak) *restrict s) {
-#pragma omp simd
+/* Whether all lanes fit into one lattice. */
+static int OF(column_fits)(const OF(column_streak) * s, size_t count, OF(column_lattice) * to) {
+  const uint32_t number = s->number[0], mark = s->knot[0];
+  int low = 0, high = 0, first = 0, last = 0, along = 0, far = 0;
+#pragma omp simd reduction(min : low, first) reduction(max : high, last) reduction(| : along, far)
   for (size_t i = 0; i < count; i++) {
-    const int step = s->step[k][i];
-    const NUMBER ease = s->ease[k][i];
-    NUMBER seen = part[i];
-    if (slub > 0) {
-      const NUMBER slubs = OF(column_between)(thicker, i, steps, step, ease);
-      const NUMBER size =
-          OF(minimum)(OF(maximum)(share * (1 + slub * slubs), share * (NUMBER)0.05), 1);
-      seen *= 1 + s->fade_along[i] * (size * per_usual - 1);
+    const int yarn = (int)(s->number[i] - number), knot = (int)(s->knot[i] - mark);
+    const int used = -(s->count[i] > 0), noisy = used & -s->along[i];
+    far |= used & -((yarn < -LATTICE_YARNS) | (yarn > LATTICE_YARNS));
+    far |= noisy & -((knot < -LATTICE_KNOTS) | (knot > LATTICE_KNOTS));
+    const int own = yarn & used, from = knot & noisy;
+    const int own_end = own + s->count[i],
+              end = from + ((s->step[STREAK_PLACES - 1][i] + 1) & noisy);
+    low = own < low ? own : low;
+    high = own_end > high ? own_end : high;
+    first = from < first ? from : first;
+    last = end > last ? end : last;
+    along |= noisy;
+  }
+  to->yarn = low;
+  to->yarns = high - low;
+  to->knot = first;
+  to->knots = along ? last - first + 1 : 0;
+  return !far && high - low <= LATTICE_YARNS && last - first < LATTICE_KNOTS;
+}
+
+/* The lanes from `begin` on that fit, up to the one returned. */
+static size_t OF(column_run)(const OF(column_streak) * s, size_t begin, size_t count,
+                             OF(column_lattice) * to) {
+  int low = 0, high = 0, first = 0, last = 0, along = 0;
+  size_t i = begin;
+  for (; i < count; i++) {
+    const int yarn = (int)(s->number[i] - s->number[begin]);
+    const int knot = (int)(s->knot[i] - s->knot[begin]);
+    if (!s->count[i])
+      continue;
+    if (yarn < -LATTICE_YARNS || yarn > LATTICE_YARNS)
+      break;
+    const int new_low = yarn < low ? yarn : low;
+    const int new_high = yarn + s->count[i] > high ? yarn + s->count[i] : high;
+    if (new_high - new_low > LATTICE_YARNS)
+      break;
+    if (s->along[i]) {
+      if (knot < -LATTICE_KNOTS || knot > LATTICE_KNOTS)
+        break;
+      const int end = knot + s->step[STREAK_PLACES - 1][i] + 1;
+      const int new_first = along && first < knot ? first : knot;
+      const int new_last = along && last > end ? last : end;
+      if (new_last - new_first >= LATTICE_KNOTS)
+        break;
+      first = new_first;
+      last = new_last;
+      along = 1;
     }
-    const NUMBER noise = OF(column_between)(brighter, i, steps, step, ease);
-    s->light[i] += seen * OF(maximum)(own[i] + s->varies[i] * noise, 0);
-    s->filled[i] += seen;
+    low = new_low;
+    high = new_high;
+  }
+  to->yarn = low;
+  to->yarns = high - low;
+  to->knot = first;
+  to->knots = along ? last - first + 1 : 0;
+  return i;
+}
+
+/* Of all yarns, the noise of a channel at so many knots, scaled, and from each to the next. */
+LEAF void OF(column_noise)(const column_kind *y, uint32_t channel, uint32_t yarn, uint32_t knot,
+                           int knots, int width, NUMBER base, NUMBER scale,
+                           NUMBER (*restrict at)[LATTICE_YARNS + OF(LATTICE_VECTOR)],
+                           NUMBER (*restrict on)[LATTICE_YARNS + OF(LATTICE_VECTOR)]) {
+  uint32_t hash[LATTICE_YARNS];
+#pragma omp simd
+  for (int j = 0; j < width; j++)
+    hash[j] = weave_hash_of_yarn(y->seed, y->channel + channel, yarn + (uint32_t)j);
+  for (int m = 0; m < knots; m++) {
+    NUMBER *restrict row = at[m];
+#pragma omp simd
+    for (int j = 0; j < width; j++)
+      row[j] = base + scale * OF(weave_random_of)(weave_hash_at(hash[j], knot + (uint32_t)m));
+    for (int j = 0; j < OF(LATTICE_VECTOR); j++) /* read, and of no weight */
+      row[width + j] = 0;
+  }
+  for (int m = 0; m + 1 < knots; m++) {
+    NUMBER *restrict row = on[m];
+    const NUMBER *restrict here = at[m], *restrict next = at[m + 1];
+#pragma omp simd
+    for (int j = 0; j < width + OF(LATTICE_VECTOR); j++)
+      row[j] = next[j] - here[j];
   }
 }
 
-/* Adds yarn j of each lane, of which part is seen and whose brightness is own, at all places. */
-static void OF(column_streak_along)(const column_kind *y, uint32_t j, size_t count,
-                                    const NUMBER *part, const NUMBER *own, OF(column_streak) * s) {
-  NUMBER brighter[STREAK_KNOTS][STREAK_LANES], thicker[STREAK_KNOTS][STREAK_LANES];
-  const NUMBER share = (NUMBER)y->share, slub = (NUMBER)y->slub;
-  const NUMBER per_usual = (NUMBER)y->per_usual;
-  const int knots = s->steps + 2;
-  if (y->brighter)
-    OF(column_noise)(y->seed, y->channel + WEAVE_ALONG_BRIGHTNESS, j, count, knots, s, brighter);
-  else
-    memset(brighter, 0, sizeof brighter);
-  if (slub > 0)
-    OF(column_noise)(y->seed, y->channel + WEAVE_SLUB, j, count, knots, s, thicker);
-#define ADD(steps, slub)                                                                           \
-  OF(column_streak_add)(count, k, steps, share, slub, per_usual, brighter, thicker, part, own, s)
-  for (int k = 0; k < STREAK_PLACES; k++)
-    if (slub > 0 && knots == 2)
-      ADD(0, slub);
-    else if (slub > 0 && knots == 3)
-      ADD(1, slub);
-    else if (slub > 0)
-      ADD(STREAK_KNOTS - 2, slub);
-    else if (knots == 2)
-      ADD(0, 0);
-    else
-      ADD(STREAK_KNOTS - 2, 0);
-#undef ADD
+static void OF(column_lattice_fill)(const column_kind *y, uint32_t number, uint32_t knot,
+                                    OF(column_lattice) * to) {
+  enum { V = OF(LATTICE_VECTOR) };
+  const int width = (to->yarns + V - 1) / V * V;
+  const uint32_t yarn = number + (uint32_t)to->yarn;
+  knot += (uint32_t)to->knot;
+#pragma omp simd
+  for (int j = 0; j < width; j++)
+    to->own[j] =
+        OF(weave_random)(y->seed, y->channel + WEAVE_VARY_BRIGHTNESS, yarn + (uint32_t)j, 0);
+  for (int j = 0; j < V; j++)
+    to->own[width + j] = 0;
+  OF(column_noise)
+  (y, WEAVE_ALONG_BRIGHTNESS, yarn, knot, y->brighter ? to->knots : 0, width, 0, 1, to->bright,
+   to->rise);
+  OF(column_noise)
+  (y, WEAVE_SLUB, yarn, knot, y->slub > 0 ? to->knots : 0, width, (NUMBER)y->share,
+   (NUMBER)(y->share * y->slub), to->size, to->grow);
+}
+
+/* Sums over the yarns of each lane, in parts that are folded later. */
+typedef struct OF(column_sums) {
+  NUMBER light[STREAK_LANES][OF(LATTICE_VECTOR)], filled[STREAK_LANES][OF(LATTICE_VECTOR)];
+  NUMBER parts[STREAK_LANES][OF(LATTICE_VECTOR)];
+} OF(column_sums);
+
+/*
+ * Lane i, whose first yarn is so far into the lattice, and whose first knot so many rows. slubs,
+ * brighter: whether along its yarns their width varies, and their brightness; if neither does one
+ * place is as good as all.
+ */
+LEAF void OF(column_lane)(const column_kind *y, const OF(column_lattice) * l,
+                          const OF(column_streak) * s, size_t i, int yarn, int row, int slubs,
+                          int brighter, const NUMBER *restrict shown, OF(column_sums) * sums) {
+  enum { V = OF(LATTICE_VECTOR) };
+  const NUMBER low = s->low[i], high = s->high[i], vary = s->vary[i], varies = s->varies[i];
+  const NUMBER fade = s->fade_along[i], rest = 1 - fade, per = fade * (NUMBER)y->per_usual;
+  const NUMBER least = (NUMBER)(y->share * 0.05);
+  const NUMBER *restrict own = l->own + yarn;
+  NUMBER *restrict light = sums->light[i], *restrict filled = sums->filled[i];
+  NUMBER *restrict parts = sums->parts[i];
+  /* of the knot before each place */
+#define ROW(name, k)                                                                               \
+  *restrict name##k = l->name[row + (slubs || brighter ? s->step[k][i] : 0)] + yarn
+  const NUMBER ROW(size, 0), ROW(size, 1), ROW(size, 2), ROW(size, 3);
+  const NUMBER ROW(grow, 0), ROW(grow, 1), ROW(grow, 2), ROW(grow, 3);
+  const NUMBER ROW(bright, 0), ROW(bright, 1), ROW(bright, 2), ROW(bright, 3);
+  const NUMBER ROW(rise, 0), ROW(rise, 1), ROW(rise, 2), ROW(rise, 3);
+#undef ROW
+  const NUMBER ease0 = s->ease[0][i], ease1 = s->ease[1][i], ease2 = s->ease[2][i],
+               ease3 = s->ease[3][i];
+  for (int c = 0; c < s->count[i]; c += V) {
+    const NUMBER from = (NUMBER)c;
+#pragma omp simd
+    for (int v = 0; v < V; v++) {
+      const int j = c + v;
+      const NUMBER at = from + (NUMBER)v;
+      const NUMBER begin = OF(maximum)(at, low), end = OF(minimum)(at + 1, high);
+      const NUMBER part = shown[j] * OF(maximum)(end - begin, 0);
+      const NUMBER mean = 1 + vary * own[j];
+      NUMBER lit = 0, fills = 0;
+#define PLACE(k)                                                                                   \
+  do {                                                                                             \
+    NUMBER fill = 1, look = mean;                                                                  \
+    if (slubs) {                                                                                   \
+      const NUMBER wide = OF(maximum)(size##k[j] + ease##k * grow##k[j], least);                   \
+      fill = rest + per * OF(minimum)(wide, 1);                                                    \
+    }                                                                                              \
+    if (brighter)                                                                                  \
+      look = mean + varies * (bright##k[j] + ease##k * rise##k[j]);                                \
+    look = OF(maximum)(look, 0);                                                                   \
+    fills += fill;                                                                                 \
+    lit += fill * look;                                                                            \
+  } while (0)
+      PLACE(0);
+      if (slubs || brighter) {
+        PLACE(1);
+        PLACE(2);
+        PLACE(3);
+      }
+#undef PLACE
+      parts[v] = (c ? parts[v] : 0) + part;
+      filled[v] = (c ? filled[v] : 0) + part * fills;
+      light[v] = (c ? light[v] : 0) + part * lit;
+    }
+  }
+}
+
+/* Each lane's sum, in place: neighbours of all lanes are added at once. */
+static void OF(column_fold)(size_t count, NUMBER *sums) {
+  for (size_t n = count * OF(LATTICE_VECTOR); n > count; n /= 2)
+#pragma omp simd
+    for (size_t i = 0; i < n / 2; i++)
+      sums[i] = sums[2 * i] + sums[2 * i + 1];
 }
 
 static void OF(column_look_all)(const shade_fabric *f, int side, const column_axis *beside,
                                 column_group *g) {
+  enum { V = OF(LATTICE_VECTOR), WHOLE = VECTOR_BYTES / sizeof(double) };
   const weave_yarn *y = &f->weave->yarn[side];
   const double usual = f->fills[side];
   const column_kind kind = {f->weave->params.seed,           (uint32_t)side * WEAVE_CHANNELS,
                             f->weave->thread[side][0].share, usual > 0 ? y->slub : 0,
                             usual > 0 ? 1 / usual : 0,       y->along_brightness > 0};
-  const size_t count = g->count;
-  NUMBER part[STREAK_LANES], own[STREAK_LANES];
-  OF(column_streak) s;
-  for (size_t i = 0; i < count; i++)
-    g->yarns[side][i] = (column_yarns){1, 1};
-  if (!(y->vary_brightness > 0 || kind.brighter || kind.slub > 0))
+  double *restrict brightness = g->brightness[side], *restrict fill = g->fill[side];
+  for (size_t i = 0; i < g->count; i++)
+    brightness[i] = fill[i] = 1;
+  if (!g->count || !(y->vary_brightness > 0 || kind.brighter || kind.slub > 0))
     return;
-  OF(column_streak_set)(f, side, g, beside, &s);
-  const int along = s.along && (kind.brighter || kind.slub > 0);
-  for (int j = 0; j < s.yarns; j++) {
-    const NUMBER from = (NUMBER)j;
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) {
-      const NUMBER begin = OF(maximum)(from, s.low[i]), end = OF(minimum)(from + 1, s.high[i]);
-      part[i] = s.shown[j][i] * OF(maximum)(end - begin, 0);
-      s.parts[i] += part[i];
-      own[i] = 1 + s.vary[i] * OF(weave_random)(kind.seed, kind.channel + WEAVE_VARY_BRIGHTNESS,
-                                                s.number[i] + (uint32_t)j, 0);
+  OF(column_streak) s;
+  OF(column_lattice) l;
+  OF(column_sums) sums;
+  double per_place[STREAK_LANES];
+  OF(column_streak_set)(f, side, g, &s);
+  const int whole = OF(column_fits)(&s, g->count, &l);
+  for (size_t begin = 0, end; begin < g->count; begin = end) {
+    end = whole ? g->count : OF(column_run)(&s, begin, g->count, &l);
+    OF(column_lattice_fill)(&kind, s.number[begin], s.knot[begin], &l);
+    for (size_t i = begin; i < end; i++) {
+      NUMBER shown[STREAK_YARNS + V];
+      const int count = (s.count[i] + WHOLE - 1) / WHOLE * WHOLE;
+      const int along = s.along[i] && (kind.slub > 0 || kind.brighter);
+      per_place[i] = along ? 1.0 / STREAK_PLACES : 1;
+      if (!count) {
+        for (int v = 0; v < V; v++)
+          sums.light[i][v] = sums.filled[i][v] = sums.parts[i][v] = 0;
+        continue;
+      }
+      OF(column_shown)(f, side, (size_t)s.yarn[i], count, beside, g->begin + i, shown);
+      for (int v = 0; v < V; v++)
+        shown[count + v] = 0;
+      const int yarn = (int)(s.number[i] - s.number[begin]) - l.yarn;
+      const int row = along ? (int)(s.knot[i] - s.knot[begin]) - l.knot : 0;
+      if (along && kind.slub > 0 && kind.brighter)
+        OF(column_lane)(&kind, &l, &s, i, yarn, row, 1, 1, shown, &sums);
+      else if (along && kind.slub > 0)
+        OF(column_lane)(&kind, &l, &s, i, yarn, row, 1, 0, shown, &sums);
+      else if (along)
+        OF(column_lane)(&kind, &l, &s, i, yarn, row, 0, 1, shown, &sums);
+      else
+        OF(column_lane)(&kind, &l, &s, i, yarn, 0, 0, 0, shown, &sums);
     }
-    if (along) {
-      OF(column_streak_along)(&kind, (uint32_t)j, count, part, own, &s);
-      continue;
-    }
-#pragma omp simd
-    for (size_t i = 0; i < count; i++)
-      s.light[i] += part[i] * OF(maximum)(own[i], 0);
   }
-  for (size_t i = 0; i < count; i++) {
-    const double parts = (double)s.parts[i], filled = along ? (double)s.filled[i] : parts;
-    if (filled > 0)
-      g->yarns[side][i] =
-          (column_yarns){(double)s.light[i] / filled, along ? filled / (STREAK_PLACES * parts) : 1};
+  OF(column_fold)(g->count, sums.light[0]);
+  OF(column_fold)(g->count, sums.filled[0]);
+  OF(column_fold)(g->count, sums.parts[0]);
+  const NUMBER *restrict light = sums.light[0], *restrict filled = sums.filled[0];
+  const NUMBER *restrict parts = sums.parts[0];
+#pragma omp simd
+  for (size_t i = 0; i < g->count; i++) {
+    const int any = filled[i] > 0; /* or none is seen, or streaks have faded out */
+    const NUMBER all = any ? filled[i] : 1, seen = any ? parts[i] : 1;
+    brightness[i] = any ? (double)(light[i] / all) : 1;
+    fill[i] = any ? per_place[i] * (double)(all / seen) : 1;
   }
 }

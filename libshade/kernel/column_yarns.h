@@ -26,37 +26,29 @@ LEAF void column_knots(uint32_t seed, uint32_t channel, uint32_t number, uint32_
   }
 }
 
-/*
- * How much of each of `count` yarns from `first` on is seen between the ends of the footprint along
- * them, `beside`, by the draft and in a unit of its own: where that is narrow some are hidden.
- */
-static void column_shown(const shade_fabric *f, int side, double first, int count,
-                         const column_axis *beside, size_t lane, double *restrict shown) {
-  const int weft = side == SHADE_TOP_WEFT;
-  const double size = weft ? f->height : f->width;
-  const double *strip = f->strip[side];
-  if (!strip) { /* several share a block */
-    for (int j = 0; j < count; j++)
-      shown[j] = 1;
-    return;
-  }
-  const size_t yarn = (size_t)minimum(maximum(first - floor(first / size) * size, 0), size - 1);
-  const size_t line = (size_t)size + STREAK_YARNS;
-  const double *low = strip + (size_t)beside->low[lane] * line + yarn;
-  const double *high = strip + (size_t)beside->high[lane] * line + yarn;
-  const double *after_low = low + line, *after_high = high + line;
-  const double *end = strip + (size_t)(weft ? f->columns : f->rows) * line + yarn;
-  const double w0 = beside->before_low[lane], w1 = beside->after_low[lane];
-  const double w2 = beside->before_high[lane], w3 = beside->after_high[lane];
-  const double w4 = beside->repeats[lane];
-#pragma omp simd
-  for (int j = 0; j < count; j++) {
-    const double all =
-        w0 * low[j] + w1 * after_low[j] + w2 * high[j] + w3 * after_high[j] + w4 * end[j];
-    shown[j] = all > 0 ? all : 0;
-  }
-}
+/* Lanes that are looked at one by one; yarns and knots that others have in common. */
+enum { STREAK_FEW = 4, LATTICE_YARNS = 64, LATTICE_KNOTS = 8 };
 
+/* What a side's yarns share. */
+typedef struct column_kind {
+  uint32_t seed, channel;
+  double share, slub, per_usual;
+  int brighter; /* whether their brightness varies along them */
+} column_kind;
+
+/* column_look of all lanes of a group, column_look_all, in float and in double. */
+#define NUMBER float
+#define OF(name) name##f
+#include "column_streak.h"
+#undef NUMBER
+#undef OF
+#define NUMBER double
+#define OF(name) name
+#include "column_streak.h"
+#undef NUMBER
+#undef OF
+
+/* The yarns of one side in the footprint of one lane. */
 static column_yarns column_look(const shade_fabric *f, int side, double centre, double across,
                                 double place, double along, const column_axis *beside,
                                 size_t lane) {
@@ -78,7 +70,9 @@ static column_yarns column_look(const shade_fabric *f, int side, double centre, 
   /* no yarn of its own after the last vector: those beyond have no part */
   const int count = ((int)(floor(high) - first) + VECTOR) / VECTOR * VECTOR;
   double part[STREAK_YARNS], own[STREAK_YARNS], shown[STREAK_YARNS], parts = 0;
-  column_shown(f, side, first, count, beside, lane, shown);
+  const double size = side == SHADE_TOP_WEFT ? f->height : f->width;
+  const double yarn = first - floor(first / size) * size;
+  column_shown(f, side, (size_t)minimum(maximum(yarn, 0), size - 1), count, beside, lane, shown);
   double brighter[2][STREAK_YARNS] = {{0}}, thicker[2][STREAK_YARNS] = {{0}};
 #pragma omp simd reduction(+ : parts)
   for (int j = 0; j < count; j++) {
@@ -116,96 +110,63 @@ static column_yarns column_look(const shade_fabric *f, int side, double centre, 
   return all;
 }
 
-/* Knots that four places are about: where a footprint is longer, noise along yarns has faded out.
- * Lanes that are looked at one by one. */
-enum { STREAK_KNOTS = 5, STREAK_FEW = 4 };
-
-/* What a side's yarns share. */
-typedef struct column_kind {
-  uint32_t seed, channel;
-  double share, slub, per_usual;
-  int brighter; /* whether their brightness varies along them */
-} column_kind;
-
-/* column_look of all lanes of a group, column_look_all, in float and in double. */
-#define NUMBER float
-#define OF(name) name##f
-#include "column_streak.h"
-#undef NUMBER
-#undef OF
-#define NUMBER double
-#define OF(name) name
-#include "column_streak.h"
-#undef NUMBER
-#undef OF
-
 /*
- * What of weft, warp and gaps a footprint shows if their yarns fill a and b times what they do
- * everywhere, over what it shows if they do not. Where a share p of the crossings has the weft on
- * top it covers A of those, and of the others what the warp leaves: A (p + (1 - p) (1 - B)).
+ * What of weft, warp and gaps the footprints of a group show if their yarns fill a and b times what
+ * they do everywhere, over what they show if they do not. Where a share p of the crossings has the
+ * weft on top it covers A of those, and of the others what the warp leaves: A (p + (1 - p) (1 -
+ * B)). seen: of weft and warp, without streaks.
  */
-static void column_filled(const shade_fabric *f, const double *column, const column_yarns yarns[2],
-                          double factor[3]) {
+static void column_filled(const shade_fabric *f, const column_group *g,
+                          const double (*seen)[STREAK_LANES], double (*factor)[STREAK_LANES]) {
   const double A = f->fills[0], B = f->fills[1];
-  const double seen = column[COLUMN_SEEN] + column[COLUMN_SEEN + 1];
-  factor[0] = factor[1] = factor[2] = 1;
-  if (!(A > 0 && B > 0 && seen > 0) || (yarns[0].fill == 1 && yarns[1].fill == 1))
-    return;
   const double whole = 1 - 4e-6; /* by a sum in float: else a hidden yarn would have a share left */
-  const double a = A * yarns[0].fill < whole ? A * yarns[0].fill : 1;
-  const double b = B * yarns[1].fill < whole ? B * yarns[1].fill : 1;
-  const double weft = column[COLUMN_SEEN] / seen * (A + B - A * B); /* of the area */
-  const double p = minimum(maximum((weft - A + A * B) / (A * B), 0), 1);
-  factor[0] = a * (1 - (1 - p) * b) / maximum(A * (1 - (1 - p) * B), 1e-6);
-  factor[1] = b * (1 - p * a) / maximum(B * (1 - p * A), 1e-6);
-  factor[2] = (1 - a) * (1 - b) / maximum((1 - A) * (1 - B), 1e-6);
-  for (int side = 0; side < 2; side++) /* a footprint within one yarn is filled already */
-    factor[side] = minimum(factor[side], maximum(1 / seen, 1));
-}
-
-/* The columns of a lane with the streaks of its yarns. */
-static void column_streaked(const shade_fabric *f, const column_yarns yarns[2],
-                            double column[COLUMNS]) {
-  double factor[3];
-  column_filled(f, column, yarns, factor);
-  column[COLUMN_GAP] *= factor[2];
-  column[COLUMN_OPEN] = minimum(column[COLUMN_OPEN] * factor[2], 1);
-  for (int side = 0; side < 2; side++) {
-    const double bright = factor[side] * yarns[side].brightness;
-    column[COLUMN_SEEN + side] *= factor[side];
-    for (int a = 0; a < (f->alike ? 1 : 3); a++) {
-      column[COLUMN_MATT + side + COLUMN_CHANNEL * a] *= bright;
-      column[COLUMN_FUZZ + side + COLUMN_CHANNEL * a] *= factor[2];
-    }
-    for (int a = 0; a < 3 && f->transmits; a++)
-      column[COLUMN_PASS + 3 * side + a] *= bright;
+  const int fills = A > 0 && B > 0;
+#pragma omp simd
+  for (size_t i = 0; i < g->count; i++) {
+    const double more = g->fill[0][i], more2 = g->fill[1][i], all = seen[0][i] + seen[1][i];
+    const int other = fills & (all > 0) & ((more != 1) | (more2 != 1));
+    const double a = A * more < whole ? A * more : 1, b = B * more2 < whole ? B * more2 : 1;
+    const double weft = seen[0][i] / all * (A + B - A * B); /* of the area */
+    const double p = minimum(maximum((weft - A + A * B) / (A * B), 0), 1);
+    const double most = maximum(1 / all, 1); /* a footprint within one yarn is filled already */
+    const double of_weft = a * (1 - (1 - p) * b) / maximum(A * (1 - (1 - p) * B), 1e-6);
+    const double of_warp = b * (1 - p * a) / maximum(B * (1 - p * A), 1e-6);
+    const double of_gaps = (1 - a) * (1 - b) / maximum((1 - A) * (1 - B), 1e-6);
+    factor[0][i] = other ? minimum(of_weft, most) : 1;
+    factor[1][i] = other ? minimum(of_warp, most) : 1;
+    factor[2][i] = other ? of_gaps : 1;
   }
 }
 
-/* The yarns of all lanes of a group. Few of them, and all in vectors of two numbers, one by one:
- * their yarns side by side. narrow: in float. */
+/* The yarns of all lanes of a group. Few of them one by one: their yarns side by side. narrow: in
+ * float. */
 static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
                               int narrow, column_group *g) {
-  if (VECTOR_BYTES >= 32 && g->count > STREAK_FEW) {
-    (narrow ? column_look_allf : column_look_all)(f, SHADE_TOP_WEFT, x, g);
-    (narrow ? column_look_allf : column_look_all)(f, SHADE_TOP_WARP, y, g);
-    return;
-  }
-  for (size_t i = 0; i < g->count; i++)
-    for (int side = 0; side < 2; side++)
-      g->yarns[side][i] =
+  for (int side = 0; side < 2; side++) {
+    const column_axis *beside = side == SHADE_TOP_WEFT ? x : y;
+    if (g->count > STREAK_FEW) {
+      (narrow ? column_look_allf : column_look_all)(f, side, beside, g);
+      continue;
+    }
+    for (size_t i = 0; i < g->count; i++) {
+      const column_yarns found =
           column_look(f, side, g->centre[side][i], g->extent[side][i], g->centre[1 - side][i],
-                      g->extent[1 - side][i], side == SHADE_TOP_WEFT ? x : y, g->lane[i]);
+                      g->extent[1 - side][i], beside, g->begin + i);
+      g->brightness[side][i] = found.brightness;
+      g->fill[side][i] = found.fill;
+    }
+  }
 }
 
 /* Another lane of a group. */
-static void column_group_add(column_group *g, size_t lane, double u, double v, double du,
+static void column_group_add(const shade_fabric *f, column_group *g, double u, double v, double du,
                              double dv) {
   const double limit = 4e18; /* as look-ups have it */
   const size_t i = g->count++;
-  g->lane[i] = lane;
+  const int any = column_has_streaks(f, du, dv);
+  g->any |= any;
   g->centre[SHADE_TOP_WARP][i] = minimum(maximum(u, -limit), limit);
   g->centre[SHADE_TOP_WEFT][i] = minimum(maximum(v, -limit), limit);
-  g->extent[SHADE_TOP_WARP][i] = du;
-  g->extent[SHADE_TOP_WEFT][i] = dv;
+  g->extent[SHADE_TOP_WARP][i] = any ? du : STREAKS_END;
+  g->extent[SHADE_TOP_WEFT][i] = any ? dv : STREAKS_END;
 }

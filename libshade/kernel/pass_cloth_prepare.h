@@ -275,6 +275,39 @@ static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(prepar
   FN(cloth_near_rows)(f, c, p);
 }
 
+/* The columns of a group, a row each, with the streaks of its yarns. */
+static void FN(cloth_streaks)(const shade_fabric *f, const column_group *g,
+                              const double (*seen)[STREAK_LANES], size_t row,
+                              real *restrict columns) {
+  double found[3][STREAK_LANES];
+  real factor[3][STREAK_LANES], bright[2][STREAK_LANES];
+  column_filled(f, g, seen, found);
+#pragma omp simd
+  for (size_t i = 0; i < g->count; i++) {
+    factor[0][i] = (real)found[0][i];
+    factor[1][i] = (real)found[1][i];
+    factor[2][i] = (real)found[2][i];
+    bright[0][i] = (real)(found[0][i] * g->brightness[0][i]);
+    bright[1][i] = (real)(found[1][i] * g->brightness[1][i]);
+  }
+  const real *of[COLUMNS] = {[COLUMN_GAP] = factor[2], [COLUMN_OPEN] = factor[2]};
+  for (int side = 0; side < 2; side++) {
+    of[COLUMN_SEEN + side] = factor[side];
+    for (int a = 0; a < 3; a++) {
+      of[COLUMN_MATT + COLUMN_CHANNEL * a + side] = bright[side];
+      of[COLUMN_FUZZ + COLUMN_CHANNEL * a + side] = factor[2];
+      of[COLUMN_PASS + 3 * side + a] = bright[side];
+    }
+  }
+  for (int k = 0; k < column_count(f); k++) {
+    real *restrict to = columns + (size_t)k * row;
+    const real *restrict by = of[k], most = k == COLUMN_OPEN ? 1 : R(1e30);
+#pragma omp simd
+    for (size_t i = 0; i < g->count; i++)
+      to[i] = FN(minimum)(to[i] * by[i], most);
+  }
+}
+
 static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
                                const FN(preparing) * p) {
   const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
@@ -293,28 +326,24 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
     const int count = column_count(f);
     column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
     column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
-    column_group group;
     for (size_t begin = 0; begin < p->far_count; begin += STREAK_LANES) {
       const size_t left = p->far_count - begin,
                    end = begin + (left < STREAK_LANES ? left : STREAK_LANES);
-      group.count = 0;
+      column_group group = {.begin = begin};
+      double seen[2][STREAK_LANES];
       for (size_t j = begin; j < end; j++) {
         const int i = p->far[j];
-        if (column_has_streaks(f, p->du[i], p->dv[i]))
-          column_group_add(&group, j, p->u[i], p->v[i], p->du[i], p->dv[i]);
-      }
-      column_look_group(f, &x, &y, SHADE_FLOAT, &group);
-      for (size_t j = begin, next = 0; j < end; j++) {
-        const int i = p->far[j];
+        column_group_add(f, &group, p->u[i], p->v[i], p->du[i], p->dv[i]);
         column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
-        if (next < group.count && group.lane[next] == j) {
-          const column_yarns yarns[2] = {group.yarns[0][next], group.yarns[1][next]};
-          column_streaked(f, yarns, column);
-          next++;
-        }
         for (int k = 0; k < count; k++)
           columns[k * WIDE + (int)j] = (real)column[k];
+        seen[0][j - begin] = column[COLUMN_SEEN];
+        seen[1][j - begin] = column[COLUMN_SEEN + 1];
       }
+      if (!group.any)
+        continue;
+      column_look_group(f, &x, &y, SHADE_FLOAT, &group);
+      FN(cloth_streaks)(f, &group, (const double(*)[STREAK_LANES])seen, WIDE, columns + begin);
     }
   }
   const int whole = p->far_count == c->count;

@@ -179,35 +179,52 @@ static void one_is_many_is_prepared(void **state) {
 }
 
 /* Footprints of few yarns that go along them for many: their noise is between up to five numbers,
- * which lanes side by side choose from, and a single call looks up one after another. */
+ * which lanes have in common where they lie side by side, as those of a pixel do, and a single call
+ * looks up one after another. */
 static void streaks_of_many_are_those_of_one(void **state) {
   (void)state;
   static arrays m;
   uint64_t seed = 11;
-  for (int k = 0; k < 2; k++) {
-    cloth c = open_cloth(k ? "linen" : "silk_shantung", NULL);
+  for (int k = 0; k < 6; k++) {
+    static const char *const names[3] = {"silk_shantung", "linen", "wool_flannel"};
+    cloth c = open_cloth(names[k % 3], NULL);
     fill(&m, &seed);
     for (int i = 0; i < N; i++) {
       m.in[2 + i % 2][i] = 12 * uniform(&seed);
       m.in[3 - i % 2][i] = 60 * uniform(&seed);
+      for (int a = 0; a < 2 && k >= 3; a++) { /* 16 of a pixel, on either side of 0 */
+        m.in[a][i] = (i / 16 * 5 % 29 - 14) * 7.5 + 9 * uniform(&seed);
+        m.in[2 + a][i] = 8 + a;
+      }
+      for (int a = 0; a < 4; a++)
+        m.inf[a][i] = (float)(m.in[a][i] = (double)(float)m.in[a][i]);
     }
     shade_fabric_lanes in = LANES_OF(m.in);
     in.size = sizeof in;
+    shade_fabric_lanesf inf = LANES_OF(m.inf);
+    inf.size = sizeof inf;
     const shade_fabric_result out = {
         .size = sizeof out, .r = m.rgb[0], .g = m.rgb[1], .b = m.rgb[2]};
+    const shade_fabric_resultf outf = {
+        .size = sizeof outf, .r = m.rgbf[0], .g = m.rgbf[1], .b = m.rgbf[2]};
     shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_FAR, &out);
-    double worst = 0;
+    shade_fabric_eval_batchf(c.fabric, N, &inf, SHADE_TIER_FAR, &outf);
+    double worst = 0, worstf = 0;
     for (int i = 0; i < N; i++) {
       const shade_fabric_point p = point_of(&c, &m, i);
       const double wi[3] = {in.wix[i], in.wiy[i], in.wiz[i]},
                    wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
       double s[3];
       s_of(&c, &p, wi, wo, SHADE_TIER_FAR, s);
-      for (int a = 0; a < 3; a++)
+      for (int a = 0; a < 3; a++) {
         worst = fmax(worst, fabs(m.rgb[a][i] - s[a]) / fmax(s[a], 1e-3));
+        worstf = fmax(worstf, fabs((double)m.rgbf[a][i] - s[a]) / fmax(s[a], 1e-2));
+      }
     }
-    print_message("streaks side by side and one by one: %.1e apart\n", worst);
+    print_message("streaks of %s, %s, and one by one: %.1e apart, in float %.1e\n", names[k % 3],
+                  k < 3 ? "anywhere" : "side by side", worst, worstf);
     assert_true(worst < 1e-9);
+    assert_true(worstf < 3e-4);
     close_cloth(&c);
   }
 }
