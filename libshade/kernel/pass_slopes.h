@@ -129,7 +129,8 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
   }
   for (size_t i = 0; i < count; i++)
     single[i] = (unsigned char)(single[i] | far[i]);
-#pragma omp simd
+  int between = 0;
+#pragma omp simd reduction(| : between)
   for (size_t i = 0; i < count; i++) {
     const float cx = o->ax[i], cy = o->ay[i], dx = o->bx[i], dy = o->by[i];
     const float xx = cx * cx + dx * dx, xy = cx * cy + dx * dy, yy = cy * cy + dy * dy;
@@ -140,9 +141,21 @@ static void slope_places(const shade_slope_map *m, size_t count, const slope_blo
     o->longer2[i] = longer2;
     const float whole = fabsf(cx * dy - cy * dx);
     o->area[i] = whole;
-    const float thin =
-        (sqrtf(longer2) - (float)SLOPE_LONG_NEAR) * (float)(1 / (SLOPE_LONG_FAR - SLOPE_LONG_NEAR));
-    const float round = (sqrtf(whole) - (float)SLOPE_NEAR) * (float)(1 / (SLOPE_FAR - SLOPE_NEAR));
+    const int near = (longer2 <= (float)(SLOPE_LONG_NEAR * SLOPE_LONG_NEAR)) &
+                     (whole <= (float)(SLOPE_NEAR * SLOPE_NEAR));
+    const int beyond = (longer2 >= (float)(SLOPE_LONG_FAR * SLOPE_LONG_FAR)) |
+                       (whole >= (float)(SLOPE_FAR * SLOPE_FAR));
+    between |= !(near | beyond);
+    o->blend[i] = beyond ? 1 : 0;
+  }
+  if (!between) /* most often: no roots */
+    return;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const float thin = (sqrtf(o->longer2[i]) - (float)SLOPE_LONG_NEAR) *
+                       (float)(1 / (SLOPE_LONG_FAR - SLOPE_LONG_NEAR));
+    const float round =
+        (sqrtf(o->area[i]) - (float)SLOPE_NEAR) * (float)(1 / (SLOPE_FAR - SLOPE_NEAR));
     float blend = thin > round ? thin : round;
     blend = blend < 0 ? 0 : blend;
     o->blend[i] = blend > 1 ? 1 : blend;
@@ -505,9 +518,16 @@ static void slope_plain_lanes(const shade_slope_map *m, slope_lanes *restrict o,
 
 /* As moments.c has them. */
 LEAF float slope_covered(float depth) {
+#ifdef __AVX512F__
+  /* cut at 0 and 2 as bits, of which no comparison is made; of floats it is one and more */
+  const int bits = (int)to_bitsf(depth), two = 0x40000000, low = bits < 0 ? 0 : bits;
+  const float cut = from_bitsf((uint32_t)(low < two ? low : two));
+  return cut - 0.5F * cut * fabsf(cut - 1);
+#else
   /* twice what is cut at -1 and 1, without a comparison: of those gcc makes five and more */
   const float cut2 = fabsf(depth) - fabsf(depth - 2);
   return (1 + 0.5F * cut2) * (1 - 0.25F * fabsf(cut2));
+#endif
 }
 
 LEAF float slope_cover(float half, float distance) {
@@ -529,8 +549,10 @@ typedef struct slope_filter {
   float fx[SLOPE_GROUP], fy[SLOPE_GROUP];
   float half_x[SLOPE_GROUP], half_y[SLOPE_GROUP], shear[SLOPE_GROUP], weight[SLOPE_GROUP];
   int top[SLOPE_GROUP], rows[SLOPE_GROUP], cols[SLOPE_GROUP]; /* 0: an idle lane */
-  int most_rows, least_rows, most_cols, least_cols;           /* of those in use */
-  int narrow;                                                 /* some less than 3 wide */
+  /* in texels as they are stored: row to row, and where the first row has x = 0 */
+  int pitch[SLOPE_GROUP], start[SLOPE_GROUP];
+  int most_rows, least_rows, most_cols, least_cols; /* of those in use */
+  int narrow;                                       /* some less than 3 wide */
   float sum[SLOPE_GROUP][8];
 } slope_filter;
 
@@ -539,7 +561,7 @@ typedef struct slope_filter {
  */
 enum { SLOPE_TAPS = 64 };
 typedef struct slope_taps {
-  int left[SLOPE_TAPS][SLOPE_GROUP];
+  int left[SLOPE_TAPS][SLOPE_GROUP], at[SLOPE_TAPS][SLOPE_GROUP]; /* x; where that is stored */
   float begin[SLOPE_TAPS][SLOPE_GROUP], weight[SLOPE_TAPS][SLOPE_GROUP]; /* of rows */
   float part[SLOPE_TAPS][SLOPE_GROUP];                                   /* of texels */
 } slope_taps;
@@ -548,7 +570,7 @@ typedef struct slope_taps {
 static SLOPE_APART void slope_rows(const slope_filter *restrict f, slope_taps *restrict t,
                                    int first, int count) {
   for (int r = 0; r < count; r++) {
-    int(*restrict left) = t->left[r];
+    int(*restrict left) = t->left[r], (*restrict place) = t->at[r];
     float(*restrict begin) = t->begin[r], (*restrict weight) = t->weight[r];
 #pragma omp simd
     for (int k = 0; k < SLOPE_GROUP; k++) {
@@ -556,6 +578,8 @@ static SLOPE_APART void slope_rows(const slope_filter *restrict f, slope_taps *r
       const float at = f->fx[k] + f->shear[k] * down;
       left[k] = -floor_to_int(f->half_x[k] - at);
       begin[k] = (float)left[k] - at;
+      place[k] = (int)((unsigned)f->start[k] + (unsigned)(first + r) * (unsigned)f->pitch[k] +
+                       (unsigned)left[k]);
       weight[k] = f->weight[k] * slope_cover(f->half_y[k], down);
     }
   }
@@ -587,85 +611,165 @@ static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps
   }
 }
 
-/* Eight floats at any address, of which the last two are the next texel's: as one value, since gcc
- * unrolls a loop over texels into gathers of them. */
+/* A texel as stored: one value, since gcc unrolls a loop over texels into gathers of them; two
+ * where vectors are shorter, or gcc keeps it in memory. */
 #if defined(__GNUC__)
+typedef float __attribute__((vector_size(16), aligned(4), may_alias)) slope_four;
+#define SLOPE_FOUR(from) (*(const slope_four *)(const void *)(from))
+#endif
+#if defined(__GNUC__) && VECTOR_BYTES >= 32
 typedef float __attribute__((vector_size(32), aligned(4), may_alias)) slope_eight;
 #define SLOPE_EIGHT(from) (*(const slope_eight *)(const void *)(from))
 #define SLOPE_ADD(sum, w, from) (sum) += (w)*SLOPE_EIGHT(from)
-#define SLOPE_PUT(to, a, b) (*(slope_eight *)(void *)(to) = (a) + (b))
+#define SLOPE_JOIN(a, b) ((a) += (b))
+#define SLOPE_PUT(to, a) (*(slope_eight *)(void *)(to) = (a))
+#elif defined(__GNUC__)
+typedef struct slope_eight {
+  slope_four low, high;
+} slope_eight;
+#define SLOPE_EIGHT(from) ((slope_eight){SLOPE_FOUR(from), SLOPE_FOUR((from) + 4)})
+#define SLOPE_ADD(sum, w, from)                                                                    \
+  ((sum).low += (w)*SLOPE_FOUR(from), (sum).high += (w)*SLOPE_FOUR((from) + 4))
+#define SLOPE_JOIN(a, b) ((a).low += (b).low, (a).high += (b).high)
+#define SLOPE_PUT(to, a)                                                                           \
+  (*(slope_four *)(void *)(to) = (a).low, *(slope_four *)(void *)((to) + 4) = (a).high)
 #else
 typedef struct slope_eight {
   float c[8];
 } slope_eight;
 #define SLOPE_EIGHT(from) (*(const slope_eight *)(const void *)(from))
 #define SLOPE_ADD(sum, w, from)                                                                    \
-  for (int c = 0; c < 8; c++)                                                                      \
-  (sum).c[c] += (w) * (from)[c]
-#define SLOPE_PUT(to, a, b)                                                                        \
-  for (int c = 0; c < 8; c++)                                                                      \
-  (to)[c] = (a).c[c] + (b).c[c]
+  for (int i = 0; i < 8; i++)                                                                      \
+  (sum).c[i] += (w) * (from)[i]
+#define SLOPE_JOIN(a, b)                                                                           \
+  for (int i = 0; i < 8; i++)                                                                      \
+  (a).c[i] += (b).c[i]
+#define SLOPE_PUT(to, a)                                                                           \
+  for (int i = 0; i < 8; i++)                                                                      \
+  (to)[i] = (a).c[i]
 #endif
 
 /* Add rows of a lane's texels that lie side by side. Two sums, or each texel would wait for the one
  * before. */
-LEAF void slope_read(slope_filter *restrict f, const slope_taps *restrict t, int k, int first,
-                     int rows, int cols, int stride) {
+static SLOPE_APART void slope_read(slope_filter *restrict f, const slope_taps *restrict t, int k,
+                                   int rows, int cols, int stride) {
   static const float none[8];
-  const ptrdiff_t width = f->width[k];
-  const float *row =
-      f->texels[k] + ((f->base_y[k] + f->top[k] + first) * width + f->base_x[k]) * MOMENTS;
   const float *part = &t->part[0][k];
   slope_eight sum = SLOPE_EIGHT(f->sum[k]), other = SLOPE_EIGHT(none);
   for (int r = 0; r < rows; r++) {
-    const float *texel = row + t->left[r][k] * MOMENTS;
+    const float *texel = f->texels[k] + t->at[r][k] * (ptrdiff_t)MOMENT_FLOATS;
     for (int c = 0; c < cols; c++) {
       if (c % 2)
-        SLOPE_ADD(other, part[c * SLOPE_GROUP], texel + c * MOMENTS);
+        SLOPE_ADD(other, part[c * SLOPE_GROUP], texel + c * MOMENT_FLOATS);
       else
-        SLOPE_ADD(sum, part[c * SLOPE_GROUP], texel + c * MOMENTS);
+        SLOPE_ADD(sum, part[c * SLOPE_GROUP], texel + c * MOMENT_FLOATS);
     }
-    row += width * MOMENTS;
     part += stride * SLOPE_GROUP;
   }
-  SLOPE_PUT(f->sum[k], sum, other);
+  SLOPE_JOIN(sum, other);
+  SLOPE_PUT(f->sum[k], sum);
 }
 
 /* The same where they reach an edge. */
 static SLOPE_APART void slope_read_wrapped(slope_filter *restrict f, const slope_taps *restrict t,
                                            int k, int first, int rows, int cols, moment_wrap wrap) {
-  static const float none[8];
   slope_eight sum = SLOPE_EIGHT(f->sum[k]);
   for (int r = 0; r < rows; r++) {
     const int y = wrap_index(f->base_y[k] + f->top[k] + first + r, f->height[k], wrap);
-    const float *row = f->texels[k] + (ptrdiff_t)y * f->width[k] * MOMENTS;
+    const float *row = f->texels[k] + y * moment_stride(f->width[k]);
     const float *part = &t->part[r * f->most_cols][k];
     for (int c = 0; c < cols; c++) {
       const int x = wrap_index(f->base_x[k] + t->left[r][k] + c, f->width[k], wrap);
-      SLOPE_ADD(sum, part[c * SLOPE_GROUP], row + x * MOMENTS);
+      SLOPE_ADD(sum, part[c * SLOPE_GROUP], row + x * MOMENT_FLOATS);
     }
   }
-  SLOPE_PUT(f->sum[k], sum, SLOPE_EIGHT(none));
+  SLOPE_PUT(f->sum[k], sum);
 }
 
-/* Whether a group's filters lie within their levels. */
-static SLOPE_APART void slope_inside(const slope_filter *restrict f, int *restrict inside) {
+/* Whether a group's filters lie within their levels, and where. */
+static SLOPE_APART void slope_inside(slope_filter *restrict f, int *restrict inside) {
   const int rows = f->most_rows + 1, cols = f->most_cols + 1; /* a cell's texels, too */
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const int top = f->base_y[k] + f->top[k];
+    const int apron = f->middle[k] < 1 ? MOMENT_APRON : 0; /* none about cells */
+    f->pitch[k] = f->width[k] + 2 * apron;
+    f->start[k] = (int)((unsigned)(f->base_y[k] + f->top[k]) * (unsigned)f->pitch[k] +
+                        (unsigned)f->base_x[k]);
+    const int top = f->base_y[k] + f->top[k] + apron;
     const float begin = f->shear[k] * ((float)f->top[k] - f->fy[k]);
     const float end = begin + f->shear[k] * (float)(rows - 1);
     const float low = (begin < end ? begin : end) - f->half_x[k] + f->fx[k] - 0.01F;
     const float high = (begin < end ? end : begin) - f->half_x[k] + f->fx[k] + 0.01F;
-    const int left = f->base_x[k] + floor_to_int(low);
-    const int right = f->width[k] - (f->base_x[k] + floor_to_int(high) + 1 + cols);
-    inside[k] = (top | (f->height[k] - top - rows) | left | right) >= 0;
+    const int left = f->base_x[k] + floor_to_int(low) + apron;
+    const int right = f->width[k] + apron - (f->base_x[k] + floor_to_int(high) + 1 + cols);
+    inside[k] = (top | (f->height[k] + 2 * apron - top - rows) | left | right) >= 0;
   }
 }
 
-/* Rows [first, first + rows) of all. Lanes that are alike read as many texels, with weights of 0: a
- * branch would be mistaken as often as not. */
+/* Rows of lanes that all lie within one level and are alike, without a branch in between. */
+LEAF void slope_read_alike(slope_filter *restrict f, const slope_taps *restrict t,
+                           const int *restrict inside, int first, int rows, moment_wrap wrap,
+                           int cols) {
+  const float *restrict texels = f->texels[0];
+  static const float none[8];
+  const slope_eight zero = SLOPE_EIGHT(none);
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    if (!inside[k]) {
+      const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
+      slope_read_wrapped(f, t, k, first, own, f->cols[k], wrap);
+      continue;
+    }
+    const int *at = &t->at[0][k];
+    const float *part = &t->part[0][k];
+    slope_eight sum = SLOPE_EIGHT(f->sum[k]), sum1 = zero, sum2 = zero, sum3 = zero;
+    for (int r = 0; r < rows; r++) {
+      const float *texel = texels + *at * (ptrdiff_t)MOMENT_FLOATS;
+#define SLOPE_COLUMN(to, c)                                                                        \
+  if ((c) < cols)                                                                                  \
+  SLOPE_ADD(to, part[(c)*SLOPE_GROUP], texel + (c)*MOMENT_FLOATS)
+      SLOPE_COLUMN(sum, 0);
+      SLOPE_COLUMN(sum1, 1);
+      SLOPE_COLUMN(sum2, 2);
+      SLOPE_COLUMN(sum3, 3);
+      SLOPE_COLUMN(sum, 4);
+      SLOPE_COLUMN(sum1, 5);
+      SLOPE_COLUMN(sum2, 6);
+      SLOPE_COLUMN(sum3, 7);
+#undef SLOPE_COLUMN
+      at += SLOPE_GROUP;
+      part += cols * SLOPE_GROUP;
+    }
+    SLOPE_JOIN(sum, sum1);
+    SLOPE_JOIN(sum2, sum3);
+    SLOPE_JOIN(sum, sum2);
+    SLOPE_PUT(f->sum[k], sum);
+  }
+}
+
+/* 0 if nothing is done. */
+static SLOPE_APART int slope_texels_alike(slope_filter *restrict f, const slope_taps *restrict t,
+                                          const int *restrict inside, int first, int rows,
+                                          moment_wrap wrap) {
+  const int cols = f->most_cols;
+  if (cols == 3)
+    slope_read_alike(f, t, inside, first, rows, wrap, 3);
+  else if (cols == 4)
+    slope_read_alike(f, t, inside, first, rows, wrap, 4);
+  else if (cols == 5)
+    slope_read_alike(f, t, inside, first, rows, wrap, 5);
+  else if (cols == 6)
+    slope_read_alike(f, t, inside, first, rows, wrap, 6);
+  else if (cols == 7)
+    slope_read_alike(f, t, inside, first, rows, wrap, 7);
+  else if (cols == 8)
+    slope_read_alike(f, t, inside, first, rows, wrap, 8);
+  else
+    return 0;
+  return 1;
+}
+
+/* Rows [first, first + rows) of all. Lanes that are nearly alike read as many texels, with weights
+ * of 0: a branch would be mistaken as often as not. */
 static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps *restrict t,
                                      const int *restrict inside, int first, int rows,
                                      moment_wrap wrap) {
@@ -674,21 +778,12 @@ static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps 
     if (f->rows[k] <= first || !f->texels[k])
       continue;
     const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
-    const int cols = alike ? stride : f->cols[k];
     if (!inside[k])
       slope_read_wrapped(f, t, k, first, own, f->cols[k], wrap);
     else if (!alike || rows - own > 1)
-      slope_read(f, t, k, first, own, cols, stride);
-    else if (cols == 3)
-      slope_read(f, t, k, first, rows, 3, 3);
-    else if (cols == 4)
-      slope_read(f, t, k, first, rows, 4, 4);
-    else if (cols == 5)
-      slope_read(f, t, k, first, rows, 5, 5);
-    else if (cols == 6)
-      slope_read(f, t, k, first, rows, 6, 6);
+      slope_read(f, t, k, own, f->cols[k], stride);
     else
-      slope_read(f, t, k, first, rows, cols, stride);
+      slope_read(f, t, k, rows, stride, stride);
   }
 }
 
@@ -698,7 +793,6 @@ enum { SLOPE_WIDE = VECTOR_BYTES / sizeof(float), SLOPE_CELLS = SLOPE_WIDE / 2 }
 typedef float __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide;
 typedef uint64_t __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide_pairs;
 #define SLOPE_WIDE_AT(from) (*(const slope_wide *)(const void *)(from))
-typedef float __attribute__((vector_size(16), aligned(4), may_alias)) slope_four;
 /* (x, y) for (y, x) */
 #define SLOPE_SWAPPED(v) ((slope_wide)((slope_wide_pairs)(v) >> 32 | (slope_wide_pairs)(v) << 32))
 
@@ -776,56 +870,90 @@ static inline void slope_end_cells(const slope_pairs *to, float *sum) {
 }
 #endif
 
-/* Add cells of a lane, none of which reaches an edge. */
-static SLOPE_APART void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
-                                         const slope_taps *restrict t, int k, int first, int rows,
-                                         int cols) {
-  static const float column[16] = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7}, zero[16];
+/* Weights of as many cells as fill a vector, each twice; four from here, four from there. */
+LEAF slope_wide slope_doubled(const float *part, const float *part2) {
 #ifdef SLOPE_TWO
-  static const float column4[16] = {0, 0, 1, 1, 2, 2, 3, 3, 0, 0, 1, 1, 2, 2, 3, 3};
-  static const float second[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+  const slope_eight both =
+      __builtin_shufflevector(SLOPE_FOUR(part), SLOPE_FOUR(part2), 0, 1, 2, 3, 4, 5, 6, 7);
+  return __builtin_shufflevector(both, both, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7);
+#else
+  slope_wide doubled;
+  for (int i = 0; i < SLOPE_WIDE; i++)
+    doubled[i] = i < 8 ? part[i / 2] : part2[i / 2 - 4];
+  return doubled;
 #endif
-  const float half = f->half_x[k];
-  const int narrow = half < 2; /* some cells are near both edges */
+}
+
+/* Weights of cells, four side by side. Rows of four are read in pairs: the last may weigh nothing.
+ */
+enum { SLOPE_FOURS = 4 * SLOPE_GROUP };
+
+static SLOPE_APART void slope_cell_weights(const slope_filter *restrict f, slope_taps *restrict t,
+                                           int rows, int fours) {
+  for (int r = 0; r < rows; r++) {
+    const float(*restrict begin) = t->begin[r], (*restrict weight) = t->weight[r];
+    for (int n = 0; n < fours; n++) {
+      float(*restrict part)[4] = (float(*)[4])(void *)t->part[4 * (r * fours + n)];
+      const float ahead = (float)(4 * n);
+      if (f->narrow) {
+#pragma omp simd
+        for (int k = 0; k < SLOPE_GROUP; k++) {
+          const float half = f->half_x[k], from = begin[k] + ahead, w = weight[k];
+          part[k][0] = w * slope_cover(half, from);
+          part[k][1] = w * slope_cover(half, from + 1);
+          part[k][2] = w * slope_cover(half, from + 2);
+          part[k][3] = w * slope_cover(half, from + 3);
+        }
+        continue;
+      }
+      /* as in slope_weights: the first two are near the left edge, others near the right at most */
+      const float sign = n ? -1 : 1;
+#pragma omp simd
+      for (int k = 0; k < SLOPE_GROUP; k++) {
+        const float half = f->half_x[k], from = begin[k] + ahead, w = weight[k];
+        part[k][0] = w * slope_covered(half + sign * from);
+        part[k][1] = w * slope_covered(half + sign * (from + 1));
+        part[k][2] = w * slope_covered(half - (from + 2));
+        part[k][3] = w * slope_covered(half - (from + 3));
+      }
+    }
+  }
+  if (fours == 1 && rows % 2) {
+    memset(t->part[4 * rows], 0, SLOPE_FOURS * sizeof(float));
+    memcpy(t->at[rows], t->at[rows - 1], sizeof t->at[rows]);
+  }
+}
+
+/* Add cells of a lane, none of which reaches an edge. */
+LEAF void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
+                           const slope_taps *restrict t, int k, int rows, int cols, int fours) {
+  static const float zero[16];
   const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
-  const float *row =
-      m->slopes + (f->base_y[k] + f->top[k] + first) * stride + 2 * (ptrdiff_t)f->base_x[k];
+  const float *part = t->part[0] + (ptrdiff_t)4 * k;
+  const int *at = &t->at[0][k];
   slope_pairs to = {SLOPE_WIDE_AT(zero), SLOPE_WIDE_AT(zero), SLOPE_WIDE_AT(zero)};
-  _Alignas(64) float part[SLOPE_WIDE];
   int r = 0;
 #ifdef SLOPE_TWO
-  /* two rows at once; beyond the last, a row of weight 0 */
-  for (; cols <= 4 && r < rows; r += 2, row += 2 * stride) {
-    const int more = r + 1 < rows, next = r + more;
-    const float weight = t->weight[r][k], more_weight = (more ? t->weight[next][k] : 0) - weight;
-    const float begin = t->begin[r][k], more_begin = t->begin[next][k] - begin;
-    const float *at = row + 2 * t->left[r][k];
-    const float *at2 = row + (more ? stride : 0) + 2 * t->left[next][k];
-#pragma omp simd
-    for (int i = 0; i < 16; i++)
-      part[i] = (weight + second[i] * more_weight) *
-                slope_cover(half, begin + second[i] * more_begin + column4[i]);
-    SLOPE_ADD_CELLS(to, SLOPE_WIDE_AT(part), SLOPE_TWO(at, at2), SLOPE_TWO(at + 2, at2 + 2),
-                    SLOPE_TWO(at + stride, at2 + stride),
-                    SLOPE_TWO(at + stride + 2, at2 + stride + 2));
+  for (; fours == 1 && r < rows; r += 2) {
+    const float *row = m->slopes + 2 * (size_t)(unsigned)at[0];
+    const float *row2 = m->slopes + 2 * (size_t)(unsigned)at[SLOPE_GROUP];
+    SLOPE_ADD_CELLS(to, slope_doubled(part, part + SLOPE_FOURS), SLOPE_TWO(row, row2),
+                    SLOPE_TWO(row + 2, row2 + 2), SLOPE_TWO(row + stride, row2 + stride),
+                    SLOPE_TWO(row + stride + 2, row2 + stride + 2));
+    at += 2 * SLOPE_GROUP;
+    part += 2 * SLOPE_FOURS;
   }
 #endif
-  for (; r < rows; r++, row += stride) {
-    const float weight = t->weight[r][k];
-    for (int c = 0; c < cols; c += SLOPE_CELLS) {
-      const float begin = t->begin[r][k] + (float)c;
-      const float *at = row + 2 * (t->left[r][k] + c);
-      if (narrow)
-#pragma omp simd
-        for (int i = 0; i < SLOPE_WIDE; i++)
-          part[i] = weight * slope_cover(half, begin + column[i]);
-      else
-#pragma omp simd
-        for (int i = 0; i < SLOPE_WIDE; i++)
-          part[i] = weight * slope_covered(half - fabsf(begin + column[i]));
-      SLOPE_ADD_CELLS(to, SLOPE_WIDE_AT(part), SLOPE_WIDE_AT(at), SLOPE_WIDE_AT(at + 2),
-                      SLOPE_WIDE_AT(at + stride), SLOPE_WIDE_AT(at + stride + 2));
+  for (; r < rows; r++) {
+    const float *row = m->slopes + 2 * (size_t)(unsigned)at[0];
+    for (int c = 0; c < cols; c += SLOPE_CELLS, row += SLOPE_WIDE) {
+      const float *four = part + (ptrdiff_t)(c / 4) * SLOPE_FOURS + c % 4;
+      SLOPE_ADD_CELLS(to, slope_doubled(four, four + SLOPE_FOURS), SLOPE_WIDE_AT(row),
+                      SLOPE_WIDE_AT(row + 2), SLOPE_WIDE_AT(row + stride),
+                      SLOPE_WIDE_AT(row + stride + 2));
     }
+    at += SLOPE_GROUP;
+    part += fours * SLOPE_FOURS;
   }
   slope_end_cells(&to, f->sum[k]);
 }
@@ -868,21 +996,25 @@ static SLOPE_APART void slope_read_cells_wrapped(const shade_slope_map *m, slope
   }
 }
 
-/* Rows [first, first + rows) of lanes that read cells. */
-static void slope_cells(const shade_slope_map *m, slope_filter *restrict f,
-                        const slope_taps *restrict t, const int *restrict inside, int first,
-                        int rows) {
-  const int alike = f->most_rows - f->least_rows < 2;
+/* Rows [first, first + rows) of lanes that read cells, all as many: the rest weigh nothing. */
+static SLOPE_APART void slope_cells(const shade_slope_map *m, slope_filter *restrict f,
+                                    const slope_taps *restrict t, const int *restrict inside,
+                                    int first, int rows, int fours) {
   for (int k = 0; k < SLOPE_GROUP; k++) {
     if (f->rows[k] <= first || f->texels[k])
       continue;
-    const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
 #if defined(__GNUC__)
-    if (inside[k])
-      slope_read_cells(m, f, t, k, first, alike ? rows : own, f->cols[k]);
-    else
+    if (inside[k] && fours == 1) {
+      slope_read_cells(m, f, t, k, rows, 4, 1);
+      continue;
+    }
+    if (inside[k]) {
+      slope_read_cells(m, f, t, k, rows, f->most_cols, fours);
+      continue;
+    }
 #endif
-      slope_read_cells_wrapped(m, f, t, k, first, own, f->cols[k]);
+    const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
+    slope_read_cells_wrapped(m, f, t, k, first, own, f->cols[k]);
   }
 }
 
@@ -890,28 +1022,48 @@ static void slope_cells(const shade_slope_map *m, slope_filter *restrict f,
 typedef struct slope_choice {
   int level[SLOPE_GROUP], coarse[SLOPE_GROUP]; /* coarse: 1 where the next level is mixed in */
   float next[SLOPE_GROUP];                     /* how much of it */
+  float own[SLOPE_GROUP], thin[SLOPE_GROUP];   /* the shorter axis' square; at least a part of the
+                                                * longer one's */
 } slope_choice;
 
 static SLOPE_APART void slope_choose(const slope_lanes *restrict o, size_t first, int last,
                                      slope_choice *restrict c) {
   const float *restrict longer2 = o->longer2 + first, *restrict area = o->area + first;
-#pragma omp simd
+  const float across = (float)(MOMENT_ACROSS * MOMENT_ACROSS);
+  const float along = (float)(MOMENT_SQUARE * MOMENT_SQUARE);
+  const float from = (float)MOMENT_CELLS_NEAR, to = (float)MOMENT_CELLS_FAR;
+  const float next4 = (float)(MOMENT_NEXT * MOMENT_NEXT * MOMENT_NEXT * MOMENT_NEXT);
+  float side4[SLOPE_GROUP]; /* fourth powers and squares, as far as they do: roots are slow */
+  int finest[SLOPE_GROUP], mixed = 0;
+#pragma omp simd reduction(| : mixed)
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const float longer = longer2[k] + 1e-30F, own = area[k] * area[k] / longer;
     const float part = longer * (float)MOMENT_LONGEST, thin = own > part ? own : part;
-    const float across = thin * (float)MOMENT_ACROSS;
-    const float along = sqrtf(longer * thin) * (float)MOMENT_SQUARE;
-    const float small = across < along ? across : along, side2 = small > 1 ? small : 1;
-    const int finest = ((int)(to_bitsf(side2) >> 23) - 127) >> 1;
-    const float from = (float)MOMENT_CELLS_NEAR, to = (float)MOMENT_CELLS_FAR;
+    const float across4 = thin * thin * across, along4 = longer * thin * along;
+    const float small = across4 < along4 ? across4 : along4, own4 = small > 1 ? small : 1;
+    const int own_finest = ((int)(to_bitsf(own4) >> 23) - 127) >> 2;
+    const float own_side4 = own4 * power_of_half(4 * own_finest);
+    const int cells = own_finest == 0, leave = cells & (area[k] >= to * to);
+    const int own_level = own_finest + leave, few = own_level < last;
+    mixed |= few & !leave & ((cells & (area[k] > from * from)) | (!cells & (own_side4 > next4)));
+    c->own[k] = own;
+    c->thin[k] = thin;
+    c->level[k] = few ? own_level : last;
+    c->coarse[k] = 0;
+    c->next[k] = 0;
+    finest[k] = own_finest;
+    side4[k] = own_side4;
+  }
+  if (!mixed)
+    return;
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
     const float cells = (sqrtf(area[k]) - from) * (1 / (to - from));
-    const float beyond = (sqrtf(side2) * power_of_half(finest) - (float)MOMENT_NEXT) *
-                         (float)(1 / (2 - MOMENT_NEXT));
-    const int leave = (finest == 0) & (cells >= 1);
-    const int own_level = finest + leave;
-    float above = finest == 0 ? cells : beyond;
-    above = own_level < last && !leave ? above : 0;
-    c->level[k] = own_level < last ? own_level : last;
+    const float beyond =
+        (sqrtf(sqrtf(side4[k])) - (float)MOMENT_NEXT) * (float)(1 / (2 - MOMENT_NEXT));
+    const int stays = (c->level[k] == finest[k]) & (c->level[k] < last);
+    float above = finest[k] == 0 ? cells : beyond;
+    above = stays ? above : 0;
     c->coarse[k] = above > 0 ? 1 : 0;
     c->next[k] = above > 0 ? above : 0;
   }
@@ -940,7 +1092,7 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
                                     const int *restrict used, float w0, float h0,
                                     slope_filter *restrict f) {
   const float fine = coarse ? 0 : 1, sign = coarse ? 1 : -1;
-  const float *restrict longer2 = o->longer2 + at, *restrict area = o->area + at;
+  const float *restrict longer2 = o->longer2 + at;
   const float *restrict mxx = o->mxx + at, *restrict mxy = o->mxy + at, *restrict myy = o->myy + at;
   int most_rows = 0, least_rows = 99, most_cols = 0, least_cols = 99, narrow = 0;
 #pragma omp simd reduction(max                                                                     \
@@ -952,8 +1104,7 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
     const int level = c->level[k] + (coarse & c->coarse[k]);
     const float halved = power_of_half(level);
     /* the shorter axis grown to what the level's kind can tell, to where the longer is at most */
-    const float longer = longer2[k] + 1e-30F, own = area[k] * area[k] / longer;
-    const float part = longer * (float)MOMENT_LONGEST, thin = own > part ? own : part;
+    const float longer = longer2[k] + 1e-30F, own = c->own[k], thin = c->thin[k];
     const float told = (float)MOMENT_LEAST * (level ? 4.0F : 1.0F);
     const float shorter = thin > told ? thin : told, gap = longer - own;
     const float full = (shorter - own) / (gap > 1e-30F ? gap : 1e-30F);
@@ -1027,7 +1178,7 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
   const slope_eight nothing = SLOPE_EIGHT(none);
   slope_choose(o, first, p->levels - 1, &c);
   for (int k = 0; k < SLOPE_GROUP; k++)
-    SLOPE_PUT(f.sum[k], nothing, nothing);
+    SLOPE_PUT(f.sum[k], nothing);
   for (int k = 0; k < SLOPE_GROUP; k++)
     mixed |= c.coarse[k];
   for (int coarse = 0; coarse <= mixed; coarse++) {
@@ -1061,16 +1212,23 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
     slope_locate(o->u + first, o->v + first, &f);
     slope_shape(o, first, &c, coarse, used, w0, h0, &f);
     slope_inside(&f, inside);
-    const int chunk = f.most_cols < SLOPE_TAPS ? SLOPE_TAPS / (f.most_cols + !f.most_cols) : 1;
+    const int alike =
+        !unlike && level[0] && f.most_cols - f.least_cols < 2 && f.most_rows - f.least_rows < 2;
+    const int fours = f.most_cols <= 4 ? 1 : (f.most_cols + 7) / 8 * 2,
+              wide = cells ? 4 * fours : f.most_cols + !f.most_cols;
+    const int chunk = wide < SLOPE_TAPS ? SLOPE_TAPS / wide : 1; /* even for pairs of rows */
     for (int row = 0; row < f.most_rows; row += chunk) {
       const int rows = f.most_rows - row < chunk ? f.most_rows - row : chunk;
       slope_rows(&f, &taps, row, rows);
       if (texels) {
         slope_weights(&f, &taps, rows);
-        slope_texels(&f, &taps, inside, row, rows, p->wrap);
+        if (!alike || !slope_texels_alike(&f, &taps, inside, row, rows, p->wrap))
+          slope_texels(&f, &taps, inside, row, rows, p->wrap);
       }
-      if (cells)
-        slope_cells(m, &f, &taps, inside, row, rows);
+      if (cells) {
+        slope_cell_weights(&f, &taps, rows, fours);
+        slope_cells(m, &f, &taps, inside, row, rows, fours);
+      }
     }
   }
   slope_blend(o, first, &f);
@@ -1080,21 +1238,33 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
 static void kernel_slopes(const shade_slope_map *m, size_t count, const slope_block *b) {
   slope_lanes o;
   slope_places(m, count, b, &o);
-  const size_t whole = (count + SLOPE_GROUP - 1) / SLOPE_GROUP * SLOPE_GROUP;
-  for (size_t i = count; i < whole; i++) { /* idle lanes look where the last one does */
-    o.u[i] = o.u[count - 1];
-    o.v[i] = o.v[count - 1];
-    o.ax[i] = o.ay[i] = o.bx[i] = o.by[i] = o.blend[i] = o.area[i] = 0;
-    o.mxx[i] = o.mxy[i] = o.myy[i] = o.longer2[i] = 0;
-  }
+  const size_t whole = (count + SLOPE_GROUP - 1) / SLOPE_GROUP * SLOPE_GROUP, last = count - 1;
   const int sides = b->side[0] != NULL;
+  for (size_t i = count; i < whole; i++) { /* idle lanes do as the last one does */
+    o.u[i] = o.u[last];
+    o.v[i] = o.v[last];
+  }
+  for (size_t i = count; sides && i < whole; i++) {
+    o.ax[i] = o.ax[last];
+    o.ay[i] = o.ay[last];
+    o.bx[i] = o.bx[last];
+    o.by[i] = o.by[last];
+    o.mxx[i] = o.mxx[last];
+    o.mxy[i] = o.mxy[last];
+    o.myy[i] = o.myy[last];
+    o.longer2[i] = o.longer2[last];
+    o.area[i] = o.area[last];
+    o.blend[i] = o.blend[last];
+  }
   if (!sides)
     slope_plain_lanes(m, &o, whole);
   for (size_t first = 0; sides && first < whole; first += SLOPE_GROUP) {
+    const float *restrict blend = o.blend + first;
     int near = 0, far = 0;
-    for (size_t i = first; i < first + SLOPE_GROUP && i < count; i++) {
-      near |= o.blend[i] < 1;
-      far |= o.blend[i] > 0;
+#pragma omp simd reduction(| : near, far)
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      near |= blend[k] < 1;
+      far |= blend[k] > 0;
     }
     if (near)
       slope_points(m, &o, first, 1);

@@ -2,6 +2,7 @@
 #include "src/moments.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,26 +25,41 @@ static void reduce_row(const float *from, int width, double weight, double *to, 
   }
 }
 
-/* The kernel reads eight floats from where a texel begins. */
-static float *level_room(size_t floats) {
-  float *texels = malloc((floats + 8 - MOMENTS) * sizeof *texels);
-  for (size_t i = 0; texels && i < 8 - MOMENTS; i++)
-    texels[floats + i] = 0;
-  return texels;
+static int level_room(moment_level *l) {
+  const size_t rows = (size_t)l->height + 2 * MOMENT_APRON;
+  const size_t line = 64 / sizeof(float), stride = (size_t)moment_stride(l->width);
+  l->room = calloc(rows * stride + line, sizeof(float));
+  if (!l->room)
+    return -1;
+  const size_t begun = (uintptr_t)l->room / sizeof(float) % line;
+  l->texels = l->room + (line - begun) + MOMENT_APRON * (stride + MOMENT_FLOATS);
+  return 0;
+}
+
+/* Copy what is found beyond the edges. */
+static void level_apron(const moment_level *l, moment_wrap wrap) {
+  const size_t texel = MOMENT_FLOATS * sizeof(float);
+  for (int j = 0; j < l->height; j++)
+    for (int i = 1; i <= MOMENT_APRON; i++) {
+      const int right = l->width - 1 + i;
+      memcpy(moment_texel(l, -i, j), moment_texel(l, wrap_index(-i, l->width, wrap), j), texel);
+      memcpy(moment_texel(l, right, j), moment_texel(l, wrap_index(right, l->width, wrap), j),
+             texel);
+    }
+  for (int i = 1; i <= MOMENT_APRON; i++) {
+    const int rows[2] = {-i, l->height - 1 + i};
+    for (int k = 0; k < 2; k++)
+      memcpy(moment_texel(l, -MOMENT_APRON, rows[k]),
+             moment_texel(l, -MOMENT_APRON, wrap_index(rows[k], l->height, wrap)),
+             (size_t)moment_stride(l->width) * sizeof(float));
+  }
 }
 
 static int reduce(moment_level *to, int width, int height, moment_row *row, const void *context) {
   const size_t narrow = (size_t)to->width * MOMENTS;
-  if (to->width == width && to->height == height) {
-    to->texels = level_room(narrow * (size_t)height);
-    for (int j = 0; to->texels && j < height; j++)
-      row(context, j, to->texels + (size_t)j * narrow);
-    return to->texels ? 0 : -1;
-  }
   float *source = malloc((size_t)width * MOMENTS * sizeof *source);
   double *sum = malloc(narrow * sizeof *sum);
-  to->texels = level_room(narrow * (size_t)to->height);
-  const int status = source && sum && to->texels ? 0 : -1;
+  const int status = source && sum && level_room(to) == 0 ? 0 : -1;
   const double ratio = (double)height / to->height;
   for (int j = 0; status == 0 && j < to->height; j++) {
     const double begin = j * ratio, end = j + 1 == to->height ? height : (j + 1) * ratio;
@@ -52,8 +68,9 @@ static int reduce(moment_level *to, int width, int height, moment_row *row, cons
       row(context, k, source);
       reduce_row(source, width, (fmin(end, k + 1) - fmax(begin, k)) / ratio, sum, to->width);
     }
-    for (size_t i = 0; i < narrow; i++)
-      to->texels[(size_t)j * narrow + i] = (float)sum[i];
+    for (int i = 0; i < to->width; i++)
+      for (int c = 0; c < MOMENTS; c++)
+        moment_texel(to, i, j)[c] = (float)sum[i * MOMENTS + c];
   }
   free(source);
   free(sum);
@@ -62,23 +79,27 @@ static int reduce(moment_level *to, int width, int height, moment_row *row, cons
 
 /* As reduce would, where sides are halved: most of them, and the largest. */
 static int halve(moment_level *to, const moment_level *from) {
-  const size_t narrow = (size_t)to->width * MOMENTS, wide = (size_t)from->width * MOMENTS;
-  to->texels = level_room(narrow * (size_t)to->height);
-  for (int j = 0; to->texels && j < to->height; j++) {
-    const float *upper = from->texels + (size_t)(2 * j) * wide, *lower = upper + wide;
-    float *mean = to->texels + (size_t)j * narrow;
-    for (int i = 0; i < to->width; i++, upper += 2 * MOMENTS, lower += 2 * MOMENTS)
+  if (level_room(to) != 0)
+    return -1;
+  for (int j = 0; j < to->height; j++) {
+    const float *upper = moment_texel(from, 0, 2 * j), *lower = moment_texel(from, 0, 2 * j + 1);
+    float *mean = moment_texel(to, 0, j);
+    for (int i = 0; i < to->width; i++) {
       for (int c = 0; c < MOMENTS; c++)
-        *mean++ = (float)(0.25 * ((double)upper[c] + (double)upper[c + MOMENTS] + (double)lower[c] +
-                                  (double)lower[c + MOMENTS]));
+        mean[c] = (float)(0.25 * ((double)upper[c] + (double)upper[c + MOMENT_FLOATS] +
+                                  (double)lower[c] + (double)lower[c + MOMENT_FLOATS]));
+      upper += 2 * MOMENT_FLOATS;
+      lower += 2 * MOMENT_FLOATS;
+      mean += MOMENT_FLOATS;
+    }
   }
-  return to->texels ? 0 : -1;
+  return 0;
 }
 
 static void level_row(const void *context, int j, float *to) {
   const moment_level *l = context;
-  const size_t size = (size_t)l->width * MOMENTS;
-  memcpy(to, l->texels + (size_t)j * size, size * sizeof *to);
+  for (int i = 0; i < l->width; i++)
+    memcpy(to + (size_t)i * MOMENTS, moment_texel(l, i, j), MOMENTS * sizeof *to);
 }
 
 int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, moment_row *row,
@@ -97,6 +118,7 @@ int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, m
   }
   if (reduce(&p->level[p->levels - 1], width, height, row, context) != 0)
     return -1;
+  level_apron(&p->level[p->levels - 1], wrap);
   while (p->levels < MOMENT_LEVELS) {
     const moment_level *from = &p->level[p->levels - 1];
     moment_level *to = &p->level[p->levels];
@@ -108,13 +130,14 @@ int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, m
     const int halved = from->width == 2 * to->width && from->height == 2 * to->height;
     if ((halved ? halve(to, from) : reduce(to, from->width, from->height, level_row, from)) != 0)
       return -1;
+    level_apron(to, wrap);
   }
   return 0;
 }
 
 void moments_free(moment_pyramid *p) {
   for (int i = 0; i < p->levels; i++)
-    free(p->level[i].texels);
+    free(p->level[i].room);
   p->levels = 0;
 }
 
@@ -189,14 +212,14 @@ static void add_level(const moment_pyramid *p, int k, double u, double v, const 
   const int bottom = (int)floor(y + reach_y);
   for (int j = (int)ceil(y - reach_y); j <= bottom; j++) {
     const double w = weight * cover(high, j - y) / (wide * high), at = x + shear * (j - y);
-    const size_t row = (size_t)wrap_index(j, l->height, p->wrap) * (size_t)l->width;
+    const int row = wrap_index(j, l->height, p->wrap);
     const int right = (int)floor(at + reach_x);
     for (int i = (int)ceil(at - reach_x); i <= right; i++) {
       const double part = w * cover(wide, i - at);
       double made[MOMENTS];
       const float *texel = NULL;
       if (l->texels)
-        texel = l->texels + (row + (size_t)wrap_index(i, l->width, p->wrap)) * MOMENTS;
+        texel = moment_texel(l, wrap_index(i, l->width, p->wrap), row);
       else
         p->cell(p->context, i, j, made);
       for (int c = 0; c < MOMENTS; c++)
