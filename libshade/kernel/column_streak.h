@@ -118,9 +118,10 @@ static int OF(column_fits)(const OF(column_streak) * s, size_t count, OF(column_
   for (size_t i = 0; i < count; i++) {
     const int yarn = (int)(s->number[i] - number), knot = (int)(s->knot[i] - mark);
     const int used = -(s->count[i] > 0), noisy = used & -s->along[i];
-    far |= used & -((yarn < -LATTICE_YARNS) | (yarn > LATTICE_YARNS));
-    far |= noisy & -((knot < -LATTICE_KNOTS) | (knot > LATTICE_KNOTS));
-    const int own = yarn & used, from = knot & noisy;
+    const int away = -((yarn < -LATTICE_YARNS) | (yarn > LATTICE_YARNS));
+    const int past = -((knot < -LATTICE_KNOTS) | (knot > LATTICE_KNOTS));
+    far |= (used & away) | (noisy & past);
+    const int own = yarn & used & ~away, from = knot & noisy & ~past;
     const int own_end = own + s->count[i],
               end = from + ((s->step[STREAK_PLACES - 1][i] + 1) & noisy);
     low = own < low ? own : low;
