@@ -6,6 +6,10 @@
  */
 #include "../src/slope_map.h"
 
+#if defined(__GNUC__) && VECTOR_BYTES >= 32
+#include <immintrin.h>
+#endif
+
 /* Two vectors of AVX-512, of which one can go on while the other waits; of four no more does. */
 enum { SLOPE_GROUP = 32 };
 
@@ -553,17 +557,23 @@ typedef struct slope_filter {
   int pitch[SLOPE_GROUP], start[SLOPE_GROUP];
   int most_rows, least_rows, most_cols, least_cols; /* of those in use */
   int narrow;                                       /* some less than 3 wide */
-  float sum[SLOPE_GROUP][8];
+  int straight;              /* rows begin one below the other, but for what roundings move them */
+  float sum[SLOPE_GROUP][8]; /* of texels */
+  float x[SLOPE_GROUP], y[SLOPE_GROUP]; /* of cells */
+  float xx[SLOPE_GROUP], xy[SLOPE_GROUP], yy[SLOPE_GROUP];
 } slope_filter;
 
 /* Texels of some rows of the filters: where each row begins, and weights. No row is longer: 16
  * times 1.85 texels (MOMENT_LONGEST, MOMENT_ACROSS), twice that of the finer of two levels, and 2.
  */
-enum { SLOPE_TAPS = 64 };
+enum { SLOPE_TAPS = 64, SLOPE_STRAIGHT = 8 };
+/* Cells are added up in patches of so many rows and columns at most. */
+enum { SLOPE_ROWS = 4, SLOPE_COLS = 5 };
 typedef struct slope_taps {
   int left[SLOPE_TAPS][SLOPE_GROUP], at[SLOPE_TAPS][SLOPE_GROUP]; /* x; where that is stored */
   float begin[SLOPE_TAPS][SLOPE_GROUP], weight[SLOPE_TAPS][SLOPE_GROUP]; /* of rows */
   float part[SLOPE_TAPS][SLOPE_GROUP];                                   /* of texels */
+  float column[SLOPE_STRAIGHT][SLOPE_GROUP]; /* where all rows are alike: of each */
 } slope_taps;
 
 /* Where rows begin, from the filter's middle too, and what they weigh. */
@@ -585,30 +595,52 @@ static SLOPE_APART void slope_rows(const slope_filter *restrict f, slope_taps *r
   }
 }
 
-static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps *restrict t,
-                                      int count) {
-  const int cols = f->most_cols;
-  for (int r = 0; r < count; r++) {
-    float(*restrict part)[SLOPE_GROUP] = t->part + r * cols;
-    const float(*restrict begin) = t->begin[r], (*restrict weight) = t->weight[r];
-    /* three texels wide and more, no texel is near both edges */
-    for (int c = 0; c < cols; c++) {
-      const int near_left = f->narrow || c < 2;
-      const int near_right = f->narrow || c >= f->least_cols - 3;
-      if (near_left && near_right) {
+/* Weights of `cols` texels a row by lanes, times `weight`; `narrow`: any of them may be near both
+ * edges. */
+LEAF void slope_row_weights(const slope_filter *restrict f, const float *restrict begin,
+                            const float *restrict weight, int cols, int narrow,
+                            float (*restrict part)[SLOPE_GROUP]) {
+  /* three texels wide and more, no texel is near both edges */
+  for (int c = 0; c < cols; c++) {
+    const int near_left = narrow || c < 2;
+    const int near_right = narrow || c >= f->least_cols - 3;
+    if (near_left && near_right) {
 #pragma omp simd
-        for (int k = 0; k < SLOPE_GROUP; k++)
-          part[c][k] = weight[k] * slope_cover(f->half_x[k], begin[k] + (float)c);
-      } else if (near_left || near_right) {
-        const float sign = near_left ? 1 : -1;
+      for (int k = 0; k < SLOPE_GROUP; k++)
+        part[c][k] = weight[k] * slope_cover(f->half_x[k], begin[k] + (float)c);
+    } else if (near_left || near_right) {
+      const float sign = near_left ? 1 : -1;
 #pragma omp simd
-        for (int k = 0; k < SLOPE_GROUP; k++)
-          part[c][k] = weight[k] * slope_covered(f->half_x[k] + sign * (begin[k] + (float)c));
-      } else {
-        memcpy(part[c], weight, sizeof t->weight[r]);
-      }
+      for (int k = 0; k < SLOPE_GROUP; k++)
+        part[c][k] = weight[k] * slope_covered(f->half_x[k] + sign * (begin[k] + (float)c));
+    } else {
+      memcpy(part[c], weight, sizeof part[c]);
     }
   }
+}
+
+/* Where rows are straight, of one of them. */
+static SLOPE_APART void slope_columns(const slope_filter *restrict f, slope_taps *restrict t,
+                                      int cols) {
+  float whole[SLOPE_GROUP];
+  for (int k = 0; k < SLOPE_GROUP; k++)
+    whole[k] = 1;
+  slope_row_weights(f, t->begin[0], whole, cols, f->narrow, t->column);
+}
+
+static SLOPE_APART void slope_weights(const slope_filter *restrict f, slope_taps *restrict t,
+                                      int count, int cols, int narrow) {
+  if (f->straight && cols <= SLOPE_STRAIGHT) {
+    slope_columns(f, t, cols);
+    for (int r = 0; r < count; r++)
+      for (int c = 0; c < cols; c++)
+#pragma omp simd
+        for (int k = 0; k < SLOPE_GROUP; k++)
+          t->part[r * cols + c][k] = t->weight[r][k] * t->column[c][k];
+    return;
+  }
+  for (int r = 0; r < count; r++)
+    slope_row_weights(f, t->begin[r], t->weight[r], cols, narrow, t->part + r * cols);
 }
 
 /* A texel as stored: one value, since gcc unrolls a loop over texels into gathers of them; two
@@ -622,6 +654,7 @@ typedef float __attribute__((vector_size(32), aligned(4), may_alias)) slope_eigh
 #define SLOPE_EIGHT(from) (*(const slope_eight *)(const void *)(from))
 #define SLOPE_ADD(sum, w, from) (sum) += (w)*SLOPE_EIGHT(from)
 #define SLOPE_JOIN(a, b) ((a) += (b))
+#define SLOPE_SCALED(sum, w, a) (sum) += (w) * (a)
 #define SLOPE_PUT(to, a) (*(slope_eight *)(void *)(to) = (a))
 #elif defined(__GNUC__)
 typedef struct slope_eight {
@@ -631,6 +664,7 @@ typedef struct slope_eight {
 #define SLOPE_ADD(sum, w, from)                                                                    \
   ((sum).low += (w)*SLOPE_FOUR(from), (sum).high += (w)*SLOPE_FOUR((from) + 4))
 #define SLOPE_JOIN(a, b) ((a).low += (b).low, (a).high += (b).high)
+#define SLOPE_SCALED(sum, w, a) ((sum).low += (w) * (a).low, (sum).high += (w) * (a).high)
 #define SLOPE_PUT(to, a)                                                                           \
   (*(slope_four *)(void *)(to) = (a).low, *(slope_four *)(void *)((to) + 4) = (a).high)
 #else
@@ -644,6 +678,9 @@ typedef struct slope_eight {
 #define SLOPE_JOIN(a, b)                                                                           \
   for (int i = 0; i < 8; i++)                                                                      \
   (a).c[i] += (b).c[i]
+#define SLOPE_SCALED(sum, w, a)                                                                    \
+  for (int i = 0; i < 8; i++)                                                                      \
+  (sum).c[i] += (w) * (a).c[i]
 #define SLOPE_PUT(to, a)                                                                           \
   for (int i = 0; i < 8; i++)                                                                      \
   (to)[i] = (a).c[i]
@@ -746,25 +783,81 @@ LEAF void slope_read_alike(slope_filter *restrict f, const slope_taps *restrict 
   }
 }
 
+/* The same of straight rows: their sums by the weights of columns, which all share. */
+LEAF void slope_read_straight(slope_filter *restrict f, const slope_taps *restrict t,
+                              const int *restrict inside, int rows, int cols) {
+  const float *restrict texels = f->texels[0];
+  const ptrdiff_t pitch = (ptrdiff_t)f->pitch[0] * MOMENT_FLOATS;
+  static const float none[8];
+  const slope_eight zero = SLOPE_EIGHT(none);
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    if (!inside[k])
+      continue;
+    const float *texel = texels + t->at[0][k] * (ptrdiff_t)MOMENT_FLOATS;
+    const float *column = &t->column[0][k], *weight = &t->weight[0][k];
+    slope_eight sum = SLOPE_EIGHT(f->sum[k]);
+    for (int r = 0; r < rows; r++, texel += pitch, weight += SLOPE_GROUP) {
+      slope_eight row = zero, row1 = zero;
+#define SLOPE_COLUMN(to, c)                                                                        \
+  if ((c) < cols)                                                                                  \
+  SLOPE_ADD(to, column[(c)*SLOPE_GROUP], texel + (c)*MOMENT_FLOATS)
+      SLOPE_COLUMN(row, 0);
+      SLOPE_COLUMN(row1, 1);
+      SLOPE_COLUMN(row, 2);
+      SLOPE_COLUMN(row1, 3);
+      SLOPE_COLUMN(row, 4);
+      SLOPE_COLUMN(row1, 5);
+      SLOPE_COLUMN(row, 6);
+      SLOPE_COLUMN(row1, 7);
+#undef SLOPE_COLUMN
+      SLOPE_JOIN(row, row1);
+      SLOPE_SCALED(sum, *weight, row);
+    }
+    SLOPE_PUT(f->sum[k], sum);
+  }
+}
+
+/* Those of lanes that reach an edge. */
+static SLOPE_APART void slope_straight_wrapped(slope_filter *restrict f, slope_taps *restrict t,
+                                               const int *restrict inside, int first, int rows,
+                                               moment_wrap wrap) {
+  const int cols = f->most_cols;
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    if (inside[k])
+      continue;
+    const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
+    for (int r = 0; r < own; r++)
+      for (int c = 0; c < cols; c++)
+        t->part[r * cols + c][k] = t->weight[r][k] * t->column[c][k];
+    slope_read_wrapped(f, t, k, first, own, f->cols[k], wrap);
+  }
+}
+
 /* 0 if nothing is done. */
-static SLOPE_APART int slope_texels_alike(slope_filter *restrict f, const slope_taps *restrict t,
+static SLOPE_APART int slope_texels_alike(slope_filter *restrict f, slope_taps *restrict t,
                                           const int *restrict inside, int first, int rows,
                                           moment_wrap wrap) {
   const int cols = f->most_cols;
-  if (cols == 3)
-    slope_read_alike(f, t, inside, first, rows, wrap, 3);
-  else if (cols == 4)
-    slope_read_alike(f, t, inside, first, rows, wrap, 4);
-  else if (cols == 5)
-    slope_read_alike(f, t, inside, first, rows, wrap, 5);
-  else if (cols == 6)
-    slope_read_alike(f, t, inside, first, rows, wrap, 6);
-  else if (cols == 7)
-    slope_read_alike(f, t, inside, first, rows, wrap, 7);
-  else if (cols == 8)
-    slope_read_alike(f, t, inside, first, rows, wrap, 8);
-  else
+  if (cols < 3 || cols > SLOPE_STRAIGHT)
     return 0;
+  if (f->straight) {
+    slope_columns(f, t, cols);
+    slope_straight_wrapped(f, t, inside, first, rows, wrap);
+  } else {
+    slope_weights(f, t, rows, cols, f->narrow);
+  }
+#define SLOPE_ALIKE(n)                                                                             \
+  if (cols == (n) && f->straight)                                                                  \
+    slope_read_straight(f, t, inside, rows, n);                                                    \
+  else if (cols == (n))                                                                            \
+  slope_read_alike(f, t, inside, first, rows, wrap, n)
+  SLOPE_ALIKE(3);
+  SLOPE_ALIKE(4);
+  SLOPE_ALIKE(5);
+  SLOPE_ALIKE(6);
+  SLOPE_ALIKE(7);
+  SLOPE_ALIKE(8);
+#undef SLOPE_ALIKE
   return 1;
 }
 
@@ -787,175 +880,199 @@ static SLOPE_APART void slope_texels(slope_filter *restrict f, const slope_taps 
   }
 }
 
-/* Both slopes of as many texels as fill a vector. */
 #if defined(__GNUC__)
-enum { SLOPE_WIDE = VECTOR_BYTES / sizeof(float), SLOPE_CELLS = SLOPE_WIDE / 2 };
+/* As many lanes as fill a vector. */
+enum { SLOPE_WIDE = VECTOR_BYTES / sizeof(float) };
 typedef float __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide;
-typedef uint64_t __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide_pairs;
+typedef int32_t __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias)) slope_wide_ints;
 #define SLOPE_WIDE_AT(from) (*(const slope_wide *)(const void *)(from))
-/* (x, y) for (y, x) */
-#define SLOPE_SWAPPED(v) ((slope_wide)((slope_wide_pairs)(v) >> 32 | (slope_wide_pairs)(v) << 32))
+#define SLOPE_INTS_AT(from) (*(const slope_wide_ints *)(const void *)(from))
 
-/* Eight floats from here, eight from there. */
-#if VECTOR_BYTES == 64 && defined(__has_builtin)
+/*
+ * Squares of four of either vector's quarters: elements i to l of a and b. And what lies at `from`
+ * lane j, and each fourth lane from there; by intrinsics, for of shuffles gcc makes twice as many
+ * instructions.
+ */
+#ifdef __has_builtin
 #if __has_builtin(__builtin_shufflevector)
-#define SLOPE_TWO(a, b)                                                                            \
-  __builtin_shufflevector(SLOPE_EIGHT(a), SLOPE_EIGHT(b), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,    \
-                          12, 13, 14, 15)
-#endif
-#endif
-
-/* Sums over a lane's cells, in pairs. */
-typedef struct slope_pairs {
-  slope_wide mean, square, cross;
-} slope_pairs;
-
-/*
- * Add cells by their weights. Of a bilinear patch between two rows of texels, u and l the sums of
- * either's two and p and q their differences, four times the mean is u + l, and twelve times the
- * mean square u^2 + ul + l^2 + (p^2 + pq + q^2)/3.
- */
-#define SLOPE_ADD_CELLS(to, weights, a, b, c, d)                                                   \
-  do {                                                                                             \
-    const slope_wide w = (weights), u = (a) + (b), l = (c) + (d), p = (b) - (a), q = (d) - (c);    \
-    const float third = 0.33333333333333333F;                                                      \
-    const slope_wide sum = u + l, rise = p + q;                                                    \
-    (to).mean += w * sum;                                                                          \
-    (to).square += w * (u * sum + l * l + third * (p * rise + q * q));                             \
-    (to).cross += w * (u * SLOPE_SWAPPED(sum) + l * SLOPE_SWAPPED(l) +                             \
-                       third * (p * SLOPE_SWAPPED(rise) + q * SLOPE_SWAPPED(q)));                  \
-  } while (0)
-
-/*
- * Add them up, with what SLOPE_ADD_CELLS leaves out, to the moments of a lane. x of one row by y of
- * the other, and the other way round, are half of xy each.
- */
-#ifdef SLOPE_TWO
-#define SLOPE_HALF(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
-LEAF slope_four slope_quarter(slope_wide v) {
-  const slope_eight eight =
-      SLOPE_HALF(v, 0, 1, 2, 3, 4, 5, 6, 7) + SLOPE_HALF(v, 8, 9, 10, 11, 12, 13, 14, 15);
-  const slope_four four = SLOPE_HALF(eight, 0, 1, 2, 3) + SLOPE_HALF(eight, 4, 5, 6, 7);
-  return four + SLOPE_HALF(four, 2, 3, 0, 1);
-}
-
-static inline void slope_end_cells(const slope_pairs *to, float *sum) {
-  const slope_four mean = 0.25F * slope_quarter(to->mean);
-  const slope_four square = 0.083333333333333333F * slope_quarter(to->square);
-  const slope_four half = 0.041666666666666667F * slope_quarter(to->cross);
-  const slope_four cross = half + SLOPE_HALF(half, 1, 0, 3, 2);
-  slope_four *four = (slope_four *)(void *)sum; /* no height: any number does */
-  four[0] += __builtin_shufflevector(mean, square, 0, 0, 1, 4);
-  four[1] += __builtin_shufflevector(cross, square, 0, 5, 0, 0);
-}
-_Static_assert(MOMENT_X == 1 && MOMENT_Y == 2 && MOMENT_XX == 3 && MOMENT_XY == 4 && MOMENT_YY == 5,
-               "as they are put together above");
+#define SLOPE_TURNED
+#if VECTOR_BYTES == 64
+#define SLOPE_MIXED(a, b, i, j, k, l)                                                              \
+  __builtin_shufflevector(a, b, i, j, k, l, 4 + (i), 4 + (j), 4 + (k), 4 + (l), 8 + (i), 8 + (j),  \
+                          8 + (k), 8 + (l), 12 + (i), 12 + (j), 12 + (k), 12 + (l))
+#elif VECTOR_BYTES == 32
+#define SLOPE_MIXED(a, b, i, j, k, l)                                                              \
+  __builtin_shufflevector(a, b, i, j, k, l, 4 + (i), 4 + (j), 4 + (k), 4 + (l))
 #else
-static inline void slope_end_cells(const slope_pairs *to, float *sum) {
-  const slope_wide found[3] = {to->mean, to->square, to->cross};
-  const float quarter = 0.25F, twelfth = 0.083333333333333333F;
-  float ends[3][4];
-  for (int i = 0; i < 3; i++) {
-    const float *of = (const float *)&found[i];
-    for (int c = 0; c < 4; c++)
-      ends[i][c] = of[c];
-    for (int c = 4; c < SLOPE_WIDE; c++)
-      ends[i][c % 4] += of[c];
+#define SLOPE_MIXED(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
+#endif
+LEAF slope_wide slope_quarters(const float *const *from, ptrdiff_t on) {
+#if VECTOR_BYTES == 64
+  __m512 all = _mm512_castps128_ps512(_mm_loadu_ps(from[0] + on));
+  all = _mm512_insertf32x4(all, _mm_loadu_ps(from[4] + on), 1);
+  all = _mm512_insertf32x4(all, _mm_loadu_ps(from[8] + on), 2);
+  return (slope_wide)_mm512_insertf32x4(all, _mm_loadu_ps(from[12] + on), 3);
+#elif VECTOR_BYTES == 32
+  const __m256 low = _mm256_castps128_ps256(_mm_loadu_ps(from[0] + on));
+  return (slope_wide)_mm256_insertf128_ps(low, _mm_loadu_ps(from[4] + on), 1);
+#else
+  return SLOPE_FOUR(from[0] + on);
+#endif
+}
+#endif
+#endif
+
+/* Texels between which patches of cells lie. Rows of cells that begin at different columns have two
+ * rows of texels each. */
+typedef struct slope_patch {
+  slope_wide x[2 * SLOPE_ROWS][SLOPE_COLS + 1], y[2 * SLOPE_ROWS][SLOPE_COLS + 1];
+} slope_patch;
+
+/* A row of `count` texels of each lane, from texel at[k] on. */
+LEAF void slope_patch_row(const float *slopes, const int *at, int count, slope_wide *x,
+                          slope_wide *y) {
+#ifdef SLOPE_TURNED
+  enum { N = SLOPE_WIDE, PAIRS = SLOPE_COLS / 2 + 1 };
+  slope_wide of[4][PAIRS];
+  for (int j = 0; j < 4; j++) {
+    const float *from[SLOPE_WIDE];
+    for (int k = j; k < SLOPE_WIDE; k += 4)
+      from[k - j] = slopes + 2 * (size_t)(unsigned)at[k];
+    for (int i = 0; 2 * i < count; i++)
+      of[j][i] = slope_quarters(from, (ptrdiff_t)4 * i);
   }
-  sum[MOMENT_X] += quarter * (ends[0][0] + ends[0][2]);
-  sum[MOMENT_Y] += quarter * (ends[0][1] + ends[0][3]);
-  sum[MOMENT_XX] += twelfth * (ends[1][0] + ends[1][2]);
-  sum[MOMENT_YY] += twelfth * (ends[1][1] + ends[1][3]);
-  sum[MOMENT_XY] += 0.5F * twelfth * (ends[2][0] + ends[2][1] + ends[2][2] + ends[2][3]);
-}
-#endif
-
-/* Weights of as many cells as fill a vector, each twice; four from here, four from there. */
-LEAF slope_wide slope_doubled(const float *part, const float *part2) {
-#ifdef SLOPE_TWO
-  const slope_eight both =
-      __builtin_shufflevector(SLOPE_FOUR(part), SLOPE_FOUR(part2), 0, 1, 2, 3, 4, 5, 6, 7);
-  return __builtin_shufflevector(both, both, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7);
+  for (int i = 0; 2 * i < count; i++) {
+    const slope_wide low = SLOPE_MIXED(of[0][i], of[1][i], 0, N, 1, N + 1),
+                     low2 = SLOPE_MIXED(of[2][i], of[3][i], 0, N, 1, N + 1);
+    x[2 * i] = SLOPE_MIXED(low, low2, 0, 1, N, N + 1);
+    y[2 * i] = SLOPE_MIXED(low, low2, 2, 3, N + 2, N + 3);
+    if (2 * i + 1 == count)
+      break;
+    const slope_wide high = SLOPE_MIXED(of[0][i], of[1][i], 2, N + 2, 3, N + 3),
+                     high2 = SLOPE_MIXED(of[2][i], of[3][i], 2, N + 2, 3, N + 3);
+    x[2 * i + 1] = SLOPE_MIXED(high, high2, 0, 1, N, N + 1);
+    y[2 * i + 1] = SLOPE_MIXED(high, high2, 2, 3, N + 2, N + 3);
+  }
 #else
-  slope_wide doubled;
-  for (int i = 0; i < SLOPE_WIDE; i++)
-    doubled[i] = i < 8 ? part[i / 2] : part2[i / 2 - 4];
-  return doubled;
+  for (int i = 0; i < count; i++)
+    for (int k = 0; k < SLOPE_WIDE; k++) {
+      x[i][k] = slopes[2 * ((size_t)(unsigned)at[k] + (size_t)i)];
+      y[i][k] = slopes[2 * ((size_t)(unsigned)at[k] + (size_t)i) + 1];
+    }
 #endif
 }
 
-/* Weights of cells, four side by side. Rows of four are read in pairs: the last may weigh nothing.
- */
-enum { SLOPE_FOURS = 4 * SLOPE_GROUP };
+/* Of two texels side by side: sums; differences over the root of 3; sums of products of either. */
+typedef struct slope_edge {
+  slope_wide x, y, rise_x, rise_y, xx, xy, yy;
+} slope_edge;
 
-static SLOPE_APART void slope_cell_weights(const slope_filter *restrict f, slope_taps *restrict t,
-                                           int rows, int fours) {
-  for (int r = 0; r < rows; r++) {
-    const float(*restrict begin) = t->begin[r], (*restrict weight) = t->weight[r];
-    for (int n = 0; n < fours; n++) {
-      float(*restrict part)[4] = (float(*)[4])(void *)t->part[4 * (r * fours + n)];
-      const float ahead = (float)(4 * n);
-      if (f->narrow) {
-#pragma omp simd
-        for (int k = 0; k < SLOPE_GROUP; k++) {
-          const float half = f->half_x[k], from = begin[k] + ahead, w = weight[k];
-          part[k][0] = w * slope_cover(half, from);
-          part[k][1] = w * slope_cover(half, from + 1);
-          part[k][2] = w * slope_cover(half, from + 2);
-          part[k][3] = w * slope_cover(half, from + 3);
+LEAF slope_edge slope_edge_of(const slope_patch *p, int row, int column) {
+  const slope_wide *x = &p->x[row][column], *y = &p->y[row][column];
+  const float third = 0.57735026918962576F;
+  slope_edge e;
+  e.x = x[0] + x[1];
+  e.y = y[0] + y[1];
+  e.rise_x = third * (x[1] - x[0]);
+  e.rise_y = third * (y[1] - y[0]);
+  e.xx = e.x * e.x + e.rise_x * e.rise_x;
+  e.xy = e.x * e.y + e.rise_x * e.rise_y;
+  e.yy = e.y * e.y + e.rise_y * e.rise_y;
+  return e;
+}
+
+/*
+ * Add moments over patches of cells by their weights. Of the bilinear patch between two edges, s
+ * the sum of their sums and r that of their differences, four times the mean is s, and 24 times
+ * that of a product the product of s and s, and of r and r, and what either edge has of it.
+ * `bent`: 1 where rows begin at different columns.
+ */
+LEAF void slope_patch_sums(slope_filter *restrict f, const float *restrict part,
+                           const slope_patch *restrict p, const int *restrict mask, size_t k,
+                           int stride, int rows, int cols, int bent) {
+  const slope_wide_ints keep = SLOPE_INTS_AT(mask + k);
+  slope_wide x = {0}, y = {0}, xx = {0}, xy = {0}, yy = {0};
+  for (int c = 0; c < cols; c++) {
+    slope_edge upper = slope_edge_of(p, 0, c);
+    for (int r = 0; r < rows; r++) {
+      if (bent && r)
+        upper = slope_edge_of(p, 2 * r, c);
+      const slope_edge lower = slope_edge_of(p, bent ? 2 * r + 1 : r + 1, c);
+      const slope_wide w =
+          (slope_wide)(SLOPE_INTS_AT(part + (r * stride + c) * SLOPE_GROUP) & keep);
+      const slope_wide sx = upper.x + lower.x, sy = upper.y + lower.y;
+      const slope_wide rx = upper.rise_x + lower.rise_x, ry = upper.rise_y + lower.rise_y;
+      x += w * sx;
+      y += w * sy;
+      xx += w * (upper.xx + lower.xx + sx * sx + rx * rx);
+      xy += w * (upper.xy + lower.xy + sx * sy + rx * ry);
+      yy += w * (upper.yy + lower.yy + sy * sy + ry * ry);
+      upper = lower;
+    }
+  }
+  const float quarter = 0.25F, least = 0.041666666666666667F;
+  *(slope_wide *)(void *)(f->x + k) += quarter * x;
+  *(slope_wide *)(void *)(f->y + k) += quarter * y;
+  *(slope_wide *)(void *)(f->xx + k) += least * xx;
+  *(slope_wide *)(void *)(f->xy + k) += least * xy;
+  *(slope_wide *)(void *)(f->yy + k) += least * yy;
+}
+
+/* `all` cells a row, in patches of `cols`. */
+LEAF void slope_patches(const shade_slope_map *m, slope_filter *restrict f,
+                        const slope_taps *restrict t, const int *restrict mask, int rows, int all,
+                        int cols, int bent) {
+  const float *below = m->slopes + 2 * (ptrdiff_t)m->width;
+  slope_patch p;
+  for (size_t k = 0; k < SLOPE_GROUP; k += SLOPE_WIDE)
+    for (int r = 0; r < rows; r += SLOPE_ROWS) {
+      const int count = rows - r < SLOPE_ROWS ? rows - r : SLOPE_ROWS;
+      for (int from = 0; from < all; from += cols) {
+        const int own = all - from < cols ? all - from : cols;
+        for (int i = 0; i < count; i++) {
+          const int *at = &t->at[r + i][k], to = bent ? 2 * i : i;
+          if (bent || i == 0)
+            slope_patch_row(m->slopes + 2 * from, at, cols + 1, p.x[to], p.y[to]);
+          slope_patch_row(below + 2 * from, at, cols + 1, p.x[to + 1], p.y[to + 1]);
         }
-        continue;
-      }
-      /* as in slope_weights: the first two are near the left edge, others near the right at most */
-      const float sign = n ? -1 : 1;
-#pragma omp simd
-      for (int k = 0; k < SLOPE_GROUP; k++) {
-        const float half = f->half_x[k], from = begin[k] + ahead, w = weight[k];
-        part[k][0] = w * slope_covered(half + sign * from);
-        part[k][1] = w * slope_covered(half + sign * (from + 1));
-        part[k][2] = w * slope_covered(half - (from + 2));
-        part[k][3] = w * slope_covered(half - (from + 3));
+        slope_patch_sums(f, &t->part[r * all + from][k], &p, mask, k, all, count, own, bent);
       }
     }
-  }
-  if (fours == 1 && rows % 2) {
-    memset(t->part[4 * rows], 0, SLOPE_FOURS * sizeof(float));
-    memcpy(t->at[rows], t->at[rows - 1], sizeof t->at[rows]);
-  }
 }
 
-/* Add cells of a lane, none of which reaches an edge. */
-LEAF void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
-                           const slope_taps *restrict t, int k, int rows, int cols, int fours) {
-  static const float zero[16];
-  const ptrdiff_t stride = 2 * (ptrdiff_t)m->width;
-  const float *part = t->part[0] + (ptrdiff_t)4 * k;
-  const int *at = &t->at[0][k];
-  slope_pairs to = {SLOPE_WIDE_AT(zero), SLOPE_WIDE_AT(zero), SLOPE_WIDE_AT(zero)};
-  int r = 0;
-#ifdef SLOPE_TWO
-  for (; fours == 1 && r < rows; r += 2) {
-    const float *row = m->slopes + 2 * (size_t)(unsigned)at[0];
-    const float *row2 = m->slopes + 2 * (size_t)(unsigned)at[SLOPE_GROUP];
-    SLOPE_ADD_CELLS(to, slope_doubled(part, part + SLOPE_FOURS), SLOPE_TWO(row, row2),
-                    SLOPE_TWO(row + 2, row2 + 2), SLOPE_TWO(row + stride, row2 + stride),
-                    SLOPE_TWO(row + stride + 2, row2 + stride + 2));
-    at += 2 * SLOPE_GROUP;
-    part += 2 * SLOPE_FOURS;
-  }
-#endif
-  for (; r < rows; r++) {
-    const float *row = m->slopes + 2 * (size_t)(unsigned)at[0];
-    for (int c = 0; c < cols; c += SLOPE_CELLS, row += SLOPE_WIDE) {
-      const float *four = part + (ptrdiff_t)(c / 4) * SLOPE_FOURS + c % 4;
-      SLOPE_ADD_CELLS(to, slope_doubled(four, four + SLOPE_FOURS), SLOPE_WIDE_AT(row),
-                      SLOPE_WIDE_AT(row + 2), SLOPE_WIDE_AT(row + stride),
-                      SLOPE_WIDE_AT(row + stride + 2));
+/*
+ * Whether rows of all lanes in `mask` begin at the same column; where few begin a little apart,
+ * from the first of these on. What the longest then is; 0 where they are left as they were.
+ */
+LEAF int slope_straight(slope_taps *restrict t, const int *restrict mask, int rows, int cols) {
+  int first[SLOPE_GROUP], most = 0, bent = 0;
+  for (int r = 1; r < rows; r++)
+#pragma omp simd reduction(| : bent)
+    for (int k = 0; k < SLOPE_GROUP; k++)
+      bent |= (t->left[r][k] ^ t->left[0][k]) & mask[k];
+  if (!bent)
+    return cols;
+  memcpy(first, t->left[0], sizeof first);
+  for (int r = 1; r < rows; r++)
+#pragma omp simd
+    for (int k = 0; k < SLOPE_GROUP; k++)
+      first[k] = t->left[r][k] < first[k] ? t->left[r][k] : first[k];
+  for (int r = 0; r < rows; r++)
+#pragma omp simd reduction(max : most)
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const int on = (t->left[r][k] - first[k]) & mask[k];
+      most = on > most ? on : most;
     }
-    at += SLOPE_GROUP;
-    part += fours * SLOPE_FOURS;
-  }
-  slope_end_cells(&to, f->sum[k]);
+  if (rows > SLOPE_ROWS || cols + most > SLOPE_COLS)
+    return 0;
+  for (int r = 0; r < rows; r++)
+#pragma omp simd
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const int on = t->left[r][k] - first[k];
+      t->at[r][k] -= on;
+      t->begin[r][k] -= (float)on;
+    }
+  return cols + most;
 }
 #endif
 
@@ -963,6 +1080,7 @@ LEAF void slope_read_cells(const shade_slope_map *m, slope_filter *restrict f,
 static SLOPE_APART void slope_read_cells_wrapped(const shade_slope_map *m, slope_filter *restrict f,
                                                  const slope_taps *restrict t, int k, int first,
                                                  int rows, int cols) {
+  float *to[5] = {f->x + k, f->y + k, f->xx + k, f->xy + k, f->yy + k};
   for (int r = 0; r < rows; r++) {
     const int y = f->base_y[k] + f->top[k] + first + r;
     const float *upper = m->slopes + 2 * (ptrdiff_t)wrap_index(y, m->height, m->wrap) * m->width;
@@ -983,14 +1101,13 @@ static SLOPE_APART void slope_read_cells_wrapped(const shade_slope_map *m, slope
         across[i] = rise + rise2;
         down[i] = both2 - both;
         twist[i] = rise2 - rise;
-        f->sum[k][MOMENT_X + i] += 0.25F * w * sum[i];
+        *to[i] += 0.25F * w * sum[i];
       }
       for (int i = 0; i < 3; i++) {
         const int a = i == 2, b = i != 0;
-        f->sum[k][MOMENT_XX + i] +=
-            0.0625F * w *
-            (sum[a] * sum[b] + (across[a] * across[b] + down[a] * down[b]) / 3 +
-             twist[a] * twist[b] / 9);
+        *to[2 + i] += 0.0625F * w *
+                      (sum[a] * sum[b] + (across[a] * across[b] + down[a] * down[b]) / 3 +
+                       twist[a] * twist[b] / 9);
       }
     }
   }
@@ -998,24 +1115,50 @@ static SLOPE_APART void slope_read_cells_wrapped(const shade_slope_map *m, slope
 
 /* Rows [first, first + rows) of lanes that read cells, all as many: the rest weigh nothing. */
 static SLOPE_APART void slope_cells(const shade_slope_map *m, slope_filter *restrict f,
-                                    const slope_taps *restrict t, const int *restrict inside,
-                                    int first, int rows, int fours) {
+                                    slope_taps *restrict t, const int *restrict inside, int first,
+                                    int rows) {
+#if defined(__GNUC__)
+  int mask[SLOPE_GROUP], some = 0;
+  unsigned left_out = 0;
+#pragma omp simd reduction(| : left_out)
   for (int k = 0; k < SLOPE_GROUP; k++) {
+    mask[k] = -(inside[k] & (f->middle[k] > 0.75F) & (f->rows[k] > first));
+    left_out |= ~(unsigned)mask[k];
+  }
+#else
+  const int left_out = 1;
+#endif
+  for (int k = 0; k < SLOPE_GROUP && left_out; k++) {
     if (f->rows[k] <= first || f->texels[k])
       continue;
 #if defined(__GNUC__)
-    if (inside[k] && fours == 1) {
-      slope_read_cells(m, f, t, k, rows, 4, 1);
-      continue;
-    }
-    if (inside[k]) {
-      slope_read_cells(m, f, t, k, rows, f->most_cols, fours);
+    if (mask[k]) {
+      some = k;
       continue;
     }
 #endif
     const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
     slope_read_cells_wrapped(m, f, t, k, first, own, f->cols[k]);
   }
+#if defined(__GNUC__)
+  if (!mask[some])
+    return;
+  const int cols = slope_straight(t, mask, rows, f->most_cols), own = cols ? cols : f->most_cols;
+  slope_weights(f, t, rows, own, f->narrow || cols != f->most_cols);
+  for (int r = 0; r < rows && left_out; r++)
+    for (int k = 0; k < SLOPE_GROUP; k++) /* idle lanes read what another does */
+      t->at[r][k] = mask[k] ? t->at[r][k] : t->at[r][some];
+  if (!cols && own == 3)
+    slope_patches(m, f, t, mask, rows, 3, 3, 1);
+  else if (!cols)
+    slope_patches(m, f, t, mask, rows, own, 5, 1);
+  else if (cols == 3)
+    slope_patches(m, f, t, mask, rows, 3, 3, 0);
+  else if (cols == 4)
+    slope_patches(m, f, t, mask, rows, 4, 4, 0);
+  else
+    slope_patches(m, f, t, mask, rows, own, 5, 0);
+#endif
 }
 
 /* Levels that a group of lanes reads. */
@@ -1094,12 +1237,12 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
   const float fine = coarse ? 0 : 1, sign = coarse ? 1 : -1;
   const float *restrict longer2 = o->longer2 + at;
   const float *restrict mxx = o->mxx + at, *restrict mxy = o->mxy + at, *restrict myy = o->myy + at;
-  int most_rows = 0, least_rows = 99, most_cols = 0, least_cols = 99, narrow = 0;
+  int most_rows = 0, least_rows = 99, most_cols = 0, least_cols = 99, narrow = 0, slanted = 0;
 #pragma omp simd reduction(max                                                                     \
                            : most_rows, most_cols) reduction(min                                   \
                                                              : least_rows, least_cols)             \
     reduction(|                                                                                    \
-              : narrow)
+              : narrow, slanted)
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int level = c->level[k] + (coarse & c->coarse[k]);
     const float halved = power_of_half(level);
@@ -1119,7 +1262,9 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
     const float high = slope_filter_width(spread + 1);
     const float wide = slope_filter_width((area2 - xx) * inverse);
     const float half_x = 0.5F * (wide + 1), half_y = 0.5F * (high + 1);
-    f->shear[k] = xy * inverse;
+    const float shear = xy * inverse;
+    slanted |= (fabsf(shear) * high > 5e-7F) & used[k];
+    f->shear[k] = shear;
     f->half_x[k] = half_x;
     f->half_y[k] = half_y;
     f->weight[k] = (fine + sign * c->next[k]) / (wide * high);
@@ -1141,6 +1286,31 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
   f->most_cols = most_cols;
   f->least_cols = least_cols;
   f->narrow = narrow;
+  f->straight = !slanted;
+  for (int k = 0; k < SLOPE_GROUP && !slanted; k++)
+    f->shear[k] = 0;
+}
+
+static SLOPE_APART void slope_begin_sums(slope_filter *restrict f) {
+  static const float none[8];
+  const slope_eight nothing = SLOPE_EIGHT(none);
+  for (int k = 0; k < SLOPE_GROUP; k++)
+    SLOPE_PUT(f->sum[k], nothing);
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++)
+    f->x[k] = f->y[k] = f->xx[k] = f->xy[k] = f->yy[k] = 0;
+}
+
+/* What texels have, beside what cells have. */
+static SLOPE_APART void slope_end_texels(slope_filter *restrict f) {
+#pragma omp simd
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    f->x[k] += f->sum[k][MOMENT_X];
+    f->y[k] += f->sum[k][MOMENT_Y];
+    f->xx[k] += f->sum[k][MOMENT_XX];
+    f->xy[k] += f->sum[k][MOMENT_XY];
+    f->yy[k] += f->sum[k][MOMENT_YY];
+  }
 }
 
 /* Blend what the points of lanes found with what their filters did. */
@@ -1151,11 +1321,10 @@ static SLOPE_APART void slope_blend(slope_lanes *restrict o, size_t first,
                   *restrict xy = o->xy + first, *restrict yy = o->yy + first;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float mx = f->sum[k][MOMENT_X], my = f->sum[k][MOMENT_Y];
+    const float mx = f->x[k], my = f->y[k];
     const float b = blend[k], dx = mx - x[k], dy = my - y[k], mixed = b * (1 - b);
     const int far = b >= 1;
-    const float cxx = f->sum[k][MOMENT_XX] - mx * mx, cxy = f->sum[k][MOMENT_XY] - mx * my,
-                cyy = f->sum[k][MOMENT_YY] - my * my;
+    const float cxx = f->xx[k] - mx * mx, cxy = f->xy[k] - mx * my, cyy = f->yy[k] - my * my;
     xx[k] = far ? cxx : xx[k] + b * (cxx - xx[k]) + mixed * dx * dx;
     xy[k] = far ? cxy : xy[k] + b * (cxy - xy[k]) + mixed * dx * dy;
     yy[k] = far ? cyy : yy[k] + b * (cyy - yy[k]) + mixed * dy * dy;
@@ -1174,11 +1343,9 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
   slope_choice c;
   slope_filter f;
   slope_taps taps;
-  static const float none[8];
-  const slope_eight nothing = SLOPE_EIGHT(none);
+  int of_texels = 0;
   slope_choose(o, first, p->levels - 1, &c);
-  for (int k = 0; k < SLOPE_GROUP; k++)
-    SLOPE_PUT(f.sum[k], nothing);
+  slope_begin_sums(&f);
   for (int k = 0; k < SLOPE_GROUP; k++)
     mixed |= c.coarse[k];
   for (int coarse = 0; coarse <= mixed; coarse++) {
@@ -1214,23 +1381,22 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
     slope_inside(&f, inside);
     const int alike =
         !unlike && level[0] && f.most_cols - f.least_cols < 2 && f.most_rows - f.least_rows < 2;
-    const int fours = f.most_cols <= 4 ? 1 : (f.most_cols + 7) / 8 * 2,
-              wide = cells ? 4 * fours : f.most_cols + !f.most_cols;
-    const int chunk = wide < SLOPE_TAPS ? SLOPE_TAPS / wide : 1; /* even for pairs of rows */
+    const int wide = f.most_cols > SLOPE_COLS ? f.most_cols : SLOPE_COLS;
+    const int chunk = wide < SLOPE_TAPS ? SLOPE_TAPS / wide : 1;
+    of_texels |= texels;
     for (int row = 0; row < f.most_rows; row += chunk) {
       const int rows = f.most_rows - row < chunk ? f.most_rows - row : chunk;
       slope_rows(&f, &taps, row, rows);
-      if (texels) {
-        slope_weights(&f, &taps, rows);
-        if (!alike || !slope_texels_alike(&f, &taps, inside, row, rows, p->wrap))
-          slope_texels(&f, &taps, inside, row, rows, p->wrap);
+      if (texels && !(alike && slope_texels_alike(&f, &taps, inside, row, rows, p->wrap))) {
+        slope_weights(&f, &taps, rows, f.most_cols, f.narrow);
+        slope_texels(&f, &taps, inside, row, rows, p->wrap);
       }
-      if (cells) {
-        slope_cell_weights(&f, &taps, rows, fours);
-        slope_cells(m, &f, &taps, inside, row, rows, fours);
-      }
+      if (cells)
+        slope_cells(m, &f, &taps, inside, row, rows);
     }
   }
+  if (of_texels)
+    slope_end_texels(&f);
   slope_blend(o, first, &f);
 }
 
