@@ -538,9 +538,8 @@ LEAF float slope_cover(float half, float distance) {
   return slope_covered(half - distance) + slope_covered(half + distance) - 1;
 }
 
-LEAF float slope_filter_width(float side2) {
-  const float square = side2 > (float)MOMENT_LEAST ? side2 : (float)MOMENT_LEAST;
-  const float side = sqrtf(square), over = 1 / (square * side);
+/* `over`: 1/side^3 */
+LEAF float slope_filter_width(float side, float over) {
   return side * (0.54403F + 0.45597F * sqrtf(1 - 5.1961524F * over)) + 0.18635F * side * over;
 }
 
@@ -608,11 +607,14 @@ LEAF void slope_row_weights(const slope_filter *restrict f, const float *restric
 #pragma omp simd
       for (int k = 0; k < SLOPE_GROUP; k++)
         part[c][k] = weight[k] * slope_cover(f->half_x[k], begin[k] + (float)c);
-    } else if (near_left || near_right) {
-      const float sign = near_left ? 1 : -1;
+    } else if (near_left) {
 #pragma omp simd
       for (int k = 0; k < SLOPE_GROUP; k++)
-        part[c][k] = weight[k] * slope_covered(f->half_x[k] + sign * (begin[k] + (float)c));
+        part[c][k] = weight[k] * slope_covered(f->half_x[k] + (begin[k] + (float)c));
+    } else if (near_right) {
+#pragma omp simd
+      for (int k = 0; k < SLOPE_GROUP; k++)
+        part[c][k] = weight[k] * slope_covered(f->half_x[k] - (begin[k] + (float)c));
     } else {
       memcpy(part[c], weight, sizeof part[c]);
     }
@@ -1144,7 +1146,7 @@ static SLOPE_APART void slope_cells(const shade_slope_map *m, slope_filter *rest
   if (!mask[some])
     return;
   const int cols = slope_straight(t, mask, rows, f->most_cols), own = cols ? cols : f->most_cols;
-  slope_weights(f, t, rows, own, f->narrow || cols != f->most_cols);
+  slope_weights(f, t, rows, own, f->narrow || own > f->most_cols);
   for (int r = 0; r < rows && left_out; r++)
     for (int k = 0; k < SLOPE_GROUP; k++) /* idle lanes read what another does */
       t->at[r][k] = mask[k] ? t->at[r][k] : t->at[r][some];
@@ -1229,6 +1231,12 @@ static SLOPE_APART void slope_locate(const double *restrict u, const double *res
   }
 }
 
+/* Square of the shortest axis that a level's kind can tell. The shorter one is grown to it, to
+ * where the longer is at most. */
+LEAF float slope_told(int level) {
+  return (float)MOMENT_LEAST * (level ? 4.0F : 1.0F);
+}
+
 /* Filters on levels of which level 0 is w0, h0 times as large. `used`: -1 for lanes that are. */
 static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
                                     const slope_choice *restrict c, int coarse,
@@ -1238,6 +1246,24 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
   const float *restrict longer2 = o->longer2 + at;
   const float *restrict mxx = o->mxx + at, *restrict mxy = o->mxy + at, *restrict myy = o->myy + at;
   int most_rows = 0, least_rows = 99, most_cols = 0, least_cols = 99, narrow = 0, slanted = 0;
+  float grown[SLOPE_GROUP];
+  int grows = 0;
+#pragma omp simd reduction(| : grows)
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    const float told = slope_told(c->level[k] + (coarse & c->coarse[k])), own = c->own[k];
+    grows |= (c->thin[k] > own) | (told > own);
+    grown[k] = 0;
+  }
+  if (grows) { /* least often: no division */
+#pragma omp simd
+    for (int k = 0; k < SLOPE_GROUP; k++) {
+      const float told = slope_told(c->level[k] + (coarse & c->coarse[k])), own = c->own[k];
+      const float shorter = c->thin[k] > told ? c->thin[k] : told;
+      const float gap = longer2[k] + 1e-30F - own;
+      const float full = (shorter - own) / (gap > 1e-30F ? gap : 1e-30F);
+      grown[k] = full < 1 ? full : 1;
+    }
+  }
 #pragma omp simd reduction(max                                                                     \
                            : most_rows, most_cols) reduction(min                                   \
                                                              : least_rows, least_cols)             \
@@ -1246,21 +1272,20 @@ static SLOPE_APART void slope_shape(const slope_lanes *restrict o, size_t at,
   for (int k = 0; k < SLOPE_GROUP; k++) {
     const int level = c->level[k] + (coarse & c->coarse[k]);
     const float halved = power_of_half(level);
-    /* the shorter axis grown to what the level's kind can tell, to where the longer is at most */
-    const float longer = longer2[k] + 1e-30F, own = c->own[k], thin = c->thin[k];
-    const float told = (float)MOMENT_LEAST * (level ? 4.0F : 1.0F);
-    const float shorter = thin > told ? thin : told, gap = longer - own;
-    const float full = (shorter - own) / (gap > 1e-30F ? gap : 1e-30F);
-    const float grow = full < 1 ? full : 1;
+    const float longer = longer2[k] + 1e-30F, thin = c->thin[k];
+    const float told = slope_told(level), shorter = thin > told ? thin : told, grow = grown[k];
     const float of_x = (float)f->width[k] * w0, of_y = (float)f->height[k] * h0;
     const float gx = of_x < halved ? of_x : halved, gy = of_y < halved ? of_y : halved;
     const float xx = gx * gx * (mxx[k] + grow * (longer - mxx[k]));
     const float xy = gx * gy * (mxy[k] - grow * mxy[k]);
     const float yy = gy * gy * (myy[k] + grow * (longer - myy[k]));
     const float least = (float)MOMENT_LEAST, spread = (yy > least ? yy : least) - 1;
-    const float area2 = gx * gx * gy * gy * longer * shorter, inverse = 1 / spread;
-    const float high = slope_filter_width(spread + 1);
-    const float wide = slope_filter_width((area2 - xx) * inverse);
+    const float area2 = gx * gx * gy * gy * longer * shorter;
+    /* two reciprocals by one division */
+    const float side = sqrtf(spread + 1), cube = (spread + 1) * side, both = 1 / (spread * cube);
+    const float inverse = cube * both, high = slope_filter_width(side, spread * both);
+    const float told2 = (area2 - xx) * inverse, square = told2 > least ? told2 : least;
+    const float root = sqrtf(square), wide = slope_filter_width(root, 1 / (square * root));
     const float half_x = 0.5F * (wide + 1), half_y = 0.5F * (high + 1);
     const float shear = xy * inverse;
     slanted |= (fabsf(shear) * high > 5e-7F) & used[k];
@@ -1301,36 +1326,36 @@ static SLOPE_APART void slope_begin_sums(slope_filter *restrict f) {
     f->x[k] = f->y[k] = f->xx[k] = f->xy[k] = f->yy[k] = 0;
 }
 
-/* What texels have, beside what cells have. */
-static SLOPE_APART void slope_end_texels(slope_filter *restrict f) {
-#pragma omp simd
-  for (int k = 0; k < SLOPE_GROUP; k++) {
-    f->x[k] += f->sum[k][MOMENT_X];
-    f->y[k] += f->sum[k][MOMENT_Y];
-    f->xx[k] += f->sum[k][MOMENT_XX];
-    f->xy[k] += f->sum[k][MOMENT_XY];
-    f->yy[k] += f->sum[k][MOMENT_YY];
-  }
-}
-
 /* Blend what the points of lanes found with what their filters did. */
-static SLOPE_APART void slope_blend(slope_lanes *restrict o, size_t first,
-                                    const slope_filter *restrict f) {
+LEAF void slope_blend_in(slope_lanes *restrict o, size_t first, const slope_filter *restrict f,
+                         int texels) {
   const float *restrict blend = o->blend + first;
   float *restrict x = o->x + first, *restrict y = o->y + first, *restrict xx = o->xx + first,
                   *restrict xy = o->xy + first, *restrict yy = o->yy + first;
 #pragma omp simd
   for (int k = 0; k < SLOPE_GROUP; k++) {
-    const float mx = f->x[k], my = f->y[k];
+    const float *of = f->sum[k];
+    const float mx = f->x[k] + (texels ? of[MOMENT_X] : 0);
+    const float my = f->y[k] + (texels ? of[MOMENT_Y] : 0);
     const float b = blend[k], dx = mx - x[k], dy = my - y[k], mixed = b * (1 - b);
     const int far = b >= 1;
-    const float cxx = f->xx[k] - mx * mx, cxy = f->xy[k] - mx * my, cyy = f->yy[k] - my * my;
+    const float cxx = f->xx[k] + (texels ? of[MOMENT_XX] : 0) - mx * mx;
+    const float cxy = f->xy[k] + (texels ? of[MOMENT_XY] : 0) - mx * my;
+    const float cyy = f->yy[k] + (texels ? of[MOMENT_YY] : 0) - my * my;
     xx[k] = far ? cxx : xx[k] + b * (cxx - xx[k]) + mixed * dx * dx;
     xy[k] = far ? cxy : xy[k] + b * (cxy - xy[k]) + mixed * dx * dy;
     yy[k] = far ? cyy : yy[k] + b * (cyy - yy[k]) + mixed * dy * dy;
     x[k] = far ? mx : x[k] + b * dx;
     y[k] = far ? my : y[k] + b * dy;
   }
+}
+
+static SLOPE_APART void slope_blend(slope_lanes *restrict o, size_t first,
+                                    const slope_filter *restrict f, int texels) {
+  if (texels)
+    slope_blend_in(o, first, f, 1);
+  else
+    slope_blend_in(o, first, f, 0);
 }
 
 /* What lanes [first, first + SLOPE_GROUP) find in the pyramid, blended with the points. */
@@ -1381,9 +1406,9 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
     slope_inside(&f, inside);
     const int alike =
         !unlike && level[0] && f.most_cols - f.least_cols < 2 && f.most_rows - f.least_rows < 2;
+    of_texels |= texels;
     const int wide = f.most_cols > SLOPE_COLS ? f.most_cols : SLOPE_COLS;
     const int chunk = wide < SLOPE_TAPS ? SLOPE_TAPS / wide : 1;
-    of_texels |= texels;
     for (int row = 0; row < f.most_rows; row += chunk) {
       const int rows = f.most_rows - row < chunk ? f.most_rows - row : chunk;
       slope_rows(&f, &taps, row, rows);
@@ -1395,9 +1420,7 @@ static SLOPE_APART void slope_levels(const shade_slope_map *m, slope_lanes *rest
         slope_cells(m, &f, &taps, inside, row, rows);
     }
   }
-  if (of_texels)
-    slope_end_texels(&f);
-  slope_blend(o, first, &f);
+  slope_blend(o, first, &f, of_texels);
 }
 
 /* `count`: SLOPE_BLOCK at most. */

@@ -338,9 +338,10 @@ unsigned slope_lookup_on(const shade_isa_table *isa, const shade_slope_map *m, s
       b.covariance[2] = out.cyy + start;
     }
     isa->slopes(m, size, &b);
-    for (size_t i = 0; i < size; i++)
-      if (single[i])
-        status |= lookup_lane(m, &b, i);
+    if (memchr(single, 1, size)) /* most often there is none */
+      for (size_t i = 0; i < size; i++)
+        if (single[i])
+          status |= lookup_lane(m, &b, i);
   }
   return status;
 }
