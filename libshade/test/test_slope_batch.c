@@ -130,6 +130,47 @@ static void look_ups_agree(void **state) {
   assert_true(others <= lanes_seen / 1000);
 }
 
+/* Pixels side by side: footprints alike, along the axes and turned, here and there over an edge. */
+static void rows_of_pixels_agree(void **state) {
+  (void)state;
+  static lanes l;
+  const double sides[][2] = {{2, 2},  {3, 3},   {3, 2.5}, {2.8, 1.8}, {3.2, 3.2},
+                             {6, 1},  {10, 1},  {4, 4},   {16, 16},   {16, 4},
+                             {5, 16}, {64, 64}, {60, 30}, {64, 8},    {9, 12}};
+  const double turns[] = {0, 1e-7, 1e-4, 0.02, 0.5, 1.2};
+  const shade_isa_table *isa;
+  double worst = 0;
+  for (int wrap = SHADE_WRAP_REPEAT; wrap <= SHADE_WRAP_MIRROR; wrap++)
+    for (int odd = 0; odd < 2; odd++) {
+      const int width = 256 - 3 * odd, height = 240 + odd;
+      shade_slope_map *m = random_map(width, height, (shade_wrap)wrap, 7);
+      for (size_t shape = 0; shape < sizeof sides / sizeof sides[0]; shape++)
+        for (size_t turn = 0; turn < sizeof turns / sizeof turns[0]; turn++) {
+          const double c = cos(turns[turn]), s = sin(turns[turn]);
+          const double a = sides[shape][0], b = sides[shape][1];
+          for (int i = 0; i < LANES; i++) {
+            l.in[0][i] = (float)fmod(0.1 + i * a * c / width, 1);
+            l.in[1][i] = (float)fmod(0.2 + i * a * s / height, 1);
+            l.in[2][i] = (float)(a * c / width);
+            l.in[3][i] = (float)(a * s / height);
+            l.in[4][i] = (float)(-b * s / width);
+            l.in[5][i] = (float)(b * c / height);
+          }
+          const shade_slope_lanesf in = lanes_of(&l, 1);
+          const shade_slope_resultf out = result_of(&l);
+          for (int row = 0; (isa = shade_isa_pick(row)); row++) {
+            memset(l.out, 0xff, sizeof l.out);
+            assert_int_equal(slope_lookup_on(isa, m, LANES, &in, &out), SHADE_OK);
+            for (int i = 0; i < LANES; i++)
+              worst = fmax(worst, fmin(off_by(m, &l, i, 1, 1), off_by(m, &l, i, 1, 1 + 2e-4)));
+          }
+        }
+      shade_slope_map_free(m);
+    }
+  print_message("pixels side by side: worst %.2f of the bound\n", worst);
+  assert_true(worst <= 1);
+}
+
 /* Any length, any alignment: a lane's numbers do not depend on its neighbours. */
 static void any_count_and_alignment(void **state) {
   (void)state;
@@ -359,8 +400,8 @@ static void bad_lobes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(look_ups_agree), cmocka_unit_test(any_count_and_alignment),
-      cmocka_unit_test(bad_look_ups), cmocka_unit_test(widening_agrees),
-      cmocka_unit_test(bad_lobes)};
+      cmocka_unit_test(look_ups_agree),          cmocka_unit_test(rows_of_pixels_agree),
+      cmocka_unit_test(any_count_and_alignment), cmocka_unit_test(bad_look_ups),
+      cmocka_unit_test(widening_agrees),         cmocka_unit_test(bad_lobes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
