@@ -1022,15 +1022,25 @@ LEAF void slope_patch_sums(slope_filter *restrict f, const float *restrict part,
 
 /* `all` cells a row, in patches of `cols`. */
 LEAF void slope_patches(const shade_slope_map *m, slope_filter *restrict f,
-                        const slope_taps *restrict t, const int *restrict mask, int rows, int all,
-                        int cols, int bent) {
+                        const slope_taps *restrict t, const int *restrict mask, int first, int rows,
+                        int all, int cols, int bent) {
   const float *below = m->slopes + 2 * (ptrdiff_t)m->width;
   slope_patch p;
-  for (size_t k = 0; k < SLOPE_GROUP; k += SLOPE_WIDE)
-    for (int r = 0; r < rows; r += SLOPE_ROWS) {
-      const int count = rows - r < SLOPE_ROWS ? rows - r : SLOPE_ROWS;
-      for (int from = 0; from < all; from += cols) {
-        const int own = all - from < cols ? all - from : cols;
+  for (size_t k = 0; k < SLOPE_GROUP; k += SLOPE_WIDE) {
+    int last = rows, end = all;
+    if (bent) { /* lanes may be unlike: no more than these need */
+      last = end = 0;
+      for (size_t i = k; i < k + SLOPE_WIDE; i++) {
+        const int down = (f->rows[i] - first) & mask[i], across = f->cols[i] & mask[i];
+        last = down > last ? down : last;
+        end = across > end ? across : end;
+      }
+      last = last < rows ? last : rows;
+    }
+    for (int r = 0; r < last; r += SLOPE_ROWS) {
+      const int count = last - r < SLOPE_ROWS ? last - r : SLOPE_ROWS;
+      for (int from = 0; from < end; from += cols) {
+        const int own = end - from < cols ? end - from : cols;
         for (int i = 0; i < count; i++) {
           const int *at = &t->at[r + i][k], to = bent ? 2 * i : i;
           if (bent || i == 0)
@@ -1040,6 +1050,7 @@ LEAF void slope_patches(const shade_slope_map *m, slope_filter *restrict f,
         slope_patch_sums(f, &t->part[r * all + from][k], &p, mask, k, all, count, own, bent);
       }
     }
+  }
 }
 
 /*
@@ -1151,15 +1162,15 @@ static SLOPE_APART void slope_cells(const shade_slope_map *m, slope_filter *rest
     for (int k = 0; k < SLOPE_GROUP; k++) /* idle lanes read what another does */
       t->at[r][k] = mask[k] ? t->at[r][k] : t->at[r][some];
   if (!cols && own == 3)
-    slope_patches(m, f, t, mask, rows, 3, 3, 1);
+    slope_patches(m, f, t, mask, first, rows, 3, 3, 1);
   else if (!cols)
-    slope_patches(m, f, t, mask, rows, own, 5, 1);
+    slope_patches(m, f, t, mask, first, rows, own, 5, 1);
   else if (cols == 3)
-    slope_patches(m, f, t, mask, rows, 3, 3, 0);
+    slope_patches(m, f, t, mask, first, rows, 3, 3, 0);
   else if (cols == 4)
-    slope_patches(m, f, t, mask, rows, 4, 4, 0);
+    slope_patches(m, f, t, mask, first, rows, 4, 4, 0);
   else
-    slope_patches(m, f, t, mask, rows, own, 5, 0);
+    slope_patches(m, f, t, mask, first, rows, own, 5, 0);
 #endif
 }
 
