@@ -97,12 +97,14 @@ typedef struct column_group {
   double brightness[2][STREAK_LANES], fill[2][STREAK_LANES]; /* found */
 } column_group;
 
-/* Another lane of a group, with a footprint about (u, v); all their yarns; what these make more or
- * less of weft, warp and gaps. */
+/* Another lane of a group, with a footprint about (u, v); all their yarns, those of many groups;
+ * what these make more or less of weft, warp and gaps. */
 static void column_group_add(const shade_fabric *f, column_group *g, double u, double v, double du,
                              double dv);
 static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
                               int narrow, column_group *g);
+static void column_look_groups(const shade_fabric *f, const column_axis *x, const column_axis *y,
+                               int narrow, size_t count, column_group *groups);
 static void column_filled(const shade_fabric *f, const column_group *g,
                           const double (*seen)[STREAK_LANES], double (*factor)[STREAK_LANES]);
 

@@ -64,7 +64,7 @@ static void OF(column_streak_set)(const shade_fabric *f, int side, const column_
   for (size_t i = 0; i < g->count; i++) {
     const double wide = across[i] > 0.01 ? across[i] : 0.01;
     const double fade = column_fade(across[i], STREAKS_FADE, STREAKS_END);
-    const double fade_along = fade * column_fade(along[i] * frequency, 2, 4);
+    const double fade_along = fade * column_fade(along[i] * frequency, NOISE_FADE, NOISE_END);
     const double low = centre[i] - 0.5 * wide, high = low + wide, from = weave_floor(low);
     /* too far off to be told, any will do */
     const double yarn = from - weave_floor((from + 0.5) * per_size) * size;
@@ -100,13 +100,17 @@ static void OF(column_streak_set)(const shade_fabric *f, int side, const column_
  * most of them. Along the yarns, at knots and from there to the next; of slubs, the width that they
  * give.
  */
-enum { OF(LATTICE_VECTOR) = VECTOR_BYTES / sizeof(NUMBER) };
+enum {
+  OF(LATTICE_VECTOR) = VECTOR_BYTES / sizeof(NUMBER),
+  OF(LATTICE_YARNS) = sizeof(NUMBER) < sizeof(double) ? 96 : 64,
+  OF(LATTICE_KNOTS) = sizeof(NUMBER) < sizeof(double) ? 20 : 8
+};
 typedef struct OF(column_lattice) {
   int yarn, yarns, knot, knots; /* the first of them, from those of the run's first lane */
-#define ROW [LATTICE_YARNS + OF(LATTICE_VECTOR)]
+#define ROW [OF(LATTICE_YARNS) + OF(LATTICE_VECTOR)]
   NUMBER own ROW;
-  NUMBER bright[LATTICE_KNOTS] ROW, rise[LATTICE_KNOTS] ROW;
-  NUMBER size[LATTICE_KNOTS] ROW, grow[LATTICE_KNOTS] ROW;
+  NUMBER bright[OF(LATTICE_KNOTS)] ROW, rise[OF(LATTICE_KNOTS)] ROW;
+  NUMBER size[OF(LATTICE_KNOTS)] ROW, grow[OF(LATTICE_KNOTS)] ROW;
 #undef ROW
 } OF(column_lattice);
 
@@ -118,8 +122,8 @@ static int OF(column_fits)(const OF(column_streak) * s, size_t count, OF(column_
   for (size_t i = 0; i < count; i++) {
     const int yarn = (int)(s->number[i] - number), knot = (int)(s->knot[i] - mark);
     const int used = -(s->count[i] > 0), noisy = used & -s->along[i];
-    const int away = -((yarn < -LATTICE_YARNS) | (yarn > LATTICE_YARNS));
-    const int past = -((knot < -LATTICE_KNOTS) | (knot > LATTICE_KNOTS));
+    const int away = -((yarn < -OF(LATTICE_YARNS)) | (yarn > OF(LATTICE_YARNS)));
+    const int past = -((knot < -OF(LATTICE_KNOTS)) | (knot > OF(LATTICE_KNOTS)));
     far |= (used & away) | (noisy & past);
     const int own = yarn & used & ~away, from = knot & noisy & ~past;
     const int own_end = own + s->count[i],
@@ -134,7 +138,7 @@ static int OF(column_fits)(const OF(column_streak) * s, size_t count, OF(column_
   to->yarns = high - low;
   to->knot = first;
   to->knots = along ? last - first + 1 : 0;
-  return !far && high - low <= LATTICE_YARNS && last - first < LATTICE_KNOTS;
+  return !far && high - low <= OF(LATTICE_YARNS) && last - first < OF(LATTICE_KNOTS);
 }
 
 /* The lanes from `begin` on that fit, up to the one returned. */
@@ -147,19 +151,19 @@ static size_t OF(column_run)(const OF(column_streak) * s, size_t begin, size_t c
     const int knot = (int)(s->knot[i] - s->knot[begin]);
     if (!s->count[i])
       continue;
-    if (yarn < -LATTICE_YARNS || yarn > LATTICE_YARNS)
+    if (yarn < -OF(LATTICE_YARNS) || yarn > OF(LATTICE_YARNS))
       break;
     const int new_low = yarn < low ? yarn : low;
     const int new_high = yarn + s->count[i] > high ? yarn + s->count[i] : high;
-    if (new_high - new_low > LATTICE_YARNS)
+    if (new_high - new_low > OF(LATTICE_YARNS))
       break;
     if (s->along[i]) {
-      if (knot < -LATTICE_KNOTS || knot > LATTICE_KNOTS)
+      if (knot < -OF(LATTICE_KNOTS) || knot > OF(LATTICE_KNOTS))
         break;
       const int end = knot + s->step[STREAK_PLACES - 1][i] + 1;
       const int new_first = along && first < knot ? first : knot;
       const int new_last = along && last > end ? last : end;
-      if (new_last - new_first >= LATTICE_KNOTS)
+      if (new_last - new_first >= OF(LATTICE_KNOTS))
         break;
       first = new_first;
       last = new_last;
@@ -178,9 +182,9 @@ static size_t OF(column_run)(const OF(column_streak) * s, size_t begin, size_t c
 /* Of all yarns, the noise of a channel at so many knots, scaled, and from each to the next. */
 LEAF void OF(column_noise)(const column_kind *y, uint32_t channel, uint32_t yarn, uint32_t knot,
                            int knots, int width, NUMBER base, NUMBER scale,
-                           NUMBER (*restrict at)[LATTICE_YARNS + OF(LATTICE_VECTOR)],
-                           NUMBER (*restrict on)[LATTICE_YARNS + OF(LATTICE_VECTOR)]) {
-  uint32_t hash[LATTICE_YARNS];
+                           NUMBER (*restrict at)[OF(LATTICE_YARNS) + OF(LATTICE_VECTOR)],
+                           NUMBER (*restrict on)[OF(LATTICE_YARNS) + OF(LATTICE_VECTOR)]) {
+  uint32_t hash[OF(LATTICE_YARNS)];
 #pragma omp simd
   for (int j = 0; j < width; j++)
     hash[j] = weave_hash_of_yarn(y->seed, y->channel + channel, yarn + (uint32_t)j);
@@ -228,20 +232,19 @@ typedef struct OF(column_sums) {
 } OF(column_sums);
 
 /*
- * Lane i, whose first yarn is so far into the lattice, and whose first knot so many rows. slubs,
- * brighter: whether along its yarns their width varies, and their brightness; if neither does one
- * place is as good as all.
+ * Lane i, whose first yarn is so far into the lattice, and whose first knot so many rows: into sums
+ * or, `each`, yarn by yarn. slubs, brighter: whether along its yarns their width varies, and their
+ * brightness; if neither does one place is as good as all.
  */
 LEAF void OF(column_lane)(const column_kind *y, const OF(column_lattice) * l,
                           const OF(column_streak) * s, size_t i, int yarn, int row, int slubs,
-                          int brighter, const NUMBER *restrict shown, OF(column_sums) * sums) {
+                          int brighter, int each, const NUMBER *restrict shown,
+                          NUMBER *restrict light, NUMBER *restrict filled, NUMBER *restrict parts) {
   enum { V = OF(LATTICE_VECTOR) };
   const NUMBER low = s->low[i], high = s->high[i], vary = s->vary[i], varies = s->varies[i];
   const NUMBER fade = s->fade_along[i], rest = 1 - fade, per = fade * (NUMBER)y->per_usual;
   const NUMBER least = (NUMBER)(y->share * 0.05);
   const NUMBER *restrict own = l->own + yarn;
-  NUMBER *restrict light = sums->light[i], *restrict filled = sums->filled[i];
-  NUMBER *restrict parts = sums->parts[i];
   /* of the knot before each place */
 #define ROW(name, k)                                                                               \
   *restrict name##k = l->name[row + (slubs || brighter ? s->step[k][i] : 0)] + yarn
@@ -282,9 +285,10 @@ LEAF void OF(column_lane)(const column_kind *y, const OF(column_lattice) * l,
         PLACE(3);
       }
 #undef PLACE
-      parts[v] = (c ? parts[v] : 0) + part;
-      filled[v] = (c ? filled[v] : 0) + part * fills;
-      light[v] = (c ? light[v] : 0) + part * lit;
+      const int to = each ? j : v;
+      parts[to] = (c && !each ? parts[v] : 0) + part;
+      filled[to] = (c && !each ? filled[v] : 0) + part * fills;
+      light[to] = (c && !each ? light[v] : 0) + part * lit;
     }
   }
 }
@@ -297,18 +301,44 @@ static void OF(column_fold)(size_t count, NUMBER *sums) {
       sums[i] = sums[2 * i] + sums[2 * i + 1];
 }
 
+/* column_lane as its yarns need it. along: whether there is noise along them. */
+LEAF void OF(column_lane_of)(const column_kind *y, const OF(column_lattice) * l,
+                             const OF(column_streak) * s, size_t i, int yarn, int row, int along,
+                             int each, const NUMBER *restrict shown, NUMBER *restrict light,
+                             NUMBER *restrict filled, NUMBER *restrict parts) {
+  if (along && y->slub > 0 && y->brighter)
+    OF(column_lane)(y, l, s, i, yarn, row, 1, 1, each, shown, light, filled, parts);
+  else if (along && y->slub > 0)
+    OF(column_lane)(y, l, s, i, yarn, row, 1, 0, each, shown, light, filled, parts);
+  else if (along)
+    OF(column_lane)(y, l, s, i, yarn, row, 0, 1, each, shown, light, filled, parts);
+  else
+    OF(column_lane)(y, l, s, i, yarn, 0, 0, 0, each, shown, light, filled, parts);
+}
+
+/* What lanes find, from their sums. */
+static void OF(column_settle)(const OF(column_sums) * sums, const double *restrict per_place,
+                              int side, column_group *g) {
+  double *restrict brightness = g->brightness[side], *restrict fill = g->fill[side];
+  const NUMBER *restrict light = sums->light[0], *restrict filled = sums->filled[0];
+  const NUMBER *restrict parts = sums->parts[0];
+#pragma omp simd
+  for (size_t i = 0; i < g->count; i++) {
+    const int any = filled[i] > 0; /* or none is seen, or streaks have faded out */
+    const NUMBER all = any ? filled[i] : 1, seen = any ? parts[i] : 1;
+    brightness[i] = any ? (double)(light[i] / all) : 1;
+    fill[i] = any ? per_place[i] * (double)(all / seen) : 1;
+  }
+}
+
 static void OF(column_look_all)(const shade_fabric *f, int side, const column_axis *beside,
                                 column_group *g) {
   enum { V = OF(LATTICE_VECTOR), WHOLE = VECTOR_BYTES / sizeof(double) };
-  const weave_yarn *y = &f->weave->yarn[side];
-  const double usual = f->fills[side];
-  const column_kind kind = {f->weave->params.seed,           (uint32_t)side * WEAVE_CHANNELS,
-                            f->weave->thread[side][0].share, usual > 0 ? y->slub : 0,
-                            usual > 0 ? 1 / usual : 0,       y->along_brightness > 0};
+  const column_kind kind = column_kind_of(f, side);
   double *restrict brightness = g->brightness[side], *restrict fill = g->fill[side];
   for (size_t i = 0; i < g->count; i++)
     brightness[i] = fill[i] = 1;
-  if (!g->count || !(y->vary_brightness > 0 || kind.brighter || kind.slub > 0))
+  if (!g->count || !column_varies(f, side))
     return;
   OF(column_streak) s;
   OF(column_lattice) l;
@@ -334,26 +364,12 @@ static void OF(column_look_all)(const shade_fabric *f, int side, const column_ax
         shown[count + v] = 0;
       const int yarn = (int)(s.number[i] - s.number[begin]) - l.yarn;
       const int row = along ? (int)(s.knot[i] - s.knot[begin]) - l.knot : 0;
-      if (along && kind.slub > 0 && kind.brighter)
-        OF(column_lane)(&kind, &l, &s, i, yarn, row, 1, 1, shown, &sums);
-      else if (along && kind.slub > 0)
-        OF(column_lane)(&kind, &l, &s, i, yarn, row, 1, 0, shown, &sums);
-      else if (along)
-        OF(column_lane)(&kind, &l, &s, i, yarn, row, 0, 1, shown, &sums);
-      else
-        OF(column_lane)(&kind, &l, &s, i, yarn, 0, 0, 0, shown, &sums);
+      OF(column_lane_of)
+      (&kind, &l, &s, i, yarn, row, along, 0, shown, sums.light[i], sums.filled[i], sums.parts[i]);
     }
   }
   OF(column_fold)(g->count, sums.light[0]);
   OF(column_fold)(g->count, sums.filled[0]);
   OF(column_fold)(g->count, sums.parts[0]);
-  const NUMBER *restrict light = sums.light[0], *restrict filled = sums.filled[0];
-  const NUMBER *restrict parts = sums.parts[0];
-#pragma omp simd
-  for (size_t i = 0; i < g->count; i++) {
-    const int any = filled[i] > 0; /* or none is seen, or streaks have faded out */
-    const NUMBER all = any ? filled[i] : 1, seen = any ? parts[i] : 1;
-    brightness[i] = any ? (double)(light[i] / all) : 1;
-    fill[i] = any ? per_place[i] * (double)(all / seen) : 1;
-  }
+  OF(column_settle)(&sums, per_place, side, g);
 }

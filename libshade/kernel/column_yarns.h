@@ -10,6 +10,9 @@
  */
 enum { STREAK_YARNS = FABRIC_RUN, STREAK_PLACES = 4 }; /* 17 yarns at most; along them */
 
+#define NOISE_FADE 2.0
+#define NOISE_END 4.0
+
 /* 1 up to `from`, 0 from `to` on. */
 LEAF double column_fade(double extent, double from, double to) {
   const double x = maximum(extent - from, 0) / (to - from);
@@ -26,8 +29,7 @@ LEAF void column_knots(uint32_t seed, uint32_t channel, uint32_t number, uint32_
   }
 }
 
-/* Lanes that are looked at one by one; yarns and knots that others have in common. */
-enum { STREAK_FEW = 4, LATTICE_YARNS = 64, LATTICE_KNOTS = 8 };
+enum { STREAK_FEW = 4 }; /* lanes that are looked at one by one */
 
 /* What a side's yarns share. */
 typedef struct column_kind {
@@ -35,6 +37,20 @@ typedef struct column_kind {
   double share, slub, per_usual;
   int brighter; /* whether their brightness varies along them */
 } column_kind;
+
+static column_kind column_kind_of(const shade_fabric *f, int side) {
+  const weave_yarn *y = &f->weave->yarn[side];
+  const double usual = f->fills[side];
+  return (column_kind){f->weave->params.seed,           (uint32_t)side * WEAVE_CHANNELS,
+                       f->weave->thread[side][0].share, usual > 0 ? y->slub : 0,
+                       usual > 0 ? 1 / usual : 0,       y->along_brightness > 0};
+}
+
+/* Whether they differ at all. */
+static int column_varies(const shade_fabric *f, int side) {
+  const weave_yarn *y = &f->weave->yarn[side];
+  return y->vary_brightness > 0 || y->along_brightness > 0 || (f->fills[side] > 0 && y->slub > 0);
+}
 
 /* column_look of all lanes of a group, column_look_all, in float and in double. */
 #define NUMBER float
@@ -57,7 +73,7 @@ static column_yarns column_look(const shade_fabric *f, int side, double centre, 
   const uint32_t seed = f->weave->params.seed, channel = (uint32_t)side * WEAVE_CHANNELS;
   const double wide = across > 0.01 ? across : 0.01;
   const double fade = column_fade(across, STREAKS_FADE, STREAKS_END);
-  const double fade_along = fade * column_fade(along * y->along_frequency, 2, 4);
+  const double fade_along = fade * column_fade(along * y->along_frequency, NOISE_FADE, NOISE_END);
   const double vary = y->vary_brightness * fade, varies = y->along_brightness * fade_along;
   const double usual = f->fills[side], slub = usual > 0 ? y->slub : 0;
   const double per_usual = usual > 0 ? 1 / usual : 0;
@@ -138,8 +154,8 @@ static void column_filled(const shade_fabric *f, const column_group *g,
   }
 }
 
-/* The yarns of all lanes of a group. Few of them one by one: their yarns side by side. narrow: in
- * float. */
+/* The yarns of all lanes of a group, each by itself. Few of them one by one: their yarns side by
+ * side. narrow: in float. */
 static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
                               int narrow, column_group *g) {
   for (int side = 0; side < 2; side++) {

@@ -60,4 +60,5 @@
 
 #if !SHADE_FLOAT
 #include "column_yarns.h"
+#include "column_near.h"
 #endif

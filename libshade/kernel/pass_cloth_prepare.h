@@ -308,8 +308,9 @@ static void FN(cloth_streaks)(const shade_fabric *f, const column_group *g,
   }
 }
 
+/* neighbours: whether lanes may lie side by side. */
 static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
-                               const FN(preparing) * p) {
+                               int neighbours, const FN(preparing) * p) {
   const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
   for (size_t j = 0; j < p->far_count; j++)
     c->kind[p->far[j]] = (unsigned char)kind;
@@ -326,25 +327,36 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
     const int count = column_count(f);
     column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
     column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
-    for (size_t begin = 0; begin < p->far_count; begin += STREAK_LANES) {
-      const size_t left = p->far_count - begin,
-                   end = begin + (left < STREAK_LANES ? left : STREAK_LANES);
-      column_group group = {.begin = begin};
-      double seen[2][STREAK_LANES];
-      for (size_t j = begin; j < end; j++) {
+    enum { GROUPS = BLOCK / STREAK_LANES };
+    const size_t groups = (p->far_count + STREAK_LANES - 1) / STREAK_LANES;
+    column_group group[GROUPS];
+    double seen[GROUPS][2][STREAK_LANES];
+    int any = 0;
+    for (size_t k = 0; k < groups; k++) {
+      const size_t begin = k * STREAK_LANES, left = p->far_count - begin;
+      column_group *g = &group[k];
+      g->begin = begin;
+      g->count = 0;
+      g->any = 0;
+      for (size_t j = begin; j < begin + (left < STREAK_LANES ? left : STREAK_LANES); j++) {
         const int i = p->far[j];
-        column_group_add(f, &group, p->u[i], p->v[i], p->du[i], p->dv[i]);
+        column_group_add(f, g, p->u[i], p->v[i], p->du[i], p->dv[i]);
         column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
-        for (int k = 0; k < count; k++)
-          columns[k * WIDE + (int)j] = (real)column[k];
-        seen[0][j - begin] = column[COLUMN_SEEN];
-        seen[1][j - begin] = column[COLUMN_SEEN + 1];
+        for (int a = 0; a < count; a++)
+          columns[a * WIDE + (int)j] = (real)column[a];
+        seen[k][0][j - begin] = column[COLUMN_SEEN];
+        seen[k][1][j - begin] = column[COLUMN_SEEN + 1];
       }
-      if (!group.any)
-        continue;
-      column_look_group(f, &x, &y, SHADE_FLOAT, &group);
-      FN(cloth_streaks)(f, &group, (const double(*)[STREAK_LANES])seen, WIDE, columns + begin);
+      any |= g->any;
+      if (g->any && !neighbours)
+        column_look_group(f, &x, &y, SHADE_FLOAT, g);
     }
+    if (any && neighbours)
+      column_look_groups(f, &x, &y, SHADE_FLOAT, groups, group);
+    for (size_t k = 0; k < groups; k++)
+      if (group[k].any)
+        FN(cloth_streaks)
+    (f, &group[k], (const double(*)[STREAK_LANES])seen[k], WIDE, columns + group[k].begin);
   }
   const int whole = p->far_count == c->count;
   if (mean && whole)
@@ -423,7 +435,7 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   if (p.near_count)
     FN(cloth_look)(f, c, &p);
   if (p.far_count)
-    FN(cloth_far_rows)(f, c, tier, &p);
+    FN(cloth_far_rows)(f, c, tier, in->neighbours != 0, &p);
 
   c->flat = 1;
   if (!flat) {

@@ -41,8 +41,11 @@ static real FN(coverage_of)(const FN(shade_fabric_hit) * hit) {
   return sum < 1 ? sum : 1; /* parts may add up to a rounding more */
 }
 
-/* The members of a shade_fabric_lanes after its size, all of them arrays. */
-enum { FN(ARRAYS) = (sizeof(FN(shade_fabric_lanes)) - sizeof(size_t)) / sizeof(const real *) };
+/* The members of a shade_fabric_lanes after its size, all of them arrays but the last. */
+enum {
+  FN(ARRAYS) =
+      (offsetof(FN(shade_fabric_lanes), neighbours) - sizeof(size_t)) / sizeof(const real *)
+};
 typedef union FN(any_lanes) {
   FN(shade_fabric_lanes) lanes;
   struct {

@@ -229,6 +229,159 @@ static void streaks_of_many_are_those_of_one(void **state) {
   }
 }
 
+/* ---- lanes side by side -------------------------------------------------------- */
+
+enum { BATCH = 1024 };
+typedef struct batch {
+  float in[10][BATCH], rgb[2][3][BATCH]; /* each lane by itself, and side by side */
+  double ind[10][BATCH], rgbd[2][3][BATCH];
+} batch;
+
+/* What lanes side by side are off each by itself, over that. */
+typedef struct apart {
+  double lane, worst, pixel, mean; /* root mean squares, the largest, and of all lanes' sums */
+  int others;                      /* lanes that are not the same to the last bit */
+} apart;
+
+/* Pixels of `samples` each in Z-order, as wide as their footprints, about a corner. */
+static void fill_pixels(batch *b, int samples, const double corner[2], const double extent[2],
+                        uint64_t *seed) {
+  for (int i = 0; i < BATCH; i++) {
+    const int number = i / samples;
+    int pixel[2] = {0, 0};
+    for (int bit = 0; bit < 8; bit++)
+      for (int a = 0; a < 2; a++)
+        pixel[a] |= (number >> (2 * bit + a) & 1) << bit;
+    for (int a = 0; a < 2; a++) { /* as a filter 1.5 pixels wide spreads them, or nearly */
+      const double in_pixel = 0.5 * (uniform(seed) + uniform(seed) + uniform(seed) - 1.5);
+      b->in[a][i] = (float)(corner[a] + (pixel[a] + in_pixel) * extent[a]);
+      b->in[2 + a][i] = (float)(extent[a] * (1 + 0.004 * pixel[1 - a])); /* towards a horizon */
+    }
+    const double rest[6] = {0.2, 0.3, sqrt(0.87), -0.1, 0.2, sqrt(0.95)};
+    for (int a = 0; a < 6; a++)
+      b->in[4 + a][i] = (float)rest[a];
+    for (int a = 0; a < 10; a++)
+      b->ind[a][i] = (double)b->in[a][i];
+  }
+}
+
+#define SIDE_BY_SIDE(in, sides)                                                                    \
+  {                                                                                                \
+    .size = sizeof(shade_fabric_lanes), .u = in[0], .v = in[1], .du = in[2], .dv = in[3],          \
+    .wix = in[4], .wiy = in[5], .wiz = in[6], .wox = in[7], .woy = in[8], .woz = in[9],            \
+    .neighbours = sides                                                                            \
+  }
+_Static_assert(sizeof(shade_fabric_lanes) == sizeof(shade_fabric_lanesf), "pointers");
+
+static void both_ways(const cloth *c, batch *b) {
+  for (size_t k = 0; k < 2; k++) {
+    const shade_fabric_lanesf inf = SIDE_BY_SIDE(b->in, k);
+    const shade_fabric_resultf outf = {
+        .size = sizeof outf, .r = b->rgb[k][0], .g = b->rgb[k][1], .b = b->rgb[k][2]};
+    const shade_fabric_lanes in = SIDE_BY_SIDE(b->ind, k);
+    const shade_fabric_result out = {
+        .size = sizeof out, .r = b->rgbd[k][0], .g = b->rgbd[k][1], .b = b->rgbd[k][2]};
+    assert_int_equal(shade_fabric_eval_batchf(c->fabric, BATCH, &inf, SHADE_TIER_FAR, &outf), 0);
+    assert_int_equal(shade_fabric_eval_batch(c->fabric, BATCH, &in, SHADE_TIER_FAR, &out), 0);
+  }
+}
+
+static apart apart_of(const cloth *c, int samples, const double extent[2], uint64_t *seed) {
+  enum { TILES = 32 };
+  static batch b;
+  apart found = {0, 0, 0, 0, 0};
+  double sum[2] = {0, 0};
+  for (int tile = 0; tile < TILES; tile++) {
+    const double corner[2] = {(tile % 8 - 4) * 137.3, (tile / 8 - 2) * 91.7};
+    fill_pixels(&b, samples, corner, extent, seed);
+    both_ways(c, &b);
+    for (int first = 0; first < BATCH; first += samples) {
+      double of[2] = {0, 0};
+      for (int i = first; i < first + samples; i++) {
+        const double own = (double)b.rgb[0][1][i], seen = (double)b.rgb[1][1][i];
+        assert_near(seen, b.rgbd[1][1][i], 3e-4 * own); /* of both precisions alike */
+        found.lane += pow(seen / own - 1, 2) / (TILES * BATCH);
+        found.worst = fmax(found.worst, fabs(seen / own - 1));
+        found.others += b.rgb[0][1][i] != b.rgb[1][1][i];
+        of[0] += own;
+        of[1] += seen;
+      }
+      found.pixel += pow(of[1] / of[0] - 1, 2) * samples / (TILES * BATCH);
+      sum[0] += of[0];
+      sum[1] += of[1];
+    }
+  }
+  found.lane = sqrt(found.lane);
+  found.pixel = sqrt(found.pixel);
+  found.mean = sum[1] / sum[0] - 1;
+  return found;
+}
+
+/* Of each lane by itself, pixel by pixel and all together: what fabric.h says of `neighbours`. */
+static void lanes_side_by_side_are_near_their_own(void **state) {
+  (void)state;
+  static const char *const names[] = {"herringbone_tweed", "denim", "linen", "wool_flannel",
+                                      "silk_shantung"};
+  const double extents[][2] = {{0.8, 0.8}, {2, 2},   {3, 3}, {4, 4}, {6, 6},
+                               {8, 8},     {15, 15}, {3, 9}, {9, 3}, {2, 30}};
+  uint64_t seed = 21;
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    cloth c = open_cloth(names[k], NULL);
+    apart most = {0, 0, 0, 0, 0};
+    for (size_t row = 0; row < sizeof extents / sizeof *extents; row++)
+      for (int samples = 16; samples <= 32; samples *= 2) {
+        const apart a = apart_of(&c, samples, extents[row], &seed);
+        assert_true(a.others > 16 * BATCH); /* or there is nothing to be off */
+        most.lane = fmax(most.lane, a.lane);
+        most.worst = fmax(most.worst, a.worst);
+        most.pixel = fmax(most.pixel, a.pixel);
+        most.mean = fmax(most.mean, fabs(a.mean));
+      }
+    print_message("%s side by side: a lane %.2e (rms; at most %.3f) off its own, a pixel %.2e "
+                  "(rms), all %.1e\n",
+                  names[k], most.lane, most.worst, most.pixel, most.mean);
+    assert_true(most.lane < 6e-3 && most.worst < 0.07);
+    assert_true(most.pixel < 2.5e-3);
+    assert_true(most.mean < 1e-4);
+    close_cloth(&c);
+  }
+}
+
+/* Lanes anywhere, of many sizes, of less than a crossing, of one place; callers that know of none.
+ */
+static void lanes_that_lie_apart_have_their_own(void **state) {
+  (void)state;
+  static batch b;
+  uint64_t seed = 22;
+  cloth c = open_cloth("linen", NULL);
+  for (int k = 0; k < 5; k++) {
+    const double corner[2] = {-40, 17}, extent[2] = {k == 2 ? 0.6 : 6, 6};
+    fill_pixels(&b, k < 3 ? 16 : BATCH, corner, extent, &seed);
+    for (int i = 0; i < BATCH; i++)
+      for (int a = 0; a < 2; a++) {
+        b.in[a][i] = k == 0 ? (float)(4e3 * uniform(&seed)) : k == 3 ? 8.25f : b.in[a][i];
+        b.in[2 + a][i] *= k == 1 && i % 2 ? 1.3f : 1;
+        b.ind[a][i] = (double)b.in[a][i];
+        b.ind[2 + a][i] = (double)b.in[2 + a][i];
+      }
+    both_ways(&c, &b);
+    for (int i = 0; i < BATCH && k == 3; i++) /* the same, but for what extents differ */
+      assert_near((double)b.rgb[1][1][i], (double)b.rgb[0][1][i], 1e-5);
+    if (k < 3) {
+      assert_memory_equal(b.rgb[0], b.rgb[1], sizeof b.rgb[0]);
+      assert_memory_equal(b.rgbd[0], b.rgbd[1], sizeof b.rgbd[0]);
+    }
+  }
+  shade_fabric_lanesf in = SIDE_BY_SIDE(b.in, 1);
+  const shade_fabric_resultf out = {
+      .size = sizeof out, .r = b.rgb[1][0], .g = b.rgb[1][1], .b = b.rgb[1][2]};
+  in.size = offsetof(shade_fabric_lanesf, neighbours);
+  assert_memory_not_equal(b.rgb[0], b.rgb[1], sizeof b.rgb[0]);
+  assert_int_equal(shade_fabric_eval_batchf(c.fabric, BATCH, &in, SHADE_TIER_FAR, &out), 0);
+  assert_memory_equal(b.rgb[0], b.rgb[1], sizeof b.rgb[0]);
+  close_cloth(&c);
+}
+
 /* ---- one light in one call ---------------------------------------------------- */
 
 /* What the next cloth is made of. */
@@ -408,6 +561,7 @@ static void lanes_below_0_have_all_terms(void **state) {
   in.size = sizeof in;
   shade_fabric_lanesf inf = LANES_OF(m.inf);
   inf.size = sizeof inf;
+  in.neighbours = inf.neighbours = 1; /* they are not */
   const shade_fabric_result out = {sizeof out, m.rgb[0], m.rgb[1], m.rgb[2], m.pdf,
                                    m.coverage, m.wi[0],  m.wi[1],  m.wi[2]};
   const shade_fabric_resultf outf = {
@@ -790,11 +944,18 @@ static void nap_in_the_horizon(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_is_many_is_prepared), cmocka_unit_test(streaks_of_many_are_those_of_one),
-      cmocka_unit_test(one_call_is_a_lane),      cmocka_unit_test(random_numbers_mean_all_terms),
-      cmocka_unit_test(textures_are_parameters), cmocka_unit_test(gloss_scales_exponents),
-      cmocka_unit_test(no_input_breaks_it),      cmocka_unit_test(far_blocks_name_bad_input),
-      cmocka_unit_test(short_structures),        cmocka_unit_test(lanes_below_0_have_all_terms),
+      cmocka_unit_test(one_is_many_is_prepared),
+      cmocka_unit_test(streaks_of_many_are_those_of_one),
+      cmocka_unit_test(one_call_is_a_lane),
+      cmocka_unit_test(random_numbers_mean_all_terms),
+      cmocka_unit_test(textures_are_parameters),
+      cmocka_unit_test(gloss_scales_exponents),
+      cmocka_unit_test(no_input_breaks_it),
+      cmocka_unit_test(far_blocks_name_bad_input),
+      cmocka_unit_test(lanes_side_by_side_are_near_their_own),
+      cmocka_unit_test(lanes_that_lie_apart_have_their_own),
+      cmocka_unit_test(short_structures),
+      cmocka_unit_test(lanes_below_0_have_all_terms),
       cmocka_unit_test(nap_in_the_horizon),
   };
   return cmocka_run_group_tests_name("fabric hit", tests, NULL, NULL);

@@ -100,6 +100,20 @@ static void fill(block *m, uint64_t *seed) {
   }
 }
 
+/* Nearly all lanes side by side, wherever that is, in footprints of nearly one size. */
+static void draw_near(block *m, uint64_t *seed) {
+  const double way = uniform(seed) < 0.2 ? 0 : exp(8 * uniform(seed) - 3);
+  const double corner[2] = {number(seed, 64), number(seed, 64)};
+  const double extent[2] = {0.6 + 18 * uniform(seed), 0.6 + 18 * uniform(seed)};
+  for (int i = 0; i < LANES; i++)
+    for (int a = 0; a < 2 && uniform(seed) > 1e-3; a++) {
+      m->in[a][i] = corner[a] + way * uniform(seed);
+      m->in[2 + a][i] = extent[a] * (1 + 0.09 * uniform(seed));
+      m->inf[a][i] = (float)m->in[a][i];
+      m->inf[2 + a][i] = (float)m->in[2 + a][i];
+    }
+}
+
 static void inspect(const block *m, int single, int drawn) {
   for (int i = 0; i < LANES; i++) {
     double w2 = 0;
@@ -143,7 +157,7 @@ static long soak(uint64_t *seed) {
     for (int i = 0; i < LANES; i += 7) { /* one call says the same */
       shade_fabric_lanes one = in;
       const double **array = (const double **)(void *)&one.u;
-      for (size_t k = 0; k < (sizeof one - sizeof one.size) / sizeof *array; k++)
+      for (size_t k = 0; k < ARRAYS; k++)
         array[k] += array[k] ? i : 0;
       double s[8] = {0};
       const shade_fabric_result to = {
@@ -159,7 +173,13 @@ static long soak(uint64_t *seed) {
     inspect(&m, 0, 1);
     shade_fabric_sample_batchf(f, LANES, &inf, asked, &outf);
     inspect(&m, 1, 1);
-    cases += 4 * LANES;
+    draw_near(&m, seed);
+    in.neighbours = inf.neighbours = 1;
+    shade_fabric_eval_batch(f, LANES, &in, asked, &out);
+    inspect(&m, 0, 0);
+    shade_fabric_sample_batchf(f, LANES, &inf, asked, &outf);
+    inspect(&m, 1, 1);
+    cases += 6 * LANES;
   }
   shade_fabric_free(f);
   shade_weave_free(weave);

@@ -19,7 +19,8 @@ Result = lanes("shade_result", "r g b cosine")
 SampleLanes = lanes("shade_sample_lanes", "nx ny nz wox woy woz u1 u2 f0r f0g f0b ax ay ex ey", _VARIED, last=_PARTS)
 SampleResult = lanes("shade_sample_result", "wix wiy wiz r g b pdf cosine")
 FabricLanes = lanes("shade_fabric_lanes", "u v du dv nx ny nz wix wiy wiz wox woy woz random",
-                    "warp_r warp_g warp_b weft_r weft_g weft_b warp_gloss weft_gloss nap u1 u2 u3")
+                    "warp_r warp_g warp_b weft_r weft_g weft_b warp_gloss weft_gloss nap u1 u2 u3",
+                    last=[("neighbours", c_size_t)])
 FabricResult = lanes("shade_fabric_result", "r g b pdf coverage wix wiy wiz")
 Crossings = lanes("shade_crossings", "top swap below yarn",
                   "sigma along dx dy tx ty occlusion brightness fuzz r g b")
