@@ -165,17 +165,22 @@ def test_textures_colour_each_yarn():
 
 
 def test_however_many_runs_the_picture_is_one():
-    """More cloths in a batch than are prepared: each material is the same cloth."""
+    """More cloths in a batch than are prepared: each material is the same cloth. Where a pass has 12 samples and more, far cloth has
+    something in common with the samples beside it, and so with its run: of 64 that is left in the mean alone."""
     count = 20
     rows = [mesh([(-1, a, 0), (1, a, 0), (1, b, 0), (-1, b, 0)], [[0, 1, 2], [0, 2, 3]],
                  uvs=[(0, a), (1, a), (1, b), (0, b)], materials=k)
             for k in range(count) for a, b in [(-1 + 2 * k / count, -1 + 2 * (k + 1) / count)]]
     one = [row | {"material": np.zeros_like(row["material"])} for row in rows]
     given = scene(cloths=[cloth("gabardine", 0.02)], lights=[sun()], background=(1, 1, 1), max_bounces=2)
-    pictures = [render(given | {"materials": [fabric()] * k, "meshes": meshes, "instances": [
-        {"mesh": i, "matrix": np.eye(4).ravel().tolist()} for i in range(count)]})[0]
-                for k, meshes in ((count, rows), (1, one))]
-    np.testing.assert_allclose(pictures[0], pictures[1], rtol=1e-3, atol=1e-4)
+    for samples in (15, 64):
+        many, few = [render(given | {"samples": samples, "materials": [fabric()] * k, "meshes": meshes, "instances": [
+            {"mesh": i, "matrix": np.eye(4).ravel().tolist()} for i in range(count)]})[0]
+                     for k, meshes in ((count, rows), (1, one))]
+        if samples < 16:
+            np.testing.assert_allclose(many, few, rtol=1e-3, atol=1e-4)
+        assert many.mean() == pytest.approx(few.mean(), rel=1e-3)
+        assert np.sqrt(((many - few) ** 2).mean()) < 0.01 * few.mean()
 
 
 @pytest.mark.parametrize("change, message", [
@@ -210,3 +215,14 @@ def test_hits_between_the_models_stay_where_they_are():
         assert abs(a / b - 1) < 0.03, (a, b)
         assert (auto[:, part] != near[:, part]).any()
     assert auto[:, bright, 1].mean() > 3 * auto[:, dark, 1].mean()
+
+
+@pytest.mark.parametrize("preset", ["herringbone_tweed", "linen"])
+def test_threads_change_no_bit_from_near_to_far(preset):
+    """A plate up to its horizon: yarns in front, cloth behind, whose streaks samples have in common with those beside them."""
+    given = scene(cloths=[cloth(preset, 16.0)], materials=[fabric()], meshes=[square(8.0)], lights=[sun((0.4, 0.5, 0.8), angle=0.05)],
+                  background=(0.3, 0.3, 0.3), camera=persp(0.15, (0.3, -7.5, 0.08), (0.3, -7.24, 0)), width=160, height=160, samples=24,
+                  transparent=False, max_bounces=1)
+    one = render(given | {"threads": 1})[0]
+    for threads in (2, 3, 5):
+        np.testing.assert_array_equal(one, render(given | {"threads": threads})[0])

@@ -163,6 +163,7 @@ typedef struct inputs {
   /* where the scene has cloth: */
   lane_f term; /* a random number, which term of its footprint a hit is, if `single`; */
   bool single; /* else it is all of them */
+  bool beside; /* hits lie side by side: many of each pixel, of the camera's rays */
   struct cloth_room *cloth; /* hits that are prepared, or NULL */
   /* where the scene is `occluded`, of each point, else NULL: */
   const float *stopped; /* how many of its rays met something, */

@@ -156,7 +156,8 @@ static inline shade_fabric_lanesf cloth_lanes(const cloth_use *c, lane_run run, 
                                .weft_b = weft[2],
                                .warp_gloss = gloss,
                                .weft_gloss = gloss,
-                               .nap = c->napped ? lane_of(given, c->nap, 7, run) + i : NULL};
+                               .nap = c->napped ? lane_of(given, c->nap, 7, run) + i : NULL,
+                               .neighbours = given->beside};
 }
 
 /* Room for a run's hits, or NULL: then each call prepares them anew. */

@@ -43,6 +43,7 @@ bool batch_init(worker *w) {
   w->batch->input.normal_blur = w->observer ? 0.0f : w->scene->normal_blur;
   w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
   memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
+  w->batch->input.beside = false;
   memset(w->batch->surface.width, 0, sizeof(lane_f));
   memset(w->batch->surface.pixel, 0, sizeof(lane_f));
   if (!occlusion_init(w->batch, w->scene))
@@ -487,6 +488,7 @@ static void gain_shone(worker *w) {
 
 /* Surfaces, nodes and lights of the hits of one bounce. */
 static void shade(worker *w, const camera_view *view, int bounce, size_t phase) {
+  enum { MANY = 12 }; /* samples, by whose mean what cloth interpolates is a pixel's own */
   const scene *s = w->scene;
   batch *b = w->batch;
   hits_surface(w);
@@ -501,6 +503,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   if (s->timed)
     motion_shadows(w);
   draw_terms(w, bounce, phase);
+  b->input.beside = bounce == 0 && !w->observer && w->sampling->period >= MANY;
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
   w->later = bounce > 0;

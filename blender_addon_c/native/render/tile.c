@@ -139,6 +139,7 @@ static void render_tile(render *r, worker *w, size_t tile) {
   if (w->matte)
     memset(w->matte, 0, r->mattes.all * SIDE * SIDE * sizeof *w->matte);
   w->half = done ? half : NULL;
+  w->cloth.mixed = r->mixed[tile]; /* whichever worker it was: order changes bits */
   for (size_t begin = 0, end; begin < ADAPTIVE_BLOCKS; begin = end) {
     bool left_out = done && done[begin];
     for (end = begin + 1; end < ADAPTIVE_BLOCKS && (done && done[end]) == left_out;)
@@ -148,6 +149,7 @@ static void render_tile(render *r, worker *w, size_t tile) {
   }
   if (cancelled(r))
     return;
+  r->mixed[tile] = w->cloth.mixed;
   pthread_mutex_lock(&r->film);
   if (r->sum)
     add_pixels(r, &view, 4, NULL, pixels, r->sum);
@@ -219,7 +221,8 @@ bool render_prepare(render *r) {
   pthread_mutex_init(&r->lock, NULL);
   pthread_mutex_init(&r->film, NULL);
   r->done = calloc(r->tiles + 1, sizeof *r->done);
-  return r->done != NULL;
+  r->mixed = calloc(r->tiles + 1, sizeof *r->mixed);
+  return r->done && r->mixed;
 }
 
 bool render_run(render *r) {
@@ -400,5 +403,6 @@ void render_free(render *r) {
     pthread_mutex_destroy(&r->film);
     pthread_mutex_destroy(&r->lock);
   }
+  free(r->mixed);
   free(r->done);
 }

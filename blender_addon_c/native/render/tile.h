@@ -31,6 +31,7 @@ typedef struct render {
   int origin[2]; /* of the first tile: tiles lie on the same grid whatever the region */
   size_t columns, tiles;
   atomic_size_t *done;    /* per tile: passes in the sums */
+  bool *mixed;            /* per tile: cloth_room's, after its last batch */
   atomic_size_t finished; /* samples a pixel, over all tiles, with those that are not needed */
   atomic_size_t spared;   /* these, of all pixels */
   pthread_mutex_t film;   /* of the sums, and of done where these are read */
