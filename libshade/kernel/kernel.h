@@ -49,6 +49,7 @@
 #include "single.h"
 #include "pass_table.h"
 #include "pass_cloth.h"
+#include "pass_cloth_block.h"
 #include "single_cloth.h"
 #include "pass_cloth_draw.h"
 #include "column.h"

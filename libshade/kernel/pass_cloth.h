@@ -87,11 +87,15 @@ typedef struct FN(carried) {
 } FN(carried);
 
 /* Of lane i; near: along its own fibres, else along their mean. flat: n is z. */
-LEAF FN(triple) FN(cloth_carry_lane)(FN(carried) v, size_t i, int near, int flat) {
+LEAF FN(carrier) FN(cloth_carrier)(FN(carried) v, size_t i, int near, int flat) {
   const real tx = near ? v.tx[i] : v.mx, ty = near ? v.ty[i] : v.my;
-  FN(carrier) a = {1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
-  if (!flat)
-    a = FN(carrier_of)(v.nx[i], v.ny[i], v.nz[i], tx, ty);
+  if (flat)
+    return (FN(carrier)){1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
+  return FN(carrier_of)(v.nx[i], v.ny[i], v.nz[i], tx, ty);
+}
+
+LEAF FN(triple) FN(cloth_carry_lane)(FN(carried) v, size_t i, int near, int flat) {
+  const FN(carrier) a = FN(cloth_carrier)(v, i, near, flat);
   FN(triple) w = FN(carry)(a, v.x[i], v.y[i], v.z[i]);
   w.y *= v.flip;
   return w;
@@ -137,27 +141,45 @@ static void FN(cloth_carry)(const shade_fabric *f, const FN(cloth) * c, int kind
     c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 1, 0, 1, to)
             : FN(cloth_carry_lanes)(&v, count, g->lane, 1, 0, 0, to);
   else
-    FN(cloth_carry_lanes)(&v, count, g->lane, 0, 0, 0, to);
+    c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 0, 0, 1, to)
+            : FN(cloth_carry_lanes)(&v, count, g->lane, 0, 0, 0, to);
+}
+
+LEAF void FN(cloth_carry_back_lanes)(const FN(carried) * from, const FN(gathered) * g, int near,
+                                     int flat, real (*to)[BLOCK]) {
+  const FN(carried) v = *from;
+  const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
+  const int *lane = g->lane;
+  real *ox = to[0], *oy = to[1], *oz = to[2];
+#pragma omp simd
+  for (size_t j = 0; j < g->count; j++) {
+    const FN(carrier) a = FN(cloth_carrier)(v, (size_t)lane[j], near, flat);
+    const FN(triple) w = FN(carry_back)(a, ix[j], v.flip * iy[j], iz[j]);
+    ox[j] = w.x;
+    oy[j] = w.y;
+    oz[j] = w.z;
+  }
 }
 
 /* From the frame of the fibres back to the surface's, scattered. */
 static void FN(cloth_carry_back)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
                                  const FN(gathered) * g, real *const w[3]) {
-  const real *nx = FN(cloth_row)(c, CLOTH_N + k), *ny = FN(cloth_row)(c, CLOTH_N + 1 - k);
-  const real *nz = FN(cloth_row)(c, CLOTH_N + 2);
   const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
-  const real mx = (real)(k ? f->side[k].ty : f->side[k].tx);
-  const real my = (real)(k ? f->side[k].tx : f->side[k].ty);
-  const real *tx = FN(cloth_row)(c, CLOTH_FIBRE + k), *ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k);
-  const real flip = k ? R(-1.0) : R(1.0);
+  const real *const none[3] = {NULL, NULL, NULL};
+  const FN(carried) v = FN(cloth_carried)(f, c, k, none);
+  real back[3][BLOCK];
+  if (near)
+    c->flat ? FN(cloth_carry_back_lanes)(&v, g, 1, 1, back)
+            : FN(cloth_carry_back_lanes)(&v, g, 1, 0, back);
+  else
+    c->flat ? FN(cloth_carry_back_lanes)(&v, g, 0, 1, back)
+            : FN(cloth_carry_back_lanes)(&v, g, 0, 0, back);
+  real *x = w[k], *y = w[1 - k], *z = w[2];
   for (size_t j = 0; j < g->count; j++) {
     const int i = g->lane[j];
-    FN(carrier)
-    a = FN(carrier_of)(nx[i], ny[i], nz[i], near ? tx[i] : mx, near ? ty[i] : my);
-    FN(triple) v = FN(carry_back)(a, g->wi[0][j], flip * g->wi[1][j], g->wi[2][j]);
-    w[k][i] = v.x;
-    w[1 - k][i] = v.y;
-    w[2][i] = v.z;
+    x[i] = back[0][j];
+    y[i] = back[1][j];
+    z[i] = back[2][j];
   }
 }
 
@@ -534,46 +556,15 @@ static void FN(cloth_facing)(const fabric_side *side, const FN(gathered) * g, re
   }
 }
 
-/* Lists of the lanes that are lit, by kind, and of those that are lit from behind. */
-typedef struct FN(lists) {
-  int lane[2][CLOTH_KINDS][BLOCK];
-  size_t count[2][CLOTH_KINDS];
-} FN(lists);
-
-static void FN(cloth_list)(const FN(cloth) * c, const real *side, FN(lists) * l) {
-  const int first = c->count ? c->kind[0] : CLOTH_VOID;
-  int odd = c->count < 8; /* too few for a vector */
-  memset(l->count, 0, sizeof l->count);
-  if (!odd) {
-#pragma omp simd reduction(| : odd)
-    for (size_t i = 0; i < c->count; i++)
-      odd |= (side[i] <= 0) | (c->kind[i] != first);
-  }
-  if (!odd) { /* as where a block is far away */
-    int *lane = l->lane[0][first];
-#pragma omp simd
-    for (size_t i = 0; i < c->count; i++)
-      lane[i] = (int)i;
-    l->count[0][first] = c->count;
-    return;
-  }
-  for (size_t i = 0; i < c->count; i++) {
-    const int behind = side[i] < 0, kind = side[i] != 0 ? c->kind[i] : CLOTH_VOID;
-    l->lane[behind][kind][l->count[behind][kind]++] = (int)i;
-  }
-}
-
 /* Gather the lanes of a list for side k; those that have nothing of it are left out. */
-static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, const FN(lists) * l,
-                               int behind, int kind, int k, const real *const wi[3],
+static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, size_t count,
+                               const int *lane, int kind, int k, const real *const wi[3],
                                const real *const wo[3], FN(gathered) * g) {
-  const size_t count = l->count[behind][kind];
   g->count = 0;
   g->whole = g->dull = 0;
-  if (!count || (kind <= CLOTH_WARP && kind != k) || kind == CLOTH_GAP || kind == CLOTH_VOID)
+  if (!count || (kind <= CLOTH_WARP && kind != k))
     return 0;
   const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
-  const int *lane = l->lane[behind][kind];
   int none = count != c->count;
 #pragma omp simd reduction(| : none)
   for (size_t j = 0; j < count; j++)
@@ -751,165 +742,8 @@ static void FN(cloth_shadow)(const shade_fabric *f, const FN(cloth) * c, const r
     FN(pass_multiply)(c->count, factor, rgb[channel]);
 }
 
-/* s by the rule of `hard`, for eyes wo. */
-static void FN(cloth_hard)(const shade_fabric *f, const FN(cloth) * c, const real *const wi[3],
-                           const real *const wo[3], real *const rgb[3]) {
-  FN(gathered) g;
-  FN(lists) lists;
-  real ci[BLOCK], co[BLOCK], side[BLOCK], white[BLOCK], spec[BLOCK], matt[BLOCK];
-  FN(cloth_sides)(c, wi, wo, ci, co, side);
-  FN(cloth_list)(c, side, &lists);
-  FN(cloth_white)(c->count, wi, wo, white);
-  for (int channel = 0; channel < 3; channel++) {
-    const real *flat = FN(cloth_row)(c, CLOTH_FLAT + channel);
-    real *to = rgb[channel];
-#pragma omp simd
-    for (size_t i = 0; i < c->count; i++)
-      to[i] = side[i] > 0 ? flat[i] * ci[i] * INVERSE_PI : 0;
-  }
-  for (int kind = 0; kind < CLOTH_VOID; kind++)
-    for (int k = 0; k < 2 && lists.count[0][kind] + lists.count[1][kind] > 0; k++) {
-      const fabric_side *s = &f->side[k];
-      if (FN(cloth_gather)(f, c, &lists, 0, kind, k, wi, wo, &g)) {
-        FN(cloth_lobes)(FN(ASK_YARN), c, s, k, kind, &g, spec, matt);
-        if (kind == CLOTH_SINGLE)
-          FN(cloth_facing)(s, &g, spec, matt);
-        FN(cloth_add)(f, c, k, &g, spec, matt, white, rgb);
-      }
-      if (!f->transmits || !FN(cloth_gather)(f, c, &lists, 1, kind, k, wi, wo, &g))
-        continue;
-      if (kind > CLOTH_WARP) {
-        FN(cloth_mixture)(FN(ASK_THROUGH), NULL, &s->nodes, &g, spec, NULL);
-      } else {
-        FN(cloth_tilts)(c, kind, &s->one, &g);
-        FN(cloth_through)(&g, spec);
-      }
-      for (int channel = 0; channel < 3; channel++) {
-        const real *kt = FN(cloth_row)(c, CLOTH_KT + 3 * k + channel);
-        for (size_t j = 0; j < g.count; j++)
-          rgb[channel][g.lane[j]] += kt[g.lane[j]] * spec[j];
-      }
-    }
-  if (f->shadows)
-    FN(cloth_shadow)(f, c, ci, wi, rgb);
-  if (FN(any_nap)(c))
-    FN(cloth_nap)(f, c, ci, co, side, rgb);
-}
-
-/* Directions to evaluate, mended where they need it. */
-typedef struct FN(mended_light) {
-  const real *wi[3];
-  real room[3][BLOCK];
-  unsigned char void_lane[BLOCK];
-} FN(mended_light);
-
-static unsigned FN(mend_light)(size_t count, const real *const wi[3], FN(mended_light) * m) {
-  unsigned status = SHADE_OK;
-  for (int a = 0; a < 3; a++)
-    m->wi[a] = wi[a];
-  if (FN(are_unit)(count, FN(vec_of)(wi)))
-    return SHADE_OK;
-  for (size_t i = 0; i < count; i++) {
-    real w[3] = {wi[0][i], wi[1][i], wi[2][i]};
-    const unsigned lane = FN(mend_if_needed)(w, 0);
-    for (int a = 0; a < 3; a++)
-      m->room[a][i] = w[a];
-    m->void_lane[i] = (lane & SHADE_BAD_INPUT) != 0;
-    status |= lane;
-  }
-  for (int a = 0; a < 3; a++)
-    m->wi[a] = m->room[a];
-  return status;
-}
-
-/* Whether wi is opposite to wo, where there is no half vector; only light from behind is. */
-LEAF int FN(is_opposite)(real ix, real iy, real iz, real ox, real oy, real oz) {
-  return !(2 + 2 * (ix * ox + iy * oy + iz * oz) > R(1e-30));
-}
-
-static unsigned FN(cloth_opposite)(const FN(cloth) * c, const real *const wi[3]) {
-  const real *ox = FN(cloth_row)(c, CLOTH_WO), *oy = ox + c->stride, *oz = oy + c->stride;
-  const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
-  int any = 0;
-#pragma omp simd reduction(| : any)
-  for (size_t i = 0; i < c->count; i++)
-    any |= FN(is_opposite)(ix[i], iy[i], iz[i], ox[i], oy[i], oz[i]);
-  return any ? SHADE_BAD_INPUT : SHADE_OK;
-}
-
-/* Facets with normal n and upright mirrors: the paths of light and eye, as pass_horizon.h. */
-static void FN(cloth_facets)(const shade_fabric *f, const FN(cloth) * c, const real *const wi[3],
-                             real *const rgb[3]) {
-  const real *n[3], *wo[3];
-  real x[BLOCK], y[BLOCK], more[3][BLOCK], see[2][2][BLOCK], weight[BLOCK], scale[BLOCK];
-  real *const to[3] = {more[0], more[1], more[2]};
-  const size_t size = c->count;
-  for (int a = 0; a < 3; a++) {
-    n[a] = FN(cloth_row)(c, CLOTH_N + a);
-    wo[a] = FN(cloth_row)(c, CLOTH_WO + a);
-  }
-  const real *const *w[2] = {wi, wo};
-  for (int k = 0; k < 2; k++) {
-    FN(pass_share_bumped)(size, FN(vec_of)(n), FN(vec_of)(w[k]), see[k][0]);
-    FN(pass_share_upright)(size, FN(vec_of)(n), FN(vec_of)(w[k]), see[k][1]);
-  }
-  /* s has n.wi in it, where the facets have wi.z n.z / (p + q): their quotient */
-  for (size_t i = 0; i < size; i++) {
-    real side = n[0][i] * wi[0][i] + n[1][i] * wi[1][i];
-    real p = FN(maximum)(side + n[2][i] * wi[2][i], 0), q = FN(maximum)(-side, 0);
-    scale[i] = wi[2][i] > 0 ? n[2][i] * wi[2][i] / FN(maximum)(p + q, TINY) : 1;
-  }
-  FN(cloth_hard)(f, c, wi, wo, rgb);
-  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wo), x, y);
-  const real *const eye[3] = {x, y, wo[2]};
-  FN(cloth_hard)(f, c, wi, eye, to);
-  for (int channel = 0; channel < 3; channel++)
-    for (size_t i = 0; i < size; i++)
-      rgb[channel][i] =
-          scale[i] * (see[1][0][i] * rgb[channel][i] + see[1][1][i] * more[channel][i]);
-  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wi), x, y);
-  const real *const light[3] = {x, y, wi[2]};
-  FN(cloth_hard)(f, c, light, wo, to);
-  for (size_t i = 0; i < size; i++) {
-    real side = n[0][i] * wi[0][i] + n[1][i] * wi[1][i];
-    real q = FN(maximum)(-side, 0), p = q + n[2][i] * wi[2][i]; /* p of the mirrored light */
-    weight[i] = wi[2][i] > 0 ? scale[i] * see[1][0][i] * q / FN(maximum)(p, TINY) : 0;
-  }
-  for (int channel = 0; channel < 3; channel++)
-    for (size_t i = 0; i < size; i++)
-      rgb[channel][i] += weight[i] * more[channel][i];
-}
-
-/* s of every lane; rgb does not overlap wi. Returns status bits. */
-static unsigned FN(cloth_block)(const shade_fabric *f, const FN(cloth) * c,
-                                const real *const wi_in[3], real *const rgb[3]) {
-  FN(mended_light) m;
-  const real *wo[3];
-  real factor[BLOCK];
-  unsigned status = FN(mend_light)(c->count, wi_in, &m);
-  const real *const wi[3] = {m.wi[0], m.wi[1], m.wi[2]};
-  for (int a = 0; a < 3; a++)
-    wo[a] = FN(cloth_row)(c, CLOTH_WO + a);
-  if (!f->transmits)
-    status |= FN(cloth_opposite)(c, wi);
-  if (f->horizon == SHADE_HORIZON_SCHUESSLER) {
-    FN(cloth_facets)(f, c, wi, rgb);
-  } else {
-    FN(cloth_hard)(f, c, wi, wo, rgb);
-    if (!c->flat && f->horizon != SHADE_HORIZON_HARD &&
-        f->horizon != SHADE_HORIZON_VALID_REFLECTION) {
-      const real *nx = FN(cloth_row)(c, CLOTH_GIVEN), *ny = nx + c->stride, *nz = ny + c->stride;
-      (f->horizon == SHADE_HORIZON_CHIANG ? FN(pass_shadow_chiang) : FN(pass_shadow_estevez))(
-          c->count, (FN(vec)){nx, ny, nz}, FN(vec_of)(wi), factor);
-      for (size_t i = 0; i < c->count; i++) /* light from behind meets no bumps */
-        factor[i] = wi[2][i] > 0 ? factor[i] : 1;
-      for (int channel = 0; channel < 3; channel++)
-        FN(pass_multiply)(c->count, factor, rgb[channel]);
-    }
-  }
-  for (int channel = 0; channel < 3 && status & SHADE_BAD_INPUT; channel++)
-    for (size_t i = 0; i < c->count; i++)
-      if (m.wi[0] != wi_in[0] && m.void_lane[i])
-        rgb[channel][i] = 0;
-  return status;
+/* Ashikhmin and Shirley's yarns, carried by `rotate`. */
+static int FN(is_usual)(const bsdf *b) {
+  return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
+         b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
 }

@@ -1,203 +1,67 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Drawing light for prepared lanes of cloth, and its density. First the part: the lobe of
- * either side, what is diffuse (gaps and nap as well), what comes from behind; then a direction of
- * that part. Diffuse directions are about n, half by the cosine and half even: for fibres,
- * however they tilt, the weight stays bounded.
+ * Drawing light for prepared lanes of cloth. First the part: the lobe of either side, what is
+ * diffuse (gaps and nap as well), what comes from behind; then a direction of that part. Diffuse
+ * directions are about n, half by the cosine and half even: for fibres, however they tilt, the
+ * weight stays bounded.
  */
 
-LEAF real FN(mean3)(real r, real g, real b) {
-  return (r + g + b) * R(0.33333333333333333333);
-}
-
-/* Probability of each part: by what it reflects, a twentieth at least of each that is there. */
-static void FN(cloth_shares)(const shade_fabric *f, const FN(cloth) * c, const real *const wo[3],
-                             real share[CLOTH_PARTS][BLOCK]) {
-  const real *row = c->rows;
-  const size_t s = c->stride;
-  const real *nx = row + CLOTH_N * s, *ny = nx + s, *nz = ny + s;
-  const real *ox = wo[0], *oy = wo[1], *oz = wo[2];
-  const real *weight = row + CLOTH_WEIGHT * s, *kd = row + CLOTH_KD * s, *kt = row + CLOTH_KT * s;
-  const real *flat = row + CLOTH_FLAT * s, *nap = row + CLOTH_NAP * s;
-  real f0[2];
-  for (int k = 0; k < 2; k++)
-    f0[k] = (real)((f->side[k].f0[0] + f->side[k].f0[1] + f->side[k].f0[2]) / 3);
-  const real haze = (real)(0.25 / 3 * (f->nap_color[0] + f->nap_color[1] + f->nap_color[2]));
-  real *lobe0 = share[0], *lobe1 = share[1], *diffuse = share[2], *behind = share[3];
-  for (size_t i = 0; i < c->count; i++) /* else those rows are not filled */
-    behind[i] = f->transmits ? FN(mean3)(kt[i], kt[i + s], kt[i + 2 * s]) +
-                                   FN(mean3)(kt[i + 3 * s], kt[i + 4 * s], kt[i + 5 * s])
-                             : 0;
-#pragma omp simd
-  for (size_t i = 0; i < c->count; i++) {
-    real co = FN(maximum)(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-4));
-    real white = FN(schlick_weight)(FN(minimum)(co, 1));
-    real gone = FN(minimum)(nap[i] / co, 60);
-    real through = FN(exp_negative)(R(0.5) * gone);
-    real a = through * weight[i] * (f0[0] + (1 - f0[0]) * white);
-    real b = through * weight[i + s] * (f0[1] + (1 - f0[1]) * white);
-    real d = FN(mean3)(kd[i], kd[i + s], kd[i + 2 * s]) +
-             FN(mean3)(kd[i + 3 * s], kd[i + 4 * s], kd[i + 5 * s]) +
-             FN(mean3)(flat[i], flat[i + s], flat[i + 2 * s]);
-    d = through * d + haze * (1 - through * through);
-    real e = through * behind[i];
-    real least = (a + b + d + e) * R(0.0625);
-    a += a > 0 ? least : 0;
-    b += b > 0 ? least : 0;
-    d += d > 0 ? least : 0;
-    e += e > 0 ? least : 0;
-    real scale = 1 / (a + b + d + e + TINY);
-    lobe0[i] = a * scale;
-    lobe1[i] = b * scale;
-    diffuse[i] = d * scale;
-    behind[i] = e * scale;
-  }
-}
-
-/* The density by the rule of `hard`, for eyes wo. */
-static void FN(cloth_density)(const shade_fabric *f, const FN(cloth) * c, const real *const wi[3],
-                              const real *const wo[3], real *pdf) {
-  FN(gathered) g;
-  FN(lists) lists;
-  real ci[BLOCK], co[BLOCK], side[BLOCK], one[BLOCK], share[CLOTH_PARTS][BLOCK];
-  FN(cloth_sides)(c, wi, wo, ci, co, side);
-  FN(cloth_list)(c, side, &lists);
-  FN(cloth_shares)(f, c, wo, share);
-  const real *diffuse = share[CLOTH_DIFFUSE], *behind = share[CLOTH_BEHIND];
-#pragma omp simd
-  for (size_t i = 0; i < c->count; i++) {
-    real part = side[i] > 0 ? diffuse[i] : side[i] < 0 ? behind[i] : 0;
-    pdf[i] = part * INVERSE_PI * (R(0.25) + R(0.5) * FN(absolute)(ci[i]));
-  }
-  for (int kind = 0; kind < CLOTH_VOID; kind++)
-    for (int k = 0; k < 2; k++) {
-      const fabric_side *s = &f->side[k];
-      if (!FN(cloth_gather)(f, c, &lists, 0, kind, k, wi, wo, &g))
-        continue;
-      FN(cloth_lobes)(FN(ASK_DENSITY), c, s, k, kind, &g, one, NULL);
-      for (size_t j = 0; j < g.count; j++)
-        pdf[g.lane[j]] += share[k][g.lane[j]] * one[j];
-    }
-}
-
-static void FN(cloth_eye)(const FN(cloth) * c, const real *wo[3]) {
-  for (int a = 0; a < 3; a++)
-    wo[a] = FN(cloth_row)(c, CLOTH_WO + a);
-}
-
-/* The same for facets and upright mirrors; draws go the paths of sample.h. */
-static void FN(cloth_facets_density)(const shade_fabric *f, const FN(cloth) * c,
-                                     const real *const wi[3], real *pdf) {
-  const real *n[3], *wo[3];
-  real x[BLOCK], y[BLOCK], one[BLOCK], plain[BLOCK], light[BLOCK], eye[BLOCK];
-  const size_t size = c->count;
-  FN(cloth_eye)(c, wo);
-  for (int a = 0; a < 3; a++)
-    n[a] = FN(cloth_row)(c, CLOTH_N + a);
-  FN(pass_paths)
-  (size, FN(vec_of)(n), FN(vec_of)(wi), FN(vec_of)(wo), plain, light, eye);
-  for (size_t i = 0; i < size; i++)
-    if (!(wi[2][i] > 0)) { /* what comes from behind meets no mirror */
-      plain[i] = 1 - eye[i];
-      light[i] = 0;
-    }
-  FN(cloth_density)(f, c, wi, wo, pdf);
-  FN(pass_multiply)(size, plain, pdf);
-  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wi), x, y);
-  const real *const from[3] = {x, y, wi[2]};
-  FN(cloth_density)(f, c, from, wo, one);
-  FN(pass_add_product)(size, light, one, pdf);
-  FN(pass_mirror)(size, FN(vec_of)(n), FN(vec_of)(wo), x, y);
-  const real *const seen[3] = {x, y, wo[2]};
-  FN(cloth_density)(f, c, wi, seen, one);
-  FN(pass_add_product)(size, eye, one, pdf);
-}
-
-static unsigned FN(kernel_cloth_pdf)(const shade_fabric *f, const FN(cloth) * c,
-                                     const real *const wi_in[3], real *pdf) {
-  FN(mended_light) m;
-  const real *wo[3];
-  unsigned status = FN(mend_light)(c->count, wi_in, &m);
-  const real *const wi[3] = {m.wi[0], m.wi[1], m.wi[2]};
-  FN(cloth_eye)(c, wo);
-  if (!f->transmits)
-    status |= FN(cloth_opposite)(c, wi);
-  if (f->horizon == SHADE_HORIZON_SCHUESSLER)
-    FN(cloth_facets_density)(f, c, wi, pdf);
-  else
-    FN(cloth_density)(f, c, wi, wo, pdf);
-  for (size_t i = 0; status & SHADE_BAD_INPUT && i < c->count; i++)
-    if (m.wi[0] != wi_in[0] && m.void_lane[i])
-      pdf[i] = 0;
-  return status;
-}
-
-/* ---- draws ------------------------------------------------------------------ */
-
-/* Draws of one lobe for every eye of g, into its wi. */
-static void FN(cloth_sample)(const bsdf *b, FN(gathered) * g, const real *u1, const real *u2) {
-  real rgb[3][BLOCK], pdf[BLOCK], cosine[BLOCK];
+/* Draws of one lobe for every eye of g, into its wi; u1 and u2 are used up. */
+static void FN(cloth_sample)(const bsdf *b, FN(gathered) * g, real *u1, real *u2) {
   FN(varied) lobes;
-  const FN(shade_sample_lanes) in = {.size = sizeof in,
-                                     .nx = g->n[0],
-                                     .ny = g->n[1],
-                                     .nz = g->n[2],
-                                     .wox = g->wo[0],
-                                     .woy = g->wo[1],
-                                     .woz = g->wo[2],
-                                     .u1 = u1,
-                                     .u2 = u2};
-  const FN(shade_sample_result) out = {.size = sizeof out,
-                                       .wix = g->wi[0],
-                                       .wiy = g->wi[1],
-                                       .wiz = g->wi[2],
-                                       .r = rgb[0],
-                                       .g = rgb[1],
-                                       .b = rgb[2],
-                                       .pdf = pdf,
-                                       .cosine = cosine};
-  FN(sample_batch)(b, g->count, &in, FN(cloth_varied)(b, g, &lobes), &out);
+  const FN(vec) n = {g->n[0], g->n[1], g->n[2]}, wo = {g->wo[0], g->wo[1], g->wo[2]};
+  real *const wi[3] = {g->wi[0], g->wi[1], g->wi[2]};
+  FN(draw_lobe)(b, g->count, &n, &wo, FN(cloth_varied)(b, g, &lobes), u1, u2, wi);
 }
 
-/* Lobes of the lanes that are listed, into wi. u3 chooses among nodes, and is used up. */
-static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, const FN(lists) * l,
-                                 int kind, int k, const real *const wo[3], real *u3, const real *u1,
-                                 const real *u2, real *const wi[3]) {
+/* Of g's lanes a coarse node each, by u3. */
+static void FN(cloth_choose_nodes)(const fabric_nodes *nodes, const real *u3, FN(gathered) * g) {
+  for (size_t j = 0; j < g->count; j++) {
+    int node = 0;
+    real left = u3[g->lane[j]];
+    while (node + 1 < nodes->count && left >= nodes->FN(weight)[node])
+      left -= nodes->FN(weight)[node++];
+    g->n[0][j] = nodes->FN(x)[node];
+    g->n[1][j] = nodes->FN(y)[node];
+    g->n[2][j] = nodes->FN(z)[node];
+  }
+}
+
+/* Lobes of the lanes that are listed, into wi. u3 chooses among nodes. */
+static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, size_t count,
+                                 const int *lane, int kind, int k, const real *const wo[3],
+                                 const real *u3, const real *u1, const real *u2,
+                                 real *const wi[3]) {
   FN(gathered) g, dull;
   real v[2][BLOCK];
   int at[BLOCK];
   const fabric_side *s = &f->side[k];
-  if (!FN(cloth_gather)(f, c, l, 0, kind, k, NULL, wo, &g))
+  if (!FN(cloth_gather)(f, c, count, lane, kind, k, NULL, wo, &g))
     return;
-  FN(cloth_tilts)(c, kind, &s->one, &g);
+  if (kind == CLOTH_FAR && !s->draws_one)
+    FN(cloth_choose_nodes)(&s->coarse, u3, &g);
+  else
+    FN(cloth_tilts)(c, kind, &s->one, &g);
+#pragma omp simd
   for (size_t j = 0; j < g.count; j++) {
-    const int i = g.lane[j];
-    v[0][j] = u1[i];
-    v[1][j] = u2[i];
-    if (kind != CLOTH_FAR || s->draws_one)
-      continue;
-    int node = 0;
-    real left = u3[i];
-    while (node + 1 < s->coarse.count && left >= s->coarse.FN(weight)[node])
-      left -= s->coarse.FN(weight)[node++];
-    g.n[0][j] = s->coarse.FN(x)[node];
-    g.n[1][j] = s->coarse.FN(y)[node];
-    g.n[2][j] = s->coarse.FN(z)[node];
+    v[0][j] = u1[g.lane[j]];
+    v[1][j] = u2[g.lane[j]];
   }
   const fabric_lobe which = FN(cloth_lobe)(FN(ASK_DENSITY), s, kind);
   const bsdf *b = bsdf_of(&s->lobe[which]);
   const size_t less = FN(cloth_dull)(c, s, which, k, &g, &dull, at);
-  if (less < g.count)
-    FN(cloth_sample)(b, &g, v[0], v[1]);
+  real w[2][BLOCK];
   for (size_t i = 0; i < less; i++) {
-    const int j = at[i]; /* never before i */
+    const int j = at[i];
     for (int a = 0; a < 3; a++)
       dull.n[a][i] = g.n[a][j];
-    v[0][i] = v[0][j];
-    v[1][i] = v[1][j];
+    w[0][i] = v[0][j];
+    w[1][i] = v[1][j];
   }
+  if (less < g.count)
+    FN(cloth_sample)(b, &g, v[0], v[1]);
   if (less)
-    FN(cloth_sample)(b, &dull, v[0], v[1]);
+    FN(cloth_sample)(b, &dull, w[0], w[1]);
   for (size_t i = 0; i < less; i++)
     for (int a = 0; a < 3; a++)
       g.wi[a][at[i]] = dull.wi[a][i];
@@ -205,62 +69,117 @@ static void FN(cloth_draw_lobes)(const shade_fabric *f, const FN(cloth) * c, con
 }
 
 /* A diffuse direction about n: half by the cosine, half even; mirrored for light from behind. */
-static void FN(cloth_draw_diffuse)(const FN(cloth) * c, size_t i, int behind, real u3, real u1,
-                                   real u2, real w[3]) {
-  const real nx = FN(cloth_row)(c, CLOTH_N)[i], ny = FN(cloth_row)(c, CLOTH_N + 1)[i];
-  const real nz = FN(cloth_row)(c, CLOTH_N + 2)[i];
-  const FN(axes) a = FN(axes_shortest_arc)(nx, ny, nz);
+LEAF FN(triple) FN(cloth_diffuse_lane)(real nx, real ny, real nz, int flat, int behind, real u3,
+                                       real u1, real u2) {
   const FN(pair) p = FN(circle)(u1);
-  const int flat = u3 < R(0.5);
-  real z = flat ? 1 - u2 : FN(root)(1 - u2), sine = FN(root)(flat ? u2 * (2 - u2) : u2);
-  real x = sine * p.x, y = sine * p.y;
-  z = behind ? -z : z;
-  w[0] = a.x.x * x + a.y.x * y + nx * z;
-  w[1] = a.x.y * x + a.y.y * y + ny * z;
-  w[2] = a.x.z * x + a.y.z * y + nz * z;
+  const int even = u3 < R(0.5);
+  const real up = even ? 1 - u2 : FN(root)(1 - u2);
+  const real sine = FN(root)(even ? u2 * (2 - u2) : u2), x = sine * p.x, y = sine * p.y;
+  const real z = behind ? -up : up;
+  if (flat)
+    return (FN(triple)){x, y, z};
+  const FN(axes) a = FN(axes_shortest_arc)(nx, ny, nz);
+  return (FN(triple)){a.x.x * x + a.y.x * y + nx * z, a.x.y * x + a.y.y * y + ny * z,
+                      a.x.z * x + a.y.z * y + nz * z};
 }
+
+LEAF void FN(cloth_diffuse_lanes)(const FN(cloth) * c, size_t count, const int *lane, int flat,
+                                  const int *part, const real *u3, const real *u1, const real *u2,
+                                  real (*to)[BLOCK]) {
+  const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  real *wx = to[0], *wy = to[1], *wz = to[2];
+#pragma omp simd
+  for (size_t j = 0; j < count; j++) {
+    const int i = lane[j];
+    const FN(triple) w =
+        FN(cloth_diffuse_lane)(flat ? 0 : nx[i], flat ? 0 : ny[i], flat ? 1 : nz[i], flat,
+                               part[i] == CLOTH_BEHIND, u3[i], u1[i], u2[i]);
+    wx[j] = w.x;
+    wy[j] = w.y;
+    wz[j] = w.z;
+  }
+}
+
+/* Those of the lanes that are listed, into wi. */
+static void FN(cloth_draw_diffuse)(const FN(cloth) * c, size_t count, const int *lane,
+                                   const int *part, const real *u3, const real *u1, const real *u2,
+                                   real *const wi[3]) {
+  real w[3][BLOCK];
+  if (c->flat)
+    FN(cloth_diffuse_lanes)(c, count, lane, 1, part, u3, u1, u2, w);
+  else
+    FN(cloth_diffuse_lanes)(c, count, lane, 0, part, u3, u1, u2, w);
+  for (size_t j = 0; j < count; j++)
+    for (int a = 0; a < 3; a++)
+      wi[a][lane[j]] = w[a][j];
+}
+
+/* The part that u3 chooses, or -1 where the eye sees none; what is left of u3 is uniform again. */
+static void FN(cloth_choose)(const FN(cloth) * c, const real *const wo[3], real (*share)[BLOCK],
+                             real *restrict u3, int *restrict part) {
+  const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  const real *ox = wo[0], *oy = wo[1], *oz = wo[2];
+  const real *s0 = share[0], *s1 = share[1], *s2 = share[2], *s3 = share[3];
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++) {
+    const real a = s0[i], b = s1[i], d = s2[i], e = s3[i];
+    const real co = nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i];
+    real u = u3[i], chosen = a;
+    /* never beyond the last that is there */
+    const int first = (FN(maximum)(FN(maximum)(b, d), e) > 0) & (u >= a);
+    u -= first ? a : 0;
+    chosen = first ? b : chosen;
+    const int second = first & (FN(maximum)(d, e) > 0) & (u >= b);
+    u -= second ? b : 0;
+    chosen = second ? d : chosen;
+    const int third = second & (e > 0) & (u >= d);
+    u -= third ? d : 0;
+    chosen = third ? e : chosen;
+    const int seen = (FN(minimum)(co, oz[i]) > 0) & (chosen > 0);
+    u3[i] = seen ? FN(minimum)(u / FN(maximum)(chosen, R(1e-20)), BELOW_ONE) : u3[i];
+    part[i] = seen ? first + second + third : -1;
+  }
+}
+_Static_assert(CLOTH_PARTS == 4, "as many as are written out above");
 
 /* Draws by the rule of `hard` for eyes wo; u3 is used up. wi is 0 where nothing was found. */
 static void FN(cloth_draw)(const shade_fabric *f, const FN(cloth) * c, const real *const wo[3],
                            real *u3, const real *u1, const real *u2, real *const wi[3]) {
-  FN(lists) lists[2];
+  enum { MATT = 2 * CLOTH_KINDS }; /* the key of what is diffuse; of lobes that of kind and side */
+  static const int lobes[][2] = {{CLOTH_WEFT, 0}, {CLOTH_WARP, 1},   {CLOTH_FAR, 0},
+                                 {CLOTH_FAR, 1},  {CLOTH_SINGLE, 0}, {CLOTH_SINGLE, 1}};
   real share[CLOTH_PARTS][BLOCK];
+  int part[BLOCK], lane[BLOCK];
+  unsigned char key[BLOCK];
   const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  real *wx = wi[0], *wy = wi[1], *wz = wi[2];
   FN(cloth_shares)(f, c, wo, share);
-  memset(lists[0].count, 0, sizeof lists[0].count);
-  memset(lists[1].count, 0, sizeof lists[1].count);
+  FN(cloth_choose)(c, wo, share, u3, part);
+#pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    wi[0][i] = wi[1][i] = wi[2][i] = 0;
-    const real co = nx[i] * wo[0][i] + ny[i] * wo[1][i] + nz[i] * wo[2][i];
-    if (c->kind[i] == CLOTH_VOID || !(FN(minimum)(co, wo[2][i]) > 0))
-      continue;
-    int part = 0, last = -1;
-    real u = u3[i];
-    for (int k = 0; k < CLOTH_PARTS; k++)
-      last = share[k][i] > 0 ? k : last;
-    while (part < last && u >= share[part][i])
-      u -= share[part++][i];
-    if (last < 0)
-      continue;
-    u3[i] = u = FN(minimum)(u / FN(maximum)(share[part][i], R(1e-20)), BELOW_ONE);
-    if (part < CLOTH_DIFFUSE) {
-      lists[part].lane[0][c->kind[i]][lists[part].count[0][c->kind[i]]++] = (int)i;
-    } else {
-      real w[3];
-      FN(cloth_draw_diffuse)(c, i, part == CLOTH_BEHIND, u, u1[i], u2[i], w);
-      for (int a = 0; a < 3; a++)
-        wi[a][i] = w[a];
-    }
+    const unsigned char kind = c->kind[i], of = (unsigned char)part[i]; /* none: 255 */
+    const unsigned char lobe = (unsigned char)(kind + (of ? CLOTH_KINDS : 0));
+    const unsigned char some = of < CLOTH_DIFFUSE ? lobe : (unsigned char)MATT;
+    key[i] = kind == CLOTH_VOID || of >= CLOTH_PARTS ? (unsigned char)CLOTH_VOID : some;
   }
-  for (int k = 0; k < 2; k++)
-    for (int kind = 0; kind < CLOTH_VOID; kind++)
-      FN(cloth_draw_lobes)(f, c, &lists[k], kind, k, wo, u3, u1, u2, wi);
+  for (int a = 0; a < 3; a++)
+    memset(wi[a], 0, c->count * sizeof *wi[a]);
+  const size_t matt = FN(cloth_pick)(c->count, key, MATT, lane);
+  FN(cloth_draw_diffuse)(c, matt, lane, part, u3, u1, u2, wi);
+  for (size_t j = 0; j < sizeof lobes / sizeof lobes[0]; j++) {
+    const int kind = lobes[j][0], k = lobes[j][1];
+    const size_t count = FN(cloth_pick)(c->count, key, kind + k * CLOTH_KINDS, lane);
+    FN(cloth_draw_lobes)(f, c, count, lane, kind, k, wo, u3, u1, u2, wi);
+  }
+#pragma omp simd
   for (size_t i = 0; i < c->count; i++) { /* unit, and on one side of both horizons */
-    real size2 = wi[0][i] * wi[0][i] + wi[1][i] * wi[1][i] + wi[2][i] * wi[2][i];
-    real ci = nx[i] * wi[0][i] + ny[i] * wi[1][i] + nz[i] * wi[2][i];
-    real scale = size2 > R(0.25) && ci * wi[2][i] > 0 ? 1 / FN(root)(size2) : 0;
-    for (int a = 0; a < 3; a++)
-      wi[a][i] *= scale;
+    real size2 = wx[i] * wx[i] + wy[i] * wy[i] + wz[i] * wz[i];
+    real ci = nx[i] * wx[i] + ny[i] * wy[i] + nz[i] * wz[i];
+    int found = (size2 > R(0.25)) & (ci * wz[i] > 0);
+    real scale = found ? 1 / FN(root)(FN(maximum)(size2, TINY)) : 0;
+    wx[i] *= scale;
+    wy[i] *= scale;
+    wz[i] *= scale;
   }
 }
 

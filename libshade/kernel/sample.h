@@ -79,6 +79,49 @@ static void FN(draw_block)(const bsdf *b, const FN(block) * s, FN(draw_room) * m
   FN(pass_settle)(size, wi[0], wi[1], wi[2], lost);
 }
 
+/*
+ * Directions alone, of a lobe as cloth has them: rigid or warped, horizon `hard`, nothing diffuse.
+ * A block at most; 0 where there is none.
+ */
+static void FN(draw_lobe)(const bsdf *given, size_t count, const FN(vec) * n, const FN(vec) * wo,
+                          const FN(varied) * varied, real *u1, real *u2, real *const wi[3]) {
+  FN(mended) room;
+  FN(varied_room) each;
+  FN(draw_room) draw;
+  ROOM lost[BLOCK], pdf[BLOCK];
+  bsdf copy;
+  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
+  FN(block) s;
+  FN(start_block)(b, &s);
+  s.count = count;
+  s.n = *n;
+  s.wo = *wo;
+  s.wi = (FN(vec)){NULL, NULL, NULL};
+  FN(vec) *const v[3] = {&s.n, &s.wo, NULL};
+  FN(mend_block)(count, 2, v, &room);
+  if (varied)
+    FN(read_varied)(b, varied, 0, 1, &s, &each);
+  FN(prepare_shares)(b, &s, &draw);
+  FN(draw_block)(b, &s, &draw, u1, u2, wi, lost);
+  s.wi = (FN(vec)){wi[0], wi[1], wi[2]};
+  /* what the density is 0 for: a rigid lobe's beyond the horizons only */
+  if (b->warp == SHADE_RIGID)
+    FN(pass_cosines)(b, count, s.n, s.wi, s.wo, draw.cosi, pdf);
+  else
+    FN(density_block)(b, &s, &draw, pdf);
+  if (varied && each.turned)
+    FN(pass_turn_back)(count, each.c, each.s, each.mirror, wi[0], wi[1]);
+  real *restrict wx = wi[0], *restrict wy = wi[1], *restrict wz = wi[2];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int found = (lost[i] == 0) & (pdf[i] > 0);
+    const real keep = found ? R(1.0) : R(0.0);
+    wx[i] *= keep;
+    wy[i] *= keep;
+    wz[i] *= keep;
+  }
+}
+
 static unsigned FN(sample_batch)(const bsdf *given, size_t count, const FN(shade_sample_lanes) * in,
                                  const FN(varied) * varied, const FN(shade_sample_result) * out) {
   FN(mended) room;

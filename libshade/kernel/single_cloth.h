@@ -82,10 +82,6 @@ typedef struct FN(near_side) {
 typedef struct FN(near_sent) {
   real shine[2], matt[3];
 } FN(near_sent);
-static int FN(is_usual)(const bsdf *b) {
-  return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
-         b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
-}
 
 #define NEAR_SUM(NAME, word, value, label, help)                                                   \
   static void FN(near_sum_##word)(const FN(cloth) * c, size_t count, const FN(near_side) given[2], \
@@ -397,17 +393,18 @@ static unsigned FN(cloth_mean)(const shade_fabric *f, const FN(cloth) * c, const
   return status;
 }
 
-/* s of every lane; rgb does not overlap wi. Returns status bits. */
+/* As cloth_block. */
 static unsigned FN(kernel_cloth)(const shade_fabric *f, const FN(cloth) * c,
-                                 const real *const wi[3], real *const rgb[3]) {
-  if (c->count != 1 || f->horizon == SHADE_HORIZON_SCHUESSLER)
-    return FN(cloth_block)(f, c, wi, rgb);
+                                 const real *const wi[3], real *const *rgb, real *pdf) {
+  if (!rgb || c->count != 1 || f->horizon == SHADE_HORIZON_SCHUESSLER)
+    return FN(cloth_block)(f, c, wi, rgb, pdf);
   const real w[3] = {wi[0][0], wi[1][0], wi[2][0]};
   real s[3];
+  const unsigned more = pdf ? FN(cloth_block)(f, c, wi, NULL, pdf) : SHADE_OK;
   const unsigned status = FN(cloth_mean)(f, c, w, s);
   for (int a = 0; a < 3; a++)
     rgb[a][0] = s[a];
-  return status;
+  return status | more;
 }
 
 /* The mean of s over the terms of one hit, for one light. Returns status bits. */
@@ -422,7 +419,7 @@ static unsigned FN(kernel_cloth_hit)(const shade_fabric *f, const FN(cloth) * c,
       w[a][i] = wi[a];
   const real *const from[3] = {w[0], w[1], w[2]};
   real *const to[3] = {rgb[0], rgb[1], rgb[2]};
-  const unsigned status = FN(cloth_block)(f, c, from, to);
+  const unsigned status = FN(cloth_block)(f, c, from, to, NULL);
   for (int a = 0; a < 3; a++) {
     s[a] = 0;
     for (size_t i = 0; i < c->count; i++)

@@ -63,21 +63,17 @@ static unsigned FN(run_block)(const shade_fabric *f, const FN(cloth) * c, FN(job
     wi[1] = in->wiy + start;
     wi[2] = in->wiz + start;
   }
-  real room[3][LANES];
-  if (job == FN(JOB_SAMPLE)) /* a draw that found nothing is no direction */
-    for (int a = 0; a < 3; a++) {
-      for (size_t i = 0; i < c->count; i++)
-        room[a][i] = a == 2 && wi[0][i] == 0 && wi[1][i] == 0 && wi[2][i] == 0 ? R(1.0) : wi[a][i];
-    }
-  const real *const w[3] = {job == FN(JOB_SAMPLE) ? room[0] : wi[0],
-                            job == FN(JOB_SAMPLE) ? room[1] : wi[1],
-                            job == FN(JOB_SAMPLE) ? room[2] : wi[2]};
-  if (job != FN(JOB_PDF)) {
-    real *const rgb[3] = {out->r + start, out->g + start, out->b + start};
-    status |= isa->FN(cloth)(f, c, w, rgb);
+  real room[LANES];
+  const real *w[3] = {wi[0], wi[1], wi[2]};
+  if (job == FN(JOB_SAMPLE)) { /* a draw that found nothing is no direction */
+    for (size_t i = 0; i < c->count; i++)
+      room[i] = wi[0][i] == 0 && wi[1][i] == 0 && wi[2][i] == 0 ? R(1.0) : wi[2][i];
+    w[2] = room;
   }
-  if (out->pdf)
-    status |= isa->FN(cloth_pdf)(f, c, w, out->pdf + start);
+  real *const rgb[3] = {out->r ? out->r + start : NULL, out->g ? out->g + start : NULL,
+                        out->b ? out->b + start : NULL};
+  real *pdf = out->pdf ? out->pdf + start : NULL;
+  status |= isa->FN(cloth)(f, c, w, job == FN(JOB_PDF) ? NULL : rgb, pdf);
   if (job == FN(JOB_SAMPLE))
     for (size_t i = start; i < start + c->count; i++)
       if (!(out->pdf[i] > 0) || (out->wix[i] == 0 && out->wiy[i] == 0 && out->wiz[i] == 0)) {

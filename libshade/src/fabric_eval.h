@@ -167,7 +167,7 @@ real FN(shade_fabric_hit_pdf)(const shade_fabric *f, const FN(shade_fabric_hit) 
   const real *part = FN(cloth_row)(&c, CLOTH_PART), *w[3];
   real room[3][TERMS], pdf[TERMS], sum = 0;
   FN(spread)(wi, c.count, room, w);
-  const unsigned bits = shade_isa_tables[f->isa]->FN(cloth_pdf)(f, &c, w, pdf);
+  const unsigned bits = shade_isa_tables[f->isa]->FN(cloth)(f, &c, w, NULL, pdf);
   for (size_t i = 0; i < c.count; i++)
     sum += part[i] * pdf[i];
   if (status)

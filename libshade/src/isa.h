@@ -66,15 +66,11 @@ typedef struct shade_isa_table {
   unsigned (*cloth_preparef)(const shade_fabric *, const shade_fabric_lanesf *, size_t,
                              shade_fabric_tier, struct clothf *);
   unsigned (*cloth)(const shade_fabric *, const struct cloth *, const double *const[3],
-                    double *const[3]);
+                    double *const *, double *);
   unsigned (*clothf)(const shade_fabric *, const struct clothf *, const float *const[3],
-                     float *const[3]);
+                     float *const *, float *);
   unsigned (*cloth_hit)(const shade_fabric *, const struct cloth *, const double[3], double[3]);
   unsigned (*cloth_hitf)(const shade_fabric *, const struct clothf *, const float[3], float[3]);
-  unsigned (*cloth_pdf)(const shade_fabric *, const struct cloth *, const double *const[3],
-                        double *);
-  unsigned (*cloth_pdff)(const shade_fabric *, const struct clothf *, const float *const[3],
-                         float *);
   unsigned (*cloth_draw)(const shade_fabric *, const struct cloth *, const double *const[3],
                          double *const[3]);
   unsigned (*cloth_drawf)(const shade_fabric *, const struct clothf *, const float *const[3],
