@@ -13,9 +13,10 @@ typedef struct FN(table_spot) {
  */
 LEAF FN(table_spot)
     FN(table_find)(real x, real y, real z, real size, real right, real top, int columns) {
-  const real length = FN(root)(y * y + z * z);
-  const real px = (1 + x / (size + length + TINY)) * (R(0.5) * right);
-  const real py = (1 + y / (length + z + TINY)) * (R(0.5) * top);
+  const real length = FN(root)(y * y + z * z), over_x = size + length, over_y = length + z;
+  const real inverse = 1 / FN(maximum)(over_x * over_y, LEAST_NORMAL); /* of both at once */
+  const real px = (1 + x * (over_y * inverse)) * (R(0.5) * right);
+  const real py = (1 + y * (over_x * inverse)) * (R(0.5) * top);
   const real i = FN(minimum)(FN(maximum)(px, 0), right), j = FN(minimum)(FN(maximum)(py, 0), top);
   const int32_t a = (int32_t)FN(minimum)(i, right - 1), b = (int32_t)FN(minimum)(j, top - 1);
   const FN(table_spot) spot = {a + b * columns, i - (real)a, j - (real)b};
@@ -27,13 +28,21 @@ typedef struct FN(table_place) {
   ROOM x[BLOCK], y[BLOCK];
 } FN(table_place);
 
-static void FN(pass_table_find)(size_t count, FN(vec) v, int columns, int rows,
-                                FN(table_place) *restrict p) {
+/*
+ * n as a number that compilers do not know: of bounds they know, gcc makes a branch for each order
+ * of what is between them, and of those several masks a lane, where two instructions would do.
+ */
+LEAF real FN(table_bound)(const fabric_table *table, int n) {
+  return (real)(table->columns > 0 ? n : 0);
+}
+
+/* Of the diffuse part; last: its last column and row. */
+static void FN(pass_table_find)(size_t count, FN(vec) v, real last, FN(table_place) *restrict p) {
   ARRAYS(v);
-  const real right = (real)(columns - 1), top = (real)(rows - 1);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const FN(table_spot) spot = FN(table_find)(vx[i], vy[i], vz[i], 1, right, top, columns);
+    const FN(table_spot) spot =
+        FN(table_find)(vx[i], vy[i], vz[i], 1, last, last, FABRIC_MATT_SIDE);
     p->at[i] = spot.at;
     p->x[i] = spot.x;
     p->y[i] = spot.y;
@@ -86,46 +95,74 @@ static void FN(pass_table_find_half)(size_t count, FN(vec) wi, FN(vec) wo, int c
 }
 
 /* The integral from 0 to t of min(1, (1 + t) / (1 - t)) within -1 to 1. */
-LEAF real FN(table_integral)(real t) {
-  const real up = FN(minimum)(FN(maximum)(t, 0), 1), down = FN(minimum)(FN(maximum)(-t, 0), 1);
-  return up - down + down * down * SHADE_SEEN(down);
+LEAF real FN(table_integral)(real t, real one) {
+  const real u = FN(minimum)(FN(maximum)(t, -one), one), down = FN(maximum)(-u, 0);
+  return u + down * down * SHADE_SEEN(down);
 }
 
 /*
  * What a lane has for all strips: h' and d, turned along the fibres as its lobes are; the cosine
- * of h with wo, not quite 0.
+ * of h with wo, not quite 0, and its inverse.
  */
 typedef struct FN(table_turned) {
-  real h, hx, hy, d, dx, dy, variance, cosine;
+  real h, hx, hy, d, dx, dy, variance, cosine, per_cosine;
 } FN(table_turned);
 
 LEAF FN(table_turned)
     FN(table_turn)(real ix, real iy, real iz, real ox, real oy, real oz, real s, real variance) {
   const real hx = R(0.5) * (ix + ox), hy = R(0.5) * (iy + oy), hz = R(0.5) * (iz + oz);
   const real dx = R(0.5) * (ix - ox), dy = R(0.5) * (iy - oy), dz = R(0.5) * (iz - oz);
-  const real c = FN(root)(FN(maximum)(1 - s * s, R(1e-4))), slope = s / c;
+  const real c = FN(root)(FN(maximum)(1 - s * s, R(1e-4)));
+  const real cosine = FN(maximum)(FN(root)(hx * hx + hy * hy + hz * hz), R(1e-6));
+  const real inverse = 1 / (c * cosine), slope = s * cosine * inverse;
   const FN(table_turned) v = {
-      s * hx + c * hz,
-      hx - slope * hz,
-      hy,
-      s * dx + c * dz,
-      dx - slope * dz,
-      dy,
-      variance,
-      FN(maximum)(FN(root)(hx * hx + hy * hy + hz * hz), R(1e-6)),
+      s * hx + c * hz, hx - slope * hz, hy,          s * dx + c * dz, dx - slope * dz, dy,
+      variance,        cosine,          c * inverse,
   };
   return v;
 }
 
-/* The mean of min(1, n.wi / n.wo) within both horizons over a strip. */
-LEAF real FN(table_strip)(FN(table_turned) v, real tilt, real spread) {
-  const real per = 1 / FN(maximum)(v.h + tilt * v.hy, R(1e-3) * v.cosine);
+/* Of a strip n.h', then by its inverse t over the strip: the mean, and half an even spread's width,
+ * never so narrow that the difference below loses its digits. */
+LEAF real FN(table_over)(FN(table_turned) v, real tilt) {
+  return FN(maximum)(v.h + tilt * v.hy, R(1e-3) * v.cosine);
+}
+typedef struct FN(table_strip) {
+  real t, half;
+} FN(table_strip);
+LEAF FN(table_strip) FN(table_strip_of)(FN(table_turned) v, real tilt, real spread, real per) {
   const real t = (v.d + tilt * v.dy) * per;
   const real along = (v.dx - t * v.hx) * per, across = (v.dy - t * v.hy) * per;
   const real variance = along * along * v.variance + across * across * spread;
-  /* an even spread's half width; never so narrow that the difference below loses its digits */
-  const real half = FN(root)(FN(maximum)(3 * variance, R(1e-6))), inverse = 1 / half;
-  return (FN(table_integral)(t + half) - FN(table_integral)(t - half)) * inverse;
+  return (FN(table_strip)){t, FN(root)(FN(maximum)(3 * variance, R(1e-6)))};
+}
+
+/* The mean of min(1, n.wi / n.wo) within both horizons over a strip, times twice that half. */
+LEAF real FN(table_width)(FN(table_strip) s, real one) {
+  return FN(table_integral)(s.t + s.half, one) - FN(table_integral)(s.t - s.half, one);
+}
+
+/* 1/a, 1/b and 1/c: a division takes as long as ten products. */
+LEAF FN(triple) FN(inverses)(real a, real b, real c) {
+  const real ab = a * b, all = 1 / (ab * c);
+  return (FN(triple)){b * c * all, a * c * all, ab * all};
+}
+
+/* Those of three strips, times their D. */
+typedef struct FN(table_strips) {
+  real d[3], tilt[3], spread[3], one;
+} FN(table_strips);
+
+LEAF real FN(table_three)(FN(table_turned) v, FN(table_strips) s, real d0, real d1, real d2) {
+  const FN(triple) per = FN(inverses)(FN(table_over)(v, s.tilt[0]), FN(table_over)(v, s.tilt[1]),
+                                      FN(table_over)(v, s.tilt[2]));
+  const FN(table_strip) a = FN(table_strip_of)(v, s.tilt[0], s.spread[0], per.x);
+  const FN(table_strip) b = FN(table_strip_of)(v, s.tilt[1], s.spread[1], per.y);
+  const FN(table_strip) c = FN(table_strip_of)(v, s.tilt[2], s.spread[2], per.z);
+  const FN(triple) one = FN(inverses)(a.half, b.half, c.half);
+  return s.d[0] * d0 * (FN(table_width)(a, s.one) * one.x) +
+         s.d[1] * d1 * (FN(table_width)(b, s.one) * one.y) +
+         s.d[2] * d2 * (FN(table_width)(c, s.one) * one.z);
 }
 
 static void FN(pass_table_spec)(const fabric_table *table, size_t count,
@@ -134,22 +171,24 @@ static void FN(pass_table_spec)(const fabric_table *table, size_t count,
   ARRAYS(wi);
   ARRAYS(wo);
   const real sine = (real)table->unit[FABRIC_ALONG], square = (real)table->unit[FABRIC_VARIANCE];
-  real d[FABRIC_STRIPS], tilt[FABRIC_STRIPS], spread[FABRIC_STRIPS];
-  for (int k = 0; k < FABRIC_STRIPS; k++) {
-    d[k] = (real)table->scale[k];
-    tilt[k] = (real)table->tilt[k];
-    spread[k] = (real)table->spread[k];
+  FN(table_strips) low, high;
+  low.one = high.one = FN(table_bound)(table, 1);
+  for (int k = 0; k < 3; k++) {
+    low.d[k] = (real)table->scale[k];
+    low.tilt[k] = (real)table->tilt[k];
+    low.spread[k] = (real)table->spread[k];
+    high.d[k] = (real)table->scale[k + 3];
+    high.tilt[k] = (real)table->tilt[k + 3];
+    high.spread[k] = (real)table->spread[k + 3];
   }
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const FN(table_turned) v =
         FN(table_turn)(wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i],
                        sine * f[i][FABRIC_ALONG] - 1, square * f[i][FABRIC_VARIANCE]);
-#define STRIP(k) d[k] * f[i][k] * FN(table_strip)(v, tilt[k], spread[k])
-    /* gcc unrolls no loop within one */
-    const real sum = STRIP(0) + STRIP(1) + (STRIP(2) + STRIP(3)) + (STRIP(4) + STRIP(5));
-#undef STRIP
-    spec[i] = FN(minimum)(wiz[i], woz[i]) > 0 ? sum / v.cosine : 0;
+    const real sum = FN(table_three)(v, low, f[i][0], f[i][1], f[i][2]) +
+                     FN(table_three)(v, high, f[i][3], f[i][4], f[i][5]);
+    spec[i] = FN(minimum)(wiz[i], woz[i]) > 0 ? sum * v.per_cosine : 0;
   }
 }
 _Static_assert(FABRIC_STRIPS == 6, "as many as are written out above");
@@ -172,12 +211,13 @@ static void FN(table_block)(const fabric_table *table, size_t count, FN(vec) wi,
                             real *spec, real *matt) {
   FN(table_place) place;
   ROOM fields[BLOCK][FABRIC_FIELDS], a[BLOCK][FABRIC_RANK], b[BLOCK][FABRIC_RANK];
+  const real last = FN(table_bound)(table, FABRIC_MATT_SIDE - 1);
   FN(pass_table_find_half)(count, wi, wo, table->columns, table->rows, &place);
   FN(pass_table_fetch_spec)(count, table->spec, table->columns, &place, fields);
   FN(pass_table_spec)(table, count, fields, wi, wo, spec);
-  FN(pass_table_find)(count, wi, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE, &place);
+  FN(pass_table_find)(count, wi, last, &place);
   FN(pass_table_fetch_matt)(count, table->matt[0], FABRIC_MATT_SIDE, &place, a);
-  FN(pass_table_find)(count, wo, FABRIC_MATT_SIDE, FABRIC_MATT_SIDE, &place);
+  FN(pass_table_find)(count, wo, last, &place);
   FN(pass_table_fetch_matt)(count, table->matt[1], FABRIC_MATT_SIDE, &place, b);
   FN(pass_table_matt)(table, count, a, b, wi.z, wo.z, matt);
 }
@@ -202,13 +242,15 @@ LEAF void FN(table_answer)(const FN(table_query) * q, const FN(table_spot) at[3]
       (real)table->unit[FABRIC_VARIANCE] * f[FABRIC_VARIANCE]);
   real sum = 0, more = 0;
 #pragma omp simd reduction(+ : sum)
-  for (int k = 0; k < FABRIC_FIELDS; k++)
-    sum += (real)table->scale[k] * f[k] *
-           FN(table_strip)(v, (real)table->tilt[k], (real)table->spread[k]);
+  for (int k = 0; k < FABRIC_FIELDS; k++) {
+    const real tilt = (real)table->tilt[k], per = 1 / FN(table_over)(v, tilt);
+    const FN(table_strip) strip = FN(table_strip_of)(v, tilt, (real)table->spread[k], per);
+    sum += (real)table->scale[k] * f[k] * (FN(table_width)(strip, 1) / strip.half);
+  }
   for (int k = 0; k < FABRIC_RANK; k++)
     more += (real)table->matt_unit[k] * a[k] * b[k];
   const int lit = FN(minimum)(i[2], o[2]) > 0;
-  *spec = lit ? sum / v.cosine : 0;
+  *spec = lit ? sum * v.per_cosine : 0;
   *matt = lit ? FN(maximum)(more, 0) : 0;
 }
 
