@@ -325,6 +325,35 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
   }
 }
 
+/* Ashikhmin and Shirley's yarns, carried by `rotate`. */
+static int FN(is_usual)(const bsdf *b) {
+  return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
+         b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
+}
+
+/* spec of kernel_yarn, the mean over nodes, of usual lobes under one pair of light and eye. */
+static real FN(shine_usual)(const fabric_nodes *nodes, real kx, real ky, real peak, FN(triple) wi,
+                            FN(triple) wo) {
+  const real *restrict nx = nodes->FN(x), *restrict ny = nodes->FN(y), *restrict nz = nodes->FN(z);
+  const real *restrict weight = nodes->FN(weight);
+  const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;
+  const real hwo = FN(half_cosine)(hx, hy, hz);
+  const size_t m = FABRIC_WHOLE((size_t)nodes->count);
+  real sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (size_t i = 0; i < m; i++) {
+    const real x = nx[i], y = ny[i], z = nz[i], part = weight[i];
+    const real d =
+        FN(ashikhmin_shirley)(FN(detail_rotate_ratio)(x, y, z, hx, hy, hz), kx, ky, peak);
+    const real ci = FN(dot)(x, y, z, XYZ(wi));
+    const real co = FN(lit_cosine)(ci, FN(dot)(x, y, z, XYZ(wo)), wi.z, wo.z);
+    const FN(angles) a = {hwo, ci, co, 1, 1};
+    const real one = part * (FN(brdf_ashikhmin_shirley)(d, a) * ci);
+    sum += co > 0 ? one : 0;
+  }
+  return sum;
+}
+
 /*
  * spec of kernel_yarn, the mean over nodes, of lobes of Ashikhmin and Shirley's BRDF. Lane by lane:
  * light, eye and h are the same for all nodes, and h is made once.
@@ -345,12 +374,19 @@ static void FN(cloth_shine)(const bsdf *given, const fabric_nodes *nodes, const 
   FN(block) s = {.shape = FN(own_shape)(b), .count = g->count};
   if (varied)
     FN(read_varied)(b, varied, 0, 0, &s, &each);
+  const int usual = VECTOR_BYTES > 16 && FN(is_usual)(b); /* else too few registers */
   for (size_t j = 0; j < g->count; j++) {
+    const size_t own = s.shape.varies ? j : 0;
+    if (usual) {
+      const FN(triple) wi = {g->wi[0][j], g->wi[1][j], g->wi[2][j]};
+      const FN(triple) wo = {g->wo[0][j], g->wo[1][j], g->wo[2][j]};
+      spec[j] = FN(shine_usual)(nodes, s.shape.kx[own], s.shape.ky[own], s.shape.peak[own], wi, wo);
+      continue;
+    }
     const real ix = g->wi[0][j], iy = g->wi[1][j], iz = g->wi[2][j];
     const real ox = g->wo[0][j], oy = g->wo[1][j], oz = g->wo[2][j];
     const real hwo = FN(half_cosine)(ix + ox, iy + oy, iz + oz);
     const real unit = FN(scale_to_unit)(ix + ox, iy + oy, iz + oz); /* for the warps */
-    const size_t own = s.shape.varies ? j : 0;
     const FN(shape) shape = {.kx = s.shape.kx + own,
                              .ky = s.shape.ky + own,
                              .peak = s.shape.peak + own,
@@ -385,7 +421,7 @@ static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered
   FN(gathered) far;
   real share[BLOCK], one[BLOCK];
   int any = 0;
-  FN(kernel_table)(s->table, g->count, wi, wo, spec, matt);
+  FN(kernel_table)(s->table, g->count, wi, wo, g->dull ? NULL : spec, matt);
   if (g->dull) { /* the diffuse part has no gloss */
     FN(cloth_shine)(b, &s->nodes, g, spec);
     return;
@@ -473,8 +509,9 @@ static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_l
                              const FN(gathered) * g, FN(gathered) * to, int *at) {
   const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
   int any = 0;
-  for (size_t j = 0; j < g->count; j++)
-    any |= gloss[g->lane[j]] < 1;
+#pragma omp simd reduction(| : any)
+  for (size_t i = 0; i < c->count; i++)
+    any |= gloss[i] < 1;
   to->count = 0;
   if (!any)
     return 0;
@@ -740,10 +777,4 @@ static void FN(cloth_shadow)(const shade_fabric *f, const FN(cloth) * c, const r
     FN(cloth_shadow_lanes)(s, c->count, 0, wi, factor);
   for (int channel = 0; channel < 3; channel++)
     FN(pass_multiply)(c->count, factor, rgb[channel]);
-}
-
-/* Ashikhmin and Shirley's yarns, carried by `rotate`. */
-static int FN(is_usual)(const bsdf *b) {
-  return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
-         b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
 }

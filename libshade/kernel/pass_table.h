@@ -207,14 +207,17 @@ static void FN(pass_table_matt)(const fabric_table *table, size_t count,
   }
 }
 
+/* spec: NULL where it is not wanted. */
 static void FN(table_block)(const fabric_table *table, size_t count, FN(vec) wi, FN(vec) wo,
                             real *spec, real *matt) {
   FN(table_place) place;
   ROOM fields[BLOCK][FABRIC_FIELDS], a[BLOCK][FABRIC_RANK], b[BLOCK][FABRIC_RANK];
   const real last = FN(table_bound)(table, FABRIC_MATT_SIDE - 1);
-  FN(pass_table_find_half)(count, wi, wo, table->columns, table->rows, &place);
-  FN(pass_table_fetch_spec)(count, table->spec, table->columns, &place, fields);
-  FN(pass_table_spec)(table, count, fields, wi, wo, spec);
+  if (spec) {
+    FN(pass_table_find_half)(count, wi, wo, table->columns, table->rows, &place);
+    FN(pass_table_fetch_spec)(count, table->spec, table->columns, &place, fields);
+    FN(pass_table_spec)(table, count, fields, wi, wo, spec);
+  }
   FN(pass_table_find)(count, wi, last, &place);
   FN(pass_table_fetch_matt)(count, table->matt[0], FABRIC_MATT_SIDE, &place, a);
   FN(pass_table_find)(count, wo, last, &place);
@@ -303,13 +306,15 @@ static void FN(table_sides)(const FN(table_query) q[2], real spec[2], real matt[
     FN(table_answer)(q + k, spot + 4 * k, spec + k, matt + k);
 }
 
-/* spec and matt of kernel_yarn, the mean over the lobes of the table. */
+/* spec, if it is not NULL, and matt of kernel_yarn, the mean over the lobes of the table. */
 static void FN(kernel_table)(const fabric_table *table, size_t count, const real *const wi[3],
                              const real *const wo[3], real *spec, real *matt) {
+  real unused;
   for (size_t i = 0; count < FABRIC_FEW && i < count; i++)
-    FN(table_lane)(table, i, FN(vec_of)(wi), FN(vec_of)(wo), spec + i, matt + i);
+    FN(table_lane)
+  (table, i, FN(vec_of)(wi), FN(vec_of)(wo), spec ? spec + i : &unused, matt + i);
   for (size_t start = 0; count >= FABRIC_FEW && start < count; start += BLOCK)
     FN(table_block)
   (table, count - start < BLOCK ? count - start : BLOCK, FN(vec_from)(wi[0], wi[1], wi[2], start),
-   FN(vec_from)(wo[0], wo[1], wo[2], start), spec + start, matt + start);
+   FN(vec_from)(wo[0], wo[1], wo[2], start), spec ? spec + start : NULL, matt + start);
 }
