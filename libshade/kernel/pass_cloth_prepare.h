@@ -22,17 +22,28 @@ typedef struct cloth_seen {
   double fuzz[BLOCK];
 } cloth_seen;
 
-/* Point k of the 16 in a footprint: more of them along its longer side. */
-static void cloth_point(const double extent[2], int k, double uv[2]) {
-  int columns = 4;
-  for (; columns < FABRIC_POINTS && extent[0] * 4 > extent[1] * columns * 2; columns *= 2)
-    ;
-  for (; columns > 1 && extent[1] * columns > extent[0] * 4 * 2; columns /= 2)
-    ;
-  const int rows = FABRIC_POINTS / columns;
-  uv[0] += extent[0] * ((k % columns + 0.5) / columns - 0.5);
-  uv[1] += extent[1] * ((k / columns + 0.5) / rows - 0.5);
+/* The place of point k of the 16 in a footprint about uv: more of them along its longer side. */
+typedef struct cloth_place {
+  double u, v;
+} cloth_place;
+LEAF cloth_place cloth_point(cloth_place uv, double du, double dv, double k) {
+  double wider = du > 2 * dv ? 2 : 1, higher = dv > 2 * du ? 2 : 1;
+  wider = du > 4 * dv ? 4 : wider;
+  higher = dv > 4 * du ? 4 : higher;
+  /* columns and rows are powers of 2: so are their inverses, by which the products are exact */
+  const double columns = 4 * wider * (higher > 2 ? 0.25 : higher > 1 ? 0.5 : 1);
+  const double column = 0.25 * higher * (wider > 2 ? 0.25 : wider > 1 ? 0.5 : 1);
+  const double row = (double)(int)(k * column);
+  uv.u += du * ((k - row * columns + 0.5) * column - 0.5);
+  uv.v += dv * ((row + 0.5) * (columns * (1.0 / FABRIC_POINTS)) - 0.5);
+  return uv;
 }
+/* Which of them for a number in [0, 1). */
+LEAF double cloth_which(double r) {
+  const double k = (double)(int)(FABRIC_POINTS * r);
+  return k < FABRIC_POINTS - 1 ? k : FABRIC_POINTS - 1;
+}
+#define CLOTH_BELOW_ONE 0x1.fffffffffffffp-1
 #endif
 
 /* Room of a block that is being prepared. */
@@ -63,9 +74,9 @@ static int FN(cloth_number)(size_t count, const real *restrict from, real own, r
   return off;
 }
 
-/* Rows of near lanes from what look-ups found. */
-static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
-                                const FN(preparing) * p) {
+/* Rows of near lanes from what look-ups found; whole: lane[j] is j. */
+LEAF void FN(cloth_near_fill)(const shade_fabric *f, const FN(cloth) * c, const FN(preparing) * p,
+                              int whole) {
   const cloth_seen *s = &p->seen;
   const int *lane = p->near;
   real *mx = FN(cloth_row)(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
@@ -75,7 +86,7 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
   const double bare = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->near_count; j++) {
-    const int i = lane[j];
+    const size_t i = whole ? j : (size_t)lane[j];
     const double dx = s->dx[j], dy = s->dy[j], x = s->tx[j], y = s->ty[j];
     const int gap = s->top[j] == SHADE_TOP_GAP;
     const double seen = gap ? 0 : s->occlusion[j];
@@ -103,7 +114,8 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
     const double backing = f->backing[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
-      const int i = lane[j], k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
+      const size_t i = whole ? j : (size_t)lane[j];
+      const int k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double light = s->occlusion[j], kd = (double)(k ? kd1[i] : kd0[i]) * own[j];
       const double bright = kd * s->brightness[j];
       const double matt = gap ? 0 : light * (bright < 1 ? bright : 1) * (k ? leaves1 : leaves0);
@@ -118,7 +130,8 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
     const double kt0 = f->side[0].transmit[a], kt1 = f->side[1].transmit[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
-      const int i = lane[j], k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
+      const size_t i = whole ? j : (size_t)lane[j];
+      const int k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double colour = own[j] * s->brightness[j];
       const double kd = (double)(k ? kd1[i] : kd0[i]) * colour, kt = (k ? kt1 : kt0) * colour;
       const double left = kd < 1 ? 1 - kd : 0, passed = kt < left ? kt : left;
@@ -127,6 +140,14 @@ static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
       to1[i] = (real)(k ? all : 0);
     }
   }
+}
+
+static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
+                                const FN(preparing) * p) {
+  if (p->near_count == c->count)
+    FN(cloth_near_fill)(f, c, p, 1);
+  else
+    FN(cloth_near_fill)(f, c, p, 0);
 }
 
 /* Rows of far lanes j from columns[k * wide + j * step]; step 0: one for all. */
@@ -187,7 +208,7 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
   if (in->du && in->dv) {
     const real given[2] = {in->du[start + i], in->dv[start + i]};
     for (int a = 0; a < 2; a++) {
-      extent[a] = given[a] > 0 ? fmin((double)given[a], 1e9) : 0;
+      extent[a] = given[a] > 0 ? given[a] < R(1e9) ? (double)given[a] : 1e9 : 0;
       if (!(given[a] >= 0))
         status |= SHADE_BAD_INPUT;
     }
@@ -195,8 +216,8 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
   double r = in->random ? (double)in->random[start + i] : 0;
   if (r != r)
     status |= SHADE_BAD_INPUT;
-  r = r > 0 ? fmin(r, 0x1.fffffffffffffp-1) : 0;
-  const double longer = fmax(extent[0], extent[1]);
+  r = r > 0 ? r < CLOTH_BELOW_ONE ? r : CLOTH_BELOW_ONE : 0;
+  const double longer = extent[0] > extent[1] ? extent[0] : extent[1];
   const double share = tier == SHADE_TIER_AUTO ? fabric_far_share(longer) : tier != SHADE_TIER_NEAR;
   p->u[i] = uv[0];
   p->v[i] = uv[1];
@@ -206,13 +227,14 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
     p->far[p->far_count++] = (int)i;
     return status;
   }
+  cloth_place at = {uv[0], uv[1]};
   if (longer > 0 && tier == SHADE_TIER_AUTO) {
-    const double left = fmax(r - share, 0) / (1 - share);
-    cloth_point(extent, (int)fmin(floor(FABRIC_POINTS * left), FABRIC_POINTS - 1), uv);
+    const double left = (r > share ? r - share : 0) / (1 - share);
+    at = cloth_point(at, extent[0], extent[1], cloth_which(left));
   }
   /* near lanes' places stand at the front, in the order of the list */
-  p->seen.tx[p->near_count] = uv[0];
-  p->seen.ty[p->near_count] = uv[1];
+  p->seen.tx[p->near_count] = at.u;
+  p->seen.ty[p->near_count] = at.v;
   p->near[p->near_count++] = (int)i;
   return status;
 }
@@ -252,6 +274,49 @@ static unsigned FN(cloth_all_far)(const FN(shade_fabric_lanes) * in, size_t star
     bad |= !((wide >= 0) & (high >= 0));
   }
   p->far_count = size;
+  return bad ? SHADE_BAD_INPUT : SHADE_OK;
+}
+
+/* Whether no footprint reaches beyond the near model. */
+static int FN(cloth_no_far)(const FN(shade_fabric_lanes) * in, size_t start, size_t size) {
+  int far = 0;
+  if (!in->du || !in->dv)
+    return 1;
+  const real *du = in->du + start, *dv = in->dv + start;
+  const real to = (real)FABRIC_NEAR_TO;
+#pragma omp simd reduction(| : far)
+  for (size_t i = 0; i < size; i++)
+    far |= (du[i] > to) | (dv[i] > to);
+  return !far;
+}
+
+/* What cloth_term does where all is near. */
+static unsigned FN(cloth_all_near)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
+                                   shade_fabric_tier tier, FN(preparing) * p) {
+  const real *u = in->u + start, *v = in->v + start;
+  const int spans = in->du && in->dv, moves = tier == SHADE_TIER_AUTO;
+  const real *du = spans ? in->du + start : u, *dv = spans ? in->dv + start : v;
+  const real *random = in->random ? in->random + start : u;
+  const int some = in->random != NULL;
+  double *restrict to_u = p->seen.tx, *restrict to_v = p->seen.ty;
+  int *restrict near = p->near, bad = 0;
+#pragma omp simd reduction(| : bad)
+  for (size_t i = 0; i < size; i++) {
+    const double given_du = (double)du[i], given_dv = (double)dv[i];
+    const double x = (double)u[i], y = (double)v[i];
+    const double wide = spans ? given_du : 0, high = spans ? given_dv : 0;
+    const double given_random = (double)random[i], number = some ? given_random : 0;
+    double r = number > 0 ? number : 0;
+    r = r < CLOTH_BELOW_ONE ? r : CLOTH_BELOW_ONE;
+    const double w = wide > 0 ? wide : 0, h = high > 0 ? high : 0;
+    const cloth_place from = {x - x == 0 ? x : 0, y - y == 0 ? y : 0};
+    const cloth_place to = cloth_point(from, moves ? w : 0, moves ? h : 0, cloth_which(r));
+    to_u[i] = to.u;
+    to_v[i] = to.v;
+    near[i] = (int)i;
+    bad |= !((wide >= 0) & (high >= 0)) | !(number == number);
+  }
+  p->near_count = size;
   return bad ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
@@ -429,6 +494,9 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
     status |= FN(cloth_all_far)(in, start, size, &p);
   else if (tier == SHADE_TIER_AUTO && FN(cloth_no_near)(in, start, size))
     status |= FN(cloth_all_far)(in, start, size, &p);
+  else if (tier == SHADE_TIER_NEAR ||
+           (tier == SHADE_TIER_AUTO && FN(cloth_no_far)(in, start, size)))
+    status |= FN(cloth_all_near)(in, start, size, tier, &p);
   else
     for (size_t i = 0; i < size; i++)
       status |= FN(cloth_term)(in, start, i, tier, &p);

@@ -115,12 +115,13 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
 /* What the shadows of yarns depend on. fabric_shadow.c */
 void fabric_set_shadows(shade_fabric *f);
 
-/* The far model's share of a footprint: none below .75 crossings, all from so many. */
+/* The far model's share of a footprint: none up to so many crossings, all from so many. */
+#define FABRIC_NEAR_TO 0.75
 #define FABRIC_FAR_FROM 2.0
 static inline double fabric_far_share(double extent) {
-  if (!(extent > 0.75))
+  if (!(extent > FABRIC_NEAR_TO))
     return 0;
-  double x = log2(extent / 0.75) / log2(FABRIC_FAR_FROM / 0.75);
+  double x = log2(extent / FABRIC_NEAR_TO) / log2(FABRIC_FAR_FROM / FABRIC_NEAR_TO);
   return x < 1 ? x * x * (3 - 2 * x) : 1;
 }
 
