@@ -26,6 +26,8 @@ enum {
   CLOTH_ROWS
 };
 
+enum { CLOTH_FEW = 8 }; /* lanes that fill no vector */
+
 /* Parts of a draw: the lobes of both sides, what is diffuse, what comes from behind. */
 enum { CLOTH_DIFFUSE = 2, CLOTH_BEHIND, CLOTH_PARTS };
 #endif

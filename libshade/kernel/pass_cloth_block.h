@@ -12,19 +12,34 @@ typedef struct FN(sorted) {
   int any_near;
 } FN(sorted);
 
+LEAF unsigned char FN(key_of)(unsigned char kind, real side) {
+  const unsigned char behind = (unsigned char)(kind + CLOTH_KINDS);
+  return side > 0 ? kind : side < 0 ? behind : (unsigned char)CLOTH_VOID;
+}
+LEAF real FN(near_of)(unsigned char key) {
+  return key == CLOTH_WEFT ? R(1.0) : key == CLOTH_WARP ? R(-1.0) : R(0.0);
+}
+
 static void FN(cloth_sort)(const FN(cloth) * c, const real *restrict side, FN(sorted) * s) {
   const unsigned char *restrict kinds = c->kind;
   unsigned char *restrict key = s->key;
   real *restrict near = s->near;
   int any = 0;
-#pragma omp simd
-  for (size_t i = 0; i < c->count; i++) {
-    const unsigned char kind = kinds[i], behind = (unsigned char)(kind + CLOTH_KINDS);
-    key[i] = side[i] > 0 ? kind : side[i] < 0 ? behind : (unsigned char)CLOTH_VOID;
+  if (c->count < CLOTH_FEW) {
+    for (size_t i = 0; i < c->count; i++) {
+      key[i] = FN(key_of)(kinds[i], side[i]);
+      near[i] = FN(near_of)(key[i]);
+      any |= key[i] <= CLOTH_WARP;
+    }
+    s->any_near = any;
+    return;
   }
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++)
+    key[i] = FN(key_of)(kinds[i], side[i]);
 #pragma omp simd reduction(| : any)
   for (size_t i = 0; i < c->count; i++) {
-    near[i] = key[i] == CLOTH_WEFT ? R(1.0) : key[i] == CLOTH_WARP ? R(-1.0) : R(0.0);
+    near[i] = FN(near_of)(key[i]);
     any |= key[i] <= CLOTH_WARP;
   }
   s->any_near = any;
@@ -35,6 +50,13 @@ static size_t FN(cloth_pick)(size_t count, const unsigned char *restrict key, in
                              int *restrict lane) {
   const unsigned char wanted = (unsigned char)want;
   unsigned char any = 0, others = 0;
+  size_t found = 0;
+  if (count < CLOTH_FEW) {
+    for (size_t i = 0; i < count; i++)
+      if (key[i] == wanted)
+        lane[found++] = (int)i;
+    return found;
+  }
 #pragma omp simd reduction(| : any, others)
   for (size_t i = 0; i < count; i++) {
     any |= key[i] == wanted;
@@ -48,7 +70,6 @@ static size_t FN(cloth_pick)(size_t count, const unsigned char *restrict key, in
       lane[i] = (int)i;
     return count;
   }
-  size_t found = 0;
   for (size_t i = 0; i < count; i++) {
     lane[found] = (int)i;
     found += key[i] == wanted;

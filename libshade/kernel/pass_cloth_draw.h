@@ -142,10 +142,30 @@ static void FN(cloth_choose)(const FN(cloth) * c, const real *const wo[3], real 
 }
 _Static_assert(CLOTH_PARTS == 4, "as many as are written out above");
 
+/* A key for cloth_pick, of lobes by kind and side. */
+enum { FN(KEY_MATT) = 2 * CLOTH_KINDS };
+LEAF unsigned char FN(part_key)(unsigned char kind, int part) {
+  const unsigned char of = (unsigned char)part; /* none: 255 */
+  const unsigned char lobe = (unsigned char)(kind + (of ? CLOTH_KINDS : 0));
+  const unsigned char some = of < CLOTH_DIFFUSE ? lobe : (unsigned char)FN(KEY_MATT);
+  return kind == CLOTH_VOID || of >= CLOTH_PARTS ? (unsigned char)CLOTH_VOID : some;
+}
+
+static void FN(cloth_part_keys)(const FN(cloth) * c, const int *restrict part,
+                                unsigned char *restrict key) {
+  if (c->count < CLOTH_FEW) {
+    for (size_t i = 0; i < c->count; i++)
+      key[i] = FN(part_key)(c->kind[i], part[i]);
+    return;
+  }
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++)
+    key[i] = FN(part_key)(c->kind[i], part[i]);
+}
+
 /* Draws by the rule of `hard` for eyes wo; u3 is used up. wi is 0 where nothing was found. */
 static void FN(cloth_draw)(const shade_fabric *f, const FN(cloth) * c, const real *const wo[3],
                            real *u3, const real *u1, const real *u2, real *const wi[3]) {
-  enum { MATT = 2 * CLOTH_KINDS }; /* the key of what is diffuse; of lobes that of kind and side */
   static const int lobes[][2] = {{CLOTH_WEFT, 0}, {CLOTH_WARP, 1},   {CLOTH_FAR, 0},
                                  {CLOTH_FAR, 1},  {CLOTH_SINGLE, 0}, {CLOTH_SINGLE, 1}};
   real share[CLOTH_PARTS][BLOCK];
@@ -155,21 +175,17 @@ static void FN(cloth_draw)(const shade_fabric *f, const FN(cloth) * c, const rea
   real *wx = wi[0], *wy = wi[1], *wz = wi[2];
   FN(cloth_shares)(f, c, wo, share);
   FN(cloth_choose)(c, wo, share, u3, part);
-#pragma omp simd
-  for (size_t i = 0; i < c->count; i++) {
-    const unsigned char kind = c->kind[i], of = (unsigned char)part[i]; /* none: 255 */
-    const unsigned char lobe = (unsigned char)(kind + (of ? CLOTH_KINDS : 0));
-    const unsigned char some = of < CLOTH_DIFFUSE ? lobe : (unsigned char)MATT;
-    key[i] = kind == CLOTH_VOID || of >= CLOTH_PARTS ? (unsigned char)CLOTH_VOID : some;
-  }
+  FN(cloth_part_keys)(c, part, key);
   for (int a = 0; a < 3; a++)
     memset(wi[a], 0, c->count * sizeof *wi[a]);
-  const size_t matt = FN(cloth_pick)(c->count, key, MATT, lane);
-  FN(cloth_draw_diffuse)(c, matt, lane, part, u3, u1, u2, wi);
+  const size_t matt = FN(cloth_pick)(c->count, key, FN(KEY_MATT), lane);
+  if (matt)
+    FN(cloth_draw_diffuse)(c, matt, lane, part, u3, u1, u2, wi);
   for (size_t j = 0; j < sizeof lobes / sizeof lobes[0]; j++) {
     const int kind = lobes[j][0], k = lobes[j][1];
     const size_t count = FN(cloth_pick)(c->count, key, kind + k * CLOTH_KINDS, lane);
-    FN(cloth_draw_lobes)(f, c, count, lane, kind, k, wo, u3, u1, u2, wi);
+    if (count)
+      FN(cloth_draw_lobes)(f, c, count, lane, kind, k, wo, u3, u1, u2, wi);
   }
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) { /* unit, and on one side of both horizons */

@@ -494,8 +494,8 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
     status |= FN(cloth_all_far)(in, start, size, &p);
   else if (tier == SHADE_TIER_AUTO && FN(cloth_no_near)(in, start, size))
     status |= FN(cloth_all_far)(in, start, size, &p);
-  else if (tier == SHADE_TIER_NEAR ||
-           (tier == SHADE_TIER_AUTO && FN(cloth_no_far)(in, start, size)))
+  else if (size >= CLOTH_FEW && (tier == SHADE_TIER_NEAR ||
+                                 (tier == SHADE_TIER_AUTO && FN(cloth_no_far)(in, start, size))))
     status |= FN(cloth_all_near)(in, start, size, tier, &p);
   else
     for (size_t i = 0; i < size; i++)
