@@ -113,17 +113,23 @@ static int column_count(const shade_fabric *f) {
   return f->transmits ? COLUMNS : f->alike ? COLUMNS_ALIKE : COLUMNS_OPAQUE;
 }
 
-/* The mean of those columns over the footprint of lane j, without streaks. */
-static void column_of(const shade_fabric *f, double du, double dv, const column_axis *x,
-                      const column_axis *y, size_t j, double column[COLUMNS]) {
-  if (column_is_mean(f, du, dv))
-    memcpy(column, f->mean, sizeof f->mean);
-  else if (f->transmits) /* a constant count, so that it is a few vectors */
-    column_sum(COLUMNS, f, x, y, j, column);
+LEAF void column_fill(int columns, const shade_fabric *f, const column_axis *x,
+                      const column_axis *y, size_t begin, size_t count,
+                      double (*restrict row)[COLUMNS_STEP]) {
+  for (size_t j = 0; j < count; j++)
+    column_sum(columns, f, x, y, begin + j, row[j]);
+}
+
+/* The means of those columns over the footprints of some lanes of the axes, without streaks: a row
+ * each. */
+static void column_rows(const shade_fabric *f, const column_axis *x, const column_axis *y,
+                        size_t begin, size_t count, double (*restrict row)[COLUMNS_STEP]) {
+  if (f->transmits) /* a constant count, so that it is a few vectors; the last two are 0 */
+    column_fill(COLUMNS_STEP, f, x, y, begin, count, row);
   else if (f->alike)
-    column_sum(COLUMNS_ALIKE, f, x, y, j, column);
+    column_fill(COLUMNS_ALIKE, f, x, y, begin, count, row);
   else
-    column_sum(COLUMNS_OPAQUE, f, x, y, j, column);
+    column_fill(COLUMNS_OPAQUE, f, x, y, begin, count, row);
 }
 
 #endif

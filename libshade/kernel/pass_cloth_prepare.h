@@ -373,6 +373,29 @@ static void FN(cloth_streaks)(const shade_fabric *f, const column_group *g,
   }
 }
 
+/* Rows of columns, one a lane, to a row for each column: eight at a time, which is a few vectors of
+ * lanes turned about. */
+static void FN(cloth_turn_columns)(const shade_fabric *f, size_t count,
+                                   const double (*restrict from)[COLUMNS_STEP], size_t wide,
+                                   real *restrict to) {
+  for (int k = 0; k < column_count(f); k += 8) {
+    real *restrict a = to + (size_t)k * wide;
+#pragma omp simd
+    for (size_t j = 0; j < count; j++) {
+      const double *restrict row = from[j] + k;
+      a[j] = (real)row[0];
+      a[j + wide] = (real)row[1];
+      a[j + 2 * wide] = (real)row[2];
+      a[j + 3 * wide] = (real)row[3];
+      a[j + 4 * wide] = (real)row[4];
+      a[j + 5 * wide] = (real)row[5];
+      a[j + 6 * wide] = (real)row[6];
+      a[j + 7 * wide] = (real)row[7];
+    }
+  }
+}
+_Static_assert(COLUMNS_ALIKE == 8 && COLUMNS_OPAQUE % 8 == 0 && COLUMNS_STEP % 8 == 0, "eights");
+
 /* neighbours: whether lanes may lie side by side. */
 static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
                                int neighbours, const FN(preparing) * p) {
@@ -383,13 +406,12 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
   for (size_t j = 0; j < p->far_count && kind == CLOTH_FAR; j++)
     mean &= column_is_mean(f, p->du[p->far[j]], p->dv[p->far[j]]);
   enum { WIDE = BLOCK + 8 }; /* or all rows would fall on the same lines of the cache */
-  ROOM columns[COLUMNS * WIDE];
+  ROOM columns[COLUMNS_STEP * WIDE];
   for (int k = 0; k < COLUMNS; k++)
     columns[k * WIDE] = (real)f->mean[k];
   if (!mean) {
     column_axis x, y;
-    double column[COLUMNS] = {0};
-    const int count = column_count(f);
+    _Alignas(64) double row[STREAK_LANES][COLUMNS_STEP];
     column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
     column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
     enum { GROUPS = BLOCK / STREAK_LANES };
@@ -399,18 +421,22 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
     int any = 0;
     for (size_t k = 0; k < groups; k++) {
       const size_t begin = k * STREAK_LANES, left = p->far_count - begin;
+      const size_t size = left < STREAK_LANES ? left : STREAK_LANES;
       column_group *g = &group[k];
       g->begin = begin;
       g->count = 0;
       g->any = 0;
-      for (size_t j = begin; j < begin + (left < STREAK_LANES ? left : STREAK_LANES); j++) {
-        const int i = p->far[j];
+      column_rows(f, &x, &y, begin, size, row);
+      for (size_t j = 0; j < size; j++) {
+        const int i = p->far[begin + j];
         column_group_add(f, g, p->u[i], p->v[i], p->du[i], p->dv[i]);
-        column_of(f, p->du[i], p->dv[i], &x, &y, j, column);
-        for (int a = 0; a < count; a++)
-          columns[a * WIDE + (int)j] = (real)column[a];
-        seen[k][0][j - begin] = column[COLUMN_SEEN];
-        seen[k][1][j - begin] = column[COLUMN_SEEN + 1];
+        if (column_is_mean(f, p->du[i], p->dv[i]))
+          memcpy(row[j], f->mean, sizeof f->mean);
+      }
+      FN(cloth_turn_columns)(f, size, (const double(*)[COLUMNS_STEP])row, WIDE, columns + begin);
+      for (size_t j = 0; j < size; j++) {
+        seen[k][0][j] = row[j][COLUMN_SEEN];
+        seen[k][1][j] = row[j][COLUMN_SEEN + 1];
       }
       any |= g->any;
       if (g->any && !neighbours)
