@@ -43,6 +43,16 @@ LEAF double cloth_which(double r) {
   const double k = (double)(int)(FABRIC_POINTS * r);
   return k < FABRIC_POINTS - 1 ? k : FABRIC_POINTS - 1;
 }
+/* fabric_far_share, for loops over lanes. */
+LEAF double cloth_far_share(double extent) {
+  const double from = extent > FABRIC_NEAR_TO ? extent : FABRIC_NEAR_TO;
+  const double ratio = (from < FABRIC_FAR_FROM ? from : FABRIC_FAR_FROM) * (1 / FABRIC_NEAR_TO);
+  /* the logarithm of an octave less where it is nearer to 0 */
+  const double whole = ratio > 1.4 ? 1 : 0, r = ratio * (ratio > 1.4 ? 0.5 : 1);
+  const double s = (r - 1) / (r + 1), square = s * s;
+  const double x = (whole + s * SHADE_LOG2_D(square)) * (1 / 1.4150374992788437); /* log2(8/3) */
+  return extent < FABRIC_FAR_FROM ? x * x * (3 - 2 * x) : 1;
+}
 #define CLOTH_BELOW_ONE 0x1.fffffffffffffp-1
 #endif
 
@@ -320,6 +330,53 @@ static unsigned FN(cloth_all_near)(const FN(shade_fabric_lanes) * in, size_t sta
   return bad ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
+/* What cloth_term does where some may be near, others far. */
+static unsigned FN(cloth_mixed)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
+                                FN(preparing) * p) {
+  const real *u = in->u + start, *v = in->v + start, *du = in->du + start, *dv = in->dv + start;
+  const real *random = in->random ? in->random + start : u;
+  const int some = in->random != NULL;
+  double *restrict to_u = p->u, *restrict to_v = p->v;
+  double *restrict to_du = p->du, *restrict to_dv = p->dv;
+  double near_u[BLOCK], near_v[BLOCK], shown[BLOCK];
+  int bad = 0;
+#pragma omp simd reduction(| : bad)
+  for (size_t i = 0; i < size; i++) {
+    const double wide = (double)du[i], high = (double)dv[i];
+    const double x = (double)u[i], y = (double)v[i];
+    const double given_random = (double)random[i], number = some ? given_random : 0;
+    double r = number > 0 ? number : 0;
+    r = r < CLOTH_BELOW_ONE ? r : CLOTH_BELOW_ONE;
+    double w = wide > 0 ? wide : 0, h = high > 0 ? high : 0;
+    w = w < 1e9 ? w : 1e9;
+    h = h < 1e9 ? h : 1e9;
+    const double share = cloth_far_share(w > h ? w : h);
+    const double left = (r > share ? r - share : 0) / (share < 1 ? 1 - share : 1);
+    const cloth_place from = {x - x == 0 ? x : 0, y - y == 0 ? y : 0};
+    const cloth_place to = cloth_point(from, w, h, cloth_which(left));
+    to_u[i] = from.u;
+    to_v[i] = from.v;
+    to_du[i] = w;
+    to_dv[i] = h;
+    near_u[i] = to.u;
+    near_v[i] = to.v;
+    shown[i] = r - share;
+    bad |= !((wide >= 0) & (high >= 0)) | !(number == number);
+  }
+  size_t near_count = 0, far_count = 0;
+  for (size_t i = 0; i < size; i++) { /* without branches, which would be mispredicted */
+    const size_t far = shown[i] < 0;
+    p->far[far_count] = p->near[near_count] = (int)i;
+    p->seen.tx[near_count] = near_u[i];
+    p->seen.ty[near_count] = near_v[i];
+    far_count += far;
+    near_count += 1 - far;
+  }
+  p->far_count = far_count;
+  p->near_count = near_count;
+  return bad ? SHADE_BAD_INPUT : SHADE_OK;
+}
+
 static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(preparing) * p) {
   cloth_seen *s = &p->seen;
   double u[BLOCK], v[BLOCK];
@@ -523,6 +580,8 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   else if (size >= CLOTH_FEW && (tier == SHADE_TIER_NEAR ||
                                  (tier == SHADE_TIER_AUTO && FN(cloth_no_far)(in, start, size))))
     status |= FN(cloth_all_near)(in, start, size, tier, &p);
+  else if (size >= CLOTH_FEW && tier == SHADE_TIER_AUTO) /* all have footprints, or were near */
+    status |= FN(cloth_mixed)(in, start, size, &p);
   else
     for (size_t i = 0; i < size; i++)
       status |= FN(cloth_term)(in, start, i, tier, &p);

@@ -772,16 +772,49 @@ static void no_input_breaks_it(void **state) {
   close_cloth(&c);
 }
 
-/* A block that is far in every lane is told at once, and what is wrong in one of them still said.
- */
-static void far_blocks_name_bad_input(void **state) {
+/* Blocks whose lanes are near or far, by their numbers: which, and what points of footprints, as
+ * one call for each lane finds. */
+static void mixed_blocks_are_their_lanes(void **state) {
+  (void)state;
+  static arrays m;
+  uint64_t seed = 22;
+  cloth c = open_cloth("denim", NULL);
+  fill(&m, &seed);
+  for (int i = 0; i < N; i++) {
+    const double size = 0.6 * pow(4, (double)(i * 37 % N) / N); /* all near to all far */
+    m.in[2][i] = i % 3 ? size : size / (1 + i % 5);
+    m.in[3][i] = i % 3 ? size / (1 + i % 7) : size;
+    m.in[13][i] = fmod(0.618034 * i, 1);
+  }
+  m.in[2][N / 3] = m.in[3][N / 3] = 0;
+  shade_fabric_lanes in = LANES_OF(m.in);
+  in.size = sizeof in;
+  const shade_fabric_result out = {sizeof out, m.rgb[0], m.rgb[1], m.rgb[2], m.pdf,
+                                   m.coverage, m.wi[0],  m.wi[1],  m.wi[2]};
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, N, &in, SHADE_TIER_AUTO, &out), 0);
+  for (int i = 0; i < N; i++) {
+    const shade_fabric_point p = point_of(&c, &m, i);
+    const double wo[3] = {in.wox[i], in.woy[i], in.woz[i]};
+    const double wi[3] = {in.wix[i], in.wiy[i], in.wiz[i]};
+    double s[3], coverage;
+    shade_fabric_hit hit;
+    shade_fabric_prepare(c.fabric, &p, wo, SHADE_TIER_AUTO, &hit, &coverage);
+    shade_fabric_hit_eval(c.fabric, &hit, wi, s);
+    assert_near(m.coverage[i], coverage, 1e-12);
+    for (int a = 0; a < 3; a++)
+      assert_near(m.rgb[a][i], s[a], 1e-9 * (1 + s[a]));
+  }
+  close_cloth(&c);
+}
+
+/* A block that is far in every lane is told at once, or one that is mixed, and what is wrong in
+ * one of them still said. */
+static void blocks_name_bad_input(void **state) {
   (void)state;
   static arrays m;
   uint64_t seed = 21;
   cloth c = open_cloth("denim", NULL);
   fill(&m, &seed);
-  for (int i = 0; i < N; i++)
-    m.in[2][i] = m.in[3][i] = 3;
   shade_fabric_lanes in = LANES_OF(m.in);
   in.size = sizeof in;
   void *hits = malloc(shade_fabric_hits_size(N));
@@ -791,7 +824,11 @@ static void far_blocks_name_bad_input(void **state) {
     unsigned status;
   } wrong[] = {{13, NAN, SHADE_BAD_INPUT}, {2, NAN, SHADE_BAD_INPUT}, {3, NAN, SHADE_BAD_INPUT},
                {2, -1, SHADE_BAD_INPUT},   {3, INFINITY, SHADE_OK},   {13, 7, SHADE_OK}};
-  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+  enum { WRONG = sizeof wrong / sizeof *wrong };
+  for (size_t all = 0; all < 2 * WRONG; all++) {
+    const size_t k = all % WRONG;
+    for (int i = 0; i < N && k == 0; i++)
+      m.in[2][i] = m.in[3][i] = all ? 1.2 : 3;
     double *value = &m.in[wrong[k].array][N / 2];
     const double kept = *value;
     *value = wrong[k].value;
@@ -951,7 +988,8 @@ int main(void) {
       cmocka_unit_test(textures_are_parameters),
       cmocka_unit_test(gloss_scales_exponents),
       cmocka_unit_test(no_input_breaks_it),
-      cmocka_unit_test(far_blocks_name_bad_input),
+      cmocka_unit_test(mixed_blocks_are_their_lanes),
+      cmocka_unit_test(blocks_name_bad_input),
       cmocka_unit_test(lanes_side_by_side_are_near_their_own),
       cmocka_unit_test(lanes_that_lie_apart_have_their_own),
       cmocka_unit_test(short_structures),
