@@ -566,12 +566,14 @@ typedef struct slope_filter {
  * times 1.85 texels (MOMENT_LONGEST, MOMENT_ACROSS), twice that of the finer of two levels, and 2.
  */
 enum { SLOPE_TAPS = 64, SLOPE_STRAIGHT = 8 };
+/* Of rows in pairs of texels one or two more each: ten rows of six columns, eight of eight. */
+enum { SLOPE_PARTS = 80 };
 /* Cells are added up in patches of so many rows and columns at most. */
 enum { SLOPE_ROWS = 4, SLOPE_COLS = 5 };
 typedef struct slope_taps {
   int left[SLOPE_TAPS][SLOPE_GROUP], at[SLOPE_TAPS][SLOPE_GROUP]; /* x; where that is stored */
   float begin[SLOPE_TAPS][SLOPE_GROUP], weight[SLOPE_TAPS][SLOPE_GROUP]; /* of rows */
-  float part[SLOPE_TAPS][SLOPE_GROUP];                                   /* of texels */
+  float part[SLOPE_PARTS][SLOPE_GROUP];                                  /* of texels */
   float column[SLOPE_STRAIGHT][SLOPE_GROUP]; /* where all rows are alike: of each */
 } slope_taps;
 
@@ -785,6 +787,154 @@ LEAF void slope_read_alike(slope_filter *restrict f, const slope_taps *restrict 
   }
 }
 
+#if defined(__GNUC__) && VECTOR_BYTES == 64
+/*
+ * Sheared rows where a vector is a pair of texels: half as many loads, of which there are more than
+ * of anything else. Pairs are aligned, or every other one would lie in two lines of cache: rows
+ * begin at even texels, where need be at one more that weighs nothing.
+ */
+#define SLOPE_PAIRED
+enum { SLOPE_TWO = 2 * SLOPE_GROUP };
+
+/* As slope_covered; of comparisons there gcc makes more. */
+LEAF __m512 slope_covered_wide(__m512 depth) {
+  const __m512 one = _mm512_set1_ps(1), two = _mm512_set1_ps(2), half = _mm512_set1_ps(0.5F);
+  const __m512 cut = _mm512_min_ps(_mm512_max_ps(depth, _mm512_setzero_ps()), two);
+  const __m512 off = _mm512_abs_ps(_mm512_sub_ps(cut, one));
+  return _mm512_fnmadd_ps(_mm512_mul_ps(half, cut), off, cut);
+}
+
+/* Of column c, as slope_row_weights has it. */
+LEAF __m512 slope_column_weight(__m512 half, __m512 begin, __m512 weight, int c, int cols,
+                                int right, int narrow) {
+  if (c >= cols)
+    return _mm512_setzero_ps();
+  const __m512 from = _mm512_add_ps(begin, _mm512_set1_ps((float)c));
+  const int near_left = narrow || c < 2, near_right = narrow || c >= right;
+  if (near_left && near_right) {
+    const __m512 low = slope_covered_wide(_mm512_add_ps(half, from));
+    const __m512 high = slope_covered_wide(_mm512_sub_ps(half, from));
+    return _mm512_mul_ps(weight, _mm512_sub_ps(_mm512_add_ps(high, low), _mm512_set1_ps(1)));
+  }
+  if (near_left)
+    return _mm512_mul_ps(weight, slope_covered_wide(_mm512_add_ps(half, from)));
+  if (near_right)
+    return _mm512_mul_ps(weight, slope_covered_wide(_mm512_sub_ps(half, from)));
+  return weight;
+}
+
+/* Let rows begin at even texels, and weigh pairs: both of a lane lie side by side. */
+LEAF void slope_pair_weights(const slope_filter *restrict f, slope_taps *restrict t, int rows,
+                             int cols, int pairs) {
+  const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0);
+  const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8)), one = _mm512_set1_epi32(1);
+  const int right = f->least_cols - 3, narrow = f->narrow;
+  for (int k = 0; k < SLOPE_GROUP; k += 16) {
+    const __m512 half = _mm512_loadu_ps(f->half_x + k);
+    for (int r = 0; r < rows; r++) {
+      const __m512 begin = _mm512_loadu_ps(t->begin[r] + k);
+      const __m512 weight = _mm512_loadu_ps(t->weight[r] + k);
+      const __m512i at = _mm512_loadu_si512(t->at[r] + k),
+                    left = _mm512_loadu_si512(t->left[r] + k);
+      const __mmask16 odd = _mm512_test_epi32_mask(at, one);
+      _mm512_storeu_si512(t->at[r] + k, _mm512_mask_sub_epi32(at, odd, at, one));
+      _mm512_storeu_si512(t->left[r] + k, _mm512_mask_sub_epi32(left, odd, left, one));
+      float *part = t->part[2 * r * pairs] + 2 * k;
+      __m512 last = _mm512_setzero_ps();
+      for (int c = 0; c < 2 * pairs; c += 2, part += SLOPE_TWO) {
+        const __m512 a = slope_column_weight(half, begin, weight, c, cols, right, narrow);
+        const __m512 b = slope_column_weight(half, begin, weight, c + 1, cols, right, narrow);
+        const __m512 first = _mm512_mask_mov_ps(a, odd, last);
+        const __m512 second = _mm512_mask_mov_ps(b, odd, a);
+        _mm512_storeu_ps(part, _mm512_permutex2var_ps(first, low, second));
+        _mm512_storeu_ps(part + 16, _mm512_permutex2var_ps(first, high, second));
+        last = b;
+      }
+    }
+  }
+}
+
+/* Of a lane that reaches an edge. */
+static SLOPE_APART void slope_pairs_wrapped(slope_filter *restrict f, const slope_taps *restrict t,
+                                            int k, int first, int rows, int pairs,
+                                            moment_wrap wrap) {
+  slope_eight sum = SLOPE_EIGHT(f->sum[k]);
+  for (int r = 0; r < rows; r++) {
+    const int y = wrap_index(f->base_y[k] + f->top[k] + first + r, f->height[k], wrap);
+    const float *row = f->texels[k] + y * moment_stride(f->width[k]);
+    const float *part = t->part[2 * r * pairs] + 2 * k;
+    for (int c = 0; c < 2 * pairs; c++) {
+      const int x = wrap_index(f->base_x[k] + t->left[r][k] + c, f->width[k], wrap);
+      SLOPE_ADD(sum, part[c / 2 * SLOPE_TWO + c % 2], row + x * MOMENT_FLOATS);
+    }
+  }
+  SLOPE_PUT(f->sum[k], sum);
+}
+
+LEAF __m512 slope_pair_weight(const float *part) {
+  const __m512i first_second = _mm512_set_epi32(1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
+  const long long both = (long long)*(const slope_pair *)(const void *)part;
+  return _mm512_permutevar_ps(_mm512_castsi512_ps(_mm512_set1_epi64(both)), first_second);
+}
+
+LEAF void slope_read_pairs(slope_filter *restrict f, const slope_taps *restrict t,
+                           const int *restrict inside, int first, int rows, moment_wrap wrap,
+                           int pairs) {
+  const float *restrict texels = f->texels[0];
+  for (int k = 0; k < SLOPE_GROUP; k++) {
+    if (!inside[k]) {
+      const int own = f->rows[k] - first < rows ? f->rows[k] - first : rows;
+      slope_pairs_wrapped(f, t, k, first, own, pairs, wrap);
+      continue;
+    }
+    const int *at = &t->at[0][k];
+    const float *part = t->part[0] + 2 * k;
+    __m512 sum = _mm512_setzero_ps(), sum1 = sum, sum2 = sum;
+    for (int r = 0; r < rows; r++) {
+      const float *texel = texels + *at * (ptrdiff_t)MOMENT_FLOATS;
+#define SLOPE_COLUMNS(to, p)                                                                       \
+  if ((p) < pairs)                                                                                 \
+  to = _mm512_fmadd_ps(slope_pair_weight(part + (p)*SLOPE_TWO),                                    \
+                       _mm512_loadu_ps(texel + (p)*2 * MOMENT_FLOATS), to)
+      SLOPE_COLUMNS(sum, 0);
+      SLOPE_COLUMNS(sum1, 1);
+      SLOPE_COLUMNS(sum2, 2);
+      SLOPE_COLUMNS(sum, 3);
+      SLOPE_COLUMNS(sum1, 4);
+#undef SLOPE_COLUMNS
+      at += SLOPE_GROUP;
+      part += pairs * SLOPE_TWO;
+    }
+    sum = _mm512_add_ps(_mm512_add_ps(sum, sum1), sum2);
+    slope_eight all = SLOPE_EIGHT(f->sum[k]);
+    const __m256d high = _mm512_extractf64x4_pd(_mm512_castps_pd(sum), 1);
+    all += (slope_eight)_mm512_castps512_ps256(sum) + (slope_eight)_mm256_castpd_ps(high);
+    SLOPE_PUT(f->sum[k], all);
+  }
+}
+
+static SLOPE_APART void slope_texels_paired(slope_filter *restrict f, slope_taps *restrict t,
+                                            const int *restrict inside, int first, int rows,
+                                            moment_wrap wrap) {
+#define SLOPE_PAIRS_OF(n)                                                                          \
+  case n:                                                                                          \
+    slope_pair_weights(f, t, rows, n, ((n) + 2) / 2);                                              \
+    slope_read_pairs(f, t, inside, first, rows, wrap, ((n) + 2) / 2);                              \
+    break
+  switch (f->most_cols) {
+    SLOPE_PAIRS_OF(3);
+    SLOPE_PAIRS_OF(4);
+    SLOPE_PAIRS_OF(5);
+    SLOPE_PAIRS_OF(6);
+    SLOPE_PAIRS_OF(7);
+    SLOPE_PAIRS_OF(8);
+  default:
+    break;
+  }
+#undef SLOPE_PAIRS_OF
+}
+#endif
+
 /* The same of straight rows: their sums by the weights of columns, which all share. */
 LEAF void slope_read_straight(slope_filter *restrict f, const slope_taps *restrict t,
                               const int *restrict inside, int rows, int cols) {
@@ -842,6 +992,12 @@ static SLOPE_APART int slope_texels_alike(slope_filter *restrict f, slope_taps *
   const int cols = f->most_cols;
   if (cols < 3 || cols > SLOPE_STRAIGHT)
     return 0;
+#ifdef SLOPE_PAIRED
+  if (!f->straight) {
+    slope_texels_paired(f, t, inside, first, rows, wrap);
+    return 1;
+  }
+#endif
   if (f->straight) {
     slope_columns(f, t, cols);
     slope_straight_wrapped(f, t, inside, first, rows, wrap);
