@@ -1242,6 +1242,7 @@ static void make_cloth(bool far, closure *c) {
   for (int k = 0; k < 3; k++)
     c->of.fabric.use.warp[k] = c->of.fabric.use.weft[k] = (operand){.at = OPERAND_NUMBER};
   b->input.single = true;
+  b->input.beside = false;
   b->input.cloth = NULL;
   for (size_t i = 0; i < BATCH; i++) {
     b->input.at[6][i] = 3.3f;
