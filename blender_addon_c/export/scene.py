@@ -30,7 +30,7 @@ _MOST_THREADS = 256  # that the native module starts
 
 
 def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion=Still(), kept=None, space=None):
-    """The whole scene, as native/scene/read.c takes it, without a dump. kept: what was read before (kept.Kept);
+    """The whole scene, as native/render/read.c takes it, without a dump. kept: what was read before (kept.Kept);
     Later may be raised then. space: the 3D view that shows it."""
     mattes = mattes or Mattes(())
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "batch/state.h"
+#include "render/state.h"
 #include "node/scratches.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
@@ -622,7 +622,7 @@ static void sky_seen_and_drawn(void **state) {
   sky s = {.strength = {1, 2, 3}};
   /* x to y, y to z, z to x: the image is turned against the world */
   s.matrix[1] = s.matrix[6] = s.matrix[8] = 1;
-  assert_true(sky_build(&s, &source, 1, &cancel));
+  assert_true(sky_build(&s, &source, stages->sky, 1, &cancel));
   for (size_t i = 0; i < COUNT; i++)
     store(&b->toward, i, direction());
   stages->sky(COUNT, &s, &b->toward, &b->sky);
@@ -736,10 +736,11 @@ static void triangles_that_shine(void **state) {
               .material = of};
   instance in[2] = {{.matrix = {1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 2}},
                     {.matrix = {0, 0, 2, -2, 0, 1, 0, 0.25, -1, 0, 0, 1.5}}};
-  scene s = {
+  const geometry s = {
       .instances = 2, .meshes = 1, .materials = 3, .material = m, .mesh = &one, .instance = in};
-  assert_true(emitters_build(&s));
-  assert_int_equal(s.emitters.count, 4);
+  emitters e = {.count = 0};
+  assert_true(emitters_build(&s, &e));
+  assert_int_equal(e.count, 4);
   double wanted[3] = {0, 0, 0}, found[3] = {0, 0, 0}, square = 0;
   for (int k = 0; k < 2; k++)
     for (size_t t = 0; t < 2; t++) {
@@ -767,8 +768,7 @@ static void triangles_that_shine(void **state) {
       b->light.x[i] = between(0, 1);
       b->light.y[i] = between(0, 1);
     }
-    stages->lit_by_emitters(0, COUNT, &b->choice, false, &s.emitters, &b->surface, &b->light,
-                            &b->drawn);
+    stages->lit_by_emitters(0, COUNT, &b->choice, false, &e, &b->surface, &b->light, &b->drawn);
     for (size_t i = 0; i < COUNT; i++) {
       vec3 d = load(&b->drawn.d, i);
       double part = (double)b->choice.chance[i] * (double)b->drawn.e[i] * fmax(0, (double)d.z);
@@ -802,15 +802,15 @@ static void triangles_that_shine(void **state) {
     b->met.r[i] = b->met.g[i] = b->met.b[i] = 1.0f;
     b->sample_hit.record[i] = i % 7 == 0 ? RECORD_MISS : i % 7 == 1 ? 2 : strong ? 0 : 1;
     for (int t = 0; t < 4; t++) {
-      const float *row = s.emitters.row + EMITTER_ROW * t;
+      const float *row = e.row + EMITTER_ROW * t;
       vec3 n = cross((vec3){row[3], row[4], row[5]}, (vec3){row[6], row[7], row[8]});
       vec3 off = {p.x - row[0], p.y - row[1], p.z - row[2]};
       if (fabs(dot_d(off, n)) < 1e-4) /* it lies on this one */
         store(&b->sample_hit.g, i, scaled(n, i % 3 ? 0.5f : -0.25f));
     }
   }
-  stages->met_emitters(COUNT, &s.emitters, triangles, NULL, &b->sample_hit, &b->sample_ray, b->walk,
-                       weight, NULL, &b->met);
+  stages->met_emitters(COUNT, &e, triangles, NULL, &b->sample_hit, &b->sample_ray, b->walk, weight,
+                       NULL, &b->met);
   for (size_t i = 0; i < COUNT; i++) {
     double part = i % 7 < 2 ? 0 : 0.3 / (0.3 + (double)b->drawn.pdf[i]);
     near((double)b->met.g[i], 1 + part * (double)b->drawn.color.g[i], 2e-3 * (1 + part));
@@ -818,7 +818,7 @@ static void triangles_that_shine(void **state) {
   untouched(b->met.g, COUNT);
   free(triangles);
   free(weight);
-  emitters_free(&s.emitters);
+  emitters_free(&e);
 }
 
 static void shadow_rays_from(bool lifted) {

@@ -38,7 +38,7 @@ LEAF float coat_of(float alpha, vec3 n, vec3 v, vec3 l, vec3 h, float *pdf) {
   float a2 = alpha * alpha, under = dot(off, off) + a2 * nh * nh;
   float d = (1.0f - a2) / (-DIFFUSE_PI * 0.69314718f * logarithm2(a2) * under);
   float g = 1.0f / ((1.0f + glass_lambda(nv, 0.25f)) * (1.0f + glass_lambda(nl, 0.25f)));
-  float fresnel = glass_fresnel(clampf(vh, 0.0f, 1.0f), 1.5f, &t);
+  float fresnel = dielectric_fresnel(clampf(vh, 0.0f, 1.0f), 1.5f, &t);
   *pdf = lit ? d * nh / (4.0f * vh) : 0.0f;
   return lit ? 0.25f * d * g * fresnel / nv : 0.0f;
 }
@@ -91,7 +91,7 @@ LEAF void closure_coat_albedo(const closure_coat *c, lane_run run, const surface
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     float t, nv = clampf(dot(normal_at(given, c->normal, i), load(&at->wo, i)), 0.0f, 1.0f);
-    out[i] = glass_fresnel(nv, 1.5f, &t);
+    out[i] = dielectric_fresnel(nv, 1.5f, &t);
   }
 }
 

@@ -6,17 +6,7 @@
 #include "batch/leaf.h"
 #include "node/common.h"
 #include "scene/graph.h"
-
-/* What a closure does. */
-typedef enum closure_trait {
-  CLOSURE_SCATTERS = 1, /* it has f and draws directions */
-  CLOSURE_THROUGH = 2,  /* to and from the side that is not seen, too */
-  CLOSURE_PASSES = 4,   /* its rays go straight on */
-  CLOSURE_EMITS = 8,    /* its weight is radiance */
-  CLOSURE_MATT = 16,    /* its bounces count as diffuse ones */
-  CLOSURE_HOLDS = 64,   /* its weight is a hole in the picture */
-  CLOSURE_GROOVED = 32  /* turned about its normal it is another */
-} closure_trait;
+#include "scene/material.h"
 
 /* Density and f of a direction that is drawn with certainty: what stands for infinite ones. Its
  * square is a float, and so is 1e-9 of it beside any other density. */

@@ -6,7 +6,7 @@
  * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014]. `flat`:
  * Fresnel is that of the surface, as Cycles had it until then, not of its facets. With
  * `film_thickness`, in nm, and `film_ior`, one each, what is reflected is a thin film's
- * (closure/thin_film.h), by colour, and the rest refracted. From inside a body its index counts
+ * (node/interference.h), by colour, and the rest refracted. From inside a body its index counts
  * over the body's, and its thickness as it is, as in Cycles: its colours are those of a film so
  * much thinner. `mirror_tint`, three: head-on what is reflected has this colour, the rest is
  * refracted.
@@ -18,8 +18,9 @@
 #define LIBSHADE_CLOSURE_GLASS_H
 
 #include "closure/common.h"
-#include "closure/thin_film.h"
+#include "node/interference.h"
 #include "node/common.h"
+#include "node/dielectric.h"
 
 typedef struct closure_glass {
   operand ior, alpha, tint[3];
@@ -51,23 +52,6 @@ static inline double closure_glass_exponent(const closure_glass *c) {
 }
 static inline unsigned closure_glass_traits(const closure_glass *c) {
   return CLOSURE_SCATTERS | (c->refracts ? CLOSURE_THROUGH : 0u);
-}
-
-/* Index beyond the surface over that before it; never 1, where nothing would be refracted and no
- * microfacet said which way. */
-LEAF float glass_eta(float ior, float side) {
-  ior = clampf(ior, 1e-3f, 1e3f);
-  float eta = side < 0.0f ? 1.0f / ior : ior;
-  return eta < 1.0f ? (eta < 0.9999f ? eta : 0.9999f) : (eta > 1.0001f ? eta : 1.0001f);
-}
-
-/* Reflectance; 1 where all is reflected. *t: cosine beyond. */
-LEAF float glass_fresnel(float cosine, float eta, float *t) {
-  float square = 1.0f - (1.0f - cosine * cosine) / (eta * eta);
-  float g = sqrtf(square > 0.0f ? square : 0.0f);
-  float s = (cosine - eta * g) / (cosine + eta * g), p = (eta * cosine - g) / (eta * cosine + g);
-  *t = g;
-  return square > 0.0f ? 0.5f * (s * s + p * p) : 1.0f;
 }
 
 /* Smith's Lambda of GGX for a direction with this cosine from the normal. */
@@ -124,7 +108,7 @@ typedef struct glass_terms {
 
 /* Which share is reflected where both is done; `own`: at the facet. */
 LEAF float glass_mirrored(const glass_kind *c, float own, float no, float eta) {
-  float t, whole = glass_fresnel(clampf(no, 0.0f, 1.0f), eta, &t);
+  float t, whole = dielectric_fresnel(clampf(no, 0.0f, 1.0f), eta, &t);
   return own + c->flat * (whole - own);
 }
 
@@ -134,7 +118,7 @@ LEAF glass_terms glass_of(bool beckmann, const glass_kind *c, float alpha, float
   float nh = dot(n, h), t;
   vec3 off = {h.x - nh * n.x, h.y - nh * n.y, h.z - nh * n.z};
   float d = glass_facets(beckmann, alpha, nh, dot(off, off));
-  float fresnel = glass_fresnel(ho, eta, &t);
+  float fresnel = dielectric_fresnel(ho, eta, &t);
   fresnel = c->both * glass_mirrored(c, fresnel, no, eta) + c->mirror +
             c->clear * (fresnel < 1.0f ? 0.0f : 1.0f);
   float lo = beckmann ? glass_beckmann_lambda(no, alpha) : glass_lambda(no, alpha);
@@ -185,7 +169,7 @@ LEAF void glass_eval(bool beckmann, const closure_glass *glass, lane_run run,
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = normal_at(given, own.normal, i), l = load(wi, i), v = load(&at->wo, i);
     float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
-    float eta = glass_eta(from.ior[i], at->side[i]);
+    float eta = dielectric_eta(from.ior[i], at->side[i]);
     float ni = dot(n, l), no = dot(n, v);
     bool through = ni < 0.0f;
     float by = through ? eta : 1.0f;
@@ -241,9 +225,10 @@ LEAF void glass_film_reflects(const closure_glass *c, lane_run run, const surfac
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     float t;
-    body[i] = glass_eta(ior[i], side[i]);
+    body[i] = dielectric_eta(ior[i], side[i]);
     clear[i] = 0.0f;
-    f->color[0][i] = f->color[1][i] = f->color[2][i] = glass_fresnel(f->cosine[i], body[i], &t);
+    f->color[0][i] = f->color[1][i] = f->color[2][i] =
+        dielectric_fresnel(f->cosine[i], body[i], &t);
   }
   if (c->film.there) {
 #pragma omp simd
@@ -290,7 +275,7 @@ LEAF void glass_film_half(const closure_glass *c, lane_run run, const surfaces *
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 l = load(wi, i);
     float both = dot(l, load(&at->wo, i));
-    float eta = glass_eta(ior[i], at->side[i]);
+    float eta = dielectric_eta(ior[i], at->side[i]);
     float by = dot(normal_at(given, own.normal, i), l) < 0.0f ? eta : 1.0f;
     float square = 1.0f + by * (by + 2.0f * both);
     f->cosine[i - run.begin] =
@@ -358,10 +343,10 @@ LEAF void glass_draw(bool beckmann, const closure_glass *glass, lane_run run,
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = normal_at(given, own.normal, i), v = load(&at->wo, i);
     float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
-    float eta = glass_eta(from.ior[i], at->side[i]);
+    float eta = dielectric_eta(from.ior[i], at->side[i]);
     vec3 h = glass_facet(beckmann, alpha, n, v, out->x[i], out->y[i]);
     float no = dot(n, v), ho = dot(h, v), t;
-    float fresnel = glass_fresnel(ho, eta, &t);
+    float fresnel = dielectric_fresnel(ho, eta, &t);
     float share = film ? film->mean[i - run.begin]
                        : what.both * glass_mirrored(&what, fresnel, no, eta) + what.mirror;
     bool bends = fresnel < 1.0f, turned = (out->choice[i] < share) | !(bends | (what.flat > 0.0f));

@@ -6,7 +6,7 @@
  * tangent and across: which share of the lobe's squared slopes is that of bumps, for Ashikhmin and
  * Shirley's BRDF. `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and
  * Beckmann had it until 3.6, not of both together. `film_thickness` and, with it, what else
- * closure/thin_film.h reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.
+ * node/interference.h reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.
  */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
@@ -14,7 +14,7 @@
 #include "batch/lanes.h"
 #include "closure/common.h"
 #include "closure/glass.h"
-#include "closure/thin_film.h"
+#include "node/interference.h"
 #include "node/common.h"
 #include "shade/shade.h"
 

@@ -11,7 +11,7 @@ typedef struct node_attribute {
 } node_attribute;
 
 static inline bool node_attribute_read(reader *r, node_attribute *n, graph *g) {
-  g->identified = true;
+  g->features->object_info = true;
   return reader_integer(r, "attribute", 0, (long)g->attributes - 1, &n->attribute) &&
          graph_outputs(r, g, "out", 3, n->out) && graph_outputs(r, g, "more", 1, &n->more);
 }

@@ -15,7 +15,7 @@ typedef struct node_bevel {
 } node_bevel;
 
 static inline bool node_bevel_read(reader *r, node_bevel *n, graph *g) {
-  g->identified = g->occluded = true;
+  g->features->object_info = g->features->occlusion = true;
   return reader_integer(r, "samples", 1, BEVEL_SAMPLES, &n->samples) &&
          graph_operands(r, g, "radius", 1, &n->radius) && graph_outputs(r, g, "out", 3, n->out);
 }

@@ -7,7 +7,8 @@
 #ifndef LIBSHADE_NODE_GLASS_ALBEDO_H
 #define LIBSHADE_NODE_GLASS_ALBEDO_H
 
-#include "closure/glass.h"
+#include "node/common.h"
+#include "node/dielectric.h"
 
 /* Even in the eye's cosine, in sqrt(alpha) and in s = (eta - 1) / (eta + 1), whose square is the
  * reflectance head-on; of indices below 1 s is negative. */
@@ -52,7 +53,7 @@ LEAF void node_glass_albedo_run(const node_glass_albedo *n, lane_run g, const co
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
     vec3 v = load(&point->wo, i);
-    float eta = glass_eta(ior[i], point->side[i]), s = (eta - 1.0f) / (eta + 1.0f);
+    float eta = dielectric_eta(ior[i], point->side[i]), s = (eta - 1.0f) / (eta + 1.0f);
     float x = clampf(nx[i] * v.x + ny[i] * v.y + nz[i] * v.z, 0.0f, 1.0f) * (GLASS_EYE - 1);
     float y = sqrtf(clampf(alpha[i], 0.0f, 1.0f)) * (GLASS_ROUGH - 1);
     float z = clampf(fabsf(s) * (1.0f / GLASS_MOST_ETA), 0.0f, 1.0f) * (GLASS_ETA - 1);

@@ -18,7 +18,7 @@ typedef struct node_layer {
 static inline bool node_layer_read(reader *r, node_layer *n, graph *g) {
   n->more = -1;
   n->shifted = reader_has(r, "shift");
-  g->identified = true;
+  g->features->object_info = true;
   return reader_integer(r, "layer", 0, (long)g->layers - 1, &n->layer) &&
          (!n->shifted || graph_operands(r, g, "shift", 2, n->shift)) &&
          graph_outputs(r, g, "out", 3, n->out) &&

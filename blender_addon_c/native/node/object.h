@@ -46,7 +46,7 @@ typedef struct node_object {
 
 static inline bool node_object_read(reader *r, node_object *n, graph *g) {
   static const char *const words[] = {OBJECT_TABLE(OBJECT_WORD) NULL};
-  g->identified = true;
+  g->features->object_info = true;
   for (int k = 0; k < 3; k++)
     n->vector[k] = (operand){.at = OPERAND_NUMBER};
   return reader_word(r, "what", words, &n->what) &&

@@ -18,7 +18,7 @@ typedef struct node_occlusion {
 
 static inline bool node_occlusion_read(reader *r, node_occlusion *n, graph *g) {
   n->inside = n->local = false;
-  g->identified = g->occluded = true;
+  g->features->object_info = g->features->occlusion = true;
   return reader_integer(r, "samples", 1, OCCLUSION_SAMPLES, &n->samples) &&
          graph_operands(r, g, "distance", 1, &n->distance) &&
          (!reader_has(r, "inside") || reader_flag(r, "inside", &n->inside)) &&

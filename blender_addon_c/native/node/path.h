@@ -41,7 +41,7 @@ typedef struct node_path {
 
 static inline bool node_path_read(reader *r, node_path *n, graph *g) {
   static const char *const words[] = {PATH_TABLE(PATH_WORD) NULL};
-  g->routed = true;
+  g->features->light_path = true;
   return reader_word(r, "what", words, &n->what) && graph_outputs(r, g, "out", 1, &n->out);
 }
 

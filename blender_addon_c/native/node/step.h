@@ -14,7 +14,7 @@ typedef struct node_step {
 
 static inline bool node_step_read(reader *r, node_step *n, graph *g) {
   static const char *const words[] = {"X", "Y", NULL};
-  g->stepped = true;
+  g->features->pixel_size = true;
   return reader_word(r, "axis", words, &n->axis) &&
          reader_number_within(r, "scale", 0, 1e6f, &n->scale) &&
          reader_number_within(r, "otherwise", 1e-6f, 1, &n->otherwise) &&

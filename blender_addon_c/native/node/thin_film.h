@@ -6,7 +6,7 @@
 #ifndef LIBSHADE_NODE_THIN_FILM_H
 #define LIBSHADE_NODE_THIN_FILM_H
 
-#include "closure/thin_film.h"
+#include "node/interference.h"
 
 #include <string.h>
 

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "stage/stage.h"
+#include "render/build.h"
 #include "render/job.h"
 #include "system/memory.h"
 #include "python/cloths.h"

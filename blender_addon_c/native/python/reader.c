@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/reader.h"
+#include "render/read.h"
 
 struct reader {
   PyObject *dict;

@@ -26,40 +26,6 @@ enum {
   PURPOSE_TIME = 64
 };
 
-bool batch_init(worker *w) {
-  w->batch = aligned_alloc(64, sizeof *w->batch);
-  if (!w->batch)
-    return false;
-  w->batch->queue.tally = NULL;
-  w->batch->walk = &w->batch->walks[0];
-  w->batch->next = &w->batch->walks[1];
-  w->batch->input.blurs = false;
-  memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* lights that are alone write none */
-  memset(w->batch->weight.total, 0, sizeof(lane_f));
-  memset(&w->batch->drawn, 0, sizeof w->batch->drawn);
-  w->batch->drawn.tfar[BATCH] = -1.0f; /* of those that no light reaches */
-  w->batch->input.cloth = NULL;
-  w->batch->input.texture_blur = w->observer ? 0.0f : w->scene->texture_blur; /* dumps say points */
-  w->batch->input.normal_blur = w->observer ? 0.0f : w->scene->normal_blur;
-  w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
-  memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
-  w->batch->input.beside = false;
-  memset(w->batch->surface.width, 0, sizeof(lane_f));
-  memset(w->batch->surface.pixel, 0, sizeof(lane_f));
-  if (!occlusion_init(w->batch, w->scene))
-    return false;
-  return motion_init(w->batch, w->scene) && queue_init(&w->batch->queue, w->scene);
-}
-
-void batch_free(worker *w) {
-  if (w->batch) {
-    queue_free(&w->batch->queue);
-    motion_end(w->batch);
-    occlusion_free(w->batch);
-  }
-  free(w->batch);
-}
-
 bool worker_init(worker *w) {
   w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
   if (!w->end || !batch_init(w) || !light_passes_init(w))
@@ -69,7 +35,7 @@ bool worker_init(worker *w) {
       return false;
     w->batch->input.cloth = &w->cloth;
   }
-  if ((!w->scene->passes && !w->scene->shades) ||
+  if ((!w->scene->features.transparency && !w->scene->features.shadow_linking) ||
       w->observer) /* a dump's shadows are those of opaque surfaces */
     return true;
   return (w->through = through_create(w)) != NULL;
@@ -185,7 +151,7 @@ static void unlink(const worker *w, uint32_t link, float *restrict gives) {
   const scene *s = w->scene;
   const batch *b = w->batch;
   for (size_t i = 0; link && i < b->queue.hits; i++)
-    gives[i] = (uint32_t)plane_object(s, b, i)->unlit & link ? 0.0f : gives[i];
+    gives[i] = (uint32_t)instance_at(s, b, i)->unlit & link ? 0.0f : gives[i];
 }
 
 /* The same of the instances that shine, for the light samples from place begin to end. What some
@@ -195,7 +161,7 @@ static void unlink_emitters(worker *w, size_t begin, size_t end) {
   batch *b = w->batch;
   for (size_t k = begin; k < end; k++) {
     const instance *of = &s->instance[s->emitters.instance[b->drawn.triangle[k]]];
-    if ((uint32_t)plane_object(s, b, b->choice.lane[k])->unlit & of->link)
+    if ((uint32_t)instance_at(s, b, b->choice.lane[k])->unlit & of->link)
       b->drawn.e[k] = 0.0f;
     if (of->shade)
       b->drawn.pdf[k] = 0.0f;
@@ -213,7 +179,7 @@ static void hide_emission(worker *w) {
   const scene *s = w->scene;
   batch *b = w->batch;
   for (size_t i = 0; i < b->queue.hits; i++)
-    if (is_dark(plane_object(s, b, i), b->walk, b->queue.lane[i], false))
+    if (is_dark(instance_at(s, b, i), b->walk, b->queue.lane[i], false))
       b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = 0.0f;
 }
 
@@ -225,7 +191,7 @@ static void carry_unlit(worker *w, size_t rays) {
     uint32_t i = b->chosen[k];
     bool straight = (b->draw.kind[i] & BOUNCE_MASK) == BOUNCE_TRANSPARENT;
     b->next->unlit[k] =
-        straight ? b->walk->unlit[b->queue.lane[i]] : (uint32_t)plane_object(s, b, i)->unlit;
+        straight ? b->walk->unlit[b->queue.lane[i]] : (uint32_t)instance_at(s, b, i)->unlit;
   }
 }
 
@@ -295,9 +261,9 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   bool spread = c->soft && w->sampling->scramble; /* a dump takes lights at their middles */
   if (spread)
     draw_points(w, number, bounce, phase);
-  for (size_t i = 0; w->scene->hides && i < w->batch->queue.hits; i++)
+  for (size_t i = 0; w->scene->features.light_visibility && i < w->batch->queue.hits; i++)
     w->batch->light.hidden[i] = c->hidden;
-  for (size_t i = 0; w->scene->shades && i < w->batch->queue.hits; i++)
+  for (size_t i = 0; w->scene->features.shadow_linking && i < w->batch->queue.hits; i++)
     w->batch->light.shade[i] = c->shade;
   w->scene->stages->light[l->type](w->batch->queue.hits, l, spread, &w->batch->surface,
                                    &w->batch->light);
@@ -439,18 +405,18 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
     } else if (w->end[k] > begin) {
       s->stages->lit_by_emitters(begin, w->end[k], &b->choice, hits_lifted(w), &s->emitters,
                                  &b->surface, &b->light, &b->drawn);
-      if (s->chosen_emitters)
+      if (s->features.emitter_linking)
         unlink_emitters(w, begin, w->end[k]);
       clock_tick(&w->clocks, CLOCK_EMITTERS);
     }
   }
   s->stages->settle(b->queue.hits, &b->choice, &b->drawn, &b->light);
-  if (s->hides)
+  if (s->features.light_visibility)
     find_hidden(w);
-  if (s->shades)
+  if (s->features.shadow_linking)
     find_shades(w);
   clock_tick(&w->clocks, CLOCK_CHOICE);
-  reflect(w, 0, bounce, phase, true, s->meets, NULL, CLOCK_SHADOW);
+  reflect(w, 0, bounce, phase, true, s->features.hit_lights, NULL, CLOCK_SHADOW);
 }
 
 static void zero(lane_c *color, size_t count) {
@@ -480,7 +446,7 @@ static void gain_shone(worker *w) {
   batch *b = w->batch;
   const stage_table *s = w->scene->stages;
   const clamps bright = clamps_of(w->scene);
-  if (w->scene->passes)
+  if (w->scene->features.transparency)
     s->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
   s->gain(b->queue.hits, bright.most, 1, b->queue.lane, b->walk, &b->sum, &b->sample_color);
   zero(&b->sum, b->queue.hits);
@@ -492,15 +458,16 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   const scene *s = w->scene;
   batch *b = w->batch;
   hits_surface(w);
-  if (s->cones)
+  if (s->features.ray_cones)
     s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
-  if (s->stepped)
+  if (s->features.pixel_size)
     s->stages->footprint(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
-  if (s->routed)
+  if (s->features.light_path)
     s->stages->route(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
-  for (size_t i = 0; s->routed && s->clears && i < b->queue.hits; i++)
+  for (size_t i = 0; s->features.light_path && s->features.transparent_glass && i < b->queue.hits;
+       i++)
     b->surface.ray[i] |= b->walk->clear[b->queue.lane[i]] ? RAY_FILM : 0;
-  if (s->timed)
+  if (s->features.object_motion)
     motion_shadows(w);
   draw_terms(w, bounce, phase);
   b->input.beside = bounce == 0 && !w->observer && w->sampling->period >= MANY;
@@ -511,9 +478,9 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   if (b->input.blurs)
     s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
   const bool shone = closures_weigh(w, bounce == 0);
-  if (s->chosen_emitters && w->later)
+  if (s->features.emitter_linking && w->later)
     hide_emission(w);
-  if (s->holds && !w->observer)
+  if (s->features.holdout && !w->observer)
     closures_hold(w, view);
   w->aims = w->observer || bounce >= s->max_bounces ? 0 : s->aims.count;
   closures_aim(w);
@@ -550,22 +517,23 @@ static size_t go_on(worker *w, int bounce, size_t phase) {
   points = points_of(w, phase, bounce, PURPOSE_LOT);
   s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.choice);
   closures_draw(w);
-  if (w->scene->clears)
+  if (w->scene->features.transparent_glass)
     closures_clear(w);
   if (w->light)
     light_passes_drawn(w);
-  size_t rays = s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->meets,
-                        q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray,
-                        b->chosen, b->next, &b->sample_ray);
-  if (w->scene->cones)
+  size_t rays =
+      s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->features.hit_lights,
+              q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray, b->chosen,
+              b->next, &b->sample_ray);
+  if (w->scene->features.ray_cones)
     s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->walk, b->next);
-  if (w->scene->stepped)
+  if (w->scene->features.pixel_size)
     s->carry(rays, b->chosen, q->lane, &b->surface, b->walk, b->next);
-  if (w->scene->routed)
+  if (w->scene->features.light_path)
     s->trail(rays, b->chosen, &b->surface, &b->draw, b->next);
-  if (w->scene->chosen_emitters)
+  if (w->scene->features.emitter_linking)
     carry_unlit(w, rays);
-  if (w->scene->clears)
+  if (w->scene->features.transparent_glass)
     carry_clear(w, rays);
   if (w->scene->reach > 0.0f)
     shorten(w, rays);
@@ -580,7 +548,7 @@ static size_t find_missed(worker *w, size_t rays) {
   batch *b = w->batch;
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
-  if (!s->clears)
+  if (!s->features.transparent_glass)
     return missed;
   size_t left = 0;
   for (size_t k = 0; k < missed; k++) {
@@ -660,7 +628,7 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
   static const float none[3];
   s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden,
                     s->looks ? none : s->background, s->backdrop, &b->met);
-  for (size_t k = 0; s->clears && k < rays; k++)
+  for (size_t k = 0; s->features.transparent_glass && k < rays; k++)
     if (b->walk->clear[k])
       b->met.r[k] = b->met.g[k] = b->met.b[k] = 0.0f;
   for (size_t k = 0; k < s->lights; k++)
@@ -678,17 +646,17 @@ static void meet_lights(worker *w, size_t rays, const float most[2]) {
     meet_looks(w, rays);
   else if (s->sky.power > 0.0f)
     meet_sky(w, rays);
-  if (s->behind.there && s->passes && !s->transparent)
+  if (s->behind.there && s->features.transparency && !s->features.transparent_film)
     meet_seen_sky(w, rays);
   if (s->emitters.count) {
     if (weight)
       s->stages->weigh_emitters(rays, &s->emitters, &b->walk->from, weight);
-    for (size_t k = 0; s->chosen_emitters && k < rays; k++)
+    for (size_t k = 0; s->features.emitter_linking && k < rays; k++)
       b->missed[k] = b->sample_hit.record[k] != RECORD_MISS &&
-                     is_dark(plane_object_of(s, b, &b->sample_hit, k), b->walk, k, true);
+                     is_dark(hit_instance(s, b, &b->sample_hit, k), b->walk, k, true);
     s->stages->met_emitters(rays, &s->emitters, s->triangle, b->placed, &b->sample_hit,
-                            &b->sample_ray, b->walk, weight, s->chosen_emitters ? b->missed : NULL,
-                            &b->met);
+                            &b->sample_ray, b->walk, weight,
+                            s->features.emitter_linking ? b->missed : NULL, &b->met);
   }
   s->stages->gain(rays, most, 1, b->queue.identity, b->walk, &b->met, &b->sample_color);
   if (w->light)
@@ -713,8 +681,8 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
   batch *b = w->batch;
   const clamps bright = clamps_of(s);
   const float *most = bright.most;
-  int passing = s->passes ? (int)s->limits.kind[BOUNCE_TRANSPARENT] + 1 : 0;
-  int bounces = s->max_bounces + passing + (s->meets ? 1 : 0);
+  int passing = s->features.transparency ? (int)s->limits.kind[BOUNCE_TRANSPARENT] + 1 : 0;
+  int bounces = s->max_bounces + passing + (s->features.hit_lights ? 1 : 0);
   for (int bounce = 0; bounce < bounces && b->queue.hits; bounce++) {
     if (atomic_load_explicit(w->cancel, memory_order_relaxed))
       return;
@@ -724,26 +692,28 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     walks *now = b->next;
     b->next = b->walk;
     b->walk = now;
-    if (s->timed)
+    if (s->features.object_motion)
       motion_walks(w, rays);
     hits_trace(w, (ray_kind)0, rays);
-    if (w->light && s->transparent && (s->passes || s->clears))
+    if (w->light && s->features.transparent_film &&
+        (s->features.transparency || s->features.transparent_glass))
       light_passes_environment(w, b->walk, rays);
-    if (s->passes && s->transparent)
+    if (s->features.transparency && s->features.transparent_film)
       s->stages->uncover(rays, b->sample_hit.record, b->walk, &b->path);
-    if (s->clears)
+    if (s->features.transparent_glass)
       clear_film(w, rays);
-    if (s->meets)
+    if (s->features.hit_lights)
       meet_lights(w, rays, most);
-    b->queue.hits = s->stages->end(rays, b->walk, s->triangle, s->passes ? s->material : NULL,
-                                   b->sample_hit.record);
+    b->queue.hits =
+        s->stages->end(rays, b->walk, s->triangle, s->features.transparency ? s->material : NULL,
+                       b->sample_hit.record);
     if (b->queue.hits)
       hits_sort(w, rays, NULL);
     clock_tick(&w->clocks, CLOCK_TRACE);
     if (!b->queue.hits)
       return;
     shade(w, view, bounce + 1, phase);
-    if (s->passes)
+    if (s->features.transparency)
       s->stages->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
     s->stages->gain(b->queue.hits, most, 0, b->queue.lane, b->walk, &b->sum, &b->sample_color);
     if (w->light)
@@ -757,13 +727,13 @@ static void begin_walks(worker *w, size_t count) {
   memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
   for (size_t i = 0; i < count; i++)
     b->walk->weight.r[i] = b->walk->weight.g[i] = b->walk->weight.b[i] = 1.0f;
-  if (w->scene->passes)
+  if (w->scene->features.transparency)
     for (size_t i = 0; i < count; i++) { /* where they go straight on: no light has had a sample */
       b->walk->from.x[i] = b->walk->from.y[i] = b->walk->from.z[i] = 0.0f;
       b->walk->pdf[i] = CLOSURE_CERTAIN;
       b->walk->lights[i] = 1e30f;
     }
-  for (size_t i = 0; w->scene->clears && i < count; i++)
+  for (size_t i = 0; w->scene->features.transparent_glass && i < count; i++)
     b->walk->clear[i] = 1;
   for (size_t i = 0; i < count; i++) {
     b->walk->ray[i] = RAY_CAMERA;
@@ -833,9 +803,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   const stage_table *s = scene->stages;
   batch *b = w->batch;
   size_t phase = view->first % p->period;
-  bool paths = !w->observer && (scene->max_bounces > 0 || scene->passes || scene->meets ||
-                                scene->choices > 1 || scene->clamp_direct > 0.0f || w->light ||
-                                scene->cones || scene->light_threshold > 0.0f);
+  bool paths = !w->observer &&
+               (scene->max_bounces > 0 || scene->features.transparency ||
+                scene->features.hit_lights || scene->choices > 1 || scene->clamp_direct > 0.0f ||
+                w->light || scene->features.ray_cones || scene->light_threshold > 0.0f);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
@@ -845,7 +816,7 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     panorama_rays(w, view, lens ? &aperture : NULL, count);
   else
     s->camera(count, view, &b->path, &b->sample_ray);
-  if (scene->moves) {
+  if (scene->features.motion) {
     shuffle points = points_of(w, phase, 0, PURPOSE_TIME);
     motion_times(w, view, w->observer ? NULL : &points, count);
     if (!w->observer)
@@ -853,28 +824,29 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   }
   if (lens && !view->camera->panorama)
     s->lens(count, view->camera, &aperture, &b->path, &b->sample_ray);
-  if (scene->moves && !w->observer)
+  if (scene->features.motion && !w->observer)
     motion_camera(w, count);
   clock_tick(&w->clocks, CLOCK_CAMERA);
   hits_trace(w, RAY_CAMERA, count);
   s->cover(count, &b->sample_hit, &b->path);
   if (view->camera->panorama)
     panorama_cover(w, count);
-  bool sky = scene_seen_sky(scene) && !scene->transparent && !w->observer && b->queue.hits < count;
+  bool sky = scene_seen_sky(scene) && !scene->features.transparent_film && !w->observer &&
+             b->queue.hits < count;
   if (b->queue.hits)
     hits_sort(w, count, terms_of_samples(w, count, phase));
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!b->queue.hits && !sky && !w->light && !view->camera->panorama)
     return;
-  if (paths || scene->routed || scene->stepped || scene->holds)
+  if (paths || scene->features.light_path || scene->features.pixel_size || scene->features.holdout)
     begin_walks(w, count);
-  if (scene->stepped)
+  if (scene->features.pixel_size)
     s->pixel(count, view, &b->sample_ray, b->walk);
-  if (scene->routed)
+  if (scene->features.light_path)
     s->depart(count, &b->sample_ray, b->walk);
-  if (scene->cones)
+  if (scene->features.ray_cones)
     s->pixel_cone(count, view, &b->sample_ray, b->walk);
-  if (view->camera->panorama && (scene->cones || scene->stepped))
+  if (view->camera->panorama && (scene->features.ray_cones || scene->features.pixel_size))
     panorama_cones(w, view, count);
   if (w->light)
     light_passes_begin(w, view, count);

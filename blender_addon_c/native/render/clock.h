@@ -3,7 +3,9 @@
 #ifndef LIBSHADE_CLOCK_H
 #define LIBSHADE_CLOCK_H
 
-#include "scene/scene.h"
+#include "closure/closure.h"
+#include "light/light.h"
+#include "node/node.h"
 #include "system/parallel.h"
 
 typedef enum clock_number {

@@ -29,9 +29,9 @@ static bool is_sharp(const closure *c) {
 static void forbid(const worker *w, const closure *c, lane_run run, const float *z, float *cosine) {
   const scene *s = w->scene;
   bool shines = w->later && kind_of(c) == BOUNCE_GLOSSY;
-  if (shines && (s->no_reflected || s->no_refracted))
-    s->stages->forbid(run, s->no_reflected, s->no_refracted, w->batch->queue.lane, w->batch->walk,
-                      z, cosine);
+  if (shines && (s->features.no_reflective_caustics || s->features.no_refractive_caustics))
+    s->stages->forbid(run, s->features.no_reflective_caustics, s->features.no_refractive_caustics,
+                      w->batch->queue.lane, w->batch->walk, z, cosine);
 }
 
 static void weigh(worker *w, const segment *g) {
@@ -43,7 +43,8 @@ static void weigh(worker *w, const segment *g) {
   for (size_t k = 0; k < m->closures; k++) {
     const closure *c = &m->closure[k];
     s->albedo[c->type](c, g->run, &b->surface, &b->input, choice->albedo);
-    if (c->type != CLOSURE_GLASS || (w->scene->no_reflected && w->scene->no_refracted))
+    if (c->type != CLOSURE_GLASS ||
+        (w->scene->features.no_reflective_caustics && w->scene->features.no_refractive_caustics))
       forbid(w, c, g->run, b->surface.wo.z, choice->albedo);
     s->chance(c, g->run, &b->input, choice->albedo, choice->chance[k], choice->sum);
   }
@@ -70,7 +71,7 @@ bool closures_weigh(worker *w, bool first) {
 }
 
 void closures_hold(worker *w, const camera_view *view) {
-  const bool transparent = w->scene->transparent;
+  const bool transparent = w->scene->features.transparent_film;
   batch *b = w->batch;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     if (!(g->material->traits & CLOSURE_HOLDS))
@@ -88,7 +89,7 @@ void closures_hold(worker *w, const camera_view *view) {
                    (1.0f / 3.0f);
       float *alpha = &b->path.alpha[sample];
       held = held > 0.0f ? held : 0.0f; /* NaN holds nothing */
-      if (w->scene->clears ? !walk->clear[ray] : walk->ray[ray] != RAY_CAMERA)
+      if (w->scene->features.transparent_glass ? !walk->clear[ray] : walk->ray[ray] != RAY_CAMERA)
         continue;
       if (transparent)
         *alpha = *alpha > held ? *alpha - held : 0.0f;
@@ -102,7 +103,7 @@ void closures_hold(worker *w, const camera_view *view) {
 void closures_exclude(const worker *w, const closure *c, lane_run run, reflections *out) {
   uint32_t above = 2u << kind_of(c);
   uint32_t below = c->traits & CLOSURE_MATT ? (uint32_t)RAY_DIFFUSE : (uint32_t)RAY_TRANSMISSION;
-  if (w->scene->hides && !w->observer) /* a dump's lights are seen by all */
+  if (w->scene->features.light_visibility && !w->observer) /* a dump's lights are seen by all */
     w->scene->stages->exclude(run, above, below, &w->batch->light, out);
 }
 

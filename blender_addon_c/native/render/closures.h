@@ -4,7 +4,7 @@
 #ifndef LIBSHADE_CLOSURES_H
 #define LIBSHADE_CLOSURES_H
 
-#include "render/bounce.h"
+#include "render/worker.h"
 
 /* Once the nodes have run: what shines goes to the sum, and how likely each closure is to draw.
  * Says whether anything may shine. */

@@ -3,7 +3,7 @@
 #ifndef LIBSHADE_DUMP_SCENE_H
 #define LIBSHADE_DUMP_SCENE_H
 
-#include "render/bounce.h"
+#include "render/worker.h"
 #include "system/message.h"
 
 #include "dump/dump.h"

@@ -1,8 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/hits.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "render/motion.h"
 #include "render/occlusion.h"
+
+bool batch_init(worker *w) {
+  w->batch = aligned_alloc(64, sizeof *w->batch);
+  if (!w->batch)
+    return false;
+  w->batch->queue.tally = NULL;
+  w->batch->walk = &w->batch->walks[0];
+  w->batch->next = &w->batch->walks[1];
+  w->batch->input.blurs = false;
+  memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* lights that are alone write none */
+  memset(w->batch->weight.total, 0, sizeof(lane_f));
+  memset(&w->batch->drawn, 0, sizeof w->batch->drawn);
+  w->batch->drawn.tfar[BATCH] = -1.0f; /* of those that no light reaches */
+  w->batch->input.cloth = NULL;
+  w->batch->input.texture_blur = w->observer ? 0.0f : w->scene->texture_blur; /* dumps say points */
+  w->batch->input.normal_blur = w->observer ? 0.0f : w->scene->normal_blur;
+  w->batch->input.single = !w->observer;           /* a dump takes all terms of cloth; */
+  memset(w->batch->input.term, 0, sizeof(lane_f)); /* shadow rays the point that they meet */
+  w->batch->input.beside = false;
+  memset(w->batch->surface.width, 0, sizeof(lane_f));
+  memset(w->batch->surface.pixel, 0, sizeof(lane_f));
+  if (!occlusion_init(w->batch, w->scene))
+    return false;
+  return motion_init(w->batch, w->scene) && queue_init(&w->batch->queue, w->scene);
+}
+
+void batch_free(worker *w) {
+  if (w->batch) {
+    queue_free(&w->batch->queue);
+    motion_end(w->batch);
+    occlusion_free(w->batch);
+  }
+  free(w->batch);
+}
 
 void hits_trace(worker *w, ray_kind kind, size_t count) {
   const scene *s = w->scene;
@@ -29,37 +66,39 @@ void hits_sort(worker *w, size_t count, const float *key) {
     w->scene->stages->gather(q->hits, q->lane, from[k], to[k]);
   for (size_t i = 0; i < q->hits; i++)
     to_hit->record[i] = hit->record[q->lane[i]];
-  if (w->scene->timed)
+  if (w->scene->features.object_motion)
     w->scene->stages->gather(q->hits, q->lane, ray->time, to_ray->time);
   for (size_t i = 0; w->scene->placed && i < q->hits; i++)
     to_hit->instance[i] = hit->instance[q->lane[i]];
 }
 
 bool hits_lifted(const worker *w) {
-  return w->scene->curved && !w->observer;
+  return w->scene->features.curved && !w->observer;
 }
 
 void hits_surface(worker *w) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   s->corner(b->queue.hits, w->scene->triangle, b->hit, &b->corner);
-  if (w->scene->timed)
+  if (w->scene->features.object_motion)
     motion_hits(w);
   if (w->scene->placed)
     s->place(b->queue.hits, b->placed, b->hit, &b->corner);
   s->surface(b->queue.hits, b->ray, b->hit, &b->corner, !w->observer, &b->surface);
   if (b->surface.leans)
-    b->surface.leans = w->observer ? LEANS_NOT : w->scene->matt_leans ? LEANS_AWAY : LEANS_FADING;
+    b->surface.leans = w->observer                               ? LEANS_NOT
+                       : w->scene->features.interpolated_diffuse ? LEANS_AWAY
+                                                                 : LEANS_FADING;
   if (hits_lifted(w))
     s->lift(b->queue.hits, w->scene->triangle, b->placed, b->hit, &b->surface);
-  if (w->scene->identified) {
+  if (w->scene->features.object_info) {
     b->surface.placed = b->placed;
     b->surface.objects = b->object;
     s->identify(b->queue.hits, w->scene->triangle, b->placed, b->hit, &b->surface);
   }
   if (w->scene->stretch)
     s->stretch(b->queue.hits, w->scene->stretch, b->placed, b->hit, &b->surface);
-  if (w->scene->timed)
+  if (w->scene->features.object_motion)
     motion_objects(w);
 }
 

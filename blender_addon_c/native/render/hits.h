@@ -3,7 +3,11 @@
 #ifndef LIBSHADE_HITS_H
 #define LIBSHADE_HITS_H
 
-#include "render/bounce.h"
+#include "render/worker.h"
+
+/* Its batch alone. False when out of memory. */
+bool batch_init(worker *w);
+void batch_free(worker *w);
 
 /* What rays meet. kind: of all; 0: of each its walk's. */
 void hits_trace(worker *w, ray_kind kind, size_t count);

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "render/build.h"
 #include "render/denoise.h"
 #include "render/dump_scene.h"
 #include "system/memory.h"
@@ -86,7 +87,7 @@ static bool run(job *j) {
     return false;
   if (j->render.status & SHADE_BAD_INPUT)
     message_warn(&j->log, "some samples had no valid direction or normal and are black");
-  return (!s->denoise || denoise(j)) && (!s->dump || render_dump(j));
+  return (!s->features.denoise || denoise(j)) && (!s->dump || render_dump(j));
 }
 
 static void *controller(void *argument) {

@@ -263,7 +263,7 @@ static float glass_reflects(const batch *b, const closure_glass *c, size_t i) {
   vec3 n = normal_at(&b->input, c->normal, i);
   float cosine = clampf(dot(n, load(&b->surface.wo, i)), 0.0f, 1.0f), t;
   float ior = operand_at(&b->input, c->ior, i);
-  float fresnel = glass_fresnel(cosine, glass_eta(ior, b->surface.side[i]), &t);
+  float fresnel = dielectric_fresnel(cosine, dielectric_eta(ior, b->surface.side[i]), &t);
   return c->reflects && c->refracts ? fresnel : c->reflects ? 1.0f : 0.0f;
 }
 
@@ -324,7 +324,7 @@ static float clear_of(const scene *s, const batch *b, size_t i) {
 /* A hit's names to the slots of its pixel. */
 static void add_mattes(worker *w, const material *m, size_t i, size_t sample, float coverage) {
   const matte_layout *layout = w->mattes;
-  const instance *object = plane_object(w->scene, w->batch, i);
+  const instance *object = instance_at(w->scene, w->batch, i);
   const float name[MATTE_KINDS] = {object->matte[0], m->matte, object->matte[1]};
   size_t pixel = (w->light->first + sample) / w->light->samples;
   for (int kind = 0; kind < MATTE_KINDS; kind++)
@@ -374,7 +374,7 @@ void light_passes_gain(worker *w, const float most[2]) {
         continue;
       float dim = dimming(b->walk, ray, &b->sum, i, most[bounces > 0]);
       float shone = w->apart ? dimming(b->walk, ray, &p->shone, i, most[bounces > 1]) : dim;
-      if (!bounces || (w->scene->clears && b->walk->clear[ray]))
+      if (!bounces || (w->scene->features.transparent_glass && b->walk->clear[ray]))
         gain_told(w, g->material, i);
       if (!bounces) {
         gain_seen(w, i, shone, dim);
@@ -421,7 +421,7 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   const float most = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
   for (size_t k = 0; k < missed; k++) {
     size_t ray = b->missed[k];
-    if (bounces_of(walk, ray) && !(s->clears && walk->clear[ray]))
+    if (bounces_of(walk, ray) && !(s->features.transparent_glass && walk->clear[ray]))
       continue;
     color3 c = weighed(walk, ray, &b->sky, k, dimming(walk, ray, &b->sky, k, most));
     add(out, walk->sample[ray], c.r, c.g, c.b);

@@ -13,7 +13,7 @@
 #ifndef LIBSHADE_LIGHT_PASSES_H
 #define LIBSHADE_LIGHT_PASSES_H
 
-#include "render/bounce.h"
+#include "render/worker.h"
 
 /* Makes w->light where planes of light or mattes are wanted. False when out of memory. */
 bool light_passes_init(worker *w);

@@ -13,7 +13,7 @@ bool motion_init(batch *b, const scene *s) {
   b->object = s->object;
   b->own_placed = NULL;
   b->own_object = NULL;
-  if (!s->timed)
+  if (!s->features.object_motion)
     return true;
   b->placed = b->own_placed = malloc((s->placed_count + BATCH) * sizeof *b->own_placed);
   if (!b->placed)
@@ -63,7 +63,7 @@ void motion_times(worker *w, const camera_view *view, const shuffle *points, siz
     }
     b->path.time[i] = b->sample_ray.time[i] = x;
   }
-  if (points && w->scene->rolls)
+  if (points && w->scene->features.rolling_shutter)
     motion_lines(w, view, count);
 }
 
@@ -144,15 +144,6 @@ void motion_passages(const batch *from, const passages *way, batch *to, size_t r
 
 /* ---- hits */
 
-void motion_corners(const scene *s, uint32_t record, uint32_t out[3]) {
-  static const uint32_t half[2][3] = {{0, 1, 3}, {2, 3, 1}};
-  uint32_t base = (uint32_t)(2 * s->quad_count);
-  const uint32_t *quad = s->world[1], *single = s->world[2];
-  for (int k = 0; k < 3; k++)
-    out[k] = record < base ? quad[4 * (size_t)(record / 2) + half[record & 1u][k]]
-                           : single[3 * (size_t)(record - base) + (size_t)k];
-}
-
 /* Two edges of a record at a step. */
 static void edges_at(const scene *s, const deform *d, const uint32_t corner[3], int step,
                      vec3 edge[2]) {
@@ -197,7 +188,7 @@ static void bend(const scene *s, const placed *p, const hits *hit, size_t i, flo
   }
   memcpy(row, n, sizeof n);
   vec3 now[2], a[2], b[2], then[2];
-  motion_corners(s, record, corner);
+  world_corners(s, record, corner);
   edges_at(s, d, corner, d->steps / 2, now);
   edges_at(s, d, corner, step, a);
   edges_at(s, d, corner, step + 1, b);
@@ -239,11 +230,11 @@ void motion_objects(worker *w) {
     if (instance < s->placed_count)
       continue;
     const placed *own = &b->own_placed[instance];
-    if (s->curved && !w->observer && own->deform) {
+    if (s->features.curved && !w->observer && own->deform) {
       store(&b->surface.lift, i, (vec3){0, 0, 0});
       b->surface.slack[i] = 0.0f;
     }
-    if (!s->identified || !own->motion)
+    if (!s->features.object_info || !own->motion)
       continue;
     float at[12];
     double matrix[12];

@@ -6,11 +6,7 @@
 #ifndef LIBSHADE_RENDER_MOTION_H
 #define LIBSHADE_RENDER_MOTION_H
 
-#include "render/bounce.h"
-
-/* Corners of a record among the positions that Embree reads; of a mesh that changes its shape those
- * of its first step. */
-void motion_corners(const scene *s, uint32_t record, uint32_t out[3]);
+#include "render/worker.h"
 
 /* Its tables of places and objects: the scene's, or its own. False when out of memory. */
 bool motion_init(batch *b, const scene *s);

@@ -15,7 +15,7 @@ bool occlusion_init(batch *b, const scene *s) {
   b->occlusion = NULL;
   b->input.stopped = NULL;
   b->input.around = NULL;
-  if (!s->occluded)
+  if (!s->features.occlusion)
     return true;
   b->occlusion = aligned_alloc(64, (sizeof *b->occlusion + 63) / 64 * 64);
   if (!b->occlusion)

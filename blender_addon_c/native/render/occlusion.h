@@ -3,7 +3,7 @@
 #ifndef LIBSHADE_OCCLUSION_H
 #define LIBSHADE_OCCLUSION_H
 
-#include "batch/state.h"
+#include "render/state.h"
 #include "node/bevel.h"
 #include "node/occlusion.h"
 #include "scene/scene.h"

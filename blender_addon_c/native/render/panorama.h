@@ -3,7 +3,7 @@
 #ifndef LIBSHADE_PANORAMA_H
 #define LIBSHADE_PANORAMA_H
 
-#include "render/bounce.h"
+#include "render/worker.h"
 
 /* Rays of the samples, through the lens; points NULL: its middle. What is outside of a round
  * picture gets no ray. */

@@ -106,16 +106,6 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
   return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};
 }
 
-const instance *plane_object_of(const scene *s, const batch *b, const hits *hit, size_t i) {
-  bool shared = b->placed && hit->instance[i];
-  return &s->instance[shared ? b->placed[hit->instance[i]].object
-                             : s->triangle[hit->record[i]].object];
-}
-
-const instance *plane_object(const scene *s, const batch *b, size_t i) {
-  return plane_object_of(s, b, b->hit, i);
-}
-
 /* What a plane has to say of one hit. */
 static vec3 value_of(plane_type type, const scene *s, const batch *b, const material *m, size_t i) {
   const camera *eye = &s->camera;
@@ -152,7 +142,7 @@ static vec3 value_of(plane_type type, const scene *s, const batch *b, const mate
   case PLANE_UV:
     return (vec3){at->u[i], at->v[i], 1.0f};
   case PLANE_OBJECT:
-    return (vec3){(float)plane_object(s, b, i)->pass_index, 0, 0};
+    return (vec3){(float)instance_at(s, b, i)->pass_index, 0, 0};
   case PLANE_VECTOR_HITS:
     return (vec3){1, 0, 0};
   case PLANE_MATERIAL:

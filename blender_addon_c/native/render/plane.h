@@ -14,7 +14,8 @@
 
 #include <stdbool.h>
 
-#include "batch/state.h"
+#include "closure/closure.h"
+#include "render/state.h"
 #include "stage/stage.h"
 
 #define PLANES_OF_SURFACES(ROW)                                                                    \
@@ -82,10 +83,6 @@ typedef struct plane_layout {
 } plane_layout;
 
 plane_layout plane_layout_of(unsigned wanted);
-
-/* The instance that is hit: one whose mesh is shared, or the triangle's. */
-const instance *plane_object_of(const scene *s, const batch *b, const hits *hit, size_t i);
-const instance *plane_object(const scene *s, const batch *b, size_t i);
 
 /* One closure's colour in channel k, 0 to 1: a metal's head-on and its body, a matt surface's; what
  * is clear is white. */

@@ -42,13 +42,13 @@ static double filter_at(filter_type filter, double x) {
 
 /* Inverse of the filter's integral, by the trapezoid rule on a fine grid. */
 static void fill_warp(float *warp, filter_type filter, double width) {
-  enum { STEPS = 16 * SAMPLING_WARP };
+  enum { STEPS = 16 * FILTER_STEPS };
   double total = 0, sum = 0;
   for (int i = 0; i < STEPS; i++)
     total += filter_at(filter, (i + 0.5) / STEPS - 0.5);
   int step = 0;
-  for (int k = 0; k <= SAMPLING_WARP; k++) {
-    double wanted = total * k / SAMPLING_WARP;
+  for (int k = 0; k <= FILTER_STEPS; k++) {
+    double wanted = total * k / FILTER_STEPS;
     double part = 0;
     while (step < STEPS && sum + (part = filter_at(filter, (step + 0.5) / STEPS - 0.5)) < wanted) {
       sum += part;
@@ -105,7 +105,7 @@ bool sampling_init(sampling_plan *s, size_t samples, size_t run, filter_type fil
   if (!s->pass || !s->reverse)
     return false;
   if (width > 0.0f) {
-    s->warp = malloc((SAMPLING_WARP + 1) * sizeof *s->warp);
+    s->warp = malloc((FILTER_STEPS + 1) * sizeof *s->warp);
     if (!s->warp)
       return false;
     fill_warp(s->warp, filter, (double)width);

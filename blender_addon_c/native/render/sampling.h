@@ -14,7 +14,7 @@
 
 #include "scene/scene.h"
 
-enum { SAMPLING_DIMENSIONS = 4, SAMPLING_WARP = 256 };
+enum { SAMPLING_DIMENSIONS = 4 };
 
 /* The samples that a pixel gets in one pass over the picture. */
 typedef struct sampling {
@@ -24,7 +24,7 @@ typedef struct sampling {
   const uint32_t *reverse; /* by number: dimension 1, bits reversed, of mask + 1 points */
   uint32_t mask;           /* the next power of two of all samples, less 1 */
   uint32_t scramble;       /* and-ed with each hash: 0 for a dump */
-  const float *warp; /* SAMPLING_WARP + 1 offsets from the pixel's centre, or NULL for the box */
+  const float *warp; /* FILTER_STEPS + 1 offsets from the pixel's centre, or NULL for the box */
 } sampling;
 
 /*

@@ -50,7 +50,7 @@ static void find_free(const worker *w, const light_samples *light, passages *way
   const hits *hit = &b->sample_hit;
   for (size_t k = 0; k < rays; k++) {
     uint32_t bit = hit->record[k] == RECORD_MISS ? 0 : light->shade[way->hit[k]];
-    way->free[k] = bit && (uint32_t)plane_object_of(s, b, hit, k)->shadeless & bit;
+    way->free[k] = bit && (uint32_t)hit_instance(s, b, hit, k)->shadeless & bit;
   }
 }
 
@@ -68,29 +68,29 @@ bool through_shadows(worker *w, const float *color) {
   size_t hits = b->queue.hits;
   memcpy(way->tfar, b->light.ray.tfar, hits * sizeof(float));
   accel_occluded(s->accel, hits, &b->light.ray);
-  size_t rays = stage->stopped(hits, s->limits.shadows, s->shades, b->queue.lane, b->walk,
-                               &b->light, way, &at->sample_ray);
+  size_t rays = stage->stopped(hits, s->limits.shadows, s->features.shadow_linking, b->queue.lane,
+                               b->walk, &b->light, way, &at->sample_ray);
   bool any = false;
   for (int round = 0; rays && round < (int)s->limits.shadows + UNCOUNTED_MOST; round++) {
-    if (s->timed)
+    if (s->features.object_motion)
       motion_passages(b, way, at, rays);
     hits_trace(inner, RAY_SHADOW, rays);
-    if (s->shades)
+    if (s->features.shadow_linking)
       find_free(inner, &b->light, way, rays);
-    at->queue.hits = stage->sift(rays, s->triangle, s->material, s->shades, way,
+    at->queue.hits = stage->sift(rays, s->triangle, s->material, s->features.shadow_linking, way,
                                  at->sample_hit.record, &b->light);
     if (!at->queue.hits)
       break;
     any = true;
     hits_sort(inner, rays, NULL);
     hits_surface(inner);
-    if (s->routed)
+    if (s->features.light_path)
       stage->route_shadow(at->queue.hits, s->limits.shadows, at->queue.lane, way, b->queue.lane,
                           b->walk, at->ray, &at->surface);
     hits_nodes(inner);
     add_shares(inner);
-    rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum, s->shades,
-                       way, &at->light.ray, &b->light);
+    rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum,
+                       s->features.shadow_linking, way, &at->light.ray, &b->light);
     memcpy(&at->sample_ray, &at->light.ray, sizeof at->sample_ray);
   }
   if (any)

@@ -4,7 +4,7 @@
 #ifndef LIBSHADE_THROUGH_H
 #define LIBSHADE_THROUGH_H
 
-#include "render/bounce.h"
+#include "render/worker.h"
 
 typedef struct through through;
 

@@ -241,7 +241,7 @@ double render_progress(const render *r) {
 static void find_backdrop(const scene *s, float out[3]) {
   const float *even = s->backdrop, most = s->clamp_direct;
   float mean = (even[0] + even[1] + even[2]) * (1.0f / 3.0f);
-  float factor = s->transparent ? 0.0f : 1.0f;
+  float factor = s->features.transparent_film ? 0.0f : 1.0f;
   factor *= most > 0.0f && mean > most ? most / mean : 1.0f;
   for (int k = 0; k < 3; k++)
     out[k] = factor > 0.0f ? factor * even[k] : 0.0f;
@@ -256,7 +256,7 @@ static void copy_row(const scene *s, size_t count, float scale, const float *res
     float alpha = sum[3] * scale;
     for (unsigned c = 0; c < 3; c++)
       out[c] = sum[c] * scale + (1.0f - alpha) * behind[c];
-    out[3] = s->transparent ? clampf(alpha, 0.0f, 1.0f) : 1.0f;
+    out[3] = s->features.transparent_film ? clampf(alpha, 0.0f, 1.0f) : 1.0f;
   }
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/vector.h"
 
-#include "render/motion.h"
-#include "render/plane.h"
+#include "batch/leaf.h"
+#include "scene/world.h"
 
 enum { BEFORE, NOW, AFTER };
 
@@ -56,13 +56,13 @@ static void pixel_then(const scene *s, vec3 p, int when, float out[2]) {
 
 void vector_of(const scene *s, const batch *b, size_t i, float out[4]) {
   memset(out, 0, 4 * sizeof *out);
-  if (!s->vectors || s->camera.panorama)
+  if (!s->features.motion_vectors || s->camera.panorama)
     return;
-  const instance *in = plane_object(s, b, i);
+  const instance *in = instance_at(s, b, i);
   uint32_t corner[3];
   float u = b->hit->u[i], v = b->hit->v[i], place[3][2];
   const float weight[3] = {1.0f - u - v, u, v};
-  motion_corners(s, b->hit->record[i], corner);
+  world_corners(s, b->hit->record[i], corner);
   for (int when = BEFORE; when <= AFTER; when++)
     pixel_then(s, place_then(s, in, corner, weight, when), when, place[when]);
   for (int k = 0; k < 2; k++) {

@@ -4,7 +4,7 @@
 #ifndef LIBSHADE_VECTOR_H
 #define LIBSHADE_VECTOR_H
 
-#include "batch/state.h"
+#include "render/state.h"
 #include "scene/scene.h"
 
 /* Of a hit, where the scene has `vectors`; else 0. */

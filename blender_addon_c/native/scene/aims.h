@@ -10,6 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "scene/geometry.h"
+
 enum { AIMS = 4 };
 
 typedef struct aim {
@@ -22,9 +24,7 @@ typedef struct aims {
   aim ball[AIMS];
 } aims;
 
-struct scene;
-
-/* After the lights are. False when out of memory. */
-bool aims_build(struct scene *s);
+/* Of the triangles whose materials `focus`. False when out of memory. */
+bool aims_build(const geometry *s, aims *a);
 
 #endif

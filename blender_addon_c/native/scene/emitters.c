@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/scene.h"
-
 static void place(const double m[12], const float *p, double out[3]) {
   for (int k = 0; k < 3; k++)
     out[k] = m[4 * k] * (double)p[0] + m[4 * k + 1] * (double)p[1] + m[4 * k + 2] * (double)p[2] +
@@ -35,7 +33,7 @@ static double fill(const mesh *m, size_t t, const double matrix[12], const float
 }
 
 /* The triangles, one after the other: counted, or filled in where there is room. */
-static size_t gather(const scene *s, float *row, double *bright, uint32_t *instance_of) {
+static size_t gather(const geometry *s, float *row, double *bright, uint32_t *instance_of) {
   size_t count = 0;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++) {
     const mesh *m = &s->mesh[in->mesh];
@@ -78,8 +76,7 @@ static void find_ball(emitters *e, const double *bright, double all) {
   e->radius2 = (float)fmin(radius2, 1e36);
 }
 
-bool emitters_build(scene *s) {
-  emitters *e = &s->emitters;
+bool emitters_build(const geometry *s, emitters *e) {
   size_t count = gather(s, NULL, NULL, NULL);
   if (!count || count > INT32_MAX / EMITTER_ROW)
     return true; /* so many are met by drawn rays alone */

@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "scene/geometry.h"
+
 /* One triangle: corner, the edges from it, radiance. Nine and three numbers in rows of 16. */
 enum { EMITTER_CORNER = 0, EMITTER_EDGE = 3, EMITTER_COLOR = 9, EMITTER_ROW = 16 };
 
@@ -34,10 +36,8 @@ static inline float emitter_brightness(const float radiance[3]) {
   return sum * (1.0f / 3.0f);
 }
 
-struct scene;
-
 /* Of all triangles whose materials say `shines`. False when out of memory. */
-bool emitters_build(struct scene *s);
+bool emitters_build(const geometry *s, emitters *e);
 void emitters_free(emitters *e);
 
 #endif

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "scene/cloth.h"
+#include "scene/features.h"
 #include "scene/reader.h"
 #include "scene/scratches.h"
 
@@ -16,10 +17,7 @@ typedef struct graph {
   const scratches *scratches;
   size_t scratch_fields;
   size_t layers, attributes;
-  bool identified;                  /* something asks which triangle or object it is */
-  bool occluded;                    /* or what is about it */
-  bool routed;                      /* or by which way it is seen */
-  bool stepped;                     /* or how wide a pixel is there */
+  features *features;
   uint64_t written[REGISTERS / 64]; /* registers, a bit each */
   bool bare;                        /* something takes the unperturbed normal */
   int normal[3];                    /* the first that something takes since `named` was false */

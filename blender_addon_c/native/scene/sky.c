@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stage/stage.h"
+#include "batch/leaf.h"
 #include "system/parallel.h"
 
 enum { ROWS_PER_TASK = 16, TASK_LANES = BATCH };
@@ -16,7 +16,7 @@ static const double SUN_MOST = 0.8;
 typedef struct sky_task {
   sky *sky;
   const image *image; /* NULL: of the atmosphere */
-  const stage_table *stages;
+  sky_look *look;
   const atomic_bool *cancel;
   atomic_bool failed;
 } sky_task;
@@ -145,7 +145,7 @@ static void fill_row(void *context, size_t line) {
         store(d, (size_t)i,
               (vec3){(float)(flat * cos(turns)), (float)(flat * sin(turns)), (float)z});
       }
-      t->stages->sky((size_t)lanes, s, d, c);
+      t->look((size_t)lanes, s, d, c);
       for (int i = 0; i < lanes; i++)
         out[(first + i) / fine_x] +=
             (0.2126f * c->r[i] + 0.7152f * c->g[i] + 0.0722f * c->b[i]) / (float)(fine_x * fine_y);
@@ -185,7 +185,8 @@ static void sum_up(sky *s) {
   s->row[SKY_ROWS] = 1.0f;
 }
 
-bool sky_build(sky *s, const image *images, int threads, const atomic_bool *cancel) {
+bool sky_build(sky *s, const image *images, sky_look *look, int threads,
+               const atomic_bool *cancel) {
   const image *source = s->modelled ? NULL : &images[s->image];
   s->width = source ? source->width : ATMOSPHERE_COLUMNS;
   s->height = source ? source->height : ATMOSPHERE_ROWS;
@@ -198,7 +199,7 @@ bool sky_build(sky *s, const image *images, int threads, const atomic_bool *canc
   s->density = malloc(SKY_ROWS * SKY_COLUMNS * sizeof *s->density);
   if (!s->texel || !s->row || !s->column || !s->coarse || !s->density)
     return false;
-  sky_task task = {.sky = s, .image = source, .stages = stages_choose(), .cancel = cancel};
+  sky_task task = {.sky = s, .image = source, .look = look, .cancel = cancel};
   size_t stride = 4 * ((size_t)s->width + 1), last = (size_t)s->height - 1;
   if (source)
     parallel_for(threads, ((size_t)s->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, fill_texels,

@@ -55,8 +55,11 @@ typedef struct sky {
 /* `sky` of a scene, or another of that kind, which has so many images. */
 bool sky_read(reader *r, const char *key, sky *s, int images);
 
+/* What some directions see of it: the stage `sky`. */
+typedef void sky_look(size_t count, const sky *sky, const lane_v *d, lane_c *out);
+
 /* False when out of memory; stops early when *cancel is true. */
-bool sky_build(sky *s, const image *images, int threads, const atomic_bool *cancel);
+bool sky_build(sky *s, const image *images, sky_look *look, int threads, const atomic_bool *cancel);
 
 void sky_free(sky *s);
 

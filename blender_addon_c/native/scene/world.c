@@ -212,7 +212,7 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
   }
   out->handed *= sh->mirror;
   out->mirrored = sh->mirror < 0.0f;
-  if (b->scene->soft_terminator)
+  if (b->scene->features.shadow_terminator)
     find_heights(world, out);
   if (m->steps && index >= b->own)
     fill_moved(b, sh, t, turn, (size_t)(out - b->scene->triangle), out);
@@ -365,7 +365,7 @@ static bool find_shared(build *b) {
     many = many || (s->apart && (all > FEW_OWN || s->mesh[i].triangles >= (size_t)s->apart));
     b->shared[i] = many || s->mesh[i].steps ? 0 : WORLD;
   }
-  for (instance *in = s->instance; s->moves && in < s->instance + s->instances; in++) {
+  for (instance *in = s->instance; s->features.motion && in < s->instance + s->instances; in++) {
     settle(b, in);
     if (b->shared && in->motion.steps)
       b->shared[in->mesh] = 0;
@@ -418,18 +418,6 @@ static void add_share(build *b, size_t mesh_index, const double *matrix, size_t 
   }
   s->quad_count += p->pairs;
   b->singles += p->singles;
-}
-
-static bool is_stretched(const scene *s) {
-  for (const material *m = s->material; m < s->material + s->materials; m++)
-    for (const node *n = m->node; n < m->node + m->nodes; n++)
-      if (n->type == NODE_BUMP || n->type == NODE_WEAVE ||
-          (n->type == NODE_IMAGE && n->of.image.averaged) || n->type == NODE_STEP ||
-          (n->type == NODE_NORMAL_MAP && n->of.normal_map.squares) ||
-          (n->type == NODE_SCRATCHES && n->of.scratches.what == SCRATCHES_NORMAL) ||
-          (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
-        return true;
-  return false;
 }
 
 static bool is_veiled(const scene *s) {
@@ -487,7 +475,7 @@ static bool share_out(build *b) {
     return false;
   if (is_veiled(s) && !(s->hidden = array(b, s->triangle_count, sizeof *s->hidden)))
     return false;
-  if (is_stretched(s) && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
+  if (s->features.derivatives && !(s->stretch = array(b, s->triangle_count, sizeof *s->stretch)))
     return false;
   for (size_t k = 0; k < s->layers; k++) {
     layer *l = &s->layer[k];
@@ -574,7 +562,7 @@ static bool build_placed(build *b) {
                   .hidden = (uint32_t)in->hidden,
                   .reach = reach_of(b->share[b->shared[in->mesh]].bounds, in->matrix)};
     world_place(in->matrix, p);
-    if (s->moves && in->motion.steps)
+    if (s->features.motion && in->motion.steps)
       p->motion = &in->motion;
     if (s->mesh[in->mesh].steps)
       p->deform = &s->deform[in->mesh];
@@ -586,9 +574,18 @@ static bool build_placed(build *b) {
         matrix[i] = (double)at[i];
       p->reach = fmaxf(p->reach, reach_of(b->share[b->shared[in->mesh]].bounds, matrix));
     }
-    s->timed = s->timed || p->motion || p->deform;
+    s->features.object_motion = s->features.object_motion || p->motion || p->deform;
   }
   return true;
+}
+
+void world_corners(const scene *s, uint32_t record, uint32_t out[3]) {
+  static const uint32_t half[2][3] = {{0, 1, 3}, {2, 3, 1}};
+  uint32_t base = (uint32_t)(2 * s->quad_count);
+  const uint32_t *quad = s->world[1], *single = s->world[2];
+  for (int k = 0; k < 3; k++)
+    out[k] = record < base ? quad[4 * (size_t)(record / 2) + half[record & 1u][k]]
+                           : single[3 * (size_t)(record - base) + (size_t)k];
 }
 
 void world_place(const double matrix[12], placed *out) {
@@ -640,8 +637,9 @@ static bool build_world(build *b) {
     return false;
   parallel_for(s->threads, b->shares, place_positions, b);
   parallel_for(s->threads, b->chunk[b->shares], place_chunk, b);
-  for (size_t i = 0; s->soft_terminator && !s->curved && i < s->triangle_count; i++)
-    s->curved = s->triangle[i].curved;
+  for (size_t i = 0; s->features.shadow_terminator && !s->features.curved && i < s->triangle_count;
+       i++)
+    s->features.curved = s->triangle[i].curved;
   return !cancelled(b) && build_deforms(b);
 }
 
@@ -709,7 +707,8 @@ static bool build_accel(build *b) { /* or places it again, where there is one */
       for (int k = 0; k < 12; k++)
         next->matrix[k] = (float)s->instance[i].matrix[k];
       next->hidden = (uint32_t)s->instance[i].hidden;
-      next->motion = s->moves && s->instance[i].motion.steps ? &s->instance[i].motion : NULL;
+      next->motion =
+          s->features.motion && s->instance[i].motion.steps ? &s->instance[i].motion : NULL;
       next++;
     }
   accel_input input = {.positions = b->positions,
@@ -721,7 +720,7 @@ static bool build_accel(build *b) { /* or places it again, where there is one */
                        .instance = reference,
                        .quad_hidden = s->hidden,
                        .triangle_hidden = s->hidden ? s->hidden + 2 * s->quad_count : NULL,
-                       .timed = s->timed,
+                       .timed = s->features.object_motion,
                        .hasty = s->hasty};
   error[0] = 0;
   if (good && s->accel)
@@ -748,9 +747,10 @@ static bool same_mesh(const mesh *a, const mesh *b, size_t layers) {
 /* Would the arrays of both be alike, but for where things are? */
 static bool same_world(const scene *a, const scene *b) {
   bool same = a->meshes == b->meshes && a->instances == b->instances && a->layers == b->layers &&
-              a->threads == b->threads && a->apart == b->apart && !a->moves && !b->moves &&
-              !a->vectors && !b->vectors && a->soft_terminator == b->soft_terminator &&
-              is_stretched(a) == is_stretched(b) && is_veiled(a) == is_veiled(b);
+              a->threads == b->threads && a->apart == b->apart && !a->features.motion &&
+              !b->features.motion && !a->features.motion_vectors && !b->features.motion_vectors &&
+              a->features.shadow_terminator == b->features.shadow_terminator &&
+              a->features.derivatives == b->features.derivatives && is_veiled(a) == is_veiled(b);
   for (size_t k = 0; same && k < a->layers; k++)
     same = a->layer[k].width == b->layer[k].width &&
            a->layer[k].tangents_of == b->layer[k].tangents_of;
@@ -796,7 +796,7 @@ void world_take(scene *to, scene *from) {
   from->accel = NULL;
   to->triangle_count = from->triangle_count;
   to->quad_count = from->quad_count;
-  to->curved = from->curved;
+  to->features.curved = from->features.curved;
   for (size_t k = 0; k < to->layers; k++) {
     to->layer[k].corner = from->layer[k].corner;
     to->layer[k].record = from->layer[k].record;
@@ -833,7 +833,7 @@ static bool build_again(scene *s, const atomic_bool *cancel, message_log *log, s
   b->log = log;
   find_bases(b);
   bool good = (!s->plan->own_moved || move_own(b)) && build_placed(b) &&
-              (!s->identified || build_objects(b));
+              (!s->features.object_info || build_objects(b));
   double built = parallel_clock();
   good = good && (!s->plan->moved || build_accel(b));
   times->mesh = built - start;
@@ -847,7 +847,8 @@ bool world_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
     return build_again(s, cancel, log, times);
   build b = {.scene = s, .cancel = cancel, .log = log};
   double start = parallel_clock();
-  bool good = build_world(&b) && build_placed(&b) && (!s->identified || build_objects(&b));
+  bool good =
+      build_world(&b) && build_placed(&b) && (!s->features.object_info || build_objects(&b));
   parts_used(b.parts, s); /* room for the BVH */
   double built = parallel_clock();
   good = good && build_accel(&b) && !cancelled(&b);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sample positions to camera rays. */
 #include "batch/leaf.h"
-#include "render/sampling.h"
 #include "stage/aperture.h"
 #include "stage/stage.h"
 
@@ -10,7 +9,7 @@ LEAF float place(uint32_t point, const float *restrict warp) {
   float x = unit_float(point);
   if (!warp)
     return x;
-  float at = x * SAMPLING_WARP;
+  float at = x * FILTER_STEPS;
   int k = (int)at;
   return 0.5f + warp[k] + (at - (float)k) * (warp[k + 1] - warp[k]);
 }

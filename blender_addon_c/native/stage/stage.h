@@ -36,7 +36,10 @@
 #define LIBSHADE_STAGE_H
 
 #include "batch/lanes.h"
-#include "batch/queue.h"
+#include "closure/closure.h"
+#include "light/light.h"
+#include "node/node.h"
+#include "scene/queue.h"
 #include "scene/scene.h"
 
 /* The samples of a tile in one row: lane j is sample j % samples of pixel j / samples (Z order). */
@@ -155,7 +158,7 @@ typedef struct stage_table {
                        const float *weight, const uint32_t *dark, lane_c *met);
 
   /* The image around everything (sky.h). */
-  void (*sky)(size_t count, const sky *sky, const lane_v *d, lane_c *out);
+  sky_look *sky;
   void (*sky_pdf)(size_t count, const sky *sky, const lane_v *d, float *pdf);
   void (*sky_draw)(size_t count, const sky *sky, const uint32_t *lane, const light_samples *from,
                    lane_v *d, float *pdf);

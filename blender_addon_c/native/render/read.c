@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "scene/scene.h"
+#include "render/read.h"
 
 #include <limits.h>
 #include <math.h>
@@ -8,9 +8,12 @@
 #include <string.h>
 
 #include "light/pattern.h"
+#include "light/light.h"
+#include "closure/closure.h"
+#include "node/node.h"
+#include "render/build.h"
 #include "render/matte.h"
 #include "render/plane.h"
-#include "scene/reader.h"
 #include "system/parallel.h"
 
 enum {
@@ -141,8 +144,7 @@ static bool read_links(reader *r, scene *s, uint32_t *link, uint32_t *shade) {
     return false;
   *link = bit[0] < 0 ? 0 : 1u << bit[0];
   *shade = bit[1] < 0 ? 0 : 1u << bit[1];
-  s->links |= *link != 0;
-  s->shades |= *shade != 0;
+  s->features.shadow_linking |= *shade != 0;
   return true;
 }
 
@@ -213,7 +215,7 @@ static bool read_light(reader *r, void *out, void *context) {
       (reader_has(r, "hidden") && !reader_integer(r, "hidden", 0, RAY_BOUNCED, &hidden)))
     return false;
   c->hidden = (uint32_t)hidden;
-  s->hides |= hidden != 0;
+  s->features.light_visibility |= hidden != 0;
   if (reader_has(r, "pattern")) {
     if (l->type == LIGHT_SUN)
       return reader_fail(r, "a sun shines one way and has no pattern");
@@ -318,24 +320,24 @@ static bool read_closure(reader *r, void *out, void *context) {
 /* A list, or one as the material itself. */
 static bool read_closures(reader *r, graph *g, material *m) {
   closure_reader context = {.of = m, .graph = g};
-  closure *list = NULL;
   m->closures = 1;
-  if (!reader_has(r, "closures"))
-    return read_closure(r, &m->closure[0], &context);
-  bool good = reader_each(r, "closures", sizeof *list, &m->closures, &list, read_closure, &context);
-  if (good && (m->closures < 1 || m->closures > CLOSURES_MOST))
-    good = reader_fail(r, "closures has %zu items; 1 to %d are expected", m->closures,
-                       (int)CLOSURES_MOST);
-  if (good)
-    memcpy(m->closure, list, m->closures * sizeof *list);
-  free(list);
-  return good;
+  if (!reader_has(r, "closures")) {
+    m->closure = calloc(1, sizeof *m->closure);
+    return m->closure ? read_closure(r, m->closure, &context) : reader_out_of_memory(r);
+  }
+  if (!reader_each(r, "closures", sizeof(closure), &m->closures, &m->closure, read_closure,
+                   &context))
+    return false;
+  return (m->closures >= 1 && m->closures <= CLOSURES_MOST) ||
+         reader_fail(r, "closures has %zu items; 1 to %d are expected", m->closures,
+                     (int)CLOSURES_MOST);
 }
 
 static bool read_material(reader *r, void *out, void *context) {
   scene *s = context;
   material *m = out;
-  graph g = {.images = s->images,
+  graph g = {.features = &s->features,
+             .images = s->images,
              .cloth = s->cloth,
              .cloths = s->cloths,
              .scratches = s->scratches,
@@ -355,18 +357,14 @@ static bool read_material(reader *r, void *out, void *context) {
       !reader_each(r, "nodes", sizeof(node), &m->nodes, &m->node, read_node, &g))
     return false;
   g.named = false;
-  s->identified |= g.identified;
-  s->occluded |= g.occluded;
-  s->routed |= g.routed;
-  s->stepped |= g.stepped;
   for (int k = 0; k < 3; k++)
     g.normal[k] = REGISTER_NORMAL + k;
   if (!read_closures(r, &g, m))
     return false;
   memcpy(m->normal, g.normal, sizeof m->normal);
   m->bare = g.bare || !g.named;
-  s->passes |= (m->traits & CLOSURE_PASSES) != 0;
-  s->holds |= (m->traits & CLOSURE_HOLDS) != 0;
+  s->features.transparency |= (m->traits & CLOSURE_PASSES) != 0;
+  s->features.holdout |= (m->traits & CLOSURE_HOLDS) != 0;
   return true;
 }
 
@@ -536,7 +534,7 @@ static bool read_mesh(reader *r, void *out, void *context) {
       return false;
     m->corner_uv = items.data;
   }
-  if (!read_layers_of(r, s, m) || !read_shapes(r, s->vectors, m))
+  if (!read_layers_of(r, s, m) || !read_shapes(r, s->features.motion_vectors, m))
     return false;
   if (!all_below(3 * m->triangles, m->corner_position, m->positions))
     return reader_fail(r, "corner_position has an index outside of the %zu positions",
@@ -584,9 +582,9 @@ static bool read_instance(reader *r, void *out, void *context) {
     return false;
   if (!read_links(r, s, &in->link, &in->shade))
     return false;
-  s->chosen_emitters |= in->link || in->shade;
+  s->features.emitter_linking |= in->link || in->shade;
   in->unmoved = reader_has(r, "motion") && !in->motion.steps;
-  s->moves |= in->unmoved || in->motion.steps || s->mesh[in->mesh].steps;
+  s->features.motion |= in->unmoved || in->motion.steps || s->mesh[in->mesh].steps;
   for (int k = 0; k < 4; k++)
     in->color[k] = 1.0f;
   in->metres[0] = in->metres[1] = 1.0f;
@@ -657,8 +655,8 @@ static bool read_mist(reader *r, void *out, void *context) {
 /* When the shutter is open: times by an even number, and whether line after line. */
 static bool read_shutter(reader *r, scene *s) {
   reader_buffer items;
-  s->rolls = reader_has(r, "line_time");
-  if (s->rolls && !reader_number_within(r, "line_time", 0, 1, &s->line_time))
+  s->features.rolling_shutter = reader_has(r, "line_time");
+  if (s->features.rolling_shutter && !reader_number_within(r, "line_time", 0, 1, &s->line_time))
     return false;
   if (!reader_has(r, "shutter"))
     return true;
@@ -697,7 +695,7 @@ static bool read_picture(reader *r, scene *s) {
   char *dump;
   if (!read_size(r, s) || !reader_number(r, "seed", &seed) ||
       !reader_integer(r, "threads", 0, MAX_THREADS, &s->threads) ||
-      !reader_flag(r, "transparent", &s->transparent) ||
+      !reader_flag(r, "transparent", &s->features.transparent_film) ||
       !reader_floats(r, "background", 3, s->background) ||
       (reader_has(r, "sky_hidden") &&
        !reader_integer(r, "sky_hidden", 0, RAY_CAMERA | RAY_BOUNCED, &sky_hidden)) ||
@@ -705,11 +703,12 @@ static bool read_picture(reader *r, scene *s) {
     return false;
   if (reader_has(r, "reach") && !reader_number_within(r, "reach", 0, 1e30, &s->reach))
     return false;
-  s->clears = s->transparent && reader_has(r, "clear_glass");
-  if (s->clears && !reader_number_within(r, "clear_glass", 0, 1, &s->clear_alpha))
+  s->features.transparent_glass = s->features.transparent_film && reader_has(r, "clear_glass");
+  if (s->features.transparent_glass &&
+      !reader_number_within(r, "clear_glass", 0, 1, &s->clear_alpha))
     return false;
   s->sky_hidden = (uint32_t)sky_hidden;
-  s->hides = (sky_hidden & RAY_BOUNCED) != 0;
+  s->features.light_visibility = (sky_hidden & RAY_BOUNCED) != 0;
   if (*dump)
     s->dump = dump;
   else
@@ -726,18 +725,21 @@ static bool read_picture(reader *r, scene *s) {
       return false;
     s->filter = (filter_type)filter;
   }
-  if (!read_shutter(r, s) || (reader_has(r, "vectors") && !reader_flag(r, "vectors", &s->vectors)))
+  if (!read_shutter(r, s) ||
+      (reader_has(r, "vectors") && !reader_flag(r, "vectors", &s->features.motion_vectors)))
     return false;
   if (reader_has(r, "planes") && !read_planes(r, s))
     return false;
-  if (reader_has(r, "matt_leans") && !reader_flag(r, "matt_leans", &s->matt_leans))
+  if (reader_has(r, "matt_leans") &&
+      !reader_flag(r, "matt_leans", &s->features.interpolated_diffuse))
     return false;
-  if (reader_has(r, "soft_terminator") && !reader_flag(r, "soft_terminator", &s->soft_terminator))
+  if (reader_has(r, "soft_terminator") &&
+      !reader_flag(r, "soft_terminator", &s->features.shadow_terminator))
     return false;
-  if (reader_has(r, "use_denoising") && (!reader_flag(r, "use_denoising", &s->denoise) ||
+  if (reader_has(r, "use_denoising") && (!reader_flag(r, "use_denoising", &s->features.denoise) ||
                                          !reader_text(r, "denoiser", "", &s->denoiser)))
     return false;
-  if (s->denoise)
+  if (s->features.denoise)
     s->planes |= 1u << PLANE_ALBEDO | 1u << PLANE_NORMAL;
   s->planes = plane_needs(s->planes);
   if (reader_has(r, "mattes") && !read_mattes(r, s))
@@ -779,8 +781,8 @@ static bool read_picture(reader *r, scene *s) {
        !reader_flag(r, "caustics_reflective", &reflected)) ||
       (reader_has(r, "caustics_refractive") && !reader_flag(r, "caustics_refractive", &refracted)))
     return false;
-  s->no_reflected = !reflected;
-  s->no_refracted = !refracted;
+  s->features.no_reflective_caustics = !reflected;
+  s->features.no_refractive_caustics = !refracted;
   /* From some version on Cycles lets paths through one surface less than shadow rays. */
   bool less = false;
   if (reader_has(r, "transparent_less") && !reader_flag(r, "transparent_less", &less))
@@ -844,8 +846,9 @@ scene *scene_read(reader *r) {
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&
       reader_each(r, "instances", sizeof(instance), &s->instances, &s->instance, read_instance,
                   s)) {
-    s->moves = !s->vectors && (s->moves || s->camera.motion.steps > 0);
-    s->planes |= s->holds && !s->transparent ? 1u << PLANE_HELD : 0u;
+    s->features.motion =
+        !s->features.motion_vectors && (s->features.motion || s->camera.motion.steps > 0);
+    s->planes |= s->features.holdout && !s->features.transparent_film ? 1u << PLANE_HELD : 0u;
     if (!s->dump || !s->camera.panorama)
       return s;
     reader_fail(r, "camera: a dump needs one that is not panoramic");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/queue.h"
+#include "scene/queue.h"
 
 #include <stdlib.h>
 #include <string.h>

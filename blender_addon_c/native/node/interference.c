@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "closure/thin_film.h"
+#include "node/interference.h"
 
 #include <pthread.h>
 #include <stdlib.h>

@@ -16,8 +16,8 @@
  * there, less the dip that the tint makes at 82 degrees within the film. That is a lattice of
  * its pictures within .001 in the mean; by the index alone it was .0175.
  */
-#ifndef LIBSHADE_CLOSURE_THIN_FILM_H
-#define LIBSHADE_CLOSURE_THIN_FILM_H
+#ifndef LIBSHADE_NODE_INTERFERENCE_H
+#define LIBSHADE_NODE_INTERFERENCE_H
 
 #include "node/common.h"
 

@@ -37,7 +37,7 @@ static double albedo(double cosine, double alpha, double eta, bool joint) {
       if (!(ho > 0))
         continue;
       float t;
-      double fresnel = (double)glass_fresnel((float)ho, (float)eta, &t);
+      double fresnel = (double)dielectric_fresnel((float)ho, (float)eta, &t);
       double mirrored = 2 * ho * hz - cosine;
       if (mirrored > 0)
         sum += fresnel * unshadowed(mirrored, seen, alpha, joint);

@@ -4,8 +4,9 @@
 #define LIBSHADE_STATE_H
 
 #include "batch/lanes.h"
-#include "batch/queue.h"
+#include "scene/queue.h"
 #include "scene/object.h"
+#include "scene/scene.h"
 
 typedef struct batch {
   /* by sample; rays and hits after the first bounce by ray */
@@ -48,5 +49,16 @@ typedef struct batch {
   lane_c met;                  /* by ray: light of lights it meets */
   struct occlusion *occlusion; /* where the scene is `occluded`, or NULL */
 } batch;
+
+/* The instance that is hit: one whose mesh is shared, or the triangle's. */
+static inline const instance *hit_instance(const scene *s, const batch *b, const hits *hit,
+                                           size_t i) {
+  bool shared = b->placed && hit->instance[i];
+  return &s->instance[shared ? b->placed[hit->instance[i]].object
+                             : s->triangle[hit->record[i]].object];
+}
+static inline const instance *instance_at(const scene *s, const batch *b, size_t i) {
+  return hit_instance(s, b, b->hit, i);
+}
 
 #endif

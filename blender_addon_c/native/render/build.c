@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "scene/scene.h"
+#include "render/build.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "light/pattern.h"
+#include "light/light.h"
+#include "closure/closure.h"
+#include "node/node.h"
+#include "stage/stage.h"
 #include "scene/world.h"
 #include "system/parallel.h"
 
@@ -50,6 +54,19 @@ static bool build_node(node *n, const node_place *place) {
   return false;
 }
 
+/* Do nodes read position by u and v? */
+static bool reads_derivatives(const scene *s) {
+  for (const material *m = s->material; m < s->material + s->materials; m++)
+    for (const node *n = m->node; n < m->node + m->nodes; n++)
+      if (n->type == NODE_BUMP || n->type == NODE_WEAVE ||
+          (n->type == NODE_IMAGE && n->of.image.averaged) || n->type == NODE_STEP ||
+          (n->type == NODE_NORMAL_MAP && n->of.normal_map.squares) ||
+          (n->type == NODE_SCRATCHES && n->of.scratches.what == SCRATCHES_NORMAL) ||
+          (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
+        return true;
+  return false;
+}
+
 static bool build_cloths(scene *s, const atomic_bool *cancel, message_log *log) {
   for (size_t k = 0; k < s->cloths; k++) {
     if (atomic_load_explicit(cancel, memory_order_relaxed))
@@ -72,7 +89,7 @@ static bool build_scratches(scene *s, const atomic_bool *cancel, message_log *lo
 
 static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
-  s->cones = s->cloths > 0;
+  s->features.ray_cones = s->cloths > 0;
   for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
@@ -92,10 +109,13 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
     for (size_t k = 0; good && k < m->nodes; k++)
       good = build_node(&m->node[k], &place);
     for (size_t k = 0; good && k < m->nodes; k++)
-      s->cones = s->cones || (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged) ||
-                 (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares) ||
-                 (m->node[k].type == NODE_SCRATCHES && m->node[k].of.scratches.coarse);
+      s->features.ray_cones =
+          s->features.ray_cones ||
+          (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged) ||
+          (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares) ||
+          (m->node[k].type == NODE_SCRATCHES && m->node[k].of.scratches.coarse);
   }
+  s->features.derivatives = reads_derivatives(s);
   texture_take(&s->textures, &s->kept);
   free(s->kept_image);
   s->kept_image = NULL;
@@ -124,38 +144,84 @@ static void find_radiance(material *m) {
   }
 }
 
+/* Below these, light that is gathered is no brighter than what is around. */
+#define LEAST_EXPONENT 8.0
+#define LEAST_REFLECTED 0.25
+
+static double mean_of(const operand o[3], const double own[3]) {
+  double sum = 0;
+  for (int k = 0; k < 3; k++)
+    sum += o[k].at >= 0 ? 1.0 : own ? own[k] : (double)o[k].number;
+  return sum / 3;
+}
+
+/* What nodes say is taken for white. */
+static bool focuses(const scene *s, const closure *c) {
+  double weight = mean_of(c->weight, NULL);
+  if (c->type == CLOSURE_METAL && !s->features.no_reflective_caustics) {
+    const closure_metal *m = &c->of.metal;
+    double share = m->params.fresnel == SHADE_FRESNEL_CONDUCTOR ? 1 : mean_of(m->f0, m->params.f0);
+    return !(c->traits & CLOSURE_MATT) && closure_metal_exponent(m) >= LEAST_EXPONENT &&
+           weight * share >= LEAST_REFLECTED;
+  }
+  return c->type == CLOSURE_GLASS &&
+         !(s->features.no_reflective_caustics && s->features.no_refractive_caustics) &&
+         closure_glass_exponent(&c->of.glass) >= LEAST_EXPONENT && weight >= LEAST_REFLECTED;
+}
+
+static bool build_aims(scene *s, const geometry *all) {
+  bool any = false, matt = false;
+  for (material *m = s->material; m < s->material + s->materials; m++) {
+    for (size_t k = 0; k < m->closures; k++)
+      m->focuses = m->focuses || focuses(s, &m->closure[k]);
+    any = any || m->focuses;
+    matt = matt || m->traits & CLOSURE_MATT;
+  }
+  any = any && matt && s->lights + s->emitters.count > 0 && s->limits.kind[BOUNCE_DIFFUSE] > 0;
+  return !any || aims_build(all, &s->aims);
+}
+
 /* What may light a surface, and by which way. An even sky is no light to choose: rays that are
  * drawn by the surface find it as well as can be. */
 static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) {
+  sky_look *const look = stages_choose()->sky;
+  const geometry all = {.materials = s->materials,
+                        .meshes = s->meshes,
+                        .instances = s->instances,
+                        .material = s->material,
+                        .mesh = s->mesh,
+                        .instance = s->instance};
   s->choices = s->lights;
   bool sky_dark = (s->sky_hidden & RAY_BOUNCED) == RAY_BOUNCED;
-  s->meets =
+  s->features.hit_lights =
       !sky_dark && (s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f);
   for (size_t k = 0; k < s->lights; k++)
-    s->meets = s->meets || s->light[k].common.met;
+    s->features.hit_lights = s->features.hit_lights || s->light[k].common.met;
   for (int k = 0; k < 3; k++) /* behind surfaces that let its rays pass */
-    s->meets = s->meets || (s->passes && s->backdrop[k] > 0.0f);
+    s->features.hit_lights =
+        s->features.hit_lights || (s->features.transparency && s->backdrop[k] > 0.0f);
   for (material *m = s->material; m < s->material + s->materials; m++)
     find_radiance(m);
-  s->meets = s->meets || (s->passes && s->behind.there);
-  if ((s->sky.there && !sky_build(&s->sky, s->image, s->threads, cancel)) ||
-      (s->behind.there && !sky_build(&s->behind, s->image, s->threads, cancel)) ||
-      !emitters_build(s))
+  s->features.hit_lights = s->features.hit_lights || (s->features.transparency && s->behind.there);
+  if ((s->sky.there && !sky_build(&s->sky, s->image, look, s->threads, cancel)) ||
+      (s->behind.there && !sky_build(&s->behind, s->image, look, s->threads, cancel)) ||
+      !emitters_build(&all, &s->emitters))
     return message_error(log, "out of memory");
-  for (ray_look *look = s->look; !sky_dark && look < s->look + s->looks; look++) {
-    if (look->sky.there && !sky_build(&look->sky, s->image, s->threads, cancel))
+  for (ray_look *way = s->look; !sky_dark && way < s->look + s->looks; way++) {
+    if (way->sky.there && !sky_build(&way->sky, s->image, look, s->threads, cancel))
       return message_error(log, "out of memory");
-    s->meets = true;
+    s->features.hit_lights = true;
   }
   s->sky.power = sky_dark ? 0.0f : s->sky.power;
   s->choices += (size_t)(s->sky.power > 0.0f) + (size_t)(s->emitters.count > 0);
-  s->meets = s->meets || s->sky.power > 0.0f || s->emitters.count > 0;
-  return aims_build(s) || message_error(log, "out of memory");
+  s->features.hit_lights = s->features.hit_lights || s->sky.power > 0.0f || s->emitters.count > 0;
+  return build_aims(s, &all) || message_error(log, "out of memory");
 }
 
 void scene_take(scene *to, scene *from) {
   if (!from->built || !from->apart || !to->apart)
     return;
+  to->features.derivatives = reads_derivatives(to);
   world_take(to, from);
   for (size_t k = 0; k < to->scratch_fields; k++)
     for (size_t i = 0; i < from->scratch_fields; i++)
@@ -221,6 +287,7 @@ void scene_free(scene *s) {
   emitters_free(&s->emitters);
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);
+    free(s->material[i].closure);
     free(s->material[i].node);
   }
   for (size_t i = 0; s->mesh && i < s->meshes; i++) {

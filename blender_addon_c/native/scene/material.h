@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a surface is made of: closures, and the nodes that say with which numbers. */
+#ifndef LIBSHADE_MATERIAL_H
+#define LIBSHADE_MATERIAL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct closure closure; /* closure/closure.h */
+typedef struct node node;       /* node/node.h */
+
+/* What a closure does. */
+typedef enum closure_trait {
+  CLOSURE_SCATTERS = 1, /* it has f and draws directions */
+  CLOSURE_THROUGH = 2,  /* to and from the side that is not seen, too */
+  CLOSURE_PASSES = 4,   /* its rays go straight on */
+  CLOSURE_EMITS = 8,    /* its weight is radiance */
+  CLOSURE_MATT = 16,    /* its bounces count as diffuse ones */
+  CLOSURE_HOLDS = 64,   /* its weight is a hole in the picture */
+  CLOSURE_GROOVED = 32  /* turned about its normal it is another */
+} closure_trait;
+
+typedef struct material {
+  int number; /* material.ID of a dump */
+  int pass_index;
+  float matte; /* what stands for its name */
+  char *name;
+  unsigned status; /* of its closure's parameters: what had to be clamped */
+  size_t closures; /* 1 to CLOSURES_MOST */
+  closure *closure;
+  unsigned traits; /* of all of them */
+  int normal[3];   /* registers of the first one's */
+  bool bare;       /* one of them takes the unperturbed normal */
+  size_t nodes;    /* in the order in which they run */
+  node *node;
+  bool undrawn; /* whatever it shines with, its triangles are no light: rays alone find them */
+  bool shines;  /* evenly, with this radiance: its triangles are a light */
+  float radiance[3];
+  bool focuses; /* it gathers the light of lamps: aims.h */
+} material;
+
+#endif
