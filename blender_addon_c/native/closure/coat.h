@@ -12,16 +12,11 @@ typedef struct closure_coat {
   int normal[3];
 } closure_coat;
 
-static inline bool closure_coat_read(reader *r, closure_coat *c, graph *g, unsigned *status) {
-  (void)status;
-  return graph_operands(r, g, "alpha", 1, &c->alpha) && graph_normal(r, g, c->normal);
-}
-static inline double closure_coat_exponent(const closure_coat *c) {
-  return c->alpha.at < 0 ? 2.0 / fmax((double)c->alpha.number * (double)c->alpha.number, 1e-8) : 0;
-}
-static inline unsigned closure_coat_traits(const closure_coat *c) {
-  (void)c;
-  return CLOSURE_SCATTERS;
+static inline bool closure_coat_read(reader *r, closure_coat *c, graph *g) {
+  if (!graph_operands(r, g, "alpha", 1, &c->alpha))
+    return false;
+  g->exponent = alpha_exponent(c->alpha);
+  return graph_normal(r, g, c->normal);
 }
 
 /* From 1 on it is even. */

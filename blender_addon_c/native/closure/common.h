@@ -8,6 +8,20 @@
 #include "scene/graph.h"
 #include "scene/material.h"
 
+/* No alpha is below 1e-4. */
+#define CLOSURE_LEAST_ALPHA 1.01e-4
+
+/* How sharp a lobe of such an alpha is; one that nodes say counts as wide. */
+static inline double alpha_exponent(operand alpha) {
+  return alpha.at < 0 ? 2.0 / fmax((double)alpha.number * (double)alpha.number, 1e-8) : 0;
+}
+
+/* A colour's channel that is a register, or this number; 0 to 1. */
+static inline float closure_color_of(const inputs *in, operand o, double number, size_t i) {
+  float x = o.at < 0 ? (float)number : in->at[o.at][i];
+  return clampf(x, 0.0f, 1.0f);
+}
+
 /* Density and f of a direction that is drawn with certainty: what stands for infinite ones. Its
  * square is a float, and so is 1e-9 of it beside any other density. */
 #define CLOSURE_CERTAIN 1e15f

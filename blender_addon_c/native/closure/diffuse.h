@@ -27,10 +27,9 @@ typedef struct closure_diffuse {
   operand color[3], roughness;
 } closure_diffuse;
 
-static inline bool closure_diffuse_read(reader *r, closure_diffuse *c, graph *g, unsigned *status) {
+static inline bool closure_diffuse_read(reader *r, closure_diffuse *c, graph *g) {
   static const char *const models[] = {"LAMBERT", "OREN_NAYAR", "EON", "BURLEY", NULL};
   static const char *const bumps[] = {"HARD", "SHADED", "FADED", "OPEN", NULL};
-  (void)status;
   c->bumps = DIFFUSE_HARD;
   if (reader_has(r, "bumps") && !reader_word(r, "bumps", bumps, &c->bumps))
     return false;
@@ -39,13 +38,9 @@ static inline bool closure_diffuse_read(reader *r, closure_diffuse *c, graph *g,
          graph_operands(r, g, "roughness", 1, &c->roughness) && graph_normal(r, g, c->normal);
 }
 
-static inline double closure_diffuse_exponent(const closure_diffuse *c) {
-  (void)c;
-  return 0;
-}
-static inline unsigned closure_diffuse_traits(const closure_diffuse *c) {
-  (void)c;
-  return CLOSURE_SCATTERS | CLOSURE_MATT;
+static inline float closure_diffuse_color(const closure_diffuse *c, const inputs *in, int k,
+                                          size_t i) {
+  return closure_color_of(in, c->color[k], (double)c->color[k].number, i);
 }
 
 #define DIFFUSE_PI 3.14159265f

@@ -10,17 +10,11 @@ typedef struct closure_emission {
   bool holds;
 } closure_emission;
 
-static inline bool closure_emission_read(reader *r, closure_emission *c, graph *g,
-                                         unsigned *status) {
-  (void)g, (void)status;
-  return !reader_has(r, "holds") || reader_flag(r, "holds", &c->holds);
-}
-static inline double closure_emission_exponent(const closure_emission *c) {
-  (void)c;
-  return 0;
-}
-static inline unsigned closure_emission_traits(const closure_emission *c) {
-  return c->holds ? CLOSURE_HOLDS : CLOSURE_EMITS;
+static inline bool closure_emission_read(reader *r, closure_emission *c, graph *g) {
+  if (!reader_may_flag(r, "holds", &c->holds))
+    return false;
+  g->traits |= c->holds ? CLOSURE_HOLDS : CLOSURE_EMITS;
+  return true;
 }
 
 LEAF unsigned closure_emission_eval(const closure_emission *c, lane_run run, const surfaces *at,

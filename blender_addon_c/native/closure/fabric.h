@@ -13,17 +13,20 @@ typedef struct closure_fabric {
   operand coverage;
 } closure_fabric;
 
-static inline bool closure_fabric_read(reader *r, closure_fabric *c, graph *g, unsigned *status) {
-  (void)status;
-  return cloth_use_read(r, &c->use, g) && graph_operands(r, g, "coverage", 1, &c->coverage);
-}
-static inline double closure_fabric_exponent(const closure_fabric *c) {
+static inline bool closure_fabric_read(reader *r, closure_fabric *c, graph *g) {
+  if (!cloth_use_read(r, &c->use, g) || !graph_operands(r, g, "coverage", 1, &c->coverage))
+    return false;
   const shade_fabric_params *p = &c->use.cloth->preset.fabric;
-  return fmax(fmax(p->warp.along, p->warp.across), fmax(p->weft.along, p->weft.across));
+  g->exponent = fmax(fmax(p->warp.along, p->warp.across), fmax(p->weft.along, p->weft.across));
+  g->traits |= c->use.cloth->through ? CLOSURE_THROUGH : 0;
+  return true;
 }
-static inline unsigned closure_fabric_traits(const closure_fabric *c) {
-  return CLOSURE_SCATTERS | CLOSURE_MATT | CLOSURE_GROOVED |
-         (c->use.cloth->through ? (unsigned)CLOSURE_THROUGH : 0u);
+
+static inline float closure_fabric_color(const closure_fabric *c, const inputs *in, int k,
+                                         size_t i) {
+  const shade_fabric_params *p = &c->use.cloth->preset.fabric;
+  return 0.5f * (closure_color_of(in, c->use.warp[k], p->warp.kd[k], i) +
+                 closure_color_of(in, c->use.weft[k], p->weft.kd[k], i));
 }
 
 LEAF void closure_fabric_albedo(const closure_fabric *c, lane_run run, const surfaces *at,

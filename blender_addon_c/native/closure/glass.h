@@ -31,8 +31,7 @@ typedef struct closure_glass {
   int normal[3];
 } closure_glass;
 
-static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g, unsigned *status) {
-  (void)status;
+static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g) {
   c->film = (thin_film){.there = reader_has(r, "film_thickness"), .table = thin_film_table()};
   if (c->film.there && !(graph_operands(r, g, "film_thickness", 1, &c->film.thickness) &&
                          graph_operands(r, g, "film_ior", 1, &c->film.ior)))
@@ -40,18 +39,16 @@ static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g, uns
   c->hued = reader_has(r, "mirror_tint");
   if (c->hued && !graph_operands(r, g, "mirror_tint", 3, c->hue))
     return false;
-  return graph_operands(r, g, "ior", 1, &c->ior) && graph_operands(r, g, "alpha", 1, &c->alpha) &&
-         graph_operands(r, g, "tint", 3, c->tint) && reader_flag(r, "reflects", &c->reflects) &&
-         reader_flag(r, "refracts", &c->refracts) && reader_flag(r, "joint", &c->joint) &&
-         (!reader_has(r, "flat") || reader_flag(r, "flat", &c->flat)) &&
-         (!reader_has(r, "beckmann") || reader_flag(r, "beckmann", &c->beckmann)) &&
-         graph_normal(r, g, c->normal);
-}
-static inline double closure_glass_exponent(const closure_glass *c) {
-  return c->alpha.at < 0 ? 2.0 / fmax((double)c->alpha.number * (double)c->alpha.number, 1e-8) : 0;
-}
-static inline unsigned closure_glass_traits(const closure_glass *c) {
-  return CLOSURE_SCATTERS | (c->refracts ? CLOSURE_THROUGH : 0u);
+  if (!graph_operands(r, g, "ior", 1, &c->ior) || !graph_operands(r, g, "alpha", 1, &c->alpha) ||
+      !graph_operands(r, g, "tint", 3, c->tint) || !reader_flag(r, "reflects", &c->reflects) ||
+      !reader_flag(r, "refracts", &c->refracts) || !reader_flag(r, "joint", &c->joint) ||
+      !reader_may_flag(r, "flat", &c->flat) || !reader_may_flag(r, "beckmann", &c->beckmann))
+    return false;
+  const bool sharp = c->alpha.at < 0 && (double)c->alpha.number <= CLOSURE_LEAST_ALPHA;
+  g->exponent = alpha_exponent(c->alpha);
+  g->focus = 1;
+  g->traits |= (c->refracts ? CLOSURE_THROUGH : 0u) | (sharp ? CLOSURE_SHARP : 0u);
+  return graph_normal(r, g, c->normal);
 }
 
 /* Smith's Lambda of GGX for a direction with this cosine from the normal. */

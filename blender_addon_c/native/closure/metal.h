@@ -90,8 +90,27 @@ static inline bool closure_metal_from(reader *r, const graph *g, const char *key
   return !reader_has(r, key) || graph_operands(r, g, key, count, out);
 }
 
-/* *status: what had to be clamped. */
-static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, unsigned *status) {
+/* What is known of it before its nodes have run. A matt body alone counts as diffuse; of a mirror
+ * the colour head-on says how much light it may gather. */
+static inline void closure_metal_tell(const closure_metal *c, graph *g) {
+  const shade_params *q = &c->params;
+  bool mirror = q->fresnel != SHADE_FRESNEL_NONE;
+  double head_on = 0;
+  for (int k = 0; k < 3; k++) {
+    mirror = mirror || c->f0[k].at >= 0 || q->f0[k] > 0;
+    head_on += (c->f0[k].at >= 0 ? 1 : q->f0[k]) / 3;
+  }
+  bool uneven = q->ax != q->ay || c->ax.at != c->ay.at;
+  bool fibres =
+      q->diffuse != SHADE_DIFFUSE_LAMBERT && q->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  bool sharp = q->ax <= CLOSURE_LEAST_ALPHA && q->ay <= CLOSURE_LEAST_ALPHA;
+  g->exponent = fmax(q->ex, q->ey);
+  g->focus = !mirror ? 0 : q->fresnel == SHADE_FRESNEL_CONDUCTOR ? 1 : head_on;
+  g->traits |= (mirror ? 0u : CLOSURE_MATT) | (sharp ? CLOSURE_SHARP : 0u) |
+               (fibres || (mirror && uneven) ? CLOSURE_GROOVED : 0u);
+}
+
+static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
   shade_params_init(&c->params);
   c->grooved = reader_has(r, "groove_from");
   c->apart = false;
@@ -99,8 +118,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
   c->film.there = false;
   if (reader_has(r, "film_thickness") && !thin_film_read(r, &c->film, g))
     return false;
-  if ((reader_has(r, "apart") && !reader_flag(r, "apart", &c->apart)) ||
-      !closure_metal_from(r, g, "f0_from", 3, c->f0) ||
+  if (!reader_may_flag(r, "apart", &c->apart) || !closure_metal_from(r, g, "f0_from", 3, c->f0) ||
       !closure_metal_from(r, g, "kd_from", 3, c->kd) ||
       !closure_metal_from(r, g, "f82_from", 3, c->f82) ||
       !closure_metal_from(r, g, "eta_from", 3, c->eta) ||
@@ -110,33 +128,36 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g, uns
       !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
       !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
-  if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, status))
+  if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, &g->status))
     return false;
-  c->apart = c->apart && c->params.brdf == SHADE_BRDF_MICROFACET &&
+  c->apart = c->apart && !g->dump && c->params.brdf == SHADE_BRDF_MICROFACET &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
   c->bumpy = c->bumpy && c->params.brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY;
-  *status |= shade_bsdf_setup(&c->bsdf, &c->params);
+  g->status |= shade_bsdf_setup(&c->bsdf, &c->params);
   c->matt = c->params.fresnel == SHADE_FRESNEL_NONE && c->params.diffuse == SHADE_DIFFUSE_LAMBERT;
   for (int k = 0; k < 3; k++)
     c->matt =
         c->matt && c->f0[k].at < 0 && !(c->params.f0[k] > 0) && c->normal[k] == REGISTER_NORMAL + k;
+  closure_metal_tell(c, g);
   return true;
 }
 
-static inline double closure_metal_exponent(const closure_metal *c) {
-  return fmax(c->params.ex, c->params.ey);
-}
-
-/* A matt body alone counts as diffuse. */
-LEAF unsigned closure_metal_traits(const closure_metal *c) {
-  bool mirror = c->params.fresnel != SHADE_FRESNEL_NONE;
-  for (int k = 0; k < 3; k++)
-    mirror = mirror || c->f0[k].at >= 0 || c->params.f0[k] > 0;
-  bool uneven = c->params.ax != c->params.ay || c->ax.at != c->ay.at;
-  bool fibres = c->params.diffuse != SHADE_DIFFUSE_LAMBERT &&
-                c->params.diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
-  return CLOSURE_SCATTERS | (mirror ? 0u : (unsigned)CLOSURE_MATT) |
-         (fibres || (mirror && uneven) ? (unsigned)CLOSURE_GROOVED : 0u);
+/* Head-on and of its body. */
+static inline float closure_metal_color(const closure_metal *c, const inputs *in, int k, size_t i) {
+  if (c->film.there) { /* as without it: its f0 is what the film's colours multiply */
+    operand eta = c->film.eta[k], loss = c->film.k[k];
+    float index = eta.at < 0 ? eta.number : in->at[eta.at][i];
+    float absorbed = loss.at < 0 ? loss.number : in->at[loss.at][i];
+    float less = (index - 1.0f) * (index - 1.0f) + absorbed * absorbed;
+    return clampf(less / (less + 4.0f * index), 0.0f, 1.0f);
+  }
+  double n = c->params.eta[k], x = c->params.k[k];
+  double head_on = ((n - 1) * (n - 1) + x * x) / ((n + 1) * (n + 1) + x * x);
+  operand number = {.at = OPERAND_NUMBER};
+  bool exact = c->params.fresnel == SHADE_FRESNEL_CONDUCTOR;
+  float mirror = exact ? closure_color_of(in, number, c->eta[k].at < 0 ? head_on : 0.04, i)
+                       : closure_color_of(in, c->f0[k], c->params.f0[k], i);
+  return mirror + closure_color_of(in, c->kd[k], c->params.kd[k], i);
 }
 
 /* Schlick's Fresnel of f0, and the matt part; of a conductor that varies, as if it were dark. */

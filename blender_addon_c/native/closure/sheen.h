@@ -18,9 +18,8 @@ typedef struct closure_sheen {
   operand sigma, a, b;
 } closure_sheen;
 
-static inline bool closure_sheen_read(reader *r, closure_sheen *c, graph *g, unsigned *status) {
+static inline bool closure_sheen_read(reader *r, closure_sheen *c, graph *g) {
   static const char *const models[] = {"SCHLICK", "VELVET", "FIBRES", NULL};
-  (void)status;
   c->sigma = c->a = (operand){.at = OPERAND_NUMBER, .number = 1.0f};
   c->b = (operand){.at = OPERAND_NUMBER};
   if (!reader_word(r, "model", models, &c->model))
@@ -31,14 +30,6 @@ static inline bool closure_sheen_read(reader *r, closure_sheen *c, graph *g, uns
       !(graph_operands(r, g, "a", 1, &c->a) && graph_operands(r, g, "b", 1, &c->b)))
     return false;
   return graph_normal(r, g, c->normal);
-}
-static inline double closure_sheen_exponent(const closure_sheen *c) {
-  (void)c;
-  return 0;
-}
-static inline unsigned closure_sheen_traits(const closure_sheen *c) {
-  (void)c;
-  return CLOSURE_SCATTERS | CLOSURE_MATT;
 }
 
 /* f cos. */

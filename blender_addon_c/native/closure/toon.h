@@ -18,20 +18,15 @@ typedef struct closure_toon {
   operand size, smooth;
 } closure_toon;
 
-static inline bool closure_toon_read(reader *r, closure_toon *c, graph *g, unsigned *status) {
-  (void)status;
+static inline bool closure_toon_read(reader *r, closure_toon *c, graph *g) {
   c->overcounts = false;
-  if (reader_has(r, "overcounts") && !reader_flag(r, "overcounts", &c->overcounts))
+  if (!reader_may_flag(r, "overcounts", &c->overcounts))
     return false;
-  return reader_flag(r, "mirrors", &c->mirrors) && graph_operands(r, g, "size", 1, &c->size) &&
+  if (!reader_flag(r, "mirrors", &c->mirrors))
+    return false;
+  g->traits |= c->mirrors ? 0u : CLOSURE_MATT;
+  return graph_operands(r, g, "size", 1, &c->size) &&
          graph_operands(r, g, "smooth", 1, &c->smooth) && graph_normal(r, g, c->normal);
-}
-static inline double closure_toon_exponent(const closure_toon *c) {
-  (void)c;
-  return 0;
-}
-static inline unsigned closure_toon_traits(const closure_toon *c) {
-  return CLOSURE_SCATTERS | (c->mirrors ? 0u : CLOSURE_MATT);
 }
 
 /* A cone: its angle, that of its rim and of both, and 1 less the cosine of the latter. */

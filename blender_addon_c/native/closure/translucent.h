@@ -10,18 +10,8 @@ typedef struct closure_translucent {
   int normal[3];
 } closure_translucent;
 
-static inline bool closure_translucent_read(reader *r, closure_translucent *c, graph *g,
-                                            unsigned *status) {
-  (void)status;
+static inline bool closure_translucent_read(reader *r, closure_translucent *c, graph *g) {
   return graph_normal(r, g, c->normal);
-}
-static inline double closure_translucent_exponent(const closure_translucent *c) {
-  (void)c;
-  return 0;
-}
-static inline unsigned closure_translucent_traits(const closure_translucent *c) {
-  (void)c;
-  return CLOSURE_SCATTERS | CLOSURE_THROUGH | CLOSURE_MATT;
 }
 
 LEAF unsigned closure_translucent_eval(const closure_translucent *c, lane_run run,

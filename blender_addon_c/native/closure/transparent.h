@@ -9,18 +9,9 @@ typedef struct closure_transparent {
   char nothing;
 } closure_transparent;
 
-static inline bool closure_transparent_read(reader *r, closure_transparent *c, graph *g,
-                                            unsigned *status) {
-  (void)r, (void)c, (void)g, (void)status;
+static inline bool closure_transparent_read(reader *r, closure_transparent *c, graph *g) {
+  (void)r, (void)c, (void)g;
   return true;
-}
-static inline double closure_transparent_exponent(const closure_transparent *c) {
-  (void)c;
-  return 0;
-}
-static inline unsigned closure_transparent_traits(const closure_transparent *c) {
-  (void)c;
-  return CLOSURE_PASSES;
 }
 
 LEAF unsigned closure_transparent_eval(const closure_transparent *c, lane_run run,

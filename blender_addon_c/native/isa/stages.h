@@ -22,9 +22,9 @@
 #define WEIGH_FUNCTION(TYPE, name) stage_weigh_##name,
 #define MEET_FUNCTION(TYPE, name) stage_meet_##name,
 #define NODE_FUNCTION(TYPE, name) stage_##name,
-#define CLOSURE_FUNCTION(TYPE, name) stage_##name,
-#define ALBEDO_FUNCTION(TYPE, name) stage_albedo_##name,
-#define DRAW_FUNCTION(TYPE, name) stage_draw_##name,
+#define CLOSURE_FUNCTION(TYPE, name, always) stage_##name,
+#define ALBEDO_FUNCTION(TYPE, name, always) stage_albedo_##name,
+#define DRAW_FUNCTION(TYPE, name, always) stage_draw_##name,
 #define STAGE_TABLE(isa)                                                                           \
   const stage_table stages_##isa = {.name = #isa,                                                  \
                                     .camera = stage_camera,                                        \

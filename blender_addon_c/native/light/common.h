@@ -58,7 +58,7 @@ typedef struct light_bulb {
 /* A flag for either(); one that is missing is off. */
 static inline bool light_switch_read(reader *r, const char *key, uint32_t *mask) {
   bool on = false;
-  if (reader_has(r, key) && !reader_flag(r, key, &on))
+  if (!reader_may_flag(r, key, &on))
     return false;
   *mask = on ? UINT32_MAX : 0;
   return true;

@@ -16,11 +16,6 @@ static inline bool node_attribute_read(reader *r, node_attribute *n, graph *g) {
          graph_outputs(r, g, "out", 3, n->out) && graph_outputs(r, g, "more", 1, &n->more);
 }
 
-static inline bool node_attribute_build(node_attribute *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 LEAF void node_attribute_run(const node_attribute *n, lane_run g, const corners *corner,
                              const surfaces *point, inputs *at) {
   static const float nothing[4] = {0};

@@ -16,11 +16,6 @@ static inline bool node_bend_read(reader *r, node_bend *n, graph *g) {
   return graph_operands(r, g, "normal", 3, n->normal) && graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_bend_build(node_bend *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 LEAF void node_bend_run(const node_bend *n, lane_run g, const corners *corner,
                         const surfaces *restrict point, inputs *restrict at) {
   const float *x = lane_of(at, n->normal[0], 0, g), *y = lane_of(at, n->normal[1], 1, g);

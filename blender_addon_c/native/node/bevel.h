@@ -20,11 +20,6 @@ static inline bool node_bevel_read(reader *r, node_bevel *n, graph *g) {
          graph_operands(r, g, "radius", 1, &n->radius) && graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_bevel_build(node_bevel *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* Where no ray met anything, the surface's own. */
 LEAF void node_bevel_run(const node_bevel *n, lane_run g, const corners *corner,
                          const surfaces *restrict point, inputs *restrict at) {

@@ -18,11 +18,6 @@ static inline bool node_box_read(reader *r, node_box *n, graph *g) {
          reader_number_within(r, "blend", 0, 1, &n->blend) && graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_box_build(node_box *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* Of a point between two sides the share of the first; `per`: 1 / blend, 0 for none. */
 LEAF float box_share(float a, float b, float blend, float per) {
   float sum = a + b;

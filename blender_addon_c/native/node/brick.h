@@ -27,11 +27,6 @@ static inline bool node_brick_read(reader *r, node_brick *n, graph *g) {
          graph_outputs(r, g, "out", 2, n->out);
 }
 
-static inline bool node_brick_build(node_brick *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* [0, 1] of a whole number: the old noise of integers that Cycles has kept for bricks. */
 LEAF float brick_chance(uint32_t n) {
   n = (n + 1013u) & 0x7fffffffu;

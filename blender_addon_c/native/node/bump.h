@@ -16,17 +16,11 @@ typedef struct node_bump {
 
 static inline bool node_bump_read(reader *r, node_bump *n, graph *g) {
   n->below = false;
-  return (!reader_has(r, "below") || reader_flag(r, "below", &n->below)) &&
-         graph_operands(r, g, "height", 3, n->height) &&
+  return reader_may_flag(r, "below", &n->below) && graph_operands(r, g, "height", 3, n->height) &&
          graph_operands(r, g, "along", 4, n->along) &&
          graph_operands(r, g, "strength", 1, &n->strength) &&
          graph_operands(r, g, "distance", 1, &n->distance) &&
          graph_operands(r, g, "normal", 3, n->normal) && graph_outputs(r, g, "out", 3, n->out);
-}
-
-static inline bool node_bump_build(node_bump *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
 }
 
 LEAF vec3 in_frame(const surfaces *at, size_t i, vec3 v) {

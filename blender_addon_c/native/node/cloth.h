@@ -72,11 +72,6 @@ static inline bool node_cloth_read(reader *r, node_cloth *n, graph *g) {
   return cloth_use_read(r, &n->use, g) && graph_outputs(r, g, "out", 1, n->out);
 }
 
-static inline bool node_cloth_build(node_cloth *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* A colour's lanes for the library, from lane i on: all three or none. */
 static inline void cloth_use_lanes(inputs *given, const operand from[3], int place, lane_run run,
                                    const float *out[3]) {

@@ -35,11 +35,6 @@ static inline bool node_curve_read(reader *r, node_curve *n, graph *g) {
          graph_outputs(r, g, "out", 1, &n->out);
 }
 
-static inline bool node_curve_build(node_curve *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 LEAF void node_curve_run(const node_curve *n, lane_run g, const corners *corner,
                          const surfaces *point, inputs *at) {
   const float *x = lane_of(at, n->at, 0, g), *table = n->table;

@@ -26,11 +26,6 @@ static inline bool node_fibres_read(reader *r, node_fibres *n, graph *g) {
          graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_fibres_build(node_fibres *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* Logarithms of the albedo and of a, and b: by powers of the cosine's root, and of the roughness.
  */
 static const float sheen_fit[3][SHEEN_EYE * SHEEN_ROUGH] = {

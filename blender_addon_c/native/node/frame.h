@@ -17,14 +17,8 @@ typedef struct node_frame {
 static inline bool node_frame_read(reader *r, node_frame *n, graph *g) {
   static const char *const words[] = {"SHADING", "WORLD", NULL};
   n->below = false;
-  return (!reader_has(r, "below") || reader_flag(r, "below", &n->below)) &&
-         graph_operands(r, g, "vector", 3, n->vector) && reader_word(r, "to", words, &n->to) &&
-         graph_outputs(r, g, "out", 3, n->out);
-}
-
-static inline bool node_frame_build(node_frame *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
+  return reader_may_flag(r, "below", &n->below) && graph_operands(r, g, "vector", 3, n->vector) &&
+         reader_word(r, "to", words, &n->to) && graph_outputs(r, g, "out", 3, n->out);
 }
 
 /* No direction at all becomes the normal. */

@@ -75,11 +75,6 @@ static inline bool geometry_stretches(const node_geometry *n) {
   return n->what == GEOMETRY_ALONG_U || n->what == GEOMETRY_ALONG_V;
 }
 
-static inline bool node_geometry_build(node_geometry *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define GEOMETRY_CASE(WORD, name)                                                                  \
   case GEOMETRY_##WORD:                                                                            \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

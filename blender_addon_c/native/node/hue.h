@@ -79,11 +79,6 @@ static inline bool node_hue_read(reader *r, node_hue *n, graph *g) {
          graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_hue_build(node_hue *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define HUE_CASE(WORD, name)                                                                       \
   case HUE_##WORD:                                                                                 \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

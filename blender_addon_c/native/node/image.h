@@ -24,14 +24,14 @@ static inline bool node_image_read(reader *r, node_image *n, graph *g) {
   n->cubic = n->averaged = false;
   n->per_step = 0.0f;
   double step = 1.0;
-  if (reader_has(r, "averaged") && !reader_flag(r, "averaged", &n->averaged))
+  if (!reader_may_flag(r, "averaged", &n->averaged))
     return false;
   if (n->averaged && n->placed) {
     if (!graph_operands(r, g, "near", 4, n->near) || !reader_number(r, "step", &step))
       return false;
     n->per_step = (float)(1.0 / fmin(fmax(step, 1e-6), 1.0));
   }
-  return (!reader_has(r, "cubic") || reader_flag(r, "cubic", &n->cubic)) &&
+  return reader_may_flag(r, "cubic", &n->cubic) &&
          reader_integer(r, "image", 0, (long)g->images - 1, &n->image) &&
          (!n->placed || graph_operands(r, g, "at", 2, n->at)) &&
          graph_outputs(r, g, "out", 3, n->out) &&

@@ -129,11 +129,6 @@ static inline bool node_math_read(reader *r, node_math *n, graph *g) {
          graph_outputs(r, g, "out", 1, &n->out);
 }
 
-static inline bool node_math_build(node_math *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define MATH_CASE(WORD, formula)                                                                   \
   case MATH_##WORD:                                                                                \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

@@ -61,11 +61,6 @@ static inline bool node_mix_read(reader *r, node_mix *n, graph *g) {
          graph_outputs(r, g, "out", 1, &n->out);
 }
 
-static inline bool node_mix_build(node_mix *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define MIX_CASE(WORD, formula)                                                                    \
   case MIX_##WORD:                                                                                 \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

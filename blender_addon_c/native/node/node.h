@@ -6,8 +6,9 @@
  *
  *   node_<name>         what it keeps
  *   node_<name>_read    reads it from a scene
- *   node_<name>_build   before the first sample: asks for textures; false when out of memory
  *   node_<name>_run     a loop over a run of hits that writes its registers
+ *   node_<name>_build   if it is one of NODES_BUILT: before the first sample asks for textures;
+ * false when out of memory
  *
  * and one row: ROW(TYPE, name). TYPE is the word in a scene, NODE_TYPE its number, stage_<name> its
  * stage and node_<name> its clock.
@@ -80,6 +81,14 @@
   ROW(CURVE, curve)                                                                                \
   ROW(WEAVE, weave)                                                                                \
   ROW(CLOTH, cloth)                                                                                \
+  ROW(SCRATCHES, scratches)
+
+#define NODES_BUILT(ROW)                                                                           \
+  ROW(IMAGE, image)                                                                                \
+  ROW(NORMAL_MAP, normal_map)                                                                      \
+  ROW(ALBEDO, albedo)                                                                              \
+  ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
+  ROW(LAYER, layer)                                                                                \
   ROW(SCRATCHES, scratches)
 
 #define NODE_TYPE(TYPE, name) NODE_##TYPE,

@@ -42,11 +42,6 @@ static inline bool node_noise_read(reader *r, node_noise *n, graph *g) {
          graph_operands(r, g, "gain", 1, &n->gain) && graph_outputs(r, g, "out", 1, &n->out);
 }
 
-static inline bool node_noise_build(node_noise *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* One coordinate: its cell, where in it, and how much of the next one's corner is mixed in. */
 typedef struct noise_cell {
   uint32_t cell;

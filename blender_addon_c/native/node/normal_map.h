@@ -19,7 +19,7 @@ typedef struct node_normal_map {
 static inline bool node_normal_map_read(reader *r, node_normal_map *n, graph *g) {
   double strength;
   n->filtered = false;
-  if ((reader_has(r, "filtered") && !reader_flag(r, "filtered", &n->filtered)) ||
+  if (!reader_may_flag(r, "filtered", &n->filtered) ||
       !reader_integer(r, "image", 0, (long)g->images - 1, &n->image) ||
       !reader_number(r, "strength", &strength) ||
       !graph_outputs(r, g, "out", n->filtered ? 5 : 3, n->out))

@@ -54,11 +54,6 @@ static inline bool node_object_read(reader *r, node_object *n, graph *g) {
          graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_object_build(node_object *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define OBJECT_CASE(WORD, formula)                                                                 \
   case OBJECT_##WORD:                                                                              \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

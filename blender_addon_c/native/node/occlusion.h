@@ -21,14 +21,8 @@ static inline bool node_occlusion_read(reader *r, node_occlusion *n, graph *g) {
   g->features->object_info = g->features->occlusion = true;
   return reader_integer(r, "samples", 1, OCCLUSION_SAMPLES, &n->samples) &&
          graph_operands(r, g, "distance", 1, &n->distance) &&
-         (!reader_has(r, "inside") || reader_flag(r, "inside", &n->inside)) &&
-         (!reader_has(r, "local") || reader_flag(r, "local", &n->local)) &&
+         reader_may_flag(r, "inside", &n->inside) && reader_may_flag(r, "local", &n->local) &&
          graph_normal(r, g, n->normal) && graph_outputs(r, g, "out", 1, &n->out);
-}
-
-static inline bool node_occlusion_build(node_occlusion *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
 }
 
 LEAF void node_occlusion_run(const node_occlusion *n, lane_run g, const corners *corner,

@@ -45,11 +45,6 @@ static inline bool node_path_read(reader *r, node_path *n, graph *g) {
   return reader_word(r, "what", words, &n->what) && graph_outputs(r, g, "out", 1, &n->out);
 }
 
-static inline bool node_path_build(node_path *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define PATH_CASE(WORD, formula)                                                                   \
   case PATH_##WORD:                                                                                \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

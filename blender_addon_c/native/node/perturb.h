@@ -18,15 +18,10 @@ typedef struct node_perturb {
 static inline bool node_perturb_read(reader *r, node_perturb *n, graph *g) {
   n->own = !reader_has(r, "tangent");
   n->below = false;
-  return (!reader_has(r, "below") || reader_flag(r, "below", &n->below)) &&
+  return reader_may_flag(r, "below", &n->below) &&
          (n->own || graph_operands(r, g, "tangent", 4, n->tangent)) &&
          graph_operands(r, g, "color", 3, n->color) &&
          graph_operands(r, g, "strength", 1, &n->strength) && graph_outputs(r, g, "out", 3, n->out);
-}
-
-static inline bool node_perturb_build(node_perturb *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
 }
 
 /* x and y times the strength, z mixed towards 1 by a strength below 1; turned as an image's normal

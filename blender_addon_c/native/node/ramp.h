@@ -24,11 +24,6 @@ static inline bool node_ramp_read(reader *r, node_ramp *n, graph *g) {
          graph_outputs(r, g, "out", 4, n->out);
 }
 
-static inline bool node_ramp_build(node_ramp *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 typedef float ramp_row __attribute__((vector_size(16), aligned(4), may_alias));
 
 /* Red, green, blue and alpha from `first` of the table on: so much of the next ones. */

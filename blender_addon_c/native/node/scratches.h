@@ -40,8 +40,7 @@ static inline bool node_scratches_read(reader *r, node_scratches *n, graph *g) {
   n->of = &g->scratches[number];
   if (n->what == SCRATCHES_HEIGHT)
     return graph_outputs(r, g, "out", 2, n->out);
-  if ((reader_has(r, "filtered") && !reader_flag(r, "filtered", &n->filtered)) ||
-      (reader_has(r, "drawn") && !reader_flag(r, "drawn", &n->drawn)) ||
+  if (!reader_may_flag(r, "filtered", &n->filtered) || !reader_may_flag(r, "drawn", &n->drawn) ||
       !reader_number_within(r, "step", 1e-6f, 1, &step) ||
       !graph_operands(r, g, "near", 4, n->near) || !graph_operands(r, g, "normal", 3, n->normal))
     return false;

@@ -21,11 +21,6 @@ static inline bool node_step_read(reader *r, node_step *n, graph *g) {
          graph_outputs(r, g, "out", 2, n->out);
 }
 
-static inline bool node_step_build(node_step *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /* Across a facet's normal, as Cycles has it: (1, 1, 1) x n, or where there is none (-1, 1, 1) x n.
  */
 LEAF vec3 step_across(vec3 n) {

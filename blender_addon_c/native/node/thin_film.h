@@ -21,11 +21,6 @@ static inline bool node_thin_film_read(reader *r, node_thin_film *n, graph *g) {
          graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_thin_film_build(node_thin_film *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 LEAF void node_thin_film_run(const node_thin_film *n, lane_run g, const corners *corner,
                              const surfaces *restrict point, inputs *at) {
   const thin_film_lanes from = thin_film_lanes_of(&n->film, at, g);

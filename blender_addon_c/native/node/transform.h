@@ -19,11 +19,6 @@ static inline bool node_transform_read(reader *r, node_transform *n, graph *g) {
          graph_outputs(r, g, "out", 3, n->out);
 }
 
-static inline bool node_transform_build(node_transform *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 LEAF void node_transform_run(const node_transform *n, lane_run g, const corners *corner,
                              const surfaces *point, inputs *at) {
   const float *x = lane_of(at, n->vector[0], 0, g), *y = lane_of(at, n->vector[1], 1, g);

@@ -47,11 +47,6 @@ static inline bool node_voronoi_read(reader *r, node_voronoi *n, graph *g) {
          graph_outputs(r, g, "out", 8, n->out);
 }
 
-static inline bool node_voronoi_build(node_voronoi *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 LEAF float greatest(float a, float b) {
   return a > b ? a : b;
 }

@@ -46,11 +46,6 @@ static inline bool node_weave_read(reader *r, node_weave *n, graph *g) {
   return true;
 }
 
-static inline bool node_weave_build(node_weave *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 /*
  * A step q across the ray goes along v until it meets the surface again: q + s v = a du + b dv, so
  * that a = q . (dv x v) / (du . (dv x v)). Of steps as long as the pixel is wide the largest a is

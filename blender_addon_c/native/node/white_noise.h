@@ -18,11 +18,6 @@ static inline bool node_white_noise_read(reader *r, node_white_noise *n, graph *
          graph_outputs(r, g, "out", 4, n->out);
 }
 
-static inline bool node_white_noise_build(node_white_noise *n, const node_place *place) {
-  (void)n, (void)place;
-  return true;
-}
-
 #define WHITE_NOISE_CASE(dimensions)                                                               \
   case dimensions:                                                                                 \
     _Pragma("omp simd") for (size_t i = g.begin; i < g.end; i++) {                                 \

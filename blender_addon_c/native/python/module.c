@@ -373,7 +373,7 @@ static PyObject *words_of(const char *const *word, size_t count) {
 }
 
 #define LIGHT_WORD(TYPE, name) #TYPE,
-#define CLOSURE_WORD(TYPE, name) #TYPE,
+#define CLOSURE_WORD(TYPE, name, always) #TYPE,
 #define NODE_WORD(TYPE, name) #TYPE,
 PyDoc_STRVAR(
     table_doc,

@@ -13,32 +13,10 @@
 #include "scene/world.h"
 #include "system/parallel.h"
 
-#define CLOSURE_EXPONENT(TYPE, name)                                                               \
-  case CLOSURE_##TYPE:                                                                             \
-    return closure_##name##_exponent(&c->of.name);
-static double exponent_of(const closure *c) {
-  switch (c->type) {
-    CLOSURE_TABLE(CLOSURE_EXPONENT)
-  case CLOSURE_TYPES:
-    break;
-  }
-  return 0.0;
-}
-
-/* No alpha is below 1e-4. */
-static bool is_sharp(const closure *c) {
-  const double least = 1.01e-4;
-  const closure_metal *metal = &c->of.metal;
-  const closure_glass *glass = &c->of.glass;
-  if (c->type == CLOSURE_METAL)
-    return metal->params.ax <= least && metal->params.ay <= least;
-  return c->type == CLOSURE_GLASS && glass->alpha.at < 0 && (double)glass->alpha.number <= least;
-}
-
 static double sharpest(const material *m) {
   double most = 0;
   for (size_t k = 0; k < m->closures; k++)
-    most = fmax(most, exponent_of(&m->closure[k]));
+    most = fmax(most, m->closure[k].exponent);
   return most;
 }
 
@@ -47,11 +25,10 @@ static double sharpest(const material *m) {
     return node_##name##_build(&n->of.name, place);
 static bool build_node(node *n, const node_place *place) {
   switch (n->type) {
-    NODE_TABLE(NODE_BUILD)
-  case NODE_TYPES:
-    break;
+    NODES_BUILT(NODE_BUILD)
+  default:
+    return true;
   }
-  return false;
 }
 
 /* Do nodes read position by u and v? */
@@ -93,11 +70,6 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
   for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
-    for (size_t k = 0; k < m->closures; k++)
-      m->closure[k].sharp = is_sharp(&m->closure[k]);
-    for (size_t k = 0; s->dump && k < m->closures; k++)
-      if (m->closure[k].type == CLOSURE_METAL)
-        m->closure[k].of.metal.apart = false; /* a dump holds what the library says */
     node_place place = {.image = s->image,
                         .textures = &s->textures,
                         .layer = s->layer,
@@ -144,29 +116,16 @@ static void find_radiance(material *m) {
   }
 }
 
-/* Below these, light that is gathered is no brighter than what is around. */
-#define LEAST_EXPONENT 8.0
-#define LEAST_REFLECTED 0.25
-
-static double mean_of(const operand o[3], const double own[3]) {
-  double sum = 0;
-  for (int k = 0; k < 3; k++)
-    sum += o[k].at >= 0 ? 1.0 : own ? own[k] : (double)o[k].number;
-  return sum / 3;
-}
-
-/* What nodes say is taken for white. */
+/* Below these, light that is gathered is no brighter than what is around. What nodes say is taken
+ * for white. */
 static bool focuses(const scene *s, const closure *c) {
-  double weight = mean_of(c->weight, NULL);
-  if (c->type == CLOSURE_METAL && !s->features.no_reflective_caustics) {
-    const closure_metal *m = &c->of.metal;
-    double share = m->params.fresnel == SHADE_FRESNEL_CONDUCTOR ? 1 : mean_of(m->f0, m->params.f0);
-    return !(c->traits & CLOSURE_MATT) && closure_metal_exponent(m) >= LEAST_EXPONENT &&
-           weight * share >= LEAST_REFLECTED;
-  }
-  return c->type == CLOSURE_GLASS &&
-         !(s->features.no_reflective_caustics && s->features.no_refractive_caustics) &&
-         closure_glass_exponent(&c->of.glass) >= LEAST_EXPONENT && weight >= LEAST_REFLECTED;
+  const double least_exponent = 8, least_reflected = 0.25;
+  const features *f = &s->features;
+  double weight = 0;
+  for (int k = 0; k < 3; k++)
+    weight += (c->weight[k].at >= 0 ? 1 : (double)c->weight[k].number) / 3;
+  return (f->reflective_caustics || (c->traits & CLOSURE_CLEAR && f->refractive_caustics)) &&
+         c->exponent >= least_exponent && weight * c->focus >= least_reflected;
 }
 
 static bool build_aims(scene *s, const geometry *all) {

@@ -29,7 +29,7 @@ typedef enum clock_number {
 /* Their names, by number. */
 #define CLOCK_OF_NODE(TYPE, name) "node_" #name,
 #define CLOCK_OF_LIGHT(TYPE, name) "light_" #name,
-#define CLOCK_OF_CLOSURE(TYPE, name) "closure_" #name,
+#define CLOCK_OF_CLOSURE(TYPE, name, always) "closure_" #name,
 #define CLOCK_WORDS                                                                                \
   "camera", "hit", "surface", NODE_TABLE(CLOCK_OF_NODE) LIGHT_TABLE(CLOCK_OF_LIGHT) "sky",         \
       "emitters", "choice", "shadow", CLOSURE_TABLE(CLOCK_OF_CLOSURE) "reflect", "draw", "trace",  \

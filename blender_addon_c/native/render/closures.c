@@ -21,7 +21,7 @@ static bounce_kind kind_of(const closure *c) {
 }
 
 static bool is_sharp(const closure *c) {
-  return c->sharp && kind_of(c) == BOUNCE_GLOSSY;
+  return c->traits & CLOSURE_SHARP && kind_of(c) == BOUNCE_GLOSSY;
 }
 
 /* What scenes without caustics leave out of a closure at surfaces that matt ones see: in `cosine`,
@@ -29,9 +29,9 @@ static bool is_sharp(const closure *c) {
 static void forbid(const worker *w, const closure *c, lane_run run, const float *z, float *cosine) {
   const scene *s = w->scene;
   bool shines = w->later && kind_of(c) == BOUNCE_GLOSSY;
-  if (shines && (s->features.no_reflective_caustics || s->features.no_refractive_caustics))
-    s->stages->forbid(run, s->features.no_reflective_caustics, s->features.no_refractive_caustics,
-                      w->batch->queue.lane, w->batch->walk, z, cosine);
+  const bool above = !s->features.reflective_caustics, below = !s->features.refractive_caustics;
+  if (shines && (above || below))
+    s->stages->forbid(run, above, below, w->batch->queue.lane, w->batch->walk, z, cosine);
 }
 
 static void weigh(worker *w, const segment *g) {
@@ -43,8 +43,8 @@ static void weigh(worker *w, const segment *g) {
   for (size_t k = 0; k < m->closures; k++) {
     const closure *c = &m->closure[k];
     s->albedo[c->type](c, g->run, &b->surface, &b->input, choice->albedo);
-    if (c->type != CLOSURE_GLASS ||
-        (w->scene->features.no_reflective_caustics && w->scene->features.no_refractive_caustics))
+    if (!(c->traits & CLOSURE_CLEAR) ||
+        (!w->scene->features.reflective_caustics && !w->scene->features.refractive_caustics))
       forbid(w, c, g->run, b->surface.wo.z, choice->albedo);
     s->chance(c, g->run, &b->input, choice->albedo, choice->chance[k], choice->sum);
   }
@@ -245,7 +245,7 @@ void closures_clear(worker *w) {
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
     for (size_t i = g->run.begin; i < g->run.end; i++) {
       const closure *c = drawn_by(b, g->material, i);
-      if (!c || c->type != CLOSURE_GLASS || !(b->draw.wi.z[i] < 0.0f))
+      if (!c || !(c->traits & CLOSURE_CLEAR) || !(b->draw.wi.z[i] < 0.0f))
         continue;
       operand alpha = c->of.glass.alpha;
       float own = alpha.at < 0 ? alpha.number : b->input.at[alpha.at][i];

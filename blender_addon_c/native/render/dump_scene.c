@@ -56,7 +56,7 @@ static bool is_cloth(const material *m) {
     if (c->use.warp[k].at >= 0 || c->use.weft[k].at >= 0 || c->use.glossed || c->use.napped)
       return false;
   for (size_t k = 1; k < m->closures; k++)
-    if (m->closure[k].type != CLOSURE_TRANSPARENT)
+    if (!(m->closure[k].traits & CLOSURE_PASSES))
       return false;
   return true;
 }
@@ -254,9 +254,10 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++) {
     const material *m = g->material;
     const closure *c = &m->closure[0];
-    if (!is_metal(m) && !is_cloth(m)) /* left out, as if nothing were there */
+    const bool cloth = is_cloth(m);
+    if (!is_metal(m) && !cloth) /* left out, as if nothing were there */
       continue;
-    const int *normal = c->type == CLOSURE_FABRIC ? c->of.fabric.use.normal : c->of.metal.normal;
+    const int *normal = cloth ? c->of.fabric.use.normal : c->of.metal.normal;
     for (size_t i = g->run.begin; i < g->run.end; i++) {
       size_t at = place(d, b, view, i);
       float x = in->at[normal[0]][i], y = in->at[normal[1]][i], z = in->at[normal[2]][i];
@@ -270,7 +271,7 @@ static void put_hits(void *context, const batch *b, const camera_view *view) {
       plane[SHADE_DUMP_UV][at] = s->u[i];
       plane[SHADE_DUMP_UV + 1][at] = s->v[i];
       plane[SHADE_DUMP_MATERIAL][at] = (float)m->number;
-      if (c->type == CLOSURE_FABRIC)
+      if (cloth)
         put_cloth(d, at, c, s, in, i);
       else
         put_metal(d, at, c, in, i);

@@ -52,7 +52,7 @@ static void zero_run(lane_c *color, lane_run run) {
 /* ---- kinds of closures */
 
 static uint32_t kind_of(const closure *c) {
-  return c->type == CLOSURE_GLASS   ? (uint32_t)KIND_BY_SIDE
+  return c->traits & CLOSURE_CLEAR  ? (uint32_t)KIND_BY_SIDE
          : c->traits & CLOSURE_MATT ? (uint32_t)BOUNCE_DIFFUSE
                                     : (uint32_t)BOUNCE_GLOSSY;
 }
@@ -274,11 +274,11 @@ static void colors_of(const batch *b, const material *m, size_t i, float out[LIG
   for (const closure *c = m->closure; c < m->closure + m->closures; c++) {
     if (!(c->traits & CLOSURE_SCATTERS))
       continue;
-    float mirror = c->type == CLOSURE_GLASS ? glass_reflects(b, &c->of.glass, i) : 0.0f;
+    float mirror = c->traits & CLOSURE_CLEAR ? glass_reflects(b, &c->of.glass, i) : 0.0f;
     for (int k = 0; k < 3; k++) {
       float weight = operand_at(in, c->weight[k], i);
       float color = c->colored ? operand_at(in, c->color[k], i) : plane_closure_color(in, c, k, i);
-      if (c->type == CLOSURE_GLASS) {
+      if (c->traits & CLOSURE_CLEAR) {
         weight *= c->colored ? color : 1.0f;
         out[BOUNCE_GLOSSY][k] += weight * mirror;
         out[BOUNCE_TRANSMISSION][k] +=

@@ -61,37 +61,15 @@ static vec3 shading_normal(const batch *b, const material *m, size_t i) {
   return to_world(&b->surface, i, (vec3){at[from[0]][i], at[from[1]][i], at[from[2]][i]});
 }
 
-static float operand_or(const inputs *in, operand o, double number, size_t i) {
-  float x = o.at < 0 ? (float)number : in->at[o.at][i];
-  return clampf(x, 0.0f, 1.0f);
-}
-
+#define CLOSURE_COLOR(TYPE, name)                                                                  \
+  case CLOSURE_##TYPE:                                                                             \
+    return closure_##name##_color(&c->of.name, in, k, i);
 float plane_closure_color(const inputs *in, const closure *c, int k, size_t i) {
-  const closure_metal *metal = &c->of.metal;
-  if (c->type == CLOSURE_DIFFUSE)
-    return operand_or(in, c->of.diffuse.color[k], (double)c->of.diffuse.color[k].number, i);
-  if (c->type == CLOSURE_FABRIC) {
-    const cloth_use *use = &c->of.fabric.use;
-    const shade_fabric_params *p = &use->cloth->preset.fabric;
-    return 0.5f * (operand_or(in, use->warp[k], p->warp.kd[k], i) +
-                   operand_or(in, use->weft[k], p->weft.kd[k], i));
-  }
-  if (c->type != CLOSURE_METAL)
+  switch (c->type) {
+    CLOSURES_COLORED(CLOSURE_COLOR)
+  default:
     return 1.0f;
-  if (metal->film.there) { /* as without it: its f0 is what the film's colours multiply */
-    operand eta = metal->film.eta[k], loss = metal->film.k[k];
-    float index = eta.at < 0 ? eta.number : in->at[eta.at][i];
-    float absorbed = loss.at < 0 ? loss.number : in->at[loss.at][i];
-    float less = (index - 1.0f) * (index - 1.0f) + absorbed * absorbed;
-    return clampf(less / (less + 4.0f * index), 0.0f, 1.0f);
   }
-  double n = metal->params.eta[k], x = metal->params.k[k];
-  double head_on = ((n - 1) * (n - 1) + x * x) / ((n + 1) * (n + 1) + x * x);
-  operand number = {.at = OPERAND_NUMBER};
-  bool exact = metal->params.fresnel == SHADE_FRESNEL_CONDUCTOR;
-  float mirror = exact ? operand_or(in, number, metal->eta[k].at < 0 ? head_on : 0.04, i)
-                       : operand_or(in, metal->f0[k], metal->params.f0[k], i);
-  return mirror + operand_or(in, metal->kd[k], metal->params.kd[k], i);
 }
 
 /* What the surface reflects of white light, roughly. */
@@ -100,7 +78,7 @@ static vec3 albedo_of(const batch *b, const material *m, size_t i) {
   for (size_t number = 0; number < m->closures; number++) {
     const closure *c = &m->closure[number];
     for (int k = 0; k < 3; k++)
-      sum[k] += operand_or(&b->input, c->weight[k], (double)c->weight[k].number, i) *
+      sum[k] += closure_color_of(&b->input, c->weight[k], (double)c->weight[k].number, i) *
                 plane_closure_color(&b->input, c, k, i);
   }
   return (vec3){clampf(sum[0], 0.0f, 1.0f), clampf(sum[1], 0.0f, 1.0f), clampf(sum[2], 0.0f, 1.0f)};

@@ -84,8 +84,7 @@ typedef struct plane_layout {
 
 plane_layout plane_layout_of(unsigned wanted);
 
-/* One closure's colour in channel k, 0 to 1: a metal's head-on and its body, a matt surface's; what
- * is clear is white. */
+/* One closure's colour in channel k, 0 to 1. */
 float plane_closure_color(const inputs *in, const closure *c, int k, size_t i);
 
 /* Adds the first surfaces of a batch to the tile's numbers; first: the pass is that of the pixels'

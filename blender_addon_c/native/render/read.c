@@ -32,10 +32,12 @@ static float within_reach(double x) {
 }
 
 static bool read_lens(reader *r, camera *c) {
-  if (!reader_floats(r, "lens", 2, c->lens) ||
-      !reader_number_within(r, "focus", 1e-6f, 1e18f, &c->focus) ||
-      !reader_integer(r, "blades", 0, 1024, &c->blades) ||
-      !reader_number_within(r, "turn", -1e3f, 1e3f, &c->turn))
+  static const reader_key keys[] = {FLOATS_KEY("lens", camera, lens, 2),
+                                    NUMBER_KEY("focus", camera, focus, 1e-6f, 1e18f),
+                                    INTEGER_KEY("blades", camera, blades, 0, 1024),
+                                    NUMBER_KEY("turn", camera, turn, -1e3f, 1e3f),
+                                    {.name = NULL}};
+  if (!reader_keys(r, keys, c))
     return false;
   if (!(c->lens[0] >= 0 && c->lens[1] >= 0))
     return reader_expected(r, "lens", "two lengths from 0 on");
@@ -75,19 +77,20 @@ static bool read_frames(reader *r, camera *c) {
 #define PANORAMA_WORD(WORD) #WORD,
 static bool read_panorama(reader *r, camera *c) {
   static const char *const words[] = {PANORAMA_TABLE(PANORAMA_WORD) NULL};
-  int type;
-  if (!reader_word(r, "panorama", words, &type) || !reader_floats(r, "range", 4, c->range) ||
-      !reader_number_within(r, "fov", 0, 100, &c->fov) ||
-      !reader_number_within(r, "focal", 1e-6, 1e6, &c->focal) ||
-      !reader_floats(r, "sensor", 2, c->sensor) ||
-      !reader_floats(r, "polynomial", 5, c->polynomial))
+  static const reader_key keys[] = {WORD_KEY("panorama", camera, panorama, words),
+                                    FLOATS_KEY("range", camera, range, 4),
+                                    NUMBER_KEY("fov", camera, fov, 0, 100),
+                                    NUMBER_KEY("focal", camera, focal, 1e-6, 1e6),
+                                    FLOATS_KEY("sensor", camera, sensor, 2),
+                                    FLOATS_KEY("polynomial", camera, polynomial, 5),
+                                    {.name = NULL}};
+  if (!reader_keys(r, keys, c))
     return false;
-  c->panorama = (panorama)type;
   for (int k = 0; k < 4; k++) /* sines of what is larger would be noise */
     c->range[k] = fminf(fmaxf(c->range[k], -1e4f), 1e4f);
   for (int k = 0; k < 2; k++)
     c->sensor[k] = fminf(fmaxf(c->sensor[k], -1e6f), 1e6f);
-  return type != PANORAMA_NONE || reader_expected(r, "panorama", "a kind");
+  return c->panorama != PANORAMA_NONE || reader_expected(r, "panorama", "a kind");
 }
 
 static bool read_camera(reader *r, void *out, void *context) {
@@ -149,44 +152,40 @@ static bool read_links(reader *r, scene *s, uint32_t *link, uint32_t *shade) {
 }
 
 static bool read_pattern(reader *r, void *out, void *context) {
-  light_pattern **made = out, *p = NULL;
+  static const reader_key keys[] = {INTEGER_KEY("width", light_pattern, width, 1, MAX_SIZE),
+                                    INTEGER_KEY("height", light_pattern, height, 1, MAX_SIZE),
+                                    {.name = NULL}};
+  static const reader_key options[] = {FLAG_KEY("face", light_pattern, face),
+                                       INTEGER_KEY("gain", light_pattern, gain, 0, 2),
+                                       NUMBER_KEY("smooth", light_pattern, smooth, 0, 1e18),
+                                       {.name = NULL}};
+  light_pattern **made = out, *p = *made = calloc(1, sizeof *p);
   const light *l = context;
-  int size[2];
   float axes[9];
   reader_buffer data;
-  bool upright = false, face = false;
-  int gain = 0;
-  float smooth = 0.0f;
-  if ((reader_has(r, "face") && !reader_flag(r, "face", &face)) ||
-      (reader_has(r, "gain") && !reader_integer(r, "gain", 0, 2, &gain)) ||
-      (reader_has(r, "smooth") && !reader_number_within(r, "smooth", 0, 1e18, &smooth)) ||
-      !reader_integer(r, "width", 1, MAX_SIZE, &size[0]) ||
-      !reader_integer(r, "height", 1, MAX_SIZE, &size[1]) || !reader_floats(r, "axes", 9, axes) ||
-      (reader_has(r, "upright") && !reader_flag(r, "upright", &upright)))
+  bool upright = false;
+  if (!p)
+    return reader_out_of_memory(r);
+  if (!reader_keys(r, keys, p) || !reader_options(r, options, p) ||
+      !reader_floats(r, "axes", 9, axes) || !reader_may_flag(r, "upright", &upright))
     return false;
-  if (face && l->type != LIGHT_AREA)
+  if (p->face && l->type != LIGHT_AREA)
     return reader_expected(r, "face", "an area light");
-  size_t count = 3 * (size_t)size[0] * (size_t)size[1];
+  size_t count = 3 * (size_t)p->width * (size_t)p->height;
   if (!reader_items(r, "data", count, "f", 4, &data))
     return false;
-  p = *made = calloc(1, sizeof *p);
-  if (!p || !(p->texel = malloc(count * sizeof(float))))
+  if (!(p->texel = malloc(count * sizeof(float))))
     return reader_out_of_memory(r);
   for (size_t k = 0; k < count; k++) {
     float x = ((const float *)data.data)[k];
     p->texel[k] = x > 0.0f ? fminf(x, 1e18f) : 0.0f; /* not a number: none */
   }
-  p->width = size[0];
-  p->height = size[1];
   for (int k = 0; k < 3; k++) {
     p->axis[k] = (vec3){axes[3 * k], axes[3 * k + 1], axes[3 * k + 2]};
     if (!make_unit(&p->axis[k]))
       return reader_expected(r, "axes", "three directions");
   }
   const light_bulb *bulb = l->type == LIGHT_SPOT ? &l->of.spot.bulb : &l->of.point.bulb;
-  p->face = face;
-  p->gain = gain;
-  p->smooth = smooth;
   if (l->type == LIGHT_AREA) {
     p->middle = l->of.area.center;
     p->flat = l->common.soft; /* without an extent all of it is the middle */
@@ -205,17 +204,16 @@ static bool read_pattern(reader *r, void *out, void *context) {
 /* met: missing means yes. Light that throws no shadows would be met only where nothing is before
  * it: it is sampled alone. */
 static bool read_light(reader *r, void *out, void *context) {
+  static const reader_key options[] = {INTEGER_KEY("hidden", light, common.hidden, 0, RAY_BOUNCED),
+                                       {.name = NULL}};
   light *l = out;
   light_common *c = &l->common;
-  bool met = true;
-  int hidden = 0;
   scene *s = context;
+  bool met = true;
   if (!reader_flag(r, "shadow", &c->shadow) || !read_kind_of_light(r, l) ||
-      (reader_has(r, "met") && !reader_flag(r, "met", &met)) ||
-      (reader_has(r, "hidden") && !reader_integer(r, "hidden", 0, RAY_BOUNCED, &hidden)))
+      !reader_may_flag(r, "met", &met) || !reader_options(r, options, l))
     return false;
-  c->hidden = (uint32_t)hidden;
-  s->features.light_visibility |= hidden != 0;
+  s->features.light_visibility |= c->hidden != 0;
   if (reader_has(r, "pattern")) {
     if (l->type == LIGHT_SUN)
       return reader_fail(r, "a sun shines one way and has no pattern");
@@ -234,14 +232,18 @@ static bool read_light(reader *r, void *out, void *context) {
 static bool read_image(reader *r, void *out, void *context) {
   static const char *const wraps[] = {"REPEAT", "EXTEND", "CLIP", "MIRROR", NULL};
   static const char *const filters[] = {"LINEAR", "CLOSEST", NULL};
+  static const reader_key keys[] = {
+      INTEGER_KEY("width", image, width, 1, MAX_SIZE),
+      INTEGER_KEY("height", image, height, 1, MAX_SIZE),
+      INTEGER_KEY("channels", image, channels, 1, 4),
+      FLAG_KEY("srgb", image, srgb),
+      WORD_KEY("wrap", image, wrap, wraps), /* in the order of the enum */
+      {.name = NULL}};
   image *m = out;
-  int wrap, filter;
+  int filter;
   reader_buffer data;
   (void)context;
-  if (!reader_integer(r, "width", 1, MAX_SIZE, &m->width) ||
-      !reader_integer(r, "height", 1, MAX_SIZE, &m->height) ||
-      !reader_integer(r, "channels", 1, 4, &m->channels) || !reader_flag(r, "srgb", &m->srgb) ||
-      !reader_word(r, "wrap", wraps, &wrap) || !reader_word(r, "filter", filters, &filter))
+  if (!reader_keys(r, keys, m) || !reader_word(r, "filter", filters, &filter))
     return false;
   if ((size_t)(m->width + TEXTURE_RIM) * (size_t)(m->height + TEXTURE_RIM) > INT32_MAX)
     return reader_fail(r, "the image has too many pixels");
@@ -250,14 +252,9 @@ static bool read_image(reader *r, void *out, void *context) {
     return false;
   m->type = data.item_size == 4 ? IMAGE_FLOAT32 : data.item_size == 2 ? IMAGE_UINT16 : IMAGE_UINT8;
   m->data = data.data;
-  m->paged = false;
-  if (reader_has(r, "paged") && !reader_flag(r, "paged", &m->paged))
-    return false;
-  m->wide = false;
-  if (reader_has(r, "wide") && !reader_flag(r, "wide", &m->wide))
+  if (!reader_may_flag(r, "paged", &m->paged) || !reader_may_flag(r, "wide", &m->wide))
     return false;
   m->wide = m->wide && m->type == IMAGE_FLOAT32 && !m->srgb;
-  m->wrap = (image_wrap)wrap; /* in the order of the words */
   m->closest = filter == 1;
   return true;
 }
@@ -281,35 +278,13 @@ static bool read_node(reader *r, void *out, void *context) {
   return false;
 }
 
-#define CLOSURE_WORD(TYPE, name) #TYPE,
-#define CLOSURE_READ(TYPE, name)                                                                   \
-  case CLOSURE_##TYPE: {                                                                           \
-    if (!closure_##name##_read(r, &c->of.name, m->graph, &m->of->status))                          \
-      return false;                                                                                \
-    c->traits = closure_##name##_traits(&c->of.name);                                              \
-    m->of->traits |= c->traits;                                                                    \
-    return true;                                                                                   \
-  }
-
-/* A material whose closures are read. */
-typedef struct closure_reader {
-  material *of;
-  graph *graph;
-} closure_reader;
-
-static bool read_closure(reader *r, void *out, void *context) {
-  static const char *const types[] = {CLOSURE_TABLE(CLOSURE_WORD) NULL};
-  closure_reader *m = context;
-  closure *c = out;
-  int type;
-  for (int k = 0; k < 3; k++)
-    c->weight[k] = (operand){.at = OPERAND_NUMBER, .number = 1.0f};
-  c->colored = reader_has(r, "pass_color");
-  if (!reader_word(r, "closure", types, &type) ||
-      (reader_has(r, "weight") && !graph_operands(r, m->graph, "weight", 3, c->weight)) ||
-      (c->colored && !graph_operands(r, m->graph, "pass_color", 3, c->color)))
-    return false;
-  switch (c->type = (closure_type)type) {
+#define CLOSURE_WORD(TYPE, name, always) #TYPE,
+#define CLOSURE_READ(TYPE, name, always)                                                           \
+  case CLOSURE_##TYPE:                                                                             \
+    g->traits = always;                                                                            \
+    return closure_##name##_read(r, &c->of.name, g);
+static bool read_kind_of_closure(reader *r, closure *c, graph *g) {
+  switch (c->type) {
     CLOSURE_TABLE(CLOSURE_READ)
   case CLOSURE_TYPES:
     break;
@@ -317,16 +292,35 @@ static bool read_closure(reader *r, void *out, void *context) {
   return false;
 }
 
+static bool read_closure(reader *r, void *out, void *context) {
+  static const char *const types[] = {CLOSURE_TABLE(CLOSURE_WORD) NULL};
+  graph *g = context;
+  closure *c = out;
+  int type;
+  for (int k = 0; k < 3; k++)
+    c->weight[k] = (operand){.at = OPERAND_NUMBER, .number = 1.0f};
+  c->colored = reader_has(r, "pass_color");
+  if (!reader_word(r, "closure", types, &type) ||
+      (reader_has(r, "weight") && !graph_operands(r, g, "weight", 3, c->weight)) ||
+      (c->colored && !graph_operands(r, g, "pass_color", 3, c->color)))
+    return false;
+  c->type = (closure_type)type;
+  g->exponent = g->focus = 0;
+  bool good = read_kind_of_closure(r, c, g);
+  c->traits = g->traits;
+  c->exponent = g->exponent;
+  c->focus = g->focus;
+  return good;
+}
+
 /* A list, or one as the material itself. */
 static bool read_closures(reader *r, graph *g, material *m) {
-  closure_reader context = {.of = m, .graph = g};
   m->closures = 1;
   if (!reader_has(r, "closures")) {
     m->closure = calloc(1, sizeof *m->closure);
-    return m->closure ? read_closure(r, m->closure, &context) : reader_out_of_memory(r);
+    return m->closure ? read_closure(r, m->closure, g) : reader_out_of_memory(r);
   }
-  if (!reader_each(r, "closures", sizeof(closure), &m->closures, &m->closure, read_closure,
-                   &context))
+  if (!reader_each(r, "closures", sizeof(closure), &m->closures, &m->closure, read_closure, g))
     return false;
   return (m->closures >= 1 && m->closures <= CLOSURES_MOST) ||
          reader_fail(r, "closures has %zu items; 1 to %d are expected", m->closures,
@@ -334,6 +328,10 @@ static bool read_closures(reader *r, graph *g, material *m) {
 }
 
 static bool read_material(reader *r, void *out, void *context) {
+  static const reader_key options[] = {
+      INTEGER_KEY("pass_index", material, pass_index, 0, MAX_INDEX),
+      FLOATS_KEY("matte", material, matte, 1),
+      {.name = NULL}};
   scene *s = context;
   material *m = out;
   graph g = {.features = &s->features,
@@ -343,14 +341,11 @@ static bool read_material(reader *r, void *out, void *context) {
              .scratches = s->scratches,
              .scratch_fields = s->scratch_fields,
              .layers = s->layers,
-             .attributes = (size_t)s->attributes};
+             .attributes = (size_t)s->attributes,
+             .dump = s->dump != NULL};
   m->number = (int)(m - s->material);
-  if (reader_has(r, "pass_index") && !reader_integer(r, "pass_index", 0, MAX_INDEX, &m->pass_index))
-    return false;
-  if (reader_has(r, "matte") && !reader_floats(r, "matte", 1, &m->matte))
-    return false;
   bool drawn = true;
-  if (reader_has(r, "drawn") && !reader_flag(r, "drawn", &drawn))
+  if (!reader_options(r, options, m) || !reader_may_flag(r, "drawn", &drawn))
     return false;
   m->undrawn = !drawn;
   if (!reader_text(r, "name", NULL, &m->name) ||
@@ -361,6 +356,9 @@ static bool read_material(reader *r, void *out, void *context) {
     g.normal[k] = REGISTER_NORMAL + k;
   if (!read_closures(r, &g, m))
     return false;
+  m->status = g.status;
+  for (size_t k = 0; k < m->closures; k++)
+    m->traits |= m->closure[k].traits;
   memcpy(m->normal, g.normal, sizeof m->normal);
   m->bare = g.bare || !g.named;
   s->features.transparency |= (m->traits & CLOSURE_PASSES) != 0;
@@ -556,6 +554,17 @@ static bool read_told(reader *r, const scene *s, instance *in) {
 }
 
 static bool read_instance(reader *r, void *out, void *context) {
+  enum { LINKS = (1 << LINKS_MOST) - 1, KINDS = RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW };
+  static const reader_key options[] = {
+      INTEGER_KEY("pass_index", instance, pass_index, 0, MAX_INDEX),
+      FLOATS_KEY("matte", instance, matte, 2),
+      INTEGER_KEY("unlit", instance, unlit, 0, LINKS),
+      INTEGER_KEY("shadeless", instance, shadeless, 0, LINKS),
+      INTEGER_KEY("hidden", instance, hidden, 0, KINDS),
+      FLOATS_KEY("metres", instance, metres, 2),
+      FLOATS_KEY("color", instance, color, 4),
+      NUMBER_KEY("random", instance, random, 0, 1),
+      {.name = NULL}};
   scene *s = context;
   instance *in = out;
   double matrix[16];
@@ -564,91 +573,56 @@ static bool read_instance(reader *r, void *out, void *context) {
       !reader_numbers(r, "matrix", 16, matrix))
     return false;
   in->mesh = (size_t)index;
-  if (reader_has(r, "pass_index") &&
-      !reader_integer(r, "pass_index", 0, MAX_INDEX, &in->pass_index))
-    return false;
-  if (reader_has(r, "matte") && !reader_floats(r, "matte", 2, in->matte))
-    return false;
-  if (reader_has(r, "unlit") && !reader_integer(r, "unlit", 0, (1 << LINKS_MOST) - 1, &in->unlit))
-    return false;
-  if (reader_has(r, "shadeless") &&
-      !reader_integer(r, "shadeless", 0, (1 << LINKS_MOST) - 1, &in->shadeless))
-    return false;
-  if (reader_has(r, "hidden") &&
-      !reader_integer(r, "hidden", 0, RAY_CAMERA | RAY_BOUNCED | RAY_SHADOW, &in->hidden))
-    return false;
   memcpy(in->matrix, matrix, sizeof in->matrix);
-  if (!read_motion(r, &in->motion))
-    return false;
-  if (!read_links(r, s, &in->link, &in->shade))
+  for (int k = 0; k < 4; k++)
+    in->color[k] = 1.0f;
+  in->metres[0] = in->metres[1] = 1.0f;
+  if (!reader_options(r, options, in) || !read_motion(r, &in->motion) ||
+      !read_links(r, s, &in->link, &in->shade) || !read_told(r, s, in))
     return false;
   s->features.emitter_linking |= in->link || in->shade;
   in->unmoved = reader_has(r, "motion") && !in->motion.steps;
   s->features.motion |= in->unmoved || in->motion.steps || s->mesh[in->mesh].steps;
-  for (int k = 0; k < 4; k++)
-    in->color[k] = 1.0f;
-  in->metres[0] = in->metres[1] = 1.0f;
-  if (reader_has(r, "metres") && !reader_floats(r, "metres", 2, in->metres))
-    return false;
-  if (!read_told(r, s, in))
-    return false;
-  return (!reader_has(r, "color") || reader_floats(r, "color", 4, in->color)) &&
-         (!reader_has(r, "random") || reader_number_within(r, "random", 0, 1, &in->random));
-}
-
-static bool read_plane(reader *r, void *out, void *context) {
-  const char *words[PLANES + 1] = {NULL};
-  scene *s = context;
-  int *type = out;
-  for (int k = 0; k < PLANES; k++)
-    words[k] = plane_word((plane_type)k);
-  if (!reader_word(r, "type", words, type))
-    return false;
-  s->planes |= 1u << *type;
   return true;
 }
 
-static bool read_planes(reader *r, scene *s) {
-  size_t count;
-  int *types = NULL;
-  bool good = reader_each(r, "planes", sizeof *types, &count, &types, read_plane, s);
-  free(types);
-  return good;
-}
+/* Kinds that are wanted: a list of words, as bits. */
+typedef struct word_list {
+  const char *const *words;
+  unsigned bits;
+} word_list;
 
-static bool read_matte(reader *r, void *out, void *context) {
-  const char *words[MATTE_KINDS + 1] = {NULL};
-  scene *s = context;
+static bool read_word(reader *r, void *out, void *context) {
+  word_list *list = context;
   int *kind = out;
-  for (int k = 0; k < MATTE_KINDS; k++)
-    words[k] = matte_word((matte_kind)k);
-  if (!reader_word(r, "type", words, kind))
+  if (!reader_word(r, "type", list->words, kind))
     return false;
-  s->mattes |= 1u << *kind;
+  list->bits |= 1u << *kind;
   return true;
 }
 
-static bool read_mattes(reader *r, scene *s) {
+static bool read_words(reader *r, const char *key, const char *const *words, unsigned *bits) {
+  word_list list = {.words = words};
   size_t count;
   int *kinds = NULL;
-  bool good = reader_integer(r, "matte_slots", 1, MATTE_SLOTS_MOST, &s->matte_slots) &&
-              reader_each(r, "mattes", sizeof *kinds, &count, &kinds, read_matte, s);
+  bool good =
+      !reader_has(r, key) || reader_each(r, key, sizeof *kinds, &count, &kinds, read_word, &list);
   free(kinds);
+  *bits = list.bits;
   return good;
 }
 
 static bool read_mist(reader *r, void *out, void *context) {
   static const char *const falloffs[] = {"LINEAR", "QUADRATIC", "INVERSE_QUADRATIC", NULL};
+  static const reader_key keys[] = {NUMBER_KEY("start", mist, start, 0, 1e30),
+                                    WORD_KEY("falloff", mist, falloff, falloffs),
+                                    {.name = NULL}};
   mist *m = out;
-  int falloff;
   float depth;
   (void)context;
-  if (!reader_number_within(r, "start", 0, 1e30, &m->start) ||
-      !reader_number_within(r, "depth", 0, 1e30, &depth) ||
-      !reader_word(r, "falloff", falloffs, &falloff))
+  if (!reader_keys(r, keys, m) || !reader_number_within(r, "depth", 0, 1e30, &depth))
     return false;
   m->rise = depth > 0.0f ? 1.0f / depth : 0.0f;
-  m->falloff = (mist_falloff)falloff;
   return true;
 }
 
@@ -673,11 +647,12 @@ static bool read_shutter(reader *r, scene *s) {
 
 /* How large the picture is, which part of it is wanted, and how well. */
 static bool read_size(reader *r, scene *s) {
+  static const reader_key keys[] = {INTEGER_KEY("width", scene, width, 1, MAX_SIZE),
+                                    INTEGER_KEY("height", scene, height, 1, MAX_SIZE),
+                                    INTEGER_KEY("samples", scene, samples, 1, MAX_SAMPLES),
+                                    {.name = NULL}};
   double region[4];
-  if (!reader_integer(r, "width", 1, MAX_SIZE, &s->width) ||
-      !reader_integer(r, "height", 1, MAX_SIZE, &s->height) ||
-      !reader_numbers(r, "region", 4, region) ||
-      !reader_integer(r, "samples", 1, MAX_SAMPLES, &s->samples))
+  if (!reader_keys(r, keys, s) || !reader_numbers(r, "region", 4, region))
     return false;
   for (int k = 0; k < 4; k++) {
     int limit = k % 2 ? s->height : s->width;
@@ -689,113 +664,88 @@ static bool read_size(reader *r, scene *s) {
          reader_fail(r, "region is empty");
 }
 
-static bool read_picture(reader *r, scene *s) {
-  double seed;
-  int sky_hidden = 0;
-  char *dump;
-  if (!read_size(r, s) || !reader_number(r, "seed", &seed) ||
-      !reader_integer(r, "threads", 0, MAX_THREADS, &s->threads) ||
-      !reader_flag(r, "transparent", &s->features.transparent_film) ||
-      !reader_floats(r, "background", 3, s->background) ||
-      (reader_has(r, "sky_hidden") &&
-       !reader_integer(r, "sky_hidden", 0, RAY_CAMERA | RAY_BOUNCED, &sky_hidden)) ||
-      !reader_text(r, "dump", "", &dump))
-    return false;
-  if (reader_has(r, "reach") && !reader_number_within(r, "reach", 0, 1e30, &s->reach))
-    return false;
-  s->features.transparent_glass = s->features.transparent_film && reader_has(r, "clear_glass");
-  if (s->features.transparent_glass &&
-      !reader_number_within(r, "clear_glass", 0, 1, &s->clear_alpha))
-    return false;
-  s->sky_hidden = (uint32_t)sky_hidden;
-  s->features.light_visibility = (sky_hidden & RAY_BOUNCED) != 0;
-  if (*dump)
-    s->dump = dump;
-  else
-    free(dump);
-  if (!reader_text(r, "renderer", "libshade", &s->renderer))
-    return false;
-  if (reader_has(r, "filter_width") &&
-      !reader_number_within(r, "filter_width", 0, 100, &s->filter_width))
-    return false;
-  if (reader_has(r, "pixel_filter_type")) {
-    static const char *const filters[] = {"BLACKMAN_HARRIS", "GAUSSIAN", NULL};
-    int filter;
-    if (!reader_word(r, "pixel_filter_type", filters, &filter))
-      return false;
-    s->filter = (filter_type)filter;
-  }
-  if (!read_shutter(r, s) ||
-      (reader_has(r, "vectors") && !reader_flag(r, "vectors", &s->features.motion_vectors)))
-    return false;
-  if (reader_has(r, "planes") && !read_planes(r, s))
-    return false;
-  if (reader_has(r, "matt_leans") &&
-      !reader_flag(r, "matt_leans", &s->features.interpolated_diffuse))
-    return false;
-  if (reader_has(r, "soft_terminator") &&
-      !reader_flag(r, "soft_terminator", &s->features.shadow_terminator))
-    return false;
-  if (reader_has(r, "use_denoising") && (!reader_flag(r, "use_denoising", &s->features.denoise) ||
-                                         !reader_text(r, "denoiser", "", &s->denoiser)))
+#define PLANE_WORD(TYPE, channels, filtered) #TYPE,
+#define MATTE_WORD(KIND) #KIND,
+static bool read_planes(reader *r, scene *s) {
+  static const char *const planes[] = {PLANE_TABLE(PLANE_WORD) NULL};
+  static const char *const mattes[] = {MATTE_TABLE(MATTE_WORD) NULL};
+  if (!read_words(r, "planes", planes, &s->planes) ||
+      !read_words(r, "mattes", mattes, &s->mattes) ||
+      (reader_has(r, "mattes") &&
+       !reader_integer(r, "matte_slots", 1, MATTE_SLOTS_MOST, &s->matte_slots)))
     return false;
   if (s->features.denoise)
     s->planes |= 1u << PLANE_ALBEDO | 1u << PLANE_NORMAL;
   s->planes = plane_needs(s->planes);
-  if (reader_has(r, "mattes") && !read_mattes(r, s))
-    return false;
-  if (reader_has(r, "mist") && !reader_dict(r, "mist", read_mist, &s->mist, NULL))
-    return false;
-  if (reader_has(r, "time_limit") && !reader_number_within(r, "time_limit", 0, 1e9, &s->time_limit))
-    return false;
-  if (reader_has(r, "max_bounces") &&
-      !reader_integer(r, "max_bounces", 0, MAX_BOUNCES, &s->max_bounces))
-    return false;
-  if (reader_has(r, "sample_clamp_direct") &&
-      !reader_number_within(r, "sample_clamp_direct", 0, 1e30, &s->clamp_direct))
-    return false;
-  static const char *const kinds[BOUNCE_KINDS] = {
-      "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_max_bounces"};
-  s->limits.all = (uint32_t)s->max_bounces;
-  for (int k = 0; k < BOUNCE_KINDS; k++) {
-    int most = k == BOUNCE_TRANSPARENT ? 8 : MAX_BOUNCES;
-    if (reader_has(r, kinds[k]) && !reader_integer(r, kinds[k], 0, MAX_BOUNCES, &most))
-      return false;
-    s->limits.kind[k] = (uint32_t)most;
-  }
-  if ((reader_has(r, "adaptive_threshold") &&
-       !reader_number_within(r, "adaptive_threshold", 0, 1e30, &s->adaptive_threshold)) ||
-      (reader_has(r, "adaptive_min_samples") &&
-       !reader_integer(r, "adaptive_min_samples", 1, MAX_SAMPLES, &s->adaptive_least)))
-    return false;
-  bool reflected = true, refracted = true;
-  if ((reader_has(r, "light_sampling_threshold") &&
-       !reader_number_within(r, "light_sampling_threshold", 0, 1e30, &s->light_threshold)) ||
-      (reader_has(r, "texture_blur") &&
-       !reader_number_within(r, "texture_blur", 0, 1e3, &s->texture_blur)) ||
-      (reader_has(r, "normal_blur") &&
-       !reader_number_within(r, "normal_blur", 0, 1e3, &s->normal_blur)) ||
-      (reader_has(r, "blur_glossy") &&
-       !reader_number_within(r, "blur_glossy", 0, 1e30, &s->blur_glossy)) ||
-      (reader_has(r, "caustics_reflective") &&
-       !reader_flag(r, "caustics_reflective", &reflected)) ||
-      (reader_has(r, "caustics_refractive") && !reader_flag(r, "caustics_refractive", &refracted)))
-    return false;
-  s->features.no_reflective_caustics = !reflected;
-  s->features.no_refractive_caustics = !refracted;
-  /* From some version on Cycles lets paths through one surface less than shadow rays. */
+  return true;
+}
+
+/* How often a path may do what. From some version on Cycles lets paths through one surface less
+ * than shadow rays. */
+static bool read_limits(reader *r, walk_limits *limits, int all) {
+  static const reader_key options[] = {
+      INTEGER_KEY("diffuse_bounces", walk_limits, kind[0], 0, MAX_BOUNCES),
+      INTEGER_KEY("glossy_bounces", walk_limits, kind[1], 0, MAX_BOUNCES),
+      INTEGER_KEY("transmission_bounces", walk_limits, kind[2], 0, MAX_BOUNCES),
+      INTEGER_KEY("transparent_max_bounces", walk_limits, kind[3], 0, MAX_BOUNCES),
+      {.name = NULL}};
   bool less = false;
-  if (reader_has(r, "transparent_less") && !reader_flag(r, "transparent_less", &less))
+  uint32_t *straight = &limits->kind[BOUNCE_TRANSPARENT];
+  *limits = (walk_limits){.kind = {MAX_BOUNCES, MAX_BOUNCES, MAX_BOUNCES, 8}, .all = (uint32_t)all};
+  if (!reader_options(r, options, limits) || !reader_may_flag(r, "transparent_less", &less))
     return false;
-  uint32_t *straight = &s->limits.kind[BOUNCE_TRANSPARENT];
-  s->limits.shadows = *straight;
+  limits->shadows = *straight;
   *straight -= less && *straight > 0;
-  if (reader_has(r, "sample_clamp_indirect") &&
-      !reader_number_within(r, "sample_clamp_indirect", 0, 1e30, &s->clamp_indirect))
+  return true;
+}
+
+static bool read_picture(reader *r, scene *s) {
+  static const char *const filters[] = {"BLACKMAN_HARRIS", "GAUSSIAN", NULL};
+  static const reader_key keys[] = {INTEGER_KEY("threads", scene, threads, 0, MAX_THREADS),
+                                    FLAG_KEY("transparent", scene, features.transparent_film),
+                                    FLOATS_KEY("background", scene, background, 3),
+                                    {.name = NULL}};
+  static const reader_key options[] = {
+      INTEGER_KEY("sky_hidden", scene, sky_hidden, 0, RAY_CAMERA | RAY_BOUNCED),
+      NUMBER_KEY("reach", scene, reach, 0, 1e30),
+      NUMBER_KEY("clear_glass", scene, clear_alpha, 0, 1),
+      NUMBER_KEY("filter_width", scene, filter_width, 0, 100),
+      WORD_KEY("pixel_filter_type", scene, filter, filters),
+      FLAG_KEY("vectors", scene, features.motion_vectors),
+      FLAG_KEY("matt_leans", scene, features.interpolated_diffuse),
+      FLAG_KEY("soft_terminator", scene, features.shadow_terminator),
+      FLAG_KEY("use_denoising", scene, features.denoise),
+      NUMBER_KEY("time_limit", scene, time_limit, 0, 1e9),
+      INTEGER_KEY("max_bounces", scene, max_bounces, 0, MAX_BOUNCES),
+      NUMBER_KEY("sample_clamp_direct", scene, clamp_direct, 0, 1e30),
+      NUMBER_KEY("sample_clamp_indirect", scene, clamp_indirect, 0, 1e30),
+      NUMBER_KEY("adaptive_threshold", scene, adaptive_threshold, 0, 1e30),
+      INTEGER_KEY("adaptive_min_samples", scene, adaptive_least, 1, MAX_SAMPLES),
+      NUMBER_KEY("light_sampling_threshold", scene, light_threshold, 0, 1e30),
+      NUMBER_KEY("texture_blur", scene, texture_blur, 0, 1e3),
+      NUMBER_KEY("normal_blur", scene, normal_blur, 0, 1e3),
+      NUMBER_KEY("blur_glossy", scene, blur_glossy, 0, 1e30),
+      FLAG_KEY("caustics_reflective", scene, features.reflective_caustics),
+      FLAG_KEY("caustics_refractive", scene, features.refractive_caustics),
+      INTEGER_KEY("apart", scene, apart, 0, INT_MAX),
+      {.name = NULL}};
+  features *f = &s->features;
+  double seed;
+  f->reflective_caustics = f->refractive_caustics = true;
+  if (!read_size(r, s) || !reader_number(r, "seed", &seed) || !reader_keys(r, keys, s) ||
+      !reader_options(r, options, s) || !reader_text(r, "dump", "", &s->dump) ||
+      !reader_text(r, "renderer", "libshade", &s->renderer) ||
+      (f->denoise && !reader_text(r, "denoiser", "", &s->denoiser)) || !read_shutter(r, s) ||
+      !read_planes(r, s) || !read_limits(r, &s->limits, s->max_bounces) ||
+      (reader_has(r, "mist") && !reader_dict(r, "mist", read_mist, &s->mist, NULL)))
     return false;
+  if (!*s->dump) {
+    free(s->dump);
+    s->dump = NULL;
+  }
+  f->transparent_glass = f->transparent_film && reader_has(r, "clear_glass");
+  f->light_visibility = (s->sky_hidden & RAY_BOUNCED) != 0;
   s->seed = (uint32_t)(int64_t)fmod(seed, 0x1p32);
-  if (reader_has(r, "apart") && !reader_integer(r, "apart", 0, INT_MAX, &s->apart))
-    return false;
   if (!s->threads)
     s->threads = parallel_cores();
   return true;

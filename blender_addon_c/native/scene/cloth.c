@@ -144,7 +144,7 @@ static bool read_twist(reader *r, void *unused, void *context) {
   if (!reader_has(r, "twist"))
     return true;
   if (!read_within(r, "twist", -1.5707964, 1.5707964, &twist) ||
-      (reader_has(r, "plied") && !reader_flag(r, "plied", &plied)))
+      !reader_may_flag(r, "plied", &plied))
     return false;
   shade_weave_params_set_twist(p, y->yarns,
                                twist > 0   ? 'S'

@@ -15,7 +15,7 @@ typedef struct features {
   bool shadow_linking;   /* some light is shaded by some instances alone */
   bool emitter_linking;  /* or of some that may shine the light is for some alone */
   bool light_visibility; /* some light is hidden from some kinds of ray */
-  bool no_reflective_caustics, no_refractive_caustics; /* of matt surfaces by mirrors, by glass */
+  bool reflective_caustics, refractive_caustics; /* of matt surfaces by mirrors, by glass */
   /* surfaces */
   bool transparency;         /* some material lets rays pass on, */
   bool holdout;              /* or leaves a hole in the picture */

@@ -22,6 +22,11 @@ typedef struct graph {
   bool bare;                        /* something takes the unperturbed normal */
   int normal[3];                    /* the first that something takes since `named` was false */
   bool named;
+  bool dump; /* one is written: it holds what the library says */
+  /* of the closure at hand, whose _read says more than its kind does; */
+  unsigned traits;        /* closure_trait */
+  double exponent, focus; /* how sharp it is; how much light it gathers; 0 */
+  unsigned status;        /* and of all: what had to be clamped, bits of libshade */
 } graph;
 _Static_assert(REGISTERS % 64 == 0, "graph.written has a bit for each register");
 

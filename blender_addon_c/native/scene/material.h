@@ -10,15 +10,17 @@ typedef struct closure closure; /* closure/closure.h */
 typedef struct node node;       /* node/node.h */
 
 /* What a closure does. */
-typedef enum closure_trait {
-  CLOSURE_SCATTERS = 1, /* it has f and draws directions */
-  CLOSURE_THROUGH = 2,  /* to and from the side that is not seen, too */
-  CLOSURE_PASSES = 4,   /* its rays go straight on */
-  CLOSURE_EMITS = 8,    /* its weight is radiance */
-  CLOSURE_MATT = 16,    /* its bounces count as diffuse ones */
-  CLOSURE_HOLDS = 64,   /* its weight is a hole in the picture */
-  CLOSURE_GROOVED = 32  /* turned about its normal it is another */
-} closure_trait;
+enum {
+  CLOSURE_SCATTERS = 1u, /* it has f and draws directions */
+  CLOSURE_THROUGH = 2u,  /* to and from the side that is not seen, too */
+  CLOSURE_PASSES = 4u,   /* its rays go straight on */
+  CLOSURE_EMITS = 8u,    /* its weight is radiance */
+  CLOSURE_MATT = 16u,    /* its bounces count as diffuse ones */
+  CLOSURE_GROOVED = 32u, /* turned about its normal it is another */
+  CLOSURE_HOLDS = 64u,   /* its weight is a hole in the picture */
+  CLOSURE_CLEAR = 128u,  /* it mirrors on its side and refracts to the other */
+  CLOSURE_SHARP = 256u   /* as a mirror: no rougher than can be */
+};
 
 typedef struct material {
   int number; /* material.ID of a dump */

@@ -4,7 +4,7 @@
 #include "batch/leaf.h"
 #include "stage/stage.h"
 
-#define CLOSURE_STAGE(TYPE, name)                                                                  \
+#define CLOSURE_STAGE(TYPE, name, always)                                                          \
   static unsigned stage_##name(const closure *c, lane_run run, const surfaces *at, inputs *given,  \
                                const lane_v *wi, bool density, reflections *out) {                 \
     return closure_##name##_eval(&c->of.name, run, at, given, wi, density, out);                   \
