@@ -11,6 +11,7 @@
 #   make soak      libshade on a hundred million awkward cases, Blender on 500, its viewport on 2000 edits
 #   make bench     speed against accuracy
 #   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's
+#   make bench-frames BEFORE=COMMIT  whether a frame of an example scene takes longer than at that commit
 #   make bench-povray  what a block costs a render of POV-Ray's
 #   make compare-peers  the bumped plate in Cycles 3.4 and 5.0 and in Mitsuba 3, beside ours
 #   make compare-files  scenes of others, from packages, in our engine and in Cycles

@@ -75,3 +75,10 @@ compare: demo $(B)/horizon $(B)/displaced
 	  [ "$$judge" = report_page.py ] || mv "$$mark.begun" "$$mark"; \
 	done; \
 	[ -z "$$missed" ] || { echo "make compare: not within limits, or failed:$$missed see above" >&2; exit 1; }
+
+# Whole frames of every example scene against another commit's build, in turns: make bench-frames BEFORE=COMMIT
+# ONLY="plate pan" FRAMES="--minutes 20"
+.PHONY: bench-frames
+bench-frames: $(BLENDER_FILES) $(B)/shade povray setup-demo
+	@$(if $(BEFORE),,echo "make bench-frames: BEFORE=COMMIT is missing: what to compare with" >&2; exit 2;) \
+	$(PY) compare/bench_frames.py $(BEFORE) $(if $(ONLY),--only $(ONLY)) $(FRAMES)

@@ -24,6 +24,7 @@ NEEDS_compare-quick := $(NEEDS_demo)
 NEEDS_pictures := $(NEEDS_compare)
 NEEDS_bench := build
 NEEDS_bench-pairs := build
+NEEDS_bench-frames := $(NEEDS_compare)
 NEEDS_check-libshade := build test
 NEEDS_soak := build blender test
 NEEDS_check-povray-scenes := build povray test

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""bench_frames.py without a renderer: medians and quarters, which scenes are taken on, what it says of known times."""
+import subprocess
+import sys
+
+import pytest
+
+import bench_frames as bench
+import programs
+
+SCENES = [bench.Scene(name, programs.ROOT / "x.py") for name in ("pan", "pan-near", "dial")]
+
+
+def row_of(name, *pairs, largest=0.0):
+    row = bench.Row(name)
+    for before, after in pairs:
+        row.add((before, after), largest, largest / 10)
+    return row
+
+
+@pytest.mark.parametrize("ratios, low, median, high", [
+    ([1.5], 1.5, 1.5, 1.5), ([3, 1, 2], 1.5, 2, 2.5), ([4, 1, 3, 2, 5], 2, 3, 4), ([1, 2, 3, 4], 1.75, 2.5, 3.25),
+])
+def test_quarters_are_those_of_the_ratios(ratios, low, median, high):
+    row = row_of("pan", *((2.0, 2.0 * ratio) for ratio in ratios))
+    assert row.quarters() == pytest.approx((low, median, high))
+    assert row.error() == pytest.approx(0.93 * (high - low) / len(ratios) ** 0.5)
+    assert row.least(0) == 2 and row.least(1) == pytest.approx(2 * min(ratios))
+
+
+def test_a_scene_that_is_slower_is_named_and_one_that_looks_different():
+    rows = [row_of("pan", (1, 1.02), (1, 1.04), (1, 1.05)), row_of("dial", (1, 1.0), (1, 1.02), (1, 1.03), largest=2e-5),
+            row_of("table", (1, 0.5), (1, 0.7), (1, 0.6), largest=9e-6)]
+    said = "\n".join(bench.verdict(rows, 1.03, False))
+    assert "Over 1.03: pan." in said and "Pictures differ: dial." in said and "Median of 3 scenes 1.020, 0.600 to 1.040" in said
+    assert "byte for byte" not in said
+    assert "0.400 is what this machine's noise makes of 1" in "\n".join(bench.verdict(rows, 1.03, True))
+    assert "Over 1.05: none." in "\n".join(bench.verdict(rows, 1.05, False))
+    lines = {line.split()[0]: line for line in bench.table(rows, 1.03).splitlines()}
+    assert lines["pan"].split()[1:5] == ["1.040", "1.030", "to", "1.045"] and lines["pan"].endswith("same  slower")
+    assert lines["dial"].split()[-3:] == ["2.0e-05", "2.0e-06", "differs"] and lines["table"].split()[-1] == "same"
+    assert rows[0].numbers()["ratio"] == pytest.approx(1.04) and rows[1].numbers()["largest_difference"] == 2e-5
+
+
+@pytest.mark.parametrize("minutes, count", [(1e9, {"pan": 3, "pan-near": 5, "dial": 3}), (0, {"pan": 3, "pan-near": 3, "dial": 3})])
+def test_pairs_begin_in_turns_and_go_on_where_a_median_is_not_sure(minutes, count):
+    """pan-near's ratios part by a tenth at first: its quarters are near each other after five."""
+    asked = []
+    ratios = {"pan": iter([1, 1, 1]), "pan-near": iter([1, 1.1, 1, 1, 1]), "dial": iter([2, 2, 2])}
+
+    def pair(scene, swapped):
+        asked.append((scene.name, swapped))
+        return (1.0, next(ratios[scene.name])), 0.0, 0.0
+    rows = {scene.name: bench.Row(scene.name) for scene in SCENES}
+    bench.take(SCENES, rows, pair, minutes)
+    assert {name: len(row.seconds) for name, row in rows.items()} == count
+    assert [swapped for name, swapped in asked if name == "pan-near"] == [bool(k % 2) for k in range(count["pan-near"])]
+    assert [name for name, _ in asked[:3]] == list(count)
+
+
+def test_which_scenes_a_word_names():
+    def names(*words):
+        return [scene.name for scene in bench.chosen(SCENES, words)]
+    assert names() == ["pan", "pan-near", "dial"] and names("pan") == ["pan"] and names("pa", "d") == ["pan", "pan-near", "dial"]
+    with pytest.raises(bench.Failed, match="tree: no scene"):
+        names("tree")
+
+
+def test_seconds_of_a_frame_of_povray():
+    """Not those of parsing."""
+    said = "Parse Time: x\n using 1 thread(s) with 5.0 CPU-seconds total\nRender Time:\n Radiosity Time: x (1 seconds)\n" \
+        " using 1 thread(s) with 1.250 CPU-seconds total\n Trace Time: x\n using 1 thread(s) with 0.500 CPU-seconds total\n"
+    assert bench.seconds_of_povray(said) == 1.75
+    with pytest.raises(bench.Failed):
+        bench.seconds_of_povray("Render Time: none")
+
+
+def test_every_example_is_there():
+    scenes = bench.blender_scenes() + bench.povray_scenes()
+    folders = {path.parent.name for path in programs.ROOT.glob("examples/*/*/*.p*") if path.suffix in (".py", ".pov")}
+    assert folders == {scene.script.parent.name for scene in scenes if "examples" in scene.script.parts} | {bench.SUZANNE.stem}
+    assert "suzanne" in {scene.name for scene in scenes}
+    assert {"plate", "studio", "room"} <= {scene.name for scene in scenes} and len({scene.name for scene in scenes}) == len(scenes)
+
+
+@pytest.mark.parametrize("arguments, status, words", [
+    ([], 2, "BEFORE is missing"), (["nosuch"], 2, "nosuch: no commit"), (["HEAD", "--only", "nosuch"], 2, "nosuch: no scene"),
+    (["HEAD", "--limit", "0"], 2, "--limit"), (["--help"], 0, ""), (["--list"], 0, ""),
+])
+def test_ends(arguments, status, words):
+    said = subprocess.run([sys.executable, programs.HERE / "bench_frames.py", *arguments], capture_output=True, text=True, timeout=60)
+    assert said.returncode == status and words in said.stderr and "Traceback" not in said.stderr
