@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
 from .fabric_yarns import CUSTOM, DRAFT
-from .group import add_button, own_tree, register_node
+from .group import add_button, own_tree, register_node, unregister_node
 from .manual import draw_button
 from .report import draw_on, is_enabled
 from .scratches import in_digits
@@ -295,5 +295,4 @@ def unregister():
     fabric_draft.unregister()
     for panel in reversed(_PANELS):
         bpy.utils.unregister_class(panel)
-    if bpy.app.version >= (5, 0):
-        bpy.utils.unregister_class(LibshadeFabricNode)
+    unregister_node(LibshadeFabricNode)

@@ -5,6 +5,8 @@ from array import array
 
 import bpy
 
+from . import versions
+
 _PATTERN = "libshade_pattern"  # on trees that others are copied from
 
 
@@ -102,11 +104,16 @@ def add_button(layout, kind, label):
 
 
 def register_node(cls):
-    """3.4 crashes when it frees the evaluated copy of a node whose class is gone: there it stays registered, and is found
-    when the add-on is enabled again. 5.0 has forgotten what it is derived from once others have asked for that anew."""
+    """Where it stayed registered it is found. 5.0 has forgotten what it is derived from once others have asked for that anew."""
     if bpy.types.Node.bl_rna_get_subclass_py(cls.bl_idname):
         return
     base = bpy.types.ShaderNodeCustomGroup
     if cls.__bases__[0] is not base:
         cls.__bases__ = base,
     bpy.utils.register_class(cls)
+
+
+def unregister_node(cls):
+    """But where its class has to stay until Blender ends."""
+    if versions.NODES_UNREGISTER:
+        bpy.utils.unregister_class(cls)

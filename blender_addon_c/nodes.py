@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import add_button, drop_patterns, own_tree, preset_of_scripts, register_node, unhide
+from .group import add_button, drop_patterns, own_tree, preset_of_scripts, register_node, unhide, unregister_node
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .report import TellsOfNothing, draw_on, is_enabled
@@ -683,7 +683,4 @@ def unregister():
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
     drop_patterns()
-    # Blender 3.4 crashes when it frees the evaluated copy of a node whose class is gone: there
-    # the class stays until Blender ends, and the add-on finds it when it is enabled again.
-    if bpy.app.version >= (5, 0):
-        bpy.utils.unregister_class(LibshadeMetalNode)
+    unregister_node(LibshadeMetalNode)

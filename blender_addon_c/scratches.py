@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import _native, scratch_tree
 from .export import size
-from .group import add_button, preset_of_scripts, register_node
+from .group import add_button, preset_of_scripts, register_node, unregister_node
 from .manual import draw_button
 from .report import draw_on, is_enabled
 from .scratch_tree import DENSITY, DEPTH, DIRECTION, LENGTH, NUMBERS, SPREAD, VECTOR, WIDTH
@@ -374,5 +374,4 @@ def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
-    if bpy.app.version >= (5, 0):
-        bpy.utils.unregister_class(LibshadeScratchesNode)
+    unregister_node(LibshadeScratchesNode)

@@ -2,19 +2,16 @@
 """Passes of what AOV Output nodes say, and of ambient occlusion. Each is a picture of its own, in which the first surfaces that
 the camera sees shine with that, and those without such a node are holes."""
 
-import bpy
-
-from . import tree
+from .. import versions
 from .closure import collect, shading
 from .graph import Program, TooLarge, is_known
 from .value import color_of, number_of
 from .visibility import DIFFUSE, SHADOW
 
-_MUTED_SPEAK = bpy.app.version >= (5, 0)  # measured: not 3.4
 _MOST_GROUPS = 32  # one in another
 OCCLUSION = "OCCLUSION"
 CHANNELS = {"COLOR": 4, "VALUE": 1, OCCLUSION: 3}
-OCCLUSION_NAME = "Ambient Occlusion" if bpy.app.version >= (5, 0) else "AO"
+OCCLUSION_NAME = "Ambient Occlusion" if versions.LONG_PASS_NAMES else "AO"
 BLACK = {"closure": "EMISSION", "weight": (0.0,) * 3}
 _RAYS, _MOST_SAMPLES = 2, 1 << 16  # of occlusion, of a sample
 # What of a scene is of the picture alone, and what lights it.
@@ -114,7 +111,7 @@ def _material(reader, closures):
 def _find(own, name, groups):
     """(node, groups around it) of the one that says it, or None."""
     for node in own.nodes:
-        if node.mute and not (_MUTED_SPEAK and node.type == "OUTPUT_AOV"):
+        if node.mute and not (versions.MUTED_AOVS_SPEAK and node.type == "OUTPUT_AOV"):
             continue
         if node.type == "OUTPUT_AOV" and getattr(node, "aov_name", node.name) == name:  # until 4.0 it was the node's own
             return node, groups

@@ -5,11 +5,10 @@ of a surface is answered for a direction, and the light of all directions is ren
 
 import math
 
-import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import _native
+from .. import _native, versions
 from . import tree
 from .closure import collect
 from .graph import Program, is_known
@@ -24,7 +23,6 @@ from .value import Value, number_in, three, value_of
 _ROWS = {True: (512, 1024), False: (1024, 2048)}
 _LAMP_ROWS = {True: (128, 256), False: (256, 512)}
 _MOST = 1e18  # of light
-_LAMPS_STAND_STILL = bpy.app.version < (4, 0)  # points of a lamp's own are those of the world, and it has no UV map
 _FALLS = {"Quadratic": 0, "Linear": 1, "Constant": 2}  # by which power of the distance less than light does
 
 _BEHIND = ("NORMAL", "TRUE_NORMAL", "INCOMING", "REFLECTION")  # point back where one looks from [Cycles 3.4, 5.0]
@@ -113,7 +111,7 @@ class _Lamp:
         return program.on_face() if self._size else None
 
     def uv(self, program):
-        return None if _LAMPS_STAND_STILL else self.place_on(program)
+        return None if versions.LAMPS_STAND_STILL else self.place_on(program)
 
     def between_spaces(self, program, what, vector):
         """Points of its own are those of the world in 3.4."""
@@ -121,7 +119,7 @@ class _Lamp:
         inverse = self._own.inverted_safe()
         if what.startswith("POINT"):
             program.placed += 1
-            if _LAMPS_STAND_STILL:
+            if versions.LAMPS_STAND_STILL:
                 return vector
             if what.endswith("_INTO"):
                 return self._turned(program, inverse, [program.math("SUBTRACT", a, b) for a, b in zip(vector, self._place)])

@@ -7,9 +7,7 @@ as their weight, to the material's reader. They follow Cycles of the Blender tha
 
 from types import SimpleNamespace
 
-import bpy
-
-from .. import fabric, metal_tree, nodes
+from .. import fabric, metal_tree, nodes, versions
 from . import cloth, tree
 from .graph import is_known
 from .node_place import along_axis, round_tangent, tangent_of, tangent_of_map
@@ -17,7 +15,6 @@ from .value import color_of, normal_of, number_of
 
 _WHITE, _BLACK = (1.0,) * 3, (0.0,) * 3
 _LUMINANCE = (0.2126, 0.7152, 0.0722)  # of Rec. 709
-_JOINT = bpy.app.version >= (4, 0)  # Smith's shadowing of both directions together
 
 
 def collect(reader, socket, groups, share=1.0):
@@ -137,10 +134,6 @@ def _is_bright(reader, color):
     return not reader.dumps and any(reader.most(part) > 1 for part in color)
 
 
-# What bumps hide from a matt surface: versions between were not measured.
-_BUMPS = "FADED" if bpy.app.version < (3, 5) else "SHADED"
-
-
 def _valid(reader, closure, normal, stock):
     """The normal that Cycles' closure takes, here in place of a horizon of our own: so that the eye's mirror
     image is not below the surface, but from some version on not of what is matt. With grooves that go with
@@ -153,8 +146,8 @@ def _valid(reader, closure, normal, stock):
     elif kind == "DIFFUSE" and reader.bumped:
         return below
     elif kind == "DIFFUSE":
-        closure["bumps"] = _BUMPS
-        if _BUMPS == "SHADED":
+        closure["bumps"] = "FADED" if versions.BUMPS_FADE else "SHADED"
+        if not versions.BUMPS_FADE:
             return below
     return reader.program.emit("BEND", normal=below)
 
@@ -367,9 +360,7 @@ def _socket_number(reader, node, groups, name, missing):
     return number_of(reader, node.inputs[name], groups) if name in node.inputs else missing
 
 
-# Where bumps turn matt facets to a low light, 3.4 fades it [Chiang2019], 5.0 shades it [Estevez2019].
-# Those between were not measured.
-_MATT = {"fresnel": "NONE", "horizon": "chiang" if bpy.app.version < (3, 5) else "estevez"}
+_MATT = {"fresnel": "NONE", "horizon": "chiang" if versions.BUMPS_FADE else "estevez"}
 
 
 def _lambert_closure(color):
@@ -408,7 +399,7 @@ def _matt(reader, color, roughness, share, normal):
     if is_known(roughness) and roughness <= 0:
         _lambert(reader, color, share, normal)
         return
-    model = "EON" if bpy.app.version >= (4, 3) else "OREN_NAYAR"
+    model = "EON" if versions.ENERGY_OREN_NAYAR else "OREN_NAYAR"
     _add(reader, {"closure": "DIFFUSE", "model": model, "color": color, "roughness": [roughness]},
          share, normal)
 
@@ -420,7 +411,7 @@ def _glossy(reader, node, groups, share):
         reader.warn(f"'{node.name}': {distribution.lower()} is not supported; shaded as GGX")
         distribution = "GGX"
     alphas, groove = _stretched(reader, node, groups, alpha)
-    if distribution == "BECKMANN" and alphas[0] != alphas[1] and not _JOINT:
+    if distribution == "BECKMANN" and alphas[0] != alphas[1] and not versions.JOINT_SHADOWING:
         reader.warn(f"'{node.name}': Cycles of this version shades a stretched Beckmann a few percent brighter")
     seen = None
     if _is_bright(reader, color):
@@ -431,7 +422,7 @@ def _glossy(reader, node, groups, share):
         lobe = _Lobe(reader, alpha, normal)
         kept = lobe.kept(color)
         share = _times(reader, kept, share)
-        seen = (_times(reader, own, lobe.one) if _JOINT else
+        seen = (_times(reader, own, lobe.one) if versions.JOINT_SHADOWING else
                 tuple(reader.program.math("DIVIDE", part, by) for part, by in zip(own, kept)))
     _add(reader, _metal_closure({"fresnel": "NONE", **_LOBES[distribution], **_apart(distribution)}, f0=own,
                                 alpha=alphas, groove=groove), share, normal, seen)
@@ -439,7 +430,7 @@ def _glossy(reader, node, groups, share):
 
 def _apart(distribution):
     """How Cycles' lobe is shadowed, where one bounce is all."""
-    return {"apart": True} if not _JOINT and distribution in ("GGX", "BECKMANN") else {}
+    return {"apart": True} if not versions.JOINT_SHADOWING and distribution in ("GGX", "BECKMANN") else {}
 
 
 def _metallic(reader, node, groups, share):
@@ -596,7 +587,7 @@ def _rotated(reader, own, rotation, groups):
 def _glass_closure(reader, node, groups, **given):
     ior = number_of(reader, node.inputs["IOR"], groups)
     return {"closure": "GLASS", "ior": [ior], "tint": _WHITE, "reflects": True, "refracts": True,
-            "joint": _JOINT, "flat": not _JOINT and node.distribution != "MULTI_GGX",
+            "joint": versions.JOINT_SHADOWING, "flat": not versions.JOINT_SHADOWING and node.distribution != "MULTI_GGX",
             "beckmann": node.distribution == "BECKMANN", **given}
 
 
@@ -614,7 +605,7 @@ def _add_glass(reader, node, groups, alpha, share, normal, color=_WHITE, **given
     if node.distribution == "MULTI_GGX" and not _is_smooth(alpha):
         about = {"normal": normal} if normal else {}
         ior = number_of(reader, node.inputs["IOR"], groups)
-        one, mean = reader.program.emit("GLASS_ALBEDO", 2, ior=[ior], alpha=[alpha], joint=_JOINT,
+        one, mean = reader.program.emit("GLASS_ALBEDO", 2, ior=[ior], alpha=[alpha], joint=versions.JOINT_SHADOWING,
                                         **about)
         kept = _kept(reader, given.get("tint", color), one, mean)
         share = _times(reader, kept, share)
@@ -660,7 +651,7 @@ def _toon(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
     size, smooth = (number_of(reader, node.inputs[name], groups) for name in ("Size", "Smooth"))
     mirrors = node.component == "GLOSSY"
-    _add(reader, {"closure": "TOON", "mirrors": mirrors, "overcounts": mirrors and bpy.app.version < (4, 0),  # measured: 3.4, not 5.0
+    _add(reader, {"closure": "TOON", "mirrors": mirrors, "overcounts": mirrors and versions.TOON_OVERCOUNTS,
                   "size": [size], "smooth": [smooth]},
          _times(reader, color, share), _normal(reader, node, groups), color)
 
@@ -760,7 +751,7 @@ class _Principled:
         kept = lobe.kept(tuple(_mean(self.reader, part) for part in head_on)) if self.several else _WHITE
         share = _times(self.reader, kept, share)
         # from 4.0 on Cycles' colour is the albedo, before it is 1 for all lobes
-        seen = (tuple(map(lobe.albedo, head_on)) if _JOINT else
+        seen = (tuple(map(lobe.albedo, head_on)) if versions.JOINT_SHADOWING else
                 tuple(self.math("DIVIDE", 1.0, part) for part in kept))
         shadow = {} if self.several else _apart("GGX")
         made = _metal_closure({**_GGX, **shadow, **settings}, alpha=self.alphas, groove=self.groove, **parts)
@@ -868,7 +859,7 @@ class _Principled:
         base = self.base
         if _is_bright(reader, base):  # Cycles clamps it but for what is matt
             base = tuple(math("MINIMUM", part, 1.0) for part in base)
-        if film and bpy.app.version >= (5, 0):  # before, none lies on metal
+        if film and versions.FILM_ON_METAL:
             self._lobe(self._part(share, self.metallic), {"fresnel": "NONE"}, base,
                        film | _tinted(reader, base, edge), f0=_WHITE)
         else:

@@ -11,16 +11,12 @@ import re
 import bpy
 import numpy as np
 
+from .. import versions
+
 _PER_CANDELA = 0.0706650768  # of a node with strength 1 [measured: 3.4 and 5.0]
 MISSING = 100.0  # what it says where there is no file, or none that can be read [measured]
 _ROWS, COLUMNS = 720, 360
 _MOST = 1 << 20  # of numbers
-
-# 3.4 closes the circle of horizontal angles; later a cubic ends at its first one and mirrors about its last. Which version
-# brought it was not measured.
-_OLD = bpy.app.version < (4, 0)
-BY_NORMAL = _OLD  # the direction where none is linked [measured: 3.4 and 5.0]
-
 
 def text_of(node):
     """What the node's profile says; OSError where it cannot be read."""
@@ -126,7 +122,7 @@ def _closed(kind, vertical, horizontal, candela):
     """As type C has it, all about z and from straight down up."""
     v, h, values = vertical, horizontal, candela
     if kind != 1:
-        if kind == 3 and _OLD:
+        if kind == 3 and versions.OLD_IES:
             raise ValueError("photometric type A: this Blender's Cycles does not show it")
         if h[0] == 0 and len(h) > 1:
             h, values = _mirrored(h, values, 0.0, before=True)
@@ -135,24 +131,24 @@ def _closed(kind, vertical, horizontal, candela):
                 v, values = _mirrored(v, values.T, 0.0, before=True)
                 values = values.T
             v, h, values = h + 90, v + 90, values.T
-            if _OLD:
+            if versions.OLD_IES:
                 h, values = np.append(h, 360.0), np.concatenate([values, values[:1]])
         else:
             v, h, values = v + 90, 180 - h[::-1], values[::-1]
         return v, h, values
-    if _OLD and v[0] not in (0, 90):
+    if versions.OLD_IES and v[0] not in (0, 90):
         raise ValueError("its vertical angles begin neither at 0 nor at 90; this Blender's Cycles does not show it")
     if len(h) > 1:
-        h = h - (h[0] if _OLD or h[0] == 90 else 0)
+        h = h - (h[0] if versions.OLD_IES or h[0] == 90 else 0)
         if h[-1] == 90:
             h, values = _mirrored(h, values, 90.0)
         if h[-1] == 180:
             h, values = _mirrored(h, values, 180.0)
         elif h[-1] < 360 and abs(360 - h[-1] - (h[-1] - h[-2])) < 1e-3:
             h, values = np.append(h, 360.0), np.concatenate([values, values[:1]])
-        if _OLD and h[-1] != 360:
+        if versions.OLD_IES and h[-1] != 360:
             raise ValueError("its horizontal angles do not go all around; this Blender's Cycles does not show it")
-    if _OLD and v[0] == 90:
+    if versions.OLD_IES and v[0] == 90:
         values = values * 0
     return v, h, values
 
@@ -176,8 +172,8 @@ def _evaluated(vertical, horizontal, values, v, h):
     if len(horizontal) > 1:
         k, t, inside = _along(horizontal, h)
         last = len(horizontal) - 1
-        before = np.where(k > 0, k - 1, last - 1 if _OLD else 0)
-        after = np.where(k + 2 <= last, k + 2, 1 if _OLD else last - 1)
+        before = np.where(k > 0, k - 1, last - 1 if versions.OLD_IES else 0)
+        after = np.where(k + 2 <= last, k + 2, 1 if versions.OLD_IES else last - 1)
         across = np.where(inside[:, None], _cubic(values[before], values[k], values[k + 1], values[after], t[:, None]), 0)
     across = across.T
     k, t, inside = _along(vertical, v)

@@ -4,18 +4,13 @@ those of the Cycles of the Blender that runs."""
 
 import math
 
-import bpy
 import numpy as np
 
+from .. import versions
 from . import tree
 from .around import Shine, stretch_of, turn_of
 from .graph import TooLarge
 from .visibility import BOUNCED, is_hidden, of_both
-
-# Cycles 3.4 took an area lamp's power for 4 / pi times what it is, dimmed spots by the cosine to
-# their axis and lit by a sun as by a flat disc. That 3.5 to 4.5 do as 5.0 was not measured.
-_OLD = bpy.app.version < (3, 5)
-_ALONE = bpy.app.version < (4, 4)  # what instances a lamp hid it from nothing [4.2; 5.0 does; between not measured]
 
 
 def kinds(join):
@@ -31,7 +26,7 @@ def light_of(ob, maker, matrix, links, table, messages):
                          f"only {kinds('and')}")
         return []
     strength, pattern = _strength(light, matrix, table, messages)
-    bits = of_both(ob, None if _ALONE else maker, BOUNCED)  # the camera never sees lamps, whatever the object says
+    bits = of_both(ob, None if versions.LAMPS_ALONE else maker, BOUNCED)  # the camera never sees lamps, whatever the object says
     if is_hidden(bits, *BOUNCED):
         return []
     cycles = getattr(light, "cycles", None)
@@ -120,7 +115,7 @@ def _sun(light, matrix, strength):
     sine = math.sin(min(light.angle, math.pi) / 2)
     if not _normalized(light) and sine > 0:
         strength = _times(strength, math.pi * sine * sine)
-    return {"irradiance": strength, "angle": light.angle, "even": not _OLD,
+    return {"irradiance": strength, "angle": light.angle, "even": not versions.OLD_LAMPS,
             "direction": _unit(matrix.to_3x3().col[2])}
 
 
@@ -135,14 +130,14 @@ def _bulb(light, matrix, strength):
 
 def _spot(light, matrix, strength):
     return {**_bulb(light, matrix, strength), **_cone(matrix), "angle": light.spot_size,
-            "blend": light.spot_blend, "cosine_law": _OLD}
+            "blend": light.spot_blend, "cosine_law": versions.OLD_LAMPS}
 
 
 def _cone(matrix):
     """Where a spot shines. Its object's scale makes the cone wide or narrow, but not in 3.4."""
     x, y, z = matrix.to_3x3().col
     across = {}
-    if not _OLD and min(x.length, y.length, z.length) > 1e-6:
+    if not versions.OLD_LAMPS and min(x.length, y.length, z.length) > 1e-6:
         across = {"across_u": tuple(x.normalized() * z.length / x.length),
                   "across_v": tuple(y.normalized() * z.length / y.length)}
     return {"direction": _unit(-z), **across}
@@ -162,7 +157,7 @@ def _area(light, matrix, strength):
     size = light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     u, v = (tuple(0.5 * length * a for a in axis) for length, axis in zip(size, (x, y)))
     round_ = light.shape in {"DISK", "ELLIPSE"}
-    scale = 0.25 if _OLD else 1.0 / math.pi
+    scale = 0.25 if versions.OLD_LAMPS else 1.0 / math.pi
     if not _normalized(light):
         area = np.linalg.norm(np.cross(u, v)) * (math.pi if round_ else 4.0)
         scale = area / math.pi

@@ -3,10 +3,10 @@
 
 import os
 
-import bpy
 import numpy as np
 from mathutils import Matrix
 
+from .. import versions
 from . import tree
 from .aov import BLACK, read_into
 from .attributes import Attributes, of_view_layer
@@ -173,7 +173,7 @@ class Reader:
             except (TooLarge, RecursionError) as error:
                 many = "many at once" if isinstance(error, TooLarge) else "deep"
                 self.warn(f"its nodes are too {many}; shaded as a Diffuse BSDF of its viewport colour")
-        if not material and bpy.app.version >= (4, 0):
+        if not material and versions.BARE_IS_PRINCIPLED:
             principled(self)
             return {**about, **self._finished()}
         color = tuple(material.diffuse_color[:3]) if material else _BARE
@@ -212,7 +212,7 @@ class Reader:
         else:
             self.warn("no shader (its surface has none); black, as in Cycles")
         if self._shades() and any(closure["closure"] == "TRANSPARENT" for closure in self.closures):
-            if bpy.app.version >= (4, 0):  # measured: 4.2 and 5.0; 3.4's paths make up for most of it
+            if versions.SHADOWS_STOP:
                 shading(self, "SHADOW", False)
             else:
                 self.warn("Transparent Shadows (off) are not supported; its shadows are transparent")

@@ -4,6 +4,7 @@
 import math
 import os
 
+from .. import versions
 from . import ies
 from .image import MISSING, MISSING_COLOR, tiles_of
 from .node_place import of_object, place, position, uv
@@ -69,7 +70,7 @@ def _tex_ies(reader, found):
     value = value_of(reader, node.inputs["Vector"], found.groups, own=Value("VECTOR", None))
     if value.parts is not None:
         to = three(reader, value)
-    elif ies.BY_NORMAL:
+    elif versions.OLD_IES:
         to = of_object(reader, "NORMAL_INTO", surface_normal(reader))
     else:
         to = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="INCOMING"))  # as if it were one

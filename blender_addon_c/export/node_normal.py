@@ -3,22 +3,16 @@
 
 import math
 
-import bpy
-
+from .. import versions
 from . import tree
 from .graph import is_known
 from .node_image import image_of, is_cubic, is_plain
 from .node_place import layer, of_object, place
 from .value import Value, each, dot, framed, normal_of, number_in, number_of, surface_normal, three, unit, value_of, vector_in
 
-# A normal map's strength mixed unit normals in 3.4; in 5.0 it multiplies slopes. Those between were
-# not measured.
-_MIXES = bpy.app.version < (3, 5)
-
-
 def _normal_map(reader, found):
     strength = number_in(reader, found, "Strength")
-    if not _MIXES or found.node.space != "TANGENT" or (is_known(strength) and strength == 1.0):
+    if not versions.NORMAL_MAPS_MIX or found.node.space != "TANGENT" or (is_known(strength) and strength == 1.0):
         return _normal_map_of(reader, found, strength)
     whole = _normal_map_of(reader, found, 1.0, strength)
     if whole is None:
@@ -149,7 +143,7 @@ def displaced(reader, socket):
         parts = three(reader, value_of(reader, socket, ()))
         return dot(reader, parts, reader.program.emit("GEOMETRY", what="NORMAL"))
 
-    width = 0.1 if bpy.app.version >= (4, 2) else 1.0  # of a Bump node; those between were not measured
+    width = 0.1 if versions.DISPLACED_CLOSELY else 1.0  # of a Bump node
     return _bumped(reader, width, _fineness(socket, (), set()), height, strength=[1.0], distance=[1.0]).parts
 
 

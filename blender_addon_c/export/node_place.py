@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a point is: coordinates, what the surface is there, and the object that it belongs to."""
 
-import bpy
 from mathutils import Matrix
 
+from .. import versions
 from . import tree
 from .attributes import ABSENT, NOTHING
 from .graph import is_known
@@ -337,15 +337,11 @@ def _turned_about(reader, v, axis, angle):
     return made
 
 
-# From some version on normals are turned so that they stay across surfaces, also where objects are
-# scaled more along one axis. Those between 3.4 and 5.0 were not measured.
-_ACROSS = bpy.app.version >= (5, 0)
-
 
 def _vector_transform(reader, found):
     node, vector = found.node, vector_in(reader, found, "Vector")
     kind = node.vector_type
-    across = kind == "NORMAL" and _ACROSS
+    across = kind == "NORMAL" and versions.NORMALS_STAY_ACROSS
     word = "NORMAL" if across else "POINT" if kind == "POINT" else "VECTOR"
     if node.convert_from != node.convert_to:
         if node.convert_from == "OBJECT":

@@ -4,8 +4,7 @@
 from math import ceil, pi
 from struct import pack, unpack
 
-import bpy
-
+from .. import versions
 from .graph import is_known
 from .node_place import layer
 from .value import Value, clamped, dot, each, number_in, three, value_of, vector_in
@@ -78,7 +77,7 @@ def _tex_noise(reader, found):
                               distortion, at[k]) for k in range(dimensions)]
         at = (*moved, *at[dimensions:])
     roughness = program.math("MAXIMUM", number_in(reader, found, "Roughness"), 0.0)
-    if bpy.app.version < (4, 0):
+    if versions.NOISE_CLAMPED:
         roughness = program.math("MINIMUM", roughness, 1.0)
     choices = {"what": getattr(node, "noise_type", "FBM"), "even": getattr(node, "normalize", True),
                "detail": number_in(reader, found, "Detail"), "roughness": roughness,
@@ -148,7 +147,7 @@ def _cells(reader, found, dimensions, at):
     def look(at):
         return reader.program.emit("VORONOI", 8, dimensions=dimensions, at=list(at), feature=feature,
                                    metric=node.distance, exponent=[exponent], smoothness=[smoothness],
-                                   randomness=[randomness], whole=bpy.app.version >= (5, 0))
+                                   randomness=[randomness], whole=versions.VORONOI_BY_WHOLE)
 
     if feature == "N_SPHERE_RADIUS":
         return look(at)
@@ -311,7 +310,7 @@ def _tex_wave(reader, found):
 
 
 def _tex_brick(reader, found):
-    node, math = found.node, reader.program.math
+    node = found.node
     key = ("brick", node, found.groups, reader.shift)
     if key not in reader.known:
         x, y, _ = each(reader, "MULTIPLY", _place(reader, found), (number_in(reader, found, "Scale"),) * 3)

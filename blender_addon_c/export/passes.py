@@ -3,8 +3,7 @@
 
 from collections import namedtuple
 
-import bpy
-
+from .. import versions
 from . import groups
 from .aov import OCCLUSION_NAME, of_nodes
 
@@ -14,11 +13,10 @@ Pass = namedtuple("Pass", "wanted_by name channels kind plane")
 
 NOISY = "NOISY"  # the picture that was denoised, which is no plane
 AOV = "AOV"  # a picture of its own
-_LONG = bpy.app.version >= (5, 0)  # names of passes are whole words
 
 
 def _pass(wanted_by, name, long_name, channels, kind, plane):
-    return Pass(f"use_pass_{wanted_by}", long_name if _LONG else name, channels, kind, plane)
+    return Pass(f"use_pass_{wanted_by}", long_name if versions.LONG_PASS_NAMES else name, channels, kind, plane)
 
 
 def _light_passes():

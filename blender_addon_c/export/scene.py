@@ -7,6 +7,7 @@ from collections import namedtuple
 import bpy
 import numpy as np
 
+from .. import versions
 from . import passes, strands, tree
 from .aov import OCCLUSION, wanted_of
 from .camera import rows
@@ -50,7 +51,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
     if depsgraph.mode == "RENDER":
         name_twins(meshes, instances, messages, scene.libshade.soft_terminator)
         name_standing(meshes, instances, table.materials, messages)
-    if catchers["seen"] and bpy.app.version < (4, 0):  # measured: 3.4, not 4.2
+    if catchers["seen"] and versions.CATCHERS_TWICE:
         if any(kind == OCCLUSION for _name, kind in aovs):
             messages.warning("pass Ambient Occlusion: shadow catchers count once, not twice as in this Cycles")
         if getattr(depsgraph.view_layer, "lightgroups", ()):
@@ -67,8 +68,8 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         **_clear_glass(scene),
         **world,
         **{name: getattr(scene.libshade, name) for name in _BOUNCES},
-        "matt_leans": bpy.app.version >= (4, 0),  # measured: 3.4 and 5.0
-        "transparent_less": bpy.app.version >= (5, 0),  # measured: 3.4, 4.2, 4.5 and 5.0
+        "matt_leans": versions.MATT_LEANS,
+        "transparent_less": versions.TRANSPARENT_LESS,
         **{name: getattr(scene.libshade, name) for name in _SHORTCUTS},
         "normal_blur": samples**-0.5 if scene.libshade.filter_normals else 0.0,
         **_adaptive(scene.libshade, samples),

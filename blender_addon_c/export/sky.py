@@ -3,10 +3,10 @@
 
 import math
 
-import bpy
 from mathutils import Matrix, Vector
 
-_LATER = bpy.app.version >= (5, 0)  # versions between 3.4 and this one were not measured
+from .. import versions
+
 _SMALLEST = 0.0005  # disc [Cycles 3.4, 5.0]
 _SCATTERING = {"NISHITA": "SINGLE", "SINGLE_SCATTERING": "SINGLE", "MULTIPLE_SCATTERING": "MULTIPLE"}
 
@@ -45,7 +45,7 @@ def _scattering(node):
     size = max(node.sun_size, _SMALLEST) if node.sun_disc else 0.0
     dust = node.aerosol_density if hasattr(node, "aerosol_density") else node.dust_density
     return {"model": _SCATTERING[node.sky_type], "altitude": node.altitude, "air": node.air_density, "dust": dust,
-            "ozone": node.ozone_density, "later": _LATER, "sun_size": size,
+            "ozone": node.ozone_density, "later": versions.LATER_SKY, "sun_size": size,
             "sun_bright": node.sun_intensity}, elevation, azimuth
 
 

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 import bpy
 
+from .. import versions
+
 # Where a socket's links lead: the last input on the way (its value counts when nothing feeds
 # it), and the node and output that feed it, or None.
 Source = namedtuple("Source", "socket node output groups")
@@ -85,8 +87,7 @@ def number_in(socket):
 
 def of(owner):
     """Node tree of a material, light or world, if it uses one."""
-    # From 5.0 on only lights may do without, and asking the others is deprecated.
-    always = bpy.app.version >= (5, 0) and not isinstance(owner, bpy.types.Light)
+    always = versions.ALWAYS_NODES and not isinstance(owner, bpy.types.Light)
     return owner.node_tree if always or owner.use_nodes else None
 
 

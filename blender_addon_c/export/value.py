@@ -8,8 +8,7 @@ The functions are in node_*.py.
 
 from collections import namedtuple
 
-import bpy
-
+from .. import versions
 from . import tree
 
 # kind: VALUE, RGBA, VECTOR, or NORMAL, a vector in the shading frame.
@@ -53,15 +52,14 @@ def framed(reader, vector):
 
 
 def of_group(found):
-    """Does a value of a group's feed a socket that nothing else does? From 5.0 on it counts where a texture is looked
-    up, too [measured in 3.4, 5.0]."""
-    return bpy.app.version >= (5, 0) and found.node is None and found.socket.node.type == "GROUP"
+    """Does a value of a group's feed a socket that nothing else does, and count where a texture is looked up, too?"""
+    return versions.GROUP_VALUES_COUNT and found.node is None and found.socket.node.type == "GROUP"
 
 
 def group_vector(found):
-    """What a group's socket says that feeds a normal and that nothing feeds: a vector, from 5.0 on and where
-    its value is shown [measured in 3.4, 5.0]; else None."""
-    if bpy.app.version < (5, 0) or found.socket.node.type != "GROUP" or found.socket.hide_value:
+    """What a group's socket says that feeds a normal and that nothing feeds: a vector, if that counts and
+    its value is shown; else None."""
+    if not versions.GROUP_VALUES_COUNT or found.socket.node.type != "GROUP" or found.socket.hide_value:
         return None
     return tree.color_in(found.socket)
 
