@@ -5,7 +5,8 @@ BLENDER_ADDON := $(B)/blender/addons/libshade
 include blender_addon_c/native.mk
 
 BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
-  $(filter-out %/package.py %/make_assets.py %/make_manual.py,$(wildcard blender_addon_c/*.py blender_addon_c/export/*.py)) blender_addon_c/blender_manifest.toml) \
+  $(filter-out %/package.py %/make_assets.py %/make_manual.py, \
+    $(wildcard blender_addon_c/*.py $(patsubst %,blender_addon_c/%/*.py,export fabric scratches))) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
 
 # Made in Blender by the add-on itself: again when what they hold changes, not with each change of the renderer.
@@ -33,7 +34,8 @@ $(BLENDER_ADDON)/LICENSE.txt: LICENSES/GPL-3.0-or-later.txt
 	@mkdir -p $(@D)
 	$(Q)cp $< $@
 
-$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree builder fabric fabric_maps fabric_place fabric_shade fabric_tree fabric_yarns groove scratches scratch_tree) \
+$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree builder groove \
+  $(addprefix fabric/,node maps place shade tree yarns) $(addprefix scratches/,field images tree)) \
   $(N)/scene/cloth_picture.c $(L)/src/presets.c $(L)/include/shade/table.h | $(BLENDER_FILES)
 	$(call say,render   ,$(@D))
 	$(Q)BLENDER_USER_SCRIPTS=$(abspath $(B)/blender) blender -b --factory-startup --addons libshade --python-exit-code 1 -P $< \

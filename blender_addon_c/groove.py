@@ -249,7 +249,7 @@ class LIBSHADE_OT_add_groove(bpy.types.Operator):
 
 def _draw_add_menu(self, context):
     if context.space_data.tree_type == "ShaderNodeTree":
-        self.layout.operator_context = "INVOKE_DEFAULT"  # as group.add_button
+        self.layout.operator_context = "INVOKE_DEFAULT"  # as own_node.add_button
         self.layout.operator(LIBSHADE_OT_add_groove.bl_idname)
 
 

@@ -5,8 +5,6 @@ from array import array
 
 import bpy
 
-from . import versions
-
 _PATTERN = "libshade_pattern"  # on trees that others are copied from
 
 
@@ -86,34 +84,22 @@ def _holders(tree):
     return sum(getattr(node, "node_tree", None) == tree for owner in owners for node in getattr(owner, "nodes", ()))
 
 
-def preset_of_scripts(words, apply):
-    """`node.preset = word`: without it Python would keep such an attribute, and nothing would follow. Set, it is not kept."""
-    def choose(node, word):
-        known = str(word).upper().replace(" ", "_")
-        if known not in words:
-            raise TypeError(f"preset: '{word}' is none of {', '.join(words)}")
-        apply(node, known)
-    return property(None, choose)
-
-
-def add_button(layout, kind, label):
-    """In an Add menu. The context of what Shift+A opens is to execute, which leaves the node where it is, not at the mouse."""
-    layout.operator_context = "INVOKE_DEFAULT"
-    add = layout.operator("node.add_node", text=label)
-    add.type, add.use_transform = kind, True
-
-
-def register_node(cls):
-    """Where it stayed registered it is found. 5.0 has forgotten what it is derived from once others have asked for that anew."""
-    if bpy.types.Node.bl_rna_get_subclass_py(cls.bl_idname):
-        return
-    base = bpy.types.ShaderNodeCustomGroup
-    if cls.__bases__[0] is not base:
-        cls.__bases__ = base,
-    bpy.utils.register_class(cls)
-
-
-def unregister_node(cls):
-    """But where its class has to stay until Blender ends."""
-    if versions.NODES_UNREGISTER:
-        bpy.utils.unregister_class(cls)
+def renew(tree, node, inside, fill):
+    """Another tree inside a node of ours: links go to sockets of the same name, and `fill` sets what sockets say, by what they
+    said by name."""
+    said = {socket.name: socket.default_value[:] if hasattr(socket.default_value, "__len__") else socket.default_value
+            for socket in node.inputs}
+    links = [(link.from_socket, socket.name) for socket in node.inputs for link in socket.links]
+    targets = [link.to_socket for link in node.outputs[0].links]
+    old, node.node_tree, node.shares_tree = node.node_tree, inside, False
+    for socket in node.inputs:  # Blender keeps links by sockets' numbers
+        for link in list(socket.links):
+            tree.links.remove(link)
+    fill(said)
+    for source, name in links:
+        tree.links.new(source, node.inputs[name])
+    for target in targets:
+        tree.links.new(node.outputs[0], target)
+    node.update_preview()
+    if not old.users:
+        bpy.data.node_groups.remove(old)

@@ -6,8 +6,8 @@ import importlib
 import bpy
 
 from .export.closure import CLOSURES
-from .group import add_button
 from .names import ENGINE
+from .own_node import add_button
 
 _FIRST = ("ShaderNodeOutputMaterial", "ShaderNodeMixShader", "ShaderNodeAddShader")
 # Where Blender decides what its menu shows, in one version or another.

@@ -12,13 +12,15 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from . import _native, metal_tree
-from .group import add_button, drop_patterns, own_tree, preset_of_scripts, register_node, unhide, unregister_node
+from .group import drop_patterns, own_tree, renew, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
+from .names import FABRIC, METAL, SCRATCHES
+from .own_node import NodePanel, OnNode, add_button, preset_of_scripts, register_node, unregister_node
 from .report import TellsOfNothing, draw_on, is_enabled
 
-METAL, _NAME = "LibshadeMetalNode", "Libshade Metal"
-_OURS = (METAL, "LibshadeFabricNode", "LibshadeScratchesNode")  # of fabric.py and scratches.py
+_NAME = "Libshade Metal"
+_OURS = (METAL, FABRIC, SCRATCHES)
 
 _TABLE = _native.table()
 # Table lists whose property on the node has another name.
@@ -446,23 +448,10 @@ def apply_preset(node, preset):
         node.grain = "RADIAL_Z" if row["turned"] else "UV"
 
 
-class _OnMetal:
-    """An operator on a metal node that an editor shows."""
-
-    @staticmethod
-    def node_of(context):
-        node = getattr(context, "node", None) or getattr(context, "active_node", None)
-        return node if node and node.bl_idname == METAL else None
-
-    @classmethod
-    def poll(cls, context):
-        node = cls.node_of(context)
-        return node is not None and not node.id_data.library
-
-
-class LIBSHADE_OT_metal_preset(_OnMetal, bpy.types.Operator):
+class LIBSHADE_OT_metal_preset(OnNode, bpy.types.Operator):
     """Give this Libshade Metal the settings of a metal; its scratches are in its roughness, as from afar"""
 
+    kind = METAL
     bl_idname = "libshade.metal_preset"
     bl_label = "Metal"
     bl_options = {"REGISTER", "UNDO"}
@@ -475,9 +464,10 @@ class LIBSHADE_OT_metal_preset(_OnMetal, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class LIBSHADE_OT_measured_metal(_OnMetal, bpy.types.Operator):
+class LIBSHADE_OT_measured_metal(OnNode, bpy.types.Operator):
     """Give this Libshade Metal a measured metal's index of refraction, and so its colour at every angle"""
 
+    kind = METAL
     bl_idname = "libshade.measured_metal"
     bl_label = "Measured Metal"
     bl_options = {"REGISTER", "UNDO"}
@@ -514,31 +504,20 @@ class LIBSHADE_OT_update_nodes(TellsOfNothing, bpy.types.Operator):
 
 
 def _update_node(tree, node):
-    """A new tree inside; values and links go to the sockets of the same name."""
-    values = {socket.name: socket.default_value[:] if hasattr(socket.default_value, "__len__") else socket.default_value
-              for socket in node.inputs}
-    links = [(link.from_socket, socket.name) for socket in node.inputs for link in socket.links]
-    targets = [link.to_socket for link in node.outputs[0].links]
-    ruled = {names for names in _OF_SOCKETS if all(name in values for name in names) and sockets_rule(node, names)}
-    old, node.node_tree, node.shares_tree = node.node_tree, metal_tree.new_tree(_initial_color()), False
-    for socket in node.inputs:  # Blender keeps links by sockets' numbers
-        for link in list(socket.links):
-            tree.links.remove(link)
-    for names in _OF_SOCKETS:
-        node.set_sockets(names)
-        if names in ruled:
-            for name in names:
-                node.inputs[name].default_value = values[name]
-    for name in ("Color", "Rotation", "Normal", "Tangent"):
-        if name in values:
-            node.inputs[name].default_value = values[name]
-    for source, name in links:
-        tree.links.new(source, node.inputs[name])
-    for target in targets:
-        tree.links.new(node.outputs[0], target)
-    node.update_preview()
-    if not old.users:
-        bpy.data.node_groups.remove(old)
+    """A new tree inside; what the old sockets said goes on to hold."""
+    ruled = {names for names in _OF_SOCKETS if all(name in node.inputs for name in names) and sockets_rule(node, names)}
+
+    def fill(said):
+        for names in _OF_SOCKETS:
+            node.set_sockets(names)
+            if names in ruled:
+                for name in names:
+                    node.inputs[name].default_value = said[name]
+        for name in ("Color", "Rotation", "Normal", "Tangent"):
+            if name in said:
+                node.inputs[name].default_value = said[name]
+
+    renew(tree, node, metal_tree.new_tree(_initial_color()), fill)
 
 
 # By bl_idname: is a node old, and what makes it new.
@@ -642,16 +621,8 @@ def _draw_add_menu(self, context):
         add_button(self.layout, METAL, LibshadeMetalNode.bl_label)
 
 
-class NODE_PT_libshade_advanced(bpy.types.Panel):
-    bl_label = "Advanced"
-    bl_space_type, bl_region_type, bl_category = "NODE_EDITOR", "UI", "Node"
-    bl_parent_id = "NODE_PT_active_node_properties"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        node = context.active_node
-        return node is not None and node.bl_idname == METAL
+class NODE_PT_libshade_advanced(NodePanel, bpy.types.Panel):
+    bl_label, kind = "Advanced", METAL
 
     def draw(self, context):
         layout = self.layout

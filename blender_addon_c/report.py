@@ -151,6 +151,12 @@ class RENDER_PT_libshade_differences(bpy.types.Panel):
                 lines.label(text=line)
 
 
+def in_digits(number):
+    """As people write numbers, without powers of ten."""
+    digits = f"{number:.3g}"
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.6f}".rstrip("0").rstrip(".") if "e" in digits else digits
+
+
 def is_enabled():
     """Whether the add-on is: 3.4 keeps its nodes, and draws them, when their operators are gone."""
     return hasattr(bpy.types, LIBSHADE_OT_select_cause.__name__)

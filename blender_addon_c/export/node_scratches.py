@@ -2,6 +2,7 @@
 """Libshade Scratches, by its bl_idname: a field that the native module evaluates."""
 
 from .. import _native, scratches
+from ..report import in_digits
 from . import tree
 from .graph import is_known
 from .node_place import of_object, position, uv
@@ -12,15 +13,15 @@ _UP = (0.0, 0.0, 1.0)
 
 
 def _scratches(reader, found):
-    amount = number_in(reader, found, scratches.scratch_tree.AMOUNT)
-    if found.output.name == scratches.scratch_tree.NORMAL:
+    amount = number_in(reader, found, scratches.AMOUNT)
+    if found.output.name == scratches.NORMAL:
         return _normal(reader, found, amount)
     key = ("scratches", found.node, found.groups, reader.shift)
     if key not in reader.known:
         reader.known[key] = reader.program.emit("SCRATCHES", 2, what="HEIGHT", field=_field(reader, found),
                                                 at=_where(reader, found), amount=[amount])
     height, mask = reader.known[key]
-    if found.output.name != scratches.scratch_tree.HEIGHT:
+    if found.output.name != scratches.HEIGHT:
         return [mask]
     return [reader.program.math("MULTIPLY", height, 1.0 / reader.unit_of_length())]
 
@@ -57,11 +58,11 @@ def _field(reader, found):
         if not is_known(numbers[name]):
             numbers[name] = node.inputs[name].default_value
             reader.warn(f"'{node.name}': what feeds {name} differs from place to place, which only Amount may; "
-                        f"{scratches.in_digits(numbers[name])} is used")
+                        f"{in_digits(numbers[name])} is used")
     said = scratches.description(node, reader.unit_of_length(), numbers)
     plan = _native.scratches(said)
     if plan["fewer"]:
-        reader.warn(f"'{node.name}': {scratches.in_digits(said['density'])} scratches per cm² are too many; there are {scratches.in_digits(plan['density'])}")
+        reader.warn(f"'{node.name}': {in_digits(said['density'])} scratches per cm² are too many; there are {in_digits(plan['density'])}")
     reader.known[key] = reader.scratches(said)
     return reader.known[key]
 

@@ -39,8 +39,8 @@ def test_contents():
     assert names == sorted(names)
     assert all(n.startswith("libshade/") and not n.endswith((".pyc", ".part")) for n in names)
     folder = ROOT / "blender_addon_c"
-    sources = {f"libshade/{p.relative_to(folder)}"
-               for pattern in ("*.py", "export/*.py") for p in folder.glob(pattern)}
+    sources = {f"libshade/{path}" for path in (p.relative_to(folder) for p in folder.rglob("*.py"))
+               if path.parts[0] not in ("native", "tests")}
     sources -= {f"libshade/{name}.py" for name in ("package", "make_assets", "make_manual")}
     assert sources <= set(names)
     assert {n for n in names if "/assets/" in n} == {f"libshade/assets/{n}" for n in (

@@ -228,7 +228,7 @@ def test_presets_and_numbers():
     """A preset fills every number in; an edit makes it custom and changes the picture, a preset again takes it back."""
     _tree, node, _plate = cloth("GABARDINE", size=0.0006)
     own = picture()
-    yarns = sys.modules[f"{common.MODULE}.fabric_yarns"]
+    yarns = sys.modules[f"{common.MODULE}.fabric.yarns"]
     native = sys.modules[f"{common.MODULE}._native"]
     row = native.cloth("gabardine")
     for yarn in ("warp", "weft"):
@@ -361,7 +361,7 @@ def test_drafts():
         raise AssertionError("a file that is not there was taken")
     except RuntimeError as error:
         assert "gone.wif: No such file or directory" in str(error), error
-    draft = sys.modules[f"{common.MODULE}.fabric_draft"]
+    draft = sys.modules[f"{common.MODULE}.fabric.draft"]
     draft.follow()
     text.from_string(WIF.replace("1=1,2\n2=2", "1=1,2,3\n2=2,3"))
     assert draft.follow() > 0 and difference(picture(), drawn) > 0.02

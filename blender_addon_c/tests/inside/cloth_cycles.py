@@ -147,7 +147,7 @@ def test_images():
     copy = made[0][0].copy()
     copy.node_tree.nodes[made[0][2].name].warp_ridge = 0.0
     assert made[0][2].node_tree.nodes["tilt"].image == held[0] and len(ours()) == 3
-    maps = sys.modules[f"{common.MODULE}.fabric_maps"]
+    maps = sys.modules[f"{common.MODULE}.fabric.maps"]
     lonely = bpy.data.images.new("lonely", 4, 4)  # as with a window: gone when nothing has used it for a while
     lonely[MARK] = "0"
     maps.sweep()
@@ -174,7 +174,7 @@ def cloth_of(material):
 
 def assert_seen(node, library=None):
     """Its images are those of its settings, and of the file that it is of."""
-    fabric, maps = (sys.modules[f"{common.MODULE}.{name}"] for name in ("fabric", "fabric_maps"))
+    fabric, maps = (sys.modules[f"{common.MODULE}.{name}"] for name in ("fabric", "fabric.maps"))
     made = maps.of(fabric.settings(node, 1.0)[0])
     for word in maps.WORDS:
         image = node.node_tree.nodes[word].image
@@ -214,7 +214,7 @@ def test_undone():
     material = bpy.data.materials[name]
     push("again")
     bpy.data.materials.remove(material)
-    sys.modules[f"{common.MODULE}.fabric_maps"].drop()
+    sys.modules[f"{common.MODULE}.fabric.maps"].drop()
     push("removed")
     bpy.ops.ed.undo()
     assert_seen(cloth_of(bpy.data.materials[name]))
@@ -282,7 +282,7 @@ def test_linked():
     own = new_cloth("DENIM", even=False)[2]
     own.warp_curve = 0.4
     assert_seen(own)
-    sys.modules[f"{common.MODULE}.fabric_maps"].drop()
+    sys.modules[f"{common.MODULE}.fabric.maps"].drop()
     bpy.ops.libshade.measure_cloth()  # and what else looks after all cloth
     assert_seen(cloth_of(material), library)
     copy = material.copy()
@@ -332,7 +332,7 @@ def test_copied():
     for group, users in bpy.data.user_map(subset=set(bpy.data.node_groups)).items():
         if not users:
             bpy.data.node_groups.remove(group)
-    sys.modules[f"{common.MODULE}.fabric_maps"].drop()
+    sys.modules[f"{common.MODULE}.fabric.maps"].drop()
     assert not ours(), ours()
 
 

@@ -84,7 +84,7 @@ def cloth(preset, **settings):
 
 def test_twist_of_strands_and_of_fibres():
     """A yarn of strands is plied, and its fibres run along it; of a single one they turn."""
-    settings = module("fabric_yarns").settings
+    settings = module("fabric.yarns").settings
     for preset, plied in (("GABARDINE", True), ("SHOT_TAFFETA", False)):
         made, _trouble = settings(cloth(preset, warp_twist=0.6), 1.0)
         assert made["warp_yarn"]["plied"] is plied and not made["weft_yarn"], preset
@@ -93,7 +93,7 @@ def test_twist_of_strands_and_of_fibres():
 def test_images_are_read_as_they_are_written():
     """Tilts and shares are numbers; the tint is a colour, of a draft."""
     node = cloth("LINEN")
-    native, maps = module("_native"), module("fabric_maps")
+    native, maps = module("_native"), module("fabric.maps")
     made = native.cloth_images({"preset": "linen", "size": 0.1, "transmit": 0.0, "open": False})
     made = {**made, "tint": made["tilt"]}
     made = {**made, **{word: (word, bytes(made[word])) for word in maps.WORDS}}
@@ -197,7 +197,7 @@ def test_slubs_in_cycles():
     tree = common.tree_of(material)
     tree.nodes.clear()
     group, shine, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
-    group.node_tree = module("fabric_place").place_tree()
+    group.node_tree = module("fabric.place").place_tree()
     for name, value in (("Per Unit", (4, 4, 0)), ("Per Crossing", (0.25, 0.25, 0)), ("Warp Slub", (0, 1, 0.5)), ("Weft Slub", (0, 1, 1))):
         group.inputs[name].default_value = value
     tree.links.new(group.outputs["Place"], shine.inputs["Color"])

@@ -101,7 +101,7 @@ def pictures(folder):
 def test_images():
     """Metals have one image between them, however they come; new nodes none."""
     common.empty_scene()
-    scratches, tree_of = module("scratches"), module("scratch_tree")
+    scratches, tree_of = module("scratches"), module("scratches.tree")
     scene = bpy.context.scene
     names = [f"Scratched {metal}" for metal in ("copper", "brass", "gold", "titanium")]
     materials = [of_library("metals", name) for name in names]

@@ -164,7 +164,7 @@ def plate_in_sun(folder):
 def test_file(folder):
     """Presets, images that are packed, stale and taken away, copies, a saved file."""
     common.empty_scene()
-    scratches, tree_of = module("scratches"), module("scratch_tree")
+    scratches, tree_of = module("scratches"), module("scratches.tree")
     material, tree, metal = common.metal("plate")
     node = scratched(tree)
     tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])

@@ -5,9 +5,9 @@ where light comes from. How far it is off is in docs/blender.md."""
 
 import math
 
-from .builder import shared
-from .fabric_place import Formulas, add_sockets
-from .groove import either
+from ..builder import shared
+from ..groove import either
+from .place import Formulas, add_sockets
 
 NAME = "Libshade Cloth"
 _MARK = "libshade_cloth"
@@ -17,7 +17,7 @@ YARNS = ("Warp", "Weft")
 OF_YARN = (("Exponents", "Vector"), ("Dyed Shine", "Vector"), ("Plain Shine", "Vector"), ("Shine", "Float"),
            ("Vary", "Vector"), ("Along", "Vector"))
 OF_CLOTH = (("Lit", "Float"), ("Dyed Backing", "Vector"), ("Fuzz in Gaps", "Float"), ("Open", "Float"), ("Nap Color", "Vector"))
-SOCKETS = ("Gloss", "Fuzz", "Translucency", "Alpha")  # numbers of the cloth node
+NUMBERS = ("Gloss", "Fuzz", "Translucency", "Alpha")  # sockets of the cloth node
 _MOST_TILT = 0.98
 # Two matt sides at this slope to a round yarn's sides, and what each reflects: a fan of fibres reflects 1/pi of the
 # light that comes along the horizon, and 2/pi of what comes from above. Between these two sides reflect less: .768 of even
@@ -128,7 +128,7 @@ def _shine(build, given, yarn):
 def _fill(tree):
     add_sockets(tree, [("Crossing", "Vector"), ("Tangent", "Vector"), ("Normal", "Vector"), ("Tilt", "Color"),
                        ("Yarns", "Color"), ("Tint", "Color", (1.0,) * 4)]
-                + [(f"{yarn} Color", "Color") for yarn in YARNS] + [(name, "Float") for name in SOCKETS]
+                + [(f"{yarn} Color", "Color") for yarn in YARNS] + [(name, "Float") for name in NUMBERS]
                 + [(f"{yarn} {name}", kind) for yarn in YARNS for name, kind in OF_YARN] + list(OF_CLOTH),
                 [("BSDF", "Shader")])
     given, answer = tree.nodes.new("NodeGroupInput").outputs, tree.nodes.new("NodeGroupOutput").inputs

@@ -7,8 +7,11 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from . import _native, fabric_maps
-from .fabric_yarns import DRAFT
+from .. import _native
+from ..names import FABRIC
+from ..own_node import shown_node
+from . import maps
+from .yarns import DRAFT
 
 _MOST_BYTES = 64 << 20
 _LOOK_SECONDS = 0.5
@@ -62,13 +65,8 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
     group: StringProperty(options={"HIDDEN"})  # or the node group that holds it
     node: StringProperty(options={"HIDDEN"})
 
-    @classmethod
-    def _found(cls, context):
-        node = getattr(context, "node", None) or getattr(context, "active_node", None)
-        return node if node and node.bl_idname == "LibshadeFabricNode" else None
-
     def invoke(self, context, event):
-        node = self._found(context)
+        node = shown_node(context, FABRIC)
         if node:  # the file browser's context has none
             owner = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
             self.material, self.node = owner.name if owner else "", node.name
@@ -78,8 +76,8 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
     def execute(self, context):
         material = bpy.data.materials.get(self.material)
         tree = material.node_tree if material else bpy.data.node_groups.get(self.group)
-        node = tree.nodes.get(self.node) if tree else self._found(context)
-        if not node or node.bl_idname != "LibshadeFabricNode":
+        node = tree.nodes.get(self.node) if tree else shown_node(context, FABRIC)
+        if not node or node.bl_idname != FABRIC:
             self.report({"ERROR"}, "No Libshade Fabric node is chosen")
             return {"CANCELLED"}
         try:
@@ -99,7 +97,7 @@ class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):
 
 def follow():
     """Retags materials whose drafts were edited: Blender does not know that they are read. And tidies up."""
-    fabric_maps.sweep()
+    maps.sweep()
     changed = set()
     for text in bpy.data.texts:
         if text.users > text.use_fake_user:
@@ -109,11 +107,11 @@ def follow():
                 _seen[text.name_full] = held
     for owner in (*bpy.data.materials, *bpy.data.node_groups) if changed else ():
         tree = getattr(owner, "node_tree", owner)
-        if tree and any(node.bl_idname == "LibshadeFabricNode" and node.draft in changed for node in tree.nodes):
+        if tree and any(node.bl_idname == FABRIC and node.draft in changed for node in tree.nodes):
             owner.update_tag()
             tree.update_tag()
             for node in tree.nodes:
-                if node.bl_idname == "LibshadeFabricNode" and not owner.library:
+                if node.bl_idname == FABRIC and not owner.library:
                     node.update_preview()
     return _LOOK_SECONDS
 

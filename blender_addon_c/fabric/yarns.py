@@ -6,7 +6,7 @@ import math
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
 
-from . import _native
+from .. import _native
 
 _TABLE = _native.table()
 CUSTOM, DRAFT = "CUSTOM", "DRAFT"

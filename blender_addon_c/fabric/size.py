@@ -5,11 +5,11 @@ reads what it leaves on them. Our own engine measures by itself."""
 import bpy
 from bpy.app.handlers import persistent
 
-from .export import size
-from .fabric_tree import MEASURES
-from .report import TellsOfNothing
+from ..export import size
+from ..names import FABRIC
+from ..report import TellsOfNothing
+from .tree import MEASURES
 
-FABRIC = "LibshadeFabricNode"
 _FEEDS_SPACE = {("NEW_GEOMETRY", "Position"): "WORLD", ("TEX_COORD", "Object"): "OBJECT"}
 
 

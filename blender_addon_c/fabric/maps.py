@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import bpy
 
-from . import _native
+from .. import _native
 
 WORDS = ("tilt", "yarns", "tint")
 _MARK = "libshade_cloth"  # on images: what they hold

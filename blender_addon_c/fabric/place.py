@@ -4,9 +4,9 @@ has it, but for the change of Vector along the surface, which Bump nodes tell he
 
 import math
 
-from .builder import Builder, shared
-from .group import new_socket
-from .groove import either
+from ..builder import Builder, shared
+from ..groove import either
+from ..group import new_socket
 
 NAME = "Libshade Cloth Place"
 _MARK = "libshade_cloth_place"

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What other renderers see of the cloth node: its yarns, by pictures of one repeat and groups of plain nodes
-(fabric_place.py, fabric_shade.py). Files made before have a matt cloth of the mean of its colours inside, and keep it."""
+(place.py, shade.py). Files made before have a matt cloth of the mean of its colours inside, and keep it."""
 
 import bpy
 
-from . import fabric_maps, fabric_place, fabric_shade
-from .export import size
-from .group import like_pattern, new_socket, say
+from ..export import size
+from ..group import like_pattern, new_socket, say
+from . import maps
+from .place import SLUBS, place_tree
+from .shade import NUMBERS, YARNS, cloth_tree
 
 _PLACE, _SHADE, _METRES, _KNOWN = "Place", "Cloth", "Metres", "Known"
 _INSIDE = (_PLACE, _SHADE, _METRES)
@@ -57,7 +59,7 @@ def _fill(tree):
     link = tree.links.new
     given, out = new("NodeGroupInput", -1100, 0), new("NodeGroupOutput", 500, 0)
     place, shade = new("ShaderNodeGroup", -500, -200, _PLACE), new("ShaderNodeGroup", 200, 0, _SHADE)
-    place.node_tree, shade.node_tree = fabric_place.place_tree(), fabric_shade.cloth_tree()
+    place.node_tree, shade.node_tree = place_tree(), cloth_tree()
     place.label, shade.label = place.node_tree.name, f"{shade.node_tree.name} (approximate)"
     # an object that was never measured says 0: a unit of its map counts as a metre
     metres, missing, known = (new(f"ShaderNode{kind}", x, -500, name) for kind, x, name in (
@@ -69,7 +71,7 @@ def _fill(tree):
     link(missing.outputs[0], known.inputs[1])
     for name in ("Vector", "Scale", "Rotation"):
         link(given.outputs[name], place.inputs[name])
-    for number, word in enumerate(fabric_maps.WORDS):
+    for number, word in enumerate(maps.WORDS):
         picture = new("ShaderNodeTexImage", -200, -300 * number, word)
         picture.label = word.title()
         link(place.outputs["Place"], picture.inputs["Vector"])
@@ -77,7 +79,7 @@ def _fill(tree):
             link(picture.outputs["Color"], shade.inputs[word.title()])
     for name in ("Crossing", "Tangent"):
         link(place.outputs[name], shade.inputs[name])
-    for name in (*(f"{yarn} Color" for yarn in fabric_shade.YARNS), *fabric_shade.SOCKETS, "Normal"):
+    for name in (*(f"{yarn} Color" for yarn in YARNS), *NUMBERS, "Normal"):
         link(given.outputs[name], shade.inputs[name])
     link(shade.outputs["BSDF"], out.inputs["BSDF"])
 
@@ -129,13 +131,13 @@ def _of_yarn(yarn):
 
 
 def update(tree, made, name, real, unit, open_gaps):
-    """Carry a cloth over. made: of fabric_maps; name: for its images; real: fabric_size.space_of; unit: metres in one of the
+    """Carry a cloth over. made: of maps.py; name: for its images; real: size.space_of; unit: metres in one of the
     scene."""
     inner = tree.nodes
     place, shade = inner[_PLACE].inputs, inner[_SHADE].inputs
     _say(place["Per Unit"], (*made["per_unit"], 0.0))
     _say(place["Per Crossing"], (*(1 / side for side in made["repeat"]), 0.0))
-    for word, slub in zip(fabric_shade.YARNS, fabric_place.SLUBS):
+    for word, slub in zip(YARNS, SLUBS):
         yarn = made[word.lower()]
         _say(place[slub], (yarn["slub"], 1 / yarn["along_length"], 1 / yarn["share"]))
         for key, value in _of_yarn(yarn).items():
@@ -170,9 +172,9 @@ def _measure(tree, real, unit):
 
 def _show(tree, made, name):
     inner = tree.nodes
-    for word in fabric_maps.WORDS:
+    for word in maps.WORDS:
         node, target = inner[word], inner[_SHADE].inputs[word.title()]
-        new = fabric_maps.image(made, word, name) if made[word] is not None else None
+        new = maps.image(made, word, name) if made[word] is not None else None
         if node.image != new:
             node.image = new
         if word == "tint" and bool(new) != target.is_linked:
@@ -180,4 +182,4 @@ def _show(tree, made, name):
                 tree.links.new(node.outputs["Color"], target)
             else:
                 tree.links.remove(target.links[0])
-    fabric_maps.drop()
+    maps.drop()

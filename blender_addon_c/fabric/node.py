@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cloth node: a cloth by name, in two colours. What other renderers see of it is in fabric_tree.py."""
+"""The cloth node: a cloth by name, in two colours. What other renderers see of it is in tree.py."""
 
 from functools import lru_cache
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
-from . import _native, fabric_draft, fabric_maps, fabric_size, fabric_tree, fabric_yarns, nodes
-from .fabric_yarns import CUSTOM, DRAFT
-from .group import add_button, own_tree, register_node, unregister_node
-from .manual import draw_button
-from .report import draw_on, is_enabled
-from .scratches import in_digits
+from .. import _native, nodes
+from ..group import own_tree, renew
+from ..manual import draw_button
+from ..names import FABRIC
+from ..own_node import NodePanel, add_button, register_node, unregister_node
+from ..report import draw_on, in_digits, is_enabled
+from . import draft, maps, size, yarns
+from . import tree as fabric_tree
+from .yarns import CUSTOM, DRAFT
 
-FABRIC, _NAME = "LibshadeFabricNode", "Libshade Fabric"
-
+_NAME = "Libshade Fabric"
 _CLOTHS = {row["word"].upper(): row for row in _native.table()["cloths"]}
 _FIRST = next(iter(_CLOTHS))
 TRANSLUCENCY = "Translucency"
@@ -23,7 +25,7 @@ TRANSLUCENCY = "Translucency"
 def settings(node, unit):
     """(what the native module is to know of a node's cloth, but for what its sockets say; what is wrong or ""). unit: metres
     in one of the scene."""
-    made, trouble = fabric_yarns.settings(node, unit)
+    made, trouble = yarns.settings(node, unit)
     return {**made, "open": node.open_gaps}, trouble
 
 
@@ -40,29 +42,18 @@ def is_old(node):
 
 def update_node(tree, node):
     """A new tree inside, with all sockets; what the old ones said goes on to hold."""
-    old, links = node.node_tree, [(link.from_socket, socket.name) for socket in node.inputs for link in socket.links]
-    values = {socket.name: tuple(socket.default_value) for socket in node.inputs}
-    targets = [link.to_socket for link in node.outputs[0].links]
-    node.node_tree, node.shares_tree = fabric_tree.new_tree(), False
-    for socket in node.inputs:  # Blender keeps links by sockets' numbers
-        for link in list(socket.links):
-            tree.links.remove(link)
-    for name, _kind, _about, value, _limits in fabric_tree.SOCKETS:
-        if value is not None:  # one in the place of an older socket has lost it
+    def fill(said):
+        for name, _kind, _about, value, _limits in fabric_tree.SOCKETS:
+            if value is not None:  # one in the place of an older socket has lost it
+                node.inputs[name].default_value = value
+        node.fill_sockets()
+        for name, value in said.items():
             node.inputs[name].default_value = value
-    node.fill_sockets()
-    for name, value in values.items():
-        node.inputs[name].default_value = value
-    for source, name in links:
-        tree.links.new(source, node.inputs[name])
-    for target in targets:
-        tree.links.new(node.outputs[0], target)
-    node.transmission = node.transmission  # to its socket
-    if not node.based_on:
-        fabric_yarns.fill(node)
-    node.update_preview()
-    if not old.users:
-        bpy.data.node_groups.remove(old)
+        node.transmission = node.transmission  # to its socket
+        if not node.based_on:
+            yarns.fill(node)
+
+    renew(tree, node, fabric_tree.new_tree(), fill)
 
 
 def cloths():
@@ -70,17 +61,12 @@ def cloths():
     return dict(_CLOTHS)
 
 
-def own_colors(preset):
-    """(warp, weft) of a preset as it is."""
-    return _CLOTHS[preset]["warp"], _CLOTHS[preset]["weft"]
-
-
 @lru_cache(maxsize=None)
 def _brightness(preset):
     """Of the whole cloth beside that of its yarns' colours: they lie in each other's shadow."""
     row = _CLOTHS[preset]
-    yarns = (1 - row["weft_share"]) * sum(row["warp"]) + row["weft_share"] * sum(row["weft"])
-    return min(1.0, sum(_native.cloth_albedo(row["word"])) / yarns)
+    dyes = (1 - row["weft_share"]) * sum(row["warp"]) + row["weft_share"] * sum(row["weft"])
+    return min(1.0, sum(_native.cloth_albedo(row["word"])) / dyes)
 
 
 def _woven(node):
@@ -89,7 +75,7 @@ def _woven(node):
         return _CLOTHS[node.preset]["label"]
     if node.weave == DRAFT:
         return node.draft.name if node.draft else "Draft"
-    return fabric_yarns.WEAVES[node.weave]["label"]
+    return yarns.WEAVES[node.weave]["label"]
 
 
 def _said(node):
@@ -107,7 +93,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
 
     def fill_sockets(self):
         """What the preset says of them."""
-        row = _CLOTHS[fabric_yarns.base(self)]
+        row = _CLOTHS[yarns.base(self)]
         said = {"Warp Color": (*row["warp"], 1.0), "Weft Color": (*row["weft"], 1.0), "Fuzz": row["nap"]}
         for name in fabric_tree.OF_PRESET:
             if name in self.inputs:  # not all on older nodes
@@ -115,7 +101,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
 
     def _chosen(self, _context):
         if self.preset != CUSTOM:
-            fabric_yarns.fill(self)
+            yarns.fill(self)
             self.fill_sockets()
         self.update_preview()
 
@@ -137,7 +123,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             items=[(word, row["label"], row["help"], k) for k, (word, row) in enumerate(_CLOTHS.items())]
             + [(CUSTOM, "Custom", "Its own weave and yarns", 1000)],
             default=_FIRST, update=_chosen),
-        **fabric_yarns.properties(_has_length, _changed),
+        **yarns.properties(_has_length, _changed),
         "transmission": FloatProperty(
             name="Translucency", min=0, max=1, subtype="FACTOR", default=0,
             description="Sets the socket Translucency, which older nodes do not have", update=_transmits),
@@ -176,21 +162,21 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
         if not fabric_tree.can_update(self.node_tree):
             return
         own_tree(self)
-        base = fabric_yarns.base(by)
+        base = yarns.base(by)
         if fabric_tree.is_stand_in(self.node_tree):
-            fabric_tree.update_stand_in(self.node_tree, fabric_yarns.weft_share(by), _brightness(base),
+            fabric_tree.update_stand_in(self.node_tree, yarns.weft_share(by), _brightness(base),
                                         _CLOTHS[base]["exponent"])
             return
         if unit is None:
             unit = fabric_tree.scene_unit()
-            fabric_size.note_unit(getattr(bpy.context, "scene", None))
+            size.note_unit(getattr(bpy.context, "scene", None))
         made, _trouble = settings(by, unit)
-        maps = fabric_maps.of(made)
-        if by != self and not fabric_maps.may_show(maps):
+        pictures = maps.of(made)
+        if by != self and not maps.may_show(pictures):
             return
         if by.size_mode == "REAL":  # counts are of a metre
-            self.repeat_mm = [1000 * count / per for count, per in zip(maps["repeat"], maps["per_unit"])]
-        fabric_tree.update(self.node_tree, maps, f"Libshade {_woven(by)}", fabric_size.space_of(self, by.size_mode), unit,
+            self.repeat_mm = [1000 * count / per for count, per in zip(pictures["repeat"], pictures["per_unit"])]
+        fabric_tree.update(self.node_tree, pictures, f"Libshade {_woven(by)}", size.space_of(self, by.size_mode), unit,
                            by.open_gaps)
 
     def draw_buttons(self, _context, layout):
@@ -250,21 +236,16 @@ def _draw_add_menu(self, context):
         add_button(self.layout, FABRIC, LibshadeFabricNode.bl_label)
 
 
-class _Yarns:
-    """Panels, closed at first, beside the shader editor."""
-
-    bl_space_type, bl_region_type, bl_category = "NODE_EDITOR", "UI", "Node"
-    bl_parent_id = "NODE_PT_active_node_properties"
-    bl_options = {"DEFAULT_CLOSED"}
+class _Yarns(NodePanel):
+    kind = FABRIC
 
     @classmethod
     def poll(cls, context):
-        node = context.active_node
-        return node is not None and node.bl_idname == FABRIC and bool(node.based_on)
+        return super().poll(context) and bool(context.active_node.based_on)
 
     def draw(self, context):
         column, node = self.layout.column(align=True), context.active_node  # names in the sliders have room
-        for word in fabric_yarns.numbers():
+        for word in yarns.numbers():
             column.prop(node, f"{self.yarn}_{word}")
 
 
@@ -284,15 +265,15 @@ def register():
     register_node(LibshadeFabricNode)
     for panel in _PANELS:
         bpy.utils.register_class(panel)
-    fabric_draft.register()
-    fabric_size.register()
+    draft.register()
+    size.register()
     bpy.types.NODE_MT_add.append(_draw_add_menu)
 
 
 def unregister():
     bpy.types.NODE_MT_add.remove(_draw_add_menu)
-    fabric_size.unregister()
-    fabric_draft.unregister()
+    size.unregister()
+    draft.unregister()
     for panel in reversed(_PANELS):
         bpy.utils.unregister_class(panel)
     unregister_node(LibshadeFabricNode)

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What other renderers see of the scratches node: nothing, until images of one tile are baked; then these."""
 
-import bpy
-
-from .builder import Builder, shared
-from .group import new_socket
-from .groove import arrange, either, vector_math
+from ..builder import Builder, shared
+from ..groove import arrange, either
+from ..group import new_socket
 
 NAME = "Libshade Scratches"
 _MARK = "libshade_scratches"  # on the tree that nodes without images share
@@ -130,7 +128,7 @@ def _slopes(build, normal, at, surface, distance):
 
 def baked(images, place, scale, uv_map, tile, unit, deepest=None):
     """A tree that shows images (normal, height, mask) of a tile. tile, unit: metres of it, and in one of the scene's.
-    deepest: of one image of points, as scratches.py makes it, metres that its level 0 is below the surface; else None.
+    deepest: of one image of points, as images.py makes it, metres that its level 0 is below the surface; else None.
 
     place: VECTOR, what comes in; UV, that of a UV map's; OBJECT, of the object's own. scale: tiles in a unit of it.
     uv_map: whose tangents the normals are of; None: what Vector says has others.
