@@ -17,7 +17,7 @@ _EITHER, _ROUND, _AXIS, _MAP, _MAPLESS = "Either", "Tangent", "Axis", "UV Map", 
 _EDGE, _DIP = "Edge", "Dip"
 # Of Cycles' distributions the nearest.
 _DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
-_AT_82 = (6 / 7) ** 5  # Schlick's share of white at a cosine of 1/7
+AT_82 = (6 / 7) ** 5  # Schlick's share of white at a cosine of 1/7
 # An axis of the object, with a little of the next ones for faces that it is at right angles to.
 _LEAN = (1.0, 1e-3, 1e-6)
 TINTED = ("SCHLICK", "F82")  # Fresnels that Edge Tint tells
@@ -56,7 +56,7 @@ def reflectance(n, k, cosine):
 def edge_tint(n, k):
     """What a conductor at 82 degrees keeps of Schlick's value, 0 to 1."""
     head_on = reflectance(n, k, 1.0)
-    return min(1.0, reflectance(n, k, 1 / 7) / (head_on + (1.0 - head_on) * _AT_82))
+    return min(1.0, reflectance(n, k, 1 / 7) / (head_on + (1.0 - head_on) * AT_82))
 
 
 def new_tree(color):
@@ -145,7 +145,7 @@ def _color(tree, new, given, normal):
         ("ShaderNodeMath", 500, _EDGE), ("ShaderNodeMixRGB", 50, "At 82"), ("ShaderNodeMixRGB", 350, "Lost")))
     whole.operation = "MULTIPLY"
     link(dip.outputs[0], whole.inputs[0])
-    at_82.inputs["Fac"].default_value, at_82.inputs["Color2"].default_value = _AT_82, (1.0,) * 4
+    at_82.inputs["Fac"].default_value, at_82.inputs["Color2"].default_value = AT_82, (1.0,) * 4
     link(given["Color"], at_82.inputs["Color1"])
     lost.blend_type, lost.inputs["Fac"].default_value = "SUBTRACT", 1.0
     lost.inputs["Color1"].default_value = (1.0,) * 4

@@ -1,19 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cloth: where it lies on a surface, and what varies on it."""
+"""Libshade Fabric: where cloth lies on a surface, what varies on it, and its closures."""
 
 import math
 
 from .. import fabric
 from . import tree
+from .closure_add import add, normal_in
 from .graph import is_known
 from .node_place import of_object, place
-from .value import color_of, each, number_of
+from .value import clamped, color_of, each, number_of
 
 _STEP = 2.0**-7  # along u and v, over which a linked Vector's change is seen
 
 
-def of(reader, node, groups):
-    """What node CLOTH and closure FABRIC take of what nodes say, but for what made() finds."""
+def fabric_node(reader, node, groups, share):
+    """Through some of its yarns, as a number or a texture says, light passes: of two cloths, of which one lets
+    all of it through, as much of either."""
+    math, alpha = reader.program.math, _number(reader, node, groups, "Alpha", 1.0)
+    through = clamped(reader, _number(reader, node, groups, fabric.TRANSLUCENCY, 0.0)
+                      if fabric.socket_rules(node) else node.transmission)
+    alpha = clamped(reader, alpha)
+    parts = [(through, 1.0)] if is_known(through) else [(0.0, math("SUBTRACT", 1.0, through)), (1.0, through)]
+    fed = _varied(reader, node, groups)
+    normal = normal_in(reader, node, groups)
+    fed |= {"normal": normal} if normal else {}
+    for transmit, part in parts:
+        made = _made(reader, node, groups, transmit, fed)
+        add(reader, {"closure": "FABRIC", **made}, math("MULTIPLY", math("MULTIPLY", share, alpha), part))
+    covered = math("MULTIPLY", alpha, made["coverage"][0]) if node.open_gaps else alpha
+    add(reader, {"closure": "TRANSPARENT"}, math("MULTIPLY", share, math("SUBTRACT", 1.0, covered)))
+
+
+def _varied(reader, node, groups):
+    """What node CLOTH and closure FABRIC take of what nodes say, but for what _made finds."""
     fed = {}
     for key, name, most in (("gloss", "Gloss", 1.0), ("nap", "Fuzz", 10.0)):
         number = _number(reader, node, groups, name, None)
@@ -22,7 +41,7 @@ def of(reader, node, groups):
     return fed
 
 
-def made(reader, node, groups, transmit, fed):
+def _made(reader, node, groups, transmit, fed):
     """Cloth with this share of what is matt going through. Where the nodes say the same everywhere, the cloth has
     these colours; else the preset's own, and each point another."""
     cloth, trouble = fabric.settings(node, reader.unit_of_length())

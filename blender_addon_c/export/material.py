@@ -10,7 +10,9 @@ from .. import versions
 from . import tree
 from .aov import BLACK, read_into
 from .attributes import Attributes, of_view_layer
-from .closure import collect, held_out, plain, principled, shading
+from .closure import collect, held_out, shading
+from .closure_matt import plain
+from .closure_principled import of_no_material
 from .graph import Program, TooLarge
 from .image import Images
 from .layers import Layers
@@ -174,7 +176,7 @@ class Reader:
                 many = "many at once" if isinstance(error, TooLarge) else "deep"
                 self.warn(f"its nodes are too {many}; shaded as a Diffuse BSDF of its viewport colour")
         if not material and versions.BARE_IS_PRINCIPLED:
-            principled(self)
+            of_no_material(self)
             return {**about, **self._finished()}
         color = tuple(material.diffuse_color[:3]) if material else _BARE
         self.program, self.closures = Program(), [plain(color)]

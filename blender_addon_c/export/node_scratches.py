@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Libshade Scratches, by its bl_idname: a field that the native module evaluates."""
 
-from .. import _native, scratches
+from .. import _native
+from ..names import SCRATCHES
 from ..report import in_digits
+from ..scratches.field import description, metres
+from ..scratches.tree import AMOUNT, HEIGHT, NORMAL, NUMBERS, VECTOR
 from . import tree
 from .graph import is_known
 from .node_place import of_object, position, uv
@@ -13,15 +16,15 @@ _UP = (0.0, 0.0, 1.0)
 
 
 def _scratches(reader, found):
-    amount = number_in(reader, found, scratches.AMOUNT)
-    if found.output.name == scratches.NORMAL:
+    amount = number_in(reader, found, AMOUNT)
+    if found.output.name == NORMAL:
         return _normal(reader, found, amount)
     key = ("scratches", found.node, found.groups, reader.shift)
     if key not in reader.known:
         reader.known[key] = reader.program.emit("SCRATCHES", 2, what="HEIGHT", field=_field(reader, found),
                                                 at=_where(reader, found), amount=[amount])
     height, mask = reader.known[key]
-    if found.output.name != scratches.HEIGHT:
+    if found.output.name != HEIGHT:
         return [mask]
     return [reader.program.math("MULTIPLY", height, 1.0 / reader.unit_of_length())]
 
@@ -53,13 +56,13 @@ def _field(reader, found):
     if key in reader.known:
         return reader.known[key]
     node, numbers = found.node, {}
-    for name in scratches.NUMBERS:
+    for name in NUMBERS:
         numbers[name] = number_in(reader, found, name)
         if not is_known(numbers[name]):
             numbers[name] = node.inputs[name].default_value
             reader.warn(f"'{node.name}': what feeds {name} differs from place to place, which only Amount may; "
                         f"{in_digits(numbers[name])} is used")
-    said = scratches.description(node, reader.unit_of_length(), numbers)
+    said = description(node, reader.unit_of_length(), numbers)
     plan = _native.scratches(said)
     if plan["fewer"]:
         reader.warn(f"'{node.name}': {in_digits(said['density'])} scratches per cm² are too many; there are {in_digits(plan['density'])}")
@@ -70,7 +73,7 @@ def _field(reader, found):
 def _where(reader, found):
     """x and y on the field, metres."""
     node = found.node
-    socket = node.inputs[scratches.VECTOR]
+    socket = node.inputs[VECTOR]
     value = (value_of(reader, socket, found.groups, own=Value("VECTOR", None))
              if tree.trace(socket, found.groups).node else Value("VECTOR", None))
     if value.parts is not None:
@@ -79,7 +82,7 @@ def _where(reader, found):
         at = uv(reader, node.uv_map)
     else:
         at = _by_side(reader)
-    by = scratches.metres(node, reader.unit_of_length())
+    by = metres(node, reader.unit_of_length())
     return list(each(reader, "MULTIPLY", at[:2], (by, by)))
 
 
@@ -96,4 +99,4 @@ def _by_side(reader):
     return math("MIX", place[0], place[1], to_x), math("MIX", place[2], place[1], to_z)
 
 
-NODES = {"LibshadeScratchesNode": _scratches}
+NODES = {SCRATCHES: _scratches}

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closures as the native module reads them, added to a material's reader with their weight and their normal."""
+
+from .. import versions
+from .closure_widened import filtered, is_even
+from .graph import is_known
+from .value import each, normal_of
+
+WHITE, BLACK = (1.0,) * 3, (0.0,) * 3
+
+
+def is_zero(part):
+    """Everywhere?"""
+    return is_known(part) and part == 0
+
+
+def is_white(color):
+    return is_known(*color) and tuple(color) == WHITE
+
+
+def times(reader, color, factor):
+    """factor: one for all, or three parts."""
+    return each(reader, "MULTIPLY", color, factor if isinstance(factor, tuple) else (factor,) * 3)
+
+
+def normal_in(reader, node, groups, name="Normal"):
+    socket = node.inputs.get(name)
+    return normal_of(reader, socket, groups) if socket else reader.bumped
+
+
+def add(reader, closure, weight, normal=None, color=None):
+    """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
+    Cycles' own shaders. color: in passes of colour, where it is not what the closure says, by its
+    weight."""
+    stock = closure.pop("stock", False)
+    if stock:
+        closure |= {} if reader.transport else {"detail": "gram_schmidt"}
+        if reader.bumped:  # Cycles fades by what bumps turn a displaced normal: less than they turn this one
+            closure["horizon"] = "hard" if closure["f0"] == BLACK else "valid_reflection"
+    if normal and normal[0] in reader.filtered and is_even(closure):
+        normal, weight = filtered(reader, closure, normal, weight)
+    if normal and not reader.dumps:
+        normal = _valid(reader, closure, normal, stock)
+    weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
+    if closure["closure"] == "DIFFUSE" or (stock and closure["fresnel"] == "NONE" and closure["f0"] == BLACK):
+        weight = _colored(reader, closure, weight)
+    shines = closure["closure"] == "EMISSION"  # below 0, too, as in Cycles
+    if is_known(*weight) and not any(part > 0 or (shines and part < 0) for part in weight):
+        return
+    if not is_white(weight):
+        closure = {**closure, "weight": weight}
+    if reader.colors and color:
+        closure = {**closure, "pass_color": tuple(color)}
+    reader.closures.append({**closure, "normal": normal} if normal else closure)
+
+
+def _colored(reader, closure, weight):
+    """The weight of a matt closure, with its colour where that may be above 1, as in Cycles: closures clamp theirs,
+    weights not."""
+    metal = closure["closure"] == "METAL"
+    color = closure.get("kd_from", closure["kd"]) if metal else closure["color"]
+    if not is_bright(reader, color):
+        return weight
+    if closure.get("model") == "EON":  # of several bounces: what is above 1 alone
+        more = tuple(reader.program.math("MAXIMUM", part, 1.0) for part in color)
+        closure["color"] = tuple(reader.program.math("MINIMUM", part, 1.0) for part in color)
+        return times(reader, more, weight)
+    closure.pop("kd_from", None)
+    closure["kd" if metal else "color"] = WHITE
+    return times(reader, color, weight)
+
+
+def is_bright(reader, color):
+    """May it be above 1? A dump holds what a closure says."""
+    return not reader.dumps and any(reader.most(part) > 1 for part in color)
+
+
+def _valid(reader, closure, normal, stock):
+    """The normal that Cycles' closure takes, here in place of a horizon of our own: so that the eye's mirror
+    image is not below the surface, but from some version on not of what is matt. With grooves that go with
+    bumps metals keep theirs."""
+    kind, below = closure["closure"], reader.below.get(normal[0], normal)
+    if kind == "METAL":
+        if stock and not reader.transport:
+            closure["horizon"] = "hard"
+        return turned(reader, normal) if stock else normal
+    if kind == "DIFFUSE" and reader.bumped:
+        return below
+    if kind == "DIFFUSE":
+        closure["bumps"] = "FADED" if versions.BUMPS_FADE else "SHADED"
+        if not versions.BUMPS_FADE:
+            return below
+    return reader.program.emit("BEND", normal=below)
+
+
+def turned(reader, normal):
+    """Of what shines."""
+    if reader.transport or reader.dumps:
+        return normal
+    return reader.program.emit("BEND", normal=reader.below.get(normal[0], normal))
