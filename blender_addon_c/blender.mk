@@ -9,6 +9,9 @@ BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
     $(wildcard blender_addon_c/*.py $(patsubst %,blender_addon_c/%/*.py,export fabric scratches))) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
 
+# Of what was once there
+BLENDER_STALE = $(filter-out $(BLENDER_FILES),$(shell find $(BLENDER_ADDON) -name '*.py'))
+
 # Made in Blender by the add-on itself: again when what they hold changes, not with each change of the renderer.
 BLENDER_CATALOGS := $(BLENDER_ADDON)/assets/blender_assets.cats.txt
 BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics grooves scratches) $(BLENDER_CATALOGS)
@@ -48,5 +51,6 @@ $(BLENDER_MANUAL): blender_addon_c/make_manual.py docs/blender.md $(BLENDER_PICT
 
 $(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
 	$(call say,zip      ,$@)
+	$(Q)rm -f $(BLENDER_STALE)
 	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES) $(BLENDER_ASSETS) \
 	  $(BLENDER_MANUAL) $(addprefix $(dir $(BLENDER_MANUAL)),$(notdir $(BLENDER_PICTURES)))

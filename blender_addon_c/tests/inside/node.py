@@ -434,7 +434,7 @@ def test_panels_and_menus():
     assert labels[:3] == ["Material Output", "Mix Shader", "Add Shader"] and len(labels) > 12
     assert {"Principled BSDF", "Diffuse BSDF", "Emission", "Glass BSDF"} < set(labels)
     # what Shift+A opens executes, if nothing else is said: a new node would not stay at the mouse
-    for name in ("nodes", "fabric", "groove", "scratches"):
+    for name in ("nodes", "fabric.node", "groove", "scratches.node"):
         menu = SimpleNamespace(layout=Layout([]))
         sys.modules[f"{common.MODULE}.{name}"]._draw_add_menu(menu, SimpleNamespace(space_data=SimpleNamespace(tree_type="ShaderNodeTree")))
         assert menu.layout.operator_context == "INVOKE_DEFAULT" and menu.layout.drawn, name
@@ -567,7 +567,7 @@ def manual_of(name):
 
 def test_manual():
     """Everything of ours has its place in the page that comes with the add-on, and the page its pictures."""
-    ours = ["bpy.types." + name for name, module in (("LibshadeMetalNode", "nodes"), ("LibshadeFabricNode", "fabric"),
+    ours = ["bpy.types." + name for name, module in (("LibshadeMetalNode", "nodes"), ("LibshadeFabricNode", "fabric.node"),
             ("LibshadeSettings", "properties"), ("LibshadeViewLayerSettings", "properties"))
             if getattr(sys.modules[f"{common.MODULE}.{module}"], name)]
     ours += [f"bpy.ops.libshade.{name}" for name in dir(bpy.ops.libshade)]
