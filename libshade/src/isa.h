@@ -12,9 +12,6 @@
 
 struct fabric_table; /* of fabric_table.h */
 struct scratch_row;  /* of scratch_row.h */
-struct shade_slope_map;
-struct slope_block; /* of slope_map.h */
-struct widen_block;
 
 /* Prepared lanes of cloth: kernel/cloth.h. */
 struct cloth;
@@ -75,8 +72,6 @@ typedef struct shade_isa_table {
                          double *const[3]);
   unsigned (*cloth_drawf)(const shade_fabric *, const struct clothf *, const float *const[3],
                           float *const[3]);
-  void (*slopes)(const struct shade_slope_map *, size_t, const struct slope_block *);
-  unsigned (*widen)(const struct widen_block *, size_t);
   void (*table)(const struct fabric_table *, size_t, const double *const[3], const double *const[3],
                 double *, double *);
   void (*tablef)(const struct fabric_table *, size_t, const float *const[3], const float *const[3],

@@ -16,8 +16,6 @@
 #define SHADE_FLOAT 1
 #include "../kernel/kernel.h"
 #include "../kernel/pass_scratch.h"
-#include "../kernel/pass_slopes.h"
-#include "../kernel/pass_widen.h"
 #undef SHADE_FLOAT
 #define SHADE_FLOAT 0
 #include "../kernel/kernel.h"
@@ -68,6 +66,4 @@ const shade_isa_table ISA_TABLE(ISA) = {
     .cloth_drawf = kernel_cloth_drawf,
     .table = kernel_table,
     .tablef = kernel_tablef,
-    .slopes = kernel_slopes,
-    .widen = kernel_widen,
 };

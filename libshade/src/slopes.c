@@ -1,18 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Normal maps as fields of slopes, and what a covariance of slopes does to a lobe. */
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "shade/maps.h"
+#include "../kernel/mdf.h"
 #include "src/moments.h"
 #include "src/params.h"
-#include "../kernel/mdf.h"
-#include "src/slope_map.h"
 
 #define PI 3.14159265358979323846
 #define STEEPEST 50.0
+
+struct shade_slope_map {
+  int width, height;
+  moment_wrap wrap;
+  float *slopes; /* two a texel, row 0 the top */
+  moment_pyramid pyramid;
+};
+
+/* Sides in texels up to which three points are enough; with two a texel, two are exact again. Sides
+ * so little longer than a whole number of texels count as that. */
+#define SLOPE_FEW 1.9
+#define SLOPE_COUNT_SLACK 1e-4
+/* Root of a footprint's area, or its longer side, in texels: up to the one it is sampled, from the
+ * other on the pyramid answers. */
+#define SLOPE_NEAR 1.85
+#define SLOPE_FAR 1.99
+#define SLOPE_LONG_NEAR 4.0
+#define SLOPE_LONG_FAR 4.3
+/* How far Gauss's two points are from the middles of an interval's halves, in halves: 1/sqrt 3 -
+ * 1/2. */
+#define SLOPE_GAUSS_SHIFT 0.07735026918962576
 
 /* ---- texels to slopes ------------------------------------------------------------------ */
 
@@ -167,14 +186,10 @@ shade_slope_map *shade_slope_map_create(const float *pixels, int width, int heig
   *status = found;
   if (!m)
     return NULL;
-  m->isa = shade_isa_chosen();
   m->width = width;
   m->height = height;
   m->wrap = (moment_wrap)o.wrap;
-  /* the kernel reads nine texels from where a row of cells begins */
-  m->slopes = malloc(2 * (count + 8) * sizeof *m->slopes);
-  for (size_t i = 0; m->slopes && i < 16; i++)
-    m->slopes[2 * count + i] = 0;
+  m->slopes = malloc(2 * count * sizeof *m->slopes);
   for (size_t i = 0; m->slopes && i < count; i++)
     found |= read_texel(pixels + i * (size_t)channels, channels, &o, m->slopes + 2 * i);
   *status = found;
@@ -295,64 +310,7 @@ unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v, const 
   return SHADE_OK;
 }
 
-/* Lane i as the single call has it: where a footprint reaches round the picture, and bad input. */
-static unsigned lookup_lane(const shade_slope_map *m, const slope_block *b, size_t i) {
-  double side[4] = {0};
-  shade_slopes s;
-  for (int k = 0; k < 4 && b->side[0]; k++)
-    side[k] = (double)b->side[k][i];
-  const unsigned status = shade_slope_lookup(m, (double)b->u[i], (double)b->v[i], side, &s);
-  b->nx[i] = (float)s.normal[0];
-  b->ny[i] = (float)s.normal[1];
-  b->nz[i] = (float)s.normal[2];
-  for (int k = 0; k < 3 && b->covariance[0]; k++)
-    b->covariance[k][i] = (float)s.covariance[k];
-  return status;
-}
-
-unsigned slope_lookup_on(const shade_isa_table *isa, const shade_slope_map *m, size_t count,
-                         const shade_slope_lanesf *given, const shade_slope_resultf *to) {
-  shade_slope_lanesf in = {0};
-  shade_slope_resultf out = {0};
-  memcpy(&in, given, given->size < sizeof in ? given->size : sizeof in);
-  memcpy(&out, to, to->size < sizeof out ? to->size : sizeof out);
-  const int sides = !!in.du1 + !!in.dv1 + !!in.du2 + !!in.dv2;
-  const int spread = !!out.cxx + !!out.cxy + !!out.cyy;
-  if (!in.u || !in.v || sides % 4 || !out.nx || !out.ny || !out.nz || spread % 3)
-    return SHADE_BAD_INPUT;
-  unsigned status = SHADE_OK;
-  unsigned char single[SLOPE_BLOCK];
-  for (size_t start = 0; start < count; start += SLOPE_BLOCK) {
-    const size_t size = count - start < SLOPE_BLOCK ? count - start : SLOPE_BLOCK;
-    slope_block b = {in.u + start,   in.v + start,   {NULL}, out.nx + start,
-                     out.ny + start, out.nz + start, {NULL}, single};
-    if (sides) {
-      b.side[0] = in.du1 + start;
-      b.side[1] = in.dv1 + start;
-      b.side[2] = in.du2 + start;
-      b.side[3] = in.dv2 + start;
-    }
-    if (spread) {
-      b.covariance[0] = out.cxx + start;
-      b.covariance[1] = out.cxy + start;
-      b.covariance[2] = out.cyy + start;
-    }
-    isa->slopes(m, size, &b);
-    if (memchr(single, 1, size)) /* most often there is none */
-      for (size_t i = 0; i < size; i++)
-        if (single[i])
-          status |= lookup_lane(m, &b, i);
-  }
-  return status;
-}
-
-unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t count,
-                                   const shade_slope_lanesf *given, const shade_slope_resultf *to) {
-  return slope_lookup_on(shade_isa_tables[m->isa], m, count, given, to);
-}
-
-/* ---- widening -----------------------------------------------------------------------------------
- */
+/* ---- widening ----------------------------------------------------------------------------- */
 
 /*
  * Slopes about n in its own tangent plane, from slopes over the flat tangent plane: the
@@ -517,80 +475,6 @@ unsigned shade_params_widen(const shade_params *given, const double n[3],
   status |= widen(&p, &w, s, angle);
   give_params(&p, given, out);
   return status;
-}
-
-/* Out of one pair of a link, the other. */
-static void linked(int exponents, size_t count, const float *width, float *alpha, float *exponent) {
-  for (size_t i = 0; i < count; i++) {
-    const float w = width[i], a = exponents ? sqrtf(2 / (w + 2)) : w;
-    const float e = exponents ? w : fminf(fmaxf(2 / (w * w) - 2, 0), 1e6F);
-    if (alpha)
-      alpha[i] = a;
-    if (exponent)
-      exponent[i] = e;
-  }
-}
-
-unsigned slope_widen_on(const shade_isa_table *isa, const shade_params *given, size_t count,
-                        const shade_widen_lanesf *lanes, const shade_widen_resultf *to) {
-  shade_widen_lanesf in = {0};
-  shade_widen_resultf out = {0};
-  memcpy(&in, lanes, lanes->size < sizeof in ? lanes->size : sizeof in);
-  memcpy(&out, to, to->size < sizeof out ? to->size : sizeof out);
-  unsigned status = SHADE_OK;
-  const shade_params p = readable_params(given, &status);
-  const int exponents = shade_mdf_reads_exponents(p.mdf);
-  const shade_mdf_traits mdf = shade_mdf_is(p.mdf);
-  const float *const base[2] = {exponents ? in.ex : in.ax, exponents ? in.ey : in.ay};
-  const int normals = !!in.nx + !!in.ny + !!in.nz;
-  if (normals % 3 || !in.cxx || !in.cxy || !in.cyy || !base[0] != !base[1] || !out.ax != !out.ay ||
-      !out.ex != !out.ey || !out.groove_x != !out.groove_y)
-    return SHADE_BAD_INPUT;
-  float own[2][SLOPE_BLOCK], flat[SLOPE_BLOCK], up[SLOPE_BLOCK], turn[2][SLOPE_BLOCK];
-  float width[2][SLOPE_BLOCK];
-  for (int i = 0; i < SLOPE_BLOCK; i++) {
-    own[0][i] = (float)(exponents ? p.ex : p.ax);
-    own[1][i] = (float)(exponents ? p.ey : p.ay);
-    flat[i] = 0;
-    up[i] = 1;
-  }
-  for (size_t start = 0; start < count; start += SLOPE_BLOCK) {
-    const size_t size = count - start < SLOPE_BLOCK ? count - start : SLOPE_BLOCK;
-    widen_block b = {.n = {flat, flat, up},
-                     .covariance = {in.cxx + start, in.cxy + start, in.cyy + start},
-                     .base = {own[0], own[1]},
-                     .width = {width[0], width[1]},
-                     .groove = {turn[0], turn[1]},
-                     .exponents = exponents,
-                     .narrowed = (float)narrowed(&p),
-                     .blunted = (float)mdf.blunted,
-                     .groove_y = p.groove == SHADE_GROOVE_Y,
-                     .groove_auto = p.groove != SHADE_GROOVE_X};
-    if (normals) {
-      b.n[0] = in.nx + start;
-      b.n[1] = in.ny + start;
-      b.n[2] = in.nz + start;
-    }
-    if (base[0]) {
-      b.base[0] = base[0] + start;
-      b.base[1] = base[1] + start;
-    }
-    if (out.groove_x) {
-      b.groove[0] = out.groove_x + start;
-      b.groove[1] = out.groove_y + start;
-    }
-    status |= isa->widen(&b, size);
-    linked(exponents, size, width[0], out.ax ? out.ax + start : NULL,
-           out.ex ? out.ex + start : NULL);
-    linked(exponents, size, width[1], out.ay ? out.ay + start : NULL,
-           out.ey ? out.ey + start : NULL);
-  }
-  return status;
-}
-
-unsigned shade_params_widen_batchf(const shade_params *p, size_t count,
-                                   const shade_widen_lanesf *in, const shade_widen_resultf *out) {
-  return slope_widen_on(shade_isa_tables[shade_isa_chosen()], p, count, in, out);
 }
 
 /* ---- splitting ---------------------------------------------------------------------------- */

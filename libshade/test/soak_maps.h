@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Soak of the batches of maps.h and albedo.h: floats of every kind, on every instruction set.
- * Answers are finite and within what the headers promise, and a status says what was wrong.
+ * Soak of the look-ups of maps.h and the batches of albedo.h: floats of every kind. Answers are
+ * finite and within what the headers promise, and a status says what was wrong.
  */
 #ifndef SHADE_SOAK_MAPS_H
 #define SHADE_SOAK_MAPS_H
 
 #include "shade/albedo.h"
 #include "shade/maps.h"
-#include "src/slope_map.h"
 
 enum { SOAK_LANES = 512 };
 
@@ -24,69 +23,51 @@ static float soak_float(uint64_t *seed, double size, int finite) {
   return (float)(kind < 0.5 ? x * pow(10, -6 * uniform(seed)) : x);
 }
 
-static const char *soak_slopes(const shade_slope_map *m, const shade_isa_table *isa,
-                               uint64_t *seed) {
-  static float in[6][SOAK_LANES], out[6][SOAK_LANES];
+static const char *soak_slopes(const shade_slope_map *m, uint64_t *seed) {
   const double size = pow(10, 4 * uniform(seed) - 3);
   const int finite = uniform(seed) < 0.5, sides = uniform(seed) < 0.9;
-  const size_t count = (size_t)(uniform(seed) * SOAK_LANES);
-  int bad = 0;
-  for (size_t i = 0; i < count; i++)
+  for (int i = 0; i < SOAK_LANES; i++) {
+    double in[6];
+    int bad = 0;
     for (int k = 0; k < 6; k++) {
-      in[k][i] = soak_float(seed, k < 2 ? 3 : size, finite);
-      bad |= (k < 2 || sides) && !isfinite(in[k][i]);
+      in[k] = (double)soak_float(seed, k < 2 ? 3 : size, finite);
+      bad |= (k < 2 || sides) && !isfinite(in[k]);
     }
-  const shade_slope_lanesf lanes = {sizeof lanes,
-                                    in[0],
-                                    in[1],
-                                    sides ? in[2] : NULL,
-                                    sides ? in[3] : NULL,
-                                    sides ? in[4] : NULL,
-                                    sides ? in[5] : NULL};
-  const shade_slope_resultf result = {sizeof result, out[0], out[1], out[2],
-                                      out[3],        out[4], out[5]};
-  const unsigned status = slope_lookup_on(isa, m, count, &lanes, &result);
-  if (status != (bad ? SHADE_BAD_INPUT : SHADE_OK))
-    return "the status of a look-up";
-  for (size_t i = 0; i < count; i++) {
-    double n[6];
-    for (int k = 0; k < 6; k++)
-      n[k] = (double)out[k][i];
-    if (!(fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-5 && n[2] > 0.019))
+    shade_slopes s;
+    if (shade_slope_lookup(m, in[0], in[1], sides ? in + 2 : NULL, &s) !=
+        (bad ? SHADE_BAD_INPUT : SHADE_OK))
+      return "the status of a look-up";
+    const double *n = s.normal, *c = s.covariance;
+    if (!(fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-12 && n[2] > 0.019))
       return "a normal";
-    if (!(n[3] >= 0 && n[5] >= 0 && n[3] < 2501 && n[5] < 2501 &&
-          n[4] * n[4] <= n[3] * n[5] * (1 + 1e-5) + 1e-30))
+    if (!(c[0] >= 0 && c[2] >= 0 && c[0] < 2501 && c[2] < 2501 &&
+          c[1] * c[1] <= c[0] * c[2] * (1 + 1e-12) + 1e-300))
       return "a covariance";
   }
   return NULL;
 }
 
-static const char *soak_widen(const shade_isa_table *isa, uint64_t *seed) {
-  static float in[8][SOAK_LANES], out[6][SOAK_LANES];
+static const char *soak_widen(uint64_t *seed) {
   const double size = pow(10, 6 * uniform(seed) - 5);
   const int finite = uniform(seed) < 0.5;
-  const size_t count = (size_t)(uniform(seed) * SOAK_LANES);
-  for (size_t i = 0; i < count; i++)
+  for (int i = 0; i < SOAK_LANES; i++) {
+    double in[8], angle;
     for (int k = 0; k < 8; k++)
-      in[k][i] = soak_float(seed, k < 3 ? 1 : k < 6 ? size : 10, finite);
-  shade_params p;
-  shade_params_init(&p);
-  p.mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
-  p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
-  const shade_widen_lanesf lanes = {sizeof lanes, in[0], in[1], in[2], in[3], in[4],
-                                    in[5],        in[6], in[7], in[6], in[7]};
-  const shade_widen_resultf result = {sizeof result, out[0], out[1], out[2],
-                                      out[3],        out[4], out[5]};
-  if (slope_widen_on(isa, &p, count, &lanes, &result) &
-      ~(unsigned)(SHADE_BAD_INPUT | SHADE_CLAMPED_PARAMETER))
-    return "the status of a widening";
-  for (size_t i = 0; i < count; i++) {
-    const double c = (double)out[4][i], s = (double)out[5][i];
-    if (!(out[0][i] > 0 && out[0][i] <= 10 && out[1][i] > 0 && out[1][i] <= 10 && out[2][i] >= 0 &&
-          out[2][i] <= 1e6F && out[3][i] >= 0 && out[3][i] <= 1e6F))
+      in[k] = (double)soak_float(seed, k < 3 ? 1 : k < 6 ? size : 10, finite);
+    shade_params p, wide;
+    shade_params_init(&p);
+    p.mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
+    p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
+    p.ax = p.ex = in[6];
+    p.ay = p.ey = in[7];
+    if (shade_params_widen(&p, in, in + 3, &wide, &angle) &
+        ~(unsigned)(SHADE_BAD_INPUT | SHADE_CLAMPED_PARAMETER))
+      return "the status of a widening";
+    if (!(wide.ax >= 1e-4 && wide.ax <= 10 && wide.ay >= 1e-4 && wide.ay <= 10 && wide.ex >= 0 &&
+          wide.ex <= 1e6 && wide.ey >= 0 && wide.ey <= 1e6))
       return "a width";
-    if (!(fabs(c * c + s * s - 1) < 1e-5 && c > 0.7 && fabs(s) < 0.708))
-      return "a groove";
+    if (!(fabs(angle) <= PI / 4 + 1e-12))
+      return "an angle";
   }
   return NULL;
 }
@@ -131,14 +112,11 @@ static const char *soak_maps(uint64_t lanes, uint64_t *seed) {
     p.brdf = SHADE_BRDF_MICROFACET;
     p.kd[0] = 0.5;
     shade_bsdf_albedo *a = shade_bsdf_albedo_create(&p, NULL);
-    const shade_isa_table *isa;
     for (int k = 0; k < 20 && m && a && !wrong; k++) {
-      for (int row = 0; (isa = shade_isa_pick(row)) && !wrong; row++) {
-        wrong = soak_slopes(m, isa, seed);
-        wrong = wrong ? wrong : soak_widen(isa, seed);
-        done += SOAK_LANES;
-      }
+      wrong = soak_slopes(m, seed);
+      wrong = wrong ? wrong : soak_widen(seed);
       wrong = wrong ? wrong : soak_albedo(a, seed);
+      done += SOAK_LANES;
     }
     shade_bsdf_albedo_free(a);
     shade_slope_map_free(m);

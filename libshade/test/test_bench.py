@@ -116,7 +116,8 @@ def test_maps():
     rows = {row["what"]: row for row in read_apart(bench("--csv", "--what", "maps"))}
     assert {"slopes_point", "slopes_4", "slopes_64", "slopes_64_by_8", "widen"} <= set(rows)
     for row in rows.values():
-        assert row["precision"] == "float" and float(row["max_error"]) <= 2e-6, row
+        assert row["precision"] == "double" and float(row["ratio_perturb"]) > 0, row
+    assert float(rows["slopes_point"]["ratio_perturb"]) == 1
 
 
 def test_diffuse_and_lobes():

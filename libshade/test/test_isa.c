@@ -4,9 +4,7 @@
 #include <string.h>
 
 #include "shade/fabric.h"
-#include "shade/maps.h"
 #include "src/fabric.h"
-#include "src/slope_map.h"
 #include "src/weave_private.h"
 #include "support.h"
 
@@ -58,21 +56,16 @@ static uint64_t runs_on(const shade_isa_table *isa) {
     hash = (hash ^ ((const unsigned char *)own)[i]) * 1099511628211u;
 
   /* what keeps its choice otherwise */
-  const float normal[3] = {0, 0, 1};
-  unsigned status;
-  shade_slope_map *map = shade_slope_map_create(normal, 1, 1, 3, NULL, &status);
   shade_draft *draft = shade_draft_create(1, 1);
   shade_weave *weave = shade_weave_create(draft, NULL, NULL);
   shade_fabric *fabric = shade_fabric_create(weave, NULL, NULL);
-  assert_true(map && draft && weave && fabric);
-  assert_ptr_equal(shade_isa_tables[map->isa], isa);
+  assert_true(draft && weave && fabric);
   assert_ptr_equal(shade_isa_tables[weave->isa], isa);
   assert_ptr_equal(shade_isa_tables[fabric->isa], isa);
   assert_ptr_equal(shade_isa_tables[bsdf_of(&fabric->side[0].lobe[FABRIC_NEAR])->isa], isa);
   shade_fabric_free(fabric);
   shade_weave_free(weave);
   shade_draft_free(draft);
-  shade_slope_map_free(map);
   return hash;
 }
 

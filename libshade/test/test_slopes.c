@@ -393,6 +393,21 @@ static void bad_pictures_are_mended(void **state) {
     assert_true(isfinite(s.mean[0]) && isfinite(s.covariance[2]));
     shade_slope_map_free(m);
   }
+  /* an argument that is not finite, each in turn; huge ones */
+  const double odd[] = {NAN, INFINITY, -INFINITY, 1e300, -3e38, 1e9, 1e-310};
+  shade_slope_map *two = create(good, 2, 1, 3, o);
+  for (int k = 0; k < 6; k++)
+    for (int b = 0; b < 7; b++) {
+      double in[6] = {0.3, 0.4, 0.5, 0.1, -0.1, 0.5};
+      in[k] = odd[b];
+      shade_slopes s;
+      assert_int_equal(shade_slope_lookup(two, in[0], in[1], in + 2, &s),
+                       b < 3 ? SHADE_BAD_INPUT : SHADE_OK);
+      assert_true(isfinite(s.mean[0] + s.mean[1]) && isfinite(s.covariance[0] + s.covariance[2]));
+      if (b < 3)
+        assert_true(s.normal[2] == 1 && s.covariance[0] == 0 && s.covariance[2] == 0);
+    }
+  shade_slope_map_free(two);
   o.normals = (shade_normals)7;
   o.strength = NAN;
   shade_slope_map *m = shade_slope_map_create(good, 2, 1, 3, &o, &status);

@@ -172,32 +172,6 @@ SHADE_API void shade_slope_map_free(shade_slope_map *m); /* NULL is fine */
 SHADE_API unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v,
                                       const double footprint[4], shade_slopes *slopes);
 
-/* Lanes of look-ups, `count` floats each. */
-typedef struct shade_slope_lanesf {
-  size_t size; /* sizeof(shade_slope_lanesf) */
-  const float *u, *v;
-  const float *du1, *dv1, *du2, *dv2; /* footprints; all four, or NULL for points */
-} shade_slope_lanesf;
-
-/* What they find. They must not overlap the inputs. */
-typedef struct shade_slope_resultf {
-  size_t size;            /* sizeof(shade_slope_resultf) */
-  float *nx, *ny, *nz;    /* unit: of the mean slope */
-  float *cxx, *cxy, *cyy; /* covariance of the slopes; all three, or NULL */
-} shade_slope_resultf;
-
-/*
- * shade_slope_lookup over arrays of any length and alignment, in vectors. Normals are within
- * 2e-6, covariances within 2e-6 (1 + slope^2) of the single call's on the same numbers, slopes up
- * to 1; where a count of points is rounded up to another number, as the single call's would be for
- * a footprint longer by a ten thousandth, likewise of that one's. Lanes whose footprint reaches as
- * far as the whole tile take the single call's time. Returns the or of all status bits;
- * SHADE_BAD_INPUT, and writes nothing, where a required array is missing.
- */
-SHADE_API unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t count,
-                                             const shade_slope_lanesf *in,
-                                             const shade_slope_resultf *out);
-
 /* ---- slopes into roughness ------------------------------------------------------- */
 
 /*
@@ -245,36 +219,6 @@ SHADE_API unsigned shade_slope_lookup_batchf(const shade_slope_map *m, size_t co
  */
 SHADE_API unsigned shade_params_widen(const shade_params *p, const double n[3],
                                       const double covariance[3], shade_params *out, double *angle);
-
-/* Lanes of lobes to widen. */
-typedef struct shade_widen_lanesf {
-  size_t size;                  /* sizeof(shade_widen_lanesf) */
-  const float *nx, *ny, *nz;    /* mean normals; all three, or NULL for z */
-  const float *cxx, *cxy, *cyy; /* covariances, as shade_slope_resultf has them */
-  const float *ax, *ay;         /* each lane's own lobe; both, or NULL for the material's. Read */
-  const float *ex, *ey;         /* are exponents for Ashikhmin-Shirley, alphas for others */
-} shade_widen_lanesf;
-
-/* Each pair, or NULL. Made for shade_lanesf and shade_sample_lanesf, by the same names. */
-typedef struct shade_widen_resultf {
-  size_t size;                /* sizeof(shade_widen_resultf) */
-  float *ax, *ay;             /* alphas, [1e-4, 10] */
-  float *ex, *ey;             /* exponents, [0, 1e6] */
-  float *groove_x, *groove_y; /* the x axis of the wider lobe: cos angle, sin angle, unit */
-} shade_widen_resultf;
-
-/*
- * shade_params_widen over arrays of any length and alignment. n and the frame of wi and wo stay
- * what they are: the lobe is turned by its own tangent. The groove of a material is the one that
- * shade_params_widen gives it for a covariance of 0. Widths are within 1e-5 of the single call's
- * on the same numbers, and directions within 1e-4 where the widths differ by more than a
- * hundredth. Covariances that single precision cannot tell from ones without a negative direction
- * (1e-6 of the larger one) pass as such. Returns the or of all status bits; SHADE_BAD_INPUT, and
- * writes nothing, where a required array is missing.
- */
-SHADE_API unsigned shade_params_widen_batchf(const shade_params *p, size_t count,
-                                             const shade_widen_lanesf *in,
-                                             const shade_widen_resultf *out);
 
 enum { SHADE_SLOPE_LOBES = 8 };
 

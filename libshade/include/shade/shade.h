@@ -481,8 +481,8 @@ SHADE_API unsigned shade_bsdf_pdf_batchf(const shade_bsdf *b, size_t count, cons
 /*
  * The instruction set that what is made ready now runs on: "avx512", "avx2", "sse2" or "scalar". It
  * is the widest that this CPU has, or the one that the environment variable LIBSHADE_ISA names, as
- * read by shade_bsdf_setup, by each _create function and by shade_params_widen_batchf: calls that
- * must not run while another thread changes the environment.
+ * read by shade_bsdf_setup and by each _create function: calls that must not run while another
+ * thread changes the environment.
  */
 SHADE_API const char *shade_isa(void);
 

@@ -69,7 +69,6 @@ v shade_slope_options_init p
 p shade_slope_map_create piiipp
 v shade_slope_map_free p
 u shade_slope_lookup pddpp
-u shade_slope_lookup_batchf pnpp
 u shade_params_split pppippp
 v shade_scratch_params_init p
 p shade_scratch_create pp

@@ -24,8 +24,8 @@ def _places(uv, footprint):
 
 
 def _one_by_one(call, look_up, status):
-    """normal (…, 3) and covariance (…, 3) in double, by a call for each place."""
-    call.dtype = np.dtype(np.float64)
+    """normal (…, 3) and covariance (…, 3), worked out in double, by a call for each place."""
+    asked, call.dtype = call.dtype, np.dtype(np.float64)
     made, slopes = call.columns(), structs.Slopes()
     sides = np.ascontiguousarray(np.stack([made[m] for m in ("du1", "dv1", "du2", "dv2")], -1)) \
         if "du1" in made else None
@@ -33,7 +33,7 @@ def _one_by_one(call, look_up, status):
     for k, (u, v) in enumerate(zip(made["u"].tolist(), made["v"].tolist())):
         gather(status, look_up(u, v, None if sides is None else sides[k].ctypes.data, ctypes.byref(slopes)))
         out[k] = *slopes.normal, *slopes.covariance
-    out = out.reshape(*call.shape, 6)
+    out = out.reshape(*call.shape, 6).astype(asked, copy=False)
     return Seen(out[..., :3], out[..., 3:])
 
 
@@ -60,16 +60,9 @@ class SlopeMap:
 
     def look_up(self, uv, footprint=None, *, status=None):
         """Mean normal (…, 3) and covariance of the slopes (…, 3: xx, xy, yy) over the footprint (…, 4: the sides
-        du1, dv1, du2, dv2 of a parallelogram in uv) about uv (…, 2). In float32 many at a time, in float64 one
-        after the other (microseconds each)."""
-        call = _places(uv, footprint).prepare()
-        if not call.ending:
-            return _one_by_one(call, lambda *rest: LIB.shade_slope_lookup(self._map, *rest), status)
-        lanes = call.lanes(structs.SlopeLanes)
-        result, made = call.results(structs.SlopeResult, normal="nx ny nz", covariance="cxx cxy cyy")
-        gather(status, LIB.shade_slope_lookup_batchf(self._map, call.count, ctypes.byref(lanes),
-                                                     ctypes.byref(result)))
-        return Seen(made["normal"], made["covariance"])
+        du1, dv1, du2, dv2 of a parallelogram in uv) about uv (…, 2); microseconds each."""
+        return _one_by_one(_places(uv, footprint).prepare(),
+                           lambda *rest: LIB.shade_slope_lookup(self._map, *rest), status)
 
 
 class Scratches:
@@ -113,7 +106,7 @@ class Scratches:
                                 + ", ".join([*self.SINGLE, *self.RANGES]))
 
     def look_up(self, uv, footprint=None, *, status=None):
-        """Mean normal and covariance, as of a SlopeMap, in double; microseconds each."""
+        """Mean normal and covariance, as of a SlopeMap; microseconds each."""
         return _one_by_one(
             _places(uv, footprint).prepare(),
             lambda u, v, sides, out: LIB.shade_scratch_eval(self._field, u, v, sides, None, out), status)

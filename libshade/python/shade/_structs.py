@@ -5,11 +5,10 @@ import ctypes
 from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p
 
 
-def lanes(name, *groups, of="double float", last=()):
+def lanes(name, *groups, last=()):
     """A structure of arrays, the same for double and float: `size`, pointers, then numbers."""
     fields = [("size", c_size_t), *((word, c_void_p) for group in groups for word in group.split()), *last]
-    both = (name, f"{name}f") if of == "double float" else (f"{name}f",)
-    return type(name, (ctypes.Structure,), {"_fields_": fields, "c_names": both})
+    return type(name, (ctypes.Structure,), {"_fields_": fields, "c_names": (name, f"{name}f")})
 
 
 _PARTS = [("parts", c_size_t)]
@@ -24,8 +23,6 @@ FabricLanes = lanes("shade_fabric_lanes", "u v du dv nx ny nz wix wiy wiz wox wo
 FabricResult = lanes("shade_fabric_result", "r g b pdf coverage wix wiy wiz")
 Crossings = lanes("shade_crossings", "top swap below yarn",
                   "sigma along dx dy tx ty occlusion brightness fuzz r g b")
-SlopeLanes = lanes("shade_slope_lanes", "u v du1 dv1 du2 dv2", of="float")
-SlopeResult = lanes("shade_slope_result", "nx ny nz cxx cxy cyy", of="float")
 
 
 def structure(name, **fields):
@@ -77,6 +74,6 @@ def preset(params_size):
         turned=c_int)
 
 
-ALL = (Lanes, Result, SampleLanes, SampleResult, FabricLanes, FabricResult, Crossings, SlopeLanes, SlopeResult,
-       ParamInfo, ListInfo, Metal, ParamsHead, Bsdf, Yarn, FabricParams, FabricInfo, YarnParams, WeaveParams, Slopes,
+ALL = (Lanes, Result, SampleLanes, SampleResult, FabricLanes, FabricResult, Crossings, ParamInfo,
+       ListInfo, Metal, ParamsHead, Bsdf, Yarn, FabricParams, FabricInfo, YarnParams, WeaveParams, Slopes,
        SlopeOptions, SlopeLobes, Range, ScratchLayer, ScratchParams)
