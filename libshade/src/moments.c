@@ -2,7 +2,6 @@
 #include "src/moments.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,33 +25,8 @@ static void reduce_row(const float *from, int width, double weight, double *to, 
 }
 
 static int level_room(moment_level *l) {
-  const size_t rows = (size_t)l->height + 2 * MOMENT_APRON;
-  const size_t line = 64 / sizeof(float), stride = (size_t)moment_stride(l->width);
-  l->room = calloc(rows * stride + line, sizeof(float));
-  if (!l->room)
-    return -1;
-  const size_t begun = (uintptr_t)l->room / sizeof(float) % line;
-  l->texels = l->room + (line - begun) + MOMENT_APRON * (stride + MOMENT_FLOATS);
-  return 0;
-}
-
-/* Copy what is found beyond the edges. */
-static void level_apron(const moment_level *l, moment_wrap wrap) {
-  const size_t texel = MOMENT_FLOATS * sizeof(float);
-  for (int j = 0; j < l->height; j++)
-    for (int i = 1; i <= MOMENT_APRON; i++) {
-      const int right = l->width - 1 + i;
-      memcpy(moment_texel(l, -i, j), moment_texel(l, wrap_index(-i, l->width, wrap), j), texel);
-      memcpy(moment_texel(l, right, j), moment_texel(l, wrap_index(right, l->width, wrap), j),
-             texel);
-    }
-  for (int i = 1; i <= MOMENT_APRON; i++) {
-    const int rows[2] = {-i, l->height - 1 + i};
-    for (int k = 0; k < 2; k++)
-      memcpy(moment_texel(l, -MOMENT_APRON, rows[k]),
-             moment_texel(l, -MOMENT_APRON, wrap_index(rows[k], l->height, wrap)),
-             (size_t)moment_stride(l->width) * sizeof(float));
-  }
+  l->texels = malloc((size_t)l->width * (size_t)l->height * MOMENTS * sizeof *l->texels);
+  return l->texels ? 0 : -1;
 }
 
 static int reduce(moment_level *to, int width, int height, moment_row *row, const void *context) {
@@ -86,11 +60,11 @@ static int halve(moment_level *to, const moment_level *from) {
     float *mean = moment_texel(to, 0, j);
     for (int i = 0; i < to->width; i++) {
       for (int c = 0; c < MOMENTS; c++)
-        mean[c] = (float)(0.25 * ((double)upper[c] + (double)upper[c + MOMENT_FLOATS] +
-                                  (double)lower[c] + (double)lower[c + MOMENT_FLOATS]));
-      upper += 2 * MOMENT_FLOATS;
-      lower += 2 * MOMENT_FLOATS;
-      mean += MOMENT_FLOATS;
+        mean[c] = (float)(0.25 * ((double)upper[c] + (double)upper[c + MOMENTS] + (double)lower[c] +
+                                  (double)lower[c + MOMENTS]));
+      upper += 2 * MOMENTS;
+      lower += 2 * MOMENTS;
+      mean += MOMENTS;
     }
   }
   return 0;
@@ -98,8 +72,7 @@ static int halve(moment_level *to, const moment_level *from) {
 
 static void level_row(const void *context, int j, float *to) {
   const moment_level *l = context;
-  for (int i = 0; i < l->width; i++)
-    memcpy(to + (size_t)i * MOMENTS, moment_texel(l, i, j), MOMENTS * sizeof *to);
+  memcpy(to, moment_texel(l, 0, j), (size_t)l->width * MOMENTS * sizeof *to);
 }
 
 int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, moment_row *row,
@@ -118,7 +91,6 @@ int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, m
   }
   if (reduce(&p->level[p->levels - 1], width, height, row, context) != 0)
     return -1;
-  level_apron(&p->level[p->levels - 1], wrap);
   while (p->levels < MOMENT_LEVELS) {
     const moment_level *from = &p->level[p->levels - 1];
     moment_level *to = &p->level[p->levels];
@@ -130,14 +102,13 @@ int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, m
     const int halved = from->width == 2 * to->width && from->height == 2 * to->height;
     if ((halved ? halve(to, from) : reduce(to, from->width, from->height, level_row, from)) != 0)
       return -1;
-    level_apron(to, wrap);
   }
   return 0;
 }
 
 void moments_free(moment_pyramid *p) {
   for (int i = 0; i < p->levels; i++)
-    free(p->level[i].room);
+    free(p->level[i].texels);
   p->levels = 0;
 }
 

@@ -46,27 +46,13 @@ static inline int wrap_index(int i, int n, moment_wrap wrap) {
   return i < n ? i : period - 1 - i;
 }
 
-/*
- * As stored, a texel takes MOMENT_FLOATS: whole vectors of which none straddles two lines of the
- * cache. Beside a level's edges lie copies of the MOMENT_APRON texels that are found there, so that
- * few look-ups need to wrap.
- */
-enum { MOMENT_FLOATS = 8, MOMENT_APRON = 8 };
-
 typedef struct moment_level {
   int width, height;
-  float *texels; /* texel (0, 0), the top left; NULL for cells */
-  float *room;   /* what is allocated */
+  float *texels; /* rows from the top; NULL for cells */
 } moment_level;
 
-/* Floats from one row to the next. */
-static inline ptrdiff_t moment_stride(int width) {
-  return ((ptrdiff_t)width + 2 * MOMENT_APRON) * MOMENT_FLOATS;
-}
-
-/* Texel (i, j), or its copy beyond an edge. */
 static inline float *moment_texel(const moment_level *l, int i, int j) {
-  return l->texels + j * moment_stride(l->width) + (ptrdiff_t)i * MOMENT_FLOATS;
+  return l->texels + ((size_t)j * (size_t)l->width + (size_t)i) * MOMENTS;
 }
 
 /* Moments of row j of a picture of width x height texels, into `to`. */

@@ -339,6 +339,60 @@ static void filters_spread_as_footprints(void **state) {
   free(p);
 }
 
+/*
+ * A map seen over footprints of every size, here and there over its edges, is the middle of one
+ * three times as large that holds what lies beyond them.
+ */
+static void edges_are_those_of_a_larger_picture(void **state) {
+  (void)state;
+  enum { WIDTH = 128, HEIGHT = 64, TIMES = 3, RIM = 16 };
+  float *p = random_slopes(WIDTH, HEIGHT, 21);
+  float *even = malloc(sizeof(float) * 2 * WIDTH * HEIGHT);
+  float *around = malloc(sizeof(float) * 2 * TIMES * WIDTH * TIMES * HEIGHT);
+  assert_true(even && around);
+  for (int wrap = SHADE_WRAP_REPEAT; wrap <= SHADE_WRAP_MIRROR; wrap++) {
+    /* beyond an edge that is clamped lie coarse texels, too: of these the outermost shall be even
+     */
+    for (int k = 0; k < WIDTH * HEIGHT && wrap == SHADE_WRAP_CLAMP; k++) {
+      const int x = RIM + beyond(k % WIDTH - RIM, WIDTH - 2 * RIM, SHADE_WRAP_CLAMP);
+      const int y = RIM + beyond(k / WIDTH - RIM, HEIGHT - 2 * RIM, SHADE_WRAP_CLAMP);
+      memcpy(even + 2 * k, p + 2 * (y * WIDTH + x), 2 * sizeof *p);
+    }
+    const float *picture = wrap == SHADE_WRAP_CLAMP ? even : p;
+    for (int j = 0; j < TIMES * HEIGHT; j++)
+      for (int i = 0; i < TIMES * WIDTH; i++) {
+        const int x = beyond(i - WIDTH, WIDTH, (shade_wrap)wrap);
+        const int y = beyond(j - HEIGHT, HEIGHT, (shade_wrap)wrap);
+        memcpy(around + 2 * (j * TIMES * WIDTH + i), picture + 2 * (y * WIDTH + x), 2 * sizeof *p);
+      }
+    const shade_slope_options o = options_of(SHADE_NORMALS_SLOPE, (shade_wrap)wrap);
+    shade_slope_map *m = create(picture, WIDTH, HEIGHT, 2, o);
+    shade_slope_map *larger = create(around, TIMES * WIDTH, TIMES * HEIGHT, 2, o);
+    uint64_t seed = 23;
+    for (int k = 0; k < 20000; k++) {
+      const double u = uniform(&seed), v = uniform(&seed), turn = 6.3 * uniform(&seed);
+      const double a = pow(16, uniform(&seed)), b = a / pow(8, uniform(&seed));
+      const double side[4] = {a * cos(turn) / WIDTH, a * sin(turn) / HEIGHT, -b * sin(turn) / WIDTH,
+                              b * cos(turn) / HEIGHT};
+      double third[4];
+      for (int c = 0; c < 4; c++)
+        third[c] = side[c] / TIMES;
+      shade_slopes got, want;
+      shade_slope_lookup(m, u, v, side, &got);
+      shade_slope_lookup(larger, (1 + u) / TIMES, (1 + v) / TIMES, third, &want);
+      for (int c = 0; c < 2; c++)
+        assert_near(got.mean[c], want.mean[c], 1e-6);
+      for (int c = 0; c < 3; c++)
+        assert_near(got.covariance[c], want.covariance[c], 1e-6);
+    }
+    shade_slope_map_free(m);
+    shade_slope_map_free(larger);
+  }
+  free(around);
+  free(even);
+  free(p);
+}
+
 /* A plane stays a plane, at every footprint, and has no covariance. */
 static void a_tilted_plane_stays(void **state) {
   (void)state;
@@ -550,6 +604,7 @@ int main(void) {
                                      cmocka_unit_test(footprints_are_averages),
                                      cmocka_unit_test(filters_spread_as_footprints),
                                      cmocka_unit_test(even_growth_is_met_in_the_middle),
+                                     cmocka_unit_test(edges_are_those_of_a_larger_picture),
                                      cmocka_unit_test(a_tilted_plane_stays),
                                      cmocka_unit_test(bad_pictures_are_mended)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -148,7 +148,7 @@ typedef struct shade_slope_map shade_slope_map;
 /*
  * Copy a picture, `channels` floats a texel (2 or more; those past the third are passed
  * over), row 0 the top, any size, and build its pyramid of slope moments. Takes 8 bytes a
- * texel and for the pyramid 12 (1024 x 1024; 38 of 64 x 64). *status (if not NULL) gathers:
+ * texel and as much again for the pyramid. *status (if not NULL) gathers:
  * SHADE_CLAMPED_NORMAL where a normal points inwards or lies flatter than slope 50, which it
  * is then given; SHADE_BAD_INPUT where a texel is not finite or has no direction: it counts as
  * flat; SHADE_CLAMPED_PARAMETER and SHADE_BAD_CHOICE for the options (NULL: the defaults). NULL
