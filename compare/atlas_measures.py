@@ -192,7 +192,6 @@ def common_float(n, h, shape):
 FLOATS = {
     "literal": literal_float, "common": common_float,
     "float": lambda n, h, shape: FORMS["rotate"].value(n, h, shape),
-    "fast": lambda n, h, shape: shade.D(FORMS["rotate"].material(shape, fast=True), n, h),
     "double": lambda n, h, shape: FORMS["rotate"].value(n.astype(float), h.astype(float), shape)}
 
 

@@ -103,8 +103,6 @@ REASONS = {
     ("ggx_rotate", "jump"): ("tail ends", "GGX has not come to 0 at the carried horizon, z̃ = 0", "the same"),
     "literal": ("pow of a cosine", "(n·h)^e multiplies the rounding of n·h by e",
                 "log1p of the sine's square: cross products, no cancellation"),
-    "fast": ("by choice", "`fast` takes the cosine itself: its rounding times e",
-             "by request alone; float keeps to 2·10⁻⁴"),
     "valid_reflection": ("n bent by the eye", "n is bent until the eye's mirror image is above the surface",
                          "by choice: `hard` and `schuessler` are reciprocal"),
     "valid_estevez": ("n bent by the eye", "n is bent by the eye, and light alone is faded",

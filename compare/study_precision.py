@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Precision forms: what fast, float, double and the reference cost, and the digits that each keeps.
+"""Precision forms: what float, double and the reference cost, and the digits that each keeps.
 
 The truth is D of a rotated lobe in decimal arithmetic of 40 digits, written here from the definitions.
 """
@@ -16,14 +16,14 @@ import style
 from study import Figure, Finding, Table, Task
 
 NAME = "precision"
-TITLE = "Precision: fast, float, double, reference"
-INTRO = ("The library evaluates a distribution in single precision (fast, float) or double, and has a reference "
-         "in long double, which its tests trust. All four get the same directions, rounded to single precision, "
+TITLE = "Precision: float, double, reference"
+INTRO = ("The library evaluates a distribution in single precision (float) or double, and has a reference "
+         "in long double, which its tests trust. All three get the same directions, rounded to single precision, "
          "within 60° of the surface's normal, with detail `rotate` and exponents 200 and 10 or the matching "
          "alphas. The truth is decimal arithmetic with 40 digits, by a program that shares no code with them. The "
          "error is the worst relative one where D is above 10⁻¹² of its peak; its bar reaches down to the median.")
 MDFS = ("ashikhmin_shirley", "ward", "ward_half", "beckmann", "ggx")
-FORMS = ("fast", "float", "double", "reference")
+FORMS = ("float", "double", "reference")
 EX, EY = 200, 10
 PEAK_SHARE = Decimal("1e-12")
 PI = Decimal("3.141592653589793238462643383279502884197169399375")
@@ -157,15 +157,11 @@ def findings(rows):
     error = {form: [f[form].error for f in found.values() if form in f] for form in FORMS}
     ratio = [fronts.ratio(f["double"].times, f["float"].times)[0] for f in found.values()]
     slow = [fronts.ratio(f["reference"].times, f["double"].times)[0] for f in found.values()]
-    quick = [fronts.ratio(f["float"].times, f["fast"].times)[0] for f in found.values() if "fast" in f]
     return [
         Finding(f"Use float for pictures: its worst error is {span(error['float'], style.rounded)}, and double, "
                 f"with {span(error['double'], style.rounded)}, takes {span(ratio, lambda v: f'{v:.1f}')} times "
                 "as long.", max(error["float"]) < 1e-4 and max(error["double"]) < 1e-12 and min(ratio) > 1.2,
                 "forms", timed=True),
-        Finding(f"The fast form, which Ashikhmin-Shirley has, is {max(quick):.1f} times as quick as float and "
-                f"errs by {style.rounded(max(error['fast']))}.",
-                max(error["float"]) < max(error["fast"]) < 1e-2 and max(quick) > 1, "forms", timed=True),
         Finding("The reference that the tests trust is right to "
                 f"{style.rounded(max(error['reference']))}, against 40 digits, and takes "
                 f"{span(slow, lambda v: f'{v:.0f}')} times as long as double.",
@@ -182,7 +178,7 @@ def figures(rows):
     return [Figure("forms", "Time against error of each precision",
                    "One core; bars: the middle half of the runs, and from the median to the worst error; dashed: "
                    "the Pareto front. `build/venv/bin/python compare/report_page.py --only precision`",
-                   "\n".join(panels), "For each distribution a falling line from fast and float, quick and right "
+                   "\n".join(panels), "For each distribution a falling line from float, quick and right "
                    "to five digits, by double to the reference, slow and right to sixteen.")]
 
 

@@ -91,7 +91,6 @@ LOOKS = {word: Look(colour, marker, word.replace("_", " ") if not label else lab
     ("beckmann", GREEN, "^", "Beckmann", False),
     ("ggx", ORANGE, "s", "GGX", False),
     # precisions
-    ("fast", ORANGE, "s", "", False),
     ("float", BLUE, "o", "", False),
     ("double", GREEN, "^", "", False),
     ("reference", INK, "*", "", False),

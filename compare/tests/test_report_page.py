@@ -240,7 +240,6 @@ ALTERED = {  # study: how rows are altered, and a word of the sentence that fall
               (lambda r: worse(r, method="rotate", tilt=45), "front"),
               (lambda r: worse(r, method="perturb", tilt=30), "ranks")],
     "precision": [(lambda r: worse(r, precision="float"), "Use float"),
-                  (lambda r: slower(r, 0.01, precision="float"), "fast form"),
                   (lambda r: worse(r, precision="reference"), "reference that")],
     "horizons": [(lambda r: worse(r, method="valid_estevez"), "Over all"),
                  (lambda r: slower(r, 0.1, method="schuessler"), "grazes")],

@@ -24,12 +24,7 @@ static unsigned FN(mdf_batch)(const bsdf *b, size_t count, const real *nx, const
     FN(vec) n = FN(vec_from)(nx, ny, nz, start), h = FN(vec_from)(hx, hy, hz, start);
     FN(vec) *const v[3] = {&n, &h};
     unsigned block = FN(mend_block)(size, 2, v, &room);
-#if SHADE_FLOAT
-    if (b->fast)
-      pass_fast(b, size, n, h, d);
-    else
-#endif
-      FN(pass_lobe)(b, &own, size, n, h, t, xx, yy, d);
+    FN(pass_lobe)(b, &own, size, n, h, t, xx, yy, d);
     if (block & SHADE_BAD_INPUT)
       for (size_t i = 0; i < size; i++)
         if (room.void_lane[i])

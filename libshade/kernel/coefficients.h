@@ -166,23 +166,11 @@
 #define SHADE_LN2_LOW_D 1.6198510186656561e-11
 #define SHADE_LOG2E_D 1.4426950408889634
 
-/* log2(1 + f) = f P(f) / 2^23, for `fast`: relative error 1.3e-06 */
-#define SHADE_LOG2_FAST(z)                                                                         \
-  (12102216.0f +                                                                                   \
-   (z) *                                                                                           \
-       (-6051208.0f +                                                                              \
-        (z) * (4031675.0f + (z) * (-3015909.75f +                                                  \
-                                   (z) * (2484031.0f + (z) * (-2247843.75f + (z)*1410851.38f))))))
-
 /* n - 2 log(1 + n) = -n + n^2 P(n), for pass_table.h: relative error 1.6e-05 */
 #define SHADE_SEEN(z)                                                                              \
   (0.999984026f +                                                                                  \
    (z) *                                                                                           \
        (-0.665504515f +                                                                            \
         (z) * (0.485595375f + (z) * (-0.33033517f + (z) * (0.16249238f + (z) * -0.0385350212f)))))
-
-/* 2^r = 1 + r P(r), for `fast`: relative error 7.0e-06 */
-#define SHADE_EXP2_FAST(z)                                                                         \
-  (0.693136752f + (z) * (0.2402253f + (z) * (0.0558382832f + (z)*0.00965671055f)))
 
 #endif

@@ -88,11 +88,6 @@ def erfcx(a):
     return (a * a).exp() - 2 / PI.sqrt() * total
 
 
-def log_ratio(f):
-    """log(1 + f) / f."""
-    return (1 + f).ln() / f if f else Decimal(1)
-
-
 def atan_rest(z):
     """(atan(s) - s) / s^3 at z = s^2, z < 1/5."""
     total, term, n = Decimal(0), Decimal(-1), 3
@@ -202,9 +197,8 @@ for single, tag, log_terms, exp_terms, log2_terms, exp2_terms, erfcx_terms, atan
     print(f"#define SHADE_LN2_HIGH_{tag} {high:.{digits}g}{suffix}")
     print(f"#define SHADE_LN2_LOW_{tag} {low:.{digits}g}{suffix}")
     print(f"#define SHADE_LOG2E_{tag} {rounded(1 / LN2, single):.{digits}g}{suffix}\n")
-ROOT = Decimal(2).sqrt()
-emit("SHADE_LOG2_FAST", lambda f: log_ratio(f) / LN2 * 2**23, 1 / ROOT - 1, ROOT - 1, 7, True,
-     lambda f, p: p * LN2 / log_ratio(f) / 2**23 - 1, "log2(1 + f) = f P(f) / 2^23, for `fast`")
+
+
 def seen_rest(n):
     """2 (n - log(1 + n)) / n^2."""
     return 2 * (n - (1 + n).ln()) / (n * n) if n else Decimal(1)
@@ -212,6 +206,4 @@ def seen_rest(n):
 
 emit("SHADE_SEEN", seen_rest, Decimal(0), Decimal(1), 6, True, lambda n, p: p / seen_rest(n) - 1,
      "n - 2 log(1 + n) = -n + n^2 P(n), for pass_table.h")
-emit("SHADE_EXP2_FAST", exp2_ratio, -EXP2_HALF, EXP2_HALF, 4, True, exp2_error,
-     "2^r = 1 + r P(r), for `fast`")
 print("#endif")

@@ -36,11 +36,6 @@
 #include "pass_model.h"
 #include "pass_horizon.h"
 
-#if SHADE_FLOAT
-#include "leaf_fast.h"
-#include "pass_fast.h"
-#endif
-
 #include "batch.h"
 #include "sample_density.h"
 #include "sample_frame.h"

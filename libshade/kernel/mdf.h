@@ -31,7 +31,6 @@ typedef struct shade_mdf_traits {
    * test_accuracy, whose worst inputs stand beside the traits.
    */
   double float_1e3, float_1e5, double_1e4;
-  double fast_1e3, fast_1e5; /* of the float entries with `fast`; 0: no form of its own */
 } shade_mdf_traits;
 
 /* Whether a distribution reads ex and ey, or ax and ay: by the rows of those. What is unknown

@@ -7,13 +7,12 @@
 #define SHADE_MDF_ASHIKHMIN_SHIRLEY_FORM RATIO
 /*
  * Worst seen, all with sse2: float 1.1e-5 at exponents (3.06, 364), perturb, n (.693, -.669, .269);
- * 6.6e-5 at (4.4e4, 3.2e3), gram_schmidt, n (.711, -.703, .016); double 3.0e-14; fast 8.6e-5 at
- * (467, 633), gram_schmidt, n (.170, -.985, .036), and 7.4e-3 at (4.7e4, 6.3e4).
+ * 6.6e-5 at (4.4e4, 3.2e3), gram_schmidt, n (.711, -.703, .016); double 3.0e-14.
  */
 #define SHADE_MDF_ASHIKHMIN_SHIRLEY_IS                                                             \
   {                                                                                                \
     .ratio = 1, .proposal = 1, .per_slope = 0.5, .float_1e3 = 2e-5, .float_1e5 = 2e-4,             \
-    .double_1e4 = 1e-13, .fast_1e3 = 2e-4, .fast_1e5 = 2e-2                                        \
+    .double_1e4 = 1e-13                                                                            \
   }
 #endif
 

@@ -11,12 +11,6 @@ static unsigned FN(mdf_one)(const bsdf *b, const real n_in[3], const real h_in[3
   *d = 0;
   if (status & SHADE_BAD_INPUT)
     return status;
-#if SHADE_FLOAT
-  if (b->fast) {
-    *d = fast(b, n.v, h.v);
-    return status;
-  }
-#endif
   *d = FN(lobe)(b, n.v, h.v);
   return status;
 }

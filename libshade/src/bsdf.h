@@ -32,7 +32,7 @@ typedef struct MAY_ALIAS bsdf {
   shade_horizon horizon;     /* hard where n is ignored */
   shade_carry carry, uneven; /* of this lobe; of lobes that need not be round, where these are */
   shade_map_kind warp;
-  int conserve, fast, has_specular, has_diffuse;
+  int conserve, has_specular, has_diffuse;
   int black; /* its own f0 is, and stays so at grazing: the lobe gives nothing */
   int fibres_along_y, groove_auto, detail_auto;
   int exponents, projected; /* of the distribution's traits */

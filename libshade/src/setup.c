@@ -92,9 +92,6 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->warp = shade_map_kind_of(b->carry.map);
   b->conserve = detail.conserve;
   b->has_specular = 1;
-  b->fast = p.fast && b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY &&
-            (b->carry.map == SHADE_MAP_NONE || b->carry.map == SHADE_MAP_PERTURB_RATIO ||
-             b->carry.map == SHADE_MAP_ROTATE_RATIO_X || b->carry.map == SHADE_MAP_ROTATE_RATIO_Y);
   b->kxf = (float)b->kx;
   b->kyf = (float)b->ky;
   b->gxf = (float)b->gx;

@@ -49,7 +49,7 @@ static void fill(uint64_t *seed, shade_mdf mdf, double tilt, double ex, double e
   }
 }
 
-typedef enum form { DOUBLE, FLOAT, FAST } form;
+typedef enum form { DOUBLE, FLOAT } form;
 
 typedef struct worst_input {
   double error, ex, ey, n[3], h[3];
@@ -69,7 +69,6 @@ static worst_input worst_error(const shade_isa_table *isa, shade_mdf mdf, shade_
   shade_params_init(&p);
   shade_params_set_exponents(&p, ex, ey);
   p.mdf = mdf;
-  p.fast = form == FAST;
   p.detail = detail;
   p.groove = (shade_groove)(uniform(seed) * 3);
   shade_bsdf b;
@@ -113,17 +112,13 @@ typedef struct range {
 } range;
 static const range ranges[] = {{"double, exponents to 1e4", DOUBLE, 1e4},
                                {"float, exponents to 1e3", FLOAT, 1e3},
-                               {"float, exponents to 1e5", FLOAT, 1e5},
-                               {"fast, exponents to 1e3", FAST, 1e3},
-                               {"fast, exponents to 1e5", FAST, 1e5}};
+                               {"float, exponents to 1e5", FLOAT, 1e5}};
 enum { RANGES = sizeof ranges / sizeof ranges[0] };
 
-/* What the kernel states; 0 where a distribution has no fast form of its own. */
+/* What the kernel states. */
 static double bound_of(const range *r, shade_mdf mdf, shade_detail detail) {
   const shade_mdf_traits is = shade_mdf_is(mdf);
   const int narrow = r->largest > 1e3;
-  if (r->form == FAST)
-    return narrow ? is.fast_1e5 : is.fast_1e3;
   if (is_warp(detail))
     return r->form == DOUBLE ? SHADE_WARP_DOUBLE_1E4
            : narrow          ? SHADE_WARP_FLOAT_1E5
@@ -162,8 +157,6 @@ static void bounds(void **state) {
         print_message("  %-18s", shade_list_word(SHADE_LIST_DETAIL, d));
         for (int m = 0; m < SHADE_MDF_COUNT; m++) {
           const double bound = bound_of(&ranges[r], (shade_mdf)m, (shade_detail)d);
-          if (!(bound > 0) && ranges[r].form == FAST)
-            continue;
           const worst_input worst = worst_of(isa, &ranges[r], (shade_mdf)m, (shade_detail)d);
           print_message(" %s %.1e", shade_list_word(SHADE_LIST_MDF, m), worst.error);
           assert_true(worst.error <= bound);
@@ -189,9 +182,7 @@ static void stated(void **state) {
     assert_true(is.float_1e3 > 0 && is.float_1e3 <= 2e-5);
     assert_true(is.float_1e5 > 0 && is.float_1e5 <= 2e-4);
     assert_true(is.double_1e4 > 0 && is.double_1e4 <= 1e-12);
-    assert_true(is.fast_1e3 <= 2e-4 && is.fast_1e5 <= 2e-2);
   }
-  assert_true(shade_mdf_is(SHADE_MDF_ASHIKHMIN_SHIRLEY).fast_1e5 > 0);
 }
 
 int main(void) {

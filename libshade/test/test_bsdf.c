@@ -495,7 +495,6 @@ static void no_exceptions(void **state) {
   uint64_t seed = 17;
   for (int k = 0; k < 300000; k++) {
     shade_params p = random_params(&seed);
-    p.fast = k % 3 == 0;
     if (k % 5 == 0)
       shade_params_set_alphas(&p, k % 2 ? 1e-4 : 10, k % 3 ? 1e-4 : 10);
     if (k % 7 == 0)

@@ -22,10 +22,10 @@ enum { STEPS = 1024, POINTS = STEPS + 1 };
 static const double widths[] = {0.3, 0.03, 3e-3, 3e-4, 3e-5};
 enum { WIDTHS = sizeof widths / sizeof widths[0] };
 
-typedef enum form { DOUBLE, FLOAT, FAST, FORMS } form;
-static const char *const form_names[FORMS] = {"double", "float", "fast"};
+typedef enum form { DOUBLE, FLOAT, FORMS } form;
+static const char *const form_names[FORMS] = {"double", "float"};
 /* relative to the largest value in the window: roundings, of the inputs too */
-static const double noise[FORMS] = {1e-11, 1e-4, 5e-4};
+static const double noise[FORMS] = {1e-11, 1e-4};
 
 /* What the path crosses. */
 typedef enum event {
@@ -344,7 +344,6 @@ static shade_bsdf made(int mdf, int detail, int brdf, int horizon, int lobe) {
   p.brdf = (shade_brdf)brdf;
   p.horizon = (shade_horizon)horizon;
   p.f0[0] = p.f0[1] = p.f0[2] = 0.3;
-  p.fast = 1;
   shade_bsdf b;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
   return b;
@@ -382,12 +381,11 @@ static void distributions_and_brdfs(void **state) {
             for (form form = DOUBLE; form < FORMS; form++) {
               int lobe = turn % LOBES, single = (turn + k) % 8 == 0;
               shade_bsdf b = made(mdf, detail, 0, 0, lobe);
-              bsdf_in(&b)->fast &= form == FAST;
               if (!jumps(&b, (event)e, 0)) {
                 carry(&b, &w, form, single, value);
                 judge(&b, &p, widths[k], form, 0, value);
               }
-              for (int brdf = 0; brdf < SHADE_BRDF_COUNT && form != FAST; brdf++)
+              for (int brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
                 for (int h = 0; h < 2; h++) {
                   int other = 1 + (turn + brdf) % (SHADE_HORIZON_COUNT - 1);
                   b = made(mdf, detail, brdf, h ? other : SHADE_HORIZON_HARD, lobe);
@@ -416,7 +414,7 @@ static void diffuse_models(void **state) {
         for (int model = 0; model < SHADE_DIFFUSE_COUNT; model++)
           for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++)
             for (int d = 0; d < 3; d++)
-              for (form form = DOUBLE; form < FAST; form++) {
+              for (form form = DOUBLE; form < FORMS; form++) {
                 shade_params params;
                 shade_params_init(&params);
                 params.detail = details[d];
@@ -460,7 +458,7 @@ static void phi_paths(void **state) {
       within(&seed, 0.1, 1.2, v);
       for (int model = 0; model < SHADE_DIFFUSE_COUNT; model++)
         for (int k = 0; k < WIDTHS; k++)
-          for (form form = DOUBLE; form < FAST; form++) {
+          for (form form = DOUBLE; form < FORMS; form++) {
             for (int i = 0; i < POINTS; i++) {
               double s = widths[k] * (2 * i - STEPS) / STEPS;
               double l[3] = {a[0], a[1], a[2]}, eye[3] = {v[0], v[1], v[2]};
@@ -592,7 +590,7 @@ static void jump_where_transport_ends(void **state) {
 static void jumps_of_fibres(void **state) {
   (void)state;
   const double tiny = 1e-9, n[3] = {0, 0, 1}, l[3] = {0.6, 0.8, tiny};
-  for (form form = DOUBLE; form < FAST; form++) {
+  for (form form = DOUBLE; form < FORMS; form++) {
     assert_near(phi_of(SHADE_DIFFUSE_MAX_NORMAL, l, n, form), 0.8, 1e-6);
     assert_near(phi_of(SHADE_DIFFUSE_FIBRE, l, n, form), 0.8 / PI, 1e-6);
     assert_near(phi_of(SHADE_DIFFUSE_FIBRE_VIEW, l, n, form), 0.2, 1e-6);

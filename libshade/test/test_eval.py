@@ -9,7 +9,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
-PRECISIONS = {"fast": 3e-5, "float": 3e-6, "double": 1e-12, "reference": 1e-12}
+PRECISIONS = {"float": 3e-6, "double": 1e-12, "reference": 1e-12}
 
 
 def run(queries, *options):
@@ -54,6 +54,14 @@ def test_d_of_a_flat_surface(precision):
     (got,) = evaluate([n + h], "--mdf", "ashikhmin-shirley", "--ex", "200", "--ey", "10",
                       "--detail", "none", "--what", "D", "--precision", precision)
     assert got == pytest.approx(ashikhmin_shirley(*h, 200, 10), rel=PRECISIONS[precision])
+
+
+def test_fast_is_float():
+    """A word of older versions: the answers of float, and a note."""
+    query = "0.28 0 0.96  0.6 0.48 0.64\n0.6 0 0.8  0.36 0.48 0.8\n"
+    fast, single = (run(query, "--precision", word) for word in ("fast", "float"))
+    assert fast.returncode == single.returncode == 0 and fast.stdout == single.stdout != run(query).stdout
+    assert fast.stderr.count("float") == 1 and not single.stderr
 
 
 @pytest.mark.parametrize("mdf", ["ward", "ward-half", "beckmann", "ggx"])

@@ -190,7 +190,6 @@ static void fill(block *b, uint64_t number, int single) {
   p->fresnel = (shade_fresnel)digit(&number, SHADE_FRESNEL_COUNT);
   p->diffuse = (shade_diffuse)between(0, SHADE_DIFFUSE_COUNT);
   p->groove = (shade_groove)between(0, SHADE_GROOVE_COUNT);
-  p->fast = chance(0.5);
   if (chance(0.5))
     shade_params_set_alphas(p, pow(10, between(-4, 1)), pow(10, between(-4, 1)));
   else

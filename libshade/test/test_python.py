@@ -225,7 +225,7 @@ def test_materials():
     gltf = shade.Material(roughness=("gltf", 0.5, 0.3))
     assert sorted([gltf.ax, gltf.ay]) == pytest.approx([0.25, 0.25 + 0.75 * 0.09])
     fast, careful = (shade.D(shade.Material(fast=f), N.astype("f4"), WI.astype("f4")) for f in (True, False))
-    assert fast == pytest.approx(careful, rel=5e-4, abs=1e-6) and (fast != careful).any()
+    assert fast.dtype == np.float32 and fast.tolist() == careful.tolist()  # a word of older versions
     assert {row.word for row in shade.parameters().values() if row.list == "mdf"} == {"ex", "ey", "ax", "ay"}
 
 

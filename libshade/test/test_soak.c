@@ -50,7 +50,7 @@ typedef enum what {
   PHI,
   WHATS
 } what;
-typedef enum form { DOUBLE, FLOAT, FAST, FORMS } form;
+typedef enum form { DOUBLE, FLOAT, FORMS } form;
 static const char *const what_names[WHATS] = {
     "D", "D batch", "f", "f batch", "pdf", "pdf batch", "sample", "sample batch", "diffuse"};
 
@@ -61,7 +61,7 @@ static int is_batch(what q) {
 static int is_draw(what q) {
   return q == DRAW_ONE || q == DRAW_BATCH;
 }
-static const char *const form_names[FORMS] = {"double", "float", "fast"};
+static const char *const form_names[FORMS] = {"double", "float"};
 
 /* What was seen of one entry of one instruction set. */
 typedef struct finding {
@@ -78,7 +78,7 @@ typedef struct worker {
   pthread_t thread;
   uint64_t seed, block;
   shade_params params;
-  shade_bsdf bsdf[FORMS];
+  shade_bsdf bsdf;
   size_t count;
   int finite; /* all input of this block is */
   int textured;
@@ -556,7 +556,7 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
         wrong = "negative", found->negative++;
       else if ((want & SHADE_BAD_INPUT) && q != PHI && a.value[c] != 0)
         wrong = "not 0 for bad input", found->wrong_status++;
-      double scale = q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : bsdf_of(&w->bsdf[p])->peak;
+      double scale = q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : bsdf_of(&w->bsdf)->peak;
       if (a.value[c] / scale > found->largest)
         found->largest = a.value[c] / scale;
     }
@@ -597,8 +597,8 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
 /* ---- calls, with exceptions trapped ---- */
 
 #define CALLS(real, f, p_form)                                                                     \
-  static void call_##real(worker *w, const shade_isa_table *isa, what q, form p) {                 \
-    const shade_bsdf *b = &w->bsdf[p];                                                             \
+  static void call_##real(worker *w, const shade_isa_table *isa, what q) {                         \
+    const shade_bsdf *b = &w->bsdf;                                                                \
     shade_lanes##f in = {.size = sizeof in, SHADE_DIRECTIONS(w->in##f)};                           \
     shade_result##f out = {sizeof out, w->out##f[0], w->out##f[1], w->out##f[2], w->out##f[3]};    \
     shade_sample_lanes##f from = {.size = sizeof from,                                             \
@@ -683,9 +683,9 @@ static int raises(worker *w, const shade_isa_table *isa, what q, form p) {
   if (w->finite)
     arm(1);
   if (p == DOUBLE)
-    call_double(w, isa, q, p);
+    call_double(w, isa, q);
   else
-    call_float(w, isa, q, p);
+    call_float(w, isa, q);
   int raised = w->finite && fetestexcept(EXCEPTIONS);
   arm(0);
   return raised;
@@ -699,11 +699,7 @@ static int setup_raises(worker *w, int finite, unsigned *status) {
   }
   if (finite)
     arm(1);
-  *status = SHADE_OK;
-  for (int p = 0; p < FORMS; p++) {
-    w->params.fast = p == FAST;
-    *status |= shade_bsdf_setup(&w->bsdf[p], &w->params);
-  }
+  *status = shade_bsdf_setup(&w->bsdf, &w->params);
   int raised = finite && fetestexcept(EXCEPTIONS);
   arm(0);
   return raised;
@@ -732,8 +728,6 @@ static void one_block(worker *w) {
   for (int row = 0; (isa = shade_isa_pick(row)); row++)
     for (int p = 0; p < FORMS; p++)
       for (int q = 0; q < WHATS; q++) {
-        if (p == FAST && q > D_BATCH)
-          continue; /* float's */
         if ((q == PDF_ONE || q == DRAW_ONE) && w->block / 8 % 8 != (uint64_t)(2 * row + p))
           continue; /* batches of one, which take long: one in eight */
         if (!raises(w, isa, (what)q, (form)p))

@@ -329,6 +329,29 @@ static void other_params(shade_params *p) {
   p->horizon = SHADE_HORIZON_CHIANG;
 }
 
+/* What older callers set for D in float that was quicker and less accurate. */
+static void fast_is_float(void **state) {
+  (void)state;
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+    for (int detail = 0; detail < SHADE_DETAIL_COUNT; detail++) {
+      shade_params p;
+      shade_bsdf b[2];
+      const float n[3] = {0, 0.28F, 0.96F}, h[3] = {0.36F, 0.48F, 0.8F};
+      float d[2];
+      memset(b, 0, sizeof b);
+      for (int fast = 0; fast < 2; fast++) {
+        shade_params_init(&p);
+        p.mdf = (shade_mdf)mdf;
+        p.detail = (shade_detail)detail;
+        p.fast = fast;
+        assert_int_equal(shade_bsdf_setup(&b[fast], &p), SHADE_OK);
+        d[fast] = shade_mdf_evalf(&b[fast], n, h, NULL);
+      }
+      assert_memory_equal(&b[0], &b[1], sizeof b[0]);
+      assert_true(d[0] > 0 && d[0] == d[1]);
+    }
+}
+
 static void short_params(void **state) {
   (void)state;
   /* what a caller that knows only the members before this one has set */
@@ -535,9 +558,10 @@ int main(void) {
       cmocka_unit_test(choices),         cmocka_unit_test(other_choices),
       cmocka_unit_test(constants),       cmocka_unit_test(ranges),
       cmocka_unit_test(defaults),        cmocka_unit_test(metals),
-      cmocka_unit_test(materialx_clamp), cmocka_unit_test(short_params),
-      cmocka_unit_test(short_fabric),    cmocka_unit_test(short_weave),
-      cmocka_unit_test(short_scratches), cmocka_unit_test(short_slopes),
+      cmocka_unit_test(materialx_clamp), cmocka_unit_test(fast_is_float),
+      cmocka_unit_test(short_params),    cmocka_unit_test(short_fabric),
+      cmocka_unit_test(short_weave),     cmocka_unit_test(short_scratches),
+      cmocka_unit_test(short_slopes),
   };
   return cmocka_run_group_tests_name("values", tests, NULL, NULL);
 }

@@ -36,8 +36,8 @@ typedef struct arrays {
 typedef enum what { WHAT_D, WHAT_F, WHAT_D_CALL, WHAT_F_CALL, WHAT_F_HORIZON, WHATS } what;
 static const char *const what_words[] = {"D", "f", "D_call", "f_call", "f_horizon"};
 
-typedef enum precision { FAST, SINGLE, TWICE, PRECISIONS } precision;
-static const char *const precision_words[] = {"fast", "float", "double"};
+typedef enum precision { SINGLE, TWICE, PRECISIONS } precision;
+static const char *const precision_words[] = {"float", "double"};
 
 static int asks_d(what w) {
   return w == WHAT_D || w == WHAT_D_CALL;
@@ -363,10 +363,7 @@ static void bench_group(const options *o, const shade_isa_table *isa, shade_mdf 
     r->params.horizon = horizon > 0 ? (shade_horizon)horizon : SHADE_HORIZON_HARD;
     r->params.detail = horizon >= 0 ? SHADE_DETAIL_ROTATE : (shade_detail)d;
     r->params.groove = literal ? SHADE_GROOVE_X : SHADE_GROOVE_AUTO;
-    r->params.fast = kind == FAST;
     shade_bsdf_setup(&r->bsdf, &r->params);
-    if (kind == FAST && !(bsdf_of(&r->bsdf)->fast && asks_d(w)))
-      continue; /* there it is the same as float */
     if (d == SHADE_DETAIL_PERTURB)
       perturb = count;
     count++;

@@ -112,7 +112,8 @@ static void usage(FILE *to) {
   fputs(".\nFresnel is 1", to);
   print_fresnel(to);
   fputs(".\nf includes the diffuse part with --kd.\n\n"
-        "  --precision fast|float|double|reference   (default double)\n\n"
+        "  --precision float|double|reference   (default double; fast, of older versions, is "
+        "float)\n\n"
         "Frame: x tangent, z unperturbed normal, n perturbed normal; unit vectors, wi to\n"
         "the light, wo to the eye. Blank lines and lines that begin with # are skipped.\n"
         "Answers are in %.17g (float: %.9g). Words read - and _ alike.\n",
@@ -205,8 +206,10 @@ static int read_option(query *q, const char *option, const char *value, unsigned
     const int k = find_word(precision_words, value);
     if (k < 0)
       return bad_usage(option, value, "fast, float, double or reference");
-    q->precision = (precision)k;
-    q->params.fast = k == PRECISION_FAST;
+    q->precision = k == PRECISION_FAST ? PRECISION_FLOAT : (precision)k;
+    if (k == PRECISION_FAST)
+      fputs("shade eval: --precision fast: there is no such form any more; this is float\n",
+            stderr);
     return TOOL_DONE;
   }
   const int k = find_word(what_words, value);
@@ -256,12 +259,11 @@ static double answer(const query *q, const shade_bsdf *b, const double *v, unsig
     shade_diffuse model = q->params.diffuse;
     const int less = shade_diffuse_is(model).less_f0 && q->params.fresnel != SHADE_FRESNEL_NONE;
     const double left = less ? 1 - q->params.f0[0] : 1;
-    return left * (q->precision <= PRECISION_FLOAT ? (double)shade_diffuse_evalf(model, vf, vf + 3)
+    return left * (q->precision == PRECISION_FLOAT ? (double)shade_diffuse_evalf(model, vf, vf + 3)
                    : q->precision == PRECISION_DOUBLE ? shade_diffuse_eval(model, v, v + 3)
                                                       : shade_ref_diffuse(model, v, v + 3));
   }
   switch (q->precision) {
-  case PRECISION_FAST:
   case PRECISION_FLOAT:
     if (q->what == WHAT_D)
       return (double)shade_mdf_evalf(b, vf, vf + 3, status);
@@ -291,7 +293,7 @@ static unsigned draw(const query *q, const shade_bsdf *b, const double *v, doubl
   double f[3], pdf;
   float vf[8], wif[3], ff[3], pdff;
   unsigned status;
-  if (q->precision <= PRECISION_FLOAT) {
+  if (q->precision == PRECISION_FLOAT) {
     for (int i = 0; i < 8; i++)
       vf[i] = (float)v[i];
     status = shade_bsdf_samplef(b, vf, vf + 3, vf + 6, wif, ff, &pdff, NULL);
@@ -327,7 +329,7 @@ int shade_cmd_eval(int argc, char **argv) {
   const int count = line_form(&q, &in.form);
   while (tool_next_line(&in, count, 0, v) > 0) {
     unsigned mended = SHADE_OK;
-    const int digits = q.precision <= PRECISION_FLOAT ? 9 : 17;
+    const int digits = q.precision == PRECISION_FLOAT ? 9 : 17;
     if (q.what == WHAT_SAMPLE) {
       double drawn[5];
       mended = draw(&q, &b, v, drawn);

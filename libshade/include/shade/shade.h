@@ -94,7 +94,7 @@ enum {
  */
 typedef struct shade_params {
   size_t size; /* sizeof(shade_params), set by shade_params_init */
-  int fast;    /* 1: shade_mdf_evalf and its batch may be quicker and less accurate */
+  int fast;    /* read no more: callers of older versions set it, and get float */
   shade_mdf mdf;
   shade_brdf brdf;
   shade_detail detail;
@@ -192,12 +192,6 @@ SHADE_API unsigned shade_bsdf_setup(shade_bsdf *b, const shade_params *p);
  * without a cosine, Beckmann's and GGX's with one; neither Ward form is exactly
  * normalised. Ashikhmin-Shirley reads the exponents, the others the alphas. Status
  * bits are or-ed into *status if it is not NULL.
- *
- * With `fast`, the float entries' Ashikhmin-Shirley with none, perturb, gram_schmidt, rotate,
- * rotate_approximate or auto is computed from the cosine itself: relative error 2e-4
- * (instead of 2e-5) for exponents to 1e3 and in proportion to the exponent above, for
- * directions of unit length to within a float rounding. All else is as without it, f
- * included, where normalising h would cost what the form saves.
  * [AshikhminShirley2000 Eq. 4; Ward1992; Walter2007; method: KangCho Eq. 7 and 10]
  */
 SHADE_API double shade_mdf_eval(const shade_bsdf *b, const double n[3], const double h[3],

@@ -75,7 +75,7 @@ class Material:
 
     An exponent sets the alpha of its axis and the other way round. `preset` (a metal of `shade.presets()`) and
     `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
-    program states it, then the rest. `fast`: D in float may be quicker and less accurate. Values are read as
+    program states it, then the rest. `fast` is a word of older versions: float. Values are read as
     attributes and never change: `replace` makes another material.
     """
 
