@@ -428,6 +428,16 @@ static bool all_below(size_t count, const uint32_t *index, size_t limit) {
   return count == 0 || largest < limit;
 }
 
+/* So many numbers of four bytes, which stay the reader's; formats: "f", or INDEX. */
+#define INDEX "iIlL"
+static bool read_array(reader *r, const char *key, size_t count, const char *formats, void *out) {
+  reader_buffer items;
+  bool good = reader_items(r, key, count, formats, 4, &items);
+  if (good)
+    memcpy(out, &items.data, sizeof items.data);
+  return good;
+}
+
 /* What a mesh has of one of the scene's layers. */
 typedef struct own_layer {
   int number;
@@ -442,14 +452,10 @@ typedef struct layer_reader {
 static bool read_own_layer(reader *r, void *out, void *context) {
   const layer_reader *m = context;
   own_layer *own = out;
-  reader_buffer items;
   if (!reader_integer(r, "layer", 0, (long)m->of->layers - 1, &own->number))
     return false;
   size_t width = (size_t)m->of->layer[own->number].width;
-  if (!reader_items(r, "data", 3 * width * m->triangles, "f", 4, &items))
-    return false;
-  own->data = items.data;
-  return true;
+  return read_array(r, "data", 3 * width * m->triangles, "f", &own->data);
 }
 
 static bool read_layers_of(reader *r, const scene *s, mesh *m) {
@@ -493,11 +499,8 @@ static bool read_shapes(reader *r, bool vectors, mesh *m) {
   if (items.size != 12 * m->positions * steps || steps < 2 || steps > MOTION_STEPS_MOST)
     return reader_expected(r, "moved_positions", "all positions at each of 2 to 129 times");
   m->moved_position = items.data;
-  if (!reader_items(r, "moved_normals", 9 * m->triangles * steps, "f", 4, &items))
-    return false;
-  m->moved_normal = items.data;
   *(vectors ? &m->shapes : &m->steps) = (int)steps;
-  return true;
+  return read_array(r, "moved_normals", 9 * m->triangles * steps, "f", &m->moved_normal);
 }
 
 static bool read_mesh(reader *r, void *out, void *context) {
@@ -513,7 +516,7 @@ static bool read_mesh(reader *r, void *out, void *context) {
   m->positions = items.size / 12;
   if (items.size != 12 * m->positions)
     return reader_expected(r, "positions", "3 floats per position");
-  if (!reader_items(r, "corner_position", SIZE_MAX, "iIlL", 4, &items))
+  if (!reader_items(r, "corner_position", SIZE_MAX, INDEX, 4, &items))
     return false;
   m->corner_position = items.data;
   m->triangles = items.size / 12;
@@ -521,35 +524,17 @@ static bool read_mesh(reader *r, void *out, void *context) {
     return reader_expected(r, "corner_position", "3 indices per triangle");
   if (m->triangles > UINT32_MAX / 4 || m->positions > UINT32_MAX / 4)
     return reader_fail(r, "the mesh has too many triangles");
-  if (!reader_items(r, "corner_normals", 9 * m->triangles, "f", 4, &items))
-    return false;
-  m->corner_normal = items.data;
-  if (!reader_items(r, "material", m->triangles, "iIlL", 4, &items))
-    return false;
-  m->material = items.data;
-  if (reader_has(r, "corner_uvs")) {
-    if (!reader_items(r, "corner_uvs", 6 * m->triangles, "f", 4, &items))
-      return false;
-    m->corner_uv = items.data;
-  }
-  if (!read_layers_of(r, s, m) || !read_shapes(r, s->features.motion_vectors, m))
+  if (!read_array(r, "corner_normals", 9 * m->triangles, "f", &m->corner_normal) ||
+      !read_array(r, "material", m->triangles, INDEX, &m->material) ||
+      (reader_has(r, "corner_uvs") &&
+       !read_array(r, "corner_uvs", 6 * m->triangles, "f", &m->corner_uv)) ||
+      !read_layers_of(r, s, m) || !read_shapes(r, s->features.motion_vectors, m))
     return false;
   if (!all_below(3 * m->triangles, m->corner_position, m->positions))
     return reader_fail(r, "corner_position has an index outside of the %zu positions",
                        m->positions);
   if (!all_below(m->triangles, (const uint32_t *)m->material, s->materials))
     return reader_fail(r, "material has an index outside of the %zu materials", s->materials);
-  return true;
-}
-
-/* What it says by each of the scene's names of attributes; nothing without that. */
-static bool read_told(reader *r, const scene *s, instance *in) {
-  reader_buffer items;
-  if (!s->attributes || !reader_has(r, "attributes"))
-    return true;
-  if (!reader_items(r, "attributes", 4 * (size_t)s->attributes, "f", 4, &items))
-    return false;
-  in->told = items.data;
   return true;
 }
 
@@ -578,7 +563,9 @@ static bool read_instance(reader *r, void *out, void *context) {
     in->color[k] = 1.0f;
   in->metres[0] = in->metres[1] = 1.0f;
   if (!reader_options(r, options, in) || !read_motion(r, &in->motion) ||
-      !read_links(r, s, &in->link, &in->shade) || !read_told(r, s, in))
+      !read_links(r, s, &in->link, &in->shade) ||
+      (s->attributes && reader_has(r, "attributes") && /* without names none is asked for */
+       !read_array(r, "attributes", 4 * (size_t)s->attributes, "f", &in->told)))
     return false;
   s->features.emitter_linking |= in->link || in->shade;
   in->unmoved = reader_has(r, "motion") && !in->motion.steps;
