@@ -30,14 +30,18 @@ ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) -march=x86-64-v4 -mprefer-vector-wid
 ISAS := scalar $(if $(filter x86_64,$(shell uname -m)),sse2 avx2 avx512)
 
 O := $(B)/obj
-SHADE_OBJ := $(ISAS:%=$(O)/src/isa_%.o) $(O)/src/isa.o $(O)/src/dispatch.o $(O)/src/params.o $(O)/src/setup.o \
+# what is compiled once for each precision, and that once more for each instruction set
+PRECISIONS := float double
+in_both = $(foreach name,$(1),$(PRECISIONS:%=$(O)/src/$(name)_%.o))
+isa_units = $(call in_both,$(1:%=isa_%))
+SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)/src/isa.o $(O)/src/params.o $(O)/src/setup.o \
   $(O)/src/roughness.o $(O)/src/tangents.o \
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif_words.o $(O)/src/wif_read.o \
   $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
   $(O)/src/slopes.o $(O)/src/albedo.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
-SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o $(O)/src/fabric_eval.o \
+SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o \
   $(O)/src/fabric_table.o $(O)/src/fabric_shadow.o $(O)/src/fabric_albedo.o \
   $(O)/src/fabric_json.o $(O)/src/presets.o
 WHOLE_OBJ := $(O)/dump/whole.o
@@ -99,15 +103,22 @@ UNRUN_ISAS = $(filter-out $(RUN_ISAS),$(ISAS))
 PLAIN_ISAS :=
 ISA_LEVEL :=
 ifneq ($(PLAIN_ISAS),)
-$(PLAIN_ISAS:%=$(O)/src/isa_%.o): $(O)/src/isa_%.o: $(PLAIN_B)/obj/src/isa_%.o
+$(call isa_units,$(PLAIN_ISAS)): $(O)/src/isa_%.o: $(PLAIN_B)/obj/src/isa_%.o
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)
 	$(Q)cp $< $@
 endif
-$(O)/src/isa_%.o: $(L)/src/isa_%.c $(L)/libshade.mk
-	@mkdir -p $(@D)
-	$(call say,compile  ,$@)
-	$(Q)$(CC) $(SHADE_CFLAGS) $(ISA_$*) -fvisibility=hidden $(CFLAGS) $(ISA_LEVEL) -MMD -c $< -o $@
+define PRECISION_RULES
+$(O)/src/isa_%_$(1).o: $(L)/src/entries.c $(L)/libshade.mk
+	@mkdir -p $$(@D)
+	$$(call say,compile  ,$$@)
+	$$(Q)$$(CC) $$(SHADE_CFLAGS) $$(ISA_$$*) -DISA=$$* -DSHADE_FLOAT=$(if $(filter float,$(1)),1,0) -fvisibility=hidden $$(CFLAGS) $$(ISA_LEVEL) -MMD -c $$< -o $$@
+$(O)/src/%_$(1).o: $(L)/src/%.c $(L)/libshade.mk
+	@mkdir -p $$(@D)
+	$$(call say,compile  ,$$@)
+	$$(Q)$$(CC) $$(SHADE_CFLAGS) -DSHADE_FLOAT=$(if $(filter float,$(1)),1,0) -fvisibility=hidden $$(CFLAGS) -MMD -c $$< -o $$@
+endef
+$(foreach precision,$(PRECISIONS),$(eval $(call PRECISION_RULES,$(precision))))
 $(O)/src/%.o: $(L)/src/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
@@ -213,7 +224,7 @@ CHECKS := check-plain check-sanitized check-headers check-threads check-clang
 check-libshade: setup-build
 	+$(PARALLEL) $(CHECKS)
 check-plain: all test-libshade
-check-sanitized: $(SANITIZED_PLAIN:%=$(O)/src/isa_%.o)
+check-sanitized: $(call isa_units,$(SANITIZED_PLAIN))
 	$(Q)$(MAKE) $(SANITIZED_BUILD) all test-libshade
 check-threads: $(B)/shade
 	$(Q)$(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)" $(B)/threads/test/threads.run

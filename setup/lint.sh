@@ -22,6 +22,16 @@ if ! clang-format --dry-run --Werror --ferror-limit=1 "${c_files[@]}" 2>/dev/nul
   done
 fi
 
+# each header of the kernel compiles alone, in either precision; what footprints hold is in double
+for single in 0 1; do
+  alone=()
+  for header in libshade/kernel/*.h; do
+    [[ $header == */column_streak.h || ($single = 1 && $header == */column_@(yarns|near).h) ]] || alone+=("$header")
+  done
+  gcc -std=c11 -Wall -Wextra -Werror -Wno-unknown-pragmas -Wno-unused-function -DSHADE_FLOAT=$single \
+    -Ilibshade/include -xc -fsyntax-only "${alone[@]}" || wrong=1
+done
+
 # formats that hold no comments, and what fuzzers found
 mapfile -t texts < <(find_files | grep -Ev '\.(json|blend|png|jpg|exr|svg|patch)$|/series$|/UPSTREAM$|/fuzz/corpus/')
 while IFS= read -r unlicensed; do

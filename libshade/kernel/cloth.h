@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Prepared lanes of cloth: rows of `stride` numbers, one number a lane, of which `count` are
- * used. Included once a precision, after real.h.
+ * used.
  */
-#ifndef CLOTH_ROWS_H
-#define CLOTH_ROWS_H
+#ifndef SHADE_KERNEL_CLOTH_H
+#define SHADE_KERNEL_CLOTH_H
+
+#include <stddef.h>
+
+#include "real.h"
+
 /* What a lane holds. Weft and warp by shade_top. */
 enum { CLOTH_WEFT, CLOTH_WARP, CLOTH_GAP, CLOTH_FAR, CLOTH_SINGLE, CLOTH_VOID, CLOTH_KINDS };
 
@@ -30,15 +35,16 @@ enum { CLOTH_FEW = 8 }; /* lanes that fill no vector */
 
 /* Parts of a draw: the lobes of both sides, what is diffuse, what comes from behind. */
 enum { CLOTH_DIFFUSE = 2, CLOTH_BEHIND, CLOTH_PARTS };
-#endif
 
-typedef struct FN(cloth) {
+typedef struct SUFFIX(cloth) {
   size_t count, stride;
   int flat; /* every n is z */
   unsigned char *kind;
   real *rows;
-} FN(cloth);
+} cloth;
 
-static inline real *FN(cloth_row)(const FN(cloth) * c, int row) {
+static inline real *cloth_row(const cloth *c, int row) {
   return c->rows + (size_t)row * c->stride;
 }
+
+#endif

@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a footprint holds of each yarn: a summed table of the repeat. In double alone. */
-#ifndef CLOTH_COLUMN_H
-#define CLOTH_COLUMN_H
+#ifndef SHADE_KERNEL_COLUMN_H
+#define SHADE_KERNEL_COLUMN_H
 
-/* of pass_weave.h, in double */
-static unsigned kernel_weave_batch(const shade_weave *w, size_t total, const double *u,
-                                   const double *v, const shade_crossings *out);
+#include "../src/fabric.h"
+#include "vec.h"
+
+LEAF double column_most(double a, double b) {
+  return a > b ? a : b;
+}
+LEAF double column_least(double a, double b) {
+  return a < b ? a : b;
+}
 
 #define STREAKS_FADE 12.0 /* yarns: from here on less, */
 #define STREAKS_END 16.0  /* none beyond */
@@ -97,16 +103,46 @@ typedef struct column_group {
   double brightness[2][STREAK_LANES], fill[2][STREAK_LANES]; /* found */
 } column_group;
 
-/* Another lane of a group, with a footprint about (u, v); all their yarns, those of many groups;
- * what these make more or less of weft, warp and gaps. */
-static void column_group_add(const shade_fabric *f, column_group *g, double u, double v, double du,
-                             double dv);
-static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
-                              int narrow, column_group *g);
-static void column_look_groups(const shade_fabric *f, const column_axis *x, const column_axis *y,
-                               int narrow, size_t count, column_group *groups);
+/*
+ * What of weft, warp and gaps the footprints of a group show if their yarns fill a and b times what
+ * they do everywhere, over what they show if they do not. Where a share p of the crossings has the
+ * weft on top it covers A of those, and of the others what the warp leaves: A (p + (1 - p) (1 -
+ * B)). seen: of weft and warp, without streaks.
+ */
 static void column_filled(const shade_fabric *f, const column_group *g,
-                          const double (*seen)[STREAK_LANES], double (*factor)[STREAK_LANES]);
+                          const double (*seen)[STREAK_LANES], double (*factor)[STREAK_LANES]) {
+  const double A = f->fills[0], B = f->fills[1];
+  const double whole = 1 - 4e-6; /* by a sum in float: else a hidden yarn would have a share left */
+  const int fills = A > 0 && B > 0;
+#pragma omp simd
+  for (size_t i = 0; i < g->count; i++) {
+    const double more = g->fill[0][i], more2 = g->fill[1][i], all = seen[0][i] + seen[1][i];
+    const int other = fills & (all > 0) & ((more != 1) | (more2 != 1));
+    const double a = A * more < whole ? A * more : 1, b = B * more2 < whole ? B * more2 : 1;
+    const double weft = seen[0][i] / all * (A + B - A * B); /* of the area */
+    const double p = column_least(column_most((weft - A + A * B) / (A * B), 0), 1);
+    const double most = column_most(1 / all, 1); /* a footprint within one yarn is filled already */
+    const double of_weft = a * (1 - (1 - p) * b) / column_most(A * (1 - (1 - p) * B), 1e-6);
+    const double of_warp = b * (1 - p * a) / column_most(B * (1 - p * A), 1e-6);
+    const double of_gaps = (1 - a) * (1 - b) / column_most((1 - A) * (1 - B), 1e-6);
+    factor[0][i] = other ? column_least(of_weft, most) : 1;
+    factor[1][i] = other ? column_least(of_warp, most) : 1;
+    factor[2][i] = other ? of_gaps : 1;
+  }
+}
+
+/* Another lane of a group. */
+static void column_group_add(const shade_fabric *f, column_group *g, double u, double v, double du,
+                             double dv) {
+  const double limit = 4e18; /* as look-ups have it */
+  const size_t i = g->count++;
+  const int any = column_has_streaks(f, du, dv);
+  g->any |= any;
+  g->centre[SHADE_TOP_WARP][i] = column_least(column_most(u, -limit), limit);
+  g->centre[SHADE_TOP_WEFT][i] = column_least(column_most(v, -limit), limit);
+  g->extent[SHADE_TOP_WARP][i] = any ? du : STREAKS_END;
+  g->extent[SHADE_TOP_WEFT][i] = any ? dv : STREAKS_END;
+}
 
 /* How many are read of a fabric. */
 static int column_count(const shade_fabric *f) {

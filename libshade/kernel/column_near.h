@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Streaks of lanes that lie side by side: after column_yarns.h, in float for both precisions. */
+#ifndef SHADE_KERNEL_COLUMN_NEAR_H
+#define SHADE_KERNEL_COLUMN_NEAR_H
+
+#include "column_yarns.h"
 
 /*
  * Samples of pixels side by side see much the same yarns in footprints of nearly one size. Where
@@ -179,8 +183,8 @@ LEAF void column_between(const column_table *t, int r, float share, int yarn, in
     for (int v = 0; v < V; v++) {
       const int j = c + v;
       const float at = from + (float)v;
-      const float begin = maximumf(at, low), end = minimumf(at + 1, high);
-      const float part = maximumf(end - begin, 0);
+      const float begin = column_mostf(at, low), end = column_leastf(at + 1, high);
+      const float part = column_mostf(end - begin, 0);
       parts[v] = (c ? parts[v] : 0) + part * (rest * parts0[j] + share * parts1[j]);
       light[v] = (c ? light[v] : 0) + part * (rest * light0[j] + share * light1[j]);
       if (slubs)
@@ -271,3 +275,15 @@ static void column_look_groups(const shade_fabric *f, const column_axis *x, cons
     some += !some;
   }
 }
+
+/* The yarns of all groups; neighbours: whether lanes may lie side by side. */
+static void entry_streaks(const shade_fabric *f, const column_axis *x, const column_axis *y,
+                          int narrow, int neighbours, size_t count, column_group *groups) {
+  if (neighbours)
+    column_look_groups(f, x, y, narrow, count, groups);
+  for (size_t k = 0; k < count && !neighbours; k++)
+    if (groups[k].any)
+      column_look_group(f, x, y, narrow, &groups[k]);
+}
+
+#endif

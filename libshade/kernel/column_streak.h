@@ -192,7 +192,7 @@ LEAF void OF(column_noise)(const column_kind *y, uint32_t channel, uint32_t yarn
     NUMBER *restrict row = at[m];
 #pragma omp simd
     for (int j = 0; j < width; j++)
-      row[j] = base + scale * OF(weave_random_of)(weave_hash_at(hash[j], knot + (uint32_t)m));
+      row[j] = base + scale * OF(column_random_of)(weave_hash_at(hash[j], knot + (uint32_t)m));
     for (int j = 0; j < OF(LATTICE_VECTOR); j++) /* read, and of no weight */
       row[width + j] = 0;
   }
@@ -213,8 +213,8 @@ static void OF(column_lattice_fill)(const column_kind *y, uint32_t number, uint3
   knot += (uint32_t)to->knot;
 #pragma omp simd
   for (int j = 0; j < width; j++)
-    to->own[j] =
-        OF(weave_random)(y->seed, y->channel + WEAVE_VARY_BRIGHTNESS, yarn + (uint32_t)j, 0);
+    to->own[j] = OF(column_random_of)(
+        weave_hash(y->seed, y->channel + WEAVE_VARY_BRIGHTNESS, yarn + (uint32_t)j, 0));
   for (int j = 0; j < V; j++)
     to->own[width + j] = 0;
   OF(column_noise)
@@ -261,20 +261,20 @@ LEAF void OF(column_lane)(const column_kind *y, const OF(column_lattice) * l,
     for (int v = 0; v < V; v++) {
       const int j = c + v;
       const NUMBER at = from + (NUMBER)v;
-      const NUMBER begin = OF(maximum)(at, low), end = OF(minimum)(at + 1, high);
-      const NUMBER part = shown[j] * OF(maximum)(end - begin, 0);
+      const NUMBER begin = OF(column_most)(at, low), end = OF(column_least)(at + 1, high);
+      const NUMBER part = shown[j] * OF(column_most)(end - begin, 0);
       const NUMBER mean = 1 + vary * own[j];
       NUMBER lit = 0, fills = 0;
 #define PLACE(k)                                                                                   \
   do {                                                                                             \
     NUMBER fill = 1, look = mean;                                                                  \
     if (slubs) {                                                                                   \
-      const NUMBER wide = OF(maximum)(size##k[j] + ease##k * grow##k[j], least);                   \
-      fill = rest + per * OF(minimum)(wide, 1);                                                    \
+      const NUMBER wide = OF(column_most)(size##k[j] + ease##k * grow##k[j], least);               \
+      fill = rest + per * OF(column_least)(wide, 1);                                               \
     }                                                                                              \
     if (brighter)                                                                                  \
       look = mean + varies * (bright##k[j] + ease##k * rise##k[j]);                                \
-    look = OF(maximum)(look, 0);                                                                   \
+    look = OF(column_most)(look, 0);                                                               \
     fills += fill;                                                                                 \
     lit += fill * look;                                                                            \
   } while (0)

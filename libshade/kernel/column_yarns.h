@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Streaks of uneven yarns in what a footprint holds: after leaf_weave.h, in double alone. */
+#ifndef SHADE_KERNEL_COLUMN_YARNS_H
+#define SHADE_KERNEL_COLUMN_YARNS_H
+
+#include "column.h"
+#include "leaf_weave.h"
 
 /*
  * Yarns that are brighter, darker, thicker or thinner than others show as streaks long after the
@@ -50,6 +55,20 @@ static column_kind column_kind_of(const shade_fabric *f, int side) {
 static int column_varies(const shade_fabric *f, int side) {
   const weave_yarn *y = &f->weave->yarn[side];
   return y->vary_brightness > 0 || y->along_brightness > 0 || (f->fills[side] > 0 && y->slub > 0);
+}
+
+/* Those of double in float. */
+LEAF float column_mostf(float a, float b) {
+  return a > b ? a : b;
+}
+LEAF float column_leastf(float a, float b) {
+  return a < b ? a : b;
+}
+LEAF float column_random_off(uint32_t hash) {
+  return (float)(int32_t)(hash >> 8) * 0x1p-23f - 1;
+}
+LEAF double column_random_of(uint32_t hash) {
+  return weave_random_of(hash);
 }
 
 /* column_look of all lanes of a group, column_look_all, in float and in double. */
@@ -126,34 +145,6 @@ static column_yarns column_look(const shade_fabric *f, int side, double centre, 
   return all;
 }
 
-/*
- * What of weft, warp and gaps the footprints of a group show if their yarns fill a and b times what
- * they do everywhere, over what they show if they do not. Where a share p of the crossings has the
- * weft on top it covers A of those, and of the others what the warp leaves: A (p + (1 - p) (1 -
- * B)). seen: of weft and warp, without streaks.
- */
-static void column_filled(const shade_fabric *f, const column_group *g,
-                          const double (*seen)[STREAK_LANES], double (*factor)[STREAK_LANES]) {
-  const double A = f->fills[0], B = f->fills[1];
-  const double whole = 1 - 4e-6; /* by a sum in float: else a hidden yarn would have a share left */
-  const int fills = A > 0 && B > 0;
-#pragma omp simd
-  for (size_t i = 0; i < g->count; i++) {
-    const double more = g->fill[0][i], more2 = g->fill[1][i], all = seen[0][i] + seen[1][i];
-    const int other = fills & (all > 0) & ((more != 1) | (more2 != 1));
-    const double a = A * more < whole ? A * more : 1, b = B * more2 < whole ? B * more2 : 1;
-    const double weft = seen[0][i] / all * (A + B - A * B); /* of the area */
-    const double p = minimum(maximum((weft - A + A * B) / (A * B), 0), 1);
-    const double most = maximum(1 / all, 1); /* a footprint within one yarn is filled already */
-    const double of_weft = a * (1 - (1 - p) * b) / maximum(A * (1 - (1 - p) * B), 1e-6);
-    const double of_warp = b * (1 - p * a) / maximum(B * (1 - p * A), 1e-6);
-    const double of_gaps = (1 - a) * (1 - b) / maximum((1 - A) * (1 - B), 1e-6);
-    factor[0][i] = other ? minimum(of_weft, most) : 1;
-    factor[1][i] = other ? minimum(of_warp, most) : 1;
-    factor[2][i] = other ? of_gaps : 1;
-  }
-}
-
 /* The yarns of all lanes of a group, each by itself. Few of them one by one: their yarns side by
  * side. narrow: in float. */
 static void column_look_group(const shade_fabric *f, const column_axis *x, const column_axis *y,
@@ -174,15 +165,4 @@ static void column_look_group(const shade_fabric *f, const column_axis *x, const
   }
 }
 
-/* Another lane of a group. */
-static void column_group_add(const shade_fabric *f, column_group *g, double u, double v, double du,
-                             double dv) {
-  const double limit = 4e18; /* as look-ups have it */
-  const size_t i = g->count++;
-  const int any = column_has_streaks(f, du, dv);
-  g->any |= any;
-  g->centre[SHADE_TOP_WARP][i] = minimum(maximum(u, -limit), limit);
-  g->centre[SHADE_TOP_WEFT][i] = minimum(maximum(v, -limit), limit);
-  g->extent[SHADE_TOP_WARP][i] = any ? du : STREAKS_END;
-  g->extent[SHADE_TOP_WEFT][i] = any ? dv : STREAKS_END;
-}
+#endif

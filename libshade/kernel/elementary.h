@@ -3,14 +3,22 @@
  * Elementary functions without a call, a branch or a table, so that loops over
  * them vectorise. Errors are held by test/test_elementary.c.
  */
+#ifndef SHADE_KERNEL_ELEMENTARY_H
+#define SHADE_KERNEL_ELEMENTARY_H
 
-LEAF real_bits FN(to_bits)(real x) {
+#include <math.h>
+#include <string.h>
+
+#include "coefficients.h"
+#include "real.h"
+
+LEAF real_bits to_bits(real x) {
   real_bits u;
   memcpy(&u, &x, sizeof u);
   return u;
 }
 
-LEAF real FN(from_bits)(real_bits u) {
+LEAF real from_bits(real_bits u) {
   real x;
   memcpy(&x, &u, sizeof x);
   return x;
@@ -20,18 +28,18 @@ LEAF real FN(from_bits)(real_bits u) {
  * log(1 + t) for 0 <= t <= 4e37 (float) or 4e300 (double).
  * Worst relative error: 1.8e-7 near t = 0.42 (float), 3.4e-16 (double).
  */
-LEAF real FN(log1p_positive)(real t) {
+LEAF real log1p_positive(real t) {
   real u = 1 + t;
 #if SHADE_FLOAT
   /* k so that u / 2^k lies between sqrt(1/2) and sqrt(2) */
-  real_bits k = (FN(to_bits)(u) - 0x3f3504f3u) >> 23;
+  real_bits k = (to_bits(u) - 0x3f3504f3u) >> 23;
   real kf = (real)(int32_t)k;
-  real scale = FN(from_bits)((127u - k) << 23);
+  real scale = from_bits((127u - k) << 23);
 #else
-  real_bits k = (FN(to_bits)(u) - 0x3fe6a09e667f3bcdu) >> 52;
+  real_bits k = (to_bits(u) - 0x3fe6a09e667f3bcdu) >> 52;
   /* SSE2 and AVX2 cannot convert a 64-bit integer: plant it in the mantissa of 2^52 */
-  real kf = FN(from_bits)(k | 0x4330000000000000u) - 4503599627370496.0;
-  real scale = FN(from_bits)((1023u - k) << 52);
+  real kf = from_bits(k | 0x4330000000000000u) - 4503599627370496.0;
+  real scale = from_bits((1023u - k) << 52);
 #endif
   /* t - (u - 1) is what the rounding of 1 + t lost */
   real f = (u * scale - 1) + (t - (u - 1)) * scale;
@@ -50,7 +58,7 @@ LEAF real FN(log1p_positive)(real t) {
  * exp(-a) for a >= 0; 0 for a > 86 (float) or 700 (double), where the result is below
  * 5e-38 or 1e-304. Worst relative error: 1.2e-7 (float), 2.3e-16 (double).
  */
-LEAF real FN(exp_negative)(real a) {
+LEAF real exp_negative(real a) {
 #if SHADE_FLOAT
   const real limit = 86;
   const real magic = 12582912; /* 1.5 * 2^23: adding it rounds to a whole number */
@@ -59,7 +67,7 @@ LEAF real FN(exp_negative)(real a) {
   real k = shifted - magic;
   real r = (-y - k * SHADE_LN2_HIGH_F) - k * SHADE_LN2_LOW_F;
   real p = 1 + (r + r * r * SHADE_EXP_F(r));
-  real value = FN(from_bits)(FN(to_bits)(p) + (FN(to_bits)(shifted) << 23));
+  real value = from_bits(to_bits(p) + (to_bits(shifted) << 23));
 #else
   const real limit = 700;
   const real magic = 6755399441055744.0; /* 1.5 * 2^52 */
@@ -68,7 +76,7 @@ LEAF real FN(exp_negative)(real a) {
   real k = shifted - magic;
   real r = (-y - k * SHADE_LN2_HIGH_D) - k * SHADE_LN2_LOW_D;
   real p = 1 + (r + r * r * SHADE_EXP_D(r));
-  real value = FN(from_bits)(FN(to_bits)(p) + (FN(to_bits)(shifted) << 52));
+  real value = from_bits(to_bits(p) + (to_bits(shifted) << 52));
 #endif
   return a <= limit ? value : 0;
 }
@@ -78,20 +86,20 @@ LEAF real FN(exp_negative)(real a) {
  * division, in LOG2_UNIT: float bits count it in 2^-23, and what it is multiplied by can take
  * that along. Worst relative error: 2.1e-7 (float), 3.3e-16 (double).
  */
-LEAF real FN(log2_1p)(real a, real b) {
+LEAF real log2_1p(real a, real b) {
   /*
    * k so that (1 + a/b) / 2^k lies between 2^-0.59 and 2^0.59: bits, as a whole number, grow as
    * the logarithm does, at most 0.09 off
    */
 #if SHADE_FLOAT
-  real_bits k = (FN(to_bits)(a + b) - FN(to_bits)(b) + 0x400000u) & 0xff800000u;
+  real_bits k = (to_bits(a + b) - to_bits(b) + 0x400000u) & 0xff800000u;
   real kf = (real)(int32_t)k;
-  real scale = FN(from_bits)(0x3f800000u - k);
+  real scale = from_bits(0x3f800000u - k);
 #else
-  real_bits k = (FN(to_bits)(a + b) - FN(to_bits)(b) + 0x8000000000000u) >> 52;
+  real_bits k = (to_bits(a + b) - to_bits(b) + 0x8000000000000u) >> 52;
   /* SSE2 and AVX2 cannot convert a 64-bit integer: plant it in the mantissa of 2^52 */
-  real kf = FN(from_bits)(k | 0x4330000000000000u) - 4503599627370496.0;
-  real scale = FN(from_bits)((1023u - k) << 52);
+  real kf = from_bits(k | 0x4330000000000000u) - 4503599627370496.0;
+  real scale = from_bits((1023u - k) << 52);
 #endif
   /* f is (1 + a/b)/2^k - 1, times b: nothing is lost but in its one addition */
   real f = a * scale + b * (scale - 1);
@@ -108,17 +116,17 @@ LEAF real FN(log2_1p)(real a, real b) {
  * 2^-a for a >= 0; 0 for a > 124 (float) or 1010 (double).
  * Worst relative error: 1e-7 (float), 2e-16 (double).
  */
-LEAF real FN(exp2_negative)(real a) {
+LEAF real exp2_negative(real a) {
 #if SHADE_FLOAT
   const real limit = 124;
   const real magic = 12582912; /* 1.5 * 2^23: adding it rounds to a whole number */
   /* the bits of positive numbers compare as they do, in one instruction where floats take two */
-  int32_t least = (int32_t)FN(to_bits)(a), most = (int32_t)FN(to_bits)(limit);
-  real y = FN(from_bits)((real_bits)(least < most ? least : most));
+  int32_t least = (int32_t)to_bits(a), most = (int32_t)to_bits(limit);
+  real y = from_bits((real_bits)(least < most ? least : most));
   real shifted = magic - y;
   real r = (magic - shifted) - y;
   real p = 1 + r * SHADE_EXP2_F(r);
-  real value = FN(from_bits)(FN(to_bits)(p) + (FN(to_bits)(shifted) << 23));
+  real value = from_bits(to_bits(p) + (to_bits(shifted) << 23));
 #else
   const real limit = 1010;
   const real magic = 6755399441055744.0; /* 1.5 * 2^52 */
@@ -126,7 +134,7 @@ LEAF real FN(exp2_negative)(real a) {
   real shifted = magic - y;
   real r = (magic - shifted) - y;
   real p = 1 + r * SHADE_EXP2_D(r);
-  real value = FN(from_bits)(FN(to_bits)(p) + (FN(to_bits)(shifted) << 52));
+  real value = from_bits(to_bits(p) + (to_bits(shifted) << 52));
 #endif
   return a <= limit ? value : 0;
 }
@@ -136,7 +144,7 @@ LEAF real FN(exp2_negative)(real a) {
  * sum by sum, and not as they do in the loop beside. Single calls and batches round alike by it
  * where terms cancel, which is where a rounding can be all that is left.
  */
-LEAF real FN(multiply_add)(real a, real b, real c) {
+LEAF real multiply_add(real a, real b, real c) {
 #if !defined(__FMA__) && !defined(__FP_FAST_FMA) && !defined(__ARM_FEATURE_FMA)
   return a * b + c;
 #elif SHADE_FLOAT
@@ -146,24 +154,24 @@ LEAF real FN(multiply_add)(real a, real b, real c) {
 #endif
 }
 /* a b - c d. */
-LEAF real FN(difference)(real a, real b, real c, real d) {
-  return FN(multiply_add)(a, b, -(c * d));
+LEAF real difference(real a, real b, real c, real d) {
+  return multiply_add(a, b, -(c * d));
 }
-LEAF real FN(dot2)(real ax, real ay, real bx, real by) {
-  return FN(multiply_add)(ax, bx, ay * by);
+LEAF real dot2(real ax, real ay, real bx, real by) {
+  return multiply_add(ax, bx, ay * by);
 }
-LEAF real FN(dot)(real ax, real ay, real az, real bx, real by, real bz) {
-  return FN(multiply_add)(az, bz, FN(dot2)(ax, ay, bx, by));
+LEAF real dot(real ax, real ay, real az, real bx, real by, real bz) {
+  return multiply_add(az, bz, dot2(ax, ay, bx, by));
 }
 
-LEAF real FN(maximum)(real a, real b) {
+LEAF real maximum(real a, real b) {
   return a > b ? a : b;
 }
-LEAF real FN(minimum)(real a, real b) {
+LEAF real minimum(real a, real b) {
   return a < b ? a : b;
 }
 
-LEAF real FN(absolute)(real x) {
+LEAF real absolute(real x) {
 #if SHADE_FLOAT
   return fabsf(x);
 #else
@@ -171,7 +179,7 @@ LEAF real FN(absolute)(real x) {
 #endif
 }
 
-LEAF real FN(root)(real x) {
+LEAF real root(real x) {
 #if SHADE_FLOAT
   return sqrtf(x);
 #else
@@ -183,10 +191,10 @@ LEAF real FN(root)(real x) {
  * The angle of (x, y) from the x axis, y >= 0: 0 to pi. 0 at the origin.
  * Worst absolute error: 3e-7 (float), 5e-16 (double).
  */
-LEAF real FN(angle_of)(real y, real x) {
+LEAF real angle_of(real y, real x) {
   const real pi = R(3.14159265358979323846);
-  real ax = FN(absolute)(x);
-  real low = FN(minimum)(y, ax), high = FN(maximum)(y, ax);
+  real ax = absolute(x);
+  real low = minimum(y, ax), high = maximum(y, ax);
   int steep = low > R(0.41421356237309504880) * high; /* tan(pi/8) */
   real top = steep ? low - high : low, bottom = steep ? low + high : high;
   real s = top / (bottom + TINY);
@@ -199,3 +207,5 @@ LEAF real FN(angle_of)(real y, real x) {
   a = y > ax ? pi / 2 - a : a;
   return x < 0 ? pi - a : a;
 }
+
+#endif

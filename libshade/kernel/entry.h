@@ -1,58 +1,62 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the table of an instruction set holds: the public calls, by what shade.h says of them. */
+#ifndef SHADE_KERNEL_ENTRY_H
+#define SHADE_KERNEL_ENTRY_H
 
-static unsigned FN(kernel_mdf)(const shade_bsdf *b, const real n[3], const real h[3], real *d) {
-  return FN(mdf_one)(bsdf_of(b), n, h, d);
+#include "../src/lanes.h"
+#include "single.h"
+
+static unsigned entry_mdf(const shade_bsdf *b, const real n[3], const real h[3], real *d) {
+  return mdf_one(bsdf_of(b), n, h, d);
 }
 
-static unsigned FN(kernel_mdf_batch)(const shade_bsdf *b, size_t count, const real *nx,
-                                     const real *ny, const real *nz, const real *hx, const real *hy,
-                                     const real *hz, real *out) {
-  return FN(mdf_batch)(bsdf_of(b), count, nx, ny, nz, hx, hy, hz, out);
+static unsigned entry_mdf_batch(const shade_bsdf *b, size_t count, const real *nx, const real *ny,
+                                const real *nz, const real *hx, const real *hy, const real *hz,
+                                real *out) {
+  return mdf_batch(bsdf_of(b), count, nx, ny, nz, hx, hy, hz, out);
 }
 
-static unsigned FN(kernel_bsdf)(const shade_bsdf *b, const real n[3], const real wi[3],
-                                const real wo[3], real f[3], real *cosine) {
-  return FN(bsdf_one)(bsdf_of(b), n, wi, wo, f, cosine);
+static unsigned entry_bsdf(const shade_bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                           real f[3], real *cosine) {
+  return bsdf_one(bsdf_of(b), n, wi, wo, f, cosine);
 }
 
-static unsigned FN(kernel_prepare)(const shade_bsdf *b, const real n[3], const real wo[3],
-                                   FN(shade_bsdf_hit) * room) {
-  FN(bsdf_hit) *hit = (FN(bsdf_hit) *)room;
-  FN(prepare_one)(bsdf_of(b), n, wo, hit);
+static unsigned entry_prepare(const shade_bsdf *b, const real n[3], const real wo[3],
+                              bsdf_hit_room *room) {
+  bsdf_hit *hit = (bsdf_hit *)room;
+  prepare_one(bsdf_of(b), n, wo, hit);
   return hit->status;
 }
 
-static unsigned FN(kernel_hit)(const shade_bsdf *b, const FN(shade_bsdf_hit) * hit,
-                               const real wi[3], real f[3], real *cosine) {
-  return FN(hit_one)(bsdf_of(b), (const FN(bsdf_hit) *)hit, wi, f, cosine);
+static unsigned entry_hit(const shade_bsdf *b, const bsdf_hit_room *hit, const real wi[3],
+                          real f[3], real *cosine) {
+  return hit_one(bsdf_of(b), (const bsdf_hit *)hit, wi, f, cosine);
 }
 
-static unsigned FN(kernel_pdf)(const shade_bsdf *b, const real n[3], const real wi[3],
-                               const real wo[3], real *pdf) {
-  return FN(pdf_one)(bsdf_of(b), n, wi, wo, pdf);
+static unsigned entry_pdf(const shade_bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                          real *pdf) {
+  return pdf_one(bsdf_of(b), n, wi, wo, pdf);
 }
 
-static unsigned FN(kernel_sample)(const shade_bsdf *b, const real n[3], const real wo[3],
-                                  const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
-  return FN(sample_one)(bsdf_of(b), n, wo, u, wi, f, pdf, cosine);
+static unsigned entry_sample(const shade_bsdf *b, const real n[3], const real wo[3],
+                             const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+  return sample_one(bsdf_of(b), n, wo, u, wi, f, pdf, cosine);
 }
 
 /* Arrays that the structures of shade.h must have, from the first on. */
-enum { FN(lanes_required) = 9, FN(draws_required) = 8, FN(results_required) = 4 };
-_Static_assert(offsetof(FN(shade_lanes), parts) - offsetof(FN(shade_lanes), f0r) ==
-                       offsetof(FN(varied), parts) &&
-                   offsetof(FN(shade_sample_lanes), parts) -
-                           offsetof(FN(shade_sample_lanes), f0r) ==
-                       offsetof(FN(varied), parts),
+enum { lanes_required = 9, draws_required = 8, results_required = 4 };
+_Static_assert(offsetof(bsdf_lanes, parts) - offsetof(bsdf_lanes, f0r) ==
+                       offsetof(varied_arrays, parts) &&
+                   offsetof(sample_lanes, parts) - offsetof(sample_lanes, f0r) ==
+                       offsetof(varied_arrays, parts),
                "both end in the arrays of pass_lanes.h");
 
 /* Whether f0r, or what follows it in shade_lanes, holds anything. One by one, as in lanes.h. */
-LEAF int FN(is_varied)(const void *f0r) {
+LEAF int is_varied(const void *f0r) {
 #if defined(__GNUC__)
 #pragma GCC unroll 32
 #endif
-  for (size_t i = 0; i < sizeof(FN(varied)); i += sizeof(void *)) {
+  for (size_t i = 0; i < sizeof(varied_arrays); i += sizeof(void *)) {
     size_t word;
     memcpy(&word, (const char *)f0r + i, sizeof word);
     if (word)
@@ -65,11 +69,11 @@ LEAF int FN(is_varied)(const void *f0r) {
  * The parameters of each sample from f0r on, in *v; NULL where there are none. Parts that do not
  * exist are all of them.
  */
-static inline const FN(varied) *
-    FN(varied_from)(const void *f0r, FN(varied) * v, unsigned *status) {
+static inline const varied_arrays *varied_from(const void *f0r, varied_arrays *v,
+                                               unsigned *status) {
   const size_t all = SHADE_PART_SPECULAR | SHADE_PART_DIFFUSE;
   *status = SHADE_OK;
-  if (!FN(is_varied)(f0r))
+  if (!is_varied(f0r))
     return NULL;
   memcpy(v, f0r, sizeof *v);
   if (v->parts & ~all)
@@ -79,58 +83,57 @@ static inline const FN(varied) *
   return v;
 }
 
-static unsigned FN(kernel_bsdf_batch)(const shade_bsdf *b, size_t count,
-                                      const FN(shade_lanes) * given,
-                                      const FN(shade_result) * given_out) {
-  FN(shade_lanes) room;
-  FN(shade_result) room_out;
-  FN(varied) held;
+static unsigned entry_bsdf_batch(const shade_bsdf *b, size_t count, const bsdf_lanes *given,
+                                 const bsdf_result *given_out) {
+  bsdf_lanes room;
+  bsdf_result room_out;
+  varied_arrays held;
   unsigned status;
   if (!count)
     return SHADE_OK;
-  const FN(shade_lanes) *in = shade_whole_lanes(given, FN(lanes_required), &room, sizeof room);
-  const FN(shade_result) *out =
-      shade_whole_lanes(given_out, FN(results_required), &room_out, sizeof room_out);
+  const bsdf_lanes *in = shade_whole_lanes(given, lanes_required, &room, sizeof room);
+  const bsdf_result *out =
+      shade_whole_lanes(given_out, results_required, &room_out, sizeof room_out);
   if (!in || !out)
     return SHADE_BAD_INPUT;
-  const FN(varied) *each = FN(varied_from)(&in->f0r, &held, &status);
-  return status | FN(bsdf_batch)(bsdf_of(b), count, in, each, out);
+  const varied_arrays *each = varied_from(&in->f0r, &held, &status);
+  return status | bsdf_batch(bsdf_of(b), count, in, each, out);
 }
 
-static unsigned FN(kernel_pdf_batch)(const shade_bsdf *b, size_t count,
-                                     const FN(shade_lanes) * given, real *out) {
-  FN(shade_lanes) room;
-  FN(varied) held;
+static unsigned entry_pdf_batch(const shade_bsdf *b, size_t count, const bsdf_lanes *given,
+                                real *out) {
+  bsdf_lanes room;
+  varied_arrays held;
   unsigned status;
   if (!count)
     return SHADE_OK;
-  const FN(shade_lanes) *in = shade_whole_lanes(given, FN(lanes_required), &room, sizeof room);
+  const bsdf_lanes *in = shade_whole_lanes(given, lanes_required, &room, sizeof room);
   if (!in || !out)
     return SHADE_BAD_INPUT;
-  const FN(varied) *each = FN(varied_from)(&in->f0r, &held, &status);
-  return status | FN(pdf_batch)(bsdf_of(b), count, in, each, out);
+  const varied_arrays *each = varied_from(&in->f0r, &held, &status);
+  return status | pdf_batch(bsdf_of(b), count, in, each, out);
 }
 
-static unsigned FN(kernel_sample_batch)(const shade_bsdf *b, size_t count,
-                                        const FN(shade_sample_lanes) * given,
-                                        const FN(shade_sample_result) * given_out) {
-  FN(shade_sample_lanes) room;
-  FN(shade_sample_result) room_out;
-  FN(varied) held;
+static unsigned entry_sample_batch(const shade_bsdf *b, size_t count, const sample_lanes *given,
+                                   const sample_result *given_out) {
+  sample_lanes room;
+  sample_result room_out;
+  varied_arrays held;
   unsigned status;
   if (!count)
     return SHADE_OK;
-  const FN(shade_sample_lanes) *in =
-      shade_whole_lanes(given, FN(draws_required), &room, sizeof room);
-  const FN(shade_sample_result) *out =
-      shade_whole_lanes(given_out, FN(draws_required), &room_out, sizeof room_out);
+  const sample_lanes *in = shade_whole_lanes(given, draws_required, &room, sizeof room);
+  const sample_result *out =
+      shade_whole_lanes(given_out, draws_required, &room_out, sizeof room_out);
   if (!in || !out)
     return SHADE_BAD_INPUT;
-  const FN(varied) *each = FN(varied_from)(&in->f0r, &held, &status);
-  return status | FN(sample_batch)(bsdf_of(b), count, in, each, out);
+  const varied_arrays *each = varied_from(&in->f0r, &held, &status);
+  return status | sample_batch(bsdf_of(b), count, in, each, out);
 }
 
-static void FN(kernel_yarn)(const shade_bsdf *b, size_t count, const FN(shade_lanes) * in,
-                            real *spec, real *matt) {
-  FN(yarn_batch)(bsdf_of(b), count, in, NULL, spec, matt);
+static void entry_yarn(const shade_bsdf *b, size_t count, const bsdf_lanes *in, real *spec,
+                       real *matt) {
+  yarn_batch(bsdf_of(b), count, in, NULL, spec, matt);
 }
+
+#endif

@@ -5,16 +5,20 @@
  * normal (lz, vz); what lies along the fibre never enters, so l parallel to it is no special
  * case. lz and vz are > 0. Absolute errors against quadrature: float 5e-7, double 2e-15.
  */
+#ifndef SHADE_KERNEL_LEAF_DIFFUSE_H
+#define SHADE_KERNEL_LEAF_DIFFUSE_H
 
-LEAF real FN(diffuse_lambert)(real ly, real lz, real vy, real vz) {
+#include "leaf_fresnel.h"
+
+LEAF real diffuse_lambert(real ly, real lz, real vy, real vz) {
   (void)ly, (void)vy, (void)vz;
   return lz;
 }
 
 /* l.n_max = sqrt(1 - (l.t)^2), n_max the normal of the fibre nearest to the light. */
-LEAF real FN(diffuse_max_normal)(real ly, real lz, real vy, real vz) {
+LEAF real diffuse_max_normal(real ly, real lz, real vy, real vz) {
   (void)vy, (void)vz;
-  return FN(root)(ly * ly + lz * lz);
+  return root(ly * ly + lz * lz);
 }
 
 /*
@@ -22,9 +26,9 @@ LEAF real FN(diffuse_max_normal)(real ly, real lz, real vy, real vz) {
  * (l.n_max)(1 - n_min.b), takes the wrong sign for l.t < 0 and is 0/0 at l.t = 0 and at
  * l parallel to t. [Hast2004; method 3]
  */
-LEAF real FN(diffuse_fibre)(real ly, real lz, real vy, real vz) {
+LEAF real diffuse_fibre(real ly, real lz, real vy, real vz) {
   (void)vy, (void)vz;
-  return (FN(root)(ly * ly + lz * lz) + lz) * R(0.31830988618379067154);
+  return (root(ly * ly + lz * lz) + lz) * R(0.31830988618379067154);
 }
 
 /*
@@ -33,31 +37,31 @@ LEAF real FN(diffuse_fibre)(real ly, real lz, real vy, real vz) {
  * different sides, that between them; else that of the lower one. v parallel to the fibre
  * counts as v = n. [PoulinFournier1990 without neighbours; method 3]
  */
-LEAF real FN(diffuse_fibre_view)(real ly, real lz, real vy, real vz) {
+LEAF real diffuse_fibre_view(real ly, real lz, real vy, real vz) {
   int blind = vy * vy + vz * vz < TINY;
   vy = blind ? 0 : vy;
   vz = blind ? 1 : vz;
-  real al = FN(absolute)(ly), av = FN(absolute)(vy);
+  real al = absolute(ly), av = absolute(vy);
   real c = ly * vy + lz * vz;
   real across = ly * vz - lz * vy;
   int apart = ly * vy < 0, light = al * vz >= av * lz;
-  real s = apart ? FN(absolute)(across) : light ? al * vz : av * lz;
+  real s = apart ? absolute(across) : light ? al * vz : av * lz;
   real y = apart ? s : light ? al : av, x = apart ? c : light ? lz : vz;
-  real open = R(3.14159265358979323846) - FN(angle_of)(y, x);
-  real seen = FN(root)(vy * vy + vz * vz) + vz;
-  return FN(maximum)(open * c + s, 0) / (2 * seen);
+  real open = R(3.14159265358979323846) - angle_of(y, x);
+  real seen = root(vy * vy + vz * vz) + vz;
+  return maximum(open * c + s, 0) / (2 * seen);
 }
 
 /* The reference's alone, by quadrature; here without the neighbours' shadows. */
-LEAF real FN(diffuse_poulin_fournier)(real ly, real lz, real vy, real vz) {
-  return FN(diffuse_fibre_view)(ly, lz, vy, vz);
+LEAF real diffuse_poulin_fournier(real ly, real lz, real vy, real vz) {
+  return diffuse_fibre_view(ly, lz, vy, vz);
 }
 
 /* (28/23)(1 - (1 - l.n/2)^5)(1 - (1 - v.n/2)^5) n.l; the factor 1 - f0 is the caller's.
    [AshikhminShirley2000 Eq. 5] */
-LEAF real FN(diffuse_ashikhmin_shirley)(real ly, real lz, real vy, real vz) {
+LEAF real diffuse_ashikhmin_shirley(real ly, real lz, real vy, real vz) {
   (void)ly, (void)vy;
-  real white = (1 - FN(schlick_weight)(R(0.5) * lz)) * (1 - FN(schlick_weight)(R(0.5) * vz));
+  real white = (1 - schlick_weight(R(0.5) * lz)) * (1 - schlick_weight(R(0.5) * vz));
   return R(28.0) / R(23.0) * white * lz;
 }
 
@@ -66,13 +70,15 @@ LEAF real FN(diffuse_ashikhmin_shirley)(real ly, real lz, real vy, real vz) {
  * is anything, 0. Grooves along y: the same with x and y exchanged. Absolute error, tilts to
  * 89.9 degrees: float 3e-7, double 6e-16, worst at the largest tilt.
  */
-LEAF real FN(over_fibre)(real nx, real ny, real nz, real wx, real wy, real wz) {
+LEAF real over_fibre(real nx, real ny, real nz, real wx, real wy, real wz) {
   /* L times that */
-  return FN(dot2)(nx, nz, FN(difference)(nx, wy, ny, wx), FN(difference)(nz, wy, ny, wz));
+  return dot2(nx, nz, difference(nx, wy, ny, wx), difference(nz, wy, ny, wz));
 }
-LEAF real FN(fibre_length)(real nx, real nz) {
-  return FN(root)(nx * nx + nz * nz) + TINY;
+LEAF real fibre_length(real nx, real nz) {
+  return root(nx * nx + nz * nz) + TINY;
 }
-LEAF real FN(across_fibre)(real nx, real ny, real nz, real wx, real wy, real wz) {
-  return FN(over_fibre)(nx, ny, nz, wx, wy, wz) / FN(fibre_length)(nx, nz);
+LEAF real across_fibre(real nx, real ny, real nz, real wx, real wy, real wz) {
+  return over_fibre(nx, ny, nz, wx, wy, wz) / fibre_length(nx, nz);
 }
+
+#endif

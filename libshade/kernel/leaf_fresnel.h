@@ -5,53 +5,59 @@
  * reference, for directions to 89 degrees: float 5e-6 (of which the directions make most), double
  * 1e-14.
  */
+#ifndef SHADE_KERNEL_LEAF_FRESNEL_H
+#define SHADE_KERNEL_LEAF_FRESNEL_H
+
+#include "elementary.h"
 
 /* (1 - c)^5, the share of white in Schlick's Fresnel. [Schlick1994 Eq. 15] */
-LEAF real FN(schlick_weight)(real c) {
+LEAF real schlick_weight(real c) {
   real m = 1 - c;
   real m2 = m * m;
   return m2 * m2 * m;
 }
 
-LEAF real FN(fresnel_none)(real f0, real tint, real k, real c) {
+LEAF real fresnel_none(real f0, real tint, real k, real c) {
   (void)tint, (void)k, (void)c;
   return f0;
 }
 
-LEAF real FN(fresnel_schlick)(real f0, real tint, real k, real c) {
+LEAF real fresnel_schlick(real f0, real tint, real k, real c) {
   (void)tint, (void)k;
-  return f0 + (1 - f0) * FN(schlick_weight)(c);
+  return f0 + (1 - f0) * schlick_weight(c);
 }
 
 /*
  * Schlick's value less b c (1 - c)^6, b such that c = 1/7 keeps `tint` of it. The
  * difference may fall below 0 for dark f0 and small tint: 0 there. [Kutz2021]
  */
-LEAF real FN(fresnel_f82)(real f0, real tint, real k, real c) {
+LEAF real fresnel_f82(real f0, real tint, real k, real c) {
   (void)k;
   const real at_7th = R(7776.0) / R(16807.0);  /* (6/7)^5 */
   const real scale = R(823543.0) / R(46656.0); /* 7 (7/6)^6 */
-  real white = FN(schlick_weight)(c);
+  real white = schlick_weight(c);
   real b = (f0 + (1 - f0) * at_7th) * (1 - tint) * scale;
-  return FN(maximum)(f0 + (1 - f0) * white - b * c * white * (1 - c), 0);
+  return maximum(f0 + (1 - f0) * white - b * c * white * (1 - c), 0);
 }
 
 /*
  * Conductor eta + i k against air, unpolarised. a^2 comes from whichever of its forms does
  * not cancel. [BornWolf1999 section 14.2]
  */
-LEAF real FN(fresnel_conductor)(real f0, real eta, real k, real c) {
+LEAF real fresnel_conductor(real f0, real eta, real k, real c) {
   (void)f0;
   real cos2 = c * c, sin2 = 1 - cos2;
   real eta2 = eta * eta, k2 = k * k;
   real t0 = eta2 - k2 - sin2;
-  real both = FN(root)(t0 * t0 + 4 * eta2 * k2); /* a^2 + b^2 */
+  real both = root(t0 * t0 + 4 * eta2 * k2); /* a^2 + b^2 */
   real larger = R(0.5) * (both + (t0 < 0 ? -t0 : t0));
   real smaller = eta2 * k2 / (larger + TINY);
-  real a = FN(root)(t0 < 0 ? smaller : larger);
+  real a = root(t0 < 0 ? smaller : larger);
   real t1 = both + cos2, t2 = 2 * a * c;
   real rs = (t1 - t2) / (t1 + t2 + TINY);
   real t3 = cos2 * both + sin2 * sin2, t4 = t2 * sin2;
   real rp = rs * (t3 - t4) / (t3 + t4 + TINY);
-  return FN(maximum)(R(0.5) * (rs + rp), 0); /* eta near 1 cancels */
+  return maximum(R(0.5) * (rs + rp), 0); /* eta near 1 cancels */
 }
+
+#endif

@@ -8,6 +8,10 @@
  * worst input is a bent normal, or a mirrored direction, whose half vector lies far out in a
  * narrow lobe. As wi.z or the cosines go to 0 relative errors grow in inverse proportion.
  */
+#ifndef SHADE_KERNEL_LEAF_HORIZON_H
+#define SHADE_KERNEL_LEAF_HORIZON_H
+
+#include "elementary.h"
 
 /*
  * n bent towards z, in the plane of both, until the mirror image of wo has z = t,
@@ -15,37 +19,37 @@
  * projections of wo, (a, c), and of the image, (s, t), which are equally long. Only then is n
  * changed. [the aim, and t, are those of Cycles' ensure_valid_specular_reflection]
  */
-typedef struct FN(normal) {
+typedef struct normal {
   real x, y, z;
-} FN(normal);
+} normal;
 
-LEAF int FN(needs_bend)(real nx, real ny, real nz, real wox, real woy, real woz) {
-  real along = FN(dot2)(nx, ny, wox, woy);
-  real t = FN(minimum)(R(0.9) * woz, R(0.01));
-  real image = FN(multiply_add)(2 * FN(multiply_add)(nz, woz, along), nz, -woz);
-  return (image < t) & (woz > 0) & (FN(dot2)(nx, ny, nx, ny) > TINY);
+LEAF int needs_bend(real nx, real ny, real nz, real wox, real woy, real woz) {
+  real along = dot2(nx, ny, wox, woy);
+  real t = minimum(R(0.9) * woz, R(0.01));
+  real image = multiply_add(2 * multiply_add(nz, woz, along), nz, -woz);
+  return (image < t) & (woz > 0) & (dot2(nx, ny, nx, ny) > TINY);
 }
-LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz) {
-  real side2 = FN(dot2)(nx, ny, nx, ny);
-  real along = FN(dot2)(nx, ny, wox, woy);
-  real t = FN(minimum)(R(0.9) * woz, R(0.01));
-  int low = FN(needs_bend)(nx, ny, nz, wox, woy, woz);
-  real inverse = 1 / FN(root)(low ? side2 : 1); /* once: divisions are most of the time */
+LEAF normal bend(real nx, real ny, real nz, real wox, real woy, real woz) {
+  real side2 = dot2(nx, ny, nx, ny);
+  real along = dot2(nx, ny, wox, woy);
+  real t = minimum(R(0.9) * woz, R(0.01));
+  int low = needs_bend(nx, ny, nz, wox, woy, woz);
+  real inverse = 1 / root(low ? side2 : 1); /* once: divisions are most of the time */
   real a = along * inverse;
-  real over = FN(maximum)((woz - t) * (woz + t), 0); /* s^2 - a^2 */
-  real s = FN(root)(FN(multiply_add)(a, a, over));
+  real over = maximum((woz - t) * (woz + t), 0); /* s^2 - a^2 */
+  real s = root(multiply_add(a, a, over));
   /* s + a without cancellation; both are 0 only where wo is normal to that plane */
-  real apart = over / FN(maximum)(s - a, TINY);
+  real apart = over / maximum(s - a, TINY);
   real x = a < 0 ? apart : s + a;
   real z = woz + t;
   /* by the larger first: z may be so small that it has no square. No choice by `low`: compilers
      would divide in both cases, 0/0 too */
-  real larger = 1 / (FN(maximum)(x, FN(absolute)(z)) + LEAST_NORMAL);
+  real larger = 1 / (maximum(x, absolute(z)) + LEAST_NORMAL);
   x *= larger;
   z *= larger;
-  real scale = 1 / FN(root)(FN(maximum)(FN(dot2)(x, z, x, z), TINY));
+  real scale = 1 / root(maximum(dot2(x, z, x, z), TINY));
   x *= scale * inverse;
-  FN(normal) n = {nx, ny, nz};
+  normal n = {nx, ny, nz};
   n.x = low ? nx * x : n.x;
   n.y = low ? ny * x : n.y;
   n.z = low ? z * scale : n.z;
@@ -57,28 +61,28 @@ LEAF FN(normal) FN(bend)(real nx, real ny, real nz, real wox, real woy, real woz
  * of its fractions times n.z, for one division in place of two. Where n.z is below .001, alpha^2 is
  * 1 whatever it is. [Estevez2019]
  */
-typedef struct FN(estevez) {
+typedef struct estevez {
   real up, alpha2; /* n.z; times its square */
-} FN(estevez);
-LEAF FN(estevez) FN(estevez_of)(real nx, real ny, real nz) {
-  real up = FN(maximum)(nz, R(1e-3));
-  return (FN(estevez)){up, FN(minimum)(R(0.125) * (nx * nx + ny * ny), up * up)};
+} estevez;
+LEAF estevez estevez_of(real nx, real ny, real nz) {
+  real up = maximum(nz, R(1e-3));
+  return (estevez){up, minimum(R(0.125) * (nx * nx + ny * ny), up * up)};
 }
-LEAF real FN(shadow_of)(FN(estevez) e, real wix, real wiy, real wiz) {
-  real z = FN(maximum)(wiz, 0), own = z * e.up;
+LEAF real shadow_of(estevez e, real wix, real wiy, real wiz) {
+  real z = maximum(wiz, 0), own = z * e.up;
   /* own again, where it has no square */
-  real sum = own + FN(maximum)(FN(root)(own * own + e.alpha2 * (wix * wix + wiy * wiy)), own);
-  return 2 * own / FN(maximum)(sum, LEAST_NORMAL);
+  real sum = own + maximum(root(own * own + e.alpha2 * (wix * wix + wiy * wiy)), own);
+  return 2 * own / maximum(sum, LEAST_NORMAL);
 }
-LEAF real FN(shadow_estevez)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
-  return FN(shadow_of)(FN(estevez_of)(nx, ny, nz), wix, wiy, wiz);
+LEAF real shadow_estevez(real nx, real ny, real nz, real wix, real wiy, real wiz) {
+  return shadow_of(estevez_of(nx, ny, nz), wix, wiy, wiz);
 }
 
 /* The cubic in g = wi.z/(n.z n.wi) that meets 1 without a kink at g = 1. [Chiang2019] */
-LEAF real FN(shadow_chiang)(real nx, real ny, real nz, real wix, real wiy, real wiz) {
-  real z = FN(maximum)(wiz, 0);
-  real cosine = nz * FN(dot)(nx, ny, nz, wix, wiy, wiz);
-  real g = z < cosine ? z / FN(maximum)(cosine, TINY) : 1;
+LEAF real shadow_chiang(real nx, real ny, real nz, real wix, real wiy, real wiz) {
+  real z = maximum(wiz, 0);
+  real cosine = nz * dot(nx, ny, nz, wix, wiy, wiz);
+  real g = z < cosine ? z / maximum(cosine, TINY) : 1;
   return g + g * g * (1 - g);
 }
 
@@ -86,15 +90,15 @@ LEAF real FN(shadow_chiang)(real nx, real ny, real nz, real wix, real wiy, real 
  * Shares of the two facets that w, above z, sees: that of the bumped one, p/(p + q), and that
  * of the upright one, q/(p + q). [Schuessler2017]
  */
-LEAF real FN(share_upright)(real nx, real ny, real nz, real wx, real wy, real wz) {
-  real side = FN(dot2)(nx, ny, wx, wy);
-  real p = FN(maximum)(FN(multiply_add)(nz, wz, side), 0), q = FN(maximum)(-side, 0);
-  return q / FN(maximum)(p + q, TINY);
+LEAF real share_upright(real nx, real ny, real nz, real wx, real wy, real wz) {
+  real side = dot2(nx, ny, wx, wy);
+  real p = maximum(multiply_add(nz, wz, side), 0), q = maximum(-side, 0);
+  return q / maximum(p + q, TINY);
 }
-LEAF real FN(share_bumped)(real nx, real ny, real nz, real wx, real wy, real wz) {
-  real side = FN(dot2)(nx, ny, wx, wy);
-  real p = FN(maximum)(FN(multiply_add)(nz, wz, side), 0), q = FN(maximum)(-side, 0);
-  return p / FN(maximum)(p + q, TINY);
+LEAF real share_bumped(real nx, real ny, real nz, real wx, real wy, real wz) {
+  real side = dot2(nx, ny, wx, wy);
+  real p = maximum(multiply_add(nz, wz, side), 0), q = maximum(-side, 0);
+  return p / maximum(p + q, TINY);
 }
 
 /*
@@ -102,14 +106,16 @@ LEAF real FN(share_bumped)(real nx, real ny, real nz, real wx, real wy, real wz)
  * Scaled, or TINY would count beside the squares of small tilts, and the image not be unit.
  * Tilts below 1e-29 (float) or 1e-287 (double) have no mirror.
  */
-LEAF real FN(mirror_step)(real nx, real ny, real wx, real wy) {
+LEAF real mirror_step(real nx, real ny, real wx, real wy) {
 #if SHADE_FLOAT
   const real scale = 0x1p60f, least = 1e-21f;
 #else
   const real scale = 0x1p500, least = 1e-273;
 #endif
   real mx = nx * scale, my = ny * scale;
-  real side2 = FN(dot2)(mx, my, mx, my);
-  real step = 2 * scale * FN(dot2)(mx, my, wx, wy) / (side2 + TINY);
+  real side2 = dot2(mx, my, mx, my);
+  real step = 2 * scale * dot2(mx, my, wx, wy) / (side2 + TINY);
   return side2 > least ? step : 0;
 }
+
+#endif

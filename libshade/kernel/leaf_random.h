@@ -3,39 +3,41 @@
  * From uniform numbers: circles, logarithms. Draws are accurate to a few roundings of the type;
  * whatever they miss, the density is that of the direction that was returned.
  */
+#ifndef SHADE_KERNEL_LEAF_RANDOM_H
+#define SHADE_KERNEL_LEAF_RANDOM_H
+
+#include "elementary.h"
 
 /* Exclusive upper end of a uniform number, and the least that is not 0. */
-#undef BELOW_ONE
 #if SHADE_FLOAT
 #define BELOW_ONE 0x1.fffffep-1f
 #else
 #define BELOW_ONE 0x1.fffffffffffffp-1
 #endif
-#undef LEAST_UNIFORM
 #define LEAST_UNIFORM (R(0.5) * (1 - BELOW_ONE))
 
-typedef struct FN(pair) {
+typedef struct pair {
   real x, y;
-} FN(pair);
+} pair;
 
-typedef struct FN(triple) {
+typedef struct triple {
   real x, y, z;
-} FN(triple);
+} triple;
 
 /* With x and y in each other's place, or as it is. */
-LEAF FN(triple) FN(exchanged)(FN(triple) v, int swap) {
-  return (FN(triple)){swap ? v.y : v.x, swap ? v.x : v.y, v.z};
+LEAF triple exchanged(triple v, int swap) {
+  return (triple){swap ? v.y : v.x, swap ? v.x : v.y, v.z};
 }
 
 /* (cos, sin) of 2 pi u, u in [0, 1]: Taylor's series within an eighth of a turn of an axis. */
-LEAF FN(pair) FN(circle)(real u) {
+LEAF pair circle(real u) {
 #if SHADE_FLOAT
   const real magic = 12582912; /* adding it rounds to a whole number */
 #else
   const real magic = 6755399441055744.0;
 #endif
   real shifted = 4 * u + magic;
-  real_bits quarter = FN(to_bits)(shifted);
+  real_bits quarter = to_bits(shifted);
   real a = (4 * u - (shifted - magic)) * R(1.57079632679489661923);
   real z = a * a;
 #if SHADE_FLOAT
@@ -50,12 +52,12 @@ LEAF FN(pair) FN(circle)(real u) {
   c = 1 - z * (0.5 - z * c);
 #endif
   real sign = (quarter & 2) ? R(-1.0) : R(1.0);
-  FN(pair) p = {sign * ((quarter & 1) ? -s : c), sign * ((quarter & 1) ? c : s)};
+  pair p = {sign * ((quarter & 1) ? -s : c), sign * ((quarter & 1) ? c : s)};
   return p;
 }
 
 /* 1 - exp(-a), a >= 0, without cancellation. */
-LEAF real FN(one_less_exp)(real a) {
+LEAF real one_less_exp(real a) {
 #if SHADE_FLOAT
   const real limit = 86, magic = 12582912;
   real y = a < limit ? a : limit;
@@ -63,7 +65,7 @@ LEAF real FN(one_less_exp)(real a) {
   real k = shifted - magic;
   real r = (-y - k * SHADE_LN2_HIGH_F) - k * SHADE_LN2_LOW_F;
   real rest = r + r * r * SHADE_EXP_F(r);
-  real scale = FN(from_bits)((FN(to_bits)(shifted) + 127u) << 23);
+  real scale = from_bits((to_bits(shifted) + 127u) << 23);
 #else
   const real limit = 700, magic = 6755399441055744.0;
   real y = a < limit ? a : limit;
@@ -71,15 +73,17 @@ LEAF real FN(one_less_exp)(real a) {
   real k = shifted - magic;
   real r = (-y - k * SHADE_LN2_HIGH_D) - k * SHADE_LN2_LOW_D;
   real rest = r + r * r * SHADE_EXP_D(r);
-  real scale = FN(from_bits)((FN(to_bits)(shifted) + 1023u) << 52);
+  real scale = from_bits((to_bits(shifted) + 1023u) << 52);
 #endif
   return (1 - scale) - scale * rest;
 }
 
 /* -ln(1 - u) and -ln u for u in [0, BELOW_ONE] and [LEAST_UNIFORM, 1]. */
-LEAF real FN(log_left)(real u) {
-  return FN(log1p_positive)(u / (1 - u));
+LEAF real log_left(real u) {
+  return log1p_positive(u / (1 - u));
 }
-LEAF real FN(minus_log)(real u) {
-  return FN(log1p_positive)(FN(maximum)(1 - u, 0) / u);
+LEAF real minus_log(real u) {
+  return log1p_positive(maximum(1 - u, 0) / u);
 }
+
+#endif

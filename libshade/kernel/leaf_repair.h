@@ -3,6 +3,11 @@
  * Directions that the passes cannot take as they are. The check is cheap and
  * runs on every lane; the mending is a slow path that few samples ever see.
  */
+#ifndef SHADE_KERNEL_LEAF_REPAIR_H
+#define SHADE_KERNEL_LEAF_REPAIR_H
+
+#include "shade/shade.h"
+#include "leaf_random.h"
 
 /*
  * Whether a vector is unit, in two words to be or-ed over many vectors, so that the check
@@ -24,8 +29,8 @@
 #define UNIT_BITS 0x3fu
 #endif
 
-LEAF real_bits FN(far_bits)(real x, real y, real z) {
-  return FN(to_bits)(x) | FN(to_bits)(y) | FN(to_bits)(z);
+LEAF real_bits far_bits(real x, real y, real z) {
+  return to_bits(x) | to_bits(y) | to_bits(z);
 }
 
 /*
@@ -33,15 +38,15 @@ LEAF real_bits FN(far_bits)(real x, real y, real z) {
  * roundings. rotate's leaf is not homogeneous in n: an excess of s in its length would change
  * D by a factor of about exp(-2 s ln D).
  */
-LEAF real_bits FN(uneven_bits)(real x, real y, real z) {
-  x = FN(from_bits)(FN(to_bits)(x) & ~FAR_BIT);
-  y = FN(from_bits)(FN(to_bits)(y) & ~FAR_BIT);
-  z = FN(from_bits)(FN(to_bits)(z) & ~FAR_BIT);
-  return FN(to_bits)(x * x + UNIT_SLACK + y * y + z * z) ^ FN(to_bits)(1);
+LEAF real_bits uneven_bits(real x, real y, real z) {
+  x = from_bits(to_bits(x) & ~FAR_BIT);
+  y = from_bits(to_bits(y) & ~FAR_BIT);
+  z = from_bits(to_bits(z) & ~FAR_BIT);
+  return to_bits(x * x + UNIT_SLACK + y * y + z * z) ^ to_bits(1);
 }
 
 /* Not 0 where it is not. */
-LEAF real_bits FN(off_unit)(real_bits far, real_bits uneven) {
+LEAF real_bits off_unit(real_bits far, real_bits uneven) {
   return (far & FAR_BIT) | (uneven & ~(real_bits)UNIT_BITS);
 }
 
@@ -50,13 +55,13 @@ LEAF real_bits FN(off_unit)(real_bits far, real_bits uneven) {
  * largest component first keeps the square in range. Length and components are off by at most
  * 2e-7 (float) or 3e-16 (double), whatever the size of v.
  */
-static inline int FN(make_unit)(real v[3]) {
+static inline int make_unit(real v[3]) {
   real largest = 0;
   int finite = 1;
   for (int i = 0; i < 3; i++) {
     real size = v[i] < 0 ? -v[i] : v[i];
     finite &= size - size == 0;
-    largest = FN(maximum)(largest, size);
+    largest = maximum(largest, size);
   }
   if (!finite || largest == 0) {
     v[0] = v[1] = 0;
@@ -66,43 +71,43 @@ static inline int FN(make_unit)(real v[3]) {
   for (int pass = 0; pass < 2; pass++) {
     for (int i = 0; i < 3; i++)
       v[i] /= largest;
-    largest = FN(root)(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    largest = root(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
   return 1;
 }
 
 /* Unit, then n.z > 0: the nearest normal the methods are defined for. */
-static inline unsigned FN(mend_normal)(real n[3]) {
-  unsigned status = FN(make_unit)(n) ? SHADE_OK : SHADE_BAD_INPUT;
+static inline unsigned mend_normal(real n[3]) {
+  unsigned status = make_unit(n) ? SHADE_OK : SHADE_BAD_INPUT;
   if (!(n[2] > 0)) {
     n[2] = R(1e-4);
-    FN(make_unit)(n);
+    make_unit(n);
     status |= SHADE_CLAMPED_NORMAL;
   }
   return status;
 }
 
-static inline unsigned FN(mend_if_needed)(real v[3], int is_normal) {
-  real_bits off = FN(off_unit)(FN(far_bits)(v[0], v[1], v[2]), FN(uneven_bits)(v[0], v[1], v[2]));
+static inline unsigned mend_if_needed(real v[3], int is_normal) {
+  real_bits off = off_unit(far_bits(v[0], v[1], v[2]), uneven_bits(v[0], v[1], v[2]));
   if (is_normal) /* n.z may vanish when n is made unit */
-    return off || !(v[2] > 0) ? FN(mend_normal)(v) : SHADE_OK;
-  return off && !FN(make_unit)(v) ? SHADE_BAD_INPUT : SHADE_OK;
+    return off || !(v[2] > 0) ? mend_normal(v) : SHADE_OK;
+  return off && !make_unit(v) ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
 /* The same of a single call, by value: what is not mended, nearly all, never leaves registers. */
-typedef struct FN(direction) {
-  FN(triple) v;
+typedef struct direction {
+  triple v;
   unsigned status;
-} FN(direction);
-static __attribute__((noinline, cold)) FN(direction)
-    FN(mend_direction)(FN(triple) w, int is_normal) {
+} direction;
+static __attribute__((noinline, cold)) direction mend_direction(triple w, int is_normal) {
   real v[3] = {w.x, w.y, w.z};
-  const unsigned status = FN(mend_if_needed)(v, is_normal);
-  return (FN(direction)){{v[0], v[1], v[2]}, status};
+  const unsigned status = mend_if_needed(v, is_normal);
+  return (direction){{v[0], v[1], v[2]}, status};
 }
-LEAF FN(direction) FN(direction_of)(const real v[3], int is_normal) {
-  const FN(direction) d = {{v[0], v[1], v[2]}, SHADE_OK};
-  const real_bits off =
-      FN(off_unit)(FN(far_bits)(d.v.x, d.v.y, d.v.z), FN(uneven_bits)(d.v.x, d.v.y, d.v.z));
-  return off || (is_normal && !(d.v.z > 0)) ? FN(mend_direction)(d.v, is_normal) : d;
+LEAF direction direction_of(const real v[3], int is_normal) {
+  const direction d = {{v[0], v[1], v[2]}, SHADE_OK};
+  const real_bits off = off_unit(far_bits(d.v.x, d.v.y, d.v.z), uneven_bits(d.v.x, d.v.y, d.v.z));
+  return off || (is_normal && !(d.v.z > 0)) ? mend_direction(d.v, is_normal) : d;
 }
+
+#endif

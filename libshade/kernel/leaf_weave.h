@@ -6,8 +6,11 @@
  * but at the jumps of the ridges and at edges (test/test_weave.c); the worst is noise with
  * knots .01 crossings apart, 1e-6 without it.
  */
-#ifndef WEAVE_NOISE_H
-#define WEAVE_NOISE_H
+#ifndef SHADE_KERNEL_LEAF_WEAVE_H
+#define SHADE_KERNEL_LEAF_WEAVE_H
+
+#include "elementary.h"
+
 /*
  * 32 well mixed bits of a yarn's index, a knot along it and a channel. Multiplications by odd
  * constants and shifts only, so that other languages give the same bits. In two steps, of which the
@@ -40,21 +43,20 @@ enum {
   WEAVE_SLUB,
   WEAVE_CHANNELS
 };
-#endif
 
 /* -1 <= r < 1, uniform. The top 24 bits: exact in float. */
-LEAF real FN(weave_random_of)(uint32_t hash) {
+LEAF real weave_random_of(uint32_t hash) {
   return (real)(int32_t)(hash >> 8) * R(0x1p-23) - 1;
 }
-LEAF real FN(weave_random)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
-  return FN(weave_random_of)(weave_hash(seed, channel, yarn, knot));
+LEAF real weave_random(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot) {
+  return weave_random_of(weave_hash(seed, channel, yarn, knot));
 }
 
-LEAF real FN(weave_floor)(real x) {
+LEAF real weave_floor(real x) {
 #if defined(__SSE2__) && !defined(__SSE4_1__)
   /* no such instruction: adding 2^23 (2^52) leaves no place for a fraction */
   const real magic = SHADE_FLOAT ? R(8388608.0) : R(4503599627370496.0);
-  const real size = FN(absolute)(x), near = (size + magic) - magic;
+  const real size = absolute(x), near = (size + magic) - magic;
   const real nearest = x < 0 ? -near : near;
   const real below = nearest > x ? nearest - 1 : nearest;
   return size < magic ? below : x;
@@ -66,14 +68,14 @@ LEAF real FN(weave_floor)(real x) {
 }
 
 /* x - floor(x), in [0, 1]: 1 where x is below 0 by less than a rounding of 1. */
-LEAF real FN(weave_fract)(real x) {
-  return x - FN(weave_floor)(x);
+LEAF real weave_fract(real x) {
+  return x - weave_floor(x);
 }
 
 /* A whole number modulo 2^32. All of it is exact, whatever the size. */
-LEAF uint32_t FN(weave_low_bits)(real k) {
-  const real range = R(4294967296.0), size = FN(absolute)(k);
-  const real rest = size - FN(weave_floor)(size * (1 / range)) * range;
+LEAF uint32_t weave_low_bits(real k) {
+  const real range = R(4294967296.0), size = absolute(k);
+  const real rest = size - weave_floor(size * (1 / range)) * range;
   const real low = rest >= range / 2 ? rest - range : rest;
   const int32_t bits = (int32_t)low;
   return k < 0 ? 0u - (uint32_t)bits : (uint32_t)bits;
@@ -81,19 +83,18 @@ LEAF uint32_t FN(weave_low_bits)(real k) {
 
 /* The knot before p, and how far along the cubic with level ends to the next p is. Beyond 4e18 the
  * last knot. */
-LEAF void FN(weave_knot)(real p, uint32_t *knot, real *ease) {
+LEAF void weave_knot(real p, uint32_t *knot, real *ease) {
   const real limit = R(4e18);
-  const real k = FN(minimum)(FN(maximum)(FN(weave_floor)(p), -limit), limit);
-  const real t = FN(minimum)(FN(maximum)(p - k, 0), 1);
-  *knot = FN(weave_low_bits)(k);
+  const real k = minimum(maximum(weave_floor(p), -limit), limit);
+  const real t = minimum(maximum(p - k, 0), 1);
+  *knot = weave_low_bits(k);
   *ease = t * t * (3 - 2 * t);
 }
 
 /* Noise along a yarn: random values at knots, joined by cubics. -1 <= result < 1. */
-LEAF real FN(weave_along)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot,
-                          real ease) {
-  real a = FN(weave_random)(seed, channel, yarn, knot);
-  real b = FN(weave_random)(seed, channel, yarn, knot + 1u);
+LEAF real weave_along(uint32_t seed, uint32_t channel, uint32_t yarn, uint32_t knot, real ease) {
+  real a = weave_random(seed, channel, yarn, knot);
+  real b = weave_random(seed, channel, yarn, knot + 1u);
   return a + (b - a) * ease;
 }
 
@@ -101,20 +102,20 @@ LEAF real FN(weave_along)(uint32_t seed, uint32_t channel, uint32_t yarn, uint32
  * Saw teeth of the twisted strands: 2 fract(segments (s - slant sigma)) - 1, in [-1, 1].
  * [KangFabric, its twist term corrected: sigma runs across the yarn]
  */
-LEAF real FN(weave_ridge)(real segments, real slant, real s, real sigma) {
-  return 2 * FN(weave_fract)(segments * (s - slant * sigma)) - 1;
+LEAF real weave_ridge(real segments, real slant, real s, real sigma) {
+  return 2 * weave_fract(segments * (s - slant * sigma)) - 1;
 }
 
 /* w(d) of shade_yarn_params' crimp: 1 at d = 0, 0 from d = length on, smooth and level at both. */
-LEAF real FN(weave_dive)(real distance, real per_length) {
-  real rest = 1 - FN(minimum)(distance * per_length, 1);
+LEAF real weave_dive(real distance, real per_length) {
+  real rest = 1 - minimum(distance * per_length, 1);
   return rest * rest * (3 - 2 * rest);
 }
 
 /* Shorten (x, y) to at most .98, a tilt of 78.5 degrees. */
-LEAF void FN(weave_clamp)(real *x, real *y) {
+LEAF void weave_clamp(real *x, real *y) {
   real square = *x * *x + *y * *y;
-  real scale = square > R(0.9604) ? R(0.98) / FN(root)(square) : 1;
+  real scale = square > R(0.9604) ? R(0.98) / root(square) : 1;
   *x *= scale;
   *y *= scale;
 }
@@ -126,13 +127,13 @@ LEAF void FN(weave_clamp)(real *x, real *y) {
  * the lean. `share`: width over distance of the yarns. 0 <= sigma^2 <= 1.
  * With the arc's radius as the unit, that neighbour's centre lies 2 curve/share away.
  */
-LEAF real FN(weave_sky)(real curve, real share, real sigma) {
+LEAF real weave_sky(real curve, real share, real sigma) {
   real sine = curve * (sigma < 0 ? -sigma : sigma);
-  real cosine = FN(root)(1 - sine * sine);
+  real cosine = root(1 - sine * sine);
   real away = 2 * curve / share;
   /* D^2 - 1, D the distance from the point to that centre */
-  real square = FN(maximum)(away * (away - 2 * sine), 0);
-  real across = away - sine, reach = FN(root)(square);
+  real square = maximum(away * (away - 2 * sine), 0);
+  real across = away - sine, reach = root(square);
   /* eps = asin(1/D) - kappa, kappa the centre's depression: tan kappa = cosine/across */
   real inverse = 1 / (square + 1);
   real cos_eps = (reach * across + cosine) * inverse;
@@ -144,8 +145,10 @@ LEAF real FN(weave_sky)(real curve, real share, real sigma) {
  * The same at the bottom of a gap between two walls, half a yarn's width deep: sigma from 1
  * (or -1), at the yarn's edge, to 2/share - 1, at its neighbour's.
  */
-LEAF real FN(weave_sky_gap)(real share, real sigma) {
-  real near = FN(maximum)((sigma < 0 ? -sigma : sigma) - 1, 0);
-  real far = FN(maximum)(2 / share - 2 - near, 0);
-  return (near / FN(root)(near * near + 1) + far / FN(root)(far * far + 1)) / 2;
+LEAF real weave_sky_gap(real share, real sigma) {
+  real near = maximum((sigma < 0 ? -sigma : sigma) - 1, 0);
+  real far = maximum(2 / share - 2 - near, 0);
+  return (near / root(near * near + 1) + far / root(far * far + 1)) / 2;
 }
+
+#endif

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* GGX: D, Smith's Lambda, draws of half vectors and of the normals that an eye sees. */
-#ifndef SHADE_MDF_GGX_IS
+#ifndef SHADE_KERNEL_MDF_GGX_H
+#define SHADE_KERNEL_MDF_GGX_H
+
+#include "mdf_parts.h"
+
 #define SHADE_MDF_GGX_FORM SLOPES
 /*
  * Worst seen, all with sse2: float 1.5e-6 at exponents (885, 690), gram_schmidt, n (.624, .773,
@@ -12,17 +16,15 @@
     .projected = 1, .visible = 1, .proposal = 1, .per_slope = 1, .tails = 1, .narrowed = 0.5,      \
     .blunted = 0.4, .float_1e3 = 5e-6, .float_1e5 = 5e-5, .double_1e4 = 1e-13                      \
   }
-#endif
 
-#ifdef FN
 /*
  * GGX (Trowbridge-Reitz). Integrates to 1 over the hemisphere with the cosine. The ratio's
  * cap of 1e5 binds only where rotate_approximate's slopes vanish while t does not; it keeps D
  * under 4e17. [Walter2007 Eq. 33; Heitz2014 Eq. 85]
  */
-LEAF real FN(ggx)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real t = FN(absolute)(p.t);
-  real ratio = (1 + t) / FN(maximum)(1 + (kx * p.xx + ky * p.yy), R(1e-5) * (1 + t));
+LEAF real ggx(lobe_point p, real kx, real ky, real peak) {
+  real t = absolute(p.t);
+  real ratio = (1 + t) / maximum(1 + (kx * p.xx + ky * p.yy), R(1e-5) * (1 + t));
   real value = peak * (ratio * ratio);
   return p.t >= 0 ? value : 0;
 }
@@ -31,20 +33,20 @@ LEAF real FN(ggx)(FN(lobe_point) p, real kx, real ky, real peak) {
  * 1 + 2 Lambda for GGX; w = (alpha tan)^2 in the direction's azimuth. Relative error: float
  * 1.2e-7, double 2.3e-16. [Heitz2014 Eq. 72]
  */
-LEAF real FN(smith_ggx)(real w) {
-  return FN(root)(1 + w);
+LEAF real smith_ggx(real w) {
+  return root(1 + w);
 }
 
 /* Density: D times h.z. [Walter2007 Eq. 35] */
-LEAF FN(triple) FN(draw_ggx)(real u1, real u2, real kx, real ky) {
-  FN(pair) p = FN(circle)(u1);
-  real r = FN(root)(u2 / (1 - u2));
-  FN(triple) h = {r * p.x / FN(root)(kx), r * p.y / FN(root)(ky), 1};
+LEAF triple draw_ggx(real u1, real u2, real kx, real ky) {
+  pair p = circle(u1);
+  real r = root(u2 / (1 - u2));
+  triple h = {r * p.x / root(kx), r * p.y / root(ky), 1};
   return h;
 }
-LEAF real FN(density_ggx)(FN(lobe_point) p, real kx, real ky) {
-  real u = 1 + FN(maximum)(p.t, 0);
-  return FN(ggx)(p, kx, ky, FN(slope_peak)(kx, ky)) / FN(root)(u);
+LEAF real density_ggx(lobe_point p, real kx, real ky) {
+  real u = 1 + maximum(p.t, 0);
+  return ggx(p, kx, ky, slope_peak(kx, ky)) / root(u);
 }
 
 /*
@@ -52,36 +54,18 @@ LEAF real FN(density_ggx)(FN(lobe_point) p, real kx, real ky) {
  * added to that eye. o is in the lobe's frame. Density of wi: D / (2 o.z (1 + l)), l =
  * 1 + 2 Lambda(o). [DupuyBenyoub2023]
  */
-LEAF FN(triple) FN(draw_visible_ggx)(real u1, real u2, real kx, real ky, FN(triple) o) {
-  real ax = 1 / FN(root)(kx), ay = 1 / FN(root)(ky);
+LEAF triple draw_visible_ggx(real u1, real u2, real kx, real ky, triple o) {
+  real ax = 1 / root(kx), ay = 1 / root(ky);
   real x = ax * o.x, y = ay * o.y;
-  real inverse = 1 / FN(root)(FN(maximum)(x * x + y * y + o.z * o.z, TINY));
+  real inverse = 1 / root(maximum(x * x + y * y + o.z * o.z, TINY));
   x *= inverse;
   y *= inverse;
-  real z = FN(minimum)(o.z * inverse, 1);
-  FN(pair) p = FN(circle)(u1);
+  real z = minimum(o.z * inverse, 1);
+  pair p = circle(u1);
   real rise = (1 - u2) * (1 + z); /* z of the point, plus z */
-  real sine = FN(root)(u2 * (1 + z) * (rise + (x * x + y * y) / (1 + z)));
-  FN(triple) h = {ax * (sine * p.x + x), ay * (sine * p.y + y), rise};
+  real sine = root(u2 * (1 + z) * (rise + (x * x + y * y) / (1 + z)));
+  triple h = {ax * (sine * p.x + x), ay * (sine * p.y + y), rise};
   return h;
 }
 
-#ifdef BLOCK
-/* h holds the eye on entry, in the lobe's frame. */
-static void FN(pass_draw_visible_ggx)(size_t count, const real *restrict u1,
-                                      const real *restrict u2, const real *restrict kx,
-                                      const real *restrict ky, real *restrict hx, real *restrict hy,
-                                      real *restrict hz) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    FN(triple) o = {hx[i], hy[i], hz[i]};
-    FN(triple) h = FN(draw_visible_ggx)(u1[i], u2[i], kx[i], ky[i], o);
-    hx[i] = h.x;
-    hy[i] = h.y;
-    hz[i] = h.z;
-  }
-}
-
-VISIBLE_DENSITY(ggx)
-#endif
 #endif

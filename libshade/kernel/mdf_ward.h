@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Ward's distribution: D; drawn from Ashikhmin and Shirley's lobe, which holds it. */
-#ifndef SHADE_MDF_WARD_IS
+#ifndef SHADE_KERNEL_MDF_WARD_H
+#define SHADE_KERNEL_MDF_WARD_H
+
+#include "mdf_ashikhmin_shirley.h"
+
 #define SHADE_MDF_WARD_FORM SLOPES
 /*
  * Worst seen, all with sse2 and gram_schmidt: float 1.5e-5 at exponents (1.33, .035), n (-.797,
@@ -8,31 +12,26 @@
  */
 #define SHADE_MDF_WARD_IS                                                                          \
   { .proposal = 2, .per_slope = 0.5, .float_1e3 = 2e-5, .float_1e5 = 2e-4, .double_1e4 = 1e-13 }
-#endif
 
-#ifdef FN
 /*
  * Ward: a Gaussian of the slope. Close to normalised without a cosine for small alpha
  * only: 0.888 at alpha 0.3. [Ward1992 Eq. 4, with the squares]
  */
-LEAF real FN(ward)(FN(lobe_point) p, real kx, real ky, real peak) {
-  real value = peak * FN(exp_negative)(kx * p.xx + ky * p.yy);
+LEAF real ward(lobe_point p, real kx, real ky, real peak) {
+  real value = peak * exp_negative(kx * p.xx + ky * p.yy);
   return p.t >= 0 ? value : 0;
 }
 
-LEAF real FN(smith_ward)(real w) {
-  return FN(smith_gaussian)(w);
+LEAF real smith_ward(real w) {
+  return smith_gaussian(w);
 }
 
 /* With exponents 2/alpha^2 (`proposal`) Ward's lobe is within Ashikhmin and Shirley's. */
-LEAF FN(triple) FN(draw_ward)(real u1, real u2, real kx, real ky) {
-  return FN(draw_ashikhmin_shirley)(u1, u2, kx, ky);
+LEAF triple draw_ward(real u1, real u2, real kx, real ky) {
+  return draw_ashikhmin_shirley(u1, u2, kx, ky);
 }
-LEAF real FN(density_ward)(FN(lobe_point) p, real kx, real ky) {
-  return FN(density_ashikhmin_shirley)(p, kx, ky);
+LEAF real density_ward(lobe_point p, real kx, real ky) {
+  return density_ashikhmin_shirley(p, kx, ky);
 }
 
-#ifdef BLOCK
-NO_VISIBLE_NORMALS(ward)
-#endif
 #endif

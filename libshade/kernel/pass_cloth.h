@@ -4,40 +4,45 @@
  * and eye are carried into the frame of their fibres, the lobes run over them as over any
  * material, and what they give is scattered back.
  */
-#include "cloth.h"
+#ifndef SHADE_KERNEL_PASS_CLOTH_H
+#define SHADE_KERNEL_PASS_CLOTH_H
 
-#undef INVERSE_PI
+#include "../src/fabric.h"
+#include "cloth.h"
+#include "pass_table.h"
+#include "single.h"
+
 #define INVERSE_PI R(0.31830988618379067154)
 
 /* Lanes of one kind: which, and light and eye in the frame of their fibres. */
-typedef struct FN(gathered) {
+typedef struct gathered {
   size_t count;
   int whole; /* lane[j] is j: nothing has to be gathered */
   int dull;  /* ex, ey are there: exponents or alphas, as the distribution reads them */
   int lane[BLOCK];
   real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK], ex[BLOCK], ey[BLOCK];
-} FN(gathered);
+} gathered;
 
 /* 1 where lit from in front, -1 from behind, else 0; by the cosines about n and z. */
-LEAF real FN(side_of)(real ci, real co, real iz, real oz) {
-  real seen = FN(minimum)(co, oz);
-  real front = FN(minimum)(FN(minimum)(ci, iz), seen);
-  real behind = FN(minimum)(FN(minimum)(-ci, -iz), seen);
+LEAF real side_of(real ci, real co, real iz, real oz) {
+  real seen = minimum(co, oz);
+  real front = minimum(minimum(ci, iz), seen);
+  real behind = minimum(minimum(-ci, -iz), seen);
   return front > 0 ? R(1.0) : behind > 0 ? R(-1.0) : R(0.0);
 }
 
 /* Cosines about n, and which lanes are lit. */
-static void FN(cloth_sides)(const FN(cloth) * c, const real *const wi[3], const real *const wo[3],
-                            real *restrict ci, real *restrict co, real *restrict side) {
-  const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+static void cloth_sides(const cloth *c, const real *const wi[3], const real *const wo[3],
+                        real *restrict ci, real *restrict co, real *restrict side) {
+  const real *nx = cloth_row(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    real a = FN(dot)(nx[i], ny[i], nz[i], ix[i], iy[i], iz[i]);
-    real b = FN(dot)(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i]);
+    real a = dot(nx[i], ny[i], nz[i], ix[i], iy[i], iz[i]);
+    real b = dot(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i]);
     ci[i] = a;
     co[i] = b;
-    side[i] = FN(side_of)(a, b, iz[i], oz[i]);
+    side[i] = side_of(a, b, iz[i], oz[i]);
   }
   for (size_t i = 0; i < c->count; i++) /* gaps and nap are there whatever the kind */
     side[i] = c->kind[i] == CLOTH_VOID ? 0 : side[i];
@@ -48,32 +53,31 @@ static void FN(cloth_sides)(const FN(cloth) * c, const real *const wi[3], const 
  * about n so that x runs along (tx, ty). That axis keeps its plane, as dP/du and dP/dv do when
  * the surface is displaced. For warp x and y are exchanged before and after.
  */
-typedef struct FN(carrier) {
+typedef struct carrier {
   real ax, az, bx, by, bz, nx, ny, nz, tx, ty; /* the axis in its plane, and n x axis */
-} FN(carrier);
+} carrier;
 
-LEAF FN(carrier) FN(carrier_of)(real nx, real ny, real nz, real tx, real ty) {
-  real size = FN(root)(nx * nx + nz * nz);
-  real inverse = 1 / FN(maximum)(size, R(1e-30));
+LEAF carrier carrier_of(real nx, real ny, real nz, real tx, real ty) {
+  real size = root(nx * nx + nz * nz);
+  real inverse = 1 / maximum(size, R(1e-30));
   real x = size > 0 ? nz * inverse : 1, z = size > 0 ? -nx * inverse : 0;
-  FN(carrier) f = {x, z, ny * z, nz * x - nx * z, -ny * x, nx, ny, nz, tx, ty};
+  carrier f = {x, z, ny * z, nz * x - nx * z, -ny * x, nx, ny, nz, tx, ty};
   return f;
 }
 
 /* (x, y, z) of the surface to the frame of the fibres, all with x along the yarns' axis. */
-LEAF FN(triple) FN(carry)(FN(carrier) f, real x, real y, real z) {
+LEAF triple carry(carrier f, real x, real y, real z) {
   real along = f.ax * x + f.az * z;
   real across = f.bx * x + f.by * y + f.bz * z;
-  FN(triple)
-  w = {f.tx * along + f.ty * across, f.tx * across - f.ty * along, f.nx * x + f.ny * y + f.nz * z};
+  triple w = {f.tx * along + f.ty * across, f.tx * across - f.ty * along,
+              f.nx * x + f.ny * y + f.nz * z};
   return w;
 }
 
-LEAF FN(triple) FN(carry_back)(FN(carrier) f, real x, real y, real z) {
+LEAF triple carry_back(carrier f, real x, real y, real z) {
   real along = f.tx * x - f.ty * y, across = f.tx * y + f.ty * x;
-  FN(triple)
-  w = {f.ax * along + f.bx * across + f.nx * z, f.by * across + f.ny * z,
-       f.az * along + f.bz * across + f.nz * z};
+  triple w = {f.ax * along + f.bx * across + f.nx * z, f.by * across + f.ny * z,
+              f.az * along + f.bz * across + f.nz * z};
   return w;
 }
 
@@ -81,80 +85,79 @@ LEAF FN(triple) FN(carry_back)(FN(carrier) f, real x, real y, real z) {
  * Warp is weft with x and y exchanged, a mirror, in which turning is the other way round: the
  * fibres' direction (tx, ty) of the cloth becomes (ty, tx), and y of the answer changes sign.
  */
-typedef struct FN(carried) {
+typedef struct carried {
   const real *nx, *ny, *nz, *tx, *ty, *x, *y, *z;
   real mx, my, flip;
-} FN(carried);
+} carried;
 
 /* Of lane i; near: along its own fibres, else along their mean. flat: n is z. */
-LEAF FN(carrier) FN(cloth_carrier)(FN(carried) v, size_t i, int near, int flat) {
+LEAF carrier cloth_carrier(carried v, size_t i, int near, int flat) {
   const real tx = near ? v.tx[i] : v.mx, ty = near ? v.ty[i] : v.my;
   if (flat)
-    return (FN(carrier)){1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
-  return FN(carrier_of)(v.nx[i], v.ny[i], v.nz[i], tx, ty);
+    return (carrier){1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
+  return carrier_of(v.nx[i], v.ny[i], v.nz[i], tx, ty);
 }
 
-LEAF FN(triple) FN(cloth_carry_lane)(FN(carried) v, size_t i, int near, int flat) {
-  const FN(carrier) a = FN(cloth_carrier)(v, i, near, flat);
-  FN(triple) w = FN(carry)(a, v.x[i], v.y[i], v.z[i]);
+LEAF triple cloth_carry_lane(carried v, size_t i, int near, int flat) {
+  const carrier a = cloth_carrier(v, i, near, flat);
+  triple w = carry(a, v.x[i], v.y[i], v.z[i]);
   w.y *= v.flip;
   return w;
 }
 
-LEAF void FN(cloth_carry_lanes)(const FN(carried) * from, size_t count, const int *lane, int whole,
-                                int near, int flat, real (*to)[BLOCK]) {
-  const FN(carried) v = *from;
+LEAF void cloth_carry_lanes(const carried *from, size_t count, const int *lane, int whole, int near,
+                            int flat, real (*to)[BLOCK]) {
+  const carried v = *from;
   real *ox = to[0], *oy = to[1], *oz = to[2];
 #pragma omp simd
   for (size_t j = 0; j < count; j++) {
-    FN(triple) w = FN(cloth_carry_lane)(v, whole ? j : (size_t)lane[j], near, flat);
+    triple w = cloth_carry_lane(v, whole ? j : (size_t)lane[j], near, flat);
     ox[j] = w.x;
     oy[j] = w.y;
     oz[j] = w.z;
   }
 }
 
-LEAF FN(carried)
-    FN(cloth_carried)(const shade_fabric *f, const FN(cloth) * c, int k, const real *const w[3]) {
-  return (FN(carried)){.nx = FN(cloth_row)(c, CLOTH_N + k),
-                       .ny = FN(cloth_row)(c, CLOTH_N + 1 - k),
-                       .nz = FN(cloth_row)(c, CLOTH_N + 2),
-                       .tx = FN(cloth_row)(c, CLOTH_FIBRE + k),
-                       .ty = FN(cloth_row)(c, CLOTH_FIBRE + 1 - k),
-                       .x = w[k],
-                       .y = w[1 - k],
-                       .z = w[2],
-                       .mx = (real)(k ? f->side[k].ty : f->side[k].tx),
-                       .my = (real)(k ? f->side[k].tx : f->side[k].ty),
-                       .flip = k ? R(-1.0) : R(1.0)};
+LEAF carried cloth_carried(const shade_fabric *f, const cloth *c, int k, const real *const w[3]) {
+  return (carried){.nx = cloth_row(c, CLOTH_N + k),
+                   .ny = cloth_row(c, CLOTH_N + 1 - k),
+                   .nz = cloth_row(c, CLOTH_N + 2),
+                   .tx = cloth_row(c, CLOTH_FIBRE + k),
+                   .ty = cloth_row(c, CLOTH_FIBRE + 1 - k),
+                   .x = w[k],
+                   .y = w[1 - k],
+                   .z = w[2],
+                   .mx = (real)(k ? f->side[k].ty : f->side[k].tx),
+                   .my = (real)(k ? f->side[k].tx : f->side[k].ty),
+                   .flip = k ? R(-1.0) : R(1.0)};
 }
 
-static void FN(cloth_carry)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
-                            const real *const w[3], const FN(gathered) * g, real (*to)[BLOCK]) {
+static void cloth_carry(const shade_fabric *f, const cloth *c, int kind, int k,
+                        const real *const w[3], const gathered *g, real (*to)[BLOCK]) {
   const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
-  const FN(carried) v = FN(cloth_carried)(f, c, k, w);
+  const carried v = cloth_carried(f, c, k, w);
   const size_t count = g->count;
   if (near)
-    c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 0, 1, 1, to)
-            : FN(cloth_carry_lanes)(&v, count, g->lane, 0, 1, 0, to);
+    c->flat ? cloth_carry_lanes(&v, count, g->lane, 0, 1, 1, to)
+            : cloth_carry_lanes(&v, count, g->lane, 0, 1, 0, to);
   else if (g->whole)
-    c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 1, 0, 1, to)
-            : FN(cloth_carry_lanes)(&v, count, g->lane, 1, 0, 0, to);
+    c->flat ? cloth_carry_lanes(&v, count, g->lane, 1, 0, 1, to)
+            : cloth_carry_lanes(&v, count, g->lane, 1, 0, 0, to);
   else
-    c->flat ? FN(cloth_carry_lanes)(&v, count, g->lane, 0, 0, 1, to)
-            : FN(cloth_carry_lanes)(&v, count, g->lane, 0, 0, 0, to);
+    c->flat ? cloth_carry_lanes(&v, count, g->lane, 0, 0, 1, to)
+            : cloth_carry_lanes(&v, count, g->lane, 0, 0, 0, to);
 }
 
-LEAF void FN(cloth_carry_back_lanes)(const FN(carried) * from, const FN(gathered) * g, int near,
-                                     int flat, real (*to)[BLOCK]) {
-  const FN(carried) v = *from;
+LEAF void cloth_carry_back_lanes(const carried *from, const gathered *g, int near, int flat,
+                                 real (*to)[BLOCK]) {
+  const carried v = *from;
   const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
   const int *lane = g->lane;
   real *ox = to[0], *oy = to[1], *oz = to[2];
 #pragma omp simd
   for (size_t j = 0; j < g->count; j++) {
-    const FN(carrier) a = FN(cloth_carrier)(v, (size_t)lane[j], near, flat);
-    const FN(triple) w = FN(carry_back)(a, ix[j], v.flip * iy[j], iz[j]);
+    const carrier a = cloth_carrier(v, (size_t)lane[j], near, flat);
+    const triple w = carry_back(a, ix[j], v.flip * iy[j], iz[j]);
     ox[j] = w.x;
     oy[j] = w.y;
     oz[j] = w.z;
@@ -162,18 +165,16 @@ LEAF void FN(cloth_carry_back_lanes)(const FN(carried) * from, const FN(gathered
 }
 
 /* From the frame of the fibres back to the surface's, scattered. */
-static void FN(cloth_carry_back)(const shade_fabric *f, const FN(cloth) * c, int kind, int k,
-                                 const FN(gathered) * g, real *const w[3]) {
+static void cloth_carry_back(const shade_fabric *f, const cloth *c, int kind, int k,
+                             const gathered *g, real *const w[3]) {
   const int near = kind == CLOTH_WEFT || kind == CLOTH_WARP;
   const real *const none[3] = {NULL, NULL, NULL};
-  const FN(carried) v = FN(cloth_carried)(f, c, k, none);
+  const carried v = cloth_carried(f, c, k, none);
   real back[3][BLOCK];
   if (near)
-    c->flat ? FN(cloth_carry_back_lanes)(&v, g, 1, 1, back)
-            : FN(cloth_carry_back_lanes)(&v, g, 1, 0, back);
+    c->flat ? cloth_carry_back_lanes(&v, g, 1, 1, back) : cloth_carry_back_lanes(&v, g, 1, 0, back);
   else
-    c->flat ? FN(cloth_carry_back_lanes)(&v, g, 0, 1, back)
-            : FN(cloth_carry_back_lanes)(&v, g, 0, 0, back);
+    c->flat ? cloth_carry_back_lanes(&v, g, 0, 1, back) : cloth_carry_back_lanes(&v, g, 0, 0, back);
   real *x = w[k], *y = w[1 - k], *z = w[2];
   for (size_t j = 0; j < g->count; j++) {
     const int i = g->lane[j];
@@ -184,11 +185,10 @@ static void FN(cloth_carry_back)(const shade_fabric *f, const FN(cloth) * c, int
 }
 
 /* The normals of near yarns, or one for all. */
-static void FN(cloth_tilts)(const FN(cloth) * c, int kind, const fabric_nodes *one,
-                            FN(gathered) * g) {
+static void cloth_tilts(const cloth *c, int kind, const fabric_nodes *one, gathered *g) {
   for (int a = 0; a < 3; a++) {
-    const real *from = FN(cloth_row)(c, CLOTH_TILT + a);
-    const real same = a == 0 ? one->FN(x)[0] : a == 1 ? one->FN(y)[0] : one->FN(z)[0];
+    const real *from = cloth_row(c, CLOTH_TILT + a);
+    const real same = a == 0 ? one->SUFFIX(x)[0] : a == 1 ? one->SUFFIX(y)[0] : one->SUFFIX(z)[0];
     real *to = g->n[a];
     if (kind == CLOTH_SINGLE || kind == CLOTH_FAR)
       for (size_t j = 0; j < g->count; j++)
@@ -199,76 +199,74 @@ static void FN(cloth_tilts)(const FN(cloth) * c, int kind, const fabric_nodes *o
   }
 }
 
-static FN(shade_lanes) FN(lanes_of)(const FN(gathered) * g) {
-  FN(shade_lanes)
-  in = {.size = sizeof in,
-        .nx = g->n[0],
-        .ny = g->n[1],
-        .nz = g->n[2],
-        .wix = g->wi[0],
-        .wiy = g->wi[1],
-        .wiz = g->wi[2],
-        .wox = g->wo[0],
-        .woy = g->wo[1],
-        .woz = g->wo[2]};
+static bsdf_lanes lanes_of(const gathered *g) {
+  bsdf_lanes in = {.size = sizeof in,
+                   .nx = g->n[0],
+                   .ny = g->n[1],
+                   .nz = g->n[2],
+                   .wix = g->wi[0],
+                   .wiy = g->wi[1],
+                   .wiz = g->wi[2],
+                   .wox = g->wo[0],
+                   .woy = g->wo[1],
+                   .woz = g->wo[2]};
   return in;
 }
 
 /* Diffuse light from behind about the yarn's normal, by the cosines of light and eye about it. */
-LEAF real FN(let_through)(real light, real co) {
+LEAF real let_through(real light, real co) {
   const real ci = -light;
-  real enter = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(ci, 0), 1));
-  real leave = 1 - FN(schlick_weight)(FN(minimum)(FN(maximum)(co, 0), 1));
-  return FN(minimum)(ci, co) > 0 ? ci * INVERSE_PI * enter * leave : 0;
+  real enter = 1 - schlick_weight(minimum(maximum(ci, 0), 1));
+  real leave = 1 - schlick_weight(minimum(maximum(co, 0), 1));
+  return minimum(ci, co) > 0 ? ci * INVERSE_PI * enter * leave : 0;
 }
 
-static void FN(cloth_through)(const FN(gathered) * g, real *restrict through) {
+static void cloth_through(const gathered *g, real *restrict through) {
   const real *nx = g->n[0], *ny = g->n[1], *nz = g->n[2];
   const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
   const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
 #pragma omp simd
   for (size_t j = 0; j < g->count; j++)
-    through[j] = FN(let_through)(FN(dot)(nx[j], ny[j], nz[j], ix[j], iy[j], iz[j]),
-                                 FN(dot)(nx[j], ny[j], nz[j], ox[j], oy[j], oz[j]));
+    through[j] = let_through(dot(nx[j], ny[j], nz[j], ix[j], iy[j], iz[j]),
+                             dot(nx[j], ny[j], nz[j], ox[j], oy[j], oz[j]));
 }
 
 /* The lobes of g's lanes in *room; NULL where all have b's. */
-LEAF const FN(varied) * FN(cloth_varied)(const bsdf *b, const FN(gathered) * g, FN(varied) * room) {
+LEAF const varied_arrays *cloth_varied(const bsdf *b, const gathered *g, varied_arrays *room) {
   if (!g->dull)
     return NULL;
-  *room = b->exponents ? (FN(varied)){.ex = g->ex, .ey = g->ey}
-                       : (FN(varied)){.ax = g->ex, .ay = g->ey};
+  *room = b->exponents ? (varied_arrays){.ex = g->ex, .ey = g->ey}
+                       : (varied_arrays){.ax = g->ex, .ay = g->ey};
   return room;
 }
 
 /*
  * What is asked of one lobe under each pair of light and eye: two numbers (spec and matt of
- * kernel_yarn), or one (the density; what comes through).
+ * entry_yarn), or one (the density; what comes through).
  */
-typedef enum FN(asked) { FN(ASK_YARN), FN(ASK_DENSITY), FN(ASK_THROUGH) } FN(asked);
+typedef enum asked { ASK_YARN, ASK_DENSITY, ASK_THROUGH } asked;
 
-static void FN(cloth_ask)(FN(asked) what, const bsdf *b, const FN(gathered) * g, real *first,
-                          real *second) {
-  const FN(shade_lanes) in = FN(lanes_of)(g);
-  FN(varied) lobes;
-  const FN(varied) *varied = FN(cloth_varied)(b, g, &lobes);
-  if (what == FN(ASK_YARN))
-    FN(yarn_batch)(b, g->count, &in, varied, first, second);
-  else if (what == FN(ASK_DENSITY))
-    FN(pdf_batch)(b, g->count, &in, varied, first);
+static void cloth_ask(asked what, const bsdf *b, const gathered *g, real *first, real *second) {
+  const bsdf_lanes in = lanes_of(g);
+  varied_arrays lobes;
+  const varied_arrays *varied = cloth_varied(b, g, &lobes);
+  if (what == ASK_YARN)
+    yarn_batch(b, g->count, &in, varied, first, second);
+  else if (what == ASK_DENSITY)
+    pdf_batch(b, g->count, &in, varied, first);
   else
-    FN(cloth_through)(g, first);
+    cloth_through(g, first);
 }
 
 /* The mean over nodes, one after the other: of lanes enough to fill vectors. */
-static void FN(cloth_nodes)(FN(asked) what, const bsdf *b, const fabric_nodes *nodes,
-                            FN(gathered) * g, real *restrict first) {
+static void cloth_nodes(asked what, const bsdf *b, const fabric_nodes *nodes, gathered *g,
+                        real *restrict first) {
   real one[BLOCK];
   for (size_t j = 0; j < g->count; j++)
     first[j] = 0;
   for (int node = 0; node < nodes->count; node++) {
-    const real x = nodes->FN(x)[node], y = nodes->FN(y)[node], z = nodes->FN(z)[node];
-    const real weight = nodes->FN(weight)[node];
+    const real x = nodes->SUFFIX(x)[node], y = nodes->SUFFIX(y)[node], z = nodes->SUFFIX(z)[node];
+    const real weight = nodes->SUFFIX(weight)[node];
     real *nx = g->n[0], *ny = g->n[1], *nz = g->n[2];
 #pragma omp simd
     for (size_t j = 0; j < g->count; j++) {
@@ -276,7 +274,7 @@ static void FN(cloth_nodes)(FN(asked) what, const bsdf *b, const fabric_nodes *n
       ny[j] = y;
       nz[j] = z;
     }
-    FN(cloth_ask)(what, b, g, one, NULL);
+    cloth_ask(what, b, g, one, NULL);
 #pragma omp simd
     for (size_t j = 0; j < g->count; j++)
       first[j] += weight * one[j];
@@ -284,9 +282,9 @@ static void FN(cloth_nodes)(FN(asked) what, const bsdf *b, const fabric_nodes *n
 }
 
 /* The mean over nodes: as many lanes at a time as, times the nodes, fill a block. */
-static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes *nodes,
-                              const FN(gathered) * g, real *first, real *second) {
-  FN(gathered) all;
+static void cloth_mixture(asked what, const bsdf *b, const fabric_nodes *nodes, const gathered *g,
+                          real *first, real *second) {
+  gathered all;
   real one[BLOCK], two[BLOCK];
   const size_t m = (size_t)nodes->count, most = BLOCK / m;
   for (size_t start = 0; start < g->count; start += most) {
@@ -298,24 +296,24 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
         all.ex[i] = g->ex[start + j];
         all.ey[i] = g->ey[start + j];
       }
-      memcpy(all.n[0] + j * m, nodes->FN(x), m * sizeof(real));
-      memcpy(all.n[1] + j * m, nodes->FN(y), m * sizeof(real));
-      memcpy(all.n[2] + j * m, nodes->FN(z), m * sizeof(real));
+      memcpy(all.n[0] + j * m, nodes->SUFFIX(x), m * sizeof(real));
+      memcpy(all.n[1] + j * m, nodes->SUFFIX(y), m * sizeof(real));
+      memcpy(all.n[2] + j * m, nodes->SUFFIX(z), m * sizeof(real));
       for (int a = 0; a < 3; a++)
         for (size_t i = j * m; i < (j + 1) * m; i++) {
           all.wi[a][i] = g->wi[a][start + j];
           all.wo[a][i] = g->wo[a][start + j];
         }
     }
-    FN(cloth_ask)(what, b, &all, one, two);
-    const real *weight = nodes->FN(weight);
+    cloth_ask(what, b, &all, one, two);
+    const real *weight = nodes->SUFFIX(weight);
     for (size_t j = 0; j < size; j++) {
       real sum = 0, more = 0;
 #pragma omp simd reduction(+ : sum)
       for (size_t i = 0; i < m; i++)
         sum += weight[i] * one[j * m + i];
       first[start + j] = sum;
-      if (what != FN(ASK_YARN))
+      if (what != ASK_YARN)
         continue;
 #pragma omp simd reduction(+ : more)
       for (size_t i = 0; i < m; i++)
@@ -326,18 +324,19 @@ static void FN(cloth_mixture)(FN(asked) what, const bsdf *b, const fabric_nodes 
 }
 
 /* Ashikhmin and Shirley's yarns, carried by `rotate`. */
-static int FN(is_usual)(const bsdf *b) {
+static int is_usual(const bsdf *b) {
   return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
          b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
 }
 
-/* spec of kernel_yarn, the mean over nodes, of usual lobes under one pair of light and eye. */
-static real FN(shine_usual)(const fabric_nodes *nodes, real kx, real ky, real peak, FN(triple) wi,
-                            FN(triple) wo) {
-  const real *restrict nx = nodes->FN(x), *restrict ny = nodes->FN(y), *restrict nz = nodes->FN(z);
-  const real *restrict weight = nodes->FN(weight);
+/* spec of entry_yarn, the mean over nodes, of usual lobes under one pair of light and eye. */
+static real shine_usual(const fabric_nodes *nodes, real kx, real ky, real peak, triple wi,
+                        triple wo) {
+  const real *restrict nx = nodes->SUFFIX(x), *restrict ny = nodes->SUFFIX(y),
+                       *restrict nz = nodes->SUFFIX(z);
+  const real *restrict weight = nodes->SUFFIX(weight);
   const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;
-  const real hwo = FN(half_cosine)(hx, hy, hz);
+  const real hwo = half_cosine(hx, hy, hz);
   const size_t m = FABRIC_WHOLE((size_t)nodes->count);
   enum { PARTS = 16 }; /* sums: of a reduction gcc adds a vector's numbers one after the other */
   ROOM sum[PARTS] = {0};
@@ -346,12 +345,11 @@ static real FN(shine_usual)(const fabric_nodes *nodes, real kx, real ky, real pe
     for (size_t part = 0; part < PARTS; part++) {
       const size_t i = from + part;
       const real x = nx[i], y = ny[i], z = nz[i];
-      const real d =
-          FN(ashikhmin_shirley)(FN(detail_rotate_ratio)(x, y, z, hx, hy, hz), kx, ky, peak);
-      const real ci = FN(dot)(x, y, z, XYZ(wi));
-      const real co = FN(lit_cosine)(ci, FN(dot)(x, y, z, XYZ(wo)), wi.z, wo.z);
-      const FN(angles) a = {hwo, ci, co, 1, 1};
-      const real one = weight[i] * (FN(brdf_ashikhmin_shirley)(d, a) * ci);
+      const real d = ashikhmin_shirley(detail_rotate_ratio(x, y, z, hx, hy, hz), kx, ky, peak);
+      const real ci = dot(x, y, z, XYZ(wi));
+      const real co = lit_cosine(ci, dot(x, y, z, XYZ(wo)), wi.z, wo.z);
+      const angles a = {hwo, ci, co, 1, 1};
+      const real one = weight[i] * (brdf_ashikhmin_shirley(d, a) * ci);
       sum[part] += co > 0 ? one : 0;
     }
   for (size_t n = PARTS / 2; n; n /= 2)
@@ -361,56 +359,56 @@ static real FN(shine_usual)(const fabric_nodes *nodes, real kx, real ky, real pe
 }
 
 /*
- * spec of kernel_yarn, the mean over nodes, of lobes of Ashikhmin and Shirley's BRDF. Lane by lane:
+ * spec of entry_yarn, the mean over nodes, of lobes of Ashikhmin and Shirley's BRDF. Lane by lane:
  * light, eye and h are the same for all nodes, and h is made once.
  */
-static void FN(cloth_shine)(const bsdf *given, const fabric_nodes *nodes, const FN(gathered) * g,
-                            real *spec) {
+static void cloth_shine(const bsdf *given, const fabric_nodes *nodes, const gathered *g,
+                        real *spec) {
   const size_t m = FABRIC_WHOLE((size_t)nodes->count);
   ROOM hx[FABRIC_NODES], hy[FABRIC_NODES], hz[FABRIC_NODES], t[FABRIC_NODES], xx[FABRIC_NODES],
       yy[FABRIC_NODES], d[FABRIC_NODES];
-  const FN(vec) n = {nodes->FN(x), nodes->FN(y), nodes->FN(z)}, h = {hx, hy, hz};
+  const vec n = {nodes->SUFFIX(x), nodes->SUFFIX(y), nodes->SUFFIX(z)}, h = {hx, hy, hz};
   const real *restrict nx = n.x, *restrict ny = n.y, *restrict nz = n.z;
-  const real *restrict weight = nodes->FN(weight);
-  FN(varied) lobes;
-  FN(varied_room) each;
+  const real *restrict weight = nodes->SUFFIX(weight);
+  varied_arrays lobes;
+  varied_room each;
   bsdf copy;
-  const FN(varied) *varied = FN(cloth_varied)(given, g, &lobes);
-  const bsdf *b = varied ? FN(for_lanes)(given, varied, &copy) : given;
-  FN(block) s = {.shape = FN(own_shape)(b), .count = g->count};
+  const varied_arrays *varied = cloth_varied(given, g, &lobes);
+  const bsdf *b = varied ? for_lanes(given, varied, &copy) : given;
+  sample_block s = {.shape = own_shape(b), .count = g->count};
   if (varied)
-    FN(read_varied)(b, varied, 0, 0, &s, &each);
-  const int usual = VECTOR_BYTES > 16 && FN(is_usual)(b); /* else too few registers */
+    read_varied(b, varied, 0, 0, &s, &each);
+  const int usual = VECTOR_BYTES > 16 && is_usual(b); /* else too few registers */
   for (size_t j = 0; j < g->count; j++) {
     const size_t own = s.shape.varies ? j : 0;
     if (usual) {
-      const FN(triple) wi = {g->wi[0][j], g->wi[1][j], g->wi[2][j]};
-      const FN(triple) wo = {g->wo[0][j], g->wo[1][j], g->wo[2][j]};
-      spec[j] = FN(shine_usual)(nodes, s.shape.kx[own], s.shape.ky[own], s.shape.peak[own], wi, wo);
+      const triple wi = {g->wi[0][j], g->wi[1][j], g->wi[2][j]};
+      const triple wo = {g->wo[0][j], g->wo[1][j], g->wo[2][j]};
+      spec[j] = shine_usual(nodes, s.shape.kx[own], s.shape.ky[own], s.shape.peak[own], wi, wo);
       continue;
     }
     const real ix = g->wi[0][j], iy = g->wi[1][j], iz = g->wi[2][j];
     const real ox = g->wo[0][j], oy = g->wo[1][j], oz = g->wo[2][j];
-    const real hwo = FN(half_cosine)(ix + ox, iy + oy, iz + oz);
-    const real unit = FN(scale_to_unit)(ix + ox, iy + oy, iz + oz); /* for the warps */
-    const FN(shape) shape = {.kx = s.shape.kx + own,
-                             .ky = s.shape.ky + own,
-                             .peak = s.shape.peak + own,
-                             .gx = s.shape.gx + own,
-                             .gy = s.shape.gy + own};
+    const real hwo = half_cosine(ix + ox, iy + oy, iz + oz);
+    const real unit = scale_to_unit(ix + ox, iy + oy, iz + oz); /* for the warps */
+    const lobe_shape shape = {.kx = s.shape.kx + own,
+                              .ky = s.shape.ky + own,
+                              .peak = s.shape.peak + own,
+                              .gx = s.shape.gx + own,
+                              .gy = s.shape.gy + own};
     real sum = 0;
     for (size_t i = 0; i < m; i++) {
       hx[i] = (ix + ox) * unit;
       hy[i] = (iy + oy) * unit;
       hz[i] = (iz + oz) * unit;
     }
-    FN(pass_lobe)(b, &shape, m, n, h, t, xx, yy, d);
+    pass_lobe(b, &shape, m, n, h, t, xx, yy, d);
 #pragma omp simd reduction(+ : sum)
     for (size_t i = 0; i < m; i++) {
-      const real ci = FN(dot)(nx[i], ny[i], nz[i], ix, iy, iz);
-      const real co = FN(lit_cosine)(ci, FN(dot)(nx[i], ny[i], nz[i], ox, oy, oz), iz, oz);
-      const FN(angles) a = {hwo, ci, co, 1, 1};
-      const real one = weight[i] * FN(brdf_ashikhmin_shirley)(d[i], a) * ci;
+      const real ci = dot(nx[i], ny[i], nz[i], ix, iy, iz);
+      const real co = lit_cosine(ci, dot(nx[i], ny[i], nz[i], ox, oy, oz), iz, oz);
+      const angles a = {hwo, ci, co, 1, 1};
+      const real one = weight[i] * brdf_ashikhmin_shirley(d[i], a) * ci;
       sum += co > 0 ? one : 0;
     }
     spec[j] = sum;
@@ -418,18 +416,18 @@ static void FN(cloth_shine)(const bsdf *given, const fabric_nodes *nodes, const 
 }
 
 /* The mixture by its tables; lobe by lobe where light and eye are far apart, across a fade. */
-static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered) * g, real *spec,
-                          real *matt) {
+static void cloth_far(const bsdf *b, const fabric_side *s, const gathered *g, real *spec,
+                      real *matt) {
   const real *const wi[3] = {g->wi[0], g->wi[1], g->wi[2]};
   const real *const wo[3] = {g->wo[0], g->wo[1], g->wo[2]};
   const real apart = (real)FABRIC_APART, fade = 1 / ((real)FABRIC_NEARBY - (real)FABRIC_APART);
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
-  FN(gathered) far;
+  gathered far;
   real share[BLOCK], one[BLOCK];
   int any = 0;
-  FN(kernel_table)(s->table, g->count, wi, wo, g->dull ? NULL : spec, matt);
+  entry_table(s->table, g->count, wi, wo, g->dull ? NULL : spec, matt);
   if (g->dull) { /* the diffuse part has no gloss */
-    FN(cloth_shine)(b, &s->nodes, g, spec);
+    cloth_shine(b, &s->nodes, g, spec);
     return;
   }
 #pragma omp simd reduction(| : any)
@@ -450,70 +448,70 @@ static void FN(cloth_far)(const bsdf *b, const fabric_side *s, const FN(gathered
     }
     far.lane[far.count++] = (int)j;
   }
-  FN(cloth_shine)(b, &s->nodes, &far, one);
+  cloth_shine(b, &s->nodes, &far, one);
   for (size_t i = 0; i < far.count; i++) {
     const int j = far.lane[i];
-    const real part = FN(maximum)(share[j], 0);
+    const real part = maximum(share[j], 0);
     spec[j] = one[i] + part * (spec[j] - one[i]);
   }
 }
 
 /* Lanes of a kind under one lobe of their side. */
-static void FN(cloth_run)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int kind,
-                          const bsdf *b, FN(gathered) * g, real *first, real *second) {
-  if (kind == CLOTH_FAR && what == FN(ASK_YARN) && s->table) {
-    FN(cloth_far)(b, s, g, first, second);
-  } else if (kind == CLOTH_FAR && what == FN(ASK_DENSITY) && s->draws_one) {
-    FN(cloth_tilts)(c, kind, &s->one, g);
-    FN(cloth_ask)(what, b, g, first, second);
-  } else if (kind == CLOTH_FAR && what == FN(ASK_DENSITY) && g->count >= FABRIC_FEW) {
-    FN(cloth_nodes)(what, b, &s->coarse, g, first);
+static void cloth_run(asked what, const cloth *c, const fabric_side *s, int kind, const bsdf *b,
+                      gathered *g, real *first, real *second) {
+  if (kind == CLOTH_FAR && what == ASK_YARN && s->table) {
+    cloth_far(b, s, g, first, second);
+  } else if (kind == CLOTH_FAR && what == ASK_DENSITY && s->draws_one) {
+    cloth_tilts(c, kind, &s->one, g);
+    cloth_ask(what, b, g, first, second);
+  } else if (kind == CLOTH_FAR && what == ASK_DENSITY && g->count >= FABRIC_FEW) {
+    cloth_nodes(what, b, &s->coarse, g, first);
   } else if (kind == CLOTH_FAR) {
-    FN(cloth_mixture)(what, b, what == FN(ASK_YARN) ? &s->nodes : &s->coarse, g, first, second);
+    cloth_mixture(what, b, what == ASK_YARN ? &s->nodes : &s->coarse, g, first, second);
   } else {
-    FN(cloth_tilts)(c, kind, &s->one, g);
-    FN(cloth_ask)(what, b, g, first, second);
+    cloth_tilts(c, kind, &s->one, g);
+    cloth_ask(what, b, g, first, second);
   }
 }
 
-static fabric_lobe FN(cloth_lobe)(FN(asked) what, const fabric_side *s, int kind) {
-  return kind == CLOTH_SINGLE   ? FABRIC_SINGLE
-         : kind != CLOTH_FAR    ? FABRIC_NEAR
-         : what == FN(ASK_YARN) ? FABRIC_FAR
-         : s->draws_one         ? FABRIC_SINGLE
-                                : FABRIC_DRAW;
+static fabric_lobe cloth_lobe(asked what, const fabric_side *s, int kind) {
+  return kind == CLOTH_SINGLE ? FABRIC_SINGLE
+         : kind != CLOTH_FAR  ? FABRIC_NEAR
+         : what == ASK_YARN   ? FABRIC_FAR
+         : s->draws_one       ? FABRIC_SINGLE
+                              : FABRIC_DRAW;
 }
 
 /*
  * Less gloss is more variance, by what the yarn's own lobe gains: the exponent e of one becomes
  * gloss e, that of a wider lobe w follows by 1/w' = 1/w + (1/gloss - 1)/e; squares of alphas add.
  */
-typedef struct FN(dulling) {
+typedef struct dulling {
   int exponents;
   real x, y, per_x, per_y; /* w and w/e; or both alphas squared */
-} FN(dulling);
+} dulling;
 
-LEAF FN(dulling) FN(dulling_of)(const fabric_side *s, fabric_lobe which) {
+LEAF dulling dulling_of(const fabric_side *s, fabric_lobe which) {
   const shade_params *yarn = &s->made_of[FABRIC_NEAR], *lobe = &s->made_of[which];
   if (shade_mdf_reads_exponents(lobe->mdf))
-    return (FN(dulling)){1, (real)lobe->ex, (real)lobe->ey,
-                         (real)(yarn->ex > 0 ? lobe->ex / yarn->ex : 0),
-                         (real)(yarn->ey > 0 ? lobe->ey / yarn->ey : 0)};
-  return (FN(dulling)){0, (real)(lobe->ax * lobe->ax), (real)(lobe->ay * lobe->ay),
-                       (real)(yarn->ax * yarn->ax), (real)(yarn->ay * yarn->ay)};
+    return (dulling){1, (real)lobe->ex, (real)lobe->ey,
+                     (real)(yarn->ex > 0 ? lobe->ex / yarn->ex : 0),
+                     (real)(yarn->ey > 0 ? lobe->ey / yarn->ey : 0)};
+  return (dulling){0, (real)(lobe->ax * lobe->ax), (real)(lobe->ay * lobe->ay),
+                   (real)(yarn->ax * yarn->ax), (real)(yarn->ay * yarn->ay)};
 }
 
 /* Exponents or alphas for a gloss of [0, 1]. */
-LEAF FN(pair) FN(dulled)(FN(dulling) d, real gloss) {
-  const real more = 1 / FN(maximum)(gloss, R(1e-6)) - 1;
-  return d.exponents ? (FN(pair)){d.x / (1 + more * d.per_x), d.y / (1 + more * d.per_y)}
-                     : (FN(pair)){FN(root)(d.x + more * d.per_x), FN(root)(d.y + more * d.per_y)};
+LEAF pair dulled(dulling d, real gloss) {
+  const real more = 1 / maximum(gloss, R(1e-6)) - 1;
+  return d.exponents ? (pair){d.x / (1 + more * d.per_x), d.y / (1 + more * d.per_y)}
+                     : (pair){root(d.x + more * d.per_x), root(d.y + more * d.per_y)};
 }
 
 /* Lanes of less gloss: which of g's, in `at`, their eyes and lobes. Returns how many. */
-static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_lobe which, int k,
-                             const FN(gathered) * g, FN(gathered) * to, int *at) {
-  const real *gloss = FN(cloth_row)(c, CLOTH_GLOSS + k);
+static size_t cloth_dull(const cloth *c, const fabric_side *s, fabric_lobe which, int k,
+                         const gathered *g, gathered *to, int *at) {
+  const real *gloss = cloth_row(c, CLOTH_GLOSS + k);
   int any = 0;
 #pragma omp simd reduction(| : any)
   for (size_t i = 0; i < c->count; i++)
@@ -521,7 +519,7 @@ static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_l
   to->count = 0;
   if (!any)
     return 0;
-  const FN(dulling) lobe = FN(dulling_of)(s, which);
+  const dulling lobe = dulling_of(s, which);
   for (size_t j = 0; j < g->count; j++) {
     if (!(gloss[g->lane[j]] < 1))
       continue;
@@ -536,7 +534,7 @@ static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_l
   to->dull = 1;
 #pragma omp simd
   for (size_t i = 0; i < to->count; i++) {
-    const FN(pair) e = FN(dulled)(lobe, to->ex[i]);
+    const pair e = dulled(lobe, to->ex[i]);
     to->ex[i] = e.x;
     to->ey[i] = e.y;
   }
@@ -544,22 +542,22 @@ static size_t FN(cloth_dull)(const FN(cloth) * c, const fabric_side *s, fabric_l
 }
 
 /* The same, where some lanes have less gloss. */
-static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_side *s, int k,
-                            int kind, FN(gathered) * g, real *first, real *second) {
-  const fabric_lobe which = FN(cloth_lobe)(what, s, kind);
+static void cloth_lobes(asked what, const cloth *c, const fabric_side *s, int k, int kind,
+                        gathered *g, real *first, real *second) {
+  const fabric_lobe which = cloth_lobe(what, s, kind);
   const bsdf *b = bsdf_of(&s->lobe[which]);
-  FN(gathered) dull;
+  gathered dull;
   real one[BLOCK], two[BLOCK];
   int at[BLOCK];
-  const size_t count = FN(cloth_dull)(c, s, which, k, g, &dull, at);
+  const size_t count = cloth_dull(c, s, which, k, g, &dull, at);
   if (count < g->count)
-    FN(cloth_run)(what, c, s, kind, b, g, first, second);
+    cloth_run(what, c, s, kind, b, g, first, second);
   if (!count)
     return;
   for (int a = 0; a < 3; a++)
     for (size_t i = 0; i < count; i++)
       dull.wi[a][i] = g->wi[a][at[i]];
-  FN(cloth_run)(what, c, s, kind, b, &dull, one, two);
+  cloth_run(what, c, s, kind, b, &dull, one, two);
   for (size_t i = 0; i < count; i++) {
     first[at[i]] = one[i];
     if (second)
@@ -567,47 +565,47 @@ static void FN(cloth_lobes)(FN(asked) what, const FN(cloth) * c, const fabric_si
   }
 }
 
-typedef struct FN(faced) {
+typedef struct faced {
   real nx, ny, nz, vx, vy;
-} FN(faced);
+} faced;
 
 /*
  * What share of tilts, even about their mean, faces w: the single lobe's stand-in for the
  * horizons of the yarns that turn away.
  */
-LEAF real FN(facing)(FN(faced) f, real x, real y, real z) {
-  real reach = FN(root)(3 * (f.vx * x * x + f.vy * y * y)), c = f.nx * x + f.ny * y + f.nz * z;
-  real part = R(0.5) * (1 + c / FN(maximum)(reach, R(1e-20)));
-  return c >= reach ? 1 : FN(maximum)(part, 0);
+LEAF real facing(faced f, real x, real y, real z) {
+  real reach = root(3 * (f.vx * x * x + f.vy * y * y)), c = f.nx * x + f.ny * y + f.nz * z;
+  real part = R(0.5) * (1 + c / maximum(reach, R(1e-20)));
+  return c >= reach ? 1 : maximum(part, 0);
 }
 
-LEAF FN(faced) FN(faced_of)(const fabric_side *s) {
-  return (FN(faced)){s->one.FN(x)[0], s->one.FN(y)[0], s->one.FN(z)[0], (real)s->spread[0],
-                     (real)s->spread[1]};
+LEAF faced faced_of(const fabric_side *s) {
+  return (faced){s->one.SUFFIX(x)[0], s->one.SUFFIX(y)[0], s->one.SUFFIX(z)[0], (real)s->spread[0],
+                 (real)s->spread[1]};
 }
 
-static void FN(cloth_facing)(const fabric_side *side, const FN(gathered) * g, real *restrict spec,
-                             real *restrict matt) {
-  const FN(faced) f = FN(faced_of)(side);
+static void cloth_facing(const fabric_side *side, const gathered *g, real *restrict spec,
+                         real *restrict matt) {
+  const faced f = faced_of(side);
   const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
   const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
 #pragma omp simd
   for (size_t j = 0; j < g->count; j++) {
-    real seen = FN(facing)(f, ix[j], iy[j], iz[j]) * FN(facing)(f, ox[j], oy[j], oz[j]);
+    real seen = facing(f, ix[j], iy[j], iz[j]) * facing(f, ox[j], oy[j], oz[j]);
     spec[j] *= seen;
     matt[j] *= seen;
   }
 }
 
 /* Gather the lanes of a list for side k; those that have nothing of it are left out. */
-static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, size_t count,
-                               const int *lane, int kind, int k, const real *const wi[3],
-                               const real *const wo[3], FN(gathered) * g) {
+static size_t cloth_gather(const shade_fabric *f, const cloth *c, size_t count, const int *lane,
+                           int kind, int k, const real *const wi[3], const real *const wo[3],
+                           gathered *g) {
   g->count = 0;
   g->whole = g->dull = 0;
   if (!count || (kind <= CLOTH_WARP && kind != k))
     return 0;
-  const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+  const real *weight = cloth_row(c, CLOTH_WEIGHT + k);
   int none = count != c->count;
 #pragma omp simd reduction(| : none)
   for (size_t j = 0; j < count; j++)
@@ -625,14 +623,14 @@ static size_t FN(cloth_gather)(const shade_fabric *f, const FN(cloth) * c, size_
     }
   }
   if (wi)
-    FN(cloth_carry)(f, c, kind, k, wi, g, g->wi);
-  FN(cloth_carry)(f, c, kind, k, wo, g, g->wo);
+    cloth_carry(f, c, kind, k, wi, g, g->wi);
+  cloth_carry(f, c, kind, k, wo, g, g->wo);
   return g->count;
 }
 
-LEAF void FN(cloth_add_lanes)(size_t count, const int *lane, int whole, real f0, const real *weight,
-                              const real *kd, const real *white, const real *spec, const real *matt,
-                              real *to) {
+LEAF void cloth_add_lanes(size_t count, const int *lane, int whole, real f0, const real *weight,
+                          const real *kd, const real *white, const real *spec, const real *matt,
+                          real *to) {
 #pragma omp simd
   for (size_t j = 0; j < count; j++) {
     const size_t i = whole ? j : (size_t)lane[j];
@@ -640,27 +638,26 @@ LEAF void FN(cloth_add_lanes)(size_t count, const int *lane, int whole, real f0,
   }
 }
 
-static void FN(cloth_add)(const shade_fabric *f, const FN(cloth) * c, int k, const FN(gathered) * g,
-                          const real *spec, const real *matt, const real *white,
-                          real *const rgb[3]) {
-  const real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+static void cloth_add(const shade_fabric *f, const cloth *c, int k, const gathered *g,
+                      const real *spec, const real *matt, const real *white, real *const rgb[3]) {
+  const real *weight = cloth_row(c, CLOTH_WEIGHT + k);
   for (int channel = 0; channel < 3; channel++) {
-    const real *kd = FN(cloth_row)(c, CLOTH_KD + 3 * k + channel);
+    const real *kd = cloth_row(c, CLOTH_KD + 3 * k + channel);
     const real f0 = (real)f->side[k].f0[channel];
     if (g->whole)
-      FN(cloth_add_lanes)(g->count, g->lane, 1, f0, weight, kd, white, spec, matt, rgb[channel]);
+      cloth_add_lanes(g->count, g->lane, 1, f0, weight, kd, white, spec, matt, rgb[channel]);
     else
-      FN(cloth_add_lanes)(g->count, g->lane, 0, f0, weight, kd, white, spec, matt, rgb[channel]);
+      cloth_add_lanes(g->count, g->lane, 0, f0, weight, kd, white, spec, matt, rgb[channel]);
   }
 }
 
 /* Schlick's white share at the cosine between wi and h. */
-static void FN(cloth_white)(size_t count, const real *const wi[3], const real *const wo[3],
-                            real *restrict white) {
+static void cloth_white(size_t count, const real *const wi[3], const real *const wo[3],
+                        real *restrict white) {
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    white[i] = FN(schlick_weight)(FN(half_cosine)(ix[i] + ox[i], iy[i] + oy[i], iz[i] + oz[i]));
+    white[i] = schlick_weight(half_cosine(ix[i] + ox[i], iy[i] + oy[i], iz[i] + oz[i]));
 }
 
 /*
@@ -669,35 +666,35 @@ static void FN(cloth_white)(size_t count, const real *const wi[3], const real *c
  * that t counts half there. Light from behind passes it once. [Chandrasekhar1960 Sect. 3;
  * KoenderinkPont2003]
  */
-typedef struct FN(napped) {
+typedef struct napped {
   real through, back;
-} FN(napped);
+} napped;
 
-LEAF FN(napped) FN(napped_of)(real nap, real ci, real co, real side) {
+LEAF napped napped_of(real nap, real ci, real co, real side) {
   int lit = side > 0;
   real in = lit ? ci : 1, out = side != 0 ? co : 1;
   real way = (lit ? 1 / (in + TINY) : 0) + 1 / (out + TINY);
-  real through = FN(exp_negative)(R(0.5) * nap * way);
+  real through = exp_negative(R(0.5) * nap * way);
   real back = in / (in + out) * (1 - through * through) * (R(0.25) * INVERSE_PI);
-  return (FN(napped)){through, lit ? back : 0};
+  return (napped){through, lit ? back : 0};
 }
 
-static void FN(cloth_nap)(const shade_fabric *f, const FN(cloth) * c, const real *restrict ci,
-                          const real *restrict co, const real *restrict side, real *const rgb[3]) {
-  const real *nap = FN(cloth_row)(c, CLOTH_NAP);
+static void cloth_nap(const shade_fabric *f, const cloth *c, const real *restrict ci,
+                      const real *restrict co, const real *restrict side, real *const rgb[3]) {
+  const real *nap = cloth_row(c, CLOTH_NAP);
   const real r = (real)f->nap_color[0], g = (real)f->nap_color[1], b = (real)f->nap_color[2];
   real *red = rgb[0], *green = rgb[1], *blue = rgb[2];
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    const FN(napped) lane = FN(napped_of)(nap[i], ci[i], co[i], side[i]);
+    const napped lane = napped_of(nap[i], ci[i], co[i], side[i]);
     red[i] = red[i] * lane.through + r * lane.back;
     green[i] = green[i] * lane.through + g * lane.back;
     blue[i] = blue[i] * lane.through + b * lane.back;
   }
 }
 
-static int FN(any_nap)(const FN(cloth) * c) {
-  const real *nap = FN(cloth_row)(c, CLOTH_NAP);
+static int any_nap(const cloth *c) {
+  const real *nap = cloth_row(c, CLOTH_NAP);
   int any = 0;
   for (size_t i = 0; i < c->count; i++)
     any |= nap[i] > 0;
@@ -708,79 +705,81 @@ static int FN(any_nap)(const FN(cloth) * c) {
  * Shadows of the yarns on one another. Of yarns whose m.w is even about its mean c, within reach
  * of it, the mean of the positive part; times their share.
  */
-typedef struct FN(leaning) {
+typedef struct leaning {
   real share, x, y, z, xx, xy, yy;
-} FN(leaning);
+} leaning;
 
-LEAF FN(leaning) FN(leaning_of)(const fabric_lean *l) {
-  return (FN(leaning)){(real)l->share, (real)l->mean[0], (real)l->mean[1], (real)l->mean[2],
-                       (real)l->xx,    (real)l->xy,      (real)l->yy};
+LEAF leaning leaning_of(const fabric_lean *l) {
+  return (leaning){(real)l->share, (real)l->mean[0], (real)l->mean[1], (real)l->mean[2],
+                   (real)l->xx,    (real)l->xy,      (real)l->yy};
 }
 
-LEAF real FN(yarns_take)(FN(leaning) l, real x, real y, real z) {
+LEAF real yarns_take(leaning l, real x, real y, real z) {
   real c = l.x * x + l.y * y + l.z * z;
   real spread = l.xx * x * x + 2 * l.xy * x * y + l.yy * y * y;
-  real reach = FN(root)(3 * FN(maximum)(spread, R(1e-12)));
-  real over = FN(maximum)(c + reach, 0);
+  real reach = root(3 * maximum(spread, R(1e-12)));
+  real over = maximum(c + reach, 0);
   return l.share * (c >= reach ? c : over * over / (4 * reach));
 }
 
 /* The part of it that falls on the cloth: w lit from above, in the frame of weft yarns. */
-LEAF real FN(shadowed)(FN(leaning) weft, FN(leaning) warp, real level, real x, real y, real z) {
-  real falls = FN(maximum)(z, R(1e-20));
-  real taken = FN(yarns_take)(weft, x, y, z) + FN(yarns_take)(warp, x, y, z) + level * z;
+LEAF real shadowed(leaning weft, leaning warp, real level, real x, real y, real z) {
+  real falls = maximum(z, R(1e-20));
+  real taken = yarns_take(weft, x, y, z) + yarns_take(warp, x, y, z) + level * z;
   return taken > falls ? falls / taken : 1;
 }
 
 /* The same of lane i, whose light is w: from behind, the yarns' other sides lean as much. */
-typedef struct FN(shadowing) {
-  FN(leaning) weft, warp;
+typedef struct shadowing {
+  leaning weft, warp;
   real level;
   const real *nx, *ny, *nz;
-} FN(shadowing);
+} shadowing;
 
-LEAF FN(shadowing) FN(shadowing_of)(const shade_fabric *f, const FN(cloth) * c) {
-  return (FN(shadowing)){.weft = FN(leaning_of)(&f->lean[0]),
-                         .warp = FN(leaning_of)(&f->lean[1]),
-                         .level = (real)f->level,
-                         .nx = FN(cloth_row)(c, CLOTH_N),
-                         .ny = FN(cloth_row)(c, CLOTH_N + 1),
-                         .nz = FN(cloth_row)(c, CLOTH_N + 2)};
+LEAF shadowing shadowing_of(const shade_fabric *f, const cloth *c) {
+  return (shadowing){.weft = leaning_of(&f->lean[0]),
+                     .warp = leaning_of(&f->lean[1]),
+                     .level = (real)f->level,
+                     .nx = cloth_row(c, CLOTH_N),
+                     .ny = cloth_row(c, CLOTH_N + 1),
+                     .nz = cloth_row(c, CLOTH_N + 2)};
 }
 
-LEAF real FN(shadowing_lane)(FN(shadowing) s, size_t i, int flat, real x, real y, real z) {
-  FN(carrier) a = {1, 0, 0, 1, 0, 0, 0, 1, 1, 0};
+LEAF real shadowing_lane(shadowing s, size_t i, int flat, real x, real y, real z) {
+  carrier a = {1, 0, 0, 1, 0, 0, 0, 1, 1, 0};
   if (!flat)
-    a = FN(carrier_of)(s.nx[i], s.ny[i], s.nz[i], 1, 0);
-  FN(triple) w = FN(carry)(a, x, y, z);
+    a = carrier_of(s.nx[i], s.ny[i], s.nz[i], 1, 0);
+  triple w = carry(a, x, y, z);
   real side = w.z < 0 ? R(-1.0) : R(1.0);
-  return FN(shadowed)(s.weft, s.warp, s.level, side * w.x, side * w.y, side * w.z);
+  return shadowed(s.weft, s.warp, s.level, side * w.x, side * w.y, side * w.z);
 }
 
-LEAF void FN(cloth_shadow_lanes)(FN(shadowing) s, size_t count, int flat, const real *const wi[3],
-                                 real *restrict factor) {
+LEAF void cloth_shadow_lanes(shadowing s, size_t count, int flat, const real *const wi[3],
+                             real *restrict factor) {
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    factor[i] = FN(shadowing_lane)(s, i, flat, ix[i], iy[i], iz[i]);
+    factor[i] = shadowing_lane(s, i, flat, ix[i], iy[i], iz[i]);
 }
 
 /* ci: cosines about n. */
-static void FN(cloth_shadow)(const shade_fabric *f, const FN(cloth) * c, const real *restrict ci,
-                             const real *const wi[3], real *const rgb[3]) {
-  const FN(shadowing) s = FN(shadowing_of)(f, c);
+static void cloth_shadow(const shade_fabric *f, const cloth *c, const real *restrict ci,
+                         const real *const wi[3], real *const rgb[3]) {
+  const shadowing s = shadowing_of(f, c);
   const real below = (real)f->shadows_below;
   real factor[BLOCK];
   int any = 0;
 #pragma omp simd reduction(| : any)
   for (size_t i = 0; i < c->count; i++)
-    any |= FN(absolute)(ci[i]) < below;
+    any |= absolute(ci[i]) < below;
   if (!any)
     return;
   if (c->flat)
-    FN(cloth_shadow_lanes)(s, c->count, 1, wi, factor);
+    cloth_shadow_lanes(s, c->count, 1, wi, factor);
   else
-    FN(cloth_shadow_lanes)(s, c->count, 0, wi, factor);
+    cloth_shadow_lanes(s, c->count, 0, wi, factor);
   for (int channel = 0; channel < 3; channel++)
-    FN(pass_multiply)(c->count, factor, rgb[channel]);
+    pass_multiply(c->count, factor, rgb[channel]);
 }
+
+#endif

@@ -4,17 +4,21 @@
  * of the near ones together, and for the far ones what the footprint holds. Look-ups and
  * footprints are in double for both precisions.
  */
+#ifndef SHADE_KERNEL_PASS_CLOTH_PREPARE_H
+#define SHADE_KERNEL_PASS_CLOTH_PREPARE_H
+
+#include "public.h"
+#include "../src/isa.h"
+#include "column.h"
+#include "pass_cloth_block.h"
 
 /* Before a loop that stores to lanes out of order, which clang 14 refuses to vectorise. */
-#undef SCATTERED
 #ifdef __clang__
 #define SCATTERED
 #else
 #define SCATTERED _Pragma("omp simd")
 #endif
 
-#ifndef CLOTH_SEEN
-#define CLOTH_SEEN
 /* What look-ups find. */
 typedef struct cloth_seen {
   int top[BLOCK], swap[BLOCK], yarn[BLOCK];
@@ -54,21 +58,20 @@ LEAF double cloth_far_share(double extent) {
   return extent < FABRIC_FAR_FROM ? x * x * (3 - 2 * x) : 1;
 }
 #define CLOTH_BELOW_ONE 0x1.fffffffffffffp-1
-#endif
 
 /* Room of a block that is being prepared. */
-typedef struct FN(preparing) {
-  FN(mended) room;
+typedef struct preparing {
+  mended_room room;
   real n[3][BLOCK], kd[2][3][BLOCK];
   double u[BLOCK], v[BLOCK], du[BLOCK], dv[BLOCK];
   int near[BLOCK], far[BLOCK];
   size_t near_count, far_count;
   cloth_seen seen;
-} FN(preparing);
+} preparing;
 
 /* `from`, or the fabric's own number, within [0, most]; NaN counts as 0. */
-static int FN(cloth_number)(size_t count, const real *restrict from, real own, real most,
-                            real *restrict to) {
+static int cloth_number(size_t count, const real *restrict from, real own, real most,
+                        real *restrict to) {
   int off = 0;
   if (!from) {
     for (size_t i = 0; i < count; i++)
@@ -77,7 +80,7 @@ static int FN(cloth_number)(size_t count, const real *restrict from, real own, r
   }
 #pragma omp simd reduction(| : off)
   for (size_t i = 0; i < count; i++) {
-    const real x = FN(minimum)(FN(maximum)(from[i], 0), most);
+    const real x = minimum(maximum(from[i], 0), most);
     off |= !(x == from[i]);
     to[i] = x;
   }
@@ -85,14 +88,13 @@ static int FN(cloth_number)(size_t count, const real *restrict from, real own, r
 }
 
 /* Rows of near lanes from what look-ups found; whole: lane[j] is j. */
-LEAF void FN(cloth_near_fill)(const shade_fabric *f, const FN(cloth) * c, const FN(preparing) * p,
-                              int whole) {
+LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing *p, int whole) {
   const cloth_seen *s = &p->seen;
   const int *lane = p->near;
-  real *mx = FN(cloth_row)(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
-  real *tx = FN(cloth_row)(c, CLOTH_FIBRE), *ty = tx + c->stride;
-  real *weft = FN(cloth_row)(c, CLOTH_WEIGHT), *warp = weft + c->stride;
-  real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
+  real *mx = cloth_row(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
+  real *tx = cloth_row(c, CLOTH_FIBRE), *ty = tx + c->stride;
+  real *weft = cloth_row(c, CLOTH_WEIGHT), *warp = weft + c->stride;
+  real *open = cloth_row(c, CLOTH_COVERAGE);
   const double bare = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->near_count; j++) {
@@ -118,8 +120,8 @@ LEAF void FN(cloth_near_fill)(const shade_fabric *f, const FN(cloth) * c, const 
     for (size_t j = 0; j < p->near_count; j++)
       own[j] = f->draft_colors ? fabric_own(f, s->swap[j], s->yarn[j], a) : 1;
     const real *kd0 = p->kd[0][a], *kd1 = p->kd[1][a];
-    real *to0 = FN(cloth_row)(c, CLOTH_KD + a), *to1 = FN(cloth_row)(c, CLOTH_KD + 3 + a);
-    real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
+    real *to0 = cloth_row(c, CLOTH_KD + a), *to1 = cloth_row(c, CLOTH_KD + 3 + a);
+    real *flat = cloth_row(c, CLOTH_FLAT + a);
     const double leaves0 = f->side[0].leaves[a], leaves1 = f->side[1].leaves[a];
     const double backing = f->backing[a];
     SCATTERED
@@ -135,8 +137,8 @@ LEAF void FN(cloth_near_fill)(const shade_fabric *f, const FN(cloth) * c, const 
     }
     if (!f->transmits)
       continue;
-    to0 = FN(cloth_row)(c, CLOTH_KT + a);
-    to1 = FN(cloth_row)(c, CLOTH_KT + 3 + a);
+    to0 = cloth_row(c, CLOTH_KT + a);
+    to1 = cloth_row(c, CLOTH_KT + 3 + a);
     const double kt0 = f->side[0].transmit[a], kt1 = f->side[1].transmit[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
@@ -152,33 +154,32 @@ LEAF void FN(cloth_near_fill)(const shade_fabric *f, const FN(cloth) * c, const 
   }
 }
 
-static void FN(cloth_near_rows)(const shade_fabric *f, const FN(cloth) * c,
-                                const FN(preparing) * p) {
+static void cloth_near_rows(const shade_fabric *f, const cloth *c, const preparing *p) {
   if (p->near_count == c->count)
-    FN(cloth_near_fill)(f, c, p, 1);
+    cloth_near_fill(f, c, p, 1);
   else
-    FN(cloth_near_fill)(f, c, p, 0);
+    cloth_near_fill(f, c, p, 0);
 }
 
 /* Rows of far lanes j from columns[k * wide + j * step]; step 0: one for all. */
-LEAF void FN(cloth_far_fill)(const shade_fabric *f, const FN(cloth) * c, const FN(preparing) * p,
-                             const real *columns, size_t wide, size_t step, int whole) {
+LEAF void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparing *p,
+                         const real *columns, size_t wide, size_t step, int whole) {
   const int *lane = p->far;
   for (int k = 0; k < 2; k++) {
-    real *weight = FN(cloth_row)(c, CLOTH_WEIGHT + k);
+    real *weight = cloth_row(c, CLOTH_WEIGHT + k);
     const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
       weight[whole ? j : (size_t)lane[j]] = seen[j * step];
   }
-  real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
+  real *open = cloth_row(c, CLOTH_COVERAGE);
   const real *bare = columns + (size_t)COLUMN_OPEN * wide, unbacked = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->far_count; j++)
     open[whole ? j : (size_t)lane[j]] = unbacked * bare[j * step];
   for (int a = 0; a < 3; a++) {
     const real *gap = columns + (size_t)COLUMN_GAP * wide, backing = (real)f->backing[a];
-    real *flat = FN(cloth_row)(c, CLOTH_FLAT + a);
+    real *flat = cloth_row(c, CLOTH_FLAT + a);
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
       flat[whole ? j : (size_t)lane[j]] = gap[j * step] * backing;
@@ -190,27 +191,27 @@ LEAF void FN(cloth_far_fill)(const shade_fabric *f, const FN(cloth) * c, const F
       const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
       const real *through = columns + (size_t)(COLUMN_PASS + 3 * k + a) * wide;
       const real leaves = (real)f->side[k].leaves[a];
-      real *to = FN(cloth_row)(c, CLOTH_KD + 3 * k + a);
+      real *to = cloth_row(c, CLOTH_KD + 3 * k + a);
 #pragma omp simd
       for (size_t j = 0; j < p->far_count; j++) {
         const size_t i = whole ? j : (size_t)lane[j];
-        to[i] = FN(minimum)(kd[i] * own[j * step], seen[j * step]) * leaves;
+        to[i] = minimum(kd[i] * own[j * step], seen[j * step]) * leaves;
         flat[i] += kd[i] * fuzz[j * step];
       }
       if (!f->transmits)
         continue;
-      real *kt = FN(cloth_row)(c, CLOTH_KT + 3 * k + a);
+      real *kt = cloth_row(c, CLOTH_KT + 3 * k + a);
       for (size_t j = 0; j < p->far_count; j++) {
         const real bright = kd[lane[j]] * own[j * step], most = seen[j * step];
-        kt[lane[j]] = FN(minimum)(through[j * step], most - FN(minimum)(bright, most)) * leaves;
+        kt[lane[j]] = minimum(through[j * step], most - minimum(bright, most)) * leaves;
       }
     }
   }
 }
 
 /* What of its footprint lane i stands for. Returns status bits. */
-static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, size_t i,
-                               shade_fabric_tier tier, FN(preparing) * p) {
+static unsigned cloth_term(const fabric_lanes *in, size_t start, size_t i, shade_fabric_tier tier,
+                           preparing *p) {
   unsigned status = SHADE_OK;
   double uv[2] = {(double)in->u[start + i], (double)in->v[start + i]}, extent[2] = {0, 0};
   for (int a = 0; a < 2; a++)
@@ -250,7 +251,7 @@ static unsigned FN(cloth_term)(const FN(shade_fabric_lanes) * in, size_t start, 
 }
 
 /* Whether all footprints are beyond the near model, and no random number is wrong. */
-static int FN(cloth_no_near)(const FN(shade_fabric_lanes) * in, size_t start, size_t size) {
+static int cloth_no_near(const fabric_lanes *in, size_t start, size_t size) {
   int near = 0;
   if (!in->du || !in->dv)
     return 0;
@@ -264,8 +265,7 @@ static int FN(cloth_no_near)(const FN(shade_fabric_lanes) * in, size_t start, si
 }
 
 /* What cloth_term does where all is far, whatever the random numbers. */
-static unsigned FN(cloth_all_far)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
-                                  FN(preparing) * p) {
+static unsigned cloth_all_far(const fabric_lanes *in, size_t start, size_t size, preparing *p) {
   const real *u = in->u + start, *v = in->v + start;
   const int spans = in->du && in->dv;
   const real *du = spans ? in->du + start : u, *dv = spans ? in->dv + start : v;
@@ -288,7 +288,7 @@ static unsigned FN(cloth_all_far)(const FN(shade_fabric_lanes) * in, size_t star
 }
 
 /* Whether no footprint reaches beyond the near model. */
-static int FN(cloth_no_far)(const FN(shade_fabric_lanes) * in, size_t start, size_t size) {
+static int cloth_no_far(const fabric_lanes *in, size_t start, size_t size) {
   int far = 0;
   if (!in->du || !in->dv)
     return 1;
@@ -301,8 +301,8 @@ static int FN(cloth_no_far)(const FN(shade_fabric_lanes) * in, size_t start, siz
 }
 
 /* What cloth_term does where all is near. */
-static unsigned FN(cloth_all_near)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
-                                   shade_fabric_tier tier, FN(preparing) * p) {
+static unsigned cloth_all_near(const fabric_lanes *in, size_t start, size_t size,
+                               shade_fabric_tier tier, preparing *p) {
   const real *u = in->u + start, *v = in->v + start;
   const int spans = in->du && in->dv, moves = tier == SHADE_TIER_AUTO;
   const real *du = spans ? in->du + start : u, *dv = spans ? in->dv + start : v;
@@ -331,8 +331,7 @@ static unsigned FN(cloth_all_near)(const FN(shade_fabric_lanes) * in, size_t sta
 }
 
 /* What cloth_term does where some may be near, others far. */
-static unsigned FN(cloth_mixed)(const FN(shade_fabric_lanes) * in, size_t start, size_t size,
-                                FN(preparing) * p) {
+static unsigned cloth_mixed(const fabric_lanes *in, size_t start, size_t size, preparing *p) {
   const real *u = in->u + start, *v = in->v + start, *du = in->du + start, *dv = in->dv + start;
   const real *random = in->random ? in->random + start : u;
   const int some = in->random != NULL;
@@ -377,7 +376,7 @@ static unsigned FN(cloth_mixed)(const FN(shade_fabric_lanes) * in, size_t start,
   return bad ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
-static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(preparing) * p) {
+static void cloth_look(const shade_fabric *f, const cloth *c, preparing *p) {
   cloth_seen *s = &p->seen;
   double u[BLOCK], v[BLOCK];
   memcpy(u, s->tx, p->near_count * sizeof *u);
@@ -393,14 +392,13 @@ static void FN(cloth_look)(const shade_fabric *f, const FN(cloth) * c, FN(prepar
                                .occlusion = s->occlusion,
                                .brightness = s->brightness,
                                .fuzz = s->fuzz};
-  kernel_weave_batch(f->weave, p->near_count, u, v, &out);
-  FN(cloth_near_rows)(f, c, p);
+  shade_isa_entries[f->isa]->weave_batch(f->weave, p->near_count, u, v, &out);
+  cloth_near_rows(f, c, p);
 }
 
 /* The columns of a group, a row each, with the streaks of its yarns. */
-static void FN(cloth_streaks)(const shade_fabric *f, const column_group *g,
-                              const double (*seen)[STREAK_LANES], size_t row,
-                              real *restrict columns) {
+static void cloth_streaks(const shade_fabric *f, const column_group *g,
+                          const double (*seen)[STREAK_LANES], size_t row, real *restrict columns) {
   double found[3][STREAK_LANES];
   real factor[3][STREAK_LANES], bright[2][STREAK_LANES];
   column_filled(f, g, seen, found);
@@ -426,15 +424,15 @@ static void FN(cloth_streaks)(const shade_fabric *f, const column_group *g,
     const real *restrict by = of[k], most = k == COLUMN_OPEN ? 1 : R(1e30);
 #pragma omp simd
     for (size_t i = 0; i < g->count; i++)
-      to[i] = FN(minimum)(to[i] * by[i], most);
+      to[i] = minimum(to[i] * by[i], most);
   }
 }
 
 /* Rows of columns, one a lane, to a row for each column: eight at a time, which is a few vectors of
  * lanes turned about. */
-static void FN(cloth_turn_columns)(const shade_fabric *f, size_t count,
-                                   const double (*restrict from)[COLUMNS_STEP], size_t wide,
-                                   real *restrict to) {
+static void cloth_turn_columns(const shade_fabric *f, size_t count,
+                               const double (*restrict from)[COLUMNS_STEP], size_t wide,
+                               real *restrict to) {
   for (int k = 0; k < column_count(f); k += 8) {
     real *restrict a = to + (size_t)k * wide;
 #pragma omp simd
@@ -454,8 +452,8 @@ static void FN(cloth_turn_columns)(const shade_fabric *f, size_t count,
 _Static_assert(COLUMNS_ALIKE == 8 && COLUMNS_OPAQUE % 8 == 0 && COLUMNS_STEP % 8 == 0, "eights");
 
 /* neighbours: whether lanes may lie side by side. */
-static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade_fabric_tier tier,
-                               int neighbours, const FN(preparing) * p) {
+static void cloth_far_rows(const shade_fabric *f, const cloth *c, shade_fabric_tier tier,
+                           int neighbours, const preparing *p) {
   const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
   for (size_t j = 0; j < p->far_count; j++)
     c->kind[p->far[j]] = (unsigned char)kind;
@@ -490,37 +488,35 @@ static void FN(cloth_far_rows)(const shade_fabric *f, const FN(cloth) * c, shade
         if (column_is_mean(f, p->du[i], p->dv[i]))
           memcpy(row[j], f->mean, sizeof f->mean);
       }
-      FN(cloth_turn_columns)(f, size, (const double(*)[COLUMNS_STEP])row, WIDE, columns + begin);
+      cloth_turn_columns(f, size, (const double(*)[COLUMNS_STEP])row, WIDE, columns + begin);
       for (size_t j = 0; j < size; j++) {
         seen[k][0][j] = row[j][COLUMN_SEEN];
         seen[k][1][j] = row[j][COLUMN_SEEN + 1];
       }
       any |= g->any;
-      if (g->any && !neighbours)
-        column_look_group(f, &x, &y, SHADE_FLOAT, g);
     }
-    if (any && neighbours)
-      column_look_groups(f, &x, &y, SHADE_FLOAT, groups, group);
+    if (any)
+      shade_isa_entries[f->isa]->streaks(f, &x, &y, SHADE_FLOAT, neighbours, groups, group);
     for (size_t k = 0; k < groups; k++)
       if (group[k].any)
-        FN(cloth_streaks)
-    (f, &group[k], (const double(*)[STREAK_LANES])seen[k], WIDE, columns + group[k].begin);
+        cloth_streaks(f, &group[k], (const double(*)[STREAK_LANES])seen[k], WIDE,
+                      columns + group[k].begin);
   }
   const int whole = p->far_count == c->count;
   if (mean && whole)
-    FN(cloth_far_fill)(f, c, p, columns, WIDE, 0, 1);
+    cloth_far_fill(f, c, p, columns, WIDE, 0, 1);
   else if (mean)
-    FN(cloth_far_fill)(f, c, p, columns, WIDE, 0, 0);
+    cloth_far_fill(f, c, p, columns, WIDE, 0, 0);
   else if (whole)
-    FN(cloth_far_fill)(f, c, p, columns, WIDE, 1, 1);
+    cloth_far_fill(f, c, p, columns, WIDE, 1, 1);
   else
-    FN(cloth_far_fill)(f, c, p, columns, WIDE, 1, 0);
+    cloth_far_fill(f, c, p, columns, WIDE, 1, 0);
 }
 
 /* Lanes from `start` of in, one term each; in is whole but for what may be NULL. */
-static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_fabric_lanes) * in,
-                                         size_t start, shade_fabric_tier tier, FN(cloth) * c) {
-  FN(preparing) p;
+static unsigned entry_cloth_prepare(const shade_fabric *f, const fabric_lanes *in, size_t start,
+                                    shade_fabric_tier tier, cloth *c) {
+  preparing p;
   const size_t size = c->count;
   unsigned status = SHADE_OK;
   const int flat = !(in->nx && in->ny && in->nz);
@@ -529,28 +525,28 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
       p.n[0][i] = p.n[1][i] = 0;
       p.n[2][i] = 1;
     }
-  FN(vec) given = {p.n[0], p.n[1], p.n[2]};
-  FN(vec) eye = {in->wox + start, in->woy + start, in->woz + start};
-  FN(vec) *const vectors[3] = {&given, &eye, NULL}; /* gcc believes that three are read */
+  vec given = {p.n[0], p.n[1], p.n[2]};
+  vec eye = {in->wox + start, in->woy + start, in->woz + start};
+  vec *const vectors[3] = {&given, &eye, NULL}; /* gcc believes that three are read */
   if (!flat)
-    given = (FN(vec)){in->nx + start, in->ny + start, in->nz + start};
-  status |= FN(mend_block)(size, 2, vectors, &p.room);
+    given = (vec){in->nx + start, in->ny + start, in->nz + start};
+  status |= mend_block(size, 2, vectors, &p.room);
   const real *const d[2][3] = {{given.x, given.y, given.z}, {eye.x, eye.y, eye.z}};
   const unsigned mended = status;
   for (int a = 0; a < 3; a++) {
-    memcpy(FN(cloth_row)(c, CLOTH_GIVEN + a), d[0][a], size * sizeof(real));
-    memcpy(FN(cloth_row)(c, CLOTH_WO + a), d[1][a], size * sizeof(real));
+    memcpy(cloth_row(c, CLOTH_GIVEN + a), d[0][a], size * sizeof(real));
+    memcpy(cloth_row(c, CLOTH_WO + a), d[1][a], size * sizeof(real));
   }
   if (!flat &&
       (f->horizon == SHADE_HORIZON_VALID_REFLECTION || f->horizon == SHADE_HORIZON_VALID_ESTEVEZ)) {
-    FN(vec_room) bent;
-    FN(pass_bend)(size, given, eye, &bent);
+    vec_room bent;
+    pass_bend(size, given, eye, &bent);
     const real *const n[3] = {bent.x, bent.y, bent.z};
     for (int a = 0; a < 3; a++)
-      memcpy(FN(cloth_row)(c, CLOTH_N + a), n[a], size * sizeof(real));
+      memcpy(cloth_row(c, CLOTH_N + a), n[a], size * sizeof(real));
   } else {
     for (int a = 0; a < 3; a++)
-      memcpy(FN(cloth_row)(c, CLOTH_N + a), d[0][a], size * sizeof(real));
+      memcpy(cloth_row(c, CLOTH_N + a), d[0][a], size * sizeof(real));
   }
 
   const real *const kd[2][3] = {{in->weft_r, in->weft_g, in->weft_b},
@@ -560,13 +556,13 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   for (int k = 0; k < 2; k++) {
     const int given = kd[k][0] && kd[k][1] && kd[k][2];
     for (int a = 0; a < 3; a++)
-      off |= FN(cloth_number)(size, given ? kd[k][a] + start : NULL, (real)f->side[k].kd[a], 1,
-                              p.kd[k][a]);
-    off |= FN(cloth_number)(size, gloss[k] ? gloss[k] + start : NULL, 1, 1,
-                            FN(cloth_row)(c, CLOTH_GLOSS + k));
+      off |= cloth_number(size, given ? kd[k][a] + start : NULL, (real)f->side[k].kd[a], 1,
+                          p.kd[k][a]);
+    off |=
+        cloth_number(size, gloss[k] ? gloss[k] + start : NULL, 1, 1, cloth_row(c, CLOTH_GLOSS + k));
   }
-  real *nap = FN(cloth_row)(c, CLOTH_NAP);
-  off |= FN(cloth_number)(size, in->nap ? in->nap + start : NULL, (real)f->nap, 10, nap);
+  real *nap = cloth_row(c, CLOTH_NAP);
+  off |= cloth_number(size, in->nap ? in->nap + start : NULL, (real)f->nap, 10, nap);
   status |= off ? (unsigned)SHADE_CLAMPED_PARAMETER : 0u;
 
   p.near_count = p.far_count = 0;
@@ -574,26 +570,26 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
     for (size_t i = 0; i < size; i++)
       p.far[p.far_count++] = (int)i;
   else if (tier == SHADE_TIER_FAR && !in->random)
-    status |= FN(cloth_all_far)(in, start, size, &p);
-  else if (tier == SHADE_TIER_AUTO && FN(cloth_no_near)(in, start, size))
-    status |= FN(cloth_all_far)(in, start, size, &p);
-  else if (size >= CLOTH_FEW && (tier == SHADE_TIER_NEAR ||
-                                 (tier == SHADE_TIER_AUTO && FN(cloth_no_far)(in, start, size))))
-    status |= FN(cloth_all_near)(in, start, size, tier, &p);
+    status |= cloth_all_far(in, start, size, &p);
+  else if (tier == SHADE_TIER_AUTO && cloth_no_near(in, start, size))
+    status |= cloth_all_far(in, start, size, &p);
+  else if (size >= CLOTH_FEW &&
+           (tier == SHADE_TIER_NEAR || (tier == SHADE_TIER_AUTO && cloth_no_far(in, start, size))))
+    status |= cloth_all_near(in, start, size, tier, &p);
   else if (size >= CLOTH_FEW && tier == SHADE_TIER_AUTO) /* all have footprints, or were near */
-    status |= FN(cloth_mixed)(in, start, size, &p);
+    status |= cloth_mixed(in, start, size, &p);
   else
     for (size_t i = 0; i < size; i++)
-      status |= FN(cloth_term)(in, start, i, tier, &p);
+      status |= cloth_term(in, start, i, tier, &p);
   if (p.near_count)
-    FN(cloth_look)(f, c, &p);
+    cloth_look(f, c, &p);
   if (p.far_count)
-    FN(cloth_far_rows)(f, c, tier, in->neighbours != 0, &p);
+    cloth_far_rows(f, c, tier, in->neighbours != 0, &p);
 
   c->flat = 1;
   if (!flat) {
-    const real *x = FN(cloth_row)(c, CLOTH_N), *y = x + c->stride;
-    const real *gx = FN(cloth_row)(c, CLOTH_GIVEN), *gy = gx + c->stride;
+    const real *x = cloth_row(c, CLOTH_N), *y = x + c->stride;
+    const real *gx = cloth_row(c, CLOTH_GIVEN), *gy = gx + c->stride;
     int tilted = 0;
     for (size_t i = 0; i < size; i++)
       tilted |= (x[i] != 0) | (y[i] != 0) | (gx[i] != 0) | (gy[i] != 0);
@@ -601,13 +597,13 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   }
 
   /* coverage: until here what is open */
-  real *open = FN(cloth_row)(c, CLOTH_COVERAGE);
-  const real *nx = FN(cloth_row)(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  real *open = cloth_row(c, CLOTH_COVERAGE);
+  const real *nx = cloth_row(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
   const real *ox = d[1][0], *oy = d[1][1], *oz = d[1][2];
 #pragma omp simd
   for (size_t i = 0; i < size; i++) {
-    real co = FN(maximum)(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-6));
-    open[i] = 1 - open[i] * FN(exp_negative)(FN(minimum)(R(0.5) * nap[i] / co, 80));
+    real co = maximum(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-6));
+    open[i] = 1 - open[i] * exp_negative(minimum(R(0.5) * nap[i] / co, 80));
   }
   const real *u = in->u + start, *v = in->v + start;
   int displaced = (mended & SHADE_BAD_INPUT) != 0;
@@ -624,3 +620,5 @@ static unsigned FN(kernel_cloth_prepare)(const shade_fabric *f, const FN(shade_f
   }
   return status;
 }
+
+#endif

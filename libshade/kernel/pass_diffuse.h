@@ -1,34 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Diffuse passes: components across the fibre, then Phi/(pi cos), then each colour. */
+#ifndef SHADE_KERNEL_PASS_DIFFUSE_H
+#define SHADE_KERNEL_PASS_DIFFUSE_H
 
-static void FN(pass_across)(size_t count, FN(vec) n, FN(vec) w, real *restrict across) {
+#include "leaf_diffuse.h"
+#include "pass_colour.h"
+
+static void pass_across(size_t count, vec n, vec w, real *restrict across) {
   ARRAYS(n);
   ARRAYS(w);
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    across[i] = FN(across_fibre)(nx[i], ny[i], nz[i], wx[i], wy[i], wz[i]);
+    across[i] = across_fibre(nx[i], ny[i], nz[i], wx[i], wy[i], wz[i]);
 }
 
 /* The floor keeps f finite where the cosine vanishes and Phi does not. */
 #define DIFFUSE_PASS(NAME, word, value, label, help)                                               \
-  static void FN(pass_diffuse_##word)(size_t count, const real *restrict ly,                       \
-                                      const real *restrict cosi, const real *restrict vy,          \
-                                      const real *restrict coso, real *restrict q) {               \
+  static void pass_diffuse_##word(size_t count, const real *restrict ly,                           \
+                                  const real *restrict cosi, const real *restrict vy,              \
+                                  const real *restrict coso, real *restrict q) {                   \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      real phi = FN(diffuse_##word)(ly[i], cosi[i], vy[i], coso[i]);                               \
-      real one = phi * R(0.31830988618379067154) / FN(maximum)(cosi[i], R(1e-20));                 \
+      real phi = diffuse_##word(ly[i], cosi[i], vy[i], coso[i]);                                   \
+      real one = phi * R(0.31830988618379067154) / maximum(cosi[i], R(1e-20));                     \
       q[i] = coso[i] > 0 ? one : 0;                                                                \
     }                                                                                              \
   }
 SHADE_TABLE_DIFFUSE(DIFFUSE_PASS)
 #undef DIFFUSE_PASS
 
-static void FN(pass_diffuse)(const bsdf *b, size_t count, const real *ly, const real *cosi,
-                             const real *vy, const real *coso, real *q) {
+static void pass_diffuse(const bsdf *b, size_t count, const real *ly, const real *cosi,
+                         const real *vy, const real *coso, real *q) {
   switch (b->diffuse) {
 #define DIFFUSE_CASE(NAME, word, value, label, help)                                               \
   case SHADE_DIFFUSE_##NAME:                                                                       \
-    FN(pass_diffuse_##word)(count, ly, cosi, vy, coso, q);                                         \
+    pass_diffuse_##word(count, ly, cosi, vy, coso, q);                                             \
     break;
     SHADE_TABLE_DIFFUSE(DIFFUSE_CASE)
 #undef DIFFUSE_CASE
@@ -38,79 +43,81 @@ static void FN(pass_diffuse)(const bsdf *b, size_t count, const real *ly, const 
 }
 
 /* The same decision for one sample: Phi. An unknown model is the first. */
-LEAF real FN(diffuse_phi)(shade_diffuse model, real ly, real lz, real vy, real vz) {
+LEAF real diffuse_phi(shade_diffuse model, real ly, real lz, real vy, real vz) {
   switch (model) {
 #define DIFFUSE_CASE(NAME, word, value, label, help)                                               \
   case SHADE_DIFFUSE_##NAME:                                                                       \
-    return FN(diffuse_##word)(ly, lz, vy, vz);
+    return diffuse_##word(ly, lz, vy, vz);
     SHADE_TABLE_DIFFUSE(DIFFUSE_CASE)
 #undef DIFFUSE_CASE
   case SHADE_DIFFUSE_COUNT:
     break;
   }
-  return FN(diffuse_lambert)(ly, lz, vy, vz);
+  return diffuse_lambert(ly, lz, vy, vz);
 }
 
 /* q = Phi/(pi cos) of a block; ly and vy are scratch. */
-static void FN(diffuse_block)(const bsdf *b, size_t size, FN(vec) n, FN(vec) wi, FN(vec) wo,
-                              const real *cosi, const real *coso, real *ly, real *vy, real *q) {
+static void diffuse_block(const bsdf *b, size_t size, vec n, vec wi, vec wo, const real *cosi,
+                          const real *coso, real *ly, real *vy, real *q) {
   if (b->fibres_along_y)
-    n = FN(vec_swapped)(n), wi = FN(vec_swapped)(wi), wo = FN(vec_swapped)(wo);
+    n = vec_swapped(n), wi = vec_swapped(wi), wo = vec_swapped(wo);
   if (b->carry.map == SHADE_MAP_NONE) {
     memcpy(ly, wi.y, size * sizeof *ly);
     memcpy(vy, wo.y, size * sizeof *vy);
   } else {
-    FN(pass_across)(size, n, wi, ly);
-    FN(pass_across)(size, n, wo, vy);
+    pass_across(size, n, wi, ly);
+    pass_across(size, n, wo, vy);
   }
-  FN(pass_diffuse)(b, size, ly, cosi, vy, coso, q);
+  pass_diffuse(b, size, ly, cosi, vy, coso, q);
 }
 
 /* Adds a colour channel's diffuse part to out. */
-static void FN(pass_add_diffuse)(size_t count, real kd, const real *restrict q,
-                                 real *restrict out) {
+static void pass_add_diffuse(size_t count, real kd, const real *restrict q, real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
     out[i] += kd * q[i];
 }
 
 /* less: 1 where f0 takes its share of it first, else 0. */
-static void FN(pass_each_add_diffuse)(size_t count, const real *restrict kd, real less,
-                                      const real *restrict f0, const real *restrict q,
-                                      real *restrict out) {
+static void pass_each_add_diffuse(size_t count, const real *restrict kd, real less,
+                                  const real *restrict f0, const real *restrict q,
+                                  real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
     out[i] += kd[i] * (1 - less * f0[i]) * q[i];
 }
 
 /* kd of channel c, less what Ashikhmin and Shirley give to the specular part. */
-static inline real FN(diffuse_scale)(const bsdf *b, int c) {
-  return shade_diffuse_is(b->diffuse).less_f0 ? b->FN(kd)[c] * (1 - b->FN(f0)[c]) : b->FN(kd)[c];
+static inline real diffuse_scale(const bsdf *b, int c) {
+  return shade_diffuse_is(b->diffuse).less_f0 ? numbers_of(b)->kd[c] * (1 - numbers_of(b)->f0[c])
+                                              : numbers_of(b)->kd[c];
 }
 
 /* Channel c; kd and f0 are those of each sample, or NULL. */
-static void FN(add_diffuse)(const bsdf *b, int c, size_t count, const real *kd, const real *f0,
-                            const real *q, real *out) {
+static void add_diffuse(const bsdf *b, int c, size_t count, const real *kd, const real *f0,
+                        const real *q, real *out) {
   const int less = shade_diffuse_is(b->diffuse).less_f0;
   ROOM room[2][BLOCK];
   if (!kd && !(f0 && less)) {
-    FN(pass_add_diffuse)(count, FN(diffuse_scale)(b, c), q, out);
+    pass_add_diffuse(count, diffuse_scale(b, c), q, out);
     return;
   }
-  kd = FN(filled)(count, kd, 1, b->FN(kd)[c], room[0]);
-  f0 = FN(filled)(count, f0, 1, b->FN(f0)[c], room[1]);
-  FN(pass_each_add_diffuse)(count, kd, (real)less, f0, q, out);
+  kd = filled(count, kd, 1, numbers_of(b)->kd[c], room[0]);
+  f0 = filled(count, f0, 1, numbers_of(b)->f0[c], room[1]);
+  pass_each_add_diffuse(count, kd, (real)less, f0, q, out);
 }
 
 /* d: f to f cos. q: Phi/(pi cos) to what yarn_batch promises. */
-static void FN(pass_yarn)(size_t count, const real *restrict cosi, const real *restrict coso,
-                          real *restrict d, real *restrict q) {
+static void pass_yarn(size_t count, const real *restrict cosi, const real *restrict coso,
+                      real *restrict d, real *restrict q) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real enter = 1 - FN(schlick_weight)(FN(minimum)(cosi[i], 1));
-    real leave = 1 - FN(schlick_weight)(FN(minimum)(coso[i], 1));
+    real enter = 1 - schlick_weight(minimum(cosi[i], 1));
+    real leave = 1 - schlick_weight(minimum(coso[i], 1));
     real matt = q[i] * cosi[i] * enter * leave;
     d[i] *= cosi[i];
     q[i] = coso[i] > 0 ? matt : 0;
   }
 }
+
+#endif

@@ -4,49 +4,59 @@
  * its own; one that reads ratios goes from n and h to D in one loop per leaf. Each loop twice:
  * with the material's own parameters, and with those of each sample.
  */
+#ifndef SHADE_KERNEL_PASS_DISTRIBUTION_H
+#define SHADE_KERNEL_PASS_DISTRIBUTION_H
+
+#include "../src/bsdf.h"
+#include "mdf.h"
+#include "pass_detail.h"
 
 /* The lobe's parameters: one of each, or an array of each. */
-typedef struct FN(shape) {
+typedef struct lobe_shape {
   int varies; /* 1: arrays */
   const real *kx, *ky, *peak, *gx, *gy;
   const real *ax, *ay; /* arrays of alphas, where the distribution reads them */
   int alone;           /* 1: what stands above them was not made */
-} FN(shape);
+} lobe_shape;
 
-LEAF FN(shape) FN(own_shape)(const bsdf *b) {
-  return (FN(shape)){0,    &b->FN(kx), &b->FN(ky), &b->FN(peak), &b->FN(gx), &b->FN(gy),
-                     NULL, NULL,       0};
+LEAF lobe_shape own_shape(const bsdf *b) {
+  return (lobe_shape){0,
+                      &numbers_of(b)->kx,
+                      &numbers_of(b)->ky,
+                      &numbers_of(b)->peak,
+                      &numbers_of(b)->gx,
+                      &numbers_of(b)->gy,
+                      NULL,
+                      NULL,
+                      0};
 }
 
 /*
  * A block of samples as passes that call passes hand it on: by its address, for a copy reads in
  * vectors what was just written one by one, and waits.
  */
-typedef struct FN(block) {
+typedef struct sample_block {
   size_t count;
-  FN(vec) n, wi, wo;
-  FN(shape) shape;
+  vec n, wi, wo;
+  lobe_shape shape;
   const real *f0[3], *tint[3], *k[3], *kd[3]; /* of each sample, or NULL */
-} FN(block);
+} sample_block;
 
 /*
  * A block of the material's own parameters, whose samples are still to be set; no initialiser, for
  * clearing the whole took as long as ten samples (gcc, `rep stos`).
  */
-LEAF void FN(start_block)(const bsdf *b, FN(block) * s) {
-  s->shape = FN(own_shape)(b);
+LEAF void start_block(const bsdf *b, sample_block *s) {
+  s->shape = own_shape(b);
   for (int c = 0; c < 3; c++)
     s->f0[c] = s->tint[c] = s->k[c] = s->kd[c] = NULL;
 }
 
 /* Along y what was along x. */
-LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
-  return (FN(shape)){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax, s.alone};
+LEAF lobe_shape shape_swapped(lobe_shape s) {
+  return (lobe_shape){s.varies, s.ky, s.kx, s.peak, s.gy, s.gx, s.ay, s.ax, s.alone};
 }
 
-#undef SHAPE
-#undef OWN
-#undef EACH
 #define SHAPE(s)                                                                                   \
   const real *restrict kx = (s)->kx, *restrict ky = (s)->ky, *restrict peak = (s)->peak;           \
   const real own_kx = *kx, own_ky = *ky, own_peak = *peak;                                         \
@@ -55,19 +65,19 @@ LEAF FN(shape) FN(shape_swapped)(FN(shape) s) {
 #define EACH kx[i], ky[i], peak[i]
 
 #define SLOPES_PASS(name, word, which)                                                             \
-  static void FN(name)(size_t count, const FN(shape) * s, const real *restrict t,                  \
-                       const real *restrict xx, const real *restrict yy, real *restrict d) {       \
+  static void name(size_t count, const lobe_shape *s, const real *restrict t,                      \
+                   const real *restrict xx, const real *restrict yy, real *restrict d) {           \
     SHAPE(s);                                                                                      \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      FN(lobe_point) p = {t[i], xx[i], yy[i]};                                                     \
-      d[i] = FN(word)(p, which);                                                                   \
+      lobe_point p = {t[i], xx[i], yy[i]};                                                         \
+      d[i] = word(p, which);                                                                       \
     }                                                                                              \
   }
 #define RATIO_PASS(name, leaf, word, which)                                                        \
-  static void FN(name)(size_t count, const FN(shape) * s, VEC(n), VEC(h), real *restrict d) {      \
+  static void name(size_t count, const lobe_shape *s, VEC(n), VEC(h), real *restrict d) {          \
     SHAPE(s);                                                                                      \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] =                                  \
-        FN(word)(FN(detail_##leaf)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i]), which);              \
+        word(detail_##leaf(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i]), which);                      \
   }
 #define RATIO_LEAF(leaf, word)                                                                     \
   RATIO_PASS(pass_##word##_##leaf, leaf, word, OWN)                                                \
@@ -89,9 +99,9 @@ SHADE_TABLE_MDF(MDF_PASSES)
 
 /* The conserving warps: d times their stretch. */
 #define STRETCH_PASS(name, smooth, projected)                                                      \
-  static void FN(pass_stretch_##name)(size_t count, VEC(n), VEC(h), real *restrict d) {            \
+  static void pass_stretch_##name(size_t count, VEC(n), VEC(h), real *restrict d) {                \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) d[i] *=                                 \
-        FN(warp_stretch)(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], smooth, projected);             \
+        warp_stretch(nx[i], ny[i], nz[i], hx[i], hy[i], hz[i], smooth, projected);                 \
   }
 STRETCH_PASS(linear, 0, 0)
 STRETCH_PASS(linear_projected, 0, 1)
@@ -99,31 +109,28 @@ STRETCH_PASS(smooth, 1, 0)
 STRETCH_PASS(smooth_projected, 1, 1)
 #undef STRETCH_PASS
 
-LEAF void FN(pass_stretch)(int smooth, int projected, size_t count, FN(vec) n, FN(vec) h, real *d) {
+LEAF void pass_stretch(int smooth, int projected, size_t count, vec n, vec h, real *d) {
   if (smooth)
-    (projected ? FN(pass_stretch_smooth_projected) : FN(pass_stretch_smooth))(count, XYZ(n), XYZ(h),
-                                                                              d);
+    (projected ? pass_stretch_smooth_projected : pass_stretch_smooth)(count, XYZ(n), XYZ(h), d);
   else
-    (projected ? FN(pass_stretch_linear_projected) : FN(pass_stretch_linear))(count, XYZ(n), XYZ(h),
-                                                                              d);
+    (projected ? pass_stretch_linear_projected : pass_stretch_linear)(count, XYZ(n), XYZ(h), d);
 }
 
 /* n and h to D; h is unit for the warps. t, xx and yy are scratch. */
-LEAF void FN(pass_lobe)(const bsdf *b, const FN(shape) * s, size_t count, FN(vec) n, FN(vec) h,
-                        real *t, real *xx, real *yy, real *d) {
-  const FN(shape) swapped = FN(shape_swapped)(*s);
+LEAF void pass_lobe(const bsdf *b, const lobe_shape *s, size_t count, vec n, vec h, real *t,
+                    real *xx, real *yy, real *d) {
+  const lobe_shape swapped = shape_swapped(*s);
   switch (b->mdf) {
 #define LOBE_SLOPES(word)                                                                          \
-  FN(pass_detail)(b->carry.map, count, n, h, t, xx, yy);                                           \
-  (s->varies ? FN(pass_each_##word) : FN(pass_##word))(count, s, t, xx, yy, d);
+  pass_detail(b->carry.map, count, n, h, t, xx, yy);                                               \
+  (s->varies ? pass_each_##word : pass_##word)(count, s, t, xx, yy, d);
 #define LOBE_RATIO_MAP(NAME, leaf, along_y, kind, frame, word)                                     \
   case SHADE_MAP_##NAME:                                                                           \
     if (along_y)                                                                                   \
-      (s->varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(                      \
-          count, &swapped, XYZ(FN(vec_swapped)(n)), XYZ(FN(vec_swapped)(h)), d);                   \
+      (s->varies ? pass_each_##word##_##leaf : pass_##word##_##leaf)(                              \
+          count, &swapped, XYZ(vec_swapped(n)), XYZ(vec_swapped(h)), d);                           \
     else                                                                                           \
-      (s->varies ? FN(pass_each_##word##_##leaf) : FN(pass_##word##_##leaf))(count, s, XYZ(n),     \
-                                                                             XYZ(h), d);           \
+      (s->varies ? pass_each_##word##_##leaf : pass_##word##_##leaf)(count, s, XYZ(n), XYZ(h), d); \
     break;
 #define LOBE_RATIO(word)                                                                           \
   switch (b->carry.map) {                                                                          \
@@ -140,23 +147,23 @@ LEAF void FN(pass_lobe)(const bsdf *b, const FN(shape) * s, size_t count, FN(vec
     break;
   }
   if (b->conserve)
-    FN(pass_stretch)(b->warp == SHADE_WARP_SMOOTH, b->projected, count, n, h, d);
+    pass_stretch(b->warp == SHADE_WARP_SMOOTH, b->projected, count, n, h, d);
 }
 #undef LOBE_RATIO
 #undef LOBE_RATIO_MAP
 #undef LOBE_SLOPES
 
 /* The same for one sample. */
-LEAF real FN(lobe)(const bsdf *b, FN(triple) n, FN(triple) h) {
-  const real kx = b->FN(kx), ky = b->FN(ky), peak = b->FN(peak);
-  const FN(lobe_ratio) r = FN(detail)(b->carry.map, n, h);
+LEAF real lobe(const bsdf *b, triple n, triple h) {
+  const real kx = numbers_of(b)->kx, ky = numbers_of(b)->ky, peak = numbers_of(b)->peak;
+  const lobe_ratio r = detail(b->carry.map, n, h);
   real d = 0;
   switch (b->mdf) {
 #define READ_RATIO(r) (r)
-#define READ_SLOPES(r) FN(lobe_at)(r)
+#define READ_SLOPES(r) lobe_at(r)
 #define MDF_CASE(NAME, word, value, label, help)                                                   \
   case SHADE_MDF_##NAME:                                                                           \
-    d = FN(word)(BY_FORM(READ_, SHADE_MDF_##NAME##_FORM)(r), kx, ky, peak);                        \
+    d = word(BY_FORM(READ_, SHADE_MDF_##NAME##_FORM)(r), kx, ky, peak);                            \
     break;
     SHADE_TABLE_MDF(MDF_CASE)
 #undef MDF_CASE
@@ -166,34 +173,33 @@ LEAF real FN(lobe)(const bsdf *b, FN(triple) n, FN(triple) h) {
     break;
   }
   if (b->conserve)
-    d *= FN(warp_stretch)(n.x, n.y, n.z, h.x, h.y, h.z, b->warp == SHADE_WARP_SMOOTH, b->projected);
+    d *= warp_stretch(n.x, n.y, n.z, h.x, h.y, h.z, b->warp == SHADE_WARP_SMOOTH, b->projected);
   return d;
 }
 
 /* Slopes of a direction, carried as h is, to 1 + 2 Lambda. */
 #define SMITH_PASS(NAME, word, value, label, help)                                                 \
-  static void FN(pass_smith_##word)(size_t count, const FN(shape) * s, const real *restrict xx,    \
-                                    const real *restrict yy, real *restrict l) {                   \
+  static void pass_smith_##word(size_t count, const lobe_shape *s, const real *restrict xx,        \
+                                const real *restrict yy, real *restrict l) {                       \
     const real gx = *s->gx, gy = *s->gy;                                                           \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) l[i] =                                  \
-        FN(smith_##word)(gx * xx[i] + gy * yy[i]);                                                 \
+        smith_##word(gx * xx[i] + gy * yy[i]);                                                     \
   }                                                                                                \
-  static void FN(pass_each_smith_##word)(size_t count, const FN(shape) * s,                        \
-                                         const real *restrict xx, const real *restrict yy,         \
-                                         real *restrict l) {                                       \
+  static void pass_each_smith_##word(size_t count, const lobe_shape *s, const real *restrict xx,   \
+                                     const real *restrict yy, real *restrict l) {                  \
     const real *restrict gx = s->gx, *restrict gy = s->gy;                                         \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) l[i] =                                  \
-        FN(smith_##word)(gx[i] * xx[i] + gy[i] * yy[i]);                                           \
+        smith_##word(gx[i] * xx[i] + gy[i] * yy[i]);                                               \
   }
 SHADE_TABLE_MDF(SMITH_PASS)
 #undef SMITH_PASS
 
-static void FN(pass_smith)(const bsdf *b, const FN(shape) * s, size_t count, const real *xx,
-                           const real *yy, real *l) {
+static void pass_smith(const bsdf *b, const lobe_shape *s, size_t count, const real *xx,
+                       const real *yy, real *l) {
   switch (b->mdf) {
 #define MDF_CASE(NAME, word, value, label, help)                                                   \
   case SHADE_MDF_##NAME:                                                                           \
-    (s->varies ? FN(pass_each_smith_##word) : FN(pass_smith_##word))(count, s, xx, yy, l);         \
+    (s->varies ? pass_each_smith_##word : pass_smith_##word)(count, s, xx, yy, l);                 \
     break;
     SHADE_TABLE_MDF(MDF_CASE)
 #undef MDF_CASE
@@ -203,13 +209,13 @@ static void FN(pass_smith)(const bsdf *b, const FN(shape) * s, size_t count, con
 }
 
 /* The same for one direction. */
-LEAF real FN(smith)(const bsdf *b, FN(triple) n, FN(triple) w) {
-  FN(lobe_point) p = FN(lobe_at)(FN(detail)(b->carry.shadow, n, w));
-  real slope2 = b->FN(gx) * p.xx + b->FN(gy) * p.yy;
+LEAF real smith(const bsdf *b, triple n, triple w) {
+  lobe_point p = lobe_at(detail(b->carry.shadow, n, w));
+  real slope2 = numbers_of(b)->gx * p.xx + numbers_of(b)->gy * p.yy;
   switch (b->mdf) {
 #define MDF_CASE(NAME, word, value, label, help)                                                   \
   case SHADE_MDF_##NAME:                                                                           \
-    return FN(smith_##word)(slope2);
+    return smith_##word(slope2);
     SHADE_TABLE_MDF(MDF_CASE)
 #undef MDF_CASE
   case SHADE_MDF_COUNT:
@@ -217,3 +223,5 @@ LEAF real FN(smith)(const bsdf *b, FN(triple) n, FN(triple) w) {
   }
   return 1;
 }
+
+#endif

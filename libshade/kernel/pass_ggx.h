@@ -8,126 +8,123 @@
  * two divisions where leaf by leaf has six. X and Y of h = wi + wo are the sums of those of
  * wi and wo. Errors as leaf_brdf.h states them. [Heitz2014 Eq. 72, 85, 99]
  */
+#ifndef SHADE_KERNEL_PASS_GGX_H
+#define SHADE_KERNEL_PASS_GGX_H
+
+#include "pass_distribution.h"
 
 /* What a loop computes of one sample; lowest: z of the lower one of wi and wo. */
-typedef struct FN(ggx_sample) {
+typedef struct ggx_sample {
   real cosi, coso, hwo, f;
   int opposite;
-} FN(ggx_sample);
+} ggx_sample;
 
 /* Slopes of a direction, times L, and its cosine with n. */
-typedef struct FN(ggx_slopes) {
+typedef struct ggx_slopes {
   real x, y, c;
-} FN(ggx_slopes);
+} ggx_slopes;
 
 /* The lobe: of a material by its own numbers, or of a sample by its alphas. */
-typedef struct FN(ggx_lobe) {
+typedef struct ggx_lobe {
   int varies;
   real kx, ky, peak, gx, gy, ax, ay;
-} FN(ggx_lobe);
-LEAF FN(ggx_lobe) FN(ggx_own)(const FN(shape) * s, int swap) {
-  return (FN(ggx_lobe)){.kx = swap ? *s->ky : *s->kx,
-                        .ky = swap ? *s->kx : *s->ky,
-                        .peak = *s->peak,
-                        .gx = swap ? *s->gy : *s->gx,
-                        .gy = swap ? *s->gx : *s->gy};
+} ggx_lobe;
+LEAF ggx_lobe ggx_own(const lobe_shape *s, int swap) {
+  return (ggx_lobe){.kx = swap ? *s->ky : *s->kx,
+                    .ky = swap ? *s->kx : *s->ky,
+                    .peak = *s->peak,
+                    .gx = swap ? *s->gy : *s->gx,
+                    .gy = swap ? *s->gx : *s->gy};
 }
-LEAF FN(ggx_lobe) FN(ggx_of_alphas)(real ax, real ay) {
-  return (FN(ggx_lobe)){.varies = 1, .ax = ax, .ay = ay};
+LEAF ggx_lobe ggx_of_alphas(real ax, real ay) {
+  return (ggx_lobe){.varies = 1, .ax = ax, .ay = ay};
 }
 
 /* D without its peak is (top/bottom)^2, over which the rest is divided by under; S^2 of i and o. */
-typedef struct FN(ggx_terms) {
+typedef struct ggx_terms {
   real top, bottom, least, peak, under, si2, so2;
-} FN(ggx_terms);
-LEAF FN(ggx_terms)
-    FN(ggx_own_terms)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real ll, FN(ggx_lobe) lobe) {
+} ggx_terms;
+LEAF ggx_terms ggx_own_terms(ggx_slopes i, ggx_slopes o, real hh, real ll, ggx_lobe lobe) {
   real x = i.x + o.x, y = i.y + o.y, d = i.c + o.c, gx = lobe.gx, gy = lobe.gy;
-  return (FN(ggx_terms)){ll * hh,
-                         ll * (d * d) + (lobe.kx * (x * x) + lobe.ky * (y * y)),
-                         TINY,
-                         lobe.peak,
-                         1,
-                         ll * (i.c * i.c) + (gx * (i.x * i.x) + gy * (i.y * i.y)),
-                         ll * (o.c * o.c) + (gx * (o.x * o.x) + gy * (o.y * o.y))};
+  return (ggx_terms){ll * hh,
+                     ll * (d * d) + (lobe.kx * (x * x) + lobe.ky * (y * y)),
+                     TINY,
+                     lobe.peak,
+                     1,
+                     ll * (i.c * i.c) + (gx * (i.x * i.x) + gy * (i.y * i.y)),
+                     ll * (o.c * o.c) + (gx * (o.x * o.x) + gy * (o.y * o.y))};
 }
 /*
  * No division: top and bottom are those above times (ax ay)^2. With the slopes times the alphas
  * that is four operations more than above; with alpha^2 it was seven.
  */
-LEAF FN(ggx_terms) FN(ggx_terms_of_alphas)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real ll,
-                                           FN(ggx_lobe) lobe) {
+LEAF ggx_terms ggx_terms_of_alphas(ggx_slopes i, ggx_slopes o, real hh, real ll, ggx_lobe lobe) {
   real ax = lobe.ax, ay = lobe.ay, area = ax * ay, scale = area * area * ll;
   real x = ay * (i.x + o.x), y = ax * (i.y + o.y), d = i.c + o.c;
   real ix = ax * i.x, iy = ay * i.y, ox = ax * o.x, oy = ay * o.y;
-  return (FN(ggx_terms)){scale * hh,
-                         scale * (d * d) + (x * x + y * y),
-                         LEAST_NORMAL,
-                         R(0.31830988618379067154),
-                         area,
-                         ll * (i.c * i.c) + (ix * ix + iy * iy),
-                         ll * (o.c * o.c) + (ox * ox + oy * oy)};
+  return (ggx_terms){scale * hh,
+                     scale * (d * d) + (x * x + y * y),
+                     LEAST_NORMAL,
+                     R(0.31830988618379067154),
+                     area,
+                     ll * (i.c * i.c) + (ix * ix + iy * iy),
+                     ll * (o.c * o.c) + (ox * ox + oy * oy)};
 }
 
-LEAF FN(ggx_sample) FN(ggx_of)(FN(ggx_slopes) i, FN(ggx_slopes) o, real hh, real ll,
-                               FN(ggx_lobe) lobe, real lowest) {
-  FN(ggx_sample) s;
-  FN(ggx_terms)
-  t = lobe.varies ? FN(ggx_terms_of_alphas)(i, o, hh, ll, lobe)
-                  : FN(ggx_own_terms)(i, o, hh, ll, lobe);
+LEAF ggx_sample ggx_of(ggx_slopes i, ggx_slopes o, real hh, real ll, ggx_lobe lobe, real lowest) {
+  ggx_sample s;
+  ggx_terms t =
+      lobe.varies ? ggx_terms_of_alphas(i, o, hh, ll, lobe) : ggx_own_terms(i, o, hh, ll, lobe);
   /* at most 100, alpha being at most 10, but for wi and wo that nearly cancel */
-  real ratio = t.top / FN(maximum)(t.bottom, R(1e-5) * t.top + t.least);
-  real l = FN(root)(ll), si = FN(root)(t.si2), so = FN(root)(t.so2);
-  real value =
-      t.peak * (ratio * ratio) * l /
-      (t.under * FN(maximum)(2 * (o.c * si + i.c * so), R(1e-20) * FN(maximum)(l, R(1e-12))));
+  real ratio = t.top / maximum(t.bottom, R(1e-5) * t.top + t.least);
+  real l = root(ll), si = root(t.si2), so = root(t.so2);
+  real value = t.peak * (ratio * ratio) * l /
+               (t.under * maximum(2 * (o.c * si + i.c * so), R(1e-20) * maximum(l, R(1e-12))));
   /* one comparison, as in lit_cosine; as bits, or gcc weaves it into that of the minimum below */
-  real_bits lit = -(real_bits)(FN(minimum)(FN(minimum)(i.c, o.c), lowest) > 0);
-  s.cosi = FN(maximum)(i.c, 0);
-  s.coso = FN(from_bits)(FN(to_bits)(o.c) & lit);
-  s.hwo = FN(minimum)(R(0.5) * FN(root)(hh), 1);
-  s.f = FN(from_bits)(FN(to_bits)(value) & lit);
+  real_bits lit = -(real_bits)(minimum(minimum(i.c, o.c), lowest) > 0);
+  s.cosi = maximum(i.c, 0);
+  s.coso = from_bits(to_bits(o.c) & lit);
+  s.hwo = minimum(R(0.5) * root(hh), 1);
+  s.f = from_bits(to_bits(value) & lit);
   s.opposite = !(hh > R(1e-30));
   return s;
 }
 
-LEAF FN(ggx_slopes)
-    FN(ggx_carried)(real a, real c, real nx, real ny, real nz, real wx, real wy, real wz) {
-  FN(ggx_slopes) s;
-  s.x = FN(difference)(c, wx, a, wz);
-  s.y = FN(dot2)(a, c, FN(difference)(nx, wy, ny, wx), FN(difference)(nz, wy, ny, wz));
-  s.c = FN(dot)(nx, ny, nz, wx, wy, wz);
+LEAF ggx_slopes ggx_carried(real a, real c, real nx, real ny, real nz, real wx, real wy, real wz) {
+  ggx_slopes s;
+  s.x = difference(c, wx, a, wz);
+  s.y = dot2(a, c, difference(nx, wy, ny, wx), difference(nz, wy, ny, wz));
+  s.c = dot(nx, ny, nz, wx, wy, wz);
   return s;
 }
 
-LEAF FN(ggx_sample) FN(ggx_rotated)(real nx, real ny, real nz, real wix, real wiy, real wiz,
-                                    real wox, real woy, real woz, real hh, FN(ggx_lobe) lobe) {
-  real scale = FN(rotate_scale)(nx, nz), a = nx * scale, c = nz * scale;
-  return FN(ggx_of)(FN(ggx_carried)(a, c, nx, ny, nz, wix, wiy, wiz),
-                    FN(ggx_carried)(a, c, nx, ny, nz, wox, woy, woz), hh, a * a + c * c, lobe,
-                    FN(minimum)(wiz, woz));
+LEAF ggx_sample ggx_rotated(real nx, real ny, real nz, real wix, real wiy, real wiz, real wox,
+                            real woy, real woz, real hh, ggx_lobe lobe) {
+  real scale = rotate_scale(nx, nz), a = nx * scale, c = nz * scale;
+  return ggx_of(ggx_carried(a, c, nx, ny, nz, wix, wiy, wiz),
+                ggx_carried(a, c, nx, ny, nz, wox, woy, woz), hh, a * a + c * c, lobe,
+                minimum(wiz, woz));
 }
 
-LEAF FN(ggx_sample) FN(ggx_flat)(real nx, real ny, real nz, real wix, real wiy, real wiz, real wox,
-                                 real woy, real woz, real hh, FN(ggx_lobe) lobe) {
+LEAF ggx_sample ggx_flat(real nx, real ny, real nz, real wix, real wiy, real wiz, real wox,
+                         real woy, real woz, real hh, ggx_lobe lobe) {
   (void)nx, (void)ny, (void)nz;
-  return FN(ggx_of)((FN(ggx_slopes)){wix, wiy, wiz}, (FN(ggx_slopes)){wox, woy, woz}, hh, 1, lobe,
-                    1);
+  return ggx_of((ggx_slopes){wix, wiy, wiz}, (ggx_slopes){wox, woy, woz}, hh, 1, lobe, 1);
 }
 
 #define GGX_PASS(name, leaf, lobe)                                                                 \
-  static int FN(name)(size_t count, const FN(shape) * s, int swap, VEC(n), VEC(wi), VEC(wo),       \
-                      real *restrict hwo, real *restrict cosi, real *restrict coso,                \
-                      real *restrict f) {                                                          \
+  static int name(size_t count, const lobe_shape *s, int swap, VEC(n), VEC(wi), VEC(wo),           \
+                  real *restrict hwo, real *restrict cosi, real *restrict coso,                    \
+                  real *restrict f) {                                                              \
     int opposite = 0;                                                                              \
-    const FN(ggx_lobe) own = FN(ggx_own)(s, swap);                                                 \
+    const ggx_lobe own = ggx_own(s, swap);                                                         \
     const real *restrict ax = swap ? s->ay : s->ax, *restrict ay = swap ? s->ax : s->ay;           \
     (void)own, (void)ax, (void)ay;                                                                 \
     _Pragma("omp simd reduction(| : opposite)") for (size_t i = 0; i < count; i++) {               \
       real hx = wix[i] + wox[i], hy = wiy[i] + woy[i], hz = wiz[i] + woz[i];                       \
       real hh = hx * hx + hy * hy + hz * hz;                                                       \
-      FN(ggx_sample)                                                                               \
-      r = FN(leaf)(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i], hh, lobe); \
+      ggx_sample r =                                                                               \
+          leaf(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i], hh, lobe);     \
       hwo[i] = r.hwo;                                                                              \
       cosi[i] = r.cosi;                                                                            \
       coso[i] = r.coso;                                                                            \
@@ -138,40 +135,42 @@ LEAF FN(ggx_sample) FN(ggx_flat)(real nx, real ny, real nz, real wix, real wiy, 
   }
 GGX_PASS(pass_ggx_flat, ggx_flat, own)
 GGX_PASS(pass_ggx_rotated, ggx_rotated, own)
-GGX_PASS(pass_each_ggx_flat, ggx_flat, FN(ggx_of_alphas)(ax[i], ay[i]))
-GGX_PASS(pass_each_ggx_rotated, ggx_rotated, FN(ggx_of_alphas)(ax[i], ay[i]))
+GGX_PASS(pass_each_ggx_flat, ggx_flat, ggx_of_alphas(ax[i], ay[i]))
+GGX_PASS(pass_each_ggx_rotated, ggx_rotated, ggx_of_alphas(ax[i], ay[i]))
 #undef GGX_PASS
 
-static int FN(is_fused)(const bsdf *b) {
+static int is_fused(const bsdf *b) {
   const shade_map map = b->carry.map;
   return b->mdf == SHADE_MDF_GGX && b->brdf == SHADE_BRDF_MICROFACET &&
          (map == SHADE_MAP_NONE || map == SHADE_MAP_ROTATE_X || map == SHADE_MAP_ROTATE_Y);
 }
 
 /* hwo, the cosines as pass_cosines leaves them, and f without Fresnel; returns as pass_half. */
-LEAF int FN(pass_fused)(const bsdf *b, const FN(block) * s, real *hwo, real *cosi, real *coso,
-                        real *f) {
+LEAF int pass_fused(const bsdf *b, const sample_block *s, real *hwo, real *cosi, real *coso,
+                    real *f) {
   const int varies = s->shape.varies;
   if (b->carry.map == SHADE_MAP_NONE)
-    return (varies ? FN(pass_each_ggx_flat) : FN(pass_ggx_flat))(
+    return (varies ? pass_each_ggx_flat : pass_ggx_flat)(
         s->count, &s->shape, 0, XYZ(s->n), XYZ(s->wi), XYZ(s->wo), hwo, cosi, coso, f);
   if (b->carry.map == SHADE_MAP_ROTATE_X)
-    return (varies ? FN(pass_each_ggx_rotated) : FN(pass_ggx_rotated))(
+    return (varies ? pass_each_ggx_rotated : pass_ggx_rotated)(
         s->count, &s->shape, 0, XYZ(s->n), XYZ(s->wi), XYZ(s->wo), hwo, cosi, coso, f);
-  return (varies ? FN(pass_each_ggx_rotated) : FN(pass_ggx_rotated))(
-      s->count, &s->shape, 1, XYZ(FN(vec_swapped)(s->n)), XYZ(FN(vec_swapped)(s->wi)),
-      XYZ(FN(vec_swapped)(s->wo)), hwo, cosi, coso, f);
+  return (varies ? pass_each_ggx_rotated : pass_ggx_rotated)(
+      s->count, &s->shape, 1, XYZ(vec_swapped(s->n)), XYZ(vec_swapped(s->wi)),
+      XYZ(vec_swapped(s->wo)), hwo, cosi, coso, f);
 }
 
 /* The same for one sample. */
-LEAF FN(ggx_sample) FN(fused)(const bsdf *b, FN(triple) n, FN(triple) wi, FN(triple) wo) {
+LEAF ggx_sample fused(const bsdf *b, triple n, triple wi, triple wo) {
   const int swap = b->carry.map == SHADE_MAP_ROTATE_Y;
   const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;
   const real hh = hx * hx + hy * hy + hz * hz;
-  const FN(shape) s = FN(own_shape)(b);
-  const FN(ggx_lobe) lobe = FN(ggx_own)(&s, swap);
+  const lobe_shape s = own_shape(b);
+  const ggx_lobe lobe = ggx_own(&s, swap);
   if (b->carry.map == SHADE_MAP_NONE)
-    return FN(ggx_flat)(XYZ(n), XYZ(wi), XYZ(wo), hh, lobe);
-  n = FN(exchanged)(n, swap), wi = FN(exchanged)(wi, swap), wo = FN(exchanged)(wo, swap);
-  return FN(ggx_rotated)(XYZ(n), XYZ(wi), XYZ(wo), hh, lobe);
+    return ggx_flat(XYZ(n), XYZ(wi), XYZ(wo), hh, lobe);
+  n = exchanged(n, swap), wi = exchanged(wi, swap), wo = exchanged(wo, swap);
+  return ggx_rotated(XYZ(n), XYZ(wi), XYZ(wo), hh, lobe);
 }
+
+#endif

@@ -3,30 +3,35 @@
  * Parameters of each sample: within their ranges, in the terms of the distribution, and light and
  * eye turned into the frame of each groove.
  */
+#ifndef SHADE_KERNEL_PASS_LANES_H
+#define SHADE_KERNEL_PASS_LANES_H
+
+#include "pass_diffuse.h"
+#include "pass_distribution.h"
 
 /* What shade_lanes and shade_sample_lanes end in, from f0r on. */
-typedef struct FN(varied) {
+typedef struct varied_arrays {
   const real *f0[3], *ax, *ay, *ex, *ey, *f82[3], *eta[3], *k[3], *kd[3], *groove_x, *groove_y;
   size_t parts;
-} FN(varied);
+} varied_arrays;
 
 /* Room for a block's parameters. */
-typedef struct FN(varied_room) {
+typedef struct varied_room {
   ROOM ax[BLOCK], ay[BLOCK], kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
   ROOM f0[3][BLOCK], tint[3][BLOCK], k[3][BLOCK], kd[3][BLOCK];
   int turned; /* into the frame whose x' is (c, s), then x and y exchanged where mirror is 1 */
   ROOM c[BLOCK], s[BLOCK], mirror[BLOCK];
-  FN(vec_room) n, wi, wo;
-} FN(varied_room);
+  vec_room n, wi, wo;
+} varied_room;
 
 /* `in` to `out` within the range; NaN becomes `own`. Nonzero when something had to change. */
-static int FN(pass_within)(size_t count, real low, real high, real own, const real *restrict in,
-                           real *restrict out) {
+static int pass_within(size_t count, real low, real high, real own, const real *restrict in,
+                       real *restrict out) {
   int changed = 0;
 #pragma omp simd reduction(| : changed)
   for (size_t i = 0; i < count; i++) {
     real v = in[i] == in[i] ? in[i] : own;
-    v = FN(minimum)(FN(maximum)(v, low), high);
+    v = minimum(maximum(v, low), high);
     changed |= !(v == in[i]);
     out[i] = v;
   }
@@ -37,19 +42,19 @@ static int FN(pass_within)(size_t count, real low, real high, real own, const re
  * x' of the groove as a unit vector; what is no direction is the material's own, x. Divided by
  * the larger component first, which keeps the square in range.
  */
-static int FN(pass_groove)(size_t count, const real *restrict x, const real *restrict y,
-                           real *restrict c, real *restrict s) {
+static int pass_groove(size_t count, const real *restrict x, const real *restrict y,
+                       real *restrict c, real *restrict s) {
   int changed = 0;
 #pragma omp simd reduction(| : changed)
   for (size_t i = 0; i < count; i++) {
-    real size = FN(maximum)(FN(absolute)(x[i]), FN(absolute)(y[i]));
+    real size = maximum(absolute(x[i]), absolute(y[i]));
     int known = (x[i] - x[i] == 0) & (y[i] - y[i] == 0) & (size >= LEAST_NORMAL);
     real a = known ? x[i] : 1, b = known ? y[i] : 0;
     real largest = known ? size : 1;
     changed |= !known;
     a /= largest;
     b /= largest;
-    real scale = 1 / FN(root)(a * a + b * b);
+    real scale = 1 / root(a * a + b * b);
     c[i] = a * scale;
     s[i] = b * scale;
   }
@@ -57,8 +62,8 @@ static int FN(pass_groove)(size_t count, const real *restrict x, const real *res
 }
 
 /* Directions to the frames of the grooves, and back in place. */
-static void FN(pass_turn)(size_t count, const real *restrict c, const real *restrict s,
-                          const real *restrict mirror, FN(vec) v, FN(vec_room) *restrict to) {
+static void pass_turn(size_t count, const real *restrict c, const real *restrict s,
+                      const real *restrict mirror, vec v, vec_room *restrict to) {
   ARRAYS(v);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
@@ -68,8 +73,8 @@ static void FN(pass_turn)(size_t count, const real *restrict c, const real *rest
     to->z[i] = vz[i];
   }
 }
-static void FN(pass_turn_back)(size_t count, const real *restrict c, const real *restrict s,
-                               const real *restrict mirror, real *restrict wx, real *restrict wy) {
+static void pass_turn_back(size_t count, const real *restrict c, const real *restrict s,
+                           const real *restrict mirror, real *restrict wx, real *restrict wy) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     real x = mirror[i] > 0 ? wy[i] : wx[i], y = mirror[i] > 0 ? wx[i] : wy[i];
@@ -79,29 +84,28 @@ static void FN(pass_turn_back)(size_t count, const real *restrict c, const real 
 }
 
 /* Exponents to alphas and back, as shade_params_set_exponents and set_alphas do. */
-static void FN(pass_alpha_of)(size_t count, real *restrict v) {
+static void pass_alpha_of(size_t count, real *restrict v) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    v[i] = FN(minimum)(FN(maximum)(FN(root)(2 / (v[i] + 2)), R(1e-4)), 10);
+    v[i] = minimum(maximum(root(2 / (v[i] + 2)), R(1e-4)), 10);
 }
-static void FN(pass_exponent_of)(size_t count, real *restrict v) {
+static void pass_exponent_of(size_t count, real *restrict v) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    v[i] = FN(minimum)(FN(maximum)(2 / (v[i] * v[i]) - 2, 0), R(1e6));
+    v[i] = minimum(maximum(2 / (v[i] * v[i]) - 2, 0), R(1e6));
 }
 
-LEAF real FN(peak_of_exponents)(real kx, real ky) {
-  return FN(root)((kx + 1) * (ky + 1)) * R(0.15915494309189533577);
+LEAF real peak_of_exponents(real kx, real ky) {
+  return root((kx + 1) * (ky + 1)) * R(0.15915494309189533577);
 }
 
-static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
-                                        const real *restrict ky, real *restrict gx,
-                                        real *restrict gy, real *restrict peak) {
+static void pass_shape_of_exponents(size_t count, const real *restrict kx, const real *restrict ky,
+                                    real *restrict gx, real *restrict gy, real *restrict peak) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     gx[i] = 2 / (kx[i] + 2);
     gy[i] = 2 / (ky[i] + 2);
-    peak[i] = FN(peak_of_exponents)(kx[i], ky[i]);
+    peak[i] = peak_of_exponents(kx[i], ky[i]);
   }
 }
 /*
@@ -109,21 +113,21 @@ static void FN(pass_shape_of_exponents)(size_t count, const real *restrict kx,
  * of 2, whose bits less those of the first lie below 2^27 (2^56). All others, NaN and negative ones
  * too, have a higher one set.
  */
-static int FN(are_alphas)(size_t count, const real *restrict ax, const real *restrict ay) {
-  const real_bits low = FN(to_bits)(R(0x1p-13)), range = FN(to_bits)(8) - low;
+static int are_alphas(size_t count, const real *restrict ax, const real *restrict ay) {
+  const real_bits low = to_bits(R(0x1p-13)), range = to_bits(8) - low;
   real_bits off = 0;
 #pragma omp simd reduction(| : off)
   for (size_t i = 0; i < count; i++)
-    off |= (FN(to_bits)(ax[i]) - low) | (FN(to_bits)(ay[i]) - low);
+    off |= (to_bits(ax[i]) - low) | (to_bits(ay[i]) - low);
   return off < range;
 }
 
-static void FN(pass_shape_of_alphas)(size_t count, const real *restrict ax, const real *restrict ay,
-                                     real *restrict kx, real *restrict ky, real *restrict gx,
-                                     real *restrict gy, real *restrict peak) {
+static void pass_shape_of_alphas(size_t count, const real *restrict ax, const real *restrict ay,
+                                 real *restrict kx, real *restrict ky, real *restrict gx,
+                                 real *restrict gy, real *restrict peak) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const FN(lobe_numbers) lobe = FN(numbers_of_alphas)(ax[i], ay[i]);
+    const lobe_numbers lobe = numbers_of_alphas(ax[i], ay[i]);
     peak[i] = lobe.peak;
     gx[i] = lobe.gx;
     gy[i] = lobe.gy;
@@ -133,8 +137,8 @@ static void FN(pass_shape_of_alphas)(size_t count, const real *restrict ax, cons
 }
 
 /* Which lanes' narrow axis, that of the greater of x and y, is not the material's. */
-static int FN(pass_mirrored)(size_t count, int own_y, const real *restrict x,
-                             const real *restrict y, real *restrict mirror) {
+static int pass_mirrored(size_t count, int own_y, const real *restrict x, const real *restrict y,
+                         real *restrict mirror) {
   int any = 0;
 #pragma omp simd reduction(| : any)
   for (size_t i = 0; i < count; i++) {
@@ -145,8 +149,8 @@ static int FN(pass_mirrored)(size_t count, int own_y, const real *restrict x,
   return any;
 }
 /* Their parameters change places; to may be from. */
-static void FN(pass_exchange)(size_t count, const real *restrict mirror, const real *x,
-                              const real *y, real *to_x, real *to_y) {
+static void pass_exchange(size_t count, const real *restrict mirror, const real *x, const real *y,
+                          real *to_x, real *to_y) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     real a = x[i], b = y[i];
@@ -157,10 +161,10 @@ static void FN(pass_exchange)(size_t count, const real *restrict mirror, const r
 
 /* One axis of the lobe, exponents or alphas as the distribution reads them; `own` the material's
    k. Status bits. */
-static unsigned FN(read_axis)(int exponents, size_t count, real own, const real *alpha,
-                              const real *exponent, real *to) {
+static unsigned read_axis(int exponents, size_t count, real own, const real *alpha,
+                          const real *exponent, real *to) {
   /* not of exponents, which may be 0 */
-  const real own_alpha = exponents ? 1 : FN(minimum)(FN(maximum)(1 / FN(root)(own), R(1e-4)), 10);
+  const real own_alpha = exponents ? 1 : minimum(maximum(1 / root(own), R(1e-4)), 10);
   const real own_value = exponents ? own : own_alpha;
   const real *given = exponents ? (exponent ? exponent : alpha) : alpha ? alpha : exponent;
   if (!given) {
@@ -172,27 +176,27 @@ static unsigned FN(read_axis)(int exponents, size_t count, real own, const real 
   real fallback = own_value;
   if (as_exponent != exponents) { /* own in terms of what is given */
     if (as_exponent)
-      FN(pass_exponent_of)(1, &fallback);
+      pass_exponent_of(1, &fallback);
     else
-      FN(pass_alpha_of)(1, &fallback);
+      pass_alpha_of(1, &fallback);
   }
-  const int changed = as_exponent ? FN(pass_within)(count, 0, R(1e6), fallback, given, to)
-                                  : FN(pass_within)(count, R(1e-4), 10, fallback, given, to);
+  const int changed = as_exponent ? pass_within(count, 0, R(1e6), fallback, given, to)
+                                  : pass_within(count, R(1e-4), 10, fallback, given, to);
   if (as_exponent && !exponents)
-    FN(pass_alpha_of)(count, to);
+    pass_alpha_of(count, to);
   else if (!as_exponent && exponents)
-    FN(pass_exponent_of)(count, to);
+    pass_exponent_of(count, to);
   return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
 }
 
 /* One colour, of which any channels may be given. Status bits. */
-static unsigned FN(read_colour)(size_t count, size_t start, const real *const given[3],
-                                const real own[3], real low, real high, real room[3][BLOCK],
-                                const real *to[3]) {
+static unsigned read_colour(size_t count, size_t start, const real *const given[3],
+                            const real own[3], real low, real high, real room[3][BLOCK],
+                            const real *to[3]) {
   int changed = 0;
   for (int c = 0; c < 3; c++)
     if (given[c]) {
-      changed |= FN(pass_within)(count, low, high, own[c], given[c] + start, room[c]);
+      changed |= pass_within(count, low, high, own[c], given[c] + start, room[c]);
       to[c] = room[c];
     }
   return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
@@ -200,7 +204,7 @@ static unsigned FN(read_colour)(size_t count, size_t start, const real *const gi
 
 /* The material as lanes that hold parameters need it: *b, or a copy with what they change for all
  * samples. */
-static const bsdf *FN(for_lanes)(const bsdf *b, const FN(varied) * in, bsdf *copy) {
+static const bsdf *for_lanes(const bsdf *b, const varied_arrays *in, bsdf *copy) {
   const int shape = in->ax || in->ay || in->ex || in->ey;
   const int uneven = b->uneven.map != b->carry.map || b->uneven.parts != b->carry.parts;
   const int kd = in->kd[0] || in->kd[1] || in->kd[2];
@@ -221,17 +225,17 @@ static const bsdf *FN(for_lanes)(const bsdf *b, const FN(varied) * in, bsdf *cop
 }
 
 /* Exponents of each sample, in the terms of D and Smith's Lambda. Status bits. */
-static unsigned FN(read_exponents)(const bsdf *b, size_t count, const real *const given[4],
-                                   FN(varied_room) * m, FN(shape) * to, int *mirrored) {
-  unsigned status = FN(read_axis)(1, count, b->FN(kx), given[0], given[2], m->kx);
-  status |= FN(read_axis)(1, count, b->FN(ky), given[1], given[3], m->ky);
-  FN(pass_shape_of_exponents)(count, m->kx, m->ky, m->gx, m->gy, m->peak);
-  if (b->groove_auto && FN(pass_mirrored)(count, b->fibres_along_y, m->kx, m->ky, m->mirror)) {
+static unsigned read_exponents(const bsdf *b, size_t count, const real *const given[4],
+                               varied_room *m, lobe_shape *to, int *mirrored) {
+  unsigned status = read_axis(1, count, numbers_of(b)->kx, given[0], given[2], m->kx);
+  status |= read_axis(1, count, numbers_of(b)->ky, given[1], given[3], m->ky);
+  pass_shape_of_exponents(count, m->kx, m->ky, m->gx, m->gy, m->peak);
+  if (b->groove_auto && pass_mirrored(count, b->fibres_along_y, m->kx, m->ky, m->mirror)) {
     *mirrored = 1;
-    FN(pass_exchange)(count, m->mirror, m->kx, m->ky, m->kx, m->ky);
-    FN(pass_exchange)(count, m->mirror, m->gx, m->gy, m->gx, m->gy);
+    pass_exchange(count, m->mirror, m->kx, m->ky, m->kx, m->ky);
+    pass_exchange(count, m->mirror, m->gx, m->gy, m->gx, m->gy);
   }
-  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL, 0};
+  *to = (lobe_shape){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL, 0};
   return status;
 }
 
@@ -239,30 +243,30 @@ static unsigned FN(read_exponents)(const bsdf *b, size_t count, const real *cons
  * Alphas of each sample, read where they are if nothing has to change. `alone`: the passes to come
  * read nothing else.
  */
-static unsigned FN(read_alphas)(const bsdf *b, size_t count, const real *const given[4], int alone,
-                                FN(varied_room) * m, FN(shape) * to, int *mirrored) {
+static unsigned read_alphas(const bsdf *b, size_t count, const real *const given[4], int alone,
+                            varied_room *m, lobe_shape *to, int *mirrored) {
   const real *x = given[0], *y = given[1];
   unsigned status = SHADE_OK;
-  if (!x || !y || !FN(are_alphas)(count, x, y)) {
-    status |= FN(read_axis)(0, count, b->FN(kx), given[0], given[2], m->ax);
-    status |= FN(read_axis)(0, count, b->FN(ky), given[1], given[3], m->ay);
+  if (!x || !y || !are_alphas(count, x, y)) {
+    status |= read_axis(0, count, numbers_of(b)->kx, given[0], given[2], m->ax);
+    status |= read_axis(0, count, numbers_of(b)->ky, given[1], given[3], m->ay);
     x = m->ax;
     y = m->ay;
   }
-  if (b->groove_auto && FN(pass_mirrored)(count, b->fibres_along_y, y, x, m->mirror)) {
+  if (b->groove_auto && pass_mirrored(count, b->fibres_along_y, y, x, m->mirror)) {
     *mirrored = 1;
-    FN(pass_exchange)(count, m->mirror, x, y, m->ax, m->ay);
+    pass_exchange(count, m->mirror, x, y, m->ax, m->ay);
     x = m->ax;
     y = m->ay;
   }
   if (!alone)
-    FN(pass_shape_of_alphas)(count, x, y, m->kx, m->ky, m->gx, m->gy, m->peak);
-  *to = (FN(shape)){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y, alone};
+    pass_shape_of_alphas(count, x, y, m->kx, m->ky, m->gx, m->gy, m->peak);
+  *to = (lobe_shape){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y, alone};
   return status;
 }
 
 /* Whether any colour is given: most lanes that hold alphas hold nothing else. */
-LEAF int FN(has_colours)(const FN(varied) * in) {
+LEAF int has_colours(const varied_arrays *in) {
   uintptr_t any = 0;
   for (int c = 0; c < 3; c++)
     any |= (uintptr_t)in->f0[c] | (uintptr_t)in->f82[c] | (uintptr_t)in->eta[c] |
@@ -270,18 +274,18 @@ LEAF int FN(has_colours)(const FN(varied) * in) {
   return any != 0;
 }
 
-static unsigned FN(read_colours)(const bsdf *b, const FN(varied) * in, size_t start,
-                                 FN(block) * block, FN(varied_room) * m) {
+static unsigned read_colours(const bsdf *b, const varied_arrays *in, size_t start,
+                             sample_block *block, varied_room *m) {
   const size_t count = block->count;
   unsigned status = SHADE_OK;
-  status |= FN(read_colour)(count, start, in->f0, b->FN(f0), 0, 1, m->f0, block->f0);
-  status |= FN(read_colour)(count, start, in->kd, b->FN(kd), 0, 1, m->kd, block->kd);
+  status |= read_colour(count, start, in->f0, numbers_of(b)->f0, 0, 1, m->f0, block->f0);
+  status |= read_colour(count, start, in->kd, numbers_of(b)->kd, 0, 1, m->kd, block->kd);
   if (b->fresnel == SHADE_FRESNEL_F82)
-    status |= FN(read_colour)(count, start, in->f82, b->FN(tint), 0, 1, m->tint, block->tint);
+    status |= read_colour(count, start, in->f82, numbers_of(b)->tint, 0, 1, m->tint, block->tint);
   if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
     status |=
-        FN(read_colour)(count, start, in->eta, b->FN(tint), R(1e-3), 100, m->tint, block->tint);
-    status |= FN(read_colour)(count, start, in->k, b->FN(k), 0, 100, m->k, block->k);
+        read_colour(count, start, in->eta, numbers_of(b)->tint, R(1e-3), 100, m->tint, block->tint);
+    status |= read_colour(count, start, in->k, numbers_of(b)->k, 0, 100, m->k, block->k);
   }
   return status;
 }
@@ -291,20 +295,20 @@ static unsigned FN(read_colours)(const bsdf *b, const FN(varied) * in, size_t st
  * (n, and wi or wo) into the frames of the grooves. `alone`: of alphas nothing else is read.
  * Returns status bits.
  */
-static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t start, int alone,
-                                FN(block) * block, FN(varied_room) * m) {
+static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start, int alone,
+                            sample_block *block, varied_room *m) {
   const size_t count = block->count;
   unsigned status = SHADE_OK;
   m->turned = 0;
-  if (FN(has_colours)(in))
-    status |= FN(read_colours)(b, in, start, block, m);
+  if (has_colours(in))
+    status |= read_colours(b, in, start, block, m);
   int mirrored = 0;
   const real *given[4] = {in->ax, in->ay, in->ex, in->ey};
   if (given[0] || given[1] || given[2] || given[3]) {
     for (int k = 0; k < 4; k++)
       given[k] = given[k] ? given[k] + start : NULL;
-    status |= b->exponents ? FN(read_exponents)(b, count, given, m, &block->shape, &mirrored)
-                           : FN(read_alphas)(b, count, given, alone, m, &block->shape, &mirrored);
+    status |= b->exponents ? read_exponents(b, count, given, m, &block->shape, &mirrored)
+                           : read_alphas(b, count, given, alone, m, &block->shape, &mirrored);
   }
   if (!mirrored && !(in->groove_x && in->groove_y))
     return status;
@@ -312,25 +316,25 @@ static unsigned FN(read_varied)(const bsdf *b, const FN(varied) * in, size_t sta
   if (!mirrored)
     memset(m->mirror, 0, count * sizeof(real));
   if (in->groove_x && in->groove_y) {
-    if (FN(pass_groove)(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
+    if (pass_groove(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
       status |= SHADE_CLAMPED_PARAMETER;
   } else {
     for (size_t i = 0; i < count; i++)
       m->c[i] = 1, m->s[i] = 0;
   }
-  FN(vec) *const v[3] = {&block->n, &block->wi, &block->wo};
-  FN(vec_room) *const to[3] = {&m->n, &m->wi, &m->wo};
+  vec *const v[3] = {&block->n, &block->wi, &block->wo};
+  vec_room *const to[3] = {&m->n, &m->wi, &m->wo};
   for (int k = 0; k < 3; k++)
     if (v[k]->x) {
-      FN(pass_turn)(count, m->c, m->s, m->mirror, *v[k], to[k]);
-      *v[k] = FN(vec_in)(to[k]);
+      pass_turn(count, m->c, m->s, m->mirror, *v[k], to[k]);
+      *v[k] = vec_in(to[k]);
     }
   return status;
 }
 
 /* Mean reflectances that draws are shared out by: of the lobe at normal incidence, and diffuse. */
-static void FN(read_shares)(const bsdf *b, const FN(block) * block, real *restrict lobe,
-                            real *restrict diffuse) {
+static void read_shares(const bsdf *b, const sample_block *block, real *restrict lobe,
+                        real *restrict diffuse) {
   const size_t count = block->count;
   const int less = shade_diffuse_is(b->diffuse).less_f0;
   const shade_fresnel_traits reads = shade_fresnel_is(b->fresnel);
@@ -338,10 +342,10 @@ static void FN(read_shares)(const bsdf *b, const FN(block) * block, real *restri
   for (size_t i = 0; i < count; i++)
     lobe[i] = diffuse[i] = 0;
   for (int c = 0; c < 3; c++) {
-    const real *restrict f0 = FN(filled)(count, block->f0[c], 1, b->FN(f0)[c], room[0]);
-    const real *restrict eta = FN(filled)(count, block->tint[c], 1, b->FN(tint)[c], room[1]);
-    const real *restrict k = FN(filled)(count, block->k[c], 1, b->FN(k)[c], room[2]);
-    const real *restrict kd = FN(filled)(count, block->kd[c], 1, b->FN(kd)[c], room[3]);
+    const real *restrict f0 = filled(count, block->f0[c], 1, numbers_of(b)->f0[c], room[0]);
+    const real *restrict eta = filled(count, block->tint[c], 1, numbers_of(b)->tint[c], room[1]);
+    const real *restrict k = filled(count, block->k[c], 1, numbers_of(b)->k[c], room[2]);
+    const real *restrict kd = filled(count, block->kd[c], 1, numbers_of(b)->kd[c], room[3]);
     const int conductor = !reads.f0;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -352,3 +356,5 @@ static void FN(read_shares)(const bsdf *b, const FN(block) * block, real *restri
     }
   }
 }
+
+#endif

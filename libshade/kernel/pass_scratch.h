@@ -4,6 +4,12 @@
  * deepest pits first, so that blocks of samples which all lie lower already are passed over.
  * Single precision only.
  */
+#ifndef SHADE_KERNEL_PASS_SCRATCH_H
+#define SHADE_KERNEL_PASS_SCRATCH_H
+
+#include "../src/scratch_row.h"
+#include "elementary.h"
+
 #include "../src/scratch_row.h"
 
 /* Of line l of the row: where samples of a block lie before they are jittered. */
@@ -265,7 +271,7 @@ static void scratch_cells(const scratch_row *r, size_t line, float *to) {
   }
 }
 
-static void kernel_scratch_row(const scratch_row *r) {
+static void entry_scratch_row(const scratch_row *r) {
   const size_t columns = (size_t)r->blocks * (size_t)r->wide;
   const int lines = r->down / r->tall;
   _Alignas(64) scratch_block block[SCRATCH_TILE]; /* stays in the first-level cache */
@@ -294,3 +300,5 @@ static void kernel_scratch_row(const scratch_row *r) {
     scratch_cells(r, columns, r->to + (size_t)row * (size_t)r->width * MOMENTS);
   }
 }
+
+#endif

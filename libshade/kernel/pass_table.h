@@ -1,48 +1,52 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The tables of src/fabric_table.h over arrays. */
+#ifndef SHADE_KERNEL_PASS_TABLE_H
+#define SHADE_KERNEL_PASS_TABLE_H
+
+#include "../src/fabric_table.h"
+#include "leaf_random.h"
+#include "vec.h"
 
 /* Where a direction lies between vertices: the lower left one, and the rest of the way. */
-typedef struct FN(table_spot) {
+typedef struct table_spot {
   int32_t at;
   real x, y;
-} FN(table_spot);
+} table_spot;
 
 /*
  * size: the length of (x, y, z); right, top: the last column and row. Of a direction with z <= 0
  * or NaN, some place.
  */
-LEAF FN(table_spot)
-    FN(table_find)(real x, real y, real z, real size, real right, real top, int columns) {
-  const real length = FN(root)(y * y + z * z), over_x = size + length, over_y = length + z;
-  const real inverse = 1 / FN(maximum)(over_x * over_y, LEAST_NORMAL); /* of both at once */
+LEAF table_spot table_find(real x, real y, real z, real size, real right, real top, int columns) {
+  const real length = root(y * y + z * z), over_x = size + length, over_y = length + z;
+  const real inverse = 1 / maximum(over_x * over_y, LEAST_NORMAL); /* of both at once */
   const real px = (1 + x * (over_y * inverse)) * (R(0.5) * right);
   const real py = (1 + y * (over_x * inverse)) * (R(0.5) * top);
-  const real i = FN(minimum)(FN(maximum)(px, 0), right), j = FN(minimum)(FN(maximum)(py, 0), top);
-  const int32_t a = (int32_t)FN(minimum)(i, right - 1), b = (int32_t)FN(minimum)(j, top - 1);
-  const FN(table_spot) spot = {a + b * columns, i - (real)a, j - (real)b};
+  const real i = minimum(maximum(px, 0), right), j = minimum(maximum(py, 0), top);
+  const int32_t a = (int32_t)minimum(i, right - 1), b = (int32_t)minimum(j, top - 1);
+  const table_spot spot = {a + b * columns, i - (real)a, j - (real)b};
   return spot;
 }
 
-typedef struct FN(table_place) {
+typedef struct table_place {
   _Alignas(64) int32_t at[BLOCK];
   ROOM x[BLOCK], y[BLOCK];
-} FN(table_place);
+} table_place;
 
 /*
  * n as a number that compilers do not know: of bounds they know, gcc makes a branch for each order
  * of what is between them, and of those several masks a lane, where two instructions would do.
  */
-LEAF real FN(table_bound)(const fabric_table *table, int n) {
+LEAF real table_bound(const fabric_table *table, int n) {
   return (real)(table->columns > 0 ? n : 0);
 }
 
 /* Of the diffuse part; last: its last column and row. */
-static void FN(pass_table_find)(size_t count, FN(vec) v, real last, FN(table_place) *restrict p) {
+static void pass_table_find(size_t count, vec v, real last, table_place *restrict p) {
   ARRAYS(v);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const FN(table_spot) spot =
-        FN(table_find)(vx[i], vy[i], vz[i], 1, last, last, FABRIC_MATT_SIDE);
+    const table_spot spot = table_find(vx[i], vy[i], vz[i], 1, last, last, FABRIC_MATT_SIDE);
     p->at[i] = spot.at;
     p->x[i] = spot.x;
     p->y[i] = spot.y;
@@ -54,8 +58,8 @@ static void FN(pass_table_find)(size_t count, FN(vec) v, real last, FN(table_pla
  * time of a gather for each, also where there are wide ones.
  */
 #define TABLE_FETCH(name, type, fields)                                                            \
-  LEAF void FN(table_##name)(const type *restrict table, int columns, FN(table_spot) p,            \
-                             real *restrict to) {                                                  \
+  LEAF void table_##name(const type *restrict table, int columns, table_spot p,                    \
+                         real *restrict to) {                                                      \
     const type *low = table + (size_t)p.at * fields, *high = low + (size_t)columns * fields;       \
     ROOM v[2 * fields];                                                                            \
     _Pragma("omp simd") for (int k = 0; k < 2 * fields; k++) {                                     \
@@ -65,12 +69,11 @@ static void FN(pass_table_find)(size_t count, FN(vec) v, real last, FN(table_pla
     _Pragma("omp simd") for (int k = 0; k < fields; k++) to[k] =                                   \
         v[k] + p.x * (v[fields + k] - v[k]);                                                       \
   }                                                                                                \
-  static void FN(pass_table_##name)(size_t count, const type *restrict table, int columns,         \
-                                    const FN(table_place) *restrict p,                             \
-                                    real(*restrict to)[fields]) {                                  \
+  static void pass_table_##name(size_t count, const type *restrict table, int columns,             \
+                                const table_place *restrict p, real(*restrict to)[fields]) {       \
     for (size_t i = 0; i < count; i++) {                                                           \
-      const FN(table_spot) spot = {p->at[i], p->x[i], p->y[i]};                                    \
-      FN(table_##name)(table, columns, spot, to[i]);                                               \
+      const table_spot spot = {p->at[i], p->x[i], p->y[i]};                                        \
+      table_##name(table, columns, spot, to[i]);                                                   \
     }                                                                                              \
   }
 TABLE_FETCH(fetch_spec, uint16_t, FABRIC_FIELDS)
@@ -78,16 +81,16 @@ TABLE_FETCH(fetch_matt, int16_t, FABRIC_RANK)
 #undef TABLE_FETCH
 
 /* The same of h = wi + wo, of any length. */
-static void FN(pass_table_find_half)(size_t count, FN(vec) wi, FN(vec) wo, int columns, int rows,
-                                     FN(table_place) *restrict p) {
+static void pass_table_find_half(size_t count, vec wi, vec wo, int columns, int rows,
+                                 table_place *restrict p) {
   ARRAYS(wi);
   ARRAYS(wo);
   const real right = (real)(columns - 1), top = (real)(rows - 1);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const real x = wix[i] + wox[i], y = wiy[i] + woy[i], z = wiz[i] + woz[i];
-    const real size = FN(root)(x * x + y * y + z * z);
-    const FN(table_spot) spot = FN(table_find)(x, y, z, size, right, top, columns);
+    const real size = root(x * x + y * y + z * z);
+    const table_spot spot = table_find(x, y, z, size, right, top, columns);
     p->at[i] = spot.at;
     p->x[i] = spot.x;
     p->y[i] = spot.y;
@@ -95,8 +98,8 @@ static void FN(pass_table_find_half)(size_t count, FN(vec) wi, FN(vec) wo, int c
 }
 
 /* The integral from 0 to t of min(1, (1 + t) / (1 - t)) within -1 to 1. */
-LEAF real FN(table_integral)(real t, real one) {
-  const real u = FN(minimum)(FN(maximum)(t, -one), one), down = FN(maximum)(-u, 0);
+LEAF real table_integral(real t, real one) {
+  const real u = minimum(maximum(t, -one), one), down = maximum(-u, 0);
   return u + down * down * SHADE_SEEN(down);
 }
 
@@ -104,18 +107,18 @@ LEAF real FN(table_integral)(real t, real one) {
  * What a lane has for all strips: h' and d, turned along the fibres as its lobes are; the cosine
  * of h with wo, not quite 0, and its inverse.
  */
-typedef struct FN(table_turned) {
+typedef struct table_turned {
   real h, hx, hy, d, dx, dy, variance, cosine, per_cosine;
-} FN(table_turned);
+} table_turned;
 
-LEAF FN(table_turned)
-    FN(table_turn)(real ix, real iy, real iz, real ox, real oy, real oz, real s, real variance) {
+LEAF table_turned table_turn(real ix, real iy, real iz, real ox, real oy, real oz, real s,
+                             real variance) {
   const real hx = R(0.5) * (ix + ox), hy = R(0.5) * (iy + oy), hz = R(0.5) * (iz + oz);
   const real dx = R(0.5) * (ix - ox), dy = R(0.5) * (iy - oy), dz = R(0.5) * (iz - oz);
-  const real c = FN(root)(FN(maximum)(1 - s * s, R(1e-4)));
-  const real cosine = FN(maximum)(FN(root)(hx * hx + hy * hy + hz * hz), R(1e-6));
+  const real c = root(maximum(1 - s * s, R(1e-4)));
+  const real cosine = maximum(root(hx * hx + hy * hy + hz * hz), R(1e-6));
   const real inverse = 1 / (c * cosine), slope = s * cosine * inverse;
-  const FN(table_turned) v = {
+  const table_turned v = {
       s * hx + c * hz, hx - slope * hz, hy,          s * dx + c * dz, dx - slope * dz, dy,
       variance,        cosine,          c * inverse,
   };
@@ -124,55 +127,55 @@ LEAF FN(table_turned)
 
 /* Of a strip n.h', then by its inverse t over the strip: the mean, and half an even spread's width,
  * never so narrow that the difference below loses its digits. */
-LEAF real FN(table_over)(FN(table_turned) v, real tilt) {
-  return FN(maximum)(v.h + tilt * v.hy, R(1e-3) * v.cosine);
+LEAF real table_over(table_turned v, real tilt) {
+  return maximum(v.h + tilt * v.hy, R(1e-3) * v.cosine);
 }
-typedef struct FN(table_strip) {
+typedef struct table_strip {
   real t, half;
-} FN(table_strip);
-LEAF FN(table_strip) FN(table_strip_of)(FN(table_turned) v, real tilt, real spread, real per) {
+} table_strip;
+LEAF table_strip table_strip_of(table_turned v, real tilt, real spread, real per) {
   const real t = (v.d + tilt * v.dy) * per;
   const real along = (v.dx - t * v.hx) * per, across = (v.dy - t * v.hy) * per;
   const real variance = along * along * v.variance + across * across * spread;
-  return (FN(table_strip)){t, FN(root)(FN(maximum)(3 * variance, R(1e-6)))};
+  return (table_strip){t, root(maximum(3 * variance, R(1e-6)))};
 }
 
 /* The mean of min(1, n.wi / n.wo) within both horizons over a strip, times twice that half. */
-LEAF real FN(table_width)(FN(table_strip) s, real one) {
-  return FN(table_integral)(s.t + s.half, one) - FN(table_integral)(s.t - s.half, one);
+LEAF real table_width(table_strip s, real one) {
+  return table_integral(s.t + s.half, one) - table_integral(s.t - s.half, one);
 }
 
 /* 1/a, 1/b and 1/c: a division takes as long as ten products. */
-LEAF FN(triple) FN(inverses)(real a, real b, real c) {
+LEAF triple inverses(real a, real b, real c) {
   const real ab = a * b, all = 1 / (ab * c);
-  return (FN(triple)){b * c * all, a * c * all, ab * all};
+  return (triple){b * c * all, a * c * all, ab * all};
 }
 
 /* Those of three strips, times their D. */
-typedef struct FN(table_strips) {
+typedef struct table_strips {
   real d[3], tilt[3], spread[3], one;
-} FN(table_strips);
+} table_strips;
 
-LEAF real FN(table_three)(FN(table_turned) v, FN(table_strips) s, real d0, real d1, real d2) {
-  const FN(triple) per = FN(inverses)(FN(table_over)(v, s.tilt[0]), FN(table_over)(v, s.tilt[1]),
-                                      FN(table_over)(v, s.tilt[2]));
-  const FN(table_strip) a = FN(table_strip_of)(v, s.tilt[0], s.spread[0], per.x);
-  const FN(table_strip) b = FN(table_strip_of)(v, s.tilt[1], s.spread[1], per.y);
-  const FN(table_strip) c = FN(table_strip_of)(v, s.tilt[2], s.spread[2], per.z);
-  const FN(triple) one = FN(inverses)(a.half, b.half, c.half);
-  return s.d[0] * d0 * (FN(table_width)(a, s.one) * one.x) +
-         s.d[1] * d1 * (FN(table_width)(b, s.one) * one.y) +
-         s.d[2] * d2 * (FN(table_width)(c, s.one) * one.z);
+LEAF real table_three(table_turned v, table_strips s, real d0, real d1, real d2) {
+  const triple per =
+      inverses(table_over(v, s.tilt[0]), table_over(v, s.tilt[1]), table_over(v, s.tilt[2]));
+  const table_strip a = table_strip_of(v, s.tilt[0], s.spread[0], per.x);
+  const table_strip b = table_strip_of(v, s.tilt[1], s.spread[1], per.y);
+  const table_strip c = table_strip_of(v, s.tilt[2], s.spread[2], per.z);
+  const triple one = inverses(a.half, b.half, c.half);
+  return s.d[0] * d0 * (table_width(a, s.one) * one.x) +
+         s.d[1] * d1 * (table_width(b, s.one) * one.y) +
+         s.d[2] * d2 * (table_width(c, s.one) * one.z);
 }
 
-static void FN(pass_table_spec)(const fabric_table *table, size_t count,
-                                real (*restrict f)[FABRIC_FIELDS], FN(vec) wi, FN(vec) wo,
-                                real *restrict spec) {
+static void pass_table_spec(const fabric_table *table, size_t count,
+                            real (*restrict f)[FABRIC_FIELDS], vec wi, vec wo,
+                            real *restrict spec) {
   ARRAYS(wi);
   ARRAYS(wo);
   const real sine = (real)table->unit[FABRIC_ALONG], square = (real)table->unit[FABRIC_VARIANCE];
-  FN(table_strips) low, high;
-  low.one = high.one = FN(table_bound)(table, 1);
+  table_strips low, high;
+  low.one = high.one = table_bound(table, 1);
   for (int k = 0; k < 3; k++) {
     low.d[k] = (real)table->scale[k];
     low.tilt[k] = (real)table->tilt[k];
@@ -183,102 +186,100 @@ static void FN(pass_table_spec)(const fabric_table *table, size_t count,
   }
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const FN(table_turned) v =
-        FN(table_turn)(wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i],
-                       sine * f[i][FABRIC_ALONG] - 1, square * f[i][FABRIC_VARIANCE]);
-    const real sum = FN(table_three)(v, low, f[i][0], f[i][1], f[i][2]) +
-                     FN(table_three)(v, high, f[i][3], f[i][4], f[i][5]);
-    spec[i] = FN(minimum)(wiz[i], woz[i]) > 0 ? sum * v.per_cosine : 0;
+    const table_turned v =
+        table_turn(wix[i], wiy[i], wiz[i], wox[i], woy[i], woz[i], sine * f[i][FABRIC_ALONG] - 1,
+                   square * f[i][FABRIC_VARIANCE]);
+    const real sum = table_three(v, low, f[i][0], f[i][1], f[i][2]) +
+                     table_three(v, high, f[i][3], f[i][4], f[i][5]);
+    spec[i] = minimum(wiz[i], woz[i]) > 0 ? sum * v.per_cosine : 0;
   }
 }
 _Static_assert(FABRIC_STRIPS == 6, "as many as are written out above");
 
-static void FN(pass_table_matt)(const fabric_table *table, size_t count,
-                                real (*restrict a)[FABRIC_RANK], real (*restrict b)[FABRIC_RANK],
-                                const real *restrict iz, const real *restrict oz,
-                                real *restrict matt) {
+static void pass_table_matt(const fabric_table *table, size_t count,
+                            real (*restrict a)[FABRIC_RANK], real (*restrict b)[FABRIC_RANK],
+                            const real *restrict iz, const real *restrict oz, real *restrict matt) {
   const float *unit = table->matt_unit;
   const real u0 = (real)unit[0], u1 = (real)unit[1], u2 = (real)unit[2], u3 = (real)unit[3];
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const real sum = u0 * a[i][0] * b[i][0] + u1 * a[i][1] * b[i][1] +
                      (u2 * a[i][2] * b[i][2] + u3 * a[i][3] * b[i][3]);
-    matt[i] = FN(minimum)(iz[i], oz[i]) > 0 ? FN(maximum)(sum, 0) : 0;
+    matt[i] = minimum(iz[i], oz[i]) > 0 ? maximum(sum, 0) : 0;
   }
 }
 
 /* spec: NULL where it is not wanted. */
-static void FN(table_block)(const fabric_table *table, size_t count, FN(vec) wi, FN(vec) wo,
-                            real *spec, real *matt) {
-  FN(table_place) place;
+static void table_block(const fabric_table *table, size_t count, vec wi, vec wo, real *spec,
+                        real *matt) {
+  table_place place;
   ROOM fields[BLOCK][FABRIC_FIELDS], a[BLOCK][FABRIC_RANK], b[BLOCK][FABRIC_RANK];
-  const real last = FN(table_bound)(table, FABRIC_MATT_SIDE - 1);
+  const real last = table_bound(table, FABRIC_MATT_SIDE - 1);
   if (spec) {
-    FN(pass_table_find_half)(count, wi, wo, table->columns, table->rows, &place);
-    FN(pass_table_fetch_spec)(count, table->spec, table->columns, &place, fields);
-    FN(pass_table_spec)(table, count, fields, wi, wo, spec);
+    pass_table_find_half(count, wi, wo, table->columns, table->rows, &place);
+    pass_table_fetch_spec(count, table->spec, table->columns, &place, fields);
+    pass_table_spec(table, count, fields, wi, wo, spec);
   }
-  FN(pass_table_find)(count, wi, last, &place);
-  FN(pass_table_fetch_matt)(count, table->matt[0], FABRIC_MATT_SIDE, &place, a);
-  FN(pass_table_find)(count, wo, last, &place);
-  FN(pass_table_fetch_matt)(count, table->matt[1], FABRIC_MATT_SIDE, &place, b);
-  FN(pass_table_matt)(table, count, a, b, wi.z, wo.z, matt);
+  pass_table_find(count, wi, last, &place);
+  pass_table_fetch_matt(count, table->matt[0], FABRIC_MATT_SIDE, &place, a);
+  pass_table_find(count, wo, last, &place);
+  pass_table_fetch_matt(count, table->matt[1], FABRIC_MATT_SIDE, &place, b);
+  pass_table_matt(table, count, a, b, wi.z, wo.z, matt);
 }
 
 /* What is asked of a table in single lanes. */
-typedef struct FN(table_query) {
+typedef struct table_query {
   const fabric_table *table;
   real wi[3], wo[3];
-} FN(table_query);
+} table_query;
 
 /* The answer, from the places of h, wi and wo: vectors of fields. */
-LEAF void FN(table_answer)(const FN(table_query) * q, const FN(table_spot) at[3], real *spec,
-                           real *matt) {
+LEAF void table_answer(const table_query *q, const table_spot at[3], real *spec, real *matt) {
   const fabric_table *table = q->table;
   const real *i = q->wi, *o = q->wo;
   ROOM f[FABRIC_FIELDS], a[FABRIC_RANK], b[FABRIC_RANK];
-  FN(table_fetch_spec)(table->spec, table->columns, at[0], f);
-  FN(table_fetch_matt)(table->matt[0], FABRIC_MATT_SIDE, at[1], a);
-  FN(table_fetch_matt)(table->matt[1], FABRIC_MATT_SIDE, at[2], b);
-  const FN(table_turned) v = FN(table_turn)(
-      i[0], i[1], i[2], o[0], o[1], o[2], (real)table->unit[FABRIC_ALONG] * f[FABRIC_ALONG] - 1,
-      (real)table->unit[FABRIC_VARIANCE] * f[FABRIC_VARIANCE]);
+  table_fetch_spec(table->spec, table->columns, at[0], f);
+  table_fetch_matt(table->matt[0], FABRIC_MATT_SIDE, at[1], a);
+  table_fetch_matt(table->matt[1], FABRIC_MATT_SIDE, at[2], b);
+  const table_turned v = table_turn(i[0], i[1], i[2], o[0], o[1], o[2],
+                                    (real)table->unit[FABRIC_ALONG] * f[FABRIC_ALONG] - 1,
+                                    (real)table->unit[FABRIC_VARIANCE] * f[FABRIC_VARIANCE]);
   real sum = 0, more = 0;
 #pragma omp simd reduction(+ : sum)
   for (int k = 0; k < FABRIC_FIELDS; k++) {
-    const real tilt = (real)table->tilt[k], per = 1 / FN(table_over)(v, tilt);
-    const FN(table_strip) strip = FN(table_strip_of)(v, tilt, (real)table->spread[k], per);
-    sum += (real)table->scale[k] * f[k] * (FN(table_width)(strip, 1) / strip.half);
+    const real tilt = (real)table->tilt[k], per = 1 / table_over(v, tilt);
+    const table_strip strip = table_strip_of(v, tilt, (real)table->spread[k], per);
+    sum += (real)table->scale[k] * f[k] * (table_width(strip, 1) / strip.half);
   }
   for (int k = 0; k < FABRIC_RANK; k++)
     more += (real)table->matt_unit[k] * a[k] * b[k];
-  const int lit = FN(minimum)(i[2], o[2]) > 0;
+  const int lit = minimum(i[2], o[2]) > 0;
   *spec = lit ? sum * v.per_cosine : 0;
-  *matt = lit ? FN(maximum)(more, 0) : 0;
+  *matt = lit ? maximum(more, 0) : 0;
 }
 
-static void FN(table_lane)(const fabric_table *table, size_t i, FN(vec) wi, FN(vec) wo, real *spec,
-                           real *matt) {
+static void table_lane(const fabric_table *table, size_t i, vec wi, vec wo, real *spec,
+                       real *matt) {
   ARRAYS(wi);
   ARRAYS(wo);
-  const FN(table_query) q = {table, {wix[i], wiy[i], wiz[i]}, {wox[i], woy[i], woz[i]}};
+  const table_query q = {table, {wix[i], wiy[i], wiz[i]}, {wox[i], woy[i], woz[i]}};
   const real x = wix[i] + wox[i], y = wiy[i] + woy[i], z = wiz[i] + woz[i];
-  const real size = FN(root)(x * x + y * y + z * z), side = FABRIC_MATT_SIDE - 1;
-  const FN(table_spot) at[3] = {
-      FN(table_find)(x, y, z, size, (real)(table->columns - 1), (real)(table->rows - 1),
-                     table->columns),
-      FN(table_find)(wix[i], wiy[i], wiz[i], 1, side, side, FABRIC_MATT_SIDE),
-      FN(table_find)(wox[i], woy[i], woz[i], 1, side, side, FABRIC_MATT_SIDE),
+  const real size = root(x * x + y * y + z * z), side = FABRIC_MATT_SIDE - 1;
+  const table_spot at[3] = {
+      table_find(x, y, z, size, (real)(table->columns - 1), (real)(table->rows - 1),
+                 table->columns),
+      table_find(wix[i], wiy[i], wiz[i], 1, side, side, FABRIC_MATT_SIDE),
+      table_find(wox[i], woy[i], woz[i], 1, side, side, FABRIC_MATT_SIDE),
   };
-  FN(table_answer)(&q, at, spec, matt);
+  table_answer(&q, at, spec, matt);
 }
 
 /* Both sides of a cloth: all that is looked up is found in one vector. */
-static void FN(table_sides)(const FN(table_query) q[2], real spec[2], real matt[2]) {
+static void table_sides(const table_query q[2], real spec[2], real matt[2]) {
   enum { LOOKS = 8 }; /* of h, wi and wo of either side; two are none */
   ROOM x[LOOKS], y[LOOKS], z[LOOKS], whole[LOOKS], right[LOOKS], top[LOOKS], px[LOOKS], py[LOOKS];
   _Alignas(64) int32_t at[LOOKS], columns[LOOKS];
-  FN(table_spot) spot[LOOKS];
+  table_spot spot[LOOKS];
   for (size_t k = 0; k < 2; k++) {
     const real *i = q[k].wi, *o = q[k].wo;
     const size_t j = 4 * k;
@@ -293,28 +294,29 @@ static void FN(table_sides)(const FN(table_query) q[2], real spec[2], real matt[
   }
 #pragma omp simd
   for (size_t j = 0; j < LOOKS; j++) {
-    const real size = FN(root)(x[j] * x[j] + y[j] * y[j] + z[j] * z[j]);
-    const FN(table_spot) to =
-        FN(table_find)(x[j], y[j], z[j], whole[j] > 0 ? 1 : size, right[j], top[j], columns[j]);
+    const real size = root(x[j] * x[j] + y[j] * y[j] + z[j] * z[j]);
+    const table_spot to =
+        table_find(x[j], y[j], z[j], whole[j] > 0 ? 1 : size, right[j], top[j], columns[j]);
     at[j] = to.at;
     px[j] = to.x;
     py[j] = to.y;
   }
   for (size_t j = 0; j < LOOKS; j++)
-    spot[j] = (FN(table_spot)){at[j], px[j], py[j]};
+    spot[j] = (table_spot){at[j], px[j], py[j]};
   for (size_t k = 0; k < 2; k++)
-    FN(table_answer)(q + k, spot + 4 * k, spec + k, matt + k);
+    table_answer(q + k, spot + 4 * k, spec + k, matt + k);
 }
 
-/* spec, if it is not NULL, and matt of kernel_yarn, the mean over the lobes of the table. */
-static void FN(kernel_table)(const fabric_table *table, size_t count, const real *const wi[3],
-                             const real *const wo[3], real *spec, real *matt) {
+/* spec, if it is not NULL, and matt of entry_yarn, the mean over the lobes of the table. */
+static void entry_table(const fabric_table *table, size_t count, const real *const wi[3],
+                        const real *const wo[3], real *spec, real *matt) {
   real unused;
   for (size_t i = 0; count < FABRIC_FEW && i < count; i++)
-    FN(table_lane)
-  (table, i, FN(vec_of)(wi), FN(vec_of)(wo), spec ? spec + i : &unused, matt + i);
+    table_lane(table, i, vec_of(wi), vec_of(wo), spec ? spec + i : &unused, matt + i);
   for (size_t start = 0; count >= FABRIC_FEW && start < count; start += BLOCK)
-    FN(table_block)
-  (table, count - start < BLOCK ? count - start : BLOCK, FN(vec_from)(wi[0], wi[1], wi[2], start),
-   FN(vec_from)(wo[0], wo[1], wo[2], start), spec ? spec + start : NULL, matt + start);
+    table_block(table, count - start < BLOCK ? count - start : BLOCK,
+                vec_from(wi[0], wi[1], wi[2], start), vec_from(wo[0], wo[1], wo[2], start),
+                spec ? spec + start : NULL, matt + start);
 }
+
+#endif

@@ -4,16 +4,24 @@
  * has a loop of its own, so that a weave pays for what it has. Loops run over whole vectors,
  * whose last lanes may be void: so a single look-up gives the same bits as one in a batch.
  */
-#ifndef WEAVE_BLOCKS
-#define WEAVE_BLOCKS
+#ifndef SHADE_KERNEL_PASS_WEAVE_H
+#define SHADE_KERNEL_PASS_WEAVE_H
+
+#include "public.h"
+#include "../src/lanes.h"
+#include "../src/weave_private.h"
+#include "leaf_weave.h"
+#include "vec.h"
+
 enum { WEAVE_BLOCK = 128 }; /* look-ups a pass: its scratch stays in the first-level cache */
 
 /* Numbers of crossings up to here are whole in float and in int. */
 #define WEAVE_NEAR 4194304
-#endif
+
+typedef SUFFIX(weave_yarn) yarn_numbers;
 
 /* Pairs are by axis, u and v, or by shade_top, weft and warp: weft runs along u, warp along v. */
-typedef struct FN(weave_room) {
+typedef struct weave_room {
   real whole[2][WEAVE_BLOCK], part[2][WEAVE_BLOCK]; /* by axis: crossings, and within one */
   real ease[2][WEAVE_BLOCK];                        /* from knot to knot of the noise along it */
   real share[2][WEAVE_BLOCK], sigma[2][WEAVE_BLOCK];
@@ -23,12 +31,12 @@ typedef struct FN(weave_room) {
   int32_t index[2][WEAVE_BLOCK];                         /* by axis: end and pick in the draft */
   int32_t upper[WEAVE_BLOCK], seen[WEAVE_BLOCK], hit[WEAVE_BLOCK], below[WEAVE_BLOCK];
   int32_t before[WEAVE_BLOCK], after[WEAVE_BLOCK]; /* cells to the float's ends */
-} FN(weave_room);
+} weave_room;
 
 /* One coordinate into crossings, what is left, and the index in the draft. */
-static unsigned FN(pass_weave_split)(size_t count, int size, const real *restrict x,
-                                     real *restrict whole, real *restrict part,
-                                     int32_t *restrict index) {
+static unsigned pass_weave_split(size_t count, int size, const real *restrict x,
+                                 real *restrict whole, real *restrict part,
+                                 int32_t *restrict index) {
   const real per_size = 1 / (real)size, limit = R(4e18);
 #if SHADE_FLOAT
   const real most = 3.40282347e38f;
@@ -38,13 +46,13 @@ static unsigned FN(pass_weave_split)(size_t count, int size, const real *restric
   int bad = 0, far = 0;
 #pragma omp simd reduction(| : bad, far)
   for (size_t i = 0; i < count; i++) {
-    const int finite = FN(absolute)(x[i]) <= most;
-    const real a = finite ? x[i] : 0, k = FN(weave_floor)(a);
-    const real held = FN(minimum)(FN(maximum)(k, -limit), limit);
-    const int beyond = FN(absolute)(k) > WEAVE_NEAR;
+    const int finite = absolute(x[i]) <= most;
+    const real a = finite ? x[i] : 0, k = weave_floor(a);
+    const real held = minimum(maximum(k, -limit), limit);
+    const int beyond = absolute(k) > WEAVE_NEAR;
     const real near = beyond ? 0 : k;
     /* the quotient may be off by one */
-    int32_t rest = (int32_t)near - (int32_t)FN(weave_floor)(near * per_size) * size;
+    int32_t rest = (int32_t)near - (int32_t)weave_floor(near * per_size) * size;
     rest += rest < 0 ? size : 0;
     rest -= rest >= size ? size : 0;
     index[i] = rest;
@@ -59,7 +67,7 @@ static unsigned FN(pass_weave_split)(size_t count, int size, const real *restric
 }
 
 /* What the draft has there, and the yarns' widths. */
-static void FN(pass_weave_draft)(const shade_weave *w, size_t count, FN(weave_room) * room) {
+static void pass_weave_draft(const shade_weave *w, size_t count, weave_room *room) {
   const uint32_t *cells = w->cells;
   const int ends = w->draft->ends;
   int32_t *upper = room->upper;
@@ -71,7 +79,7 @@ static void FN(pass_weave_draft)(const shade_weave *w, size_t count, FN(weave_ro
     const int32_t *index = room->index[!k];
     real *share = room->share[k];
     const int stride = (int)(sizeof *thread / sizeof(real));
-    const real *shares = &thread->FN(share);
+    const real *shares = &thread->SUFFIX(share);
     const real first = *shares;
     if (w->uniform[k])
 #pragma omp simd
@@ -85,36 +93,34 @@ static void FN(pass_weave_draft)(const shade_weave *w, size_t count, FN(weave_ro
 }
 
 /* The lattice of the noise: number of the yarn, knot along it. Slubs vary its width. */
-static void FN(pass_weave_knots)(const shade_weave *w, size_t count, int kind,
-                                 FN(weave_room) * room) {
-  const real frequency = w->FN(yarn)[kind].along_frequency;
+static void pass_weave_knots(const shade_weave *w, size_t count, int kind, weave_room *room) {
+  const real frequency = w->SUFFIX(yarn)[kind].along_frequency;
   const real *whole = room->whole[kind], *part = room->part[kind], *side = room->whole[!kind];
   uint32_t *number = room->number[kind], *knot = room->knot[kind];
   real *ease = room->ease[kind];
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    number[i] = FN(weave_low_bits)(side[i]);
-    FN(weave_knot)((whole[i] + part[i]) * frequency, &knot[i], &ease[i]);
+    number[i] = weave_low_bits(side[i]);
+    weave_knot((whole[i] + part[i]) * frequency, &knot[i], &ease[i]);
   }
 }
 
-static void FN(pass_weave_slub)(const shade_weave *w, size_t count, int kind,
-                                FN(weave_room) * room) {
-  const real slub = w->FN(yarn)[kind].slub;
+static void pass_weave_slub(const shade_weave *w, size_t count, int kind, weave_room *room) {
+  const real slub = w->SUFFIX(yarn)[kind].slub;
   const uint32_t seed = w->params.seed, channel = (uint32_t)kind * WEAVE_CHANNELS + WEAVE_SLUB;
   const uint32_t *number = room->number[kind], *knot = room->knot[kind];
   real *share = room->share[kind], *ease = room->ease[kind];
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const real r = FN(weave_along)(seed, channel, number[i], knot[i], ease[i]);
+    const real r = weave_along(seed, channel, number[i], knot[i], ease[i]);
     const real width = share[i] * (1 + slub * r);
-    share[i] = FN(minimum)(FN(maximum)(width, share[i] * R(0.05)), 1);
+    share[i] = minimum(maximum(width, share[i] * R(0.05)), 1);
   }
 }
 
 /* Which of the two is seen, with its numbers in the first of each pair; tilt from its shape. */
-static void FN(pass_weave_choose)(const shade_weave *w, size_t count, FN(weave_room) * room) {
-  const real curve[2] = {w->FN(yarn)[0].curve, w->FN(yarn)[1].curve};
+static void pass_weave_choose(const shade_weave *w, size_t count, weave_room *room) {
+  const real curve[2] = {w->SUFFIX(yarn)[0].curve, w->SUFFIX(yarn)[1].curve};
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const uint32_t cell = (uint32_t)room->upper[i];
@@ -139,8 +145,8 @@ static void FN(pass_weave_choose)(const shade_weave *w, size_t count, FN(weave_r
   }
 }
 
-static void FN(pass_weave_ridge)(const shade_weave *w, size_t count, FN(weave_room) * room) {
-  const FN(weave_yarn) weft = w->FN(yarn)[0], warp = w->FN(yarn)[1];
+static void pass_weave_ridge(const shade_weave *w, size_t count, weave_room *room) {
+  const yarn_numbers weft = w->SUFFIX(yarn)[0], warp = w->SUFFIX(yarn)[1];
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const int seen = room->seen[i];
@@ -148,13 +154,13 @@ static void FN(pass_weave_ridge)(const shade_weave *w, size_t count, FN(weave_ro
     const real sigma = seen ? room->sigma[1][i] : room->sigma[0][i];
     const real segments = seen ? warp.segments : weft.segments;
     const real slant = seen ? warp.slant : weft.slant, ridge = seen ? warp.ridge : weft.ridge;
-    const real tilt = ridge * FN(weave_ridge)(segments, slant, s, sigma);
+    const real tilt = ridge * weave_ridge(segments, slant, s, sigma);
     room->along[i] = segments > 0 ? tilt : 0;
   }
 }
 
-static void FN(pass_weave_crimp)(const shade_weave *w, size_t count, FN(weave_room) * room) {
-  const FN(weave_yarn) weft = w->FN(yarn)[0], warp = w->FN(yarn)[1];
+static void pass_weave_crimp(const shade_weave *w, size_t count, weave_room *room) {
+  const yarn_numbers weft = w->SUFFIX(yarn)[0], warp = w->SUFFIX(yarn)[1];
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const int seen = room->seen[i];
@@ -163,17 +169,16 @@ static void FN(pass_weave_crimp)(const shade_weave *w, size_t count, FN(weave_ro
     const real given = seen ? warp.per_crimp_length : weft.per_crimp_length;
     const real before = (real)room->before[i], after = (real)room->after[i];
     /* beyond the float's other end the slope there would not be met from the other side */
-    const real per_length = FN(maximum)(given, 1 / (before + after + 1));
-    const real tilt = crimp * (FN(weave_dive)(after + 1 - s, per_length) -
-                               FN(weave_dive)(before + s, per_length));
+    const real per_length = maximum(given, 1 / (before + after + 1));
+    const real tilt =
+        crimp * (weave_dive(after + 1 - s, per_length) - weave_dive(before + s, per_length));
     room->along[i] += seen == room->upper[i] ? tilt : -tilt;
   }
 }
 
 /* Noise per yarn (knot 0) or along it, of one channel, added to `to`. */
-static void FN(pass_weave_vary)(const shade_weave *w, size_t count, uint32_t channel,
-                                const real amplitude[2], const FN(weave_room) * room,
-                                real *restrict to) {
+static void pass_weave_vary(const shade_weave *w, size_t count, uint32_t channel,
+                            const real amplitude[2], const weave_room *room, real *restrict to) {
   const uint32_t seed = w->params.seed;
   const real weft = amplitude[0], warp = amplitude[1];
 #pragma omp simd
@@ -181,13 +186,13 @@ static void FN(pass_weave_vary)(const shade_weave *w, size_t count, uint32_t cha
     const int seen = room->seen[i];
     const uint32_t number = seen ? room->number[1][i] : room->number[0][i];
     const uint32_t base = seen ? WEAVE_CHANNELS : 0;
-    to[i] += (seen ? warp : weft) * FN(weave_random)(seed, base + channel, number, 0);
+    to[i] += (seen ? warp : weft) * weave_random(seed, base + channel, number, 0);
   }
 }
 
-static void FN(pass_weave_vary_along)(const shade_weave *w, size_t count, uint32_t channel,
-                                      const real amplitude[2], const FN(weave_room) * room,
-                                      real *restrict to) {
+static void pass_weave_vary_along(const shade_weave *w, size_t count, uint32_t channel,
+                                  const real amplitude[2], const weave_room *room,
+                                  real *restrict to) {
   const uint32_t seed = w->params.seed;
   const real weft = amplitude[0], warp = amplitude[1];
 #pragma omp simd
@@ -197,12 +202,12 @@ static void FN(pass_weave_vary_along)(const shade_weave *w, size_t count, uint32
     const uint32_t knot = seen ? room->knot[1][i] : room->knot[0][i];
     const real ease = seen ? room->ease[1][i] : room->ease[0][i];
     const uint32_t base = seen ? WEAVE_CHANNELS : 0;
-    to[i] += (seen ? warp : weft) * FN(weave_along)(seed, base + channel, number, knot, ease);
+    to[i] += (seen ? warp : weft) * weave_along(seed, base + channel, number, knot, ease);
   }
 }
 
-static void FN(pass_weave_noise)(const shade_weave *w, size_t count, FN(weave_room) * room) {
-  const FN(weave_yarn) *y = w->FN(yarn);
+static void pass_weave_noise(const shade_weave *w, size_t count, weave_room *room) {
+  const yarn_numbers *y = w->SUFFIX(yarn);
   const struct {
     real amplitude[2];
     uint32_t channel;
@@ -218,27 +223,27 @@ static void FN(pass_weave_noise)(const shade_weave *w, size_t count, FN(weave_ro
   };
   for (size_t k = 0; k < sizeof terms / sizeof terms[0]; k++)
     if (terms[k].amplitude[0] > 0 || terms[k].amplitude[1] > 0)
-      (terms[k].along ? FN(pass_weave_vary_along) : FN(pass_weave_vary))(
+      (terms[k].along ? pass_weave_vary_along : pass_weave_vary)(
           w, count, terms[k].channel, terms[k].amplitude, room, terms[k].to);
 }
 
 /* Gaps are level; no tilt is longer than .98; occlusion by the tilt. */
-static void FN(pass_weave_level)(size_t count, real by_tilt, FN(weave_room) * room) {
+static void pass_weave_level(size_t count, real by_tilt, weave_room *room) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const int hit = room->hit[i];
     real along = hit ? room->along[i] : 0, across = hit ? room->across[i] : 0;
-    FN(weave_clamp)(&along, &across);
-    const real light = FN(maximum)(room->brightness[i], 0);
+    weave_clamp(&along, &across);
+    const real light = maximum(room->brightness[i], 0);
     room->along[i] = along;
     room->across[i] = across;
     room->brightness[i] = hit ? light : 1;
-    room->occlusion[i] = 1 - by_tilt * FN(root)(along * along + across * across);
+    room->occlusion[i] = 1 - by_tilt * root(along * along + across * across);
   }
 }
 
-static void FN(pass_weave_sky)(const shade_weave *w, size_t count, FN(weave_room) * room) {
-  const real curve[2] = {w->FN(yarn)[0].curve, w->FN(yarn)[1].curve};
+static void pass_weave_sky(const shade_weave *w, size_t count, weave_room *room) {
+  const real curve[2] = {w->SUFFIX(yarn)[0].curve, w->SUFFIX(yarn)[1].curve};
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const int seen = room->seen[i], hit = room->hit[i], upper = room->upper[i];
@@ -246,17 +251,17 @@ static void FN(pass_weave_sky)(const shade_weave *w, size_t count, FN(weave_room
     const real share0 = room->share[0][i], share1 = room->share[1][i];
     const real sigma = seen ? warp : weft;
     const real yarn =
-        FN(weave_sky)(seen ? curve[1] : curve[0], seen ? share1 : share0, hit ? sigma : 0);
-    const real below = FN(weave_sky_gap)(upper ? share0 : share1, upper ? weft : warp);
-    const real above = FN(weave_sky_gap)(upper ? share1 : share0, upper ? warp : weft);
+        weave_sky(seen ? curve[1] : curve[0], seen ? share1 : share0, hit ? sigma : 0);
+    const real below = weave_sky_gap(upper ? share0 : share1, upper ? weft : warp);
+    const real above = weave_sky_gap(upper ? share1 : share0, upper ? warp : weft);
     room->occlusion[i] = (hit ? yarn : below) * (room->below[i] ? above : 1);
   }
 }
 
 /* What is asked for, `count` long. */
-static void FN(weave_write)(const shade_weave *w, size_t count, const FN(weave_room) * room,
-                            const FN(shade_crossings) * out, size_t start) {
-  const FN(weave_yarn) *y = w->FN(yarn);
+static void weave_write(const shade_weave *w, size_t count, const weave_room *room,
+                        const crossings *out, size_t start) {
+  const yarn_numbers *y = w->SUFFIX(yarn);
   const real fuzz = (real)w->fuzz;
   const int32_t *seen = room->seen, *hit = room->hit;
   const struct {
@@ -308,7 +313,7 @@ static void FN(weave_write)(const shade_weave *w, size_t count, const FN(weave_r
   real *const rgb[3] = {out->r, out->g, out->b};
   for (int c = 0; c < 3; c++) {
     real *restrict to = rgb[c] + start;
-    const real *colors = &threads->FN(rgb)[c];
+    const real *colors = &threads->SUFFIX(rgb)[c];
     if (rgb[c])
 #pragma omp simd
       for (size_t i = 0; i < count; i++) {
@@ -320,40 +325,40 @@ static void FN(weave_write)(const shade_weave *w, size_t count, const FN(weave_r
 }
 
 /* Any number of whole vectors, up to a block. */
-static unsigned FN(weave_block)(const shade_weave *w, size_t count, const real *u, const real *v,
-                                FN(weave_room) * room) {
-  const FN(weave_yarn) *y = w->FN(yarn);
+static unsigned weave_block(const shade_weave *w, size_t count, const real *u, const real *v,
+                            weave_room *room) {
+  const yarn_numbers *y = w->SUFFIX(yarn);
   const shade_draft *d = w->draft;
   unsigned status =
-      FN(pass_weave_split)(count, d->ends, u, room->whole[0], room->part[0], room->index[0]);
-  status |= FN(pass_weave_split)(count, d->picks, v, room->whole[1], room->part[1], room->index[1]);
-  FN(pass_weave_draft)(w, count, room);
+      pass_weave_split(count, d->ends, u, room->whole[0], room->part[0], room->index[0]);
+  status |= pass_weave_split(count, d->picks, v, room->whole[1], room->part[1], room->index[1]);
+  pass_weave_draft(w, count, room);
   for (int k = 0; k < 2 && w->noisy; k++) {
-    FN(pass_weave_knots)(w, count, k, room);
+    pass_weave_knots(w, count, k, room);
     if (y[k].slub > 0)
-      FN(pass_weave_slub)(w, count, k, room);
+      pass_weave_slub(w, count, k, room);
   }
-  FN(pass_weave_choose)(w, count, room);
+  pass_weave_choose(w, count, room);
   if (y[0].segments > 0 || y[1].segments > 0)
-    FN(pass_weave_ridge)(w, count, room);
+    pass_weave_ridge(w, count, room);
   if (y[0].crimp > 0 || y[1].crimp > 0)
-    FN(pass_weave_crimp)(w, count, room);
+    pass_weave_crimp(w, count, room);
   if (w->noisy)
-    FN(pass_weave_noise)(w, count, room);
-  FN(pass_weave_level)(count, w->params.occlusion == SHADE_OCCLUSION_TILT, room);
+    pass_weave_noise(w, count, room);
+  pass_weave_level(count, w->params.occlusion == SHADE_OCCLUSION_TILT, room);
   if (w->params.occlusion == SHADE_OCCLUSION_SKY)
-    FN(pass_weave_sky)(w, count, room);
+    pass_weave_sky(w, count, room);
   return status;
 }
 
 /* The entries of the instruction set; `given` is as long as the caller's header has it. */
-static unsigned FN(kernel_weave_batch)(const shade_weave *w, size_t total, const real *u,
-                                       const real *v, const FN(shade_crossings) * given) {
-  FN(shade_crossings) out;
+static unsigned entry_weave_batch(const shade_weave *w, size_t total, const real *u, const real *v,
+                                  const crossings *given) {
+  crossings out;
   if (given->size < sizeof given->size)
     return SHADE_BAD_INPUT;
   shade_copy_lanes(given, &out, sizeof out);
-  FN(weave_room) room;
+  weave_room room;
   real held[2][WEAVE_BLOCK];
   unsigned status = SHADE_OK;
   for (size_t start = 0; start < total; start += WEAVE_BLOCK) {
@@ -365,18 +370,18 @@ static unsigned FN(kernel_weave_batch)(const shade_weave *w, size_t total, const
       memset(&held[k][size], 0, (count - size) * sizeof(real));
       at[k] = held[k];
     }
-    status |= FN(weave_block)(w, count, at[0], at[1], &room);
-    FN(weave_write)(w, size, &room, &out, start);
+    status |= weave_block(w, count, at[0], at[1], &room);
+    weave_write(w, size, &room, &out, start);
   }
   return status;
 }
 
-static unsigned FN(kernel_weave)(const shade_weave *w, real u, real v, FN(shade_crossing) * out) {
-  FN(weave_room) room;
+static unsigned entry_weave(const shade_weave *w, real u, real v, crossing *out) {
+  weave_room room;
   const real at[2][VECTOR_BYTES / sizeof(real)] = {{u}, {v}};
-  unsigned status = FN(weave_block)(w, VECTOR_BYTES / sizeof(real), at[0], at[1], &room);
+  unsigned status = weave_block(w, VECTOR_BYTES / sizeof(real), at[0], at[1], &room);
   const int k = room.seen[0], hit = room.hit[0], yarn = room.index[!k][0];
-  const FN(weave_yarn) *y = &w->FN(yarn)[k];
+  const yarn_numbers *y = &w->SUFFIX(yarn)[k];
   const real cosine = hit ? y->fibre_cos : 1, sine = hit ? y->fibre_sin : 0;
   out->top = hit ? (shade_top)k : SHADE_TOP_GAP;
   out->swap = k;
@@ -392,6 +397,8 @@ static unsigned FN(kernel_weave)(const shade_weave *w, real u, real v, FN(shade_
   out->brightness = room.brightness[0];
   out->fuzz = hit ? 0 : (real)w->fuzz;
   for (int c = 0; c < 3; c++)
-    out->color[c] = hit ? w->thread[k][yarn].FN(rgb)[c] : 0;
+    out->color[c] = hit ? w->thread[k][yarn].SUFFIX(rgb)[c] : 0;
   return status;
 }
+
+#endif

@@ -1,33 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * The number type of this instantiation. kernel.h is included once with
- * SHADE_FLOAT 1 and once with SHADE_FLOAT 0, hence no include guard.
- * FN(name) ends float functions in f, R(1.5) writes a constant of the type.
- */
-#ifndef LEAF
+/* The number type of a unit; R(1.5) writes a constant of it. */
+#ifndef SHADE_KERNEL_REAL_H
+#define SHADE_KERNEL_REAL_H
+
+#include <stdint.h>
+
+#include "suffix.h"
+
 /* One call that is not inlined and the loop around it stays scalar. */
 #if defined(__GNUC__)
 #define LEAF static inline __attribute__((always_inline))
 #else
 #define LEAF static inline
 #endif
-#endif
 
-#undef real
-#undef real_bits
-#undef FN
-#undef R
-#undef TINY
-#undef LEAST_NORMAL
-#undef LOG2_UNIT
-#undef UNIT_SLACK
-#undef FAR_BIT
-#undef SIGN_BIT
-#undef UNIT_BITS
 #if SHADE_FLOAT
 #define real float
 #define real_bits uint32_t
-#define FN(name) name##f
 #define R(x) x##f
 /*
  * Added to squares before a division by them: it is lost in any that matters, and 1e8 / TINY
@@ -40,9 +29,10 @@
 #else
 #define real double
 #define real_bits uint64_t
-#define FN(name) name
 #define R(x) x
 #define TINY 1e-290
 #define LEAST_NORMAL 0x1p-1022
 #define LOG2_UNIT 1.0
+#endif
+
 #endif

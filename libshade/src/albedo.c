@@ -39,7 +39,7 @@ static void direction(int spoke, int ring, float wo[3]) {
 
 /* Half vectors a side; directions a side, twice as many round. */
 enum { HALVES = 56, GRID = 16, ROOM = HALVES * HALVES, LANES = 8 };
-_Static_assert(ROOM % LANES == 0, "lobe_of sums so many at a time");
+_Static_assert(ROOM % LANES == 0, "specular_of sums so many at a time");
 
 typedef struct work {
   float in[9][ROOM], out[4][ROOM];
@@ -80,7 +80,7 @@ static void evaluate(work *w, const shade_bsdf *b, size_t count, const float wo[
 }
 
 /* The integral of f cos over half vectors: dwi = 4 (h.wo) dh. */
-static void lobe_of(work *w, const shade_bsdf *b, const float wo[3], float rgb[3]) {
+static void specular_of(work *w, const shade_bsdf *b, const float wo[3], float rgb[3]) {
   const float *const x = w->h[0], *const y = w->h[1], *const z = w->h[2];
   const float vx = wo[0], vy = wo[1], vz = wo[2];
   float d[ROOM], weight[ROOM];
@@ -167,7 +167,7 @@ shade_bsdf_albedo *shade_bsdf_albedo_create(const shade_params *given, unsigned 
     for (int r = 0; r < RINGS; r++) {
       float wo[3];
       direction(s, r, wo);
-      lobe_of(w, &specular, wo, a->rgb[s][r][SPECULAR]);
+      specular_of(w, &specular, wo, a->rgb[s][r][SPECULAR]);
       const double part = !has_diffuse ? 0 : of_wo || same < 0 ? diffuse_of(w, &diffuse, wo) : same;
       same = of_wo || !has_diffuse ? same : part;
       for (int c = 0; c < 3; c++)

@@ -5,6 +5,7 @@
 #define SHADE_SRC_BSDF_H
 
 #include "../kernel/methods.h"
+#include "../kernel/suffix.h"
 #include "shade/shade.h"
 
 /* How h is carried. */
@@ -22,6 +23,18 @@ typedef struct shade_carry {
 #define MAY_ALIAS
 #endif
 
+/* Numbers of a type. */
+#define BSDF_NUMBERS(type, f)                                                                      \
+  typedef struct bsdf_numbers##f {                                                                 \
+    type kx, ky, peak;                /* exponents or 1/alpha^2, and D at the pole */              \
+    type gx, gy;                      /* alpha^2 for Lambda */                                     \
+    type f0[3], tint[3], k[3], kd[3]; /* tint: f82, or eta */                                      \
+    type proposal, per_slope;         /* of the distribution's traits */                           \
+    type share_lobe, share_diffuse;   /* mean reflectances */                                      \
+  } bsdf_numbers##f;
+BSDF_NUMBERS(double, )
+BSDF_NUMBERS(float, f)
+
 typedef struct MAY_ALIAS bsdf {
   int isa; /* of shade_isa_tables: what it runs on */
   shade_mdf mdf;
@@ -37,14 +50,8 @@ typedef struct MAY_ALIAS bsdf {
   int fibres_along_y, groove_auto, detail_auto;
   int exponents, projected; /* of the distribution's traits */
   int visible, draw_even;   /* draws: normals as the eye sees them; half the diffuse part evenly */
-  double kx, ky, peak;      /* exponents or 1/alpha^2, and D at the pole */
-  double gx, gy;            /* alpha^2 for Lambda */
-  double f0[3], tint[3], k[3], kd[3]; /* tint: f82, or eta */
-  double proposal, per_slope;         /* of the distribution's traits */
-  double share_lobe, share_diffuse;   /* mean reflectances */
-  float kxf, kyf, peakf, gxf, gyf;
-  float f0f[3], tintf[3], kf[3], kdf[3];
-  float proposalf, per_slopef, share_lobef, share_diffusef;
+  bsdf_numbers numbers;
+  bsdf_numbersf numbersf;
 } bsdf;
 
 _Static_assert(sizeof(bsdf) <= sizeof(shade_bsdf), "shade_bsdf is too small for what it holds");
@@ -52,6 +59,11 @@ _Static_assert(_Alignof(bsdf) <= _Alignof(shade_bsdf), "shade_bsdf is less align
 
 static inline const bsdf *bsdf_of(const shade_bsdf *b) {
   return (const bsdf *)b;
+}
+
+/* Its numbers in the precision of the unit. */
+static inline const SUFFIX(bsdf_numbers) * numbers_of(const bsdf *b) {
+  return &b->SUFFIX(numbers);
 }
 
 /* The same to write to: setup.c's, and that of tests. */

@@ -325,8 +325,8 @@ void shade_fabric_get_info(const shade_fabric *f, shade_fabric_info *info) {
   info->warp_lobes = warp->nodes.count;
   info->weft_share = f->mean[COLUMN_SEEN + SHADE_TOP_WEFT];
   info->warp_share = f->mean[COLUMN_SEEN + SHADE_TOP_WARP];
-  info->weft_single[0] = bsdf_of(&weft->lobe[FABRIC_SINGLE])->kx;
-  info->weft_single[1] = bsdf_of(&weft->lobe[FABRIC_SINGLE])->ky;
-  info->warp_single[0] = bsdf_of(&warp->lobe[FABRIC_SINGLE])->kx;
-  info->warp_single[1] = bsdf_of(&warp->lobe[FABRIC_SINGLE])->ky;
+  info->weft_single[0] = bsdf_of(&weft->lobe[FABRIC_SINGLE])->numbers.kx;
+  info->weft_single[1] = bsdf_of(&weft->lobe[FABRIC_SINGLE])->numbers.ky;
+  info->warp_single[0] = bsdf_of(&warp->lobe[FABRIC_SINGLE])->numbers.kx;
+  info->warp_single[1] = bsdf_of(&warp->lobe[FABRIC_SINGLE])->numbers.ky;
 }

@@ -101,8 +101,8 @@ static void fields_at(const fabric_lobes *l, const tilts *tilt, const double h[3
   for (int c = 0; c < 3; c++)
     for (size_t k = 0; k < l->count; k++)
       same[c][k] = (float)h[c];
-  shade_isa_pick(0)->mdf_batchf(l->bsdf, l->count, tilt->n[0], tilt->n[1], tilt->n[2], same[0],
-                                same[1], same[2], d);
+  shade_isa_pick(0)->entriesf->mdf_batch(l->bsdf, l->count, tilt->n[0], tilt->n[1], tilt->n[2],
+                                         same[0], same[1], same[2], d);
   memset(fields, 0, FABRIC_FIELDS * sizeof *fields);
   for (size_t k = 0; k < l->count; k++) {
     const double part = l->weight[k] * (double)d[k];
@@ -198,7 +198,7 @@ static void look_matt(const fabric_lobes *l, factors *f) {
   const shade_isa_table *isa = shade_isa_pick(0);
   shade_lanes lanes = {.size = sizeof lanes, .nx = n[0], .ny = n[1], .nz = n[2]};
   set_lanes(&lanes, n, n);
-  isa->yarn(l->bsdf, l->count, &lanes, spec, own);
+  isa->entries->yarn(l->bsdf, l->count, &lanes, spec, own);
   for (int at = 0; at < MATT_VERTICES; at++) {
     double v[3];
     vertex(at % FABRIC_MATT_SIDE, FABRIC_MATT_SIDE, at / FABRIC_MATT_SIDE, FABRIC_MATT_SIDE, v);
@@ -207,11 +207,11 @@ static void look_matt(const fabric_lobes *l, factors *f) {
         w[c][k] = v[c];
     const double *const there[3] = {w[0], w[1], w[2]};
     set_lanes(&lanes, there, n);
-    isa->yarn(l->bsdf, l->count, &lanes, spec, matt);
+    isa->entries->yarn(l->bsdf, l->count, &lanes, spec, matt);
     for (size_t k = 0; k < l->count; k++)
       f->a[k][at] = matt[k];
     set_lanes(&lanes, n, there);
-    isa->yarn(l->bsdf, l->count, &lanes, spec, matt);
+    isa->entries->yarn(l->bsdf, l->count, &lanes, spec, matt);
     for (size_t k = 0; k < l->count; k++)
       f->b[k][at] = own[k] > 0 ? matt[k] / own[k] : 0;
   }
@@ -304,7 +304,7 @@ static void set_matt(fabric_table *t, const fabric_lobes *l, factors *f) {
 
 int fabric_table_models(const shade_bsdf *lobe) {
   const bsdf *b = bsdf_of(lobe);
-  return side_of(exponent_of(b, b->kx)) && side_of(exponent_of(b, b->ky)) &&
+  return side_of(exponent_of(b, b->numbers.kx)) && side_of(exponent_of(b, b->numbers.ky)) &&
          b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY && b->carry.map != SHADE_MAP_NONE &&
          b->detail != SHADE_DETAIL_PERTURB && b->diffuse != SHADE_DIFFUSE_FIBRE_VIEW &&
          b->diffuse != SHADE_DIFFUSE_POULIN_FOURNIER;
@@ -315,7 +315,8 @@ fabric_table *fabric_table_create(const fabric_lobes *spec, const fabric_lobes *
       spec->count > FABRIC_FINE || !matt->count || matt->count > FABRIC_MATT_LOBES)
     return NULL;
   const bsdf *b = bsdf_of(spec->bsdf);
-  const int columns = side_of(exponent_of(b, b->kx)), rows = side_of(exponent_of(b, b->ky));
+  const int columns = side_of(exponent_of(b, b->numbers.kx)),
+            rows = side_of(exponent_of(b, b->numbers.ky));
   const size_t vertices = (size_t)columns * (size_t)rows;
   const size_t size = FABRIC_FIELDS * vertices + 2 * FABRIC_RANK * MATT_VERTICES;
   fabric_table *t = calloc(1, sizeof *t);

@@ -22,8 +22,17 @@
 #define ISA_ROWS(ROW) ROW(scalar, 1)
 #endif
 
+#define ISA_TABLE(name, needs)                                                                     \
+  extern const shade_entries shade_entries_##name;                                                 \
+  extern const shade_entriesf shade_entriesf_##name;                                               \
+  const shade_isa_table shade_isa_##name = {#name, &shade_entries_##name, &shade_entriesf_##name};
+ISA_ROWS(ISA_TABLE)
 #define ISA_POINTER(name, needs) &shade_isa_##name,
+#define ISA_ENTRIES(name, needs) &shade_entries_##name,
+#define ISA_ENTRIESF(name, needs) &shade_entriesf_##name,
 const shade_isa_table *const shade_isa_tables[] = {ISA_ROWS(ISA_POINTER)};
+const shade_entries *const shade_isa_entries[] = {ISA_ROWS(ISA_ENTRIES)};
+const shade_entriesf *const shade_isa_entriesf[] = {ISA_ROWS(ISA_ENTRIESF)};
 
 enum { ISAS = sizeof shade_isa_tables / sizeof shade_isa_tables[0] };
 

@@ -183,7 +183,7 @@ static void table_row(const void *context, int j, float *to) {
     d->row.strokes = d->actives;
     d->row.room = d->room;
     if (!d->failed)
-      d->isa->scratch_row(&d->row);
+      d->isa->entries->scratch_row(&d->row);
   }
   if (d->failed)
     memset(to, 0, size * sizeof *to);

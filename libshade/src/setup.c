@@ -13,7 +13,7 @@
 
 /* No more than the lobe needs: a round one is carried exactly by perturb. */
 static shade_detail choose_detail(const bsdf *b) {
-  return b->kx == b->ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
+  return b->numbers.kx == b->numbers.ky ? SHADE_DETAIL_PERTURB : SHADE_DETAIL_ROTATE;
 }
 
 /* ratio: the distribution sees neither a common scale of x and y, nor L. */
@@ -33,21 +33,38 @@ static void setup_draws(bsdf *b) {
   const shade_mdf_traits mdf = shade_mdf_is(b->mdf);
   const shade_diffuse_traits diffuse = shade_diffuse_is(b->diffuse);
   b->visible = mdf.visible && b->brdf == SHADE_BRDF_MICROFACET && b->warp == SHADE_RIGID;
-  b->proposal = mdf.proposal;
-  b->per_slope = mdf.per_slope;
+  b->numbers.proposal = mdf.proposal;
+  b->numbers.per_slope = mdf.per_slope;
   b->draw_even = diffuse.fibres;
   for (int c = 0; c < 3; c++) {
-    double f0 = b->f0[c], k2 = b->k[c] * b->k[c], eta = b->tint[c];
+    double f0 = b->numbers.f0[c], k2 = b->numbers.k[c] * b->numbers.k[c], eta = b->numbers.tint[c];
     double left = diffuse.less_f0 ? 1 - f0 : 1;
     if (!shade_fresnel_is(b->fresnel).f0)
       f0 = ((eta - 1) * (eta - 1) + k2) / ((eta + 1) * (eta + 1) + k2);
-    b->share_lobe += f0 / 3;
-    b->share_diffuse += b->kd[c] * left / 3;
+    b->numbers.share_lobe += f0 / 3;
+    b->numbers.share_diffuse += b->numbers.kd[c] * left / 3;
   }
-  b->proposalf = (float)b->proposal;
-  b->per_slopef = (float)b->per_slope;
-  b->share_lobef = (float)b->share_lobe;
-  b->share_diffusef = (float)b->share_diffuse;
+}
+
+/* The numbers in float. */
+static void narrow(bsdf *b) {
+  const bsdf_numbers *d = &b->numbers;
+  bsdf_numbersf *f = &b->numbersf;
+  f->kx = (float)d->kx;
+  f->ky = (float)d->ky;
+  f->peak = (float)d->peak;
+  f->gx = (float)d->gx;
+  f->gy = (float)d->gy;
+  for (int c = 0; c < 3; c++) {
+    f->f0[c] = (float)d->f0[c];
+    f->tint[c] = (float)d->tint[c];
+    f->k[c] = (float)d->k[c];
+    f->kd[c] = (float)d->kd[c];
+  }
+  f->proposal = (float)d->proposal;
+  f->per_slope = (float)d->per_slope;
+  f->share_lobe = (float)d->share_lobe;
+  f->share_diffuse = (float)d->share_diffuse;
 }
 
 unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
@@ -66,55 +83,47 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->exponents = shade_mdf_reads_exponents(b->mdf);
   b->projected = mdf.projected;
   if (b->exponents) {
-    b->kx = p.ex;
-    b->ky = p.ey;
-    b->gx = 2 / (b->kx + 2);
-    b->gy = 2 / (b->ky + 2);
-    b->peak = sqrt((b->kx + 1) * (b->ky + 1)) / (2 * PI);
+    b->numbers.kx = p.ex;
+    b->numbers.ky = p.ey;
+    b->numbers.gx = 2 / (b->numbers.kx + 2);
+    b->numbers.gy = 2 / (b->numbers.ky + 2);
+    b->numbers.peak = sqrt((b->numbers.kx + 1) * (b->numbers.ky + 1)) / (2 * PI);
   } else {
-    b->gx = p.ax * p.ax;
-    b->gy = p.ay * p.ay;
-    b->kx = 1 / b->gx;
-    b->ky = 1 / b->gy;
-    b->peak = 1 / (PI * p.ax * p.ay);
+    b->numbers.gx = p.ax * p.ax;
+    b->numbers.gy = p.ay * p.ay;
+    b->numbers.kx = 1 / b->numbers.gx;
+    b->numbers.ky = 1 / b->numbers.gy;
+    b->numbers.peak = 1 / (PI * p.ax * p.ay);
   }
 
   b->groove_auto = p.groove == SHADE_GROOVE_AUTO;
-  b->fibres_along_y = b->groove_auto ? b->ky > b->kx : p.groove == SHADE_GROOVE_Y;
+  b->fibres_along_y = b->groove_auto ? b->numbers.ky > b->numbers.kx : p.groove == SHADE_GROOVE_Y;
   b->detail_auto = b->detail == SHADE_DETAIL_AUTO;
   if (b->detail_auto)
     b->detail = choose_detail(b);
   const shade_detail_traits detail = shade_detail_is(b->detail);
   b->horizon = detail.ignores_n ? SHADE_HORIZON_HARD : p.horizon;
-  b->carry = carry(b->detail, mdf.ratio, b->fibres_along_y, b->kx == b->ky);
+  b->carry = carry(b->detail, mdf.ratio, b->fibres_along_y, b->numbers.kx == b->numbers.ky);
   b->uneven =
       carry(b->detail_auto ? SHADE_DETAIL_ROTATE : b->detail, mdf.ratio, b->fibres_along_y, 0);
   b->warp = shade_map_kind_of(b->carry.map);
   b->conserve = detail.conserve;
   b->has_specular = 1;
-  b->kxf = (float)b->kx;
-  b->kyf = (float)b->ky;
-  b->gxf = (float)b->gx;
-  b->gyf = (float)b->gy;
-  b->peakf = (float)b->peak;
   for (int c = 0; c < 3; c++) {
-    b->f0[c] = p.f0[c];
-    b->f0f[c] = (float)b->f0[c];
+    b->numbers.f0[c] = p.f0[c];
     if (b->fresnel == SHADE_FRESNEL_F82)
-      b->tint[c] = p.f82[c];
+      b->numbers.tint[c] = p.f82[c];
     if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
-      b->tint[c] = p.eta[c];
-      b->k[c] = p.k[c];
+      b->numbers.tint[c] = p.eta[c];
+      b->numbers.k[c] = p.k[c];
     }
-    b->kd[c] = p.kd[c];
-    b->has_diffuse |= b->kd[c] > 0;
-    b->kdf[c] = (float)b->kd[c];
-    b->tintf[c] = (float)b->tint[c];
-    b->kf[c] = (float)b->k[c];
+    b->numbers.kd[c] = p.kd[c];
+    b->has_diffuse |= b->numbers.kd[c] > 0;
   }
   const shade_fresnel_traits fresnel = shade_fresnel_is(b->fresnel);
-  b->black =
-      fresnel.f0 && !fresnel.tint && !fresnel.grazing && !(b->f0[0] + b->f0[1] + b->f0[2] > 0);
+  b->black = fresnel.f0 && !fresnel.tint && !fresnel.grazing &&
+             !(b->numbers.f0[0] + b->numbers.f0[1] + b->numbers.f0[2] > 0);
   setup_draws(b);
+  narrow(b);
   return status;
 }

@@ -304,19 +304,19 @@ const shade_weave_params *shade_weave_get_params(const shade_weave *weave) {
 }
 
 unsigned shade_weave_lookup(const shade_weave *weave, double u, double v, shade_crossing *out) {
-  return shade_isa_tables[weave->isa]->weave(weave, u, v, out);
+  return shade_isa_entries[weave->isa]->weave(weave, u, v, out);
 }
 
 unsigned shade_weave_lookupf(const shade_weave *weave, float u, float v, shade_crossingf *out) {
-  return shade_isa_tables[weave->isa]->weavef(weave, u, v, out);
+  return shade_isa_entriesf[weave->isa]->weave(weave, u, v, out);
 }
 
 unsigned shade_weave_lookup_batch(const shade_weave *weave, size_t count, const double *u,
                                   const double *v, const shade_crossings *out) {
-  return shade_isa_tables[weave->isa]->weave_batch(weave, count, u, v, out);
+  return shade_isa_entries[weave->isa]->weave_batch(weave, count, u, v, out);
 }
 
 unsigned shade_weave_lookup_batchf(const shade_weave *weave, size_t count, const float *u,
                                    const float *v, const shade_crossingsf *out) {
-  return shade_isa_tables[weave->isa]->weave_batchf(weave, count, u, v, out);
+  return shade_isa_entriesf[weave->isa]->weave_batch(weave, count, u, v, out);
 }

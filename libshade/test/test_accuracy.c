@@ -75,9 +75,9 @@ static worst_input worst_error(const shade_isa_table *isa, shade_mdf mdf, shade_
   shade_bsdf_setup(&b, &p);
   fill(seed, mdf, is_warp(detail) ? 75 : 89.9, ex, ey);
   if (single)
-    isa->mdf_batchf(&b, COUNT, l.fnx, l.fny, l.fnz, l.fhx, l.fhy, l.fhz, l.fd);
+    isa->entriesf->mdf_batch(&b, COUNT, l.fnx, l.fny, l.fnz, l.fhx, l.fhy, l.fhz, l.fd);
   else
-    isa->mdf_batch(&b, COUNT, l.nx, l.ny, l.nz, l.hx, l.hy, l.hz, l.d);
+    isa->entries->mdf_batch(&b, COUNT, l.nx, l.ny, l.nz, l.hx, l.hy, l.hz, l.d);
   worst_input worst = {.ex = ex, .ey = ey, .isa = isa->name, .detail = detail};
   int used = 0;
   for (int i = 0; i < COUNT; i++) {
@@ -89,7 +89,7 @@ static worst_input worst_error(const shade_isa_table *isa, shade_mdf mdf, shade_
     double want = shade_ref_mdf(&p, n, h), got = single ? (double)l.fd[i] : l.d[i];
     double m[3];
     shade_ref_carried(&p, n, h, m);
-    if (want <= 1e-12 * bsdf_of(&b)->peak || m[2] < (is_warp(detail) ? 0.5 : 0.05))
+    if (want <= 1e-12 * bsdf_of(&b)->numbers.peak || m[2] < (is_warp(detail) ? 0.5 : 0.05))
       continue;
     used++;
     const double error = fabs(got / want - 1);

@@ -129,7 +129,7 @@ static void against_reference(void **state) {
       /* at a horizon one rounding decides, and exp(-a) ends at 1e-304 */
       if (fmin(fmin(want_cosine, wi[2]), wo[2]) > 1e-6)
         assert_true(want[c] > 0 ? f[c] > 0 || want[c] < 1e-290 : f[c] == 0);
-      if (want[c] < 1e-12 * bsdf_of(&b)->peak || !well_inside(&p, n, wi, wo))
+      if (want[c] < 1e-12 * bsdf_of(&b)->numbers.peak || !well_inside(&p, n, wi, wo))
         continue;
       lit++;
       worst = fmax(worst, fabs(f[c] - want[c]) / (want[c] + p.kd[c]));
@@ -150,7 +150,7 @@ static void against_reference(void **state) {
     if (!metal)
       grazing = 1e-7 / cosi + 1e-7 / coso;
     for (int c = 0; c < 3; c++)
-      if (want[c] >= 1e-12 * bsdf_of(&b)->peak &&
+      if (want[c] >= 1e-12 * bsdf_of(&b)->numbers.peak &&
           (metal ? want_cosine >= 1e-3 : well_inside(&p, n, wi, wo))) {
         double *tally = is_warp(p.detail) ? &worst_warp : &worstf;
         double error = fabs((double)ff[c] - want[c]) / (want[c] + p.kd[c]);
@@ -262,8 +262,8 @@ static void batch_is_single(void **state) {
                                out[3] + shift};
       shade_result result = {sizeof result, outd[0] + shift, outd[1] + shift, outd[2] + shift,
                              outd[3] + shift};
-      isa->bsdf_batchf(&b, count, &lanesf, &resultf);
-      isa->bsdf_batch(&b, count, &lanes, &result);
+      isa->entriesf->bsdf_batch(&b, count, &lanesf, &resultf);
+      isa->entries->bsdf_batch(&b, count, &lanes, &result);
       for (size_t i = shift; i < count + shift; i++) {
         double v[9], f[3], cosine;
         float vf[9], ff[3], cosinef;
@@ -278,8 +278,9 @@ static void batch_is_single(void **state) {
         assert_near(outd[3][i], cosine, 1e-15);
         assert_near(out[3][i], cosinef, 3e-7);
         for (int c = 0; c < 3 && cosine > 1e-5; c++) {
-          assert_true(fabs(outd[c][i] - f[c]) <= 1e-11 * (f[c] + 1e-30 * bsdf_of(&b)->peak));
-          if (f[c] > 1e-6 * bsdf_of(&b)->peak)
+          assert_true(fabs(outd[c][i] - f[c]) <=
+                      1e-11 * (f[c] + 1e-30 * bsdf_of(&b)->numbers.peak));
+          if (f[c] > 1e-6 * bsdf_of(&b)->numbers.peak)
             assert_true(fabsf(out[c][i] - ff[c]) <= 1e-4f * ff[c]);
         }
       }
@@ -330,15 +331,16 @@ static void long_arrays(void **state) {
       float(*f)[LONG] = long_inf;
       unsigned status, statusf;
       if (k == 0) {
-        status = isa->mdf_batch(&b, LONG, d[0], d[1], d[2], d[3], d[4], d[5], long_out[0]);
-        statusf = isa->mdf_batchf(&b, LONG, f[0], f[1], f[2], f[3], f[4], f[5], long_outf[0]);
+        status = isa->entries->mdf_batch(&b, LONG, d[0], d[1], d[2], d[3], d[4], d[5], long_out[0]);
+        statusf =
+            isa->entriesf->mdf_batch(&b, LONG, f[0], f[1], f[2], f[3], f[4], f[5], long_outf[0]);
       } else {
         shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(d)};
         shade_lanesf inf = {.size = sizeof inf, SHADE_DIRECTIONS(f)};
         shade_result out = {sizeof out, long_out[0], long_out[1], long_out[2], long_out[3]};
         shade_resultf outf = {sizeof outf, long_outf[0], long_outf[1], long_outf[2], long_outf[3]};
-        status = isa->bsdf_batch(&b, LONG, &in, &out);
-        statusf = isa->bsdf_batchf(&b, LONG, &inf, &outf);
+        status = isa->entries->bsdf_batch(&b, LONG, &in, &out);
+        statusf = isa->entriesf->bsdf_batch(&b, LONG, &inf, &outf);
       }
       assert_true((status & SHADE_BAD_INPUT) && (statusf & SHADE_BAD_INPUT));
       assert_true(long_out[0][SENSELESS] == 0 && long_outf[0][SENSELESS] == 0);

@@ -461,18 +461,18 @@ def test_reference_shares_no_symbol_with_the_library():
 
 # header, what stands around the expression @, the expression, the wrong one
 FLIPS = {
-    "cross product, x": ("leaf_detail.h", "c.x = @;", "FN(difference)(ny, hz, nz, hy)",
-                         "FN(difference)(ny, hz, -nz, hy)"),
-    "cross product, y": ("leaf_detail.h", "c.y = @;", "FN(difference)(nz, hx, nx, hz)",
-                         "FN(difference)(nz, hx, -nx, hz)"),
-    "cross product, z": ("leaf_detail.h", "c.z = @;", "FN(difference)(nx, hy, ny, hx)",
-                         "FN(difference)(nx, hy, -ny, hx)"),
-    "rotate, sum of y'": ("leaf_detail.h", "real y = @;", "FN(difference)(nx, c.z, nz, c.x)",
-                          "FN(difference)(nx, c.z, -nz, c.x)"),
+    "cross product, x": ("leaf_detail.h", "c.x = @;", "difference(ny, hz, nz, hy)",
+                         "difference(ny, hz, -nz, hy)"),
+    "cross product, y": ("leaf_detail.h", "c.y = @;", "difference(nz, hx, nx, hz)",
+                         "difference(nz, hx, -nx, hz)"),
+    "cross product, z": ("leaf_detail.h", "c.z = @;", "difference(nx, hy, ny, hx)",
+                         "difference(nx, hy, -ny, hx)"),
+    "rotate, sum of y'": ("leaf_detail.h", "real y = @;", "difference(nx, c.z, nz, c.x)",
+                          "difference(nx, c.z, -nz, c.x)"),
     "exponent": ("mdf_ashikhmin_shirley.h", "@", "(x * p.xx + (y * p.yy + mean))",
                  "(x * p.xx - (y * p.yy + mean))"),
     "Schlick": ("leaf_fresnel.h", "real m = @;", "1 - c", "1 + c"),
-    "cosine to the light": ("pass_brdf.h", "real ci = FN(dot)(nx[i], @, nz[i], wix", "ny[i]", "-ny[i]"),
+    "cosine to the light": ("pass_brdf.h", "real ci = dot(nx[i], @, nz[i], wix", "ny[i]", "-ny[i]"),
     "bent normal": ("leaf_horizon.h", ": @;", "s + a", "s - a"),
     "shadow of the slope": ("leaf_horizon.h", "@", "R(0.125)", "R(1.0)"),
     "cubic shadow": ("leaf_horizon.h", "return @;", "g + g * g * (1 - g)", "g"),
@@ -491,7 +491,8 @@ __attribute__((constructor)) static void choose_flip(void) {
 
 
 # other instruction sets than the scalar one are the same text and take as long to compile
-OTHER_SETS = [f"build/obj/{part}_{isa}.o" for isa in ("sse2", "avx2", "avx512") for part in ("src/isa", "tool/literal")]
+OTHER_SETS = [f"build/obj/{part}.o" for isa in ("sse2", "avx2", "avx512")
+              for part in (f"src/isa_{isa}_float", f"src/isa_{isa}_double", f"tool/literal_{isa}")]
 COPY_FLAGS = "-O0 -include choice.h"
 AS_THEY_ARE = [word for path in OTHER_SETS for word in ("-o", path)]
 

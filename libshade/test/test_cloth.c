@@ -162,7 +162,7 @@ static double largest(double a, double b) {
 
 /* What the look-ups find, in one row of numbers; whole ones apart. */
 enum { NUMBERS = 12 };
-static void numbers_of(const shade_crossing *c, double x[NUMBERS]) {
+static void list_numbers(const shade_crossing *c, double x[NUMBERS]) {
   const double row[NUMBERS] = {c->sigma, c->along,    c->dx,        c->dy,
                                c->tx,    c->ty,       c->occlusion, c->brightness,
                                c->fuzz,  c->color[0], c->color[1],  c->color[2]};
@@ -180,11 +180,11 @@ static int on_an_edge(const shade_ref_cloth *c, const double uv[2]) {
   shade_crossing at, beside;
   double x[NUMBERS], y[NUMBERS];
   shade_ref_crossing(c, uv[0], uv[1], &at);
-  numbers_of(&at, x);
+  list_numbers(&at, x);
   for (int k = 0; k < 4; k++) {
     const double step = k % 2 ? 1e-8 : -1e-8;
     shade_ref_crossing(c, uv[0] + (k < 2 ? step : 0), uv[1] + (k < 2 ? 0 : step), &beside);
-    numbers_of(&beside, y);
+    list_numbers(&beside, y);
     if (!same_kind(&at, &beside))
       return 1;
     for (int i = 0; i < NUMBERS; i++)
@@ -214,8 +214,8 @@ static void look_up(void **state) {
       shade_weave_lookup(c.weave, uv[0], uv[1], &at);
       shade_ref_crossing(&c.reference, uv[0], uv[1], &want);
       assert_true(same_kind(&at, &want));
-      numbers_of(&at, x);
-      numbers_of(&want, y);
+      list_numbers(&at, x);
+      list_numbers(&want, y);
       for (int i = 0; i < NUMBERS; i++)
         worst = largest(worst, fabs(x[i] - y[i]));
       seen[want.top]++;

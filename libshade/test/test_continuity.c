@@ -321,7 +321,7 @@ static double jump(const double *value, double roundings, double peak) {
  * where they have no azimuth; the conserving warps at h = n.
  */
 static int jumps(const shade_bsdf *b, event what, int shaded) {
-  int azimuth = bsdf_of(b)->kx != bsdf_of(b)->ky;
+  int azimuth = bsdf_of(b)->numbers.kx != bsdf_of(b)->numbers.ky;
   if (what == H_IS_Z && (bsdf_of(b)->carry.map == SHADE_MAP_PERTURB ||
                          bsdf_of(b)->carry.map == SHADE_MAP_PERTURB_RATIO))
     return azimuth;
@@ -351,7 +351,7 @@ static shade_bsdf made(int mdf, int detail, int brdf, int horizon, int lobe) {
 
 static void judge(const shade_bsdf *b, const path *p, double width, form form, int shaded,
                   const double *value) {
-  double seen = jump(value, noise[form], bsdf_of(b)->peak);
+  double seen = jump(value, noise[form], bsdf_of(b)->numbers.peak);
   if (seen > 0)
     fail_msg("%s: %s %s, %s %s %s: jumps by %g of the largest value, window %g, %s\n"
              "n %.17g %.17g %.17g wi %.17g %.17g %.17g wo %.17g %.17g %.17g, k %g %g",
@@ -362,7 +362,7 @@ static void judge(const shade_bsdf *b, const path *p, double width, form form, i
              bsdf_of(b)->has_diffuse ? shade_list_word(SHADE_LIST_DIFFUSE, (int)bsdf_of(b)->diffuse)
                                      : "",
              seen, width, form_names[form], p->n[0], p->n[1], p->n[2], p->wi[0], p->wi[1], p->wi[2],
-             p->wo[0], p->wo[1], p->wo[2], bsdf_of(b)->kx, bsdf_of(b)->ky);
+             p->wo[0], p->wo[1], p->wo[2], bsdf_of(b)->numbers.kx, bsdf_of(b)->numbers.ky);
 }
 
 static void distributions_and_brdfs(void **state) {
@@ -426,7 +426,7 @@ static void diffuse_models(void **state) {
                   params.f0[c] = 0, params.kd[c] = 0.8;
                 shade_bsdf b;
                 assert_int_equal(shade_bsdf_setup(&b, &params), SHADE_OK);
-                bsdf_in(&b)->peak = 0; /* nothing of D here: the largest value is Phi's */
+                bsdf_in(&b)->numbers.peak = 0; /* nothing of D here: the largest value is Phi's */
                 shade(&b, &w, form, (draw + k) % 8 == 0, value);
                 judge(&b, &p, widths[k], form, 1, value);
               }

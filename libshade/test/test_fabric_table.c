@@ -48,7 +48,7 @@ static void mixture(const fabric_side *side, int i, double *spec, double *matt) 
   shade_lanes in = {.size = sizeof in, .nx = n->x, .ny = n->y, .nz = n->z};
   in.wix = same[0], in.wiy = same[1], in.wiz = same[2];
   in.wox = same[3], in.woy = same[4], in.woz = same[5];
-  shade_isa_pick(0)->yarn(far_lobe(side), count, &in, s, m);
+  shade_isa_pick(0)->entries->yarn(far_lobe(side), count, &in, s, m);
   *spec = *matt = 0;
   for (size_t k = 0; k < count; k++) {
     *spec += n->weight[k] * s[k];
@@ -104,7 +104,7 @@ static void against_lobes(void **state) {
       fabric_table *t = table_of(side);
       assert_non_null(t);
       assert_true(t->bytes < 1 << 19);
-      shade_isa_pick(0)->table(t, PAIRS, wi, wo, spec, matt);
+      shade_isa_pick(0)->entries->table(t, PAIRS, wi, wo, spec, matt);
       double sum[2] = {0}, error[2] = {0};
       for (int i = 0; i < PAIRS; i++) {
         double s, m;
@@ -127,7 +127,7 @@ static void against_lobes(void **state) {
       worst[2] = fmax(worst[2], (double)beyond / PAIRS);
       const shade_isa_table *isa;
       for (int set = 0; (isa = shade_isa_pick(set)); set++) {
-        isa->tablef(t, PAIRS, wif, wof, specf, mattf);
+        isa->entriesf->table(t, PAIRS, wif, wof, specf, mattf);
         for (int i = 0; i < PAIRS; i++) {
           apart = fmax(apart, fabs((double)specf[i] - spec[i]) / (spec[i] + 0.01));
           apart = fmax(apart, fabs((double)mattf[i] - matt[i]) / (matt[i] + 0.01));
@@ -167,7 +167,7 @@ static void energy(void **state) {
             from[c][i] = v[c];
           }
         }
-        shade_isa_pick(0)->table(t, PAIRS, wi, wo, spec, matt);
+        shade_isa_pick(0)->entries->table(t, PAIRS, wi, wo, spec, matt);
         for (int i = 0; i < PAIRS; i++) {
           double s, m;
           mixture(side, i, &s, &m);
@@ -212,8 +212,8 @@ static void awkward(void **state) {
   fabric_table *t = table_of(&cl.fabric->side[1]);
   const shade_isa_table *isa;
   for (int set = 0; (isa = shade_isa_pick(set)); set++) {
-    isa->table(t, ODD * ODD, x, y, spec, matt);
-    isa->tablef(t, ODD * ODD, xf, yf, specf, mattf);
+    isa->entries->table(t, ODD * ODD, x, y, spec, matt);
+    isa->entriesf->table(t, ODD * ODD, xf, yf, specf, mattf);
     for (int i = 0; i < ODD * ODD; i++) {
       int bad = 0;
       for (int c = 0; c < 3; c++)
@@ -224,8 +224,8 @@ static void awkward(void **state) {
                                        {&bf[0][i], &bf[1][i], &bf[2][i]}};
       double s, m;
       float sf, mf;
-      isa->table(t, 1, one[0], one[1], &s, &m);
-      isa->tablef(t, 1, onef[0], onef[1], &sf, &mf);
+      isa->entries->table(t, 1, one[0], one[1], &s, &m);
+      isa->entriesf->table(t, 1, onef[0], onef[1], &sf, &mf);
       if (!bad) {
         assert_near(s, spec[i], 1e-9 * (1 + spec[i]));
         assert_near(m, matt[i], 1e-9 * (1 + matt[i]));

@@ -99,7 +99,7 @@ static void against_reference(void **state) {
       int inside = well_inside(&p, n, wi, wo);
       for (int c = 0; c < 3 && inside; c++) {
         assert_true(want[c] > 0 ? f[c] > 0 || want[c] < 1e-290 : f[c] == 0);
-        if (want[c] < 1e-12 * bsdf_of(&b)->peak)
+        if (want[c] < 1e-12 * bsdf_of(&b)->numbers.peak)
           continue;
         lit++;
         changed += fabs(want[c] - plain[c]) > 1e-3 * want[c];
@@ -115,7 +115,7 @@ static void against_reference(void **state) {
       shade_ref_f(&p, n, wi, wo, want, &want_cosine);
       inside = well_inside(&p, n, wi, wo);
       for (int c = 0; c < 3 && inside; c++)
-        if (want[c] >= 1e-12 * bsdf_of(&b)->peak) {
+        if (want[c] >= 1e-12 * bsdf_of(&b)->numbers.peak) {
           double *tally = is_warp(p.detail) ? &worst_warp : &worstf;
           *tally = fmax(*tally, fabs((double)ff[c] - want[c]) / (want[c] + p.kd[c]));
         }
@@ -189,8 +189,8 @@ static void flat_lanes_are_hard(void **state) {
                                        out[hard][3]};
         const shade_result result = {sizeof result, outd[hard][0], outd[hard][1], outd[hard][2],
                                      outd[hard][3]};
-        assert_int_equal(isa->bsdf_batchf(&b, COUNT, &lanesf, &resultf), SHADE_OK);
-        assert_int_equal(isa->bsdf_batch(&b, COUNT, &lanes, &result), SHADE_OK);
+        assert_int_equal(isa->entriesf->bsdf_batch(&b, COUNT, &lanesf, &resultf), SHADE_OK);
+        assert_int_equal(isa->entries->bsdf_batch(&b, COUNT, &lanes, &result), SHADE_OK);
       }
       for (int c = 0; c < 4; c++)
         for (int i = 0; i < COUNT; i += every)
@@ -232,7 +232,7 @@ static void bent_normal(void **state) {
     assert_true(m[0] * n[0] + m[1] * n[1] >= 0);  /* on the side of n */
     shade_bsdf_eval(&hard, m, wi, wo, want, NULL);
     if (fabs(dot3(m, wi)) > 0.01 && fabs(dot3(m, wo)) > 1e-3 &&
-        want[0] > 1e-12 * bsdf_of(&b)->peak && !is_warp(p.detail))
+        want[0] > 1e-12 * bsdf_of(&b)->numbers.peak && !is_warp(p.detail))
       assert_near(f[0], want[0], 1e-9 * want[0]);
   }
   assert_true(bent > 5000);
@@ -368,7 +368,7 @@ static void reciprocity(void **state) {
       random_triple(&seed, 1.2, n, wi, wo);
       shade_bsdf_eval(&b, n, wi, wo, f, NULL);
       shade_bsdf_eval(&b, n, wo, wi, back, NULL);
-      if (f[0] > 1e-12 * bsdf_of(&b)->peak)
+      if (f[0] > 1e-12 * bsdf_of(&b)->numbers.peak)
         apart[horizon] = fmax(apart[horizon], fabs(back[0] / f[0] - 1));
     }
     print_message("%s: reciprocal to %.1e\n", shade_list_word(SHADE_LIST_HORIZON, horizon),
@@ -474,8 +474,8 @@ static void batch_is_single(void **state) {
       shade_resultf resultf = {sizeof resultf, out[0], out[1], out[2], out[3]};
       shade_result result = {sizeof result, outd[0], outd[1], outd[2], outd[3]};
       shade_bsdf b = made(&p);
-      assert_true(isa->bsdf_batchf(&b, count, &lanesf, &resultf) & SHADE_BAD_INPUT);
-      assert_true(isa->bsdf_batch(&b, count, &lanes, &result) & SHADE_BAD_INPUT);
+      assert_true(isa->entriesf->bsdf_batch(&b, count, &lanesf, &resultf) & SHADE_BAD_INPUT);
+      assert_true(isa->entries->bsdf_batch(&b, count, &lanes, &result) & SHADE_BAD_INPUT);
       for (size_t i = 0; i < count; i++) {
         double v[9], f[3], cosine, bent[3];
         float vf[9], ff[3], cosinef;
@@ -498,8 +498,9 @@ static void batch_is_single(void **state) {
         assert_near(outd[3][i], cosine, 1e-13);
         assert_near(out[3][i], cosinef, 1e-5);
         for (int c = 0; c < 3; c++) {
-          assert_true(fabs(outd[c][i] - f[c]) <= 1e-10 * (f[c] + 1e-30 * bsdf_of(&b)->peak));
-          if (f[c] > 1e-6 * bsdf_of(&b)->peak)
+          assert_true(fabs(outd[c][i] - f[c]) <=
+                      1e-10 * (f[c] + 1e-30 * bsdf_of(&b)->numbers.peak));
+          if (f[c] > 1e-6 * bsdf_of(&b)->numbers.peak)
             assert_true(fabsf(out[c][i] - ff[c]) <= 1e-3f * ff[c]);
         }
       }

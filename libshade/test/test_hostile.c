@@ -220,9 +220,9 @@ static void fill(block *b, uint64_t number, int single) {
       real w[DIRECTIONS], one[3], cosine, q, lobe;                                                 \
       for (int c = 0; c < DIRECTIONS; c++)                                                         \
         v[c][i] = w[c] = (real)b->v[i][c];                                                         \
-      b->one_status[0] |= isa->bsdf##f(&b->bsdf, w, w + 3, w + 6, one, &cosine);                   \
-      b->one_status[1] |= isa->pdf##f(&b->bsdf, w, w + 3, w + 6, &q);                              \
-      b->one_status[2] |= isa->mdf##f(&b->bsdf, w, w + 3, &lobe);                                  \
+      b->one_status[0] |= isa->entries##f->bsdf(&b->bsdf, w, w + 3, w + 6, one, &cosine);          \
+      b->one_status[1] |= isa->entries##f->pdf(&b->bsdf, w, w + 3, w + 6, &q);                     \
+      b->one_status[2] |= isa->entries##f->mdf(&b->bsdf, w, w + 3, &lobe);                         \
       for (int c = 0; c < 3; c++)                                                                  \
         b->one[FCOS + c][i] = (double)one[c] * (double)cosine;                                     \
       b->one[COSINE][i] = (double)cosine;                                                          \
@@ -231,9 +231,10 @@ static void fill(block *b, uint64_t number, int single) {
     }                                                                                              \
     const shade_lanes##f in = {.size = sizeof in, SHADE_DIRECTIONS(v)};                            \
     const shade_result##f to = {sizeof to, out[0], out[1], out[2], out[3]};                        \
-    b->all_status[0] = isa->bsdf_batch##f(&b->bsdf, LANES, &in, &to);                              \
-    b->all_status[1] = isa->pdf_batch##f(&b->bsdf, LANES, &in, pdf);                               \
-    b->all_status[2] = isa->mdf_batch##f(&b->bsdf, LANES, v[0], v[1], v[2], v[3], v[4], v[5], d);  \
+    b->all_status[0] = isa->entries##f->bsdf_batch(&b->bsdf, LANES, &in, &to);                     \
+    b->all_status[1] = isa->entries##f->pdf_batch(&b->bsdf, LANES, &in, pdf);                      \
+    b->all_status[2] =                                                                             \
+        isa->entries##f->mdf_batch(&b->bsdf, LANES, v[0], v[1], v[2], v[3], v[4], v[5], d);        \
     for (int i = 0; i < LANES; i++) {                                                              \
       for (int c = 0; c < 3; c++)                                                                  \
         b->all[FCOS + c][i] = (double)out[c][i] * (double)out[3][i];                               \

@@ -49,7 +49,7 @@ static uint64_t runs_on(const shade_isa_table *isa) {
   const shade_resultf there = {
       .size = sizeof there, .r = want[0], .g = want[1], .b = want[2], .cosine = want[3]};
   assert_int_equal(shade_bsdf_eval_batchf(&b, COUNT, &lanes, &here), SHADE_OK);
-  assert_int_equal(isa->bsdf_batchf(&b, COUNT, &lanes, &there), SHADE_OK);
+  assert_int_equal(isa->entriesf->bsdf_batch(&b, COUNT, &lanes, &there), SHADE_OK);
   assert_memory_equal(own, want, sizeof own);
   uint64_t hash = 14695981039346656037u;
   for (size_t i = 0; i < sizeof own; i++)

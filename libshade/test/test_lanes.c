@@ -106,7 +106,7 @@ static shade_bsdf make_material(void) {
     shade_result##f r = result_of##f(&own);                                                        \
     shade_sample_result##f s = drawn_of##f(&own);                                                  \
     l.known.f0r = l.known.f0g = l.known.f0b = NULL;                                                \
-    assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_OK);                       \
+    assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_OK);              \
     const real plain = own.out[0][0];                                                              \
     assert_true(plain > 0 && own.out[0][COUNT - 1] == plain && own.out[2][0] == plain);            \
     const char *start = (const char *)&l.known;                                                    \
@@ -118,9 +118,9 @@ static shade_bsdf make_material(void) {
       r = result_of##f(&a);                                                                        \
       l.known.f0r = l.known.f0g = l.known.f0b = (const real *)(intptr_t)1;                         \
       l.known.size = first + cut;                                                                  \
-      assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_OK);                     \
+      assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_OK);            \
       assert_true(a.out[0][2] == plain && a.out[1][2] == plain && a.out[2][2] == plain);           \
-      assert_int_equal(isa->pdf_batch##f(&b, COUNT, &l.known, a.out[4]), SHADE_OK);                \
+      assert_int_equal(isa->entries##f->pdf_batch(&b, COUNT, &l.known, a.out[4]), SHADE_OK);       \
       assert_true(a.out[4][COUNT - 1] > 0);                                                        \
     }                                                                                              \
     /* red alone is within the size; then all, and more that this release does not know */         \
@@ -129,12 +129,12 @@ static shade_bsdf make_material(void) {
       l = lanes_of##f(&a);                                                                         \
       r = result_of##f(&a);                                                                        \
       l.known.size = more ? sizeof l : first + sizeof(void *);                                     \
-      assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_OK);                     \
+      assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_OK);            \
       assert_true(a.out[0][0] > plain * (real)1.2 && (a.out[2][0] == plain) == !more);             \
     }                                                                                              \
     /* draws: the colour of f alone depends on f0 */                                               \
     d.known.f0r = d.known.f0g = d.known.f0b = NULL;                                                \
-    assert_int_equal(isa->sample_batch##f(&b, COUNT, &d.known, &s), SHADE_OK);                     \
+    assert_int_equal(isa->entries##f->sample_batch(&b, COUNT, &d.known, &s), SHADE_OK);            \
     const real drawn = own.out[3][0];                                                              \
     assert_true(drawn > 0 && own.out[6][0] > 0 && own.out[2][0] > 0);                              \
     const size_t end = (size_t)((const char *)&d.known.f0r - (const char *)&d.known);              \
@@ -143,7 +143,7 @@ static shade_bsdf make_material(void) {
       d = draws_of##f(&a);                                                                         \
       s = drawn_of##f(&a);                                                                         \
       d.known.size = more ? sizeof d : end;                                                        \
-      assert_int_equal(isa->sample_batch##f(&b, COUNT, &d.known, &s), SHADE_OK);                   \
+      assert_int_equal(isa->entries##f->sample_batch(&b, COUNT, &d.known, &s), SHADE_OK);          \
       assert_true(a.out[2][0] == own.out[2][0] && a.out[6][0] == own.out[6][0]);                   \
       assert_true((a.out[3][0] == drawn) == !more && (a.out[5][0] == drawn) == !more);             \
     }                                                                                              \
@@ -161,20 +161,21 @@ static shade_bsdf make_material(void) {
       shade_sample_result##f s = drawn_of##f(&a);                                                  \
       const size_t size = lost * sizeof(void *) + sizeof(size_t) - 1;                              \
       l.known.size = size;                                                                         \
-      assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);              \
-      assert_int_equal(isa->pdf_batch##f(&b, COUNT, &l.known, a.out[0]), SHADE_BAD_INPUT);         \
+      assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);     \
+      assert_int_equal(isa->entries##f->pdf_batch(&b, COUNT, &l.known, a.out[0]),                  \
+                       SHADE_BAD_INPUT);                                                           \
       l = lanes_of##f(&a);                                                                         \
       if (lost <= OUTPUTS) {                                                                       \
         d.known.size = size;                                                                       \
-        assert_int_equal(isa->sample_batch##f(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT);          \
+        assert_int_equal(isa->entries##f->sample_batch(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT); \
         d = draws_of##f(&a);                                                                       \
         s.size = size;                                                                             \
-        assert_int_equal(isa->sample_batch##f(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT);          \
+        assert_int_equal(isa->entries##f->sample_batch(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT); \
         s = drawn_of##f(&a);                                                                       \
       }                                                                                            \
       if (lost <= 4) {                                                                             \
         r.size = size;                                                                             \
-        assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);            \
+        assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);   \
         r = result_of##f(&a);                                                                      \
       }                                                                                            \
       if (!lost)                                                                                   \
@@ -182,32 +183,33 @@ static shade_bsdf make_material(void) {
       const void *null = NULL;                                                                     \
       const size_t at = sizeof(size_t) + (lost - 1) * sizeof null;                                 \
       memcpy((char *)&l + at, &null, sizeof null);                                                 \
-      assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);              \
-      assert_int_equal(isa->pdf_batch##f(&b, COUNT, &l.known, a.out[0]), SHADE_BAD_INPUT);         \
+      assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);     \
+      assert_int_equal(isa->entries##f->pdf_batch(&b, COUNT, &l.known, a.out[0]),                  \
+                       SHADE_BAD_INPUT);                                                           \
       l = lanes_of##f(&a);                                                                         \
       if (lost <= OUTPUTS) {                                                                       \
         memcpy((char *)&d + at, &null, sizeof null);                                               \
-        assert_int_equal(isa->sample_batch##f(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT);          \
+        assert_int_equal(isa->entries##f->sample_batch(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT); \
         d = draws_of##f(&a);                                                                       \
         memcpy((char *)&s + at, &null, sizeof null);                                               \
-        assert_int_equal(isa->sample_batch##f(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT);          \
+        assert_int_equal(isa->entries##f->sample_batch(&b, COUNT, &d.known, &s), SHADE_BAD_INPUT); \
       }                                                                                            \
       if (lost <= 4) {                                                                             \
         memcpy((char *)&r + at, &null, sizeof null);                                               \
-        assert_int_equal(isa->bsdf_batch##f(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);            \
+        assert_int_equal(isa->entries##f->bsdf_batch(&b, COUNT, &l.known, &r), SHADE_BAD_INPUT);   \
       }                                                                                            \
     }                                                                                              \
     const newer_lanes##f l = lanes_of##f(&a);                                                      \
-    assert_int_equal(isa->pdf_batch##f(&b, COUNT, &l.known, NULL), SHADE_BAD_INPUT);               \
+    assert_int_equal(isa->entries##f->pdf_batch(&b, COUNT, &l.known, NULL), SHADE_BAD_INPUT);      \
     assert_true(untouched##f(&a));                                                                 \
     /* no samples: no array need be there */                                                       \
     const shade_lanes##f none = {.size = sizeof none};                                             \
     const shade_result##f nowhere = {.size = sizeof nowhere};                                      \
     const shade_sample_lanes##f no_draws = {.size = sizeof no_draws};                              \
     const shade_sample_result##f not_drawn = {.size = sizeof not_drawn};                           \
-    assert_int_equal(isa->bsdf_batch##f(&b, 0, &none, &nowhere), SHADE_OK);                        \
-    assert_int_equal(isa->pdf_batch##f(&b, 0, &none, NULL), SHADE_OK);                             \
-    assert_int_equal(isa->sample_batch##f(&b, 0, &no_draws, &not_drawn), SHADE_OK);                \
+    assert_int_equal(isa->entries##f->bsdf_batch(&b, 0, &none, &nowhere), SHADE_OK);               \
+    assert_int_equal(isa->entries##f->pdf_batch(&b, 0, &none, NULL), SHADE_OK);                    \
+    assert_int_equal(isa->entries##f->sample_batch(&b, 0, &no_draws, &not_drawn), SHADE_OK);       \
   }
 STRUCTURES(double, )
 STRUCTURES(float, f)

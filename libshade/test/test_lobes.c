@@ -218,8 +218,8 @@ static void rotate_approximate(void **state) {
     shade_mdf mdf = (shade_mdf)(k % SHADE_MDF_COUNT);
     shade_bsdf exact = make_lobe(mdf, SHADE_DETAIL_ROTATE, SHADE_GROOVE_X, 20, 3);
     double l = mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY ? 1 : hypot(n[0], n[2]);
-    bsdf_in(&exact)->kx *= l * l;
-    bsdf_in(&exact)->ky *= l * l;
+    bsdf_in(&exact)->numbers.kx *= l * l;
+    bsdf_in(&exact)->numbers.ky *= l * l;
     shade_bsdf fast = make_lobe(mdf, SHADE_DETAIL_ROTATE_APPROXIMATE, SHADE_GROOVE_X, 20, 3);
     double want = shade_mdf_eval(&exact, n, h, NULL);
     assert_true(fabs(shade_mdf_eval(&fast, n, h, NULL) - want) <= 1e-11 * want);
@@ -253,10 +253,10 @@ static void peak_at_normal(void **state) {
   shade_bsdf b = make_bsdf(SHADE_DETAIL_ROTATE, SHADE_GROOVE_X, 200, 10);
   for (double nz = 1e-3; nz > 1e-307; nz /= 10) {
     double n[3] = {0, 1, nz};
-    assert_true(fabs(shade_mdf_eval(&b, n, n, NULL) / bsdf_of(&b)->peak - 1) <= 1e-12);
+    assert_true(fabs(shade_mdf_eval(&b, n, n, NULL) / bsdf_of(&b)->numbers.peak - 1) <= 1e-12);
     float nf[3] = {0, 1, (float)nz};
     assert_true(nf[2] <= 0 ||
-                fabsf(shade_mdf_evalf(&b, nf, nf, NULL) / bsdf_of(&b)->peakf - 1) <= 1e-6f);
+                fabsf(shade_mdf_evalf(&b, nf, nf, NULL) / bsdf_of(&b)->numbersf.peak - 1) <= 1e-6f);
   }
 }
 
@@ -275,7 +275,7 @@ static void isotropic(void **state) {
       double got = shade_mdf_eval(&b, n, h, NULL);
       if (d == SHADE_DETAIL_PERTURB)
         want = got;
-      else if (want > 1e-12 * bsdf_of(&b)->peak)
+      else if (want > 1e-12 * bsdf_of(&b)->numbers.peak)
         assert_true(fabs(got / want - 1) <= 1e-11);
     }
   }
@@ -296,7 +296,7 @@ static void groove_axis(void **state) {
     shade_bsdf automatic = make_lobe(mdf, SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, 5, 300);
     double a = shade_mdf_eval(&along_x, n, h, NULL);
     double b = shade_mdf_eval(&along_y, turned_n, turned_h, NULL);
-    assert_true(fabs(a - b) <= 1e-12 * bsdf_of(&along_x)->peak);
+    assert_true(fabs(a - b) <= 1e-12 * bsdf_of(&along_x)->numbers.peak);
     assert_true(b == shade_mdf_eval(&automatic, turned_n, turned_h, NULL));
   }
 }

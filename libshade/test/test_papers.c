@@ -280,13 +280,14 @@ static void ward_squares(void **state) {
   shade_bsdf b;
   shade_bsdf_setup(&b, &p);
   const double z[3] = {0, 0, 1};
-  double got = shade_mdf_eval(&b, z, h, NULL) / bsdf_of(&b)->peak;
+  double got = shade_mdf_eval(&b, z, h, NULL) / bsdf_of(&b)->numbers.peak;
   print_message("Ward at 30 degrees: printed %.1f of the peak, squared %.2e, library %.2e\n",
                 printed, squared, got);
   assert_near(printed, 212.5, .1);
   assert_near(got, squared, 1e-12 * squared);
   assert_true(squared < 1e-11);
-  assert_near(bsdf_of(&b)->peak, 1 / (PI * ax * ay), 1e-12); /* the factor that Eq. 3 leaves out */
+  assert_near(bsdf_of(&b)->numbers.peak, 1 / (PI * ax * ay),
+              1e-12); /* the factor that Eq. 3 leaves out */
 }
 
 static double ward_half(double x, double y, double z) {

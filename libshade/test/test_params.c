@@ -79,7 +79,7 @@ static void setup_clamps(void **state) {
   p.ex = 2e6;
   p.f0[1] = -.5;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_CLAMPED_PARAMETER);
-  assert_true(bsdf_of(&b)->kx == 1e6 && bsdf_of(&b)->f0[1] == 0);
+  assert_true(bsdf_of(&b)->numbers.kx == 1e6 && bsdf_of(&b)->numbers.f0[1] == 0);
   shade_params_init(&p);
   p.detail = (shade_detail)77;
   p.mdf = (shade_mdf)-3;
@@ -442,7 +442,7 @@ static void older_caller(void **state) {
   p.kd[0] = p.kd[1] = p.kd[2] = 7; /* beyond what that caller set */
   shade_bsdf b;
   assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
-  assert_true(bsdf_of(&b)->kd[0] == 0);
+  assert_true(bsdf_of(&b)->numbers.kd[0] == 0);
   /* before the choice of horizon there was `hard` */
   assert_int_equal(bsdf_of(&b)->horizon, SHADE_HORIZON_HARD);
   p.size = offsetof(shade_params, horizon);

@@ -35,7 +35,7 @@ static unsigned draw(const shade_isa_table *isa, const shade_bsdf *b, lanes *m, 
                                  .u2 = m->in[7]};
   const shade_sample_result out = {sizeof out, m->out[0], m->out[1], m->out[2], m->out[3],
                                    m->out[4],  m->out[5], m->out[6], m->out[7]};
-  return isa->sample_batch(b, count, &in, &out);
+  return isa->entries->sample_batch(b, count, &in, &out);
 }
 
 static unsigned drawf(const shade_isa_table *isa, const shade_bsdf *b, lanes *m, size_t count) {
@@ -57,7 +57,7 @@ static unsigned drawf(const shade_isa_table *isa, const shade_bsdf *b, lanes *m,
                                   .u2 = m->inf[7]};
   const shade_sample_resultf out = {sizeof out, m->outf[0], m->outf[1], m->outf[2], m->outf[3],
                                     m->outf[4], m->outf[5], m->outf[6], m->outf[7]};
-  return isa->sample_batchf(b, count, &in, &out);
+  return isa->entriesf->sample_batch(b, count, &in, &out);
 }
 
 static shade_params random_params(uint64_t *seed, double widest) {
@@ -251,8 +251,8 @@ static double by_midpoints(const shade_isa_table *isa, const shade_bsdf *b, lane
                             .woy = m->in[4],
                             .woz = m->in[5]};
     const shade_result out = {sizeof out, r, g, bl, cosine};
-    isa->bsdf_batch(b, (size_t)grid, &in, &out);
-    isa->pdf_batch(b, (size_t)grid, &in, pdf);
+    isa->entries->bsdf_batch(b, (size_t)grid, &in, &out);
+    isa->entries->pdf_batch(b, (size_t)grid, &in, pdf);
     for (int i = 0; i < grid; i++) {
       sum += r[i] * cosine[i];
       *missed += r[i] * cosine[i] > 1e-9 && !(pdf[i] > 0);

@@ -91,13 +91,13 @@ static int differ(uint64_t *seed, const shade_params *a, const shade_params *b, 
       shade_bsdf_eval(&made[k], n, wi, wo, f[k], NULL);
       shade_ref_f(p[k], n, wi, wo, want, NULL);
       for (int c = 0; c < 3; c++)
-        if (!(fabs(f[k][c] - want[c]) <= 1e-8 * want[c] + 1e-12 * bsdf_of(&made[k])->peak))
+        if (!(fabs(f[k][c] - want[c]) <= 1e-8 * want[c] + 1e-12 * bsdf_of(&made[k])->numbers.peak))
           fail_msg("%s: f is %.9g, the reference says %.9g", what, f[k][c], want[c]);
       const double pdf = shade_bsdf_pdf(&made[k], n, wi, wo, NULL);
       want[0] = shade_ref_pdf(p[k], n, wi, wo);
       /* light by the mirrors of two facets is nowhere near as well inside: test_pdf.c */
       if (!shade_horizon_is(p[k]->horizon).facets &&
-          !(fabs(pdf - want[0]) <= 1e-8 * want[0] + 1e-12 * bsdf_of(&made[k])->peak))
+          !(fabs(pdf - want[0]) <= 1e-8 * want[0] + 1e-12 * bsdf_of(&made[k])->numbers.peak))
         fail_msg("%s: the density is %.9g, the reference says %.9g", what, pdf, want[0]);
     }
     for (int c = 0; c < 3; c++)

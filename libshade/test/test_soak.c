@@ -556,7 +556,8 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
         wrong = "negative", found->negative++;
       else if ((want & SHADE_BAD_INPUT) && q != PHI && a.value[c] != 0)
         wrong = "not 0 for bad input", found->wrong_status++;
-      double scale = q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : bsdf_of(&w->bsdf)->peak;
+      double scale =
+          q == PHI || q == PDF_ONE || q == PDF_BATCH ? 1 : bsdf_of(&w->bsdf)->numbers.peak;
       if (a.value[c] / scale > found->largest)
         found->largest = a.value[c] / scale;
     }
@@ -623,28 +624,28 @@ static void inspect(worker *w, const shade_isa_table *isa, int row, what q, form
     memcpy(&in.ax, own, sizeof own);                                                               \
     memcpy(&from.ax, own, sizeof own);                                                             \
     if (q == D_BATCH)                                                                              \
-      w->status[0] =                                                                               \
-          isa->mdf_batch##f(b, w->count, in.nx, in.ny, in.nz, in.wix, in.wiy, in.wiz, out.r);      \
+      w->status[0] = isa->entries##f->mdf_batch(b, w->count, in.nx, in.ny, in.nz, in.wix, in.wiy,  \
+                                                in.wiz, out.r);                                    \
     if (q == F_BATCH)                                                                              \
-      w->status[0] = isa->bsdf_batch##f(b, w->count, &in, &out);                                   \
+      w->status[0] = isa->entries##f->bsdf_batch(b, w->count, &in, &out);                          \
     if (q == PDF_BATCH)                                                                            \
-      w->status[0] = isa->pdf_batch##f(b, w->count, &in, out.r);                                   \
+      w->status[0] = isa->entries##f->pdf_batch(b, w->count, &in, out.r);                          \
     if (q == DRAW_BATCH)                                                                           \
-      w->status[0] = isa->sample_batch##f(b, w->count, &from, &to);                                \
+      w->status[0] = isa->entries##f->sample_batch(b, w->count, &from, &to);                       \
     for (w->lane = 0; !is_batch(q) && w->lane < w->count; w->lane++) {                             \
       size_t i = w->lane;                                                                          \
       const real *v = w->v##f[i], u[2] = {from.u1[i], from.u2[i]};                                 \
       real c[3] = {0, 0, 0}, wi[3];                                                                \
       if (q == D_ONE)                                                                              \
-        w->status[i] = isa->mdf##f(b, v, v + 3, c);                                                \
+        w->status[i] = isa->entries##f->mdf(b, v, v + 3, c);                                       \
       else if (q == F_ONE)                                                                         \
-        w->status[i] = isa->bsdf##f(b, v, v + 3, v + 6, c, &out.cosine[i]);                        \
+        w->status[i] = isa->entries##f->bsdf(b, v, v + 3, v + 6, c, &out.cosine[i]);               \
       else if (q == PDF_ONE)                                                                       \
-        w->status[i] = isa->pdf##f(b, v, v + 3, v + 6, c);                                         \
+        w->status[i] = isa->entries##f->pdf(b, v, v + 3, v + 6, c);                                \
       else if (q == DRAW_ONE)                                                                      \
-        w->status[i] = isa->sample##f(b, v, v + 6, u, wi, c, &to.pdf[i], &out.cosine[i]);          \
+        w->status[i] = isa->entries##f->sample(b, v, v + 6, u, wi, c, &to.pdf[i], &out.cosine[i]); \
       else                                                                                         \
-        c[0] = isa->diffuse##f(bsdf_of(b)->diffuse, v + 3, v + 6);                                 \
+        c[0] = isa->entries##f->diffuse(bsdf_of(b)->diffuse, v + 3, v + 6);                        \
       out.r[i] = c[0], out.g[i] = c[1], out.b[i] = c[2];                                           \
       for (int k = 0; q == DRAW_ONE && k < 3; k++)                                                 \
         w->out##f[5 + k][i] = wi[k];                                                               \

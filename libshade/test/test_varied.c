@@ -79,8 +79,8 @@ static void fill(uint64_t *seed, int single, arrays *a) {
     parameters##f(a, colours, &in);                                                                \
     real(*o)[COUNT] = a->out##f;                                                                   \
     const shade_result##f out = {sizeof out, o[0], o[1], o[2], o[COSINE]};                         \
-    assert_int_equal(isa->bsdf_batch##f(b, COUNT, &in, &out), SHADE_OK);                           \
-    assert_int_equal(isa->pdf_batch##f(b, COUNT, &in, o[PDF]), SHADE_OK);                          \
+    assert_int_equal(isa->entries##f->bsdf_batch(b, COUNT, &in, &out), SHADE_OK);                  \
+    assert_int_equal(isa->entries##f->pdf_batch(b, COUNT, &in, o[PDF]), SHADE_OK);                 \
   }                                                                                                \
   static void draw##f(const shade_isa_table *isa, const shade_bsdf *b, arrays *a, int colours) {   \
     shade_lanes##f in;                                                                             \
@@ -98,7 +98,7 @@ static void fill(uint64_t *seed, int single, arrays *a) {
     real(*o)[COUNT] = a->out##f;                                                                   \
     const shade_sample_result##f to = {sizeof to, a->wi##f[0], a->wi##f[1], a->wi##f[2], o[0],     \
                                        o[1],      o[2],        o[PDF],      o[COSINE]};            \
-    isa->sample_batch##f(b, COUNT, &from, &to);                                                    \
+    isa->entries##f->sample_batch(b, COUNT, &from, &to);                                           \
   }
 BATCHES(double, )
 BATCHES(float, f)

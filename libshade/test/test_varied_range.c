@@ -62,8 +62,8 @@ static float as_float(double x) { /* without an overflow where it is finite */
       memcpy((char *)&in + other, &two, sizeof two);                                               \
     const shade_result##f out = {sizeof out, o->rgb##f[0] + first, o->rgb##f[1] + first,           \
                                  o->rgb##f[2] + first, o->rgb##f[3] + first};                      \
-    const unsigned status = isa->pdf_batch##f(b, count, &in, o->pdf##f + first);                   \
-    assert_int_equal(isa->bsdf_batch##f(b, count, &in, &out), status);                             \
+    const unsigned status = isa->entries##f->pdf_batch(b, count, &in, o->pdf##f + first);          \
+    assert_int_equal(isa->entries##f->bsdf_batch(b, count, &in, &out), status);                    \
     return status;                                                                                 \
   }
 ODD_CALL(double, )

@@ -171,7 +171,7 @@ static void run(const shade_isa_table *isa, const shade_weave *w, const double *
   const shade_crossings out = {sizeof out, whole[0], whole[1], whole[2], whole[3], n[0],
                                n[1],       n[2],     n[3],     n[4],     n[5],     n[6],
                                n[7],       n[8],     n[9],     n[10],    n[11]};
-  assert_int_equal(isa->weave_batch(w, COUNT, u, v, &out), SHADE_OK);
+  assert_int_equal(isa->entries->weave_batch(w, COUNT, u, v, &out), SHADE_OK);
 }
 
 static void runf(const shade_isa_table *isa, const shade_weave *w, const float *u, const float *v) {
@@ -179,7 +179,7 @@ static void runf(const shade_isa_table *isa, const shade_weave *w, const float *
   const shade_crossingsf out = {sizeof out, whole[0], whole[1], whole[2], whole[3], n[0],
                                 n[1],       n[2],     n[3],     n[4],     n[5],     n[6],
                                 n[7],       n[8],     n[9],     n[10],    n[11]};
-  assert_int_equal(isa->weave_batchf(w, COUNT, u, v, &out), SHADE_OK);
+  assert_int_equal(isa->entriesf->weave_batch(w, COUNT, u, v, &out), SHADE_OK);
 }
 
 /* The largest difference of lane i; the whole numbers must agree. */

@@ -102,38 +102,38 @@ static void evaluate_batch(const shade_isa_table *isa, const shade_bsdf *b, what
   float *const *s = a->single, *const *os = a->single + INPUTS;
   double *const *t = a->twice, *const *ot = a->twice + INPUTS;
   if (asks_d(w) && single)
-    isa->mdf_batchf(b, a->count, s[0], s[1], s[2], s[3], s[4], s[5], os[0]);
+    isa->entriesf->mdf_batch(b, a->count, s[0], s[1], s[2], s[3], s[4], s[5], os[0]);
   else if (asks_d(w))
-    isa->mdf_batch(b, a->count, t[0], t[1], t[2], t[3], t[4], t[5], ot[0]);
+    isa->entries->mdf_batch(b, a->count, t[0], t[1], t[2], t[3], t[4], t[5], ot[0]);
   else if (single) {
     shade_lanesf in = {.size = sizeof in, SHADE_DIRECTIONS(s)};
     shade_resultf out = {sizeof out, os[0], os[1], os[2], os[3]};
-    isa->bsdf_batchf(b, a->count, &in, &out);
+    isa->entriesf->bsdf_batch(b, a->count, &in, &out);
   } else {
     shade_lanes in = {.size = sizeof in, SHADE_DIRECTIONS(t)};
     shade_result out = {sizeof out, ot[0], ot[1], ot[2], ot[3]};
-    isa->bsdf_batch(b, a->count, &in, &out);
+    isa->entries->bsdf_batch(b, a->count, &in, &out);
   }
 }
 
 /* One call a sample, as a renderer does that shades hit by hit. */
-#define CALLS(name, real, member, mdf_call, bsdf_call)                                             \
+#define CALLS(name, real, member, entries)                                                         \
   static void name(const shade_isa_table *isa, const shade_bsdf *b, what w, const arrays *a) {     \
     real *const *v = a->member, *const *out = v + INPUTS;                                          \
     for (size_t i = 0; i < a->count; i++) {                                                        \
       real n[3] = {v[0][i], v[1][i], v[2][i]}, wi[3] = {v[3][i], v[4][i], v[5][i]};                \
       if (asks_d(w)) {                                                                             \
-        isa->mdf_call(b, n, wi, &out[0][i]);                                                       \
+        isa->entries->mdf(b, n, wi, &out[0][i]);                                                   \
       } else {                                                                                     \
         real wo[3] = {v[6][i], v[7][i], v[8][i]}, f[3];                                            \
-        isa->bsdf_call(b, n, wi, wo, f, &out[3][i]);                                               \
+        isa->entries->bsdf(b, n, wi, wo, f, &out[3][i]);                                           \
         for (int c = 0; c < 3; c++)                                                                \
           out[c][i] = f[c];                                                                        \
       }                                                                                            \
     }                                                                                              \
   }
-CALLS(calls_single, float, single, mdff, bsdff)
-CALLS(calls_twice, double, twice, mdf, bsdf)
+CALLS(calls_single, float, single, entriesf)
+CALLS(calls_twice, double, twice, entries)
 
 /* What is timed beside an instruction set. */
 typedef struct beside {
@@ -173,8 +173,8 @@ static void evaluate(const shade_isa_table *isa, const row *r, what w, int singl
   else if (r->kind == KIND_STREAM)
     other.twice(!asks_d(w), a->count, a->twice);
   else if (r->kind == KIND_LITERAL)
-    other.literal(a->count, bsdf_of(&r->bsdf)->kxf, bsdf_of(&r->bsdf)->kyf, s[0], s[1], s[2], s[3],
-                  s[4], s[5], s[INPUTS]);
+    other.literal(a->count, bsdf_of(&r->bsdf)->numbersf.kx, bsdf_of(&r->bsdf)->numbersf.ky, s[0],
+                  s[1], s[2], s[3], s[4], s[5], s[INPUTS]);
   else if (is_call(w))
     (single ? calls_single : calls_twice)(isa, &r->bsdf, w, a);
   else
@@ -223,7 +223,7 @@ static double worst_error(const shade_isa_table *isa, const row *r, what w, int 
       least = least_cosine(&r->params, v);
     }
     double got = single ? (double)a->single[INPUTS][i] : a->twice[INPUTS][i];
-    if (want[0] > 1e-12 * bsdf_of(&r->bsdf)->peak && least > 0.05)
+    if (want[0] > 1e-12 * bsdf_of(&r->bsdf)->numbers.peak && least > 0.05)
       worst = fmax(worst, fabs(got / want[0] - 1));
   }
   return worst;

@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The same in float. */
+#define SHADE_FLOAT 1
+#include "test_leaves.c"
