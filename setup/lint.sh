@@ -22,10 +22,10 @@ if ! clang-format --dry-run --Werror --ferror-limit=1 "${c_files[@]}" 2>/dev/nul
   done
 fi
 
-# each header of the kernel compiles alone, in either precision; what footprints hold is in double
+# each header of a model and of a batch compiles alone, in either precision; what footprints hold is in double
 for single in 0 1; do
   alone=()
-  for header in libshade/kernel/*.h; do
+  for header in libshade/{model,batch}/*.h; do
     [[ $header == */column_streak.h || ($single = 1 && $header == */column_@(yarns|near).h) ]] || alone+=("$header")
   done
   gcc -std=c11 -Wall -Wextra -Werror -Wno-unknown-pragmas -Wno-unused-function -DSHADE_FLOAT=$single \

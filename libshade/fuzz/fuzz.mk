@@ -10,7 +10,7 @@ FUZZ_FLAGS := -O1 -std=c11 -g -Wno-unknown-pragmas -fsanitize=fuzzer,address,und
 # the kernels are not fuzzed: drafts, weaves and parsers only, before a library of the rest
 FUZZ_SRC := $(L)/src/draft.c $(L)/src/weave.c $(wildcard $(L)/src/wif_*.c) $(L)/tool/parse.c $(L)/tool/json.c
 
-$(B)/fuzz/%: $(L)/fuzz/fuzz_%.c $(FUZZ_SRC) $(wildcard $(L)/kernel/*.h $(L)/include/shade/*.h) $(B)/libshade.a
+$(B)/fuzz/%: $(L)/fuzz/fuzz_%.c $(FUZZ_SRC) $(wildcard $(L)/model/*.h $(L)/batch/*.h $(L)/include/shade/*.h) $(B)/libshade.a
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_FLAGS) $< $(FUZZ_SRC) $(B)/libshade.a -lm -o $@

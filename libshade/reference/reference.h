@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The reference: every formula long-hand, with trigonometry, normalised frames and
- * long double, and nothing shared with kernel/ or src/. It is what they are
+ * long double, and nothing shared with model/, batch/ or src/. It is what they are
  * checked against; nobody should render with it.
  */
 #ifndef SHADE_REFERENCE_H

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "src/params.h"
-#include "../kernel/mdf.h"
-#include "../kernel/methods.h"
+#include "../model/mdf.h"
+#include "../model/methods.h"
 
 #define PI 3.14159265358979323846
 

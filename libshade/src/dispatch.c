@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The public entries, through the instruction set that the material was made ready for: compiled
  * once for each precision. */
-#include "isa.h"
+#include "../batch/isa.h"
 
-#include "../kernel/real.h"
-#include "bsdf.h"
+#include "../model/real.h"
+#include "../model/bsdf.h"
 
 #define shade_mdf_eval SUFFIX(shade_mdf_eval)
 #define shade_mdf_eval_batch SUFFIX(shade_mdf_eval_batch)

@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One precision of one instruction set: compiled for each ISA with SHADE_FLOAT 0 and 1. Leaves
- * shade one sample, passes run leaves over a block of BLOCK samples in scratch on the stack,
- * batches run passes over arrays. entry.h is what the library calls.
+ * One precision of one instruction set: compiled for each ISA with SHADE_FLOAT 0 and 1. model/ is
+ * functions on one sample: each formula stands there once. batch/ is loops over them: *_block.h
+ * run over a block of BLOCK samples in scratch on the stack, *_batch.h run blocks over arrays, and
+ * entry.h is what the library calls.
  *
- *   f    entry.h, batch.h: blocks; pass_repair.h: directions mended; pass_lanes.h: parameters of
- *        each sample; pass_horizon.h: the choice of horizon, around pass_model.h: `hard`
- *   draw entry.h, sample.h, sample_draw.h, sample_frame.h, sample_density.h
- *   one sample: single.h; of cloth: single_cloth.h
+ *   f    bsdf_batch.h: blocks; direction_block.h: directions mended; varied_block.h: parameters
+ *        of each sample; horizon_block.h: the choice of horizon, around bsdf_block.h: `hard`
+ *   draw sample_batch.h, draw_block.h, frame_block.h, density_block.h
+ *   one sample: model/single.h; of cloth: cloth_hit.h
  */
-#include "isa.h"
+#include "../batch/isa.h"
 
-#include "../kernel/entry.h"
-#include "../kernel/pass_cloth_draw.h"
-#include "../kernel/pass_cloth_prepare.h"
-#include "../kernel/pass_weave.h"
-#include "../kernel/single_cloth.h"
+#include "../batch/cloth_draw.h"
+#include "../batch/cloth_hit.h"
+#include "../batch/cloth_prepare.h"
+#include "../batch/entry.h"
+#include "../batch/weave_batch.h"
 #if !SHADE_FLOAT /* what has no precision to choose */
-#include "../kernel/column_near.h"
-#include "../kernel/pass_scratch.h"
+#include "../batch/column_near.h"
+#include "../batch/scratch_batch.h"
 #endif
 
 #define UNIT_(table, isa) table##_##isa

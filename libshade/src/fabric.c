@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fabric.h"
-#include "isa.h"
+#include "../model/fabric.h"
+#include "../batch/isa.h"
 
 enum {
   LOOKS = 1 << 18,  /* points in all, about */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fabric.h"
+#include "../model/fabric.h"
 
 enum { ELEVATIONS = 20, AZIMUTHS = 32, RINGS = 48, SPOKES = 96, LIGHTS = 2 * RINGS * SPOKES };
 

@@ -6,13 +6,13 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "../kernel/cloth.h"
-#include "../kernel/elementary.h"
-#include "../kernel/leaf_random.h"
-#include "../kernel/public.h"
-#include "fabric.h"
-#include "isa.h"
-#include "lanes.h"
+#include "../batch/cloth.h"
+#include "../model/elementary.h"
+#include "../model/random.h"
+#include "../model/public.h"
+#include "../model/fabric.h"
+#include "../batch/isa.h"
+#include "../batch/arrays.h"
 
 #define shade_fabric_eval SUFFIX(shade_fabric_eval)
 #define shade_fabric_eval_batch SUFFIX(shade_fabric_eval_batch)

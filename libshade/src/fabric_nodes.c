@@ -8,8 +8,8 @@
  */
 #include <math.h>
 
-#include "fabric.h"
-#include "../kernel/mdf.h"
+#include "../model/fabric.h"
+#include "../model/mdf.h"
 
 /*
  * Spread of the tilt within a cut that is left to the lobe, as a share of its own variance; for

@@ -3,7 +3,7 @@
  * How the yarns of a cloth lean, for the shadows that they cast on one another. The points are
  * part of the model (CONVENTIONS.md, "Shadows of yarns"): whoever computes it finds the same.
  */
-#include "fabric.h"
+#include "../model/fabric.h"
 
 enum { LEANS = 4096, LEANS_BLOCK = 256, REPEATS = 1024 };
 

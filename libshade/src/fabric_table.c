@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Setting up the tables of a mixture. */
-#include "fabric_table.h"
+#include "../model/fabric_table.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf.h"
-#include "isa.h"
+#include "../model/bsdf.h"
+#include "../batch/isa.h"
 
 enum {
   MATT_VERTICES = FABRIC_MATT_SIDE * FABRIC_MATT_SIDE,

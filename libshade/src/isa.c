@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The one table of instruction sets: what each needs, and which of them is used. */
-#include "isa.h"
+#include "../batch/isa.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #define SHADE_SRC_SCRATCH_H
 
 #include "shade/maps.h"
-#include "src/isa.h"
+#include "batch/isa.h"
 #include "src/moments.h"
 
 /* What evaluation reads of one pit. */

@@ -5,9 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/isa.h"
+#include "batch/isa.h"
 #include "src/scratch.h"
-#include "src/scratch_row.h"
+#include "batch/scratch_row.h"
+
+_Static_assert((int)SCRATCH_MOMENTS == (int)MOMENTS, "a texel of moments.h");
 
 /* An image of a pit, by the first band that it reaches. */
 typedef struct image {

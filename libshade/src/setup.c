@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "shade/shade.h"
-#include "bsdf.h"
-#include "isa.h"
-#include "../kernel/mdf.h"
+#include "../model/bsdf.h"
+#include "../batch/isa.h"
+#include "../model/mdf.h"
 #include "params.h"
 
 #define PI 3.14159265358979323846
@@ -28,7 +28,7 @@ static shade_carry carry(shade_detail detail, int ratio, int groove_y, int round
   return c;
 }
 
-/* What directions are drawn from; see kernel/sample_density.h. */
+/* What directions are drawn from; see batch/density_block.h. */
 static void setup_draws(bsdf *b) {
   const shade_mdf_traits mdf = shade_mdf_is(b->mdf);
   const shade_diffuse_traits diffuse = shade_diffuse_is(b->diffuse);

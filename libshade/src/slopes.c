@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "shade/maps.h"
-#include "../kernel/mdf.h"
+#include "../model/mdf.h"
 #include "src/moments.h"
 #include "src/params.h"
 

@@ -23,7 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../kernel/coefficients.h"
+#include "../model/coefficients.h"
 
 #define NOTHING UINT32_MAX
 

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "isa.h"
+#include "../batch/isa.h"
 #include "names.h"
-#include "weave_private.h"
+#include "../model/weave_private.h"
 
 #define YARN_ROW(word, unit, low, high, initial, help)                                             \
   {#word,                                                                                          \

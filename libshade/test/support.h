@@ -15,9 +15,9 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
-#include "src/bsdf.h"
-#include "src/isa.h"
-#include "src/lanes.h"
+#include "model/bsdf.h"
+#include "batch/isa.h"
+#include "batch/arrays.h"
 
 /* cmocka's assert_float_equal works in float */
 #define assert_near(got, want, tolerance) assert_true(fabs((got) - (want)) <= (tolerance))

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Every distribution and instruction set against the reference, at the bounds that the traits of
- * its file kernel/mdf_<word>.h state, and kernel/methods.h for the warps: D > 1e-12 of the peak,
+ * its file model/mdf_<word>.h state, and model/methods.h for the warps: D > 1e-12 of the peak,
  * z >= 0.05, tilts to 89.9 degrees; for the warps |p|^2 <= 0.75 and tilts to 75 degrees.
  * Float is compared on the same float inputs. Prints the worst input of each, which those files
  * name beside the bound.
  */
 #include <string.h>
 
-#include "kernel/mdf.h"
+#include "model/mdf.h"
 #include "support.h"
 
 #ifdef __SANITIZE_ADDRESS__

@@ -39,7 +39,7 @@ def read_apart(text):
 
 
 def bound(row):
-    """What the kernels state of their errors, for exponents to 1e3 (mdf.h, leaf_brdf.h)."""
+    """What the kernels state of their errors, for exponents to 1e3 (mdf.h, brdf.h)."""
     if row["precision"] == "double":
         return 1e-12
     return 1e-4 if "deform" in row["method"] else 5e-5

@@ -144,7 +144,7 @@ static void against_reference(void **state) {
     shade_bsdf_evalf(&b, fv, fv + 3, fv + 6, ff, &cosinef);
     shade_ref_f(&p, n, wi, wo, want, &want_cosine);
     assert_near((double)cosinef, want_cosine, 5e-7);
-    /* leaf_brdf.h: what the roundings of float cosines make of those that divide by them */
+    /* brdf.h: what the roundings of float cosines make of those that divide by them */
     double cosi, coso, grazing = 0;
     cosines_of(&p, n, wi, wo, &cosi, &coso);
     if (!metal)

@@ -461,23 +461,23 @@ def test_reference_shares_no_symbol_with_the_library():
 
 # header, what stands around the expression @, the expression, the wrong one
 FLIPS = {
-    "cross product, x": ("leaf_detail.h", "c.x = @;", "difference(ny, hz, nz, hy)",
+    "cross product, x": ("model/detail.h", "c.x = @;", "difference(ny, hz, nz, hy)",
                          "difference(ny, hz, -nz, hy)"),
-    "cross product, y": ("leaf_detail.h", "c.y = @;", "difference(nz, hx, nx, hz)",
+    "cross product, y": ("model/detail.h", "c.y = @;", "difference(nz, hx, nx, hz)",
                          "difference(nz, hx, -nx, hz)"),
-    "cross product, z": ("leaf_detail.h", "c.z = @;", "difference(nx, hy, ny, hx)",
+    "cross product, z": ("model/detail.h", "c.z = @;", "difference(nx, hy, ny, hx)",
                          "difference(nx, hy, -ny, hx)"),
-    "rotate, sum of y'": ("leaf_detail.h", "real y = @;", "difference(nx, c.z, nz, c.x)",
+    "rotate, sum of y'": ("model/detail.h", "real y = @;", "difference(nx, c.z, nz, c.x)",
                           "difference(nx, c.z, -nz, c.x)"),
-    "exponent": ("mdf_ashikhmin_shirley.h", "@", "(x * p.xx + (y * p.yy + mean))",
+    "exponent": ("model/mdf_ashikhmin_shirley.h", "@", "(x * p.xx + (y * p.yy + mean))",
                  "(x * p.xx - (y * p.yy + mean))"),
-    "Schlick": ("leaf_fresnel.h", "real m = @;", "1 - c", "1 + c"),
-    "cosine to the light": ("pass_brdf.h", "real ci = dot(nx[i], @, nz[i], wix", "ny[i]", "-ny[i]"),
-    "bent normal": ("leaf_horizon.h", ": @;", "s + a", "s - a"),
-    "shadow of the slope": ("leaf_horizon.h", "@", "R(0.125)", "R(1.0)"),
-    "cubic shadow": ("leaf_horizon.h", "return @;", "g + g * g * (1 - g)", "g"),
-    "share of the mirror": ("leaf_horizon.h", "return @ /", "q", "p"),
-    "textured Fresnel": ("leaf_fresnel.h", "return f0 + @ *", "(1 - f0)", "-(1 - f0)"),
+    "Schlick": ("model/fresnel.h", "real m = @;", "1 - c", "1 + c"),
+    "cosine to the light": ("batch/brdf_block.h", "real ci = dot(nx[i], @, nz[i], wix", "ny[i]", "-ny[i]"),
+    "bent normal": ("model/horizon.h", ": @;", "s + a", "s - a"),
+    "shadow of the slope": ("model/horizon.h", "@", "R(0.125)", "R(1.0)"),
+    "cubic shadow": ("model/horizon.h", "return @;", "g + g * g * (1 - g)", "g"),
+    "share of the mirror": ("model/horizon.h", "return @ /", "q", "p"),
+    "textured Fresnel": ("model/fresnel.h", "return f0 + @ *", "(1 - f0)", "-(1 - f0)"),
 }
 # All are compiled together, since the scalar code takes seconds, and FLIPPED chooses one when a program starts
 CHOICE = """char *getenv(const char *);
@@ -503,7 +503,7 @@ def copy(folder):
     root = folder / "copy"
     shutil.copytree(ROOT / "libshade", root / "libshade")
     for number, (name, around, right, wrong) in enumerate(FLIPS.values()):
-        path = root / "libshade/kernel" / name
+        path = root / "libshade" / name
         text, there = path.read_text(), around.replace("@", right)
         assert text.count(there) == 1, f"{name} has changed: choose the flip anew"
         path.write_text(text.replace(there, around.replace("@", f"(flipped == {number} ? {wrong} : {right})")))

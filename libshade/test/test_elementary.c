@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The errors that kernel/elementary.h and the distributions state, against long double libm: in
+/* The errors that model/elementary.h and the distributions state, against long double libm: in
  * double, and in float by test_elementary_float.c. */
 #include <string.h>
 
-#include "kernel/mdf.h"
+#include "model/mdf.h"
 #include "support.h"
 
 #define LIMIT(of_float, of_double) (SHADE_FLOAT ? of_float : of_double)

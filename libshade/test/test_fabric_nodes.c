@@ -5,7 +5,7 @@
  * by quadrature over half vectors.
  */
 #include "support.h"
-#include "src/fabric.h"
+#include "model/fabric.h"
 
 enum { LOOKS = 4000 };
 

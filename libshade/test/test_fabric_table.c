@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "shade/presets.h"
-#include "src/fabric.h"
-#include "src/fabric_table.h"
+#include "model/fabric.h"
+#include "model/fabric_table.h"
 #include "support.h"
 
 enum { PAIRS = 4000 };

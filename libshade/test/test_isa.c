@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "shade/fabric.h"
-#include "src/fabric.h"
-#include "src/weave_private.h"
+#include "model/fabric.h"
+#include "model/weave_private.h"
 #include "support.h"
 
 enum { COUNT = 512 };

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The errors that kernel/leaf_detail.h, leaf_repair.h, leaf_diffuse.h and leaf_brdf.h state of
+ * The errors that model/detail.h, direction.h, diffuse.h and brdf.h state of
  * single leaves, against the reference or long double: in double, and in float by
  * test_leaves_float.c.
  */
 #include <string.h>
 
-#include "kernel/leaf_diffuse.h"
-#include "kernel/leaf_repair.h"
-#include "kernel/mdf.h"
+#include "model/diffuse.h"
+#include "model/direction.h"
+#include "model/mdf.h"
 #include "support.h"
 
 #define LIMIT(of_float, of_double) (SHADE_FLOAT ? of_float : of_double)

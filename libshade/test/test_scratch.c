@@ -6,7 +6,7 @@
 
 #include "shade/maps.h"
 #include "src/scratch.h"
-#include "src/scratch_row.h"
+#include "batch/scratch_row.h"
 
 static shade_scratch_params one_layer(uint32_t pits, double radius, double stretch, double depth) {
   shade_scratch_params p;

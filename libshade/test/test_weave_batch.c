@@ -269,7 +269,7 @@ static void rules(void **state) {
   assert_true(worst < 1e-12 && checked > 50000 * instruction_sets());
 }
 
-/* Float of every instruction set: the rules within 4e-4 (kernel/leaf_weave.h). */
+/* Float of every instruction set: the rules within 4e-4 (model/weave.h). */
 static void rules_in_float(void **state) {
   (void)state;
   static float u[COUNT], v[COUNT];

@@ -54,7 +54,7 @@ def fract(x):
 
 
 def noise(seed, channel, yarn, knot):
-    """The bits that kernel/leaf_weave.h says."""
+    """The bits that model/weave.h says."""
     word = 0xFFFFFFFF
     h = (seed * 0x9E3779B1 + channel) & word
     for w in (yarn & word, knot & word, 0x27D4EB2F):

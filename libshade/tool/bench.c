@@ -11,9 +11,9 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
-#include "src/bsdf.h"
-#include "src/isa.h"
-#include "src/lanes.h"
+#include "model/bsdf.h"
+#include "batch/isa.h"
+#include "batch/arrays.h"
 #include "tool/bench_parts.h"
 #include "tool/literal.h"
 #include "tool/text.h"

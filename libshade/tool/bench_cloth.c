@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "shade/presets.h"
-#include "src/fabric.h"
+#include "model/fabric.h"
 #include "tool/bench_parts.h"
 
 enum { COUNT = 1024, RUNS = 40, ARRAYS = 13, OUT = 8, CHECKED = 64, POINTS = 1 << 14 };

@@ -12,7 +12,7 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
-#include "src/lanes.h"
+#include "batch/arrays.h"
 #include "tool/bench_parts.h"
 
 enum { COUNT = 1024, ROUNDS = 60, REPEAT = 8, CHECKED = 256 };

@@ -5,7 +5,7 @@
 
 #include "reference/reference.h"
 #include "shade/shade.h"
-#include "src/bsdf.h"
+#include "model/bsdf.h"
 #include "tool/numbers.h"
 #include "tool/parse.h"
 #include "tool/text.h"

@@ -2,7 +2,7 @@
 /* Which numbers state a choice of a list, by the rows of the table. */
 #include "tool/numbers.h"
 
-#include "src/bsdf.h"
+#include "model/bsdf.h"
 #include "tool/tool.h"
 
 unsigned tool_numbers_of(shade_list list, int value) {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "image/read.h"
-#include "kernel/mdf.h"
+#include "model/mdf.h"
 #include "shade/maps.h"
 #include "tool/numbers.h"
 #include "tool/parse.h"

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Structures of arrays as callers hand them over, whichever header they were built against. */
+#ifndef SHADE_BATCH_ARRAYS_H
+#define SHADE_BATCH_ARRAYS_H
+
+#include <stddef.h>
+#include <string.h>
+
+/* Nine arrays as n, wi and wo of shade_lanes, among the initializers of one. */
+#define SHADE_DIRECTIONS(v)                                                                        \
+  .nx = (v)[0], .ny = (v)[1], .nz = (v)[2], .wix = (v)[3], .wiy = (v)[4], .wiz = (v)[5],           \
+  .wox = (v)[6], .woy = (v)[7], .woz = (v)[8]
+
+/*
+ * *given, a structure that begins with its size and goes on in pointers, to *whole, which is
+ * `room` bytes long: members beyond given's size become NULL, those that are not known yet are
+ * left out.
+ */
+static inline void shade_copy_lanes(const void *given, void *whole, size_t room) {
+  size_t size;
+  memcpy(&size, given, sizeof size);
+  if (size >= room) {
+    memcpy(whole, given, room);
+  } else {
+    memset(whole, 0, room);
+    memcpy(whole, given, size - size % sizeof(void *));
+  }
+}
+
+/*
+ * The same, or given itself where it has all members: a copy of pointers that the caller has just
+ * written takes as long as sixteen samples of GGX. NULL when one of the first `required` pointers
+ * is not there.
+ */
+static inline const void *shade_whole_lanes(const void *given, size_t required, void *whole,
+                                            size_t room) {
+  size_t size;
+  memcpy(&size, given, sizeof size);
+  if (size < room) {
+    shade_copy_lanes(given, whole, room);
+    given = whole;
+  }
+  for (size_t i = 0; i < required; i++) {
+    const void *array;
+    memcpy(&array, (const char *)given + sizeof size + i * sizeof array, sizeof array);
+    if (!array) /* one by one: vectors would wait for what the caller has just stored */
+      return NULL;
+  }
+  return given;
+}
+
+#endif

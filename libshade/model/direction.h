@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Directions that the passes cannot take as they are. The check is cheap and
+ * runs on every lane; the mending is a slow path that few samples ever see.
+ */
+#ifndef SHADE_MODEL_DIRECTION_H
+#define SHADE_MODEL_DIRECTION_H
+
+#include "shade/shade.h"
+#include "random.h"
+
+/*
+ * Whether a vector is unit, in two words to be or-ed over many vectors, so that the check
+ * vectorises with no comparison.
+ *
+ * FAR_BIT, the highest of the exponent, is set in numbers of size 2 or more, infinite and NaN
+ * ones too. Without it no square can overflow; with it the vector is far from unit. (A
+ * minimum in its place does not do: compilers move the square before it.)
+ */
+#if SHADE_FLOAT
+#define FAR_BIT 0x40000000u
+#define SIGN_BIT 0x80000000u
+#define UNIT_SLACK 0x1p-19f
+#define UNIT_BITS 0x1fu /* of the last places of 1: 2 UNIT_SLACK */
+#else
+#define FAR_BIT 0x4000000000000000u
+#define SIGN_BIT 0x8000000000000000u
+#define UNIT_SLACK 0x1p-47
+#define UNIT_BITS 0x3fu
+#endif
+
+LEAF real_bits far_bits(real x, real y, real z) {
+  return to_bits(x) | to_bits(y) | to_bits(z);
+}
+
+/*
+ * Bits above UNIT_BITS are set unless the squared length is within UNIT_SLACK of 1, a few
+ * roundings. rotate's leaf is not homogeneous in n: an excess of s in its length would change
+ * D by a factor of about exp(-2 s ln D).
+ */
+LEAF real_bits uneven_bits(real x, real y, real z) {
+  x = from_bits(to_bits(x) & ~FAR_BIT);
+  y = from_bits(to_bits(y) & ~FAR_BIT);
+  z = from_bits(to_bits(z) & ~FAR_BIT);
+  return to_bits(x * x + UNIT_SLACK + y * y + z * z) ^ to_bits(1);
+}
+
+/* Not 0 where it is not. */
+LEAF real_bits off_unit(real_bits far, real_bits uneven) {
+  return (far & FAR_BIT) | (uneven & ~(real_bits)UNIT_BITS);
+}
+
+/*
+ * Make v unit. Returns 0, leaving v = z, when v is 0 or not finite. Scaling by the
+ * largest component first keeps the square in range. Length and components are off by at most
+ * 2e-7 (float) or 3e-16 (double), whatever the size of v.
+ */
+static inline int make_unit(real v[3]) {
+  real largest = 0;
+  int finite = 1;
+  for (int i = 0; i < 3; i++) {
+    real size = v[i] < 0 ? -v[i] : v[i];
+    finite &= size - size == 0;
+    largest = maximum(largest, size);
+  }
+  if (!finite || largest == 0) {
+    v[0] = v[1] = 0;
+    v[2] = 1;
+    return 0;
+  }
+  for (int pass = 0; pass < 2; pass++) {
+    for (int i = 0; i < 3; i++)
+      v[i] /= largest;
+    largest = root(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  return 1;
+}
+
+/* Unit, then n.z > 0: the nearest normal the methods are defined for. */
+static inline unsigned mend_normal(real n[3]) {
+  unsigned status = make_unit(n) ? SHADE_OK : SHADE_BAD_INPUT;
+  if (!(n[2] > 0)) {
+    n[2] = R(1e-4);
+    make_unit(n);
+    status |= SHADE_CLAMPED_NORMAL;
+  }
+  return status;
+}
+
+static inline unsigned mend_if_needed(real v[3], int is_normal) {
+  real_bits off = off_unit(far_bits(v[0], v[1], v[2]), uneven_bits(v[0], v[1], v[2]));
+  if (is_normal) /* n.z may vanish when n is made unit */
+    return off || !(v[2] > 0) ? mend_normal(v) : SHADE_OK;
+  return off && !make_unit(v) ? SHADE_BAD_INPUT : SHADE_OK;
+}
+
+/* The same of a single call, by value: what is not mended, nearly all, never leaves registers. */
+typedef struct direction {
+  triple v;
+  unsigned status;
+} direction;
+static __attribute__((noinline, cold)) direction mend_direction(triple w, int is_normal) {
+  real v[3] = {w.x, w.y, w.z};
+  const unsigned status = mend_if_needed(v, is_normal);
+  return (direction){{v[0], v[1], v[2]}, status};
+}
+LEAF direction direction_of(const real v[3], int is_normal) {
+  const direction d = {{v[0], v[1], v[2]}, SHADE_OK};
+  const real_bits off = off_unit(far_bits(d.v.x, d.v.y, d.v.z), uneven_bits(d.v.x, d.v.y, d.v.z));
+  return off || (is_normal && !(d.v.z > 0)) ? mend_direction(d.v, is_normal) : d;
+}
+
+#endif

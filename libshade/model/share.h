@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What share of draws goes where. */
+#ifndef SHADE_MODEL_SHARE_H
+#define SHADE_MODEL_SHARE_H
+
+#include "fresnel.h"
+
+/*
+ * Share of the draws that go to the specular lobe beside a diffuse part: its reflectance at
+ * the eye's angle against the diffuse one, and at least a tenth for either that there is.
+ */
+LEAF real lobe_share(real s, real grazing, real d, real cosine) {
+  real specular = s + grazing * (1 - s) * schlick_weight(minimum(cosine, 1));
+  real share = specular / maximum(specular + d, R(1e-20));
+  share = minimum(maximum(share, R(0.1)), R(0.9));
+  share = d > 0 ? share : 1;
+  return s + grazing > 0 ? share : 0;
+}
+
+/*
+ * For facets and upright mirrors: share of the bumped facet's draws that go on to the mirror
+ * before they leave. That facet's light w goes past the mirror by nz w.z : side, and the mirror
+ * lets out no more than nz w.z of its own: so the split is that of the mirror image of wo,
+ * which a narrow lobe surrounds, but not below the one that bounds f cos / pdf by 1 + cot(tilt)
+ * times the lobe's own. A share that followed w would need a third uniform number.
+ */
+LEAF real share_bounced(real nx, real ny, real nz, real wox, real woy, real woz) {
+  real side2 = nx * nx + ny * ny, along = nx * wox + ny * woy;
+  real twice = 2 * (along + nz * woz);
+  real side = maximum(twice * side2 - along, 0);
+  real past = nz * maximum(twice * nz - woz, 0);
+  real least = minimum(side, past);
+  real here = least / (past + least + TINY);
+  real slope = root(side2);
+  return maximum(here, R(0.5) * slope / (slope + nz));
+}
+
+#endif

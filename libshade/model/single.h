@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * f of one sample. All return status bits. Directions are handed on by value: an
+ * array that is indexed by a variable, or copied, lies in memory, and compilers read in one what
+ * was just written in parts, which waits: a fifth of a call of GGX.
+ */
+#ifndef SHADE_MODEL_SINGLE_H
+#define SHADE_MODEL_SINGLE_H
+
+#include "public.h"
+#include "brdf.h"
+#include "diffuse.h"
+#include "direction.h"
+#include "fresnel.h"
+#include "ggx.h"
+#include "horizon.h"
+#include "lobe.h"
+
+static unsigned mdf_one(const bsdf *b, const real n_in[3], const real h_in[3], real *d) {
+  const direction n = direction_of(n_in, 1), h = direction_of(h_in, 0);
+  const unsigned status = n.status | h.status;
+  *d = 0;
+  if (status & SHADE_BAD_INPUT)
+    return status;
+  *d = lobe(b, n.v, h.v);
+  return status;
+}
+
+/*
+ * A hit: the eye, the normal that the lobe stands on, and what follows from the two alone, once for
+ * all lights. The normal is z where the method ignores it, and bent where the horizon bends it.
+ */
+typedef struct MAY_ALIAS bsdf_hit {
+  triple n, wo;
+  real coso;
+  real lo;          /* of angles */
+  real fibre_l, vy; /* L and wo across the fibre, where the diffuse model has fibres */
+  triple given;     /* the normal that fades light by shadow_chiang */
+  estevez steep;    /* of shadow_estevez */
+  unsigned status;
+  int fused, swapped, fibres, facets;
+  shade_fade fade;
+} bsdf_hit;
+
+_Static_assert(sizeof(bsdf_hit) <= sizeof(bsdf_hit_room), "a hit is too large for its room");
+_Static_assert(_Alignof(bsdf_hit) <= _Alignof(bsdf_hit_room), "a hit is less aligned than that");
+
+LEAF real dot_of(triple n, triple w) {
+  return dot(XYZ(n), XYZ(w));
+}
+
+/* L of the fibre, and w across it. */
+LEAF real fibre_length_of(const bsdf *b, triple n) {
+  return fibre_length(b->fibres_along_y ? n.y : n.x, n.z);
+}
+LEAF real over_fibre_of(const bsdf *b, triple n, triple w) {
+  n = exchanged(n, b->fibres_along_y), w = exchanged(w, b->fibres_along_y);
+  return over_fibre(XYZ(n), XYZ(w));
+}
+
+/* Without a horizon's doing. Directions are mended. */
+LEAF void prepare_hard(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
+  if (b->carry.map == SHADE_MAP_NONE)
+    n = (triple){0, 0, 1};
+  const int fused = is_fused(b);
+  /* as the loops take them, which go along y by exchanging x and y */
+  const int swapped = fused && b->carry.map == SHADE_MAP_ROTATE_Y;
+  h->n = n;
+  h->wo = wo;
+  h->fused = fused;
+  h->swapped = swapped;
+  h->coso = dot_of(exchanged(n, swapped), exchanged(wo, swapped));
+  h->lo = 0;
+  if (b->brdf == SHADE_BRDF_MICROFACET && !fused)
+    h->lo = smith(b, n, wo);
+  h->fibres = shade_diffuse_is(b->diffuse).fibres;
+  if (h->fibres) {
+    h->fibre_l = fibre_length_of(b, n);
+    h->vy = over_fibre_of(b, n, wo) / h->fibre_l;
+  }
+}
+
+/* f without Fresnel of a lit light, whose sum with the eye is s. */
+LEAF real specular_one(const bsdf *b, const bsdf_hit *h, triple wi, triple s, real hwo, real cosi) {
+  if (h->fused)
+    return fused(b, h->n, wi, h->wo).f;
+  real scale = b->warp != SHADE_RIGID ? scale_to_unit(XYZ(s)) : 1;
+  angles a = {hwo, cosi, h->coso, 0, h->lo};
+  if (b->brdf == SHADE_BRDF_MICROFACET)
+    a.li = smith(b, h->n, wi);
+  /* rounded, as a batch does that keeps them */
+  s.x = multiply_add(s.x, scale, 0);
+  s.y = multiply_add(s.y, scale, 0);
+  s.z = multiply_add(s.z, scale, 0);
+  return brdf(b, lobe(b, h->n, s), a);
+}
+
+/* Phi of a lit light. */
+LEAF real phi_one(const bsdf *b, const bsdf_hit *h, triple wi, real cosi) {
+  real ly = 0, vy = 0;
+  if (h->fibres) {
+    ly = over_fibre_of(b, h->n, wi) / h->fibre_l;
+    vy = h->vy;
+  }
+  return diffuse_phi(b->diffuse, ly, cosi, vy, h->coso);
+}
+
+/* f and the cosine, by value as directions are. */
+typedef struct shaded_sample {
+  triple f;
+  real cosine;
+  unsigned status;
+} shaded_sample;
+LEAF triple scaled(triple v, real factor) {
+  return (triple){v.x * factor, v.y * factor, v.z * factor};
+}
+
+/* 0 beyond the horizons of n and z; wi is mended. */
+LEAF shaded_sample hard_one(const bsdf *b, const bsdf_hit *h, triple wi) {
+  const triple wo = h->wo;
+  const real cosi = dot_of(exchanged(h->n, h->swapped), exchanged(wi, h->swapped));
+  const triple sum = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  shaded_sample out = {{0, 0, 0}, cosi > 0 ? cosi : 0, SHADE_OK};
+  if (no_direction(XYZ(sum)))
+    out.status = SHADE_BAD_INPUT;
+  if (out.status || !(cosi > 0 && h->coso > 0 && wi.z > 0 && wo.z > 0))
+    return out;
+  if (!b->black) {
+    real hwo = half_cosine(XYZ(sum));
+    out.f = scaled(fresnel(b, hwo), specular_one(b, h, wi, sum, hwo, cosi));
+  }
+  if (b->has_diffuse) {
+    real phi = phi_one(b, h, wi, cosi);
+    real q = phi * R(0.31830988618379067154) / maximum(cosi, R(1e-20));
+    out.f.x += diffuse_scale(b, 0) * q;
+    out.f.y += diffuse_scale(b, 1) * q;
+    out.f.z += diffuse_scale(b, 2) * q;
+  }
+  return out;
+}
+
+/* What yarn_batch gives, of one sample. */
+static void yarn_one(const bsdf *b, triple n, triple wi, triple wo, real *spec, real *matt) {
+  bsdf_hit h;
+  prepare_hard(b, n, wo, &h);
+  const real cosi = dot_of(h.n, wi);
+  const triple sum = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  *spec = *matt = 0;
+  if (!(lit_cosine(cosi, h.coso, wi.z, wo.z) > 0))
+    return;
+  const real hwo = half_cosine(XYZ(sum));
+  const real enter = 1 - schlick_weight(minimum(cosi, 1));
+  const real leave = 1 - schlick_weight(minimum(h.coso, 1));
+  *spec = specular_one(b, &h, wi, sum, hwo, cosi) * cosi;
+  *matt = phi_one(b, &h, wi, cosi) * R(0.31830988618379067154) * enter * leave;
+}
+
+/* The light as it is, then light or eye by way of the upright facet. */
+static __attribute__((noinline)) shaded_sample facets_one(const bsdf *b, const bsdf_hit *h,
+                                                          const triple *wi) {
+  const triple w[2] = {*wi, h->wo}, n = h->n;
+  shaded_sample out = {{0, 0, 0}, maximum(wi->z, 0), SHADE_OK};
+  real weight[3], see[2][2];
+  for (int k = 0; k < 2; k++) {
+    see[k][0] = share_bumped(XYZ(n), XYZ(w[k]));
+    see[k][1] = share_upright(XYZ(n), XYZ(w[k]));
+  }
+  weight[0] = n.z * (see[0][0] * see[1][0]);
+  weight[1] = n.z * (see[0][1] * see[1][0]);
+  weight[2] = n.z * (see[0][0] * see[1][1]);
+  for (int k = 0; k < 3; k++) {
+    bsdf_hit mirrored;
+    const bsdf_hit *seen = h;
+    triple light = *wi;
+    if (k) {
+      if (!(weight[k] > 0))
+        continue;
+      const triple from = w[k - 1];
+      real step = mirror_step(n.x, n.y, from.x, from.y);
+      const triple m = {multiply_add(-step, n.x, from.x), multiply_add(-step, n.y, from.y), from.z};
+      if (k == 1) {
+        light = m;
+      } else {
+        prepare_hard(b, n, m, &mirrored);
+        seen = &mirrored;
+      }
+    }
+    const shaded_sample one = hard_one(b, seen, light);
+    if (!k && one.status) {
+      out.status = one.status;
+      return out;
+    }
+    out.f.x += weight[k] * one.f.x;
+    out.f.y += weight[k] * one.f.y;
+    out.f.z += weight[k] * one.f.z;
+  }
+  return out;
+}
+
+/*
+ * What hit_one needs. With SHADE_BAD_INPUT in the status nothing else is set. Both are one piece of
+ * code for all callers, or a product of the one might be fused with a sum of the other in some.
+ */
+static __attribute__((noinline)) void prepare_one(const bsdf *b, const real n_in[3],
+                                                  const real wo_in[3], bsdf_hit *h) {
+  shade_horizon_traits is = shade_horizon_is(b->horizon);
+  const direction given = direction_of(n_in, 1), eye = direction_of(wo_in, 0);
+  triple n = given.v;
+  h->status = given.status | eye.status;
+  if (h->status & SHADE_BAD_INPUT)
+    return;
+  if (n.x == 0 && n.y == 0 && !is.facets)
+    is = shade_horizon_is(SHADE_HORIZON_HARD);
+  h->facets = is.facets;
+  h->fade = is.fade;
+  h->given = n;
+  if (is.fade == SHADE_FADE_ESTEVEZ)
+    h->steep = estevez_of(XYZ(n));
+  if (is.bends && needs_bend(XYZ(n), XYZ(eye.v))) { /* seldom, and then dear */
+    const normal bent = bend(XYZ(n), XYZ(eye.v));
+    n = (triple){XYZ(bent)};
+  }
+  prepare_hard(b, n, eye.v, h);
+}
+
+static __attribute__((noinline)) unsigned hit_one(const bsdf *b, const bsdf_hit *h,
+                                                  const real wi_in[3], real f[3], real *cosine) {
+  const direction wi = direction_of(wi_in, 0);
+  unsigned status = h->status | wi.status;
+  shaded_sample out = {{0, 0, 0}, 0, SHADE_OK};
+  if (!(status & SHADE_BAD_INPUT)) {
+    if (h->facets) {
+      const triple light = wi.v;
+      out = facets_one(b, h, &light);
+    } else {
+      out = hard_one(b, h, wi.v);
+      if (h->fade == SHADE_FADE_ESTEVEZ)
+        out.f = scaled(out.f, shadow_of(h->steep, XYZ(wi.v)));
+      else if (h->fade == SHADE_FADE_CHIANG)
+        out.f = scaled(out.f, shadow_chiang(XYZ(h->given), XYZ(wi.v)));
+    }
+    status |= out.status;
+  }
+  f[0] = out.f.x;
+  f[1] = out.f.y;
+  f[2] = out.f.z;
+  *cosine = out.cosine;
+  return status;
+}
+
+static unsigned bsdf_one(const bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                         real f[3], real *cosine) {
+  bsdf_hit h;
+  prepare_one(b, n, wo, &h);
+  return hit_one(b, &h, wi, f, cosine);
+}
+
+#endif
