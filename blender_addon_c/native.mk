@@ -9,7 +9,11 @@ NATIVE_PYTHON := /usr/bin/python3
 NATIVE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
   -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
-NATIVE_OBJ := $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(wildcard $(N)/*/*.c))
+# isa/<family>.c is compiled for each instruction set
+NATIVE_ISAS := scalar sse2 avx2 avx512
+FAMILIES := $(patsubst $(N)/isa/%.c,%,$(filter-out %/choose.c,$(wildcard $(N)/isa/*.c)))
+NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)/%.o)) \
+  $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
 NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic \
   $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc aligned_alloc posix_memalign strdup free)
 
@@ -32,20 +36,22 @@ check: native native-sanitized native-clang
 
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
-$(NATIVE)/obj/isa/%.o: NATIVE_FOR = $(ISA_$(*F))
 $(NATIVE)/obj/python/%.o: NATIVE_FOR = $(NATIVE_PYTHON_CFLAGS)
-# of the stages only the widest runs under sanitizers, not the scalar one either
-PLAIN_STAGES :=
-ifneq ($(PLAIN_STAGES),)
-$(PLAIN_STAGES:%=$(NATIVE)/obj/isa/%.o): $(NATIVE)/obj/isa/%.o: $(PLAIN_NATIVE)/obj/isa/%.o
-	@mkdir -p $(@D)
-	$(call say,copy     ,$@)
-	$(Q)cp $< $@
-endif
-$(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
+define NATIVE_COMPILE
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(NATIVE_FOR) $(CFLAGS) -MMD -c $< -o $@
+endef
+$(NATIVE)/obj/%.o: $(N)/%.c $(NATIVE_FLAGS_IN)
+	$(NATIVE_COMPILE)
+# of the stages only the widest runs under sanitizers, not the scalar one either
+PLAIN_STAGES :=
+define NATIVE_STAGES_OF
+$(NATIVE)/obj/isa/$(1)/%.o: NATIVE_FOR = $(ISA_$(1)) -DISA=$(1)
+$(NATIVE)/obj/isa/$(1)/%.o: $(if $(filter $(1),$(PLAIN_STAGES)),$(PLAIN_NATIVE)/obj/isa/$(1)/%.o,$(N)/isa/%.c $(NATIVE_FLAGS_IN))
+	$(if $(filter $(1),$(PLAIN_STAGES)),@mkdir -p $$(@D) && cp $$< $$@,$$(NATIVE_COMPILE))
+endef
+$(foreach isa,$(NATIVE_ISAS),$(eval $(call NATIVE_STAGES_OF,$(isa))))
 $(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
@@ -54,7 +60,7 @@ NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/
 $(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) -lcmocka -lm -o $@
--include $(wildcard $(NATIVE)/obj/*/*.d)
+-include $(wildcard $(NATIVE)/obj/*/*.d $(NATIVE)/obj/isa/*/*.d)
 # one that is gone: what has included it is made again
 $(N)/%.h: ;
 

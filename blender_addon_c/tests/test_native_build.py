@@ -40,9 +40,9 @@ MOVING = {"settle": re.compile("gather|^v?insert|^v?unpck"), "gather": re.compil
 
 @functools.cache  # asked for each stage
 def disassembly(isa):
-    """{function: [(mnemonic, operands)]} of the stages' translation unit."""
+    """{function: [(mnemonic, operands)]} of the stages' translation units."""
     listing = subprocess.run(
-        ["objdump", "-dr", "--no-show-raw-insn", str(MODULE.parent / f"obj/isa/{isa}.o")],
+        ["objdump", "-dr", "--no-show-raw-insn", *map(str, (MODULE.parent / f"obj/isa/{isa}").glob("*.o"))],
         capture_output=True,
         text=True,
         check=True,

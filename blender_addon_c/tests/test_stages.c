@@ -1816,8 +1816,8 @@ static void scratches_and_plate(void **state) {
 }
 
 int main(void) {
-  static const stage_table *const tables[] = {&stages_scalar, &stages_sse2, &stages_avx2,
-                                              &stages_avx512};
+  const stage_table *const tables[] = {stages_of("scalar"), stages_of("sse2"), stages_of("avx2"),
+                                       stages_of("avx512")};
   const stage_table *widest = stages_choose();
   int failed = 0;
   for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {

@@ -26,27 +26,7 @@
 #include "closure/toon.h"
 #include "closure/translucent.h"
 #include "closure/transparent.h"
-
-#define CLOSURE_TABLE(ROW)                                                                         \
-  ROW(METAL, metal, CLOSURE_SCATTERS)                                                              \
-  ROW(DIFFUSE, diffuse, CLOSURE_SCATTERS | CLOSURE_MATT)                                           \
-  ROW(TRANSLUCENT, translucent, CLOSURE_SCATTERS | CLOSURE_MATT | CLOSURE_THROUGH)                 \
-  ROW(FABRIC, fabric, CLOSURE_SCATTERS | CLOSURE_MATT | CLOSURE_GROOVED)                           \
-  ROW(GLASS, glass, CLOSURE_SCATTERS | CLOSURE_CLEAR)                                              \
-  ROW(COAT, coat, CLOSURE_SCATTERS)                                                                \
-  ROW(SHEEN, sheen, CLOSURE_SCATTERS | CLOSURE_MATT)                                               \
-  ROW(TOON, toon, CLOSURE_SCATTERS)                                                                \
-  ROW(TRANSPARENT, transparent, CLOSURE_PASSES)                                                    \
-  ROW(EMISSION, emission, 0u)
-
-/* Those that are not white have closure_<name>_color: what planes of colour show of channel k. */
-#define CLOSURES_COLORED(ROW)                                                                      \
-  ROW(METAL, metal)                                                                                \
-  ROW(DIFFUSE, diffuse)                                                                            \
-  ROW(FABRIC, fabric)
-
-#define CLOSURE_TYPE(TYPE, name, always) CLOSURE_##TYPE,
-typedef enum closure_type { CLOSURE_TABLE(CLOSURE_TYPE) CLOSURE_TYPES } closure_type;
+#include "closure/table.h"
 
 #define CLOSURE_MEMBER(TYPE, name, always) closure_##name name;
 typedef struct closure {

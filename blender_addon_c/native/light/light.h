@@ -20,15 +20,7 @@
 #include "light/point.h"
 #include "light/spot.h"
 #include "light/sun.h"
-
-#define LIGHT_TABLE(ROW)                                                                           \
-  ROW(SUN, sun)                                                                                    \
-  ROW(POINT, point)                                                                                \
-  ROW(SPOT, spot)                                                                                  \
-  ROW(AREA, area)
-
-#define LIGHT_TYPE(TYPE, name) LIGHT_##TYPE,
-typedef enum light_type { LIGHT_TABLE(LIGHT_TYPE) LIGHT_TYPES } light_type;
+#include "light/table.h"
 
 #define LIGHT_MEMBER(TYPE, name) light_##name name;
 typedef struct light {

@@ -48,51 +48,7 @@
 #include "node/voronoi.h"
 #include "node/weave.h"
 #include "node/white_noise.h"
-
-#define NODE_TABLE(ROW)                                                                            \
-  ROW(IMAGE, image)                                                                                \
-  ROW(NORMAL_MAP, normal_map)                                                                      \
-  ROW(PERTURB, perturb)                                                                            \
-  ROW(STEP, step)                                                                                  \
-  ROW(BUMP, bump)                                                                                  \
-  ROW(BEND, bend)                                                                                  \
-  ROW(ALBEDO, albedo)                                                                              \
-  ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
-  ROW(THIN_FILM, thin_film)                                                                        \
-  ROW(FIBRES, fibres)                                                                              \
-  ROW(GEOMETRY, geometry)                                                                          \
-  ROW(LAYER, layer)                                                                                \
-  ROW(OBJECT, object)                                                                              \
-  ROW(ATTRIBUTE, attribute)                                                                        \
-  ROW(OCCLUSION, occlusion)                                                                        \
-  ROW(BEVEL, bevel)                                                                                \
-  ROW(PATH, path)                                                                                  \
-  ROW(FRAME, frame)                                                                                \
-  ROW(TRANSFORM, transform)                                                                        \
-  ROW(MATH, math)                                                                                  \
-  ROW(MIX, mix)                                                                                    \
-  ROW(HUE, hue)                                                                                    \
-  ROW(NOISE, noise)                                                                                \
-  ROW(VORONOI, voronoi)                                                                            \
-  ROW(WHITE_NOISE, white_noise)                                                                    \
-  ROW(BRICK, brick)                                                                                \
-  ROW(BOX, box)                                                                                    \
-  ROW(RAMP, ramp)                                                                                  \
-  ROW(CURVE, curve)                                                                                \
-  ROW(WEAVE, weave)                                                                                \
-  ROW(CLOTH, cloth)                                                                                \
-  ROW(SCRATCHES, scratches)
-
-#define NODES_BUILT(ROW)                                                                           \
-  ROW(IMAGE, image)                                                                                \
-  ROW(NORMAL_MAP, normal_map)                                                                      \
-  ROW(ALBEDO, albedo)                                                                              \
-  ROW(GLASS_ALBEDO, glass_albedo)                                                                  \
-  ROW(LAYER, layer)                                                                                \
-  ROW(SCRATCHES, scratches)
-
-#define NODE_TYPE(TYPE, name) NODE_##TYPE,
-typedef enum node_type { NODE_TABLE(NODE_TYPE) NODE_TYPES } node_type;
+#include "node/table.h"
 
 #define NODE_MEMBER(TYPE, name) node_##name name;
 typedef struct node {

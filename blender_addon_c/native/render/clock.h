@@ -3,9 +3,9 @@
 #ifndef LIBSHADE_CLOCK_H
 #define LIBSHADE_CLOCK_H
 
-#include "closure/closure.h"
-#include "light/light.h"
-#include "node/node.h"
+#include "closure/table.h"
+#include "light/table.h"
+#include "node/table.h"
 #include "system/parallel.h"
 
 typedef enum clock_number {

@@ -2,6 +2,7 @@
 /* Triangles that shine, as a light. */
 #include "batch/leaf.h"
 #include "scene/emitters.h"
+#include "stage/common.h"
 #include "stage/stage.h"
 
 /* As if they were one bulb as large as the ball that holds them. */

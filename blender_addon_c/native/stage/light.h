@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Light samples and shadow rays. */
 #include "batch/leaf.h"
+#include "light/light.h"
+#include "stage/common.h"
 #include "stage/stage.h"
 
 /* A point of the unit square for each hit. */
@@ -122,12 +124,6 @@ static void stage_choose(size_t count, uint32_t number, const float *restrict on
     out->chance[i] = takes ? one[i] / total : out->chance[i];
     weight->sum[i] = sum;
   }
-}
-
-/* The share of a way to find light, of two whose densities these are [VeachGuibas1995]. */
-LEAF float balance(float own, float other) {
-  float sum = own + other;
-  return own / (sum > 1e-30f ? sum : 1e-30f);
 }
 
 /*
@@ -252,3 +248,8 @@ static size_t stage_shadow(size_t count, light_samples *restrict light) {
   }
   return lit;
 }
+
+#define LIGHT_DRAW(TYPE, name) [LIGHT_##TYPE] = stage_##name,
+#define LIGHT_CHOSEN(TYPE, name) [LIGHT_##TYPE] = stage_chosen_##name,
+#define LIGHT_WEIGH(TYPE, name) [LIGHT_##TYPE] = stage_weigh_##name,
+#define LIGHT_MEET(TYPE, name) [LIGHT_##TYPE] = stage_meet_##name,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Each node's stage. */
+/* Each node's stage, from its file. */
+#include "node/node.h"
 #include "stage/stage.h"
 
 #define NODE_STAGE(TYPE, name)                                                                     \
@@ -7,16 +8,5 @@
                            const surfaces *at, inputs *out) {                                      \
     node_##name##_run(&n->of.name, g->run, corner, at, out);                                       \
   }
-NODE_TABLE(NODE_STAGE)
 
-/* What is not perturbed, in the shading frame. */
-static void stage_flat(const segment *g, inputs *restrict out) {
-  float *x = out->at[REGISTER_NORMAL], *y = out->at[REGISTER_NORMAL + 1];
-  float *z = out->at[REGISTER_NORMAL + 2];
-#pragma omp simd
-  for (size_t i = g->run.begin; i < g->run.end; i++) {
-    x[i] = 0.0f;
-    y[i] = 0.0f;
-    z[i] = 1.0f;
-  }
-}
+#define NODE_RUN(TYPE, name) [NODE_##TYPE] = stage_##name,

@@ -36,9 +36,9 @@
 #define LIBSHADE_STAGE_H
 
 #include "batch/lanes.h"
-#include "closure/closure.h"
-#include "light/light.h"
-#include "node/node.h"
+#include "closure/table.h"
+#include "light/table.h"
+#include "node/table.h"
 #include "scene/queue.h"
 #include "scene/scene.h"
 
@@ -264,9 +264,9 @@ static inline void pixel_place(const camera_view *view, uint32_t p, int *x, int 
   }
 }
 
-extern const stage_table stages_scalar, stages_sse2, stages_avx2, stages_avx512;
-
-/* Those of the instruction set that libshade chooses: shade_isa. */
+/* Those of an instruction set, scalar, sse2, avx2 or avx512; of the one that libshade chooses:
+ * shade_isa. */
+const stage_table *stages_of(const char *isa);
 const stage_table *stages_choose(void);
 
 #endif

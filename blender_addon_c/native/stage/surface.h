@@ -2,13 +2,8 @@
 /* Hits to surface points: position, frame, direction to the eye. */
 #include "batch/leaf.h"
 #include "batch/valid.h"
+#include "stage/common.h"
 #include "stage/stage.h"
-
-/*
- * How far a shadow ray starts off the surface, as a part of the numbers that went
- * into the hit: some 30 roundings. Less shadows itself, more leaks.
- */
-#define SURFACE_OFFSET 2e-6f
 
 /* Cosine of eye and interpolated normal that is left as it is. */
 #define GRAZING 0.002f
@@ -31,12 +26,6 @@ static void stage_corner(size_t count, const triangle *restrict triangles, const
     corner->reach[i] = t->reach;
     corner->outward[i] = t->mirrored ? -1.0f : 1.0f;
   }
-}
-
-LEAF void turn_row(const float m[3][3], float *row) {
-  float x = row[0], y = row[1], z = row[2];
-  for (int k = 0; k < 3; k++)
-    row[k] = m[k][0] * x + m[k][1] * y + m[k][2] * z;
 }
 
 /* By rows too: a hit reads one row of the table, all of it. */
@@ -235,5 +224,17 @@ static void stage_identify(size_t count, const triangle *restrict triangles,
     uint32_t instance = table ? hit->instance[i] : 0;
     out->instance[i] = instance;
     out->object[i] = instance ? table[instance].object : triangles[hit->record[i]].object;
+  }
+}
+
+/* What is not perturbed, in the shading frame. */
+static void stage_flat(const segment *g, inputs *restrict out) {
+  float *x = out->at[REGISTER_NORMAL], *y = out->at[REGISTER_NORMAL + 1];
+  float *z = out->at[REGISTER_NORMAL + 2];
+#pragma omp simd
+  for (size_t i = g->run.begin; i < g->run.end; i++) {
+    x[i] = 0.0f;
+    y[i] = 0.0f;
+    z[i] = 1.0f;
   }
 }

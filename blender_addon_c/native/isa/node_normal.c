@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "isa/stages.h"
+
+#include "stage/node.h"
+
+NODES_NORMAL(NODE_STAGE)
+STAGES(node_normal) = {.node = {NODES_NORMAL(NODE_RUN)}};
