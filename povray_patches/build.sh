@@ -131,18 +131,8 @@ fi
 
 cd "$src"
 flags=$(sed -n 's/^CXXFLAGS = //p' Makefile)
-# the map tells where everything came to lie
-linking="$(sed -n 's/^LDFLAGS = //p' Makefile) -Wl,-Map=$out/povray.map"
 if [ -z "$unpatched" ]; then
-  script=$out/layout.ld
-  if "$here/layout.sh" script "$here/layout" ${CXX:-g++} $flags >"$script.new"; then
-    cmp -s "$script.new" "$script" || cp "$script.new" "$script"
-    linking+=" -Wl,-T,$script"
-  else
-    say "the linker's own layout: single scenes may take a fifth more or less time"
-    rm -f "$script"
-  fi
-  for file in $archives "$script"; do # make does not know them
+  for file in $archives; do # make does not know them
     [ "$file" -nt unix/povray ] && rm -f unix/povray
   done
 fi
@@ -172,12 +162,8 @@ progress() {
 # what configure found links after our archives, which need some of it
 libs=()
 [ -n "$unpatched" ] || libs=("LIBS=${archives//$'\n'/ } $(sed -n 's/^LIBS = //p' Makefile)")
-nice make -j"${JOBS:-$(nproc)}" CXXFLAGS="$flags -include $headers" "LDFLAGS=$linking" "${libs[@]}" 2>&1 | progress "$([ -t 1 ] && echo 1 || true)" ||
+nice make -j"${JOBS:-$(nproc)}" CXXFLAGS="$flags -include $headers" "${libs[@]}" 2>&1 | progress "$([ -t 1 ] && echo 1 || true)" ||
   { grep -aE 'error|Error' "$out/build.log" | head -n 20 >&2; die "compiling failed; all of it is in $out/build.log"; }
-if [ -e "${script-}" ] && ! places=$("$here/layout.sh" check "$here/layout" "$out/povray.map"); then
-  # another compiler's code is of other sizes: right, but timed by nobody
-  say "not laid out as povray_patches/layout has it: ${places//$'\n'/, }"
-fi
 
 # ---- a program that runs from here; its time stamp changes only when something did
 

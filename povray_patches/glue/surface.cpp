@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 
-#define MDF_SELDOM // nothing of this file is rare where it is called
 // frame.h must always be the first POV file included (pulls in platform config)
 #include "backend/mdf/surface.h"
 #include "backend/frame.h"

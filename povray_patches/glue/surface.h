@@ -9,24 +9,6 @@
 #include "backend/mdf/dump.h"
 #include "backend/mdf/material.h"
 
-// For what only hits with a block call. Compilers lay such calls apart, so that POV-Ray's own code
-// stays as dense in the processor's cache as it was; what surface.cpp compiles is like any other.
-#ifndef MDF_SELDOM
-#ifdef __GNUC__
-#define MDF_SELDOM __attribute__((cold))
-#else
-#define MDF_SELDOM
-#endif
-#endif
-
-// For what is compiled once more for textures without a block: inlined, each call's rays would lie
-// in the frame of a function that calls itself, and that no longer stays in the processor's cache.
-#ifdef __GNUC__
-#define MDF_APART __attribute__((noinline))
-#else
-#define MDF_APART
-#endif
-
 namespace pov {
 
 class Mesh;
@@ -41,8 +23,8 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene);
 // How much wider a ray of the width `size` gets, for each unit on, where it is reflected by a
 // curved surface: 2 · size · mean curvature; less than 0 where it is hollow. For scenes
 // with a block that looks at widths.
-MDF_SELDOM double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
-                           TraceThreadData *thread);
+double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
+                TraceThreadData *thread);
 
 // Remembers what a lamp looks like: reflections leave it out, whose light is a highlight already.
 void Mark_Mdf_Lamp(ObjectBase *object);
@@ -66,12 +48,11 @@ public:
   // isect.IPoint in the layer's space. opacity: of the layer's pigment, for the
   // diffuse part. pixel: of the dump, or -1. width: the alpha that rough surfaces before this one
   // spread the ray by; size: how wide the ray is here. pigment: the layer's colour.
-  MDF_SELDOM void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
-                          const Vector3d &raw_normal, const Vector3d &layer_normal,
-                          const std::vector<const TEXTURE *> &warps, const Vector3d &point,
-                          double opacity, TraceThreadData *thread, mdf::Dump *dump = NULL,
-                          int pixel = -1, double width = 0.0, double size = 0.0,
-                          const RGBColour &pigment = RGBColour(1.0));
+  void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
+               const Vector3d &raw_normal, const Vector3d &layer_normal,
+               const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
+               TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0,
+               double size = 0.0, const RGBColour &pigment = RGBColour(1.0));
 
   // What share of a ray passes between the yarns of a cloth without a backing. Of the layer's own
   // transparency what it leaves is added.
@@ -80,9 +61,8 @@ public:
     return gaps == 0.0 ? transparency : Between(transparency, gaps);
   }
   // The same for a shadow ray.
-  MDF_SELDOM static double ShadowGaps(const FINISH *finish, const Intersection &isect,
-                                      const Ray &ray, const Vector3d &raw_normal,
-                                      TraceThreadData *thread, double size);
+  static double ShadowGaps(const FINISH *finish, const Intersection &isect, const Ray &ray,
+                           const Vector3d &raw_normal, TraceThreadData *thread, double size);
 
   bool HasBlock() const { return shaded.has_material(); }
 
@@ -93,14 +73,14 @@ public:
   // direction: its highlight, its diffuse part, or both. POV-Ray's diffuse term is
   // albedo · cos · colour, without 1/pi: its colour stands for an irradiance of
   // pi · colour. Light of no single source (photons, parts of an area light) is NULL: not dumped.
-  MDF_SELDOM void AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight,
-                           bool diffuse, const LightSource *light, RGBColour &colour) const;
+  void AddLight(const VECTOR direction, const RGBColour &light_colour, bool highlight, bool diffuse,
+                const LightSource *light, RGBColour &colour) const;
 
   // What share of even light the diffuse part reflects, and the rest: of a cloth, all of it.
-  MDF_SELDOM RGBColour DiffuseAlbedo() const;
-  MDF_SELDOM RGBColour SpecularAlbedo() const;
+  RGBColour DiffuseAlbedo() const;
+  RGBColour SpecularAlbedo() const;
   // What conserve_energy takes from the layers below.
-  MDF_SELDOM RGBColour ConservedAlbedo() const;
+  RGBColour ConservedAlbedo() const;
 
   // `reflection { }`: at most how many rays, and what the lobes behind are widened to.
   bool Reflects() const { return HasBlock() && shaded.of().reflects; }
@@ -127,7 +107,7 @@ public:
   void Clamp(RGBColour &colour) const;
 
 private:
-  MDF_SELDOM static RGBColour Between(const RGBColour &transparency, double gaps);
+  static RGBColour Between(const RGBColour &transparency, double gaps);
   mdf::ShadedPoint shaded;
   double gaps;
   // where there is a block
@@ -139,7 +119,7 @@ private:
   bool simple;     // both parts may be lit by one call
   int level;       // of the widened lobes, or -1
 
-  MDF_SELDOM bool Meets(const VECTOR direction) const;
+  bool Meets(const VECTOR direction) const;
   bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;

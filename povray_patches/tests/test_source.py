@@ -34,27 +34,6 @@ def test_check_notices_a_difference(povray, unpatched, tmp_path):
     assert done.returncode == 1 and "DIFFERS one/a.pov" in done.stdout, done.stdout
 
 
-def test_stock_code_lies_where_it_lies_without_the_patches(tmp_path):
-    """Each object of POV-Ray begins where it does in an unpatched build, modulo 64: isosurfaces took 1.20 x longer by that alone."""
-    layout, where = PATCHES / "layout.sh", SOURCE.parent / "povray.map"
-
-    def check(link_map):
-        done = subprocess.run([layout, "check", PATCHES / "layout", link_map], text=True, stdout=subprocess.PIPE)
-        return done.returncode, done.stdout
-    assert check(where) == (0, "")
-    # the program itself, of which the map only tells
-    symbols = subprocess.run(["nm", SOURCE / "unix/povray"], text=True, stdout=subprocess.PIPE, check=True).stdout
-    assert int(re.search(r"^(\w+) T _ZN3pov17POVFPU_RunDefault", symbols, re.M).group(1), 16) % 64 == 32
-    # and the check is able to fail
-    moved = tmp_path / "moved.map"
-    text = where.read_text()
-    begin = re.search(r"^ \.text\s+0x(\w+)(?=\s+0x\w+ \S+libpovray\.a\(fnpovfpu\.o\)$)", text, re.M)
-    moved.write_text(text[:begin.start(1)] + f"{int(begin.group(1), 16) + 16:0{len(begin.group(1))}x}" + text[begin.end(1):])
-    assert check(moved) == (1, "libpovray.a:fnpovfpu.o begins at 32 modulo 64 and not at 16\n")
-    moved.write_text(text.replace("libpovray.a(blob.o)", "libpovray.a(blub.o)"))
-    assert check(moved) == (1, "libpovray.a:blob.o is not there\n")
-
-
 @pytest.mark.parametrize("name", SERIES)
 def test_patch_says_why(name):
     header = (PATCHES / name).read_text().split("\n--- ")[0]
