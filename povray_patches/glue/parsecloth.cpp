@@ -152,49 +152,35 @@ void Parser::Parse_Mdf_Yarns(mdf::Cloth &cloth, bool of_warp, bool of_weft) {
   int word, row;
 
   Begin_Mdf(of.substr(0, of.size() - 2));
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      word = Token.Function_Id;
-      last = Token.Token_String;
-      if (word == mdf::YARN_TRANSMIT) {
-        shade_fabric_params other;
-        for (row = 0; shade_fabric_number(&other, row, &info) != other.warp_transmit; row++)
-          ;
-        Parse_Mdf_Number_Of(of + "transmit", info, number);
-        for (int i = 0; i < 2; i++)
-          if (wanted[i])
-            std::copy(number, number + 3, transmits[i]);
-      } else if (word >= mdf::YARN_MATERIAL) {
-        row = word - mdf::YARN_MATERIAL;
-        shade_fabric_yarn_number(materials[first], row, &info);
-        Parse_Mdf_Number_Of(of + mdf::word_of_yarn(row), info, number);
-        for (int i = 0; i < 2; i++)
-          if (wanted[i]) {
-            place = shade_fabric_yarn_number(materials[i], row, NULL);
-            std::copy(number, number + info.components, place);
-          }
-      } else if (word >= mdf::BLOCK_ROW) {
-        row = word - mdf::BLOCK_ROW;
-        shade_yarn_param_row(row, &info);
-        Parse_Mdf_Number_Of(of + info.word, info, number);
-        for (int i = 0; i < 2; i++)
-          if (wanted[i])
-            *shade_yarn_param(shapes[i], info.word) = number[0];
-      } else
-        Parse_Mdf_Yarn_Colour(cloth, of + "diffuse", wanted);
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_YARN, "}", last);
-    END_CASE
-  END_EXPECT
-  // clang-format on
+  while (Next_Mdf_Word(mdf::WORDS_YARN, last)) {
+    word = Token.Function_Id;
+    if (word == mdf::YARN_TRANSMIT) {
+      shade_fabric_params other;
+      for (row = 0; shade_fabric_number(&other, row, &info) != other.warp_transmit; row++)
+        ;
+      Parse_Mdf_Number_Of(of + "transmit", info, number);
+      for (int i = 0; i < 2; i++)
+        if (wanted[i])
+          std::copy(number, number + 3, transmits[i]);
+    } else if (word >= mdf::YARN_MATERIAL) {
+      row = word - mdf::YARN_MATERIAL;
+      shade_fabric_yarn_number(materials[first], row, &info);
+      Parse_Mdf_Number_Of(of + mdf::word_of_yarn(row), info, number);
+      for (int i = 0; i < 2; i++)
+        if (wanted[i]) {
+          place = shade_fabric_yarn_number(materials[i], row, NULL);
+          std::copy(number, number + info.components, place);
+        }
+    } else if (word >= mdf::BLOCK_ROW) {
+      row = word - mdf::BLOCK_ROW;
+      shade_yarn_param_row(row, &info);
+      Parse_Mdf_Number_Of(of + info.word, info, number);
+      for (int i = 0; i < 2; i++)
+        if (wanted[i])
+          *shade_yarn_param(shapes[i], info.word) = number[0];
+    } else
+      Parse_Mdf_Yarn_Colour(cloth, of + "diffuse", wanted);
+  }
   Parse_End();
 }
 
@@ -338,84 +324,70 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
   int word;
 
   Parse_Begin();
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      word = Token.Function_Id;
-      last = Token.Token_String;
-      switch (word) {
-      case mdf::FABRIC_PRESET:
-        Parse_Mdf_Preset_Named(true, false, preset);
-        cloth->take(preset);
-        material.preset = true;
-        break;
-      case mdf::FABRIC_WEAVE:
-        Parse_Mdf_Weave(*cloth);
-        break;
-      case mdf::FABRIC_DRAFT:
-        Parse_Mdf_Draft(*cloth);
-        break;
-      case mdf::FABRIC_CROSSINGS:
-        Parse_Mdf_Crossings(*cloth);
-        break;
-      case mdf::FABRIC_MM_PER_UNIT:
-        cloth->mm_per_unit = Parse_Mdf_Size("mm_per_unit");
-        cloth->crossings[0] = cloth->crossings[1] = 0.0;
-        break;
-      case mdf::FABRIC_ENDS_PER_CM:
-        cloth->per_cm[0] = Parse_Mdf_Size("ends_per_cm");
-        break;
-      case mdf::FABRIC_PICKS_PER_CM:
-        cloth->per_cm[1] = Parse_Mdf_Size("picks_per_cm");
-        break;
-      case mdf::FABRIC_WARP:
-        Parse_Mdf_Yarns(*cloth, true, false);
-        break;
-      case mdf::FABRIC_WEFT:
-        Parse_Mdf_Yarns(*cloth, false, true);
-        break;
-      case mdf::FABRIC_YARNS:
-        Parse_Mdf_Yarns(*cloth, true, true);
-        break;
-      case mdf::FABRIC_OCCLUSION: {
-        const mdf::WordScope kinds(Mdf_Words, mdf::WORDS_OCCLUSION);
-        Get_Token();
-        if (Token.Token_Id != MDF_WORD_TOKEN)
-          Expect_Mdf_Word(mdf::WORDS_OCCLUSION, "");
-        cloth->yarns.occlusion = (shade_occlusion)Token.Function_Id;
-        break;
-      }
-      case mdf::FABRIC_SEED:
-        Parse_Mdf_Numbers("seed", 1, &number);
-        cloth->yarns.seed = (uint32_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
-        break;
-      case mdf::FABRIC_DRAFT_COLORS:
-        p.draft_colors = Parse_Mdf_Switch("draft_colors");
-        break;
-      case mdf::FABRIC_SHADOWS:
-        p.shadows = Parse_Mdf_Switch("shadows");
-        break;
-      default:
-        if (word >= mdf::BLOCK_ROW) {
-          double *const place = shade_fabric_number(&p, word - mdf::BLOCK_ROW, &info);
-          Parse_Mdf_Number_Of(info.word, info, place);
-        } else if (word >= mdf::BLOCK_LIST)
-          Parse_Mdf_Cloth_Choice(p, (shade_list)(word - mdf::BLOCK_LIST));
-        else
-          p.mdf = (shade_mdf)word;
-      }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_FABRIC, "}", last);
-    END_CASE
-  END_EXPECT
-  // clang-format on
+  while (Next_Mdf_Word(mdf::WORDS_FABRIC, last)) {
+    word = Token.Function_Id;
+    switch (word) {
+    case mdf::FABRIC_PRESET:
+      Parse_Mdf_Preset_Named(true, false, preset);
+      cloth->take(preset);
+      material.preset = true;
+      break;
+    case mdf::FABRIC_WEAVE:
+      Parse_Mdf_Weave(*cloth);
+      break;
+    case mdf::FABRIC_DRAFT:
+      Parse_Mdf_Draft(*cloth);
+      break;
+    case mdf::FABRIC_CROSSINGS:
+      Parse_Mdf_Crossings(*cloth);
+      break;
+    case mdf::FABRIC_MM_PER_UNIT:
+      cloth->mm_per_unit = Parse_Mdf_Size("mm_per_unit");
+      cloth->crossings[0] = cloth->crossings[1] = 0.0;
+      break;
+    case mdf::FABRIC_ENDS_PER_CM:
+      cloth->per_cm[0] = Parse_Mdf_Size("ends_per_cm");
+      break;
+    case mdf::FABRIC_PICKS_PER_CM:
+      cloth->per_cm[1] = Parse_Mdf_Size("picks_per_cm");
+      break;
+    case mdf::FABRIC_WARP:
+      Parse_Mdf_Yarns(*cloth, true, false);
+      break;
+    case mdf::FABRIC_WEFT:
+      Parse_Mdf_Yarns(*cloth, false, true);
+      break;
+    case mdf::FABRIC_YARNS:
+      Parse_Mdf_Yarns(*cloth, true, true);
+      break;
+    case mdf::FABRIC_OCCLUSION: {
+      const mdf::WordScope kinds(Mdf_Words, mdf::WORDS_OCCLUSION);
+      Get_Token();
+      if (Token.Token_Id != MDF_WORD_TOKEN)
+        Expect_Mdf_Word(mdf::WORDS_OCCLUSION, "");
+      cloth->yarns.occlusion = (shade_occlusion)Token.Function_Id;
+      break;
+    }
+    case mdf::FABRIC_SEED:
+      Parse_Mdf_Numbers("seed", 1, &number);
+      cloth->yarns.seed = (uint32_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
+      break;
+    case mdf::FABRIC_DRAFT_COLORS:
+      p.draft_colors = Parse_Mdf_Switch("draft_colors");
+      break;
+    case mdf::FABRIC_SHADOWS:
+      p.shadows = Parse_Mdf_Switch("shadows");
+      break;
+    default:
+      if (word >= mdf::BLOCK_ROW) {
+        double *const place = shade_fabric_number(&p, word - mdf::BLOCK_ROW, &info);
+        Parse_Mdf_Number_Of(info.word, info, place);
+      } else if (word >= mdf::BLOCK_LIST)
+        Parse_Mdf_Cloth_Choice(p, (shade_list)(word - mdf::BLOCK_LIST));
+      else
+        p.mdf = (shade_mdf)word;
+    }
+  }
   Parse_End();
   material.cloth = cloth;
   material.scratches.reset();

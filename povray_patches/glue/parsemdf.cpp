@@ -217,6 +217,19 @@ void Parser::Begin_Mdf(const std::string &word) {
   Parse_Begin();
 }
 
+// The next word of a block; false at the brace that ends it. last: the word before, for errors.
+bool Parser::Next_Mdf_Word(mdf::WordSet words, std::string &last) {
+  Get_Token();
+  if (Token.Token_Id == RIGHT_CURLY_TOKEN) {
+    Unget_Token();
+    return false;
+  }
+  if (Token.Token_Id != MDF_WORD_TOKEN)
+    Expect_Mdf_Word(words, "}", last);
+  last = Token.Token_String;
+  return true;
+}
+
 // Numbers (three: of a colour) that have to be there, and to be numbers. `what` is their name in
 // messages; of: the word that they follow, where that is another one.
 void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v,
@@ -380,53 +393,39 @@ void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
     material.bump_move[axis] = 0.0;
   }
 
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      last = Token.Token_String;
-      if (Token.Function_Id == mdf::IMAGE_STRENGTH)
-        Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
-      else if (Token.Function_Id == mdf::IMAGE_FILTER)
-        material.filtered = Parse_Mdf_Switch("filter");
-      else if (Token.Function_Id == mdf::IMAGE_ONCE)
-        material.bump_once = true;
-      else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
-        const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
-        UV_VECT both;
-        Parse_Mdf_UV(is_scale ? "bump_image scale" : "bump_image translate", both);
-        for (int axis = 0; axis < 2; axis++) {
-          if (!std::isfinite(both[axis]) || (is_scale && both[axis] == 0.0))
-            Error("mdf: bump_image %s is <%g, %g>; it needs finite numbers%s.",
-                  is_scale ? "scale" : "translate", both[U], both[V],
-                  is_scale ? " that are not 0" : "");
-          // in the order they are written, as elsewhere
-          if (is_scale) {
-            material.bump_scale[axis] *= both[axis];
-            material.bump_move[axis] *= both[axis];
-          } else
-            material.bump_move[axis] += both[axis];
-        }
-      } else {
-        type = Token.Function_Id;
-        const std::string file = Token.Token_String;
-        Need_Mdf_Operand("the name of a file, in quotes, after '" + file + "'");
-        const mdf::NoteScope due(Mdf_Due, file + " needs the name of a file, in quotes");
-        char *text = Parse_C_String(true);
-        name = text;
-        POV_FREE(text);
+  while (Next_Mdf_Word(mdf::WORDS_IMAGE, last)) {
+    if (Token.Function_Id == mdf::IMAGE_STRENGTH)
+      Parse_Mdf_Numbers("bump_image strength", 1, &material.strength);
+    else if (Token.Function_Id == mdf::IMAGE_FILTER)
+      material.filtered = Parse_Mdf_Switch("filter");
+    else if (Token.Function_Id == mdf::IMAGE_ONCE)
+      material.bump_once = true;
+    else if (Token.Function_Id == mdf::IMAGE_SCALE || Token.Function_Id == mdf::IMAGE_TRANSLATE) {
+      const bool is_scale = Token.Function_Id == mdf::IMAGE_SCALE;
+      UV_VECT both;
+      Parse_Mdf_UV(is_scale ? "bump_image scale" : "bump_image translate", both);
+      for (int axis = 0; axis < 2; axis++) {
+        if (!std::isfinite(both[axis]) || (is_scale && both[axis] == 0.0))
+          Error("mdf: bump_image %s is <%g, %g>; it needs finite numbers%s.",
+                is_scale ? "scale" : "translate", both[U], both[V],
+                is_scale ? " that are not 0" : "");
+        // in the order they are written, as elsewhere
+        if (is_scale) {
+          material.bump_scale[axis] *= both[axis];
+          material.bump_move[axis] *= both[axis];
+        } else
+          material.bump_move[axis] += both[axis];
       }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_IMAGE, "}", last);
-    END_CASE
-  END_EXPECT
-  // clang-format on
+    } else {
+      type = Token.Function_Id;
+      const std::string file = Token.Token_String;
+      Need_Mdf_Operand("the name of a file, in quotes, after '" + file + "'");
+      const mdf::NoteScope due(Mdf_Due, file + " needs the name of a file, in quotes");
+      char *text = Parse_C_String(true);
+      name = text;
+      POV_FREE(text);
+    }
+  }
 
   if (name.empty())
     Error("mdf: bump_image needs a file: png \"file\" or exr \"file\".");
@@ -481,35 +480,21 @@ void Parser::Parse_Mdf_Reflection(mdf::Material &material) {
   material.reflects = true;
   material.samples = 0;
   material.clamp = 0.0;
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      last = Token.Token_String;
-      if (Token.Function_Id == mdf::REFLECTION_SAMPLES) {
-        Parse_Mdf_Numbers("reflection samples", 1, &number);
-        const double taken = floor(std::min(std::max(number, 1.0), 4096.0));
-        if (taken != number)
-          Warn_Mdf_Number("reflection samples", number, taken);
-        material.samples = (int)taken;
-      } else {
-        Parse_Mdf_Numbers("reflection clamp", 1, &material.clamp);
-        if (material.clamp < 0.0) {
-          Warn_Mdf_Number("reflection clamp", material.clamp, 0.0);
-          material.clamp = 0.0;
-        }
+  while (Next_Mdf_Word(mdf::WORDS_REFLECTION, last)) {
+    if (Token.Function_Id == mdf::REFLECTION_SAMPLES) {
+      Parse_Mdf_Numbers("reflection samples", 1, &number);
+      const double taken = floor(std::min(std::max(number, 1.0), 4096.0));
+      if (taken != number)
+        Warn_Mdf_Number("reflection samples", number, taken);
+      material.samples = (int)taken;
+    } else {
+      Parse_Mdf_Numbers("reflection clamp", 1, &material.clamp);
+      if (material.clamp < 0.0) {
+        Warn_Mdf_Number("reflection clamp", material.clamp, 0.0);
+        material.clamp = 0.0;
       }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_REFLECTION, "}", last);
-    END_CASE
-  END_EXPECT
-  // clang-format on
+    }
+  }
   Parse_End();
 }
 
@@ -623,51 +608,37 @@ void Parser::Parse_Mdf(FINISH *finish) {
     std::string last;
     int word;
 
-    // clang-format off
-    EXPECT
-      CASE (MDF_WORD_TOKEN)
-        word = Token.Function_Id;
-        last = Token.Token_String;
-        if (of_metal.empty() && mdf::is_of_metal(word))
-          of_metal = Token.Token_String;
-        if (word == mdf::BLOCK_TANGENT) {
-          Parse_Mdf_Tangent(material);
-          MIdentity(finish->Mdf_Space); // it counts from here
-          MIdentity(finish->Mdf_Plane);
-        } else if (word == mdf::BLOCK_ROUGHNESS)
-          Parse_Mdf_Roughness(material);
-        else if (word == mdf::BLOCK_BUMP_IMAGE)
-          Parse_Mdf_Bump_Image(material);
-        else if (word == mdf::BLOCK_REFLECTION)
-          Parse_Mdf_Reflection(material);
-        else if (word == mdf::BLOCK_PRESET)
-          Parse_Mdf_Preset(material);
-        else if (word == mdf::BLOCK_FABRIC)
-          Parse_Mdf_Fabric(material);
-        else if (word == mdf::BLOCK_SCRATCHES)
-          Parse_Mdf_Scratches(material);
-        else if (word == mdf::BLOCK_NOTES)
-          material.notes = Parse_Mdf_Switch("notes");
-        else if (word >= mdf::BLOCK_ROW)
-          Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
-        else if (word >= mdf::BLOCK_LIST)
-          Parse_Mdf_Choice(material, (shade_list)(word - mdf::BLOCK_LIST));
-        else { // a distribution
-          shade_params_set_choice(&material.params, SHADE_LIST_MDF, word);
-          Parse_Mdf_Rows(material, SHADE_LIST_MDF, word);
-        }
-      END_CASE
-
-      CASE (RIGHT_CURLY_TOKEN)
-        UNGET
-        EXIT
-      END_CASE
-
-      OTHERWISE
-        Expect_Mdf_Word(mdf::WORDS_BLOCK, "}", last);
-      END_CASE
-    END_EXPECT
-    // clang-format on
+    while (Next_Mdf_Word(mdf::WORDS_BLOCK, last)) {
+      word = Token.Function_Id;
+      if (of_metal.empty() && mdf::is_of_metal(word))
+        of_metal = Token.Token_String;
+      if (word == mdf::BLOCK_TANGENT) {
+        Parse_Mdf_Tangent(material);
+        MIdentity(finish->Mdf_Space); // it counts from here
+        MIdentity(finish->Mdf_Plane);
+      } else if (word == mdf::BLOCK_ROUGHNESS)
+        Parse_Mdf_Roughness(material);
+      else if (word == mdf::BLOCK_BUMP_IMAGE)
+        Parse_Mdf_Bump_Image(material);
+      else if (word == mdf::BLOCK_REFLECTION)
+        Parse_Mdf_Reflection(material);
+      else if (word == mdf::BLOCK_PRESET)
+        Parse_Mdf_Preset(material);
+      else if (word == mdf::BLOCK_FABRIC)
+        Parse_Mdf_Fabric(material);
+      else if (word == mdf::BLOCK_SCRATCHES)
+        Parse_Mdf_Scratches(material);
+      else if (word == mdf::BLOCK_NOTES)
+        material.notes = Parse_Mdf_Switch("notes");
+      else if (word >= mdf::BLOCK_ROW)
+        Parse_Mdf_Row(material, word - mdf::BLOCK_ROW, mdf::word_of_row(word - mdf::BLOCK_ROW));
+      else if (word >= mdf::BLOCK_LIST)
+        Parse_Mdf_Choice(material, (shade_list)(word - mdf::BLOCK_LIST));
+      else { // a distribution
+        shade_params_set_choice(&material.params, SHADE_LIST_MDF, word);
+        Parse_Mdf_Rows(material, SHADE_LIST_MDF, word);
+      }
+    }
   }
   Parse_End();
   if (material.cloth && !of_metal.empty())

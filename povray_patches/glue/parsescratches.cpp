@@ -33,48 +33,34 @@ void Parser::Parse_Mdf_Scratches(mdf::Material &material) {
   double number;
 
   Parse_Begin();
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      last = Token.Token_String;
-      switch (Token.Function_Id) {
-      case mdf::SCRATCH_PRESET:
-        Parse_Mdf_Preset_Named(false, true, preset);
-        scratches->take(preset);
-        break;
-      case mdf::SCRATCH_TILE_MM:
-        number = Parse_Mdf_Size("tile_mm");
-        if (!scratches->set_tile(number))
-          Warn_Mdf("a tile_mm of " + mdf::text_of(number) +
-                   " would hold more than a million scratches; they have grown instead.");
-        break;
-      case mdf::SCRATCH_MM_PER_UNIT:
-        scratches->mm_per_unit = Parse_Mdf_Size("mm_per_unit");
-        break;
-      case mdf::SCRATCH_SEED:
-        Parse_Mdf_Numbers("seed", 1, &number);
-        scratches->params.seed = (uint64_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
-        break;
-      default:
-        if (first) // the first layer takes the place of those that were there
-          scratches->begin_layers();
-        else if (scratches->params.layers == SHADE_SCRATCH_LAYERS)
-          Error("mdf: scratches have %d layers at most.", (int)SHADE_SCRATCH_LAYERS);
-        first = false;
-        Parse_Mdf_Layer(*scratches);
-      }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_SCRATCHES, "}", last);
-    END_CASE
-  END_EXPECT
-  // clang-format on
+  while (Next_Mdf_Word(mdf::WORDS_SCRATCHES, last)) {
+    switch (Token.Function_Id) {
+    case mdf::SCRATCH_PRESET:
+      Parse_Mdf_Preset_Named(false, true, preset);
+      scratches->take(preset);
+      break;
+    case mdf::SCRATCH_TILE_MM:
+      number = Parse_Mdf_Size("tile_mm");
+      if (!scratches->set_tile(number))
+        Warn_Mdf("a tile_mm of " + mdf::text_of(number) +
+                 " would hold more than a million scratches; they have grown instead.");
+      break;
+    case mdf::SCRATCH_MM_PER_UNIT:
+      scratches->mm_per_unit = Parse_Mdf_Size("mm_per_unit");
+      break;
+    case mdf::SCRATCH_SEED:
+      Parse_Mdf_Numbers("seed", 1, &number);
+      scratches->params.seed = (uint64_t)(int64_t)std::min(std::max(number, -1e15), 1e15);
+      break;
+    default:
+      if (first) // the first layer takes the place of those that were there
+        scratches->begin_layers();
+      else if (scratches->params.layers == SHADE_SCRATCH_LAYERS)
+        Error("mdf: scratches have %d layers at most.", (int)SHADE_SCRATCH_LAYERS);
+      first = false;
+      Parse_Mdf_Layer(*scratches);
+    }
+  }
   Parse_End();
   material.scratches = scratches;
 }
@@ -106,50 +92,36 @@ void Parser::Parse_Mdf_Layer(mdf::Scratches &scratches) {
   plain.set_tile(scratches.tile_mm);
   layer = plain.params.layer[0];
   Begin_Mdf("layer");
-  // clang-format off
-  EXPECT
-    CASE (MDF_WORD_TOKEN)
-      last = Token.Token_String;
-      switch (Token.Function_Id) {
-      case mdf::LAYER_PITS: {
-        Parse_Mdf_Numbers("pits", 1, &number);
-        const double taken = floor(std::min(std::max(number, 0.0), (double)SHADE_SCRATCH_MAX_PITS));
-        if (taken != number)
-          Warn_Mdf_Number("pits", number, taken);
-        layer.pits = (uint32_t)taken;
-        break;
-      }
-      case mdf::LAYER_RADIUS:
-        Parse_Mdf_Range("radius", 1e-6, 0.5, scratches.tile_mm, layer.radius);
-        break;
-      case mdf::LAYER_STRETCH:
-        Parse_Mdf_Range("stretch", 1.0, 1e5, 1.0, layer.stretch);
-        break;
-      case mdf::LAYER_DEPTH:
-        Parse_Mdf_Range("depth", 0.0, 0.99, 1.0, layer.depth);
-        break;
-      case mdf::LAYER_DIRECTION:
-        Parse_Mdf_Numbers("direction", 1, &number);
-        layer.direction = degree * number;
-        break;
-      default:
-        Parse_Mdf_Numbers("spread", 1, &number);
-        layer.spread = degree * std::min(std::max(number, 0.0), 90.0);
-        if (number < 0.0 || number > 90.0)
-          Warn_Mdf_Number("spread", number, layer.spread / degree);
-      }
-    END_CASE
-
-    CASE (RIGHT_CURLY_TOKEN)
-      UNGET
-      EXIT
-    END_CASE
-
-    OTHERWISE
-      Expect_Mdf_Word(mdf::WORDS_LAYER, "}", last);
-    END_CASE
-  END_EXPECT
-  // clang-format on
+  while (Next_Mdf_Word(mdf::WORDS_LAYER, last)) {
+    switch (Token.Function_Id) {
+    case mdf::LAYER_PITS: {
+      Parse_Mdf_Numbers("pits", 1, &number);
+      const double taken = floor(std::min(std::max(number, 0.0), (double)SHADE_SCRATCH_MAX_PITS));
+      if (taken != number)
+        Warn_Mdf_Number("pits", number, taken);
+      layer.pits = (uint32_t)taken;
+      break;
+    }
+    case mdf::LAYER_RADIUS:
+      Parse_Mdf_Range("radius", 1e-6, 0.5, scratches.tile_mm, layer.radius);
+      break;
+    case mdf::LAYER_STRETCH:
+      Parse_Mdf_Range("stretch", 1.0, 1e5, 1.0, layer.stretch);
+      break;
+    case mdf::LAYER_DEPTH:
+      Parse_Mdf_Range("depth", 0.0, 0.99, 1.0, layer.depth);
+      break;
+    case mdf::LAYER_DIRECTION:
+      Parse_Mdf_Numbers("direction", 1, &number);
+      layer.direction = degree * number;
+      break;
+    default:
+      Parse_Mdf_Numbers("spread", 1, &number);
+      layer.spread = degree * std::min(std::max(number, 0.0), 90.0);
+      if (number < 0.0 || number > 90.0)
+        Warn_Mdf_Number("spread", number, layer.spread / degree);
+    }
+  }
   Parse_End();
   scratches.params.layers++;
   scratches.end_layer();
