@@ -882,8 +882,6 @@ long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene) {
   return without;
 }
 
-MdfHit MdfHitOf<false>::none;
-
 void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
                      const Vector3d &raw_normal, const Vector3d &layer_normal,
                      const std::vector<const TEXTURE *> &warps, const Vector3d &ipoint,

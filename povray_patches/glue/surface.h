@@ -125,21 +125,6 @@ private:
               const double S[3]) const;
 };
 
-// The hit of code that is compiled for textures with a block and for those without one, where it
-// takes no room on the stack: nobody asks it.
-template <bool BLOCK> struct MdfHitOf {
-  MdfHit &of() { return hit; }
-
-private:
-  MdfHit hit;
-};
-template <> struct MdfHitOf<false> {
-  MdfHit &of() { return none; }
-
-private:
-  static MdfHit none;
-};
-
 } // namespace pov
 
 #endif
