@@ -2,7 +2,7 @@
 """POV-Ray's shapes as meshes of Blender, fine enough that neither silhouettes nor normals tell (inside Blender).
 
 All is said in POV-Ray's words and axes: a point (x, y, z) there is (x, z, y) here. UV coordinates are those of POV-Ray's
-own shapes; where a shape has none there, u runs as its strokes do, by `surface.cpp` of the patches. Normals are those of the
+own shapes; where a shape has none there, u runs as its strokes do, by `tangents.cpp` of the patches. Normals are those of the
 shape, not of its faces.
 """
 import math

@@ -76,7 +76,7 @@ private:
 
 // Where on the cloth a ray meets it, in crossings.
 struct ClothPlace {
-  double uv[2], foot[2];
+  double uv[2], footprint[2];
   bool far; // as what is out of the eye's sight needs it
 };
 

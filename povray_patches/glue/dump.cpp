@@ -111,7 +111,7 @@ bool Dump::hit(int pixel, const Material *material, const double P[3], const dou
   if (shade_dump_has(data, SHADE_DUMP_FOOT)) {
     static const double none[2] = {0.0, 0.0};
     const double coverage = 1.0 - gaps;
-    put(shade_dump_plane(data, SHADE_DUMP_FOOT), pixel, cloth ? cloth->foot : none, 2);
+    put(shade_dump_plane(data, SHADE_DUMP_FOOT), pixel, cloth ? cloth->footprint : none, 2);
     put(shade_dump_plane(data, SHADE_DUMP_COVERAGE), pixel, &coverage, 1);
   }
   // A light that sends nothing here is never reported; L must still be a direction.

@@ -354,7 +354,7 @@ double ShadedPoint::lay(const ClothPlace &place) {
   shade_fabric_point_init(material->woven->fabric(), &point);
   for (int i = 0; i < 2; i++) {
     point.uv[i] = place.uv[i];
-    point.footprint[i] = place.foot[i];
+    point.footprint[i] = place.footprint[i];
   }
   for (int c = 0; c < 3; c++) {
     point.n[c] = normal[c];

@@ -17,6 +17,7 @@
 #include "backend/math/matrices.h"
 #include "backend/mdf/notes.h"
 #include "backend/mdf/surface.h"
+#include "backend/mdf/tangents.h"
 #include "backend/mdf/words.h"
 #include "backend/parser/parse.h"
 #include "backend/scene/scene.h"

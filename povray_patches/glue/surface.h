@@ -11,15 +11,6 @@
 
 namespace pov {
 
-class Mesh;
-
-// How the tangents of an object are found. Meshes: mdf_add_mesh.
-mdf::Shape::Kind mdf_kind(const ObjectBase *object);
-
-// Computes the tangents of a mesh (once per MESH_DATA) for the render threads.
-// Returns how many of its corners have no UV direction. Throws std::bad_alloc.
-long mdf_add_mesh(const Mesh *mesh, mdf::Scene &scene);
-
 // How much wider a ray of the width `size` gets, for each unit on, where it is reflected by a
 // curved surface: 2 · size · mean curvature; less than 0 where it is hollow. For scenes
 // with a block that looks at widths.
@@ -123,6 +114,7 @@ private:
   bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;
+  void RecordParts(const LightSource *light, const VECTOR direction, const double E[3]) const;
 };
 
 } // namespace pov
