@@ -93,7 +93,7 @@ std::string Cloth::json(int id, const char *name) const {
   return std::string(&text[0]);
 }
 
-Woven::Woven(const Cloth &cloth) : material(cloth.material) {
+PreparedCloth::PreparedCloth(const Cloth &cloth) : material(cloth.material) {
   pigment[0] = cloth.pigment[0];
   pigment[1] = cloth.pigment[1];
   const std::shared_ptr<shade_draft> named(
@@ -107,11 +107,11 @@ Woven::Woven(const Cloth &cloth) : material(cloth.material) {
     throw std::bad_alloc();
 }
 
-bool Woven::painted() const {
+bool PreparedCloth::painted() const {
   return pigment[0] || pigment[1];
 }
 
-std::shared_ptr<shade_fabric_albedo> Woven::table(double paint) const {
+std::shared_ptr<shade_fabric_albedo> PreparedCloth::table(double paint) const {
   std::shared_ptr<shade_fabric> cloth = ready;
 
   if (painted()) {
@@ -131,7 +131,7 @@ std::shared_ptr<shade_fabric_albedo> Woven::table(double paint) const {
   return made;
 }
 
-void Woven::albedo(const double wo[3], const double colour[3], double rgb[3]) const {
+void PreparedCloth::albedo(const double wo[3], const double colour[3], double rgb[3]) const {
   std::call_once(asked, [this] {
     white = table(1.0);
     if (painted())
@@ -146,14 +146,14 @@ void Woven::albedo(const double wo[3], const double colour[3], double rgb[3]) co
     rgb[c] = none[c] + colour[c] * (rgb[c] - none[c]);
 }
 
-std::shared_ptr<const Woven> Loom::woven(const Cloth &cloth) {
+std::shared_ptr<const PreparedCloth> ClothCache::prepared(const Cloth &cloth) {
   // a dump's words do not say whose colour is the pigment's
-  std::shared_ptr<const Woven> &kept =
+  std::shared_ptr<const PreparedCloth> &kept =
       by_text[(cloth.pigment[0] ? "p" : " ") + std::string(cloth.pigment[1] ? "p" : " ") +
               cloth.json(0, "")];
 
   if (!kept)
-    kept.reset(new Woven(cloth));
+    kept.reset(new PreparedCloth(cloth));
   return kept;
 }
 

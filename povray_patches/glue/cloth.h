@@ -39,10 +39,10 @@ struct Cloth {
 };
 
 // One that is ready for light. Threads may share it.
-class Woven {
+class PreparedCloth {
 public:
   // Throws std::bad_alloc.
-  explicit Woven(const Cloth &cloth);
+  explicit PreparedCloth(const Cloth &cloth);
 
   const shade_fabric *fabric() const { return ready.get(); }
   // The share of even light that leaves towards wo (local), where the pigment has this colour.
@@ -61,17 +61,17 @@ private:
   bool painted() const;
   std::shared_ptr<shade_fabric_albedo> table(double paint) const;
 
-  Woven(const Woven &);
-  Woven &operator=(const Woven &);
+  PreparedCloth(const PreparedCloth &);
+  PreparedCloth &operator=(const PreparedCloth &);
 };
 
-// Equal cloths are woven once: scenes copy them in loops.
-class Loom {
+// Equal cloths are prepared once: scenes copy them in loops.
+class ClothCache {
 public:
-  std::shared_ptr<const Woven> woven(const Cloth &cloth);
+  std::shared_ptr<const PreparedCloth> prepared(const Cloth &cloth);
 
 private:
-  std::map<std::string, std::shared_ptr<const Woven>> by_text;
+  std::map<std::string, std::shared_ptr<const PreparedCloth>> by_text;
 };
 
 // Where on the cloth a ray meets it, in crossings.

@@ -15,8 +15,9 @@ Material::Material()
     : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_once(false),
       bump_scale(), bump_move(), reflects(false), notes(false), preset(false), samples(0),
       clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
-      has_diffuse(false), matt(false), lambert(false), rejects(false), bends(false), black(),
-      widened(), widened_black(), width(0.0), rays(1), lattice(Lattice::of(1)) {
+      has_diffuse(false), diffuse_only(false), lambert(false), rejects(false), bends(false),
+      black(), regularized(), regularized_black(), roughness(0.0), rays(1),
+      lattice(Lattice::of(1)) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -40,7 +41,7 @@ shade_params specular_of(const shade_params &p) {
 }
 
 // The specular part, no narrower than a level.
-shade_params widened(const shade_params &params, int level) {
+shade_params regularized(const shade_params &params, int level) {
   shade_params p = specular_of(params);
 
   if (level >= 0) {
@@ -72,9 +73,9 @@ void reduce(double side[2][2]) {
 }
 
 // What reflections need of a block.
-void widen(Material &m) {
-  if (m.cloth) { // what is matt comes from all sides
-    m.width = 0.5;
+void prepare_reflection(Material &m) {
+  if (m.cloth) { // its light comes from all sides
+    m.roughness = 0.5;
     m.rays = m.samples > 0 ? m.samples : 32;
     m.lattice = Lattice::of((unsigned int)m.rays);
     return;
@@ -82,7 +83,7 @@ void widen(Material &m) {
   const double ax = alpha_of(m.params, m.params.ax, m.params.ex);
   const double ay = alpha_of(m.params, m.params.ay, m.params.ey);
 
-  m.width = 0.5 * std::sqrt(ax * ay);
+  m.roughness = 0.5 * std::sqrt(ax * ay);
   // the noise of n draws goes with the root of what they are spread over: by the plate, and where
   // there are scratches by their slopes as well
   double spread = std::sqrt(std::max(ax, ay));
@@ -96,11 +97,11 @@ void widen(Material &m) {
   m.rays = m.samples > 0 ? m.samples : rays < 64.0 ? (int)std::max(rays, 4.0) : 64;
   m.lattice = Lattice::of((unsigned int)m.rays);
   for (int level = 0; level < Material::LEVELS; level++) {
-    shade_params p = widened(m.params, level);
-    shade_bsdf_setup(&m.widened[level], &p);
+    shade_params p = regularized(m.params, level);
+    shade_bsdf_setup(&m.regularized[level], &p);
     for (int c = 0; c < 3; c++)
       p.f0[c] = 0.0;
-    shade_bsdf_setup(&m.widened_black[level], &p);
+    shade_bsdf_setup(&m.regularized_black[level], &p);
   }
 }
 
@@ -131,20 +132,20 @@ void split(Material &m) {
     diffuse.mdf = SHADE_MDF_GGX;
     shade_params_set_alphas(&diffuse, 1.0, 1.0);
   }
-  m.matt = m.params.fresnel == SHADE_FRESNEL_NONE && !m.specular_pigment && m.params.f0[0] == 0.0 &&
-           m.params.f0[1] == 0.0 && m.params.f0[2] == 0.0;
-  m.lambert = m.matt && m.params.diffuse == SHADE_DIFFUSE_LAMBERT && !m.cloth && !m.bump &&
+  m.diffuse_only = m.params.fresnel == SHADE_FRESNEL_NONE && !m.specular_pigment &&
+                   m.params.f0[0] == 0.0 && m.params.f0[1] == 0.0 && m.params.f0[2] == 0.0;
+  m.lambert = m.diffuse_only && m.params.diffuse == SHADE_DIFFUSE_LAMBERT && !m.cloth && !m.bump &&
               !m.scratches && !m.reflects;
   m.rejects = m.params.detail != SHADE_DETAIL_NONE && m.params.horizon != SHADE_HORIZON_SCHUESSLER;
   m.bends = m.params.horizon == SHADE_HORIZON_VALID_REFLECTION ||
             m.params.horizon == SHADE_HORIZON_VALID_ESTEVEZ;
-  shade_bsdf_setup(&m.bsdf, m.matt ? &diffuse : &m.params);
+  shade_bsdf_setup(&m.bsdf, m.diffuse_only ? &diffuse : &m.params);
   shade_bsdf_setup(&m.specular, &specular);
   shade_bsdf_setup(&m.diffuse, &diffuse);
 
   m.albedo.reset();
   if (m.has_diffuse && m.params.diffuse != SHADE_DIFFUSE_LAMBERT)
-    m.albedo.reset(new LateAlbedo(diffuse));
+    m.albedo.reset(new LazyAlbedo(diffuse));
 }
 
 } // namespace
@@ -194,7 +195,7 @@ Lattice Lattice::of(unsigned int count) {
   return best;
 }
 
-const shade_bsdf_albedo *LateAlbedo::make() const {
+const shade_bsdf_albedo *LazyAlbedo::make() const {
   const std::lock_guard<std::mutex> one(making);
   shade_bsdf_albedo *made = table.load(std::memory_order_relaxed);
 
@@ -230,12 +231,12 @@ const Material *Scene::add(const Material &material) {
   kept->id = (int)materials.size();
   kept->specular_albedo.reset();
   kept->black_albedo.reset();
-  kept->woven.reset();
+  kept->prepared_cloth.reset();
   kept->slopes.reset();
   kept->field.reset();
   split(*kept);
-  widen(*kept);
-  if (!kept->cloth && !kept->matt) {
+  prepare_reflection(*kept);
+  if (!kept->cloth && !kept->diffuse_only) {
     shade_params p = specular_of(kept->params);
     kept->specular_albedo = albedo_of(p);
     for (int c = 0; c < 3; c++)
@@ -249,11 +250,11 @@ const Material *Scene::add(const Material &material) {
   return kept.get();
 }
 
-std::shared_ptr<const LateAlbedo> Scene::albedo_of(const shade_params &params) {
+std::shared_ptr<const LazyAlbedo> Scene::albedo_of(const shade_params &params) {
   for (size_t i = albedos.size(); i-- > 0;)
     if (std::memcmp(&albedos[i]->params, &params, sizeof params) == 0)
       return albedos[i];
-  albedos.push_back(std::make_shared<const LateAlbedo>(params));
+  albedos.push_back(std::make_shared<const LazyAlbedo>(params));
   return albedos.back();
 }
 
@@ -263,9 +264,9 @@ void Scene::use(const Material *material) {
   if (m.bump && !m.slopes)
     m.slopes = m.bump->slopes(m.strength);
   if (m.scratches && !m.field)
-    m.field = scratcher.field(m.scratches->params);
-  if (m.cloth && !m.woven)
-    m.woven = loom.woven(*m.cloth);
+    m.field = scratch_fields.field(m.scratches->params);
+  if (m.cloth && !m.prepared_cloth)
+    m.prepared_cloth = cloths.prepared(*m.cloth);
 }
 
 bool Scene::has_cloth() const {
@@ -346,12 +347,12 @@ void ShadedPoint::set_pigment(const double rgb[3]) {
     pigment[c] = std::min(std::max(rgb[c], 0.0), 1.0);
 }
 
-double ShadedPoint::lay(const ClothPlace &place) {
+double ShadedPoint::prepare_cloth(const ClothPlace &place) {
   const Cloth &cloth = *material->cloth;
   shade_fabric_point point;
   double coverage = 1.0;
 
-  shade_fabric_point_init(material->woven->fabric(), &point);
+  shade_fabric_point_init(material->prepared_cloth->fabric(), &point);
   for (int i = 0; i < 2; i++) {
     point.uv[i] = place.uv[i];
     point.footprint[i] = place.footprint[i];
@@ -364,7 +365,7 @@ double ShadedPoint::lay(const ClothPlace &place) {
       point.weft_kd[c] = pigment[c];
   }
   hit.reset(new shade_fabric_hit);
-  shade_fabric_prepare(material->woven->fabric(), &point, eye,
+  shade_fabric_prepare(material->prepared_cloth->fabric(), &point, eye,
                        place.far ? SHADE_TIER_FAR : SHADE_TIER_AUTO, hit.get(), &coverage);
   return coverage;
 }
@@ -396,7 +397,7 @@ void ShadedPoint::roughen(double share, const double mean[3], const double covar
   double local[3];
   shade_slope_lobes lobes = {1, {0.0}, {0.0}, {1.0}, {1.0}};
   to_local(mean, local);
-  part.params = widened(material->params, level);
+  part.params = regularized(material->params, level);
   part.angle = 0.0;
   if (wider)
     shade_params_split(&part.params, local, covariance, most, &part.params, &part.angle, &lobes);
@@ -406,9 +407,10 @@ void ShadedPoint::roughen(double share, const double mean[3], const double covar
     shade_params p = part.params;
     for (int c = 0; c < 3; c++)
       p.f0[c] = black ? 0.0 : p.f0[c];
-    part.bsdf[black] = wider        ? &part.own[black]
-                       : level >= 0 ? &(black ? material->widened_black : material->widened)[level]
-                                    : &(black ? material->black : material->specular);
+    part.bsdf[black] = wider ? &part.own[black]
+                       : level >= 0
+                           ? &(black ? material->regularized_black : material->regularized)[level]
+                           : &(black ? material->black : material->specular);
     if (wider)
       shade_bsdf_setup(&part.own[black], &p);
   }
@@ -443,7 +445,7 @@ int ShadedPoint::lobes(LobeSeen seen[MOST_LOBES]) const {
 }
 
 // f cos of one of the material's lobes.
-void ShadedPoint::lobe_light(Lobe of, const shade_bsdf *b, const double wi[3], double f[3]) const {
+void ShadedPoint::eval_lobe(Lobe of, const shade_bsdf *b, const double wi[3], double f[3]) const {
   shade_bsdf_hit *const at = &prepared_hit[of];
   double cosine;
 
@@ -457,7 +459,7 @@ void ShadedPoint::lobe_light(Lobe of, const shade_bsdf *b, const double wi[3], d
 }
 
 // The same of all that slopes make of it: the specular ones each in a frame of its own.
-void ShadedPoint::rough_light(Lobe of, const double wi[3], double f[3]) const {
+void ShadedPoint::eval_rough(Lobe of, const double wi[3], double f[3]) const {
   const bool turned = of != OF_DIFFUSE;
   double i[3], one[3], cosine;
 
@@ -484,12 +486,12 @@ void ShadedPoint::specular(bool in_black, int level, const double wi[3], double 
   const Material &m = *material;
 
   if (rough)
-    rough_light(in_black ? OF_BLACK : OF_SPECULAR, wi, f);
+    eval_rough(in_black ? OF_BLACK : OF_SPECULAR, wi, f);
   else if (level < 0)
-    lobe_light(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &m.black : &m.specular, wi, f);
+    eval_lobe(in_black ? OF_BLACK : OF_SPECULAR, in_black ? &m.black : &m.specular, wi, f);
   else
-    lobe_light(in_black ? OF_WIDENED_BLACK : OF_WIDENED,
-               in_black ? &m.widened_black[level] : &m.widened[level], wi, f);
+    eval_lobe(in_black ? OF_REGULARIZED_BLACK : OF_REGULARIZED,
+              in_black ? &m.regularized_black[level] : &m.regularized[level], wi, f);
 }
 
 void ShadedPoint::to_world(const double local[3], double world[3]) const {
@@ -503,13 +505,13 @@ void ShadedPoint::tint(const double black[3], double white[3]) const {
     white[c] = black[c] + pigment[c] * (white[c] - black[c]);
 }
 
-void ShadedPoint::light(Part part, int level, const double L[3], const double E[3],
-                        double S[3]) const {
+void ShadedPoint::eval(Part part, int level, const double L[3], const double E[3],
+                       double S[3]) const {
   const Material &m = *material;
   double wi[3], f[3];
 
   if (lambert) {
-    light_lambert(L, E, S);
+    eval_lambert(L, E, S);
     paint_diffuse(S);
     for (int c = 0; c < 3 && part == SPECULAR; c++)
       S[c] = 0.0;
@@ -517,15 +519,15 @@ void ShadedPoint::light(Part part, int level, const double L[3], const double E[
   }
   to_local(L, wi);
   if (m.cloth)
-    shade_fabric_hit_eval(m.woven->fabric(), hit.get(), wi, f);
+    shade_fabric_hit_eval(m.prepared_cloth->fabric(), hit.get(), wi, f);
   else if (part == DIFFUSE) {
     if (rough)
-      rough_light(OF_DIFFUSE, wi, f);
+      eval_rough(OF_DIFFUSE, wi, f);
     else
-      lobe_light(OF_DIFFUSE, &m.diffuse, wi, f);
+      eval_lobe(OF_DIFFUSE, &m.diffuse, wi, f);
     paint_diffuse(f);
   } else if (part == ALL)
-    lobe_light(OF_ALL, &m.bsdf, wi, f);
+    eval_lobe(OF_ALL, &m.bsdf, wi, f);
   else {
     specular(false, level, wi, f);
     if (m.specular_pigment) {
@@ -564,7 +566,7 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
   const Material &m = *material;
 
   if (m.cloth) {
-    m.woven->albedo(eye, pigment, albedo);
+    m.prepared_cloth->albedo(eye, pigment, albedo);
     return;
   }
   for (int c = 0; c < 3; c++)
@@ -580,7 +582,7 @@ void ShadedPoint::specular_albedo(double albedo[3]) const {
 }
 
 // f cos of all the lobes, by a draw of one of them; pdf: of any of them.
-bool ShadedPoint::draw_rough(const double u[3], double wi[3], double f[3], double *pdf) const {
+bool ShadedPoint::sample_rough(const double u[3], double wi[3], double f[3], double *pdf) const {
   const bool by_second = u[2] < 0.0;
   double rest = u[by_second ? 1 : 2], drawn[3], cosine, at[2] = {u[0], u[1]};
   int k = 0;
@@ -606,33 +608,33 @@ bool ShadedPoint::draw_rough(const double u[3], double wi[3], double f[3], doubl
     other.of->turn(wi, drawn);
     *pdf += other.share * shade_bsdf_pdf(other.of->bsdf[0], other.normal, drawn, other.eye, NULL);
   }
-  rough_light(OF_SPECULAR, wi, f);
+  eval_rough(OF_SPECULAR, wi, f);
   return true;
 }
 
-bool ShadedPoint::draw(int level, const double u[3], double L[3], double reflectance[3]) const {
+bool ShadedPoint::sample(int level, const double u[3], double L[3], double throughput[3]) const {
   const Material &m = *material;
   double wi[3], f[3], pdf, cosine = 1.0;
 
   if (m.cloth)
-    shade_fabric_hit_sample(m.woven->fabric(), hit.get(), u, wi, f, &pdf);
+    shade_fabric_hit_sample(m.prepared_cloth->fabric(), hit.get(), u, wi, f, &pdf);
   else if (rough) {
-    if (!draw_rough(u, wi, f, &pdf))
+    if (!sample_rough(u, wi, f, &pdf))
       return false;
   } else
-    shade_bsdf_sample(level < 0 ? &m.specular : &m.widened[level], normal, eye, u, wi, f, &pdf,
+    shade_bsdf_sample(level < 0 ? &m.specular : &m.regularized[level], normal, eye, u, wi, f, &pdf,
                       &cosine);
   if (!(pdf > 0.0) || !(wi[2] > 0.0 || m.cloth))
     return false;
   to_world(wi, L);
   if (m.specular_pigment && !m.cloth) {
     static const double one[3] = {1.0, 1.0, 1.0};
-    light(SPECULAR, level, L, one, f);
+    eval(SPECULAR, level, L, one, f);
     cosine = 1.0;
   }
   for (int c = 0; c < 3; c++)
-    reflectance[c] = f[c] * cosine / pdf;
-  return reflectance[0] > 0.0 || reflectance[1] > 0.0 || reflectance[2] > 0.0;
+    throughput[c] = f[c] * cosine / pdf;
+  return throughput[0] > 0.0 || throughput[1] > 0.0 || throughput[2] > 0.0;
 }
 
 } // namespace mdf

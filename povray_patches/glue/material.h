@@ -24,10 +24,10 @@ namespace mdf {
 
 // A table of albedos, made when a ray asks for it first: without `ambient`, radiosity and
 // conserve_energy none does. Any thread may.
-class LateAlbedo {
+class LazyAlbedo {
 public:
-  explicit LateAlbedo(const shade_params &p) : params(p), table(NULL) {}
-  ~LateAlbedo() { shade_bsdf_albedo_free(table.load()); }
+  explicit LazyAlbedo(const shade_params &p) : params(p), table(NULL) {}
+  ~LazyAlbedo() { shade_bsdf_albedo_free(table.load()); }
   // Throws std::bad_alloc.
   const shade_bsdf_albedo *get() const {
     const shade_bsdf_albedo *const made = table.load(std::memory_order_acquire);
@@ -92,31 +92,31 @@ struct Material {
   // Of params, made by Scene::add: all of it, and each part alone. They add up.
   shade_bsdf bsdf, specular, diffuse;
   bool has_diffuse;
-  bool matt;    // nothing is specular
-  bool lambert; // all of it is Lambert's law, but for what moves normals
-  bool rejects; // light from below the perturbed normal gives nothing,
-  bool bends;   // unless that normal has been bent for the eye
+  bool diffuse_only; // nothing is specular
+  bool lambert;      // all of it is Lambert's law, but for what moves normals
+  bool rejects;      // light from below the perturbed normal gives nothing,
+  bool bends;        // unless that normal has been bent for the eye
   // Of the diffuse part, where its albedo is not simply params.kd; else NULL.
-  std::shared_ptr<const LateAlbedo> albedo;
-  std::shared_ptr<const LateAlbedo> specular_albedo;
+  std::shared_ptr<const LazyAlbedo> albedo;
+  std::shared_ptr<const LazyAlbedo> specular_albedo;
   // The cloth, once an object shows it (Scene::use); else NULL.
-  std::shared_ptr<const Woven> woven;
+  std::shared_ptr<const PreparedCloth> prepared_cloth;
   // The bump image from afar, likewise.
   std::shared_ptr<const shade_slope_map> slopes;
   std::shared_ptr<const ScratchField> field; // of scratches
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
   // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
   shade_bsdf black;
-  std::shared_ptr<const LateAlbedo> black_albedo;
+  std::shared_ptr<const LazyAlbedo> black_albedo;
 
   // The specular part, no alpha below that of the level. A path that has left a rough surface
   // sees sharp lobes so: it seldom finds a light in them, and then a dazzling one.
   enum { LEVELS = 4 };
-  shade_bsdf widened[LEVELS];
-  shade_bsdf widened_black[LEVELS]; // as `black`
-  double width;                     // what it asks of the lobes behind: half its mean alpha
-  int rays;                         // `samples`, or the choice for them
-  Lattice lattice;                  // of that many points
+  shade_bsdf regularized[LEVELS];
+  shade_bsdf regularized_black[LEVELS]; // as `black`
+  double roughness;                     // what it asks of the lobes behind: half its mean alpha
+  int rays;                             // `samples`, or the choice for them
+  Lattice lattice;                      // of that many points
   // The widest level up to an alpha, or -1.
   static int level_of(double alpha);
 };
@@ -163,7 +163,7 @@ public:
   bool has_bumps() const; // from an image, or scratches
   bool has_scratches() const;
   // Whether any block looks different by how wide a ray is.
-  bool looks_at_widths() const { return by_width; }
+  bool uses_footprints() const { return by_width; }
   // Whether any block has `reflection { }`.
   bool reflects() const { return reflecting; }
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
@@ -183,11 +183,11 @@ private:
   std::vector<std::shared_ptr<Material>> materials;
   bool by_width = false, reflecting = false;
   // equal blocks share one: scenes copy them in loops
-  std::vector<std::shared_ptr<const LateAlbedo>> albedos;
-  Loom loom;
-  Scratcher scratcher;
+  std::vector<std::shared_ptr<const LazyAlbedo>> albedos;
+  ClothCache cloths;
+  ScratchFieldCache scratch_fields;
 
-  std::shared_ptr<const LateAlbedo> albedo_of(const shade_params &params);
+  std::shared_ptr<const LazyAlbedo> albedo_of(const shade_params &params);
   std::set<std::string> warned;
 };
 
@@ -223,10 +223,11 @@ public:
   void set_pigment(const double rgb[3]);
   // Where on its cloth this is: to be told before light comes. Returns the share of the eye's ray
   // that meets something.
-  double lay(const ClothPlace &place);
+  double prepare_cloth(const ClothPlace &place);
   // Bumps too small to be seen, as roughness, on a share of the point: their mean normal, world
-  // space, and the covariance of their slopes, local. level: of Material::widened, or -1. most: so
-  // many lobes stand for them at most. All shares are to be told, 1 together, in MOST_LOBES lobes.
+  // space, and the covariance of their slopes, local. level: of Material::regularized, or -1. most:
+  // so many lobes stand for them at most. All shares are to be told, 1 together, in MOST_LOBES
+  // lobes.
   void roughen(double share, const double mean[3], const double covariance[3], int most, int level);
   bool is_rough() const { return rough != NULL; }
   enum { MOST_LOBES = 3 };
@@ -258,14 +259,14 @@ public:
 
   // S = f cos E for light from the unit direction L with the irradiance E
   // at normal incidence, RGB; f is the material's, or one part of it; all of a cloth's. level: of
-  // Material::widened, or -1.
-  void light(Part part, int level, const double L[3], const double E[3], double S[3]) const;
+  // Material::regularized, or -1.
+  void eval(Part part, int level, const double L[3], const double E[3], double S[3]) const;
   // Both parts of what is no cloth and not roughened, which most is.
-  void light_smooth(const double L[3], const double E[3], double S[3]) const {
+  void eval_smooth(const double L[3], const double E[3], double S[3]) const {
     double wi[3], f[3], cosine;
 
     if (lambert)
-      return light_lambert(L, E, S);
+      return eval_lambert(L, E, S);
     to_local(L, wi);
     if (!(prepared >> OF_ALL & 1)) {
       shade_bsdf_prepare(&material->bsdf, normal, eye, &prepared_hit[OF_ALL]);
@@ -283,7 +284,7 @@ public:
   // A direction L that light comes from, drawn for the specular part (all of a cloth) by numbers
   // in [0, 1), the third of which chooses among lobes (-1: the second does that, too; not on a
   // cloth), and what share of its light is reflected: f cos / pdf. False if there is none.
-  bool draw(int level, const double u[3], double L[3], double reflectance[3]) const;
+  bool sample(int level, const double u[3], double L[3], double throughput[3]) const;
 
 private:
   const Material *material;
@@ -294,7 +295,15 @@ private:
 
   // Each lobe that light may be asked of, prepared for the eye by the first light: most points
   // need one of them.
-  enum Lobe { OF_ALL, OF_DIFFUSE, OF_SPECULAR, OF_BLACK, OF_WIDENED, OF_WIDENED_BLACK, LOBES };
+  enum Lobe {
+    OF_ALL,
+    OF_DIFFUSE,
+    OF_SPECULAR,
+    OF_BLACK,
+    OF_REGULARIZED,
+    OF_REGULARIZED_BLACK,
+    LOBES
+  };
 
   // The material where slopes widen it, in a frame along its own axes.
   struct Wider {
@@ -331,7 +340,7 @@ private:
            n[0] * wi[0] + n[1] * wi[1] + n[2] * wi[2] > 0.0;
   }
   // Of set_lambert(), where no colour is the pigment's.
-  void light_lambert(const double L[3], const double E[3], double S[3]) const {
+  void eval_lambert(const double L[3], const double E[3], double S[3]) const {
     const double share = std::max(over(L), 0.0) / M_PI;
     for (int c = 0; c < 3; c++)
       S[c] = material->params.kd[c] * share * E[c];
@@ -348,10 +357,10 @@ private:
   mutable shade_bsdf_hit prepared_hit[LOBES];
   mutable unsigned int prepared; // bit 1 << lobe
 
-  void lobe_light(Lobe lobe, const shade_bsdf *b, const double wi[3], double f[3]) const;
-  void rough_light(Lobe lobe, const double wi[3], double f[3]) const;
+  void eval_lobe(Lobe lobe, const shade_bsdf *b, const double wi[3], double f[3]) const;
+  void eval_rough(Lobe lobe, const double wi[3], double f[3]) const;
   void specular(bool in_black, int level, const double wi[3], double f[3]) const;
-  bool draw_rough(const double u[3], double wi[3], double f[3], double *pdf) const;
+  bool sample_rough(const double u[3], double wi[3], double f[3], double *pdf) const;
   void tint(const double black[3], double white[3]) const;
   void paint_diffuse(double f[3]) const;
 };

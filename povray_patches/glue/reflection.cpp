@@ -159,23 +159,23 @@ void MdfHit::PathSeed(const unsigned int pixel[2], unsigned int level, const Ray
              seed);
 }
 
-bool MdfHit::Draw(unsigned int index, const unsigned int seed[2], Vector3d &direction,
-                  RGBColour &reflectance) const {
+bool MdfHit::Sample(unsigned int index, const unsigned int seed[2], Vector3d &direction,
+                    RGBColour &throughput) const {
   double u[3];
 
   owen_sobol(index, seed, u);
-  return DrawBy(u, direction, reflectance);
+  return SampleBy(u, direction, throughput);
 }
 
-bool MdfHit::DrawAlone(const unsigned int seed[2], Vector3d &direction,
-                       RGBColour &reflectance) const {
+bool MdfHit::SampleAlone(const unsigned int seed[2], Vector3d &direction,
+                         RGBColour &throughput) const {
   const double u[3] = {seed[0] * 0x1p-32, seed[1] * 0x1p-32, (seed[0] ^ seed[1]) * 0x1p-32};
 
-  return DrawBy(u, direction, reflectance);
+  return SampleBy(u, direction, throughput);
 }
 
-bool MdfHit::DrawOfAll(unsigned int index, unsigned int pixel, const unsigned int seed[2],
-                       Vector3d &direction, RGBColour &reflectance) const {
+bool MdfHit::SampleLattice(unsigned int index, unsigned int pixel, const unsigned int seed[2],
+                           Vector3d &direction, RGBColour &throughput) const {
   const mdf::Lattice &lattice = shaded.of().lattice;
   const uint32_t x = morton_compact(pixel) + seed[0] % DITHER_SIDE;
   const uint32_t y = morton_compact(pixel >> 1) + seed[1] % DITHER_SIDE;
@@ -192,16 +192,16 @@ bool MdfHit::DrawOfAll(unsigned int index, unsigned int pixel, const unsigned in
   u[2] = !shaded.of().cloth ? -1.0
                             : fraction(index * 0.61803398874989485 +
                                        (blue_noise(x + DITHER_SIDE / 2, y)[0] + 0.5) / 256.0);
-  return DrawBy(u, direction, reflectance);
+  return SampleBy(u, direction, throughput);
 }
 
-bool MdfHit::DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const {
+bool MdfHit::SampleBy(const double u[3], Vector3d &direction, RGBColour &throughput) const {
   double L[3], share[3];
 
-  if (!shaded.draw(level, u, L, share))
+  if (!shaded.sample(level, u, L, share))
     return false;
   direction = Vector3d(L);
-  reflectance = rgb_colour(share);
+  throughput = rgb_colour(share);
   return true;
 }
 
@@ -213,13 +213,13 @@ void MdfHit::Clamp(RGBColour &colour) const {
     colour *= most / brightest;
 }
 
-double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
-                TraceThreadData *thread) {
+double Mdf_Mirror_Spread(const Intersection &isect, const Vector3d &raw_normal, double width,
+                         TraceThreadData *thread) {
   // The mean curvature is half of how much normals around the point lean away from it. Objects
   // tell a normal beside a surface as well as on it; those without bounds have no size to go by.
   const double across =
       std::abs(isect.IPoint[X]) + std::abs(isect.IPoint[Y]) + std::abs(isect.IPoint[Z]);
-  const double step = min(max(size, 1e-7 * across + 1e-9), 1e3 * difference_step(isect.Object));
+  const double step = min(max(width, 1e-7 * across + 1e-9), 1e3 * difference_step(isect.Object));
   Vector3d side[2] = {any_tangent(raw_normal), Vector3d()};
   double lean = 0.0, facing = 0.0;
 
@@ -234,8 +234,9 @@ double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double si
     lean += dot(beside, way);
     facing += dot(beside, raw_normal);
   }
-  const double bend = 2.0 * size * lean / (4.0 * step); // a mirror turns twice as far as its normal
-  return !std::isfinite(bend) ? 0.0 : facing < 0.0 ? -bend : bend;
+  const double spread =
+      2.0 * width * lean / (4.0 * step); // a mirror turns twice as far as its normal
+  return !std::isfinite(spread) ? 0.0 : facing < 0.0 ? -spread : spread;
 }
 
 void Mark_Mdf_Lamp(ObjectBase *object) {

@@ -125,7 +125,7 @@ double ScratchField::scratched(shade_slopes *of) const {
   return share;
 }
 
-std::shared_ptr<const ScratchField> Scratcher::field(const shade_scratch_params &params) {
+std::shared_ptr<const ScratchField> ScratchFieldCache::field(const shade_scratch_params &params) {
   for (size_t i = 0; i < made.size(); i++)
     if (std::memcmp(&made[i].first, &params, sizeof params) == 0)
       return made[i].second;

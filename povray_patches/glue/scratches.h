@@ -56,7 +56,7 @@ private:
 };
 
 // Fields are made once for equal numbers: scenes copy blocks in loops.
-class Scratcher {
+class ScratchFieldCache {
 public:
   // Throws std::bad_alloc.
   std::shared_ptr<const ScratchField> field(const shade_scratch_params &params);

@@ -39,11 +39,11 @@ struct ShadingFrame {
                const Vector3d &geometric, const Vector3d &shading, const Vector3d &eye, bool dump);
 
   void find_directions(TraceThreadData *thread);
-  void perturb_normal(double size);
+  void perturb_normal(double width);
   void find_tangent();
-  // What bumps too small to be seen make of the lobes. level: of Material::widened, or -1.
+  // What bumps too small to be seen make of the lobes. level: of Material::regularized, or -1.
   void widen(mdf::ShadedPoint &shaded, int level) const;
-  mdf::ClothPlace place_on_cloth(double size) const;
+  mdf::ClothPlace place_on_cloth(double width) const;
 
   const FINISH *const finish;
   const mdf::Material &material;
@@ -81,7 +81,7 @@ ShadingFrame::ShadingFrame(const FINISH *f, const Intersection &i, const Texture
     : finish(f), material(*f->Mdf), isect(i), space(s), shape(shape_of(i.Object)), dumped(dump),
       cloth(material.cloth != NULL), by_axis(!cloth && material.by_axis()),
       bumped(material.bump && shape.has_uv()), scratched(material.field != NULL),
-      any_tangent_will_do(!cloth && !dumped && material.matt &&
+      any_tangent_will_do(!cloth && !dumped && material.diffuse_only &&
                           material.params.diffuse == SHADE_DIFFUSE_LAMBERT && !bumped &&
                           !scratched),
       N(geometric), V(eye), Ns(shading), uv(), has_directions(false), radial(false),
@@ -110,13 +110,13 @@ void ShadingFrame::find_directions(TraceThreadData *thread) {
                             : uv_directions(shape, isect, N, outside, thread, both, du, dv);
 }
 
-void ShadingFrame::perturb_normal(double size) {
+void ShadingFrame::perturb_normal(double width) {
   if (!(bumped || scratched) || !has_directions)
     return;
   const bool front =
       !bumped || (dot(outside, N) > 0.0) != (Test_Flag(isect.Object, INVERTED_FLAG) != 0);
   double footprint[4];
-  uv_footprint(du, dv, V, size, footprint);
+  uv_footprint(du, dv, V, width, footprint);
   if (!map_frame(N, front, du, dv, map_x, map_y))
     return;
   if (bumped)
@@ -178,9 +178,9 @@ void ShadingFrame::widen(mdf::ShadedPoint &shaded, int level) const {
   }
 }
 
-mdf::ClothPlace ShadingFrame::place_on_cloth(double size) const {
+mdf::ClothPlace ShadingFrame::place_on_cloth(double width) const {
   const mdf::ClothPlace nowhere = {{0.0, 0.0}, {0.0, 0.0}, false};
-  return has_directions ? cloth_place(*material.cloth, plane(), uv, du, dv, N, T, V, size)
+  return has_directions ? cloth_place(*material.cloth, plane(), uv, du, dv, N, T, V, width)
                         : nowhere;
 }
 
@@ -217,8 +217,8 @@ void Transform_Mdf(FINISH *finish, const TRANSFORM *transform, bool with_object)
 void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
                      const Vector3d &raw_normal, const Vector3d &layer_normal,
                      const std::vector<const TEXTURE *> &warps, const Vector3d &ipoint,
-                     double opaque, TraceThreadData *thread, mdf::Dump *d, int p, double width,
-                     double size, const RGBColour &pigment) {
+                     double opaque, TraceThreadData *thread, mdf::Dump *d, int p, double roughness,
+                     double width, const RGBColour &pigment) {
   const mdf::Material &material = *finish->Mdf;
   const bool cloth = material.cloth != NULL, dumped = p >= 0;
 
@@ -227,8 +227,8 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   global_lights = 0;
   opacity = opaque;
   both_sides = simple = false;
-  level = mdf::Material::level_of(width);
-  if (cloth && !material.woven) // no object that shows it was announced
+  level = mdf::Material::level_of(roughness);
+  if (cloth && !material.prepared_cloth) // no object that shows it was announced
     return;
 
   const double rgb[3] = {pigment.red(), pigment.green(), pigment.blue()};
@@ -248,16 +248,16 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   ShadingFrame frame(finish, isect, space, unit(raw_normal), unit(layer_normal),
                      -unit(Vector3d(ray.Direction)), dumped);
   frame.find_directions(thread);
-  frame.perturb_normal(size);
+  frame.perturb_normal(width);
   frame.find_tangent();
   shaded.set(&material, *frame.N, *frame.T, *frame.Ns, *frame.V);
   if (material.has_pigment())
     shaded.set_pigment(rgb);
   mdf::ClothPlace place;
   if (cloth) {
-    place = frame.place_on_cloth(size);
+    place = frame.place_on_cloth(width);
     place.far = level >= 0 || ray.IsRadiosityRay();
-    gaps = 1.0 - shaded.lay(place);
+    gaps = 1.0 - shaded.prepare_cloth(place);
   } else
     frame.widen(shaded, level);
   simple = whole && !cloth && level < 0 && !shaded.is_rough();
@@ -274,13 +274,13 @@ bool Mdf_Is_Open(const FINISH *finish) {
 }
 
 double MdfHit::ShadowGaps(const FINISH *finish, const Intersection &isect, const Ray &ray,
-                          const Vector3d &raw_normal, TraceThreadData *thread, double size) {
+                          const Vector3d &raw_normal, TraceThreadData *thread, double width) {
   if (!Mdf_Is_Open(finish))
     return 0.0;
   const Vector3d facing = dot(raw_normal, Vector3d(ray.Direction)) > 0.0 ? -raw_normal : raw_normal;
   MdfHit hit;
   hit.Prepare(finish, isect, ray, facing, facing, std::vector<const TEXTURE *>(),
-              Vector3d(isect.IPoint), 1.0, thread, NULL, -1, 0.0, size);
+              Vector3d(isect.IPoint), 1.0, thread, NULL, -1, 0.0, width);
   return hit.Gaps();
 }
 
@@ -293,7 +293,7 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
   double S[3];
 
   if (simple && highlight && (diffuse || !material.has_diffuse)) {
-    shaded.light_smooth(direction, E, S);
+    shaded.eval_smooth(direction, E, S);
     colour += rgb_colour(S);
     if (recorded)
       Record(light, direction, E, S);
@@ -309,7 +309,7 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
   if (cloth) { // all of it goes where what is diffuse goes
     if (!highlight && !diffuse)
       return;
-    shaded.light(mdf::ShadedPoint::ALL, -1, from, E, S);
+    shaded.eval(mdf::ShadedPoint::ALL, -1, from, E, S);
     colour += rgb_colour(S) * opacity;
     if (recorded && !turned)
       Record(light, direction, E, S);
@@ -318,11 +318,11 @@ void MdfHit::AddLight(const VECTOR direction, const RGBColour &light_colour, boo
   if (recorded)
     RecordParts(light, direction, E);
   if (highlight) {
-    shaded.light(mdf::ShadedPoint::SPECULAR, level, direction, E, S);
+    shaded.eval(mdf::ShadedPoint::SPECULAR, level, direction, E, S);
     colour += rgb_colour(S);
   }
   if (diffuse && material.has_diffuse) {
-    shaded.light(mdf::ShadedPoint::DIFFUSE, -1, from, E, S);
+    shaded.eval(mdf::ShadedPoint::DIFFUSE, -1, from, E, S);
     colour += rgb_colour(S) * opacity;
   }
 }
@@ -331,9 +331,9 @@ void MdfHit::RecordParts(const LightSource *light, const VECTOR direction,
                          const double E[3]) const {
   double S[3], part[3];
 
-  shaded.light(mdf::ShadedPoint::SPECULAR, -1, direction, E, S);
+  shaded.eval(mdf::ShadedPoint::SPECULAR, -1, direction, E, S);
   if (shaded.of().has_diffuse) {
-    shaded.light(mdf::ShadedPoint::DIFFUSE, -1, direction, E, part);
+    shaded.eval(mdf::ShadedPoint::DIFFUSE, -1, direction, E, part);
     for (int c = 0; c < 3; c++)
       S[c] += part[c];
   }

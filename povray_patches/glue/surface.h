@@ -11,11 +11,10 @@
 
 namespace pov {
 
-// How much wider a ray of the width `size` gets, for each unit on, where it is reflected by a
-// curved surface: 2 · size · mean curvature; less than 0 where it is hollow. For scenes
-// with a block that looks at widths.
-double Mdf_Bend(const Intersection &isect, const Vector3d &raw_normal, double size,
-                TraceThreadData *thread);
+// How much wider a ray gets, for each unit on, where it is reflected by a curved surface: 2 · width
+// · mean curvature; less than 0 where it is hollow. For scenes with a block that uses footprints.
+double Mdf_Mirror_Spread(const Intersection &isect, const Vector3d &raw_normal, double width,
+                         TraceThreadData *thread);
 
 // Remembers what a lamp looks like: reflections leave it out, whose light is a highlight already.
 void Mark_Mdf_Lamp(ObjectBase *object);
@@ -37,13 +36,14 @@ public:
   // For one that has a block. raw_normal and layer_normal: before and after `normal { }`, facing
   // the eye. warps: the patterns around the layer's texture, the outermost first; point:
   // isect.IPoint in the layer's space. opacity: of the layer's pigment, for the
-  // diffuse part. pixel: of the dump, or -1. width: the alpha that rough surfaces before this one
-  // spread the ray by; size: how wide the ray is here. pigment: the layer's colour.
+  // diffuse part. pixel: of the dump, or -1. roughness: the alpha that rough surfaces before this
+  // one spread the ray by; width: how wide it is here. pigment: the layer's colour.
   void Prepare(const FINISH *finish, const Intersection &isect, const Ray &ray,
                const Vector3d &raw_normal, const Vector3d &layer_normal,
                const std::vector<const TEXTURE *> &warps, const Vector3d &point, double opacity,
-               TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1, double width = 0.0,
-               double size = 0.0, const RGBColour &pigment = RGBColour(1.0));
+               TraceThreadData *thread, mdf::Dump *dump = NULL, int pixel = -1,
+               double roughness = 0.0, double width = 0.0,
+               const RGBColour &pigment = RGBColour(1.0));
 
   // What share of a ray passes between the yarns of a cloth without a backing. Of the layer's own
   // transparency what it leaves is added.
@@ -53,7 +53,7 @@ public:
   }
   // The same for a shadow ray.
   static double ShadowGaps(const FINISH *finish, const Intersection &isect, const Ray &ray,
-                           const Vector3d &raw_normal, TraceThreadData *thread, double size);
+                           const Vector3d &raw_normal, TraceThreadData *thread, double width);
 
   bool HasBlock() const { return shaded.has_material(); }
 
@@ -73,21 +73,21 @@ public:
   // What conserve_energy takes from the layers below.
   RGBColour ConservedAlbedo() const;
 
-  // `reflection { }`: at most how many rays, and what the lobes behind are widened to.
+  // `reflection { }`: at most how many rays, and the least roughness of the lobes behind.
   bool Reflects() const { return HasBlock() && shaded.of().reflects; }
   unsigned int Rays() const { return (unsigned int)shaded.of().rays; }
-  double Width() const { return shaded.of().width; }
+  double Roughness() const { return shaded.of().roughness; }
   // Where ray number `index` of them goes, and the share of its light that is reflected. False:
   // there is none. The same for the same hit, whoever asks. seed: of Seed().
-  bool Draw(unsigned int index, const unsigned int seed[2], Vector3d &direction,
-            RGBColour &reflectance) const;
+  bool Sample(unsigned int index, const unsigned int seed[2], Vector3d &direction,
+              RGBColour &throughput) const;
   static void Seed(const VECTOR point, const VECTOR direction, int layer, unsigned int seed[2]);
   // The same for the only one of a hit.
-  bool DrawAlone(const unsigned int seed[2], Vector3d &direction, RGBColour &reflectance) const;
+  bool SampleAlone(const unsigned int seed[2], Vector3d &direction, RGBColour &throughput) const;
   // The same for all Rays() of a hit that no reflection came before, which know of each other, and
   // of those of the pixels beside theirs: of PixelSeed().
-  bool DrawOfAll(unsigned int index, unsigned int pixel, const unsigned int seed[2],
-                 Vector3d &direction, RGBColour &reflectance) const;
+  bool SampleLattice(unsigned int index, unsigned int pixel, const unsigned int seed[2],
+                     Vector3d &direction, RGBColour &throughput) const;
   // For what a pixel of the picture meets: the number of the pixel, its bits by turns of x and y.
   // Samples of anti-aliasing at one place within their pixels make a picture of their own.
   static unsigned int PixelSeed(double x, double y, unsigned int seed[2]);
@@ -108,10 +108,10 @@ private:
   double opacity;
   bool both_sides; // double_illuminate
   bool simple;     // both parts may be lit by one call
-  int level;       // of the widened lobes, or -1
+  int level;       // of Material::regularized, or -1
 
   bool Meets(const VECTOR direction) const;
-  bool DrawBy(const double u[3], Vector3d &direction, RGBColour &reflectance) const;
+  bool SampleBy(const double u[3], Vector3d &direction, RGBColour &throughput) const;
   void Record(const LightSource *light, const VECTOR direction, const double E[3],
               const double S[3]) const;
   void RecordParts(const LightSource *light, const VECTOR direction, const double E[3]) const;

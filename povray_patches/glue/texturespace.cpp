@@ -156,7 +156,7 @@ bool planar_plane(mdf::Shape::Kind kind, const Intersection &isect, const Vector
 
 mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane, const UV_VECT uv,
                             const Vector3d &du, const Vector3d &dv, const Vector3d &N,
-                            const Vector3d &T, const Vector3d &eye, double size) {
+                            const Vector3d &T, const Vector3d &eye, double width) {
   const double(*const m)[2] = plane.m, det = plane.det;
   const double u = uv[U] - plane.offset[U], v = uv[V] - plane.offset[V];
   mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
@@ -172,7 +172,7 @@ mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane
   const Vector3d across_v = cross(up, eye), across_u = cross(eye, along);
   const double least = 1e-3 * across_v.length() * along.length();
   const double area = max(fabs(dot(along, across_v)), least);
-  const double scale = area > 0.0 ? size / area : 0.0;
+  const double scale = area > 0.0 ? width / area : 0.0;
   place.footprint[0] = scale * across_v.length();
   place.footprint[1] = scale * across_u.length();
   for (int axis = 0; axis < 2; axis++) {
@@ -186,7 +186,7 @@ mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane
   return place;
 }
 
-void uv_footprint(const Vector3d &du, const Vector3d &dv, const Vector3d &eye, double size,
+void uv_footprint(const Vector3d &du, const Vector3d &dv, const Vector3d &eye, double width,
                   double footprint[4]) {
   const Vector3d across_v = cross(dv, eye), across_u = cross(eye, du);
   const double least = 1e-3 * across_v.length() * du.length();
@@ -195,7 +195,7 @@ void uv_footprint(const Vector3d &du, const Vector3d &dv, const Vector3d &eye, d
   if (fabs(area) < least)
     area = area < 0.0 ? -least : least;
   const Vector3d first = any_tangent(eye), second = cross(eye, first);
-  const double scale = area != 0.0 ? size / area : 0.0;
+  const double scale = area != 0.0 ? width / area : 0.0;
   footprint[0] = scale * dot(first, across_v);
   footprint[1] = scale * dot(first, across_u);
   footprint[2] = scale * dot(second, across_v);

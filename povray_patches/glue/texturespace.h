@@ -50,16 +50,16 @@ struct PlaneTransform {
   double m[2][2], offset[2], det;
 };
 
-// Where on the cloth a ray of the width `size` meets it, in the plane that the texture's own
+// Where on the cloth a ray of a width meets it, in the plane that the texture's own
 // transformations move. v counts so that the cloth shows its face, whichever way the object's v
 // runs: T, N x T the other way (ShadedPoint) and N stand as u, v and the eye.
 mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane, const UV_VECT uv,
                             const Vector3d &du, const Vector3d &dv, const Vector3d &N,
-                            const Vector3d &T, const Vector3d &eye, double size);
+                            const Vector3d &T, const Vector3d &eye, double width);
 
-// The footprint in the (u, v) plane of a ray of the width `size`: two steps across it go along the
+// The footprint in the (u, v) plane of a ray of a width: two steps across it go along the
 // ray until they meet the surface again; no further than a thousand widths.
-void uv_footprint(const Vector3d &du, const Vector3d &dv, const Vector3d &eye, double size,
+void uv_footprint(const Vector3d &du, const Vector3d &dv, const Vector3d &eye, double width,
                   double footprint[4]);
 
 // The frame of a normal map: dP/du upright on the normal, and the perpendicular of both on the side
