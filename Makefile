@@ -8,7 +8,7 @@
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
 #   make compare-quick  a smaller report, in two minutes once all is built
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
-#   make soak      libshade on a hundred million awkward cases, Blender on 500, its viewport on 2000 edits
+#   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, 500 in Blender
 #   make bench     speed against accuracy
 #   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's
 #   make bench-frames BEFORE=COMMIT  whether a frame of an example scene takes longer than at that commit
@@ -31,16 +31,15 @@ include blender_addon_c/blender.mk
 include povray_patches/povray.mk
 include compare/compare.mk
 
-# check-libshade is a make of its own, on the same objects: not beside the others under -j.
-# `--durations` says what its tests cost, setup/timed.sh what steps of make do.
-# pytest last: its closing line is the result. What goes to which worker, and when, is in conftest.py.
-# One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
-check: povray setup-test setup-demo all blender $(B)/horizon $(B)/displaced lint
-	$(MAKE) --output-sync=target check-libshade
+# Packages, POV-Ray, the add-on and the library with its C tests at once, then pytest: its closing line is the result.
+# What goes to which worker, and when, is in conftest.py. `--durations` says what tests took, setup/timed.sh what
+# steps of make cost. One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
+check: povray setup-test setup-demo all blender native $(B)/horizon $(B)/displaced lint $(CHECKS)
 	$(PY) -m pytest --numprocesses $$(( $(JOBS) + 1 )) --dist loadfile --no-loadscope-reorder --durations 20
 ifneq ($(filter check,$(MAKECMDGOALS)),)
+MAKEFLAGS += --output-sync=target
 lint: | $(S)/lint.packages
-$(NATIVE)/test_stages native-sanitized native-clang: | $(S)/test.packages
+$(NATIVE)/test_stages $(TESTS) $(CHECKS): | $(S)/test.packages
 endif
 
 pictures: compare

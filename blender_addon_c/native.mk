@@ -24,15 +24,23 @@ NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
   $(NATIVE)/lib/libOpenEXRCore-3_1.so.30
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
-.PHONY: native native-sanitized native-clang
+.PHONY: native native-sanitized native-warnings soak-native
 native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages
-# for test_native_build.py, which runs the other tests on them
+# for test_native_build.py, which runs the other tests on it
+SANITIZED_BUILD += PLAIN_NATIVE=$(NATIVE) PLAIN_STAGES="$(filter-out $(lastword $(RUN_ISAS)),$(ISAS))"
 native-sanitized: $(B)/shade $(NATIVE_SO)
-	$(Q)$(MAKE) --no-print-directory $(SANITIZED_BUILD) PLAIN_NATIVE=$(NATIVE) \
-	  PLAIN_STAGES="$(filter-out $(lastword $(RUN_ISAS)),$(ISAS))" native
-native-clang:
-	$(Q)$(MAKE) --no-print-directory B=$(B)/clang CC=clang native
-check: native native-sanitized native-clang
+	$(Q)$(MAKE) --no-print-directory $(SANITIZED_BUILD) native
+native-warnings: $(NATIVE_OBJ)
+	$(Q)$(CC) $(NATIVE_CFLAGS) -fsyntax-only blender_addon_c/tests/test_stages.c
+ifneq ($(filter check,$(MAKECMDGOALS)),)
+SANITIZED_GOALS += native
+check-sanitized: $(NATIVE_SO)
+WARNED += native-warnings
+endif
+soak: soak-native
+soak-native: soak-clang
+	$(Q)$(MAKE) $(CLANG_BUILD) native
+	NATIVE_MODULE=$(abspath $(B))/clang/blender/native/_native.abi3.so $(PY) -m pytest -q blender_addon_c/tests/test_native_*.py
 
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk

@@ -162,9 +162,8 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 %.h: ;
 -include $(wildcard $(O)/*/*.d)
 
-# Tests: one cmocka program per behaviour. `check-libshade` runs them as built, then once
-# more under AddressSanitizer and UndefinedBehaviorSanitizer, then compiles all with clang and
-# runs those that compilers differ in.
+# Tests: one cmocka program per behaviour. `check-libshade` runs them as built, and those that ask about memory
+# and branches under AddressSanitizer and UndefinedBehaviorSanitizer; clang is asked for its warnings.
 TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c))
 TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(IMAGE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
@@ -184,10 +183,10 @@ bench-pairs: $(B)/shade
 	setup/bench_pairs.py $(BEFORE) $(B)/shade --output $(B)/bench_pairs.csv $(PAIRS)
 
 .PHONY: test-libshade check-libshade check-headers soak $(TESTS:%=%.run)
-LONG := fabric_light fabric_draw sample fabric pdf accuracy soak lobes furnace horizon fabric_energy continuity
-# each a target of its own, so that -j runs several at once; the longest first, or they run alone at the end
-LONG_TESTS := $(filter $(LONG:%=$(B)/test/%),$(TESTS))
-test-libshade: $(LONG_TESTS:%=%.run) $(TESTS:%=%.run)
+# each a target of its own, so that -j runs several at once; the dearest first, as their heads say (setup/costs.py), or
+# they run alone at the end
+DEAREST := $(shell grep -H '^/\* COST = ' $(TESTS:$(B)/test/%=$(L)/test/test_%.c) | sort -t= -k2 -rn | sed 's,.*/test_\(.*\)\.c:.*,\1,')
+test-libshade: $(DEAREST:%=$(B)/test/%.run) $(TESTS:%=%.run)
 $(TESTS:%=%.run): %.run: %
 	@$<
 
@@ -210,26 +209,44 @@ check-headers: $(B)/libshade.a
 
 # on all processors, whether or not -j was given: with it, under the jobs of the make above
 PARALLEL = $(MAKE) $(if $(filter --jobserver%,$(MAKEFLAGS)),,-j$(JOBS))
-# as clang compiles them: values, horizons; draws, of which SANITIZED takes fewer
-CLANG_RUNS := accuracy bsdf horizon hostile leaves sample
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
-# kernels take three fifths of the time to compile at -Og, and a twentieth more to run. gcc vectorises no loop
-# there: scalar and sse2 are one program (as many packed instructions, of explicit vectors), and one of them is
-# checked; sse2 stays as it is, vectorised
-SANITIZED_PLAIN := $(if $(CC_IS_GCC),$(filter sse2,$(ISAS)))
-SANITIZED_BUILD = B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(SANITIZED_PLAIN)"
+# kernels take three fifths of the time to compile at -Og, and a twentieth more to run
+SANITIZED_BUILD = B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)"
+# These put more numbers through calls that `soak`, `fabric_soak` and `hostile` make too: under sanitizers in `make soak`
+NUMBERS := accuracy continuity elementary fabric fabric_draw fabric_energy fabric_light furnace horizon lobes papers pdf sample
+SANITIZED_TESTS := $(filter-out $(NUMBERS:%=$(B)/test/%),$(DEAREST:%=$(B)/test/%) $(TESTS))
 # beside each other: the long test at the end of one leaves no processor idle
 CHECKS := check-plain check-sanitized check-headers check-threads check-clang
-.PHONY: $(CHECKS)
+.PHONY: $(CHECKS) sanitized warnings
 check-libshade: setup-build
 	+$(PARALLEL) $(CHECKS)
 check-plain: all test-libshade
-check-sanitized: $(call isa_units,$(SANITIZED_PLAIN))
-	$(Q)$(MAKE) $(SANITIZED_BUILD) all test-libshade
+# one make for all that is sanitized; native.mk has more for it
+SANITIZED_GOALS := all
+check-sanitized: $(B)/shade
+	$(Q)$(MAKE) $(SANITIZED_BUILD) $(SANITIZED_GOALS) $(subst $(B)/,$(B)/sanitized/,$(SANITIZED_TESTS:%=%.run))
+sanitized: $(B)/shade
+	$(Q)$(MAKE) $(SANITIZED_BUILD) all
+# on the scalar form: the vectors share nothing else between threads
 check-threads: $(B)/shade
-	$(Q)$(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)" $(B)/threads/test/threads.run
+	$(Q)LIBSHADE_ISA=scalar $(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" PLAIN_B=$(B) PLAIN_ISAS="$(filter-out scalar,$(ISAS))" \
+	  $(B)/threads/test/threads.run
+# The second compiler reads all and says what it has to; what it makes of it runs in `make soak`. No object is written.
+WARNED := warnings
 check-clang:
-	$(Q)$(MAKE) B=$(B)/clang CC=clang CFLAGS=-DSANITIZED $(B)/clang/soak.txt all $(subst $(B)/,$(B)/clang/,$(TESTS) $(CLANG_RUNS:%=$(B)/test/%.run))
+	$(Q)$(MAKE) B=$(B)/clang-warnings CC=clang CFLAGS=-fsyntax-only $(WARNED)
+warnings: $(SHADE_OBJ) $(REF_OBJ) $(DUMP_OBJ) $(WHOLE_OBJ) $(TOOL_OBJ)
+	$(Q)$(CC) -std=c11 $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) -fsyntax-only $(wildcard $(L)/test/*.c)
+
+# what asks too much of a day's check: all programs under sanitizers, and those that compilers differ in as clang's
+CLANG_RUNS := accuracy bsdf horizon hostile leaves sample
+soak: soak-sanitized soak-clang
+soak-sanitized: $(B)/shade
+	$(Q)$(MAKE) $(SANITIZED_BUILD) test-libshade
+CLANG_BUILD = B=$(B)/clang CC=clang CFLAGS=-DSANITIZED
+soak-clang:
+	$(Q)$(MAKE) $(CLANG_BUILD) $(B)/clang/soak.txt all $(subst $(B)/,$(B)/clang/,$(CLANG_RUNS:%=$(B)/test/%.run))
+.PHONY: soak-sanitized soak-clang
 .PHONY: $(B)/soak.txt # run each time, as tests are
 $(B)/soak.txt: $(B)/test/soak
 	@$< --cases 200000 >$@

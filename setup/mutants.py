@@ -10,6 +10,8 @@ its modules), after `make check` or as much of it as the tests named in the list
     setup/mutants.py --only weave         those whose file or text holds the word
     setup/mutants.py --list setup/mutants-once-missed.txt   what tests had not noticed before
     setup/mutants.py --stale                                only whether a list finds its lines
+    setup/mutants.py --table --only weave                   all tests to their end; who noticed goes to
+                                                            setup/mutants-noticed.txt, which setup/costs.py counts
 
 A list is made of blocks, parted by empty lines; # begins a comment:
 
@@ -99,18 +101,20 @@ def is_stale(mutant, folder=ROOT):
     return not path.is_file() or path.read_text(encoding="utf-8").count(mutant.old) != 1
 
 
-def command(test):
-    """(goals of make, then a command) for a line of tests."""
+def command(test, to_the_end=False):
+    """(goals of make, then a command) for a line of tests, which stops at the first that fails or goes on to the end."""
     kind, *words = test.split()
     if kind == "c":
-        programs = [f"build/test/{word}" for word in words]
-        return programs, [["sh", "-ec", "\n".join(programs)]]
+        end = "failed=1" if to_the_end else "exit 1"
+        each = [f"build/test/{word} || {{ echo FAILED libshade/test/test_{word}.c::main; {end}; }}" for word in words]
+        return [f"build/test/{word}" for word in words], ["sh", "-c", "\n".join(["failed=0", *each, "exit $failed"])]
     goals = {"py": ["all", "build/horizon"], "blender": ["all", *MADE_BEFORE, "native", "blender"], "zip": ["all", "blender"],
              "povray": ["all", "povray"]}
     if kind not in goals:
         raise ValueError(f"'{test}': tests are c, py, blender, zip or povray")
     line = test.split(None, 1)[1]
-    return goals[kind], [["sh", "-c", f"build/venv/bin/python -m pytest -q -x -p no:cacheprovider {line}"]]
+    stop = "" if to_the_end else "-x"
+    return goals[kind], ["sh", "-c", f"build/venv/bin/python -m pytest -q {stop} -p no:cacheprovider {line}"]
 
 
 def kept_as_built():
@@ -151,6 +155,29 @@ def failed(log):
     return next((name for name in found.groups() if name), "") if found else ""
 
 
+def all_failed(log):
+    """Every test of pytest's and program of libshade/test that failed, without parameters."""
+    return sorted(set(re.findall(r"^(?:FAILED|ERROR) (\S+::\w+)", log, re.M)))
+
+
+class Noticed:
+    """setup/mutants-noticed.txt: a mistake a line, a tab, and who noticed it; of mistakes not judged again it stays."""
+
+    FILE = ROOT / "setup" / "mutants-noticed.txt"
+    HEAD = ("# SPDX-License-Identifier: Apache-2.0\n# Made by setup/mutants.py --table: a mistake, and the tests that "
+            "noticed it. Not all mistakes have been judged.\n")
+
+    def __init__(self, known):
+        lines = self.FILE.read_text(encoding="utf-8").splitlines() if self.FILE.exists() else []
+        self.by = dict(line.split("\t", 1) for line in lines if "\t" in line)
+        self.by = {title: tests for title, tests in self.by.items() if title in known}
+
+    def add(self, title, tests):
+        self.by[title] = " ".join(tests)
+        text = "".join(f"{title}\t{tests}\n" for title, tests in sorted(self.by.items()))
+        self.FILE.write_text(self.HEAD + text, encoding="utf-8")
+
+
 class Copy:
     """The tree and its build/, where mistakes may be made."""
 
@@ -185,35 +212,36 @@ class Copy:
                     os.killpg(process.pid, signal.SIGKILL)
                     return None
 
-    def judge(self, tests):
+    def judge(self, tests, to_the_end=False):
         """What the tests say of the tree as it is."""
         (self.folder / "build" / "mutant.log").unlink(missing_ok=True)
+        said = "SURVIVED"
         for test in tests:
-            goals, commands = command(test)
+            goals, words = command(test, to_the_end)
             # optimised less: quicker to build; the setup goals are not wanted, all of it is there
             made = self.run(["make", f"-j{os.cpu_count()}", "CFLAGS=-O1", "NEEDS=", *self.kept, *goals])
             if made != 0:
                 return "slow" if made is None else "compiler"
-            for words in commands:
-                status = self.run(words)
-                if "pytest" in words[-1] and status in (4, 5):
-                    raise ValueError(f"`{test}` runs no test")
-                if status != 0:
-                    return "slow" if status is None else "caught"
-        return "SURVIVED"
+            status = self.run(words)
+            if "pytest" in words[-1] and status in (4, 5):
+                raise ValueError(f"`{test}` runs no test")
+            if status != 0:
+                said = "slow" if status is None else "caught"
+                if not to_the_end or status is None:
+                    return said
+        return said
 
-    def by(self):
-        """The test that failed last."""
-        return failed((self.folder / "build" / "mutant.log").read_text(encoding="utf-8", errors="replace"))
+    def log(self):
+        return (self.folder / "build" / "mutant.log").read_text(encoding="utf-8", errors="replace")
 
-    def with_mistake(self, mutant):
+    def with_mistake(self, mutant, to_the_end=False):
         path = self.folder / mutant.file
         if is_stale(mutant, self.folder):
             return "stale"
         text = path.read_text(encoding="utf-8")
         path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
         try:
-            return self.judge(mutant.tests)
+            return self.judge(mutant.tests, to_the_end)
         finally:
             path.write_text(text, encoding="utf-8")
 
@@ -226,10 +254,12 @@ def main():
     parser.add_argument("--work", type=Path, default=ROOT / "build" / "mutants",
                         help="folder for the copy (default build/mutants)")
     parser.add_argument("--stale", action="store_true", help="name those that no longer find their lines, and end")
+    parser.add_argument("--table", action="store_true", help="run all tests to their end and note who noticed")
     parser.add_argument("--no-baseline", action="store_true", help="do not run the tests unchanged first")
     options = parser.parse_args()
     try:
-        mutants = [m for m in read_list(options.list) if options.only in m.title()]
+        listed = read_list(options.list)
+        mutants = [m for m in listed if options.only in m.title()]
         for mutant in mutants:
             for test in mutant.tests:
                 command(test)
@@ -248,15 +278,19 @@ def main():
                 print(f"error: without any mistake `{test}` fails; see {copy.folder}/build/mutant.log",
                       file=sys.stderr)
                 return 1
+    lists = [listed, *(read_list(ROOT / "setup" / f"mutants{of}.txt") for of in ("", "-once-missed"))]
+    noticed_by = Noticed({mutant.title() for of in lists for mutant in of})
     results, started = [], time.monotonic()
     for mutant in mutants:
         begun = time.monotonic()
         try:
-            results.append(copy.with_mistake(mutant))
+            results.append(copy.with_mistake(mutant, options.table))
         except ValueError as error:
             print(f"error: {options.list}:{mutant.line}: {error}", file=sys.stderr)
             return 2
-        by = f"  [{copy.by()}]" if results[-1] == "caught" else ""
+        by = f"  [{failed(copy.log())}]" if results[-1] == "caught" else ""
+        if options.table and results[-1] in ("caught", "SURVIVED"):
+            noticed_by.add(mutant.title(), all_failed(copy.log()))
         print(f"{results[-1]:9} {time.monotonic() - begun:4.0f} s  {mutant.title()}{by}", flush=True)
     valid = [r for r in results if r != "stale"]
     noticed = sum(r != "SURVIVED" for r in valid)

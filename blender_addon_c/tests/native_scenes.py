@@ -15,7 +15,7 @@ import OpenImageIO as oiio
 ROOT = Path(__file__).resolve().parents[2]
 MODULE = Path(os.environ.get("NATIVE_MODULE", ROOT / "build/blender/native/_native.abi3.so"))
 # Sanitizers look at memory and are slow: there the same places are rendered by fewer samples. What those say
-# of a mean is asked of the release build and of clang's.
+# of a mean is asked of the release build.
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
 FEWER = 16 if SANITIZED else 1
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The module as a binary: packed arithmetic, its own libraries, sanitizers, clang.
+"""The module as a binary: packed arithmetic, its own libraries, sanitizers.
 
 Skipped where NATIVE_MODULE names another build.
 """
@@ -232,37 +232,29 @@ native.wait(jobs[0], 0.1)
     assert done.returncode == 0, done.stderr
 
 
-def run_all_tests(module, part, parts, **environment):
-    """One of so many parts of them, each with one of the longest."""
-    assert module.exists(), f"{module} is missing: run `make native-sanitized native-clang`"
+@pytest.mark.parametrize("part", range(3))
+def test_all_tests_under_sanitizers(part):
+    """One of three parts of them, each with one of the longest. Clang's build runs them in `make soak`."""
+    module = ROOT / "build/sanitized/blender/native/_native.abi3.so"
+    assert module.exists(), f"{module} is missing: run `make native-sanitized`"
+    runtime = subprocess.run(
+        ["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
+    ).stdout.strip()
     long = ["test_native_adaptive.py", "test_native_light_paths.py", "test_native_cloth.py"]
     assert all((HERE / name).exists() for name in long)
     files = long + sorted({p.name for p in HERE.glob("test_native_*.py")} - {*long, Path(__file__).name})
-    files = [str(HERE / name) for name in files[part::parts]]
+    files = [str(HERE / name) for name in files[part::3]]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files],
         cwd=ROOT,
-        env=os.environ | {"NATIVE_MODULE": str(module)} | environment,
+        env=os.environ | {
+            "NATIVE_MODULE": str(module),
+            "LD_PRELOAD": runtime,
+            "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1",  # Python keeps memory to the end
+            "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1",
+        },
         capture_output=True,
         text=True,
         timeout=900,
     )
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
-
-
-@pytest.mark.parametrize("part", range(3))
-def test_all_tests_under_sanitizers(part):
-    runtime = subprocess.run(
-        ["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
-    ).stdout.strip()
-    run_all_tests(
-        ROOT / "build/sanitized/blender/native/_native.abi3.so", part, 3,
-        LD_PRELOAD=runtime,
-        ASAN_OPTIONS="detect_leaks=0:allocator_may_return_null=1",  # Python keeps memory to the end
-        UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1",
-    )
-
-
-@pytest.mark.parametrize("part", range(2))
-def test_all_tests_compiled_by_clang(part):
-    run_all_tests(ROOT / "build/clang/blender/native/_native.abi3.so", part, 2)

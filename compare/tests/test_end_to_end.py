@@ -14,6 +14,7 @@ import report
 COMPARE = Path(programs.__file__).parent
 MAKE_SCENE = programs.ROOT / "examples" / "blender" / "suzanne" / "make_scene.py"
 AWKWARD = Path(__file__).with_name("awkward_scene.py")
+EXPORTS = Path(__file__).with_name("exports.py")
 
 
 def run(script, *arguments):
@@ -35,23 +36,20 @@ def suzanne(tmp_path_factory):
     return build_scene(MAKE_SCENE, tmp_path_factory.mktemp("suzanne") / "suzanne.blend")
 
 
-def test_renderers_agree_on_suzanne(suzanne, tmp_path):
-    done = run("consistency.py", suzanne, "--percent", 40, "--all", "--output", tmp_path)
+@pytest.fixture(scope="module")
+def awkward(tmp_path_factory):
+    return build_scene(AWKWARD, tmp_path_factory.mktemp("awkward") / "awkward.blend", "PERSP")
+
+
+@pytest.mark.parametrize("camera", ["PERSP", "ORTHO"])
+def test_renderers_agree_on_an_awkward_scene(camera, awkward, tmp_path):
+    """On Suzanne the quick report asks them, which test_report_page makes."""
+    scene = awkward if camera == "PERSP" else build_scene(AWKWARD, tmp_path / "awkward.blend", camera)
+    done = run("consistency.py", scene, "--all", "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "both renderers agree" in done.stdout
-    for name in ("blender", "povray", "difference"):
-        assert pictures.read(tmp_path / f"{name}.png").shape == (288, 384, 3)
-
-
-@pytest.fixture(scope="module", params=["PERSP", "ORTHO"])
-def awkward(request, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("awkward")
-    return build_scene(AWKWARD, folder / "awkward.blend", request.param)
-
-
-def test_renderers_agree_on_an_awkward_scene(awkward, tmp_path):
-    done = run("consistency.py", awkward, "--all", "--output", tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
+    shapes = {pictures.read(tmp_path / f"{name}.png").shape for name in ("blender", "povray", "difference")}
+    assert len(shapes) == 1 and shapes.pop()[2] == 3
 
 
 @pytest.mark.parametrize("scene", ["metals", "suzanne"])
@@ -86,7 +84,7 @@ def test_rotate_follows_the_displaced_plate(tmp_path):
 NODES = "bpy.data.materials['Fine, bumped'].node_tree.nodes"
 
 
-@pytest.mark.parametrize("change, said", [
+CANNOT = [
     ("bpy.data.lights['Sun'].type = 'AREA'", "light 'Sun': only sharp sun and point lights"),
     ("bpy.data.lights['Lamp'].shadow_soft_size = 1", "light 'Lamp': only sharp sun and point"),
     ("bpy.data.lights['Sun'].cycles.cast_shadow = False", "light 'Sun': it casts no shadow"),
@@ -110,18 +108,8 @@ NODES = "bpy.data.materials['Fine, bumped'].node_tree.nodes"
      "material 'Fine, bumped', Roughness: what is linked cannot be written"),
     ("bpy.data.materials['Across'].node_tree.nodes.clear()",
      "material 'Across': it has no Libshade Metal node"),
-])
-def test_what_cannot_be_written_is_named(awkward, tmp_path, change, said):
-    command = programs.blender(COMPARE / "export_povray.py", tmp_path / "out", scene=awkward)
-    where = command.index("-P")
-    command[where:where] = ["--python-expr", f"import bpy; {change}"]
-    with pytest.raises(report.StepFailed) as failure:
-        report.step("Exporting", command, tmp_path / "log", programs.ADD_ON)
-    assert said in str(failure.value)
-    assert not (tmp_path / "out").exists(), "no half-written scene"
-
-
-@pytest.mark.parametrize("change, written", [
+]
+WRITTEN = [
     ("n.inputs['Roughness'].default_value = 0.5; n.inputs['Anisotropy'].default_value = 0.5",
      ["ashikhmin_shirley 126.0, 6.0"]),  # alphas .25 * .5 and .25 / .5
     ("n.inputs['Diffuse Color'].default_value = (0.25, 0.5, 0.75, 1); n.diffuse = 'LAMBERT'",
@@ -130,13 +118,45 @@ def test_what_cannot_be_written_is_named(awkward, tmp_path, change, said):
     ("n.grain = 'RADIAL_Z'", ["tangent radial <-0.0, -1.0, -0.0> at <"]),
     ("n.grain = 'AXIS_Y'; n.inputs['Rotation'].default_value = 0.5", ["tangent <-1e-06, -0.001, -1.0>"]),
     ("n.inputs['Rotation'].default_value = 1.5", ["tangent uv", "rotate 180*z"]),
-])
-def test_what_sockets_say_is_written(awkward, tmp_path, change, written):
+]
+
+
+@pytest.fixture(scope="module")
+def exported(awkward, tmp_path_factory):
+    """{change: (where it was written, what kept it from that)}, of one Blender."""
+    out = tmp_path_factory.mktemp("exported")
+    metal = f"n = {NODES}['Libshade Metal']; "
+    changes = [change for change, _ in CANNOT] + [metal + change for change, _ in WRITTEN]
+    (out / "changes.json").write_text(json.dumps([f"import bpy; {change}" for change in changes]), encoding="utf-8")
+    report.step("Exporting", programs.blender(EXPORTS, out / "changes.json", out, scene=awkward), out / "log",
+                programs.ADD_ON)
+    said = json.loads((out / "said.json").read_text(encoding="utf-8"))
+    return {change: (out / str(k), said[k]) for k, change in enumerate(c for c, _ in CANNOT + WRITTEN)}
+
+
+@pytest.mark.parametrize("change, said", CANNOT)
+def test_what_cannot_be_written_is_named(exported, change, said):
+    folder, error = exported[change]
+    assert said in error
+    assert not folder.exists(), "no half-written scene"
+
+
+def test_what_cannot_be_written_ends_the_export(awkward, tmp_path):
+    change, said = CANNOT[0]
     command = programs.blender(COMPARE / "export_povray.py", tmp_path / "out", scene=awkward)
     where = command.index("-P")
-    command[where:where] = ["--python-expr", f"import bpy; n = {NODES}['Libshade Metal']; {change}"]
-    report.step("Exporting", command, tmp_path / "log", programs.ADD_ON)
-    text = (tmp_path / "out" / "materials.inc").read_text(encoding="utf-8")
+    command[where:where] = ["--python-expr", f"import bpy; {change}"]
+    with pytest.raises(report.StepFailed) as failure:
+        report.step("Exporting", command, tmp_path / "log", programs.ADD_ON)
+    assert said in str(failure.value)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("change, written", WRITTEN)
+def test_what_sockets_say_is_written(exported, change, written):
+    folder, error = exported[change]
+    assert not error
+    text = (folder / "materials.inc").read_text(encoding="utf-8")
     fine = text[text.index("Metal_Fine__bumped"):]
     fine = fine[:fine.index("\n}")]
     assert all(words in fine for words in written), fine

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 1.0 */
 /* Directional albedos against a quadrature of the reference, for every choice. */
 #include "support.h"
 

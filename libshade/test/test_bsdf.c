@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 2.1 */
 /* The BRDF's contract: values, horizons, batches, and input that makes no sense. */
 #include <fenv.h>
 #include <float.h>

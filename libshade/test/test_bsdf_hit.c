@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /*
  * Prepared hits give what shade_bsdf_eval gives, to the last bit and status, for every choice of
  * the table: of many hits prepared before the first light, copies too, with lights in any order,

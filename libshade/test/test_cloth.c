@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 6.4 */
 /*
  * Cloth against the reference, which writes the look-up and the shading again from the documents:
  * random drafts, yarns, materials, places and folds, and every preset.

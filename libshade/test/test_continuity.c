@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 5.7 */
 /*
  * Continuity. D' and f cos, sampled along paths of directions that cross the places where a
  * formula degenerates: between neighbours the largest difference must fall as the step does.

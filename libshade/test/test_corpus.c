@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* What the fuzzers found worth keeping (libshade/fuzz), once more: their targets abort when wrong.
  */
 #include <dirent.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.5 */
 /* Diffuse models against quadrature, at the limits, and what they reflect. */
 #include "support.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 1.8 */
 /* Dumps: what is written comes back, whatever the order of channels; what is not a dump does not.
  */
 #define _POSIX_C_SOURCE 200809L

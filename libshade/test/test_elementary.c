@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 1.9 */
 /* The errors that model/elementary.h and the distributions state, against long double libm: in
  * double, and in float by test_elementary_float.c. */
 #include <string.h>

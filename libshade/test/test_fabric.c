@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 13 */
 /*
  * The fabric near, against the reference; far, against the mean of the near model over many
  * points; and between them, for all presets.

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 26 */
 /*
  * Draws of cloth against their density: chi-square over the whole sphere, lost draws included, for
  * tilted yarns, gaps, mixtures and single lobes, with and without folds, for every horizon; and

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 3.0 */
 /*
  * White furnace: no fabric reflects more than it receives, near, between and far, in its own
  * colours and made as white as parameters allow.

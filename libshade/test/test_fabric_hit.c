@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 4.3 */
 /*
  * Prepared hits of cloth, and what a lane may bring: the random number, colours, gloss, nap; bad
  * input, structures that are too short.

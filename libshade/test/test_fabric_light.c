@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 4.2 */
 /*
  * What becomes of light at a cloth: horizons over folds, what is let through, what passes the
  * gaps, a furnace around both sides, and the weights of draws.

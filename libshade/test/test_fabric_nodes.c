@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /*
  * What a side of a cloth makes of a cloud of tilts: its nodes keep the cloud's weight, mean and,
  * with what widens their lobe, its variance; the single lobe has the second moments of all of them,

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.3 */
 /*
  * Cloth by place, on an asymmetric draft of threads of many colours, without tilt or gloss: what a
  * footprint shows is the share of each thread in it, which is plain geometry. And what the single

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.6 */
 /*
  * Shadows of yarns on one another: a cloth takes what falls on it and no more, and ends in no line
  * where light grazes.

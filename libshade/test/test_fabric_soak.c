@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 1.0 */
 /*
  * Hostile lanes of cloth: any material, tier, horizon and texture, directions of any length and
  * none. Answers are finite and not below 0, draws have a density and are on the sphere, one

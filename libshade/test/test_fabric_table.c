@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 1.1 */
 /* The tables of a mixture against the mixture itself, lobe by lobe, for every cloth of the presets.
  */
 #include <string.h>

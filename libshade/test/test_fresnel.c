@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.3 */
 /* Fresnel leaves against the reference, alone: a lobe so flat that f is known but for F. */
 #include "support.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 4.9 */
 /*
  * White furnace: the directional albedo of every BRDF with its own distribution, Fresnel 1.
  * It must not pass 1 for those that promise so; the excess of the others is measured and

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 3.6 */
 /* The choices of horizon: values, continuity, reciprocity, energy, batches, senseless input. */
 #include <fenv.h>
 #include <float.h>

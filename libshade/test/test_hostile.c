@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 5.6 */
 /*
  * Single calls and batches of each instruction set agree on every finite input: f cos, the density
  * and D to 1e-3 of themselves or of 1, whichever is more, and what had to be mended to the bit.

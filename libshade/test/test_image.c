@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* Pictures as files: values come back, bad requests are refused, nothing is left half. */
 #define _POSIX_C_SOURCE 200809L
 #include "test/support.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* LIBSHADE_ISA: what is made ready runs on the instruction set that it names, to the last bit. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 #include <string.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /*
  * Structures of arrays from callers built against another header: older ones end earlier, newer
  * ones later, and where something required is missing nothing is written. Every instruction set.

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.9 */
 /*
  * The errors that model/detail.h, direction.h, diffuse.h and brdf.h state of
  * single leaves, against the reference or long double: in double, and in float by

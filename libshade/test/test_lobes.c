@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 3.6 */
 /*
  * What the carried distributions are, against integrals and a displaced surface
  * built long-hand here: the figures of the method (sections 1 and 2).

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* Names, ranges, conversions and the JSON of a material. */
 #include <string.h>
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 18 */
 /*
  * The density of draws against the reference, the albedo from draws against quadrature, narrow
  * lobes and visible normals against their own distribution functions, and draws from input that

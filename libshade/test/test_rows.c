@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.4 */
 /*
  * Every row of table.h has a say: two choices of a list, or two values of a number, shade a
  * material that reads them differently, and the reference sees each as the kernels do. By the table

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 2.1 */
 /* Scratches: against the cap's closed forms, the height's own gradient and brute force. */
 #include "test/support.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* How many pits a field of scratches takes: of all layers together, which to make would take
  * seconds. */
 #include "support.h"

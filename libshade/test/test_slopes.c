@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 1.1 */
 /* Normal maps: decoding, interpolation, pyramid, each against a plain form of its own. */
 #include "test/support.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 14 */
 /*
  * Stability: every entry of every instruction set, on random and structured materials and
  * directions. No NaN, infinity or negative value may come out, the status must say what was

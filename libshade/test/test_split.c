@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* Several lobes for a covariance of slopes: their moments, and their colour by quadrature. */
 #include "test/support.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.2 */
 /*
  * One bad lane among many: the batch says so wherever it lies, whatever comes after it, and all
  * other lanes are as they are without it. Normals that point inwards are mended to z = 1e-4, no

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.2 */
 /* The scene of shade swatch: its lights add up to what they are said to be, its places follow the
  * cloth, and a pixel is the sum over its lights written out here. */
 #include "support.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.5 */
 /* shade_mesh_tangents against tangents known in closed form. */
 #include "shade/mesh.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.4 */
 /*
  * Several threads share one material and its inputs, and all of them get what one thread gets,
  * bit by bit. `make check-libshade` builds this with ThreadSanitizer too.

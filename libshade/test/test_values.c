@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.3 */
 /*
  * What programs built against the library rely on, as numbers written out: values of enums, their
  * words, ranges and defaults, tables of other people's measurements. Rows may be appended; a

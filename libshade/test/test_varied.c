@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.7 */
 /*
  * Parameters of each sample: a lane is worth what a material set up with its parameters gives,
  * for f, density and draws, in the frame of its groove; in both precisions and every instruction

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 3.0 */
 /*
  * Parameters of each sample, in the whole: draws against their density by chi-square, lost ones
  * included, so that the density integrates to what is drawn; the white furnace; reciprocity. The

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /*
  * Parameters of each sample that are no numbers, or out of their range: the nearest value, or the
  * material's own, and a status that tells; in both precisions and every instruction set.

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.6 */
 /* Drafts by name and pattern against matrices written by hand, and look-ups against the rules. */
 #include <string.h>
 

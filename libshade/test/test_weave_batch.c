@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.4 */
 /*
  * Look-ups of every instruction set, in both precisions, against the rules of weave.h written out
  * for one point; awkward places; short structures.

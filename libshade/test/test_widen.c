@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.7 */
 /* Covariance into roughness: against lobes of Gaussian slopes, one by one, for all distributions.
  */
 #include "test/support.h"

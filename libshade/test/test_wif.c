@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* COST = 0.1 */
 /* Weaving Information Files: what is read, what is refused and where, and the way back. */
 #include <string.h>
 
