@@ -90,18 +90,36 @@ static __attribute__((noinline)) unsigned mend_lanes(size_t count, int vectors, 
   return status;
 }
 
+/* What is nearly unit made so, the same as mend_if_needed; returns whether all were. */
+LEAF int straighten(size_t count, vec v, int is_normal, vec_room *to) {
+  real_bits bad = 0;
+  ARRAYS(v);
+#pragma omp simd reduction(| : bad)
+  for (size_t i = 0; i < count; i++) {
+    const nearly_unit near = nearly_unit_of(vx[i], vy[i], vz[i]);
+    bad |= near.bits | (real_bits)(is_normal && !(vz[i] > 0));
+    to->x[i] = vx[i] * near.scale;
+    to->y[i] = vy[i] * near.scale;
+    to->z[i] = vz[i] * near.scale;
+  }
+  return !bad;
+}
+
 /*
  * Point the directions (*v[0] a normal) at mended copies where the block needs it. Returns status
- * bits; with SHADE_BAD_INPUT void_lane is filled. The slow path sees copies of the directions, so
+ * bits; with SHADE_BAD_INPUT void_lane is filled. The slow paths see copies of the directions, so
  * that they may stay in registers.
  */
 LEAF unsigned mend_block(size_t count, int vectors, vec *const v[3], mended_room *m) {
   const vec given[3] = {*v[0], *v[1], *v[vectors - 1]};
   if (is_mended(count, given[0], given[1], given[2]))
     return SHADE_OK;
-  for (int k = 0; k < vectors; k++)
+  int near = 1;
+  for (int k = 0; k < vectors; k++) {
+    near = near && straighten(count, given[k], k == 0, &m->v[k]);
     *v[k] = vec_in(&m->v[k]);
-  return mend_lanes(count, vectors, given, m);
+  }
+  return near ? SHADE_OK : mend_lanes(count, vectors, given, m);
 }
 
 #endif
