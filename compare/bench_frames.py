@@ -7,14 +7,14 @@
 
 Scenes are those of examples/blender, rendered by the engine's native module without Blender; the plate of plate.py with
 its normal map (as Blender's settings are, without Filter Normals, under a sky with bounces); the studio and the room of
-paths.py; and those of examples/povray. Each build's own add-on exports them once, by today's scripts. What counts is user and system
-time, of all threads, of rendering alone. A pair is a few frames of either build, which take turns; the next pair begins with
-the other build, in a process of its own, minutes later. After three pairs of each scene those are taken further whose medians
-are not sure to .005, until all are or --minutes are spent.
+paths.py; and those of examples/povray. Each build's own add-on exports them once, by today's scripts. What counts is user
+and system time, of all threads, of rendering alone. A pair is a few frames of either build, which take turns; the next pair
+begins with the other build, in a process of its own, minutes later. After three pairs of each scene those are taken further
+whose medians are not sure to .005, until all are or --minutes are spent.
 
-Pictures: the largest and the mean difference over the picture's mean; "same" below 1e-5. Exit status: 0 if no scene is
-slower than --limit, 1 if some are, 2 if it cannot be told, 130 after Ctrl-C, which tells what was measured so far. What was
-built and exported stays for the next run; `rm -r build/before build/frames` frees the space.
+Pictures: the largest difference, over the pixel where that is brighter than the mean, and the mean one; "same" below 1e-5.
+Exit status: 0 if no scene is slower than --limit, 1 if some are, 2 if it cannot be told, 130 after Ctrl-C, which tells what
+was measured so far. What was built and exported stays for the next run; `rm -r build/before build/frames` frees the space.
 """
 import argparse
 import concurrent.futures
@@ -32,6 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bench_frames_turns import differences
 import pictures
 import plate
 import paths
@@ -44,7 +45,7 @@ EXAMPLES = programs.ROOT / "examples"
 LEAST = 3  # pairs of each scene, whatever time they take
 SUZANNE = FRAMES / "suzanne.blend"
 SURE = 0.005  # of a median: its standard error
-SAME = 1e-5  # pictures, largest difference over the mean
+SAME = 1e-5  # pictures, largest difference
 # POV-Ray's pictures, so that one takes about half a second
 WIDTH = {"metals": 640, "turned": 640, "suzanne": 480, "reflection": 256, "scratches": 192, "cloth": 64, "kitchen": 64, "presets": 48}
 
@@ -116,6 +117,9 @@ class Side(NamedTuple):
     def povray(self):
         return self.root / "build/povray/povray"
 
+    def file(self, scene):
+        return self.scenes / f"{scene.name}.pickle"
+
 
 def before(word):
     """The build of a commit, made the first time."""
@@ -146,24 +150,39 @@ def goals(root):
     return [f"{made}/_native.abi3.so", *(f"build/{path}" for path in libraries), *(f"{made}/{path}" for path in files), "povray"]
 
 
-def export(side, scenes):
-    """What the add-on hands to its module, for scenes whose file is not there as this add-on makes it."""
-    wanted = []
+def export(sides, scenes):
+    """What each add-on hands to its module, for scenes whose file is not there as that add-on makes it. One whose Python is
+    the other's need not be asked."""
+    for side, other in (sides, sides[::-1]):
+        side.scenes.mkdir(parents=True, exist_ok=True)
+        wanted = []
+        for scene in scenes:
+            made = made_from(side, scene)
+            if kept(side, scene) != made and kept(other, scene) == made:
+                shutil.copy(other.file(scene), side.file(scene))
+                whole.write_text(side.file(scene).with_suffix(".of"), made)
+            elif kept(side, scene) != made:
+                wanted.append(scene)
+        processes = min(os.cpu_count() or 1, len(wanted))
+        with concurrent.futures.ThreadPoolExecutor(max(processes, 1)) as pool:
+            list(pool.map(lambda k: export_some(side, wanted[k::processes], k), range(processes)))
+
+
+def export_some(side, scenes, number):
+    order = [{"script": str(scene.script), "arguments": scene.arguments, "output": str(side.file(scene)),
+              "percentage": scene.percentage, "samples": scene.samples, "settings": dict(scene.settings)} for scene in scenes]
+    whole.write_text(side.scenes / f"order-{number}.json", json.dumps(order))
+    report.step(f"Exporting {len(scenes)} scenes with the add-on of {side.root}",
+                programs.blender(programs.HERE / "bench_frames_export.py", side.scenes / f"order-{number}.json"),
+                side.scenes / f"export-{number}.log", {"BLENDER_USER_SCRIPTS": str(side.root / "build/blender")})
     for scene in scenes:
-        file = side.scenes / f"{scene.name}.pickle"
-        if not (file.exists() and file.with_suffix(".of").exists() and file.with_suffix(".of").read_text() == made_from(side, scene)):
-            wanted.append(scene)
-    if not wanted:
-        return
-    side.scenes.mkdir(parents=True, exist_ok=True)
-    order = [{"script": str(scene.script), "arguments": scene.arguments, "output": str(side.scenes / f"{scene.name}.pickle"),
-              "percentage": scene.percentage, "samples": scene.samples, "settings": dict(scene.settings)} for scene in wanted]
-    whole.write_text(side.scenes / "order.json", json.dumps(order))
-    report.step(f"Exporting {len(wanted)} scenes with the add-on of {side.root}",
-                programs.blender(programs.HERE / "bench_frames_export.py", side.scenes / "order.json"),
-                side.scenes / "export.log", {"BLENDER_USER_SCRIPTS": str(side.root / "build/blender")})
-    for scene in wanted:
-        whole.write_text(side.scenes / f"{scene.name}.of", made_from(side, scene))
+        whole.write_text(side.file(scene).with_suffix(".of"), made_from(side, scene))
+
+
+def kept(side, scene):
+    """From what the file was made that is there."""
+    of = side.file(scene).with_suffix(".of")
+    return of.read_text(encoding="utf-8") if of.exists() and side.file(scene).exists() else None
 
 
 def made_from(side, scene):
@@ -209,9 +228,9 @@ def pair_of(scene, sides, swapped):
     """((seconds before, after), largest, mean difference) of one pair."""
     if scene.samples:
         made = json.loads(said_by([sys.executable, programs.HERE / "bench_frames_turns.py", *(
-            part for side in sides for part in (side.add_on, side.scenes / f"{scene.name}.pickle")), "--first", "AB"[swapped]],
+            part for side in sides for part in (side.add_on, side.file(scene))), "--first", "AB"[swapped]],
             env=environment()).stdout)
-        return tuple(map(statistics.mean, made["seconds"])), made["largest"], made["mean"]
+        return tuple(map(statistics.mean, made["seconds"])), *made["differences"]
     seconds = {}
     for number in ((0, 1), (1, 0))[swapped]:
         width = WIDTH.get(scene.script.stem, 128)
@@ -219,9 +238,7 @@ def pair_of(scene, sides, swapped):
                         f"+O{FRAMES / f'{scene.name}-{number}.exr'}", "+FE", f"+W{width}", f"+H{width * 9 // 16}", "-A", "+WT1", "-D"],
                        cwd=scene.script.parent, env=environment()).stderr
         seconds[number] = seconds_of_povray(said)
-    one, other = (pictures.read(FRAMES / f"{scene.name}-{number}.exr") for number in (0, 1))
-    off, mean = np.abs(other - one), max(float(one.mean()), 1e-30)
-    return (seconds[0], seconds[1]), float(off.max()) / mean, float(off.mean()) / mean
+    return (seconds[0], seconds[1]), *differences(*(pictures.read(FRAMES / f"{scene.name}-{number}.exr") for number in (0, 1)))
 
 
 def environment():
@@ -351,8 +368,7 @@ def main(argv=None):
     sides = before(options.before), Side(programs.ROOT, FRAMES)
     prepare(scenes)
     ours = [scene for scene in scenes if scene.samples]
-    with concurrent.futures.ThreadPoolExecutor() as pool:
-        list(pool.map(lambda side: export(side, ours), sides))
+    export(sides, ours)
     rows, status = {scene.name: Row(scene.name) for scene in scenes}, 0
     try:
         take(scenes, rows, lambda scene, swapped: pair_of(scene, sides, swapped), options.minutes)

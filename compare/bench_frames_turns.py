@@ -4,8 +4,8 @@
     bench_frames_turns.py FOLDER_A SCENE_A FOLDER_B SCENE_B [--first B]
 
 A folder is an add-on's, a scene what bench_frames_export.py made with it. Prints a line of JSON: "seconds", [those of A's
-frames, those of B's], user and system, all threads, of rendering alone (scenes are built before); "largest" and "mean"
-difference of the last two pictures, over the mean of A's.
+frames, those of B's], user and system, all threads, of rendering alone (scenes are built before); "differences" of the last
+two pictures, the largest and the mean one.
 """
 import argparse
 import importlib.util
@@ -17,6 +17,12 @@ import numpy as np
 
 ENOUGH = 0.4  # seconds of frames of one build: shorter ones are rendered more often
 MOST = 6  # frames of one build
+
+
+def differences(one, other):
+    """The largest, relative where a number is brighter than the mean of all (rounding is), and the mean one, over that mean."""
+    off, mean = np.abs(other - one), max(float(one.mean()), 1e-30)
+    return float((off / np.maximum(one, mean)).max()), float(off.mean()) / mean
 
 
 class Build:
@@ -64,9 +70,8 @@ def main():
     for turn in range(max(1, min(MOST, round(ENOUGH / warm)))):
         for side in (order, order[::-1])[turn % 2]:
             seconds[side].append(builds[side].frame())
-    pictures = [builds[side].picture() for side in (0, 1)]
-    off, mean = np.abs(pictures[1] - pictures[0]), max(float(pictures[0].mean()), 1e-30)
-    print(json.dumps({"seconds": seconds, "largest": float(off.max()) / mean, "mean": float(off.mean()) / mean}))
+    print(json.dumps({"seconds": seconds, "differences": differences(*(builds[side].picture() for side in (0, 1)))}))
 
 
-main()
+if __name__ == "__main__":
+    main()

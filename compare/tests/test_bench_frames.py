@@ -3,10 +3,13 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import bench_frames as bench
 import programs
+
+COST = 4
 
 SCENES = [bench.Scene(name, programs.ROOT / "x.py") for name in ("pan", "pan-near", "dial")]
 
@@ -56,6 +59,15 @@ def test_pairs_begin_in_turns_and_go_on_where_a_median_is_not_sure(minutes, coun
     assert {name: len(row.seconds) for name, row in rows.items()} == count
     assert [swapped for name, swapped in asked if name == "pan-near"] == [bool(k % 2) for k in range(count["pan-near"])]
     assert [name for name, _ in asked[:3]] == list(count)
+
+
+def test_differences_of_pictures():
+    """Of a bright pixel as a part of itself."""
+    one = np.array([[0.5, 0.5, 0.5], [10.0, 0.25, 0.25]])
+    mean = one.mean()
+    assert bench.differences(one, one) == (0, 0)
+    assert bench.differences(one, one + np.array([[0, 0, 0], [1e-3, 0, 0]])) == pytest.approx((1e-4, 1e-3 / 6 / mean))
+    assert bench.differences(one, one + np.array([[0, 1e-3, 0], [0, 0, 0]])) == pytest.approx((1e-3 / mean, 1e-3 / 6 / mean))
 
 
 def test_which_scenes_a_word_names():
