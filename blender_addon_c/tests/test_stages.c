@@ -11,8 +11,10 @@
 
 #include <cmocka.h>
 
+#include "closure/closure.h"
+#include "light/light.h"
+#include "node/node.h"
 #include "render/state.h"
-#include "node/scratches.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
 #include "system/pages.h"
@@ -1815,6 +1817,15 @@ static void scratches_and_plate(void **state) {
     }
 }
 
+/* A table is put together of parts. */
+static void every_stage_is_there(void **state) {
+  (void)state;
+  void (*stage[sizeof(stage_table) / sizeof(void (*)(void))])(void);
+  memcpy(stage, stages, sizeof stage);
+  for (size_t k = 1; k < sizeof stage / sizeof *stage; k++) /* after the name */
+    assert_true(stage[k]);
+}
+
 int main(void) {
   const stage_table *const tables[] = {stages_of("scalar"), stages_of("sse2"), stages_of("avx2"),
                                        stages_of("avx512")};
@@ -1824,7 +1835,8 @@ int main(void) {
     void *table = (void *)(uintptr_t)tables[k];
 #define TEST(function)                                                                             \
   { #function, function, setup, teardown, table }
-    const struct CMUnitTest tests[] = {TEST(camera_through_pixels),
+    const struct CMUnitTest tests[] = {TEST(every_stage_is_there),
+                                       TEST(camera_through_pixels),
                                        TEST(locate_and_move),
                                        TEST(surface_frames),
                                        TEST(surface_frames_of_a_dump),

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/bounce.h"
 
+#include "closure/common.h"
+#include "light/light.h"
 #include "light/pattern.h"
 #include "render/closures.h"
 #include "render/hits.h"

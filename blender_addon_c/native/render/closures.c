@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/closures.h"
+#include "closure/closure.h"
 
 #include <string.h>
 

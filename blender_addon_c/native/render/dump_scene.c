@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "closure/closure.h"
+#include "light/light.h"
 #include "system/library.h"
 
 #define OPENEXR_LIBRARY "libOpenEXRCore-3_1.so.30"

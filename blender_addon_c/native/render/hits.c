@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "node/node.h"
 #include "render/motion.h"
 #include "render/occlusion.h"
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "batch/leaf.h"
+#include "closure/closure.h"
 #include "render/closures.h"
 
 enum { LIGHT_KINDS = BOUNCE_TRANSPARENT };          /* the first of bounce_kind */

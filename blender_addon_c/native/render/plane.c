@@ -2,6 +2,7 @@
 #include "render/plane.h"
 
 #include "batch/leaf.h"
+#include "closure/closure.h"
 #include "render/vector.h"
 
 #define PLANE_WORD(TYPE, channels, filtered) #TYPE,

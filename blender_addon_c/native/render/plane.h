@@ -14,7 +14,6 @@
 
 #include <stdbool.h>
 
-#include "closure/closure.h"
 #include "render/state.h"
 #include "stage/stage.h"
 

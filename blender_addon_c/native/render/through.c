@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "closure/closure.h"
 #include "render/hits.h"
 #include "render/motion.h"
 #include "render/plane.h"

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "batch/leaf.h"
 #include "render/bounce.h"
 #include "scene/texture.h"
 #include "system/parallel.h"
