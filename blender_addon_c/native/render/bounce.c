@@ -119,6 +119,13 @@ static void spare_shadows(worker *w, size_t number, int bounce, size_t phase, bo
            &b->light);
 }
 
+/* What the camera sees is worth a shadow ray for each of a few lamps: to choose one among three
+ * makes the only noise of a picture that otherwise has none. */
+static bool takes_all_lamps(const scene *s, int bounce) {
+  enum { FEW = 4 };
+  return s->choices == s->lights && s->lights <= (bounce == 0 ? FEW : 1);
+}
+
 /* What the hits reflect of their light samples: b->sum grows by it. number: of the light, where all
  * have the same. */
 static void reflect(worker *w, size_t number, int bounce, size_t phase, bool shadow, bool shared,
@@ -135,7 +142,8 @@ static void reflect(worker *w, size_t number, int bounce, size_t phase, bool sha
   if (shadow && w->through)
     color = through_shadows(w, color) ? NULL : color;
   else if (shadow)
-    accel_occluded(w->scene->accel, hits, &b->light.ray);
+    accel_occluded(w->scene->accel, hits, bounce == 0 && takes_all_lamps(w->scene, bounce),
+                   &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
@@ -425,13 +433,6 @@ static void zero(lane_c *color, size_t count) {
   memset(color->r, 0, count * sizeof(float));
   memset(color->g, 0, count * sizeof(float));
   memset(color->b, 0, count * sizeof(float));
-}
-
-/* What the camera sees is worth a shadow ray for each of a few lamps: to choose one among three
- * makes the only noise of a picture that otherwise has none. */
-static bool takes_all_lamps(const scene *s, int bounce) {
-  enum { FEW = 4 };
-  return s->choices == s->lights && s->lights <= (bounce == 0 ? FEW : 1);
 }
 
 /* How bright direct light of a sample may be, and indirect. */

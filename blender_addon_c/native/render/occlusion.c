@@ -111,7 +111,7 @@ static size_t aim_rays(const batch *b, lane_run run, const node_occlusion *n, in
 }
 
 static void count_all(const scene *s, occlusion *o, size_t count) {
-  accel_occluded(s->accel, count, &o->ray);
+  accel_occluded(s->accel, count, false, &o->ray);
   for (size_t i = 0; i < count; i++)
     o->stopped[o->lane[i]] += o->ray.tfar[i] < 0.0f ? 1.0f : 0.0f;
 }

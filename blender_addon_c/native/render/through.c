@@ -68,7 +68,7 @@ bool through_shadows(worker *w, const float *color) {
   passages *way = &w->through->way;
   size_t hits = b->queue.hits;
   memcpy(way->tfar, b->light.ray.tfar, hits * sizeof(float));
-  accel_occluded(s->accel, hits, &b->light.ray);
+  accel_occluded(s->accel, hits, false, &b->light.ray);
   size_t rays = stage->stopped(hits, s->limits.shadows, s->features.shadow_linking, b->queue.lane,
                                b->walk, &b->light, way, &at->sample_ray);
   bool any = false;

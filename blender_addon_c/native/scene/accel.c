@@ -39,7 +39,8 @@
   F(rtcSetGeometryIntersectFilterFunction)                                                         \
   F(rtcSetGeometryOccludedFilterFunction)                                                          \
   F(rtcIntersectNp)                                                                                \
-  F(rtcOccludedNp)
+  F(rtcOccludedNp)                                                                                 \
+  F(rtcOccluded16)
 
 /* One table for the process, filled once: a library is never unloaded. */
 #define MEMBER(name) __typeof__(&name) name;
@@ -348,12 +349,43 @@ void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t
         hit->instance[i] == RTC_INVALID_GEOMETRY_ID ? 0 : hit->instance[i] - ACCEL_INSTANCES + 1;
 }
 
-void accel_occluded(const accel *a, size_t count, rays *ray) {
+/* A packet after the other: lanes have room for a whole last one. */
+static void occluded_packets(const accel *a, struct RTCIntersectContext *context, size_t count,
+                             rays *ray) {
+  enum { PACKET = 16 };
+  struct RTCRay16 packet = {.time = {0}};
+  _Alignas(64) int valid[PACKET];
+  for (size_t k = 0; k < PACKET; k++)
+    packet.mask[k] = RAY_SHADOW;
+#define PACKET_LANES(of, lanes) memcpy(packet.of, (lanes) + begin, sizeof packet.of)
+  for (size_t begin = 0; begin < count; begin += PACKET) {
+    PACKET_LANES(org_x, ray->o.x);
+    PACKET_LANES(org_y, ray->o.y);
+    PACKET_LANES(org_z, ray->o.z);
+    PACKET_LANES(tnear, ray->tnear);
+    PACKET_LANES(dir_x, ray->d.x);
+    PACKET_LANES(dir_y, ray->d.y);
+    PACKET_LANES(dir_z, ray->d.z);
+    PACKET_LANES(tfar, ray->tfar);
+    if (a->timed)
+      PACKET_LANES(time, ray->time);
+    for (size_t k = 0; k < PACKET; k++)
+      valid[k] = begin + k < count && packet.tfar[k] >= packet.tnear[k] ? -1 : 0;
+    embree.rtcOccluded16(valid, a->scene, context, &packet);
+    memcpy(ray->tfar + begin, packet.tfar, sizeof packet.tfar);
+  }
+#undef PACKET_LANES
+}
+
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  /* Said to be coherent, rays made Embree 3.13 go round for ever
-   * (tests/test_native_shadow.py has some), and soft lights' took longer. */
+  /* Never said to be coherent: some rays then made Embree 3.13 go round for ever
+   * (tests/test_native_shadow.py has them). */
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
-  embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
+  if (coherent)
+    occluded_packets(a, &context, count, ray);
+  else
+    embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
 }

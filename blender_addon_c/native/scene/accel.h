@@ -67,7 +67,8 @@ void accel_free(accel *a); /* NULL is fine */
  * rays; 0: of each ray in kinds. Those of the camera start or end close together. */
 void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
                      hits *hit);
-/* Shadow rays. tfar of every ray that meets something becomes -infinity. */
-void accel_occluded(const accel *a, size_t count, rays *ray);
+/* Shadow rays. tfar of every ray that meets something becomes -infinity. coherent: from points that
+ * lie close together to one light. */
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray);
 
 #endif
