@@ -129,9 +129,10 @@ typedef struct surfaces {
   lane_v wo;      /* to the eye, in the shading frame */
   lane_v lean; /* where some normal `leans`: the interpolated one, in the frame of the bent one */
   lane_f u, v;
-  lane_v du, dv; /* position by u and v, where the scene has `stretch` */
-  lane_f width;  /* where it has cones: across the ray, of what the hit stands for */
-  lane_f pixel;  /* where it is `stepped`: a pixel's width, 0 where it is not known */
+  lane_f width;   /* where the scene has cones: across the ray, of what the hit stands for */
+  float uv_width; /* where it has `stretch`: that much of u and v at most, of all hits, */
+  lane_v du, dv;  /* and position by u and v, unless nothing asks where all are so fine */
+  lane_f pixel;   /* where it is `stepped`: a pixel's width, 0 where it is not known */
   /* where the scene is `identified`: which triangle and object, and the second and third corner's
    * weights */
   lane_u record, instance, object;

@@ -15,6 +15,7 @@ STAGES(surface) = {
     .place = stage_place,
     .surface = stage_surface,
     .lift = stage_lift,
+    .uv_width = stage_uv_width,
     .stretch = stage_stretch,
     .pixel_cone = stage_pixel_cone,
     .width = stage_width,

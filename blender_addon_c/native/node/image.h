@@ -12,7 +12,7 @@ typedef struct node_image {
   int image, out[3], alpha; /* alpha: -1 where nothing asks for it */
   bool placed, cubic, averaged;
   operand at[2], near[4];
-  float per_step;
+  float per_step, texels; /* across the UV map, where these are averaged, by their part of a ray */
   const texture *red_green, *blue_alpha; /* of bytes the first is all */
   const texture *one[4];                 /* of a wide image, by channel, else NULL */
   uint32_t srgb;                         /* what is mixed is to be decoded, for either() */
@@ -54,6 +54,8 @@ static inline bool node_image_widely(node_image *n, const image *source, const n
 static inline bool node_image_build(node_image *n, const node_place *place) {
   const image *source = place->image + n->image;
   n->averaged = n->averaged && !n->cubic && !source->closest && place->texture_blur > 0.0f;
+  n->texels = place->texture_blur *
+              (float)(source->width > source->height ? source->width : source->height);
   for (int k = 0; k < 4; k++)
     n->one[k] = NULL;
   if (source->wide)
@@ -289,13 +291,26 @@ LEAF float image_footprint(const surfaces *restrict point, size_t i, image_slope
   return area * area / (larger > 1e-30f ? larger : 1e-30f);
 }
 
+/* Of a block. False where all are so fine that the image is seen as it is. */
+LEAF bool image_footprints(const surfaces *restrict point, size_t first, size_t count,
+                           image_slope by, float blur, float *restrict texels2) {
+  float most = 0.0f;
+#pragma omp simd reduction(max : most)
+  for (size_t k = 0; k < count; k++) {
+    float own = image_footprint(point, first + k, by, blur * point->width[first + k]);
+    texels2[k] = own;
+    most = own > most ? own : most;
+  }
+  return most > TEXTURE_FINE;
+}
+
 /*
  * A texel's mean, weighted by how near it is looked up, spreads as far as that over a square of the
  * square root of three times its width: from that width on the image is seen coarser. Between two
  * levels a point takes either, by the last bits of its place, so that in the mean it is as far.
  */
 LEAF int image_level(float texels2, int count, float u, float v) {
-  float square = clampf(texels2 * (1.0f / 3.0f), 1.0f, 1e12f);
+  float square = clampf(texels2 * (1.0f / TEXTURE_FINE), 1.0f, 1e12f);
   int level = ((bits_of_float(square) >> 23) - 127) >> 1; /* 4^level <= square < 4^(level + 1) */
   float more = square * float_of_bits((127 - 2 * level) << 23) - 1.0f;
   uint32_t h = mix((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v));
@@ -365,17 +380,19 @@ LEAF void node_image_averaged(bool bytes, bool placed, image_wrap wrap, const no
 LEAF void node_image_any(image_wrap wrap, const node_image *n, lane_run g, const float *u,
                          const float *v, const surfaces *point, inputs *at) {
   const bool bytes = !n->blue_alpha;
+  const bool averaged = n->averaged && at->texture_blur > 0.0f &&
+                        (n->placed || texture_is_coarse(point->uv_width, n->texels));
   if (n->one[0] && n->cubic)
     node_image_wide(wrap, true, n, g, u, v, at);
   else if (n->one[0])
     node_image_wide(wrap, false, n, g, u, v, at);
-  else if (n->averaged && at->texture_blur > 0.0f && bytes && n->placed)
+  else if (averaged && bytes && n->placed)
     node_image_averaged(true, true, wrap, n, g, u, v, point, at);
-  else if (n->averaged && at->texture_blur > 0.0f && bytes)
+  else if (averaged && bytes)
     node_image_averaged(true, false, wrap, n, g, u, v, point, at);
-  else if (n->averaged && at->texture_blur > 0.0f && n->placed)
+  else if (averaged && n->placed)
     node_image_averaged(false, true, wrap, n, g, u, v, point, at);
-  else if (n->averaged && at->texture_blur > 0.0f)
+  else if (averaged)
     node_image_averaged(false, false, wrap, n, g, u, v, point, at);
   else if (n->cubic && bytes)
     node_image_cubic_bytes(wrap, n, g, u, v, at);

@@ -460,9 +460,9 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   enum { MANY = 12 }; /* samples, by whose mean what cloth interpolates is a pixel's own */
   const scene *s = w->scene;
   batch *b = w->batch;
-  hits_surface(w);
   if (s->features.ray_cones)
     s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+  hits_surface(w);
   if (s->features.pixel_size)
     s->stages->footprint(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
   if (s->features.light_path)
@@ -806,10 +806,10 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   const stage_table *s = scene->stages;
   batch *b = w->batch;
   size_t phase = view->first % p->period;
-  bool paths = !w->observer &&
-               (scene->max_bounces > 0 || scene->features.transparency ||
-                scene->features.hit_lights || scene->choices > 1 || scene->clamp_direct > 0.0f ||
-                w->light || scene->features.ray_cones || scene->light_threshold > 0.0f);
+  bool paths =
+      !w->observer && (scene->max_bounces > 0 || scene->features.transparency ||
+                       scene->features.hit_lights || scene->choices > 1 ||
+                       scene->clamp_direct > 0.0f || w->light || scene->light_threshold > 0.0f);
   view->point[0] = p->point[0] + phase;
   view->point[1] = p->point[1] + phase;
   clock_start(&w->clocks);
@@ -841,7 +841,8 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
   clock_tick(&w->clocks, CLOCK_HIT);
   if (!b->queue.hits && !sky && !w->light && !view->camera->panorama)
     return;
-  if (paths || scene->features.light_path || scene->features.pixel_size || scene->features.holdout)
+  if (paths || scene->features.light_path || scene->features.holdout || b->input.cloth ||
+      w->through)
     begin_walks(w, count);
   if (scene->features.pixel_size)
     s->pixel(count, view, &b->sample_ray, b->walk);

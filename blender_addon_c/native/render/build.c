@@ -31,13 +31,13 @@ static bool build_node(node *n, const node_place *place) {
   }
 }
 
-/* Do nodes read position by u and v? */
-static bool reads_derivatives(const scene *s) {
+/* Do nodes read position by u and v? fine: where footprints are fine, too. */
+static bool reads_derivatives(const scene *s, bool fine) {
   for (const material *m = s->material; m < s->material + s->materials; m++)
     for (const node *n = m->node; n < m->node + m->nodes; n++)
-      if (n->type == NODE_BUMP || n->type == NODE_WEAVE ||
-          (n->type == NODE_IMAGE && n->of.image.averaged) || n->type == NODE_STEP ||
-          (n->type == NODE_NORMAL_MAP && n->of.normal_map.squares) ||
+      if (n->type == NODE_BUMP || n->type == NODE_WEAVE || n->type == NODE_STEP ||
+          (n->type == NODE_IMAGE && n->of.image.averaged && (n->of.image.placed || !fine)) ||
+          (n->type == NODE_NORMAL_MAP && n->of.normal_map.squares && !fine) ||
           (n->type == NODE_SCRATCHES && n->of.scratches.what == SCRATCHES_NORMAL) ||
           (n->type == NODE_GEOMETRY && geometry_stretches(&n->of.geometry)))
         return true;
@@ -64,9 +64,17 @@ static bool build_scratches(scene *s, const atomic_bool *cancel, message_log *lo
   return true;
 }
 
+/* Of those that average what a ray stands for, how many texels the UV map counts. */
+static float texels_of(const node *n) {
+  return n->type == NODE_IMAGE && n->of.image.averaged            ? n->of.image.texels
+         : n->type == NODE_NORMAL_MAP && n->of.normal_map.squares ? n->of.normal_map.texels
+                                                                  : 0.0f;
+}
+
 static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
   s->features.ray_cones = s->cloths > 0;
+  s->finest = 0.0f;
   for (material *m = s->material; m < s->material + s->materials; m++) {
     if (m->status & SHADE_CLAMPED_PARAMETER)
       message_warn(log, "material %s: a parameter is out of its range and was clamped", m->name);
@@ -80,14 +88,14 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
                         .log = log};
     for (size_t k = 0; good && k < m->nodes; k++)
       good = build_node(&m->node[k], &place);
-    for (size_t k = 0; good && k < m->nodes; k++)
-      s->features.ray_cones =
-          s->features.ray_cones ||
-          (m->node[k].type == NODE_IMAGE && m->node[k].of.image.averaged) ||
-          (m->node[k].type == NODE_NORMAL_MAP && m->node[k].of.normal_map.squares) ||
-          (m->node[k].type == NODE_SCRATCHES && m->node[k].of.scratches.coarse);
+    for (size_t k = 0; good && k < m->nodes; k++) {
+      s->finest = fmaxf(s->finest, texels_of(&m->node[k]));
+      s->features.ray_cones = s->features.ray_cones || s->finest > 0.0f ||
+                              (m->node[k].type == NODE_SCRATCHES && m->node[k].of.scratches.coarse);
+    }
   }
-  s->features.derivatives = reads_derivatives(s);
+  s->features.derivatives = reads_derivatives(s, false);
+  s->features.fine_derivatives = reads_derivatives(s, true);
   texture_take(&s->textures, &s->kept);
   free(s->kept_image);
   s->kept_image = NULL;
@@ -180,7 +188,7 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
 void scene_take(scene *to, scene *from) {
   if (!from->built || !from->apart || !to->apart)
     return;
-  to->features.derivatives = reads_derivatives(to);
+  to->features.derivatives = reads_derivatives(to, false);
   world_take(to, from);
   for (size_t k = 0; k < to->scratch_fields; k++)
     for (size_t i = 0; i < from->scratch_fields; i++)

@@ -77,6 +77,15 @@ bool hits_lifted(const worker *w) {
   return w->scene->features.curved && !w->observer;
 }
 
+/* Position by u and v; not where footprints are finer than all that asks for it. */
+static void find_derivatives(worker *w) {
+  const scene *s = w->scene;
+  batch *b = w->batch;
+  s->stages->uv_width(b->queue.hits, s->stretch, b->placed, b->hit, &b->surface);
+  if (s->features.fine_derivatives || texture_is_coarse(b->surface.uv_width, s->finest))
+    s->stages->stretch(b->queue.hits, s->stretch, b->placed, b->hit, &b->surface);
+}
+
 void hits_surface(worker *w) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
@@ -98,7 +107,7 @@ void hits_surface(worker *w) {
     s->identify(b->queue.hits, w->scene->triangle, b->placed, b->hit, &b->surface);
   }
   if (w->scene->stretch)
-    s->stretch(b->queue.hits, w->scene->stretch, b->placed, b->hit, &b->surface);
+    find_derivatives(w);
   if (w->scene->features.object_motion)
     motion_objects(w);
 }

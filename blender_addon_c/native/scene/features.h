@@ -28,7 +28,8 @@ typedef struct features {
   bool light_path;  /* by which way a point is seen */
   bool pixel_size;  /* how wide a pixel is there */
   bool ray_cones;   /* how much a ray stands for: cloth, images or scratches */
-  bool derivatives; /* position by u and v */
+  bool derivatives; /* position by u and v, */
+  bool fine_derivatives; /* and not only where footprints are wider than texels */
   /* time */
   bool motion;          /* something moves while the shutter is open, */
   bool object_motion;   /* and not the camera alone; */

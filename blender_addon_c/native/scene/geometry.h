@@ -70,6 +70,7 @@ _Static_assert(sizeof(triangle) == 128, "two cache lines");
 /* Position of a triangle by u and v; without UVs by two of its edges. */
 typedef struct stretch {
   float u[3], v[3];
+  float dense; /* how much of u and v a step along it goes at most, by the step's length */
 } stretch;
 
 /* A mesh that changes its shape, as it is kept: at each of its steps. */

@@ -149,9 +149,10 @@ typedef struct scene {
   size_t triangle_count, quad_count; /* records 2q and 2q + 1 are the halves of quad q */
   triangle *triangle;
   stretch *stretch; /* by triangle, where a material asks for it */
-  uint8_t *hidden;  /* by triangle: ray_kinds that do not see it; NULL where all see all */
-  object *object;   /* by instance, where nodes ask */
-  placed *placed;   /* by instance of Embree; 0 is the world; NULL where there are none */
+  float finest; /* most texels across a UV map of images that are averaged, by the part of a ray */
+  uint8_t *hidden; /* by triangle: ray_kinds that do not see it; NULL where all see all */
+  object *object;  /* by instance, where nodes ask */
+  placed *placed;  /* by instance of Embree; 0 is the world; NULL where there are none */
   size_t placed_count;
   deform *deform; /* of placed ones */
   float *moved_normal;

@@ -37,6 +37,14 @@ typedef struct image {
 /* A texture's width and height are those of its image and this. */
 enum { TEXTURE_RIM = 3, TEXTURE_LEVELS = 24 };
 
+/* So many texels, squared, are still seen one by one. */
+#define TEXTURE_FINE 3.0f
+
+/* Is what goes this far over a UV map seen coarser, where that counts so many texels? */
+static inline bool texture_is_coarse(float width, float texels) {
+  return width * texels * (width * texels) > 0.999f * TEXTURE_FINE;
+}
+
 typedef enum texture_kind {
   TEXTURE_NORMAL,
   TEXTURE_RED_GREEN,

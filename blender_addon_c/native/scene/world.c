@@ -134,6 +134,16 @@ static void find_stretch(const float *const corner[3], const triangle *t, stretc
     out->u[k] = (float)(good ? (a * v2 - b * v1) / area : a);
     out->v[k] = (float)(good ? (b * u1 - a * u2) / area : b);
   }
+  double uu = 0, vv = 0, uv = 0;
+  for (int k = 0; k < 3; k++) {
+    uu += (double)out->u[k] * (double)out->u[k];
+    vv += (double)out->v[k] * (double)out->v[k];
+    uv += (double)out->u[k] * (double)out->v[k];
+  }
+  double half = 0.5 * (uu - vv),
+         square = uu * vv - uv * uv; /* of the larger step's singular value */
+  double larger = 0.5 * (uu + vv) + sqrt(half * half + uv * uv);
+  out->dense = square > 0 ? (float)sqrt(larger / square) : INFINITY;
 }
 
 /* The scene's layers of triangle t, its corners turned so that `turn` comes first, for a record. */

@@ -92,7 +92,9 @@ typedef struct stage_table {
   /* Where the scene has curved triangles. */
   void (*lift)(size_t count, const triangle *triangles, const placed *table, const hits *hit,
                surfaces *out);
-  /* Where the scene has bumps by heights. */
+  /* Where nodes ask how much of the UV map hits stand for, and for position by u and v. */
+  void (*uv_width)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
+                   surfaces *out);
   void (*stretch)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
                   surfaces *out);
   /* Where the scene has cones: widths of the camera's rays, by sample, of hits, and of rays drawn.

@@ -196,6 +196,39 @@ static void stage_lift(size_t count, const triangle *restrict triangles,
   }
 }
 
+/* How much an instance shrinks at most: the determinant over the product of two singular values. */
+LEAF float least_scale(const placed *p) {
+  const float(*m)[3] = p->linear;
+  float volume = 0.0f, squares = 0.0f;
+  for (int k = 0; k < 3; k++) {
+    int next = (k + 1) % 3, last = (k + 2) % 3;
+    volume += m[0][k] * (m[1][next] * m[2][last] - m[1][last] * m[2][next]);
+    squares += m[k][0] * m[k][0] + m[k][1] * m[k][1] + m[k][2] * m[k][2];
+  }
+  return 2.0f * p->scale * fabsf(volume) / squares;
+}
+
+LEAF float widest_uv(bool instances, size_t count, const stretch *restrict triangles,
+                     const placed *restrict table, const hits *restrict hit,
+                     const float *restrict width) {
+  float most = 0.0f;
+#pragma omp simd reduction(max : most)
+  for (size_t i = 0; i < count; i++) {
+    float own = width[i] * triangles[hit->record[i]].dense;
+    if (instances)
+      own = hit->instance[i] ? own / least_scale(&table[hit->instance[i]]) : own;
+    most = own > most ? own : most;
+  }
+  return most;
+}
+
+static void stage_uv_width(size_t count, const stretch *restrict triangles,
+                           const placed *restrict table, const hits *restrict hit,
+                           surfaces *restrict out) {
+  out->uv_width = table ? widest_uv(true, count, triangles, table, hit, out->width)
+                        : widest_uv(false, count, triangles, NULL, hit, out->width);
+}
+
 /* Position by u and v, in the world. */
 static void stage_stretch(size_t count, const stretch *restrict triangles,
                           const placed *restrict table, const hits *restrict hit,
