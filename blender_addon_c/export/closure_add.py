@@ -2,7 +2,6 @@
 """Closures as the native module reads them, added to a material's reader with their weight and their normal."""
 
 from .. import versions
-from .closure_widened import filtered, is_even
 from .graph import is_known
 from .value import each, normal_of
 
@@ -37,8 +36,8 @@ def add(reader, closure, weight, normal=None, color=None):
         closure |= {} if reader.transport else {"detail": "gram_schmidt"}
         if reader.bumped:  # Cycles fades by what bumps turn a displaced normal: less than they turn this one
             closure["horizon"] = "hard" if closure["f0"] == BLACK else "valid_reflection"
-    if normal and normal[0] in reader.filtered and is_even(closure):
-        normal, weight = filtered(reader, closure, normal, weight)
+    if normal and normal[0] in reader.filtered and _is_even(closure):
+        normal, closure["spread_from"] = reader.filtered[normal[0]]
     if normal and not reader.dumps:
         normal = _valid(reader, closure, normal, stock)
     weight = tuple(weight) if isinstance(weight, (tuple, list)) else (weight,) * 3
@@ -52,6 +51,13 @@ def add(reader, closure, weight, normal=None, color=None):
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
+
+
+def _is_even(closure):
+    """A lobe that stays as it is where bumps finer than a sample widen it: about a Gaussian of slopes. GGX's tails
+    would grow with it, to a half too much light beside highlights."""
+    return (closure["closure"] == "METAL" and any(closure["f0"]) and
+            closure["mdf"].lower() in ("ashikhmin_shirley", "beckmann", "ward", "ward_half"))
 
 
 def _colored(reader, closure, weight):

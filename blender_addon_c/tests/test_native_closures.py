@@ -3,11 +3,15 @@
 is as bright as the world, what lets light through as well; nothing is brighter."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
 
-from native_scenes import material, native, ortho, point, registers, render, scene, sphere, square, sun
+from native_scenes import ROOT, material, native, ortho, point, registers, render, scene, some, sphere, square, sun
+
+sys.path.insert(0, str(ROOT / "libshade/python"))
+import shade  # noqa: E402
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -130,8 +134,10 @@ def test_bumps_that_are_a_part_of_a_lobe_make_no_light(ax, ay, share, angle):
     lobe is bumps, facets hide nothing of one another: what they would take from below is lost, and of low light what is
     more than four times as much as without bumps."""
     sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
-    made = material(mdf="ASHIKHMIN_SHIRLEY", brdf="ASHIKHMIN_SHIRLEY", fresnel="NONE", f0=WHITE, ax=ax, ay=ay,
-                    ex=2 / ax**2 - 2, ey=2 / ay**2 - 2, detail="NONE") | {"bumps_from": [share, share]}
+    slopes = [a**2 / (2 - a**2) for a in (ax, ay)]  # mean squares of the lobe's, by axis
+    own = [max(1e-4, math.sqrt(2 * rest / (1 + rest))) for rest in ((1 - share) * square for square in slopes)]
+    made = material(mdf="ASHIKHMIN_SHIRLEY", brdf="ASHIKHMIN_SHIRLEY", fresnel="NONE", f0=WHITE, ax=own[0], ay=own[1],
+                    ex=2 / own[0]**2 - 2, ey=2 / own[1]**2 - 2, detail="NONE") | {"spread_from": [2 * share * square for square in slopes]}
     picture, _ = render(scene(width=8, height=8, materials=[made], lights=[], background=WHITE, samples=1024, max_bounces=2,
                               camera=ortho(0.1, eye=(-3 * sine, 0, 3 * cosine))))
     # all but periodic in the turn: with 60 steps 5e-6 from 360
@@ -152,6 +158,35 @@ def test_bumps_that_are_a_part_of_a_lobe_make_no_light(ax, ay, share, angle):
     found = picture[..., :3].astype(float).mean()
     assert found == pytest.approx(expected, abs=0.01) and found < 1.003
     assert (share, ax, angle) != (1.0, 0.05, 0) or found > 0.99
+
+
+def shone(made, light):
+    """A plate's light of a sun, seen at 20 degrees."""
+    return render(scene(width=2, height=2, samples=1, materials=[made], lights=[sun(light)], camera=ortho(0.1, eye=(1, 0, 2.75)),
+                        max_bounces=0))[0][..., :3].astype(float).mean()
+
+
+@pytest.mark.parametrize("brdf", ["MICROFACET", "ASHIKHMIN_SHIRLEY"])
+@pytest.mark.parametrize("mdf", ["BECKMANN", "WARD", "WARD_HALF"])
+@pytest.mark.parametrize("alphas", some([(0.05, 0.2), (0.3, 0.3), (0.7, 0.4)]))
+def test_bumps_widen_a_lobe_as_the_library_does(mdf, brdf, alphas):
+    """By slopes of these variances; the microfacet lobe of Beckmann, which would lose light, is as bright as before."""
+    def lobe(x, y, **spread):
+        return material(mdf=mdf, brdf=brdf, fresnel="NONE", f0=WHITE, ax=x, ay=y, detail="NONE") | spread
+    variances = (0.03, 0.01)
+    split = shade.split(shade.Material(mdf=mdf.lower(), brdf=brdf.lower(), ax=alphas[0], ay=alphas[1]), None,
+                        [variances[0], 0, variances[1]], 1)
+    bumped, wide = lobe(*alphas, spread_from=[2 * v for v in variances]), lobe(float(split.x), float(split.y))
+    lights = [(0.1, 0.2, 0.9), (-0.5, 0.1, 0.8), (-0.2, 0.6, 0.4)]
+    kept = np.array([shone(bumped, light) / shone(wide, light) for light in lights])
+    assert kept == pytest.approx(kept[0], rel=1e-4)
+    if (mdf, brdf) != ("BECKMANN", "MICROFACET"):
+        assert kept == pytest.approx(1, rel=1e-4)
+        return
+    even = {"lights": [], "background": WHITE, "max_bounces": 1, "camera": ortho(0.1, eye=(1, 0, 2.75))}
+    own, both = (render(scene(width=16, height=16, samples=1024, materials=[made], **even))[0][..., :3].mean()
+                 for made in (lobe(*alphas), wide))
+    assert kept[0] == pytest.approx(own / both, rel=0.01)
 
 
 def test_burley_is_as_bright_as_its_own_formula_says():

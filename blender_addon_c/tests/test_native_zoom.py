@@ -25,18 +25,16 @@ def bumps(along, across):
     return np.float32(0.5 + 0.5 * normal / np.linalg.norm(normal, axis=-1, keepdims=True))
 
 
-def metal(filtered, alpha=ALPHA):
-    given = material(mdf="BECKMANN", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=alpha, ay=alpha)
+def bumped(filtered, given):
+    """A metal's normals from the first image, as the export has them."""
     normal = {"type": "NORMAL_MAP", "image": 0, "strength": 1.0, "filtered": filtered,
               "out": registers(3, 5 if filtered else 3)}
-    nodes, alphas = [normal], {}
-    for k, axis in enumerate("xy" if filtered else ""):
-        square_, root = registers(8 + k, 1), registers(10 + k, 1)
-        nodes += [{"type": "MATH", "operation": "MULTIPLY_ADD", "a": registers(6 + k, 1), "b": [(1 + alpha**2)**-2],
-                   "c": [alpha**2], "out": square_},
-                  {"type": "MATH", "operation": "SQRT", "a": square_, "b": [0.0], "c": [0.0], "out": root}]
-        alphas[f"a{axis}_from"] = root
-    return given | {"nodes": nodes, "normal": registers(3, 3), **alphas}
+    spread = {"spread_from": registers(6, 2)} if filtered else {}
+    return given | {"nodes": [normal], "normal": registers(3, 3), **spread}
+
+
+def metal(filtered, alpha=ALPHA):
+    return bumped(filtered, material(mdf="BECKMANN", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=alpha, ay=alpha))
 
 
 def seen(kind, far, samples, blur=0.0, seed=1, metal=metal, light=(0.3, 0.1, 0.9)):
@@ -75,23 +73,9 @@ def test_the_highlight_of_a_wide_lobe(kind, alpha):
 
 
 def cosines(filtered):
-    """Ashikhmin and Shirley's lobe, twice as narrow along v as along u, as the export widens it."""
-    alphas = (0.1, 0.05)
-    given = material(fresnel="NONE", f0=(1, 1, 1), ex=2 / alphas[0]**2 - 2, ey=2 / alphas[1]**2 - 2)
-    nodes = [{"type": "NORMAL_MAP", "image": 0, "strength": 1.0, "filtered": filtered,
-              "out": registers(3, 5 if filtered else 3)}]
-    shares, wide = [], []
-    for k, alpha in enumerate(alphas if filtered else ()):
-        own, (sum_, top, below, square, root, part, share) = alpha**2 / (2 - alpha**2), registers(10 + 8 * k, 7)
-        for operation, a, b, c, out in (
-                ("MULTIPLY_ADD", (6 + k,), 0.5, own, sum_), ("MULTIPLY", sum_, 2.0, 0.0, top), ("ADD", sum_, 1.0, 0.0, below),
-                ("DIVIDE", top, below, 0.0, square), ("SQRT", square, 0.0, 0.0, root), ("DIVIDE", own, sum_, 0.0, part),
-                ("SUBTRACT", 1.0, part, 0.0, share)):
-            nodes.append({"type": "MATH", "operation": operation, "a": [a], "b": [b], "c": [c], "out": [out]})
-        wide.append([root])
-        shares.append(share)
-    fed = {"ax_from": wide[0], "ay_from": wide[1], "bumps_from": shares} if filtered else {}
-    return given | {"nodes": nodes, "normal": registers(3, 3), **fed}
+    """Ashikhmin and Shirley's lobe, twice as narrow along v as along u."""
+    ax, ay = 0.1, 0.05
+    return bumped(filtered, material(fresnel="NONE", f0=(1, 1, 1), ax=ax, ay=ay, ex=2 / ax**2 - 2, ey=2 / ay**2 - 2))
 
 
 @pytest.mark.parametrize("light", some([(0, 0, 1), (0.1, 0.3, 0.9), (0.1, 0.6, 0.8)]))
@@ -108,6 +92,17 @@ def test_many_samples_see_points():
     """The less each stands for, the less is filtered."""
     points, filtered = (seen("round", 6, 256, blur) for blur in (0.0, 1 / 16))
     np.testing.assert_allclose(filtered, points, rtol=2e-6)
+
+
+@pytest.mark.parametrize("lobe", [metal, cosines])
+def test_footprints_finer_than_a_texel_are_points(lobe):
+    """To the pixel, as long as they are below the square root of three texels; wider ones are filtered."""
+    texel, pixel = 2.0 / TEXELS, 2 * 0.25 / 32  # metres, on a plate a metre away
+    points = seen("brushed", 1.0, 4, 0.0, 1, lobe)
+    for texels in (0.1, 1.7, 1.8, 16):
+        found = seen("brushed", 1.0, 4, texels * texel / pixel, 1, lobe)
+        assert np.array_equal(found, points) == (texels < 3**0.5)
+    assert abs(found - points).max() > 0.1 * points.max()
 
 
 @pytest.mark.parametrize("mdf, brdf", [("BECKMANN", "MICROFACET"), ("ASHIKHMIN_SHIRLEY", "ASHIKHMIN_SHIRLEY")])

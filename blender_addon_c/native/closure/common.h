@@ -31,18 +31,22 @@ LEAF vec3 normal_at(const inputs *given, const int normal[3], size_t i) {
   return (vec3){given->at[normal[0]][i], given->at[normal[1]][i], given->at[normal[2]][i]};
 }
 
-/* The lanes of an alpha that is a number or a register, no sharper than the path wants it. */
-static inline const float *alpha_lane(inputs *given, operand alpha, int place, int blurred,
-                                      lane_run run) {
-  const float *restrict from = lane_of(given, alpha, place, run);
+/* An alpha's lanes, no sharper than the path wants it; axis: of those kept for it. */
+static inline const float *blurred_lane(inputs *given, const float *from, int axis, lane_run run) {
+  const float *least = given->blur;
+  float *to = given->blurred[axis];
   if (!given->blurs)
     return from;
-  const float *restrict least = given->blur;
-  float *restrict to = given->blurred[blurred];
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++)
     to[i] = from[i] > least[i] ? from[i] : least[i];
   return to;
+}
+
+/* The same of an alpha that is a number or a register. */
+static inline const float *alpha_lane(inputs *given, operand alpha, int place, int axis,
+                                      lane_run run) {
+  return blurred_lane(given, lane_of(given, alpha, place, run), axis, run);
 }
 
 /* How much is left of the light from l where a matt surface's normal is bent from `own` to n: the

@@ -2,9 +2,9 @@
 /* libshade's metal, with the words of its own table. What nodes say of it instead, point by point:
  * `f0_from`, `kd_from`, `f82_from`, `eta_from`, `k_from`, three operands each, of which those that
  * are no registers leave the parameter as it is; `ax_from` and `ay_from`, one each; `groove_from`,
- * two, the tangent about the normal; `normal`, three registers; `bumps_from`, two, along the
- * tangent and across: which share of the lobe's squared slopes is that of bumps, for Ashikhmin and
- * Shirley's BRDF. `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and
+ * two, the tangent about the normal; `normal`, three registers; `spread_from`, two, how far bumps
+ * that are not seen one by one widen a lobe of Gaussian slopes along the frame's x and y, as nodes
+ * write it. `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and
  * Beckmann had it until 3.6, not of both together. `film_thickness` and, with it, what else
  * node/interference.h reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.
  */
@@ -14,8 +14,9 @@
 #include "batch/lanes.h"
 #include "closure/common.h"
 #include "closure/glass.h"
-#include "node/interference.h"
+#include "node/albedo.h"
 #include "node/common.h"
+#include "node/interference.h"
 #include "shade/shade.h"
 
 #include <math.h>
@@ -28,8 +29,9 @@
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
-  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], bumps[2];
-  bool grooved, apart, bumpy;
+  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], spread[2];
+  bool grooved, apart, spreads;
+  const float *albedo; /* of a lobe that loses light as it spreads, or NULL */
   thin_film film;
   bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
@@ -100,7 +102,7 @@ static inline void closure_metal_tell(const closure_metal *c, graph *g) {
     mirror = mirror || c->f0[k].at >= 0 || q->f0[k] > 0;
     head_on += (c->f0[k].at >= 0 ? 1 : q->f0[k]) / 3;
   }
-  bool uneven = q->ax != q->ay || c->ax.at != c->ay.at;
+  bool uneven = q->ax != q->ay || c->ax.at != c->ay.at || c->spreads;
   bool fibres =
       q->diffuse != SHADE_DIFFUSE_LAMBERT && q->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
   bool sharp = q->ax <= CLOSURE_LEAST_ALPHA && q->ay <= CLOSURE_LEAST_ALPHA;
@@ -114,7 +116,8 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
   shade_params_init(&c->params);
   c->grooved = reader_has(r, "groove_from");
   c->apart = false;
-  c->bumpy = reader_has(r, "bumps_from");
+  c->spreads = reader_has(r, "spread_from");
+  c->albedo = NULL;
   c->film.there = false;
   if (reader_has(r, "film_thickness") && !thin_film_read(r, &c->film, g))
     return false;
@@ -124,7 +127,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
       !closure_metal_from(r, g, "eta_from", 3, c->eta) ||
       !closure_metal_from(r, g, "k_from", 3, c->k) ||
       !closure_metal_from(r, g, "groove_from", 2, c->groove) ||
-      !closure_metal_from(r, g, "bumps_from", 2, c->bumps) ||
+      !closure_metal_from(r, g, "spread_from", 2, c->spread) ||
       !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
       !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
@@ -132,7 +135,9 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
     return false;
   c->apart = c->apart && !g->dump && c->params.brdf == SHADE_BRDF_MICROFACET &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
-  c->bumpy = c->bumpy && c->params.brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY;
+  if (c->spreads && c->params.mdf == SHADE_MDF_BECKMANN &&
+      c->params.brdf == SHADE_BRDF_MICROFACET && !albedo_table_make(ALBEDO_BECKMANN, &c->albedo))
+    return reader_out_of_memory(r);
   g->status |= shade_bsdf_setup(&c->bsdf, &c->params);
   c->matt = c->params.fresnel == SHADE_FRESNEL_NONE && c->params.diffuse == SHADE_DIFFUSE_LAMBERT;
   for (int k = 0; k < 3; k++)
@@ -191,29 +196,107 @@ static inline const float *metal_lane(const inputs *given, operand o, size_t i) 
   return o.at < 0 ? NULL : given->at[o.at] + i;
 }
 
-/* Of an alpha; its own number where paths do not want it blurred. */
-static inline const float *metal_alpha(inputs *given, operand o, double own, int axis,
-                                       lane_run run) {
-  if (!given->blurs)
-    return metal_lane(given, o, run.begin);
-  o.number = (float)own;
-  return alpha_lane(given, o, 4 + axis, axis, run) + run.begin;
+/* What shapes the lobe, from lane 0 on; NULL: alphas that are the material's own, bumps that add
+ * nothing. */
+typedef struct metal_lobe {
+  const float *alpha[2]; /* along the tangent and across it */
+  const float *share[2]; /* which part of its squared slopes bumps are */
+  const float *kept;     /* what it reflects of the light that it did without them */
+} metal_lobe;
+
+/* How far bumps widen the lobe along the tangent and across it: where that turns, both alike. False
+ * where they do not. */
+static bool metal_spread(const closure_metal *c, lane_run run, inputs *given, float *along,
+                         float *across) {
+  const float *x = lane_of(given, c->spread[0], 8, run), *y = lane_of(given, c->spread[1], 9, run);
+  const float turned = c->grooved ? 0.5f : 0.0f;
+  uint32_t any = 0;
+#pragma omp simd reduction(| : any)
+  for (size_t i = run.begin; i < run.end; i++) {
+    float a = lerp(x[i], y[i], turned), b = lerp(y[i], x[i], turned);
+    along[i] = a;
+    across[i] = b;
+    any |= ((a > 0.0f) | (b > 0.0f)) ? 1u : 0u;
+  }
+  return any != 0;
 }
 
-/* Alphas along the tangent and across it, and the tangent. */
-typedef struct metal_shape {
-  const float *ax, *ay, *x, *y;
-} metal_shape;
+/*
+ * An alpha and bumps' spread become the alpha of both and the bumps' share. About its middle a
+ * power e of the cosine, scaled to 1, is a Gaussian of slopes of the variance 1 / (e + 1); alpha
+ * squared is 2 / (e + 2). narrow: how Beckmann's lobe narrows bumps, by its own square
+ * (shade/maps.h says why).
+ */
+LEAF void metal_widen(bool cosines, float narrow, lane_run run, const float *alpha, float *wide,
+                      float *spread) {
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float square = alpha[i] * alpha[i], more = spread[i], less = 1.0f + narrow * square;
+    float own = square / (2.0f - (square < 1.0f ? square : 1.0f)), both = own + 0.5f * more;
+    both = both > 1e-12f ? both : 1e-12f;
+    wide[i] = sqrtf(cosines ? 2.0f * both / (both + 1.0f) : square + more / (less * less));
+    spread[i] = 1.0f - own / both;
+  }
+}
 
-static inline metal_shape metal_shape_of(const closure_metal *c, lane_run run, inputs *given) {
-  operand ax = c->ax, ay = c->ay, x = {.at = OPERAND_NUMBER, .number = 1.0f};
-  operand y = {.at = OPERAND_NUMBER, .number = 0.0f};
-  ax.number = (float)c->params.ax;
-  ay.number = (float)c->params.ay;
-  return (metal_shape){.ax = alpha_lane(given, ax, 4, 0, run),
-                       .ay = alpha_lane(given, ay, 5, 1, run),
-                       .x = lane_of(given, c->grooved ? c->groove[0] : x, 6, run),
-                       .y = lane_of(given, c->grooved ? c->groove[1] : y, 7, run)};
+/* A wide lobe loses light between its facets, bumps do not: what is `kept`, by both tables. */
+static void metal_keep(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                       const inputs *given, const float *const own[2], const float *const wide[2],
+                       float *kept) {
+  const float *x = own[0], *y = own[1], *wide_x = wide[0], *wide_y = wide[1], *table = c->albedo;
+  const int normal[3] = {c->normal[0], c->normal[1], c->normal[2]};
+#pragma omp simd
+  for (size_t i = run.begin; i < run.end; i++) {
+    float cosine = dot(normal_at(given, normal, i), load(&at->wo, i));
+    float before = sqrtf(0.5f * (x[i] * x[i] + y[i] * y[i]));
+    float after = sqrtf(0.5f * (wide_x[i] * wide_x[i] + wide_y[i] * wide_y[i]));
+    kept[i] = albedo_look(table, albedo_find(before, cosine)) /
+              albedo_look(table, albedo_find(after, cosine));
+  }
+}
+
+static __attribute__((noinline)) metal_lobe
+metal_lobe_of(const closure_metal *c, lane_run run, const surfaces *restrict at, inputs *given) {
+  const operand from[2] = {c->ax, c->ay};
+  const double number[2] = {c->params.ax, c->params.ay};
+  const bool cosines = c->params.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  const bool facets = c->params.brdf == SHADE_BRDF_MICROFACET;
+  const float narrow = c->params.mdf != SHADE_MDF_BECKMANN ? 0.0f : facets ? 1.0f : 0.5f;
+  float *share[2] = {given->constant[8], given->constant[9]};
+  const bool wide = c->spreads && metal_spread(c, run, given, share[0], share[1]);
+  metal_lobe lobe = {.kept = NULL};
+  const float *own[2] = {NULL, NULL};
+  for (int axis = 0; axis < 2; axis++) {
+    operand alpha = from[axis];
+    if (alpha.at < 0 && !wide && !given->blurs && !c->apart)
+      continue;
+    alpha.number = (float)number[axis];
+    own[axis] = lobe.alpha[axis] = lane_of(given, alpha, 4 + axis, run);
+    if (wide) {
+      lobe.alpha[axis] = given->blurred[axis];
+      lobe.share[axis] = cosines && !facets ? share[axis] : NULL;
+      if (cosines)
+        metal_widen(true, narrow, run, own[axis], given->blurred[axis], share[axis]);
+      else
+        metal_widen(false, narrow, run, own[axis], given->blurred[axis], share[axis]);
+    }
+  }
+  if (wide && c->albedo)
+    metal_keep(c, run, at, given, own, lobe.alpha, given->constant[10]);
+  lobe.kept = wide && c->albedo ? given->constant[10] : NULL;
+  for (int axis = 0; axis < 2 && given->blurs; axis++)
+    lobe.alpha[axis] = blurred_lane(given, lobe.alpha[axis], axis, run);
+  return lobe;
+}
+
+typedef struct metal_tangent {
+  const float *x, *y;
+} metal_tangent;
+
+static inline metal_tangent metal_tangent_of(const closure_metal *c, lane_run run, inputs *given) {
+  operand x = {.at = OPERAND_NUMBER, .number = 1.0f}, y = {.at = OPERAND_NUMBER, .number = 0.0f};
+  return (metal_tangent){.x = lane_of(given, c->grooved ? c->groove[0] : x, 6, run),
+                         .y = lane_of(given, c->grooved ? c->groove[1] : y, 7, run)};
 }
 
 LEAF float metal_lambda(bool beckmann, vec3 n, vec3 t, vec3 w, float ax, float ay) {
@@ -226,10 +309,11 @@ LEAF float metal_lambda(bool beckmann, vec3 n, vec3 t, vec3 w, float ax, float a
 
 /* f, by the shadowing of both directions together, to f by that of each. */
 LEAF void metal_shadow_apart(bool beckmann, const closure_metal *c, lane_run run,
-                             const surfaces *restrict at, inputs *given, const lane_v *restrict wi,
-                             lane_c *restrict f) {
+                             const surfaces *restrict at, inputs *given, const metal_lobe *lobe,
+                             const lane_v *restrict wi, lane_c *restrict f) {
   const closure_metal own = *c;
-  const metal_shape from = metal_shape_of(c, run, given);
+  const metal_tangent from = metal_tangent_of(c, run, given);
+  const float *ax = lobe->alpha[0], *ay = lobe->alpha[1];
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = normal_at(given, own.normal, i), t = {from.x[i], from.y[i], 0.0f};
@@ -237,21 +321,13 @@ LEAF void metal_shadow_apart(bool beckmann, const closure_metal *c, lane_run run
     t = (vec3){t.x - along * n.x, t.y - along * n.y, -along * n.z};
     float length2 = dot(t, t);
     t = scaled(t, 1.0f / sqrtf(length2 > 1e-30f ? length2 : 1e-30f));
-    float lo = metal_lambda(beckmann, n, t, load(&at->wo, i), from.ax[i], from.ay[i]);
-    float li = metal_lambda(beckmann, n, t, load(wi, i), from.ax[i], from.ay[i]);
+    float lo = metal_lambda(beckmann, n, t, load(&at->wo, i), ax[i], ay[i]);
+    float li = metal_lambda(beckmann, n, t, load(wi, i), ax[i], ay[i]);
     float by = (1.0f + lo + li) / ((1.0f + lo) * (1.0f + li));
     f->r[i] *= by;
     f->g[i] *= by;
     f->b[i] *= by;
   }
-}
-
-LEAF void metal_apart(const closure_metal *c, lane_run run, const surfaces *restrict at,
-                      inputs *given, const lane_v *restrict wi, lane_c *restrict f) {
-  if (c->apart && c->params.mdf == SHADE_MDF_BECKMANN)
-    metal_shadow_apart(true, c, run, at, given, wi, f);
-  else if (c->apart)
-    metal_shadow_apart(false, c, run, at, given, wi, f);
 }
 
 /*
@@ -262,11 +338,11 @@ LEAF void metal_apart(const closure_metal *c, lane_run run, const surfaces *rest
  * at most.
  */
 LEAF void metal_bumps(const closure_metal *c, lane_run run, const surfaces *restrict at,
-                      inputs *given, const lane_v *restrict wi, lane_c *restrict f) {
+                      inputs *given, const metal_lobe *lobe, const lane_v *restrict wi,
+                      lane_c *restrict f) {
   const closure_metal own = *c;
-  const metal_shape from = metal_shape_of(c, run, given);
-  const float *along = lane_of(given, c->bumps[0], 4, run);
-  const float *across = lane_of(given, c->bumps[1], 5, run);
+  const metal_tangent from = metal_tangent_of(c, run, given);
+  const float *along = lobe->share[0], *across = lobe->share[1];
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     vec3 n = normal_at(given, own.normal, i), o = load(&at->wo, i), l = load(wi, i);
@@ -313,6 +389,25 @@ static __attribute__((noinline)) void metal_film(const closure_metal *c, lane_ru
   }
 }
 
+/* f, as the library has it, to that of all that is said here beside it. */
+LEAF void metal_finish(const closure_metal *c, lane_run run, const surfaces *restrict at,
+                       inputs *given, const metal_lobe *lobe, const lane_v *restrict wi,
+                       lane_c *restrict f) {
+  if (c->apart && c->params.mdf == SHADE_MDF_BECKMANN)
+    metal_shadow_apart(true, c, run, at, given, lobe, wi, f);
+  else if (c->apart)
+    metal_shadow_apart(false, c, run, at, given, lobe, wi, f);
+  if (lobe->share[0])
+    metal_bumps(c, run, at, given, lobe, wi, f);
+  for (size_t i = run.begin; lobe->kept && i < run.end; i++) {
+    f->r[i] *= lobe->kept[i];
+    f->g[i] *= lobe->kept[i];
+    f->b[i] *= lobe->kept[i];
+  }
+  if (c->film.there)
+    metal_film(c, run, at, given, wi, f);
+}
+
 /* Members that all lanes of the library have in common. */
 #define METAL_GIVEN                                                                                \
   .nx = given->at[c->normal[0]] + i, .ny = given->at[c->normal[1]] + i,                            \
@@ -325,8 +420,7 @@ static __attribute__((noinline)) void metal_film(const closure_metal *c, lane_ru
   .etar = metal_lane(given, c->eta[0], i), .etag = metal_lane(given, c->eta[1], i),                \
   .etab = metal_lane(given, c->eta[2], i), .kr = metal_lane(given, c->k[0], i),                    \
   .kg = metal_lane(given, c->k[1], i), .kb = metal_lane(given, c->k[2], i),                        \
-  .ax = metal_alpha(given, c->ax, c->params.ax, 0, run),                                           \
-  .ay = metal_alpha(given, c->ay, c->params.ay, 1, run),                                           \
+  .ax = lobe.alpha[0] ? lobe.alpha[0] + i : NULL, .ay = lobe.alpha[1] ? lobe.alpha[1] + i : NULL,  \
   .groove_x = c->grooved ? lane_of(given, c->groove[0], 6, run) + i : NULL,                        \
   .groove_y = c->grooved ? lane_of(given, c->groove[1], 7, run) + i : NULL
 
@@ -409,6 +503,7 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
       matt_eval(c, run, at, given, wi, LEANS_NOT, false, out);
     return 0;
   }
+  const metal_lobe lobe = metal_lobe_of(c, run, at, given);
   shade_lanesf in = {
       .size = sizeof in, .wix = wi->x + i, .wiy = wi->y + i, .wiz = wi->z + i, METAL_GIVEN};
   shade_resultf result = {.size = sizeof result,
@@ -419,11 +514,7 @@ LEAF unsigned closure_metal_eval(const closure_metal *c, lane_run run, const sur
   unsigned status = shade_bsdf_eval_batchf(&c->bsdf, run.end - run.begin, &in, &result);
   if (density)
     status |= shade_bsdf_pdf_batchf(&c->bsdf, run.end - run.begin, &in, out->pdf + i);
-  metal_apart(c, run, at, given, wi, &out->f);
-  if (c->bumpy)
-    metal_bumps(c, run, at, given, wi, &out->f);
-  if (c->film.there)
-    metal_film(c, run, at, given, wi, &out->f);
+  metal_finish(c, run, at, given, &lobe, wi, &out->f);
   return status;
 }
 
@@ -440,6 +531,7 @@ LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const sur
       matt_draw(c, run, at, given, LEANS_NOT, out);
     return 0;
   }
+  const metal_lobe lobe = metal_lobe_of(c, run, at, given);
   shade_sample_lanesf in = {.size = sizeof in, .u1 = out->x + i, .u2 = out->y + i, METAL_GIVEN};
   shade_sample_resultf result = {.size = sizeof result,
                                  .wix = out->wi.x + i,
@@ -451,11 +543,7 @@ LEAF unsigned closure_metal_draw(const closure_metal *c, lane_run run, const sur
                                  .pdf = out->pdf + i,
                                  .cosine = out->cosine + i};
   unsigned status = shade_bsdf_sample_batchf(&c->bsdf, run.end - run.begin, &in, &result);
-  metal_apart(c, run, at, given, &out->wi, &out->f);
-  if (c->bumpy)
-    metal_bumps(c, run, at, given, &out->wi, &out->f);
-  if (c->film.there)
-    metal_film(c, run, at, given, &out->wi, &out->f);
+  metal_finish(c, run, at, given, &lobe, &out->wi, &out->f);
   return status & ~(unsigned)SHADE_NO_SAMPLE;
 }
 

@@ -43,9 +43,24 @@ static inline bool node_albedo_build(node_albedo *n, const node_place *place) {
   return albedo_table_make((albedo_lobe)n->lobe, &n->table);
 }
 
-LEAF float albedo_look(const float *table, int at, float s, float t) {
-  return lerp(lerp(table[at], table[at + 1], s),
-              lerp(table[at + ALBEDO_EYE], table[at + ALBEDO_EYE + 1], s), t);
+/* Where a table of lobes of an alpha is looked up. */
+typedef struct albedo_place {
+  int row, column;
+  float s, t;
+} albedo_place;
+
+LEAF albedo_place albedo_find(float alpha, float cosine) {
+  float y = sqrtf(clampf(alpha, 0.0f, 1.0f)) * (ALBEDO_ROUGH - 1);
+  float x = clampf(cosine, 0.0f, 1.0f) * (ALBEDO_EYE - 1);
+  int row = (int)y < ALBEDO_ROUGH - 2 ? (int)y : ALBEDO_ROUGH - 2;
+  int column = (int)x < ALBEDO_EYE - 2 ? (int)x : ALBEDO_EYE - 2;
+  return (albedo_place){row, column, x - (float)column, y - (float)row};
+}
+
+LEAF float albedo_look(const float *table, albedo_place p) {
+  int at = p.row * ALBEDO_EYE + p.column;
+  return lerp(lerp(table[at], table[at + 1], p.s),
+              lerp(table[at + ALBEDO_EYE], table[at + ALBEDO_EYE + 1], p.s), p.t);
 }
 
 LEAF void node_albedo_run(const node_albedo *n, lane_run g, const corners *corner,
@@ -57,18 +72,13 @@ LEAF void node_albedo_run(const node_albedo *n, lane_run g, const corners *corne
 #pragma omp simd
   for (size_t i = g.begin; i < g.end; i++) {
     vec3 v = load(&point->wo, i);
-    float y = sqrtf(clampf(alpha[i], 0.0f, 1.0f)) * (ALBEDO_ROUGH - 1);
-    float x = clampf(nx[i] * v.x + ny[i] * v.y + nz[i] * v.z, 0.0f, 1.0f) * (ALBEDO_EYE - 1);
-    int row = (int)y < ALBEDO_ROUGH - 2 ? (int)y : ALBEDO_ROUGH - 2;
-    int column = (int)x < ALBEDO_EYE - 2 ? (int)x : ALBEDO_EYE - 2;
-    float s = x - (float)column, t = y - (float)row;
-    int place = row * ALBEDO_EYE + column;
-    float a = albedo_look(table, place, s, t);
-    float b = albedo_look(table + ALBEDO_ROUGH * ALBEDO_EYE, place, s, t);
+    albedo_place p = albedo_find(alpha[i], nx[i] * v.x + ny[i] * v.y + nz[i] * v.z);
+    float a = albedo_look(table, p);
+    float b = albedo_look(table + ALBEDO_ROUGH * ALBEDO_EYE, p);
     const float *means = table + 2 * ALBEDO_ROUGH * ALBEDO_EYE;
     one[i] = a;
     clear[i] = b;
-    mean[i] = lerp(means[row], means[row + 1], t);
+    mean[i] = lerp(means[p.row], means[p.row + 1], p.t);
   }
 }
 
