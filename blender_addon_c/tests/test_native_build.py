@@ -23,9 +23,9 @@ HERE = Path(__file__).parent
 # those of each lane's object through a pointer
 KINDS = native.table()  # each has a stage of its name
 STAGES = """pixel_cone width spread camera locate gather corner surface pair lit shadow reflect film""".split()
-STAGES += "route pixel footprint settle choose escape sky sky_pdf sky_draw".split()
+STAGES += "route_hit pixel footprint place_samples choose escape sky sky_pdf sky_draw".split()
 STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "SCRATCHES", "ATTRIBUTE")]  # two all libshade's
-STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("meet_", "chosen_")]
+STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("hit_", "chosen_")]
 BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
 
 # arithmetic on whole registers; moving them about does not count
@@ -35,7 +35,7 @@ PACKED = re.compile(
 )
 # what compilers make of loops that only move or clear
 COPIES = {"memcpy", "memmove", "memset"}
-MOVING = {"settle": re.compile("gather|^v?insert|^v?unpck"), "gather": re.compile("gather|^v?insert|^v?unpck")}
+MOVING = {"place_samples": re.compile("gather|^v?insert|^v?unpck"), "gather": re.compile("gather|^v?insert|^v?unpck")}
 
 
 @functools.cache  # asked for each stage

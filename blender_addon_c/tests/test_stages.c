@@ -415,7 +415,7 @@ static void soft_lights(light l[SOFT_LIGHTS], double irradiance[SOFT_LIGHTS]) {
   irradiance[8] = 0; /* not known */
   for (int k = 0; k < SOFT_LIGHTS; k++)
     l[k].common =
-        (light_common){.color = {1, 2, 4}, .power = 1, .soft = true, .shadow = true, .met = true};
+        (light_common){.color = {1, 2, 4}, .power = 1, .soft = true, .shadow = true, .mis = true};
 }
 
 /*
@@ -429,7 +429,7 @@ static void lights_drawn_and_met(void **state) {
   light all[SOFT_LIGHTS];
   double irradiance[SOFT_LIGHTS];
   soft_lights(all, irradiance);
-  b->walk = &b->walks[0];
+  b->state = &b->path_states[0];
   for (int n = 0; n < SOFT_LIGHTS; n++) {
     const light *l = &all[n];
     /* cells about the axis (0, 0, 1), within the angle that the light may fill */
@@ -441,30 +441,30 @@ static void lights_drawn_and_met(void **state) {
       assert_true(count <= BATCH);
       for (size_t i = 0; i < count; i++) {
         double a = 6.283185307179586 * ((double)i + 0.5) / (double)count;
-        store(&b->walk->from, i, (vec3){1, 2, 3});
+        store(&b->state->from, i, (vec3){1, 2, 3});
         store(&b->sample_ray.o, i, (vec3){1, 2, 3});
         store(&b->sample_ray.d, i,
               (vec3){(float)(flat * cos(a)), (float)(flat * sin(a)), (float)z});
         b->sample_ray.tfar[i] = INFINITY;
-        b->walk->ray[i] = RAY_DIFFUSE;
-        b->walk->pdf[i] = 1e-12f; /* the light's samples have all but nothing of the share */
-        b->met.r[i] = b->met.g[i] = b->met.b[i] = 0;
+        b->state->ray[i] = RAY_DIFFUSE;
+        b->state->pdf[i] = 1e-12f; /* the light's samples have all but nothing of the share */
+        b->emitted.r[i] = b->emitted.g[i] = b->emitted.b[i] = 0;
       }
-      stages->meet[l->type](count, l, b->walk, &b->sample_ray, NULL, &b->met);
+      stages->hit_light[l->type](count, l, b->state, &b->sample_ray, NULL, &b->emitted);
       for (size_t i = 0; i < count; i++) {
-        light_meeting m;
+        light_intersection m;
         vec3 o = {1, 2, 3}, d = load(&b->sample_ray.d, i);
-        m = l->type == LIGHT_POINT  ? light_point_meet(&l->of.point, o, d)
-            : l->type == LIGHT_SPOT ? light_spot_meet(&l->of.spot, o, d)
-            : l->type == LIGHT_SUN  ? light_sun_meet(&l->of.sun, o, d)
-                                    : light_area_meet(&l->of.area, o, d);
-        bool meets = m.distance > 0;
+        m = l->type == LIGHT_POINT  ? light_point_intersect(&l->of.point, o, d)
+            : l->type == LIGHT_SPOT ? light_spot_intersect(&l->of.spot, o, d)
+            : l->type == LIGHT_SUN  ? light_sun_intersect(&l->of.sun, o, d)
+                                    : light_area_intersect(&l->of.area, o, d);
+        bool hit_lights = m.distance > 0;
         double cell = line_height / FINE * 6.283185307179586 / (double)count;
-        double pdf = meets ? (double)m.pdf : 0;
+        double pdf = hit_lights ? (double)m.pdf : 0;
         expected[line / FINE * COLUMNS + (int)(i / FINE)] += pdf * cell;
         sum += pdf * cell;
-        double share = meets ? (double)m.radiance * 1e-12 / (pdf + 1e-12) : 0;
-        near((double)b->met.b[i] * 1e12, 4 * share * 1e12, 1e-4 * (1 + 4 * share * 1e12));
+        double share = hit_lights ? (double)m.radiance * 1e-12 / (pdf + 1e-12) : 0;
+        near((double)b->emitted.b[i] * 1e12, 4 * share * 1e12, 1e-4 * (1 + 4 * share * 1e12));
       }
     }
     near(sum, 1, 0.01);
@@ -486,25 +486,25 @@ static void lights_drawn_and_met(void **state) {
         facing += z * (double)b->light.e[i];
         /* a ray the same way, a hair towards the middle of the light, whose rim is sharp */
         if (draw == 0) {
-          store(&b->walk->from, i, (vec3){1, 2, 3});
+          store(&b->state->from, i, (vec3){1, 2, 3});
           store(&b->sample_ray.o, i, (vec3){1, 2, 3});
           store(&b->sample_ray.d, i, d);
           b->sample_ray.tfar[i] = i % 2 ? INFINITY : 0.999f * b->light.ray.tfar[i];
-          b->walk->ray[i] = RAY_GLOSSY;
-          b->walk->pdf[i] = b->light.pdf[i];
-          b->met.r[i] = b->met.g[i] = b->met.b[i] = 0;
+          b->state->ray[i] = RAY_GLOSSY;
+          b->state->pdf[i] = b->light.pdf[i];
+          b->emitted.r[i] = b->emitted.g[i] = b->emitted.b[i] = 0;
         }
       }
       if (draw)
         continue;
-      stages->meet[l->type](COUNT, l, b->walk, &b->sample_ray, NULL, &b->met);
+      stages->hit_light[l->type](COUNT, l, b->state, &b->sample_ray, NULL, &b->emitted);
       int rim = 0;
       for (size_t i = 0; i < COUNT; i++) {
         double radiance = (double)b->light.e[i] * (double)b->light.pdf[i];
         bool stopped = i % 2 == 0 && l->type != LIGHT_SUN;
-        if (!stopped && b->met.r[i] == 0.0f && ++rim < 5)
+        if (!stopped && b->emitted.r[i] == 0.0f && ++rim < 5)
           continue;
-        near((double)b->met.r[i], stopped ? 0 : radiance / 2, 2e-4 * radiance);
+        near((double)b->emitted.r[i], stopped ? 0 : radiance / 2, 2e-4 * radiance);
       }
     }
     if (irradiance[n] > 0) /* four deviations of what varies by half */
@@ -537,7 +537,7 @@ static void one_light_a_lane(void **state) {
   all[0].common.power = all[7].common.power = 20;
   make_points();
   for (size_t i = 0; i < COUNT; i++) {
-    b->choice.lot[i] = between(0, 1);
+    b->choice.random[i] = between(0, 1);
     b->light.x[i] = between(0, 1);
     b->light.y[i] = between(0, 1);
     b->weight.sum[i] = b->weight.total[i] = 0;
@@ -551,10 +551,10 @@ static void one_light_a_lane(void **state) {
   for (uint32_t k = 0; k < USED; k++) {
     stages->choose(COUNT, k, b->weight.one[k], &b->weight, &b->choice);
     for (size_t i = 0; i < COUNT; i++) {
-      double total = (double)b->weight.total[i], lot = (double)b->choice.lot[i];
+      double total = (double)b->weight.total[i], random = (double)b->choice.random[i];
       double share = (double)b->weight.one[k][i] / total, above = below[i] + share;
-      if (fabs(lot - below[i]) > 1e-5 && fabs(lot - above) > 1e-5) {
-        bool takes = lot >= below[i] && lot < above;
+      if (fabs(random - below[i]) > 1e-5 && fabs(random - above) > 1e-5) {
+        bool takes = random >= below[i] && random < above;
         assert_int_equal(b->choice.number[i] == k, takes);
         if (takes)
           near((double)b->choice.chance[i], share, 1e-5);
@@ -577,7 +577,7 @@ static void one_light_a_lane(void **state) {
     stages->chosen[l->type](begin, end, &b->choice, l, &b->surface, &b->light, &b->drawn);
   }
   untouched(b->drawn.e, COUNT);
-  stages->settle(COUNT, &b->choice, &b->drawn, &b->light);
+  stages->place_samples(COUNT, &b->choice, &b->drawn, &b->light);
   untouched(b->light.e, COUNT);
   for (uint32_t k = 0; k < USED; k++) {
     const light *l = &all[used[k]];
@@ -758,7 +758,7 @@ static void triangles_that_shine(void **state) {
       for (int c = 0; c < 3; c++)
         wanted[c] += irradiance * (double)m[t].radiance[c];
     }
-  b->walk = &b->walks[0];
+  b->state = &b->path_states[0];
   for (uint32_t i = 0; i < COUNT; i++) {
     b->choice.lane[i] = i;
     b->choice.chance[i] = i % 2 ? 1.0f : 0.5f;
@@ -797,11 +797,11 @@ static void triangles_that_shine(void **state) {
     store(&b->sample_ray.o, i, scaled(d, 0.25f)); /* it passed something on its way */
     store(&b->sample_ray.d, i, d);
     b->sample_ray.tfar[i] = b->drawn.tfar[i] - 0.25f;
-    store(&b->walk->from, i, (vec3){0, 0, 0});
-    b->walk->pdf[i] = 0.3f;
-    b->walk->lights[i] = 2.0f;
+    store(&b->state->from, i, (vec3){0, 0, 0});
+    b->state->pdf[i] = 0.3f;
+    b->state->lights[i] = 2.0f;
     weight[i] = i % 2 ? 2.0f : 1.0f;
-    b->met.r[i] = b->met.g[i] = b->met.b[i] = 1.0f;
+    b->emitted.r[i] = b->emitted.g[i] = b->emitted.b[i] = 1.0f;
     b->sample_hit.record[i] = i % 7 == 0 ? RECORD_MISS : i % 7 == 1 ? 2 : strong ? 0 : 1;
     for (int t = 0; t < 4; t++) {
       const float *row = e.row + EMITTER_ROW * t;
@@ -811,13 +811,13 @@ static void triangles_that_shine(void **state) {
         store(&b->sample_hit.g, i, scaled(n, i % 3 ? 0.5f : -0.25f));
     }
   }
-  stages->met_emitters(COUNT, &e, triangles, NULL, &b->sample_hit, &b->sample_ray, b->walk, weight,
-                       NULL, &b->met);
+  stages->hit_emitters(COUNT, &e, triangles, NULL, &b->sample_hit, &b->sample_ray, b->state, weight,
+                       NULL, &b->emitted);
   for (size_t i = 0; i < COUNT; i++) {
     double part = i % 7 < 2 ? 0 : 0.3 / (0.3 + (double)b->drawn.pdf[i]);
-    near((double)b->met.g[i], 1 + part * (double)b->drawn.color.g[i], 2e-3 * (1 + part));
+    near((double)b->emitted.g[i], 1 + part * (double)b->drawn.color.g[i], 2e-3 * (1 + part));
   }
-  untouched(b->met.g, COUNT);
+  untouched(b->emitted.g, COUNT);
   free(triangles);
   free(weight);
   emitters_free(&e);
@@ -1568,16 +1568,16 @@ static void shuffled_points(void **state) {
   const sampling p = plan.pass[plan.passes - 1];
   assert_int_equal(p.mask, POINTS - 1);
   static lane_f x[PURPOSES], y[PURPOSES];
-  b->walk = &b->walks[0];
+  b->state = &b->path_states[0];
   for (uint32_t i = 0; i < POINTS; i++) {
     b->path.hash[i] = 0x1234567u;
-    b->walk->sample[i] = i;
+    b->state->sample[i] = i;
     b->queue.moved[i] = i;
   }
   for (uint32_t k = 0; k < PURPOSES; k++) {
     shuffle points = {
         .index = number, .reverse = p.reverse, .mask = p.mask, .salt = 77u + 0x9e3779b9u * k};
-    stages->shuffled(POINTS, &points, b->queue.moved, b->walk, &b->path, x[k], y[k]);
+    stages->shuffled(POINTS, &points, b->queue.moved, b->state, &b->path, x[k], y[k]);
     for (int wide = 0; wide <= BITS; wide++) {
       static unsigned char seen[POINTS];
       memset(seen, 0, sizeof seen);
@@ -1606,43 +1606,43 @@ static void shuffled_points(void **state) {
 }
 
 /* Which paths go on, where to and with what weight; and what they bring to their samples. */
-static void walks_go_on(void **state) {
+static void paths_go_on(void **state) {
   (void)state;
   make_points();
-  b->walk = &b->walks[0];
-  b->next = &b->walks[1];
+  b->state = &b->path_states[0];
+  b->next = &b->path_states[1];
   for (uint32_t i = 0; i < COUNT; i++) {
     b->queue.moved[i] = i * 7 % COUNT;
-    b->walk->sample[i] = COUNT - 1 - i;
-    b->walk->weight.r[i] = between(0, 1);
-    b->walk->weight.g[i] = b->walk->weight.b[i] = 0.5f;
+    b->state->sample[i] = COUNT - 1 - i;
+    b->state->throughput.r[i] = between(0, 1);
+    b->state->throughput.g[i] = b->state->throughput.b[i] = 0.5f;
     vec3 wi = direction();
     store(&b->draw.wi, i, wi);
     b->draw.f.r[i] = b->draw.f.g[i] = b->draw.f.b[i] = between(0, 2);
     b->draw.pdf[i] = i % 5 ? between(0.1, 3) : 0.0f;
     b->draw.own[i] = b->draw.pdf[i] * (i % 4 ? 1.0f : 0.5f);
     b->draw.cosine[i] = fabsf(wi.z);
-    b->draw.lot[i] = between(0, 1);
+    b->draw.roulette[i] = between(0, 1);
     b->draw.kind[i] = wi.z < 0 ? BOUNCE_TRANSMISSION | (i % 2 ? BOUNCE_MATT : 0)
                       : i % 3  ? i % 2
                                : BOUNCE_TRANSPARENT;
     for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
-      b->walk->bounces[k][i] = (i >> k) % 3;
-    b->walk->ends[i] = i % 11 == 0;
-    b->walk->ray[i] = i % 2 ? RAY_CAMERA : RAY_GLOSSY;
-    b->walk->pdf[i] = 7.0f;
-    b->walk->lights[i] = 8.0f;
-    store(&b->walk->from, i, (vec3){4, 5, 6});
+      b->state->bounces[k][i] = (i >> k) % 3;
+    b->state->ends[i] = i % 11 == 0;
+    b->state->ray[i] = i % 2 ? RAY_CAMERA : RAY_GLOSSY;
+    b->state->pdf[i] = 7.0f;
+    b->state->lights[i] = 8.0f;
+    store(&b->state->from, i, (vec3){4, 5, 6});
     b->weight.total[i] = (float)i;
   }
   batch *before = malloc(sizeof *before);
   assert_non_null(before);
-  const walk_limits limits = {.kind = {2, 1, 2, 1}, .all = 4};
-  for (int lots = 0; lots < 2; lots++) {
+  const bounce_limits limits = {.kind = {2, 1, 2, 1}, .all = 4};
+  for (int roulette = 0; roulette < 2; roulette++) {
     memcpy(before, b, sizeof *b);
-    size_t rays =
-        stages->walk(COUNT, lots, &limits, lots, b->queue.moved, &b->surface, b->walk,
-                     b->weight.total, &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
+    size_t rays = stages->next_paths(COUNT, roulette, &limits, roulette, b->queue.moved,
+                                     &b->surface, b->state, b->weight.total, &b->draw,
+                                     &b->moved_ray, b->chosen, b->next, &b->sample_ray);
     size_t k = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
       uint32_t from = before->queue.moved[i];
@@ -1653,26 +1653,26 @@ static void walks_go_on(void **state) {
       uint32_t kind = before->draw.kind[i] & BOUNCE_MASK, made[BOUNCE_KINDS], all = 0;
       bool within = true;
       for (uint32_t c = 0; c < BOUNCE_KINDS; c++) {
-        made[c] = before->walks[0].bounces[c][from] + (c == kind);
+        made[c] = before->path_states[0].bounces[c][from] + (c == kind);
         within = within && made[c] <= limits.kind[c];
         all += c == BOUNCE_TRANSPARENT ? 0 : made[c];
       }
       within = within && all <= limits.all;
       bool straight = kind == BOUNCE_TRANSPARENT; /* for lights, through one surface more */
-      if (made[BOUNCE_TRANSPARENT] > limits.kind[BOUNCE_TRANSPARENT] + 1 || !(within || lots) ||
-          (before->walks[0].ends[from] && !straight))
+      if (made[BOUNCE_TRANSPARENT] > limits.kind[BOUNCE_TRANSPARENT] + 1 || !(within || roulette) ||
+          (before->path_states[0].ends[from] && !straight))
         continue;
       double scale = (double)before->draw.f.r[i] * (double)before->draw.cosine[i] / pdf;
-      double red = scale * (double)before->walks[0].weight.r[from], green = scale * 0.5;
+      double red = scale * (double)before->path_states[0].throughput.r[from], green = scale * 0.5;
       double most = fmax(red, green) * (i % 4 ? 1 : 2);
-      double chance = lots && most < 1 ? sqrt(most) : 1;
-      if (fabs((double)before->draw.lot[i] - chance) < 1e-5 || fabsf(wi.z) < 1e-5f)
+      double chance = roulette && most < 1 ? sqrt(most) : 1;
+      if (fabs((double)before->draw.roulette[i] - chance) < 1e-5 || fabsf(wi.z) < 1e-5f)
         fail_msg("choose another seed: rounding decides");
-      if ((double)before->draw.lot[i] >= chance)
+      if ((double)before->draw.roulette[i] >= chance)
         continue;
-      assert_int_equal(b->next->sample[k], before->walks[0].sample[from]);
-      near((double)b->next->weight.r[k], red / chance, 1e-5 * (1 + red / chance));
-      near((double)b->next->weight.b[k], green / chance, 1e-5 * (1 + green / chance));
+      assert_int_equal(b->next->sample[k], before->path_states[0].sample[from]);
+      near((double)b->next->throughput.r[k], red / chance, 1e-5 * (1 + red / chance));
+      near((double)b->next->throughput.b[k], green / chance, 1e-5 * (1 + green / chance));
       near((double)b->next->pdf[k], straight ? 7 : pdf, 0);
       near((double)b->next->lights[k], straight ? 8 : (double)i, 0);
       vec3 from_there = straight ? (vec3){4, 5, 6} : load(&b->surface.p, i);
@@ -1714,25 +1714,25 @@ static void walks_go_on(void **state) {
   const float sky[3] = {1, 2, 3}, most[2] = {INFINITY, 5};
   for (uint32_t i = 0; i < COUNT; i++) /* after two bounces, and many passages */
     for (uint32_t k = 0; k < BOUNCE_KINDS; k++)
-      b->walk->bounces[k][i] = k < 2 ? 1 : k == BOUNCE_TRANSPARENT ? 9 : 0;
-  stages->gain(COUNT, most, 1, b->queue.moved, b->walk, &b->sum, &b->sample_color);
+      b->state->bounces[k][i] = k < 2 ? 1 : k == BOUNCE_TRANSPARENT ? 9 : 0;
+  stages->gain(COUNT, most, 1, b->queue.moved, b->state, &b->sum, &b->sample_color);
   for (uint32_t i = 0; i < COUNT; i++)
-    b->walk->ray[i] = i % 6 == 1   ? RAY_GLOSSY
-                      : i % 6 == 3 ? RAY_CAMERA
-                                   : RAY_DIFFUSE | RAY_TRANSMISSION;
+    b->state->ray[i] = i % 6 == 1   ? RAY_GLOSSY
+                       : i % 6 == 3 ? RAY_CAMERA
+                                    : RAY_DIFFUSE | RAY_TRANSMISSION;
   const float backdrop[3] = {2 * sky[0], 3 * sky[1], 4 * sky[2]}; /* what the camera's rays see */
-  stages->escape(COUNT, b->sample_hit.record, b->walk, RAY_CAMERA | RAY_GLOSSY, sky, backdrop,
-                 &b->met);
-  untouched(b->met.r, COUNT);
+  stages->escape(COUNT, b->sample_hit.record, b->state, RAY_CAMERA | RAY_GLOSSY, sky, backdrop,
+                 &b->emitted);
+  untouched(b->emitted.r, COUNT);
   for (uint32_t i = 0; i < COUNT; i++)
     b->queue.identity[i] = i;
-  stages->gain(COUNT, most, 2, b->queue.identity, b->walk, &b->met, &b->sample_color);
+  stages->gain(COUNT, most, 2, b->queue.identity, b->state, &b->emitted, &b->sample_color);
   for (uint32_t i = 0; i < COUNT; i++) {
     uint32_t ray = b->queue.moved[i];
-    double w = (double)b->walk->weight.r[ray], mean = (w * i + 1) / 3,
+    double w = (double)b->state->throughput.r[ray], mean = (w * i + 1) / 3,
            dim = mean > 5 ? 5 / mean : 1;
     bool camera = ray % 6 == 3, missed = camera || ray % 6 == 5;
-    uint32_t sample = b->walk->sample[ray];
+    uint32_t sample = b->state->sample[ray];
     if (i == COUNT - 1) {
       near((double)b->sample_color.r[sample], 2 + 15 + (missed ? (camera ? 2 : 1) * w : 0), 1e-3);
       continue;
@@ -1805,7 +1805,7 @@ static void scratches_and_plate(void **state) {
         for (int a = 0; a < 3; a++)
           sum[2 + a] += (s.covariance[a] + s.mean[a > 1] * s.mean[a > 0]) / LOTS;
       }
-      /* a whole number of lots is scratched */
+      /* a whole number of roulette is scratched */
       const double near = 2.0 / scratched;
       for (int a = 0; a < 2; a++)
         assert_true(fabs(sum[a] - mean[m][a]) <= near * fabs(mean[m][a]));
@@ -1856,7 +1856,7 @@ int main(void) {
                                        TEST(matt_draws_are_aimed),
                                        TEST(closures_are_reciprocal),
                                        TEST(shuffled_points),
-                                       TEST(walks_go_on),
+                                       TEST(paths_go_on),
                                        TEST(film)};
     failed += cmocka_run_group_tests_name(tables[k]->name, tests, NULL, NULL);
     if (tables[k] == widest)

@@ -62,16 +62,16 @@ typedef enum ray_kind {
 } ray_kind;
 
 /* How often a path may do what. */
-typedef struct walk_limits {
+typedef struct bounce_limits {
   uint32_t kind[BOUNCE_KINDS], all; /* all: of those that are bounces */
   uint32_t shadows;                 /* surfaces that a path and a shadow ray at its end pass */
-} walk_limits;
+} bounce_limits;
 
 /* Paths under way, by ray: of which sample, and how much of what the ray meets that sample gets.
  * What a light that the ray meets weighs against its own samples goes by how the ray was drawn. */
-typedef struct walks {
+typedef struct path_states {
   lane_u sample;
-  lane_c weight;
+  lane_c throughput;
   lane_v from;   /* the point at which its direction was drawn */
   lane_f pdf;    /* with which density, 1/sr */
   lane_f least;  /* the least density of the path so far */
@@ -88,7 +88,7 @@ typedef struct walks {
   lane_u unlit; /* where instances that shine are for some alone: bits of those that are not for the
                    surface at which its direction was drawn */
   lane_u clear; /* where the scene `clears`: not 0 while the film may be seen through all before */
-} walks;
+} path_states;
 
 typedef struct rays {
   lane_v o; /* origin; a ray with tnear > tfar is not cast */
@@ -213,7 +213,7 @@ typedef struct passages {
 
 /* A light for each point. */
 typedef struct light_choices {
-  lane_f lot;    /* uniform in [0, 1) */
+  lane_f random; /* uniform in [0, 1) */
   lane_u number; /* of the light, or LIGHT_NONE */
   lane_f chance; /* with which it was chosen */
   lane_u lane;   /* the points, those of each light one after the other, */
@@ -247,12 +247,12 @@ typedef struct cones {
 
 /* Where a path goes on from each point. */
 typedef struct draws {
-  lane_f x, y;   /* the closure's two numbers, uniform in [0, 1) */
-  lane_f lot;    /* roulette's */
-  lane_f choice; /* among closures, and then the drawn closure's third number, as even */
-  lane_u kind;   /* bounce_kind of what was drawn */
-  lane_v wi;     /* drawn, in the shading frame; 0 where there is none */
-  lane_c f;      /* 1/sr; `walk` makes it the weight of the ray that goes there */
+  lane_f x, y;     /* the closure's two numbers, uniform in [0, 1) */
+  lane_f roulette; /* roulette's */
+  lane_f choice;   /* among closures, and then the drawn closure's third number, as even */
+  lane_u kind;     /* bounce_kind of what was drawn */
+  lane_v wi;       /* drawn, in the shading frame; 0 where there is none */
+  lane_c f;        /* 1/sr; `next_paths` makes it the weight of the ray that goes there */
   lane_f pdf, cosine;
   lane_f own; /* the density without what it aims at */
 } draws;

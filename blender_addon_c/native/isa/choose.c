@@ -22,7 +22,7 @@
   ROW(closure_glass, isa)                                                                          \
   ROW(closure_matt, isa)                                                                           \
   ROW(closure_plain, isa)                                                                          \
-  ROW(walk, isa)
+  ROW(paths, isa)
 #define DECLARE(family, isa) extern const stage_table stages_##family##_##isa;
 #define PART(family, isa) &stages_##family##_##isa,
 #define TABLE(isa)                                                                                 \

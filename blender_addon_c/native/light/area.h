@@ -82,7 +82,7 @@ LEAF light_sample light_area_sample(const light_area *l, bool spread, float x, f
                         .pdf = shines ? d2 / (shines ? seen : 1.0f) : 0.0f};
 }
 
-LEAF light_meeting light_area_meet(const light_area *l, vec3 o, vec3 d) {
+LEAF light_intersection light_area_intersect(const light_area *l, vec3 o, vec3 d) {
   vec3 c = {o.x - l->center.x, o.y - l->center.y, o.z - l->center.z};
   float cosine = -dot(d, l->normal), height = dot(c, l->normal);
   bool before = (cosine > 1e-9f) & (height > 0.0f);
@@ -92,10 +92,10 @@ LEAF light_meeting light_area_meet(const light_area *l, vec3 o, vec3 d) {
   float wide = fabsf(a) > fabsf(b) ? fabsf(a) : fabsf(b);
   bool inside = either(l->round, a * a + b * b, wide) < 1.0f;
   float part = light_area_part(l, cosine);
-  bool meets = before & inside & (part > 0.0f);
-  return (light_meeting){.distance = meets ? at : -1.0f,
-                         .radiance = meets ? part / l->area : 0.0f,
-                         .pdf = at * at / ((before ? cosine : 1.0f) * l->area)};
+  bool hit = before & inside & (part > 0.0f);
+  return (light_intersection){.distance = hit ? at : -1.0f,
+                              .radiance = hit ? part / l->area : 0.0f,
+                              .pdf = at * at / ((before ? cosine : 1.0f) * l->area)};
 }
 
 /* Nothing behind it; before it as if from its middle, but not less where it is near or seen

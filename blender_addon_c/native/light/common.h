@@ -18,7 +18,7 @@ typedef struct light_common {
   uint32_t hidden; /* ray_kinds that do not see it; the camera never does */
   uint32_t link;   /* 0, or the bit of instances that it does not light */
   uint32_t shade;  /* 0, or the bit of those that do not shade it */
-  bool met;        /* rays that surfaces draw meet it: these and its samples share its light */
+  bool mis;        /* rays that surfaces draw meet it: these and its samples share its light */
   light_pattern *pattern; /* by the direction in which it shines, or NULL: evenly; its own */
 } light_common;
 
@@ -31,13 +31,13 @@ typedef struct light_sample {
 } light_sample;
 
 /* Where a ray meets a light. */
-typedef struct light_meeting {
+typedef struct light_intersection {
   float distance; /* negative: it does not */
   float radiance; /* as a part of the light's colour, 1/sr */
   float pdf;      /* with which samples of the light find this direction, 1/sr */
-} light_meeting;
+} light_intersection;
 
-#define LIGHT_MISSED ((light_meeting){-1.0f, 0.0f, 0.0f})
+#define LIGHT_MISSED ((light_intersection){-1.0f, 0.0f, 0.0f})
 
 /* A point of the unit disc from one of the unit square. */
 LEAF void disc_point(float x, float y, float *a, float *b) {
@@ -111,7 +111,7 @@ LEAF light_sample light_bulb_sample(const light_bulb *l, bool spread, float x, f
                         .pdf = (apart & (e > 0.0f)) ? 1.0f / (e * area) : 0.0f};
 }
 
-LEAF light_meeting light_bulb_meet(const light_bulb *l, vec3 o, vec3 d) {
+LEAF light_intersection light_bulb_intersect(const light_bulb *l, vec3 o, vec3 d) {
   vec3 c = {l->position[0] - o.x, l->position[1] - o.y, l->position[2] - o.z};
   float d2 = dot(c, c), along = dot(c, d), radius2 = l->radius * l->radius;
   bool before = (along > 0.0f) & (d2 > 1e-30f);
@@ -127,10 +127,10 @@ LEAF light_meeting light_bulb_meet(const light_bulb *l, vec3 o, vec3 d) {
   float cosine = sqrtf(sine2 < 1.0f ? 1.0f - sine2 : 0.0f);
   float pdf_ball = (1.0f + cosine) / (2.0f * LIGHT_PI * sine2);
   float pdf_disc = at * at * at / (middle * area);
-  bool meets = before & inside;
-  return (light_meeting){.distance = meets ? (either(l->ball, at - depth, at)) : -1.0f,
-                         .radiance = meets ? 1.0f / area : 0.0f,
-                         .pdf = either(l->ball, pdf_ball, pdf_disc)};
+  bool hit = before & inside;
+  return (light_intersection){.distance = hit ? (either(l->ball, at - depth, at)) : -1.0f,
+                              .radiance = hit ? 1.0f / area : 0.0f,
+                              .pdf = either(l->ball, pdf_ball, pdf_disc)};
 }
 
 /* About what it gives, for the choice among lights: > 0 wherever it gives something. */

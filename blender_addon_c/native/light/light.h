@@ -6,7 +6,7 @@
  *   light_<name>_read     reads it from a scene
  *   light_<name>_sample   a leaf: what it gives to a point, from its middle or, if samples are to
  *                         be spread over it, from where (x, y) of the unit square falls on it
- *   light_<name>_meet     a leaf: where a ray meets it, and with which density samples go there
+ *   light_<name>_intersect  a leaf: where a ray meets it, and with which density samples go there
  *   light_<name>_weight   a leaf: about how much it gives to a point, for the choice among lights;
  *                         more than 0 wherever it gives something
  *

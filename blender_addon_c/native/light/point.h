@@ -17,8 +17,8 @@ LEAF light_sample light_point_sample(const light_point *l, bool spread, float x,
   return light_bulb_sample(&l->bulb, spread, x, y, p);
 }
 
-LEAF light_meeting light_point_meet(const light_point *l, vec3 o, vec3 d) {
-  return light_bulb_meet(&l->bulb, o, d);
+LEAF light_intersection light_point_intersect(const light_point *l, vec3 o, vec3 d) {
+  return light_bulb_intersect(&l->bulb, o, d);
 }
 
 LEAF float light_point_weight(const light_point *l, vec3 p) {

@@ -54,8 +54,8 @@ LEAF light_sample light_spot_sample(const light_spot *l, bool spread, float x, f
   return s;
 }
 
-LEAF light_meeting light_spot_meet(const light_spot *l, vec3 o, vec3 d) {
-  light_meeting m = light_bulb_meet(&l->bulb, o, d);
+LEAF light_intersection light_spot_intersect(const light_spot *l, vec3 o, vec3 d) {
+  light_intersection m = light_bulb_intersect(&l->bulb, o, d);
   m.radiance *= light_spot_part(l, d);
   return m;
 }

@@ -70,15 +70,15 @@ LEAF light_sample light_sun_sample(const light_sun *l, bool spread, float x, flo
 }
 
 /* By the sine: of small angles the cosine says little. */
-LEAF light_meeting light_sun_meet(const light_sun *l, vec3 o, vec3 d) {
+LEAF light_intersection light_sun_intersect(const light_sun *l, vec3 o, vec3 d) {
   (void)o;
   float cosine = dot(d, l->to), sine = l->radius * l->cosine;
   vec3 off = cross(d, l->to);
-  bool meets = (cosine > 0.0f) & (dot(off, off) < sine * sine);
+  bool hit = (cosine > 0.0f) & (dot(off, off) < sine * sine);
   float pdf = light_sun_pdf(l, cosine);
-  return (light_meeting){.distance = meets ? INFINITY : -1.0f,
-                         .radiance = meets ? light_sun_e(l) * pdf : 0.0f,
-                         .pdf = pdf};
+  return (light_intersection){.distance = hit ? INFINITY : -1.0f,
+                              .radiance = hit ? light_sun_e(l) * pdf : 0.0f,
+                              .pdf = pdf};
 }
 
 LEAF float light_sun_weight(const light_sun *l, vec3 p) {

@@ -108,23 +108,24 @@ LEAF void node_scratches_place(const node_scratches *n, lane_run g, float blur,
 }
 
 /* A number in [0, 1) for a point, of several. */
-LEAF float scratches_lot(float u, float v, uint32_t number) {
+LEAF float scratches_random(float u, float v, uint32_t number) {
   return unit_float(
       mix(((uint32_t)bits_of_float(u) * 0x9e3779b1u ^ (uint32_t)bits_of_float(v)) + number));
 }
 
 /* Does a footprint, in tiles, reach from where the library leaves its samples for the table to four
- * times as far, or, by lot, further? Else points of it, one for each ray, say the same but for what
- * the far model is off: of a camera that goes by constant ratios each frame has as much more of it.
+ * times as far, or, by chance, further? Else points of it, one for each ray, say the same but for
+ * what the far model is off: of a camera that goes by constant ratios each frame has as much more
+ * of it.
  */
-static inline bool scratches_far(const scratches *s, const double side[4], float lot) {
+static inline bool scratches_far(const scratches *s, const double side[4], float random) {
   const double xx = side[0] * side[0] + side[2] * side[2];
   const double yy = side[1] * side[1] + side[3] * side[3];
   const double xy = side[0] * side[1] + side[2] * side[3], half = 0.5 * (xx - yy);
   const double cells2 = (double)s->params.cells * s->params.cells;
   const double extent2 = cells2 * (0.5 * (xx + yy) + sqrt(half * half + xy * xy));
   const double least2 = 12.1; /* (2 sqrt 3)^2 */
-  return extent2 > least2 && extent2 > least2 * (double)exp2f(4.0f * lot);
+  return extent2 > least2 && extent2 > least2 * (double)exp2f(4.0f * random);
 }
 
 /*
@@ -134,7 +135,7 @@ static inline bool scratches_far(const scratches *s, const double side[4], float
  * too wide.
  */
 static inline bool scratches_square(const scratches *s, double u, double v, const double side[4],
-                                    const float lot[3], shade_slopes *to) {
+                                    const float random[3], shade_slopes *to) {
   const double one = hypot(side[0], side[1]), other = hypot(side[2], side[3]);
   const double longer = one > other ? one : other, shorter = one > other ? other : one;
   const double wanted = shorter > longer / 16 ? shorter : longer / 16;
@@ -142,11 +143,12 @@ static inline bool scratches_square(const scratches *s, double u, double v, cons
   if (!(longer > 0) || level > s->squares.levels)
     return false;
   if (level >= 0 && level < s->squares.levels)
-    level += ldexp(wanted, level) < 1 + (double)lot[2];
+    level += ldexp(wanted, level) < 1 + (double)random[2];
   level = level < 0 ? 0 : level;
   const double width = ldexp(1, -level), square = width * width;
-  const double a = one > width ? sqrt(1 - square / (one * one)) * ((double)lot[0] - 0.5) : 0;
-  const double b = other > width ? sqrt(1 - square / (other * other)) * ((double)lot[1] - 0.5) : 0;
+  const double a = one > width ? sqrt(1 - square / (one * one)) * ((double)random[0] - 0.5) : 0;
+  const double b =
+      other > width ? sqrt(1 - square / (other * other)) * ((double)random[1] - 0.5) : 0;
   u += a * side[0] + b * side[2];
   v += a * side[1] + b * side[3];
   if (!isfinite(u) || !isfinite(v))
@@ -165,11 +167,11 @@ static inline bool scratches_square(const scratches *s, double u, double v, cons
 
 /*
  * One Gaussian of all slopes would be too dark at the peak and too bright in the tail, for those of
- * the plate are 0: a ray is, by lot, of the plate or of its scratches, and mean and covariance over
- * both as they were. How much of the footprint is scratched its slopes tell, which squared are in
- * scratches as they are in the mean over the whole field. Is it of the scratches?
+ * the plate are 0: a ray is, by chance, of the plate or of its scratches, and mean and covariance
+ * over both as they were. How much of the footprint is scratched its slopes tell, which squared are
+ * in scratches as they are in the mean over the whole field. Is it of the scratches?
  */
-static inline bool scratches_part(const scratches *s, float lot, shade_slopes *to) {
+static inline bool scratches_part(const scratches *s, float random, shade_slopes *to) {
   const scratch_slopes *all = s->squares.level[0];
   const double x = to->mean[0], y = to->mean[1];
   const double xx = to->covariance[0] + x * x, yy = to->covariance[2] + y * y;
@@ -181,7 +183,7 @@ static inline bool scratches_part(const scratches *s, float lot, shade_slopes *t
   const double of_mean = (yy + pad) * x * x - 2 * xy * x * y + (xx + pad) * y * y;
   const double least = area > 0 ? of_mean / area : 1;
   const double share = fmin(fmax(square / fmax(deep, 1e-30), least), 1), more = 1 / share - 1;
-  const bool in = (double)lot < share;
+  const bool in = (double)random < share;
   const double by = in ? 1 / share : 0;
   to->mean[0] = by * x;
   to->mean[1] = by * y;
@@ -210,25 +212,25 @@ static inline void node_scratches_look(const node_scratches *n, lane_run g, bool
   for (size_t i = g.begin; i < g.end; i++) {
     const double side[4] = {per * (double)to->du1[i], per * (double)to->dv1[i],
                             per * (double)to->du2[i], per * (double)to->dv2[i]};
-    const bool far = coarse && scratches_far(n->of, side, scratches_lot(x[i], y[i], 0));
-    const float lot[3] = {scratches_lot(x[i], y[i], 0x3c6ef372u),
-                          scratches_lot(x[i], y[i], 0x1b873593u),
-                          scratches_lot(x[i], y[i], 0x85ebca77u)};
+    const bool far = coarse && scratches_far(n->of, side, scratches_random(x[i], y[i], 0));
+    const float random[3] = {scratches_random(x[i], y[i], 0x3c6ef372u),
+                             scratches_random(x[i], y[i], 0x1b873593u),
+                             scratches_random(x[i], y[i], 0x85ebca77u)};
     const double u = per * (double)x[i], v = per * (double)y[i];
     shade_slopes s;
-    if (!far || !scratches_square(n->of, u, v, side, lot, &s))
+    if (!far || !scratches_square(n->of, u, v, side, random, &s))
       shade_scratch_eval(n->of->field, u, v, far ? side : NULL, NULL, &s);
     bool in = false;
     if (far)
-      in = scratches_part(n->of, scratches_lot(x[i], y[i], 0x51ed270bu), &s);
+      in = scratches_part(n->of, scratches_random(x[i], y[i], 0x51ed270bu), &s);
     to->x[i] = (float)s.mean[0];
     to->y[i] = (float)s.mean[1];
     to->xx[i] = in ? (float)s.covariance[0] : 0.0f;
     to->xy[i] = in ? (float)s.covariance[1] : 0.0f;
     to->yy[i] = in ? (float)s.covariance[2] : 0.0f;
     if (in && !n->filtered)
-      scratches_draw(to, i, scratches_lot(x[i], y[i], 0x2545f491u),
-                     scratches_lot(x[i], y[i], 0x9e3779b9u));
+      scratches_draw(to, i, scratches_random(x[i], y[i], 0x2545f491u),
+                     scratches_random(x[i], y[i], 0x9e3779b9u));
   }
 }
 

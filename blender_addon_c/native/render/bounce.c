@@ -19,12 +19,12 @@
 /* What points are taken for. */
 enum {
   PURPOSE_DRAW,
-  PURPOSE_LOT,
+  PURPOSE_ROULETTE,
   PURPOSE_LENS,
   PURPOSE_CHOICE,
   PURPOSE_LIGHT,
   PURPOSE_CLOTH,
-  PURPOSE_SPARE, /* and as many more as there are lamps */
+  PURPOSE_SHADOW_ROULETTE, /* and as many more as there are lamps */
   PURPOSE_TIME = 64
 };
 
@@ -68,7 +68,7 @@ static void draw_terms(worker *w, int bounce, size_t phase) {
     return;
   in->cloth->runs = in->cloth->used = 0;
   shuffle points = points_of(w, phase, bounce, PURPOSE_CLOTH);
-  s->shuffled(b->queue.hits, &points, b->queue.lane, b->walk, &b->path, in->term,
+  s->shuffled(b->queue.hits, &points, b->queue.lane, b->state, &b->path, in->term,
               b->closures.albedo);
 }
 
@@ -82,9 +82,9 @@ static const float *terms_of_samples(worker *w, size_t count, size_t phase) {
   cloth_room *cloth = b->input.cloth;
   if (!cloth || !cloth->mixed)
     return NULL;
-  memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
+  memcpy(b->state->sample, b->queue.identity, count * sizeof(uint32_t));
   shuffle points = points_of(w, phase, 0, PURPOSE_CLOTH);
-  w->scene->stages->shuffled(count, &points, b->queue.identity, b->walk, &b->path, b->input.term,
+  w->scene->stages->shuffled(count, &points, b->queue.identity, b->state, &b->path, b->input.term,
                              b->closures.albedo);
   return b->input.term;
 }
@@ -102,21 +102,21 @@ static void draw_points(worker *w, size_t number, int bounce, size_t phase) {
     s->pair(b->queue.hits, &points, b->queue.lane, &b->path, &b->light);
   } else {
     shuffle points = points_of(w, phase, bounce, PURPOSE_LIGHT);
-    s->shuffled(b->queue.hits, &points, b->queue.lane, b->walk, &b->path, b->light.x, b->light.y);
+    s->shuffled(b->queue.hits, &points, b->queue.lane, b->state, &b->path, b->light.x, b->light.y);
   }
 }
 
 /* Fewer shadow rays: those of light samples that bring little are cast now and then. */
-static void spare_shadows(worker *w, size_t number, int bounce, size_t phase, bool shared,
-                          const float *color) {
+static void roulette_shadows(worker *w, size_t number, int bounce, size_t phase, bool shared,
+                             const float *color) {
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
-  shuffle points = points_of(w, phase, bounce, PURPOSE_SPARE + number);
-  s->shuffled(b->queue.hits, &points, b->queue.lane, b->walk, &b->path, b->draw.lot,
+  shuffle points = points_of(w, phase, bounce, PURPOSE_SHADOW_ROULETTE + number);
+  s->shuffled(b->queue.hits, &points, b->queue.lane, b->state, &b->path, b->draw.roulette,
               b->draw.choice);
   closures_eval(w, shared);
-  s->spare(b->queue.hits, w->scene->light_threshold, color, shared, b->draw.lot, &b->reflection,
-           &b->light);
+  s->shadow_roulette(b->queue.hits, w->scene->light_threshold, color, shared, b->draw.roulette,
+                     &b->reflection, &b->light);
 }
 
 /* What the camera sees is worth a shadow ray for each of a few lamps: to choose one among three
@@ -136,9 +136,9 @@ static void reflect(worker *w, size_t number, int bounce, size_t phase, bool sha
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
     s->lit(g->run, g->material->traits & CLOSURE_THROUGH, hits_lifted(w), &b->surface, &b->light);
   clock_tick(&w->clocks, clock);
-  bool spares = shadow && w->scene->light_threshold > 0.0f && !w->observer;
-  if (spares)
-    spare_shadows(w, number, bounce, phase, shared, color);
+  bool roulette = shadow && w->scene->light_threshold > 0.0f && !w->observer;
+  if (roulette)
+    roulette_shadows(w, number, bounce, phase, shared, color);
   if (shadow && w->through)
     color = through_shadows(w, color) ? NULL : color;
   else if (shadow)
@@ -148,7 +148,7 @@ static void reflect(worker *w, size_t number, int bounce, size_t phase, bool sha
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
     return;
-  if (!spares)
+  if (!roulette)
     closures_eval(w, shared);
   s->reflect(hits, color, shared, &b->light, &b->reflection, &b->sum);
   if (w->light)
@@ -179,9 +179,9 @@ static void unlink_emitters(worker *w, size_t begin, size_t end) {
 }
 
 /* Does an instance not shine for what has cast this ray? lit: light samples find its light, too. */
-static bool is_dark(const instance *of, const walks *walk, size_t ray, bool lit) {
-  bool seen = (walk->ray[ray] & RAY_CAMERA) != 0;
-  return (of->link & walk->unlit[ray]) || (of->shade && lit && !seen);
+static bool is_dark(const instance *of, const path_states *state, size_t ray, bool lit) {
+  bool seen = (state->ray[ray] & RAY_CAMERA) != 0;
+  return (of->link & state->unlit[ray]) || (of->shade && lit && !seen);
 }
 
 /* What hits shine with, where it is not for the surface before. */
@@ -189,7 +189,7 @@ static void hide_emission(worker *w) {
   const scene *s = w->scene;
   batch *b = w->batch;
   for (size_t i = 0; i < b->queue.hits; i++)
-    if (is_dark(instance_at(s, b, i), b->walk, b->queue.lane[i], false))
+    if (is_dark(instance_at(s, b, i), b->state, b->queue.lane[i], false))
       b->sum.r[i] = b->sum.g[i] = b->sum.b[i] = 0.0f;
 }
 
@@ -201,7 +201,7 @@ static void carry_unlit(worker *w, size_t rays) {
     uint32_t i = b->chosen[k];
     bool straight = (b->draw.kind[i] & BOUNCE_MASK) == BOUNCE_TRANSPARENT;
     b->next->unlit[k] =
-        straight ? b->walk->unlit[b->queue.lane[i]] : (uint32_t)instance_at(s, b, i)->unlit;
+        straight ? b->state->unlit[b->queue.lane[i]] : (uint32_t)instance_at(s, b, i)->unlit;
   }
 }
 
@@ -211,7 +211,7 @@ static void carry_clear(worker *w, size_t rays) {
   for (size_t k = 0; k < rays; k++) {
     uint32_t i = b->chosen[k], kind = b->draw.kind[i];
     bool on = (kind & BOUNCE_MASK) == BOUNCE_TRANSPARENT || kind & BOUNCE_CLEAR;
-    b->next->clear[k] = on ? b->walk->clear[b->queue.lane[i]] : 0;
+    b->next->clear[k] = on ? b->state->clear[b->queue.lane[i]] : 0;
   }
 }
 
@@ -251,16 +251,16 @@ static void paint_chosen(const light *l, size_t begin, size_t end, const light_c
 }
 
 /* What rays meet of it. */
-static void paint_met(const light *l, size_t rays, const walks *walk, const lane_v *way,
-                      const lane_c *restrict own, lane_c *restrict met) {
+static void paint_hit(const light *l, size_t rays, const path_states *state, const lane_v *way,
+                      const lane_c *restrict own, lane_c *restrict emitted) {
   for (size_t k = 0; k < rays; k++) {
     float part[3];
     if (own->r[k] == 0.0f && own->g[k] == 0.0f && own->b[k] == 0.0f)
       continue;
-    light_pattern_seen(l->common.pattern, load(&walk->from, k), load(way, k), part);
-    met->r[k] += part[0] * own->r[k];
-    met->g[k] += part[1] * own->g[k];
-    met->b[k] += part[2] * own->b[k];
+    light_pattern_seen(l->common.pattern, load(&state->from, k), load(way, k), part);
+    emitted->r[k] += part[0] * own->r[k];
+    emitted->g[k] += part[1] * own->g[k];
+    emitted->b[k] += part[2] * own->b[k];
   }
 }
 
@@ -280,7 +280,7 @@ static void illuminate(worker *w, size_t number, int bounce, size_t phase) {
   unlink(w, w->observer ? 0 : c->link, w->batch->light.e);
   if (c->pattern)
     paint(l, w->batch->queue.hits, &w->batch->surface, &w->batch->light);
-  reflect(w, number, bounce, phase, c->shadow, spread && c->met, c->pattern ? NULL : c->color,
+  reflect(w, number, bounce, phase, c->shadow, spread && c->mis, c->pattern ? NULL : c->color,
           CLOCK_LIGHT + (clock_number)l->type);
 }
 
@@ -313,7 +313,7 @@ static void choose_lights(worker *w, int bounce, size_t phase) {
   light_weights *weight = &b->weight;
   size_t hits = b->queue.hits;
   shuffle points = points_of(w, phase, bounce, PURPOSE_CHOICE);
-  s->stages->shuffled(hits, &points, b->queue.lane, b->walk, &b->path, b->choice.lot,
+  s->stages->shuffled(hits, &points, b->queue.lane, b->state, &b->path, b->choice.random,
                       b->choice.chance);
   memset(weight->total, 0, hits * sizeof(float));
   memset(weight->sum, 0, hits * sizeof(float));
@@ -420,7 +420,7 @@ static void illuminate_by_choice(worker *w, int bounce, size_t phase) {
       clock_tick(&w->clocks, CLOCK_EMITTERS);
     }
   }
-  s->stages->settle(b->queue.hits, &b->choice, &b->drawn, &b->light);
+  s->stages->place_samples(b->queue.hits, &b->choice, &b->drawn, &b->light);
   if (s->features.light_visibility)
     find_hidden(w);
   if (s->features.shadow_linking)
@@ -450,8 +450,8 @@ static void gain_shone(worker *w) {
   const stage_table *s = w->scene->stages;
   const clamps bright = clamps_of(w->scene);
   if (w->scene->features.transparency)
-    s->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
-  s->gain(b->queue.hits, bright.most, 1, b->queue.lane, b->walk, &b->sum, &b->sample_color);
+    s->mute(b->queue.hits, b->queue.lane, b->state, &b->sum);
+  s->gain(b->queue.hits, bright.most, 1, b->queue.lane, b->state, &b->sum, &b->sample_color);
   zero(&b->sum, b->queue.hits);
 }
 
@@ -461,15 +461,15 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   const scene *s = w->scene;
   batch *b = w->batch;
   if (s->features.ray_cones)
-    s->stages->width(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+    s->stages->width(b->queue.hits, b->queue.lane, b->state, b->ray, &b->surface);
   hits_surface(w);
   if (s->features.pixel_size)
-    s->stages->footprint(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+    s->stages->footprint(b->queue.hits, b->queue.lane, b->state, b->ray, &b->surface);
   if (s->features.light_path)
-    s->stages->route(b->queue.hits, b->queue.lane, b->walk, b->ray, &b->surface);
+    s->stages->route_hit(b->queue.hits, b->queue.lane, b->state, b->ray, &b->surface);
   for (size_t i = 0; s->features.light_path && s->features.transparent_glass && i < b->queue.hits;
        i++)
-    b->surface.ray[i] |= b->walk->clear[b->queue.lane[i]] ? RAY_FILM : 0;
+    b->surface.ray[i] |= b->state->clear[b->queue.lane[i]] ? RAY_FILM : 0;
   if (s->features.object_motion)
     motion_shadows(w);
   draw_terms(w, bounce, phase);
@@ -479,7 +479,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   w->later = bounce > 0;
   b->input.blurs = w->later && s->blur_glossy > 0.0f;
   if (b->input.blurs)
-    s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->walk, b->input.blur);
+    s->stages->blur(b->queue.hits, 1.0f / s->blur_glossy, b->queue.lane, b->state, b->input.blur);
   const bool shone = closures_weigh(w, bounce == 0);
   if (s->features.emitter_linking && w->later)
     hide_emission(w);
@@ -511,29 +511,29 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
 
 /* Draws where the paths go on; returns how many do. */
 static size_t go_on(worker *w, int bounce, size_t phase) {
-  enum { FIRST_LOTTERY = 3 }; /* before, paths are too few to lose */
+  enum { FIRST_ROULETTE = 3 }; /* before, paths are too few to lose */
   const stage_table *s = w->scene->stages;
   batch *b = w->batch;
   const queue *q = &b->queue;
   shuffle points = points_of(w, phase, bounce, PURPOSE_DRAW);
-  s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.x, b->draw.y);
-  points = points_of(w, phase, bounce, PURPOSE_LOT);
-  s->shuffled(q->hits, &points, q->lane, b->walk, &b->path, b->draw.lot, b->draw.choice);
+  s->shuffled(q->hits, &points, q->lane, b->state, &b->path, b->draw.x, b->draw.y);
+  points = points_of(w, phase, bounce, PURPOSE_ROULETTE);
+  s->shuffled(q->hits, &points, q->lane, b->state, &b->path, b->draw.roulette, b->draw.choice);
   closures_draw(w);
   if (w->scene->features.transparent_glass)
     closures_clear(w);
   if (w->light)
     light_passes_drawn(w);
   size_t rays =
-      s->walk(q->hits, bounce >= FIRST_LOTTERY, &w->scene->limits, w->scene->features.hit_lights,
-              q->lane, &b->surface, b->walk, b->weight.total, &b->draw, &b->moved_ray, b->chosen,
-              b->next, &b->sample_ray);
+      s->next_paths(q->hits, bounce >= FIRST_ROULETTE, &w->scene->limits,
+                    w->scene->features.hit_lights, q->lane, &b->surface, b->state, b->weight.total,
+                    &b->draw, &b->moved_ray, b->chosen, b->next, &b->sample_ray);
   if (w->scene->features.ray_cones)
-    s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->walk, b->next);
+    s->spread(rays, b->chosen, q->lane, &b->surface, &b->draw, b->state, b->next);
   if (w->scene->features.pixel_size)
-    s->carry(rays, b->chosen, q->lane, &b->surface, b->walk, b->next);
+    s->carry(rays, b->chosen, q->lane, &b->surface, b->state, b->next);
   if (w->scene->features.light_path)
-    s->trail(rays, b->chosen, &b->surface, &b->draw, b->next);
+    s->route_next(rays, b->chosen, &b->surface, &b->draw, b->next);
   if (w->scene->features.emitter_linking)
     carry_unlit(w, rays);
   if (w->scene->features.transparent_glass)
@@ -557,26 +557,26 @@ static size_t find_missed(worker *w, size_t rays) {
   for (size_t k = 0; k < missed; k++) {
     b->missed[left] = b->missed[k];
     store(&b->toward, left, load(&b->toward, k));
-    left += !b->walk->clear[b->missed[k]];
+    left += !b->state->clear[b->missed[k]];
   }
   return left;
 }
 
 /* The sky where rays meet nothing. */
-static void meet_sky(worker *w, size_t rays) {
+static void add_hit_sky(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   size_t missed = find_missed(w, rays);
   s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
   s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
-  s->stages->met_sky(missed, b->missed, b->sky_pdf, &b->sky, b->walk, s->choices > 1, s->sky.power,
-                     s->sky_hidden, &b->met);
+  s->stages->hit_sky(missed, b->missed, b->sky_pdf, &b->sky, b->state, s->choices > 1, s->sky.power,
+                     s->sky_hidden, &b->emitted);
 }
 
 /* The same where rays that come by some ways see something else than what light is drawn from. What
  * that brings depends on the shares of both, so these are Cycles' [VeachGuibas1995]: squares count.
  * Samples of light have had the shares that they have elsewhere; the rest is here. */
-static void meet_looks(worker *w, size_t rays) {
+static void add_hit_looks(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   const bool drawn = s->sky.power > 0.0f, chosen = s->choices > 1;
@@ -592,22 +592,22 @@ static void meet_looks(worker *w, size_t rays) {
     const uint32_t hidden = s->sky_hidden | (image == &s->sky ? 0 : (uint32_t)RAY_CAMERA);
     for (size_t k = 0; k < missed; k++) {
       size_t i = b->missed[k];
-      size_t own = s->look_of[ray_way(b->walk->ray[i])];
-      if ((own != group && group) || (b->walk->ray[i] & hidden))
+      size_t own = s->look_of[ray_way(b->state->ray[i])];
+      if ((own != group && group) || (b->state->ray[i] & hidden))
         continue;
-      float chance = chosen ? s->sky.power / b->walk->lights[i] : 1.0f;
-      float other = drawn ? b->sky_pdf[k] * chance / fmaxf(b->walk->pdf[i], 1e-30f) : 0.0f;
+      float chance = chosen ? s->sky.power / b->state->lights[i] : 1.0f;
+      float other = drawn ? b->sky_pdf[k] * chance / fmaxf(b->state->pdf[i], 1e-30f) : 0.0f;
       float part = 1.0f / (1.0f + other), square = 1.0f / (1.0f + other * other);
       float share = group ? square : own ? part - square : part;
-      b->met.r[i] += share * (image ? b->sky.r[k] : even[0]);
-      b->met.g[i] += share * (image ? b->sky.g[k] : even[1]);
-      b->met.b[i] += share * (image ? b->sky.b[k] : even[2]);
+      b->emitted.r[i] += share * (image ? b->sky.r[k] : even[0]);
+      b->emitted.g[i] += share * (image ? b->sky.g[k] : even[1]);
+      b->emitted.b[i] += share * (image ? b->sky.b[k] : even[2]);
     }
   }
 }
 
 /* That of the camera alone, where its rays meet nothing behind what they pass. */
-static void meet_seen_sky(worker *w, size_t rays) {
+static void add_seen_sky(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   size_t missed =
@@ -615,66 +615,68 @@ static void meet_seen_sky(worker *w, size_t rays) {
   s->stages->sky(missed, &s->behind, &b->toward, &b->sky);
   for (size_t k = 0; k < missed; k++) {
     size_t ray = b->missed[k];
-    if (!(b->walk->ray[ray] & RAY_CAMERA))
+    if (!(b->state->ray[ray] & RAY_CAMERA))
       continue;
-    b->met.r[ray] += b->sky.r[k];
-    b->met.g[ray] += b->sky.g[k];
-    b->met.b[ray] += b->sky.b[k];
+    b->emitted.r[ray] += b->sky.r[k];
+    b->emitted.g[ray] += b->sky.g[k];
+    b->emitted.b[ray] += b->sky.b[k];
   }
 }
 
 /* What drawn rays meet of lights, each with the share that is left to them. */
-static void meet_lights(worker *w, size_t rays, const float most[2]) {
+static void add_hit_lights(worker *w, size_t rays, const float most[2]) {
   const scene *s = w->scene;
   batch *b = w->batch;
   float *weight = s->choices > 1 ? b->weight.one[0] : NULL;
   static const float none[3];
-  s->stages->escape(rays, b->sample_hit.record, b->walk, s->sky_hidden,
-                    s->looks ? none : s->background, s->backdrop, &b->met);
+  s->stages->escape(rays, b->sample_hit.record, b->state, s->sky_hidden,
+                    s->looks ? none : s->background, s->backdrop, &b->emitted);
   for (size_t k = 0; s->features.transparent_glass && k < rays; k++)
-    if (b->walk->clear[k])
-      b->met.r[k] = b->met.g[k] = b->met.b[k] = 0.0f;
+    if (b->state->clear[k])
+      b->emitted.r[k] = b->emitted.g[k] = b->emitted.b[k] = 0.0f;
   for (size_t k = 0; k < s->lights; k++)
-    if (s->light[k].common.met) {
+    if (s->light[k].common.mis) {
       if (weight)
-        weigh(w, k, rays, &b->walk->from, weight);
-      lane_c *met = &b->met;
+        weigh(w, k, rays, &b->state->from, weight);
+      lane_c *emitted = &b->emitted;
       if (s->light[k].common.pattern)
-        zero(met = &b->sky, rays);
-      s->stages->meet[s->light[k].type](rays, &s->light[k], b->walk, &b->sample_ray, weight, met);
+        zero(emitted = &b->sky, rays);
+      s->stages->hit_light[s->light[k].type](rays, &s->light[k], b->state, &b->sample_ray, weight,
+                                             emitted);
       if (s->light[k].common.pattern)
-        paint_met(&s->light[k], rays, b->walk, &b->sample_ray.d, met, &b->met);
+        paint_hit(&s->light[k], rays, b->state, &b->sample_ray.d, emitted, &b->emitted);
     }
   if (s->looks)
-    meet_looks(w, rays);
+    add_hit_looks(w, rays);
   else if (s->sky.power > 0.0f)
-    meet_sky(w, rays);
+    add_hit_sky(w, rays);
   if (s->behind.there && s->features.transparency && !s->features.transparent_film)
-    meet_seen_sky(w, rays);
+    add_seen_sky(w, rays);
   if (s->emitters.count) {
     if (weight)
-      s->stages->weigh_emitters(rays, &s->emitters, &b->walk->from, weight);
+      s->stages->weigh_emitters(rays, &s->emitters, &b->state->from, weight);
     for (size_t k = 0; s->features.emitter_linking && k < rays; k++)
       b->missed[k] = b->sample_hit.record[k] != RECORD_MISS &&
-                     is_dark(hit_instance(s, b, &b->sample_hit, k), b->walk, k, true);
-    s->stages->met_emitters(rays, &s->emitters, s->triangle, b->placed, &b->sample_hit,
-                            &b->sample_ray, b->walk, weight,
-                            s->features.emitter_linking ? b->missed : NULL, &b->met);
+                     is_dark(hit_instance(s, b, &b->sample_hit, k), b->state, k, true);
+    s->stages->hit_emitters(rays, &s->emitters, s->triangle, b->placed, &b->sample_hit,
+                            &b->sample_ray, b->state, weight,
+                            s->features.emitter_linking ? b->missed : NULL, &b->emitted);
   }
-  s->stages->gain(rays, most, 1, b->queue.identity, b->walk, &b->met, &b->sample_color);
+  s->stages->gain(rays, most, 1, b->queue.identity, b->state, &b->emitted, &b->sample_color);
   if (w->light)
-    light_passes_met(w, rays, most);
+    light_passes_hit(w, rays, most);
 }
 
 /* Where rays meet nothing behind glass that is clear to the film, that is seen; not their sky, but
  * lamps that they meet are. */
 static void clear_film(worker *w, size_t rays) {
   batch *b = w->batch;
-  const walks *walk = b->walk;
+  const path_states *state = b->state;
   for (size_t k = 0; k < rays; k++)
-    if (b->sample_hit.record[k] == RECORD_MISS && walk->clear[k] && walk->ray[k] != RAY_CAMERA)
-      b->path.alpha[walk->sample[k]] -=
-          (walk->weight.r[k] + walk->weight.g[k] + walk->weight.b[k]) * (1.0f / 3.0f);
+    if (b->sample_hit.record[k] == RECORD_MISS && state->clear[k] && state->ray[k] != RAY_CAMERA)
+      b->path.alpha[state->sample[k]] -=
+          (state->throughput.r[k] + state->throughput.g[k] + state->throughput.b[k]) *
+          (1.0f / 3.0f);
 }
 
 /* The bounces after the first: sample_color grows by what they bring. Of a path's last only what
@@ -692,23 +694,23 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
     size_t rays = go_on(w, bounce, phase);
     if (!rays)
       return;
-    walks *now = b->next;
-    b->next = b->walk;
-    b->walk = now;
+    path_states *now = b->next;
+    b->next = b->state;
+    b->state = now;
     if (s->features.object_motion)
-      motion_walks(w, rays);
+      motion_paths(w, rays);
     hits_trace(w, (ray_kind)0, rays);
     if (w->light && s->features.transparent_film &&
         (s->features.transparency || s->features.transparent_glass))
-      light_passes_environment(w, b->walk, rays);
+      light_passes_environment(w, b->state, rays);
     if (s->features.transparency && s->features.transparent_film)
-      s->stages->uncover(rays, b->sample_hit.record, b->walk, &b->path);
+      s->stages->uncover(rays, b->sample_hit.record, b->state, &b->path);
     if (s->features.transparent_glass)
       clear_film(w, rays);
     if (s->features.hit_lights)
-      meet_lights(w, rays, most);
+      add_hit_lights(w, rays, most);
     b->queue.hits =
-        s->stages->end(rays, b->walk, s->triangle, s->features.transparency ? s->material : NULL,
+        s->stages->end(rays, b->state, s->triangle, s->features.transparency ? s->material : NULL,
                        b->sample_hit.record);
     if (b->queue.hits)
       hits_sort(w, rays, NULL);
@@ -717,35 +719,35 @@ static void follow(worker *w, const camera_view *view, size_t phase) {
       return;
     shade(w, view, bounce + 1, phase);
     if (s->features.transparency)
-      s->stages->mute(b->queue.hits, b->queue.lane, b->walk, &b->sum);
-    s->stages->gain(b->queue.hits, most, 0, b->queue.lane, b->walk, &b->sum, &b->sample_color);
+      s->stages->mute(b->queue.hits, b->queue.lane, b->state, &b->sum);
+    s->stages->gain(b->queue.hits, most, 0, b->queue.lane, b->state, &b->sum, &b->sample_color);
     if (w->light)
       light_passes_gain(w, most);
   }
 }
 
 /* Every sample a path of weight 1. */
-static void begin_walks(worker *w, size_t count) {
+static void begin_paths(worker *w, size_t count) {
   batch *b = w->batch;
-  memcpy(b->walk->sample, b->queue.identity, count * sizeof(uint32_t));
+  memcpy(b->state->sample, b->queue.identity, count * sizeof(uint32_t));
   for (size_t i = 0; i < count; i++)
-    b->walk->weight.r[i] = b->walk->weight.g[i] = b->walk->weight.b[i] = 1.0f;
+    b->state->throughput.r[i] = b->state->throughput.g[i] = b->state->throughput.b[i] = 1.0f;
   if (w->scene->features.transparency)
     for (size_t i = 0; i < count; i++) { /* where they go straight on: no light has had a sample */
-      b->walk->from.x[i] = b->walk->from.y[i] = b->walk->from.z[i] = 0.0f;
-      b->walk->pdf[i] = CLOSURE_CERTAIN;
-      b->walk->lights[i] = 1e30f;
+      b->state->from.x[i] = b->state->from.y[i] = b->state->from.z[i] = 0.0f;
+      b->state->pdf[i] = CLOSURE_CERTAIN;
+      b->state->lights[i] = 1e30f;
     }
   for (size_t i = 0; w->scene->features.transparent_glass && i < count; i++)
-    b->walk->clear[i] = 1;
+    b->state->clear[i] = 1;
   for (size_t i = 0; i < count; i++) {
-    b->walk->ray[i] = RAY_CAMERA;
-    b->walk->least[i] = INFINITY;
+    b->state->ray[i] = RAY_CAMERA;
+    b->state->least[i] = INFINITY;
   }
-  memset(b->walk->ends, 0, count * sizeof(uint32_t));
-  memset(b->walk->unlit, 0, count * sizeof(uint32_t));
+  memset(b->state->ends, 0, count * sizeof(uint32_t));
+  memset(b->state->unlit, 0, count * sizeof(uint32_t));
   for (int kind = 0; kind < BOUNCE_KINDS; kind++)
-    memset(b->walk->bounces[kind], 0, count * sizeof(uint32_t));
+    memset(b->state->bounces[kind], 0, count * sizeof(uint32_t));
 }
 
 /* The sky behind all, for rays of the camera that meet nothing. */
@@ -756,7 +758,7 @@ static void show_sky(worker *w, size_t count) {
       s->stages->missed(count, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
   s->stages->sky(missed, scene_seen_sky(s), &b->toward, &b->sky);
   if (s->clamp_direct > 0.0f)
-    s->stages->gain(missed, (const float[2]){s->clamp_direct, INFINITY}, 0, b->missed, b->walk,
+    s->stages->gain(missed, (const float[2]){s->clamp_direct, INFINITY}, 0, b->missed, b->state,
                     &b->sky, &b->sample_color);
   else
     s->stages->scatter(missed, b->missed, &b->sky, &b->sample_color);
@@ -790,7 +792,7 @@ static const lane_c *shade_batch(worker *w, const camera_view *view, bool paths,
   const bool clamped = paths && w->scene->clamp_direct > 0.0f;
   const float most[2] = {clamped ? w->scene->clamp_direct : INFINITY, INFINITY};
   if (clamped)
-    s->gain(q->hits, most, 0, q->lane, b->walk, &b->sum, &b->sample_color);
+    s->gain(q->hits, most, 0, q->lane, b->state, &b->sum, &b->sample_color);
   else
     s->scatter(q->hits, q->lane, &b->sum, &b->sample_color);
   if (w->light)
@@ -843,13 +845,13 @@ void bounce_batch(worker *w, camera_view *view, size_t count, float *pixels) {
     return;
   if (paths || scene->features.light_path || scene->features.holdout || b->input.cloth ||
       w->through)
-    begin_walks(w, count);
+    begin_paths(w, count);
   if (scene->features.pixel_size)
-    s->pixel(count, view, &b->sample_ray, b->walk);
+    s->pixel(count, view, &b->sample_ray, b->state);
   if (scene->features.light_path)
-    s->depart(count, &b->sample_ray, b->walk);
+    s->route_begin(count, &b->sample_ray, b->state);
   if (scene->features.ray_cones)
-    s->pixel_cone(count, view, &b->sample_ray, b->walk);
+    s->pixel_cone(count, view, &b->sample_ray, b->state);
   if (view->camera->panorama && (scene->features.ray_cones || scene->features.pixel_size))
     panorama_cones(w, view, count);
   if (w->light)

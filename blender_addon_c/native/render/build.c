@@ -163,7 +163,7 @@ static bool build_lights(scene *s, const atomic_bool *cancel, message_log *log) 
   s->features.hit_lights =
       !sky_dark && (s->background[0] > 0.0f || s->background[1] > 0.0f || s->background[2] > 0.0f);
   for (size_t k = 0; k < s->lights; k++)
-    s->features.hit_lights = s->features.hit_lights || s->light[k].common.met;
+    s->features.hit_lights = s->features.hit_lights || s->light[k].common.mis;
   for (int k = 0; k < 3; k++) /* behind surfaces that let its rays pass */
     s->features.hit_lights =
         s->features.hit_lights || (s->features.transparency && s->backdrop[k] > 0.0f);

@@ -32,7 +32,7 @@ static void forbid(const worker *w, const closure *c, lane_run run, const float 
   bool shines = w->later && kind_of(c) == BOUNCE_GLOSSY;
   const bool above = !s->features.reflective_caustics, below = !s->features.refractive_caustics;
   if (shines && (above || below))
-    s->stages->forbid(run, above, below, w->batch->queue.lane, w->batch->walk, z, cosine);
+    s->stages->forbid(run, above, below, w->batch->queue.lane, w->batch->state, z, cosine);
 }
 
 static void weigh(worker *w, const segment *g) {
@@ -78,19 +78,20 @@ void closures_hold(worker *w, const camera_view *view) {
     if (!(g->material->traits & CLOSURE_HOLDS))
       continue;
     for (size_t i = g->run.begin; i < g->run.end; i++)
-      b->met.r[i] = b->met.g[i] = b->met.b[i] = 0.0f;
+      b->emitted.r[i] = b->emitted.g[i] = b->emitted.b[i] = 0.0f;
     for (size_t k = 0; k < g->material->closures; k++)
       if (g->material->closure[k].traits & CLOSURE_HOLDS)
-        w->scene->stages->emit(&g->material->closure[k], g->run, &b->input, &b->met);
+        w->scene->stages->emit(&g->material->closure[k], g->run, &b->input, &b->emitted);
     for (size_t i = g->run.begin; i < g->run.end; i++) {
-      size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
-      const walks *walk = b->walk;
-      float held = (b->met.r[i] * walk->weight.r[ray] + b->met.g[i] * walk->weight.g[ray] +
-                    b->met.b[i] * walk->weight.b[ray]) *
-                   (1.0f / 3.0f);
+      size_t ray = b->queue.lane[i], sample = b->state->sample[ray];
+      const path_states *state = b->state;
+      float held =
+          (b->emitted.r[i] * state->throughput.r[ray] + b->emitted.g[i] * state->throughput.g[ray] +
+           b->emitted.b[i] * state->throughput.b[ray]) *
+          (1.0f / 3.0f);
       float *alpha = &b->path.alpha[sample];
       held = held > 0.0f ? held : 0.0f; /* NaN holds nothing */
-      if (w->scene->features.transparent_glass ? !walk->clear[ray] : walk->ray[ray] != RAY_CAMERA)
+      if (w->scene->features.transparent_glass ? !state->clear[ray] : state->ray[ray] != RAY_CAMERA)
         continue;
       if (transparent)
         *alpha = *alpha > held ? *alpha - held : 0.0f;

@@ -13,8 +13,8 @@ bool batch_init(worker *w) {
   if (!w->batch)
     return false;
   w->batch->queue.tally = NULL;
-  w->batch->walk = &w->batch->walks[0];
-  w->batch->next = &w->batch->walks[1];
+  w->batch->state = &w->batch->path_states[0];
+  w->batch->next = &w->batch->path_states[1];
   w->batch->input.blurs = false;
   memset(w->batch->light.ray.tnear, 0, sizeof(lane_f)); /* lights that are alone write none */
   memset(w->batch->weight.total, 0, sizeof(lane_f));
@@ -45,7 +45,7 @@ void batch_free(worker *w) {
 void hits_trace(worker *w, ray_kind kind, size_t count) {
   const scene *s = w->scene;
   batch *b = w->batch;
-  accel_intersect(s->accel, count, kind, b->walk->ray, &b->sample_ray, &b->sample_hit);
+  accel_intersect(s->accel, count, kind, b->state->ray, &b->sample_ray, &b->sample_hit);
   b->queue.hits =
       s->stages->locate(count, (uint32_t)(2 * s->quad_count), s->placed, &b->sample_hit);
 }

@@ -127,9 +127,9 @@ LEAF float share_of(float part, float all) {
 /* ---- at hits */
 
 /* How many bounces lie behind a ray; what it passed is none. */
-static uint32_t bounces_of(const walks *walk, size_t ray) {
-  return walk->bounces[BOUNCE_DIFFUSE][ray] + walk->bounces[BOUNCE_GLOSSY][ray] +
-         walk->bounces[BOUNCE_TRANSMISSION][ray];
+static uint32_t bounces_of(const path_states *state, size_t ray) {
+  return state->bounces[BOUNCE_DIFFUSE][ray] + state->bounces[BOUNCE_GLOSSY][ray] +
+         state->bounces[BOUNCE_TRANSMISSION][ray];
 }
 
 void light_passes_shone(worker *w) {
@@ -143,7 +143,7 @@ void light_passes_shone(worker *w) {
     zero_run(&p->reflected[kind], all);
   p->seen = false;
   for (size_t i = 0; i < all.end && !p->seen; i++)
-    p->seen = !bounces_of(w->batch->walk, w->batch->queue.lane[i]);
+    p->seen = !bounces_of(w->batch->state, w->batch->queue.lane[i]);
 }
 
 void light_passes_reflected(worker *w) {
@@ -198,8 +198,8 @@ void light_passes_drawn(worker *w) {
     if (all == KINDS_SEVERAL)
       split(w, g, &draw->wi, b->closures.drawn);
     for (size_t i = g->run.begin; i < g->run.end; i++) {
-      size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
-      if (bounces_of(b->walk, ray) || draw->kind[i] == BOUNCE_TRANSPARENT)
+      size_t ray = b->queue.lane[i], sample = b->state->sample[ray];
+      if (bounces_of(b->state, ray) || draw->kind[i] == BOUNCE_TRANSPARENT)
         continue;
       uint32_t own = all;
       if (all == KINDS_SEVERAL) {
@@ -233,15 +233,17 @@ typedef struct color3 {
 } color3;
 
 /* As of a path of this weight; infinite light is very bright. */
-static color3 weighed(const walks *walk, size_t ray, const lane_c *light, size_t i, float dim) {
-  return (color3){dim * clampf(walk->weight.r[ray] * light->r[i], 0.0f, 1e30f),
-                  dim * clampf(walk->weight.g[ray] * light->g[i], 0.0f, 1e30f),
-                  dim * clampf(walk->weight.b[ray] * light->b[i], 0.0f, 1e30f)};
+static color3 weighed(const path_states *state, size_t ray, const lane_c *light, size_t i,
+                      float dim) {
+  return (color3){dim * clampf(state->throughput.r[ray] * light->r[i], 0.0f, 1e30f),
+                  dim * clampf(state->throughput.g[ray] * light->g[i], 0.0f, 1e30f),
+                  dim * clampf(state->throughput.b[ray] * light->b[i], 0.0f, 1e30f)};
 }
 
 /* The factor by which the stage `gain` dims. */
-static float dimming(const walks *walk, size_t ray, const lane_c *light, size_t i, float most) {
-  color3 c = weighed(walk, ray, light, i, 1.0f);
+static float dimming(const path_states *state, size_t ray, const lane_c *light, size_t i,
+                     float most) {
+  color3 c = weighed(state, ray, light, i, 1.0f);
   float mean = (c.r + c.g + c.b) * (1.0f / 3.0f);
   return mean > most ? most / mean : 1.0f;
 }
@@ -294,7 +296,8 @@ static void colors_of(const batch *b, const material *m, size_t i, float out[LIG
 /* How much of a hit lets nothing pass, of what its path weighs. */
 static float opacity_of(const batch *b, const material *m, size_t i) {
   size_t ray = b->queue.lane[i];
-  const float weight[3] = {b->walk->weight.r[ray], b->walk->weight.g[ray], b->walk->weight.b[ray]};
+  const float weight[3] = {b->state->throughput.r[ray], b->state->throughput.g[ray],
+                           b->state->throughput.b[ray]};
   float mean = 0.0f;
   for (int k = 0; k < 3; k++) {
     float passes = 0.0f;
@@ -338,7 +341,7 @@ static void add_mattes(worker *w, const material *m, size_t i, size_t sample, fl
 static void gain_told(worker *w, const material *m, size_t i) {
   batch *b = w->batch;
   light_passes *p = w->light;
-  size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
+  size_t ray = b->queue.lane[i], sample = b->state->sample[ray];
   float color[LIGHT_KINDS][3];
   float opacity = opacity_of(b, m, i);
   p->sum[PLANE_MIST - PLANE_LIGHT].r[sample] += opacity * clear_of(w->scene, b, i);
@@ -347,19 +350,19 @@ static void gain_told(worker *w, const material *m, size_t i) {
   colors_of(b, m, i, color);
   for (int kind = 0; kind < LIGHT_KINDS; kind++)
     add(plane_of(p, (bounce_kind)kind, LIGHT_COLOR), sample,
-        b->walk->weight.r[ray] * color[kind][0], b->walk->weight.g[ray] * color[kind][1],
-        b->walk->weight.b[ray] * color[kind][2]);
+        b->state->throughput.r[ray] * color[kind][0], b->state->throughput.g[ray] * color[kind][1],
+        b->state->throughput.b[ray] * color[kind][2]);
 }
 
 /* Their light. */
 static void gain_seen(worker *w, size_t i, float shone, float dim) {
   batch *b = w->batch;
   light_passes *p = w->light;
-  size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
-  color3 c = weighed(b->walk, ray, &p->shone, i, shone);
+  size_t ray = b->queue.lane[i], sample = b->state->sample[ray];
+  color3 c = weighed(b->state, ray, &p->shone, i, shone);
   add(emission_of(p), sample, c.r, c.g, c.b);
   for (int kind = 0; kind < LIGHT_KINDS; kind++) {
-    c = weighed(b->walk, ray, &p->reflected[kind], i, dim);
+    c = weighed(b->state, ray, &p->reflected[kind], i, dim);
     add(plane_of(p, (bounce_kind)kind, LIGHT_DIRECT), sample, c.r, c.g, c.b);
   }
 }
@@ -369,34 +372,34 @@ void light_passes_gain(worker *w, const float most[2]) {
   light_passes *p = w->light;
   for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
     for (size_t i = g->run.begin; i < g->run.end; i++) {
-      size_t ray = b->queue.lane[i], sample = b->walk->sample[ray];
-      uint32_t bounces = bounces_of(b->walk, ray);
-      if (b->walk->ends[ray]) /* it passes on, and shows nothing */
+      size_t ray = b->queue.lane[i], sample = b->state->sample[ray];
+      uint32_t bounces = bounces_of(b->state, ray);
+      if (b->state->ends[ray]) /* it passes on, and shows nothing */
         continue;
-      float dim = dimming(b->walk, ray, &b->sum, i, most[bounces > 0]);
-      float shone = w->apart ? dimming(b->walk, ray, &p->shone, i, most[bounces > 1]) : dim;
-      if (!bounces || (w->scene->features.transparent_glass && b->walk->clear[ray]))
+      float dim = dimming(b->state, ray, &b->sum, i, most[bounces > 0]);
+      float shone = w->apart ? dimming(b->state, ray, &p->shone, i, most[bounces > 1]) : dim;
+      if (!bounces || (w->scene->features.transparent_glass && b->state->clear[ray]))
         gain_told(w, g->material, i);
       if (!bounces) {
         gain_seen(w, i, shone, dim);
         continue;
       }
       add_shared(p, bounces == 1 ? LIGHT_DIRECT : LIGHT_INDIRECT, sample,
-                 weighed(b->walk, ray, &p->shone, i, shone));
+                 weighed(b->state, ray, &p->shone, i, shone));
       for (int kind = p->seen ? 0 : BOUNCE_GLOSSY;
            kind < (p->seen ? LIGHT_KINDS : BOUNCE_GLOSSY + 1); kind++)
-        add_shared(p, LIGHT_INDIRECT, sample, weighed(b->walk, ray, &p->reflected[kind], i, dim));
+        add_shared(p, LIGHT_INDIRECT, sample, weighed(b->state, ray, &p->reflected[kind], i, dim));
     }
 }
 
-void light_passes_met(worker *w, size_t rays, const float most[2]) {
+void light_passes_hit(worker *w, size_t rays, const float most[2]) {
   batch *b = w->batch;
   light_passes *p = w->light;
   for (size_t ray = 0; ray < rays; ray++) {
-    uint32_t bounces = bounces_of(b->walk, ray);
-    size_t sample = b->walk->sample[ray];
-    float dim = dimming(b->walk, ray, &b->met, ray, most[bounces > 1]);
-    color3 c = weighed(b->walk, ray, &b->met, ray, dim);
+    uint32_t bounces = bounces_of(b->state, ray);
+    size_t sample = b->state->sample[ray];
+    float dim = dimming(b->state, ray, &b->emitted, ray, most[bounces > 1]);
+    color3 c = weighed(b->state, ray, &b->emitted, ray, dim);
     bool missed = b->sample_hit.record[ray] == RECORD_MISS;
     if (bounces)
       add_shared(p, bounces == 1 ? LIGHT_DIRECT : LIGHT_INDIRECT, sample, c);
@@ -405,7 +408,7 @@ void light_passes_met(worker *w, size_t rays, const float most[2]) {
   }
 }
 
-void light_passes_environment(worker *w, const walks *walk, size_t rays) {
+void light_passes_environment(worker *w, const path_states *state, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   lane_c *out = environment_of(w->light);
@@ -422,10 +425,10 @@ void light_passes_environment(worker *w, const walks *walk, size_t rays) {
   const float most = s->clamp_direct > 0.0f ? s->clamp_direct : INFINITY;
   for (size_t k = 0; k < missed; k++) {
     size_t ray = b->missed[k];
-    if (bounces_of(walk, ray) && !(s->features.transparent_glass && walk->clear[ray]))
+    if (bounces_of(state, ray) && !(s->features.transparent_glass && state->clear[ray]))
       continue;
-    color3 c = weighed(walk, ray, &b->sky, k, dimming(walk, ray, &b->sky, k, most));
-    add(out, walk->sample[ray], c.r, c.g, c.b);
+    color3 c = weighed(state, ray, &b->sky, k, dimming(state, ray, &b->sky, k, most));
+    add(out, state->sample[ray], c.r, c.g, c.b);
   }
 }
 
@@ -434,7 +437,7 @@ void light_passes_begin(worker *w, const camera_view *view, size_t count) {
   w->light->samples = view->samples;
   for (int k = 0; k < LIGHT_PLANES; k++)
     zero_run(&w->light->sum[k], (lane_run){0, count});
-  light_passes_environment(w, w->batch->walk, count);
+  light_passes_environment(w, w->batch->state, count);
 }
 
 void light_passes_film(worker *w, size_t count) {

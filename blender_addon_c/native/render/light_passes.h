@@ -18,7 +18,7 @@
 /* Makes w->light where planes of light or mattes are wanted. False when out of memory. */
 bool light_passes_init(worker *w);
 
-/* In the order of a batch: the camera's rays are traced and have their walks; */
+/* In the order of a batch: the camera's rays are traced and have their path states; */
 void light_passes_begin(worker *w, const camera_view *view, size_t count);
 /* hits know what they shine themselves; */
 void light_passes_shone(worker *w);
@@ -29,9 +29,9 @@ void light_passes_gain(worker *w, const float most[2]);
 /* new directions are drawn; */
 void light_passes_drawn(worker *w);
 /* rays that meet nothing, and passed through surfaces only, end at the sky behind all; */
-void light_passes_environment(worker *w, const walks *walk, size_t rays);
+void light_passes_environment(worker *w, const path_states *state, size_t rays);
 /* rays have met lights; */
-void light_passes_met(worker *w, size_t rays, const float most[2]);
+void light_passes_hit(worker *w, size_t rays, const float most[2]);
 /* and all is added to the tile's numbers. */
 void light_passes_film(worker *w, size_t count);
 

@@ -126,10 +126,10 @@ void motion_camera(worker *w, size_t count) {
   }
 }
 
-void motion_walks(worker *w, size_t rays) {
+void motion_paths(worker *w, size_t rays) {
   batch *b = w->batch;
   for (size_t k = 0; k < rays; k++)
-    b->sample_ray.time[k] = b->path.time[b->walk->sample[k]];
+    b->sample_ray.time[k] = b->path.time[b->state->sample[k]];
 }
 
 void motion_shadows(worker *w) {

@@ -19,7 +19,7 @@ void motion_times(worker *w, const camera_view *view, const shuffle *points, siz
 void motion_zoom(worker *w, size_t count);
 void motion_camera(worker *w, size_t count);
 /* Times of rays, and of shadow rays. */
-void motion_walks(worker *w, size_t rays);
+void motion_paths(worker *w, size_t rays);
 void motion_shadows(worker *w);
 void motion_passages(const batch *from, const passages *way, batch *to, size_t rays);
 /* Hits with interpolated corners: where their meshes and instances are at their times. */

@@ -117,7 +117,7 @@ void panorama_cover(worker *w, size_t count) {
 void panorama_cones(worker *w, const camera_view *view, size_t count) {
   const scene *s = w->scene;
   const camera *c = &s->camera;
-  walks *walk = w->batch->walk;
+  path_states *state = w->batch->state;
   bool by_range = c->panorama == PANORAMA_EQUIRECTANGULAR;
   float across = by_range ? c->range[1] - c->range[0] : c->fov;
   float upright = by_range ? c->range[3] - c->range[2] : c->fov;
@@ -126,8 +126,8 @@ void panorama_cones(worker *w, const camera_view *view, size_t count) {
     vec3 d = load(&w->batch->sample_ray.d, i);
     float high = d.x * c->axis[1][0] + d.y * c->axis[1][1] + d.z * c->axis[1][2];
     float wide = by_range ? across * sqrtf(clampf(1.0f - high * high, 0.0f, 1.0f)) : across;
-    walk->width[i] = walk->pixel[i] = 0.0f;
-    walk->spread[i] = sqrtf(wide * upright);
-    walk->widen[i] = 0.5f * (wide + upright);
+    state->width[i] = state->pixel[i] = 0.0f;
+    state->spread[i] = sqrtf(wide * upright);
+    state->widen[i] = 0.5f * (wide + upright);
   }
 }

@@ -209,9 +209,9 @@ static bool read_light(reader *r, void *out, void *context) {
   light *l = out;
   light_common *c = &l->common;
   scene *s = context;
-  bool met = true;
+  bool mis = true;
   if (!reader_flag(r, "shadow", &c->shadow) || !read_kind_of_light(r, l) ||
-      !reader_may_flag(r, "met", &met) || !reader_options(r, options, l))
+      !reader_may_flag(r, "met", &mis) || !reader_options(r, options, l))
     return false;
   s->features.light_visibility |= c->hidden != 0;
   if (reader_has(r, "pattern")) {
@@ -222,7 +222,7 @@ static bool read_light(reader *r, void *out, void *context) {
   }
   if (!read_links(r, s, &c->link, &c->shade))
     return false;
-  c->met = met && c->soft && c->shadow && !c->link && !c->shade;
+  c->mis = mis && c->soft && c->shadow && !c->link && !c->shade;
   for (int k = 0; k < 3; k++) /* a highlight of what is brighter would be no number */
     c->color[k] = fminf(fmaxf(c->color[k], -1e30f), 1e30f);
   c->power = (fabsf(c->color[0]) + fabsf(c->color[1]) + fabsf(c->color[2])) / 3.0f;
@@ -669,16 +669,17 @@ static bool read_planes(reader *r, scene *s) {
 
 /* How often a path may do what. From some version on Cycles lets paths through one surface less
  * than shadow rays. */
-static bool read_limits(reader *r, walk_limits *limits, int all) {
+static bool read_limits(reader *r, bounce_limits *limits, int all) {
   static const reader_key options[] = {
-      INTEGER_KEY("diffuse_bounces", walk_limits, kind[0], 0, MAX_BOUNCES),
-      INTEGER_KEY("glossy_bounces", walk_limits, kind[1], 0, MAX_BOUNCES),
-      INTEGER_KEY("transmission_bounces", walk_limits, kind[2], 0, MAX_BOUNCES),
-      INTEGER_KEY("transparent_max_bounces", walk_limits, kind[3], 0, MAX_BOUNCES),
+      INTEGER_KEY("diffuse_bounces", bounce_limits, kind[0], 0, MAX_BOUNCES),
+      INTEGER_KEY("glossy_bounces", bounce_limits, kind[1], 0, MAX_BOUNCES),
+      INTEGER_KEY("transmission_bounces", bounce_limits, kind[2], 0, MAX_BOUNCES),
+      INTEGER_KEY("transparent_max_bounces", bounce_limits, kind[3], 0, MAX_BOUNCES),
       {.name = NULL}};
   bool less = false;
   uint32_t *straight = &limits->kind[BOUNCE_TRANSPARENT];
-  *limits = (walk_limits){.kind = {MAX_BOUNCES, MAX_BOUNCES, MAX_BOUNCES, 8}, .all = (uint32_t)all};
+  *limits =
+      (bounce_limits){.kind = {MAX_BOUNCES, MAX_BOUNCES, MAX_BOUNCES, 8}, .all = (uint32_t)all};
   if (!reader_options(r, options, limits) || !reader_may_flag(r, "transparent_less", &less))
     return false;
   limits->shadows = *straight;

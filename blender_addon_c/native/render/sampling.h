@@ -2,7 +2,7 @@
 /*
  * Sample positions: the first four dimensions of Sobol's sequence, shifted digitally
  * by a hash of pixel, dimension and seed; later bounces shuffle and scramble the first two
- * (stage/walk.h). A pixel's samples depend on nothing
+ * (stage/path.h). A pixel's samples depend on nothing
  * else: not on threads, tiles or the border. [Sobol1967] [JoeKuo2008]
  */
 #ifndef LIBSHADE_SAMPLING_H

@@ -38,15 +38,15 @@ typedef struct batch {
   reflections part; /* one of them at a time */
   draws part_draw;
   cones cones;
-  walks *walk, *next; /* by ray, of this bounce and of the one after */
-  walks walks[2];
+  path_states *state, *next; /* by ray, of this bounce and of the one after */
+  path_states path_states[2];
   lane_u chosen; /* by ray: the hit it starts from */
   lane_c sum;    /* reflected light of all lights */
   lane_u missed; /* by number: a ray that meets nothing; then by ray: what it meets is dark */
   lane_v toward; /* its direction, or one that a light sample of the sky goes to */
   lane_c sky;    /* what is there */
   lane_f sky_pdf;
-  lane_c met;                  /* by ray: light of lights it meets */
+  lane_c emitted;              /* by ray: light of lights it meets */
   struct occlusion *occlusion; /* where the scene is `occluded`, or NULL */
 } batch;
 

@@ -70,7 +70,7 @@ bool through_shadows(worker *w, const float *color) {
   memcpy(way->tfar, b->light.ray.tfar, hits * sizeof(float));
   accel_occluded(s->accel, hits, false, &b->light.ray);
   size_t rays = stage->stopped(hits, s->limits.shadows, s->features.shadow_linking, b->queue.lane,
-                               b->walk, &b->light, way, &at->sample_ray);
+                               b->state, &b->light, way, &at->sample_ray);
   bool any = false;
   for (int round = 0; rays && round < (int)s->limits.shadows + UNCOUNTED_MOST; round++) {
     if (s->features.object_motion)
@@ -87,7 +87,7 @@ bool through_shadows(worker *w, const float *color) {
     hits_surface(inner);
     if (s->features.light_path)
       stage->route_shadow(at->queue.hits, s->limits.shadows, at->queue.lane, way, b->queue.lane,
-                          b->walk, at->ray, &at->surface);
+                          b->state, at->ray, &at->surface);
     hits_nodes(inner);
     add_shares(inner);
     rays = stage->pass(at->queue.hits, at->queue.lane, &at->surface, at->ray, &at->sum,

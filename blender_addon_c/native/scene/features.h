@@ -23,12 +23,12 @@ typedef struct features {
   bool curved;               /* and some triangle is one of such a surface */
   bool interpolated_diffuse; /* where normals were bent: LEANS_AWAY, not LEANS_FADING */
   /* what nodes ask for */
-  bool object_info; /* layers or objects */
-  bool occlusion;   /* rays that they cast themselves */
-  bool light_path;  /* by which way a point is seen */
-  bool pixel_size;  /* how wide a pixel is there */
-  bool ray_cones;   /* how much a ray stands for: cloth, images or scratches */
-  bool derivatives; /* position by u and v, */
+  bool object_info;      /* layers or objects */
+  bool occlusion;        /* rays that they cast themselves */
+  bool light_path;       /* by which way a point is seen */
+  bool pixel_size;       /* how wide a pixel is there */
+  bool ray_cones;        /* how much a ray stands for: cloth, images or scratches */
+  bool derivatives;      /* position by u and v, */
   bool fine_derivatives; /* and not only where footprints are wider than texels */
   /* time */
   bool motion;          /* something moves while the shutter is open, */

@@ -115,7 +115,7 @@ typedef struct scene {
   float clamp_direct;   /* largest brightness that lights, lamps or surfaces, may add to a sample at
                            its first surface */
   float clamp_indirect; /* and all light at a later bounce; 0: any */
-  walk_limits limits;
+  bounce_limits limits;
   float light_threshold; /* light samples that bring less are worth a shadow ray now and then; 0 */
   float blur_glossy;     /* lobes that a path meets by chance are blurred the more; 0: not */
   float texture_blur;    /* of a ray's width, over which colours of images are averaged; 0: not */

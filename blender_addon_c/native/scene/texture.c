@@ -373,14 +373,15 @@ static void byte_tables_fill(void) {
   }
 }
 
-/* One of the two bytes about a light, by `lot`, so that the mean of many is this light. */
-static uint32_t byte_of(bool srgb, float light, float lot) {
+/* One of the two bytes about a light, by `random number`, so that the mean of many is this light.
+ */
+static uint32_t byte_of(bool srgb, float light, float random) {
   const float *table = byte_light[srgb];
   light = clamp(light, 0.0f, 1.0f);
   int k = byte_below[srgb][(int)(light * 4096.0f)];
   while (table[k + 1] <= light)
     k++;
-  return (uint32_t)k + (k < 255 && light - table[k] > lot * (table[k + 1] - table[k]) ? 1u : 0u);
+  return (uint32_t)k + (k < 255 && light - table[k] > random * (table[k + 1] - table[k]) ? 1u : 0u);
 }
 
 static uint32_t mixed(uint32_t h) {
@@ -419,11 +420,11 @@ static void pack_coarse_bytes_row(const texture *t, int level, int y) {
     uint32_t texel = 0, seed = mixed((uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^
                                      (uint32_t)level * 83492791u);
     for (int c = 0; c < 4; c++) {
-      float lot = ((float)(seed >> 8 * c & 255u) + 0.5f) * (1.0f / 256.0f);
+      float random = ((float)(seed >> 8 * c & 255u) + 0.5f) * (1.0f / 256.0f);
       float part = c == 3   ? even[3] / (255.0f * sum)
                    : counts ? by_alpha[c] / even[3]
                             : even[c] / sum;
-      texel |= byte_of(c < 3 && t->source->srgb, part, lot) << 8 * c;
+      texel |= byte_of(c < 3 && t->source->srgb, part, random) << 8 * c;
     }
     row[x] = texel;
   }

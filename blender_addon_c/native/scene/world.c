@@ -337,7 +337,7 @@ static bool invertible(const double m[12], float reach) {
 }
 
 /* Where one that moves is; it stays where rays could not be turned into its space at all times. */
-static void settle(const build *b, instance *in) {
+static void check_motion(const build *b, instance *in) {
   motion *m = &in->motion;
   for (int k = 0; k < m->steps; k++) {
     float at[12];
@@ -376,7 +376,7 @@ static bool find_shared(build *b) {
     b->shared[i] = many || s->mesh[i].steps ? 0 : WORLD;
   }
   for (instance *in = s->instance; s->features.motion && in < s->instance + s->instances; in++) {
-    settle(b, in);
+    check_motion(b, in);
     if (b->shared && in->motion.steps)
       b->shared[in->mesh] = 0;
   }

@@ -5,7 +5,7 @@
 #include "stage/stage.h"
 
 static void stage_pixel_cone(size_t count, const camera_view *view, const rays *restrict ray,
-                             walks *restrict walk) {
+                             path_states *restrict state) {
   const camera *c = view->camera;
   const float step = sqrtf(fabsf(view->step[0] * view->step[1]));
   const float width = c->perspective ? 0.0f : step, spread = step - width;
@@ -13,37 +13,38 @@ static void stage_pixel_cone(size_t count, const camera_view *view, const rays *
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     vec3 d = load(&ray->d, i);
-    walk->width[i] = width;
-    walk->spread[i] = spread * fabsf(x * d.x + y * d.y + z * d.z); /* of its plane's distance */
+    state->width[i] = width;
+    state->spread[i] = spread * fabsf(x * d.x + y * d.y + z * d.z); /* of its plane's distance */
   }
 }
 
-static void stage_width(size_t count, const uint32_t *restrict lane, const walks *restrict walk,
-                        const rays *restrict ray, surfaces *restrict out) {
+static void stage_width(size_t count, const uint32_t *restrict lane,
+                        const path_states *restrict state, const rays *restrict ray,
+                        surfaces *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    out->width[i] = walk->width[lane[i]] + walk->spread[lane[i]] * ray->tfar[i];
+    out->width[i] = state->width[lane[i]] + state->spread[lane[i]] * ray->tfar[i];
 }
 
 /* A drawn ray stands for a part of all that might have been: a sixteenth of the angle that its
  * density gives to one draw. Mirrors are taken as flat. */
 static void stage_spread(size_t rays, const uint32_t *restrict chosen,
                          const uint32_t *restrict lane, const surfaces *restrict at,
-                         const draws *restrict draw, const walks *restrict walk,
-                         walks *restrict next) {
+                         const draws *restrict draw, const path_states *restrict state,
+                         path_states *restrict next) {
   const float share = 0.25f;
 #pragma omp simd
   for (size_t k = 0; k < rays; k++) {
     uint32_t i = chosen[k];
     float pdf = draw->pdf[i], most = pdf > 0.1f ? pdf : 0.1f;
     next->width[k] = at->width[i];
-    next->spread[k] = walk->spread[lane[i]] + share / sqrtf(most);
+    next->spread[k] = state->spread[lane[i]] + share / sqrtf(most);
   }
 }
 
 /* Of the plane before the camera as its rays see it; from behind a lens nearly so. */
 static void stage_pixel(size_t count, const camera_view *view, const rays *restrict ray,
-                        walks *restrict walk) {
+                        path_states *restrict state) {
   const camera *c = view->camera;
   const float wide = fabsf(view->step[0]), high = fabsf(view->step[1]);
   const float even = c->perspective ? 0.0f : 0.5f * (wide + high);
@@ -57,26 +58,27 @@ static void stage_pixel(size_t count, const camera_view *view, const rays *restr
     float x = dot(d, right), y = dot(d, up);
     float across = sqrtf(clampf(1.0f - x * x, 0.0f, 1.0f));
     float upright = sqrtf(clampf(1.0f - y * y, 0.0f, 1.0f));
-    walk->pixel[i] = even;
-    walk->widen[i] = seen * fabsf(dot(d, back)) * (wide * across + high * upright);
+    state->pixel[i] = even;
+    state->widen[i] = seen * fabsf(dot(d, back)) * (wide * across + high * upright);
   }
 }
 
-static void stage_footprint(size_t count, const uint32_t *restrict lane, const walks *restrict walk,
-                            const rays *restrict ray, surfaces *restrict out) {
+static void stage_footprint(size_t count, const uint32_t *restrict lane,
+                            const path_states *restrict state, const rays *restrict ray,
+                            surfaces *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    out->pixel[i] = walk->pixel[lane[i]] + walk->widen[lane[i]] * ray->tfar[i];
+    out->pixel[i] = state->pixel[lane[i]] + state->widen[lane[i]] * ray->tfar[i];
 }
 
 /* Whatever a ray was drawn from counts as a flat mirror, as in Cycles. */
 static void stage_carry(size_t rays, const uint32_t *restrict chosen, const uint32_t *restrict lane,
-                        const surfaces *restrict at, const walks *restrict walk,
-                        walks *restrict next) {
+                        const surfaces *restrict at, const path_states *restrict state,
+                        path_states *restrict next) {
 #pragma omp simd
   for (size_t k = 0; k < rays; k++) {
     uint32_t i = chosen[k];
     next->pixel[k] = at->pixel[i];
-    next->widen[k] = walk->widen[lane[i]];
+    next->widen[k] = state->widen[lane[i]];
   }
 }

@@ -98,11 +98,11 @@ static void stage_lit_by_emitters(size_t begin, size_t end, const light_choices 
 /* What rays meet of them, into met, each with the share that is left to drawn rays. One by one: few
  * rays meet any. weight: as of stage_table.meet. dark: by ray, not 0 where what it meets does not
  * shine for it; or NULL. */
-static void stage_met_emitters(size_t count, const emitters *e, const triangle *restrict triangles,
+static void stage_hit_emitters(size_t count, const emitters *e, const triangle *restrict triangles,
                                const placed *restrict table, const hits *restrict hit,
-                               const rays *restrict ray, const walks *restrict walk,
+                               const rays *restrict ray, const path_states *restrict state,
                                const float *restrict weight, const uint32_t *restrict dark,
-                               lane_c *restrict met) {
+                               lane_c *restrict emitted) {
   for (size_t k = 0; k < count; k++) {
     if (hit->record[k] == RECORD_MISS || (dark && dark[k]))
       continue;
@@ -112,15 +112,15 @@ static void stage_met_emitters(size_t count, const emitters *e, const triangle *
     float normal[3] = {hit->g.x[k], hit->g.y[k], hit->g.z[k]};
     if (table)
       turn_row(table[hit->instance[k]].normal, normal);
-    vec3 o = load(&ray->o, k), d = load(&ray->d, k), from = load(&walk->from, k);
+    vec3 o = load(&ray->o, k), d = load(&ray->d, k), from = load(&state->from, k);
     vec3 n = {normal[0], normal[1], normal[2]};
     float far = ray->tfar[k];
     vec3 to = {o.x + far * d.x - from.x, o.y + far * d.y - from.y, o.z + far * d.z - from.z};
     float n2 = dot(n, n), cosine = fabsf(dot(d, n)) / sqrtf(n2 > 1e-36f ? n2 : 1e-36f);
-    float chance = weight ? weight[k] / walk->lights[k] : 1.0f;
-    float part = balance(walk->pdf[k], emitter_pdf(of[3], dot(to, to), cosine) * chance);
-    met->r[k] += part * of[0];
-    met->g[k] += part * of[1];
-    met->b[k] += part * of[2];
+    float chance = weight ? weight[k] / state->lights[k] : 1.0f;
+    float part = balance(state->pdf[k], emitter_pdf(of[3], dot(to, to), cosine) * chance);
+    emitted->r[k] += part * of[0];
+    emitted->g[k] += part * of[1];
+    emitted->b[k] += part * of[2];
   }
 }

@@ -8,7 +8,7 @@ LEAF size_t locate(bool instances, size_t count, uint32_t triangle_base,
   uint32_t found = 0;
 #pragma omp simd reduction(+ : found)
   for (size_t i = 0; i < count; i++) {
-    bool met = hit->geometry[i] != ACCEL_MISS;
+    bool hits = hit->geometry[i] != ACCEL_MISS;
     bool quad = hit->geometry[i] == ACCEL_QUADS;
     bool second = quad & (hit->u[i] + hit->v[i] > 1.0f);
     uint32_t quads = instances ? table[hit->instance[i]].quad : 0;
@@ -17,8 +17,8 @@ LEAF size_t locate(bool instances, size_t count, uint32_t triangle_base,
     uint32_t index = quad ? of_quad : singles + hit->primitive[i];
     hit->u[i] = second ? 1.0f - hit->u[i] : hit->u[i];
     hit->v[i] = second ? 1.0f - hit->v[i] : hit->v[i];
-    hit->record[i] = met ? index : RECORD_MISS;
-    found += met ? 1u : 0u;
+    hit->record[i] = hits ? index : RECORD_MISS;
+    found += hits ? 1u : 0u;
   }
   return found;
 }

@@ -23,7 +23,7 @@ static void stage_pair(size_t count, const points *points, const uint32_t *restr
   LEAF void sample_##name(bool spread, size_t count, const light *light,                           \
                           const surfaces *restrict at, light_samples *restrict out) {              \
     const light_##name own = light->of.name;                                                       \
-    const float met = light->common.met ? 1.0f : 0.0f;                                             \
+    const float mis = light->common.mis ? 1.0f : 0.0f;                                             \
     _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
       float x = spread ? out->x[i] : 0.5f, y = spread ? out->y[i] : 0.5f;                          \
       light_sample s = light_##name##_sample(&own, spread, x, y, load(&at->p, i));                 \
@@ -31,7 +31,7 @@ static void stage_pair(size_t count, const points *points, const uint32_t *restr
       out->ray.tfar[i] = s.distance;                                                               \
       out->e[i] = s.e;                                                                             \
       if (spread)                                                                                  \
-        out->pdf[i] = met * s.pdf;                                                                 \
+        out->pdf[i] = mis * s.pdf;                                                                 \
     }                                                                                              \
   }                                                                                                \
   static void stage_##name(size_t count, const light *light, bool spread,                          \
@@ -49,7 +49,7 @@ LIGHT_TABLE(LIGHT_STAGE)
                           const light *light, const surfaces *restrict at,                         \
                           const light_samples *restrict from, light_draws *restrict out) {         \
     const light_##name own = light->of.name;                                                       \
-    const float met = light->common.met ? 1.0f : 0.0f;                                             \
+    const float mis = light->common.mis ? 1.0f : 0.0f;                                             \
     const float tnear = light->common.shadow ? 0.0f : INFINITY;                                    \
     const float red = light->common.color[0], green = light->common.color[1];                      \
     const float blue = light->common.color[2];                                                     \
@@ -64,7 +64,7 @@ LIGHT_TABLE(LIGHT_STAGE)
       out->tnear[k] = tnear;                                                                       \
       out->tfar[k] = s.distance;                                                                   \
       out->e[k] = s.e / chance;                                                                    \
-      out->pdf[k] = met * s.pdf * chance;                                                          \
+      out->pdf[k] = mis * s.pdf * chance;                                                          \
       out->color.r[k] = red;                                                                       \
       out->color.g[k] = green;                                                                     \
       out->color.b[k] = blue;                                                                      \
@@ -81,8 +81,8 @@ LIGHT_TABLE(LIGHT_STAGE)
 LIGHT_TABLE(CHOSEN_STAGE)
 
 /* The samples back to their points. */
-static void stage_settle(size_t count, const light_choices *choice, const light_draws *restrict in,
-                         light_samples *restrict out) {
+static void stage_place_samples(size_t count, const light_choices *choice,
+                                const light_draws *restrict in, light_samples *restrict out) {
   const uint32_t *restrict place = choice->place;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
@@ -119,7 +119,7 @@ static void stage_choose(size_t count, uint32_t number, const float *restrict on
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     float total = weight->total[i], sum = weight->sum[i] + one[i];
-    bool takes = (out->number[i] == LIGHT_NONE) & (sum > out->lot[i] * total);
+    bool takes = (out->number[i] == LIGHT_NONE) & (sum > out->random[i] * total);
     out->number[i] = takes ? number : out->number[i];
     out->chance[i] = takes ? one[i] / total : out->chance[i];
     weight->sum[i] = sum;
@@ -130,39 +130,39 @@ static void stage_choose(size_t count, uint32_t number, const float *restrict on
  * Lights stop no rays. How a ray was drawn counts from the point where it was; what it meets, from
  * where it sets out now.
  */
-#define MEET_STAGE(TYPE, name)                                                                     \
-  LEAF void meet_##name(bool chosen, size_t count, const light *light, const walks *restrict walk, \
-                        const rays *restrict ray, const float *restrict weight,                    \
-                        lane_c *restrict met) {                                                    \
+#define HIT_STAGE(TYPE, name)                                                                      \
+  LEAF void hit_##name(bool chosen, size_t count, const light *light,                              \
+                       const path_states *restrict state, const rays *restrict ray,                \
+                       const float *restrict weight, lane_c *restrict emitted) {                   \
     const light_##name own = light->of.name;                                                       \
     const uint32_t hidden = light->common.hidden | RAY_CAMERA;                                     \
     const float red = light->common.color[0], green = light->common.color[1];                      \
     const float blue = light->common.color[2];                                                     \
     _Pragma("omp simd") for (size_t k = 0; k < count; k++) {                                       \
-      vec3 from = load(&walk->from, k), o = load(&ray->o, k), d = load(&ray->d, k);                \
+      vec3 from = load(&state->from, k), o = load(&ray->o, k), d = load(&ray->d, k);               \
       vec3 gone = {o.x - from.x, o.y - from.y, o.z - from.z};                                      \
-      light_meeting m = light_##name##_meet(&own, from, d);                                        \
+      light_intersection m = light_##name##_intersect(&own, from, d);                              \
       float near = dot(gone, d) * 0.999f;                                                          \
-      bool meets = (m.distance > near) & (m.distance - near <= ray->tfar[k]) &                     \
-                   (m.radiance > 0.0f) & ((walk->ray[k] & hidden) == 0);                           \
-      bool choice = chosen & (walk->lights[k] > 0.0f);                                             \
-      float chance = choice ? weight[k] / (choice ? walk->lights[k] : 1.0f) : 1.0f;                \
-      float part = balance(walk->pdf[k], m.pdf * chance);                                          \
-      part = meets ? part * m.radiance : 0.0f;                                                     \
-      met->r[k] += part * red;                                                                     \
-      met->g[k] += part * green;                                                                   \
-      met->b[k] += part * blue;                                                                    \
+      bool hit_lights = (m.distance > near) & (m.distance - near <= ray->tfar[k]) &                \
+                        (m.radiance > 0.0f) & ((state->ray[k] & hidden) == 0);                     \
+      bool choice = chosen & (state->lights[k] > 0.0f);                                            \
+      float chance = choice ? weight[k] / (choice ? state->lights[k] : 1.0f) : 1.0f;               \
+      float part = balance(state->pdf[k], m.pdf * chance);                                         \
+      part = hit_lights ? part * m.radiance : 0.0f;                                                \
+      emitted->r[k] += part * red;                                                                 \
+      emitted->g[k] += part * green;                                                               \
+      emitted->b[k] += part * blue;                                                                \
     }                                                                                              \
   }                                                                                                \
-  static void stage_meet_##name(size_t count, const light *light, const walks *restrict walk,      \
-                                const rays *restrict ray, const float *restrict weight,            \
-                                lane_c *restrict met) {                                            \
+  static void stage_hit_##name(size_t count, const light *light,                                   \
+                               const path_states *restrict state, const rays *restrict ray,        \
+                               const float *restrict weight, lane_c *restrict emitted) {           \
     if (weight)                                                                                    \
-      meet_##name(true, count, light, walk, ray, weight, met);                                     \
+      hit_##name(true, count, light, state, ray, weight, emitted);                                 \
     else                                                                                           \
-      meet_##name(false, count, light, walk, ray, NULL, met);                                      \
+      hit_##name(false, count, light, state, ray, NULL, emitted);                                  \
   }
-LIGHT_TABLE(MEET_STAGE)
+LIGHT_TABLE(HIT_STAGE)
 
 static void stage_lit_by_sky(size_t begin, size_t end, const light_choices *choice,
                              const lane_v *restrict d, const float *restrict pdf,
@@ -184,16 +184,16 @@ static void stage_lit_by_sky(size_t begin, size_t end, const light_choices *choi
 }
 
 /* What is met by rays that miss all, one by one: packed, what it takes to reach them costs more. */
-static void stage_met_sky(size_t count, const uint32_t *restrict missed, const float *restrict pdf,
-                          const lane_c *restrict sky, const walks *restrict walk, bool chosen,
-                          float power, uint32_t hidden, lane_c *restrict met) {
+static void stage_hit_sky(size_t count, const uint32_t *restrict missed, const float *restrict pdf,
+                          const lane_c *restrict sky, const path_states *restrict state,
+                          bool chosen, float power, uint32_t hidden, lane_c *restrict emitted) {
   for (size_t k = 0; k < count; k++) {
     size_t i = missed[k];
-    float chance = chosen ? power / walk->lights[i] : 1.0f;
-    float part = walk->ray[i] & hidden ? 0.0f : balance(walk->pdf[i], pdf[k] * chance);
-    met->r[i] += part * sky->r[k];
-    met->g[i] += part * sky->g[k];
-    met->b[i] += part * sky->b[k];
+    float chance = chosen ? power / state->lights[i] : 1.0f;
+    float part = state->ray[i] & hidden ? 0.0f : balance(state->pdf[i], pdf[k] * chance);
+    emitted->r[i] += part * sky->r[k];
+    emitted->g[i] += part * sky->g[k];
+    emitted->b[i] += part * sky->b[k];
   }
 }
 
@@ -252,4 +252,4 @@ static size_t stage_shadow(size_t count, light_samples *restrict light) {
 #define LIGHT_DRAW(TYPE, name) [LIGHT_##TYPE] = stage_##name,
 #define LIGHT_CHOSEN(TYPE, name) [LIGHT_##TYPE] = stage_chosen_##name,
 #define LIGHT_WEIGH(TYPE, name) [LIGHT_##TYPE] = stage_weigh_##name,
-#define LIGHT_MEET(TYPE, name) [LIGHT_##TYPE] = stage_meet_##name,
+#define LIGHT_HIT(TYPE, name) [LIGHT_##TYPE] = stage_hit_##name,

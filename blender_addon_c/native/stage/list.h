@@ -120,21 +120,21 @@ static void stage_kind(lane_run run, bounce_kind kind, bool sharp, draws *restri
 
 /* No mirror image (above), or no view through glass (below), for rays from matt surfaces. */
 static void stage_forbid(lane_run run, bool above, bool below, const uint32_t *restrict lane,
-                         const walks *restrict walk, const float *restrict z,
+                         const path_states *restrict state, const float *restrict z,
                          float *restrict cosine) {
   const uint32_t up = above ? RAY_DIFFUSE : 0, down = below ? RAY_DIFFUSE : 0;
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
     uint32_t kinds = z[i] < 0.0f ? down : up;
-    cosine[i] = walk->ray[lane[i]] & kinds ? 0.0f : cosine[i];
+    cosine[i] = state->ray[lane[i]] & kinds ? 0.0f : cosine[i];
   }
 }
 
 /* Light samples that bring less than `threshold` are left to chance, in proportion: no shadow ray,
  * or more light. color NULL: each has its own. */
-static void stage_spare(size_t count, float threshold, const float color[3], bool shared,
-                        const float *restrict lot, const reflections *restrict reflection,
-                        light_samples *restrict light) {
+static void stage_shadow_roulette(size_t count, float threshold, const float color[3], bool shared,
+                                  const float *restrict lot, const reflections *restrict reflection,
+                                  light_samples *restrict light) {
   const lane_c *restrict f = &reflection->f;
   const bool own = !color;
   const float red = own ? 0.0f : color[0], green = own ? 0.0f : color[1];

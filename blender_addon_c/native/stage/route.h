@@ -5,22 +5,23 @@
 #include "stage/stage.h"
 
 /* The camera's rays count from the near clipping plane on. */
-static void stage_depart(size_t count, const rays *restrict ray, walks *restrict walk) {
+static void stage_route_begin(size_t count, const rays *restrict ray, path_states *restrict state) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
-    walk->length[i] = -ray->tnear[i];
+    state->length[i] = -ray->tnear[i];
 }
 
-static void stage_route(size_t count, const uint32_t *restrict lane, const walks *restrict walk,
-                        const rays *restrict ray, surfaces *restrict out) {
+static void stage_route_hit(size_t count, const uint32_t *restrict lane,
+                            const path_states *restrict state, const rays *restrict ray,
+                            surfaces *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     uint32_t from = lane[i];
-    out->ray[i] = walk->ray[from];
-    out->length[i] = walk->length[from] + ray->tfar[i];
+    out->ray[i] = state->ray[from];
+    out->length[i] = state->length[from] + ray->tfar[i];
   }
   for (uint32_t kind = 0; kind < BOUNCE_KINDS; kind++) {
-    const uint32_t *restrict bounces = walk->bounces[kind];
+    const uint32_t *restrict bounces = state->bounces[kind];
     uint32_t *restrict depth = out->depth[kind];
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
@@ -28,8 +29,9 @@ static void stage_route(size_t count, const uint32_t *restrict lane, const walks
   }
 }
 
-static void stage_trail(size_t rays, const uint32_t *restrict chosen, const surfaces *restrict at,
-                        const draws *restrict draw, walks *restrict next) {
+static void stage_route_next(size_t rays, const uint32_t *restrict chosen,
+                             const surfaces *restrict at, const draws *restrict draw,
+                             path_states *restrict next) {
 #pragma omp simd
   for (size_t k = 0; k < rays; k++) {
     uint32_t i = chosen[k];
@@ -41,14 +43,14 @@ static void stage_trail(size_t rays, const uint32_t *restrict chosen, const surf
 /* Of shadow rays on their way, by hit; sender: the paths' own hits. */
 static void stage_route_shadow(size_t count, uint32_t left, const uint32_t *restrict lane,
                                const passages *restrict way, const uint32_t *restrict sender,
-                               const walks *restrict walk, const rays *restrict ray,
+                               const path_states *restrict state, const rays *restrict ray,
                                surfaces *restrict out) {
   for (size_t i = 0; i < count; i++) {
     uint32_t k = lane[i], from = sender[way->hit[k]];
     out->ray[i] = RAY_SHADOW;
     out->length[i] = way->gone[k] + ray->tfar[i];
     for (uint32_t kind = 0; kind < BOUNCE_KINDS; kind++)
-      out->depth[kind][i] = walk->bounces[kind][from];
+      out->depth[kind][i] = state->bounces[kind][from];
     out->depth[BOUNCE_TRANSPARENT][i] = left - way->left[k];
   }
 }

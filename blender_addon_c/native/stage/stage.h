@@ -14,7 +14,7 @@
  *   stretch  position by u and v, where materials ask for it
  *   identify which triangle and object, where they ask
  *   (pixel, footprint, carry)                                     how wide a pixel is there
- *   (depart, route, trail)                                        by which way they are seen
+ *   (route_begin, route_hit, route_next)                          by which way they are seen
  *   (pixel_cone, width, spread)                                   how much a ray stands for, of
  * cloth flat, node                                                    what the material's nodes say
  *   pair, light, lit                                              each light: direction, shadow ray
@@ -24,9 +24,8 @@
  *   shadow
  *   closure  f and cosine, for each material
  *   reflect  f cos E, added up over the lights
- *   shuffled, (draw), walk                                        the next ray, and so on from
- * trace
- *   missed, sky, meet, gain                                       lights that it meets
+ *   shuffled, (draw), next_paths                                  the next ray, then from trace on
+ *   missed, sky, hit_light, gain                                  lights that it meets
  *   film     averages over the samples of each pixel               by sample again
  *
  * Each is one loop over structures of batch/lanes.h. The stages are compiled once for each
@@ -99,26 +98,27 @@ typedef struct stage_table {
                   surfaces *out);
   /* Where the scene has cones: widths of the camera's rays, by sample, of hits, and of rays drawn.
    */
-  void (*pixel_cone)(size_t count, const camera_view *view, const rays *ray, walks *walk);
-  void (*width)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,
+  void (*pixel_cone)(size_t count, const camera_view *view, const rays *ray, path_states *state);
+  void (*width)(size_t count, const uint32_t *lane, const path_states *state, const rays *ray,
                 surfaces *out);
   void (*spread)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
-                 const draws *draw, const walks *walk, walks *next);
+                 const draws *draw, const path_states *state, path_states *next);
   /* Where heights are read: a pixel's width, of the camera's rays, of hits, of rays drawn. */
-  void (*pixel)(size_t count, const camera_view *view, const rays *ray, walks *walk);
-  void (*footprint)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,
+  void (*pixel)(size_t count, const camera_view *view, const rays *ray, path_states *state);
+  void (*footprint)(size_t count, const uint32_t *lane, const path_states *state, const rays *ray,
                     surfaces *out);
   void (*carry)(size_t rays, const uint32_t *chosen, const uint32_t *lane, const surfaces *at,
-                const walks *walk, walks *next);
+                const path_states *state, path_states *next);
   /* Where nodes ask by which way points are seen: lengths of the camera's rays, by sample, ways of
      hits, lengths of rays drawn; ways of hits of shadow rays, whose senders are hits of paths. */
-  void (*depart)(size_t count, const rays *ray, walks *walk);
-  void (*route)(size_t count, const uint32_t *lane, const walks *walk, const rays *ray,
-                surfaces *out);
-  void (*trail)(size_t rays, const uint32_t *chosen, const surfaces *at, const draws *draw,
-                walks *next);
+  void (*route_begin)(size_t count, const rays *ray, path_states *state);
+  void (*route_hit)(size_t count, const uint32_t *lane, const path_states *state, const rays *ray,
+                    surfaces *out);
+  void (*route_next)(size_t rays, const uint32_t *chosen, const surfaces *at, const draws *draw,
+                     path_states *next);
   void (*route_shadow)(size_t count, uint32_t left, const uint32_t *lane, const passages *way,
-                       const uint32_t *sender, const walks *walk, const rays *ray, surfaces *out);
+                       const uint32_t *sender, const path_states *state, const rays *ray,
+                       surfaces *out);
   /* Where nodes ask for layers or objects. */
   void (*identify)(size_t count, const triangle *triangles, const placed *table, const hits *hit,
                    surfaces *out);
@@ -136,28 +136,30 @@ typedef struct stage_table {
   void (*chosen[LIGHT_TYPES])(size_t begin, size_t end, const light_choices *choice,
                               const light *light, const surfaces *at, const light_samples *from,
                               light_draws *out);
-  void (*settle)(size_t count, const light_choices *choice, const light_draws *in,
-                 light_samples *out);
+  void (*place_samples)(size_t count, const light_choices *choice, const light_draws *in,
+                        light_samples *out);
   /* Weights of a light at points. */
   void (*weigh[LIGHT_TYPES])(size_t count, const light *light, const lane_v *p, float *one);
   void (*add)(size_t count, const float *one, float *sum);
-  /* Adds a light's weights to weight->sum; those points take it whose lot the sum passes with it.
+  /* Adds a light's weights to weight->sum; those points take it whose random number the sum passes
+   * with it.
    */
   void (*choose)(size_t count, uint32_t number, const float *one, light_weights *weight,
                  light_choices *out);
   /* What rays meet of a light on their way, into met. weight: where the light was one of a choice,
-     its weights at walk->from. */
-  void (*meet[LIGHT_TYPES])(size_t count, const light *light, const walks *walk, const rays *ray,
-                            const float *weight, lane_c *met);
+     its weights at path state->from. */
+  void (*hit_light[LIGHT_TYPES])(size_t count, const light *light, const path_states *state,
+                                 const rays *ray, const float *weight, lane_c *emitted);
 
   /* Triangles that shine (emitters.h). */
   void (*weigh_emitters)(size_t count, const emitters *e, const lane_v *p, float *one);
   void (*lit_by_emitters)(size_t begin, size_t end, const light_choices *choice, bool lifted,
                           const emitters *e, const surfaces *at, const light_samples *from,
                           light_draws *out);
-  void (*met_emitters)(size_t count, const emitters *e, const triangle *triangles,
-                       const placed *placed, const hits *hit, const rays *ray, const walks *walk,
-                       const float *weight, const uint32_t *dark, lane_c *met);
+  void (*hit_emitters)(size_t count, const emitters *e, const triangle *triangles,
+                       const placed *placed, const hits *hit, const rays *ray,
+                       const path_states *state, const float *weight, const uint32_t *dark,
+                       lane_c *emitted);
 
   /* The image around everything (sky.h). */
   sky_look *sky;
@@ -169,13 +171,14 @@ typedef struct stage_table {
   /* Sky as the light of places begin to end of a choice; as what missed rays meet. */
   void (*lit_by_sky)(size_t begin, size_t end, const light_choices *choice, const lane_v *d,
                      const float *pdf, const lane_c *sky, light_draws *out);
-  void (*met_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
-                  const walks *walk, bool chosen, float power, uint32_t hidden, lane_c *met);
+  void (*hit_sky)(size_t count, const uint32_t *missed, const float *pdf, const lane_c *sky,
+                  const path_states *state, bool chosen, float power, uint32_t hidden,
+                  lane_c *emitted);
   /* lifted: `lift` has said where shadow rays start. */
   void (*lit)(lane_run run, bool through, bool lifted, const surfaces *at, light_samples *light);
   /* Shadow rays through transparent surfaces (through.h). */
-  size_t (*stopped)(size_t count, uint32_t left, bool all, const uint32_t *lane, const walks *walk,
-                    const light_samples *light, passages *way, rays *ray);
+  size_t (*stopped)(size_t count, uint32_t left, bool all, const uint32_t *lane,
+                    const path_states *state, const light_samples *light, passages *way, rays *ray);
   size_t (*sift)(size_t count, const triangle *triangles, const material *materials, bool shades,
                  const passages *way, uint32_t *record, light_samples *light);
   size_t (*pass)(size_t count, const uint32_t *lane, const surfaces *at, const rays *came,
@@ -198,10 +201,10 @@ typedef struct stage_table {
                    const reflections *part, reflections *out);
   void (*pick)(lane_run run, uint32_t number, const float *chance, uint32_t *drawn, float *choice);
   void (*kind)(lane_run run, bounce_kind kind, bool sharp, draws *out);
-  void (*forbid)(lane_run run, bool above, bool below, const uint32_t *lane, const walks *walk,
-                 const float *z, float *cosine);
-  void (*spare)(size_t count, float threshold, const float color[3], bool shared, const float *lot,
-                const reflections *reflection, light_samples *light);
+  void (*forbid)(lane_run run, bool above, bool below, const uint32_t *lane,
+                 const path_states *state, const float *z, float *cosine);
+  void (*shadow_roulette)(size_t count, float threshold, const float color[3], bool shared,
+                          const float *random, const reflections *reflection, light_samples *light);
   void (*exclude)(lane_run run, uint32_t above, uint32_t below, const light_samples *light,
                   reflections *out);
   void (*take)(const closure *c, lane_run run, uint32_t number, inputs *given,
@@ -213,10 +216,11 @@ typedef struct stage_table {
                   reflections *reflection, lane_c *sum);
 
   /* Points of later bounces, by hit: x and y uniform in [0, 1). sample: by ray. */
-  void (*shuffled)(size_t count, const shuffle *points, const uint32_t *lane, const walks *walk,
-                   const paths *path, float *x, float *y);
+  void (*shuffled)(size_t count, const shuffle *points, const uint32_t *lane,
+                   const path_states *state, const paths *path, float *x, float *y);
   /* How blurred lobes are at hits; filter: 1 / blur_glossy. */
-  void (*blur)(size_t count, float filter, const uint32_t *lane, const walks *walk, float *blur);
+  void (*blur)(size_t count, float filter, const uint32_t *lane, const path_states *state,
+               float *blur);
   /* Returns status bits of libshade. */
   unsigned (*draw[CLOSURE_TYPES])(const closure *c, lane_run run, const surfaces *at, inputs *given,
                                   draws *out);
@@ -226,28 +230,29 @@ typedef struct stage_table {
   void (*aim_turn)(lane_run run, size_t count, const cones *cones, draws *out);
   void (*aim_mix)(lane_run run, size_t count, const cones *cones, const lane_v *wi, float *pdf);
   void (*aim_take)(lane_run run, const reflections *part, draws *out);
-  /* The rays that go on, and their walks: what was drawn and outlives roulette, if `lots`. Returns
-     their number; wide is of use within. */
-  size_t (*walk)(size_t count, bool lots, const walk_limits *limits, bool meets,
-                 const uint32_t *lane, const surfaces *at, const walks *walk, const float *lights,
-                 draws *draw, rays *wide, uint32_t *chosen, walks *next, rays *ray);
+  /* The rays that go on, and their path states: what was drawn and outlives roulette, if
+     `roulette`. Returns their number; wide is of use within. */
+  size_t (*next_paths)(size_t count, bool roulette, const bounce_limits *limits, bool hit_lights,
+                       const uint32_t *lane, const surfaces *at, const path_states *state,
+                       const float *lights, draws *draw, rays *wide, uint32_t *chosen,
+                       path_states *next, rays *ray);
   /* Adds the light of hits or of rays, by lane, to the samples. What is brighter than most[0], in
      the mean of its three channels, is dimmed to it; most[1] counts after more bounces than `free`.
    */
   void (*gain)(size_t count, const float most[2], uint32_t free, const uint32_t *lane,
-               const walks *walk, const lane_c *sum, lane_c *color);
+               const path_states *state, const lane_c *sum, lane_c *color);
   /* Of rays that only passed through surfaces and meet nothing: the picture shows nothing there. */
-  void (*uncover)(size_t count, const uint32_t *record, walks *walk, paths *path);
+  void (*uncover)(size_t count, const uint32_t *record, path_states *state, paths *path);
   /* Hits of paths that end there count as none, but for those of transparent surfaces, behind which
      there may be light; materials NULL: there are none. The number of the others. */
-  size_t (*end)(size_t count, const walks *walk, const triangle *triangles,
+  size_t (*end)(size_t count, const path_states *state, const triangle *triangles,
                 const material *materials, uint32_t *record);
   /* Of paths that have ended, no surface's light counts. */
-  void (*mute)(size_t count, const uint32_t *lane, const walks *walk, lane_c *sum);
+  void (*mute)(size_t count, const uint32_t *lane, const path_states *state, lane_c *sum);
   /* Of rays that meet nothing, an even background; but for rays that it is hidden from. Those of
      the camera see the backdrop. */
-  void (*escape)(size_t count, const uint32_t *record, const walks *walk, uint32_t hidden,
-                 const float background[3], const float backdrop[3], lane_c *met);
+  void (*escape)(size_t count, const uint32_t *record, const path_states *state, uint32_t hidden,
+                 const float background[3], const float backdrop[3], lane_c *emitted);
 
   void (*scatter)(size_t count, const uint32_t *lane, const lane_c *in, lane_c *out);
   /* Adds samples to pixels of 4 floats; those of the first half of a pixel's to `half`, 3 floats

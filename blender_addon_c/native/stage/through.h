@@ -8,11 +8,11 @@
  * surfaces; left: how many those of a path that went through none may; all: also those that may go
  * through none. Returns their number. */
 static size_t stage_stopped(size_t count, uint32_t left, bool all, const uint32_t *restrict lane,
-                            const walks *restrict walk, const light_samples *restrict light,
+                            const path_states *restrict state, const light_samples *restrict light,
                             passages *restrict way, rays *restrict ray) {
   size_t found = 0;
   for (size_t i = 0; i < count; i++) {
-    uint32_t passed = walk->bounces[BOUNCE_TRANSPARENT][lane[i]];
+    uint32_t passed = state->bounces[BOUNCE_TRANSPARENT][lane[i]];
     way->hit[found] = (uint32_t)i;
     way->left[found] = passed < left ? left - passed : 0;
     found += (light->ray.tfar[i] < -1e30f) & (all | (passed < left));

@@ -4,9 +4,9 @@
 #include "stage/aim.h"
 #include "stage/list.h"
 #include "stage/through.h"
-#include "stage/walk.h"
+#include "stage/path.h"
 
-STAGES(walk) = {
+STAGES(paths) = {
     .stopped = stage_stopped,
     .sift = stage_sift,
     .pass = stage_pass,
@@ -19,7 +19,7 @@ STAGES(walk) = {
     .kind = stage_kind,
     .exclude = stage_exclude,
     .forbid = stage_forbid,
-    .spare = stage_spare,
+    .shadow_roulette = stage_shadow_roulette,
     .take = stage_take,
     .join = stage_join,
     .uncover = stage_uncover,
@@ -32,7 +32,7 @@ STAGES(walk) = {
     .aim_turn = stage_aim_turn,
     .aim_mix = stage_aim_mix,
     .aim_take = stage_aim_take,
-    .walk = stage_walk,
+    .next_paths = stage_next_paths,
     .blur = stage_blur,
     .gain = stage_gain,
     .escape = stage_escape,
