@@ -14,7 +14,8 @@ whose medians are not sure to .005, until all are or --minutes are spent.
 
 Pictures: the largest difference, over the pixel where that is brighter than the mean, and the mean one; "same" below 1e-5.
 Exit status: 0 if no scene is slower than --limit, 1 if some are, 2 if it cannot be told, 130 after Ctrl-C, which tells what
-was measured so far. What was built and exported stays for the next run; `rm -r build/before build/frames` frees the space.
+was measured so far. Where the add-ons differ each makes the scene, and Blender subdivides meshes to the last bit alike only
+by chance: of a few paths more. What was built and exported stays for the next run; `rm -r build/before build/frames` frees the space.
 """
 import argparse
 import concurrent.futures

@@ -9,9 +9,9 @@
  *   closure_<name>_eval       f and cosine for a run of hits; the density of its draws if asked
  *   closure_<name>_draw       directions, with f, cosine and density
  *
- * and one row: ROW(TYPE, name, always). TYPE is the word in a scene, CLOSURE_TYPE its number,
- * stage_<name> its stage and closure_<name> its clock; `always` are the traits (scene/material.h)
- * that all of the kind have.
+ * and one row of closure/table.h: ROW(TYPE, name, always). TYPE is the word in a scene,
+ * CLOSURE_TYPE its number, stage_<name> its stage and closure_<name> its clock; `always` are the
+ * traits (scene/material.h) that all of the kind have.
  */
 #ifndef LIBSHADE_CLOSURE_H
 #define LIBSHADE_CLOSURE_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The kinds of closure, by number. */
+/* The kinds of closure, by number. Each group is compiled by itself, isa/closure_<group>.c. */
 #ifndef LIBSHADE_CLOSURE_TABLE_H
 #define LIBSHADE_CLOSURE_TABLE_H
 

@@ -5,7 +5,7 @@
 
 #include "stage/stage.h"
 
-/* isa/<family>.c */
+/* isa/<family>.c, all that there are */
 #define FAMILIES(ROW, isa)                                                                         \
   ROW(camera, isa)                                                                                 \
   ROW(surface, isa)                                                                                \

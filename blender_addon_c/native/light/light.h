@@ -10,8 +10,8 @@
  *   light_<name>_weight   a leaf: about how much it gives to a point, for the choice among lights;
  *                         more than 0 wherever it gives something
  *
- * and one row: ROW(TYPE, name). TYPE is the word in a scene, LIGHT_TYPE its number, stage_<name>
- * its stage and light_<name> its clock.
+ * and one row of light/table.h: ROW(TYPE, name). TYPE is the word in a scene, LIGHT_TYPE its
+ * number, stage_<name> its stage and light_<name> its clock.
  */
 #ifndef LIBSHADE_LIGHT_H
 #define LIBSHADE_LIGHT_H

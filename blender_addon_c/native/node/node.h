@@ -10,8 +10,8 @@
  *   node_<name>_build   if it is one of NODES_BUILT: before the first sample asks for textures;
  * false when out of memory
  *
- * and one row: ROW(TYPE, name). TYPE is the word in a scene, NODE_TYPE its number, stage_<name> its
- * stage and node_<name> its clock.
+ * and one row of node/table.h: ROW(TYPE, name). TYPE is the word in a scene, NODE_TYPE its number,
+ * stage_<name> its stage and node_<name> its clock.
  */
 #ifndef LIBSHADE_NODE_H
 #define LIBSHADE_NODE_H

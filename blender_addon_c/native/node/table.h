@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The kinds of node, by number. */
+/* The kinds of node, by number. Each group is compiled by itself, isa/node_<group>.c. */
 #ifndef LIBSHADE_NODE_TABLE_H
 #define LIBSHADE_NODE_TABLE_H
 

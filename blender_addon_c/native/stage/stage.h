@@ -29,7 +29,7 @@
  *   film     averages over the samples of each pixel               by sample again
  *
  * Each is one loop over structures of batch/lanes.h. The stages are compiled once for each
- * instruction set; a stage_table holds the functions of one.
+ * instruction set, family by family (isa/); a stage_table holds the functions of one.
  */
 #ifndef LIBSHADE_STAGE_H
 #define LIBSHADE_STAGE_H
