@@ -45,13 +45,14 @@ def either(tree, vector, other):
 
 def arrange(tree):
     """From left to right by how many nodes stand before one."""
-    depth = {}
+    depth, before = {}, {node: [] for node in tree.nodes}
+    for link in tree.links:  # a socket would look through them all for its own
+        before[link.to_node].append(link.from_node)
 
     def depth_of(node):
         if node not in depth:
             depth[node] = 0
-            before = [link.from_node for socket in node.inputs for link in socket.links]
-            depth[node] = 1 + max(map(depth_of, before), default=-1)
+            depth[node] = 1 + max(map(depth_of, before[node]), default=-1)
         return depth[node]
 
     rows = {}

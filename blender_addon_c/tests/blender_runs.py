@@ -42,8 +42,12 @@ class Blender:
     def _words(self, script, *arguments):
         return [str(word) for word in (*self._command, INSIDE / script, "--", *arguments)]
 
+    def inside(self, script, *arguments):
+        """Run inside/`script` in the process that renders scenes, from an empty file; returns all it printed."""
+        return self._ask("script", "", {"script": script, "arguments": [str(word) for word in arguments]})[1]
+
     def run(self, script, *arguments, env=None, prefix=(), status=0, stdin="", seconds=300):
-        """Run inside/`script`; returns all it printed. status None: any."""
+        """Run inside/`script` in a process of its own: of a second or more; returns all it printed. status None: any."""
         done = subprocess.run([*prefix, *self._words(script, *arguments)], input=stdin,
                               env=self.environment(env), stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, errors="replace",
@@ -60,16 +64,20 @@ class Blender:
         Writes picture.exr and dump.exr into the folder; dump="" asks for none.
         """
         dump = options.pop("dump", str(folder / "dump.exr"))
-        request = {"name": name, "dump": dump,
-                   "options": {"picture": str(folder / "picture.exr"), **options}}
+        options = {"picture": str(folder / "picture.exr"), **options}
         if env or prefix:
+            request = {"name": name, "dump": dump, "options": options}
             text = self.run("scenes.py", env=env, prefix=prefix, stdin=json.dumps(request) + "\n")
             return json.loads(re.search(r"^TOLD (.*)$", text, re.M).group(1)), text
+        return self._ask(name, dump, options)
+
+    def _ask(self, name, dump, options):
+        """(what it told, all it printed)."""
         if not self._studio or self._studio.poll() is not None:
             self._studio = subprocess.Popen(
                 self._words("scenes.py"), env=self.environment(), text=True,
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        print(json.dumps(request), file=self._studio.stdin, flush=True)
+        print(json.dumps({"name": name, "dump": dump, "options": options}), file=self._studio.stdin, flush=True)
         text = ""
         for line in self._studio.stdout:
             if line.startswith("TOLD "):

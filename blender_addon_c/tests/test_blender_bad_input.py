@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes that cannot be rendered as they are: a clear message, never a crash, NaN or silence."""
 
-import json
 import math
 import re
 
@@ -72,7 +71,7 @@ EXPECTED = {
 def cases(blender, tmp_path_factory):
     """(all cases of one version in one run: name → (end, text), folder of pictures)"""
     folder = tmp_path_factory.mktemp("bad_input")
-    text = blender.run("bad_input.py", folder)
+    text = blender.inside("bad_input.py", folder)
     found = re.findall(r"^CASE (\w+)\n(.*?)^END (\w+)$", text, re.M | re.S)
     return {name: (end, said) for name, said, end in found}, folder
 
@@ -175,7 +174,5 @@ def test_a_world_that_is_left_out_is_black(cases):
 def test_unwritable_dump(blender, tmp_path):
     """The dump cannot be written: an error that names the file."""
     path = tmp_path / "no such folder" / "dump.exr"
-    request = {"name": "mesh", "dump": str(path),
-               "options": {"what": "plane", "picture": str(tmp_path / "picture.exr")}}
-    text = blender.run("scenes.py", stdin=json.dumps(request), status=None)
-    assert "Error: libshade: " in text and str(path) in text
+    told, _text = blender.scene("unrendered", tmp_path, dump=str(path), what="plane")
+    assert "Error: libshade: " in told["error"] and str(path) in told["error"]

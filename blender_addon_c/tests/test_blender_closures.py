@@ -191,7 +191,7 @@ APART = {("several in glass", "3.4"): 0.025}
 def test_shaders_are_those_of_cycles(blender, tmp_path):
     cases = cases_of(blender.version)
     pictures = []
-    for engine, samples in (("LIBSHADE", 256), ("CYCLES", 256)):
+    for engine, samples in (("LIBSHADE", 128), ("CYCLES", 128)):
         blender.scene("balls", tmp_path, cases=cases, engine=engine, samples=samples, dump="")
         pictures.append(rgba(tmp_path / "picture.exr")[..., :3].astype(float))
     ours, theirs = pictures

@@ -11,7 +11,7 @@ from blender_runs import BUILD, Dump, rgba
 
 def test_cloth_in_blender(blender, tmp_path):
     """What is asserted inside; then the reference agrees with each dump."""
-    assert "all asserted" in blender.run("cloth.py", tmp_path)
+    assert "all asserted" in blender.inside("cloth.py", tmp_path)
     dumps = sorted(tmp_path.glob("*.exr"))
     assert len(dumps) >= 4
     for dump in dumps:
@@ -33,7 +33,7 @@ _OFF = {"linen": (0.15, 0.16), "charmeuse": (0.06, 0.07), "sockets": (0.06, 0.09
 
 def test_cloth_in_cycles(blender, tmp_path):
     """Against our own engine's near model, without what varies by chance."""
-    assert "all asserted" in blender.run("cloth_cycles.py", tmp_path)
+    assert "all asserted" in blender.inside("cloth_cycles.py", tmp_path)
     pictures = {(name, engine): rgba(tmp_path / f"{name}_{engine}.exr").astype(float)
                 for name in _OFF for engine in ("libshade", "cycles")}
     told = rgba(tmp_path / "charmeuse_told_cycles.exr")

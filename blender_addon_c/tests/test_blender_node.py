@@ -10,7 +10,7 @@ from blender_runs import BUILD, Dump, difference, rgba
 
 
 def test_node(blender, tmp_path):
-    text = blender.run("node.py", tmp_path / "node.blend")
+    text = blender.inside("node.py", tmp_path / "node.blend")
     assert "all asserted" in text
 
 

@@ -3,4 +3,4 @@
 
 
 def test_parts(blender, tmp_path):
-    assert "all asserted" in blender.run("parts.py", tmp_path)
+    assert "all asserted" in blender.inside("parts.py", tmp_path)

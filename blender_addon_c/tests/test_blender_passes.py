@@ -183,7 +183,7 @@ def test_mattes_are_those_of_cycles(mattes, kind):
 def mattes(blender, tmp_path_factory):
     folder, pictures = tmp_path_factory.mktemp("mattes"), []
     for engine in ("CYCLES", "LIBSHADE"):
-        blender.run("mattes.py", folder / f"{engine}.exr", engine)
+        blender.inside("mattes.py", folder / f"{engine}.exr", engine)
         pictures.append(read_picture(folder / f"{engine}.exr"))
     return pictures
 

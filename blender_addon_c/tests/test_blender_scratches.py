@@ -12,7 +12,7 @@ LEANS = np.array([0.2, -0.1, 0.9])  # the normal map's color
 
 
 def test_scratches(blender, tmp_path):
-    said = blender.run("scratches.py", tmp_path)
+    said = blender.inside("scratches.py", tmp_path)
     assert "all asserted" in said
 
     def pair(name, output):
@@ -61,10 +61,10 @@ def test_scratches(blender, tmp_path):
 
 
 def test_a_lit_plate_as_in_cycles(blender, tmp_path):
-    """Scratches four pixels and one pixel wide, of images with thirty and eight texels across a scratch, by the object's lengths
+    """Scratches four pixels and one pixel wide, of images with fifteen and eight texels across a scratch, by the object's lengths
     and by a UV map; and with three, as of a tile that the images choose."""
     cases = {"near object": 0.011, "medium": 0.016, "near default": 0.055}
-    blender.run("scratches_cycles.py", tmp_path, *cases)
+    blender.inside("scratches_cycles.py", tmp_path, *cases)
     for case, limit in cases.items():
         ours, cycles = (averaged(tmp_path / f"{case}_{engine}.exr") for engine in ("libshade", "cycles"))
         error, brightness = difference(cycles, ours), cycles.mean() / ours.mean()
@@ -75,7 +75,7 @@ def test_a_lit_plate_as_in_cycles(blender, tmp_path):
 def test_assets_in_cycles(blender, tmp_path):
     """Scratched assets as they come out of the library: in Cycles at once what our engine shows, which polished metal is not; saved,
     linked, baked again, undone, and their groups without the add-on."""
-    assert "all asserted" in blender.run("scratch_assets.py", tmp_path)
+    assert "all asserted" in blender.inside("scratch_assets.py", tmp_path)
     # noise of 32 samples .015 to .02; polished, as they were: .067, .65, .033, .061, .137
     limits = {"Fine-polished steel": 0.045, "Steel with brush strokes": 0.12, "Used steel": 0.028, "Deeply scratched steel": 0.035,
               "Scratched copper": 0.04}

@@ -18,7 +18,7 @@ SIDE = 24
 
 def cloth(preset="LINEN", sun=(0.5, 0.2, 0), **settings):
     """A new scene of a plate under a sun; (its tree, its node, the plate)."""
-    scene = common.empty_scene(SIDE, SIDE, samples=32)
+    scene = common.next_scene(SIDE, SIDE, samples=32)
     material = bpy.data.materials.new("cloth")
     tree = common.tree_of(material)
     tree.nodes.clear()

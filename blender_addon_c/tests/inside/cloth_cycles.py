@@ -34,7 +34,7 @@ def new_cloth(preset, even=True, **settings):
 
 def plate(preset, sun=(0.6, 0.3, 0), sky=0.3, **settings):
     """A new scene of a plate that is seen aslant, of some twenty crossings; (its tree, its node, the plate)."""
-    scene = common.empty_scene(48, 48, samples=32)
+    scene = common.next_scene(48, 48, samples=32)
     scene.cycles.samples, scene.cycles.max_bounces = 32, 1
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
     scene.cycles.pixel_filter_type, scene.libshade.max_bounces = "BOX", 1

@@ -26,6 +26,9 @@ SHADERS = {
 }
 
 
+UNLINKED = ("across", "principled")
+
+
 def new_scene(engine):
     scene = common.empty_scene(SIZE, SIZE, 16)
     scene.render.engine = engine
@@ -92,11 +95,11 @@ def new_plate(quads):
 
 
 def pictures(folder, engine, words):
-    """NAME_bumped and NAME_groove; by Cycles NAME_displaced, and NAME_unlinked of the same."""
+    """NAME_bumped and NAME_groove; by Cycles NAME_displaced, and of two NAME_unlinked of the same."""
     scene = new_scene(engine)
     image = bumps()
     flat = common.link(scene, "flat", new_plate(1))
-    fine = common.link(scene, "fine", new_plate(300)) if engine == "CYCLES" else None
+    fine = common.link(scene, "fine", new_plate(150)) if engine == "CYCLES" else None
 
     def render(ob, material, name):
         for other in filter(None, (flat, fine)):
@@ -120,6 +123,8 @@ def pictures(folder, engine, words):
             continue
         plain, tree, shader = new_material(word)
         render(fine, plain, word + "_displaced")
+        if word not in UNLINKED:
+            continue
         group = groove_in(tree)  # its Normal not linked: as if it were not there
         tree.links.new(shader.inputs["Tangent"].links[0].from_socket, group.inputs["Tangent"])
         tree.links.new(group.outputs["Tangent"], shader.inputs["Tangent"])
@@ -165,7 +170,7 @@ def turned_metals(folder):
     for engine in ("CYCLES", "LIBSHADE"):
         scene = new_scene(engine)
         flat, image = common.link(scene, "flat", new_plate(1)), bumps()
-        scene.cycles.samples = scene.libshade.samples = 128
+        scene.cycles.samples = scene.libshade.samples = 64
         for word in ("properties", "socket", "crossing"):
             wide, narrow = (0.45, 0.1) if word == "properties" else (0.1, 0.45)
             material, tree, node = common.metal(word, fresnel="NONE", ax=wide, ay=narrow, horizon="HARD")
@@ -228,11 +233,12 @@ def torus_bumps():
 
 
 def toruses(folder):
-    """Brushed along u, 25 : 1, displaced and bumped, with the group and without; bumped by our engine."""
+    """Brushed along u, 25 : 1, displaced and bumped, with the group and without; bumped by our engine. The left half."""
     for engine in ("CYCLES", "LIBSHADE"):
         scene = new_scene(engine)
         scene.render.resolution_x = scene.render.resolution_y = TORUS_SIZE
-        scene.cycles.samples = scene.libshade.samples = 256
+        scene.render.use_border, scene.render.border_max_x = True, 0.5
+        scene.cycles.samples = scene.libshade.samples = 128
         image, shown = torus_bumps(), []
         for word in ("displaced", "bumped", "groove") if engine == "CYCLES" else ("bumped",):
             material, tree, shader = new_material("across", None if word == "displaced" else image)

@@ -1924,9 +1924,33 @@ def passes(options):
     return {"layers": [full.name, empty.name]}
 
 
+def unrendered(options):
+    """What is said of a mesh that cannot be rendered."""
+    try:
+        return mesh(options)
+    except RuntimeError as error:
+        return {"error": str(error)}
+
+
+def script(options):
+    """Another script of this folder, in this process, which is as when Blender starts."""
+    bpy.ops.wm.read_factory_settings()
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), options["script"])
+    sys.argv = [path, "--", *options["arguments"]]
+    with open(path, encoding="utf-8") as file:
+        code = compile(file.read(), path, "exec")
+    try:
+        exec(code, {"__name__": "__main__", "__file__": path})
+    except common.Finished:
+        return {}
+    raise RuntimeError(f"{path} ended before its end")
+
+
+common.goes_on = True
 for line in sys.stdin:
     request = json.loads(line)
     os.environ["LIBSHADE_DUMP"] = request["dump"]
     facts = globals()[request["name"]](request["options"])
     print("TOLD", json.dumps(facts), flush=True)
+common.goes_on = False
 common.finish()

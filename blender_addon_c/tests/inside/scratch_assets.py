@@ -12,7 +12,7 @@ import bpy
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
 
-SIZE, SAMPLES, WIDE = 192, 32, 0.25  # pixels; units of the UV map across the picture
+SIZE, SAMPLES, WIDE = 128, 32, 1 / 6  # pixels; units of the UV map across the picture
 SHOWN = {"Fine-polished steel": "scratches", "Steel with brush strokes": "scratches", "Used steel": "scratches",
          "Deeply scratched steel": "scratches", "Scratched copper": "metals"}
 

@@ -52,20 +52,24 @@ def leaning(tree):
     return node.outputs[0]
 
 
-def showing(engine, output):
-    """A material whose colour is to say an output of a node: (material, tree, socket of the node to link)."""
-    material, tree, metal = common.metal(output, fresnel="NONE")
+def showing(engine):
+    """A material whose colour says an output of a node: (material, tree, what makes it say one)."""
+    material, tree, metal = common.metal("shown", fresnel="NONE")
     scaled = tree.nodes.new("ShaderNodeVectorMath")
     scaled.operation = "MULTIPLY_ADD"
-    by, more = {"Normal": (0.5, 0.5), "Height": (-1000.0, 0.0), "Mask": (1.0, 0.0)}[output]
-    scaled.inputs[1].default_value, scaled.inputs[2].default_value = (by,) * 3, (more,) * 3
+
+    def show(node, output):
+        by, more = {"Normal": (0.5, 0.5), "Height": (-1000.0, 0.0), "Mask": (1.0, 0.0)}[output]
+        scaled.inputs[1].default_value, scaled.inputs[2].default_value = (by,) * 3, (more,) * 3
+        tree.links.new(node.outputs[output], scaled.inputs[0])
+
     if engine == "CYCLES":
         shader = tree.nodes.new("ShaderNodeEmission")
         tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
         tree.links.new(scaled.outputs[0], shader.inputs["Color"])
     else:
         tree.links.new(scaled.outputs[0], metal.inputs["Color"])
-    return material, tree, scaled.inputs[0]
+    return material, tree, show
 
 
 def of_uv(tree, node):
@@ -108,16 +112,16 @@ def pictures(folder):
     """What it says, baked; of one as it is without images."""
     for engine in ("LIBSHADE", "CYCLES"):
         for name, links in (*CASES.items(), ("bare", of_uv), ("alone", None)):
+            scene = new_scene(engine)
+            material, tree, show = showing(engine)
+            node = scratched(tree)
+            if links:
+                links(tree, node)
+            if engine == "CYCLES" and name in CASES or name == "own tile":  # that of the images
+                module("scratches").bake(node, "plate", scene, 1024, 2, points=name in POINTS)
+            common.plane(material, WIDE)
             for output in OUTPUTS if name in ("uv", "bare", "amount", "points") else OUTPUTS[:1]:
-                scene = new_scene(engine)
-                material, tree, socket = showing(engine, output)
-                node = scratched(tree)
-                if links:
-                    links(tree, node)
-                if engine == "CYCLES" and name in CASES or name == "own tile":  # that of the images
-                    module("scratches").bake(node, "plate", scene, 1024, 2, points=name in POINTS)
-                tree.links.new(node.outputs[output], socket)
-                common.plane(material, WIDE)
+                show(node, output)
                 dump = os.path.join(folder, f"libshade_{name}_{output}.exr")
                 os.environ["LIBSHADE_DUMP"] = dump if engine == "LIBSHADE" else ""
                 common.render(os.path.join(folder, f"{engine.lower()}_{name}_{output}.exr" if engine == "CYCLES" else "picture.exr"))
@@ -126,25 +130,25 @@ def pictures(folder):
 def other_units(folder):
     """The same plate in half metres, by the object's lengths: dumps of Normal and Height."""
     for unit in (1.0, 0.5):
+        scene = new_scene("LIBSHADE")
+        scene.unit_settings.scale_length = unit
+        scene.camera.data.ortho_scale = WIDE / unit
+        material, tree, show = showing("LIBSHADE")
+        node = scratched(tree)
+        node.unit, node.tile = "METRES", WIDE / unit
+        common.plane(material, WIDE / unit)
         for output in OUTPUTS[:2]:
-            scene = new_scene("LIBSHADE")
-            scene.unit_settings.scale_length = unit
-            scene.camera.data.ortho_scale = WIDE / unit
-            material, tree, socket = showing("LIBSHADE", output)
-            node = scratched(tree)
-            node.unit, node.tile = "METRES", WIDE / unit
-            tree.links.new(node.outputs[output], socket)
-            common.plane(material, WIDE / unit)
+            show(node, output)
             os.environ["LIBSHADE_DUMP"] = os.path.join(folder, f"unit_{unit}_{output}.exr")
             common.render(os.path.join(folder, "picture.exr"))
         scene = new_scene("CYCLES")  # and by images, in units of the map
         scene.unit_settings.scale_length = unit
         scene.camera.data.ortho_scale = WIDE / unit
-        material, tree, socket = showing("CYCLES", "Normal")
+        material, tree, show = showing("CYCLES")
         node = scratched(tree)
         node.size = node.tile = WIDE / unit
         module("scratches").bake(node, "plate", scene, 1024, 2)
-        tree.links.new(node.outputs["Normal"], socket)
+        show(node, "Normal")
         common.plane(material, WIDE / unit)
         common.render(os.path.join(folder, f"baked_{unit}.exr"))
 
