@@ -18,10 +18,15 @@
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang
 #   make lint      layout of the code, licence lines
+#   make compile_commands.json  how each C file is compiled, for clangd and its like
 #   make clean     remove build/
 # On Debian 12 each of them installs first what it needs (setup/setup.mk).
 B := build
 JOBS ?= $(shell nproc)
+# all processors, unless -j is given
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(JOBS)
+endif
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .PHONY: all demo check bench blender povray compare compare-files pictures lint clean help
@@ -48,8 +53,14 @@ pictures: compare
 lint:
 	setup/lint.sh
 
+# what make would run, made nothing of: each line that compiles
+.PHONY: compile_commands.json
+compile_commands.json:
+	@$(MAKE) -nB -j1 --no-print-directory NEEDS= V=1 all native 2>/dev/null | $(PYTHON3) setup/compile_commands.py >$@.part
+	@mv $@.part $@
+
 clean:
-	rm -rf $(B)
+	rm -rf $(B) compile_commands.json
 
 help:
 	@sed -n 's/^#   make/make/p' Makefile

@@ -207,8 +207,6 @@ check-headers: $(B)/libshade.a
 	  printf "#include \"shade/$${header##*/}\"\ntypedef int used;\n" | $$cc -std=c11 -pedantic-errors $(SHADE_WARN) \
 	    -I$(L)/include -xc -fsyntax-only - || exit 1; done; done
 
-# on all processors, whether or not -j was given: with it, under the jobs of the make above
-PARALLEL = $(MAKE) $(if $(filter --jobserver%,$(MAKEFLAGS)),,-j$(JOBS))
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 # kernels take three fifths of the time to compile at -Og, and a twentieth more to run
 SANITIZED_BUILD = B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)"
@@ -218,8 +216,7 @@ SANITIZED_TESTS := $(filter-out $(NUMBERS:%=$(B)/test/%),$(DEAREST:%=$(B)/test/%
 # beside each other: the long test at the end of one leaves no processor idle
 CHECKS := check-plain check-sanitized check-headers check-threads check-clang
 .PHONY: $(CHECKS) sanitized warnings
-check-libshade: setup-build
-	+$(PARALLEL) $(CHECKS)
+check-libshade: $(CHECKS)
 check-plain: all test-libshade
 # one make for all that is sanitized; native.mk has more for it
 SANITIZED_GOALS := all
