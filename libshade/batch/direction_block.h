@@ -98,9 +98,9 @@ LEAF int straighten(size_t count, vec v, int is_normal, vec_room *to) {
   for (size_t i = 0; i < count; i++) {
     const nearly_unit near = nearly_unit_of(vx[i], vy[i], vz[i]);
     bad |= near.bits | (real_bits)(is_normal && !(vz[i] > 0));
-    to->x[i] = vx[i] * near.scale;
-    to->y[i] = vy[i] * near.scale;
-    to->z[i] = vz[i] * near.scale;
+    to->x[i] = near.x;
+    to->y[i] = near.y;
+    to->z[i] = near.z;
   }
   return !bad;
 }

@@ -38,10 +38,11 @@ LEAF real_bits far_bits(real x, real y, real z) {
  * roundings. rotate's leaf is not homogeneous in n: an excess of s in its length would change
  * D by a factor of about exp(-2 s ln D).
  */
+LEAF real near_part(real x) {
+  return from_bits(to_bits(x) & ~FAR_BIT);
+}
 LEAF real slack_square(real x, real y, real z) {
-  x = from_bits(to_bits(x) & ~FAR_BIT);
-  y = from_bits(to_bits(y) & ~FAR_BIT);
-  z = from_bits(to_bits(z) & ~FAR_BIT);
+  x = near_part(x), y = near_part(y), z = near_part(z);
   return x * x + UNIT_SLACK + y * y + z * z;
 }
 LEAF real_bits uneven_bits(real x, real y, real z) {
@@ -54,12 +55,12 @@ LEAF real_bits off_unit(real_bits far, real_bits uneven) {
 }
 
 /*
- * What a direction of nearly the right length, as one rounded to float or worked out by its caller,
- * is to be multiplied by: 1/sqrt(q) of its squared length q, 1 where it is unit already. `bits` are
- * 0 where |q - 1| <= 1/32: the series is then off by 7e-9, with a step of Newton's by 1e-16.
+ * A direction of nearly the right length, as one rounded to float or worked out by its caller, made
+ * unit: times 1/sqrt(q) of its squared length q, as it is where it is unit already. `bits` are 0
+ * where |q - 1| <= 1/32: the series is then off by 7e-9, with a step of Newton's by 1e-16.
  */
 typedef struct nearly_unit {
-  real scale;
+  real x, y, z;
   real_bits bits;
 } nearly_unit;
 LEAF nearly_unit nearly_unit_of(real x, real y, real z) {
@@ -72,7 +73,9 @@ LEAF nearly_unit nearly_unit_of(real x, real y, real z) {
 #if !SHADE_FLOAT
   s = multiply_add(0.5 * multiply_add(-(over + 1) * s, s, 1), s, s);
 #endif
-  return (nearly_unit){off ? s : 1, far | (real_bits) !(over * over <= R(0x1p-10))};
+  const real scale = off ? s : 1;
+  return (nearly_unit){near_part(x) * scale, near_part(y) * scale, near_part(z) * scale,
+                       far | (real_bits) !(over * over <= R(0x1p-10))};
 }
 
 /*
@@ -115,8 +118,7 @@ static inline unsigned mend_normal(real n[3]) {
 static inline unsigned mend_if_needed(real v[3], int is_normal) {
   const nearly_unit near = nearly_unit_of(v[0], v[1], v[2]);
   if (!near.bits && !(is_normal && !(v[2] > 0))) {
-    for (int i = 0; i < 3; i++)
-      v[i] *= near.scale;
+    v[0] = near.x, v[1] = near.y, v[2] = near.z;
     return SHADE_OK;
   }
   real_bits off = off_unit(far_bits(v[0], v[1], v[2]), uneven_bits(v[0], v[1], v[2]));
