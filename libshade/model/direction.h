@@ -33,18 +33,20 @@ LEAF real_bits far_bits(real x, real y, real z) {
   return to_bits(x) | to_bits(y) | to_bits(z);
 }
 
+/* Without FAR_BIT: less than 2. */
+LEAF real near_part(real x) {
+  return from_bits(to_bits(x) & ~FAR_BIT);
+}
+/* The squared length, and UNIT_SLACK. */
+LEAF real slack_square(real x, real y, real z) {
+  x = near_part(x), y = near_part(y), z = near_part(z);
+  return x * x + UNIT_SLACK + y * y + z * z;
+}
 /*
  * Bits above UNIT_BITS are set unless the squared length is within UNIT_SLACK of 1, a few
  * roundings. rotate's leaf is not homogeneous in n: an excess of s in its length would change
  * D by a factor of about exp(-2 s ln D).
  */
-LEAF real near_part(real x) {
-  return from_bits(to_bits(x) & ~FAR_BIT);
-}
-LEAF real slack_square(real x, real y, real z) {
-  x = near_part(x), y = near_part(y), z = near_part(z);
-  return x * x + UNIT_SLACK + y * y + z * z;
-}
 LEAF real_bits uneven_bits(real x, real y, real z) {
   return to_bits(slack_square(x, y, z)) ^ to_bits(1);
 }
