@@ -39,10 +39,12 @@ include compare/compare.mk
 # Packages, POV-Ray, the add-on and the library with its C tests at once, then pytest: its closing line is the result.
 # What goes to which worker, and when, is in conftest.py. `--durations` says what tests took, setup/timed.sh what
 # steps of make cost. One worker more than processors: a small picture takes POV-Ray .01 s, and .67 of waiting.
-check: povray setup-test setup-demo all blender native $(B)/horizon $(B)/displaced lint $(CHECKS)
+check:
+	$(MAKE) --output-sync=target check-before-pytest
 	$(PY) -m pytest --numprocesses $$(( $(JOBS) + 1 )) --dist loadfile --no-loadscope-reorder --durations 20
-ifneq ($(filter check,$(MAKECMDGOALS)),)
-MAKEFLAGS += --output-sync=target
+.PHONY: check-before-pytest
+check-before-pytest: povray setup-test setup-demo all blender native $(B)/horizon $(B)/displaced lint $(CHECKS)
+ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 lint: | $(S)/lint.packages
 $(NATIVE)/test_stages $(TESTS) $(CHECKS): | $(S)/test.packages
 endif

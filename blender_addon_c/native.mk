@@ -32,7 +32,7 @@ native-sanitized: $(B)/shade $(NATIVE_SO)
 	$(Q)$(MAKE) --no-print-directory $(SANITIZED_BUILD) native
 native-warnings: $(NATIVE_OBJ)
 	$(Q)$(CC) $(NATIVE_CFLAGS) -fsyntax-only blender_addon_c/tests/test_stages.c
-ifneq ($(filter check,$(MAKECMDGOALS)),)
+ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 SANITIZED_GOALS += native
 check-sanitized: $(NATIVE_SO)
 WARNED += native-warnings

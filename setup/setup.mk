@@ -48,7 +48,7 @@ $(S)/%.packages: setup/packages-%.txt
 	@touch $@
 $(S)/%.stamp: $(S)/%.packages
 	@touch $@
-ifneq ($(filter check,$(MAKECMDGOALS)),)
+ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 # one after the other: one that waits for another's apt would take the place of a compiler
 $(S)/test.packages: | $(S)/povray.packages
 $(S)/demo.packages $(S)/lint.packages: | $(S)/test.packages
