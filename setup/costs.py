@@ -7,7 +7,7 @@
     TOGETHER = "report"                          its worker is that of other files that say the same word
     /* COST = 12 */                              a program of libshade/test
 
-The seconds are user + system, as `bash -c 'time build/venv/bin/python -m pytest FILE'` tells them, of a processor that
+The seconds are user + system, as the time of a run of that file tells them, of a processor that
 makes `make demo` of 4eb53c7 in ten minutes of its time.
 
 Run by hand it lists files, the dearest first, each with how many mistakes of setup/mutants.txt it is known to notice

@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import read_picture
 
+COST = 17
+
 
 def of(path, name):
     """Channels of a pass, in the order R G B A or X."""

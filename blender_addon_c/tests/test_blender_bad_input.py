@@ -9,6 +9,9 @@ import pytest
 
 from blender_runs import rgba
 
+COST = 19
+
+
 # case: (how it ends, what must be said); None: nothing
 EXPECTED = {
     "fine": ("finished", None),

@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import averaged, rgba
 
+COST = 27
+
 CASES = {"alpha of bytes": {"what": "alpha", "floats": False}, "alpha of floats": {"what": "alpha", "floats": True},
          **{f"alpha of files of {bits} bits": {"what": "alpha", "floats": bits == 16, "bits": bits} for bits in (8, 16)},
          **{what: {"what": what} for what in ("spaces", "groups", "colors", "nothing", "objects", "instancers", "islands", "bright", "tiles", "exposure",

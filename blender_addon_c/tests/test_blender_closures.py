@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import rgba
 
+COST = 37
+
 
 def shader(kind, inputs=None, **more):
     return {"node": kind, "inputs": inputs or {}, "set": more}

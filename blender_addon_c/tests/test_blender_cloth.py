@@ -8,6 +8,8 @@ import pytest
 
 from blender_runs import BUILD, Dump, rgba
 
+COST = 36
+
 
 def test_cloth_in_blender(blender, tmp_path):
     """What is asserted inside; then the reference agrees with each dump."""

@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import averaged, read_picture
 
+COST = 7.4
+
 EYES = {
     "off axis": {"stereo": {"pivot": "CENTER"}, "camera": {"shift_x": 0.1}},
     "toe in": {"stereo": {"pivot": "RIGHT", "convergence_mode": "TOE"}},

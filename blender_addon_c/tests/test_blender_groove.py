@@ -5,6 +5,8 @@ import numpy as np
 
 from blender_runs import rgba
 
+COST = 23
+
 
 def off(picture, truth):
     return np.abs(picture - truth).mean() / truth.mean()

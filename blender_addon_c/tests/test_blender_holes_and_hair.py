@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import averaged, read_picture, rgba
 
+COST = 12
+
 
 @pytest.mark.parametrize("transparent, clear", [(True, False), (False, False), (True, True)])
 def test_holdouts(blender, tmp_path, transparent, clear):

@@ -3,6 +3,8 @@
 
 import soak
 
+COST = 12
+
 
 def test_awkward_scenes_render_or_say_why_not(blender, tmp_path):
     """25 of those that `make soak` tries 500 of."""

@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import Dump, rgba
 
+COST = 6.8
+
 FRAMES = {"before": {"frame": 1}, "first": {"frame": 2}, "later": {"frame": 3}, "last": {"frame": 9},
           "around": {"frame": 5, "cyclic": True}, "moved": {"frame": 2, "offset": 1},
           "as it is": {"frame": 3, "refresh": False}}

@@ -5,6 +5,8 @@ import re
 
 import numpy as np
 
+COST = 12
+
 RENDERS = 100
 
 

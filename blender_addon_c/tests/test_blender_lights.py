@@ -9,6 +9,8 @@ import pytest
 from blender_runs import rgba
 from test_blender_paths import averaged
 
+COST = 179
+
 LIGHTS = {
     "sun": ("SUN", {"energy": 3, "angle": 0.4}),
     "point": ("POINT", {"energy": 200, "shadow_soft_size": 0}),

@@ -6,6 +6,9 @@ import pytest
 
 from blender_runs import averaged, read_picture, rgba
 
+COST = 11
+
+
 # Noise is .003 to .006; without blur, its curve or its steps .03 to .2 are missing.
 CASES = {
     "shape": {"what": ["moving_shape"]},

@@ -8,6 +8,8 @@ import pytest
 
 from blender_runs import BUILD, Dump, difference, rgba
 
+COST = 22
+
 
 def test_node(blender, tmp_path):
     text = blender.inside("node.py", tmp_path / "node.blend")

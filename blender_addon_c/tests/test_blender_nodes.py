@@ -9,6 +9,9 @@ import pytest
 
 from blender_runs import ROOT, Dump, rgba
 
+COST = 75
+
+
 # what A and B are: images of one colour, so that nothing is worked out before the picture
 COLORS = {"A": (0.2, 0.5, 0.7), "B": (0.6, 0.3, 0.1), "X": (0.35, 0.35, 0.35)}
 

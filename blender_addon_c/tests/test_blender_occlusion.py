@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import averaged
 
+COST = 11
+
 CASES = {"near": {}, "the world's distance": {"distance": 0.0}, "inside": {"inside": True, "distance": 0.5},
          "local": {"only_local": True}, "tilted": {"normal": (0.6, -0.3, 0.7)}, "one ray": {"rays": 1, "distance": 9.0}}
 BEVELS = {"wide": {"radius": 0.2}, "many": {"radius": 0.2, "rays": 8}, "bent": {"radius": 0.2, "normal": (0.3, -0.5, 0.7)}}

@@ -12,6 +12,8 @@ import pytest
 from blender_runs import read_picture
 from test_blender_closures import cases_of
 
+COST = 18
+
 WANTED = ("z", "position", "normal", "uv", "object_index", "material_index", "mist",
           "vector")
 

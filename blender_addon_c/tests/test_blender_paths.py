@@ -6,6 +6,8 @@ import pytest
 
 from blender_runs import averaged, rgba
 
+COST = 20
+
 
 @pytest.mark.parametrize("floor", [False, True])
 def test_a_new_file(blender, tmp_path, floor):

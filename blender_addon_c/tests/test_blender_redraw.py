@@ -3,6 +3,8 @@
 
 import re
 
+COST = 5.2
+
 
 def test_edits_show(blender50, tmp_path):
     """Each of them, and as in a scene that was made so."""

@@ -8,6 +8,8 @@ import pytest
 
 from blender_runs import Dump, read_picture, rgba
 
+COST = 5.5
+
 
 def cosine(a, b):
     return np.clip((a * b).sum(-1) / np.linalg.norm(a, axis=-1) / np.linalg.norm(b, axis=-1), -1, 1)

@@ -8,6 +8,8 @@ import numpy as np
 
 from blender_runs import BUILD, Dump, averaged, difference, rgba
 
+COST = 73
+
 LEANS = np.array([0.2, -0.1, 0.9])  # the normal map's color
 
 

@@ -11,6 +11,8 @@ import pytest
 
 from blender_runs import ROOT, Dump, rgba
 
+COST = 13
+
 METAL = {"ex": 6, "ey": 2, "f0": (0.9, 0.6, 0.3)}
 OTHER = {"ex": 1, "ey": 7, "f0": (0.2, 0.4, 0.8)}
 UP = (0, 0, 1)

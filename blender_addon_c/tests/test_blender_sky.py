@@ -7,6 +7,8 @@ import pytest
 from blender_runs import rgba
 from test_blender_paths import averaged
 
+COST = 103
+
 NAMES = {"single": ("NISHITA", "SINGLE_SCATTERING"), "multiple": (None, "MULTIPLE_SCATTERING")}
 SKIES = {
     "day": {"sun_elevation": 0.6, "sun_rotation": 0.7, "sun_size": 0.3},

@@ -11,6 +11,7 @@ import pytest
 
 from blender_runs import BUILD, INSIDE, rgba
 
+COST = 119
 
 
 class Window:

@@ -9,6 +9,8 @@ import pytest
 
 from native_scenes import ROOT
 
+COST = 0.42
+
 _SPEC = importlib.util.spec_from_file_location("graph", ROOT / "blender_addon_c/export/graph.py")
 graph = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(graph)

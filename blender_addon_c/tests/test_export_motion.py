@@ -10,6 +10,8 @@ import pytest
 
 from native_scenes import ROOT
 
+COST = 0.16
+
 
 @pytest.fixture(scope="module")
 def motion():

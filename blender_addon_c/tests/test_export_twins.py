@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+COST = 0.2
+
 FILE = Path(__file__).resolve().parents[1] / "export/twins.py"
 SPEC = importlib.util.spec_from_file_location("twins", FILE)
 twins = importlib.util.module_from_spec(SPEC)

@@ -4,6 +4,8 @@
 import re
 from pathlib import Path
 
+COST = 0.1
+
 ADD_ON = Path(__file__).resolve().parents[1]
 TEXTS = {path.relative_to(ADD_ON).as_posix(): path.read_text(encoding="utf-8")
          for path in ADD_ON.rglob("*.py") if path.relative_to(ADD_ON).parts[0] not in ("tests", "native")}

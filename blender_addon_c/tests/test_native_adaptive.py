@@ -9,6 +9,8 @@ from native_scenes import (
     FEWER, SANITIZED, area, few, finish, image, material, native, ortho, persp, render, scene, sky, sphere, square, sun)
 from test_native_closures import EMISSION, of
 
+COST = 4.2
+
 SIDE = 32
 
 

@@ -10,6 +10,8 @@ import pytest
 from native_scenes import (area, box, finish, image, look_at, material, native, ortho, persp, point, registers, scene,
                            sky, sphere, square, sun)
 
+COST = 5.4
+
 SIDE = 12
 STEPS = 10 if "ASAN_OPTIONS" in os.environ else 40  # a sanitizer looks at memory; it is slow
 RNG = np.random.default_rng

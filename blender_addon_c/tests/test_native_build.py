@@ -16,6 +16,9 @@ import pytest
 
 from native_scenes import MODULE, ROOT, native, render, scene
 
+COST = 5.1
+ALONE = {"test_all_tests_under_sanitizers": 367}
+
 pytestmark = pytest.mark.skipif("NATIVE_MODULE" in os.environ, reason="tests the release build")
 
 HERE = Path(__file__).parent

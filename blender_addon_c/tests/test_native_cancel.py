@@ -9,6 +9,8 @@ import pytest
 from native_scenes import area, box, image, native, persp, point, scene, sky, sphere
 from test_native_closures import TRANSLUCENT, diffuse, glass, glossy, of, weighed
 
+COST = 3
+
 WORST = 0.3  # seconds
 CASES = {
     # 12 bounces of glass and metal under an image and forty lamps

@@ -13,6 +13,8 @@ from native_scenes import ROOT, material, native, ortho, point, registers, rende
 sys.path.insert(0, str(ROOT / "libshade/python"))
 import shade  # noqa: E402
 
+COST = 3.6
+
 WHITE = (1.0, 1.0, 1.0)
 
 

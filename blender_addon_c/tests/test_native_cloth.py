@@ -9,6 +9,8 @@ import pytest
 from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene,
                            square, sun, unit)
 
+COST = 22
+
 PLACE, COVERAGE = registers(3, 4), registers(7, 1)
 SHADE = ROOT / "build/shade"
 

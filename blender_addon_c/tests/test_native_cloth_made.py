@@ -11,6 +11,8 @@ from native_scenes import dump, native, ortho, registers, scene, square, sun
 from test_native_cloth import checked, cloth, fabric
 from test_native_cloth_moved import moved
 
+COST = 1.2
+
 PLAIN = {"materials": [fabric()], "meshes": [square(1.0)], "lights": [sun((0.2, 0.3, 0.9))], "camera": ortho(0.9, (0.4, 0.5, 3))}
 
 # Pick by pick the ends 1, 2, 4; 2; 1, 3, 4 are on top.

@@ -19,6 +19,9 @@ import pytest
 from native_scenes import SANITIZED, chance, finish, native, persp, scene, square, sun, unit
 from test_native_cloth import cloth, fabric
 
+COST = 3.1
+
+
 # under sanitizers a sixteenth of the pixels, as wide: what an eye sees of a jump is asked of other builds
 FRAMES, SIDE, SAMPLES = int(os.environ.get("FRAMES", "25")), 8 if SANITIZED else 32, 16
 HALF = 0.364 * SIDE / 1920  # of the picture, at one metre: 40 degrees over 1920 pixels

@@ -26,6 +26,8 @@ from native_scenes import (
     sun,
 )
 
+COST = 3.1
+
 
 def half_covered(x):
     """A plate that ends at this x, in a 16 pixel picture of [-1, 1]."""

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+COST = 0.1
+
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = "blender_addon_c/native/"
 

@@ -24,6 +24,8 @@ from native_scenes import (
     vectors,
 )
 
+COST = 0.87
+
 SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)
 

@@ -10,6 +10,8 @@ import pytest
 
 from native_scenes import dump, image, look_at, material, registers, render, scene, sphere, square, sun
 
+COST = 2.7
+
 COPIES, RINGS = 60, 24  # 130,000 triangles in all: more than are copied
 
 

@@ -9,6 +9,8 @@ from native_scenes import (
 )
 from test_native_closures import EMISSION, TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 
+COST = 5.3
+
 KINDS, PARTS = ("DIFFUSE", "GLOSSY", "TRANSMISSION"), ("DIRECT", "INDIRECT", "COLOR")
 ALL = [f"{kind}_{part}" for kind in KINDS for part in PARTS] + ["EMISSION", "ENVIRONMENT"]
 ONE = {"width": 1, "height": 1, "lights": [], "transparent": False}

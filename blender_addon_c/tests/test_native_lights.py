@@ -11,6 +11,8 @@ import pytest
 
 from native_scenes import ROOT, area, dump, native, point, render, scene, spot, sun, unit, vectors
 
+COST = 2
+
 TYPES = native.table()["lights"]
 
 def to(p):

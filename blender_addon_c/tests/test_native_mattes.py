@@ -13,6 +13,8 @@ from native_scenes import ROOT, finish, native, ortho, scene, square
 from test_native_closures import TRANSPARENT, diffuse, of, weighed
 from test_native_film import half_covered
 
+COST = 0.15
+
 spec = importlib.util.spec_from_file_location("matte", ROOT / "blender_addon_c/export/matte.py")
 names = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(names)

@@ -11,6 +11,8 @@ import pytest
 
 from native_scenes import finish, native, scene, sphere
 
+COST = 0.67
+
 MEGABYTE = 1 << 20
 
 

@@ -14,6 +14,8 @@ import pytest
 from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene, square, sun,
                            unit, vectors)
 
+COST = 4.8
+
 KINDS = native.table()["nodes"]
 COLORS = np.random.default_rng(3).random((5, 7, 3), np.float32)
 TILT = unit(np.array((0.3, -0.2, 0.9)))

@@ -10,6 +10,8 @@ from native_scenes import (
     ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, registers, render, scene, sky,
     sphere, square, sun, vectors)
 
+COST = 1.7
+
 SKY = (0.5, 1.0, 2.0)
 
 

@@ -27,6 +27,8 @@ from native_scenes import (
     vectors,
 )
 
+COST = 4.3
+
 F0 = (0.9, 0.6, 0.3)
 
 

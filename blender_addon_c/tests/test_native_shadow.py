@@ -25,6 +25,8 @@ from native_scenes import (
     vectors,
 )
 
+COST = 2.5
+
 
 def lit(planes, light=0):
     return planes[f"light{light}.E.G"] > 0

@@ -5,6 +5,8 @@ import subprocess
 
 from native_scenes import MODULE
 
+COST = 5.4
+
 
 def test_stages():
     program = MODULE.parent / "test_stages"

@@ -8,6 +8,8 @@ import pytest
 
 from native_scenes import image, look_at, native, ortho, registers, render, scene, square
 
+COST = 1.3
+
 WIDE = 256  # texels
 SIDE = 16  # pixels: each WIDE / SIDE texels wide
 UV, TURNED, NEAR_U, NEAR_V, COLOR, ALPHA = 3, 6, 9, 12, 15, 18

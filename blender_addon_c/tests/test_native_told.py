@@ -6,6 +6,8 @@ import pytest
 
 from native_scenes import few, native, ortho, registers, render, scene, square
 
+COST = 0.14
+
 SAID = np.float32([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8], [0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1]])
 
 

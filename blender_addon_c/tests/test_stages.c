@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* COST = 2 */
 /*
  * The stages one by one, on every instruction set of this CPU, without Python: against formulas in
  * double precision. COUNT leaves a rest that fills no register; what lies beyond it must stay as it

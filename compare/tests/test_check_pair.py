@@ -14,6 +14,8 @@ import dumps
 import pictures
 import programs
 
+COST = 12
+
 
 def pair(folder, first=None, second=None, after=None, povray=True):
     """Two dumps of the same ball: a Blender's and, unless told otherwise, POV-Ray's. `first` and

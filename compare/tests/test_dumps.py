@@ -7,6 +7,8 @@ import synthetic
 import consistency
 import dumps
 
+COST = 0.74
+
 
 @pytest.fixture
 def channels():

@@ -11,6 +11,8 @@ import pictures
 import programs
 import report
 
+COST = 44
+
 COMPARE = Path(programs.__file__).parent
 MAKE_SCENE = programs.ROOT / "examples" / "blender" / "suzanne" / "make_scene.py"
 AWKWARD = Path(__file__).with_name("awkward_scene.py")

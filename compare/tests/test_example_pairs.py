@@ -8,6 +8,8 @@ import dumps
 import povray_common
 import study_consistency as study
 
+COST = 16
+
 EXAMPLES = {path.stem: path for path in study.POVRAY}
 
 

@@ -10,6 +10,8 @@ import fabric
 import programs
 import report
 
+COST = 1.8
+
 
 def test_module_and_tool_agree():
     cloth = fabric.Cloth("denim")

@@ -5,6 +5,8 @@ import pytest
 
 import flip
 
+COST = 0.1
+
 
 def pairs():
     random = np.random.default_rng(1)

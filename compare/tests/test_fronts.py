@@ -5,6 +5,8 @@ import pytest
 import fronts
 from fronts import Point
 
+COST = 0.1
+
 
 def one(word, ns, error):
     return Point(word, [ns, ns, ns], error)

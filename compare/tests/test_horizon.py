@@ -9,6 +9,8 @@ import horizon
 import plate
 import programs
 
+COST = 6.4
+
 PROGRAM = programs.BUILD / "horizon"
 
 

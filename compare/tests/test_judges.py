@@ -24,6 +24,9 @@ import shade
 import slopes
 import truth
 
+COST = 0.1
+
+
 # ---- consistency.py ---------------------------------------------------------------------------
 
 SIZE = 32

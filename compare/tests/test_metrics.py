@@ -8,6 +8,8 @@ import pictures
 import report
 import truth
 
+COST = 0.1
+
 
 def test_srgb_encoding_at_known_values():
     # IEC 61966-2-1: middle grey 0.2140 is 127.5; the straight part ends at 0.0031308.

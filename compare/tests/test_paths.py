@@ -9,6 +9,8 @@ import paths
 import pictures
 import whole
 
+COST = 0.1
+
 
 def test_relative_mse_of_a_known_error():
     reference = np.full((40, 40, 3), 0.5)

@@ -6,6 +6,8 @@ import pytest
 
 import plate
 
+COST = 0.1
+
 
 def test_exponents_of_the_issue():
     assert plate.EX == pytest.approx(6170.84, abs=5e-3)

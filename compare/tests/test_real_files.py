@@ -12,6 +12,8 @@ import pictures
 import real_files
 import real_files_fetch
 
+COST = 0.1
+
 
 def row(state, difference="", warnings=""):
     return {**real_files.listed()[0], **real_files.EMPTY, "state": state, "difference": difference,

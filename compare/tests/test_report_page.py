@@ -21,6 +21,9 @@ import style
 import whole
 from chromium import Page
 
+COST = 107
+TOGETHER = "report"
+
 COMPARE = Path(report_page.__file__).parent
 RUN = [sys.executable, str(COMPARE / "report_page.py")]
 

@@ -17,6 +17,9 @@ import study_atlas
 from atlas_forms import FORMS, dot
 from atlas_measures import direction
 
+COST = 11
+TOGETHER = "report"
+
 H, SOLID = atlas_measures.hemisphere(160, 320)
 AZIMUTHS = (np.arange(24) + 0.5) * 15
 EXPONENTS = (200.0, 10.0)

@@ -13,6 +13,8 @@ import dumps
 import programs
 import study_consistency as study
 
+COST = 0.1
+
 
 def dump(folder, name, change=None, after=None):
     made = parts.Dump()

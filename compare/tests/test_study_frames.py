@@ -6,6 +6,8 @@ import pytest
 import sphere
 import study_frames as study
 
+COST = 0.1
+
 
 def test_normals_are_those_of_the_displaced_points():
     u, v = np.random.default_rng(1).uniform(0.3, 0.7, (2, 400))

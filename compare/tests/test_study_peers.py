@@ -6,6 +6,8 @@ import pytest
 import plate
 import study_peers as study
 
+COST = 0.1
+
 
 def made(error, noise, seed=1):
     """Pictures of a renderer whose normal map is off by `error` and whose noise has this relative size."""

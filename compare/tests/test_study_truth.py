@@ -14,6 +14,9 @@ import sheet
 import slopes
 import study_truth
 
+COST = 1.9
+TOGETHER = "report"
+
 if not displacement.PROGRAM.exists():
     subprocess.run(["make", str(displacement.PROGRAM.relative_to(programs.ROOT))], cwd=programs.ROOT,
                    check=True)

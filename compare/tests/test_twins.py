@@ -4,6 +4,8 @@ import pytest
 
 import twins
 
+COST = 0.1
+
 
 def test_twin_replaces_blocks_alone():
     text = ('#ifndef (mdf_Version)\n  #error "x"\n#end\nsphere { 0, 1 finish { ambient 0 diffuse 0 mdf { ggx .1, .3 reflection { samples 2 } } } }\n'

@@ -13,6 +13,8 @@ import pictures
 import pytest
 import whole
 
+COST = 0.1
+
 COMPARE = Path(whole.__file__).parent
 
 

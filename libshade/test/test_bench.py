@@ -7,6 +7,8 @@ import pathlib
 import re
 import subprocess
 
+COST = 15
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 

@@ -11,6 +11,8 @@ import time
 
 import pytest
 
+COST = 2.2
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "setup/bench_pairs.py"
 # $8 is the distribution; each call leaves a line in $CALLS

@@ -11,6 +11,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+COST = 48
+
 ROOT = Path(__file__).resolve().parents[2]
 SHADE = Path(os.environ.get("SHADE", ROOT / "build/shade"))
 CC = os.environ.get("CC", "cc")

@@ -5,6 +5,8 @@ import re
 
 import pytest
 
+COST = 0.1
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 

@@ -7,6 +7,8 @@ import subprocess
 
 import pytest
 
+COST = 1.3
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 PRECISIONS = {"float": 3e-6, "double": 1e-12, "reference": 1e-12}

@@ -10,6 +10,8 @@ import sys
 
 import pytest
 
+COST = 3.9
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
 MODULE = sorted((ROOT / "libshade/python/shade").glob("*.py"))

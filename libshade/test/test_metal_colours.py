@@ -11,6 +11,8 @@ sys.path[:0] = [str(ROOT / "libshade" / "python"), str(ROOT / "libshade" / "test
 import metal_spectra  # noqa: E402
 import shade  # noqa: E402
 
+COST = 0.11
+
 
 def test_white_is_white_and_the_observer_sees_daylight():
     """D65 is at x .3127, y .3290, whose colour is (1, 1, 1)."""

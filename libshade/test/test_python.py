@@ -19,6 +19,8 @@ sys.path.insert(0, str(ROOT / "libshade" / "python"))
 import shade  # noqa: E402
 from shade import _library, _structs  # noqa: E402
 
+COST = 1.6
+
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
 

@@ -11,6 +11,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+COST = 2.6
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 SCRATCHES = ("--pits", "300", "--radius", ".004,.02", "--stretch", "1,8", "--spread", "90",

@@ -9,6 +9,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+COST = 12
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 

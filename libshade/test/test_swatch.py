@@ -13,6 +13,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+COST = 8.4
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 CLOTHS = ("silk_charmeuse silk_shantung denim gabardine linen wool_flannel polyester_lining "

@@ -4,6 +4,8 @@ memory copies and libm."""
 import pathlib
 import subprocess
 
+COST = 0.1
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARCHIVE = ROOT / "build" / "libshade.a"
 EVALUATION = ("isa_", "dispatch")

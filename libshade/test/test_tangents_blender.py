@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+COST = 2.3
+
 HERE = Path(__file__).resolve().parent
 LIBSHADE = HERE.parent
 MESHES = ["suzanne", "sphere", "torus", "flat_suzanne", "cylinder_with_hard_edges",

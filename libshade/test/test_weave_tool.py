@@ -15,6 +15,8 @@ import numpy
 import OpenImageIO
 import pytest
 
+COST = 4.1
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 WEAVES = ROOT / "examples" / "weaves"

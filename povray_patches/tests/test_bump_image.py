@@ -11,6 +11,8 @@ import pytest
 
 from scenes import dot, finish, normalise, saddle
 
+COST = 17
+
 TOP = """#version 3.7; global_settings { assumed_gamma 1 }
 camera { orthographic location <.5, 3, .5> right 1.6*x up 1.2*z direction -y }
 light_source { <3, 5, -1>, rgb 1 }

@@ -5,6 +5,8 @@ import pytest
 
 from scenes import HEADER, SUN, LAMP, scene
 
+COST = 18
+
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")
 FRONT = """#version 3.7;

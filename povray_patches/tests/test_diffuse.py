@@ -6,6 +6,8 @@ import pytest
 
 from scenes import HEADER, LAMP, SUN, scene
 
+COST = 0.1
+
 COLOUR = "<.9, .5, .2>"
 
 

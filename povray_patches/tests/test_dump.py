@@ -5,6 +5,8 @@ import pytest
 
 from scenes import HEADER, LAMP, OBJECTS, SUN, dot, finish, largest_error, normalise, saddle, scene
 
+COST = 7
+
 BUMPS = "normal { bumps .4 scale .2 }"
 
 

@@ -8,6 +8,8 @@ import pytest
 
 from conftest import ROOT
 
+COST = 0.1
+
 SCENES = sorted(p for p in (ROOT / "examples/povray").glob("*/*.pov") if p.stem != "suzanne")  # the demo's: compare/
 
 

@@ -8,6 +8,8 @@ import pytest
 
 from scenes import scene
 
+COST = 0.1
+
 BLOCKS = ["ashikhmin_shirley 200 , 10 detail rotate fresnel schlick horizon valid_estevez specular rgb < .5 , .4 , .3 > tangent uv",
           "ggx .1 , .3 fresnel conductor rgb < .2 , .9 , 1.1 > , rgb < 3.9 , 2.4 , 2.1 > reflection { samples 4 clamp 10 } tangent radial y at < 0 , 1 , 0 >",
           "ward .2 , .1 diffuse fibre rgb < .2 , .3 , .4 > specular pigment roughness .01 , .2 groove y brdf ward_bounded",

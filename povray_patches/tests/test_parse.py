@@ -9,6 +9,8 @@ import pytest
 
 from scenes import HEADER, SUN, saddle, scene
 
+COST = 0.1
+
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "

@@ -7,6 +7,9 @@ import pytest
 
 from scenes import scene
 
+COST = 0.1
+
+
 # a wall at x = 1 that a plate in y = 0 throws light on, seen from the front
 PHOTONS = "global_settings { assumed_gamma 1 photons { spacing .005 gather 150, 200 } }\n"
 HEADER = "#version 3.7;\nPHOTONS camera { orthographic location <0, 1, 0> right 1.6*z up 1.6*y direction x }\n"

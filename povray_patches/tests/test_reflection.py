@@ -7,6 +7,8 @@ import pytest
 
 from scenes import dot, normalise
 
+COST = 0.1
+
 EX, EY = 60.0, 9.0
 EYE = normalise(np.array([0.3, 0.8, -0.5]))  # from the plate
 FAR, RADIUS = 1000.0, 250.0

@@ -10,6 +10,9 @@ import pytest
 
 from conftest import ROOT
 
+COST = 0.1
+ALONE = {"test_no_existing_scene_changes": 11}
+
 PATCHES = ROOT / "povray_patches"
 SERIES = [line for line in (PATCHES / "series").read_text().split("\n") if line and not line.startswith("#")]
 SOURCE = Path(os.environ.get("POVRAY_SOURCE", ROOT / "build/povray/src"))
