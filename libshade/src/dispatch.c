@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The public entries, through the instruction set that the material was made ready for: compiled
- * once for each precision. */
+ * once for each precision. Those of float end in f: shade_bsdf_eval_batchf. */
 #include "../batch/isa.h"
 
 #include "../model/real.h"

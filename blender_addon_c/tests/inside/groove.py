@@ -99,7 +99,7 @@ def pictures(folder, engine, words):
     scene = new_scene(engine)
     image = bumps()
     flat = common.link(scene, "flat", new_plate(1))
-    fine = common.link(scene, "fine", new_plate(150)) if engine == "CYCLES" else None
+    fine = common.link(scene, "fine", new_plate(300)) if engine == "CYCLES" else None
 
     def render(ob, material, name):
         for other in filter(None, (flat, fine)):
