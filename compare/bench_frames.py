@@ -146,9 +146,14 @@ def before(word):
 def goals(root):
     """The add-on, without its assets and its manual, and POV-Ray."""
     source, made = root / "blender_addon_c", "build/blender/addons/libshade"
-    files = [path.relative_to(source) for path in (*source.glob("*.py"), *source.glob("export/*.py"))]
+    files = [path.relative_to(source) for path in python_of(source)]
     libraries = (path.relative_to(programs.BUILD) for path in Path(programs.BUILD).glob("blender/addons/libshade/lib/*"))
     return [f"{made}/_native.abi3.so", *(f"build/{path}" for path in libraries), *(f"{made}/{path}" for path in files), "povray"]
+
+
+def python_of(folder):
+    """The add-on's modules: its own and those of its folders."""
+    return [path for path in sorted((*folder.glob("*.py"), *folder.glob("*/*.py"))) if path.parent.name not in ("native", "tests")]
 
 
 def export(sides, scenes):
@@ -188,7 +193,7 @@ def kept(side, scene):
 
 def made_from(side, scene):
     """Of what a scene's file depends on: the add-on's Python, the script and what stands beside it, the order."""
-    files = [*side.add_on.glob("*.py"), *side.add_on.glob("export/*.py"), scene.script,
+    files = [*python_of(side.add_on), scene.script,
              EXAMPLES / "blender/parts.py", programs.HERE / "bench_frames_export.py"]
     sums = hashlib.sha256(repr((scene, ORDERS.get(scene.name))).encode())
     for file in sorted(files):

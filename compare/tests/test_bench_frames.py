@@ -102,3 +102,11 @@ def test_every_example_is_there():
 def test_ends(arguments, status, words):
     said = subprocess.run([sys.executable, programs.HERE / "bench_frames.py", *arguments], capture_output=True, text=True, timeout=60)
     assert said.returncode == status and words in said.stderr and "Traceback" not in said.stderr
+
+
+def test_a_commits_add_on_has_the_modules_of_its_packages():
+    made = bench.goals(programs.ROOT)
+    packages = [path.parent for path in (programs.ROOT / "blender_addon_c").glob("*/__init__.py")]
+    assert len(packages) > 1
+    for module in (module for package in packages for module in package.glob("*.py")):
+        assert f"build/blender/addons/libshade/{module.parent.name}/{module.name}" in made
