@@ -5,6 +5,10 @@
 
 #include "render/worker.h"
 
+/* Its batch alone. False when out of memory. */
+bool batch_init(worker *w);
+void batch_free(worker *w);
+
 /* What rays meet. kind: of all; 0: of each its path state's. */
 void hits_trace(worker *w, ray_kind kind, size_t count);
 /* Samples to hits: sorted by material, unless nothing need move, and by `key`, as queue_sort has

@@ -44,8 +44,4 @@ typedef struct worker {
   struct through *through; /* what shadow rays need where some surface is transparent, or NULL */
 } worker;
 
-/* Its batch alone. False when out of memory. */
-bool batch_init(worker *w);
-void batch_free(worker *w);
-
 #endif
