@@ -9,6 +9,9 @@ BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
     $(wildcard blender_addon_c/*.py $(patsubst %,blender_addon_c/%/*.py,export fabric scratches))) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
 
+# The add-on as Blender finds it, without the assets and the manual that are in the zip, too
+BLENDER_READY := $(B)/blender/ready
+
 # Of what was once there
 BLENDER_STALE = $(filter-out $(BLENDER_FILES),$(shell find $(BLENDER_ADDON) -name '*.py'))
 
@@ -37,20 +40,23 @@ $(BLENDER_ADDON)/LICENSE.txt: LICENSES/GPL-3.0-or-later.txt
 	@mkdir -p $(@D)
 	$(Q)cp $< $@
 
+$(BLENDER_READY): $(BLENDER_FILES)
+	$(Q)rm -f $(BLENDER_STALE)
+	@touch $@
+
 $(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree builder groove \
   $(addprefix fabric/,node maps place shade tree yarns) $(addprefix scratches/,field images tree)) \
-  $(N)/scene/cloth_picture.c $(L)/src/presets.c $(L)/include/shade/table.h | $(BLENDER_FILES)
+  $(N)/scene/cloth_picture.c $(L)/src/presets.c $(L)/include/shade/table.h | $(BLENDER_READY)
 	$(call say,render   ,$(@D))
 	$(Q)BLENDER_USER_SCRIPTS=$(abspath $(B)/blender) blender -b --factory-startup --addons libshade --python-exit-code 1 -P $< \
 	  -- $(abspath $(@D)) >$(B)/assets.log 2>&1 || { tail -20 $(B)/assets.log; exit 1; }
 $(filter-out $(BLENDER_CATALOGS),$(BLENDER_ASSETS)): $(BLENDER_CATALOGS)
 
-$(BLENDER_MANUAL): blender_addon_c/make_manual.py docs/blender.md $(BLENDER_PICTURES) | $(BLENDER_FILES)
+$(BLENDER_MANUAL): blender_addon_c/make_manual.py docs/blender.md $(BLENDER_PICTURES) | $(BLENDER_READY)
 	$(call say,convert  ,$@)
 	$(Q)/usr/bin/python3 $< docs/blender.md $(@D)
 
-$(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
+$(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_READY) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
 	$(call say,zip      ,$@)
-	$(Q)rm -f $(BLENDER_STALE)
 	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES) $(BLENDER_ASSETS) \
 	  $(BLENDER_MANUAL) $(addprefix $(dir $(BLENDER_MANUAL)),$(notdir $(BLENDER_PICTURES)))

@@ -3,7 +3,7 @@
 # adds the truth by displacement and the speed beside Cycles.
 DEMO := $(B)/demo
 COMPARE := $(wildcard compare/*.py)
-RENDERERS := $(B)/libshade-blender.zip $(POVRAY) $(B)/shade
+RENDERERS := $(BLENDER_READY) $(POVRAY) $(B)/shade
 BLENDER ?= blender
 export BLENDER
 
@@ -11,7 +11,7 @@ demo: $(DEMO)/agreed
 	@cat $(DEMO)/table.txt
 
 SUZANNE := $(wildcard examples/blender/suzanne/*.py)
-$(DEMO)/suzanne.blend: $(SUZANNE) $(B)/libshade-blender.zip
+$(DEMO)/suzanne.blend: $(SUZANNE) $(BLENDER_READY)
 	@mkdir -p $(@D)
 	@echo "Building the scene $@"
 	@BLENDER_USER_SCRIPTS=$(B)/blender $(BLENDER) -b --factory-startup --addons libshade \
@@ -63,7 +63,7 @@ compare-peers: $(B)/libshade-blender.zip all
 # that is then said last. One that found nothing is not asked again until a program or a script changes.
 JUDGES := truth.py "truth.py --surface scratches" "truth.py --light sky" slopes.py horizon.py fabric.py speed.py paths.py
 JUDGED := $(B)/compare/judged
-compare: demo $(B)/horizon $(B)/displaced
+compare: demo $(B)/libshade-blender.zip $(B)/horizon $(B)/displaced
 	@echo "Judges first, each with its own progress; then the report:"; $(PY) compare/report_page.py --plan
 	@missed=; mkdir -p $(JUDGED); for judge in $(JUDGES) report_page.py; do \
 	  mark="$(JUDGED)/$$(echo "$$judge" | tr ' ' _)"; \
@@ -79,6 +79,6 @@ compare: demo $(B)/horizon $(B)/displaced
 # Whole frames of every example scene against another commit's build, in turns: make bench-frames BEFORE=COMMIT
 # ONLY="plate pan" FRAMES="--minutes 20"
 .PHONY: bench-frames
-bench-frames: $(BLENDER_FILES) $(B)/shade povray setup-demo
+bench-frames: $(BLENDER_READY) $(B)/shade povray setup-demo
 	@$(if $(BEFORE),,echo "make bench-frames: BEFORE=COMMIT is missing: what to compare with" >&2; exit 2;) \
 	$(PY) compare/bench_frames.py $(BEFORE) $(if $(ONLY),--only $(ONLY)) $(FRAMES)

@@ -349,12 +349,12 @@ def test_only_agreement_is_stamped(tmp_path, status):
     script.chmod(0o755)
     build = tmp_path / "build"
     (build / "demo").mkdir(parents=True)
-    for name in ("libshade-blender.zip", "povray", "shade", "demo/suzanne.blend"):
+    for name in ("ready", "povray", "shade", "demo/suzanne.blend"):
         (build / name).touch()
     stamp = build / "demo" / "agreed"
     stamp.touch()
     os.utime(stamp, (1, 1))
-    rules = f"B := {build}\nPOVRAY := {build}/povray\nL := libshade\n.PHONY: povray\n" \
+    rules = f"B := {build}\nBLENDER_READY := {build}/ready\nPOVRAY := {build}/povray\nL := libshade\n.PHONY: povray\n" \
             "include compare/compare.mk\n"
     done = subprocess.run(["make", "-s", "-f", "-", f"PY={script}", "-o", str(build / "povray"),
                            "-o", str(build / "demo/suzanne.blend"), str(stamp)],
