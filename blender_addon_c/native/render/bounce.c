@@ -126,6 +126,12 @@ static bool takes_all_lamps(const scene *s, int bounce) {
   return s->choices == s->lights && s->lights <= (bounce == 0 ? FEW : 1);
 }
 
+/* Whether neighbours' shadow rays go one way: from what the camera sees to a lamp without a size.
+ */
+static bool is_coherent(const scene *s, size_t number, int bounce) {
+  return bounce == 0 && takes_all_lamps(s, bounce) && !s->light[number].common.soft;
+}
+
 /* What the hits reflect of their light samples: b->sum grows by it. number: of the light, where all
  * have the same. */
 static void reflect(worker *w, size_t number, int bounce, size_t phase, bool shadow, bool shared,
@@ -142,8 +148,7 @@ static void reflect(worker *w, size_t number, int bounce, size_t phase, bool sha
   if (shadow && w->through)
     color = through_shadows(w, color) ? NULL : color;
   else if (shadow)
-    accel_occluded(w->scene->accel, hits, bounce == 0 && takes_all_lamps(w->scene, bounce),
-                   &b->light.ray);
+    accel_occluded(w->scene->accel, hits, is_coherent(w->scene, number, bounce), &b->light.ray);
   size_t lit = s->shadow(hits, &b->light);
   clock_tick(&w->clocks, CLOCK_SHADOW);
   if (!lit && !w->observer)
