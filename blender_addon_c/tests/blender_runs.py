@@ -124,6 +124,14 @@ class Dump:
         return self["material"] >= 0
 
 
+ENGINES = "CYCLES", "LIBSHADE"  # in a scene's option `engines`: one file for both
+
+
+def by_each(folder, read=rgba):
+    """(Cycles' picture, ours) of such a scene."""
+    return [read(folder / f"{engine}.exr") for engine in ENGINES]
+
+
 def difference(a, b):
     """Mean absolute difference over mean, of linear RGB."""
     return np.abs(a - b)[..., :3].mean() / b[..., :3].mean()

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from blender_runs import rgba
+from blender_runs import ENGINES, by_each, rgba
 
 COST = 37
 
@@ -192,11 +192,8 @@ APART = {("several in glass", "3.4"): 0.025}
 
 def test_shaders_are_those_of_cycles(blender, tmp_path):
     cases = cases_of(blender.version)
-    pictures = []
-    for engine, samples in (("LIBSHADE", 128), ("CYCLES", 128)):
-        blender.scene("balls", tmp_path, cases=cases, engine=engine, samples=samples, dump="")
-        pictures.append(rgba(tmp_path / "picture.exr")[..., :3].astype(float))
-    ours, theirs = pictures
+    blender.scene("balls", tmp_path, cases=cases, engines=ENGINES, samples=128, dump="")
+    theirs, ours = (picture[..., :3].astype(float) for picture in by_each(tmp_path))
     far = []
     for column, case in enumerate(cases):
         at = np.s_[:, 24 * column:24 * column + 24]

@@ -14,7 +14,7 @@ def test_a_new_file(blender, tmp_path, floor):
     """Nothing but the engine is chosen."""
     limit = 0.02 if floor else 0.005
     pictures = []
-    for engine, samples in ("LIBSHADE", 64), ("CYCLES", 128):
+    for engine, samples in ("LIBSHADE", 24), ("CYCLES", 48):
         blender.scene("first_minute", tmp_path, dump="", engine=engine, samples=samples, floor=floor)
         pictures.append(averaged(tmp_path / "picture.exr"))
     ours, theirs = pictures
@@ -38,7 +38,7 @@ def test_denoising(blender, tmp_path):
         np.testing.assert_allclose(noisy, clean, rtol=1e-4, atol=1e-5)  # 3.4 adds up normals in any order
         return
     assert missing not in text
-    many, _ = picture(512, False)
+    many, _ = picture(192, False)
     before, after = (((p - many) ** 2 / (many**2 + 1e-3)).mean() for p in (noisy, clean))
     print(f"error of 4 samples {before:.4f}, denoised {after:.4f}")
     assert after < before / 4 and abs(clean.mean() / noisy.mean() - 1) < 0.01

@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from blender_runs import ROOT, Dump, rgba
+from blender_runs import Dump, rgba
 
 COST = 13
 

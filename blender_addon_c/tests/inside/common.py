@@ -140,12 +140,8 @@ def metal(name="metal", **settings):
     return material, tree, node
 
 
-def shown(by_metal, name="shown"):
-    """(material, tree, socket) of a material that shows a colour: as what our metal reflects, which a dump has, or as emission.
-    Where there are hundreds, to make our nodes takes most of the time."""
-    if by_metal:
-        material, tree, node = metal(name, fresnel="NONE", detail="NONE")
-        return material, tree, node.inputs["Color"]
+def shown(name="shown"):
+    """(material, tree, socket) of a material that shines with a colour."""
     material = bpy.data.materials.new(name)
     tree = tree_of(material)
     tree.nodes.clear()
@@ -197,3 +193,10 @@ def render(path):
     """Render to `path` (.exr); raises RuntimeError where the engine reports an error."""
     bpy.context.scene.render.filepath = path[:-4] if path.endswith(".exr") else path
     bpy.ops.render.render(write_still=True)
+
+
+def render_each(scene, options):
+    """By each of options["engines"], to ENGINE.exr beside the picture that one alone would be."""
+    for engine in options["engines"]:
+        scene.render.engine = engine
+        render(os.path.join(os.path.dirname(options["picture"]), f"{engine}.exr"))

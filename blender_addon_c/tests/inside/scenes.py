@@ -756,7 +756,7 @@ def graph(options):
         image.pixels.foreach_set([*color, 1] * 4)
         image.update()
     for column, case in enumerate(cases):
-        material, tree, showing = common.shown(by_metal=False)
+        material, tree, showing = common.shown()
         node = tree.nodes.new(case["node"])
         for key, value in case.get("set", {}).items():
             setattr(node, key, value)
@@ -782,11 +782,9 @@ def graph(options):
             loop.uv = (0.3, 0.6)
     common.light(scene)
     common.camera(scene, type="ORTHO", ortho_scale=len(cases))
-    if options["engine"] == "CYCLES":
-        scene.render.engine = "CYCLES"
-        scene.cycles.samples, scene.cycles.use_denoising = 1, False
-        scene.cycles.pixel_filter_type = "BOX"
-    common.render(options["picture"])
+    scene.cycles.samples, scene.cycles.use_denoising = 1, False
+    scene.cycles.pixel_filter_type = "BOX"
+    common.render_each(scene, options)
     return {}
 
 
@@ -869,9 +867,9 @@ def _through_group(tree, name, vector, hidden):
     return node.outputs[0]
 
 
-def _showing(case, engine):
+def _showing(case):
     """A material of what a node says. "beside": an image has asked for the active UV map before."""
-    material, tree, showing = common.shown(engine != "CYCLES", case["node"])
+    material, tree, showing = common.shown(case["node"])
     node = tree.nodes.new(case["node"])
     for key, value in case.get("set", {}).items():
         setattr(node, key, value)
@@ -921,9 +919,9 @@ def places(options):
     cases = options["cases"]
     scene = common.empty_scene(16 * len(cases), 16, samples=1)
     for column, case in enumerate(cases):
-        ob = _sheet(_showing(case, options["engine"]), case)
+        ob = _sheet(_showing(case), case)
         if "other" in case:
-            ob.data.materials.append(_showing({**case, **case["other"]}, options["engine"]))
+            ob.data.materials.append(_showing({**case, **case["other"]}))
             for k, polygon in enumerate(ob.data.polygons):
                 polygon.material_index = k % 2
         ob.name = f"sheet {column}"
@@ -933,10 +931,9 @@ def places(options):
     if options["perspective"]:
         kind = {"angle": 2 * math.atan(0.125 * len(cases)), "shift_y": 0.1 / len(cases)}
     common.camera(scene, (0, 0, 4), **kind)
-    if options["engine"] == "CYCLES":
-        scene.render.engine = "CYCLES"
-        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.filter_width = 1, False, 0.01
-    common.render(options["picture"])
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.filter_width = 1, False, 0.01
+    scene.libshade.filter_width = 0.0  # pixels' middles
+    common.render_each(scene, options)
     return {}
 
 
@@ -1222,20 +1219,17 @@ def balls(options):
         common.tree_of(floor).nodes["Principled BSDF"].inputs["Base Color"].default_value = options["floor"]
         common.plane(floor, 2 * len(cases)).location = (0, -len(cases), -0.5)
     common.camera(scene, type="ORTHO", ortho_scale=len(cases))
-    settings = scene.libshade
-    settings.groove_transport = False
-    if options["engine"] == "CYCLES":
-        scene.render.engine = "CYCLES"
-        settings = scene.cycles
-        settings.use_denoising = settings.use_adaptive_sampling = False
-        settings.samples, settings.blur_glossy = options["samples"], 0
-    settings.pixel_filter_type = "BOX"
-    settings.max_bounces, settings.sample_clamp_indirect = 12, 0
+    scene.libshade.groove_transport = False
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.samples, scene.cycles.blur_glossy = options["samples"], 0
+    for settings in scene.cycles, scene.libshade:
+        settings.pixel_filter_type = "BOX"
+        settings.max_bounces, settings.sample_clamp_indirect = 12, 0
     if "passes" in options:
         common.write_multilayer(scene)
         common.ask_for(scene.view_layers[0], options["passes"], True)
         scene.world.mist_settings.start, scene.world.mist_settings.depth = 3.2, 2.0
-    common.render(options["picture"])
+    common.render_each(scene, options)
     return {}
 
 
@@ -1315,14 +1309,12 @@ def lit(options):
     """A floor, a matt ball and a metal one under one light, or under a world."""
     scene = common.empty_scene(48, 32)
     scene.render.film_transparent = False
-    scene.render.engine = options["engine"]
-    settings = scene.cycles if options["engine"] == "CYCLES" else scene.libshade
-    settings.samples, settings.max_bounces = options["samples"], 12
-    if options["engine"] == "CYCLES":
-        settings.use_denoising = settings.use_adaptive_sampling = False
-        settings.blur_glossy = settings.light_sampling_threshold = 0
-    else:
-        settings.filter_width = 0
+    both = scene.cycles, scene.libshade
+    for settings in both:
+        settings.samples, settings.max_bounces = options["samples"], 12
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.blur_glossy = scene.cycles.light_sampling_threshold = 0
+    scene.libshade.filter_width = 0
     for kind, color, rough, place in (("Diffuse", (0.6, 0.5, 0.4, 1), 0, None),
                                       ("Diffuse", (0.3, 0.6, 0.3, 1), 0, (1, -0.3, 0.5)),
                                       ("Glossy", (0.8, 0.7, 0.5, 1), 0.5, (-0.6, 0.2, 0.6))):
@@ -1365,20 +1357,21 @@ def lit(options):
         bpy.context.view_layer.use_sky = False
     common.camera(scene, (0, -5, 3), (1.08, 0, 0))
     hide(scene, options.get("hidden", {}))
-    for name, value in options.get("given", {}).items():
-        setattr(settings, name, value)
+    for settings in both:
+        for name, value in options.get("given", {}).items():
+            setattr(settings, name, value)
     if "roughness" in options:
         scene.objects["Sphere.001"].scale = (3, 3, 3)  # a large part of what is seen
         scene.objects["Sphere.001"].data.materials[0].node_tree.nodes["Glossy BSDF"].inputs[
             "Roughness"].default_value = options["roughness"]
     if "panes" in options:
         panes(options["panes"], options.get("full"))
-        settings.transparent_max_bounces = options.get("passes", 8)
-        settings.sample_clamp_indirect = 0
+        for settings in both:
+            settings.transparent_max_bounces, settings.sample_clamp_indirect = options.get("passes", 8), 0
     if options.get("empty"):
         for ob in [ob for ob in scene.objects if ob.type == "MESH"]:
             bpy.data.objects.remove(ob)
-    common.render(options["picture"])
+    common.render_each(scene, options)
     return {}
 
 

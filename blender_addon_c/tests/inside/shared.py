@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A file with nodes of ours, rendered by Cycles with the add-on, or opened without.
+"""Files with nodes of ours, as they are made and converted to plain groups, rendered by Cycles with the add-on, and opened without.
 
-arguments: FILE PICTURE make | convert | open
+arguments: FOLDER with | without
 """
 
 import os
@@ -37,15 +37,19 @@ def make():
         common.plane(material, 2).location = (x, 0, 0)
 
 
-path, picture, what = common.arguments()
-if what == "open":
-    assert common.MODULE not in bpy.context.preferences.addons
-    bpy.ops.wm.open_mainfile(filepath=path)
-    assert common.MODULE not in bpy.context.preferences.addons
-else:
+folder, how = common.arguments()
+if how == "with":
     make()
-    if what == "convert":
-        assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"}
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-common.render(picture)
+else:
+    assert common.MODULE not in bpy.context.preferences.addons
+for what in "made", "converted":
+    path = os.path.join(folder, f"{what}.blend")
+    if how == "without":
+        bpy.ops.wm.open_mainfile(filepath=path)
+        assert common.MODULE not in bpy.context.preferences.addons
+    else:
+        if what == "converted":
+            assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"}
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+    common.render(os.path.join(folder, f"{what}_{how}.exr"))
 common.finish()

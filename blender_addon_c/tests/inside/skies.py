@@ -131,6 +131,11 @@ WORLDS = {
 }
 
 
+def _unlit(world):
+    """Nothing is lit by it: Cycles need not learn where it is bright, which takes longer than a picture of it."""
+    world.cycles.sampling_method = "NONE"
+
+
 def seen_world(options):
     """Whatever nodes make of a world, by name: {name: directions as in seen_sky}."""
     scene = common.empty_scene(64, 48)
@@ -145,6 +150,7 @@ def seen_world(options):
         shines = made.type == "SHADER"
         to = tree.get_output_node("ALL").inputs["Surface"] if shines else tree.nodes["Background"].inputs["Color"]
         tree.links.new(made, to)
+        _unlit(scene.world)
         common.render(f"{options['picture']}.{name}.exr")
     return {}
 
@@ -155,7 +161,8 @@ def seen_sky(options):
     settings = _settings(scene, options["engine"], 1)
     settings.pixel_filter_type = "BLACKMAN_HARRIS"
     settings.filter_width = 0.01 if options["engine"] == "CYCLES" else 0.0  # pixels' middles
-    _sky(scene, options["sky"], options.get("turn"), options.get("hue"))
+    _sky(scene, options["sky"], options.get("turn"))
+    _unlit(scene.world)
     common.camera(scene, (0, 0, 0), options.get("look", (1.8, 0, -0.3)), angle=2.4)
     common.render(options["picture"])
     return {}
