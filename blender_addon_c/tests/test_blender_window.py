@@ -12,6 +12,7 @@ import pytest
 from blender_runs import BUILD, INSIDE, rgba
 
 COST = 119
+SCREENSHOT = BUILD / "screenshots/blender.png"
 
 
 class Window:
@@ -20,6 +21,7 @@ class Window:
     def __init__(self, blender, folder, screenshot, *more, script="window.py"):
         more = more if script != "window.py" else (screenshot, *more)
         self.log, self._screenshot = folder / "log", screenshot
+        SCREENSHOT.parent.mkdir(exist_ok=True)
         self._read, number = os.pipe()
         self._screen = subprocess.Popen(
             ["Xvfb", "-displayfd", str(number), "-screen", "0", "1280x960x24", "-nolisten", "tcp"],
@@ -72,9 +74,7 @@ class Window:
 
 @pytest.fixture
 def window(request, blender34, tmp_path):
-    folder = BUILD / "screenshots"
-    folder.mkdir(exist_ok=True)
-    window = Window(blender34, tmp_path, folder / "blender.png", *getattr(request, "param", ()))
+    window = Window(blender34, tmp_path, SCREENSHOT, *getattr(request, "param", ()))
     yield window
     window.close()
 
@@ -111,29 +111,6 @@ def white(path):
     return (rgba(path)[240:630, 530:790, :3].min(-1) > 0.6).sum()
 
 
-def test_viewport(window):
-    """Rendered mode shows the metal, soon after it has been asked for; then a part of it, what is in local view, and both in two views."""
-    window.wait("ready 0")
-    assert golden(window.take_screenshot("blender_solid.png")) < 5_000  # outline, axis
-
-    def until(name, is_so):
-        deadline = time.monotonic() + 30
-        while not is_so(path := window.take_screenshot(f"blender_{name}.png")):
-            assert time.monotonic() < deadline, f"{name}: {golden(path)} golden pixels in the viewport"
-            time.sleep(0.5)
-        return golden(path)
-
-    window.please("viewport")
-    whole = until("viewport", lambda path: golden(path) >= 20_000)
-    window.please("border")
-    until("border", lambda path: 0.02 * whole < golden(path) < 0.5 * whole)
-    plate = white(window.take_screenshot("blender_border.png"))
-    window.please("local")  # of the monkey, without the plate
-    until("local", lambda path: white(path) < 0.2 * plate and golden(path) > 0.02 * whole)
-    window.please("split")  # and the other shows all
-    until("split", lambda path: golden(path, slice(500)) > 0.1 * whole and golden(path, slice(540, 1000)) > 0.02 * whole)
-
-
 def test_viewport_says_what_is_wrong(window):
     """In the header, and still after the next redraw."""
     window.wait("ready 0")
@@ -152,12 +129,42 @@ def test_viewport_says_what_is_wrong(window):
     window.wait("selected area")
 
 
-def test_previews_are_our_own(window):
-    """The ball in the material's tab; a dump is not written over by it."""
+@pytest.fixture(scope="module")
+def shared(blender34, tmp_path_factory):
+    """A window for tests that leave the scene as it is."""
+    window = Window(blender34, tmp_path_factory.mktemp("window"), SCREENSHOT.with_name("shared.png"))
     window.wait("ready 0")
-    window.please("material")
-    window.wait("preview True")
-    window.take_screenshot("blender_material.png")
+    yield window
+    window.close()
+
+
+def test_previews_are_our_own(shared):
+    """The ball in the material's tab; a dump is not written over by it."""
+    shared.please("material")
+    shared.wait("preview True")
+    shared.take_screenshot("blender_material.png")
+
+
+def test_viewport(shared):
+    """Rendered mode shows the metal, soon after it has been asked for; then a part of it, what is in local view, and both in two views."""
+    assert golden(shared.take_screenshot("blender_solid.png")) < 5_000  # outline, axis
+
+    def until(name, is_so):
+        deadline = time.monotonic() + 30
+        while not is_so(path := shared.take_screenshot(f"blender_{name}.png")):
+            assert time.monotonic() < deadline, f"{name}: {golden(path)} golden pixels in the viewport"
+            time.sleep(0.5)
+        return golden(path)
+
+    shared.please("viewport")
+    whole = until("viewport", lambda path: golden(path) >= 20_000)
+    shared.please("border")
+    until("border", lambda path: 0.02 * whole < golden(path) < 0.5 * whole)
+    plate = white(shared.take_screenshot("blender_border.png"))
+    shared.please("local")  # of the monkey, without the plate
+    until("local", lambda path: white(path) < 0.2 * plate and golden(path) > 0.02 * whole)
+    shared.please("split")  # and the other shows all
+    until("split", lambda path: golden(path, slice(500)) > 0.1 * whole and golden(path, slice(540, 1000)) > 0.02 * whole)
 
 
 def red(path):
