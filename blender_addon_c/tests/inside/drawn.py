@@ -31,6 +31,7 @@ def log(*words):
 def build():
     scene = common.empty_scene(320, 240, 16)
     scene.libshade.preview_samples = 1 << 16
+    scene.render.threads_mode, scene.render.threads = "FIXED", 1  # what renders meanwhile does not matter
     material, _tree, _node = common.metal(ex=60, ey=10)
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=SIDE, y_subdivisions=SIDE, size=4)
     ob = common.added(material)
