@@ -25,8 +25,9 @@ $(B)/povray/editor/words: $(P)/editor/words.cpp $(wildcard $(P)/glue/words.*) $(
 	@$(CXX) -O1 -Wall -Wextra -Wconversion -Werror -I$(@D)/include -Ilibshade/include $< $(P)/glue/words.cpp $(B)/libshade.a -lm -lpthread -o $@
 
 # "no existing scene changes", 200 broken blocks, and patches that compile one by one, on their own (about 4 min);
-# also in the tests, where the broken blocks are 25 and of the patches' files only the busiest are compiled
+# in the tests the broken blocks are 25, and patches are compiled together
 .PHONY: check-povray-scenes
+soak: check-povray-scenes
 check-povray-scenes: povray setup-test
 	$(P)/check.sh $(POVRAY) povray $(B)/povray/src/distribution
 	MUTATED=200 $(PY) -m pytest -q $(P)/tests/test_mutated.py

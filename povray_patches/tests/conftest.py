@@ -4,6 +4,7 @@
 POVRAY names the program (default build/povray/povray), SHADE libshade's tool
 (build/shade), POVRAY_UNPATCHED a POV-Ray as Debian has it (povray).
 """
+import functools
 import itertools
 import json
 import os
@@ -88,7 +89,7 @@ class Result:
     def __init__(self, status, log, image, dump):
         self.status, self.log, self.image_path, self.dump_path = status, log, image, dump
 
-    @property
+    @functools.cached_property
     def dump(self):
         return Dump(self.dump_path)
 
