@@ -25,10 +25,11 @@ BLENDER_PICTURES := $(shell sed -n 's/^!\[.*(\.\.\/\(examples\/.*\))$$/\1/p' doc
 
 blender: $(B)/libshade-blender.zip
 
-# five hundred awkward scenes in either Blender: some minutes
+# five hundred awkward scenes in either Blender, all lights in both: some minutes
 soak: soak-blender
 soak-blender: $(B)/libshade-blender.zip
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 500
+	@BOTH=1 $(B)/venv/bin/python -m pytest -q blender_addon_c/tests/test_blender_lights.py blender_addon_c/tests/test_blender_sky.py
 	@EDITS=2000 $(B)/venv/bin/python -m pytest -q -s blender_addon_c/tests/test_blender_window.py -k edited
 .PHONY: soak-blender
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
@@ -122,6 +123,15 @@ class Dump:
     @property
     def hit(self):
         return self["material"] >= 0
+
+
+def by_turns(name, cases, of_versions=lambda case: False):
+    """A parametrization by Blender and `name`, or names: each case in one of them, which run the same renderer; in both those that an export
+    makes for each version in its own way. `make soak` asks all of both."""
+    both = "BOTH" in os.environ
+    pairs = [(version, *(case if isinstance(case, tuple) else (case,))) for version in ("34", "50") for turn, case in enumerate(cases)
+             if both or of_versions(case) or turn % 2 == (version == "50")]
+    return pytest.mark.parametrize(f"blender, {name}", pairs, indirect=["blender"])
 
 
 ENGINES = "CYCLES", "LIBSHADE"  # in a scene's option `engines`: one file for both

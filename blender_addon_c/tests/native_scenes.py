@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULE = Path(os.environ.get("NATIVE_MODULE", ROOT / "build/blender/native/_native.abi3.so"))
@@ -29,6 +30,10 @@ def some(cases, every=3):
     """All cases in the release build; in others, which are asked about memory and about what a compiler makes of
     the same code, one of so many: of cases that differ in numbers, not in what runs."""
     return list(cases)[::every if "NATIVE_MODULE" in os.environ else 1]
+
+
+# What looks at means of pictures and runs nothing that others of its file do not run under sanitizers
+of_means = pytest.mark.skipif(SANITIZED, reason="a mean is asked of the release build")
 
 
 def chance(limit):

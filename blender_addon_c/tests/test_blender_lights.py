@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from blender_runs import ENGINES, averaged, by_each, rgba
+from blender_runs import ENGINES, averaged, by_each, by_turns, rgba
 
 COST = 179
 
@@ -80,7 +80,7 @@ NOISY = ("shining mesh", "turned image", "bent image", "mirror ball", "square", 
 LATER = {"ball's profile": "4", "ball falls": "4", "ball by normal": "4", "ball": "4", "for its area": "4.5"}  # the version that brought it
 
 
-@pytest.mark.parametrize("name", LIGHTS)
+@by_turns("name", LIGHTS, lambda name: name in ("sun", "point", "soft spot", "square", *LATER) or "scale" in (*LIGHTS[name], {})[2])
 def test_light(blender, tmp_path, name):
     if blender.version < LATER.get(name, ""):
         pytest.skip("this version has no such light")
@@ -91,8 +91,7 @@ def test_light(blender, tmp_path, name):
 BY_CAMERA = {"shaders": "turned image", "colors": "turned image", "colors of a colour": "world", "strengths": "world", "dimmed": "turned image"}
 
 
-@pytest.mark.parametrize("name, panes", [*((name, ()) for name in BY_CAMERA),
-                                         *((name, ("glass paper",)) for name in ("colors of a colour", "dimmed"))])
+@by_turns("name, panes", [*((name, ()) for name in BY_CAMERA), *((name, ("glass paper",)) for name in ("colors of a colour", "dimmed"))])
 def test_the_camera_sees_another_world(blender, tmp_path, name, panes):
     """By Is Camera Ray, through panes too; what lights the scene is as it was."""
     light, settings, more = LIGHTS[BY_CAMERA[name]]
@@ -100,8 +99,7 @@ def test_the_camera_sees_another_world(blender, tmp_path, name, panes):
         **more, "by camera": name.split()[0], **({"panes": panes} if panes else {})}))
 
 
-@pytest.mark.parametrize("world", ["world", "turned image"])
-@pytest.mark.parametrize("way", ["Is Diffuse Ray", "Is Glossy Ray", "Is Reflection Ray"])
+@by_turns("way, world", [(way, world) for world in ("world", "turned image") for way in ("Is Diffuse Ray", "Is Glossy Ray", "Is Reflection Ray")])
 def test_rays_see_another_world_by_their_way(blender, tmp_path, world, way):
     """Samples of its light see it as it is; of one colour none are drawn. An image with lamps and a colour share
     them, by densities of cells that are not Cycles' own."""
@@ -120,7 +118,7 @@ PANES = {
 }
 
 
-@pytest.mark.parametrize("name", PANES)
+@by_turns("name", PANES, lambda name: name == "full shadow")
 def test_light_through_panes(blender, tmp_path, name):
     light, settings, more = (*PANES[name], {})[:3]
     if more.get("full") and blender.version < "4":
@@ -137,7 +135,7 @@ HIDDEN = {
 }
 
 
-@pytest.mark.parametrize("name", HIDDEN)
+@by_turns("name", HIDDEN)
 def test_what_is_hidden(blender, tmp_path, name):
     light, what, kinds = HIDDEN[name]
     light, settings, more = (*LIGHTS[light], {})[:3]
@@ -153,7 +151,7 @@ SHORTCUTS = {
 }
 
 
-@pytest.mark.parametrize("name", SHORTCUTS)
+@by_turns("name", SHORTCUTS)
 def test_shortcuts(blender, tmp_path, name):
     light, given, more = SHORTCUTS[name]
     kind, settings = LIGHTS.get(light) or ("SUN", {"energy": 3, "angle": 0.02})

@@ -7,7 +7,7 @@ import ast
 import numpy as np
 import pytest
 
-from blender_runs import ENGINES, ROOT, by_each, rgba
+from blender_runs import ENGINES, ROOT, Dump, by_each, rgba
 
 COST = 75
 
@@ -209,8 +209,11 @@ def test_places_are_those_of_cycles(blender, tmp_path, perspective):
     """Of a camera in perspective those of one kind, where that makes a difference."""
     cases = [case for case in PLACES if not perspective or case["node"] == f"ShaderNode{perspective}"]
     cases = [case for case in cases if case["since"] <= blender.version]
-    blender.scene("places", tmp_path, cases=cases, engines=ENGINES, dump="", perspective=bool(perspective))
-    cycles, ours = (picture[..., :3].clip(0, 1) for picture in by_each(tmp_path))
+    options = {"cases": cases, "perspective": bool(perspective)}
+    blender.scene("places", tmp_path, engine="LIBSHADE", **options)
+    ours = Dump(tmp_path / "dump.exr")["Color"]
+    blender.scene("places", tmp_path, engine="CYCLES", dump="", **options)
+    cycles = rgba(tmp_path / "picture.exr")[..., :3].clip(0, 1)
     far = []
     for column, case in enumerate(cases):
         a, b = (picture[5:12, 16 * column + 5:16 * column + 12] for picture in (ours, cycles))
@@ -310,8 +313,10 @@ PATTERNS = [
 def test_patterns_are_those_of_cycles(blender, tmp_path):
     """Two of 49 places may be on the other side of a border."""
     cases = [case for case in PATTERNS if case["since"] <= blender.version < case.get("until", "9")]
-    blender.scene("places", tmp_path, cases=cases, engines=ENGINES, dump="", perspective=False)
-    cycles, ours = (picture[..., :3].clip(0, 1) for picture in by_each(tmp_path))
+    blender.scene("places", tmp_path, engine="LIBSHADE", cases=cases, perspective=False)
+    ours = Dump(tmp_path / "dump.exr")["Color"]
+    blender.scene("places", tmp_path, engine="CYCLES", dump="", cases=cases, perspective=False)
+    cycles = rgba(tmp_path / "picture.exr")[..., :3].clip(0, 1)
     far, flat = [], 0
     for column, case in enumerate(cases):
         a, b = (picture[5:12, 16 * column + 5:16 * column + 12] for picture in (ours, cycles))

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from native_scenes import area, box, image, native, persp, point, scene, sky, sphere
+from native_scenes import area, box, image, native, persp, point, scene, sky, some, sphere
 from test_native_closures import TRANSLUCENT, diffuse, glass, glossy, of, weighed
 
 COST = 3
@@ -41,7 +41,7 @@ def heavy(shut=False, **changes):
 @pytest.mark.parametrize("name", CASES)
 def test_a_cancelled_render_ends_soon(name):
     late = []
-    for wait in (0.01, 0.1, 0.3):
+    for wait in some((0.01, 0.1, 0.3)):
         job = native.start(heavy(**CASES[name]))
         while native.poll(job)["stage"] == "build":
             assert not native.wait(job, 0.01)

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from native_scenes import dump, mesh, ortho, registers, render, scene, square, sun, vectors
+from native_scenes import dump, mesh, ortho, registers, render, scene, some, square, sun, vectors
 from test_native_cloth import COVERAGE, PLACE, checked, cloth
 
 COST = 4.5
@@ -62,8 +62,7 @@ def ways(turned):
     yield plate(np.eye(2), turned), moved(nodes, **vector, turn=[np.cos(half), np.sin(half)], scale=[0.5])
 
 
-@pytest.mark.parametrize("mirror", [1.0, -1.0])
-@pytest.mark.parametrize("behind", [False, True])
+@pytest.mark.parametrize("mirror, behind", some([(1.0, True), (-1.0, True), (1.0, False), (-1.0, False)]))
 def test_turned_by_nodes_or_by_the_map(mirror, behind, tmp_path):
     """Lights, draws and extents alike, seen aslant, and by the reference."""
     lights = [light | {"direction": tuple(np.multiply(light["direction"], -1 if behind else 1))} for light in LIGHTS]

@@ -8,7 +8,7 @@ import ast
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, dump, finish, material, native, ortho, read_dump, registers, render, scene, some, sphere, square, sun
+from native_scenes import ROOT, dump, few, finish, material, native, ortho, read_dump, registers, render, scene, some, sphere, square, sun
 
 COST = 9.3
 
@@ -170,7 +170,7 @@ def test_a_filmed_body_makes_no_light(alpha, changes):
     """A ball in an even world, all its bounces; a smooth one keeps all."""
     made = {"closure": "GLASS", "ior": [1.5], "alpha": [alpha], "tint": (1.0,) * 3, "reflects": True, "refracts": True,
             "joint": True, "film_thickness": [350.0], "film_ior": [1.9], **changes}
-    picture, _ = render(scene(width=24, height=24, samples=256, background=(1, 1, 1), lights=[], transparent=False,
+    picture, _ = render(scene(width=24, height=24, samples=few(256), background=(1, 1, 1), lights=[], transparent=False,
                               max_bounces=64, transparent_max_bounces=64, meshes=[sphere(smooth=False)], camera=ortho(1.0),
                               materials=[{"name": "ball", "nodes": [], "closures": [made]}]))
     y, x = (np.mgrid[:24, :24] + 0.5) / 12 - 1

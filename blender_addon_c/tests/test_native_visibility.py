@@ -128,7 +128,7 @@ def test_an_object_is_hidden_from_kinds_of_ray(shared):
     plate, sheet = square(1.0), square(3.0)
     meshes = [plate, sheet]
     if shared:  # sheets far away make many copies of it
-        cuts = 256
+        cuts = few(256)
         t = np.linspace(-3, 3, cuts + 1)
         x, y = np.meshgrid(t, t)
         i = np.arange(cuts * (cuts + 1)).reshape(cuts, cuts + 1)[:, :-1].reshape(-1, 1)
@@ -192,7 +192,7 @@ def moved(index, x, z=0.0, size=1.0, **more):
 def halves(floor, plate, beside=(), z=2.0, drawn=True):
     """Means of the left and of the right of two plates on the floor, under a sheet and one that shines."""
     seen = picture(materials=[of(floor), shining(3.0) | {"drawn": drawn}, of(weighed(TRANSPARENT, 0.5))],
-                   lights=list(beside), samples=1024, max_bounces=2, transparent_max_bounces=4,
+                   lights=list(beside), samples=few(1024), max_bounces=2, transparent_max_bounces=4,
                    meshes=[square(0.5), square(2.0, material_index=1), square(9.0, material_index=2)],
                    camera=ortho(eye=(0, 0, 1)), instances=[moved(0, -0.5), moved(0, 0.5, unlit=1 << 3),
                                                            moved(1, 0, z, **plate), moved(2, 0, 1.8)])
@@ -208,7 +208,7 @@ def test_a_plate_that_shines_for_some(floor, drawn):
     assert everywhere[0] > 0.5 and lit == pytest.approx(everywhere[0], rel=1e-5) and unlit == 0
     lamps = [point((0, 0, 1.5), (2, 2, 2), 0.1)] * 2
     alone, both = halves(floor, {}, lamps, z=-9.0, drawn=drawn), halves(floor, {"link": 3}, lamps, drawn=drawn)
-    assert both[0] == pytest.approx(everywhere[0] + alone[0], rel=0.02) and both[1] == pytest.approx(alone[1], rel=0.02)
+    assert both[0] == pytest.approx(everywhere[0] + alone[0], rel=chance(0.02)) and both[1] == pytest.approx(alone[1], rel=chance(0.02))
 
 
 @pytest.mark.parametrize("pane", [False, True])

@@ -140,8 +140,12 @@ def metal(name="metal", **settings):
     return material, tree, node
 
 
-def shown(name="shown"):
-    """(material, tree, socket) of a material that shines with a colour."""
+def shown(by_metal, name="shown"):
+    """(material, tree, socket) of a material that shows a colour: as what our metal reflects, which a dump has, or as emission.
+    Where there are hundreds, to make our nodes takes most of the time."""
+    if by_metal:
+        material, tree, node = metal(name, fresnel="NONE", detail="NONE")
+        return material, tree, node.inputs["Color"]
     material = bpy.data.materials.new(name)
     tree = tree_of(material)
     tree.nodes.clear()

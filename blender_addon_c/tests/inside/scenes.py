@@ -756,7 +756,7 @@ def graph(options):
         image.pixels.foreach_set([*color, 1] * 4)
         image.update()
     for column, case in enumerate(cases):
-        material, tree, showing = common.shown()
+        material, tree, showing = common.shown(by_metal=False)
         node = tree.nodes.new(case["node"])
         for key, value in case.get("set", {}).items():
             setattr(node, key, value)
@@ -867,9 +867,9 @@ def _through_group(tree, name, vector, hidden):
     return node.outputs[0]
 
 
-def _showing(case):
+def _showing(case, engine):
     """A material of what a node says. "beside": an image has asked for the active UV map before."""
-    material, tree, showing = common.shown(case["node"])
+    material, tree, showing = common.shown(engine != "CYCLES", case["node"])
     node = tree.nodes.new(case["node"])
     for key, value in case.get("set", {}).items():
         setattr(node, key, value)
@@ -919,9 +919,9 @@ def places(options):
     cases = options["cases"]
     scene = common.empty_scene(16 * len(cases), 16, samples=1)
     for column, case in enumerate(cases):
-        ob = _sheet(_showing(case), case)
+        ob = _sheet(_showing(case, options["engine"]), case)
         if "other" in case:
-            ob.data.materials.append(_showing({**case, **case["other"]}))
+            ob.data.materials.append(_showing({**case, **case["other"]}, options["engine"]))
             for k, polygon in enumerate(ob.data.polygons):
                 polygon.material_index = k % 2
         ob.name = f"sheet {column}"
@@ -931,9 +931,10 @@ def places(options):
     if options["perspective"]:
         kind = {"angle": 2 * math.atan(0.125 * len(cases)), "shift_y": 0.1 / len(cases)}
     common.camera(scene, (0, 0, 4), **kind)
-    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.filter_width = 1, False, 0.01
-    scene.libshade.filter_width = 0.0  # pixels' middles
-    common.render_each(scene, options)
+    if options["engine"] == "CYCLES":
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.filter_width = 1, False, 0.01
+    common.render(options["picture"])
     return {}
 
 
