@@ -12,7 +12,7 @@
 #ifdef SANITIZED
 enum { DRAWS = 20000, FINE = 8, FINER = 8 };
 #else
-enum { DRAWS = 400000, FINE = 16, FINER = 40 };
+enum { DRAWS = 500000, FINE = 16, FINER = 40 };
 #endif
 
 enum { BATCH = 4096 };
