@@ -220,14 +220,14 @@ CHECKS := check-plain check-sanitized check-headers check-threads check-clang
 check-libshade: $(CHECKS)
 check-plain: all test-libshade
 # one make for all that is sanitized; native.mk has more for it
-SANITIZED_GOALS := all
+SANITIZED_GOALS := $(B)/sanitized/shade
 check-sanitized: $(B)/shade
 	$(Q)$(MAKE) $(SANITIZED_BUILD) $(SANITIZED_GOALS) $(subst $(B)/,$(B)/sanitized/,$(SANITIZED_TESTS:%=%.run))
 sanitized: $(B)/shade
-	$(Q)$(MAKE) $(SANITIZED_BUILD) all
+	$(Q)$(MAKE) $(SANITIZED_BUILD) $(SANITIZED_GOALS)
 # on the scalar form: the vectors share nothing else between threads
 check-threads: $(B)/shade
-	$(Q)LIBSHADE_ISA=scalar $(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" PLAIN_B=$(B) PLAIN_ISAS="$(filter-out scalar,$(ISAS))" \
+	$(Q)LIBSHADE_ISA=scalar $(MAKE) B=$(B)/threads CFLAGS="-O1 -fsanitize=thread" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(filter-out scalar,$(ISAS))" \
 	  $(B)/threads/test/threads.run
 # The second compiler reads all and says what it has to; what it makes of it runs in `make soak`. No object is written.
 WARNED := warnings

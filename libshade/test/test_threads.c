@@ -9,7 +9,7 @@
 
 #include "support.h"
 
-enum { THREADS = 4, LANES = 300, ROUNDS = 20 };
+enum { THREADS = 4, LANES = 300, ROUNDS = 8 };
 
 static shade_bsdf metal;
 static double in[9][LANES];
