@@ -8,7 +8,7 @@ import pytest
 
 from blender_runs import ENGINES, averaged, by_each, by_turns, rgba
 
-COST = 179
+COST = 86
 
 LIGHTS = {
     "sun": ("SUN", {"energy": 3, "angle": 0.4}),

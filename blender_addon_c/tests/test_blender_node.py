@@ -8,7 +8,7 @@ import pytest
 
 from blender_runs import BUILD, Dump, difference, rgba
 
-COST = 22
+COST = 18
 
 
 def test_node(blender, tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from blender_runs import ENGINES, read_picture
 from test_blender_closures import cases_of
 
-COST = 18
+COST = 16
 
 WANTED = ("z", "position", "normal", "uv", "object_index", "material_index", "mist",
           "vector")

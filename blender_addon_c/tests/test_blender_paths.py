@@ -6,7 +6,7 @@ import pytest
 
 from blender_runs import averaged, rgba
 
-COST = 20
+COST = 9.7
 
 
 @pytest.mark.parametrize("floor", [False, True])

@@ -7,7 +7,7 @@ import pytest
 from blender_runs import by_turns, rgba
 from test_blender_paths import averaged
 
-COST = 103
+COST = 46
 
 NAMES = {"single": ("NISHITA", "SINGLE_SCATTERING"), "multiple": (None, "MULTIPLE_SCATTERING")}
 SKIES = {

@@ -9,7 +9,7 @@ import pytest
 from native_scenes import area, box, image, native, persp, point, scene, sky, some, sphere
 from test_native_closures import TRANSLUCENT, diffuse, glass, glossy, of, weighed
 
-COST = 3
+COST = 1.5
 
 WORST = 0.3  # seconds
 CASES = {

@@ -13,7 +13,7 @@ from native_scenes import ROOT, material, native, ortho, point, registers, rende
 sys.path.insert(0, str(ROOT / "libshade/python"))
 import shade  # noqa: E402
 
-COST = 3.6
+COST = 2.7
 
 WHITE = (1.0, 1.0, 1.0)
 

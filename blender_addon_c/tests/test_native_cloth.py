@@ -9,7 +9,7 @@ import pytest
 from native_scenes import (ROOT, SANITIZED, dump, image, material, mesh, native, ortho, persp, registers, render, scene,
                            square, sun, unit)
 
-COST = 22
+COST = 5.4
 
 PLACE, COVERAGE = registers(3, 4), registers(7, 1)
 SHADE = ROOT / "build/shade"

@@ -8,7 +8,7 @@ from native_scenes import native
 from test_native_cloth import cloth
 from test_native_cloth_made import WIF
 
-COST = 0.7
+COST = 0.35
 
 ROUND = {"width": 0.8, "gap": 0.2, "curve": 0.5, "ridge": 0.0, "crimp": 0.0, "fuzz": 0.0}
 

@@ -11,7 +11,7 @@ from native_scenes import dump, native, ortho, registers, scene, square, sun
 from test_native_cloth import checked, cloth, fabric
 from test_native_cloth_moved import moved
 
-COST = 1.2
+COST = 0.48
 
 PLAIN = {"materials": [fabric()], "meshes": [square(1.0)], "lights": [sun((0.2, 0.3, 0.9))], "camera": ortho(0.9, (0.4, 0.5, 3))}
 

@@ -9,7 +9,7 @@ import pytest
 from native_scenes import dump, mesh, ortho, registers, render, scene, some, square, sun, vectors
 from test_native_cloth import COVERAGE, PLACE, checked, cloth
 
-COST = 4.5
+COST = 2.9
 
 FRAME, UV = registers(8, 2), registers(10, 3)
 LIGHTS = [sun((0.5, 0.2, 0.8)), sun((-0.3, 0.6, 0.5), (1, 2, 3))]

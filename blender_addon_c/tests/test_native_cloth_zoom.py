@@ -19,7 +19,7 @@ import pytest
 from native_scenes import SANITIZED, chance, finish, native, persp, scene, some, square, sun, unit
 from test_native_cloth import cloth, fabric
 
-COST = 3.1
+COST = 5.7
 
 
 # under sanitizers a sixteenth of the pixels, as wide: what an eye sees of a jump is asked of other builds

@@ -24,7 +24,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 0.87
+COST = 0.32
 
 SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)

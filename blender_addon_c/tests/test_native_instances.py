@@ -10,7 +10,7 @@ import pytest
 
 from native_scenes import dump, image, look_at, material, registers, render, scene, sphere, square, sun
 
-COST = 2.7
+COST = 2.5
 
 COPIES, RINGS = 60, 24  # 130,000 triangles in all: more than are copied
 

@@ -9,7 +9,7 @@ from native_scenes import (
 )
 from test_native_closures import EMISSION, TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 
-COST = 5.3
+COST = 2
 
 KINDS, PARTS = ("DIFFUSE", "GLOSSY", "TRANSMISSION"), ("DIRECT", "INDIRECT", "COLOR")
 ALL = [f"{kind}_{part}" for kind in KINDS for part in PARTS] + ["EMISSION", "ENVIRONMENT"]

@@ -11,7 +11,7 @@ import pytest
 
 from native_scenes import ROOT, area, dump, native, point, render, scene, spot, sun, unit, vectors
 
-COST = 2
+COST = 1.1
 
 TYPES = native.table()["lights"]
 

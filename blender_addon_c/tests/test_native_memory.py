@@ -11,7 +11,7 @@ import pytest
 
 from native_scenes import finish, native, scene, sphere
 
-COST = 0.67
+COST = 1.3
 
 MEGABYTE = 1 << 20
 

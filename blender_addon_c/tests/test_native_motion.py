@@ -7,7 +7,7 @@ import pytest
 
 from native_scenes import chance, few, mesh, native, ortho, persp, render, scene, square, sun
 
-COST = 3
+COST = 5.2
 
 SIDE = 64
 CENTERS = (np.arange(SIDE) + 0.5) * 2 / SIDE - 1  # of pixels, in a view from -1 to 1

@@ -10,7 +10,7 @@ from native_scenes import (
     ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, registers, render, scene, sky,
     sphere, square, sun, vectors)
 
-COST = 1.7
+COST = 0.89
 
 SKY = (0.5, 1.0, 2.0)
 

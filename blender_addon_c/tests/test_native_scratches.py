@@ -6,7 +6,7 @@ import pytest
 
 from native_scenes import SANITIZED, material, native, of_means, registers, render, scene, some, sun
 
-COST = 25
+COST = 21
 
 FINE = {"density": 5.0, "length": 20.0, "width": 1.0, "depth": 0.2, "direction": 0.3, "spread": 0.6, "seed": 5.0, "tile": 0.5}
 UV, NEAR, NORMAL, SPREAD, ALPHA = registers(3, 3), registers(6, 2), registers(9, 3), registers(12, 2), registers(14, 2)

@@ -25,7 +25,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 2.5
+COST = 2.1
 
 
 def lit(planes, light=0):

@@ -8,7 +8,7 @@ import pytest
 from native_scenes import ortho, persp
 from test_native_light_paths import SURFACES, of_plate, picture, reflected
 
-COST = 5.2
+COST = 2.6
 
 TO = np.array((-0.6, 0, 0.8))  # seen from the eye, the plate's middle looks at it
 TURN = np.diag((-1.0, -1.0, 1.0))  # the sky's sun stands above its x axis

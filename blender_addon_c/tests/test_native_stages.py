@@ -5,7 +5,7 @@ import subprocess
 
 from native_scenes import MODULE
 
-COST = 5.4
+COST = 3.6
 
 
 def test_stages():

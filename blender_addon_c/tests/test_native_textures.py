@@ -8,7 +8,7 @@ import pytest
 
 from native_scenes import image, look_at, native, ortho, registers, render, scene, square
 
-COST = 1.3
+COST = 0.95
 
 WIDE = 256  # texels
 SIDE = 16  # pixels: each WIDE / SIDE texels wide

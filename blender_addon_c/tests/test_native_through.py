@@ -11,7 +11,7 @@ from native_scenes import area, chance, few, image, native, ortho, persp, point,
 from test_native_closures import EMISSION, TRANSPARENT, diffuse, of, weighed
 from test_native_light_paths import EYE, LIGHTS, SURFACES, panel, ray_meets, reflected, shining, sky_of
 
-COST = 4.9
+COST = 2.5
 
 RED = np.array((0.8, 0.5, 0.1))
 

@@ -9,7 +9,7 @@ from native_scenes import chance, few, native, ortho, point, render, scene, squa
 from test_native_closures import TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 from test_native_light_paths import LIGHTS, SURFACES, of_plate, ray_meets, reflected, shining
 
-COST = 2.3
+COST = 1.5
 
 WHITE = (1.0, 1.0, 1.0)
 

@@ -9,7 +9,7 @@ from native_scenes import (
 from test_native_closures import TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 from test_native_light_paths import LIGHTS, SURFACES, of_plate, shining
 
-COST = 14
+COST = 7.8
 
 CAMERA, DIFFUSE, GLOSSY, TRANSMISSION, SHADOW = 1, 2, 4, 8, 16
 PIXELS = np.full((8, 16, 3), 0.2, np.float32)

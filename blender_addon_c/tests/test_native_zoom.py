@@ -8,7 +8,7 @@ import pytest
 from native_scenes import (
     dump, image, material, native, ortho, persp, registers, render, scene, some, square, sun, vectors)
 
-COST = 8.6
+COST = 4.7
 
 ALPHA, TEXELS, TILES = 0.1, 256, 400
 SLOPE = {"round": (0.15, 0.15), "brushed": (0.03, 0.15)}  # root mean squares along u and v

@@ -9,7 +9,7 @@ import pytest
 import bench_frames as bench
 import programs
 
-COST = 0.1
+COST = 2.2
 
 SCENES = [bench.Scene(name, programs.ROOT / "x.py") for name in ("pan", "pan-near", "dial")]
 

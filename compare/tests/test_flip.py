@@ -5,7 +5,7 @@ import pytest
 
 import flip
 
-COST = 0.1
+COST = 0.5
 
 
 def pairs():

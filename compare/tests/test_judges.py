@@ -24,7 +24,7 @@ import shade
 import slopes
 import truth
 
-COST = 0.1
+COST = 6.8
 
 
 # ---- consistency.py ---------------------------------------------------------------------------

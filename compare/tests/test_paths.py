@@ -9,7 +9,7 @@ import paths
 import pictures
 import whole
 
-COST = 0.1
+COST = 0.65
 
 
 def test_relative_mse_of_a_known_error():

@@ -6,7 +6,7 @@ import pytest
 
 import plate
 
-COST = 0.1
+COST = 0.71
 
 
 def test_exponents_of_the_issue():

@@ -12,7 +12,7 @@ import pictures
 import real_files
 import real_files_fetch
 
-COST = 0.1
+COST = 0.27
 
 
 def row(state, difference="", warnings=""):

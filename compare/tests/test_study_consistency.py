@@ -13,7 +13,7 @@ import dumps
 import programs
 import study_consistency as study
 
-COST = 0.1
+COST = 0.82
 
 
 def dump(folder, name, change=None, after=None):

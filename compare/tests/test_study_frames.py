@@ -6,7 +6,7 @@ import pytest
 import sphere
 import study_frames as study
 
-COST = 0.1
+COST = 0.95
 
 
 def test_normals_are_those_of_the_displaced_points():

@@ -13,7 +13,7 @@ import pictures
 import pytest
 import whole
 
-COST = 0.1
+COST = 0.54
 
 COMPARE = Path(whole.__file__).parent
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 34 */
+/* COST = 19 */
 /*
  * Sampling against its own density by chi-square, for every distribution through every detail
  * method and tilted normals. 10^6 draws a case; fewer under a sanitizer, which is slow.

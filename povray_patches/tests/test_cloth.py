@@ -5,7 +5,7 @@ import pytest
 
 from scenes import HEADER, SUN, LAMP, scene
 
-COST = 18
+COST = 79
 
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")

@@ -6,7 +6,7 @@ import pytest
 
 from scenes import HEADER, LAMP, SUN, scene
 
-COST = 0.1
+COST = 4.4
 
 COLOUR = "<.9, .5, .2>"
 

@@ -8,7 +8,7 @@ import pytest
 
 from scenes import scene
 
-COST = 0.1
+COST = 1.9
 
 BLOCKS = ["ashikhmin_shirley 200 , 10 detail rotate fresnel schlick horizon valid_estevez specular rgb < .5 , .4 , .3 > tangent uv",
           "ggx .1 , .3 fresnel conductor rgb < .2 , .9 , 1.1 > , rgb < 3.9 , 2.4 , 2.1 > reflection { samples 4 clamp 10 } tangent radial y at < 0 , 1 , 0 >",

@@ -7,7 +7,7 @@ import pytest
 
 from scenes import dot, normalise
 
-COST = 0.1
+COST = 14
 
 EX, EY = 60.0, 9.0
 EYE = normalise(np.array([0.3, 0.8, -0.5]))  # from the plate

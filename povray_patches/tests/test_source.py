@@ -10,7 +10,7 @@ import pytest
 
 from conftest import ROOT
 
-COST = 0.1
+COST = 43
 ALONE = {"test_no_existing_scene_changes": 11}
 
 PATCHES = ROOT / "povray_patches"

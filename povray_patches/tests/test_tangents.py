@@ -6,7 +6,7 @@ import pytest
 from scenes import HEADER, SUN, dot, finish, normalise, scene
 from test_bump_image import TOP, mapped, quad, random_map, write
 
-COST = 0.1
+COST = 8.2
 
 AXIS = np.array([.3, 1, -.2])
 
