@@ -17,7 +17,7 @@ import pytest
 from native_scenes import MODULE, ROOT, native, render, scene
 
 COST = 5.1
-ALONE = {"test_all_tests_under_sanitizers": 200}
+ALONE = {"test_all_tests_under_sanitizers": 183}
 
 pytestmark = pytest.mark.skipif("NATIVE_MODULE" in os.environ, reason="tests the release build")
 
