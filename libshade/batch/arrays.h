@@ -27,26 +27,16 @@ static inline void shade_copy_lanes(const void *given, void *whole, size_t room)
   }
 }
 
-/*
- * The same, or given itself where it has all members: a copy of pointers that the caller has just
- * written takes as long as sixteen samples of GGX. NULL when one of the first `required` pointers
- * is not there.
- */
-static inline const void *shade_whole_lanes(const void *given, size_t required, void *whole,
-                                            size_t room) {
-  size_t size;
-  memcpy(&size, given, sizeof size);
-  if (size < room) {
-    shade_copy_lanes(given, whole, room);
-    given = whole;
-  }
+/* The same; 0 when one of the first `required` pointers is not there. */
+static inline int shade_whole_lanes(const void *given, size_t required, void *whole, size_t room) {
+  shade_copy_lanes(given, whole, room);
   for (size_t i = 0; i < required; i++) {
     const void *array;
-    memcpy(&array, (const char *)given + sizeof size + i * sizeof array, sizeof array);
-    if (!array) /* one by one: vectors would wait for what the caller has just stored */
-      return NULL;
+    memcpy(&array, (const char *)whole + sizeof room + i * sizeof array, sizeof array);
+    if (!array)
+      return 0;
   }
-  return given;
+  return 1;
 }
 
 #endif

@@ -10,9 +10,11 @@
  * h = wi + wo, not normalised, and its cosine hwo with either. Nonzero when some lane
  * has wi = -wo, where there is no h.
  */
-static int pass_half(size_t count, VEC(wi), VEC(wo), real *restrict hx, real *restrict hy,
+static int pass_half(size_t count, vec wi, vec wo, real *restrict hx, real *restrict hy,
                      real *restrict hz, real *restrict hwo) {
   int opposite = 0;
+  ARRAYS(wi);
+  ARRAYS(wo);
 #pragma omp simd reduction(| : opposite)
   for (size_t i = 0; i < count; i++) {
     hx[i] = wix[i] + wox[i];
@@ -34,61 +36,45 @@ static void pass_unit(size_t count, real *restrict hx, real *restrict hy, real *
   }
 }
 
-static void pass_cosines_about(size_t count, VEC(n), VEC(wi), VEC(wo), real *restrict cosi,
-                               real *restrict coso) {
+LEAF void pass_cosines_of(int flat, size_t count, vec n, vec wi, vec wo, real *restrict cosi,
+                          real *restrict coso) {
+  ARRAYS(n);
+  ARRAYS(wi);
+  ARRAYS(wo);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real ci = dot(nx[i], ny[i], nz[i], wix[i], wiy[i], wiz[i]);
-    real co = dot(nx[i], ny[i], nz[i], wox[i], woy[i], woz[i]);
-    cosi[i] = ci > 0 ? ci : 0;
-    coso[i] = lit_cosine(ci, co, wiz[i], woz[i]);
+    const cosines c = cosines_about(flat ? (triple){0, 0, 1} : AT(n), AT(wi), AT(wo));
+    cosi[i] = c.i;
+    coso[i] = c.o;
   }
 }
 
-/* The same about z, for the method that ignores n. */
-static void pass_cosines_flat(size_t count, const real *restrict wiz, const real *restrict woz,
-                              real *restrict cosi, real *restrict coso) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    cosi[i] = wiz[i] > 0 ? wiz[i] : 0;
-    coso[i] = lit_cosine(wiz[i], woz[i], wiz[i], woz[i]);
-  }
-}
-
-LEAF void pass_cosines(const bsdf *b, size_t count, vec n, vec wi, vec wo, real *cosi, real *coso) {
+/* About n, or about z for the method that ignores n. */
+static void pass_cosines(const bsdf *b, size_t count, vec n, vec wi, vec wo, real *cosi,
+                         real *coso) {
   if (b->carry.map == SHADE_MAP_NONE)
-    pass_cosines_flat(count, wi.z, wo.z, cosi, coso);
+    pass_cosines_of(1, count, n, wi, wo, cosi, coso);
   else
-    pass_cosines_about(count, XYZ(n), XYZ(wi), XYZ(wo), cosi, coso);
+    pass_cosines_of(0, count, n, wi, wo, cosi, coso);
 }
 
-/* d becomes f without Fresnel: 0 where coso is. li and lo may be any array but d. */
-#define BRDF_PASS(NAME, word, value, label, help)                                                  \
-  static void pass_brdf_##word(size_t count, const real *restrict hwo, const real *restrict cosi,  \
-                               const real *restrict coso, const real *li, const real *lo,          \
-                               real *restrict d) {                                                 \
-    (void)li, (void)lo;                                                                            \
-    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      angles a = {hwo[i], cosi[i], coso[i], li[i], lo[i]};                                         \
-      real f = brdf_##word(d[i], a);                                                               \
-      d[i] = coso[i] > 0 ? f : 0;                                                                  \
-    }                                                                                              \
+/* d becomes f without Fresnel: 0 where coso is. li and lo are read by microfacet only. */
+LEAF void pass_brdf_of(shade_brdf brdf, size_t count, const real *restrict hwo,
+                       const real *restrict cosi, const real *restrict coso, const real *li,
+                       const real *lo, real *restrict d) {
+  const int smith = brdf == SHADE_BRDF_MICROFACET;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const angles a = {hwo[i], cosi[i], coso[i], smith ? li[i] : 0, smith ? lo[i] : 0};
+    const real f = brdf_value(brdf, d[i], a);
+    d[i] = coso[i] > 0 ? f : 0;
   }
-SHADE_TABLE_BRDF(BRDF_PASS)
-#undef BRDF_PASS
-
+}
 static void pass_brdf(const bsdf *b, size_t count, const real *hwo, const real *cosi,
                       const real *coso, const real *li, const real *lo, real *d) {
-  switch (b->brdf) {
-#define BRDF_CASE(NAME, word, value, label, help)                                                  \
-  case SHADE_BRDF_##NAME:                                                                          \
-    pass_brdf_##word(count, hwo, cosi, coso, li, lo, d);                                           \
-    break;
-    SHADE_TABLE_BRDF(BRDF_CASE)
-#undef BRDF_CASE
-  case SHADE_BRDF_COUNT:
-    break;
-  }
+#define LOOP(brdf) pass_brdf_of(brdf, count, hwo, cosi, coso, li, lo, d)
+  SHADE_LOOP_OF(BRDF, b->brdf)
+#undef LOOP
 }
 
 #endif

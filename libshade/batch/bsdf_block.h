@@ -29,7 +29,7 @@ LEAF int specular_block(const bsdf *b, const sample_block *s, specular_room *m, 
   const vec h = {m->hx, m->hy, m->hz};
   if (is_fused(b))
     return pass_fused(b, s, hwo, cosi, coso, d);
-  const int opposite = pass_half(size, XYZ(s->wi), XYZ(s->wo), m->hx, m->hy, m->hz, hwo);
+  const int opposite = pass_half(size, s->wi, s->wo, m->hx, m->hy, m->hz, hwo);
   if (b->warp != SHADE_RIGID)
     pass_unit(size, m->hx, m->hy, m->hz);
   pass_lobe(b, &s->shape, size, s->n, h, m->t, m->xx, m->yy, d);
@@ -50,8 +50,6 @@ static unsigned hard_block(const bsdf *b, const sample_block *s, const results *
   ROOM d[BLOCK], coso[BLOCK], hwo[BLOCK], q[BLOCK];
   real *cosi = out->cosine;
   const size_t size = s->count;
-  const shade_fresnel_traits fresnel = shade_fresnel_is(b->fresnel);
-  const int plain = !s->f0[0] && !s->f0[1] && !s->f0[2] && fresnel.f0 && !fresnel.tint;
   unsigned status = SHADE_OK;
   if (specular_block(b, s, &room, hwo, cosi, coso, d)) {
     status = SHADE_BAD_INPUT;
@@ -61,16 +59,13 @@ static unsigned hard_block(const bsdf *b, const sample_block *s, const results *
   }
   if (!b->has_specular)
     memset(d, 0, size * sizeof *d);
-  if (plain)
-    pass_colour(size, fresnel.grazing ? R(1.0) : R(0.0), numbers_of(b)->f0[0], numbers_of(b)->f0[1],
-                numbers_of(b)->f0[2], d, hwo, out->rgb[0], out->rgb[1], out->rgb[2]);
-  else
-    for (int c = 0; c < 3; c++)
-      pass_channel(b, c, size, s->f0[c], s->tint[c], s->k[c], d, hwo, out->rgb[c]);
+  for (int c = 0; c < 3; c++)
+    pass_channel(b, size, s->f0[c], s->tint[c], s->k[c], d, hwo, out->rgb[c]);
   if (b->has_diffuse) {
+    const real less = shade_diffuse_is(b->diffuse).less_f0 ? R(1.0) : R(0.0);
     diffuse_block(b, size, s->n, s->wi, s->wo, cosi, coso, room.xx, room.yy, q);
     for (int c = 0; c < 3; c++)
-      add_diffuse(b, c, size, s->kd[c], s->f0[c], q, out->rgb[c]);
+      add_diffuse(size, less, s->kd[c], s->f0[c], q, out->rgb[c]);
   }
   return status;
 }
@@ -79,7 +74,7 @@ static unsigned hard_block(const bsdf *b, const sample_block *s, const results *
  * What one yarn does with the light, for the mixtures of fabric.h, per sample: spec is the
  * BRDF without Fresnel, times the cosine; matt is Phi/pi times the light that enters and leaves by
  * Schlick's white share, (1 - w(n.wi))(1 - w(n.wo)). Both 0 beyond a horizon. No mending:
- * n, wi and wo are unit, n.z > 0. Of `varied`, NULL for none, only the shape of the lobe is used.
+ * n, wi and wo are unit, n.z > 0. Of `varied` only the shape of the lobe is used.
  */
 static void yarn_batch(const bsdf *given, size_t count, const bsdf_lanes *in,
                        const varied_arrays *varied, real *spec, real *matt) {
@@ -87,15 +82,15 @@ static void yarn_batch(const bsdf *given, size_t count, const bsdf_lanes *in,
   ROOM hwo[BLOCK], cosi[BLOCK], coso[BLOCK];
   varied_room each;
   bsdf copy;
-  const bsdf *b = varied ? for_lanes(given, varied, &copy) : given;
-  sample_block s = {.shape = own_shape(b)};
+  const bsdf *b = for_lanes(given, varied, &copy);
+  sample_block s;
+  own_shape(b, count, &each, &s);
   for (size_t start = 0; start < count; start += BLOCK) {
     s.count = count - start < BLOCK ? count - start : BLOCK;
     s.n = vec_from(in->nx, in->ny, in->nz, start);
     s.wi = vec_from(in->wix, in->wiy, in->wiz, start);
     s.wo = vec_from(in->wox, in->woy, in->woz, start);
-    if (varied)
-      read_varied(b, varied, start, is_fused(b), &s, &each);
+    read_varied(b, varied, start, &s, &each);
     real *d = spec + start, *q = matt + start;
     specular_block(b, &s, &room, hwo, cosi, coso, d);
     diffuse_block(b, s.count, s.n, s.wi, s.wo, cosi, coso, room.xx, room.yy, q);

@@ -225,8 +225,8 @@ static void pass_near_lobes(const shade_fabric *f, const cloth *c, const real *r
       const real hwo = half_cosine(hx, hy, hz), lowest = minimum(wi.z, wo.z);                      \
       const real ci = dot(x, y, z, XYZ(wi)), co = dot(x, y, z, XYZ(wo));                           \
       const real cosi = maximum(ci, 0), coso = maximum(co, 0);                                     \
-      const real d =                                                                               \
-          ashikhmin_shirley(detail_rotate_ratio(x, y, z, hx, hy, hz), kx[i], ky[i], peak[i]);      \
+      const real d = ashikhmin_shirley_ratio(detail_rotate_ratio(x, y, z, hx, hy, hz), kx[i],      \
+                                             ky[i], peak[i]);                                      \
       const angles a = {hwo, cosi, coso, 0, 0};                                                    \
       const real lobe = brdf_ashikhmin_shirley(d, a);                                              \
       const real length = fibre_length(x, z);                                                      \

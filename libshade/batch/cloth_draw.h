@@ -12,10 +12,10 @@
 
 /* Draws of one lobe for every eye of g, into its wi; u1 and u2 are used up. */
 static void cloth_sample(const bsdf *b, gathered *g, real *u1, real *u2) {
-  varied_arrays lobes;
+  const varied_arrays lobes = cloth_varied(b, g);
   const vec n = {g->n[0], g->n[1], g->n[2]}, wo = {g->wo[0], g->wo[1], g->wo[2]};
   real *const wi[3] = {g->wi[0], g->wi[1], g->wi[2]};
-  draw_lobe(b, g->count, &n, &wo, cloth_varied(b, g, &lobes), u1, u2, wi);
+  draw_lobe(b, g->count, &n, &wo, &lobes, u1, u2, wi);
 }
 
 /* Of g's lanes a coarse node each, by u3. */

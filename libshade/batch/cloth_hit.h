@@ -107,7 +107,8 @@ typedef struct near_sent {
       const real hwo = half_cosine(hx, hy, hz), lowest = minimum(wi.z, wo.z);                      \
       const real ci = dot(x, y, z, XYZ(wi)), co = dot(x, y, z, XYZ(wo));                           \
       const real cosi = maximum(ci, 0), coso = maximum(co, 0);                                     \
-      const real d = ashikhmin_shirley(detail_rotate_ratio(x, y, z, hx, hy, hz), kx, ky, peak);    \
+      const real d =                                                                               \
+          ashikhmin_shirley_ratio(detail_rotate_ratio(x, y, z, hx, hy, hz), kx, ky, peak);         \
       const angles a = {hwo, cosi, coso, 0, 0};                                                    \
       const real length = fibre_length(x, z);                                                      \
       const real ly = over_fibre(x, y, z, XYZ(wi)) / length;                                       \

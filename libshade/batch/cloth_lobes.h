@@ -182,13 +182,12 @@ static void cloth_through(const gathered *g, real *restrict through) {
                              dot(nx[j], ny[j], nz[j], ox[j], oy[j], oz[j]));
 }
 
-/* The lobes of g's lanes in *room; NULL where all have b's. */
-LEAF const varied_arrays *cloth_varied(const bsdf *b, const gathered *g, varied_arrays *room) {
+/* The lobes of g's lanes; empty where all have b's. */
+LEAF varied_arrays cloth_varied(const bsdf *b, const gathered *g) {
   if (!g->dull)
-    return NULL;
-  *room = b->exponents ? (varied_arrays){.ex = g->ex, .ey = g->ey}
-                       : (varied_arrays){.ax = g->ex, .ay = g->ey};
-  return room;
+    return (varied_arrays){.parts = 0};
+  return b->exponents ? (varied_arrays){.ex = g->ex, .ey = g->ey}
+                      : (varied_arrays){.ax = g->ex, .ay = g->ey};
 }
 
 /*
@@ -199,12 +198,11 @@ typedef enum asked { ASK_YARN, ASK_DENSITY, ASK_THROUGH } asked;
 
 static void cloth_ask(asked what, const bsdf *b, const gathered *g, real *first, real *second) {
   const bsdf_lanes in = lanes_of(g);
-  varied_arrays lobes;
-  const varied_arrays *varied = cloth_varied(b, g, &lobes);
+  const varied_arrays lobes = cloth_varied(b, g);
   if (what == ASK_YARN)
-    yarn_batch(b, g->count, &in, varied, first, second);
+    yarn_batch(b, g->count, &in, &lobes, first, second);
   else if (what == ASK_DENSITY)
-    pdf_batch(b, g->count, &in, varied, first);
+    pdf_batch(b, g->count, &in, &lobes, first);
   else
     cloth_through(g, first);
 }
@@ -296,7 +294,8 @@ static real shine_usual(const fabric_nodes *nodes, real kx, real ky, real peak, 
     for (size_t part = 0; part < PARTS; part++) {
       const size_t i = from + part;
       const real x = nx[i], y = ny[i], z = nz[i];
-      const real d = ashikhmin_shirley(detail_rotate_ratio(x, y, z, hx, hy, hz), kx, ky, peak);
+      const real d =
+          ashikhmin_shirley_ratio(detail_rotate_ratio(x, y, z, hx, hy, hz), kx, ky, peak);
       const real ci = dot(x, y, z, XYZ(wi));
       const real co = lit_cosine(ci, dot(x, y, z, XYZ(wo)), wi.z, wo.z);
       const angles a = {hwo, ci, co, 1, 1};
@@ -321,37 +320,35 @@ static void cloth_shine(const bsdf *given, const fabric_nodes *nodes, const gath
   const vec n = {nodes->SUFFIX(x), nodes->SUFFIX(y), nodes->SUFFIX(z)}, h = {hx, hy, hz};
   const real *restrict nx = n.x, *restrict ny = n.y, *restrict nz = n.z;
   const real *restrict weight = nodes->SUFFIX(weight);
-  varied_arrays lobes;
   varied_room each;
   bsdf copy;
-  const varied_arrays *varied = cloth_varied(given, g, &lobes);
-  const bsdf *b = varied ? for_lanes(given, varied, &copy) : given;
-  sample_block s = {.shape = own_shape(b), .count = g->count};
-  if (varied)
-    read_varied(b, varied, 0, 0, &s, &each);
+  const varied_arrays lobes = cloth_varied(given, g);
+  const bsdf *b = for_lanes(given, &lobes, &copy);
+  ROOM kx[FABRIC_NODES], ky[FABRIC_NODES], peak[FABRIC_NODES];
+  const lobe_shape shape = {.kx = kx, .ky = ky, .peak = peak};
+  sample_block s = {.count = g->count};
+  own_shape(b, g->count, &each, &s);
+  read_varied(b, &lobes, 0, &s, &each);
   const int usual = VECTOR_BYTES > 16 && is_usual(b); /* else too few registers */
   for (size_t j = 0; j < g->count; j++) {
-    const size_t own = s.shape.varies ? j : 0;
     if (usual) {
       const triple wi = {g->wi[0][j], g->wi[1][j], g->wi[2][j]};
       const triple wo = {g->wo[0][j], g->wo[1][j], g->wo[2][j]};
-      spec[j] = shine_usual(nodes, s.shape.kx[own], s.shape.ky[own], s.shape.peak[own], wi, wo);
+      spec[j] = shine_usual(nodes, s.shape.kx[j], s.shape.ky[j], s.shape.peak[j], wi, wo);
       continue;
     }
     const real ix = g->wi[0][j], iy = g->wi[1][j], iz = g->wi[2][j];
     const real ox = g->wo[0][j], oy = g->wo[1][j], oz = g->wo[2][j];
     const real hwo = half_cosine(ix + ox, iy + oy, iz + oz);
     const real unit = scale_to_unit(ix + ox, iy + oy, iz + oz); /* for the warps */
-    const lobe_shape shape = {.kx = s.shape.kx + own,
-                              .ky = s.shape.ky + own,
-                              .peak = s.shape.peak + own,
-                              .gx = s.shape.gx + own,
-                              .gy = s.shape.gy + own};
     real sum = 0;
     for (size_t i = 0; i < m; i++) {
       hx[i] = (ix + ox) * unit;
       hy[i] = (iy + oy) * unit;
       hz[i] = (iz + oz) * unit;
+      kx[i] = s.shape.kx[j];
+      ky[i] = s.shape.ky[j];
+      peak[i] = s.shape.peak[j];
     }
     pass_lobe(b, &shape, m, n, h, t, xx, yy, d);
 #pragma omp simd reduction(+ : sum)

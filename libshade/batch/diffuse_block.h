@@ -15,31 +15,21 @@ static void pass_across(size_t count, vec n, vec w, real *restrict across) {
 }
 
 /* The floor keeps f finite where the cosine vanishes and Phi does not. */
-#define DIFFUSE_PASS(NAME, word, value, label, help)                                               \
-  static void pass_diffuse_##word(size_t count, const real *restrict ly,                           \
-                                  const real *restrict cosi, const real *restrict vy,              \
-                                  const real *restrict coso, real *restrict q) {                   \
-    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      real phi = diffuse_##word(ly[i], cosi[i], vy[i], coso[i]);                                   \
-      real one = phi * R(0.31830988618379067154) / maximum(cosi[i], R(1e-20));                     \
-      q[i] = coso[i] > 0 ? one : 0;                                                                \
-    }                                                                                              \
+LEAF void pass_diffuse_of(shade_diffuse diffuse, size_t count, const real *restrict ly,
+                          const real *restrict cosi, const real *restrict vy,
+                          const real *restrict coso, real *restrict q) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const real phi = diffuse_phi(diffuse, ly[i], cosi[i], vy[i], coso[i]);
+    const real one = phi * R(0.31830988618379067154) / maximum(cosi[i], R(1e-20));
+    q[i] = coso[i] > 0 ? one : 0;
   }
-SHADE_TABLE_DIFFUSE(DIFFUSE_PASS)
-#undef DIFFUSE_PASS
-
+}
 static void pass_diffuse(const bsdf *b, size_t count, const real *ly, const real *cosi,
                          const real *vy, const real *coso, real *q) {
-  switch (b->diffuse) {
-#define DIFFUSE_CASE(NAME, word, value, label, help)                                               \
-  case SHADE_DIFFUSE_##NAME:                                                                       \
-    pass_diffuse_##word(count, ly, cosi, vy, coso, q);                                             \
-    break;
-    SHADE_TABLE_DIFFUSE(DIFFUSE_CASE)
-#undef DIFFUSE_CASE
-  case SHADE_DIFFUSE_COUNT:
-    break;
-  }
+#define LOOP(diffuse) pass_diffuse_of(diffuse, count, ly, cosi, vy, coso, q)
+  SHADE_LOOP_OF(DIFFUSE, b->diffuse)
+#undef LOOP
 }
 
 /* q = Phi/(pi cos) of a block; ly and vy are scratch. */
@@ -57,34 +47,12 @@ static void diffuse_block(const bsdf *b, size_t size, vec n, vec wi, vec wo, con
   pass_diffuse(b, size, ly, cosi, vy, coso, q);
 }
 
-/* Adds a colour channel's diffuse part to out. */
-static void pass_add_diffuse(size_t count, real kd, const real *restrict q, real *restrict out) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++)
-    out[i] += kd * q[i];
-}
-
-/* less: 1 where f0 takes its share of it first, else 0. */
-static void pass_each_add_diffuse(size_t count, const real *restrict kd, real less,
-                                  const real *restrict f0, const real *restrict q,
-                                  real *restrict out) {
+/* Adds a colour channel's diffuse part; less: 1 where f0 takes its share of it first, else 0. */
+static void add_diffuse(size_t count, real less, const real *restrict kd, const real *restrict f0,
+                        const real *restrict q, real *restrict out) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++)
     out[i] += kd[i] * (1 - less * f0[i]) * q[i];
-}
-
-/* Channel c; kd and f0 are those of each sample, or NULL. */
-static void add_diffuse(const bsdf *b, int c, size_t count, const real *kd, const real *f0,
-                        const real *q, real *out) {
-  const int less = shade_diffuse_is(b->diffuse).less_f0;
-  ROOM room[2][BLOCK];
-  if (!kd && !(f0 && less)) {
-    pass_add_diffuse(count, diffuse_scale(b, c), q, out);
-    return;
-  }
-  kd = filled(count, kd, 1, numbers_of(b)->kd[c], room[0]);
-  f0 = filled(count, f0, 1, numbers_of(b)->f0[c], room[1]);
-  pass_each_add_diffuse(count, kd, (real)less, f0, q, out);
 }
 
 /* d: f to f cos. q: Phi/(pi cos) to what yarn_batch promises. */

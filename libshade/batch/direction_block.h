@@ -6,64 +6,21 @@
 #include "../model/direction.h"
 #include "vec.h"
 
-/* Whether every v is unit. */
-static int are_unit(size_t count, vec v) {
+/* Whether the passes take every v as it is: unit, and above the surface if it is a normal, whose
+ * n.z less 1 has the sign bit for 0 and FAR_BIT for -0. */
+LEAF int are_flawless(size_t count, vec v, int is_normal) {
   real_bits off = 0;
   ARRAYS(v);
 #pragma omp simd reduction(| : off)
-  for (size_t i = 0; i < count; i++)
-    off |= off_unit(far_bits(vx[i], vy[i], vz[i]), uneven_bits(vx[i], vy[i], vz[i]));
+  for (size_t i = 0; i < count; i++) {
+    const real_bits below = is_normal ? (to_bits(vz[i]) - 1) & (SIGN_BIT | FAR_BIT) : 0;
+    off |= off_unit(far_bits(vx[i], vy[i], vz[i]), uneven_bits(vx[i], vy[i], vz[i])) | below;
+  }
   return !off;
 }
 
-/*
- * What is wrong with a block's directions, or-ed over its lanes. AVX-512 takes one word, masked in
- * every lane: a mask and an or are one instruction there, and to or the lanes of a register takes
- * as long as ten samples. Elsewhere masks are dear: three words, masked once.
- */
-#if defined(__AVX512F__)
-#define FLAWS_IN_ONE_WORD 1
-#else
-#define FLAWS_IN_ONE_WORD 0
-#endif
-typedef struct flaws {
-  real_bits far, uneven, below;
-} flaws;
-
-/* Not 0 where a vector is not unit or n not above the surface. `below` is of n.z less 1: 0 has the
- * sign bit and -0 FAR_BIT. */
-LEAF real_bits any_flaw(flaws f) {
-  return off_unit(f.far, f.uneven) | (f.below & (SIGN_BIT | FAR_BIT));
-}
-
-LEAF flaws flaws_of_lane(flaws f) {
-  return FLAWS_IN_ONE_WORD ? (flaws){any_flaw(f), 0, 0} : f;
-}
-
-LEAF int are_flawless(flaws all) {
-  return !(FLAWS_IN_ONE_WORD ? all.far : any_flaw(all));
-}
-
-/* Whether the passes take every n, a and b (which may be a) as they are. One loop. */
-LEAF int is_mended(size_t count, vec n, vec a, vec b) {
-  real_bits far = 0, uneven = 0, below = 0;
-  ARRAYS(n);
-  ARRAYS(a);
-  ARRAYS(b);
-#pragma omp simd reduction(| : far, uneven, below)
-  for (size_t i = 0; i < count; i++) {
-    const flaws lane = flaws_of_lane((flaws){
-        .far = far_bits(nx[i], ny[i], nz[i]) | far_bits(ax[i], ay[i], az[i]) |
-               far_bits(bx[i], by[i], bz[i]),
-        .uneven = uneven_bits(nx[i], ny[i], nz[i]) | uneven_bits(ax[i], ay[i], az[i]) |
-                  uneven_bits(bx[i], by[i], bz[i]),
-        .below = to_bits(nz[i]) - 1,
-    });
-    far |= lane.far;
-    uneven |= lane.uneven;
-    below |= lane.below;
-  }
-  return are_flawless((flaws){far, uneven, below});
+static int are_unit(size_t count, vec v) {
+  return are_flawless(count, v, 0);
 }
 
 /* Room for the mended copies of a block's directions. */
@@ -107,12 +64,12 @@ LEAF int straighten(size_t count, vec v, int is_normal, vec_room *to) {
 
 /*
  * Point the directions (*v[0] a normal) at mended copies where the block needs it. Returns status
- * bits; with SHADE_BAD_INPUT void_lane is filled. The slow paths see copies of the directions, so
- * that they may stay in registers.
+ * bits; with SHADE_BAD_INPUT void_lane is filled.
  */
-LEAF unsigned mend_block(size_t count, int vectors, vec *const v[3], mended_room *m) {
+static unsigned mend_block(size_t count, int vectors, vec *const v[3], mended_room *m) {
   const vec given[3] = {*v[0], *v[1], *v[vectors - 1]};
-  if (is_mended(count, given[0], given[1], given[2]))
+  if (are_flawless(count, given[0], 1) && are_unit(count, given[1]) &&
+      (vectors < 3 || are_unit(count, given[2])))
     return SHADE_OK;
   int near = 1;
   for (int k = 0; k < vectors; k++) {

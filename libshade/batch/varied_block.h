@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parameters of each sample: within their ranges, in the terms of the distribution, and light and
- * eye turned into the frame of each groove.
+ * Parameters of each sample: the material's own, or those given, within their ranges, in the terms
+ * of the distribution; and light and eye turned into the frame of each groove.
  */
 #ifndef SHADE_BATCH_VARIED_BLOCK_H
 #define SHADE_BATCH_VARIED_BLOCK_H
 
+#include "../model/public.h"
 #include "diffuse_block.h"
+#include "direction_block.h"
 #include "lobe_block.h"
 
 /* What shade_lanes and shade_sample_lanes end in, from f0r on. */
@@ -17,12 +19,43 @@ typedef struct varied_arrays {
 
 /* Room for a block's parameters. */
 typedef struct varied_room {
-  ROOM ax[BLOCK], ay[BLOCK], kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
+  ROOM kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
   ROOM f0[3][BLOCK], tint[3][BLOCK], k[3][BLOCK], kd[3][BLOCK];
-  int turned; /* into the frame whose x' is (c, s), then x and y exchanged where mirror is 1 */
-  ROOM c[BLOCK], s[BLOCK], mirror[BLOCK];
+  int turned; /* into the frame whose x' is (c, s), and whose y' points the other way at side -1 */
+  ROOM c[BLOCK], s[BLOCK], side[BLOCK];
   vec_room n, wi, wo;
 } varied_room;
+
+/* The material's own lobe, and the whole of its own parameters. */
+static void own_shape(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  for (size_t i = 0; i < count && i < BLOCK; i++) {
+    m->kx[i] = own->kx;
+    m->ky[i] = own->ky;
+    m->peak[i] = own->peak;
+    m->gx[i] = own->gx;
+    m->gy[i] = own->gy;
+  }
+  m->turned = 0;
+  s->shape = (lobe_shape){m->kx, m->ky, m->peak, m->gx, m->gy};
+}
+
+static const real *filled(size_t count, int is_read, real own, real *room) {
+  for (size_t i = 0; is_read && i < count && i < BLOCK; i++)
+    room[i] = own;
+  return room;
+}
+static void own_block(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
+  const shade_fresnel_traits reads = shade_fresnel_is(b->fresnel);
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  own_shape(b, count, m, s);
+  for (int c = 0; c < 3; c++) {
+    s->f0[c] = filled(count, reads.f0 || b->has_diffuse, own->f0[c], m->f0[c]);
+    s->tint[c] = filled(count, reads.tint, own->tint[c], m->tint[c]);
+    s->k[c] = filled(count, reads.k, own->k[c], m->k[c]);
+    s->kd[c] = filled(count, b->has_diffuse, own->kd[c], m->kd[c]);
+  }
+}
 
 /* `in` to `out` within the range; NaN becomes `own`. Nonzero when something had to change. */
 static int pass_within(size_t count, real low, real high, real own, const real *restrict in,
@@ -61,23 +94,44 @@ static int pass_groove(size_t count, const real *restrict x, const real *restric
   return changed;
 }
 
+/* What is narrow along the other axis than the material's has its axes change places: x' is y'. */
+static void pass_exchange(size_t count, const real *restrict mirror, real *restrict x,
+                          real *restrict y) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const real a = x[i], b = y[i];
+    x[i] = mirror[i] > 0 ? b : a;
+    y[i] = mirror[i] > 0 ? a : b;
+  }
+}
+static void pass_axes(size_t count, const real *restrict mirror, real *restrict c, real *restrict s,
+                      real *restrict side) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const real x = c[i], y = s[i];
+    c[i] = mirror[i] > 0 ? -y : x;
+    s[i] = mirror[i] > 0 ? x : y;
+    side[i] = mirror[i] > 0 ? R(-1.0) : R(1.0);
+  }
+}
+
 /* Directions to the frames of the grooves, and back in place. */
-static void pass_turn(size_t count, const real *restrict c, const real *restrict s,
-                      const real *restrict mirror, vec v, vec_room *restrict to) {
+static void pass_turn(size_t count, const varied_room *m, vec v, vec_room *restrict to) {
+  const real *restrict c = m->c, *restrict s = m->s, *restrict side = m->side;
   ARRAYS(v);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real x = c[i] * vx[i] + s[i] * vy[i], y = c[i] * vy[i] - s[i] * vx[i];
-    to->x[i] = mirror[i] > 0 ? y : x;
-    to->y[i] = mirror[i] > 0 ? x : y;
+    to->x[i] = c[i] * vx[i] + s[i] * vy[i];
+    to->y[i] = side[i] * (c[i] * vy[i] - s[i] * vx[i]);
     to->z[i] = vz[i];
   }
 }
-static void pass_turn_back(size_t count, const real *restrict c, const real *restrict s,
-                           const real *restrict mirror, real *restrict wx, real *restrict wy) {
+static void pass_turn_back(size_t count, const varied_room *m, real *restrict wx,
+                           real *restrict wy) {
+  const real *restrict c = m->c, *restrict s = m->s, *restrict side = m->side;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real x = mirror[i] > 0 ? wy[i] : wx[i], y = mirror[i] > 0 ? wx[i] : wy[i];
+    const real x = wx[i], y = side[i] * wy[i];
     wx[i] = c[i] * x - s[i] * y;
     wy[i] = s[i] * x + c[i] * y;
   }
@@ -95,40 +149,19 @@ static void pass_exponent_of(size_t count, real *restrict v) {
     v[i] = minimum(maximum(2 / (v[i] * v[i]) - 2, 0), R(1e6));
 }
 
-static void pass_shape_of_exponents(size_t count, const real *restrict kx, const real *restrict ky,
-                                    real *restrict gx, real *restrict gy, real *restrict peak) {
+/* A lobe's kx and ky are exponents, or alphas, on entry. */
+LEAF void pass_shape(int exponents, size_t count, varied_room *m) {
+  real *restrict kx = m->kx, *restrict ky = m->ky, *restrict peak = m->peak;
+  real *restrict gx = m->gx, *restrict gy = m->gy;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    gx[i] = 2 / (kx[i] + 2);
-    gy[i] = 2 / (ky[i] + 2);
-    peak[i] = peak_of_exponents(kx[i], ky[i]);
-  }
-}
-/*
- * Whether no alpha has to be mended, as far as one look tells: those from 2^-13 to 8 are 16 powers
- * of 2, whose bits less those of the first lie below 2^27 (2^56). All others, NaN and negative ones
- * too, have a higher one set.
- */
-static int are_alphas(size_t count, const real *restrict ax, const real *restrict ay) {
-  const real_bits low = to_bits(R(0x1p-13)), range = to_bits(8) - low;
-  real_bits off = 0;
-#pragma omp simd reduction(| : off)
-  for (size_t i = 0; i < count; i++)
-    off |= (to_bits(ax[i]) - low) | (to_bits(ay[i]) - low);
-  return off < range;
-}
-
-static void pass_shape_of_alphas(size_t count, const real *restrict ax, const real *restrict ay,
-                                 real *restrict kx, real *restrict ky, real *restrict gx,
-                                 real *restrict gy, real *restrict peak) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    const lobe_numbers lobe = numbers_of_alphas(ax[i], ay[i]);
+    const lobe_numbers lobe =
+        exponents ? numbers_of_exponents(kx[i], ky[i]) : numbers_of_alphas(kx[i], ky[i]);
+    kx[i] = lobe.kx;
+    ky[i] = lobe.ky;
     peak[i] = lobe.peak;
     gx[i] = lobe.gx;
     gy[i] = lobe.gy;
-    kx[i] = lobe.kx;
-    ky[i] = lobe.ky;
   }
 }
 
@@ -144,17 +177,6 @@ static int pass_mirrored(size_t count, int own_y, const real *restrict x, const 
   }
   return any;
 }
-/* Their parameters change places; to may be from. */
-static void pass_exchange(size_t count, const real *restrict mirror, const real *x, const real *y,
-                          real *to_x, real *to_y) {
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    real a = x[i], b = y[i];
-    to_x[i] = mirror[i] > 0 ? b : a;
-    to_y[i] = mirror[i] > 0 ? a : b;
-  }
-}
-
 /* One axis of the lobe, exponents or alphas as the distribution reads them; `own` the material's
    k. Status bits. */
 static unsigned read_axis(int exponents, size_t count, real own, const real *alpha,
@@ -187,14 +209,11 @@ static unsigned read_axis(int exponents, size_t count, real own, const real *alp
 
 /* One colour, of which any channels may be given. Status bits. */
 static unsigned read_colour(size_t count, size_t start, const real *const given[3],
-                            const real own[3], real low, real high, real room[3][BLOCK],
-                            const real *to[3]) {
+                            const real own[3], real low, real high, real room[3][BLOCK]) {
   int changed = 0;
   for (int c = 0; c < 3; c++)
-    if (given[c]) {
+    if (given[c])
       changed |= pass_within(count, low, high, own[c], given[c] + start, room[c]);
-      to[c] = room[c];
-    }
   return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
 }
 
@@ -220,137 +239,89 @@ static const bsdf *for_lanes(const bsdf *b, const varied_arrays *in, bsdf *copy)
   return copy;
 }
 
-/* Exponents of each sample, in the terms of D and Smith's Lambda. Status bits. */
-static unsigned read_exponents(const bsdf *b, size_t count, const real *const given[4],
-                               varied_room *m, lobe_shape *to, int *mirrored) {
-  unsigned status = read_axis(1, count, numbers_of(b)->kx, given[0], given[2], m->kx);
-  status |= read_axis(1, count, numbers_of(b)->ky, given[1], given[3], m->ky);
-  pass_shape_of_exponents(count, m->kx, m->ky, m->gx, m->gy, m->peak);
-  if (b->groove_auto && pass_mirrored(count, b->fibres_along_y, m->kx, m->ky, m->mirror)) {
+/* The lobe of each sample by what is given of ax, ay, ex and ey, and which are mirrored. Status
+ * bits. */
+static unsigned read_shape(const bsdf *b, size_t count, const real *const given[4], varied_room *m,
+                           real *mirror, int *mirrored) {
+  unsigned status = read_axis(b->exponents, count, numbers_of(b)->kx, given[0], given[2], m->kx);
+  status |= read_axis(b->exponents, count, numbers_of(b)->ky, given[1], given[3], m->ky);
+  if (b->exponents)
+    pass_shape(1, count, m);
+  else
+    pass_shape(0, count, m);
+  if (b->groove_auto && pass_mirrored(count, b->fibres_along_y, m->kx, m->ky, mirror)) {
     *mirrored = 1;
-    pass_exchange(count, m->mirror, m->kx, m->ky, m->kx, m->ky);
-    pass_exchange(count, m->mirror, m->gx, m->gy, m->gx, m->gy);
+    pass_exchange(count, mirror, m->kx, m->ky);
+    pass_exchange(count, mirror, m->gx, m->gy);
   }
-  *to = (lobe_shape){1, m->kx, m->ky, m->peak, m->gx, m->gy, NULL, NULL, 0};
   return status;
-}
-
-/*
- * Alphas of each sample, read where they are if nothing has to change. `alone`: the passes to come
- * read nothing else.
- */
-static unsigned read_alphas(const bsdf *b, size_t count, const real *const given[4], int alone,
-                            varied_room *m, lobe_shape *to, int *mirrored) {
-  const real *x = given[0], *y = given[1];
-  unsigned status = SHADE_OK;
-  if (!x || !y || !are_alphas(count, x, y)) {
-    status |= read_axis(0, count, numbers_of(b)->kx, given[0], given[2], m->ax);
-    status |= read_axis(0, count, numbers_of(b)->ky, given[1], given[3], m->ay);
-    x = m->ax;
-    y = m->ay;
-  }
-  if (b->groove_auto && pass_mirrored(count, b->fibres_along_y, y, x, m->mirror)) {
-    *mirrored = 1;
-    pass_exchange(count, m->mirror, x, y, m->ax, m->ay);
-    x = m->ax;
-    y = m->ay;
-  }
-  if (!alone)
-    pass_shape_of_alphas(count, x, y, m->kx, m->ky, m->gx, m->gy, m->peak);
-  *to = (lobe_shape){1, m->kx, m->ky, m->peak, m->gx, m->gy, x, y, alone};
-  return status;
-}
-
-/* Whether any colour is given: most lanes that hold alphas hold nothing else. */
-LEAF int has_colours(const varied_arrays *in) {
-  uintptr_t any = 0;
-  for (int c = 0; c < 3; c++)
-    any |= (uintptr_t)in->f0[c] | (uintptr_t)in->f82[c] | (uintptr_t)in->eta[c] |
-           (uintptr_t)in->k[c] | (uintptr_t)in->kd[c];
-  return any != 0;
 }
 
 static unsigned read_colours(const bsdf *b, const varied_arrays *in, size_t start,
                              sample_block *block, varied_room *m) {
   const size_t count = block->count;
-  unsigned status = SHADE_OK;
-  status |= read_colour(count, start, in->f0, numbers_of(b)->f0, 0, 1, m->f0, block->f0);
-  status |= read_colour(count, start, in->kd, numbers_of(b)->kd, 0, 1, m->kd, block->kd);
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  unsigned status = read_colour(count, start, in->f0, own->f0, 0, 1, m->f0);
+  status |= read_colour(count, start, in->kd, own->kd, 0, 1, m->kd);
   if (b->fresnel == SHADE_FRESNEL_F82)
-    status |= read_colour(count, start, in->f82, numbers_of(b)->tint, 0, 1, m->tint, block->tint);
+    status |= read_colour(count, start, in->f82, own->tint, 0, 1, m->tint);
   if (b->fresnel == SHADE_FRESNEL_CONDUCTOR) {
-    status |=
-        read_colour(count, start, in->eta, numbers_of(b)->tint, R(1e-3), 100, m->tint, block->tint);
-    status |= read_colour(count, start, in->k, numbers_of(b)->k, 0, 100, m->k, block->k);
+    status |= read_colour(count, start, in->eta, own->tint, R(1e-3), 100, m->tint);
+    status |= read_colour(count, start, in->k, own->k, 0, 100, m->k);
   }
   return status;
 }
 
 /*
  * Everything but directions of `block`, from lane `start` on; then directions that are not NULL
- * (n, and wi or wo) into the frames of the grooves. `alone`: of alphas nothing else is read.
- * Returns status bits.
+ * (n, and wi or wo) into the frames of the grooves. Returns status bits.
  */
-static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start, int alone,
+static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start,
                             sample_block *block, varied_room *m) {
   const size_t count = block->count;
-  unsigned status = SHADE_OK;
-  m->turned = 0;
-  if (has_colours(in))
-    status |= read_colours(b, in, start, block, m);
+  ROOM mirror[BLOCK];
   int mirrored = 0;
+  unsigned status = read_colours(b, in, start, block, m);
   const real *given[4] = {in->ax, in->ay, in->ex, in->ey};
   if (given[0] || given[1] || given[2] || given[3]) {
     for (int k = 0; k < 4; k++)
       given[k] = given[k] ? given[k] + start : NULL;
-    status |= b->exponents ? read_exponents(b, count, given, m, &block->shape, &mirrored)
-                           : read_alphas(b, count, given, alone, m, &block->shape, &mirrored);
+    status |= read_shape(b, count, given, m, mirror, &mirrored);
   }
-  if (!mirrored && !(in->groove_x && in->groove_y))
+  m->turned = mirrored || (in->groove_x && in->groove_y);
+  if (!m->turned)
     return status;
-  m->turned = 1;
-  if (!mirrored)
-    memset(m->mirror, 0, count * sizeof(real));
-  if (in->groove_x && in->groove_y) {
-    if (pass_groove(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
-      status |= SHADE_CLAMPED_PARAMETER;
-  } else {
-    for (size_t i = 0; i < count; i++)
-      m->c[i] = 1, m->s[i] = 0;
-  }
+  for (size_t i = 0; i < count; i++)
+    m->c[i] = m->side[i] = 1, m->s[i] = 0;
+  if (in->groove_x && in->groove_y &&
+      pass_groove(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
+    status |= SHADE_CLAMPED_PARAMETER;
+  if (mirrored)
+    pass_axes(count, mirror, m->c, m->s, m->side);
   vec *const v[3] = {&block->n, &block->wi, &block->wo};
   vec_room *const to[3] = {&m->n, &m->wi, &m->wo};
   for (int k = 0; k < 3; k++)
     if (v[k]->x) {
-      pass_turn(count, m->c, m->s, m->mirror, *v[k], to[k]);
+      pass_turn(count, m, *v[k], to[k]);
       *v[k] = vec_in(to[k]);
     }
   return status;
 }
 
-/* Mean reflectances that draws are shared out by: of the lobe at normal incidence, and diffuse. */
-static void read_shares(const bsdf *b, const sample_block *block, real *restrict lobe,
-                        real *restrict diffuse) {
-  const size_t count = block->count;
-  const int less = shade_diffuse_is(b->diffuse).less_f0;
-  const shade_fresnel_traits reads = shade_fresnel_is(b->fresnel);
-  ROOM room[4][BLOCK];
-  for (size_t i = 0; i < count; i++)
-    lobe[i] = diffuse[i] = 0;
-  for (int c = 0; c < 3; c++) {
-    const real *restrict f0 = filled(count, block->f0[c], 1, numbers_of(b)->f0[c], room[0]);
-    const real *restrict eta = filled(count, block->tint[c], 1, numbers_of(b)->tint[c], room[1]);
-    const real *restrict k = filled(count, block->k[c], 1, numbers_of(b)->k[c], room[2]);
-    const real *restrict kd = filled(count, block->kd[c], 1, numbers_of(b)->kd[c], room[3]);
-    const int conductor = !reads.f0;
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) {
-      real k2 = k[i] * k[i], under = (eta[i] + 1) * (eta[i] + 1) + k2;
-      real metal = ((eta[i] - 1) * (eta[i] - 1) + k2) / under;
-      lobe[i] += (conductor ? metal : f0[i]) / 3;
-      diffuse[i] += kd[i] * (1 - (less ? f0[i] : 0)) / 3;
-    }
-  }
+/*
+ * A block whole, from lane `start` on: directions, without wi where there is none, mended; then the
+ * parameters. Returns status bits.
+ */
+static unsigned read_lanes(const bsdf *b, const bsdf_lanes *in, const varied_arrays *varied,
+                           size_t start, sample_block *s, varied_room *m, mended_room *room) {
+  s->n = vec_from(in->nx, in->ny, in->nz, start);
+  s->wo = vec_from(in->wox, in->woy, in->woz, start);
+  s->wi = (vec){NULL, NULL, NULL};
+  if (in->wix)
+    s->wi = vec_from(in->wix, in->wiy, in->wiz, start);
+  vec *const v[3] = {&s->n, &s->wo, &s->wi};
+  const unsigned status = mend_block(s->count, in->wix ? 3 : 2, v, room);
+  return status | read_varied(b, varied, start, s, m);
 }
 
 #endif

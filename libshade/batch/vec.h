@@ -49,15 +49,14 @@ LEAF vec vec_swapped(vec v) {
   return (vec){v.y, v.x, v.z};
 }
 
-/*
- * A vec as three parameters vx, vy, vz of a pass that is a call of its own, and as its arguments.
- * The structure would be copied to the stack in vectors of pointers that were just written one by
- * one, which waits for as long as ten samples take.
- */
-#define VEC(v) const real *restrict v##x, const real *restrict v##y, const real *restrict v##z
-
 /* The arrays of v as vx, vy, vz, which is what compilers vectorise: gcc does not through members.
  */
 #define ARRAYS(v) const real *restrict v##x = v.x, *restrict v##y = v.y, *restrict v##z = v.z
+
+/* Sample i of them, in a loop. */
+#define AT(v)                                                                                      \
+  (triple) {                                                                                       \
+    v##x[i], v##y[i], v##z[i]                                                                      \
+  }
 
 #endif

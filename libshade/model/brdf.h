@@ -4,7 +4,7 @@
 #define SHADE_MODEL_BRDF_H
 
 #include "bsdf.h"
-#include "elementary.h"
+#include "random.h"
 
 /*
  * |wi + wo|^2: rounded alike wherever it is asked for, or the warps, which take h - n, would not
@@ -97,13 +97,7 @@ LEAF real smith_gaussian(real w) {
   real v = root(w);
   real y = v / (v + R(0.3));
   real share = exp_negative(1 / (w + TINY));
-#if SHADE_FLOAT
-  real z = maximum(y, SHADE_ERFCX_LEAST_F) - SHADE_ERFCX_MIDDLE_F;
-  return 1 + share * (v * R(0.564189583548) - SHADE_ERFCX_F(z));
-#else
-  real z = maximum(y, SHADE_ERFCX_LEAST_D) - SHADE_ERFCX_MIDDLE_D;
-  return 1 + share * (v * 0.56418958354775628695 - SHADE_ERFCX_D(z));
-#endif
+  return 1 + share * (v * R(0.56418958354775628695) - scaled_erfc_at(y));
 }
 
 /*
@@ -115,9 +109,18 @@ LEAF real lit_cosine(real ci, real co, real iz, real oz) {
   return minimum(minimum(ci, co), minimum(iz, oz)) > 0 ? co : 0;
 }
 
-/* By the material's choice: f without Fresnel. */
-LEAF real brdf(const bsdf *b, real d, angles a) {
-  switch (b->brdf) {
+typedef struct cosines {
+  real i, o;
+} cosines;
+LEAF cosines cosines_about(triple n, triple wi, triple wo) {
+  const real ci = dot(n.x, n.y, n.z, wi.x, wi.y, wi.z);
+  const real co = dot(n.x, n.y, n.z, wo.x, wo.y, wo.z);
+  return (cosines){ci > 0 ? ci : 0, lit_cosine(ci, co, wi.z, wo.z)};
+}
+
+/* By name: f without Fresnel. */
+LEAF real brdf_value(shade_brdf brdf, real d, angles a) {
+  switch (brdf) {
 #define BRDF_CASE(NAME, word, value, label, help)                                                  \
   case SHADE_BRDF_##NAME:                                                                          \
     return brdf_##word(d, a);

@@ -217,11 +217,11 @@ LEAF lobe_ratio swapped(lobe_ratio r) {
 /* h by a map, for grooves along x or y. */
 LEAF lobe_ratio detail(shade_map map, triple n, triple h) {
   switch (map) {
-#define MAP_CASE(NAME, leaf, along_y, kind, frame, with)                                           \
+#define MAP_CASE(NAME, leaf, along_y, kind, frame)                                                 \
   case SHADE_MAP_##NAME:                                                                           \
     return along_y ? swapped(detail_##leaf(n.y, n.x, n.z, h.y, h.x, h.z))                          \
                    : detail_##leaf(n.x, n.y, n.z, h.x, h.y, h.z);
-    SHADE_MAP_ROWS(MAP_CASE, )
+    SHADE_MAP_ROWS(MAP_CASE)
 #undef MAP_CASE
   case SHADE_MAP_COUNT:
     break;

@@ -24,34 +24,56 @@ LEAF real from_bits(real_bits u) {
   return x;
 }
 
+/* A coefficient of this precision; adding ROUNDER rounds to a whole number. */
+#if SHADE_FLOAT
+#define COEFFICIENT(name) name##_F
+#define ROUNDER 12582912.0f /* 1.5 * 2^23 */
+#define MANTISSA 23
+#define BIAS 127u
+#define ROOT_HALF_BITS 0x3f3504f3u
+#define EXP_LIMIT 86
+#else
+#define COEFFICIENT(name) name##_D
+#define ROUNDER 6755399441055744.0 /* 1.5 * 2^52 */
+#define MANTISSA 52
+#define BIAS 1023u
+#define ROOT_HALF_BITS 0x3fe6a09e667f3bcdu
+#define EXP_LIMIT 700
+#endif
+
 /*
  * log(1 + t) for 0 <= t <= 4e37 (float) or 4e300 (double).
  * Worst relative error: 1.8e-7 near t = 0.42 (float), 3.4e-16 (double).
  */
 LEAF real log1p_positive(real t) {
   real u = 1 + t;
-#if SHADE_FLOAT
   /* k so that u / 2^k lies between sqrt(1/2) and sqrt(2) */
-  real_bits k = (to_bits(u) - 0x3f3504f3u) >> 23;
+  real_bits k = (to_bits(u) - ROOT_HALF_BITS) >> MANTISSA;
+  real scale = from_bits((BIAS - k) << MANTISSA);
+#if SHADE_FLOAT
   real kf = (real)(int32_t)k;
-  real scale = from_bits((127u - k) << 23);
 #else
-  real_bits k = (to_bits(u) - 0x3fe6a09e667f3bcdu) >> 52;
   /* SSE2 and AVX2 cannot convert a 64-bit integer: plant it in the mantissa of 2^52 */
   real kf = from_bits(k | 0x4330000000000000u) - 4503599627370496.0;
-  real scale = from_bits((1023u - k) << 52);
 #endif
   /* t - (u - 1) is what the rounding of 1 + t lost */
   real f = (u * scale - 1) + (t - (u - 1)) * scale;
   real s = f / (2 + f);
   real z = s * s;
-#if SHADE_FLOAT
-  real rest = s * z * SHADE_LOG_F(z);
-  return kf * SHADE_LN2_HIGH_F + (2 * s + (rest + kf * SHADE_LN2_LOW_F));
-#else
-  real rest = s * z * SHADE_LOG_D(z);
-  return kf * SHADE_LN2_HIGH_D + (2 * s + (rest + kf * SHADE_LN2_LOW_D));
-#endif
+  real rest = s * z * COEFFICIENT(SHADE_LOG)(z);
+  return kf * COEFFICIENT(SHADE_LN2_HIGH) + (2 * s + (rest + kf * COEFFICIENT(SHADE_LN2_LOW)));
+}
+
+/* exp(-a), a >= 0, is 2^k (1 + rest): k in the last bits of `shifted`, at most EXP_LIMIT down. */
+typedef struct exp_parts {
+  real shifted, rest;
+} exp_parts;
+LEAF exp_parts exp_parts_of(real a) {
+  real y = a < EXP_LIMIT ? a : EXP_LIMIT;
+  real shifted = ROUNDER - y * COEFFICIENT(SHADE_LOG2E);
+  real k = shifted - ROUNDER;
+  real r = (-y - k * COEFFICIENT(SHADE_LN2_HIGH)) - k * COEFFICIENT(SHADE_LN2_LOW);
+  return (exp_parts){shifted, r + r * r * COEFFICIENT(SHADE_EXP)(r)};
 }
 
 /*
@@ -59,26 +81,16 @@ LEAF real log1p_positive(real t) {
  * 5e-38 or 1e-304. Worst relative error: 1.2e-7 (float), 2.3e-16 (double).
  */
 LEAF real exp_negative(real a) {
-#if SHADE_FLOAT
-  const real limit = 86;
-  const real magic = 12582912; /* 1.5 * 2^23: adding it rounds to a whole number */
-  real y = a < limit ? a : limit;
-  real shifted = magic - y * SHADE_LOG2E_F;
-  real k = shifted - magic;
-  real r = (-y - k * SHADE_LN2_HIGH_F) - k * SHADE_LN2_LOW_F;
-  real p = 1 + (r + r * r * SHADE_EXP_F(r));
-  real value = from_bits(to_bits(p) + (to_bits(shifted) << 23));
-#else
-  const real limit = 700;
-  const real magic = 6755399441055744.0; /* 1.5 * 2^52 */
-  real y = a < limit ? a : limit;
-  real shifted = magic - y * SHADE_LOG2E_D;
-  real k = shifted - magic;
-  real r = (-y - k * SHADE_LN2_HIGH_D) - k * SHADE_LN2_LOW_D;
-  real p = 1 + (r + r * r * SHADE_EXP_D(r));
-  real value = from_bits(to_bits(p) + (to_bits(shifted) << 52));
-#endif
-  return a <= limit ? value : 0;
+  exp_parts e = exp_parts_of(a);
+  real value = from_bits(to_bits(1 + e.rest) + (to_bits(e.shifted) << MANTISSA));
+  return a <= EXP_LIMIT ? value : 0;
+}
+
+/* 1 - exp(-a), a >= 0, without cancellation. */
+LEAF real one_less_exp(real a) {
+  exp_parts e = exp_parts_of(a);
+  real scale = from_bits((to_bits(e.shifted) + BIAS) << MANTISSA);
+  return (1 - scale) - scale * e.rest;
 }
 
 /*
@@ -105,11 +117,7 @@ LEAF real log2_1p(real a, real b) {
   real f = a * scale + b * (scale - 1);
   real s = f / (f + 2 * b);
   real z = s * s;
-#if SHADE_FLOAT
-  return kf + s * SHADE_LOG2_F(z);
-#else
-  return kf + s * SHADE_LOG2_D(z);
-#endif
+  return kf + s * COEFFICIENT(SHADE_LOG2)(z);
 }
 
 /*
@@ -117,25 +125,18 @@ LEAF real log2_1p(real a, real b) {
  * Worst relative error: 1e-7 (float), 2e-16 (double).
  */
 LEAF real exp2_negative(real a) {
+  const real limit = SHADE_FLOAT ? 124 : 1010;
 #if SHADE_FLOAT
-  const real limit = 124;
-  const real magic = 12582912; /* 1.5 * 2^23: adding it rounds to a whole number */
   /* the bits of positive numbers compare as they do, in one instruction where floats take two */
   int32_t least = (int32_t)to_bits(a), most = (int32_t)to_bits(limit);
   real y = from_bits((real_bits)(least < most ? least : most));
-  real shifted = magic - y;
-  real r = (magic - shifted) - y;
-  real p = 1 + r * SHADE_EXP2_F(r);
-  real value = from_bits(to_bits(p) + (to_bits(shifted) << 23));
 #else
-  const real limit = 1010;
-  const real magic = 6755399441055744.0; /* 1.5 * 2^52 */
   real y = a < limit ? a : limit;
-  real shifted = magic - y;
-  real r = (magic - shifted) - y;
-  real p = 1 + r * SHADE_EXP2_D(r);
-  real value = from_bits(to_bits(p) + (to_bits(shifted) << 52));
 #endif
+  real shifted = ROUNDER - y;
+  real r = (ROUNDER - shifted) - y;
+  real p = 1 + r * COEFFICIENT(SHADE_EXP2)(r);
+  real value = from_bits(to_bits(p) + (to_bits(shifted) << MANTISSA));
   return a <= limit ? value : 0;
 }
 
@@ -198,14 +199,16 @@ LEAF real angle_of(real y, real x) {
   int steep = low > R(0.41421356237309504880) * high; /* tan(pi/8) */
   real top = steep ? low - high : low, bottom = steep ? low + high : high;
   real s = top / (bottom + TINY);
-#if SHADE_FLOAT
-  real a = s + s * (s * s) * SHADE_ATAN_F((s * s));
-#else
-  real a = s + s * (s * s) * SHADE_ATAN_D((s * s));
-#endif
+  real a = s + s * (s * s) * COEFFICIENT(SHADE_ATAN)((s * s));
   a = steep ? a + pi / 4 : a;
   a = y > ax ? pi / 2 - a : a;
   return x < 0 ? pi - a : a;
+}
+
+/* exp(t^2) erfc(t), t >= 0, by y = 1/(1 + 0.3 t), where exp(-t^2) still counts. */
+LEAF real scaled_erfc_at(real y) {
+  real z = maximum(y, COEFFICIENT(SHADE_ERFCX_LEAST)) - COEFFICIENT(SHADE_ERFCX_MIDDLE);
+  return COEFFICIENT(SHADE_ERFCX)(z);
 }
 
 /*

@@ -61,21 +61,26 @@ LEAF real fresnel_conductor(real f0, real eta, real k, real c) {
   return maximum(R(0.5) * (rs + rp), 0); /* eta near 1 cancels */
 }
 
-/* All three channels, by the material's choice. */
-LEAF triple fresnel(const bsdf *b, real hwo) {
-  switch (b->fresnel) {
-#define FRESNEL_OF(word, c)                                                                        \
-  fresnel_##word(numbers_of(b)->f0[c], numbers_of(b)->tint[c], numbers_of(b)->k[c], hwo)
+/* By name, of one channel. */
+LEAF real fresnel_value(shade_fresnel fresnel, real f0, real tint, real k, real c) {
+  switch (fresnel) {
 #define FRESNEL_CASE(NAME, word, value, label, help)                                               \
   case SHADE_FRESNEL_##NAME:                                                                       \
-    return (triple){FRESNEL_OF(word, 0), FRESNEL_OF(word, 1), FRESNEL_OF(word, 2)};
+    return fresnel_##word(f0, tint, k, c);
     SHADE_TABLE_FRESNEL(FRESNEL_CASE)
 #undef FRESNEL_CASE
-#undef FRESNEL_OF
   case SHADE_FRESNEL_COUNT:
     break;
   }
-  return (triple){0, 0, 0};
+  return 0;
+}
+
+/* All three, of a material. */
+LEAF triple fresnel(const bsdf *b, real hwo) {
+  const SUFFIX(bsdf_numbers) *m = numbers_of(b);
+  return (triple){fresnel_value(b->fresnel, m->f0[0], m->tint[0], m->k[0], hwo),
+                  fresnel_value(b->fresnel, m->f0[1], m->tint[1], m->k[1], hwo),
+                  fresnel_value(b->fresnel, m->f0[2], m->tint[2], m->k[2], hwo)};
 }
 
 #endif

@@ -8,7 +8,6 @@
 
 #include "mdf_parts.h"
 
-#define SHADE_MDF_ASHIKHMIN_SHIRLEY_FORM RATIO
 /*
  * Worst seen, all with sse2: float 1.1e-5 at exponents (3.06, 364), perturb, n (.693, -.669, .269);
  * 6.6e-5 at (4.4e4, 3.2e3), gram_schmidt, n (.711, -.703, .016); double 3.0e-14.
@@ -24,12 +23,17 @@
  * as 2^(-e/2 log2(1 + tan^2)): pow(cos, e) would lose e roundings. Integrates
  * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4; CONVENTIONS.md, Detail]
  */
-LEAF real ashikhmin_shirley(lobe_ratio p, real kx, real ky, real peak) {
+LEAF real ashikhmin_shirley_ratio(lobe_ratio p, real kx, real ky, real peak) {
   real x = R(0.5) * LOG2_UNIT * kx, y = R(0.5) * LOG2_UNIT * ky;
   real mean = R(0.5) * TINY * (x + y); /* where there is no azimuth */
   real e = (x * p.xx + (y * p.yy + mean)) / (p.xx + (p.yy + TINY));
   real value = peak * exp2_negative(e * log2_1p(p.ss, p.zz + TINY));
   return p.above ? value : 0;
+}
+
+LEAF real ashikhmin_shirley(lobe_point p, real kx, real ky, real peak) {
+  lobe_ratio r = {p.xx, p.yy, absolute(p.t), 1, p.t >= 0};
+  return ashikhmin_shirley_ratio(r, kx, ky, peak);
 }
 
 /* Its own paper has none: that of Gaussian slopes with alpha^2 = 2/(e + 2). */
@@ -52,14 +56,15 @@ LEAF triple draw_ashikhmin_shirley(real u1, real u2, real kx, real ky) {
   return h;
 }
 
-LEAF real density_ashikhmin_shirley(lobe_point p, real kx, real ky) {
-  real peak = root((kx + 1) * (ky + 1)) * R(0.15915494309189533577);
-  lobe_ratio r = {p.xx, p.yy, absolute(p.t), 1, p.t >= 0};
-  return ashikhmin_shirley(r, kx, ky, peak);
-}
-
 LEAF real peak_of_exponents(real kx, real ky) {
   return root((kx + 1) * (ky + 1)) * R(0.15915494309189533577);
+}
+LEAF lobe_numbers numbers_of_exponents(real kx, real ky) {
+  return (lobe_numbers){kx, ky, peak_of_exponents(kx, ky), 2 / (kx + 2), 2 / (ky + 2)};
+}
+
+LEAF real density_ashikhmin_shirley(lobe_point p, real kx, real ky) {
+  return ashikhmin_shirley(p, kx, ky, peak_of_exponents(kx, ky));
 }
 
 #endif

@@ -5,7 +5,6 @@
 
 #include "mdf_parts.h"
 
-#define SHADE_MDF_BECKMANN_FORM SLOPES
 /*
  * Worst seen, all with sse2 and gram_schmidt: float 1.4e-5 at exponents (1.33, .035), n (-.797,
  * .594, .112); 6.8e-5 at (4.4e4, 3.2e3), n (.711, -.703, .016); double 3.2e-14 at (30.6, 3645).
@@ -43,18 +42,6 @@ LEAF real density_beckmann(lobe_point p, real kx, real ky) {
   return beckmann(p, kx, ky, slope_peak(kx, ky)) / root(u);
 }
 
-/* exp(t^2) erfc(t), t >= 0, where exp(-t^2) still counts. */
-LEAF real scaled_erfc(real t) {
-  real y = 1 / (1 + R(0.3) * t);
-#if SHADE_FLOAT
-  real z = maximum(y, SHADE_ERFCX_LEAST_F) - SHADE_ERFCX_MIDDLE_F;
-  return SHADE_ERFCX_F(z);
-#else
-  real z = maximum(y, SHADE_ERFCX_LEAST_D) - SHADE_ERFCX_MIDDLE_D;
-  return SHADE_ERFCX_D(z);
-#endif
-}
-
 /*
  * t with probability u above it under the density (rise + lean t) exp(-t^2), t > -rise/lean:
  * the slope towards an eye of cosine `rise` and sine `lean`, per alpha. lean = 0 gives the
@@ -78,7 +65,8 @@ LEAF slope_search slope_start(real u_in, real rise, real lean) {
   /* the floor: gcc squares before it takes the minimum */
   real a = minimum(rise / maximum(lean, R(1e-12)), 100);
   real ea = exp_negative(a * a);
-  real whole = rise * half_root_pi * (2 - ea * scaled_erfc(a)) + R(0.5) * lean * ea;
+  real whole =
+      rise * half_root_pi * (2 - ea * scaled_erfc_at(1 / (1 + R(0.3) * a))) + R(0.5) * lean * ea;
   s.inverse = 1 / maximum(whole, TINY);
   real l = log1p_positive(maximum(R(0.25) / (s.u * (1 - s.u)) - 1, 0));
   real middle = R(0.63661977236758134308) / bend - R(0.5) * l;
@@ -95,7 +83,7 @@ LEAF slope_search slope_start(real u_in, real rise, real lean) {
 LEAF slope_search slope_step(slope_search s) {
   const real half_root_pi = R(0.88622692545275801365);
   real e = exp_negative(s.t * s.t);
-  real tail = e * scaled_erfc(s.t < 0 ? -s.t : s.t);
+  real tail = e * scaled_erfc_at(1 / (1 + R(0.3) * absolute(s.t)));
   real above =
       (s.rise * half_root_pi * (s.t < 0 ? 2 - tail : tail) + R(0.5) * s.lean * e) * s.inverse;
   real density = maximum((s.rise + s.lean * s.t) * e * s.inverse, R(1e-30));
@@ -124,12 +112,22 @@ LEAF stretched stretch_eye(real ax, real ay, triple o) {
   return e;
 }
 
-/* Beckmann's normals as o sees them, from their slopes along and across it; density as GGX's. */
-LEAF triple visible_gaussian(real along, real across, real kx, real ky, triple o) {
-  real ax = 1 / root(kx), ay = 1 / root(ky);
-  stretched e = stretch_eye(ax, ay, o);
-  triple h = {ax * (along * e.c - across * e.s), ay * (along * e.s + across * e.c), 1};
-  return h;
+LEAF real slope_of(real u, real rise, real lean) {
+  slope_search s = slope_start(u, rise, lean);
+#if defined(__GNUC__) /* or the loop around it stays scalar */
+#pragma GCC unroll 16
+#endif
+  for (int step = 0; step < slope_steps; step++)
+    s = slope_step(s);
+  return s.t;
+}
+
+/* Beckmann's normals as o sees them, by their slopes along and across it; density as GGX's. */
+LEAF triple draw_visible_beckmann(real u1, real u2, real kx, real ky, triple o) {
+  const real ax = 1 / root(kx), ay = 1 / root(ky);
+  const stretched e = stretch_eye(ax, ay, o);
+  const real along = slope_of(u1, e.rise, e.lean), across = slope_of(u2, 1, 0);
+  return (triple){ax * (along * e.c - across * e.s), ay * (along * e.s + across * e.c), 1};
 }
 
 #endif

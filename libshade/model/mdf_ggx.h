@@ -5,7 +5,6 @@
 
 #include "mdf_parts.h"
 
-#define SHADE_MDF_GGX_FORM SLOPES
 /*
  * Worst seen, all with sse2: float 1.5e-6 at exponents (885, 690), gram_schmidt, n (.624, .773,
  * .113); 1.3e-5 at (5.3e4, 2.8e3), rotate, n (.701, -.061, .711); double 7.9e-15 at (8849, 6896),

@@ -5,7 +5,6 @@
 
 #include "mdf_ashikhmin_shirley.h"
 
-#define SHADE_MDF_WARD_FORM SLOPES
 /*
  * Worst seen, all with sse2 and gram_schmidt: float 1.5e-5 at exponents (1.33, .035), n (-.797,
  * .594, .112); 6.8e-5 at (4.4e4, 3.2e3), n (.711, -.703, .016); double 3.2e-14 at (30.6, 3645).

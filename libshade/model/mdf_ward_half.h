@@ -5,7 +5,6 @@
 
 #include "mdf_parts.h"
 
-#define SHADE_MDF_WARD_HALF_FORM SLOPES
 /*
  * Worst seen, all with sse2: float 1.2e-5 at exponents (3.06, 364), shortest_arc, n (.792, -.516,
  * .327); 6.5e-5 at (4.4e4, 3.2e3), gram_schmidt, n (.711, -.703, .016); double 3.3e-14.
@@ -48,8 +47,7 @@ LEAF real density_ward_half(lobe_point p, real kx, real ky) {
   real radius = p.xx + p.yy;
   /* without a choice, or both sides would be computed, 0/0 too */
   real k = (kx * p.xx + ky * p.yy + R(0.5) * TINY * (kx + ky)) / (radius + TINY);
-  real peak = root(kx) * root(ky) * R(0.31830988618379067154);
-  return ward_half(p, kx, ky, peak) / one_less_exp(2 * k);
+  return ward_half(p, kx, ky, slope_peak(kx, ky)) / one_less_exp(2 * k);
 }
 
 #endif

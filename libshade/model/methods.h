@@ -10,40 +10,51 @@
 #include "shade/shade.h"
 
 /*
- * How a half vector is carried: ROW(NAME, leaf, along_y, kind, frame, with)
+ * How a half vector is carried: ROW(NAME, leaf, along_y, kind, frame)
  *   leaf     detail_<leaf> of detail.h
  *   along_y  1: with x and y in each other's place
  *   kind     RIGID, or a warp: WARP_LINEAR, WARP_SMOOTH, which needs a unit h and has a Jacobian
  *   frame    the map in whose frame, or through which, half vectors are drawn for it: one of
  *            SHADE_FRAME_ROWS, or a warp
- *   with     whatever the user of the rows hands on
  * _RATIO: for distributions that see neither a common scale of x and y nor the slope itself.
  */
-#define SHADE_MAP_ROWS(ROW, with)                                                                  \
-  ROW(NONE, none, 0, RIGID, NONE, with)                                                            \
-  ROW(PERTURB_RATIO, perturb_ratio, 0, RIGID, SHORTEST_ARC, with)                                  \
-  ROW(PERTURB, perturb, 0, RIGID, SHORTEST_ARC, with)                                              \
-  ROW(ROTATE_X, rotate, 0, RIGID, ROTATE_X, with)                                                  \
-  ROW(ROTATE_Y, rotate, 1, RIGID, ROTATE_Y, with)                                                  \
-  ROW(ROTATE_RATIO_X, rotate_ratio, 0, RIGID, ROTATE_X, with)                                      \
-  ROW(ROTATE_RATIO_Y, rotate_ratio, 1, RIGID, ROTATE_Y, with)                                      \
-  ROW(SHORTEST_ARC, shortest_arc, 0, RIGID, SHORTEST_ARC, with)                                    \
-  ROW(DEFORM_LINEAR, deform_linear, 0, WARP_LINEAR, DEFORM_LINEAR, with)                           \
-  ROW(DEFORM_SMOOTH, deform_smooth, 0, WARP_SMOOTH, DEFORM_SMOOTH, with)
+#define SHADE_MAP_ROWS(ROW)                                                                        \
+  ROW(NONE, none, 0, RIGID, NONE)                                                                  \
+  ROW(PERTURB_RATIO, perturb_ratio, 0, RIGID, SHORTEST_ARC)                                        \
+  ROW(PERTURB, perturb, 0, RIGID, SHORTEST_ARC)                                                    \
+  ROW(ROTATE_X, rotate, 0, RIGID, ROTATE_X)                                                        \
+  ROW(ROTATE_Y, rotate, 1, RIGID, ROTATE_Y)                                                        \
+  ROW(ROTATE_RATIO_X, rotate_ratio, 0, RIGID, ROTATE_X)                                            \
+  ROW(ROTATE_RATIO_Y, rotate_ratio, 1, RIGID, ROTATE_Y)                                            \
+  ROW(SHORTEST_ARC, shortest_arc, 0, RIGID, SHORTEST_ARC)                                          \
+  ROW(DEFORM_LINEAR, deform_linear, 0, WARP_LINEAR, DEFORM_LINEAR)                                 \
+  ROW(DEFORM_SMOOTH, deform_smooth, 0, WARP_SMOOTH, DEFORM_SMOOTH)
 
-/* The leaves of those rows, each once: ROW(leaf, with). */
-#define SHADE_MAP_LEAVES(ROW, with)                                                                \
-  ROW(none, with)                                                                                  \
-  ROW(perturb_ratio, with)                                                                         \
-  ROW(perturb, with)                                                                               \
-  ROW(rotate, with)                                                                                \
-  ROW(rotate_ratio, with)                                                                          \
-  ROW(shortest_arc, with)                                                                          \
-  ROW(deform_linear, with)                                                                         \
-  ROW(deform_smooth, with)
+/*
+ * SHADE_LOOP_OF_<list>(choice): the loop LOOP(choice), a macro of where it stands, once for each
+ * choice of a list, which is a constant in it. So compilers make a loop of each.
+ */
+#define SHADE_LOOP_(choice)                                                                        \
+  case choice:                                                                                     \
+    LOOP(choice);                                                                                  \
+    break;
+#define SHADE_MDF_LOOP_(NAME, ...) SHADE_LOOP_(SHADE_MDF_##NAME)
+#define SHADE_BRDF_LOOP_(NAME, ...) SHADE_LOOP_(SHADE_BRDF_##NAME)
+#define SHADE_FRESNEL_LOOP_(NAME, ...) SHADE_LOOP_(SHADE_FRESNEL_##NAME)
+#define SHADE_DIFFUSE_LOOP_(NAME, ...) SHADE_LOOP_(SHADE_DIFFUSE_##NAME)
+#define SHADE_LOOP_OF(LIST, choice)                                                                \
+  switch (choice) { SHADE_TABLE_##LIST(SHADE_##LIST##_LOOP_) case SHADE_##LIST##_COUNT : break; }
 
-#define SHADE_MAP_ENUM_(NAME, leaf, along_y, kind, frame, with) SHADE_MAP_##NAME,
-typedef enum shade_map { SHADE_MAP_ROWS(SHADE_MAP_ENUM_, ) SHADE_MAP_COUNT } shade_map;
+#define SHADE_MAP_LOOP_(NAME, ...) SHADE_LOOP_(SHADE_MAP_##NAME)
+#define SHADE_LOOP_OF_MAP(map)                                                                     \
+  switch (map) {                                                                                   \
+    SHADE_MAP_ROWS(SHADE_MAP_LOOP_)                                                                \
+  case SHADE_MAP_COUNT:                                                                            \
+    break;                                                                                         \
+  }
+
+#define SHADE_MAP_ENUM_(NAME, leaf, along_y, kind, frame) SHADE_MAP_##NAME,
+typedef enum shade_map { SHADE_MAP_ROWS(SHADE_MAP_ENUM_) SHADE_MAP_COUNT } shade_map;
 
 typedef enum shade_map_kind { SHADE_RIGID, SHADE_WARP_LINEAR, SHADE_WARP_SMOOTH } shade_map_kind;
 
@@ -58,38 +69,30 @@ typedef enum shade_map_kind { SHADE_RIGID, SHADE_WARP_LINEAR, SHADE_WARP_SMOOTH 
 #define SHADE_WARP_DOUBLE_1E4 1e-12
 
 /* The two columns that are asked for by value. */
-#define SHADE_MAP_KIND_(NAME, leaf, along_y, kind, frame, with)                                    \
-  case SHADE_MAP_##NAME:                                                                           \
-    return SHADE_##kind;
-static inline shade_map_kind shade_map_kind_of(shade_map map) {
-  switch (map) {
-    SHADE_MAP_ROWS(SHADE_MAP_KIND_, )
-  case SHADE_MAP_COUNT:
-    break;
-  }
-  return SHADE_RIGID;
+typedef struct shade_map_traits {
+  shade_map_kind kind;
+  shade_map frame;
+} shade_map_traits;
+#define SHADE_MAP_IS_(NAME, leaf, along_y, kind, frame)                                            \
+  [SHADE_MAP_##NAME] = {SHADE_##kind, SHADE_MAP_##frame},
+static inline shade_map_traits shade_map_is(shade_map map) {
+  static const shade_map_traits rows[] = {SHADE_MAP_ROWS(SHADE_MAP_IS_)};
+  return rows[map];
 }
+
 /* What half vectors can be drawn in or through; rigid ones, ROW(NAME, name), by axes_<name> of
  * frame.h. */
 #define SHADE_FRAME_ROWS(ROW)                                                                      \
   ROW(ROTATE_X, rotate_x) ROW(ROTATE_Y, rotate_y) ROW(SHORTEST_ARC, shortest_arc)
-#define SHADE_FRAME_ENUM_(NAME, name) SHADE_FRAME_##NAME = SHADE_MAP_##NAME,
-enum {
-  SHADE_FRAME_NONE = SHADE_MAP_NONE,
-  SHADE_FRAME_ROWS(SHADE_FRAME_ENUM_) SHADE_FRAME_DEFORM_LINEAR = SHADE_MAP_DEFORM_LINEAR,
-  SHADE_FRAME_DEFORM_SMOOTH = SHADE_MAP_DEFORM_SMOOTH
-};
-#define SHADE_MAP_FRAME_(NAME, leaf, along_y, kind, frame, with)                                   \
-  case SHADE_MAP_##NAME:                                                                           \
-    return (shade_map)SHADE_FRAME_##frame;
-static inline shade_map shade_map_frame_of(shade_map map) {
-  switch (map) {
-    SHADE_MAP_ROWS(SHADE_MAP_FRAME_, )
-  case SHADE_MAP_COUNT:
-    break;
+#define SHADE_FRAME_LOOP_(NAME, name) SHADE_LOOP_(SHADE_MAP_##NAME)
+#define SHADE_LOOP_OF_FRAME(frame)                                                                 \
+  switch (frame) {                                                                                 \
+    SHADE_FRAME_ROWS(SHADE_FRAME_LOOP_)                                                            \
+    SHADE_FRAME_LOOP_(DEFORM_LINEAR, )                                                             \
+    SHADE_FRAME_LOOP_(DEFORM_SMOOTH, )                                                             \
+  default:                                                                                         \
+    LOOP(SHADE_MAP_NONE);                                                                          \
   }
-  return SHADE_MAP_NONE;
-}
 
 /*
  * A detail method: its maps for grooves along x and y, for slopes, and for distributions that

@@ -30,16 +30,16 @@ LEAF triple exchanged(triple v, int swap) {
   return (triple){swap ? v.y : v.x, swap ? v.x : v.y, v.z};
 }
 
+/* Within [0, 1). */
+LEAF real uniform_of(real u) {
+  return minimum(maximum(u, 0), BELOW_ONE);
+}
+
 /* (cos, sin) of 2 pi u, u in [0, 1]: Taylor's series within an eighth of a turn of an axis. */
 LEAF pair circle(real u) {
-#if SHADE_FLOAT
-  const real magic = 12582912; /* adding it rounds to a whole number */
-#else
-  const real magic = 6755399441055744.0;
-#endif
-  real shifted = 4 * u + magic;
+  real shifted = 4 * u + ROUNDER;
   real_bits quarter = to_bits(shifted);
-  real a = (4 * u - (shifted - magic)) * R(1.57079632679489661923);
+  real a = (4 * u - (shifted - ROUNDER)) * R(1.57079632679489661923);
   real z = a * a;
 #if SHADE_FLOAT
   real s = a + a * z * (-1 / 6.0f + z * (1 / 120.0f + z * (-1 / 5040.0f + z / 362880.0f)));
@@ -55,28 +55,6 @@ LEAF pair circle(real u) {
   real sign = (quarter & 2) ? R(-1.0) : R(1.0);
   pair p = {sign * ((quarter & 1) ? -s : c), sign * ((quarter & 1) ? c : s)};
   return p;
-}
-
-/* 1 - exp(-a), a >= 0, without cancellation. */
-LEAF real one_less_exp(real a) {
-#if SHADE_FLOAT
-  const real limit = 86, magic = 12582912;
-  real y = a < limit ? a : limit;
-  real shifted = magic - y * SHADE_LOG2E_F;
-  real k = shifted - magic;
-  real r = (-y - k * SHADE_LN2_HIGH_F) - k * SHADE_LN2_LOW_F;
-  real rest = r + r * r * SHADE_EXP_F(r);
-  real scale = from_bits((to_bits(shifted) + 127u) << 23);
-#else
-  const real limit = 700, magic = 6755399441055744.0;
-  real y = a < limit ? a : limit;
-  real shifted = magic - y * SHADE_LOG2E_D;
-  real k = shifted - magic;
-  real r = (-y - k * SHADE_LN2_HIGH_D) - k * SHADE_LN2_LOW_D;
-  real rest = r + r * r * SHADE_EXP_D(r);
-  real scale = from_bits((to_bits(shifted) + 1023u) << 52);
-#endif
-  return (1 - scale) - scale * rest;
 }
 
 /* -ln(1 - u) and -ln u for u in [0, BELOW_ONE] and [LEAST_UNIFORM, 1]. */

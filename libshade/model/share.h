@@ -5,6 +5,16 @@
 
 #include "fresnel.h"
 
+/* A channel's part of the mean reflectances that draws are shared out by: of the lobe at normal
+ * incidence, and of the diffuse part. */
+LEAF real lobe_mean(int conductor, real f0, real eta, real k) {
+  const real k2 = k * k, metal = ((eta - 1) * (eta - 1) + k2) / ((eta + 1) * (eta + 1) + k2);
+  return (conductor ? metal : f0) / 3;
+}
+LEAF real diffuse_mean(int less_f0, real f0, real kd) {
+  return kd * (1 - (less_f0 ? f0 : 0)) / 3;
+}
+
 /*
  * Share of the draws that go to the specular lobe beside a diffuse part: its reflectance at
  * the eye's angle against the diffuse one, and at least a tenth for either that there is.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * f of one sample. All return status bits. Directions are handed on by value: an
+ * f, density and draw of one sample. All return status bits. Directions are handed on by value: an
  * array that is indexed by a variable, or copied, lies in memory, and compilers read in one what
  * was just written in parts, which waits: a fifth of a call of GGX.
  */
@@ -8,21 +8,18 @@
 #define SHADE_MODEL_SINGLE_H
 
 #include "public.h"
-#include "brdf.h"
 #include "diffuse.h"
 #include "direction.h"
-#include "fresnel.h"
+#include "draw.h"
 #include "ggx.h"
-#include "horizon.h"
-#include "lobe.h"
 
-static unsigned mdf_one(const bsdf *b, const real n_in[3], const real h_in[3], real *d) {
+static unsigned entry_mdf(const shade_bsdf *b, const real n_in[3], const real h_in[3], real *d) {
   const direction n = direction_of(n_in, 1), h = direction_of(h_in, 0);
   const unsigned status = n.status | h.status;
   *d = 0;
   if (status & SHADE_BAD_INPUT)
     return status;
-  *d = lobe(b, n.v, h.v);
+  *d = lobe(bsdf_of(b), n.v, h.v);
   return status;
 }
 
@@ -92,7 +89,7 @@ LEAF real specular_one(const bsdf *b, const bsdf_hit *h, triple wi, triple s, re
   s.x = multiply_add(s.x, scale, 0);
   s.y = multiply_add(s.y, scale, 0);
   s.z = multiply_add(s.z, scale, 0);
-  return brdf(b, lobe(b, h->n, s), a);
+  return brdf_value(b->brdf, lobe(b, h->n, s), a);
 }
 
 /* Phi of a lit light. */
@@ -169,20 +166,18 @@ static __attribute__((noinline)) shaded_sample facets_one(const bsdf *b, const b
   weight[1] = n.z * (see[0][1] * see[1][0]);
   weight[2] = n.z * (see[0][0] * see[1][1]);
   for (int k = 0; k < 3; k++) {
-    bsdf_hit mirrored;
+    bsdf_hit other;
     const bsdf_hit *seen = h;
     triple light = *wi;
     if (k) {
       if (!(weight[k] > 0))
         continue;
-      const triple from = w[k - 1];
-      real step = mirror_step(n.x, n.y, from.x, from.y);
-      const triple m = {multiply_add(-step, n.x, from.x), multiply_add(-step, n.y, from.y), from.z};
+      const triple m = mirrored(n, w[k - 1]);
       if (k == 1) {
         light = m;
       } else {
-        prepare_hard(b, n, m, &mirrored);
-        seen = &mirrored;
+        prepare_hard(b, n, m, &other);
+        seen = &other;
       }
     }
     const shaded_sample one = hard_one(b, seen, light);
@@ -197,18 +192,20 @@ static __attribute__((noinline)) shaded_sample facets_one(const bsdf *b, const b
   return out;
 }
 
+/* The normal that the lobe is about: bent for the eye where the horizon bends it. */
+LEAF triple bent_for(const bsdf *b, triple n, triple wo) {
+  if (!shade_horizon_is(b->horizon).bends || !needs_bend(XYZ(n), XYZ(wo))) /* seldom, and dear */
+    return n;
+  const normal bent = bend(XYZ(n), XYZ(wo));
+  return (triple){XYZ(bent)};
+}
+
 /*
- * What hit_one needs. With SHADE_BAD_INPUT in the status nothing else is set. Both are one piece of
- * code for all callers, or a product of the one might be fused with a sum of the other in some.
+ * What shaded needs; n and wo are mended. This and entry_hit are one piece of code for all callers,
+ * or a product of the one might be fused with a sum of the other in some.
  */
-static __attribute__((noinline)) void prepare_one(const bsdf *b, const real n_in[3],
-                                                  const real wo_in[3], bsdf_hit *h) {
+static __attribute__((noinline)) void prepare(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
   shade_horizon_traits is = shade_horizon_is(b->horizon);
-  const direction given = direction_of(n_in, 1), eye = direction_of(wo_in, 0);
-  triple n = given.v;
-  h->status = given.status | eye.status;
-  if (h->status & SHADE_BAD_INPUT)
-    return;
   if (n.x == 0 && n.y == 0 && !is.facets)
     is = shade_horizon_is(SHADE_HORIZON_HARD);
   h->facets = is.facets;
@@ -216,43 +213,98 @@ static __attribute__((noinline)) void prepare_one(const bsdf *b, const real n_in
   h->given = n;
   if (is.fade == SHADE_FADE_ESTEVEZ)
     h->steep = estevez_of(XYZ(n));
-  if (is.bends && needs_bend(XYZ(n), XYZ(eye.v))) { /* seldom, and then dear */
-    const normal bent = bend(XYZ(n), XYZ(eye.v));
-    n = (triple){XYZ(bent)};
-  }
-  prepare_hard(b, n, eye.v, h);
+  prepare_hard(b, bent_for(b, n, wo), wo, h);
 }
 
-static __attribute__((noinline)) unsigned hit_one(const bsdf *b, const bsdf_hit *h,
-                                                  const real wi_in[3], real f[3], real *cosine) {
+/* With SHADE_BAD_INPUT in the status nothing else is set. */
+static unsigned entry_prepare(const shade_bsdf *b, const real n_in[3], const real wo_in[3],
+                              bsdf_hit_room *room) {
+  bsdf_hit *h = (bsdf_hit *)room;
+  const direction n = direction_of(n_in, 1), wo = direction_of(wo_in, 0);
+  h->status = n.status | wo.status;
+  if (!(h->status & SHADE_BAD_INPUT))
+    prepare(bsdf_of(b), n.v, wo.v, h);
+  return h->status;
+}
+
+LEAF shaded_sample shaded(const bsdf *b, const bsdf_hit *h, triple wi) {
+  if (h->facets)
+    return facets_one(b, h, &wi);
+  shaded_sample out = hard_one(b, h, wi);
+  if (h->fade == SHADE_FADE_ESTEVEZ)
+    out.f = scaled(out.f, shadow_of(h->steep, XYZ(wi)));
+  else if (h->fade == SHADE_FADE_CHIANG)
+    out.f = scaled(out.f, shadow_chiang(XYZ(h->given), XYZ(wi)));
+  return out;
+}
+
+LEAF void put_triple(triple v, real to[3]) {
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
+}
+
+static __attribute__((noinline)) unsigned entry_hit(const shade_bsdf *b, const bsdf_hit_room *room,
+                                                    const real wi_in[3], real f[3], real *cosine) {
+  const bsdf_hit *h = (const bsdf_hit *)room;
   const direction wi = direction_of(wi_in, 0);
-  unsigned status = h->status | wi.status;
+  const unsigned status = h->status | wi.status;
   shaded_sample out = {{0, 0, 0}, 0, SHADE_OK};
-  if (!(status & SHADE_BAD_INPUT)) {
-    if (h->facets) {
-      const triple light = wi.v;
-      out = facets_one(b, h, &light);
-    } else {
-      out = hard_one(b, h, wi.v);
-      if (h->fade == SHADE_FADE_ESTEVEZ)
-        out.f = scaled(out.f, shadow_of(h->steep, XYZ(wi.v)));
-      else if (h->fade == SHADE_FADE_CHIANG)
-        out.f = scaled(out.f, shadow_chiang(XYZ(h->given), XYZ(wi.v)));
-    }
-    status |= out.status;
-  }
-  f[0] = out.f.x;
-  f[1] = out.f.y;
-  f[2] = out.f.z;
+  if (!(status & SHADE_BAD_INPUT))
+    out = shaded(bsdf_of(b), h, wi.v);
+  put_triple(out.f, f);
   *cosine = out.cosine;
+  return status | out.status;
+}
+
+static unsigned entry_bsdf(const shade_bsdf *b, const real n[3], const real wi[3], const real wo[3],
+                           real f[3], real *cosine) {
+  bsdf_hit_room room;
+  entry_prepare(b, n, wo, &room);
+  return entry_hit(b, &room, wi, f, cosine);
+}
+
+static unsigned entry_pdf(const shade_bsdf *given, const real n_in[3], const real wi_in[3],
+                          const real wo_in[3], real *pdf) {
+  const bsdf *b = bsdf_of(given);
+  const direction n = direction_of(n_in, 1), wi = direction_of(wi_in, 0);
+  const direction wo = direction_of(wo_in, 0);
+  const unsigned status = n.status | wi.status | wo.status;
+  *pdf = 0;
+  if (status & SHADE_BAD_INPUT || opposite(XYZ(wi.v), XYZ(wo.v)))
+    return status | SHADE_BAD_INPUT;
+  *pdf = density_by_paths(b, bent_for(b, n.v, wo.v), wi.v, wo.v);
   return status;
 }
 
-static unsigned bsdf_one(const bsdf *b, const real n[3], const real wi[3], const real wo[3],
-                         real f[3], real *cosine) {
-  bsdf_hit h;
-  prepare_one(b, n, wo, &h);
-  return hit_one(b, &h, wi, f, cosine);
+static unsigned entry_sample(const shade_bsdf *given, const real n_in[3], const real wo_in[3],
+                             const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+  const bsdf *b = bsdf_of(given);
+  const direction n = direction_of(n_in, 1), wo = direction_of(wo_in, 0);
+  unsigned status = n.status | wo.status;
+  drawn d = {{0, 0, 0}, 1};
+  shaded_sample out = {{0, 0, 0}, 0, SHADE_OK};
+  *pdf = 0;
+  if (u[0] != u[0] || u[1] != u[1])
+    status |= SHADE_BAD_INPUT;
+  if (!(status & SHADE_BAD_INPUT)) {
+    const triple about = bent_for(b, n.v, wo.v);
+    d = draw_by_paths(b, about, wo.v, uniform_of(u[0]), uniform_of(u[1]));
+    *pdf = d.lost > 0 ? 0 : density_by_paths(b, about, d.w, wo.v);
+  }
+  if (*pdf > 0) {
+    bsdf_hit h;
+    prepare(b, n.v, wo.v, &h);
+    out = shaded(b, &h, d.w);
+  } else {
+    *pdf = 0;
+    d.w = (triple){0, 0, 0};
+    status |= SHADE_NO_SAMPLE;
+  }
+  put_triple(d.w, wi);
+  put_triple(out.f, f);
+  *cosine = out.cosine;
+  return status;
 }
 
 #endif

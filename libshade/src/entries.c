@@ -7,8 +7,11 @@
  *
  *   f    bsdf_batch.h: blocks; direction_block.h: directions mended; varied_block.h: parameters
  *        of each sample; horizon_block.h: the choice of horizon, around bsdf_block.h: `hard`
- *   draw sample_batch.h, draw_block.h, frame_block.h, density_block.h
- *   one sample: model/single.h; of cloth: cloth_hit.h
+ *   draw sample_batch.h, draw_block.h, frame_block.h, density_block.h, over model/draw.h
+ *   one sample: model/single.h, f and draws; of cloth: cloth_hit.h
+ *
+ * A loop over a choice of table.h is written once, with the choice as a parameter, and made once
+ * for each by SHADE_LOOP_OF (model/methods.h).
  */
 #include "../batch/isa.h"
 

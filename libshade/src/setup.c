@@ -7,6 +7,7 @@
 #include "../model/bsdf.h"
 #include "../batch/isa.h"
 #include "../model/mdf.h"
+#include "../model/share.h"
 #include "params.h"
 
 #define PI 3.14159265358979323846
@@ -22,13 +23,13 @@ static shade_carry carry(shade_detail detail, int ratio, int groove_y, int round
   shade_carry c;
   c.map = (ratio ? is.ratio : is.slopes)[groove_y];
   c.shadow = is.shadow[groove_y];
-  c.frame = shade_map_frame_of(is.slopes[groove_y]);
+  c.frame = shade_map_is(is.slopes[groove_y]).frame;
   c.parts = is.no_lobe && !round ? 3 : 1;
   c.short_by_l = !ratio && detail == SHADE_DETAIL_ROTATE_APPROXIMATE;
   return c;
 }
 
-/* What directions are drawn from; see batch/density_block.h. */
+/* What directions are drawn from; see model/draw.h. */
 static void setup_draws(bsdf *b) {
   const shade_mdf_traits mdf = shade_mdf_is(b->mdf);
   const shade_diffuse_traits diffuse = shade_diffuse_is(b->diffuse);
@@ -36,13 +37,11 @@ static void setup_draws(bsdf *b) {
   b->numbers.proposal = mdf.proposal;
   b->numbers.per_slope = mdf.per_slope;
   b->draw_even = diffuse.fibres;
+  const int conductor = !shade_fresnel_is(b->fresnel).f0;
+  bsdf_numbers *own = &b->numbers;
   for (int c = 0; c < 3; c++) {
-    double f0 = b->numbers.f0[c], k2 = b->numbers.k[c] * b->numbers.k[c], eta = b->numbers.tint[c];
-    double left = diffuse.less_f0 ? 1 - f0 : 1;
-    if (!shade_fresnel_is(b->fresnel).f0)
-      f0 = ((eta - 1) * (eta - 1) + k2) / ((eta + 1) * (eta + 1) + k2);
-    b->numbers.share_lobe += f0 / 3;
-    b->numbers.share_diffuse += b->numbers.kd[c] * left / 3;
+    own->share_lobe += lobe_mean(conductor, own->f0[c], own->tint[c], own->k[c]);
+    own->share_diffuse += diffuse_mean(diffuse.less_f0, own->f0[c], own->kd[c]);
   }
 }
 
@@ -106,7 +105,7 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->carry = carry(b->detail, mdf.ratio, b->fibres_along_y, b->numbers.kx == b->numbers.ky);
   b->uneven =
       carry(b->detail_auto ? SHADE_DETAIL_ROTATE : b->detail, mdf.ratio, b->fibres_along_y, 0);
-  b->warp = shade_map_kind_of(b->carry.map);
+  b->warp = shade_map_is(b->carry.map).kind;
   b->conserve = detail.conserve;
   b->has_specular = 1;
   for (int c = 0; c < 3; c++) {

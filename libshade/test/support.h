@@ -76,7 +76,7 @@ static inline int sector_of(double x, double y, int sectors) {
 }
 
 static inline int is_warp(shade_detail d) {
-  return shade_map_kind_of(shade_detail_is(d).slopes[0]) != SHADE_RIGID;
+  return shade_map_is(shade_detail_is(d).slopes[0]).kind != SHADE_RIGID;
 }
 
 /* Any distribution from exponents; the alphas are the matching ones. */

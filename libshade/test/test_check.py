@@ -473,7 +473,7 @@ FLIPS = {
     "exponent": ("model/mdf_ashikhmin_shirley.h", "@", "(x * p.xx + (y * p.yy + mean))",
                  "(x * p.xx - (y * p.yy + mean))"),
     "Schlick": ("model/fresnel.h", "real m = @;", "1 - c", "1 + c"),
-    "cosine to the light": ("batch/brdf_block.h", "real ci = dot(nx[i], @, nz[i], wix", "ny[i]", "-ny[i]"),
+    "cosine to the light": ("model/brdf.h", "real ci = dot(n.x, @, n.z, wi.x", "n.y", "-n.y"),
     "bent normal": ("model/horizon.h", ": @;", "s + a", "s - a"),
     "shadow of the slope": ("model/horizon.h", "@", "R(0.125)", "R(1.0)"),
     "cubic shadow": ("model/horizon.h", "return @;", "g + g * g * (1 - g)", "g"),

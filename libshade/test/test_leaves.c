@@ -41,18 +41,7 @@ static void draw(uint64_t *seed, double tilt, double n[3], double h[3], real to_
 
 /* The leaf of a method's map, for grooves along x, as slopes. */
 static lobe_point leaf(shade_map map, const real n[3], const real h[3]) {
-  lobe_point p = {0, 0, 0};
-  switch (map) {
-#define LEAF_CASE(NAME, leaf, along_y, kind, frame, with)                                          \
-  case SHADE_MAP_##NAME:                                                                           \
-    p = along_y ? lobe_at(detail_##leaf(n[1], n[0], n[2], h[1], h[0], h[2]))                       \
-                : lobe_at(detail_##leaf(n[0], n[1], n[2], h[0], h[1], h[2]));                      \
-    return along_y ? (lobe_point){p.t, p.yy, p.xx} : p;
-    SHADE_MAP_ROWS(LEAF_CASE, )
-  case SHADE_MAP_COUNT:
-    break;
-  }
-  return p;
+  return lobe_at(detail(map, (triple){n[0], n[1], n[2]}, (triple){h[0], h[1], h[2]}));
 }
 
 /* Errors of the slopes along x and y, over 1 + tan^2; -1 where the horizon was missed. */
