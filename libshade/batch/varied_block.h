@@ -99,19 +99,21 @@ static void pass_exchange(size_t count, const real *restrict mirror, real *restr
                           real *restrict y) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
+    const real_bits other = mask_of(mirror[i]);
     const real a = x[i], b = y[i];
-    x[i] = mirror[i] > 0 ? b : a;
-    y[i] = mirror[i] > 0 ? a : b;
+    x[i] = kept(other, b, a);
+    y[i] = kept(other, a, b);
   }
 }
 static void pass_axes(size_t count, const real *restrict mirror, real *restrict c, real *restrict s,
                       real *restrict side) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
+    const real_bits other = mask_of(mirror[i]);
     const real x = c[i], y = s[i];
-    c[i] = mirror[i] > 0 ? -y : x;
-    s[i] = mirror[i] > 0 ? x : y;
-    side[i] = mirror[i] > 0 ? R(-1.0) : R(1.0);
+    c[i] = kept(other, -y, x);
+    s[i] = kept(other, x, y);
+    side[i] = kept(other, -1, 1);
   }
 }
 

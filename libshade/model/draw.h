@@ -40,11 +40,12 @@ LEAF proposal proposal_of(const bsdf *b) {
 /* Number `part` of the lobes. */
 LEAF proposed propose(proposal from, int part, real kx, real ky, triple n) {
   const real xx = n.x * n.x, yy = n.y * n.y;
-  const real ll = from.short_by_l ? (from.along_x ? xx : yy) + n.z * n.z : 1;
-  kx = maximum(kx * from.scale * ll, from.least);
-  ky = maximum(ky * from.scale * ll, from.least);
-  if (!from.three)
-    return (proposed){kx, ky, 1};
+  kx *= from.scale;
+  ky *= from.scale;
+  if (!from.three) {
+    const real ll = from.short_by_l ? (from.along_x ? xx : yy) + n.z * n.z : 1;
+    return (proposed){maximum(kx * ll, from.least), maximum(ky * ll, from.least), 1};
+  }
   const real widest = minimum(kx, ky);
   const real here = (kx * xx + ky * yy + R(0.5) * TINY * (kx + ky)) / (xx + yy + TINY);
   const real upright = R(0.5) / (1 + from.per_slope * (kx * xx + ky * yy));
