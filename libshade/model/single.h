@@ -200,11 +200,8 @@ LEAF triple bent_for(const bsdf *b, triple n, triple wo) {
   return (triple){XYZ(bent)};
 }
 
-/*
- * What shaded needs; n and wo are mended. This and entry_hit are one piece of code for all callers,
- * or a product of the one might be fused with a sum of the other in some.
- */
-static __attribute__((noinline)) void prepare(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
+/* What shaded needs; n and wo are mended. */
+LEAF void prepare(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
   shade_horizon_traits is = shade_horizon_is(b->horizon);
   if (n.x == 0 && n.y == 0 && !is.facets)
     is = shade_horizon_is(SHADE_HORIZON_HARD);
@@ -216,9 +213,12 @@ static __attribute__((noinline)) void prepare(const bsdf *b, triple n, triple wo
   prepare_hard(b, bent_for(b, n, wo), wo, h);
 }
 
-/* With SHADE_BAD_INPUT in the status nothing else is set. */
-static unsigned entry_prepare(const shade_bsdf *b, const real n_in[3], const real wo_in[3],
-                              bsdf_hit_room *room) {
+/*
+ * With SHADE_BAD_INPUT in the status nothing else is set. This and entry_hit are one piece of code
+ * for all callers, or a product of the one might be fused with a sum of the other in some.
+ */
+static __attribute__((noinline)) unsigned entry_prepare(const shade_bsdf *b, const real n_in[3],
+                                                        const real wo_in[3], bsdf_hit_room *room) {
   bsdf_hit *h = (bsdf_hit *)room;
   const direction n = direction_of(n_in, 1), wo = direction_of(wo_in, 0);
   h->status = n.status | wo.status;
@@ -228,8 +228,10 @@ static unsigned entry_prepare(const shade_bsdf *b, const real n_in[3], const rea
 }
 
 LEAF shaded_sample shaded(const bsdf *b, const bsdf_hit *h, triple wi) {
-  if (h->facets)
-    return facets_one(b, h, &wi);
+  if (h->facets) {
+    const triple light = wi; /* wi itself stays in registers */
+    return facets_one(b, h, &light);
+  }
   shaded_sample out = hard_one(b, h, wi);
   if (h->fade == SHADE_FADE_ESTEVEZ)
     out.f = scaled(out.f, shadow_of(h->steep, XYZ(wi)));
