@@ -6,21 +6,32 @@
 #include "../model/direction.h"
 #include "vec.h"
 
-/* Whether the passes take every v as it is: unit, and above the surface if it is a normal, whose
- * n.z less 1 has the sign bit for 0 and FAR_BIT for -0. */
-LEAF int are_flawless(size_t count, vec v, int is_normal) {
+/* Whether every v is unit. */
+static int are_unit(size_t count, vec v) {
   real_bits off = 0;
   ARRAYS(v);
 #pragma omp simd reduction(| : off)
-  for (size_t i = 0; i < count; i++) {
-    const real_bits below = is_normal ? (to_bits(vz[i]) - 1) & (SIGN_BIT | FAR_BIT) : 0;
-    off |= off_unit(far_bits(vx[i], vy[i], vz[i]), uneven_bits(vx[i], vy[i], vz[i])) | below;
-  }
+  for (size_t i = 0; i < count; i++)
+    off |= off_unit(far_bits(vx[i], vy[i], vz[i]), uneven_bits(vx[i], vy[i], vz[i]));
   return !off;
 }
 
-static int are_unit(size_t count, vec v) {
-  return are_flawless(count, v, 0);
+/* Whether the passes take n, a and b (which may be a) as they are; a normal is above the surface:
+ * n.z less 1 has the sign bit for 0 and FAR_BIT for -0. One loop, for short blocks: to or the lanes
+ * of a vector takes as long as ten samples. */
+LEAF int all_flawless(size_t count, vec n, vec a, vec b) {
+  real_bits off = 0;
+  ARRAYS(n);
+  ARRAYS(a);
+  ARRAYS(b);
+#pragma omp simd reduction(| : off)
+  for (size_t i = 0; i < count; i++)
+    off |= off_unit(far_bits(nx[i], ny[i], nz[i]) | far_bits(ax[i], ay[i], az[i]) |
+                        far_bits(bx[i], by[i], bz[i]),
+                    uneven_bits(nx[i], ny[i], nz[i]) | uneven_bits(ax[i], ay[i], az[i]) |
+                        uneven_bits(bx[i], by[i], bz[i])) |
+           ((to_bits(nz[i]) - 1) & (SIGN_BIT | FAR_BIT));
+  return !off;
 }
 
 /* Room for the mended copies of a block's directions. */
@@ -68,8 +79,7 @@ LEAF int straighten(size_t count, vec v, int is_normal, vec_room *to) {
  */
 static unsigned mend_block(size_t count, int vectors, vec *const v[3], mended_room *m) {
   const vec given[3] = {*v[0], *v[1], *v[vectors - 1]};
-  if (are_flawless(count, given[0], 1) && are_unit(count, given[1]) &&
-      (vectors < 3 || are_unit(count, given[2])))
+  if (all_flawless(count, given[0], given[1], given[2]))
     return SHADE_OK;
   int near = 1;
   for (int k = 0; k < vectors; k++) {

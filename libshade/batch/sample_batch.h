@@ -28,7 +28,7 @@ static unsigned pdf_batch(const bsdf *given, size_t count, const bsdf_lanes *in,
   unsigned status = SHADE_OK;
   const bsdf *b = for_lanes(given, varied, &copy);
   sample_block s;
-  own_block(b, count, &each, &s);
+  own_proposal(b, count, &each, &s);
   for (size_t start = 0; start < count; start += BLOCK) {
     s.count = count - start < BLOCK ? count - start : BLOCK;
     const unsigned read = read_lanes(b, in, varied, start, &s, &each, &room);
@@ -56,7 +56,7 @@ static void draw_lobe(const bsdf *given, size_t count, const vec *n, const vec *
   sample_block s = {.count = count, .n = *n, .wo = *wo};
   vec *const v[3] = {&s.n, &s.wo};
   mend_block(count, 2, v, &room);
-  own_block(b, count, &each, &s);
+  own_proposal(b, count, &each, &s);
   read_varied(b, varied, 0, &s, &each);
   draw_block(b, &s, &draw, u1, u2, wi, lost);
   s.wi = (vec){wi[0], wi[1], wi[2]};

@@ -57,6 +57,11 @@ static void own_block(const bsdf *b, size_t count, varied_room *m, sample_block 
   }
 }
 
+/* What draws and densities read of it. */
+static void own_proposal(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
+  (b->has_diffuse ? own_block : own_shape)(b, count, m, s);
+}
+
 /* `in` to `out` within the range; NaN becomes `own`. Nonzero when something had to change. */
 static int pass_within(size_t count, real low, real high, real own, const real *restrict in,
                        real *restrict out) {
@@ -283,6 +288,10 @@ static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start
   const size_t count = block->count;
   ROOM mirror[BLOCK];
   int mirrored = 0;
+  static const varied_arrays none = {.parts = 0};
+  m->turned = 0;
+  if (!memcmp(in, &none, offsetof(varied_arrays, parts)))
+    return SHADE_OK;
   unsigned status = read_colours(b, in, start, block, m);
   const real *given[4] = {in->ax, in->ay, in->ex, in->ey};
   if (given[0] || given[1] || given[2] || given[3]) {
