@@ -9,12 +9,8 @@
 /* D of h, which is unit for the warps. */
 LEAF real lobe(const bsdf *b, triple n, triple h) {
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  const lobe_ratio r = detail(b->carry.map, n, h);
-  real d;
-  if (b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) /* a division less: 6 % of a call */
-    d = ashikhmin_shirley_ratio(r, own->kx, own->ky, own->peak);
-  else
-    d = mdf_value(b->mdf, lobe_at(r), own->kx, own->ky, own->peak);
+  const lobe_point p = lobe_at(detail(b->carry.map, n, h));
+  const real d = mdf_value(b->mdf, p, own->kx, own->ky, own->peak);
   if (!b->conserve)
     return d;
   return d * warp_stretch(XYZ(n), XYZ(h), b->warp == SHADE_WARP_SMOOTH, b->projected);
