@@ -26,34 +26,34 @@ typedef struct varied_room {
   vec_room n, wi, wo;
 } varied_room;
 
-/* The material's own lobe, and the whole of its own parameters. */
-static void own_shape(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
-  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  for (size_t i = 0; i < count && i < BLOCK; i++) {
-    m->kx[i] = own->kx;
-    m->ky[i] = own->ky;
-    m->peak[i] = own->peak;
-    m->gx[i] = own->gx;
-    m->gy[i] = own->gy;
-  }
-  m->turned = 0;
-  s->shape = (lobe_shape){m->kx, m->ky, m->peak, m->gx, m->gy};
-}
-
-static const real *filled(size_t count, int is_read, real own, real *room) {
-  for (size_t i = 0; is_read && i < count && i < BLOCK; i++)
+/* One number for all lanes. */
+static const real *filled(size_t count, real own, real *restrict room) {
+  const size_t lanes =
+      count < BLOCK ? count : BLOCK; /* for the compiler: a block is never larger */
+#pragma omp simd
+  for (size_t i = 0; i < lanes; i++)
     room[i] = own;
   return room;
 }
+
+/* The material's own lobe, and the whole of its own parameters, as far as it reads them. */
+static void own_shape(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  m->turned = 0;
+  s->shape = (lobe_shape){filled(count, own->kx, m->kx), filled(count, own->ky, m->ky),
+                          filled(count, own->peak, m->peak), filled(count, own->gx, m->gx),
+                          filled(count, own->gy, m->gy)};
+}
+
 static void own_block(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
   const shade_fresnel_traits reads = shade_fresnel_is(b->fresnel);
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
   own_shape(b, count, m, s);
   for (int c = 0; c < 3; c++) {
-    s->f0[c] = filled(count, reads.f0 || b->has_diffuse, own->f0[c], m->f0[c]);
-    s->tint[c] = filled(count, reads.tint, own->tint[c], m->tint[c]);
-    s->k[c] = filled(count, reads.k, own->k[c], m->k[c]);
-    s->kd[c] = filled(count, b->has_diffuse, own->kd[c], m->kd[c]);
+    s->f0[c] = filled(reads.f0 || b->has_diffuse ? count : 0, own->f0[c], m->f0[c]);
+    s->tint[c] = filled(reads.tint ? count : 0, own->tint[c], m->tint[c]);
+    s->k[c] = filled(reads.k ? count : 0, own->k[c], m->k[c]);
+    s->kd[c] = filled(b->has_diffuse ? count : 0, own->kd[c], m->kd[c]);
   }
 }
 
