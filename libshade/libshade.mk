@@ -213,7 +213,8 @@ check-headers: $(B)/libshade.a
 # not asked: what AddressSanitizer says too, once such a pointer is used; a third of the time to compile and to run
 SANITIZE := -fsanitize=address,undefined -fno-sanitize=null,pointer-overflow,object-size -fno-sanitize-recover=all
 # kernels take three fifths of the time to compile at -Og, and a twentieth more to run
-SANITIZED_BUILD = B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)"
+# NEEDS: what is set up is that of the make above
+SANITIZED_BUILD = NEEDS= B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)"
 # These put more numbers through calls that `soak`, `fabric_soak` and `hostile` make too: under sanitizers in `make soak`
 NUMBERS := accuracy continuity elementary fabric fabric_draw fabric_energy fabric_light furnace horizon lobes papers pdf sample
 SANITIZED_TESTS := $(filter-out $(NUMBERS:%=$(B)/test/%),$(DEAREST:%=$(B)/test/%) $(TESTS))
@@ -244,7 +245,7 @@ CLANG_RUNS := accuracy bsdf horizon hostile leaves sample
 soak: soak-sanitized soak-clang
 soak-sanitized: $(B)/shade
 	$(Q)$(MAKE) $(SANITIZED_BUILD) test-libshade
-CLANG_BUILD = B=$(B)/clang CC=clang CFLAGS=-DSANITIZED
+CLANG_BUILD = NEEDS= B=$(B)/clang CC=clang CFLAGS=-DSANITIZED
 soak-clang:
 	$(Q)$(MAKE) $(CLANG_BUILD) $(B)/clang/soak.txt all $(subst $(B)/,$(B)/clang/,$(CLANG_RUNS:%=$(B)/test/%.run))
 .PHONY: soak-sanitized soak-clang
