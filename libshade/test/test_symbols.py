@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the library's objects may not hold: state, or in the evaluation calls to anything but
-memory copies and libm."""
+copies and comparisons of memory and libm."""
 import pathlib
 import subprocess
 
@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARCHIVE = ROOT / "build" / "libshade.a"
 EVALUATION = ("isa_", "dispatch")
 # __cpu_model: the processor's features, filled before main; the last one is the linker's
-HARMLESS = {"memcpy", "memset", "memmove", "__cpu_model", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}
+HARMLESS = {"memcpy", "memset", "memmove", "memcmp", "__cpu_model", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}
 LIBM = {f + s for f in ("sqrt", "sin", "cos", "tan", "exp", "log", "log2", "pow", "atan2", "sincos", "fmin", "fmax")
         for s in ("", "f")}
 
