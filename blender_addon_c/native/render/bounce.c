@@ -126,8 +126,7 @@ static bool takes_all_lamps(const scene *s, int bounce) {
   return s->choices == s->lights && s->lights <= (bounce == 0 ? FEW : 1);
 }
 
-/* Whether neighbours' shadow rays go one way: from what the camera sees to a lamp without a size.
- */
+/* Whether shadow rays side by side go alike: from what the camera sees to a lamp without a size. */
 static bool is_coherent(const scene *s, size_t number, int bounce) {
   return bounce == 0 && takes_all_lamps(s, bounce) && !s->light[number].common.soft;
 }

@@ -68,7 +68,7 @@ void accel_free(accel *a); /* NULL is fine */
 void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
                      hits *hit);
 /* Shadow rays. tfar of every ray that meets something becomes -infinity. coherent: from points that
- * lie close together to one place or one way. */
+ * lie close together, to a lamp without a size. */
 void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray);
 
 #endif
