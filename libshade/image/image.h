@@ -34,7 +34,7 @@ typedef enum shade_image_type {
   SHADE_IMAGE_FLOAT /* EXR */
 } shade_image_type;
 
-enum { SHADE_IMAGE_MAX_SIDE = 65536, SHADE_IMAGE_MAX_CHANNELS = 32 };
+enum { SHADE_IMAGE_MAX_SIDE = 65536, SHADE_IMAGE_MAX_CHANNELS = 256 };
 
 typedef struct shade_image_spec {
   int width, height;        /* 1 to SHADE_IMAGE_MAX_SIDE */
@@ -43,6 +43,8 @@ typedef struct shade_image_spec {
   shade_image_type type;
   int srgb;         /* PNG: 1 encodes the first three channels from linear to sRGB and says so */
   const char *note; /* what the picture is (EXR `comments`, PNG `Comment`), or NULL */
+  const int
+      *within; /* EXR: of what it is a part: x, y, and the width and height of that; NULL: all */
 } shade_image_spec;
 
 typedef struct shade_image_writer shade_image_writer;

@@ -36,11 +36,18 @@ static int fail(shade_image_writer *w, exr_result_t code, const char *what) {
 
 static exr_result_t write_header(shade_image_writer *w, exr_context_t context) {
   const shade_image_spec *s = &w->spec;
+  const int all[] = {0, 0, s->width, s->height}, *in = s->within ? s->within : all;
+  const exr_attr_box2i_t display = {.max.x = in[2] - 1, .max.y = in[3] - 1};
+  const exr_attr_box2i_t data = {.min.x = in[0],
+                                 .min.y = in[1],
+                                 .max.x = in[0] + s->width - 1,
+                                 .max.y = in[1] + s->height - 1};
+  const exr_attr_v2f_t middle = {.x = 0};
   int part;
   exr_result_t code = exr_add_part(context, "picture", EXR_STORAGE_SCANLINE, &part);
   if (code == EXR_ERR_SUCCESS)
-    code =
-        exr_initialize_required_attr_simple(context, 0, s->width, s->height, EXR_COMPRESSION_ZIP);
+    code = exr_initialize_required_attr(context, 0, &display, &data, 1, &middle, 1,
+                                        EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
   for (int c = 0; code == EXR_ERR_SUCCESS && c < s->channels; c++)
     code = exr_add_channel(context, 0, w->names[c],
                            s->type == SHADE_IMAGE_HALF ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
@@ -76,12 +83,13 @@ static int open_file(shade_image_writer *w) {
   return e->rows ? 0 : shade_image_fail(w, "out of memory");
 }
 
-/* One chunk, whose first row is `y`. */
+/* One chunk, whose first row is the picture's `y`. */
 static int write_chunk(shade_image_writer *w, int y) {
   exr_state *e = w->format;
   const shade_image_spec *s = &w->spec;
   exr_chunk_info_t chunk;
-  exr_result_t code = exr_write_scanline_chunk_info(e->context, 0, y, &chunk);
+  const int first = s->within ? s->within[1] : 0;
+  exr_result_t code = exr_write_scanline_chunk_info(e->context, 0, first + y, &chunk);
   if (code == EXR_ERR_SUCCESS)
     code = e->started ? exr_encoding_update(e->context, 0, &chunk, &e->pipeline)
                       : exr_encoding_initialize(e->context, 0, &chunk, &e->pipeline);
