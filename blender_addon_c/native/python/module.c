@@ -225,40 +225,9 @@ PyDoc_STRVAR(image_doc, "image(job, out, plane='', over=False)\n\n"
                         "…, MATERIAL_MATTE00, …, ASSET_MATTE00, …: two slots of names each.\n"
                         "over: what the picture does not show yet stays as it is in the buffer.");
 
-#define NOISY "NOISY"
-
-/* Of KIND_MATTE and a layer's two digits, as far as it is rendered. */
-static bool find_matte(const render *r, const char *word, matte_kind *kind, size_t *layer) {
-  for (int k = 0; k < MATTE_KINDS; k++) {
-    char begin[32];
-    snprintf(begin, sizeof begin, "%s_MATTE", matte_word((matte_kind)k));
-    size_t length = strlen(begin);
-    if (strncmp(word, begin, length) != 0 || strlen(word) != length + 2 ||
-        strspn(word + length, "0123456789") != 2)
-      continue;
-    *kind = (matte_kind)k;
-    *layer = (size_t)((word[length] - '0') * 10 + word[length + 1] - '0');
-    return r->matte && r->mattes.wanted >> k & 1u && 2 * *layer < r->mattes.slots;
-  }
-  return false;
-}
-
-/* The plane of that word, if it is one that is rendered; PLANES where none is meant. */
-static bool find_plane(const render *r, const char *word, plane_type *out) {
-  *out = PLANES;
-  for (int k = 0; k < PLANES; k++)
-    if (strcmp(word, plane_word((plane_type)k)) == 0)
-      *out = (plane_type)k;
-  if (!*word || strcmp(word, NOISY) == 0 || (*out != PLANES && r->planes.wanted >> *out & 1u))
-    return true;
-  PyErr_Format(PyExc_ValueError, "image: the scene did not ask for a plane '%s'", word);
-  return false;
-}
-
 static PyObject *native_image(PyObject *self, PyObject *arguments) {
   PyObject *capsule, *out;
   const char *word = "";
-  plane_type plane;
   Py_buffer view;
   (void)self;
   int over = 0;
@@ -268,13 +237,11 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
   if (!h)
     return NULL;
   render *r = &h->job->render;
-  matte_kind kind = MATTE_KINDS;
-  size_t layer = 0;
-  bool matte = find_matte(r, word, &kind, &layer);
-  if (!find_plane(r, matte ? "" : word, &plane))
-    return NULL;
+  int channels = render_channels(r, word);
+  if (!channels)
+    return PyErr_Format(PyExc_ValueError, "image: the scene did not ask for a plane '%s'", word);
   Py_ssize_t width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
-  Py_ssize_t count = width * height * (plane == PLANES ? 4 : plane_channels(plane));
+  Py_ssize_t count = width * height * channels;
   if (PyObject_GetBuffer(out, &view, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT) != 0)
     return NULL;
   const char *format = view.format ? view.format : "B";
@@ -284,16 +251,10 @@ static PyObject *native_image(PyObject *self, PyObject *arguments) {
     PyBuffer_Release(&view);
     return NULL;
   }
-  if (matte)
-    render_copy_matte(r, kind, layer, view.buf);
-  else if (plane == PLANES && *word)
-    render_copy_noisy(r, view.buf);
-  else if (plane == PLANES && over)
+  if (over && !*word)
     render_copy_over(r, view.buf);
-  else if (plane == PLANES)
-    render_copy(r, view.buf);
   else
-    render_copy_plane(r, plane, view.buf);
+    render_copy_word(r, word, view.buf);
   PyBuffer_Release(&view);
   Py_RETURN_NONE;
 }

@@ -69,19 +69,6 @@ bool reader_number(reader *r, const char *key, double *out) {
   return as_number(value, out) || reader_expected(r, key, "a finite number");
 }
 
-bool reader_number_within(reader *r, const char *key, double low, double high, float *out) {
-  double value;
-  if (!reader_number(r, key, &value))
-    return false;
-  if (value < low || value > high) {
-    char text[80];
-    snprintf(text, sizeof text, "from %g to %g", low, high);
-    return reader_expected(r, key, text);
-  }
-  *out = (float)value;
-  return true;
-}
-
 bool reader_integer(reader *r, const char *key, long low, long high, int *out) {
   PyObject *value;
   if (!require(r, key, &value))
@@ -120,15 +107,6 @@ bool reader_numbers(reader *r, const char *key, int count, double *out) {
     if (!good)
       return reader_expected(r, key, text);
   }
-  return true;
-}
-
-bool reader_floats(reader *r, const char *key, int count, float *out) {
-  double value[16];
-  if (!reader_numbers(r, key, count, value))
-    return false;
-  for (int i = 0; i < count; i++)
-    out[i] = (float)value[i];
   return true;
 }
 
@@ -183,18 +161,6 @@ bool reader_text(reader *r, const char *key, const char *missing, char **out) {
     return reader_out_of_memory(r);
   memcpy(*out, utf8, strlen(utf8) + 1);
   return true;
-}
-
-/* One of several words, as its index. */
-bool reader_word(reader *r, const char *key, const char *const *words, int *out) {
-  char *value, list[96] = "";
-  if (!reader_text(r, key, NULL, &value))
-    return false;
-  for (*out = 0; words[*out] && strcmp(words[*out], value) != 0; ++*out)
-    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", *out ? ", " : "",
-             words[*out]);
-  free(value);
-  return words[*out] || reader_fail(r, "%s must be one of %s", key, list);
 }
 
 /* Hands a dictionary to `one`; `more` is its place within r's. */

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <sched.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,8 +11,6 @@
 #include "render/bounce.h"
 #include "scene/texture.h"
 #include "system/parallel.h"
-
-enum { SIDE = 16 }; /* pixels: with 4 samples each a tile is one batch */
 
 static bool cancelled(const render *r) {
   return atomic_load_explicit(r->cancel, memory_order_relaxed);
@@ -62,7 +61,7 @@ static void add_pixels(const render *r, const camera_view *view, size_t channels
   }
 }
 
-_Static_assert(SIDE *SIDE == ADAPTIVE_BLOCKS * ADAPTIVE_PIXELS, "blocks fill a tile");
+_Static_assert(TILE_SIDE *TILE_SIDE == ADAPTIVE_BLOCKS * ADAPTIVE_PIXELS, "blocks fill a tile");
 
 /* Whether a block is done, by the errors of its pixels in the picture: the mean of their squares.
  */
@@ -116,8 +115,8 @@ static bool render_blocks(const render *r, worker *w, camera_view *view, size_t 
 }
 
 static void render_tile(render *r, worker *w, size_t tile) {
-  float pixels[4 * SIDE * SIDE] = {0}, half[3 * SIDE * SIDE] = {0},
-                          numbers[PLANE_CHANNELS_MAX * SIDE * SIDE];
+  float pixels[4 * TILE_SIDE * TILE_SIDE] = {0}, half[3 * TILE_SIDE * TILE_SIDE] = {0},
+                               numbers[PLANE_CHANNELS_MAX * TILE_SIDE * TILE_SIDE];
   const scene *s = r->scene;
   size_t samples = w->sampling->period;
   const uint8_t *done = r->adaptive.done ? r->adaptive.done + tile * ADAPTIVE_BLOCKS : NULL;
@@ -134,11 +133,11 @@ static void render_tile(render *r, worker *w, size_t tile) {
   memcpy(view.region, r->region, sizeof view.region);
   size_t channels = (size_t)r->planes.channels;
   if (r->numbers) {
-    memset(numbers, 0, channels * SIDE * SIDE * sizeof *numbers);
+    memset(numbers, 0, channels * TILE_SIDE * TILE_SIDE * sizeof *numbers);
     w->numbers = numbers;
   }
   if (w->matte)
-    memset(w->matte, 0, r->mattes.all * SIDE * SIDE * sizeof *w->matte);
+    memset(w->matte, 0, r->mattes.all * TILE_SIDE * TILE_SIDE * sizeof *w->matte);
   w->half = done ? half : NULL;
   w->cloth.mixed = r->mixed[tile]; /* whichever worker it was: order changes bits */
   for (size_t begin = 0, end; begin < ADAPTIVE_BLOCKS; begin = end) {
@@ -180,7 +179,7 @@ static void work(void *context, size_t number) {
       .scene = r->scene, .observer = r->observer, .cancel = r->cancel, .planes = &r->planes};
   if (r->matte) {
     w.mattes = &r->mattes;
-    w.matte = malloc(r->mattes.all * SIDE * SIDE * sizeof *w.matte);
+    w.matte = malloc(r->mattes.all * TILE_SIDE * TILE_SIDE * sizeof *w.matte);
   }
   if ((!r->matte || w.matte) && worker_init(&w)) {
     for (;;) {
@@ -211,7 +210,7 @@ static void work(void *context, size_t number) {
 }
 
 bool render_prepare(render *r) {
-  r->side = SIDE;
+  r->side = TILE_SIDE;
   size_t count[2];
   for (int k = 0; k < 2; k++) {
     r->origin[k] = r->region[k] / r->side * r->side;
@@ -385,7 +384,8 @@ void render_copy_plane(render *r, plane_type plane, float *out) {
   }
 }
 
-void render_copy_matte(render *r, matte_kind kind, size_t layer, float *out) {
+/* Of a layer of names, 4 floats a pixel. */
+static void copy_matte(render *r, matte_kind kind, size_t layer, float *out) {
   for (size_t tile = 0; tile < r->tiles; tile++) {
     pthread_mutex_lock(&r->film);
     patch p = patch_of(r, tile);
@@ -397,6 +397,55 @@ void render_copy_matte(render *r, matte_kind kind, size_t layer, float *out) {
       }
     pthread_mutex_unlock(&r->film);
   }
+}
+
+/* Of KIND_MATTE and a layer's two digits, as far as it is rendered. */
+static bool find_matte(const render *r, const char *word, matte_kind *kind, size_t *layer) {
+  for (int k = 0; k < MATTE_KINDS; k++) {
+    char begin[32];
+    snprintf(begin, sizeof begin, "%s_MATTE", matte_word((matte_kind)k));
+    size_t length = strlen(begin);
+    if (strncmp(word, begin, length) != 0 || strlen(word) != length + 2 ||
+        strspn(word + length, "0123456789") != 2)
+      continue;
+    *kind = (matte_kind)k;
+    *layer = (size_t)((word[length] - '0') * 10 + word[length + 1] - '0');
+    return r->matte && r->mattes.wanted >> k & 1u && 2 * *layer < r->mattes.slots;
+  }
+  return false;
+}
+
+/* The plane of that word, or PLANES. */
+static plane_type find_plane(const char *word) {
+  int k = 0;
+  while (k < PLANES && strcmp(word, plane_word((plane_type)k)) != 0)
+    k++;
+  return (plane_type)k;
+}
+
+static const char noisy[] = "NOISY";
+
+int render_channels(const render *r, const char *word) {
+  matte_kind kind;
+  size_t layer;
+  plane_type plane = find_plane(word);
+  if (plane != PLANES)
+    return r->planes.wanted >> plane & 1u ? plane_channels(plane) : 0;
+  return !*word || strcmp(word, noisy) == 0 || find_matte(r, word, &kind, &layer) ? 4 : 0;
+}
+
+void render_copy_word(render *r, const char *word, float *out) {
+  matte_kind kind;
+  size_t layer;
+  plane_type plane = find_plane(word);
+  if (plane != PLANES)
+    render_copy_plane(r, plane, out);
+  else if (find_matte(r, word, &kind, &layer))
+    copy_matte(r, kind, layer, out);
+  else if (*word)
+    render_copy_noisy(r, out);
+  else
+    render_copy(r, out);
 }
 
 void render_free(render *r) {

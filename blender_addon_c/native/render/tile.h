@@ -10,6 +10,10 @@
 #include "render/bounce.h"
 #include "system/message.h"
 
+/* Pixels: with 4 samples each a tile is one batch. What is rendered of a tile changes what its
+ * pixels round to. */
+enum { TILE_SIDE = 16 };
+
 typedef struct render {
   const scene *scene;
   const sampling_plan *plan;
@@ -59,8 +63,11 @@ void render_copy_over(render *r, float *out);
 void render_copy_noisy(render *r, float *out);
 /* The same of a plane that is wanted. */
 void render_copy_plane(render *r, plane_type plane, float *out);
-/* The same of a layer of names that are wanted, 4 floats a pixel. */
-void render_copy_matte(render *r, matte_kind kind, size_t layer, float *out);
+/* What word it is called by: "" the picture, NOISY it as it was before it was denoised, planes that
+ * are wanted, OBJECT_MATTE00, ... layers of names. Its floats a pixel; 0: there is none. */
+int render_channels(const render *r, const char *word);
+/* The same of one that there is. */
+void render_copy_word(render *r, const char *word, float *out);
 void render_free(render *r);
 
 #endif

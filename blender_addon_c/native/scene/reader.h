@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A scene's description, dictionary by dictionary. It is Python's (python/reader.c), of which
- * nothing is known here. Every function returns false after a failure; the message says where.
+ * A scene's description, dictionary by dictionary. Where it is from, a dict of Python's
+ * (python/reader.c) or a file (tool/reader.c), is not known here. Every function returns false
+ * after a failure; the message says where.
  */
 #ifndef LIBSHADE_READER_H
 #define LIBSHADE_READER_H
