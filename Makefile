@@ -4,6 +4,7 @@
 #   make demo      from nothing to the pictures of both renderers and the verdict on them
 #   make check     all tests
 #   make blender   the add-on: build/libshade-blender.zip
+#   make render    build/shade-render, which renders scenes that Blender saved, without Blender
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
 #   make compare-quick  a smaller report, in two minutes once all is built

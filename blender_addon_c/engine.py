@@ -9,7 +9,7 @@ from collections import namedtuple
 import bpy
 import numpy as np
 
-from . import _native, export, report
+from . import _native, export, report, saved
 from .assets import tells_timings
 from .names import ENGINE
 from .viewport import Viewport
@@ -101,6 +101,11 @@ class LibshadeEngine(bpy.types.RenderEngine):
         export.passes_left_out(depsgraph.view_layer, messages)
         synced = time.perf_counter()
         pictures, exposure = {}, export.exposure_of(depsgraph.scene)
+        path, only = ("", False) if self.is_preview else saved.place_of(depsgraph, result.view)
+        if path:
+            saved.write(path, depsgraph.view_layer.name, scene, passes, exposure, _others(scene, passes, depsgraph.view_layer, exposure))
+        if only:
+            return
         apart = any(p.plane == export.CATCHER for p in passes)
         views = None if dump else export.catcher.views(scene, apart)
         if not views and scene["catchers"]["seen"]:
@@ -123,29 +128,20 @@ class LibshadeEngine(bpy.types.RenderEngine):
             if state["state"] == "failed":
                 raise export.SceneError(state["message"])
             if state["state"] == "done":
-                self._aovs(scene, result, len(pixels), messages)
-                self._groups(scene, export.groups.names_of(depsgraph.view_layer), result, len(pixels), exposure, messages)
+                self._others(_others(scene, passes, depsgraph.view_layer, exposure), result, len(pixels), messages)
             if state["state"] == "done" and tells_timings():
                 self.report({"INFO"}, _summary(_native.timings(job), synced - started))
         finally:
             _native.free(job)
 
-    def _aovs(self, scene, result, count, messages):
-        """Passes of these, each rendered by itself; Esc leaves the rest black."""
-        for (name, kind), materials in scene["aovs"].items():
-            picture = self._picture(export.aov.view(scene, kind, materials), count, messages)
+    def _others(self, others, result, count, messages):
+        """Passes of pictures of their own, each rendered by itself; Esc leaves the rest black."""
+        for view, name, letters, exposure in others:
+            picture = self._picture(view, count, messages)
             if picture is None:
                 return
-            channels = export.aov.CHANNELS[kind]
-            _set_pixels(result, picture[:, :channels].ravel(), name=name, channels=channels)
-
-    def _groups(self, scene, names, result, count, exposure, messages):
-        """The same of light groups."""
-        for name in names:
-            picture = self._picture(export.groups.view(scene, name), count, messages)
-            if picture is None:
-                return
-            _set_pixels(result, picture[:, :3].ravel(), exposure, export.groups.pass_of(name), 3)
+            channels = len(letters)
+            _set_pixels(result, picture[:, :channels].ravel(), exposure, name, channels)
 
     def _pictures(self, views, pictures, count, messages):
         """Those that the last one needs, which share its time limit: whether all are there, and the last one's scene."""
@@ -283,6 +279,16 @@ def _summary(timings, sync_seconds):
     stages = [f"{name} {seconds:.3f}" for seconds, name in longest if seconds >= 5e-4]  # Blender cuts reports
     return (f"libshade: sync {sync_seconds:.3f} s, render {timings['wall']:.3f} s, "
             f"{timings['samples']:.0f} samples; seconds summed over threads: {', '.join(stages)}")
+
+
+def _others(scene, passes, view_layer, exposure):
+    """(scene, pass, its channels, exposure) of each that is a picture of its own: of AOVs and light groups."""
+    letters = {p.name: p.channels for p in passes}
+    for (name, kind), materials in scene["aovs"].items():
+        yield export.aov.view(scene, kind, materials), name, letters[name], 1.0
+    for name in export.groups.names_of(view_layer):
+        name_of_pass = export.groups.pass_of(name)
+        yield export.groups.view(scene, name), name_of_pass, letters[name_of_pass], exposure
 
 
 def _within(scene, ends, count):

@@ -14,8 +14,8 @@ NATIVE_ISAS := scalar sse2 avx2 avx512
 FAMILIES := $(patsubst $(N)/isa/%.c,%,$(filter-out %/choose.c,$(wildcard $(N)/isa/*.c)))
 NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)/%.o)) \
   $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
-NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic \
-  $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc aligned_alloc posix_memalign strdup free)
+NATIVE_WRAP := $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc aligned_alloc posix_memalign strdup free)
+NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic $(NATIVE_WRAP)
 
 # What the module opens at run time. Embree's TBB gets a name of its own: Blender has one too, and
 # the loader gives the first library of a name to all who ask for that name.
@@ -24,13 +24,19 @@ NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
   $(NATIVE)/lib/libOpenEXRCore-3_1.so.30
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
-.PHONY: native native-sanitized native-warnings soak-native
-native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages
+# shade-render: all but Python, scenes from files. Linked with the system's OpenEXRCore and zlib
+RENDER := $(B)/shade-render
+RENDER_OWN := $(patsubst blender_addon_c/tool/%.c,$(NATIVE)/obj/tool/%.o,$(wildcard blender_addon_c/tool/*.c))
+RENDER_OBJ := $(RENDER_OWN) $(filter-out $(NATIVE)/obj/python/%,$(NATIVE_OBJ)) \
+  $(IMAGE_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(B)/libshade_dump.a $(B)/libshade.a
+
+.PHONY: native render native-sanitized native-warnings soak-native soak-damaged
+native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages $(RENDER)
 # for test_native_build.py, which runs the other tests on it
 SANITIZED_BUILD += PLAIN_NATIVE=$(NATIVE) PLAIN_STAGES="$(filter-out $(lastword $(RUN_ISAS)),$(ISAS))"
 native-sanitized: $(B)/shade $(NATIVE_SO)
 	$(Q)$(MAKE) --no-print-directory $(SANITIZED_BUILD) native
-native-warnings: $(NATIVE_OBJ)
+native-warnings: $(NATIVE_OBJ) $(RENDER_OWN)
 	$(Q)$(CC) $(NATIVE_CFLAGS) -fsyntax-only blender_addon_c/tests/test_stages.c
 ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 SANITIZED_GOALS += native
@@ -41,6 +47,10 @@ soak: soak-native
 soak-native: soak-clang
 	$(Q)$(MAKE) $(CLANG_BUILD) native
 	NATIVE_MODULE=$(abspath $(B))/clang/blender/native/_native.abi3.so $(PY) -m pytest -q blender_addon_c/tests/test_native_*.py
+# saved scenes that are damaged, for shade-render under sanitizers
+soak: soak-damaged
+soak-damaged: $(RENDER) native-sanitized
+	@$(PY) blender_addon_c/tests/damaged.py --seeds 5000 --tool $(B)/sanitized/shade-render
 
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
@@ -63,6 +73,12 @@ $(foreach isa,$(NATIVE_ISAS),$(eval $(call NATIVE_STAGES_OF,$(isa))))
 $(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
+render: $(RENDER)
+$(NATIVE)/obj/tool/%.o: blender_addon_c/tool/%.c $(NATIVE_FLAGS_IN)
+	$(NATIVE_COMPILE)
+$(RENDER): $(RENDER_OBJ)
+	$(call say,link     ,$@)
+	$(Q)$(CC) $(NATIVE_WRAP) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -lz -pthread -ldl -lm -o $@
 # the stages without Python; needs cmocka
 NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/render/sampling.o %/scene/sky.o %/scene/emitters.o %/scene/texture.o %/system/pages.o %/system/parallel.o,$(NATIVE_OBJ)) $(B)/libshade.a
 $(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)

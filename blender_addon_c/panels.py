@@ -8,6 +8,7 @@ from .export import blur_settings
 from .manual import draw_button
 from .names import ENGINE
 from .nodes import LIBSHADE_OT_convert_to_group
+from .saved import LIBSHADE_OT_save_scene
 
 # Marked for every external engine, but they set what libshade does not read.
 _NOT_OURS = {
@@ -57,6 +58,7 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.prop(settings, "seed")
         layout.prop(settings, "use_animated_seed")
         layout.operator(LIBSHADE_OT_copy_cycles_settings.bl_idname)
+        layout.operator(LIBSHADE_OT_save_scene.bl_idname)
 
 
 class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):

@@ -37,7 +37,9 @@ PYTHON_MODULE := $(wildcard $(L)/python/shade/*.py)
 # beside it: where the library is, seen from there, so that both can be moved together
 PYTHON_PLACE := library.txt
 INSTALLED_PYTHON = $(addprefix $(PYTHONDIR)/shade/,$(notdir $(PYTHON_MODULE)) $(PYTHON_PLACE))
-INSTALLED_FILES = $(BINDIR)/shade $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
+# where `make render` made it
+RENDER_TOOL = $(wildcard $(B)/shade-render)
+INSTALLED_FILES = $(BINDIR)/shade $(BINDIR)/shade-render $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
   $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
   $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%) \
@@ -64,7 +66,7 @@ export SHADE_PC
 install: all
 	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(INCLUDEDIR)/shade \
 	  $(MANDIR)/man1 $(MANDIR)/man3 $(PYTHONDIR)/shade)
-	$(INSTALL) -m 755 $(B)/shade $(DESTDIR)$(BINDIR)
+	$(INSTALL) -m 755 $(B)/shade $(RENDER_TOOL) $(DESTDIR)$(BINDIR)
 	$(INSTALL) -m 644 $(B)/libshade.a $(B)/$(SHADE_SHARED) $(DESTDIR)$(LIBDIR)
 	$(if $(OIIO_MODULE),$(INSTALL) -d $(DESTDIR)$(LIBEXECDIR)/shade && \
 	  $(INSTALL) -m 644 $(OIIO_MODULE) $(DESTDIR)$(LIBEXECDIR)/shade)

@@ -14,6 +14,7 @@ S := $(B)/setup
 # starts over, so that tests such as "is OpenEXR here?" see the finished system.
 NEEDS_blender := build blender
 NEEDS_native := build blender test
+NEEDS_render := build blender
 NEEDS_native-sanitized := $(NEEDS_native)
 NEEDS_check-sanitized := $(NEEDS_native)
 NEEDS_povray := build povray

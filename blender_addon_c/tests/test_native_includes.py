@@ -34,6 +34,7 @@ MAY = {
     "libshade/tool": SOURCE | DOORS | {"libshade/image", "libshade/reference"},
     "libshade/fuzz": PUBLIC | {"libshade/tool"},
     "blender_addon_c/native": DOORS,
+    "blender_addon_c/tool": DOORS | {"blender_addon_c/native", "libshade/image", "libshade/tool"},
     "povray_patches/glue": DOORS,
     "compare": DOORS,
     "examples": DOORS,

@@ -39,6 +39,7 @@ def version():
 def expected(lib, man="share/man"):
     short = version().rsplit(".", 1)[0]
     return ({"bin/shade", "libexec/shade/shade_image_oiio.so", f"{lib}/pkgconfig/libshade.pc"}
+            | ({"bin/shade-render"} if (ROOT / "build/shade-render").exists() else set())
             | {f"{lib}/libshade.{end}" for end in ("a", "so", f"so.{short}", f"so.{version()}")}
             | {f"include/shade/{header.name}" for header in HEADERS}
             | {f"lib/python3/dist-packages/shade/{name}"
@@ -57,7 +58,7 @@ def test_files(prefix):
     assert files(prefix) == expected("lib")
     for path in prefix.rglob("*"):
         if not path.is_symlink():
-            mode = 0o755 if path.is_dir() or path.name == "shade" else 0o644
+            mode = 0o755 if path.is_dir() or path.parent.name == "bin" else 0o644
             assert path.stat().st_mode & 0o777 == mode, path
     # what was installed needs nothing of the place where it was built
     assert str(ROOT) not in (prefix / "lib/pkgconfig/libshade.pc").read_text()
