@@ -100,8 +100,8 @@ def test_damaged_files(tmp_path, files):
 
 
 def test_a_tile_knows_its_place(tmp_path, path):
-    """Of a region that begins in the midst of the renderer's tiles."""
-    changes = {"width": 40, "height": 40, "region": (3, 5, 39, 37)}
+    """Of a region that begins in the midst of the renderer's tiles; of blocks that have enough samples early, too."""
+    changes = {"width": 40, "height": 40, "region": (3, 5, 39, 37), "adaptive_threshold": 0.2, "adaptive_min_samples": 4}
     scene_file.write(path, "L", [(scene(**changes), [COMBINED])])
     expected, _ = render(scene(**changes))
     whole, tile = (made(tmp_path, path, *words) for words in ((), ("--tile", "20,10,9,19")))
