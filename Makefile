@@ -5,6 +5,7 @@
 #   make check     all tests
 #   make blender   the add-on: build/libshade-blender.zip
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
+#   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
 #   make compare-quick  a smaller report, in two minutes once all is built

@@ -23,6 +23,8 @@ BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics gr
 BLENDER_MANUAL := $(BLENDER_ADDON)/manual/index.html
 BLENDER_PICTURES := $(shell sed -n 's/^!\[.*(\.\.\/\(examples\/.*\))$$/\1/p' docs/blender.md)
 
+BLENDER_ZIPPED := $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL) $(addprefix $(dir $(BLENDER_MANUAL)),$(notdir $(BLENDER_PICTURES)))
+
 blender: $(B)/libshade-blender.zip
 
 # five hundred awkward scenes in either Blender, all lights in both: some minutes
@@ -59,5 +61,6 @@ $(BLENDER_MANUAL): blender_addon_c/make_manual.py docs/blender.md $(BLENDER_PICT
 
 $(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_READY) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
 	$(call say,zip      ,$@)
-	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_FILES) $(BLENDER_ASSETS) \
-	  $(BLENDER_MANUAL) $(addprefix $(dir $(BLENDER_MANUAL)),$(notdir $(BLENDER_PICTURES)))
+	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_ZIPPED)
+
+include blender_addon_c/release.mk

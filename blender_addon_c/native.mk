@@ -15,13 +15,14 @@ FAMILIES := $(patsubst $(N)/isa/%.c,%,$(filter-out %/choose.c,$(wildcard $(N)/is
 NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)/%.o)) \
   $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
 NATIVE_WRAP := $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc aligned_alloc posix_memalign strdup free)
-NATIVE_LDFLAGS := -shared -Wl,--exclude-libs,ALL -Wl,-Bsymbolic $(NATIVE_WRAP)
+NATIVE_EXPORTS := $(N)/python/exports.map
+NATIVE_LDFLAGS := -shared -Wl,--version-script=$(NATIVE_EXPORTS) -Wl,-Bsymbolic $(NATIVE_WRAP)
 
-# What the module opens at run time. Embree's TBB gets a name of its own: Blender has one too, and
-# the loader gives the first library of a name to all who ask for that name.
+# What the module opens at run time, under names of our own: Blender has a TBB too, and the loader gives the first
+# library of a name to all who ask for that name. Embree as its header: scene/accel.c
 NATIVE_SYSTEM := /usr/lib/$(shell $(CC) -print-multiarch 2>/dev/null || uname -m)
-NATIVE_LIBS := $(NATIVE)/lib/libembree3.so.3 $(NATIVE)/lib/libshade_tbb.so.12 \
-  $(NATIVE)/lib/libOpenEXRCore-3_1.so.30
+NATIVE_EMBREE = $(firstword $(wildcard $(NATIVE_SYSTEM)/libembree4.so.4) $(NATIVE_SYSTEM)/libembree3.so.3)
+NATIVE_LIBS := $(patsubst %,$(NATIVE)/lib/libshade_%.so,embree tbb openexrcore)
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
 # shade-render: all but Python, scenes from files. Linked with the system's OpenEXRCore and zlib
@@ -70,9 +71,10 @@ $(NATIVE)/obj/isa/$(1)/%.o: $(if $(filter $(1),$(PLAIN_STAGES)),$(PLAIN_NATIVE)/
 	$(if $(filter $(1),$(PLAIN_STAGES)),@mkdir -p $$(@D) && cp $$< $$@,$$(NATIVE_COMPILE))
 endef
 $(foreach isa,$(NATIVE_ISAS),$(eval $(call NATIVE_STAGES_OF,$(isa))))
-$(NATIVE_SO): $(NATIVE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
+NATIVE_ARCHIVES := $(B)/libshade_dump.a $(B)/libshade.a
+$(NATIVE_SO): $(NATIVE_OBJ) $(NATIVE_ARCHIVES) $(NATIVE_EXPORTS)
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $^ -lm -lpthread -ldl -o $@
+	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $(NATIVE_OBJ) $(NATIVE_ARCHIVES) -lm -lpthread -ldl -o $@
 render: $(RENDER)
 $(NATIVE)/obj/tool/%.o: blender_addon_c/tool/%.c $(NATIVE_FLAGS_IN)
 	$(NATIVE_COMPILE)
@@ -88,23 +90,22 @@ $(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
 # one that is gone: what has included it is made again
 $(N)/%.h: ;
 
-$(NATIVE)/lib/libembree3.so.3: $(NATIVE_SYSTEM)/libembree3.so.3
+# of one that exists when the recipe runs. patchelf does one thing a call: two names in one become the same
+define NATIVE_OWN
 	@mkdir -p $(@D)
 	$(call say,copy     ,$@)
-	$(Q)cp -L $< $@.part
-	$(Q)patchelf --replace-needed libtbb.so.12 libshade_tbb.so.12 $@.part
+	$(Q)cp -L $(FROM) $@.part
+	$(Q)for tbb in $$(patchelf --print-needed $@.part | grep '^libtbb'); do \
+	  patchelf --replace-needed $$tbb libshade_tbb.so $@.part || exit 1; done
+	$(Q)patchelf --set-soname $(@F) $@.part
 	$(Q)patchelf --set-rpath '$$ORIGIN' $@.part
 	$(Q)mv $@.part $@
-$(NATIVE)/lib/libshade_tbb.so.12: $(NATIVE_SYSTEM)/libtbb.so.12
-	@mkdir -p $(@D)
-	$(call say,copy     ,$@)
-	$(Q)cp -L $< $@.part
-	$(Q)patchelf --set-soname $(@F) $@.part
-	$(Q)mv $@.part $@
-$(NATIVE)/lib/libOpenEXRCore-3_1.so.30: $(NATIVE_SYSTEM)/libOpenEXRCore-3_1.so.30
-	@mkdir -p $(@D)
-	$(call say,copy     ,$@)
-	$(Q)cp -L $< $@
+endef
+$(NATIVE)/lib/libshade_embree.so: FROM = $(NATIVE_EMBREE)
+$(NATIVE)/lib/libshade_tbb.so: FROM = $(NATIVE_SYSTEM)/libtbb.so.12
+$(NATIVE)/lib/libshade_openexrcore.so: FROM = $(NATIVE_SYSTEM)/libOpenEXRCore-3_1.so.30
+$(NATIVE_LIBS): blender_addon_c/native.mk | $(S)/blender.stamp
+	$(NATIVE_OWN)
 # by a new name: a Blender that runs keeps the file it has loaded
 $(BLENDER_ADDON)/%: $(NATIVE)/%
 	@mkdir -p $(@D)

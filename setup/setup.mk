@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
-#   make setup-build setup-blender setup-povray setup-demo setup-test setup-peers
+#   make setup-build setup-blender setup-povray setup-demo setup-test setup-peers setup-release
 # Debian's own Python (3.11), since bpy's wheels are made for one version.
 PYTHON3 := /usr/bin/python3
 VENV := $(B)/venv
 VENV_BPY := $(B)/venv-bpy
 VENV_PEERS := $(B)/venv-peers
+VENV_RELEASE := $(B)/venv-release
+RELEASE_SOURCES := $(B)/release/debian
 PY := $(VENV)/bin/python
 PY_BPY := $(VENV_BPY)/bin/python
 S := $(B)/setup
@@ -30,6 +32,7 @@ NEEDS_check-libshade := build test
 NEEDS_soak := build blender povray test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
+NEEDS_release := build blender release
 NEEDS_fuzz := build test
 # what make must find when it starts; the rest is fetched and unpacked while these are compiled
 NEEDS_check := build blender
@@ -38,7 +41,7 @@ ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray demo test lint peers
+SETUPS := build blender povray demo test lint peers release
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 
@@ -57,13 +60,19 @@ endif
 $(S)/demo.stamp: $(VENV)/done
 $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 $(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
+$(S)/release.stamp: $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
 $(VENV)/done: setup/requirements.txt
 $(VENV_BPY)/done: setup/requirements-bpy.txt
 $(VENV_PEERS)/done: setup/requirements-peers.txt
-$(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done: | $(S)/demo.packages
+$(VENV_RELEASE)/done: setup/requirements-release.txt
+$(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done $(VENV_RELEASE)/done: | $(S)/demo.packages
 	@echo "setup: Python packages of $< into $(@D)"
 	@rm -rf $(@D)
 	@$(PYTHON3) -m venv $(@D)
 	@$(@D)/bin/pip --disable-pip-version-check install --quiet --retries 5 -r $<
+	@touch $@
+
+$(RELEASE_SOURCES)/done: setup/release-sources.sh | $(S)/release.packages
+	@setup/release-sources.sh $(@D)
 	@touch $@

@@ -23,7 +23,7 @@ INSIDE = Path(__file__).resolve().parent / "inside"
 class Blender:
     """One version of Blender with a home of its own."""
 
-    def __init__(self, version, home):
+    def __init__(self, version, home, zip_file=ZIP):
         self.version = version
         self._env = {name: value for name, value in os.environ.items()
                      if not name.startswith(("LIBSHADE_", "BLENDER_", "PYTHON"))}
@@ -38,7 +38,7 @@ class Blender:
             (home / what).mkdir(parents=True)
             self._env[f"BLENDER_USER_{what.upper()}"] = str(home / what)
         self._studio = None  # one process that renders scene after scene
-        self.run("install.py", ZIP)
+        self.run("install.py", zip_file)
 
     def _words(self, script, *arguments):
         return [str(word) for word in (*self._command, INSIDE / script, "--", *arguments)]

@@ -148,13 +148,10 @@ def test_own_libraries_are_used(tmp_path):
     """Not the system's: they may be absent or other versions."""
     _, maps = picture_elsewhere(tmp_path)
     own = MODULE.parent / "lib"
-    for name in ("libembree3.so.3", "libshade_tbb.so.12", "libOpenEXRCore-3_1.so.30"):
+    for name in ("libshade_embree.so", "libshade_tbb.so", "libshade_openexrcore.so"):
         assert str(own / name) in maps
     names = [Path(path).name for path in maps]
-    assert [n for n in names if re.match("libembree|libtbb.so|libOpenEXR", n)] == [
-        "libOpenEXRCore-3_1.so.30",
-        "libembree3.so.3",
-    ]
+    assert not [n for n in names if re.match("libembree|libtbb.so|libOpenEXR", n)]
     # and what they need is each other and what every system has
     for library in own.iterdir():
         needed = subprocess.run(

@@ -37,9 +37,9 @@ typedef struct library {
 } library;
 
 static bool load(library *l, const char *path, char *error, size_t error_size) {
-  void *opened = path && *path ? library_open(path, error, error_size) : NULL;
+  void *opened = path && *path ? library_open(NULL, path, error, error_size) : NULL;
   if (!opened)
-    opened = library_open("libOpenImageDenoise.so.2", error, error_size);
+    opened = library_open(NULL, "libOpenImageDenoise.so.2", error, error_size);
   if (!opened) {
     snprintf(error, error_size, "Open Image Denoise was not found");
     return false;

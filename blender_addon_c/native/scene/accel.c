@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/accel.h"
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -11,7 +15,16 @@
 #include "system/library.h"
 #include "system/memory.h"
 
-#define EMBREE_LIBRARY "libembree3.so.3"
+#define EMBREE_LIBRARY "libshade_embree.so"
+
+/* Embree 4 has no streams, asks a ray's mask always and gives geometries one of a single bit. */
+#if RTC_VERSION_MAJOR >= 4
+#define EMBREE_SYSTEM "libembree4.so.4"
+#define EMBREE_OF_VERSION(F) F(rtcIntersect16) F(rtcSetGeometryMask)
+#else
+#define EMBREE_SYSTEM "libembree3.so.3"
+#define EMBREE_OF_VERSION(F) F(rtcIntersectNp) F(rtcOccludedNp)
+#endif
 
 #define EMBREE_FUNCTIONS(F)                                                                        \
   F(rtcNewDevice)                                                                                  \
@@ -38,15 +51,14 @@
   F(rtcSetGeometryUserData)                                                                        \
   F(rtcSetGeometryIntersectFilterFunction)                                                         \
   F(rtcSetGeometryOccludedFilterFunction)                                                          \
-  F(rtcIntersectNp)                                                                                \
-  F(rtcOccludedNp)                                                                                 \
-  F(rtcOccluded16)
+  F(rtcOccluded16)                                                                                 \
+  EMBREE_OF_VERSION(F)
 
 /* One table for the process, filled once: a library is never unloaded. */
 #define MEMBER(name) __typeof__(&name) name;
 static struct {
   EMBREE_FUNCTIONS(MEMBER)
-  char error[256];
+  char error[512];
 } embree;
 static pthread_once_t embree_once = PTHREAD_ONCE_INIT;
 
@@ -69,8 +81,14 @@ struct accel {
   uint32_t camera[BATCH], shadow[BATCH];
 };
 
+/* Its header, or a later one's that is said to keep to it: 4 does with all of one number. */
+static bool version_fits(long long version) {
+  const bool later = RTC_VERSION_MAJOR >= 4 && version / 10000 == RTC_VERSION_MAJOR;
+  return later ? version >= RTC_VERSION : version == RTC_VERSION;
+}
+
 static void embree_load(void) {
-  void *library = library_open(EMBREE_LIBRARY, embree.error, sizeof embree.error);
+  void *library = library_open(EMBREE_LIBRARY, EMBREE_SYSTEM, embree.error, sizeof embree.error);
   if (!library)
     return;
     /* POSIX gives functions as void *, C11 has no conversion: copy the bits. */
@@ -90,7 +108,7 @@ static void embree_load(void) {
     return;
   }
   long long version = embree.rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION);
-  if (version != RTC_VERSION)
+  if (!version_fits(version))
     snprintf(embree.error, sizeof embree.error,
              "Embree %lld.%lld.%lld was loaded where %s is needed", version / 10000,
              version / 100 % 100, version % 100, RTC_VERSION_STRING);
@@ -126,6 +144,15 @@ static bool count_memory(void *unused, ssize_t bytes, bool after) {
   return true;
 }
 
+static void join(RTCScene scene, RTCGeometry geometry, unsigned number) {
+#if RTC_VERSION_MAJOR >= 4
+  embree.rtcSetGeometryMask(geometry, UINT32_MAX);
+#endif
+  embree.rtcCommitGeometry(geometry);
+  embree.rtcAttachGeometryByID(scene, geometry, number);
+  embree.rtcReleaseGeometry(geometry);
+}
+
 static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned number,
                    const accel_input *input, const accel_part *part, const uint32_t *index,
                    size_t count) {
@@ -149,9 +176,7 @@ static void attach(accel *a, RTCScene to, enum RTCGeometryType type, unsigned nu
   }
   if (input->hasty && to != a->scene)
     embree.rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
-  embree.rtcCommitGeometry(geometry);
-  embree.rtcAttachGeometryByID(to, geometry, number);
-  embree.rtcReleaseGeometry(geometry);
+  join(to, geometry, number);
 }
 
 static void attach_part(accel *a, RTCScene to, const accel_input *input, const accel_part *part) {
@@ -199,9 +224,7 @@ static void attach_instance(accel *a, unsigned number, const accel_instance *ins
     set_motion(geometry, instance->motion);
   else
     embree.rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->matrix);
-  embree.rtcCommitGeometry(geometry);
-  embree.rtcAttachGeometryByID(a->scene, geometry, number);
-  embree.rtcReleaseGeometry(geometry);
+  join(a->scene, geometry, number);
 }
 
 /* Parts first: the world's tree is over their bounds. */
@@ -310,6 +333,58 @@ void accel_free(accel *a) {
   free(a);
 }
 
+enum { PACKET = 16 };
+
+/* Those from `begin` on: lanes have room for a whole last packet. kinds: read where some hide. */
+static void pack(const accel *a, const rays *ray, const uint32_t *kinds, size_t begin, size_t count,
+                 struct RTCRay16 *packet, int *valid) {
+#define PACKET_LANES(of, lanes) memcpy(packet->of, (lanes) + begin, sizeof packet->of)
+  PACKET_LANES(org_x, ray->o.x);
+  PACKET_LANES(org_y, ray->o.y);
+  PACKET_LANES(org_z, ray->o.z);
+  PACKET_LANES(tnear, ray->tnear);
+  PACKET_LANES(dir_x, ray->d.x);
+  PACKET_LANES(dir_y, ray->d.y);
+  PACKET_LANES(dir_z, ray->d.z);
+  PACKET_LANES(tfar, ray->tfar);
+  if (a->timed)
+    PACKET_LANES(time, ray->time);
+  if (a->veiled)
+    PACKET_LANES(mask, kinds);
+#undef PACKET_LANES
+  for (size_t k = 0; k < PACKET; k++)
+    valid[k] = begin + k < count && packet->tfar[k] >= packet->tnear[k] ? -1 : 0;
+}
+
+#if RTC_VERSION_MAJOR >= 4
+static void intersect(const accel *a, size_t count, bool coherent, const uint32_t *kinds, rays *ray,
+                      hits *hit) {
+  struct RTCIntersectArguments arguments;
+  struct RTCRayHit16 packet = {.ray = {.time = {0}}};
+  _Alignas(64) int valid[PACKET];
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  memset(packet.ray.mask, 0xff, sizeof packet.ray.mask);
+  for (size_t begin = 0; begin < count; begin += PACKET) {
+    pack(a, ray, kinds, begin, count, &packet.ray, valid);
+    memset(packet.hit.geomID, 0xff, sizeof packet.hit.geomID); /* ACCEL_MISS */
+    memset(packet.hit.instID, 0xff, sizeof packet.hit.instID);
+    embree.rtcIntersect16(valid, a->scene, &packet, &arguments);
+#define LANES_OF(lanes, of) memcpy((lanes) + begin, packet.of, sizeof packet.of)
+    LANES_OF(ray->tfar, ray.tfar);
+    LANES_OF(hit->g.x, hit.Ng_x);
+    LANES_OF(hit->g.y, hit.Ng_y);
+    LANES_OF(hit->g.z, hit.Ng_z);
+    LANES_OF(hit->u, hit.u);
+    LANES_OF(hit->v, hit.v);
+    LANES_OF(hit->primitive, hit.primID);
+    LANES_OF(hit->geometry, hit.geomID);
+    if (a->instances)
+      LANES_OF(hit->instance, hit.instID[0]);
+#undef LANES_OF
+  }
+}
+#else
 static struct RTCRayNp ray_arrays(const accel *a, rays *ray, const uint32_t *kinds) {
   return (struct RTCRayNp){.mask = a->veiled ? (unsigned *)(uintptr_t)kinds : NULL, /* but read */
                            .time = a->timed ? ray->time : NULL,
@@ -323,10 +398,8 @@ static struct RTCRayNp ray_arrays(const accel *a, rays *ray, const uint32_t *kin
                            .tfar = ray->tfar};
 }
 
-void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
-                     hits *hit) {
-  bool coherent = kind == RAY_CAMERA;
-  kinds = kind == RAY_CAMERA ? a->camera : kind == RAY_SHADOW ? a->shadow : kinds;
+static void intersect(const accel *a, size_t count, bool coherent, const uint32_t *kinds, rays *ray,
+                      hits *hit) {
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags =
@@ -344,48 +417,46 @@ void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t
   if (a->instances)
     memset(hit->instance, 0xff, count * sizeof *hit->instance);
   embree.rtcIntersectNp(a->scene, &context, &all, (unsigned)count);
+}
+#endif
+
+void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t *kinds, rays *ray,
+                     hits *hit) {
+  kinds = kind == RAY_CAMERA ? a->camera : kind == RAY_SHADOW ? a->shadow : kinds;
+  intersect(a, count, kind == RAY_CAMERA, kinds, ray, hit);
   for (size_t i = 0; a->instances && i < count; i++)
     hit->instance[i] =
         hit->instance[i] == RTC_INVALID_GEOMETRY_ID ? 0 : hit->instance[i] - ACCEL_INSTANCES + 1;
 }
 
-/* A packet after the other: lanes have room for a whole last one. */
-static void occluded_packets(const accel *a, struct RTCIntersectContext *context, size_t count,
-                             rays *ray) {
-  enum { PACKET = 16 };
+/* Never said to be coherent: some rays then made Embree 3.13 go round for ever
+ * (tests/test_native_shadow.py has them). */
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
   struct RTCRay16 packet = {.time = {0}};
   _Alignas(64) int valid[PACKET];
-  for (size_t k = 0; k < PACKET; k++)
-    packet.mask[k] = RAY_SHADOW;
-#define PACKET_LANES(of, lanes) memcpy(packet.of, (lanes) + begin, sizeof packet.of)
-  for (size_t begin = 0; begin < count; begin += PACKET) {
-    PACKET_LANES(org_x, ray->o.x);
-    PACKET_LANES(org_y, ray->o.y);
-    PACKET_LANES(org_z, ray->o.z);
-    PACKET_LANES(tnear, ray->tnear);
-    PACKET_LANES(dir_x, ray->d.x);
-    PACKET_LANES(dir_y, ray->d.y);
-    PACKET_LANES(dir_z, ray->d.z);
-    PACKET_LANES(tfar, ray->tfar);
-    if (a->timed)
-      PACKET_LANES(time, ray->time);
-    for (size_t k = 0; k < PACKET; k++)
-      valid[k] = begin + k < count && packet.tfar[k] >= packet.tnear[k] ? -1 : 0;
-    embree.rtcOccluded16(valid, a->scene, context, &packet);
-    memcpy(ray->tfar + begin, packet.tfar, sizeof packet.tfar);
-  }
-#undef PACKET_LANES
-}
-
-void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
+#if RTC_VERSION_MAJOR >= 4
+  (void)coherent;
+  struct RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+#else
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  /* Never said to be coherent: some rays then made Embree 3.13 go round for ever
-   * (tests/test_native_shadow.py has them). */
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
-  if (coherent)
-    occluded_packets(a, &context, count, ray);
-  else
+  if (!coherent) {
+    struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
     embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
+    return;
+  }
+#endif
+  memset(packet.mask, 0xff, sizeof packet.mask);
+  for (size_t begin = 0; begin < count; begin += PACKET) {
+    pack(a, ray, a->shadow, begin, count, &packet, valid);
+#if RTC_VERSION_MAJOR >= 4
+    embree.rtcOccluded16(valid, a->scene, &packet, &arguments);
+#else
+    embree.rtcOccluded16(valid, a->scene, &context, &packet);
+#endif
+    memcpy(ray->tfar + begin, packet.tfar, sizeof packet.tfar);
+  }
 }

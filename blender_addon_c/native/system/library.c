@@ -21,23 +21,33 @@
 #define SCOPE RTLD_DEEPBIND
 #endif
 
-void *library_open(const char *name, char *error, size_t error_size) {
+/* NULL, and why at the end of the message so far. */
+static void *open_one(const char *name, char *error, size_t error_size) {
+  void *library = dlopen(name, RTLD_NOW | RTLD_LOCAL | SCOPE);
+  const char *reason = library ? NULL : dlerror();
+  const size_t used = strlen(error);
+  if (!library)
+    snprintf(error + used, error_size - used, "%s %s", used ? "; nor" : "cannot load",
+             reason ? reason : name);
+  return library;
+}
+
+void *library_open(const char *own, const char *system, char *error, size_t error_size) {
   char path[4096];
   Dl_info self;
   void *library = NULL;
   static const char anchor = 0; /* its address is inside this module */
-  if (dladdr(&anchor, &self) && self.dli_fname && strrchr(self.dli_fname, '/')) {
+  error[0] = '\0';
+  if (own && dladdr(&anchor, &self) && self.dli_fname && strrchr(self.dli_fname, '/')) {
     int folder = (int)(strrchr(self.dli_fname, '/') - self.dli_fname);
-    int length = snprintf(path, sizeof path, "%.*s/lib/%s", folder, self.dli_fname, name);
+    int length = snprintf(path, sizeof path, "%.*s/lib/%s", folder, self.dli_fname, own);
     if (length > 0 && (size_t)length < sizeof path)
-      library = dlopen(path, RTLD_NOW | RTLD_LOCAL | SCOPE);
+      library = open_one(path, error, error_size);
   }
   if (!library)
-    library = dlopen(name, RTLD_NOW | RTLD_LOCAL | SCOPE);
-  if (!library) {
-    const char *reason = dlerror();
-    snprintf(error, error_size, "cannot load %s: %s", name, reason ? reason : "unknown reason");
-  }
+    library = open_one(system, error, error_size);
+  if (library)
+    error[0] = '\0';
   return library;
 }
 

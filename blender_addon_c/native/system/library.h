@@ -3,7 +3,7 @@
  * Shared libraries of our own. Blender and other add-ons bring other versions of
  * Embree and OpenEXR, sometimes in the global symbol scope, where a plain link
  * would bind to them: then every ray misses, silently. So each library is opened
- * from the module's lib/ folder (else by the system's name) in a scope of its
+ * from the module's lib/ folder (else the system's, by its name) in a scope of its
  * own, and its functions are looked up one by one.
  */
 #ifndef LIBSHADE_LIBRARY_H
@@ -11,8 +11,11 @@
 
 #include <stddef.h>
 
-/* Open `name`, e.g. "libembree3.so.3". NULL and a message on failure. Never closed. */
-void *library_open(const char *name, char *error, size_t error_size);
+/*
+ * Open the module's `own`, e.g. "libshade_embree.so" (NULL: there is none), else the system's, e.g.
+ * "libembree4.so.4". NULL and a message on failure. Never closed.
+ */
+void *library_open(const char *own, const char *system, char *error, size_t error_size);
 
 /* dlsym with the arguments that shade_exr_api_load expects. */
 void *library_symbol(void *library, const char *name);

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The zip of `make release`: what it asks of a system, and that it renders as the local one does."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+
+from blender_runs import BPY, BUILD, ROOT, ZIP, Blender, rgba
+
+COST = 20
+
+RELEASE = BUILD / "release/libshade-blender.zip"
+pytestmark = pytest.mark.skipif(not RELEASE.exists(), reason=f"{RELEASE} is not there: make release")
+
+GLIBC, GLIBCXX = (2, 28), (3, 4, 21)
+SYSTEM = {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "ld-linux-x86-64.so.2"}
+CXX = {"libstdc++.so.6", "libgcc_s.so.1"}
+MAY_NEED = {"_native.abi3.so": SYSTEM, "libshade_openexrcore.so": SYSTEM,
+            "libshade_embree.so": SYSTEM | CXX | {"libshade_tbb.so"}, "libshade_tbb.so": SYSTEM | CXX}
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("release")
+    with zipfile.ZipFile(RELEASE) as archive:
+        archive.extractall(folder)
+    return folder / "libshade"
+
+
+def said(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def versions(file, name):
+    """Those of symbols `name`_2.28 that a file asks for."""
+    return [tuple(map(int, found.split("."))) for found in
+            re.findall(rf"\b{name}_([\d.]+)", said("objdump", "-p", file))]
+
+
+def test_what_it_asks_of_a_system(unpacked):
+    elves = {p.name: p for p in unpacked.rglob("*") if p.is_file() and p.read_bytes()[:4] == b"\x7fELF"}
+    assert set(elves) == set(MAY_NEED)
+    for name, file in elves.items():
+        dynamic = said("readelf", "-d", file)
+        assert set(re.findall(r"NEEDED.*\[(.*)\]", dynamic)) <= MAY_NEED[name], name
+        if name != "_native.abi3.so":
+            assert re.findall(r"SONAME.*\[(.*)\]", dynamic) == [name]
+        glibc = versions(file, "GLIBC")
+        assert glibc and max(glibc) <= GLIBC, name
+        assert max(versions(file, "GLIBCXX"), default=GLIBCXX) <= GLIBCXX, name
+        assert str(ROOT).encode() not in file.read_bytes(), f"{name} knows where it was built"
+
+
+def test_only_the_module_itself_is_exported(unpacked):
+    assert said("nm", "-D", "--defined-only", unpacked / "_native.abi3.so").split()[2::3] == ["PyInit__native"]
+
+
+def rendered(module, picture, **environment):
+    """What a module says of itself; the picture of one scene into a file."""
+    code = f"""
+import sys
+from native_scenes import MODULE, dump, native, render, scene
+import numpy as np
+np.save({str(picture)!r}, render(scene())[0])
+dump(scene(), {str(picture) + ".exr"!r})
+print(native.isa(), str(MODULE) == {str(module)!r})"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT / "blender_addon_c/tests", text=True, capture_output=True,
+                          env=os.environ | environment | {"NATIVE_MODULE": str(module)}, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    isa, same = done.stdout.split()
+    assert same == "True"
+    return isa, np.load(picture)
+
+
+LOCAL = BUILD / "blender/native/_native.abi3.so"
+
+
+def assert_same(picture, expected):
+    """But for rays that Embree 3 and 4 round differently."""
+    error = np.abs(picture - expected)[..., :3]
+    assert error.mean() <= 1e-5 * expected[..., :3].mean()
+    assert (error.max(-1) <= 1e-4).mean() >= .999
+
+
+@pytest.mark.parametrize("isa", ["", "sse2", "avx2"])
+def test_the_module_alone(unpacked, tmp_path, isa):
+    """On the instruction set that the local one takes: with another runtime it is SSE2 without a word."""
+    ours = rendered(unpacked / "_native.abi3.so", tmp_path / "ours.npy", LIBSHADE_ISA=isa)
+    local = rendered(LOCAL, tmp_path / "local.npy", LIBSHADE_ISA=isa)
+    assert ours[0] == local[0]
+    assert_same(ours[1], local[1])
+
+
+@pytest.mark.parametrize("name", ["с пробелом и кириллицей", "場面 の フォルダ"])
+def test_folders_of_any_name_that_nobody_may_write(unpacked, tmp_path, name):
+    folder = tmp_path / name
+    shutil.copytree(unpacked, folder)
+    for path in [*folder.rglob("*"), folder]:
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    try:
+        rendered(folder / "_native.abi3.so", tmp_path / "there.npy")
+    finally:
+        for path in [folder, *folder.rglob("*")]:
+            if path.is_dir():
+                path.chmod(0o755)
+
+
+def test_blender_finds_it_valid():
+    checker, = BPY.parents[1].glob("lib/python*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+    subprocess.run([BPY, checker, "validate", RELEASE], check=True)
+
+
+def test_in_blender(tmp_path):
+    """Installed as a user does, under a home of any name; 5.0 opens what 3.4 has saved."""
+    file = tmp_path / "suzanne.blend"
+    for version in ("3.4", "5.0"):
+        pictures = []
+        for zip_file, home in ((ZIP, "local"), (RELEASE, "дом 家 с пробелом")):
+            folder = tmp_path / version / home
+            blender = Blender(version, folder, zip_file)
+            try:
+                blender.scene("suzanne", folder, **{"open" if file.exists() else "save": str(file)})
+            finally:
+                blender.close()
+            pictures.append(rgba(folder / "picture.exr"))
+        assert pictures[0][..., 3].mean() > .5
+        assert_same(pictures[1], pictures[0])
