@@ -31,20 +31,22 @@ enum {
   CLOTH_ROWS
 };
 
-enum { CLOTH_FEW = 8 }; /* lanes that fill no vector */
-
-/* Parts of a draw: the lobes of both sides, what is diffuse, what comes from behind. */
-enum { CLOTH_DIFFUSE = 2, CLOTH_BEHIND, CLOTH_PARTS };
+/* Parts of a draw: the lobes of both sides, what is diffuse, what comes from behind; none. */
+enum { CLOTH_DIFFUSE = 2, CLOTH_BEHIND, CLOTH_PARTS, CLOTH_NOTHING = CLOTH_PARTS };
 
 typedef struct SUFFIX(cloth) {
   size_t count, stride;
-  int flat; /* every n is z */
   unsigned char *kind;
   real *rows;
 } cloth;
 
 static inline real *cloth_row(const cloth *c, int row) {
   return c->rows + (size_t)row * c->stride;
+}
+
+/* Lane i alone. */
+static inline cloth cloth_lane(const cloth *c, size_t i) {
+  return (cloth){1, c->stride, c->kind + i, c->rows + i};
 }
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A block of prepared lanes of cloth under light: s, the density that the light is drawn with, or
- * both, which have most in common. Usual near lanes stay where they are; lanes of other kinds are
- * gathered.
+ * both, which have most in common. Usual near lanes stay where they are, which wins a tenth of a
+ * frame of near cloth; others are gathered, and those of rare kinds go one by one.
  */
 #ifndef SHADE_BATCH_CLOTH_BLOCK_H
 #define SHADE_BATCH_CLOTH_BLOCK_H
@@ -10,122 +10,62 @@
 #include "cloth_lobes.h"
 
 /* What of a block is lit. */
-typedef struct sorted_lanes {
-  unsigned char key[BLOCK]; /* the kind of a lane, CLOTH_KINDS more if lit from behind, or VOID */
-  ROOM near[BLOCK];         /* lit from in front: 1 weft, -1 warp, 0 anything else */
-  int any_near;
-} sorted_lanes;
+typedef struct lit_lanes {
+  real ci[BLOCK], co[BLOCK], side[BLOCK]; /* cosines about n; side_of, 0 of lanes that are void */
+  unsigned char key[BLOCK];               /* the kind of lanes lit from in front, else CLOTH_VOID */
+  ROOM near[BLOCK];                       /* of those, 1 weft, -1 warp, 0 anything else */
+  unsigned present;                       /* a bit for each key */
+} lit_lanes;
 
-LEAF unsigned char key_of(unsigned char kind, real side) {
-  const unsigned char behind = (unsigned char)(kind + CLOTH_KINDS);
-  return side > 0 ? kind : side < 0 ? behind : (unsigned char)CLOTH_VOID;
-}
-LEAF real near_of(unsigned char key) {
-  return key == CLOTH_WEFT ? R(1.0) : key == CLOTH_WARP ? R(-1.0) : R(0.0);
+static unsigned keys_present(size_t count, const unsigned char *key) {
+  unsigned present = 0;
+  for (size_t i = 0; i < count; i++)
+    present |= 1u << key[i];
+  return present;
 }
 
-static void cloth_sort(const cloth *c, const real *restrict side, sorted_lanes *s) {
-  const unsigned char *restrict kinds = c->kind;
-  unsigned char *restrict key = s->key;
-  real *restrict near = s->near;
-  int any = 0;
-  if (c->count < CLOTH_FEW) {
-    for (size_t i = 0; i < c->count; i++) {
-      key[i] = key_of(kinds[i], side[i]);
-      near[i] = near_of(key[i]);
-      any |= key[i] <= CLOTH_WARP;
-    }
-    s->any_near = any;
-    return;
-  }
+static void cloth_light(const cloth *c, const real *const wi[3], const real *const wo[3],
+                        lit_lanes *restrict to) {
+  const real *nx = cloth_row(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
+  real *restrict ci = to->ci, *restrict co = to->co, *restrict side = to->side;
+  real *restrict near = to->near;
 #pragma omp simd
-  for (size_t i = 0; i < c->count; i++)
-    key[i] = key_of(kinds[i], side[i]);
-#pragma omp simd reduction(| : any)
   for (size_t i = 0; i < c->count; i++) {
-    near[i] = near_of(key[i]);
-    any |= key[i] <= CLOTH_WARP;
+    ci[i] = dot(nx[i], ny[i], nz[i], ix[i], iy[i], iz[i]);
+    co[i] = dot(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i]);
+    side[i] = side_of(ci[i], co[i], iz[i], oz[i]);
   }
-  s->any_near = any;
+  for (size_t i = 0; i < c->count; i++) {
+    const unsigned char kind = c->kind[i];
+    side[i] = kind == CLOTH_VOID ? 0 : side[i];
+    to->key[i] = side[i] > 0 ? kind : (unsigned char)CLOTH_VOID;
+    near[i] = to->key[i] == CLOTH_WEFT ? R(1.0) : to->key[i] == CLOTH_WARP ? R(-1.0) : R(0.0);
+  }
+  to->present = keys_present(c->count, to->key);
 }
 
-/* The lanes of one key. Returns how many. */
-static size_t cloth_pick(size_t count, const unsigned char *restrict key, int want,
-                         int *restrict lane) {
-  const unsigned char wanted = (unsigned char)want;
-  unsigned char any = 0, others = 0;
-  size_t found = 0;
-  if (count < CLOTH_FEW) {
-    for (size_t i = 0; i < count; i++)
-      if (key[i] == wanted)
-        lane[found++] = (int)i;
-    return found;
-  }
-#pragma omp simd reduction(| : any, others)
-  for (size_t i = 0; i < count; i++) {
-    any |= key[i] == wanted;
-    others |= key[i] != wanted;
-  }
-  if (!any)
-    return 0;
-  if (!others) { /* as where a block is far away */
-#pragma omp simd
-    for (size_t i = 0; i < count; i++)
-      lane[i] = (int)i;
-    return count;
-  }
-  for (size_t i = 0; i < count; i++) {
-    lane[found] = (int)i;
-    found += key[i] == wanted;
-  }
-  return found;
-}
+/* The share of each part of a block, and what it depends on: the eye's cosine about n. */
+typedef struct block_shares {
+  real co[BLOCK], lobe[2][BLOCK], diffuse[BLOCK], behind[BLOCK];
+} block_shares;
 
-LEAF real mean3(real r, real g, real b) {
-  return (r + g + b) * R(0.33333333333333333333);
-}
-
-/* Probability of each part: by what it reflects, a twentieth at least of each that is there. */
 static void cloth_shares(const shade_fabric *f, const cloth *c, const real *const wo[3],
-                         real share[CLOTH_PARTS][BLOCK]) {
-  const real *row = c->rows;
-  const size_t s = c->stride;
-  const real *nx = row + CLOTH_N * s, *ny = nx + s, *nz = ny + s;
+                         block_shares *restrict to) {
+  const cloth_sharing by = cloth_sharing_of(f);
+  const int through = f->transmits;
+  real *restrict weft = to->lobe[0], *restrict warp = to->lobe[1];
+  real *restrict diffuse = to->diffuse, *restrict behind = to->behind, *restrict co = to->co;
+  const real *nx = cloth_row(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
   const real *ox = wo[0], *oy = wo[1], *oz = wo[2];
-  const real *weight = row + CLOTH_WEIGHT * s, *kd = row + CLOTH_KD * s, *kt = row + CLOTH_KT * s;
-  const real *flat = row + CLOTH_FLAT * s, *nap = row + CLOTH_NAP * s;
-  real f0[2];
-  for (int k = 0; k < 2; k++)
-    f0[k] = (real)((f->side[k].f0[0] + f->side[k].f0[1] + f->side[k].f0[2]) / 3);
-  const real haze = (real)(0.25 / 3 * (f->nap_color[0] + f->nap_color[1] + f->nap_color[2]));
-  real *lobe0 = share[0], *lobe1 = share[1], *diffuse = share[2], *behind = share[3];
-  for (size_t i = 0; i < c->count; i++) /* else those rows are not filled */
-    behind[i] = f->transmits ? mean3(kt[i], kt[i + s], kt[i + 2 * s]) +
-                                   mean3(kt[i + 3 * s], kt[i + 4 * s], kt[i + 5 * s])
-                             : 0;
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    real co = maximum(nx[i] * ox[i] + ny[i] * oy[i] + nz[i] * oz[i], R(1e-4));
-    real white = schlick_weight(minimum(co, 1));
-    real gone = minimum(nap[i] / co, 60);
-    real through = exp_negative(R(0.5) * gone);
-    real a = through * weight[i] * (f0[0] + (1 - f0[0]) * white);
-    real b = through * weight[i + s] * (f0[1] + (1 - f0[1]) * white);
-    real d = mean3(kd[i], kd[i + s], kd[i + 2 * s]) +
-             mean3(kd[i + 3 * s], kd[i + 4 * s], kd[i + 5 * s]) +
-             mean3(flat[i], flat[i + s], flat[i + 2 * s]);
-    d = through * d + haze * (1 - through * through);
-    real e = through * behind[i];
-    real least = (a + b + d + e) * R(0.0625);
-    a += a > 0 ? least : 0;
-    b += b > 0 ? least : 0;
-    d += d > 0 ? least : 0;
-    e += e > 0 ? least : 0;
-    real scale = 1 / (a + b + d + e + TINY);
-    lobe0[i] = a * scale;
-    lobe1[i] = b * scale;
-    diffuse[i] = d * scale;
-    behind[i] = e * scale;
+    co[i] = dot(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i]);
+    const cloth_share of = cloth_share_of(by, c, i, co[i], through);
+    weft[i] = of.lobe[0];
+    warp[i] = of.lobe[1];
+    diffuse[i] = of.diffuse;
+    behind[i] = of.behind;
   }
 }
 
@@ -135,6 +75,7 @@ static void cloth_shares(const shade_fabric *f, const cloth *c, const real *cons
  */
 typedef struct near_room {
   ROOM n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK], kx[BLOCK], ky[BLOCK], peak[BLOCK];
+  ROOM cosi[BLOCK], coso[BLOCK], ly[BLOCK], vy[BLOCK];
 } near_room;
 
 static int near_is_usual(const shade_fabric *f) {
@@ -143,8 +84,8 @@ static int near_is_usual(const shade_fabric *f) {
   return is_usual(weft) && is_usual(warp) && weft->diffuse == warp->diffuse;
 }
 
-LEAF void pass_near_carry(const cloth *c, int flat, const real *restrict near,
-                          const real *const wi[3], const real *const wo[3], near_room *restrict m) {
+static void pass_near_carry(const cloth *c, const real *restrict near, const real *const wi[3],
+                            const real *const wo[3], near_room *restrict m) {
   const real *nx = cloth_row(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
   const real *fx = cloth_row(c, CLOTH_FIBRE), *fy = fx + c->stride;
   const real *mx = cloth_row(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
@@ -157,9 +98,7 @@ LEAF void pass_near_carry(const cloth *c, int flat, const real *restrict near,
     const triple light = {ix[i], iy[i], iz[i]}, eye = {ox[i], oy[i], oz[i]};
     const real along = kept(some, fx[i], 1), across = kept(some, fy[i], 0);
     const real tx = warp ? across : along, ty = warp ? along : across;
-    carrier a = {1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
-    if (!flat)
-      a = carrier_of(XYZ(exchanged(own, warp)), tx, ty);
+    const carrier a = carrier_of(XYZ(exchanged(own, warp)), tx, ty);
     const triple l = carry(a, XYZ(exchanged(light, warp)));
     const triple e = carry(a, XYZ(exchanged(eye, warp)));
     m->n[0][i] = kept(some, mx[i], 0);
@@ -177,102 +116,63 @@ LEAF void pass_near_carry(const cloth *c, int flat, const real *restrict near,
 static void pass_near_lobes(const shade_fabric *f, const cloth *c, const real *restrict near,
                             near_room *restrict m) {
   const real *restrict gloss = cloth_row(c, CLOTH_GLOSS), *restrict other = gloss + c->stride;
-  const bsdf *weft = bsdf_of(&f->side[0].lobe[FABRIC_NEAR]);
-  const bsdf *warp = bsdf_of(&f->side[1].lobe[FABRIC_NEAR]);
-  int dull = 0;
-#pragma omp simd reduction(| : dull)
-  for (size_t i = 0; i < c->count; i++)
-    dull |= minimum(gloss[i], other[i]) < 1;
-  if (dull) {
-    const dulling d = dulling_of(&f->side[0], FABRIC_NEAR);
-    const dulling e = dulling_of(&f->side[1], FABRIC_NEAR);
-#pragma omp simd
-    for (size_t i = 0; i < c->count; i++) {
-      const int is = near[i] < 0;
-      const real one = gloss[i], two = other[i];
-      const dulling own = {1, is ? e.x : d.x, is ? e.y : d.y, is ? e.per_x : d.per_x,
-                           is ? e.per_y : d.per_y};
-      const pair k = dulled(own, is ? two : one);
-      m->kx[i] = k.x;
-      m->ky[i] = k.y;
-      m->peak[i] = peak_of_exponents(k.x, k.y);
-    }
-    return;
-  }
-  const real x0 = numbers_of(weft)->kx, y0 = numbers_of(weft)->ky, peak0 = numbers_of(weft)->peak;
-  const real x1 = numbers_of(warp)->kx, y1 = numbers_of(warp)->ky, peak1 = numbers_of(warp)->peak;
+  const dulling d = dulling_of(&f->side[0], FABRIC_NEAR), e = dulling_of(&f->side[1], FABRIC_NEAR);
+  real *restrict kx = m->kx, *restrict ky = m->ky, *restrict peak = m->peak;
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
-    m->kx[i] = near[i] < 0 ? x1 : x0;
-    m->ky[i] = near[i] < 0 ? y1 : y0;
-    m->peak[i] = near[i] < 0 ? peak1 : peak0;
+    const int is = near[i] < 0;
+    const real one = gloss[i], two = other[i];
+    const dulling own = {1, is ? e.x : d.x, is ? e.y : d.y, is ? e.per_x : d.per_x,
+                         is ? e.per_y : d.per_y};
+    const pair k = dulled(own, is ? two : one);
+    kx[i] = k.x;
+    ky[i] = k.y;
+    peak[i] = peak_of_exponents(k.x, k.y);
   }
 }
 
-/* spec and matt of entry_yarn, and the density of the lobe: what of them is not 0. */
-#define NEAR_PASS(NAME, word, value, label, help)                                                  \
-  static void pass_near_##word(size_t count, const real *restrict near,                            \
-                               const near_room *restrict m, real *restrict spec,                   \
-                               real *restrict matt, real *restrict density) {                      \
-    const real *nx = m->n[0], *ny = m->n[1], *nz = m->n[2];                                        \
-    const real *ix = m->wi[0], *iy = m->wi[1], *iz = m->wi[2];                                     \
-    const real *ox = m->wo[0], *oy = m->wo[1], *oz = m->wo[2];                                     \
-    const real *kx = m->kx, *ky = m->ky, *peak = m->peak;                                          \
-    _Pragma("omp simd") for (size_t i = 0; i < count; i++) {                                       \
-      const real x = nx[i], y = ny[i], z = nz[i];                                                  \
-      const triple wi = {ix[i], iy[i], iz[i]}, wo = {ox[i], oy[i], oz[i]};                         \
-      const real hx = wi.x + wo.x, hy = wi.y + wo.y, hz = wi.z + wo.z;                             \
-      const real hwo = half_cosine(hx, hy, hz), lowest = minimum(wi.z, wo.z);                      \
-      const real ci = dot(x, y, z, XYZ(wi)), co = dot(x, y, z, XYZ(wo));                           \
-      const real cosi = maximum(ci, 0), coso = maximum(co, 0);                                     \
-      const real d = ashikhmin_shirley_ratio(detail_rotate_ratio(x, y, z, hx, hy, hz), kx[i],      \
-                                             ky[i], peak[i]);                                      \
-      const angles a = {hwo, cosi, coso, 0, 0};                                                    \
-      const real lobe = brdf_ashikhmin_shirley(d, a);                                              \
-      const real length = fibre_length(x, z);                                                      \
-      const real ly = over_fibre(x, y, z, XYZ(wi)) / length;                                       \
-      const real vy = over_fibre(x, y, z, XYZ(wo)) / length;                                       \
-      const real phi = diffuse_##word(ly, cosi, vy, coso) * INVERSE_PI;                            \
-      const real enter = 1 - schlick_weight(minimum(cosi, 1));                                     \
-      const real leave = 1 - schlick_weight(minimum(coso, 1));                                     \
-      const real seen = minimum(minimum(ci, co), lowest);                                          \
-      const real_bits shown = mask_of(minimum(seen, absolute(near[i])));                           \
-      spec[i] = kept(shown, lobe * cosi, 0);                                                       \
-      matt[i] = kept(shown, phi * enter * leave, 0);                                               \
-      density[i] = kept(shown, lobe * maximum(cosi, coso), 0);                                     \
-    }                                                                                              \
+/* The lobe and its density; cosines, 0 where nothing is seen, and what lies across the fibres. */
+static void pass_near(size_t count, const real *restrict near, near_room *restrict m,
+                      real *restrict spec, real *restrict density) {
+  const real *nx = m->n[0], *ny = m->n[1], *nz = m->n[2];
+  const real *ix = m->wi[0], *iy = m->wi[1], *iz = m->wi[2];
+  const real *ox = m->wo[0], *oy = m->wo[1], *oz = m->wo[2];
+  const real *kx = m->kx, *ky = m->ky, *peak = m->peak;
+  real *restrict cosi = m->cosi, *restrict coso = m->coso, *restrict ly = m->ly,
+                 *restrict vy = m->vy;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const triple n = {nx[i], ny[i], nz[i]};
+    const triple wi = {ix[i], iy[i], iz[i]}, wo = {ox[i], oy[i], oz[i]};
+    const triple h = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+    const real ci = dot_of(n, wi), co = dot_of(n, wo), lowest = minimum(wi.z, wo.z);
+    const angles a = {half_cosine(XYZ(h)), maximum(ci, 0), maximum(co, 0), 0, 0};
+    const real lobe = usual_lobe(n, h, kx[i], ky[i], peak[i], a);
+    const real length = fibre_length(n.x, n.z), seen = minimum(minimum(ci, co), lowest);
+    const real_bits shown = mask_of(minimum(seen, absolute(near[i])));
+    spec[i] = kept(shown, lobe, 0);
+    density[i] = kept(shown, lobe * maximum(a.cosi, a.coso), 0);
+    cosi[i] = a.cosi;
+    coso[i] = kept(shown, a.coso, 0);
+    ly[i] = over_fibre(XYZ(n), XYZ(wi)) / length;
+    vy[i] = over_fibre(XYZ(n), XYZ(wo)) / length;
   }
-SHADE_TABLE_DIFFUSE(NEAR_PASS)
-#undef NEAR_PASS
-
-static void pass_near(shade_diffuse model, size_t count, const real *near, const near_room *m,
-                      real *spec, real *matt, real *density) {
-  switch (model) {
-#define NEAR_CASE(NAME, word, value, label, help)                                                  \
-  case SHADE_DIFFUSE_##NAME:                                                                       \
-    pass_near_##word(count, near, m, spec, matt, density);                                         \
-    return;
-    SHADE_TABLE_DIFFUSE(NEAR_CASE)
-#undef NEAR_CASE
-  case SHADE_DIFFUSE_COUNT:
-    break;
-  }
-  pass_near_lambert(count, near, m, spec, matt, density);
 }
 
 /* Add what they are to s and to the density. */
 static void cloth_near(const shade_fabric *f, const cloth *c, const real *restrict near,
                        const real *const wi[3], const real *const wo[3], const real *restrict white,
-                       real (*share)[BLOCK], real *const *rgb, real *restrict pdf) {
+                       const block_shares *share, real *const *rgb, real *restrict pdf) {
   near_room m;
   ROOM spec[BLOCK], matt[BLOCK], density[BLOCK];
-  if (c->flat)
-    pass_near_carry(c, 1, near, wi, wo, &m);
-  else
-    pass_near_carry(c, 0, near, wi, wo, &m);
+  pass_near_carry(c, near, wi, wo, &m);
   pass_near_lobes(f, c, near, &m);
-  pass_near(bsdf_of(&f->side[0].lobe[FABRIC_NEAR])->diffuse, c->count, near, &m, spec, matt,
-            density);
+  pass_near(c->count, near, &m, spec, density);
+  if (rgb) {
+    pass_diffuse(bsdf_of(&f->side[0].lobe[FABRIC_NEAR]), c->count, m.ly, m.cosi, m.vy, m.coso,
+                 matt);
+    pass_yarn(c->count, m.cosi, m.coso, spec, matt);
+  }
   for (int channel = 0; rgb && channel < 3; channel++) {
     const real *restrict weft = cloth_row(c, CLOTH_WEIGHT), *restrict warp = weft + c->stride;
     const real *restrict kd0 = cloth_row(c, CLOTH_KD + channel);
@@ -281,13 +181,12 @@ static void cloth_near(const shade_fabric *f, const cloth *c, const real *restri
     real *restrict to = rgb[channel];
 #pragma omp simd
     for (size_t i = 0; i < c->count; i++)
-      to[i] +=
-          (weft[i] * (f0 + (1 - f0) * white[i]) + warp[i] * (f1 + (1 - f1) * white[i])) * spec[i] +
-          (kd0[i] + kd1[i]) * matt[i];
+      to[i] += (weft[i] * whitened(f0, white[i]) + warp[i] * whitened(f1, white[i])) * spec[i] +
+               (kd0[i] + kd1[i]) * matt[i];
   }
   if (!pdf)
     return;
-  const real *restrict weft = share[0], *restrict warp = share[1];
+  const real *restrict weft = share->lobe[0], *restrict warp = share->lobe[1];
 #pragma omp simd
   for (size_t i = 0; i < c->count; i++) {
     const real one = weft[i], other = warp[i];
@@ -295,17 +194,106 @@ static void cloth_near(const shade_fabric *f, const cloth *c, const real *restri
   }
 }
 
+/* Add to s what lobes send of side k. */
+static void cloth_add(const shade_fabric *f, const cloth *c, int k, const gathered *g,
+                      const real *spec, const real *matt, const real *white, real *const rgb[3]) {
+  const real *weight = cloth_row(c, CLOTH_WEIGHT + k);
+  for (int channel = 0; channel < 3; channel++) {
+    const real *kd = cloth_row(c, CLOTH_KD + 3 * k + channel);
+    const real f0 = (real)f->side[k].f0[channel];
+    real *to = rgb[channel];
+    SCATTERED
+    for (size_t j = 0; j < g->count; j++) {
+      const size_t i = (size_t)g->lane[j];
+      to[i] += weight[i] * spec[j] * whitened(f0, white[i]) + kd[i] * matt[j];
+    }
+  }
+}
+
+/* Lanes of one kind, gathered, of side k. */
+static void cloth_gathered(const shade_fabric *f, const cloth *c, int kind, int k,
+                           const unsigned char *key, const real *const wi[3],
+                           const real *const wo[3], const real *white, const block_shares *share,
+                           real *const *rgb, real *pdf) {
+  gathered g;
+  real spec[BLOCK], matt[BLOCK];
+  if (!cloth_gather(f, c, key, kind, kind, k, wi, wo, &g))
+    return;
+  if (rgb) {
+    cloth_yarns(&f->side[k], kind, &g, spec, matt);
+    cloth_add(f, c, k, &g, spec, matt, white, rgb);
+  }
+  if (pdf) {
+    cloth_density(&f->side[k], kind, &g, spec);
+    for (size_t j = 0; j < g.count; j++)
+      pdf[g.lane[j]] += share->lobe[k][g.lane[j]] * spec[j];
+  }
+}
+
+/* What has no loops: the single lobe, and light from behind. */
+static void cloth_rare(const shade_fabric *f, const cloth *c, const lit_lanes *lit,
+                       const real *const w[3], const real *const o[3], const real *white,
+                       const block_shares *share, real *const *rgb, real *pdf) {
+  for (size_t i = 0; i < c->count; i++) {
+    const int single = lit->key[i] == CLOTH_SINGLE, behind = f->transmits && lit->side[i] < 0;
+    if (!single && !behind)
+      continue;
+    const triple wi = {w[0][i], w[1][i], w[2][i]}, wo = {o[0][i], o[1][i], o[2][i]};
+    real sum[3] = {0, 0, 0};
+    if (rgb)
+      cloth_add_one(f, c, i, single, 1, white[i], wi, wo, sum);
+    for (int channel = 0; rgb && channel < 3; channel++)
+      rgb[channel][i] += sum[channel];
+    const real lobes[2] = {pdf ? share->lobe[0][i] : 0, pdf ? share->lobe[1][i] : 0};
+    if (pdf && single)
+      pdf[i] += lobes_density(f, c, i, lobes, wi, wo);
+  }
+}
+
+/* Schlick's white share at the cosine between wi and h. */
+static void cloth_white(size_t count, const real *const wi[3], const real *const wo[3],
+                        real *restrict white) {
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    white[i] = schlick_weight(half_cosine(ix[i] + ox[i], iy[i] + oy[i], iz[i] + oz[i]));
+}
+
+static void cloth_nap(const shade_fabric *f, const cloth *c, const lit_lanes *lit,
+                      real *const rgb[3]) {
+  const real *nap = cloth_row(c, CLOTH_NAP), *ci = lit->ci, *co = lit->co, *side = lit->side;
+  const real r = (real)f->nap_color[0], g = (real)f->nap_color[1], b = (real)f->nap_color[2];
+  real *red = rgb[0], *green = rgb[1], *blue = rgb[2];
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++) {
+    const napped lane = napped_of(nap[i], ci[i], co[i], side[i]);
+    red[i] = red[i] * lane.through + r * lane.back;
+    green[i] = green[i] * lane.through + g * lane.back;
+    blue[i] = blue[i] * lane.through + b * lane.back;
+  }
+}
+
+static void cloth_shadow(const shade_fabric *f, const cloth *c, const real *const wi[3],
+                         real *const rgb[3]) {
+  const shadowing s = shadowing_of(f, c);
+  const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
+  real factor[BLOCK];
+#pragma omp simd
+  for (size_t i = 0; i < c->count; i++)
+    factor[i] = shadowing_lane(s, i, ix[i], iy[i], iz[i]);
+  for (int channel = 0; channel < 3; channel++)
+    pass_multiply(c->count, factor, rgb[channel]);
+}
+
 /* s by the rule of `hard` for eyes wo, and the density of draws; NULL for what is not wanted. */
 static void cloth_hard(const shade_fabric *f, const cloth *c, const real *const wi[3],
                        const real *const wo[3], real *const *rgb, real *pdf) {
-  static const int front[] = {CLOTH_WEFT, CLOTH_WARP, CLOTH_FAR, CLOTH_SINGLE};
-  gathered g;
-  sorted_lanes sorted;
-  real ci[BLOCK], co[BLOCK], side[BLOCK], white[BLOCK], spec[BLOCK], matt[BLOCK];
-  real share[CLOTH_PARTS][BLOCK];
-  int lane[BLOCK];
-  cloth_sides(c, wi, wo, ci, co, side);
-  cloth_sort(c, side, &sorted);
+  lit_lanes lit;
+  block_shares share;
+  real white[BLOCK];
+  const real *ci = lit.ci, *side = lit.side, *nap = cloth_row(c, CLOTH_NAP);
+  int any_nap = 0;
+  cloth_light(c, wi, wo, &lit);
   if (rgb)
     cloth_white(c->count, wi, wo, white);
   for (int channel = 0; rgb && channel < 3; channel++) {
@@ -316,61 +304,32 @@ static void cloth_hard(const shade_fabric *f, const cloth *c, const real *const 
       to[i] = side[i] > 0 ? flat[i] * ci[i] * INVERSE_PI : 0;
   }
   if (pdf) {
-    cloth_shares(f, c, wo, share);
-    const real *diffuse = share[CLOTH_DIFFUSE], *behind = share[CLOTH_BEHIND];
+    cloth_shares(f, c, wo, &share);
+    const real *diffuse = share.diffuse, *behind = share.behind;
 #pragma omp simd
     for (size_t i = 0; i < c->count; i++) {
-      real part = side[i] > 0 ? diffuse[i] : side[i] < 0 ? behind[i] : 0;
-      pdf[i] = part * INVERSE_PI * (R(0.25) + R(0.5) * absolute(ci[i]));
+      const real part = side[i] > 0 ? diffuse[i] : side[i] < 0 ? behind[i] : 0;
+      pdf[i] = matt_density(part, ci[i]);
     }
   }
-  const int usual = sorted.any_near && near_is_usual(f);
-  if (usual)
-    cloth_near(f, c, sorted.near, wi, wo, white, share, rgb, pdf);
-  for (size_t j = sorted.any_near && !usual ? 0 : 2; j < sizeof front / sizeof front[0]; j++) {
-    const int kind = front[j];
-    const size_t count = cloth_pick(c->count, sorted.key, kind, lane);
-    for (int k = 0; count && k < 2; k++) {
-      const fabric_side *s = &f->side[k];
-      if (!cloth_gather(f, c, count, lane, kind, k, wi, wo, &g))
-        continue;
-      if (rgb) {
-        cloth_lobes(ASK_YARN, c, s, k, kind, &g, spec, matt);
-        if (kind == CLOTH_SINGLE)
-          cloth_facing(s, &g, spec, matt);
-        cloth_add(f, c, k, &g, spec, matt, white, rgb);
-      }
-      if (pdf) {
-        cloth_lobes(ASK_DENSITY, c, s, k, kind, &g, spec, NULL);
-        for (size_t i = 0; i < g.count; i++)
-          pdf[g.lane[i]] += share[k][g.lane[i]] * spec[i];
-      }
-    }
+  const int usual = near_is_usual(f), near = lit.present & (1u << CLOTH_WEFT | 1u << CLOTH_WARP);
+  if (near && usual)
+    cloth_near(f, c, lit.near, wi, wo, white, &share, rgb, pdf);
+  for (int k = 0; k < 2; k++) {
+    if (near && !usual)
+      cloth_gathered(f, c, k ? CLOTH_WARP : CLOTH_WEFT, k, lit.key, wi, wo, white, &share, rgb,
+                     pdf);
+    if (lit.present & 1u << CLOTH_FAR)
+      cloth_gathered(f, c, CLOTH_FAR, k, lit.key, wi, wo, white, &share, rgb, pdf);
   }
-  for (size_t j = 0; f->transmits && rgb && j < sizeof front / sizeof front[0]; j++) {
-    const int kind = front[j];
-    const size_t count = cloth_pick(c->count, sorted.key, kind + CLOTH_KINDS, lane);
-    for (int k = 0; count && k < 2; k++) {
-      const fabric_side *s = &f->side[k];
-      if (!cloth_gather(f, c, count, lane, kind, k, wi, wo, &g))
-        continue;
-      if (kind > CLOTH_WARP) {
-        cloth_mixture(ASK_THROUGH, NULL, &s->nodes, &g, spec, NULL);
-      } else {
-        cloth_tilts(c, kind, &s->one, &g);
-        cloth_through(&g, spec);
-      }
-      for (int channel = 0; channel < 3; channel++) {
-        const real *kt = cloth_row(c, CLOTH_KT + 3 * k + channel);
-        for (size_t i = 0; i < g.count; i++)
-          rgb[channel][g.lane[i]] += kt[g.lane[i]] * spec[i];
-      }
-    }
-  }
+  if (f->transmits || lit.present & 1u << CLOTH_SINGLE)
+    cloth_rare(f, c, &lit, wi, wo, white, &share, rgb, pdf);
   if (rgb && f->shadows)
-    cloth_shadow(f, c, ci, wi, rgb);
-  if (rgb && any_nap(c))
-    cloth_nap(f, c, ci, co, side, rgb);
+    cloth_shadow(f, c, wi, rgb);
+  for (size_t i = 0; i < c->count; i++)
+    any_nap |= nap[i] > 0;
+  if (rgb && any_nap)
+    cloth_nap(f, c, &lit, rgb);
 }
 
 static void cloth_eye(const cloth *c, const real *wo[3]) {
@@ -404,11 +363,6 @@ static unsigned mend_light(size_t count, const real *const wi[3], mended_light *
   return status;
 }
 
-/* Whether wi is opposite to wo, where there is no half vector; only light from behind is. */
-LEAF int is_opposite(real ix, real iy, real iz, real ox, real oy, real oz) {
-  return !(2 + 2 * (ix * ox + iy * oy + iz * oz) > R(1e-30));
-}
-
 static unsigned cloth_opposite(const cloth *c, const real *const wi[3]) {
   const real *ox = cloth_row(c, CLOTH_WO), *oy = ox + c->stride, *oz = oy + c->stride;
   const real *ix = wi[0], *iy = wi[1], *iz = wi[2];
@@ -419,107 +373,46 @@ static unsigned cloth_opposite(const cloth *c, const real *const wi[3]) {
   return any ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
-/* Facets with normal n and upright mirrors: the paths of light and eye, as horizon_block.h. */
-static void cloth_facets(const shade_fabric *f, const cloth *c, const real *const wi[3],
-                         real *const rgb[3]) {
-  const real *n[3], *wo[3];
-  real x[BLOCK], y[BLOCK], more[3][BLOCK], see[2][2][BLOCK], weight[BLOCK], scale[BLOCK];
-  real *const to[3] = {more[0], more[1], more[2]};
-  const size_t size = c->count;
-  for (int a = 0; a < 3; a++) {
-    n[a] = cloth_row(c, CLOTH_N + a);
-    wo[a] = cloth_row(c, CLOTH_WO + a);
+/* Facets and upright mirrors, lane by lane: no example has them. */
+static unsigned cloth_facets(const shade_fabric *f, const cloth *c, const real *const wi[3],
+                             real *const *rgb, real *pdf) {
+  unsigned status = SHADE_OK;
+  for (size_t i = 0; i < c->count; i++) {
+    const cloth one = cloth_lane(c, i);
+    const real w[3] = {wi[0][i], wi[1][i], wi[2][i]};
+    real s[3];
+    status |= entry_cloth_hit(f, &one, w, rgb ? s : NULL, pdf ? pdf + i : NULL);
+    for (int channel = 0; rgb && channel < 3; channel++)
+      rgb[channel][i] = s[channel];
   }
-  const real *const *w[2] = {wi, wo};
-  for (int k = 0; k < 2; k++) {
-    pass_share_bumped(size, vec_of(n), vec_of(w[k]), see[k][0]);
-    pass_share_upright(size, vec_of(n), vec_of(w[k]), see[k][1]);
-  }
-  /* s has n.wi in it, where the facets have wi.z n.z / (p + q): their quotient */
-  for (size_t i = 0; i < size; i++) {
-    real side = n[0][i] * wi[0][i] + n[1][i] * wi[1][i];
-    real p = maximum(side + n[2][i] * wi[2][i], 0), q = maximum(-side, 0);
-    scale[i] = wi[2][i] > 0 ? n[2][i] * wi[2][i] / maximum(p + q, TINY) : 1;
-  }
-  cloth_hard(f, c, wi, wo, rgb, NULL);
-  pass_mirror(size, vec_of(n), vec_of(wo), x, y);
-  const real *const eye[3] = {x, y, wo[2]};
-  cloth_hard(f, c, wi, eye, to, NULL);
-  for (int channel = 0; channel < 3; channel++)
-    for (size_t i = 0; i < size; i++)
-      rgb[channel][i] =
-          scale[i] * (see[1][0][i] * rgb[channel][i] + see[1][1][i] * more[channel][i]);
-  pass_mirror(size, vec_of(n), vec_of(wi), x, y);
-  const real *const light[3] = {x, y, wi[2]};
-  cloth_hard(f, c, light, wo, to, NULL);
-  for (size_t i = 0; i < size; i++) {
-    real side = n[0][i] * wi[0][i] + n[1][i] * wi[1][i];
-    real q = maximum(-side, 0), p = q + n[2][i] * wi[2][i]; /* p of the mirrored light */
-    weight[i] = wi[2][i] > 0 ? scale[i] * see[1][0][i] * q / maximum(p, TINY) : 0;
-  }
-  for (int channel = 0; channel < 3; channel++)
-    for (size_t i = 0; i < size; i++)
-      rgb[channel][i] += weight[i] * more[channel][i];
-}
-
-/* Their density; draws go the paths of sample_batch.h. */
-static void cloth_facets_density(const shade_fabric *f, const cloth *c, const real *const wi[3],
-                                 real *pdf) {
-  const real *n[3], *wo[3];
-  real x[BLOCK], y[BLOCK], one[BLOCK], plain[BLOCK], light[BLOCK], eye[BLOCK];
-  const size_t size = c->count;
-  cloth_eye(c, wo);
-  for (int a = 0; a < 3; a++)
-    n[a] = cloth_row(c, CLOTH_N + a);
-  pass_paths(size, vec_of(n), vec_of(wi), vec_of(wo), plain, light, eye);
-  for (size_t i = 0; i < size; i++)
-    if (!(wi[2][i] > 0)) { /* what comes from behind meets no mirror */
-      plain[i] = 1 - eye[i];
-      light[i] = 0;
-    }
-  cloth_hard(f, c, wi, wo, NULL, pdf);
-  pass_multiply(size, plain, pdf);
-  pass_mirror(size, vec_of(n), vec_of(wi), x, y);
-  const real *const from[3] = {x, y, wi[2]};
-  cloth_hard(f, c, from, wo, NULL, one);
-  pass_add_product(size, light, one, pdf);
-  pass_mirror(size, vec_of(n), vec_of(wo), x, y);
-  const real *const seen[3] = {x, y, wo[2]};
-  cloth_hard(f, c, wi, seen, NULL, one);
-  pass_add_product(size, eye, one, pdf);
+  return status;
 }
 
 /*
  * s of every lane, which does not overlap wi, and the density; NULL for what is not wanted. Returns
  * status bits.
  */
-static unsigned cloth_block(const shade_fabric *f, const cloth *c, const real *const wi_in[3],
+static unsigned entry_cloth(const shade_fabric *f, const cloth *c, const real *const wi_in[3],
                             real *const *rgb, real *pdf) {
   mended_light m;
-  const real *wo[3];
+  const real *wo[3], *nx = cloth_row(c, CLOTH_GIVEN), *ny = nx + c->stride, *nz = ny + c->stride;
   real factor[BLOCK];
+  const shade_horizon_traits is = shade_horizon_is(f->horizon);
+  if (is.facets)
+    return cloth_facets(f, c, wi_in, rgb, pdf);
   unsigned status = mend_light(c->count, wi_in, &m);
   const real *const wi[3] = {m.wi[0], m.wi[1], m.wi[2]};
   cloth_eye(c, wo);
   if (!f->transmits)
     status |= cloth_opposite(c, wi);
-  if (f->horizon == SHADE_HORIZON_SCHUESSLER) {
-    if (rgb)
-      cloth_facets(f, c, wi, rgb);
-    if (pdf)
-      cloth_facets_density(f, c, wi, pdf);
-  } else {
-    cloth_hard(f, c, wi, wo, rgb, pdf);
-    if (rgb && !c->flat && f->horizon != SHADE_HORIZON_HARD &&
-        f->horizon != SHADE_HORIZON_VALID_REFLECTION) {
-      const real *nx = cloth_row(c, CLOTH_GIVEN), *ny = nx + c->stride, *nz = ny + c->stride;
-      (f->horizon == SHADE_HORIZON_CHIANG ? pass_shadow_chiang : pass_shadow_estevez)(
-          c->count, (vec){nx, ny, nz}, vec_of(wi), factor);
-      for (size_t i = 0; i < c->count; i++) /* light from behind meets no bumps */
-        factor[i] = wi[2][i] > 0 ? factor[i] : 1;
-      for (int channel = 0; channel < 3; channel++)
-        pass_multiply(c->count, factor, rgb[channel]);
-    }
+  cloth_hard(f, c, wi, wo, rgb, pdf);
+  if (rgb && is.fade != SHADE_FADE_NOT) {
+    (is.fade == SHADE_FADE_CHIANG ? pass_shadow_chiang : pass_shadow_estevez)(
+        c->count, (vec){nx, ny, nz}, vec_of(wi), factor);
+    for (size_t i = 0; i < c->count; i++) /* light from behind meets no bumps */
+      factor[i] = wi[2][i] > 0 ? factor[i] : 1;
+    for (int channel = 0; channel < 3; channel++)
+      pass_multiply(c->count, factor, rgb[channel]);
   }
   for (size_t i = 0; status & SHADE_BAD_INPUT && i < c->count; i++)
     if (m.wi[0] != wi_in[0] && m.void_lane[i]) {

@@ -13,13 +13,6 @@
 #include "column.h"
 #include "isa.h"
 
-/* Before a loop that stores to lanes out of order, which clang 14 refuses to vectorise. */
-#ifdef __clang__
-#define SCATTERED
-#else
-#define SCATTERED _Pragma("omp simd")
-#endif
-
 /* What look-ups find. */
 typedef struct cloth_seen {
   int top[BLOCK], swap[BLOCK], yarn[BLOCK];
@@ -55,8 +48,8 @@ static int cloth_number(size_t count, const real *restrict from, real own, real 
   return off;
 }
 
-/* Rows of near lanes from what look-ups found; whole: lane[j] is j. */
-LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing *p, int whole) {
+/* Rows of near lanes from what look-ups found. */
+static void cloth_near_rows(const shade_fabric *f, const cloth *c, const preparing *p) {
   const cloth_seen *s = &p->seen;
   const int *lane = p->near;
   real *mx = cloth_row(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
@@ -66,7 +59,7 @@ LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing
   const double bare = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->near_count; j++) {
-    const size_t i = whole ? j : (size_t)lane[j];
+    const size_t i = (size_t)lane[j];
     const double dx = s->dx[j], dy = s->dy[j], x = s->tx[j], y = s->ty[j];
     const int gap = s->top[j] == SHADE_TOP_GAP;
     const double seen = gap ? 0 : s->occlusion[j];
@@ -94,7 +87,7 @@ LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing
     const double backing = f->backing[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
-      const size_t i = whole ? j : (size_t)lane[j];
+      const size_t i = (size_t)lane[j];
       const int k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double light = s->occlusion[j], kd = (double)(k ? kd1[i] : kd0[i]) * own[j];
       const double bright = kd * s->brightness[j];
@@ -110,7 +103,7 @@ LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing
     const double kt0 = f->side[0].transmit[a], kt1 = f->side[1].transmit[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
-      const size_t i = whole ? j : (size_t)lane[j];
+      const size_t i = (size_t)lane[j];
       const int k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double colour = own[j] * s->brightness[j];
       const double kd = (double)(k ? kd1[i] : kd0[i]) * colour, kt = (k ? kt1 : kt0) * colour;
@@ -122,35 +115,28 @@ LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing
   }
 }
 
-static void cloth_near_rows(const shade_fabric *f, const cloth *c, const preparing *p) {
-  if (p->near_count == c->count)
-    cloth_near_fill(f, c, p, 1);
-  else
-    cloth_near_fill(f, c, p, 0);
-}
-
-/* Rows of far lanes j from columns[k * wide + j * step]; step 0: one for all. */
-LEAF void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparing *p,
-                         const real *columns, size_t wide, size_t step, int whole) {
+/* Rows of far lanes j from columns[k * wide + j]. */
+static void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparing *p,
+                           const real *columns, size_t wide) {
   const int *lane = p->far;
   for (int k = 0; k < 2; k++) {
     real *weight = cloth_row(c, CLOTH_WEIGHT + k);
     const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
-      weight[whole ? j : (size_t)lane[j]] = seen[j * step];
+      weight[lane[j]] = seen[j];
   }
   real *open = cloth_row(c, CLOTH_COVERAGE);
   const real *bare = columns + (size_t)COLUMN_OPEN * wide, unbacked = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->far_count; j++)
-    open[whole ? j : (size_t)lane[j]] = unbacked * bare[j * step];
+    open[lane[j]] = unbacked * bare[j];
   for (int a = 0; a < 3; a++) {
     const real *gap = columns + (size_t)COLUMN_GAP * wide, backing = (real)f->backing[a];
     real *flat = cloth_row(c, CLOTH_FLAT + a);
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
-      flat[whole ? j : (size_t)lane[j]] = gap[j * step] * backing;
+      flat[lane[j]] = gap[j] * backing;
     for (int k = 0; k < 2; k++) {
       const real *kd = p->kd[k][a];
       const int channel = f->alike ? 0 : COLUMN_CHANNEL * a;
@@ -162,165 +148,50 @@ LEAF void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparing 
       real *to = cloth_row(c, CLOTH_KD + 3 * k + a);
 #pragma omp simd
       for (size_t j = 0; j < p->far_count; j++) {
-        const size_t i = whole ? j : (size_t)lane[j];
-        to[i] = minimum(kd[i] * own[j * step], seen[j * step]) * leaves;
-        flat[i] += kd[i] * fuzz[j * step];
+        const size_t i = (size_t)lane[j];
+        to[i] = minimum(kd[i] * own[j], seen[j]) * leaves;
+        flat[i] += kd[i] * fuzz[j];
       }
       if (!f->transmits)
         continue;
       real *kt = cloth_row(c, CLOTH_KT + 3 * k + a);
       for (size_t j = 0; j < p->far_count; j++) {
-        const real bright = kd[lane[j]] * own[j * step], most = seen[j * step];
-        kt[lane[j]] = minimum(through[j * step], most - minimum(bright, most)) * leaves;
+        const real bright = kd[lane[j]] * own[j], most = seen[j];
+        kt[lane[j]] = minimum(through[j], most - minimum(bright, most)) * leaves;
       }
     }
   }
 }
 
-/* What of its footprint lane i stands for. Returns status bits. */
-static unsigned cloth_term(const fabric_lanes *in, size_t start, size_t i, shade_fabric_tier tier,
-                           preparing *p) {
-  unsigned status = SHADE_OK;
-  double uv[2] = {(double)in->u[start + i], (double)in->v[start + i]}, extent[2] = {0, 0};
-  for (int a = 0; a < 2; a++)
-    uv[a] = uv[a] - uv[a] == 0 ? uv[a] : 0;
-  if (in->du && in->dv) {
-    const real given[2] = {in->du[start + i], in->dv[start + i]};
-    for (int a = 0; a < 2; a++) {
-      extent[a] = given[a] > 0 ? given[a] < R(1e9) ? (double)given[a] : 1e9 : 0;
-      if (!(given[a] >= 0))
-        status |= SHADE_BAD_INPUT;
-    }
-  }
-  double r = in->random ? (double)in->random[start + i] : 0;
-  if (r != r)
-    status |= SHADE_BAD_INPUT;
-  r = r > 0 ? r < CLOTH_BELOW_ONE ? r : CLOTH_BELOW_ONE : 0;
-  const double longer = extent[0] > extent[1] ? extent[0] : extent[1];
-  const double share = tier == SHADE_TIER_AUTO ? fabric_far_share(longer) : tier != SHADE_TIER_NEAR;
-  p->u[i] = uv[0];
-  p->v[i] = uv[1];
-  p->du[i] = extent[0];
-  p->dv[i] = extent[1];
-  if (share >= 1 || r < share) {
-    p->far[p->far_count++] = (int)i;
-    return status;
-  }
-  cloth_place at = {uv[0], uv[1]};
-  if (longer > 0 && tier == SHADE_TIER_AUTO) {
-    const double left = (r > share ? r - share : 0) / (1 - share);
-    at = cloth_point(at, extent[0], extent[1], cloth_which(left));
-  }
-  /* near lanes' places stand at the front, in the order of the list */
-  p->seen.tx[p->near_count] = at.u;
-  p->seen.ty[p->near_count] = at.v;
-  p->near[p->near_count++] = (int)i;
-  return status;
-}
-
-/* Whether all footprints are beyond the near model, and no random number is wrong. */
-static int cloth_no_near(const fabric_lanes *in, size_t start, size_t size) {
-  int near = 0;
-  if (!in->du || !in->dv)
-    return 0;
-  const real *du = in->du + start, *dv = in->dv + start;
-  const real *r = in->random ? in->random + start : du;
-  const real from = (real)FABRIC_FAR_FROM;
-#pragma omp simd reduction(| : near)
-  for (size_t i = 0; i < size; i++)
-    near |= !((du[i] > from) | (dv[i] > from)) | !(r[i] == r[i]);
-  return !near;
-}
-
-/* What cloth_term does where all is far, whatever the random numbers. */
-static unsigned cloth_all_far(const fabric_lanes *in, size_t start, size_t size, preparing *p) {
+/*
+ * What of its footprint each lane stands for: `near` and `far` list the lanes of either model.
+ * Places of near lanes stand at the front, in the order of the list. Returns status bits.
+ */
+static unsigned cloth_split(const fabric_lanes *in, size_t start, size_t size,
+                            shade_fabric_tier tier, preparing *p) {
+  const int spans = in->du && in->dv, draws = in->random != NULL, both = tier == SHADE_TIER_AUTO;
+  const double tier_share = tier == SHADE_TIER_NEAR ? 0 : 1;
   const real *u = in->u + start, *v = in->v + start;
-  const int spans = in->du && in->dv;
   const real *du = spans ? in->du + start : u, *dv = spans ? in->dv + start : v;
-  double *restrict to_u = p->u, *restrict to_v = p->v;
-  double *restrict to_du = p->du, *restrict to_dv = p->dv;
-  int *restrict far = p->far, bad = 0;
-#pragma omp simd reduction(| : bad)
-  for (size_t i = 0; i < size; i++) {
-    const double wide = spans ? (double)du[i] : 0, high = spans ? (double)dv[i] : 0;
-    const double x = (double)u[i], y = (double)v[i];
-    to_u[i] = x - x == 0 ? x : 0;
-    to_v[i] = y - y == 0 ? y : 0;
-    to_du[i] = wide > 0 ? (wide < 1e9 ? wide : 1e9) : 0;
-    to_dv[i] = high > 0 ? (high < 1e9 ? high : 1e9) : 0;
-    far[i] = (int)i;
-    bad |= !((wide >= 0) & (high >= 0));
-  }
-  p->far_count = size;
-  return bad ? SHADE_BAD_INPUT : SHADE_OK;
-}
-
-/* Whether no footprint reaches beyond the near model. */
-static int cloth_no_far(const fabric_lanes *in, size_t start, size_t size) {
-  int far = 0;
-  if (!in->du || !in->dv)
-    return 1;
-  const real *du = in->du + start, *dv = in->dv + start;
-  const real to = (real)FABRIC_NEAR_TO;
-#pragma omp simd reduction(| : far)
-  for (size_t i = 0; i < size; i++)
-    far |= (du[i] > to) | (dv[i] > to);
-  return !far;
-}
-
-/* What cloth_term does where all is near. */
-static unsigned cloth_all_near(const fabric_lanes *in, size_t start, size_t size,
-                               shade_fabric_tier tier, preparing *p) {
-  const real *u = in->u + start, *v = in->v + start;
-  const int spans = in->du && in->dv, moves = tier == SHADE_TIER_AUTO;
-  const real *du = spans ? in->du + start : u, *dv = spans ? in->dv + start : v;
-  const real *random = in->random ? in->random + start : u;
-  const int some = in->random != NULL;
-  double *restrict to_u = p->seen.tx, *restrict to_v = p->seen.ty;
-  int *restrict near = p->near, bad = 0;
-#pragma omp simd reduction(| : bad)
-  for (size_t i = 0; i < size; i++) {
-    const double given_du = (double)du[i], given_dv = (double)dv[i];
-    const double x = (double)u[i], y = (double)v[i];
-    const double wide = spans ? given_du : 0, high = spans ? given_dv : 0;
-    const double given_random = (double)random[i], number = some ? given_random : 0;
-    double r = number > 0 ? number : 0;
-    r = r < CLOTH_BELOW_ONE ? r : CLOTH_BELOW_ONE;
-    const double w = wide > 0 ? wide : 0, h = high > 0 ? high : 0;
-    const cloth_place from = {x - x == 0 ? x : 0, y - y == 0 ? y : 0};
-    const cloth_place to = cloth_point(from, moves ? w : 0, moves ? h : 0, cloth_which(r));
-    to_u[i] = to.u;
-    to_v[i] = to.v;
-    near[i] = (int)i;
-    bad |= !((wide >= 0) & (high >= 0)) | !(number == number);
-  }
-  p->near_count = size;
-  return bad ? SHADE_BAD_INPUT : SHADE_OK;
-}
-
-/* What cloth_term does where some may be near, others far. */
-static unsigned cloth_mixed(const fabric_lanes *in, size_t start, size_t size, preparing *p) {
-  const real *u = in->u + start, *v = in->v + start, *du = in->du + start, *dv = in->dv + start;
-  const real *random = in->random ? in->random + start : u;
-  const int some = in->random != NULL;
+  const real *random = draws ? in->random + start : u;
   double *restrict to_u = p->u, *restrict to_v = p->v;
   double *restrict to_du = p->du, *restrict to_dv = p->dv;
   double near_u[BLOCK], near_v[BLOCK], shown[BLOCK];
   int bad = 0;
 #pragma omp simd reduction(| : bad)
   for (size_t i = 0; i < size; i++) {
-    const double wide = (double)du[i], high = (double)dv[i];
-    const double x = (double)u[i], y = (double)v[i];
-    const double given_random = (double)random[i], number = some ? given_random : 0;
-    double r = number > 0 ? number : 0;
+    const double given_du = (double)du[i], given_dv = (double)dv[i];
+    const double x = (double)u[i], y = (double)v[i], given_random = (double)random[i];
+    const double wide = spans ? given_du : 0, high = spans ? given_dv : 0;
+    const double number = draws ? given_random : 0;
+    double r = number > 0 ? number : 0, w = wide > 0 ? wide : 0, h = high > 0 ? high : 0;
     r = r < CLOTH_BELOW_ONE ? r : CLOTH_BELOW_ONE;
-    double w = wide > 0 ? wide : 0, h = high > 0 ? high : 0;
     w = w < 1e9 ? w : 1e9;
     h = h < 1e9 ? h : 1e9;
-    const double share = cloth_far_share(w > h ? w : h);
+    const double from_near = cloth_far_share(w > h ? w : h), share = both ? from_near : tier_share;
     const double left = (r > share ? r - share : 0) / (share < 1 ? 1 - share : 1);
     const cloth_place from = {x - x == 0 ? x : 0, y - y == 0 ? y : 0};
-    const cloth_place to = cloth_point(from, w, h, cloth_which(left));
+    const cloth_place to = cloth_point(from, both ? w : 0, both ? h : 0, cloth_which(left));
     to_u[i] = from.u;
     to_v[i] = from.v;
     to_du[i] = w;
@@ -341,7 +212,7 @@ static unsigned cloth_mixed(const fabric_lanes *in, size_t start, size_t size, p
   }
   p->far_count = far_count;
   p->near_count = near_count;
-  return bad ? SHADE_BAD_INPUT : SHADE_OK;
+  return bad && tier != SHADE_TIER_SINGLE ? SHADE_BAD_INPUT : SHADE_OK;
 }
 
 static void cloth_look(const shade_fabric *f, const cloth *c, preparing *p) {
@@ -425,60 +296,46 @@ static void cloth_far_rows(const shade_fabric *f, const cloth *c, shade_fabric_t
   const int kind = tier == SHADE_TIER_SINGLE ? CLOTH_SINGLE : CLOTH_FAR;
   for (size_t j = 0; j < p->far_count; j++)
     c->kind[p->far[j]] = (unsigned char)kind;
-  int mean = 1; /* all repeats, where the mean is all there is to know */
-  for (size_t j = 0; j < p->far_count && kind == CLOTH_FAR; j++)
-    mean &= column_is_mean(f, p->du[p->far[j]], p->dv[p->far[j]]);
   enum { WIDE = BLOCK + 8 }; /* or all rows would fall on the same lines of the cache */
   ROOM columns[COLUMNS_STEP * WIDE];
-  for (int k = 0; k < COLUMNS; k++)
-    columns[k * WIDE] = (real)f->mean[k];
-  if (!mean) {
-    column_axis x, y;
-    _Alignas(64) double row[STREAK_LANES][COLUMNS_STEP];
-    column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
-    column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
-    enum { GROUPS = BLOCK / STREAK_LANES };
-    const size_t groups = (p->far_count + STREAK_LANES - 1) / STREAK_LANES;
-    column_group group[GROUPS];
-    double seen[GROUPS][2][STREAK_LANES];
-    int any = 0;
-    for (size_t k = 0; k < groups; k++) {
-      const size_t begin = k * STREAK_LANES, left = p->far_count - begin;
-      const size_t size = left < STREAK_LANES ? left : STREAK_LANES;
-      column_group *g = &group[k];
-      g->begin = begin;
-      g->count = 0;
-      g->any = 0;
-      column_rows(f, &x, &y, begin, size, row);
-      for (size_t j = 0; j < size; j++) {
-        const int i = p->far[begin + j];
-        column_group_add(f, g, p->u[i], p->v[i], p->du[i], p->dv[i]);
-        if (column_is_mean(f, p->du[i], p->dv[i]))
-          memcpy(row[j], f->mean, sizeof f->mean);
-      }
-      cloth_turn_columns(f, size, (const double(*)[COLUMNS_STEP])row, WIDE, columns + begin);
-      for (size_t j = 0; j < size; j++) {
-        seen[k][0][j] = row[j][COLUMN_SEEN];
-        seen[k][1][j] = row[j][COLUMN_SEEN + 1];
-      }
-      any |= g->any;
+  column_axis x, y;
+  _Alignas(64) double row[STREAK_LANES][COLUMNS_STEP];
+  column_along(p->far_count, p->far, p->u, p->du, f->width, f->columns, &x);
+  column_along(p->far_count, p->far, p->v, p->dv, f->height, f->rows, &y);
+  enum { GROUPS = BLOCK / STREAK_LANES };
+  const size_t groups = (p->far_count + STREAK_LANES - 1) / STREAK_LANES;
+  column_group group[GROUPS];
+  double seen[GROUPS][2][STREAK_LANES];
+  int any = 0;
+  for (size_t k = 0; k < groups; k++) {
+    const size_t begin = k * STREAK_LANES, left = p->far_count - begin;
+    const size_t size = left < STREAK_LANES ? left : STREAK_LANES;
+    column_group *g = &group[k];
+    g->begin = begin;
+    g->count = 0;
+    g->any = 0;
+    column_rows(f, &x, &y, begin, size, row);
+    for (size_t j = 0; j < size; j++) {
+      const int i = p->far[begin + j];
+      const int single = kind == CLOTH_SINGLE; /* of all repeats, as where a footprint has many */
+      column_group_add(f, g, p->u[i], p->v[i], single ? 0 : p->du[i], single ? 0 : p->dv[i]);
+      if (single || column_is_mean(f, p->du[i], p->dv[i]))
+        memcpy(row[j], f->mean, sizeof f->mean);
     }
-    if (any)
-      shade_isa_entries[f->isa]->streaks(f, &x, &y, SHADE_FLOAT, neighbours, groups, group);
-    for (size_t k = 0; k < groups; k++)
-      if (group[k].any)
-        cloth_streaks(f, &group[k], (const double(*)[STREAK_LANES])seen[k], WIDE,
-                      columns + group[k].begin);
+    cloth_turn_columns(f, size, (const double(*)[COLUMNS_STEP])row, WIDE, columns + begin);
+    for (size_t j = 0; j < size; j++) {
+      seen[k][0][j] = row[j][COLUMN_SEEN];
+      seen[k][1][j] = row[j][COLUMN_SEEN + 1];
+    }
+    any |= g->any;
   }
-  const int whole = p->far_count == c->count;
-  if (mean && whole)
-    cloth_far_fill(f, c, p, columns, WIDE, 0, 1);
-  else if (mean)
-    cloth_far_fill(f, c, p, columns, WIDE, 0, 0);
-  else if (whole)
-    cloth_far_fill(f, c, p, columns, WIDE, 1, 1);
-  else
-    cloth_far_fill(f, c, p, columns, WIDE, 1, 0);
+  if (any)
+    shade_isa_entries[f->isa]->streaks(f, &x, &y, SHADE_FLOAT, neighbours, groups, group);
+  for (size_t k = 0; k < groups; k++)
+    if (group[k].any)
+      cloth_streaks(f, &group[k], (const double(*)[STREAK_LANES])seen[k], WIDE,
+                    columns + group[k].begin);
+  cloth_far_fill(f, c, p, columns, WIDE);
 }
 
 /* Lanes from `start` of in, one term each; in is whole but for what may be NULL. */
@@ -533,36 +390,11 @@ static unsigned entry_cloth_prepare(const shade_fabric *f, const fabric_lanes *i
   off |= cloth_number(size, in->nap ? in->nap + start : NULL, (real)f->nap, 10, nap);
   status |= off ? (unsigned)SHADE_CLAMPED_PARAMETER : 0u;
 
-  p.near_count = p.far_count = 0;
-  if (tier == SHADE_TIER_SINGLE)
-    for (size_t i = 0; i < size; i++)
-      p.far[p.far_count++] = (int)i;
-  else if (tier == SHADE_TIER_FAR && !in->random)
-    status |= cloth_all_far(in, start, size, &p);
-  else if (tier == SHADE_TIER_AUTO && cloth_no_near(in, start, size))
-    status |= cloth_all_far(in, start, size, &p);
-  else if (size >= CLOTH_FEW &&
-           (tier == SHADE_TIER_NEAR || (tier == SHADE_TIER_AUTO && cloth_no_far(in, start, size))))
-    status |= cloth_all_near(in, start, size, tier, &p);
-  else if (size >= CLOTH_FEW && tier == SHADE_TIER_AUTO) /* all have footprints, or were near */
-    status |= cloth_mixed(in, start, size, &p);
-  else
-    for (size_t i = 0; i < size; i++)
-      status |= cloth_term(in, start, i, tier, &p);
+  status |= cloth_split(in, start, size, tier, &p);
   if (p.near_count)
     cloth_look(f, c, &p);
   if (p.far_count)
     cloth_far_rows(f, c, tier, in->neighbours != 0, &p);
-
-  c->flat = 1;
-  if (!flat) {
-    const real *x = cloth_row(c, CLOTH_N), *y = x + c->stride;
-    const real *gx = cloth_row(c, CLOTH_GIVEN), *gy = gx + c->stride;
-    int tilted = 0;
-    for (size_t i = 0; i < size; i++)
-      tilted |= (x[i] != 0) | (y[i] != 0) | (gx[i] != 0) | (gy[i] != 0);
-    c->flat = !tilted;
-  }
 
   /* coverage: until here what is open */
   real *open = cloth_row(c, CLOTH_COVERAGE);

@@ -60,9 +60,7 @@ static void pass_yarn(size_t count, const real *restrict cosi, const real *restr
                       real *restrict d, real *restrict q) {
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    real enter = 1 - schlick_weight(minimum(cosi[i], 1));
-    real leave = 1 - schlick_weight(minimum(coso[i], 1));
-    real matt = q[i] * cosi[i] * enter * leave;
+    real matt = q[i] * cosi[i] * let_in_and_out(cosi[i], coso[i]);
     d[i] *= cosi[i];
     q[i] = coso[i] > 0 ? matt : 0;
   }

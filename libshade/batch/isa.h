@@ -47,7 +47,10 @@ struct clothf;
                               shade_fabric_tier, struct cloth##f *);                               \
     unsigned (*cloth)(const shade_fabric *, const struct cloth##f *, const type *const[3],         \
                       type *const *, type *);                                                      \
-    unsigned (*cloth_hit)(const shade_fabric *, const struct cloth##f *, const type[3], type[3]);  \
+    unsigned (*cloth_hit)(const shade_fabric *, const struct cloth##f *, const type[3], type *,    \
+                          type *);                                                                 \
+    unsigned (*cloth_draw_one)(const shade_fabric *, const struct cloth##f *, const type[3],       \
+                               type[3]);                                                           \
     unsigned (*cloth_draw)(const shade_fabric *, const struct cloth##f *, const type *const[3],    \
                            type *const[3]);                                                        \
     void (*table)(const struct fabric_table *, size_t, const type *const[3], const type *const[3], \

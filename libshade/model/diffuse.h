@@ -82,6 +82,12 @@ LEAF real across_fibre(real nx, real ny, real nz, real wx, real wy, real wz) {
   return over_fibre(nx, ny, nz, wx, wy, wz) / fibre_length(nx, nz);
 }
 
+/* What Schlick's white share leaves of the light that enters and leaves by cosines ci and co. */
+LEAF real let_in_and_out(real ci, real co) {
+  const real enter = 1 - schlick_weight(minimum(ci, 1)), leave = 1 - schlick_weight(minimum(co, 1));
+  return enter * leave;
+}
+
 /* Phi of a model; an unknown one is the first. */
 LEAF real diffuse_phi(shade_diffuse model, real ly, real lz, real vy, real vz) {
   switch (model) {

@@ -146,10 +146,8 @@ static void yarn_one(const bsdf *b, triple n, triple wi, triple wo, real *spec, 
   if (!(lit_cosine(cosi, h.coso, wi.z, wo.z) > 0))
     return;
   const real hwo = half_cosine(XYZ(sum));
-  const real enter = 1 - schlick_weight(minimum(cosi, 1));
-  const real leave = 1 - schlick_weight(minimum(h.coso, 1));
   *spec = specular_one(b, &h, wi, sum, hwo, cosi) * cosi;
-  *matt = phi_one(b, &h, wi, cosi) * R(0.31830988618379067154) * enter * leave;
+  *matt = phi_one(b, &h, wi, cosi) * R(0.31830988618379067154) * let_in_and_out(cosi, h.coso);
 }
 
 /* The light as it is, then light or eye by way of the upright facet. */

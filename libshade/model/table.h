@@ -83,21 +83,46 @@ LEAF triple inverses(real a, real b, real c) {
   return (triple){b * c * all, a * c * all, ab * all};
 }
 
-/* Those of three strips, times their D. */
+/* What lanes have in common: of three strips, and of all. */
 typedef struct table_strips {
-  real d[3], tilt[3], spread[3], one;
+  real d[3], tilt[3], spread[3];
 } table_strips;
 
-LEAF real table_three(table_turned v, table_strips s, real d0, real d1, real d2) {
+typedef struct table_lobes {
+  table_strips low, high;
+  real along, variance, one; /* one: 1, as compilers do not know it */
+} table_lobes;
+
+/* Of three strips, times their D. */
+LEAF real table_three(table_turned v, table_strips s, real d0, real d1, real d2, real bound) {
   const triple per =
       inverses(table_over(v, s.tilt[0]), table_over(v, s.tilt[1]), table_over(v, s.tilt[2]));
   const table_strip a = table_strip_of(v, s.tilt[0], s.spread[0], per.x);
   const table_strip b = table_strip_of(v, s.tilt[1], s.spread[1], per.y);
   const table_strip c = table_strip_of(v, s.tilt[2], s.spread[2], per.z);
   const triple one = inverses(a.half, b.half, c.half);
-  return s.d[0] * d0 * (table_width(a, s.one) * one.x) +
-         s.d[1] * d1 * (table_width(b, s.one) * one.y) +
-         s.d[2] * d2 * (table_width(c, s.one) * one.z);
+  return s.d[0] * d0 * (table_width(a, bound) * one.x) +
+         s.d[1] * d1 * (table_width(b, bound) * one.y) +
+         s.d[2] * d2 * (table_width(c, bound) * one.z);
 }
+
+/* spec from the fields at h; 0 beyond a horizon. */
+LEAF real table_spec(table_lobes t, const real *restrict f, triple wi, triple wo) {
+  const table_turned v =
+      table_turn(XYZ(wi), XYZ(wo), t.along * f[FABRIC_ALONG] - 1, t.variance * f[FABRIC_VARIANCE]);
+  const real sum = table_three(v, t.low, f[0], f[1], f[2], t.one) +
+                   table_three(v, t.high, f[3], f[4], f[5], t.one);
+  return minimum(wi.z, wo.z) > 0 ? sum * v.per_cosine : 0;
+}
+_Static_assert(FABRIC_STRIPS == 6, "as many as are written out above");
+
+/* matt from the factors of light and eye; lowest: the lower of their cosines. */
+LEAF real table_matt(const real unit[FABRIC_RANK], const real *restrict a, const real *restrict b,
+                     real lowest) {
+  const real sum = unit[0] * a[0] * b[0] + unit[1] * a[1] * b[1] +
+                   (unit[2] * a[2] * b[2] + unit[3] * a[3] * b[3]);
+  return lowest > 0 ? maximum(sum, 0) : 0;
+}
+_Static_assert(FABRIC_RANK == 4, "as many as are written out above");
 
 #endif

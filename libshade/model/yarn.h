@@ -4,6 +4,7 @@
 #define SHADE_MODEL_YARN_H
 
 #include "brdf.h"
+#include "detail.h"
 #include "diffuse.h"
 #include "fabric.h"
 #include "mdf.h"
@@ -52,12 +53,28 @@ LEAF triple carry_back(carrier f, real x, real y, real z) {
   return w;
 }
 
+/* Schlick's Fresnel by its white share. */
+LEAF real whitened(real f0, real white) {
+  return f0 + (1 - f0) * white;
+}
+
+/* Ashikhmin and Shirley's yarns, carried by `rotate`: those of nearly all cloths. */
+static int is_usual(const bsdf *b) {
+  return b->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY && b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY &&
+         b->carry.map == SHADE_MAP_ROTATE_RATIO_X && !b->fibres_along_y && !b->conserve;
+}
+
+/* f of such a lobe, without Fresnel; h: wi + wo. */
+LEAF real usual_lobe(triple n, triple h, real kx, real ky, real peak, angles a) {
+  const lobe_ratio at = detail_rotate_ratio(XYZ(n), XYZ(h));
+  return brdf_ashikhmin_shirley(ashikhmin_shirley_ratio(at, kx, ky, peak), a);
+}
+
 /* Diffuse light from behind about the yarn's normal, by the cosines of light and eye about it. */
 LEAF real let_through(real light, real co) {
   const real ci = -light;
-  real enter = 1 - schlick_weight(minimum(maximum(ci, 0), 1));
-  real leave = 1 - schlick_weight(minimum(maximum(co, 0), 1));
-  return minimum(ci, co) > 0 ? ci * INVERSE_PI * enter * leave : 0;
+  const real share = let_in_and_out(maximum(ci, 0), maximum(co, 0));
+  return minimum(ci, co) > 0 ? ci * INVERSE_PI * share : 0;
 }
 
 /*

@@ -8,7 +8,7 @@
  *   f    bsdf_batch.h: blocks; direction_block.h: directions mended; varied_block.h: parameters
  *        of each sample; horizon_block.h: the choice of horizon, around bsdf_block.h: `hard`
  *   draw sample_batch.h, draw_block.h, frame_block.h, density_block.h, over model/draw.h
- *   one sample: model/single.h, f and draws; of cloth: cloth_hit.h
+ *   one sample: model/single.h, f and draws; of cloth: batch/cloth_one.h
  *
  * A loop over a choice of table.h is written once, with the choice as a parameter, and made once
  * for each by SHADE_LOOP_OF (model/methods.h).
@@ -16,7 +16,6 @@
 #include "../batch/isa.h"
 
 #include "../batch/cloth_draw.h"
-#include "../batch/cloth_hit.h"
 #include "../batch/cloth_prepare.h"
 #include "../batch/entry.h"
 #include "../batch/weave_batch.h"
@@ -47,6 +46,7 @@ const SUFFIX(shade_entries) UNIT(SUFFIX(shade_entries), ISA) = {
     .cloth = entry_cloth,
     .cloth_hit = entry_cloth_hit,
     .cloth_draw = entry_cloth_draw,
+    .cloth_draw_one = entry_cloth_draw_one,
     .table = entry_table,
 #if !SHADE_FLOAT
     .streaks = entry_streaks,

@@ -48,7 +48,6 @@ static unsigned valid_tier(shade_fabric_tier *tier) {
 
 typedef struct MAY_ALIAS terms {
   size_t count;
-  int flat;
   real rows[CLOTH_ROWS * TERMS];
   unsigned char kind[TERMS];
 } terms;
@@ -56,8 +55,7 @@ _Static_assert(sizeof(terms) <= sizeof(fabric_hit), "a hit is too small");
 
 static cloth terms_of(const fabric_hit *hit) {
   terms *h = (terms *)(uintptr_t)hit->private_.bytes;
-  cloth c = {h->count, TERMS, h->flat, h->kind, h->rows};
-  return c;
+  return (cloth){h->count, TERMS, h->kind, h->rows};
 }
 
 /* The mean over the terms. */
@@ -80,13 +78,6 @@ typedef union any_lanes {
   } in;
 } any_lanes;
 
-static unsigned prepare_terms(const shade_fabric *f, const fabric_lanes *in, shade_fabric_tier tier,
-                              cloth *c, terms *room) {
-  const unsigned status = entries_of(f)->cloth_prepare(f, in, 0, tier, c);
-  room->flat = c->flat;
-  return status;
-}
-
 /*
  * Prepare a hit from the first lane of *in: the one term that the random number picks, or without
  * one all terms of its footprint, each picked by a number of its own.
@@ -95,7 +86,6 @@ static unsigned prepare(const shade_fabric *f, const fabric_lanes *in, shade_fab
                         fabric_hit *hit) {
   terms *room = (terms *)(void *)hit->private_.bytes;
   room->count = 1;
-  room->flat = 0;
   cloth c = terms_of(hit);
   real *part = cloth_row(&c, CLOTH_PART);
   const unsigned status = valid_tier(&tier);
@@ -106,7 +96,7 @@ static unsigned prepare(const shade_fabric *f, const fabric_lanes *in, shade_fab
   part[0] = 1;
   if ((in->random && !(in->random[0] < 0)) || tier != SHADE_TIER_AUTO || share >= 1 ||
       !(longer > 0))
-    return status | prepare_terms(f, in, tier, &c, room);
+    return status | entries_of(f)->cloth_prepare(f, in, 0, tier, &c);
   real all[ARRAYS][TERMS], random[TERMS];
   any_lanes one = {.lanes = *in};
   room->count = c.count = share > 0 ? TERMS : FABRIC_POINTS;
@@ -122,7 +112,7 @@ static unsigned prepare(const shade_fabric *f, const fabric_lanes *in, shade_fab
     random[i] = (real)(far ? 0.5 * share : share + (1 - share) * ((double)i + 0.5) / FABRIC_POINTS);
   }
   one.lanes.random = random;
-  return status | prepare_terms(f, &one.lanes, tier, &c, room);
+  return status | entries_of(f)->cloth_prepare(f, &one.lanes, 0, tier, &c);
 }
 
 void shade_fabric_point_init(const shade_fabric *f, fabric_point *point) {
@@ -171,38 +161,25 @@ unsigned shade_fabric_prepare(const shade_fabric *f, const fabric_point *given, 
   return status;
 }
 
-/* The same direction for all terms. */
-static void spread(const real w[3], size_t count, real room[3][TERMS], const real *to[3]) {
-  for (int a = 0; a < 3; a++) {
-    for (size_t i = 0; i < count; i++)
-      room[a][i] = w[a];
-    to[a] = room[a];
-  }
-}
-
 unsigned shade_fabric_hit_eval(const shade_fabric *f, const fabric_hit *hit, const real wi[3],
                                real s[3]) {
   const cloth c = terms_of(hit);
-  return entries_of(f)->cloth_hit(f, &c, wi, s);
+  return entries_of(f)->cloth_hit(f, &c, wi, s, NULL);
 }
 
 real shade_fabric_hit_pdf(const shade_fabric *f, const fabric_hit *hit, const real wi[3],
                           unsigned *status) {
   const cloth c = terms_of(hit);
-  const real *part = cloth_row(&c, CLOTH_PART), *w[3];
-  real room[3][TERMS], pdf[TERMS], sum = 0;
-  spread(wi, c.count, room, w);
-  const unsigned bits = entries_of(f)->cloth(f, &c, w, NULL, pdf);
-  for (size_t i = 0; i < c.count; i++)
-    sum += part[i] * pdf[i];
+  real pdf;
+  const unsigned bits = entries_of(f)->cloth_hit(f, &c, wi, NULL, &pdf);
   if (status)
     *status |= bits;
-  return sum;
+  return pdf;
 }
 
 unsigned shade_fabric_hit_sample(const shade_fabric *f, const fabric_hit *hit, const real u_in[3],
                                  real wi[3], real s[3], real *pdf) {
-  cloth c = terms_of(hit);
+  const cloth c = terms_of(hit);
   const real *part = cloth_row(&c, CLOTH_PART);
   real u[3] = {u_in[0], u_in[1], u_in[2]};
   size_t term = 0;
@@ -213,15 +190,11 @@ unsigned shade_fabric_hit_sample(const shade_fabric *f, const fabric_hit *hit, c
       u[2] -= part[term++];
     u[2] = minimum(u[2] / maximum(part[term], R(1e-20)), BELOW_ONE);
   }
-  const cloth one = {1, c.stride, c.flat, c.kind + term, c.rows + term};
-  const real *const numbers[3] = {u, u + 1, u + 2};
-  real *const to[3] = {wi, wi + 1, wi + 2};
-  unsigned status = entries_of(f)->cloth_draw(f, &one, numbers, to);
-  *pdf = s[0] = s[1] = s[2] = 0;
-  if (wi[0] != 0 || wi[1] != 0 || wi[2] != 0) {
-    *pdf = shade_fabric_hit_pdf(f, hit, wi, NULL);
-    shade_fabric_hit_eval(f, hit, wi, s);
-  }
+  const cloth one = cloth_lane(&c, term);
+  const unsigned status = entries_of(f)->cloth_draw_one(f, &one, u, wi);
+  *pdf = 0;
+  if (wi[0] != 0 || wi[1] != 0 || wi[2] != 0)
+    entries_of(f)->cloth_hit(f, &c, wi, s, pdf);
   if (*pdf > 0)
     return status;
   wi[0] = wi[1] = wi[2] = s[0] = s[1] = s[2] = 0;
@@ -266,15 +239,13 @@ unsigned shade_fabric_sample(const shade_fabric *f, const fabric_point *point, c
 
 /* A block of prepared lanes, of which a caller's storage holds many. */
 typedef struct prepared {
-  int flat;
   real rows[CLOTH_ROWS * LANES];
   unsigned char kind[LANES];
 } prepared;
 
 static cloth block_of(const prepared *block, size_t count) {
   prepared *b = (prepared *)(uintptr_t)block;
-  cloth c = {count, LANES, b->flat, b->kind, b->rows};
-  return c;
+  return (cloth){count, LANES, b->kind, b->rows};
 }
 
 /* Copies that hold NULL beyond the caller's size. */
@@ -416,7 +387,6 @@ static unsigned run_batch(const shade_fabric *f, size_t count, job job, const fa
   if (needs_terms(&in, tier))
     return status | run_terms(f, 0, count, job, &in, tier, &out);
   prepared block;
-  block.flat = 0;
   for (size_t start = 0; start < count; start += LANES) {
     const size_t size = count - start < LANES ? count - start : LANES;
     if (some_need_terms(&in, tier, start, start + size)) {
@@ -484,7 +454,6 @@ unsigned shade_fabric_prepare_batch(const shade_fabric *f, size_t count, const f
   for (size_t start = 0; start < count; start += LANES) {
     cloth c = block_of(blocks + start / LANES, count - start < LANES ? count - start : LANES);
     status |= entries_of(f)->cloth_prepare(f, &in, start, tier, &c);
-    blocks[start / LANES].flat = c.flat;
     copy_coverage(&c, start, &out);
   }
   return status;
