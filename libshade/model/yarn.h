@@ -96,11 +96,12 @@ LEAF dulling dulling_of(const fabric_side *s, fabric_lobe which) {
                    (real)(yarn->ax * yarn->ax), (real)(yarn->ay * yarn->ay)};
 }
 
-/* Exponents or alphas for a gloss of [0, 1]. */
+/* Exponents or alphas for a gloss of [0, 1], within the ranges of parameters. */
 LEAF pair dulled(dulling d, real gloss) {
   const real more = 1 / maximum(gloss, R(1e-6)) - 1;
   return d.exponents ? (pair){d.x / (1 + more * d.per_x), d.y / (1 + more * d.per_y)}
-                     : (pair){root(d.x + more * d.per_x), root(d.y + more * d.per_y)};
+                     : (pair){root(minimum(d.x + more * d.per_x, 100)),
+                              root(minimum(d.y + more * d.per_y, 100))};
 }
 
 typedef struct faced {
