@@ -19,6 +19,7 @@ typedef struct lit_lanes {
 
 static unsigned keys_present(size_t count, const unsigned char *key) {
   unsigned present = 0;
+#pragma omp simd reduction(| : present)
   for (size_t i = 0; i < count; i++)
     present |= 1u << key[i];
   return present;
@@ -36,6 +37,7 @@ static void cloth_light(const cloth *c, const real *const wi[3], const real *con
     co[i] = dot(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i]);
     side[i] = side_of(ci[i], co[i], iz[i], oz[i]);
   }
+  SCATTERED
   for (size_t i = 0; i < c->count; i++) {
     const unsigned char kind = c->kind[i];
     side[i] = kind == CLOTH_VOID ? 0 : side[i];
@@ -84,8 +86,8 @@ static int near_is_usual(const shade_fabric *f) {
   return is_usual(weft) && is_usual(warp) && weft->diffuse == warp->diffuse;
 }
 
-static void pass_near_carry(const cloth *c, const real *restrict near, const real *const wi[3],
-                            const real *const wo[3], near_room *restrict m) {
+LEAF void pass_near_carry(const cloth *c, int flat, const real *restrict near,
+                          const real *const wi[3], const real *const wo[3], near_room *restrict m) {
   const real *nx = cloth_row(c, CLOTH_N), *ny = nx + c->stride, *nz = ny + c->stride;
   const real *fx = cloth_row(c, CLOTH_FIBRE), *fy = fx + c->stride;
   const real *mx = cloth_row(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
@@ -98,7 +100,7 @@ static void pass_near_carry(const cloth *c, const real *restrict near, const rea
     const triple light = {ix[i], iy[i], iz[i]}, eye = {ox[i], oy[i], oz[i]};
     const real along = kept(some, fx[i], 1), across = kept(some, fy[i], 0);
     const real tx = warp ? across : along, ty = warp ? along : across;
-    const carrier a = carrier_of(XYZ(exchanged(own, warp)), tx, ty);
+    const carrier a = flat ? carrier_flat(tx, ty) : carrier_of(XYZ(exchanged(own, warp)), tx, ty);
     const triple l = carry(a, XYZ(exchanged(light, warp)));
     const triple e = carry(a, XYZ(exchanged(eye, warp)));
     m->n[0][i] = kept(some, mx[i], 0);
@@ -165,7 +167,10 @@ static void cloth_near(const shade_fabric *f, const cloth *c, const real *restri
                        const block_shares *share, real *const *rgb, real *restrict pdf) {
   near_room m;
   ROOM spec[BLOCK], matt[BLOCK], density[BLOCK];
-  pass_near_carry(c, near, wi, wo, &m);
+  if (lies_flat(c))
+    pass_near_carry(c, 1, near, wi, wo, &m);
+  else
+    pass_near_carry(c, 0, near, wi, wo, &m);
   pass_near_lobes(f, c, near, &m);
   pass_near(c->count, near, &m, spec, density);
   if (rgb) {
@@ -194,6 +199,17 @@ static void cloth_near(const shade_fabric *f, const cloth *c, const real *restri
   }
 }
 
+LEAF void cloth_add_lanes(const gathered *g, int whole, real f0, const real *restrict weight,
+                          const real *restrict kd, const real *restrict white,
+                          const real *restrict spec, const real *restrict matt, real *restrict to) {
+  const int *restrict lane = g->lane;
+  SCATTERED
+  for (size_t j = 0; j < g->count; j++) {
+    const size_t i = whole ? j : (size_t)lane[j];
+    to[i] += weight[i] * spec[j] * whitened(f0, white[i]) + kd[i] * matt[j];
+  }
+}
+
 /* Add to s what lobes send of side k. */
 static void cloth_add(const shade_fabric *f, const cloth *c, int k, const gathered *g,
                       const real *spec, const real *matt, const real *white, real *const rgb[3]) {
@@ -201,12 +217,10 @@ static void cloth_add(const shade_fabric *f, const cloth *c, int k, const gather
   for (int channel = 0; channel < 3; channel++) {
     const real *kd = cloth_row(c, CLOTH_KD + 3 * k + channel);
     const real f0 = (real)f->side[k].f0[channel];
-    real *to = rgb[channel];
-    SCATTERED
-    for (size_t j = 0; j < g->count; j++) {
-      const size_t i = (size_t)g->lane[j];
-      to[i] += weight[i] * spec[j] * whitened(f0, white[i]) + kd[i] * matt[j];
-    }
+    if (g->whole)
+      cloth_add_lanes(g, 1, f0, weight, kd, white, spec, matt, rgb[channel]);
+    else
+      cloth_add_lanes(g, 0, f0, weight, kd, white, spec, matt, rgb[channel]);
   }
 }
 

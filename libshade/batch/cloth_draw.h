@@ -146,6 +146,8 @@ static void cloth_draw_lobes(const shade_fabric *f, const cloth *c, const unsign
   const fabric_lobe which = drawn_lobe(s, kind);
   if (!cloth_gather(f, c, key, wanted, kind, k, NULL, wo, &g))
     return;
+  if (which == FABRIC_SINGLE)
+    cloth_set_normal(&g, node_normal(&s->one, 0));
   for (size_t j = 0; j < g.count && which == FABRIC_DRAW; j++) {
     const triple n = node_normal(&s->coarse, cloth_choose_node(&s->coarse, u3[g.lane[j]]));
     g.n[0][j] = n.x;

@@ -20,19 +20,21 @@
 /* Lanes of one kind: which, their normals, light and eye in the frame of their fibres, gloss. */
 typedef struct gathered {
   size_t count;
-  int dull; /* some gloss is less than 1 */
+  int whole; /* lane[j] is j */
+  int flat;  /* that, and every n is z */
+  int dull;  /* some gloss is less than 1 */
   int lane[BLOCK];
   real n[3][BLOCK], wi[3][BLOCK], wo[3][BLOCK], gloss[BLOCK];
 } gathered;
 
-LEAF void cloth_carry_lanes(carried from, const gathered *g, int near, const real *x, const real *y,
-                            const real *z, real (*to)[BLOCK]) {
+LEAF void cloth_carry_lanes(carried from, const gathered *g, int near, int whole, int flat,
+                            const real *x, const real *y, const real *z, real (*to)[BLOCK]) {
   real *ox = to[0], *oy = to[1], *oz = to[2];
   const int *lane = g->lane;
   SCATTERED
   for (size_t j = 0; j < g->count; j++) {
-    const size_t i = (size_t)lane[j];
-    const triple w = cloth_carry_lane(from, i, near, (triple){x[i], y[i], z[i]});
+    const size_t i = whole ? j : (size_t)lane[j];
+    const triple w = cloth_carry_lane(from, i, near, flat, (triple){x[i], y[i], z[i]});
     ox[j] = w.x;
     oy[j] = w.y;
     oz[j] = w.z;
@@ -43,9 +45,13 @@ static void cloth_carry(const shade_fabric *f, const cloth *c, int kind, int k,
                         const real *const w[3], const gathered *g, real (*to)[BLOCK]) {
   const carried from = cloth_carried(f, c, k);
   if (cloth_is_near(kind))
-    cloth_carry_lanes(from, g, 1, w[k], w[1 - k], w[2], to);
+    cloth_carry_lanes(from, g, 1, 0, 0, w[k], w[1 - k], w[2], to);
+  else if (g->flat)
+    cloth_carry_lanes(from, g, 0, 1, 1, w[k], w[1 - k], w[2], to);
+  else if (g->whole)
+    cloth_carry_lanes(from, g, 0, 1, 0, w[k], w[1 - k], w[2], to);
   else
-    cloth_carry_lanes(from, g, 0, w[k], w[1 - k], w[2], to);
+    cloth_carry_lanes(from, g, 0, 0, 0, w[k], w[1 - k], w[2], to);
 }
 
 /* From the frame of the fibres back to the surface's, scattered. */
@@ -80,41 +86,55 @@ static void cloth_set_normal(gathered *g, triple n) {
   }
 }
 
+/* Whether every n is z. */
+static int lies_flat(const cloth *c) {
+  const real *nz = cloth_row(c, CLOTH_N + 2);
+  int bent = 0;
+#pragma omp simd reduction(| : bent)
+  for (size_t i = 0; i < c->count; i++)
+    bent |= nz[i] < 1;
+  return !bent;
+}
+
 /*
- * Gather the lanes of a key, which are of this kind and show something of side k: normals, gloss,
- * eyes, and light if there is any. Returns how many.
+ * Gather the lanes of a key, which are of this kind and show something of side k: normals of near
+ * ones, gloss, eyes, and light if there is any. Returns how many.
  */
 static size_t cloth_gather(const shade_fabric *f, const cloth *c, const unsigned char *key,
                            int wanted, int kind, int k, const real *const wi[3],
                            const real *const wo[3], gathered *g) {
   const real *weight = cloth_row(c, CLOTH_WEIGHT + k), *gloss = cloth_row(c, CLOTH_GLOSS + k);
   size_t count = 0;
+  int others = 0, dull = 0;
+#pragma omp simd reduction(| : others)
   for (size_t i = 0; i < c->count; i++) {
+    g->lane[i] = (int)i;
+    others |= (key[i] != wanted) | !(weight[i] > 0);
+  }
+  for (size_t i = 0; others && i < c->count; i++) {
     g->lane[count] = (int)i;
     count += (key[i] == wanted) & (weight[i] > 0);
   }
-  g->count = count;
+  g->whole = !others;
+  g->flat = !others && lies_flat(c);
+  g->count = others ? count : c->count;
   g->dull = 0;
-  if (!count)
+  if (!g->count)
     return 0;
   if (cloth_is_near(kind))
     for (int a = 0; a < 3; a++)
-      for (size_t j = 0; j < count; j++)
+      for (size_t j = 0; j < g->count; j++)
         g->n[a][j] = cloth_row(c, CLOTH_TILT + a)[g->lane[j]];
-  else
-    cloth_set_normal(g, node_normal(&f->side[k].one, 0));
-  int dull = 0;
+  for (size_t j = 0; j < g->count; j++)
+    g->gloss[j] = gloss[g->lane[j]];
 #pragma omp simd reduction(| : dull)
-  for (size_t j = 0; j < count; j++) {
-    const real own = gloss[g->lane[j]];
-    g->gloss[j] = own;
-    dull |= own < 1;
-  }
+  for (size_t j = 0; j < g->count; j++)
+    dull |= g->gloss[j] < 1;
   g->dull = dull;
   if (wi)
     cloth_carry(f, c, kind, k, wi, g, g->wi);
   cloth_carry(f, c, kind, k, wo, g, g->wo);
-  return count;
+  return g->count;
 }
 
 /* Exponents or alphas of dull lanes. */
@@ -192,12 +212,15 @@ static void cloth_yarns(const fabric_side *s, int kind, gathered *g, real *spec,
   } else {
     const real *ix = wi[0], *iy = wi[1], *iz = wi[2], *ox = wo[0], *oy = wo[1], *oz = wo[2];
     real share[BLOCK];
+    int any = 0;
     entry_table(s->table, g->count, wi, wo, spec, matt);
-#pragma omp simd
-    for (size_t j = 0; j < g->count; j++)
+#pragma omp simd reduction(| : any)
+    for (size_t j = 0; j < g->count; j++) {
       share[j] =
           tabled_share(g->gloss[j], (triple){ix[j], iy[j], iz[j]}, (triple){ox[j], oy[j], oz[j]});
-    for (size_t j = 0; j < g->count; j++)
+      any |= share[j] < 1;
+    }
+    for (size_t j = 0; any && j < g->count; j++)
       if (share[j] < 1)
         spec[j] = shine_mended(s, g->gloss[j], share[j], (triple){ix[j], iy[j], iz[j]},
                                (triple){ox[j], oy[j], oz[j]}, spec[j]);
@@ -211,7 +234,7 @@ static void cloth_density(const fabric_side *s, int kind, gathered *g, real *den
     cloth_mixture(s, which, &s->coarse, g, density, NULL);
     return;
   }
-  if (which == FABRIC_SINGLE) /* a mixture may have left another */
+  if (which == FABRIC_SINGLE)
     cloth_set_normal(g, node_normal(&s->one, 0));
   cloth_ask(s, which, g, density, NULL);
 }

@@ -48,18 +48,19 @@ LEAF carried cloth_carried(const shade_fabric *f, const cloth *c, int k) {
                    .flip = k ? R(-1.0) : R(1.0)};
 }
 
-/* Of lane i; near: along its own fibres, else along their mean. */
-LEAF carrier cloth_carrier(carried v, size_t i, int near) {
-  return carrier_of(v.nx[i], v.ny[i], v.nz[i], near ? v.tx[i] : v.mx, near ? v.ty[i] : v.my);
+/* Of lane i; near: along its own fibres, else along their mean; flat: n is z. */
+LEAF carrier cloth_carrier(carried v, size_t i, int near, int flat) {
+  const real tx = near ? v.tx[i] : v.mx, ty = near ? v.ty[i] : v.my;
+  return flat ? carrier_flat(tx, ty) : carrier_of(v.nx[i], v.ny[i], v.nz[i], tx, ty);
 }
 
 /* w, exchanged for warp, to the frame of the fibres, and back from there. */
-LEAF triple cloth_carry_lane(carried v, size_t i, int near, triple w) {
-  const triple to = carry(cloth_carrier(v, i, near), XYZ(w));
+LEAF triple cloth_carry_lane(carried v, size_t i, int near, int flat, triple w) {
+  const triple to = carry(cloth_carrier(v, i, near, flat), XYZ(w));
   return (triple){to.x, v.flip * to.y, to.z};
 }
 LEAF triple cloth_carry_back_lane(carried v, size_t i, int near, triple w) {
-  return carry_back(cloth_carrier(v, i, near), w.x, v.flip * w.y, w.z);
+  return carry_back(cloth_carrier(v, i, near, 0), w.x, v.flip * w.y, w.z);
 }
 
 /* Light and eye in the frame of the fibres of side k, and there the normal of the lane's lobe. */
@@ -74,8 +75,8 @@ static yarn_view yarn_view_of(const shade_fabric *f, const cloth *c, size_t i, i
   const int near = cloth_is_near(c->kind[i]);
   return (yarn_view){near ? cloth_triple(c, CLOTH_TILT, i)
                           : (triple){one->SUFFIX(x)[0], one->SUFFIX(y)[0], one->SUFFIX(z)[0]},
-                     cloth_carry_lane(from, i, near, exchanged(wi, k)),
-                     cloth_carry_lane(from, i, near, exchanged(wo, k))};
+                     cloth_carry_lane(from, i, near, 0, exchanged(wi, k)),
+                     cloth_carry_lane(from, i, near, 0, exchanged(wo, k))};
 }
 
 LEAF triple node_normal(const fabric_nodes *nodes, int i) {
@@ -125,7 +126,7 @@ static __attribute__((noinline)) void mixture_one(const fabric_side *s, real glo
 }
 
 /* spec of that, of Ashikhmin and Shirley's yarns carried by `rotate`. */
-static real shine_usual(const fabric_nodes *nodes, lobe_numbers by, triple wi, triple wo) {
+LEAF real shine_usual(const fabric_nodes *nodes, lobe_numbers by, triple wi, triple wo) {
   const real *restrict nx = nodes->SUFFIX(x), *restrict ny = nodes->SUFFIX(y),
                        *restrict nz = nodes->SUFFIX(z);
   const real *restrict weight = nodes->SUFFIX(weight);
@@ -161,14 +162,15 @@ LEAF real tabled_share(real gloss, triple wi, triple wo) {
 }
 
 /* spec of the mixture of a side with tables, from that of the tables and their share. */
-static real shine_mended(const fabric_side *s, real gloss, real share, triple wi, triple wo,
-                         real spec) {
-  const yarn_view v = {{0, 0, 1}, wi, wo};
+LEAF real shine_mended(const fabric_side *s, real gloss, real share, triple wi, triple wo,
+                       real spec) {
   real one, unused;
-  if (is_usual(bsdf_of(&s->lobe[FABRIC_FAR])))
+  if (is_usual(bsdf_of(&s->lobe[FABRIC_FAR]))) {
     one = shine_usual(&s->nodes, numbers_one(s, FABRIC_FAR, gloss), wi, wo);
-  else
+  } else {
+    const yarn_view v = {{0, 0, 1}, wi, wo};
     mixture_one(s, gloss, &v, &one, &unused);
+  }
   return one + share * (share > 0 ? spec - one : 0);
 }
 

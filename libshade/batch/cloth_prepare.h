@@ -48,8 +48,8 @@ static int cloth_number(size_t count, const real *restrict from, real own, real 
   return off;
 }
 
-/* Rows of near lanes from what look-ups found. */
-static void cloth_near_rows(const shade_fabric *f, const cloth *c, const preparing *p) {
+/* Rows of near lanes from what look-ups found; whole: lane[j] is j. */
+LEAF void cloth_near_fill(const shade_fabric *f, const cloth *c, const preparing *p, int whole) {
   const cloth_seen *s = &p->seen;
   const int *lane = p->near;
   real *mx = cloth_row(c, CLOTH_TILT), *my = mx + c->stride, *mz = my + c->stride;
@@ -59,7 +59,7 @@ static void cloth_near_rows(const shade_fabric *f, const cloth *c, const prepari
   const double bare = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->near_count; j++) {
-    const size_t i = (size_t)lane[j];
+    const size_t i = whole ? j : (size_t)lane[j];
     const double dx = s->dx[j], dy = s->dy[j], x = s->tx[j], y = s->ty[j];
     const int gap = s->top[j] == SHADE_TOP_GAP;
     const double seen = gap ? 0 : s->occlusion[j];
@@ -87,7 +87,7 @@ static void cloth_near_rows(const shade_fabric *f, const cloth *c, const prepari
     const double backing = f->backing[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
-      const size_t i = (size_t)lane[j];
+      const size_t i = whole ? j : (size_t)lane[j];
       const int k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double light = s->occlusion[j], kd = (double)(k ? kd1[i] : kd0[i]) * own[j];
       const double bright = kd * s->brightness[j];
@@ -103,7 +103,7 @@ static void cloth_near_rows(const shade_fabric *f, const cloth *c, const prepari
     const double kt0 = f->side[0].transmit[a], kt1 = f->side[1].transmit[a];
     SCATTERED
     for (size_t j = 0; j < p->near_count; j++) {
-      const size_t i = (size_t)lane[j];
+      const size_t i = whole ? j : (size_t)lane[j];
       const int k = s->swap[j], gap = s->top[j] == SHADE_TOP_GAP;
       const double colour = own[j] * s->brightness[j];
       const double kd = (double)(k ? kd1[i] : kd0[i]) * colour, kt = (k ? kt1 : kt0) * colour;
@@ -115,28 +115,28 @@ static void cloth_near_rows(const shade_fabric *f, const cloth *c, const prepari
   }
 }
 
-/* Rows of far lanes j from columns[k * wide + j]. */
-static void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparing *p,
-                           const real *columns, size_t wide) {
+/* Rows of far lanes j from columns[k * wide + j]; whole: lane[j] is j. */
+LEAF void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparing *p,
+                         const real *columns, size_t wide, int whole) {
   const int *lane = p->far;
   for (int k = 0; k < 2; k++) {
     real *weight = cloth_row(c, CLOTH_WEIGHT + k);
     const real *seen = columns + (size_t)(COLUMN_SEEN + k) * wide;
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
-      weight[lane[j]] = seen[j];
+      weight[whole ? j : (size_t)lane[j]] = seen[j];
   }
   real *open = cloth_row(c, CLOTH_COVERAGE);
   const real *bare = columns + (size_t)COLUMN_OPEN * wide, unbacked = f->backed ? 0 : 1;
 #pragma omp simd
   for (size_t j = 0; j < p->far_count; j++)
-    open[lane[j]] = unbacked * bare[j];
+    open[whole ? j : (size_t)lane[j]] = unbacked * bare[j];
   for (int a = 0; a < 3; a++) {
     const real *gap = columns + (size_t)COLUMN_GAP * wide, backing = (real)f->backing[a];
     real *flat = cloth_row(c, CLOTH_FLAT + a);
 #pragma omp simd
     for (size_t j = 0; j < p->far_count; j++)
-      flat[lane[j]] = gap[j] * backing;
+      flat[whole ? j : (size_t)lane[j]] = gap[j] * backing;
     for (int k = 0; k < 2; k++) {
       const real *kd = p->kd[k][a];
       const int channel = f->alike ? 0 : COLUMN_CHANNEL * a;
@@ -148,7 +148,7 @@ static void cloth_far_fill(const shade_fabric *f, const cloth *c, const preparin
       real *to = cloth_row(c, CLOTH_KD + 3 * k + a);
 #pragma omp simd
       for (size_t j = 0; j < p->far_count; j++) {
-        const size_t i = (size_t)lane[j];
+        const size_t i = whole ? j : (size_t)lane[j];
         to[i] = minimum(kd[i] * own[j], seen[j]) * leaves;
         flat[i] += kd[i] * fuzz[j];
       }
@@ -176,7 +176,7 @@ static unsigned cloth_split(const fabric_lanes *in, size_t start, size_t size,
   const real *random = draws ? in->random + start : u;
   double *restrict to_u = p->u, *restrict to_v = p->v;
   double *restrict to_du = p->du, *restrict to_dv = p->dv;
-  double near_u[BLOCK], near_v[BLOCK], shown[BLOCK];
+  double left[BLOCK], shown[BLOCK];
   int bad = 0;
 #pragma omp simd reduction(| : bad)
   for (size_t i = 0; i < size; i++) {
@@ -189,26 +189,31 @@ static unsigned cloth_split(const fabric_lanes *in, size_t start, size_t size,
     w = w < 1e9 ? w : 1e9;
     h = h < 1e9 ? h : 1e9;
     const double from_near = cloth_far_share(w > h ? w : h), share = both ? from_near : tier_share;
-    const double left = (r > share ? r - share : 0) / (share < 1 ? 1 - share : 1);
-    const cloth_place from = {x - x == 0 ? x : 0, y - y == 0 ? y : 0};
-    const cloth_place to = cloth_point(from, both ? w : 0, both ? h : 0, cloth_which(left));
-    to_u[i] = from.u;
-    to_v[i] = from.v;
+    to_u[i] = x - x == 0 ? x : 0;
+    to_v[i] = y - y == 0 ? y : 0;
     to_du[i] = w;
     to_dv[i] = h;
-    near_u[i] = to.u;
-    near_v[i] = to.v;
     shown[i] = r - share;
+    left[i] = (r > share ? r - share : 0) / (share < 1 ? 1 - share : 1);
     bad |= !((wide >= 0) & (high >= 0)) | !(number == number);
   }
   size_t near_count = 0, far_count = 0;
   for (size_t i = 0; i < size; i++) { /* without branches, which would be mispredicted */
     const size_t far = shown[i] < 0;
     p->far[far_count] = p->near[near_count] = (int)i;
-    p->seen.tx[near_count] = near_u[i];
-    p->seen.ty[near_count] = near_v[i];
     far_count += far;
     near_count += 1 - far;
+  }
+  const int *restrict near = p->near;
+  double *restrict near_u = p->seen.tx, *restrict near_v = p->seen.ty;
+#pragma omp simd
+  for (size_t j = 0; j < near_count; j++) {
+    const size_t i = (size_t)near[j];
+    const cloth_place from = {to_u[i], to_v[i]};
+    const cloth_place to =
+        cloth_point(from, both ? to_du[i] : 0, both ? to_dv[i] : 0, cloth_which(left[i]));
+    near_u[j] = to.u;
+    near_v[j] = to.v;
   }
   p->far_count = far_count;
   p->near_count = near_count;
@@ -232,7 +237,10 @@ static void cloth_look(const shade_fabric *f, const cloth *c, preparing *p) {
                                .brightness = s->brightness,
                                .fuzz = s->fuzz};
   shade_isa_entries[f->isa]->weave_batch(f->weave, p->near_count, u, v, &out);
-  cloth_near_rows(f, c, p);
+  if (p->near_count == c->count)
+    cloth_near_fill(f, c, p, 1);
+  else
+    cloth_near_fill(f, c, p, 0);
 }
 
 /* The columns of a group, a row each, with the streaks of its yarns. */
@@ -335,7 +343,10 @@ static void cloth_far_rows(const shade_fabric *f, const cloth *c, shade_fabric_t
     if (group[k].any)
       cloth_streaks(f, &group[k], (const double(*)[STREAK_LANES])seen[k], WIDE,
                     columns + group[k].begin);
-  cloth_far_fill(f, c, p, columns, WIDE);
+  if (p->far_count == c->count)
+    cloth_far_fill(f, c, p, columns, WIDE, 1);
+  else
+    cloth_far_fill(f, c, p, columns, WIDE, 0);
 }
 
 /* Lanes from `start` of in, one term each; in is whole but for what may be NULL. */
